@@ -1,0 +1,23 @@
+# SPDX-License-Identifier: MIT
+# `find_package(turnscale)` for others: the rooms as turnscale::<room>, the headers, and what they need.
+include(CMakePackageConfigHelpers)
+
+get_property(rooms GLOBAL PROPERTY TURNSCALE_ROOMS)
+install(TARGETS ${rooms} EXPORT turnscaleTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+install(TARGETS turnscale RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+install(
+  DIRECTORY src/turnscale
+  DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
+  FILES_MATCHING
+  PATTERN "*.h")
+
+set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/turnscale)
+install(
+  EXPORT turnscaleTargets
+  NAMESPACE turnscale::
+  DESTINATION ${package_dir})
+configure_package_config_file(cmake/turnscaleConfig.cmake.in ${PROJECT_BINARY_DIR}/turnscaleConfig.cmake
+                              INSTALL_DESTINATION ${package_dir})
+write_basic_package_version_file(${PROJECT_BINARY_DIR}/turnscaleConfigVersion.cmake COMPATIBILITY SameMinorVersion)
+install(FILES ${PROJECT_BINARY_DIR}/turnscaleConfig.cmake ${PROJECT_BINARY_DIR}/turnscaleConfigVersion.cmake
+              cmake/FindOpenCVModules.cmake DESTINATION ${package_dir})

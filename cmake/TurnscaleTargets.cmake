@@ -1,0 +1,57 @@
+# SPDX-License-Identifier: MIT
+# How a room (one folder of src/turnscale) becomes a library and a test program.
+
+add_library(turnscale_build_flags INTERFACE)
+target_compile_features(turnscale_build_flags INTERFACE cxx_std_20)
+target_compile_options(
+  turnscale_build_flags
+  INTERFACE -Wall
+            -Wextra
+            -Wpedantic
+            -Wshadow
+            -Wconversion
+            -Wno-sign-conversion
+            -Wnon-virtual-dtor
+            # The same bits on every machine: no fused multiply-add that the source does not ask for.
+            -ffp-contract=off
+            $<$<BOOL:${TURNSCALE_WARNINGS_AS_ERRORS}>:-Werror>
+            $<$<BOOL:${TURNSCALE_NATIVE}>:-march=native>)
+if(TURNSCALE_SANITIZE)
+  target_compile_options(turnscale_build_flags INTERFACE -fsanitize=${TURNSCALE_SANITIZE} -fno-omit-frame-pointer
+                                                         -fno-sanitize-recover=all)
+  target_link_options(turnscale_build_flags INTERFACE -fsanitize=${TURNSCALE_SANITIZE})
+endif()
+
+# turnscale_room(<room> SOURCES ... [HEADERS_ONLY] [USES <public libraries>] [USES_PRIVATELY <libraries>])
+# Rooms name only rooms below them in USES; ARCHITECTURE.md shows the order.
+function(turnscale_room room)
+  cmake_parse_arguments(ROOM "" "" "SOURCES;USES;USES_PRIVATELY" ${ARGN})
+  set(target turnscale_${room})
+  add_library(${target} STATIC ${ROOM_SOURCES})
+  add_library(turnscale::${room} ALIAS ${target})
+  set_target_properties(${target} PROPERTIES EXPORT_NAME ${room} POSITION_INDEPENDENT_CODE ON)
+  target_include_directories(${target} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/src>
+                                              $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+  target_compile_features(${target} PUBLIC cxx_std_20)
+  target_link_libraries(${target} PUBLIC ${ROOM_USES} PRIVATE ${ROOM_USES_PRIVATELY}
+                                                              $<BUILD_INTERFACE:turnscale_build_flags>)
+  set_property(GLOBAL APPEND PROPERTY TURNSCALE_ROOMS ${target})
+endfunction()
+
+# turnscale_tests(<room> SOURCES <test files> [USES <extra libraries>] [LABELS <ctest labels>]): one GoogleTest program.
+function(turnscale_tests room)
+  if(NOT TURNSCALE_BUILD_TESTS)
+    return()
+  endif()
+  cmake_parse_arguments(TESTS "" "" "SOURCES;USES;LABELS" ${ARGN})
+  set(target ${room}_test)
+  add_executable(${target} ${TESTS_SOURCES})
+  if(TARGET turnscale_${room})
+    target_link_libraries(${target} PRIVATE turnscale::${room})
+  endif()
+  target_link_libraries(${target} PRIVATE ${TESTS_USES} GTest::gtest_main turnscale_build_flags)
+  if(NOT TESTS_LABELS)
+    set(TESTS_LABELS unit)
+  endif()
+  gtest_discover_tests(${target} DISCOVERY_TIMEOUT 60 PROPERTIES LABELS "${TESTS_LABELS}" TIMEOUT 300)
+endfunction()

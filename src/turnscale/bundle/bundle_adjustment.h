@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <string>
+
+#include "turnscale/bundle/bundle_problem.h"
+
+namespace turnscale {
+
+struct BundleOptions {
+  int max_iterations = 20;
+  /// Residuals (in sigmas) beyond this weigh linearly, not quadratically (Huber); 0 gives plain least squares.
+  double huber_threshold = 2.0;
+  /// Rotations stay as they are, only camera centres and points move: the absolute scale recovery's problem (26).
+  bool fix_rotations = false;
+  /// Stop when the cost falls by less than this share in an accepted step and the constraints are met.
+  double relative_cost_tolerance = 1e-6;
+  /// Stop when the KKT residual (see BundleSummary) is below this.
+  double kkt_tolerance = 1e-10;
+  /// First damping, relative to the diagonal of the normal equations, so that the result does not depend on the unit of
+  /// length.
+  double initial_damping = 1e-4;
+
+  /// Throws InputError that names the field when a value makes no sense.
+  void Check() const;
+};
+
+struct BundleSummary {
+  int iterations = 0;
+  bool converged = false;
+  double initial_cost = 0;  ///< half the sum of robustified squared residuals, in sigmas squared
+  double final_cost = 0;
+  /// Largest entry of the Lagrangian's gradient (29), each scaled to be free of units (see .cpp).
+  double kkt_residual = 0;
+  /// Largest |(distance between the centres) / distance - 1| over the constraints.
+  double constraint_residual = 0;
+  std::string message;
+};
+
+/// Levenberg-Marquardt on cameras and points with the points eliminated (Schur complement); where there are distance
+/// constraints, sequential quadratic programming on the same normal equations (blueprint 3.9). Cost per iteration is
+/// linear in points and observations. Deterministic. Throws InputError when indices or sizes in the problem contradict.
+BundleSummary AdjustBundle(const BundleOptions& options, BundleProblem& problem);
+
+}  // namespace turnscale

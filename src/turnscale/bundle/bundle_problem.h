@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "turnscale/geometry/pinhole.h"
+#include "turnscale/geometry/rigid_transform.h"
+
+namespace turnscale {
+
+/// Where a point was seen by a camera, in undistorted pixels.
+struct BundleObservation {
+  int camera = 0;
+  int point = 0;
+  Eigen::Vector2d pixel = Eigen::Vector2d::Zero();
+  double sigma = 1;  ///< standard deviation of each pixel coordinate, pixels
+};
+
+/// Equality constraint (28): the centres of two cameras are `distance` apart.
+struct DistanceConstraint {
+  int camera_a = 0;
+  int camera_b = 0;
+  double distance = 0;
+};
+
+/// What bundle adjustment works on: cameras that share one pinhole, points, and what was seen of which.
+struct BundleProblem {
+  Pinhole pinhole;
+  std::vector<RigidTransform> camera_from_world;
+  std::vector<char> camera_is_fixed;    ///< one flag a camera; at least one camera has to be fixed
+  std::vector<Eigen::Vector3d> points;  ///< in the world frame; all of them are free
+  std::vector<BundleObservation> observations;
+  std::vector<DistanceConstraint> distances;  ///< held exactly (24)-(30); empty for ordinary bundle adjustment
+};
+
+}  // namespace turnscale

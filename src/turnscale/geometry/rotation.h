@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+namespace turnscale {
+
+constexpr double kDegreesPerRadian = 57.295779513082320877;
+
+/// Matrix of the cross product: Skew(a) * b = a x b.
+Eigen::Matrix3d Skew(const Eigen::Vector3d& v);
+
+/// Rotation by |v| radians about v. Exact to rounding for any |v|, zero included.
+Eigen::Quaterniond RotationFromVector(const Eigen::Vector3d& v);
+
+/// Rotation vector (radians, norm in [0, pi]) of a unit quaternion; accurate near zero, where arccos of the trace is
+/// not (blueprint 3.4).
+Eigen::Vector3d VectorFromRotation(const Eigen::Quaterniond& rotation);
+
+/// Angle of a rotation in radians, in [0, pi].
+double RotationAngle(const Eigen::Quaterniond& rotation);
+
+/// Rotation about the y axis that is nearest to the given one (swing-twist), in radians, in (-pi, pi].
+/// In a frame with y down, positive turns right.
+double TwistAboutY(const Eigen::Quaterniond& rotation);
+
+/// Angles of the camera on the car, radians, in axes x right, y down, z forward:
+/// R = R_y(yaw) R_x(pitch) R_z(roll). Yaw > 0 looks right, pitch > 0 looks up, roll > 0 leans right.
+/// These are the z-y-x Euler angles of the automotive frame forward-right-down.
+struct YawPitchRoll {
+  double yaw = 0;
+  double pitch = 0;
+  double roll = 0;
+};
+
+Eigen::Quaterniond RotationFromYawPitchRoll(const YawPitchRoll& angles);
+
+/// Inverse of RotationFromYawPitchRoll; pitch in [-pi/2, pi/2].
+YawPitchRoll YawPitchRollFromRotation(const Eigen::Quaterniond& rotation);
+
+}  // namespace turnscale

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "turnscale/geometry/pinhole.h"
+#include "turnscale/geometry/rigid_transform.h"
+
+namespace turnscale {
+
+/// What a keyframe saw of a landmark.
+struct KeyframeObservation {
+  int landmark = 0;                                 ///< index into Map::landmarks
+  Eigen::Vector2d pixel = Eigen::Vector2d::Zero();  ///< undistorted, pixels
+};
+
+/// An image frame that the map keeps (II-C): its pose and the landmarks seen in it.
+struct Keyframe {
+  int frame = 0;    ///< number of the image in the drive
+  double time = 0;  ///< seconds
+  RigidTransform camera_from_world;
+  std::vector<KeyframeObservation> observations;
+  /// Tracking was lost before this keyframe: its motion from the previous keyframe is bridged, not measured.
+  bool after_gap = false;
+};
+
+/// One pixel of a landmark's history.
+struct LandmarkObservation {
+  int keyframe = 0;                                 ///< index into Map::keyframes
+  Eigen::Vector2d pixel = Eigen::Vector2d::Zero();  ///< undistorted, pixels
+};
+
+/// A point of the world with its pixel history over keyframes (II-C).
+struct Landmark {
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< in W
+  bool valid = false;  ///< triangulated and not culled; invalid landmarks keep their number but take no part
+  std::vector<LandmarkObservation> observations;
+};
+
+/// Keyframes and landmarks; indices are stable over the drive. An observation stands both in its keyframe and in its
+/// landmark (see AddObservation, RemoveObservation).
+struct Map {
+  Pinhole pinhole;
+  std::vector<Keyframe> keyframes;
+  std::vector<Landmark> landmarks;
+};
+
+}  // namespace turnscale

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <limits>
+#include <optional>
+#include <string>
+
+#include "turnscale/geometry/rigid_transform.h"
+
+namespace turnscale {
+
+/// What is known of the metre when a pose is given.
+enum class ScaleState {
+  kPending,   ///< no turn yet: the unit of length is arbitrary
+  kObserved,  ///< within a turn whose scale was used
+  kHeld,      ///< between turns: the scale is carried by the map
+};
+
+/// How a frame's pose came about.
+enum class TrackingState {
+  kInitializing,  ///< no map yet (standstill, pure rotation, too little parallax)
+  kTracked,       ///< measured against the map
+  kBridged,       ///< the image was of no use; the pose is the predicted one
+  kUnreadable,    ///< there was no image; the pose is the predicted one
+};
+
+/// What the odometry says of one frame.
+struct FrameResult {
+  int frame = 0;    ///< number of the image in the drive, from 0
+  double time = 0;  ///< seconds
+  TrackingState state = TrackingState::kInitializing;
+  /// Metres where the scale is known, else the arbitrary unit of the start. Empty while there is no map.
+  std::optional<RigidTransform> world_from_camera;
+  ScaleState scale_state = ScaleState::kPending;
+  double scale_sigma = std::numeric_limits<double>::infinity();  ///< relative standard deviation of the scale
+  int tracked = 0;                                               ///< features found again in this frame
+  int inliers = 0;                                               ///< landmarks that agree with the pose
+  bool keyframe = false;
+  double psi =
+      std::numeric_limits<double>::quiet_NaN();  ///< turning angle since the last keyframe, rad; keyframes only
+  double theta = std::numeric_limits<double>::quiet_NaN();  ///< direction of travel (19), rad; keyframes only
+  bool turning = false;                                     ///< the keyframe belongs to a turning region (Algorithm 1)
+};
+
+/// One turning region and what its pooled line says (blueprint 3).
+struct TurnResult {
+  int first_frame = 0;
+  int last_frame = 0;
+  int keyframes = 0;
+  double angle = 0;  ///< whole turn, rad, positive to the right
+  double speed = 0;  ///< mean, m/s; 0 while the scale is unknown
+  /// Metres per unit of the drive's first, arbitrary unit.
+  double metres_per_unit = 0;
+  double sigma = 0;  ///< standard deviation of metres_per_unit
+  /// Lever arm that the turn would have shown, had the scale of the refined trajectory been exact, metres.
+  double effective_lever_arm = 0;
+  bool used = false;
+  std::string reason;  ///< why the turn was not used; empty where it was
+};
+
+}  // namespace turnscale
