@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/camera/camera_file.h"
+
+#include <cmath>
+#include <fstream>
+#include <string>
+#include <string_view>
+
+#include <fmt/format.h>
+
+#include "turnscale/base/error.h"
+#include "turnscale/base/parse.h"
+#include "turnscale/camera/camera_yaml.h"
+
+namespace turnscale {
+namespace {
+
+// One line "P0:" and twelve numbers: the rectified camera matrix.
+CameraModel CameraFromProjection(const std::string& where, std::string_view line) {
+  const auto words = SplitWords(line);
+  if (words.size() != 13) {
+    throw InputError(fmt::format("{}: P0 has {} numbers; a 3x4 matrix has 12", where, words.size() - 1));
+  }
+  std::array<double, 12> p{};
+  for (size_t i = 0; i < p.size(); ++i) {
+    const auto value = ParseNumber<double>(words[i + 1]);
+    if (!value || !std::isfinite(*value)) {
+      throw InputError(fmt::format("{}: P0: '{}' at position {} is no finite number", where, words[i + 1], i + 1));
+    }
+    p[i] = *value;
+  }
+  if (!(p[0] > 0) || !(p[5] > 0)) {
+    throw InputError(fmt::format("{}: P0: focal length {} x {} is not above 0; correct the first and sixth number",
+                                 where, words[1], words[6]));
+  }
+  if (p[1] != 0 || p[4] != 0 || p[8] != 0 || p[9] != 0 || p[10] != 1) {
+    throw InputError(where + ": P0 is no [fx 0 cx; 0 fy cy; 0 0 1] camera matrix; skewed cameras are not supported");
+  }
+  CameraModel camera;
+  camera.pinhole = {p[0], p[5], p[2], p[6]};
+  return camera;
+}
+
+struct ProjectionLine {
+  int number = 0;
+  std::string text;
+};
+
+// The file's "P0:" line. Number 0 where the file is no KITTI calibration at all.
+ProjectionLine FindProjection(const std::filesystem::path& path) {
+  std::ifstream stream(path);
+  if (!stream) throw InputError(path.string() + ": cannot be read; check the name and the permissions");
+  bool has_other_cameras = false;
+  std::string line;
+  for (int number = 1; std::getline(stream, line); ++number) {
+    if (line.starts_with("P0:")) return {number, line};
+    has_other_cameras |= line.starts_with("P1:") || line.starts_with("P2:") || line.starts_with("P3:");
+  }
+  if (has_other_cameras) throw InputError(path.string() + ": P0 is missing; add the line 'P0:' with 12 numbers");
+  return {};
+}
+
+}  // namespace
+
+CameraModel ReadCameraFile(const std::filesystem::path& path) {
+  std::error_code error;
+  if (!std::filesystem::exists(path, error)) throw InputError(path.string() + ": no such camera file");
+  if (std::filesystem::is_directory(path, error)) throw InputError(path.string() + ": is a folder, not a camera file");
+  const ProjectionLine line = FindProjection(path);
+  if (line.number > 0) return CameraFromProjection(fmt::format("{}:{}", path.string(), line.number), line.text);
+  return CameraFromYaml(YamlMap(path));
+}
+
+}  // namespace turnscale

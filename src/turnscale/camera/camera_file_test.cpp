@@ -1,0 +1,202 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/camera/camera_file.h"
+
+#include <fstream>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "turnscale/base/error.h"
+
+namespace turnscale {
+namespace {
+
+std::string Write(const std::string& text) {
+  const std::string path = ::testing::TempDir() + "camera_file_test.file";
+  std::ofstream(path) << text;
+  return path;
+}
+
+CameraModel Read(const std::string& text) { return ReadCameraFile(Write(text)); }
+
+std::string Complaint(const std::string& text) {
+  try {
+    Read(text);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+std::string Replaced(std::string text, const std::string& from, const std::string& to) {
+  return text.replace(text.find(from), from.size(), to);
+}
+
+constexpr auto kKitti = "P0: 7.2e+02 0.0 6.1e+02 0.0 0.0 7.1e+02 1.7e+02 0.0 0.0 0.0 1.0 0.0\nP1: 1 2 3\n";
+
+const std::string kOrbSlam2 = R"(%YAML:1.0
+# a comment
+Camera.fx: 458.654
+Camera.fy: 457.296
+Camera.cx: 367.215
+Camera.cy: 248.375
+Camera.k1: -0.28
+Camera.k2: 0.07
+Camera.p1: 0.0002
+Camera.p2: 0.00002
+Camera.fps: 20.0
+Camera.RGB: 1
+ORBextractor.nFeatures: 1000
+Viewer.PointSize: 2
+)";
+
+const std::string kOrbSlam3 = R"(%YAML:1.0
+File.version: "1.0"
+Camera.type: "KannalaBrandt8"
+Camera1.fx: 190.9
+Camera1.fy: 190.8
+Camera1.cx: 254.9
+Camera1.cy: 256.8
+Camera1.k1: 0.0034
+Camera1.k2: 0.0007
+Camera1.k3: -0.002
+Camera1.k4: 0.0002
+Camera.width: 512
+Camera.height: 510
+IMU.T_b_c1: !!opencv-matrix
+   rows: 1
+   cols: 2
+   dt: f
+   data: [1.0, 0.0]
+)";
+
+const std::string kOpenCv = R"(%YAML:1.0
+---
+calibration_time: "Thu"
+image_width: 640
+image_height: 480
+camera_matrix: !!opencv-matrix
+   rows: 3
+   cols: 3
+   dt: d
+   data: [ 500., 0., 320., 0., 501., 240., 0., 0., 1. ]
+distortion_coefficients: !!opencv-matrix
+   rows: 5
+   cols: 1
+   dt: d
+   data: [ -0.3, 0.1, 0.001, 0.002, -0.01 ]
+)";
+
+const std::string kKalibr = R"(cam0:
+  camera_model: pinhole
+  intrinsics: [461.6, 460.3, 362.7, 248.1]
+  distortion_model: radtan
+  distortion_coeffs: [-0.27, 0.06, 0.001, 0.0002]
+  resolution: [752, 480]
+  rostopic: /cam0/image_raw
+cam1:
+  camera_model: omni
+)";
+
+TEST(CameraFile, ReadsKitti) {
+  const CameraModel camera = Read(kKitti);
+  EXPECT_EQ(camera.pinhole.fx, 720);
+  EXPECT_EQ(camera.pinhole.fy, 710);
+  EXPECT_EQ(camera.pinhole.cx, 610);
+  EXPECT_EQ(camera.pinhole.cy, 170);
+  EXPECT_EQ(camera.lens, LensModel::kPinhole);
+  EXPECT_EQ(camera.width, 0);
+}
+
+TEST(CameraFile, ReadsOrbSlam2) {
+  const CameraModel camera = Read(kOrbSlam2);
+  EXPECT_EQ(camera.pinhole.fy, 457.296);
+  EXPECT_EQ(camera.lens, LensModel::kRadialTangential);
+  EXPECT_EQ(camera.distortion, (std::array<double, 5>{-0.28, 0.07, 0.0002, 0.00002, 0}));
+  EXPECT_EQ(Read(Replaced(Replaced(kOrbSlam2, "k1: -0.28", "k1: 0"), "k2: 0.07\nCamera.p1: 0.0002\nCamera.p2: 0.00002",
+                          "k2: 0"))
+                .lens,
+            LensModel::kPinhole);
+}
+
+TEST(CameraFile, ReadsOrbSlam3Fisheye) {
+  const CameraModel camera = Read(kOrbSlam3);
+  EXPECT_EQ(camera.pinhole.cx, 254.9);
+  EXPECT_EQ(camera.lens, LensModel::kEquidistant);
+  EXPECT_EQ(camera.distortion, (std::array<double, 5>{0.0034, 0.0007, -0.002, 0.0002, 0}));
+  EXPECT_EQ(camera.width, 512);
+  EXPECT_EQ(camera.height, 510);
+}
+
+TEST(CameraFile, ReadsOpenCvAndRos) {
+  const CameraModel camera = Read(kOpenCv);
+  EXPECT_EQ(camera.pinhole.fy, 501);
+  EXPECT_EQ(camera.pinhole.cy, 240);
+  EXPECT_EQ(camera.distortion, (std::array<double, 5>{-0.3, 0.1, 0.001, 0.002, -0.01}));
+  EXPECT_EQ(camera.height, 480);
+  const CameraModel ros = Read(
+      "image_width: 640\nimage_height: 480\ncamera_name: front\ncamera_matrix:\n  rows: 3\n  cols: 3\n"
+      "  data: [500, 0, 320, 0, 500, 240, 0, 0, 1]\ndistortion_model: equidistant\ndistortion_coefficients:\n"
+      "  rows: 1\n  cols: 4\n  data: [0.1, 0.2, 0.3, 0.4]\n");
+  EXPECT_EQ(ros.lens, LensModel::kEquidistant);
+  EXPECT_EQ(ros.distortion[3], 0.4);
+}
+
+TEST(CameraFile, ReadsKalibr) {
+  const CameraModel camera = Read(kKalibr);
+  EXPECT_EQ(camera.pinhole.fy, 460.3);
+  EXPECT_EQ(camera.lens, LensModel::kRadialTangential);
+  EXPECT_EQ(camera.distortion[3], 0.0002);
+  EXPECT_EQ(camera.width, 752);
+  EXPECT_EQ(Read(Replaced(kKalibr, "radtan", "equidistant")).lens, LensModel::kEquidistant);
+  EXPECT_EQ(Read(Replaced(kKalibr, "radtan", "none")).lens, LensModel::kPinhole);
+}
+
+struct Mistake {
+  std::string text;
+  std::string complaint;
+};
+
+TEST(CameraFile, ComplaintsNameKeyValueAndRemedy) {
+  const std::string kitti = kKitti;
+  const Mistake mistakes[] = {
+      {Replaced(kitti, "P0: 7.2e+02", "P0: nan"), ":1: P0: 'nan' at position 1"},
+      {Replaced(kitti, "P0: 7.2e+02", "P0: -7.2e+02"), ":1: P0: focal length -7.2e+02 x 7.1e+02 is not above 0"},
+      {"P0: 1 2 3\n", "P0 has 3 numbers"},
+      {"P1: 1 2 3\n", "P0 is missing"},
+      {Replaced(kitti, "0.0 6.1", "0.5 6.1"), "skewed"},
+      {Replaced(kOrbSlam2, "458.654", ".nan"), ":3: Camera.fx: is '.nan'"},
+      {Replaced(kOrbSlam2, "458.654", "-458.654"), "Camera.fx: is -458.654; give a number above 0"},
+      {Replaced(kOrbSlam2, "Camera.fy: 457.296\n", ""), "Camera.fy: is missing"},
+      {Replaced(kOrbSlam2, "Camera.p1", "Camera.q1"), ":9: Camera.q1: unknown key; did you mean 'Camera."},
+      {Replaced(kOrbSlam2, "Camera.fps", "Camera.fsp"), "did you mean 'Camera.fps'?"},
+      {Replaced(kOrbSlam3, "KannalaBrandt8", "Scaramuzza"), "Camera.type: 'Scaramuzza' is not supported"},
+      {Replaced(kOrbSlam3, "Camera1.k4: 0.0002\n", ""), "Camera1.k4: is missing"},
+      {Replaced(kOrbSlam3, "width: 512", "width: 0"), "Camera.width: is 0"},
+      {Replaced(kOpenCv, "501.", ".nan"), "camera_matrix.data: holds '.nan' at position 5"},
+      {Replaced(kOpenCv, "501.", "-501."), "camera_matrix: focal length 500 x -501"},
+      {Replaced(kOpenCv, "image_width", "image_with"), "image_with: unknown key; did you mean 'image_width'?"},
+      {Replaced(kOpenCv, "-0.01 ]", "-0.01, 0.5, 0, 0 ]"), "holds 8 numbers"},
+      {Replaced(kKalibr, "pinhole", "ds"), ":2: cam0.camera_model: 'ds' is not supported"},
+      {Replaced(kKalibr, "radtan", "fov"), "'fov' is not supported"},
+      {Replaced(kKalibr, "461.6, ", ""), "cam0.intrinsics: holds 3 numbers"},
+      {Replaced(kKalibr, "  intrinsics", "  intrinsic"), "did you mean 'cam0.intrinsics'?"},
+      {Replaced(kKalibr, "[752, 480]", "[752]"), "cam0.resolution"},
+      {"camera_matrx: 3\n", "did you mean 'camera_matrix'?"},
+      {"just words\n", "holds no keys"},
+  };
+  for (const Mistake& mistake : mistakes) {
+    const std::string complaint = Complaint(mistake.text);
+    EXPECT_NE(complaint.find(mistake.complaint), std::string::npos) << complaint << "\nwanted: " << mistake.complaint;
+    EXPECT_NE(complaint.find("camera_file_test.file"), std::string::npos) << complaint;
+    EXPECT_EQ(complaint.find('\n'), std::string::npos) << complaint;
+  }
+}
+
+TEST(CameraFile, MissingFileAndFolder) {
+  EXPECT_THROW(ReadCameraFile("/nonexistent/calib.txt"), InputError);
+  EXPECT_THROW(ReadCameraFile(::testing::TempDir()), InputError);
+}
+
+}  // namespace
+}  // namespace turnscale

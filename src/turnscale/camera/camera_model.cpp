@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/camera/camera_model.h"
+
+#include <cmath>
+#include <numbers>
+
+#include "turnscale/camera/lens.h"
+
+namespace turnscale {
+namespace {
+
+Eigen::Vector2d PixelOf(const Pinhole& pinhole, const Eigen::Vector2d& point) {
+  return {pinhole.fx * point.x() + pinhole.cx, pinhole.fy * point.y() + pinhole.cy};
+}
+
+// The point that the fisheye shows of the direction (x, y, z), as seen on the plane z = 1.
+std::optional<Eigen::Vector2d> Fisheye(const std::array<double, 5>& k, const Eigen::Vector3d& x_in_camera) {
+  const double across = x_in_camera.head<2>().norm();
+  const double theta = std::atan2(across, x_in_camera.z());
+  if (across == 0) return theta == 0 ? std::optional<Eigen::Vector2d>(Eigen::Vector2d::Zero()) : std::nullopt;
+  if (!AngleRisesUpTo(k, theta)) return std::nullopt;
+  return x_in_camera.head<2>() * (DistortAngle(k, theta) / across);
+}
+
+std::optional<Eigen::Vector2d> UndistortFisheye(const std::array<double, 5>& k, const Eigen::Vector2d& distorted) {
+  const double angle = distorted.norm();
+  if (angle == 0) return distorted;
+  const std::optional<double> theta = UndistortAngle(k, angle);
+  if (!theta || *theta >= std::numbers::pi / 2) return std::nullopt;
+  return distorted * (std::tan(*theta) / angle);
+}
+
+}  // namespace
+
+std::optional<Eigen::Vector2d> CameraModel::Project(const Eigen::Vector3d& x_in_camera) const {
+  if (lens == LensModel::kEquidistant) {
+    const std::optional<Eigen::Vector2d> shown = Fisheye(distortion, x_in_camera);
+    return shown ? std::optional(PixelOf(pinhole, *shown)) : std::nullopt;
+  }
+  if (!(x_in_camera.z() > 0)) return std::nullopt;
+  if (lens == LensModel::kPinhole) return pinhole.Project(x_in_camera);
+  const Eigen::Vector2d point = x_in_camera.head<2>() / x_in_camera.z();
+  if (!RadialRisesUpTo(distortion, point.norm())) return std::nullopt;
+  return PixelOf(pinhole, DistortRadialTangential(distortion, point).point);
+}
+
+std::optional<Eigen::Vector2d> CameraModel::Undistort(const Eigen::Vector2d& pixel) const {
+  if (!pixel.allFinite()) return std::nullopt;
+  if (lens == LensModel::kPinhole) return pixel;
+  const Eigen::Vector2d shown = pinhole.Ray(pixel).head<2>();
+  const std::optional<Eigen::Vector2d> point = lens == LensModel::kEquidistant
+                                                   ? UndistortFisheye(distortion, shown)
+                                                   : UndistortRadialTangential(distortion, shown);
+  return point ? std::optional(PixelOf(pinhole, *point)) : std::nullopt;
+}
+
+}  // namespace turnscale

@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/config/yaml_map.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <limits>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "turnscale/base/error.h"
+#include "turnscale/base/parse.h"
+#include "turnscale/config/nearest_name.h"
+
+namespace turnscale {
+namespace {
+
+std::string ReadText(const std::filesystem::path& path) {
+  std::error_code error;
+  if (!std::filesystem::exists(path, error)) throw InputError(path.string() + ": no such file");
+  std::ifstream stream(path, std::ios::binary);
+  if (!std::filesystem::is_regular_file(path, error) || !stream) {
+    throw InputError(path.string() + ": cannot be read as a YAML file");
+  }
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+// OpenCV heads its files with "%YAML:1.0", which is no YAML directive; as a comment it keeps the line numbers.
+YAML::Node Parse(const std::filesystem::path& path) {
+  std::string text = ReadText(path);
+  if (text.starts_with("%YAML:")) text[0] = '#';
+  try {
+    return YAML::Load(text);
+  } catch (const YAML::Exception& error) {
+    throw InputError(fmt::format("{}:{}: not valid YAML: {}", path.string(), error.mark.line + 1, error.msg));
+  }
+}
+
+std::optional<double> NumberOf(std::string_view text) {
+  // YAML spells .nan and .inf with a dot.
+  if (text == ".nan" || text == ".NaN" || text == ".NAN") return std::numeric_limits<double>::quiet_NaN();
+  if (text == ".inf" || text == "-.inf") return std::numeric_limits<double>::infinity();
+  return ParseNumber<double>(text);
+}
+
+}  // namespace
+
+YamlMap::YamlMap(const std::filesystem::path& path) : YamlMap(path.string(), "", Parse(path)) {
+  if (!node_.IsMap()) throw InputError(path_ + ": holds no keys; expected lines of the form 'key: value'");
+}
+
+YamlMap::YamlMap(std::string path, std::string prefix, const YAML::Node& node)
+    : path_(std::move(path)), prefix_(std::move(prefix)), node_(node) {}
+
+bool YamlMap::Has(const std::string& key) const { return static_cast<bool>(node_[key]); }
+
+bool YamlMap::IsMap(const std::string& key) const { return Has(key) && node_[key].IsMap(); }
+
+std::vector<std::string> YamlMap::Keys() const {
+  std::vector<std::string> keys;
+  for (const auto& entry : node_) keys.push_back(entry.first.IsScalar() ? entry.first.Scalar() : std::string());
+  return keys;
+}
+
+YamlMap YamlMap::Map(const std::string& key) const {
+  const YAML::Node value = Value(key);
+  if (!value.IsMap()) Reject(key, "holds keys of its own here; give them indented below it");
+  return {path_, prefix_ + key + ".", value};
+}
+
+std::string YamlMap::Text(const std::string& key) const { return Scalar(key, "a text"); }
+
+double YamlMap::Number(const std::string& key) const {
+  const std::string text = Scalar(key, "a number");
+  const std::optional<double> value = NumberOf(text);
+  if (!value || !std::isfinite(*value)) Reject(key, fmt::format("is '{}'; give a finite number", text));
+  return *value;
+}
+
+int YamlMap::Integer(const std::string& key) const {
+  const double value = Number(key);
+  if (value != std::floor(value) || std::abs(value) > std::numeric_limits<int>::max()) {
+    Reject(key, fmt::format("is '{}'; give a whole number", Text(key)));
+  }
+  return static_cast<int>(value);
+}
+
+bool YamlMap::Bool(const std::string& key) const {
+  const std::string text = Scalar(key, "true or false");
+  if (text != "true" && text != "false") Reject(key, fmt::format("is '{}'; give true or false", text));
+  return text == "true";
+}
+
+std::vector<double> YamlMap::Numbers(const std::string& key) const {
+  const YAML::Node value = Value(key);
+  if (!value.IsSequence()) Reject(key, "is no list; give numbers as [a, b, ...]");
+  std::vector<double> numbers;
+  for (const YAML::Node& item : value) {
+    const std::optional<double> number = item.IsScalar() ? NumberOf(item.Scalar()) : std::nullopt;
+    if (!number || !std::isfinite(*number)) {
+      Reject(key, fmt::format("holds '{}' at position {}; give finite numbers", item.IsScalar() ? item.Scalar() : "?",
+                              numbers.size() + 1));
+    }
+    numbers.push_back(*number);
+  }
+  return numbers;
+}
+
+double YamlMap::Positive(const std::string& key) const {
+  const double value = Number(key);
+  if (!(value > 0)) Reject(key, fmt::format("is {}; give a number above 0", Text(key)));
+  return value;
+}
+
+void YamlMap::AllowOnly(std::span<const std::string> known) const {
+  for (const std::string& key : Keys()) {
+    if (std::find(known.begin(), known.end(), key) != known.end()) continue;
+    Reject(key, fmt::format("unknown key; did you mean '{}{}'?", prefix_, NearestName(key, known)));
+  }
+}
+
+void YamlMap::Reject(const std::string& key, std::string_view why) const {
+  int line = 0;
+  for (const auto& entry : node_) {
+    if (entry.first.IsScalar() && entry.first.Scalar() == key) line = entry.first.Mark().line + 1;
+  }
+  throw InputError(line > 0 ? fmt::format("{}:{}: {}{}: {}", path_, line, prefix_, key, why)
+                            : fmt::format("{}: {}{}: {}", path_, prefix_, key, why));
+}
+
+YAML::Node YamlMap::Value(const std::string& key) const {
+  if (!Has(key)) Reject(key, "is missing; add it");
+  return node_[key];
+}
+
+std::string YamlMap::Scalar(const std::string& key, std::string_view wanted) const {
+  const YAML::Node value = Value(key);
+  if (!value.IsScalar()) Reject(key, fmt::format("has no plain value; give {}", wanted));
+  return value.Scalar();
+}
+
+}  // namespace turnscale

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <yaml-cpp/yaml.h>
+
+namespace turnscale {
+
+/// A map in a YAML file. Every complaint is an InputError that names the file, the line, the key and the value.
+class YamlMap {
+ public:
+  /// Reads a whole file, OpenCV's `%YAML:1.0` header included. Throws InputError where the file cannot be read, is no
+  /// YAML or is no map at its top.
+  explicit YamlMap(const std::filesystem::path& path);
+
+  bool Has(const std::string& key) const;
+  std::vector<std::string> Keys() const;
+  /// The map under a key.
+  YamlMap Map(const std::string& key) const;
+  bool IsMap(const std::string& key) const;
+
+  /// Values; all throw where the key is missing or the value is of another kind. Numbers are finite.
+  std::string Text(const std::string& key) const;
+  double Number(const std::string& key) const;
+  int Integer(const std::string& key) const;
+  bool Bool(const std::string& key) const;
+  std::vector<double> Numbers(const std::string& key) const;
+  /// Number that is above zero, e.g. a focal length.
+  double Positive(const std::string& key) const;
+
+  /// Throws for the first key that is not among `known`, and names the nearest that is.
+  void AllowOnly(std::span<const std::string> known) const;
+  /// Throws InputError "file:line: key: why".
+  [[noreturn]] void Reject(const std::string& key, std::string_view why) const;
+
+ private:
+  YamlMap(std::string path, std::string prefix, const YAML::Node& node);
+  YAML::Node Value(const std::string& key) const;
+  std::string Scalar(const std::string& key, std::string_view wanted) const;
+
+  std::string path_;
+  std::string prefix_;  // of keys in messages, e.g. "cam0."
+  YAML::Node node_;
+};
+
+}  // namespace turnscale
