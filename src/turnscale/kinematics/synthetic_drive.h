@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cmath>
+#include <vector>
+
+#include "turnscale/geometry/rigid_transform.h"
+#include "turnscale/kinematics/ackermann.h"
+#include "turnscale/kinematics/lever_arm.h"
+
+namespace turnscale {
+
+/// Equal steps of a made-up drive, for tests.
+struct DriveSegment {
+  int steps = 0;
+  double camera_distance = 0;  ///< metres the camera moves in a step
+  double psi = 0;              ///< rad the car turns in a step
+};
+
+/// A drive whose truth is known.
+struct SyntheticDrive {
+  double dt = 0.1;                                ///< seconds a step
+  std::vector<RigidTransform> world_from_camera;  ///< one more than there are steps; metres; the first is the identity
+};
+
+/// `previous_from_current` of a camera on a car whose tyres slip: the rigid car's motion about the point that does not
+/// move sideways, which the slip puts nearer to the camera.
+inline RigidTransform SlippingCameraMotion(const DriveSegment& segment, double dt, const LeverArm& lever_arm,
+                                           const Eigen::Quaterniond& vehicle_from_camera) {
+  const double effective = lever_arm.At(segment.camera_distance / dt);
+  const double swing = 2.0 * effective * std::sin(0.5 * segment.psi);
+  const double rho = std::sqrt(segment.camera_distance * segment.camera_distance - swing * swing);
+  return ConstrainedCameraMotion({segment.psi, rho}, effective, vehicle_from_camera);
+}
+
+inline SyntheticDrive MakeDrive(const std::vector<DriveSegment>& segments, double dt, const LeverArm& lever_arm,
+                                const Eigen::Quaterniond& vehicle_from_camera) {
+  SyntheticDrive drive{dt, {RigidTransform{}}};
+  for (const DriveSegment& segment : segments) {
+    const RigidTransform step = SlippingCameraMotion(segment, dt, lever_arm, vehicle_from_camera);
+    for (int i = 0; i < segment.steps; ++i) {
+      drive.world_from_camera.push_back(drive.world_from_camera.back() * step);
+    }
+  }
+  return drive;
+}
+
+}  // namespace turnscale

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <optional>
+
+namespace turnscale {
+
+struct TurnDetectorOptions {
+  /// psi_th of Algorithm 1: least turning angle of a keyframe step, rad (2 deg). Below it the observer is close to its
+  /// singularity.
+  double min_step_angle = 2.0 / 57.295779513082320877;
+  /// n_th: least number of such steps in a region.
+  int min_steps = 4;
+  /// Least angle of the whole region, rad (15 deg): less than that is a bend of the road, from which the pooled line
+  /// learns little.
+  double min_region_angle = 15.0 / 57.295779513082320877;
+  /// A turn goes on over this many weaker steps in a row. The paper has 0, and one step of 1.8 deg between steps of 3
+  /// deg then cuts a street corner in two.
+  int max_weak_steps = 1;
+
+  /// Throws InputError that names the field when a value makes no sense.
+  void Check() const;
+};
+
+/// Keyframe steps first..last, counted from 0 in the order they were added: the paper's F_t.
+struct TurningRegion {
+  int first = 0;
+  int last = 0;
+  double angle = 0;  ///< sum of psi, rad, positive to the right
+
+  bool operator==(const TurningRegion&) const = default;
+};
+
+/// Algorithm 1 with its counter mended (blueprint 3.8), over a stream of keyframe steps. All strong steps of a region
+/// turn the same way: an S gives two regions.
+class TurnDetector {
+ public:
+  explicit TurnDetector(const TurnDetectorOptions& options);
+
+  /// Takes the turning angle (rad) of the next keyframe step. Gives the region that this step closes.
+  std::optional<TurningRegion> Add(double psi);
+
+  /// The next keyframe step was not measured (tracking was lost): it counts, and no region goes on across it.
+  std::optional<TurningRegion> AddUnmeasured();
+
+  /// Closes the region that is still open, at the end of the drive or where the caller wants it to end.
+  std::optional<TurningRegion> Finish();
+
+  /// The region that is under way, as soon as it is long enough to be one: what Finish would give.
+  std::optional<TurningRegion> Open() const;
+
+ private:
+  TurnDetectorOptions options_;
+  int steps_ = 0;
+  int strong_steps_ = 0;
+  bool to_right_ = false;  ///< the way the strong steps turn
+  int weak_steps_ = 0;     ///< since the last strong step
+  double weak_angle_ = 0;
+  TurningRegion candidate_;
+};
+
+}  // namespace turnscale
