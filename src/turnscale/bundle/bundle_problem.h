@@ -35,4 +35,7 @@ struct BundleProblem {
   std::vector<DistanceConstraint> distances;  ///< held exactly (24)-(30); empty for ordinary bundle adjustment
 };
 
+/// Throws InputError that names the entry when sizes, indices or values in the problem make no sense.
+void CheckProblem(const BundleProblem& problem);
+
 }  // namespace turnscale

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/bundle/bundle_problem.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <string>
+#include <utility>
+
+#include "turnscale/base/error.h"
+
+namespace turnscale {
+namespace {
+
+void Require(bool fine, const std::string& what) {
+  if (!fine) throw InputError("bundle problem: " + what);
+}
+
+std::string At(const char* list, std::size_t i) { return std::string(list) + "[" + std::to_string(i) + "]"; }
+
+bool IsIndex(int i, std::size_t size) { return i >= 0 && static_cast<std::size_t>(i) < size; }
+
+void CheckCameras(const BundleProblem& problem) {
+  const Pinhole& pinhole = problem.pinhole;
+  Require(std::isfinite(pinhole.fx) && pinhole.fx > 0, "pinhole.fx is not a positive number");
+  Require(std::isfinite(pinhole.fy) && pinhole.fy > 0, "pinhole.fy is not a positive number");
+  Require(std::isfinite(pinhole.cx) && std::isfinite(pinhole.cy), "pinhole.cx or pinhole.cy is not a number");
+  Require(problem.camera_is_fixed.size() == problem.camera_from_world.size(),
+          "camera_is_fixed has " + std::to_string(problem.camera_is_fixed.size()) + " entries for " +
+              std::to_string(problem.camera_from_world.size()) + " cameras");
+  Require(std::any_of(problem.camera_is_fixed.begin(), problem.camera_is_fixed.end(), [](char f) { return f != 0; }),
+          "camera_is_fixed fixes no camera; at least one has to be");
+  for (std::size_t i = 0; i < problem.camera_from_world.size(); ++i) {
+    const RigidTransform& pose = problem.camera_from_world[i];
+    if (!pose.rotation.coeffs().allFinite() || !pose.translation.allFinite()) {
+      Require(false, At("camera_from_world", i) + " is not a number");
+    }
+    if (std::abs(pose.rotation.norm() - 1.0) > 1e-6) {
+      Require(false, At("camera_from_world", i) + " has a rotation that is not a unit quaternion");
+    }
+  }
+}
+
+void CheckObservations(const BundleProblem& problem) {
+  for (std::size_t i = 0; i < problem.points.size(); ++i) {
+    if (!problem.points[i].allFinite()) Require(false, At("points", i) + " is not a number");
+  }
+  for (std::size_t i = 0; i < problem.observations.size(); ++i) {
+    const BundleObservation& seen = problem.observations[i];
+    if (!IsIndex(seen.camera, problem.camera_from_world.size())) {
+      Require(false, At("observations", i) + " names camera " + std::to_string(seen.camera) + ", which does not exist");
+    }
+    if (!IsIndex(seen.point, problem.points.size())) {
+      Require(false, At("observations", i) + " names point " + std::to_string(seen.point) + ", which does not exist");
+    }
+    if (!seen.pixel.allFinite()) Require(false, At("observations", i) + ".pixel is not a number");
+    if (!std::isfinite(seen.sigma) || seen.sigma <= 0) {
+      Require(false, At("observations", i) + ".sigma is not a positive number");
+    }
+  }
+}
+
+void CheckDistances(const BundleProblem& problem) {
+  std::vector<std::pair<int, int>> pairs;
+  for (std::size_t i = 0; i < problem.distances.size(); ++i) {
+    const DistanceConstraint& held = problem.distances[i];
+    const std::string name = At("distances", i);
+    Require(IsIndex(held.camera_a, problem.camera_from_world.size()) &&
+                IsIndex(held.camera_b, problem.camera_from_world.size()),
+            name + " names a camera that does not exist");
+    Require(held.camera_a != held.camera_b, name + " holds a camera at a distance from itself");
+    Require(!problem.camera_is_fixed[held.camera_a] || !problem.camera_is_fixed[held.camera_b],
+            name + " holds the distance of two fixed cameras");
+    Require(std::isfinite(held.distance) && held.distance > 0, name + ".distance is not a positive number");
+    pairs.emplace_back(std::minmax(held.camera_a, held.camera_b));
+  }
+  std::sort(pairs.begin(), pairs.end());
+  const auto twice = std::adjacent_find(pairs.begin(), pairs.end());
+  if (twice != pairs.end()) {
+    Require(false, "distances holds cameras " + std::to_string(twice->first) + " and " + std::to_string(twice->second) +
+                       " twice");
+  }
+}
+
+}  // namespace
+
+void CheckProblem(const BundleProblem& problem) {
+  CheckCameras(problem);
+  CheckObservations(problem);
+  CheckDistances(problem);
+}
+
+}  // namespace turnscale

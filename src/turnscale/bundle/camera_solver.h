@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
+#include <Eigen/SparseCholesky>
+#include <Eigen/SparseCore>
+
+namespace turnscale {
+
+/// Cholesky factorisation of the reduced camera system. Small or densely connected systems are factorised as dense
+/// matrices, long drives as sparse ones with a fill-reducing order that is found once.
+template <int kDof>
+class CameraSolver {
+ public:
+  using Block = Eigen::Matrix<double, kDof, kDof>;
+
+  /// `pattern`: (row, column) of the blocks on and above the diagonal; the diagonal first, then by row and column.
+  CameraSolver(int columns, const std::vector<std::array<int, 2>>& pattern);
+
+  /// False where the matrix is not positive definite; the solver is then not to be used until the next success.
+  bool Factorize(const std::vector<Block>& blocks);
+
+  /// S^-1 times the right-hand sides (one a column).
+  Eigen::MatrixXd Solve(const Eigen::MatrixXd& right_hand_sides) const;
+
+  bool is_dense() const { return is_dense_; }
+
+ private:
+  void MakeSparsePattern();
+
+  int columns_;
+  std::vector<std::array<int, 2>> pattern_;
+  bool is_dense_;
+  Eigen::MatrixXd matrix_;
+  Eigen::LLT<Eigen::MatrixXd, Eigen::Lower> dense_;
+  Eigen::SparseMatrix<double> sparse_matrix_;  ///< lower triangle
+  std::vector<std::array<int, kDof>> value_;   ///< where each column of a block (transposed) starts in the values
+  Eigen::SimplicialLLT<Eigen::SparseMatrix<double>, Eigen::Lower, Eigen::AMDOrdering<int>> sparse_;
+};
+
+}  // namespace turnscale
