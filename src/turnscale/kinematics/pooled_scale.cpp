@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdio>
+#include <utility>
 
 #include "turnscale/base/error.h"
 #include "turnscale/geometry/rotation.h"

@@ -25,11 +25,11 @@ enum class ScaleMethod {
 struct PooledScaleOptions {
   ScaleMethod method = ScaleMethod::kPooledLine;
   /// Standard deviation of a step's direction of travel, rad: the least noise that is believed in, however well few
-  /// steps agree with each other (0.3 deg).
-  double sigma_theta = 0.3 / 57.295779513082320877;
-  /// Residuals beyond this many robust standard deviations have no say (Tukey's biweight; 4.685 costs 5 % of
-  /// efficiency where all is well).
-  double robust_threshold = 4.685;
+  /// steps agree with each other (0.5 deg, what monocular odometry shows over steps of 3 deg).
+  double sigma_theta = 0.5 / 57.295779513082320877;
+  /// Residuals beyond this many robust standard deviations have no say (Tukey's biweight). Wide, because a camera
+  /// centre that is off sideways enters two steps with opposite sign: throwing out one of them alone does harm.
+  double robust_threshold = 6.0;
   /// Least number of steps that must agree.
   int min_inliers = 3;
   /// Least sum of |psi| of the agreeing steps, rad (10 deg).
@@ -37,8 +37,9 @@ struct PooledScaleOptions {
   /// Least share of the lever arm that must be seen. Below it the scale hangs on the side slip rather than on the tape
   /// measure, or the turn contradicts the model.
   double min_lever_share = 0.25;
-  /// Greatest relative standard deviation of a scale worth having.
-  double max_relative_sigma = 0.3;
+  /// Greatest relative standard deviation of a scale worth having: the map carries the last one better than that over
+  /// some hundred metres.
+  double max_relative_sigma = 0.15;
 
   /// Throws InputError that names the field when a value makes no sense.
   void Check() const;

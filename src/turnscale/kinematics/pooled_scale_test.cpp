@@ -15,10 +15,11 @@ namespace {
 const LeverArm kRigid{1.2, 0};
 const LeverArm kSlipping{1.2, 0.005};
 constexpr double kMetresPerUnit = 7.0;
+constexpr int kSteps = 20;
+constexpr int kSeeds = 200;
 
 /// A corner of 90 degrees taken while braking and speeding up again, in units of 7 m.
 std::vector<TurningStep> Corner(const LeverArm& lever_arm, double side = 1) {
-  constexpr int kSteps = 20;
   std::vector<TurningStep> corner;
   for (int i = 0; i < kSteps; ++i) {
     const double middle = std::sin(M_PI * (i + 0.5) / kSteps);
@@ -117,7 +118,6 @@ TEST(PooledScale, UnitOfLengthCancels) {
 }
 
 TEST(PooledScale, SpreadAgreesWithSigma) {
-  constexpr int kSeeds = 200;
   for (const LeverArm& lever_arm : {kRigid, kSlipping}) {
     double sum = 0;
     double squares = 0;

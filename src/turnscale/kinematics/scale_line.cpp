@@ -9,7 +9,9 @@
 namespace turnscale {
 namespace {
 
-constexpr double kSigmaPerMad = 1.4826;    // of a normal distribution
+constexpr double kSigmaPerMad = 1.4826;  // of a normal distribution
+constexpr int kMaxIterations = 100;
+constexpr double kRelativeTolerance = 1e-14;
 constexpr double kMedianPenalty = 1.2533;  // standard deviation of a median over that of a mean
 
 using WeightedValues = std::vector<std::pair<double, double>>;
@@ -98,8 +100,6 @@ double SigmaOfLine(const std::vector<ScaleLinePoint>& points, const ScaleLine& l
 
 ScaleLine FitScaleLine(const std::vector<ScaleLinePoint>& points, double lever_arm, double noise_floor,
                        double robust_threshold) {
-  constexpr int kMaxIterations = 100;
-  constexpr double kRelativeTolerance = 1e-14;
   ScaleLine line;
   line.weight.assign(points.size(), 0.0);
   line.scale = 1.0 / WeightedMedian(InverseScales(points, lever_arm));

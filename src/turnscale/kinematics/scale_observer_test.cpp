@@ -14,6 +14,9 @@
 namespace turnscale {
 namespace {
 
+constexpr double kStep = 1e-6;  // rad
+constexpr int kDraws = 20000;
+
 TEST(ScaleObserver, ExactOnConstrainedMotion) {
   std::mt19937 random(21);
   std::uniform_real_distribution<double> uniform(-1, 1);
@@ -48,7 +51,6 @@ TEST(ScaleObserver, ContradictionGivesNoPositiveDistance) {
 }
 
 TEST(ScaleObserver, DerivativesAgreeWithFiniteDifferences) {
-  constexpr double kStep = 1e-6;
   for (const double psi : {-0.3, -0.04, 0.05, 0.2}) {
     for (const double ratio : {0.6, 0.8, 1.1}) {
       const double theta = ratio * psi;
@@ -72,7 +74,6 @@ TEST(ScaleObserver, SigmaIsTheSpreadOfNoisyAngles) {
   std::normal_distribution<double> normal;
   double sum = 0;
   double squares = 0;
-  constexpr int kDraws = 20000;
   for (int i = 0; i < kDraws; ++i) {
     const double noisy_psi = step.psi + sigma_psi * normal(random);
     const double s = ObservedDistance(noisy_psi, theta + sigma_theta * normal(random), 1.0);
