@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/io/frame_reader.h"
+
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include <opencv2/videoio.hpp>
+
+#include "turnscale/base/error.h"
+
+namespace turnscale {
+namespace {
+
+class ImageListReader : public FrameReader {
+ public:
+  explicit ImageListReader(std::vector<std::filesystem::path> images) : images_(std::move(images)) {}
+
+  std::optional<GrayImage> Read() override {
+    if (next_ == images_.size()) return std::nullopt;
+    return ReadGrayImage(images_[next_++]);
+  }
+
+ private:
+  std::vector<std::filesystem::path> images_;
+  size_t next_ = 0;
+};
+
+class VideoReader : public FrameReader {
+ public:
+  explicit VideoReader(cv::VideoCapture capture) : capture_(std::move(capture)) {}
+
+  std::optional<GrayImage> Read() override {
+    cv::Mat image;
+    if (!capture_.read(image)) return std::nullopt;
+    // The decoder may reuse its buffer for the next frame.
+    return GrayImage{image.channels() == 1 ? image.clone() : ToGray8(image), ""};
+  }
+
+ private:
+  cv::VideoCapture capture_;
+};
+
+cv::VideoCapture Open(const std::filesystem::path& path) {
+  cv::VideoCapture capture(path.string(), cv::CAP_FFMPEG);
+  if (!capture.isOpened()) capture.open(path.string(), cv::CAP_ANY);
+  if (!capture.isOpened())
+    throw InputError(path.string() + ": cannot be opened as a video; give a video or a folder of images");
+  return capture;
+}
+
+}  // namespace
+
+std::unique_ptr<FrameReader> ReadImages(std::vector<std::filesystem::path> images) {
+  return std::make_unique<ImageListReader>(std::move(images));
+}
+
+VideoStream OpenVideo(const std::filesystem::path& path) {
+  cv::VideoCapture capture = Open(path);
+  const double fps = capture.get(cv::CAP_PROP_FPS);
+  const double count = capture.get(cv::CAP_PROP_FRAME_COUNT);
+  VideoStream stream;
+  // Containers without a rate report 0, NaN, or their clock's ticks.
+  stream.fps = std::isfinite(fps) && fps > 0 && fps <= 1000 ? fps : 0.0;
+  stream.count = count > 0 && count < std::numeric_limits<int>::max() ? static_cast<int>(count) : 0;
+  stream.reader = std::make_unique<VideoReader>(std::move(capture));
+  return stream;
+}
+
+int CountVideoFrames(const std::filesystem::path& path) {
+  cv::VideoCapture capture = Open(path);
+  int count = 0;
+  while (capture.grab()) ++count;
+  return count;
+}
+
+}  // namespace turnscale

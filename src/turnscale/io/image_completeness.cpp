@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <string_view>
+
+#include "turnscale/io/image_file.h"
+
+namespace turnscale {
+namespace {
+
+using Bytes = std::span<const uint8_t>;
+
+bool StartsWith(Bytes bytes, std::string_view magic) {
+  return bytes.size() >= magic.size() && std::equal(magic.begin(), magic.end(), bytes.begin(),
+                                                    [](char a, uint8_t b) { return static_cast<uint8_t>(a) == b; });
+}
+
+size_t BigEndian(Bytes bytes, size_t at, int count) {
+  size_t value = 0;
+  for (int i = 0; i < count; ++i) value = value << 8 | bytes[at + i];
+  return value;
+}
+
+// Chunks of length, type, data and checksum follow the signature; the last one is IEND.
+bool PngEndsEarly(Bytes bytes) {
+  size_t at = 8;
+  while (at + 12 <= bytes.size()) {
+    const size_t length = BigEndian(bytes, at, 4);
+    if (StartsWith(bytes.subspan(at + 4), "IEND")) return false;
+    at += 12 + length;
+  }
+  return true;
+}
+
+// Segments with a length, and between them coded data in which FF is followed by 00 or a restart marker.
+bool JpegEndsEarly(Bytes bytes) {
+  constexpr uint8_t kEndOfImage = 0xD9;
+  constexpr uint8_t kStartOfScan = 0xDA;
+  size_t at = 2;
+  bool coded = false;
+  while (at + 1 < bytes.size()) {
+    const uint8_t marker = bytes[at + 1];
+    if (bytes[at] != 0xFF || marker == 0xFF) {
+      ++at;
+    } else if (coded && (marker == 0 || (marker >= 0xD0 && marker <= 0xD7))) {
+      at += 2;
+    } else if (marker == kEndOfImage) {
+      return false;
+    } else if (at + 3 < bytes.size()) {
+      coded = marker == kStartOfScan;
+      at += 2 + BigEndian(bytes, at + 2, 2);
+    } else {
+      return true;
+    }
+  }
+  return true;
+}
+
+bool BmpEndsEarly(Bytes bytes) {
+  if (bytes.size() < 26) return true;
+  size_t size = 0;
+  for (int i = 3; i >= 0; --i) size = size << 8 | bytes[2 + i];
+  return bytes.size() < size;
+}
+
+// Binary PGM and PPM: magic, width, height and greatest value in words, one blank, then the samples.
+bool NetpbmEndsEarly(Bytes bytes) {
+  size_t at = 2;
+  std::array<size_t, 3> header{};
+  for (size_t& value : header) {
+    while (at < bytes.size() && (std::isspace(bytes[at]) || bytes[at] == '#')) {
+      if (bytes[at] == '#') at = std::find(bytes.begin() + at, bytes.end(), '\n') - bytes.begin();
+      if (at < bytes.size()) ++at;
+    }
+    // Six digits are beyond any image, and keep the product below from running over.
+    for (int i = 0; i < 6 && at < bytes.size() && std::isdigit(bytes[at]); ++i)
+      value = value * 10 + (bytes[at++] - '0');
+  }
+  const size_t channels = bytes[1] == '6' ? 3 : 1;
+  const size_t sample_bytes = header[2] > 255 ? 2 : 1;
+  return bytes.size() < at + 1 + header[0] * header[1] * channels * sample_bytes;
+}
+
+}  // namespace
+
+bool EndsEarly(Bytes bytes) {
+  if (StartsWith(bytes, "\x89PNG\r\n\x1a\n")) return PngEndsEarly(bytes);
+  if (StartsWith(bytes, "\xFF\xD8\xFF")) return JpegEndsEarly(bytes);
+  if (StartsWith(bytes, "BM")) return BmpEndsEarly(bytes);
+  if (StartsWith(bytes, "P5") || StartsWith(bytes, "P6")) return NetpbmEndsEarly(bytes);
+  return false;
+}
+
+}  // namespace turnscale

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include <opencv2/core/mat.hpp>
+
+#include "turnscale/io/drive_input.h"
+
+namespace turnscale {
+
+/// One frame of a drive.
+struct SourceFrame {
+  int index = 0;        ///< from 0, without gaps, whatever the file names count
+  double time = 0;      ///< seconds
+  cv::Mat gray;         ///< 8-bit gray; empty when the image is of no use
+  std::string problem;  ///< why there is no image: "name: why"
+};
+
+struct ImageSourceOptions {
+  /// File with one time a line, in seconds. Goes before `fps`.
+  std::optional<std::filesystem::path> timestamps = {};
+  /// Frames per second. Goes before the drive's own times.txt or the video's own rate.
+  std::optional<double> fps = {};
+  int width = 0;                 ///< that every image must have, pixels; 0 takes the first image's
+  int height = 0;                ///< that every image must have, pixels; 0 takes the first image's
+  std::string camera_file = {};  ///< what asks for that size, for messages
+};
+
+/// The frames of a drive in order. Images are decoded ahead on a thread of their own.
+class ImageSource {
+ public:
+  /// Throws InputError where there are no times, the times do not fit the frames, or a video cannot be opened.
+  ImageSource(const DriveInput& drive, const ImageSourceOptions& options);
+  ~ImageSource();
+  ImageSource(const ImageSource&) = delete;
+  ImageSource& operator=(const ImageSource&) = delete;
+
+  /// The next frame; nothing at the end. Throws InputError where an image has another size than the camera file or the
+  /// other images, and at the end where not one image could be read.
+  std::optional<SourceFrame> Next();
+
+  /// Frames of the drive; for a video without timestamps what its header promises.
+  int count() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace turnscale

@@ -1,0 +1,242 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/io/image_source.h"
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/videoio.hpp>
+
+#include "turnscale/base/error.h"
+#include "turnscale/io/frame_reader.h"
+#include "turnscale/io/image_file.h"
+#include "turnscale/io/natural_order.h"
+
+namespace turnscale {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Its gray tells which frame it is; the rest keeps the file longer than its header.
+cv::Mat Image(int number, cv::Size size = {64, 48}) {
+  cv::Mat image(size, CV_8UC1);
+  for (int y = 0; y < image.rows; ++y) {
+    for (int x = 0; x < image.cols; ++x) image.at<uint8_t>(y, x) = static_cast<uint8_t>((x * 7 + y * 13 + x * y) % 251);
+  }
+  image(cv::Rect(0, 0, 16, 16)) = number;
+  return image;
+}
+
+class ImageSourceTest : public ::testing::Test {
+ protected:
+  ImageSourceTest() {
+    const std::string name = ::testing::UnitTest::GetInstance()->current_test_info()->name();
+    folder_ = fs::path(::testing::TempDir()) / ("image_source_" + name);
+    fs::remove_all(folder_);
+    fs::create_directories(folder_);
+  }
+  ~ImageSourceTest() override { fs::remove_all(folder_); }
+
+  void Images(const fs::path& folder, int first, int count) {
+    fs::create_directories(folder);
+    for (int i = first; i < first + count; ++i) cv::imwrite((folder / (std::to_string(i) + ".png")).string(), Image(i));
+  }
+
+  fs::path Text(const std::string& name, const std::string& text) {
+    std::ofstream(folder_ / name) << text;
+    return folder_ / name;
+  }
+
+  void Truncate(const fs::path& path) { fs::resize_file(path, fs::file_size(path) * 6 / 10); }
+
+  std::vector<SourceFrame> ReadAll(const ImageSourceOptions& options = {.fps = 10}) {
+    ImageSource source(FindDrive(folder_), options);
+    std::vector<SourceFrame> frames;
+    while (auto frame = source.Next()) frames.push_back(*frame);
+    return frames;
+  }
+
+  std::string Complaint(const ImageSourceOptions& options = {.fps = 10}) {
+    try {
+      ReadAll(options);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "no error";
+  }
+
+  fs::path folder_;
+};
+
+TEST(NaturalOrder, NumbersCompareByValue) {
+  EXPECT_TRUE(NaturalLess("9.png", "10.png"));
+  EXPECT_FALSE(NaturalLess("10.png", "9.png"));
+  EXPECT_TRUE(NaturalLess("a2b10", "a2b9999"));
+  EXPECT_TRUE(NaturalLess("000100.png", "000101.png"));
+  EXPECT_TRUE(NaturalLess("frame", "frame1"));
+  EXPECT_NE(NaturalLess("01.png", "1.png"), NaturalLess("1.png", "01.png")) << "names that differ have one order";
+  EXPECT_FALSE(NaturalLess("1.png", "1.png"));
+}
+
+TEST_F(ImageSourceTest, FolderOfImagesInNaturalOrderWithAnyStartAndGaps) {
+  Images(folder_, 98, 4);
+  fs::remove(folder_ / "100.png");
+  Text("notes.md", "no image");
+  const auto frames = ReadAll();
+  ASSERT_EQ(frames.size(), 3u);
+  const int expected[] = {98, 99, 101};
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_EQ(frames[i].index, i);
+    EXPECT_DOUBLE_EQ(frames[i].time, i / 10.0);
+    EXPECT_EQ(frames[i].gray.at<uint8_t>(0, 0), expected[i]);
+    EXPECT_EQ(frames[i].problem, "");
+  }
+}
+
+TEST_F(ImageSourceTest, KittiFolderBringsItsTimesAndCamera) {
+  Images(folder_ / "image_0", 0, 3);
+  Text("times.txt", "0.0\n1.036e-01\n\n# a comment\n2.07e-01\r\n");
+  Text("calib.txt", "");
+  const auto frames = ReadAll({});
+  ASSERT_EQ(frames.size(), 3u);
+  EXPECT_EQ(frames[1].time, 0.1036);
+  EXPECT_EQ(frames[2].time, 0.207);
+  EXPECT_EQ(FindDrive(folder_).camera_file, folder_ / "calib.txt");
+  EXPECT_EQ(ReadAll({.fps = 5})[1].time, 0.2) << "what the user says goes first";
+}
+
+TEST_F(ImageSourceTest, ColourAndSixteenBitBecomeGray) {
+  cv::imwrite((folder_ / "0.png").string(), cv::Mat(48, 64, CV_8UC3, cv::Scalar(50, 50, 50)));
+  cv::imwrite((folder_ / "1.png").string(), cv::Mat(48, 64, CV_16UC1, cv::Scalar(50 * 256)));
+  cv::imwrite((folder_ / "2.jpg").string(), cv::Mat(48, 64, CV_8UC1, cv::Scalar(50)));
+  cv::imwrite((folder_ / "3.bmp").string(), cv::Mat(48, 64, CV_8UC1, cv::Scalar(50)));
+  cv::imwrite((folder_ / "4.pgm").string(), cv::Mat(48, 64, CV_8UC1, cv::Scalar(50)));
+  cv::imwrite((folder_ / "5.png").string(), cv::Mat(48, 64, CV_8UC4, cv::Scalar(50, 50, 50, 255)));
+  cv::imwrite((folder_ / "6.TIFF").string(), cv::Mat(48, 64, CV_8UC1, cv::Scalar(50)));
+  const auto frames = ReadAll();
+  ASSERT_EQ(frames.size(), 7u);
+  for (const SourceFrame& frame : frames) {
+    ASSERT_EQ(frame.gray.type(), CV_8UC1) << frame.problem;
+    EXPECT_NEAR(frame.gray.at<uint8_t>(20, 20), 50, 1) << frame.index;
+  }
+}
+
+TEST_F(ImageSourceTest, TruncatedFilesOfEveryKindAreNoticed) {
+  for (const std::string name : {"0.png", "1.jpg", "2.bmp", "3.pgm", "4.ppm"}) {
+    const fs::path path = folder_ / name;
+    cv::Mat image = Image(7, {320, 240});
+    if (name == "4.ppm") cv::merge(std::vector<cv::Mat>{image, image, image}, image);
+    cv::imwrite(path.string(), image);
+    EXPECT_EQ(ReadGrayImage(path).problem, "");
+    for (const double part : {0.999, 0.6, 0.05}) {
+      fs::resize_file(path, static_cast<uintmax_t>(static_cast<double>(fs::file_size(path)) * part));
+      const GrayImage read = ReadGrayImage(path);
+      EXPECT_TRUE(read.gray.empty());
+      EXPECT_EQ(read.problem, name + ": is truncated") << part;
+    }
+  }
+}
+
+TEST_F(ImageSourceTest, DamagedImagesAnywhereAreSkippedAndNamed) {
+  for (const int damaged : {0, 2, 4}) {
+    Images(folder_, 0, 5);
+    Truncate(folder_ / (std::to_string(damaged) + ".png"));
+    const auto frames = ReadAll();
+    ASSERT_EQ(frames.size(), 5u);
+    for (const SourceFrame& frame : frames) {
+      EXPECT_EQ(frame.gray.empty(), frame.index == damaged);
+      EXPECT_EQ(frame.problem, frame.index == damaged ? std::to_string(damaged) + ".png: is truncated" : "");
+    }
+  }
+}
+
+TEST_F(ImageSourceTest, UnreadableImagesAreNamed) {
+  Images(folder_, 0, 4);
+  Text("1.png", "this is no image");
+  Text("2.png", "");
+  const auto frames = ReadAll();
+  EXPECT_EQ(frames[1].problem, "1.png: is not a readable image");
+  EXPECT_EQ(frames[2].problem, "2.png: is empty");
+  EXPECT_FALSE(frames[3].gray.empty());
+}
+
+TEST_F(ImageSourceTest, NotOneReadableImageIsAnError) {
+  Text("0.png", "x");
+  Text("1.png", "y");
+  EXPECT_NE(Complaint().find("not one of 2 frames could be read"), std::string::npos);
+}
+
+TEST_F(ImageSourceTest, SizesMustAgree) {
+  Images(folder_, 0, 3);
+  cv::imwrite((folder_ / "2.png").string(), Image(2, {60, 48}));
+  const std::string complaint = Complaint();
+  EXPECT_NE(complaint.find("2.png: is 60x48 pixels, but"), std::string::npos) << complaint;
+  EXPECT_NE(complaint.find("0.png says 64x48"), std::string::npos) << complaint;
+  const std::string camera = Complaint({.fps = 10, .width = 640, .height = 480, .camera_file = "cam.yaml"});
+  EXPECT_NE(camera.find("0.png: is 64x48 pixels, but cam.yaml says 640x480"), std::string::npos) << camera;
+}
+
+TEST_F(ImageSourceTest, ComplaintsAboutTimesNameTheLine) {
+  Images(folder_, 0, 3);
+  const auto complaint = [&](const std::string& text) {
+    const std::string message = Complaint({.timestamps = Text("t.txt", text)});
+    return message.substr(std::min(message.size(), message.find("t.txt")));
+  };
+  EXPECT_NE(Complaint({}).find("times of the frames are missing; give --timestamps FILE or --fps X"),
+            std::string::npos);
+  EXPECT_NE(Complaint({.timestamps = "/nonexistent"}).find("no such file"), std::string::npos);
+  EXPECT_NE(Complaint({.fps = 0}).find("--fps 0"), std::string::npos);
+  EXPECT_NE(Complaint({.fps = std::nan("")}).find("--fps nan"), std::string::npos);
+  EXPECT_TRUE(complaint("0\n1\n").starts_with("t.txt:2: ends after 2 times")) << complaint("0\n1\n");
+  EXPECT_TRUE(complaint("0\n1\n2\n\n3\n").starts_with("t.txt:5: time 4 has no frame"));
+  EXPECT_TRUE(complaint("0\n2\n1\n").starts_with("t.txt:3: time 1 goes back from the time before, 2"));
+  EXPECT_TRUE(complaint("0\n1\n1\n").starts_with("t.txt:3: time 1 repeats the time before"));
+  EXPECT_TRUE(complaint("0\nnan\n2\n").starts_with("t.txt:2: 'nan' is no time"));
+  EXPECT_TRUE(complaint("0\n1 1\n2\n").starts_with("t.txt:2: '1 1' is no time"));
+  EXPECT_TRUE(complaint("0\nx\n2\n").starts_with("t.txt:2: 'x' is no time"));
+  EXPECT_TRUE(complaint("# nothing\n").starts_with("t.txt: holds no times"));
+}
+
+TEST_F(ImageSourceTest, MissingAndEmptyInputs) {
+  EXPECT_THROW(FindDrive(folder_ / "nowhere"), InputError);
+  EXPECT_NE(Complaint().find("holds no images"), std::string::npos);
+  Images(folder_ / "pictures", 0, 1);
+  EXPECT_THROW(FindDrive(folder_ / "pictures" / "0.png"), InputError);
+  EXPECT_THROW(OpenVideo(Text("drive.mp4", "no video")), InputError);
+}
+
+TEST_F(ImageSourceTest, VideoWithItsOwnRateOrTimestamps) {
+  const fs::path video = folder_ / "drive.avi";
+  {
+    cv::VideoWriter writer(video.string(), cv::VideoWriter::fourcc('M', 'J', 'P', 'G'), 25, {64, 48}, false);
+    ASSERT_TRUE(writer.isOpened());
+    for (int i = 0; i < 12; ++i) writer.write(Image(10 * i));
+  }
+  const auto frames = ReadAll({});
+  ASSERT_EQ(frames.size(), 12u);
+  for (int i = 0; i < 12; ++i) {
+    EXPECT_NEAR(frames[i].gray.at<uint8_t>(8, 8), 10 * i, 4);
+    EXPECT_DOUBLE_EQ(frames[i].time, i / 25.0);
+  }
+  std::string times;
+  for (int i = 0; i < 12; ++i) times += std::to_string(100 + i) + "\n";
+  EXPECT_EQ(ReadAll({.timestamps = Text("t.txt", times)})[11].time, 111);
+  EXPECT_NE(Complaint({.timestamps = Text("t.txt", times + "200\n")}).find("t.txt:13: time 13 has no frame"),
+            std::string::npos);
+  EXPECT_NE(Complaint({.width = 640, .height = 48, .camera_file = "cam.yaml"}).find("frame 0: is 64x48"),
+            std::string::npos);
+}
+
+TEST_F(ImageSourceTest, StopsCleanlyWhenLeftHalfWay) {
+  Images(folder_, 0, 20);
+  for (int taken = 0; taken < 8; ++taken) {
+    ImageSource source(FindDrive(folder_), {.fps = 10});
+    for (int i = 0; i < taken; ++i) ASSERT_EQ(source.Next()->index, i);
+  }
+}
+
+}  // namespace
+}  // namespace turnscale

@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/io/trajectory_file.h"
+
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <span>
+
+#include <Eigen/LU>
+#include <Eigen/SVD>
+#include <fmt/format.h>
+
+#include "turnscale/base/error.h"
+#include "turnscale/base/parse.h"
+#include "turnscale/io/output_file.h"
+
+namespace turnscale {
+namespace {
+
+// Published files carry as few as four digits.
+constexpr double kRotationTolerance = 1e-2;
+
+RigidTransform PoseFromTum(std::span<const double> values, const std::string& where) {
+  const Eigen::Quaterniond rotation(values[6], values[3], values[4], values[5]);
+  if (std::abs(rotation.norm() - 1) > kRotationTolerance) {
+    throw InputError(fmt::format("{}: quaternion has norm {:.4g}, not 1; expected 'time tx ty tz qx qy qz qw'", where,
+                                 rotation.norm()));
+  }
+  return {rotation.normalized(), {values[0], values[1], values[2]}};
+}
+
+RigidTransform PoseFromKitti(std::span<const double> values, const std::string& where) {
+  const Eigen::Map<const Eigen::Matrix<double, 3, 4, Eigen::RowMajor>> matrix(values.data());
+  const Eigen::Matrix3d R = matrix.leftCols<3>();
+  const double error = (R.transpose() * R - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
+  if (error > kRotationTolerance || R.determinant() < 0) {
+    throw InputError(
+        fmt::format("{}: the 3x3 part is no rotation (off by {:.2g}); expected a row-major 3x4 pose", where, error));
+  }
+  // The nearest rotation: printed digits are never quite orthonormal.
+  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(R, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  return {Eigen::Quaterniond(Eigen::Matrix3d(svd.matrixU() * svd.matrixV().transpose())), matrix.col(3)};
+}
+
+std::vector<double> NumbersOf(const std::vector<std::string_view>& words, const std::string& where) {
+  std::vector<double> values;
+  for (const std::string_view word : words) {
+    const auto value = ParseNumber<double>(word);
+    if (!value || !std::isfinite(*value)) throw InputError(fmt::format("{}: '{}' is no finite number", where, word));
+    values.push_back(*value);
+  }
+  return values;
+}
+
+class Parser {
+ public:
+  Parser(std::string path, const std::optional<std::vector<double>>& times) : path_(std::move(path)), times_(times) {}
+
+  void Line(const std::string& line, int number) {
+    const auto words = SplitWords(line);
+    if (words.empty() || words[0].starts_with('#')) return;
+    const std::string where = fmt::format("{}:{}", path_, number);
+    if (columns_ == 0) columns_ = words.size();
+    if (columns_ != 8 && columns_ != 12 && columns_ != 13) {
+      throw InputError(fmt::format("{}: {} columns; TUM has 8, KITTI 12 or 13", where, columns_));
+    }
+    if (words.size() != columns_) {
+      throw InputError(fmt::format("{}: {} columns, but the lines before have {}", where, words.size(), columns_));
+    }
+    const std::vector<double> values = NumbersOf(words, where);
+    columns_ == 8 ? AddTum(values, where) : AddKitti(values, where);
+  }
+
+  TrajectoryFile Finish() && {
+    if (file_.poses.empty()) throw InputError(path_ + ": holds no poses");
+    const bool every_frame = columns_ == 12;
+    if (every_frame && times_ && times_->size() != file_.poses.size()) {
+      throw InputError(fmt::format("{}: {} poses, but {} times were given; give one time per pose", path_,
+                                   file_.poses.size(), times_->size()));
+    }
+    return std::move(file_);
+  }
+
+ private:
+  void AddTum(std::span<const double> values, const std::string& where) {
+    if (!file_.poses.empty() && values[0] <= file_.poses.back().time) {
+      throw InputError(
+          fmt::format("{}: time {} does not come after {}; sort the file", where, values[0], file_.poses.back().time));
+    }
+    file_.poses.push_back({values[0], PoseFromTum(values.subspan(1), where)});
+  }
+
+  void AddKitti(std::span<const double> values, const std::string& where) {
+    file_.format = TrajectoryFormat::kKitti;
+    int frame = static_cast<int>(file_.frames.size());
+    if (columns_ == 13) {
+      if (values[0] != std::floor(values[0]) || values[0] < 0 || values[0] > 1e9) {
+        throw InputError(fmt::format("{}: '{}' is no frame number; 13 columns begin with one", where, values[0]));
+      }
+      frame = static_cast<int>(values[0]);
+      values = values.subspan(1);
+    }
+    if (!file_.frames.empty() && frame <= file_.frames.back()) {
+      throw InputError(
+          fmt::format("{}: frame {} does not come after {}; sort the file", where, frame, file_.frames.back()));
+    }
+    if (times_ && static_cast<size_t>(frame) >= times_->size()) {
+      throw InputError(fmt::format("{}: frame {} has no time: only {} were given", where, frame, times_->size()));
+    }
+    file_.frames.push_back(frame);
+    file_.poses.push_back({times_ ? (*times_)[frame] : frame, PoseFromKitti(values, where)});
+  }
+
+  std::string path_;
+  const std::optional<std::vector<double>>& times_;
+  size_t columns_ = 0;
+  TrajectoryFile file_;
+};
+
+template <class LineOf>
+void WriteLines(const std::filesystem::path& path, const Trajectory& poses, const LineOf& line_of) {
+  std::string text;
+  for (const StampedPose& pose : poses) text += line_of(pose);
+  ReplaceFile(path, text);
+}
+
+}  // namespace
+
+TrajectoryFile ReadTrajectoryFile(const std::filesystem::path& path, const std::optional<std::vector<double>>& times) {
+  std::error_code error;
+  if (!std::filesystem::exists(path, error)) throw InputError(path.string() + ": no such trajectory file");
+  std::ifstream stream(path);
+  if (!stream || std::filesystem::is_directory(path, error)) throw InputError(path.string() + ": cannot be read");
+  Parser parser(path.string(), times);
+  std::string line;
+  for (int number = 1; std::getline(stream, line); ++number) parser.Line(line, number);
+  return std::move(parser).Finish();
+}
+
+Trajectory ReadTrajectory(const std::filesystem::path& path, const std::optional<std::vector<double>>& times) {
+  return ReadTrajectoryFile(path, times).poses;
+}
+
+std::string TumLine(const StampedPose& pose) {
+  const Eigen::Vector3d& t = pose.world_from_camera.translation;
+  const Eigen::Quaterniond& q = pose.world_from_camera.rotation;
+  return fmt::format("{:.6f} {:.9g} {:.9g} {:.9g} {:.9g} {:.9g} {:.9g} {:.9g}\n", pose.time, t.x(), t.y(), t.z(), q.x(),
+                     q.y(), q.z(), q.w());
+}
+
+std::string KittiLine(const RigidTransform& world_from_camera) {
+  Eigen::Matrix<double, 3, 4, Eigen::RowMajor> matrix;
+  matrix << world_from_camera.rotation.toRotationMatrix(), world_from_camera.translation;
+  std::string line;
+  for (int i = 0; i < matrix.size(); ++i) {
+    fmt::format_to(std::back_inserter(line), "{}{:.9g}", i == 0 ? "" : " ", matrix.data()[i]);
+  }
+  return line + "\n";
+}
+
+void WriteTum(const std::filesystem::path& path, const Trajectory& poses) { WriteLines(path, poses, TumLine); }
+
+void WriteKitti(const std::filesystem::path& path, const Trajectory& poses) {
+  WriteLines(path, poses, [](const StampedPose& pose) { return KittiLine(pose.world_from_camera); });
+}
+
+}  // namespace turnscale

@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/io/trajectory_file.h"
+
+#include <filesystem>
+#include <fstream>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "turnscale/base/error.h"
+#include "turnscale/geometry/rotation.h"
+#include "turnscale/io/output_file.h"
+
+namespace turnscale {
+namespace {
+
+namespace fs = std::filesystem;
+
+fs::path Path(const std::string& name) { return fs::path(::testing::TempDir()) / ("trajectory_file_" + name); }
+
+std::string Complaint(const std::string& text, const std::optional<std::vector<double>>& times = std::nullopt) {
+  std::ofstream(Path("bad.txt")) << text;
+  try {
+    ReadTrajectory(Path("bad.txt"), times);
+  } catch (const InputError& error) {
+    const std::string message = error.what();
+    return message.substr(std::min(message.size(), message.find("bad.txt")));
+  }
+  return "no error";
+}
+
+Trajectory RandomTrajectory(int count) {
+  std::mt19937 random(21);
+  std::normal_distribution<double> normal;
+  Trajectory poses;
+  for (int i = 0; i < count; ++i) {
+    const auto vector = [&] { return Eigen::Vector3d(normal(random), normal(random), normal(random)); };
+    poses.push_back({1.4e9 + 0.1 * i, {RotationFromVector(vector()), 1000 * vector()}});
+  }
+  return poses;
+}
+
+void ExpectNear(const Trajectory& a, const Trajectory& b) {
+  ASSERT_EQ(a.size(), b.size());
+  for (size_t i = 0; i < a.size(); ++i) {
+    EXPECT_LT((a[i].world_from_camera.translation - b[i].world_from_camera.translation).norm(), 1e-5);
+    EXPECT_LT(a[i].world_from_camera.rotation.angularDistance(b[i].world_from_camera.rotation), 1e-8);
+  }
+}
+
+TEST(TrajectoryFile, TumRoundTrip) {
+  const Trajectory poses = RandomTrajectory(20);
+  WriteTum(Path("a.tum"), poses);
+  const TrajectoryFile read = ReadTrajectoryFile(Path("a.tum"));
+  EXPECT_EQ(read.format, TrajectoryFormat::kTum);
+  EXPECT_TRUE(read.frames.empty());
+  ExpectNear(read.poses, poses);
+  EXPECT_NEAR(read.poses[7].time, poses[7].time, 1e-6);
+}
+
+TEST(TrajectoryFile, KittiRoundTripWithAndWithoutTimes) {
+  const Trajectory poses = RandomTrajectory(5);
+  WriteKitti(Path("a.kitti.txt"), poses);
+  const TrajectoryFile read = ReadTrajectoryFile(Path("a.kitti.txt"));
+  EXPECT_EQ(read.format, TrajectoryFormat::kKitti);
+  EXPECT_EQ(read.frames, (std::vector<int>{0, 1, 2, 3, 4}));
+  ExpectNear(read.poses, poses);
+  EXPECT_EQ(read.poses[3].time, 3);
+  EXPECT_EQ(ReadTrajectory(Path("a.kitti.txt"), std::vector<double>{0, 2, 4, 6, 8})[3].time, 6);
+}
+
+TEST(TrajectoryFile, ThirteenColumnsBeginWithTheFrame) {
+  std::ofstream(Path("13.txt")) << "# frame, pose\n2 1 0 0 5 0 1 0 0 0 0 1 0\n4 1 0 0 6 0 1 0 0 0 0 1 0\n";
+  const TrajectoryFile read = ReadTrajectoryFile(Path("13.txt"), std::vector<double>{0, .1, .2, .3, .4, .5});
+  EXPECT_EQ(read.frames, (std::vector<int>{2, 4}));
+  EXPECT_EQ(read.poses[1].time, 0.4);
+  EXPECT_EQ(read.poses[1].world_from_camera.translation.x(), 6);
+}
+
+TEST(TrajectoryFile, LinesAreAsTheFormatsSay) {
+  const RigidTransform pose{Eigen::Quaterniond::Identity(), {1.5, -2, 1.0 / 3}};
+  EXPECT_EQ(TumLine({12.5, pose}), "12.500000 1.5 -2 0.333333333 0 0 0 1\n");
+  EXPECT_EQ(KittiLine(pose), "1 0 0 1.5 0 1 0 -2 0 0 1 0.333333333\n");
+}
+
+TEST(TrajectoryFile, ComplaintsNameTheLine) {
+  const std::string tum = "0 1 2 3 0 0 0 1\n";
+  const std::string kitti = "1 0 0 5 0 1 0 0 0 0 1 0\n";
+  EXPECT_TRUE(Complaint("").starts_with("bad.txt: holds no poses"));
+  EXPECT_TRUE(Complaint("1 2 3\n").starts_with("bad.txt:1: 3 columns"));
+  EXPECT_TRUE(Complaint(tum + "1 1 2 3 0 0 0\n").starts_with("bad.txt:2: 7 columns, but the lines before have 8"));
+  EXPECT_TRUE(Complaint("# c\n" + tum + "1 1 nan 3 0 0 0 1\n").starts_with("bad.txt:3: 'nan' is no finite number"));
+  EXPECT_TRUE(Complaint(tum + "1 1 2 x 0 0 0 1\n").starts_with("bad.txt:2: 'x' is no finite number"));
+  EXPECT_TRUE(Complaint(tum + "1 1 2 3 0 0 0 0.5\n").starts_with("bad.txt:2: quaternion has norm 0.5"));
+  EXPECT_TRUE(Complaint(tum + tum).starts_with("bad.txt:2: time 0 does not come after 0"));
+  EXPECT_TRUE(Complaint(kitti + "1 0 0 5 0 1 0 0 0 0 -1 0\n").starts_with("bad.txt:2: the 3x3 part is no rotation"));
+  EXPECT_TRUE(Complaint("2 0 0 5 0 1 0 0 0 0 1 0\n").starts_with("bad.txt:1: the 3x3 part is no rotation"));
+  EXPECT_TRUE(Complaint(kitti + kitti, std::vector<double>{0}).starts_with("bad.txt:2: frame 1 has no time"));
+  EXPECT_TRUE(Complaint(kitti, std::vector<double>{0, 1}).starts_with("bad.txt: 1 poses, but 2 times"));
+  EXPECT_TRUE(Complaint("0.5 " + kitti).starts_with("bad.txt:1: '0.5' is no frame number"));
+  EXPECT_TRUE(Complaint("3 " + kitti + "3 " + kitti).starts_with("bad.txt:2: frame 3 does not come after 3"));
+  EXPECT_THROW(ReadTrajectory(Path("nowhere")), InputError);
+  EXPECT_THROW(ReadTrajectory(::testing::TempDir()), InputError);
+}
+
+TEST(OutputFile, FullDiskAndForbiddenPlaces) {
+  EXPECT_THROW(OutputFile("/dev/full").Write("text"), OutputError);
+  EXPECT_THROW(ReplaceFile("/dev/full", "text"), OutputError);
+  EXPECT_THROW(OutputFile("/proc/nothing_may_be_made_here"), InputError);
+  EXPECT_THROW(OutputFile("/nonexistent/file"), InputError);
+  EXPECT_THROW(WriteTum("/dev/full", RandomTrajectory(3)), OutputError);
+}
+
+TEST(OutputFile, ReplacesInOneStepAndFollowsLinks) {
+  const fs::path target = Path("target");
+  const fs::path link = Path("link");
+  fs::remove(link);
+  ReplaceFile(target, "old");
+  fs::create_symlink(target, link);
+  ReplaceFile(link, "new");
+  EXPECT_TRUE(fs::is_symlink(link));
+  std::string text;
+  std::ifstream(target) >> text;
+  EXPECT_EQ(text, "new");
+  EXPECT_FALSE(fs::exists(target.string() + ".tmp"));
+}
+
+TEST(OutputFile, AppendsAfterWhatIsThere) {
+  ReplaceFile(Path("grows"), "a\n");
+  OutputFile file(Path("grows"), OutputFile::Mode::kAppend);
+  file.Write("b\n");
+  std::ifstream stream(Path("grows"));
+  EXPECT_EQ(std::string(std::istreambuf_iterator<char>(stream), {}), "a\nb\n") << "on disk before the file is closed";
+}
+
+}  // namespace
+}  // namespace turnscale
