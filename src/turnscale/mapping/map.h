@@ -47,4 +47,13 @@ struct Map {
   std::vector<Landmark> landmarks;
 };
 
+/// Records that a keyframe saw a landmark, on both sides.
+void AddObservation(Map& map, int keyframe, int landmark, const Eigen::Vector2d& pixel);
+
+/// Forgets that a keyframe saw a landmark, on both sides.
+void RemoveObservation(Map& map, int keyframe, int landmark);
+
+/// Takes a landmark out of the map: invalid and seen by nobody. Its number stays taken.
+void RemoveLandmark(Map& map, int landmark);
+
 }  // namespace turnscale

@@ -1,13 +1,19 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <memory>
 #include <vector>
 
 #include <opencv2/core/mat.hpp>
 
 #include "turnscale/camera/camera_model.h"
+#include "turnscale/features/optical_flow.h"
 #include "turnscale/mapping/map.h"
+#include "turnscale/mapping/pose_estimation.h"
+#include "turnscale/odometry/feature_tracks.h"
+#include "turnscale/odometry/frame_history.h"
+#include "turnscale/odometry/map_initializer.h"
+#include "turnscale/odometry/metric_scale.h"
+#include "turnscale/odometry/motion_model.h"
 #include "turnscale/odometry/options.h"
 #include "turnscale/odometry/results.h"
 
@@ -16,8 +22,8 @@ namespace turnscale {
 /// From a drive's images to the camera's path: one call a frame, in the order of time.
 class Odometry {
  public:
+  /// Throws InputError when an option makes no sense.
   Odometry(const OdometryOptions& options, const CameraModel& camera);
-  ~Odometry();
 
   /// Takes the next image (8-bit gray, the camera file's size) taken at `time` seconds, and gives what is known of the
   /// camera's pose at this moment.
@@ -26,20 +32,49 @@ class Odometry {
   /// The next frame has no usable image: its pose is predicted and flagged.
   FrameResult ProcessUnreadable(double time);
 
+  /// The drive is over: a turn that is still going on is used.
+  void Finish();
+
   /// Every frame so far with its refined pose: what the absolute scale recovery has gone back over. Frames before the
-  /// map started are given the first pose known (they have none of their own only while there is no map at all).
+  /// map started have the first pose known (and none only while there is no map at all).
   std::vector<FrameResult> RefinedFrames() const;
 
-  /// Grows whenever the refined poses of frames already given change as a whole.
-  int revision() const;
+  /// Grows whenever the refined poses of frames already given change.
+  int revision() const { return revision_; }
 
   std::vector<TurnResult> Turns() const;
-  const Map& map() const;
-  ScaleState scale_state() const;
+  const Map& map() const { return map_; }
+  ScaleState scale_state() const { return scale_.state(); }
 
  private:
-  struct State;
-  std::unique_ptr<State> state_;
+  FrameResult Initialize(const FlowImage& image, FrameResult result);
+  void StartMap(const InitialMap& start);
+  void LocateWaitingFrames(const InitialMap& start, int first_landmark, int keyframe);
+  PoseEstimate LocateFrame(const RigidTransform& predicted, std::vector<FeatureTrack>& tracks) const;
+  bool Believable(const PoseEstimate& estimate) const;
+  FrameResult Bridge(const RigidTransform& predicted, FrameResult result);
+  bool NeedsKeyframe(const RigidTransform& camera_from_world, int inliers) const;
+  void AddKeyframe(const FlowImage& image, const RigidTransform& camera_from_world, FrameResult& result);
+  void ObserveScale(FrameResult& result);
+  void ApplyScale(const std::vector<double>& factors);
+  void DetectNewFeatures(const FlowImage& image);
+  FrameResult Record(FrameResult result, const RigidTransform& camera_from_world);
+
+  OdometryOptions options_;
+  CameraModel camera_;
+  MapInitializer initializer_;
+  MotionModel motion_;
+  MetricScale scale_;
+  FrameHistory history_;
+  Map map_;
+
+  FlowImage last_image_;              ///< the latest one whose pose was measured
+  std::vector<FeatureTrack> tracks_;  ///< what it shows
+  int landmarks_in_keyframe_ = 0;     ///< with a depth, when the last keyframe was made
+  bool mapping_ = false;              ///< there is a map to track against
+  int lost_frames_ = 0;               ///< in a row, up to now
+  int frames_ = 0;
+  int revision_ = 0;
 };
 
 }  // namespace turnscale

@@ -5,6 +5,15 @@
 
 #include <Eigen/Geometry>
 
+#include "turnscale/features/corners.h"
+#include "turnscale/features/optical_flow.h"
+#include "turnscale/kinematics/pooled_scale.h"
+#include "turnscale/kinematics/turn_detector.h"
+#include "turnscale/mapping/landmarks.h"
+#include "turnscale/mapping/local_bundle_adjustment.h"
+#include "turnscale/mapping/pose_estimation.h"
+#include "turnscale/mapping/two_view_initialization.h"
+
 namespace turnscale {
 
 /// The car, as far as the camera's motion tells of it.
@@ -16,11 +25,50 @@ struct VehicleOptions {
   double side_slip = 0.0045;
   /// The paper's Q.
   Eigen::Quaterniond vehicle_from_camera = Eigen::Quaterniond::Identity();
+
+  /// Throws InputError that names the field when a value makes no sense.
+  void Check() const;
+};
+
+/// When a frame becomes a keyframe: any of these suffices.
+struct KeyframeOptions {
+  /// Rotation since the last keyframe, degrees. Gives turning steps above the turn detector's threshold.
+  double min_rotation_deg = 2.5;
+  /// Median angle by which features have moved since the last keyframe, beyond the rotation, degrees.
+  double min_parallax_deg = 1.2;
+  /// Share of the last keyframe's landmarks that are still tracked.
+  double min_tracked_share = 0.7;
+
+  /// Throws InputError that names the field when a value makes no sense.
+  void Check() const;
+};
+
+/// When tracking counts as lost, and what happens then.
+struct RecoveryOptions {
+  /// A pose with fewer agreeing landmarks is not believed.
+  int min_inliers = 25;
+  /// Nor one with which fewer than this share of the tracked landmarks agree.
+  double min_inlier_share = 0.35;
+  /// Frames in a row without a pose after which the map starts anew, at the predicted pose and speed.
+  int max_lost_frames = 4;
+
+  /// Throws InputError that names the field when a value makes no sense.
+  void Check() const;
 };
 
 /// Everything that can be set; the defaults are the one frozen configuration for all drives.
 struct OdometryOptions {
   VehicleOptions vehicle;
+  CornerOptions corners;
+  FlowOptions flow;
+  TwoViewOptions initialization;
+  PoseEstimationOptions pose;
+  KeyframeOptions keyframes;
+  LandmarkOptions landmarks;
+  LocalBundleOptions local_bundle;
+  RecoveryOptions recovery;
+  TurnDetectorOptions turns;
+  PooledScaleOptions pooled_scale;
   /// Threads that image operations may use. Changes the time, never the result.
   int threads = 2;
 

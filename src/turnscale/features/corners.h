@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <vector>
+
+#include <opencv2/core.hpp>
+
+namespace turnscale {
+
+struct CornerOptions {
+  /// Corners wanted over the whole image. More cost time, fewer cost accuracy in turns, where half the view is new
+  /// every second.
+  int target = 1200;
+  /// Gray levels by which the ring of a FAST corner has to differ; low, since the ranking below keeps the best.
+  int fast_threshold = 10;
+  /// No new corner nearer than this to a tracked one, pixels.
+  double min_distance = 12;
+  /// No corner nearer than this to the image border, pixels.
+  int border = 12;
+
+  /// Throws InputError that names the field when a value makes no sense.
+  void Check() const;
+};
+
+/// Corners of an 8-bit gray image spread evenly: the image is divided into about `target` square cells, and each cell
+/// that holds none of the `occupied` pixels gives its FAST corner with the largest smaller eigenvalue of the gradient
+/// matrix (Shi and Tomasi 1994), which is what optical flow can hold on to in both directions.
+std::vector<cv::Point2f> DetectCorners(const CornerOptions& options, const cv::Mat& gray,
+                                       const std::vector<cv::Point2f>& occupied);
+
+}  // namespace turnscale

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/features/optical_flow.h"
+
+#include <cmath>
+
+#include <opencv2/video/tracking.hpp>
+
+#include "turnscale/base/error.h"
+
+namespace turnscale {
+namespace {
+
+const cv::TermCriteria kTermination(cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 30, 0.005);
+constexpr double kMinEigenvalue = 1e-4;
+// The way back starts at the right place, so it needs no coarse levels.
+constexpr int kReturnLevels = 1;
+
+float RoundedGuess(float coordinate) { return std::round(coordinate * 16.0F) / 16.0F; }
+
+bool Inside(const cv::Point2f& point, const cv::Size& size) {
+  return point.x >= 0 && point.y >= 0 && point.x <= static_cast<float>(size.width - 1) &&
+         point.y <= static_cast<float>(size.height - 1);
+}
+
+}  // namespace
+
+void FlowOptions::Check() const {
+  if (window < 5 || window % 2 == 0) throw InputError("flow.window: has to be odd and at least 5 pixels");
+  if (levels < 0 || levels > 8) throw InputError("flow.levels: has to be in 0...8");
+  if (!(max_return_error > 0)) throw InputError("flow.max_return_error: has to be positive");
+}
+
+FlowImage BuildFlowImage(const FlowOptions& options, const cv::Mat& gray) {
+  FlowImage image;
+  image.gray = gray;
+  cv::buildOpticalFlowPyramid(gray, image.pyramid, cv::Size(options.window, options.window), options.levels);
+  return image;
+}
+
+FlowResult TrackPoints(const FlowOptions& options, const FlowImage& first, const FlowImage& second,
+                       const std::vector<cv::Point2f>& points, const std::vector<cv::Point2f>& guesses) {
+  FlowResult result;
+  if (points.empty()) return result;
+  const cv::Size window(options.window, options.window);
+  result.points.reserve(points.size());
+  for (const cv::Point2f& guess : guesses) result.points.emplace_back(RoundedGuess(guess.x), RoundedGuess(guess.y));
+  cv::calcOpticalFlowPyrLK(first.pyramid, second.pyramid, points, result.points, result.found, cv::noArray(), window,
+                           options.levels, kTermination, cv::OPTFLOW_USE_INITIAL_FLOW, kMinEigenvalue);
+
+  std::vector<cv::Point2f> returned = points;
+  std::vector<uchar> found_back;
+  cv::calcOpticalFlowPyrLK(second.pyramid, first.pyramid, result.points, returned, found_back, cv::noArray(), window,
+                           kReturnLevels, kTermination, cv::OPTFLOW_USE_INITIAL_FLOW, kMinEigenvalue);
+  for (size_t i = 0; i < points.size(); ++i) {
+    const cv::Point2f off = returned[i] - points[i];
+    const bool returns = found_back[i] != 0 && std::hypot(off.x, off.y) <= options.max_return_error;
+    result.found[i] = result.found[i] != 0 && returns && Inside(result.points[i], second.gray.size()) ? 1 : 0;
+  }
+  return result;
+}
+
+}  // namespace turnscale

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <vector>
+
+#include <opencv2/core.hpp>
+
+namespace turnscale {
+
+struct FlowOptions {
+  /// Side of the square patch that is compared, pixels. Odd.
+  int window = 15;
+  /// Halvings of the image above the full size; each doubles the motion that is found without a prediction.
+  int levels = 3;
+  /// A point tracked forth and back has to return to within this many pixels.
+  double max_return_error = 0.7;
+
+  /// Throws InputError that names the field when a value makes no sense.
+  void Check() const;
+};
+
+/// An image with what optical flow needs of it, built once a frame.
+struct FlowImage {
+  cv::Mat gray;                  ///< 8 bit, full size
+  std::vector<cv::Mat> pyramid;  ///< images and gradients, level by level
+};
+
+FlowImage BuildFlowImage(const FlowOptions& options, const cv::Mat& gray);
+
+struct FlowResult {
+  std::vector<cv::Point2f> points;  ///< where each point is in the second image; meaningless where not found
+  std::vector<uchar> found;         ///< one flag a point
+};
+
+/// Finds points of the first image again in the second by pyramidal Lucas-Kanade, starting at `guesses` (same size as
+/// `points`), and keeps those that track back to where they came from. Guesses are rounded to 1/16 pixel: a prediction
+/// that differs in its last digits then finds the very same pixels.
+FlowResult TrackPoints(const FlowOptions& options, const FlowImage& first, const FlowImage& second,
+                       const std::vector<cv::Point2f>& points, const std::vector<cv::Point2f>& guesses);
+
+}  // namespace turnscale

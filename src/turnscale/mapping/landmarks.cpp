@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/mapping/landmarks.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+
+#include "turnscale/base/error.h"
+#include "turnscale/geometry/rotation.h"
+#include "turnscale/geometry/triangulation.h"
+
+namespace turnscale {
+namespace {
+
+constexpr size_t kFewestObservations = 2;
+
+CameraRay RayOf(const Map& map, const LandmarkObservation& seen) {
+  return {map.keyframes[seen.keyframe].camera_from_world, map.pinhole.Ray(seen.pixel)};
+}
+
+// Depth from the two keyframes that are farthest apart in time: they hold the widest parallax of a forward motion.
+std::optional<Eigen::Vector3d> TriangulateOne(const LandmarkOptions& options, const Map& map, int index) {
+  const Landmark& landmark = map.landmarks[index];
+  const std::array<CameraRay, 2> rays = {RayOf(map, landmark.observations.front()),
+                                         RayOf(map, landmark.observations.back())};
+  const std::optional<Eigen::Vector3d> x = Triangulate(rays);
+  if (!x) return std::nullopt;
+  const double angle = ParallaxAngle(rays[0].camera_from_world, rays[1].camera_from_world, *x);
+  if (angle * kDegreesPerRadian < options.min_parallax_deg) return std::nullopt;
+  return x;
+}
+
+}  // namespace
+
+void LandmarkOptions::Check() const {
+  if (!(min_parallax_deg > 0)) throw InputError("landmarks.min_parallax_deg: has to be positive");
+  if (!(max_reprojection_error > 0)) throw InputError("landmarks.max_reprojection_error: has to be positive");
+}
+
+double ReprojectionError(const Map& map, int landmark, const LandmarkObservation& seen) {
+  const Eigen::Vector3d x = map.keyframes[seen.keyframe].camera_from_world * map.landmarks[landmark].position;
+  return x.z() > 0 ? (map.pinhole.Project(x) - seen.pixel).norm() : HUGE_VAL;
+}
+
+int TriangulateLandmarks(const LandmarkOptions& options, const std::vector<int>& landmarks, Map& map) {
+  int created = 0;
+  for (const int index : landmarks) {
+    Landmark& landmark = map.landmarks[index];
+    if (landmark.valid || landmark.observations.size() < kFewestObservations) continue;
+    const std::optional<Eigen::Vector3d> x = TriangulateOne(options, map, index);
+    if (!x) continue;
+    landmark.position = *x;
+    landmark.valid = std::ranges::all_of(landmark.observations, [&](const LandmarkObservation& seen) {
+      return ReprojectionError(map, index, seen) <= options.max_reprojection_error;
+    });
+    if (landmark.valid) ++created;
+  }
+  return created;
+}
+
+std::vector<int> CullLandmarks(const LandmarkOptions& options, const std::vector<int>& landmarks, int latest_keyframe,
+                               Map& map) {
+  std::vector<int> lost;
+  for (const int index : landmarks) {
+    Landmark& landmark = map.landmarks[index];
+    if (!landmark.valid) continue;
+    bool seen_latest = false;
+    bool keeps_latest = false;
+    const std::vector<LandmarkObservation> observations = landmark.observations;
+    for (const LandmarkObservation& seen : observations) {
+      const bool agrees = ReprojectionError(map, index, seen) <= options.max_reprojection_error;
+      if (seen.keyframe == latest_keyframe) {
+        seen_latest = true;
+        keeps_latest = agrees;
+      }
+      if (!agrees) RemoveObservation(map, seen.keyframe, index);
+    }
+    if (landmark.observations.size() < kFewestObservations) {
+      RemoveLandmark(map, index);
+      lost.push_back(index);
+    } else if (seen_latest && !keeps_latest) {
+      lost.push_back(index);
+    }
+  }
+  return lost;
+}
+
+}  // namespace turnscale

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <vector>
+
+#include "turnscale/mapping/map.h"
+
+namespace turnscale {
+
+struct LandmarkOptions {
+  /// Angle under which two keyframes have to see a landmark before it is given a depth, degrees.
+  double min_parallax_deg = 1.0;
+  /// Largest reprojection error of a landmark in any keyframe, pixels.
+  double max_reprojection_error = 2.0;
+
+  /// Throws InputError that names the field when a value makes no sense.
+  void Check() const;
+};
+
+/// Gives a depth to those of the landmarks that have none yet and are seen by now under enough parallax.
+/// Returns how many.
+int TriangulateLandmarks(const LandmarkOptions& options, const std::vector<int>& landmarks, Map& map);
+
+/// Reprojection error in pixels of a landmark in a keyframe; infinite where it lies behind the camera.
+double ReprojectionError(const Map& map, int landmark, const LandmarkObservation& seen);
+
+/// Removes observations that contradict the landmark's position, and landmarks that too few keyframes are left to see.
+/// Returns the landmarks that lost their observation in `latest_keyframe` or were removed, so that their tracks end.
+std::vector<int> CullLandmarks(const LandmarkOptions& options, const std::vector<int>& landmarks, int latest_keyframe,
+                               Map& map);
+
+}  // namespace turnscale

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <vector>
+
+#include "turnscale/bundle/bundle_adjustment.h"
+#include "turnscale/mapping/map.h"
+
+namespace turnscale {
+
+struct LocalBundleOptions {
+  /// Latest keyframes that move.
+  int window = 10;
+  /// Earlier keyframes that see the window's landmarks and stand still; they hold the scale.
+  int anchors = 10;
+  /// Standard deviation of a tracked pixel, pixels.
+  double pixel_sigma = 0.5;
+  int max_iterations = 6;
+
+  /// Throws InputError that names the field when a value makes no sense.
+  void Check() const;
+};
+
+struct LocalBundleResult {
+  BundleSummary summary;
+  std::vector<int> landmarks;  ///< those that took part, ascending
+};
+
+/// Adjusts the latest keyframes and the landmarks they see; earlier keyframes that see the same landmarks hold still.
+/// The first keyframe of the map, or after a gap in the tracking, never moves.
+LocalBundleResult AdjustLocalWindow(const LocalBundleOptions& options, Map& map);
+
+}  // namespace turnscale

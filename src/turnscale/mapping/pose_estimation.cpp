@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/mapping/pose_estimation.h"
+
+#include <cmath>
+
+#include <Eigen/Cholesky>
+
+#include "turnscale/base/error.h"
+#include "turnscale/geometry/rotation.h"
+
+namespace turnscale {
+namespace {
+
+constexpr int kRounds = 4;
+constexpr double kStepTolerance = 1e-8;
+using Matrix6d = Eigen::Matrix<double, 6, 6>;
+using Vector6d = Eigen::Matrix<double, 6, 1>;
+
+// Unit of length for the step test, so that it does not depend on the map's unit.
+double TypicalDistance(const std::vector<PointSighting>& sightings, const RigidTransform& camera_from_world) {
+  double sum = 0;
+  for (const PointSighting& sighting : sightings) sum += (camera_from_world * sighting.x_in_world).norm();
+  return sightings.empty() ? 1.0 : sum / static_cast<double>(sightings.size());
+}
+
+struct Normal {
+  Matrix6d matrix = Matrix6d::Zero();
+  Vector6d gradient = Vector6d::Zero();
+};
+
+Normal BuildNormal(const PoseEstimationOptions& options, const Pinhole& pinhole,
+                   const std::vector<PointSighting>& sightings, const std::vector<char>& used,
+                   const RigidTransform& camera_from_world) {
+  Normal normal;
+  const Eigen::Matrix3d R = camera_from_world.rotation.toRotationMatrix();
+  for (size_t i = 0; i < sightings.size(); ++i) {
+    if (used[i] == 0) continue;
+    const Eigen::Vector3d rotated = R * sightings[i].x_in_world;
+    const Eigen::Vector3d x = rotated + camera_from_world.translation;
+    if (!(x.z() > 0)) continue;
+    const double inverse_depth = 1.0 / x.z();
+    const Eigen::Vector2d residual = pinhole.Project(x) - sightings[i].pixel;
+    const double error = residual.norm();
+    const double weight = error > options.huber_threshold ? options.huber_threshold / error : 1.0;
+    Eigen::Matrix<double, 2, 3> by_x;
+    by_x << pinhole.fx * inverse_depth, 0, -pinhole.fx * x.x() * inverse_depth * inverse_depth,  //
+        0, pinhole.fy * inverse_depth, -pinhole.fy * x.y() * inverse_depth * inverse_depth;
+    Eigen::Matrix<double, 2, 6> J;
+    J.leftCols<3>() = -by_x * Skew(rotated);
+    J.rightCols<3>() = by_x;
+    normal.matrix.noalias() += weight * J.transpose() * J;
+    normal.gradient.noalias() += weight * J.transpose() * residual;
+  }
+  return normal;
+}
+
+void Classify(const PoseEstimationOptions& options, const Pinhole& pinhole, const std::vector<PointSighting>& sightings,
+              PoseEstimate& estimate) {
+  estimate.inliers = 0;
+  double sum = 0;
+  for (size_t i = 0; i < sightings.size(); ++i) {
+    const Eigen::Vector3d x = estimate.camera_from_world * sightings[i].x_in_world;
+    const double squared = x.z() > 0 ? (pinhole.Project(x) - sightings[i].pixel).squaredNorm() : HUGE_VAL;
+    estimate.inlier[i] = squared <= options.inlier_threshold * options.inlier_threshold ? 1 : 0;
+    if (estimate.inlier[i] == 0) continue;
+    ++estimate.inliers;
+    sum += squared;
+  }
+  estimate.rms = estimate.inliers > 0 ? std::sqrt(sum / estimate.inliers) : 0.0;
+}
+
+}  // namespace
+
+void PoseEstimationOptions::Check() const {
+  if (!(inlier_threshold > 0)) throw InputError("pose.inlier_threshold: has to be positive");
+  if (!(huber_threshold > 0)) throw InputError("pose.huber_threshold: has to be positive");
+  if (max_iterations < 1) throw InputError("pose.max_iterations: has to be at least 1");
+}
+
+PoseEstimate EstimatePose(const PoseEstimationOptions& options, const Pinhole& pinhole,
+                          const std::vector<PointSighting>& sightings, const RigidTransform& initial) {
+  PoseEstimate estimate;
+  estimate.camera_from_world = initial;
+  estimate.inlier.assign(sightings.size(), 1);
+  const double distance = TypicalDistance(sightings, initial);
+  for (int round = 0; round < kRounds; ++round) {
+    for (int iteration = 0; iteration < options.max_iterations; ++iteration) {
+      const Normal normal = BuildNormal(options, pinhole, sightings, estimate.inlier, estimate.camera_from_world);
+      const Eigen::LDLT<Matrix6d> factor(normal.matrix);
+      const Vector6d step = -factor.solve(normal.gradient);
+      if (factor.info() != Eigen::Success || !step.allFinite()) break;
+      const Eigen::Quaterniond turn = RotationFromVector(step.head<3>());
+      estimate.camera_from_world.rotation = (turn * estimate.camera_from_world.rotation).normalized();
+      estimate.camera_from_world.translation += step.tail<3>();
+      if (step.head<3>().norm() + step.tail<3>().norm() / distance < kStepTolerance) break;
+    }
+    Classify(options, pinhole, sightings, estimate);
+  }
+  return estimate;
+}
+
+}  // namespace turnscale

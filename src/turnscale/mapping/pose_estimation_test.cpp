@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/mapping/pose_estimation.h"
+
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "turnscale/geometry/rotation.h"
+
+namespace turnscale {
+namespace {
+
+const Pinhole kPinhole{700, 700, 600, 180};
+
+struct Scene {
+  RigidTransform camera_from_world{RotationFromVector({0.1, -0.4, 0.05}), {0.5, -0.2, 1.0}};
+  std::vector<PointSighting> sightings;
+};
+
+Scene MakeScene(int points, double noise, unsigned seed, double unit = 1.0) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> x(100, 1100);
+  std::uniform_real_distribution<double> y(20, 340);
+  std::uniform_real_distribution<double> depth(4, 40);
+  std::normal_distribution<double> normal;
+  Scene scene;
+  scene.camera_from_world.translation *= unit;
+  for (int i = 0; i < points; ++i) {
+    const Eigen::Vector2d pixel(x(random), y(random));
+    const Eigen::Vector3d in_camera = unit * depth(random) * kPinhole.Ray(pixel);
+    scene.sightings.push_back({scene.camera_from_world.inverse() * in_camera,
+                               pixel + noise * Eigen::Vector2d(normal(random), normal(random))});
+  }
+  return scene;
+}
+
+RigidTransform Disturbed(const RigidTransform& pose, double unit = 1.0) {
+  return RigidTransform{RotationFromVector({0.02, 0.03, -0.01}), unit * Eigen::Vector3d(0.3, -0.1, 0.4)} * pose;
+}
+
+TEST(PoseEstimation, ExactWithoutNoise) {
+  const Scene scene = MakeScene(50, 0, 1);
+  const PoseEstimate estimate = EstimatePose({}, kPinhole, scene.sightings, Disturbed(scene.camera_from_world));
+  const RigidTransform off = estimate.camera_from_world * scene.camera_from_world.inverse();
+  EXPECT_LT(RotationAngle(off.rotation), 1e-9);
+  EXPECT_LT(off.translation.norm(), 1e-8);
+  EXPECT_EQ(estimate.inliers, 50);
+}
+
+TEST(PoseEstimation, OutliersLoseTheirSay) {
+  Scene scene = MakeScene(200, 0.3, 2);
+  for (int i = 0; i < 60; ++i) scene.sightings[i].pixel += Eigen::Vector2d(8 + i, -5);
+  const PoseEstimate estimate = EstimatePose({}, kPinhole, scene.sightings, Disturbed(scene.camera_from_world));
+  const RigidTransform off = estimate.camera_from_world * scene.camera_from_world.inverse();
+  EXPECT_LT(RotationAngle(off.rotation) * kDegreesPerRadian, 0.02);
+  EXPECT_LT(off.translation.norm(), 0.02);
+  for (int i = 0; i < 60; ++i) EXPECT_EQ(estimate.inlier[i], 0) << i;
+  EXPECT_EQ(estimate.inliers, 140);
+}
+
+TEST(PoseEstimation, DoesNotDependOnTheUnitOfLength) {
+  const Scene one = MakeScene(100, 0.5, 3);
+  const PoseEstimate reference = EstimatePose({}, kPinhole, one.sightings, Disturbed(one.camera_from_world));
+  for (const double unit : {0.1, 10.0}) {
+    const Scene scene = MakeScene(100, 0.5, 3, unit);
+    const PoseEstimate estimate = EstimatePose({}, kPinhole, scene.sightings, Disturbed(scene.camera_from_world, unit));
+    EXPECT_LT((estimate.camera_from_world.translation / unit - reference.camera_from_world.translation).norm(), 1e-8);
+    EXPECT_EQ(estimate.inliers, reference.inliers);
+  }
+}
+
+TEST(PoseEstimation, TooFewSightingsGiveNoInliersOutOfNothing) {
+  const PoseEstimate estimate = EstimatePose({}, kPinhole, {}, RigidTransform{});
+  EXPECT_EQ(estimate.inliers, 0);
+  EXPECT_TRUE(estimate.camera_from_world.translation.allFinite());
+}
+
+}  // namespace
+}  // namespace turnscale

@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/mapping/two_view_initialization.h"
+
+#include <algorithm>
+#include <array>
+
+#include <opencv2/calib3d.hpp>
+#include <opencv2/core.hpp>
+#include <opencv2/core/eigen.hpp>
+
+#include "turnscale/base/error.h"
+#include "turnscale/bundle/bundle_adjustment.h"
+#include "turnscale/geometry/rotation.h"
+#include "turnscale/geometry/rotation_fit.h"
+#include "turnscale/geometry/triangulation.h"
+
+namespace turnscale {
+namespace {
+
+constexpr double kRansacConfidence = 0.9999;
+
+double Median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+std::vector<Eigen::Vector3d> Rays(const Pinhole& pinhole, const std::vector<Eigen::Vector2d>& pixels) {
+  std::vector<Eigen::Vector3d> rays;
+  rays.reserve(pixels.size());
+  for (const Eigen::Vector2d& pixel : pixels) rays.push_back(pinhole.Ray(pixel));
+  return rays;
+}
+
+void MeasureMotion(const Pinhole& pinhole, const std::vector<Eigen::Vector2d>& first,
+                   const std::vector<Eigen::Vector2d>& second, TwoViewResult& result) {
+  const std::vector<Eigen::Vector3d> rays = Rays(pinhole, first);
+  const Eigen::Quaterniond rotation = FitRotation(rays, Rays(pinhole, second));
+  std::vector<double> motion;
+  std::vector<double> parallax;
+  for (size_t i = 0; i < first.size(); ++i) {
+    motion.push_back((second[i] - first[i]).norm());
+    const Eigen::Vector3d rotated = rotation * rays[i];
+    if (rotated.z() > 0) parallax.push_back((second[i] - pinhole.Project(rotated)).norm());
+  }
+  result.motion = Median(motion);
+  result.parallax = parallax.empty() ? 0.0 : Median(parallax);
+}
+
+struct EssentialMotion {
+  RigidTransform second_from_first;  // unit translation
+  std::vector<char> inlier;
+};
+
+EssentialMotion FindMotion(const TwoViewOptions& options, const Pinhole& pinhole,
+                           const std::vector<Eigen::Vector3d>& first, const std::vector<Eigen::Vector3d>& second) {
+  std::vector<cv::Point2d> a;
+  std::vector<cv::Point2d> b;
+  for (size_t i = 0; i < first.size(); ++i) {
+    a.emplace_back(first[i].x(), first[i].y());
+    b.emplace_back(second[i].x(), second[i].y());
+  }
+  const double threshold = options.max_epipolar_error / pinhole.fx;
+  cv::Mat mask;
+  const cv::Mat identity = cv::Mat::eye(3, 3, CV_64F);
+  const cv::Mat essential = cv::findEssentialMat(a, b, identity, cv::RANSAC, kRansacConfidence, threshold, mask);
+  EssentialMotion motion;
+  if (essential.rows != 3) return motion;
+  cv::Mat rotation;
+  cv::Mat translation;
+  // Points farther than this many baselines tell nothing about which of the four motions is right.
+  constexpr double kFarthest = 500;
+  cv::recoverPose(essential, a, b, identity, rotation, translation, kFarthest, mask);
+  Eigen::Matrix3d R;
+  cv::cv2eigen(rotation, R);
+  motion.second_from_first.rotation = Eigen::Quaterniond(R).normalized();
+  motion.second_from_first.translation = {translation.at<double>(0), translation.at<double>(1),
+                                          translation.at<double>(2)};
+  motion.inlier.assign(mask.begin<uchar>(), mask.end<uchar>());
+  return motion;
+}
+
+double ReprojectionError(const Pinhole& pinhole, const RigidTransform& camera_from_first, const Eigen::Vector3d& x,
+                         const Eigen::Vector2d& pixel) {
+  const Eigen::Vector3d in_camera = camera_from_first * x;
+  return in_camera.z() > 0 ? (pinhole.Project(in_camera) - pixel).norm() : HUGE_VAL;
+}
+
+}  // namespace
+
+void TwoViewOptions::Check() const {
+  if (!(min_parallax > 0)) throw InputError("initialization.min_parallax: has to be positive");
+  if (!(max_epipolar_error > 0)) throw InputError("initialization.max_epipolar_error: has to be positive");
+  if (min_landmarks < 8) throw InputError("initialization.min_landmarks: has to be at least 8");
+  if (!(min_inlier_share >= 0 && min_inlier_share <= 1))
+    throw InputError("initialization.min_inlier_share: has to be in 0...1");
+  if (!(initial_baseline > 0)) throw InputError("initialization.initial_baseline: has to be positive");
+}
+
+TwoViewResult InitializeFromTwoViews(const TwoViewOptions& options, const Pinhole& pinhole,
+                                     const std::vector<Eigen::Vector2d>& first,
+                                     const std::vector<Eigen::Vector2d>& second) {
+  TwoViewResult result;
+  if (static_cast<int>(first.size()) < options.min_landmarks) return result;
+  MeasureMotion(pinhole, first, second, result);
+  if (result.motion < options.min_motion) {
+    result.status = TwoViewStatus::kStandstill;
+    return result;
+  }
+  if (result.parallax < options.min_parallax) {
+    result.status = TwoViewStatus::kLowParallax;
+    return result;
+  }
+  const std::vector<Eigen::Vector3d> first_rays = Rays(pinhole, first);
+  const std::vector<Eigen::Vector3d> second_rays = Rays(pinhole, second);
+  const EssentialMotion motion = FindMotion(options, pinhole, first_rays, second_rays);
+  if (motion.inlier.empty()) return result;
+
+  BundleProblem problem;
+  problem.pinhole = pinhole;
+  problem.camera_from_world = {RigidTransform{}, motion.second_from_first};
+  problem.camera_is_fixed = {1, 0};
+  std::vector<size_t> match_of_point;
+  int inliers = 0;
+  for (size_t i = 0; i < first.size(); ++i) {
+    if (motion.inlier[i] == 0) continue;
+    ++inliers;
+    const std::array<CameraRay, 2> rays = {CameraRay{problem.camera_from_world[0], first_rays[i]},
+                                           CameraRay{problem.camera_from_world[1], second_rays[i]}};
+    const std::optional<Eigen::Vector3d> x = Triangulate(rays);
+    if (!x) continue;
+    const int point = static_cast<int>(problem.points.size());
+    problem.points.push_back(*x);
+    problem.observations.push_back({0, point, first[i], 1.0});
+    problem.observations.push_back({1, point, second[i], 1.0});
+    match_of_point.push_back(i);
+  }
+  if (inliers < options.min_inlier_share * static_cast<double>(first.size())) return result;
+  BundleOptions bundle_options;
+  AdjustBundle(bundle_options, problem);
+
+  // Bundle adjustment leaves the unit open; the baseline defines it.
+  const double unit = options.initial_baseline / problem.camera_from_world[1].translation.norm();
+  result.second_from_first = problem.camera_from_world[1];
+  result.triangulated.assign(first.size(), 0);
+  result.points.assign(first.size(), Eigen::Vector3d::Zero());
+  int landmarks = 0;
+  for (size_t k = 0; k < match_of_point.size(); ++k) {
+    const size_t i = match_of_point[k];
+    const Eigen::Vector3d& x = problem.points[k];
+    const double angle = ParallaxAngle(RigidTransform{}, result.second_from_first, x);
+    if (angle * kDegreesPerRadian < options.min_landmark_parallax_deg) continue;
+    if (ReprojectionError(pinhole, RigidTransform{}, x, first[i]) > options.max_epipolar_error) continue;
+    if (ReprojectionError(pinhole, result.second_from_first, x, second[i]) > options.max_epipolar_error) continue;
+    result.triangulated[i] = 1;
+    result.points[i] = unit * x;
+    ++landmarks;
+  }
+  result.second_from_first.translation *= unit;
+  if (landmarks >= options.min_landmarks) result.status = TwoViewStatus::kInitialized;
+  return result;
+}
+
+}  // namespace turnscale

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "turnscale/geometry/pinhole.h"
+#include "turnscale/geometry/rigid_transform.h"
+
+namespace turnscale {
+
+struct TwoViewOptions {
+  /// Median motion of the features below which the camera counts as standing still, pixels.
+  double min_motion = 1.0;
+  /// Median motion that is left after the best pure rotation has been taken out, pixels: below it the two views hold no
+  /// baseline worth the name (pure rotation, low parallax).
+  double min_parallax = 12.0;
+  /// Largest distance of a match to its epipolar line, and largest reprojection error of a first landmark, pixels.
+  double max_epipolar_error = 1.0;
+  /// Fewer landmarks than this do not make a map.
+  int min_landmarks = 80;
+  /// Share of the matches that have to agree with the motion found.
+  double min_inlier_share = 0.6;
+  /// Angle under which a landmark has to be seen by both views, degrees.
+  double min_landmark_parallax_deg = 0.6;
+  /// Length given to the first baseline: the arbitrary unit of the start.
+  double initial_baseline = 1.0;
+
+  /// Throws InputError that names the field when a value makes no sense.
+  void Check() const;
+};
+
+enum class TwoViewStatus { kStandstill, kLowParallax, kFailed, kInitialized };
+
+struct TwoViewResult {
+  TwoViewStatus status = TwoViewStatus::kFailed;
+  double motion = 0;    ///< median motion of the features, pixels
+  double parallax = 0;  ///< median motion left after the best pure rotation, pixels
+  RigidTransform second_from_first;
+  std::vector<char> triangulated;       ///< one flag a match
+  std::vector<Eigen::Vector3d> points;  ///< in the first camera, where triangulated
+};
+
+/// Relative pose and first landmarks from matched undistorted pixels of two views: five-point essential matrix with
+/// RANSAC, the one of its four motions that puts points in front of both cameras, two-view bundle adjustment. Says why
+/// not where the views do not suffice.
+TwoViewResult InitializeFromTwoViews(const TwoViewOptions& options, const Pinhole& pinhole,
+                                     const std::vector<Eigen::Vector2d>& first,
+                                     const std::vector<Eigen::Vector2d>& second);
+
+}  // namespace turnscale

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/mapping/two_view_initialization.h"
+
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "turnscale/geometry/rotation.h"
+
+namespace turnscale {
+namespace {
+
+const Pinhole kPinhole{700, 700, 600, 180};
+
+struct Views {
+  std::vector<Eigen::Vector2d> first;
+  std::vector<Eigen::Vector2d> second;
+  std::vector<Eigen::Vector3d> points;
+};
+
+// Points in front of the first camera, and where both views see them with the given pixel noise.
+Views MakeViews(const RigidTransform& second_from_first, double noise, unsigned seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> x(50, 1150);
+  std::uniform_real_distribution<double> y(20, 340);
+  std::uniform_real_distribution<double> depth(6, 30);
+  std::normal_distribution<double> normal;
+  const auto jitter = [&] { return Eigen::Vector2d(noise * normal(random), noise * normal(random)); };
+  Views views;
+  for (int i = 0; i < 500; ++i) {
+    const Eigen::Vector2d pixel(x(random), y(random));
+    const Eigen::Vector3d point = depth(random) * kPinhole.Ray(pixel);
+    const Eigen::Vector3d in_second = second_from_first * point;
+    if (in_second.z() < 1) continue;
+    views.first.emplace_back(pixel + jitter());
+    views.second.emplace_back(kPinhole.Project(in_second) + jitter());
+    views.points.push_back(point);
+  }
+  return views;
+}
+
+TEST(TwoViewInitialization, RecoversAForwardMotionThatTurns) {
+  const RigidTransform truth{RotationFromVector({0.002, -0.05, 0.001}), {0.1, 0.0, -1.5}};
+  Views views = MakeViews(truth, 0.3, 1);
+  for (int i = 0; i < 80; ++i) views.second[i] += Eigen::Vector2d(-30, 25 + i);
+  const TwoViewResult result = InitializeFromTwoViews({}, kPinhole, views.first, views.second);
+  ASSERT_EQ(result.status, TwoViewStatus::kInitialized);
+  EXPECT_LT(RotationAngle(result.second_from_first.rotation * truth.rotation.conjugate()) * kDegreesPerRadian, 0.1);
+  EXPECT_NEAR(result.second_from_first.translation.norm(), 1.0, 1e-12) << "the baseline is the unit";
+  const double angle = std::acos(result.second_from_first.translation.normalized().dot(truth.translation.normalized()));
+  EXPECT_LT(angle * kDegreesPerRadian, 1.0);
+  int good = 0;
+  for (size_t i = 80; i < views.points.size(); ++i)
+    if (result.triangulated[i] != 0 &&
+        (result.points[i] * truth.translation.norm() - views.points[i]).norm() < 0.2 * views.points[i].norm())
+      ++good;
+  EXPECT_GT(good, 200);
+}
+
+TEST(TwoViewInitialization, NoticesStandstill) {
+  const Views views = MakeViews({}, 0.3, 2);
+  EXPECT_EQ(InitializeFromTwoViews({}, kPinhole, views.first, views.second).status, TwoViewStatus::kStandstill);
+}
+
+TEST(TwoViewInitialization, NoticesPureRotation) {
+  const Views views = MakeViews({RotationFromVector({0.01, 0.08, 0}), Eigen::Vector3d::Zero()}, 0.3, 3);
+  const TwoViewResult result = InitializeFromTwoViews({}, kPinhole, views.first, views.second);
+  EXPECT_EQ(result.status, TwoViewStatus::kLowParallax);
+  EXPECT_GT(result.motion, 40);
+  EXPECT_LT(result.parallax, 1);
+}
+
+TEST(TwoViewInitialization, RefusesMatchesWithoutACommonMotion) {
+  Views views = MakeViews({Eigen::Quaterniond::Identity(), {0, 0, -1.5}}, 0.3, 4);
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> off(-100, 100);
+  for (Eigen::Vector2d& pixel : views.second) pixel += Eigen::Vector2d(off(random), off(random));
+  EXPECT_EQ(InitializeFromTwoViews({}, kPinhole, views.first, views.second).status, TwoViewStatus::kFailed);
+}
+
+}  // namespace
+}  // namespace turnscale

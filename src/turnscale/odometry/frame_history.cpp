@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/odometry/frame_history.h"
+
+#include <optional>
+
+namespace turnscale {
+namespace {
+
+bool Measured(const FrameResult& frame) { return frame.state == TrackingState::kTracked && frame.world_from_camera; }
+
+RigidTransform Between(const FrameResult& before, const FrameResult& after, double time) {
+  const double share = (time - before.time) / (after.time - before.time);
+  const RigidTransform& a = *before.world_from_camera;
+  const RigidTransform& b = *after.world_from_camera;
+  return {a.rotation.slerp(share, b.rotation), (1 - share) * a.translation + share * b.translation};
+}
+
+void BridgeGaps(std::vector<FrameResult>& frames) {
+  std::optional<size_t> before;
+  for (size_t i = 0; i < frames.size(); ++i) {
+    if (!Measured(frames[i])) continue;
+    if (before)
+      for (size_t gap = *before + 1; gap < i; ++gap)
+        frames[gap].world_from_camera = Between(frames[*before], frames[i], frames[gap].time);
+    before = i;
+  }
+}
+
+void FillStart(std::vector<FrameResult>& frames) {
+  size_t first = 0;
+  while (first < frames.size() && !frames[first].world_from_camera) ++first;
+  if (first == frames.size()) return;
+  for (size_t i = 0; i < first; ++i) frames[i].world_from_camera = frames[first].world_from_camera;
+}
+
+}  // namespace
+
+void FrameHistory::AddWithoutPose(const FrameResult& result) { entries_.push_back({result, -1, {}}); }
+
+void FrameHistory::Add(const FrameResult& result, const Map& map, int keyframe,
+                       const RigidTransform& camera_from_world) {
+  const Entry entry{result, keyframe, camera_from_world * map.keyframes[keyframe].camera_from_world.inverse()};
+  if (result.frame < static_cast<int>(entries_.size()))
+    entries_[result.frame] = entry;
+  else
+    entries_.push_back(entry);
+}
+
+void FrameHistory::Rescale(const std::vector<double>& factors) {
+  for (Entry& entry : entries_)
+    if (entry.keyframe >= 0) entry.frame_from_keyframe.translation *= factors[entry.keyframe];
+}
+
+std::vector<FrameResult> FrameHistory::Refined(const Map& map) const {
+  std::vector<FrameResult> frames;
+  frames.reserve(entries_.size());
+  for (const Entry& entry : entries_) {
+    FrameResult frame = entry.result;
+    if (entry.keyframe >= 0)
+      frame.world_from_camera = (entry.frame_from_keyframe * map.keyframes[entry.keyframe].camera_from_world).inverse();
+    frames.push_back(frame);
+  }
+  BridgeGaps(frames);
+  FillStart(frames);
+  return frames;
+}
+
+}  // namespace turnscale

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <vector>
+
+#include "turnscale/mapping/map.h"
+#include "turnscale/odometry/results.h"
+
+namespace turnscale {
+
+/// Every frame of the drive, each hung on a keyframe: when keyframes are refined, their frames go with them.
+class FrameHistory {
+ public:
+  /// Adds a frame that has no pose yet.
+  void AddWithoutPose(const FrameResult& result);
+
+  /// Adds a frame, or gives the frame of that number its pose, relative to a keyframe of the map.
+  void Add(const FrameResult& result, const Map& map, int keyframe, const RigidTransform& camera_from_world);
+
+  /// Lengths of the frames hung on the keyframes are `factors[k]` times what they were.
+  void Rescale(const std::vector<double>& factors);
+
+  /// All frames with the poses that the map gives them now. Bridged frames between two measured ones move evenly from
+  /// the one to the other; frames before the first pose have that pose, once there is one.
+  std::vector<FrameResult> Refined(const Map& map) const;
+
+ private:
+  struct Entry {
+    FrameResult result;
+    int keyframe = -1;  ///< -1 while the frame has no pose
+    RigidTransform frame_from_keyframe;
+  };
+  std::vector<Entry> entries_;  ///< index is the frame's number
+};
+
+}  // namespace turnscale

@@ -1,0 +1,251 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/odometry/odometry.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <unordered_set>
+#include <utility>
+
+#include "turnscale/features/corners.h"
+#include "turnscale/geometry/rotation.h"
+#include "turnscale/mapping/landmarks.h"
+#include "turnscale/mapping/local_bundle_adjustment.h"
+
+namespace turnscale {
+namespace {
+
+FrameResult NewResult(int frame, double time, TrackingState state) {
+  FrameResult result;
+  result.frame = frame;
+  result.time = time;
+  result.state = state;
+  return result;
+}
+
+}  // namespace
+
+Odometry::Odometry(const OdometryOptions& options, const CameraModel& camera)
+    : options_((options.Check(), options)), camera_(camera), initializer_(options, camera), scale_(options) {
+  map_.pinhole = camera.pinhole;
+  cv::setNumThreads(options.threads);
+}
+
+FrameResult Odometry::Process(const cv::Mat& gray, double time) {
+  FrameResult result = NewResult(frames_++, time, TrackingState::kInitializing);
+  const FlowImage image = BuildFlowImage(options_.flow, gray);
+  if (!mapping_) return Initialize(image, result);
+
+  const RigidTransform predicted = motion_.Predict(time);
+  const std::vector<cv::Point2f> guesses = PredictPixels(map_, camera_, tracks_, motion_.last(), predicted);
+  std::vector<FeatureTrack> tracks = FollowTracks(options_.flow, camera_, last_image_, image, tracks_, guesses);
+  const PoseEstimate estimate = LocateFrame(predicted, tracks);
+  result.tracked = static_cast<int>(tracks.size());
+  result.inliers = estimate.inliers;
+  if (!Believable(estimate)) return Bridge(predicted, result);
+
+  tracks_ = std::move(tracks);
+  last_image_ = image;
+  lost_frames_ = 0;
+  result.state = TrackingState::kTracked;
+  motion_.Update(time, estimate.camera_from_world);
+  if (!NeedsKeyframe(estimate.camera_from_world, estimate.inliers)) return Record(result, estimate.camera_from_world);
+  AddKeyframe(image, estimate.camera_from_world, result);
+  return Record(result, map_.keyframes.back().camera_from_world);
+}
+
+FrameResult Odometry::ProcessUnreadable(double time) {
+  const FrameResult result = NewResult(frames_++, time, TrackingState::kUnreadable);
+  if (map_.keyframes.empty()) {
+    history_.AddWithoutPose(result);
+    return result;
+  }
+  return Bridge(motion_.Predict(time), result);
+}
+
+void Odometry::Finish() {
+  const ScaleUpdate update = scale_.Finish(map_);
+  if (!update.factors.empty()) ApplyScale(update.factors);
+}
+
+FrameResult Odometry::Initialize(const FlowImage& image, FrameResult result) {
+  const std::optional<InitialMap> start = initializer_.Add(image, result.frame, result.time);
+  result.tracked = initializer_.tracked();
+  if (!map_.keyframes.empty()) result = Bridge(motion_.Predict(result.time), result);
+  if (map_.keyframes.empty()) history_.AddWithoutPose(result);
+  if (!start) return result;
+  StartMap(*start);
+  last_image_ = image;
+  result.state = TrackingState::kTracked;
+  result.inliers = landmarks_in_keyframe_;
+  result.keyframe = true;
+  return Record(result, map_.keyframes.back().camera_from_world);
+}
+
+void Odometry::StartMap(const InitialMap& start) {
+  const WaitingFrame& first = start.frames.front();
+  const WaitingFrame& second = start.frames.back();
+  const bool continues = !map_.keyframes.empty();
+  // A map that goes on after a gap takes over where the motion model has arrived, at the speed it had.
+  const RigidTransform first_from_world = continues ? motion_.Predict(first.time) : RigidTransform{};
+  const double expected = motion_.speed() * (second.time - first.time);
+  const double unit = continues && expected > 0 ? expected / start.second_from_first.translation.norm() : 1.0;
+  RigidTransform second_from_first = start.second_from_first;
+  second_from_first.translation *= unit;
+
+  const int first_landmark = static_cast<int>(map_.landmarks.size());
+  const int keyframe = static_cast<int>(map_.keyframes.size());
+  map_.keyframes.push_back({first.frame, first.time, first_from_world, {}, continues});
+  map_.keyframes.push_back({second.frame, second.time, second_from_first * first_from_world, {}, false});
+  for (size_t i = 0; i < first.features.size(); ++i) {
+    map_.landmarks.push_back({first_from_world.inverse() * (unit * start.points[i]), start.has_point[i] != 0, {}});
+    AddObservation(map_, keyframe, first_landmark + static_cast<int>(i), first.pixels[i]);
+  }
+  tracks_.clear();
+  for (size_t i = 0; i < second.features.size(); ++i) {
+    const int landmark = first_landmark + second.features[i];
+    AddObservation(map_, keyframe + 1, landmark, second.pixels[i]);
+    tracks_.push_back({landmark, start.raw_pixels[i], second.pixels[i], second.pixels[i]});
+  }
+  mapping_ = true;
+  lost_frames_ = 0;
+  landmarks_in_keyframe_ = static_cast<int>(std::ranges::count(start.has_point, 1));
+  LocateWaitingFrames(start, first_landmark, keyframe);
+  scale_.AddKeyframe(map_);
+  scale_.AddKeyframe(map_);
+  ++revision_;
+}
+
+void Odometry::LocateWaitingFrames(const InitialMap& start, int first_landmark, int keyframe) {
+  RigidTransform pose = map_.keyframes[keyframe].camera_from_world;
+  for (const WaitingFrame& waiting : start.frames) {
+    std::vector<PointSighting> sightings;
+    for (size_t i = 0; i < waiting.features.size(); ++i) {
+      const Landmark& landmark = map_.landmarks[first_landmark + waiting.features[i]];
+      if (landmark.valid) sightings.push_back({landmark.position, waiting.pixels[i]});
+    }
+    const PoseEstimate estimate = EstimatePose(options_.pose, camera_.pinhole, sightings, pose);
+    const bool is_second = &waiting == &start.frames.back();
+    pose = is_second ? map_.keyframes.back().camera_from_world : estimate.camera_from_world;
+    motion_.Update(waiting.time, pose);
+    if (is_second) break;
+    FrameResult result = NewResult(waiting.frame, waiting.time, TrackingState::kTracked);
+    result.tracked = static_cast<int>(waiting.features.size());
+    result.inliers = estimate.inliers;
+    result.keyframe = &waiting == &start.frames.front();
+    Record(result, pose);
+  }
+}
+
+PoseEstimate Odometry::LocateFrame(const RigidTransform& predicted, std::vector<FeatureTrack>& tracks) const {
+  std::vector<PointSighting> sightings;
+  for (const FeatureTrack& track : tracks)
+    if (map_.landmarks[track.landmark].valid)
+      sightings.push_back({map_.landmarks[track.landmark].position, track.undistorted});
+  PoseEstimate estimate = EstimatePose(options_.pose, camera_.pinhole, sightings, predicted);
+  // What disagrees with the pose has slipped, or moves by itself; its track ends.
+  size_t sighting = 0;
+  std::erase_if(tracks, [&](const FeatureTrack& track) {
+    return map_.landmarks[track.landmark].valid && estimate.inlier[sighting++] == 0;
+  });
+  return estimate;
+}
+
+bool Odometry::Believable(const PoseEstimate& estimate) const {
+  return estimate.inliers >= options_.recovery.min_inliers &&
+         estimate.inliers >= options_.recovery.min_inlier_share * static_cast<double>(estimate.inlier.size());
+}
+
+FrameResult Odometry::Bridge(const RigidTransform& predicted, FrameResult result) {
+  if (result.state != TrackingState::kUnreadable) result.state = TrackingState::kBridged;
+  if (mapping_ && ++lost_frames_ > options_.recovery.max_lost_frames) {
+    mapping_ = false;
+    initializer_ = MapInitializer(options_, camera_);
+  }
+  return Record(result, predicted);
+}
+
+bool Odometry::NeedsKeyframe(const RigidTransform& camera_from_world, int inliers) const {
+  const KeyframeOptions& limits = options_.keyframes;
+  if (inliers < limits.min_tracked_share * landmarks_in_keyframe_) return true;
+  const Eigen::Quaterniond turn =
+      camera_from_world.rotation * map_.keyframes.back().camera_from_world.rotation.conjugate();
+  if (RotationAngle(turn) * kDegreesPerRadian > limits.min_rotation_deg) return true;
+  std::vector<double> parallax;
+  for (const FeatureTrack& track : tracks_) {
+    const Eigen::Vector3d rotated = turn * map_.pinhole.Ray(track.in_keyframe);
+    const Eigen::Vector3d seen = map_.pinhole.Ray(track.undistorted);
+    parallax.push_back(std::atan2(rotated.cross(seen).norm(), rotated.dot(seen)));
+  }
+  if (parallax.empty()) return true;
+  const auto middle = parallax.begin() + static_cast<std::ptrdiff_t>(parallax.size() / 2);
+  std::nth_element(parallax.begin(), middle, parallax.end());
+  return *middle * kDegreesPerRadian > limits.min_parallax_deg;
+}
+
+void Odometry::AddKeyframe(const FlowImage& image, const RigidTransform& camera_from_world, FrameResult& result) {
+  const int keyframe = static_cast<int>(map_.keyframes.size());
+  map_.keyframes.push_back({result.frame, result.time, camera_from_world, {}, false});
+  std::vector<int> seen;
+  for (const FeatureTrack& track : tracks_) {
+    AddObservation(map_, keyframe, track.landmark, track.undistorted);
+    seen.push_back(track.landmark);
+  }
+  TriangulateLandmarks(options_.landmarks, seen, map_);
+  const LocalBundleResult adjusted = AdjustLocalWindow(options_.local_bundle, map_);
+  const std::vector<int> lost = CullLandmarks(options_.landmarks, adjusted.landmarks, keyframe, map_);
+  const std::unordered_set<int> ended(lost.begin(), lost.end());
+  std::erase_if(tracks_, [&](const FeatureTrack& track) { return ended.contains(track.landmark); });
+  motion_.Correct(map_.keyframes.back().camera_from_world, 1.0);
+  ++revision_;
+
+  ObserveScale(result);
+  landmarks_in_keyframe_ = static_cast<int>(
+      std::ranges::count_if(tracks_, [&](const FeatureTrack& track) { return map_.landmarks[track.landmark].valid; }));
+  for (FeatureTrack& track : tracks_) track.in_keyframe = track.undistorted;
+  DetectNewFeatures(image);
+  result.keyframe = true;
+}
+
+void Odometry::ObserveScale(FrameResult& result) {
+  const ScaleUpdate update = scale_.AddKeyframe(map_);
+  result.psi = update.motion.psi;
+  result.theta = update.motion.theta;
+  if (!update.factors.empty()) ApplyScale(update.factors);
+}
+
+void Odometry::ApplyScale(const std::vector<double>& factors) {
+  history_.Rescale(factors);
+  motion_.Correct(map_.keyframes.back().camera_from_world, factors.back());
+  ++revision_;
+}
+
+void Odometry::DetectNewFeatures(const FlowImage& image) {
+  const int keyframe = static_cast<int>(map_.keyframes.size()) - 1;
+  for (const cv::Point2f& corner : DetectCorners(options_.corners, image.gray, PixelsOf(tracks_))) {
+    const std::optional<Eigen::Vector2d> undistorted = camera_.Undistort({corner.x, corner.y});
+    if (!undistorted) continue;
+    const int landmark = static_cast<int>(map_.landmarks.size());
+    map_.landmarks.push_back({});
+    AddObservation(map_, keyframe, landmark, *undistorted);
+    tracks_.push_back({landmark, corner, *undistorted, *undistorted});
+  }
+}
+
+FrameResult Odometry::Record(FrameResult result, const RigidTransform& camera_from_world) {
+  result.world_from_camera = camera_from_world.inverse();
+  result.scale_state = scale_.state();
+  result.scale_sigma = scale_.sigma();
+  history_.Add(result, map_, static_cast<int>(map_.keyframes.size()) - 1, camera_from_world);
+  return result;
+}
+
+std::vector<FrameResult> Odometry::RefinedFrames() const {
+  std::vector<FrameResult> frames = history_.Refined(map_);
+  scale_.Annotate(map_, frames);
+  return frames;
+}
+
+std::vector<TurnResult> Odometry::Turns() const { return scale_.Turns(map_); }
+
+}  // namespace turnscale
