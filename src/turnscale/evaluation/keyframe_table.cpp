@@ -2,10 +2,10 @@
 #include "turnscale/evaluation/keyframe_table.h"
 
 #include <algorithm>
-#include <charconv>
 #include <string_view>
 
 #include "turnscale/base/error.h"
+#include "turnscale/base/parse.h"
 
 namespace turnscale {
 namespace {
@@ -29,12 +29,9 @@ size_t Column(const std::vector<std::string_view>& header, std::string_view colu
 
 template <typename Number>
 Number Value(std::string_view cell, const std::string& where) {
-  Number value{};
-  const auto [end, problem] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
-  if (problem != std::errc() || end != cell.data() + cell.size()) {
-    throw InputError(where + ": '" + std::string(cell) + "' is not a number");
-  }
-  return value;
+  const auto value = ParseNumber<Number>(cell);
+  if (!value) throw InputError(where + ": '" + std::string(cell) + "' is not a number");
+  return *value;
 }
 
 }  // namespace
@@ -52,7 +49,7 @@ std::vector<KeyframeRow> ReadKeyframes(std::istream& table, const std::string& n
   std::string line;
   for (int number = 2; std::getline(table, line); ++number) {
     const std::vector<std::string_view> cells = Cells(line);
-    const std::string where = name + " line " + std::to_string(number);
+    const std::string where = name + ":" + std::to_string(number);
     if (cells.size() != header.size()) {
       throw InputError(where + ": has " + std::to_string(cells.size()) + " values, the first line has " +
                        std::to_string(header.size()));

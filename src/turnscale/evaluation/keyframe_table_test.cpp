@@ -42,9 +42,8 @@ TEST(KeyframeTable, SaysWhatIsWrong) {
   EXPECT_EQ(ProblemOf("frame,time,keyframe\n"), "trajectory.csv: has no column 'turning'");
   EXPECT_EQ(ProblemOf(""), "trajectory.csv: has no column 'frame'");
   EXPECT_EQ(ProblemOf("frame,time,keyframe,turning\n1,0.1,1\n"),
-            "trajectory.csv line 2: has 3 values, the first line has 4");
-  EXPECT_EQ(ProblemOf("frame,time,keyframe,turning\n1,0.1,1,0\n1,x,1,0\n"),
-            "trajectory.csv line 3: 'x' is not a number");
+            "trajectory.csv:2: has 3 values, the first line has 4");
+  EXPECT_EQ(ProblemOf("frame,time,keyframe,turning\n1,0.1,1,0\n1,x,1,0\n"), "trajectory.csv:3: 'x' is not a number");
 }
 
 }  // namespace

@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "turnscale/base/error.h"
-
 namespace turnscale {
 namespace {
 
@@ -54,7 +52,6 @@ std::vector<Step> StepsBetweenKeyframes(const PosePairs& pairs, const std::vecto
     if (previous >= 0 && place > previous) steps.push_back({previous, place, row.turning});
     previous = place;
   }
-  if (steps.empty()) throw InputError("fewer than two keyframes of the table have a pose in both trajectories");
   return steps;
 }
 

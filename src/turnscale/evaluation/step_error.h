@@ -42,7 +42,7 @@ enum class KeyframeKey {
 };
 
 /// Steps from keyframe to keyframe; a step turns when the keyframe at its end is marked so. Keyframes without a pair
-/// are passed over. Throws InputError when fewer than two keyframes have one.
+/// are passed over, so there may be no step at all.
 std::vector<Step> StepsBetweenKeyframes(const PosePairs& pairs, const std::vector<KeyframeRow>& keyframes,
                                         KeyframeKey key);
 

@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: MIT
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <memory>
+#include <optional>
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include "commands.h"
+#include "evaluation_report.h"
+#include "turnscale/base/error.h"
+#include "turnscale/evaluation/evaluation.h"
+#include "turnscale/io/frame_times.h"
+#include "turnscale/io/output_file.h"
+#include "turnscale/io/trajectory_file.h"
+
+namespace turnscale {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct EvaluateArguments {
+  fs::path estimate;
+  fs::path ground_truth;
+  fs::path timestamps;
+  fs::path keyframes;
+  std::string json;
+  std::optional<double> time_tolerance;
+};
+
+struct Paired {
+  PosePairs pairs;
+  KeyframeKey key = KeyframeKey::kTime;
+};
+
+// KITTI poses have no times of their own: they stand beside them, or where the benchmark keeps them
+// (poses/07.txt, sequences/07/times.txt).
+fs::path TimesOf(const fs::path& kitti_poses) {
+  const fs::path beside = kitti_poses.parent_path() / "times.txt";
+  if (fs::exists(beside)) return beside;
+  const fs::path benchmark =
+      fs::absolute(kitti_poses).parent_path().parent_path() / "sequences" / kitti_poses.stem() / "times.txt";
+  return fs::exists(benchmark) ? benchmark : fs::path();
+}
+
+bool NumbersEveryFrame(const TrajectoryFile& file) {
+  return file.frames.back() + 1 == static_cast<int>(file.frames.size());
+}
+
+Paired PairFrames(const TrajectoryFile& estimate, const TrajectoryFile& truth) {
+  if (NumbersEveryFrame(estimate) && NumbersEveryFrame(truth)) {
+    return {AssociateByFrame(estimate.poses, truth.poses), KeyframeKey::kFrame};
+  }
+  // Without times, the time of a KITTI pose is its frame's number.
+  return {AssociateByTime(estimate.poses, truth.poses, {0.5}), KeyframeKey::kFrame};
+}
+
+Paired PairPoses(const EvaluateArguments& arguments, TrajectoryFile& estimate, TrajectoryFile& truth) {
+  const bool estimate_has_times = estimate.format == TrajectoryFormat::kTum;
+  const bool truth_has_times = truth.format == TrajectoryFormat::kTum;
+  if (!estimate_has_times && !truth_has_times) return PairFrames(estimate, truth);
+  if (estimate_has_times != truth_has_times) {
+    const fs::path& untimed_path = estimate_has_times ? arguments.ground_truth : arguments.estimate;
+    TrajectoryFile& untimed = estimate_has_times ? truth : estimate;
+    const fs::path times = arguments.timestamps.empty() ? TimesOf(untimed_path) : arguments.timestamps;
+    if (times.empty()) {
+      if (estimate.poses.size() == truth.poses.size()) {
+        return {AssociateByFrame(estimate.poses, truth.poses), KeyframeKey::kFrame};
+      }
+      throw InputError(untimed_path.string() + " has no times, and " + std::to_string(estimate.poses.size()) +
+                       " estimated poses cannot be told apart among " + std::to_string(truth.poses.size()) +
+                       " true ones; give its times with --timestamps");
+    }
+    untimed = ReadTrajectoryFile(untimed_path, ReadFrameTimes(times).times);
+  }
+  return {AssociateByTime(estimate.poses, truth.poses, {arguments.time_tolerance}), KeyframeKey::kTime};
+}
+
+std::vector<Step> ReadKeyframeSteps(const fs::path& path, const Paired& paired) {
+  std::ifstream stream(path);
+  if (!stream || fs::is_directory(path)) throw InputError(path.string() + ": cannot be read");
+  auto steps = StepsBetweenKeyframes(paired.pairs, ReadKeyframes(stream, path.string()), paired.key);
+  if (steps.empty()) {
+    throw InputError(path.string() + ": fewer than two of its keyframes have a pose in both trajectories");
+  }
+  return steps;
+}
+
+std::vector<Step> FindSteps(const EvaluateArguments& arguments, const Paired& paired, std::string& description) {
+  const bool asked = !arguments.keyframes.empty();
+  const fs::path path = asked ? arguments.keyframes : arguments.estimate.parent_path() / "trajectory.csv";
+  if (asked || fs::exists(path)) {
+    try {
+      auto steps = ReadKeyframeSteps(path, paired);
+      description = "between the keyframes of " + path.string();
+      return steps;
+    } catch (const InputError&) {
+      // A table that merely lies in the same folder may belong to something else.
+      if (asked) throw;
+    }
+  }
+  description = "of 1 m of true path";
+  return StepsAlongPath(paired.pairs);
+}
+
+void RunEvaluate(const EvaluateArguments& arguments) {
+  TrajectoryFile estimate = ReadTrajectoryFile(arguments.estimate);
+  TrajectoryFile truth = ReadTrajectoryFile(arguments.ground_truth);
+  const Paired paired = PairPoses(arguments, estimate, truth);
+  EvaluationSources sources;
+  sources.estimate = arguments.estimate.string();
+  sources.ground_truth = arguments.ground_truth.string();
+  sources.estimated_poses = static_cast<int>(estimate.poses.size());
+  sources.true_poses = static_cast<int>(truth.poses.size());
+  sources.pairing = paired.key == KeyframeKey::kTime ? "time" : "frame";
+  const std::vector<Step> steps = FindSteps(arguments, paired, sources.steps);
+  const Evaluation evaluation = Evaluate(paired.pairs, steps);
+  const std::string json = EvaluationJson(evaluation, sources).dump(2) + "\n";
+  if (arguments.json == "-") {
+    std::cout << json;
+    return;
+  }
+  if (!arguments.json.empty()) ReplaceFile(arguments.json, json);
+  std::cout << EvaluationTable(evaluation, sources);
+}
+
+}  // namespace
+
+void AddEvaluateCommand(CLI::App& app) {
+  auto* command = app.add_subcommand("evaluate", "Score a trajectory against the ground truth");
+  const auto arguments = std::make_shared<EvaluateArguments>();
+  command->add_option("ESTIMATE", arguments->estimate, "Estimated trajectory: TUM or KITTI file")->required();
+  command->add_option("GROUND_TRUTH", arguments->ground_truth, "True trajectory: TUM or KITTI file")->required();
+  command->add_option("--timestamps", arguments->timestamps,
+                      "Times of the KITTI side when the other is TUM, one a line, s (default: times.txt beside it)");
+  command
+      ->add_option("--time-tolerance", arguments->time_tolerance,
+                   "Poses belong together up to this difference of time, s (default: half the ground truth's "
+                   "interval, at most 0.02)")
+      ->check(CLI::NonNegativeNumber);
+  command->add_option("--keyframes", arguments->keyframes,
+                      "trajectory.csv of the run, whose keyframes are the steps of the scale error ratio (default: the "
+                      "one beside ESTIMATE, else steps of 1 m)");
+  command->add_option("--json", arguments->json, "Write the numbers to this file; - writes them instead of the table");
+  command->callback([arguments] { RunEvaluate(*arguments); });
+}
+
+}  // namespace turnscale
