@@ -18,7 +18,7 @@ struct DriveSegment {
 };
 
 /// A drive whose truth is known.
-struct SyntheticDrive {
+struct CarDrive {
   double dt = 0.1;                                ///< seconds a step
   std::vector<RigidTransform> world_from_camera;  ///< one more than there are steps; metres; the first is the identity
 };
@@ -33,9 +33,9 @@ inline RigidTransform SlippingCameraMotion(const DriveSegment& segment, double d
   return ConstrainedCameraMotion({segment.psi, rho}, effective, vehicle_from_camera);
 }
 
-inline SyntheticDrive MakeDrive(const std::vector<DriveSegment>& segments, double dt, const LeverArm& lever_arm,
+inline CarDrive MakeCarDrive(const std::vector<DriveSegment>& segments, double dt, const LeverArm& lever_arm,
                                 const Eigen::Quaterniond& vehicle_from_camera) {
-  SyntheticDrive drive{dt, {RigidTransform{}}};
+  CarDrive drive{dt, {RigidTransform{}}};
   for (const DriveSegment& segment : segments) {
     const RigidTransform step = SlippingCameraMotion(segment, dt, lever_arm, vehicle_from_camera);
     for (int i = 0; i < segment.steps; ++i) {
