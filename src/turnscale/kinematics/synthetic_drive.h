@@ -34,7 +34,7 @@ inline RigidTransform SlippingCameraMotion(const DriveSegment& segment, double d
 }
 
 inline CarDrive MakeCarDrive(const std::vector<DriveSegment>& segments, double dt, const LeverArm& lever_arm,
-                                const Eigen::Quaterniond& vehicle_from_camera) {
+                             const Eigen::Quaterniond& vehicle_from_camera) {
   CarDrive drive{dt, {RigidTransform{}}};
   for (const DriveSegment& segment : segments) {
     const RigidTransform step = SlippingCameraMotion(segment, dt, lever_arm, vehicle_from_camera);

@@ -6,16 +6,16 @@
 namespace turnscale {
 
 struct TurnDetectorOptions {
-  /// psi_th of Algorithm 1: least turning angle of a keyframe step, rad (2 deg). Below it the observer is close to its
-  /// singularity.
-  double min_step_angle = 2.0 / 57.295779513082320877;
+  /// psi_th of Algorithm 1: least turning angle of a keyframe step, rad (1.5 deg). High enough to leave out the bends
+  /// of a straight road, low enough for the gentle turns of a car whose keyframes are 0.1 s apart.
+  double min_step_angle = 1.5 / 57.295779513082320877;
   /// n_th: least number of such steps in a region.
   int min_steps = 4;
   /// Least angle of the whole region, rad (15 deg): less than that is a bend of the road, from which the pooled line
   /// learns little.
   double min_region_angle = 15.0 / 57.295779513082320877;
-  /// A turn goes on over this many weaker steps in a row. The paper has 0, and one step of 1.8 deg between steps of 3
-  /// deg then cuts a street corner in two.
+  /// A turn goes on over this many weaker steps in a row. The paper has 0, and one weak step between strong ones then
+  /// cuts a street corner in two.
   int max_weak_steps = 1;
 
   /// Throws InputError that names the field when a value makes no sense.

@@ -11,7 +11,14 @@
 namespace turnscale {
 namespace {
 
-std::vector<TurningRegion> Detect(const std::vector<double>& psi_deg, const TurnDetectorOptions& options = {}) {
+TurnDetectorOptions TwoDegrees() {
+  TurnDetectorOptions options;
+  options.min_step_angle = 2 / kDegreesPerRadian;
+  return options;
+}
+
+std::vector<TurningRegion> Detect(const std::vector<double>& psi_deg,
+                                  const TurnDetectorOptions& options = TwoDegrees()) {
   TurnDetector detector(options);
   std::vector<TurningRegion> regions;
   for (const double psi : psi_deg) {
@@ -57,7 +64,7 @@ TEST(TurnDetector, WeakStepDoesNotCutATurn) {
   ASSERT_EQ(regions.size(), 1u);
   ExpectRegion(regions[0], 1, 9, -33.8);
 
-  TurnDetectorOptions paper;
+  TurnDetectorOptions paper = TwoDegrees();
   paper.max_weak_steps = 0;
   const auto cut = Detect(psi, paper);
   ASSERT_EQ(cut.size(), 2u);

@@ -12,6 +12,7 @@ namespace {
 
 std::vector<Eigen::Vector3d> Line(const std::vector<double>& z) {
   std::vector<Eigen::Vector3d> centres;
+  centres.reserve(z.size());
   for (const double value : z) centres.emplace_back(0, 0, value);
   return centres;
 }
