@@ -119,7 +119,13 @@ RangeRecovery AdjustRange(const ScaleRecoveryOptions& options, const std::vector
   recovery.reason = Hopeless(problem, range);
   if (!recovery.reason.empty()) return recovery;
 
-  recovery.summary = Adjust(options, problem.bundle);
+  try {
+    recovery.summary = Adjust(options, problem.bundle);
+  } catch (const InputError& error) {
+    // A map with a number that is none: the drive goes on with the guess.
+    recovery.reason = error.what();
+    return recovery;
+  }
   std::vector<Eigen::Vector3d> centres = guess;
   for (int k = range.first; k <= range.last; ++k) {
     centres[k] = problem.bundle.camera_from_world[k - range.first].inverse().translation;

@@ -210,6 +210,14 @@ TEST_F(AbsoluteScaleRecovery, BlindKeyframeIsNamed) {
   EXPECT_NE(result.ranges[0].reason.find("keyframe 50"), std::string::npos);
 }
 
+TEST_F(AbsoluteScaleRecovery, BrokenLandmarkDoesNotEndTheDrive) {
+  map_.landmarks[5].position.x() = std::nan("");
+  const ScaleRecoveryResult result = RecoverAbsoluteScale({}, {WithFactor(kFirstTurn, 5.0)}, 0, map_);
+  EXPECT_FALSE(result.ranges[0].adjusted);
+  EXPECT_FALSE(result.ranges[0].reason.empty());
+  EXPECT_NEAR(result.factors.back(), 5.0, 1e-9);
+}
+
 TEST_F(AbsoluteScaleRecovery, LandmarkSeenOnceGoesWithItsKeyframe) {
   Landmark once{map_.landmarks[0].position, true, {{150, {600, 180}}}};
   const Eigen::Vector3d in_camera(1, -1, 10);
