@@ -10,6 +10,7 @@
 
 #include "turnscale/base/error.h"
 #include "turnscale/bundle/kkt_step.h"
+#include "turnscale/bundle/merit.h"
 #include "turnscale/bundle/trial.h"
 
 namespace turnscale {
@@ -19,135 +20,122 @@ namespace {
 constexpr double kConstraintTolerance = 1e-10;
 /// Differences of the cost below this share of it are rounding.
 constexpr double kRounding = 1e-12;
-constexpr double kSmallestDamping = 1e-12;
-constexpr double kLargestDamping = 1e8;
-/// The exact Hessian takes over once a step gains less than this share of the cost.
+/// The exact Hessian takes over once a step gains less than this share of the cost. Gauss-Newton is the safer guide far
+/// from the solution; close to it, with noise in the pixels, it converges only linearly.
 constexpr double kNewtonBelow = 1e-2;
+/// A step has to bring at least this share of what the model promises.
+constexpr double kAcceptedGain = 1e-3;
+constexpr double kSmallestDamping = 1e-12;
+constexpr double kSmallestRaisedDamping = 1e-8;
+constexpr double kLargestDamping = 1e8;
 
-/// How steps are judged: cost plus penalties * |constraints|, which falls along every SQP step when each penalty
-/// exceeds its multiplier.
-struct Merit {
-  Eigen::VectorXd penalties;
+/// Levenberg's damping with Nielsen's update: a good step lowers it smoothly, bad ones raise it ever faster.
+struct Damping {
+  double value = 0;
+  double raise = 2;
 
-  double Infeasibility(const BundleProblem& problem, const BundleState& state) const {
-    double sum = 0;
-    for (std::size_t i = 0; i < problem.distances.size(); ++i) {
-      sum += penalties[static_cast<Eigen::Index>(i)] * std::abs(DistanceError(problem.distances[i], state.centres));
-    }
-    return sum;
+  void Lower(double gain) {
+    const double surplus = 2.0 * std::min(gain, 1.0) - 1.0;
+    value = std::max(value * std::max(0.1, 1.0 - surplus * surplus * surplus), kSmallestDamping);
+    raise = 2;
   }
 
-  void Cover(const Eigen::VectorXd& multipliers) {
-    const Eigen::VectorXd sizes = multipliers.cwiseAbs();
-    penalties = (2.0 * sizes).cwiseMax(0.5 * (penalties + sizes));
+  void Raise() {
+    value = raise * std::max(value, kSmallestRaisedDamping);
+    raise *= 2;
   }
 };
 
-double ConstraintResidual(const BundleProblem& problem, const BundleState& state) {
-  double largest = 0;
-  for (const DistanceConstraint& held : problem.distances) {
-    largest = std::max(largest, std::abs(DistanceError(held, state.centres)));
-  }
-  return largest;
-}
-
-std::vector<LinearizedDistance> LinearizeConstraints(const BundleProblem& problem, const BundleState& state) {
+/// The adjustment's unknowns and everything known at their present values.
+template <int kDof>
+struct Iterate {
+  BundleState state;
+  HessianKind kind = HessianKind::kGaussNewton;
+  NormalEquations<kDof> equations;
   std::vector<LinearizedDistance> constraints;
-  for (const DistanceConstraint& held : problem.distances) {
-    constraints.push_back(LinearizeDistance(held, state.centres));
-  }
-  return constraints;
-}
+  Eigen::MatrixXd constraint_gradients;
+  Eigen::VectorXd multipliers;
+};
 
-void RequireSeparateCentres(const BundleProblem& problem, const BundleState& state) {
-  for (std::size_t i = 0; i < problem.distances.size(); ++i) {
-    if (DistanceError(problem.distances[i], state.centres) <= -1.0) {
-      throw InputError("bundle problem: distances[" + std::to_string(i) +
-                       "] is between two cameras at the same place; which way to part them is unknown");
-    }
+template <int kDof>
+void Linearize(const BundleOptions& options, const BundleProblem& problem, const BundleStructure& structure,
+               Iterate<kDof>& at) {
+  Linearize(problem.pinhole, structure, at.state, options.huber_threshold, at.kind, at.equations);
+  at.constraints.clear();
+  for (const DistanceConstraint& held : problem.distances) {
+    at.constraints.push_back(LinearizeDistance(held, at.state.centres));
   }
+  at.constraint_gradients = ConstraintGradients<kDof>(problem, structure, at.constraints);
 }
 
 template <int kDof>
 BundleSummary Adjust(const BundleOptions& options, BundleProblem& problem) {
-  BundleState state = StateFromProblem(problem);
-  RequireSeparateCentres(problem, state);
-  const BundleStructure structure = MakeStructure(problem, state);
+  Iterate<kDof> at;
+  at.state = StateFromProblem(problem);
+  at.multipliers.setZero(static_cast<Eigen::Index>(problem.distances.size()));
+  RequireSeparateCentres(problem.distances, at.state.centres);
+  const BundleStructure structure = MakeStructure(problem, at.state);
+  Linearize(options, problem, structure, at);
+
   CameraSolver<kDof> solver(static_cast<int>(structure.camera_of_column.size()), structure.blocks);
-  NormalEquations<kDof> equations;
   SchurSystem<kDof> system;
   KktStep step;
   BundleState trial;
-  const Eigen::Index constraint_count = static_cast<Eigen::Index>(problem.distances.size());
-  Eigen::VectorXd multipliers = Eigen::VectorXd::Zero(constraint_count);
-  Merit merit{Eigen::VectorXd::Zero(constraint_count)};
-
-  HessianKind kind = HessianKind::kGaussNewton;
-  Linearize(problem.pinhole, structure, state, options.huber_threshold, kind, equations);
+  Merit merit(problem.distances);
+  Damping damping{std::max(options.initial_damping, kSmallestDamping)};
   BundleSummary summary;
-  summary.initial_cost = equations.cost;
-  double damping = std::max(options.initial_damping, kSmallestDamping);
-  double raise = 2;
+  summary.initial_cost = at.equations.cost;
+  bool settled = false;
   for (;;) {
-    const std::vector<LinearizedDistance> constraints = LinearizeConstraints(problem, state);
-    const Eigen::MatrixXd gradients = ConstraintGradients<kDof>(problem, structure, constraints);
-    summary.kkt_residual = KktResidual(equations, gradients, multipliers);
-    summary.constraint_residual = ConstraintResidual(problem, state);
+    summary.final_cost = at.equations.cost;
+    summary.kkt_residual = KktResidual(at.equations, at.constraint_gradients, at.multipliers);
+    summary.constraint_residual = LargestDistanceError(problem.distances, at.state.centres);
     const bool feasible = summary.constraint_residual < kConstraintTolerance;
-    if (feasible && summary.kkt_residual < options.kkt_tolerance) {
-      summary.converged = true;
-      summary.message = "stationary";
+    const bool stationary = summary.kkt_residual < options.kkt_tolerance;
+    summary.converged = feasible && (stationary || settled);
+    if (summary.converged) {
+      summary.message = stationary ? "stationary" : "cost settled";
       break;
     }
-    bool accepted = false;
-    double decrease = 0;
-    while (!accepted && summary.iterations < options.max_iterations && damping < kLargestDamping) {
-      ++summary.iterations;
-      Eliminate(structure, equations, damping, system);
-      if (kind == HessianKind::kNewton) {
-        AddConstraintCurvature(problem, structure, constraints, multipliers, system);
-      }
-      double gain = -1;
-      if (SolveKkt(problem, structure, equations, constraints, gradients, system, solver, step)) {
-        merit.Cover(step.multipliers);
-        const double before = merit.Infeasibility(problem, state);
-        const double cost =
-            TakeStep<kDof>(problem.pinhole, structure, state, step, 1.0, options.huber_threshold, trial);
-        const double after = merit.Infeasibility(problem, trial);
-        const double rounding = kRounding * equations.cost;
-        decrease = equations.cost + before - cost - after;
-        gain = (decrease + rounding) / (step.predicted_decrease + before + rounding);
-        accepted = std::isfinite(cost) && gain > 1e-3;
-      }
-      if (accepted) {
-        const double factor = 2.0 * std::min(gain, 1.0) - 1.0;
-        damping = std::max(damping * std::max(0.1, 1.0 - factor * factor * factor), kSmallestDamping);
-        raise = 2;
-      } else {
-        damping *= raise;
-        raise *= 2;
-      }
-    }
-    if (!accepted) {
-      summary.message = damping < kLargestDamping ? "iteration limit" : "no step lowers the cost";
+    if (summary.iterations == options.max_iterations || damping.value > kLargestDamping) {
+      summary.message = damping.value > kLargestDamping ? "no step lowers the cost" : "iteration limit";
       break;
     }
-    const double share = decrease / std::max(equations.cost, 1e-300);
-    std::swap(state, trial);
-    multipliers = step.multipliers;
-    if (share < kNewtonBelow) kind = HessianKind::kNewton;
-    Linearize(problem.pinhole, structure, state, options.huber_threshold, kind, equations);
-    summary.final_cost = equations.cost;
-    if (options.relative_cost_tolerance > 0 && share < options.relative_cost_tolerance &&
-        ConstraintResidual(problem, state) < kConstraintTolerance) {
-      summary.converged = true;
-      summary.message = "cost settled";
-      break;
+    ++summary.iterations;
+
+    Eliminate(structure, at.equations, damping.value, system);
+    if (at.kind == HessianKind::kNewton) {
+      AddConstraintCurvature(problem, structure, at.constraints, at.multipliers, system);
     }
+    if (!SolveKkt(problem, structure, at.equations, at.constraints, at.constraint_gradients, system, solver, step)) {
+      // The exact Hessian may have a direction of negative curvature; Gauss-Newton's has none.
+      damping.Raise();
+      at.kind = HessianKind::kGaussNewton;
+      Linearize(options, problem, structure, at);
+      continue;
+    }
+    merit.Cover(step.multipliers);
+    const double cost =
+        TakeStep(problem.pinhole, structure, at.state, at.equations, step, options.huber_threshold, trial);
+    const double violation = merit.Violation(at.state.centres);
+    const double decrease = at.equations.cost + violation - cost - merit.Violation(trial.centres);
+    const double rounding = kRounding * at.equations.cost;
+    const double gain = (decrease + rounding) / (step.predicted_decrease + violation + rounding);
+    if (!std::isfinite(cost) || !(gain > kAcceptedGain)) {
+      damping.Raise();
+      continue;
+    }
+    damping.Lower(gain);
+    std::swap(at.state, trial);
+    at.multipliers = step.multipliers;
+    if (decrease < kNewtonBelow * at.equations.cost) at.kind = HessianKind::kNewton;
+    settled = std::abs(decrease) < options.relative_cost_tolerance * at.equations.cost;
+    Linearize(options, problem, structure, at);
   }
-  summary.final_cost = equations.cost;
-  summary.constraint_residual = ConstraintResidual(problem, state);
-  StateToProblem(state, options.fix_rotations, problem);
+  if (structure.behind_camera > 0) {
+    summary.message += "; left out " + std::to_string(structure.behind_camera) + " observations from behind";
+  }
+  StateToProblem(at.state, options.fix_rotations, problem);
   return summary;
 }
 

@@ -30,16 +30,21 @@ struct BundleSummary {
   bool converged = false;
   double initial_cost = 0;  ///< half the sum of robustified squared residuals, in sigmas squared
   double final_cost = 0;
-  /// Largest entry of the Lagrangian's gradient (29), each scaled to be free of units (see .cpp).
+  /// Largest entry of the Lagrangian's gradient (29), each in standard deviations of its own unknown (KktResidual in
+  /// kkt_step.h).
   double kkt_residual = 0;
   /// Largest |(distance between the centres) / distance - 1| over the constraints.
   double constraint_residual = 0;
-  std::string message;
+  std::string message;  ///< why it ended, in words
 };
 
 /// Levenberg-Marquardt on cameras and points with the points eliminated (Schur complement); where there are distance
-/// constraints, sequential quadratic programming on the same normal equations (blueprint 3.9). Cost per iteration is
-/// linear in points and observations. Deterministic. Throws InputError when indices or sizes in the problem contradict.
+/// constraints, sequential quadratic programming on the same normal equations (24)-(30). Far from the solution steps
+/// are Gauss-Newton's, near it they use the exact Hessian of the Lagrangian, so that the end is quadratic.
+///
+/// Cost per iteration is linear in points and observations. Deterministic, and independent of the unit of length.
+/// Observations whose point starts behind their camera are left out; no other point ends behind a camera that sees it.
+/// Throws InputError when the problem or the options make no sense (CheckProblem, BundleOptions::Check).
 BundleSummary AdjustBundle(const BundleOptions& options, BundleProblem& problem);
 
 }  // namespace turnscale

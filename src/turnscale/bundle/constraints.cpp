@@ -1,10 +1,34 @@
 // SPDX-License-Identifier: MIT
 #include "turnscale/bundle/constraints.h"
 
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <string>
+
+#include "turnscale/base/error.h"
+
 namespace turnscale {
 
 double DistanceError(const DistanceConstraint& held, const std::vector<Eigen::Vector3d>& centres) {
   return (centres[held.camera_a] - centres[held.camera_b]).norm() / held.distance - 1.0;
+}
+
+double LargestDistanceError(const std::vector<DistanceConstraint>& distances,
+                            const std::vector<Eigen::Vector3d>& centres) {
+  double largest = 0;
+  for (const DistanceConstraint& held : distances) largest = std::max(largest, std::abs(DistanceError(held, centres)));
+  return largest;
+}
+
+void RequireSeparateCentres(const std::vector<DistanceConstraint>& distances,
+                            const std::vector<Eigen::Vector3d>& centres) {
+  for (std::size_t i = 0; i < distances.size(); ++i) {
+    if (DistanceError(distances[i], centres) <= -1.0) {
+      throw InputError("bundle problem: distances[" + std::to_string(i) +
+                       "] is between two cameras at the same place; which way to part them is unknown");
+    }
+  }
 }
 
 LinearizedDistance LinearizeDistance(const DistanceConstraint& held, const std::vector<Eigen::Vector3d>& centres) {

@@ -20,6 +20,14 @@ struct LinearizedDistance {
 /// |c_a - c_b| / distance - 1.
 double DistanceError(const DistanceConstraint& held, const std::vector<Eigen::Vector3d>& centres);
 
+/// Largest |DistanceError|; 0 without constraints.
+double LargestDistanceError(const std::vector<DistanceConstraint>& distances,
+                            const std::vector<Eigen::Vector3d>& centres);
+
+/// Throws InputError where a distance is wanted between centres that coincide: the way to part them is unknown.
+void RequireSeparateCentres(const std::vector<DistanceConstraint>& distances,
+                            const std::vector<Eigen::Vector3d>& centres);
+
 /// The centres must not coincide.
 LinearizedDistance LinearizeDistance(const DistanceConstraint& held, const std::vector<Eigen::Vector3d>& centres);
 

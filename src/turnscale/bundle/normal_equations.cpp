@@ -18,6 +18,8 @@ void Clear(const BundleStructure& structure, std::size_t points, NormalEquations
   equations.edge_hessian.assign(structure.edge_column.size(), Equations::EdgeMatrix::Zero());
   equations.point_hessian.assign(points, Eigen::Matrix3d::Zero());
   equations.point_gradient.assign(points, Eigen::Vector3d::Zero());
+  equations.point_cost.assign(points, 0.0);
+  equations.point_is_rough.assign(points, 0);
   equations.cost = 0;
 }
 
@@ -49,13 +51,15 @@ void Linearize(const Pinhole& pinhole, const BundleStructure& structure, const B
   ObservationModel<kDof> model;
   for (std::size_t i = 0; i < state.points.size(); ++i) {
     const bool newton = kind == HessianKind::kNewton && NewtonIsSafe(pinhole, structure, state, huber_threshold, i);
+    equations.point_is_rough[i] = kind == HessianKind::kNewton && !newton;
+    double point_cost = 0;
     Eigen::Matrix3d point_hessian = Eigen::Matrix3d::Zero();
     Eigen::Vector3d point_gradient = Eigen::Vector3d::Zero();
     for (int k = structure.first_observation[i]; k < structure.first_observation[i + 1]; ++k) {
       const SolverObservation& seen = structure.observations[k];
       const Eigen::Matrix3d& R = state.rotations[seen.camera];
       const Eigen::Vector3d x_in_camera = R * (state.points[i] - state.centres[seen.camera]);
-      equations.cost +=
+      point_cost +=
           newton ? NewtonModel(pinhole, R, x_in_camera, seen.pixel, seen.inverse_sigma, huber_threshold, model)
                  : GaussNewtonModel(pinhole, R, x_in_camera, seen.pixel, seen.inverse_sigma, huber_threshold, model);
       point_hessian += model.hessian.template bottomRightCorner<3, 3>();
@@ -66,6 +70,8 @@ void Linearize(const Pinhole& pinhole, const BundleStructure& structure, const B
       equations.camera_gradient[column] += model.gradient;
       equations.edge_hessian[seen.edge] += model.hessian.template rightCols<3>();
     }
+    equations.cost += point_cost;
+    equations.point_cost[i] = point_cost;
     equations.point_hessian[i] = point_hessian;
     equations.point_gradient[i] = point_gradient;
   }

@@ -24,6 +24,8 @@ struct NormalEquations {
   std::vector<EdgeMatrix> edge_hessian;       ///< camera rows, point columns; by edge
   std::vector<Eigen::Matrix3d> point_hessian;
   std::vector<Eigen::Vector3d> point_gradient;
+  std::vector<double> point_cost;
+  std::vector<char> point_is_rough;  ///< the exact Hessian was wanted, but the point got Gauss-Newton's
   double cost = 0;
 };
 

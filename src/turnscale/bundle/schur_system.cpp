@@ -30,8 +30,8 @@ Eigen::Matrix3d InverseFactor(const Eigen::Matrix3d& V) {
   return F;
 }
 
-/// Damping of the cameras: a share of the diagonal. A parameter that no observation touches gets the other cameras'
-/// mean as its weight, so that it stays unless a constraint moves it.
+/// Damping of the cameras: a share of the diagonal, for a parameter that no observation touches a share of the other
+/// cameras' mean. So it stays where it is unless a constraint moves it.
 template <int kDof>
 Eigen::VectorXd CameraDamping(const NormalEquations<kDof>& equations, double damping) {
   using CameraVector = typename NormalEquations<kDof>::CameraVector;
@@ -43,7 +43,7 @@ Eigen::VectorXd CameraDamping(const NormalEquations<kDof>& equations, double dam
     for (int k = 0; k < kDof; ++k) {
       const double diagonal = std::abs(equations.camera_hessian[i](k, k));
       added[static_cast<Eigen::Index>(i) * kDof + k] =
-          diagonal > 0 ? damping * diagonal : (mean[k] > 0 ? mean[k] : 1.0);
+          damping * (diagonal > 0 ? diagonal : (mean[k] > 0 ? mean[k] : 1.0));
     }
   }
   return added;

@@ -4,6 +4,8 @@
 #include <cstddef>
 #include <limits>
 
+#include <Eigen/Cholesky>
+
 #include "turnscale/bundle/reprojection.h"
 #include "turnscale/geometry/rotation.h"
 
@@ -25,43 +27,100 @@ double PointCost(const Pinhole& pinhole, const BundleStructure& structure, const
   return cost;
 }
 
+/// Damped Newton on one point, the cameras held. Returns the cost; `position` has a finite cost at the start.
+double RefinePoint(const Pinhole& pinhole, const BundleStructure& structure, const BundleState& state,
+                   std::size_t point, double huber_threshold, Eigen::Vector3d& position) {
+  constexpr int kIterations = 10;
+  constexpr double kSettled = 1e-14;
+  double damping = 1e-4;
+  double cost = PointCost(pinhole, structure, state, point, position, huber_threshold);
+  ObservationModel<3> model;
+  for (int iteration = 0; iteration < kIterations; ++iteration) {
+    Eigen::Matrix3d exact = Eigen::Matrix3d::Zero();
+    Eigen::Matrix3d safe = Eigen::Matrix3d::Zero();
+    Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
+    for (int k = structure.first_observation[point]; k < structure.first_observation[point + 1]; ++k) {
+      const SolverObservation& seen = structure.observations[k];
+      const Eigen::Matrix3d& R = state.rotations[seen.camera];
+      const Eigen::Vector3d x_in_camera = R * (position - state.centres[seen.camera]);
+      NewtonModel(pinhole, R, x_in_camera, seen.pixel, seen.inverse_sigma, huber_threshold, model);
+      exact += model.hessian;
+      GaussNewtonModel(pinhole, R, x_in_camera, seen.pixel, seen.inverse_sigma, huber_threshold, model);
+      safe += model.hessian;
+      gradient += model.gradient;
+    }
+    const Eigen::Matrix3d damped = exact + damping * Eigen::Matrix3d(safe.diagonal().asDiagonal());
+    Eigen::LLT<Eigen::Matrix3d> factor(damped);
+    if (factor.info() != Eigen::Success) {
+      factor.compute(safe + damping * Eigen::Matrix3d(safe.diagonal().asDiagonal()));
+      if (factor.info() != Eigen::Success) return cost;
+    }
+    const Eigen::Vector3d move = factor.solve(gradient);
+    const double moved_cost = PointCost(pinhole, structure, state, point, position - move, huber_threshold);
+    if (moved_cost < cost) {
+      const double gained = cost - moved_cost;
+      position -= move;
+      cost = moved_cost;
+      damping = 0.1 * damping;
+      if (gained < kSettled * cost) return cost;
+    } else {
+      damping = 10 * damping;
+    }
+  }
+  return cost;
+}
+
+/// A point's cost has to rise by this much (sigmas squared) before it is looked at on its own.
+constexpr double kNoticeableRise = 0.1;
+
+template <int kDof>
+double PlacePoint(const Pinhole& pinhole, const BundleStructure& structure, const BundleState& state,
+                  const NormalEquations<kDof>& equations, const KktStep& step, double huber_threshold,
+                  std::size_t point, BundleState& trial) {
+  Eigen::Vector3d& position = trial.points[point];
+  position = state.points[point] + step.points[point];
+  double cost = PointCost(pinhole, structure, trial, point, position, huber_threshold);
+  const bool as_expected = cost <= equations.point_cost[point] + kNoticeableRise;
+  if (as_expected && !equations.point_is_rough[point]) return cost;
+  const double stay_cost = PointCost(pinhole, structure, trial, point, state.points[point], huber_threshold);
+  if (!(cost <= stay_cost)) {
+    position = state.points[point];
+    cost = stay_cost;
+  }
+  if (!(cost < kInfinity)) return kInfinity;
+  return RefinePoint(pinhole, structure, trial, point, huber_threshold, position);
+}
+
 }  // namespace
 
 template <int kDof>
-double TakeStep(const Pinhole& pinhole, const BundleStructure& structure, const BundleState& state, const KktStep& step,
-                double share, double huber_threshold, BundleState& trial) {
+double TakeStep(const Pinhole& pinhole, const BundleStructure& structure, const BundleState& state,
+                const NormalEquations<kDof>& equations, const KktStep& step, double huber_threshold,
+                BundleState& trial) {
   trial.rotations = state.rotations;
   trial.centres = state.centres;
   trial.points = state.points;
   for (std::size_t i = 0; i < structure.camera_of_column.size(); ++i) {
     const int camera = structure.camera_of_column[i];
     const Eigen::Index row = kDof * static_cast<Eigen::Index>(i);
-    trial.centres[camera] -= share * step.cameras.segment<3>(row + kDof - 3);
+    trial.centres[camera] -= step.cameras.segment<3>(row + kDof - 3);
     if constexpr (kDof == 6) {
       const Eigen::Quaterniond turned =
-          RotationFromVector(share * step.cameras.segment<3>(row)) * Eigen::Quaterniond(state.rotations[camera]);
+          RotationFromVector(step.cameras.segment<3>(row)) * Eigen::Quaterniond(state.rotations[camera]);
       trial.rotations[camera] = turned.normalized().toRotationMatrix();
     }
   }
   double cost = 0;
   for (std::size_t i = 0; i < state.points.size(); ++i) {
-    constexpr int kHalvings = 5;
-    double point_share = share;
-    double point_cost = kInfinity;
-    for (int k = 0; k <= kHalvings && !(point_cost < kInfinity); ++k) {
-      trial.points[i] = state.points[i] + point_share * step.points[i];
-      point_cost = PointCost(pinhole, structure, trial, i, trial.points[i], huber_threshold);
-      point_share = k + 1 < kHalvings ? 0.5 * point_share : 0.0;
-    }
-    cost += point_cost;
+    cost += PlacePoint(pinhole, structure, state, equations, step, huber_threshold, i, trial);
     if (!(cost < kInfinity)) return kInfinity;
   }
   return cost;
 }
 
-template double TakeStep<3>(const Pinhole&, const BundleStructure&, const BundleState&, const KktStep&, double, double,
-                            BundleState&);
-template double TakeStep<6>(const Pinhole&, const BundleStructure&, const BundleState&, const KktStep&, double, double,
-                            BundleState&);
+template double TakeStep<3>(const Pinhole&, const BundleStructure&, const BundleState&, const NormalEquations<3>&,
+                            const KktStep&, double, BundleState&);
+template double TakeStep<6>(const Pinhole&, const BundleStructure&, const BundleState&, const NormalEquations<6>&,
+                            const KktStep&, double, BundleState&);
 
 }  // namespace turnscale

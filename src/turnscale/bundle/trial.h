@@ -8,10 +8,15 @@
 
 namespace turnscale {
 
-/// Takes `share` of a step from `state` to `trial` and returns the cost there. A point whose step would carry it behind
-/// a camera that sees it goes only as far as stays in front; where not even standing still helps, the cost is infinite.
+/// Takes a step from `state` to `trial` and returns the cost there.
+///
+/// The quadratic model can be far off for single points (tracks with outliers, points that hardly move in the image)
+/// while it holds for all others. Such a point would spoil the whole step, so it is treated on its own: where a point's
+/// cost rises, or where its model was rough, it is minimised with the cameras held at their new places. Near the
+/// solution no point needs this and the step is the model's own. Infinite where a point is left behind a camera.
 template <int kDof>
-double TakeStep(const Pinhole& pinhole, const BundleStructure& structure, const BundleState& state, const KktStep& step,
-                double share, double huber_threshold, BundleState& trial);
+double TakeStep(const Pinhole& pinhole, const BundleStructure& structure, const BundleState& state,
+                const NormalEquations<kDof>& equations, const KktStep& step, double huber_threshold,
+                BundleState& trial);
 
 }  // namespace turnscale
