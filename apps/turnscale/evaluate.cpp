@@ -38,9 +38,9 @@ struct Paired {
 // KITTI poses have no times of their own: they stand beside them, or where the benchmark keeps them
 // (poses/07.txt, sequences/07/times.txt).
 fs::path TimesOf(const fs::path& kitti_poses) {
-  const fs::path beside = kitti_poses.parent_path() / "times.txt";
+  fs::path beside = kitti_poses.parent_path() / "times.txt";
   if (fs::exists(beside)) return beside;
-  const fs::path benchmark =
+  fs::path benchmark =
       fs::absolute(kitti_poses).parent_path().parent_path() / "sequences" / kitti_poses.stem() / "times.txt";
   return fs::exists(benchmark) ? benchmark : fs::path();
 }

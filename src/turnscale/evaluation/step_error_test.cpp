@@ -54,8 +54,7 @@ TEST(StepErrors, ScaleErrorRatioIsTheScalesError) {
 
 TEST(StepErrors, TurningStepsAreCountedApart) {
   const Trajectory truth = WindingDrive(300);
-  Trajectory estimate = truth;
-  PosePairs pairs = AssociateByTime(estimate, truth);
+  PosePairs pairs = AssociateByTime(truth, truth);
   const std::vector<Step> steps = StepsAlongPath(pairs);
   // Every turning step is estimated 20 % too long, every other one exactly.
   for (const Step& step : steps) {
