@@ -1,9 +1,74 @@
 // SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
+#include <new>
+#include <string>
+
 #include <CLI/CLI.hpp>
+#include <opencv2/core/utils/logger.hpp>
+
+#include "commands.h"
+#include "turnscale/base/error.h"
+#include "turnscale/io/run_summary.h"
+
+namespace turnscale {
+namespace {
+
+constexpr int kFailed = 1;
+constexpr int kBadInput = 2;
+
+int Fail(int exit_code, std::string message) {
+  std::replace(message.begin(), message.end(), '\n', ' ');
+  std::fprintf(stderr, "turnscale: %s\n", message.c_str());
+  return exit_code;
+}
+
+// The libraries below print complaints of their own; ours name the file and what to do.
+void SilenceLibraries() {
+  cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
+  constexpr auto kQuiet = "-8";
+  setenv("OPENCV_FFMPEG_LOGLEVEL", kQuiet, 0);
+}
+
+int Main(int argc, char** argv) {
+  MeasureCost();
+  SilenceLibraries();
+  CLI::App app{"The path of a car in metres, from the images of one camera."};
+  app.name("turnscale");
+  app.set_version_flag("--version", "turnscale " TURNSCALE_VERSION);
+  app.require_subcommand(1);
+  app.footer(
+      "Example:\n  turnscale run drive.mp4 --camera cam.yaml --lever-arm 1.45\n\n"
+      "Exit codes: 0 done, 1 the machine failed (disk full), 2 the input cannot be used, 130 interrupted.");
+  AddRunCommand(app);
+  AddEvaluateCommand(app);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::RuntimeError& stop) {
+    return stop.get_exit_code();
+  } catch (const CLI::Success& help) {
+    return app.exit(help);
+  } catch (const CLI::ParseError& error) {
+    return Fail(kBadInput, std::string(error.what()) + "; see turnscale --help");
+  }
+  return 0;
+}
+
+}  // namespace
+}  // namespace turnscale
 
 int main(int argc, char** argv) {
-  CLI::App app{"turnscale: the path of a car in metres, from one camera"};
-  app.require_subcommand(1);
-  CLI11_PARSE(app, argc, argv);
-  return 0;
+  try {
+    return turnscale::Main(argc, argv);
+  } catch (const turnscale::InputError& error) {
+    return turnscale::Fail(turnscale::kBadInput, error.what());
+  } catch (const turnscale::OutputError& error) {
+    return turnscale::Fail(turnscale::kFailed, error.what());
+  } catch (const std::bad_alloc&) {
+    return turnscale::Fail(turnscale::kFailed, "out of memory");
+  } catch (const std::exception& error) {
+    return turnscale::Fail(turnscale::kFailed, std::string("internal error: ") + error.what());
+  }
 }

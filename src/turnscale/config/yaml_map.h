@@ -17,6 +17,9 @@ class YamlMap {
   /// Reads a whole file, OpenCV's `%YAML:1.0` header included. Throws InputError where the file cannot be read, is no
   /// YAML or is no map at its top.
   explicit YamlMap(const std::filesystem::path& path);
+  YamlMap(const YamlMap&) = default;
+  /// A YAML node that is assigned to changes the document it stands in.
+  YamlMap& operator=(const YamlMap&) = delete;
 
   bool Has(const std::string& key) const;
   std::vector<std::string> Keys() const;

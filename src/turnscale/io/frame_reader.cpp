@@ -6,6 +6,7 @@
 #include <utility>
 
 #include <opencv2/videoio.hpp>
+#include <opencv2/videoio/registry.hpp>
 
 #include "turnscale/base/error.h"
 
@@ -42,10 +43,12 @@ class VideoReader : public FrameReader {
 };
 
 cv::VideoCapture Open(const std::filesystem::path& path) {
-  cv::VideoCapture capture(path.string(), cv::CAP_FFMPEG);
-  if (!capture.isOpened()) capture.open(path.string(), cv::CAP_ANY);
-  if (!capture.isOpened())
+  // One backend where there is a choice: each has its own idea of colours and rates, and prints its own complaints.
+  const bool has_ffmpeg = cv::videoio_registry::hasBackend(cv::CAP_FFMPEG);
+  cv::VideoCapture capture(path.string(), has_ffmpeg ? cv::CAP_FFMPEG : cv::CAP_ANY);
+  if (!capture.isOpened()) {
     throw InputError(path.string() + ": cannot be opened as a video; give a video or a folder of images");
+  }
   return capture;
 }
 

@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+namespace CLI {
+class App;
+}
+
+namespace turnscale {
+
+/// Each adds its sub-command. The sub-command's callback throws InputError or OutputError, or CLI::RuntimeError with an
+/// exit code of its own.
+void AddRunCommand(CLI::App& app);
+void AddEvaluateCommand(CLI::App& app);
+
+}  // namespace turnscale

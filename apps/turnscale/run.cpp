@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: MIT
+#include <cmath>
+#include <cstdio>
+#include <exception>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <opencv2/core/utility.hpp>
+
+#include "commands.h"
+#include "interrupt.h"
+#include "turnscale/base/error.h"
+#include "turnscale/camera/camera_file.h"
+#include "turnscale/io/image_source.h"
+#include "turnscale/io/progress.h"
+#include "turnscale/io/run_summary.h"
+#include "turnscale/io/run_writer.h"
+#include "turnscale/io/settings.h"
+#include "turnscale/odometry/odometry.h"
+
+namespace turnscale {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct RunArguments {
+  fs::path input;
+  std::optional<fs::path> camera;
+  std::optional<fs::path> timestamps;
+  std::optional<double> fps;
+  std::optional<double> lever_arm;
+  std::optional<double> side_slip;
+  std::optional<std::string> camera_rotation;
+  std::string frame = "camera";
+  std::optional<int> threads;
+  std::optional<fs::path> settings;
+  fs::path out = "out";
+  std::optional<int> max_frames;
+  bool quiet = false;
+};
+
+// The settings file first, what the command line says over it. Checked here so that messages name the option.
+OdometryOptions OptionsFrom(const RunArguments& arguments) {
+  OdometryOptions options = arguments.settings ? ReadSettings(*arguments.settings) : OdometryOptions();
+  if (arguments.lever_arm) {
+    if (!(std::isfinite(*arguments.lever_arm) && *arguments.lever_arm > 0)) {
+      throw InputError(fmt::format("--lever-arm {}: give the metres from the rear axle forward to the camera, above 0",
+                                   *arguments.lever_arm));
+    }
+    options.vehicle.lever_arm = arguments.lever_arm;
+  }
+  if (arguments.side_slip) {
+    if (!(*arguments.side_slip >= 0 && *arguments.side_slip < 1)) {
+      throw InputError(
+          fmt::format("--side-slip {}: give c in s^2/m, from 0 (rigid car) to below 1; cars have about 0.005",
+                      *arguments.side_slip));
+    }
+    options.vehicle.side_slip = *arguments.side_slip;
+  }
+  if (arguments.camera_rotation) options.vehicle.vehicle_from_camera = ReadCameraRotation(*arguments.camera_rotation);
+  if (arguments.threads) {
+    if (*arguments.threads < 1) throw InputError(fmt::format("--threads {}: give at least 1", *arguments.threads));
+    options.threads = *arguments.threads;
+  }
+  options.Check();
+  return options;
+}
+
+fs::path CameraFileFor(const RunArguments& arguments, const DriveInput& drive) {
+  if (arguments.camera) return *arguments.camera;
+  if (drive.camera_file) return *drive.camera_file;
+  throw InputError(arguments.input.string() + ": no calib.txt beside the images; give --camera FILE");
+}
+
+// One drive from its first image to its files.
+class Run {
+ public:
+  explicit Run(const RunArguments& arguments)
+      : arguments_(arguments),
+        options_(OptionsFrom(arguments)),
+        drive_(FindDrive(arguments.input)),
+        camera_file_(CameraFileFor(arguments, drive_)),
+        camera_(ReadCameraFile(camera_file_)),
+        source_(drive_, {arguments.timestamps, arguments.fps, camera_.width, camera_.height, camera_file_.string()}),
+        frames_(arguments.max_frames ? std::min(*arguments.max_frames, source_.count()) : source_.count()),
+        odometry_(options_, camera_) {}
+
+  // Returns the exit code.
+  int Go() {
+    cv::setNumThreads(options_.threads);
+    // Before the folder is made: an image of the wrong size leaves no trace.
+    std::optional<SourceFrame> frame = source_.Next();
+    writer_.emplace(RunWriterOptions{
+        arguments_.out, arguments_.frame == "vehicle" ? PoseFrame::kVehicle : PoseFrame::kCamera, options_.vehicle});
+    writer_->WriteText("settings.yaml", SettingsText(options_));
+    CatchInterrupts();
+    Progress progress(frames_, arguments_.quiet);
+    try {
+      for (; frame && !Interrupted() && !Enough(); frame = source_.Next()) Process(*frame, progress);
+      if (Interrupted())
+        summary_.stopped = fmt::format("interrupted after {} frames", processed_);
+      else if (!Enough() && processed_ < frames_) {
+        summary_.stopped = fmt::format("the video ends after {} of {} frames", processed_, frames_);
+        progress.Warn(fmt::format("{}: {}", drive_.path.string(), summary_.stopped));
+      }
+    } catch (const InputError& error) {
+      progress.Finish();
+      summary_.stopped = error.what();
+      WriteResults();
+      throw;
+    }
+    progress.Finish();
+    WriteResults();
+    if (!arguments_.quiet) fmt::print("{}", SummaryText(summary_));
+    if (!Interrupted()) return 0;
+    fmt::print(stderr, "turnscale: {}; what was computed is in {}\n", summary_.stopped, arguments_.out.string());
+    return kInterruptedExitCode;
+  }
+
+ private:
+  bool Enough() const { return arguments_.max_frames && processed_ >= *arguments_.max_frames; }
+
+  void Process(const SourceFrame& frame, Progress& progress) {
+    FrameResult result;
+    if (frame.gray.empty()) {
+      progress.Warn(fmt::format("frame {}: {}; skipped", frame.index, frame.problem));
+      summary_.unreadable.push_back({frame.index, frame.problem});
+      result = odometry_.ProcessUnreadable(frame.time);
+    } else {
+      result = odometry_.Process(frame.gray, frame.time);
+    }
+    ++processed_;
+    if (writer_->Add(result, odometry_.revision(), odometry_.scale_state())) {
+      writer_->Rewrite(odometry_.RefinedFrames(), odometry_.scale_state());
+    }
+    progress.Update(processed_, static_cast<int>(odometry_.map().keyframes.size()), odometry_.scale_state());
+  }
+
+  void WriteResults() {
+    odometry_.Finish();
+    const std::vector<FrameResult> refined = odometry_.RefinedFrames();
+    writer_->Rewrite(refined, odometry_.scale_state());
+    writer_->WriteTurns(odometry_.Turns());
+    writer_->WriteMap(odometry_.map(), odometry_.scale_state());
+    summary_.version = TURNSCALE_VERSION;
+    summary_.input = arguments_.input.string();
+    summary_.camera = camera_file_.string();
+    summary_.pose_frame = arguments_.frame;
+    summary_.folder = arguments_.out.string();
+    summary_.vehicle = options_.vehicle;
+    summary_.scale_state = odometry_.scale_state();
+    Summarize(refined, odometry_.Turns(), summary_);
+    summary_.cost = MeasureCost();
+    writer_->WriteText("summary.json", SummaryJson(summary_));
+  }
+
+  RunArguments arguments_;
+  OdometryOptions options_;
+  DriveInput drive_;
+  fs::path camera_file_;
+  CameraModel camera_;
+  ImageSource source_;
+  int frames_;  // expected; 0 where a video does not tell
+  Odometry odometry_;
+  std::optional<RunWriter> writer_;
+  int processed_ = 0;
+  RunSummary summary_;
+};
+
+}  // namespace
+
+void AddRunCommand(CLI::App& app) {
+  CLI::App* run = app.add_subcommand("run", "Compute the path of a drive from its images.");
+  auto arguments = std::make_shared<RunArguments>();
+  run->add_option("input", arguments->input,
+                  "A KITTI folder (image_0/ or images/, calib.txt, times.txt), a folder of images, or a video")
+      ->required();
+  run->add_option("--camera", arguments->camera,
+                  "Calibration: KITTI calib.txt, OpenCV, ORB-SLAM or Kalibr YAML [calib.txt beside the images]");
+  CLI::Option* timestamps =
+      run->add_option("--timestamps", arguments->timestamps, "Times of the frames, one number a line, seconds");
+  run->add_option("--fps", arguments->fps, "Frames per second, where there are no times")->excludes(timestamps);
+  run->add_option("--lever-arm", arguments->lever_arm,
+                  "Metres from the rear axle forward to the camera; without it the path is up to scale");
+  run->add_option("--side-slip", arguments->side_slip,
+                  "c in L_eff = L - c v^2, s^2/m: how much the rear tyres slip; 0 is a rigid car [0.0045]");
+  run->add_option(
+      "--camera-rotation", arguments->camera_rotation,
+      "How the camera is turned on the car: yaw,pitch,roll in degrees (right, up, right side down), or a YAML "
+      "file with yaw_deg, pitch_deg, roll_deg [0,0,0]");
+  run->add_option("--frame", arguments->frame, "Whose poses are written")
+      ->check(CLI::IsMember({"camera", "vehicle"}))
+      ->capture_default_str();
+  run->add_option("--threads", arguments->threads, "Threads for image operations; the result does not depend on it");
+  run->add_option("--settings", arguments->settings, "YAML file of settings, such as the settings.yaml of another run");
+  run->add_option("--out", arguments->out, "Folder for the results")->capture_default_str();
+  run->add_option("--max-frames", arguments->max_frames, "Stop after this many frames")->check(CLI::PositiveNumber);
+  run->add_flag("--quiet", arguments->quiet, "Print warnings and errors only");
+  run->footer(
+      "Example:\n  turnscale run drive.mp4 --camera cam.yaml --lever-arm 1.45 --out out/drive\n\n"
+      "The folder then holds trajectory.tum and trajectory.kitti.txt (refined, every frame), live.tum (as known at "
+      "each\n"
+      "moment), trajectory.csv, turns.csv, map.ply, settings.yaml and summary.json. Ctrl-C stops after the current "
+      "frame\n"
+      "and keeps what was computed (exit code 130).");
+  run->callback([arguments] {
+    if (const int exit_code = Run(*arguments).Go(); exit_code != 0) throw CLI::RuntimeError(exit_code);
+  });
+}
+
+}  // namespace turnscale

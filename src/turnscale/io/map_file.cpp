@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/io/map_file.h"
+
+#include <array>
+#include <bit>
+#include <cstdint>
+#include <string>
+
+#include <fmt/format.h>
+
+#include "turnscale/io/output_file.h"
+
+namespace turnscale {
+namespace {
+
+using Colour = std::array<uint8_t, 3>;
+constexpr Colour kLandmarkColour = {200, 200, 200};
+constexpr Colour kCameraColour = {230, 40, 40};
+
+void AddVertex(std::string& vertices, const Eigen::Vector3d& position, const Colour& colour) {
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto bits = std::bit_cast<uint32_t>(static_cast<float>(position[axis]));
+    for (int shift = 0; shift < 32; shift += 8) vertices.push_back(static_cast<char>(bits >> shift & 0xFF));
+  }
+  for (const uint8_t part : colour) vertices.push_back(static_cast<char>(part));
+}
+
+}  // namespace
+
+void WriteMap(const std::filesystem::path& path, const Map& map, const RigidTransform& target_from_world) {
+  std::string vertices;
+  size_t count = 0;
+  for (const Landmark& landmark : map.landmarks) {
+    if (!landmark.valid) continue;
+    AddVertex(vertices, target_from_world * landmark.position, kLandmarkColour);
+    ++count;
+  }
+  for (const Keyframe& keyframe : map.keyframes) {
+    AddVertex(vertices, target_from_world * keyframe.camera_from_world.inverse().translation, kCameraColour);
+    ++count;
+  }
+  const std::string header = fmt::format(
+      "ply\nformat binary_little_endian 1.0\ncomment turnscale: landmarks gray, cameras red\nelement vertex {}\n"
+      "property float x\nproperty float y\nproperty float z\n"
+      "property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n",
+      count);
+  ReplaceFile(path, header + vertices);
+}
+
+}  // namespace turnscale

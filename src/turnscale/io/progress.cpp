@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/io/progress.h"
+
+#include <algorithm>
+#include <cstdio>
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+namespace turnscale {
+namespace {
+
+constexpr auto kTerminalInterval = std::chrono::milliseconds(100);
+constexpr auto kLineInterval = std::chrono::seconds(10);
+constexpr int kBarWidth = 24;
+
+std::string Bar(int done, int all) {
+  const int filled =
+      std::clamp(static_cast<int>(static_cast<int64_t>(done) * kBarWidth / std::max(all, 1)), 0, kBarWidth);
+  return fmt::format("[{:#<{}}{:.<{}}] ", "", filled, "", kBarWidth - filled);
+}
+
+}  // namespace
+
+Progress::Progress(int frames, bool quiet) : frames_(frames), quiet_(quiet), on_terminal_(isatty(STDERR_FILENO) == 1) {}
+
+void Progress::Update(int frames_done, int keyframes, ScaleState scale_state) {
+  if (quiet_) return;
+  const Clock::time_point now = Clock::now();
+  const int tenths = frames_ > 0 ? static_cast<int>(static_cast<int64_t>(frames_done) * 10 / frames_) : 0;
+  const bool due = on_terminal_ ? now - shown_ >= kTerminalInterval || frames_done == frames_
+                                : tenths > shown_tenths_ || now - shown_ >= kLineInterval;
+  if (!due) return;
+  shown_ = now;
+  shown_tenths_ = tenths;
+  const double seconds = std::chrono::duration<double>(now - start_).count();
+  const std::string text = fmt::format("frame {}{}, {:.1f} frames/s, {} keyframes, scale {}", frames_done,
+                                       frames_ > 0 ? fmt::format("/{}", frames_) : "",
+                                       frames_done / std::max(seconds, 1e-3), keyframes, ScaleStateName(scale_state));
+  if (on_terminal_) {
+    fmt::print(stderr, "\r\x1b[K{}{}", frames_ > 0 ? Bar(frames_done, frames_) : "", text);
+    std::fflush(stderr);
+    line_open_ = true;
+  } else {
+    fmt::print(stderr, "{}\n", text);
+  }
+}
+
+void Progress::Warn(const std::string& message) {
+  if (line_open_) fmt::print(stderr, "\r\x1b[K");
+  line_open_ = false;
+  fmt::print(stderr, "warning: {}\n", message);
+}
+
+void Progress::Finish() {
+  if (line_open_) fmt::print(stderr, "\n");
+  line_open_ = false;
+}
+
+const char* ScaleStateName(ScaleState state) {
+  switch (state) {
+    case ScaleState::kPending:
+      return "pending";
+    case ScaleState::kObserved:
+      return "observed";
+    case ScaleState::kHeld:
+      return "held";
+  }
+  return "unknown";
+}
+
+const char* TrackingStateName(TrackingState state) {
+  switch (state) {
+    case TrackingState::kInitializing:
+      return "initializing";
+    case TrackingState::kTracked:
+      return "tracked";
+    case TrackingState::kBridged:
+      return "bridged";
+    case TrackingState::kUnreadable:
+      return "unreadable";
+  }
+  return "unknown";
+}
+
+}  // namespace turnscale

@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/io/run_summary.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <sys/resource.h>
+
+#include "turnscale/geometry/rotation.h"
+#include "turnscale/io/progress.h"
+
+namespace turnscale {
+namespace {
+
+double Seconds(const timeval& time) {
+  return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
+}
+
+nlohmann::ordered_json CostJson(const RunSummary& summary) {
+  const RunCost& cost = summary.cost;
+  const int frames = std::max(summary.frames, 1);
+  return {{"wall_s", cost.wall_seconds},
+          {"cpu_s", cost.cpu_seconds},
+          {"frames_per_s", summary.frames / std::max(cost.wall_seconds, 1e-9)},
+          {"cpu_ms_per_frame", 1e3 * cost.cpu_seconds / frames},
+          {"peak_memory_mb", cost.peak_memory_mb}};
+}
+
+bool IsMetric(const RunSummary& summary) { return summary.scale_state != ScaleState::kPending; }
+
+}  // namespace
+
+RunCost MeasureCost() {
+  using Clock = std::chrono::steady_clock;
+  static const Clock::time_point start = Clock::now();
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  RunCost cost;
+  cost.wall_seconds = std::chrono::duration<double>(Clock::now() - start).count();
+  cost.cpu_seconds = Seconds(usage.ru_utime) + Seconds(usage.ru_stime);
+  cost.peak_memory_mb = static_cast<double>(usage.ru_maxrss) / 1024.0;
+  return cost;
+}
+
+void Summarize(const std::vector<FrameResult>& refined, const std::vector<TurnResult>& turns, RunSummary& summary) {
+  summary.frames = static_cast<int>(refined.size());
+  const FrameResult* last = nullptr;
+  for (const FrameResult& frame : refined) {
+    summary.tracked += frame.state == TrackingState::kTracked ? 1 : 0;
+    summary.bridged += frame.state == TrackingState::kBridged ? 1 : 0;
+    summary.initializing += frame.state == TrackingState::kInitializing ? 1 : 0;
+    summary.keyframes += frame.keyframe ? 1 : 0;
+    if (!frame.world_from_camera) continue;
+    if (last) summary.distance += (frame.world_from_camera->translation - last->world_from_camera->translation).norm();
+    last = &frame;
+  }
+  summary.scale_sigma = refined.empty() ? INFINITY : refined.back().scale_sigma;
+  summary.turns_found = static_cast<int>(turns.size());
+  summary.turns_used =
+      static_cast<int>(std::count_if(turns.begin(), turns.end(), [](const auto& t) { return t.used; }));
+}
+
+std::string SummaryJson(const RunSummary& summary) {
+  using Json = nlohmann::ordered_json;
+  const YawPitchRoll angles = YawPitchRollFromRotation(summary.vehicle.vehicle_from_camera);
+  Json unreadable = Json::array();
+  for (const UnreadableFrame& frame : summary.unreadable) {
+    unreadable.push_back({{"frame", frame.frame}, {"problem", frame.problem}});
+  }
+  const auto or_null = [](double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); };
+  const Json json = {
+      {"version", summary.version},
+      {"input", summary.input},
+      {"camera", summary.camera},
+      {"pose_frame", summary.pose_frame},
+      {"lever_arm_m", summary.vehicle.lever_arm ? Json(*summary.vehicle.lever_arm) : Json(nullptr)},
+      {"side_slip_s2_per_m", summary.vehicle.side_slip},
+      {"camera_yaw_pitch_roll_deg",
+       {angles.yaw * kDegreesPerRadian, angles.pitch * kDegreesPerRadian, angles.roll * kDegreesPerRadian}},
+      {"complete", summary.stopped.empty()},
+      {"stopped", summary.stopped.empty() ? Json(nullptr) : Json(summary.stopped)},
+      {"frames",
+       {{"total", summary.frames},
+        {"tracked", summary.tracked},
+        {"bridged", summary.bridged},
+        {"initializing", summary.initializing},
+        {"unreadable", summary.unreadable.size()},
+        {"keyframes", summary.keyframes}}},
+      {"unreadable", unreadable},
+      {"distance_m", IsMetric(summary) ? Json(summary.distance) : Json(nullptr)},
+      {"distance_units", IsMetric(summary) ? Json(nullptr) : Json(summary.distance)},
+      {"scale", {{"state", ScaleStateName(summary.scale_state)}, {"relative_sigma", or_null(summary.scale_sigma)}}},
+      {"turns", {{"found", summary.turns_found}, {"used", summary.turns_used}}},
+      {"cost", CostJson(summary)}};
+  return json.dump(2) + "\n";
+}
+
+std::string SummaryText(const RunSummary& summary) {
+  std::string scale = ScaleStateName(summary.scale_state);
+  if (IsMetric(summary) && std::isfinite(summary.scale_sigma))
+    scale += fmt::format(", +-{:.1f} %", 100 * summary.scale_sigma);
+  if (!IsMetric(summary)) {
+    scale += summary.vehicle.lever_arm ? ": no turn gave the metre, lengths are in an arbitrary unit"
+                                       : ": without --lever-arm the path is up to scale, in an arbitrary unit";
+  }
+  const RunCost& cost = summary.cost;
+  return fmt::format(
+      "path    {:.2f} {} in {} frames, {} keyframes\n"
+      "scale   {}\n"
+      "turns   {} found, {} used\n"
+      "lost    {} frames bridged, {} unreadable; {} before the map began\n"
+      "speed   {:.1f} frames/s, {:.1f} ms of processor time a frame, {:.0f} MB\n"
+      "files   {}\n",
+      summary.distance, IsMetric(summary) ? "m" : "units", summary.frames, summary.keyframes, scale,
+      summary.turns_found, summary.turns_used, summary.bridged, summary.unreadable.size(), summary.initializing,
+      summary.frames / std::max(cost.wall_seconds, 1e-9), 1e3 * cost.cpu_seconds / std::max(summary.frames, 1),
+      cost.peak_memory_mb, summary.folder);
+}
+
+}  // namespace turnscale

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "turnscale/odometry/options.h"
+#include "turnscale/odometry/results.h"
+
+namespace turnscale {
+
+/// An image that could not be used.
+struct UnreadableFrame {
+  int frame = 0;
+  std::string problem;
+};
+
+/// What a run cost. All that may differ between two runs of the same input.
+struct RunCost {
+  double wall_seconds = 0;
+  double cpu_seconds = 0;     ///< of all threads
+  double peak_memory_mb = 0;  ///< resident, 2^20 bytes
+};
+
+/// Cost of this process up to now, the wall clock counted from its first call.
+RunCost MeasureCost();
+
+/// What a run found, for summary.json and for the screen.
+struct RunSummary {
+  std::string version;
+  std::string input;
+  std::string camera;
+  std::string pose_frame;  ///< "camera" or "vehicle"
+  std::string folder;
+  VehicleOptions vehicle;
+  int frames = 0;
+  int tracked = 0;
+  int bridged = 0;
+  int initializing = 0;
+  int keyframes = 0;
+  std::vector<UnreadableFrame> unreadable;
+  double distance = 0;  ///< metres where the scale is known, else in the arbitrary unit
+  ScaleState scale_state = ScaleState::kPending;
+  double scale_sigma = 0;  ///< relative
+  int turns_found = 0;
+  int turns_used = 0;
+  std::string stopped;  ///< why the run ended before the drive did; empty where it did not
+  RunCost cost;
+};
+
+/// Fills in what follows from the refined frames and the turns.
+void Summarize(const std::vector<FrameResult>& refined, const std::vector<TurnResult>& turns, RunSummary& summary);
+
+/// The summary as JSON; all but its "cost" is the same for the same input.
+std::string SummaryJson(const RunSummary& summary);
+
+/// The summary for people, a few lines.
+std::string SummaryText(const RunSummary& summary);
+
+}  // namespace turnscale

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/io/run_tables.h"
+
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "turnscale/geometry/rotation.h"
+#include "turnscale/io/progress.h"
+
+namespace turnscale {
+namespace {
+
+std::string DegreesCell(double radians) {
+  return std::isnan(radians) ? std::string() : fmt::format("{:.6f}", radians * kDegreesPerRadian);
+}
+
+// Reasons are free text: quoted, as commas would part them.
+std::string QuotedCell(const std::string& text) {
+  std::string quoted(1, '"');
+  for (const char c : text) quoted.append(c == '"' ? 2 : 1, c);
+  return quoted.append(1, '"');
+}
+
+}  // namespace
+
+std::string FrameTableHeader() {
+  return "frame,time,state,x,y,z,qx,qy,qz,qw,scale_state,scale_sigma,inliers,tracked,keyframe,psi_deg,theta_deg,"
+         "turning\n";
+}
+
+std::string FrameTableLine(const FrameResult& frame, const std::optional<RigidTransform>& pose) {
+  std::string cells = ",,,,,,";
+  if (pose) {
+    const Eigen::Vector3d& t = pose->translation;
+    const Eigen::Quaterniond& q = pose->rotation;
+    cells = fmt::format("{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g}", t.x(), t.y(), t.z(), q.x(), q.y(), q.z(),
+                        q.w());
+  }
+  return fmt::format("{},{:.6f},{},{},{},{:.6g},{},{},{},{},{},{}\n", frame.frame, frame.time,
+                     TrackingStateName(frame.state), cells, ScaleStateName(frame.scale_state), frame.scale_sigma,
+                     frame.inliers, frame.tracked, frame.keyframe ? 1 : 0, DegreesCell(frame.psi),
+                     DegreesCell(frame.theta), frame.turning ? 1 : 0);
+}
+
+std::string TurnTable(const std::vector<TurnResult>& turns) {
+  std::string table =
+      "first_frame,last_frame,keyframes,angle_deg,speed_mps,metres_per_unit,sigma,effective_lever_arm_m,used,reason\n";
+  for (const TurnResult& turn : turns) {
+    table += fmt::format("{},{},{},{:.4f},{:.4f},{:.9g},{:.6g},{:.6g},{},{}\n", turn.first_frame, turn.last_frame,
+                         turn.keyframes, turn.angle * kDegreesPerRadian, turn.speed, turn.metres_per_unit, turn.sigma,
+                         turn.effective_lever_arm, turn.used ? 1 : 0,
+                         turn.reason.empty() ? std::string() : QuotedCell(turn.reason));
+  }
+  return table;
+}
+
+}  // namespace turnscale

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "turnscale/geometry/trajectory.h"
+#include "turnscale/io/output_file.h"
+#include "turnscale/mapping/map.h"
+#include "turnscale/odometry/options.h"
+#include "turnscale/odometry/results.h"
+
+namespace turnscale {
+
+/// Whose poses are written.
+enum class PoseFrame {
+  kCamera,  ///< the camera's, in the world of the first keyframe's camera
+  /// The rear axle's, in the axle's own frame at the moment when the camera was at the world's origin. While the scale
+  /// is pending the metre is unknown, and with it where the axle is: then the camera's place with the car's axes.
+  kVehicle,
+};
+
+struct RunWriterOptions {
+  std::filesystem::path folder;
+  PoseFrame frame = PoseFrame::kCamera;
+  VehicleOptions vehicle = {};
+};
+
+/// Keeps a run's results on disk from its first frame on. trajectory.tum, trajectory.kitti.txt and trajectory.csv hold
+/// a consistent state of the refined path at every moment, live.tum grows by one flushed line per frame. Every function
+/// throws InputError where the folder or a file cannot be made, OutputError where the system refuses to write.
+class RunWriter {
+ public:
+  /// Makes the folder and begins the files anew; results of an earlier run in it are taken away.
+  explicit RunWriter(const RunWriterOptions& options);
+
+  /// Writes what the odometry said of the newest frame. Returns whether Rewrite is due: when poses already written have
+  /// changed (`revision`), at once where the scale's state changed, else as soon as a fiftieth of the drive is new,
+  /// which keeps the work of rewriting in proportion to the drive.
+  [[nodiscard]] bool Add(const FrameResult& live, int revision, ScaleState scale_state);
+
+  /// Writes the refined path as a whole. Frames are left out of the trajectory files only while there is no map at all;
+  /// the table has every frame.
+  void Rewrite(const std::vector<FrameResult>& refined, ScaleState scale_state);
+
+  void WriteTurns(const std::vector<TurnResult>& turns);
+  void WriteMap(const Map& map, ScaleState scale_state);
+  /// Any other file of the folder, in one step.
+  void WriteText(const std::string& name, const std::string& text);
+
+  /// The pose to show: the camera's or the rear axle's.
+  RigidTransform Shown(const RigidTransform& world_from_camera, ScaleState scale_state) const;
+
+ private:
+  struct Files {
+    OutputFile tum;
+    OutputFile kitti;
+    OutputFile table;
+  };
+  std::filesystem::path PathOf(const std::string& name) const { return options_.folder / name; }
+  RigidTransform VehicleFromCamera(ScaleState scale_state) const;
+  void Append(const FrameResult& frame);
+
+  RunWriterOptions options_;
+  std::optional<OutputFile> live_;
+  std::optional<Files> files_;
+  int written_ = 0;  // frames in the trajectory files
+  int revision_ = 0;
+  int latest_revision_ = 0;
+  ScaleState scale_state_ = ScaleState::kPending;
+};
+
+}  // namespace turnscale

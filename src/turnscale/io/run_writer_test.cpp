@@ -1,0 +1,239 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/io/run_writer.h"
+
+#include <algorithm>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "turnscale/base/error.h"
+#include "turnscale/geometry/rotation.h"
+#include "turnscale/io/run_summary.h"
+#include "turnscale/io/run_tables.h"
+#include "turnscale/io/trajectory_file.h"
+
+namespace turnscale {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string TextOf(const fs::path& path) {
+  std::ifstream stream(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+FrameResult Frame(int number, double scale = 1, bool posed = true) {
+  FrameResult frame;
+  frame.frame = number;
+  frame.time = 0.1 * number;
+  if (!posed) return frame;
+  frame.state = TrackingState::kTracked;
+  frame.world_from_camera = RigidTransform{RotationFromVector({0, 0.1 * number, 0}), {0, 0, scale * number}};
+  return frame;
+}
+
+std::vector<FrameResult> Frames(int count, double scale) {
+  std::vector<FrameResult> frames;
+  for (int i = 0; i < count; ++i) frames.push_back(Frame(i, scale));
+  return frames;
+}
+
+class RunWriterTest : public ::testing::Test {
+ protected:
+  RunWriterTest()
+      : folder_(fs::path(::testing::TempDir()) /
+                (std::string("run_writer_") + ::testing::UnitTest::GetInstance()->current_test_info()->name())) {
+    fs::remove_all(folder_);
+  }
+  ~RunWriterTest() override { fs::remove_all(folder_); }
+
+  Trajectory Tum() const { return ReadTrajectory(folder_ / "trajectory.tum"); }
+
+  fs::path folder_;
+};
+
+TEST_F(RunWriterTest, AppendsWhileNothingChangesAndRewritesWhenItDoes) {
+  RunWriter writer({folder_ / "deep"});
+  folder_ /= "deep";
+  EXPECT_EQ(TextOf(folder_ / "trajectory.tum"), "");
+  for (int i = 0; i < 3; ++i) EXPECT_FALSE(writer.Add(Frame(i, 1, false), 0, ScaleState::kPending));
+  EXPECT_EQ(TextOf(folder_ / "live.tum"), "") << "no pose yet";
+
+  EXPECT_TRUE(writer.Add(Frame(3), 1, ScaleState::kPending)) << "the map began: earlier frames have poses now";
+  writer.Rewrite(Frames(4, 1), ScaleState::kPending);
+  EXPECT_EQ(Tum().size(), 4u);
+  EXPECT_FALSE(writer.Add(Frame(4), 1, ScaleState::kPending));
+  EXPECT_EQ(Tum().size(), 5u) << "on disk at once";
+  EXPECT_EQ(ReadTrajectory(folder_ / "trajectory.kitti.txt").size(), 5u);
+  EXPECT_EQ(ReadTrajectory(folder_ / "live.tum").size(), 2u);
+
+  EXPECT_TRUE(writer.Add(Frame(5, 3), 2, ScaleState::kObserved)) << "the metre is known now";
+  writer.Rewrite(Frames(6, 3), ScaleState::kObserved);
+  const Trajectory refined = Tum();
+  ASSERT_EQ(refined.size(), 6u);
+  EXPECT_NEAR(refined[2].world_from_camera.translation.z(), 6, 1e-9);
+  EXPECT_NEAR(ReadTrajectory(folder_ / "live.tum")[0].world_from_camera.translation.z(), 3, 1e-9) << "causal";
+  EXPECT_FALSE(fs::exists(folder_ / "trajectory.tum.tmp"));
+}
+
+TEST_F(RunWriterTest, LongDrivesAreRewrittenInProportion) {
+  RunWriter writer({folder_});
+  int rewrites = 0;
+  for (int i = 0; i < 600; ++i) {
+    if (!writer.Add(Frame(i), i + 1, ScaleState::kPending)) continue;
+    writer.Rewrite(Frames(i + 1, 1), ScaleState::kPending);
+    ++rewrites;
+    ASSERT_EQ(Tum().size(), static_cast<size_t>(i + 1));
+  }
+  EXPECT_LT(rewrites, 220);
+  EXPECT_GT(Tum().size(), 585u);
+}
+
+TEST_F(RunWriterTest, VehiclePosesFollowTheRearAxle) {
+  RunWriterOptions options{folder_, PoseFrame::kVehicle, {}};
+  EXPECT_THROW(RunWriter{options}, InputError) << "no lever arm";
+  options.vehicle.lever_arm = 1.5;
+  options.vehicle.vehicle_from_camera = RotationFromYawPitchRoll({0.1, -0.05, 0.02});
+  const RunWriter writer(options);
+  const RigidTransform vehicle_from_camera{options.vehicle.vehicle_from_camera, {0, 0, 1.5}};
+  // The car turns on the spot about its rear axle: the camera swings, the axle stays.
+  const RigidTransform turned{RotationFromVector({0, 0.7, 0}), Eigen::Vector3d::Zero()};
+  const RigidTransform world_from_camera = vehicle_from_camera.inverse() * turned * vehicle_from_camera;
+  const RigidTransform shown = writer.Shown(world_from_camera, ScaleState::kHeld);
+  EXPECT_GT(world_from_camera.translation.norm(), 0.5);
+  EXPECT_LT(shown.translation.norm(), 1e-12);
+  EXPECT_LT(shown.rotation.angularDistance(turned.rotation), 1e-12);
+  EXPECT_LT(writer.Shown({}, ScaleState::kHeld).translation.norm(), 1e-12);
+  // Without the metre the camera's own path, seen along the car's axes.
+  EXPECT_NEAR(writer.Shown(world_from_camera, ScaleState::kPending).translation.norm(),
+              world_from_camera.translation.norm(), 1e-12);
+}
+
+TEST_F(RunWriterTest, PlacesThatCannotBeWritten) {
+  std::ofstream(folder_) << "a file in the way";
+  EXPECT_THROW(RunWriter({folder_}), InputError);
+  EXPECT_THROW(RunWriter({folder_ / "below"}), InputError);
+  EXPECT_THROW(RunWriter({"/proc/turnscale"}), InputError);
+}
+
+TEST_F(RunWriterTest, FullDiskIsNoticedAtTheFirstFrame) {
+  fs::create_directories(folder_);
+  fs::create_symlink("/dev/full", folder_ / "live.tum");
+  RunWriter writer({folder_});
+  EXPECT_THROW((void)writer.Add(Frame(0), 0, ScaleState::kPending), OutputError);
+}
+
+TEST_F(RunWriterTest, FullDiskIsNoticedInEveryFile) {
+  for (const char* name :
+       {"trajectory.tum", "trajectory.kitti.txt", "trajectory.csv", "turns.csv", "map.ply", "any.txt"}) {
+    fs::remove_all(folder_);
+    fs::create_directories(folder_);
+    fs::create_symlink("/dev/full", folder_ / name);
+    const auto write_all = [&] {
+      RunWriter writer({folder_});
+      writer.Rewrite(Frames(2, 1), ScaleState::kPending);
+      writer.WriteTurns({});
+      writer.WriteMap({}, ScaleState::kPending);
+      writer.WriteText("any.txt", "text");
+    };
+    EXPECT_THROW(write_all(), OutputError) << name;
+  }
+}
+
+TEST_F(RunWriterTest, EarlierResultsAreTakenAway) {
+  fs::create_directories(folder_);
+  std::ofstream(folder_ / "summary.json") << "old";
+  std::ofstream(folder_ / "live.tum") << "old";
+  const RunWriter writer({folder_});
+  EXPECT_FALSE(fs::exists(folder_ / "summary.json"));
+  EXPECT_EQ(TextOf(folder_ / "live.tum"), "");
+}
+
+TEST_F(RunWriterTest, MapHoldsValidLandmarksAndCameras) {
+  RunWriter writer({folder_});
+  Map map;
+  map.landmarks.resize(3);
+  map.landmarks[0] = {{1, 2, 3}, true, {}};
+  map.landmarks[2] = {{4, 5, 6}, true, {}};
+  map.keyframes.resize(1);
+  map.keyframes[0].camera_from_world = RigidTransform{Eigen::Quaterniond::Identity(), {-7, -8, -9}};
+  writer.WriteMap(map, ScaleState::kHeld);
+  const std::string text = TextOf(folder_ / "map.ply");
+  EXPECT_NE(text.find("element vertex 3\n"), std::string::npos);
+  const size_t begin = text.find("end_header\n") + 11;
+  ASSERT_EQ(text.size() - begin, 3u * 15u);
+  float camera[3];
+  std::memcpy(camera, text.data() + begin + 30, sizeof(camera));
+  EXPECT_EQ(camera[0], 7);
+  EXPECT_EQ(camera[2], 9);
+}
+
+TEST(RunTables, FrameLineHasACellPerColumn) {
+  const auto cells = [](const std::string& line) { return std::count(line.begin(), line.end(), ',') + 1; };
+  FrameResult frame = Frame(3);
+  EXPECT_EQ(cells(FrameTableLine(frame, frame.world_from_camera)), cells(FrameTableHeader()));
+  EXPECT_EQ(cells(FrameTableLine(frame, std::nullopt)), cells(FrameTableHeader()));
+  EXPECT_EQ(FrameTableLine(Frame(2, 1, false), std::nullopt), "2,0.200000,initializing,,,,,,,,pending,inf,0,0,0,,,0\n");
+  frame.keyframe = true;
+  frame.psi = 0.1;
+  EXPECT_NE(FrameTableLine(frame, std::nullopt).find(",1,5.729578,,0\n"), std::string::npos);
+}
+
+TEST(RunTables, TurnsSayWhyTheyWereNotUsed) {
+  TurnResult turn;
+  turn.first_frame = 7;
+  turn.angle = -1.5;
+  turn.reason = "too slow, \"far\" too slow";
+  EXPECT_NE(TurnTable({turn}).find("\n7,0,0,-85.9437,0.0000,0,0,0,0,\"too slow, \"\"far\"\" too slow\"\n"),
+            std::string::npos)
+      << TurnTable({turn});
+}
+
+TEST(RunSummary, CountsAndMeasures) {
+  RunSummary summary;
+  summary.scale_state = ScaleState::kHeld;
+  std::vector<FrameResult> frames = Frames(5, 2);
+  frames[1].state = TrackingState::kBridged;
+  frames[4].keyframe = true;
+  frames[4].scale_sigma = 0.02;
+  TurnResult used;
+  used.used = true;
+  Summarize(frames, {used, {}}, summary);
+  summary.unreadable.push_back({2, "x.png: is truncated"});
+  const auto json = nlohmann::json::parse(SummaryJson(summary));
+  EXPECT_EQ(json["frames"]["total"], 5);
+  EXPECT_EQ(json["frames"]["tracked"], 4);
+  EXPECT_EQ(json["frames"]["bridged"], 1);
+  EXPECT_EQ(json["frames"]["keyframes"], 1);
+  EXPECT_EQ(json["frames"]["unreadable"], 1);
+  EXPECT_EQ(json["unreadable"][0]["problem"], "x.png: is truncated");
+  EXPECT_NEAR(json["distance_m"].get<double>(), 8, 1e-12);
+  EXPECT_TRUE(json["distance_units"].is_null());
+  EXPECT_EQ(json["turns"]["found"], 2);
+  EXPECT_EQ(json["turns"]["used"], 1);
+  EXPECT_EQ(json["scale"]["state"], "held");
+  EXPECT_TRUE(json["complete"].get<bool>());
+  EXPECT_NE(SummaryText(summary).find("8.00 m in 5 frames"), std::string::npos);
+}
+
+TEST(RunSummary, UpToScaleSaysSo) {
+  RunSummary summary;
+  Summarize(Frames(3, 1), {}, summary);
+  EXPECT_NE(SummaryText(summary).find("without --lever-arm the path is up to scale"), std::string::npos);
+  const auto json = nlohmann::json::parse(SummaryJson(summary));
+  EXPECT_TRUE(json["distance_m"].is_null());
+  EXPECT_TRUE(json["scale"]["relative_sigma"].is_null());
+}
+
+TEST(RunSummary, CostIsMeasured) {
+  const RunCost cost = MeasureCost();
+  EXPECT_GT(cost.cpu_seconds, 0);
+  EXPECT_GT(cost.peak_memory_mb, 1);
+}
+
+}  // namespace
+}  // namespace turnscale

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "turnscale/odometry/options.h"
+
+namespace turnscale {
+
+/// All settings as YAML, fit for ReadSettings.
+std::string SettingsText(const OdometryOptions& options);
+
+/// Reads settings; what the file leaves out keeps its default. Throws InputError that names file, line and key for an
+/// unknown key (with the nearest known one), a value of another kind, or one that makes no sense.
+OdometryOptions ReadSettings(const std::filesystem::path& path);
+
+/// The paper's Q from "yaw,pitch,roll" in degrees, or from a YAML file with yaw_deg, pitch_deg and roll_deg. Throws
+/// InputError.
+Eigen::Quaterniond ReadCameraRotation(const std::string& angles_or_file);
+
+}  // namespace turnscale

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/io/settings.h"
+
+#include <cmath>
+#include <fstream>
+
+#include <gtest/gtest.h>
+
+#include "turnscale/base/error.h"
+#include "turnscale/geometry/rotation.h"
+
+namespace turnscale {
+namespace {
+
+std::string Write(const std::string& text) {
+  const std::string path = ::testing::TempDir() + "settings_test.yaml";
+  std::ofstream(path) << text;
+  return path;
+}
+
+OdometryOptions Read(const std::string& text) { return ReadSettings(Write(text)); }
+
+template <class Action>
+std::string ComplaintOf(const Action& action) {
+  try {
+    action();
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+std::string Complaint(const std::string& text) {
+  return ComplaintOf([&] { Read(text); });
+}
+
+TEST(Settings, WrittenDefaultsReadBackToTheSameBits) {
+  const OdometryOptions defaults;
+  const OdometryOptions read = Read(SettingsText(defaults));
+  EXPECT_EQ(SettingsText(read), SettingsText(defaults));
+  EXPECT_EQ(read.turns.min_step_angle, defaults.turns.min_step_angle);
+  EXPECT_EQ(read.turns.min_region_angle, defaults.turns.min_region_angle);
+  EXPECT_EQ(read.pooled_scale.sigma_theta, defaults.pooled_scale.sigma_theta);
+  EXPECT_EQ(read.vehicle.side_slip, defaults.vehicle.side_slip);
+  EXPECT_EQ(read.vehicle.vehicle_from_camera.coeffs(), defaults.vehicle.vehicle_from_camera.coeffs());
+  EXPECT_FALSE(read.vehicle.lever_arm.has_value());
+}
+
+TEST(Settings, ChangedValuesSurvive) {
+  OdometryOptions options;
+  options.threads = 7;
+  options.vehicle.lever_arm = 1.45;
+  options.vehicle.side_slip = 0.0041;
+  options.vehicle.vehicle_from_camera = RotationFromYawPitchRoll({0.02, -0.03, 0.01});
+  options.turns.min_step_angle = 3.0 / kDegreesPerRadian;
+  options.pooled_scale.method = ScaleMethod::kPerFrame;
+  const OdometryOptions read = Read(SettingsText(options));
+  EXPECT_EQ(SettingsText(read), SettingsText(options));
+  EXPECT_EQ(read.threads, 7);
+  EXPECT_EQ(read.vehicle.lever_arm, 1.45);
+  EXPECT_EQ(read.vehicle.side_slip, 0.0041);
+  EXPECT_LT(read.vehicle.vehicle_from_camera.angularDistance(options.vehicle.vehicle_from_camera), 1e-12);
+  EXPECT_EQ(read.turns.min_step_angle, options.turns.min_step_angle);
+  EXPECT_EQ(read.pooled_scale.method, ScaleMethod::kPerFrame);
+}
+
+TEST(Settings, WhatIsLeftOutKeepsItsDefault) {
+  const OdometryOptions read = Read("vehicle:\n  lever_arm: 1.2\n");
+  EXPECT_EQ(read.vehicle.lever_arm, 1.2);
+  EXPECT_EQ(read.vehicle.side_slip, OdometryOptions().vehicle.side_slip);
+  EXPECT_EQ(read.threads, OdometryOptions().threads);
+}
+
+TEST(Settings, ComplaintsNameLineKeyAndNearestKey) {
+  EXPECT_NE(Complaint("vehicle:\n  leverarm: 1\n")
+                .find("settings_test.yaml:2: vehicle.leverarm: unknown key; did you mean 'vehicle.lever_arm'?"),
+            std::string::npos);
+  EXPECT_NE(Complaint("vehicel:\n  lever_arm: 1\n").find(":1: vehicel: unknown key; did you mean 'vehicle'?"),
+            std::string::npos);
+  EXPECT_NE(Complaint("threads: two\n").find(":1: threads: is 'two'; give a finite number"), std::string::npos);
+  EXPECT_NE(Complaint("threads: 1.5\n").find("give a whole number"), std::string::npos);
+  EXPECT_NE(Complaint("vehicle: 3\n").find("vehicle: holds keys of its own"), std::string::npos);
+  EXPECT_NE(Complaint("vehicle:\n  side_slip: [1]\n").find("vehicle.side_slip: has no plain value"), std::string::npos);
+  EXPECT_NE(Complaint("pooled_scale:\n  method: magic\n").find("is 'magic'; give pooled_line or per_frame"),
+            std::string::npos);
+  const std::string senseless = Complaint("vehicle:\n  lever_arm: -1\n");
+  EXPECT_NE(senseless.find("settings_test.yaml: "), std::string::npos) << senseless;
+  EXPECT_NE(senseless.find("lever_arm"), std::string::npos) << senseless;
+}
+
+TEST(CameraRotation, FromAnglesOrFile) {
+  const auto expect = [](const Eigen::Quaterniond& rotation) {
+    const YawPitchRoll angles = YawPitchRollFromRotation(rotation);
+    EXPECT_NEAR(angles.yaw * kDegreesPerRadian, -1.5, 1e-12);
+    EXPECT_NEAR(angles.pitch * kDegreesPerRadian, 2, 1e-12);
+    EXPECT_NEAR(angles.roll * kDegreesPerRadian, 0.25, 1e-12);
+  };
+  expect(ReadCameraRotation("-1.5,2,0.25"));
+  expect(ReadCameraRotation(" -1.5, 2 , +0.25"));
+  expect(ReadCameraRotation(Write("yaw_deg: -1.5\npitch_deg: 2\nroll_deg: 0.25\n")));
+}
+
+TEST(CameraRotation, ComplaintsSayWhatToGive) {
+  for (const char* text : {"1,2", "1,2,3,4", "a,b,c", "", "1,,3", "nowhere.yaml"}) {
+    EXPECT_NE(ComplaintOf([&] { ReadCameraRotation(text); }).find("give three degrees as yaw,pitch,roll"),
+              std::string::npos)
+        << text;
+  }
+  EXPECT_NE(ComplaintOf([] { ReadCameraRotation("nan,0,0"); }).find("between -180 and 180"), std::string::npos);
+  EXPECT_NE(ComplaintOf([] { ReadCameraRotation("200,0,0"); }).find("between -180 and 180"), std::string::npos);
+  EXPECT_NE(ComplaintOf([] { ReadCameraRotation(Write("yaw: 1\n")); }).find("did you mean 'yaw_deg'?"),
+            std::string::npos);
+}
+
+}  // namespace
+}  // namespace turnscale
