@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "turnscale/odometry/feature_tracks.h"
 
+#include <array>
 #include <optional>
 
 namespace turnscale {
@@ -29,22 +30,76 @@ std::vector<cv::Point2f> PredictPixels(const Map& map, const CameraModel& camera
   return guesses;
 }
 
-std::vector<FeatureTrack> FollowTracks(const FlowOptions& options, const CameraModel& camera, const FlowImage& first,
-                                       const FlowImage& second, const std::vector<FeatureTrack>& tracks,
-                                       const std::vector<cv::Point2f>& guesses) {
+FollowedTracks FollowTracks(const FlowOptions& options, const CameraModel& camera, const FlowImage& first,
+                            const FlowImage& second, const std::vector<FeatureTrack>& tracks,
+                            const std::vector<cv::Point2f>& guesses) {
   const FlowResult flow = TrackPoints(options, first, second, PixelsOf(tracks), guesses);
-  std::vector<FeatureTrack> followed;
-  followed.reserve(tracks.size());
+  FollowedTracks followed;
   for (size_t i = 0; i < tracks.size(); ++i) {
-    if (flow.found[i] == 0) continue;
     const cv::Point2f& pixel = flow.points[i];
-    const std::optional<Eigen::Vector2d> undistorted = camera.Undistort({pixel.x, pixel.y});
-    if (!undistorted) continue;
-    followed.push_back(tracks[i]);
-    followed.back().pixel = pixel;
-    followed.back().undistorted = *undistorted;
+    const std::optional<Eigen::Vector2d> undistorted =
+        flow.found[i] != 0 ? camera.Undistort({pixel.x, pixel.y}) : std::nullopt;
+    if (!undistorted) {
+      followed.lost.push_back(tracks[i]);
+      continue;
+    }
+    followed.found.push_back(tracks[i]);
+    followed.found.back().pixel = pixel;
+    followed.found.back().undistorted = *undistorted;
   }
   return followed;
+}
+
+std::optional<Eigen::Matrix2d> CurrentFromReference(const Map& map, const CameraModel& camera,
+                                                    const FeatureTrack& track,
+                                                    const RigidTransform& camera_from_world) {
+  const RigidTransform& reference_from_world = map.keyframes[track.reference_keyframe].camera_from_world;
+  const RigidTransform current_from_reference = camera_from_world * reference_from_world.inverse();
+  const Eigen::Vector3d x = reference_from_world * map.landmarks[track.landmark].position;
+  if (!(x.z() > 0)) return std::nullopt;
+  // Two points beside the landmark, about a pixel away, at the same depth.
+  const double offset = x.z() / map.pinhole.fx;
+  const std::array<Eigen::Vector3d, 3> points = {x, x + offset * Eigen::Vector3d::UnitX(),
+                                                 x + offset * Eigen::Vector3d::UnitY()};
+  std::array<Eigen::Vector2d, 3> in_reference;
+  std::array<Eigen::Vector2d, 3> in_current;
+  for (size_t i = 0; i < points.size(); ++i) {
+    const Eigen::Vector3d moved = current_from_reference * points[i];
+    const std::optional<Eigen::Vector2d> reference = camera.Project(points[i]);
+    const std::optional<Eigen::Vector2d> current = moved.z() > 0 ? camera.Project(moved) : std::nullopt;
+    if (!reference || !current) return std::nullopt;
+    in_reference[i] = *reference;
+    in_current[i] = *current;
+  }
+  Eigen::Matrix2d reference_by_offset;
+  reference_by_offset << in_reference[1] - in_reference[0], in_reference[2] - in_reference[0];
+  Eigen::Matrix2d current_by_offset;
+  current_by_offset << in_current[1] - in_current[0], in_current[2] - in_current[0];
+  return current_by_offset * reference_by_offset.inverse();
+}
+
+bool AlignTrack(const PatchAlignmentOptions& options, const Map& map, const CameraModel& camera, const cv::Mat& image,
+                const RigidTransform& camera_from_world, const cv::Point2f& guess, FeatureTrack& track) {
+  const std::optional<Eigen::Matrix2d> current_from_reference =
+      CurrentFromReference(map, camera, track, camera_from_world);
+  if (!current_from_reference) return false;
+  const std::optional<Eigen::Vector2d> pixel =
+      AlignPatch(options, track.reference_image, {track.reference_pixel.x, track.reference_pixel.y},
+                 current_from_reference->inverse(), image, {guess.x, guess.y});
+  const std::optional<Eigen::Vector2d> undistorted = pixel ? camera.Undistort(*pixel) : std::nullopt;
+  if (!undistorted) return false;
+  track.pixel = ToPoint(*pixel);
+  track.undistorted = *undistorted;
+  return true;
+}
+
+std::optional<cv::Point2f> PixelOf(const Map& map, const CameraModel& camera, int landmark,
+                                   const RigidTransform& camera_from_world) {
+  const Eigen::Vector3d x = camera_from_world * map.landmarks[landmark].position;
+  const std::optional<Eigen::Vector2d> pixel = x.z() > 0 ? camera.Project(x) : std::nullopt;
+  if (!pixel || pixel->x() < 0 || pixel->y() < 0) return std::nullopt;
+  if (pixel->x() > camera.width - 1 || pixel->y() > camera.height - 1) return std::nullopt;
+  return ToPoint(*pixel);
 }
 
 std::vector<cv::Point2f> PixelsOf(const std::vector<FeatureTrack>& tracks) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include <Eigen/Core>
@@ -8,6 +9,7 @@
 
 #include "turnscale/camera/camera_model.h"
 #include "turnscale/features/optical_flow.h"
+#include "turnscale/features/patch_alignment.h"
 #include "turnscale/mapping/map.h"
 
 namespace turnscale {
@@ -17,8 +19,13 @@ struct FeatureTrack {
   int landmark = 0;                                       ///< index into Map::landmarks
   cv::Point2f pixel;                                      ///< in the image as it came
   Eigen::Vector2d undistorted = Eigen::Vector2d::Zero();  ///< in the ideal pinhole image
-  /// Where the last keyframe saw it, undistorted.
-  Eigen::Vector2d in_keyframe = Eigen::Vector2d::Zero();
+  /// Where the last keyframe saw it, undistorted; empty where that one did not.
+  std::optional<Eigen::Vector2d> in_keyframe;
+  /// What the landmark looks like: the image of a keyframe and its pixel there, as the image came.
+  cv::Mat reference_image;
+  cv::Point2f reference_pixel;
+  int reference_keyframe = 0;  ///< index into Map::keyframes
+  int last_keyframe = 0;       ///< the latest one that saw it, index into Map::keyframes
 };
 
 /// Where each track is expected in a camera: landmarks with a depth are projected, the others turned with the camera.
@@ -26,10 +33,32 @@ std::vector<cv::Point2f> PredictPixels(const Map& map, const CameraModel& camera
                                        const std::vector<FeatureTrack>& tracks, const RigidTransform& last_from_world,
                                        const RigidTransform& predicted_from_world);
 
-/// The tracks that are found again in the second image, with their pixels there.
-std::vector<FeatureTrack> FollowTracks(const FlowOptions& options, const CameraModel& camera, const FlowImage& first,
-                                       const FlowImage& second, const std::vector<FeatureTrack>& tracks,
-                                       const std::vector<cv::Point2f>& guesses);
+/// What became of tracks in the next image.
+struct FollowedTracks {
+  std::vector<FeatureTrack> found;  ///< with their pixels there
+  std::vector<FeatureTrack> lost;   ///< as they were
+};
+
+/// Finds tracks in the second image.
+FollowedTracks FollowTracks(const FlowOptions& options, const CameraModel& camera, const FlowImage& first,
+                            const FlowImage& second, const std::vector<FeatureTrack>& tracks,
+                            const std::vector<cv::Point2f>& guesses);
+
+/// Compares a track whose landmark has a depth with what the landmark looks like in its reference keyframe, at the size
+/// and turn that the camera's pose gives it, and corrects its pixel, starting at `guess`: optical flow from image to
+/// image drifts, systematically so where everything grows. False where it looks different or is out of sight; the track
+/// is then left as it was.
+bool AlignTrack(const PatchAlignmentOptions& options, const Map& map, const CameraModel& camera, const cv::Mat& image,
+                const RigidTransform& camera_from_world, const cv::Point2f& guess, FeatureTrack& track);
+
+/// How the neighbourhood of a landmark in its reference keyframe maps into a camera, facing it: pixels as the images
+/// came, 2x2. Empty where one of the two cannot see it.
+std::optional<Eigen::Matrix2d> CurrentFromReference(const Map& map, const CameraModel& camera,
+                                                    const FeatureTrack& track, const RigidTransform& camera_from_world);
+
+/// Where a camera shows a landmark, as the image comes; empty where it is out of sight.
+std::optional<cv::Point2f> PixelOf(const Map& map, const CameraModel& camera, int landmark,
+                                   const RigidTransform& camera_from_world);
 
 /// The pixels of tracks, as the image shows them.
 std::vector<cv::Point2f> PixelsOf(const std::vector<FeatureTrack>& tracks);

@@ -51,6 +51,12 @@ void FrameHistory::Rescale(const std::vector<double>& factors) {
     if (entry.keyframe >= 0) entry.frame_from_keyframe.translation *= factors[entry.keyframe];
 }
 
+std::vector<int> FrameHistory::Keyframes() const {
+  std::vector<int> keyframes;
+  for (const Entry& entry : entries_) keyframes.push_back(entry.keyframe);
+  return keyframes;
+}
+
 std::vector<FrameResult> FrameHistory::Refined(const Map& map) const {
   std::vector<FrameResult> frames;
   frames.reserve(entries_.size());

@@ -20,6 +20,9 @@ class FrameHistory {
   /// Lengths of the frames hung on the keyframes are `factors[k]` times what they were.
   void Rescale(const std::vector<double>& factors);
 
+  /// The keyframe that each frame hangs on, -1 where it has no pose.
+  std::vector<int> Keyframes() const;
+
   /// All frames with the poses that the map gives them now. Bridged frames between two measured ones move evenly from
   /// the one to the other; frames before the first pose have that pose, once there is one.
   std::vector<FrameResult> Refined(const Map& map) const;

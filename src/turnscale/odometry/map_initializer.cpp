@@ -37,6 +37,8 @@ void MapInitializer::Start(const FlowImage& image, int frame, double time) {
     pixels_.push_back(corner);
   }
   alive_ = first.features;
+  first_image_ = image.gray;
+  first_pixels_ = pixels_;
   frames_.push_back(std::move(first));
   last_ = image;
 }
@@ -74,7 +76,9 @@ std::optional<InitialMap> MapInitializer::TryTwoViews() const {
 
   InitialMap map;
   map.frames = frames_;
-  map.raw_pixels = pixels_;
+  map.first_image = first_image_;
+  map.first_pixels = first_pixels_;
+  map.second_pixels = pixels_;
   map.second_from_first = views.second_from_first;
   map.has_point.assign(first.features.size(), 0);
   map.points.assign(first.features.size(), Eigen::Vector3d::Zero());

@@ -22,8 +22,10 @@ struct WaitingFrame {
 
 /// What a new map starts from. All in the first view's camera frame, in the arbitrary unit of the start.
 struct InitialMap {
-  std::vector<WaitingFrame> frames;     ///< first view ... second view; the first saw every feature
-  std::vector<cv::Point2f> raw_pixels;  ///< in the second view's image as it came, one a feature it saw
+  std::vector<WaitingFrame> frames;  ///< first view ... second view; the first saw every feature
+  cv::Mat first_image;
+  std::vector<cv::Point2f> first_pixels;   ///< in the first image as it came, one a feature
+  std::vector<cv::Point2f> second_pixels;  ///< in the second image as it came, one a feature the second view saw
   RigidTransform second_from_first;
   std::vector<char> has_point;          ///< one flag a feature
   std::vector<Eigen::Vector3d> points;  ///< one a feature
@@ -47,6 +49,8 @@ class MapInitializer {
 
   OdometryOptions options_;
   CameraModel camera_;
+  cv::Mat first_image_;
+  std::vector<cv::Point2f> first_pixels_;
   FlowImage last_;
   std::vector<int> alive_;           ///< features found in the last image
   std::vector<cv::Point2f> pixels_;  ///< theirs, in the last image

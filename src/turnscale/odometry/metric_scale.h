@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "turnscale/kinematics/pooled_scale.h"
 #include "turnscale/kinematics/turn_detector.h"
 #include "turnscale/kinematics/turning_motion.h"
 #include "turnscale/mapping/map.h"
@@ -13,9 +14,9 @@
 
 namespace turnscale {
 
-/// What a new keyframe changed in the scale.
+/// What a new keyframe told of the scale.
 struct ScaleUpdate {
-  TurningMotion motion;  ///< of the step that led to the keyframe
+  TurningMotion motion;  ///< of the step that led to the keyframe; zero where that step bridges a gap
   /// The map was brought to metres. Lengths at keyframe k are `factors[k]` times what they were; empty where nothing
   /// changed.
   std::vector<double> factors;
@@ -26,29 +27,40 @@ class MetricScale {
  public:
   explicit MetricScale(const OdometryOptions& options);
 
-  /// Takes the keyframe that the map has just been given.
-  ScaleUpdate AddKeyframe(Map& map);
+  /// Takes a keyframe of the map; each once, in their order.
+  ScaleUpdate AddKeyframe(int keyframe, Map& map);
 
   /// The drive is over: a turn that is still open closes.
   ScaleUpdate Finish(Map& map);
 
   ScaleState state() const { return state_; }
-  double sigma() const { return sigma_; }  ///< relative, at the latest keyframe
+  double sigma() const;  ///< relative standard deviation at the latest keyframe
+
   std::vector<TurnResult> Turns(const Map& map) const;
 
-  /// Writes what the turns say of the refined frames: psi, theta, turning, state and sigma of the scale.
-  void Annotate(const Map& map, std::vector<FrameResult>& frames) const;
+  /// Writes into refined frames what is known after the turns: psi and theta of keyframes, turning, and the state and
+  /// sigma of the scale, which between two turns come from both. `keyframe_of_frame` names each frame's keyframe, -1
+  /// where it has none.
+  void Annotate(const Map& map, const std::vector<int>& keyframe_of_frame, std::vector<FrameResult>& frames) const;
 
  private:
+  struct Turn {
+    TurningRegion region;
+    TurnResult result;  ///< without what depends on the refined map
+    double relative_sigma = std::numeric_limits<double>::infinity();
+  };
+
+  TurningMotion MotionOf(const Map& map, int step) const;
+  std::vector<TurningStep> StepsOf(const Map& map, const TurningRegion& region) const;
   std::vector<double> Close(const TurningRegion& region, Map& map);
+  const Turn* LastUsed() const;
 
   OdometryOptions options_;
   TurnDetector detector_;
-  std::vector<TurningRegion> regions_;
-  std::vector<TurnResult> turns_;
-  std::vector<double> total_factor_;  ///< metres at a keyframe per unit of the start
+  std::vector<Turn> turns_;
+  std::vector<double> total_factors_;  ///< metres at a keyframe per unit of the start
   ScaleState state_ = ScaleState::kPending;
-  double sigma_ = std::numeric_limits<double>::infinity();
+  double distance_since_turn_ = 0;  ///< metres
 };
 
 }  // namespace turnscale

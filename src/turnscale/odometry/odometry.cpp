@@ -38,13 +38,18 @@ FrameResult Odometry::Process(const cv::Mat& gray, double time) {
 
   const RigidTransform predicted = motion_.Predict(time);
   const std::vector<cv::Point2f> guesses = PredictPixels(map_, camera_, tracks_, motion_.last(), predicted);
-  std::vector<FeatureTrack> tracks = FollowTracks(options_.flow, camera_, last_image_, image, tracks_, guesses);
-  const PoseEstimate estimate = LocateFrame(predicted, tracks);
-  result.tracked = static_cast<int>(tracks.size());
+  FollowedTracks followed = FollowTracks(options_.flow, camera_, last_image_, image, tracks_, guesses);
+  PoseEstimate estimate = LocateFrame(predicted, followed);
+  if (Believable(estimate)) {
+    AlignWithMap(image, estimate.camera_from_world, followed);
+    estimate = LocateFrame(estimate.camera_from_world, followed);
+  }
+  result.tracked = static_cast<int>(followed.found.size());
   result.inliers = estimate.inliers;
   if (!Believable(estimate)) return Bridge(predicted, result);
 
-  tracks_ = std::move(tracks);
+  tracks_ = std::move(followed.found);
+  lost_tracks_ = std::move(followed.lost);
   last_image_ = image;
   lost_frames_ = 0;
   result.state = TrackingState::kTracked;
@@ -102,17 +107,19 @@ void Odometry::StartMap(const InitialMap& start) {
     AddObservation(map_, keyframe, first_landmark + static_cast<int>(i), first.pixels[i]);
   }
   tracks_.clear();
+  lost_tracks_.clear();
   for (size_t i = 0; i < second.features.size(); ++i) {
     const int landmark = first_landmark + second.features[i];
     AddObservation(map_, keyframe + 1, landmark, second.pixels[i]);
-    tracks_.push_back({landmark, start.raw_pixels[i], second.pixels[i], second.pixels[i]});
+    tracks_.push_back({landmark, start.second_pixels[i], second.pixels[i], second.pixels[i], start.first_image,
+                       start.first_pixels[second.features[i]], keyframe, keyframe + 1});
   }
   mapping_ = true;
   lost_frames_ = 0;
   landmarks_in_keyframe_ = static_cast<int>(std::ranges::count(start.has_point, 1));
   LocateWaitingFrames(start, first_landmark, keyframe);
-  scale_.AddKeyframe(map_);
-  scale_.AddKeyframe(map_);
+  scale_.AddKeyframe(keyframe, map_);
+  scale_.AddKeyframe(keyframe + 1, map_);
   ++revision_;
 }
 
@@ -137,28 +144,51 @@ void Odometry::LocateWaitingFrames(const InitialMap& start, int first_landmark, 
   }
 }
 
-PoseEstimate Odometry::LocateFrame(const RigidTransform& predicted, std::vector<FeatureTrack>& tracks) const {
+PoseEstimate Odometry::LocateFrame(const RigidTransform& predicted, FollowedTracks& tracks) const {
   std::vector<PointSighting> sightings;
-  for (const FeatureTrack& track : tracks)
+  for (const FeatureTrack& track : tracks.found)
     if (map_.landmarks[track.landmark].valid)
       sightings.push_back({map_.landmarks[track.landmark].position, track.undistorted});
   PoseEstimate estimate = EstimatePose(options_.pose, camera_.pinhole, sightings, predicted);
-  // What disagrees with the pose has slipped, or moves by itself; its track ends.
+  // What disagrees with the pose has slipped, or moves by itself.
   size_t sighting = 0;
-  std::erase_if(tracks, [&](const FeatureTrack& track) {
-    return map_.landmarks[track.landmark].valid && estimate.inlier[sighting++] == 0;
+  std::erase_if(tracks.found, [&](const FeatureTrack& track) {
+    const bool wrong = map_.landmarks[track.landmark].valid && estimate.inlier[sighting++] == 0;
+    if (wrong) tracks.lost.push_back(track);
+    return wrong;
   });
   return estimate;
 }
 
+void Odometry::AlignWithMap(const FlowImage& image, const RigidTransform& camera_from_world,
+                            FollowedTracks& tracks) const {
+  std::vector<FeatureTrack> candidates = lost_tracks_;
+  for (const FeatureTrack& track : tracks.lost) candidates.push_back(track);
+  tracks.lost.clear();
+  std::erase_if(tracks.found, [&](FeatureTrack& track) {
+    if (!map_.landmarks[track.landmark].valid) return false;
+    const bool same = AlignTrack(options_.alignment, map_, camera_, image.gray, camera_from_world, track.pixel, track);
+    if (!same) candidates.push_back(track);
+    return !same;
+  });
+  const int oldest = static_cast<int>(map_.keyframes.size()) - options_.tracking.memory_keyframes;
+  for (FeatureTrack& track : candidates) {
+    if (!map_.landmarks[track.landmark].valid || track.last_keyframe < oldest) continue;
+    const std::optional<cv::Point2f> expected = PixelOf(map_, camera_, track.landmark, camera_from_world);
+    const bool found =
+        expected && AlignTrack(options_.alignment, map_, camera_, image.gray, camera_from_world, *expected, track);
+    (found ? tracks.found : tracks.lost).push_back(track);
+  }
+}
+
 bool Odometry::Believable(const PoseEstimate& estimate) const {
-  return estimate.inliers >= options_.recovery.min_inliers &&
-         estimate.inliers >= options_.recovery.min_inlier_share * static_cast<double>(estimate.inlier.size());
+  return estimate.inliers >= options_.tracking.min_inliers &&
+         estimate.inliers >= options_.tracking.min_inlier_share * static_cast<double>(estimate.inlier.size());
 }
 
 FrameResult Odometry::Bridge(const RigidTransform& predicted, FrameResult result) {
   if (result.state != TrackingState::kUnreadable) result.state = TrackingState::kBridged;
-  if (mapping_ && ++lost_frames_ > options_.recovery.max_lost_frames) {
+  if (mapping_ && ++lost_frames_ > options_.tracking.max_lost_frames) {
     mapping_ = false;
     initializer_ = MapInitializer(options_, camera_);
   }
@@ -173,7 +203,8 @@ bool Odometry::NeedsKeyframe(const RigidTransform& camera_from_world, int inlier
   if (RotationAngle(turn) * kDegreesPerRadian > limits.min_rotation_deg) return true;
   std::vector<double> parallax;
   for (const FeatureTrack& track : tracks_) {
-    const Eigen::Vector3d rotated = turn * map_.pinhole.Ray(track.in_keyframe);
+    if (!track.in_keyframe) continue;
+    const Eigen::Vector3d rotated = turn * map_.pinhole.Ray(*track.in_keyframe);
     const Eigen::Vector3d seen = map_.pinhole.Ray(track.undistorted);
     parallax.push_back(std::atan2(rotated.cross(seen).norm(), rotated.dot(seen)));
   }
@@ -202,13 +233,18 @@ void Odometry::AddKeyframe(const FlowImage& image, const RigidTransform& camera_
   ObserveScale(result);
   landmarks_in_keyframe_ = static_cast<int>(
       std::ranges::count_if(tracks_, [&](const FeatureTrack& track) { return map_.landmarks[track.landmark].valid; }));
-  for (FeatureTrack& track : tracks_) track.in_keyframe = track.undistorted;
+  for (FeatureTrack& track : tracks_) {
+    track.in_keyframe = track.undistorted;
+    track.last_keyframe = keyframe;
+  }
+  for (FeatureTrack& track : lost_tracks_) track.in_keyframe.reset();
+  RenewReferences(image);
   DetectNewFeatures(image);
   result.keyframe = true;
 }
 
 void Odometry::ObserveScale(FrameResult& result) {
-  const ScaleUpdate update = scale_.AddKeyframe(map_);
+  const ScaleUpdate update = scale_.AddKeyframe(static_cast<int>(map_.keyframes.size()) - 1, map_);
   result.psi = update.motion.psi;
   result.theta = update.motion.theta;
   if (!update.factors.empty()) ApplyScale(update.factors);
@@ -220,6 +256,20 @@ void Odometry::ApplyScale(const std::vector<double>& factors) {
   ++revision_;
 }
 
+void Odometry::RenewReferences(const FlowImage& image) {
+  const int keyframe = static_cast<int>(map_.keyframes.size()) - 1;
+  for (FeatureTrack& track : tracks_) {
+    if (!map_.landmarks[track.landmark].valid) continue;
+    const std::optional<Eigen::Matrix2d> current_from_reference =
+        CurrentFromReference(map_, camera_, track, map_.keyframes[keyframe].camera_from_world);
+    const double limit = options_.keyframes.max_growth * options_.keyframes.max_growth;
+    if (!current_from_reference || current_from_reference->determinant() < limit) continue;
+    track.reference_image = image.gray;
+    track.reference_pixel = track.pixel;
+    track.reference_keyframe = keyframe;
+  }
+}
+
 void Odometry::DetectNewFeatures(const FlowImage& image) {
   const int keyframe = static_cast<int>(map_.keyframes.size()) - 1;
   for (const cv::Point2f& corner : DetectCorners(options_.corners, image.gray, PixelsOf(tracks_))) {
@@ -228,7 +278,7 @@ void Odometry::DetectNewFeatures(const FlowImage& image) {
     const int landmark = static_cast<int>(map_.landmarks.size());
     map_.landmarks.push_back({});
     AddObservation(map_, keyframe, landmark, *undistorted);
-    tracks_.push_back({landmark, corner, *undistorted, *undistorted});
+    tracks_.push_back({landmark, corner, *undistorted, *undistorted, image.gray, corner, keyframe, keyframe});
   }
 }
 
@@ -242,7 +292,7 @@ FrameResult Odometry::Record(FrameResult result, const RigidTransform& camera_fr
 
 std::vector<FrameResult> Odometry::RefinedFrames() const {
   std::vector<FrameResult> frames = history_.Refined(map_);
-  scale_.Annotate(map_, frames);
+  scale_.Annotate(map_, history_.Keyframes(), frames);
   return frames;
 }
 

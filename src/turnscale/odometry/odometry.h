@@ -50,13 +50,15 @@ class Odometry {
   FrameResult Initialize(const FlowImage& image, FrameResult result);
   void StartMap(const InitialMap& start);
   void LocateWaitingFrames(const InitialMap& start, int first_landmark, int keyframe);
-  PoseEstimate LocateFrame(const RigidTransform& predicted, std::vector<FeatureTrack>& tracks) const;
+  PoseEstimate LocateFrame(const RigidTransform& predicted, FollowedTracks& tracks) const;
+  void AlignWithMap(const FlowImage& image, const RigidTransform& camera_from_world, FollowedTracks& tracks) const;
   bool Believable(const PoseEstimate& estimate) const;
   FrameResult Bridge(const RigidTransform& predicted, FrameResult result);
   bool NeedsKeyframe(const RigidTransform& camera_from_world, int inliers) const;
   void AddKeyframe(const FlowImage& image, const RigidTransform& camera_from_world, FrameResult& result);
   void ObserveScale(FrameResult& result);
   void ApplyScale(const std::vector<double>& factors);
+  void RenewReferences(const FlowImage& image);
   void DetectNewFeatures(const FlowImage& image);
   FrameResult Record(FrameResult result, const RigidTransform& camera_from_world);
 
@@ -68,11 +70,12 @@ class Odometry {
   FrameHistory history_;
   Map map_;
 
-  FlowImage last_image_;              ///< the latest one whose pose was measured
-  std::vector<FeatureTrack> tracks_;  ///< what it shows
-  int landmarks_in_keyframe_ = 0;     ///< with a depth, when the last keyframe was made
-  bool mapping_ = false;              ///< there is a map to track against
-  int lost_frames_ = 0;               ///< in a row, up to now
+  FlowImage last_image_;                   ///< the latest one whose pose was measured
+  std::vector<FeatureTrack> tracks_;       ///< what it shows
+  std::vector<FeatureTrack> lost_tracks_;  ///< landmarks seen lately that it does not show
+  int landmarks_in_keyframe_ = 0;          ///< with a depth, when the last keyframe was made
+  bool mapping_ = false;                   ///< there is a map to track against
+  int lost_frames_ = 0;                    ///< in a row, up to now
   int frames_ = 0;
   int revision_ = 0;
 };

@@ -20,27 +20,36 @@ void KeyframeOptions::Check() const {
   if (!(min_parallax_deg > 0)) throw InputError("keyframes.min_parallax_deg: has to be positive");
   if (!(min_tracked_share >= 0 && min_tracked_share <= 1))
     throw InputError("keyframes.min_tracked_share: has to be in 0...1");
+  if (!(max_growth > 1)) throw InputError("keyframes.max_growth: has to be above 1");
 }
 
-void RecoveryOptions::Check() const {
-  if (min_inliers < 6) throw InputError("recovery.min_inliers: has to be at least 6");
+void TrackingOptions::Check() const {
+  if (min_inliers < 6) throw InputError("tracking.min_inliers: has to be at least 6");
   if (!(min_inlier_share >= 0 && min_inlier_share <= 1))
-    throw InputError("recovery.min_inlier_share: has to be in 0...1");
-  if (max_lost_frames < 0) throw InputError("recovery.max_lost_frames: must not be negative");
+    throw InputError("tracking.min_inlier_share: has to be in 0...1");
+  if (memory_keyframes < 1) throw InputError("tracking.memory_keyframes: has to be at least 1");
+  if (max_lost_frames < 0) throw InputError("tracking.max_lost_frames: must not be negative");
+}
+
+void ScaleOptions::Check() const {
+  recovery.Check();
+  if (!(drift_per_root_metre >= 0)) throw InputError("scale.drift_per_root_metre: must not be negative");
 }
 
 void OdometryOptions::Check() const {
   vehicle.Check();
   corners.Check();
   flow.Check();
+  alignment.Check();
   initialization.Check();
   pose.Check();
   keyframes.Check();
   landmarks.Check();
   local_bundle.Check();
-  recovery.Check();
+  tracking.Check();
   turns.Check();
   pooled_scale.Check();
+  scale.Check();
   if (threads < 1) throw InputError("threads: has to be at least 1");
 }
 

@@ -7,12 +7,14 @@
 
 #include "turnscale/features/corners.h"
 #include "turnscale/features/optical_flow.h"
+#include "turnscale/features/patch_alignment.h"
 #include "turnscale/kinematics/pooled_scale.h"
 #include "turnscale/kinematics/turn_detector.h"
 #include "turnscale/mapping/landmarks.h"
 #include "turnscale/mapping/local_bundle_adjustment.h"
 #include "turnscale/mapping/pose_estimation.h"
 #include "turnscale/mapping/two_view_initialization.h"
+#include "turnscale/scale/absolute_scale_recovery.h"
 
 namespace turnscale {
 
@@ -38,19 +40,35 @@ struct KeyframeOptions {
   double min_parallax_deg = 1.2;
   /// Share of the last keyframe's landmarks that are still tracked.
   double min_tracked_share = 0.7;
+  /// A landmark that has grown by more than this since its reference keyframe is looked up in the latest one from now
+  /// on: an enlarged old view is too blurred to compare with.
+  double max_growth = 1.6;
 
   /// Throws InputError that names the field when a value makes no sense.
   void Check() const;
 };
 
 /// When tracking counts as lost, and what happens then.
-struct RecoveryOptions {
+struct TrackingOptions {
   /// A pose with fewer agreeing landmarks is not believed.
   int min_inliers = 25;
   /// Nor one with which fewer than this share of the tracked landmarks agree.
   double min_inlier_share = 0.35;
   /// Frames in a row without a pose after which the map starts anew, at the predicted pose and speed.
   int max_lost_frames = 4;
+  /// A landmark that this many keyframes have not seen is no longer looked for.
+  int memory_keyframes = 10;
+
+  /// Throws InputError that names the field when a value makes no sense.
+  void Check() const;
+};
+
+/// How the turns' scale is carried over the drive.
+struct ScaleOptions {
+  ScaleRecoveryOptions recovery;
+  /// How fast the odometry's scale is taken to drift between turns: relative standard deviation after one metre,
+  /// growing with the root of the distance (0.001: 1 % after 100 m).
+  double drift_per_root_metre = 0.001;
 
   /// Throws InputError that names the field when a value makes no sense.
   void Check() const;
@@ -61,14 +79,16 @@ struct OdometryOptions {
   VehicleOptions vehicle;
   CornerOptions corners;
   FlowOptions flow;
+  PatchAlignmentOptions alignment;
   TwoViewOptions initialization;
   PoseEstimationOptions pose;
   KeyframeOptions keyframes;
   LandmarkOptions landmarks;
   LocalBundleOptions local_bundle;
-  RecoveryOptions recovery;
+  TrackingOptions tracking;
   TurnDetectorOptions turns;
   PooledScaleOptions pooled_scale;
+  ScaleOptions scale;
   /// Threads that image operations may use. Changes the time, never the result.
   int threads = 2;
 

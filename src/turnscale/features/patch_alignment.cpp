@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/features/patch_alignment.h"
+
+#include <cmath>
+#include <vector>
+
+#include <Eigen/Cholesky>
+
+#include "turnscale/base/error.h"
+
+namespace turnscale {
+namespace {
+
+bool Inside(const cv::Mat& image, double x, double y) {
+  return x >= 0 && y >= 0 && x < image.cols - 1 && y < image.rows - 1;
+}
+
+// Bilinear; (x, y) is Inside.
+float Sample(const cv::Mat& image, float x, float y) {
+  const int column = static_cast<int>(x);
+  const int row = static_cast<int>(y);
+  const float right = x - static_cast<float>(column);
+  const float down = y - static_cast<float>(row);
+  const uchar* top = image.ptr<uchar>(row) + column;
+  const uchar* bottom = image.ptr<uchar>(row + 1) + column;
+  const float upper = static_cast<float>(top[0]) + right * static_cast<float>(top[1] - top[0]);
+  const float lower = static_cast<float>(bottom[0]) + right * static_cast<float>(bottom[1] - bottom[0]);
+  return upper + down * (lower - upper);
+}
+
+// The patch as the current image should show it, and how it changes with position, gain and offset.
+struct Template {
+  std::vector<Eigen::Vector4f> jacobian;  // by x, by y, by gain (the value itself), by offset (one)
+  Eigen::Matrix4f normal_matrix = Eigen::Matrix4f::Zero();
+  float variance = 0;  // sum of squared deviations from the mean
+
+  float value(size_t i) const { return jacobian[i][2]; }
+};
+
+std::optional<Template> MakeTemplate(int half, const cv::Mat& reference, const Eigen::Vector2d& pixel,
+                                     const Eigen::Matrix2d& reference_from_current) {
+  const int side = 2 * half + 3;  // one more all around for the gradients
+  std::vector<float> values(static_cast<size_t>(side) * side);
+  for (int row = 0; row < side; ++row)
+    for (int column = 0; column < side; ++column) {
+      const Eigen::Vector2d at = pixel + reference_from_current * Eigen::Vector2d(column - half - 1, row - half - 1);
+      if (!Inside(reference, at.x(), at.y())) return std::nullopt;
+      values[static_cast<size_t>(row) * side + column] =
+          Sample(reference, static_cast<float>(at.x()), static_cast<float>(at.y()));
+    }
+  Template patch;
+  float sum = 0;
+  float sum_of_squares = 0;
+  for (int row = 1; row < side - 1; ++row)
+    for (int column = 1; column < side - 1; ++column) {
+      const float* at = &values[static_cast<size_t>(row) * side + column];
+      patch.jacobian.emplace_back(0.5F * (at[1] - at[-1]), 0.5F * (at[side] - at[-side]), at[0], 1.0F);
+      patch.normal_matrix += patch.jacobian.back() * patch.jacobian.back().transpose();
+      sum += at[0];
+      sum_of_squares += at[0] * at[0];
+    }
+  patch.variance = sum_of_squares - sum * sum / static_cast<float>(patch.jacobian.size());
+  return patch;
+}
+
+}  // namespace
+
+void PatchAlignmentOptions::Check() const {
+  if (half_size < 2 || half_size > 20) throw InputError("alignment.half_size: has to be in 2...20 pixels");
+  if (max_iterations < 1) throw InputError("alignment.max_iterations: has to be at least 1");
+  if (!(tolerance > 0)) throw InputError("alignment.tolerance: has to be positive");
+  if (!(max_distance > 0)) throw InputError("alignment.max_distance: has to be positive");
+  if (!(min_correlation < 1)) throw InputError("alignment.min_correlation: has to be below 1");
+}
+
+std::optional<Eigen::Vector2d> AlignPatch(const PatchAlignmentOptions& options, const cv::Mat& reference,
+                                          const Eigen::Vector2d& reference_pixel,
+                                          const Eigen::Matrix2d& reference_from_current, const cv::Mat& current,
+                                          const Eigen::Vector2d& guess) {
+  const int half = options.half_size;
+  const std::optional<Template> patch = MakeTemplate(half, reference, reference_pixel, reference_from_current);
+  if (!patch) return std::nullopt;
+  const Eigen::LDLT<Eigen::Matrix4f> factor(patch->normal_matrix);
+
+  Eigen::Vector2d pixel = guess;
+  float gain = 1;
+  float offset = 0;
+  for (int iteration = 0; iteration < options.max_iterations; ++iteration) {
+    if (!Inside(current, pixel.x() - half, pixel.y() - half) || !Inside(current, pixel.x() + half, pixel.y() + half))
+      return std::nullopt;
+    Eigen::Vector4f gradient = Eigen::Vector4f::Zero();
+    float squared = 0;
+    size_t i = 0;
+    for (int row = -half; row <= half; ++row)
+      for (int column = -half; column <= half; ++column, ++i) {
+        const float seen = Sample(current, static_cast<float>(pixel.x() + column), static_cast<float>(pixel.y() + row));
+        const float residual = seen - gain * patch->value(i) - offset;
+        gradient += residual * patch->jacobian[i];
+        squared += residual * residual;
+      }
+    const Eigen::Vector4f step = factor.solve(gradient);
+    if (!step.allFinite()) return std::nullopt;
+    // The template's gradients stand for the image's, up to the gain.
+    const Eigen::Vector2d shift = -step.head<2>().cast<double>() / std::max(0.1F, gain);
+    pixel += shift;
+    gain += step[2];
+    offset += step[3];
+    if ((pixel - guess).norm() > options.max_distance) return std::nullopt;
+    if (shift.norm() > options.tolerance) continue;
+    // Share of the patch's variance that the image explains is the square of the correlation.
+    const double explained = 1.0 - squared / std::max(1e-6F, gain * gain * patch->variance);
+    if (gain < 0.2F || explained < options.min_correlation * options.min_correlation) return std::nullopt;
+    return pixel;
+  }
+  return std::nullopt;
+}
+
+}  // namespace turnscale
