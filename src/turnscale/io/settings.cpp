@@ -41,9 +41,9 @@ class Writer {
     Line(name, value ? fmt::format(" {}", *value) : " none");
   }
 
-  // Twelve digits give back the very radians that a round number of degrees was made of.
+  // Twelve digits give back the very radians that a round number of degrees was made of; + 0.0 unmakes a negative zero.
   void Degrees(const std::string& name, double radians) {
-    Line(name, fmt::format(" {:.12g}", radians * kDegreesPerRadian));
+    Line(name, fmt::format(" {:.12g}", radians * kDegreesPerRadian + 0.0));
   }
 
   template <class Value>

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: MIT
+#include "command_line.h"
+
+#include <chrono>
+#include <fstream>
+#include <iterator>
+#include <sstream>
+#include <stdexcept>
+#include <thread>
+
+#include <fcntl.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+namespace turnscale {
+namespace {
+
+std::string TextOf(const std::filesystem::path& path) {
+  std::ifstream stream(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+void Redirect(int descriptor, const char* path) {
+  const int file = open(path, O_WRONLY | O_CREAT | O_TRUNC, 0644);
+  if (file < 0 || dup2(file, descriptor) < 0) _exit(126);
+  close(file);
+}
+
+}  // namespace
+
+std::vector<std::string> CommandResult::Complaints() const {
+  std::vector<std::string> complaints;
+  std::istringstream stream(err);
+  for (std::string line; std::getline(stream, line);) {
+    if (line.starts_with("turnscale: ")) complaints.push_back(line);
+  }
+  return complaints;
+}
+
+Command::Command(const std::vector<std::string>& arguments, const std::filesystem::path& folder)
+    : out_(folder / "stdout.txt"), err_(folder / "stderr.txt") {
+  std::vector<std::string> words = {TURNSCALE_COMMAND};
+  words.insert(words.end(), arguments.begin(), arguments.end());
+  std::vector<char*> pointers;
+  for (std::string& word : words) pointers.push_back(word.data());
+  pointers.push_back(nullptr);
+  // What an earlier run printed must not be taken for this one's.
+  std::filesystem::remove(out_);
+  std::filesystem::remove(err_);
+  process_ = fork();
+  if (process_ < 0) throw std::runtime_error("cannot start a process");
+  if (process_ > 0) return;
+  Redirect(STDOUT_FILENO, out_.c_str());
+  Redirect(STDERR_FILENO, err_.c_str());
+  execv(pointers[0], pointers.data());
+  _exit(127);
+}
+
+Command::~Command() {
+  if (process_ <= 0) return;
+  kill(process_, SIGKILL);
+  waitpid(process_, nullptr, 0);
+}
+
+bool Command::WaitForError(const std::string& text) const {
+  for (int i = 0; i < 6000; ++i) {
+    if (TextOf(err_).find(text) != std::string::npos) return true;
+    siginfo_t state = {};
+    if (waitid(P_PID, static_cast<id_t>(process_), &state, WEXITED | WNOHANG | WNOWAIT) != 0 || state.si_pid != 0)
+      break;
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  return TextOf(err_).find(text) != std::string::npos;
+}
+
+void Command::Signal(int signal) const { kill(process_, signal); }
+
+CommandResult Command::Wait() {
+  int status = 0;
+  waitpid(process_, &status, 0);
+  process_ = -1;
+  return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, TextOf(out_), TextOf(err_)};
+}
+
+CommandResult RunCommand(const std::vector<std::string>& arguments, const std::filesystem::path& folder) {
+  return Command(arguments, folder).Wait();
+}
+
+}  // namespace turnscale

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace turnscale {
+
+/// What a run of the built command line left behind.
+struct CommandResult {
+  int exit_code = -1;  ///< -1 where a signal ended it
+  std::string out;
+  std::string err;
+
+  /// Lines of `err` that begin with "turnscale: ".
+  std::vector<std::string> Complaints() const;
+};
+
+/// A run of the built `turnscale` that goes on beside the test.
+class Command {
+ public:
+  /// Keeps what it prints in files below `folder`.
+  Command(const std::vector<std::string>& arguments, const std::filesystem::path& folder);
+  Command(const Command&) = delete;
+  Command& operator=(const Command&) = delete;
+  ~Command();
+
+  /// Waits until standard error holds the text; false where the run ends, or a minute passes, without it.
+  bool WaitForError(const std::string& text) const;
+  void Signal(int signal) const;
+  CommandResult Wait();
+
+ private:
+  std::filesystem::path out_;
+  std::filesystem::path err_;
+  int process_ = -1;
+};
+
+/// Runs `turnscale` to its end.
+CommandResult RunCommand(const std::vector<std::string>& arguments, const std::filesystem::path& folder);
+
+}  // namespace turnscale

@@ -1,0 +1,263 @@
+// SPDX-License-Identifier: MIT
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <signal.h>
+#include <sys/stat.h>
+
+#include "command_line.h"
+#include "rendered_room.h"
+#include "turnscale/io/trajectory_file.h"
+
+namespace turnscale {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kFrames = 20;
+
+std::string TextOf(const fs::path& path) {
+  std::ifstream stream(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+class ErrorsTest : public ::testing::Test {
+ protected:
+  ErrorsTest()
+      : folder_(fs::path(::testing::TempDir()) /
+                (std::string("turnscale_errors_") + ::testing::UnitTest::GetInstance()->current_test_info()->name())) {
+    fs::remove_all(folder_);
+    fs::create_directories(folder_);
+    WriteRoomDrive(Drive(), kFrames);
+  }
+  ~ErrorsTest() override { fs::remove_all(folder_); }
+
+  fs::path Drive() const { return folder_ / "drive"; }
+  fs::path Out() const { return folder_ / "out"; }
+  fs::path Image(int number) const {
+    return Drive() / "image_0" /
+           (number < 10 ? "00000" + std::to_string(number) : "0000" + std::to_string(number)).append(".png");
+  }
+
+  fs::path Text(const std::string& name, const std::string& text) const {
+    std::ofstream(folder_ / name) << text;
+    return folder_ / name;
+  }
+
+  std::vector<std::string> Arguments(std::vector<std::string> more) const {
+    more.insert(more.begin(), {"run", Drive().string(), "--out", Out().string()});
+    return more;
+  }
+
+  CommandResult Run(const std::vector<std::string>& more = {}) const { return RunCommand(Arguments(more), folder_); }
+
+  nlohmann::json Summary() const { return nlohmann::json::parse(TextOf(Out() / "summary.json")); }
+
+  // The whole of standard error is one line, and it says all of this.
+  static void ExpectComplaint(const CommandResult& result, int exit_code, const std::vector<std::string>& parts) {
+    EXPECT_EQ(result.exit_code, exit_code) << result.err;
+    ASSERT_EQ(result.Complaints().size(), 1u) << result.err;
+    EXPECT_EQ(result.err, result.Complaints()[0] + "\n");
+    for (const std::string& part : parts) EXPECT_NE(result.err.find(part), std::string::npos) << result.err;
+  }
+
+  fs::path folder_;
+};
+
+TEST_F(ErrorsTest, GoodDriveSucceeds) {
+  const CommandResult result = Run({"--lever-arm", "1.5"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_TRUE(result.Complaints().empty()) << result.err;
+  EXPECT_NE(result.out.find("files   " + Out().string()), std::string::npos) << result.out;
+  EXPECT_EQ(Summary()["frames"]["total"], kFrames);
+  for (const char* name : {"trajectory.tum", "trajectory.kitti.txt", "live.tum", "trajectory.csv", "turns.csv",
+                           "map.ply", "settings.yaml", "summary.json"}) {
+    EXPECT_TRUE(fs::exists(Out() / name)) << name;
+  }
+}
+
+TEST_F(ErrorsTest, QuietPrintsNothing) {
+  const CommandResult result = Run({"--quiet"});
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_EQ(result.out + result.err, "");
+}
+
+TEST_F(ErrorsTest, WithoutLeverArmTheRunSaysItIsUpToScale) {
+  EXPECT_NE(Run().out.find("without --lever-arm the path is up to scale"), std::string::npos);
+}
+
+TEST_F(ErrorsTest, MissingAndEmptyFolders) {
+  ExpectComplaint(RunCommand({"run", (folder_ / "nowhere").string()}, folder_), 2, {"nowhere: no such file or folder"});
+  fs::create_directories(folder_ / "empty");
+  ExpectComplaint(RunCommand({"run", (folder_ / "empty").string()}, folder_), 2, {"empty: holds no images"});
+}
+
+TEST_F(ErrorsTest, BrokenVideo) {
+  const std::string video = Text("drive.mp4", "this is no video").string();
+  const std::string camera = (Drive() / "calib.txt").string();
+  ExpectComplaint(RunCommand({"run", video, "--camera", camera}, folder_), 2,
+                  {"drive.mp4: cannot be opened as a video"});
+}
+
+TEST_F(ErrorsTest, DamagedImagesAreNamedAndSkipped) {
+  for (const int damaged : {0, kFrames / 2, kFrames - 1}) {
+    fs::remove_all(Drive());
+    WriteRoomDrive(Drive(), kFrames);
+    fs::resize_file(Image(damaged), fs::file_size(Image(damaged)) / 2);
+    const CommandResult result = Run({"--quiet"});
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    const std::string name = Image(damaged).filename().string();
+    EXPECT_EQ(result.err, "warning: frame " + std::to_string(damaged) + ": " + name + ": is truncated; skipped\n");
+    const auto summary = Summary();
+    EXPECT_EQ(summary["frames"]["total"], kFrames);
+    ASSERT_EQ(summary["unreadable"].size(), 1u);
+    EXPECT_EQ(summary["unreadable"][0]["frame"], damaged);
+  }
+}
+
+TEST_F(ErrorsTest, UnreadableImageIsNamedAndSkipped) {
+  std::ofstream(Image(4)) << "this is no image";
+  const CommandResult result = Run({"--quiet"});
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_EQ(result.err, "warning: frame 4: 000004.png: is not a readable image; skipped\n");
+}
+
+TEST_F(ErrorsTest, NotOneReadableImage) {
+  for (int i = 0; i < kFrames; ++i) std::ofstream(Image(i)) << "this is no image";
+  const CommandResult result = Run({"--quiet"});
+  EXPECT_EQ(result.exit_code, 2);
+  ASSERT_EQ(result.Complaints().size(), 1u);
+  EXPECT_NE(result.Complaints()[0].find("not one of 20 frames could be read"), std::string::npos);
+}
+
+TEST_F(ErrorsTest, ImageSizeThatContradictsTheCamera) {
+  const std::string camera =
+      Text("cam.yaml",
+           "%YAML:1.0\nCamera.fx: 200\nCamera.fy: 200\nCamera.cx: 320\nCamera.cy: 240\nCamera.width: 640\n"
+           "Camera.height: 480\n")
+          .string();
+  ExpectComplaint(Run({"--camera", camera}), 2, {"000000.png: is 320x240 pixels, but", "cam.yaml says 640x480"});
+  EXPECT_FALSE(fs::exists(Out())) << "nothing was computed";
+}
+
+TEST_F(ErrorsTest, ImageSizeThatChangesKeepsWhatWasComputed) {
+  cv::imwrite(Image(12).string(), cv::Mat(100, 100, CV_8UC1, cv::Scalar(3)));
+  ExpectComplaint(Run({"--quiet"}), 2, {"000012.png: is 100x100 pixels, but", "000000.png says 320x240"});
+  EXPECT_EQ(Summary()["frames"]["total"], 12);
+  EXPECT_FALSE(Summary()["complete"].get<bool>());
+}
+
+TEST_F(ErrorsTest, MissingAndSenselessTimes) {
+  const auto times = [&](const std::string& text) {
+    return std::vector<std::string>{"--timestamps", Text("t.txt", text).string()};
+  };
+  std::string good;
+  for (int i = 0; i < kFrames - 1; ++i) good += std::to_string(i) + "\n";
+  ExpectComplaint(Run(times(good)), 2, {"t.txt:19: ends after 19 times"});
+  ExpectComplaint(Run(times(good + "19\n20\n")), 2, {"t.txt:21: time 21 has no frame"});
+  ExpectComplaint(Run(times(good + "3\n")), 2, {"t.txt:20: time 3 goes back"});
+  ExpectComplaint(Run(times(good + "18\n")), 2, {"t.txt:20: time 18 repeats"});
+  ExpectComplaint(Run(times(good + "nan\n")), 2, {"t.txt:20: 'nan' is no time"});
+  ExpectComplaint(Run({"--timestamps", "nowhere.txt"}), 2, {"nowhere.txt: no such file"});
+  ExpectComplaint(Run({"--fps", "0"}), 2, {"--fps 0"});
+  fs::remove(Drive() / "times.txt");
+  ExpectComplaint(Run(), 2, {"image_0", "give --timestamps FILE or --fps X"});
+}
+
+TEST_F(ErrorsTest, SenselessCameras) {
+  const auto camera = [&](const std::string& text) {
+    return std::vector<std::string>{"--camera", Text("cam.yaml", text).string()};
+  };
+  const std::string rest = "Camera.fy: 200\nCamera.cx: 160\nCamera.cy: 120\n";
+  ExpectComplaint(Run(camera("Camera.fx: .nan\n" + rest)), 2, {"cam.yaml:1: Camera.fx: is '.nan'"});
+  ExpectComplaint(Run(camera("Camera.fx: -200\n" + rest)), 2, {"cam.yaml:1: Camera.fx: is -200", "above 0"});
+  ExpectComplaint(Run(camera("Camera.fx: 200\nCamera.cz: 1\n" + rest)), 2,
+                  {"cam.yaml:2: Camera.cz: unknown key; did you mean 'Camera.c"});
+  ExpectComplaint(Run(camera(rest)), 2, {"Camera.fx: is missing"});
+  ExpectComplaint(Run({"--camera", "nowhere.yaml"}), 2, {"nowhere.yaml: no such camera file"});
+  Text("drive/calib.txt", "P0: nan 0 160 0 0 200 120 0 0 0 1 0\n");
+  ExpectComplaint(Run(), 2, {"calib.txt:1: P0: 'nan' at position 1"});
+  fs::remove(Drive() / "calib.txt");
+  ExpectComplaint(Run(), 2, {"no calib.txt beside the images; give --camera FILE"});
+}
+
+TEST_F(ErrorsTest, SenselessSettings) {
+  const auto settings = [&](const std::string& text) {
+    return std::vector<std::string>{"--settings", Text("s.yaml", text).string()};
+  };
+  ExpectComplaint(Run(settings("vehicle:\n  lever_arn: 1\n")), 2,
+                  {"s.yaml:2: vehicle.lever_arn: unknown key; did you mean 'vehicle.lever_arm'?"});
+  ExpectComplaint(Run(settings("vehicle:\n  lever_arm: -1\n")), 2, {"s.yaml", "lever_arm"});
+  ExpectComplaint(Run(settings("threads: many\n")), 2, {"s.yaml:1: threads: is 'many'"});
+}
+
+TEST_F(ErrorsTest, SenselessOptions) {
+  for (const char* value : {"0", "-1.2", "nan", "inf"}) {
+    ExpectComplaint(Run({"--lever-arm", value}), 2, {std::string("--lever-arm ") + value, "above 0"});
+  }
+  ExpectComplaint(Run({"--lever-arm", "long"}), 2, {"--lever-arm"});
+  ExpectComplaint(Run({"--side-slip", "-0.1"}), 2, {"--side-slip -0.1"});
+  ExpectComplaint(Run({"--camera-rotation", "1,2"}), 2, {"--camera-rotation '1,2'"});
+  ExpectComplaint(Run({"--frame", "vehicle"}), 2, {"--frame vehicle", "--lever-arm"});
+  ExpectComplaint(Run({"--frame", "wheel"}), 2, {"--frame", "wheel"});
+  ExpectComplaint(Run({"--threads", "0"}), 2, {"--threads 0"});
+  ExpectComplaint(Run({"--no-such-option"}), 2, {"--no-such-option"});
+  ExpectComplaint(RunCommand({}, folder_), 2, {"subcommand"});
+}
+
+TEST_F(ErrorsTest, PlacesThatCannotBeWritten) {
+  Text("out", "a file in the way");
+  ExpectComplaint(Run(), 2, {"out: is a file"});
+  ExpectComplaint(RunCommand({"run", Drive().string(), "--out", "/proc/turnscale"}, folder_), 2,
+                  {"/proc/turnscale: cannot be made"});
+}
+
+TEST_F(ErrorsTest, FullDisk) {
+  for (const char* name : {"settings.yaml", "trajectory.csv", "turns.csv", "map.ply", "summary.json"}) {
+    fs::remove_all(Out());
+    fs::create_directories(Out());
+    fs::create_symlink("/dev/full", Out() / name);
+    ExpectComplaint(Run({"--quiet"}), 1, {name, "No space left on device"});
+  }
+}
+
+TEST_F(ErrorsTest, InterruptKeepsWhatWasComputed) {
+  for (const int signal : {SIGINT, SIGTERM}) {
+    // A pipe in place of frame 12 holds the run there until the signal has been sent.
+    fs::remove(Image(12));
+    ASSERT_EQ(mkfifo(Image(12).c_str(), 0600), 0);
+    Command command(Arguments({"--lever-arm", "1.5"}), folder_);
+    ASSERT_TRUE(command.WaitForError("frame 12/20"));
+    command.Signal(signal);
+    { const std::ofstream opened_and_closed(Image(12)); }
+    const CommandResult result = command.Wait();
+    EXPECT_EQ(result.exit_code, 130);
+    ASSERT_EQ(result.Complaints().size(), 1u) << result.err;
+    EXPECT_NE(result.Complaints()[0].find("interrupted after 12 frames; what was computed is in"), std::string::npos);
+    EXPECT_EQ(Summary()["frames"]["total"], 12);
+    EXPECT_FALSE(Summary()["complete"].get<bool>());
+    EXPECT_EQ(ReadTrajectory(Out() / "trajectory.tum").size(), 12u);
+    EXPECT_EQ(ReadTrajectory(Out() / "trajectory.kitti.txt").size(), 12u);
+    EXPECT_GT(ReadTrajectory(Out() / "live.tum").size(), 0u);
+  }
+}
+
+TEST_F(ErrorsTest, FilesAreValidWhileTheRunGoesOn) {
+  fs::remove(Image(12));
+  ASSERT_EQ(mkfifo(Image(12).c_str(), 0600), 0);
+  Command command(Arguments({}), folder_);
+  ASSERT_TRUE(command.WaitForError("frame 12/20"));
+  EXPECT_GT(ReadTrajectory(Out() / "trajectory.tum").size(), 0u);
+  EXPECT_GT(ReadTrajectory(Out() / "trajectory.kitti.txt").size(), 0u);
+  EXPECT_GT(ReadTrajectory(Out() / "live.tum").size(), 0u);
+  command.Signal(SIGKILL);
+}
+
+}  // namespace
+}  // namespace turnscale
