@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "turnscale/camera/lens.h"
+#include "turnscale/camera/radial_correction.h"
 
 namespace turnscale {
 namespace {
@@ -30,28 +31,40 @@ std::optional<Eigen::Vector2d> UndistortFisheye(const std::array<double, 5>& k, 
   return distorted * (std::tan(*theta) / angle);
 }
 
+// What the calibration file alone says.
+std::optional<Eigen::Vector2d> ProjectCalibrated(const CameraModel& camera, const Eigen::Vector3d& x_in_camera) {
+  if (camera.lens == LensModel::kEquidistant) {
+    const std::optional<Eigen::Vector2d> shown = Fisheye(camera.distortion, x_in_camera);
+    return shown ? std::optional(PixelOf(camera.pinhole, *shown)) : std::nullopt;
+  }
+  if (!(x_in_camera.z() > 0)) return std::nullopt;
+  if (camera.lens == LensModel::kPinhole) return camera.pinhole.Project(x_in_camera);
+  const Eigen::Vector2d point = x_in_camera.head<2>() / x_in_camera.z();
+  if (!RadialRisesUpTo(camera.distortion, point.norm())) return std::nullopt;
+  return PixelOf(camera.pinhole, DistortRadialTangential(camera.distortion, point).point);
+}
+
+std::optional<Eigen::Vector2d> UndistortCalibrated(const CameraModel& camera, const Eigen::Vector2d& pixel) {
+  if (!pixel.allFinite()) return std::nullopt;
+  if (camera.lens == LensModel::kPinhole) return pixel;
+  const Eigen::Vector2d shown = camera.pinhole.Ray(pixel).head<2>();
+  const std::optional<Eigen::Vector2d> point = camera.lens == LensModel::kEquidistant
+                                                   ? UndistortFisheye(camera.distortion, shown)
+                                                   : UndistortRadialTangential(camera.distortion, shown);
+  return point ? std::optional(PixelOf(camera.pinhole, *point)) : std::nullopt;
+}
+
 }  // namespace
 
 std::optional<Eigen::Vector2d> CameraModel::Project(const Eigen::Vector3d& x_in_camera) const {
-  if (lens == LensModel::kEquidistant) {
-    const std::optional<Eigen::Vector2d> shown = Fisheye(distortion, x_in_camera);
-    return shown ? std::optional(PixelOf(pinhole, *shown)) : std::nullopt;
-  }
-  if (!(x_in_camera.z() > 0)) return std::nullopt;
-  if (lens == LensModel::kPinhole) return pinhole.Project(x_in_camera);
-  const Eigen::Vector2d point = x_in_camera.head<2>() / x_in_camera.z();
-  if (!RadialRisesUpTo(distortion, point.norm())) return std::nullopt;
-  return PixelOf(pinhole, DistortRadialTangential(distortion, point).point);
+  if (radial_correction == 0 || !(x_in_camera.z() > 0)) return ProjectCalibrated(*this, x_in_camera);
+  const Eigen::Vector2d ideal = UndoRadialCorrection(pinhole, radial_correction, pinhole.Project(x_in_camera));
+  return ProjectCalibrated(*this, pinhole.Ray(ideal));
 }
 
 std::optional<Eigen::Vector2d> CameraModel::Undistort(const Eigen::Vector2d& pixel) const {
-  if (!pixel.allFinite()) return std::nullopt;
-  if (lens == LensModel::kPinhole) return pixel;
-  const Eigen::Vector2d shown = pinhole.Ray(pixel).head<2>();
-  const std::optional<Eigen::Vector2d> point = lens == LensModel::kEquidistant
-                                                   ? UndistortFisheye(distortion, shown)
-                                                   : UndistortRadialTangential(distortion, shown);
-  return point ? std::optional(PixelOf(pinhole, *point)) : std::nullopt;
+  const std::optional<Eigen::Vector2d> ideal = UndistortCalibrated(*this, pixel);
+  return ideal && radial_correction != 0 ? std::optional(CorrectRadially(pinhole, radial_correction, *ideal)) : ideal;
 }
 
 }  // namespace turnscale

@@ -25,6 +25,10 @@ struct CameraModel {
   int width = 0;                                       ///< pixels; 0 where the camera file does not tell
   int height = 0;                                      ///< pixels; 0 where the camera file does not tell
 
+  /// What the calibration has left of the lens's radial distortion (radial_correction.h), found by the odometry itself:
+  /// undistorted pixels are moved by it.
+  double radial_correction = 0;
+
   /// Distorted pixel of a point in the camera frame; nothing where the lens cannot see it.
   std::optional<Eigen::Vector2d> Project(const Eigen::Vector3d& x_in_camera) const;
 

@@ -28,12 +28,12 @@ int ImageSide(const YamlMap& map, const std::string& key) {
 
 // Settings of ORB-SLAM's other parts, which say nothing of the camera.
 bool OfAnotherPart(const std::string& key) {
-  static const Names kPrefixes = {"Camera2.", "ORBextractor.", "Viewer.",    "IMU.",   "System.",
-                                  "Stereo.",  "RGBD.",         "LEFT.",      "RIGHT.", "File.",
-                                  "Atlas.",   "Initializer.",  "LoopClosing"};
-  static const Names kWhole = {"ThDepth", "DepthMapFactor", "thFarPoints", "loopClosing"};
-  return std::any_of(kPrefixes.begin(), kPrefixes.end(), [&](const auto& prefix) { return key.starts_with(prefix); }) ||
-         std::find(kWhole.begin(), kWhole.end(), key) != kWhole.end();
+  static const Names prefixes = {"Camera2.", "ORBextractor.", "Viewer.",    "IMU.",   "System.",
+                                 "Stereo.",  "RGBD.",         "LEFT.",      "RIGHT.", "File.",
+                                 "Atlas.",   "Initializer.",  "LoopClosing"};
+  static const Names whole = {"ThDepth", "DepthMapFactor", "thFarPoints", "loopClosing"};
+  return std::any_of(prefixes.begin(), prefixes.end(), [&](const auto& prefix) { return key.starts_with(prefix); }) ||
+         std::find(whole.begin(), whole.end(), key) != whole.end();
 }
 
 void CheckOrbSlamKeys(const YamlMap& file, const std::string& lens_prefix) {
@@ -97,8 +97,8 @@ void SetOpenCvDistortion(const YamlMap& file, CameraModel& camera) {
     SetDistortion(camera, LensModel::kEquidistant, k);
     return;
   }
-  static const Names kRadialModels = {"", "plumb_bob", "radtan", "rational_polynomial"};
-  if (std::find(kRadialModels.begin(), kRadialModels.end(), model) == kRadialModels.end()) {
+  static const Names radial_models = {"", "plumb_bob", "radtan", "rational_polynomial"};
+  if (std::find(radial_models.begin(), radial_models.end(), model) == radial_models.end()) {
     file.Reject("distortion_model", fmt::format("'{}' is not supported; use plumb_bob or equidistant", model));
   }
   if (k.size() < 4 ||
@@ -109,37 +109,37 @@ void SetOpenCvDistortion(const YamlMap& file, CameraModel& camera) {
 }
 
 CameraModel OpenCvCamera(const YamlMap& file) {
-  static const Names kKnown = {"camera_matrix",
-                               "distortion_coefficients",
-                               "dist_coeffs",
-                               "distortion_model",
-                               "image_width",
-                               "image_height",
-                               "camera_name",
-                               "fisheye_model",
-                               "rectification_matrix",
-                               "projection_matrix",
-                               "calibration_time",
-                               "nframes",
-                               "nr_of_frames",
-                               "board_width",
-                               "board_height",
-                               "square_size",
-                               "marker_size",
-                               "aspectRatio",
-                               "aspect_ratio",
-                               "fix_aspect_ratio",
-                               "flags",
-                               "flagValue",
-                               "avg_reprojection_error",
-                               "per_view_reprojection_errors",
-                               "extrinsic_parameters",
-                               "image_points",
-                               "grid_points",
-                               "rms",
-                               "header",
-                               "frame_id"};
-  file.AllowOnly(kKnown);
+  static const Names known = {"camera_matrix",
+                              "distortion_coefficients",
+                              "dist_coeffs",
+                              "distortion_model",
+                              "image_width",
+                              "image_height",
+                              "camera_name",
+                              "fisheye_model",
+                              "rectification_matrix",
+                              "projection_matrix",
+                              "calibration_time",
+                              "nframes",
+                              "nr_of_frames",
+                              "board_width",
+                              "board_height",
+                              "square_size",
+                              "marker_size",
+                              "aspectRatio",
+                              "aspect_ratio",
+                              "fix_aspect_ratio",
+                              "flags",
+                              "flagValue",
+                              "avg_reprojection_error",
+                              "per_view_reprojection_errors",
+                              "extrinsic_parameters",
+                              "image_points",
+                              "grid_points",
+                              "rms",
+                              "header",
+                              "frame_id"};
+  file.AllowOnly(known);
   const std::vector<double> k = MatrixOf(file, "camera_matrix");
   if (k.size() != 9) file.Reject("camera_matrix", fmt::format("holds {} numbers; a 3x3 matrix has 9", k.size()));
   if (!(k[0] > 0) || !(k[4] > 0)) {
@@ -157,11 +157,11 @@ CameraModel OpenCvCamera(const YamlMap& file) {
 }
 
 CameraModel KalibrCamera(const YamlMap& cam) {
-  static const Names kKnown = {"camera_model", "intrinsics", "distortion_model",  "distortion_coeffs",
-                               "resolution",   "rostopic",   "cam_overlaps",      "T_cam_imu",
-                               "T_imu_cam",    "T_cn_cnm1",  "timeshift_cam_imu", "rolling_shutter",
-                               "line_delay"};
-  cam.AllowOnly(kKnown);
+  static const Names known = {"camera_model", "intrinsics", "distortion_model",  "distortion_coeffs",
+                              "resolution",   "rostopic",   "cam_overlaps",      "T_cam_imu",
+                              "T_imu_cam",    "T_cn_cnm1",  "timeshift_cam_imu", "rolling_shutter",
+                              "line_delay"};
+  cam.AllowOnly(known);
   if (const std::string model = cam.Text("camera_model"); model != "pinhole") {
     cam.Reject("camera_model", fmt::format("'{}' is not supported; calibrate with 'pinhole'", model));
   }

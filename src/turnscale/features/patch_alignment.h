@@ -17,7 +17,7 @@ struct PatchAlignmentOptions {
   /// The search ends without a result farther than this from where it started, pixels.
   double max_distance = 3.0;
   /// Correlation that the patch has to reach with what it is found to lie on.
-  double min_correlation = 0.85;
+  double min_correlation = 0.7;
 
   /// Throws InputError that names the field when a value makes no sense.
   void Check() const;

@@ -74,11 +74,20 @@ void VisitSettings(Visitor& visitor, OdometryOptions& options) {
     visitor.Field("pixel_sigma", o.pixel_sigma);
     visitor.Field("max_iterations", o.max_iterations);
   });
+  visitor.Group("lens", [&] {
+    auto& o = options.lens;
+    visitor.Field("enabled", o.enabled);
+    visitor.Field("window", o.window);
+    visitor.Field("prior_sigma", o.prior_sigma);
+    visitor.Field("step", o.step);
+    visitor.Field("pixel_sigma", o.pixel_sigma);
+  });
   visitor.Group("tracking", [&] {
     auto& o = options.tracking;
     visitor.Field("min_inliers", o.min_inliers);
     visitor.Field("min_inlier_share", o.min_inlier_share);
     visitor.Field("max_lost_frames", o.max_lost_frames);
+    visitor.Field("memory_keyframes", o.memory_keyframes);
   });
   visitor.Group("turns", [&] {
     auto& o = options.turns;
@@ -100,6 +109,7 @@ void VisitSettings(Visitor& visitor, OdometryOptions& options) {
   });
   visitor.Group("scale", [&] {
     visitor.Field("drift_per_root_metre", options.scale.drift_per_root_metre);
+    visitor.Field("max_sigma_ratio", options.scale.max_sigma_ratio);
     visitor.Group("recovery", [&] {
       auto& o = options.scale.recovery;
       visitor.Field("pixel_sigma", o.pixel_sigma);

@@ -9,7 +9,7 @@ namespace turnscale {
 
 struct LandmarkOptions {
   /// Angle under which two keyframes have to see a landmark before it is given a depth, degrees.
-  double min_parallax_deg = 1.0;
+  double min_parallax_deg = 0.5;
   /// Largest reprojection error of a landmark in any keyframe, pixels.
   double max_reprojection_error = 2.0;
 

@@ -30,4 +30,7 @@ struct LocalBundleResult {
 /// The first keyframe of the map, or after a gap in the tracking, never moves.
 LocalBundleResult AdjustLocalWindow(const LocalBundleOptions& options, Map& map);
 
+/// The same with all keyframes from `first` to the latest moving.
+LocalBundleResult AdjustFrom(const LocalBundleOptions& options, int first, Map& map);
+
 }  // namespace turnscale

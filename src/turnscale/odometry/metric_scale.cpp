@@ -6,11 +6,14 @@
 #include <utility>
 
 #include "turnscale/kinematics/scale_observer.h"
+#include "turnscale/mapping/local_bundle_adjustment.h"
 #include "turnscale/odometry/scale_uncertainty.h"
 #include "turnscale/scale/absolute_scale_recovery.h"
 
 namespace turnscale {
 namespace {
+
+constexpr int kIterationsBetweenTurns = 10;
 
 LeverArm LeverArmOf(const VehicleOptions& vehicle) { return {vehicle.lever_arm.value_or(0), vehicle.side_slip}; }
 
@@ -53,7 +56,12 @@ ScaleUpdate MetricScale::AddKeyframe(int keyframe, Map& map) {
 
 ScaleUpdate MetricScale::Finish(Map& map) {
   ScaleUpdate update;
-  if (const std::optional<TurningRegion> closed = detector_.Finish()) update.factors = Close(*closed, map);
+  if (const std::optional<TurningRegion> closed = detector_.Finish()) {
+    update.factors = Close(*closed, map);
+  } else if (!map.keyframes.empty()) {
+    AdjustSinceLastTurn(map);
+    update.factors.assign(map.keyframes.size(), 1.0);
+  }
   return update;
 }
 
@@ -64,6 +72,8 @@ double MetricScale::sigma() const {
 }
 
 std::vector<double> MetricScale::Close(const TurningRegion& region, Map& map) {
+  AdjustSinceLastTurn(map);
+  const std::vector<double> unchanged(map.keyframes.size(), 1.0);
   Turn turn;
   turn.region = region;
   TurnResult& result = turn.result;
@@ -74,7 +84,7 @@ std::vector<double> MetricScale::Close(const TurningRegion& region, Map& map) {
   if (!options_.vehicle.lever_arm) {
     result.reason = "no lever arm given";
     turns_.push_back(std::move(turn));
-    return {};
+    return unchanged;
   }
   const LeverArm lever_arm = LeverArmOf(options_.vehicle);
   const std::vector<TurningStep> steps = StepsOf(map, region);
@@ -82,12 +92,18 @@ std::vector<double> MetricScale::Close(const TurningRegion& region, Map& map) {
   if (!pooled.scale) {
     result.reason = pooled.reason;
     turns_.push_back(std::move(turn));
-    return {};
+    return unchanged;
   }
   const double factor = pooled.scale->metres_per_unit;
   turn.relative_sigma = pooled.scale->sigma / factor;
   result.metres_per_unit = factor * total_factors_[region.first];
   result.sigma = turn.relative_sigma * result.metres_per_unit;
+  // A turn is held exactly. One that knows the scale far worse than the drive does already would spoil it.
+  if (turn.relative_sigma > options_.scale.max_sigma_ratio * sigma()) {
+    result.reason = "its scale is less certain than the one carried here";
+    turns_.push_back(std::move(turn));
+    return unchanged;
+  }
   result.used = true;
 
   std::vector<TurnScale> held;
@@ -104,6 +120,13 @@ std::vector<double> MetricScale::Close(const TurningRegion& region, Map& map) {
   state_ = ScaleState::kObserved;
   distance_since_turn_ = 0;
   return recovered.factors;
+}
+
+void MetricScale::AdjustSinceLastTurn(Map& map) const {
+  const Turn* turn = LastUsed();
+  LocalBundleOptions options = options_.local_bundle;
+  options.max_iterations = kIterationsBetweenTurns;
+  AdjustFrom(options, turn == nullptr ? 0 : turn->region.last + 2, map);
 }
 
 TurningMotion MetricScale::MotionOf(const Map& map, int step) const {

@@ -17,8 +17,8 @@ namespace turnscale {
 /// What a new keyframe told of the scale.
 struct ScaleUpdate {
   TurningMotion motion;  ///< of the step that led to the keyframe; zero where that step bridges a gap
-  /// The map was brought to metres. Lengths at keyframe k are `factors[k]` times what they were; empty where nothing
-  /// changed.
+  /// The map was adjusted or brought to metres. Lengths at keyframe k are `factors[k]` times what they were; empty
+  /// where nothing changed.
   std::vector<double> factors;
 };
 
@@ -52,6 +52,9 @@ class MetricScale {
 
   TurningMotion MotionOf(const Map& map, int step) const;
   std::vector<TurningStep> StepsOf(const Map& map, const TurningRegion& region) const;
+  /// Adjusts all keyframes since the last turn at once: the windows of the live odometry knew less of them, and of the
+  /// lens.
+  void AdjustSinceLastTurn(Map& map) const;
   std::vector<double> Close(const TurningRegion& region, Map& map);
   const Turn* LastUsed() const;
 

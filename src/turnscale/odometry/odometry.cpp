@@ -7,6 +7,7 @@
 #include <unordered_set>
 #include <utility>
 
+#include "turnscale/camera/radial_correction.h"
 #include "turnscale/features/corners.h"
 #include "turnscale/geometry/rotation.h"
 #include "turnscale/mapping/landmarks.h"
@@ -14,6 +15,9 @@
 
 namespace turnscale {
 namespace {
+
+// A correction that moves the pixels at a wide image's edge by a hundredth of a pixel.
+constexpr double kLeastLensChange = 2e-5;
 
 FrameResult NewResult(int frame, double time, TrackingState state) {
   FrameResult result;
@@ -26,7 +30,11 @@ FrameResult NewResult(int frame, double time, TrackingState state) {
 }  // namespace
 
 Odometry::Odometry(const OdometryOptions& options, const CameraModel& camera)
-    : options_((options.Check(), options)), camera_(camera), initializer_(options, camera), scale_(options) {
+    : options_((options.Check(), options)),
+      camera_(camera),
+      initializer_(options, camera),
+      lens_(options.lens),
+      scale_(options) {
   map_.pinhole = camera.pinhole;
   cv::setNumThreads(options.threads);
 }
@@ -227,6 +235,7 @@ void Odometry::AddKeyframe(const FlowImage& image, const RigidTransform& camera_
   const std::vector<int> lost = CullLandmarks(options_.landmarks, adjusted.landmarks, keyframe, map_);
   const std::unordered_set<int> ended(lost.begin(), lost.end());
   std::erase_if(tracks_, [&](const FeatureTrack& track) { return ended.contains(track.landmark); });
+  RefineLens();
   motion_.Correct(map_.keyframes.back().camera_from_world, 1.0);
   ++revision_;
 
@@ -241,6 +250,25 @@ void Odometry::AddKeyframe(const FlowImage& image, const RigidTransform& camera_
   RenewReferences(image);
   DetectNewFeatures(image);
   result.keyframe = true;
+}
+
+void Odometry::RefineLens() {
+  const double applied = camera_.radial_correction;
+  if (!lens_.Observe(map_, applied) || std::abs(lens_.correction() - applied) < kLeastLensChange) return;
+  camera_.radial_correction = lens_.correction();
+  const auto corrected = [&](const Eigen::Vector2d& pixel) {
+    return CorrectRadially(map_.pinhole, camera_.radial_correction, UndoRadialCorrection(map_.pinhole, applied, pixel));
+  };
+  for (Keyframe& keyframe : map_.keyframes)
+    for (KeyframeObservation& seen : keyframe.observations) seen.pixel = corrected(seen.pixel);
+  for (Landmark& landmark : map_.landmarks)
+    for (LandmarkObservation& seen : landmark.observations) seen.pixel = corrected(seen.pixel);
+  for (std::vector<FeatureTrack>* tracks : {&tracks_, &lost_tracks_})
+    for (FeatureTrack& track : *tracks) {
+      track.undistorted = corrected(track.undistorted);
+      if (track.in_keyframe) track.in_keyframe = corrected(*track.in_keyframe);
+    }
+  AdjustLocalWindow(options_.local_bundle, map_);
 }
 
 void Odometry::ObserveScale(FrameResult& result) {

@@ -7,6 +7,7 @@
 
 #include "turnscale/camera/camera_model.h"
 #include "turnscale/features/optical_flow.h"
+#include "turnscale/mapping/lens_refinement.h"
 #include "turnscale/mapping/map.h"
 #include "turnscale/mapping/pose_estimation.h"
 #include "turnscale/odometry/feature_tracks.h"
@@ -44,6 +45,8 @@ class Odometry {
 
   std::vector<TurnResult> Turns() const;
   const Map& map() const { return map_; }
+  /// What the drive has told of the lens beyond its calibration.
+  const LensRefinement& lens() const { return lens_; }
   ScaleState scale_state() const { return scale_.state(); }
 
  private:
@@ -56,6 +59,7 @@ class Odometry {
   FrameResult Bridge(const RigidTransform& predicted, FrameResult result);
   bool NeedsKeyframe(const RigidTransform& camera_from_world, int inliers) const;
   void AddKeyframe(const FlowImage& image, const RigidTransform& camera_from_world, FrameResult& result);
+  void RefineLens();
   void ObserveScale(FrameResult& result);
   void ApplyScale(const std::vector<double>& factors);
   void RenewReferences(const FlowImage& image);
@@ -66,6 +70,7 @@ class Odometry {
   CameraModel camera_;
   MapInitializer initializer_;
   MotionModel motion_;
+  LensRefinement lens_;
   MetricScale scale_;
   FrameHistory history_;
   Map map_;

@@ -34,6 +34,7 @@ void TrackingOptions::Check() const {
 void ScaleOptions::Check() const {
   recovery.Check();
   if (!(drift_per_root_metre >= 0)) throw InputError("scale.drift_per_root_metre: must not be negative");
+  if (!(max_sigma_ratio > 0)) throw InputError("scale.max_sigma_ratio: has to be positive");
 }
 
 void OdometryOptions::Check() const {
@@ -46,6 +47,7 @@ void OdometryOptions::Check() const {
   keyframes.Check();
   landmarks.Check();
   local_bundle.Check();
+  lens.Check();
   tracking.Check();
   turns.Check();
   pooled_scale.Check();

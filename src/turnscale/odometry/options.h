@@ -11,6 +11,7 @@
 #include "turnscale/kinematics/pooled_scale.h"
 #include "turnscale/kinematics/turn_detector.h"
 #include "turnscale/mapping/landmarks.h"
+#include "turnscale/mapping/lens_refinement.h"
 #include "turnscale/mapping/local_bundle_adjustment.h"
 #include "turnscale/mapping/pose_estimation.h"
 #include "turnscale/mapping/two_view_initialization.h"
@@ -39,7 +40,7 @@ struct KeyframeOptions {
   /// Median angle by which features have moved since the last keyframe, beyond the rotation, degrees.
   double min_parallax_deg = 1.2;
   /// Share of the last keyframe's landmarks that are still tracked.
-  double min_tracked_share = 0.7;
+  double min_tracked_share = 0.5;
   /// A landmark that has grown by more than this since its reference keyframe is looked up in the latest one from now
   /// on: an enlarged old view is too blurred to compare with.
   double max_growth = 1.6;
@@ -69,6 +70,8 @@ struct ScaleOptions {
   /// How fast the odometry's scale is taken to drift between turns: relative standard deviation after one metre,
   /// growing with the root of the distance (0.001: 1 % after 100 m).
   double drift_per_root_metre = 0.001;
+  /// A turn whose relative sigma is more than this many times that of the scale carried to it is not used.
+  double max_sigma_ratio = 2.0;
 
   /// Throws InputError that names the field when a value makes no sense.
   void Check() const;
@@ -85,6 +88,7 @@ struct OdometryOptions {
   KeyframeOptions keyframes;
   LandmarkOptions landmarks;
   LocalBundleOptions local_bundle;
+  LensRefinementOptions lens;
   TrackingOptions tracking;
   TurnDetectorOptions turns;
   PooledScaleOptions pooled_scale;

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/mapping/lens_refinement.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "turnscale/base/error.h"
+#include "turnscale/bundle/bundle_adjustment.h"
+#include "turnscale/camera/radial_correction.h"
+#include "turnscale/mapping/window_problem.h"
+
+namespace turnscale {
+namespace {
+
+constexpr int kFewestObservations = 3;  // of a landmark in the window: two fit a point whatever the lens does
+
+// Cost that is left when poses and points have followed the correction.
+double ProfileCost(const WindowProblem& window, const Pinhole& pinhole, double from, double to) {
+  BundleProblem problem = window.bundle;
+  for (BundleObservation& seen : problem.observations)
+    seen.pixel = CorrectRadially(pinhole, to, UndoRadialCorrection(pinhole, from, seen.pixel));
+  BundleOptions options;
+  options.max_iterations = 12;
+  options.relative_cost_tolerance = 1e-5;
+  return AdjustBundle(options, problem).final_cost;
+}
+
+}  // namespace
+
+void LensRefinementOptions::Check() const {
+  if (window < 3) throw InputError("lens.window: has to be at least 3 keyframes");
+  if (!(prior_sigma > 0)) throw InputError("lens.prior_sigma: has to be positive");
+  if (!(step > 0)) throw InputError("lens.step: has to be positive");
+  if (!(pixel_sigma > 0)) throw InputError("lens.pixel_sigma: has to be positive");
+}
+
+LensRefinement::LensRefinement(const LensRefinementOptions& options)
+    : options_(options),
+      information_(1.0 / (options.prior_sigma * options.prior_sigma)),
+      next_keyframe_(options.window - 1) {}
+
+double LensRefinement::sigma() const { return 1.0 / std::sqrt(information_); }
+
+bool LensRefinement::Observe(const Map& map, double applied) {
+  const int latest = static_cast<int>(map.keyframes.size()) - 1;
+  if (!options_.enabled || latest < next_keyframe_) return false;
+  next_keyframe_ = latest + options_.window / 2;
+  const int first = latest - options_.window + 1;
+  if (first < StartOfMap(map)) return false;
+  const WindowProblem window = MakeWindowProblem(map, {first, first + 1, kFewestObservations}, options_.pixel_sigma);
+  if (window.landmarks.empty()) return false;
+
+  const double below = ProfileCost(window, map.pinhole, applied, correction_ - options_.step);
+  const double here = ProfileCost(window, map.pinhole, applied, correction_);
+  const double above = ProfileCost(window, map.pinhole, applied, correction_ + options_.step);
+  const double slope = (above - below) / (2 * options_.step);
+  const double curvature = (above - 2 * here + below) / (options_.step * options_.step);
+  if (!(curvature > 0)) return false;
+  information_ += curvature;
+  // The windows before balance each other at the present estimate; only this one's slope is new.
+  const double change = std::clamp(-slope / information_, -options_.step, options_.step);
+  correction_ += change;
+  return true;
+}
+
+}  // namespace turnscale
