@@ -29,20 +29,24 @@ constexpr double kSmallestDamping = 1e-12;
 constexpr double kSmallestRaisedDamping = 1e-8;
 constexpr double kLargestDamping = 1e8;
 
-/// Levenberg's damping with Nielsen's update: a good step lowers it smoothly, bad ones raise it ever faster.
-struct Damping {
-  double value = 0;
+/// How far steps may go. The damping follows Nielsen: a good step lowers it smoothly, bad ones raise it ever faster.
+/// Damping shortens no step that the constraints ask for, so after a bad step they are asked for a part of their error.
+struct Caution {
+  double damping = 0;
   double raise = 2;
+  double constraint_share = 1;
 
-  void Lower(double gain) {
+  void Relax(double gain) {
     const double surplus = 2.0 * std::min(gain, 1.0) - 1.0;
-    value = std::max(value * std::max(0.1, 1.0 - surplus * surplus * surplus), kSmallestDamping);
+    damping = std::max(damping * std::max(0.1, 1.0 - surplus * surplus * surplus), kSmallestDamping);
     raise = 2;
+    constraint_share = std::min(1.0, 2.0 * constraint_share);
   }
 
-  void Raise() {
-    value = raise * std::max(value, kSmallestRaisedDamping);
+  void Tighten() {
+    damping = raise * std::max(damping, kSmallestRaisedDamping);
     raise *= 2;
+    constraint_share *= 0.5;
   }
 };
 
@@ -82,7 +86,7 @@ BundleSummary Adjust(const BundleOptions& options, BundleProblem& problem) {
   KktStep step;
   BundleState trial;
   Merit merit(problem.distances);
-  Damping damping{std::max(options.initial_damping, kSmallestDamping)};
+  Caution caution{std::max(options.initial_damping, kSmallestDamping)};
   BundleSummary summary;
   summary.initial_cost = at.equations.cost;
   bool settled = false;
@@ -97,19 +101,20 @@ BundleSummary Adjust(const BundleOptions& options, BundleProblem& problem) {
       summary.message = stationary ? "stationary" : "cost settled";
       break;
     }
-    if (summary.iterations == options.max_iterations || damping.value > kLargestDamping) {
-      summary.message = damping.value > kLargestDamping ? "no step lowers the cost" : "iteration limit";
+    if (summary.iterations == options.max_iterations || caution.damping > kLargestDamping) {
+      summary.message = caution.damping > kLargestDamping ? "no step lowers the cost" : "iteration limit";
       break;
     }
     ++summary.iterations;
 
-    Eliminate(structure, at.equations, damping.value, system);
+    Eliminate(structure, at.equations, caution.damping, system);
     if (at.kind == HessianKind::kNewton) {
       AddConstraintCurvature(problem, structure, at.constraints, at.multipliers, system);
     }
-    if (!SolveKkt(problem, structure, at.equations, at.constraints, at.constraint_gradients, system, solver, step)) {
+    if (!SolveKkt(problem, structure, at.equations, at.constraints, at.constraint_gradients, caution.constraint_share,
+                  system, solver, step)) {
       // The exact Hessian may have a direction of negative curvature; Gauss-Newton's has none.
-      damping.Raise();
+      caution.Tighten();
       at.kind = HessianKind::kGaussNewton;
       Linearize(options, problem, structure, at);
       continue;
@@ -120,12 +125,13 @@ BundleSummary Adjust(const BundleOptions& options, BundleProblem& problem) {
     const double violation = merit.Violation(at.state.centres);
     const double decrease = at.equations.cost + violation - cost - merit.Violation(trial.centres);
     const double rounding = kRounding * at.equations.cost;
-    const double gain = (decrease + rounding) / (step.predicted_decrease + violation + rounding);
+    const double gain =
+        (decrease + rounding) / (step.predicted_decrease + caution.constraint_share * violation + rounding);
     if (!std::isfinite(cost) || !(gain > kAcceptedGain)) {
-      damping.Raise();
+      caution.Tighten();
       continue;
     }
-    damping.Lower(gain);
+    caution.Relax(gain);
     std::swap(at.state, trial);
     at.multipliers = step.multipliers;
     if (decrease < kNewtonBelow * at.equations.cost) at.kind = HessianKind::kNewton;

@@ -69,7 +69,6 @@ TEST(BundleAdjustment, FindsTheTruthWithoutNoise) {
   EXPECT_TRUE(summary.converged) << summary.message;
   EXPECT_GT(summary.initial_cost, 1e3);
   EXPECT_LT(summary.final_cost, 1e-12);
-  // The second camera is fixed where the disturbance left it only if it was free then: it was not.
   ExpectSamePlaces(problem, truth, 1e-7);
 }
 

@@ -110,9 +110,11 @@ void ForEachPair(const BundleStructure& structure, const Visit& visit) {
   }
 }
 
+/// Marks a block that is needed but has no number yet.
+constexpr int kWanted = 0;
+
 void MakeBlocks(const BundleProblem& problem, BundleStructure& structure) {
   BlockTable table(problem, structure);
-  constexpr int kWanted = 0;
   std::size_t pairs = 0;
   ForEachPair(structure, [&](int row, int column) {
     table.at(row, column) = kWanted;

@@ -19,7 +19,8 @@ CameraSolver<kDof>::CameraSolver(int columns, const std::vector<std::array<int, 
   const double all_blocks = 0.5 * columns * (columns + 1.0);
   is_dense_ = columns * kDof <= kSmallSystem || static_cast<double>(pattern.size()) > kDenseShare * all_blocks;
   if (is_dense_) {
-    matrix_.setZero(columns * kDof, columns * kDof);
+    const Eigen::Index size = Eigen::Index{kDof} * columns;
+    matrix_.setZero(size, size);
   } else {
     MakeSparsePattern();
     sparse_.analyzePattern(sparse_matrix_);
@@ -46,7 +47,8 @@ void CameraSolver<kDof>::MakeSparsePattern() {
       }
     }
   }
-  sparse_matrix_.resize(columns_ * kDof, columns_ * kDof);
+  const Eigen::Index size = Eigen::Index{kDof} * columns_;
+  sparse_matrix_.resize(size, size);
   sparse_matrix_.setFromTriplets(entries.begin(), entries.end());
 }
 

@@ -10,6 +10,8 @@
 namespace turnscale {
 namespace {
 
+constexpr double kStep = 1e-5;
+
 std::vector<Eigen::Vector3d> RandomCentres(unsigned seed) {
   std::mt19937 random(seed);
   std::normal_distribution<double> normal;
@@ -19,7 +21,6 @@ std::vector<Eigen::Vector3d> RandomCentres(unsigned seed) {
 }
 
 TEST(Constraints, DerivativesAgainstDifferences) {
-  constexpr double kStep = 1e-5;
   const DistanceConstraint held{2, 0, 0.8};
   for (unsigned seed = 1; seed <= 20; ++seed) {
     const std::vector<Eigen::Vector3d> centres = RandomCentres(seed);

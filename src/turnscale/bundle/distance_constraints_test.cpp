@@ -75,6 +75,27 @@ TEST(DistanceConstraints, ReachStationarityFromTurnsThatDisagreeByTensOfPercent)
   }
 }
 
+TEST(DistanceConstraints, RecoverALongDriveInFewIterations) {
+  SyntheticDriveOptions drive_options;
+  drive_options.cameras = 300;
+  drive_options.points = 30000;
+  drive_options.observations = 200000;
+  const SyntheticDrive drive = MakeSyntheticDrive(drive_options);
+  BundleProblem problem = drive.truth;
+  problem.distances = TurnDistances(drive, 40);
+  ASSERT_EQ(problem.distances.size(), 40);
+  ASSERT_GT(problem.observations.size(), 199000);
+  Disturb(0.02, 0, 0.02, 2, problem);
+  DriftScale(1.1, 1.1, problem);
+  const BundleSummary summary = AdjustBundle(Recovery(), problem);
+  EXPECT_LT(summary.iterations, 15);
+  EXPECT_LT(summary.kkt_residual, 1e-8);
+  EXPECT_LT(summary.constraint_residual, 1e-9);
+  for (std::size_t i = 0; i < problem.camera_from_world.size(); ++i) {
+    EXPECT_LT((Centre(problem, i) - Centre(drive.truth, i)).norm(), 0.2) << "camera " << i;
+  }
+}
+
 TEST(DistanceConstraints, DoNotDependOnTheUnitOfLength) {
   const SyntheticDrive drive = Drive(0.5);
   const auto adjusted = [&](double scale) {

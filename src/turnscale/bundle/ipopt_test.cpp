@@ -236,14 +236,15 @@ TEST(Ipopt, FindsTheSameConstrainedOptimum) {
   const BundleSummary summary = AdjustBundle(options, ours);
   ASSERT_TRUE(summary.converged) << summary.message;
 
-  Ipopt::SmartPtr<RecoveryProgram> program = new RecoveryProgram(start, options.huber_threshold);
+  auto* program = new RecoveryProgram(start, options.huber_threshold);
+  const Ipopt::SmartPtr<Ipopt::TNLP> owner(program);
   Ipopt::SmartPtr<Ipopt::IpoptApplication> ipopt = IpoptApplicationFactory();
   ipopt->Options()->SetIntegerValue("print_level", 0);
   ipopt->Options()->SetStringValue("sb", "yes");
   ipopt->Options()->SetIntegerValue("max_iter", 300);
   ipopt->Options()->SetNumericValue("tol", 1e-9);
   ASSERT_EQ(ipopt->Initialize(), Ipopt::Solve_Succeeded);
-  const Ipopt::ApplicationReturnStatus status = ipopt->OptimizeTNLP(program);
+  const Ipopt::ApplicationReturnStatus status = ipopt->OptimizeTNLP(owner);
   ASSERT_TRUE(status == Ipopt::Solve_Succeeded || status == Ipopt::Solved_To_Acceptable_Level) << status;
 
   EXPECT_NEAR(summary.final_cost, program->cost(), 1e-8 * program->cost());

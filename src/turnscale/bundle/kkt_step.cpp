@@ -28,7 +28,7 @@ void AddToPair(const BundleProblem& problem, const BundleStructure& structure, s
 template <int kDof>
 void Augment(const BundleProblem& problem, const BundleStructure& structure,
              const std::vector<LinearizedDistance>& constraints, const Eigen::MatrixXd& constraint_gradients,
-             SchurSystem<kDof>& system) {
+             double share, SchurSystem<kDof>& system) {
   for (std::size_t i = 0; i < constraints.size(); ++i) {
     const DistanceConstraint& held = problem.distances[i];
     double weight = 0;
@@ -38,7 +38,7 @@ void Augment(const BundleProblem& problem, const BundleStructure& structure,
     }
     weight = std::abs(weight) * held.distance * held.distance;
     AddToPair(problem, structure, i, weight * constraints[i].gradient * constraints[i].gradient.transpose(), system);
-    system.gradient += weight * constraints[i].value * constraint_gradients.col(static_cast<Eigen::Index>(i));
+    system.gradient += weight * share * constraints[i].value * constraint_gradients.col(static_cast<Eigen::Index>(i));
   }
 }
 
@@ -73,14 +73,14 @@ void AddConstraintCurvature(const BundleProblem& problem, const BundleStructure&
 template <int kDof>
 bool SolveKkt(const BundleProblem& problem, const BundleStructure& structure, const NormalEquations<kDof>& equations,
               const std::vector<LinearizedDistance>& constraints, const Eigen::MatrixXd& constraint_gradients,
-              SchurSystem<kDof>& system, CameraSolver<kDof>& solver, KktStep& step) {
+              double share, SchurSystem<kDof>& system, CameraSolver<kDof>& solver, KktStep& step) {
   const Eigen::Index count = static_cast<Eigen::Index>(constraints.size());
-  Augment(problem, structure, constraints, constraint_gradients, system);
+  Augment(problem, structure, constraints, constraint_gradients, share, system);
   if (!solver.Factorize(system.blocks)) return false;
   step.cameras = solver.Solve(-system.gradient);
   step.multipliers.resize(count);
   Eigen::VectorXd values(count);
-  for (Eigen::Index i = 0; i < count; ++i) values[i] = constraints[static_cast<std::size_t>(i)].value;
+  for (Eigen::Index i = 0; i < count; ++i) values[i] = share * constraints[static_cast<std::size_t>(i)].value;
   if (count > 0) {
     const Eigen::MatrixXd reaction = solver.Solve(constraint_gradients);
     const Eigen::LDLT<Eigen::MatrixXd> coupling(constraint_gradients.transpose() * reaction);
@@ -134,15 +134,15 @@ double KktResidual(const NormalEquations<kDof>& equations, const Eigen::MatrixXd
   return largest;
 }
 
-#define TURNSCALE_INSTANTIATE(kDof)                                                                                \
-  template Eigen::MatrixXd ConstraintGradients<kDof>(const BundleProblem&, const BundleStructure&,                 \
-                                                     const std::vector<LinearizedDistance>&);                      \
-  template void AddConstraintCurvature<kDof>(const BundleProblem&, const BundleStructure&,                         \
-                                             const std::vector<LinearizedDistance>&, const Eigen::VectorXd&,       \
-                                             SchurSystem<kDof>&);                                                  \
-  template bool SolveKkt<kDof>(const BundleProblem&, const BundleStructure&, const NormalEquations<kDof>&,         \
-                               const std::vector<LinearizedDistance>&, const Eigen::MatrixXd&, SchurSystem<kDof>&, \
-                               CameraSolver<kDof>&, KktStep&);                                                     \
+#define TURNSCALE_INSTANTIATE(kDof)                                                                          \
+  template Eigen::MatrixXd ConstraintGradients<kDof>(const BundleProblem&, const BundleStructure&,           \
+                                                     const std::vector<LinearizedDistance>&);                \
+  template void AddConstraintCurvature<kDof>(const BundleProblem&, const BundleStructure&,                   \
+                                             const std::vector<LinearizedDistance>&, const Eigen::VectorXd&, \
+                                             SchurSystem<kDof>&);                                            \
+  template bool SolveKkt<kDof>(const BundleProblem&, const BundleStructure&, const NormalEquations<kDof>&,   \
+                               const std::vector<LinearizedDistance>&, const Eigen::MatrixXd&, double,       \
+                               SchurSystem<kDof>&, CameraSolver<kDof>&, KktStep&);                           \
   template double KktResidual<kDof>(const NormalEquations<kDof>&, const Eigen::MatrixXd&, const Eigen::VectorXd&)
 TURNSCALE_INSTANTIATE(3);
 TURNSCALE_INSTANTIATE(6);

@@ -33,12 +33,12 @@ void AddConstraintCurvature(const BundleProblem& problem, const BundleStructure&
                             const std::vector<LinearizedDistance>& constraints, const Eigen::VectorXd& multipliers,
                             SchurSystem<kDof>& system);
 
-/// Solves [H D^T; D 0] [step; multipliers] = [-gradient; -values] with the points eliminated. False where the reduced
-/// matrix is not positive definite along the constraints.
+/// Solves [H D^T; D 0] [step; multipliers] = [-gradient; -share * values] with the points eliminated: the step removes
+/// that share of the constraints' error. False where the reduced matrix is not positive definite along the constraints.
 template <int kDof>
 bool SolveKkt(const BundleProblem& problem, const BundleStructure& structure, const NormalEquations<kDof>& equations,
               const std::vector<LinearizedDistance>& constraints, const Eigen::MatrixXd& constraint_gradients,
-              SchurSystem<kDof>& system, CameraSolver<kDof>& solver, KktStep& step);
+              double share, SchurSystem<kDof>& system, CameraSolver<kDof>& solver, KktStep& step);
 
 /// Largest entry of the Lagrangian's gradient, each over the square root of its Hessian's diagonal entry: how far one
 /// unknown is from its best value, the others held, in units of its own standard deviation. Residuals are in sigmas, so

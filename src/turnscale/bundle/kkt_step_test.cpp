@@ -13,6 +13,7 @@ namespace turnscale {
 namespace {
 
 constexpr double kThreshold = 1.5;
+constexpr double kShare = 0.75;
 
 /// A small problem with every special case of the block structure: two fixed cameras (one in the middle), a point seen
 /// twice by one camera, a constraint with a fixed end.
@@ -56,7 +57,7 @@ struct DenseSystem {
       }
       // All unknowns enter through the model's variables: the step is E times the unknowns' step.
       Eigen::MatrixXd E = Eigen::MatrixXd::Zero(kDof, size);
-      const int column = structure.column_of_camera[seen.camera];
+      const Eigen::Index column = structure.column_of_camera[seen.camera];
       if (column >= 0) E.middleCols(kDof * column, kDof).setIdentity();
       E.block<3, 3>(kDof - 3, cameras + 3 * seen.point).setIdentity();
       hessian += E.transpose() * model.hessian * E;
@@ -91,7 +92,7 @@ void ExpectStepOfDenseSystem(bool constrained, double damping, HessianKind kind)
   const Eigen::VectorXd old_multipliers = 10.0 * Eigen::VectorXd::Ones(constraints.size());
   AddConstraintCurvature(problem, structure, constraints, old_multipliers, system);
   KktStep step;
-  ASSERT_TRUE(SolveKkt(problem, structure, equations, constraints, D, system, solver, step));
+  ASSERT_TRUE(SolveKkt(problem, structure, equations, constraints, D, kShare, system, solver, step));
 
   const DenseSystem<kDof> dense(problem, state, kind, equations.point_is_rough, structure);
   const Eigen::Index size = dense.gradient.size();
@@ -102,7 +103,7 @@ void ExpectStepOfDenseSystem(bool constrained, double damping, HessianKind kind)
   right_hand_side.head(size) = -dense.gradient;
   for (Eigen::Index i = 0; i < count; ++i) {
     const DistanceConstraint& held = problem.distances[i];
-    right_hand_side[size + i] = -constraints[i].value;
+    right_hand_side[size + i] = -kShare * constraints[i].value;
     kkt.block(0, size + i, D.rows(), 1) = D.col(i);
     kkt.block(size + i, 0, 1, D.rows()) = D.col(i).transpose();
     for (const int row : {held.camera_a, held.camera_b}) {
@@ -167,9 +168,9 @@ TEST(KktStep, ConstraintsAloneMayHoldTheScale) {
   SchurSystem<3> system;
   Eliminate(structure, equations, 1e-14, system);
   KktStep step;
-  ASSERT_TRUE(SolveKkt(problem, structure, equations, constraints, D, system, solver, step));
+  ASSERT_TRUE(SolveKkt(problem, structure, equations, constraints, D, 1.0, system, solver, step));
   const double actual = (state.centres[1] - state.centres[2]).norm();
-  for (int i = 0; i < 4; ++i) {
+  for (Eigen::Index i = 0; i < 4; ++i) {
     const Eigen::Vector3d scaled = (1.1 / actual) * state.centres[i + 1];
     EXPECT_LT((state.centres[i + 1] - step.cameras.segment<3>(3 * i) - scaled).norm(), 1e-6);
   }

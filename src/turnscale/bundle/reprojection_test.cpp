@@ -15,6 +15,9 @@ using Matrix6d = Eigen::Matrix<double, 6, 6>;
 
 const Pinhole kPinhole{718, 702, 607, 185};
 constexpr double kThreshold = 2.0;
+/// Of first and of second differences.
+constexpr double kStep = 1e-6;
+constexpr double kLongStep = 1e-4;
 
 /// One random observation; `error` is the length of the residual in sigmas.
 struct Sample {
@@ -45,7 +48,6 @@ struct Sample {
 };
 
 Eigen::Matrix<double, 2, 6> NumericJacobian(const Sample& sample) {
-  constexpr double kStep = 1e-6;
   Eigen::Matrix<double, 2, 6> J;
   for (int i = 0; i < 6; ++i) {
     const Vector6d h = kStep * Vector6d::Unit(i);
@@ -55,7 +57,6 @@ Eigen::Matrix<double, 2, 6> NumericJacobian(const Sample& sample) {
 }
 
 Vector6d NumericGradient(const Sample& sample) {
-  constexpr double kStep = 1e-6;
   Vector6d gradient;
   for (int i = 0; i < 6; ++i) {
     const Vector6d h = kStep * Vector6d::Unit(i);
@@ -65,14 +66,13 @@ Vector6d NumericGradient(const Sample& sample) {
 }
 
 Matrix6d NumericHessian(const Sample& sample) {
-  constexpr double kStep = 1e-4;
   Matrix6d hessian;
   for (int i = 0; i < 6; ++i) {
     for (int j = 0; j < 6; ++j) {
-      const Vector6d a = kStep * Vector6d::Unit(i);
-      const Vector6d b = kStep * Vector6d::Unit(j);
-      hessian(i, j) =
-          (sample.Cost(a + b) - sample.Cost(a - b) - sample.Cost(b - a) + sample.Cost(-a - b)) / (4 * kStep * kStep);
+      const Vector6d a = kLongStep * Vector6d::Unit(i);
+      const Vector6d b = kLongStep * Vector6d::Unit(j);
+      hessian(i, j) = (sample.Cost(a + b) - sample.Cost(a - b) - sample.Cost(b - a) + sample.Cost(-a - b)) /
+                      (4 * kLongStep * kLongStep);
     }
   }
   return hessian;

@@ -7,9 +7,11 @@
 namespace turnscale {
 namespace {
 
-/// Lower-triangular F with F V F^T = I. A pivot that is nothing but rounding gives a row of zeros: no step along it.
+/// A pivot below this share of its diagonal entry is nothing but rounding.
+constexpr double kRounding = 1e-14;
+
+/// Lower-triangular F with F V F^T = I. A pivot that is rounding gives a row of zeros: no step along it.
 Eigen::Matrix3d InverseFactor(const Eigen::Matrix3d& V) {
-  constexpr double kRounding = 1e-14;
   const auto inverse_root = [](double pivot, double diagonal) {
     return pivot > kRounding * diagonal ? 1.0 / std::sqrt(pivot) : 0.0;
   };

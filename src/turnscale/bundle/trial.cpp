@@ -27,15 +27,17 @@ double PointCost(const Pinhole& pinhole, const BundleStructure& structure, const
   return cost;
 }
 
+/// Limits of the minimisation of one point: iterations, and the share of the cost below which a gain is none.
+constexpr int kPointIterations = 10;
+constexpr double kSettled = 1e-14;
+
 /// Damped Newton on one point, the cameras held. Returns the cost; `position` has a finite cost at the start.
 double RefinePoint(const Pinhole& pinhole, const BundleStructure& structure, const BundleState& state,
                    std::size_t point, double huber_threshold, Eigen::Vector3d& position) {
-  constexpr int kIterations = 10;
-  constexpr double kSettled = 1e-14;
   double damping = 1e-4;
   double cost = PointCost(pinhole, structure, state, point, position, huber_threshold);
   ObservationModel<3> model;
-  for (int iteration = 0; iteration < kIterations; ++iteration) {
+  for (int iteration = 0; iteration < kPointIterations; ++iteration) {
     Eigen::Matrix3d exact = Eigen::Matrix3d::Zero();
     Eigen::Matrix3d safe = Eigen::Matrix3d::Zero();
     Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
