@@ -237,7 +237,6 @@ void Odometry::AddKeyframe(const FlowImage& image, const RigidTransform& camera_
   std::erase_if(tracks_, [&](const FeatureTrack& track) { return ended.contains(track.landmark); });
   RefineLens();
   motion_.Correct(map_.keyframes.back().camera_from_world, 1.0);
-  ++revision_;
 
   ObserveScale(result);
   landmarks_in_keyframe_ = static_cast<int>(

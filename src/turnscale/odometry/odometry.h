@@ -40,7 +40,8 @@ class Odometry {
   /// map started have the first pose known (and none only while there is no map at all).
   std::vector<FrameResult> RefinedFrames() const;
 
-  /// Grows whenever the refined poses of frames already given change.
+  /// Grows whenever the refined poses of the whole drive change: a map starts, a turn closes. Between, each keyframe
+  /// moves only the latest few a little.
   int revision() const { return revision_; }
 
   std::vector<TurnResult> Turns() const;
