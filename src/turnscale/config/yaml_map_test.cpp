@@ -75,8 +75,8 @@ TEST(YamlMap, RejectsWhatIsNoYamlMap) {
   EXPECT_NE(MessageOf([] { MapOf("a: [1, 2\nb: 3\n"); }).find("not valid YAML"), std::string::npos);
   EXPECT_NE(MessageOf([] { MapOf("- 1\n- 2\n"); }).find("holds no keys"), std::string::npos);
   EXPECT_NE(MessageOf([] { MapOf(""); }).find("holds no keys"), std::string::npos);
-  EXPECT_NE(MessageOf([] { YamlMap("/nonexistent/cam.yaml"); }).find("no such file"), std::string::npos);
-  EXPECT_NE(MessageOf([] { YamlMap(::testing::TempDir()); }).find("cannot be read"), std::string::npos);
+  EXPECT_NE(MessageOf([] { YamlMap{"/nonexistent/cam.yaml"}; }).find("no such file"), std::string::npos);
+  EXPECT_NE(MessageOf([] { YamlMap{::testing::TempDir()}; }).find("cannot be read"), std::string::npos);
 }
 
 }  // namespace
