@@ -41,22 +41,36 @@ FlowResult TrackPoints(const FlowOptions& options, const FlowImage& first, const
                        const std::vector<cv::Point2f>& points, const std::vector<cv::Point2f>& guesses) {
   FlowResult result;
   if (points.empty()) return result;
-  const cv::Size window(options.window, options.window);
   result.points.reserve(points.size());
   for (const cv::Point2f& guess : guesses) result.points.emplace_back(RoundedGuess(guess.x), RoundedGuess(guess.y));
-  cv::calcOpticalFlowPyrLK(first.pyramid, second.pyramid, points, result.points, result.found, cv::noArray(), window,
-                           options.levels, kTermination, cv::OPTFLOW_USE_INITIAL_FLOW, kMinEigenvalue);
-
-  std::vector<cv::Point2f> returned = points;
-  std::vector<uchar> found_back;
-  cv::calcOpticalFlowPyrLK(second.pyramid, first.pyramid, result.points, returned, found_back, cv::noArray(), window,
-                           kReturnLevels, kTermination, cv::OPTFLOW_USE_INITIAL_FLOW, kMinEigenvalue);
-  for (size_t i = 0; i < points.size(); ++i) {
-    const cv::Point2f off = returned[i] - points[i];
-    const bool returns = found_back[i] != 0 && std::hypot(off.x, off.y) <= options.max_return_error;
-    result.found[i] = result.found[i] != 0 && returns && Inside(result.points[i], second.gray.size()) ? 1 : 0;
-  }
+  cv::calcOpticalFlowPyrLK(first.pyramid, second.pyramid, points, result.points, result.found, cv::noArray(),
+                           cv::Size(options.window, options.window), options.levels, kTermination,
+                           cv::OPTFLOW_USE_INITIAL_FLOW, kMinEigenvalue);
+  for (size_t i = 0; i < points.size(); ++i)
+    if (!Inside(result.points[i], second.gray.size())) result.found[i] = 0;
   return result;
+}
+
+void CheckReturn(const FlowOptions& options, const FlowImage& first, const FlowImage& second,
+                 const std::vector<cv::Point2f>& points, FlowResult& result) {
+  std::vector<size_t> index;
+  std::vector<cv::Point2f> forth;
+  std::vector<cv::Point2f> back;
+  for (size_t i = 0; i < points.size(); ++i) {
+    if (result.found[i] == 0) continue;
+    index.push_back(i);
+    forth.push_back(result.points[i]);
+    back.push_back(points[i]);
+  }
+  if (index.empty()) return;
+  std::vector<uchar> found;
+  cv::calcOpticalFlowPyrLK(second.pyramid, first.pyramid, forth, back, found, cv::noArray(),
+                           cv::Size(options.window, options.window), kReturnLevels, kTermination,
+                           cv::OPTFLOW_USE_INITIAL_FLOW, kMinEigenvalue);
+  for (size_t k = 0; k < index.size(); ++k) {
+    const cv::Point2f off = back[k] - points[index[k]];
+    if (found[k] == 0 || std::hypot(off.x, off.y) > options.max_return_error) result.found[index[k]] = 0;
+  }
 }
 
 }  // namespace turnscale

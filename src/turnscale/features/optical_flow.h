@@ -33,9 +33,13 @@ struct FlowResult {
 };
 
 /// Finds points of the first image again in the second by pyramidal Lucas-Kanade, starting at `guesses` (same size as
-/// `points`), and keeps those that track back to where they came from. Guesses are rounded to 1/16 pixel: a prediction
-/// that differs in its last digits then finds the very same pixels.
+/// `points`). Guesses are rounded to 1/16 pixel: a prediction that differs in its last digits then finds the very same
+/// pixels.
 FlowResult TrackPoints(const FlowOptions& options, const FlowImage& first, const FlowImage& second,
                        const std::vector<cv::Point2f>& points, const std::vector<cv::Point2f>& guesses);
+
+/// Gives up those found points that do not track back to where they came from.
+void CheckReturn(const FlowOptions& options, const FlowImage& first, const FlowImage& second,
+                 const std::vector<cv::Point2f>& points, FlowResult& result);
 
 }  // namespace turnscale

@@ -30,15 +30,22 @@ std::vector<cv::Point2f> PredictPixels(const Map& map, const CameraModel& camera
   return guesses;
 }
 
-FollowedTracks FollowTracks(const FlowOptions& options, const CameraModel& camera, const FlowImage& first,
-                            const FlowImage& second, const std::vector<FeatureTrack>& tracks,
+FollowedTracks FollowTracks(const FlowOptions& options, const Map& map, const CameraModel& camera,
+                            const FlowImage& first, const FlowImage& second, const std::vector<FeatureTrack>& tracks,
                             const std::vector<cv::Point2f>& guesses) {
-  const FlowResult flow = TrackPoints(options, first, second, PixelsOf(tracks), guesses);
+  const std::vector<cv::Point2f> pixels = PixelsOf(tracks);
+  const FlowResult flow = TrackPoints(options, first, second, pixels, guesses);
+  // A landmark with a depth is going to be compared with its reference view, which asks for more than the way back.
+  FlowResult without_depth = flow;
+  for (size_t i = 0; i < tracks.size(); ++i)
+    if (map.landmarks[tracks[i].landmark].valid) without_depth.found[i] = 0;
+  CheckReturn(options, first, second, pixels, without_depth);
   FollowedTracks followed;
   for (size_t i = 0; i < tracks.size(); ++i) {
     const cv::Point2f& pixel = flow.points[i];
-    const std::optional<Eigen::Vector2d> undistorted =
-        flow.found[i] != 0 ? camera.Undistort({pixel.x, pixel.y}) : std::nullopt;
+    const bool has_depth = map.landmarks[tracks[i].landmark].valid;
+    const bool found = has_depth ? flow.found[i] != 0 : without_depth.found[i] != 0;
+    const std::optional<Eigen::Vector2d> undistorted = found ? camera.Undistort({pixel.x, pixel.y}) : std::nullopt;
     if (!undistorted) {
       followed.lost.push_back(tracks[i]);
       continue;

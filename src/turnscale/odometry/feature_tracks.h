@@ -39,9 +39,9 @@ struct FollowedTracks {
   std::vector<FeatureTrack> lost;   ///< as they were
 };
 
-/// Finds tracks in the second image.
-FollowedTracks FollowTracks(const FlowOptions& options, const CameraModel& camera, const FlowImage& first,
-                            const FlowImage& second, const std::vector<FeatureTrack>& tracks,
+/// Finds tracks in the second image. Those without a depth have to track back to where they came from.
+FollowedTracks FollowTracks(const FlowOptions& options, const Map& map, const CameraModel& camera,
+                            const FlowImage& first, const FlowImage& second, const std::vector<FeatureTrack>& tracks,
                             const std::vector<cv::Point2f>& guesses);
 
 /// Compares a track whose landmark has a depth with what the landmark looks like in its reference keyframe, at the size

@@ -44,7 +44,8 @@ void MapInitializer::Start(const FlowImage& image, int frame, double time) {
 }
 
 bool MapInitializer::Follow(const FlowImage& image, int frame, double time) {
-  const FlowResult flow = TrackPoints(options_.flow, last_, image, pixels_, pixels_);
+  FlowResult flow = TrackPoints(options_.flow, last_, image, pixels_, pixels_);
+  CheckReturn(options_.flow, last_, image, pixels_, flow);
   WaitingFrame next{.frame = frame, .time = time, .features = {}, .pixels = {}};
   std::vector<cv::Point2f> pixels;
   for (size_t i = 0; i < alive_.size(); ++i) {

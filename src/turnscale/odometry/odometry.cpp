@@ -46,7 +46,7 @@ FrameResult Odometry::Process(const cv::Mat& gray, double time) {
 
   const RigidTransform predicted = motion_.Predict(time);
   const std::vector<cv::Point2f> guesses = PredictPixels(map_, camera_, tracks_, motion_.last(), predicted);
-  FollowedTracks followed = FollowTracks(options_.flow, camera_, last_image_, image, tracks_, guesses);
+  FollowedTracks followed = FollowTracks(options_.flow, map_, camera_, last_image_, image, tracks_, guesses);
   PoseEstimate estimate = LocateFrame(predicted, followed);
   if (Believable(estimate)) {
     AlignWithMap(image, estimate.camera_from_world, followed);
@@ -148,7 +148,7 @@ void Odometry::LocateWaitingFrames(const InitialMap& start, int first_landmark, 
     result.tracked = static_cast<int>(waiting.features.size());
     result.inliers = estimate.inliers;
     result.keyframe = &waiting == &start.frames.front();
-    Record(result, pose);
+    Record(result, keyframe, result.keyframe ? map_.keyframes[keyframe].camera_from_world : pose);
   }
 }
 
@@ -309,11 +309,15 @@ void Odometry::DetectNewFeatures(const FlowImage& image) {
   }
 }
 
-FrameResult Odometry::Record(FrameResult result, const RigidTransform& camera_from_world) {
+FrameResult Odometry::Record(const FrameResult& result, const RigidTransform& camera_from_world) {
+  return Record(result, static_cast<int>(map_.keyframes.size()) - 1, camera_from_world);
+}
+
+FrameResult Odometry::Record(FrameResult result, int keyframe, const RigidTransform& camera_from_world) {
   result.world_from_camera = camera_from_world.inverse();
   result.scale_state = scale_.state();
   result.scale_sigma = scale_.sigma();
-  history_.Add(result, map_, static_cast<int>(map_.keyframes.size()) - 1, camera_from_world);
+  history_.Add(result, map_, keyframe, camera_from_world);
   return result;
 }
 

@@ -65,7 +65,8 @@ class Odometry {
   void ApplyScale(const std::vector<double>& factors);
   void RenewReferences(const FlowImage& image);
   void DetectNewFeatures(const FlowImage& image);
-  FrameResult Record(FrameResult result, const RigidTransform& camera_from_world);
+  FrameResult Record(const FrameResult& result, const RigidTransform& camera_from_world);
+  FrameResult Record(FrameResult result, int keyframe, const RigidTransform& camera_from_world);
 
   OdometryOptions options_;
   CameraModel camera_;
