@@ -9,7 +9,11 @@ install(
   DIRECTORY src/turnscale
   DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
   FILES_MATCHING
-  PATTERN "*.h")
+  PATTERN "*.h"
+  # What only tests use stays at home.
+  PATTERN "synthetic_*.h" EXCLUDE
+  PATTERN "*_reference.h" EXCLUDE
+  PATTERN "refused_field.h" EXCLUDE)
 
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/turnscale)
 install(
