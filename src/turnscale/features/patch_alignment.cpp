@@ -11,6 +11,9 @@
 namespace turnscale {
 namespace {
 
+// Sum over the patch, gray levels squared: what is flatter looks like anything.
+constexpr float kLeastVariance = 1;
+
 bool Inside(const cv::Mat& image, double x, double y) {
   return x >= 0 && y >= 0 && x < image.cols - 1 && y < image.rows - 1;
 }
@@ -79,7 +82,7 @@ std::optional<Eigen::Vector2d> AlignPatch(const PatchAlignmentOptions& options, 
                                           const Eigen::Vector2d& guess) {
   const int half = options.half_size;
   const std::optional<Template> patch = MakeTemplate(half, reference, reference_pixel, reference_from_current);
-  if (!patch) return std::nullopt;
+  if (!patch || !(patch->variance > kLeastVariance)) return std::nullopt;
   const Eigen::LDLT<Eigen::Matrix4f> factor(patch->normal_matrix);
 
   Eigen::Vector2d pixel = guess;

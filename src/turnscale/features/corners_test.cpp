@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/features/corners.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "turnscale/base/refused_field.h"
+#include "turnscale/features/synthetic_texture.h"
+
+namespace turnscale {
+namespace {
+
+const cv::Size kSize(600, 400);
+
+CornerOptions Options() {
+  CornerOptions options;
+  options.target = 300;
+  return options;
+}
+
+// Faint on the left, strong on the right.
+cv::Mat UnevenImage() {
+  const SyntheticTexture texture(1);
+  return MakeImage(kSize, [&](const Eigen::Vector2d& pixel) {
+    const double contrast = pixel.x() < 300 ? 0.5 : 1.5;
+    return 128 + contrast * (texture.At(pixel) - 128);
+  });
+}
+
+double Distance(const cv::Point2f& a, const cv::Point2f& b) { return std::hypot(a.x - b.x, a.y - b.y); }
+
+int CountInside(const std::vector<cv::Point2f>& corners, const cv::Rect2f& area) {
+  return static_cast<int>(std::ranges::count_if(corners, [&](const cv::Point2f& c) { return area.contains(c); }));
+}
+
+TEST(Corners, FaintTextureIsNotStarvedByStrongTexture) {
+  const std::vector<cv::Point2f> corners = DetectCorners(Options(), UnevenImage(), {});
+  EXPECT_GT(corners.size(), 200U);
+  EXPECT_LT(corners.size(), 350U);
+  const int left = CountInside(corners, {0, 0, 300, 400});
+  const int right = CountInside(corners, {300, 0, 300, 400});
+  EXPECT_NEAR(static_cast<double>(left) / right, 1.0, 0.2);
+  const float side = 2 * std::sqrt(600.0F * 400.0F / 300.0F);
+  for (float y = 12; y + side <= 388; y += 10)
+    for (float x = 12; x + side <= 588; x += 10)
+      EXPECT_GT(CountInside(corners, {x, y, side, side}), 0) << x << ' ' << y;
+}
+
+TEST(Corners, OnePerCell) {
+  const std::vector<cv::Point2f> corners = DetectCorners(Options(), UnevenImage(), {});
+  const float side = std::sqrt(600.0F * 400.0F / 300.0F);
+  for (float y = 0; y < 400; y += side)
+    for (float x = 0; x < 600; x += side) EXPECT_LE(CountInside(corners, {x, y, side, side}), 1) << x << ' ' << y;
+}
+
+TEST(Corners, KeepAwayFromTheOnesThatAreTracked) {
+  const cv::Mat image = UnevenImage();
+  const std::vector<cv::Point2f> all = DetectCorners(Options(), image, {});
+  const std::vector<cv::Point2f> occupied(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(all.size() / 2));
+  const std::vector<cv::Point2f> more = DetectCorners(Options(), image, occupied);
+  ASSERT_FALSE(more.empty());
+  for (const cv::Point2f& corner : more)
+    for (const cv::Point2f& taken : occupied)
+      EXPECT_GE(Distance(corner, taken), Options().min_distance - 0.5) << "half a pixel for the circle's raster";
+  for (size_t i = occupied.size(); i < all.size(); ++i) {
+    const bool crowded =
+        std::ranges::any_of(occupied, [&](const cv::Point2f& taken) { return Distance(all[i], taken) < 13; });
+    if (!crowded) {
+      EXPECT_NE(std::ranges::find(more, all[i]), more.end()) << "corners that are free are still taken";
+    }
+  }
+}
+
+TEST(Corners, KeepAwayFromTheBorder) {
+  CornerOptions options = Options();
+  options.border = 40;
+  const std::vector<cv::Point2f> corners = DetectCorners(options, UnevenImage(), {});
+  ASSERT_FALSE(corners.empty());
+  EXPECT_EQ(CountInside(corners, {40, 40, 520, 320}), static_cast<int>(corners.size()));
+  options.border = 200;
+  EXPECT_TRUE(DetectCorners(options, UnevenImage(), {}).empty()) << "the border takes the whole image";
+}
+
+TEST(Corners, NoneInAFlatImage) {
+  EXPECT_TRUE(DetectCorners(Options(), cv::Mat(kSize, CV_8U, cv::Scalar(120)), {}).empty());
+}
+
+TEST(Corners, SameImageSameCorners) {
+  const cv::Mat image = UnevenImage();
+  EXPECT_EQ(DetectCorners(Options(), image, {}), DetectCorners(Options(), image.clone(), {}));
+}
+
+TEST(Corners, OptionsNameTheFieldThatMakesNoSense) {
+  EXPECT_EQ(RefusedField<CornerOptions>([](auto&) {}), "");
+  EXPECT_EQ(RefusedField<CornerOptions>([](auto& o) { o.target = 49; }), "corners.target");
+  EXPECT_EQ(RefusedField<CornerOptions>([](auto& o) { o.fast_threshold = 0; }), "corners.fast_threshold");
+  EXPECT_EQ(RefusedField<CornerOptions>([](auto& o) { o.fast_threshold = 256; }), "corners.fast_threshold");
+  EXPECT_EQ(RefusedField<CornerOptions>([](auto& o) { o.min_distance = std::nan(""); }), "corners.min_distance");
+  EXPECT_EQ(RefusedField<CornerOptions>([](auto& o) { o.border = 3; }), "corners.border");
+}
+
+}  // namespace
+}  // namespace turnscale

@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/features/optical_flow.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "turnscale/base/refused_field.h"
+#include "turnscale/features/synthetic_texture.h"
+
+namespace turnscale {
+namespace {
+
+const cv::Size kSize(400, 300);
+
+FlowImage Shifted(const SyntheticTexture& texture, const Eigen::Vector2d& shift) {
+  return BuildFlowImage({}, MakeImage(kSize, [&](const Eigen::Vector2d& pixel) { return texture.At(pixel - shift); }));
+}
+
+std::vector<cv::Point2f> Grid(int margin, int spacing) {
+  std::vector<cv::Point2f> points;
+  for (int y = margin; y <= kSize.height - margin; y += spacing)
+    for (int x = margin; x <= kSize.width - margin; x += spacing)
+      points.emplace_back(static_cast<float>(x) + 0.3F, static_cast<float>(y) - 0.2F);
+  return points;
+}
+
+int Found(const FlowResult& flow) { return static_cast<int>(std::ranges::count(flow.found, 1)); }
+
+TEST(OpticalFlow, FindsASubPixelShift) {
+  const SyntheticTexture texture(1, 8, 100);
+  const FlowImage first = Shifted(texture, {0, 0});
+  const std::vector<cv::Point2f> points = Grid(40, 20);
+  for (const Eigen::Vector2d& shift : {Eigen::Vector2d(0.37, -0.21), Eigen::Vector2d(9.3, -6.6)}) {
+    const FlowResult flow = TrackPoints({}, first, Shifted(texture, shift), points, points);
+    EXPECT_GT(Found(flow), 0.97 * static_cast<double>(points.size()));
+    for (size_t i = 0; i < points.size(); ++i) {
+      if (flow.found[i] == 0) continue;
+      EXPECT_NEAR(flow.points[i].x - points[i].x, shift.x(), 0.05) << points[i];
+      EXPECT_NEAR(flow.points[i].y - points[i].y, shift.y(), 0.05) << points[i];
+    }
+  }
+}
+
+TEST(OpticalFlow, AGuessReachesFartherThanThePyramid) {
+  const SyntheticTexture texture(2, 8, 100);
+  FlowOptions options;
+  options.levels = 0;
+  const auto image = [&](double shift) {
+    return BuildFlowImage(options, MakeImage(kSize, [&](const Eigen::Vector2d& p) {
+                            return texture.At({p.x() - shift, p.y()});
+                          }));
+  };
+  const std::vector<cv::Point2f> points = Grid(70, 20);
+  std::vector<cv::Point2f> guesses = points;
+  for (cv::Point2f& guess : guesses) guess.x += 49;
+  const FlowResult guessed = TrackPoints(options, image(0), image(50), points, guesses);
+  for (size_t i = 0; i < points.size(); ++i) {
+    ASSERT_EQ(guessed.found[i], 1);
+    EXPECT_NEAR(guessed.points[i].x - points[i].x, 50, 0.05);
+  }
+}
+
+TEST(OpticalFlow, LastDigitsOfTheGuessDoNotMatter) {
+  const SyntheticTexture texture(3, 8, 100);
+  const FlowImage first = Shifted(texture, {0, 0});
+  const FlowImage second = Shifted(texture, {3.3, 1.7});
+  const std::vector<cv::Point2f> points = Grid(40, 20);
+  std::vector<cv::Point2f> guesses = points;
+  for (cv::Point2f& guess : guesses) guess += cv::Point2f(2.2F, 1.4F);
+  std::vector<cv::Point2f> others = guesses;
+  for (cv::Point2f& other : others) {
+    other.x = std::nextafter(static_cast<float>(other.x + 1e-9), 1e9F);
+    other.y = std::nextafter(static_cast<float>(other.y - 1e-9), -1e9F);
+  }
+  ASSERT_NE(guesses, others);
+  const FlowResult a = TrackPoints({}, first, second, points, guesses);
+  const FlowResult b = TrackPoints({}, first, second, points, others);
+  EXPECT_GT(Found(a), 0.97 * static_cast<double>(points.size()));
+  EXPECT_EQ(a.points, b.points);
+  EXPECT_EQ(a.found, b.found);
+}
+
+TEST(OpticalFlow, PointsThatLeaveTheImageAreNotFound) {
+  const SyntheticTexture texture(4, 8, 100);
+  const FlowImage first = Shifted(texture, {0, 0});
+  const FlowImage second = Shifted(texture, {-30, 0});
+  const std::vector<cv::Point2f> points = Grid(10, 10);
+  std::vector<cv::Point2f> guesses = points;
+  for (cv::Point2f& guess : guesses) guess.x -= 30;
+  const FlowResult flow = TrackPoints({}, first, second, points, guesses);
+  int left_behind = 0;
+  for (size_t i = 0; i < points.size(); ++i) {
+    if (points[i].x < 30) {
+      EXPECT_EQ(flow.found[i], 0) << points[i];
+    } else if (points[i].x > 60) {
+      left_behind += flow.found[i] == 0 ? 1 : 0;
+    }
+  }
+  EXPECT_LT(left_behind, 0.05 * static_cast<double>(points.size()));
+}
+
+TEST(OpticalFlow, WhatIsHiddenDoesNotFindItsWayBack) {
+  const SyntheticTexture texture(5, 8, 100);
+  const SyntheticTexture other(6, 8, 100);
+  const cv::Rect2d hidden(120, 80, 160, 140);
+  const FlowImage first = Shifted(texture, {0, 0});
+  const FlowImage second =
+      BuildFlowImage({}, MakeImage(kSize, [&](const Eigen::Vector2d& pixel) {
+                       return hidden.contains({pixel.x(), pixel.y()}) ? other.At(pixel) : texture.At(pixel);
+                     }));
+  std::vector<cv::Point2f> points;
+  for (float y = 110; y < 190; y += 10)
+    for (float x = 150; x < 250; x += 10) points.emplace_back(x, y);
+  FlowResult flow = TrackPoints({}, first, second, points, points);
+  EXPECT_GT(Found(flow), 0.5 * static_cast<double>(points.size())) << "it is the way back that tells";
+  CheckReturn({}, first, second, points, flow);
+  EXPECT_LT(Found(flow), 0.2 * static_cast<double>(points.size()))
+      << "a smooth pattern agrees by chance here and there";
+}
+
+TEST(OpticalFlow, WhatIsSeenFindsItsWayBack) {
+  const SyntheticTexture texture(7, 8, 100);
+  const FlowImage first = Shifted(texture, {0, 0});
+  const FlowImage second = Shifted(texture, {5.4, -3.3});
+  std::vector<cv::Point2f> points = Grid(40, 20);
+  FlowResult flow = TrackPoints({}, first, second, points, points);
+  flow.found[3] = 0;
+  const FlowResult before = flow;
+  CheckReturn({}, first, second, points, flow);
+  EXPECT_EQ(flow.found[3], 0) << "what was lost stays lost";
+  EXPECT_EQ(flow.points, before.points);
+  EXPECT_GE(Found(flow), Found(before) - 2);
+  EXPECT_GT(Found(flow), 0.97 * static_cast<double>(points.size()));
+
+  const cv::Point2f off(1.0F, 0.0F);
+  for (cv::Point2f& point : points) point += off;
+  CheckReturn({}, first, second, points, flow);
+  EXPECT_EQ(Found(flow), 0) << "a pixel off is not where they came from";
+}
+
+TEST(OpticalFlow, NoPointsNoResult) {
+  const FlowImage image = Shifted(SyntheticTexture(8), {0, 0});
+  const FlowResult flow = TrackPoints({}, image, image, {}, {});
+  EXPECT_TRUE(flow.points.empty());
+  EXPECT_TRUE(flow.found.empty());
+  FlowResult nothing;
+  CheckReturn({}, image, image, {}, nothing);
+  EXPECT_TRUE(nothing.found.empty());
+}
+
+TEST(OpticalFlow, OptionsNameTheFieldThatMakesNoSense) {
+  EXPECT_EQ(RefusedField<FlowOptions>([](auto&) {}), "");
+  EXPECT_EQ(RefusedField<FlowOptions>([](auto& o) { o.window = 14; }), "flow.window");
+  EXPECT_EQ(RefusedField<FlowOptions>([](auto& o) { o.window = 3; }), "flow.window");
+  EXPECT_EQ(RefusedField<FlowOptions>([](auto& o) { o.levels = -1; }), "flow.levels");
+  EXPECT_EQ(RefusedField<FlowOptions>([](auto& o) { o.levels = 9; }), "flow.levels");
+  EXPECT_EQ(RefusedField<FlowOptions>([](auto& o) { o.max_return_error = 0; }), "flow.max_return_error");
+}
+
+}  // namespace
+}  // namespace turnscale
