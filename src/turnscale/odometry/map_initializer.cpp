@@ -59,6 +59,8 @@ bool MapInitializer::Follow(const FlowImage& image, int frame, double time) {
   const size_t features = frames_.front().features.size();
   if (frames_.size() >= kMostFrames) return false;
   if (static_cast<double>(next.features.size()) < kFewestFeatures * static_cast<double>(features)) return false;
+  // A dark or blurred first view never gets more features than it had.
+  if (static_cast<int>(next.features.size()) < options_.initialization.min_landmarks) return false;
   alive_ = next.features;
   pixels_ = std::move(pixels);
   frames_.push_back(std::move(next));

@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <string>
 #include <unordered_set>
 #include <utility>
 
+#include "turnscale/base/error.h"
 #include "turnscale/camera/radial_correction.h"
 #include "turnscale/features/corners.h"
 #include "turnscale/geometry/rotation.h"
@@ -41,6 +43,7 @@ Odometry::Odometry(const OdometryOptions& options, const CameraModel& camera)
 
 FrameResult Odometry::Process(const cv::Mat& gray, double time) {
   FrameResult result = NewResult(frames_++, time, TrackingState::kInitializing);
+  CheckSize(gray);
   const FlowImage image = BuildFlowImage(options_.flow, gray);
   if (!mapping_) return Initialize(image, result);
 
@@ -65,6 +68,19 @@ FrameResult Odometry::Process(const cv::Mat& gray, double time) {
   if (!NeedsKeyframe(estimate.camera_from_world, estimate.inliers)) return Record(result, estimate.camera_from_world);
   AddKeyframe(image, estimate.camera_from_world, result);
   return Record(result, map_.keyframes.back().camera_from_world);
+}
+
+void Odometry::CheckSize(const cv::Mat& gray) {
+  if (gray.type() != CV_8UC1) throw InputError("image: has to be 8-bit gray");
+  if (camera_.width == 0) {
+    // Not every camera file tells the size; the first image does.
+    camera_.width = gray.cols;
+    camera_.height = gray.rows;
+    initializer_ = MapInitializer(options_, camera_);
+  }
+  if (gray.cols != camera_.width || gray.rows != camera_.height)
+    throw InputError("image: is " + std::to_string(gray.cols) + "x" + std::to_string(gray.rows) +
+                     ", the camera's are " + std::to_string(camera_.width) + "x" + std::to_string(camera_.height));
 }
 
 FrameResult Odometry::ProcessUnreadable(double time) {

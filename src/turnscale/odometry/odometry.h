@@ -26,8 +26,8 @@ class Odometry {
   /// Throws InputError when an option makes no sense.
   Odometry(const OdometryOptions& options, const CameraModel& camera);
 
-  /// Takes the next image (8-bit gray, the camera file's size) taken at `time` seconds, and gives what is known of the
-  /// camera's pose at this moment.
+  /// Takes the next image (8-bit gray) taken at `time` seconds, and gives what is known of the camera's pose at this
+  /// moment. Throws InputError when its size is not the camera's, or where that is unknown, not the first image's.
   FrameResult Process(const cv::Mat& gray, double time);
 
   /// The next frame has no usable image: its pose is predicted and flagged.
@@ -51,6 +51,7 @@ class Odometry {
   ScaleState scale_state() const { return scale_.state(); }
 
  private:
+  void CheckSize(const cv::Mat& gray);
   FrameResult Initialize(const FlowImage& image, FrameResult result);
   void StartMap(const InitialMap& start);
   void LocateWaitingFrames(const InitialMap& start, int first_landmark, int keyframe);
