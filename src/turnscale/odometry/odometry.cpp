@@ -142,8 +142,11 @@ void Odometry::StartMap(const InitialMap& start) {
   lost_frames_ = 0;
   landmarks_in_keyframe_ = static_cast<int>(std::ranges::count(start.has_point, 1));
   LocateWaitingFrames(start, first_landmark, keyframe);
-  scale_.AddKeyframe(keyframe, map_);
-  scale_.AddKeyframe(keyframe + 1, map_);
+  for (const int added : {keyframe, keyframe + 1}) {
+    // A gap ends a turn that was under way before it.
+    const ScaleUpdate update = scale_.AddKeyframe(added, map_);
+    if (!update.factors.empty()) ApplyScale(update.factors);
+  }
   ++revision_;
 }
 

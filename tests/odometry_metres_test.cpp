@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "odometry_run.h"
+#include "street_drive.h"
+#include "turnscale/geometry/rotation.h"
+
+namespace turnscale {
+namespace {
+
+// The first turn is over and its scale known.
+constexpr int kFramesWithOneTurn = 75;
+
+void ExpectMetres(const OdometryRun& run, const StreetDrive& drive) {
+  ASSERT_TRUE(AllPosed(run.refined));
+  const RunErrors errors = MeasureRun(run.refined, drive.world_from_camera);
+  EXPECT_LT(std::abs(errors.path_length), 0.04);
+  EXPECT_LT(errors.psi_rms_deg, 0.1);
+  EXPECT_LT(errors.position, 0.5);
+}
+
+void ExpectBothTurns(const OdometryRun& run) {
+  ASSERT_EQ(run.turns.size(), 2U);
+  EXPECT_NEAR(run.turns[0].angle * kDegreesPerRadian, 90, 10);
+  EXPECT_NEAR(run.turns[1].angle * kDegreesPerRadian, -90, 10);
+  const int starts[] = {kStreetFirstTurn, kStreetSecondTurn};
+  for (int i = 0; i < 2; ++i) {
+    EXPECT_NEAR(run.turns[i].first_frame, starts[i], 6);
+    EXPECT_NEAR(run.turns[i].last_frame, starts[i] + kStreetTurnFrames, 6);
+    EXPECT_TRUE(run.turns[i].used) << run.turns[i].reason;
+    EXPECT_NEAR(run.turns[i].effective_lever_arm, kStreetLeverArm, 0.04 * kStreetLeverArm);
+  }
+}
+
+void ExpectSameBits(const std::vector<FrameResult>& first, const std::vector<FrameResult>& second) {
+  ASSERT_EQ(first.size(), second.size());
+  for (size_t i = 0; i < first.size(); ++i) {
+    ASSERT_EQ(first[i].world_from_camera.has_value(), second[i].world_from_camera.has_value()) << "frame " << i;
+    if (!first[i].world_from_camera) continue;
+    const RigidTransform& a = *first[i].world_from_camera;
+    const RigidTransform& b = *second[i].world_from_camera;
+    ASSERT_EQ(a.translation, b.translation) << "frame " << i;
+    ASSERT_EQ(a.rotation.coeffs(), b.rotation.coeffs()) << "frame " << i;
+    ASSERT_EQ(first[i].inliers, second[i].inliers) << "frame " << i;
+  }
+}
+
+TEST(OdometryMetres, TwoTurnsGiveTheDrivesMetres) {
+  const StreetDrive& drive = PlainStreetDrive();
+  const OdometryRun run = RunOdometry(StreetOptions(), drive);
+  ExpectMetres(run, drive);
+  ExpectBothTurns(run);
+  EXPECT_EQ(Count(run.refined, TrackingState::kTracked), kStreetFrames);
+}
+
+TEST(OdometryMetres, ScaleIsPendingUntilTheFirstTurnCloses) {
+  const StreetDrive drive = FirstFrames(PlainStreetDrive(), kFramesWithOneTurn);
+  const OdometryRun run = RunOdometry(StreetOptions(), drive);
+  ASSERT_EQ(run.turns.size(), 1U);
+  const auto known = std::ranges::find_if(
+      run.live, [](const FrameResult& frame) { return frame.scale_state != ScaleState::kPending; });
+  ASSERT_NE(known, run.live.end());
+  EXPECT_EQ(known->scale_state, ScaleState::kObserved);
+  EXPECT_GT(known->frame, run.turns[0].last_frame);
+  EXPECT_LT(known->frame, run.turns[0].last_frame + 10);
+  for (auto frame = run.live.begin(); frame != known; ++frame) EXPECT_TRUE(std::isinf(frame->scale_sigma));
+  for (auto frame = known; frame != run.live.end(); ++frame) {
+    EXPECT_NE(frame->scale_state, ScaleState::kPending) << "frame " << frame->frame;
+    EXPECT_LT(frame->scale_sigma, 0.1) << "frame " << frame->frame;
+  }
+  EXPECT_EQ(run.live.back().scale_state, ScaleState::kHeld);
+  for (const FrameResult& frame : run.refined)
+    EXPECT_NE(frame.scale_state, ScaleState::kPending) << "frame " << frame.frame;
+}
+
+TEST(OdometryMetres, DoNotDependOnTheFirstUnit) {
+  const StreetDrive drive = FirstFrames(PlainStreetDrive(), kFramesWithOneTurn);
+  const OdometryRun one = RunOdometry(StreetOptions(), drive);
+  ASSERT_EQ(one.turns.size(), 1U);
+  ASSERT_TRUE(AllPosed(one.refined));
+  const double extent = one.refined.back().world_from_camera->translation.norm();
+  for (const double unit : {0.1, 10.0}) {
+    OdometryOptions options = StreetOptions();
+    options.initialization.initial_baseline = unit;
+    const OdometryRun other = RunOdometry(options, drive);
+    ASSERT_EQ(other.turns.size(), 1U);
+    EXPECT_NEAR(other.turns[0].metres_per_unit * unit / one.turns[0].metres_per_unit, 1, 1e-6);
+    ASSERT_TRUE(AllPosed(other.refined));
+    for (size_t i = 0; i < drive.times.size(); ++i)
+      EXPECT_LT(
+          (other.refined[i].world_from_camera->translation - one.refined[i].world_from_camera->translation).norm(),
+          1e-6 * extent)
+          << "unit " << unit << ", frame " << i;
+  }
+}
+
+TEST(OdometryMetres, AreTheSameBitsInEveryRunAndForAnyThreads) {
+  const StreetDrive drive = FirstFrames(PlainStreetDrive(), kFramesWithOneTurn);
+  const OdometryRun first = RunOdometry(StreetOptions(), drive);
+  for (const int threads : {1, 2}) {
+    OdometryOptions options = StreetOptions();
+    options.threads = threads;
+    const OdometryRun again = RunOdometry(options, drive);
+    ExpectSameBits(first.live, again.live);
+    ExpectSameBits(first.refined, again.refined);
+  }
+}
+
+TEST(OdometryMetres, StayUnknownWithoutALeverArm) {
+  const StreetDrive& drive = PlainStreetDrive();
+  OdometryOptions options = StreetOptions();
+  options.vehicle.lever_arm.reset();
+  const OdometryRun run = RunOdometry(options, drive);
+  for (const std::vector<FrameResult>* frames : {&run.live, &run.refined})
+    for (const FrameResult& frame : *frames) {
+      EXPECT_EQ(frame.scale_state, ScaleState::kPending) << "frame " << frame.frame;
+      EXPECT_TRUE(std::isinf(frame.scale_sigma)) << "frame " << frame.frame;
+    }
+  ASSERT_EQ(run.turns.size(), 2U);
+  for (const TurnResult& turn : run.turns) {
+    EXPECT_FALSE(turn.used);
+    EXPECT_EQ(turn.reason, "no lever arm given");
+  }
+  ASSERT_TRUE(AllPosed(run.refined));
+  EXPECT_LT(MeasureRun(run.refined, drive.world_from_camera).shape, 0.5);
+}
+
+TEST(OdometryMetres, SurviveALensThatTheCalibrationDoesNotKnow) {
+  constexpr double kDistortion = 0.01;
+  const StreetDrive drive = RenderStreetDrive({.k1 = kDistortion});
+  CameraModel pinhole = drive.camera;
+  pinhole.lens = LensModel::kPinhole;
+  pinhole.distortion = {};
+  const OdometryRun run = RunOdometry(StreetOptions(), pinhole, drive.images, drive.times);
+  // The correction takes the distortion back.
+  EXPECT_NEAR(run.lens_correction, -kDistortion, 0.003);
+  ASSERT_TRUE(AllPosed(run.refined));
+  EXPECT_LT(std::abs(MeasureRun(run.refined, drive.world_from_camera).path_length), 0.05);
+}
+
+TEST(OdometryMetres, KnowACameraThatLooksSideways) {
+  const Eigen::Quaterniond vehicle_from_camera = RotationFromYawPitchRoll({.yaw = 5 / kDegreesPerRadian});
+  const StreetDrive drive = RenderStreetDrive({.vehicle_from_camera = vehicle_from_camera});
+  OdometryOptions options = StreetOptions();
+  options.vehicle.vehicle_from_camera = vehicle_from_camera;
+  const OdometryRun run = RunOdometry(options, drive);
+  ExpectMetres(run, drive);
+  ExpectBothTurns(run);
+}
+
+}  // namespace
+}  // namespace turnscale

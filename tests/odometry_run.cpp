@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: MIT
+#include "odometry_run.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "turnscale/evaluation/association.h"
+#include "turnscale/evaluation/position_error.h"
+#include "turnscale/evaluation/step_error.h"
+#include "turnscale/odometry/odometry.h"
+
+namespace turnscale {
+
+OdometryRun RunOdometry(const OdometryOptions& options, const CameraModel& camera, const std::vector<cv::Mat>& images,
+                        const std::vector<double>& times) {
+  Odometry odometry(options, camera);
+  OdometryRun run;
+  for (size_t i = 0; i < images.size(); ++i)
+    run.live.push_back(images[i].empty() ? odometry.ProcessUnreadable(times[i])
+                                         : odometry.Process(images[i], times[i]));
+  odometry.Finish();
+  run.refined = odometry.RefinedFrames();
+  run.turns = odometry.Turns();
+  run.lens_correction = odometry.lens().correction();
+  run.keyframes_in_map = static_cast<int>(odometry.map().keyframes.size());
+  return run;
+}
+
+OdometryRun RunOdometry(const OdometryOptions& options, const StreetDrive& drive) {
+  return RunOdometry(options, drive.camera, drive.images, drive.times);
+}
+
+OdometryOptions StreetOptions() {
+  OdometryOptions options;
+  options.vehicle.lever_arm = kStreetLeverArm;
+  options.vehicle.side_slip = 0;
+  return options;
+}
+
+StreetDrive FirstFrames(const StreetDrive& drive, int frames) {
+  StreetDrive cut = drive;
+  cut.times.resize(frames);
+  cut.world_from_camera.resize(frames);
+  cut.images.resize(frames);
+  return cut;
+}
+
+bool AllPosed(const std::vector<FrameResult>& frames) {
+  return std::ranges::all_of(frames, [](const FrameResult& frame) {
+    return frame.world_from_camera && frame.world_from_camera->translation.allFinite() &&
+           frame.world_from_camera->rotation.coeffs().allFinite();
+  });
+}
+
+int Count(const std::vector<FrameResult>& frames, TrackingState state) {
+  return static_cast<int>(
+      std::ranges::count_if(frames, [state](const FrameResult& frame) { return frame.state == state; }));
+}
+
+RunErrors MeasureRun(const std::vector<FrameResult>& refined, const std::vector<RigidTransform>& truth) {
+  PosePairs pairs;
+  std::vector<Step> steps;
+  int keyframe = -1;
+  for (int i = 0; i < static_cast<int>(refined.size()); ++i) {
+    pairs.push_back({i, i, refined[i].time, refined[i].world_from_camera.value(), truth.at(i)});
+    if (!refined[i].keyframe) continue;
+    if (keyframe >= 0 && !std::isnan(refined[i].psi)) steps.push_back({keyframe, i, refined[i].turning});
+    keyframe = i;
+  }
+  RunErrors errors;
+  errors.path_length = EstimatedPathLength(pairs) / TruePathLength(pairs) - 1;
+  errors.psi_rms_deg = MeasureSteps(pairs, steps, true).psi.rms * kDegreesPerRadian;
+  errors.position = MeasureAlignedPositions(pairs, AlignmentModel::kRigid).distance.max;
+  errors.shape = MeasureAlignedPositions(pairs, AlignmentModel::kSimilarity).distance.max;
+  return errors;
+}
+
+}  // namespace turnscale

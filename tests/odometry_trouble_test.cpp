@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <cmath>
+
+#include <gtest/gtest.h>
+#include <opencv2/imgproc.hpp>
+
+#include "odometry_run.h"
+#include "street_drive.h"
+
+namespace turnscale {
+namespace {
+
+// Spoils `count` images from `first` on.
+template <typename Spoil>
+void SpoilImages(StreetDrive& drive, int first, int count, const Spoil& spoil) {
+  for (int i = first; i < first + count; ++i) drive.images[i] = spoil(drive.images[i]);
+}
+
+cv::Mat Nothing(const cv::Mat& /*image*/) { return {}; }
+cv::Mat Black(const cv::Mat& image) { return cv::Mat::zeros(image.size(), image.type()); }
+cv::Mat Blurred(const cv::Mat& image) {
+  cv::Mat blurred;
+  cv::GaussianBlur(image, blurred, {}, 25);
+  return blurred;
+}
+
+void ExpectStates(const OdometryRun& run, int first, int count, TrackingState state) {
+  for (int i = first; i < first + count; ++i) {
+    EXPECT_EQ(run.live[i].state, state) << "frame " << i;
+    EXPECT_EQ(run.refined[i].state, state) << "frame " << i;
+    EXPECT_TRUE(run.live[i].world_from_camera) << "frame " << i;
+  }
+}
+
+void ExpectGoodDrive(const OdometryRun& run, const StreetDrive& drive) {
+  ASSERT_TRUE(AllPosed(run.refined));
+  const RunErrors errors = MeasureRun(run.refined, drive.world_from_camera);
+  EXPECT_LT(std::abs(errors.path_length), 0.08);
+  EXPECT_LT(errors.position, 0.5);
+}
+
+Eigen::Vector3d PositionAt(const std::vector<FrameResult>& frames, int frame) {
+  return frames.at(frame).world_from_camera.value().translation;
+}
+
+// The farthest that frames first..last are from the first of them.
+double Drift(const std::vector<FrameResult>& frames, int first, int last) {
+  double drift = 0;
+  for (int i = first; i <= last; ++i)
+    drift = std::max(drift, (PositionAt(frames, i) - PositionAt(frames, first)).norm());
+  return drift;
+}
+
+int KeyframesIn(const std::vector<FrameResult>& frames, int first, int last) {
+  return static_cast<int>(std::count_if(frames.begin() + first, frames.begin() + last + 1,
+                                        [](const FrameResult& frame) { return frame.keyframe; }));
+}
+
+TEST(OdometryTrouble, UnreadableImagesAreBridged) {
+  StreetDrive drive = PlainStreetDrive();
+  SpoilImages(drive, 40, 1, Nothing);
+  SpoilImages(drive, 72, 3, Nothing);
+  const OdometryRun run = RunOdometry(StreetOptions(), drive);
+  ExpectStates(run, 40, 1, TrackingState::kUnreadable);
+  ExpectStates(run, 72, 3, TrackingState::kUnreadable);
+  EXPECT_EQ(Count(run.refined, TrackingState::kTracked), kStreetFrames - 4);
+  EXPECT_EQ(run.turns.size(), 2U);
+  ExpectGoodDrive(run, drive);
+}
+
+TEST(OdometryTrouble, BlurAndDarknessAreBridged) {
+  StreetDrive drive = PlainStreetDrive();
+  SpoilImages(drive, 18, 3, Black);
+  SpoilImages(drive, 72, 3, Blurred);
+  const OdometryRun run = RunOdometry(StreetOptions(), drive);
+  ExpectStates(run, 18, 3, TrackingState::kBridged);
+  ExpectStates(run, 72, 3, TrackingState::kBridged);
+  EXPECT_EQ(Count(run.refined, TrackingState::kTracked), kStreetFrames - 6);
+  EXPECT_EQ(run.turns.size(), 2U);
+  ExpectGoodDrive(run, drive);
+}
+
+TEST(OdometryTrouble, DarknessWithinATurnIsBridged) {
+  StreetDrive drive = PlainStreetDrive();
+  SpoilImages(drive, 100, 3, Black);
+  const OdometryRun run = RunOdometry(StreetOptions(), drive);
+  ExpectStates(run, 100, 3, TrackingState::kBridged);
+  EXPECT_EQ(Count(run.refined, TrackingState::kTracked), kStreetFrames - 3);
+  ExpectGoodDrive(run, drive);
+}
+
+TEST(OdometryTrouble, TrackingRestartsAfterALongGap) {
+  constexpr int kFirst = 64;
+  constexpr int kCount = 12;
+  StreetDrive drive = PlainStreetDrive();
+  SpoilImages(drive, kFirst, kCount, Black);
+  const OdometryRun run = RunOdometry(StreetOptions(), drive);
+  ExpectStates(run, kFirst, kCount, TrackingState::kBridged);
+  const int after = kFirst + kCount + 6;
+  EXPECT_TRUE(std::all_of(run.refined.begin() + after, run.refined.end(),
+                          [](const FrameResult& frame) { return frame.state == TrackingState::kTracked; }));
+  ASSERT_EQ(run.turns.size(), 2U);
+  for (const TurnResult& turn : run.turns) EXPECT_TRUE(turn.used) << turn.reason;
+  for (int i = kFirst; i < kStreetFrames; ++i) EXPECT_TRUE(run.live[i].world_from_camera) << "frame " << i;
+  ASSERT_TRUE(AllPosed(run.refined));
+  EXPECT_LT(std::abs(MeasureRun(run.refined, drive.world_from_camera).path_length), 0.08);
+}
+
+TEST(OdometryTrouble, ADriveThatStartsInTheDarkIsFollowedFromTheFirstLight) {
+  constexpr int kDark = 8;
+  StreetDrive drive = FirstFrames(PlainStreetDrive(), 40);
+  SpoilImages(drive, 0, kDark, Black);
+  const OdometryRun run = RunOdometry(StreetOptions(), drive);
+  for (int i = 0; i < kDark; ++i) EXPECT_EQ(run.refined[i].state, TrackingState::kInitializing) << "frame " << i;
+  EXPECT_EQ(Count(run.refined, TrackingState::kTracked), static_cast<int>(drive.times.size()) - kDark);
+}
+
+TEST(OdometryTrouble, StandingAtTheStartDoesNotDrift) {
+  constexpr int kStanding = 20;
+  const StreetDrive drive = RenderStreetDrive({.frames = 95, .standing_at = 0, .standing_frames = kStanding});
+  const OdometryRun run = RunOdometry(StreetOptions(), drive);
+  ExpectGoodDrive(run, drive);
+  for (int i = 0; i <= kStanding; ++i) EXPECT_EQ(run.live[i].state, TrackingState::kInitializing) << "frame " << i;
+  EXPECT_LT(Drift(run.refined, 0, kStanding), 0.02);
+  EXPECT_LE(KeyframesIn(run.refined, 0, kStanding), 1);
+}
+
+TEST(OdometryTrouble, StandingBetweenTurnsDoesNotDrift) {
+  constexpr int kFirst = 72;
+  constexpr int kLast = kFirst + 15;
+  const StreetDrive drive = RenderStreetDrive({.frames = 110, .standing_at = kFirst, .standing_frames = 15});
+  const OdometryRun run = RunOdometry(StreetOptions(), drive);
+  EXPECT_EQ(Count(run.refined, TrackingState::kTracked), static_cast<int>(drive.times.size()));
+  ExpectGoodDrive(run, drive);
+  EXPECT_LT(Drift(run.refined, kFirst, kLast), 0.02);
+  EXPECT_LT(Drift(run.live, kFirst, kLast), 0.02);
+  EXPECT_LE(KeyframesIn(run.refined, kFirst + 1, kLast), 1);
+}
+
+TEST(OdometryTrouble, ACarThatNeverMovesHasNoMap) {
+  StreetDrive drive = RenderStreetDrive({.frames = 31, .standing_at = 0, .standing_frames = 30});
+  SpoilImages(drive, 10, 1, Nothing);
+  SpoilImages(drive, 20, 2, Black);
+  const OdometryRun run = RunOdometry(StreetOptions(), drive);
+  EXPECT_EQ(run.keyframes_in_map, 0);
+  EXPECT_TRUE(run.turns.empty());
+  ASSERT_EQ(run.refined.size(), drive.times.size());
+  for (const std::vector<FrameResult>* frames : {&run.live, &run.refined})
+    for (const FrameResult& frame : *frames) {
+      EXPECT_FALSE(frame.world_from_camera) << "frame " << frame.frame;
+      EXPECT_EQ(frame.state, frame.frame == 10 ? TrackingState::kUnreadable : TrackingState::kInitializing);
+    }
+}
+
+}  // namespace
+}  // namespace turnscale

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: MIT
+#include "street_drive.h"
+
+#include <algorithm>
+
+#include "street_world.h"
+#include "turnscale/geometry/rotation.h"
+#include "turnscale/kinematics/ackermann.h"
+
+namespace turnscale {
+namespace {
+
+constexpr double kCameraHeight = 1.5;   // metres
+constexpr double kStreetStep = 0.4;     // metres a frame
+constexpr double kTurnStep = 0.32;      // metres a frame: a radius of 6.5 m
+constexpr int kRamp = 5;                // frames over which the steering wheel moves
+constexpr double kNoise = 1.0;          // gray levels
+constexpr double kHalfStreet = 6;       // metres
+constexpr double kFirstCrossing = 18;   // z of the street after the right turn
+constexpr double kSecondCrossing = 26;  // x of the street after the left turn
+
+// How far the steering wheel is turned, 0..1, in this frame of a turn.
+double Steering(int frame) {
+  return std::clamp(std::min(frame + 0.5, kStreetTurnFrames - frame - 0.5) / kRamp, 0.0, 1.0);
+}
+
+VehicleStep StepAt(int frame) {
+  const bool second = frame >= kStreetSecondTurn;
+  const double steering = Steering(frame - (second ? kStreetSecondTurn : kStreetFirstTurn));
+  const double full = 90.0 / kDegreesPerRadian / (kStreetTurnFrames - kRamp);
+  return {(second ? -full : full) * steering, kStreetStep + (kTurnStep - kStreetStep) * steering};
+}
+
+std::vector<Block> Streets() {
+  constexpr double kFar = 100;
+  const double near_first = kFirstCrossing - kHalfStreet;
+  const double far_first = kFirstCrossing + kHalfStreet;
+  const double left_second = kSecondCrossing - kHalfStreet;
+  const double right_second = kSecondCrossing + kHalfStreet;
+  std::vector<Block> blocks = {
+      {{-kFar, -9, -kFar}, {-kHalfStreet, 0, kFar}},
+      {{kHalfStreet, -7, -kFar}, {right_second, 0, near_first}},
+      {{-kHalfStreet, -8, far_first}, {left_second, 0, kFar}},
+      {{right_second, -10, -kFar}, {kFar, 0, kFar}},
+      {{left_second, -8, 55}, {right_second, 0, kFar}},
+  };
+  // What stands on the pavements, so that depth varies along the walls.
+  for (int i = 0; i < 9; ++i) {
+    const double z = -4 + 6.5 * i;
+    const double high = 0.9 + 0.7 * (i % 3);
+    if (z < near_first - 3) {
+      blocks.push_back({{-5.4, -high, z}, {-4.2, 0, z + 2}});
+      blocks.push_back({{4.4, -high - 0.4, z + 3}, {5.5, 0, z + 4}});
+    }
+    if (z > far_first + 3) {
+      blocks.push_back({{left_second + 0.6, -high, z}, {left_second + 1.8, 0, z + 2}});
+      blocks.push_back({{right_second - 1.6, -high - 0.4, z + 3}, {right_second - 0.5, 0, z + 4}});
+    }
+  }
+  for (const double x : {-3.5, 3.0, 8.5, 15.0})
+    blocks.push_back({{x, -1.3, far_first - 1.5}, {x + 2, 0, far_first - 0.4}});
+  return blocks;
+}
+
+}  // namespace
+
+StreetDrive RenderStreetDrive(const StreetDriveOptions& options) {
+  static const StreetWorld kWorld(Streets());
+  StreetDrive drive;
+  drive.camera = {.pinhole = {280, 280, 239.5, 95.5},
+                  .lens = options.k1 == 0 ? LensModel::kPinhole : LensModel::kRadialTangential,
+                  .distortion = {options.k1, 0, 0, 0, 0},
+                  .width = 480,
+                  .height = 192};
+  const RigidTransform vehicle_from_camera{options.vehicle_from_camera, {0, -kCameraHeight, kStreetLeverArm}};
+  RigidTransform world_from_vehicle;
+  cv::RNG random(42);
+  cv::Mat ideal;
+  for (int frame = 0; frame < kStreetFrames + options.standing_frames && frame < options.frames; ++frame) {
+    const bool stands = frame > options.standing_at && frame <= options.standing_at + options.standing_frames;
+    const int moved =
+        frame > options.standing_at ? std::max(frame - options.standing_frames, options.standing_at) : frame;
+    if (frame > 0 && !stands) world_from_vehicle = world_from_vehicle * ConstrainedVehicleMotion(StepAt(moved - 1));
+    drive.times.push_back(kStreetInterval * frame);
+    drive.world_from_camera.push_back(world_from_vehicle * vehicle_from_camera);
+    if (!stands || frame == 0) ideal = kWorld.Render(drive.camera, drive.world_from_camera.back());
+    cv::Mat noise(ideal.size(), CV_16S);
+    random.fill(noise, cv::RNG::NORMAL, 0, kNoise);
+    cv::Mat image;
+    cv::add(ideal, noise, image, cv::noArray(), CV_8U);
+    drive.images.push_back(image);
+  }
+  return drive;
+}
+
+const StreetDrive& PlainStreetDrive() {
+  static const StreetDrive kDrive = RenderStreetDrive({});
+  return kDrive;
+}
+
+}  // namespace turnscale

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Geometry>
+#include <opencv2/core.hpp>
+
+#include "turnscale/camera/camera_model.h"
+#include "turnscale/geometry/rigid_transform.h"
+
+namespace turnscale {
+
+/// A drive through rendered streets whose truth is known: straight ahead, a right turn, a street, a left turn, straight
+/// ahead. The car rolls without slipping (1).
+struct StreetDrive {
+  CameraModel camera;  ///< that the images were made with
+  std::vector<double> times;
+  std::vector<RigidTransform> world_from_camera;
+  std::vector<cv::Mat> images;
+};
+
+struct StreetDriveOptions {
+  int frames = 1000;  ///< at most; the drive ends by itself
+  double k1 = 0;      ///< radial distortion of the lens
+  Eigen::Quaterniond vehicle_from_camera = Eigen::Quaterniond::Identity();
+  int standing_at = -1;     ///< frame at which the car stops
+  int standing_frames = 0;  ///< for so long
+};
+
+constexpr double kStreetLeverArm = 1.5;  ///< metres
+constexpr double kStreetInterval = 0.1;  ///< seconds between frames
+constexpr int kStreetFirstTurn = 25;     ///< frame in which the first turn starts
+constexpr int kStreetSecondTurn = 85;    ///< frame in which the second turn starts
+constexpr int kStreetTurnFrames = 35;    ///< length of a turn
+constexpr int kStreetFrames = 140;       ///< of a drive without standing
+
+/// Renders the drive. The same options give the same images.
+StreetDrive RenderStreetDrive(const StreetDriveOptions& options);
+
+/// The plain drive, made once.
+const StreetDrive& PlainStreetDrive();
+
+}  // namespace turnscale
