@@ -29,7 +29,7 @@ class ImageListReader : public FrameReader {
 
 class VideoReader : public FrameReader {
  public:
-  explicit VideoReader(cv::VideoCapture capture) : capture_(std::move(capture)) {}
+  explicit VideoReader(const cv::VideoCapture& capture) : capture_(capture) {}
 
   std::optional<GrayImage> Read() override {
     cv::Mat image;

@@ -19,8 +19,7 @@ WindowProblem MakeWindowProblem(const Map& map, const Window& window, double pix
     for (const KeyframeObservation& seen : map.keyframes[k].observations)
       if (map.landmarks[seen.landmark].valid) problem.landmarks.push_back(seen.landmark);
   std::ranges::sort(problem.landmarks);
-  const auto repeated = std::ranges::unique(problem.landmarks);
-  problem.landmarks.erase(repeated.begin(), repeated.end());
+  problem.landmarks.erase(std::unique(problem.landmarks.begin(), problem.landmarks.end()), problem.landmarks.end());
   const auto in_window = [&](const LandmarkObservation& seen) { return seen.keyframe >= window.first; };
   std::erase_if(problem.landmarks, [&](int index) {
     return std::ranges::count_if(map.landmarks[index].observations, in_window) < window.min_observations;
