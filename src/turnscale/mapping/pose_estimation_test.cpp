@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "turnscale/base/refused_field.h"
 #include "turnscale/geometry/rotation.h"
 
 namespace turnscale {
@@ -73,6 +74,14 @@ TEST(PoseEstimation, TooFewSightingsGiveNoInliersOutOfNothing) {
   const PoseEstimate estimate = EstimatePose({}, kPinhole, {}, RigidTransform{});
   EXPECT_EQ(estimate.inliers, 0);
   EXPECT_TRUE(estimate.camera_from_world.translation.allFinite());
+}
+
+TEST(PoseEstimation, OptionsNameTheFieldThatMakesNoSense) {
+  using Options = PoseEstimationOptions;
+  EXPECT_EQ(RefusedField<Options>([](auto&) {}), "");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.inlier_threshold = 0; }), "pose.inlier_threshold");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.huber_threshold = 0; }), "pose.huber_threshold");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.max_iterations = 0; }), "pose.max_iterations");
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 
 #include <opencv2/calib3d.hpp>
 #include <opencv2/core.hpp>
@@ -19,10 +20,11 @@ namespace {
 
 constexpr double kRansacConfidence = 0.9999;
 
-double Median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+// The value that the given share of the values lies below.
+double Quantile(std::vector<double> values, double share) {
+  const auto place = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size()));
+  std::nth_element(values.begin(), place, values.end());
+  return *place;
 }
 
 std::vector<Eigen::Vector3d> Rays(const Pinhole& pinhole, const std::vector<Eigen::Vector2d>& pixels) {
@@ -43,8 +45,8 @@ void MeasureMotion(const Pinhole& pinhole, const std::vector<Eigen::Vector2d>& f
     const Eigen::Vector3d rotated = rotation * rays[i];
     if (rotated.z() > 0) parallax.push_back((second[i] - pinhole.Project(rotated)).norm());
   }
-  result.motion = Median(motion);
-  result.parallax = parallax.empty() ? 0.0 : Median(parallax);
+  result.motion = Quantile(std::move(motion), 0.5);
+  result.parallax = parallax.empty() ? 0.0 : Quantile(std::move(parallax), 0.75);
 }
 
 struct EssentialMotion {
@@ -89,11 +91,14 @@ double ReprojectionError(const Pinhole& pinhole, const RigidTransform& camera_fr
 }  // namespace
 
 void TwoViewOptions::Check() const {
+  if (!(min_motion >= 0)) throw InputError("initialization.min_motion: must not be negative");
   if (!(min_parallax > 0)) throw InputError("initialization.min_parallax: has to be positive");
   if (!(max_epipolar_error > 0)) throw InputError("initialization.max_epipolar_error: has to be positive");
   if (min_landmarks < 8) throw InputError("initialization.min_landmarks: has to be at least 8");
   if (!(min_inlier_share >= 0 && min_inlier_share <= 1))
     throw InputError("initialization.min_inlier_share: has to be in 0...1");
+  if (!(min_landmark_parallax_deg > 0))
+    throw InputError("initialization.min_landmark_parallax_deg: has to be positive");
   if (!(initial_baseline > 0)) throw InputError("initialization.initial_baseline: has to be positive");
 }
 

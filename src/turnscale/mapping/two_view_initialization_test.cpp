@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "turnscale/base/refused_field.h"
 #include "turnscale/geometry/rotation.h"
 
 namespace turnscale {
@@ -76,6 +77,19 @@ TEST(TwoViewInitialization, RefusesMatchesWithoutACommonMotion) {
   std::uniform_real_distribution<double> off(-100, 100);
   for (Eigen::Vector2d& pixel : views.second) pixel += Eigen::Vector2d(off(random), off(random));
   EXPECT_EQ(InitializeFromTwoViews({}, kPinhole, views.first, views.second).status, TwoViewStatus::kFailed);
+}
+
+TEST(TwoViewInitialization, OptionsNameTheFieldThatMakesNoSense) {
+  using Options = TwoViewOptions;
+  EXPECT_EQ(RefusedField<Options>([](auto&) {}), "");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.min_motion = -1; }), "initialization.min_motion");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.min_parallax = 0; }), "initialization.min_parallax");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.max_epipolar_error = 0; }), "initialization.max_epipolar_error");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.min_landmarks = 7; }), "initialization.min_landmarks");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.min_inlier_share = 1.1; }), "initialization.min_inlier_share");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.min_landmark_parallax_deg = 0; }),
+            "initialization.min_landmark_parallax_deg");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.initial_baseline = 0; }), "initialization.initial_baseline");
 }
 
 }  // namespace

@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/mapping/local_bundle_adjustment.h"
+
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "turnscale/base/refused_field.h"
+#include "turnscale/geometry/rotation.h"
+#include "turnscale/mapping/synthetic_map.h"
+
+namespace turnscale {
+namespace {
+
+constexpr int kKeyframes = 30;
+
+// Straight on, then round a corner.
+Map TrueMap() {
+  const CarDrive drive = MakeCarDrive({{15, 0.8, 0}, {14, 0.8, 0.06}}, 0.1, {1.2, 0}, Eigen::Quaterniond::Identity());
+  return MakeMap(drive, {.points_per_step = 30, .pixel_noise = 0.3});
+}
+
+// Moves keyframes from `first` on by 5 cm and a quarter of a degree, and what they see by two per cent of its depth.
+void Disturb(int first, Map& map) {
+  std::mt19937 random(7);
+  std::normal_distribution<double> normal;
+  const auto vector = [&] { return Eigen::Vector3d(normal(random), normal(random), normal(random)); };
+  for (int k = first; k < static_cast<int>(map.keyframes.size()); ++k) {
+    RigidTransform& pose = map.keyframes[k].camera_from_world;
+    pose = RigidTransform{RotationFromVector(0.004 * vector()), 0.05 * vector()} * pose;
+  }
+  for (Landmark& landmark : map.landmarks)
+    if (landmark.observations.front().keyframe >= first) {
+      const RigidTransform& pose = map.keyframes[landmark.observations.front().keyframe].camera_from_world;
+      landmark.position = pose.inverse() * ((1 + 0.02 * normal(random)) * (pose * landmark.position)).eval();
+    }
+}
+
+double PositionError(const Map& map, const Map& truth, int keyframe) {
+  return (map.keyframes[keyframe].camera_from_world.inverse().translation -
+          truth.keyframes[keyframe].camera_from_world.inverse().translation)
+      .norm();
+}
+
+double RotationError(const Map& map, const Map& truth, int keyframe) {
+  return RotationAngle(map.keyframes[keyframe].camera_from_world.rotation *
+                       truth.keyframes[keyframe].camera_from_world.rotation.conjugate()) *
+         kDegreesPerRadian;
+}
+
+bool Moved(const Map& map, const Map& before, int keyframe) {
+  const RigidTransform& a = map.keyframes[keyframe].camera_from_world;
+  const RigidTransform& b = before.keyframes[keyframe].camera_from_world;
+  return a.translation != b.translation || a.rotation.coeffs() != b.rotation.coeffs();
+}
+
+TEST(LocalBundleAdjustment, BringsTheLatestKeyframesBack) {
+  const Map truth = TrueMap();
+  ASSERT_EQ(truth.keyframes.size(), static_cast<size_t>(kKeyframes));
+  Map map = truth;
+  Disturb(kKeyframes - 10, map);
+  const Map before = map;
+  const LocalBundleResult result = AdjustLocalWindow({}, map);
+  EXPECT_LT(result.summary.final_cost, 0.1 * result.summary.initial_cost);
+  EXPECT_TRUE(std::ranges::is_sorted(result.landmarks));
+  for (int k = 0; k < kKeyframes - 10; ++k) EXPECT_FALSE(Moved(map, before, k)) << k;
+  for (int k = kKeyframes - 10; k < kKeyframes; ++k) {
+    EXPECT_TRUE(Moved(map, before, k)) << k;
+    EXPECT_LT(PositionError(map, truth, k), 0.02) << k;
+    EXPECT_LT(RotationError(map, truth, k), 0.05) << k;
+  }
+}
+
+TEST(LocalBundleAdjustment, LandmarksOutOfTheWindowStay) {
+  Map map = TrueMap();
+  Disturb(kKeyframes - 10, map);
+  const Map before = map;
+  const LocalBundleResult result = AdjustLocalWindow({}, map);
+  size_t took_part = 0;
+  size_t stayed = 0;
+  for (size_t i = 0; i < map.landmarks.size(); ++i) {
+    if (std::ranges::binary_search(result.landmarks, static_cast<int>(i))) {
+      ++took_part;
+      EXPECT_GE(map.landmarks[i].observations.back().keyframe, kKeyframes - 10) << i;
+    } else {
+      ++stayed;
+      EXPECT_EQ(map.landmarks[i].position, before.landmarks[i].position) << i;
+    }
+  }
+  EXPECT_EQ(took_part, result.landmarks.size());
+  EXPECT_GT(took_part, 100U);
+  EXPECT_GT(stayed, 100U);
+}
+
+TEST(LocalBundleAdjustment, TheFirstKeyframeNeverMoves) {
+  Map map = TrueMap();
+  Disturb(1, map);
+  const Map before = map;
+  AdjustFrom({}, 0, map);
+  EXPECT_FALSE(Moved(map, before, 0));
+  for (int k = 1; k < kKeyframes; ++k) EXPECT_TRUE(Moved(map, before, k)) << k;
+}
+
+TEST(LocalBundleAdjustment, AGapPartsTheMap) {
+  const Map truth = TrueMap();
+  Map map = truth;
+  map.keyframes[22].after_gap = true;
+  Disturb(23, map);
+  // What is before the gap would pull, were it asked.
+  for (int k = 0; k < 22; ++k) map.keyframes[k].camera_from_world.translation.x() += 3;
+  const Map before = map;
+  AdjustLocalWindow({}, map);
+  for (int k = 0; k <= 22; ++k) EXPECT_FALSE(Moved(map, before, k)) << k;
+  // One fixed keyframe holds no scale: directions and rotations come back, lengths as they were guessed.
+  for (int k = 23; k < kKeyframes; ++k) {
+    EXPECT_TRUE(Moved(map, before, k)) << k;
+    EXPECT_LT(RotationError(map, truth, k), 0.1) << k;
+    EXPECT_LT(PositionError(map, truth, k), 0.2) << k;
+  }
+}
+
+TEST(LocalBundleAdjustment, DoesNotDependOnTheUnitOfLength) {
+  Map one = TrueMap();
+  Disturb(kKeyframes - 10, one);
+  Map ten = one;
+  for (Keyframe& keyframe : ten.keyframes) keyframe.camera_from_world.translation *= 10;
+  for (Landmark& landmark : ten.landmarks) landmark.position *= 10;
+  AdjustLocalWindow({}, one);
+  AdjustLocalWindow({}, ten);
+  for (int k = 0; k < kKeyframes; ++k)
+    EXPECT_LT(
+        (ten.keyframes[k].camera_from_world.translation / 10 - one.keyframes[k].camera_from_world.translation).norm(),
+        1e-6)
+        << k;
+}
+
+TEST(LocalBundleAdjustment, OptionsNameTheFieldThatMakesNoSense) {
+  using Options = LocalBundleOptions;
+  EXPECT_EQ(RefusedField<Options>([](auto&) {}), "");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.window = 1; }), "local_bundle.window");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.anchors = 0; }), "local_bundle.anchors");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.pixel_sigma = 0; }), "local_bundle.pixel_sigma");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.max_iterations = 0; }), "local_bundle.max_iterations");
+}
+
+}  // namespace
+}  // namespace turnscale

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/mapping/map.h"
+
+#include <gtest/gtest.h>
+
+namespace turnscale {
+namespace {
+
+Map EmptyMap(int keyframes, int landmarks) {
+  Map map;
+  map.keyframes.resize(keyframes);
+  map.landmarks.resize(landmarks);
+  for (Landmark& landmark : map.landmarks) landmark.valid = true;
+  return map;
+}
+
+TEST(Map, AnObservationStandsOnBothSides) {
+  Map map = EmptyMap(3, 2);
+  AddObservation(map, 2, 1, {3, 4});
+  ASSERT_EQ(map.keyframes[2].observations.size(), 1U);
+  EXPECT_EQ(map.keyframes[2].observations[0].landmark, 1);
+  EXPECT_EQ(map.keyframes[2].observations[0].pixel, Eigen::Vector2d(3, 4));
+  ASSERT_EQ(map.landmarks[1].observations.size(), 1U);
+  EXPECT_EQ(map.landmarks[1].observations[0].keyframe, 2);
+  EXPECT_EQ(map.landmarks[1].observations[0].pixel, Eigen::Vector2d(3, 4));
+  EXPECT_TRUE(map.keyframes[0].observations.empty());
+  EXPECT_TRUE(map.landmarks[0].observations.empty());
+}
+
+TEST(Map, RemovingAnObservationLeavesTheOthers) {
+  Map map = EmptyMap(2, 2);
+  for (const int keyframe : {0, 1})
+    for (const int landmark : {0, 1}) AddObservation(map, keyframe, landmark, {10.0 * keyframe, 1.0 * landmark});
+  RemoveObservation(map, 0, 1);
+  ASSERT_EQ(map.keyframes[0].observations.size(), 1U);
+  EXPECT_EQ(map.keyframes[0].observations[0].landmark, 0);
+  ASSERT_EQ(map.landmarks[1].observations.size(), 1U);
+  EXPECT_EQ(map.landmarks[1].observations[0].keyframe, 1);
+  EXPECT_EQ(map.keyframes[1].observations.size(), 2U);
+  EXPECT_EQ(map.landmarks[0].observations.size(), 2U);
+  RemoveObservation(map, 0, 1);
+  EXPECT_EQ(map.keyframes[0].observations.size(), 1U) << "what is not there can not be removed twice";
+}
+
+TEST(Map, ARemovedLandmarkKeepsItsNumberAndIsSeenByNobody) {
+  Map map = EmptyMap(3, 3);
+  for (const int keyframe : {0, 1, 2})
+    for (const int landmark : {0, 1, 2}) AddObservation(map, keyframe, landmark, {0, 0});
+  RemoveLandmark(map, 1);
+  ASSERT_EQ(map.landmarks.size(), 3U);
+  EXPECT_FALSE(map.landmarks[1].valid);
+  EXPECT_TRUE(map.landmarks[1].observations.empty());
+  for (const Keyframe& keyframe : map.keyframes) {
+    ASSERT_EQ(keyframe.observations.size(), 2U);
+    EXPECT_EQ(keyframe.observations[0].landmark, 0);
+    EXPECT_EQ(keyframe.observations[1].landmark, 2);
+  }
+  EXPECT_TRUE(map.landmarks[2].valid);
+  EXPECT_EQ(map.landmarks[2].observations.size(), 3U);
+}
+
+}  // namespace
+}  // namespace turnscale

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <random>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "turnscale/kinematics/synthetic_drive.h"
+#include "turnscale/mapping/map.h"
+
+namespace turnscale {
+
+/// A street of points around a made-up drive, seen by one keyframe a step, for tests. Metres, pixels.
+struct SyntheticStreet {
+  double points_per_step = 3;
+  double max_depth = 30;
+  double pixel_noise = 0.3;
+  unsigned seed = 1;
+};
+
+/// The true map of a drive with noisy pixels: a KITTI-like camera that looks forward.
+inline Map MakeMap(const CarDrive& drive, const SyntheticStreet& street) {
+  std::mt19937 random(street.seed);
+  std::normal_distribution<double> noise(0, street.pixel_noise);
+  std::uniform_real_distribution<double> uniform(0, 1);
+  Map map;
+  map.pinhole = {718, 718, 607, 185};
+  for (std::size_t i = 0; i < drive.world_from_camera.size(); ++i) {
+    const double time = drive.dt * static_cast<double>(i);
+    map.keyframes.push_back({static_cast<int>(i), time, drive.world_from_camera[i].inverse(), {}, false});
+  }
+  const double wanted = street.points_per_step * static_cast<double>(drive.world_from_camera.size());
+  while (static_cast<double>(map.landmarks.size()) < wanted) {
+    const RigidTransform& near = drive.world_from_camera[random() % drive.world_from_camera.size()];
+    const double side = uniform(random) < 0.5 ? -1 : 1;
+    const Eigen::Vector3d place(side * (4 + 8 * uniform(random)), 1.5 - 5 * uniform(random), 20 * uniform(random));
+    Landmark landmark{near * place, true, {}};
+    for (std::size_t k = 0; k < map.keyframes.size(); ++k) {
+      const Eigen::Vector3d x = map.keyframes[k].camera_from_world * landmark.position;
+      if (x.z() < 3 || x.z() > street.max_depth) continue;
+      const Eigen::Vector2d pixel = map.pinhole.Project(x);
+      if (pixel.x() < 0 || pixel.x() > 1240 || pixel.y() < 0 || pixel.y() > 370) continue;
+      const Eigen::Vector2d seen = pixel + Eigen::Vector2d(noise(random), noise(random));
+      landmark.observations.push_back({static_cast<int>(k), seen});
+    }
+    if (landmark.observations.size() < 2) continue;
+    const int index = static_cast<int>(map.landmarks.size());
+    for (const LandmarkObservation& seen : landmark.observations) {
+      map.keyframes[seen.keyframe].observations.push_back({index, seen.pixel});
+    }
+    map.landmarks.push_back(landmark);
+  }
+  return map;
+}
+
+}  // namespace turnscale
