@@ -14,8 +14,9 @@ namespace turnscale {
 struct TwoViewOptions {
   /// Median motion of the features below which the camera counts as standing still, pixels.
   double min_motion = 1.0;
-  /// Median motion that is left after the best pure rotation has been taken out, pixels: below it the two views hold no
-  /// baseline worth the name (pure rotation, low parallax).
+  /// Motion that a quarter of the features have to exceed after the best pure rotation has been taken out, pixels: else
+  /// the two views hold no baseline worth the name (pure rotation, low parallax). A quarter, since on an open road most
+  /// of what stays in sight is far away.
   double min_parallax = 12.0;
   /// Largest distance of a match to its epipolar line, and largest reprojection error of a first landmark, pixels.
   double max_epipolar_error = 1.0;
@@ -37,7 +38,7 @@ enum class TwoViewStatus { kStandstill, kLowParallax, kFailed, kInitialized };
 struct TwoViewResult {
   TwoViewStatus status = TwoViewStatus::kFailed;
   double motion = 0;    ///< median motion of the features, pixels
-  double parallax = 0;  ///< median motion left after the best pure rotation, pixels
+  double parallax = 0;  ///< motion that a quarter of them exceed after the best pure rotation, pixels
   RigidTransform second_from_first;
   std::vector<char> triangulated;       ///< one flag a match
   std::vector<Eigen::Vector3d> points;  ///< in the first camera, where triangulated
