@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/odometry/frame_history.h"
+
+#include <gtest/gtest.h>
+
+#include "turnscale/geometry/rotation.h"
+
+namespace turnscale {
+namespace {
+
+FrameResult Frame(int frame, TrackingState state) {
+  FrameResult result;
+  result.frame = frame;
+  result.time = 0.1 * frame;
+  result.state = state;
+  return result;
+}
+
+RigidTransform At(double x, double yaw = 0) {
+  const RigidTransform world_from_camera{RotationFromVector({0, yaw, 0}), {x, 0, 0}};
+  return world_from_camera.inverse();
+}
+
+Map TwoKeyframes() {
+  Map map;
+  map.keyframes.push_back({0, 0, At(0), {}, false});
+  map.keyframes.push_back({5, 0.5, At(10), {}, false});
+  return map;
+}
+
+double X(const FrameResult& frame) { return frame.world_from_camera.value().translation.x(); }
+
+TEST(FrameHistory, FramesGoWithTheirKeyframe) {
+  Map map = TwoKeyframes();
+  FrameHistory history;
+  history.Add(Frame(0, TrackingState::kTracked), map, 0, At(0));
+  history.Add(Frame(1, TrackingState::kTracked), map, 0, At(2));
+  history.Add(Frame(2, TrackingState::kTracked), map, 1, At(11));
+  EXPECT_EQ(history.Keyframes(), (std::vector<int>{0, 0, 1}));
+  std::vector<FrameResult> frames = history.Refined(map);
+  EXPECT_NEAR(X(frames[1]), 2, 1e-12);
+  EXPECT_NEAR(X(frames[2]), 11, 1e-12);
+  map.keyframes[1].camera_from_world = At(20, M_PI / 2);
+  frames = history.Refined(map);
+  EXPECT_NEAR(X(frames[1]), 2, 1e-12);
+  EXPECT_NEAR(X(frames[2]), 20, 1e-12) << "a metre to the right of a keyframe that has turned right is behind it";
+  EXPECT_NEAR(frames[2].world_from_camera->translation.z(), -1, 1e-12);
+}
+
+TEST(FrameHistory, LengthsAreRescaledKeyframeByKeyframe) {
+  const Map map = TwoKeyframes();
+  FrameHistory history;
+  history.AddWithoutPose(Frame(0, TrackingState::kInitializing));
+  history.Add(Frame(1, TrackingState::kTracked), map, 0, At(2));
+  history.Add(Frame(2, TrackingState::kTracked), map, 1, At(11));
+  history.Rescale({3, 5});
+  const std::vector<FrameResult> frames = history.Refined(map);
+  EXPECT_NEAR(X(frames[1]), 6, 1e-12);
+  EXPECT_NEAR(X(frames[2]), 15, 1e-12);
+}
+
+TEST(FrameHistory, AFrameMayGetItsPoseLater) {
+  const Map map = TwoKeyframes();
+  FrameHistory history;
+  history.AddWithoutPose(Frame(0, TrackingState::kInitializing));
+  history.AddWithoutPose(Frame(1, TrackingState::kInitializing));
+  for (const FrameResult& frame : history.Refined(map)) EXPECT_FALSE(frame.world_from_camera);
+  EXPECT_EQ(history.Keyframes(), (std::vector<int>{-1, -1}));
+  history.Add(Frame(0, TrackingState::kTracked), map, 0, At(4));
+  const std::vector<FrameResult> frames = history.Refined(map);
+  ASSERT_EQ(frames.size(), 2U);
+  EXPECT_EQ(frames[0].state, TrackingState::kTracked);
+  EXPECT_NEAR(X(frames[0]), 4, 1e-12);
+  EXPECT_FALSE(frames[1].world_from_camera);
+}
+
+TEST(FrameHistory, BridgedFramesGoEvenlyBetweenMeasuredOnes) {
+  const Map map = TwoKeyframes();
+  FrameHistory history;
+  history.Add(Frame(0, TrackingState::kTracked), map, 0, At(1, 0));
+  history.Add(Frame(1, TrackingState::kBridged), map, 0, At(50));
+  history.Add(Frame(2, TrackingState::kUnreadable), map, 0, At(60));
+  FrameResult late = Frame(3, TrackingState::kBridged);
+  late.time = 0.35;
+  history.Add(late, map, 0, At(70));
+  history.Add(Frame(4, TrackingState::kTracked), map, 1, At(9, 0.4));
+  history.Add(Frame(5, TrackingState::kBridged), map, 1, At(11));
+  const std::vector<FrameResult> frames = history.Refined(map);
+  EXPECT_NEAR(X(frames[1]), 3, 1e-12);
+  EXPECT_NEAR(X(frames[2]), 5, 1e-12);
+  EXPECT_NEAR(X(frames[3]), 8, 1e-12) << "even in time, not in number";
+  EXPECT_NEAR(TwistAboutY(frames[2].world_from_camera->rotation), 0.2, 1e-12);
+  EXPECT_NEAR(X(frames[5]), 11, 1e-12) << "nothing measured comes after it";
+  EXPECT_EQ(frames[2].state, TrackingState::kUnreadable);
+}
+
+TEST(FrameHistory, FramesBeforeTheFirstPoseHaveThatPose) {
+  const Map map = TwoKeyframes();
+  FrameHistory history;
+  for (const int frame : {0, 1, 2}) history.AddWithoutPose(Frame(frame, TrackingState::kInitializing));
+  history.Add(Frame(3, TrackingState::kTracked), map, 0, At(2, 0.3));
+  history.Add(Frame(4, TrackingState::kTracked), map, 0, At(4, 0.3));
+  const std::vector<FrameResult> frames = history.Refined(map);
+  for (const int i : {0, 1, 2}) {
+    EXPECT_NEAR(X(frames[i]), 2, 1e-12);
+    EXPECT_NEAR(TwistAboutY(frames[i].world_from_camera->rotation), 0.3, 1e-12);
+    EXPECT_EQ(frames[i].state, TrackingState::kInitializing);
+  }
+}
+
+}  // namespace
+}  // namespace turnscale

@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/odometry/map_initializer.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "turnscale/features/synthetic_texture.h"
+#include "turnscale/geometry/rotation.h"
+
+namespace turnscale {
+namespace {
+
+// Boards at several depths before a wall, each with its own pattern.
+class Boards {
+ public:
+  explicit Boards(unsigned seed) {
+    const Eigen::Array4d places[] = {{-3.2, -0.8, 1.4, 1.6}, {-1.2, 0.9, 1.2, 1.1}, {0.6, -0.9, 1.3, 1.1},
+                                     {2.2, 0.5, 1.5, 1.4},   {-2.4, 0.9, 0.9, 0.8}, {4.0, -1.0, 1.6, 1.5}};
+    const double depths[] = {7, 5, 6, 8, 4.5, 9};
+    for (size_t i = 0; i < std::size(depths); ++i)
+      boards_.push_back({depths[i], places[i], SyntheticTexture(seed + static_cast<unsigned>(i), 8, 60)});
+    std::ranges::sort(boards_, {}, &Board::depth);
+    boards_.push_back({14, {0, 0, 100, 100}, SyntheticTexture(seed + 100, 8, 60)});
+  }
+
+  cv::Mat Seen(const CameraModel& camera, const RigidTransform& camera_from_world) const {
+    const RigidTransform world_from_camera = camera_from_world.inverse();
+    return MakeImage({camera.width, camera.height}, [&](const Eigen::Vector2d& pixel) {
+      const Eigen::Vector3d ray = world_from_camera.rotation * camera.pinhole.Ray(pixel);
+      for (const Board& board : boards_) {
+        const double distance = (board.depth - world_from_camera.translation.z()) / ray.z();
+        const Eigen::Vector2d place = (world_from_camera.translation + distance * ray).head<2>();
+        if (std::abs(place.x() - board.place[0]) < board.place[2] &&
+            std::abs(place.y() - board.place[1]) < board.place[3])
+          return board.texture.At(place * camera.pinhole.fx / board.depth);
+      }
+      return 0.0;
+    });
+  }
+
+  double DepthAt(const Eigen::Vector3d& ray) const {
+    for (const Board& board : boards_) {
+      const Eigen::Vector2d place = board.depth * ray.head<2>();
+      if (std::abs(place.x() - board.place[0]) < board.place[2] &&
+          std::abs(place.y() - board.place[1]) < board.place[3])
+        return board.depth;
+    }
+    return 0;
+  }
+
+ private:
+  struct Board {
+    double depth = 0;
+    Eigen::Array4d place;  // centre and half size, metres
+    SyntheticTexture texture;
+  };
+  std::vector<Board> boards_;
+};
+
+CameraModel Camera() {
+  CameraModel camera;
+  camera.pinhole = {300, 300, 240, 120};
+  camera.width = 480;
+  camera.height = 240;
+  return camera;
+}
+
+// Position i of a camera that goes ahead and to the right, turning.
+RigidTransform Moved(int i) {
+  const RigidTransform world_from_camera{RotationFromVector({0, 0.004 * i, 0}), {0.12 * i, 0, 0.12 * i}};
+  return world_from_camera.inverse();
+}
+
+std::optional<InitialMap> Add(const Boards& boards, const RigidTransform& pose, int frame,
+                              MapInitializer& initializer) {
+  return initializer.Add(BuildFlowImage({}, boards.Seen(Camera(), pose)), frame, 0.1 * frame);
+}
+
+void ExpectTrueMap(const InitialMap& map, const Boards& boards, const RigidTransform& truth) {
+  const double baseline = truth.translation.norm();
+  EXPECT_NEAR(map.second_from_first.translation.norm(), 1, 1e-9) << "the baseline is the unit";
+  const double cosine = map.second_from_first.translation.dot(truth.translation) / baseline;
+  EXPECT_LT(std::acos(std::min(1.0, cosine)) * kDegreesPerRadian, 3);
+  EXPECT_LT(RotationAngle(map.second_from_first.rotation * truth.rotation.conjugate()) * kDegreesPerRadian, 0.3);
+  int points = 0;
+  int right = 0;
+  for (size_t i = 0; i < map.points.size(); ++i) {
+    if (map.has_point[i] == 0) continue;
+    ++points;
+    const double depth = boards.DepthAt(Camera().pinhole.Ray(map.frames.front().pixels[i]));
+    right += std::abs(map.points[i].z() * baseline / depth - 1) < 0.1 ? 1 : 0;
+  }
+  EXPECT_GE(points, 80);
+  EXPECT_GT(right, 0.8 * points);
+}
+
+TEST(MapInitializer, WaitsForABaselineAndFindsTheMap) {
+  const Boards boards(1);
+  MapInitializer initializer({}, Camera());
+  for (const int frame : {0, 1, 2}) {
+    EXPECT_FALSE(Add(boards, Moved(0), frame, initializer)) << "standing still";
+    EXPECT_GT(initializer.tracked(), 200);
+  }
+  std::optional<InitialMap> map;
+  int last = 2;
+  while (!map && last < 14) {
+    ++last;
+    map = Add(boards, Moved(last - 2), last, initializer);
+  }
+  ASSERT_TRUE(map);
+  EXPECT_GT(last, 3) << "one step is too short a baseline";
+  ASSERT_EQ(static_cast<int>(map->frames.size()), last + 1);
+  EXPECT_EQ(map->frames.front().frame, 0);
+  EXPECT_EQ(map->frames.back().frame, last);
+  EXPECT_NEAR(map->frames.back().time, 0.1 * last, 1e-12);
+  EXPECT_EQ(map->first_pixels.size(), map->points.size());
+  EXPECT_EQ(map->second_pixels.size(), map->frames.back().features.size());
+  for (size_t i = 0; i < map->has_point.size(); ++i) {
+    if (map->has_point[i] != 0) {
+      EXPECT_TRUE(std::ranges::binary_search(map->frames.back().features, static_cast<int>(i)));
+    }
+  }
+  ExpectTrueMap(*map, boards, Moved(last - 2));
+}
+
+TEST(MapInitializer, PureRotationGivesNoMap) {
+  const Boards boards(2);
+  MapInitializer initializer({}, Camera());
+  for (int frame = 0; frame < 6; ++frame) {
+    const RigidTransform turned{RotationFromVector({0, -0.02 * frame, 0}), Eigen::Vector3d::Zero()};
+    EXPECT_FALSE(Add(boards, turned, frame, initializer));
+  }
+  EXPECT_GT(initializer.tracked(), 100) << "it follows all the same";
+}
+
+TEST(MapInitializer, TakesANewFirstViewWhereTheOldOneIsOutOfSight) {
+  const Boards before(3);
+  const Boards after(400);
+  MapInitializer initializer({}, Camera());
+  EXPECT_FALSE(Add(before, Moved(0), 0, initializer));
+  EXPECT_FALSE(Add(before, Moved(1), 1, initializer));
+  std::optional<InitialMap> map;
+  int last = 1;
+  while (!map && last < 14) {
+    ++last;
+    map = Add(after, Moved(last - 2), last, initializer);
+  }
+  ASSERT_TRUE(map);
+  EXPECT_EQ(map->frames.front().frame, 2);
+  ExpectTrueMap(*map, after, Moved(last - 2));
+}
+
+}  // namespace
+}  // namespace turnscale

@@ -1,0 +1,252 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/odometry/metric_scale.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "turnscale/geometry/rotation.h"
+#include "turnscale/mapping/synthetic_map.h"
+
+namespace turnscale {
+namespace {
+
+const Eigen::Quaterniond kMounting = RotationFromYawPitchRoll({0.03, -0.05, 0.01});
+constexpr double kLeverArm = 1.2;
+constexpr double kQuarter = M_PI / 2 / 22;
+
+// Two corners of 90 degrees with a street between.
+const std::vector<DriveSegment> kTwoCorners = {
+    {12, 0.8, 0}, {22, 0.6, kQuarter}, {25, 0.8, 0}, {22, 0.6, -kQuarter}, {12, 0.8, 0}};
+constexpr int kFirstCorner = 12;   // the keyframe where it begins
+constexpr int kSecondCorner = 59;  // likewise
+
+OdometryOptions Options() {
+  OdometryOptions options;
+  options.vehicle.lever_arm = kLeverArm;
+  options.vehicle.vehicle_from_camera = kMounting;
+  return options;
+}
+
+Map TrueMap(const OdometryOptions& options, const std::vector<DriveSegment>& segments, double noise = 0.2) {
+  const LeverArm lever_arm{kLeverArm, options.vehicle.side_slip};
+  return MakeMap(MakeCarDrive(segments, 0.1, lever_arm, kMounting), {.points_per_step = 25, .pixel_noise = noise});
+}
+
+// A drive as the odometry lives it: keyframe by keyframe, in a unit of its own until a turn gives metres.
+struct Live {
+  Map truth;
+  double units_per_metre = 1;
+  Map map;
+  MetricScale scale;
+
+  Live(const OdometryOptions& options, const std::vector<DriveSegment>& segments, double unit, double noise = 0.2)
+      : truth(TrueMap(options, segments, noise)), units_per_metre(unit), scale(options) {
+    map.pinhole = truth.pinhole;
+    map.landmarks.resize(truth.landmarks.size());
+  }
+
+  ScaleUpdate Next(bool after_gap = false) {
+    const int k = static_cast<int>(map.keyframes.size());
+    RigidTransform pose = truth.keyframes[k].camera_from_world;
+    if (k > 0) {
+      RigidTransform step = pose * truth.keyframes[k - 1].camera_from_world.inverse();
+      step.translation *= units_per_metre;
+      pose = step * map.keyframes.back().camera_from_world;
+    }
+    map.keyframes.push_back({k, truth.keyframes[k].time, pose, {}, after_gap});
+    for (const KeyframeObservation& seen : truth.keyframes[k].observations) {
+      AddObservation(map, k, seen.landmark, seen.pixel);
+      Landmark& landmark = map.landmarks[seen.landmark];
+      if (landmark.valid || landmark.observations.size() < 2) continue;
+      const Eigen::Vector3d x = truth.keyframes[k].camera_from_world * truth.landmarks[seen.landmark].position;
+      landmark.position = pose.inverse() * (units_per_metre * x).eval();
+      landmark.valid = true;
+    }
+    return Followed(scale.AddKeyframe(k, map));
+  }
+
+  ScaleUpdate Followed(ScaleUpdate update) {
+    if (!update.factors.empty()) {
+      EXPECT_EQ(update.factors.size(), map.keyframes.size());
+      units_per_metre *= update.factors.back();
+    }
+    return update;
+  }
+
+  void Drive() {
+    while (map.keyframes.size() < truth.keyframes.size()) Next();
+    Followed(scale.Finish(map));
+  }
+
+  double Step(int k) const { return StepOf(map, k); }
+  double TrueStep(int k) const { return StepOf(truth, k); }
+
+  static double StepOf(const Map& map, int k) {
+    return (map.keyframes[k].camera_from_world * map.keyframes[k - 1].camera_from_world.inverse()).translation.norm();
+  }
+};
+
+TEST(MetricScale, TwoCornersGiveMetres) {
+  const OdometryOptions options = Options();
+  Live live(options, kTwoCorners, 0.3);
+  while (live.map.keyframes.size() < kFirstCorner + 20) {
+    EXPECT_TRUE(live.Next().factors.empty());
+    EXPECT_EQ(live.scale.state(), ScaleState::kPending);
+    EXPECT_TRUE(std::isinf(live.scale.sigma()));
+  }
+  live.Drive();
+  EXPECT_EQ(live.scale.state(), ScaleState::kHeld);
+  const std::vector<TurnResult> turns = live.scale.Turns(live.map);
+  ASSERT_EQ(turns.size(), 2U);
+  for (const TurnResult& turn : turns) {
+    EXPECT_TRUE(turn.used) << turn.reason;
+    EXPECT_EQ(turn.reason, "");
+    EXPECT_NEAR(turn.metres_per_unit * 0.3, 1, 0.03);
+    EXPECT_NEAR(turn.speed, 6, 0.2);
+    EXPECT_EQ(turn.keyframes, turn.last_frame - turn.first_frame + 1);
+    EXPECT_GT(turn.sigma, 0);
+  }
+  EXPECT_EQ(turns[0].first_frame, kFirstCorner);
+  EXPECT_EQ(turns[0].last_frame, kFirstCorner + 22);
+  EXPECT_NEAR(turns[0].angle, M_PI / 2, 0.01);
+  EXPECT_NEAR(turns[1].angle, -M_PI / 2, 0.01);
+  EXPECT_NEAR(turns[1].first_frame, kSecondCorner, 0);
+  for (int k = 1; k < static_cast<int>(live.map.keyframes.size()); ++k)
+    EXPECT_NEAR(live.Step(k) / live.TrueStep(k), 1, 0.05) << k;
+  EXPECT_LT(live.scale.sigma(), 0.05);
+}
+
+TEST(MetricScale, TheArbitraryUnitDoesNotMatter) {
+  const OdometryOptions options = Options();
+  Live one(options, kTwoCorners, 1);
+  one.Drive();
+  for (const double unit : {0.1, 10.0}) {
+    Live other(options, kTwoCorners, unit);
+    other.Drive();
+    for (int k = 1; k < static_cast<int>(one.map.keyframes.size()); ++k)
+      EXPECT_NEAR(other.Step(k) / one.Step(k), 1, 1e-6) << unit << ' ' << k;
+    for (const int turn : {0, 1})
+      EXPECT_NEAR(
+          other.scale.Turns(other.map)[turn].metres_per_unit * unit / one.scale.Turns(one.map)[turn].metres_per_unit, 1,
+          1e-6);
+    EXPECT_NEAR(other.scale.sigma() / one.scale.sigma(), 1, 1e-5);
+  }
+}
+
+TEST(MetricScale, PerFrameMethodGivesMetresToo) {
+  OdometryOptions options = Options();
+  options.pooled_scale.method = ScaleMethod::kPerFrame;
+  Live live(options, kTwoCorners, 0.3, 0.02);
+  live.Drive();
+  const std::vector<TurnResult> turns = live.scale.Turns(live.map);
+  ASSERT_EQ(turns.size(), 2U);
+  for (const TurnResult& turn : turns) {
+    EXPECT_TRUE(turn.used) << turn.reason;
+    EXPECT_NEAR(turn.metres_per_unit * 0.3, 1, 0.02);
+  }
+  for (int k = 1; k < static_cast<int>(live.map.keyframes.size()); ++k)
+    EXPECT_NEAR(live.Step(k) / live.TrueStep(k), 1, 0.08) << k;
+}
+
+TEST(MetricScale, StaysPendingWithoutALeverArm) {
+  OdometryOptions options = Options();
+  options.vehicle.lever_arm.reset();
+  Live live(options, kTwoCorners, 0.3);
+  live.Drive();
+  EXPECT_EQ(live.scale.state(), ScaleState::kPending);
+  EXPECT_TRUE(std::isinf(live.scale.sigma()));
+  const std::vector<TurnResult> turns = live.scale.Turns(live.map);
+  ASSERT_EQ(turns.size(), 2U);
+  for (const TurnResult& turn : turns) {
+    EXPECT_FALSE(turn.used);
+    EXPECT_EQ(turn.reason, "no lever arm given");
+    EXPECT_EQ(turn.metres_per_unit, 0);
+    EXPECT_NEAR(std::abs(turn.angle), M_PI / 2, 0.01) << "the turn itself is seen";
+  }
+  EXPECT_NEAR(live.units_per_metre, 0.3, 1e-12) << "nothing was rescaled";
+}
+
+TEST(MetricScale, ATurnThatTellsNothingSaysWhy) {
+  OdometryOptions options = Options();
+  options.vehicle.side_slip = 0;
+  options.pooled_scale.max_relative_sigma = 0.05;
+  Live live(options, {{10, 1.5, 0}, {6, 2.5, 0.06}, {10, 1.5, 0}}, 1);
+  live.Drive();
+  const std::vector<TurnResult> turns = live.scale.Turns(live.map);
+  ASSERT_EQ(turns.size(), 1U);
+  EXPECT_FALSE(turns[0].used);
+  EXPECT_NE(turns[0].reason, "");
+  EXPECT_EQ(live.scale.state(), ScaleState::kPending);
+}
+
+TEST(MetricScale, AWeakTurnDoesNotSpoilAGoodOne) {
+  OdometryOptions options = Options();
+  options.vehicle.side_slip = 0;
+  Live live(options, {{10, 0.8, 0}, {22, 0.6, kQuarter}, {15, 1.2, 0}, {6, 1.5, 0.05}, {10, 1.2, 0}}, 1);
+  live.Drive();
+  const std::vector<TurnResult> turns = live.scale.Turns(live.map);
+  ASSERT_EQ(turns.size(), 2U);
+  EXPECT_TRUE(turns[0].used) << turns[0].reason;
+  EXPECT_FALSE(turns[1].used);
+  EXPECT_EQ(turns[1].reason, "its scale is less certain than the one carried here");
+  EXPECT_GT(turns[1].metres_per_unit, 0) << "what it would have said stands in the list";
+  EXPECT_EQ(live.scale.state(), ScaleState::kHeld);
+}
+
+TEST(MetricScale, ATurnThatIsStillOpenClosesAtTheEnd) {
+  Live live(Options(), {{12, 0.8, 0}, {22, 0.6, kQuarter}}, 4);
+  while (live.map.keyframes.size() < live.truth.keyframes.size()) live.Next();
+  EXPECT_EQ(live.scale.state(), ScaleState::kPending);
+  const ScaleUpdate update = live.Followed(live.scale.Finish(live.map));
+  EXPECT_EQ(live.scale.state(), ScaleState::kObserved);
+  ASSERT_EQ(update.factors.size(), live.map.keyframes.size());
+  EXPECT_NEAR(update.factors.back() * 4, 1, 0.05);
+}
+
+TEST(MetricScale, ABridgedStepIsNoMotion) {
+  Live live(Options(), kTwoCorners, 1);
+  while (live.map.keyframes.size() < kFirstCorner + 10) {
+    const ScaleUpdate update = live.Next();
+    EXPECT_NEAR(update.motion.psi, live.map.keyframes.size() > kFirstCorner + 1 ? kQuarter : 0, 1e-3);
+  }
+  const ScaleUpdate update = live.Next(true);
+  EXPECT_EQ(update.motion.psi, 0);
+  EXPECT_EQ(update.motion.step, 0);
+  const std::vector<TurnResult> turns = live.scale.Turns(live.map);
+  ASSERT_EQ(turns.size(), 1U) << "no turn goes on across a gap";
+  EXPECT_EQ(turns[0].last_frame, kFirstCorner + 9);
+}
+
+TEST(MetricScale, AnnotatesFramesFromBothSides) {
+  Live live(Options(), kTwoCorners, 1);
+  live.Drive();
+  const int keyframes = static_cast<int>(live.map.keyframes.size());
+  std::vector<FrameResult> frames(keyframes + 1);
+  std::vector<int> keyframe_of_frame;
+  for (int k = 0; k < keyframes; ++k) {
+    frames[k].keyframe = true;
+    keyframe_of_frame.push_back(k);
+  }
+  keyframe_of_frame.push_back(-1);
+  live.scale.Annotate(live.map, keyframe_of_frame, frames);
+
+  EXPECT_TRUE(std::isnan(frames[0].psi)) << "no step leads to the first keyframe";
+  EXPECT_NEAR(frames[kFirstCorner + 5].psi, kQuarter, 1e-3);
+  EXPECT_NEAR(frames[kSecondCorner + 5].psi, -kQuarter, 1e-3);
+  EXPECT_GT(frames[kFirstCorner + 5].theta, 0.5 * kQuarter) << "the camera swings outwards";
+  for (int k = 0; k < keyframes; ++k) {
+    const bool turning =
+        (k >= kFirstCorner && k <= kFirstCorner + 22) || (k >= kSecondCorner && k <= kSecondCorner + 22);
+    EXPECT_EQ(frames[k].turning, turning) << k;
+    EXPECT_EQ(frames[k].scale_state, turning ? ScaleState::kObserved : ScaleState::kHeld) << k;
+    EXPECT_TRUE(std::isfinite(frames[k].scale_sigma));
+  }
+  EXPECT_EQ(frames[kFirstCorner].scale_sigma, frames[kFirstCorner + 22].scale_sigma);
+  EXPECT_GT(frames[0].scale_sigma, frames[kFirstCorner].scale_sigma);
+  EXPECT_EQ(frames[keyframes].scale_state, ScaleState::kPending) << "it has no keyframe";
+  EXPECT_TRUE(std::isinf(frames[keyframes].scale_sigma));
+}
+
+}  // namespace
+}  // namespace turnscale

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/odometry/options.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "turnscale/base/refused_field.h"
+
+namespace turnscale {
+namespace {
+
+template <typename Change>
+std::string Refused(Change change) {
+  return RefusedField<OdometryOptions>(change);
+}
+
+TEST(OdometryOptions, DefaultsAreGood) {
+  EXPECT_EQ(Refused([](auto&) {}), "");
+  EXPECT_EQ(Refused([](auto& o) { o.vehicle.lever_arm = 1.2; }), "");
+}
+
+TEST(OdometryOptions, NameTheFieldThatMakesNoSense) {
+  EXPECT_EQ(Refused([](auto& o) { o.vehicle.lever_arm = 0; }), "vehicle.lever_arm");
+  EXPECT_EQ(Refused([](auto& o) { o.vehicle.lever_arm = std::nan(""); }), "vehicle.lever_arm");
+  EXPECT_EQ(Refused([](auto& o) { o.vehicle.lever_arm = HUGE_VAL; }), "vehicle.lever_arm");
+  EXPECT_EQ(Refused([](auto& o) { o.vehicle.side_slip = -0.1; }), "vehicle.side_slip");
+  EXPECT_EQ(Refused([](auto& o) { o.vehicle.vehicle_from_camera.coeffs() *= 2; }), "vehicle.vehicle_from_camera");
+  EXPECT_EQ(Refused([](auto& o) { o.keyframes.min_rotation_deg = 0; }), "keyframes.min_rotation_deg");
+  EXPECT_EQ(Refused([](auto& o) { o.keyframes.min_parallax_deg = std::nan(""); }), "keyframes.min_parallax_deg");
+  EXPECT_EQ(Refused([](auto& o) { o.keyframes.min_tracked_share = 1.01; }), "keyframes.min_tracked_share");
+  EXPECT_EQ(Refused([](auto& o) { o.keyframes.max_growth = 1; }), "keyframes.max_growth");
+  EXPECT_EQ(Refused([](auto& o) { o.tracking.min_inliers = 5; }), "tracking.min_inliers");
+  EXPECT_EQ(Refused([](auto& o) { o.tracking.min_inlier_share = -0.1; }), "tracking.min_inlier_share");
+  EXPECT_EQ(Refused([](auto& o) { o.tracking.memory_keyframes = 0; }), "tracking.memory_keyframes");
+  EXPECT_EQ(Refused([](auto& o) { o.tracking.max_lost_frames = -1; }), "tracking.max_lost_frames");
+  EXPECT_EQ(Refused([](auto& o) { o.scale.drift_per_root_metre = -1; }), "scale.drift_per_root_metre");
+  EXPECT_EQ(Refused([](auto& o) { o.scale.max_sigma_ratio = 0; }), "scale.max_sigma_ratio");
+  EXPECT_EQ(Refused([](auto& o) { o.threads = 0; }), "threads");
+}
+
+TEST(OdometryOptions, CheckEveryPart) {
+  EXPECT_NE(Refused([](auto& o) { o.corners.target = 0; }), "");
+  EXPECT_NE(Refused([](auto& o) { o.flow.window = 0; }), "");
+  EXPECT_NE(Refused([](auto& o) { o.alignment.half_size = 0; }), "");
+  EXPECT_NE(Refused([](auto& o) { o.initialization.min_parallax = 0; }), "");
+  EXPECT_NE(Refused([](auto& o) { o.pose.inlier_threshold = 0; }), "");
+  EXPECT_NE(Refused([](auto& o) { o.landmarks.min_parallax_deg = 0; }), "");
+  EXPECT_NE(Refused([](auto& o) { o.local_bundle.window = 0; }), "");
+  EXPECT_NE(Refused([](auto& o) { o.lens.step = 0; }), "");
+  EXPECT_NE(Refused([](auto& o) { o.turns.min_steps = 0; }), "");
+  EXPECT_NE(Refused([](auto& o) { o.pooled_scale.sigma_theta = 0; }), "");
+  EXPECT_NE(Refused([](auto& o) { o.scale.recovery.pixel_sigma = 0; }), "");
+}
+
+}  // namespace
+}  // namespace turnscale
