@@ -11,13 +11,16 @@
 namespace turnscale {
 namespace {
 
-// The first turn is over and its scale known.
-constexpr int kFramesWithOneTurn = 75;
+// The plain drive up to where the first turn is over and its scale known.
+const StreetDrive& DriveWithOneTurn() {
+  static const StreetDrive kDrive = RenderStreetDrive({.frames = 75});
+  return kDrive;
+}
 
 void ExpectMetres(const OdometryRun& run, const StreetDrive& drive) {
   ASSERT_TRUE(AllPosed(run.refined));
   const RunErrors errors = MeasureRun(run.refined, drive.world_from_camera);
-  EXPECT_LT(std::abs(errors.path_length), 0.04);
+  EXPECT_LT(std::abs(errors.path_length), 0.02);
   EXPECT_LT(errors.psi_rms_deg, 0.1);
   EXPECT_LT(errors.position, 0.5);
 }
@@ -57,7 +60,7 @@ TEST(OdometryMetres, TwoTurnsGiveTheDrivesMetres) {
 }
 
 TEST(OdometryMetres, ScaleIsPendingUntilTheFirstTurnCloses) {
-  const StreetDrive drive = FirstFrames(PlainStreetDrive(), kFramesWithOneTurn);
+  const StreetDrive& drive = DriveWithOneTurn();
   const OdometryRun run = RunOdometry(StreetOptions(), drive);
   ASSERT_EQ(run.turns.size(), 1U);
   const auto known = std::ranges::find_if(
@@ -77,7 +80,7 @@ TEST(OdometryMetres, ScaleIsPendingUntilTheFirstTurnCloses) {
 }
 
 TEST(OdometryMetres, DoNotDependOnTheFirstUnit) {
-  const StreetDrive drive = FirstFrames(PlainStreetDrive(), kFramesWithOneTurn);
+  const StreetDrive& drive = DriveWithOneTurn();
   const OdometryRun one = RunOdometry(StreetOptions(), drive);
   ASSERT_EQ(one.turns.size(), 1U);
   ASSERT_TRUE(AllPosed(one.refined));
@@ -98,7 +101,7 @@ TEST(OdometryMetres, DoNotDependOnTheFirstUnit) {
 }
 
 TEST(OdometryMetres, AreTheSameBitsInEveryRunAndForAnyThreads) {
-  const StreetDrive drive = FirstFrames(PlainStreetDrive(), kFramesWithOneTurn);
+  const StreetDrive& drive = DriveWithOneTurn();
   const OdometryRun first = RunOdometry(StreetOptions(), drive);
   for (const int threads : {1, 2}) {
     OdometryOptions options = StreetOptions();
@@ -137,8 +140,8 @@ TEST(OdometryMetres, SurviveALensThatTheCalibrationDoesNotKnow) {
   const OdometryRun run = RunOdometry(StreetOptions(), pinhole, drive.images, drive.times);
   // The correction takes the distortion back.
   EXPECT_NEAR(run.lens_correction, -kDistortion, 0.003);
-  ASSERT_TRUE(AllPosed(run.refined));
-  EXPECT_LT(std::abs(MeasureRun(run.refined, drive.world_from_camera).path_length), 0.05);
+  // With the lens left as it is, path and positions are twice as far off as this allows.
+  ExpectMetres(run, drive);
 }
 
 TEST(OdometryMetres, KnowACameraThatLooksSideways) {

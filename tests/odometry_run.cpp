@@ -37,14 +37,6 @@ OdometryOptions StreetOptions() {
   return options;
 }
 
-StreetDrive FirstFrames(const StreetDrive& drive, int frames) {
-  StreetDrive cut = drive;
-  cut.times.resize(frames);
-  cut.world_from_camera.resize(frames);
-  cut.images.resize(frames);
-  return cut;
-}
-
 bool AllPosed(const std::vector<FrameResult>& frames) {
   return std::ranges::all_of(frames, [](const FrameResult& frame) {
     return frame.world_from_camera && frame.world_from_camera->translation.allFinite() &&

@@ -30,9 +30,6 @@ OdometryRun RunOdometry(const OdometryOptions& options, const StreetDrive& drive
 /// The defaults, and the rendered car: its lever arm, no side slip.
 OdometryOptions StreetOptions();
 
-/// The drive cut off after its first `frames` frames.
-StreetDrive FirstFrames(const StreetDrive& drive, int frames);
-
 bool AllPosed(const std::vector<FrameResult>& frames);
 int Count(const std::vector<FrameResult>& frames, TrackingState state);
 

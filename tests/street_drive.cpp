@@ -73,6 +73,7 @@ StreetDrive RenderStreetDrive(const StreetDriveOptions& options) {
                   .width = 480,
                   .height = 192};
   const RigidTransform vehicle_from_camera{options.vehicle_from_camera, {0, -kCameraHeight, kStreetLeverArm}};
+  const std::vector<Eigen::Vector3d> rays = PixelRays(drive.camera);
   RigidTransform world_from_vehicle;
   cv::RNG random(42);
   cv::Mat ideal;
@@ -83,7 +84,7 @@ StreetDrive RenderStreetDrive(const StreetDriveOptions& options) {
     if (frame > 0 && !stands) world_from_vehicle = world_from_vehicle * ConstrainedVehicleMotion(StepAt(moved - 1));
     drive.times.push_back(kStreetInterval * frame);
     drive.world_from_camera.push_back(world_from_vehicle * vehicle_from_camera);
-    if (!stands || frame == 0) ideal = kWorld.Render(drive.camera, drive.world_from_camera.back());
+    if (!stands || frame == 0) ideal = kWorld.Render(drive.camera, rays, drive.world_from_camera.back());
     cv::Mat noise(ideal.size(), CV_16S);
     random.fill(noise, cv::RNG::NORMAL, 0, kNoise);
     cv::Mat image;

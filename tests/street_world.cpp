@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <optional>
 #include <random>
 #include <utility>
 
@@ -63,6 +62,13 @@ float Bilinear(const cv::Mat& level, float u, float v) {
 
 }  // namespace
 
+std::vector<Eigen::Vector3d> PixelRays(const CameraModel& camera) {
+  std::vector<Eigen::Vector3d> rays;
+  for (int y = 0; y < camera.height; ++y)
+    for (int x = 0; x < camera.width; ++x) rays.push_back(camera.pinhole.Ray(camera.Undistort({x, y}).value()));
+  return rays;
+}
+
 StreetWorld::StreetWorld(std::vector<Block> blocks) : blocks_(std::move(blocks)), texture_(MakeTexture()) {}
 
 StreetWorld::Hit StreetWorld::Cast(const Eigen::Vector3d& origin, const Eigen::Vector3d& ray) const {
@@ -116,15 +122,14 @@ float StreetWorld::Gray(const Eigen::Vector3d& origin, const Eigen::Vector3d& ra
   return sum / static_cast<float>(taps);
 }
 
-cv::Mat StreetWorld::Render(const CameraModel& camera, const RigidTransform& world_from_camera) const {
-  cv::Mat image(camera.height, camera.width, CV_8UC1, cv::Scalar(0));
+cv::Mat StreetWorld::Render(const CameraModel& camera, const std::vector<Eigen::Vector3d>& rays,
+                            const RigidTransform& world_from_camera) const {
+  cv::Mat image(camera.height, camera.width, CV_8UC1);
   const Eigen::Matrix3d rotation = world_from_camera.rotation.toRotationMatrix();
   cv::parallel_for_({0, image.rows}, [&](const cv::Range& rows) {
     for (int y = rows.start; y < rows.end; ++y)
       for (int x = 0; x < image.cols; ++x) {
-        const std::optional<Eigen::Vector2d> ideal = camera.Undistort({x, y});
-        if (!ideal) continue;
-        const Eigen::Vector3d ray = rotation * camera.pinhole.Ray(*ideal);
+        const Eigen::Vector3d ray = rotation * rays[y * image.cols + x];
         image.at<uchar>(y, x) =
             cv::saturate_cast<uchar>(Gray(world_from_camera.translation, ray, 1.0 / camera.pinhole.fx));
       }

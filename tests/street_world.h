@@ -16,13 +16,17 @@ struct Block {
   Eigen::Vector3d high;
 };
 
+/// The ray (in the camera frame, z = 1) of each pixel of the camera's image, row by row, through its lens.
+std::vector<Eigen::Vector3d> PixelRays(const CameraModel& camera);
+
 /// Streets between blocks, drawn by casting a ray through each pixel. Same input, same image.
 class StreetWorld {
  public:
   explicit StreetWorld(std::vector<Block> blocks);
 
-  /// 8-bit gray image through the camera's lens, without noise.
-  cv::Mat Render(const CameraModel& camera, const RigidTransform& world_from_camera) const;
+  /// 8-bit gray image without noise. `rays` are the camera's, from PixelRays.
+  cv::Mat Render(const CameraModel& camera, const std::vector<Eigen::Vector3d>& rays,
+                 const RigidTransform& world_from_camera) const;
 
  private:
   struct Hit {
