@@ -66,7 +66,7 @@ VideoStream OpenVideo(const std::filesystem::path& path) {
   // Containers without a rate report 0, NaN, or their clock's ticks.
   stream.fps = std::isfinite(fps) && fps > 0 && fps <= 1000 ? fps : 0.0;
   stream.count = count > 0 && count < std::numeric_limits<int>::max() ? static_cast<int>(count) : 0;
-  stream.reader = std::make_unique<VideoReader>(std::move(capture));
+  stream.reader = std::make_unique<VideoReader>(capture);
   return stream;
 }
 
