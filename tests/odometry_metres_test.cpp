@@ -13,8 +13,8 @@ namespace {
 
 // The plain drive up to where the first turn is over and its scale known.
 const StreetDrive& DriveWithOneTurn() {
-  static const StreetDrive kDrive = RenderStreetDrive({.frames = 75});
-  return kDrive;
+  static const StreetDrive drive = RenderStreetDrive({.frames = 75});
+  return drive;
 }
 
 void ExpectMetres(const OdometryRun& run, const StreetDrive& drive) {

@@ -65,7 +65,7 @@ std::vector<Block> Streets() {
 }  // namespace
 
 StreetDrive RenderStreetDrive(const StreetDriveOptions& options) {
-  static const StreetWorld kWorld(Streets());
+  static const StreetWorld world(Streets());
   StreetDrive drive;
   drive.camera = {.pinhole = {280, 280, 239.5, 95.5},
                   .lens = options.k1 == 0 ? LensModel::kPinhole : LensModel::kRadialTangential,
@@ -84,7 +84,7 @@ StreetDrive RenderStreetDrive(const StreetDriveOptions& options) {
     if (frame > 0 && !stands) world_from_vehicle = world_from_vehicle * ConstrainedVehicleMotion(StepAt(moved - 1));
     drive.times.push_back(kStreetInterval * frame);
     drive.world_from_camera.push_back(world_from_vehicle * vehicle_from_camera);
-    if (!stands || frame == 0) ideal = kWorld.Render(drive.camera, rays, drive.world_from_camera.back());
+    if (!stands || frame == 0) ideal = world.Render(drive.camera, rays, drive.world_from_camera.back());
     cv::Mat noise(ideal.size(), CV_16S);
     random.fill(noise, cv::RNG::NORMAL, 0, kNoise);
     cv::Mat image;
@@ -95,8 +95,8 @@ StreetDrive RenderStreetDrive(const StreetDriveOptions& options) {
 }
 
 const StreetDrive& PlainStreetDrive() {
-  static const StreetDrive kDrive = RenderStreetDrive({});
-  return kDrive;
+  static const StreetDrive plain = RenderStreetDrive({});
+  return plain;
 }
 
 }  // namespace turnscale
