@@ -23,7 +23,7 @@ struct CornerOptions {
 };
 
 /// Corners of an 8-bit gray image spread evenly: the image is divided into about `target` square cells, and each cell
-/// that holds none of the `occupied` pixels gives its FAST corner with the largest smaller eigenvalue of the gradient
+/// gives, away from the `occupied` pixels, its FAST corner with the largest smaller eigenvalue of the gradient
 /// matrix (Shi and Tomasi 1994), which is what optical flow can hold on to in both directions.
 std::vector<cv::Point2f> DetectCorners(const CornerOptions& options, const cv::Mat& gray,
                                        const std::vector<cv::Point2f>& occupied);

@@ -32,8 +32,9 @@ void FlowOptions::Check() const {
 
 FlowImage BuildFlowImage(const FlowOptions& options, const cv::Mat& gray) {
   FlowImage image;
-  image.gray = gray;
-  cv::buildOpticalFlowPyramid(gray, image.pyramid, cv::Size(options.window, options.window), options.levels);
+  // Tracks keep images as references; the caller may read the next one into the same memory.
+  image.gray = gray.clone();
+  cv::buildOpticalFlowPyramid(image.gray, image.pyramid, cv::Size(options.window, options.window), options.levels);
   return image;
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "turnscale/features/patch_alignment.h"
 
-#include <cmath>
+#include <algorithm>
 #include <vector>
 
 #include <Eigen/Cholesky>
@@ -14,8 +14,8 @@ namespace {
 // Sum over the patch, gray levels squared: what is flatter looks like anything.
 constexpr float kLeastVariance = 1;
 
-bool Inside(const cv::Mat& image, double x, double y) {
-  return x >= 0 && y >= 0 && x < image.cols - 1 && y < image.rows - 1;
+bool Inside(const cv::Mat& image, float x, float y) {
+  return x >= 0 && y >= 0 && x < static_cast<float>(image.cols - 1) && y < static_cast<float>(image.rows - 1);
 }
 
 // Bilinear; (x, y) is Inside.
@@ -46,10 +46,10 @@ std::optional<Template> MakeTemplate(int half, const cv::Mat& reference, const E
   std::vector<float> values(static_cast<size_t>(side) * side);
   for (int row = 0; row < side; ++row)
     for (int column = 0; column < side; ++column) {
-      const Eigen::Vector2d at = pixel + reference_from_current * Eigen::Vector2d(column - half - 1, row - half - 1);
+      const Eigen::Vector2f at =
+          (pixel + reference_from_current * Eigen::Vector2d(column - half - 1, row - half - 1)).cast<float>();
       if (!Inside(reference, at.x(), at.y())) return std::nullopt;
-      values[static_cast<size_t>(row) * side + column] =
-          Sample(reference, static_cast<float>(at.x()), static_cast<float>(at.y()));
+      values[static_cast<size_t>(row) * side + column] = Sample(reference, at.x(), at.y());
     }
   Template patch;
   float sum = 0;
@@ -89,14 +89,16 @@ std::optional<Eigen::Vector2d> AlignPatch(const PatchAlignmentOptions& options, 
   float gain = 1;
   float offset = 0;
   for (int iteration = 0; iteration < options.max_iterations; ++iteration) {
-    if (!Inside(current, pixel.x() - half, pixel.y() - half) || !Inside(current, pixel.x() + half, pixel.y() + half))
-      return std::nullopt;
+    const float x = static_cast<float>(pixel.x());
+    const float y = static_cast<float>(pixel.y());
+    const float reach = static_cast<float>(half);
+    if (!Inside(current, x - reach, y - reach) || !Inside(current, x + reach, y + reach)) return std::nullopt;
     Eigen::Vector4f gradient = Eigen::Vector4f::Zero();
     float squared = 0;
     size_t i = 0;
     for (int row = -half; row <= half; ++row)
       for (int column = -half; column <= half; ++column, ++i) {
-        const float seen = Sample(current, static_cast<float>(pixel.x() + column), static_cast<float>(pixel.y() + row));
+        const float seen = Sample(current, x + static_cast<float>(column), y + static_cast<float>(row));
         const float residual = seen - gain * patch->value(i) - offset;
         gradient += residual * patch->jacobian[i];
         squared += residual * residual;

@@ -47,9 +47,13 @@ std::string TurnTable(const std::vector<TurnResult>& turns) {
   std::string table =
       "first_frame,last_frame,keyframes,angle_deg,speed_mps,metres_per_unit,sigma,effective_lever_arm_m,used,reason\n";
   for (const TurnResult& turn : turns) {
-    table += fmt::format("{},{},{},{:.4f},{:.4f},{:.9g},{:.6g},{:.6g},{},{}\n", turn.first_frame, turn.last_frame,
-                         turn.keyframes, turn.angle * kDegreesPerRadian, turn.speed, turn.metres_per_unit, turn.sigma,
-                         turn.effective_lever_arm, turn.used ? 1 : 0,
+    // A turn that says nothing leaves its cells empty.
+    const auto positive = [](double value, int digits) {
+      return value > 0 ? fmt::format("{:.{}g}", value, digits) : std::string();
+    };
+    table += fmt::format("{},{},{},{:.4f},{},{},{},{},{},{}\n", turn.first_frame, turn.last_frame, turn.keyframes,
+                         turn.angle * kDegreesPerRadian, positive(turn.speed, 5), positive(turn.metres_per_unit, 9),
+                         positive(turn.sigma, 6), positive(turn.effective_lever_arm, 6), turn.used ? 1 : 0,
                          turn.reason.empty() ? std::string() : QuotedCell(turn.reason));
   }
   return table;

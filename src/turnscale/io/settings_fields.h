@@ -109,6 +109,7 @@ void VisitSettings(Visitor& visitor, OdometryOptions& options) {
   });
   visitor.Group("scale", [&] {
     visitor.Field("drift_per_root_metre", options.scale.drift_per_root_metre);
+    visitor.Field("gap_sigma", options.scale.gap_sigma);
     visitor.Field("max_sigma_ratio", options.scale.max_sigma_ratio);
     visitor.Group("recovery", [&] {
       auto& o = options.scale.recovery;

@@ -7,13 +7,16 @@
 
 #include "turnscale/kinematics/scale_observer.h"
 #include "turnscale/mapping/local_bundle_adjustment.h"
-#include "turnscale/odometry/scale_uncertainty.h"
 #include "turnscale/scale/absolute_scale_recovery.h"
+#include "turnscale/scale/map_scaling.h"
 
 namespace turnscale {
 namespace {
 
 constexpr int kIterationsBetweenTurns = 10;
+// What a keyframe belongs to; 0 for none.
+constexpr char kOtherTurn = 1;
+constexpr char kUsedTurn = 2;
 
 LeverArm LeverArmOf(const VehicleOptions& vehicle) { return {vehicle.lever_arm.value_or(0), vehicle.side_slip}; }
 
@@ -22,6 +25,11 @@ TurningRegion KeyframesOf(const TurningRegion& steps) { return {steps.first, ste
 // Step k of a region leads to keyframe k + 1, which is how the recovery counts.
 TurnScale HeldTurn(const TurningRegion& region, double factor) {
   return {region.first + 1, region.last + 1, factor, {}};
+}
+
+// `by` may be empty, and then changes nothing.
+void Multiply(const std::vector<double>& by, std::vector<double>& factors) {
+  for (size_t k = 0; k < by.size() && k < factors.size(); ++k) factors[k] *= by[k];
 }
 
 // The paper's form: every step is held at what its own angles say (22). Steps that say nothing are not held.
@@ -48,7 +56,8 @@ ScaleUpdate MetricScale::AddKeyframe(int keyframe, Map& map) {
     update.motion = MotionOf(map, keyframe - 1);
     closed = detector_.Add(update.motion.psi);
   }
-  distance_since_turn_ += update.motion.step;
+  since_turn_.distance += update.motion.step;
+  if (map.keyframes[keyframe].after_gap) ++since_turn_.gaps;
   if (state_ == ScaleState::kObserved) state_ = ScaleState::kHeld;
   if (closed) update.factors = Close(*closed, map);
   return update;
@@ -59,8 +68,7 @@ ScaleUpdate MetricScale::Finish(Map& map) {
   if (const std::optional<TurningRegion> closed = detector_.Finish()) {
     update.factors = Close(*closed, map);
   } else if (!map.keyframes.empty()) {
-    AdjustSinceLastTurn(map);
-    update.factors.assign(map.keyframes.size(), 1.0);
+    update.factors = AdjustSinceLastTurn(map);
   }
   return update;
 }
@@ -68,12 +76,10 @@ ScaleUpdate MetricScale::Finish(Map& map) {
 double MetricScale::sigma() const {
   const Turn* turn = LastUsed();
   if (turn == nullptr) return std::numeric_limits<double>::infinity();
-  return std::sqrt(CarriedVariance(options_.scale, turn->relative_sigma, distance_since_turn_));
+  return std::sqrt(CarriedVariance(options_.scale, turn->relative_sigma, since_turn_));
 }
 
 std::vector<double> MetricScale::Close(const TurningRegion& region, Map& map) {
-  AdjustSinceLastTurn(map);
-  const std::vector<double> unchanged(map.keyframes.size(), 1.0);
   Turn turn;
   turn.region = region;
   TurnResult& result = turn.result;
@@ -81,18 +87,28 @@ std::vector<double> MetricScale::Close(const TurningRegion& region, Map& map) {
   result.last_frame = map.keyframes[region.last + 1].frame;
   result.keyframes = region.last - region.first + 2;
   result.angle = region.angle;
+  std::vector<double> factors = AdjustSinceLastTurn(map);
+  Multiply(factors, total_factors_);
+  const std::vector<double> recovered = Observe(map, turn);
+  Multiply(recovered, factors);
+  Multiply(recovered, total_factors_);
+  turns_.push_back(std::move(turn));
+  return factors;
+}
+
+std::vector<double> MetricScale::Observe(Map& map, Turn& turn) {
+  const TurningRegion& region = turn.region;
+  TurnResult& result = turn.result;
   if (!options_.vehicle.lever_arm) {
     result.reason = "no lever arm given";
-    turns_.push_back(std::move(turn));
-    return unchanged;
+    return {};
   }
   const LeverArm lever_arm = LeverArmOf(options_.vehicle);
   const std::vector<TurningStep> steps = StepsOf(map, region);
   const PooledScaleResult pooled = PoolScale(steps, lever_arm, options_.pooled_scale);
   if (!pooled.scale) {
     result.reason = pooled.reason;
-    turns_.push_back(std::move(turn));
-    return unchanged;
+    return {};
   }
   const double factor = pooled.scale->metres_per_unit;
   turn.relative_sigma = pooled.scale->sigma / factor;
@@ -101,32 +117,35 @@ std::vector<double> MetricScale::Close(const TurningRegion& region, Map& map) {
   // A turn is held exactly. One that knows the scale far worse than the drive does already would spoil it.
   if (turn.relative_sigma > options_.scale.max_sigma_ratio * sigma()) {
     result.reason = "its scale is less certain than the one carried here";
-    turns_.push_back(std::move(turn));
-    return unchanged;
+    return {};
   }
-  result.used = true;
 
   std::vector<TurnScale> held;
   int first = 0;
   if (const Turn* previous = LastUsed()) {
     held.push_back(HeldTurn(previous->region, 1.0));
+    held.back().distances = previous->step_lengths;
     first = previous->region.first;
   }
   held.push_back(HeldTurn(region, factor));
   if (options_.pooled_scale.method == ScaleMethod::kPerFrame) HoldEachStep(steps, lever_arm, held.back());
   const ScaleRecoveryResult recovered = RecoverAbsoluteScale(options_.scale.recovery, held, first, map);
-  for (size_t k = 0; k < total_factors_.size(); ++k) total_factors_[k] *= recovered.factors[k];
-  turns_.push_back(std::move(turn));
+  for (const RangeRecovery& range : recovered.ranges)
+    if (!range.adjusted && range.range.last > region.first) result.reason = range.reason;
+  for (const TurningStep& step : StepsOf(map, region)) turn.step_lengths.push_back(step.motion.step);
+  result.used = true;
   state_ = ScaleState::kObserved;
-  distance_since_turn_ = 0;
+  since_turn_ = {};
   return recovered.factors;
 }
 
-void MetricScale::AdjustSinceLastTurn(Map& map) const {
-  const Turn* turn = LastUsed();
+std::vector<double> MetricScale::AdjustSinceLastTurn(Map& map) const {
   LocalBundleOptions options = options_.local_bundle;
   options.max_iterations = kIterationsBetweenTurns;
-  AdjustFrom(options, turn == nullptr ? 0 : turn->region.last + 2, map);
+  const int first = turns_.empty() ? 0 : turns_.back().region.last + 2;
+  const std::vector<Eigen::Vector3d> before = KeyframeCentres(map);
+  AdjustFrom(options, first, map);
+  return KeyframeFactors(before, KeyframeCentres(map), first, std::vector<double>(before.size(), 1.0));
 }
 
 TurningMotion MetricScale::MotionOf(const Map& map, int step) const {
@@ -174,14 +193,18 @@ void MetricScale::Annotate(const Map& map, const std::vector<int>& keyframe_of_f
   const std::vector<double> sigmas = ScaleSigmas(options_.scale, map, observed);
   std::vector<char> turning(map.keyframes.size(), 0);
   for (const Turn& turn : turns_)
-    for (int k = turn.region.first; k <= turn.region.last + 1; ++k) turning[k] = turn.result.used ? 2 : 1;
-  for (size_t i = 0; i < frames.size(); ++i) {
+    for (int k = turn.region.first; k <= turn.region.last + 1; ++k)
+      turning[k] = std::max(turning[k], turn.result.used ? kUsedTurn : kOtherTurn);
+  int keyframe = -1;
+  for (size_t i = frames.size(); i-- > 0;) {
+    // From the end, since frames before the first keyframe go with it.
     FrameResult& frame = frames[i];
-    const int keyframe = keyframe_of_frame[i];
+    if (keyframe_of_frame[i] >= 0) keyframe = keyframe_of_frame[i];
     if (keyframe < 0) continue;
     frame.turning = turning[keyframe] != 0;
     frame.scale_sigma = sigmas[keyframe];
-    if (!observed.empty()) frame.scale_state = turning[keyframe] == 2 ? ScaleState::kObserved : ScaleState::kHeld;
+    if (!observed.empty())
+      frame.scale_state = turning[keyframe] == kUsedTurn ? ScaleState::kObserved : ScaleState::kHeld;
     if (!frame.keyframe || keyframe == 0 || map.keyframes[keyframe].after_gap) continue;
     const TurningMotion motion = MotionOf(map, keyframe - 1);
     frame.psi = motion.psi;

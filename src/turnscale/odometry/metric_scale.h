@@ -11,6 +11,7 @@
 #include "turnscale/mapping/map.h"
 #include "turnscale/odometry/options.h"
 #include "turnscale/odometry/results.h"
+#include "turnscale/odometry/scale_uncertainty.h"
 
 namespace turnscale {
 
@@ -46,15 +47,18 @@ class MetricScale {
  private:
   struct Turn {
     TurningRegion region;
-    TurnResult result;  ///< without what depends on the refined map
+    TurnResult result;                 ///< without what depends on the refined map
+    std::vector<double> step_lengths;  ///< metres, of a used turn: the recovery after it holds them
     double relative_sigma = std::numeric_limits<double>::infinity();
   };
 
   TurningMotion MotionOf(const Map& map, int step) const;
   std::vector<TurningStep> StepsOf(const Map& map, const TurningRegion& region) const;
   /// Adjusts all keyframes since the last turn at once: the windows of the live odometry knew less of them, and of the
-  /// lens.
-  void AdjustSinceLastTurn(Map& map) const;
+  /// lens. Gives what lengths at each keyframe are times what they were.
+  std::vector<double> AdjustSinceLastTurn(Map& map) const;
+  /// Reads the turn and, where it tells the scale, recovers the map; empty where nothing changed.
+  std::vector<double> Observe(Map& map, Turn& turn);
   std::vector<double> Close(const TurningRegion& region, Map& map);
   const Turn* LastUsed() const;
 
@@ -63,7 +67,7 @@ class MetricScale {
   std::vector<Turn> turns_;
   std::vector<double> total_factors_;  ///< metres at a keyframe per unit of the start
   ScaleState state_ = ScaleState::kPending;
-  double distance_since_turn_ = 0;  ///< metres
+  ScaleCarriage since_turn_;
 };
 
 }  // namespace turnscale

@@ -20,6 +20,21 @@ namespace {
 
 // A correction that moves the pixels at a wide image's edge by a hundredth of a pixel.
 constexpr double kLeastLensChange = 2e-5;
+// Share of the depth of the scene below which the travel between two views says nothing of the speed.
+constexpr double kLeastTravel = 0.01;
+
+double Median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+OdometryOptions Checked(OdometryOptions options, const CameraModel& camera) {
+  options.Check();
+  // The radial correction grows with the tangent of the angle, which has no bound on a fisheye.
+  if (camera.lens == LensModel::kEquidistant) options.lens.enabled = false;
+  return options;
+}
 
 FrameResult NewResult(int frame, double time, TrackingState state) {
   FrameResult result;
@@ -32,18 +47,18 @@ FrameResult NewResult(int frame, double time, TrackingState state) {
 }  // namespace
 
 Odometry::Odometry(const OdometryOptions& options, const CameraModel& camera)
-    : options_((options.Check(), options)),
+    : options_(Checked(options, camera)),
       camera_(camera),
       initializer_(options, camera),
-      lens_(options.lens),
+      lens_(options_.lens),
       scale_(options) {
   map_.pinhole = camera.pinhole;
   cv::setNumThreads(options.threads);
 }
 
 FrameResult Odometry::Process(const cv::Mat& gray, double time) {
-  FrameResult result = NewResult(frames_++, time, TrackingState::kInitializing);
-  CheckSize(gray);
+  CheckImage(gray);
+  FrameResult result = NewFrame(time, TrackingState::kInitializing);
   const FlowImage image = BuildFlowImage(options_.flow, gray);
   if (!mapping_) return Initialize(image, result);
 
@@ -70,7 +85,7 @@ FrameResult Odometry::Process(const cv::Mat& gray, double time) {
   return Record(result, map_.keyframes.back().camera_from_world);
 }
 
-void Odometry::CheckSize(const cv::Mat& gray) {
+void Odometry::CheckImage(const cv::Mat& gray) {
   if (gray.type() != CV_8UC1) throw InputError("image: has to be 8-bit gray");
   if (camera_.width == 0) {
     // Not every camera file tells the size; the first image does.
@@ -83,8 +98,14 @@ void Odometry::CheckSize(const cv::Mat& gray) {
                      ", the camera's are " + std::to_string(camera_.width) + "x" + std::to_string(camera_.height));
 }
 
+FrameResult Odometry::NewFrame(double time, TrackingState state) {
+  if (!(time > last_time_)) throw InputError("time " + std::to_string(time) + " s: has to be after the frame before");
+  last_time_ = time;
+  return NewResult(frames_++, time, state);
+}
+
 FrameResult Odometry::ProcessUnreadable(double time) {
-  const FrameResult result = NewResult(frames_++, time, TrackingState::kUnreadable);
+  const FrameResult result = NewFrame(time, TrackingState::kUnreadable);
   if (map_.keyframes.empty()) {
     history_.AddWithoutPose(result);
     return result;
@@ -93,8 +114,9 @@ FrameResult Odometry::ProcessUnreadable(double time) {
 }
 
 void Odometry::Finish() {
-  const ScaleUpdate update = scale_.Finish(map_);
-  if (!update.factors.empty()) ApplyScale(update.factors);
+  if (map_.keyframes.empty()) return;
+  const RigidTransform last_from_keyframe = motion_.last() * map_.keyframes.back().camera_from_world.inverse();
+  ApplyScale(scale_.Finish(map_), last_from_keyframe);
 }
 
 FrameResult Odometry::Initialize(const FlowImage& image, FrameResult result) {
@@ -115,10 +137,10 @@ void Odometry::StartMap(const InitialMap& start) {
   const WaitingFrame& first = start.frames.front();
   const WaitingFrame& second = start.frames.back();
   const bool continues = !map_.keyframes.empty();
-  // A map that goes on after a gap takes over where the motion model has arrived, at the speed it had.
+  // No turn reaches across the gap: one that was under way is read from the map it belongs to.
+  Finish();
   const RigidTransform first_from_world = continues ? motion_.Predict(first.time) : RigidTransform{};
-  const double expected = motion_.speed() * (second.time - first.time);
-  const double unit = continues && expected > 0 ? expected / start.second_from_first.translation.norm() : 1.0;
+  const double unit = continues ? UnitAfterGap(start) : 1.0;
   RigidTransform second_from_first = start.second_from_first;
   second_from_first.translation *= unit;
 
@@ -142,12 +164,25 @@ void Odometry::StartMap(const InitialMap& start) {
   lost_frames_ = 0;
   landmarks_in_keyframe_ = static_cast<int>(std::ranges::count(start.has_point, 1));
   LocateWaitingFrames(start, first_landmark, keyframe);
-  for (const int added : {keyframe, keyframe + 1}) {
-    // A gap ends a turn that was under way before it.
-    const ScaleUpdate update = scale_.AddKeyframe(added, map_);
-    if (!update.factors.empty()) ApplyScale(update.factors);
-  }
+  scale_.AddKeyframe(keyframe, map_);
+  scale_.AddKeyframe(keyframe + 1, map_);
   ++revision_;
+}
+
+double Odometry::UnitAfterGap(const InitialMap& start) const {
+  const double baseline = start.second_from_first.translation.norm();
+  const double travel = motion_.speed() * (start.frames.back().time - start.frames.front().time);
+  std::vector<double> depths;
+  for (const KeyframeObservation& seen : map_.keyframes.back().observations)
+    if (map_.landmarks[seen.landmark].valid)
+      depths.push_back((map_.keyframes.back().camera_from_world * map_.landmarks[seen.landmark].position).z());
+  std::vector<double> new_depths;
+  for (size_t i = 0; i < start.points.size(); ++i)
+    if (start.has_point[i] != 0) new_depths.push_back(start.points[i].z());
+  if (depths.empty()) return travel > 0 ? travel / baseline : 1.0;
+  // The speed is the better witness where there was one; a car that stood still leaves how far things are.
+  const double depth = Median(std::move(depths));
+  return travel > kLeastTravel * depth ? travel / baseline : depth / Median(std::move(new_depths));
 }
 
 void Odometry::LocateWaitingFrames(const InitialMap& start, int first_landmark, int keyframe) {
@@ -163,7 +198,8 @@ void Odometry::LocateWaitingFrames(const InitialMap& start, int first_landmark, 
     pose = is_second ? map_.keyframes.back().camera_from_world : estimate.camera_from_world;
     motion_.Update(waiting.time, pose);
     if (is_second) break;
-    FrameResult result = NewResult(waiting.frame, waiting.time, TrackingState::kTracked);
+    const TrackingState state = Believable(estimate) ? TrackingState::kTracked : TrackingState::kBridged;
+    FrameResult result = NewResult(waiting.frame, waiting.time, state);
     result.tracked = static_cast<int>(waiting.features.size());
     result.inliers = estimate.inliers;
     result.keyframe = &waiting == &start.frames.front();
@@ -236,9 +272,7 @@ bool Odometry::NeedsKeyframe(const RigidTransform& camera_from_world, int inlier
     parallax.push_back(std::atan2(rotated.cross(seen).norm(), rotated.dot(seen)));
   }
   if (parallax.empty()) return true;
-  const auto middle = parallax.begin() + static_cast<std::ptrdiff_t>(parallax.size() / 2);
-  std::nth_element(parallax.begin(), middle, parallax.end());
-  return *middle * kDegreesPerRadian > limits.min_parallax_deg;
+  return Median(std::move(parallax)) * kDegreesPerRadian > limits.min_parallax_deg;
 }
 
 void Odometry::AddKeyframe(const FlowImage& image, const RigidTransform& camera_from_world, FrameResult& result) {
@@ -293,12 +327,14 @@ void Odometry::ObserveScale(FrameResult& result) {
   const ScaleUpdate update = scale_.AddKeyframe(static_cast<int>(map_.keyframes.size()) - 1, map_);
   result.psi = update.motion.psi;
   result.theta = update.motion.theta;
-  if (!update.factors.empty()) ApplyScale(update.factors);
+  ApplyScale(update, RigidTransform{});
 }
 
-void Odometry::ApplyScale(const std::vector<double>& factors) {
-  history_.Rescale(factors);
-  motion_.Correct(map_.keyframes.back().camera_from_world, factors.back());
+void Odometry::ApplyScale(const ScaleUpdate& update, RigidTransform last_from_keyframe) {
+  if (update.factors.empty()) return;
+  history_.Rescale(update.factors);
+  last_from_keyframe.translation *= update.factors.back();
+  motion_.Correct(last_from_keyframe * map_.keyframes.back().camera_from_world, update.factors.back());
   ++revision_;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <limits>
 #include <vector>
 
 #include <opencv2/core/mat.hpp>
@@ -27,7 +28,8 @@ class Odometry {
   Odometry(const OdometryOptions& options, const CameraModel& camera);
 
   /// Takes the next image (8-bit gray) taken at `time` seconds, and gives what is known of the camera's pose at this
-  /// moment. Throws InputError when its size is not the camera's, or where that is unknown, not the first image's.
+  /// moment. Throws InputError when its size is not the camera's, or where that is unknown, not the first image's, and
+  /// when the time is not after the frame before.
   FrameResult Process(const cv::Mat& gray, double time);
 
   /// The next frame has no usable image: its pose is predicted and flagged.
@@ -51,9 +53,11 @@ class Odometry {
   ScaleState scale_state() const { return scale_.state(); }
 
  private:
-  void CheckSize(const cv::Mat& gray);
+  void CheckImage(const cv::Mat& gray);
+  FrameResult NewFrame(double time, TrackingState state);
   FrameResult Initialize(const FlowImage& image, FrameResult result);
   void StartMap(const InitialMap& start);
+  double UnitAfterGap(const InitialMap& start) const;
   void LocateWaitingFrames(const InitialMap& start, int first_landmark, int keyframe);
   PoseEstimate LocateFrame(const RigidTransform& predicted, FollowedTracks& tracks) const;
   void AlignWithMap(const FlowImage& image, const RigidTransform& camera_from_world, FollowedTracks& tracks) const;
@@ -63,7 +67,7 @@ class Odometry {
   void AddKeyframe(const FlowImage& image, const RigidTransform& camera_from_world, FrameResult& result);
   void RefineLens();
   void ObserveScale(FrameResult& result);
-  void ApplyScale(const std::vector<double>& factors);
+  void ApplyScale(const ScaleUpdate& update, RigidTransform last_from_keyframe);
   void RenewReferences(const FlowImage& image);
   void DetectNewFeatures(const FlowImage& image);
   FrameResult Record(const FrameResult& result, const RigidTransform& camera_from_world);
@@ -84,6 +88,7 @@ class Odometry {
   int landmarks_in_keyframe_ = 0;          ///< with a depth, when the last keyframe was made
   bool mapping_ = false;                   ///< there is a map to track against
   int lost_frames_ = 0;                    ///< in a row, up to now
+  double last_time_ = -std::numeric_limits<double>::infinity();
   int frames_ = 0;
   int revision_ = 0;
 };

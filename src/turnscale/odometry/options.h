@@ -70,6 +70,9 @@ struct ScaleOptions {
   /// How fast the odometry's scale is taken to drift between turns: relative standard deviation after one metre,
   /// growing with the root of the distance (0.001: 1 % after 100 m).
   double drift_per_root_metre = 0.001;
+  /// Relative standard deviation that a loss of tracking adds: the scale is taken over from the speed, or from how far
+  /// things are.
+  double gap_sigma = 0.3;
   /// A turn whose relative sigma is more than this many times that of the scale carried to it is not used.
   double max_sigma_ratio = 2.0;
 

@@ -12,7 +12,7 @@ namespace turnscale {
 /// What is known of the metre when a pose is given.
 enum class ScaleState {
   kPending,   ///< no turn yet: the unit of length is arbitrary
-  kObserved,  ///< within a turn whose scale was used
+  kObserved,  ///< within a turn whose scale was used; live, from the keyframe that closed it to the next one
   kHeld,      ///< between turns: the scale is carried by the map
 };
 

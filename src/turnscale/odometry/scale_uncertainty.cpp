@@ -12,8 +12,9 @@ double StepLength(const Map& map, size_t k) { return (Centre(map.keyframes[k]) -
 
 }  // namespace
 
-double CarriedVariance(const ScaleOptions& options, double sigma, double distance) {
-  return sigma * sigma + options.drift_per_root_metre * options.drift_per_root_metre * distance;
+double CarriedVariance(const ScaleOptions& options, double sigma, const ScaleCarriage& carriage) {
+  return sigma * sigma + options.drift_per_root_metre * options.drift_per_root_metre * carriage.distance +
+         options.gap_sigma * options.gap_sigma * carriage.gaps;
 }
 
 std::vector<double> ScaleSigmas(const ScaleOptions& options, const Map& map,
@@ -24,24 +25,24 @@ std::vector<double> ScaleSigmas(const ScaleOptions& options, const Map& map,
   std::vector<double> known(keyframes, 0.0);
   for (const ObservedStretch& stretch : observed)
     for (int k = stretch.first; k <= stretch.last; ++k) known[k] = stretch.sigma;
-  const auto sweep = [&](auto index_of, auto step_before) {
+  // `step` names, for each keyframe in the order of the sweep, the step that leads to it.
+  const auto sweep = [&](auto index_of, auto step_of) {
     double sigma = 0;
-    double distance = 0;
-    bool started = false;
+    ScaleCarriage carriage;
     for (size_t i = 0; i < keyframes; ++i) {
       const size_t k = index_of(i);
-      if (i > 0) distance += step_before(k);
+      if (i > 0) carriage.distance += StepLength(map, step_of(k));
+      if (i > 0 && map.keyframes[step_of(k)].after_gap) ++carriage.gaps;
       if (known[k] > 0) {
         sigma = known[k];
-        distance = 0;
-        started = true;
-      } else if (started) {
-        information[k] += 1.0 / CarriedVariance(options, sigma, distance);
+        carriage = {};
+      } else if (sigma > 0) {
+        information[k] += 1.0 / CarriedVariance(options, sigma, carriage);
       }
     }
   };
-  sweep([](size_t i) { return i; }, [&](size_t k) { return StepLength(map, k); });
-  sweep([&](size_t i) { return keyframes - 1 - i; }, [&](size_t k) { return StepLength(map, k + 1); });
+  sweep([](size_t i) { return i; }, [](size_t k) { return k; });
+  sweep([&](size_t i) { return keyframes - 1 - i; }, [](size_t k) { return k + 1; });
 
   std::vector<double> sigmas(keyframes);
   for (size_t k = 0; k < keyframes; ++k) sigmas[k] = known[k] > 0 ? known[k] : 1.0 / std::sqrt(information[k]);

@@ -15,8 +15,14 @@ struct ObservedStretch {
   double sigma = 0;
 };
 
-/// Relative variance of the scale after it was carried over a distance (metres): a random walk of its logarithm.
-double CarriedVariance(const ScaleOptions& options, double sigma, double distance);
+/// What the scale was carried over since it was observed.
+struct ScaleCarriage {
+  double distance = 0;  ///< metres
+  int gaps = 0;         ///< losses of tracking
+};
+
+/// Relative variance of the scale after it was carried: a random walk of its logarithm with distance and gaps.
+double CarriedVariance(const ScaleOptions& options, double sigma, const ScaleCarriage& carriage);
 
 /// Relative standard deviation of the scale at every keyframe, from the nearest observed stretch before and after it;
 /// infinite where nothing was observed. The stretches are in the order of time.

@@ -67,6 +67,14 @@ double PathLength(const std::vector<Eigen::Vector3d>& centres, const KeyframeRan
   return length;
 }
 
+/// Steps that bridge a loss of tracking.
+std::vector<int> Gaps(const Map& map) {
+  std::vector<int> gaps;
+  for (std::size_t k = 0; k < map.keyframes.size(); ++k)
+    if (map.keyframes[k].after_gap) gaps.push_back(static_cast<int>(k));
+  return gaps;
+}
+
 /// Why an adjusted range is not to be believed; empty where it is.
 std::string Astray(const BundleSummary& summary, double stretch, double max_stretch) {
   if (!std::isfinite(summary.final_cost) || !std::isfinite(stretch)) return "the adjustment gave no numbers";
@@ -154,7 +162,7 @@ ScaleRecoveryResult RecoverAbsoluteScale(const ScaleRecoveryOptions& options, co
   options.Check();
   CheckTurns(turns, first, map);
   const std::vector<Eigen::Vector3d> before = KeyframeCentres(map);
-  const std::vector<double> step_factors = StepFactors(before, turns);
+  const std::vector<double> step_factors = StepFactors(before, turns, Gaps(map));
   const std::vector<Eigen::Vector3d> guess = ScaleSteps(before, first, step_factors);
   const std::vector<double> guess_factors = KeyframeFactors(before, guess, first, step_factors);
   CarryLandmarks(before, guess, first, guess_factors, LandmarksInUse(map), map);

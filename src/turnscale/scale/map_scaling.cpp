@@ -28,7 +28,8 @@ void SetKeyframeCentres(const std::vector<Eigen::Vector3d>& centres, Map& map) {
   }
 }
 
-std::vector<double> StepFactors(const std::vector<Eigen::Vector3d>& centres, const std::vector<TurnScale>& turns) {
+std::vector<double> StepFactors(const std::vector<Eigen::Vector3d>& centres, const std::vector<TurnScale>& turns,
+                                const std::vector<int>& gaps) {
   std::vector<double> factors(centres.size(), turns.back().factor);
   std::fill_n(factors.begin(), turns.front().first_step, turns.front().factor);
   for (const TurnScale& turn : turns) {
@@ -37,6 +38,13 @@ std::vector<double> StepFactors(const std::vector<Eigen::Vector3d>& centres, con
   for (std::size_t i = 1; i < turns.size(); ++i) {
     const int first = turns[i - 1].last_step + 1;
     const int end = turns[i].first_step;
+    const auto gap = std::ranges::find_if(gaps, [&](int j) { return j >= first && j < end; });
+    if (gap != gaps.end()) {
+      // What lies before a gap shares nothing with the next turn: its scale is the previous one's.
+      std::fill(factors.begin() + first, factors.begin() + *gap, turns[i - 1].factor);
+      std::fill(factors.begin() + *gap, factors.begin() + end, turns[i].factor);
+      continue;
+    }
     double path = 0;
     for (int j = first; j < end; ++j) path += (centres[j] - centres[j - 1]).norm();
     const double growth = std::log(turns[i].factor / turns[i - 1].factor);

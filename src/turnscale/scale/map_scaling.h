@@ -26,9 +26,10 @@ std::vector<Eigen::Vector3d> KeyframeCentres(const Map& map);
 void SetKeyframeCentres(const std::vector<Eigen::Vector3d>& centres, Map& map);
 
 /// Factor of each step (index is its later keyframe): a turn's own within the turn; between turns going evenly in the
-/// logarithm over the path; before the first and after the last turn that turn's. Turns in the order of time, at least
-/// one.
-std::vector<double> StepFactors(const std::vector<Eigen::Vector3d>& centres, const std::vector<TurnScale>& turns);
+/// logarithm over the path, but at a loss of tracking (`gaps`: the bridged steps) all at once; before the first and
+/// after the last turn that turn's. Turns in the order of time, at least one.
+std::vector<double> StepFactors(const std::vector<Eigen::Vector3d>& centres, const std::vector<TurnScale>& turns,
+                                const std::vector<int>& gaps = {});
 
 /// Centres with the steps after keyframe `first` made longer by their factors. Where `first` is 0 the unit of the whole
 /// world changes, and keyframe 0 moves about W's origin.
