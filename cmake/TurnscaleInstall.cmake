@@ -13,6 +13,8 @@ install(
   # What only tests use stays at home.
   PATTERN "synthetic_*.h" EXCLUDE
   PATTERN "*_reference.h" EXCLUDE
+  PATTERN "test_*.h" EXCLUDE
+  PATTERN "scratch_path.h" EXCLUDE
   PATTERN "refused_field.h" EXCLUDE)
 
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/turnscale)

@@ -184,7 +184,7 @@ TEST_F(ErrorsTest, SenselessCameras) {
   Text("drive/calib.txt", "P0: nan 0 160 0 0 200 120 0 0 0 1 0\n");
   ExpectComplaint(Run(), 2, {"calib.txt:1: P0: 'nan' at position 1"});
   fs::remove(Drive() / "calib.txt");
-  ExpectComplaint(Run(), 2, {"no calib.txt beside the images; give --camera FILE"});
+  ExpectComplaint(Run(), 2, {"give --camera FILE"});
 }
 
 TEST_F(ErrorsTest, SenselessSettings) {

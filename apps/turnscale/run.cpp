@@ -73,7 +73,7 @@ OdometryOptions OptionsFrom(const RunArguments& arguments) {
 fs::path CameraFileFor(const RunArguments& arguments, const DriveInput& drive) {
   if (arguments.camera) return *arguments.camera;
   if (drive.camera_file) return *drive.camera_file;
-  throw InputError(arguments.input.string() + ": no calib.txt beside the images; give --camera FILE");
+  throw InputError(arguments.input.string() + ": comes without a calibration of its own; give --camera FILE");
 }
 
 // One drive from its first image to its files.
@@ -180,7 +180,7 @@ void AddRunCommand(CLI::App& app) {
                   "A KITTI folder (image_0/ or images/, calib.txt, times.txt), a folder of images, or a video")
       ->required();
   run->add_option("--camera", arguments->camera,
-                  "Calibration: KITTI calib.txt, OpenCV, ORB-SLAM or Kalibr YAML [calib.txt beside the images]");
+                  "Calibration: KITTI calib.txt, OpenCV, ORB-SLAM or Kalibr YAML [calib.txt in the input folder]");
   CLI::Option* timestamps =
       run->add_option("--timestamps", arguments->timestamps, "Times of the frames, one number a line, seconds");
   run->add_option("--fps", arguments->fps, "Frames per second, where there are no times")->excludes(timestamps);

@@ -7,12 +7,13 @@
 #include <gtest/gtest.h>
 
 #include "turnscale/base/error.h"
+#include "turnscale/base/scratch_path.h"
 
 namespace turnscale {
 namespace {
 
 std::string Write(const std::string& text) {
-  const std::string path = ::testing::TempDir() + "camera_file_test.file";
+  const std::string path = ScratchPath("camera_file_test.file");
   std::ofstream(path) << text;
   return path;
 }

@@ -6,13 +6,14 @@
 #include <gtest/gtest.h>
 
 #include "turnscale/base/error.h"
+#include "turnscale/base/scratch_path.h"
 #include "turnscale/config/nearest_name.h"
 
 namespace turnscale {
 namespace {
 
 YamlMap MapOf(const std::string& text) {
-  const std::string path = ::testing::TempDir() + "yaml_map_test.yaml";
+  const std::string path = ScratchPath("yaml_map_test.yaml");
   std::ofstream(path) << text;
   return YamlMap(path);
 }

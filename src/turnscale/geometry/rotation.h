@@ -15,7 +15,7 @@ Eigen::Matrix3d Skew(const Eigen::Vector3d& v);
 Eigen::Quaterniond RotationFromVector(const Eigen::Vector3d& v);
 
 /// Rotation vector (radians, norm in [0, pi]) of a unit quaternion; accurate near zero, where arccos of the trace is
-/// not (blueprint 3.4).
+/// not.
 Eigen::Vector3d VectorFromRotation(const Eigen::Quaterniond& rotation);
 
 /// Angle of a rotation in radians, in [0, pi].

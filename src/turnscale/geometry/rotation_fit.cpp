@@ -8,8 +8,8 @@
 namespace turnscale {
 namespace {
 
-constexpr int kReweightings = 10;
-constexpr double kSmallestAngle = 1e-4;  // radians; bounds the weight of directions that agree already
+constexpr int kReweightings = 20;
+constexpr double kSmallestAngle = 1e-6;  // radians; bounds the weight of directions that agree already
 
 }  // namespace
 

@@ -11,6 +11,7 @@
 #include <opencv2/videoio.hpp>
 
 #include "turnscale/base/error.h"
+#include "turnscale/base/scratch_path.h"
 #include "turnscale/io/frame_reader.h"
 #include "turnscale/io/image_file.h"
 #include "turnscale/io/natural_order.h"
@@ -34,7 +35,7 @@ class ImageSourceTest : public ::testing::Test {
  protected:
   ImageSourceTest() {
     const std::string name = ::testing::UnitTest::GetInstance()->current_test_info()->name();
-    folder_ = fs::path(::testing::TempDir()) / ("image_source_" + name);
+    folder_ = ScratchPath(name);
     fs::remove_all(folder_);
     fs::create_directories(folder_);
   }

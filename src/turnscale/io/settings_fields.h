@@ -78,6 +78,7 @@ void VisitSettings(Visitor& visitor, OdometryOptions& options) {
     auto& o = options.lens;
     visitor.Field("enabled", o.enabled);
     visitor.Field("window", o.window);
+    visitor.Field("min_turn_deg", o.min_turn_deg);
     visitor.Field("prior_sigma", o.prior_sigma);
     visitor.Field("step", o.step);
     visitor.Field("pixel_sigma", o.pixel_sigma);

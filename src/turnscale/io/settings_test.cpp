@@ -7,13 +7,14 @@
 #include <gtest/gtest.h>
 
 #include "turnscale/base/error.h"
+#include "turnscale/base/scratch_path.h"
 #include "turnscale/geometry/rotation.h"
 
 namespace turnscale {
 namespace {
 
 std::string Write(const std::string& text) {
-  const std::string path = ::testing::TempDir() + "settings_test.yaml";
+  const std::string path = ScratchPath("settings_test.yaml");
   std::ofstream(path) << text;
   return path;
 }

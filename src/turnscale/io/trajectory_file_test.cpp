@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "turnscale/base/error.h"
+#include "turnscale/base/scratch_path.h"
 #include "turnscale/geometry/rotation.h"
 #include "turnscale/io/output_file.h"
 
@@ -16,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-fs::path Path(const std::string& name) { return fs::path(::testing::TempDir()) / ("trajectory_file_" + name); }
+fs::path Path(const std::string& name) { return ScratchPath(name); }
 
 std::string Complaint(const std::string& text, const std::optional<std::vector<double>>& times = std::nullopt) {
   std::ofstream(Path("bad.txt")) << text;

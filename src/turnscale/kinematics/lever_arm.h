@@ -9,7 +9,7 @@ struct LeverArm {
   double side_slip = 0;  ///< c: the rear axle's slip angle per lateral acceleration, s^2/m; 0 is the paper's rigid car
 
   /// The effective lever arm at a speed (m/s): L - c v^2. The rear tyres slide outwards in a turn, and the point at
-  /// rest sideways moves forward (blueprint 4). Negative beyond v = sqrt(L/c).
+  /// rest sideways moves forward. Negative beyond v = sqrt(L/c).
   double At(double speed) const { return length - side_slip * speed * speed; }
 
   /// Throws InputError when the length is not positive or the slip is negative.

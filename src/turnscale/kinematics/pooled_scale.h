@@ -18,7 +18,7 @@ struct TurningStep {
 
 /// How the scales seen in a turn are made one.
 enum class ScaleMethod {
-  kPooledLine,  ///< one line through all steps (blueprint 3)
+  kPooledLine,  ///< one line through all steps
   kPerFrame,    ///< the paper's observer (22) for each step; their median speaks for the turn
 };
 

@@ -5,7 +5,7 @@
 
 namespace turnscale {
 
-/// A step as a point of the line of blueprint 3: at scale l it should fulfil l y = (L - slip l^2) x.
+/// A step as a point of the pooled line: at scale l it should fulfil l y = (L - slip l^2) x.
 struct ScaleLinePoint {
   double x = 0;     ///< 2 sin(psi/2)
   double y = 0;     ///< sideways step, odometry units

@@ -7,6 +7,7 @@
 #include "turnscale/base/error.h"
 #include "turnscale/bundle/bundle_adjustment.h"
 #include "turnscale/camera/radial_correction.h"
+#include "turnscale/geometry/rotation.h"
 #include "turnscale/mapping/window_problem.h"
 
 namespace turnscale {
@@ -29,6 +30,7 @@ double ProfileCost(const WindowProblem& window, const Pinhole& pinhole, double f
 
 void LensRefinementOptions::Check() const {
   if (window < 3) throw InputError("lens.window: has to be at least 3 keyframes");
+  if (!(min_turn_deg >= 0)) throw InputError("lens.min_turn_deg: must not be negative");
   if (!(prior_sigma > 0)) throw InputError("lens.prior_sigma: has to be positive");
   if (!(step > 0)) throw InputError("lens.step: has to be positive");
   if (!(pixel_sigma > 0)) throw InputError("lens.pixel_sigma: has to be positive");
@@ -47,6 +49,9 @@ bool LensRefinement::Observe(const Map& map, double applied) {
   next_keyframe_ = latest + options_.window / 2;
   const int first = latest - options_.window + 1;
   if (first < StartOfMap(map)) return false;
+  const Eigen::Quaterniond turn =
+      map.keyframes[latest].camera_from_world.rotation * map.keyframes[first].camera_from_world.rotation.conjugate();
+  if (RotationAngle(turn) * kDegreesPerRadian < options_.min_turn_deg) return false;
   const WindowProblem window = MakeWindowProblem(map, {first, first + 1, kFewestObservations}, options_.pixel_sigma);
   if (window.landmarks.empty()) return false;
 
@@ -56,10 +61,12 @@ bool LensRefinement::Observe(const Map& map, double applied) {
   const double slope = (above - below) / (2 * options_.step);
   const double curvature = (above - 2 * here + below) / (options_.step * options_.step);
   if (!(curvature > 0)) return false;
-  information_ += curvature;
-  // The windows before balance each other at the present estimate; only this one's slope is new.
-  const double change = std::clamp(-slope / information_, -options_.step, options_.step);
-  correction_ += change;
+  // Windows overlap by half, so that each observation has its say twice.
+  information_ += 0.5 * curvature;
+  weighted_estimate_ += 0.5 * (curvature * correction_ - slope);
+  // Far from where it was measured a parabola is not to be trusted: the next window looks a step further.
+  const double estimate = weighted_estimate_ / information_;
+  correction_ = std::clamp(estimate, correction_ - options_.step, correction_ + options_.step);
   return true;
 }
 

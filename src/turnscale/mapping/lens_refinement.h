@@ -14,6 +14,9 @@ struct LensRefinementOptions {
   bool enabled = true;
   /// Keyframes that each look at the distortion takes in.
   int window = 12;
+  /// Least angle by which the camera turns within a window, degrees. On a straight the noise of the points' depths
+  /// looks like distortion.
+  double min_turn_deg = 8.0;
   /// How well the calibration file is taken to know the lens before the drive: standard deviation of the correction.
   double prior_sigma = 0.02;
   /// Step by which the correction is varied to see what fits better.
@@ -28,8 +31,8 @@ struct LensRefinementOptions {
 /// Estimates the radial correction (camera/radial_correction.h) from the drive itself, window by window.
 ///
 /// In each window of keyframes the correction is varied, bundle adjustment finds poses and points that go with it, and
-/// the cost that is left is a parabola in the correction (its profile likelihood). Slope and curvature of the windows
-/// add up, with the prior, to a maximum a posteriori estimate.
+/// the cost that is left is a parabola in the correction (its profile likelihood). The parabolas of the windows
+/// in which the camera turns add up, with the prior, to a maximum a posteriori estimate.
 class LensRefinement {
  public:
   explicit LensRefinement(const LensRefinementOptions& options);
@@ -43,8 +46,9 @@ class LensRefinement {
  private:
   LensRefinementOptions options_;
   double correction_ = 0;
-  double information_;
-  int next_keyframe_;  ///< the window ends there
+  double information_;            ///< curvature of the sum of all parabolas
+  double weighted_estimate_ = 0;  ///< information_ times the place of its minimum
+  int next_keyframe_;             ///< the window ends there
 };
 
 }  // namespace turnscale

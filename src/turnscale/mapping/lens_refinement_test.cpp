@@ -84,9 +84,25 @@ TEST(LensRefinement, FindsTheDistortionFromTurnsInNoise) {
     }
 }
 
+// Options that look at straight windows as well.
+LensRefinementOptions AnyWindow() {
+  LensRefinementOptions options;
+  options.min_turn_deg = 0;
+  return options;
+}
+
+TEST(LensRefinement, AsksOnlyWindowsThatTurn) {
+  const Map whole = MapThroughLens(kStreetCornerStreet, -0.012, 0.3, 3);
+  LensRefinement lens({});
+  EXPECT_FALSE(lens.Observe(UpTo(18, whole), 0)) << "a street";
+  EXPECT_EQ(lens.correction(), 0);
+  EXPECT_TRUE(lens.Observe(UpTo(36, whole), 0)) << "a corner";
+  EXPECT_NE(lens.correction(), 0);
+}
+
 TEST(LensRefinement, ATurnTellsMoreThanAStreet) {
-  LensRefinement street({});
-  LensRefinement turn({});
+  LensRefinement street(AnyWindow());
+  LensRefinement turn(AnyWindow());
   const Map whole = MapThroughLens(kStreetCornerStreet, 0, 0.3, 3);
   ASSERT_TRUE(street.Observe(UpTo(18, whole), 0));
   ASSERT_TRUE(turn.Observe(UpTo(36, whole), 0));
@@ -118,7 +134,7 @@ TEST(LensRefinement, PixelsThatAreCorrectedAlreadySayTheSame) {
 
 TEST(LensRefinement, KnowsThePriorUntilTheWindowIsFull) {
   const Map whole = MapThroughLens(kStreetCornerStreet, -0.012, 0.3, 6);
-  LensRefinement lens({});
+  LensRefinement lens(AnyWindow());
   for (int keyframes = 1; keyframes < 12; ++keyframes) EXPECT_FALSE(lens.Observe(UpTo(keyframes, whole), 0));
   EXPECT_EQ(lens.correction(), 0);
   EXPECT_NEAR(lens.sigma(), LensRefinementOptions().prior_sigma, 1e-12);

@@ -23,7 +23,7 @@ namespace turnscale {
 struct VehicleOptions {
   /// Distance from the rear axle forward to the camera, metres. Without it the path stays up to scale.
   std::optional<double> lever_arm;
-  /// c in L_eff = L - c v^2, s^2/m: the rear axle's slip angle per lateral acceleration (blueprint 4). 0 is the paper's
+  /// c in L_eff = L - c v^2, s^2/m: the rear axle's slip angle per lateral acceleration. 0 is the paper's
   /// rigid car.
   double side_slip = 0.0045;
   /// The paper's Q.

@@ -42,7 +42,7 @@ struct FrameResult {
   bool turning = false;                                     ///< the keyframe belongs to a turning region (Algorithm 1)
 };
 
-/// One turning region and what its pooled line says (blueprint 3).
+/// One turning region and what its pooled line says.
 struct TurnResult {
   int first_frame = 0;
   int last_frame = 0;

@@ -23,9 +23,9 @@ ScaleOptions Drift(double per_root_metre) {
 }
 
 TEST(ScaleUncertainty, GrowsWithTheRootOfTheDistance) {
-  EXPECT_DOUBLE_EQ(CarriedVariance(Drift(0.001), 0.02, 0), 0.02 * 0.02);
-  EXPECT_NEAR(std::sqrt(CarriedVariance(Drift(0.001), 0, 100)), 0.01, 1e-15);
-  EXPECT_NEAR(CarriedVariance(Drift(0.002), 0.01, 50), 1e-4 + 2e-4, 1e-15);
+  EXPECT_DOUBLE_EQ(CarriedVariance(Drift(0.001), 0.02, {}), 0.02 * 0.02);
+  EXPECT_NEAR(std::sqrt(CarriedVariance(Drift(0.001), 0, {100, 0})), 0.01, 1e-15);
+  EXPECT_NEAR(CarriedVariance(Drift(0.002), 0.01, {50, 0}), 1e-4 + 2e-4, 1e-15);
 }
 
 TEST(ScaleUncertainty, InfiniteWhereNothingWasObserved) {

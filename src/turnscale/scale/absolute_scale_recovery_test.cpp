@@ -171,7 +171,7 @@ TEST_F(AbsoluteScaleRecovery, GapIsScaledNotAdjusted) {
   map_.keyframes[90].after_gap = true;
   const std::vector<TurnScale> turns = {WithFactor(kFirstTurn, 5.0), WithFactor(kSecondTurn, 5.0 / 1.3)};
   const auto before = KeyframeCentres(map_);
-  const double guessed_step = StepFactors(before, turns)[90] * StepLength(before, 90);
+  const double guessed_step = StepFactors(before, turns, {90})[90] * StepLength(before, 90);
   const ScaleRecoveryResult result = RecoverAbsoluteScale({}, turns, 0, map_);
   ASSERT_EQ(result.ranges.size(), 2u);
   EXPECT_EQ(result.ranges[0].range.last, 89);
