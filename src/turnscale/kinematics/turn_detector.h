@@ -31,8 +31,8 @@ struct TurningRegion {
   bool operator==(const TurningRegion&) const = default;
 };
 
-/// Algorithm 1 with its counter mended (it is read before it is reset), over a stream of keyframe steps. All strong steps of a region
-/// turn the same way: an S gives two regions.
+/// Algorithm 1 with its counter mended (it is read before it is reset), over a stream of keyframe steps. All strong
+/// steps of a region turn the same way: an S gives two regions.
 class TurnDetector {
  public:
   explicit TurnDetector(const TurnDetectorOptions& options);
