@@ -10,7 +10,7 @@
 namespace turnscale {
 namespace {
 
-const cv::TermCriteria kTermination(cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 30, 0.005);
+const cv::TermCriteria kTermination(cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 30, 0.03);
 constexpr double kMinEigenvalue = 1e-4;
 // The way back starts at the right place, so it needs no coarse levels.
 constexpr int kReturnLevels = 1;

@@ -18,17 +18,31 @@ bool Inside(const cv::Mat& image, float x, float y) {
   return x >= 0 && y >= 0 && x < static_cast<float>(image.cols - 1) && y < static_cast<float>(image.rows - 1);
 }
 
-// Bilinear; (x, y) is Inside.
+// Bilinear weights of the four pixels around a point; the same for all points that are whole pixels away.
+struct Bilinear {
+  int column;
+  int row;
+  float top_left, top_right, bottom_left, bottom_right;
+
+  Bilinear(float x, float y) : column(static_cast<int>(x)), row(static_cast<int>(y)) {
+    const float right = x - static_cast<float>(column);
+    const float down = y - static_cast<float>(row);
+    bottom_right = right * down;
+    bottom_left = down - bottom_right;
+    top_right = right - bottom_right;
+    top_left = 1 - right - bottom_left;
+  }
+
+  float operator()(const uchar* top, const uchar* bottom) const {
+    return top_left * static_cast<float>(top[0]) + top_right * static_cast<float>(top[1]) +
+           bottom_left * static_cast<float>(bottom[0]) + bottom_right * static_cast<float>(bottom[1]);
+  }
+};
+
+// (x, y) is Inside.
 float Sample(const cv::Mat& image, float x, float y) {
-  const int column = static_cast<int>(x);
-  const int row = static_cast<int>(y);
-  const float right = x - static_cast<float>(column);
-  const float down = y - static_cast<float>(row);
-  const uchar* top = image.ptr<uchar>(row) + column;
-  const uchar* bottom = image.ptr<uchar>(row + 1) + column;
-  const float upper = static_cast<float>(top[0]) + right * static_cast<float>(top[1] - top[0]);
-  const float lower = static_cast<float>(bottom[0]) + right * static_cast<float>(bottom[1] - bottom[0]);
-  return upper + down * (lower - upper);
+  const Bilinear weights(x, y);
+  return weights(image.ptr<uchar>(weights.row) + weights.column, image.ptr<uchar>(weights.row + 1) + weights.column);
 }
 
 // The patch as the current image should show it, and how it changes with position, gain and offset.
@@ -43,24 +57,30 @@ struct Template {
 std::optional<Template> MakeTemplate(int half, const cv::Mat& reference, const Eigen::Vector2d& pixel,
                                      const Eigen::Matrix2d& reference_from_current) {
   const int side = 2 * half + 3;  // one more all around for the gradients
+  const Eigen::Matrix2f axes = reference_from_current.cast<float>();
+  const auto at = [&, center = Eigen::Vector2f(pixel.cast<float>())](int row, int column) -> Eigen::Vector2f {
+    return center + static_cast<float>(column - half - 1) * axes.col(0) +
+           static_cast<float>(row - half - 1) * axes.col(1);
+  };
+  for (const Eigen::Vector2f& corner : {at(0, 0), at(0, side - 1), at(side - 1, 0), at(side - 1, side - 1)})
+    if (!Inside(reference, corner.x(), corner.y())) return std::nullopt;
   std::vector<float> values(static_cast<size_t>(side) * side);
   for (int row = 0; row < side; ++row)
     for (int column = 0; column < side; ++column) {
-      const Eigen::Vector2f at =
-          (pixel + reference_from_current * Eigen::Vector2d(column - half - 1, row - half - 1)).cast<float>();
-      if (!Inside(reference, at.x(), at.y())) return std::nullopt;
-      values[static_cast<size_t>(row) * side + column] = Sample(reference, at.x(), at.y());
+      const Eigen::Vector2f sample = at(row, column);
+      values[static_cast<size_t>(row) * side + column] = Sample(reference, sample.x(), sample.y());
     }
   Template patch;
+  patch.jacobian.reserve(values.size());
   float sum = 0;
   float sum_of_squares = 0;
   for (int row = 1; row < side - 1; ++row)
     for (int column = 1; column < side - 1; ++column) {
-      const float* at = &values[static_cast<size_t>(row) * side + column];
-      patch.jacobian.emplace_back(0.5F * (at[1] - at[-1]), 0.5F * (at[side] - at[-side]), at[0], 1.0F);
+      const float* value = &values[static_cast<size_t>(row) * side + column];
+      patch.jacobian.emplace_back(0.5F * (value[1] - value[-1]), 0.5F * (value[side] - value[-side]), value[0], 1.0F);
       patch.normal_matrix += patch.jacobian.back() * patch.jacobian.back().transpose();
-      sum += at[0];
-      sum_of_squares += at[0] * at[0];
+      sum += value[0];
+      sum_of_squares += value[0] * value[0];
     }
   patch.variance = sum_of_squares - sum * sum / static_cast<float>(patch.jacobian.size());
   return patch;
@@ -96,13 +116,16 @@ std::optional<Eigen::Vector2d> AlignPatch(const PatchAlignmentOptions& options, 
     Eigen::Vector4f gradient = Eigen::Vector4f::Zero();
     float squared = 0;
     size_t i = 0;
-    for (int row = -half; row <= half; ++row)
-      for (int column = -half; column <= half; ++column, ++i) {
-        const float seen = Sample(current, x + static_cast<float>(column), y + static_cast<float>(row));
-        const float residual = seen - gain * patch->value(i) - offset;
+    const Bilinear weights(x - reach, y - reach);
+    for (int row = 0; row <= 2 * half; ++row) {
+      const uchar* top = current.ptr<uchar>(weights.row + row) + weights.column;
+      const uchar* bottom = current.ptr<uchar>(weights.row + row + 1) + weights.column;
+      for (int column = 0; column <= 2 * half; ++column, ++i) {
+        const float residual = weights(top + column, bottom + column) - gain * patch->value(i) - offset;
         gradient += residual * patch->jacobian[i];
         squared += residual * residual;
       }
+    }
     const Eigen::Vector4f step = factor.solve(gradient);
     if (!step.allFinite()) return std::nullopt;
     // The template's gradients stand for the image's, up to the gain.

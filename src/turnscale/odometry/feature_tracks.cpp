@@ -100,6 +100,19 @@ bool AlignTrack(const PatchAlignmentOptions& options, const Map& map, const Came
   return true;
 }
 
+std::vector<uchar> AlignTracks(const PatchAlignmentOptions& options, const Map& map, const CameraModel& camera,
+                               const cv::Mat& image, const RigidTransform& camera_from_world,
+                               const std::vector<std::optional<cv::Point2f>>& guesses,
+                               std::vector<FeatureTrack>& tracks) {
+  std::vector<uchar> aligned(tracks.size(), 0);
+  cv::parallel_for_(cv::Range(0, static_cast<int>(tracks.size())), [&](const cv::Range& range) {
+    for (int i = range.start; i < range.end; ++i)
+      if (guesses[i] && AlignTrack(options, map, camera, image, camera_from_world, *guesses[i], tracks[i]))
+        aligned[i] = 1;
+  });
+  return aligned;
+}
+
 std::optional<cv::Point2f> PixelOf(const Map& map, const CameraModel& camera, int landmark,
                                    const RigidTransform& camera_from_world) {
   const Eigen::Vector3d x = camera_from_world * map.landmarks[landmark].position;

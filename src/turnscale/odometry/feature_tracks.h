@@ -51,6 +51,13 @@ FollowedTracks FollowTracks(const FlowOptions& options, const Map& map, const Ca
 bool AlignTrack(const PatchAlignmentOptions& options, const Map& map, const CameraModel& camera, const cv::Mat& image,
                 const RigidTransform& camera_from_world, const cv::Point2f& guess, FeatureTrack& track);
 
+/// AlignTrack for many tracks, on as many threads as OpenCV is set to use: one flag a track. A track without a guess is
+/// left as it was.
+std::vector<uchar> AlignTracks(const PatchAlignmentOptions& options, const Map& map, const CameraModel& camera,
+                               const cv::Mat& image, const RigidTransform& camera_from_world,
+                               const std::vector<std::optional<cv::Point2f>>& guesses,
+                               std::vector<FeatureTrack>& tracks);
+
 /// How the neighbourhood of a landmark in its reference keyframe maps into a camera, facing it: pixels as the images
 /// came, 2x2. Empty where one of the two cannot see it.
 std::optional<Eigen::Matrix2d> CurrentFromReference(const Map& map, const CameraModel& camera,

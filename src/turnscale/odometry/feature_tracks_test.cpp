@@ -176,6 +176,29 @@ TEST(FeatureTracks, WhatLooksDifferentIsLeftAsItWas) {
   EXPECT_EQ(track.undistorted, before.undistorted);
 }
 
+TEST(FeatureTracks, AligningManyIsAligningEach) {
+  const CameraModel camera = Undistorted();
+  Map map = OneKeyframe(camera);
+  const cv::Mat image = ImageOfWall(SyntheticTexture(3), camera, kReference);
+  std::vector<FeatureTrack> tracks;
+  std::vector<std::optional<cv::Point2f>> guesses;
+  for (float x = 100; x <= 500; x += 10) {
+    tracks.push_back(AddTrack(camera, {x, 150}, kWall, true, map));
+    tracks.back().reference_image = image;
+    guesses.emplace_back(cv::Point2f(x + 1, 150.5F));
+  }
+  guesses[3].reset();
+  std::vector<FeatureTrack> one_by_one = tracks;
+  const std::vector<uchar> aligned = AlignTracks({}, map, camera, image, kReference, guesses, tracks);
+  ASSERT_EQ(aligned.size(), tracks.size());
+  EXPECT_EQ(aligned[3], 0);
+  for (size_t i = 0; i < tracks.size(); ++i) {
+    const bool same = guesses[i] && AlignTrack({}, map, camera, image, kReference, *guesses[i], one_by_one[i]);
+    EXPECT_EQ(aligned[i] != 0, same);
+    EXPECT_EQ(tracks[i].pixel, one_by_one[i].pixel);
+  }
+}
+
 TEST(FeatureTracks, FollowingSortsFoundAndLost) {
   const CameraModel camera = Undistorted();
   Map map = OneKeyframe(camera);

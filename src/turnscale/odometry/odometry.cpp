@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <optional>
 #include <string>
 #include <unordered_set>
@@ -225,23 +226,29 @@ PoseEstimate Odometry::LocateFrame(const RigidTransform& predicted, FollowedTrac
 
 void Odometry::AlignWithMap(const FlowImage& image, const RigidTransform& camera_from_world,
                             FollowedTracks& tracks) const {
-  std::vector<FeatureTrack> candidates = lost_tracks_;
-  for (const FeatureTrack& track : tracks.lost) candidates.push_back(track);
-  tracks.lost.clear();
-  std::erase_if(tracks.found, [&](FeatureTrack& track) {
-    if (!map_.landmarks[track.landmark].valid) return false;
-    const bool same = AlignTrack(options_.alignment, map_, camera_, image.gray, camera_from_world, track.pixel, track);
-    if (!same) candidates.push_back(track);
-    return !same;
-  });
+  const auto has_depth = [&](const FeatureTrack& track) { return map_.landmarks[track.landmark].valid; };
+  std::vector<std::optional<cv::Point2f>> guesses;
+  for (const FeatureTrack& track : tracks.found)
+    guesses.push_back(has_depth(track) ? std::optional(track.pixel) : std::nullopt);
+  const std::vector<uchar> same =
+      AlignTracks(options_.alignment, map_, camera_, image.gray, camera_from_world, guesses, tracks.found);
+
+  // What is not where the flow led, and what was lost before, may be where the map expects it.
+  std::vector<FeatureTrack> missing = lost_tracks_;
+  std::ranges::move(tracks.lost, std::back_inserter(missing));
+  FollowedTracks aligned;
+  for (size_t i = 0; i < tracks.found.size(); ++i)
+    (has_depth(tracks.found[i]) && same[i] == 0 ? missing : aligned.found).push_back(std::move(tracks.found[i]));
   const int oldest = static_cast<int>(map_.keyframes.size()) - options_.tracking.memory_keyframes;
-  for (FeatureTrack& track : candidates) {
-    if (!map_.landmarks[track.landmark].valid || track.last_keyframe < oldest) continue;
-    const std::optional<cv::Point2f> expected = PixelOf(map_, camera_, track.landmark, camera_from_world);
-    const bool found =
-        expected && AlignTrack(options_.alignment, map_, camera_, image.gray, camera_from_world, *expected, track);
-    (found ? tracks.found : tracks.lost).push_back(track);
-  }
+  std::erase_if(missing, [&](const FeatureTrack& track) { return !has_depth(track) || track.last_keyframe < oldest; });
+  guesses.clear();
+  for (const FeatureTrack& track : missing)
+    guesses.push_back(PixelOf(map_, camera_, track.landmark, camera_from_world));
+  const std::vector<uchar> back =
+      AlignTracks(options_.alignment, map_, camera_, image.gray, camera_from_world, guesses, missing);
+  for (size_t i = 0; i < missing.size(); ++i)
+    (back[i] != 0 ? aligned.found : aligned.lost).push_back(std::move(missing[i]));
+  tracks = std::move(aligned);
 }
 
 bool Odometry::Believable(const PoseEstimate& estimate) const {
