@@ -148,12 +148,12 @@ std::string TumLine(const StampedPose& pose) {
                      q.y(), q.z(), q.w());
 }
 
-std::string KittiLine(const RigidTransform& world_from_camera) {
+std::string KittiLine(const RigidTransform& world_from_camera, int digits) {
   Eigen::Matrix<double, 3, 4, Eigen::RowMajor> matrix;
   matrix << world_from_camera.rotation.toRotationMatrix(), world_from_camera.translation;
   std::string line;
   for (int i = 0; i < matrix.size(); ++i) {
-    fmt::format_to(std::back_inserter(line), "{}{:.9g}", i == 0 ? "" : " ", matrix.data()[i]);
+    fmt::format_to(std::back_inserter(line), "{}{:.{}g}", i == 0 ? "" : " ", matrix.data()[i], digits);
   }
   return line + "\n";
 }
