@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "turnscale/geometry/trajectory.h"
+
+namespace turnscale {
+
+/// The way of a recorded drive.
+struct RecordedPath {
+  std::vector<Eigen::Vector3d> points;  ///< (x, up, z), metres, at least 0.3 m apart as seen from above
+  std::vector<double> speeds;           ///< m/s, one a point
+};
+
+/// The rear axle's way from the poses of a camera (metres) that is mounted `lever_arm` metres ahead of it, `lateral`
+/// metres right of the middle, and looks straight ahead. Heights are those of the place at the camera's height above
+/// the rear axle, up from the origin of the poses.
+///
+/// Positions are smoothed over time (0.3 s) and speeds read off there, heights over 4 m of the way besides; where the
+/// car stands, only one point is kept, which has a low speed.
+/// Throws InputError when times do not grow or the car moves less than a metre in all.
+RecordedPath RearAxlePath(const Trajectory& trajectory, double lever_arm, double lateral);
+
+}  // namespace turnscale

@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/simulation/route.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "turnscale/base/error.h"
+#include "turnscale/geometry/rotation.h"
+
+namespace turnscale {
+namespace {
+
+constexpr double kMaxTurn = 170 / kDegreesPerRadian;
+// Length of a transition in radii: about a second at the speed at which a curve is comfortable.
+constexpr double kTransition = 0.5;
+
+/// A corner: the curvature rises over the transition, stays at 1 / radius, and falls again.
+struct Bend {
+  double angle = 0;  // positive to the right
+  double radius = 1;
+  double transition = 0;
+
+  double Length() const { return radius * std::abs(angle) + transition; }
+
+  /// Angle turned after a distance, its sign left out.
+  double Turned(double distance) const {
+    const double rest = Length() - distance;
+    if (distance < transition) return distance * distance / (2 * transition * radius);
+    if (rest < transition) return std::abs(angle) - rest * rest / (2 * transition * radius);
+    return (distance - 0.5 * transition) / radius;
+  }
+};
+
+Bend MakeBend(double angle, double radius, double transition) {
+  return {angle, radius, std::min(transition, radius * std::abs(angle))};
+}
+
+/// Points of the bend after its start, which lies at the origin and leads along the second axis.
+std::vector<Eigen::Vector2d> Trace(const Bend& bend, double step) {
+  constexpr int kParts = 8;
+  const int count = std::max(1, static_cast<int>(std::ceil(bend.Length() / step)));
+  const double part = bend.Length() / (count * kParts);
+  std::vector<Eigen::Vector2d> points;
+  Eigen::Vector2d at(0, 0);
+  for (int i = 0; i < count * kParts; ++i) {
+    const double heading = std::copysign(bend.Turned((i + 0.5) * part), bend.angle);
+    at += part * Eigen::Vector2d(std::sin(heading), std::cos(heading));
+    if ((i + 1) % kParts == 0) points.push_back(at);
+  }
+  return points;
+}
+
+/// Distance from the bend's ends to the corner that it rounds.
+double TangentLength(const Bend& bend) {
+  const double chord = Trace(bend, bend.Length() / 16).back().norm();
+  return chord / (2 * std::cos(0.5 * bend.angle));
+}
+
+/// The bend of at most the radius whose tangents are at most `room` long.
+Bend FitBend(double angle, double radius, double room) {
+  Bend bend = MakeBend(angle, radius, kTransition * radius);
+  double tangent = TangentLength(bend);
+  if (tangent > room) {
+    // The tangents give up a little more than half of what the transition does.
+    bend = MakeBend(angle, radius, std::max(0.0, bend.transition - 2 * (tangent - room)));
+    tangent = TangentLength(bend);
+  }
+  const double scale = std::min(1.0, room / tangent);
+  return {angle, scale * bend.radius, scale * bend.transition};
+}
+
+double TurnAt(const Eigen::Vector2d& before, const Eigen::Vector2d& after) {
+  return std::atan2(before.y() * after.x() - before.x() * after.y(), before.dot(after));
+}
+
+void AddStraight(const Eigen::Vector2d& end, double step, std::vector<Eigen::Vector2d>& path) {
+  const Eigen::Vector2d start = path.back();
+  const double length = (end - start).norm();
+  if (length < 1e-6) return;
+  const int count = std::max(1, static_cast<int>(std::ceil(length / step - 1e-9)));
+  for (int i = 1; i <= count; ++i) path.push_back(start + (end - start) * (static_cast<double>(i) / count));
+}
+
+}  // namespace
+
+void RouteLeg::Check() const {
+  if (points.size() < 2) throw InputError("leg.points: has to have two points or more");
+  double length = 0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (!points[i].allFinite()) throw InputError("leg.points: has to be finite");
+    if (i > 0) length += (points[i] - points[i - 1]).norm();
+  }
+  if (!(length >= 0.1)) throw InputError("leg.points: have to lead somewhere, 0.1 m away at least");
+  if (!(speed > 0 && speed <= 100)) throw InputError("leg.speed: has to be positive and at most 100 m/s");
+  if (!(wait >= 0 && wait <= 3600)) throw InputError("leg.wait: has to be in 0...3600 s");
+  if (!speeds.empty() && speeds.size() != points.size()) throw InputError("leg.speeds: has to be empty or one a point");
+  for (const double each : speeds) {
+    if (!(each >= 0 && each <= 100)) throw InputError("leg.speeds: have to be in 0...100 m/s");
+  }
+}
+
+std::vector<Eigen::Vector2d> RoundCorners(const std::vector<Eigen::Vector2d>& corners, double radius, double step) {
+  if (corners.size() < 2) throw InputError("corners: there have to be two or more");
+  if (!(radius > 0) || !std::isfinite(radius)) throw InputError("radius: has to be positive");
+  if (!(step > 0)) throw InputError("step: has to be positive");
+  std::vector<Eigen::Vector2d> directions;
+  std::vector<double> room;
+  for (std::size_t i = 0; i + 1 < corners.size(); ++i) {
+    const double length = (corners[i + 1] - corners[i]).norm();
+    if (!(length > 1e-6)) throw InputError("corners: number " + std::to_string(i + 1) + " is where the one before is");
+    directions.emplace_back((corners[i + 1] - corners[i]) / length);
+    const bool has_two_corners = i > 0 && i + 2 < corners.size();
+    room.push_back(has_two_corners ? 0.5 * length : length);
+  }
+  std::vector<Eigen::Vector2d> path = {corners.front()};
+  for (std::size_t i = 1; i + 1 < corners.size(); ++i) {
+    const double angle = TurnAt(directions[i - 1], directions[i]);
+    if (std::abs(angle) > kMaxTurn) throw InputError("corners: number " + std::to_string(i) + " turns back");
+    if (std::abs(angle) < 1e-6) continue;
+    const Bend bend = FitBend(angle, radius, std::min(room[i - 1], room[i]));
+    const Eigen::Vector2d ahead = directions[i - 1];
+    const Eigen::Vector2d right(ahead.y(), -ahead.x());
+    const Eigen::Vector2d start = corners[i] - TangentLength(bend) * ahead;
+    AddStraight(start, step, path);
+    for (const Eigen::Vector2d& point : Trace(bend, step))
+      path.emplace_back(start + right * point.x() + ahead * point.y());
+  }
+  AddStraight(corners.back(), step, path);
+  return path;
+}
+
+}  // namespace turnscale

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace turnscale {
+
+/// A stretch of the way, driven without stopping.
+struct RouteLeg {
+  std::vector<Eigen::Vector2d> points;  ///< (x, z) of the rear axle, metres, in the order of driving; at least two
+  double speed = 5;                     ///< m/s, at most
+  bool reverse = false;                 ///< driven backwards
+  double wait = 0;                      ///< seconds that the car stands at its end
+  /// Speeds at the points instead of `speed`, from a recording (m/s): empty or one a point. Where they are lower than
+  /// 0.2 m/s on the way, the car creeps on. A drive whose first leg has speeds starts at the first of them, one whose
+  /// last leg has them ends at the last; all other legs start and end at standstill.
+  std::vector<double> speeds;
+
+  /// Throws InputError that names the field when a value makes no sense.
+  void Check() const;
+};
+
+/// A path of straight pieces with rounded corners, points about `step` metres apart. Corners are arcs of the radius
+/// with transitions on either side over which the curvature grows evenly, so that nobody has to turn the wheel at once.
+/// Where the pieces are too short (neighbouring corners share a piece by halves) first the transitions and then the
+/// radius become smaller. Throws InputError for less than two corners, corners that coincide, a path that turns back at
+/// a corner (by more than 170 degrees), or a radius or step that is not positive.
+std::vector<Eigen::Vector2d> RoundCorners(const std::vector<Eigen::Vector2d>& corners, double radius, double step);
+
+}  // namespace turnscale

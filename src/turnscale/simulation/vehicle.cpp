@@ -1,0 +1,213 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/simulation/vehicle.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include "turnscale/base/error.h"
+#include "turnscale/geometry/rotation.h"
+#include "turnscale/simulation/body_motion.h"
+#include "turnscale/simulation/reference_path.h"
+#include "turnscale/simulation/speed_plan.h"
+
+namespace turnscale {
+namespace {
+
+constexpr double kGravity = 9.81;
+constexpr double kInterval = 0.002;
+constexpr double kTrackWidth = 1.5;
+// The wheels follow the driver's wish with this delay, seconds.
+constexpr double kSteeringDelay = 0.08;
+// Share of the speed by which a metre ahead of or behind the plan is made up for, and its bound.
+constexpr double kProgressGain = 0.2;
+constexpr double kMaxProgressGain = 0.03;
+// Beyond this many metres from the path it has not been followed.
+constexpr double kMaxStray = 1.0;
+constexpr double kMaxLegGap = 0.5;
+
+/// A drive in the making.
+class Driver {
+ public:
+  Driver(const VehicleOptions& options, const RoadHeight& road, double axle_height, unsigned seed)
+      : options_(options),
+        road_(road),
+        axle_height_(axle_height),
+        pitch_noise_(2ULL * seed),
+        roll_noise_(2ULL * seed + 1) {}
+
+  /// Puts the car on the path's start.
+  void Start(const ReferencePath& path, double direction, double speed) {
+    const PathPlace start = PlaceAt(path, 0);
+    state_.position = start.position;
+    state_.heading = start.heading + (direction < 0 ? M_PI : 0);
+    state_.speed = direction * speed;
+    state_.steering = std::atan(options_.wheelbase * direction * start.curvature);
+    SetDependents();
+    state_.heading -= state_.slip;
+    SetPose();
+    states_.push_back(state_);
+  }
+
+  /// Drives along the path at the planned speeds. Returns the greatest distance from the path, metres.
+  double Follow(const ReferencePath& path, double direction, const std::vector<double>& speeds) {
+    double planned = 0;
+    double progress = Project(path, state_.position, 0);
+    double stray = 0;
+    for (std::size_t i = 1; i < speeds.size() && stray < kMaxStray; ++i) {
+      planned += 0.5 * kInterval * (speeds[i - 1] + speeds[i]);
+      const double behind = std::clamp(kProgressGain * (planned - progress), -kMaxProgressGain, kMaxProgressGain);
+      const double steering = Steer(path, progress, direction);
+      Advance(direction * speeds[i] * (1 + behind), steering);
+      progress = Project(path, state_.position, progress + speeds[i] * kInterval);
+      stray = std::max(stray, (PlaceAt(path, progress).position - state_.position).norm());
+    }
+    return stray;
+  }
+
+  void Wait(double seconds) {
+    const double steps = std::round(seconds / kInterval);
+    for (double i = 0; i < steps; ++i) Advance(state_.speed, state_.steering);
+  }
+
+  std::vector<VehicleState> TakeStates() { return std::move(states_); }
+
+ private:
+  /// Steering angle at the end of a step: the way's curvature ahead, corrected by where the car is off.
+  double Steer(const ReferencePath& path, double progress, double direction) const {
+    const double speed = std::abs(state_.speed);
+    if (speed == 0) return state_.steering;
+    const PathPlace place = PlaceAt(path, progress);
+    const Eigen::Vector2d right(std::cos(place.heading), -std::sin(place.heading));
+    const double offset = (state_.position - place.position).dot(right);
+    // Slip turns the line of travel away from the heading, forwards against the curve and backwards with it; what the
+    // heading has to do is therefore what the way does a little further on, or back.
+    const double slip_length = options_.SideSlip() * state_.speed * state_.speed * direction;
+    const double heading = state_.heading - (direction < 0 ? M_PI : 0);
+    const double heading_error = std::remainder(heading - (place.heading + slip_length * place.curvature), 2 * M_PI);
+    const double curvature = PlaceAt(path, progress + slip_length + speed * kSteeringDelay).curvature;
+    // Errors die away over this length, critically damped; it leaves the wheels time to turn.
+    const double length = 1.0 + 0.3 * speed;
+    const double wish = curvature - 2 * heading_error / length - offset / (length * length);
+    const double limit = options_.max_steering_deg / kDegreesPerRadian;
+    const double target = std::clamp(std::atan(options_.wheelbase * direction * wish), -limit, limit);
+    const double rate = options_.max_steering_rate_deg / kDegreesPerRadian;
+    return state_.steering + kInterval * std::clamp((target - state_.steering) / kSteeringDelay, -rate, rate);
+  }
+
+  /// Moves the car to the next moment, at which it has this speed and steering angle.
+  void Advance(double speed, double steering) {
+    const VehicleState before = state_;
+    state_.time = static_cast<double>(states_.size()) * kInterval;
+    state_.speed = speed;
+    state_.steering = steering;
+    SetDependents();
+    state_.heading += 0.5 * kInterval * (before.yaw_rate + state_.yaw_rate);
+    state_.position += 0.5 * kInterval * (Velocity(before) + Velocity(state_));
+    distance_ += 0.5 * kInterval * std::abs(before.speed + speed);
+
+    const double forward = (speed - before.speed) / kInterval;
+    const double sideways = speed * state_.yaw_rate;
+    const double radians_per_degree_and_g = 1 / (kDegreesPerRadian * kGravity);
+    pitch_.Step(options_.pitch_deg_per_g * radians_per_degree_and_g * forward, options_.suspension_hz, kInterval);
+    roll_.Step(-options_.roll_deg_per_g * radians_per_degree_and_g * sideways, options_.suspension_hz, kInterval);
+    SetPose();
+    states_.push_back(state_);
+  }
+
+  void SetDependents() {
+    state_.yaw_rate = state_.speed * std::tan(state_.steering) / options_.wheelbase;
+    state_.slip = -std::atan(options_.SideSlip() * state_.speed * state_.yaw_rate);
+  }
+
+  static Eigen::Vector2d Velocity(const VehicleState& state) {
+    const Eigen::Vector2d ahead(std::sin(state.heading), std::cos(state.heading));
+    const Eigen::Vector2d right(ahead.y(), -ahead.x());
+    return state.speed * (ahead + std::tan(state.slip) * right);
+  }
+
+  void SetPose() {
+    const Eigen::Vector2d& here = state_.position;
+    const Eigen::Vector2d ahead(std::sin(state_.heading), std::cos(state_.heading));
+    const Eigen::Vector2d right(ahead.y(), -ahead.x());
+    const double height = road_(here);
+    const double front = road_(here + options_.wheelbase * ahead);
+    const double right_side = road_(here + 0.5 * kTrackWidth * right);
+    const double left_side = road_(here - 0.5 * kTrackWidth * right);
+    const double noise = options_.road_noise_deg / kDegreesPerRadian * RoadNoiseGain(state_.speed);
+    YawPitchRoll angles;
+    angles.yaw = state_.heading;
+    angles.pitch = std::atan2(front - height, options_.wheelbase) + pitch_.angle + noise * pitch_noise_.At(distance_);
+    angles.roll = std::atan2(left_side - right_side, kTrackWidth) + roll_.angle + noise * roll_noise_.At(distance_);
+    state_.world_from_vehicle.rotation = RotationFromYawPitchRoll(angles);
+    state_.world_from_vehicle.translation = {here.x(), -(height + axle_height_), here.y()};
+  }
+
+  const VehicleOptions& options_;
+  const RoadHeight& road_;
+  double axle_height_;
+  RoadNoise pitch_noise_;
+  RoadNoise roll_noise_;
+  Suspension pitch_;
+  Suspension roll_;
+  double distance_ = 0;
+  VehicleState state_;
+  std::vector<VehicleState> states_;
+};
+
+void CheckLegs(const std::vector<RouteLeg>& legs) {
+  if (legs.empty()) throw InputError("legs: there has to be one at least");
+  for (std::size_t i = 0; i < legs.size(); ++i) {
+    legs[i].Check();
+    if (i > 0 && (legs[i].points.front() - legs[i - 1].points.back()).norm() > kMaxLegGap)
+      throw InputError("legs: number " + std::to_string(i) + " does not start where the one before ends");
+  }
+}
+
+void CheckNumber(const char* name, double value, double least, double most) {
+  if (value >= least && value <= most) return;
+  throw InputError(std::string("vehicle.") + name + ": has to be in " + std::to_string(least) + "..." +
+                   std::to_string(most));
+}
+
+}  // namespace
+
+void VehicleOptions::Check() const {
+  CheckNumber("wheelbase", wheelbase, 0.5, 10);
+  CheckNumber("max_steering_deg", max_steering_deg, 5, 80);
+  CheckNumber("max_steering_rate_deg", max_steering_rate_deg, 1, 1000);
+  CheckNumber("slip_deg_per_g", slip_deg_per_g, 0, 20);
+  CheckNumber("max_acceleration", max_acceleration, 0.05, 20);
+  CheckNumber("max_deceleration", max_deceleration, 0.05, 20);
+  CheckNumber("max_lateral_acceleration", max_lateral_acceleration, 0.05, 20);
+  CheckNumber("pitch_deg_per_g", pitch_deg_per_g, 0, 30);
+  CheckNumber("roll_deg_per_g", roll_deg_per_g, 0, 30);
+  CheckNumber("suspension_hz", suspension_hz, 0.2, 20);
+  CheckNumber("road_noise_deg", road_noise_deg, 0, 5);
+}
+
+double VehicleOptions::SideSlip() const { return slip_deg_per_g / (kDegreesPerRadian * kGravity); }
+
+VehicleMotion Drive(const VehicleOptions& options, const std::vector<RouteLeg>& legs, const RoadHeight& road,
+                    double axle_height, unsigned seed) {
+  options.Check();
+  CheckLegs(legs);
+  Driver driver(options, road, axle_height, seed);
+  for (std::size_t i = 0; i < legs.size(); ++i) {
+    const RouteLeg& leg = legs[i];
+    const ReferencePath path = MakeReferencePath(leg);
+    EndSpeeds ends;
+    if (i == 0 && !leg.speeds.empty()) ends.start = leg.speeds.front();
+    if (i + 1 == legs.size() && !leg.speeds.empty() && leg.wait == 0) ends.end = leg.speeds.back();
+    const std::vector<double> speeds = PlanSpeeds(options, path, ends, kInterval);
+    const double direction = leg.reverse ? -1 : 1;
+    if (i == 0) driver.Start(path, direction, speeds.front());
+    if (driver.Follow(path, direction, speeds) >= kMaxStray)
+      throw InputError("legs: number " + std::to_string(i) + " bends more sharply than the car can follow");
+    driver.Wait(leg.wait);
+  }
+  return {driver.TakeStates(), kInterval};
+}
+
+}  // namespace turnscale

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "turnscale/geometry/rigid_transform.h"
+#include "turnscale/simulation/route.h"
+
+namespace turnscale {
+
+/// A car on a plane: a bicycle with a rear axle that slips.
+struct VehicleOptions {
+  double wheelbase = 2.7;               ///< metres
+  double max_steering_deg = 38;         ///< of the front wheels, to either side
+  double max_steering_rate_deg = 45;    ///< per second
+  double slip_deg_per_g = 3;            ///< slip angle of the rear axle for a lateral acceleration of 9.81 m/s^2
+  double max_acceleration = 1.8;        ///< m/s^2, along the path
+  double max_deceleration = 2.5;        ///< m/s^2
+  double max_lateral_acceleration = 3;  ///< m/s^2: curves are taken no faster
+  double pitch_deg_per_g = 4;           ///< nose up when accelerating
+  double roll_deg_per_g = 5;            ///< outwards in a curve
+  double suspension_hz = 1.4;           ///< natural frequency of pitch and roll, damped at 0.4
+  double road_noise_deg = 0.1;          ///< standard deviation of pitch and roll from the road's unevenness, at 10 m/s
+
+  /// Throws InputError that names the field when a value makes no sense.
+  void Check() const;
+  /// c of L_eff = L - c v^2 (s^2/m) that this slip amounts to: the rear axle moves sideways by -c v^2 yaw_rate (m/s, to
+  /// the right), outwards in a curve, so that a camera L ahead of it does so by (L - c v^2) yaw_rate.
+  double SideSlip() const;
+};
+
+/// Height of the road above y = 0 at (x, z), metres.
+using RoadHeight = std::function<double(const Eigen::Vector2d&)>;
+
+/// One moment of a simulated drive. Speeds are those over ground, seen from above: on a slope the way is longer.
+struct VehicleState {
+  double time = 0;                    ///< seconds
+  Eigen::Vector2d position = {0, 0};  ///< (x, z) of the rear axle's centre on the road
+  double heading = 0;                 ///< rad, 0 along z, positive to the right; it goes on beyond pi
+  double speed = 0;                   ///< m/s along the heading, negative backwards
+  double yaw_rate = 0;                ///< rad/s, positive to the right
+  double steering = 0;                ///< rad, front wheels, positive to the right
+  double slip = 0;  ///< rad, the rear axle's line of travel against the heading, positive to the right
+  /// Vehicle frame: centre of the rear axle, turned with the body. Its rotation is that of YawPitchRoll (geometry): the
+  /// heading; pitch, nose up; roll, to the right. The body pitches and rolls about the rear axle's centre.
+  RigidTransform world_from_vehicle;
+};
+
+/// A drive, densely in time.
+class VehicleMotion {
+ public:
+  /// `states` are `interval` seconds apart, from time 0. Throws InputError when there are none.
+  VehicleMotion(std::vector<VehicleState> states, double interval);
+
+  /// State at a time within [0, duration()], interpolated between the simulated moments, which are so dense that this
+  /// costs less than 1e-5 m and 1e-6 rad; clamped outside.
+  VehicleState At(double time) const;
+  double duration() const;
+
+ private:
+  std::vector<VehicleState> states_;
+  double interval_;
+};
+
+/// Drives the legs one after the other, a path follower at the wheel. The rear axle stays within decimetres of the
+/// points and moves as the bicycle with slip does, not as the points do. The car stands still where legs meet;
+/// standing, it comes to rest exactly.
+///
+/// `axle_height` is the height of the rear axle above the road, metres. The road's slope between the axles and across
+/// the track (1.5 m) tilts the body, as accelerations do, and its unevenness, which `seed` draws and which grows with
+/// speed; the path is the same for all seeds.
+///
+/// Throws InputError when an option or a leg makes no sense, a leg does not start where the previous one ends, or one
+/// bends more sharply than the car can follow.
+VehicleMotion Drive(const VehicleOptions& options, const std::vector<RouteLeg>& legs, const RoadHeight& road,
+                    double axle_height, unsigned seed);
+
+}  // namespace turnscale
