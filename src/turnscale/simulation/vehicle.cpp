@@ -30,7 +30,7 @@ constexpr double kMaxLegGap = 0.5;
 /// A drive in the making.
 class Driver {
  public:
-  Driver(const VehicleOptions& options, const RoadHeight& road, double axle_height, unsigned seed)
+  Driver(const CarOptions& options, const RoadHeight& road, double axle_height, unsigned seed)
       : options_(options),
         road_(road),
         axle_height_(axle_height),
@@ -144,7 +144,7 @@ class Driver {
     state_.world_from_vehicle.translation = {here.x(), -(height + axle_height_), here.y()};
   }
 
-  const VehicleOptions& options_;
+  const CarOptions& options_;
   const RoadHeight& road_;
   double axle_height_;
   RoadNoise pitch_noise_;
@@ -173,7 +173,7 @@ void CheckNumber(const char* name, double value, double least, double most) {
 
 }  // namespace
 
-void VehicleOptions::Check() const {
+void CarOptions::Check() const {
   CheckNumber("wheelbase", wheelbase, 0.5, 10);
   CheckNumber("max_steering_deg", max_steering_deg, 5, 80);
   CheckNumber("max_steering_rate_deg", max_steering_rate_deg, 1, 1000);
@@ -187,9 +187,9 @@ void VehicleOptions::Check() const {
   CheckNumber("road_noise_deg", road_noise_deg, 0, 5);
 }
 
-double VehicleOptions::SideSlip() const { return slip_deg_per_g / (kDegreesPerRadian * kGravity); }
+double CarOptions::SideSlip() const { return slip_deg_per_g / (kDegreesPerRadian * kGravity); }
 
-VehicleMotion Drive(const VehicleOptions& options, const std::vector<RouteLeg>& legs, const RoadHeight& road,
+VehicleMotion Drive(const CarOptions& options, const std::vector<RouteLeg>& legs, const RoadHeight& road,
                     double axle_height, unsigned seed) {
   options.Check();
   CheckLegs(legs);

@@ -12,7 +12,7 @@
 namespace turnscale {
 
 /// A car on a plane: a bicycle with a rear axle that slips.
-struct VehicleOptions {
+struct CarOptions {
   double wheelbase = 2.7;               ///< metres
   double max_steering_deg = 38;         ///< of the front wheels, to either side
   double max_steering_rate_deg = 45;    ///< per second
@@ -75,7 +75,7 @@ class VehicleMotion {
 ///
 /// Throws InputError when an option or a leg makes no sense, a leg does not start where the previous one ends, or one
 /// bends more sharply than the car can follow.
-VehicleMotion Drive(const VehicleOptions& options, const std::vector<RouteLeg>& legs, const RoadHeight& road,
+VehicleMotion Drive(const CarOptions& options, const std::vector<RouteLeg>& legs, const RoadHeight& road,
                     double axle_height, unsigned seed);
 
 }  // namespace turnscale
