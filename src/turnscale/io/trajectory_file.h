@@ -33,6 +33,10 @@ TrajectoryFile ReadTrajectoryFile(const std::filesystem::path& path,
 Trajectory ReadTrajectory(const std::filesystem::path& path,
                           const std::optional<std::vector<double>>& times = std::nullopt);
 
+/// Where the times of KITTI poses stand: `times.txt` beside them, or where the benchmark keeps them (`poses/07.txt`,
+/// `sequences/07/times.txt`). Empty where there is neither.
+std::filesystem::path FindPoseTimes(const std::filesystem::path& kitti_poses);
+
 /// One line of a file, with its line end; 17 digits give back every bit.
 std::string TumLine(const StampedPose& pose);
 std::string KittiLine(const RigidTransform& world_from_camera, int digits = 9);

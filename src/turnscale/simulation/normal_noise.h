@@ -6,8 +6,8 @@
 
 namespace turnscale {
 
-/// Fills the values with independent normal numbers of mean 0 and standard deviation 1 (no larger than 4.3). They depend
-/// on the key and their place alone.
+/// Fills the values with independent normal numbers of mean 0 and standard deviation 1 (no larger than 4.3). They
+/// depend on the key and their place alone.
 void FillNormalNoise(std::uint64_t key, std::span<float> values);
 
 }  // namespace turnscale

@@ -51,9 +51,9 @@ struct Rig {
 
 Rig MakeRig(RigPreset preset);
 
-/// Reads `rig.yaml`. Its key `preset` (paper or kitti; else `fallback`) gives what the file leaves out. Throws InputError
-/// that names file, line and key for an unknown key (with the nearest known one), a value of another kind, or one that
-/// makes no sense.
+/// Reads `rig.yaml`. Its key `preset` (paper or kitti; else `fallback`) gives what the file leaves out. Throws
+/// InputError that names file, line and key for an unknown key (with the nearest known one), a value of another kind,
+/// or one that makes no sense.
 Rig ReadRig(const std::filesystem::path& path, RigPreset fallback = RigPreset::kPaper);
 
 /// All of a rig as YAML, fit for ReadRig.
