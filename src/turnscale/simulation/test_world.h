@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 
 #include "turnscale/geometry/rotation.h"
@@ -11,6 +12,9 @@ namespace turnscale {
 
 /// Where a small glowing board of MakeTestWorld stands, metres.
 inline const Eigen::Vector3d kTestBoard = {3, -1.2, 16};
+
+/// Its brightness.
+constexpr float kTestGlow = 20;
 
 /// Where the other glowing board is at a time (s): it crosses the way ahead at 4 m/s.
 inline RigidTransform TestCar(double time) { return {Eigen::Quaterniond::Identity(), {4 * time - 4, 0, 22}}; }
@@ -27,7 +31,7 @@ inline World MakeTestWorld(double seconds) {
   constexpr int kFloor = 0;
   constexpr int kWall = 1;
   constexpr int kGlowing = 2;
-  scene.materials = {{.texture = 0}, {.texture = 1}, {.texture = 1, .tint = 0, .glow = 3}};
+  scene.materials = {{.texture = 0}, {.texture = 1}, {.texture = 1, .tint = 0, .glow = kTestGlow}};
   scene.sky = 0.6F;
   scene.ambient = 0.8F;
   AddRectangle({.material = kFloor, .light_step = 4}, {-40, 0, -20}, {0, 0, 80}, {80, 0, 0}, scene.fixed);
