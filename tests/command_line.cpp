@@ -9,6 +9,7 @@
 #include <thread>
 
 #include <fcntl.h>
+#include <gtest/gtest.h>
 #include <signal.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -85,6 +86,13 @@ CommandResult Command::Wait() {
 
 CommandResult RunCommand(const std::vector<std::string>& arguments, const std::filesystem::path& folder) {
   return Command(arguments, folder).Wait();
+}
+
+void ExpectComplaint(const CommandResult& result, int exit_code, const std::vector<std::string>& parts) {
+  EXPECT_EQ(result.exit_code, exit_code) << result.err;
+  ASSERT_EQ(result.Complaints().size(), 1u) << result.err;
+  EXPECT_EQ(result.err, result.Complaints()[0] + "\n");
+  for (const std::string& part : parts) EXPECT_NE(result.err.find(part), std::string::npos) << result.err;
 }
 
 }  // namespace turnscale

@@ -40,4 +40,7 @@ class Command {
 /// Runs `turnscale` to its end.
 CommandResult RunCommand(const std::vector<std::string>& arguments, const std::filesystem::path& folder);
 
+/// Fails the test unless the command ended with the code, and all of standard error is one line that holds the parts.
+void ExpectComplaint(const CommandResult& result, int exit_code, const std::vector<std::string>& parts);
+
 }  // namespace turnscale

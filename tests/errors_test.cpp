@@ -59,14 +59,6 @@ class ErrorsTest : public ::testing::Test {
 
   nlohmann::json Summary() const { return nlohmann::json::parse(TextOf(Out() / "summary.json")); }
 
-  // The whole of standard error is one line, and it says all of this.
-  static void ExpectComplaint(const CommandResult& result, int exit_code, const std::vector<std::string>& parts) {
-    EXPECT_EQ(result.exit_code, exit_code) << result.err;
-    ASSERT_EQ(result.Complaints().size(), 1u) << result.err;
-    EXPECT_EQ(result.err, result.Complaints()[0] + "\n");
-    for (const std::string& part : parts) EXPECT_NE(result.err.find(part), std::string::npos) << result.err;
-  }
-
   fs::path folder_;
 };
 

@@ -11,5 +11,6 @@ namespace turnscale {
 /// exit code of its own.
 void AddRunCommand(CLI::App& app);
 void AddEvaluateCommand(CLI::App& app);
+void AddSimulateCommand(CLI::App& app);
 
 }  // namespace turnscale

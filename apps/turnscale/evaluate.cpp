@@ -12,6 +12,8 @@
 #include "evaluation_report.h"
 #include "turnscale/base/error.h"
 #include "turnscale/evaluation/evaluation.h"
+#include "turnscale/evaluation/path_picture.h"
+#include "turnscale/io/floor_plan_file.h"
 #include "turnscale/io/frame_times.h"
 #include "turnscale/io/output_file.h"
 #include "turnscale/io/trajectory_file.h"
@@ -27,6 +29,8 @@ struct EvaluateArguments {
   fs::path timestamps;
   fs::path keyframes;
   std::string json;
+  fs::path picture;
+  fs::path floor_plan;
   std::optional<double> time_tolerance;
 };
 
@@ -34,16 +38,6 @@ struct Paired {
   PosePairs pairs;
   KeyframeKey key = KeyframeKey::kTime;
 };
-
-// KITTI poses have no times of their own: they stand beside them, or where the benchmark keeps them
-// (poses/07.txt, sequences/07/times.txt).
-fs::path TimesOf(const fs::path& kitti_poses) {
-  fs::path beside = kitti_poses.parent_path() / "times.txt";
-  if (fs::exists(beside)) return beside;
-  fs::path benchmark =
-      fs::absolute(kitti_poses).parent_path().parent_path() / "sequences" / kitti_poses.stem() / "times.txt";
-  return fs::exists(benchmark) ? benchmark : fs::path();
-}
 
 bool NumbersEveryFrame(const TrajectoryFile& file) {
   return file.frames.back() + 1 == static_cast<int>(file.frames.size());
@@ -64,7 +58,7 @@ Paired PairPoses(const EvaluateArguments& arguments, TrajectoryFile& estimate, T
   if (estimate_has_times != truth_has_times) {
     const fs::path& untimed_path = estimate_has_times ? arguments.ground_truth : arguments.estimate;
     TrajectoryFile& untimed = estimate_has_times ? truth : estimate;
-    const fs::path times = arguments.timestamps.empty() ? TimesOf(untimed_path) : arguments.timestamps;
+    const fs::path times = arguments.timestamps.empty() ? FindPoseTimes(untimed_path) : arguments.timestamps;
     if (times.empty()) {
       if (estimate.poses.size() == truth.poses.size()) {
         return {AssociateByFrame(estimate.poses, truth.poses), KeyframeKey::kFrame};
@@ -105,6 +99,19 @@ std::vector<Step> FindSteps(const EvaluateArguments& arguments, const Paired& pa
   return StepsAlongPath(paired.pairs);
 }
 
+// The estimate as it is given, its first pose laid on the true one.
+void DrawPath(const EvaluateArguments& arguments, const Paired& paired, const Evaluation& evaluation) {
+  PathPicture picture;
+  picture.title = arguments.estimate.string();
+  if (!arguments.floor_plan.empty()) picture.outlines = ReadFloorPlan(arguments.floor_plan);
+  const auto from_above = [](const Eigen::Vector3d& place) { return Eigen::Vector2d(place.x(), place.z()); };
+  for (const PosePair& pair : paired.pairs) {
+    picture.truth.push_back(from_above(pair.truth.translation));
+    picture.estimate.push_back(from_above(evaluation.from_first_pose.truth_from_estimate * pair.estimate.translation));
+  }
+  ReplaceFile(arguments.picture, PathSvg(picture));
+}
+
 void RunEvaluate(const EvaluateArguments& arguments) {
   TrajectoryFile estimate = ReadTrajectoryFile(arguments.estimate);
   TrajectoryFile truth = ReadTrajectoryFile(arguments.ground_truth);
@@ -117,6 +124,7 @@ void RunEvaluate(const EvaluateArguments& arguments) {
   sources.pairing = paired.key == KeyframeKey::kTime ? "time" : "frame";
   const std::vector<Step> steps = FindSteps(arguments, paired, sources.steps);
   const Evaluation evaluation = Evaluate(paired.pairs, steps);
+  if (!arguments.picture.empty()) DrawPath(arguments, paired, evaluation);
   const std::string json = EvaluationJson(evaluation, sources).dump(2) + "\n";
   if (arguments.json == "-") {
     std::cout << json;
@@ -144,6 +152,11 @@ void AddEvaluateCommand(CLI::App& app) {
                       "trajectory.csv of the run, whose keyframes are the steps of the scale error ratio (default: the "
                       "one beside ESTIMATE, else steps of 1 m)");
   command->add_option("--json", arguments->json, "Write the numbers to this file; - writes them instead of the table");
+  CLI::Option* picture =
+      command->add_option("--picture", arguments->picture, "Draw both paths from above into this SVG file");
+  command
+      ->add_option("--floor-plan", arguments->floor_plan, "floor_plan.csv of a simulated drive, drawn below the paths")
+      ->needs(picture);
   command->callback([arguments] { RunEvaluate(*arguments); });
 }
 

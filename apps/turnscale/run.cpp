@@ -137,7 +137,8 @@ class Run {
     if (writer_->Add(result, odometry_.revision(), odometry_.scale_state())) {
       writer_->Rewrite(odometry_.RefinedFrames(), odometry_.scale_state());
     }
-    progress.Update(processed_, static_cast<int>(odometry_.map().keyframes.size()), odometry_.scale_state());
+    progress.Update(processed_, fmt::format("{} keyframes, scale {}", odometry_.map().keyframes.size(),
+                                            ScaleStateName(odometry_.scale_state())));
   }
 
   void WriteResults() {
@@ -179,8 +180,9 @@ void AddRunCommand(CLI::App& app) {
   run->add_option("input", arguments->input,
                   "A KITTI folder (image_0/ or images/, calib.txt, times.txt), a folder of images, or a video")
       ->required();
-  run->add_option("--camera", arguments->camera,
-                  "Calibration: KITTI calib.txt, OpenCV, ORB-SLAM or Kalibr YAML [calib.txt in the input folder]");
+  run->add_option(
+      "--camera", arguments->camera,
+      "Calibration: KITTI calib.txt, OpenCV, ORB-SLAM or Kalibr YAML [calib.txt or camera.yaml in the input folder]");
   CLI::Option* timestamps =
       run->add_option("--timestamps", arguments->timestamps, "Times of the frames, one number a line, seconds");
   run->add_option("--fps", arguments->fps, "Frames per second, where there are no times")->excludes(timestamps);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "turnscale/camera/camera_file.h"
 
+#include <array>
 #include <cmath>
 #include <fstream>
 #include <string>
@@ -69,6 +70,28 @@ CameraModel ReadCameraFile(const std::filesystem::path& path) {
   const ProjectionLine line = FindProjection(path);
   if (line.number > 0) return CameraFromProjection(fmt::format("{}:{}", path.string(), line.number), line.text);
   return CameraFromYaml(YamlMap(path));
+}
+
+std::string CameraFileText(const CameraModel& camera) {
+  const Pinhole& p = camera.pinhole;
+  const bool fisheye = camera.lens == LensModel::kEquidistant;
+  const int coefficients = fisheye ? 4 : 5;
+  const auto first = camera.distortion.begin();
+  return fmt::format(
+      "image_width: {}\nimage_height: {}\n"
+      "camera_matrix:\n  rows: 3\n  cols: 3\n  data: [{}, 0, {}, 0, {}, {}, 0, 0, 1]\n"
+      "distortion_model: {}\n"
+      "distortion_coefficients:\n  rows: 1\n  cols: {}\n  data: [{}]\n",
+      camera.width, camera.height, p.fx, p.cx, p.fy, p.cy, fisheye ? "equidistant" : "plumb_bob", coefficients,
+      fmt::join(first, first + coefficients, ", "));
+}
+
+std::string KittiCalibrationText(const Pinhole& p) {
+  std::string text;
+  for (int camera = 0; camera < 4; ++camera) {
+    text += fmt::format("P{}: {} 0 {} 0 0 {} {} 0 0 0 1 0\n", camera, p.fx, p.cx, p.fy, p.cy);
+  }
+  return text;
 }
 
 }  // namespace turnscale

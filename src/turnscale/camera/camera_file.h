@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 #include "turnscale/camera/camera_model.h"
 
@@ -12,5 +13,12 @@ namespace turnscale {
 /// Throws InputError that names file, key and value where the camera is incomplete, makes no sense, or has a lens that
 /// CameraModel does not know.
 CameraModel ReadCameraFile(const std::filesystem::path& path);
+
+/// The calibration as YAML of ROS's camera_info, which OpenCV reads too and ReadCameraFile gives back to the same bits.
+std::string CameraFileText(const CameraModel& camera);
+
+/// KITTI's `calib.txt`: the camera stands for all four. Only for a camera whose lens has no distortion, which the file
+/// has no room for.
+std::string KittiCalibrationText(const Pinhole& pinhole);
 
 }  // namespace turnscale

@@ -199,5 +199,39 @@ TEST(CameraFile, MissingFileAndFolder) {
   EXPECT_THROW(ReadCameraFile(::testing::TempDir()), InputError);
 }
 
+TEST(CameraFile, WhatIsWrittenReadsBackToTheSameBits) {
+  CameraModel camera;
+  camera.pinhole = {718.856, 700.0 / 3, 607.1928, 185.2157};
+  camera.width = 1241;
+  camera.height = 376;
+  const auto expect_same = [&] {
+    const CameraModel read = Read(CameraFileText(camera));
+    EXPECT_EQ(read.pinhole.fx, camera.pinhole.fx);
+    EXPECT_EQ(read.pinhole.fy, camera.pinhole.fy);
+    EXPECT_EQ(read.pinhole.cx, camera.pinhole.cx);
+    EXPECT_EQ(read.pinhole.cy, camera.pinhole.cy);
+    EXPECT_EQ(read.lens, camera.lens);
+    EXPECT_EQ(read.distortion, camera.distortion);
+    EXPECT_EQ(read.width, camera.width);
+    EXPECT_EQ(read.height, camera.height);
+  };
+  expect_same();
+  camera.lens = LensModel::kRadialTangential;
+  camera.distortion = {-0.3, 0.1, 1e-4, -2e-4, 1.0 / 30};
+  expect_same();
+  camera.lens = LensModel::kEquidistant;
+  camera.distortion = {-0.01, 0.002, 0, 1e-5, 0};
+  expect_same();
+}
+
+TEST(CameraFile, KittiCalibrationReadsBackToTheSameBits) {
+  const CameraModel read = Read(KittiCalibrationText({718.856, 700.0 / 3, 607.1928, 185.2157}));
+  EXPECT_EQ(read.pinhole.fx, 718.856);
+  EXPECT_EQ(read.pinhole.fy, 700.0 / 3);
+  EXPECT_EQ(read.pinhole.cx, 607.1928);
+  EXPECT_EQ(read.pinhole.cy, 185.2157);
+  EXPECT_EQ(read.lens, LensModel::kPinhole);
+}
+
 }  // namespace
 }  // namespace turnscale

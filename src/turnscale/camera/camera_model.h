@@ -35,6 +35,8 @@ struct CameraModel {
   /// The pixel that the ideal pinhole camera (same intrinsics) would show; nothing where the ray is not in front of
   /// the image plane or the model cannot be inverted.
   std::optional<Eigen::Vector2d> Undistort(const Eigen::Vector2d& pixel) const;
+
+  bool operator==(const CameraModel&) const = default;
 };
 
 }  // namespace turnscale

@@ -22,6 +22,8 @@ struct Pinhole {
   Eigen::Vector3d Ray(const Eigen::Vector2d& pixel) const {
     return {(pixel.x() - cx) / fx, (pixel.y() - cy) / fy, 1.0};
   }
+
+  bool operator==(const Pinhole&) const = default;
 };
 
 }  // namespace turnscale

@@ -55,6 +55,7 @@ DriveInput FindInFolder(const fs::path& folder) {
   DriveInput drive;
   drive.path = folder;
   drive.camera_file = FileIn(folder, "calib.txt");
+  if (!drive.camera_file) drive.camera_file = FileIn(folder, "camera.yaml");
   drive.times_file = FileIn(folder, "times.txt");
   std::error_code error;
   for (const char* name : {"image_0", "images"}) {

@@ -12,11 +12,12 @@ struct DriveInput {
   std::filesystem::path path;  ///< the folder that holds the images, or the video
   std::vector<std::filesystem::path> images;
   bool is_video = false;
-  std::optional<std::filesystem::path> camera_file;  ///< `calib.txt` beside the images
+  std::optional<std::filesystem::path> camera_file;  ///< `calib.txt`, else `camera.yaml`, beside the images
   std::optional<std::filesystem::path> times_file;   ///< `times.txt` beside the images
 };
 
-/// Sniffs INPUT: a KITTI folder (`image_0/` or `images/`, with `calib.txt` and `times.txt`), a folder of images, a
+/// Sniffs INPUT: a KITTI folder (`image_0/` or `images/`, with `calib.txt` or
+/// `camera.yaml`, and `times.txt`), a folder of images, a
 /// folder with one video, or a video file. Throws InputError where it is none of these.
 DriveInput FindDrive(const std::filesystem::path& input);
 

@@ -109,6 +109,15 @@ TEST_F(ImageSourceTest, KittiFolderBringsItsTimesAndCamera) {
   EXPECT_EQ(ReadAll({.fps = 5})[1].time, 0.2) << "what the user says goes first";
 }
 
+TEST_F(ImageSourceTest, CameraYamlStandsInWhereThereIsNoCalibTxt) {
+  Images(folder_ / "image_0", 0, 1);
+  EXPECT_FALSE(FindDrive(folder_).camera_file.has_value());
+  Text("camera.yaml", "");
+  EXPECT_EQ(FindDrive(folder_).camera_file, folder_ / "camera.yaml");
+  Text("calib.txt", "");
+  EXPECT_EQ(FindDrive(folder_).camera_file, folder_ / "calib.txt");
+}
+
 TEST_F(ImageSourceTest, ColourAndSixteenBitBecomeGray) {
   cv::imwrite((folder_ / "0.png").string(), cv::Mat(48, 64, CV_8UC3, cv::Scalar(50, 50, 50)));
   cv::imwrite((folder_ / "1.png").string(), cv::Mat(48, 64, CV_16UC1, cv::Scalar(50 * 256)));

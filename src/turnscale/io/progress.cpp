@@ -24,7 +24,7 @@ std::string Bar(int done, int all) {
 
 Progress::Progress(int frames, bool quiet) : frames_(frames), quiet_(quiet), on_terminal_(isatty(STDERR_FILENO) == 1) {}
 
-void Progress::Update(int frames_done, int keyframes, ScaleState scale_state) {
+void Progress::Update(int frames_done, const std::string& more) {
   if (quiet_) return;
   const Clock::time_point now = Clock::now();
   const int tenths = frames_ > 0 ? static_cast<int>(static_cast<int64_t>(frames_done) * 10 / frames_) : 0;
@@ -34,9 +34,9 @@ void Progress::Update(int frames_done, int keyframes, ScaleState scale_state) {
   shown_ = now;
   shown_tenths_ = tenths;
   const double seconds = std::chrono::duration<double>(now - start_).count();
-  const std::string text = fmt::format("frame {}{}, {:.1f} frames/s, {} keyframes, scale {}", frames_done,
-                                       frames_ > 0 ? fmt::format("/{}", frames_) : "",
-                                       frames_done / std::max(seconds, 1e-3), keyframes, ScaleStateName(scale_state));
+  const std::string text =
+      fmt::format("frame {}{}, {:.1f} frames/s{}{}", frames_done, frames_ > 0 ? fmt::format("/{}", frames_) : "",
+                  frames_done / std::max(seconds, 1e-3), more.empty() ? "" : ", ", more);
   if (on_terminal_) {
     fmt::print(stderr, "\r\x1b[K{}{}", frames_ > 0 ? Bar(frames_done, frames_) : "", text);
     std::fflush(stderr);

@@ -8,14 +8,15 @@
 
 namespace turnscale {
 
-/// How far a run is, on standard error: one line that renews itself on a terminal, else a plain line now and then.
-/// What it shows depends on the clock; nothing else does.
+/// How far a run or a simulation is, on standard error: one line that renews itself on a terminal, else a plain line
+/// now and then. What it shows depends on the clock; nothing else does.
 class Progress {
  public:
   /// `frames` is how many are expected, 0 where that is not known. Quiet leaves only warnings.
   Progress(int frames, bool quiet);
 
-  void Update(int frames_done, int keyframes, ScaleState scale_state);
+  /// `more` is said after the rate.
+  void Update(int frames_done, const std::string& more = "");
   /// A line of its own, shown even when quiet.
   void Warn(const std::string& message);
   /// Ends the line that renews itself.

@@ -2,10 +2,7 @@
 #include "turnscale/io/settings.h"
 
 #include <cmath>
-#include <initializer_list>
 #include <optional>
-#include <type_traits>
-#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -14,130 +11,12 @@
 #include "turnscale/base/parse.h"
 #include "turnscale/config/yaml_map.h"
 #include "turnscale/geometry/rotation.h"
+#include "turnscale/io/field_reader.h"
+#include "turnscale/io/field_writer.h"
 #include "turnscale/io/settings_fields.h"
 
 namespace turnscale {
 namespace {
-
-template <class Value>
-using Choices = std::initializer_list<std::pair<const char*, Value>>;
-
-class Writer {
- public:
-  template <class Fields>
-  void Group(const char* name, const Fields& fields) {
-    Line(name, "");
-    indent_ += "  ";
-    fields();
-    indent_.resize(indent_.size() - 2);
-  }
-
-  template <class Value>
-  void Field(const char* name, const Value& value) {
-    Line(name, fmt::format(" {}", value));
-  }
-
-  void Field(const char* name, const std::optional<double>& value) {
-    Line(name, value ? fmt::format(" {}", *value) : " none");
-  }
-
-  // Twelve digits give back the very radians that a round number of degrees was made of; + 0.0 unmakes a negative zero.
-  void Degrees(const std::string& name, double radians) {
-    Line(name, fmt::format(" {:.12g}", radians * kDegreesPerRadian + 0.0));
-  }
-
-  template <class Value>
-  void Choice(const char* name, Value value, Choices<std::type_identity_t<Value>> choices) {
-    for (const auto& [word, choice] : choices) {
-      if (choice == value) Line(name, std::string(" ") + word);
-    }
-  }
-
-  void Rotation(const std::string& prefix, const Eigen::Quaterniond& rotation) {
-    const YawPitchRoll angles = YawPitchRollFromRotation(rotation);
-    Degrees(prefix + "_yaw_deg", angles.yaw);
-    Degrees(prefix + "_pitch_deg", angles.pitch);
-    Degrees(prefix + "_roll_deg", angles.roll);
-  }
-
-  std::string text;
-
- private:
-  void Line(const std::string& name, const std::string& value) { text += indent_ + name + ":" + value + "\n"; }
-
-  std::string indent_;
-};
-
-class Reader {
- public:
-  explicit Reader(const YamlMap& file) { levels_.push_back({file, {}}); }
-
-  template <class Fields>
-  void Group(const char* name, const Fields& fields) {
-    if (!Known(name)) return;
-    levels_.push_back({Map().Map(name), {}});
-    fields();
-    AllowOnlyKnown();
-    levels_.pop_back();
-  }
-
-  void Field(const std::string& name, double& value) {
-    if (Known(name)) value = Map().Number(name);
-  }
-  void Field(const std::string& name, int& value) {
-    if (Known(name)) value = Map().Integer(name);
-  }
-  void Field(const std::string& name, bool& value) {
-    if (Known(name)) value = Map().Bool(name);
-  }
-  void Field(const std::string& name, std::optional<double>& value) {
-    if (!Known(name)) return;
-    value = Map().Text(name) == "none" ? std::nullopt : std::optional(Map().Number(name));
-  }
-
-  void Degrees(const std::string& name, double& radians) {
-    if (Known(name)) radians = Map().Number(name) / kDegreesPerRadian;
-  }
-
-  template <class Value>
-  void Choice(const std::string& name, Value& value, Choices<std::type_identity_t<Value>> choices) {
-    if (!Known(name)) return;
-    const std::string text = Map().Text(name);
-    std::string all;
-    for (const auto& [choice_text, choice] : choices) {
-      if (text == choice_text) {
-        value = choice;
-        return;
-      }
-      all += (all.empty() ? "" : " or ") + std::string(choice_text);
-    }
-    Map().Reject(name, fmt::format("is '{}'; give {}", text, all));
-  }
-
-  void Rotation(const std::string& prefix, Eigen::Quaterniond& rotation) {
-    YawPitchRoll angles = YawPitchRollFromRotation(rotation);
-    Degrees(prefix + "_yaw_deg", angles.yaw);
-    Degrees(prefix + "_pitch_deg", angles.pitch);
-    Degrees(prefix + "_roll_deg", angles.roll);
-    rotation = RotationFromYawPitchRoll(angles);
-  }
-
-  void AllowOnlyKnown() const { Map().AllowOnly(levels_.back().known); }
-
- private:
-  struct Level {
-    YamlMap map;
-    std::vector<std::string> known;  // keys asked for so far
-  };
-
-  const YamlMap& Map() const { return levels_.back().map; }
-  bool Known(const std::string& name) {
-    levels_.back().known.push_back(name);
-    return Map().Has(name);
-  }
-
-  std::vector<Level> levels_;
-};
 
 // The three angles of "yaw,pitch,roll"; nothing where the text is no such list.
 std::optional<YawPitchRoll> ParseAngles(const std::string& text) {
@@ -157,7 +36,7 @@ std::optional<YawPitchRoll> ParseAngles(const std::string& text) {
 }  // namespace
 
 std::string SettingsText(const OdometryOptions& options) {
-  Writer writer;
+  FieldWriter writer;
   OdometryOptions shown = options;
   VisitSettings(writer, shown);
   return writer.text;
@@ -165,7 +44,7 @@ std::string SettingsText(const OdometryOptions& options) {
 
 OdometryOptions ReadSettings(const std::filesystem::path& path) {
   OdometryOptions options;
-  Reader reader{YamlMap(path)};
+  FieldReader reader{YamlMap(path)};
   VisitSettings(reader, options);
   reader.AllowOnlyKnown();
   try {
@@ -187,7 +66,9 @@ Eigen::Quaterniond ReadCameraRotation(const std::string& angles_or_file) {
                       angles_or_file));
     }
     const YamlMap map{std::filesystem::path(angles_or_file)};
-    map.AllowOnly(std::vector<std::string>{"yaw_deg", "pitch_deg", "roll_deg"});
+    // A simulated drive's vehicle.yaml says more of the car than its rotation.
+    map.AllowOnly(std::vector<std::string>{"yaw_deg", "pitch_deg", "roll_deg", "lever_arm", "lateral_offset", "height",
+                                           "side_slip"});
     angles = YawPitchRoll{map.Number("yaw_deg") / kDegreesPerRadian, map.Number("pitch_deg") / kDegreesPerRadian,
                           map.Number("roll_deg") / kDegreesPerRadian};
   }

@@ -99,6 +99,9 @@ TEST(CameraRotation, FromAnglesOrFile) {
   expect(ReadCameraRotation("-1.5,2,0.25"));
   expect(ReadCameraRotation(" -1.5, 2 , +0.25"));
   expect(ReadCameraRotation(Write("yaw_deg: -1.5\npitch_deg: 2\nroll_deg: 0.25\n")));
+  expect(
+      ReadCameraRotation(Write("lever_arm: 1.5\nlateral_offset: 0\nheight: 1.4\nside_slip: 0.005\nyaw_deg: -1.5\n"
+                               "pitch_deg: 2\nroll_deg: 0.25\n")));
 }
 
 TEST(CameraRotation, ComplaintsSayWhatToGive) {

@@ -141,6 +141,15 @@ Trajectory ReadTrajectory(const std::filesystem::path& path, const std::optional
   return ReadTrajectoryFile(path, times).poses;
 }
 
+std::filesystem::path FindPoseTimes(const std::filesystem::path& kitti_poses) {
+  namespace fs = std::filesystem;
+  fs::path beside = kitti_poses.parent_path() / "times.txt";
+  if (fs::exists(beside)) return beside;
+  fs::path benchmark =
+      fs::absolute(kitti_poses).parent_path().parent_path() / "sequences" / kitti_poses.stem() / "times.txt";
+  return fs::exists(benchmark) ? benchmark : fs::path();
+}
+
 std::string TumLine(const StampedPose& pose) {
   const Eigen::Vector3d& t = pose.world_from_camera.translation;
   const Eigen::Quaterniond& q = pose.world_from_camera.rotation;
@@ -148,12 +157,12 @@ std::string TumLine(const StampedPose& pose) {
                      q.y(), q.z(), q.w());
 }
 
-std::string KittiLine(const RigidTransform& world_from_camera) {
+std::string KittiLine(const RigidTransform& world_from_camera, int digits) {
   Eigen::Matrix<double, 3, 4, Eigen::RowMajor> matrix;
   matrix << world_from_camera.rotation.toRotationMatrix(), world_from_camera.translation;
   std::string line;
   for (int i = 0; i < matrix.size(); ++i) {
-    fmt::format_to(std::back_inserter(line), "{}{:.9g}", i == 0 ? "" : " ", matrix.data()[i]);
+    fmt::format_to(std::back_inserter(line), "{}{:.{}g}", i == 0 ? "" : " ", matrix.data()[i], digits);
   }
   return line + "\n";
 }

@@ -33,9 +33,13 @@ TrajectoryFile ReadTrajectoryFile(const std::filesystem::path& path,
 Trajectory ReadTrajectory(const std::filesystem::path& path,
                           const std::optional<std::vector<double>>& times = std::nullopt);
 
-/// One line of a file, with its line end.
+/// Where the times of KITTI poses stand: `times.txt` beside them, or where the benchmark keeps them (`poses/07.txt`,
+/// `sequences/07/times.txt`). Empty where there is neither.
+std::filesystem::path FindPoseTimes(const std::filesystem::path& kitti_poses);
+
+/// One line of a file, with its line end; 17 digits give back every bit.
 std::string TumLine(const StampedPose& pose);
-std::string KittiLine(const RigidTransform& world_from_camera);
+std::string KittiLine(const RigidTransform& world_from_camera, int digits = 9);
 
 /// Throw InputError where the file cannot be made, OutputError where it cannot be filled.
 void WriteTum(const std::filesystem::path& path, const Trajectory& poses);

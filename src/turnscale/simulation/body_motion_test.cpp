@@ -53,7 +53,7 @@ TEST(RoadNoise, HasUnitVarianceAndIsSmooth) {
 }
 
 TEST(Body, NodsWithTheAcceleration) {
-  VehicleOptions options;
+  CarOptions options;
   options.road_noise_deg = 0;
   const VehicleMotion motion = DriveFlat(options, {Straight(60, 12)});
   double up = 0;
@@ -74,7 +74,7 @@ TEST(Body, NodsWithTheAcceleration) {
 }
 
 TEST(Body, LeansOutwards) {
-  VehicleOptions options;
+  CarOptions options;
   options.road_noise_deg = 0;
   const VehicleMotion right = DriveFlat(options, {Circle(10, 5, 1)});
   EXPECT_NEAR(AnglesAt(right, 9).roll * kDegreesPerRadian, -5 * 2.5 / 9.81, 0.05);
@@ -84,7 +84,7 @@ TEST(Body, LeansOutwards) {
 }
 
 TEST(Body, UnevennessHasItsSizeAtTenMetresPerSecond) {
-  VehicleOptions options = StiffVehicle();
+  CarOptions options = StiffVehicle();
   options.road_noise_deg = 0.1;
   RouteLeg leg = Straight(2000, 10);
   leg.speeds = {10, 10};

@@ -67,7 +67,7 @@ TEST(PathFollowing, StaysOnCornersAtAnySpeed) {
 
 TEST(PathFollowing, StaysOnAnS) {
   for (const double slip : {0.0, 3.0, 6.0}) {
-    VehicleOptions options;
+    CarOptions options;
     options.slip_deg_per_g = slip;
     EXPECT_LT(GreatestError(DriveFlat(options, {SLeg(5.5, 6)}), {SLeg(5.5, 6)}), 0.1) << slip;
     EXPECT_LT(GreatestError(DriveFlat(options, {SLeg(30, 14)}), {SLeg(30, 14)}), 0.1) << slip;
@@ -86,7 +86,7 @@ TEST(PathFollowing, BacksOutOfAParkingSpace) {
 }
 
 TEST(PathFollowing, KeepsTheLimits) {
-  const VehicleOptions options;
+  const CarOptions options;
   for (const std::vector<RouteLeg>& legs :
        {std::vector<RouteLeg>{CornersLeg(8)}, {SLeg(6, 8)}, {SLeg(40, 20)}, LeavingAParkingSpace()}) {
     const double interval = 0.01;

@@ -15,7 +15,7 @@ constexpr double kCurveShare = 0.9;
 constexpr double kSmoothingTime = 1.2;
 
 /// Greatest speed at each sample of the path, its neighbours left out of account.
-std::vector<double> SpeedLimits(const VehicleOptions& options, const ReferencePath& path) {
+std::vector<double> SpeedLimits(const CarOptions& options, const ReferencePath& path) {
   const double steering_rate = kCurveShare * options.max_steering_rate_deg / kDegreesPerRadian;
   std::vector<double> limits = path.speed;
   for (std::size_t i = 0; i < limits.size(); ++i) {
@@ -47,7 +47,7 @@ std::vector<double> SpeedsInTime(const std::vector<double>& speeds, double spaci
 
 }  // namespace
 
-std::vector<double> PlanSpeeds(const VehicleOptions& options, const ReferencePath& path, const EndSpeeds& ends,
+std::vector<double> PlanSpeeds(const CarOptions& options, const ReferencePath& path, const EndSpeeds& ends,
                                double interval) {
   std::vector<double> speeds = SpeedLimits(options, path);
   speeds.front() = std::min(speeds.front(), ends.start);

@@ -17,7 +17,7 @@ struct EndSpeeds {
 /// Speeds (m/s, not negative) every `interval` seconds that bring a car from the path's start to its end: the path's
 /// own, lower in curves and where the wheels could not be turned as fast, within the limits of acceleration, and
 /// without jerks. An end whose speed the path does not allow is driven at what it allows.
-std::vector<double> PlanSpeeds(const VehicleOptions& options, const ReferencePath& path, const EndSpeeds& ends,
+std::vector<double> PlanSpeeds(const CarOptions& options, const ReferencePath& path, const EndSpeeds& ends,
                                double interval);
 
 }  // namespace turnscale

@@ -39,15 +39,15 @@ inline RouteLeg Straight(double length, double speed) {
 }
 
 /// No movement of the body but what the road asks for.
-inline VehicleOptions StiffVehicle() {
-  VehicleOptions options;
+inline CarOptions StiffVehicle() {
+  CarOptions options;
   options.pitch_deg_per_g = 0;
   options.roll_deg_per_g = 0;
   options.road_noise_deg = 0;
   return options;
 }
 
-inline VehicleMotion DriveFlat(const VehicleOptions& options, const std::vector<RouteLeg>& legs, unsigned seed = 1) {
+inline VehicleMotion DriveFlat(const CarOptions& options, const std::vector<RouteLeg>& legs, unsigned seed = 1) {
   return Drive(options, legs, FlatRoad, 0.3, seed);
 }
 

@@ -30,7 +30,7 @@ constexpr double kMaxLegGap = 0.5;
 /// A drive in the making.
 class Driver {
  public:
-  Driver(const VehicleOptions& options, const RoadHeight& road, double axle_height, unsigned seed)
+  Driver(const CarOptions& options, const RoadHeight& road, double axle_height, unsigned seed)
       : options_(options),
         road_(road),
         axle_height_(axle_height),
@@ -81,9 +81,9 @@ class Driver {
     const PathPlace place = PlaceAt(path, progress);
     const Eigen::Vector2d right(std::cos(place.heading), -std::sin(place.heading));
     const double offset = (state_.position - place.position).dot(right);
-    // Slip turns the line of travel away from the heading, forwards against the curve and backwards with it; what the
-    // heading has to do is therefore what the way does a little further on, or back.
-    const double slip_length = options_.SideSlip() * state_.speed * state_.speed * direction;
+    // Slip turns the line of travel outwards of the heading; what the heading has to do is therefore what the way does
+    // a little further on.
+    const double slip_length = options_.SideSlip() * state_.speed * state_.speed;
     const double heading = state_.heading - (direction < 0 ? M_PI : 0);
     const double heading_error = std::remainder(heading - (place.heading + slip_length * place.curvature), 2 * M_PI);
     const double curvature = PlaceAt(path, progress + slip_length + speed * kSteeringDelay).curvature;
@@ -118,7 +118,7 @@ class Driver {
 
   void SetDependents() {
     state_.yaw_rate = state_.speed * std::tan(state_.steering) / options_.wheelbase;
-    state_.slip = -std::atan(options_.SideSlip() * state_.speed * state_.yaw_rate);
+    state_.slip = -std::atan(options_.SideSlip() * std::abs(state_.speed) * state_.yaw_rate);
   }
 
   static Eigen::Vector2d Velocity(const VehicleState& state) {
@@ -144,7 +144,7 @@ class Driver {
     state_.world_from_vehicle.translation = {here.x(), -(height + axle_height_), here.y()};
   }
 
-  const VehicleOptions& options_;
+  const CarOptions& options_;
   const RoadHeight& road_;
   double axle_height_;
   RoadNoise pitch_noise_;
@@ -173,7 +173,7 @@ void CheckNumber(const char* name, double value, double least, double most) {
 
 }  // namespace
 
-void VehicleOptions::Check() const {
+void CarOptions::Check() const {
   CheckNumber("wheelbase", wheelbase, 0.5, 10);
   CheckNumber("max_steering_deg", max_steering_deg, 5, 80);
   CheckNumber("max_steering_rate_deg", max_steering_rate_deg, 1, 1000);
@@ -187,9 +187,9 @@ void VehicleOptions::Check() const {
   CheckNumber("road_noise_deg", road_noise_deg, 0, 5);
 }
 
-double VehicleOptions::SideSlip() const { return slip_deg_per_g / (kDegreesPerRadian * kGravity); }
+double CarOptions::SideSlip() const { return slip_deg_per_g / (kDegreesPerRadian * kGravity); }
 
-VehicleMotion Drive(const VehicleOptions& options, const std::vector<RouteLeg>& legs, const RoadHeight& road,
+VehicleMotion Drive(const CarOptions& options, const std::vector<RouteLeg>& legs, const RoadHeight& road,
                     double axle_height, unsigned seed) {
   options.Check();
   CheckLegs(legs);

@@ -12,7 +12,7 @@
 namespace turnscale {
 
 /// A car on a plane: a bicycle with a rear axle that slips.
-struct VehicleOptions {
+struct CarOptions {
   double wheelbase = 2.7;               ///< metres
   double max_steering_deg = 38;         ///< of the front wheels, to either side
   double max_steering_rate_deg = 45;    ///< per second
@@ -27,10 +27,9 @@ struct VehicleOptions {
 
   /// Throws InputError that names the field when a value makes no sense.
   void Check() const;
-  /// c of L_eff = L - c v^2 (s^2/m) that this slip amounts to: the rear axle moves sideways by -c v^2 yaw_rate (m/s, to
-  /// the right), so that a camera L ahead of it does so by (L - c v^2) yaw_rate. Forwards that is outwards in a curve.
-  /// Backwards the same holds, as the odometry takes it, though tyres then slip the other way: 1 % of a camera's
-  /// sideways motion at 1 m/s.
+  /// c of L_eff = L - c v^2 (s^2/m) that this slip amounts to: the rear axle moves outwards in a curve by c v^2 yaw_rate
+  /// (m/s), so that a camera L ahead of it moves sideways by (L - c v^2) yaw_rate. Backwards the camera is on the other
+  /// side of the curve's force, and it is L + c v^2.
   double SideSlip() const;
 };
 
@@ -77,7 +76,7 @@ class VehicleMotion {
 ///
 /// Throws InputError when an option or a leg makes no sense, a leg does not start where the previous one ends, or one
 /// bends more sharply than the car can follow.
-VehicleMotion Drive(const VehicleOptions& options, const std::vector<RouteLeg>& legs, const RoadHeight& road,
+VehicleMotion Drive(const CarOptions& options, const std::vector<RouteLeg>& legs, const RoadHeight& road,
                     double axle_height, unsigned seed);
 
 }  // namespace turnscale

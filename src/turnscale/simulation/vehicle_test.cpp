@@ -27,7 +27,7 @@ double SidewaysError(const VehicleMotion& motion, double side_slip, double time)
   const Eigen::Vector3d velocity =
       (CameraAt(motion, time + kMoment) - CameraAt(motion, time - kMoment)) / (2 * kMoment);
   const double sideways = (state.world_from_vehicle.rotation.conjugate() * velocity).x();
-  return sideways - state.yaw_rate * (kLeverArm - side_slip * state.speed * state.speed);
+  return sideways - state.yaw_rate * (kLeverArm - side_slip * std::abs(state.speed) * state.speed);
 }
 
 std::vector<TurningStep> StepsOf(const VehicleMotion& motion) {
@@ -42,7 +42,7 @@ std::vector<TurningStep> StepsOf(const VehicleMotion& motion) {
 }
 
 TEST(Vehicle, TurnsAndSlipsOnACircle) {
-  const VehicleOptions options = StiffVehicle();
+  const CarOptions options = StiffVehicle();
   const VehicleMotion motion = DriveFlat(options, {Circle(10, 5, 1)});
   const VehicleState state = motion.At(0.5 * motion.duration());
   EXPECT_NEAR(state.speed, 5, 0.02);
@@ -58,7 +58,7 @@ TEST(Vehicle, CameraSwingsByTheEffectiveLeverArm) {
   for (const bool reverse : {false, true}) {
     RouteLeg leg = Circle(10, 5, 0.6);
     leg.reverse = reverse;
-    const VehicleOptions options = StiffVehicle();
+    const CarOptions options = StiffVehicle();
     const VehicleMotion motion = DriveFlat(options, {leg});
     const VehicleState middle = motion.At(0.5 * motion.duration());
     EXPECT_EQ(middle.speed < 0, reverse);
@@ -73,7 +73,7 @@ TEST(Vehicle, PooledLineGivesBackTheLeverArm) {
   RouteLeg corner;
   corner.points = RoundCorners({{0, 0}, {0, 20}, {20, 20}}, 6, 0.5);
   corner.speed = 2;
-  VehicleOptions options = StiffVehicle();
+  CarOptions options = StiffVehicle();
   options.slip_deg_per_g = 0;
   const std::vector<TurningStep> rigid = StepsOf(DriveFlat(options, {corner}));
   EXPECT_NEAR(ObservedLeverArm(rigid, 1).value() / kLeverArm, 1, 1e-3);
@@ -155,19 +155,19 @@ TEST(Vehicle, RefusesLegsThatCannotBeDriven) {
 }
 
 TEST(Vehicle, CheckNamesTheField) {
-  EXPECT_NO_THROW(VehicleOptions{}.Check());
-  const auto refused = [](auto change) { return RefusedField<VehicleOptions>(change); };
-  EXPECT_EQ(refused([](VehicleOptions& o) { o.wheelbase = 0; }), "vehicle.wheelbase");
-  EXPECT_EQ(refused([](VehicleOptions& o) { o.max_steering_deg = 90; }), "vehicle.max_steering_deg");
-  EXPECT_EQ(refused([](VehicleOptions& o) { o.max_steering_rate_deg = 0; }), "vehicle.max_steering_rate_deg");
-  EXPECT_EQ(refused([](VehicleOptions& o) { o.slip_deg_per_g = -1; }), "vehicle.slip_deg_per_g");
-  EXPECT_EQ(refused([](VehicleOptions& o) { o.max_acceleration = 0; }), "vehicle.max_acceleration");
-  EXPECT_EQ(refused([](VehicleOptions& o) { o.max_deceleration = std::nan(""); }), "vehicle.max_deceleration");
-  EXPECT_EQ(refused([](VehicleOptions& o) { o.max_lateral_acceleration = 0; }), "vehicle.max_lateral_acceleration");
-  EXPECT_EQ(refused([](VehicleOptions& o) { o.pitch_deg_per_g = -1; }), "vehicle.pitch_deg_per_g");
-  EXPECT_EQ(refused([](VehicleOptions& o) { o.roll_deg_per_g = 90; }), "vehicle.roll_deg_per_g");
-  EXPECT_EQ(refused([](VehicleOptions& o) { o.suspension_hz = 0; }), "vehicle.suspension_hz");
-  EXPECT_EQ(refused([](VehicleOptions& o) { o.road_noise_deg = -0.1; }), "vehicle.road_noise_deg");
+  EXPECT_NO_THROW(CarOptions{}.Check());
+  const auto refused = [](auto change) { return RefusedField<CarOptions>(change); };
+  EXPECT_EQ(refused([](CarOptions& o) { o.wheelbase = 0; }), "vehicle.wheelbase");
+  EXPECT_EQ(refused([](CarOptions& o) { o.max_steering_deg = 90; }), "vehicle.max_steering_deg");
+  EXPECT_EQ(refused([](CarOptions& o) { o.max_steering_rate_deg = 0; }), "vehicle.max_steering_rate_deg");
+  EXPECT_EQ(refused([](CarOptions& o) { o.slip_deg_per_g = -1; }), "vehicle.slip_deg_per_g");
+  EXPECT_EQ(refused([](CarOptions& o) { o.max_acceleration = 0; }), "vehicle.max_acceleration");
+  EXPECT_EQ(refused([](CarOptions& o) { o.max_deceleration = std::nan(""); }), "vehicle.max_deceleration");
+  EXPECT_EQ(refused([](CarOptions& o) { o.max_lateral_acceleration = 0; }), "vehicle.max_lateral_acceleration");
+  EXPECT_EQ(refused([](CarOptions& o) { o.pitch_deg_per_g = -1; }), "vehicle.pitch_deg_per_g");
+  EXPECT_EQ(refused([](CarOptions& o) { o.roll_deg_per_g = 90; }), "vehicle.roll_deg_per_g");
+  EXPECT_EQ(refused([](CarOptions& o) { o.suspension_hz = 0; }), "vehicle.suspension_hz");
+  EXPECT_EQ(refused([](CarOptions& o) { o.road_noise_deg = -0.1; }), "vehicle.road_noise_deg");
 }
 
 }  // namespace

@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <thread>
+#include <utility>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <opencv2/core/utility.hpp>
+
+#include "commands.h"
+#include "interrupt.h"
+#include "turnscale/base/error.h"
+#include "turnscale/geometry/rotation.h"
+#include "turnscale/io/frame_times.h"
+#include "turnscale/io/progress.h"
+#include "turnscale/io/trajectory_file.h"
+#include "turnscale/simulation/drive_recorder.h"
+#include "turnscale/simulation/follow.h"
+#include "turnscale/simulation/rig.h"
+#include "turnscale/simulation/world.h"
+
+namespace turnscale {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kGarageSeconds = 60;
+constexpr double kStreetSeconds = 120;
+
+struct SimulateArguments {
+  std::string world;
+  fs::path out;
+  unsigned seed = 1;
+  std::optional<fs::path> rig;
+  std::optional<double> seconds;
+  std::optional<fs::path> follow;
+  std::optional<fs::path> times;
+  std::optional<int> threads;
+  std::optional<int> max_frames;
+  bool quiet = false;
+};
+
+void Check(const SimulateArguments& arguments) {
+  if (arguments.seconds && !(std::isfinite(*arguments.seconds) && *arguments.seconds > 0)) {
+    throw InputError(fmt::format("--seconds {}: give the length of the drive, above 0", *arguments.seconds));
+  }
+  if (arguments.threads && *arguments.threads < 1) {
+    throw InputError(fmt::format("--threads {}: give at least 1", *arguments.threads));
+  }
+  if (arguments.follow && arguments.world != "street") {
+    throw InputError(fmt::format("--follow: only a street can follow a recorded path, not a {}", arguments.world));
+  }
+}
+
+Trajectory ReadFollowed(const SimulateArguments& arguments) {
+  const fs::path& path = *arguments.follow;
+  TrajectoryFile file = ReadTrajectoryFile(path);
+  if (file.format == TrajectoryFormat::kKitti) {
+    const fs::path times = arguments.times ? *arguments.times : FindPoseTimes(path);
+    if (times.empty()) throw InputError(path.string() + ": has no times; give them with --times");
+    file = ReadTrajectoryFile(path, ReadFrameTimes(times).times);
+  } else if (arguments.times) {
+    throw InputError(arguments.times->string() + ": is not needed, as " + path.string() + " has times of its own");
+  }
+  Trajectory trajectory = std::move(file.poses);
+  if (arguments.seconds) {
+    const double end = trajectory.front().time + *arguments.seconds;
+    std::erase_if(trajectory, [&](const StampedPose& pose) { return pose.time > end; });
+  }
+  return trajectory;
+}
+
+World MakeWorld(const SimulateArguments& arguments, const Rig& rig) {
+  if (arguments.world == "garage") return MakeGarage(arguments.seed, arguments.seconds.value_or(kGarageSeconds));
+  if (!arguments.follow) return MakeStreet(arguments.seed, arguments.seconds.value_or(kStreetSeconds));
+  try {
+    const RecordedPath path = RearAxlePath(ReadFollowed(arguments), rig.mount.lever_arm, rig.mount.lateral_offset);
+    return MakeStreetAlong(arguments.seed, path.points, path.speeds);
+  } catch (const InputError& error) {
+    // Complaints about the path itself do not know its file.
+    const std::string name = arguments.follow->string();
+    if (std::string(error.what()).find(name) != std::string::npos) throw;
+    throw InputError(name + ": " + error.what());
+  }
+}
+
+Rig RigFor(const SimulateArguments& arguments) {
+  const RigPreset preset = arguments.follow ? RigPreset::kKitti : RigPreset::kPaper;
+  return arguments.rig ? ReadRig(*arguments.rig, preset) : MakeRig(preset);
+}
+
+// Returns the exit code.
+int Simulate(const SimulateArguments& arguments) {
+  Check(arguments);
+  const Rig rig = RigFor(arguments);
+  const int threads = arguments.threads.value_or(static_cast<int>(std::max(1U, std::thread::hardware_concurrency())));
+  cv::setNumThreads(threads);
+  World world = MakeWorld(arguments, rig);
+  CatchInterrupts();
+  std::optional<Progress> progress;
+  const auto report = [&](int done, int frames) {
+    if (!progress) {
+      progress.emplace(frames, arguments.quiet);
+      if (!arguments.quiet) fmt::print(stderr, "{} of {} frames: lighting the scene\n", arguments.world, frames);
+    }
+    progress->Update(done);
+    return !Interrupted();
+  };
+  const auto start = std::chrono::steady_clock::now();
+  const Recording recording =
+      RecordDrive(std::move(world), rig, arguments.seed, {arguments.out, arguments.max_frames, threads}, report);
+  progress->Finish();
+  if (!recording.complete) {
+    fmt::print(stderr, "turnscale: interrupted after {} frames; {} is incomplete\n", recording.frames,
+               arguments.out.string());
+    return kInterruptedExitCode;
+  }
+  if (arguments.quiet) return 0;
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  fmt::print("drive   {} frames, {:.1f} s, {:.1f} m, {:.0f} deg of turning\n", recording.frames, recording.seconds,
+             recording.metres, recording.turned * kDegreesPerRadian);
+  fmt::print("cost    {:.1f} s, {:.2f} frames/s\n", seconds, recording.frames / seconds);
+  fmt::print("files   {}\n", arguments.out.string());
+  return 0;
+}
+
+}  // namespace
+
+void AddSimulateCommand(CLI::App& app) {
+  CLI::App* simulate = app.add_subcommand("simulate", "Make a drive: images with the truth beside them.");
+  auto arguments = std::make_shared<SimulateArguments>();
+  simulate->add_option("world", arguments->world, "garage or street")
+      ->required()
+      ->check(CLI::IsMember({"garage", "street"}));
+  simulate->add_option("--out", arguments->out, "Folder for the drive")->required();
+  simulate->add_option("--seed", arguments->seed, "Another number, another place")->capture_default_str();
+  simulate->add_option("--rig", arguments->rig,
+                       "YAML file with the camera, its mount, the car and the sensor, such as a drive's rig.yaml");
+  simulate->add_option("--seconds", arguments->seconds, "About how long the drive is [garage 60, street 120]");
+  CLI::Option* follow = simulate->add_option(
+      "--follow", arguments->follow,
+      "Lay the street along a recorded path in metres: TUM or KITTI poses of a camera on the rig's mount");
+  simulate->add_option("--times", arguments->times, "Times of those poses, one a line, s [times.txt beside them]")
+      ->needs(follow);
+  simulate->add_option("--threads", arguments->threads, "Threads; the images do not depend on them [all cores]");
+  simulate->add_option("--max-frames", arguments->max_frames, "Stop after this many frames")
+      ->check(CLI::PositiveNumber);
+  simulate->add_flag("--quiet", arguments->quiet, "Print warnings and errors only");
+  simulate->footer(
+      "Example:\n  turnscale simulate garage --out drives/garage --seed 7\n"
+      "  turnscale run drives/garage --lever-arm 1.5\n\n"
+      "The folder is KITTI's (image_0/, calib.txt, times.txt, poses.txt), with camera.yaml, vehicle.yaml, truth.csv,\n"
+      "floor_plan.csv and rig.yaml beside it. times.txt comes last: a folder without it is incomplete.");
+  simulate->callback([arguments] {
+    if (const int exit_code = Simulate(*arguments); exit_code != 0) throw CLI::RuntimeError(exit_code);
+  });
+}
+
+}  // namespace turnscale

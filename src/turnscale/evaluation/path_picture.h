@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace turnscale {
+
+/// A drive from above: places as (x to the right, z ahead), metres.
+struct PathPicture {
+  std::string title;
+  std::vector<std::vector<Eigen::Vector2d>> outlines;  ///< of what stands there, closed; may be empty
+  std::vector<Eigen::Vector2d> truth;
+  std::vector<Eigen::Vector2d> estimate;
+};
+
+/// The picture as SVG, with a legend and a bar for the metre; ahead is up. Throws InputError where there is no place at
+/// all, or one is not finite.
+std::string PathSvg(const PathPicture& picture);
+
+}  // namespace turnscale

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/io/floor_plan_file.h"
+
+#include <fstream>
+
+#include <gtest/gtest.h>
+
+#include "turnscale/base/error.h"
+#include "turnscale/base/scratch_path.h"
+
+namespace turnscale {
+namespace {
+
+FloorPlan Read(const std::string& text) {
+  const std::string path = ScratchPath("floor_plan.csv");
+  std::ofstream(path) << text;
+  return ReadFloorPlan(path);
+}
+
+std::string Complaint(const std::string& text) {
+  try {
+    Read(text);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+TEST(FloorPlan, WhatIsWrittenReadsBack) {
+  const FloorPlan plan = {{{0, 0}, {0, 5}, {2.5, 5}}, {{-1, -2}, {-3.25, 4}}};
+  EXPECT_EQ(Read(FloorPlanText(plan)), plan);
+  EXPECT_TRUE(Read(FloorPlanText({})).empty());
+}
+
+TEST(FloorPlan, ComplaintsNameTheLine) {
+  EXPECT_NE(Complaint("outline,x_m,z_m\n0,1,2\n0,1\n").find("floor_plan.csv:3: '0,1' is no corner"), std::string::npos);
+  EXPECT_NE(Complaint("outline,x_m,z_m\n0,nan,2\n").find(":2: "), std::string::npos);
+  EXPECT_NE(Complaint("").find("is no floor plan"), std::string::npos);
+  EXPECT_THROW(ReadFloorPlan("/nonexistent/plan.csv"), InputError);
+  EXPECT_THROW(ReadFloorPlan("/"), InputError);
+}
+
+}  // namespace
+}  // namespace turnscale

@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/rendering/frame_drawing.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+#include <utility>
+
+#include "turnscale/rendering/hash.h"
+#include "turnscale/rendering/parallel.h"
+
+namespace turnscale {
+namespace {
+
+// Neighbours whose distances differ by more than this part of the nearer one are not of one surface.
+constexpr float kDistanceStep = 0.1F;
+// Each of several rays through a pixel gathers over so much of its width.
+constexpr float kSampleWidth = 0.5F;
+
+// Points of a pixel, from its centre: a lattice of which every row and column has one, so that edges of all directions
+// are found and the mean is the centre. `shuffle`: rows in an order that has nothing to do with the columns'.
+std::vector<Eigen::Vector2f> PixelPattern(int count, bool shuffle) {
+  std::vector<int> rows(count);
+  int stride = std::max(1, static_cast<int>(std::lround(0.382 * count)));
+  while (std::gcd(stride, count) != 1) ++stride;
+  for (int i = 0; i < count; ++i) rows[i] = i * stride % count;
+  std::vector<int> columns(count);
+  std::iota(columns.begin(), columns.end(), 0);
+  if (shuffle) {
+    RandomStream random(3);
+    for (int i = count - 1; i > 0; --i) std::swap(columns[i], columns[random.NextIndex(i + 1)]);
+  }
+  std::vector<Eigen::Vector2f> pattern;
+  for (int i = 0; i < count; ++i)
+    pattern.emplace_back((static_cast<float>(columns[i]) + 0.5F) / static_cast<float>(count) - 0.5F,
+                         (static_cast<float>(rows[i]) + 0.5F) / static_cast<float>(count) - 0.5F);
+  return pattern;
+}
+
+ViewRay MakeRay(const CameraMoment& moment, const Eigen::Vector3f& direction, float width) {
+  ViewRay ray;
+  ray.ray.origin = moment.position;
+  ray.ray.direction = moment.world_from_camera * direction;
+  ray.ray.time = moment.time;
+  ray.width = width;
+  return ray;
+}
+
+// Rays that gather until they make a packet.
+class PacketQueue {
+ public:
+  explicit PacketQueue(const Tracer& tracer) : tracer_(tracer) {}
+
+  template <typename Use>
+  void Add(const ViewRay& ray, int tag, const Use& use) {
+    rays_[count_] = ray;
+    tags_[count_++] = tag;
+    if (count_ == kPacket) Finish(use);
+  }
+
+  template <typename Use>
+  void Finish(const Use& use) {
+    tracer_.Trace({rays_.data(), count_}, {seen_.data(), count_});
+    for (size_t i = 0; i < count_; ++i) use(tags_[i], seen_[i]);
+    count_ = 0;
+  }
+
+ private:
+  const Tracer& tracer_;
+  std::array<ViewRay, kPacket> rays_;
+  std::array<Seen, kPacket> seen_;
+  std::array<int, kPacket> tags_ = {};
+  size_t count_ = 0;
+};
+
+struct Centres {
+  cv::Mat brightness;  // CV_32F
+  cv::Mat distance;    // CV_32F
+  cv::Mat look;        // CV_32S
+};
+
+bool Differ(const Centres& centres, const cv::Point& a, const cv::Point& b) {
+  if (centres.look.at<int>(a) != centres.look.at<int>(b)) return true;
+  const float first = centres.distance.at<float>(a);
+  const float second = centres.distance.at<float>(b);
+  return std::abs(first - second) > kDistanceStep * std::min(first, second);
+}
+
+bool IsEdge(const Centres& centres, const cv::Point& at) {
+  const cv::Size size = centres.look.size();
+  return (at.x > 0 && Differ(centres, at, {at.x - 1, at.y})) || (at.y > 0 && Differ(centres, at, {at.x, at.y - 1})) ||
+         (at.x + 1 < size.width && Differ(centres, at, {at.x + 1, at.y})) ||
+         (at.y + 1 < size.height && Differ(centres, at, {at.x, at.y + 1}));
+}
+
+Centres DrawCentres(const FrameDrawing& drawing) {
+  const cv::Size size(drawing.table.camera().width, drawing.table.camera().height);
+  Centres centres = {cv::Mat(size, CV_32F, cv::Scalar(0)), cv::Mat(size, CV_32F, cv::Scalar(0)),
+                     cv::Mat(size, CV_32S, cv::Scalar(0))};
+  ForEachIndex(size.height, drawing.threads, [&](int row) {
+    PacketQueue queue(drawing.tracer);
+    const auto keep = [&](int column, const Seen& seen) {
+      centres.brightness.at<float>(row, column) = seen.brightness;
+      centres.distance.at<float>(row, column) = seen.distance;
+      centres.look.at<int>(row, column) = static_cast<int>(seen.look);
+    };
+    for (int column = 0; column < size.width; ++column) {
+      const PixelRay& pixel = drawing.table.At(row, column);
+      if (pixel.sees()) queue.Add(MakeRay(drawing.moments[row][0], pixel.direction, pixel.width), column, keep);
+    }
+    queue.Finish(keep);
+  });
+  return centres;
+}
+
+}  // namespace
+
+std::vector<std::vector<CameraMoment>> RowPoses(const View& view, int rows, int samples) {
+  const double span = view.shutter.exposure + view.shutter.readout;
+  std::vector<std::vector<CameraMoment>> moments(rows);
+  for (int row = 0; row < rows; ++row) {
+    // All rows of an instantaneous image share a pose.
+    if (row > 0 && view.shutter.readout == 0) {
+      moments[row] = moments[0];
+      continue;
+    }
+    for (int i = 0; i < samples; ++i) {
+      const double from_middle = rows > 1 ? static_cast<double>(row) / (rows - 1) - 0.5 : 0.0;
+      const double time = view.shutter.readout * from_middle + view.shutter.exposure * ((i + 0.5) / samples - 0.5);
+      const RigidTransform world_from_camera = view.world_from_camera(time);
+      CameraMoment moment;
+      moment.world_from_camera = world_from_camera.rotation.toRotationMatrix().cast<float>();
+      moment.position = world_from_camera.translation.cast<float>();
+      if (span > 0) moment.time = std::clamp(static_cast<float>(time / span + 0.5), 0.0F, 1.0F);
+      moments[row].push_back(moment);
+    }
+  }
+  return moments;
+}
+
+cv::Mat DrawSharp(const FrameDrawing& drawing, int edge_samples) {
+  const Centres centres = DrawCentres(drawing);
+  if (edge_samples < 2) return centres.brightness;
+  const std::vector<Eigen::Vector2f> pattern = PixelPattern(edge_samples, false);
+  cv::Mat image = centres.brightness.clone();
+  ForEachIndex(image.rows, drawing.threads, [&](int row) {
+    PacketQueue queue(drawing.tracer);
+    for (int column = 0; column < image.cols; ++column) {
+      const PixelRay& pixel = drawing.table.At(row, column);
+      if (!pixel.sees() || !IsEdge(centres, {column, row})) continue;
+      float sum = 0;
+      const auto add = [&](int, const Seen& seen) { sum += seen.brightness; };
+      for (const Eigen::Vector2f& offset : pattern)
+        queue.Add(
+            MakeRay(drawing.moments[row][0], drawing.table.Inside(row, column, offset), kSampleWidth * pixel.width),
+            column, add);
+      queue.Finish(add);
+      image.at<float>(row, column) = sum / static_cast<float>(edge_samples);
+    }
+  });
+  return image;
+}
+
+cv::Mat DrawBlurred(const FrameDrawing& drawing) {
+  cv::Mat image(drawing.table.camera().height, drawing.table.camera().width, CV_32F, cv::Scalar(0));
+  const int samples = static_cast<int>(drawing.moments.at(0).size());
+  const std::vector<Eigen::Vector2f> pattern = PixelPattern(samples, true);
+  ForEachIndex(image.rows, drawing.threads, [&](int row) {
+    auto* out = image.ptr<float>(row);
+    PacketQueue queue(drawing.tracer);
+    const auto add = [&](int column, const Seen& seen) {
+      out[column] += seen.brightness / static_cast<float>(samples);
+    };
+    for (int i = 0; i < samples; ++i) {
+      for (int column = 0; column < image.cols; ++column) {
+        const PixelRay& pixel = drawing.table.At(row, column);
+        if (!pixel.sees()) continue;
+        queue.Add(
+            MakeRay(drawing.moments[row][i], drawing.table.Inside(row, column, pattern[i]), kSampleWidth * pixel.width),
+            column, add);
+      }
+    }
+    queue.Finish(add);
+  });
+  return image;
+}
+
+}  // namespace turnscale

@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/simulation/drive_recorder.h"
+
+#include <algorithm>
+#include <cmath>
+#include <future>
+#include <string_view>
+#include <utility>
+
+#include <fmt/format.h>
+#include <opencv2/imgcodecs.hpp>
+
+#include "turnscale/base/error.h"
+#include "turnscale/camera/camera_file.h"
+#include "turnscale/io/output_file.h"
+#include "turnscale/rendering/renderer.h"
+#include "turnscale/simulation/drive.h"
+#include "turnscale/simulation/drive_files.h"
+#include "turnscale/simulation/sensor.h"
+
+namespace turnscale {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Noise cannot be packed: higher levels only take longer.
+constexpr int kPngLevel = 1;
+
+void MakeFolder(const fs::path& folder) {
+  std::error_code error;
+  if (fs::exists(folder, error) && !fs::is_directory(folder, error)) {
+    throw InputError(folder.string() + ": is a file, but the drive needs a folder; choose another --out");
+  }
+  fs::create_directories(folder / "image_0", error);
+  if (error) throw InputError(folder.string() + ": cannot be made: " + error.message() + "; choose another --out");
+}
+
+// What an earlier recording left; times and poses first, as they say that the rest is whole.
+void RemoveRecording(const fs::path& folder) {
+  const fs::path images = folder / "image_0";
+  const bool has_images = fs::directory_iterator(images) != fs::directory_iterator();
+  if (has_images && !fs::exists(folder / "rig.yaml")) {
+    throw InputError(images.string() + ": holds images that no simulation has made; choose another --out");
+  }
+  for (const char* name : {"times.txt", "poses.txt", "truth.csv", "floor_plan.csv", "calib.txt", "camera.yaml"}) {
+    std::error_code error;
+    if (fs::is_regular_file(folder / name, error)) fs::remove(folder / name);
+  }
+  for (const auto& entry : fs::directory_iterator(images)) {
+    if (entry.path().extension() == ".png") fs::remove(entry.path());
+  }
+}
+
+void BeginFolder(const RecordOptions& options, const Rig& rig, const FloorPlan& floor_plan) {
+  const fs::path& folder = options.folder;
+  MakeFolder(folder);
+  try {
+    RemoveRecording(folder);
+  } catch (const fs::filesystem_error& error) {
+    throw InputError(folder.string() + ": cannot be cleared: " + error.code().message() + "; choose another --out");
+  }
+  ReplaceFile(folder / "rig.yaml", RigText(rig));
+  ReplaceFile(folder / "camera.yaml", CameraFileText(rig.camera));
+  if (rig.camera.lens == LensModel::kPinhole) {
+    ReplaceFile(folder / "calib.txt", KittiCalibrationText(rig.camera.pinhole));
+  }
+  ReplaceFile(folder / "vehicle.yaml", VehicleText(rig));
+  ReplaceFile(folder / "floor_plan.csv", FloorPlanText(floor_plan));
+}
+
+void WriteImage(const fs::path& path, const cv::Mat& image) {
+  std::vector<uchar> bytes;
+  cv::imencode(".png", image, bytes, {cv::IMWRITE_PNG_COMPRESSION, kPngLevel});
+  OutputFile file(path);
+  file.Write({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+  file.Close();
+}
+
+void Summarize(const std::vector<DriveFrame>& frames, Recording& recording) {
+  recording.frames = static_cast<int>(frames.size());
+  if (!frames.empty()) recording.seconds = frames.back().time - frames.front().time;
+  for (size_t i = 1; i < frames.size(); ++i) {
+    recording.metres += (frames[i].world_from_camera.translation - frames[i - 1].world_from_camera.translation).norm();
+    recording.turned += std::abs(frames[i].vehicle.heading - frames[i - 1].vehicle.heading);
+  }
+}
+
+}  // namespace
+
+Recording RecordDrive(World world, const Rig& rig, unsigned seed, const RecordOptions& options,
+                      const RecordProgress& progress) {
+  const CameraDrive drive(world, rig, seed);
+  const int count = std::min(drive.frames(), options.max_frames.value_or(drive.frames()));
+  BeginFolder(options, rig, FloorPlanFrom(drive.At(0).world_from_camera, world));
+  RenderOptions render_options;
+  render_options.threads = options.threads;
+  const Renderer renderer(render_options, std::move(world.scene));
+  Sensor sensor(rig.sensor, rig.camera, rig.rate_hz, seed);
+
+  Recording recording;
+  std::vector<DriveFrame> frames;
+  // One image is exposed, packed and written while the next one is drawn; never two, so that their order is kept.
+  std::future<void> writing;
+  bool go_on = progress(0, count);
+  for (int frame = 0; frame < count && go_on; ++frame) {
+    cv::Mat brightness = renderer.Render(rig.camera, drive.ViewAt(frame));
+    if (writing.valid()) writing.get();
+    const fs::path path = options.folder / "image_0" / fmt::format("{:06}.png", frame);
+    writing = std::async(std::launch::async, [&sensor, path, brightness = std::move(brightness)] {
+      WriteImage(path, sensor.Expose(brightness));
+    });
+    frames.push_back(drive.At(frame));
+    go_on = progress(frame + 1, count);
+  }
+  if (writing.valid()) writing.get();
+  Summarize(frames, recording);
+  recording.complete = recording.frames == count;
+  if (!recording.complete) return recording;
+  ReplaceFile(options.folder / "truth.csv", TruthText(frames));
+  ReplaceFile(options.folder / "poses.txt", PosesText(frames));
+  ReplaceFile(options.folder / "times.txt", TimesText(frames));
+  return recording;
+}
+
+}  // namespace turnscale

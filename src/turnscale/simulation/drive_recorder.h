@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <optional>
+
+#include "turnscale/simulation/rig.h"
+#include "turnscale/simulation/world.h"
+
+namespace turnscale {
+
+struct RecordOptions {
+  std::filesystem::path folder;
+  std::optional<int> max_frames = {};  ///< stop the recording early
+  int threads = 2;                     ///< that draw an image; the files do not depend on them
+};
+
+/// What a recording amounts to.
+struct Recording {
+  int frames = 0;      ///< written
+  double seconds = 0;  ///< from the first image to the last
+  double metres = 0;   ///< that the camera has come
+  double turned = 0;   ///< angle that the car has turned through, to either side, radians
+  bool complete = false;
+};
+
+/// Is told the frames written so far and those to come in all; says whether to go on.
+using RecordProgress = std::function<bool(int frames_done, int frames)>;
+
+/// Drives a rig through a world and writes what its camera sees as a KITTI folder: `image_0/`, `calib.txt` (where the
+/// lens has no distortion), `times.txt` and `poses.txt`; beside them `camera.yaml`, `vehicle.yaml`, `truth.csv`,
+/// `floor_plan.csv` and `rig.yaml`. `times.txt` and `poses.txt` come last, so that a folder without them is of no use
+/// to anybody. An earlier recording in the folder is replaced.
+///
+/// Throws InputError where the rig makes no sense or the folder cannot be made or holds images of another origin,
+/// OutputError where the system refuses to write.
+Recording RecordDrive(World world, const Rig& rig, unsigned seed, const RecordOptions& options,
+                      const RecordProgress& progress);
+
+}  // namespace turnscale

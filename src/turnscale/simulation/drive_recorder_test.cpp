@@ -1,0 +1,256 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/simulation/drive_recorder.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <sstream>
+
+#include <gtest/gtest.h>
+#include <opencv2/core.hpp>
+
+#include "turnscale/base/error.h"
+#include "turnscale/base/scratch_path.h"
+#include "turnscale/camera/camera_file.h"
+#include "turnscale/features/corners.h"
+#include "turnscale/features/optical_flow.h"
+#include "turnscale/geometry/rotation.h"
+#include "turnscale/io/drive_input.h"
+#include "turnscale/io/floor_plan_file.h"
+#include "turnscale/io/frame_times.h"
+#include "turnscale/io/image_file.h"
+#include "turnscale/io/settings.h"
+#include "turnscale/io/trajectory_file.h"
+#include "turnscale/simulation/drive.h"
+#include "turnscale/simulation/test_world.h"
+
+namespace turnscale {
+namespace {
+
+namespace fs = std::filesystem;
+
+Rig SmallRig(int width = 320, int height = 240) {
+  Rig rig = MakeRig(RigPreset::kPaper);
+  rig.camera.width = width;
+  rig.camera.height = height;
+  rig.camera.pinhole = {0.6 * width, 0.6 * width, (width - 1) / 2.0, (height - 1) / 2.0};
+  rig.mount.yaw_deg = 5;
+  rig.mount.pitch_deg = -2;
+  rig.mount.lateral_offset = 0.3;
+  return rig;
+}
+
+std::string TextOf(const fs::path& path) {
+  std::ifstream stream(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+// Columns of numbers by name.
+std::vector<double> Column(const fs::path& table, const std::string& name) {
+  std::ifstream stream(table);
+  std::string line;
+  std::getline(stream, line);
+  std::istringstream header(line);
+  int wanted = 0;
+  for (std::string cell; std::getline(header, cell, ',') && cell != name;) ++wanted;
+  std::vector<double> values;
+  while (std::getline(stream, line)) {
+    std::istringstream cells(line);
+    std::string cell;
+    for (int i = 0; i <= wanted; ++i) std::getline(cells, cell, ',');
+    values.push_back(std::stod(cell));
+  }
+  return values;
+}
+
+bool GoOn(int /*done*/, int /*frames*/) { return true; }
+
+class DriveRecorderTest : public ::testing::Test {
+ protected:
+  DriveRecorderTest() : folder_(ScratchPath("drive")) { fs::remove_all(folder_); }
+  ~DriveRecorderTest() override { fs::remove_all(folder_); }
+
+  Recording Record(const Rig& rig, int frames, int threads = 2) const {
+    return RecordDrive(MakeTestWorld(1), rig, 3, {folder_, frames, threads}, GoOn);
+  }
+  cv::Mat Image(int frame) const { return ReadGrayImage(FindDrive(folder_).images.at(frame)).gray; }
+
+  fs::path folder_;
+};
+
+// Centre of the glowing board that is expected near a pixel.
+Eigen::Vector2d CentreOfLight(const cv::Mat& image, const Eigen::Vector2d& near) {
+  constexpr int kReach = 6;
+  constexpr int kDark = 20;
+  double sum = 0;
+  Eigen::Vector2d centre = Eigen::Vector2d::Zero();
+  const Eigen::Vector2i first = near.array().round().cast<int>() - kReach;
+  for (int y = first.y(); y <= first.y() + 2 * kReach; ++y) {
+    for (int x = first.x(); x <= first.x() + 2 * kReach; ++x) {
+      const double weight = std::max(0, image.at<uchar>(y, x) - kDark);
+      sum += weight;
+      centre += weight * Eigen::Vector2d(x, y);
+    }
+  }
+  return centre / sum;
+}
+
+TEST_F(DriveRecorderTest, ImagesShowTheWorldOfTheirOwnPoseAndTime) {
+  constexpr int kFrames = 8;
+  // Before, the car hardly turns.
+  constexpr int kFirst = 4;
+  Rig rig = SmallRig(640, 480);
+  // So dark that the boards do not saturate and everything else is black.
+  rig.sensor.min_gain = rig.sensor.max_gain = 0.9 / kTestGlow;
+  rig.sensor.vignetting = 0;
+  rig.sensor.response = 1;
+  Record(rig, kFrames);
+  const CameraModel camera = ReadCameraFile(folder_ / "camera.yaml");
+  const Trajectory poses = ReadTrajectory(folder_ / "poses.txt", ReadFrameTimes(folder_ / "times.txt").times);
+  ASSERT_EQ(poses.size(), kFrames);
+  const RigidTransform first_from_world = CameraDrive(MakeTestWorld(1), rig, 3).At(0).world_from_camera.inverse();
+  const auto pixel = [&](int pose, const Eigen::Vector3d& x_in_world) {
+    return camera.Project(poses[pose].world_from_camera.inverse() * (first_from_world * x_in_world)).value();
+  };
+  for (int i = kFirst; i < kFrames; ++i) {
+    const cv::Mat image = Image(i);
+    for (const bool moving : {false, true}) {
+      const auto place = [&](int frame) -> Eigen::Vector3d {
+        return moving ? TestCar(poses[frame].time) * kTestCarBoard : kTestBoard;
+      };
+      const Eigen::Vector2d expected = pixel(i, place(i));
+      EXPECT_LT((CentreOfLight(image, expected) - expected).norm(), 0.1) << "frame " << i << " moving " << moving;
+      // A lag of one frame, of the poses or of the world, would show.
+      for (const int other : {i - 1, i + 1}) {
+        if (other == kFrames) continue;
+        EXPECT_GT((pixel(other, place(i)) - expected).norm(), 3);
+        if (moving) {
+          EXPECT_GT((pixel(i, place(other)) - expected).norm(), 3);
+        }
+      }
+    }
+  }
+}
+
+TEST_F(DriveRecorderTest, TrackedCornersKeepToTheEpipolarLinesOfTheTrueMotion) {
+  constexpr int kFrames = 6;
+  const Rig rig = SmallRig(640, 480);
+  Record(rig, kFrames);
+  const Trajectory poses = ReadTrajectory(folder_ / "poses.txt");
+  const Pinhole& pinhole = rig.camera.pinhole;
+  const FlowOptions flow;
+  std::vector<double> errors;
+  FlowImage last = BuildFlowImage(flow, Image(0));
+  for (int i = 1; i < kFrames; ++i) {
+    const FlowImage next = BuildFlowImage(flow, Image(i));
+    const std::vector<cv::Point2f> corners = DetectCorners({}, last.gray, {});
+    FlowResult tracked = TrackPoints(flow, last, next, corners, corners);
+    CheckReturn(flow, last, next, corners, tracked);
+    const RigidTransform next_from_last = poses[i].world_from_camera.inverse() * poses[i - 1].world_from_camera;
+    for (size_t k = 0; k < corners.size(); ++k) {
+      if (tracked.found[k] == 0) continue;
+      const Eigen::Vector3d ray = next_from_last.rotation * pinhole.Ray({corners[k].x, corners[k].y});
+      const Eigen::Vector3d normal = next_from_last.translation.cross(ray);
+      const Eigen::Vector3d seen = pinhole.Ray({tracked.points[k].x, tracked.points[k].y});
+      errors.push_back(std::abs(normal.dot(seen)) * pinhole.fx / normal.head<2>().norm());
+    }
+    last = next;
+  }
+  ASSERT_GT(errors.size(), 1500u);
+  std::nth_element(errors.begin(), errors.begin() + errors.size() / 2, errors.end());
+  EXPECT_LT(errors[errors.size() / 2], 0.15);
+}
+
+TEST_F(DriveRecorderTest, FolderHoldsTheWholeDrive) {
+  Rig rig = SmallRig(64, 48);
+  const Recording recording = RecordDrive(MakeTestWorld(1), rig, 3, {folder_, {}, 2}, GoOn);
+  EXPECT_TRUE(recording.complete);
+  EXPECT_GE(recording.frames, 10);
+  EXPECT_NEAR(recording.metres, 5 * recording.seconds, 0.3 * recording.seconds);
+  const DriveInput drive = FindDrive(folder_);
+  EXPECT_EQ(static_cast<int>(drive.images.size()), recording.frames);
+  EXPECT_EQ(drive.images[0].filename(), "000000.png");
+  EXPECT_EQ(drive.camera_file, folder_ / "calib.txt");
+  EXPECT_EQ(ReadCameraFile(folder_ / "calib.txt").pinhole.fx, rig.camera.pinhole.fx);
+  EXPECT_EQ(ReadCameraFile(folder_ / "camera.yaml").width, 64);
+  EXPECT_EQ(RigText(ReadRig(folder_ / "rig.yaml")), RigText(rig));
+  EXPECT_LT(
+      ReadCameraRotation((folder_ / "vehicle.yaml").string()).angularDistance(rig.mount.VehicleFromCamera().rotation),
+      1e-12);
+  EXPECT_NE(TextOf(folder_ / "vehicle.yaml").find("lever_arm: 1.5 "), std::string::npos);
+  const std::vector<double> times = ReadFrameTimes(folder_ / "times.txt").times;
+  ASSERT_EQ(static_cast<int>(times.size()), recording.frames);
+  for (int i = 0; i < recording.frames; ++i) EXPECT_EQ(times[i], i / 10.0);
+
+  const Trajectory poses = ReadTrajectory(folder_ / "poses.txt");
+  EXPECT_EQ(poses[0].world_from_camera.translation, Eigen::Vector3d::Zero());
+  const std::vector<double> steps = Column(folder_ / "truth.csv", "camera_step_m");
+  const std::vector<double> heading = Column(folder_ / "truth.csv", "heading_deg");
+  const std::vector<double> yaw_rate = Column(folder_ / "truth.csv", "yaw_rate_degps");
+  ASSERT_EQ(static_cast<int>(steps.size()), recording.frames);
+  EXPECT_NEAR(heading[0], -rig.mount.yaw_deg, 0.1) << "the camera looks to the right of the car";
+  for (int i = 1; i < recording.frames; ++i) {
+    EXPECT_NEAR(steps[i], (poses[i].world_from_camera.translation - poses[i - 1].world_from_camera.translation).norm(),
+                1e-6);
+    EXPECT_NEAR(heading[i] - heading[i - 1], 0.05 * (yaw_rate[i] + yaw_rate[i - 1]), 0.2);
+  }
+  const FloorPlan plan = ReadFloorPlan(folder_ / "floor_plan.csv");
+  const World world = MakeTestWorld(1);
+  ASSERT_EQ(plan.size(), world.floor_plan.size());
+  EXPECT_NEAR((plan[0][1] - plan[0][0]).norm(), 3, 0.02);
+}
+
+TEST_F(DriveRecorderTest, SameBitsOnAnyNumberOfThreadsAndAnotherDriveWithAnotherSeed) {
+  const Rig rig = SmallRig(96, 64);
+  Record(rig, 3, 1);
+  std::string one;
+  for (const char* name : {"image_0/000000.png", "image_0/000002.png", "poses.txt", "truth.csv"}) {
+    one += TextOf(folder_ / name);
+  }
+  Record(rig, 3, 3);
+  std::string three;
+  for (const char* name : {"image_0/000000.png", "image_0/000002.png", "poses.txt", "truth.csv"}) {
+    three += TextOf(folder_ / name);
+  }
+  EXPECT_EQ(one == three, true);
+  const std::string image = TextOf(folder_ / "image_0/000000.png");
+  RecordDrive(MakeTestWorld(1), rig, 4, {folder_, 1, 2}, GoOn);
+  EXPECT_EQ(image == TextOf(folder_ / "image_0/000000.png"), false);
+}
+
+TEST_F(DriveRecorderTest, DistortedLensHasNoCalibTxt) {
+  Rig rig = SmallRig(64, 48);
+  Record(rig, 1);
+  rig.camera.lens = LensModel::kRadialTangential;
+  rig.camera.distortion = {-0.1, 0.01, 0, 0, 0};
+  Record(rig, 1);
+  EXPECT_FALSE(fs::exists(folder_ / "calib.txt"));
+  EXPECT_EQ(FindDrive(folder_).camera_file, folder_ / "camera.yaml");
+  EXPECT_EQ(ReadCameraFile(folder_ / "camera.yaml").distortion, rig.camera.distortion);
+}
+
+TEST_F(DriveRecorderTest, InterruptedDriveIsToldByItsMissingTimes) {
+  const Rig rig = SmallRig(64, 48);
+  Record(rig, 5);
+  const Recording recording =
+      RecordDrive(MakeTestWorld(1), rig, 3, {folder_, 5, 2}, [](int done, int /*frames*/) { return done < 2; });
+  EXPECT_FALSE(recording.complete);
+  EXPECT_EQ(recording.frames, 2);
+  EXPECT_EQ(FindDrive(folder_).images.size(), 2u) << "nothing of the earlier drive is left";
+  EXPECT_FALSE(fs::exists(folder_ / "times.txt"));
+  EXPECT_FALSE(fs::exists(folder_ / "poses.txt"));
+}
+
+TEST_F(DriveRecorderTest, ImagesOfAnotherOriginAreNotTouched) {
+  fs::create_directories(folder_ / "image_0");
+  std::ofstream(folder_ / "image_0" / "000000.png") << "dear";
+  EXPECT_THROW(Record(SmallRig(64, 48), 1), InputError);
+  EXPECT_EQ(TextOf(folder_ / "image_0" / "000000.png"), "dear");
+  fs::remove_all(folder_);
+  std::ofstream(folder_) << "a file in the way";
+  EXPECT_THROW(Record(SmallRig(64, 48), 1), InputError);
+}
+
+}  // namespace
+}  // namespace turnscale

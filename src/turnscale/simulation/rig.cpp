@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/simulation/rig.h"
+
+#include <cmath>
+#include <numbers>
+
+#include <fmt/format.h>
+
+#include "turnscale/base/error.h"
+#include "turnscale/geometry/rotation.h"
+#include "turnscale/io/field_reader.h"
+#include "turnscale/io/field_writer.h"
+
+namespace turnscale {
+namespace {
+
+constexpr double kPaperFieldOfViewDeg = 80;
+
+// Every field of the file once: reading and writing both follow this list (see io/settings_fields.h).
+template <class Visitor>
+void VisitRig(Visitor& visitor, Rig& rig) {
+  visitor.Choice("preset", rig.preset, {{"paper", RigPreset::kPaper}, {"kitti", RigPreset::kKitti}});
+  visitor.Field("rate_hz", rig.rate_hz);
+  visitor.Group("camera", [&] {
+    CameraModel& o = rig.camera;
+    visitor.Field("width", o.width);
+    visitor.Field("height", o.height);
+    visitor.Field("fx", o.pinhole.fx);
+    visitor.Field("fy", o.pinhole.fy);
+    visitor.Field("cx", o.pinhole.cx);
+    visitor.Field("cy", o.pinhole.cy);
+    visitor.Choice("lens", o.lens,
+                   {{"pinhole", LensModel::kPinhole},
+                    {"radtan", LensModel::kRadialTangential},
+                    {"equidistant", LensModel::kEquidistant}});
+    visitor.Field("distortion", o.distortion);
+  });
+  visitor.Group("mount", [&] {
+    Mount& o = rig.mount;
+    visitor.Field("lever_arm", o.lever_arm);
+    visitor.Field("lateral_offset", o.lateral_offset);
+    visitor.Field("height", o.height);
+    visitor.Field("yaw_deg", o.yaw_deg);
+    visitor.Field("pitch_deg", o.pitch_deg);
+    visitor.Field("roll_deg", o.roll_deg);
+  });
+  visitor.Group("vehicle", [&] {
+    CarOptions& o = rig.vehicle;
+    visitor.Field("wheelbase", o.wheelbase);
+    visitor.Field("max_steering_deg", o.max_steering_deg);
+    visitor.Field("max_steering_rate_deg", o.max_steering_rate_deg);
+    visitor.Field("slip_deg_per_g", o.slip_deg_per_g);
+    visitor.Field("max_acceleration", o.max_acceleration);
+    visitor.Field("max_deceleration", o.max_deceleration);
+    visitor.Field("max_lateral_acceleration", o.max_lateral_acceleration);
+    visitor.Field("pitch_deg_per_g", o.pitch_deg_per_g);
+    visitor.Field("roll_deg_per_g", o.roll_deg_per_g);
+    visitor.Field("suspension_hz", o.suspension_hz);
+    visitor.Field("road_noise_deg", o.road_noise_deg);
+  });
+  visitor.Group("sensor", [&] {
+    SensorOptions& o = rig.sensor;
+    visitor.Field("target_gray", o.target_gray);
+    visitor.Field("exposure_lag", o.exposure_lag);
+    visitor.Field("min_gain", o.min_gain);
+    visitor.Field("max_gain", o.max_gain);
+    visitor.Field("flicker", o.flicker);
+    visitor.Field("flicker_hz", o.flicker_hz);
+    visitor.Field("exposure_step", o.exposure_step);
+    visitor.Field("exposure_step_seconds", o.exposure_step_seconds);
+    visitor.Field("vignetting", o.vignetting);
+    visitor.Field("blur", o.blur);
+    visitor.Field("shot_noise", o.shot_noise);
+    visitor.Field("read_noise", o.read_noise);
+    visitor.Field("response", o.response);
+    visitor.Field("exposure_ms", o.exposure_ms);
+    visitor.Field("readout_ms", o.readout_ms);
+  });
+}
+
+RigPreset PresetOf(const YamlMap& file, RigPreset fallback) {
+  if (!file.Has("preset")) return fallback;
+  // Words that are none are refused with all other fields.
+  return file.Text("preset") == "kitti" ? RigPreset::kKitti : RigPreset::kPaper;
+}
+
+void CheckCamera(const CameraModel& camera) {
+  const auto in_range = [](int side) { return side >= 16 && side <= 8192; };
+  if (!in_range(camera.width)) throw InputError("camera.width: has to be in 16...8192 pixels");
+  if (!in_range(camera.height)) throw InputError("camera.height: has to be in 16...8192 pixels");
+  if (!(camera.pinhole.fx > 0)) throw InputError("camera.fx: has to be positive, pixels");
+  if (!(camera.pinhole.fy > 0)) throw InputError("camera.fy: has to be positive, pixels");
+  if (camera.lens == LensModel::kPinhole && camera.distortion != CameraModel().distortion) {
+    throw InputError("camera.distortion: a pinhole has none; give lens: radtan or lens: equidistant");
+  }
+  if (camera.lens == LensModel::kEquidistant && camera.distortion[4] != 0) {
+    throw InputError("camera.distortion: an equidistant lens has four coefficients");
+  }
+}
+
+}  // namespace
+
+void Mount::Check() const {
+  const auto check = [](const char* name, double value, double low, double high, const char* unit) {
+    if (!(value >= low && value <= high)) {
+      throw InputError(fmt::format("mount.{}: is {}; it has to be in {}...{} {}", name, value, low, high, unit));
+    }
+  };
+  if (!(lever_arm > 0 && lever_arm <= 20)) {
+    throw InputError(
+        fmt::format("mount.lever_arm: is {}; give the metres from the rear axle forward to the camera, above 0 and up "
+                    "to 20",
+                    lever_arm));
+  }
+  check("lateral_offset", lateral_offset, -5, 5, "metres");
+  check("height", height, 0.1, 10, "metres");
+  check("yaw_deg", yaw_deg, -180, 180, "degrees");
+  check("pitch_deg", pitch_deg, -90, 90, "degrees");
+  check("roll_deg", roll_deg, -180, 180, "degrees");
+}
+
+RigidTransform Mount::VehicleFromCamera() const {
+  const Eigen::Quaterniond rotation = RotationFromYawPitchRoll(
+      {yaw_deg / kDegreesPerRadian, pitch_deg / kDegreesPerRadian, roll_deg / kDegreesPerRadian});
+  return {rotation, {lateral_offset, kAxleHeight - height, lever_arm}};
+}
+
+void Rig::Check() const {
+  CheckCamera(camera);
+  if (!(rate_hz >= 0.1 && rate_hz <= 1000)) throw InputError("rate_hz: has to be in 0.1...1000 frames per second");
+  mount.Check();
+  vehicle.Check();
+  sensor.Check();
+  const double interval_ms = 1000 / rate_hz;
+  if (sensor.exposure_ms > interval_ms) {
+    throw InputError(fmt::format("sensor.exposure_ms: is longer than the {} ms of a frame", interval_ms));
+  }
+  if (sensor.readout_ms > interval_ms) {
+    throw InputError(fmt::format("sensor.readout_ms: is longer than the {} ms of a frame", interval_ms));
+  }
+}
+
+Shutter Rig::ImageShutter() const { return {sensor.exposure_ms / 1000, sensor.readout_ms / 1000}; }
+
+Rig MakeRig(RigPreset preset) {
+  Rig rig;
+  rig.preset = preset;
+  if (preset == RigPreset::kKitti) {
+    rig.camera.width = 1241;
+    rig.camera.height = 376;
+    rig.camera.pinhole = {718.856, 718.856, 607.1928, 185.2157};
+    rig.mount.height = 1.65;
+    return rig;
+  }
+  rig.camera.width = 1032;
+  rig.camera.height = 772;
+  const double focal_length =
+      std::round(rig.camera.width / 2.0 / std::tan(kPaperFieldOfViewDeg / 2 * std::numbers::pi / 180));
+  rig.camera.pinhole = {focal_length, focal_length, 515.5, 385.5};
+  return rig;
+}
+
+Rig ReadRig(const std::filesystem::path& path, RigPreset fallback) {
+  const YamlMap file(path);
+  Rig rig = MakeRig(PresetOf(file, fallback));
+  FieldReader reader(file);
+  VisitRig(reader, rig);
+  reader.AllowOnlyKnown();
+  try {
+    rig.Check();
+  } catch (const InputError& error) {
+    throw InputError(path.string() + ": " + error.what());
+  }
+  return rig;
+}
+
+std::string RigText(const Rig& rig) {
+  FieldWriter writer;
+  Rig shown = rig;
+  VisitRig(writer, shown);
+  return writer.text;
+}
+
+}  // namespace turnscale

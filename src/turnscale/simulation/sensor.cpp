@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/simulation/sensor.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <fmt/format.h>
+#include <opencv2/imgproc.hpp>
+
+#include "turnscale/base/error.h"
+#include "turnscale/rendering/hash.h"
+#include "turnscale/simulation/normal_noise.h"
+
+namespace turnscale {
+namespace {
+
+constexpr float kFullScale = 255;
+constexpr float kMidGray = 128;
+// Levels are looked up in steps so fine that the steepest response loses nothing.
+constexpr int kStepsPerLevel = 64;
+// Metering looks at every fourth pixel of every fourth row.
+constexpr int kMeteringStep = 4;
+constexpr int kSettlingRounds = 60;
+
+void CheckRange(const char* name, double value, double low, double high) {
+  if (!(value >= low && value <= high)) {
+    throw InputError(fmt::format("sensor.{}: is {}; it has to be in {}...{}", name, value, low, high));
+  }
+}
+
+double CosineToAxis(const CameraModel& camera, const Eigen::Vector2d& pixel) {
+  const std::optional<Eigen::Vector2d> ideal = camera.Undistort(pixel);
+  return ideal ? 1 / camera.pinhole.Ray(*ideal).norm() : 0.0;
+}
+
+cv::Mat MakeVignette(const CameraModel& camera, double strength) {
+  if (strength == 0) return {};
+  cv::Mat vignette(camera.height, camera.width, CV_32F);
+  for (int y = 0; y < vignette.rows; ++y) {
+    for (int x = 0; x < vignette.cols; ++x) {
+      const double squared = std::pow(CosineToAxis(camera, {x, y}), 2);
+      vignette.at<float>(y, x) = static_cast<float>(1 + strength * (squared * squared - 1));
+    }
+  }
+  return vignette;
+}
+
+cv::Mat MakeResponse(double exponent) {
+  cv::Mat response(1, 255 * kStepsPerLevel + 1, CV_8U);
+  for (int i = 0; i < response.cols; ++i) {
+    const double share = static_cast<double>(i) / (response.cols - 1);
+    response.at<uchar>(i) = static_cast<uchar>(std::lround(255 * std::pow(share, exponent)));
+  }
+  return response;
+}
+
+int StepOf(float level) {
+  return static_cast<int>(std::clamp(level, 0.0F, kFullScale) * static_cast<float>(kStepsPerLevel) + 0.5F);
+}
+
+}  // namespace
+
+void SensorOptions::Check() const {
+  CheckRange("target_gray", target_gray, 1, 254);
+  CheckRange("exposure_lag", exposure_lag, 0, 100);
+  CheckRange("min_gain", min_gain, 1e-4, 1e4);
+  CheckRange("max_gain", max_gain, min_gain, 1e4);
+  CheckRange("flicker", flicker, 0, 0.9);
+  CheckRange("flicker_hz", flicker_hz, 0, 1000);
+  CheckRange("exposure_step", exposure_step, 0, 0.9);
+  CheckRange("exposure_step_seconds", exposure_step_seconds, 1e-3, 1e6);
+  CheckRange("vignetting", vignetting, 0, 1);
+  CheckRange("blur", blur, 0, 20);
+  CheckRange("shot_noise", shot_noise, 0, 100);
+  CheckRange("read_noise", read_noise, 0, 100);
+  CheckRange("response", response, 0.2, 2);
+  CheckRange("exposure_ms", exposure_ms, 0, 1000);
+  CheckRange("readout_ms", readout_ms, 0, 1000);
+}
+
+Sensor::Sensor(const SensorOptions& options, const CameraModel& camera, double rate_hz, std::uint64_t seed)
+    : options_(options),
+      interval_(1 / rate_hz),
+      seed_(seed),
+      vignette_(MakeVignette(camera, options.vignetting)),
+      response_(MakeResponse(options.response)) {
+  options_.Check();
+}
+
+cv::Mat Sensor::Expose(const cv::Mat& brightness) {
+  cv::Mat light = vignette_.empty() ? brightness : brightness.mul(vignette_);
+  if (options_.blur > 0) cv::GaussianBlur(light, light, {}, options_.blur, 0, cv::BORDER_REPLICATE);
+  if (frame_ == 0) {
+    for (int round = 0; round < kSettlingRounds; ++round) AdaptGain(light, 1);
+  }
+  const auto gain = static_cast<float>(kFullScale * FrameGain());
+  const auto read_variance = static_cast<float>(options_.read_noise * options_.read_noise);
+  const auto shot_variance = static_cast<float>(options_.shot_noise * options_.shot_noise) / kMidGray;
+  const uchar* const response = response_.ptr<uchar>();
+  cv::Mat image(light.size(), CV_8U);
+  std::vector<float> noise(static_cast<size_t>(light.cols));
+  for (int y = 0; y < light.rows; ++y) {
+    FillNormalNoise(Hash(seed_ ^ Hash(frame_)) + static_cast<std::uint64_t>(y), noise);
+    const float* const row = light.ptr<float>(y);
+    uchar* const gray = image.ptr<uchar>(y);
+    for (int x = 0; x < light.cols; ++x) {
+      const float level = gain * row[x];
+      const float sigma = std::sqrt(read_variance + shot_variance * std::min(level, kFullScale));
+      gray[x] = response[StepOf(level + sigma * noise[static_cast<size_t>(x)])];
+    }
+  }
+  AdaptGain(light, options_.exposure_lag > 0 ? 1 - std::exp(-interval_ / options_.exposure_lag) : 1);
+  ++frame_;
+  return image;
+}
+
+double Sensor::FrameGain() const {
+  const double time = static_cast<double>(frame_) * interval_;
+  const double flicker = 1 + options_.flicker * std::sin(2 * std::numbers::pi * options_.flicker_hz * time);
+  const auto jump = static_cast<std::uint64_t>(time / options_.exposure_step_seconds);
+  const bool brighter = (Hash(seed_ ^ Hash(~jump)) & 1U) != 0;
+  return gain_ * flicker * (brighter ? 1 + options_.exposure_step : 1 - options_.exposure_step);
+}
+
+// In powers, as a camera does: an image twice too bright takes as long as one twice too dark.
+void Sensor::AdaptGain(const cv::Mat& light, double share) {
+  const double wanted = options_.target_gray / std::max(MeanGray(light), 1.0);
+  gain_ = std::clamp(gain_ * std::pow(wanted, share / options_.response), options_.min_gain, options_.max_gain);
+}
+
+double Sensor::MeanGray(const cv::Mat& light) const {
+  const auto gain = static_cast<float>(kFullScale * gain_);
+  const uchar* const response = response_.ptr<uchar>();
+  std::int64_t sum = 0;
+  std::int64_t count = 0;
+  for (int y = 0; y < light.rows; y += kMeteringStep) {
+    const float* const row = light.ptr<float>(y);
+    for (int x = 0; x < light.cols; x += kMeteringStep, ++count) sum += response[StepOf(gain * row[x])];
+  }
+  return static_cast<double>(sum) / static_cast<double>(count);
+}
+
+}  // namespace turnscale

@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: MIT
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include "command_line.h"
+#include "turnscale/base/scratch_path.h"
+#include "turnscale/io/drive_input.h"
+#include "turnscale/io/trajectory_file.h"
+
+namespace turnscale {
+namespace {
+
+namespace fs = std::filesystem;
+
+class SimulateTest : public ::testing::Test {
+ protected:
+  SimulateTest() : folder_(ScratchPath("simulate")) { fs::create_directories(folder_); }
+  ~SimulateTest() override { fs::remove_all(folder_); }
+
+  fs::path Out() const { return folder_ / "drive"; }
+  fs::path Text(const std::string& name, const std::string& text) const {
+    std::ofstream(folder_ / name) << text;
+    return folder_ / name;
+  }
+  // A camera so small that a drive takes no time.
+  std::string SmallRig() const {
+    return Text("small.yaml", "camera:\n  width: 96\n  height: 72\n  fx: 60\n  fy: 60\n  cx: 47.5\n  cy: 35.5\n")
+        .string();
+  }
+  std::vector<std::string> Arguments(std::vector<std::string> more) const {
+    more.insert(more.begin(), "simulate");
+    more.insert(more.end(), {"--out", Out().string()});
+    return more;
+  }
+  CommandResult Simulate(const std::vector<std::string>& more) const { return RunCommand(Arguments(more), folder_); }
+  CommandResult SimulateRig(const std::string& rig) const {
+    return Simulate({"garage", "--rig", Text("rig.yaml", rig).string()});
+  }
+
+  fs::path folder_;
+};
+
+TEST_F(SimulateTest, DriveGoesStraightIntoRun) {
+  const CommandResult made =
+      Simulate({"garage", "--rig", SmallRig(), "--seconds", "5", "--max-frames", "12", "--seed", "2"});
+  EXPECT_EQ(made.exit_code, 0) << made.err;
+  EXPECT_NE(made.out.find("files   " + Out().string()), std::string::npos) << made.out;
+  EXPECT_NE(made.err.find("frame 12/12"), std::string::npos) << made.err;
+  EXPECT_EQ(FindDrive(Out()).images.size(), 12u);
+  const CommandResult run = RunCommand({"run", Out().string(), "--camera-rotation", (Out() / "vehicle.yaml").string(),
+                                        "--lever-arm", "1.5", "--out", (folder_ / "out").string(), "--quiet"},
+                                       folder_);
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+}
+
+TEST_F(SimulateTest, StreetFollowsARecordedPath) {
+  std::string tum;
+  for (int i = 0; i < 40; ++i) tum += std::to_string(0.1 * i) + " 0 0 " + std::to_string(0.6 * i) + " 0 0 0 1\n";
+  const CommandResult made = Simulate(
+      {"street", "--follow", Text("path.tum", tum).string(), "--rig", SmallRig(), "--max-frames", "8", "--quiet"});
+  EXPECT_EQ(made.exit_code, 0) << made.err;
+  EXPECT_EQ(made.out + made.err, "");
+  const Trajectory poses = ReadTrajectory(Out() / "poses.txt");
+  ASSERT_EQ(poses.size(), 8u);
+  EXPECT_NEAR(poses[7].world_from_camera.translation.z(), 7 * 0.6, 0.5);
+  EXPECT_NEAR(poses[7].world_from_camera.translation.x(), 0, 0.2);
+}
+
+TEST_F(SimulateTest, InterruptedDriveSaysSo) {
+  Command command(Arguments({"garage", "--rig", SmallRig()}), folder_);
+  ASSERT_TRUE(command.WaitForError("lighting the scene"));
+  command.Signal(SIGINT);
+  const CommandResult result = command.Wait();
+  EXPECT_EQ(result.exit_code, 130);
+  ASSERT_EQ(result.Complaints().size(), 1u) << result.err;
+  EXPECT_NE(result.Complaints()[0].find("drive is incomplete"), std::string::npos) << result.err;
+  EXPECT_FALSE(fs::exists(Out() / "times.txt"));
+}
+
+TEST_F(SimulateTest, SenselessRigs) {
+  ExpectComplaint(SimulateRig("mount:\n  lever_arn: 1\n"), 2,
+                  {"rig.yaml:2: mount.lever_arn: unknown key; did you mean 'mount.lever_arm'?"});
+  ExpectComplaint(SimulateRig("mount:\n  lever_arm: -1\n"), 2, {"rig.yaml: mount.lever_arm: is -1"});
+  ExpectComplaint(SimulateRig("preset: dashcam\n"), 2, {"rig.yaml:1: preset: is 'dashcam'; give paper or kitti"});
+  ExpectComplaint(SimulateRig("sensor:\n  read_noise: lots\n"), 2, {"rig.yaml:2: sensor.read_noise: is 'lots'"});
+  ExpectComplaint(Simulate({"garage", "--rig", "nowhere.yaml"}), 2, {"nowhere.yaml: no such file"});
+  EXPECT_FALSE(fs::exists(Out()));
+}
+
+TEST_F(SimulateTest, SenselessOptions) {
+  ExpectComplaint(Simulate({"moon"}), 2, {"moon"});
+  ExpectComplaint(Simulate({}), 2, {"world"});
+  ExpectComplaint(RunCommand({"simulate", "garage"}, folder_), 2, {"--out"});
+  ExpectComplaint(Simulate({"garage", "--seed", "-1"}), 2, {"--seed"});
+  ExpectComplaint(Simulate({"garage", "--seconds", "0"}), 2, {"--seconds 0"});
+  ExpectComplaint(Simulate({"garage", "--threads", "0"}), 2, {"--threads 0"});
+  ExpectComplaint(Simulate({"garage", "--max-frames", "0"}), 2, {"--max-frames"});
+  const std::string poses = Text("poses.txt", "1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 0 0 1 0 0 0 0 1 5\n").string();
+  ExpectComplaint(Simulate({"garage", "--follow", poses}), 2, {"--follow", "garage"});
+  ExpectComplaint(Simulate({"street", "--follow", poses}), 2, {"poses.txt: has no times", "--times"});
+  ExpectComplaint(Simulate({"street", "--times", "t.txt"}), 2, {"--times", "--follow"});
+  ExpectComplaint(Simulate({"street", "--follow", "nowhere.txt"}), 2, {"nowhere.txt: no such trajectory"});
+  const std::string standing = Text("standing.tum", "0 0 0 0 0 0 0 1\n1 0 0 0 0 0 0 1\n").string();
+  ExpectComplaint(Simulate({"street", "--follow", standing}), 2, {"standing.tum"});
+}
+
+TEST_F(SimulateTest, PlacesThatCannotBeWritten) {
+  Text("drive", "a file in the way");
+  ExpectComplaint(Simulate({"garage", "--rig", SmallRig(), "--quiet"}), 2, {"drive: is a file"});
+  ExpectComplaint(RunCommand({"simulate", "garage", "--quiet", "--out", "/proc/turnscale"}, folder_), 2,
+                  {"/proc/turnscale: cannot be made"});
+}
+
+TEST_F(SimulateTest, PathIsDrawnOverTheFloorPlan) {
+  std::string poses;
+  for (int i = 0; i < 30; ++i) poses += "1 0 0 0 0 1 0 0 0 0 1 " + std::to_string(i) + "\n";
+  const std::string path = Text("path.txt", poses).string();
+  const std::string plan = Text("plan.csv", "outline,x_m,z_m\n0,1,0\n0,1,5\n0,3,5\n").string();
+  const fs::path picture = folder_ / "path.svg";
+  const CommandResult result =
+      RunCommand({"evaluate", path, path, "--picture", picture.string(), "--floor-plan", plan}, folder_);
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  std::ifstream stream(picture);
+  const std::string svg{std::istreambuf_iterator<char>(stream), {}};
+  for (const char* part : {"<svg", "class=\"plan\"", "class=\"truth\"", "class=\"estimate\"", "</svg>"}) {
+    EXPECT_NE(svg.find(part), std::string::npos) << part;
+  }
+  ExpectComplaint(RunCommand({"evaluate", path, path, "--floor-plan", plan}, folder_), 2, {"--picture"});
+  ExpectComplaint(RunCommand({"evaluate", path, path, "--picture", picture.string(), "--floor-plan", path}, folder_), 2,
+                  {"path.txt: is no floor plan"});
+}
+
+}  // namespace
+}  // namespace turnscale
