@@ -27,9 +27,9 @@ struct CarOptions {
 
   /// Throws InputError that names the field when a value makes no sense.
   void Check() const;
-  /// c of L_eff = L - c v^2 (s^2/m) that this slip amounts to: the rear axle moves outwards in a curve by c v^2 yaw_rate
-  /// (m/s), so that a camera L ahead of it moves sideways by (L - c v^2) yaw_rate. Backwards the camera is on the other
-  /// side of the curve's force, and it is L + c v^2.
+  /// c of L_eff = L - c v^2 (s^2/m) that this slip amounts to: the rear axle moves outwards in a curve by c v^2
+  /// yaw_rate (m/s), so that a camera L ahead of it moves sideways by (L - c v^2) yaw_rate. Backwards the camera is on
+  /// the other side of the curve's force, and it is L + c v^2.
   double SideSlip() const;
 };
 
