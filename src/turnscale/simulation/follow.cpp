@@ -77,9 +77,13 @@ RecordedPath RearAxlePath(const Trajectory& trajectory, double lever_arm, double
   RecordedPath path;
   for (std::size_t i = 0; i < axle.size() && axle.size() >= 2; ++i) {
     const Fit fit = FitAround(times, axle, i, kSmoothingTime);
-    if (!path.points.empty() && (FromAbove(fit.value) - FromAbove(path.points.back())).norm() < kMinSpacing) continue;
+    const double speed = FromAbove(fit.slope).norm();
+    if (!path.points.empty() && (FromAbove(fit.value) - FromAbove(path.points.back())).norm() < kMinSpacing) {
+      path.speeds.back() = std::min(path.speeds.back(), speed);
+      continue;
+    }
     path.points.push_back(fit.value);
-    path.speeds.push_back(FromAbove(fit.slope).norm());
+    path.speeds.push_back(speed);
   }
   double length = 0;
   for (std::size_t i = 1; i < path.points.size(); ++i)

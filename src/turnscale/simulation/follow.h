@@ -12,7 +12,7 @@ namespace turnscale {
 /// The way of a recorded drive.
 struct RecordedPath {
   std::vector<Eigen::Vector3d> points;  ///< (x, up, z), metres, at least 0.3 m apart as seen from above
-  std::vector<double> speeds;           ///< m/s, one a point
+  std::vector<double> speeds;           ///< m/s, one a point: the least between this point and the next
 };
 
 /// The rear axle's way from the poses of a camera (metres) that is mounted `lever_arm` metres ahead of it, `lateral`
@@ -20,7 +20,7 @@ struct RecordedPath {
 /// the rear axle, up from the origin of the poses.
 ///
 /// Positions are smoothed over time (0.3 s) and speeds read off there, heights over 4 m of the way besides; where the
-/// car stands, only one point is kept, which has a low speed.
+/// car stands, one point is kept.
 /// Throws InputError when times do not grow or the car moves less than a metre in all.
 RecordedPath RearAxlePath(const Trajectory& trajectory, double lever_arm, double lateral);
 

@@ -76,7 +76,10 @@ double TurnAt(const Eigen::Vector2d& before, const Eigen::Vector2d& after) {
 void AddStraight(const Eigen::Vector2d& end, double step, std::vector<Eigen::Vector2d>& path) {
   const Eigen::Vector2d start = path.back();
   const double length = (end - start).norm();
-  if (length < 1e-6) return;
+  if (length < 0.01 * step) {
+    path.back() = end;
+    return;
+  }
   const int count = std::max(1, static_cast<int>(std::ceil(length / step - 1e-9)));
   for (int i = 1; i <= count; ++i) path.push_back(start + (end - start) * (static_cast<double>(i) / count));
 }

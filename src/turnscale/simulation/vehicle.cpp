@@ -41,7 +41,7 @@ class Driver {
   void Start(const ReferencePath& path, double direction, double speed) {
     const PathPlace start = PlaceAt(path, 0);
     state_.position = start.position;
-    state_.heading = start.heading + (direction < 0 ? M_PI : 0);
+    state_.heading = std::remainder(start.heading + (direction < 0 ? M_PI : 0), 2 * M_PI);
     state_.speed = direction * speed;
     state_.steering = std::atan(options_.wheelbase * direction * start.curvature);
     SetDependents();
@@ -56,10 +56,10 @@ class Driver {
     double progress = Project(path, state_.position, 0);
     double stray = 0;
     for (std::size_t i = 1; i < speeds.size() && stray < kMaxStray; ++i) {
-      planned += 0.5 * kInterval * (speeds[i - 1] + speeds[i]);
       const double behind = std::clamp(kProgressGain * (planned - progress), -kMaxProgressGain, kMaxProgressGain);
       const double steering = Steer(path, progress, direction);
       Advance(direction * speeds[i] * (1 + behind), steering);
+      planned += 0.5 * kInterval * (speeds[i - 1] + speeds[i]);
       progress = Project(path, state_.position, progress + speeds[i] * kInterval);
       stray = std::max(stray, (PlaceAt(path, progress).position - state_.position).norm());
     }

@@ -28,7 +28,9 @@ struct CarOptions {
   /// Throws InputError that names the field when a value makes no sense.
   void Check() const;
   /// c of L_eff = L - c v^2 (s^2/m) that this slip amounts to: the rear axle moves sideways by -c v^2 yaw_rate (m/s, to
-  /// the right), outwards in a curve, so that a camera L ahead of it does so by (L - c v^2) yaw_rate.
+  /// the right), so that a camera L ahead of it does so by (L - c v^2) yaw_rate. Forwards that is outwards in a curve.
+  /// Backwards the same holds, as the odometry takes it, though tyres then slip the other way: 1 % of a camera's
+  /// sideways motion at 1 m/s.
   double SideSlip() const;
 };
 

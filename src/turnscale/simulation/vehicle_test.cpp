@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/simulation/vehicle.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "turnscale/base/error.h"
+#include "turnscale/base/refused_field.h"
+#include "turnscale/geometry/rotation.h"
+#include "turnscale/kinematics/pooled_scale.h"
+#include "turnscale/simulation/test_routes.h"
+
+namespace turnscale {
+namespace {
+
+constexpr double kMoment = 0.002;
+constexpr double kLeverArm = 1.45;
+
+Eigen::Vector3d CameraAt(const VehicleMotion& motion, double time) {
+  return motion.At(time).world_from_vehicle * Eigen::Vector3d(0, 0, kLeverArm);
+}
+
+/// The camera's sideways velocity against what slip leaves of the lever arm, m/s.
+double SidewaysError(const VehicleMotion& motion, double side_slip, double time) {
+  const VehicleState state = motion.At(time);
+  const Eigen::Vector3d velocity =
+      (CameraAt(motion, time + kMoment) - CameraAt(motion, time - kMoment)) / (2 * kMoment);
+  const double sideways = (state.world_from_vehicle.rotation.conjugate() * velocity).x();
+  return sideways - state.yaw_rate * (kLeverArm - side_slip * state.speed * state.speed);
+}
+
+std::vector<TurningStep> StepsOf(const VehicleMotion& motion) {
+  std::vector<TurningStep> steps;
+  const RigidTransform vehicle_from_camera{Eigen::Quaterniond::Identity(), {0, 0, kLeverArm}};
+  for (double time = 0.1; time < motion.duration(); time += 0.1) {
+    const RigidTransform before = motion.At(time - 0.1).world_from_vehicle * vehicle_from_camera;
+    const RigidTransform after = motion.At(time).world_from_vehicle * vehicle_from_camera;
+    steps.push_back({TurningMotionOf(before.inverse() * after, Eigen::Quaterniond::Identity()), 0.1});
+  }
+  return steps;
+}
+
+TEST(Vehicle, TurnsAndSlipsOnACircle) {
+  const CarOptions options = StiffVehicle();
+  const VehicleMotion motion = DriveFlat(options, {Circle(10, 5, 1)});
+  const VehicleState state = motion.At(0.5 * motion.duration());
+  EXPECT_NEAR(state.speed, 5, 0.02);
+  EXPECT_NEAR(state.yaw_rate / (state.speed / 10), 1, 0.01);
+  EXPECT_NEAR(std::tan(state.steering), options.wheelbase * state.yaw_rate / state.speed, 1e-12);
+  const double lateral_g = state.speed * state.yaw_rate / 9.81;
+  EXPECT_NEAR(state.slip * kDegreesPerRadian / lateral_g, -options.slip_deg_per_g, 1e-3) << "to the left";
+  const Eigen::Vector2d travel = motion.At(state.time + kMoment).position - motion.At(state.time - kMoment).position;
+  EXPECT_NEAR(std::remainder(std::atan2(travel.x(), travel.y()) - state.heading - state.slip, 2 * M_PI), 0, 1e-6);
+}
+
+TEST(Vehicle, CameraSwingsByTheEffectiveLeverArm) {
+  for (const bool reverse : {false, true}) {
+    RouteLeg leg = Circle(10, 5, 0.6);
+    leg.reverse = reverse;
+    const CarOptions options = StiffVehicle();
+    const VehicleMotion motion = DriveFlat(options, {leg});
+    const VehicleState middle = motion.At(0.5 * motion.duration());
+    EXPECT_EQ(middle.speed < 0, reverse);
+    EXPECT_GT(middle.yaw_rate, 0.4) << "the way bends to the right";
+    // Where the turning is even; elsewhere finite differences see its change.
+    const double start = kMoment * std::round((middle.time - 0.5) / kMoment);
+    for (int i = 0; i < 500; ++i) EXPECT_NEAR(SidewaysError(motion, options.SideSlip(), start + i * kMoment), 0, 1e-6);
+  }
+}
+
+TEST(Vehicle, PooledLineGivesBackTheLeverArm) {
+  RouteLeg corner;
+  corner.points = RoundCorners({{0, 0}, {0, 20}, {20, 20}}, 6, 0.5);
+  corner.speed = 2;
+  CarOptions options = StiffVehicle();
+  options.slip_deg_per_g = 0;
+  const std::vector<TurningStep> rigid = StepsOf(DriveFlat(options, {corner}));
+  EXPECT_NEAR(ObservedLeverArm(rigid, 1).value() / kLeverArm, 1, 1e-3);
+  EXPECT_NEAR(PoolScale(rigid, {kLeverArm, 0}).scale->metres_per_unit, 1, 1e-3);
+
+  corner.speed = 5;
+  options.slip_deg_per_g = 3;
+  const std::vector<TurningStep> slipping = StepsOf(DriveFlat(options, {corner}));
+  EXPECT_LT(ObservedLeverArm(slipping, 1).value() / kLeverArm, 0.97);
+  EXPECT_NEAR(PoolScale(slipping, {kLeverArm, options.SideSlip()}).scale->metres_per_unit, 1, 3e-3);
+}
+
+TEST(Vehicle, StandstillIsExact) {
+  RouteLeg out = Circle(8, 5, 0.2);
+  out.wait = 8;
+  RouteLeg back = out;
+  std::reverse(back.points.begin(), back.points.end());
+  back.reverse = true;
+  const VehicleMotion motion = DriveFlat({}, {out, back});
+  double stopped = 0;
+  while (motion.At(stopped).speed != 0 || stopped < 1) stopped += kMoment;
+  const VehicleState rest = motion.At(stopped + 5);
+  for (double time = stopped + 5; time < stopped + 7.99; time += 0.0137) {
+    const VehicleState state = motion.At(time);
+    EXPECT_EQ(state.speed, 0);
+    EXPECT_EQ(state.yaw_rate, 0);
+    EXPECT_EQ(state.steering, rest.steering);
+    EXPECT_EQ(state.heading, rest.heading);
+    EXPECT_EQ(state.position, rest.position);
+    EXPECT_EQ(state.world_from_vehicle.translation, rest.world_from_vehicle.translation);
+    EXPECT_EQ(state.world_from_vehicle.rotation.coeffs(), rest.world_from_vehicle.rotation.coeffs());
+  }
+  EXPECT_NE(motion.At(stopped + 9.5).position, rest.position) << "it drives on";
+  EXPECT_EQ(motion.At(motion.duration() + 1).position, motion.At(motion.duration()).position);
+  EXPECT_EQ(motion.At(-1).position, motion.At(0).position);
+}
+
+TEST(Vehicle, InterpolationIsFineEnough) {
+  RouteLeg corner;
+  corner.points = RoundCorners({{0, 0}, {0, 30}, {30, 30}}, 6, 0.5);
+  const VehicleMotion motion = DriveFlat({}, {corner});
+  const VehicleMotion coarse(Moments(motion, 2 * kMoment), 2 * kMoment);
+  for (double time = kMoment; time < coarse.duration(); time += 2 * kMoment) {
+    const RigidTransform exact = motion.At(time).world_from_vehicle;
+    const RigidTransform between = coarse.At(time).world_from_vehicle;
+    EXPECT_LT((exact.translation - between.translation).norm(), 1e-5);
+    // At twice the interval the error is four times as large.
+    EXPECT_LT(RotationAngle(exact.rotation.conjugate() * between.rotation), 4e-6);
+  }
+}
+
+TEST(Vehicle, SameSeedSameBitsOtherSeedOtherUnevenness) {
+  RouteLeg corner;
+  corner.points = RoundCorners({{0, 0}, {0, 20}, {20, 20}}, 6, 0.5);
+  const VehicleMotion first = DriveFlat({}, {corner}, 7);
+  const VehicleMotion same = DriveFlat({}, {corner}, 7);
+  const VehicleMotion other = DriveFlat({}, {corner}, 8);
+  EXPECT_EQ(first.duration(), other.duration());
+  double difference = 0;
+  for (double time = 0; time < first.duration(); time += 0.01) {
+    const RigidTransform pose = first.At(time).world_from_vehicle;
+    const RigidTransform other_pose = other.At(time).world_from_vehicle;
+    EXPECT_EQ(pose.translation, same.At(time).world_from_vehicle.translation);
+    EXPECT_EQ(pose.rotation.coeffs(), same.At(time).world_from_vehicle.rotation.coeffs());
+    EXPECT_EQ(pose.translation, other_pose.translation);
+    EXPECT_EQ(first.At(time).heading, other.At(time).heading);
+    difference = std::max(difference, RotationAngle(pose.rotation.conjugate() * other_pose.rotation));
+  }
+  EXPECT_GT(difference * kDegreesPerRadian, 0.03);
+}
+
+TEST(Vehicle, RefusesLegsThatCannotBeDriven) {
+  EXPECT_THROW(DriveFlat({}, {}), InputError);
+  EXPECT_THROW(DriveFlat({}, {RouteLeg{}}), InputError);
+  EXPECT_THROW(DriveFlat({}, {Straight(10, 5), Straight(10, 5)}), InputError) << "the second starts elsewhere";
+  EXPECT_THROW(DriveFlat({}, {Circle(1, 2, 1)}), InputError) << "too tight";
+  EXPECT_THROW(VehicleMotion({}, 0.002), InputError);
+  EXPECT_THROW(VehicleMotion({VehicleState{}}, 0), InputError);
+}
+
+TEST(Vehicle, CheckNamesTheField) {
+  EXPECT_NO_THROW(CarOptions{}.Check());
+  const auto refused = [](auto change) { return RefusedField<CarOptions>(change); };
+  EXPECT_EQ(refused([](CarOptions& o) { o.wheelbase = 0; }), "vehicle.wheelbase");
+  EXPECT_EQ(refused([](CarOptions& o) { o.max_steering_deg = 90; }), "vehicle.max_steering_deg");
+  EXPECT_EQ(refused([](CarOptions& o) { o.max_steering_rate_deg = 0; }), "vehicle.max_steering_rate_deg");
+  EXPECT_EQ(refused([](CarOptions& o) { o.slip_deg_per_g = -1; }), "vehicle.slip_deg_per_g");
+  EXPECT_EQ(refused([](CarOptions& o) { o.max_acceleration = 0; }), "vehicle.max_acceleration");
+  EXPECT_EQ(refused([](CarOptions& o) { o.max_deceleration = std::nan(""); }), "vehicle.max_deceleration");
+  EXPECT_EQ(refused([](CarOptions& o) { o.max_lateral_acceleration = 0; }), "vehicle.max_lateral_acceleration");
+  EXPECT_EQ(refused([](CarOptions& o) { o.pitch_deg_per_g = -1; }), "vehicle.pitch_deg_per_g");
+  EXPECT_EQ(refused([](CarOptions& o) { o.roll_deg_per_g = 90; }), "vehicle.roll_deg_per_g");
+  EXPECT_EQ(refused([](CarOptions& o) { o.suspension_hz = 0; }), "vehicle.suspension_hz");
+  EXPECT_EQ(refused([](CarOptions& o) { o.road_noise_deg = -0.1; }), "vehicle.road_noise_deg");
+}
+
+}  // namespace
+}  // namespace turnscale
