@@ -17,9 +17,10 @@ constexpr double kSide = 800;  // of the longer side of what is drawn
 constexpr double kMargin = 24;
 constexpr double kHeading = 60;
 
+// An outline within another one is darker.
 constexpr auto kStyle =
     "text{font-family:sans-serif;font-size:13px;fill:#333}.title{font-size:15px;font-weight:bold}"
-    "path{fill:none;stroke-linejoin:round}.plan{fill:#dcdfe3;stroke:#9aa0a8;stroke-width:1}"
+    "path{fill:none;stroke-linejoin:round}.plan{fill:#9aa0a8;fill-opacity:.3;stroke:#9aa0a8;stroke-width:1}"
     ".truth{stroke:#222;stroke-width:5;stroke-opacity:.35}.estimate{stroke:#c2185b;stroke-width:1.8}"
     ".bar{stroke:#333;stroke-width:2}";
 

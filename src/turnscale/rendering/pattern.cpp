@@ -48,15 +48,17 @@ void AddSpots(int count, float least, float most, float strength, RandomStream& 
 
 // A crack: a line that wanders, and now and then splits.
 void AddCrack(Eigen::Vector2f at, float angle, int steps, float width, RandomStream& random, cv::Mat& pattern) {
+  const float main_angle = angle;
   for (int i = 0; i < steps; ++i) {
-    angle += random.Next(-0.35F, 0.35F);
+    // Wanders around one direction, so that it does not curl.
+    angle += random.Next(-0.5F, 0.5F) + 0.06F * (main_angle - angle);
     at += Direction(angle);
     const float half = width * random.Next(0.6F, 1.1F);
     const auto paint = [&](float& pixel, const Eigen::Vector2f& from) {
       pixel = std::min(pixel, pixel + 0.9F * (Smooth(half * 0.5F, half + 0.7F, from.norm()) - 1));
     };
     PaintAround(at, half + 1, paint, pattern);
-    if (width > 0.8F && random.Next() < 0.006F)
+    if (width > 0.8F && random.Next() < 0.004F)
       AddCrack(at, angle + random.Next(-1.2F, 1.2F), steps / 3, width * 0.7F, random, pattern);
   }
 }
@@ -73,7 +75,7 @@ void AddPatch(RandomStream& random, cv::Mat& pattern) {
     const float y = std::abs(at.x() * axis.y() - at.y() * axis.x()) - half.y();
     const float outside = std::max(x, y);
     pixel += shade * (1 - Smooth(-0.5F, 0.5F, outside));
-    pixel -= 1.3F * (1 - Smooth(1, 2.5F, std::abs(outside)));
+    pixel -= 1.1F * (1 - Smooth(0.5F, 2, std::abs(outside)));
   };
   PaintAround(centre, half.norm() + 3, paint, pattern);
 }
@@ -119,7 +121,7 @@ cv::Mat PavementPattern(const PatternOptions& options) {
   AddSpots(60, 20 * scale, 70 * scale, 0.7F, random, pattern);
   AddSpots(500, 4 * scale, 18 * scale, 1.1F, random, pattern);
   AddSpots(area / 40, 0.6F, 3.5F, 0.9F, random, pattern);
-  for (int i = 0; i < 9; ++i) {
+  for (int i = 0; i < 7; ++i) {
     const Eigen::Vector2f start = AnyPlace(pattern, random);
     const float angle = random.Next(0, 2 * std::numbers::pi_v<float>);
     AddCrack(start, angle, static_cast<int>(scale * random.Next(150, 700)), random.Next(0.8F, 2.0F), random, pattern);

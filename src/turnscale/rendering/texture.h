@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <array>
+#include <cstdint>
+#include <memory>
 #include <vector>
 
 #include <Eigen/Core>
@@ -23,16 +26,21 @@ class Texture {
   double size() const { return size_; }
 
  private:
+  /// Four neighbouring pixels, two from a row and two from the next, in units of `unit_`: one load gives all that a
+  /// bilinear sample needs.
+  using Quad = std::array<std::uint16_t, 4>;
+
   struct Level {
-    cv::Mat pixels;  ///< CV_32F, continuous
-    int shift = 0;   ///< log2 of the side
-    float pixels_per_metre = 1;
+    int shift = 0;  ///< log2 of the side
+    std::vector<Quad> quads;
   };
 
-  static float Bilinear(const Level& level, const Eigen::Vector2f& at);
-
   double size_;
-  std::vector<Level> levels_;  ///< finest first, each half the one before, down to one pixel
+  float unit_ = 1;
+  float per_metre_ = 1;  ///< turns of the pattern in a metre
+  float pixels_per_metre_ = 1;
+  /// Finest first, each half the one before, down to one pixel. Copies of a texture share them.
+  std::shared_ptr<const std::vector<Level>> levels_;
 };
 
 }  // namespace turnscale

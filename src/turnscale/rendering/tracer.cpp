@@ -22,6 +22,8 @@ constexpr float kLeastCosine = 0.01F;
 // A mirror reflects at grazing so many times what it does seen from straight above, and not more than everything:
 // a floor is less than perfectly smooth.
 constexpr float kGrazingGain = 10;
+// ... and what it shows is softer by this factor, across the line of sight: that also saves samples.
+constexpr float kMirrorBlur = 2;
 
 template <typename T>
 using PacketOf = std::array<T, kPacket>;
@@ -74,10 +76,13 @@ Tracer::Spot Tracer::SpotAt(const ViewRay& view, const Hit& hit, float before) c
   spot.normal = across > 0 ? Eigen::Vector3f(-look.normal) : look.normal;
   // What the pixel covers: its angle's width across, more along the ray.
   spot.path = before + hit.distance;
-  const float minor = 0.5F * view.width * spot.path;
+  const bool mirrored = before > 0;
+  const float half = 0.5F * view.width * spot.path;
+  const float minor = mirrored ? kMirrorBlur * half : half;
   const Eigen::Vector3f along = direction - across * look.normal;
-  const float stretch = minor / (std::max(spot.cosine, kLeastCosine) * std::max(along.norm(), 1e-6F));
-  const Eigen::Vector2f major(stretch * along.dot(frame.u), stretch * along.dot(frame.v));
+  const float stretch = half / (std::max(spot.cosine, kLeastCosine) * std::max(along.norm(), 1e-6F));
+  Eigen::Vector2f major(stretch * along.dot(frame.u), stretch * along.dot(frame.v));
+  if (mirrored && spot.cosine * kMirrorBlur > 1) major *= kMirrorBlur * spot.cosine;
   const Eigen::Vector2f at = look.texture_at_first + hit.u * look.texture_by_u + hit.v * look.texture_by_v;
   spot.reflectance = material.tint * lit_->scene.textures[material.texture].Sample(at, major, minor);
   spot.light = look.light_at_first + hit.u * look.light_by_u + hit.v * look.light_by_v;

@@ -50,13 +50,13 @@ std::string TruthText(const std::vector<DriveFrame>& frames) {
 std::string VehicleText(const Rig& rig) {
   const Mount& mount = rig.mount;
   return fmt::format(
-      "lever_arm: {}       # metres from the rear axle forward to the camera\n"
+      "lever_arm: {}  # metres from the rear axle forward to the camera\n"
       "lateral_offset: {}  # metres from the car's middle to the right\n"
-      "height: {}          # metres above the road\n"
-      "yaw_deg: {}         # to the right\n"
-      "pitch_deg: {}       # up\n"
-      "roll_deg: {}        # leaning right\n"
-      "side_slip: {:.6g}   # c in L_eff = L - c v^2, s^2/m\n",
+      "height: {}  # metres above the road\n"
+      "yaw_deg: {}  # to the right\n"
+      "pitch_deg: {}  # up\n"
+      "roll_deg: {}  # leaning right\n"
+      "side_slip: {:.6g}  # c in L_eff = L - c v^2, s^2/m\n",
       mount.lever_arm, mount.lateral_offset, mount.height, mount.yaw_deg, mount.pitch_deg, mount.roll_deg,
       rig.vehicle.SideSlip());
 }

@@ -56,7 +56,7 @@ cv::Mat MakeResponse(double exponent) {
 }
 
 int StepOf(float level) {
-  return static_cast<int>(std::clamp(level, 0.0F, kFullScale) * static_cast<float>(kStepsPerLevel) + 0.5F);
+  return static_cast<int>(std::clamp(level, 0.0F, kFullScale) * static_cast<float>(kStepsPerLevel));
 }
 
 }  // namespace
