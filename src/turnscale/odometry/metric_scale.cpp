@@ -14,9 +14,6 @@ namespace turnscale {
 namespace {
 
 constexpr int kIterationsBetweenTurns = 10;
-// What a keyframe belongs to; 0 for none.
-constexpr char kOtherTurn = 1;
-constexpr char kUsedTurn = 2;
 
 LeverArm LeverArmOf(const VehicleOptions& vehicle) { return {vehicle.lever_arm.value_or(0), vehicle.side_slip}; }
 
@@ -191,10 +188,16 @@ void MetricScale::Annotate(const Map& map, const std::vector<int>& keyframe_of_f
       observed.push_back({keyframes.first, keyframes.last, turn.relative_sigma});
     }
   const std::vector<double> sigmas = ScaleSigmas(options_.scale, map, observed);
+  std::vector<char> in_used_turn(map.keyframes.size(), 0);
   std::vector<char> turning(map.keyframes.size(), 0);
-  for (const Turn& turn : turns_)
-    for (int k = turn.region.first; k <= turn.region.last + 1; ++k)
-      turning[k] = std::max(turning[k], turn.result.used ? kUsedTurn : kOtherTurn);
+  for (const Turn& turn : turns_) {
+    const TurningRegion keyframes = KeyframesOf(turn.region);
+    // A turn's scale holds from the keyframe that its first step leaves; what turns are its steps.
+    for (int k = keyframes.first; k <= keyframes.last; ++k) {
+      if (turn.result.used) in_used_turn[k] = 1;
+      if (k > keyframes.first) turning[k] = 1;
+    }
+  }
   int keyframe = -1;
   for (size_t i = frames.size(); i-- > 0;) {
     // From the end, since frames before the first keyframe go with it.
@@ -204,7 +207,7 @@ void MetricScale::Annotate(const Map& map, const std::vector<int>& keyframe_of_f
     frame.turning = turning[keyframe] != 0;
     frame.scale_sigma = sigmas[keyframe];
     if (!observed.empty())
-      frame.scale_state = turning[keyframe] == kUsedTurn ? ScaleState::kObserved : ScaleState::kHeld;
+      frame.scale_state = in_used_turn[keyframe] != 0 ? ScaleState::kObserved : ScaleState::kHeld;
     if (!frame.keyframe || keyframe == 0 || map.keyframes[keyframe].after_gap) continue;
     const TurningMotion motion = MotionOf(map, keyframe - 1);
     frame.psi = motion.psi;

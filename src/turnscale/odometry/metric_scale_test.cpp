@@ -236,10 +236,12 @@ TEST(MetricScale, AnnotatesFramesFromBothSides) {
   EXPECT_NEAR(frames[kSecondCorner + 5].psi, -kQuarter, 1e-3);
   EXPECT_GT(frames[kFirstCorner + 5].theta, 0.5 * kQuarter) << "the camera swings outwards";
   for (int k = 0; k < keyframes; ++k) {
-    const bool turning =
+    const bool observed =
         (k >= kFirstCorner && k <= kFirstCorner + 22) || (k >= kSecondCorner && k <= kSecondCorner + 22);
-    EXPECT_EQ(frames[k].turning, turning) << k;
-    EXPECT_EQ(frames[k].scale_state, turning ? ScaleState::kObserved : ScaleState::kHeld) << k;
+    EXPECT_EQ(frames[k].scale_state, observed ? ScaleState::kObserved : ScaleState::kHeld) << k;
+    const bool turns = std::abs(frames[k].psi) > 0.5 * kQuarter;
+    EXPECT_EQ(frames[k].turning, turns) << k;
+    EXPECT_EQ(turns, observed && k != kFirstCorner && k != kSecondCorner) << "the step into a turn is straight";
     EXPECT_TRUE(std::isfinite(frames[k].scale_sigma));
   }
   EXPECT_EQ(frames[kFirstCorner].scale_sigma, frames[kFirstCorner + 22].scale_sigma);
