@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
+#include <opencv2/videoio.hpp>
 #include <signal.h>
 #include <sys/stat.h>
 
@@ -57,6 +58,15 @@ class ErrorsTest : public ::testing::Test {
 
   CommandResult Run(const std::vector<std::string>& more = {}) const { return RunCommand(Arguments(more), folder_); }
 
+  // The drive's images as a video; gives the size of the file.
+  uintmax_t Video(const fs::path& path) const {
+    cv::VideoWriter writer(path.string(), cv::VideoWriter::fourcc('M', 'J', 'P', 'G'), 10, {kRoomWidth, kRoomHeight},
+                           false);
+    for (int i = 0; i < kFrames; ++i) writer.write(cv::imread(Image(i).string(), cv::IMREAD_GRAYSCALE));
+    writer.release();
+    return fs::file_size(path);
+  }
+
   nlohmann::json Summary() const { return nlohmann::json::parse(TextOf(Out() / "summary.json")); }
 
   // The whole of standard error is one line, and it says all of this.
@@ -103,6 +113,26 @@ TEST_F(ErrorsTest, BrokenVideo) {
   const std::string camera = (Drive() / "calib.txt").string();
   ExpectComplaint(RunCommand({"run", video, "--camera", camera}, folder_), 2,
                   {"drive.mp4: cannot be opened as a video"});
+}
+
+TEST_F(ErrorsTest, AVideoThatEndsFarTooEarlyIsIncomplete) {
+  const fs::path video = folder_ / "drive.avi";
+  const std::vector<std::string> arguments = {"run",   video.string(), "--camera", (Drive() / "calib.txt").string(),
+                                              "--out", Out().string(), "--quiet"};
+  fs::resize_file(video, Video(video) * 6 / 10);
+  const CommandResult cut = RunCommand(arguments, folder_);
+  EXPECT_EQ(cut.exit_code, 0) << cut.err;
+  EXPECT_NE(cut.err.find("drive.avi: the video ends after"), std::string::npos) << cut.err;
+  EXPECT_FALSE(Summary()["complete"].get<bool>());
+  EXPECT_NE(Summary()["stopped"].get<std::string>().find("of 20 frames"), std::string::npos);
+
+  // A frame or two less than the header says: headers may estimate.
+  fs::resize_file(video, Video(video) * 93 / 100);
+  const CommandResult nearly_whole = RunCommand(arguments, folder_);
+  EXPECT_EQ(nearly_whole.exit_code, 0);
+  EXPECT_EQ(nearly_whole.err, "");
+  EXPECT_LT(Summary()["frames"]["total"], kFrames);
+  EXPECT_TRUE(Summary()["complete"].get<bool>());
 }
 
 TEST_F(ErrorsTest, DamagedImagesAreNamedAndSkipped) {

@@ -103,7 +103,7 @@ class Run {
       for (; frame && !Interrupted() && !Enough(); frame = source_.Next()) Process(*frame, progress);
       if (Interrupted())
         summary_.stopped = fmt::format("interrupted after {} frames", processed_);
-      else if (!Enough() && processed_ < frames_) {
+      else if (!Enough() && EndedEarly()) {
         summary_.stopped = fmt::format("the video ends after {} of {} frames", processed_, frames_);
         progress.Warn(fmt::format("{}: {}", drive_.path.string(), summary_.stopped));
       }
@@ -123,6 +123,13 @@ class Run {
 
  private:
   bool Enough() const { return arguments_.max_frames && processed_ >= *arguments_.max_frames; }
+
+  // Some containers only estimate how many frames they hold; a sound video may have a few less.
+  bool EndedEarly() const {
+    constexpr int kFewFrames = 2;
+    const int missing = frames_ - processed_;
+    return missing > kFewFrames && missing > frames_ / 100;
+  }
 
   void Process(const SourceFrame& frame, Progress& progress) {
     FrameResult result;
