@@ -75,6 +75,19 @@ TEST(OdometryMetres, ScaleIsPendingUntilTheFirstTurnCloses) {
     EXPECT_LT(frame->scale_sigma, 0.1) << "frame " << frame->frame;
   }
   EXPECT_EQ(run.live.back().scale_state, ScaleState::kHeld);
+  // What is tracked from here on is in metres, and tracking does not notice the change of the unit.
+  int fewest_inliers_before = known->inliers;
+  for (auto frame = known - 5; frame != known; ++frame)
+    fewest_inliers_before = std::min(fewest_inliers_before, frame->inliers);
+  for (auto frame = known + 1; frame != run.live.end(); ++frame) {
+    EXPECT_EQ(frame->state, TrackingState::kTracked) << "frame " << frame->frame;
+    EXPECT_GT(frame->inliers, 0.7 * fewest_inliers_before) << "frame " << frame->frame;
+    const auto place = static_cast<size_t>(frame->frame);
+    const double step = (frame->world_from_camera->translation - (frame - 1)->world_from_camera->translation).norm();
+    const double true_step =
+        (drive.world_from_camera[place].translation - drive.world_from_camera[place - 1].translation).norm();
+    EXPECT_NEAR(step / true_step, 1, 0.04) << "frame " << frame->frame;
+  }
   for (const FrameResult& frame : run.refined)
     EXPECT_NE(frame.scale_state, ScaleState::kPending) << "frame " << frame.frame;
 }
