@@ -157,6 +157,17 @@ TEST(OdometryMetres, SurviveALensThatTheCalibrationDoesNotKnow) {
   ExpectMetres(run, drive);
 }
 
+TEST(OdometryMetres, ComeThroughADistortedLensThatIsCalibrated) {
+  for (const bool fisheye : {false, true}) {
+    const StreetDrive drive = RenderStreetDrive({.frames = 75, .k1 = fisheye ? 0.02 : -0.15, .fisheye = fisheye});
+    const OdometryRun run = RunOdometry(StreetOptions(), drive);
+    ASSERT_EQ(run.turns.size(), 1U) << "fisheye " << fisheye;
+    EXPECT_EQ(Count(run.refined, TrackingState::kTracked), static_cast<int>(drive.times.size()));
+    EXPECT_NEAR(run.lens_correction, 0, 0.003);
+    ExpectMetres(run, drive);
+  }
+}
+
 TEST(OdometryMetres, KnowACameraThatLooksSideways) {
   const Eigen::Quaterniond vehicle_from_camera = RotationFromYawPitchRoll({.yaw = 5 / kDegreesPerRadian});
   const StreetDrive drive = RenderStreetDrive({.vehicle_from_camera = vehicle_from_camera});
