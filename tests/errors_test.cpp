@@ -14,6 +14,7 @@
 
 #include "command_line.h"
 #include "rendered_room.h"
+#include "turnscale/io/settings.h"
 #include "turnscale/io/trajectory_file.h"
 
 namespace turnscale {
@@ -100,6 +101,20 @@ TEST_F(ErrorsTest, QuietPrintsNothing) {
 
 TEST_F(ErrorsTest, WithoutLeverArmTheRunSaysItIsUpToScale) {
   EXPECT_NE(Run().out.find("without --lever-arm the path is up to scale"), std::string::npos);
+}
+
+TEST_F(ErrorsTest, SettingsAreThoseInEffect) {
+  ASSERT_EQ(Run({"--quiet"}).exit_code, 0);
+  EXPECT_TRUE(ReadSettings(Out() / "settings.yaml").lens.enabled);
+  EXPECT_GT(Summary()["lens"]["sigma"], 0);
+  const std::string fisheye = Text("fisheye.yaml",
+                                   "cam0:\n  camera_model: pinhole\n  intrinsics: [200, 200, 159.5, 119.5]\n"
+                                   "  resolution: [320, 240]\n  distortion_model: equidistant\n"
+                                   "  distortion_coeffs: [0, 0, 0, 0]\n")
+                                  .string();
+  ASSERT_EQ(Run({"--quiet", "--camera", fisheye}).exit_code, 0);
+  EXPECT_FALSE(ReadSettings(Out() / "settings.yaml").lens.enabled) << "a fisheye has no radial correction";
+  EXPECT_TRUE(Summary()["lens"].is_null());
 }
 
 TEST_F(ErrorsTest, MissingAndEmptyFolders) {

@@ -96,7 +96,7 @@ class Run {
     std::optional<SourceFrame> frame = source_.Next();
     writer_.emplace(RunWriterOptions{
         arguments_.out, arguments_.frame == "vehicle" ? PoseFrame::kVehicle : PoseFrame::kCamera, options_.vehicle});
-    writer_->WriteText("settings.yaml", SettingsText(options_));
+    writer_->WriteText("settings.yaml", SettingsText(odometry_.options()));
     CatchInterrupts();
     Progress progress(frames_, arguments_.quiet);
     try {
@@ -160,6 +160,7 @@ class Run {
     summary_.folder = arguments_.out.string();
     summary_.vehicle = options_.vehicle;
     summary_.scale_state = odometry_.scale_state();
+    if (odometry_.options().lens.enabled) summary_.lens = {odometry_.lens().correction(), odometry_.lens().sigma()};
     Summarize(refined, odometry_.Turns(), summary_);
     summary_.cost = MeasureCost();
     writer_->WriteText("summary.json", SummaryJson(summary_));

@@ -215,6 +215,11 @@ TEST(RunSummary, CountsAndMeasures) {
   EXPECT_EQ(json["turns"]["found"], 2);
   EXPECT_EQ(json["turns"]["used"], 1);
   EXPECT_EQ(json["scale"]["state"], "held");
+  EXPECT_TRUE(json["lens"].is_null()) << "not looked for";
+  summary.lens = {-0.015, 0.002};
+  const auto with_lens = nlohmann::json::parse(SummaryJson(summary));
+  EXPECT_EQ(with_lens["lens"]["correction"], -0.015);
+  EXPECT_EQ(with_lens["lens"]["sigma"], 0.002);
   EXPECT_TRUE(json["complete"].get<bool>());
   EXPECT_NE(SummaryText(summary).find("8.00 m in 5 frames"), std::string::npos);
 }

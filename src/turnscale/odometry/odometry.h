@@ -47,6 +47,8 @@ class Odometry {
   int revision() const { return revision_; }
 
   std::vector<TurnResult> Turns() const;
+  /// The options in effect: those given, without what the camera's lens does not allow.
+  const OdometryOptions& options() const { return options_; }
   const Map& map() const { return map_; }
   /// What the drive has told of the lens beyond its calibration.
   const LensRefinement& lens() const { return lens_; }
