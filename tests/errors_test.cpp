@@ -117,6 +117,14 @@ TEST_F(ErrorsTest, SettingsAreThoseInEffect) {
   EXPECT_TRUE(Summary()["lens"].is_null());
 }
 
+TEST_F(ErrorsTest, NamesThatAreNoUtf8) {
+  const fs::path renamed = folder_ / "caf\xe9";
+  fs::rename(Drive(), renamed);
+  const CommandResult result = RunCommand({"run", renamed.string(), "--out", Out().string(), "--quiet"}, folder_);
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_TRUE(Summary()["input"].get<std::string>().ends_with("caf\xef\xbf\xbd"));
+}
+
 TEST_F(ErrorsTest, MissingAndEmptyFolders) {
   ExpectComplaint(RunCommand({"run", (folder_ / "nowhere").string()}, folder_), 2, {"nowhere: no such file or folder"});
   fs::create_directories(folder_ / "empty");

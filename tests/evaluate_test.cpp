@@ -182,6 +182,12 @@ TEST_F(EvaluateTest, StepsAreThoseOfTheTableBesideTheEstimate) {
   ExpectComplaint({"estimate/drive.tum", "truth/drive.tum", "--keyframes", "nowhere.csv"}, "nowhere.csv");
 }
 
+TEST_F(EvaluateTest, NamesThatAreNoUtf8) {
+  fs::rename(folder_ / "estimate/drive.tum", folder_ / "caf\xe9.tum");
+  EXPECT_TRUE(
+      Scored({"caf\xe9.tum", "truth/drive.tum"})["estimate"].get<std::string>().ends_with("caf\xef\xbf\xbd.tum"));
+}
+
 TEST_F(EvaluateTest, BadInputEndsWithCode2) {
   ExpectComplaint({"nowhere.tum", "truth/drive.tum"}, "nowhere.tum: no such trajectory file");
   ExpectComplaint({"estimate/drive.tum", "nowhere.tum"}, "nowhere.tum: no such trajectory file");

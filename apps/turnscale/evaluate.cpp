@@ -117,7 +117,9 @@ void RunEvaluate(const EvaluateArguments& arguments) {
   sources.pairing = paired.key == KeyframeKey::kTime ? "time" : "frame";
   const std::vector<Step> steps = FindSteps(arguments, paired, sources.steps);
   const Evaluation evaluation = Evaluate(paired.pairs, steps);
-  const std::string json = EvaluationJson(evaluation, sources).dump(2) + "\n";
+  // Names of files may be no UTF-8.
+  const auto replace = nlohmann::ordered_json::error_handler_t::replace;
+  const std::string json = EvaluationJson(evaluation, sources).dump(2, ' ', false, replace) + "\n";
   if (arguments.json == "-") {
     std::cout << json;
     return;
