@@ -182,6 +182,21 @@ TEST_F(EvaluateTest, StepsAreThoseOfTheTableBesideTheEstimate) {
   ExpectComplaint({"estimate/drive.tum", "truth/drive.tum", "--keyframes", "nowhere.csv"}, "nowhere.csv");
 }
 
+TEST_F(EvaluateTest, NumbersThatCannotBeWrittenAreAnError) {
+  const std::string estimate = (folder_ / "estimate/drive.tum").string();
+  const std::string truth = (folder_ / "truth/drive.tum").string();
+  for (const auto& more : std::vector<std::vector<std::string>>{{}, {"--json", "-"}}) {
+    std::vector<std::string> arguments = {"evaluate", estimate, truth};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const CommandResult result = RunCommand(arguments, folder_, "/dev/full");
+    EXPECT_EQ(result.exit_code, 1);
+    EXPECT_EQ(result.err, "turnscale: standard output: cannot be written: No space left on device\n");
+  }
+  const std::string nowhere = (folder_ / "nowhere/score.json").string();
+  ExpectComplaint({"estimate/drive.tum", "truth/drive.tum", "--json", nowhere},
+                  nowhere + ": cannot be written: No such file or directory; choose another place\n");
+}
+
 TEST_F(EvaluateTest, NamesThatAreNoUtf8) {
   fs::rename(folder_ / "estimate/drive.tum", folder_ / "caf\xe9.tum");
   EXPECT_TRUE(

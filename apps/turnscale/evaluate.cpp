@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <filesystem>
 #include <fstream>
-#include <iostream>
 #include <memory>
 #include <optional>
 
@@ -121,11 +120,11 @@ void RunEvaluate(const EvaluateArguments& arguments) {
   const auto replace = nlohmann::ordered_json::error_handler_t::replace;
   const std::string json = EvaluationJson(evaluation, sources).dump(2, ' ', false, replace) + "\n";
   if (arguments.json == "-") {
-    std::cout << json;
+    WriteStandardOutput(json);
     return;
   }
   if (!arguments.json.empty()) ReplaceFile(arguments.json, json);
-  std::cout << EvaluationTable(evaluation, sources);
+  WriteStandardOutput(EvaluationTable(evaluation, sources));
 }
 
 }  // namespace

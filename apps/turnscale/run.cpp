@@ -16,6 +16,7 @@
 #include "turnscale/base/error.h"
 #include "turnscale/camera/camera_file.h"
 #include "turnscale/io/image_source.h"
+#include "turnscale/io/output_file.h"
 #include "turnscale/io/progress.h"
 #include "turnscale/io/run_summary.h"
 #include "turnscale/io/run_writer.h"
@@ -115,7 +116,7 @@ class Run {
     }
     progress.Finish();
     WriteResults();
-    if (!arguments_.quiet) fmt::print("{}", SummaryText(summary_));
+    if (!arguments_.quiet) WriteStandardOutput(SummaryText(summary_));
     if (!Interrupted()) return 0;
     fmt::print(stderr, "turnscale: {}; what was computed is in {}\n", summary_.stopped, arguments_.out.string());
     return kInterruptedExitCode;
