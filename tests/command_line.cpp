@@ -39,7 +39,8 @@ std::vector<std::string> CommandResult::Complaints() const {
   return complaints;
 }
 
-Command::Command(const std::vector<std::string>& arguments, const std::filesystem::path& folder)
+Command::Command(const std::vector<std::string>& arguments, const std::filesystem::path& folder,
+                 const std::filesystem::path& out)
     : out_(folder / "stdout.txt"), err_(folder / "stderr.txt") {
   std::vector<std::string> words = {TURNSCALE_COMMAND};
   words.insert(words.end(), arguments.begin(), arguments.end());
@@ -52,7 +53,7 @@ Command::Command(const std::vector<std::string>& arguments, const std::filesyste
   process_ = fork();
   if (process_ < 0) throw std::runtime_error("cannot start a process");
   if (process_ > 0) return;
-  Redirect(STDOUT_FILENO, out_.c_str());
+  Redirect(STDOUT_FILENO, out.empty() ? out_.c_str() : out.c_str());
   Redirect(STDERR_FILENO, err_.c_str());
   execv(pointers[0], pointers.data());
   _exit(127);
@@ -84,8 +85,9 @@ CommandResult Command::Wait() {
   return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, TextOf(out_), TextOf(err_)};
 }
 
-CommandResult RunCommand(const std::vector<std::string>& arguments, const std::filesystem::path& folder) {
-  return Command(arguments, folder).Wait();
+CommandResult RunCommand(const std::vector<std::string>& arguments, const std::filesystem::path& folder,
+                         const std::filesystem::path& out) {
+  return Command(arguments, folder, out).Wait();
 }
 
 void ExpectComplaint(const CommandResult& result, int exit_code, const std::vector<std::string>& parts) {

@@ -20,8 +20,9 @@ struct CommandResult {
 /// A run of the built `turnscale` that goes on beside the test.
 class Command {
  public:
-  /// Keeps what it prints in files below `folder`.
-  Command(const std::vector<std::string>& arguments, const std::filesystem::path& folder);
+  /// Keeps what it prints in files below `folder`; where `out` is given, standard output goes there and is not kept.
+  Command(const std::vector<std::string>& arguments, const std::filesystem::path& folder,
+          const std::filesystem::path& out = {});
   Command(const Command&) = delete;
   Command& operator=(const Command&) = delete;
   ~Command();
@@ -38,7 +39,8 @@ class Command {
 };
 
 /// Runs `turnscale` to its end.
-CommandResult RunCommand(const std::vector<std::string>& arguments, const std::filesystem::path& folder);
+CommandResult RunCommand(const std::vector<std::string>& arguments, const std::filesystem::path& folder,
+                         const std::filesystem::path& out = {});
 
 /// Fails the test unless the command ended with the code, and all of standard error is one line that holds the parts.
 void ExpectComplaint(const CommandResult& result, int exit_code, const std::vector<std::string>& parts);

@@ -1,18 +1,23 @@
 // SPDX-License-Identifier: MIT
+#include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <string>
+#include <thread>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
+#include <opencv2/videoio.hpp>
 #include <signal.h>
 #include <sys/stat.h>
 
 #include "command_line.h"
 #include "rendered_room.h"
+#include "turnscale/io/settings.h"
 #include "turnscale/io/trajectory_file.h"
 
 namespace turnscale {
@@ -57,6 +62,15 @@ class ErrorsTest : public ::testing::Test {
 
   CommandResult Run(const std::vector<std::string>& more = {}) const { return RunCommand(Arguments(more), folder_); }
 
+  // The drive's images as a video; gives the size of the file.
+  uintmax_t Video(const fs::path& path) const {
+    cv::VideoWriter writer(path.string(), cv::VideoWriter::fourcc('M', 'J', 'P', 'G'), 10, {kRoomWidth, kRoomHeight},
+                           false);
+    for (int i = 0; i < kFrames; ++i) writer.write(cv::imread(Image(i).string(), cv::IMREAD_GRAYSCALE));
+    writer.release();
+    return fs::file_size(path);
+  }
+
   nlohmann::json Summary() const { return nlohmann::json::parse(TextOf(Out() / "summary.json")); }
 
   fs::path folder_;
@@ -84,6 +98,28 @@ TEST_F(ErrorsTest, WithoutLeverArmTheRunSaysItIsUpToScale) {
   EXPECT_NE(Run().out.find("without --lever-arm the path is up to scale"), std::string::npos);
 }
 
+TEST_F(ErrorsTest, SettingsAreThoseInEffect) {
+  ASSERT_EQ(Run({"--quiet"}).exit_code, 0);
+  EXPECT_TRUE(ReadSettings(Out() / "settings.yaml").lens.enabled);
+  EXPECT_GT(Summary()["lens"]["sigma"], 0);
+  const std::string fisheye = Text("fisheye.yaml",
+                                   "cam0:\n  camera_model: pinhole\n  intrinsics: [200, 200, 159.5, 119.5]\n"
+                                   "  resolution: [320, 240]\n  distortion_model: equidistant\n"
+                                   "  distortion_coeffs: [0, 0, 0, 0]\n")
+                                  .string();
+  ASSERT_EQ(Run({"--quiet", "--camera", fisheye}).exit_code, 0);
+  EXPECT_FALSE(ReadSettings(Out() / "settings.yaml").lens.enabled) << "a fisheye has no radial correction";
+  EXPECT_TRUE(Summary()["lens"].is_null());
+}
+
+TEST_F(ErrorsTest, NamesThatAreNoUtf8) {
+  const fs::path renamed = folder_ / "caf\xe9";
+  fs::rename(Drive(), renamed);
+  const CommandResult result = RunCommand({"run", renamed.string(), "--out", Out().string(), "--quiet"}, folder_);
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_TRUE(Summary()["input"].get<std::string>().ends_with("caf\xef\xbf\xbd"));
+}
+
 TEST_F(ErrorsTest, MissingAndEmptyFolders) {
   ExpectComplaint(RunCommand({"run", (folder_ / "nowhere").string()}, folder_), 2, {"nowhere: no such file or folder"});
   fs::create_directories(folder_ / "empty");
@@ -95,6 +131,49 @@ TEST_F(ErrorsTest, BrokenVideo) {
   const std::string camera = (Drive() / "calib.txt").string();
   ExpectComplaint(RunCommand({"run", video, "--camera", camera}, folder_), 2,
                   {"drive.mp4: cannot be opened as a video"});
+}
+
+TEST_F(ErrorsTest, AVideoThatEndsFarTooEarlyIsIncomplete) {
+  const fs::path video = folder_ / "drive.avi";
+  const std::vector<std::string> arguments = {"run",   video.string(), "--camera", (Drive() / "calib.txt").string(),
+                                              "--out", Out().string(), "--quiet"};
+  fs::resize_file(video, Video(video) * 6 / 10);
+  const CommandResult cut = RunCommand(arguments, folder_);
+  EXPECT_EQ(cut.exit_code, 0) << cut.err;
+  EXPECT_NE(cut.err.find("drive.avi: the video ends after"), std::string::npos) << cut.err;
+  EXPECT_FALSE(Summary()["complete"].get<bool>());
+  EXPECT_NE(Summary()["stopped"].get<std::string>().find("of 20 frames"), std::string::npos);
+
+  // A frame or two less than the header says: headers may estimate.
+  fs::resize_file(video, Video(video) * 93 / 100);
+  const CommandResult nearly_whole = RunCommand(arguments, folder_);
+  EXPECT_EQ(nearly_whole.exit_code, 0);
+  EXPECT_EQ(nearly_whole.err, "");
+  EXPECT_LT(Summary()["frames"]["total"], kFrames);
+  EXPECT_TRUE(Summary()["complete"].get<bool>());
+}
+
+TEST_F(ErrorsTest, MaxFramesStopsEarlyAndSaysSo) {
+  EXPECT_EQ(Run({"--max-frames", "5"}).exit_code, 0);
+  EXPECT_EQ(Summary()["frames"]["total"], 5);
+  EXPECT_EQ(Summary()["stopped"], "--max-frames 5");
+  EXPECT_FALSE(Summary()["complete"].get<bool>());
+  EXPECT_EQ(Run({"--max-frames", std::to_string(kFrames)}).exit_code, 0);
+  EXPECT_TRUE(Summary()["stopped"].is_null()) << "that was the whole drive";
+
+  // JPEG images one after another: a video that does not tell how many it holds.
+  std::string stream;
+  for (int i = 0; i < kFrames; ++i) {
+    cv::imwrite((folder_ / "image.jpg").string(), cv::imread(Image(i).string(), cv::IMREAD_GRAYSCALE));
+    stream += TextOf(folder_ / "image.jpg");
+  }
+  const CommandResult result =
+      RunCommand({"run", Text("drive.mjpeg", stream).string(), "--camera", (Drive() / "calib.txt").string(), "--out",
+                  Out().string(), "--fps", "10", "--max-frames", "5"},
+                 folder_);
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_NE(result.err.find("frame 5/5,"), std::string::npos) << result.err;
+  EXPECT_EQ(Summary()["stopped"], "--max-frames 5");
 }
 
 TEST_F(ErrorsTest, DamagedImagesAreNamedAndSkipped) {
@@ -211,7 +290,8 @@ TEST_F(ErrorsTest, PlacesThatCannotBeWritten) {
 }
 
 TEST_F(ErrorsTest, FullDisk) {
-  for (const char* name : {"settings.yaml", "trajectory.csv", "turns.csv", "map.ply", "summary.json"}) {
+  for (const char* name :
+       {"live.tum", "trajectory.tum", "settings.yaml", "trajectory.csv", "turns.csv", "map.ply", "summary.json"}) {
     fs::remove_all(Out());
     fs::create_directories(Out());
     fs::create_symlink("/dev/full", Out() / name);
@@ -237,6 +317,20 @@ TEST_F(ErrorsTest, InterruptKeepsWhatWasComputed) {
     EXPECT_EQ(ReadTrajectory(Out() / "trajectory.tum").size(), 12u);
     EXPECT_EQ(ReadTrajectory(Out() / "trajectory.kitti.txt").size(), 12u);
     EXPECT_GT(ReadTrajectory(Out() / "live.tum").size(), 0u);
+  }
+}
+
+TEST_F(ErrorsTest, ASecondSignalOfEitherKindEndsARunThatHangs) {
+  for (const auto& [first, second] : {std::pair(SIGINT, SIGTERM), std::pair(SIGTERM, SIGINT)}) {
+    fs::remove(Image(12));
+    ASSERT_EQ(mkfifo(Image(12).c_str(), 0600), 0);
+    Command command(Arguments({}), folder_);
+    ASSERT_TRUE(command.WaitForError("frame 12/20"));
+    command.Signal(first);
+    // Both at once would be one for the run.
+    std::this_thread::sleep_for(std::chrono::milliseconds(300));
+    command.Signal(second);
+    EXPECT_EQ(command.Wait().exit_code, -1) << "ended by the signal";
   }
 }
 

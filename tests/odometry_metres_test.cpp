@@ -75,6 +75,19 @@ TEST(OdometryMetres, ScaleIsPendingUntilTheFirstTurnCloses) {
     EXPECT_LT(frame->scale_sigma, 0.1) << "frame " << frame->frame;
   }
   EXPECT_EQ(run.live.back().scale_state, ScaleState::kHeld);
+  // What is tracked from here on is in metres, and tracking does not notice the change of the unit.
+  int fewest_inliers_before = known->inliers;
+  for (auto frame = known - 5; frame != known; ++frame)
+    fewest_inliers_before = std::min(fewest_inliers_before, frame->inliers);
+  for (auto frame = known + 1; frame != run.live.end(); ++frame) {
+    EXPECT_EQ(frame->state, TrackingState::kTracked) << "frame " << frame->frame;
+    EXPECT_GT(frame->inliers, 0.7 * fewest_inliers_before) << "frame " << frame->frame;
+    const auto place = static_cast<size_t>(frame->frame);
+    const double step = (frame->world_from_camera->translation - (frame - 1)->world_from_camera->translation).norm();
+    const double true_step =
+        (drive.world_from_camera[place].translation - drive.world_from_camera[place - 1].translation).norm();
+    EXPECT_NEAR(step / true_step, 1, 0.04) << "frame " << frame->frame;
+  }
   for (const FrameResult& frame : run.refined)
     EXPECT_NE(frame.scale_state, ScaleState::kPending) << "frame " << frame.frame;
 }
@@ -142,6 +155,17 @@ TEST(OdometryMetres, SurviveALensThatTheCalibrationDoesNotKnow) {
   EXPECT_NEAR(run.lens_correction, -kDistortion, 0.003);
   // With the lens left as it is, path and positions are twice as far off as this allows.
   ExpectMetres(run, drive);
+}
+
+TEST(OdometryMetres, ComeThroughADistortedLensThatIsCalibrated) {
+  for (const bool fisheye : {false, true}) {
+    const StreetDrive drive = RenderStreetDrive({.frames = 75, .k1 = fisheye ? 0.02 : -0.15, .fisheye = fisheye});
+    const OdometryRun run = RunOdometry(StreetOptions(), drive);
+    ASSERT_EQ(run.turns.size(), 1U) << "fisheye " << fisheye;
+    EXPECT_EQ(Count(run.refined, TrackingState::kTracked), static_cast<int>(drive.times.size()));
+    EXPECT_NEAR(run.lens_correction, 0, 0.003);
+    ExpectMetres(run, drive);
+  }
 }
 
 TEST(OdometryMetres, KnowACameraThatLooksSideways) {

@@ -7,6 +7,8 @@
 
 #include "odometry_run.h"
 #include "street_drive.h"
+#include "turnscale/base/error.h"
+#include "turnscale/odometry/odometry.h"
 
 namespace turnscale {
 namespace {
@@ -152,6 +154,12 @@ TEST(OdometryTrouble, ACarThatNeverMovesHasNoMap) {
       EXPECT_FALSE(frame.world_from_camera) << "frame " << frame.frame;
       EXPECT_EQ(frame.state, frame.frame == 10 ? TrackingState::kUnreadable : TrackingState::kInitializing);
     }
+}
+
+TEST(OdometryTrouble, ACameraWithHalfASizeIsRefused) {
+  CameraModel camera;
+  camera.width = 480;
+  EXPECT_THROW(Odometry(StreetOptions(), camera), InputError);
 }
 
 }  // namespace

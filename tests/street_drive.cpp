@@ -67,8 +67,9 @@ std::vector<Block> Streets() {
 StreetDrive RenderStreetDrive(const StreetDriveOptions& options) {
   static const StreetWorld world(Streets());
   StreetDrive drive;
+  const LensModel lens = options.k1 == 0 ? LensModel::kPinhole : LensModel::kRadialTangential;
   drive.camera = {.pinhole = {280, 280, 239.5, 95.5},
-                  .lens = options.k1 == 0 ? LensModel::kPinhole : LensModel::kRadialTangential,
+                  .lens = options.fisheye ? LensModel::kEquidistant : lens,
                   .distortion = {options.k1, 0, 0, 0, 0},
                   .width = 480,
                   .height = 192};

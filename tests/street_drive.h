@@ -21,8 +21,9 @@ struct StreetDrive {
 };
 
 struct StreetDriveOptions {
-  int frames = 1000;  ///< at most; the drive ends by itself
-  double k1 = 0;      ///< radial distortion of the lens
+  int frames = 1000;     ///< at most; the drive ends by itself
+  double k1 = 0;         ///< radial distortion of the lens; of a fisheye its first coefficient
+  bool fisheye = false;  ///< an equidistant lens
   Eigen::Quaterniond vehicle_from_camera = Eigen::Quaterniond::Identity();
   int standing_at = -1;     ///< frame at which the car stops
   int standing_frames = 0;  ///< for so long

@@ -9,13 +9,13 @@
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
-#include <opencv2/core/utility.hpp>
 
 #include "commands.h"
 #include "interrupt.h"
 #include "turnscale/base/error.h"
 #include "turnscale/camera/camera_file.h"
 #include "turnscale/io/image_source.h"
+#include "turnscale/io/output_file.h"
 #include "turnscale/io/progress.h"
 #include "turnscale/io/run_summary.h"
 #include "turnscale/io/run_writer.h"
@@ -76,6 +76,12 @@ fs::path CameraFileFor(const RunArguments& arguments, const DriveInput& drive) {
   throw InputError(arguments.input.string() + ": comes without a calibration of its own; give --camera FILE");
 }
 
+// 0 where neither a video's header nor the user tells.
+int ExpectedFrames(int count, std::optional<int> max_frames) {
+  if (!max_frames) return count;
+  return count > 0 ? std::min(*max_frames, count) : *max_frames;
+}
+
 // One drive from its first image to its files.
 class Run {
  public:
@@ -86,24 +92,25 @@ class Run {
         camera_file_(CameraFileFor(arguments, drive_)),
         camera_(ReadCameraFile(camera_file_)),
         source_(drive_, {arguments.timestamps, arguments.fps, camera_.width, camera_.height, camera_file_.string()}),
-        frames_(arguments.max_frames ? std::min(*arguments.max_frames, source_.count()) : source_.count()),
+        frames_(ExpectedFrames(source_.count(), arguments.max_frames)),
         odometry_(options_, camera_) {}
 
   // Returns the exit code.
   int Go() {
-    cv::setNumThreads(options_.threads);
     // Before the folder is made: an image of the wrong size leaves no trace.
     std::optional<SourceFrame> frame = source_.Next();
     writer_.emplace(RunWriterOptions{
         arguments_.out, arguments_.frame == "vehicle" ? PoseFrame::kVehicle : PoseFrame::kCamera, options_.vehicle});
-    writer_->WriteText("settings.yaml", SettingsText(options_));
+    writer_->WriteText("settings.yaml", SettingsText(odometry_.options()));
     CatchInterrupts();
     Progress progress(frames_, arguments_.quiet);
     try {
       for (; frame && !Interrupted() && !Enough(); frame = source_.Next()) Process(*frame, progress);
       if (Interrupted())
         summary_.stopped = fmt::format("interrupted after {} frames", processed_);
-      else if (!Enough() && processed_ < frames_) {
+      else if (Enough() && frame)
+        summary_.stopped = fmt::format("--max-frames {}", *arguments_.max_frames);
+      else if (!Enough() && EndedEarly()) {
         summary_.stopped = fmt::format("the video ends after {} of {} frames", processed_, frames_);
         progress.Warn(fmt::format("{}: {}", drive_.path.string(), summary_.stopped));
       }
@@ -115,7 +122,7 @@ class Run {
     }
     progress.Finish();
     WriteResults();
-    if (!arguments_.quiet) fmt::print("{}", SummaryText(summary_));
+    if (!arguments_.quiet) WriteStandardOutput(SummaryText(summary_));
     if (!Interrupted()) return 0;
     fmt::print(stderr, "turnscale: {}; what was computed is in {}\n", summary_.stopped, arguments_.out.string());
     return kInterruptedExitCode;
@@ -123,6 +130,13 @@ class Run {
 
  private:
   bool Enough() const { return arguments_.max_frames && processed_ >= *arguments_.max_frames; }
+
+  // Some containers only estimate how many frames they hold; a sound video may have a few less.
+  bool EndedEarly() const {
+    constexpr int kFewFrames = 2;
+    const int missing = frames_ - processed_;
+    return missing > kFewFrames && missing > frames_ / 100;
+  }
 
   void Process(const SourceFrame& frame, Progress& progress) {
     FrameResult result;
@@ -154,6 +168,7 @@ class Run {
     summary_.folder = arguments_.out.string();
     summary_.vehicle = options_.vehicle;
     summary_.scale_state = odometry_.scale_state();
+    if (odometry_.options().lens.enabled) summary_.lens = {odometry_.lens().correction(), odometry_.lens().sigma()};
     Summarize(refined, odometry_.Turns(), summary_);
     summary_.cost = MeasureCost();
     writer_->WriteText("summary.json", SummaryJson(summary_));
@@ -165,7 +180,7 @@ class Run {
   fs::path camera_file_;
   CameraModel camera_;
   ImageSource source_;
-  int frames_;  // expected; 0 where a video does not tell
+  int frames_;  // expected
   Odometry odometry_;
   std::optional<RunWriter> writer_;
   int processed_ = 0;

@@ -26,6 +26,15 @@ int ImageSide(const YamlMap& map, const std::string& key) {
   return side;
 }
 
+// Files need not tell the image size, but half of it would be a mistake.
+void SetImageSize(const YamlMap& map, const std::string& width, const std::string& height, CameraModel& camera) {
+  if (!map.Has(width) && !map.Has(height)) return;
+  if (!map.Has(width)) map.Reject(width, fmt::format("is missing; give it as well as {}, or neither", height));
+  if (!map.Has(height)) map.Reject(height, fmt::format("is missing; give it as well as {}, or neither", width));
+  camera.width = ImageSide(map, width);
+  camera.height = ImageSide(map, height);
+}
+
 // Settings of ORB-SLAM's other parts, which say nothing of the camera.
 bool OfAnotherPart(const std::string& key) {
   static const Names prefixes = {"Camera2.", "ORBextractor.", "Viewer.",    "IMU.",   "System.",
@@ -60,8 +69,7 @@ CameraModel OrbSlamCamera(const YamlMap& file) {
   CameraModel camera;
   camera.pinhole = {file.Positive(prefix + "fx"), file.Positive(prefix + "fy"), file.Number(prefix + "cx"),
                     file.Number(prefix + "cy")};
-  if (file.Has("Camera.width")) camera.width = ImageSide(file, "Camera.width");
-  if (file.Has("Camera.height")) camera.height = ImageSide(file, "Camera.height");
+  SetImageSize(file, "Camera.width", "Camera.height", camera);
   const auto coefficient = [&](const std::string& name, bool required) {
     return required || file.Has(prefix + name) ? file.Number(prefix + name) : 0.0;
   };
@@ -150,8 +158,7 @@ CameraModel OpenCvCamera(const YamlMap& file) {
   }
   CameraModel camera;
   camera.pinhole = {k[0], k[4], k[2], k[5]};
-  if (file.Has("image_width")) camera.width = ImageSide(file, "image_width");
-  if (file.Has("image_height")) camera.height = ImageSide(file, "image_height");
+  SetImageSize(file, "image_width", "image_height", camera);
   SetOpenCvDistortion(file, camera);
   return camera;
 }

@@ -11,7 +11,7 @@ namespace turnscale {
 struct KeyframeRow {
   int frame = 0;
   double time = 0;       ///< seconds
-  bool turning = false;  ///< belongs to a turning region
+  bool turning = false;  ///< the step that led to it belongs to a turning region
 };
 
 /// The keyframes among the rows of a comma-separated table with the columns frame, time, keyframe and turning, found

@@ -14,6 +14,10 @@ class Progress {
  public:
   /// `frames` is how many are expected, 0 where that is not known. Quiet leaves only warnings.
   Progress(int frames, bool quiet);
+  Progress(const Progress&) = delete;
+  Progress& operator=(const Progress&) = delete;
+  /// Finishes: what is said of a run that failed gets a line of its own.
+  ~Progress() { Finish(); }
 
   /// `more` is said after the rate.
   void Update(int frames_done, const std::string& more = "");

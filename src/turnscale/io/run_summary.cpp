@@ -94,9 +94,12 @@ std::string SummaryJson(const RunSummary& summary) {
       {"distance_m", IsMetric(summary) ? Json(summary.distance) : Json(nullptr)},
       {"distance_units", IsMetric(summary) ? Json(nullptr) : Json(summary.distance)},
       {"scale", {{"state", ScaleStateName(summary.scale_state)}, {"relative_sigma", or_null(summary.scale_sigma)}}},
+      {"lens",
+       summary.lens ? Json{{"correction", summary.lens->correction}, {"sigma", summary.lens->sigma}} : Json(nullptr)},
       {"turns", {{"found", summary.turns_found}, {"used", summary.turns_used}}},
       {"cost", CostJson(summary)}};
-  return json.dump(2) + "\n";
+  // Names of files may be no UTF-8.
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
 std::string SummaryText(const RunSummary& summary) {

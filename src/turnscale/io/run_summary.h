@@ -26,6 +26,12 @@ struct RunCost {
 /// Cost of this process up to now, the wall clock counted from its first call.
 RunCost MeasureCost();
 
+/// What the drive told of the lens beyond its calibration (mapping/lens_refinement.h).
+struct LensSummary {
+  double correction = 0;
+  double sigma = 0;
+};
+
 /// What a run found, for summary.json and for the screen.
 struct RunSummary {
   std::string version;
@@ -42,7 +48,8 @@ struct RunSummary {
   std::vector<UnreadableFrame> unreadable;
   double distance = 0;  ///< metres where the scale is known, else in the arbitrary unit
   ScaleState scale_state = ScaleState::kPending;
-  double scale_sigma = 0;  ///< relative
+  double scale_sigma = 0;           ///< relative
+  std::optional<LensSummary> lens;  ///< empty where it was not looked for
   int turns_found = 0;
   int turns_used = 0;
   std::string stopped;  ///< why the run ended before the drive did; empty where it did not

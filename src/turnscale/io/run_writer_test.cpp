@@ -188,8 +188,12 @@ TEST(RunTables, TurnsSayWhyTheyWereNotUsed) {
   turn.first_frame = 7;
   turn.angle = -1.5;
   turn.reason = "too slow, \"far\" too slow";
-  EXPECT_NE(TurnTable({turn}).find("\n7,0,0,-85.9437,,,,,0,\"too slow, \"\"far\"\" too slow\"\n"), std::string::npos)
+  EXPECT_NE(TurnTable({turn}).find("\n7,0,0,-85.9437,,,,,0,\"too slow, \"\"far\"\" too slow\",\n"), std::string::npos)
       << TurnTable({turn});
+  TurnResult used;
+  used.used = true;
+  used.unadjusted = "astray";
+  EXPECT_TRUE(TurnTable({used}).ends_with(",1,,\"astray\"\n")) << TurnTable({used});
 }
 
 TEST(RunSummary, CountsAndMeasures) {
@@ -215,6 +219,11 @@ TEST(RunSummary, CountsAndMeasures) {
   EXPECT_EQ(json["turns"]["found"], 2);
   EXPECT_EQ(json["turns"]["used"], 1);
   EXPECT_EQ(json["scale"]["state"], "held");
+  EXPECT_TRUE(json["lens"].is_null()) << "not looked for";
+  summary.lens = {-0.015, 0.002};
+  const auto with_lens = nlohmann::json::parse(SummaryJson(summary));
+  EXPECT_EQ(with_lens["lens"]["correction"], -0.015);
+  EXPECT_EQ(with_lens["lens"]["sigma"], 0.002);
   EXPECT_TRUE(json["complete"].get<bool>());
   EXPECT_NE(SummaryText(summary).find("8.00 m in 5 frames"), std::string::npos);
 }

@@ -41,8 +41,4 @@ std::filesystem::path FindPoseTimes(const std::filesystem::path& kitti_poses);
 std::string TumLine(const StampedPose& pose);
 std::string KittiLine(const RigidTransform& world_from_camera, int digits = 9);
 
-/// Throw InputError where the file cannot be made, OutputError where it cannot be filled.
-void WriteTum(const std::filesystem::path& path, const Trajectory& poses);
-void WriteKitti(const std::filesystem::path& path, const Trajectory& poses);
-
 }  // namespace turnscale

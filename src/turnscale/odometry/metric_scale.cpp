@@ -14,9 +14,6 @@ namespace turnscale {
 namespace {
 
 constexpr int kIterationsBetweenTurns = 10;
-// What a keyframe belongs to; 0 for none.
-constexpr char kOtherTurn = 1;
-constexpr char kUsedTurn = 2;
 
 LeverArm LeverArmOf(const VehicleOptions& vehicle) { return {vehicle.lever_arm.value_or(0), vehicle.side_slip}; }
 
@@ -69,6 +66,7 @@ ScaleUpdate MetricScale::Finish(Map& map) {
     update.factors = Close(*closed, map);
   } else if (!map.keyframes.empty()) {
     update.factors = AdjustSinceLastTurn(map);
+    Multiply(update.factors, total_factors_);
   }
   return update;
 }
@@ -131,7 +129,7 @@ std::vector<double> MetricScale::Observe(Map& map, Turn& turn) {
   if (options_.pooled_scale.method == ScaleMethod::kPerFrame) HoldEachStep(steps, lever_arm, held.back());
   const ScaleRecoveryResult recovered = RecoverAbsoluteScale(options_.scale.recovery, held, first, map);
   for (const RangeRecovery& range : recovered.ranges)
-    if (!range.adjusted && range.range.last > region.first) result.reason = range.reason;
+    if (!range.adjusted && range.range.last > region.first) result.unadjusted = range.reason;
   for (const TurningStep& step : StepsOf(map, region)) turn.step_lengths.push_back(step.motion.step);
   result.used = true;
   state_ = ScaleState::kObserved;
@@ -191,10 +189,16 @@ void MetricScale::Annotate(const Map& map, const std::vector<int>& keyframe_of_f
       observed.push_back({keyframes.first, keyframes.last, turn.relative_sigma});
     }
   const std::vector<double> sigmas = ScaleSigmas(options_.scale, map, observed);
+  std::vector<char> in_used_turn(map.keyframes.size(), 0);
   std::vector<char> turning(map.keyframes.size(), 0);
-  for (const Turn& turn : turns_)
-    for (int k = turn.region.first; k <= turn.region.last + 1; ++k)
-      turning[k] = std::max(turning[k], turn.result.used ? kUsedTurn : kOtherTurn);
+  for (const Turn& turn : turns_) {
+    const TurningRegion keyframes = KeyframesOf(turn.region);
+    // A turn's scale holds from the keyframe that its first step leaves; what turns are its steps.
+    for (int k = keyframes.first; k <= keyframes.last; ++k) {
+      if (turn.result.used) in_used_turn[k] = 1;
+      if (k > keyframes.first) turning[k] = 1;
+    }
+  }
   int keyframe = -1;
   for (size_t i = frames.size(); i-- > 0;) {
     // From the end, since frames before the first keyframe go with it.
@@ -203,8 +207,7 @@ void MetricScale::Annotate(const Map& map, const std::vector<int>& keyframe_of_f
     if (keyframe < 0) continue;
     frame.turning = turning[keyframe] != 0;
     frame.scale_sigma = sigmas[keyframe];
-    if (!observed.empty())
-      frame.scale_state = turning[keyframe] == kUsedTurn ? ScaleState::kObserved : ScaleState::kHeld;
+    if (!observed.empty()) frame.scale_state = in_used_turn[keyframe] != 0 ? ScaleState::kObserved : ScaleState::kHeld;
     if (!frame.keyframe || keyframe == 0 || map.keyframes[keyframe].after_gap) continue;
     const TurningMotion motion = MotionOf(map, keyframe - 1);
     frame.psi = motion.psi;

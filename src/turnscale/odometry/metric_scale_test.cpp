@@ -7,6 +7,7 @@
 
 #include "turnscale/geometry/rotation.h"
 #include "turnscale/mapping/synthetic_map.h"
+#include "turnscale/scale/map_scaling.h"
 
 namespace turnscale {
 namespace {
@@ -102,6 +103,7 @@ TEST(MetricScale, TwoCornersGiveMetres) {
   for (const TurnResult& turn : turns) {
     EXPECT_TRUE(turn.used) << turn.reason;
     EXPECT_EQ(turn.reason, "");
+    EXPECT_EQ(turn.unadjusted, "");
     EXPECT_NEAR(turn.metres_per_unit * 0.3, 1, 0.03);
     EXPECT_NEAR(turn.speed, 6, 0.2);
     EXPECT_EQ(turn.keyframes, turn.last_frame - turn.first_frame + 1);
@@ -194,6 +196,20 @@ TEST(MetricScale, AWeakTurnDoesNotSpoilAGoodOne) {
   EXPECT_EQ(live.scale.state(), ScaleState::kHeld);
 }
 
+TEST(MetricScale, AUsedTurnWhoseAdjustmentIsNotBelievedSaysSo) {
+  OdometryOptions options = Options();
+  options.scale.recovery.max_stretch = 1 + 1e-12;
+  Live live(options, kTwoCorners, 0.3);
+  live.Drive();
+  const std::vector<TurnResult> turns = live.scale.Turns(live.map);
+  ASSERT_EQ(turns.size(), 2U);
+  for (const TurnResult& turn : turns) {
+    EXPECT_TRUE(turn.used);
+    EXPECT_EQ(turn.reason, "");
+    EXPECT_EQ(turn.unadjusted, "the adjustment changed the length of the path too much");
+  }
+}
+
 TEST(MetricScale, ATurnThatIsStillOpenClosesAtTheEnd) {
   Live live(Options(), {{12, 0.8, 0}, {22, 0.6, kQuarter}}, 4);
   while (live.map.keyframes.size() < live.truth.keyframes.size()) live.Next();
@@ -202,6 +218,31 @@ TEST(MetricScale, ATurnThatIsStillOpenClosesAtTheEnd) {
   EXPECT_EQ(live.scale.state(), ScaleState::kObserved);
   ASSERT_EQ(update.factors.size(), live.map.keyframes.size());
   EXPECT_NEAR(update.factors.back() * 4, 1, 0.05);
+}
+
+TEST(MetricScale, MetresPerFirstUnitKnowOfAnAdjustmentBeforeAGap) {
+  constexpr double kUnit = 0.3;
+  Live live(Options(), kTwoCorners, kUnit);
+  while (live.map.keyframes.size() < kFirstCorner) live.Next();
+  // The live map has gone wrong: its last steps are too long.
+  const std::vector<Eigen::Vector3d> centres = KeyframeCentres(live.map);
+  std::vector<Eigen::Vector3d> stretched = centres;
+  for (size_t k = kFirstCorner - 4; k < centres.size(); ++k)
+    stretched[k] = stretched[k - 1] + 1.3 * (centres[k] - centres[k - 1]);
+  SetKeyframeCentres(stretched, live.map);
+  live.units_per_metre *= 1.3;
+  const double adjustment = live.Followed(live.scale.Finish(live.map)).factors.back();
+  EXPECT_LT(adjustment, 0.9);
+  live.Next(true);
+  while (live.scale.state() == ScaleState::kPending) {
+    ASSERT_LT(live.map.keyframes.size(), live.truth.keyframes.size());
+    const double units_per_metre = live.units_per_metre;
+    live.Next();
+    if (live.scale.state() == ScaleState::kPending) continue;
+    const std::vector<TurnResult> turns = live.scale.Turns(live.map);
+    ASSERT_EQ(turns.size(), 1U);
+    EXPECT_NEAR(turns[0].metres_per_unit * units_per_metre / adjustment, 1, 0.04);
+  }
 }
 
 TEST(MetricScale, ABridgedStepIsNoMotion) {
@@ -236,10 +277,12 @@ TEST(MetricScale, AnnotatesFramesFromBothSides) {
   EXPECT_NEAR(frames[kSecondCorner + 5].psi, -kQuarter, 1e-3);
   EXPECT_GT(frames[kFirstCorner + 5].theta, 0.5 * kQuarter) << "the camera swings outwards";
   for (int k = 0; k < keyframes; ++k) {
-    const bool turning =
+    const bool observed =
         (k >= kFirstCorner && k <= kFirstCorner + 22) || (k >= kSecondCorner && k <= kSecondCorner + 22);
-    EXPECT_EQ(frames[k].turning, turning) << k;
-    EXPECT_EQ(frames[k].scale_state, turning ? ScaleState::kObserved : ScaleState::kHeld) << k;
+    EXPECT_EQ(frames[k].scale_state, observed ? ScaleState::kObserved : ScaleState::kHeld) << k;
+    const bool turns = std::abs(frames[k].psi) > 0.5 * kQuarter;
+    EXPECT_EQ(frames[k].turning, turns) << k;
+    EXPECT_EQ(turns, observed && k != kFirstCorner && k != kSecondCorner) << "the step into a turn is straight";
     EXPECT_TRUE(std::isfinite(frames[k].scale_sigma));
   }
   EXPECT_EQ(frames[kFirstCorner].scale_sigma, frames[kFirstCorner + 22].scale_sigma);

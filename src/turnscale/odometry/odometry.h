@@ -24,7 +24,7 @@ namespace turnscale {
 /// From a drive's images to the camera's path: one call a frame, in the order of time.
 class Odometry {
  public:
-  /// Throws InputError when an option makes no sense.
+  /// Throws InputError when an option makes no sense, or the camera has a width without a height.
   Odometry(const OdometryOptions& options, const CameraModel& camera);
 
   /// Takes the next image (8-bit gray) taken at `time` seconds, and gives what is known of the camera's pose at this
@@ -47,6 +47,8 @@ class Odometry {
   int revision() const { return revision_; }
 
   std::vector<TurnResult> Turns() const;
+  /// The options in effect: those given, without what the camera's lens does not allow.
+  const OdometryOptions& options() const { return options_; }
   const Map& map() const { return map_; }
   /// What the drive has told of the lens beyond its calibration.
   const LensRefinement& lens() const { return lens_; }

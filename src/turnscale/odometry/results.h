@@ -39,7 +39,8 @@ struct FrameResult {
   double psi =
       std::numeric_limits<double>::quiet_NaN();  ///< turning angle since the last keyframe, rad; keyframes only
   double theta = std::numeric_limits<double>::quiet_NaN();  ///< direction of travel (19), rad; keyframes only
-  bool turning = false;                                     ///< the keyframe belongs to a turning region (Algorithm 1)
+  /// The step that led to the frame's keyframe belongs to a turning region (F_t of Algorithm 1).
+  bool turning = false;
 };
 
 /// One turning region and what its pooled line says.
@@ -56,6 +57,9 @@ struct TurnResult {
   double effective_lever_arm = 0;
   bool used = false;
   std::string reason;  ///< why the turn was not used; empty where it was
+  /// Why the way to this used turn is in metres by the first guess only (RangeRecovery::reason); empty where it was
+  /// adjusted as well.
+  std::string unadjusted;
 };
 
 }  // namespace turnscale

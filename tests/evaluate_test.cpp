@@ -1,0 +1,259 @@
+// SPDX-License-Identifier: MIT
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "command_line.h"
+#include "turnscale/base/scratch_path.h"
+#include "turnscale/evaluation/test_drive.h"
+#include "turnscale/io/trajectory_file.h"
+
+namespace turnscale {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+constexpr int kPoses = 300;
+constexpr double kScale = 1.07;
+
+class EvaluateTest : public ::testing::Test {
+ protected:
+  EvaluateTest() : folder_(ScratchPath("evaluate")) {
+    fs::remove_all(folder_);
+    fs::create_directories(folder_ / "estimate");
+    fs::create_directories(folder_ / "truth");
+    for (const auto& [name, poses] : {std::pair("estimate", estimate_), std::pair("truth", truth_)}) {
+      std::string tum;
+      std::string kitti;
+      std::string times;
+      for (const StampedPose& pose : poses) {
+        tum += TumLine(pose);
+        kitti += KittiLine(pose.world_from_camera);
+        times += std::to_string(pose.time) + "\n";
+      }
+      Text(fs::path(name) / "drive.tum", tum);
+      Text(fs::path(name) / "07.txt", kitti);
+      Text(fs::path(name) / "times.txt", times);
+    }
+  }
+  ~EvaluateTest() override { fs::remove_all(folder_); }
+
+  std::string Text(const fs::path& name, const std::string& text) const {
+    fs::create_directories((folder_ / name).parent_path());
+    std::ofstream(folder_ / name) << text;
+    return (folder_ / name).string();
+  }
+
+  // The first `lines` of a file of ours, each begun with its number where that is asked for.
+  std::string Head(const fs::path& name, int lines, bool numbered = false, int every = 1) const {
+    std::ifstream stream(folder_ / name);
+    std::string head;
+    std::string line;
+    for (int i = 0; i < lines && std::getline(stream, line); ++i)
+      if (i % every == 0) head += (numbered ? std::to_string(i) + " " : "") + line + "\n";
+    return head;
+  }
+
+  CommandResult Run(std::vector<std::string> arguments) const {
+    arguments.insert(arguments.begin(), "evaluate");
+    for (std::string& argument : arguments)
+      if (fs::exists(folder_ / argument)) argument = (folder_ / argument).string();
+    return RunCommand(arguments, folder_);
+  }
+
+  Json Scored(std::vector<std::string> arguments) const {
+    arguments.insert(arguments.end(), {"--json", "-"});
+    const CommandResult result = Run(arguments);
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    return result.exit_code == 0 ? Json::parse(result.out) : Json();
+  }
+
+  void ExpectComplaint(const std::vector<std::string>& arguments, const std::string& part) const {
+    const CommandResult result = Run(arguments);
+    EXPECT_EQ(result.exit_code, 2) << result.err;
+    EXPECT_EQ(result.out, "");
+    ASSERT_EQ(result.Complaints().size(), 1U) << result.err;
+    EXPECT_NE(result.err.find(part), std::string::npos) << result.err;
+  }
+
+  // A table of every tenth pose, of which those after 15 s turn.
+  static std::string Keyframes() {
+    std::string table = "frame,time,keyframe,turning\n";
+    for (int i = 0; i < kPoses; i += 10)
+      table += std::to_string(i) + "," + std::to_string(0.1 * i) + ",1," + (i > 150 ? "1" : "0") + "\n";
+    return table;
+  }
+
+  fs::path folder_;
+  Trajectory truth_ = WindingDrive(kPoses);
+  Trajectory estimate_ = Scaled(truth_, kScale);
+};
+
+TEST_F(EvaluateTest, EveryPairingOfFormatsGivesTheSameNumbers) {
+  const Json wanted = Scored({"estimate/drive.tum", "truth/drive.tum"});
+  EXPECT_EQ(wanted["paired_by"], "time");
+  for (const char* estimate : {"estimate/drive.tum", "estimate/07.txt"})
+    for (const char* truth : {"truth/drive.tum", "truth/07.txt"}) {
+      const Json score = Scored({estimate, truth});
+      const bool timed = std::string(estimate).ends_with("tum") || std::string(truth).ends_with("tum");
+      EXPECT_EQ(score["paired_by"], timed ? "time" : "frame");
+      EXPECT_EQ(score["poses"]["paired"], kPoses) << estimate << truth;
+      for (const char* name :
+           {"/true_path_length_m", "/as_given/path_length_error_percent", "/as_given/kitti/translation_percent",
+            "/as_given/scale_error_ratio/turning/rmse_percent", "/position_error/se3/rmse_m",
+            "/position_error/sim3/scale"}) {
+        const Json::json_pointer place(name);
+        EXPECT_NEAR(score[place].get<double>(), wanted[place].get<double>(), 1e-5) << estimate << truth << name;
+      }
+    }
+}
+
+TEST_F(EvaluateTest, AScaleErrorOf7PerCentIsShown) {
+  const CommandResult table = Run({"estimate/drive.tum", "truth/drive.tum"});
+  EXPECT_EQ(table.exit_code, 0) << table.err;
+  EXPECT_NE(table.out.find("scaled by 0.93458\n"), std::string::npos) << table.out;
+  for (const char* row : {"path length error                          %       7.000             0.000\n",
+                          "scale error ratio, RMSE                    %       7.000             0.000\n",
+                          "  turning steps, median                    %       7.000             0.000\n",
+                          "paired        300 of 300 poses with 300 true ones, by time; 299.0 m of true path\n"})
+    EXPECT_NE(table.out.find(row), std::string::npos) << table.out << row;
+
+  const Json json = Scored({"estimate/drive.tum", "truth/drive.tum"});
+  EXPECT_NEAR(json["as_given"]["path_length_error_percent"].get<double>(), 7, 1e-5);
+  EXPECT_NEAR(json["as_given"]["scale_error_ratio"]["all"]["rmse_percent"].get<double>(), 7, 1e-5);
+  EXPECT_NEAR(json["as_given"]["scale_error_ratio"]["turning"]["median_percent"].get<double>(), 7, 1e-5);
+  EXPECT_NEAR(json["rescaled"]["scale"].get<double>(), 1 / kScale, 1e-7);
+  EXPECT_NEAR(json["rescaled"]["kitti"]["translation_percent"].get<double>(), 0, 1e-4);
+  EXPECT_NEAR(json["turning_angle"]["turning"]["rmse_deg"].get<double>(), 0, 1e-4);
+  EXPECT_TRUE(json["alignment_problem"].is_null());
+}
+
+TEST_F(EvaluateTest, JsonGoesToAFileBesideTheTable) {
+  const CommandResult result = Run({"estimate/drive.tum", "truth/drive.tum", "--json", (folder_ / "s.json").string()});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_TRUE(result.out.starts_with("estimate ")) << result.out;
+  std::ifstream stream(folder_ / "s.json");
+  EXPECT_EQ(Json::parse(stream)["poses"]["true"], kPoses);
+}
+
+TEST_F(EvaluateTest, TimesComeFromTheOptionOrFromWhereTheBenchmarkKeepsThem) {
+  fs::create_directories(folder_ / "kitti/poses");
+  fs::create_directories(folder_ / "kitti/sequences/07");
+  fs::rename(folder_ / "truth/07.txt", folder_ / "kitti/poses/07.txt");
+  // Fewer poses than the truth has: without times they could not be paired.
+  Text("part.tum", Head("estimate/drive.tum", 200));
+  ExpectComplaint({"part.tum", "kitti/poses/07.txt"}, "07.txt has no times, and 200 estimated poses");
+  ExpectComplaint({"part.tum", "kitti/poses/07.txt"}, "--timestamps");
+  EXPECT_EQ(Scored({"part.tum", "kitti/poses/07.txt", "--timestamps", "truth/times.txt"})["poses"]["paired"], 200);
+  fs::rename(folder_ / "truth/times.txt", folder_ / "kitti/sequences/07/times.txt");
+  EXPECT_EQ(Scored({"part.tum", "kitti/poses/07.txt"})["poses"]["paired"], 200);
+}
+
+TEST_F(EvaluateTest, PosesWithoutTimesArePairedOneByOne) {
+  fs::remove(folder_ / "truth/times.txt");
+  const Json score = Scored({"estimate/drive.tum", "truth/07.txt"});
+  EXPECT_EQ(score["paired_by"], "frame");
+  EXPECT_NEAR(score["as_given"]["path_length_error_percent"].get<double>(), 7, 1e-5);
+  Text("part.txt", Head("estimate/07.txt", 200));
+  ExpectComplaint({"part.txt", "truth/07.txt"}, "the estimate has 200 poses and the ground truth 300");
+}
+
+TEST_F(EvaluateTest, StepsAreThoseOfTheTableBesideTheEstimate) {
+  const std::string metres = "of 1 m of true path";
+  EXPECT_EQ(Scored({"estimate/drive.tum", "truth/drive.tum"})["steps"], metres);
+  const std::string table = Text("estimate/trajectory.csv", Keyframes());
+  const Json score = Scored({"estimate/drive.tum", "truth/drive.tum"});
+  EXPECT_EQ(score["steps"], "between the keyframes of " + table);
+  EXPECT_EQ(score["as_given"]["scale_error_ratio"]["all"]["count"], 29);
+  EXPECT_EQ(score["as_given"]["scale_error_ratio"]["turning"]["count"], 14);
+
+  Text("estimate/trajectory.csv", "frame,time\n");
+  EXPECT_EQ(Scored({"estimate/drive.tum", "truth/drive.tum"})["steps"], metres) << "a table of something else";
+  ExpectComplaint({"estimate/drive.tum", "truth/drive.tum", "--keyframes", "estimate/trajectory.csv"},
+                  "trajectory.csv: has no column 'keyframe'");
+  Text("late.csv", "frame,time,keyframe,turning\n900,90,1,0\n910,91,1,0\n");
+  ExpectComplaint({"estimate/drive.tum", "truth/drive.tum", "--keyframes", "late.csv"}, "fewer than two");
+  ExpectComplaint({"estimate/drive.tum", "truth/drive.tum", "--keyframes", "nowhere.csv"}, "nowhere.csv");
+}
+
+TEST_F(EvaluateTest, KeyframesFindTheirFramesInNumberedFiles) {
+  Text("keys.csv", Keyframes());
+  // Every fifth pose, with its frame's number: the keyframes' frames are not their places in the file.
+  Text("numbered.txt", Head("estimate/07.txt", kPoses, true, 5));
+  fs::remove(folder_ / "estimate/times.txt");
+  fs::remove(folder_ / "truth/times.txt");
+  Text("sparse/numbered.txt", Head("truth/07.txt", kPoses, true, 5));
+  for (const auto& [estimate, truth] :
+       {std::pair("numbered.txt", "truth/07.txt"), std::pair("estimate/07.txt", "truth/07.txt"),
+        std::pair("numbered.txt", "sparse/numbered.txt"), std::pair("estimate/drive.tum", "truth/07.txt"),
+        std::pair("estimate/07.txt", "truth/drive.tum")}) {
+    const Json score = Scored({estimate, truth, "--keyframes", "keys.csv"});
+    EXPECT_EQ(score["paired_by"], "frame") << estimate << " " << truth;
+    EXPECT_EQ(score["as_given"]["scale_error_ratio"]["all"]["count"], 29) << estimate << " " << truth;
+    EXPECT_EQ(score["as_given"]["scale_error_ratio"]["turning"]["count"], 14) << estimate << " " << truth;
+  }
+}
+
+TEST_F(EvaluateTest, TimesThatAreOfNoUseAreRefused) {
+  ExpectComplaint({"estimate/drive.tum", "truth/drive.tum", "--timestamps", "truth/times.txt"},
+                  "both files have times");
+  ExpectComplaint({"estimate/07.txt", "truth/07.txt", "--timestamps", "truth/times.txt"}, "paired by their frames");
+}
+
+TEST_F(EvaluateTest, TheCamerasMountingTurnsTheTurningAngle) {
+  const auto all = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments = {"tilted.tum", "truth/drive.tum"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return Scored(arguments)["turning_angle"]["all"]["rmse_deg"].get<double>();
+  };
+  // The estimate rolls by a hundredth of a radian from pose to pose: seen from a camera that looks to the side, yaw.
+  std::string tum;
+  for (size_t i = 0; i < estimate_.size(); ++i) {
+    StampedPose pose = estimate_[i];
+    pose.world_from_camera.rotation =
+        pose.world_from_camera.rotation * RotationFromVector({0, 0, 0.01 * static_cast<double>(i)});
+    tum += TumLine(pose);
+  }
+  Text("tilted.tum", tum);
+  EXPECT_GT(std::abs(all({"--camera-rotation", "0,60,0"}) - all({})), 0.2);
+  ExpectComplaint({"tilted.tum", "truth/drive.tum", "--camera-rotation", "1,2"}, "--camera-rotation '1,2'");
+}
+
+TEST_F(EvaluateTest, NumbersThatCannotBeWrittenAreAnError) {
+  const std::string estimate = (folder_ / "estimate/drive.tum").string();
+  const std::string truth = (folder_ / "truth/drive.tum").string();
+  for (const auto& more : std::vector<std::vector<std::string>>{{}, {"--json", "-"}}) {
+    std::vector<std::string> arguments = {"evaluate", estimate, truth};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const CommandResult result = RunCommand(arguments, folder_, "/dev/full");
+    EXPECT_EQ(result.exit_code, 1);
+    EXPECT_EQ(result.err, "turnscale: standard output: cannot be written: No space left on device\n");
+  }
+  const std::string nowhere = (folder_ / "nowhere/score.json").string();
+  ExpectComplaint({"estimate/drive.tum", "truth/drive.tum", "--json", nowhere},
+                  nowhere + ": cannot be written: No such file or directory; choose another place\n");
+}
+
+TEST_F(EvaluateTest, NamesThatAreNoUtf8) {
+  fs::rename(folder_ / "estimate/drive.tum", folder_ / "caf\xe9.tum");
+  EXPECT_TRUE(
+      Scored({"caf\xe9.tum", "truth/drive.tum"})["estimate"].get<std::string>().ends_with("caf\xef\xbf\xbd.tum"));
+}
+
+TEST_F(EvaluateTest, BadInputEndsWithCode2) {
+  ExpectComplaint({"nowhere.tum", "truth/drive.tum"}, "nowhere.tum: no such trajectory file");
+  ExpectComplaint({"estimate/drive.tum", "nowhere.tum"}, "nowhere.tum: no such trajectory file");
+  ExpectComplaint({"estimate/drive.tum"}, "GROUND_TRUTH");
+  ExpectComplaint({"estimate/drive.tum", "truth/drive.tum", "--time-tolerance", "-1"}, "--time-tolerance");
+  ExpectComplaint({"estimate/drive.tum", Text("later.tum", "1000 0 0 0 0 0 0 1\n1001 0 0 1 0 0 0 1\n")},
+                  "no pose of the estimate");
+}
+
+}  // namespace
+}  // namespace turnscale
