@@ -46,7 +46,7 @@ TEST(Progress, TheLineEndsWhenARunFails) {
   const Terminal terminal;
   try {
     Progress progress(3, false);
-    progress.Update(3, 1, ScaleState::kPending);
+    progress.Update(3, "scale pending");
     throw 0;
   } catch (int) {
     std::fprintf(stderr, "failed");
