@@ -272,7 +272,8 @@ TEST_F(ErrorsTest, PlacesThatCannotBeWritten) {
 }
 
 TEST_F(ErrorsTest, FullDisk) {
-  for (const char* name : {"settings.yaml", "trajectory.csv", "turns.csv", "map.ply", "summary.json"}) {
+  for (const char* name :
+       {"live.tum", "trajectory.tum", "settings.yaml", "trajectory.csv", "turns.csv", "map.ply", "summary.json"}) {
     fs::remove_all(Out());
     fs::create_directories(Out());
     fs::create_symlink("/dev/full", Out() / name);

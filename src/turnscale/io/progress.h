@@ -14,6 +14,10 @@ class Progress {
  public:
   /// `frames` is how many are expected, 0 where that is not known. Quiet leaves only warnings.
   Progress(int frames, bool quiet);
+  Progress(const Progress&) = delete;
+  Progress& operator=(const Progress&) = delete;
+  /// Finishes: what is said of a run that failed gets a line of its own.
+  ~Progress() { Finish(); }
 
   void Update(int frames_done, int keyframes, ScaleState scale_state);
   /// A line of its own, shown even when quiet.
