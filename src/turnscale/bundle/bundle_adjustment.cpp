@@ -166,4 +166,12 @@ BundleSummary AdjustBundle(const BundleOptions& options, BundleProblem& problem)
   return options.fix_rotations ? Adjust<3>(options, problem) : Adjust<6>(options, problem);
 }
 
+std::optional<BundleSummary> TryAdjustBundle(const BundleOptions& options, BundleProblem& problem) {
+  try {
+    return AdjustBundle(options, problem);
+  } catch (const InputError&) {
+    return std::nullopt;
+  }
+}
+
 }  // namespace turnscale

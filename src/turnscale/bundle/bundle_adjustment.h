@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "turnscale/bundle/bundle_problem.h"
@@ -46,5 +47,9 @@ struct BundleSummary {
 /// Observations whose point starts behind their camera are left out; no other point ends behind a camera that sees it.
 /// Throws InputError when the problem or the options make no sense (CheckProblem, BundleOptions::Check).
 BundleSummary AdjustBundle(const BundleOptions& options, BundleProblem& problem);
+
+/// AdjustBundle for problems of our own making: nothing where one makes no sense (a position that is no number), which
+/// is then left as it is. That is no fault of the user's, and the drive can go on without the adjustment.
+std::optional<BundleSummary> TryAdjustBundle(const BundleOptions& options, BundleProblem& problem);
 
 }  // namespace turnscale

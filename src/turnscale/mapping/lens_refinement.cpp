@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <optional>
 
 #include "turnscale/base/error.h"
 #include "turnscale/bundle/bundle_adjustment.h"
@@ -15,7 +17,7 @@ namespace {
 
 constexpr int kFewestObservations = 3;  // of a landmark in the window: two fit a point whatever the lens does
 
-// Cost that is left when poses and points have followed the correction.
+// Cost that is left when poses and points have followed the correction; NaN where they cannot.
 double ProfileCost(const WindowProblem& window, const Pinhole& pinhole, double from, double to) {
   BundleProblem problem = window.bundle;
   for (BundleObservation& seen : problem.observations)
@@ -23,7 +25,8 @@ double ProfileCost(const WindowProblem& window, const Pinhole& pinhole, double f
   BundleOptions options;
   options.max_iterations = 12;
   options.relative_cost_tolerance = 1e-5;
-  return AdjustBundle(options, problem).final_cost;
+  const std::optional<BundleSummary> summary = TryAdjustBundle(options, problem);
+  return summary ? summary->final_cost : std::numeric_limits<double>::quiet_NaN();
 }
 
 }  // namespace

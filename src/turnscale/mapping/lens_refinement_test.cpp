@@ -100,6 +100,15 @@ TEST(LensRefinement, AsksOnlyWindowsThatTurn) {
   EXPECT_NE(lens.correction(), 0);
 }
 
+TEST(LensRefinement, ANumberThatIsNoneTellsNothing) {
+  Map map = UpTo(36, MapThroughLens(kStreetCornerStreet, -0.012, 0.3, 3));
+  for (const KeyframeObservation& seen : map.keyframes.back().observations)
+    map.landmarks[seen.landmark].position.x() = std::nan("");
+  LensRefinement lens({});
+  EXPECT_FALSE(lens.Observe(map, 0));
+  EXPECT_EQ(lens.correction(), 0);
+}
+
 TEST(LensRefinement, ATurnTellsMoreThanAStreet) {
   LensRefinement street(AnyWindow());
   LensRefinement turn(AnyWindow());

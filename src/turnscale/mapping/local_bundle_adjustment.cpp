@@ -2,6 +2,7 @@
 #include "turnscale/mapping/local_bundle_adjustment.h"
 
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 #include "turnscale/base/error.h"
@@ -30,7 +31,9 @@ LocalBundleResult AdjustFrom(const LocalBundleOptions& options, int first, Map& 
   bundle_options.max_iterations = options.max_iterations;
   bundle_options.relative_cost_tolerance = 1e-4;
   LocalBundleResult result;
-  result.summary = AdjustBundle(bundle_options, problem.bundle);
+  const std::optional<BundleSummary> summary = TryAdjustBundle(bundle_options, problem.bundle);
+  if (!summary) return result;
+  result.summary = *summary;
   WriteBack(problem, map);
   result.landmarks = std::move(problem.landmarks);
   return result;

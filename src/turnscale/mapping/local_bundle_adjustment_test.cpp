@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "turnscale/mapping/local_bundle_adjustment.h"
 
+#include <cmath>
 #include <random>
 
 #include <gtest/gtest.h>
@@ -132,6 +133,21 @@ TEST(LocalBundleAdjustment, DoesNotDependOnTheUnitOfLength) {
         (ten.keyframes[k].camera_from_world.translation / 10 - one.keyframes[k].camera_from_world.translation).norm(),
         1e-6)
         << k;
+}
+
+TEST(LocalBundleAdjustment, ANumberThatIsNoneLeavesTheMapAsItIs) {
+  Map map = TrueMap();
+  Disturb(kKeyframes - 10, map);
+  const int landmark = map.keyframes.back().observations.front().landmark;
+  map.landmarks[landmark].position.x() = std::nan("");
+  const Map before = map;
+  EXPECT_TRUE(AdjustLocalWindow({}, map).landmarks.empty());
+  EXPECT_TRUE(AdjustFrom({}, 0, map).landmarks.empty());
+  for (int k = 0; k < kKeyframes; ++k) EXPECT_FALSE(Moved(map, before, k)) << k;
+  for (size_t i = 0; i < map.landmarks.size(); ++i) {
+    if (static_cast<int>(i) == landmark) continue;
+    EXPECT_EQ(map.landmarks[i].position, before.landmarks[i].position) << i;
+  }
 }
 
 TEST(LocalBundleAdjustment, OptionsNameTheFieldThatMakesNoSense) {

@@ -142,7 +142,7 @@ TwoViewResult InitializeFromTwoViews(const TwoViewOptions& options, const Pinhol
   }
   if (inliers < options.min_inlier_share * static_cast<double>(first.size())) return result;
   BundleOptions bundle_options;
-  AdjustBundle(bundle_options, problem);
+  if (!TryAdjustBundle(bundle_options, problem)) return result;
 
   // Bundle adjustment leaves the unit open; the baseline defines it.
   const double unit = options.initial_baseline / problem.camera_from_world[1].translation.norm();
