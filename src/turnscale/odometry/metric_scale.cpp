@@ -66,6 +66,7 @@ ScaleUpdate MetricScale::Finish(Map& map) {
     update.factors = Close(*closed, map);
   } else if (!map.keyframes.empty()) {
     update.factors = AdjustSinceLastTurn(map);
+    Multiply(update.factors, total_factors_);
   }
   return update;
 }
@@ -206,8 +207,7 @@ void MetricScale::Annotate(const Map& map, const std::vector<int>& keyframe_of_f
     if (keyframe < 0) continue;
     frame.turning = turning[keyframe] != 0;
     frame.scale_sigma = sigmas[keyframe];
-    if (!observed.empty())
-      frame.scale_state = in_used_turn[keyframe] != 0 ? ScaleState::kObserved : ScaleState::kHeld;
+    if (!observed.empty()) frame.scale_state = in_used_turn[keyframe] != 0 ? ScaleState::kObserved : ScaleState::kHeld;
     if (!frame.keyframe || keyframe == 0 || map.keyframes[keyframe].after_gap) continue;
     const TurningMotion motion = MotionOf(map, keyframe - 1);
     frame.psi = motion.psi;

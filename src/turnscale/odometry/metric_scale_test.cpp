@@ -7,6 +7,7 @@
 
 #include "turnscale/geometry/rotation.h"
 #include "turnscale/mapping/synthetic_map.h"
+#include "turnscale/scale/map_scaling.h"
 
 namespace turnscale {
 namespace {
@@ -202,6 +203,31 @@ TEST(MetricScale, ATurnThatIsStillOpenClosesAtTheEnd) {
   EXPECT_EQ(live.scale.state(), ScaleState::kObserved);
   ASSERT_EQ(update.factors.size(), live.map.keyframes.size());
   EXPECT_NEAR(update.factors.back() * 4, 1, 0.05);
+}
+
+TEST(MetricScale, MetresPerFirstUnitKnowOfAnAdjustmentBeforeAGap) {
+  constexpr double kUnit = 0.3;
+  Live live(Options(), kTwoCorners, kUnit);
+  while (live.map.keyframes.size() < kFirstCorner) live.Next();
+  // The live map has gone wrong: its last steps are too long.
+  const std::vector<Eigen::Vector3d> centres = KeyframeCentres(live.map);
+  std::vector<Eigen::Vector3d> stretched = centres;
+  for (size_t k = kFirstCorner - 4; k < centres.size(); ++k)
+    stretched[k] = stretched[k - 1] + 1.3 * (centres[k] - centres[k - 1]);
+  SetKeyframeCentres(stretched, live.map);
+  live.units_per_metre *= 1.3;
+  const double adjustment = live.Followed(live.scale.Finish(live.map)).factors.back();
+  EXPECT_LT(adjustment, 0.9);
+  live.Next(true);
+  while (live.scale.state() == ScaleState::kPending) {
+    ASSERT_LT(live.map.keyframes.size(), live.truth.keyframes.size());
+    const double units_per_metre = live.units_per_metre;
+    live.Next();
+    if (live.scale.state() == ScaleState::kPending) continue;
+    const std::vector<TurnResult> turns = live.scale.Turns(live.map);
+    ASSERT_EQ(turns.size(), 1U);
+    EXPECT_NEAR(turns[0].metres_per_unit * units_per_metre / adjustment, 1, 0.04);
+  }
 }
 
 TEST(MetricScale, ABridgedStepIsNoMotion) {
