@@ -17,6 +17,7 @@ std::string DegreesCell(double radians) {
 
 // Reasons are free text: quoted, as commas would part them.
 std::string QuotedCell(const std::string& text) {
+  if (text.empty()) return {};
   std::string quoted(1, '"');
   for (const char c : text) quoted.append(c == '"' ? 2 : 1, c);
   return quoted.append(1, '"');
@@ -45,16 +46,17 @@ std::string FrameTableLine(const FrameResult& frame, const std::optional<RigidTr
 
 std::string TurnTable(const std::vector<TurnResult>& turns) {
   std::string table =
-      "first_frame,last_frame,keyframes,angle_deg,speed_mps,metres_per_unit,sigma,effective_lever_arm_m,used,reason\n";
+      "first_frame,last_frame,keyframes,angle_deg,speed_mps,metres_per_unit,sigma,effective_lever_arm_m,used,reason,"
+      "unadjusted\n";
   for (const TurnResult& turn : turns) {
     // A turn that says nothing leaves its cells empty.
     const auto positive = [](double value, int digits) {
       return value > 0 ? fmt::format("{:.{}g}", value, digits) : std::string();
     };
-    table += fmt::format("{},{},{},{:.4f},{},{},{},{},{},{}\n", turn.first_frame, turn.last_frame, turn.keyframes,
+    table += fmt::format("{},{},{},{:.4f},{},{},{},{},{},{},{}\n", turn.first_frame, turn.last_frame, turn.keyframes,
                          turn.angle * kDegreesPerRadian, positive(turn.speed, 5), positive(turn.metres_per_unit, 9),
                          positive(turn.sigma, 6), positive(turn.effective_lever_arm, 6), turn.used ? 1 : 0,
-                         turn.reason.empty() ? std::string() : QuotedCell(turn.reason));
+                         QuotedCell(turn.reason), QuotedCell(turn.unadjusted));
   }
   return table;
 }

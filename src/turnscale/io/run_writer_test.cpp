@@ -188,8 +188,12 @@ TEST(RunTables, TurnsSayWhyTheyWereNotUsed) {
   turn.first_frame = 7;
   turn.angle = -1.5;
   turn.reason = "too slow, \"far\" too slow";
-  EXPECT_NE(TurnTable({turn}).find("\n7,0,0,-85.9437,,,,,0,\"too slow, \"\"far\"\" too slow\"\n"), std::string::npos)
+  EXPECT_NE(TurnTable({turn}).find("\n7,0,0,-85.9437,,,,,0,\"too slow, \"\"far\"\" too slow\",\n"), std::string::npos)
       << TurnTable({turn});
+  TurnResult used;
+  used.used = true;
+  used.unadjusted = "astray";
+  EXPECT_TRUE(TurnTable({used}).ends_with(",1,,\"astray\"\n")) << TurnTable({used});
 }
 
 TEST(RunSummary, CountsAndMeasures) {

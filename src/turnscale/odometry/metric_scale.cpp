@@ -129,7 +129,7 @@ std::vector<double> MetricScale::Observe(Map& map, Turn& turn) {
   if (options_.pooled_scale.method == ScaleMethod::kPerFrame) HoldEachStep(steps, lever_arm, held.back());
   const ScaleRecoveryResult recovered = RecoverAbsoluteScale(options_.scale.recovery, held, first, map);
   for (const RangeRecovery& range : recovered.ranges)
-    if (!range.adjusted && range.range.last > region.first) result.reason = range.reason;
+    if (!range.adjusted && range.range.last > region.first) result.unadjusted = range.reason;
   for (const TurningStep& step : StepsOf(map, region)) turn.step_lengths.push_back(step.motion.step);
   result.used = true;
   state_ = ScaleState::kObserved;

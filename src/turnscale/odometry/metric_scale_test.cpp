@@ -103,6 +103,7 @@ TEST(MetricScale, TwoCornersGiveMetres) {
   for (const TurnResult& turn : turns) {
     EXPECT_TRUE(turn.used) << turn.reason;
     EXPECT_EQ(turn.reason, "");
+    EXPECT_EQ(turn.unadjusted, "");
     EXPECT_NEAR(turn.metres_per_unit * 0.3, 1, 0.03);
     EXPECT_NEAR(turn.speed, 6, 0.2);
     EXPECT_EQ(turn.keyframes, turn.last_frame - turn.first_frame + 1);
@@ -193,6 +194,20 @@ TEST(MetricScale, AWeakTurnDoesNotSpoilAGoodOne) {
   EXPECT_EQ(turns[1].reason, "its scale is less certain than the one carried here");
   EXPECT_GT(turns[1].metres_per_unit, 0) << "what it would have said stands in the list";
   EXPECT_EQ(live.scale.state(), ScaleState::kHeld);
+}
+
+TEST(MetricScale, AUsedTurnWhoseAdjustmentIsNotBelievedSaysSo) {
+  OdometryOptions options = Options();
+  options.scale.recovery.max_stretch = 1 + 1e-12;
+  Live live(options, kTwoCorners, 0.3);
+  live.Drive();
+  const std::vector<TurnResult> turns = live.scale.Turns(live.map);
+  ASSERT_EQ(turns.size(), 2U);
+  for (const TurnResult& turn : turns) {
+    EXPECT_TRUE(turn.used);
+    EXPECT_EQ(turn.reason, "");
+    EXPECT_EQ(turn.unadjusted, "the adjustment changed the length of the path too much");
+  }
 }
 
 TEST(MetricScale, ATurnThatIsStillOpenClosesAtTheEnd) {

@@ -57,6 +57,9 @@ struct TurnResult {
   double effective_lever_arm = 0;
   bool used = false;
   std::string reason;  ///< why the turn was not used; empty where it was
+  /// Why the way to this used turn is in metres by the first guess only (RangeRecovery::reason); empty where it was
+  /// adjusted as well.
+  std::string unadjusted;
 };
 
 }  // namespace turnscale
