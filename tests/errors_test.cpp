@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: MIT
+#include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <string>
+#include <thread>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -299,6 +302,20 @@ TEST_F(ErrorsTest, InterruptKeepsWhatWasComputed) {
     EXPECT_EQ(ReadTrajectory(Out() / "trajectory.tum").size(), 12u);
     EXPECT_EQ(ReadTrajectory(Out() / "trajectory.kitti.txt").size(), 12u);
     EXPECT_GT(ReadTrajectory(Out() / "live.tum").size(), 0u);
+  }
+}
+
+TEST_F(ErrorsTest, ASecondSignalOfEitherKindEndsARunThatHangs) {
+  for (const auto& [first, second] : {std::pair(SIGINT, SIGTERM), std::pair(SIGTERM, SIGINT)}) {
+    fs::remove(Image(12));
+    ASSERT_EQ(mkfifo(Image(12).c_str(), 0600), 0);
+    Command command(Arguments({}), folder_);
+    ASSERT_TRUE(command.WaitForError("frame 12/20"));
+    command.Signal(first);
+    // Both at once would be one for the run.
+    std::this_thread::sleep_for(std::chrono::milliseconds(300));
+    command.Signal(second);
+    EXPECT_EQ(command.Wait().exit_code, -1) << "ended by the signal";
   }
 }
 
