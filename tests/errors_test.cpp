@@ -161,6 +161,29 @@ TEST_F(ErrorsTest, AVideoThatEndsFarTooEarlyIsIncomplete) {
   EXPECT_TRUE(Summary()["complete"].get<bool>());
 }
 
+TEST_F(ErrorsTest, MaxFramesStopsEarlyAndSaysSo) {
+  EXPECT_EQ(Run({"--max-frames", "5"}).exit_code, 0);
+  EXPECT_EQ(Summary()["frames"]["total"], 5);
+  EXPECT_EQ(Summary()["stopped"], "--max-frames 5");
+  EXPECT_FALSE(Summary()["complete"].get<bool>());
+  EXPECT_EQ(Run({"--max-frames", std::to_string(kFrames)}).exit_code, 0);
+  EXPECT_TRUE(Summary()["stopped"].is_null()) << "that was the whole drive";
+
+  // JPEG images one after another: a video that does not tell how many it holds.
+  std::string stream;
+  for (int i = 0; i < kFrames; ++i) {
+    cv::imwrite((folder_ / "image.jpg").string(), cv::imread(Image(i).string(), cv::IMREAD_GRAYSCALE));
+    stream += TextOf(folder_ / "image.jpg");
+  }
+  const CommandResult result =
+      RunCommand({"run", Text("drive.mjpeg", stream).string(), "--camera", (Drive() / "calib.txt").string(), "--out",
+                  Out().string(), "--fps", "10", "--max-frames", "5"},
+                 folder_);
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_NE(result.err.find("frame 5/5,"), std::string::npos) << result.err;
+  EXPECT_EQ(Summary()["stopped"], "--max-frames 5");
+}
+
 TEST_F(ErrorsTest, DamagedImagesAreNamedAndSkipped) {
   for (const int damaged : {0, kFrames / 2, kFrames - 1}) {
     fs::remove_all(Drive());

@@ -77,6 +77,12 @@ fs::path CameraFileFor(const RunArguments& arguments, const DriveInput& drive) {
   throw InputError(arguments.input.string() + ": comes without a calibration of its own; give --camera FILE");
 }
 
+// 0 where neither a video's header nor the user tells.
+int ExpectedFrames(int count, std::optional<int> max_frames) {
+  if (!max_frames) return count;
+  return count > 0 ? std::min(*max_frames, count) : *max_frames;
+}
+
 // One drive from its first image to its files.
 class Run {
  public:
@@ -87,7 +93,7 @@ class Run {
         camera_file_(CameraFileFor(arguments, drive_)),
         camera_(ReadCameraFile(camera_file_)),
         source_(drive_, {arguments.timestamps, arguments.fps, camera_.width, camera_.height, camera_file_.string()}),
-        frames_(arguments.max_frames ? std::min(*arguments.max_frames, source_.count()) : source_.count()),
+        frames_(ExpectedFrames(source_.count(), arguments.max_frames)),
         odometry_(options_, camera_) {}
 
   // Returns the exit code.
@@ -104,6 +110,8 @@ class Run {
       for (; frame && !Interrupted() && !Enough(); frame = source_.Next()) Process(*frame, progress);
       if (Interrupted())
         summary_.stopped = fmt::format("interrupted after {} frames", processed_);
+      else if (Enough() && frame)
+        summary_.stopped = fmt::format("--max-frames {}", *arguments_.max_frames);
       else if (!Enough() && EndedEarly()) {
         summary_.stopped = fmt::format("the video ends after {} of {} frames", processed_, frames_);
         progress.Warn(fmt::format("{}: {}", drive_.path.string(), summary_.stopped));
@@ -173,7 +181,7 @@ class Run {
   fs::path camera_file_;
   CameraModel camera_;
   ImageSource source_;
-  int frames_;  // expected; 0 where a video does not tell
+  int frames_;  // expected
   Odometry odometry_;
   std::optional<RunWriter> writer_;
   int processed_ = 0;
