@@ -9,7 +9,6 @@
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
-#include <opencv2/core/utility.hpp>
 
 #include "commands.h"
 #include "interrupt.h"
@@ -98,7 +97,6 @@ class Run {
 
   // Returns the exit code.
   int Go() {
-    cv::setNumThreads(options_.threads);
     // Before the folder is made: an image of the wrong size leaves no trace.
     std::optional<SourceFrame> frame = source_.Next();
     writer_.emplace(RunWriterOptions{

@@ -12,7 +12,6 @@
 
 #include "turnscale/base/error.h"
 #include "turnscale/base/parse.h"
-#include "turnscale/io/output_file.h"
 
 namespace turnscale {
 namespace {
@@ -117,13 +116,6 @@ class Parser {
   TrajectoryFile file_;
 };
 
-template <class LineOf>
-void WriteLines(const std::filesystem::path& path, const Trajectory& poses, const LineOf& line_of) {
-  std::string text;
-  for (const StampedPose& pose : poses) text += line_of(pose);
-  ReplaceFile(path, text);
-}
-
 }  // namespace
 
 TrajectoryFile ReadTrajectoryFile(const std::filesystem::path& path, const std::optional<std::vector<double>>& times) {
@@ -156,12 +148,6 @@ std::string KittiLine(const RigidTransform& world_from_camera) {
     fmt::format_to(std::back_inserter(line), "{}{:.9g}", i == 0 ? "" : " ", matrix.data()[i]);
   }
   return line + "\n";
-}
-
-void WriteTum(const std::filesystem::path& path, const Trajectory& poses) { WriteLines(path, poses, TumLine); }
-
-void WriteKitti(const std::filesystem::path& path, const Trajectory& poses) {
-  WriteLines(path, poses, [](const StampedPose& pose) { return KittiLine(pose.world_from_camera); });
 }
 
 }  // namespace turnscale

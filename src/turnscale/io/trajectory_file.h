@@ -37,8 +37,4 @@ Trajectory ReadTrajectory(const std::filesystem::path& path,
 std::string TumLine(const StampedPose& pose);
 std::string KittiLine(const RigidTransform& world_from_camera);
 
-/// Throw InputError where the file cannot be made, OutputError where it cannot be filled.
-void WriteTum(const std::filesystem::path& path, const Trajectory& poses);
-void WriteKitti(const std::filesystem::path& path, const Trajectory& poses);
-
 }  // namespace turnscale

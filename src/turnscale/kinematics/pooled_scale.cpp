@@ -55,17 +55,6 @@ bool AllTimed(const std::vector<TurningStep>& steps) {
   return std::all_of(steps.begin(), steps.end(), [](const TurningStep& s) { return s.dt > 0; });
 }
 
-double MeanSpeed(const std::vector<TurningStep>& steps, double metres_per_unit) {
-  if (!AllTimed(steps)) return 0;
-  double length = 0;
-  double time = 0;
-  for (const TurningStep& step : steps) {
-    length += step.motion.step;
-    time += step.dt;
-  }
-  return metres_per_unit * length / time;
-}
-
 }  // namespace
 
 void PooledScaleOptions::Check() const {
@@ -98,12 +87,11 @@ PooledScaleResult PoolScale(const std::vector<TurningStep>& steps, const LeverAr
     return NoScale("the camera does not swing outwards as its lever arm demands");
   }
 
-  PooledScale scale{line.scale, line.sigma, 0, 0, MeanSpeed(steps, line.scale), 0};
+  PooledScale scale{line.scale, line.sigma, 0, 0};
   double inlier_angle = 0;
   double xy = 0;
   double xx = 0;
   for (std::size_t i = 0; i < points.size(); ++i) {
-    scale.angle += steps[i].motion.psi;
     xy += line.weight[i] * points[i].x * points[i].y;
     xx += line.weight[i] * points[i].x * points[i].x;
     if (line.weight[i] < kInlierWeight) continue;

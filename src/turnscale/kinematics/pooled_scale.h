@@ -50,8 +50,6 @@ struct PooledScale {
   double metres_per_unit = 0;      ///< lambda
   double sigma = 0;                ///< standard deviation of metres_per_unit
   int inliers = 0;                 ///< steps that agree
-  double angle = 0;                ///< sum of psi over all steps given, rad, positive to the right
-  double speed = 0;                ///< mean over all steps, m/s; 0 where times are unknown
   double effective_lever_arm = 0;  ///< the one that the agreeing steps show at this scale, metres
 };
 

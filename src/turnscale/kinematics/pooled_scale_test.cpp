@@ -64,11 +64,9 @@ TEST(PooledScale, ExactWithoutNoiseRigidAndSlipping) {
   EXPECT_GT(Scale(Corner(kSlipping), kRigid), 1.1 * kMetresPerUnit) << "the slip is worth modelling here";
 }
 
-TEST(PooledScale, ReportsSpeedAngleAndLeverArm) {
+TEST(PooledScale, ReportsInliersAndLeverArm) {
   const PooledScale scale = PoolScale(Corner(kSlipping), kSlipping).scale.value();
   EXPECT_EQ(scale.inliers, 20);
-  EXPECT_NEAR(scale.angle, M_PI / 2, 0.01);
-  EXPECT_NEAR(scale.speed, 10 * (1 - 0.5 * 2 / M_PI), 0.02);
   EXPECT_LT(scale.effective_lever_arm, kSlipping.At(5.0));
   EXPECT_GT(scale.effective_lever_arm, kSlipping.At(7.0));
   EXPECT_NEAR(ObservedLeverArm(Corner(kRigid), kMetresPerUnit).value(), kRigid.length, 1e-12);
@@ -87,7 +85,6 @@ TEST(PooledScale, LeftAndRightAreMirrorImages) {
   const PooledScale b = PoolScale(left, kSlipping).scale.value();
   EXPECT_EQ(a.metres_per_unit, b.metres_per_unit);
   EXPECT_EQ(a.sigma, b.sigma);
-  EXPECT_EQ(a.angle, -b.angle);
   EXPECT_NEAR(Scale(Corner(kSlipping, -1), kSlipping) / kMetresPerUnit, 1.0, 1e-12);
 }
 
@@ -189,7 +186,6 @@ TEST(PooledScale, SaysWhyThereIsNoScale) {
   untimed[3].dt = 0;
   EXPECT_NE(reason(untimed, kSlipping).find("time"), std::string::npos);
   EXPECT_NEAR(Scale(untimed, kRigid) / kMetresPerUnit, 1.0, 1e-12);
-  EXPECT_EQ(PoolScale(untimed, kRigid).scale->speed, 0);
 
   std::vector<TurningStep> bend = Corner(kRigid);
   bend.resize(3);

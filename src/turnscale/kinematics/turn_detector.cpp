@@ -47,16 +47,11 @@ std::optional<TurningRegion> TurnDetector::AddUnmeasured() {
 }
 
 std::optional<TurningRegion> TurnDetector::Finish() {
-  const std::optional<TurningRegion> closed = Open();
+  const bool long_enough =
+      strong_steps_ >= options_.min_steps && std::abs(candidate_.angle) >= options_.min_region_angle;
   strong_steps_ = 0;
   weak_steps_ = 0;
   weak_angle_ = 0;
-  return closed;
-}
-
-std::optional<TurningRegion> TurnDetector::Open() const {
-  const bool long_enough =
-      strong_steps_ >= options_.min_steps && std::abs(candidate_.angle) >= options_.min_region_angle;
   return long_enough ? std::optional(candidate_) : std::nullopt;
 }
 

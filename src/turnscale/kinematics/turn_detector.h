@@ -46,9 +46,6 @@ class TurnDetector {
   /// Closes the region that is still open, at the end of the drive or where the caller wants it to end.
   std::optional<TurningRegion> Finish();
 
-  /// The region that is under way, as soon as it is long enough to be one: what Finish would give.
-  std::optional<TurningRegion> Open() const;
-
  private:
   TurnDetectorOptions options_;
   int steps_ = 0;

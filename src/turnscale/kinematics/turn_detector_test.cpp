@@ -43,11 +43,9 @@ TEST(TurnDetector, FindsARunBetweenStraightParts) {
 TEST(TurnDetector, ClosesAsSoonAsTheTurnIsOver) {
   TurnDetector detector({});
   for (const double psi : {0.1, 0.1, 0.1, 0.1, 0.0}) EXPECT_FALSE(detector.Add(psi));
-  EXPECT_TRUE(detector.Open());
   const auto closed = detector.Add(0.0);
   ASSERT_TRUE(closed);
   ExpectRegion(*closed, 0, 3, 0.4 * kDegreesPerRadian);
-  EXPECT_FALSE(detector.Open());
   EXPECT_FALSE(detector.Finish());
 }
 

@@ -43,8 +43,7 @@ double ReprojectionError(const Map& map, int landmark, const LandmarkObservation
   return x.z() > 0 ? (map.pinhole.Project(x) - seen.pixel).norm() : HUGE_VAL;
 }
 
-int TriangulateLandmarks(const LandmarkOptions& options, const std::vector<int>& landmarks, Map& map) {
-  int created = 0;
+void TriangulateLandmarks(const LandmarkOptions& options, const std::vector<int>& landmarks, Map& map) {
   for (const int index : landmarks) {
     Landmark& landmark = map.landmarks[index];
     if (landmark.valid || landmark.observations.size() < kFewestObservations) continue;
@@ -54,9 +53,7 @@ int TriangulateLandmarks(const LandmarkOptions& options, const std::vector<int>&
     landmark.valid = std::ranges::all_of(landmark.observations, [&](const LandmarkObservation& seen) {
       return ReprojectionError(map, index, seen) <= options.max_reprojection_error;
     });
-    if (landmark.valid) ++created;
   }
-  return created;
 }
 
 std::vector<int> CullLandmarks(const LandmarkOptions& options, const std::vector<int>& landmarks, int latest_keyframe,

@@ -18,8 +18,7 @@ struct LandmarkOptions {
 };
 
 /// Gives a depth to those of the landmarks that have none yet and are seen by now under enough parallax.
-/// Returns how many.
-int TriangulateLandmarks(const LandmarkOptions& options, const std::vector<int>& landmarks, Map& map);
+void TriangulateLandmarks(const LandmarkOptions& options, const std::vector<int>& landmarks, Map& map);
 
 /// Reprojection error in pixels of a landmark in a keyframe; infinite where it lies behind the camera.
 double ReprojectionError(const Map& map, int landmark, const LandmarkObservation& seen);

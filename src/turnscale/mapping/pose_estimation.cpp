@@ -57,16 +57,12 @@ Normal BuildNormal(const PoseEstimationOptions& options, const Pinhole& pinhole,
 void Classify(const PoseEstimationOptions& options, const Pinhole& pinhole, const std::vector<PointSighting>& sightings,
               PoseEstimate& estimate) {
   estimate.inliers = 0;
-  double sum = 0;
   for (size_t i = 0; i < sightings.size(); ++i) {
     const Eigen::Vector3d x = estimate.camera_from_world * sightings[i].x_in_world;
     const double squared = x.z() > 0 ? (pinhole.Project(x) - sightings[i].pixel).squaredNorm() : HUGE_VAL;
     estimate.inlier[i] = squared <= options.inlier_threshold * options.inlier_threshold ? 1 : 0;
-    if (estimate.inlier[i] == 0) continue;
-    ++estimate.inliers;
-    sum += squared;
+    estimate.inliers += estimate.inlier[i];
   }
-  estimate.rms = estimate.inliers > 0 ? std::sqrt(sum / estimate.inliers) : 0.0;
 }
 
 }  // namespace

@@ -31,7 +31,6 @@ struct PoseEstimate {
   RigidTransform camera_from_world;
   std::vector<char> inlier;  ///< one flag a sighting
   int inliers = 0;
-  double rms = 0;  ///< of the inliers' reprojection errors, pixels
 };
 
 /// The camera pose that reprojects the points best: Gauss-Newton with a robust loss, refitted to the inliers a few

@@ -20,7 +20,6 @@ class MotionModel {
   void Correct(const RigidTransform& camera_from_world, double factor);
 
   const RigidTransform& last() const { return camera_from_world_; }
-  double last_time() const { return time_; }
   /// Units of length per second; 0 before two poses are known.
   double speed() const;
 
