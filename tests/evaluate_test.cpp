@@ -182,6 +182,49 @@ TEST_F(EvaluateTest, StepsAreThoseOfTheTableBesideTheEstimate) {
   ExpectComplaint({"estimate/drive.tum", "truth/drive.tum", "--keyframes", "nowhere.csv"}, "nowhere.csv");
 }
 
+TEST_F(EvaluateTest, KeyframesFindTheirFramesInNumberedFiles) {
+  Text("keys.csv", Keyframes());
+  // Every fifth pose, with its frame's number: the keyframes' frames are not their places in the file.
+  Text("numbered.txt", Head("estimate/07.txt", kPoses, true, 5));
+  fs::remove(folder_ / "estimate/times.txt");
+  fs::remove(folder_ / "truth/times.txt");
+  Text("sparse/numbered.txt", Head("truth/07.txt", kPoses, true, 5));
+  for (const auto& [estimate, truth] :
+       {std::pair("numbered.txt", "truth/07.txt"), std::pair("estimate/07.txt", "truth/07.txt"),
+        std::pair("numbered.txt", "sparse/numbered.txt"), std::pair("estimate/drive.tum", "truth/07.txt"),
+        std::pair("estimate/07.txt", "truth/drive.tum")}) {
+    const Json score = Scored({estimate, truth, "--keyframes", "keys.csv"});
+    EXPECT_EQ(score["paired_by"], "frame") << estimate << " " << truth;
+    EXPECT_EQ(score["as_given"]["scale_error_ratio"]["all"]["count"], 29) << estimate << " " << truth;
+    EXPECT_EQ(score["as_given"]["scale_error_ratio"]["turning"]["count"], 14) << estimate << " " << truth;
+  }
+}
+
+TEST_F(EvaluateTest, TimesThatAreOfNoUseAreRefused) {
+  ExpectComplaint({"estimate/drive.tum", "truth/drive.tum", "--timestamps", "truth/times.txt"},
+                  "both files have times");
+  ExpectComplaint({"estimate/07.txt", "truth/07.txt", "--timestamps", "truth/times.txt"}, "paired by their frames");
+}
+
+TEST_F(EvaluateTest, TheCamerasMountingTurnsTheTurningAngle) {
+  const auto all = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments = {"tilted.tum", "truth/drive.tum"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return Scored(arguments)["turning_angle"]["all"]["rmse_deg"].get<double>();
+  };
+  // The estimate rolls by a hundredth of a radian from pose to pose: seen from a camera that looks to the side, yaw.
+  std::string tum;
+  for (size_t i = 0; i < estimate_.size(); ++i) {
+    StampedPose pose = estimate_[i];
+    pose.world_from_camera.rotation =
+        pose.world_from_camera.rotation * RotationFromVector({0, 0, 0.01 * static_cast<double>(i)});
+    tum += TumLine(pose);
+  }
+  Text("tilted.tum", tum);
+  EXPECT_GT(std::abs(all({"--camera-rotation", "0,60,0"}) - all({})), 0.2);
+  ExpectComplaint({"tilted.tum", "truth/drive.tum", "--camera-rotation", "1,2"}, "--camera-rotation '1,2'");
+}
+
 TEST_F(EvaluateTest, NumbersThatCannotBeWrittenAreAnError) {
   const std::string estimate = (folder_ / "estimate/drive.tum").string();
   const std::string truth = (folder_ / "truth/drive.tum").string();

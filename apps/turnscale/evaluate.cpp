@@ -13,6 +13,7 @@
 #include "turnscale/evaluation/evaluation.h"
 #include "turnscale/io/frame_times.h"
 #include "turnscale/io/output_file.h"
+#include "turnscale/io/settings.h"
 #include "turnscale/io/trajectory_file.h"
 
 namespace turnscale {
@@ -27,11 +28,13 @@ struct EvaluateArguments {
   fs::path keyframes;
   std::string json;
   std::optional<double> time_tolerance;
+  std::optional<std::string> camera_rotation;
 };
 
 struct Paired {
   PosePairs pairs;
   KeyframeKey key = KeyframeKey::kTime;
+  const char* by = "time";
 };
 
 // KITTI poses have no times of their own: they stand beside them, or where the benchmark keeps them
@@ -50,15 +53,21 @@ bool NumbersEveryFrame(const TrajectoryFile& file) {
 
 Paired PairFrames(const TrajectoryFile& estimate, const TrajectoryFile& truth) {
   if (NumbersEveryFrame(estimate) && NumbersEveryFrame(truth)) {
-    return {AssociateByFrame(estimate.poses, truth.poses), KeyframeKey::kFrame};
+    return {AssociateByFrame(estimate.poses, truth.poses), KeyframeKey::kFrame, "frame"};
   }
   // Without times, the time of a KITTI pose is its frame's number.
-  return {AssociateByTime(estimate.poses, truth.poses, {0.5}), KeyframeKey::kFrame};
+  return {AssociateByTime(estimate.poses, truth.poses, {0.5}), KeyframeKey::kFrame, "frame"};
 }
 
 Paired PairPoses(const EvaluateArguments& arguments, TrajectoryFile& estimate, TrajectoryFile& truth) {
   const bool estimate_has_times = estimate.format == TrajectoryFormat::kTum;
   const bool truth_has_times = truth.format == TrajectoryFormat::kTum;
+  if (estimate_has_times == truth_has_times && !arguments.timestamps.empty()) {
+    throw InputError(
+        "--timestamps " + arguments.timestamps.string() + ": is of no use, since " +
+        (truth_has_times ? "both files have times" : "poses of two KITTI files are paired by their frames") +
+        "; leave it away");
+  }
   if (!estimate_has_times && !truth_has_times) return PairFrames(estimate, truth);
   if (estimate_has_times != truth_has_times) {
     const fs::path& untimed_path = estimate_has_times ? arguments.ground_truth : arguments.estimate;
@@ -66,7 +75,8 @@ Paired PairPoses(const EvaluateArguments& arguments, TrajectoryFile& estimate, T
     const fs::path times = arguments.timestamps.empty() ? TimesOf(untimed_path) : arguments.timestamps;
     if (times.empty()) {
       if (estimate.poses.size() == truth.poses.size()) {
-        return {AssociateByFrame(estimate.poses, truth.poses), KeyframeKey::kFrame};
+        const KeyframeKey key = estimate_has_times ? KeyframeKey::kTime : KeyframeKey::kFrame;
+        return {AssociateByFrame(estimate.poses, truth.poses), key, "frame"};
       }
       throw InputError(untimed_path.string() + " has no times, and " + std::to_string(estimate.poses.size()) +
                        " estimated poses cannot be told apart among " + std::to_string(truth.poses.size()) +
@@ -74,7 +84,7 @@ Paired PairPoses(const EvaluateArguments& arguments, TrajectoryFile& estimate, T
     }
     untimed = ReadTrajectoryFile(untimed_path, ReadFrameTimes(times).times);
   }
-  return {AssociateByTime(estimate.poses, truth.poses, {arguments.time_tolerance}), KeyframeKey::kTime};
+  return {AssociateByTime(estimate.poses, truth.poses, {arguments.time_tolerance}), KeyframeKey::kTime, "time"};
 }
 
 std::vector<Step> ReadKeyframeSteps(const fs::path& path, const Paired& paired) {
@@ -87,7 +97,8 @@ std::vector<Step> ReadKeyframeSteps(const fs::path& path, const Paired& paired) 
   return steps;
 }
 
-std::vector<Step> FindSteps(const EvaluateArguments& arguments, const Paired& paired, std::string& description) {
+std::vector<Step> FindSteps(const EvaluateArguments& arguments, const Paired& paired, const StepOptions& options,
+                            std::string& description) {
   const bool asked = !arguments.keyframes.empty();
   const fs::path path = asked ? arguments.keyframes : arguments.estimate.parent_path() / "trajectory.csv";
   if (asked || fs::exists(path)) {
@@ -101,10 +112,12 @@ std::vector<Step> FindSteps(const EvaluateArguments& arguments, const Paired& pa
     }
   }
   description = "of 1 m of true path";
-  return StepsAlongPath(paired.pairs);
+  return StepsAlongPath(paired.pairs, options);
 }
 
 void RunEvaluate(const EvaluateArguments& arguments) {
+  EvaluationOptions options;
+  if (arguments.camera_rotation) options.steps.vehicle_from_camera = ReadCameraRotation(*arguments.camera_rotation);
   TrajectoryFile estimate = ReadTrajectoryFile(arguments.estimate);
   TrajectoryFile truth = ReadTrajectoryFile(arguments.ground_truth);
   const Paired paired = PairPoses(arguments, estimate, truth);
@@ -113,9 +126,9 @@ void RunEvaluate(const EvaluateArguments& arguments) {
   sources.ground_truth = arguments.ground_truth.string();
   sources.estimated_poses = static_cast<int>(estimate.poses.size());
   sources.true_poses = static_cast<int>(truth.poses.size());
-  sources.pairing = paired.key == KeyframeKey::kTime ? "time" : "frame";
-  const std::vector<Step> steps = FindSteps(arguments, paired, sources.steps);
-  const Evaluation evaluation = Evaluate(paired.pairs, steps);
+  sources.pairing = paired.by;
+  const std::vector<Step> steps = FindSteps(arguments, paired, options.steps, sources.steps);
+  const Evaluation evaluation = Evaluate(paired.pairs, steps, options);
   // Names of files may be no UTF-8.
   const auto replace = nlohmann::ordered_json::error_handler_t::replace;
   const std::string json = EvaluationJson(evaluation, sources).dump(2, ' ', false, replace) + "\n";
@@ -144,6 +157,8 @@ void AddEvaluateCommand(CLI::App& app) {
   command->add_option("--keyframes", arguments->keyframes,
                       "trajectory.csv of the run, whose keyframes are the steps of the scale error ratio (default: the "
                       "one beside ESTIMATE, else steps of 1 m)");
+  command->add_option("--camera-rotation", arguments->camera_rotation,
+                      "How the camera is turned on the car, as for run: turning angles are the car's [0,0,0]");
   command->add_option("--json", arguments->json, "Write the numbers to this file; - writes them instead of the table");
   command->callback([arguments] { RunEvaluate(*arguments); });
 }

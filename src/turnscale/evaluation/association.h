@@ -12,7 +12,7 @@ namespace turnscale {
 struct PosePair {
   int estimate_index = 0;  ///< place in the estimated trajectory
   int truth_index = 0;     ///< place in the true trajectory
-  double time = 0;         ///< seconds, the estimate's; without meaning where frames were counted
+  double time = 0;         ///< seconds, the estimate's; the frame's number where it has no times
   RigidTransform estimate;
   RigidTransform truth;
 };

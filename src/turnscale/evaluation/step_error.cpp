@@ -17,10 +17,6 @@ double TurningAngle(const RigidTransform& motion, const Eigen::Quaterniond& vehi
   return TwistAboutY(vehicle_from_camera * motion.rotation * vehicle_from_camera.conjugate());
 }
 
-double Key(const PosePair& pair, KeyframeKey key) {
-  return key == KeyframeKey::kTime ? pair.time : static_cast<double>(pair.estimate_index);
-}
-
 }  // namespace
 
 std::vector<Step> StepsAlongPath(const PosePairs& pairs, const StepOptions& options) {
@@ -46,8 +42,8 @@ std::vector<Step> StepsBetweenKeyframes(const PosePairs& pairs, const std::vecto
     const double wanted = key == KeyframeKey::kTime ? row.time : row.frame;
     const double tolerance = key == KeyframeKey::kTime ? kSameTime : 0.0;
     const auto found = std::lower_bound(pairs.begin(), pairs.end(), wanted - tolerance,
-                                        [key](const PosePair& pair, double value) { return Key(pair, key) < value; });
-    if (found == pairs.end() || Key(*found, key) > wanted + tolerance) continue;
+                                        [](const PosePair& pair, double value) { return pair.time < value; });
+    if (found == pairs.end() || found->time > wanted + tolerance) continue;
     const auto place = static_cast<int>(found - pairs.begin());
     if (previous >= 0 && place > previous) steps.push_back({previous, place, row.turning});
     previous = place;

@@ -38,7 +38,7 @@ std::vector<Step> StepsAlongPath(const PosePairs& pairs, const StepOptions& opti
 /// How the rows of a keyframe table and the pairs find each other.
 enum class KeyframeKey {
   kTime,   ///< same time within a millisecond
-  kFrame,  ///< the row's frame is the pose's place in the estimate
+  kFrame,  ///< the row's frame is the pair's time, for estimates whose times are frame numbers
 };
 
 /// Steps from keyframe to keyframe; a step turns when the keyframe at its end is marked so. Keyframes without a pair

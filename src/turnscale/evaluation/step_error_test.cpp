@@ -26,10 +26,12 @@ TEST(Steps, AlongThePathHaveTheAskedLengthAndKnowTurns) {
 
 TEST(Steps, BetweenKeyframesFollowTheTable) {
   const Trajectory drive = WindingDrive(20);
-  const PosePairs pairs = AssociateByTime(drive, drive);
+  Trajectory numbered = drive;
+  for (size_t i = 0; i < drive.size(); ++i) numbered[i].time = static_cast<double>(i);
   const std::vector<KeyframeRow> keyframes = {{0, 0.0, false}, {4, 0.4, true}, {6, 0.60001, false}, {90, 9.0, true}};
   for (const KeyframeKey key : {KeyframeKey::kTime, KeyframeKey::kFrame}) {
-    const std::vector<Step> steps = StepsBetweenKeyframes(pairs, keyframes, key);
+    const Trajectory& poses = key == KeyframeKey::kTime ? drive : numbered;
+    const std::vector<Step> steps = StepsBetweenKeyframes(AssociateByTime(poses, poses), keyframes, key);
     ASSERT_EQ(steps.size(), 2U);
     EXPECT_EQ(steps[0].first, 0);
     EXPECT_EQ(steps[0].last, 4);
@@ -37,6 +39,7 @@ TEST(Steps, BetweenKeyframesFollowTheTable) {
     EXPECT_EQ(steps[1].last, 6);
     EXPECT_FALSE(steps[1].turning);
   }
+  const PosePairs pairs = AssociateByTime(drive, drive);
   EXPECT_TRUE(StepsBetweenKeyframes(pairs, {{90, 9.0, true}, {91, 9.1, true}}, KeyframeKey::kTime).empty());
 }
 
