@@ -70,6 +70,10 @@ DriveInput FindInFolder(const fs::path& folder) {
     drive.is_video = true;
     return drive;
   }
+  if (videos.size() > 1 && drive.path == folder) {
+    throw InputError(folder.string() + ": holds " + std::to_string(videos.size()) + " videos; name one, such as " +
+                     videos.front().string());
+  }
   throw InputError(drive.path.string() +
                    ": holds no images; give a folder of png, jpg, bmp, pgm or tiff files, a KITTI "
                    "folder with image_0/, or a video file");

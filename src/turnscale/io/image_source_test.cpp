@@ -204,6 +204,10 @@ TEST_F(ImageSourceTest, ComplaintsAboutTimesNameTheLine) {
 TEST_F(ImageSourceTest, MissingAndEmptyInputs) {
   EXPECT_THROW(FindDrive(folder_ / "nowhere"), InputError);
   EXPECT_NE(Complaint().find("holds no images"), std::string::npos);
+  Text("front.mp4", "");
+  Text("rear.mp4", "");
+  EXPECT_NE(Complaint().find("holds 2 videos; name one, such as " + (folder_ / "front.mp4").string()),
+            std::string::npos);
   Images(folder_ / "pictures", 0, 1);
   EXPECT_THROW(FindDrive(folder_ / "pictures" / "0.png"), InputError);
   EXPECT_THROW(OpenVideo(Text("drive.mp4", "no video")), InputError);
