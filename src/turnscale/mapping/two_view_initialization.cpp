@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <utility>
 
 #include <opencv2/calib3d.hpp>
@@ -99,7 +100,8 @@ void TwoViewOptions::Check() const {
     throw InputError("initialization.min_inlier_share: has to be in 0...1");
   if (!(min_landmark_parallax_deg > 0))
     throw InputError("initialization.min_landmark_parallax_deg: has to be positive");
-  if (!(initial_baseline > 0)) throw InputError("initialization.initial_baseline: has to be positive");
+  if (!(initial_baseline > 0 && std::isfinite(initial_baseline)))
+    throw InputError("initialization.initial_baseline: has to be a positive number");
 }
 
 TwoViewResult InitializeFromTwoViews(const TwoViewOptions& options, const Pinhole& pinhole,

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "turnscale/mapping/two_view_initialization.h"
 
+#include <cmath>
 #include <random>
 
 #include <gtest/gtest.h>
@@ -90,6 +91,7 @@ TEST(TwoViewInitialization, OptionsNameTheFieldThatMakesNoSense) {
   EXPECT_EQ(RefusedField<Options>([](auto& o) { o.min_landmark_parallax_deg = 0; }),
             "initialization.min_landmark_parallax_deg");
   EXPECT_EQ(RefusedField<Options>([](auto& o) { o.initial_baseline = 0; }), "initialization.initial_baseline");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.initial_baseline = HUGE_VAL; }), "initialization.initial_baseline");
 }
 
 }  // namespace
