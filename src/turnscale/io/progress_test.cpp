@@ -7,6 +7,7 @@
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
+#include <poll.h>
 #include <unistd.h>
 
 namespace turnscale {
@@ -30,11 +31,18 @@ class Terminal {
     close(terminal_);
   }
 
-  std::string Shown() const {
+  // What was shown up to this text; the system hands it over piece by piece.
+  std::string ShownUpTo(const std::string& last) const {
     std::fflush(stderr);
+    std::string shown;
     char text[4096];
-    const ssize_t size = read(terminal_, text, sizeof text);
-    return {text, static_cast<size_t>(size > 0 ? size : 0)};
+    pollfd waiting = {terminal_, POLLIN, 0};
+    while (!shown.ends_with(last) && poll(&waiting, 1, 5000) == 1) {
+      const ssize_t size = read(terminal_, text, sizeof text);
+      if (size <= 0) break;
+      shown.append(text, static_cast<size_t>(size));
+    }
+    return shown;
   }
 
  private:
@@ -51,7 +59,7 @@ TEST(Progress, TheLineEndsWhenARunFails) {
   } catch (int) {
     std::fprintf(stderr, "failed");
   }
-  const std::string shown = terminal.Shown();
+  const std::string shown = terminal.ShownUpTo("failed");
   EXPECT_NE(shown.find("frame 3/3"), std::string::npos) << shown;
   EXPECT_TRUE(shown.ends_with("scale pending\r\nfailed")) << shown;
 }

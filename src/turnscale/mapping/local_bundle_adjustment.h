@@ -27,8 +27,8 @@ struct LocalBundleResult {
 };
 
 /// Adjusts the latest keyframes and the landmarks they see; earlier keyframes that see the same landmarks hold still.
-/// The first keyframe of the map, or after a gap in the tracking, never moves. A window that holds a number that is none
-/// stays as it is, and no landmark takes part.
+/// The first keyframe of the map, or after a gap in the tracking, never moves. A window that holds a number that is
+/// none stays as it is, and no landmark takes part.
 LocalBundleResult AdjustLocalWindow(const LocalBundleOptions& options, Map& map);
 
 /// The same with all keyframes from `first` to the latest moving.
