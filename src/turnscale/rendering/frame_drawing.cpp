@@ -38,6 +38,29 @@ std::vector<Eigen::Vector2f> PixelPattern(int count, bool shuffle) {
   return pattern;
 }
 
+// The pattern as one pixel uses it. Samples of neighbouring rows and columns interleave, and half of the pixels have it
+// mirrored: along an edge, whatever its slope, pixels together find it more finely than each alone.
+class VariedPattern {
+ public:
+  VariedPattern(const std::vector<Eigen::Vector2f>& pattern, int row, int column) : pattern_(pattern) {
+    const auto place = (static_cast<std::uint64_t>(row) << 32U) + static_cast<std::uint64_t>(column);
+    if ((Hash(place) & 1U) != 0) mirror_ = -1;
+    const auto shift = [&](int index) {
+      return (static_cast<float>(index % 4) - 1.5F) / (4 * static_cast<float>(pattern.size()));
+    };
+    shift_ = {shift(row), shift(column)};
+  }
+
+  Eigen::Vector2f operator[](size_t sample) const {
+    return {mirror_ * pattern_[sample].x() + shift_.x(), pattern_[sample].y() + shift_.y()};
+  }
+
+ private:
+  const std::vector<Eigen::Vector2f>& pattern_;
+  float mirror_ = 1;
+  Eigen::Vector2f shift_;
+};
+
 ViewRay MakeRay(const CameraMoment& moment, const Eigen::Vector3f& direction, float width) {
   ViewRay ray;
   ray.ray.origin = moment.position;
@@ -89,9 +112,10 @@ bool Differ(const Centres& centres, const cv::Point& a, const cv::Point& b) {
 
 bool IsEdge(const Centres& centres, const cv::Point& at) {
   const cv::Size size = centres.look.size();
-  return (at.x > 0 && Differ(centres, at, {at.x - 1, at.y})) || (at.y > 0 && Differ(centres, at, {at.x, at.y - 1})) ||
-         (at.x + 1 < size.width && Differ(centres, at, {at.x + 1, at.y})) ||
-         (at.y + 1 < size.height && Differ(centres, at, {at.x, at.y + 1}));
+  for (int y = std::max(0, at.y - 1); y <= std::min(size.height - 1, at.y + 1); ++y)
+    for (int x = std::max(0, at.x - 1); x <= std::min(size.width - 1, at.x + 1); ++x)
+      if (Differ(centres, at, {x, y})) return true;
+  return false;
 }
 
 Centres DrawCentres(const FrameDrawing& drawing) {
@@ -151,10 +175,11 @@ cv::Mat DrawSharp(const FrameDrawing& drawing, int edge_samples) {
       if (!pixel.sees() || !IsEdge(centres, {column, row})) continue;
       float sum = 0;
       const auto add = [&](int, const Seen& seen) { sum += seen.brightness; };
-      for (const Eigen::Vector2f& offset : pattern)
-        queue.Add(
-            MakeRay(drawing.moments[row][0], drawing.table.Inside(row, column, offset), kSampleWidth * pixel.width),
-            column, add);
+      const VariedPattern varied(pattern, row, column);
+      for (size_t i = 0; i < pattern.size(); ++i) {
+        const Eigen::Vector3f direction = drawing.table.Inside(row, column, varied[i]);
+        queue.Add(MakeRay(drawing.moments[row][0], direction, kSampleWidth * pixel.width), column, add);
+      }
       queue.Finish(add);
       image.at<float>(row, column) = sum / static_cast<float>(edge_samples);
     }
@@ -176,9 +201,9 @@ cv::Mat DrawBlurred(const FrameDrawing& drawing) {
       for (int column = 0; column < image.cols; ++column) {
         const PixelRay& pixel = drawing.table.At(row, column);
         if (!pixel.sees()) continue;
-        queue.Add(
-            MakeRay(drawing.moments[row][i], drawing.table.Inside(row, column, pattern[i]), kSampleWidth * pixel.width),
-            column, add);
+        const Eigen::Vector2f offset = VariedPattern(pattern, row, column)[i];
+        const Eigen::Vector3f direction = drawing.table.Inside(row, column, offset);
+        queue.Add(MakeRay(drawing.moments[row][i], direction, kSampleWidth * pixel.width), column, add);
       }
     }
     queue.Finish(add);

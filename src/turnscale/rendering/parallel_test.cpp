@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/rendering/parallel.h"
+
+#include <atomic>
+#include <stdexcept>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+namespace turnscale {
+namespace {
+
+TEST(Parallel, CallsEachIndexOnce) {
+  for (const int threads : {1, 2, 5}) {
+    std::vector<std::atomic<int>> calls(1000);
+    ForEachIndex(1000, threads, [&](int i) { ++calls[i]; });
+    for (const std::atomic<int>& count : calls) EXPECT_EQ(count, 1);
+  }
+  ForEachIndex(0, 2, [](int) { FAIL(); });
+}
+
+TEST(Parallel, ThrowsOnWhatTheWorkThrows) {
+  for (const int threads : {1, 3}) {
+    const auto work = [](int i) {
+      if (i == 50) throw std::runtime_error("fifty");
+    };
+    EXPECT_THROW(ForEachIndex(100, threads, work), std::runtime_error);
+  }
+}
+
+}  // namespace
+}  // namespace turnscale
