@@ -48,18 +48,24 @@ void CutBefore(const std::vector<RoadPoint>& driven, int corner, std::vector<Roa
     }
 }
 
+// Where the way turns a corner, and where it begins and ends, the road goes on.
 void AddSideStreets(const std::vector<RoadPoint>& driven, std::vector<std::vector<RoadPoint>>& roads) {
   const std::vector<RoadPoint> middle = Beside(driven, -kMiddle);
+  const auto add = [&](int from, const Eigen::Vector2d& along, int corner) {
+    std::vector<RoadPoint> road = StraightOn(middle[from], along);
+    CutBefore(driven, corner, road);
+    if (road.size() > 2) roads.push_back(std::move(road));
+  };
+  const int last = static_cast<int>(driven.size()) - 1;
+  add(0, -Along(driven, 0), 0);
+  add(last, Along(driven, last), last);
   const int length = static_cast<int>(kCornerLength / kRoadPointStep);
   for (int i = 0; i + length < static_cast<int>(driven.size()); ++i) {
     const Eigen::Vector2d before = Along(driven, i);
     const Eigen::Vector2d after = Along(driven, i + length);
     if (std::acos(std::clamp(before.dot(after), -1.0, 1.0)) < kCornerTurn) continue;
-    for (const auto& [from, along] : {std::pair(i, before), std::pair(i + length, Eigen::Vector2d(-after))}) {
-      std::vector<RoadPoint> road = StraightOn(middle[from], along);
-      CutBefore(driven, i + length / 2, road);
-      if (road.size() > 2) roads.push_back(std::move(road));
-    }
+    add(i, before, i + length / 2);
+    add(i + length, -after, i + length / 2);
     i += length;
   }
 }
