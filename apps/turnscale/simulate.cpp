@@ -41,6 +41,7 @@ struct SimulateArguments {
   std::optional<double> seconds;
   std::optional<fs::path> follow;
   std::optional<fs::path> times;
+  double texture_contrast = 1;
   std::optional<int> threads;
   std::optional<int> max_frames;
   bool quiet = false;
@@ -102,6 +103,9 @@ int Simulate(const SimulateArguments& arguments) {
   const int threads = arguments.threads.value_or(static_cast<int>(std::max(1U, std::thread::hardware_concurrency())));
   cv::setNumThreads(threads);
   World world = MakeWorld(arguments, rig);
+  for (Texture& texture : world.scene.textures) {
+    if (arguments.texture_contrast < 1) texture = texture.WithContrast(static_cast<float>(arguments.texture_contrast));
+  }
   CatchInterrupts();
   std::optional<Progress> progress;
   const auto report = [&](int done, int frames) {
@@ -148,6 +152,11 @@ void AddSimulateCommand(CLI::App& app) {
       "Lay the street along a recorded path in metres: TUM or KITTI poses of a camera on the rig's mount");
   simulate->add_option("--times", arguments->times, "Times of those poses, one a line, s [times.txt beside them]")
       ->needs(follow);
+  simulate
+      ->add_option("--texture-contrast", arguments->texture_contrast,
+                   "Contrast of what all surfaces are made of: 1 as it is, towards 0 ever less to hold on to")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
   simulate->add_option("--threads", arguments->threads, "Threads; the images do not depend on them [all cores]");
   simulate->add_option("--max-frames", arguments->max_frames, "Stop after this many frames")
       ->check(CLI::PositiveNumber);

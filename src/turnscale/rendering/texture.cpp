@@ -126,6 +126,18 @@ Texture::Texture(const cv::Mat& pattern, double size) : size_(size) {
   levels_ = std::make_shared<const std::vector<Level>>(std::move(levels));
 }
 
+Texture Texture::WithContrast(float factor) const {
+  std::vector<Level> levels = *levels_;
+  const float mean = levels.back().quads[0][0];
+  for (Level& level : levels)
+    for (Quad& quad : level.quads)
+      for (std::uint16_t& value : quad)
+        value = static_cast<std::uint16_t>(std::clamp(std::lround(mean + factor * (value - mean)), 0L, 65535L));
+  Texture other = *this;
+  other.levels_ = std::make_shared<const std::vector<Level>>(std::move(levels));
+  return other;
+}
+
 float Texture::Sample(const Eigen::Vector2f& at, const Eigen::Vector2f& major, float minor) const {
   const float length = major.norm();
   const float width = std::max({minor, length / kMaxSamples, 1e-9F});

@@ -57,6 +57,18 @@ TEST(Texture, Repeats) {
   }
 }
 
+TEST(Texture, ContrastKeepsTheMean) {
+  const Texture texture(Noise(32), kSize);
+  const Texture faded = texture.WithContrast(0.25F);
+  const Eigen::Vector2f none = Eigen::Vector2f::Zero();
+  const float mean = texture.Sample(none, {kSize, 0}, kSize);
+  RandomStream random(2);
+  for (int i = 0; i < 200; ++i) {
+    const Eigen::Vector2f at = AnyPlace(random);
+    EXPECT_NEAR(faded.Sample(at, none, 0) - mean, 0.25F * (texture.Sample(at, none, 0) - mean), 1e-4);
+  }
+}
+
 // Mean over one turn of the pattern is that of the pattern, whatever a sample covers.
 TEST(Texture, KeepsTheMean) {
   const cv::Mat pattern = Noise(64);
