@@ -128,7 +128,9 @@ void Tracer::AddMirrored(std::span<const ViewRay> rays, std::span<const Spot> sp
     if (!spots[i].hit || spots[i].mirror < kLeastMirror) continue;
     const Eigen::Vector3f& direction = rays[i].ray.direction;
     mirrored[count] = rays[i];
-    mirrored[count].ray.origin = spots[i].place;
+    // From the surface itself: a millimetre above it, things would be mirrored a millimetre too high.
+    mirrored[count].ray.origin = spots[i].place - kLift * spots[i].normal;
+    mirrored[count].ray.start = kLift / std::max(spots[i].cosine, kLeastCosine);
     mirrored[count].ray.direction = direction + 2 * spots[i].cosine * spots[i].normal;
     before[count] = spots[i].path;
     asked[count++] = i;
