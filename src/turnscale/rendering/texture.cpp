@@ -5,7 +5,6 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
-#include <cstring>
 #include <stdexcept>
 #include <utility>
 
@@ -39,8 +38,6 @@ inline float RoughLog2(float x) {
 
 // Vectors of the compiler's own: four floats at a time on every processor.
 using Float4 = float __attribute__((vector_size(16)));
-using Int4 = std::int32_t __attribute__((vector_size(16)));
-using Short8 = std::uint16_t __attribute__((vector_size(16)));
 
 // Parts of a turn of the pattern in units of 2^-32: wraps around by itself.
 struct Phase {
@@ -48,27 +45,12 @@ struct Phase {
   std::uint32_t y = 0;
 };
 
-// The four numbers of a quad; compilers make this two instructions.
-template <typename Quad>
-inline Float4 Unpack(const Quad& quad) {
-  std::uint64_t bits = 0;
-  static_assert(sizeof(bits) == sizeof(quad));
-  std::memcpy(&bits, &quad, sizeof(bits));
-  using Long2 = std::uint64_t __attribute__((vector_size(16)));
-  const auto shorts = reinterpret_cast<Short8>(Long2{bits, 0});
-  if constexpr (std::endian::native == std::endian::little)
-    return __builtin_convertvector(
-        reinterpret_cast<Int4>(__builtin_shufflevector(shorts, Short8{}, 0, 8, 1, 8, 2, 8, 3, 8)), Float4);
-  return Float4{static_cast<float>(quad[0]), static_cast<float>(quad[1]), static_cast<float>(quad[2]),
-                static_cast<float>(quad[3])};
-}
-
 std::uint32_t PhaseOf(float turns) { return static_cast<std::uint32_t>(static_cast<std::int64_t>(turns * 0x1p32F)); }
 
-// Sum of `count` bilinear samples at `at`, `at + step`, ..., each of its four pixels by itself, in units of the quads.
-template <typename Quad>
-inline Float4 SumSamples(const Quad* quads, int shift, Phase at, const Phase& step, int count) {
+// Sum of `count` bilinear samples at `at`, `at + step`, ..., each of its four pixels by itself.
+inline Float4 SumSamples(const float* level, int shift, Phase at, const Phase& step, int count) {
   const std::uint32_t half = 0x80000000U >> shift;
+  const size_t stride = (size_t{1} << shift) + 1;
   at.x -= half;
   at.y -= half;
   Float4 sum = {0, 0, 0, 0};
@@ -76,7 +58,9 @@ inline Float4 SumSamples(const Quad* quads, int shift, Phase at, const Phase& st
     // Whole pixels above 32 bits, the rest below.
     const std::uint64_t x = static_cast<std::uint64_t>(at.x) << shift;
     const std::uint64_t y = static_cast<std::uint64_t>(at.y) << shift;
-    const Float4 pixels = Unpack(quads[((y >> 32U) << shift) + (x >> 32U)]);
+    const float* const above = level + (y >> 32U) * stride + (x >> 32U);
+    const float* const below = above + stride;
+    const Float4 pixels = {above[0], above[1], below[0], below[1]};
     const float right = static_cast<float>(static_cast<std::int32_t>(static_cast<std::uint32_t>(x) >> 1U)) * 0x1p-31F;
     const float down = static_cast<float>(static_cast<std::int32_t>(static_cast<std::uint32_t>(y) >> 1U)) * 0x1p-31F;
     const Float4 columns = {1 - right, right, 1 - right, right};
@@ -99,7 +83,6 @@ Texture::Texture(const cv::Mat& pattern, double size) : size_(size) {
   double most = 0;
   cv::minMaxLoc(pattern, &least, &most);
   if (!(least >= 0 && most < 1e6)) throw std::invalid_argument("a texture's pattern is not negative");
-  unit_ = static_cast<float>(std::max(most, 1e-6) / 65535);
   per_metre_ = static_cast<float>(1 / size);
   pixels_per_metre_ = static_cast<float>(pattern.rows / size);
   std::vector<Level> levels;
@@ -108,16 +91,11 @@ Texture::Texture(const cv::Mat& pattern, double size) : size_(size) {
     Level& level = levels.emplace_back();
     level.shift = std::countr_zero(static_cast<unsigned>(pixels.rows));
     const int mask = pixels.rows - 1;
-    for (int row = 0; row < pixels.rows; ++row) {
-      const auto* here = pixels.ptr<float>(row);
-      const auto* below = pixels.ptr<float>((row + 1) & mask);
-      for (int column = 0; column < pixels.cols; ++column) {
-        const int next = (column + 1) & mask;
-        Quad& quad = level.quads.emplace_back();
-        const std::array<float, 4> values = {here[column], here[next], below[column], below[next]};
-        for (size_t i = 0; i < 4; ++i)
-          quad[i] = static_cast<std::uint16_t>(std::clamp(std::lround(values[i] / unit_), 0L, 65535L));
-      }
+    level.pixels.reserve(static_cast<size_t>(pixels.rows + 1) * (pixels.cols + 1));
+    for (int row = 0; row <= pixels.rows; ++row) {
+      const auto* here = pixels.ptr<float>(row & mask);
+      for (int column = 0; column <= pixels.cols; ++column)
+        level.pixels.push_back(here[column & mask]);
     }
     if (pixels.rows == 1) break;
     const cv::Mat halved = HalveRows(pixels);
@@ -154,7 +132,7 @@ float Texture::Sample(const Eigen::Vector2f& at, const Eigen::Vector2f& major, f
     const Eigen::Vector2f first = at - 0.5F * static_cast<float>(count - 1) * step;
     const Phase start = {PhaseOf(first.x() * per_metre_), PhaseOf(first.y() * per_metre_)};
     const Phase stride = {PhaseOf(step.x() * per_metre_), PhaseOf(step.y() * per_metre_)};
-    return SumSamples(from.quads.data(), from.shift, start, stride, count) * (unit_ / static_cast<float>(count));
+    return SumSamples(from.pixels.data(), from.shift, start, stride, count) * (1 / static_cast<float>(count));
   };
   Float4 mean = sum(levels[level], samples);
   // The coarser level's pixels are twice as wide: half the samples cover the axis.

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <array>
-#include <cstdint>
 #include <memory>
 #include <vector>
 
@@ -29,17 +27,14 @@ class Texture {
   double size() const { return size_; }
 
  private:
-  /// Four neighbouring pixels, two from a row and two from the next, in units of `unit_`: one load gives all that a
-  /// bilinear sample needs.
-  using Quad = std::array<std::uint16_t, 4>;
-
+  /// Pixels, the first column again after the last one and the first row again below: bilinear samples need not look
+  /// for the pattern's edge.
   struct Level {
     int shift = 0;  ///< log2 of the side
-    std::vector<Quad> quads;
+    std::vector<float> pixels;
   };
 
   double size_;
-  float unit_ = 1;
   float per_metre_ = 1;  ///< turns of the pattern in a metre
   float pixels_per_metre_ = 1;
   /// Finest first, each half the one before, down to one pixel. Copies of a texture share them.
