@@ -106,11 +106,9 @@ Texture::Texture(const cv::Mat& pattern, double size) : size_(size) {
 
 Texture Texture::WithContrast(float factor) const {
   std::vector<Level> levels = *levels_;
-  const float mean = levels.back().quads[0][0];
+  const float mean = levels.back().pixels.front();
   for (Level& level : levels)
-    for (Quad& quad : level.quads)
-      for (std::uint16_t& value : quad)
-        value = static_cast<std::uint16_t>(std::clamp(std::lround(mean + factor * (value - mean)), 0L, 65535L));
+    for (float& value : level.pixels) value = std::max(0.0F, mean + factor * (value - mean));
   Texture other = *this;
   other.levels_ = std::make_shared<const std::vector<Level>>(std::move(levels));
   return other;

@@ -20,7 +20,7 @@ class Texture {
   /// to `major` and no longer): what a pixel sees that covers it. Trilinear, several samples along a long axis.
   float Sample(const Eigen::Vector2f& at, const Eigen::Vector2f& major, float minor) const;
 
-  /// The same with its differences from the mean multiplied, 0...1; clipped to what the brightest pixel was.
+  /// The same with its differences from the mean multiplied.
   Texture WithContrast(float factor) const;
 
   /// Side of the square that repeats, metres.
