@@ -81,7 +81,7 @@ World MakeWorld(const SimulateArguments& arguments, const Rig& rig) {
   if (arguments.world == "garage") return MakeGarage(arguments.seed, arguments.seconds.value_or(kGarageSeconds));
   if (!arguments.follow) return MakeStreet(arguments.seed, arguments.seconds.value_or(kStreetSeconds));
   try {
-    const RecordedPath path = RearAxlePath(ReadFollowed(arguments), rig.mount.lever_arm, rig.mount.lateral_offset);
+    const RecordedPath path = RearAxlePath(ReadFollowed(arguments), rig.mount.VehicleFromCamera());
     return MakeStreetAlong(arguments.seed, path.points, path.speeds);
   } catch (const InputError& error) {
     // Complaints about the path itself do not know its file.

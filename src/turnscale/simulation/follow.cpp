@@ -64,13 +64,15 @@ void SmoothHeights(std::vector<Eigen::Vector3d>& points) {
 
 }  // namespace
 
-RecordedPath RearAxlePath(const Trajectory& trajectory, double lever_arm, double lateral) {
+RecordedPath RearAxlePath(const Trajectory& trajectory, const RigidTransform& vehicle_from_camera) {
   std::vector<double> times;
   std::vector<Eigen::Vector3d> axle;
   for (const StampedPose& pose : trajectory) {
     if (!times.empty() && !(pose.time > times.back()))
       throw InputError("trajectory: time of pose " + std::to_string(times.size()) + " is not after the one before");
-    const Eigen::Vector3d place = pose.world_from_camera * Eigen::Vector3d(-lateral, 0, -lever_arm);
+    const RigidTransform first_from_vehicle = vehicle_from_camera * trajectory.front().world_from_camera.inverse() *
+                                              pose.world_from_camera * vehicle_from_camera.inverse();
+    const Eigen::Vector3d& place = first_from_vehicle.translation;
     times.push_back(pose.time);
     axle.emplace_back(place.x(), -place.y(), place.z());
   }

@@ -15,13 +15,12 @@ struct RecordedPath {
   std::vector<double> speeds;           ///< m/s, one a point: the least between this point and the next
 };
 
-/// The rear axle's way from the poses of a camera (metres) that is mounted `lever_arm` metres ahead of it, `lateral`
-/// metres right of the middle, and looks straight ahead. Heights are those of the place at the camera's height above
-/// the rear axle, up from the origin of the poses.
+/// The rear axle's way from the poses of a camera (metres), in the frame of the car at the first pose: it starts near
+/// the origin, and that pose is taken to be level.
 ///
 /// Positions are smoothed over time (0.3 s) and speeds read off there, heights over 4 m of the way besides; where the
 /// car stands, one point is kept.
 /// Throws InputError when times do not grow or the car moves less than a metre in all.
-RecordedPath RearAxlePath(const Trajectory& trajectory, double lever_arm, double lateral);
+RecordedPath RearAxlePath(const Trajectory& trajectory, const RigidTransform& vehicle_from_camera);
 
 }  // namespace turnscale

@@ -12,15 +12,17 @@
 namespace turnscale {
 namespace {
 
-constexpr double kLeverArm = 1.1;
-constexpr double kLateral = 0.3;
+// A camera that looks down and to the right.
+const RigidTransform kMount{RotationFromYawPitchRoll({0.1, -0.2, 0.03}), {0.3, -1.1, 1.1}};
+
+// What the recording's world is, must not matter.
+const RigidTransform kFarAway{RotationFromYawPitchRoll({2, 0, 0}), {500000, 30, 4500000}};
 
 /// Poses at 10 Hz of a camera on a car; `noise` (metres) jitters them in all directions.
 Trajectory Record(const VehicleMotion& motion, double noise) {
-  const RigidTransform vehicle_from_camera{Eigen::Quaterniond::Identity(), {kLateral, 0, kLeverArm}};
   Trajectory trajectory;
   for (const VehicleState& state : Moments(motion, 0.1)) {
-    RigidTransform pose = state.world_from_vehicle * vehicle_from_camera;
+    RigidTransform pose = kFarAway * state.world_from_vehicle * kMount;
     const double i = static_cast<double>(trajectory.size());
     pose.translation += noise * M_SQRT2 * Eigen::Vector3d(std::sin(i * i), std::sin(2 * i * i), std::sin(3 * i * i));
     trajectory.push_back({state.time, pose});
@@ -37,12 +39,13 @@ std::vector<RouteLeg> WayWithAStop() {
   return {first, second};
 }
 
-double Hill(const Eigen::Vector2d& place) { return 2 * std::sin(0.04 * place.x()); }
+// Level where the way begins.
+double Hill(const Eigen::Vector2d& place) { return 2 - 2 * std::cos(0.06 * place.x()); }
 
 TEST(RearAxlePath, IsTheRearAxlesWay) {
   const VehicleMotion motion = Drive(StiffVehicle(), WayWithAStop(), Hill, 0.3, 1);
   for (const double noise : {0.0, 0.02}) {
-    const RecordedPath path = RearAxlePath(Record(motion, noise), kLeverArm, kLateral);
+    const RecordedPath path = RearAxlePath(Record(motion, noise), kMount);
     ASSERT_EQ(path.points.size(), path.speeds.size());
     std::vector<Eigen::Vector2d> way;
     for (const VehicleState& state : Moments(motion, 0.05)) way.push_back(state.position);
@@ -50,7 +53,7 @@ TEST(RearAxlePath, IsTheRearAxlesWay) {
     for (std::size_t i = 0; i < path.points.size(); ++i) {
       const Eigen::Vector2d place(path.points[i].x(), path.points[i].z());
       EXPECT_LT(DistanceFromPath(place, way), 0.01 + 2 * noise);
-      EXPECT_NEAR(path.points[i].y(), Hill(place) + 0.3, 0.015 + noise);
+      EXPECT_NEAR(path.points[i].y(), Hill(place), 0.015 + noise);
       if (i == 0) continue;
       EXPECT_GE((path.points[i] - path.points[i - 1]).norm(), 0.3);
       EXPECT_LT((path.points[i] - path.points[i - 1]).norm(), 1.0);
@@ -62,7 +65,7 @@ TEST(RearAxlePath, IsTheRearAxlesWay) {
 TEST(RearAxlePath, HasTheSpeedsAndNoDuplicatesWhereTheCarStands) {
   const VehicleMotion motion = Drive(StiffVehicle(), WayWithAStop(), FlatRoad, 0.3, 1);
   for (const double noise : {0.0, 0.02}) {
-    const RecordedPath path = RearAxlePath(Record(motion, noise), kLeverArm, kLateral);
+    const RecordedPath path = RearAxlePath(Record(motion, noise), kMount);
     int at_the_stop = 0;
     double slowest = 100;
     for (std::size_t i = 0; i < path.points.size(); ++i) {
@@ -80,7 +83,7 @@ TEST(RearAxlePath, HasTheSpeedsAndNoDuplicatesWhereTheCarStands) {
 
 TEST(RearAxlePath, CanBeDrivenAgain) {
   const VehicleMotion motion = Drive(StiffVehicle(), WayWithAStop(), FlatRoad, 0.3, 1);
-  const RecordedPath path = RearAxlePath(Record(motion, 0.01), kLeverArm, kLateral);
+  const RecordedPath path = RearAxlePath(Record(motion, 0.01), kMount);
   RouteLeg leg;
   for (const Eigen::Vector3d& point : path.points) leg.points.emplace_back(point.x(), point.z());
   leg.speeds = path.speeds;
@@ -93,14 +96,14 @@ TEST(RearAxlePath, CanBeDrivenAgain) {
 }
 
 TEST(RearAxlePath, RefusesWhatIsNoDrive) {
-  EXPECT_THROW(RearAxlePath({}, 1, 0), InputError);
-  EXPECT_THROW(RearAxlePath({{0, {}}}, 1, 0), InputError);
+  EXPECT_THROW(RearAxlePath({}, {}), InputError);
+  EXPECT_THROW(RearAxlePath({{0, {}}}, {}), InputError);
   Trajectory still;
   for (int i = 0; i < 20; ++i) still.push_back({0.1 * i, {}});
-  EXPECT_THROW(RearAxlePath(still, 1, 0), InputError);
+  EXPECT_THROW(RearAxlePath(still, {}), InputError);
   Trajectory backwards = Record(Drive(StiffVehicle(), WayWithAStop(), FlatRoad, 0.3, 1), 0);
   backwards[5].time = backwards[4].time;
-  EXPECT_THROW(RearAxlePath(backwards, 1, 0), InputError);
+  EXPECT_THROW(RearAxlePath(backwards, {}), InputError);
 }
 
 }  // namespace

@@ -202,13 +202,15 @@ void AddOutline(double left, double right, double near, double far, World& world
   world.floor_plan.push_back({{left, near}, {right, near}, {right, far}, {left, far}});
 }
 
-// People walk up and down beside the lanes, at an even pace.
-void AddPeople(const TrafficLooks& looks, Random& random, World& world) {
+// People walk up and down beside the lanes, at an even pace; not where the car backs out of its space.
+void AddPeople(const TrafficLooks& looks, const garage::Bay& start, Random& random, World& world) {
   for (int i = 0; i < 6; ++i) {
     const double x0 = i % 2 == 0 ? 0 : garage::kUpperX;
-    const double x = x0 + garage::kAisles[random.Below(2)] + (random.Chance(0.5) ? 2.6 : -2.6);
-    const double z0 = random.Uniform(10, 42);
+    const int start_lane = start.row / 2;
+    const int lane = x0 == start.x0 ? 1 - start_lane : random.Below(2);
+    const double x = x0 + garage::kAisles[lane] + (random.Chance(0.5) ? 2.6 : -2.6);
     const double length = random.Uniform(6, 14);
+    const double z0 = random.Uniform(garage::BayEdge(0), garage::BayEdge(kBays) - length);
     const double pace = random.Uniform(0.8, 1.5);
     const double phase = random.Uniform(0, 2 * length);
     const double up = garage::RoadUp({x, z0});
@@ -287,7 +289,7 @@ World MakeGarage(unsigned seed, double seconds) {
   AddOutline(0, kHallWidth, 0, far, world);
   AddOutline(kHallWidth, garage::kUpperX, 0, far, world);
   AddOutline(garage::kUpperX, right, 0, far, world);
-  AddPeople(looks.traffic, random, world);
+  AddPeople(looks.traffic, plan.start, random, world);
   AddManoeuvringCars(looks.traffic, in_use, random, world);
   return world;
 }

@@ -10,9 +10,7 @@ namespace {
 constexpr double kSpeed = 4.5;
 constexpr double kRampSpeed = 3.5;
 // Over a whole drive, halts and curves included.
-constexpr double kMeanSpeed = 3.3;
-// Into the second hall, along a lane and round a corner, metres.
-constexpr double kLeastInSecondHall = 75;
+constexpr double kMeanSpeed = 2.9;
 constexpr double kTurnRadius = 5.2;
 constexpr double kBackingRadius = 4.2;
 constexpr double kPointStep = 0.25;
@@ -21,12 +19,6 @@ constexpr double kNorth = kHallDepth - kAisle / 2;
 constexpr double kRampX = kHallWidth + kRampWidth / 2;
 // How far in front of a space's end the parked car's rear axle stands.
 constexpr double kAxleInBay = 4.1;
-
-double Length(const std::vector<Eigen::Vector2d>& points) {
-  double length = 0;
-  for (size_t i = 1; i < points.size(); ++i) length += (points[i] - points[i - 1]).norm();
-  return length;
-}
 
 RouteLeg Leg(const std::vector<Eigen::Vector2d>& corners, double speed, double wait) {
   RouteLeg leg;
@@ -97,16 +89,13 @@ Plan MakePlan(Random& random, double seconds) {
 
   const double near_lane = second_x + kAisles[upwards ? 0 : 1];
   corners = {{kRampX, arrive_z - heading * 8}, {kRampX, arrive_z}, {near_lane, arrive_z}};
-  double driven = 0;
-  for (const RouteLeg& leg : plan.legs) driven += Length(leg.points);
-  const double wanted = std::max(seconds * kMeanSpeed - driven, kLeastInSecondHall);
-  while (Length(corners) < wanted + kHallDepth) {
+  const double wanted = seconds * kMeanSpeed;
+  while (PathLength(corners) < wanted) {
     const std::vector<Eigen::Vector2d> lap = Lap(second_x, upwards, !upwards);
     corners.insert(corners.end(), lap.begin(), lap.end());
   }
-  RouteLeg laps = Leg(corners, kSpeed, 1);
-  laps.points.resize(std::min(laps.points.size(), static_cast<size_t>(wanted / kPointStep)));
-  plan.legs.push_back(laps);
+  plan.legs.push_back(Leg(corners, kSpeed, 1));
+  CutLegs(wanted, plan.legs);
   return plan;
 }
 

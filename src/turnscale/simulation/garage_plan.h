@@ -50,8 +50,8 @@ struct Plan {
   std::vector<RouteLeg> legs;
 };
 
-/// Backs out of a space, goes round, over the ramp and round again, to either side. More laps where more seconds are
-/// wanted.
+/// Backs out of a space, goes round, over the ramp and round again, to either side: laps until about so many seconds
+/// are over.
 Plan MakePlan(Random& random, double seconds);
 
 }  // namespace turnscale::garage

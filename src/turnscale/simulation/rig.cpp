@@ -150,6 +150,7 @@ Rig MakeRig(RigPreset preset) {
     rig.camera.height = 376;
     rig.camera.pinhole = {718.856, 718.856, 607.1928, 185.2157};
     rig.mount.height = 1.65;
+    rig.mount.lever_arm = 0.945;
     return rig;
   }
   rig.camera.width = 1032;

@@ -132,4 +132,28 @@ std::vector<Eigen::Vector2d> RoundCorners(const std::vector<Eigen::Vector2d>& co
   return path;
 }
 
+double PathLength(const std::vector<Eigen::Vector2d>& points) {
+  double length = 0;
+  for (std::size_t i = 1; i < points.size(); ++i) length += (points[i] - points[i - 1]).norm();
+  return length;
+}
+
+void CutLegs(double metres, std::vector<RouteLeg>& legs) {
+  constexpr double kShortestLeg = 5;
+  double left = metres;
+  for (std::size_t i = 0; i < legs.size(); ++i) {
+    if (i > 0 && left < kShortestLeg) {
+      legs.resize(i);
+      return;
+    }
+    std::vector<Eigen::Vector2d>& points = legs[i].points;
+    double length = 0;
+    for (std::size_t k = 1; k < points.size(); ++k) {
+      length += (points[k] - points[k - 1]).norm();
+      if (length >= std::max(left, kShortestLeg)) points.resize(k + 1);
+    }
+    left -= length;
+  }
+}
+
 }  // namespace turnscale

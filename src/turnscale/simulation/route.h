@@ -22,6 +22,12 @@ struct RouteLeg {
   void Check() const;
 };
 
+/// Metres along the straight lines between points.
+double PathLength(const std::vector<Eigen::Vector2d>& points);
+
+/// Leaves out what comes after `metres` of a way, but for its first 5 metres. Legs have no speeds of their own.
+void CutLegs(double metres, std::vector<RouteLeg>& legs);
+
 /// A path of straight pieces with rounded corners, points about `step` metres apart. Corners are arcs of the radius
 /// with transitions on either side over which the curvature grows evenly, so that nobody has to turn the wheel at once.
 /// Where the pieces are too short (neighbouring corners share a piece by halves) first the transitions and then the

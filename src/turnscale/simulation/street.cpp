@@ -96,11 +96,13 @@ class Builder {
     return map.Up(place) - kCrown * std::min(map.ToRoad(place), kRoadHalfWidth);
   }
 
-  double GroundUp(const Eigen::Vector2d& place) const {
+  static double GroundUp(const RoadMap& map, const Eigen::Vector2d& place) {
     const double kerb = kKerb + kCrown * kRoadHalfWidth;
-    const double beyond = std::clamp((map_->ToRoad(place) - kRoadHalfWidth) / 0.3, 0.0, 1.0);
-    return RoadUp(*map_, place) + beyond * kerb;
+    const double beyond = std::clamp((map.ToRoad(place) - kRoadHalfWidth) / 0.3, 0.0, 1.0);
+    return RoadUp(map, place) + beyond * kerb;
   }
+
+  double GroundUp(const Eigen::Vector2d& place) const { return GroundUp(*map_, place); }
 
   Mesh& mesh() { return world_.scene.fixed; }
 
@@ -312,25 +314,29 @@ class Builder {
     }
   }
 
+  // People who walk up and down the pavement, where it is long enough.
   void Walkers() {
-    for (int i = 30; i + 40 < static_cast<int>(plan_.driven.size()); i += 45 + random_.Below(30)) {
+    constexpr double kReach = 12;
+    for (int i = 30; i + 40 < static_cast<int>(plan_.driven.size()); i += 30 + random_.Below(30)) {
       const Eigen::Vector2d along = street::Along(plan_.driven, i);
       const Eigen::Vector2d right(along.y(), -along.x());
       const bool on_right = random_.Chance(0.5);
       const double beside = -street::kMiddle + (on_right ? 1 : -1) * (kRoadHalfWidth + 1.2);
       const Eigen::Vector2d place = plan_.driven[i].place + beside * right;
-      if (map_->ToRoad(place) < kRoadHalfWidth + 0.8) continue;
-      world_.scene.movable.push_back(MakePerson(Any(looks_.traffic.clothes), looks_.traffic.skin, random_));
-      const double pace = (random_.Chance(0.5) ? 1 : -1) * random_.Uniform(0.9, 1.6);
-      const double up = GroundUp(place);
-      const double reach = 12;
+      const double pace = random_.Uniform(0.9, 1.6);
       const double phase = random_.Uniform(0, 2 * std::numbers::pi);
-      world_.world_from_movable.emplace_back([=](double time) {
-        // To and fro; slower where the walker turns back.
-        const double at = reach * std::sin(pace / reach * time + phase);
-        const Eigen::Vector2d now = place + at * along;
-        return RigidTransform{Eigen::Quaterniond(Eigen::AngleAxisd(Heading(along), Eigen::Vector3d::UnitY())),
-                              {now.x(), -up, now.y()}};
+      bool off_the_road = true;
+      for (double at = -kReach; at <= kReach; at += 1)
+        off_the_road = off_the_road && map_->ToRoad(place + at * along) > kRoadHalfWidth + 0.4;
+      if (!off_the_road) continue;
+      world_.scene.movable.push_back(MakePerson(Any(looks_.traffic.clothes), looks_.traffic.skin, random_));
+      world_.world_from_movable.emplace_back([=, map = map_](double time) {
+        // Slower where the walker turns round.
+        const double angle = pace / kReach * time + phase;
+        const Eigen::Vector2d now = place + kReach * std::sin(angle) * along;
+        const double heading = Heading(std::cos(angle) >= 0 ? along : Eigen::Vector2d(-along));
+        return RigidTransform{Eigen::Quaterniond(Eigen::AngleAxisd(heading, Eigen::Vector3d::UnitY())),
+                              {now.x(), -GroundUp(*map, now), now.y()}};
       });
     }
   }

@@ -9,6 +9,8 @@ namespace turnscale::street {
 namespace {
 
 constexpr double kSpeed = 11;
+// Over a whole drive, halts and curves included.
+constexpr double kMeanSpeed = 7.4;
 constexpr double kTurnRadius = 7.5;
 constexpr double kPointStep = 0.5;
 constexpr double kRoadPointStep = 1;
@@ -22,12 +24,22 @@ double Hills(const Eigen::Vector2d& place, double phase) {
          0.5 * std::sin((place.x() + place.y()) / 23);
 }
 
-// Every `kRoadPointStep` metres.
-std::vector<RoadPoint> Thinned(const std::vector<RoadPoint>& way) {
-  std::vector<RoadPoint> thinned = {way.front()};
-  for (const RoadPoint& point : way)
-    if ((point.place - thinned.back().place).norm() >= kRoadPointStep) thinned.push_back(point);
-  return thinned;
+// Every `kRoadPointStep` metres along the straight lines between the points, and the last point.
+std::vector<RoadPoint> Resampled(const std::vector<RoadPoint>& way) {
+  std::vector<RoadPoint> resampled;
+  double behind = 0;  // from the last point taken to the piece's start
+  for (size_t i = 0; i + 1 < way.size(); ++i) {
+    const double length = (way[i + 1].place - way[i].place).norm();
+    double at = resampled.empty() ? 0 : kRoadPointStep - behind;
+    for (; at < length; at += kRoadPointStep) {
+      const double share = at / length;
+      resampled.push_back(
+          {way[i].place + share * (way[i + 1].place - way[i].place), way[i].up + share * (way[i + 1].up - way[i].up)});
+    }
+    behind = length - (at - kRoadPointStep);
+  }
+  resampled.push_back(way.back());
+  return resampled;
 }
 
 std::vector<RoadPoint> StraightOn(const RoadPoint& from, const Eigen::Vector2d& along) {
@@ -92,7 +104,7 @@ Plan MakePlan(Random& random, double seconds) {
   // Never back south, so the way does not meet itself.
   std::vector<Eigen::Vector2d> corners = {{0, 0}};
   Eigen::Vector2d direction(0, 1);
-  const double wanted = seconds * 0.75 * kSpeed;
+  const double wanted = seconds * kMeanSpeed;
   double length = 0;
   int straight = 1 + random.Below(3);  // which block is the long one
   while (length < wanted) {
@@ -123,6 +135,7 @@ Plan MakePlan(Random& random, double seconds) {
     leg.wait = 2;
     plan.legs.push_back(leg);
   }
+  CutLegs(wanted, plan.legs);
   return plan;
 }
 
@@ -136,7 +149,7 @@ Plan PlanAlong(const std::vector<Eigen::Vector3d>& path, const std::vector<doubl
   leg.speeds = speeds;
   leg.speed = *std::ranges::max_element(speeds);
   plan.legs.push_back(leg);
-  plan.driven = Thinned(plan.driven);
+  plan.driven = Resampled(plan.driven);
   plan.roads.push_back(Beside(plan.driven, -kMiddle));
   AddSideStreets(plan.driven, plan.roads);
   return plan;

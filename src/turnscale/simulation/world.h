@@ -24,11 +24,10 @@ struct World {
 };
 
 /// A parking garage: two floors with pillars, parked cars and polished floors, a ramp between them. The car backs out
-/// of its space, drives round the lower floor, up the ramp and round the upper one. `seconds` bounds the drive's length
-/// roughly: shorter drives leave out laps.
+/// of its space, drives round one floor, over the ramp and round the other one, until about `seconds` are over.
 World MakeGarage(unsigned seed, double seconds);
 
-/// Streets between houses, trees, parked and moving cars, crossings and long straights.
+/// Streets between houses, trees, parked and moving cars, crossings and long straights, for about so many seconds.
 World MakeStreet(unsigned seed, double seconds);
 
 /// Streets around a recorded path: `path` is the rear axle's way (x, up, z; metres) with its speeds (m/s).
