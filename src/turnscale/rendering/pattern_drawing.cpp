@@ -6,7 +6,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "turnscale/rendering/hash.h"
+#include "turnscale/base/random.h"
 
 namespace turnscale {
 namespace {
