@@ -7,7 +7,7 @@
 #include <numeric>
 #include <utility>
 
-#include "turnscale/rendering/hash.h"
+#include "turnscale/base/random.h"
 #include "turnscale/rendering/parallel.h"
 
 namespace turnscale {
@@ -28,8 +28,8 @@ std::vector<Eigen::Vector2f> PixelPattern(int count, bool shuffle) {
   std::vector<int> columns(count);
   std::iota(columns.begin(), columns.end(), 0);
   if (shuffle) {
-    RandomStream random(3);
-    for (int i = count - 1; i > 0; --i) std::swap(columns[i], columns[random.NextIndex(i + 1)]);
+    Random random(3);
+    for (int i = count - 1; i > 0; --i) std::swap(columns[i], columns[random.Below(i + 1)]);
   }
   std::vector<Eigen::Vector2f> pattern;
   for (int i = 0; i < count; ++i)
@@ -103,19 +103,25 @@ struct Centres {
   cv::Mat look;        // CV_32S
 };
 
-bool Differ(const Centres& centres, const cv::Point& a, const cv::Point& b) {
-  if (centres.look.at<int>(a) != centres.look.at<int>(b)) return true;
-  const float first = centres.distance.at<float>(a);
-  const float second = centres.distance.at<float>(b);
-  return std::abs(first - second) > kDistanceStep * std::min(first, second);
-}
-
-bool IsEdge(const Centres& centres, const cv::Point& at) {
-  const cv::Size size = centres.look.size();
-  for (int y = std::max(0, at.y - 1); y <= std::min(size.height - 1, at.y + 1); ++y)
-    for (int x = std::max(0, at.x - 1); x <= std::min(size.width - 1, at.x + 1); ++x)
-      if (Differ(centres, at, {x, y})) return true;
-  return false;
+// Which pixels of a row show something else than a neighbour of theirs above, below, or to the side.
+std::vector<uchar> EdgesOfRow(const Centres& centres, int row) {
+  const int columns = centres.look.cols;
+  std::vector<uchar> edges(columns, 0);
+  const auto* look = centres.look.ptr<int>(row);
+  const auto* distance = centres.distance.ptr<float>(row);
+  const auto compare = [&](const int* looks, const float* distances, int shift) {
+    for (int column = std::max(0, -shift); column < columns - std::max(0, shift); ++column) {
+      const float here = distance[column];
+      const float there = distances[column + shift];
+      const bool step = std::abs(here - there) > kDistanceStep * std::min(here, there);
+      edges[column] |= static_cast<uchar>((look[column] != looks[column + shift]) | step);
+    }
+  };
+  compare(look, distance, -1);
+  compare(look, distance, 1);
+  if (row > 0) compare(centres.look.ptr<int>(row - 1), centres.distance.ptr<float>(row - 1), 0);
+  if (row + 1 < centres.look.rows) compare(centres.look.ptr<int>(row + 1), centres.distance.ptr<float>(row + 1), 0);
+  return edges;
 }
 
 Centres DrawCentres(const FrameDrawing& drawing) {
@@ -170,9 +176,10 @@ cv::Mat DrawSharp(const FrameDrawing& drawing, int edge_samples) {
   cv::Mat image = centres.brightness.clone();
   ForEachIndex(image.rows, drawing.threads, [&](int row) {
     PacketQueue queue(drawing.tracer);
+    const std::vector<uchar> edges = EdgesOfRow(centres, row);
     for (int column = 0; column < image.cols; ++column) {
       const PixelRay& pixel = drawing.table.At(row, column);
-      if (!pixel.sees() || !IsEdge(centres, {column, row})) continue;
+      if (edges[column] == 0 || !pixel.sees()) continue;
       float sum = 0;
       const auto add = [&](int, const Seen& seen) { sum += seen.brightness; };
       const VariedPattern varied(pattern, row, column);

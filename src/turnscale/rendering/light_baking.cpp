@@ -10,7 +10,7 @@
 
 #include <Eigen/Geometry>
 
-#include "turnscale/rendering/hash.h"
+#include "turnscale/base/random.h"
 #include "turnscale/rendering/lamp_light.h"
 #include "turnscale/rendering/parallel.h"
 #include "turnscale/rendering/surface.h"

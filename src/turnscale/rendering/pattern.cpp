@@ -6,7 +6,7 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "turnscale/rendering/hash.h"
+#include "turnscale/base/random.h"
 #include "turnscale/rendering/pattern_drawing.h"
 
 namespace turnscale {
@@ -15,10 +15,10 @@ namespace {
 // Seeds of the layers of one pattern.
 std::uint64_t Layer(const PatternOptions& options, std::uint64_t layer) { return Hash(options.seed * 1000 + layer); }
 
-Eigen::Vector2f AnyPlace(const cv::Mat& pattern, RandomStream& random) {
+Eigen::Vector2f AnyPlace(const cv::Mat& pattern, Random& random) {
   const auto side = static_cast<float>(pattern.rows);
-  const float x = random.Next(0, side);
-  return {x, random.Next(0, side)};
+  const float x = random.UniformFloat(0, side);
+  return {x, random.UniformFloat(0, side)};
 }
 
 Eigen::Vector2f Direction(float angle) { return {std::cos(angle), std::sin(angle)}; }
@@ -27,15 +27,15 @@ Eigen::Vector2f Direction(float angle) { return {std::cos(angle), std::sin(angle
 float Scale(const cv::Mat& pattern) { return static_cast<float>(pattern.rows) / 1024; }
 
 // Round spots with soft rims, bright and dark: pebbles, chewing gum, drops of oil.
-void AddSpots(int count, float least, float most, float strength, RandomStream& random, cv::Mat& pattern) {
+void AddSpots(int count, float least, float most, float strength, Random& random, cv::Mat& pattern) {
   for (int i = 0; i < count; ++i) {
     const Eigen::Vector2f centre = AnyPlace(pattern, random);
     // Many small ones, few large ones.
-    const float t = random.Next();
+    const float t = random.UniformFloat(0, 1);
     const float radius = least + (most - least) * t * t * t;
-    const float value = strength * random.Next(-1, 1);
-    const float stretch = random.Next(0.6F, 1);
-    const Eigen::Vector2f axis = Direction(random.Next(0, std::numbers::pi_v<float>));
+    const float value = strength * random.UniformFloat(-1, 1);
+    const float stretch = random.UniformFloat(0.6F, 1);
+    const Eigen::Vector2f axis = Direction(random.UniformFloat(0, std::numbers::pi_v<float>));
     const auto paint = [&](float& pixel, const Eigen::Vector2f& at) {
       const float along = at.dot(axis);
       const float across = (at.x() * axis.y() - at.y() * axis.x()) / stretch;
@@ -47,29 +47,29 @@ void AddSpots(int count, float least, float most, float strength, RandomStream& 
 }
 
 // A crack: a line that wanders, and now and then splits.
-void AddCrack(Eigen::Vector2f at, float angle, int steps, float width, RandomStream& random, cv::Mat& pattern) {
+void AddCrack(Eigen::Vector2f at, float angle, int steps, float width, Random& random, cv::Mat& pattern) {
   const float main_angle = angle;
   for (int i = 0; i < steps; ++i) {
     // Wanders around one direction, so that it does not curl.
-    angle += random.Next(-0.5F, 0.5F) + 0.06F * (main_angle - angle);
+    angle += random.UniformFloat(-0.5F, 0.5F) + 0.06F * (main_angle - angle);
     at += Direction(angle);
-    const float half = width * random.Next(0.6F, 1.1F);
+    const float half = width * random.UniformFloat(0.6F, 1.1F);
     const auto paint = [&](float& pixel, const Eigen::Vector2f& from) {
       pixel = std::min(pixel, pixel + 0.9F * (Smooth(half * 0.5F, half + 0.7F, from.norm()) - 1));
     };
     PaintAround(at, half + 1, paint, pattern);
-    if (width > 0.8F && random.Next() < 0.004F)
-      AddCrack(at, angle + random.Next(-1.2F, 1.2F), steps / 3, width * 0.7F, random, pattern);
+    if (width > 0.8F && random.Uniform() < 0.004F)
+      AddCrack(at, angle + random.UniformFloat(-1.2F, 1.2F), steps / 3, width * 0.7F, random, pattern);
   }
 }
 
 // A rectangle that was opened and closed again: another shade, a seam of tar around it.
-void AddPatch(RandomStream& random, cv::Mat& pattern) {
+void AddPatch(Random& random, cv::Mat& pattern) {
   const float scale = Scale(pattern);
   const Eigen::Vector2f centre = AnyPlace(pattern, random);
-  const Eigen::Vector2f half(scale * random.Next(40, 150), scale * random.Next(30, 110));
-  const Eigen::Vector2f axis = Direction(random.Next(-0.1F, 0.1F) + (random.Next() < 0.5F ? 0 : 1.5708F));
-  const float shade = random.Next(-0.9F, 0.9F);
+  const Eigen::Vector2f half(scale * random.UniformFloat(40, 150), scale * random.UniformFloat(30, 110));
+  const Eigen::Vector2f axis = Direction(random.UniformFloat(-0.1F, 0.1F) + (random.Uniform() < 0.5F ? 0 : 1.5708F));
+  const float shade = random.UniformFloat(-0.9F, 0.9F);
   const auto paint = [&](float& pixel, const Eigen::Vector2f& at) {
     const float x = std::abs(at.dot(axis)) - half.x();
     const float y = std::abs(at.x() * axis.y() - at.y() * axis.x()) - half.y();
@@ -81,14 +81,14 @@ void AddPatch(RandomStream& random, cv::Mat& pattern) {
 }
 
 // Blades and leaves, the later ones on top.
-void AddLeaves(int count, float length, float depth, RandomStream& random, cv::Mat& pattern) {
+void AddLeaves(int count, float length, float depth, Random& random, cv::Mat& pattern) {
   for (int i = 0; i < count; ++i) {
     const Eigen::Vector2f centre = AnyPlace(pattern, random);
-    const float half = length * random.Next(0.5F, 1.0F);
-    const float width = half * random.Next(0.35F, 0.6F);
-    const Eigen::Vector2f axis = Direction(random.Next(0, 2 * std::numbers::pi_v<float>));
-    const float shade = depth + random.Next(-0.9F, 0.9F);
-    const float tilt = random.Next(-0.6F, 0.6F);
+    const float half = length * random.UniformFloat(0.5F, 1.0F);
+    const float width = half * random.UniformFloat(0.35F, 0.6F);
+    const Eigen::Vector2f axis = Direction(random.UniformFloat(0, 2 * std::numbers::pi_v<float>));
+    const float shade = depth + random.UniformFloat(-0.9F, 0.9F);
+    const float tilt = random.UniformFloat(-0.6F, 0.6F);
     const auto paint = [&](float& pixel, const Eigen::Vector2f& at) {
       const float along = at.dot(axis) / half;
       const float across = (at.x() * axis.y() - at.y() * axis.x()) / width;
@@ -114,7 +114,7 @@ cv::Mat CloudPattern(const PatternOptions& options, double roughness) {
 cv::Mat PavementPattern(const PatternOptions& options) {
   CheckSide(options);
   cv::Mat pattern = 0.45 * Clouds(options.side, Layer(options, 1), 1.1);
-  RandomStream random(Layer(options, 2));
+  Random random(Layer(options, 2));
   const float scale = Scale(pattern);
   const int area = options.side * options.side;
   for (int i = 0; i < 7; ++i) AddPatch(random, pattern);
@@ -123,8 +123,9 @@ cv::Mat PavementPattern(const PatternOptions& options) {
   AddSpots(area / 40, 0.6F, 3.5F, 0.9F, random, pattern);
   for (int i = 0; i < 7; ++i) {
     const Eigen::Vector2f start = AnyPlace(pattern, random);
-    const float angle = random.Next(0, 2 * std::numbers::pi_v<float>);
-    AddCrack(start, angle, static_cast<int>(scale * random.Next(150, 700)), random.Next(0.8F, 2.0F), random, pattern);
+    const float angle = random.UniformFloat(0, 2 * std::numbers::pi_v<float>);
+    AddCrack(start, angle, static_cast<int>(scale * random.UniformFloat(150, 700)), random.UniformFloat(0.8F, 2.0F),
+             random, pattern);
   }
   Finish(options, pattern);
   return pattern;
@@ -133,7 +134,7 @@ cv::Mat PavementPattern(const PatternOptions& options) {
 cv::Mat FoliagePattern(const PatternOptions& options) {
   CheckSide(options);
   cv::Mat pattern = 0.5 * Clouds(options.side, Layer(options, 1), 1.3) - 1.6;
-  RandomStream random(Layer(options, 2));
+  Random random(Layer(options, 2));
   const float scale = Scale(pattern);
   // Deep leaves in the shade first, then those in the light; clumps of leaves light and dark over all.
   AddLeaves(2600, 30 * scale, -0.9F, random, pattern);

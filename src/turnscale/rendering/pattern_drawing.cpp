@@ -6,13 +6,26 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "turnscale/rendering/hash.h"
+#include "turnscale/base/random.h"
 
 namespace turnscale {
 namespace {
 
 // Waves longer than a quarter of the side are no stronger than these: they would show where the pattern repeats.
 constexpr double kLowestFrequency = 4;
+
+// What waves of so many turns down and across the side are multiplied by: the other half of them are these mirrored.
+cv::Mat Gains(int side, double roughness) {
+  cv::Mat gains(side / 2 + 1, side / 2 + 1, CV_32F);
+  for (int down = 0; down < gains.rows; ++down) {
+    for (int across = 0; across <= down; ++across) {
+      const double frequency = std::hypot(down, across);
+      const double gain = down == 0 ? 0 : std::pow(std::max(frequency, kLowestFrequency), -roughness);
+      gains.at<float>(down, across) = gains.at<float>(across, down) = static_cast<float>(gain);
+    }
+  }
+  return gains;
+}
 
 }  // namespace
 
@@ -27,14 +40,11 @@ cv::Mat Clouds(int side, std::uint64_t seed, double roughness) {
     for (int column = 0; column < side; ++column) noise.at<float>(row, column) = HashUniform(seed, row, column) - 0.5F;
   cv::Mat spectrum;
   cv::dft(noise, spectrum, cv::DFT_COMPLEX_OUTPUT);
+  const cv::Mat gains = Gains(side, roughness);
   for (int row = 0; row < side; ++row) {
-    for (int column = 0; column < side; ++column) {
-      const double down = std::min(row, side - row);
-      const double across = std::min(column, side - column);
-      const double frequency = std::hypot(down, across);
-      const double gain = frequency == 0 ? 0 : std::pow(std::max(frequency, kLowestFrequency), -roughness);
-      spectrum.at<cv::Vec2f>(row, column) *= static_cast<float>(gain);
-    }
+    const auto* gain = gains.ptr<float>(std::min(row, side - row));
+    auto* wave = spectrum.ptr<cv::Vec2f>(row);
+    for (int column = 0; column < side; ++column) wave[column] *= gain[std::min(column, side - column)];
   }
   cv::Mat clouds;
   cv::dft(spectrum, clouds, cv::DFT_INVERSE | cv::DFT_REAL_OUTPUT | cv::DFT_SCALE);

@@ -2,6 +2,7 @@
 #include "turnscale/rendering/texture.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstdint>
@@ -13,6 +14,9 @@ namespace {
 
 // Samples along a long axis, at most: beyond that the pixel is blurred across.
 constexpr int kMaxSamples = 8;
+// What each of so many samples counts.
+constexpr std::array<float, kMaxSamples + 1> kParts = {0,        1,        1.0F / 2, 1.0F / 3, 1.0F / 4,
+                                                       1.0F / 5, 1.0F / 6, 1.0F / 7, 1.0F / 8};
 
 // Half the rows, each the mean of four with weights 1 3 3 1: less aliasing than the mean of two, and no shift.
 cv::Mat HalveRows(const cv::Mat& fine) {
@@ -94,8 +98,7 @@ Texture::Texture(const cv::Mat& pattern, double size) : size_(size) {
     level.pixels.reserve(static_cast<size_t>(pixels.rows + 1) * (pixels.cols + 1));
     for (int row = 0; row <= pixels.rows; ++row) {
       const auto* here = pixels.ptr<float>(row & mask);
-      for (int column = 0; column <= pixels.cols; ++column)
-        level.pixels.push_back(here[column & mask]);
+      for (int column = 0; column <= pixels.cols; ++column) level.pixels.push_back(here[column & mask]);
     }
     if (pixels.rows == 1) break;
     const cv::Mat halved = HalveRows(pixels);
@@ -117,24 +120,27 @@ Texture Texture::WithContrast(float factor) const {
 float Texture::Sample(const Eigen::Vector2f& at, const Eigen::Vector2f& major, float minor) const {
   const float length = major.norm();
   const float width = std::max({minor, length / kMaxSamples, 1e-9F});
-  const int samples = std::clamp(static_cast<int>(length / width + 0.75F), 1, kMaxSamples);
+  const int samples = std::clamp(static_cast<int>(length / width + 0.5F), 1, kMaxSamples);
   // The level whose pixels are as wide as the ellipse, and the next coarser one.
   const std::vector<Level>& levels = *levels_;
   const int last = static_cast<int>(levels.size()) - 1;
   const float wanted = std::clamp(RoughLog2(2 * width * pixels_per_metre_), 0.0F, static_cast<float>(last));
   const int level = static_cast<int>(wanted);
-  const float coarser = wanted - static_cast<float>(level);
+  // Near to a level there is nothing of the next one: that saves half of the samples of both.
+  const float coarser = std::clamp(2 * (wanted - static_cast<float>(level)) - 0.5F, 0.0F, 1.0F);
 
-  const auto sum = [&](const Level& from, int count) {
-    const Eigen::Vector2f step = major * (2.0F / static_cast<float>(count));
-    const Eigen::Vector2f first = at - 0.5F * static_cast<float>(count - 1) * step;
+  const auto mean_of = [&](const Level& from, int count) {
+    const float part = kParts[count];
+    const Eigen::Vector2f step = major * (2 * part);
+    const Eigen::Vector2f first = at - major * (static_cast<float>(count - 1) * part);
     const Phase start = {PhaseOf(first.x() * per_metre_), PhaseOf(first.y() * per_metre_)};
     const Phase stride = {PhaseOf(step.x() * per_metre_), PhaseOf(step.y() * per_metre_)};
-    return SumSamples(from.pixels.data(), from.shift, start, stride, count) * (1 / static_cast<float>(count));
+    return SumSamples(from.pixels.data(), from.shift, start, stride, count) * part;
   };
-  Float4 mean = sum(levels[level], samples);
+  Float4 mean = {0, 0, 0, 0};
+  if (coarser < 1) mean = (1 - coarser) * mean_of(levels[level], samples);
   // The coarser level's pixels are twice as wide: half the samples cover the axis.
-  if (coarser > 0.02F) mean += coarser * (sum(levels[std::min(level + 1, last)], (samples + 1) / 2) - mean);
+  if (coarser > 0) mean += coarser * mean_of(levels[std::min(level + 1, last)], (samples + 1) / 2);
   return (mean[0] + mean[1]) + (mean[2] + mean[3]);
 }
 

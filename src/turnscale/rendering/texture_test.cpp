@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "turnscale/rendering/hash.h"
+#include "turnscale/base/random.h"
 #include "turnscale/rendering/pattern.h"
 
 namespace turnscale {
@@ -21,9 +21,9 @@ cv::Mat Noise(int side) {
   return pattern;
 }
 
-Eigen::Vector2f AnyPlace(RandomStream& random) {
-  const float x = random.Next(-2 * kSize, 2 * kSize);
-  return {x, random.Next(-2 * kSize, 2 * kSize)};
+Eigen::Vector2f AnyPlace(Random& random) {
+  const float x = random.UniformFloat(-2 * kSize, 2 * kSize);
+  return {x, random.UniformFloat(-2 * kSize, 2 * kSize)};
 }
 
 TEST(Texture, ShowsPixelsAtTheirCentresAndStraightLinesBetween) {
@@ -47,12 +47,11 @@ TEST(Texture, ShowsPixelsAtTheirCentresAndStraightLinesBetween) {
 
 TEST(Texture, Repeats) {
   const Texture texture(Noise(32), kSize);
-  RandomStream random(1);
+  Random random(1);
   for (int i = 0; i < 200; ++i) {
     const Eigen::Vector2f at = AnyPlace(random);
-    const Eigen::Vector2f major(random.Next(0, 0.3F), random.Next(0, 0.3F));
-    const Eigen::Vector2f turns(static_cast<float>(random.NextIndex(7) - 3),
-                                static_cast<float>(random.NextIndex(7) - 3));
+    const Eigen::Vector2f major(random.UniformFloat(0, 0.3F), random.UniformFloat(0, 0.3F));
+    const Eigen::Vector2f turns(static_cast<float>(random.Below(7) - 3), static_cast<float>(random.Below(7) - 3));
     EXPECT_NEAR(texture.Sample(at, major, 0.02F), texture.Sample(at + kSize * turns, major, 0.02F), 1e-3);
   }
 }
@@ -89,7 +88,7 @@ TEST(Texture, KeepsTheMean) {
 TEST(Texture, FarAwayShowsTheMean) {
   const cv::Mat pattern = Noise(64);
   const Texture texture(pattern, kSize);
-  RandomStream random(2);
+  Random random(2);
   for (int i = 0; i < 100; ++i) {
     const Eigen::Vector2f at = AnyPlace(random);
     EXPECT_NEAR(texture.Sample(at, {2 * kSize, 0}, 2 * kSize), cv::mean(pattern)[0], 1e-3);
@@ -119,13 +118,13 @@ TEST(Texture, AveragesOverTheEllipse) {
   options.side = 512;
   const cv::Mat pattern = CloudPattern(options);
   const Texture texture(pattern, kSize);
-  RandomStream random(3);
+  Random random(3);
   double along_error = 0;
   double across_error = 0;
   constexpr int kPlaces = 400;
   for (int i = 0; i < kPlaces; ++i) {
     const Eigen::Vector2f at = AnyPlace(random);
-    const float angle = random.Next(0, 3.14F);
+    const float angle = random.UniformFloat(0, 3.14F);
     const Eigen::Vector2f major = 0.2F * Eigen::Vector2f(std::cos(angle), std::sin(angle));
     const Eigen::Vector2f turned(-major.y(), major.x());
     const double mean = MeanOverEllipse(pattern, at, major, 0.03F);

@@ -8,7 +8,7 @@
 
 #include <Eigen/Geometry>
 
-#include "turnscale/rendering/hash.h"
+#include "turnscale/base/random.h"
 
 namespace turnscale {
 namespace {

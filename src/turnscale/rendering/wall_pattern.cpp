@@ -3,7 +3,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "turnscale/rendering/hash.h"
+#include "turnscale/base/random.h"
 #include "turnscale/rendering/pattern.h"
 #include "turnscale/rendering/pattern_drawing.h"
 

@@ -2,7 +2,8 @@
 #include "turnscale/simulation/body_motion.h"
 
 #include <cmath>
-#include <cstdint>
+
+#include "turnscale/base/random.h"
 
 namespace turnscale {
 namespace {
@@ -16,16 +17,6 @@ constexpr int kWaves = 24;
 constexpr double kShortestWave = 2;
 constexpr double kLongestWave = 25;
 
-/// The next number of the splitmix64 sequence (Steele, Lea, Flood 2014), in [0, 1).
-double NextUniform(std::uint64_t& state) {
-  state += 0x9e3779b97f4a7c15ULL;
-  std::uint64_t bits = state;
-  bits = (bits ^ (bits >> 30)) * 0xbf58476d1ce4e5b9ULL;
-  bits = (bits ^ (bits >> 27)) * 0x94d049bb133111ebULL;
-  bits ^= bits >> 31;
-  return static_cast<double>(bits >> 11) * 0x1p-53;
-}
-
 }  // namespace
 
 void Suspension::Step(double target, double frequency, double dt) {
@@ -36,10 +27,10 @@ void Suspension::Step(double target, double frequency, double dt) {
 }
 
 RoadNoise::RoadNoise(unsigned long long seed) {
-  std::uint64_t state = seed;
+  Random random(seed);
   for (int i = 0; i < kWaves; ++i) {
-    const double length = kShortestWave * std::pow(kLongestWave / kShortestWave, (i + NextUniform(state)) / kWaves);
-    waves_.push_back({2 * M_PI / length, 2 * M_PI * NextUniform(state)});
+    const double length = kShortestWave * std::pow(kLongestWave / kShortestWave, (i + random.Uniform()) / kWaves);
+    waves_.push_back({2 * M_PI / length, 2 * M_PI * random.Uniform()});
   }
 }
 

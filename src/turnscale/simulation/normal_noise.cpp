@@ -5,7 +5,7 @@
 #include <numbers>
 #include <vector>
 
-#include "turnscale/rendering/hash.h"
+#include "turnscale/base/random.h"
 
 namespace turnscale {
 namespace {

@@ -9,7 +9,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "turnscale/base/error.h"
-#include "turnscale/rendering/hash.h"
+#include "turnscale/base/random.h"
 #include "turnscale/simulation/normal_noise.h"
 
 namespace turnscale {

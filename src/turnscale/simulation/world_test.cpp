@@ -52,10 +52,10 @@ std::pair<double, double> TurnedLeftAndRight(const VehicleMotion& motion) {
 
 class Worlds : public testing::TestWithParam<unsigned> {};
 
-TEST_P(Worlds, GarageLeavesTheWayClear) { EXPECT_GT(Clearance(MakeGarage(GetParam(), 60), 1), kHalfCarWidth); }
-
-TEST_P(Worlds, GarageTurnsToBothSidesAndChangesFloor) {
+// One test of all that is asked of a world: making it is what takes time.
+TEST_P(Worlds, GarageLeavesTheWayClearTurnsToBothSidesAndChangesFloor) {
   const World world = MakeGarage(GetParam(), 60);
+  EXPECT_GT(Clearance(world, 1), kHalfCarWidth);
   const VehicleMotion motion = Driven(world);
   EXPECT_NEAR(motion.duration(), 60, 20);
   const auto [left, right] = TurnedLeftAndRight(motion);
@@ -73,10 +73,9 @@ TEST_P(Worlds, GarageTurnsToBothSidesAndChangesFloor) {
   EXPECT_TRUE(world.legs.front().reverse);
 }
 
-TEST_P(Worlds, StreetLeavesTheWayClear) { EXPECT_GT(Clearance(MakeStreet(GetParam(), 60), 0), 4); }
-
-TEST_P(Worlds, StreetHasALongStraight) {
+TEST_P(Worlds, StreetLeavesTheWayClearAndHasALongStraight) {
   const World world = MakeStreet(GetParam(), 120);
+  EXPECT_GT(Clearance(world, 0), 4);
   const VehicleMotion motion = Driven(world);
   EXPECT_NEAR(motion.duration(), 120, 35);
   double straight = 0;
@@ -89,7 +88,7 @@ TEST_P(Worlds, StreetHasALongStraight) {
   EXPECT_GT(longest, 180);
 }
 
-INSTANTIATE_TEST_SUITE_P(Seeds, Worlds, testing::Values(1U, 2U, 3U, 4U, 5U));
+INSTANTIATE_TEST_SUITE_P(Seeds, Worlds, testing::Values(1U, 2U, 3U));
 
 TEST(World, SameSeedSameWorld) {
   const World first = MakeGarage(3, 30);
