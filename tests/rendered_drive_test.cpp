@@ -1,13 +1,19 @@
 // SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <map>
+#include <sstream>
 #include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
 #include "command_line.h"
 #include "turnscale/base/scratch_path.h"
+#include "turnscale/config/yaml_map.h"
 
 namespace turnscale {
 namespace {
@@ -17,8 +23,57 @@ using Json = nlohmann::json;
 
 constexpr int kFrames = 210;
 
-// A drive through a rendered world, from nothing to its score, as a user makes it. The car's tyres slip by the default
-// 3 degrees per g, which is the c that `run` is told.
+using Row = std::map<std::string, double>;
+
+// The leading columns of numbers of a table; what follows the first cell that is none is left out.
+std::vector<Row> ReadTable(const fs::path& path) {
+  std::ifstream stream(path);
+  std::string line;
+  std::getline(stream, line);
+  const std::string header = line;
+  std::vector<Row> rows;
+  while (std::getline(stream, line)) {
+    std::istringstream names(header);
+    std::istringstream cells(line);
+    Row& row = rows.emplace_back();
+    std::string name;
+    for (std::string cell; std::getline(names, name, ',') && std::getline(cells, cell, ',');) {
+      if (!cell.empty() && cell.front() == '"') break;
+      row[name] = cell.empty() ? std::nan("") : std::stod(cell);
+    }
+  }
+  return rows;
+}
+
+struct Stretch {
+  double first_frame = 0;
+  double last_frame = 0;
+};
+
+// Stretches of the true drive that turn one way, at 2 deg/s at least, by 30 degrees or more, and end so long before the
+// last frame that the turn's end can be seen.
+std::vector<Stretch> TrueTurns(const fs::path& truth) {
+  constexpr double kLeastRate = 2;
+  constexpr double kLeastAngle = 30;
+  constexpr double kSecondsAfter = 1.5;
+  const std::vector<Row> rows = ReadTable(truth);
+  std::vector<Stretch> turns;
+  for (size_t i = 0; i < rows.size();) {
+    const double side = std::copysign(1, rows[i].at("yaw_rate_degps"));
+    double angle = 0;
+    size_t end = i;
+    for (; end < rows.size() && side * rows[end].at("yaw_rate_degps") >= kLeastRate; ++end) {
+      if (end > i) angle += rows[end].at("yaw_rate_degps") * (rows[end].at("time_s") - rows[end - 1].at("time_s"));
+    }
+    if (std::abs(angle) >= kLeastAngle && rows[end - 1].at("time_s") <= rows.back().at("time_s") - kSecondsAfter) {
+      turns.push_back({rows[i].at("frame"), rows[end - 1].at("frame")});
+    }
+    i = std::max(end, i + 1);
+  }
+  return turns;
+}
+
+// A drive through a rendered world, from nothing to its score, as a user makes it who knows the car.
 class RenderedDriveTest : public ::testing::Test {
  protected:
   RenderedDriveTest() : folder_(ScratchPath("rendered")) {
@@ -38,19 +93,31 @@ class RenderedDriveTest : public ::testing::Test {
   void Drive(const std::string& world) const {
     const std::string drive = (folder_ / "drive").string();
     const std::string out = (folder_ / "out").string();
-    Run("simulate", {world, "--seconds", "30", "--max-frames", std::to_string(kFrames), "--rig",
-                     (folder_ / "rig.yaml").string(), "--out", drive, "--quiet"});
-    Run("run", {drive, "--lever-arm", "1.5", "--side-slip", "0.0053374", "--out", out, "--quiet"});
+    ASSERT_NO_FATAL_FAILURE(Run("simulate", {world, "--seconds", "30", "--max-frames", std::to_string(kFrames), "--rig",
+                                             (folder_ / "rig.yaml").string(), "--out", drive, "--quiet"}));
+    const YamlMap car(drive + "/vehicle.yaml");
+    ASSERT_NO_FATAL_FAILURE(Run("run", {drive, "--lever-arm", car.Text("lever_arm"), "--side-slip",
+                                        car.Text("side_slip"), "--out", out, "--quiet"}));
     Run("evaluate", {out + "/trajectory.tum", drive + "/poses.txt", "--json", Score().string()});
   }
 
   fs::path Score() const { return folder_ / "score.json"; }
   static Json Read(const fs::path& path) { return Json::parse(std::ifstream(path)); }
 
-  void ExpectAllTracked(int turns) const {
-    const Json summary = Read(folder_ / "out" / "summary.json");
-    EXPECT_EQ(summary["frames"]["tracked"], kFrames);
-    EXPECT_GE(summary["turns"]["used"], turns);
+  // `turns`: how many there are at least.
+  void ExpectAllFound(size_t turns) const {
+    EXPECT_EQ(Read(folder_ / "out" / "summary.json")["frames"]["tracked"], kFrames);
+    const std::vector<Stretch> wanted = TrueTurns(folder_ / "drive" / "truth.csv");
+    EXPECT_GE(wanted.size(), turns);
+    const std::vector<Row> found = ReadTable(folder_ / "out" / "turns.csv");
+    for (const Stretch& turn : wanted) {
+      EXPECT_TRUE(std::any_of(found.begin(), found.end(),
+                              [&](const Row& row) {
+                                return row.at("used") == 1 && row.at("first_frame") <= turn.last_frame &&
+                                       row.at("last_frame") >= turn.first_frame;
+                              }))
+          << "the turn of frames " << turn.first_frame << " to " << turn.last_frame;
+    }
   }
 
   fs::path folder_;
@@ -58,7 +125,7 @@ class RenderedDriveTest : public ::testing::Test {
 
 TEST_F(RenderedDriveTest, GarageComesOutInMetres) {
   ASSERT_NO_FATAL_FAILURE(Drive("garage"));
-  ExpectAllTracked(2);
+  ExpectAllFound(2);
   const Json score = Read(Score());
   EXPECT_LT(score["as_given"]["scale_error_ratio"]["all"]["rmse_percent"], 4);
   EXPECT_LT(score["position_error"]["sim3"]["rmse_m"], 0.3);
@@ -67,7 +134,7 @@ TEST_F(RenderedDriveTest, GarageComesOutInMetres) {
 
 TEST_F(RenderedDriveTest, StreetComesOutInMetres) {
   ASSERT_NO_FATAL_FAILURE(Drive("street"));
-  ExpectAllTracked(1);
+  ExpectAllFound(1);
   const Json score = Read(Score());
   EXPECT_LT(score["as_given"]["scale_error_ratio"]["all"]["rmse_percent"], 8);
   EXPECT_LT(score["position_error"]["sim3"]["rmse_m"], 1);

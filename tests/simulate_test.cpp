@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -10,6 +11,7 @@
 
 #include "command_line.h"
 #include "turnscale/base/scratch_path.h"
+#include "turnscale/config/yaml_map.h"
 #include "turnscale/io/drive_input.h"
 #include "turnscale/io/trajectory_file.h"
 
@@ -53,6 +55,13 @@ TEST_F(SimulateTest, DriveGoesStraightIntoRun) {
   EXPECT_NE(made.out.find("files   " + Out().string()), std::string::npos) << made.out;
   EXPECT_NE(made.err.find("frame 12/12"), std::string::npos) << made.err;
   EXPECT_EQ(FindDrive(Out()).images.size(), 12u);
+  const YamlMap origin(Out() / "drive.yaml");
+  EXPECT_EQ(origin.Text("world"), "garage");
+  EXPECT_EQ(origin.Integer("seed"), 2);
+  EXPECT_EQ(origin.Number("seconds"), 5);
+  EXPECT_EQ(origin.Number("texture_contrast"), 1);
+  EXPECT_TRUE(origin.Has("version"));
+  EXPECT_FALSE(origin.Has("follow"));
   const CommandResult run = RunCommand({"run", Out().string(), "--camera-rotation", (Out() / "vehicle.yaml").string(),
                                         "--lever-arm", "1.5", "--out", (folder_ / "out").string(), "--quiet"},
                                        folder_);
@@ -70,6 +79,50 @@ TEST_F(SimulateTest, StreetFollowsARecordedPath) {
   ASSERT_EQ(poses.size(), 8u);
   EXPECT_NEAR(poses[7].world_from_camera.translation.z(), 7 * 0.6, 0.5);
   EXPECT_NEAR(poses[7].world_from_camera.translation.x(), 0, 0.2);
+  const YamlMap origin(Out() / "drive.yaml");
+  EXPECT_EQ(origin.Text("follow"), (folder_ / "path.tum").string());
+  EXPECT_FALSE(origin.Has("seconds"));
+}
+
+TEST_F(SimulateTest, ComplaintsAboutAFollowedPathNameItsFileAndThePlace) {
+  std::string fast;
+  for (int i = 0; i < 10; ++i) fast += std::to_string(0.1 * i) + " 0 0 " + std::to_string(30 * i) + " 0 0 0 1\n";
+  ExpectComplaint(Simulate({"street", "--follow", Text("fast.tum", fast).string(), "--rig", SmallRig(), "--quiet"}), 2,
+                  {"fast.tum: leg.speeds: is ", " m/s after 0.0 m", "metres and seconds"});
+  // Out, half round within 2 m, and back.
+  std::string sharp;
+  int count = 0;
+  const auto add = [&](double x, double z) {
+    sharp += std::to_string(0.1 * count++) + " " + std::to_string(x) + " 0 " + std::to_string(z) + " 0 0 0 1\n";
+  };
+  for (int i = 0; i < 30; ++i) add(0, 0.5 * i);
+  for (int i = 0; i < 12; ++i) add(1 - std::cos(i * M_PI / 12), 15 + std::sin(i * M_PI / 12));
+  for (int i = 0; i < 30; ++i) add(2, 15 - 0.5 * i);
+  ExpectComplaint(Simulate({"street", "--follow", Text("sharp.tum", sharp).string(), "--rig", SmallRig(), "--quiet"}),
+                  2, {"sharp.tum: legs: 1", " m along number 0", "more sharply", "max_steering_deg"});
+  const std::string poses = Text("poses.txt", "1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 0 0 1 0 0 0 0 1 5\n").string();
+  const CommandResult times =
+      Simulate({"street", "--follow", poses, "--times", Text("times.txt", "0\nnoon\n").string()});
+  ExpectComplaint(times, 2, {"times.txt:2: "});
+  EXPECT_EQ(times.err.find("poses.txt"), std::string::npos) << times.err;
+  EXPECT_FALSE(fs::exists(Out()));
+}
+
+TEST_F(SimulateTest, RecordingsAreNotReplacedByTheDriveThatFollowsThem) {
+  fs::create_directories(Out());
+  std::string poses;
+  std::string times;
+  for (int i = 0; i < 10; ++i) {
+    poses += "1 0 0 0 0 1 0 0 0 0 1 " + std::to_string(i) + "\n";
+    times += std::to_string(0.1 * i) + "\n";
+  }
+  Text("drive/poses.txt", poses);
+  Text("drive/times.txt", times);
+  ExpectComplaint(Simulate({"street", "--follow", (Out() / "poses.txt").string(), "--rig", SmallRig(), "--quiet"}), 2,
+                  {"drive/times.txt: is not of a simulated drive", "--out"});
+  EXPECT_EQ(ReadTrajectory(Out() / "poses.txt").size(), 10u);
+  EXPECT_TRUE(fs::exists(Out() / "times.txt"));
+  EXPECT_FALSE(fs::exists(Out() / "image_0"));
 }
 
 TEST_F(SimulateTest, InterruptedDriveSaysSo) {
@@ -100,6 +153,7 @@ TEST_F(SimulateTest, SenselessOptions) {
   ExpectComplaint(Simulate({"garage", "--seed", "-1"}), 2, {"--seed"});
   ExpectComplaint(Simulate({"garage", "--seconds", "0"}), 2, {"--seconds 0"});
   ExpectComplaint(Simulate({"garage", "--threads", "0"}), 2, {"--threads 0"});
+  ExpectComplaint(Simulate({"garage", "--threads", "2000"}), 2, {"--threads 2000: give 1 to 1024"});
   ExpectComplaint(Simulate({"garage", "--max-frames", "0"}), 2, {"--max-frames"});
   const std::string poses = Text("poses.txt", "1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 0 0 1 0 0 0 0 1 5\n").string();
   ExpectComplaint(Simulate({"garage", "--follow", poses}), 2, {"--follow", "garage"});

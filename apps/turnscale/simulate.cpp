@@ -32,6 +32,9 @@ namespace fs = std::filesystem;
 
 constexpr double kGarageSeconds = 60;
 constexpr double kStreetSeconds = 120;
+constexpr int kMaxThreads = 1024;
+constexpr double kMinSeconds = 5;
+constexpr double kMaxSeconds = 1800;
 
 struct SimulateArguments {
   std::string world;
@@ -48,11 +51,11 @@ struct SimulateArguments {
 };
 
 void Check(const SimulateArguments& arguments) {
-  if (arguments.seconds && !(std::isfinite(*arguments.seconds) && *arguments.seconds > 0)) {
-    throw InputError(fmt::format("--seconds {}: give the length of the drive, above 0", *arguments.seconds));
+  if (arguments.seconds && !(*arguments.seconds >= kMinSeconds && *arguments.seconds <= kMaxSeconds)) {
+    throw InputError(fmt::format("--seconds {}: give {} to {}", *arguments.seconds, kMinSeconds, kMaxSeconds));
   }
-  if (arguments.threads && *arguments.threads < 1) {
-    throw InputError(fmt::format("--threads {}: give at least 1", *arguments.threads));
+  if (arguments.threads && (*arguments.threads < 1 || *arguments.threads > kMaxThreads)) {
+    throw InputError(fmt::format("--threads {}: give 1 to {}", *arguments.threads, kMaxThreads));
   }
   if (arguments.follow && arguments.world != "street") {
     throw InputError(fmt::format("--follow: only a street can follow a recorded path, not a {}", arguments.world));
@@ -77,18 +80,27 @@ Trajectory ReadFollowed(const SimulateArguments& arguments) {
   return trajectory;
 }
 
-World MakeWorld(const SimulateArguments& arguments, const Rig& rig) {
-  if (arguments.world == "garage") return MakeGarage(arguments.seed, arguments.seconds.value_or(kGarageSeconds));
-  if (!arguments.follow) return MakeStreet(arguments.seed, arguments.seconds.value_or(kStreetSeconds));
+World MakeFollowingStreet(const SimulateArguments& arguments, const Rig& rig) {
+  const Trajectory trajectory = ReadFollowed(arguments);
   try {
-    const RecordedPath path = RearAxlePath(ReadFollowed(arguments), rig.mount.VehicleFromCamera());
+    const RecordedPath path = RearAxlePath(trajectory, rig.mount.VehicleFromCamera());
     return MakeStreetAlong(arguments.seed, path.points, path.speeds);
   } catch (const InputError& error) {
     // Complaints about the path itself do not know its file.
-    const std::string name = arguments.follow->string();
-    if (std::string(error.what()).find(name) != std::string::npos) throw;
-    throw InputError(name + ": " + error.what());
+    throw InputError(arguments.follow->string() + ": " + error.what());
   }
+}
+
+// About how long the drive is to be; nothing where the path that is followed tells.
+std::optional<double> Seconds(const SimulateArguments& arguments) {
+  if (arguments.seconds || arguments.follow) return arguments.seconds;
+  return arguments.world == "garage" ? kGarageSeconds : kStreetSeconds;
+}
+
+World MakeWorld(const SimulateArguments& arguments, const Rig& rig) {
+  if (arguments.follow) return MakeFollowingStreet(arguments, rig);
+  const double seconds = Seconds(arguments).value();
+  return arguments.world == "garage" ? MakeGarage(arguments.seed, seconds) : MakeStreet(arguments.seed, seconds);
 }
 
 Rig RigFor(const SimulateArguments& arguments) {
@@ -107,19 +119,25 @@ int Simulate(const SimulateArguments& arguments) {
     if (arguments.texture_contrast < 1) texture = texture.WithContrast(static_cast<float>(arguments.texture_contrast));
   }
   CatchInterrupts();
+  bool lighting = false;
   std::optional<Progress> progress;
   const auto report = [&](int done, int frames) {
-    if (!progress) {
-      progress.emplace(frames, arguments.quiet);
+    if (!lighting) {
+      lighting = true;
       if (!arguments.quiet) fmt::print(stderr, "{} of {} frames: lighting the scene\n", arguments.world, frames);
+      return !Interrupted();
     }
+    // Begins now, so that the rate is that of the frames.
+    if (!progress) progress.emplace(frames, arguments.quiet);
     progress->Update(done);
     return !Interrupted();
   };
+  const DriveOrigin origin = {TURNSCALE_VERSION, arguments.world, Seconds(arguments), arguments.follow,
+                              arguments.texture_contrast};
   const auto start = std::chrono::steady_clock::now();
-  const Recording recording =
-      RecordDrive(std::move(world), rig, arguments.seed, {arguments.out, arguments.max_frames, threads}, report);
-  progress->Finish();
+  const Recording recording = RecordDrive(std::move(world), rig, arguments.seed,
+                                          {arguments.out, arguments.max_frames, threads, origin}, report);
+  if (progress) progress->Finish();
   if (!recording.complete) {
     fmt::print(stderr, "turnscale: interrupted after {} frames; {} is incomplete\n", recording.frames,
                arguments.out.string());
@@ -165,7 +183,8 @@ void AddSimulateCommand(CLI::App& app) {
       "Example:\n  turnscale simulate garage --out drives/garage --seed 7\n"
       "  turnscale run drives/garage --lever-arm 1.5\n\n"
       "The folder is KITTI's (image_0/, calib.txt, times.txt, poses.txt), with camera.yaml, vehicle.yaml, truth.csv,\n"
-      "floor_plan.csv and rig.yaml beside it. times.txt comes last: a folder without it is incomplete.");
+      "floor_plan.csv, rig.yaml and drive.yaml beside it. times.txt comes last: a folder without it is incomplete.\n"
+      "Where a followed recording stands still, the car creeps on at 0.2 m/s; reversing is not followed.");
   simulate->callback([arguments] {
     if (const int exit_code = Simulate(*arguments); exit_code != 0) throw CLI::RuntimeError(exit_code);
   });

@@ -135,6 +135,26 @@ TEST(Renderer, ShadowsFallAwayFromTheSun) {
   EXPECT_GT(lit, 1000);
 }
 
+// A box that comes nearer while the rows are read is lit alike on all of them: shadow rays see it where it is then.
+TEST(Renderer, ShadowsAreOfTheMomentAtWhichTheyAreSeen) {
+  Scene scene = EmptyScene();
+  scene.ambient = 0;
+  scene.sun = Sun{{0, -1, -1}, 0.8F};
+  AddBox({kWhite, 10, {0, 0}}, {}, {{4, 4, 1}}, scene.movable.emplace_back());
+  const Renderer renderer({}, std::move(scene));
+  View view = StillView({});
+  view.world_from_movable = {[](double time) { return At({0, 2, 8 - 20 * time}); }};
+  for (const Shutter& shutter : {Shutter{0, 0.05}, Shutter{0.02, 0}, Shutter{0.02, 0.03}}) {
+    view.shutter = shutter;
+    const cv::Mat face = renderer.Render(TestCameras()[0], view)(cv::Rect(250, 170, 120, 160));
+    double least = 0;
+    double most = 0;
+    cv::minMaxLoc(face, &least, &most);
+    EXPECT_NEAR(least, 0.8 * M_SQRT1_2, 1e-5);
+    EXPECT_NEAR(most, 0.8 * M_SQRT1_2, 1e-5);
+  }
+}
+
 // Where fields are smaller than pixels there is no pattern of false ones.
 TEST(Renderer, AFarCheckerboardIsGray) {
   Scene scene = EmptyScene();

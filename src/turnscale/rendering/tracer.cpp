@@ -50,7 +50,8 @@ struct Tracer::Spot {
   float reflectance = 0;
   float light = 0;
   float glow = 0;
-  float mirror = 0;  // weight of the mirror image
+  float mirror = 0;   // weight of the mirror image
+  float time = 0.5F;  // the ray's
   std::uint32_t look = 0;
 };
 
@@ -72,6 +73,7 @@ Tracer::Spot Tracer::SpotAt(const ViewRay& view, const Hit& hit, float before) c
   if (turned) direction = world_from_mesh.transpose() * direction;
   const float across = look.normal.dot(direction);
   spot.hit = true;
+  spot.time = view.ray.time;
   spot.cosine = std::abs(across);
   spot.normal = across > 0 ? Eigen::Vector3f(-look.normal) : look.normal;
   // What the pixel covers: its angle's width across, more along the ray.
@@ -108,6 +110,7 @@ void Tracer::AddSun(std::span<Spot> spots) const {
     if (!spot.hit || spot.normal.dot(towards) <= 0) continue;
     rays[count].origin = spot.place;
     rays[count].direction = towards;
+    rays[count].time = spot.time;
     asked[count++] = &spot;
   }
   PacketOf<bool> blocked;

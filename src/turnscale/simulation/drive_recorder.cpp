@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <future>
-#include <string_view>
+#include <string>
 #include <utility>
 
 #include <fmt/format.h>
@@ -16,6 +16,7 @@
 #include "turnscale/rendering/renderer.h"
 #include "turnscale/simulation/drive.h"
 #include "turnscale/simulation/drive_files.h"
+#include "turnscale/simulation/drive_folder.h"
 #include "turnscale/simulation/sensor.h"
 
 namespace turnscale {
@@ -26,39 +27,11 @@ namespace fs = std::filesystem;
 // Noise cannot be packed: higher levels only take longer.
 constexpr int kPngLevel = 1;
 
-void MakeFolder(const fs::path& folder) {
-  std::error_code error;
-  if (fs::exists(folder, error) && !fs::is_directory(folder, error)) {
-    throw InputError(folder.string() + ": is a file, but the drive needs a folder; choose another --out");
-  }
-  fs::create_directories(folder / "image_0", error);
-  if (error) throw InputError(folder.string() + ": cannot be made: " + error.message() + "; choose another --out");
-}
-
-// What an earlier recording left; times and poses first, as they say that the rest is whole.
-void RemoveRecording(const fs::path& folder) {
-  const fs::path images = folder / "image_0";
-  const bool has_images = fs::directory_iterator(images) != fs::directory_iterator();
-  if (has_images && !fs::exists(folder / "rig.yaml")) {
-    throw InputError(images.string() + ": holds images that no simulation has made; choose another --out");
-  }
-  for (const char* name : {"times.txt", "poses.txt", "truth.csv", "floor_plan.csv", "calib.txt", "camera.yaml"}) {
-    std::error_code error;
-    if (fs::is_regular_file(folder / name, error)) fs::remove(folder / name);
-  }
-  for (const auto& entry : fs::directory_iterator(images)) {
-    if (entry.path().extension() == ".png") fs::remove(entry.path());
-  }
-}
-
-void BeginFolder(const RecordOptions& options, const Rig& rig, const FloorPlan& floor_plan) {
+void BeginFolder(const RecordOptions& options, const Rig& rig, unsigned seed, const FloorPlan& floor_plan) {
   const fs::path& folder = options.folder;
-  MakeFolder(folder);
-  try {
-    RemoveRecording(folder);
-  } catch (const fs::filesystem_error& error) {
-    throw InputError(folder.string() + ": cannot be cleared: " + error.code().message() + "; choose another --out");
-  }
+  PrepareDriveFolder(folder);
+  // First, so that the folder is known as ours whatever happens next.
+  ReplaceFile(folder / "drive.yaml", DriveText(options.origin, seed));
   ReplaceFile(folder / "rig.yaml", RigText(rig));
   ReplaceFile(folder / "camera.yaml", CameraFileText(rig.camera));
   if (rig.camera.lens == LensModel::kPinhole) {
@@ -68,9 +41,22 @@ void BeginFolder(const RecordOptions& options, const Rig& rig, const FloorPlan& 
   ReplaceFile(folder / "floor_plan.csv", FloorPlanText(floor_plan));
 }
 
+// Complaints about the way do not know the file that it comes from.
+CameraDrive DriveThrough(const World& world, const Rig& rig, unsigned seed, const DriveOrigin& origin) {
+  rig.Check();
+  try {
+    return {world, rig, seed};
+  } catch (const InputError& error) {
+    if (!origin.follow) throw;
+    throw InputError(origin.follow->string() + ": " + error.what());
+  }
+}
+
 void WriteImage(const fs::path& path, const cv::Mat& image) {
   std::vector<uchar> bytes;
-  cv::imencode(".png", image, bytes, {cv::IMWRITE_PNG_COMPRESSION, kPngLevel});
+  if (!cv::imencode(".png", image, bytes, {cv::IMWRITE_PNG_COMPRESSION, kPngLevel})) {
+    throw OutputError(path.string() + ": the image cannot be packed as PNG");
+  }
   OutputFile file(path);
   file.Write({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
   file.Close();
@@ -89,11 +75,14 @@ void Summarize(const std::vector<DriveFrame>& frames, Recording& recording) {
 
 Recording RecordDrive(World world, const Rig& rig, unsigned seed, const RecordOptions& options,
                       const RecordProgress& progress) {
-  const CameraDrive drive(world, rig, seed);
-  const int count = std::min(drive.frames(), options.max_frames.value_or(drive.frames()));
-  BeginFolder(options, rig, FloorPlanFrom(drive.At(0).world_from_camera, world));
   RenderOptions render_options;
   render_options.threads = options.threads;
+  render_options.Check();
+  const CameraDrive drive = DriveThrough(world, rig, seed, options.origin);
+  const int count = std::min(drive.frames(), options.max_frames.value_or(drive.frames()));
+  BeginFolder(options, rig, seed, FloorPlanFrom(drive.At(0).world_from_camera, world));
+  if (!progress(0, count)) return {};
+  // Lights the scene, which takes a while.
   const Renderer renderer(render_options, std::move(world.scene));
   Sensor sensor(rig.sensor, rig.camera, rig.rate_hz, seed);
 

@@ -5,6 +5,7 @@
 #include <functional>
 #include <optional>
 
+#include "turnscale/simulation/drive_folder.h"
 #include "turnscale/simulation/rig.h"
 #include "turnscale/simulation/world.h"
 
@@ -14,6 +15,7 @@ struct RecordOptions {
   std::filesystem::path folder;
   std::optional<int> max_frames = {};  ///< stop the recording early
   int threads = 2;                     ///< that draw an image; the files do not depend on them
+  DriveOrigin origin = {};             ///< of the world, for `drive.yaml`
 };
 
 /// What a recording amounts to.
@@ -25,16 +27,18 @@ struct Recording {
   bool complete = false;
 };
 
-/// Is told the frames written so far and those to come in all; says whether to go on.
+/// Is told the frames written so far and those to come in all; says whether to go on. It is asked with 0 frames twice,
+/// before the scene is lit and after.
 using RecordProgress = std::function<bool(int frames_done, int frames)>;
 
 /// Drives a rig through a world and writes what its camera sees as a KITTI folder: `image_0/`, `calib.txt` (where the
 /// lens has no distortion), `times.txt` and `poses.txt`; beside them `camera.yaml`, `vehicle.yaml`, `truth.csv`,
-/// `floor_plan.csv` and `rig.yaml`. `times.txt` and `poses.txt` come last, so that a folder without them is of no use
-/// to anybody. An earlier recording in the folder is replaced.
+/// `floor_plan.csv`, `rig.yaml` and `drive.yaml`. `times.txt` and `poses.txt` come last, so that a folder without them
+/// is of no use to anybody. An earlier recording in the folder is replaced.
 ///
-/// Throws InputError where the rig makes no sense or the folder cannot be made or holds images of another origin,
-/// OutputError where the system refuses to write.
+/// Throws InputError where the rig or the options make no sense, the car cannot drive the world's legs (naming
+/// `origin.follow` where there is one), or the folder cannot be made or holds such files of another origin, OutputError
+/// where the system refuses to write. What is there of an earlier recording is then untouched, but for OutputError.
 Recording RecordDrive(World world, const Rig& rig, unsigned seed, const RecordOptions& options,
                       const RecordProgress& progress);
 

@@ -242,14 +242,60 @@ TEST_F(DriveRecorderTest, InterruptedDriveIsToldByItsMissingTimes) {
   EXPECT_FALSE(fs::exists(folder_ / "poses.txt"));
 }
 
-TEST_F(DriveRecorderTest, ImagesOfAnotherOriginAreNotTouched) {
-  fs::create_directories(folder_ / "image_0");
-  std::ofstream(folder_ / "image_0" / "000000.png") << "dear";
-  EXPECT_THROW(Record(SmallRig(64, 48), 1), InputError);
-  EXPECT_EQ(TextOf(folder_ / "image_0" / "000000.png"), "dear");
+TEST_F(DriveRecorderTest, DriveThatIsStoppedBeforeItsSceneIsLitHasNoImages) {
+  int asked = 0;
+  const Recording recording = RecordDrive(MakeTestWorld(1), SmallRig(64, 48), 3, {folder_, 5, 2}, [&](int done, int) {
+    EXPECT_EQ(done, 0);
+    ++asked;
+    return false;
+  });
+  EXPECT_EQ(asked, 1);
+  EXPECT_EQ(recording.frames, 0);
+  EXPECT_FALSE(recording.complete);
+  EXPECT_TRUE(fs::is_empty(folder_ / "image_0"));
+}
+
+TEST_F(DriveRecorderTest, FilesOfAnotherOriginAreNotTouched) {
+  for (const char* name : {"image_0/000000.png", "times.txt", "poses.txt", "truth.csv", "floor_plan.csv", "calib.txt",
+                           "camera.yaml", "vehicle.yaml", "rig.yaml", "drive.yaml"}) {
+    fs::remove_all(folder_);
+    fs::create_directories((folder_ / name).parent_path());
+    std::ofstream(folder_ / name) << "dear";
+    EXPECT_THROW(Record(SmallRig(64, 48), 1), InputError) << name;
+    EXPECT_EQ(TextOf(folder_ / name), "dear");
+    EXPECT_EQ(std::distance(fs::directory_iterator(folder_), {}), 1) << name;
+  }
   fs::remove_all(folder_);
   std::ofstream(folder_) << "a file in the way";
   EXPECT_THROW(Record(SmallRig(64, 48), 1), InputError);
+}
+
+TEST_F(DriveRecorderTest, WhatStandsBesideADriveIsKept) {
+  fs::create_directories(folder_ / "image_0");
+  std::ofstream(folder_ / "notes.txt") << "dear";
+  Record(SmallRig(64, 48), 2);
+  std::ofstream(folder_ / "image_0" / "best.png") << "dear";
+  Record(SmallRig(64, 48), 1);
+  EXPECT_EQ(TextOf(folder_ / "notes.txt"), "dear");
+  EXPECT_EQ(TextOf(folder_ / "image_0" / "best.png"), "dear");
+  EXPECT_FALSE(fs::exists(folder_ / "image_0" / "000001.png"));
+}
+
+TEST_F(DriveRecorderTest, WhatCannotBeRecordedLeavesTheEarlierDrive) {
+  Record(SmallRig(64, 48), 2);
+  EXPECT_THROW(Record(SmallRig(64, 48), 1, 2000), InputError);
+  Rig rig = SmallRig(64, 48);
+  rig.vehicle.max_steering_deg = 5;
+  RecordOptions options = {folder_, 1, 2};
+  options.origin.follow = "path.tum";
+  try {
+    RecordDrive(MakeTestWorld(2), rig, 3, options, GoOn);
+    ADD_FAILURE() << "the bend is too sharp for the car";
+  } catch (const InputError& error) {
+    EXPECT_EQ(std::string(error.what()).find("path.tum: legs: "), 0u) << error.what();
+  }
+  EXPECT_EQ(FindDrive(folder_).images.size(), 2u);
+  EXPECT_TRUE(fs::exists(folder_ / "times.txt"));
 }
 
 }  // namespace

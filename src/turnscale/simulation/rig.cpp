@@ -84,18 +84,41 @@ RigPreset PresetOf(const YamlMap& file, RigPreset fallback) {
   return file.Text("preset") == "kitti" ? RigPreset::kKitti : RigPreset::kPaper;
 }
 
+void CheckCameraField(const char* name, double value, double low, double high, const char* what) {
+  if (value >= low && value <= high) return;
+  throw InputError(fmt::format("camera.{}: is {}; it has to be in {}...{} {}", name, value, low, high, what));
+}
+
+// A pixel whose ray nobody finds shows nothing.
+void CheckDistortion(const CameraModel& camera) {
+  const double right = camera.width - 1;
+  const double bottom = camera.height - 1;
+  const Eigen::Vector2d middle(right / 2, bottom / 2);
+  for (const Eigen::Vector2d& pixel : {middle, Eigen::Vector2d(0, middle.y()), Eigen::Vector2d(right, middle.y()),
+                                       Eigen::Vector2d(middle.x(), 0), Eigen::Vector2d(middle.x(), bottom)}) {
+    if (camera.Undistort(pixel)) continue;
+    throw InputError(
+        fmt::format("camera.distortion: cannot be inverted at pixel {}, {}; give smaller coefficients or a "
+                    "longer focal length",
+                    pixel.x(), pixel.y()));
+  }
+}
+
 void CheckCamera(const CameraModel& camera) {
-  const auto in_range = [](int side) { return side >= 16 && side <= 8192; };
-  if (!in_range(camera.width)) throw InputError("camera.width: has to be in 16...8192 pixels");
-  if (!in_range(camera.height)) throw InputError("camera.height: has to be in 16...8192 pixels");
-  if (!(camera.pinhole.fx > 0)) throw InputError("camera.fx: has to be positive, pixels");
-  if (!(camera.pinhole.fy > 0)) throw InputError("camera.fy: has to be positive, pixels");
+  CheckCameraField("width", camera.width, 16, 8192, "pixels");
+  CheckCameraField("height", camera.height, 16, 8192, "pixels");
+  constexpr const char* kOfSize = "pixels for this width and height: give fx, fy, cx and cy along with them";
+  CheckCameraField("fx", camera.pinhole.fx, 0.1 * camera.width, 10.0 * camera.width, kOfSize);
+  CheckCameraField("fy", camera.pinhole.fy, 0.1 * camera.width, 10.0 * camera.width, kOfSize);
+  CheckCameraField("cx", camera.pinhole.cx, 0, camera.width - 1, kOfSize);
+  CheckCameraField("cy", camera.pinhole.cy, 0, camera.height - 1, kOfSize);
   if (camera.lens == LensModel::kPinhole && camera.distortion != CameraModel().distortion) {
     throw InputError("camera.distortion: a pinhole has none; give lens: radtan or lens: equidistant");
   }
   if (camera.lens == LensModel::kEquidistant && camera.distortion[4] != 0) {
     throw InputError("camera.distortion: an equidistant lens has four coefficients");
   }
+  CheckDistortion(camera);
 }
 
 }  // namespace

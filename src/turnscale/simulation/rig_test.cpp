@@ -107,5 +107,21 @@ TEST(Rig, ComplaintsNameLineKeyAndNearestKey) {
   EXPECT_NE(Complaint("vehicle:\n  wheelbase: -1\n").find("vehicle.wheelbase"), std::string::npos);
 }
 
+TEST(Rig, CamerasThatMakeNoSense) {
+  EXPECT_NE(
+      Complaint("camera: {width: 516, height: 386}\n").find("rig.yaml: camera.cx: is 515.5; it has to be in 0...515"),
+      std::string::npos)
+      << "a crop whose principal point lies at its edge";
+  EXPECT_NE(Complaint("camera: {cx: 5155}\n").find("camera.cx: is 5155"), std::string::npos);
+  EXPECT_NE(Complaint("camera: {cy: -1}\n").find("camera.cy: is -1"), std::string::npos);
+  EXPECT_NE(Complaint("camera: {fx: 1e-3}\n").find("camera.fx: is 0.001"), std::string::npos);
+  EXPECT_NE(Complaint("camera: {fy: 1e6}\n").find("camera.fy: is 1000000"), std::string::npos);
+  EXPECT_NE(Complaint("camera: {lens: radtan, distortion: [-2]}\n").find("camera.distortion: cannot be inverted at"),
+            std::string::npos);
+  EXPECT_NE(Complaint("camera: {lens: equidistant, distortion: [-1]}\n").find("camera.distortion: cannot be inverted"),
+            std::string::npos);
+  EXPECT_EQ(Complaint("camera: {lens: equidistant, distortion: [-0.01, 0.007]}\n"), "no error");
+}
+
 }  // namespace
 }  // namespace turnscale

@@ -4,12 +4,15 @@
 #include <algorithm>
 #include <cmath>
 
+#include <fmt/format.h>
+
 #include "turnscale/base/error.h"
 #include "turnscale/geometry/rotation.h"
 
 namespace turnscale {
 namespace {
 
+constexpr double kMaxSpeed = 100;
 constexpr double kMaxTurn = 170 / kDegreesPerRadian;
 // Length of a transition in radii: about a second at the speed at which a curve is comfortable.
 constexpr double kTransition = 0.5;
@@ -88,18 +91,20 @@ void AddStraight(const Eigen::Vector2d& end, double step, std::vector<Eigen::Vec
 
 void RouteLeg::Check() const {
   if (points.size() < 2) throw InputError("leg.points: has to have two points or more");
+  if (!speeds.empty() && speeds.size() != points.size()) throw InputError("leg.speeds: has to be empty or one a point");
   double length = 0;
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (!points[i].allFinite()) throw InputError("leg.points: has to be finite");
     if (i > 0) length += (points[i] - points[i - 1]).norm();
+    if (speeds.empty() || (speeds[i] >= 0 && speeds[i] <= kMaxSpeed)) continue;
+    throw InputError(fmt::format(
+        "leg.speeds: is {:.6g} m/s after {:.1f} m; it has to be in 0...{} m/s: check that a recording is in metres and "
+        "seconds",
+        speeds[i], length, kMaxSpeed));
   }
   if (!(length >= 0.1)) throw InputError("leg.points: have to lead somewhere, 0.1 m away at least");
-  if (!(speed > 0 && speed <= 100)) throw InputError("leg.speed: has to be positive and at most 100 m/s");
+  if (!(speed > 0 && speed <= kMaxSpeed)) throw InputError("leg.speed: has to be positive and at most 100 m/s");
   if (!(wait >= 0 && wait <= 3600)) throw InputError("leg.wait: has to be in 0...3600 s");
-  if (!speeds.empty() && speeds.size() != points.size()) throw InputError("leg.speeds: has to be empty or one a point");
-  for (const double each : speeds) {
-    if (!(each >= 0 && each <= 100)) throw InputError("leg.speeds: have to be in 0...100 m/s");
-  }
 }
 
 std::vector<Eigen::Vector2d> RoundCorners(const std::vector<Eigen::Vector2d>& corners, double radius, double step) {

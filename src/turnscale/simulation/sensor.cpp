@@ -90,7 +90,12 @@ Sensor::Sensor(const SensorOptions& options, const CameraModel& camera, double r
 
 cv::Mat Sensor::Expose(const cv::Mat& brightness) {
   cv::Mat light = vignette_.empty() ? brightness : brightness.mul(vignette_);
-  if (options_.blur > 0) cv::GaussianBlur(light, light, {}, options_.blur, 0, cv::BORDER_REPLICATE);
+  if (options_.blur > 0) {
+    // Into an image of its own: without vignetting `light` is the caller's.
+    cv::Mat blurred;
+    cv::GaussianBlur(light, blurred, {}, options_.blur, 0, cv::BORDER_REPLICATE);
+    light = blurred;
+  }
   if (frame_ == 0) {
     for (int round = 0; round < kSettlingRounds; ++round) AdaptGain(light, 1);
   }

@@ -57,6 +57,7 @@ TEST(NormalNoise, HasTheMomentsOfANormalNumber) {
   double neighbours = 0;
   for (size_t i = 0; i < values.size(); ++i) {
     const double x = values[i];
+    EXPECT_LE(std::abs(x), 4.33);
     mean += x;
     square += x * x;
     fourth += x * x * x * x;
@@ -72,6 +73,19 @@ TEST(NormalNoise, HasTheMomentsOfANormalNumber) {
   EXPECT_EQ(tail, std::vector<float>(values.begin(), values.begin() + 1000));
   FillNormalNoise(8, tail);
   EXPECT_NE(tail, std::vector<float>(values.begin(), values.begin() + 1000));
+}
+
+TEST(Sensor, LeavesTheLightThatItIsGiven) {
+  for (const double vignetting : {0.0, 0.4}) {
+    SensorOptions options = Ideal();
+    options.vignetting = vignetting;
+    options.blur = 2;
+    cv::Mat light = Even(0.2);
+    light.colRange(80, 160) = 0.8;
+    const cv::Mat before = light.clone();
+    Expose(options, light);
+    EXPECT_EQ(cv::norm(light, before, cv::NORM_INF), 0);
+  }
 }
 
 TEST(Sensor, IdealOneShowsTheLightAsItIs) {

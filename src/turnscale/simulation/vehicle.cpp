@@ -3,8 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <string>
 #include <utility>
+
+#include <fmt/format.h>
 
 #include "turnscale/base/error.h"
 #include "turnscale/geometry/rotation.h"
@@ -50,20 +53,20 @@ class Driver {
     states_.push_back(state_);
   }
 
-  /// Drives along the path at the planned speeds. Returns the greatest distance from the path, metres.
-  double Follow(const ReferencePath& path, double direction, const std::vector<double>& speeds) {
+  /// Drives along the path at the planned speeds. Returns how far along it the car loses it, metres; nothing where it
+  /// comes to the end.
+  std::optional<double> Follow(const ReferencePath& path, double direction, const std::vector<double>& speeds) {
     double planned = 0;
     double progress = Project(path, state_.position, 0);
-    double stray = 0;
-    for (std::size_t i = 1; i < speeds.size() && stray < kMaxStray; ++i) {
+    for (std::size_t i = 1; i < speeds.size(); ++i) {
       const double behind = std::clamp(kProgressGain * (planned - progress), -kMaxProgressGain, kMaxProgressGain);
       const double steering = Steer(path, progress, direction);
       Advance(direction * speeds[i] * (1 + behind), steering);
       planned += 0.5 * kInterval * (speeds[i - 1] + speeds[i]);
       progress = Project(path, state_.position, progress + speeds[i] * kInterval);
-      stray = std::max(stray, (PlaceAt(path, progress).position - state_.position).norm());
+      if ((PlaceAt(path, progress).position - state_.position).norm() >= kMaxStray) return progress;
     }
-    return stray;
+    return std::nullopt;
   }
 
   void Wait(double seconds) {
@@ -167,8 +170,7 @@ void CheckLegs(const std::vector<RouteLeg>& legs) {
 
 void CheckNumber(const char* name, double value, double least, double most) {
   if (value >= least && value <= most) return;
-  throw InputError(std::string("vehicle.") + name + ": has to be in " + std::to_string(least) + "..." +
-                   std::to_string(most));
+  throw InputError(fmt::format("vehicle.{}: is {}; it has to be in {}...{}", name, value, least, most));
 }
 
 }  // namespace
@@ -203,8 +205,13 @@ VehicleMotion Drive(const CarOptions& options, const std::vector<RouteLeg>& legs
     const std::vector<double> speeds = PlanSpeeds(options, path, ends, kInterval);
     const double direction = leg.reverse ? -1 : 1;
     if (i == 0) driver.Start(path, direction, speeds.front());
-    if (driver.Follow(path, direction, speeds) >= kMaxStray)
-      throw InputError("legs: number " + std::to_string(i) + " bends more sharply than the car can follow");
+    if (const std::optional<double> lost = driver.Follow(path, direction, speeds)) {
+      throw InputError(
+          fmt::format("legs: {:.1f} m along number {}, the way bends more sharply than the car can follow; smooth or "
+                      "shorten it, or "
+                      "give the car a shorter wheelbase or more max_steering_deg",
+                      *lost, i));
+    }
     driver.Wait(leg.wait);
   }
   return {driver.TakeStates(), kInterval};

@@ -2,6 +2,7 @@
 #include "turnscale/simulation/vehicle.h"
 
 #include <cmath>
+#include <string>
 
 #include <gtest/gtest.h>
 
@@ -152,6 +153,29 @@ TEST(Vehicle, RefusesLegsThatCannotBeDriven) {
   EXPECT_THROW(DriveFlat({}, {Circle(1, 2, 1)}), InputError) << "too tight";
   EXPECT_THROW(VehicleMotion({}, 0.002), InputError);
   EXPECT_THROW(VehicleMotion({VehicleState{}}, 0), InputError);
+}
+
+TEST(Vehicle, ComplaintsAboutLegsSayWhere) {
+  const auto complaint = [](const RouteLeg& leg) {
+    try {
+      DriveFlat({}, {leg});
+    } catch (const InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  RouteLeg bend;
+  bend.points = {{0, 0}, {0, 30}};
+  for (const Eigen::Vector2d& point : Arc({1.5, 30}, 1.5, M_PI, 0)) bend.points.push_back(point);
+  bend.points.emplace_back(3, 0);
+  const std::string sharp = complaint(bend);
+  ASSERT_EQ(sharp.find("legs: "), 0u) << sharp;
+  EXPECT_NEAR(std::stod(sharp.substr(6)), 33, 3) << sharp;
+  RouteLeg recorded = Straight(0, 5);
+  recorded.points = {{0, 0}, {0, 10}, {0, 20}};
+  recorded.speeds = {5, 250, 5};
+  EXPECT_EQ(complaint(recorded).find("leg.speeds: is 250 m/s after 10.0 m; it has to be in 0...100 m/s"), 0u)
+      << complaint(recorded);
 }
 
 TEST(Vehicle, CheckNamesTheField) {
