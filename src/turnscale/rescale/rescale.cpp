@@ -129,13 +129,14 @@ class Results {
     turn.smoothed_sigma = std::hypot(SigmaOf(estimate_.smoothed[i]), options_.lever_arm_sigma);
     turn.metres_per_unit = ScaleOfStretch(observation.pooled, state, lever_arm).value_or(0);
     const ScaleEvidence evidence = EvidenceAt(observation, state, lever_arm, estimate_.noise.stretch);
-    turn.sigma = 1 / std::sqrt(evidence.information(kLogScale, kLogScale));
+    turn.used = observation.turning;
+    if (turn.used) turn.sigma = 1 / std::sqrt(evidence.information(kLogScale, kLogScale));
     const Eigen::Matrix4d& pooled = observation.pooled.information;
     const Eigen::Vector4d coefficients = SwayCoefficients(state, lever_arm);
     const double lever_part =
         observation.pooled.target[0] - pooled(0, 2) * coefficients[2] - pooled(0, 3) * coefficients[3];
     turn.effective_lever_arm = turn.smoothed * lever_part / pooled(0, 0);
-    turn.speed = turn.smoothed * std::sqrt(-pooled(0, 1) / pooled(0, 0));
+    turn.speed = turn.smoothed * std::sqrt(MeanSquareSpeed(observation.pooled));
     turn.weight = observation.lever_weight;
     return turn;
   }
@@ -197,7 +198,7 @@ RescaleResult RescaleTrajectory(const RescaleOptions& options, const Trajectory&
   }
   const auto estimate = EstimateScale(steps, stretches, CarFor(options), options.estimator);
   if (!estimate) {
-    result.reason = "in none of its turns the camera swings outwards as its lever arm demands";
+    result.reason = "in no turn slow enough the camera swings outwards as its lever arm demands";
     return result;
   }
   const Results results(options, trajectory, steps, stretches, *estimate);

@@ -24,7 +24,7 @@ struct RescaleOptions {
   ScaleEstimatorOptions estimator;
   /// Relative standard deviation that all turns of a drive share and no number of them averages out: of the tape, and
   /// of what the model leaves. KITTI's sequences, one car, want lever arms that differ by this much.
-  double lever_arm_sigma = 0.025;
+  double lever_arm_sigma = 0.02;
   /// A drive whose best known scale is worse than this (relative) has none.
   double max_scale_sigma = 0.15;
 
@@ -50,6 +50,7 @@ struct TurnScale {
   double smoothed = 0;             ///< metres per unit from the whole drive
   double smoothed_sigma = 0;       ///< relative
   double effective_lever_arm = 0;  ///< seen at the smoothed scale, metres
+  bool used = false;               ///< false where it is too fast: side slip leaves too little of the lever arm
   double weight = 0;               ///< about 1; well below for a turn that disagrees with the rest
 };
 

@@ -51,18 +51,20 @@ StartFit FitAllSteps(const std::vector<SwayStep>& steps, double huber, double le
   return fit;
 }
 
-// Of the scales that the turns show one by one; large turns have more to say.
+// Of the scales that the turns show one by one; large turns have more to say, fast ones nothing.
 std::optional<double> MedianLogScale(const std::vector<SwayStep>& steps, const std::vector<Stretch>& stretches,
-                                     const DriveState& state, double lever_arm, const StartFit& fit) {
+                                     DriveState state, double lever_arm, const StartFit& fit, double min_lever_share) {
   std::vector<std::pair<double, double>> scales;
   double total = 0;
   for (const Stretch& stretch : stretches) {
     if (!stretch.turning) continue;
     const PooledSway pooled = PoolSway(StepsOf(steps, stretch), fit.coefficients, fit.sigma, kNoLimit);
-    if (const auto scale = ScaleOfStretch(pooled, state, lever_arm)) {
-      scales.emplace_back(std::log(*scale), std::abs(stretch.angle));
-      total += std::abs(stretch.angle);
-    }
+    const auto scale = ScaleOfStretch(pooled, state, lever_arm);
+    if (!scale) continue;
+    state[kLogScale] = std::log(*scale);
+    if (LeverShare(pooled, state, lever_arm) < min_lever_share) continue;
+    scales.emplace_back(state[kLogScale], std::abs(stretch.angle));
+    total += std::abs(stretch.angle);
   }
   std::sort(scales.begin(), scales.end());
   double sum = 0;
@@ -100,7 +102,7 @@ class Estimator {
     estimate_.noise = TypicalNoise(options.noise, options.drifting);
   }
 
-  ScaleEstimate Run(const Belief& prior, double lever_arm, double sigma) && {
+  std::optional<ScaleEstimate> Run(const Belief& prior, double lever_arm, double sigma) && {
     estimate_.problem.prior = prior;
     estimate_.problem.lever_arm = lever_arm;
     estimate_.sway_sigma = sigma;
@@ -108,6 +110,7 @@ class Estimator {
     for (int iteration = 0; iteration < kIterations; ++iteration) {
       if (iteration > 0) MeasureSigma();
       Pool(iteration == 0 ? kNoLimit : options_.huber);
+      if (!LeaveOutFastTurns()) return std::nullopt;
       if (FitsNoise(iteration)) estimate_.noise = FitNoise(estimate_.problem, at_, estimate_.noise, options_.noise);
       estimate_.smoothed = SmoothScale(estimate_.problem, estimate_.noise, at_).beliefs;
       FindOwnErrors(iteration > 0);
@@ -139,6 +142,18 @@ class Estimator {
       estimate_.problem.observations[i].pooled =
           PoolSway(StepsOf(steps_, stretches_[i]), CoefficientsOf(i), estimate_.sway_sigma, huber);
     }
+  }
+
+  // What is out stays out, lest the scale swing to and fro. False where no turn is left.
+  bool LeaveOutFastTurns() {
+    bool any = false;
+    for (std::size_t i = 0; i < stretches_.size(); ++i) {
+      StretchObservation& observation = estimate_.problem.observations[i];
+      const double share = LeverShare(observation.pooled, at_[i], estimate_.problem.lever_arm);
+      observation.turning = observation.turning && share >= options_.min_lever_share;
+      any = any || observation.turning;
+    }
+    return any;
   }
 
   // Expectation of Student's weight (Lange, Little and Taylor 1989).
@@ -202,6 +217,9 @@ void CarPrior::Check() const {
 void ScaleEstimatorOptions::Check() const {
   noise.Check();
   if (!(huber > 0)) throw InputError("estimator.huber: has to be positive");
+  if (!(min_lever_share >= 0 && min_lever_share < 1)) {
+    throw InputError("estimator.min_lever_share: has to be from 0 to below 1");
+  }
   if (!(degrees_of_freedom > 0)) throw InputError("estimator.degrees_of_freedom: has to be positive");
 }
 
@@ -214,7 +232,7 @@ std::optional<ScaleEstimate> EstimateScale(const std::vector<SwayStep>& steps, c
   const StartFit fit = FitAllSteps(steps, options.huber, least_sigma);
   Belief prior;
   prior.mean << 0, fit.coefficients[2], car.side_slip, 0;
-  const auto log_scale = MedianLogScale(steps, stretches, prior.mean, car.lever_arm, fit);
+  const auto log_scale = MedianLogScale(steps, stretches, prior.mean, car.lever_arm, fit, options.min_lever_share);
   if (!log_scale) return std::nullopt;
   prior.mean << *log_scale, 0, car.side_slip, car.height;
   const Eigen::Vector4d sigmas(kLogScaleSigma, car.yaw_sigma, std::max(car.side_slip_sigma, kLeastSigma),

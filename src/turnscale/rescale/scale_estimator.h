@@ -32,6 +32,10 @@ struct ScaleEstimatorOptions {
   double huber = 2;               ///< steps that disagree by more than this many sigmas lose weight
   double degrees_of_freedom = 4;  ///< of Student's t, which the errors of whole turns follow: some turns are bad
 
+  /// Least share of the lever arm that side slip may leave in a turn. In faster turns the scale hangs on the slip
+  /// rather than on the tape measure.
+  double min_lever_share = 0.25;
+
   /// Throws InputError that names the field when a value makes no sense.
   void Check() const;
 };
@@ -45,8 +49,8 @@ struct ScaleEstimate {
   std::vector<Belief> causal;    ///< from what came before; noise and weights are those of the whole drive
 };
 
-/// Maximum a posteriori scale of a drive. Nothing where no turn swings the camera outwards, or there is none.
-/// Time is linear in the number of steps.
+/// Maximum a posteriori scale of a drive. Nothing where no turn is slow enough and swings the camera outwards.
+/// Observations of turns that are too fast are marked as not turning. Time is linear in the number of steps.
 std::optional<ScaleEstimate> EstimateScale(const std::vector<SwayStep>& steps, const std::vector<Stretch>& stretches,
                                            const CarPrior& car, const ScaleEstimatorOptions& options);
 

@@ -56,6 +56,14 @@ OwnErrors OwnErrorsOf(const ScaleEvidence& evidence, const DriveState& taken_at,
   return {evidence.own_covariance * evidence.own_gradient - by_state * (belief.mean - taken_at), covariance.diagonal()};
 }
 
+double MeanSquareSpeed(const PooledSway& pooled) {
+  return pooled.information(0, 0) > 0 ? -pooled.information(0, 1) / pooled.information(0, 0) : 0;
+}
+
+double LeverShare(const PooledSway& pooled, const DriveState& state, double lever_arm) {
+  return 1 - state[kSlip] * MeanSquareSpeed(pooled) * std::exp(2 * state[kLogScale]) / lever_arm;
+}
+
 std::optional<double> ScaleOfStretch(const PooledSway& pooled, const DriveState& state, double lever_arm) {
   // The first normal equation, for the units in a metre: quadratic u^2 - linear u - constant = 0.
   const Eigen::Matrix4d& information = pooled.information;

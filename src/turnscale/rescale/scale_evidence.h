@@ -68,6 +68,12 @@ struct OwnErrors {
 };
 OwnErrors OwnErrorsOf(const ScaleEvidence& evidence, const DriveState& taken_at, const Belief& belief);
 
+/// Mean square of the speed in a turn, weighted as its steps are, in odometry units; 0 where times are unknown.
+double MeanSquareSpeed(const PooledSway& pooled);
+
+/// The share of the tape's lever arm that side slip leaves in a turn at the scale of `state`: (L - c v^2) / L.
+double LeverShare(const PooledSway& pooled, const DriveState& state, double lever_arm);
+
 /// The scale (metres per unit) that one stretch shows by itself, the other unknowns being those of `state`. Nothing
 /// where the camera does not swing outwards.
 std::optional<double> ScaleOfStretch(const PooledSway& pooled, const DriveState& state, double lever_arm);
