@@ -116,12 +116,12 @@ class Results {
  private:
   static double SigmaOf(const Belief& belief) { return std::sqrt(belief.covariance(kLogScale, kLogScale)); }
 
-  TurnScale Describe(std::size_t i) const {
+  RescaledTurn Describe(std::size_t i) const {
     const Stretch& stretch = stretches_[i];
     const StretchObservation& observation = estimate_.problem.observations[i];
     const DriveState& state = estimate_.smoothed[i].mean;
     const double lever_arm = estimate_.problem.lever_arm;
-    TurnScale turn;
+    RescaledTurn turn;
     turn.first_pose = steps_[stretch.first].first;
     turn.last_pose = steps_[stretch.last].last;
     turn.angle = stretch.angle;

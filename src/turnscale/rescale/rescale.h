@@ -40,7 +40,7 @@ struct PoseScale {
   double live_sigma = 0;
 };
 
-struct TurnScale {
+struct RescaledTurn {
   int first_pose = 0;
   int last_pose = 0;
   double angle = 0;                ///< rad, positive to the right
@@ -59,7 +59,7 @@ struct RescaleResult {
   std::string reason;            ///< why there is no scale; one line, empty where there is one
   Trajectory metric;             ///< metres; the first pose keeps its direction from the origin
   std::vector<PoseScale> poses;  ///< one a pose
-  std::vector<TurnScale> turns;
+  std::vector<RescaledTurn> turns;
   int key_spacing = 0;  ///< poses from key to key
   double length = 0;    ///< of the metric path along its keys, metres
   // What the drive says of the car, with standard deviations.
