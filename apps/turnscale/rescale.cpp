@@ -117,6 +117,7 @@ void RunRescale(const RescaleArguments& arguments) {
                "give --fps or --timestamps\n",
                input);
   }
+  if (trajectory.poses.size() < 2) throw InputError(input + ": holds one pose only; a drive has many");
   const RescaleOptions options = OptionsFrom(arguments, trajectory.timed);
   const RescaleResult result = RescaleTrajectory(options, trajectory.poses);
   if (!result.observable) {

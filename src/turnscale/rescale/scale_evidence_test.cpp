@@ -99,7 +99,10 @@ TEST(ScaleEvidence, GradientIsThatOfTheCostWithOwnErrorsEliminated) {
 
 TEST(ScaleEvidence, OwnErrorsBoundWhatATurnCanSay) {
   std::vector<SwayStep> steps = Turn(0);
-  for (SwayStep& step : steps) step.speed = 0.45;
+  for (SwayStep& step : steps) {
+    step.speed = 0.45;
+    step.roll = 0;
+  }
   for (const double sigma : {1e-4, 1e-6}) {
     const ScaleEvidence evidence = EvidenceAt(ObservationOf(steps, sigma), kState, kLeverArm, kNoise);
     const double slip = kState[kSlip] * MeanSquareSpeed(ObservationOf(steps, sigma).pooled) * kScale * kScale;
