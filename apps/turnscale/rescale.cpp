@@ -105,7 +105,7 @@ void WriteReport(const fs::path& folder, const RescaleResult& result, const std:
   ReplaceFile(folder / "scale.csv", PoseScaleTable(result));
   ReplaceFile(folder / "turns.csv", TurnScaleTable(result));
   ReplaceFile(folder / "summary.json", RescaleJson(result, input));
-  ReplaceFile(folder / "rescale.svg", RescaleSvg(result, input, timed));
+  ReplaceFile(folder / "rescale.svg", RescaleSvg(result, fs::path(input).filename().string(), timed));
 }
 
 void RunRescale(const RescaleArguments& arguments) {

@@ -18,6 +18,7 @@ constexpr double kChartHeight = 170;
 constexpr double kMargin = 56;
 constexpr double kHeading = 40;
 constexpr std::size_t kMostPoints = 2000;  // of a curve
+constexpr double kMostBand = 1;            // by how many bands a single turn may widen the chart
 constexpr double kSpeedSeconds = 1;        // over which the speed is taken
 
 constexpr auto kStyle =
@@ -132,6 +133,14 @@ std::string ScaleChart(const RescaleResult& result, const std::vector<double>& a
   for (const PoseScale& scale : result.poses) {
     low = std::min(low, scale.metres_per_unit * std::exp(-2 * scale.sigma));
     high = std::max(high, scale.metres_per_unit * std::exp(2 * scale.sigma));
+  }
+  const double most = kMostBand * (high - low);
+  const double lowest = low - most;
+  const double highest = high + most;
+  for (const RescaledTurn& turn : result.turns) {
+    if (!turn.used || !(turn.metres_per_unit > 0)) continue;
+    low = std::max(lowest, std::min(low, turn.metres_per_unit * std::exp(-turn.sigma)));
+    high = std::min(highest, std::max(high, turn.metres_per_unit * std::exp(turn.sigma)));
   }
   const Chart chart(top, std::max(along.back(), 1.0), low, high);
   const std::vector<std::size_t> shown = Thinned(0, result.poses.size() - 1);

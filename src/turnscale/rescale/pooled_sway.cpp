@@ -14,6 +14,7 @@ Eigen::Vector4d SwayRegressors(const SwayStep& step) {
 PooledSway PoolSway(std::span<const SwayStep> steps, const Eigen::Vector4d& coefficients, double sigma, double huber) {
   PooledSway pooled;
   for (const SwayStep& step : steps) {
+    if (!step.usable) continue;
     const Eigen::Vector4d regressors = SwayRegressors(step);
     const double residual = std::abs(step.sway - regressors.dot(coefficients)) / sigma;
     const double weight = huber / std::max(residual, huber) / (sigma * sigma);

@@ -30,7 +30,9 @@ std::span<const SwayStep> StepsOf(const std::vector<SwayStep>& steps, const Stre
 
 void AppendResiduals(std::span<const SwayStep> steps, const Eigen::Vector4d& coefficients,
                      std::vector<double>& residuals) {
-  for (const SwayStep& step : steps) residuals.push_back(step.sway - SwayRegressors(step).dot(coefficients));
+  for (const SwayStep& step : steps) {
+    if (step.usable) residuals.push_back(step.sway - SwayRegressors(step).dot(coefficients));
+  }
 }
 
 struct StartFit {
@@ -192,12 +194,13 @@ class Estimator {
   ScaleEstimate estimate_;
 };
 
-// A made-up drive without any noise is still believed to this share of a step only.
+// The least sideways noise that is believed in, however quiet the odometry: the model itself is no better. On motion
+// without any noise (a simulator's truth) the differences of speed within a turn would else outweigh the prior of c.
 double LeastSigma(const std::vector<SwayStep>& steps) {
-  constexpr double kShare = 1e-5;
+  constexpr double kDirection = 0.0025;  // rad
   double sum = 0;
   for (const SwayStep& step : steps) sum += step.length;
-  return kShare * sum / static_cast<double>(steps.size());
+  return kDirection * sum / static_cast<double>(steps.size());
 }
 
 }  // namespace

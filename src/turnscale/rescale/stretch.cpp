@@ -14,7 +14,7 @@ std::vector<TurningRegion> TurnsOf(const std::vector<SwayStep>& steps, const Tur
   const auto keep = [&](const std::optional<TurningRegion>& turn) {
     if (turn) turns.push_back(*turn);
   };
-  for (const SwayStep& step : steps) keep(detector.Add(step.psi));
+  for (const SwayStep& step : steps) keep(step.usable ? detector.Add(step.psi) : detector.AddUnmeasured());
   keep(detector.Finish());
   return turns;
 }

@@ -18,6 +18,8 @@ struct SwayStep {
   double sway = 0;    ///< y = length sin(theta - psi/2): sideways as seen half-way, odometry units
   double roll = 0;    ///< rad that the camera leans over to the right meanwhile
   double speed = 0;   ///< odometry units a second; 0 where times are unknown
+  /// False where the odometry jumped or was lost, or the car went backwards: nothing is read from the step then.
+  bool usable = true;
 };
 
 struct KeySpacingOptions {
@@ -28,6 +30,12 @@ struct KeySpacingOptions {
   int max_spacing = 20;
   /// A key is at least this share of an ordinary step away from the one before: creeping is no driving.
   double min_length_share = 0.25;
+  /// A step this many times as fast as four of five others is no driving but a jump of the odometry.
+  double max_speed_ratio = 3;
+  /// A key that comes this many times as late as `spacing` has it follows a stop, or a loss of tracking.
+  int max_late = 4;
+  /// Steps that go further to the side than this are backwards or a jump, rad (60 deg).
+  double max_direction = 60.0 / 57.295779513082320877;
 
   /// Throws InputError that names the field when a value makes no sense.
   void Check() const;
