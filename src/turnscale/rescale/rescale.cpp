@@ -105,7 +105,7 @@ class Results {
     const auto sigma = [&](DriveUnknown unknown) { return std::sqrt(last.covariance(unknown, unknown)); };
     result.yaw_error = -last.mean[kTravel];
     result.yaw_error_sigma = sigma(kTravel);
-    result.side_slip = last.mean[kSlip];
+    result.side_slip = std::max(last.mean[kSlip], 0.0);
     result.side_slip_sigma = options_.timed ? sigma(kSlip) : 0;
     result.height = last.mean[kHeight];
     result.height_sigma = sigma(kHeight);

@@ -164,6 +164,32 @@ TEST(Rescale, StandingStillDoesNoHarm) {
   EXPECT_NEAR(standing_too.poses.back().metres_per_unit / moving.poses.back().metres_per_unit, 1, 0.003);
 }
 
+TEST(Rescale, LostTrackingAndJumpsDoNoHarm) {
+  ScaledDrive drive = MakeScaledDrive(CityRoute(8), kCar, kIdentity, kUnit, {.position = 0.003}, 7);
+  // Tracking is lost for two seconds on a straight, the last pose repeated; found again, the odometry has jumped.
+  const int lost = static_cast<int>(drive.trajectory.size()) / 2;
+  for (int i = lost; i < lost + 20; ++i)
+    drive.trajectory[i].world_from_camera = drive.trajectory[lost].world_from_camera;
+  for (std::size_t i = lost + 20; i < drive.trajectory.size(); ++i) {
+    drive.trajectory[i].world_from_camera.translation += Eigen::Vector3d(100, 3, -250) / kUnit;
+  }
+  RescaleOptions options = OptionsFor(kCar);
+  options.estimator.drifting = false;
+  const RescaleResult result = RescaleTrajectory(options, drive.trajectory);
+  ASSERT_TRUE(result.observable) << result.reason;
+  EXPECT_NEAR(result.poses[0].metres_per_unit / kUnit, 1, 0.02);
+  EXPECT_NEAR(result.side_slip, kCar.side_slip, 0.001);
+}
+
+TEST(Rescale, TyresDoNotSlipInwards) {
+  // A car whose lever arm seems to grow with speed.
+  const ScaledDrive drive = MakeScaledDrive(CityRoute(10), {1.2, -0.01}, kIdentity, kUnit, {.position = 0.002}, 7);
+  const RescaleResult result = RescaleTrajectory(OptionsFor({1.2, 0.001}), drive.trajectory);
+  ASSERT_TRUE(result.observable) << result.reason;
+  EXPECT_GE(result.side_slip, 0);
+  EXPECT_LT(result.side_slip, 1e-6);
+}
+
 TEST(Rescale, WithoutTimesTheTyresDoNotSlip) {
   const LeverArm rigid{1.2, 0};
   ScaledDrive drive = MakeScaledDrive(CityRoute(5), rigid, kIdentity, kUnit);

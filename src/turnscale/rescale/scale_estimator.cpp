@@ -241,7 +241,17 @@ std::optional<ScaleEstimate> EstimateScale(const std::vector<SwayStep>& steps, c
   const Eigen::Vector4d sigmas(kLogScaleSigma, car.yaw_sigma, std::max(car.side_slip_sigma, kLeastSigma),
                                car.height_sigma);
   prior.covariance.diagonal() = sigmas.cwiseAbs2();
-  return Estimator(steps, stretches, options, least_sigma).Run(prior, car.lever_arm, fit.sigma);
+  const auto run = [&] {
+    return Estimator(steps, stretches, options, least_sigma).Run(prior, car.lever_arm, fit.sigma);
+  };
+  auto estimate = run();
+  // Tyres do not slip inwards: on the edge of what can be, the answer is the one without slip.
+  if (estimate && estimate->smoothed.back().mean[kSlip] < 0) {
+    prior.mean[kSlip] = 0;
+    prior.covariance(kSlip, kSlip) = kLeastSigma * kLeastSigma;
+    estimate = run();
+  }
+  return estimate;
 }
 
 }  // namespace turnscale
