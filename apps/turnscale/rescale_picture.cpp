@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <ranges>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -151,9 +152,9 @@ std::string ScaleChart(const RescaleResult& result, const std::vector<double>& a
     line.push_back(chart.At(along[i], scale.metres_per_unit));
     band.push_back(chart.At(along[i], scale.metres_per_unit * std::exp(scale.sigma)));
   }
-  for (auto i = shown.rbegin(); i != shown.rend(); ++i) {
-    const PoseScale& scale = result.poses[*i];
-    band.push_back(chart.At(along[*i], scale.metres_per_unit * std::exp(-scale.sigma)));
+  for (const std::size_t i : std::views::reverse(shown)) {
+    const PoseScale& scale = result.poses[i];
+    band.push_back(chart.At(along[i], scale.metres_per_unit * std::exp(-scale.sigma)));
   }
   std::string text = chart.Frame("metres per unit, +- one sigma; bars: what each turn says alone");
   text += Line("band", band, true) + Line("scale", line);

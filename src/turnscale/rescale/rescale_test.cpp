@@ -193,7 +193,7 @@ TEST(Rescale, TyresDoNotSlipInwards) {
 TEST(Rescale, WithoutTimesTheTyresDoNotSlip) {
   const LeverArm rigid{1.2, 0};
   ScaledDrive drive = MakeScaledDrive(CityRoute(5), rigid, kIdentity, kUnit);
-  for (std::size_t i = 0; i < drive.trajectory.size(); ++i) drive.trajectory[i].time = 0;
+  for (StampedPose& pose : drive.trajectory) pose.time = 0;
   RescaleOptions options = OptionsFor({rigid.length, 0.0045});
   EXPECT_THROW(RescaleTrajectory(options, drive.trajectory), InputError);
   options.timed = false;
