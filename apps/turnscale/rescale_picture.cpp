@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ranges>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -147,15 +146,15 @@ std::string ScaleChart(const RescaleResult& result, const std::vector<double>& a
   const std::vector<std::size_t> shown = Thinned(0, result.poses.size() - 1);
   Points line;
   Points band;
+  Points lower;
   for (const std::size_t i : shown) {
     const PoseScale& scale = result.poses[i];
     line.push_back(chart.At(along[i], scale.metres_per_unit));
     band.push_back(chart.At(along[i], scale.metres_per_unit * std::exp(scale.sigma)));
+    lower.push_back(chart.At(along[i], scale.metres_per_unit * std::exp(-scale.sigma)));
   }
-  for (const std::size_t i : std::views::reverse(shown)) {
-    const PoseScale& scale = result.poses[i];
-    band.push_back(chart.At(along[i], scale.metres_per_unit * std::exp(-scale.sigma)));
-  }
+  // Forth along the upper edge, back along the lower one.
+  band.insert(band.end(), lower.rbegin(), lower.rend());
   std::string text = chart.Frame("metres per unit, +- one sigma; bars: what each turn says alone");
   text += Line("band", band, true) + Line("scale", line);
   for (const RescaledTurn& turn : result.turns) {
