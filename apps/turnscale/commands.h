@@ -11,6 +11,7 @@ namespace turnscale {
 /// exit code of its own.
 void AddRunCommand(CLI::App& app);
 void AddEvaluateCommand(CLI::App& app);
+void AddRescaleCommand(CLI::App& app);
 void AddSimulateCommand(CLI::App& app);
 
 }  // namespace turnscale

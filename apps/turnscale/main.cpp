@@ -44,6 +44,7 @@ int Main(int argc, char** argv) {
       "Exit codes: 0 done, 1 the machine failed (disk full), 2 the input cannot be used, 130 interrupted.");
   AddRunCommand(app);
   AddEvaluateCommand(app);
+  AddRescaleCommand(app);
   AddSimulateCommand(app);
   try {
     app.parse(argc, argv);

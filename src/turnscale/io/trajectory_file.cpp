@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "turnscale/io/trajectory_file.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <fstream>
 #include <iterator>
@@ -18,6 +20,9 @@ namespace {
 
 // Published files carry as few as four digits.
 constexpr double kRotationTolerance = 1e-2;
+constexpr double kSecondsPerNanosecond = 1e-9;
+constexpr double kLatestSeconds = 1e14;  // three million years
+constexpr std::size_t kEurocColumns = 8;
 
 RigidTransform PoseFromTum(std::span<const double> values, const std::string& where) {
   const Eigen::Quaterniond rotation(values[6], values[3], values[4], values[5]);
@@ -56,9 +61,13 @@ class Parser {
   Parser(std::string path, const std::optional<std::vector<double>>& times) : path_(std::move(path)), times_(times) {}
 
   void Line(const std::string& line, int number) {
-    const auto words = SplitWords(line);
+    std::string text = line;
+    const bool commas = text.find(',') != std::string::npos;
+    std::replace(text.begin(), text.end(), ',', ' ');
+    const auto words = SplitWords(text);
     if (words.empty() || words[0].starts_with('#')) return;
     const std::string where = fmt::format("{}:{}", path_, number);
+    if (commas) return AddEuroc(words, where);
     if (columns_ == 0) columns_ = words.size();
     if (columns_ != 8 && columns_ != 12 && columns_ != 13) {
       throw InputError(fmt::format("{}: {} columns; TUM has 8, KITTI 12 or 13", where, columns_));
@@ -81,12 +90,25 @@ class Parser {
   }
 
  private:
-  void AddTum(std::span<const double> values, const std::string& where) {
-    if (!file_.poses.empty() && values[0] <= file_.poses.back().time) {
+  void AddEuroc(const std::vector<std::string_view>& words, const std::string& where) {
+    file_.format = TrajectoryFormat::kEuroc;
+    if (words.size() < kEurocColumns || (columns_ != 0 && words.size() != columns_)) {
       throw InputError(
-          fmt::format("{}: time {} does not come after {}; sort the file", where, values[0], file_.poses.back().time));
+          fmt::format("{}: {} columns; EuRoC has 'time [ns],px,py,pz,qw,qx,qy,qz' and maybe more in each line", where,
+                      words.size()));
     }
-    file_.poses.push_back({values[0], PoseFromTum(values.subspan(1), where)});
+    columns_ = words.size();
+    const std::vector<double> v = NumbersOf({words.begin(), words.begin() + kEurocColumns}, where);
+    AddTum(std::array{v[0] * kSecondsPerNanosecond, v[1], v[2], v[3], v[5], v[6], v[7], v[4]}, where);
+  }
+
+  void AddTum(std::span<const double> values, const std::string& where) {
+    const double time = values[0] > kLatestSeconds ? values[0] * kSecondsPerNanosecond : values[0];
+    if (!file_.poses.empty() && time <= file_.poses.back().time) {
+      throw InputError(
+          fmt::format("{}: time {} does not come after {}; sort the file", where, time, file_.poses.back().time));
+    }
+    file_.poses.push_back({time, PoseFromTum(values.subspan(1), where)});
   }
 
   void AddKitti(std::span<const double> values, const std::string& where) {

@@ -12,6 +12,7 @@ namespace turnscale {
 
 enum class TrajectoryFormat {
   kTum,    ///< `time tx ty tz qx qy qz qw`
+  kEuroc,  ///< CSV: `time [ns],px,py,pz,qw,qx,qy,qz`, more columns are passed over
   kKitti,  ///< 12 numbers: row-major 3x4 world_from_camera; or 13 with the frame's number first
 };
 
@@ -19,11 +20,12 @@ struct TrajectoryFile {
   TrajectoryFormat format = TrajectoryFormat::kTum;
   /// KITTI poses without `times` carry their frame's number as time.
   Trajectory poses;
-  /// Number of each pose's frame: KITTI's first column or the line's number from 0; empty for TUM.
+  /// Number of each pose's frame: KITTI's first column or the line's number from 0; empty for TUM and EuRoC.
   std::vector<int> frames;
 };
 
-/// Reads a trajectory whose format is found from its columns; # begins a comment. `times` (seconds, by frame number)
+/// Reads a trajectory whose format is found from its columns; # begins a comment. TUM times beyond any clock's seconds
+/// are taken for nanoseconds, which some SLAM systems write. `times` (seconds, by frame number)
 /// are given to KITTI poses. Throws InputError that names file and line where a number is missing or NaN, a rotation is
 /// none, times or frames do not increase, or `times` do not fit.
 TrajectoryFile ReadTrajectoryFile(const std::filesystem::path& path,

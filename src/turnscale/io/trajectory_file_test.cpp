@@ -59,6 +59,28 @@ void ExpectNear(const Trajectory& a, const Trajectory& b) {
   }
 }
 
+TEST(TrajectoryFile, ReadsEurocCsv) {
+  std::ofstream(Path("a.csv")) << "#timestamp [ns],p_x [m],p_y [m],p_z [m],q_w [],q_x [],q_y [],q_z [],v_x,v_y,v_z\n"
+                                  "1403636580838555648,4.5,-1.25,0.75,0.5,-0.5,0.5,0.5,0,0,0\r\n"
+                                  "1403636580888555520, 5.5, -1.25, 0.75, 1, 0, 0, 0, 1, 2, 3\n";
+  const TrajectoryFile file = ReadTrajectoryFile(Path("a.csv"));
+  EXPECT_EQ(file.format, TrajectoryFormat::kEuroc);
+  ASSERT_EQ(file.poses.size(), 2u);
+  EXPECT_TRUE(file.frames.empty());
+  EXPECT_NEAR(file.poses[0].time, 1403636580.838555648, 1e-6);
+  EXPECT_EQ(file.poses[0].world_from_camera.translation, Eigen::Vector3d(4.5, -1.25, 0.75));
+  EXPECT_LT(file.poses[0].world_from_camera.rotation.angularDistance(Eigen::Quaterniond(0.5, -0.5, 0.5, 0.5)), 1e-12);
+  EXPECT_NE(Complaint("1,2,3\n").find("EuRoC has"), std::string::npos);
+  EXPECT_NE(Complaint("1,0,0,0,1,0,0,0\n2,0,0,0,1,0,0,x\n").find("bad.txt:2: 'x' is no finite number"),
+            std::string::npos);
+}
+
+TEST(TrajectoryFile, TumTimesMayBeNanoseconds) {
+  std::ofstream(Path("ns.tum")) << "1403636580838555648 0 0 0 0 0 0 1\n1403636580888555520 0 0 1 0 0 0 1\n";
+  const Trajectory poses = ReadTrajectory(Path("ns.tum"));
+  EXPECT_NEAR(poses[1].time - poses[0].time, 0.05, 1e-6);
+}
+
 TEST(TrajectoryFile, TumRoundTrip) {
   const Trajectory poses = RandomTrajectory(20);
   WriteTum(poses);

@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/rescale/rescale.h"
+
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "commands.h"
+#include "rescale_picture.h"
+#include "rescale_report.h"
+#include "turnscale/base/error.h"
+#include "turnscale/geometry/rotation.h"
+#include "turnscale/io/frame_times.h"
+#include "turnscale/io/output_file.h"
+#include "turnscale/io/settings.h"
+#include "turnscale/io/trajectory_file.h"
+
+namespace turnscale {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct RescaleArguments {
+  fs::path input;
+  double lever_arm = 0;
+  std::optional<double> side_slip;
+  std::optional<double> side_slip_sigma;
+  std::string camera_rotation = "identity";
+  std::optional<double> fps;
+  std::optional<fs::path> timestamps;
+  std::string drift = "auto";
+  fs::path out = "metric.tum";
+  std::optional<fs::path> report;
+  bool quiet = false;
+};
+
+struct TimedTrajectory {
+  Trajectory poses;
+  bool timed = true;
+};
+
+Trajectory TimedByRate(TrajectoryFile file, double fps) {
+  for (std::size_t i = 0; i < file.poses.size(); ++i) file.poses[i].time = file.frames[i] / fps;
+  return std::move(file.poses);
+}
+
+TimedTrajectory ReadInput(const RescaleArguments& arguments) {
+  if (arguments.fps && !(std::isfinite(*arguments.fps) && *arguments.fps > 0)) {
+    throw InputError(fmt::format("--fps {}: give frames per second, above 0", *arguments.fps));
+  }
+  TrajectoryFile file = ReadTrajectoryFile(arguments.input);
+  if (file.format != TrajectoryFormat::kKitti) {
+    if (arguments.fps || arguments.timestamps) {
+      throw InputError(fmt::format("{}: has times of its own; leave out {}", arguments.input.string(),
+                                   arguments.fps ? "--fps" : "--timestamps"));
+    }
+    return {std::move(file.poses), true};
+  }
+  if (arguments.fps) return {TimedByRate(std::move(file), *arguments.fps), true};
+  const fs::path times = arguments.timestamps ? *arguments.timestamps : FindPoseTimes(arguments.input);
+  if (times.empty()) return {std::move(file.poses), false};
+  return {ReadTrajectory(arguments.input, ReadFrameTimes(times).times), true};
+}
+
+RescaleOptions OptionsFrom(const RescaleArguments& arguments, bool timed) {
+  RescaleOptions options;
+  if (!(std::isfinite(arguments.lever_arm) && arguments.lever_arm > 0)) {
+    throw InputError(fmt::format("--lever-arm {}: give the metres from the rear axle forward to the camera, above 0",
+                                 arguments.lever_arm));
+  }
+  options.car.lever_arm = arguments.lever_arm;
+  const auto in_range = [](double slip) { return slip >= 0 && slip < 1; };
+  if (arguments.side_slip) {
+    if (!in_range(*arguments.side_slip)) {
+      throw InputError(
+          fmt::format("--side-slip {}: give c in s^2/m, from 0 (rigid car) to below 1; cars have about 0.004",
+                      *arguments.side_slip));
+    }
+    options.car.side_slip = *arguments.side_slip;
+  }
+  if (arguments.side_slip_sigma) {
+    if (!in_range(*arguments.side_slip_sigma)) {
+      throw InputError(
+          fmt::format("--side-slip-sigma {}: give s^2/m, from 0 (known) to below 1", *arguments.side_slip_sigma));
+    }
+    options.car.side_slip_sigma = *arguments.side_slip_sigma;
+  }
+  if (arguments.camera_rotation != "identity") {
+    options.vehicle_from_camera = ReadCameraRotation(arguments.camera_rotation);
+  }
+  options.timed = timed;
+  options.estimator.drifting = arguments.drift == "auto";
+  return options;
+}
+
+void WriteReport(const fs::path& folder, const RescaleResult& result, const std::string& input, bool timed) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) throw InputError(folder.string() + ": cannot be made: " + error.message());
+  ReplaceFile(folder / "scale.csv", PoseScaleTable(result));
+  ReplaceFile(folder / "turns.csv", TurnScaleTable(result));
+  ReplaceFile(folder / "summary.json", RescaleJson(result, input));
+  ReplaceFile(folder / "rescale.svg", RescaleSvg(result, fs::path(input).filename().string(), timed));
+}
+
+void RunRescale(const RescaleArguments& arguments) {
+  const TimedTrajectory trajectory = ReadInput(arguments);
+  const std::string input = arguments.input.string();
+  if (!trajectory.timed && !arguments.quiet) {
+    fmt::print(stderr,
+               "warning: {}: no times, so the tyres are taken not to slip, which costs up to 40 % of scale; "
+               "give --fps or --timestamps\n",
+               input);
+  }
+  if (trajectory.poses.size() < 2) throw InputError(input + ": holds one pose only; a drive has many");
+  const RescaleOptions options = OptionsFrom(arguments, trajectory.timed);
+  const RescaleResult result = RescaleTrajectory(options, trajectory.poses);
+  if (!result.observable) {
+    throw InputError(
+        fmt::format("{}: scale not observable: {}; give a drive with a slow turn of {:.0f} degrees or more", input,
+                    result.reason, options.stretches.turns.min_region_angle * kDegreesPerRadian));
+  }
+  std::string tum;
+  for (const StampedPose& pose : result.metric) tum += TumLine(pose);
+  ReplaceFile(arguments.out, tum);
+  if (arguments.report) WriteReport(*arguments.report, result, input, trajectory.timed);
+  if (!arguments.quiet) WriteStandardOutput(RescaleText(result));
+}
+
+}  // namespace
+
+void AddRescaleCommand(CLI::App& app) {
+  CLI::App* command = app.add_subcommand("rescale", "Give the trajectory of any monocular SLAM its metres.");
+  const auto arguments = std::make_shared<RescaleArguments>();
+  command
+      ->add_option("FILE", arguments->input,
+                   "Trajectory of any scale: TUM, KITTI (12 numbers, or 13 with the frame's number) or EuRoC CSV")
+      ->required();
+  command->add_option("--lever-arm", arguments->lever_arm, "Metres from the rear axle forward to the camera")
+      ->required();
+  command->add_option("--side-slip", arguments->side_slip,
+                      "Where the search for the rear tyres' slip c begins, s^2/m [0.0045]");
+  command->add_option("--side-slip-sigma", arguments->side_slip_sigma,
+                      "How well c is known beforehand, s^2/m [0.0015]");
+  command->add_option("--camera-rotation", arguments->camera_rotation,
+                      "How the camera is turned on the car: identity, yaw,pitch,roll in degrees, or a YAML file with "
+                      "them [identity]");
+  CLI::Option* fps = command->add_option("--fps", arguments->fps, "Frames per second of a KITTI file");
+  command
+      ->add_option("--timestamps", arguments->timestamps,
+                   "Times of a KITTI file's frames, one a line, s [times.txt beside it]")
+      ->excludes(fps);
+  command->add_option("--drift", arguments->drift, "auto: the scale may drift along the drive; none: one scale [auto]")
+      ->check(CLI::IsMember({"auto", "none"}));
+  command->add_option("--out", arguments->out, "The trajectory in metres, TUM [metric.tum]");
+  command->add_option("--report", arguments->report,
+                      "Folder for scale.csv, turns.csv, summary.json and the picture rescale.svg");
+  command->add_flag("--quiet", arguments->quiet, "Print errors only");
+  command->footer(
+      "Example:\n  turnscale rescale orbslam.tum --lever-arm 1.05 --out metric.tum --report out/\n\n"
+      "A drive without a turn does not show its scale: nothing is written then, and the exit code is 2.");
+  command->callback([arguments] { RunRescale(*arguments); });
+}
+
+}  // namespace turnscale

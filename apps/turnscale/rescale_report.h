@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <string>
+
+#include "turnscale/rescale/rescale.h"
+
+namespace turnscale {
+
+/// scale.csv: a line a pose, its scale from the whole drive and the one that was known by then.
+std::string PoseScaleTable(const RescaleResult& result);
+
+/// turns.csv: a line a turn; cells of what it does not say are empty.
+std::string TurnScaleTable(const RescaleResult& result);
+
+/// summary.json: the numbers of the drive, with the unit in each name.
+std::string RescaleJson(const RescaleResult& result, const std::string& input);
+
+/// A few lines for the screen.
+std::string RescaleText(const RescaleResult& result);
+
+}  // namespace turnscale

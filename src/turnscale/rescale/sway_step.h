@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "turnscale/geometry/trajectory.h"
+
+namespace turnscale {
+
+/// A step between two keys of a trajectory, in the terms of the pooled line (blueprint: lambda y = L x).
+struct SwayStep {
+  int first = 0;  ///< poses that the step leads from and to
+  int last = 0;
+  double psi = 0;     ///< turning angle, rad, positive to the right
+  double length = 0;  ///< odometry units
+  double sway = 0;    ///< y = length sin(theta - psi/2): sideways as seen half-way, odometry units
+  double roll = 0;    ///< rad that the camera leans over to the right meanwhile
+  double speed = 0;   ///< odometry units a second; 0 where times are unknown
+  /// False where the odometry jumped or was lost, or the car went backwards: nothing is read from the step then.
+  bool usable = true;
+};
+
+struct KeySpacingOptions {
+  /// Turning angle of a step in a turn, rad (3 deg, as in the paper's keyframes). Closer keys carry more noise than
+  /// signal; with wider ones the curvature changes within the step, for which the circle of (1) has no room.
+  double step_angle = 3.0 / 57.295779513082320877;
+  /// Greatest number of poses from key to key.
+  int max_spacing = 20;
+  /// A key is at least this share of an ordinary step away from the one before: creeping is no driving.
+  double min_length_share = 0.25;
+  /// A step this many times as fast as four of five others is no driving but a jump of the odometry.
+  double max_speed_ratio = 3;
+  /// A key that comes this many times as late as `spacing` has it follows a stop, or a loss of tracking.
+  int max_late = 4;
+  /// Steps that go further to the side than this are backwards or a jump, rad (60 deg).
+  double max_direction = 60.0 / 57.295779513082320877;
+
+  /// Throws InputError that names the field when a value makes no sense.
+  void Check() const;
+};
+
+/// Poses from key to key at which a turning step has about `step_angle`: 2 for 10 images a second, 1 for keyframes.
+int KeySpacing(const Trajectory& trajectory, const Eigen::Quaterniond& vehicle_from_camera,
+               const KeySpacingOptions& options);
+
+/// Steps between keys that are at least `spacing` poses apart. `timed` says that the poses' times are seconds.
+std::vector<SwayStep> SwaySteps(const Trajectory& trajectory, const Eigen::Quaterniond& vehicle_from_camera,
+                                int spacing, bool timed, const KeySpacingOptions& options);
+
+}  // namespace turnscale

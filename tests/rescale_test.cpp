@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: MIT
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "command_line.h"
+#include "turnscale/base/scratch_path.h"
+#include "turnscale/io/trajectory_file.h"
+#include "turnscale/rescale/drifting_drive.h"
+
+namespace turnscale {
+namespace {
+
+namespace fs = std::filesystem;
+
+const LeverArm kCar{1.2, 0.004};
+constexpr double kUnit = 21.0;
+constexpr double kFps = 10;
+
+std::string TextOf(const fs::path& path) {
+  std::ifstream stream(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+double Length(const Trajectory& poses) {
+  double length = 0;
+  for (std::size_t i = 1; i < poses.size(); ++i) {
+    length += (poses[i].world_from_camera.translation - poses[i - 1].world_from_camera.translation).norm();
+  }
+  return length;
+}
+
+class RescaleCommandTest : public ::testing::Test {
+ protected:
+  RescaleCommandTest() : folder_(ScratchPath("rescale")) {
+    fs::remove_all(folder_);
+    fs::create_directories(folder_);
+  }
+  ~RescaleCommandTest() override { fs::remove_all(folder_); }
+
+  std::string Path(const std::string& name) const { return (folder_ / name).string(); }
+
+  std::string Text(const std::string& name, const std::string& text) const {
+    std::ofstream(folder_ / name) << text;
+    return Path(name);
+  }
+
+  CommandResult Run(std::vector<std::string> arguments) const {
+    arguments.insert(arguments.begin(), "rescale");
+    arguments.insert(arguments.end(), {"--out", Path("metric.tum")});
+    return RunCommand(arguments, folder_);
+  }
+
+  void ExpectMetres(const std::vector<std::string>& arguments, int poses) const {
+    std::vector<std::string> all = arguments;
+    all.insert(all.end(), {"--lever-arm", "1.2"});
+    const CommandResult result = Run(all);
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_EQ(result.err, "");
+    const Trajectory metric = ReadTrajectory(folder_ / "metric.tum");
+    ASSERT_EQ(metric.size(), poses);
+    EXPECT_NEAR(Length(metric) / (kUnit * Length(drive_.trajectory)), 1, 0.02);
+  }
+
+  std::string Tum() const {
+    std::string text;
+    for (const StampedPose& pose : drive_.trajectory) text += TumLine(pose);
+    return Text("drive.tum", text);
+  }
+
+  fs::path folder_;
+  ScaledDrive drive_ =
+      MakeScaledDrive(CityRoute(6), kCar, Eigen::Quaterniond::Identity(), kUnit, {.position = 0.002}, 2);
+  int poses_ = static_cast<int>(drive_.trajectory.size());
+};
+
+TEST_F(RescaleCommandTest, ReadsEveryFormat) {
+  std::string kitti;
+  std::string numbered;
+  std::string euroc = "#timestamp,p_x,p_y,p_z,q_w,q_x,q_y,q_z\n";
+  for (int i = 0; i < poses_; ++i) {
+    const RigidTransform& pose = drive_.trajectory[i].world_from_camera;
+    kitti += KittiLine(pose, 12);
+    if (i % 2 == 0) numbered += std::to_string(i) + " " + KittiLine(pose, 12);
+    const Eigen::Vector3d& t = pose.translation;
+    const Eigen::Quaterniond& q = pose.rotation;
+    euroc += fmt::format("{},{},{},{},{},{},{},{}\n", 1'400'000'000'000'000'000 + i * 100'000'000LL, t.x(), t.y(),
+                         t.z(), q.w(), q.x(), q.y(), q.z());
+  }
+  ExpectMetres({Tum()}, poses_);
+  ExpectMetres({Text("12.txt", kitti), "--fps", "10"}, poses_);
+  ExpectMetres({Text("13.txt", numbered), "--fps", "10", "--drift", "none"}, (poses_ + 1) / 2);
+  ExpectMetres({Text("euroc.csv", euroc)}, poses_);
+  std::string times;
+  for (int i = 0; i < poses_; ++i) times += fmt::format("{}\n", i / kFps);
+  ExpectMetres({Path("12.txt"), "--timestamps", Text("stamps.txt", times)}, poses_);
+}
+
+TEST_F(RescaleCommandTest, WritesTheReport) {
+  const CommandResult result = Run({Tum(), "--lever-arm", "1.2", "--report", Path("report")});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_NE(result.out.find("m per unit"), std::string::npos);
+  const auto summary = nlohmann::json::parse(TextOf(folder_ / "report" / "summary.json"));
+  EXPECT_EQ(summary["turns"]["found"], 6);
+  EXPECT_NEAR(summary["metres_per_unit"]["min"], kUnit, 0.02 * kUnit);
+  const auto lines = [&](const std::string& name) {
+    const std::string text = TextOf(folder_ / "report" / name);
+    return std::count(text.begin(), text.end(), '\n');
+  };
+  EXPECT_EQ(lines("scale.csv"), 1 + poses_);
+  EXPECT_EQ(lines("turns.csv"), 1 + 6);
+  const std::string picture = TextOf(folder_ / "report" / "rescale.svg");
+  EXPECT_TRUE(picture.starts_with("<svg") && picture.ends_with("</svg>\n"));
+  EXPECT_NE(picture.find("implied speed"), std::string::npos);
+  EXPECT_EQ(picture.find("nan"), std::string::npos);
+}
+
+TEST_F(RescaleCommandTest, SameInputSameBytes) {
+  Tum();
+  ASSERT_EQ(Run({Path("drive.tum"), "--lever-arm", "1.2"}).exit_code, 0);
+  const std::string first = TextOf(folder_ / "metric.tum");
+  ASSERT_EQ(Run({Path("drive.tum"), "--lever-arm", "1.2"}).exit_code, 0);
+  EXPECT_EQ(TextOf(folder_ / "metric.tum"), first);
+}
+
+TEST_F(RescaleCommandTest, NoTurnNoMetres) {
+  std::string line;
+  for (int i = 0; i < 200; ++i) line += fmt::format("{} 0 0 {} 0 0 0 1\n", 0.1 * i, 0.05 * i);
+  const CommandResult result = Run({Text("line.tum", line), "--lever-arm", "1.2", "--report", Path("report")});
+  ExpectComplaint(result, 2, {"line.tum: scale not observable: it has no turn", "give a drive with"});
+  EXPECT_FALSE(fs::exists(folder_ / "metric.tum"));
+  EXPECT_FALSE(fs::exists(folder_ / "report"));
+}
+
+TEST_F(RescaleCommandTest, WithoutTimesItWarns) {
+  std::string kitti;
+  for (const StampedPose& pose : drive_.trajectory) kitti += KittiLine(pose.world_from_camera);
+  const CommandResult result = Run({Text("frames.txt", kitti), "--lever-arm", "1.2"});
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_NE(result.err.find("warning: "), std::string::npos);
+  EXPECT_NE(result.err.find("give --fps or --timestamps"), std::string::npos);
+}
+
+TEST_F(RescaleCommandTest, ComplaintsSayWhatToDo) {
+  const std::string tum = Tum();
+  ExpectComplaint(Run({tum}), 2, {"--lever-arm"});
+  ExpectComplaint(Run({tum, "--lever-arm", "-1"}), 2, {"--lever-arm -1", "above 0"});
+  ExpectComplaint(Run({tum, "--lever-arm", "1", "--side-slip", "2"}), 2, {"--side-slip 2", "s^2/m"});
+  ExpectComplaint(Run({tum, "--lever-arm", "1", "--fps", "10"}), 2, {"has times of its own", "leave out --fps"});
+  ExpectComplaint(Run({tum, "--lever-arm", "1", "--drift", "some"}), 2, {"--drift"});
+  ExpectComplaint(Run({tum, "--lever-arm", "1", "--camera-rotation", "nowhere.yaml"}), 2, {"--camera-rotation"});
+  ExpectComplaint(Run({Path("missing.tum"), "--lever-arm", "1"}), 2, {"missing.tum: no such trajectory file"});
+  ExpectComplaint(Run({Text("one.tum", "0 0 0 0 0 0 0 1\n"), "--lever-arm", "1"}), 2, {"one.tum: holds one pose only"});
+}
+
+}  // namespace
+}  // namespace turnscale
