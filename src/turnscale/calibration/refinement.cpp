@@ -23,9 +23,13 @@ constexpr size_t kStepsForSpread = 20;
 constexpr double kLeastNoise = 1e-3 / kDegreesPerRadian;
 // After so many iterations the weights stay what they are: quantiles of residuals jump, and would keep the last digits
 // from settling.
-constexpr int kIterationsWithNewWeights = 15;
+constexpr int kIterationsWithNewWeights = 10;
 // A piece's lever arm is within this share of the drive's, unless it shows otherwise.
 constexpr double kLeverArmSpread = 0.5;
+// And within this share of a step's way, where the drive's own is not known yet.
+constexpr double kLeastLeverArmSpread = 0.1;
+// Relative; the last update of the lever arms.
+constexpr double kLeverArmTolerance = 1e-4;
 
 // Steps first...last - 1 share a lever arm.
 struct Piece {
@@ -99,6 +103,9 @@ class Refiner {
       xx += x * x;
     }
     usual_lever_arm_ = xx > 0 ? std::max(xy / xx, 0.0) : 0.0;
+    std::vector<double> ways;
+    for (const StepMeasurement& step : steps_) ways.push_back(step.frames * step.length);
+    least_lever_arm_sigma_ = std::max(kLeastLeverArmSpread * QuantileOf(std::move(ways), 0.5), 1e-9);
     for (Piece& piece : pieces_) piece.lever_arm = usual_lever_arm_;
   }
 
@@ -111,7 +118,7 @@ class Refiner {
     const Eigen::Vector3d update = -Solve(equations);
     result_.vehicle_from_camera = (RotationFromVector(update) * result_.vehicle_from_camera).normalized();
     MoveLeverArms(update);
-    result_.converged = update.norm() < options_.tolerance && lever_arm_change_ < 1e-6;
+    result_.converged = update.norm() < options_.tolerance && lever_arm_change_ < kLeverArmTolerance;
   }
 
   // Least change where the steps leave a direction open (no turn yet).
@@ -219,7 +226,7 @@ class Refiner {
   // Of Q and the piece's lever arm.
   EliminatedStep ReducePiece(const Piece& piece, bool curvature) const {
     EliminatedStep block;
-    const double sigma = std::max(kLeverArmSpread * usual_lever_arm_, 1e-9);
+    const double sigma = std::max(kLeverArmSpread * usual_lever_arm_, least_lever_arm_sigma_);
     block.hessian(3, 3) = 1 / (sigma * sigma);
     block.gradient[3] = (piece.lever_arm - usual_lever_arm_) / (sigma * sigma);
     for (size_t i = piece.first; i < piece.last; ++i) {
@@ -298,6 +305,7 @@ class Refiner {
   const std::optional<RotationPrior>& prior_;
   std::vector<Piece> pieces_;
   double usual_lever_arm_ = 0;
+  double least_lever_arm_sigma_ = 0;
   double lever_arm_change_ = 0;
   double huber_threshold_ = 0;
   std::vector<StepState> states_;

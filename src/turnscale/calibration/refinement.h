@@ -40,7 +40,7 @@ struct RefinementOptions {
   /// all of a turn, so the spread of single steps does not show it; it goes into the covariance of the roll alone.
   /// The roll that KITTI's turns show scatters by as much; 0 is a flat world.
   double road_bank = 1.5 / 57.295779513082320877;
-  int max_iterations = 50;
+  int max_iterations = 100;
   double tolerance = 1e-7;  ///< rad; the last update of the rotation
 
   /// Throws InputError that names the field when a value makes no sense.
