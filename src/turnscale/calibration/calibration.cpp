@@ -22,6 +22,19 @@ int CountTurns(const std::vector<double>& psi, double least) {
   return turns + (detector.Finish().has_value() ? 1 : 0);
 }
 
+// In the camera's frame, a car goes one way; what only shakes or turns goes every way.
+void CheckThatItDrives(const std::vector<CameraStep>& steps) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  double length = 0;
+  for (const CameraStep& step : steps) {
+    sum += step.previous_from_current.translation;
+    length += step.previous_from_current.translation.norm();
+  }
+  constexpr double kLeastShare = 0.5;
+  if (sum.norm() >= kLeastShare * length) return;
+  throw InputError("no direction of travel: the camera stands, or turns on the spot, or is not fixed to a car");
+}
+
 std::string WhatIsMissing(const Calibration& calibration, const CalibrationOptions& options) {
   if (calibration.turning < options.min_turn || calibration.turns == 0) {
     return "no turn yet: roll and yaw offset not observable";
@@ -61,8 +74,9 @@ Calibration Calibrate(const std::vector<CameraStep>& given, const CalibrationOpt
   constexpr int kLeastSteps = 3;
   if (calibration.steps < kLeastSteps) {
     throw InputError("too little motion: " + std::to_string(calibration.steps) +
-                     " steps that move forward, and at least 3 are needed");
+                     " steps of driving, and at least 3 are needed");
   }
+  CheckThatItDrives(steps);
   TurningAxis axis;
   for (const CameraStep& step : steps) axis.Add(step.previous_from_current.rotation);
   LinearCalibration linear;

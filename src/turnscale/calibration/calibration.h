@@ -45,7 +45,8 @@ struct Calibration {
 /// Q from the camera's motion: the linear solution, then the refinement.
 ///
 /// Assumed: the car mostly drives forward (what goes the other way is taken as backing up), and the camera is less than
-/// a quarter turn from upright. Throws InputError where there are fewer than three steps that move.
+/// a quarter turn from upright. Throws InputError where there are fewer than three steps, or
+/// they have no direction of travel in common.
 Calibration Calibrate(const std::vector<CameraStep>& steps, const CalibrationOptions& options = {});
 
 /// The steps in the direction that most of the way goes, those of backing up turned round. Counts them in `reversed`.
