@@ -29,7 +29,7 @@ constexpr double kLeverArmSpread = 0.5;
 // And within this share of a step's way, where the drive's own is not known yet.
 constexpr double kLeastLeverArmSpread = 0.1;
 // Relative; the last update of the lever arms.
-constexpr double kLeverArmTolerance = 1e-4;
+constexpr double kLeverArmTolerance = 1e-3;
 
 // Steps first...last - 1 share a lever arm.
 struct Piece {
@@ -242,7 +242,8 @@ class Refiner {
       const double change =
           -(block.gradient[3] + block.hessian.topRightCorner<3, 1>().dot(update)) / block.hessian(3, 3);
       pieces_[i].lever_arm += change;
-      lever_arm_change_ = std::max(lever_arm_change_, std::abs(change) / std::max(std::abs(pieces_[i].lever_arm), 1e-9));
+      lever_arm_change_ =
+          std::max(lever_arm_change_, std::abs(change) / std::max(std::abs(pieces_[i].lever_arm), 1e-9));
     }
     // The drive's own lever arm follows its pieces.
     if (result_.iterations > kIterationsWithNewWeights) return;

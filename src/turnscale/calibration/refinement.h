@@ -17,7 +17,8 @@ enum class TravelModel {
   /// The odometry's step lengths hold over a turn: one lever arm, in the odometry's unit, for every piece of the drive
   /// that turns enough to show it. Yaw is then where the line of travel direction over curvature meets zero curvature.
   kSteady,
-  /// The paper's (15): every step has a free rho_j > 0. Only the sign of each step's swing is then held against the yaw.
+  /// The paper's (15): every step has a free rho_j > 0. Only the sign of each step's swing is then held against the
+  /// yaw.
   kFree,
 };
 
@@ -41,7 +42,7 @@ struct RefinementOptions {
   /// The roll that KITTI's turns show scatters by as much; 0 is a flat world.
   double road_bank = 1.5 / 57.295779513082320877;
   int max_iterations = 100;
-  double tolerance = 1e-7;  ///< rad; the last update of the rotation
+  double tolerance = 1e-6;  ///< rad; the last update of the rotation
 
   /// Throws InputError that names the field when a value makes no sense.
   void Check() const;
@@ -61,8 +62,8 @@ struct Refinement {
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
   Eigen::Matrix3d information = Eigen::Matrix3d::Zero();  ///< the normal equations themselves, prior included
   StepNoise noise;                                        ///< as found
-  std::vector<double> lever_arms;  ///< kSteady: one a piece of the drive, in the odometry's unit
-  std::vector<double> psi;         ///< one a step, rad
+  std::vector<double> lever_arms;                         ///< kSteady: one a piece of the drive, in the odometry's unit
+  std::vector<double> psi;                                ///< one a step, rad
   int iterations = 0;
   bool converged = false;
 };
