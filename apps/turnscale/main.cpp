@@ -43,6 +43,7 @@ int Main(int argc, char** argv) {
       "Example:\n  turnscale run drive.mp4 --camera cam.yaml --lever-arm 1.45\n\n"
       "Exit codes: 0 done, 1 the machine failed (disk full), 2 the input cannot be used, 130 interrupted.");
   AddRunCommand(app);
+  AddCalibrateCommand(app);
   AddEvaluateCommand(app);
   AddRescaleCommand(app);
   AddSimulateCommand(app);

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "turnscale/geometry/trajectory.h"
+
+namespace turnscale {
+
+/// A drive's camera motion, from wherever it is.
+struct DriveMotion {
+  std::string input;                  ///< as the user named it
+  std::vector<Trajectory> stretches;  ///< of unbroken tracking, in one unit of length
+  std::string note;                   ///< one line that the user should know; empty where there is none
+};
+
+/// Where the images of a drive are, as for run.
+struct ImageArguments {
+  std::filesystem::path input;
+  std::optional<std::filesystem::path> camera;
+  std::optional<std::filesystem::path> timestamps;
+  std::optional<double> fps;
+  std::optional<std::filesystem::path> settings;
+  std::optional<int> max_frames;
+  bool quiet = false;
+};
+
+/// Reads a TUM or KITTI trajectory, and turns vehicle axes into camera axes. KITTI poses without times (given, or
+/// beside them) are taken as 10 a second. Throws InputError.
+DriveMotion MotionFromTrajectory(const std::filesystem::path& path,
+                                 const std::optional<std::filesystem::path>& timestamps);
+
+/// Runs the odometry over the images, without a lever arm: the unit of length is arbitrary. Throws InputError. An
+/// interrupt ends the drive there.
+DriveMotion MotionFromImages(const ImageArguments& arguments);
+
+}  // namespace turnscale

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: MIT
+// Time of the calibration against the number of steps: linear, refined, and online per step.
+#include <benchmark/benchmark.h>
+
+#include "turnscale/calibration/online_calibration.h"
+#include "turnscale/calibration/turning_axis.h"
+#include "turnscale/laboratory/calibration_trials.h"
+
+namespace turnscale {
+namespace {
+
+// Noisy frame motions, each a step of its own: the most work for so many frames.
+std::vector<CameraStep> Frames(int count) {
+  PaperDriveOptions drive = PaperCalibrationDrive();
+  drive.length *= (count + 1) / 3500.0;
+  drive.frames = count + 1;
+  if (drive.length < 200) drive.length = 200;
+  const Trajectory path = NoisyCameraPath(PaperDriveSteps(drive), drive, {0.002, 0.002, 0, 1});
+  std::vector<CameraStep> steps;
+  for (size_t i = 1; i < path.size(); ++i) {
+    steps.push_back(
+        {path[i - 1].world_from_camera.inverse() * path[i].world_from_camera, 1, path[i - 1].time, path[i].time});
+  }
+  return steps;
+}
+
+void BM_Linear(benchmark::State& state) {
+  const auto steps = Frames(static_cast<int>(state.range(0)));
+  for (auto _ : state) {
+    LinearCalibration linear;
+    for (const CameraStep& step : steps) {
+      linear.Add(step.previous_from_current,
+                 TurningAngle(step.previous_from_current.rotation, Eigen::Vector3d::UnitY()));
+    }
+    benchmark::DoNotOptimize(linear.Solve());
+  }
+  state.SetComplexityN(state.range(0));
+}
+
+void BM_Calibrate(benchmark::State& state) {
+  const auto steps = Frames(static_cast<int>(state.range(0)));
+  int iterations = 0;
+  for (auto _ : state) iterations = Calibrate(steps).refinement.iterations;
+  state.counters["iterations"] = iterations;
+  state.SetComplexityN(state.range(0));
+}
+
+void BM_OnlinePerStep(benchmark::State& state) {
+  const auto steps = Frames(static_cast<int>(state.range(0)));
+  for (auto _ : state) {
+    OnlineCalibration online;
+    for (const CameraStep& step : steps) benchmark::DoNotOptimize(online.Add(step));
+  }
+  state.SetItemsProcessed(state.iterations() * state.range(0));
+}
+
+BENCHMARK(BM_Linear)->RangeMultiplier(10)->Range(100, 100000)->Unit(benchmark::kMillisecond)->Complexity();
+BENCHMARK(BM_Calibrate)->RangeMultiplier(10)->Range(100, 100000)->Unit(benchmark::kMillisecond)->Complexity();
+BENCHMARK(BM_OnlinePerStep)->RangeMultiplier(10)->Range(100, 10000)->Unit(benchmark::kMillisecond);
+
+}  // namespace
+}  // namespace turnscale
+
+BENCHMARK_MAIN();

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "turnscale/calibration/camera_step.h"
+#include "turnscale/calibration/linear_calibration.h"
+#include "turnscale/calibration/refinement.h"
+#include "turnscale/geometry/rotation.h"
+
+namespace turnscale {
+
+struct CalibrationOptions {
+  RefinementOptions refinement;
+  /// Least turning, right and left together, before the roll and the split of the camera's heading into yaw and pitch
+  /// are believed, rad (30 deg).
+  double min_turn = 30 / 57.295779513082320877;
+  /// The linear solution counts as unique from this ratio of its two smallest singular values on. The noise of a
+  /// straight drive alone gives up to about 1.2.
+  double min_confidence = 1.3;
+  /// Turns that are counted for the report begin here, rad (15 deg in one direction).
+  double counted_turn = 15 / 57.295779513082320877;
+
+  /// Throws InputError that names the field when a value makes no sense.
+  void Check() const;
+};
+
+/// How the camera is turned on the car, and how well that is known.
+struct Calibration {
+  Eigen::Quaterniond vehicle_from_camera = Eigen::Quaterniond::Identity();  ///< the paper's Q
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< of the small rotation about vehicle axes, rad^2
+  YawPitchRoll angles;                                   ///< rad
+  YawPitchRoll sigma;                                    ///< rad
+  LinearSolution linear;                                 ///< where the refinement started
+  Refinement refinement;
+  int steps = 0;
+  int reversed = 0;    ///< steps driven backwards
+  int turns = 0;       ///< of more than CalibrationOptions::counted_turn
+  double turning = 0;  ///< sum of |psi|, rad
+  bool observable = false;
+  std::string problem;  ///< what is missing, one line; empty where all three angles are observed
+};
+
+/// Q from the camera's motion: the linear solution, then the refinement.
+///
+/// Assumed: the car mostly drives forward (what goes the other way is taken as backing up), and the camera is less than
+/// a quarter turn from upright. Throws InputError where there are fewer than three steps, or
+/// they have no direction of travel in common.
+Calibration Calibrate(const std::vector<CameraStep>& steps, const CalibrationOptions& options = {});
+
+/// The steps in the direction that most of the way goes, those of backing up turned round. Counts them in `reversed`.
+std::vector<CameraStep> DrivenForward(std::vector<CameraStep> steps, int& reversed);
+
+}  // namespace turnscale

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "turnscale/calibration/camera_step.h"
+#include "turnscale/kinematics/lever_arm.h"
+
+namespace turnscale {
+
+struct LeverArmFitOptions {
+  /// Fit c of L_eff = L - c v^2 as well. Worth it from two turning speeds on; with one, L and c cannot be told apart.
+  bool side_slip = false;
+  /// What c is otherwise taken to be, s^2/m.
+  double assumed_side_slip = 0;
+  /// Share of the residuals below the Huber threshold.
+  double huber_share = 0.6;
+  /// Least turning of all drives together, rad (30 deg).
+  double min_turn = 30 / 57.295779513082320877;
+
+  /// Throws InputError that names the field when a value makes no sense.
+  void Check() const;
+};
+
+/// The lever arm that metric motion shows.
+struct LeverArmFit {
+  LeverArm lever_arm;
+  double sigma_length = 0;             ///< metres
+  double sigma_side_slip = 0;          ///< s^2/m; 0 where it was assumed
+  std::vector<double> yaw_correction;  ///< one a drive, rad: what the turns would add to Q's yaw
+  int turning_steps = 0;               ///< that turn by at least 2 deg
+};
+
+/// A drive in metres, and how its camera is turned on the car.
+struct MetricDrive {
+  std::vector<CameraStep> steps;  ///< metres
+  Eigen::Quaterniond vehicle_from_camera = Eigen::Quaterniond::Identity();
+};
+
+/// L, and c where asked for, common to all drives (end of section III): robust least squares of the pooled line
+///   s sin(theta - psi/2) = (L - c v^2) 2 sin(psi/2) + s yaw
+/// with a yaw of its own for each drive, so that the error of Q does not pass for a lever arm. Sigma comes from the
+/// scores of the steps, and does not cover what all turns share: the metres themselves, the speed of a sliding axle.
+/// Throws InputError where the drives turn too little.
+LeverArmFit FitLeverArm(const std::vector<MetricDrive>& drives, const LeverArmFitOptions& options = {});
+
+}  // namespace turnscale

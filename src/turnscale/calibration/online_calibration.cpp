@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/calibration/online_calibration.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include <Eigen/LU>
+
+#include "turnscale/base/error.h"
+#include "turnscale/calibration/camera_angles.h"
+#include "turnscale/kinematics/turning_motion.h"
+
+namespace turnscale {
+namespace {
+
+constexpr int kLeastSteps = 3;
+
+std::vector<StepMeasurement> Measurements(const std::deque<CameraStep>& steps, int first, int last) {
+  std::vector<StepMeasurement> measurements;
+  for (int i = first; i < last; ++i) measurements.push_back(MeasurementOf(steps[i]));
+  return measurements;
+}
+
+Eigen::Matrix3d InformationOf(const Refinement& refinement) {
+  return refinement.covariance.allFinite() ? Eigen::Matrix3d(refinement.covariance.inverse()) : refinement.information;
+}
+
+}  // namespace
+
+void OnlineCalibrationOptions::Check() const {
+  calibration.Check();
+  if (retired_together < kLeastSteps) throw InputError("retired_together: must be at least 3");
+  if (short_memory < kLeastSteps) throw InputError("short_memory: must be at least 3");
+  if (long_memory < short_memory) throw InputError("long_memory: must not be below short_memory");
+  if (window < long_memory + retired_together) {
+    throw InputError("window: must hold long_memory and retired_together");
+  }
+  if (!(drift >= 0)) throw InputError("drift: must not be negative");
+  if (!(sway > 0)) throw InputError("sway: must be above 0 rad");
+  if (!(moved_sigmas > 0)) throw InputError("moved_sigmas: must be above 0");
+  if (!(moved_angle > 0)) throw InputError("moved_angle: must be above 0 rad");
+  if (moved_confirmations < 1) throw InputError("moved_confirmations: must be at least 1");
+  if (!(usable_yaw_sigma > 0)) throw InputError("usable_yaw_sigma: must be above 0 rad");
+}
+
+OnlineCalibration::OnlineCalibration(const OnlineCalibrationOptions& options) : options_(options) { options_.Check(); }
+
+const OnlineState& OnlineCalibration::Add(const CameraStep& step) {
+  const bool backs_up = way_.dot(step.previous_from_current.translation) < 0;
+  window_.push_back(backs_up ? Reversed(step) : step);
+  Learn(window_.back());
+  if (static_cast<int>(window_.size()) > options_.window) Retire();
+  if (turned_) Refine();
+  state_.moved = LooksMoved();
+  if (state_.moved) Restart();
+  Report();
+  return state_;
+}
+
+void OnlineCalibration::Learn(const CameraStep& step) {
+  ++steps_;
+  way_ += step.previous_from_current.translation;
+  const RigidTransform motion = WholeMotion(step);
+  axis_.Add(motion.rotation);
+  const double psi = TurningAngle(motion.rotation, axis_.direction());
+  linear_.Add(motion, psi);
+  turning_ += std::abs(psi);
+  headings_.push_back(headings_.empty() ? psi : headings_.back() + psi);
+  if (static_cast<int>(headings_.size()) > options_.window) headings_.pop_front();
+  const auto [least, most] = std::minmax_element(headings_.begin(), headings_.end());
+  turned_ = turned_ || *most - *least > options_.calibration.min_turn;
+}
+
+void OnlineCalibration::Retire() {
+  if (!refinement_) {
+    // No turn yet: what these steps could say of the roll is noise.
+    window_.pop_front();
+    return;
+  }
+  const Refinement past = RefineRotation(Measurements(window_, 0, options_.retired_together),
+                                         refinement_->vehicle_from_camera, options_.calibration.refinement, before_);
+  window_.erase(window_.begin(), window_.begin() + options_.retired_together);
+  Eigen::Matrix3d covariance = InformationOf(past).inverse();
+  covariance += options_.drift * options_.drift * Eigen::Matrix3d::Identity();
+  before_ = RotationPrior{past.vehicle_from_camera, covariance.inverse()};
+}
+
+void OnlineCalibration::Refine() {
+  // A rotation that the car's turns contradict came from too little turning: it is forgotten.
+  constexpr double kOneAxis = 0.94;  // cosine of 20 deg
+  const auto contradicts = [&](const Refinement& refinement) {
+    return (refinement.vehicle_from_camera * axis_.direction()).y() < kOneAxis;
+  };
+  if (refinement_ && contradicts(*refinement_)) {
+    refinement_.reset();
+    before_.reset();
+  }
+  const Eigen::Quaterniond start = refinement_ ? refinement_->vehicle_from_camera
+                                               : RotationFromForwardAndDown(way_, axis_.direction());
+  refinement_ = RefineRotation(Measurements(window_, 0, static_cast<int>(window_.size())), start,
+                               options_.calibration.refinement, before_);
+}
+
+// The latest steps by themselves against all steps before them.
+bool OnlineCalibration::DisagreesOver(int steps) const {
+  const int size = static_cast<int>(window_.size());
+  const int split = size - steps;
+  if (split < kLeastSteps || (!before_ && split < steps)) return false;
+  const RefinementOptions& options = options_.calibration.refinement;
+  const Eigen::Quaterniond start = refinement_->vehicle_from_camera;
+  const Refinement earlier = RefineRotation(Measurements(window_, 0, split), start, options, before_);
+  // The roll of a few steps is noise, and would drag yaw and pitch along.
+  RotationPrior same_roll{earlier.vehicle_from_camera, Eigen::Matrix3d::Zero()};
+  same_roll.information(2, 2) = 1 / (options.road_bank * options.road_bank + 1e-6);
+  const Refinement latest = RefineRotation(Measurements(window_, split, size), start, options, same_roll);
+  if (!earlier.covariance.allFinite() || !latest.covariance.allFinite()) return false;
+  const Eigen::Vector2d moved =
+      VectorFromRotation(latest.vehicle_from_camera * earlier.vehicle_from_camera.conjugate()).head<2>();
+  const Eigen::Matrix2d covariance = (earlier.covariance + latest.covariance).topLeftCorner<2, 2>() +
+                                     options_.sway * options_.sway * Eigen::Matrix2d::Identity();
+  return moved.norm() > options_.moved_angle &&
+         moved.dot(covariance.inverse() * moved) > options_.moved_sigmas * options_.moved_sigmas;
+}
+
+bool OnlineCalibration::LooksMoved() {
+  if (!refinement_) return false;
+  const bool disagrees = DisagreesOver(options_.short_memory) || DisagreesOver(options_.long_memory);
+  disagreements_ = disagrees ? disagreements_ + 1 : 0;
+  return disagreements_ >= options_.moved_confirmations;
+}
+
+// Goes on with the steps that are surely after the move.
+void OnlineCalibration::Restart() {
+  const int kept = DisagreesOver(options_.short_memory) ? options_.short_memory : options_.long_memory;
+  const std::deque<CameraStep> latest(window_.end() - kept, window_.end());
+  window_ = latest;
+  way_.setZero();
+  axis_ = TurningAxis();
+  linear_ = LinearCalibration();
+  turning_ = 0;
+  turned_ = false;
+  headings_.clear();
+  steps_ = 0;
+  for (const CameraStep& step : window_) Learn(step);
+  before_.reset();
+  refinement_.reset();
+  disagreements_ = 0;
+  ++state_.moves;
+  if (turned_) Refine();
+}
+
+void OnlineCalibration::Report() {
+  state_.steps = steps_;
+  state_.turning = turning_;
+  state_.singular_values = linear_.Solve().singular_values;
+  state_.estimated = refinement_.has_value();
+  if (!refinement_) {
+    state_.vehicle_from_camera = RotationFromForwardAndDown(way_, Eigen::Vector3d::UnitY());
+    state_.angles = YawPitchRollFromRotation(state_.vehicle_from_camera);
+    state_.usable = false;
+    state_.covariance = Eigen::Matrix3d::Identity() * std::numeric_limits<double>::infinity();
+    constexpr double kUnknown = std::numeric_limits<double>::infinity();
+    state_.sigma = {kUnknown, kUnknown, kUnknown};
+    return;
+  }
+  state_.vehicle_from_camera = refinement_->vehicle_from_camera;
+  state_.covariance = refinement_->covariance;
+  state_.angles = YawPitchRollFromRotation(state_.vehicle_from_camera);
+  state_.sigma = SigmaOfAngles(state_.vehicle_from_camera, state_.covariance);
+  state_.usable = state_.sigma.yaw < options_.usable_yaw_sigma;
+}
+
+}  // namespace turnscale

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <deque>
+#include <optional>
+#include <string>
+
+#include "turnscale/calibration/calibration.h"
+#include "turnscale/calibration/turning_axis.h"
+
+namespace turnscale {
+
+struct OnlineCalibrationOptions {
+  CalibrationOptions calibration;
+  /// Latest steps that are refined anew with each step; older ones live on as one rotation and its covariance.
+  int window = 60;
+  /// So many are handed over at a time.
+  int retired_together = 20;
+  /// The drift of a mount and of a car's load that old knowledge is allowed, rad for each time steps are handed over
+  /// (0.02 deg).
+  double drift = 0.02 / 57.295779513082320877;
+  /// The latest steps are held against all before them over this many steps: 8 s and 20 s of driving.
+  int short_memory = 12;
+  int long_memory = 30;
+  /// Braking, load and the grade of the road move yaw and pitch by this much over such times, rad (0.4 deg).
+  double sway = 0.4 / 57.295779513082320877;
+  /// A camera was moved when the yaw and pitch of the latest steps disagree by so many standard deviations, several times in a row.
+  double moved_sigmas = 4;
+  /// And by at least this angle, rad (1.2 deg).
+  double moved_angle = 1.2 / 57.295779513082320877;
+  int moved_confirmations = 3;
+  /// Q is worth using below this standard deviation of its yaw, rad (0.25 deg: the scale is then right within some
+  /// per cent).
+  double usable_yaw_sigma = 0.25 / 57.295779513082320877;
+
+  /// Throws InputError that names the field when a value makes no sense.
+  void Check() const;
+};
+
+/// What is known of the camera's rotation at a moment of the drive.
+struct OnlineState {
+  Eigen::Quaterniond vehicle_from_camera = Eigen::Quaterniond::Identity();  ///< the paper's Q
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();                     ///< rad^2, about vehicle axes
+  YawPitchRoll angles;                                                      ///< rad
+  YawPitchRoll sigma;                                                       ///< rad
+  Eigen::Vector4d singular_values = Eigen::Vector4d::Zero();  ///< of (14) since the start or the last move
+  double turning = 0;                                         ///< sum of |psi| since then, rad
+  int steps = 0;                                              ///< since then
+  /// A turn was seen. Before, the rotation only says which way the car goes, with the camera taken as upright, and the
+  /// sigmas are infinite.
+  bool estimated = false;
+  bool usable = false;  ///< a turn was seen, and yaw is known well enough
+  bool moved = false;   ///< this very step showed that the camera was moved: all before it is forgotten
+  int moves = 0;        ///< so far
+};
+
+/// The calibration as a drive goes on: bounded time and memory for each step. Notices a camera that was moved by the
+/// direction in which it sees the car go. A move about that very direction (roll) hides in the road's bank, and is only
+/// learned slowly.
+class OnlineCalibration {
+ public:
+  /// Throws InputError when an option makes no sense.
+  explicit OnlineCalibration(const OnlineCalibrationOptions& options = {});
+
+  /// Takes the next step of the odometry, of any unit of length; steps that stand still do not belong here (see
+  /// StepGatherer). What Calibrate assumes is assumed here.
+  const OnlineState& Add(const CameraStep& step);
+
+  const OnlineState& state() const { return state_; }
+
+ private:
+  void Learn(const CameraStep& step);
+  void Retire();
+  void Refine();
+  bool DisagreesOver(int steps) const;
+  bool LooksMoved();
+  void Restart();
+  void Report();
+
+  OnlineCalibrationOptions options_;
+  std::deque<CameraStep> window_;
+  Eigen::Vector3d way_ = Eigen::Vector3d::Zero();  ///< sum of the translations, which tells forward from backing up
+  TurningAxis axis_;
+  LinearCalibration linear_;
+  double turning_ = 0;
+  bool turned_ = false;          ///< by CalibrationOptions::min_turn within the window
+  std::deque<double> headings_;  ///< after each step of the window, rad
+  int steps_ = 0;
+  std::optional<RotationPrior> before_;  ///< what the steps before the window say
+  std::optional<Refinement> refinement_;
+  int disagreements_ = 0;  ///< in a row
+  OnlineState state_;
+};
+
+}  // namespace turnscale

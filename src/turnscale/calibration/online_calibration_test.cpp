@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/calibration/online_calibration.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "turnscale/base/refused_field.h"
+#include "turnscale/calibration/step_gatherer.h"
+#include "turnscale/calibration/test_drive.h"
+
+namespace turnscale {
+namespace {
+
+const Eigen::Quaterniond kTilted = RotationFromYawPitchRoll({5 * kDeg, 15 * kDeg, -10 * kDeg});
+const std::vector<int> kTurns{1, -1, 1, 1, -1, -1, 1, -1};
+
+std::vector<CameraStep> Steps(const Eigen::Quaterniond& rotation, int seed) {
+  return StepsAlong(TestPath(TestRoute(kTurns), {1.2, 0}, rotation, 0.2 * kDeg, seed));
+}
+
+TEST(OnlineCalibration, WaitsForTheFirstTurnAndThenHolds) {
+  OnlineCalibration online;
+  bool was_usable = false;
+  for (const CameraStep& step : Steps(kTilted, 1)) {
+    const OnlineState& state = online.Add(step);
+    EXPECT_EQ(state.usable, state.estimated && state.sigma.yaw < OnlineCalibrationOptions().usable_yaw_sigma);
+    EXPECT_TRUE(step.end > 6 || !state.estimated);
+    EXPECT_TRUE(!state.usable || std::abs(state.angles.yaw - 5 * kDeg) < 5 * state.sigma.yaw) << step.end;
+    was_usable = was_usable || state.usable;
+  }
+  EXPECT_TRUE(was_usable);
+  EXPECT_EQ(online.state().moves, 0);
+  EXPECT_LT(DegreesBetween(online.state().vehicle_from_camera, kTilted), 0.3);
+}
+
+TEST(OnlineCalibration, AgreesWithAllStepsTogether) {
+  const auto steps = Steps(kTilted, 2);
+  OnlineCalibration online;
+  for (const CameraStep& step : steps) online.Add(step);
+  const Calibration together = Calibrate(steps);
+  EXPECT_NEAR(online.state().angles.yaw, together.angles.yaw, 0.05 * kDeg);
+  EXPECT_NEAR(online.state().angles.pitch, together.angles.pitch, 0.05 * kDeg);
+}
+
+TEST(OnlineCalibration, NoticesAMovedCameraWithinThirtySeconds) {
+  for (const YawPitchRoll& move : {YawPitchRoll{2 * kDeg, 0, 0}, YawPitchRoll{0, -2 * kDeg, 0}}) {
+    const Eigen::Quaterniond moved = kTilted * RotationFromYawPitchRoll(move);
+    const auto before = Steps(kTilted, 3);
+    const auto after = Steps(moved, 4);
+    OnlineCalibration online;
+    for (const CameraStep& step : before) online.Add(step);
+    ASSERT_EQ(online.state().moves, 0);
+    double noticed = 1e9;
+    for (const CameraStep& step : after) {
+      if (online.Add(step).moved) noticed = std::min(noticed, step.end);
+    }
+    EXPECT_LT(noticed, 30);
+    EXPECT_EQ(online.state().moves, 1);
+    EXPECT_TRUE(online.state().usable);
+    EXPECT_NEAR(online.state().angles.yaw, YawPitchRollFromRotation(moved).yaw, 0.15 * kDeg);
+    EXPECT_NEAR(online.state().angles.pitch, YawPitchRollFromRotation(moved).pitch, 0.15 * kDeg);
+  }
+}
+
+TEST(OnlineCalibrationOptions, RefuseSenselessValues) {
+  using Options = OnlineCalibrationOptions;
+  EXPECT_EQ(RefusedField<Options>([](Options& o) { o.window = 10; }), "window");
+  EXPECT_EQ(RefusedField<Options>([](Options& o) { o.retired_together = 0; }), "retired_together");
+  EXPECT_EQ(RefusedField<Options>([](Options& o) { o.short_memory = 0; }), "short_memory");
+  EXPECT_EQ(RefusedField<Options>([](Options& o) { o.long_memory = 5; }), "long_memory");
+  EXPECT_EQ(RefusedField<Options>([](Options& o) { o.drift = -1; }), "drift");
+  EXPECT_EQ(RefusedField<Options>([](Options& o) { o.sway = 0; }), "sway");
+  EXPECT_EQ(RefusedField<Options>([](Options& o) { o.moved_sigmas = 0; }), "moved_sigmas");
+  EXPECT_EQ(RefusedField<Options>([](Options& o) { o.moved_angle = 0; }), "moved_angle");
+  EXPECT_EQ(RefusedField<Options>([](Options& o) { o.moved_confirmations = 0; }), "moved_confirmations");
+  EXPECT_EQ(RefusedField<Options>([](Options& o) { o.usable_yaw_sigma = 0; }), "usable_yaw_sigma");
+}
+
+}  // namespace
+}  // namespace turnscale

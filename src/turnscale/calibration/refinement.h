@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+#include "turnscale/calibration/camera_step.h"
+#include "turnscale/calibration/step_residual.h"
+
+namespace turnscale {
+
+/// What is assumed of the distances that the car travels.
+enum class TravelModel {
+  /// The odometry's step lengths hold over a turn: one lever arm, in the odometry's unit, for every piece of the drive
+  /// that turns enough to show it. Yaw is then where the line of travel direction over curvature meets zero curvature.
+  kSteady,
+  /// The paper's (15): every step has a free rho_j > 0. Only the sign of each step's swing is then held against the
+  /// yaw.
+  kFree,
+};
+
+/// Standard deviations of a step's measurements, radians: what residuals are weighed by.
+struct StepNoise {
+  double rotation = 0.1 / 57.295779513082320877;    ///< off the turning axis; odometry and the body on its springs
+  double vertical = 0.5 / 57.295779513082320877;    ///< direction of travel, up and down
+  double horizontal = 0.5 / 57.295779513082320877;  ///< direction of travel, left and right
+};
+
+struct RefinementOptions {
+  TravelModel travel = TravelModel::kSteady;
+  /// r_th of (16): this share of the residuals is below the Huber threshold, anew in each iteration.
+  double huber_share = 0.6;
+  /// Weigh rotations and directions by the spread they show; otherwise both count alike, as in (15).
+  bool weigh_by_spread = true;
+  /// A piece of the drive gets a lever arm of its own once its heading has swept so much, rad (60 deg).
+  double turn_per_lever_arm = 60 / 57.295779513082320877;
+  /// Standard deviation of the road's bank and the body's lean in a turn, rad (1.5 deg). It tilts the turning axis for
+  /// all of a turn, so the spread of single steps does not show it; it goes into the covariance of the roll alone.
+  /// The roll that KITTI's turns show scatters by as much; 0 is a flat world.
+  double road_bank = 1.5 / 57.295779513082320877;
+  int max_iterations = 100;
+  double tolerance = 1e-6;  ///< rad; the last update of the rotation
+
+  /// Throws InputError that names the field when a value makes no sense.
+  void Check() const;
+};
+
+/// What is known of Q before: a rotation, and the inverse covariance of the small rotation about vehicle axes that
+/// corrects it, 1/rad^2.
+struct RotationPrior {
+  Eigen::Quaterniond vehicle_from_camera = Eigen::Quaterniond::Identity();
+  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
+};
+
+struct Refinement {
+  Eigen::Quaterniond vehicle_from_camera = Eigen::Quaterniond::Identity();
+  /// Of the small rotation about vehicle axes (x: pitch, y: yaw, z: roll), rad^2: from the final normal equations,
+  /// scaled by the residuals. Infinite diagonal where the equations are singular.
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();  ///< the normal equations themselves, prior included
+  StepNoise noise;                                        ///< as found
+  std::vector<double> lever_arms;                         ///< kSteady: one a piece of the drive, in the odometry's unit
+  std::vector<double> psi;                                ///< one a step, rad
+  int iterations = 0;
+  bool converged = false;
+};
+
+/// The step without its length and times. The direction of a step of length 0 is forward.
+StepMeasurement MeasurementOf(const CameraStep& step);
+
+/// The full refinement (15), (16) by Gauss-Newton on the unit quaternion. What belongs to one step alone (psi_j, rho_j)
+/// is eliminated step by step, so the cost grows linearly with their number.
+///
+/// L is not needed: all is in units of L with kFree, in the odometry's unit with kSteady.
+Refinement RefineRotation(const std::vector<StepMeasurement>& steps, const Eigen::Quaterniond& start,
+                          const RefinementOptions& options = {},
+                          const std::optional<RotationPrior>& prior = std::nullopt);
+
+}  // namespace turnscale

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/calibration/step_elimination.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/LU>
+
+#include "turnscale/geometry/rotation.h"
+
+namespace turnscale {
+namespace {
+
+constexpr double kMaxSwing = 20;
+constexpr int kFits = 4;
+
+using Matrix6d = Eigen::Matrix<double, 6, 6>;
+
+Matrix6d Metric(const StepState& state, bool curvature) {
+  Matrix6d metric = state.huber * Matrix6d::Identity();
+  if (curvature && state.huber < 1) {
+    const StepResidual::Vector along = state.residual.value.normalized();
+    metric -= state.huber * along * along.transpose();
+  }
+  return metric;
+}
+
+StepResidual WeightedResidual(const StepMeasurement& step, const Eigen::Quaterniond& vehicle_from_camera,
+                              const StepWeights& weights, double psi, double swing) {
+  StepResidual residual = EvaluateStep(step, vehicle_from_camera, psi, swing);
+  Whiten(weights, residual);
+  return residual;
+}
+
+// A curvature's inverse, 0 where there is none to speak of.
+double SafeInverse(double value) { return value > 1e-12 ? 1 / value : 0; }
+
+}  // namespace
+
+TurnOff OffTheModel(const StepMeasurement& step, const Eigen::Quaterniond& vehicle_from_camera, double swing) {
+  const Eigen::Vector3d turn = vehicle_from_camera * VectorFromRotation(step.rotation);
+  const Eigen::Vector3d travel = vehicle_from_camera * step.direction;
+  const double psi = turn.y();
+  return {turn.x(), turn.z(), -travel.y(), std::atan2(travel.x(), travel.z()) - TravelDirection(psi, swing),
+          0.5 + swing};
+}
+
+void Whiten(const StepWeights& weights, StepResidual& residual) {
+  residual.value = weights.cwiseProduct(residual.value).eval();
+  residual.by_rotation = (weights.asDiagonal() * residual.by_rotation).eval();
+  residual.by_psi = weights.cwiseProduct(residual.by_psi).eval();
+  residual.by_swing = weights.cwiseProduct(residual.by_swing).eval();
+}
+
+void FitTurningAngle(const StepMeasurement& step, const Eigen::Quaterniond& vehicle_from_camera,
+                     const StepWeights& weights, StepState& state) {
+  state.psi = (vehicle_from_camera * VectorFromRotation(step.rotation)).y();
+  for (int i = 0; i < kFits; ++i) {
+    const StepResidual residual = WeightedResidual(step, vehicle_from_camera, weights, state.psi, state.swing);
+    const double change = -residual.by_psi.dot(residual.value) / residual.by_psi.squaredNorm();
+    state.psi += change;
+    if (std::abs(change) < 1e-10) break;
+  }
+}
+
+void FitFreeStep(const StepMeasurement& step, const Eigen::Quaterniond& vehicle_from_camera, const StepWeights& weights,
+                 StepState& state) {
+  const double psi = (vehicle_from_camera * VectorFromRotation(step.rotation)).y();
+  const Eigen::Vector3d travel = vehicle_from_camera * step.direction;
+  // With psi as measured, the swing that explains the direction, if any does.
+  const double sine = 2 * std::sin(0.5 * psi);
+  const double wanted = std::sin(std::atan2(travel.x(), travel.z()) - 0.5 * psi);
+  state.psi = psi;
+  state.swing = std::abs(sine) > 0 ? wanted / sine : 0;
+  state.swing_free = state.swing > 0 && state.swing < kMaxSwing;
+  if (state.swing_free) return;
+  state.swing = std::clamp(state.swing, 0.0, kMaxSwing);
+  FitTurningAngle(step, vehicle_from_camera, weights, state);
+}
+
+EliminatedStep EliminateTurningAngle(const StepState& state, double per_lever_arm, bool curvature) {
+  const StepResidual& residual = state.residual;
+  const Matrix6d metric = Metric(state, curvature);
+  Eigen::Matrix<double, 6, 4> jacobian;
+  jacobian << residual.by_rotation, per_lever_arm * residual.by_swing;
+  const StepResidual::Vector by_psi = metric * residual.by_psi;
+  const double inverse = SafeInverse(residual.by_psi.dot(by_psi));
+  const Eigen::Vector4d cross = jacobian.transpose() * by_psi;
+  EliminatedStep step;
+  step.hessian = jacobian.transpose() * metric * jacobian - inverse * cross * cross.transpose();
+  // psi is at its best, so nothing of the gradient comes from it.
+  step.gradient = state.huber * jacobian.transpose() * residual.value;
+  return step;
+}
+
+EliminatedStep EliminateFreeStep(const StepState& state, bool curvature) {
+  if (!state.swing_free) {
+    EliminatedStep step = EliminateTurningAngle(state, 0, curvature);
+    return step;
+  }
+  const StepResidual& residual = state.residual;
+  const Matrix6d metric = Metric(state, curvature);
+  Eigen::Matrix<double, 6, 2> own;
+  own << residual.by_psi, residual.by_swing;
+  const Eigen::Matrix2d own_hessian = own.transpose() * metric * own;
+  const Eigen::Matrix<double, 3, 2> cross = residual.by_rotation.transpose() * metric * own;
+  EliminatedStep step;
+  step.hessian.topLeftCorner<3, 3>() = residual.by_rotation.transpose() * metric * residual.by_rotation -
+                                       cross * own_hessian.fullPivLu().solve(cross.transpose());
+  step.gradient.head<3>() = state.huber * residual.by_rotation.transpose() * residual.value;
+  return step;
+}
+
+}  // namespace turnscale

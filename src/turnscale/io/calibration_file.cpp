@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/io/calibration_file.h"
+
+#include <fmt/format.h>
+
+namespace turnscale {
+namespace {
+
+double Degrees(double radians) { return radians * kDegreesPerRadian; }
+
+// A name may hold what means something in YAML.
+std::string Quoted(const std::string& text) {
+  std::string quoted = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') quoted += '\\';
+    quoted += c;
+  }
+  return quoted + "\"";
+}
+
+}  // namespace
+
+std::string CalibrationYaml(const CalibrationReport& report) {
+  const Calibration& found = report.calibration;
+  const Eigen::Quaterniond& q = found.vehicle_from_camera;
+  std::string text = fmt::format(
+      "# How the camera is turned on the car: R_y(yaw) R_x(pitch) R_z(roll), axes x right, y down, z forward.\n"
+      "# These are the z-y-x Euler angles of the axes forward-right-down. For run --camera-rotation.\n"
+      "yaw_deg: {:.6f}  # to the right\n"
+      "pitch_deg: {:.6f}  # up\n"
+      "roll_deg: {:.6f}  # leaning right\n"
+      "yaw_sigma_deg: {:.6f}\n"
+      "pitch_sigma_deg: {:.6f}\n"
+      "roll_sigma_deg: {:.6f}\n"
+      "vehicle_from_camera_wxyz: [{:.12g}, {:.12g}, {:.12g}, {:.12g}]\n",
+      Degrees(found.angles.yaw), Degrees(found.angles.pitch), Degrees(found.angles.roll), Degrees(found.sigma.yaw),
+      Degrees(found.sigma.pitch), Degrees(found.sigma.roll), q.w(), q.x(), q.y(), q.z());
+  if (report.lever_arm) {
+    const LeverArmFit& arm = *report.lever_arm;
+    text += fmt::format("lever_arm: {:.6g}  # metres from the rear axle forward to the camera\n", arm.lever_arm.length);
+    if (arm.turning_steps > 0) text += fmt::format("lever_arm_sigma: {:.3g}  # metres\n", arm.sigma_length);
+    text += fmt::format("side_slip: {:.6g}  # c in L_eff = L - c v^2, s^2/m\n", arm.lever_arm.side_slip);
+    if (arm.sigma_side_slip > 0) text += fmt::format("side_slip_sigma: {:.3g}\n", arm.sigma_side_slip);
+  }
+  return text + fmt::format(
+                    "confidence: {:.4g}  # ratio of the two smallest singular values\n"
+                    "frames: {}\nsteps: {}\nturns: {}\nturning_deg: {:.1f}\ninput: {}\n",
+                    found.linear.confidence, report.frames, found.steps, found.turns, Degrees(found.turning),
+                    Quoted(report.input));
+}
+
+std::string CalibrationText(const CalibrationReport& report) {
+  const Calibration& found = report.calibration;
+  const auto angle = [](const char* name, double value, double sigma, const char* sense) {
+    return fmt::format("{:<12}{:>8.2f} +- {:.2f} deg  {}\n", name, Degrees(value), Degrees(sigma), sense);
+  };
+  std::string text = angle("yaw", found.angles.yaw, found.sigma.yaw, "to the right");
+  text += angle("pitch", found.angles.pitch, found.sigma.pitch, "up");
+  text += angle("roll", found.angles.roll, found.sigma.roll, "leaning right");
+  if (report.lever_arm) {
+    const LeverArmFit& arm = *report.lever_arm;
+    const std::string sigma = arm.turning_steps > 0 ? fmt::format(" +- {:.3f}", arm.sigma_length) : "";
+    text += fmt::format("{:<12}{:>8.3f}{} m, with side slip {:.4f}{} s^2/m\n", "lever arm", arm.lever_arm.length, sigma,
+                        arm.lever_arm.side_slip,
+                        arm.sigma_side_slip > 0 ? fmt::format(" +- {:.4f}", arm.sigma_side_slip) : " (assumed)");
+  }
+  text += fmt::format("{:<12}{} frames in {} steps, {} turns of {:.0f} deg in all{}\n", "data", report.frames,
+                      found.steps, found.turns, Degrees(found.turning),
+                      found.reversed > 0 ? fmt::format(", {} steps backwards", found.reversed) : "");
+  text += fmt::format("{:<12}{:.1f} (ratio of the two smallest singular values)\n", "confidence",
+                      found.linear.confidence);
+  return text;
+}
+
+}  // namespace turnscale

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/io/calibration_file.h"
+
+#include <filesystem>
+#include <fstream>
+
+#include <gtest/gtest.h>
+
+#include "turnscale/base/scratch_path.h"
+#include "turnscale/calibration/step_gatherer.h"
+#include "turnscale/calibration/test_drive.h"
+#include "turnscale/io/calibration_history.h"
+#include "turnscale/io/settings.h"
+
+namespace turnscale {
+namespace {
+
+const Eigen::Quaterniond kTilted = RotationFromYawPitchRoll({5 * kDeg, 15 * kDeg, -10 * kDeg});
+
+std::vector<CameraStep> Steps() { return StepsAlong(TestPath(TestRoute({1, -1}), {1.2, 0}, kTilted)); }
+
+TEST(CalibrationYaml, IsReadAsACameraRotation) {
+  CalibrationReport report{"a \"drive\".mp4", 301, Calibrate(Steps()), std::nullopt};
+  report.lever_arm = FitLeverArm({{Steps(), report.calibration.vehicle_from_camera}});
+  const std::string path = ScratchPath("calibration.yaml");
+  std::ofstream(path) << CalibrationYaml(report);
+  EXPECT_LT(DegreesBetween(ReadCameraRotation(path), report.calibration.vehicle_from_camera), 1e-5);
+  std::filesystem::remove(path);
+}
+
+TEST(CalibrationHistory, TellsWhenTheFirstTurnCame) {
+  const auto history = CalibrationHistory(Steps());
+  EXPECT_FALSE(std::isfinite(history.front().sigma.roll));
+  EXPECT_TRUE(std::isfinite(history.back().sigma.roll));
+  EXPECT_LT(history[5].singular_values[1], 1e-6);
+  EXPECT_GT(history.back().singular_values[1], 0.3);
+  EXPECT_EQ(static_cast<size_t>(std::ranges::count(HistoryCsv(history), '\n')), history.size() + 1);
+  const std::string svg = HistorySvg(history, "<drive>", YawPitchRollFromRotation(kTilted));
+  EXPECT_NE(svg.find("&lt;drive>"), std::string::npos);
+  EXPECT_EQ(svg.find("nan"), std::string::npos);
+  EXPECT_EQ(svg.find("inf"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace turnscale

@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/io/calibration_history.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "turnscale/base/error.h"
+#include "turnscale/calibration/online_calibration.h"
+#include "turnscale/kinematics/turning_motion.h"
+
+namespace turnscale {
+namespace {
+
+double Degrees(double radians) { return radians * kDegreesPerRadian; }
+
+// Cells of what is not known yet are empty.
+std::string Cell(double value) { return std::isfinite(value) ? fmt::format("{:.6g}", value) : ""; }
+
+using Value = std::function<double(const CalibrationMoment&)>;
+
+// One of the graphs above each other, in units of the page, about pixels.
+class Graph {
+ public:
+  static constexpr double kLeft = 64;
+  static constexpr double kWidth = 760;
+  static constexpr double kHeight = 190;
+
+  Graph(double top, double frames, double low, double high) : top_(top), frames_(frames), low_(low), high_(high) {}
+
+  double X(double frame) const { return kLeft + kWidth * frame / frames_; }
+  double Y(double value) const {
+    return top_ + kHeight * (1 - (std::clamp(value, low_, high_) - low_) / (high_ - low_));
+  }
+
+  std::string Frame(const std::string& title) const {
+    std::string text = fmt::format("<rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" class=\"frame\"/>\n", kLeft, top_,
+                                   kWidth, kHeight);
+    text += fmt::format("<text x=\"{}\" y=\"{:.0f}\">{}</text>\n", kLeft, top_ - 8, title);
+    for (int i = 0; i <= 4; ++i) {
+      const double value = low_ + (high_ - low_) * i / 4;
+      text += fmt::format("<text x=\"{}\" y=\"{:.1f}\" text-anchor=\"end\">{:.3g}</text>\n", kLeft - 6, Y(value) + 4,
+                          value);
+      const double frame = frames_ * i / 4;
+      text += fmt::format("<text x=\"{:.1f}\" y=\"{:.0f}\" text-anchor=\"middle\">{:.0f}</text>\n", X(frame),
+                          top_ + kHeight + 16, frame);
+    }
+    return text;
+  }
+
+  std::string Line(const std::vector<CalibrationMoment>& history, const Value& value, const char* color) const {
+    std::string path;
+    bool drawing = false;
+    for (const CalibrationMoment& moment : history) {
+      const double v = value(moment);
+      if (std::isfinite(v)) path += fmt::format("{}{:.1f},{:.1f} ", drawing ? "L" : "M", X(moment.frame), Y(v));
+      drawing = std::isfinite(v);
+    }
+    return path.empty() ? "" : fmt::format("<path d=\"{}\" stroke=\"{}\"/>\n", path, color);
+  }
+
+  std::string Band(const std::vector<CalibrationMoment>& history, const Value& value, const Value& sigma,
+                   const char* color) const {
+    std::string there;
+    std::string back;
+    for (const CalibrationMoment& moment : history) {
+      if (!std::isfinite(sigma(moment))) continue;
+      there += fmt::format("{:.1f},{:.1f} ", X(moment.frame), Y(value(moment) + sigma(moment)));
+      back.insert(0, fmt::format("{:.1f},{:.1f} ", X(moment.frame), Y(value(moment) - sigma(moment))));
+    }
+    return there.empty() ? "" : fmt::format("<polygon points=\"{}{}\" fill=\"{}\" fill-opacity=\"0.15\"/>\n", there, back,
+                                            color);
+  }
+
+  std::string Dashed(double value, const char* color) const {
+    return fmt::format("<path d=\"M{0},{1:.1f}h{2}\" stroke=\"{3}\" stroke-dasharray=\"6 4\"/>\n", kLeft, Y(value),
+                       kWidth, color);
+  }
+
+ private:
+  double top_;
+  double frames_;
+  double low_;
+  double high_;
+};
+
+constexpr const char* kColors[] = {"#c2185b", "#1565c0", "#2e7d32"};
+
+std::vector<Value> Angles() {
+  return {[](const CalibrationMoment& m) { return Degrees(m.angles.yaw); },
+          [](const CalibrationMoment& m) { return Degrees(m.angles.pitch); },
+          [](const CalibrationMoment& m) { return Degrees(m.angles.roll); }};
+}
+
+std::vector<Value> Sigmas() {
+  return {[](const CalibrationMoment& m) { return Degrees(m.sigma.yaw); },
+          [](const CalibrationMoment& m) { return Degrees(m.sigma.pitch); },
+          [](const CalibrationMoment& m) { return Degrees(m.sigma.roll); }};
+}
+
+std::string Escaped(const std::string& text) {
+  std::string escaped;
+  for (const char c : text) escaped += c == '<' ? "&lt;" : c == '&' ? "&amp;" : std::string(1, c);
+  return escaped;
+}
+
+}  // namespace
+
+std::vector<CalibrationMoment> CalibrationHistory(const std::vector<CameraStep>& steps) {
+  OnlineCalibration online;
+  std::vector<CalibrationMoment> history;
+  int frames = 0;
+  for (const CameraStep& step : steps) {
+    const OnlineState& state = online.Add(step);
+    frames += step.frames;
+    history.push_back({step.end, frames, TurningMotionOf(step.previous_from_current, state.vehicle_from_camera).psi,
+                       state.singular_values, state.angles, state.sigma, state.moved});
+  }
+  return history;
+}
+
+std::string HistoryCsv(const std::vector<CalibrationMoment>& history) {
+  std::string text =
+      "time,frame,psi_deg,singular_value_1,singular_value_2,singular_value_3,singular_value_4,yaw_deg,pitch_deg,"
+      "roll_deg,yaw_sigma_deg,pitch_sigma_deg,roll_sigma_deg,moved\n";
+  for (const CalibrationMoment& moment : history) {
+    const Eigen::Vector4d& s = moment.singular_values;
+    text += fmt::format("{:.6f},{},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{},{},{},{}\n", moment.time,
+                        moment.frame, Degrees(moment.psi), s[0], s[1], s[2], s[3], Degrees(moment.angles.yaw),
+                        Degrees(moment.angles.pitch), Degrees(moment.angles.roll), Cell(Degrees(moment.sigma.yaw)),
+                        Cell(Degrees(moment.sigma.pitch)), Cell(Degrees(moment.sigma.roll)), moment.moved ? 1 : 0);
+  }
+  return text;
+}
+
+std::string HistorySvg(const std::vector<CalibrationMoment>& history, const std::string& title,
+                       const std::optional<YawPitchRoll>& truth) {
+  if (history.empty()) throw InputError("the picture of the calibration: there is nothing to show");
+  const double frames = std::max(1, history.back().frame);
+  double most_psi = 1;
+  double most_singular = 1e-3;
+  double low = 0;
+  double high = 0;
+  for (const CalibrationMoment& moment : history) {
+    most_psi = std::max(most_psi, std::abs(Degrees(moment.psi)));
+    most_singular = std::max(most_singular, moment.singular_values[1]);
+    if (!std::isfinite(moment.sigma.yaw)) continue;
+    for (const Value& angle : Angles()) {
+      low = std::min(low, angle(moment));
+      high = std::max(high, angle(moment));
+    }
+  }
+  std::string text =
+      "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 860 780\" width=\"860\" height=\"780\">\n<style>"
+      "text{font-family:sans-serif;font-size:13px;fill:#333}.title{font-size:15px;font-weight:bold}"
+      "path{fill:none;stroke-width:1.6;stroke-linejoin:round}.frame{fill:none;stroke:#9aa0a8}</style>\n"
+      "<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n";
+  text += fmt::format("<text x=\"24\" y=\"28\" class=\"title\">{}</text>\n", Escaped(title));
+  const Graph psi(70, frames, -most_psi, most_psi);
+  text += psi.Frame("turning angle of a frame, deg, over frames");
+  text += psi.Line(history, [](const CalibrationMoment& m) { return Degrees(m.psi); }, "#333");
+  const Graph singular(310, frames, 0, most_singular);
+  text += singular.Frame("the two smallest singular values of M (14): smallest red, next blue");
+  for (int i = 0; i < 2; ++i) {
+    text += singular.Line(history, [i](const CalibrationMoment& m) { return m.singular_values[i]; }, kColors[i]);
+  }
+  const Graph angles(550, frames, std::floor(low - 2), std::ceil(high + 2));
+  text += angles.Frame("refined yaw (red), pitch (blue), roll (green), deg, with one sigma; dashed: truth");
+  const double true_angles[] = {truth ? truth->yaw : 0, truth ? truth->pitch : 0, truth ? truth->roll : 0};
+  for (int i = 0; i < 3; ++i) {
+    const Value sigma = Sigmas()[i];
+    const Value angle = Angles()[i];
+    text += angles.Band(history, angle, sigma, kColors[i]);
+    const Value known = [&](const CalibrationMoment& m) {
+      return std::isfinite(sigma(m)) ? angle(m) : std::numeric_limits<double>::quiet_NaN();
+    };
+    text += angles.Line(history, known, kColors[i]);
+    if (truth) text += angles.Dashed(Degrees(true_angles[i]), kColors[i]);
+  }
+  return text + "</svg>\n";
+}
+
+}  // namespace turnscale

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "turnscale/calibration/camera_step.h"
+#include "turnscale/geometry/rotation.h"
+
+namespace turnscale {
+
+/// How a calibration came about: what was known after a step.
+struct CalibrationMoment {
+  double time = 0;                                            ///< seconds
+  int frame = 0;                                              ///< frames up to here
+  double psi = 0;                                             ///< turning angle of a frame, rad
+  Eigen::Vector4d singular_values = Eigen::Vector4d::Zero();  ///< of (14), smallest first
+  YawPitchRoll angles;                                        ///< rad
+  YawPitchRoll sigma;                                         ///< rad; infinite before the first turn
+  bool moved = false;
+};
+
+/// The online calibration's account of a drive.
+std::vector<CalibrationMoment> CalibrationHistory(const std::vector<CameraStep>& steps);
+
+/// One line a step, with a heading.
+std::string HistoryCsv(const std::vector<CalibrationMoment>& history);
+
+/// Fig. 3 as SVG: turning angle, two smallest singular values, angles with their one-sigma bands. `truth`, where known,
+/// is dashed.
+std::string HistorySvg(const std::vector<CalibrationMoment>& history, const std::string& title,
+                       const std::optional<YawPitchRoll>& truth = std::nullopt);
+
+}  // namespace turnscale

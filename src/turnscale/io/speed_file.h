@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <vector>
+
+namespace turnscale {
+
+/// A car's speed over time, as its wheels or a GPS measured it.
+struct SpeedLog {
+  std::vector<double> times;   ///< seconds, growing
+  std::vector<double> speeds;  ///< m/s, of the same number
+
+  /// Metres driven between two times, by straight lines between the measurements; nothing outside of them.
+  std::optional<double> Distance(double begin, double end) const;
+};
+
+/// Reads lines `time, speed` (s, m/s; comma or blanks); # begins a comment, and a first line of words is a heading.
+/// Throws InputError that names file and line where a number is missing, not finite, or negative, or times do not grow.
+SpeedLog ReadSpeedFile(const std::filesystem::path& path);
+
+}  // namespace turnscale

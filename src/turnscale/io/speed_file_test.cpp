@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/io/speed_file.h"
+
+#include <filesystem>
+#include <fstream>
+
+#include <gtest/gtest.h>
+
+#include "turnscale/base/error.h"
+#include "turnscale/base/scratch_path.h"
+
+namespace turnscale {
+namespace {
+
+SpeedLog Read(const std::string& text) {
+  const std::string path = ScratchPath("speed.csv");
+  std::ofstream(path) << text;
+  struct Remover {
+    std::string path;
+    ~Remover() { std::filesystem::remove(path); }
+  } remover{path};
+  return ReadSpeedFile(path);
+}
+
+TEST(SpeedFile, GivesDistances) {
+  const SpeedLog log = Read("time_s,speed_mps\n0,0\n1,2\n# a comment\n3 2\n");
+  EXPECT_DOUBLE_EQ(log.Distance(0, 1).value(), 1);
+  EXPECT_DOUBLE_EQ(log.Distance(0.5, 2).value(), 0.75 + 2);
+  EXPECT_DOUBLE_EQ(log.Distance(0, 3).value(), 5);
+  EXPECT_FALSE(log.Distance(2, 3.1));
+  EXPECT_FALSE(log.Distance(-0.1, 1));
+}
+
+TEST(SpeedFile, NamesTheLineItCannotRead) {
+  for (const char* text : {"0,1\n1,x\n", "0,1\n1,nan\n", "0,1\n0,2\n", "0,1\n1,-2\n", "0,1\n2\n"}) {
+    try {
+      Read(text);
+      FAIL() << text;
+    } catch (const InputError& error) {
+      EXPECT_NE(std::string(error.what()).find(":2: "), std::string::npos) << error.what();
+    }
+  }
+  EXPECT_THROW(Read("0,1\n"), InputError);
+}
+
+}  // namespace
+}  // namespace turnscale

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/laboratory/calibration_trials.h"
+
+#include <cmath>
+#include <numbers>
+
+#include <Eigen/LU>
+
+#include "turnscale/base/random.h"
+#include "turnscale/calibration/camera_angles.h"
+#include "turnscale/calibration/step_elimination.h"
+
+namespace turnscale {
+namespace {
+
+double Wrapped(double angle) { return std::remainder(angle, 2 * std::numbers::pi); }
+
+YawPitchRoll Difference(const Eigen::Quaterniond& found, const Eigen::Quaterniond& truth) {
+  const YawPitchRoll a = YawPitchRollFromRotation(found);
+  const YawPitchRoll b = YawPitchRollFromRotation(truth);
+  return {Wrapped(a.yaw - b.yaw), Wrapped(a.pitch - b.pitch), Wrapped(a.roll - b.roll)};
+}
+
+}  // namespace
+
+PaperDriveOptions PaperCalibrationDrive() {
+  PaperDriveOptions drive;
+  drive.lever_arm = 1;
+  drive.vehicle_from_camera =
+      RotationFromYawPitchRoll({5 / kDegreesPerRadian, 15 / kDegreesPerRadian, -10 / kDegreesPerRadian});
+  return drive;
+}
+
+std::vector<CalibrationTrial> RunCalibrationTrials(const CalibrationTrials& trials) {
+  const std::vector<VehicleStep> steps = PaperDriveSteps(trials.drive);
+  OdometryNoise noise{trials.rotation_noise, trials.direction_share * trials.rotation_noise, trials.scale_loss, 0};
+  std::vector<CalibrationTrial> results;
+  for (int run = 0; run < trials.runs; ++run) {
+    noise.seed = Hash(Hash(trials.seed) + static_cast<std::uint64_t>(run));
+    const Trajectory path = NoisyCameraPath(steps, trials.drive, noise);
+    const Calibration found = Calibrate(StepsAlong(path, trials.steps), trials.calibration);
+    results.push_back({Difference(found.linear.vehicle_from_camera, trials.drive.vehicle_from_camera),
+                       Difference(found.vehicle_from_camera, trials.drive.vehicle_from_camera), found.sigma});
+  }
+  return results;
+}
+
+YawPitchRoll CramerRaoBound(const CalibrationTrials& trials) {
+  const Eigen::Quaterniond& truth = trials.drive.vehicle_from_camera;
+  StepWeights weights;
+  // The rotation's residual is sqrt(2) times the angle.
+  weights.head<3>().setConstant(1 / (std::sqrt(2.0) * trials.rotation_noise));
+  weights.tail<3>().setConstant(1 / (trials.direction_share * trials.rotation_noise));
+  EliminatedStep sum;
+  for (const VehicleStep& step : PaperDriveSteps(trials.drive)) {
+    const RigidTransform motion = ConstrainedCameraMotion(step, trials.drive.lever_arm, truth);
+    const double length = motion.translation.norm();
+    StepState state;
+    state.residual = EvaluateStep({motion.rotation, motion.translation / length, length}, truth, step.psi,
+                                  trials.drive.lever_arm / length);
+    Whiten(weights, state.residual);
+    sum += EliminateTurningAngle(state, 1 / length, false);
+  }
+  const Eigen::Matrix4d covariance = sum.hessian.inverse();
+  return SigmaOfAngles(truth, covariance.topLeftCorner<3, 3>());
+}
+
+}  // namespace turnscale

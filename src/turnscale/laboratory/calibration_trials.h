@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "turnscale/calibration/calibration.h"
+#include "turnscale/calibration/step_gatherer.h"
+#include "turnscale/laboratory/paper_drive.h"
+
+namespace turnscale {
+
+/// The paper's Monte-Carlo evaluation of the calibration (V-B 1, Fig. 9).
+struct CalibrationTrials {
+  PaperDriveOptions drive;
+  /// Of each frame's rotation, rad about each axis.
+  double rotation_noise = 0;
+  /// Of each frame's direction of travel over that of its rotation. The paper leaves it open; 1 gives both the same.
+  double direction_share = 1;
+  double scale_loss = 0;
+  int runs = 100;
+  std::uint64_t seed = 1;
+  StepOptions steps;
+  CalibrationOptions calibration;
+};
+
+/// What one run gives, rad.
+struct CalibrationTrial {
+  YawPitchRoll linear;   ///< error of the linear solution
+  YawPitchRoll refined;  ///< error of the refinement
+  YawPitchRoll sigma;    ///< as the refinement states it
+};
+
+/// The paper's camera: L = 1 m, Q of {5, 15, -10} deg z-y-x, which are roll, pitch and yaw in its words and give
+/// yaw = 5, pitch = 15, roll = -10 in ours.
+PaperDriveOptions PaperCalibrationDrive();
+
+std::vector<CalibrationTrial> RunCalibrationTrials(const CalibrationTrials& trials);
+
+/// The least standard deviations (rad) that any unbiased estimator can have on the drive: Cramer and Rao's bound for
+/// Q, one lever arm, and a turning angle for each frame, with the noise of the trials.
+YawPitchRoll CramerRaoBound(const CalibrationTrials& trials);
+
+}  // namespace turnscale

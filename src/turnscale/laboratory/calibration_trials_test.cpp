@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/laboratory/calibration_trials.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+namespace turnscale {
+namespace {
+
+constexpr double kDeg = 1 / kDegreesPerRadian;
+
+TEST(PaperDrive, HasThePapersShape) {
+  const auto steps = PaperDriveSteps();
+  ASSERT_EQ(steps.size(), 3499U);
+  double heading = 0;
+  double way = 0;
+  double turned = 0;
+  for (const VehicleStep& step : steps) {
+    heading += step.psi;
+    turned += std::abs(step.psi);
+    way += step.rho;
+  }
+  EXPECT_NEAR(way, 1200, 1e-6);
+  EXPECT_NEAR(turned, 9 * 90 * kDeg, 1e-6);
+  EXPECT_NEAR(heading, 90 * kDeg, 1e-6);
+}
+
+TEST(PaperDrive, SameSeedSameBits) {
+  const auto steps = PaperDriveSteps();
+  const OdometryNoise noise{0.01, 0.01, 0, 7};
+  const Trajectory a = NoisyCameraPath(steps, PaperCalibrationDrive(), noise);
+  const Trajectory b = NoisyCameraPath(steps, PaperCalibrationDrive(), noise);
+  EXPECT_EQ(a.back().world_from_camera.translation, b.back().world_from_camera.translation);
+}
+
+TEST(CalibrationTrials, TheRefinementIsUnbiasedAndNearTheBound) {
+  CalibrationTrials trials;
+  trials.drive = PaperCalibrationDrive();
+  trials.rotation_noise = 1 * kDeg;
+  trials.runs = 40;
+  trials.calibration.refinement.road_bank = 0;
+  const YawPitchRoll bound = CramerRaoBound(trials);
+  YawPitchRoll mean;
+  YawPitchRoll squares;
+  for (const CalibrationTrial& trial : RunCalibrationTrials(trials)) {
+    for (const auto angle : {&YawPitchRoll::yaw, &YawPitchRoll::pitch, &YawPitchRoll::roll}) {
+      mean.*angle += trial.refined.*angle / trials.runs;
+      squares.*angle += std::pow(trial.refined.*angle, 2) / trials.runs;
+    }
+  }
+  for (const auto angle : {&YawPitchRoll::yaw, &YawPitchRoll::pitch, &YawPitchRoll::roll}) {
+    EXPECT_LT(std::abs(mean.*angle), 3 * bound.*angle / std::sqrt(trials.runs));
+    // The spread over 40 runs is itself uncertain by 11 %.
+    EXPECT_LT(std::sqrt(squares.*angle), 1.3 * bound.*angle);
+    EXPECT_LT(std::sqrt(squares.*angle), 0.55 * kDeg) << "the paper has 0.5 deg";
+  }
+}
+
+}  // namespace
+}  // namespace turnscale
