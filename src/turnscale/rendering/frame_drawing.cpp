@@ -61,11 +61,11 @@ class VariedPattern {
   Eigen::Vector2f shift_;
 };
 
-ViewRay MakeRay(const CameraMoment& moment, const Eigen::Vector3f& direction, float width) {
-  ViewRay ray;
-  ray.ray.origin = moment.position;
-  ray.ray.direction = moment.world_from_camera * direction;
-  ray.ray.time = moment.time;
+Ray MakeRay(const CameraMoment& moment, const Eigen::Vector3f& direction, float width) {
+  Ray ray;
+  ray.origin = moment.position;
+  ray.direction = moment.world_from_camera * direction;
+  ray.time = moment.time;
   ray.width = width;
   return ray;
 }
@@ -76,7 +76,7 @@ class PacketQueue {
   explicit PacketQueue(const Tracer& tracer) : tracer_(tracer) {}
 
   template <typename Use>
-  void Add(const ViewRay& ray, int tag, const Use& use) {
+  void Add(const Ray& ray, int tag, const Use& use) {
     rays_[count_] = ray;
     tags_[count_++] = tag;
     if (count_ == kPacket) Finish(use);
@@ -91,7 +91,7 @@ class PacketQueue {
 
  private:
   const Tracer& tracer_;
-  std::array<ViewRay, kPacket> rays_;
+  std::array<Ray, kPacket> rays_;
   std::array<Seen, kPacket> seen_;
   std::array<int, kPacket> tags_ = {};
   size_t count_ = 0;

@@ -23,6 +23,7 @@ struct Ray {
   float start = 0;            ///< nothing nearer counts, metres
   float end = std::numeric_limits<float>::infinity();
   float time = 0.5F;  ///< from 0, the shutter's first moment, to 1, its last
+  float width = 0;    ///< angle over which it is to gather what it shows, radians
 };
 
 /// What a ray meets. `mesh` is 0 for the fixed one, 1 + i for movable i, negative where there is nothing.

@@ -92,9 +92,9 @@ double Renderer::Distance(const CameraModel& camera, const View& view, const Eig
   View still = view;
   still.shutter = {};
   const RigidTransform world_from_camera = view.world_from_camera(0);
-  ViewRay ray;
-  ray.ray.origin = world_from_camera.translation.cast<float>();
-  ray.ray.direction = (world_from_camera.rotation * *direction).cast<float>();
+  Ray ray;
+  ray.origin = world_from_camera.translation.cast<float>();
+  ray.direction = (world_from_camera.rotation * *direction).cast<float>();
   Seen seen;
   state_->TracerFor(still).Trace({&ray, 1}, {&seen, 1});
   return seen.distance;

@@ -17,6 +17,8 @@ namespace {
 constexpr float kLift = 1e-3F;
 // Mirror images weaker than this are left out.
 constexpr float kLeastMirror = 0.01F;
+// ... and edges in those weaker than this are not worth more samples.
+constexpr float kLeastMirrorEdge = 0.2F;
 // Seen flatter than this (cosine), a surface's texture is blurred as at this angle.
 constexpr float kLeastCosine = 0.01F;
 // A mirror reflects at grazing so many times what it does seen from straight above, and not more than everything:
@@ -60,7 +62,7 @@ Tracer::Tracer(const LitScene& lit, PlacedScene placed, const std::vector<Eigen:
   world_from_mesh_.insert(world_from_mesh_.end(), world_from_movable.begin(), world_from_movable.end());
 }
 
-Tracer::Spot Tracer::SpotAt(const ViewRay& view, const Hit& hit, float before) const {
+Tracer::Spot Tracer::SpotAt(const Ray& ray, const Hit& hit, float before) const {
   Spot spot;
   if (hit.mesh < 0) return spot;
   const TriangleLook& look = lit_->looks[hit.mesh][hit.triangle];
@@ -69,7 +71,7 @@ Tracer::Spot Tracer::SpotAt(const ViewRay& view, const Hit& hit, float before) c
   const bool turned = hit.mesh > 0;
   const Eigen::Matrix3f& world_from_mesh = world_from_mesh_[hit.mesh];
 
-  Eigen::Vector3f direction = view.ray.direction;
+  Eigen::Vector3f direction = ray.direction;
   if (turned) direction = world_from_mesh.transpose() * direction;
   const float across = look.normal.dot(direction);
   spot.hit = true;
@@ -79,7 +81,7 @@ Tracer::Spot Tracer::SpotAt(const ViewRay& view, const Hit& hit, float before) c
   // What the pixel covers: its angle's width across, more along the ray.
   spot.path = before + hit.distance;
   const bool mirrored = before > 0;
-  const float half = 0.5F * view.width * spot.path;
+  const float half = 0.5F * ray.width * spot.path;
   const float minor = mirrored ? kMirrorBlur * half : half;
   const Eigen::Vector3f along = direction - across * look.normal;
   const float stretch = half / (std::max(spot.cosine, kLeastCosine) * std::max(along.norm(), 1e-6F));
@@ -94,7 +96,7 @@ Tracer::Spot Tracer::SpotAt(const ViewRay& view, const Hit& hit, float before) c
         material.mirror + (std::min(1.0F, kGrazingGain * material.mirror) - material.mirror) * Power5(1 - spot.cosine);
 
   if (turned) spot.normal = world_from_mesh * spot.normal;
-  spot.place = view.ray.origin + hit.distance * view.ray.direction + kLift * spot.normal;
+  spot.place = ray.origin + hit.distance * ray.direction + kLift * spot.normal;
   spot.look = static_cast<std::uint32_t>(Hash((static_cast<std::uint64_t>(hit.mesh) << 40U) ^
                                               (static_cast<std::uint64_t>(look.frame) << 12U) ^
                                               static_cast<std::uint64_t>(look.material)));
@@ -122,19 +124,19 @@ void Tracer::AddSun(std::span<Spot> spots) const {
   }
 }
 
-void Tracer::AddMirrored(std::span<const ViewRay> rays, std::span<const Spot> spots, std::span<Seen> seen) const {
-  PacketOf<ViewRay> mirrored;
+void Tracer::AddMirrored(std::span<const Ray> rays, std::span<const Spot> spots, std::span<Seen> seen) const {
+  PacketOf<Ray> mirrored;
   PacketOf<float> before;
   PacketOf<size_t> asked;
   size_t count = 0;
   for (size_t i = 0; i < spots.size(); ++i) {
     if (!spots[i].hit || spots[i].mirror < kLeastMirror) continue;
-    const Eigen::Vector3f& direction = rays[i].ray.direction;
+    const Eigen::Vector3f& direction = rays[i].direction;
     mirrored[count] = rays[i];
     // From the surface itself: a millimetre above it, things would be mirrored a millimetre too high.
-    mirrored[count].ray.origin = spots[i].place - kLift * spots[i].normal;
-    mirrored[count].ray.start = kLift / std::max(spots[i].cosine, kLeastCosine);
-    mirrored[count].ray.direction = direction + 2 * spots[i].cosine * spots[i].normal;
+    mirrored[count].origin = spots[i].place - kLift * spots[i].normal;
+    mirrored[count].start = kLift / std::max(spots[i].cosine, kLeastCosine);
+    mirrored[count].direction = direction + 2 * spots[i].cosine * spots[i].normal;
     before[count] = spots[i].path;
     asked[count++] = i;
   }
@@ -144,18 +146,14 @@ void Tracer::AddMirrored(std::span<const ViewRay> rays, std::span<const Spot> sp
     Seen& target = seen[asked[i]];
     const float weight = spots[asked[i]].mirror;
     target.brightness += weight * (image[i].brightness - target.brightness);
-    // Edges of faint images are not worth more samples.
-    if (weight > 0.1F) target.look ^= 31 * image[i].look;
+    if (weight > kLeastMirrorEdge) target.look ^= 31 * image[i].look;
   }
 }
 
-void Tracer::Trace(std::span<const ViewRay> rays, std::span<const float> before, bool mirrors,
-                   std::span<Seen> seen) const {
+void Tracer::Trace(std::span<const Ray> rays, std::span<const float> before, bool mirrors, std::span<Seen> seen) const {
   if (rays.empty()) return;
-  PacketOf<Ray> cast;
-  for (size_t i = 0; i < rays.size(); ++i) cast[i] = rays[i].ray;
   PacketOf<Hit> hits;
-  placed_.Intersect({cast.data(), rays.size()}, true, hits);
+  placed_.Intersect(rays, true, hits);
   PacketOf<Spot> spots;
   for (size_t i = 0; i < rays.size(); ++i) spots[i] = SpotAt(rays[i], hits[i], before[i]);
   const std::span<Spot> used(spots.data(), rays.size());
@@ -165,12 +163,12 @@ void Tracer::Trace(std::span<const ViewRay> rays, std::span<const float> before,
     seen[i].distance = hits[i].distance;
     seen[i].look = spot.look;
     seen[i].brightness =
-        spot.hit ? spot.reflectance * spot.light + spot.glow : lit_->sky.At(rays[i].ray.direction, rays[i].width);
+        spot.hit ? spot.reflectance * spot.light + spot.glow : lit_->sky.At(rays[i].direction, rays[i].width);
   }
   if (mirrors) AddMirrored(rays, used, seen);
 }
 
-void Tracer::Trace(std::span<const ViewRay> rays, std::span<Seen> seen) const {
+void Tracer::Trace(std::span<const Ray> rays, std::span<Seen> seen) const {
   constexpr PacketOf<float> kAtTheEye = {};
   Trace(rays, {kAtTheEye.data(), rays.size()}, true, seen);
 }

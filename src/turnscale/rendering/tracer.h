@@ -22,12 +22,6 @@ struct Seen {
   std::uint32_t look = 0;
 };
 
-/// A ray from the eye and the angle (radians) over which it is to gather.
-struct ViewRay {
-  Ray ray;
-  float width = 0;
-};
-
 /// A scene with light and looks, ready to be seen.
 struct LitScene {
   explicit LitScene(Scene scene);
@@ -46,15 +40,15 @@ class Tracer {
   Tracer(const LitScene& lit, PlacedScene placed, const std::vector<Eigen::Matrix3f>& world_from_movable);
 
   /// At most kPacket rays, nearly parallel.
-  void Trace(std::span<const ViewRay> rays, std::span<Seen> seen) const;
+  void Trace(std::span<const Ray> rays, std::span<Seen> seen) const;
 
  private:
   struct Spot;
 
-  void Trace(std::span<const ViewRay> rays, std::span<const float> before, bool mirrors, std::span<Seen> seen) const;
-  Spot SpotAt(const ViewRay& ray, const Hit& hit, float before) const;
+  void Trace(std::span<const Ray> rays, std::span<const float> before, bool mirrors, std::span<Seen> seen) const;
+  Spot SpotAt(const Ray& ray, const Hit& hit, float before) const;
   void AddSun(std::span<Spot> spots) const;
-  void AddMirrored(std::span<const ViewRay> rays, std::span<const Spot> spots, std::span<Seen> seen) const;
+  void AddMirrored(std::span<const Ray> rays, std::span<const Spot> spots, std::span<Seen> seen) const;
 
   const LitScene* lit_;
   PlacedScene placed_;
