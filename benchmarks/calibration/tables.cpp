@@ -215,7 +215,7 @@ void Figure9(const fs::path& docs, double direction_share, bool picture) {
                  refined.mean / (refined.sigma / std::sqrt(static_cast<double>(results.size()))), refined.sigma,
                  refined.sigma / Degrees(bound.*kAngles[i]), std::sqrt(stated) / refined.sigma, free.mean, free.sigma);
       const double x = 90 + 220 * static_cast<double>(i) + 40 * static_cast<double>(level);
-      svg += Box(x, 150, 30, linear, kColors[level]) + Box(x, 420, 30, refined, kColors[level]);
+      svg += Box(x, 150, 40, linear, kColors[level]) + Box(x, 420, 40, refined, kColors[level]);
     }
   }
   for (size_t i = 0; i < kNames.size(); ++i) {
@@ -226,7 +226,7 @@ void Figure9(const fs::path& docs, double direction_share, bool picture) {
     }
   }
   svg +=
-      "<text x=\"24\" y=\"18\">(a) linear only: error, deg (a degree is 30 units); rotation noise 0.05, 0.2, 0.5, 1 "
+      "<text x=\"24\" y=\"18\">(a) linear only: error, deg (a degree is 40 units); rotation noise 0.05, 0.2, 0.5, 1 "
       "deg from left to right</text>"
       "<text x=\"24\" y=\"290\">(b) after the refinement; box: one sigma, line: mean, whisker: range of 100 "
       "runs</text></svg>\n";

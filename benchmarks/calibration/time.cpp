@@ -11,11 +11,13 @@ namespace {
 
 // Noisy frame motions, each a step of its own: the most work for so many frames.
 std::vector<CameraStep> Frames(int count) {
-  PaperDriveOptions drive = PaperCalibrationDrive();
-  drive.length *= (count + 1) / 3500.0;
-  drive.frames = count + 1;
-  if (drive.length < 200) drive.length = 200;
-  const Trajectory path = NoisyCameraPath(PaperDriveSteps(drive), drive, {0.002, 0.002, 0, 1});
+  const PaperDriveOptions drive = PaperCalibrationDrive();
+  const std::vector<VehicleStep> round = PaperDriveSteps(drive);
+  std::vector<VehicleStep> way;
+  // Begun shortly before the first turn, so that a short drive has one; then round after round.
+  constexpr size_t kBegin = 260;
+  for (size_t i = kBegin; way.size() < static_cast<size_t>(count); ++i) way.push_back(round[i % round.size()]);
+  const Trajectory path = NoisyCameraPath(way, drive, {0.002, 0.002, 0, 1});
   std::vector<CameraStep> steps;
   for (size_t i = 1; i < path.size(); ++i) {
     steps.push_back(

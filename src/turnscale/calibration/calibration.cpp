@@ -87,8 +87,7 @@ Calibration Calibrate(const std::vector<CameraStep>& given, const CalibrationOpt
     measurements.push_back(MeasurementOf(step));
   }
   calibration.linear = linear.Solve();
-  calibration.refinement =
-      RefineRotation(measurements, calibration.linear.vehicle_from_camera, options.refinement);
+  calibration.refinement = RefineRotation(measurements, calibration.linear.vehicle_from_camera, options.refinement);
   calibration.vehicle_from_camera = calibration.refinement.vehicle_from_camera;
   calibration.covariance = calibration.refinement.covariance;
   calibration.angles = YawPitchRollFromRotation(calibration.vehicle_from_camera);

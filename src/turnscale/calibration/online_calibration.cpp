@@ -97,8 +97,8 @@ void OnlineCalibration::Refine() {
     refinement_.reset();
     before_.reset();
   }
-  const Eigen::Quaterniond start = refinement_ ? refinement_->vehicle_from_camera
-                                               : RotationFromForwardAndDown(way_, axis_.direction());
+  const Eigen::Quaterniond start =
+      refinement_ ? refinement_->vehicle_from_camera : RotationFromForwardAndDown(way_, axis_.direction());
   refinement_ = RefineRotation(Measurements(window_, 0, static_cast<int>(window_.size())), start,
                                options_.calibration.refinement, before_);
 }
@@ -107,7 +107,8 @@ void OnlineCalibration::Refine() {
 bool OnlineCalibration::DisagreesOver(int steps) const {
   const int size = static_cast<int>(window_.size());
   const int split = size - steps;
-  if (split < kLeastSteps || (!before_ && split < steps)) return false;
+  // What rests on a first turn alone is still being learned.
+  if (split < kLeastSteps || !before_) return false;
   const RefinementOptions& options = options_.calibration.refinement;
   const Eigen::Quaterniond start = refinement_->vehicle_from_camera;
   const Refinement earlier = RefineRotation(Measurements(window_, 0, split), start, options, before_);
@@ -118,7 +119,9 @@ bool OnlineCalibration::DisagreesOver(int steps) const {
   if (!earlier.covariance.allFinite() || !latest.covariance.allFinite()) return false;
   const Eigen::Vector2d moved =
       VectorFromRotation(latest.vehicle_from_camera * earlier.vehicle_from_camera.conjugate()).head<2>();
-  const Eigen::Matrix2d covariance = (earlier.covariance + latest.covariance).topLeftCorner<2, 2>() +
+  // So few steps that four unknowns and three spreads take a good part of their scatter away.
+  const double few = steps / std::max(steps - 6.0, 1.0);
+  const Eigen::Matrix2d covariance = (earlier.covariance + few * latest.covariance).topLeftCorner<2, 2>() +
                                      options_.sway * options_.sway * Eigen::Matrix2d::Identity();
   return moved.norm() > options_.moved_angle &&
          moved.dot(covariance.inverse() * moved) > options_.moved_sigmas * options_.moved_sigmas;

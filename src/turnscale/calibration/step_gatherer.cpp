@@ -40,13 +40,12 @@ std::optional<CameraStep> Gather(const StampedPose& last, const StampedPose& pos
   open.translation += motion.translation;
   ++open.frames;
   // A frame falls short of the wanted length by rounding as often as not.
-  const bool long_enough =
-      usual_speed > 0 && open.translation.norm() > 0.99 * options.duration * usual_speed;
+  const bool long_enough = usual_speed > 0 && open.translation.norm() > 0.99 * options.duration * usual_speed;
   const bool too_slow = pose.time - open.begin > options.max_slowness * options.duration;
   if (!long_enough && !too_slow) return std::nullopt;
   const double share = 1.0 / open.frames;
-  const CameraStep step{{RotationFromVector(share * open.rotation), share * open.translation},
-                        open.frames, open.begin, pose.time};
+  const CameraStep step{
+      {RotationFromVector(share * open.rotation), share * open.translation}, open.frames, open.begin, pose.time};
   open = FrameMotions();
   if (!long_enough) return std::nullopt;
   return step;
