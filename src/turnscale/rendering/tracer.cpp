@@ -75,7 +75,7 @@ Tracer::Spot Tracer::SpotAt(const Ray& ray, const Hit& hit, float before) const 
   if (turned) direction = world_from_mesh.transpose() * direction;
   const float across = look.normal.dot(direction);
   spot.hit = true;
-  spot.time = view.ray.time;
+  spot.time = ray.time;
   spot.cosine = std::abs(across);
   spot.normal = across > 0 ? Eigen::Vector3f(-look.normal) : look.normal;
   // What the pixel covers: its angle's width across, more along the ray.
