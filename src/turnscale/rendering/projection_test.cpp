@@ -114,10 +114,10 @@ cv::Mat ExactCheckerboard(const CameraModel& camera, const RigidTransform& world
     for (int column = 0; column < image.cols; ++column) {
       if (wanted.at<uchar>(row, column) == 0) continue;
       double sum = 0;
-      for (int i = 0; i < kSteps * kSteps; ++i) {
-        const Eigen::Vector2d offset((i % kSteps + 0.5) / kSteps - 0.5, (i / kSteps + 0.5) / kSteps - 0.5);
-        sum += CheckerAt(camera, world_from_camera, Eigen::Vector2d(column, row) + offset);
-      }
+      for (int i = 0; i < kSteps; ++i)
+        for (int j = 0; j < kSteps; ++j)
+          sum +=
+              CheckerAt(camera, world_from_camera, {column + (j + 0.5) / kSteps - 0.5, row + (i + 0.5) / kSteps - 0.5});
       image.at<float>(row, column) = static_cast<float>(sum / (kSteps * kSteps));
     }
   }

@@ -120,7 +120,7 @@ Texture Texture::WithContrast(float factor) const {
 float Texture::Sample(const Eigen::Vector2f& at, const Eigen::Vector2f& major, float minor) const {
   const float length = major.norm();
   const float width = std::max({minor, length / kMaxSamples, 1e-9F});
-  const int samples = std::clamp(static_cast<int>(length / width + 0.5F), 1, kMaxSamples);
+  const int samples = std::clamp(static_cast<int>((length + 0.5F * width) / width), 1, kMaxSamples);
   // The level whose pixels are as wide as the ellipse, and the next coarser one.
   const std::vector<Level>& levels = *levels_;
   const int last = static_cast<int>(levels.size()) - 1;
