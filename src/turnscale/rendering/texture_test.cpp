@@ -61,7 +61,7 @@ TEST(Texture, ContrastKeepsTheMean) {
   const Texture faded = texture.WithContrast(0.25F);
   const Eigen::Vector2f none = Eigen::Vector2f::Zero();
   const float mean = texture.Sample(none, {kSize, 0}, kSize);
-  RandomStream random(2);
+  Random random(2);
   for (int i = 0; i < 200; ++i) {
     const Eigen::Vector2f at = AnyPlace(random);
     EXPECT_NEAR(faded.Sample(at, none, 0) - mean, 0.25F * (texture.Sample(at, none, 0) - mean), 1e-4);
