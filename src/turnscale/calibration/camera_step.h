@@ -6,8 +6,8 @@
 
 namespace turnscale {
 
-/// How the camera moves from one frame to the next, on the mean over some frames: the paper's hat R_j, hat t_j, with less
-/// noise. In the odometry's own unit of length.
+/// How the camera moves from one frame to the next, on the mean over some frames: the paper's hat R_j, hat t_j, with
+/// less noise. In the odometry's own unit of length.
 ///
 /// Each frame's motion is taken in its own camera frame: a bend drives the same turning angle and the same direction of
 /// travel in every frame, so their means obey the kinematics however long the bend is, which the chord of a long step
@@ -22,9 +22,9 @@ struct CameraStep {
 /// The step as one motion: its first pose from its last, had the camera moved in every frame as on the mean.
 inline RigidTransform WholeMotion(const CameraStep& step) {
   const Eigen::Vector3d rotation = VectorFromRotation(step.previous_from_current.rotation);
-  return {RotationFromVector(step.frames * rotation),
-          step.frames * (RotationFromVector(0.5 * (step.frames - 1) * rotation) *
-                         step.previous_from_current.translation)};
+  return {
+      RotationFromVector(step.frames * rotation),
+      step.frames * (RotationFromVector(0.5 * (step.frames - 1) * rotation) * step.previous_from_current.translation)};
 }
 
 /// A car that backs up obeys the same kinematics with time running the other way: the step as if it drove forward.

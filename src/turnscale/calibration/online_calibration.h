@@ -24,7 +24,8 @@ struct OnlineCalibrationOptions {
   int long_memory = 30;
   /// Braking, load and the grade of the road move yaw and pitch by this much over such times, rad (0.4 deg).
   double sway = 0.4 / 57.295779513082320877;
-  /// A camera was moved when the yaw and pitch of the latest steps disagree by so many standard deviations, several times in a row.
+  /// A camera was moved when the yaw and pitch of the latest steps disagree by so many standard deviations, several
+  /// times in a row.
   double moved_sigmas = 4;
   /// And by at least this angle, rad (1.2 deg).
   double moved_angle = 1.2 / 57.295779513082320877;

@@ -49,7 +49,8 @@ void Whiten(const StepWeights& weights, StepResidual& residual);
 void FitTurningAngle(const StepMeasurement& step, const Eigen::Quaterniond& vehicle_from_camera,
                      const StepWeights& weights, StepState& state);
 
-/// The psi and swing (0...20: the car moves forward, and not less than a twentieth of L) of the least weighted residual.
+/// The psi and swing (0...20: the car moves forward, and not less than a twentieth of L) of the least weighted
+/// residual.
 void FitFreeStep(const StepMeasurement& step, const Eigen::Quaterniond& vehicle_from_camera, const StepWeights& weights,
                  StepState& state);
 

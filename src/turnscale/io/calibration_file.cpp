@@ -67,8 +67,8 @@ std::string CalibrationText(const CalibrationReport& report) {
   text += fmt::format("{:<12}{} frames in {} steps, {} turns of {:.0f} deg in all{}\n", "data", report.frames,
                       found.steps, found.turns, Degrees(found.turning),
                       found.reversed > 0 ? fmt::format(", {} steps backwards", found.reversed) : "");
-  text += fmt::format("{:<12}{:.1f} (ratio of the two smallest singular values)\n", "confidence",
-                      found.linear.confidence);
+  text +=
+      fmt::format("{:<12}{:.1f} (ratio of the two smallest singular values)\n", "confidence", found.linear.confidence);
   return text;
 }
 

@@ -37,8 +37,8 @@ class Graph {
   }
 
   std::string Frame(const std::string& title) const {
-    std::string text = fmt::format("<rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" class=\"frame\"/>\n", kLeft, top_,
-                                   kWidth, kHeight);
+    std::string text = fmt::format("<rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" class=\"frame\"/>\n", kLeft,
+                                   top_, kWidth, kHeight);
     text += fmt::format("<text x=\"{}\" y=\"{:.0f}\">{}</text>\n", kLeft, top_ - 8, title);
     for (int i = 0; i <= 4; ++i) {
       const double value = low_ + (high_ - low_) * i / 4;
@@ -71,8 +71,9 @@ class Graph {
       there += fmt::format("{:.1f},{:.1f} ", X(moment.frame), Y(value(moment) + sigma(moment)));
       back.insert(0, fmt::format("{:.1f},{:.1f} ", X(moment.frame), Y(value(moment) - sigma(moment))));
     }
-    return there.empty() ? "" : fmt::format("<polygon points=\"{}{}\" fill=\"{}\" fill-opacity=\"0.15\"/>\n", there, back,
-                                            color);
+    return there.empty()
+               ? ""
+               : fmt::format("<polygon points=\"{}{}\" fill=\"{}\" fill-opacity=\"0.15\"/>\n", there, back, color);
   }
 
   std::string Dashed(double value, const char* color) const {
@@ -161,11 +162,13 @@ std::string HistorySvg(const std::vector<CalibrationMoment>& history, const std:
   text += fmt::format("<text x=\"24\" y=\"28\" class=\"title\">{}</text>\n", Escaped(title));
   const Graph psi(70, frames, -most_psi, most_psi);
   text += psi.Frame("turning angle of a frame, deg, over frames");
-  text += psi.Line(history, [](const CalibrationMoment& m) { return Degrees(m.psi); }, "#333");
+  text += psi.Line(
+      history, [](const CalibrationMoment& m) { return Degrees(m.psi); }, "#333");
   const Graph singular(310, frames, 0, most_singular);
   text += singular.Frame("the two smallest singular values of M (14): smallest red, next blue");
   for (int i = 0; i < 2; ++i) {
-    text += singular.Line(history, [i](const CalibrationMoment& m) { return m.singular_values[i]; }, kColors[i]);
+    text += singular.Line(
+        history, [i](const CalibrationMoment& m) { return m.singular_values[i]; }, kColors[i]);
   }
   const Graph angles(550, frames, std::floor(low - 2), std::ceil(high + 2));
   text += angles.Frame("refined yaw (red), pitch (blue), roll (green), deg, with one sigma; dashed: truth");

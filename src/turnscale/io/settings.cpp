@@ -67,10 +67,10 @@ Eigen::Quaterniond ReadCameraRotation(const std::string& angles_or_file) {
     }
     const YamlMap map{std::filesystem::path(angles_or_file)};
     // A simulated drive's vehicle.yaml says more of the car than its rotation, and calibration.yaml where it is from.
-    map.AllowOnly(std::vector<std::string>{
-        "yaw_deg", "pitch_deg", "roll_deg", "lever_arm", "lateral_offset", "height", "side_slip", "yaw_sigma_deg",
-        "pitch_sigma_deg", "roll_sigma_deg", "vehicle_from_camera_wxyz", "lever_arm_sigma", "side_slip_sigma",
-        "confidence", "frames", "steps", "turns", "turning_deg", "input"});
+    map.AllowOnly(std::vector<std::string>{"yaw_deg", "pitch_deg", "roll_deg", "lever_arm", "lateral_offset", "height",
+                                           "side_slip", "yaw_sigma_deg", "pitch_sigma_deg", "roll_sigma_deg",
+                                           "vehicle_from_camera_wxyz", "lever_arm_sigma", "side_slip_sigma",
+                                           "confidence", "frames", "steps", "turns", "turning_deg", "input"});
     angles = YawPitchRoll{map.Number("yaw_deg") / kDegreesPerRadian, map.Number("pitch_deg") / kDegreesPerRadian,
                           map.Number("roll_deg") / kDegreesPerRadian};
   }

@@ -56,7 +56,8 @@ void PaperDriveOptions::Check() const {
   if (frames < 2) throw InputError("frames: must be at least 2");
   if (!(rate_hz > 0)) throw InputError("rate_hz: must be above 0");
   if (!(turn_radius > 0)) throw InputError("turn_radius: must be above 0 m");
-  if (!(ramp > 0 && 2 * ramp < TurnLength(*this))) throw InputError("ramp: must be above 0 m and fit into a turn twice");
+  if (!(ramp > 0 && 2 * ramp < TurnLength(*this)))
+    throw InputError("ramp: must be above 0 m and fit into a turn twice");
   if (!(StraightLength(*this) >= 0)) throw InputError("length: must hold nine turns");
   if (!(lever_arm >= 0)) throw InputError("lever_arm: must not be negative");
 }

@@ -11,15 +11,15 @@
 
 namespace turnscale {
 
-/// The shape of the paper's synthetic drive (V-B, Fig. 8), as far as the paper tells: 1.2 km in 3,500 frames, nine turns
-/// of about 90 degrees.
+/// The shape of the paper's synthetic drive (V-B, Fig. 8), as far as the paper tells: 1.2 km in 3,500 frames, nine
+/// turns of about 90 degrees.
 struct PaperDriveOptions {
-  double length = 1200;     ///< metres of the rear axle
-  int frames = 3500;        ///< poses; one fewer steps
-  double rate_hz = 10;      ///< frames per second
-  double turn_radius = 7;   ///< metres; 2.8 deg a frame, just above the paper's psi_th of 2.5 deg
-  double ramp = 2;          ///< metres in which the steering goes from straight to full
-  double lever_arm = 1;     ///< metres
+  double length = 1200;    ///< metres of the rear axle
+  int frames = 3500;       ///< poses; one fewer steps
+  double rate_hz = 10;     ///< frames per second
+  double turn_radius = 7;  ///< metres; 2.8 deg a frame, just above the paper's psi_th of 2.5 deg
+  double ramp = 2;         ///< metres in which the steering goes from straight to full
+  double lever_arm = 1;    ///< metres
   Eigen::Quaterniond vehicle_from_camera = Eigen::Quaterniond::Identity();
 
   /// Throws InputError that names the field when a value makes no sense.
