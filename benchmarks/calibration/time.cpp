@@ -26,7 +26,7 @@ std::vector<CameraStep> Frames(int count) {
   return steps;
 }
 
-void BM_Linear(benchmark::State& state) {
+void Linear(benchmark::State& state) {
   const auto steps = Frames(static_cast<int>(state.range(0)));
   for (auto _ : state) {
     LinearCalibration linear;
@@ -39,7 +39,7 @@ void BM_Linear(benchmark::State& state) {
   state.SetComplexityN(state.range(0));
 }
 
-void BM_Calibrate(benchmark::State& state) {
+void RefineAll(benchmark::State& state) {
   const auto steps = Frames(static_cast<int>(state.range(0)));
   int iterations = 0;
   for (auto _ : state) iterations = Calibrate(steps).refinement.iterations;
@@ -47,7 +47,7 @@ void BM_Calibrate(benchmark::State& state) {
   state.SetComplexityN(state.range(0));
 }
 
-void BM_OnlinePerStep(benchmark::State& state) {
+void OnlinePerStep(benchmark::State& state) {
   const auto steps = Frames(static_cast<int>(state.range(0)));
   for (auto _ : state) {
     OnlineCalibration online;
@@ -56,9 +56,9 @@ void BM_OnlinePerStep(benchmark::State& state) {
   state.SetItemsProcessed(state.iterations() * state.range(0));
 }
 
-BENCHMARK(BM_Linear)->RangeMultiplier(10)->Range(100, 100000)->Unit(benchmark::kMillisecond)->Complexity();
-BENCHMARK(BM_Calibrate)->RangeMultiplier(10)->Range(100, 100000)->Unit(benchmark::kMillisecond)->Complexity();
-BENCHMARK(BM_OnlinePerStep)->RangeMultiplier(10)->Range(100, 10000)->Unit(benchmark::kMillisecond);
+BENCHMARK(Linear)->RangeMultiplier(10)->Range(100, 100000)->Unit(benchmark::kMillisecond)->Complexity();
+BENCHMARK(RefineAll)->RangeMultiplier(10)->Range(100, 100000)->Unit(benchmark::kMillisecond)->Complexity();
+BENCHMARK(OnlinePerStep)->RangeMultiplier(10)->Range(100, 10000)->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace turnscale
