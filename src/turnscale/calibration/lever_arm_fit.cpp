@@ -8,7 +8,7 @@
 #include <Eigen/Core>
 
 #include "turnscale/base/error.h"
-#include "turnscale/calibration/robust_spread.h"
+#include "turnscale/base/quantiles.h"
 #include "turnscale/kinematics/turning_motion.h"
 
 namespace turnscale {
@@ -98,7 +98,7 @@ LeverArmFit FitLeverArm(const std::vector<MetricDrive>& drives, const LeverArmFi
     }
     if (iteration == kIterations) break;
     x += hessian.ldlt().solve(gradient);
-    const double threshold = std::max(QuantileOf(sizes, options.huber_share), 1e-9);
+    const double threshold = std::max(Quantile(sizes, options.huber_share), 1e-9);
     for (Equation& equation : equations) {
       const double off = std::abs(residual(equation, Row(equation, unknowns, options.side_slip), x));
       equation.weight = off > threshold ? threshold / off : 1;

@@ -9,7 +9,7 @@
 #include <Eigen/LU>
 
 #include "turnscale/base/error.h"
-#include "turnscale/calibration/robust_spread.h"
+#include "turnscale/base/quantiles.h"
 #include "turnscale/calibration/step_elimination.h"
 #include "turnscale/geometry/rotation.h"
 #include "turnscale/kinematics/turning_motion.h"
@@ -105,7 +105,7 @@ class Refiner {
     usual_lever_arm_ = xx > 0 ? std::max(xy / xx, 0.0) : 0.0;
     std::vector<double> ways;
     for (const StepMeasurement& step : steps_) ways.push_back(step.frames * step.length);
-    least_lever_arm_sigma_ = std::max(kLeastLeverArmSpread * QuantileOf(std::move(ways), 0.5), 1e-9);
+    least_lever_arm_sigma_ = std::max(kLeastLeverArmSpread * Quantile(std::move(ways), 0.5), 1e-9);
     for (Piece& piece : pieces_) piece.lever_arm = usual_lever_arm_;
   }
 
@@ -170,9 +170,9 @@ class Refiner {
     psi_share /= static_cast<double>(steps_.size());
     StepNoise& noise = result_.noise;
     const double sqrt2 = std::sqrt(2.0);
-    const double rotation_spread = std::max(RobustSpread(std::move(rotation)), kLeastNoise);
-    noise.vertical = std::max(RobustSpread(std::move(vertical)), kLeastNoise);
-    const double both = steady() ? RobustSpread(std::move(horizontal)) : noise.vertical;
+    const double rotation_spread = std::max(RobustSigma(std::move(rotation)), kLeastNoise);
+    noise.vertical = std::max(RobustSigma(std::move(vertical)), kLeastNoise);
+    const double both = steady() ? RobustSigma(std::move(horizontal)) : noise.vertical;
     const double of_psi = psi_share * rotation_spread * rotation_spread;
     // A quarter of the variance is left to the direction at the least.
     noise.horizontal = std::max({std::sqrt(std::max(both * both - of_psi, 0.25 * both * both)), kLeastNoise});
@@ -192,7 +192,7 @@ class Refiner {
       norms.push_back(state.residual.value.norm());
     }
     if (result_.iterations <= kIterationsWithNewWeights) {
-      huber_threshold_ = std::max(QuantileOf(norms, options_.huber_share), 1e-12);
+      huber_threshold_ = std::max(Quantile(norms, options_.huber_share), 1e-12);
     }
     const double threshold = huber_threshold_;
     for (size_t i = 0; i < steps_.size(); ++i) states_[i].huber = norms[i] > threshold ? threshold / norms[i] : 1;
@@ -249,7 +249,7 @@ class Refiner {
     if (result_.iterations > kIterationsWithNewWeights) return;
     std::vector<double> lengths;
     for (const Piece& piece : pieces_) lengths.push_back(piece.lever_arm);
-    if (!lengths.empty()) usual_lever_arm_ = std::max(QuantileOf(lengths, 0.5), 0.0);
+    if (!lengths.empty()) usual_lever_arm_ = std::max(Quantile(lengths, 0.5), 0.0);
   }
 
   // Squared scores of what the turns have in common with nothing else: the road's bank and the body's lean tilt the

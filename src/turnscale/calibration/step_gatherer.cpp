@@ -6,7 +6,7 @@
 #include <string>
 
 #include "turnscale/base/error.h"
-#include "turnscale/calibration/robust_spread.h"
+#include "turnscale/base/quantiles.h"
 #include "turnscale/geometry/rotation.h"
 
 namespace turnscale {
@@ -70,7 +70,7 @@ std::optional<CameraStep> StepGatherer::Add(const StampedPose& pose) {
   if (last_) {
     speeds_.push_back(Speed(*last_, pose));
     if (static_cast<int>(speeds_.size()) > options_.speed_memory) speeds_.pop_front();
-    const double usual_speed = QuantileOf({speeds_.begin(), speeds_.end()}, options_.usual_speed_quantile);
+    const double usual_speed = Quantile({speeds_.begin(), speeds_.end()}, options_.usual_speed_quantile);
     step = Gather(*last_, pose, usual_speed, options_, open_);
   }
   last_ = pose;
@@ -89,7 +89,7 @@ std::vector<CameraStep> StepsAlong(const Trajectory& trajectory, const StepOptio
     CheckPose(i > 0 ? std::optional(trajectory[i - 1]) : std::nullopt, trajectory[i]);
     if (i > 0) speeds.push_back(Speed(trajectory[i - 1], trajectory[i]));
   }
-  const double usual_speed = QuantileOf(std::move(speeds), options.usual_speed_quantile);
+  const double usual_speed = Quantile(std::move(speeds), options.usual_speed_quantile);
   std::vector<CameraStep> steps;
   FrameMotions open;
   for (size_t i = 1; i < trajectory.size(); ++i) {

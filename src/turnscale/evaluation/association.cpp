@@ -8,6 +8,7 @@
 #include <string>
 
 #include "turnscale/base/error.h"
+#include "turnscale/base/quantiles.h"
 
 namespace turnscale {
 namespace {
@@ -34,9 +35,7 @@ double DefaultTolerance(const Trajectory& truth) {
   if (truth.size() < 2) return kLargestDefaultTolerance;
   std::vector<double> intervals;
   for (size_t i = 1; i < truth.size(); ++i) intervals.push_back(truth[i].time - truth[i - 1].time);
-  const auto middle = intervals.begin() + static_cast<std::ptrdiff_t>(intervals.size() / 2);
-  std::nth_element(intervals.begin(), middle, intervals.end());
-  return std::min(kLargestDefaultTolerance, 0.5 * *middle);
+  return std::min(kLargestDefaultTolerance, 0.5 * Median(std::move(intervals)));
 }
 
 int NearestInTime(const Trajectory& trajectory, double time) {

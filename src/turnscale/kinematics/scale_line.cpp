@@ -6,27 +6,16 @@
 #include <cstddef>
 #include <utility>
 
+#include "turnscale/base/quantiles.h"
+
 namespace turnscale {
 namespace {
 
-constexpr double kSigmaPerMad = 1.4826;  // of a normal distribution
 constexpr int kMaxIterations = 100;
 constexpr double kRelativeTolerance = 1e-14;
 constexpr double kMedianPenalty = 1.2533;  // standard deviation of a median over that of a mean
 
 using WeightedValues = std::vector<std::pair<double, double>>;
-
-double WeightedMedian(WeightedValues values) {
-  std::sort(values.begin(), values.end());
-  double total = 0;
-  for (const auto& [value, weight] : values) total += weight;
-  double below = 0;
-  for (const auto& [value, weight] : values) {
-    below += weight;
-    if (below >= 0.5 * total) return value;
-  }
-  return 0;
-}
 
 /// Sums of the weighted estimating equation A l^2 + B l - C = 0; its positive root is the scale l.
 struct Sums {
@@ -63,11 +52,11 @@ WeightedValues InverseScales(const std::vector<ScaleLinePoint>& points, double l
 /// Robust standard deviation of the residuals. One parameter was fitted to them: the factor keeps three or four steps
 /// from looking better than they are.
 double ResidualSpread(const std::vector<ScaleLinePoint>& points, double lever_arm, double scale) {
-  WeightedValues sizes;
-  sizes.reserve(points.size());
-  for (const ScaleLinePoint& point : points) sizes.emplace_back(std::abs(Residual(point, lever_arm, scale)), 1.0);
+  std::vector<double> residuals;
+  residuals.reserve(points.size());
+  for (const ScaleLinePoint& point : points) residuals.push_back(Residual(point, lever_arm, scale));
   const double n = static_cast<double>(points.size());
-  return kSigmaPerMad * WeightedMedian(std::move(sizes)) * std::sqrt(n / std::max(n - 1.0, 1.0));
+  return RobustSigma(std::move(residuals)) * std::sqrt(n / std::max(n - 1.0, 1.0));
 }
 
 double TukeyWeight(double residual_in_widths) {

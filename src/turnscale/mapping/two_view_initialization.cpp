@@ -11,6 +11,7 @@
 #include <opencv2/core/eigen.hpp>
 
 #include "turnscale/base/error.h"
+#include "turnscale/base/quantiles.h"
 #include "turnscale/bundle/bundle_adjustment.h"
 #include "turnscale/geometry/rotation.h"
 #include "turnscale/geometry/rotation_fit.h"
@@ -20,13 +21,6 @@ namespace turnscale {
 namespace {
 
 constexpr double kRansacConfidence = 0.9999;
-
-// The value that the given share of the values lies below.
-double Quantile(std::vector<double> values, double share) {
-  const auto place = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size()));
-  std::nth_element(values.begin(), place, values.end());
-  return *place;
-}
 
 std::vector<Eigen::Vector3d> Rays(const Pinhole& pinhole, const std::vector<Eigen::Vector2d>& pixels) {
   std::vector<Eigen::Vector3d> rays;

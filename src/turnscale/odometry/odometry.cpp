@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "turnscale/base/error.h"
+#include "turnscale/base/quantiles.h"
 #include "turnscale/camera/radial_correction.h"
 #include "turnscale/features/corners.h"
 #include "turnscale/geometry/rotation.h"
@@ -23,12 +24,6 @@ namespace {
 constexpr double kLeastLensChange = 2e-5;
 // Share of the depth of the scene below which the travel between two views says nothing of the speed.
 constexpr double kLeastTravel = 0.01;
-
-double Median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 OdometryOptions Checked(OdometryOptions options, const CameraModel& camera) {
   options.Check();

@@ -9,7 +9,7 @@
 #include <Eigen/QR>
 
 #include "turnscale/base/error.h"
-#include "turnscale/rescale/quantiles.h"
+#include "turnscale/base/quantiles.h"
 
 namespace turnscale {
 namespace {
@@ -57,7 +57,6 @@ StartFit FitAllSteps(const std::vector<SwayStep>& steps, double huber, double le
 std::optional<double> MedianLogScale(const std::vector<SwayStep>& steps, const std::vector<Stretch>& stretches,
                                      DriveState state, double lever_arm, const StartFit& fit, double min_lever_share) {
   std::vector<std::pair<double, double>> scales;
-  double total = 0;
   for (const Stretch& stretch : stretches) {
     if (!stretch.turning) continue;
     const PooledSway pooled = PoolSway(StepsOf(steps, stretch), fit.coefficients, fit.sigma, kNoLimit);
@@ -66,15 +65,9 @@ std::optional<double> MedianLogScale(const std::vector<SwayStep>& steps, const s
     state[kLogScale] = std::log(*scale);
     if (LeverShare(pooled, state, lever_arm) < min_lever_share) continue;
     scales.emplace_back(state[kLogScale], std::abs(stretch.angle));
-    total += std::abs(stretch.angle);
   }
-  std::sort(scales.begin(), scales.end());
-  double sum = 0;
-  for (const auto& [log_scale, angle] : scales) {
-    sum += angle;
-    if (sum >= 0.5 * total) return log_scale;
-  }
-  return std::nullopt;
+  if (scales.empty()) return std::nullopt;
+  return WeightedMedian(std::move(scales));
 }
 
 std::vector<StretchObservation> EmptyObservations(const std::vector<Stretch>& stretches) {

@@ -4,20 +4,12 @@
 #include <gtest/gtest.h>
 
 #include "turnscale/rescale/drifting_drive.h"
-#include "turnscale/rescale/quantiles.h"
 
 namespace turnscale {
 namespace {
 
 const LeverArm kCar{1.0, 0};
 const Eigen::Quaterniond kTilted = RotationFromYawPitchRoll({0.1, -0.2, 0.05});
-
-TEST(Quantiles, HalfOfTheSumAndTheMiddleOfTheSizes) {
-  EXPECT_EQ(HalfSumValue({}), 0);
-  EXPECT_EQ(HalfSumValue({0, 0, 0, 0, 1, 2, 3}), 2);
-  EXPECT_EQ(RobustSigma({}), 0);
-  EXPECT_DOUBLE_EQ(RobustSigma({-1, 100, 2, -3, 0.5}), 2 * 1.4826);
-}
 
 TEST(SwaySteps, ReadTheConstrainedMotionBack) {
   const ScaledDrive drive = MakeScaledDrive({{20, 0.8, 0.05}}, kCar, kTilted, 4.0);

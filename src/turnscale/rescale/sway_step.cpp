@@ -5,9 +5,9 @@
 #include <cmath>
 
 #include "turnscale/base/error.h"
+#include "turnscale/base/quantiles.h"
 #include "turnscale/geometry/rotation.h"
 #include "turnscale/kinematics/turning_motion.h"
-#include "turnscale/rescale/quantiles.h"
 
 namespace turnscale {
 namespace {
@@ -29,7 +29,7 @@ double OrdinaryLength(const Trajectory& trajectory, int spacing) {
   for (int last = spacing; last < static_cast<int>(trajectory.size()); last += spacing) {
     lengths.push_back(Distance(trajectory, last - spacing, last));
   }
-  return HalfSumValue(std::move(lengths));
+  return HalfSumValue(lengths);
 }
 
 SwayStep StepBetween(const Trajectory& trajectory, const Eigen::Quaterniond& vehicle_from_camera, int first, int last,
@@ -50,11 +50,10 @@ void MarkJumps(std::vector<SwayStep>& steps, int spacing, const KeySpacingOption
   if (steps.empty()) return;
   std::vector<double> paces;
   for (const SwayStep& step : steps) paces.push_back(Pace(step));
-  const auto brisk = paces.begin() + static_cast<std::ptrdiff_t>(paces.size() * 4 / 5);
-  std::nth_element(paces.begin(), brisk, paces.end());
+  const double brisk = Quantile(std::move(paces), 0.8);
   for (SwayStep& step : steps) {
     const bool late = step.last - step.first > options.max_late * spacing;
-    if (late || Pace(step) > options.max_speed_ratio * *brisk) step.usable = false;
+    if (late || Pace(step) > options.max_speed_ratio * brisk) step.usable = false;
   }
 }
 
@@ -76,7 +75,7 @@ int KeySpacing(const Trajectory& trajectory, const Eigen::Quaterniond& vehicle_f
   for (int i = 1; i < static_cast<int>(trajectory.size()); ++i) {
     angles.push_back(std::abs(TurningMotionOf(Motion(trajectory, i - 1, i), vehicle_from_camera).psi));
   }
-  const double wanted = options.step_angle / std::max(HalfSumValue(std::move(angles)), 1e-9);
+  const double wanted = options.step_angle / std::max(HalfSumValue(angles), 1e-9);
   return static_cast<int>(std::lround(std::clamp(wanted, 1.0, static_cast<double>(options.max_spacing))));
 }
 
