@@ -27,20 +27,40 @@ double Distance(const StampedPose& a, const StampedPose& b) {
   return (b.world_from_camera.translation - a.world_from_camera.translation).norm();
 }
 
+bool TooFast(double way, double seconds, double usual_speed, const StepOptions& options) {
+  return usual_speed > 0 && way > options.max_haste * usual_speed * seconds;
+}
+
+// A frame falls short of the wanted length by rounding as often as not.
+bool LongEnough(double way, double usual_speed, const StepOptions& options) {
+  return usual_speed > 0 && way > 0.99 * options.duration * usual_speed;
+}
+
+bool TooSlow(double seconds, const StepOptions& options) { return seconds > options.max_slowness * options.duration; }
+
+UsualSpeed UsualSpeedOf(const std::vector<Trajectory>& stretches) {
+  UsualSpeed speed;
+  for (const Trajectory& path : stretches) {
+    for (size_t i = 0; i < path.size(); ++i) {
+      CheckPose(i > 0 ? std::optional(path[i - 1]) : std::nullopt, path[i]);
+      if (i > 0) speed.Add(Distance(path[i - 1], path[i]), path[i].time - path[i - 1].time);
+    }
+  }
+  return speed;
+}
+
 // Takes the motion between two frames; gives the step that it completes.
 std::optional<CameraStep> Gather(const StampedPose& last, const StampedPose& pose, double usual_speed,
                                  const StepOptions& options, FrameMotions& open) {
   if (open.frames == 0) open.begin = last.time;
   const RigidTransform motion = last.world_from_camera.inverse() * pose.world_from_camera;
   const Eigen::Vector3d rotation = VectorFromRotation(motion.rotation);
-  const double length = motion.translation.norm();
   open.rotation += rotation;
   open.translation += RotationFromVector(-0.5 * rotation) * motion.translation;
   ++open.frames;
-  // A frame falls short of the wanted length by rounding as often as not.
-  const bool long_enough = usual_speed > 0 && open.translation.norm() > 0.99 * options.duration * usual_speed;
-  const bool too_slow = pose.time - open.begin > options.max_slowness * options.duration;
-  const bool too_fast = usual_speed > 0 && length > options.max_haste * usual_speed * (pose.time - last.time);
+  const bool long_enough = LongEnough(open.translation.norm(), usual_speed, options);
+  const bool too_slow = TooSlow(pose.time - open.begin, options);
+  const bool too_fast = TooFast(motion.translation.norm(), pose.time - last.time, usual_speed, options);
   if (!long_enough && !too_slow && !too_fast) return std::nullopt;
   const FrameMotions closed = open;
   open = FrameMotions();
@@ -88,22 +108,28 @@ std::vector<CameraStep> StepsAlong(const Trajectory& trajectory, const StepOptio
 
 std::vector<CameraStep> StepsAlong(const std::vector<Trajectory>& stretches, const StepOptions& options) {
   options.Check();
-  UsualSpeed speed;
-  for (const Trajectory& path : stretches) {
-    for (size_t i = 0; i < path.size(); ++i) {
-      CheckPose(i > 0 ? std::optional(path[i - 1]) : std::nullopt, path[i]);
-      if (i > 0) speed.Add(Distance(path[i - 1], path[i]), path[i].time - path[i - 1].time);
-    }
-  }
+  const double usual_speed = UsualSpeedOf(stretches).value();
   std::vector<CameraStep> steps;
   for (const Trajectory& path : stretches) {
     FrameMotions open;
     for (size_t i = 1; i < path.size(); ++i) {
-      const auto step = Gather(path[i - 1], path[i], speed.value(), options, open);
+      const auto step = Gather(path[i - 1], path[i], usual_speed, options, open);
       if (step) steps.push_back(*step);
     }
   }
   return steps;
+}
+
+std::optional<double> FirstGap(const Trajectory& trajectory, const StepOptions& options) {
+  options.Check();
+  const double usual_speed = UsualSpeedOf({trajectory}).value();
+  for (size_t i = 1; i < trajectory.size(); ++i) {
+    const double way = Distance(trajectory[i - 1], trajectory[i]);
+    const double seconds = trajectory[i].time - trajectory[i - 1].time;
+    const bool gap = TooSlow(seconds, options) && LongEnough(way, usual_speed, options);
+    if (gap || TooFast(way, seconds, usual_speed, options)) return trajectory[i - 1].time;
+  }
+  return std::nullopt;
 }
 
 }  // namespace turnscale

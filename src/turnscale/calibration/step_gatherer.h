@@ -61,4 +61,7 @@ std::vector<CameraStep> StepsAlong(const Trajectory& trajectory, const StepOptio
 /// no step reaches from one stretch to the next.
 std::vector<CameraStep> StepsAlong(const std::vector<Trajectory>& stretches, const StepOptions& options = {});
 
+/// When the first piece is missing in a path: the car has gone on, and no step reaches across. Nothing where none is.
+std::optional<double> FirstGap(const Trajectory& trajectory, const StepOptions& options = {});
+
 }  // namespace turnscale

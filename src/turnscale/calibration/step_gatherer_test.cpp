@@ -93,6 +93,9 @@ TEST(StepsAlong, NoStepReachesAcrossAGapOrAJump) {
   for (StampedPose& pose : jump) pose.world_from_camera.translation.x() += pose.time > 6.95 ? 30 : 0;
   EXPECT_GT(StepsAlong(gap).size(), 15U);
   EXPECT_GT(StepsAlong(jump).size(), 15U);
+  EXPECT_EQ(FirstGap(path), std::nullopt);
+  EXPECT_NEAR(FirstGap(gap).value_or(0), 5.9, 1e-9);
+  EXPECT_NEAR(FirstGap(jump).value_or(0), 6.9, 1e-9);
   for (const CameraStep& step : StepsAlong(gap)) EXPECT_TRUE(step.end < 5.95 || step.begin > 9.95);
   for (const CameraStep& step : StepsAlong(jump)) EXPECT_TRUE(step.end < 6.95 || step.begin > 6.95);
 }
