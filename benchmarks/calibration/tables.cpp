@@ -193,7 +193,6 @@ void Figure9(const fs::path& docs, double direction_share, bool picture) {
     trials.drive = PaperCalibrationDrive();
     trials.rotation_noise = kNoise[level] * kDeg;
     trials.direction_share = direction_share;
-    trials.calibration.refinement.road_bank = 0;
     const auto results = RunCalibrationTrials(trials);
     CalibrationTrials of_paper = trials;
     of_paper.calibration.refinement.travel = TravelModel::kFree;

@@ -168,6 +168,8 @@ void OnlineCalibration::Report() {
   }
   state_.vehicle_from_camera = refinement_->vehicle_from_camera;
   state_.covariance = refinement_->covariance;
+  const double bias = options_.calibration.motion_bias;
+  state_.covariance.diagonal().head<2>().array() += bias * bias;
   state_.angles = YawPitchRollFromRotation(state_.vehicle_from_camera);
   state_.sigma = SigmaOfAngles(state_.vehicle_from_camera, state_.covariance);
   state_.usable = state_.sigma.yaw < options_.usable_yaw_sigma;

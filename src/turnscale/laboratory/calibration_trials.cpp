@@ -23,6 +23,14 @@ YawPitchRoll Difference(const Eigen::Quaterniond& found, const Eigen::Quaternion
 
 }  // namespace
 
+CalibrationOptions PaperCalibrationOptions() {
+  CalibrationOptions options;
+  options.refinement.road_bank = 0;
+  options.body_lean = false;
+  options.motion_bias = 0;
+  return options;
+}
+
 Eigen::Quaterniond RotationFromPaperAngles(double z_deg, double y_deg, double x_deg) {
   const auto about = [](double degrees, const Eigen::Vector3d& axis) {
     return RotationFromVector(degrees / kDegreesPerRadian * axis);

@@ -49,7 +49,6 @@ TEST(CalibrationTrials, TheRefinementIsUnbiasedAndNearTheBound) {
   trials.drive = PaperCalibrationDrive();
   trials.rotation_noise = 1 * kDeg;
   trials.runs = 40;
-  trials.calibration.refinement.road_bank = 0;
   const YawPitchRoll bound = CramerRaoBound(trials);
   YawPitchRoll mean;
   YawPitchRoll squares;
