@@ -48,7 +48,7 @@ PaperDriveOptions PaperCalibrationDrive() {
 
 std::vector<CalibrationTrial> RunCalibrationTrials(const CalibrationTrials& trials) {
   const std::vector<VehicleStep> steps = PaperDriveSteps(trials.drive);
-  OdometryNoise noise{trials.rotation_noise, trials.direction_share * trials.rotation_noise, trials.scale_loss, 0};
+  OdometryNoise noise{trials.rotation_noise, trials.direction_share * trials.rotation_noise, 0};
   std::vector<CalibrationTrial> results;
   for (int run = 0; run < trials.runs; ++run) {
     noise.seed = Hash(Hash(trials.seed) + static_cast<std::uint64_t>(run));

@@ -20,7 +20,6 @@ struct CalibrationTrials {
   double rotation_noise = 0;
   /// Of each frame's direction of travel over that of its rotation. The paper leaves it open; 1 gives both the same.
   double direction_share = 1;
-  double scale_loss = 0;
   int runs = 100;
   std::uint64_t seed = 1;
   StepOptions steps;

@@ -28,7 +28,7 @@ TEST(PaperDrive, HasThePapersShape) {
 
 TEST(PaperDrive, SameSeedSameBits) {
   const auto steps = PaperDriveSteps();
-  const OdometryNoise noise{0.01, 0.01, 0, 7};
+  const OdometryNoise noise{0.01, 0.01, 7};
   const Trajectory a = NoisyCameraPath(steps, PaperCalibrationDrive(), noise);
   const Trajectory b = NoisyCameraPath(steps, PaperCalibrationDrive(), noise);
   EXPECT_EQ(a.back().world_from_camera.translation, b.back().world_from_camera.translation);
