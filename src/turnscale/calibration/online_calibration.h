@@ -33,9 +33,9 @@ struct OnlineCalibrationOptions {
   /// And by at least this angle, rad (1.2 deg).
   double moved_angle = 1.2 / 57.295779513082320877;
   int moved_confirmations = 3;
-  /// Q is worth using below this standard deviation of its yaw, rad (0.25 deg: the scale is then right within some
-  /// per cent).
-  double usable_yaw_sigma = 0.25 / 57.295779513082320877;
+  /// Q is worth using below this standard deviation of its yaw, rad (0.3 deg, CalibrationOptions::motion_bias included:
+  /// the scale is then right within some per cent).
+  double usable_yaw_sigma = 0.3 / 57.295779513082320877;
 
   /// Throws InputError that names the field when a value makes no sense.
   void Check() const;
