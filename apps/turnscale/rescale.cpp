@@ -30,7 +30,7 @@ struct RescaleArguments {
   double lever_arm = 0;
   std::optional<double> side_slip;
   std::optional<double> side_slip_sigma;
-  std::string camera_rotation = "identity";
+  std::string camera_rotation = "auto";
   std::optional<double> fps;
   std::optional<fs::path> timestamps;
   std::string drift = "auto";
@@ -90,7 +90,9 @@ RescaleOptions OptionsFrom(const RescaleArguments& arguments, bool timed) {
     }
     options.car.side_slip_sigma = *arguments.side_slip_sigma;
   }
-  if (arguments.camera_rotation != "identity") {
+  if (arguments.camera_rotation == "identity") {
+    options.vehicle_from_camera = Eigen::Quaterniond::Identity();
+  } else if (arguments.camera_rotation != "auto") {
     options.vehicle_from_camera = ReadCameraRotation(arguments.camera_rotation);
   }
   options.timed = timed;
@@ -147,9 +149,10 @@ void AddRescaleCommand(CLI::App& app) {
                       "Where the search for the rear tyres' slip c begins, s^2/m [0.0045]");
   command->add_option("--side-slip-sigma", arguments->side_slip_sigma,
                       "How well c is known beforehand, s^2/m [0.0015]");
-  command->add_option("--camera-rotation", arguments->camera_rotation,
-                      "How the camera is turned on the car: identity, yaw,pitch,roll in degrees, or a YAML file with "
-                      "them [identity]");
+  command->add_option(
+      "--camera-rotation", arguments->camera_rotation,
+      "How the camera is turned on the car: auto (found from the trajectory), identity, yaw,pitch,roll in "
+      "degrees, or a YAML file with them [auto]");
   CLI::Option* fps = command->add_option("--fps", arguments->fps, "Frames per second of a KITTI file");
   command
       ->add_option("--timestamps", arguments->timestamps,

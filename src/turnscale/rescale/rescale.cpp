@@ -6,6 +6,7 @@
 #include <cstdio>
 
 #include "turnscale/base/error.h"
+#include "turnscale/rescale/camera_mount.h"
 
 namespace turnscale {
 namespace {
@@ -173,6 +174,23 @@ std::string UncertainReason(double sigma, double max_sigma) {
   return text;
 }
 
+// Leaves the reason why there is none.
+bool FindMount(const RescaleOptions& options, const Trajectory& trajectory, RescaleResult& result) {
+  try {
+    result.vehicle_from_camera =
+        options.vehicle_from_camera ? *options.vehicle_from_camera : FindCameraMount(trajectory, options.timed);
+    return true;
+  } catch (const InputError& error) {
+    result.reason = error.what();
+    return false;
+  }
+}
+
+bool GoesForward(const std::vector<SwayStep>& steps) {
+  const auto forward = std::count_if(steps.begin(), steps.end(), [](const SwayStep& step) { return step.forward; });
+  return 2 * forward >= static_cast<std::ptrdiff_t>(steps.size());
+}
+
 }  // namespace
 
 void RescaleOptions::Check() const {
@@ -188,9 +206,14 @@ RescaleResult RescaleTrajectory(const RescaleOptions& options, const Trajectory&
   options.Check();
   CheckTrajectory(trajectory, options.timed);
   RescaleResult result;
-  result.key_spacing = KeySpacing(trajectory, options.vehicle_from_camera, options.keys);
+  if (!FindMount(options, trajectory, result)) return result;
+  result.key_spacing = KeySpacing(trajectory, result.vehicle_from_camera, options.keys);
   const std::vector<SwayStep> steps =
-      SwaySteps(trajectory, options.vehicle_from_camera, result.key_spacing, options.timed, options.keys);
+      SwaySteps(trajectory, result.vehicle_from_camera, result.key_spacing, options.timed, options.keys);
+  if (!GoesForward(steps)) {
+    result.reason = "most of its steps go sideways, up, down or backwards: its axes are not x right, y down, z forward";
+    return result;
+  }
   const std::vector<Stretch> stretches = SplitIntoStretches(steps, options.stretches);
   if (std::none_of(stretches.begin(), stretches.end(), [](const Stretch& stretch) { return stretch.turning; })) {
     result.reason = "it has no turn";

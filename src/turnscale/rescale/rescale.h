@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,8 +16,9 @@ namespace turnscale {
 
 struct RescaleOptions {
   CarPrior car;
-  /// The paper's Q. A yaw error of some degrees is found from the drive; pitch and roll are taken as given.
-  Eigen::Quaterniond vehicle_from_camera = Eigen::Quaterniond::Identity();
+  /// The paper's Q; found from the trajectory (FindCameraMount) where it is not given. What it has wrong in yaw is
+  /// found in either case, its pitch does not matter (SwayStep), and of the roll some degrees do little.
+  std::optional<Eigen::Quaterniond> vehicle_from_camera;
   /// The poses' times are seconds. Without them there is no speed, and the tyres are taken not to slip.
   bool timed = true;
   KeySpacingOptions keys;
@@ -60,8 +62,9 @@ struct RescaleResult {
   Trajectory metric;             ///< metres; the first pose keeps its direction from the origin
   std::vector<PoseScale> poses;  ///< one a pose
   std::vector<RescaledTurn> turns;
-  int key_spacing = 0;  ///< poses from key to key
-  double length = 0;    ///< of the metric path along its keys, metres
+  Eigen::Quaterniond vehicle_from_camera = Eigen::Quaterniond::Identity();  ///< Q as given or found
+  int key_spacing = 0;                                                      ///< poses from key to key
+  double length = 0;  ///< of the metric path along its keys, metres
   // What the drive says of the car, with standard deviations.
   double yaw_error = 0;  ///< what Q has too little, rad: the true camera looks so much further right
   double yaw_error_sigma = 0;

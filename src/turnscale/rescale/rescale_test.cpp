@@ -52,12 +52,72 @@ TEST(Rescale, FindsSlipAndYawThatWereGivenWrong) {
   const ScaledDrive drive = MakeScaledDrive(CityRoute(10), kCar, RotationFromYawPitchRoll({yaw, 0, 0}), kUnit,
                                             {.position = 0.003, .rotation = 0.0002}, 5);
   RescaleOptions options = OptionsFor({kCar.length, 0.0055});
+  options.vehicle_from_camera = kIdentity;
   options.estimator.drifting = false;
   const RescaleResult result = RescaleTrajectory(options, drive.trajectory);
   ASSERT_TRUE(result.observable) << result.reason;
   EXPECT_NEAR(result.yaw_error, yaw, 0.001);
   EXPECT_NEAR(result.side_slip, kCar.side_slip, 0.0006);
   EXPECT_LT(WorstLogError(result, drive), 0.03);
+}
+
+// The lever arm is seen in proportion to the turning angle, and so is a roll that is none but a pitch of the camera.
+TEST(Rescale, PitchOfTheCameraDoesNotBendTheScale) {
+  for (const double pitch : {-10.0, 10.0}) {
+    const Eigen::Quaterniond mount = RotationFromYawPitchRoll({0, pitch / kDegreesPerRadian, 0});
+    const ScaledDrive drive = MakeScaledDrive(CityRoute(9), kCar, mount, kUnit);
+    RescaleOptions options = OptionsFor(kCar);
+    for (const auto& given : {std::optional(kIdentity), std::optional<Eigen::Quaterniond>()}) {
+      options.vehicle_from_camera = given;
+      const RescaleResult result = RescaleTrajectory(options, drive.trajectory);
+      ASSERT_TRUE(result.observable) << result.reason;
+      EXPECT_LT(WorstLogError(result, drive), 0.006) << pitch << (given ? " given as 0" : " to be found");
+    }
+  }
+}
+
+TEST(Rescale, FindsHowTheCameraIsTurned) {
+  const YawPitchRoll angles{12 / kDegreesPerRadian, -8 / kDegreesPerRadian, 5 / kDegreesPerRadian};
+  Eigen::Matrix3d vehicle_axes;  // x forward, y left, z up
+  vehicle_axes << 0, -1, 0, 0, 0, -1, 1, 0, 0;
+  for (const auto& mount : {RotationFromYawPitchRoll(angles), Eigen::Quaterniond(vehicle_axes)}) {
+    const ScaledDrive drive = MakeScaledDrive(CityRoute(9), kCar, mount, kUnit, {.position = 0.003}, 2);
+    RescaleOptions options = OptionsFor(kCar);
+    options.estimator.drifting = false;
+    const RescaleResult result = RescaleTrajectory(options, drive.trajectory);
+    ASSERT_TRUE(result.observable) << result.reason;
+    EXPECT_LT(RotationAngle(result.vehicle_from_camera.conjugate() * mount), 1 / kDegreesPerRadian);
+    EXPECT_LT(WorstLogError(result, drive), 0.02);
+  }
+}
+
+TEST(Rescale, SaysWhenTheAxesAreNotACameras) {
+  Eigen::Matrix3d vehicle_axes;
+  vehicle_axes << 0, -1, 0, 0, 0, -1, 1, 0, 0;
+  const ScaledDrive drive = MakeScaledDrive(CityRoute(4), kCar, Eigen::Quaterniond(vehicle_axes), kUnit);
+  RescaleOptions options = OptionsFor(kCar);
+  options.vehicle_from_camera = kIdentity;
+  const RescaleResult result = RescaleTrajectory(options, drive.trajectory);
+  EXPECT_FALSE(result.observable);
+  EXPECT_NE(result.reason.find("sideways"), std::string::npos) << result.reason;
+}
+
+// Of 6 degrees per g, whichever way the camera is pitched.
+TEST(Rescale, BodyRollIsNoLeverArm) {
+  for (const double pitch : {-8.0, 0.0, 8.0}) {
+    const Eigen::Quaterniond mount = RotationFromYawPitchRoll({0, pitch / kDegreesPerRadian, 0});
+    const ScaledDrive drive = MakeScaledDrive(CityRoute(12), kCar, mount, kUnit, {.position = 0.002}, 3, {0.8, 0.0107});
+    RescaleOptions options = OptionsFor(kCar);
+    options.estimator.drifting = false;
+    const RescaleResult result = RescaleTrajectory(options, drive.trajectory);
+    ASSERT_TRUE(result.observable) << result.reason;
+    EXPECT_NEAR(result.height, 0.8, 0.15) << "expected about " << options.car.height << " beforehand";
+    EXPECT_LT(WorstLogError(result, drive), 0.006);
+    options.car.height = 0;
+    options.car.height_sigma = 1e-6;
+    EXPECT_GT(WorstLogError(RescaleTrajectory(options, drive.trajectory), drive), 1.5 * WorstLogError(result, drive))
+        << "with the roll not asked for";
+  }
 }
 
 TEST(Rescale, AnyUnitGivesTheSameMetres) {

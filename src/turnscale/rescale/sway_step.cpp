@@ -24,6 +24,11 @@ double TwistAboutZ(const Eigen::Quaterniond& rotation) {
   return std::remainder(2 * std::atan2(rotation.z(), rotation.w()), 2 * M_PI);
 }
 
+// The rotation about x that makes a direction of travel level.
+Eigen::Quaterniond Level(const Eigen::Vector3d& travel) {
+  return RotationFromVector({std::atan2(travel.y(), travel.z()), 0, 0});
+}
+
 double OrdinaryLength(const Trajectory& trajectory, int spacing) {
   std::vector<double> lengths;
   for (int last = spacing; last < static_cast<int>(trajectory.size()); last += spacing) {
@@ -35,12 +40,16 @@ double OrdinaryLength(const Trajectory& trajectory, int spacing) {
 SwayStep StepBetween(const Trajectory& trajectory, const Eigen::Quaterniond& vehicle_from_camera, int first, int last,
                      bool timed, double max_direction) {
   const RigidTransform motion = Motion(trajectory, first, last);
-  const TurningMotion turning = TurningMotionOf(motion, vehicle_from_camera);
+  const Eigen::Vector3d travel =
+      vehicle_from_camera * (RotationFromVector(-0.5 * VectorFromRotation(motion.rotation)) * motion.translation);
+  const bool forward = std::atan2(std::hypot(travel.x(), travel.y()), travel.z()) <= max_direction;
+  const Eigen::Quaterniond level = forward ? Level(travel) * vehicle_from_camera : vehicle_from_camera;
+  const TurningMotion turning = TurningMotionOf(motion, level);
   SwayStep step{first, last, turning.psi, turning.step};
   step.sway = turning.step * std::sin(turning.theta - 0.5 * turning.psi);
-  step.roll = TwistAboutZ(vehicle_from_camera * motion.rotation * vehicle_from_camera.conjugate());
+  step.roll = TwistAboutZ(level * motion.rotation * level.conjugate());
   if (timed) step.speed = turning.step / (trajectory[last].time - trajectory[first].time);
-  step.usable = std::abs(turning.theta) <= max_direction;
+  step.forward = step.usable = forward;
   return step;
 }
 

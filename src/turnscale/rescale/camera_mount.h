@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <Eigen/Geometry>
+
+#include "turnscale/geometry/trajectory.h"
+
+namespace turnscale {
+
+/// The paper's Q from the path itself, whichever way its body's axes lie. Where no turn shows the camera's roll, the
+/// camera is taken as upright. `timed` says that the poses' times are seconds.
+///
+/// Throws InputError where the path has no direction of travel, or is too short to tell.
+Eigen::Quaterniond FindCameraMount(const Trajectory& trajectory, bool timed);
+
+}  // namespace turnscale
