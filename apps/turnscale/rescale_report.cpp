@@ -35,12 +35,12 @@ auto UsedTurns(const RescaleResult& result) {
 }  // namespace
 
 std::string PoseScaleTable(const RescaleResult& result) {
-  std::string table = "pose,time,metres_per_unit,sigma_relative,live_metres_per_unit,live_sigma_relative\n";
+  std::string table = "pose,time,metres_per_unit,sigma_relative,filtered_metres_per_unit,filtered_sigma_relative\n";
   for (std::size_t i = 0; i < result.poses.size(); ++i) {
     const PoseScale& scale = result.poses[i];
     fmt::format_to(std::back_inserter(table), "{},{:.6f},{:.9g},{:.6g},{},{}\n", i, result.metric[i].time,
-                   scale.metres_per_unit, scale.sigma, PositiveCell(scale.live_metres_per_unit),
-                   PositiveCell(scale.live_sigma));
+                   scale.metres_per_unit, scale.sigma, PositiveCell(scale.filtered_metres_per_unit),
+                   PositiveCell(scale.filtered_sigma));
   }
   return table;
 }

@@ -89,15 +89,31 @@ int KeySpacing(const Trajectory& trajectory, const Eigen::Quaterniond& vehicle_f
 }
 
 std::vector<SwayStep> SwaySteps(const Trajectory& trajectory, const Eigen::Quaterniond& vehicle_from_camera,
-                                int spacing, bool timed, const KeySpacingOptions& options) {
+                                int spacing, bool timed, const KeySpacingOptions& options,
+                                const std::vector<int>& gaps) {
   options.Check();
   std::vector<SwayStep> steps;
+  const auto step_to = [&](int key, int i) {
+    return StepBetween(trajectory, vehicle_from_camera, key, i, timed, options.max_direction);
+  };
   const double shortest = options.min_length_share * OrdinaryLength(trajectory, spacing);
+  auto gap = gaps.begin();
   int key = 0;
-  for (int i = spacing; i < static_cast<int>(trajectory.size()); ++i) {
+  for (int i = 1; i < static_cast<int>(trajectory.size()); ++i) {
+    if (gap != gaps.end() && *gap == i) {
+      ++gap;
+      if (key < i - 1) {
+        steps.push_back(step_to(key, i - 1));
+        steps.back().usable = false;
+      }
+      steps.push_back({.first = i - 1, .last = i, .usable = false, .after_gap = true});
+      key = i;
+      continue;
+    }
+    if (i - key < spacing) continue;
     const double length = Distance(trajectory, key, i);
-    if (i - key < spacing || length < shortest || length == 0) continue;
-    steps.push_back(StepBetween(trajectory, vehicle_from_camera, key, i, timed, options.max_direction));
+    if (length < shortest || length == 0) continue;
+    steps.push_back(step_to(key, i));
     key = i;
   }
   MarkJumps(steps, spacing, options);

@@ -25,6 +25,7 @@ struct SwayStep {
   bool forward = true;  ///< false where the step goes to the side, up, down or backwards
   /// False where the step does not go forward, or the odometry jumped or was lost: nothing is read from it then.
   bool usable = true;
+  bool after_gap = false;  ///< leads across a gap: nothing of its motion is known
 };
 
 struct KeySpacingOptions {
@@ -50,8 +51,10 @@ struct KeySpacingOptions {
 int KeySpacing(const Trajectory& trajectory, const Eigen::Quaterniond& vehicle_from_camera,
                const KeySpacingOptions& options);
 
-/// Steps between keys that are at least `spacing` poses apart. `timed` says that the poses' times are seconds.
+/// Steps between keys that are at least `spacing` poses apart. `timed` says that the poses' times are seconds, `gaps`
+/// which poses do not hang together with the one before (increasing): a step of no length leads there.
 std::vector<SwayStep> SwaySteps(const Trajectory& trajectory, const Eigen::Quaterniond& vehicle_from_camera,
-                                int spacing, bool timed, const KeySpacingOptions& options);
+                                int spacing, bool timed, const KeySpacingOptions& options,
+                                const std::vector<int>& gaps = {});
 
 }  // namespace turnscale
