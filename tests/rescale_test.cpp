@@ -121,6 +121,30 @@ TEST_F(RescaleCommandTest, WritesTheReport) {
   EXPECT_EQ(picture.find("nan"), std::string::npos);
 }
 
+TEST_F(RescaleCommandTest, SideSlipThatIsGivenIsKept) {
+  const auto slip = [&](std::vector<std::string> extra) {
+    extra.insert(extra.begin(), {Tum(), "--lever-arm", "1.2", "--report", Path("report")});
+    EXPECT_EQ(Run(extra).exit_code, 0);
+    const auto summary = nlohmann::json::parse(TextOf(folder_ / "report" / "summary.json"));
+    return std::pair<double, double>(summary["side_slip_s2pm"], summary["side_slip_sigma_s2pm"]);
+  };
+  EXPECT_NEAR(slip({"--side-slip", "0.002"}).first, 0.002, 1e-8);
+  EXPECT_EQ(slip({"--side-slip", "0.002"}).second, 0);
+  EXPECT_GT(slip({"--side-slip", "0.002", "--side-slip-sigma", "0.0015"}).second, 0);
+  EXPECT_GT(slip({}).second, 0);
+}
+
+TEST_F(RescaleCommandTest, FindsTheCamerasRotationUnlessItIsGiven) {
+  drive_ = MakeScaledDrive(CityRoute(6), kCar,
+                           RotationFromYawPitchRoll({20 / kDegreesPerRadian, -9 / kDegreesPerRadian, 0}), kUnit);
+  ExpectMetres({Tum()}, poses_);
+  ExpectMetres({Tum(), "--camera-rotation", "auto"}, poses_);
+  ExpectMetres({Tum(), "--camera-rotation", "20,-9,0"}, poses_);
+  drive_ = MakeScaledDrive(CityRoute(6), kCar, RotationFromYawPitchRoll({90 / kDegreesPerRadian, 0, 0}), kUnit);
+  ExpectComplaint(Run({Tum(), "--lever-arm", "1.2", "--camera-rotation", "identity"}), 2,
+                  {"scale not observable", "sideways", "let its rotation be found"});
+}
+
 TEST_F(RescaleCommandTest, SameInputSameBytes) {
   Tum();
   ASSERT_EQ(Run({Path("drive.tum"), "--lever-arm", "1.2"}).exit_code, 0);

@@ -3,9 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "turnscale/base/error.h"
+#include "turnscale/geometry/rotation.h"
 #include "turnscale/rescale/camera_mount.h"
 
 namespace turnscale {
@@ -71,11 +71,11 @@ double BestSigma(const std::vector<PoseScale>& poses) {
       ->sigma;
 }
 
-std::string UncertainReason(double sigma, double max_sigma) {
-  char text[160];
-  std::snprintf(text, sizeof text, "its turns leave the scale uncertain by %.0f %%, more than %.0f", 100 * sigma,
-                100 * max_sigma);
-  return text;
+std::string Rounded(double value) { return std::to_string(std::lround(value)); }
+
+std::string WhatWouldDo(const RescaleOptions& options) {
+  return "give a drive with a slow turn of " + Rounded(options.stretches.turns.min_region_angle * kDegreesPerRadian) +
+         " degrees or more";
 }
 
 // Leaves the reason why there is none.
@@ -116,17 +116,19 @@ RescaleResult RescaleTrajectory(const RescaleOptions& options, const Trajectory&
   const std::vector<SwayStep> steps =
       SwaySteps(trajectory, result.vehicle_from_camera, result.key_spacing, options.timed, options.keys, gaps);
   if (!GoesForward(steps)) {
-    result.reason = "most of its steps go sideways, up, down or backwards: its axes are not x right, y down, z forward";
+    result.reason =
+        "most of its steps go sideways, up, down or backwards for a camera turned like that; let its rotation be found";
     return result;
   }
   const std::vector<Stretch> stretches = SplitIntoStretches(steps, options.stretches);
   if (std::none_of(stretches.begin(), stretches.end(), [](const Stretch& stretch) { return stretch.turning; })) {
-    result.reason = "it has no turn";
+    result.reason = "it has no turn; " + WhatWouldDo(options);
     return result;
   }
   const auto estimate = EstimateScale(steps, stretches, CarFor(options), options.estimator);
   if (!estimate) {
-    result.reason = "in no turn slow enough the camera swings outwards as its lever arm demands";
+    result.reason =
+        "in no turn slow enough the camera swings outwards as its lever arm demands; " + WhatWouldDo(options);
     return result;
   }
   const double common_sigma = options.lever_arm_sigma;
@@ -135,7 +137,8 @@ RescaleResult RescaleTrajectory(const RescaleOptions& options, const Trajectory&
   result.poses = ScalePoses(static_cast<int>(trajectory.size()), steps, stretches, *estimate, common_sigma);
   if (const double sigma = BestSigma(result.poses); !(sigma <= options.max_scale_sigma)) {
     result.poses.clear();
-    result.reason = UncertainReason(sigma, options.max_scale_sigma);
+    result.reason = "its turns leave the scale uncertain by " + Rounded(100 * sigma) + " %, more than " +
+                    Rounded(100 * options.max_scale_sigma) + "; " + WhatWouldDo(options);
     return result;
   }
   result.metric = MetricTrajectory(trajectory, result.poses);
