@@ -2,6 +2,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -119,6 +120,22 @@ TEST_F(RescaleCommandTest, WritesTheReport) {
   EXPECT_TRUE(picture.starts_with("<svg") && picture.ends_with("</svg>\n"));
   EXPECT_NE(picture.find("implied speed"), std::string::npos);
   EXPECT_EQ(picture.find("nan"), std::string::npos);
+}
+
+TEST_F(RescaleCommandTest, DrawsTheDriveFromAbove) {
+  const auto path = [&] {
+    EXPECT_EQ(Run({Tum(), "--lever-arm", "1.2", "--report", Path("report")}).exit_code, 0);
+    const std::string picture = TextOf(folder_ / "report" / "rescale.svg");
+    const std::size_t begin = picture.find("<path class=\"path\"");
+    return picture.substr(begin, picture.find('\n', begin) - begin);
+  };
+  const std::string seen = path();
+  // The same drive in a world whose z axis points up.
+  const Eigen::Quaterniond up_from_world = RotationFromVector({-std::numbers::pi / 2, 0, 0});
+  for (StampedPose& pose : drive_.trajectory) {
+    pose.world_from_camera = RigidTransform{up_from_world, {0, 0, 0}} * pose.world_from_camera;
+  }
+  EXPECT_EQ(path(), seen);
 }
 
 TEST_F(RescaleCommandTest, SideSlipThatIsGivenIsKept) {
