@@ -24,11 +24,6 @@ double TwistAboutZ(const Eigen::Quaterniond& rotation) {
   return std::remainder(2 * std::atan2(rotation.z(), rotation.w()), 2 * M_PI);
 }
 
-// The rotation about x that makes a direction of travel level.
-Eigen::Quaterniond Level(const Eigen::Vector3d& travel) {
-  return RotationFromVector({std::atan2(travel.y(), travel.z()), 0, 0});
-}
-
 double OrdinaryLength(const Trajectory& trajectory, int spacing) {
   std::vector<double> lengths;
   for (int last = spacing; last < static_cast<int>(trajectory.size()); last += spacing) {
@@ -37,19 +32,36 @@ double OrdinaryLength(const Trajectory& trajectory, int spacing) {
   return HalfSumValue(lengths);
 }
 
+// A motion in vehicle axes, pitched so that it goes neither up nor down half-way.
+struct LevelMotion {
+  TurningMotion turning;
+  double roll = 0;
+  double off_forward = 0;  // rad, before it was levelled
+};
+
+LevelMotion LevelMotionOf(const RigidTransform& motion, const Eigen::Quaterniond& vehicle_from_camera) {
+  const Eigen::Quaterniond half_back = RotationFromVector(-0.5 * VectorFromRotation(motion.rotation));
+  const Eigen::Vector3d travel = vehicle_from_camera * (half_back * motion.translation);
+  LevelMotion level;
+  level.off_forward = std::atan2(std::hypot(travel.x(), travel.y()), travel.z());
+  Eigen::Quaterniond level_from_camera = vehicle_from_camera;
+  if (travel.z() > 0) {
+    level_from_camera = RotationFromVector({std::atan2(travel.y(), travel.z()), 0, 0}) * vehicle_from_camera;
+  }
+  level.turning = TurningMotionOf(motion, level_from_camera);
+  level.roll = TwistAboutZ(level_from_camera * motion.rotation * level_from_camera.conjugate());
+  return level;
+}
+
 SwayStep StepBetween(const Trajectory& trajectory, const Eigen::Quaterniond& vehicle_from_camera, int first, int last,
                      bool timed, double max_direction) {
-  const RigidTransform motion = Motion(trajectory, first, last);
-  const Eigen::Vector3d travel =
-      vehicle_from_camera * (RotationFromVector(-0.5 * VectorFromRotation(motion.rotation)) * motion.translation);
-  const bool forward = std::atan2(std::hypot(travel.x(), travel.y()), travel.z()) <= max_direction;
-  const Eigen::Quaterniond level = forward ? Level(travel) * vehicle_from_camera : vehicle_from_camera;
-  const TurningMotion turning = TurningMotionOf(motion, level);
+  const LevelMotion motion = LevelMotionOf(Motion(trajectory, first, last), vehicle_from_camera);
+  const TurningMotion& turning = motion.turning;
   SwayStep step{first, last, turning.psi, turning.step};
   step.sway = turning.step * std::sin(turning.theta - 0.5 * turning.psi);
-  step.roll = TwistAboutZ(level * motion.rotation * level.conjugate());
+  step.roll = motion.roll;
   if (timed) step.speed = turning.step / (trajectory[last].time - trajectory[first].time);
-  step.forward = step.usable = forward;
+  step.forward = step.usable = motion.off_forward <= max_direction;
   return step;
 }
 
@@ -82,7 +94,7 @@ int KeySpacing(const Trajectory& trajectory, const Eigen::Quaterniond& vehicle_f
   options.Check();
   std::vector<double> angles;
   for (int i = 1; i < static_cast<int>(trajectory.size()); ++i) {
-    angles.push_back(std::abs(TurningMotionOf(Motion(trajectory, i - 1, i), vehicle_from_camera).psi));
+    angles.push_back(std::abs(LevelMotionOf(Motion(trajectory, i - 1, i), vehicle_from_camera).turning.psi));
   }
   const double wanted = options.step_angle / std::max(HalfSumValue(angles), 1e-9);
   return static_cast<int>(std::lround(std::clamp(wanted, 1.0, static_cast<double>(options.max_spacing))));
