@@ -50,8 +50,7 @@ double WorstAngle(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b) {
 void Figure3(const fs::path& kitti, const fs::path& docs) {
   Trajectory path = ReadDrive(kitti, "00");
   path.resize(500);
-  // The paper's z-y-x angles {12, 19, -1} deg: about its forward, right and down axes in turn.
-  const Eigen::Quaterniond mount = RotationFromYawPitchRoll({12 * kDeg, 19 * kDeg, -1 * kDeg});
+  const Eigen::Quaterniond mount = RotationFromPaperAngles(12, 19, -1);
   const Calibration plain = Calibrate(StepsAlong(path));
   const auto steps = StepsAlong(Rotated(path, mount));
   const Calibration rotated = Calibrate(steps);

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <vector>
 
 #include <Eigen/LU>
@@ -163,9 +162,8 @@ void OnlineCalibration::Report() {
     state_.vehicle_from_camera = RotationFromForwardAndDown(way_, Eigen::Vector3d::UnitY());
     state_.angles = YawPitchRollFromRotation(state_.vehicle_from_camera);
     state_.usable = false;
-    state_.covariance = Eigen::Matrix3d::Identity() * std::numeric_limits<double>::infinity();
-    constexpr double kUnknown = std::numeric_limits<double>::infinity();
-    state_.sigma = {kUnknown, kUnknown, kUnknown};
+    state_.covariance = UnknownRotation();
+    state_.sigma = SigmaOfAngles(state_.vehicle_from_camera, state_.covariance);
     return;
   }
   state_.vehicle_from_camera = refinement_->vehicle_from_camera;

@@ -2,6 +2,7 @@
 #include "turnscale/calibration/online_calibration.h"
 
 #include <cmath>
+#include <limits>
 
 #include <gtest/gtest.h>
 
@@ -32,6 +33,18 @@ TEST(OnlineCalibration, WaitsForTheFirstTurnAndThenHolds) {
   EXPECT_TRUE(was_usable);
   EXPECT_EQ(online.state().moves, 0);
   EXPECT_LT(DegreesBetween(online.state().vehicle_from_camera, kTilted), 0.3);
+}
+
+TEST(OnlineCalibration, KnowsNothingBeforeTheFirstTurn) {
+  OnlineCalibration online;
+  const OnlineState& state = online.Add(Steps(kTilted, 1).front());
+  EXPECT_FALSE(state.estimated);
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 3; ++column) {
+      EXPECT_EQ(state.covariance(row, column), row == column ? std::numeric_limits<double>::infinity() : 0);
+    }
+  }
+  for (const double sigma : {state.sigma.yaw, state.sigma.pitch, state.sigma.roll}) EXPECT_TRUE(std::isinf(sigma));
 }
 
 TEST(OnlineCalibration, AgreesWithAllStepsTogether) {

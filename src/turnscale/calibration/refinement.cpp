@@ -3,13 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 
 #include "turnscale/base/error.h"
 #include "turnscale/base/quantiles.h"
+#include "turnscale/calibration/camera_angles.h"
 #include "turnscale/calibration/step_elimination.h"
 #include "turnscale/geometry/rotation.h"
 #include "turnscale/kinematics/turning_motion.h"
@@ -296,7 +296,7 @@ class Refiner {
       }
     }
     const Eigen::FullPivLU<Eigen::Matrix3d> lu(hessian);
-    if (!lu.isInvertible()) return Eigen::Matrix3d::Identity() * std::numeric_limits<double>::infinity();
+    if (!lu.isInvertible()) return UnknownRotation();
     const Eigen::Matrix3d inverse = lu.inverse();
     return inverse * scores * inverse.transpose();
   }

@@ -94,10 +94,7 @@ EliminatedStep EliminateTurningAngle(const StepState& state, double per_lever_ar
 }
 
 EliminatedStep EliminateFreeStep(const StepState& state, bool curvature) {
-  if (!state.swing_free) {
-    EliminatedStep step = EliminateTurningAngle(state, 0, curvature);
-    return step;
-  }
+  if (!state.swing_free) return EliminateTurningAngle(state, 0, curvature);
   const StepResidual& residual = state.residual;
   const Matrix6d metric = Metric(state, curvature);
   Eigen::Matrix<double, 6, 2> own;

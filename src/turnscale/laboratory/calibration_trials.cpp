@@ -23,11 +23,18 @@ YawPitchRoll Difference(const Eigen::Quaterniond& found, const Eigen::Quaternion
 
 }  // namespace
 
+Eigen::Quaterniond RotationFromPaperAngles(double z_deg, double y_deg, double x_deg) {
+  const auto about = [](double degrees, const Eigen::Vector3d& axis) {
+    return RotationFromVector(degrees / kDegreesPerRadian * axis);
+  };
+  return about(z_deg, Eigen::Vector3d::UnitZ()) * about(y_deg, Eigen::Vector3d::UnitY()) *
+         about(x_deg, Eigen::Vector3d::UnitX());
+}
+
 PaperDriveOptions PaperCalibrationDrive() {
   PaperDriveOptions drive;
   drive.lever_arm = 1;
-  drive.vehicle_from_camera =
-      RotationFromYawPitchRoll({5 / kDegreesPerRadian, 15 / kDegreesPerRadian, -10 / kDegreesPerRadian});
+  drive.vehicle_from_camera = RotationFromPaperAngles(5, 15, -10);
   return drive;
 }
 

@@ -34,6 +34,16 @@ TEST(PaperDrive, SameSeedSameBits) {
   EXPECT_EQ(a.back().world_from_camera.translation, b.back().world_from_camera.translation);
 }
 
+TEST(PaperAngles, TheMiddleOneTurnsAsTheCarDoes) {
+  EXPECT_NEAR(YawPitchRollFromRotation(RotationFromPaperAngles(0, 15, 0)).yaw, 15 * kDeg, 1e-12);
+  EXPECT_NEAR(YawPitchRollFromRotation(RotationFromPaperAngles(5, 0, 0)).roll, 5 * kDeg, 1e-12);
+  EXPECT_NEAR(YawPitchRollFromRotation(RotationFromPaperAngles(0, 0, -10)).pitch, -10 * kDeg, 1e-12);
+  // First about z: what looks along x goes to z's side first.
+  const Eigen::Vector3d side = RotationFromPaperAngles(90, 0, 30) * Eigen::Vector3d::UnitY();
+  EXPECT_NEAR(side.x(), -std::cos(30 * kDeg), 1e-12);
+  EXPECT_NEAR(side.z(), std::sin(30 * kDeg), 1e-12);
+}
+
 TEST(CalibrationTrials, TheRefinementIsUnbiasedAndNearTheBound) {
   CalibrationTrials trials;
   trials.drive = PaperCalibrationDrive();
