@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "turnscale/rescale/camera_mount.h"
 
+#include <utility>
+
 #include "turnscale/calibration/axis_convention.h"
 #include "turnscale/calibration/calibration.h"
 #include "turnscale/calibration/camera_angles.h"
@@ -16,6 +18,19 @@ Trajectory AtUsualRate(Trajectory trajectory) {
   return trajectory;
 }
 
+std::vector<Trajectory> CutAtGaps(const Trajectory& trajectory, const std::vector<int>& gaps) {
+  std::vector<Trajectory> pieces(1);
+  auto gap = gaps.begin();
+  for (std::size_t i = 0; i < trajectory.size(); ++i) {
+    if (gap != gaps.end() && *gap == static_cast<int>(i)) {
+      pieces.emplace_back();
+      ++gap;
+    }
+    pieces.back().push_back(trajectory[i]);
+  }
+  return pieces;
+}
+
 Eigen::Quaterniond Upright(const std::vector<CameraStep>& steps) {
   Eigen::Vector3d forward = Eigen::Vector3d::Zero();
   for (const CameraStep& step : steps) forward += step.frames * step.previous_from_current.translation;
@@ -24,16 +39,14 @@ Eigen::Quaterniond Upright(const std::vector<CameraStep>& steps) {
 
 }  // namespace
 
-Eigen::Quaterniond FindCameraMount(const Trajectory& trajectory, bool timed) {
-  const Trajectory path = timed ? trajectory : AtUsualRate(trajectory);
-  std::vector<CameraStep> steps = StepsAlong(path);
-  Eigen::Quaterniond camera_from_body = Eigen::Quaterniond::Identity();
-  if (FindAxisConvention(steps) == AxisConvention::kVehicle) {
-    steps = StepsAlong(InCameraAxes(path));
-    camera_from_body = InCameraAxes({StampedPose{}}).front().world_from_camera.rotation.conjugate();
-  }
+Eigen::Quaterniond FindCameraMount(const Trajectory& trajectory, bool timed, const std::vector<int>& gaps) {
+  std::vector<Trajectory> pieces = CutAtGaps(timed ? trajectory : AtUsualRate(trajectory), gaps);
+  const AxisConvention axes = FindAxisConvention(StepsAlong(pieces));
+  for (Trajectory& piece : pieces) piece = InCameraAxes(std::move(piece), axes);
+  const Eigen::Quaterniond body_from_camera = InCameraAxes({StampedPose{}}, axes).front().world_from_camera.rotation;
+  const std::vector<CameraStep> steps = StepsAlong(pieces);
   const Calibration calibration = Calibrate(steps);
-  return (calibration.observable ? calibration.vehicle_from_camera : Upright(steps)) * camera_from_body;
+  return (calibration.observable ? calibration.vehicle_from_camera : Upright(steps)) * body_from_camera.conjugate();
 }
 
 }  // namespace turnscale

@@ -79,10 +79,11 @@ std::string WhatWouldDo(const RescaleOptions& options) {
 }
 
 // Leaves the reason why there is none.
-bool FindMount(const RescaleOptions& options, const Trajectory& trajectory, RescaleResult& result) {
+bool FindMount(const RescaleOptions& options, const Trajectory& trajectory, const std::vector<int>& gaps,
+               RescaleResult& result) {
   try {
     result.vehicle_from_camera =
-        options.vehicle_from_camera ? *options.vehicle_from_camera : FindCameraMount(trajectory, options.timed);
+        options.vehicle_from_camera ? *options.vehicle_from_camera : FindCameraMount(trajectory, options.timed, gaps);
     return true;
   } catch (const InputError& error) {
     result.reason = error.what();
@@ -111,7 +112,7 @@ RescaleResult RescaleTrajectory(const RescaleOptions& options, const Trajectory&
   options.Check();
   CheckTrajectory(trajectory, options.timed, gaps);
   RescaleResult result;
-  if (!FindMount(options, trajectory, result)) return result;
+  if (!FindMount(options, trajectory, gaps, result)) return result;
   result.key_spacing = KeySpacing(trajectory, result.vehicle_from_camera, options.keys);
   const std::vector<SwayStep> steps =
       SwaySteps(trajectory, result.vehicle_from_camera, result.key_spacing, options.timed, options.keys, gaps);
