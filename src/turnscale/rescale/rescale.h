@@ -27,8 +27,8 @@ struct RescaleOptions {
   StretchOptions stretches;
   ScaleEstimatorOptions estimator;
   /// Relative standard deviation that all turns of a drive share and no number of them averages out: of the tape, and
-  /// of what the model leaves. KITTI's sequences, one car, want lever arms that differ by this much.
-  double lever_arm_sigma = 0.02;
+  /// of what the model leaves. KITTI's sequences, one car, want lever arms that differ by this much, their noise apart.
+  double lever_arm_sigma = 0.025;
   /// A drive whose best known scale is worse than this (relative) has none.
   double max_scale_sigma = 0.15;
 
