@@ -60,7 +60,7 @@ class Estimator {
     for (int iteration = 0; iteration < kMostIterations && !estimate_.converged; ++iteration) {
       if (iteration > 0) MeasureSigma();
       Pool(iteration == 0 ? kNoLimit : options_.huber);
-      if (!LeaveOutFastTurns()) return std::nullopt;
+      if (!LeaveOutFastTurns(iteration <= kLastNoiseFit)) return std::nullopt;
       if (FitsNoise(iteration)) estimate_.noise = FitNoise(estimate_.problem, at_, estimate_.noise, options_.noise);
       estimate_.smoothed = SmoothScale(estimate_.problem, estimate_.noise, at_).beliefs;
       FindRandomEffects(iteration > 0);
@@ -94,13 +94,15 @@ class Estimator {
     }
   }
 
-  // What is out stays out, lest the scale swing to and fro. False where no turn is left.
-  bool LeaveOutFastTurns() {
+  // While the side slip is being found, a turn may come back; then what is out stays out, lest the scale swing to and
+  // fro. False where no turn is left.
+  bool LeaveOutFastTurns(bool may_come_back) {
     bool any = false;
     for (std::size_t i = 0; i < stretches_.size(); ++i) {
       StretchObservation& observation = estimate_.problem.observations[i];
-      const double ratio = LeverArmRatio(observation.pooled, at_[i], estimate_.problem.lever_arm);
-      observation.turning = observation.turning && ratio >= options_.min_lever_arm_ratio;
+      const bool was_in = may_come_back ? stretches_[i].turning : observation.turning;
+      observation.turning = was_in && LeverArmRatio(observation.pooled, at_[i], estimate_.problem.lever_arm) >=
+                                          options_.min_lever_arm_ratio;
       any = any || observation.turning;
     }
     return any;
