@@ -87,9 +87,9 @@ DriveMotion MotionFromImages(const ImageArguments& arguments) {
   CatchInterrupts();
   Progress progress(arguments.max_frames.value_or(source.count()), arguments.quiet);
   int processed = 0;
-  while (!Interrupted() && !(arguments.max_frames && processed >= *arguments.max_frames)) {
+  while (!(arguments.max_frames && processed >= *arguments.max_frames)) {
     const std::optional<SourceFrame> frame = source.Next();
-    if (!frame) break;
+    if (!frame || Interrupted()) break;
     if (frame->gray.empty()) {
       progress.Warn(fmt::format("frame {}: {}; skipped", frame->index, frame->problem));
       odometry.ProcessUnreadable(frame->time);
