@@ -35,6 +35,7 @@ struct RunArguments {
   std::optional<double> lever_arm;
   std::optional<double> side_slip;
   std::string camera_rotation;
+  std::optional<std::string> method;
   std::string frame = "camera";
   std::optional<int> threads;
   std::optional<fs::path> settings;
@@ -60,12 +61,17 @@ OdometryOptions OptionsFrom(const RunArguments& arguments) {
                       *arguments.side_slip));
     }
     options.vehicle.side_slip = *arguments.side_slip;
+    options.vehicle.side_slip_sigma = 0;
   }
   if (arguments.camera_rotation == "auto") {
     options.vehicle.calibrate_camera = true;
   } else if (!arguments.camera_rotation.empty()) {
     options.vehicle.vehicle_from_camera = ReadCameraRotation(arguments.camera_rotation);
     options.vehicle.calibrate_camera = false;
+  }
+  if (arguments.method) {
+    options.pooled_scale.method = *arguments.method == "paper" ? ScaleMethod::kPerFrame : ScaleMethod::kPooledLine;
+    options.scale.smooth = *arguments.method == "smoothed";
   }
   if (arguments.threads) {
     if (*arguments.threads < 1) throw InputError(fmt::format("--threads {}: give at least 1", *arguments.threads));
@@ -227,6 +233,11 @@ void AddRunCommand(CLI::App& app) {
       "--camera-rotation", arguments->camera_rotation,
       "How the camera is turned on the car: yaw,pitch,roll in degrees (right, up, right side down), a YAML file with "
       "yaw_deg, pitch_deg, roll_deg such as calibrate's, or auto: find it on the way [auto]");
+  run->add_option(
+         "--method", arguments->method,
+         "What a turn is held at: smoothed, what all turns say of its scale; turns, what it says itself; paper, "
+         "what each of its steps says (22) [smoothed]")
+      ->check(CLI::IsMember({"smoothed", "turns", "paper"}));
   run->add_option("--frame", arguments->frame, "Whose poses are written")
       ->check(CLI::IsMember({"camera", "vehicle"}))
       ->capture_default_str();

@@ -7,6 +7,7 @@
 
 #include "turnscale/kinematics/scale_observer.h"
 #include "turnscale/mapping/local_bundle_adjustment.h"
+#include "turnscale/odometry/drive_scale.h"
 #include "turnscale/scale/absolute_scale_recovery.h"
 #include "turnscale/scale/map_scaling.h"
 
@@ -63,14 +64,16 @@ ScaleUpdate MetricScale::AddKeyframe(int keyframe, Map& map) {
 
 ScaleUpdate MetricScale::Finish(Map& map) {
   ScaleUpdate update;
+  if (map.keyframes.empty()) return update;
+  bool better = options_.scale.smooth;
   if (const std::optional<TurningRegion> closed = detector_.Finish()) {
     update.factors = Close(*closed, map);
-  } else if (!map.keyframes.empty()) {
+  } else {
     update.factors = AdjustSinceLastTurn(map);
     Multiply(update.factors, total_factors_);
-    const int last = static_cast<int>(map.keyframes.size()) - 1;
-    if (mount_.Learn(map, total_factors_, last)) ReadTurns(0, map, update.factors);
+    better = mount_.Learn(map, total_factors_, static_cast<int>(map.keyframes.size()) - 1) || better;
   }
+  if (better) ReadTurns(0, map, update.factors);
   return update;
 }
 
@@ -106,13 +109,15 @@ void MetricScale::ReadTurns(int from, Map& map, std::vector<double>& factors) {
     held.push_back(AsRecovered(*previous));
     first_keyframe = previous->region.first;
   }
-  bool told = false;
+  std::vector<int> told;
   for (int i = from; i < static_cast<int>(turns_.size()); ++i) {
     const std::optional<TurnScale> scale = Read(map, turns_[i]);
-    if (scale) held.push_back(*scale);
-    told = told || scale;
+    if (!scale) continue;
+    held.push_back(*scale);
+    told.push_back(i);
   }
-  if (!told) return;
+  if (told.empty()) return;
+  if (options_.scale.smooth) HoldSmoothly(map, told, std::span(held).last(told.size()));
   const ScaleRecoveryResult recovered = RecoverAbsoluteScale(options_.scale.recovery, held, first_keyframe, map);
   Multiply(recovered.factors, factors);
   Multiply(recovered.factors, total_factors_);
@@ -160,6 +165,25 @@ std::optional<TurnScale> MetricScale::Read(const Map& map, Turn& turn) const {
   TurnScale held = HeldTurn(turn.region, factor);
   if (options_.pooled_scale.method == ScaleMethod::kPerFrame) HoldEachStep(steps, LeverArmOf(options_.vehicle), held);
   return held;
+}
+
+void MetricScale::HoldSmoothly(const Map& map, const std::vector<int>& turns, std::span<TurnScale> held) {
+  const std::vector<PoseScale> scales = ScaleKeyframes(map, total_factors_, mount_, options_.vehicle);
+  if (scales.empty()) return;
+  for (size_t i = 0; i < turns.size(); ++i) {
+    TurnScale& turn = held[i];
+    // The paper's form holds steps, not the turn.
+    if (!turn.distances.empty()) continue;
+    double metres = 0;
+    double length = 0;
+    for (int k = turn.first_step; k <= turn.last_step; ++k) {
+      const double step = MotionOf(map, k - 1).step;
+      length += step;
+      metres += step / total_factors_[k] * scales[k].metres_per_unit;
+    }
+    turn.factor = metres / length;
+    turns_[turns[i]].relative_sigma = scales[turn.last_step].sigma;
+  }
 }
 
 TurnScale MetricScale::AsRecovered(const Turn& turn) {

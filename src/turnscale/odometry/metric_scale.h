@@ -3,6 +3,7 @@
 
 #include <limits>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "turnscale/kinematics/pooled_scale.h"
@@ -67,6 +68,8 @@ class MetricScale {
   void ReadTurns(int from, Map& map, std::vector<double>& factors);
   /// What the turn tells of the scale; empty where it is not used, with the reason in its result.
   std::optional<TurnScale> Read(const Map& map, Turn& turn) const;
+  /// Holds these turns at what all turns so far say of their scale.
+  void HoldSmoothly(const Map& map, const std::vector<int>& turns, std::span<TurnScale> held);
   static TurnScale AsRecovered(const Turn& turn);
   const Turn* LastUsedBefore(int turn) const;
 

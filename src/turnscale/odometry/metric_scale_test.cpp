@@ -177,9 +177,42 @@ TEST(MetricScale, ATurnThatOnlyTheMountExplainsIsUsedOnceItIsKnown) {
   }
 }
 
+// Root mean square of how far the lengths of turning steps are off, in log-scale, about their mean.
+double SpreadOfTurns(const OdometryOptions& options, const std::vector<DriveSegment>& segments) {
+  Live live(options, segments, 0.3, 1.0);
+  live.Drive();
+  double sum = 0;
+  double squares = 0;
+  int steps = 0;
+  for (const TurnResult& turn : live.scale.Turns(live.map)) {
+    for (int k = turn.first_frame + 1; k <= turn.last_frame; ++k) {
+      const double off = std::log(live.Step(k) / live.TrueStep(k));
+      sum += off;
+      squares += off * off;
+      ++steps;
+    }
+  }
+  return std::sqrt(squares / steps - sum * sum / steps / steps);
+}
+
+// A yaw that is off makes right and left turns disagree; together they show it.
+TEST(MetricScale, TurnsAreHeldAtWhatAllOfThemSay) {
+  std::vector<DriveSegment> segments = {{12, 0.8, 0}};
+  for (int i = 0; i < 6; ++i) {
+    segments.push_back({22, 0.6, i % 2 == 0 ? kQuarter : -kQuarter});
+    segments.push_back({15, 0.8, 0});
+  }
+  OdometryOptions options = Options();
+  options.vehicle.vehicle_from_camera = RotationFromYawPitchRoll({0.03 + 0.005, -0.05, 0.01});
+  const double smooth = SpreadOfTurns(options, segments);
+  options.scale.smooth = false;
+  EXPECT_LT(smooth, 0.3 * SpreadOfTurns(options, segments));
+}
+
 TEST(MetricScale, PerFrameMethodGivesMetresToo) {
   OdometryOptions options = Options();
   options.pooled_scale.method = ScaleMethod::kPerFrame;
+  options.scale.smooth = false;
   Live live(options, kTwoCorners, 0.3, 0.02);
   live.Drive();
   const std::vector<TurnResult> turns = live.scale.Turns(live.map);
@@ -225,6 +258,7 @@ TEST(MetricScale, ATurnThatTellsNothingSaysWhy) {
 
 TEST(MetricScale, AWeakTurnDoesNotSpoilAGoodOne) {
   OdometryOptions options = Options();
+  options.scale.smooth = false;
   options.vehicle.side_slip = 0;
   Live live(options, {{10, 0.8, 0}, {22, 0.6, kQuarter}, {15, 1.2, 0}, {6, 1.5, 0.05}, {10, 1.2, 0}}, 1);
   live.Drive();
