@@ -30,7 +30,7 @@ struct RescaleArguments {
   double lever_arm = 0;
   std::optional<double> side_slip;
   std::optional<double> side_slip_sigma;
-  std::string camera_rotation = "identity";
+  std::string camera_rotation = "auto";
   std::optional<double> fps;
   std::optional<fs::path> timestamps;
   std::string drift = "auto";
@@ -77,11 +77,11 @@ RescaleOptions OptionsFrom(const RescaleArguments& arguments, bool timed) {
   const auto in_range = [](double slip) { return slip >= 0 && slip < 1; };
   if (arguments.side_slip) {
     if (!in_range(*arguments.side_slip)) {
-      throw InputError(
-          fmt::format("--side-slip {}: give c in s^2/m, from 0 (rigid car) to below 1; cars have about 0.004",
-                      *arguments.side_slip));
+      throw InputError(fmt::format("--side-slip {}: give c in s^2/m, from 0 (rigid car) to below 1; cars have about {}",
+                                   *arguments.side_slip, kUsualSideSlip));
     }
     options.car.side_slip = *arguments.side_slip;
+    options.car.side_slip_sigma = 0;
   }
   if (arguments.side_slip_sigma) {
     if (!in_range(*arguments.side_slip_sigma)) {
@@ -90,7 +90,9 @@ RescaleOptions OptionsFrom(const RescaleArguments& arguments, bool timed) {
     }
     options.car.side_slip_sigma = *arguments.side_slip_sigma;
   }
-  if (arguments.camera_rotation != "identity") {
+  if (arguments.camera_rotation == "identity") {
+    options.vehicle_from_camera = Eigen::Quaterniond::Identity();
+  } else if (arguments.camera_rotation != "auto") {
     options.vehicle_from_camera = ReadCameraRotation(arguments.camera_rotation);
   }
   options.timed = timed;
@@ -121,9 +123,7 @@ void RunRescale(const RescaleArguments& arguments) {
   const RescaleOptions options = OptionsFrom(arguments, trajectory.timed);
   const RescaleResult result = RescaleTrajectory(options, trajectory.poses);
   if (!result.observable) {
-    throw InputError(
-        fmt::format("{}: scale not observable: {}; give a drive with a slow turn of {:.0f} degrees or more", input,
-                    result.reason, options.stretches.turns.min_region_angle * kDegreesPerRadian));
+    throw InputError(fmt::format("{}: scale not observable: {}", input, result.reason));
   }
   std::string tum;
   for (const StampedPose& pose : result.metric) tum += TumLine(pose);
@@ -137,6 +137,7 @@ void RunRescale(const RescaleArguments& arguments) {
 void AddRescaleCommand(CLI::App& app) {
   CLI::App* command = app.add_subcommand("rescale", "Give the trajectory of any monocular SLAM its metres.");
   const auto arguments = std::make_shared<RescaleArguments>();
+  const CarPrior car;
   command
       ->add_option("FILE", arguments->input,
                    "Trajectory of any scale: TUM, KITTI (12 numbers, or 13 with the frame's number) or EuRoC CSV")
@@ -144,12 +145,17 @@ void AddRescaleCommand(CLI::App& app) {
   command->add_option("--lever-arm", arguments->lever_arm, "Metres from the rear axle forward to the camera")
       ->required();
   command->add_option("--side-slip", arguments->side_slip,
-                      "Where the search for the rear tyres' slip c begins, s^2/m [0.0045]");
+                      fmt::format("c in L_eff = L - c v^2, s^2/m: how much the rear tyres slip; 0 is a rigid car. "
+                                  "Refined from the drive, about {}, where it is not given",
+                                  car.side_slip));
   command->add_option("--side-slip-sigma", arguments->side_slip_sigma,
-                      "How well c is known beforehand, s^2/m [0.0015]");
-  command->add_option("--camera-rotation", arguments->camera_rotation,
-                      "How the camera is turned on the car: identity, yaw,pitch,roll in degrees, or a YAML file with "
-                      "them [identity]");
+                      fmt::format("How well c is known beforehand, s^2/m: refine it, the given one too [{}; 0 with "
+                                  "--side-slip]",
+                                  car.side_slip_sigma));
+  command->add_option(
+      "--camera-rotation", arguments->camera_rotation,
+      "How the camera is turned on the car: auto (found from the trajectory), identity, yaw,pitch,roll in "
+      "degrees, or a YAML file with them [auto]");
   CLI::Option* fps = command->add_option("--fps", arguments->fps, "Frames per second of a KITTI file");
   command
       ->add_option("--timestamps", arguments->timestamps,

@@ -26,6 +26,7 @@ OdometryOptions Options() {
   OdometryOptions options;
   options.vehicle.lever_arm = kLeverArm;
   options.vehicle.vehicle_from_camera = kMounting;
+  options.vehicle.calibrate_camera = false;
   return options;
 }
 
@@ -136,9 +137,82 @@ TEST(MetricScale, TheArbitraryUnitDoesNotMatter) {
   }
 }
 
+TEST(MetricScale, FindsTheMountAndReadsTheTurnsBeforeAgain) {
+  OdometryOptions options = Options();
+  options.vehicle.vehicle_from_camera = Eigen::Quaterniond::Identity();
+  Live assumed(options, kTwoCorners, 0.3);
+  assumed.Drive();
+  EXPECT_GT(std::abs(assumed.scale.Turns(assumed.map)[0].metres_per_unit * 0.3 - 1), 0.1) << "1.7 deg of yaw matter";
+
+  options.vehicle.calibrate_camera = true;
+  Live live(options, kTwoCorners, 0.3);
+  live.Drive();
+  EXPECT_LT(live.scale.mount().current().vehicle_from_camera.angularDistance(kMounting), 0.3 / kDegreesPerRadian);
+  const std::vector<TurnResult> turns = live.scale.Turns(live.map);
+  ASSERT_EQ(turns.size(), 2U);
+  for (const TurnResult& turn : turns) {
+    EXPECT_TRUE(turn.used) << turn.reason;
+    EXPECT_NEAR(turn.metres_per_unit * 0.3, 1, 0.04);
+  }
+  for (int k = 1; k < static_cast<int>(live.map.keyframes.size()); ++k)
+    EXPECT_NEAR(live.Step(k) / live.TrueStep(k), 1, 0.06) << k;
+}
+
+TEST(MetricScale, ATurnThatOnlyTheMountExplainsIsUsedOnceItIsKnown) {
+  OdometryOptions options = Options();
+  // So far off that no turn to one side can be read.
+  options.vehicle.vehicle_from_camera = RotationFromYawPitchRoll({0.03 + 0.3, -0.05, 0.01});
+  Live assumed(options, kTwoCorners, 1);
+  assumed.Drive();
+  const std::vector<TurnResult> unread = assumed.scale.Turns(assumed.map);
+  EXPECT_TRUE(!unread[0].used || !unread[1].used);
+
+  options.vehicle.calibrate_camera = true;
+  Live live(options, kTwoCorners, 1);
+  live.Drive();
+  for (const TurnResult& turn : live.scale.Turns(live.map)) {
+    EXPECT_TRUE(turn.used) << turn.reason;
+    EXPECT_EQ(turn.reason, "");
+    EXPECT_NEAR(turn.metres_per_unit, 1, 0.04);
+  }
+}
+
+// Root mean square of how far the lengths of turning steps are off, in log-scale, about their mean.
+double SpreadOfTurns(const OdometryOptions& options, const std::vector<DriveSegment>& segments) {
+  Live live(options, segments, 0.3, 1.0);
+  live.Drive();
+  double sum = 0;
+  double squares = 0;
+  int steps = 0;
+  for (const TurnResult& turn : live.scale.Turns(live.map)) {
+    for (int k = turn.first_frame + 1; k <= turn.last_frame; ++k) {
+      const double off = std::log(live.Step(k) / live.TrueStep(k));
+      sum += off;
+      squares += off * off;
+      ++steps;
+    }
+  }
+  return std::sqrt(squares / steps - sum * sum / steps / steps);
+}
+
+// A yaw that is off makes right and left turns disagree; together they show it.
+TEST(MetricScale, TurnsAreHeldAtWhatAllOfThemSay) {
+  std::vector<DriveSegment> segments = {{12, 0.8, 0}};
+  for (int i = 0; i < 6; ++i) {
+    segments.push_back({22, 0.6, i % 2 == 0 ? kQuarter : -kQuarter});
+    segments.push_back({15, 0.8, 0});
+  }
+  OdometryOptions options = Options();
+  options.vehicle.vehicle_from_camera = RotationFromYawPitchRoll({0.03 + 0.005, -0.05, 0.01});
+  const double smooth = SpreadOfTurns(options, segments);
+  options.scale.smooth = false;
+  EXPECT_LT(smooth, 0.3 * SpreadOfTurns(options, segments));
+}
+
 TEST(MetricScale, PerFrameMethodGivesMetresToo) {
   OdometryOptions options = Options();
   options.pooled_scale.method = ScaleMethod::kPerFrame;
+  options.scale.smooth = false;
   Live live(options, kTwoCorners, 0.3, 0.02);
   live.Drive();
   const std::vector<TurnResult> turns = live.scale.Turns(live.map);
@@ -184,6 +258,7 @@ TEST(MetricScale, ATurnThatTellsNothingSaysWhy) {
 
 TEST(MetricScale, AWeakTurnDoesNotSpoilAGoodOne) {
   OdometryOptions options = Options();
+  options.scale.smooth = false;
   options.vehicle.side_slip = 0;
   Live live(options, {{10, 0.8, 0}, {22, 0.6, kQuarter}, {15, 1.2, 0}, {6, 1.5, 0.05}, {10, 1.2, 0}}, 1);
   live.Drive();
