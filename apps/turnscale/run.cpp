@@ -34,7 +34,7 @@ struct RunArguments {
   std::optional<double> fps;
   std::optional<double> lever_arm;
   std::optional<double> side_slip;
-  std::optional<std::string> camera_rotation;
+  std::string camera_rotation;
   std::string frame = "camera";
   std::optional<int> threads;
   std::optional<fs::path> settings;
@@ -61,7 +61,12 @@ OdometryOptions OptionsFrom(const RunArguments& arguments) {
     }
     options.vehicle.side_slip = *arguments.side_slip;
   }
-  if (arguments.camera_rotation) options.vehicle.vehicle_from_camera = ReadCameraRotation(*arguments.camera_rotation);
+  if (arguments.camera_rotation == "auto") {
+    options.vehicle.calibrate_camera = true;
+  } else if (!arguments.camera_rotation.empty()) {
+    options.vehicle.vehicle_from_camera = ReadCameraRotation(arguments.camera_rotation);
+    options.vehicle.calibrate_camera = false;
+  }
   if (arguments.threads) {
     if (*arguments.threads < 1) throw InputError(fmt::format("--threads {}: give at least 1", *arguments.threads));
     options.threads = *arguments.threads;
@@ -148,8 +153,14 @@ class Run {
       result = odometry_.Process(frame.gray, frame.time);
     }
     ++processed_;
+    writer_->SetCameraRotation(odometry_.mount().current().vehicle_from_camera);
     if (writer_->Add(result, odometry_.revision(), odometry_.scale_state())) {
       writer_->Rewrite(odometry_.RefinedFrames(), odometry_.scale_state());
+    }
+    if (const int moves = odometry_.mount().moves(); moves > moves_) {
+      moves_ = moves;
+      progress.Warn(fmt::format(
+          "frame {}: the camera was moved on the car since the last turn; its rotation is found anew", frame.index));
     }
     progress.Update(processed_, fmt::format("{} keyframes, scale {}", odometry_.map().keyframes.size(),
                                             ScaleStateName(odometry_.scale_state())));
@@ -158,6 +169,7 @@ class Run {
   void WriteResults() {
     odometry_.Finish();
     const std::vector<FrameResult> refined = odometry_.RefinedFrames();
+    writer_->SetCameraRotation(odometry_.mount().current().vehicle_from_camera);
     writer_->Rewrite(refined, odometry_.scale_state());
     writer_->WriteTurns(odometry_.Turns());
     writer_->WriteMap(odometry_.map(), odometry_.scale_state());
@@ -169,6 +181,11 @@ class Run {
     summary_.vehicle = options_.vehicle;
     summary_.scale_state = odometry_.scale_state();
     if (odometry_.options().lens.enabled) summary_.lens = {odometry_.lens().correction(), odometry_.lens().sigma()};
+    if (options_.vehicle.calibrate_camera) {
+      const Mount& mount = odometry_.mount().current();
+      summary_.mount = {YawPitchRollFromRotation(mount.vehicle_from_camera), mount.sigma, mount.found,
+                        odometry_.mount().moves()};
+    }
     Summarize(refined, odometry_.Turns(), summary_);
     summary_.cost = MeasureCost();
     writer_->WriteText("summary.json", SummaryJson(summary_));
@@ -184,6 +201,7 @@ class Run {
   Odometry odometry_;
   std::optional<RunWriter> writer_;
   int processed_ = 0;
+  int moves_ = 0;  // of the camera on the car, reported so far
   RunSummary summary_;
 };
 
@@ -207,8 +225,8 @@ void AddRunCommand(CLI::App& app) {
                   "c in L_eff = L - c v^2, s^2/m: how much the rear tyres slip; 0 is a rigid car [0.0045]");
   run->add_option(
       "--camera-rotation", arguments->camera_rotation,
-      "How the camera is turned on the car: yaw,pitch,roll in degrees (right, up, right side down), or a YAML "
-      "file with yaw_deg, pitch_deg, roll_deg [0,0,0]");
+      "How the camera is turned on the car: yaw,pitch,roll in degrees (right, up, right side down), a YAML file with "
+      "yaw_deg, pitch_deg, roll_deg such as calibrate's, or auto: find it on the way [auto]");
   run->add_option("--frame", arguments->frame, "Whose poses are written")
       ->check(CLI::IsMember({"camera", "vehicle"}))
       ->capture_default_str();

@@ -21,14 +21,14 @@ constexpr double kTurningStep = 2 / kDegreesPerRadian;
 
 // Unknowns: L, the yaw of each drive, then c where it is fitted.
 struct Equation {
-  double swing = 0;  ///< 2 sin(psi/2)
+  double turn = 0;   ///< 2 sin(psi/2)
   double speed = 0;  ///< m/s
   double way = 0;    ///< metres
   double sideways = 0;
   int drive = 0;
 
-  bool turning() const { return std::abs(swing) >= kTurningStep; }
-  double slip() const { return -speed * speed * swing; }
+  bool turning() const { return std::abs(turn) >= kTurningStep; }
+  double slip() const { return -speed * speed * turn; }
 };
 
 std::vector<Equation> Equations(const std::vector<MetricDrive>& drives) {
@@ -38,7 +38,7 @@ std::vector<Equation> Equations(const std::vector<MetricDrive>& drives) {
       const TurningMotion motion = TurningMotionOf(step.previous_from_current, drives[drive].vehicle_from_camera);
       // The whole step's turning and way, so that steps of more frames count for more.
       Equation equation;
-      equation.swing = step.frames * 2 * std::sin(0.5 * motion.psi);
+      equation.turn = step.frames * 2 * std::sin(0.5 * motion.psi);
       equation.way = step.frames * motion.step;
       equation.speed = equation.way / (step.end - step.begin);
       equation.sideways = equation.way * std::sin(motion.theta - 0.5 * motion.psi);
@@ -55,8 +55,8 @@ double SpeedSpread(const std::vector<Equation>& equations) {
   double mean = 0;
   for (const Equation& equation : equations) {
     if (!equation.turning()) continue;
-    weight += equation.swing * equation.swing;
-    mean += equation.swing * equation.swing * equation.speed * equation.speed;
+    weight += equation.turn * equation.turn;
+    mean += equation.turn * equation.turn * equation.speed * equation.speed;
   }
   if (!(mean > 0)) return 0;
   mean /= weight;
@@ -64,7 +64,7 @@ double SpeedSpread(const std::vector<Equation>& equations) {
   for (const Equation& equation : equations) {
     if (!equation.turning()) continue;
     const double off = equation.speed * equation.speed - mean;
-    variance += equation.swing * equation.swing * off * off / weight;
+    variance += equation.turn * equation.turn * off * off / weight;
   }
   return std::sqrt(variance) / mean;
 }
@@ -110,7 +110,7 @@ class Fit {
  private:
   Eigen::VectorXd Row(const Equation& equation) const {
     Eigen::VectorXd row = Eigen::VectorXd::Zero(unknowns_);
-    row[0] = equation.swing;
+    row[0] = equation.turn;
     row[1 + equation.drive] = equation.way;
     if (side_slip_) row[unknowns_ - 1] = equation.slip();
     return row;
@@ -129,7 +129,7 @@ class Fit {
     Eigen::MatrixXd hessian = 1e-12 * Eigen::MatrixXd::Identity(unknowns_, unknowns_);
     Eigen::MatrixXd of_steps = Eigen::MatrixXd::Zero(unknowns_, unknowns_);
     Eigen::MatrixXd of_turns = of_steps;
-    Eigen::VectorXd turn = Eigen::VectorXd::Zero(unknowns_);
+    Eigen::VectorXd turn_score = Eigen::VectorXd::Zero(unknowns_);
     int turns = 0;
     for (size_t i = 0; i < equations_.size(); ++i) {
       const Equation& equation = equations_[i];
@@ -139,13 +139,13 @@ class Fit {
       hessian += weight * weight * weight * row * row.transpose();
       const Eigen::VectorXd score = weight * off * row;
       of_steps += score * score.transpose();
-      turn += score;
+      turn_score += score;
       const bool last = i + 1 == equations_.size() || equations_[i + 1].drive != equation.drive ||
                         equations_[i + 1].turning() != equation.turning() ||
-                        (equation.turning() && equations_[i + 1].swing * equation.swing < 0);
+                        (equation.turning() && equations_[i + 1].turn * equation.turn < 0);
       if (!last) continue;
-      of_turns += turn * turn.transpose();
-      turn.setZero();
+      of_turns += turn_score * turn_score.transpose();
+      turn_score.setZero();
       turns += equation.turning() ? 1 : 0;
     }
     const int free = turns - (side_slip_ ? 2 : 1);
@@ -196,7 +196,7 @@ LeverArmFit FitLeverArm(const std::vector<MetricDrive>& drives, const LeverArmFi
   double turned = 0;
   for (const Equation& equation : equations) {
     if (!equation.turning()) continue;
-    turned += std::abs(equation.swing);
+    turned += std::abs(equation.turn);
     ++fit.turning_steps;
   }
   if (turned < options.min_turn) throw InputError("no turn: the lever arm shows in turns only");

@@ -29,6 +29,29 @@ nlohmann::ordered_json CostJson(const RunSummary& summary) {
           {"peak_memory_mb", cost.peak_memory_mb}};
 }
 
+nlohmann::ordered_json MountJson(const std::optional<MountSummary>& mount) {
+  if (!mount) return {{"source", "given"}};
+  if (!mount->found) return {{"source", "assumed"}, {"moves", mount->moves}};
+  return {{"source", "found"},
+          {"sigma_yaw_pitch_roll_deg",
+           {mount->sigma.yaw * kDegreesPerRadian, mount->sigma.pitch * kDegreesPerRadian,
+            mount->sigma.roll * kDegreesPerRadian}},
+          {"moves", mount->moves}};
+}
+
+// One line, empty where the rotation was given.
+std::string MountText(const std::optional<MountSummary>& mount) {
+  if (!mount) return {};
+  if (!mount->found) return "camera  taken to be turned as --camera-rotation says: no turn showed it well enough\n";
+  const auto degrees = [](double angle) { return angle * kDegreesPerRadian; };
+  std::string text =
+      fmt::format("camera  yaw {:+.2f} +-{:.2f}, pitch {:+.2f} +-{:.2f}, roll {:+.1f} +-{:.1f} deg, found on the way",
+                  degrees(mount->angles.yaw), degrees(mount->sigma.yaw), degrees(mount->angles.pitch),
+                  degrees(mount->sigma.pitch), degrees(mount->angles.roll), degrees(mount->sigma.roll));
+  if (mount->moves > 0) text += fmt::format("; it was moved {} times", mount->moves);
+  return text + "\n";
+}
+
 bool IsMetric(const RunSummary& summary) { return summary.scale_state != ScaleState::kPending; }
 
 }  // namespace
@@ -65,7 +88,8 @@ void Summarize(const std::vector<FrameResult>& refined, const std::vector<TurnRe
 
 std::string SummaryJson(const RunSummary& summary) {
   using Json = nlohmann::ordered_json;
-  const YawPitchRoll angles = YawPitchRollFromRotation(summary.vehicle.vehicle_from_camera);
+  const YawPitchRoll angles =
+      summary.mount ? summary.mount->angles : YawPitchRollFromRotation(summary.vehicle.vehicle_from_camera);
   Json unreadable = Json::array();
   for (const UnreadableFrame& frame : summary.unreadable) {
     unreadable.push_back({{"frame", frame.frame}, {"problem", frame.problem}});
@@ -81,6 +105,7 @@ std::string SummaryJson(const RunSummary& summary) {
       {"camera_yaw_pitch_roll_deg",
        {angles.yaw * kDegreesPerRadian + 0.0, angles.pitch * kDegreesPerRadian + 0.0,
         angles.roll * kDegreesPerRadian + 0.0}},
+      {"camera_rotation", MountJson(summary.mount)},
       {"complete", summary.stopped.empty()},
       {"stopped", summary.stopped.empty() ? Json(nullptr) : Json(summary.stopped)},
       {"frames",
@@ -114,14 +139,15 @@ std::string SummaryText(const RunSummary& summary) {
   return fmt::format(
       "path    {:.2f} {} in {} frames, {} keyframes\n"
       "scale   {}\n"
+      "{}"
       "turns   {} found, {} used\n"
       "lost    {} frames bridged, {} unreadable; {} before the map began\n"
       "speed   {:.1f} frames/s, {:.1f} ms of processor time a frame, {:.0f} MB\n"
       "files   {}\n",
       summary.distance, IsMetric(summary) ? "m" : "units", summary.frames, summary.keyframes, scale,
-      summary.turns_found, summary.turns_used, summary.bridged, summary.unreadable.size(), summary.initializing,
-      summary.frames / std::max(cost.wall_seconds, 1e-9), 1e3 * cost.cpu_seconds / std::max(summary.frames, 1),
-      cost.peak_memory_mb, summary.folder);
+      MountText(summary.mount), summary.turns_found, summary.turns_used, summary.bridged, summary.unreadable.size(),
+      summary.initializing, summary.frames / std::max(cost.wall_seconds, 1e-9),
+      1e3 * cost.cpu_seconds / std::max(summary.frames, 1), cost.peak_memory_mb, summary.folder);
 }
 
 }  // namespace turnscale

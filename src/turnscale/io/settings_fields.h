@@ -17,6 +17,7 @@ void VisitSettings(Visitor& visitor, OdometryOptions& options) {
     visitor.Field("lever_arm", o.lever_arm);
     visitor.Field("side_slip", o.side_slip);
     visitor.Rotation("camera", o.vehicle_from_camera);
+    visitor.Field("calibrate_camera", o.calibrate_camera);
   });
   visitor.Group("corners", [&] {
     auto& o = options.corners;

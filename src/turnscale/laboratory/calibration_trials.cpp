@@ -23,6 +23,14 @@ YawPitchRoll Difference(const Eigen::Quaterniond& found, const Eigen::Quaternion
 
 }  // namespace
 
+CalibrationOptions PaperCalibrationOptions() {
+  CalibrationOptions options;
+  options.refinement.road_bank = 0;
+  options.body_lean = false;
+  options.motion_bias = 0;
+  return options;
+}
+
 Eigen::Quaterniond RotationFromPaperAngles(double z_deg, double y_deg, double x_deg) {
   const auto about = [](double degrees, const Eigen::Vector3d& axis) {
     return RotationFromVector(degrees / kDegreesPerRadian * axis);
@@ -40,7 +48,7 @@ PaperDriveOptions PaperCalibrationDrive() {
 
 std::vector<CalibrationTrial> RunCalibrationTrials(const CalibrationTrials& trials) {
   const std::vector<VehicleStep> steps = PaperDriveSteps(trials.drive);
-  OdometryNoise noise{trials.rotation_noise, trials.direction_share * trials.rotation_noise, trials.scale_loss, 0};
+  OdometryNoise noise{trials.rotation_noise, trials.direction_share * trials.rotation_noise, 0};
   std::vector<CalibrationTrial> results;
   for (int run = 0; run < trials.runs; ++run) {
     noise.seed = Hash(Hash(trials.seed) + static_cast<std::uint64_t>(run));

@@ -10,6 +10,9 @@
 
 namespace turnscale {
 
+/// For the paper's car, whose body is rigid, on a flat world, with an odometry that errs from frame to frame only.
+CalibrationOptions PaperCalibrationOptions();
+
 /// The paper's Monte-Carlo evaluation of the calibration (V-B 1, Fig. 9).
 struct CalibrationTrials {
   PaperDriveOptions drive;
@@ -17,11 +20,10 @@ struct CalibrationTrials {
   double rotation_noise = 0;
   /// Of each frame's direction of travel over that of its rotation. The paper leaves it open; 1 gives both the same.
   double direction_share = 1;
-  double scale_loss = 0;
   int runs = 100;
   std::uint64_t seed = 1;
   StepOptions steps;
-  CalibrationOptions calibration;
+  CalibrationOptions calibration = PaperCalibrationOptions();
 };
 
 /// What one run gives, rad.

@@ -28,7 +28,7 @@ TEST(PaperDrive, HasThePapersShape) {
 
 TEST(PaperDrive, SameSeedSameBits) {
   const auto steps = PaperDriveSteps();
-  const OdometryNoise noise{0.01, 0.01, 0, 7};
+  const OdometryNoise noise{0.01, 0.01, 7};
   const Trajectory a = NoisyCameraPath(steps, PaperCalibrationDrive(), noise);
   const Trajectory b = NoisyCameraPath(steps, PaperCalibrationDrive(), noise);
   EXPECT_EQ(a.back().world_from_camera.translation, b.back().world_from_camera.translation);
@@ -49,7 +49,6 @@ TEST(CalibrationTrials, TheRefinementIsUnbiasedAndNearTheBound) {
   trials.drive = PaperCalibrationDrive();
   trials.rotation_noise = 1 * kDeg;
   trials.runs = 40;
-  trials.calibration.refinement.road_bank = 0;
   const YawPitchRoll bound = CramerRaoBound(trials);
   YawPitchRoll mean;
   YawPitchRoll squares;

@@ -40,7 +40,8 @@ void HoldEachStep(const std::vector<TurningStep>& steps, const LeverArm& lever_a
 
 }  // namespace
 
-MetricScale::MetricScale(const OdometryOptions& options) : options_(options), detector_(options.turns) {}
+MetricScale::MetricScale(const OdometryOptions& options)
+    : options_(options), detector_(options.turns), mount_(options.vehicle) {}
 
 ScaleUpdate MetricScale::AddKeyframe(int keyframe, Map& map) {
   total_factors_.push_back(total_factors_.empty() ? 1.0 : total_factors_.back());
@@ -67,74 +68,104 @@ ScaleUpdate MetricScale::Finish(Map& map) {
   } else if (!map.keyframes.empty()) {
     update.factors = AdjustSinceLastTurn(map);
     Multiply(update.factors, total_factors_);
+    const int last = static_cast<int>(map.keyframes.size()) - 1;
+    if (mount_.Learn(map, total_factors_, last)) ReadTurns(0, map, update.factors);
   }
   return update;
 }
 
 double MetricScale::sigma() const {
-  const Turn* turn = LastUsed();
+  const Turn* turn = LastUsedBefore(static_cast<int>(turns_.size()));
   if (turn == nullptr) return std::numeric_limits<double>::infinity();
   return std::sqrt(CarriedVariance(options_.scale, turn->relative_sigma, since_turn_));
 }
 
 std::vector<double> MetricScale::Close(const TurningRegion& region, Map& map) {
-  Turn turn;
-  turn.region = region;
-  TurnResult& result = turn.result;
-  result.first_frame = map.keyframes[region.first].frame;
-  result.last_frame = map.keyframes[region.last + 1].frame;
-  result.keyframes = region.last - region.first + 2;
-  result.angle = region.angle;
   std::vector<double> factors = AdjustSinceLastTurn(map);
   Multiply(factors, total_factors_);
-  const std::vector<double> recovered = Observe(map, turn);
-  Multiply(recovered, factors);
-  Multiply(recovered, total_factors_);
-  turns_.push_back(std::move(turn));
+  const bool mount_changed = mount_.Learn(map, total_factors_, region.last + 1);
+  const int newest = static_cast<int>(turns_.size());
+  Turn& turn = turns_.emplace_back();
+  turn.region = region;
+  turn.result.first_frame = map.keyframes[region.first].frame;
+  turn.result.last_frame = map.keyframes[region.last + 1].frame;
+  turn.result.keyframes = region.last - region.first + 2;
+  turn.result.angle = region.angle;
+  ReadTurns(mount_changed ? 0 : newest, map, factors);
+  if (turns_.back().result.used) {
+    state_ = ScaleState::kObserved;
+    since_turn_ = {};
+  }
   return factors;
 }
 
-std::vector<double> MetricScale::Observe(Map& map, Turn& turn) {
-  const TurningRegion& region = turn.region;
+void MetricScale::ReadTurns(int from, Map& map, std::vector<double>& factors) {
+  std::vector<TurnScale> held;
+  int first_keyframe = 0;
+  if (const Turn* previous = LastUsedBefore(from)) {
+    held.push_back(AsRecovered(*previous));
+    first_keyframe = previous->region.first;
+  }
+  bool told = false;
+  for (int i = from; i < static_cast<int>(turns_.size()); ++i) {
+    const std::optional<TurnScale> scale = Read(map, turns_[i]);
+    if (scale) held.push_back(*scale);
+    told = told || scale;
+  }
+  if (!told) return;
+  const ScaleRecoveryResult recovered = RecoverAbsoluteScale(options_.scale.recovery, held, first_keyframe, map);
+  Multiply(recovered.factors, factors);
+  Multiply(recovered.factors, total_factors_);
+  for (int i = 0; i < static_cast<int>(turns_.size()); ++i) {
+    Turn& turn = turns_[i];
+    if (!turn.result.used || turn.region.first < first_keyframe) continue;
+    turn.step_lengths.clear();
+    for (const TurningStep& step : StepsOf(map, turn.region)) turn.step_lengths.push_back(step.motion.step);
+    if (i < from) continue;
+    turn.result.unadjusted.clear();
+    for (const RangeRecovery& range : recovered.ranges) {
+      const bool around = range.range.first <= turn.region.first && turn.region.first < range.range.last;
+      if (around && !range.adjusted) turn.result.unadjusted = range.reason;
+    }
+  }
+}
+
+std::optional<TurnScale> MetricScale::Read(const Map& map, Turn& turn) const {
   TurnResult& result = turn.result;
+  // What knew the scale worse than the drive did stays out.
+  const bool refused = !result.used && result.metres_per_unit > 0;
+  if (refused) return std::nullopt;
   if (!options_.vehicle.lever_arm) {
     result.reason = "no lever arm given";
-    return {};
+    return std::nullopt;
   }
-  const LeverArm lever_arm = LeverArmOf(options_.vehicle);
-  const std::vector<TurningStep> steps = StepsOf(map, region);
-  const PooledScaleResult pooled = PoolScale(steps, lever_arm, options_.pooled_scale);
+  const std::vector<TurningStep> steps = StepsOf(map, turn.region);
+  const PooledScaleResult pooled = PoolScale(steps, LeverArmOf(options_.vehicle), options_.pooled_scale);
   if (!pooled.scale) {
+    if (result.used) return AsRecovered(turn);
     result.reason = pooled.reason;
-    return {};
+    return std::nullopt;
   }
   const double factor = pooled.scale->metres_per_unit;
   turn.relative_sigma = pooled.scale->sigma / factor;
-  result.metres_per_unit = factor * total_factors_[region.first];
+  result.metres_per_unit = factor * total_factors_[turn.region.first];
   result.sigma = turn.relative_sigma * result.metres_per_unit;
   // A turn is held exactly. One that knows the scale far worse than the drive does already would spoil it.
-  if (turn.relative_sigma > options_.scale.max_sigma_ratio * sigma()) {
+  if (!result.used && turn.relative_sigma > options_.scale.max_sigma_ratio * sigma()) {
     result.reason = "its scale is less certain than the one carried here";
-    return {};
+    return std::nullopt;
   }
-
-  std::vector<TurnScale> held;
-  int first = 0;
-  if (const Turn* previous = LastUsed()) {
-    held.push_back(HeldTurn(previous->region, 1.0));
-    held.back().distances = previous->step_lengths;
-    first = previous->region.first;
-  }
-  held.push_back(HeldTurn(region, factor));
-  if (options_.pooled_scale.method == ScaleMethod::kPerFrame) HoldEachStep(steps, lever_arm, held.back());
-  const ScaleRecoveryResult recovered = RecoverAbsoluteScale(options_.scale.recovery, held, first, map);
-  for (const RangeRecovery& range : recovered.ranges)
-    if (!range.adjusted && range.range.last > region.first) result.unadjusted = range.reason;
-  for (const TurningStep& step : StepsOf(map, region)) turn.step_lengths.push_back(step.motion.step);
   result.used = true;
-  state_ = ScaleState::kObserved;
-  since_turn_ = {};
-  return recovered.factors;
+  result.reason.clear();
+  TurnScale held = HeldTurn(turn.region, factor);
+  if (options_.pooled_scale.method == ScaleMethod::kPerFrame) HoldEachStep(steps, LeverArmOf(options_.vehicle), held);
+  return held;
+}
+
+TurnScale MetricScale::AsRecovered(const Turn& turn) {
+  TurnScale held = HeldTurn(turn.region, 1.0);
+  held.distances = turn.step_lengths;
+  return held;
 }
 
 std::vector<double> MetricScale::AdjustSinceLastTurn(Map& map) const {
@@ -149,7 +180,7 @@ std::vector<double> MetricScale::AdjustSinceLastTurn(Map& map) const {
 TurningMotion MetricScale::MotionOf(const Map& map, int step) const {
   const RigidTransform& previous = map.keyframes[step].camera_from_world;
   const RigidTransform& current = map.keyframes[step + 1].camera_from_world;
-  return TurningMotionOf(previous * current.inverse(), options_.vehicle.vehicle_from_camera);
+  return TurningMotionOf(previous * current.inverse(), mount_.At(step + 1));
 }
 
 std::vector<TurningStep> MetricScale::StepsOf(const Map& map, const TurningRegion& region) const {
@@ -159,9 +190,10 @@ std::vector<TurningStep> MetricScale::StepsOf(const Map& map, const TurningRegio
   return steps;
 }
 
-const MetricScale::Turn* MetricScale::LastUsed() const {
-  const auto used = std::find_if(turns_.rbegin(), turns_.rend(), [](const Turn& turn) { return turn.result.used; });
-  return used == turns_.rend() ? nullptr : &*used;
+const MetricScale::Turn* MetricScale::LastUsedBefore(int turn) const {
+  for (int i = turn; i-- > 0;)
+    if (turns_[i].result.used) return &turns_[i];
+  return nullptr;
 }
 
 std::vector<TurnResult> MetricScale::Turns(const Map& map) const {

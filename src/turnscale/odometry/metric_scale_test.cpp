@@ -26,6 +26,7 @@ OdometryOptions Options() {
   OdometryOptions options;
   options.vehicle.lever_arm = kLeverArm;
   options.vehicle.vehicle_from_camera = kMounting;
+  options.vehicle.calibrate_camera = false;
   return options;
 }
 
@@ -133,6 +134,46 @@ TEST(MetricScale, TheArbitraryUnitDoesNotMatter) {
           other.scale.Turns(other.map)[turn].metres_per_unit * unit / one.scale.Turns(one.map)[turn].metres_per_unit, 1,
           1e-6);
     EXPECT_NEAR(other.scale.sigma() / one.scale.sigma(), 1, 1e-5);
+  }
+}
+
+TEST(MetricScale, FindsTheMountAndReadsTheTurnsBeforeAgain) {
+  OdometryOptions options = Options();
+  options.vehicle.vehicle_from_camera = Eigen::Quaterniond::Identity();
+  Live assumed(options, kTwoCorners, 0.3);
+  assumed.Drive();
+  EXPECT_GT(std::abs(assumed.scale.Turns(assumed.map)[0].metres_per_unit * 0.3 - 1), 0.1) << "1.7 deg of yaw matter";
+
+  options.vehicle.calibrate_camera = true;
+  Live live(options, kTwoCorners, 0.3);
+  live.Drive();
+  EXPECT_LT(live.scale.mount().current().vehicle_from_camera.angularDistance(kMounting), 0.3 / kDegreesPerRadian);
+  const std::vector<TurnResult> turns = live.scale.Turns(live.map);
+  ASSERT_EQ(turns.size(), 2U);
+  for (const TurnResult& turn : turns) {
+    EXPECT_TRUE(turn.used) << turn.reason;
+    EXPECT_NEAR(turn.metres_per_unit * 0.3, 1, 0.04);
+  }
+  for (int k = 1; k < static_cast<int>(live.map.keyframes.size()); ++k)
+    EXPECT_NEAR(live.Step(k) / live.TrueStep(k), 1, 0.06) << k;
+}
+
+TEST(MetricScale, ATurnThatOnlyTheMountExplainsIsUsedOnceItIsKnown) {
+  OdometryOptions options = Options();
+  // So far off that no turn to one side can be read.
+  options.vehicle.vehicle_from_camera = RotationFromYawPitchRoll({0.03 + 0.3, -0.05, 0.01});
+  Live assumed(options, kTwoCorners, 1);
+  assumed.Drive();
+  const std::vector<TurnResult> unread = assumed.scale.Turns(assumed.map);
+  EXPECT_TRUE(!unread[0].used || !unread[1].used);
+
+  options.vehicle.calibrate_camera = true;
+  Live live(options, kTwoCorners, 1);
+  live.Drive();
+  for (const TurnResult& turn : live.scale.Turns(live.map)) {
+    EXPECT_TRUE(turn.used) << turn.reason;
+    EXPECT_EQ(turn.reason, "");
+    EXPECT_NEAR(turn.metres_per_unit, 1, 0.04);
   }
 }
 

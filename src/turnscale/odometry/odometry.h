@@ -53,6 +53,8 @@ class Odometry {
   /// What the drive has told of the lens beyond its calibration.
   const LensRefinement& lens() const { return lens_; }
   ScaleState scale_state() const { return scale_.state(); }
+  /// How the camera is turned on the car, as given or found.
+  const MountCalibration& mount() const { return scale_.mount(); }
 
  private:
   void CheckImage(const cv::Mat& gray);

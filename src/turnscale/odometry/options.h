@@ -26,8 +26,10 @@ struct VehicleOptions {
   /// c in L_eff = L - c v^2, s^2/m: the rear axle's slip angle per lateral acceleration. 0 is the paper's
   /// rigid car.
   double side_slip = 0.0045;
-  /// The paper's Q.
+  /// The paper's Q; where the camera is calibrated, what is assumed until the drive tells better.
   Eigen::Quaterniond vehicle_from_camera = Eigen::Quaterniond::Identity();
+  /// Find Q from the drive.
+  bool calibrate_camera = true;
 
   /// Throws InputError that names the field when a value makes no sense.
   void Check() const;
