@@ -141,6 +141,7 @@ TEST(Rescale, ChecksItsOptions) {
   EXPECT_EQ(refused([](auto& o) { o.keys.max_spacing = 0; }), "keys.max_spacing");
   EXPECT_EQ(refused([](auto& o) { o.stretches.max_straight_steps = 0; }), "stretches.max_straight_steps");
   EXPECT_EQ(refused([](auto& o) { o.estimator.huber = 0; }), "estimator.huber");
+  EXPECT_EQ(refused([](auto& o) { o.estimator.gap_sigma = 0; }), "estimator.gap_sigma");
   EXPECT_EQ(refused([](auto& o) { o.estimator.noise.lever.low = 0; }), "noise.lever");
   EXPECT_EQ(refused([](auto& o) { o.estimator.noise.per_angle.typical = 1; }), "noise.per_angle");
   EXPECT_EQ(refused([](auto& o) { o.lever_arm_sigma = -1; }), "lever_arm_sigma");
