@@ -263,7 +263,7 @@ void AddCalibrateCommand(CLI::App& app) {
   calibrate->add_option("--fps", images.fps, "Frames per second, where there are no times")->excludes(timestamps);
   calibrate->add_option("--settings", images.settings, "YAML file of settings, as for run")->excludes(trajectory);
   CLI::Option* max_frames = calibrate->add_option("--max-frames", images.max_frames, "Stop after this many frames")
-                                ->check(CLI::PositiveNumber)
+                                ->check(CLI::Range(1, 1'000'000'000))
                                 ->excludes(trajectory);
   CLI::Option* speed =
       calibrate->add_option("--speed", arguments->speed, "Speeds 'time, m/s', a line each: gives the lever arm too");

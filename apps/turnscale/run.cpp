@@ -48,9 +48,11 @@ struct RunArguments {
 OdometryOptions OptionsFrom(const RunArguments& arguments) {
   OdometryOptions options = arguments.settings ? ReadSettings(*arguments.settings) : OdometryOptions();
   if (arguments.lever_arm) {
-    if (!(std::isfinite(*arguments.lever_arm) && *arguments.lever_arm > 0)) {
-      throw InputError(fmt::format("--lever-arm {}: give the metres from the rear axle forward to the camera, above 0",
-                                   *arguments.lever_arm));
+    constexpr double kLongest = 20;  // metres; more is a slip of the unit
+    if (!(*arguments.lever_arm > 0 && *arguments.lever_arm <= kLongest)) {
+      throw InputError(
+          fmt::format("--lever-arm {}: give the metres from the rear axle forward to the camera, above 0 and up to {}",
+                      *arguments.lever_arm, kLongest));
     }
     options.vehicle.lever_arm = arguments.lever_arm;
   }
@@ -244,7 +246,8 @@ void AddRunCommand(CLI::App& app) {
   run->add_option("--threads", arguments->threads, "Threads for image operations; the result does not depend on it");
   run->add_option("--settings", arguments->settings, "YAML file of settings, such as the settings.yaml of another run");
   run->add_option("--out", arguments->out, "Folder for the results")->capture_default_str();
-  run->add_option("--max-frames", arguments->max_frames, "Stop after this many frames")->check(CLI::PositiveNumber);
+  run->add_option("--max-frames", arguments->max_frames, "Stop after this many frames")
+      ->check(CLI::Range(1, 1'000'000'000));
   run->add_flag("--quiet", arguments->quiet, "Print warnings and errors only");
   run->footer(
       "Example:\n  turnscale run drive.mp4 --camera cam.yaml --lever-arm 1.45 --out out/drive\n\n"

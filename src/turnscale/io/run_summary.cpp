@@ -82,6 +82,9 @@ void Summarize(const std::vector<FrameResult>& refined, const std::vector<TurnRe
   }
   summary.scale_sigma = refined.empty() ? INFINITY : refined.back().scale_sigma;
   summary.turns_found = static_cast<int>(turns.size());
+  for (const TurnResult& turn : turns) {
+    if (!turn.used) summary.unused_reason = turn.reason;
+  }
   summary.turns_used =
       static_cast<int>(std::count_if(turns.begin(), turns.end(), [](const auto& t) { return t.used; }));
 }
@@ -134,6 +137,7 @@ std::string SummaryText(const RunSummary& summary) {
   if (!IsMetric(summary)) {
     scale += summary.vehicle.lever_arm ? ": no turn gave the metre, lengths are in an arbitrary unit"
                                        : ": without --lever-arm the path is up to scale, in an arbitrary unit";
+    if (summary.vehicle.lever_arm && summary.turns_found > 0) scale += "; a turn said: " + summary.unused_reason;
   }
   const RunCost& cost = summary.cost;
   return fmt::format(

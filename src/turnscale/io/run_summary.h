@@ -62,6 +62,7 @@ struct RunSummary {
   std::optional<MountSummary> mount;  ///< empty where it was given
   int turns_found = 0;
   int turns_used = 0;
+  std::string unused_reason;  ///< of the last turn that was not used
   std::string stopped;  ///< why the run ended before the drive did; empty where it did not
   RunCost cost;
 };
