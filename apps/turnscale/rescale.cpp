@@ -13,6 +13,7 @@
 #include "commands.h"
 #include "rescale_picture.h"
 #include "rescale_report.h"
+#include "timed_trajectory.h"
 #include "turnscale/base/error.h"
 #include "turnscale/geometry/rotation.h"
 #include "turnscale/io/frame_times.h"
@@ -38,34 +39,6 @@ struct RescaleArguments {
   std::optional<fs::path> report;
   bool quiet = false;
 };
-
-struct TimedTrajectory {
-  Trajectory poses;
-  bool timed = true;
-};
-
-Trajectory TimedByRate(TrajectoryFile file, double fps) {
-  for (std::size_t i = 0; i < file.poses.size(); ++i) file.poses[i].time = file.frames[i] / fps;
-  return std::move(file.poses);
-}
-
-TimedTrajectory ReadInput(const RescaleArguments& arguments) {
-  if (arguments.fps && !(std::isfinite(*arguments.fps) && *arguments.fps > 0)) {
-    throw InputError(fmt::format("--fps {}: give frames per second, above 0", *arguments.fps));
-  }
-  TrajectoryFile file = ReadTrajectoryFile(arguments.input);
-  if (file.format != TrajectoryFormat::kKitti) {
-    if (arguments.fps || arguments.timestamps) {
-      throw InputError(fmt::format("{}: has times of its own; leave out {}", arguments.input.string(),
-                                   arguments.fps ? "--fps" : "--timestamps"));
-    }
-    return {std::move(file.poses), true};
-  }
-  if (arguments.fps) return {TimedByRate(std::move(file), *arguments.fps), true};
-  const fs::path times = arguments.timestamps ? *arguments.timestamps : FindPoseTimes(arguments.input);
-  if (times.empty()) return {std::move(file.poses), false};
-  return {ReadTrajectory(arguments.input, ReadFrameTimes(times).times), true};
-}
 
 RescaleOptions OptionsFrom(const RescaleArguments& arguments, bool timed) {
   RescaleOptions options;
@@ -111,7 +84,7 @@ void WriteReport(const fs::path& folder, const RescaleResult& result, const std:
 }
 
 void RunRescale(const RescaleArguments& arguments) {
-  const TimedTrajectory trajectory = ReadInput(arguments);
+  const TimedTrajectory trajectory = ReadTimedTrajectory(arguments.input, arguments.timestamps, arguments.fps);
   const std::string input = arguments.input.string();
   if (!trajectory.timed && !arguments.quiet) {
     fmt::print(stderr,
