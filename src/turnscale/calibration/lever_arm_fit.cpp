@@ -3,12 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iomanip>
 #include <optional>
+#include <sstream>
 #include <utility>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
-#include <fmt/format.h>
 
 #include "turnscale/base/error.h"
 #include "turnscale/base/quantiles.h"
@@ -164,18 +165,22 @@ class Fit {
   Eigen::VectorXd sigma_;
 };
 
+std::string Fixed(double value, int digits) {
+  std::ostringstream text;
+  text << std::fixed << std::setprecision(digits) << value;
+  return text.str();
+}
+
 // What can be said against the fit, one line; empty where it stands.
 void CheckFit(const LeverArmFit& fit, const LeverArmFitOptions& options) {
   const double length = fit.lever_arm.length;
   if (!(length > 0)) {
-    throw InputError(fmt::format(
-        "the turns show a lever arm of {:.2f} m, and the camera has to be ahead of the rear axle; check the "
-        "metres and the side slip",
-        length));
+    throw InputError("the turns show a lever arm of " + Fixed(length, 2) +
+                     " m, and the camera has to be ahead of the rear axle; check the metres and the side slip");
   }
   if (!(fit.sigma_length <= options.max_relative_sigma * length)) {
-    throw InputError(fmt::format("the turns show the lever arm to {:.2f} +- {:.2f} m only; drive more street corners",
-                                 length, fit.sigma_length));
+    throw InputError("the turns show the lever arm to " + Fixed(length, 2) + " +- " + Fixed(fit.sigma_length, 2) +
+                     " m only; drive more street corners");
   }
 }
 
@@ -203,9 +208,10 @@ LeverArmFit FitLeverArm(const std::vector<MetricDrive>& drives, const LeverArmFi
   fit.speed_spread = SpeedSpread(equations);
   if (options.side_slip && fit.speed_spread < options.min_speed_spread) {
     throw InputError(
-        fmt::format("the side slip cannot be told from the lever arm: the turns are all driven at about the same speed "
-                    "(v^2 spreads by {:.0f} %, {:.0f} % are needed); give the side slip",
-                    100 * fit.speed_spread, 100 * options.min_speed_spread));
+        "the side slip cannot be told from the lever arm: the turns are all driven at about the same speed (v^2 "
+        "spreads by " +
+        Fixed(100 * fit.speed_spread, 0) + " %, " + Fixed(100 * options.min_speed_spread, 0) +
+        " % are needed); give the side slip");
   }
   const int count = static_cast<int>(drives.size());
   std::optional<Fit> line(std::in_place, equations, count, options.side_slip, options.assumed_side_slip,

@@ -31,7 +31,7 @@ nlohmann::ordered_json CostJson(const RunSummary& summary) {
 
 nlohmann::ordered_json MountJson(const std::optional<MountSummary>& mount) {
   if (!mount) return {{"source", "given"}};
-  if (!mount->found) return {{"source", "assumed"}, {"moves", mount->moves}};
+  if (!mount->found) return {{"source", mount->moves > 0 ? "before the move" : "assumed"}, {"moves", mount->moves}};
   return {{"source", "found"},
           {"sigma_yaw_pitch_roll_deg",
            {mount->sigma.yaw * kDegreesPerRadian, mount->sigma.pitch * kDegreesPerRadian,
@@ -42,6 +42,9 @@ nlohmann::ordered_json MountJson(const std::optional<MountSummary>& mount) {
 // One line, empty where the rotation was given.
 std::string MountText(const std::optional<MountSummary>& mount) {
   if (!mount) return {};
+  if (!mount->found && mount->moves > 0)
+    return fmt::format("camera  was moved {} times; no turn has shown its rotation since, so it is as before\n",
+                       mount->moves);
   if (!mount->found) return "camera  taken to be turned as --camera-rotation says: no turn showed it well enough\n";
   const auto degrees = [](double angle) { return angle * kDegreesPerRadian; };
   std::string text =

@@ -15,6 +15,6 @@ namespace turnscale {
 ///
 /// Lengths of the map at keyframe k are `unit_at_keyframe[k]` times those in the unit of the start.
 std::vector<PoseScale> ScaleKeyframes(const Map& map, const std::vector<double>& unit_at_keyframe,
-                                      const MountCalibration& mount, const VehicleOptions& vehicle);
+                                      const MountCalibration& mount, const OdometryOptions& options);
 
 }  // namespace turnscale

@@ -34,19 +34,20 @@ Map MapOfDrive(int change, std::vector<double>& units) {
   return map;
 }
 
-VehicleOptions Car() {
-  VehicleOptions vehicle;
+OdometryOptions Car() {
+  OdometryOptions options;
+  VehicleOptions& vehicle = options.vehicle;
   vehicle.lever_arm = kCar.length;
   vehicle.side_slip_sigma = 0;
   vehicle.vehicle_from_camera = kTurned;
   vehicle.calibrate_camera = false;
-  return vehicle;
+  return options;
 }
 
 TEST(DriveScale, IsPerUnitOfTheStart) {
   std::vector<double> units;
   const Map map = MapOfDrive(75, units);
-  const std::vector<PoseScale> scales = ScaleKeyframes(map, units, MountCalibration(Car()), Car());
+  const std::vector<PoseScale> scales = ScaleKeyframes(map, units, MountCalibration(Car().vehicle), Car());
   ASSERT_EQ(scales.size(), map.keyframes.size());
   for (const PoseScale& scale : scales) EXPECT_NEAR(scale.metres_per_unit * kUnit, 1, 0.003);
 }
@@ -57,7 +58,7 @@ TEST(DriveScale, ReadsNothingAcrossAGap) {
   // Tracking was lost on the straight, and found again three times as large.
   map.keyframes[90].after_gap = true;
   for (size_t k = 90; k < units.size(); ++k) units[k] /= 3;
-  const std::vector<PoseScale> scales = ScaleKeyframes(map, units, MountCalibration(Car()), Car());
+  const std::vector<PoseScale> scales = ScaleKeyframes(map, units, MountCalibration(Car().vehicle), Car());
   ASSERT_EQ(scales.size(), map.keyframes.size());
   // A yaw that is off could have each of the turns read a little wrong.
   EXPECT_NEAR(scales[50].metres_per_unit * kUnit, 1, 0.03);
@@ -67,9 +68,9 @@ TEST(DriveScale, ReadsNothingAcrossAGap) {
 TEST(DriveScale, WithoutALeverArmThereIsNone) {
   std::vector<double> units;
   const Map map = MapOfDrive(75, units);
-  VehicleOptions car = Car();
-  car.lever_arm.reset();
-  EXPECT_TRUE(ScaleKeyframes(map, units, MountCalibration(car), car).empty());
+  OdometryOptions car = Car();
+  car.vehicle.lever_arm.reset();
+  EXPECT_TRUE(ScaleKeyframes(map, units, MountCalibration(car.vehicle), car).empty());
 }
 
 }  // namespace

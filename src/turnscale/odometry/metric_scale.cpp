@@ -62,19 +62,28 @@ ScaleUpdate MetricScale::AddKeyframe(int keyframe, Map& map) {
   return update;
 }
 
-ScaleUpdate MetricScale::Finish(Map& map) {
+ScaleUpdate MetricScale::EndPath(Map& map) {
   ScaleUpdate update;
   if (map.keyframes.empty()) return update;
-  bool better = options_.scale.smooth;
   if (const std::optional<TurningRegion> closed = detector_.Finish()) {
     update.factors = Close(*closed, map);
   } else {
     update.factors = AdjustSinceLastTurn(map);
     Multiply(update.factors, total_factors_);
-    better = mount_.Learn(map, total_factors_, static_cast<int>(map.keyframes.size()) - 1) || better;
+    const int last = static_cast<int>(map.keyframes.size()) - 1;
+    if (mount_.Learn(map, total_factors_, last)) ReadTurns(0, map, update.factors);
   }
-  if (better) ReadTurns(0, map, update.factors);
   return update;
+}
+
+ScaleUpdate MetricScale::Finish(Map& map) {
+  ScaleUpdate update = EndPath(map);
+  if (Smooths()) ReadTurns(0, map, update.factors);
+  return update;
+}
+
+bool MetricScale::Smooths() const {
+  return options_.scale.smooth && options_.pooled_scale.method == ScaleMethod::kPooledLine;
 }
 
 double MetricScale::sigma() const {
@@ -117,7 +126,7 @@ void MetricScale::ReadTurns(int from, Map& map, std::vector<double>& factors) {
     told.push_back(i);
   }
   if (told.empty()) return;
-  if (options_.scale.smooth) HoldSmoothly(map, told, std::span(held).last(told.size()));
+  if (Smooths()) HoldSmoothly(map, told, std::span(held).last(told.size()));
   const ScaleRecoveryResult recovered = RecoverAbsoluteScale(options_.scale.recovery, held, first_keyframe, map);
   Multiply(recovered.factors, factors);
   Multiply(recovered.factors, total_factors_);
@@ -133,13 +142,22 @@ void MetricScale::ReadTurns(int from, Map& map, std::vector<double>& factors) {
       if (around && !range.adjusted) turn.result.unadjusted = range.reason;
     }
   }
+  if (state_ == ScaleState::kPending) CarryFrom(turns_[told.back()].region, map);
+}
+
+// A turn of some time ago has told the scale only now.
+void MetricScale::CarryFrom(const TurningRegion& region, const Map& map) {
+  state_ = ScaleState::kHeld;
+  since_turn_ = {};
+  for (int step = region.last + 1; step + 1 < static_cast<int>(map.keyframes.size()); ++step) {
+    since_turn_.distance += MotionOf(map, step).step;
+    if (map.keyframes[step + 1].after_gap) ++since_turn_.gaps;
+  }
 }
 
 std::optional<TurnScale> MetricScale::Read(const Map& map, Turn& turn) const {
   TurnResult& result = turn.result;
-  // What knew the scale worse than the drive did stays out.
-  const bool refused = !result.used && result.metres_per_unit > 0;
-  if (refused) return std::nullopt;
+  const bool refused_before = !result.used && result.metres_per_unit > 0;
   if (!options_.vehicle.lever_arm) {
     result.reason = "no lever arm given";
     return std::nullopt;
@@ -155,8 +173,9 @@ std::optional<TurnScale> MetricScale::Read(const Map& map, Turn& turn) const {
   turn.relative_sigma = pooled.scale->sigma / factor;
   result.metres_per_unit = factor * total_factors_[turn.region.first];
   result.sigma = turn.relative_sigma * result.metres_per_unit;
-  // A turn is held exactly. One that knows the scale far worse than the drive does already would spoil it.
-  if (!result.used && turn.relative_sigma > options_.scale.max_sigma_ratio * sigma()) {
+  // Held at what it says itself, a turn that knows the scale far worse than the drive does already would spoil it.
+  const bool poor = refused_before || turn.relative_sigma > options_.scale.max_sigma_ratio * sigma();
+  if (!Smooths() && !result.used && poor) {
     result.reason = "its scale is less certain than the one carried here";
     return std::nullopt;
   }
@@ -168,12 +187,12 @@ std::optional<TurnScale> MetricScale::Read(const Map& map, Turn& turn) const {
 }
 
 void MetricScale::HoldSmoothly(const Map& map, const std::vector<int>& turns, std::span<TurnScale> held) {
-  const std::vector<PoseScale> scales = ScaleKeyframes(map, total_factors_, mount_, options_.vehicle);
+  const std::vector<PoseScale> scales = ScaleKeyframes(map, total_factors_, mount_, options_);
   if (scales.empty()) return;
+  smoothed_sigmas_.clear();
+  for (const PoseScale& scale : scales) smoothed_sigmas_.push_back(scale.sigma);
   for (size_t i = 0; i < turns.size(); ++i) {
     TurnScale& turn = held[i];
-    // The paper's form holds steps, not the turn.
-    if (!turn.distances.empty()) continue;
     double metres = 0;
     double length = 0;
     for (int k = turn.first_step; k <= turn.last_step; ++k) {
@@ -181,7 +200,9 @@ void MetricScale::HoldSmoothly(const Map& map, const std::vector<int>& turns, st
       length += step;
       metres += step / total_factors_[k] * scales[k].metres_per_unit;
     }
-    turn.factor = metres / length;
+    const double factor = metres / length;
+    if (!(std::isfinite(factor) && factor > 0)) continue;
+    turn.factor = factor;
     turns_[turns[i]].relative_sigma = scales[turn.last_step].sigma;
   }
 }
@@ -244,7 +265,9 @@ void MetricScale::Annotate(const Map& map, const std::vector<int>& keyframe_of_f
       const TurningRegion keyframes = KeyframesOf(turn.region);
       observed.push_back({keyframes.first, keyframes.last, turn.relative_sigma});
     }
-  const std::vector<double> sigmas = ScaleSigmas(options_.scale, map, observed);
+  std::vector<double> sigmas = ScaleSigmas(options_.scale, map, observed);
+  // What turns have in common does not average out between them, which the smoothed sigmas know.
+  std::copy(smoothed_sigmas_.begin(), smoothed_sigmas_.end(), sigmas.begin());
   std::vector<char> in_used_turn(map.keyframes.size(), 0);
   std::vector<char> turning(map.keyframes.size(), 0);
   for (const Turn& turn : turns_) {

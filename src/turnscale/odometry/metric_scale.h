@@ -34,7 +34,10 @@ class MetricScale {
   /// Takes a keyframe of the map; each once, in their order.
   ScaleUpdate AddKeyframe(int keyframe, Map& map);
 
-  /// The drive is over: a turn that is still open closes.
+  /// The path ends, here or where tracking was lost: a turn that is still open closes.
+  ScaleUpdate EndPath(Map& map);
+
+  /// The drive is over: its path ends, and its turns are held at what all of them say.
   ScaleUpdate Finish(Map& map);
 
   ScaleState state() const { return state_; }
@@ -70,6 +73,8 @@ class MetricScale {
   std::optional<TurnScale> Read(const Map& map, Turn& turn) const;
   /// Holds these turns at what all turns so far say of their scale.
   void HoldSmoothly(const Map& map, const std::vector<int>& turns, std::span<TurnScale> held);
+  void CarryFrom(const TurningRegion& region, const Map& map);
+  bool Smooths() const;
   static TurnScale AsRecovered(const Turn& turn);
   const Turn* LastUsedBefore(int turn) const;
 
@@ -77,7 +82,8 @@ class MetricScale {
   TurnDetector detector_;
   MountCalibration mount_;
   std::vector<Turn> turns_;
-  std::vector<double> total_factors_;  ///< metres at a keyframe per unit of the start
+  std::vector<double> total_factors_;    ///< metres at a keyframe per unit of the start
+  std::vector<double> smoothed_sigmas_;  ///< relative, of the keyframes that were there at the latest smoothing
   ScaleState state_ = ScaleState::kPending;
   ScaleCarriage since_turn_;
 };

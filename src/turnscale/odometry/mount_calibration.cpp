@@ -37,10 +37,16 @@ bool MountCalibration::Learn(const Map& map, const std::vector<double>& unit_at_
     const Keyframe& keyframe = map.keyframes[next_keyframe_];
     if (keyframe.after_gap) gatherer_.Break();
     const RigidTransform pose = keyframe.camera_from_world.inverse();
+    Eigen::Vector3d way = Eigen::Vector3d::Zero();
     if (next_keyframe_ > 0) {
       const RigidTransform before = map.keyframes[next_keyframe_ - 1].camera_from_world.inverse();
-      place_ += (pose.translation - before.translation) / unit_at_keyframe[next_keyframe_];
+      way = (pose.translation - before.translation) / unit_at_keyframe[next_keyframe_];
     }
+    if (!way.allFinite() || !pose.rotation.coeffs().allFinite()) {
+      gatherer_.Break();
+      continue;
+    }
+    place_ += way;
     const std::optional<CameraStep> step = gatherer_.Add({keyframe.time, {pose.rotation, place_}});
     if (!step) continue;
     const OnlineState& state = calibration_.Add(*step);

@@ -57,6 +57,7 @@ class Odometry {
   const MountCalibration& mount() const { return scale_.mount(); }
 
  private:
+  void EndPath();
   void CheckImage(const cv::Mat& gray);
   FrameResult NewFrame(double time, TrackingState state);
   FrameResult Initialize(const FlowImage& image, FrameResult result);

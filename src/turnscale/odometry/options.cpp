@@ -36,7 +36,7 @@ void TrackingOptions::Check() const {
 void ScaleOptions::Check() const {
   recovery.Check();
   if (!(drift_per_root_metre >= 0)) throw InputError("scale.drift_per_root_metre: must not be negative");
-  if (!(gap_sigma >= 0)) throw InputError("scale.gap_sigma: must not be negative");
+  if (!(gap_sigma > 0)) throw InputError("scale.gap_sigma: has to be positive");
   if (!(max_sigma_ratio > 0)) throw InputError("scale.max_sigma_ratio: has to be positive");
 }
 

@@ -24,8 +24,8 @@ namespace turnscale {
 struct VehicleOptions {
   /// Distance from the rear axle forward to the camera, metres. Without it the path stays up to scale.
   std::optional<double> lever_arm;
-  /// c in L_eff = L - c v^2, s^2/m: the rear axle's slip angle per lateral acceleration. 0 is the paper's
-  /// rigid car.
+  /// c in L_eff = L - c v^2, s^2/m: the rear axle's slip angle per lateral acceleration. With a sigma of 0, 0 is the
+  /// paper's rigid car.
   double side_slip = kUsualSideSlip;
   /// Its standard deviation, which leaves the drive room to refine it: cars differ by a third of it. 0 where c is
   /// known.
@@ -74,7 +74,7 @@ struct TrackingOptions {
 struct ScaleOptions {
   ScaleRecoveryOptions recovery;
   /// A turn is held at what all turns together say of its scale, each with its variance. Otherwise at what it says
-  /// itself, as in the paper.
+  /// itself. The paper's per-frame observer holds steps and is not smoothed.
   bool smooth = true;
   /// How fast the odometry's scale is taken to drift between turns: relative standard deviation after one metre,
   /// growing with the root of the distance (0.001: 1 % after 100 m).
@@ -82,7 +82,8 @@ struct ScaleOptions {
   /// Relative standard deviation that a loss of tracking adds: the scale is taken over from the speed, or from how far
   /// things are.
   double gap_sigma = 0.3;
-  /// A turn whose relative sigma is more than this many times that of the scale carried to it is not used.
+  /// Where turns are not smoothed: one whose relative sigma is more than this many times that of the scale carried to
+  /// it is not used.
   double max_sigma_ratio = 2.0;
 
   /// Throws InputError that names the field when a value makes no sense.

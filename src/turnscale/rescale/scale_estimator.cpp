@@ -191,7 +191,7 @@ std::optional<ScaleEstimate> EstimateScale(const std::vector<SwayStep>& steps, c
   const auto run = [&] { return Estimator(steps, stretches, options).Run(prior, car.lever_arm, start->sway_sigma); };
   auto estimate = run();
   // Tyres do not slip inwards: on the edge of what can be, the answer is the one without slip.
-  if (estimate && estimate->smoothed.back().mean[kSlip] < 0) {
+  if (estimate && car.side_slip_sigma > 0 && estimate->smoothed.back().mean[kSlip] < 0) {
     prior.mean[kSlip] = 0;
     prior.covariance(kSlip, kSlip) = kLeastSigma * kLeastSigma;
     estimate = run();
