@@ -63,7 +63,7 @@ struct RunSummary {
   int turns_found = 0;
   int turns_used = 0;
   std::string unused_reason;  ///< of the last turn that was not used
-  std::string stopped;  ///< why the run ended before the drive did; empty where it did not
+  std::string stopped;        ///< why the run ended before the drive did; empty where it did not
   RunCost cost;
 };
 
