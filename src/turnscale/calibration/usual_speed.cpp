@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <ranges>
 
 namespace turnscale {
 namespace {
@@ -33,9 +34,9 @@ void UsualSpeed::Add(double way, double seconds) {
   driven.seconds += seconds;
   way_ += way;
   double faster = 0;
-  for (auto entry = by_speed_.rbegin(); entry != by_speed_.rend(); ++entry) {
-    faster += entry->second.way;
-    value_ = entry->second.way / entry->second.seconds;
+  for (const auto& [place, speed_class] : std::views::reverse(by_speed_)) {
+    faster += speed_class.way;
+    value_ = speed_class.way / speed_class.seconds;
     if (faster >= 0.5 * way_) break;
   }
 }

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <functional>
 #include <limits>
+#include <ranges>
 
 #include <fmt/format.h>
 
@@ -74,7 +75,7 @@ class Graph {
       back.push_back(fmt::format("{:.1f},{:.1f} ", X(moment.time), Y(value(moment) - sigma(moment))));
     }
     if (there.empty()) return "";
-    for (auto point = back.rbegin(); point != back.rend(); ++point) there += *point;
+    for (const std::string& point : std::views::reverse(back)) there += point;
     return fmt::format("<polygon points=\"{}\" fill=\"{}\" fill-opacity=\"0.15\"/>\n", there, color);
   }
 
