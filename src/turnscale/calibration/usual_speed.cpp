@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ranges>
 
 namespace turnscale {
 namespace {
@@ -34,7 +33,7 @@ void UsualSpeed::Add(double way, double seconds) {
   driven.seconds += seconds;
   way_ += way;
   double faster = 0;
-  for (const auto& [place, speed_class] : std::views::reverse(by_speed_)) {
+  for (const auto& [place, speed_class] : by_speed_) {
     faster += speed_class.way;
     value_ = speed_class.way / speed_class.seconds;
     if (faster >= 0.5 * way_) break;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <functional>
 #include <limits>
 #include <map>
 #include <optional>
@@ -27,8 +28,8 @@ class UsualSpeed {
   };
 
   double memory_;
-  std::optional<double> reference_;  ///< the first speed; others are sorted by their ratio to it
-  std::map<int, Driven> by_speed_;
+  std::optional<double> reference_;                 ///< the first speed; others are sorted by their ratio to it
+  std::map<int, Driven, std::greater<>> by_speed_;  ///< fastest first
   double way_ = 0;
   double value_ = 0;
 };

@@ -6,7 +6,8 @@
 #include <cstddef>
 #include <functional>
 #include <limits>
-#include <ranges>
+#include <numeric>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -75,7 +76,7 @@ class Graph {
       back.push_back(fmt::format("{:.1f},{:.1f} ", X(moment.time), Y(value(moment) - sigma(moment))));
     }
     if (there.empty()) return "";
-    for (const std::string& point : std::views::reverse(back)) there += point;
+    there = std::accumulate(back.rbegin(), back.rend(), std::move(there));
     return fmt::format("<polygon points=\"{}\" fill=\"{}\" fill-opacity=\"0.15\"/>\n", there, color);
   }
 
