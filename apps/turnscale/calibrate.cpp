@@ -12,6 +12,7 @@
 #include "commands.h"
 #include "drive_motion.h"
 #include "interrupt.h"
+#include "side_slip.h"
 #include "turnscale/base/error.h"
 #include "turnscale/calibration/step_gatherer.h"
 #include "turnscale/io/calibration_file.h"
@@ -51,10 +52,7 @@ void Check(const CalibrateArguments& arguments) {
   };
   positive("--distance", arguments.distance);
   positive("--lever-arm", arguments.lever_arm);
-  if (arguments.side_slip && !(*arguments.side_slip >= 0 && *arguments.side_slip < 1)) {
-    throw InputError(fmt::format("--side-slip {}: give c in s^2/m, from 0 (rigid car) to below 1; cars have about {}",
-                                 *arguments.side_slip, VehicleOptions().side_slip));
-  }
+  if (arguments.side_slip) CheckedSideSlip(*arguments.side_slip);
   if (arguments.fit_side_slip && !arguments.in_metres()) {
     throw InputError("--fit-side-slip: needs motion in metres; give --speed, --distance or --metric");
   }

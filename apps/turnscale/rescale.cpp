@@ -13,6 +13,7 @@
 #include "commands.h"
 #include "rescale_picture.h"
 #include "rescale_report.h"
+#include "side_slip.h"
 #include "timed_trajectory.h"
 #include "turnscale/base/error.h"
 #include "turnscale/geometry/rotation.h"
@@ -47,17 +48,12 @@ RescaleOptions OptionsFrom(const RescaleArguments& arguments, bool timed) {
                                  arguments.lever_arm));
   }
   options.car.lever_arm = arguments.lever_arm;
-  const auto in_range = [](double slip) { return slip >= 0 && slip < 1; };
   if (arguments.side_slip) {
-    if (!in_range(*arguments.side_slip)) {
-      throw InputError(fmt::format("--side-slip {}: give c in s^2/m, from 0 (rigid car) to below 1; cars have about {}",
-                                   *arguments.side_slip, kUsualSideSlip));
-    }
-    options.car.side_slip = *arguments.side_slip;
+    options.car.side_slip = CheckedSideSlip(*arguments.side_slip);
     options.car.side_slip_sigma = 0;
   }
   if (arguments.side_slip_sigma) {
-    if (!in_range(*arguments.side_slip_sigma)) {
+    if (!(*arguments.side_slip_sigma >= 0 && *arguments.side_slip_sigma < 1)) {
       throw InputError(
           fmt::format("--side-slip-sigma {}: give s^2/m, from 0 (known) to below 1", *arguments.side_slip_sigma));
     }

@@ -12,6 +12,7 @@
 
 #include "commands.h"
 #include "interrupt.h"
+#include "side_slip.h"
 #include "turnscale/base/error.h"
 #include "turnscale/camera/camera_file.h"
 #include "turnscale/io/image_source.h"
@@ -57,12 +58,7 @@ OdometryOptions OptionsFrom(const RunArguments& arguments) {
     options.vehicle.lever_arm = arguments.lever_arm;
   }
   if (arguments.side_slip) {
-    if (!(*arguments.side_slip >= 0 && *arguments.side_slip < 1)) {
-      throw InputError(
-          fmt::format("--side-slip {}: give c in s^2/m, from 0 (rigid car) to below 1; cars have about 0.005",
-                      *arguments.side_slip));
-    }
-    options.vehicle.side_slip = *arguments.side_slip;
+    options.vehicle.side_slip = CheckedSideSlip(*arguments.side_slip);
     options.vehicle.side_slip_sigma = 0;
   }
   if (arguments.camera_rotation == "auto") {

@@ -2,6 +2,7 @@
 #include "turnscale/odometry/mount_calibration.h"
 
 #include <algorithm>
+#include <iterator>
 #include <optional>
 
 #include "turnscale/geometry/rotation.h"

@@ -113,13 +113,13 @@ FrameResult Odometry::ProcessUnreadable(double time) {
 
 void Odometry::Finish() {
   if (map_.keyframes.empty()) return;
-  const RigidTransform last_from_keyframe = motion_.last() * map_.keyframes.back().camera_from_world.inverse();
+  const RigidTransform last_from_keyframe = LastFromKeyframe();
   ApplyScale(scale_.Finish(map_), last_from_keyframe);
 }
 
 void Odometry::EndPath() {
   if (map_.keyframes.empty()) return;
-  const RigidTransform last_from_keyframe = motion_.last() * map_.keyframes.back().camera_from_world.inverse();
+  const RigidTransform last_from_keyframe = LastFromKeyframe();
   ApplyScale(scale_.EndPath(map_), last_from_keyframe);
 }
 
@@ -338,6 +338,10 @@ void Odometry::ObserveScale(FrameResult& result) {
   result.psi = update.motion.psi;
   result.theta = update.motion.theta;
   ApplyScale(update, RigidTransform{});
+}
+
+RigidTransform Odometry::LastFromKeyframe() const {
+  return motion_.last() * map_.keyframes.back().camera_from_world.inverse();
 }
 
 void Odometry::ApplyScale(const ScaleUpdate& update, RigidTransform last_from_keyframe) {

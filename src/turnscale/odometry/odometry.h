@@ -72,6 +72,8 @@ class Odometry {
   void AddKeyframe(const FlowImage& image, const RigidTransform& camera_from_world, FrameResult& result);
   void RefineLens();
   void ObserveScale(FrameResult& result);
+  /// The latest frame as seen from the latest keyframe.
+  RigidTransform LastFromKeyframe() const;
   void ApplyScale(const ScaleUpdate& update, RigidTransform last_from_keyframe);
   void RenewReferences(const FlowImage& image);
   void DetectNewFeatures(const FlowImage& image);
