@@ -38,6 +38,11 @@ std::vector<Experiment> Experiments() {
       {"fig4", "directions of travel", [](const LabSettings&) { return LabFigure4(); }},
       {"fig6", "sensitivity of the scale observer", [](const LabSettings&) { return LabFigure6(); }},
       {"fig7", "error of the scale", [](const LabSettings&) { return LabFigure7(); }},
+      {"fig8", "the synthetic drive", LabFigure8},
+      {"fig9", "calibration of the camera's rotation", LabFigure9},
+      {"fig10", "absolute scale recovery, a run a noise level", LabFigure10},
+      {"table1", "absolute scale recovery, errors over many runs", LabTable1},
+      {"ablations", "absolute scale recovery with one thing changed at a time", LabAblations},
   };
 }
 

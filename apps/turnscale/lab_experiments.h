@@ -10,4 +10,11 @@ LabResult LabFigure4();
 LabResult LabFigure6();
 LabResult LabFigure7();
 
+/// The rest draws random numbers; the result is empty where the progress asked to stop.
+LabResult LabFigure8(const LabSettings& settings);    ///< the synthetic drive
+LabResult LabFigure9(const LabSettings& settings);    ///< calibration
+LabResult LabFigure10(const LabSettings& settings);   ///< one recovery a noise level
+LabResult LabTable1(const LabSettings& settings);     ///< the recovery's errors over many runs
+LabResult LabAblations(const LabSettings& settings);  ///< the recovery with one thing changed at a time
+
 }  // namespace turnscale

@@ -172,7 +172,7 @@ std::string FigureSvg(const Figure& figure) {
     const PlotPanel& panel = figure.panels[i];
     legends.push_back(panel.legend ? LegendEntries(panel) : std::vector<LegendEntry>());
     double& next = column_left[i % columns + 1];
-    next = std::max(next, kAxisLeft + figure.panel_width + 14 + LegendWidth(legends.back()));
+    next = std::max(next, AxisLeft(panel) + figure.panel_width + 14 + LegendWidth(legends.back()));
   }
   for (int c = 1; c <= columns; ++c) column_left[c] += column_left[c - 1];
   const double cell_height = kAxisTop + figure.panel_height + kAxisBottom;
@@ -187,10 +187,10 @@ std::string FigureSvg(const Figure& figure) {
   for (std::size_t i = 0; i < figure.panels.size(); ++i) {
     const double left = column_left[i % columns];
     const double top = kTitle + cell_height * static_cast<double>(i / columns);
-    const PlotAxes axes(figure.panels[i], {left + kAxisLeft, top + kAxisTop},
+    const PlotAxes axes(figure.panels[i], {left + AxisLeft(figure.panels[i]), top + kAxisTop},
                         {figure.panel_width, figure.panel_height});
     text += PanelElement(figure.panels[i], axes, i);
-    text += Legend(legends[i], left + kAxisLeft + figure.panel_width + 14, top + kAxisTop + 10);
+    text += Legend(legends[i], left + AxisLeft(figure.panels[i]) + figure.panel_width + 14, top + kAxisTop + 10);
   }
   if (!figure.note.empty()) text += SvgText(kEdge, height - kEdge, figure.note, "note");
   return text + "</svg>\n";

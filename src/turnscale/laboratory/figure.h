@@ -56,6 +56,7 @@ struct PlotPanel {
   std::optional<PlotRange> x;  ///< unset: what the data need
   std::optional<PlotRange> y;
   std::vector<std::pair<double, std::string>> x_names;  ///< instead of numbers at the x axis
+  std::vector<std::pair<double, std::string>> y_names;  ///< the same at the y axis
   bool equal_axes = false;                              ///< a unit is as long on both
   bool legend = true;
   std::vector<PlotArea> areas;

@@ -14,7 +14,8 @@ namespace {
 
 constexpr int kXTicks = 7;
 constexpr int kYTicks = 6;
-constexpr double kAir = 0.05;  // around the data, a share of their range
+constexpr double kLetter = 6.6;  // width of a letter, about
+constexpr double kAir = 0.05;    // around the data, a share of their range
 
 Eigen::AlignedBox2d Extent(const PlotPanel& panel) {
   Eigen::AlignedBox2d box;
@@ -51,6 +52,12 @@ void Equalize(const Eigen::Vector2d& size, PlotRange& x, PlotRange& y) {
 std::string Number(double value) { return fmt::format("{:.6g}", std::abs(value) < 1e-12 ? 0.0 : value); }
 
 }  // namespace
+
+double AxisLeft(const PlotPanel& panel) {
+  std::size_t longest = 0;
+  for (const auto& [y, name] : panel.y_names) longest = std::max(longest, name.size());
+  return std::max(66.0, 14 + kLetter * static_cast<double>(longest));
+}
 
 std::vector<double> Ticks(const PlotRange& range, int wanted) {
   const double span = range.high - range.low;
@@ -100,7 +107,7 @@ std::string PlotAxes::Grid(const PlotPanel& panel) const {
       path += fmt::format("M{:.1f},{:.1f}v{:.1f}", At({x, 0}).x(), corner_.y(), size_.y());
     }
   }
-  for (const double y : Ticks(y_, kYTicks)) {
+  for (const double y : panel.y_names.empty() ? Ticks(y_, kYTicks) : std::vector<double>()) {
     path += fmt::format("M{:.1f},{:.1f}h{:.1f}", corner_.x(), At({0, y}).y(), size_.x());
   }
   return path.empty() ? "" : fmt::format("<path class=\"grid\" d=\"{}\"/>\n", path);
@@ -115,7 +122,9 @@ std::string PlotAxes::Labels(const PlotPanel& panel) const {
     for (const double x : Ticks(x_, kXTicks)) text += SvgText(At({x, 0}).x(), bottom + 17, Number(x), "", kMiddle);
   }
   for (const auto& [x, name] : panel.x_names) text += SvgText(At({x, 0}).x(), bottom + 17, name, "", kMiddle);
-  for (const double y : Ticks(y_, kYTicks)) {
+  for (const auto& [y, name] : panel.y_names)
+    text += SvgText(corner_.x() - 7, At({0, y}).y() + 4.5, name, "", "text-anchor=\"end\"");
+  for (const double y : panel.y_names.empty() ? Ticks(y_, kYTicks) : std::vector<double>()) {
     text += SvgText(corner_.x() - 7, At({0, y}).y() + 4.5, Number(y), "", "text-anchor=\"end\"");
   }
   const Eigen::Vector2d middle = corner_ + 0.5 * size_;

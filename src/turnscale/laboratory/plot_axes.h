@@ -10,7 +10,7 @@
 namespace turnscale {
 
 /// Room around a panel's axes for numbers, labels and the title, about pixels.
-constexpr double kAxisLeft = 66;
+double AxisLeft(const PlotPanel& panel);
 constexpr double kAxisTop = 30;
 constexpr double kAxisBottom = 56;
 
