@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include <algorithm>
 #include <array>
 #include <string>
 #include <vector>
@@ -19,7 +20,7 @@ constexpr std::array<std::array<double, 6>, 3> kPaperTable = {{{0.110, 0.045, 0.
 constexpr double kPaperOdometryPsi = 0.500;
 constexpr double kPaperOdometryScale = 1.098;
 constexpr double kPaperOdometryRatio = 34.79;
-constexpr int kSideReadingShare = 5;  // readings beside the first one have this many times fewer runs
+constexpr int kSideReadingShare = 20;  // readings beside the first one have this many times fewer runs
 
 struct Reading {
   std::string name;

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/laboratory/scale_trials.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "turnscale/base/error.h"
+#include "turnscale/geometry/rotation.h"
+#include "turnscale/laboratory/point_odometry.h"
+
+namespace turnscale {
+namespace {
+
+// A short drive with all nine turns, so that a run takes a moment.
+ScaleTrials SmallTrials() {
+  ScaleTrials trials;
+  trials.drive.drive.length = 300;
+  trials.drive.drive.frames = 875;
+  trials.drive.points = 900;
+  trials.drive.view_limit = 30;
+  trials.drive.pixel_noise = 0.2;
+  trials.runs = 3;
+  return trials;
+}
+
+TEST(ScaleTrials, RecoverTheScaleThatTheOdometryLost) {
+  ScaleTrials trials = SmallTrials();
+  trials.drive.scale_loss = 0.003;
+  for (const ScaleTrial& trial : RunScaleTrials(trials)) {
+    EXPECT_GT(trial.odometry.ratio, 0.1);
+    EXPECT_NEAR(trial.odometry.psi * kDegreesPerRadian, 0.5, 0.15);
+    EXPECT_LT(trial.recovered[0].ratio, 0.03);
+    EXPECT_LT(trial.adjusted.psi * kDegreesPerRadian, 0.1);
+    EXPECT_TRUE(trial.converged[0]);
+  }
+}
+
+TEST(ScaleTrials, DoNotDependOnTheJobs) {
+  ScaleTrials trials = SmallTrials();
+  const std::vector<ScaleTrial> one = RunScaleTrials(trials);
+  trials.jobs = 3;
+  const std::vector<ScaleTrial> three = RunScaleTrials(trials);
+  ASSERT_EQ(one.size(), three.size());
+  for (std::size_t i = 0; i < one.size(); ++i) {
+    EXPECT_EQ(one[i].recovered[0].ratio, three[i].recovered[0].ratio);
+    EXPECT_EQ(one[i].adjusted.theta, three[i].adjusted.theta);
+  }
+  EXPECT_NE(one[0].recovered[0].ratio, one[1].recovered[0].ratio);
+}
+
+TEST(ScaleTrials, AWrongLeverArmMakesTheScaleWrongByAsMuch) {
+  ScaleTrials trials = SmallTrials();
+  trials.runs = 1;
+  trials.estimators.resize(2);
+  trials.estimators[1].lever_arm.length *= 1.05;
+  const ScaleTrial trial = RunScaleTrials(trials).front();
+  EXPECT_NEAR(trial.recovered[1].ratio, 0.05, trial.recovered[0].ratio + 0.005);
+}
+
+TEST(ScaleTrials, StopWhenAsked) {
+  ScaleTrials trials = SmallTrials();
+  trials.progress = [](int, int) { return false; };
+  EXPECT_TRUE(RunScaleTrials(trials).empty());
+}
+
+TEST(ScaleDrive, HasNineTurnsAndStepsOfTableOne) {
+  const ScaleDrive drive = MakeScaleDrive({});
+  EXPECT_EQ(drive.stations.size(), 389U);
+  const auto centre = [&](int station) {
+    return drive.truth.keyframes[drive.stations[station]].camera_from_world.inverse().translation;
+  };
+  EXPECT_NEAR((centre(1) - centre(0)).norm(), 3.087, 0.01);
+  int turning = 0;
+  for (std::size_t i = 1; i < drive.stations.size(); ++i) {
+    const Eigen::Quaterniond turn = drive.truth.keyframes[drive.stations[i - 1]].camera_from_world.rotation *
+                                    drive.truth.keyframes[drive.stations[i]].camera_from_world.rotation.conjugate();
+    if (RotationAngle(turn) > kTurningAngle) ++turning;
+  }
+  EXPECT_GT(turning, 36);
+  EXPECT_LT(turning, 63);
+}
+
+TEST(PointOdometry, LosesScaleAsItIsTold) {
+  const ScaleDrive drive = MakeScaleDrive(SmallTrials().drive);
+  Map map = drive.truth;
+  LoseScale(0.01, 9, map);
+  const auto step = [](const Map& of, int k) {
+    return (of.keyframes[k].camera_from_world.inverse().translation -
+            of.keyframes[k - 1].camera_from_world.inverse().translation)
+        .norm();
+  };
+  for (const int k : {1, 40, 80}) {
+    EXPECT_NEAR(step(map, k) / step(drive.truth, k), std::pow(0.99, drive.truth.keyframes[k].frame / 9.0), 1e-9);
+  }
+}
+
+TEST(ScaleDrive, RefusesWhatMakesNoSense) {
+  ScaleDriveOptions options;
+  options.view_limit = 1;
+  EXPECT_THROW(MakeScaleDrive(options), InputError);
+}
+
+}  // namespace
+}  // namespace turnscale
