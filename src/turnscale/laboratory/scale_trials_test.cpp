@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "turnscale/base/error.h"
+#include "turnscale/base/random.h"
 #include "turnscale/geometry/rotation.h"
 #include "turnscale/laboratory/point_odometry.h"
 
@@ -79,6 +80,22 @@ TEST(ScaleDrive, HasNineTurnsAndStepsOfTableOne) {
   }
   EXPECT_GT(turning, 36);
   EXPECT_LT(turning, 63);
+}
+
+// What the adjustment gives must not depend on its start at the truth.
+TEST(PointOdometry, GivesTheSameMotionsFromADisturbedStart) {
+  ScaleDrive drive = MakeScaleDrive(SmallTrials().drive);
+  const ScaleErrors from_truth = MeasureScale(drive, KeyframePoses(PointOdometry(drive)), {1, 0, 0, 0}, kTurningAngle);
+  ScaleDrive disturbed = drive;
+  Random random(5);
+  for (Landmark& landmark : disturbed.truth.landmarks) landmark.position.y() += 0.01 * random.Gaussian();
+  for (Keyframe& keyframe : disturbed.truth.keyframes) {
+    if (keyframe.frame > 0) keyframe.camera_from_world.translation.x() += 0.01 * random.Gaussian();
+  }
+  const std::vector<RigidTransform> adjusted = KeyframePoses(PointOdometry(disturbed));
+  const ScaleErrors from_there = MeasureScale(drive, adjusted, {1, 0, 0, 0}, kTurningAngle);
+  EXPECT_NEAR(from_there.psi, from_truth.psi, 0.1 * from_truth.psi);
+  EXPECT_NEAR(from_there.theta, from_truth.theta, 0.1 * from_truth.theta);
 }
 
 TEST(PointOdometry, LosesScaleAsItIsTold) {
