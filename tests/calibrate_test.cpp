@@ -41,6 +41,22 @@ class CalibrateTest : public ::testing::Test {
     return RunCommand(arguments, folder_);
   }
 
+  // A number of the file.
+  double Value(const std::string& key) const {
+    std::ifstream stream(Out());
+    for (std::string line; std::getline(stream, line);) {
+      if (line.starts_with(key + ": ")) return std::stod(line.substr(key.size() + 2));
+    }
+    ADD_FAILURE() << "no " << key << " in " << Out();
+    return 0;
+  }
+
+  static Trajectory Exact(const LeverArm& lever_arm, double unit) {
+    Trajectory path = TestPath(TestRoute({1, -1}), lever_arm, kTilted);
+    for (StampedPose& pose : path) pose.world_from_camera.translation *= unit;
+    return path;
+  }
+
   fs::path Out() const { return folder_ / "calibration.yaml"; }
 
   fs::path folder_;
@@ -58,26 +74,95 @@ TEST_F(CalibrateTest, WritesWhatRunReads) {
 }
 
 TEST_F(CalibrateTest, SpeedsGiveTheLeverArm) {
-  Trajectory drive = drive_;
-  for (StampedPose& pose : drive) pose.world_from_camera.translation *= 0.05;
+  const std::string drive = Tum(Exact({1.45, 0}, 0.05)).string();
+  // The times before and after the drive do not matter; the standing at its end tells nothing.
   const fs::path speeds = Text("speed.csv", "time,speed\n0,8\n1000,8\n");
-  const CommandResult result =
-      Run({"--trajectory", Tum(drive).string(), "--speed", speeds.string(), "--side-slip", "0"});
-  ASSERT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_NE(result.out.find("lever arm      1.4"), std::string::npos) << result.out;
+  ASSERT_EQ(Run({"--trajectory", drive, "--speed", speeds.string(), "--side-slip", "0"}).exit_code, 0);
+  EXPECT_NEAR(Value("lever_arm"), 1.45, 0.01);
+  EXPECT_EQ(Value("side_slip"), 0);
+  ExpectComplaint(
+      Run({"--trajectory", drive, "--speed", Text("still.csv", "0 0\n1000 0\n").string(), "--side-slip", "0"}), 2,
+      {"still.csv", "stands", "calibration.yaml"});
 }
 
-TEST_F(CalibrateTest, FindsVehicleAxes) {
-  Eigen::Matrix3d camera_from_vehicle;
-  camera_from_vehicle << 0, -1, 0, 0, 0, -1, 1, 0, 0;
+TEST_F(CalibrateTest, SpeedsGiveTheLeverArmOfASlippingCar) {
+  const fs::path speeds = Text("speed.csv", "0 8\n1000 8\n");
+  ASSERT_EQ(Run({"--trajectory", Tum(Exact({1.45, 0.0045}, 0.05)).string(), "--speed", speeds.string()}).exit_code, 0);
+  EXPECT_NEAR(Value("lever_arm"), 1.45, 0.01);
+  EXPECT_EQ(Value("side_slip"), 0.0045);
+}
+
+TEST_F(CalibrateTest, MetresGiveTheLeverArm) {
+  const Trajectory drive = Exact({1.45, 0}, 1);
+  ASSERT_EQ(Run({"--trajectory", Tum(drive).string(), "--metric", "--side-slip", "0"}).exit_code, 0);
+  EXPECT_NEAR(Value("lever_arm"), 1.45, 0.01);
+  // 0.8 m a frame.
+  const std::string metres = std::to_string(0.8 * static_cast<double>(drive.size() - 1));
+  const std::string units = Tum(Exact({1.45, 0}, 0.031)).string();
+  ASSERT_EQ(Run({"--trajectory", units, "--distance", metres, "--side-slip", "0"}).exit_code, 0);
+  EXPECT_NEAR(Value("lever_arm"), 1.45, 0.01);
+}
+
+TEST_F(CalibrateTest, FindsTheSideSlipAtTwoSpeeds) {
+  std::vector<DriveSegment> route = TestRoute({1, -1});
+  for (DriveSegment segment : TestRoute({-1, 1})) {
+    segment.camera_distance = 0.4;
+    route.push_back(segment);
+  }
+  const Trajectory drive = TestPath(route, {1.45, 0.005}, kTilted);
+  const CommandResult result = Run({"--trajectory", Tum(drive).string(), "--metric", "--fit-side-slip"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_NEAR(Value("lever_arm"), 1.45, 0.03);
+  EXPECT_NEAR(Value("side_slip"), 0.005, 0.0006);
+  // At one speed the rotation is still written, and the line says which drive it was.
+  ExpectComplaint(Run({"--trajectory", Tum(Exact({1.45, 0.005}, 1)).string(), "--metric", "--fit-side-slip"}), 2,
+                  {"drive.tum: no lever arm", "same speed", "calibration.yaml"});
+  EXPECT_LT(DegreesBetween(ReadCameraRotation(Out().string()), kTilted), 0.2);
+}
+
+TEST_F(CalibrateTest, KittiPosesGetTheirTimes) {
+  std::string text;
+  for (const StampedPose& pose : Exact({1.45, 0.0045}, 1)) text += KittiLine(pose.world_from_camera, 12);
+  const std::string drive = Text("poses.kitti", text).string();
+  // The same motion in a third of the time: three times the speed, nine times the slip.
+  ASSERT_EQ(Run({"--trajectory", drive, "--metric", "--fps", "30"}).exit_code, 0);
+  EXPECT_NEAR(Value("lever_arm"), 1.45 - 0.0045 * 64 + 0.0045 * 64 * 9, 0.02);
+  ASSERT_EQ(Run({"--trajectory", drive, "--metric", "--fps", "10"}).exit_code, 0);
+  EXPECT_NEAR(Value("lever_arm"), 1.45, 0.02);
+  // Without times there is no speed, and no slip.
+  const CommandResult result = Run({"--trajectory", drive, "--metric"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_NE(result.out.find("no times"), std::string::npos) << result.out;
+  EXPECT_EQ(Value("side_slip"), 0);
+  EXPECT_NEAR(Value("lever_arm"), 1.45 - 0.0045 * 64, 0.02);
+  const std::string speeds = Text("speed.csv", "0 8\n1000 8\n").string();
+  ExpectComplaint(Run({"--trajectory", drive, "--speed", speeds}), 2, {"--speed", "no times"});
+  ExpectComplaint(Run({"--trajectory", drive, "--metric", "--fit-side-slip"}), 2, {"--fit-side-slip", "no times"});
+  ExpectComplaint(Run({"--trajectory", drive, "--metric", "--side-slip", "0.004"}), 2, {"--side-slip", "no times"});
+}
+
+TEST_F(CalibrateTest, AnUnbrokenDriveIsNeededToShareOutADistance) {
+  Trajectory drive = Exact({1.45, 0}, 0.05);
+  drive.erase(drive.begin() + 20, drive.begin() + 50);
+  ExpectComplaint(Run({"--trajectory", Tum(drive).string(), "--distance", "150"}), 2,
+                  {"--distance", "drive.tum", "1.9 s"});
+  EXPECT_EQ(Run({"--trajectory", Tum(drive).string()}).exit_code, 0);
+}
+
+TEST_F(CalibrateTest, FindsBodyAxes) {
+  Eigen::Matrix3d camera_from_body;
+  camera_from_body << 0, -1, 0, 0, 0, -1, 1, 0, 0;
   Trajectory drive = drive_;
   for (StampedPose& pose : drive) {
-    pose.world_from_camera.rotation = pose.world_from_camera.rotation * Eigen::Quaterniond(camera_from_vehicle);
+    pose.world_from_camera.rotation = pose.world_from_camera.rotation * Eigen::Quaterniond(camera_from_body);
   }
   const CommandResult result = Run({"--trajectory", Tum(drive).string()});
   ASSERT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_NE(result.out.find("x forward, y left, z up"), std::string::npos) << result.out;
+  EXPECT_NE(result.out.find("taken as y left, z up"), std::string::npos) << result.out;
   EXPECT_LT(DegreesBetween(ReadCameraRotation(Out().string()), kTilted), 0.2);
+  ASSERT_EQ(Run({"--trajectory", Tum(drive).string(), "--axes", "frd"}).exit_code, 0);
+  EXPECT_NEAR(Value("yaw_deg"), -5, 0.2);
+  EXPECT_NEAR(Value("pitch_deg"), -15, 0.2);
 }
 
 TEST_F(CalibrateTest, SaysWhatTheDriveLacks) {
@@ -106,6 +191,16 @@ TEST_F(CalibrateTest, RefusesWhatIsNoDrive) {
   ExpectComplaint(Run({"--trajectory", drive, "--distance", "-1"}), 2, {"--distance -1"});
   ExpectComplaint(Run({"--trajectory", drive, "--speed", Text("late.csv", "900 1\n901 1\n").string()}), 2,
                   {"late.csv", "cover none of the drive's"});
+  ExpectComplaint(Run({"--trajectory", drive, "--fps", "30"}), 2, {"drive.tum", "--fps"});
+  ExpectComplaint(Run({"--trajectory", drive, "--history", "x.svg"}), 2, {"--history x.svg", "CSV"});
+  ExpectComplaint(Run({"--trajectory", drive, "--fit-side-slip"}), 2, {"--fit-side-slip", "--metric"});
+  ExpectComplaint(Run({"--trajectory", drive, "--side-slip", "0"}), 2, {"--side-slip", "--lever-arm"});
+  for (const char* option : {"--camera", "--settings", "--max-frames"}) {
+    ExpectComplaint(Run({"--trajectory", drive, option, "5"}), 2, {option, "--trajectory"});
+  }
+  ExpectComplaint(Run({folder_.string(), "--metric"}), 2, {"--metric", "--trajectory"});
+  // Before any image is looked at.
+  ExpectComplaint(Run({"no_such_drive", "--speed", (folder_ / "none.csv").string()}), 2, {"none.csv"});
 }
 
 }  // namespace

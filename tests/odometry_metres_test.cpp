@@ -168,14 +168,20 @@ TEST(OdometryMetres, ComeThroughADistortedLensThatIsCalibrated) {
   }
 }
 
-TEST(OdometryMetres, KnowACameraThatLooksSideways) {
-  const Eigen::Quaterniond vehicle_from_camera = RotationFromYawPitchRoll({.yaw = 5 / kDegreesPerRadian});
+TEST(OdometryMetres, KnowOrFindHowTheCameraIsTurned) {
+  const Eigen::Quaterniond vehicle_from_camera =
+      RotationFromYawPitchRoll({5 / kDegreesPerRadian, -4 / kDegreesPerRadian, 2 / kDegreesPerRadian});
   const StreetDrive drive = RenderStreetDrive({.vehicle_from_camera = vehicle_from_camera});
   OdometryOptions options = StreetOptions();
+  options.vehicle.calibrate_camera = true;
+  const OdometryRun found = RunOdometry(options, drive);
+  ExpectMetres(found, drive);
+  ExpectBothTurns(found);
+  options.vehicle.calibrate_camera = false;
   options.vehicle.vehicle_from_camera = vehicle_from_camera;
-  const OdometryRun run = RunOdometry(options, drive);
-  ExpectMetres(run, drive);
-  ExpectBothTurns(run);
+  const OdometryRun given = RunOdometry(options, drive);
+  ExpectMetres(given, drive);
+  ExpectBothTurns(given);
 }
 
 }  // namespace

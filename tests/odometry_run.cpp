@@ -34,6 +34,7 @@ OdometryOptions StreetOptions() {
   OdometryOptions options;
   options.vehicle.lever_arm = kStreetLeverArm;
   options.vehicle.side_slip = 0;
+  options.vehicle.side_slip_sigma = 0;
   return options;
 }
 

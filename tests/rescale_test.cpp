@@ -2,6 +2,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -119,6 +120,46 @@ TEST_F(RescaleCommandTest, WritesTheReport) {
   EXPECT_TRUE(picture.starts_with("<svg") && picture.ends_with("</svg>\n"));
   EXPECT_NE(picture.find("implied speed"), std::string::npos);
   EXPECT_EQ(picture.find("nan"), std::string::npos);
+}
+
+TEST_F(RescaleCommandTest, DrawsTheDriveFromAbove) {
+  const auto path = [&] {
+    EXPECT_EQ(Run({Tum(), "--lever-arm", "1.2", "--report", Path("report")}).exit_code, 0);
+    const std::string picture = TextOf(folder_ / "report" / "rescale.svg");
+    const std::size_t begin = picture.find("<path class=\"path\"");
+    return picture.substr(begin, picture.find('\n', begin) - begin);
+  };
+  const std::string seen = path();
+  // The same drive in a world whose z axis points up.
+  const Eigen::Quaterniond up_from_world = RotationFromVector({-std::numbers::pi / 2, 0, 0});
+  for (StampedPose& pose : drive_.trajectory) {
+    pose.world_from_camera = RigidTransform{up_from_world, {0, 0, 0}} * pose.world_from_camera;
+  }
+  EXPECT_EQ(path(), seen);
+}
+
+TEST_F(RescaleCommandTest, SideSlipThatIsGivenIsKept) {
+  const auto slip = [&](std::vector<std::string> extra) {
+    extra.insert(extra.begin(), {Tum(), "--lever-arm", "1.2", "--report", Path("report")});
+    EXPECT_EQ(Run(extra).exit_code, 0);
+    const auto summary = nlohmann::json::parse(TextOf(folder_ / "report" / "summary.json"));
+    return std::pair<double, double>(summary["side_slip_s2pm"], summary["side_slip_sigma_s2pm"]);
+  };
+  EXPECT_NEAR(slip({"--side-slip", "0.002"}).first, 0.002, 1e-8);
+  EXPECT_EQ(slip({"--side-slip", "0.002"}).second, 0);
+  EXPECT_GT(slip({"--side-slip", "0.002", "--side-slip-sigma", "0.0015"}).second, 0);
+  EXPECT_GT(slip({}).second, 0);
+}
+
+TEST_F(RescaleCommandTest, FindsTheCamerasRotationUnlessItIsGiven) {
+  drive_ = MakeScaledDrive(CityRoute(6), kCar,
+                           RotationFromYawPitchRoll({20 / kDegreesPerRadian, -9 / kDegreesPerRadian, 0}), kUnit);
+  ExpectMetres({Tum()}, poses_);
+  ExpectMetres({Tum(), "--camera-rotation", "auto"}, poses_);
+  ExpectMetres({Tum(), "--camera-rotation", "20,-9,0"}, poses_);
+  drive_ = MakeScaledDrive(CityRoute(6), kCar, RotationFromYawPitchRoll({90 / kDegreesPerRadian, 0, 0}), kUnit);
+  ExpectComplaint(Run({Tum(), "--lever-arm", "1.2", "--camera-rotation", "identity"}), 2,
+                  {"scale not observable", "sideways", "let its rotation be found"});
 }
 
 TEST_F(RescaleCommandTest, SameInputSameBytes) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <cmath>
+#include <cstdio>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -10,12 +11,14 @@
 
 #include "commands.h"
 #include "drive_motion.h"
+#include "interrupt.h"
 #include "turnscale/base/error.h"
 #include "turnscale/calibration/step_gatherer.h"
 #include "turnscale/io/calibration_file.h"
 #include "turnscale/io/calibration_history.h"
 #include "turnscale/io/output_file.h"
 #include "turnscale/io/speed_file.h"
+#include "turnscale/odometry/options.h"
 
 namespace turnscale {
 namespace {
@@ -25,14 +28,17 @@ namespace fs = std::filesystem;
 struct CalibrateArguments {
   ImageArguments images;
   std::optional<fs::path> trajectory;
+  std::string axes = "auto";
   std::optional<fs::path> speed;
   std::optional<double> distance;
   bool metric = false;
   std::optional<double> lever_arm;
-  double side_slip = 0.0045;
+  std::optional<double> side_slip;
   bool fit_side_slip = false;
   std::optional<fs::path> history;
   fs::path out = "calibration.yaml";
+
+  bool in_metres() const { return speed || distance || metric; }
 };
 
 void Check(const CalibrateArguments& arguments) {
@@ -45,9 +51,21 @@ void Check(const CalibrateArguments& arguments) {
   };
   positive("--distance", arguments.distance);
   positive("--lever-arm", arguments.lever_arm);
-  if (!(arguments.side_slip >= 0 && arguments.side_slip < 1)) {
-    throw InputError(fmt::format(
-        "--side-slip {}: give c in s^2/m, from 0 (rigid car) to below 1; cars have about 0.005", arguments.side_slip));
+  if (arguments.side_slip && !(*arguments.side_slip >= 0 && *arguments.side_slip < 1)) {
+    throw InputError(fmt::format("--side-slip {}: give c in s^2/m, from 0 (rigid car) to below 1; cars have about {}",
+                                 *arguments.side_slip, VehicleOptions().side_slip));
+  }
+  if (arguments.fit_side_slip && !arguments.in_metres()) {
+    throw InputError("--fit-side-slip: needs motion in metres; give --speed, --distance or --metric");
+  }
+  if (arguments.side_slip && !arguments.in_metres() && !arguments.lever_arm) {
+    throw InputError(
+        "--side-slip: belongs to a lever arm; give --lever-arm, or motion in metres by --speed, --distance or "
+        "--metric");
+  }
+  if (arguments.history && arguments.history->extension() == ".svg") {
+    throw InputError(
+        fmt::format("--history {}: name a CSV file; the picture (.svg) goes beside it", arguments.history->string()));
   }
 }
 
@@ -66,35 +84,65 @@ std::vector<CameraStep> Scaled(std::vector<CameraStep> steps, double metres_per_
   return steps;
 }
 
-// Each step as long as the speeds say; steps that no speeds cover are left out.
-std::vector<CameraStep> AtMeasuredSpeed(const std::vector<CameraStep>& steps, const fs::path& path) {
-  const SpeedLog log = ReadSpeedFile(path);
+// Each step as long as the speeds say; steps that no speeds cover, and those slower than one walks, whose speed is
+// known worst, are left out.
+std::vector<CameraStep> AtMeasuredSpeed(const std::vector<CameraStep>& steps, const SpeedLog& log,
+                                        const std::string& name) {
+  constexpr double kWalking = 1;  // m/s
   std::vector<CameraStep> metric;
+  bool covered = false;
   for (CameraStep step : steps) {
     const std::optional<double> metres = log.Distance(step.begin, step.end);
-    if (!metres) continue;
+    covered = covered || metres;
+    if (!metres || *metres < kWalking * (step.end - step.begin)) continue;
     step.previous_from_current.translation *= *metres / (step.frames * step.previous_from_current.translation.norm());
     metric.push_back(step);
   }
+  if (!covered) {
+    throw InputError(fmt::format("{}: its times, {:g} to {:g} s, cover none of the drive's, {:g} to {:g} s", name,
+                                 log.times.front(), log.times.back(), steps.front().begin, steps.back().end));
+  }
   if (metric.empty()) {
-    throw InputError(fmt::format("{}: its times, {:g} to {:g} s, cover none of the drive's, {:g} to {:g} s",
-                                 path.string(), log.times.front(), log.times.back(), steps.front().begin,
-                                 steps.back().end));
+    throw InputError(
+        fmt::format("{}: the car stands, or goes slower than {:g} m/s, where the camera drives", name, kWalking));
   }
   return metric;
 }
 
-std::optional<LeverArmFit> FindLeverArm(const CalibrateArguments& arguments, const DriveMotion& motion,
-                                        const std::vector<CameraStep>& steps, const Calibration& found) {
-  MetricDrive drive;
-  drive.vehicle_from_camera = found.vehicle_from_camera;
+// What the metres rest on, before anything is computed with them.
+void CheckMetres(const CalibrateArguments& arguments, const DriveMotion& motion) {
+  if (arguments.distance && !motion.incomplete.empty()) {
+    throw InputError(fmt::format("--distance: cannot be shared out over {}: {}; give --speed, or an unbroken drive",
+                                 motion.input, motion.incomplete));
+  }
+  if (motion.timed) return;
+  const auto refuse = [&](const char* option) {
+    throw InputError(fmt::format("{}: {} has no times; give --fps or --timestamps", option, motion.input));
+  };
+  if (arguments.speed) refuse("--speed");
+  if (arguments.fit_side_slip) refuse("--fit-side-slip");
+  if (arguments.in_metres() && arguments.side_slip.value_or(0) > 0) refuse("--side-slip");
+}
+
+// What the tyres are taken to do: without times no speed is known, and they are taken not to slip.
+double AssumedSlip(const CalibrateArguments& arguments, const DriveMotion& motion) {
+  if (arguments.side_slip) return *arguments.side_slip;
+  return motion.timed || arguments.lever_arm ? VehicleOptions().side_slip : 0;
+}
+
+std::optional<LeverArmFit> FindLeverArm(const CalibrateArguments& arguments, const std::optional<SpeedLog>& speeds,
+                                        const DriveMotion& motion, const std::vector<CameraStep>& steps,
+                                        const Calibration& found) {
+  const double slip = AssumedSlip(arguments, motion);
   if (arguments.lever_arm) {
     LeverArmFit given;
-    given.lever_arm = {*arguments.lever_arm, arguments.side_slip};
+    given.lever_arm = {*arguments.lever_arm, slip};
     return given;
   }
-  if (arguments.speed) {
-    drive.steps = AtMeasuredSpeed(steps, *arguments.speed);
+  MetricDrive drive;
+  drive.vehicle_from_camera = found.vehicle_from_camera;
+  if (speeds) {
+    drive.steps = AtMeasuredSpeed(steps, *speeds, arguments.speed->string());
   } else if (arguments.distance) {
     drive.steps = Scaled(steps, *arguments.distance / PathLength(motion.stretches));
   } else if (arguments.metric) {
@@ -106,8 +154,12 @@ std::optional<LeverArmFit> FindLeverArm(const CalibrateArguments& arguments, con
   drive.steps = DrivenForward(std::move(drive.steps), reversed);
   LeverArmFitOptions options;
   options.side_slip = arguments.fit_side_slip;
-  options.assumed_side_slip = arguments.side_slip;
-  return FitLeverArm({drive}, options);
+  options.assumed_side_slip = slip;
+  try {
+    return FitLeverArm({drive}, options);
+  } catch (const InputError& error) {
+    throw InputError(motion.input + ": no lever arm: " + error.what());
+  }
 }
 
 void WriteHistory(const fs::path& path, const std::vector<CameraStep>& steps, const std::string& title) {
@@ -118,24 +170,32 @@ void WriteHistory(const fs::path& path, const std::vector<CameraStep>& steps, co
   if (picture != path) ReplaceFile(picture, HistorySvg(history, title));
 }
 
-void RunCalibrate(const CalibrateArguments& arguments) {
-  Check(arguments);
-  const DriveMotion motion = arguments.trajectory
-                                 ? MotionFromTrajectory(*arguments.trajectory, arguments.images.timestamps)
-                                 : MotionFromImages(arguments.images);
-  std::vector<CameraStep> steps;
+DriveMotion ReadMotion(const CalibrateArguments& arguments) {
+  if (!arguments.trajectory) return MotionFromImages(arguments.images);
+  const ImageArguments& images = arguments.images;
+  std::optional<AxisConvention> axes;
+  if (arguments.axes == "camera") axes = AxisConvention::kCamera;
+  if (arguments.axes == "flu") axes = AxisConvention::kForwardLeftUp;
+  if (arguments.axes == "frd") axes = AxisConvention::kForwardRightDown;
+  return MotionFromTrajectory(*arguments.trajectory, images.timestamps, images.fps, axes);
+}
+
+Calibration CalibrateDrive(const std::vector<CameraStep>& steps, const std::string& input) {
+  try {
+    return Calibrate(steps);
+  } catch (const InputError& error) {
+    throw InputError(input + ": " + error.what());
+  }
+}
+
+void CalibrateMotion(const CalibrateArguments& arguments, const std::optional<SpeedLog>& speeds,
+                     const DriveMotion& motion) {
+  CheckMetres(arguments, motion);
+  const std::vector<CameraStep> steps = StepsAlong(motion.stretches);
   CalibrationReport report;
   report.input = motion.input;
-  for (const Trajectory& path : motion.stretches) {
-    const std::vector<CameraStep> more = StepsAlong(path);
-    steps.insert(steps.end(), more.begin(), more.end());
-    report.frames += static_cast<int>(path.size());
-  }
-  try {
-    report.calibration = Calibrate(steps);
-  } catch (const InputError& error) {
-    throw InputError(motion.input + ": " + error.what());
-  }
+  for (const Trajectory& path : motion.stretches) report.frames += static_cast<int>(path.size());
+  report.calibration = CalibrateDrive(steps, motion.input);
   // Written even where the drive does not suffice: it shows what came when.
   if (arguments.history) WriteHistory(*arguments.history, steps, motion.input);
   if (!report.calibration.observable) {
@@ -143,12 +203,39 @@ void RunCalibrate(const CalibrateArguments& arguments) {
                                  report.calibration.problem, report.calibration.steps,
                                  report.calibration.turning * kDegreesPerRadian));
   }
-  report.lever_arm = FindLeverArm(arguments, motion, steps, report.calibration);
+  // The rotation is good whatever becomes of the lever arm.
+  ReplaceFile(arguments.out, CalibrationYaml(report));
+  try {
+    report.lever_arm = FindLeverArm(arguments, speeds, motion, steps, report.calibration);
+  } catch (const InputError& error) {
+    throw InputError(fmt::format("{} (the camera's rotation is in {})", error.what(), arguments.out.string()));
+  }
   ReplaceFile(arguments.out, CalibrationYaml(report));
   if (arguments.images.quiet) return;
   std::string text = CalibrationText(report);
   if (!motion.note.empty()) text += fmt::format("{:<12}{}\n", "note", motion.note);
   WriteStandardOutput(text + fmt::format("{:<12}{}\n", "file", arguments.out.string()));
+}
+
+// Returns the exit code.
+int RunCalibrate(const CalibrateArguments& arguments) {
+  Check(arguments);
+  // Before the images, which may take hours.
+  const std::optional<SpeedLog> speeds =
+      arguments.speed ? std::optional(ReadSpeedFile(*arguments.speed)) : std::nullopt;
+  const DriveMotion motion = ReadMotion(arguments);
+  if (motion.interrupted.empty()) {
+    CalibrateMotion(arguments, speeds, motion);
+    return 0;
+  }
+  std::string outcome = "the rotation up to there is in " + arguments.out.string();
+  try {
+    CalibrateMotion(arguments, speeds, motion);
+  } catch (const InputError& error) {
+    outcome = error.what();
+  }
+  fmt::print(stderr, "turnscale: {}; {}\n", motion.interrupted, outcome);
+  return kInterruptedExitCode;
 }
 
 }  // namespace
@@ -158,33 +245,47 @@ void AddCalibrateCommand(CLI::App& app) {
   auto arguments = std::make_shared<CalibrateArguments>();
   ImageArguments& images = arguments->images;
   CLI::Option* input = calibrate->add_option("input", images.input, "The drive's images, as for run");
+  CLI::Option* trajectory = calibrate
+                                ->add_option("--trajectory", arguments->trajectory,
+                                             "Instead of images: the camera's path in any unit of length, TUM, KITTI "
+                                             "or EuRoC")
+                                ->excludes(input);
   calibrate
-      ->add_option("--trajectory", arguments->trajectory,
-                   "Instead of images: the camera's path in any unit of length, TUM or KITTI")
-      ->excludes(input);
-  calibrate->add_option("--camera", images.camera, "Calibration of the camera, as for run");
+      ->add_option("--axes", arguments->axes,
+                   "Whose axes the trajectory has: a camera's, or a body's that point forward, left and up (flu) or "
+                   "forward, right and down (frd)")
+      ->check(CLI::IsMember({"auto", "camera", "flu", "frd"}))
+      ->capture_default_str()
+      ->needs(trajectory);
+  calibrate->add_option("--camera", images.camera, "Calibration of the camera, as for run")->excludes(trajectory);
   CLI::Option* timestamps = calibrate->add_option(
       "--timestamps", images.timestamps, "Times of the frames, one number a line, seconds [times.txt beside them]");
   calibrate->add_option("--fps", images.fps, "Frames per second, where there are no times")->excludes(timestamps);
-  calibrate->add_option("--settings", images.settings, "YAML file of settings, as for run");
-  calibrate->add_option("--max-frames", images.max_frames, "Stop after this many frames")->check(CLI::PositiveNumber);
+  calibrate->add_option("--settings", images.settings, "YAML file of settings, as for run")->excludes(trajectory);
+  CLI::Option* max_frames = calibrate->add_option("--max-frames", images.max_frames, "Stop after this many frames")
+                                ->check(CLI::Range(1, 1'000'000'000))
+                                ->excludes(trajectory);
   CLI::Option* speed =
       calibrate->add_option("--speed", arguments->speed, "Speeds 'time, m/s', a line each: gives the lever arm too");
   CLI::Option* distance =
       calibrate->add_option("--distance", arguments->distance, "Metres of the whole drive: gives the lever arm too");
   CLI::Option* metric =
-      calibrate->add_flag("--metric", arguments->metric, "The trajectory is in metres: gives the lever arm too");
+      calibrate->add_flag("--metric", arguments->metric, "The trajectory is in metres: gives the lever arm too")
+          ->needs(trajectory);
   CLI::Option* lever_arm = calibrate->add_option(
       "--lever-arm", arguments->lever_arm, "Metres from the rear axle forward to the camera, to be kept in the file");
   speed->excludes(distance)->excludes(metric)->excludes(lever_arm);
-  distance->excludes(metric)->excludes(lever_arm);
+  distance->excludes(metric)->excludes(lever_arm)->excludes(max_frames);
   metric->excludes(lever_arm);
+  CLI::Option* side_slip =
+      calibrate->add_option("--side-slip", arguments->side_slip,
+                            fmt::format("c in L_eff = L - c v^2, s^2/m: how much the rear tyres slip; 0 is a rigid car "
+                                        "[{}]",
+                                        VehicleOptions().side_slip));
   calibrate
-      ->add_option("--side-slip", arguments->side_slip,
-                   "c in L_eff = L - c v^2, s^2/m: how much the rear tyres slip; 0 is a rigid car")
-      ->capture_default_str();
-  calibrate->add_flag("--fit-side-slip", arguments->fit_side_slip,
-                      "Find c as well; needs turns at different speeds, and motion in metres");
+      ->add_flag("--fit-side-slip", arguments->fit_side_slip,
+                 "Find c as well; needs turns at different speeds, and motion in metres")
+      ->excludes(side_slip);
   calibrate->add_option("--history", arguments->history,
                         "Write what was known when into this CSV file, with a picture (.svg) beside it");
   calibrate->add_option("--out", arguments->out, "File for the calibration")->capture_default_str();
@@ -194,7 +295,9 @@ void AddCalibrateCommand(CLI::App& app) {
       "  turnscale run drive.mp4 --camera cam.yaml --lever-arm 1.45 --camera-rotation calibration.yaml\n\n"
       "Assumed: the car mostly drives forward, with at least one street corner, and the camera is less than a quarter\n"
       "turn from upright (an upside-down camera moves no differently).");
-  calibrate->callback([arguments] { RunCalibrate(*arguments); });
+  calibrate->callback([arguments] {
+    if (const int exit_code = RunCalibrate(*arguments); exit_code != 0) throw CLI::RuntimeError(exit_code);
+  });
 }
 
 }  // namespace turnscale

@@ -1,24 +1,35 @@
 // SPDX-License-Identifier: MIT
 #include "drive_motion.h"
 
+#include <utility>
+
 #include <fmt/format.h>
 
 #include "interrupt.h"
+#include "timed_trajectory.h"
 #include "turnscale/base/error.h"
-#include "turnscale/calibration/axis_convention.h"
 #include "turnscale/calibration/step_gatherer.h"
 #include "turnscale/camera/camera_file.h"
-#include "turnscale/io/frame_times.h"
 #include "turnscale/io/image_source.h"
 #include "turnscale/io/progress.h"
 #include "turnscale/io/settings.h"
-#include "turnscale/io/trajectory_file.h"
 #include "turnscale/odometry/odometry.h"
 
 namespace turnscale {
 namespace {
 
 namespace fs = std::filesystem;
+
+// The first frame after the start that was not located; nothing where all were.
+std::optional<int> FirstLost(const std::vector<FrameResult>& frames) {
+  bool started = false;
+  for (const FrameResult& frame : frames) {
+    const bool tracked = frame.state == TrackingState::kTracked;
+    if (started && !tracked) return frame.frame;
+    started = started || tracked;
+  }
+  return std::nullopt;
+}
 
 std::vector<Trajectory> Stretches(const std::vector<FrameResult>& frames) {
   std::vector<Trajectory> stretches;
@@ -40,28 +51,27 @@ fs::path CameraFileFor(const ImageArguments& arguments, const DriveInput& drive)
 
 }  // namespace
 
-DriveMotion MotionFromTrajectory(const fs::path& path, const std::optional<fs::path>& timestamps) {
+DriveMotion MotionFromTrajectory(const fs::path& path, const std::optional<fs::path>& timestamps,
+                                 std::optional<double> fps, std::optional<AxisConvention> axes) {
   constexpr double kUsualInterval = 0.1;
   DriveMotion motion;
   motion.input = path.string();
-  TrajectoryFile file = ReadTrajectoryFile(path);
-  if (file.format == TrajectoryFormat::kKitti) {
-    const fs::path times = timestamps ? *timestamps : FindPoseTimes(path);
-    if (!times.empty()) {
-      file = ReadTrajectoryFile(path, ReadFrameTimes(times).times);
-    } else {
-      for (StampedPose& pose : file.poses) pose.time *= kUsualInterval;
-      motion.note = "no times: taken as 10 frames a second";
-    }
-  } else if (timestamps) {
-    throw InputError(timestamps->string() + ": is of no use, as " + path.string() + " has times of its own");
+  TimedTrajectory trajectory = ReadTimedTrajectory(path, timestamps, fps);
+  motion.timed = trajectory.timed;
+  if (!motion.timed) {
+    for (StampedPose& pose : trajectory.poses) pose.time *= kUsualInterval;
+    motion.note = "no times: taken as 10 frames a second";
   }
-  if (FindAxisConvention(StepsAlong(file.poses)) == AxisConvention::kVehicle) {
-    file.poses = InCameraAxes(std::move(file.poses));
+  const AxisConvention found = axes ? *axes : FindAxisConvention(StepsAlong(trajectory.poses));
+  if (!axes && found != AxisConvention::kCamera) {
     motion.note += std::string(motion.note.empty() ? "" : "; ") +
-                   "vehicle axes found (x forward, y left, z up): angles are those of a camera that looks along x";
+                   "body axes found (x forward), taken as y left, z up, and angles are those of a camera that looks "
+                   "along x; if y is right and z down, yaw and pitch have the other sign: say --axes frd";
   }
-  motion.stretches.push_back(std::move(file.poses));
+  if (const auto gap = FirstGap(trajectory.poses)) {
+    motion.incomplete = fmt::format("a piece of the path is missing after {:.1f} s", *gap);
+  }
+  motion.stretches.push_back(InCameraAxes(std::move(trajectory.poses), found));
   return motion;
 }
 
@@ -77,9 +87,9 @@ DriveMotion MotionFromImages(const ImageArguments& arguments) {
   CatchInterrupts();
   Progress progress(arguments.max_frames.value_or(source.count()), arguments.quiet);
   int processed = 0;
-  while (!Interrupted() && !(arguments.max_frames && processed >= *arguments.max_frames)) {
+  while (!(arguments.max_frames && processed >= *arguments.max_frames)) {
     const std::optional<SourceFrame> frame = source.Next();
-    if (!frame) break;
+    if (!frame || Interrupted()) break;
     if (frame->gray.empty()) {
       progress.Warn(fmt::format("frame {}: {}; skipped", frame->index, frame->problem));
       odometry.ProcessUnreadable(frame->time);
@@ -92,8 +102,10 @@ DriveMotion MotionFromImages(const ImageArguments& arguments) {
   odometry.Finish();
   DriveMotion motion;
   motion.input = arguments.input.string();
-  motion.stretches = Stretches(odometry.RefinedFrames());
-  if (Interrupted()) motion.note = fmt::format("interrupted after {} frames", processed);
+  const std::vector<FrameResult> frames = odometry.RefinedFrames();
+  motion.stretches = Stretches(frames);
+  if (const auto lost = FirstLost(frames)) motion.incomplete = fmt::format("frame {} could not be located", *lost);
+  if (Interrupted()) motion.interrupted = motion.incomplete = fmt::format("interrupted after {} frames", processed);
   return motion;
 }
 

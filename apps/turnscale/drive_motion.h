@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "turnscale/calibration/axis_convention.h"
 #include "turnscale/geometry/trajectory.h"
 
 namespace turnscale {
@@ -14,6 +15,9 @@ namespace turnscale {
 struct DriveMotion {
   std::string input;                  ///< as the user named it
   std::vector<Trajectory> stretches;  ///< of unbroken tracking, in one unit of length
+  bool timed = true;                  ///< else the times are guessed
+  std::string incomplete;             ///< why its length is not that of the whole drive; empty where it is
+  std::string interrupted;            ///< "interrupted after ..."; empty where it was not
   std::string note;                   ///< one line that the user should know; empty where there is none
 };
 
@@ -28,10 +32,11 @@ struct ImageArguments {
   bool quiet = false;
 };
 
-/// Reads a TUM or KITTI trajectory, and turns vehicle axes into camera axes. KITTI poses without times (given, or
-/// beside them) are taken as 10 a second. Throws InputError.
+/// Reads a TUM, KITTI or EuRoC trajectory, and turns body axes into camera axes: those given, or where none are, those
+/// found. KITTI poses without times (given, or beside them) are taken as 10 a second. Throws InputError.
 DriveMotion MotionFromTrajectory(const std::filesystem::path& path,
-                                 const std::optional<std::filesystem::path>& timestamps);
+                                 const std::optional<std::filesystem::path>& timestamps, std::optional<double> fps,
+                                 std::optional<AxisConvention> axes);
 
 /// Runs the odometry over the images, without a lever arm: the unit of length is arbitrary. Throws InputError. An
 /// interrupt ends the drive there.

@@ -91,7 +91,7 @@ std::vector<Step> ReadKeyframeSteps(const fs::path& path, const Paired& paired) 
   return steps;
 }
 
-std::vector<Step> FindSteps(const EvaluateArguments& arguments, const Paired& paired, const StepOptions& options,
+std::vector<Step> FindSteps(const EvaluateArguments& arguments, const Paired& paired, const StepErrorOptions& options,
                             std::string& description) {
   const bool asked = !arguments.keyframes.empty();
   const fs::path path = asked ? arguments.keyframes : arguments.estimate.parent_path() / "trajectory.csv";

@@ -13,6 +13,7 @@
 #include "commands.h"
 #include "rescale_picture.h"
 #include "rescale_report.h"
+#include "timed_trajectory.h"
 #include "turnscale/base/error.h"
 #include "turnscale/geometry/rotation.h"
 #include "turnscale/io/frame_times.h"
@@ -30,7 +31,7 @@ struct RescaleArguments {
   double lever_arm = 0;
   std::optional<double> side_slip;
   std::optional<double> side_slip_sigma;
-  std::string camera_rotation = "identity";
+  std::string camera_rotation = "auto";
   std::optional<double> fps;
   std::optional<fs::path> timestamps;
   std::string drift = "auto";
@@ -38,34 +39,6 @@ struct RescaleArguments {
   std::optional<fs::path> report;
   bool quiet = false;
 };
-
-struct TimedTrajectory {
-  Trajectory poses;
-  bool timed = true;
-};
-
-Trajectory TimedByRate(TrajectoryFile file, double fps) {
-  for (std::size_t i = 0; i < file.poses.size(); ++i) file.poses[i].time = file.frames[i] / fps;
-  return std::move(file.poses);
-}
-
-TimedTrajectory ReadInput(const RescaleArguments& arguments) {
-  if (arguments.fps && !(std::isfinite(*arguments.fps) && *arguments.fps > 0)) {
-    throw InputError(fmt::format("--fps {}: give frames per second, above 0", *arguments.fps));
-  }
-  TrajectoryFile file = ReadTrajectoryFile(arguments.input);
-  if (file.format != TrajectoryFormat::kKitti) {
-    if (arguments.fps || arguments.timestamps) {
-      throw InputError(fmt::format("{}: has times of its own; leave out {}", arguments.input.string(),
-                                   arguments.fps ? "--fps" : "--timestamps"));
-    }
-    return {std::move(file.poses), true};
-  }
-  if (arguments.fps) return {TimedByRate(std::move(file), *arguments.fps), true};
-  const fs::path times = arguments.timestamps ? *arguments.timestamps : FindPoseTimes(arguments.input);
-  if (times.empty()) return {std::move(file.poses), false};
-  return {ReadTrajectory(arguments.input, ReadFrameTimes(times).times), true};
-}
 
 RescaleOptions OptionsFrom(const RescaleArguments& arguments, bool timed) {
   RescaleOptions options;
@@ -77,11 +50,11 @@ RescaleOptions OptionsFrom(const RescaleArguments& arguments, bool timed) {
   const auto in_range = [](double slip) { return slip >= 0 && slip < 1; };
   if (arguments.side_slip) {
     if (!in_range(*arguments.side_slip)) {
-      throw InputError(
-          fmt::format("--side-slip {}: give c in s^2/m, from 0 (rigid car) to below 1; cars have about 0.004",
-                      *arguments.side_slip));
+      throw InputError(fmt::format("--side-slip {}: give c in s^2/m, from 0 (rigid car) to below 1; cars have about {}",
+                                   *arguments.side_slip, kUsualSideSlip));
     }
     options.car.side_slip = *arguments.side_slip;
+    options.car.side_slip_sigma = 0;
   }
   if (arguments.side_slip_sigma) {
     if (!in_range(*arguments.side_slip_sigma)) {
@@ -90,7 +63,9 @@ RescaleOptions OptionsFrom(const RescaleArguments& arguments, bool timed) {
     }
     options.car.side_slip_sigma = *arguments.side_slip_sigma;
   }
-  if (arguments.camera_rotation != "identity") {
+  if (arguments.camera_rotation == "identity") {
+    options.vehicle_from_camera = Eigen::Quaterniond::Identity();
+  } else if (arguments.camera_rotation != "auto") {
     options.vehicle_from_camera = ReadCameraRotation(arguments.camera_rotation);
   }
   options.timed = timed;
@@ -109,7 +84,7 @@ void WriteReport(const fs::path& folder, const RescaleResult& result, const std:
 }
 
 void RunRescale(const RescaleArguments& arguments) {
-  const TimedTrajectory trajectory = ReadInput(arguments);
+  const TimedTrajectory trajectory = ReadTimedTrajectory(arguments.input, arguments.timestamps, arguments.fps);
   const std::string input = arguments.input.string();
   if (!trajectory.timed && !arguments.quiet) {
     fmt::print(stderr,
@@ -121,9 +96,7 @@ void RunRescale(const RescaleArguments& arguments) {
   const RescaleOptions options = OptionsFrom(arguments, trajectory.timed);
   const RescaleResult result = RescaleTrajectory(options, trajectory.poses);
   if (!result.observable) {
-    throw InputError(
-        fmt::format("{}: scale not observable: {}; give a drive with a slow turn of {:.0f} degrees or more", input,
-                    result.reason, options.stretches.turns.min_region_angle * kDegreesPerRadian));
+    throw InputError(fmt::format("{}: scale not observable: {}", input, result.reason));
   }
   std::string tum;
   for (const StampedPose& pose : result.metric) tum += TumLine(pose);
@@ -137,6 +110,7 @@ void RunRescale(const RescaleArguments& arguments) {
 void AddRescaleCommand(CLI::App& app) {
   CLI::App* command = app.add_subcommand("rescale", "Give the trajectory of any monocular SLAM its metres.");
   const auto arguments = std::make_shared<RescaleArguments>();
+  const CarPrior car;
   command
       ->add_option("FILE", arguments->input,
                    "Trajectory of any scale: TUM, KITTI (12 numbers, or 13 with the frame's number) or EuRoC CSV")
@@ -144,12 +118,17 @@ void AddRescaleCommand(CLI::App& app) {
   command->add_option("--lever-arm", arguments->lever_arm, "Metres from the rear axle forward to the camera")
       ->required();
   command->add_option("--side-slip", arguments->side_slip,
-                      "Where the search for the rear tyres' slip c begins, s^2/m [0.0045]");
+                      fmt::format("c in L_eff = L - c v^2, s^2/m: how much the rear tyres slip; 0 is a rigid car. "
+                                  "Refined from the drive, about {}, where it is not given",
+                                  car.side_slip));
   command->add_option("--side-slip-sigma", arguments->side_slip_sigma,
-                      "How well c is known beforehand, s^2/m [0.0015]");
-  command->add_option("--camera-rotation", arguments->camera_rotation,
-                      "How the camera is turned on the car: identity, yaw,pitch,roll in degrees, or a YAML file with "
-                      "them [identity]");
+                      fmt::format("How well c is known beforehand, s^2/m: refine it, the given one too [{}; 0 with "
+                                  "--side-slip]",
+                                  car.side_slip_sigma));
+  command->add_option(
+      "--camera-rotation", arguments->camera_rotation,
+      "How the camera is turned on the car: auto (found from the trajectory), identity, yaw,pitch,roll in "
+      "degrees, or a YAML file with them [auto]");
   CLI::Option* fps = command->add_option("--fps", arguments->fps, "Frames per second of a KITTI file");
   command
       ->add_option("--timestamps", arguments->timestamps,

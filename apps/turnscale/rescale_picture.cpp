@@ -53,10 +53,26 @@ std::vector<std::size_t> Thinned(std::size_t first, std::size_t last) {
   return indices;
 }
 
+// Right and up on the page, in the world's axes: the drive as seen from above, however its world frame lies. Up is what
+// the car has above it on the whole; the world's x axis goes to the right, or its z axis where x points up.
+Eigen::Matrix<double, 2, 3> PageAxes(const RescaleResult& result) {
+  Eigen::Vector3d up = Eigen::Vector3d::Zero();
+  for (const StampedPose& pose : result.metric) {
+    up -= pose.world_from_camera.rotation * (result.vehicle_from_camera.conjugate() * Eigen::Vector3d::UnitY());
+  }
+  up.normalize();
+  constexpr double kAlong = 0.9;
+  const Eigen::Vector3d reference = std::abs(up.x()) < kAlong ? Eigen::Vector3d::UnitX() : Eigen::Vector3d::UnitZ();
+  Eigen::Matrix<double, 2, 3> axes;
+  axes.row(0) = (reference - reference.dot(up) * up).normalized();
+  axes.row(1) = up.cross(Eigen::Vector3d(axes.row(0)));
+  return axes;
+}
+
 class PathPanel {
  public:
-  explicit PathPanel(const Trajectory& metric) : metric_(metric) {
-    for (std::size_t i = 0; i < metric.size(); ++i) box_.extend(FromAbove(i));
+  explicit PathPanel(const RescaleResult& result) : metric_(result.metric), axes_(PageAxes(result)) {
+    for (std::size_t i = 0; i < metric_.size(); ++i) box_.extend(FromAbove(i));
     const Eigen::Vector2d size = box_.sizes().cwiseMax(1.0);
     scale_ = std::min((kWidth - 2 * kMargin) / size.x(), (kPathHeight - kMargin) / size.y());
   }
@@ -82,12 +98,10 @@ class PathPanel {
   }
 
  private:
-  Eigen::Vector2d FromAbove(std::size_t i) const {
-    const Eigen::Vector3d& place = metric_[i].world_from_camera.translation;
-    return {place.x(), place.z()};
-  }
+  Eigen::Vector2d FromAbove(std::size_t i) const { return axes_ * metric_[i].world_from_camera.translation; }
 
   const Trajectory& metric_;
+  Eigen::Matrix<double, 2, 3> axes_;
   Eigen::AlignedBox2d box_;
   double scale_ = 1;
 };
@@ -197,7 +211,7 @@ std::string RescaleSvg(const RescaleResult& result, const std::string& title, bo
       "height=\"{1:.0f}\">\n<style>{2}</style>\n<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n",
       kWidth, height, kStyle);
   text += Text(kMargin, 26, title);
-  const PathPanel panel(result.metric);
+  const PathPanel panel(result);
   text += Line("path", panel.Places(0, result.metric.size() - 1));
   for (const RescaledTurn& turn : result.turns) text += Line("turn", panel.Places(turn.first_pose, turn.last_pose));
   text += panel.MetreBar();

@@ -35,12 +35,12 @@ auto UsedTurns(const RescaleResult& result) {
 }  // namespace
 
 std::string PoseScaleTable(const RescaleResult& result) {
-  std::string table = "pose,time,metres_per_unit,sigma_relative,live_metres_per_unit,live_sigma_relative\n";
+  std::string table = "pose,time,metres_per_unit,sigma_relative,filtered_metres_per_unit,filtered_sigma_relative\n";
   for (std::size_t i = 0; i < result.poses.size(); ++i) {
     const PoseScale& scale = result.poses[i];
     fmt::format_to(std::back_inserter(table), "{},{:.6f},{:.9g},{:.6g},{},{}\n", i, result.metric[i].time,
-                   scale.metres_per_unit, scale.sigma, PositiveCell(scale.live_metres_per_unit),
-                   PositiveCell(scale.live_sigma));
+                   scale.metres_per_unit, scale.sigma, PositiveCell(scale.filtered_metres_per_unit),
+                   PositiveCell(scale.filtered_sigma));
   }
   return table;
 }
@@ -61,6 +61,7 @@ std::string TurnScaleTable(const RescaleResult& result) {
 std::string RescaleJson(const RescaleResult& result, const std::string& input) {
   const auto [low, high] = ScaleRange(result);
   const auto [best, worst] = SigmaRange(result);
+  const YawPitchRoll camera = YawPitchRollFromRotation(result.vehicle_from_camera);
   const nlohmann::ordered_json json = {{"input", input},
                                        {"poses", result.poses.size()},
                                        {"key_spacing", result.key_spacing},
@@ -68,10 +69,16 @@ std::string RescaleJson(const RescaleResult& result, const std::string& input) {
                                        {"metres_per_unit", {{"min", low}, {"max", high}}},
                                        {"sigma_relative", {{"min", best}, {"max", worst}}},
                                        {"turns", {{"found", result.turns.size()}, {"used", UsedTurns(result)}}},
+                                       {"converged", result.converged},
+                                       {"camera_rotation",
+                                        {{"yaw_deg", camera.yaw * kDegreesPerRadian},
+                                         {"pitch_deg", camera.pitch * kDegreesPerRadian},
+                                         {"roll_deg", camera.roll * kDegreesPerRadian}}},
                                        {"yaw_error_deg", result.yaw_error * kDegreesPerRadian},
                                        {"yaw_error_sigma_deg", result.yaw_error_sigma * kDegreesPerRadian},
                                        {"side_slip_s2pm", result.side_slip},
                                        {"side_slip_sigma_s2pm", result.side_slip_sigma},
+                                       {"side_slip_at_bound", result.side_slip_at_bound},
                                        {"height_above_roll_axis_m", result.height},
                                        {"height_sigma_m", result.height_sigma},
                                        {"noise",
@@ -92,11 +99,16 @@ std::string RescaleText(const RescaleResult& result) {
                                 : fmt::format(", +- {:.1f} %\n", 100 * best);
   text += fmt::format("path          {:.1f} m, {} turns used of {}, key spacing {}\n", result.length, UsedTurns(result),
                       result.turns.size(), result.key_spacing);
-  text += fmt::format("camera yaw    {:+.2f} +- {:.2f} deg beyond --camera-rotation\n",
-                      result.yaw_error * kDegreesPerRadian, result.yaw_error_sigma * kDegreesPerRadian);
-  if (result.side_slip_sigma > 0) {
+  const YawPitchRoll camera = YawPitchRollFromRotation(result.vehicle_from_camera);
+  text += fmt::format("camera        yaw {:+.2f} +- {:.2f}, pitch {:+.2f}, roll {:+.2f} deg\n",
+                      (camera.yaw + result.yaw_error) * kDegreesPerRadian, result.yaw_error_sigma * kDegreesPerRadian,
+                      camera.pitch * kDegreesPerRadian, camera.roll * kDegreesPerRadian);
+  if (result.side_slip_at_bound) {
+    text += "side slip     0: the drive wants less than none, check the lever arm and the times\n";
+  } else if (result.side_slip_sigma > 0) {
     text += fmt::format("side slip     {:.4f} +- {:.4f} s^2/m\n", result.side_slip, result.side_slip_sigma);
   }
+  if (!result.converged) text += "note          the estimate has not settled\n";
   return text;
 }
 

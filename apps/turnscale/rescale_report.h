@@ -7,7 +7,7 @@
 
 namespace turnscale {
 
-/// scale.csv: a line a pose, its scale from the whole drive and the one that was known by then.
+/// scale.csv: a line a pose, its scale from the whole drive, smoothed and filtered.
 std::string PoseScaleTable(const RescaleResult& result);
 
 /// turns.csv: a line a turn; cells of what it does not say are empty.

@@ -34,7 +34,8 @@ struct RunArguments {
   std::optional<double> fps;
   std::optional<double> lever_arm;
   std::optional<double> side_slip;
-  std::optional<std::string> camera_rotation;
+  std::string camera_rotation;
+  std::optional<std::string> method;
   std::string frame = "camera";
   std::optional<int> threads;
   std::optional<fs::path> settings;
@@ -47,9 +48,11 @@ struct RunArguments {
 OdometryOptions OptionsFrom(const RunArguments& arguments) {
   OdometryOptions options = arguments.settings ? ReadSettings(*arguments.settings) : OdometryOptions();
   if (arguments.lever_arm) {
-    if (!(std::isfinite(*arguments.lever_arm) && *arguments.lever_arm > 0)) {
-      throw InputError(fmt::format("--lever-arm {}: give the metres from the rear axle forward to the camera, above 0",
-                                   *arguments.lever_arm));
+    constexpr double kLongest = 20;  // metres; more is a slip of the unit
+    if (!(*arguments.lever_arm > 0 && *arguments.lever_arm <= kLongest)) {
+      throw InputError(
+          fmt::format("--lever-arm {}: give the metres from the rear axle forward to the camera, above 0 and up to {}",
+                      *arguments.lever_arm, kLongest));
     }
     options.vehicle.lever_arm = arguments.lever_arm;
   }
@@ -60,8 +63,18 @@ OdometryOptions OptionsFrom(const RunArguments& arguments) {
                       *arguments.side_slip));
     }
     options.vehicle.side_slip = *arguments.side_slip;
+    options.vehicle.side_slip_sigma = 0;
   }
-  if (arguments.camera_rotation) options.vehicle.vehicle_from_camera = ReadCameraRotation(*arguments.camera_rotation);
+  if (arguments.camera_rotation == "auto") {
+    options.vehicle.calibrate_camera = true;
+  } else if (!arguments.camera_rotation.empty()) {
+    options.vehicle.vehicle_from_camera = ReadCameraRotation(arguments.camera_rotation);
+    options.vehicle.calibrate_camera = false;
+  }
+  if (arguments.method) {
+    options.pooled_scale.method = *arguments.method == "paper" ? ScaleMethod::kPerFrame : ScaleMethod::kPooledLine;
+    options.scale.smooth = *arguments.method == "smoothed";
+  }
   if (arguments.threads) {
     if (*arguments.threads < 1) throw InputError(fmt::format("--threads {}: give at least 1", *arguments.threads));
     options.threads = *arguments.threads;
@@ -148,8 +161,14 @@ class Run {
       result = odometry_.Process(frame.gray, frame.time);
     }
     ++processed_;
+    writer_->SetCameraRotation(odometry_.mount().current().vehicle_from_camera);
     if (writer_->Add(result, odometry_.revision(), odometry_.scale_state())) {
       writer_->Rewrite(odometry_.RefinedFrames(), odometry_.scale_state());
+    }
+    if (const int moves = odometry_.mount().moves(); moves > moves_) {
+      moves_ = moves;
+      progress.Warn(fmt::format(
+          "frame {}: the camera was moved on the car since the last turn; its rotation is found anew", frame.index));
     }
     progress.Update(processed_, fmt::format("{} keyframes, scale {}", odometry_.map().keyframes.size(),
                                             ScaleStateName(odometry_.scale_state())));
@@ -158,6 +177,7 @@ class Run {
   void WriteResults() {
     odometry_.Finish();
     const std::vector<FrameResult> refined = odometry_.RefinedFrames();
+    writer_->SetCameraRotation(odometry_.mount().current().vehicle_from_camera);
     writer_->Rewrite(refined, odometry_.scale_state());
     writer_->WriteTurns(odometry_.Turns());
     writer_->WriteMap(odometry_.map(), odometry_.scale_state());
@@ -169,6 +189,11 @@ class Run {
     summary_.vehicle = options_.vehicle;
     summary_.scale_state = odometry_.scale_state();
     if (odometry_.options().lens.enabled) summary_.lens = {odometry_.lens().correction(), odometry_.lens().sigma()};
+    if (options_.vehicle.calibrate_camera) {
+      const Mount& mount = odometry_.mount().current();
+      summary_.mount = {YawPitchRollFromRotation(mount.vehicle_from_camera), mount.sigma, mount.found,
+                        odometry_.mount().moves()};
+    }
     Summarize(refined, odometry_.Turns(), summary_);
     summary_.cost = MeasureCost();
     writer_->WriteText("summary.json", SummaryJson(summary_));
@@ -184,6 +209,7 @@ class Run {
   Odometry odometry_;
   std::optional<RunWriter> writer_;
   int processed_ = 0;
+  int moves_ = 0;  // of the camera on the car, reported so far
   RunSummary summary_;
 };
 
@@ -207,15 +233,21 @@ void AddRunCommand(CLI::App& app) {
                   "c in L_eff = L - c v^2, s^2/m: how much the rear tyres slip; 0 is a rigid car [0.0045]");
   run->add_option(
       "--camera-rotation", arguments->camera_rotation,
-      "How the camera is turned on the car: yaw,pitch,roll in degrees (right, up, right side down), or a YAML "
-      "file with yaw_deg, pitch_deg, roll_deg [0,0,0]");
+      "How the camera is turned on the car: yaw,pitch,roll in degrees (right, up, right side down), a YAML file with "
+      "yaw_deg, pitch_deg, roll_deg such as calibrate's, or auto: find it on the way [auto]");
+  run->add_option(
+         "--method", arguments->method,
+         "What a turn is held at: smoothed, what all turns say of its scale; turns, what it says itself; paper, "
+         "what each of its steps says (22) [smoothed]")
+      ->check(CLI::IsMember({"smoothed", "turns", "paper"}));
   run->add_option("--frame", arguments->frame, "Whose poses are written")
       ->check(CLI::IsMember({"camera", "vehicle"}))
       ->capture_default_str();
   run->add_option("--threads", arguments->threads, "Threads for image operations; the result does not depend on it");
   run->add_option("--settings", arguments->settings, "YAML file of settings, such as the settings.yaml of another run");
   run->add_option("--out", arguments->out, "Folder for the results")->capture_default_str();
-  run->add_option("--max-frames", arguments->max_frames, "Stop after this many frames")->check(CLI::PositiveNumber);
+  run->add_option("--max-frames", arguments->max_frames, "Stop after this many frames")
+      ->check(CLI::Range(1, 1'000'000'000));
   run->add_flag("--quiet", arguments->quiet, "Print warnings and errors only");
   run->footer(
       "Example:\n  turnscale run drive.mp4 --camera cam.yaml --lever-arm 1.45 --out out/drive\n\n"

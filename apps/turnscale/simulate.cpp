@@ -148,6 +148,7 @@ int Simulate(const SimulateArguments& arguments) {
              recording.metres, recording.turned * kDegreesPerRadian);
   fmt::print("cost    {:.1f} s, {:.2f} frames/s\n", seconds, recording.frames / seconds);
   fmt::print("files   {}\n", arguments.out.string());
+  fmt::print("next    turnscale run {} --lever-arm {:g}\n", arguments.out.string(), rig.mount.lever_arm);
   return 0;
 }
 
@@ -163,7 +164,8 @@ void AddSimulateCommand(CLI::App& app) {
   simulate->add_option("--seed", arguments->seed, "Another number, another place")->capture_default_str();
   simulate->add_option("--rig", arguments->rig,
                        "YAML file with the camera, its mount, the car and the sensor, such as a drive's rig.yaml");
-  simulate->add_option("--seconds", arguments->seconds, "About how long the drive is [garage 60, street 120]");
+  simulate->add_option("--seconds", arguments->seconds,
+                       "About how long the drive is, 12 at the least [garage 60, street 120]");
   CLI::Option* follow = simulate->add_option(
       "--follow", arguments->follow,
       "Lay the street along a recorded path in metres: TUM or KITTI poses of a camera on the rig's mount");
@@ -176,7 +178,7 @@ void AddSimulateCommand(CLI::App& app) {
       ->capture_default_str();
   simulate->add_option("--threads", arguments->threads, "Threads; the images do not depend on them [all cores]");
   simulate->add_option("--max-frames", arguments->max_frames, "Stop after this many frames")
-      ->check(CLI::PositiveNumber);
+      ->check(CLI::Range(1, 1'000'000'000));
   simulate->add_flag("--quiet", arguments->quiet, "Print warnings and errors only");
   simulate->footer(
       "Example:\n  turnscale simulate garage --out drives/garage --seed 7\n"

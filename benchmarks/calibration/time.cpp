@@ -17,7 +17,7 @@ std::vector<CameraStep> Frames(int count) {
   // Begun shortly before the first turn, so that a short drive has one; then round after round.
   constexpr size_t kBegin = 260;
   for (size_t i = kBegin; way.size() < static_cast<size_t>(count); ++i) way.push_back(round[i % round.size()]);
-  const Trajectory path = NoisyCameraPath(way, drive, {0.002, 0.002, 0, 1});
+  const Trajectory path = NoisyCameraPath(way, drive, {0.002, 0.002, 1});
   std::vector<CameraStep> steps;
   for (size_t i = 1; i < path.size(); ++i) {
     steps.push_back(

@@ -20,18 +20,20 @@ AxisConvention FindAxisConvention(const std::vector<CameraStep>& steps) {
   constexpr double kCosine45Deg = 0.7071;
   if (way.norm() == 0 || std::abs(way.normalized().x()) < kCosine45Deg) return AxisConvention::kCamera;
   constexpr double kTurn = 0.5;  // rad
-  if (turning < kTurn) return AxisConvention::kVehicle;
+  if (turning < kTurn) return AxisConvention::kForwardLeftUp;
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(scatter);
   const bool about_z = std::abs(solver.eigenvectors()(2, 2)) > kCosine45Deg;
-  return about_z ? AxisConvention::kVehicle : AxisConvention::kCamera;
+  return about_z ? AxisConvention::kForwardLeftUp : AxisConvention::kCamera;
 }
 
-Trajectory InCameraAxes(Trajectory vehicle_path) {
-  Eigen::Matrix3d vehicle_from_camera;
-  vehicle_from_camera << 0, 0, 1, -1, 0, 0, 0, -1, 0;
-  const RigidTransform mount{Eigen::Quaterniond(vehicle_from_camera), Eigen::Vector3d::Zero()};
-  for (StampedPose& pose : vehicle_path) pose.world_from_camera = pose.world_from_camera * mount;
-  return vehicle_path;
+Trajectory InCameraAxes(Trajectory body_path, AxisConvention axes) {
+  if (axes == AxisConvention::kCamera) return body_path;
+  const double side = axes == AxisConvention::kForwardLeftUp ? -1 : 1;
+  Eigen::Matrix3d body_from_camera;
+  body_from_camera << 0, 0, 1, side, 0, 0, 0, side, 0;
+  const RigidTransform mount{Eigen::Quaterniond(body_from_camera), Eigen::Vector3d::Zero()};
+  for (StampedPose& pose : body_path) pose.world_from_camera = pose.world_from_camera * mount;
+  return body_path;
 }
 
 }  // namespace turnscale

@@ -10,15 +10,19 @@ namespace turnscale {
 
 /// How the axes of a trajectory's body lie.
 enum class AxisConvention {
-  kCamera,   ///< x right, y down, z forward, or as far from that as a camera may be turned
-  kVehicle,  ///< x forward, y left, z up: a vehicle's or robot's body
+  kCamera,            ///< x right, y down, z forward, or as far from that as a camera may be turned
+  kForwardLeftUp,     ///< of a robot's or vehicle's body
+  kForwardRightDown,  ///< of an aircraft's or vehicle's body
 };
 
-/// Tells the two apart: a camera does not turn about its viewing axis when the car turns, a vehicle's body turns about
-/// its z axis and goes along its x axis. While nothing turns, a body that goes along its x axis is a vehicle's.
+/// Tells a camera from a body: a camera does not turn about its viewing axis when the car turns, a body turns about its
+/// z axis and goes along its x axis. While nothing turns, what goes along its x axis is a body.
+///
+/// Gives kCamera or kForwardLeftUp. Motion does not tell the two bodies apart, no more than a camera from one that
+/// hangs upside down: with the other body, yaw and pitch have the other sign, and right turns are left ones.
 AxisConvention FindAxisConvention(const std::vector<CameraStep>& steps);
 
-/// The path of a camera on the vehicle that looks along its x axis and is level.
-Trajectory InCameraAxes(Trajectory vehicle_path);
+/// The path of a camera on the body that looks along its x axis and is level. A camera's path stays what it is.
+Trajectory InCameraAxes(Trajectory body_path, AxisConvention axes);
 
 }  // namespace turnscale

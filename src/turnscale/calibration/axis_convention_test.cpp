@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "turnscale/calibration/axis_convention.h"
 
+#include <utility>
+
 #include <gtest/gtest.h>
 
 #include "turnscale/calibration/calibration.h"
@@ -12,19 +14,21 @@ namespace {
 
 const Eigen::Quaterniond kTilted = RotationFromYawPitchRoll({20 * kDeg, 15 * kDeg, -10 * kDeg});
 
-Trajectory InVehicleAxes(Trajectory path) {
-  Eigen::Matrix3d camera_from_vehicle;
-  camera_from_vehicle << 0, -1, 0, 0, 0, -1, 1, 0, 0;
+// `side` is -1 for a body whose axes point forward, left and up, 1 for forward, right and down.
+Trajectory InBodyAxes(Trajectory path, int side) {
+  Eigen::Matrix3d camera_from_body;
+  camera_from_body << 0, side, 0, 0, 0, side, 1, 0, 0;
   for (StampedPose& pose : path) {
-    pose.world_from_camera.rotation = pose.world_from_camera.rotation * Eigen::Quaterniond(camera_from_vehicle);
+    pose.world_from_camera.rotation = pose.world_from_camera.rotation * Eigen::Quaterniond(camera_from_body);
   }
   return path;
 }
 
-TEST(AxisConvention, TellsCamerasFromVehicles) {
+TEST(AxisConvention, TellsCamerasFromBodies) {
   const Trajectory camera = TestPath(TestRoute({1, -1}), {1, 0}, kTilted);
   EXPECT_EQ(FindAxisConvention(StepsAlong(camera)), AxisConvention::kCamera);
-  EXPECT_EQ(FindAxisConvention(StepsAlong(InVehicleAxes(camera))), AxisConvention::kVehicle);
+  EXPECT_EQ(FindAxisConvention(StepsAlong(InBodyAxes(camera, -1))), AxisConvention::kForwardLeftUp);
+  EXPECT_EQ(FindAxisConvention(StepsAlong(InBodyAxes(camera, 1))), AxisConvention::kForwardLeftUp);
 }
 
 TEST(AxisConvention, ACameraThatLooksSidewaysIsOne) {
@@ -34,8 +38,20 @@ TEST(AxisConvention, ACameraThatLooksSidewaysIsOne) {
 
 TEST(AxisConvention, ConvertedPathsCalibrateAlike) {
   const Trajectory camera = TestPath(TestRoute({1, -1}), {1, 0}, kTilted);
-  const Calibration found = Calibrate(StepsAlong(InCameraAxes(InVehicleAxes(camera))));
-  EXPECT_LT(DegreesBetween(found.vehicle_from_camera, kTilted), 0.01);
+  for (const auto& [axes, side] :
+       {std::pair(AxisConvention::kForwardLeftUp, -1), {AxisConvention::kForwardRightDown, 1}}) {
+    const Calibration found = Calibrate(StepsAlong(InCameraAxes(InBodyAxes(camera, side), axes)));
+    EXPECT_LT(DegreesBetween(found.vehicle_from_camera, kTilted), 0.01);
+  }
+}
+
+TEST(AxisConvention, TheOtherBodyTurnsTheSignsOfYawAndPitch) {
+  const Trajectory down = InBodyAxes(TestPath(TestRoute({1, -1}), {1, 0}, kTilted), 1);
+  const YawPitchRoll truth = YawPitchRollFromRotation(kTilted);
+  const YawPitchRoll found = Calibrate(StepsAlong(InCameraAxes(down, AxisConvention::kForwardLeftUp))).angles;
+  EXPECT_NEAR(found.yaw, -truth.yaw, 0.01 * kDeg);
+  EXPECT_NEAR(found.pitch, -truth.pitch, 0.01 * kDeg);
+  EXPECT_NEAR(found.roll, truth.roll, 0.01 * kDeg);
 }
 
 }  // namespace

@@ -45,12 +45,35 @@ std::string WhatIsMissing(const Calibration& calibration, const CalibrationOptio
   return "";
 }
 
+std::vector<StepMeasurement> Measurements(const std::vector<CameraStep>& steps) {
+  std::vector<StepMeasurement> measurements;
+  for (const CameraStep& step : steps) measurements.push_back(MeasurementOf(step));
+  return measurements;
+}
+
+void Refine(const std::vector<CameraStep>& steps, const CalibrationOptions& options, Calibration& calibration) {
+  calibration.refinement =
+      RefineRotation(Measurements(steps), calibration.linear.vehicle_from_camera, options.refinement);
+  if (options.body_lean) {
+    const Eigen::Quaterniond leaning = calibration.refinement.vehicle_from_camera;
+    calibration.lean = FitBodyLean(steps, leaning);
+    calibration.refinement =
+        RefineRotation(Measurements(Levelled(steps, leaning, calibration.lean)), leaning, options.refinement);
+  }
+  calibration.vehicle_from_camera = calibration.refinement.vehicle_from_camera;
+  const double of_lean = calibration.lean.sigma * calibration.lean.mean_acceleration;
+  const Eigen::Vector3d more(options.motion_bias, options.motion_bias, of_lean);
+  calibration.covariance = calibration.refinement.covariance;
+  calibration.covariance.diagonal() += more.cwiseAbs2();
+}
+
 }  // namespace
 
 void CalibrationOptions::Check() const {
   refinement.Check();
   if (!(min_turn >= 0)) throw InputError("min_turn: must not be negative");
   if (!(min_confidence >= 1)) throw InputError("min_confidence: must be at least 1");
+  if (!(motion_bias >= 0)) throw InputError("motion_bias: must not be negative");
   if (!(counted_turn > 0)) throw InputError("counted_turn: must be above 0 rad");
 }
 
@@ -80,16 +103,12 @@ Calibration Calibrate(const std::vector<CameraStep>& given, const CalibrationOpt
   TurningAxis axis;
   for (const CameraStep& step : steps) axis.Add(step.previous_from_current.rotation);
   LinearCalibration linear;
-  std::vector<StepMeasurement> measurements;
   for (const CameraStep& step : steps) {
     const RigidTransform motion = WholeMotion(step);
     linear.Add(motion, TurningAngle(motion.rotation, axis.direction()));
-    measurements.push_back(MeasurementOf(step));
   }
   calibration.linear = linear.Solve();
-  calibration.refinement = RefineRotation(measurements, calibration.linear.vehicle_from_camera, options.refinement);
-  calibration.vehicle_from_camera = calibration.refinement.vehicle_from_camera;
-  calibration.covariance = calibration.refinement.covariance;
+  Refine(steps, options, calibration);
   calibration.angles = YawPitchRollFromRotation(calibration.vehicle_from_camera);
   calibration.sigma = SigmaOfAngles(calibration.vehicle_from_camera, calibration.covariance);
   std::vector<double> psi;

@@ -48,6 +48,8 @@ TEST(Calibrate, StatesTheSpreadThatItsErrorsHave) {
   Eigen::Vector3d stated = Eigen::Vector3d::Zero();
   CalibrationOptions options;
   options.refinement.road_bank = 0;
+  options.body_lean = false;
+  options.motion_bias = 0;
   for (int run = 0; run < kRuns; ++run) {
     const Trajectory path = TestPath(TestRoute({1, -1, 1}), kArm, kTilted, 0.3 * kDeg, 100 + run);
     const Calibration found = Calibrate(StepsAlong(path), options);
@@ -94,7 +96,7 @@ TEST(Calibrate, SaysWhatAStraightDriveLacks) {
   const Calibration found = CalibratePath(TestPath({{300, 0.8, 0}}, kArm, kTilted, 0.1 * kDeg));
   EXPECT_FALSE(found.observable);
   EXPECT_EQ(found.problem, "no turn yet: roll and yaw offset not observable");
-  EXPECT_LT(found.linear.confidence, 2);
+  EXPECT_LT(found.linear.confidence, CalibrationOptions().min_confidence);
 }
 
 TEST(Calibrate, RefusesTooFewSteps) { EXPECT_THROW(Calibrate({CameraStep{}, CameraStep{}}), InputError); }
@@ -103,6 +105,7 @@ TEST(CalibrationOptions, RefuseSenselessValues) {
   using Options = CalibrationOptions;
   EXPECT_EQ(RefusedField<Options>([](Options& o) { o.min_turn = -1; }), "min_turn");
   EXPECT_EQ(RefusedField<Options>([](Options& o) { o.min_confidence = 0; }), "min_confidence");
+  EXPECT_EQ(RefusedField<Options>([](Options& o) { o.motion_bias = -1; }), "motion_bias");
   EXPECT_EQ(RefusedField<Options>([](Options& o) { o.counted_turn = 0; }), "counted_turn");
   EXPECT_EQ(RefusedField<Options>([](Options& o) { o.refinement.huber_share = 0; }), "huber_share");
   EXPECT_EQ(RefusedField<Options>([](Options& o) { o.refinement.road_bank = -1; }), "road_bank");

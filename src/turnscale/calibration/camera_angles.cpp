@@ -2,11 +2,16 @@
 #include "turnscale/calibration/camera_angles.h"
 
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 namespace turnscale {
 
 YawPitchRoll SigmaOfAngles(const Eigen::Quaterniond& vehicle_from_camera, const Eigen::Matrix3d& covariance) {
+  if (!covariance.allFinite()) {
+    constexpr double kUnknown = std::numeric_limits<double>::infinity();
+    return {kUnknown, kUnknown, kUnknown};
+  }
   constexpr double kStep = 1e-6;
   Eigen::Matrix3d by_rotation;
   for (int axis = 0; axis < 3; ++axis) {
@@ -22,6 +27,10 @@ YawPitchRoll SigmaOfAngles(const Eigen::Quaterniond& vehicle_from_camera, const 
     return std::sqrt(row.dot(covariance * row));
   };
   return {sigma(0), sigma(1), sigma(2)};
+}
+
+Eigen::Matrix3d UnknownRotation() {
+  return Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity()).asDiagonal();
 }
 
 Eigen::Quaterniond RotationFromForwardAndDown(const Eigen::Vector3d& forward, const Eigen::Vector3d& down) {

@@ -9,9 +9,10 @@ namespace turnscale {
 /// How the camera moves from one frame to the next, on the mean over some frames: the paper's hat R_j, hat t_j, with
 /// less noise. In the odometry's own unit of length.
 ///
-/// Each frame's motion is taken in its own camera frame: a bend drives the same turning angle and the same direction of
-/// travel in every frame, so their means obey the kinematics however long the bend is, which the chord of a long step
-/// does not, and noise that is independent from frame to frame averages out of both.
+/// Each frame's motion is taken in its own camera frame, half-way through its rotation: on a bend the camera then goes
+/// the same way in every frame, so means obey the kinematics however long the bend is and however unequal the frames
+/// are. The chord of a long step does not, nor does a mean of the directions seen from where the frames begin. Noise
+/// that is independent from frame to frame averages out.
 struct CameraStep {
   RigidTransform previous_from_current;  ///< of one frame
   int frames = 1;

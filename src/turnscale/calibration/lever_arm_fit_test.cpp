@@ -2,10 +2,13 @@
 #include "turnscale/calibration/lever_arm_fit.h"
 
 #include <cmath>
+#include <string>
 
 #include <gtest/gtest.h>
 
 #include "turnscale/base/error.h"
+#include "turnscale/base/refused_field.h"
+#include "turnscale/calibration/calibration.h"
 #include "turnscale/calibration/step_gatherer.h"
 #include "turnscale/calibration/test_drive.h"
 
@@ -24,12 +27,58 @@ std::vector<DriveSegment> TwoSpeeds() {
   return route;
 }
 
+std::string Complaint(const MetricDrive& drive, const LeverArmFitOptions& options = {}) {
+  try {
+    FitLeverArm({drive}, options);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
 TEST(LeverArmFit, ReadsTheLeverArmOfARigidCar) {
-  const MetricDrive drive{StepsAlong(TestPath(TestRoute({1, -1}), {1.45, 0}, kTilted, 0.1 * kDeg)), kTilted};
+  const MetricDrive drive{StepsAlong(TestPath(TestRoute({1, -1}), {1.45, 0}, kTilted)), kTilted};
   const LeverArmFit fit = FitLeverArm({drive});
-  EXPECT_NEAR(fit.lever_arm.length, 1.45, 4 * fit.sigma_length);
-  EXPECT_LT(fit.sigma_length, 0.05);
+  EXPECT_NEAR(fit.lever_arm.length, 1.45, 0.005);
   EXPECT_EQ(fit.lever_arm.side_slip, 0);
+  EXPECT_EQ(fit.sigma_side_slip, 0);
+}
+
+TEST(LeverArmFit, KeyframesAtUnequalSpacingShowTheSame) {
+  const MetricDrive drive{StepsAlong(EveryFew(TestPath(TestRoute({1, -1, 1}), {1.45, 0}, kTilted))), kTilted};
+  const LeverArmFit fit = FitLeverArm({drive});
+  EXPECT_NEAR(fit.lever_arm.length, 1.45, 0.03);
+  EXPECT_LT(fit.sigma_length, 0.05);
+}
+
+TEST(LeverArmFit, StatesTheSpreadThatItsErrorsHave) {
+  constexpr int kRuns = 100;
+  double mean = 0;
+  double squares = 0;
+  double stated = 0;
+  for (int run = 0; run < kRuns; ++run) {
+    const auto steps =
+        StepsAlong(TestPath(TestRoute({1, -1, 1, -1, 1, -1}), {1.45, 0}, kTilted, 0.2 * kDeg, 300 + run));
+    const LeverArmFit fit = FitLeverArm({{steps, Calibrate(steps).vehicle_from_camera}});
+    mean += (fit.lever_arm.length - 1.45) / kRuns;
+    squares += std::pow(fit.lever_arm.length - 1.45, 2) / kRuns;
+    stated += std::pow(fit.sigma_length, 2) / kRuns;
+  }
+  // The noise of the turning angle flattens the line, by the square of noise over angle.
+  EXPECT_LT(std::abs(mean), 0.01 * 1.45);
+  // The spread over 100 runs is itself uncertain by 7 %. The larger of two sigmas is stated.
+  EXPECT_GT(std::sqrt(stated / squares), 0.85);
+  EXPECT_LT(std::sqrt(stated / squares), 1.35);
+}
+
+TEST(LeverArmFit, TakesTheAssumedSlipAway) {
+  const MetricDrive drive{StepsAlong(TestPath(TestRoute({1, -1}), {1.45, 0.005}, kTilted)), kTilted};
+  LeverArmFitOptions options;
+  options.assumed_side_slip = 0.005;
+  EXPECT_NEAR(FitLeverArm({drive}, options).lever_arm.length, 1.45, 0.005);
+  EXPECT_EQ(FitLeverArm({drive}, options).lever_arm.side_slip, 0.005);
+  // Without it, the effective lever arm at 8 m/s.
+  EXPECT_NEAR(FitLeverArm({drive}).lever_arm.length, 1.45 - 0.005 * 64, 0.005);
 }
 
 TEST(LeverArmFit, TellsSlipFromLengthAtTwoSpeeds) {
@@ -39,20 +88,52 @@ TEST(LeverArmFit, TellsSlipFromLengthAtTwoSpeeds) {
   const LeverArmFit fit = FitLeverArm({drive}, options);
   EXPECT_NEAR(fit.lever_arm.length, 1.45, 0.03);
   EXPECT_NEAR(fit.lever_arm.side_slip, 0.005, 0.0006);
+  EXPECT_GT(fit.speed_spread, 0.5);
+}
+
+TEST(LeverArmFit, RefusesSlipFromTurnsOfOneSpeed) {
+  const MetricDrive drive{StepsAlong(TestPath(TestRoute({1, -1}), {1.45, 0.005}, kTilted, 0.1 * kDeg)), kTilted};
+  LeverArmFitOptions options;
+  options.side_slip = true;
+  EXPECT_NE(Complaint(drive, options).find("cannot be told from the lever arm"), std::string::npos);
+}
+
+TEST(LeverArmFit, ASlipBelowZeroIsTakenAsNone) {
+  // What drifts inwards with speed is no tyre.
+  const MetricDrive drive{StepsAlong(TestPath(TwoSpeeds(), {1.45, -0.002}, kTilted)), kTilted};
+  LeverArmFitOptions options;
+  options.side_slip = true;
+  const LeverArmFit fit = FitLeverArm({drive}, options);
+  EXPECT_TRUE(fit.slip_at_bound);
+  EXPECT_EQ(fit.lever_arm.side_slip, 0);
+  EXPECT_EQ(fit.lever_arm.length, FitLeverArm({drive}).lever_arm.length);
+}
+
+TEST(LeverArmFit, RefusesWhatIsNoLeverArm) {
+  const MetricDrive behind{StepsAlong(TestPath(TestRoute({1, -1}), {-0.4, 0}, kTilted)), kTilted};
+  EXPECT_NE(Complaint(behind).find("ahead of the rear axle"), std::string::npos) << Complaint(behind);
+  const MetricDrive noisy{StepsAlong(TestPath(TestRoute({1, -1}), {0.2, 0}, kTilted, 2 * kDeg, 4)), kTilted};
+  EXPECT_NE(Complaint(noisy).find("m only"), std::string::npos) << Complaint(noisy);
 }
 
 TEST(LeverArmFit, AnErrorOfTheYawIsNoLeverArm) {
   const Eigen::Quaterniond off = RotationFromYawPitchRoll({1 * kDeg, 0, 0}) * kTilted;
   const MetricDrive drive{StepsAlong(TestPath(TestRoute({1, 1}), {1.45, 0}, kTilted)), off};
-  const LeverArmFit fit = FitLeverArm({drive});
-  EXPECT_NEAR(fit.lever_arm.length, 1.45, 0.01);
-  ASSERT_EQ(fit.yaw_correction.size(), 1U);
-  EXPECT_NEAR(fit.yaw_correction[0], 1 * kDeg, 0.02 * kDeg);
+  EXPECT_NEAR(FitLeverArm({drive}).lever_arm.length, 1.45, 0.01);
 }
 
 TEST(LeverArmFit, NeedsATurn) {
   const MetricDrive drive{StepsAlong(TestPath(TestRoute({}), {1.45, 0}, kTilted)), kTilted};
-  EXPECT_THROW(FitLeverArm({drive}), InputError);
+  EXPECT_NE(Complaint(drive).find("no turn"), std::string::npos);
+}
+
+TEST(LeverArmFitOptions, RefuseSenselessValues) {
+  using Options = LeverArmFitOptions;
+  EXPECT_EQ(RefusedField<Options>([](Options& o) { o.assumed_side_slip = -1; }), "assumed_side_slip");
+  EXPECT_EQ(RefusedField<Options>([](Options& o) { o.huber_share = 0; }), "huber_share");
+  EXPECT_EQ(RefusedField<Options>([](Options& o) { o.min_turn = 0; }), "min_turn");
+  EXPECT_EQ(RefusedField<Options>([](Options& o) { o.min_speed_spread = -1; }), "min_speed_spread");
+  EXPECT_EQ(RefusedField<Options>([](Options& o) { o.max_relative_sigma = 0; }), "max_relative_sigma");
 }
 
 }  // namespace

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <vector>
 
 #include <Eigen/LU>
@@ -23,8 +22,9 @@ std::vector<StepMeasurement> Measurements(const std::deque<CameraStep>& steps, i
   return measurements;
 }
 
-Eigen::Matrix3d InformationOf(const Refinement& refinement) {
-  return refinement.covariance.allFinite() ? Eigen::Matrix3d(refinement.covariance.inverse()) : refinement.information;
+// Exact steps leave a covariance of rank one, which has no inverse.
+Eigen::Matrix3d FiniteCovariance(const Refinement& refinement) {
+  return refinement.covariance.allFinite() ? refinement.covariance : refinement.information.inverse();
 }
 
 }  // namespace
@@ -37,7 +37,7 @@ void OnlineCalibrationOptions::Check() const {
   if (window < long_memory + retired_together) {
     throw InputError("window: must hold long_memory and retired_together");
   }
-  if (!(drift >= 0)) throw InputError("drift: must not be negative");
+  if (!(drift > 0)) throw InputError("drift: must be above 0 rad");
   if (!(sway > 0)) throw InputError("sway: must be above 0 rad");
   if (!(moved_sigmas > 0)) throw InputError("moved_sigmas: must be above 0");
   if (!(moved_angle > 0)) throw InputError("moved_angle: must be above 0 rad");
@@ -48,7 +48,8 @@ void OnlineCalibrationOptions::Check() const {
 OnlineCalibration::OnlineCalibration(const OnlineCalibrationOptions& options) : options_(options) { options_.Check(); }
 
 const OnlineState& OnlineCalibration::Add(const CameraStep& step) {
-  const bool backs_up = way_.dot(step.previous_from_current.translation) < 0;
+  const Eigen::Vector3d& forward = options_.forward.isZero() ? way_ : options_.forward;
+  const bool backs_up = forward.dot(step.previous_from_current.translation) < 0;
   window_.push_back(backs_up ? Reversed(step) : step);
   Learn(window_.back());
   if (static_cast<int>(window_.size()) > options_.window) Retire();
@@ -82,8 +83,8 @@ void OnlineCalibration::Retire() {
   const Refinement past = RefineRotation(Measurements(window_, 0, options_.retired_together),
                                          refinement_->vehicle_from_camera, options_.calibration.refinement, before_);
   window_.erase(window_.begin(), window_.begin() + options_.retired_together);
-  Eigen::Matrix3d covariance = InformationOf(past).inverse();
-  covariance += options_.drift * options_.drift * Eigen::Matrix3d::Identity();
+  const Eigen::Matrix3d covariance =
+      FiniteCovariance(past) + options_.drift * options_.drift * Eigen::Matrix3d::Identity();
   before_ = RotationPrior{past.vehicle_from_camera, covariance.inverse()};
 }
 
@@ -163,13 +164,14 @@ void OnlineCalibration::Report() {
     state_.vehicle_from_camera = RotationFromForwardAndDown(way_, Eigen::Vector3d::UnitY());
     state_.angles = YawPitchRollFromRotation(state_.vehicle_from_camera);
     state_.usable = false;
-    state_.covariance = Eigen::Matrix3d::Identity() * std::numeric_limits<double>::infinity();
-    constexpr double kUnknown = std::numeric_limits<double>::infinity();
-    state_.sigma = {kUnknown, kUnknown, kUnknown};
+    state_.covariance = UnknownRotation();
+    state_.sigma = SigmaOfAngles(state_.vehicle_from_camera, state_.covariance);
     return;
   }
   state_.vehicle_from_camera = refinement_->vehicle_from_camera;
   state_.covariance = refinement_->covariance;
+  const double bias = options_.calibration.motion_bias;
+  state_.covariance.diagonal().head<2>().array() += bias * bias;
   state_.angles = YawPitchRollFromRotation(state_.vehicle_from_camera);
   state_.sigma = SigmaOfAngles(state_.vehicle_from_camera, state_.covariance);
   state_.usable = state_.sigma.yaw < options_.usable_yaw_sigma;

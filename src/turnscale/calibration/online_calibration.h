@@ -12,6 +12,9 @@ namespace turnscale {
 
 struct OnlineCalibrationOptions {
   CalibrationOptions calibration;
+  /// A direction of the camera's that is less than 90 deg from the car's forward, so that a drive that begins with
+  /// backing up is known for what it is. Zero: forward is where the car has gone most.
+  Eigen::Vector3d forward = Eigen::Vector3d::Zero();
   /// Latest steps that are refined anew with each step; older ones live on as one rotation and its covariance.
   int window = 60;
   /// So many are handed over at a time.
@@ -30,9 +33,9 @@ struct OnlineCalibrationOptions {
   /// And by at least this angle, rad (1.2 deg).
   double moved_angle = 1.2 / 57.295779513082320877;
   int moved_confirmations = 3;
-  /// Q is worth using below this standard deviation of its yaw, rad (0.25 deg: the scale is then right within some
-  /// per cent).
-  double usable_yaw_sigma = 0.25 / 57.295779513082320877;
+  /// Q is worth using below this standard deviation of its yaw, rad (0.3 deg, CalibrationOptions::motion_bias included:
+  /// the scale is then right within some per cent).
+  double usable_yaw_sigma = 0.3 / 57.295779513082320877;
 
   /// Throws InputError that names the field when a value makes no sense.
   void Check() const;
@@ -80,7 +83,7 @@ class OnlineCalibration {
 
   OnlineCalibrationOptions options_;
   std::deque<CameraStep> window_;
-  Eigen::Vector3d way_ = Eigen::Vector3d::Zero();  ///< sum of the translations, which tells forward from backing up
+  Eigen::Vector3d way_ = Eigen::Vector3d::Zero();  ///< sum of the translations, those of backing up turned round
   TurningAxis axis_;
   LinearCalibration linear_;
   double turning_ = 0;

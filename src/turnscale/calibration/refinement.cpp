@@ -3,15 +3,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 
 #include "turnscale/base/error.h"
 #include "turnscale/base/quantiles.h"
+#include "turnscale/calibration/camera_angles.h"
 #include "turnscale/calibration/step_elimination.h"
 #include "turnscale/geometry/rotation.h"
+#include "turnscale/kinematics/pooled_scale.h"
 #include "turnscale/kinematics/turning_motion.h"
 
 namespace turnscale {
@@ -90,19 +91,14 @@ class Refiner {
     pieces_.back().last = steps_.size();
   }
 
-  // The pooled line of the whole drive through the origin, at the rotation so far.
+  // The pooled line of the whole drive, at the rotation so far.
   void StartLeverArms() {
     if (!steady()) return;
-    double xy = 0;
-    double xx = 0;
+    std::vector<TurningStep> line;
     for (const StepMeasurement& step : steps_) {
-      const TurningMotion motion =
-          TurningMotionOf({step.rotation, step.direction * step.length}, result_.vehicle_from_camera);
-      const double x = 2 * std::sin(0.5 * motion.psi);
-      xy += x * step.length * std::sin(motion.theta - 0.5 * motion.psi);
-      xx += x * x;
+      line.push_back({TurningMotionOf({step.rotation, step.direction * step.length}, result_.vehicle_from_camera), 0});
     }
-    usual_lever_arm_ = xx > 0 ? std::max(xy / xx, 0.0) : 0.0;
+    usual_lever_arm_ = std::max(ObservedLeverArm(line, 1).value_or(0), 0.0);
     std::vector<double> ways;
     for (const StepMeasurement& step : steps_) ways.push_back(step.frames * step.length);
     least_lever_arm_sigma_ = std::max(kLeastLeverArmSpread * Quantile(std::move(ways), 0.5), 1e-9);
@@ -138,7 +134,7 @@ class Refiner {
     }
     for (const Piece& piece : pieces_) {
       for (size_t i = piece.first; i < piece.last; ++i) {
-        states_[i].swing = steps_[i].length > 0 ? piece.lever_arm / steps_[i].length : 0;
+        states_[i].lever_ratio = steps_[i].length > 0 ? piece.lever_arm / steps_[i].length : 0;
         FitTurningAngle(steps_[i], result_.vehicle_from_camera, weights, states_[i]);
       }
     }
@@ -160,7 +156,7 @@ class Refiner {
     std::vector<double> horizontal;
     double psi_share = 0;
     for (size_t i = 0; i < steps_.size(); ++i) {
-      const TurnOff off = OffTheModel(steps_[i], result_.vehicle_from_camera, states_[i].swing);
+      const ModelResidual off = ResidualOfModel(steps_[i], result_.vehicle_from_camera, states_[i].lever_ratio);
       rotation.push_back(off.roll);
       rotation.push_back(off.pitch);
       vertical.push_back(off.vertical);
@@ -187,7 +183,7 @@ class Refiner {
     std::vector<double> norms;
     for (size_t i = 0; i < steps_.size(); ++i) {
       StepState& state = states_[i];
-      state.residual = EvaluateStep(steps_[i], result_.vehicle_from_camera, state.psi, state.swing);
+      state.residual = EvaluateStep(steps_[i], result_.vehicle_from_camera, state.psi, state.lever_ratio);
       Whiten(weights, state.residual);
       norms.push_back(state.residual.value.norm());
     }
@@ -296,7 +292,7 @@ class Refiner {
       }
     }
     const Eigen::FullPivLU<Eigen::Matrix3d> lu(hessian);
-    if (!lu.isInvertible()) return Eigen::Matrix3d::Identity() * std::numeric_limits<double>::infinity();
+    if (!lu.isInvertible()) return UnknownRotation();
     const Eigen::Matrix3d inverse = lu.inverse();
     return inverse * scores * inverse.transpose();
   }

@@ -17,8 +17,8 @@ enum class TravelModel {
   /// The odometry's step lengths hold over a turn: one lever arm, in the odometry's unit, for every piece of the drive
   /// that turns enough to show it. Yaw is then where the line of travel direction over curvature meets zero curvature.
   kSteady,
-  /// The paper's (15): every step has a free rho_j > 0. Only the sign of each step's swing is then held against the
-  /// yaw.
+  /// The paper's (15): every step has a free rho_j > 0. Yaw is bounded by the steps in which the camera would swing
+  /// inwards, or out by more than any lever arm.
   kFree,
 };
 

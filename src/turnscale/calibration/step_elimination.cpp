@@ -11,7 +11,7 @@
 namespace turnscale {
 namespace {
 
-constexpr double kMaxSwing = 20;
+constexpr double kMaxLeverRatio = 20;
 constexpr int kFits = 4;
 
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
@@ -26,8 +26,8 @@ Matrix6d Metric(const StepState& state, bool curvature) {
 }
 
 StepResidual WeightedResidual(const StepMeasurement& step, const Eigen::Quaterniond& vehicle_from_camera,
-                              const StepWeights& weights, double psi, double swing) {
-  StepResidual residual = EvaluateStep(step, vehicle_from_camera, psi, swing);
+                              const StepWeights& weights, double psi, double lever_ratio) {
+  StepResidual residual = EvaluateStep(step, vehicle_from_camera, psi, lever_ratio);
   Whiten(weights, residual);
   return residual;
 }
@@ -37,26 +37,27 @@ double SafeInverse(double value) { return value > 1e-12 ? 1 / value : 0; }
 
 }  // namespace
 
-TurnOff OffTheModel(const StepMeasurement& step, const Eigen::Quaterniond& vehicle_from_camera, double swing) {
+ModelResidual ResidualOfModel(const StepMeasurement& step, const Eigen::Quaterniond& vehicle_from_camera,
+                              double lever_ratio) {
   const Eigen::Vector3d turn = vehicle_from_camera * VectorFromRotation(step.rotation);
   const Eigen::Vector3d travel = vehicle_from_camera * step.direction;
   const double psi = turn.y();
-  return {turn.x(), turn.z(), -travel.y(), std::atan2(travel.x(), travel.z()) - TravelDirection(psi, swing),
-          0.5 + swing};
+  return {turn.x(), turn.z(), -travel.y(), std::atan2(travel.x(), travel.z()) - TravelDirection(psi, lever_ratio),
+          0.5 + lever_ratio};
 }
 
 void Whiten(const StepWeights& weights, StepResidual& residual) {
   residual.value = weights.cwiseProduct(residual.value).eval();
   residual.by_rotation = (weights.asDiagonal() * residual.by_rotation).eval();
   residual.by_psi = weights.cwiseProduct(residual.by_psi).eval();
-  residual.by_swing = weights.cwiseProduct(residual.by_swing).eval();
+  residual.by_ratio = weights.cwiseProduct(residual.by_ratio).eval();
 }
 
 void FitTurningAngle(const StepMeasurement& step, const Eigen::Quaterniond& vehicle_from_camera,
                      const StepWeights& weights, StepState& state) {
   state.psi = (vehicle_from_camera * VectorFromRotation(step.rotation)).y();
   for (int i = 0; i < kFits; ++i) {
-    const StepResidual residual = WeightedResidual(step, vehicle_from_camera, weights, state.psi, state.swing);
+    const StepResidual residual = WeightedResidual(step, vehicle_from_camera, weights, state.psi, state.lever_ratio);
     const double change = -residual.by_psi.dot(residual.value) / residual.by_psi.squaredNorm();
     state.psi += change;
     if (std::abs(change) < 1e-10) break;
@@ -67,14 +68,14 @@ void FitFreeStep(const StepMeasurement& step, const Eigen::Quaterniond& vehicle_
                  StepState& state) {
   const double psi = (vehicle_from_camera * VectorFromRotation(step.rotation)).y();
   const Eigen::Vector3d travel = vehicle_from_camera * step.direction;
-  // With psi as measured, the swing that explains the direction, if any does.
+  // With psi as measured, the lever_ratio that explains the direction, if any does.
   const double sine = 2 * std::sin(0.5 * psi);
   const double wanted = std::sin(std::atan2(travel.x(), travel.z()) - 0.5 * psi);
   state.psi = psi;
-  state.swing = std::abs(sine) > 0 ? wanted / sine : 0;
-  state.swing_free = state.swing > 0 && state.swing < kMaxSwing;
-  if (state.swing_free) return;
-  state.swing = std::clamp(state.swing, 0.0, kMaxSwing);
+  state.lever_ratio = std::abs(sine) > 0 ? wanted / sine : 0;
+  state.ratio_free = state.lever_ratio > 0 && state.lever_ratio < kMaxLeverRatio;
+  if (state.ratio_free) return;
+  state.lever_ratio = std::clamp(state.lever_ratio, 0.0, kMaxLeverRatio);
   FitTurningAngle(step, vehicle_from_camera, weights, state);
 }
 
@@ -82,7 +83,7 @@ EliminatedStep EliminateTurningAngle(const StepState& state, double per_lever_ar
   const StepResidual& residual = state.residual;
   const Matrix6d metric = Metric(state, curvature);
   Eigen::Matrix<double, 6, 4> jacobian;
-  jacobian << residual.by_rotation, per_lever_arm * residual.by_swing;
+  jacobian << residual.by_rotation, per_lever_arm * residual.by_ratio;
   const StepResidual::Vector by_psi = metric * residual.by_psi;
   const double inverse = SafeInverse(residual.by_psi.dot(by_psi));
   const Eigen::Vector4d cross = jacobian.transpose() * by_psi;
@@ -94,14 +95,11 @@ EliminatedStep EliminateTurningAngle(const StepState& state, double per_lever_ar
 }
 
 EliminatedStep EliminateFreeStep(const StepState& state, bool curvature) {
-  if (!state.swing_free) {
-    EliminatedStep step = EliminateTurningAngle(state, 0, curvature);
-    return step;
-  }
+  if (!state.ratio_free) return EliminateTurningAngle(state, 0, curvature);
   const StepResidual& residual = state.residual;
   const Matrix6d metric = Metric(state, curvature);
   Eigen::Matrix<double, 6, 2> own;
-  own << residual.by_psi, residual.by_swing;
+  own << residual.by_psi, residual.by_ratio;
   const Eigen::Matrix2d own_hessian = own.transpose() * metric * own;
   const Eigen::Matrix<double, 3, 2> cross = residual.by_rotation.transpose() * metric * own;
   EliminatedStep step;

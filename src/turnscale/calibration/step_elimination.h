@@ -14,8 +14,8 @@ using StepWeights = StepResidual::Vector;
 /// What belongs to one step alone, and what it leaves over.
 struct StepState {
   double psi = 0;          ///< rad
-  double swing = 0;        ///< lever arm over the camera's travel
-  bool swing_free = true;  ///< kFree: not held at its bound
+  double lever_ratio = 0;  ///< lever arm over the camera's travel
+  bool ratio_free = true;  ///< kFree: not held at its bound
   StepResidual residual;   ///< weighted
   double huber = 1;        ///< (16)
 };
@@ -33,7 +33,7 @@ struct EliminatedStep {
 };
 
 /// How a step lies beside the model when psi is read from its rotation, rad.
-struct TurnOff {
+struct ModelResidual {
   double pitch = 0;       ///< rotation about vehicle x
   double roll = 0;        ///< rotation about vehicle z
   double vertical = 0;    ///< direction of travel, positive upwards
@@ -41,24 +41,25 @@ struct TurnOff {
   double by_psi = 0;      ///< how much of an error of psi goes into `horizontal`
 };
 
-TurnOff OffTheModel(const StepMeasurement& step, const Eigen::Quaterniond& vehicle_from_camera, double swing);
+ModelResidual ResidualOfModel(const StepMeasurement& step, const Eigen::Quaterniond& vehicle_from_camera,
+                              double lever_ratio);
 
 void Whiten(const StepWeights& weights, StepResidual& residual);
 
-/// The psi of the least weighted residual at the state's swing.
+/// The psi of the least weighted residual at the state's lever ratio.
 void FitTurningAngle(const StepMeasurement& step, const Eigen::Quaterniond& vehicle_from_camera,
                      const StepWeights& weights, StepState& state);
 
-/// The psi and swing (0...20: the car moves forward, and not less than a twentieth of L) of the least weighted
+/// The psi and lever ratio (0...20: the car moves forward, and not less than a twentieth of L) of the least weighted
 /// residual.
 void FitFreeStep(const StepMeasurement& step, const Eigen::Quaterniond& vehicle_from_camera, const StepWeights& weights,
                  StepState& state);
 
-/// Eliminates psi; the swing is `per_lever_arm` times the lever arm. With `curvature`, the hessian is the one of
+/// Eliminates psi; the lever ratio is `per_lever_arm` times the lever arm. With `curvature`, the hessian is the one of
 /// Huber's norm, which does not bend along its straight part; without, that of the reweighted squares.
 EliminatedStep EliminateTurningAngle(const StepState& state, double per_lever_arm, bool curvature);
 
-/// Eliminates psi and swing.
+/// Eliminates psi and lever ratio.
 EliminatedStep EliminateFreeStep(const StepState& state, bool curvature);
 
 }  // namespace turnscale

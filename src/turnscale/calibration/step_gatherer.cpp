@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "turnscale/calibration/step_gatherer.h"
 
-#include <algorithm>
 #include <cmath>
 #include <string>
 
 #include "turnscale/base/error.h"
-#include "turnscale/base/quantiles.h"
 #include "turnscale/geometry/rotation.h"
 
 namespace turnscale {
@@ -29,26 +27,50 @@ double Distance(const StampedPose& a, const StampedPose& b) {
   return (b.world_from_camera.translation - a.world_from_camera.translation).norm();
 }
 
-double Speed(const StampedPose& a, const StampedPose& b) { return Distance(a, b) / (b.time - a.time); }
+bool TooFast(double way, double seconds, double usual_speed, const StepOptions& options) {
+  return usual_speed > 0 && way > options.max_haste * usual_speed * seconds;
+}
+
+// A frame falls short of the wanted length by rounding as often as not.
+bool LongEnough(double way, double usual_speed, const StepOptions& options) {
+  return usual_speed > 0 && way > 0.99 * options.duration * usual_speed;
+}
+
+bool TooSlow(double seconds, const StepOptions& options) { return seconds > options.max_slowness * options.duration; }
+
+UsualSpeed UsualSpeedOf(const std::vector<Trajectory>& stretches) {
+  UsualSpeed speed;
+  for (const Trajectory& path : stretches) {
+    for (size_t i = 0; i < path.size(); ++i) {
+      CheckPose(i > 0 ? std::optional(path[i - 1]) : std::nullopt, path[i]);
+      if (i > 0) speed.Add(Distance(path[i - 1], path[i]), path[i].time - path[i - 1].time);
+    }
+  }
+  return speed;
+}
 
 // Takes the motion between two frames; gives the step that it completes.
 std::optional<CameraStep> Gather(const StampedPose& last, const StampedPose& pose, double usual_speed,
                                  const StepOptions& options, FrameMotions& open) {
   if (open.frames == 0) open.begin = last.time;
   const RigidTransform motion = last.world_from_camera.inverse() * pose.world_from_camera;
-  open.rotation += VectorFromRotation(motion.rotation);
-  open.translation += motion.translation;
+  const Eigen::Vector3d rotation = VectorFromRotation(motion.rotation);
+  open.rotation += rotation;
+  open.translation += RotationFromVector(-0.5 * rotation) * motion.translation;
   ++open.frames;
-  // A frame falls short of the wanted length by rounding as often as not.
-  const bool long_enough = usual_speed > 0 && open.translation.norm() > 0.99 * options.duration * usual_speed;
-  const bool too_slow = pose.time - open.begin > options.max_slowness * options.duration;
-  if (!long_enough && !too_slow) return std::nullopt;
-  const double share = 1.0 / open.frames;
-  const CameraStep step{
-      {RotationFromVector(share * open.rotation), share * open.translation}, open.frames, open.begin, pose.time};
+  const bool long_enough = LongEnough(open.translation.norm(), usual_speed, options);
+  const bool too_slow = TooSlow(pose.time - open.begin, options);
+  const bool too_fast = TooFast(motion.translation.norm(), pose.time - last.time, usual_speed, options);
+  if (!long_enough && !too_slow && !too_fast) return std::nullopt;
+  const FrameMotions closed = open;
   open = FrameMotions();
-  if (!long_enough) return std::nullopt;
-  return step;
+  if (!long_enough || too_slow || too_fast) return std::nullopt;
+  const double share = 1.0 / closed.frames;
+  const Eigen::Vector3d turn = share * closed.rotation;
+  return CameraStep{{RotationFromVector(turn), share * (RotationFromVector(0.5 * turn) * closed.translation)},
+                    closed.frames,
+                    closed.begin,
+                    pose.time};
 }
 
 }  // namespace
@@ -56,22 +78,20 @@ std::optional<CameraStep> Gather(const StampedPose& last, const StampedPose& pos
 void StepOptions::Check() const {
   if (!(duration > 0) || !std::isfinite(duration)) throw InputError("duration: must be above 0 s");
   if (!(max_slowness >= 1)) throw InputError("max_slowness: must be at least 1");
-  if (!(usual_speed_quantile > 0 && usual_speed_quantile < 1)) {
-    throw InputError("usual_speed_quantile: must lie between 0 and 1");
-  }
-  if (speed_memory < 1) throw InputError("speed_memory: must be at least 1");
+  if (!(max_haste > 1)) throw InputError("max_haste: must be above 1");
+  if (!(speed_memory > 0)) throw InputError("speed_memory: must be above 0 s");
 }
 
-StepGatherer::StepGatherer(const StepOptions& options) : options_(options) { options_.Check(); }
+StepGatherer::StepGatherer(const StepOptions& options) : options_(options), speed_(options.speed_memory) {
+  options_.Check();
+}
 
 std::optional<CameraStep> StepGatherer::Add(const StampedPose& pose) {
   CheckPose(last_, pose);
   std::optional<CameraStep> step;
   if (last_) {
-    speeds_.push_back(Speed(*last_, pose));
-    if (static_cast<int>(speeds_.size()) > options_.speed_memory) speeds_.pop_front();
-    const double usual_speed = Quantile({speeds_.begin(), speeds_.end()}, options_.usual_speed_quantile);
-    step = Gather(*last_, pose, usual_speed, options_, open_);
+    speed_.Add(Distance(*last_, pose), pose.time - last_->time);
+    step = Gather(*last_, pose, speed_.value(), options_, open_);
   }
   last_ = pose;
   return step;
@@ -83,20 +103,33 @@ void StepGatherer::Break() {
 }
 
 std::vector<CameraStep> StepsAlong(const Trajectory& trajectory, const StepOptions& options) {
+  return StepsAlong(std::vector<Trajectory>{trajectory}, options);
+}
+
+std::vector<CameraStep> StepsAlong(const std::vector<Trajectory>& stretches, const StepOptions& options) {
   options.Check();
-  std::vector<double> speeds;
-  for (size_t i = 0; i < trajectory.size(); ++i) {
-    CheckPose(i > 0 ? std::optional(trajectory[i - 1]) : std::nullopt, trajectory[i]);
-    if (i > 0) speeds.push_back(Speed(trajectory[i - 1], trajectory[i]));
-  }
-  const double usual_speed = Quantile(std::move(speeds), options.usual_speed_quantile);
+  const double usual_speed = UsualSpeedOf(stretches).value();
   std::vector<CameraStep> steps;
-  FrameMotions open;
-  for (size_t i = 1; i < trajectory.size(); ++i) {
-    const auto step = Gather(trajectory[i - 1], trajectory[i], usual_speed, options, open);
-    if (step) steps.push_back(*step);
+  for (const Trajectory& path : stretches) {
+    FrameMotions open;
+    for (size_t i = 1; i < path.size(); ++i) {
+      const auto step = Gather(path[i - 1], path[i], usual_speed, options, open);
+      if (step) steps.push_back(*step);
+    }
   }
   return steps;
+}
+
+std::optional<double> FirstGap(const Trajectory& trajectory, const StepOptions& options) {
+  options.Check();
+  const double usual_speed = UsualSpeedOf({trajectory}).value();
+  for (size_t i = 1; i < trajectory.size(); ++i) {
+    const double way = Distance(trajectory[i - 1], trajectory[i]);
+    const double seconds = trajectory[i].time - trajectory[i - 1].time;
+    const bool gap = TooSlow(seconds, options) && LongEnough(way, usual_speed, options);
+    if (gap || TooFast(way, seconds, usual_speed, options)) return trajectory[i - 1].time;
+  }
+  return std::nullopt;
 }
 
 }  // namespace turnscale

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <deque>
 #include <optional>
 #include <vector>
 
 #include "turnscale/calibration/camera_step.h"
+#include "turnscale/calibration/usual_speed.h"
 #include "turnscale/geometry/trajectory.h"
 
 namespace turnscale {
@@ -15,12 +15,13 @@ struct StepOptions {
   /// frames has more noise than signal; over more than a second, a turn is not one turn any more. In time, since the
   /// unit of length is unknown.
   double duration = 0.6;
-  /// What took more than this many times `duration` is left out: the car crept or stood, and what moved was the noise.
+  /// What took more than this many times `duration` is left out: the car crept or stood, and what moved was the noise;
+  /// or frames are missing there.
   double max_slowness = 4;
-  /// The usual speed is this quantile of the speeds seen lately: standing at a light must not count.
-  double usual_speed_quantile = 0.75;
-  /// How many frames "lately" are.
-  int speed_memory = 600;
+  /// Nor does a car go faster than this many times its usual speed from one frame to the next: the path jumps.
+  double max_haste = 6;
+  /// The usual speed of a drive that goes on is that of so many seconds of driving.
+  double speed_memory = 60;
 
   /// Throws InputError that names the field when a value makes no sense.
   void Check() const;
@@ -29,7 +30,7 @@ struct StepOptions {
 /// The frames of a step that is not complete.
 struct FrameMotions {
   Eigen::Vector3d rotation = Eigen::Vector3d::Zero();     ///< sum of rotation vectors, rad
-  Eigen::Vector3d translation = Eigen::Vector3d::Zero();  ///< sum of translations, each in its own camera frame
+  Eigen::Vector3d translation = Eigen::Vector3d::Zero();  ///< sum of translations, each half-way through its rotation
   int frames = 0;
   double begin = 0;  ///< seconds
 };
@@ -49,11 +50,18 @@ class StepGatherer {
  private:
   StepOptions options_;
   std::optional<StampedPose> last_;
-  std::deque<double> speeds_;
+  UsualSpeed speed_;
   FrameMotions open_;
 };
 
 /// All steps of a path. The usual speed is the whole path's.
 std::vector<CameraStep> StepsAlong(const Trajectory& trajectory, const StepOptions& options = {});
+
+/// All steps of a drive whose path is known in stretches, in one unit of length. The usual speed is the whole drive's;
+/// no step reaches from one stretch to the next.
+std::vector<CameraStep> StepsAlong(const std::vector<Trajectory>& stretches, const StepOptions& options = {});
+
+/// When the first piece is missing in a path: the car has gone on, and no step reaches across. Nothing where none is.
+std::optional<double> FirstGap(const Trajectory& trajectory, const StepOptions& options = {});
 
 }  // namespace turnscale

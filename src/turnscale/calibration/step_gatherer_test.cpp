@@ -9,6 +9,7 @@
 #include "turnscale/base/error.h"
 #include "turnscale/base/refused_field.h"
 #include "turnscale/calibration/test_drive.h"
+#include "turnscale/kinematics/turning_motion.h"
 
 namespace turnscale {
 namespace {
@@ -34,14 +35,80 @@ TEST(StepsAlong, TheUnitOfLengthDoesNotMatter) {
   for (size_t i = 0; i < units.size(); ++i) EXPECT_EQ(units[i].frames, metres[i].frames);
 }
 
-TEST(StepsAlong, StandingGivesNoSteps) {
-  Trajectory path = TestPath(TestRoute({}), {1, 0}, Eigen::Quaterniond::Identity());
-  const size_t moving = StepsAlong(path).size();
-  const StampedPose last = path.back();
-  for (int i = 1; i <= 100; ++i) path.push_back({last.time + 0.1 * i, last.world_from_camera});
-  // A time of standing longer than the drive changes what is usual, up to the quantile.
-  path.resize(path.size() - 85);
-  EXPECT_EQ(StepsAlong(path).size(), moving);
+// A camera that stands for so many seconds, where the path is, and trembles.
+void Stand(Trajectory& path, double seconds, double rate_hz, double tremble) {
+  Random random(9);
+  const StampedPose place = path.back();
+  for (int i = 1; i <= seconds * rate_hz; ++i) {
+    StampedPose pose = place;
+    pose.time += i / rate_hz;
+    for (double& x : pose.world_from_camera.translation) x += tremble * random.Gaussian();
+    path.push_back(pose);
+  }
+}
+
+void Append(Trajectory& path, const Trajectory& more) {
+  const StampedPose end = path.back();
+  for (size_t i = 1; i < more.size(); ++i) {
+    path.push_back({end.time + more[i].time, end.world_from_camera * more[i].world_from_camera});
+  }
+}
+
+// Most of the time at a light, at 30 frames a second; the route begins before, between or after.
+TEST(StepGatherer, ALongNoisyStopGivesNoSteps) {
+  const Trajectory drive = TestPath(TestRoute({1}), {1, 0}, Eigen::Quaterniond::Identity());
+  const size_t steps = StepsAlong(drive).size();
+  Trajectory begins_standing{StampedPose{}};
+  Stand(begins_standing, 60, 30, 0.003);
+  Append(begins_standing, drive);
+  Trajectory stops = drive;
+  Stand(stops, 60, 30, 0.003);
+  Append(stops, drive);
+  const auto count = [](const Trajectory& path) {
+    StepGatherer gatherer;
+    size_t found = 0;
+    for (const StampedPose& pose : path) found += gatherer.Add(pose).has_value() ? 1 : 0;
+    return found;
+  };
+  EXPECT_NEAR(static_cast<double>(StepsAlong(begins_standing).size()), static_cast<double>(steps), 1);
+  EXPECT_NEAR(static_cast<double>(StepsAlong(stops).size()), 2 * static_cast<double>(steps), 2);
+  EXPECT_NEAR(static_cast<double>(count(begins_standing)), static_cast<double>(steps), 3);
+  EXPECT_NEAR(static_cast<double>(count(stops)), 2 * static_cast<double>(steps), 4);
+}
+
+TEST(StepsAlong, AStretchOfStandingIsNoDrive) {
+  const Trajectory drive = TestPath(TestRoute({}), {1, 0}, Eigen::Quaterniond::Identity());
+  Trajectory standing{StampedPose{}};
+  Stand(standing, 30, 10, 0.003);
+  EXPECT_EQ(StepsAlong(std::vector<Trajectory>{drive, standing}).size(), StepsAlong(drive).size());
+}
+
+TEST(StepsAlong, NoStepReachesAcrossAGapOrAJump) {
+  const Trajectory path = TestPath(TestRoute({1}), {1, 0}, Eigen::Quaterniond::Identity());
+  Trajectory gap;
+  for (const StampedPose& pose : path) {
+    if (pose.time < 5.95 || pose.time > 9.95) gap.push_back(pose);
+  }
+  Trajectory jump = path;
+  for (StampedPose& pose : jump) pose.world_from_camera.translation.x() += pose.time > 6.95 ? 30 : 0;
+  EXPECT_GT(StepsAlong(gap).size(), 15U);
+  EXPECT_GT(StepsAlong(jump).size(), 15U);
+  EXPECT_EQ(FirstGap(path), std::nullopt);
+  EXPECT_NEAR(FirstGap(gap).value_or(0), 5.9, 1e-9);
+  EXPECT_NEAR(FirstGap(jump).value_or(0), 6.9, 1e-9);
+  for (const CameraStep& step : StepsAlong(gap)) EXPECT_TRUE(step.end < 5.95 || step.begin > 9.95);
+  for (const CameraStep& step : StepsAlong(jump)) EXPECT_TRUE(step.end < 6.95 || step.begin > 6.95);
+}
+
+// Keyframes at unequal spacing on a bend: the camera swings out by its lever arm all the same.
+TEST(StepsAlong, UnequalFramesObeyTheKinematics) {
+  const Trajectory path = TestPath({{400, 0.4, 1.5 * kDeg}}, {1.45, 0}, Eigen::Quaterniond::Identity());
+  const auto steps = StepsAlong(EveryFew(path));
+  ASSERT_GT(steps.size(), 30U);
+  for (const CameraStep& step : steps) {
+    const TurningMotion motion = TurningMotionOf(step.previous_from_current, Eigen::Quaterniond::Identity());
+    EXPECT_NEAR(motion.step * std::sin(motion.theta - 0.5 * motion.psi) / (2 * std::sin(0.5 * motion.psi)), 1.45, 0.01);
+  }
 }
 
 TEST(StepsAlong, RefusesPosesThatAreNone) {
@@ -81,7 +148,7 @@ TEST(StepGatherer, NoStepReachesAcrossABreak) {
 TEST(StepOptions, RefuseSenselessValues) {
   EXPECT_EQ(RefusedField<StepOptions>([](StepOptions& o) { o.duration = 0; }), "duration");
   EXPECT_EQ(RefusedField<StepOptions>([](StepOptions& o) { o.max_slowness = 0.5; }), "max_slowness");
-  EXPECT_EQ(RefusedField<StepOptions>([](StepOptions& o) { o.usual_speed_quantile = 1; }), "usual_speed_quantile");
+  EXPECT_EQ(RefusedField<StepOptions>([](StepOptions& o) { o.max_haste = 1; }), "max_haste");
   EXPECT_EQ(RefusedField<StepOptions>([](StepOptions& o) { o.speed_memory = 0; }), "speed_memory");
 }
 

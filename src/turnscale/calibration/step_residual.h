@@ -15,9 +15,9 @@ struct StepMeasurement {
 };
 
 /// theta, where the camera goes in A (23), from the turning angle and the lever arm in units of the camera's travel:
-/// theta = psi/2 + asin(2 swing sin(psi/2)). The same as (23), with the camera's travel s for the rear axle's:
+/// theta = psi/2 + asin(2 lever_ratio sin(psi/2)). The same as (23), with the camera's travel s for the rear axle's:
 /// rho^2 = s^2 - 4 L^2 sin^2(psi/2).
-double TravelDirection(double psi, double swing);
+double TravelDirection(double psi, double lever_ratio);
 
 /// Residuals of a step in vehicle axes, and their derivatives.
 struct StepResidual {
@@ -27,11 +27,11 @@ struct StepResidual {
   Vector value;
   Eigen::Matrix<double, 6, 3> by_rotation;  ///< by a small rotation vector d in vehicle axes: Q becomes exp(d) Q
   Vector by_psi;
-  Vector by_swing;
+  Vector by_ratio;
 };
 
-/// Throws nothing; a swing of |2 swing sin(psi/2)| above 0.95 is taken as that, with derivative 0.
+/// Throws nothing; |2 lever_ratio sin(psi/2)| above 0.95 is taken as that, with derivative 0.
 StepResidual EvaluateStep(const StepMeasurement& step, const Eigen::Quaterniond& vehicle_from_camera, double psi,
-                          double swing);
+                          double lever_ratio);
 
 }  // namespace turnscale

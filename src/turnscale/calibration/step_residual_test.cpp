@@ -50,12 +50,12 @@ TEST(StepResidual, JacobiansAreThoseOfDifferences) {
     const StepMeasurement step{RotationFromVector(0.2 * RandomVector(random)), RandomVector(random).normalized(), 1};
     const Eigen::Quaterniond rotation = RotationFromVector(RandomVector(random));
     const double psi = random.Uniform(-0.5, 0.5);
-    const double swing = random.Uniform(0, 1.5);
-    const StepResidual at = EvaluateStep(step, rotation, psi, swing);
-    const auto slope = [&](const Eigen::Vector3d& turn, double by_psi, double by_swing) {
+    const double lever_ratio = random.Uniform(0, 1.5);
+    const StepResidual at = EvaluateStep(step, rotation, psi, lever_ratio);
+    const auto slope = [&](const Eigen::Vector3d& turn, double by_psi, double by_ratio) {
       const auto value = [&](double sign) {
         return EvaluateStep(step, RotationFromVector(sign * kStep * turn) * rotation, psi + sign * kStep * by_psi,
-                            swing + sign * kStep * by_swing)
+                            lever_ratio + sign * kStep * by_ratio)
             .value;
       };
       return StepResidual::Vector((value(1) - value(-1)) / (2 * kStep));
@@ -64,7 +64,7 @@ TEST(StepResidual, JacobiansAreThoseOfDifferences) {
       EXPECT_LT((slope(Eigen::Vector3d::Unit(axis), 0, 0) - at.by_rotation.col(axis)).norm(), 1e-8);
     }
     EXPECT_LT((slope(Eigen::Vector3d::Zero(), 1, 0) - at.by_psi).norm(), 1e-8);
-    EXPECT_LT((slope(Eigen::Vector3d::Zero(), 0, 1) - at.by_swing).norm(), 1e-8);
+    EXPECT_LT((slope(Eigen::Vector3d::Zero(), 0, 1) - at.by_ratio).norm(), 1e-8);
   }
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <vector>
 
@@ -45,6 +46,15 @@ inline Trajectory TestPath(const std::vector<DriveSegment>& route, const LeverAr
     path.push_back({0.1 * static_cast<double>(i), path.back().world_from_camera * motion});
   }
   return path;
+}
+
+/// Keyframes of a path at unequal spacing: every 1, 4, 1, 2 and 6 frames.
+inline Trajectory EveryFew(const Trajectory& path) {
+  constexpr std::array<size_t, 5> kSpacing = {1, 4, 1, 2, 6};
+  Trajectory keyframes;
+  size_t turn = 0;
+  for (size_t i = 0; i < path.size(); i += kSpacing[turn++ % kSpacing.size()]) keyframes.push_back(path[i]);
+  return keyframes;
 }
 
 /// Angle between two rotations, degrees.

@@ -14,7 +14,7 @@ namespace turnscale {
 
 struct EvaluationOptions {
   SegmentOptions segments;
-  StepOptions steps;
+  StepErrorOptions steps;
 };
 
 /// The errors that depend on the metre, at one scale of the estimate.

@@ -19,7 +19,7 @@ double TurningAngle(const RigidTransform& motion, const Eigen::Quaterniond& vehi
 
 }  // namespace
 
-std::vector<Step> StepsAlongPath(const PosePairs& pairs, const StepOptions& options) {
+std::vector<Step> StepsAlongPath(const PosePairs& pairs, const StepErrorOptions& options) {
   std::vector<Step> steps;
   int first = 0;
   double travel = 0;
@@ -52,7 +52,7 @@ std::vector<Step> StepsBetweenKeyframes(const PosePairs& pairs, const std::vecto
 }
 
 StepErrors MeasureSteps(const PosePairs& pairs, const std::vector<Step>& steps, bool turning_only, double scale,
-                        const StepOptions& options) {
+                        const StepErrorOptions& options) {
   std::vector<double> scale_errors;
   std::vector<double> psi_errors;
   for (const Step& step : steps) {

@@ -19,7 +19,7 @@ struct Step {
   bool turning = false;
 };
 
-struct StepOptions {
+struct StepErrorOptions {
   /// Without keyframes a step ends where the truth has travelled this far, metres: long against the centimetres by
   /// which a ground truth jumps, short against a turn.
   double length = 1.0;
@@ -33,7 +33,7 @@ struct StepOptions {
 };
 
 /// Steps of `options.length` along the true path.
-std::vector<Step> StepsAlongPath(const PosePairs& pairs, const StepOptions& options = {});
+std::vector<Step> StepsAlongPath(const PosePairs& pairs, const StepErrorOptions& options = {});
 
 /// How the rows of a keyframe table and the pairs find each other.
 enum class KeyframeKey {
@@ -54,6 +54,6 @@ struct StepErrors {
 
 /// Errors of all steps, or of the turning ones only. Every estimated translation is multiplied by `scale` first.
 StepErrors MeasureSteps(const PosePairs& pairs, const std::vector<Step>& steps, bool turning_only, double scale = 1,
-                        const StepOptions& options = {});
+                        const StepErrorOptions& options = {});
 
 }  // namespace turnscale

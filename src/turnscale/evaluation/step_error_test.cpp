@@ -86,7 +86,7 @@ TEST(StepErrors, PsiIsTheVehiclesTurningAngle) {
   };
   const PosePairs pairs = AssociateByTime(mounted(0.001), mounted(0));
   const std::vector<Step> steps = StepsAlongPath(pairs);
-  StepOptions options;
+  StepErrorOptions options;
   options.vehicle_from_camera = vehicle_from_camera;
   EXPECT_NEAR(MeasureSteps(pairs, steps, false, 1, options).psi.rms, 0.001, 2e-6);
 }

@@ -18,6 +18,11 @@ std::string Quoted(const std::string& text) {
   return quoted + "\"";
 }
 
+std::string SlipSource(const LeverArmFit& arm) {
+  if (arm.slip_at_bound) return "the turns show none";
+  return arm.sigma_side_slip > 0 ? fmt::format("+- {:.4f}", arm.sigma_side_slip) : "assumed";
+}
+
 }  // namespace
 
 std::string CalibrationYaml(const CalibrationReport& report) {
@@ -59,10 +64,10 @@ std::string CalibrationText(const CalibrationReport& report) {
   text += angle("roll", found.angles.roll, found.sigma.roll, "leaning right");
   if (report.lever_arm) {
     const LeverArmFit& arm = *report.lever_arm;
-    const std::string sigma = arm.turning_steps > 0 ? fmt::format(" +- {:.3f}", arm.sigma_length) : "";
-    text += fmt::format("{:<12}{:>8.3f}{} m, with side slip {:.4f}{} s^2/m\n", "lever arm", arm.lever_arm.length, sigma,
-                        arm.lever_arm.side_slip,
-                        arm.sigma_side_slip > 0 ? fmt::format(" +- {:.4f}", arm.sigma_side_slip) : " (assumed)");
+    const bool measured = arm.turning_steps > 0;
+    text += fmt::format("{:<12}{:>8.3f}{} m, with side slip {:.4f} s^2/m ({})\n", "lever arm", arm.lever_arm.length,
+                        measured ? fmt::format(" +- {:.3f}", arm.sigma_length) : "", arm.lever_arm.side_slip,
+                        SlipSource(arm));
   }
   text += fmt::format("{:<12}{} frames in {} steps, {} turns of {:.0f} deg in all{}\n", "data", report.frames,
                       found.steps, found.turns, Degrees(found.turning),

@@ -41,5 +41,15 @@ TEST(CalibrationHistory, TellsWhenTheFirstTurnCame) {
   EXPECT_EQ(svg.find("inf"), std::string::npos);
 }
 
+TEST(CalibrationHistory, ALongOneFitsAPage) {
+  const CalibrationMoment moment = CalibrationHistory(Steps()).back();
+  std::vector<CalibrationMoment> history(100000, moment);
+  for (size_t i = 0; i < history.size(); ++i) history[i].time = 0.6 * static_cast<double>(i);
+  history[70001].psi = 1;
+  const std::string svg = HistorySvg(history, "long");
+  EXPECT_LT(svg.size(), 300000U);
+  EXPECT_NE(svg.find(">57.3<"), std::string::npos) << "the peak is kept";
+}
+
 }  // namespace
 }  // namespace turnscale

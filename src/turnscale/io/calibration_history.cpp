@@ -3,8 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <functional>
 #include <limits>
+#include <numeric>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -29,9 +32,10 @@ class Graph {
   static constexpr double kWidth = 760;
   static constexpr double kHeight = 190;
 
-  Graph(double top, double frames, double low, double high) : top_(top), frames_(frames), low_(low), high_(high) {}
+  Graph(double top, double begin, double end, double low, double high)
+      : top_(top), begin_(begin), end_(end), low_(low), high_(high) {}
 
-  double X(double frame) const { return kLeft + kWidth * frame / frames_; }
+  double X(double time) const { return kLeft + kWidth * (time - begin_) / (end_ - begin_); }
   double Y(double value) const {
     return top_ + kHeight * (1 - (std::clamp(value, low_, high_) - low_) / (high_ - low_));
   }
@@ -44,9 +48,9 @@ class Graph {
       const double value = low_ + (high_ - low_) * i / 4;
       text += fmt::format("<text x=\"{}\" y=\"{:.1f}\" text-anchor=\"end\">{:.3g}</text>\n", kLeft - 6, Y(value) + 4,
                           value);
-      const double frame = frames_ * i / 4;
-      text += fmt::format("<text x=\"{:.1f}\" y=\"{:.0f}\" text-anchor=\"middle\">{:.0f}</text>\n", X(frame),
-                          top_ + kHeight + 16, frame);
+      const double time = begin_ + (end_ - begin_) * i / 4;
+      text += fmt::format("<text x=\"{:.1f}\" y=\"{:.0f}\" text-anchor=\"middle\">{:.0f}</text>\n", X(time),
+                          top_ + kHeight + 16, time);
     }
     return text;
   }
@@ -56,7 +60,7 @@ class Graph {
     bool drawing = false;
     for (const CalibrationMoment& moment : history) {
       const double v = value(moment);
-      if (std::isfinite(v)) path += fmt::format("{}{:.1f},{:.1f} ", drawing ? "L" : "M", X(moment.frame), Y(v));
+      if (std::isfinite(v)) path += fmt::format("{}{:.1f},{:.1f} ", drawing ? "L" : "M", X(moment.time), Y(v));
       drawing = std::isfinite(v);
     }
     return path.empty() ? "" : fmt::format("<path d=\"{}\" stroke=\"{}\"/>\n", path, color);
@@ -65,15 +69,15 @@ class Graph {
   std::string Band(const std::vector<CalibrationMoment>& history, const Value& value, const Value& sigma,
                    const char* color) const {
     std::string there;
-    std::string back;
+    std::vector<std::string> back;
     for (const CalibrationMoment& moment : history) {
       if (!std::isfinite(sigma(moment))) continue;
-      there += fmt::format("{:.1f},{:.1f} ", X(moment.frame), Y(value(moment) + sigma(moment)));
-      back.insert(0, fmt::format("{:.1f},{:.1f} ", X(moment.frame), Y(value(moment) - sigma(moment))));
+      there += fmt::format("{:.1f},{:.1f} ", X(moment.time), Y(value(moment) + sigma(moment)));
+      back.push_back(fmt::format("{:.1f},{:.1f} ", X(moment.time), Y(value(moment) - sigma(moment))));
     }
-    return there.empty()
-               ? ""
-               : fmt::format("<polygon points=\"{}{}\" fill=\"{}\" fill-opacity=\"0.15\"/>\n", there, back, color);
+    if (there.empty()) return "";
+    there = std::accumulate(back.rbegin(), back.rend(), std::move(there));
+    return fmt::format("<polygon points=\"{}\" fill=\"{}\" fill-opacity=\"0.15\"/>\n", there, color);
   }
 
   std::string Dashed(double value, const char* color) const {
@@ -83,7 +87,8 @@ class Graph {
 
  private:
   double top_;
-  double frames_;
+  double begin_;
+  double end_;
   double low_;
   double high_;
 };
@@ -108,6 +113,21 @@ std::string Escaped(const std::string& text) {
   return escaped;
 }
 
+// Of equal runs of moments, the one that turns most.
+std::vector<CalibrationMoment> Thinned(const std::vector<CalibrationMoment>& history) {
+  constexpr size_t kMost = 1500;
+  const size_t run = history.size() / kMost + 1;
+  std::vector<CalibrationMoment> thinned;
+  for (size_t i = 0; i < history.size(); i += run) {
+    const auto begin = history.begin() + static_cast<std::ptrdiff_t>(i);
+    const auto end = begin + static_cast<std::ptrdiff_t>(std::min(run, history.size() - i));
+    thinned.push_back(*std::max_element(begin, end, [](const CalibrationMoment& a, const CalibrationMoment& b) {
+      return std::abs(a.psi) < std::abs(b.psi);
+    }));
+  }
+  return thinned;
+}
+
 }  // namespace
 
 std::vector<CalibrationMoment> CalibrationHistory(const std::vector<CameraStep>& steps) {
@@ -125,22 +145,24 @@ std::vector<CalibrationMoment> CalibrationHistory(const std::vector<CameraStep>&
 
 std::string HistoryCsv(const std::vector<CalibrationMoment>& history) {
   std::string text =
-      "time,frame,psi_deg,singular_value_1,singular_value_2,singular_value_3,singular_value_4,yaw_deg,pitch_deg,"
+      "time,frames,psi_deg,singular_value_1,singular_value_2,singular_value_3,singular_value_4,yaw_deg,pitch_deg,"
       "roll_deg,yaw_sigma_deg,pitch_sigma_deg,roll_sigma_deg,moved\n";
   for (const CalibrationMoment& moment : history) {
     const Eigen::Vector4d& s = moment.singular_values;
     text += fmt::format("{:.6f},{},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{},{},{},{}\n", moment.time,
-                        moment.frame, Degrees(moment.psi), s[0], s[1], s[2], s[3], Degrees(moment.angles.yaw),
+                        moment.frames, Degrees(moment.psi), s[0], s[1], s[2], s[3], Degrees(moment.angles.yaw),
                         Degrees(moment.angles.pitch), Degrees(moment.angles.roll), Cell(Degrees(moment.sigma.yaw)),
                         Cell(Degrees(moment.sigma.pitch)), Cell(Degrees(moment.sigma.roll)), moment.moved ? 1 : 0);
   }
   return text;
 }
 
-std::string HistorySvg(const std::vector<CalibrationMoment>& history, const std::string& title,
+std::string HistorySvg(const std::vector<CalibrationMoment>& whole, const std::string& title,
                        const std::optional<YawPitchRoll>& truth) {
-  if (history.empty()) throw InputError("the picture of the calibration: there is nothing to show");
-  const double frames = std::max(1, history.back().frame);
+  if (whole.empty()) throw InputError("the picture of the calibration: there is nothing to show");
+  const std::vector<CalibrationMoment> history = Thinned(whole);
+  const double begin = history.front().time;
+  const double end = std::max(history.back().time, begin + 1);
   double most_psi = 1;
   double most_singular = 1e-3;
   double low = 0;
@@ -160,17 +182,17 @@ std::string HistorySvg(const std::vector<CalibrationMoment>& history, const std:
       "path{fill:none;stroke-width:1.6;stroke-linejoin:round}.frame{fill:none;stroke:#9aa0a8}</style>\n"
       "<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n";
   text += fmt::format("<text x=\"24\" y=\"28\" class=\"title\">{}</text>\n", Escaped(title));
-  const Graph psi(70, frames, -most_psi, most_psi);
-  text += psi.Frame("turning angle of a frame, deg, over frames");
+  const Graph psi(70, begin, end, -most_psi, most_psi);
+  text += psi.Frame("turning angle of a frame, deg, over seconds");
   text += psi.Line(
       history, [](const CalibrationMoment& m) { return Degrees(m.psi); }, "#333");
-  const Graph singular(310, frames, 0, most_singular);
+  const Graph singular(310, begin, end, 0, most_singular);
   text += singular.Frame("the two smallest singular values of M (14): smallest red, next blue");
   for (int i = 0; i < 2; ++i) {
     text += singular.Line(
         history, [i](const CalibrationMoment& m) { return m.singular_values[i]; }, kColors[i]);
   }
-  const Graph angles(550, frames, std::floor(low - 2), std::ceil(high + 2));
+  const Graph angles(550, begin, end, std::floor(low - 2), std::ceil(high + 2));
   text += angles.Frame("refined yaw (red), pitch (blue), roll (green), deg, with one sigma; dashed: truth");
   const double true_angles[] = {truth ? truth->yaw : 0, truth ? truth->pitch : 0, truth ? truth->roll : 0};
   for (int i = 0; i < 3; ++i) {

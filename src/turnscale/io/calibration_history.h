@@ -14,8 +14,8 @@ namespace turnscale {
 
 /// How a calibration came about: what was known after a step.
 struct CalibrationMoment {
-  double time = 0;                                            ///< seconds
-  int frame = 0;                                              ///< frames up to here
+  double time = 0;                                            ///< seconds; the step's end
+  int frames = 0;                                             ///< taken in up to here
   double psi = 0;                                             ///< turning angle of a frame, rad
   Eigen::Vector4d singular_values = Eigen::Vector4d::Zero();  ///< of (14), smallest first
   YawPitchRoll angles;                                        ///< rad
@@ -29,8 +29,8 @@ std::vector<CalibrationMoment> CalibrationHistory(const std::vector<CameraStep>&
 /// One line a step, with a heading.
 std::string HistoryCsv(const std::vector<CalibrationMoment>& history);
 
-/// Fig. 3 as SVG: turning angle, two smallest singular values, angles with their one-sigma bands. `truth`, where known,
-/// is dashed.
+/// Fig. 3 as SVG over time: turning angle, two smallest singular values, angles with their one-sigma bands. `truth`,
+/// where known, is dashed. A long history is thinned to what a page shows.
 std::string HistorySvg(const std::vector<CalibrationMoment>& history, const std::string& title,
                        const std::optional<YawPitchRoll>& truth = std::nullopt);
 

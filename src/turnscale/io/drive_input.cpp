@@ -57,6 +57,9 @@ DriveInput FindInFolder(const fs::path& folder) {
   drive.camera_file = FileIn(folder, "calib.txt");
   if (!drive.camera_file) drive.camera_file = FileIn(folder, "camera.yaml");
   drive.times_file = FileIn(folder, "times.txt");
+  if (FileIn(folder, "drive.yaml") && !drive.times_file) {
+    throw InputError(folder.string() + ": is a simulated drive that was not finished; simulate it again");
+  }
   std::error_code error;
   for (const char* name : {"image_0", "images"}) {
     if (!fs::is_directory(folder / name, error)) continue;

@@ -29,6 +29,32 @@ nlohmann::ordered_json CostJson(const RunSummary& summary) {
           {"peak_memory_mb", cost.peak_memory_mb}};
 }
 
+nlohmann::ordered_json MountJson(const std::optional<MountSummary>& mount) {
+  if (!mount) return {{"source", "given"}};
+  if (!mount->found) return {{"source", mount->moves > 0 ? "before the move" : "assumed"}, {"moves", mount->moves}};
+  return {{"source", "found"},
+          {"sigma_yaw_pitch_roll_deg",
+           {mount->sigma.yaw * kDegreesPerRadian, mount->sigma.pitch * kDegreesPerRadian,
+            mount->sigma.roll * kDegreesPerRadian}},
+          {"moves", mount->moves}};
+}
+
+// One line, empty where the rotation was given.
+std::string MountText(const std::optional<MountSummary>& mount) {
+  if (!mount) return {};
+  if (!mount->found && mount->moves > 0)
+    return fmt::format("camera  was moved {} times; no turn has shown its rotation since, so it is as before\n",
+                       mount->moves);
+  if (!mount->found) return "camera  taken to be turned as --camera-rotation says: no turn showed it well enough\n";
+  const auto degrees = [](double angle) { return angle * kDegreesPerRadian; };
+  std::string text =
+      fmt::format("camera  yaw {:+.2f} +-{:.2f}, pitch {:+.2f} +-{:.2f}, roll {:+.1f} +-{:.1f} deg, found on the way",
+                  degrees(mount->angles.yaw), degrees(mount->sigma.yaw), degrees(mount->angles.pitch),
+                  degrees(mount->sigma.pitch), degrees(mount->angles.roll), degrees(mount->sigma.roll));
+  if (mount->moves > 0) text += fmt::format("; it was moved {} times", mount->moves);
+  return text + "\n";
+}
+
 bool IsMetric(const RunSummary& summary) { return summary.scale_state != ScaleState::kPending; }
 
 }  // namespace
@@ -59,13 +85,17 @@ void Summarize(const std::vector<FrameResult>& refined, const std::vector<TurnRe
   }
   summary.scale_sigma = refined.empty() ? INFINITY : refined.back().scale_sigma;
   summary.turns_found = static_cast<int>(turns.size());
+  for (const TurnResult& turn : turns) {
+    if (!turn.used) summary.unused_reason = turn.reason;
+  }
   summary.turns_used =
       static_cast<int>(std::count_if(turns.begin(), turns.end(), [](const auto& t) { return t.used; }));
 }
 
 std::string SummaryJson(const RunSummary& summary) {
   using Json = nlohmann::ordered_json;
-  const YawPitchRoll angles = YawPitchRollFromRotation(summary.vehicle.vehicle_from_camera);
+  const YawPitchRoll angles =
+      summary.mount ? summary.mount->angles : YawPitchRollFromRotation(summary.vehicle.vehicle_from_camera);
   Json unreadable = Json::array();
   for (const UnreadableFrame& frame : summary.unreadable) {
     unreadable.push_back({{"frame", frame.frame}, {"problem", frame.problem}});
@@ -81,6 +111,7 @@ std::string SummaryJson(const RunSummary& summary) {
       {"camera_yaw_pitch_roll_deg",
        {angles.yaw * kDegreesPerRadian + 0.0, angles.pitch * kDegreesPerRadian + 0.0,
         angles.roll * kDegreesPerRadian + 0.0}},
+      {"camera_rotation", MountJson(summary.mount)},
       {"complete", summary.stopped.empty()},
       {"stopped", summary.stopped.empty() ? Json(nullptr) : Json(summary.stopped)},
       {"frames",
@@ -109,19 +140,21 @@ std::string SummaryText(const RunSummary& summary) {
   if (!IsMetric(summary)) {
     scale += summary.vehicle.lever_arm ? ": no turn gave the metre, lengths are in an arbitrary unit"
                                        : ": without --lever-arm the path is up to scale, in an arbitrary unit";
+    if (summary.vehicle.lever_arm && summary.turns_found > 0) scale += "; a turn said: " + summary.unused_reason;
   }
   const RunCost& cost = summary.cost;
   return fmt::format(
       "path    {:.2f} {} in {} frames, {} keyframes\n"
       "scale   {}\n"
+      "{}"
       "turns   {} found, {} used\n"
       "lost    {} frames bridged, {} unreadable; {} before the map began\n"
       "speed   {:.1f} frames/s, {:.1f} ms of processor time a frame, {:.0f} MB\n"
       "files   {}\n",
       summary.distance, IsMetric(summary) ? "m" : "units", summary.frames, summary.keyframes, scale,
-      summary.turns_found, summary.turns_used, summary.bridged, summary.unreadable.size(), summary.initializing,
-      summary.frames / std::max(cost.wall_seconds, 1e-9), 1e3 * cost.cpu_seconds / std::max(summary.frames, 1),
-      cost.peak_memory_mb, summary.folder);
+      MountText(summary.mount), summary.turns_found, summary.turns_used, summary.bridged, summary.unreadable.size(),
+      summary.initializing, summary.frames / std::max(cost.wall_seconds, 1e-9),
+      1e3 * cost.cpu_seconds / std::max(summary.frames, 1), cost.peak_memory_mb, summary.folder);
 }
 
 }  // namespace turnscale

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "turnscale/geometry/rotation.h"
 #include "turnscale/odometry/options.h"
 #include "turnscale/odometry/results.h"
 
@@ -32,6 +33,14 @@ struct LensSummary {
   double sigma = 0;
 };
 
+/// How the camera is turned on the car, as the drive has told.
+struct MountSummary {
+  YawPitchRoll angles;  ///< rad; as assumed while not found
+  YawPitchRoll sigma;   ///< rad
+  bool found = false;   ///< known well enough to be used
+  int moves = 0;        ///< how often the camera was moved during the drive
+};
+
 /// What a run found, for summary.json and for the screen.
 struct RunSummary {
   std::string version;
@@ -48,11 +57,13 @@ struct RunSummary {
   std::vector<UnreadableFrame> unreadable;
   double distance = 0;  ///< metres where the scale is known, else in the arbitrary unit
   ScaleState scale_state = ScaleState::kPending;
-  double scale_sigma = 0;           ///< relative
-  std::optional<LensSummary> lens;  ///< empty where it was not looked for
+  double scale_sigma = 0;             ///< relative
+  std::optional<LensSummary> lens;    ///< empty where it was not looked for
+  std::optional<MountSummary> mount;  ///< empty where it was given
   int turns_found = 0;
   int turns_used = 0;
-  std::string stopped;  ///< why the run ended before the drive did; empty where it did not
+  std::string unused_reason;  ///< of the last turn that was not used
+  std::string stopped;        ///< why the run ended before the drive did; empty where it did not
   RunCost cost;
 };
 

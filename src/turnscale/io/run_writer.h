@@ -50,6 +50,11 @@ class RunWriter {
   /// Any other file of the folder, in one step.
   void WriteText(const std::string& name, const std::string& text);
 
+  /// From now on the camera counts as turned like this on the car.
+  void SetCameraRotation(const Eigen::Quaterniond& vehicle_from_camera) {
+    options_.vehicle.vehicle_from_camera = vehicle_from_camera;
+  }
+
   /// The pose to show: the camera's or the rear axle's.
   RigidTransform Shown(const RigidTransform& world_from_camera, ScaleState scale_state) const;
 

@@ -16,7 +16,9 @@ void VisitSettings(Visitor& visitor, OdometryOptions& options) {
     auto& o = options.vehicle;
     visitor.Field("lever_arm", o.lever_arm);
     visitor.Field("side_slip", o.side_slip);
+    visitor.Field("side_slip_sigma", o.side_slip_sigma);
     visitor.Rotation("camera", o.vehicle_from_camera);
+    visitor.Field("calibrate_camera", o.calibrate_camera);
   });
   visitor.Group("corners", [&] {
     auto& o = options.corners;
@@ -109,6 +111,7 @@ void VisitSettings(Visitor& visitor, OdometryOptions& options) {
     visitor.Field("max_relative_sigma", o.max_relative_sigma);
   });
   visitor.Group("scale", [&] {
+    visitor.Field("smooth", options.scale.smooth);
     visitor.Field("drift_per_root_metre", options.scale.drift_per_root_metre);
     visitor.Field("gap_sigma", options.scale.gap_sigma);
     visitor.Field("max_sigma_ratio", options.scale.max_sigma_ratio);

@@ -3,6 +3,9 @@
 
 namespace turnscale {
 
+/// Side slip of a car of which no more is known, s^2/m: about 2.5 deg of rear slip angle per g.
+constexpr double kUsualSideSlip = 0.0045;
+
 /// How far ahead of the point that does not move sideways the camera sits.
 struct LeverArm {
   double length = 0;     ///< L: from the rear axle forward to the camera, metres

@@ -23,17 +23,32 @@ YawPitchRoll Difference(const Eigen::Quaterniond& found, const Eigen::Quaternion
 
 }  // namespace
 
+CalibrationOptions PaperCalibrationOptions() {
+  CalibrationOptions options;
+  options.refinement.road_bank = 0;
+  options.body_lean = false;
+  options.motion_bias = 0;
+  return options;
+}
+
+Eigen::Quaterniond RotationFromPaperAngles(double z_deg, double y_deg, double x_deg) {
+  const auto about = [](double degrees, const Eigen::Vector3d& axis) {
+    return RotationFromVector(degrees / kDegreesPerRadian * axis);
+  };
+  return about(z_deg, Eigen::Vector3d::UnitZ()) * about(y_deg, Eigen::Vector3d::UnitY()) *
+         about(x_deg, Eigen::Vector3d::UnitX());
+}
+
 PaperDriveOptions PaperCalibrationDrive() {
   PaperDriveOptions drive;
   drive.lever_arm = 1;
-  drive.vehicle_from_camera =
-      RotationFromYawPitchRoll({5 / kDegreesPerRadian, 15 / kDegreesPerRadian, -10 / kDegreesPerRadian});
+  drive.vehicle_from_camera = RotationFromPaperAngles(5, 15, -10);
   return drive;
 }
 
 std::vector<CalibrationTrial> RunCalibrationTrials(const CalibrationTrials& trials) {
   const std::vector<VehicleStep> steps = PaperDriveSteps(trials.drive);
-  OdometryNoise noise{trials.rotation_noise, trials.direction_share * trials.rotation_noise, trials.scale_loss, 0};
+  OdometryNoise noise{trials.rotation_noise, trials.direction_share * trials.rotation_noise, 0};
   std::vector<CalibrationTrial> results;
   for (int run = 0; run < trials.runs; ++run) {
     noise.seed = Hash(Hash(trials.seed) + static_cast<std::uint64_t>(run));

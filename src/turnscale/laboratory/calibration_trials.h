@@ -10,6 +10,9 @@
 
 namespace turnscale {
 
+/// For the paper's car, whose body is rigid, on a flat world, with an odometry that errs from frame to frame only.
+CalibrationOptions PaperCalibrationOptions();
+
 /// The paper's Monte-Carlo evaluation of the calibration (V-B 1, Fig. 9).
 struct CalibrationTrials {
   PaperDriveOptions drive;
@@ -17,11 +20,10 @@ struct CalibrationTrials {
   double rotation_noise = 0;
   /// Of each frame's direction of travel over that of its rotation. The paper leaves it open; 1 gives both the same.
   double direction_share = 1;
-  double scale_loss = 0;
   int runs = 100;
   std::uint64_t seed = 1;
   StepOptions steps;
-  CalibrationOptions calibration;
+  CalibrationOptions calibration = PaperCalibrationOptions();
 };
 
 /// What one run gives, rad.
@@ -31,8 +33,12 @@ struct CalibrationTrial {
   YawPitchRoll sigma;    ///< as the refinement states it
 };
 
-/// The paper's camera: L = 1 m, Q of {5, 15, -10} deg z-y-x, which are roll, pitch and yaw in its words and give
-/// yaw = 5, pitch = 15, roll = -10 in ours.
+/// Q from the z-y-x Euler angles that the paper gives it, degrees: R_z(z) R_y(y) R_x(x) about the axes of {A}, x right,
+/// y down, z forward. The paper calls the middle one pitch, and "the rotation around the y-axis of {A}" (V-B 1): the
+/// car turns about that axis, and it is nearly the yaw of YawPitchRoll. Likewise z is nearly the roll, and x the pitch.
+Eigen::Quaterniond RotationFromPaperAngles(double z_deg, double y_deg, double x_deg);
+
+/// The paper's camera: L = 1 m, Q = {5, 15, -10} deg.
 PaperDriveOptions PaperCalibrationDrive();
 
 std::vector<CalibrationTrial> RunCalibrationTrials(const CalibrationTrials& trials);

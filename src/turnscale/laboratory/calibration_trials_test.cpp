@@ -28,10 +28,20 @@ TEST(PaperDrive, HasThePapersShape) {
 
 TEST(PaperDrive, SameSeedSameBits) {
   const auto steps = PaperDriveSteps();
-  const OdometryNoise noise{0.01, 0.01, 0, 7};
+  const OdometryNoise noise{0.01, 0.01, 7};
   const Trajectory a = NoisyCameraPath(steps, PaperCalibrationDrive(), noise);
   const Trajectory b = NoisyCameraPath(steps, PaperCalibrationDrive(), noise);
   EXPECT_EQ(a.back().world_from_camera.translation, b.back().world_from_camera.translation);
+}
+
+TEST(PaperAngles, TheMiddleOneTurnsAsTheCarDoes) {
+  EXPECT_NEAR(YawPitchRollFromRotation(RotationFromPaperAngles(0, 15, 0)).yaw, 15 * kDeg, 1e-12);
+  EXPECT_NEAR(YawPitchRollFromRotation(RotationFromPaperAngles(5, 0, 0)).roll, 5 * kDeg, 1e-12);
+  EXPECT_NEAR(YawPitchRollFromRotation(RotationFromPaperAngles(0, 0, -10)).pitch, -10 * kDeg, 1e-12);
+  // First about z: what looks along x goes to z's side first.
+  const Eigen::Vector3d side = RotationFromPaperAngles(90, 0, 30) * Eigen::Vector3d::UnitY();
+  EXPECT_NEAR(side.x(), -std::cos(30 * kDeg), 1e-12);
+  EXPECT_NEAR(side.z(), std::sin(30 * kDeg), 1e-12);
 }
 
 TEST(CalibrationTrials, TheRefinementIsUnbiasedAndNearTheBound) {
@@ -39,7 +49,6 @@ TEST(CalibrationTrials, TheRefinementIsUnbiasedAndNearTheBound) {
   trials.drive = PaperCalibrationDrive();
   trials.rotation_noise = 1 * kDeg;
   trials.runs = 40;
-  trials.calibration.refinement.road_bank = 0;
   const YawPitchRoll bound = CramerRaoBound(trials);
   YawPitchRoll mean;
   YawPitchRoll squares;

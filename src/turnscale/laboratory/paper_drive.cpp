@@ -65,7 +65,6 @@ void PaperDriveOptions::Check() const {
 void OdometryNoise::Check() const {
   if (!(rotation >= 0)) throw InputError("rotation: must not be negative");
   if (!(direction >= 0)) throw InputError("direction: must not be negative");
-  if (!(scale_loss >= 0 && scale_loss < 1)) throw InputError("scale_loss: must lie in [0, 1)");
 }
 
 std::vector<VehicleStep> PaperDriveSteps(const PaperDriveOptions& options) {
@@ -84,12 +83,10 @@ Trajectory NoisyCameraPath(const std::vector<VehicleStep>& steps, const PaperDri
   noise.Check();
   Random random(noise.seed);
   Trajectory path{StampedPose{}};
-  double unit = 1;
   for (const VehicleStep& step : steps) {
     RigidTransform motion = ConstrainedCameraMotion(step, drive.lever_arm, drive.vehicle_from_camera);
     motion.rotation = motion.rotation * Disturbance(noise.rotation, random);
-    motion.translation = unit * (Disturbance(noise.direction, random) * motion.translation);
-    unit *= 1 - noise.scale_loss;
+    motion.translation = Disturbance(noise.direction, random) * motion.translation;
     path.push_back({static_cast<double>(path.size()) / drive.rate_hz, path.back().world_from_camera * motion});
   }
   return path;

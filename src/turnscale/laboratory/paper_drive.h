@@ -31,9 +31,8 @@ std::vector<VehicleStep> PaperDriveSteps(const PaperDriveOptions& options = {});
 
 /// What an odometry makes of a drive.
 struct OdometryNoise {
-  double rotation = 0;    ///< of each frame's rotation, rad about each axis
-  double direction = 0;   ///< of each frame's direction of travel, rad about each axis across it
-  double scale_loss = 0;  ///< of the unit of length, a share a frame
+  double rotation = 0;   ///< of each frame's rotation, rad about each axis
+  double direction = 0;  ///< of each frame's direction of travel, rad about each axis across it
   std::uint64_t seed = 1;
 
   /// Throws InputError that names the field when a value makes no sense.

@@ -7,6 +7,7 @@
 
 #include "turnscale/kinematics/scale_observer.h"
 #include "turnscale/mapping/local_bundle_adjustment.h"
+#include "turnscale/odometry/drive_scale.h"
 #include "turnscale/scale/absolute_scale_recovery.h"
 #include "turnscale/scale/map_scaling.h"
 
@@ -40,7 +41,8 @@ void HoldEachStep(const std::vector<TurningStep>& steps, const LeverArm& lever_a
 
 }  // namespace
 
-MetricScale::MetricScale(const OdometryOptions& options) : options_(options), detector_(options.turns) {}
+MetricScale::MetricScale(const OdometryOptions& options)
+    : options_(options), detector_(options.turns), mount_(options.vehicle) {}
 
 ScaleUpdate MetricScale::AddKeyframe(int keyframe, Map& map) {
   total_factors_.push_back(total_factors_.empty() ? 1.0 : total_factors_.back());
@@ -60,81 +62,155 @@ ScaleUpdate MetricScale::AddKeyframe(int keyframe, Map& map) {
   return update;
 }
 
-ScaleUpdate MetricScale::Finish(Map& map) {
+ScaleUpdate MetricScale::EndPath(Map& map) {
   ScaleUpdate update;
+  if (map.keyframes.empty()) return update;
   if (const std::optional<TurningRegion> closed = detector_.Finish()) {
     update.factors = Close(*closed, map);
-  } else if (!map.keyframes.empty()) {
+  } else {
     update.factors = AdjustSinceLastTurn(map);
     Multiply(update.factors, total_factors_);
+    const int last = static_cast<int>(map.keyframes.size()) - 1;
+    if (mount_.Learn(map, total_factors_, last)) ReadTurns(0, map, update.factors);
   }
   return update;
 }
 
+ScaleUpdate MetricScale::Finish(Map& map) {
+  ScaleUpdate update = EndPath(map);
+  if (Smooths()) ReadTurns(0, map, update.factors);
+  return update;
+}
+
+bool MetricScale::Smooths() const {
+  return options_.scale.smooth && options_.pooled_scale.method == ScaleMethod::kPooledLine;
+}
+
 double MetricScale::sigma() const {
-  const Turn* turn = LastUsed();
+  const Turn* turn = LastUsedBefore(static_cast<int>(turns_.size()));
   if (turn == nullptr) return std::numeric_limits<double>::infinity();
   return std::sqrt(CarriedVariance(options_.scale, turn->relative_sigma, since_turn_));
 }
 
 std::vector<double> MetricScale::Close(const TurningRegion& region, Map& map) {
-  Turn turn;
-  turn.region = region;
-  TurnResult& result = turn.result;
-  result.first_frame = map.keyframes[region.first].frame;
-  result.last_frame = map.keyframes[region.last + 1].frame;
-  result.keyframes = region.last - region.first + 2;
-  result.angle = region.angle;
   std::vector<double> factors = AdjustSinceLastTurn(map);
   Multiply(factors, total_factors_);
-  const std::vector<double> recovered = Observe(map, turn);
-  Multiply(recovered, factors);
-  Multiply(recovered, total_factors_);
-  turns_.push_back(std::move(turn));
+  const bool mount_changed = mount_.Learn(map, total_factors_, region.last + 1);
+  const int newest = static_cast<int>(turns_.size());
+  Turn& turn = turns_.emplace_back();
+  turn.region = region;
+  turn.result.first_frame = map.keyframes[region.first].frame;
+  turn.result.last_frame = map.keyframes[region.last + 1].frame;
+  turn.result.keyframes = region.last - region.first + 2;
+  turn.result.angle = region.angle;
+  ReadTurns(mount_changed ? 0 : newest, map, factors);
+  if (turns_.back().result.used) {
+    state_ = ScaleState::kObserved;
+    since_turn_ = {};
+  }
   return factors;
 }
 
-std::vector<double> MetricScale::Observe(Map& map, Turn& turn) {
-  const TurningRegion& region = turn.region;
+void MetricScale::ReadTurns(int from, Map& map, std::vector<double>& factors) {
+  std::vector<TurnScale> held;
+  int first_keyframe = 0;
+  if (const Turn* previous = LastUsedBefore(from)) {
+    held.push_back(AsRecovered(*previous));
+    first_keyframe = previous->region.first;
+  }
+  std::vector<int> told;
+  for (int i = from; i < static_cast<int>(turns_.size()); ++i) {
+    const std::optional<TurnScale> scale = Read(map, turns_[i]);
+    if (!scale) continue;
+    held.push_back(*scale);
+    told.push_back(i);
+  }
+  if (told.empty()) return;
+  if (Smooths()) HoldSmoothly(map, told, std::span(held).last(told.size()));
+  const ScaleRecoveryResult recovered = RecoverAbsoluteScale(options_.scale.recovery, held, first_keyframe, map);
+  Multiply(recovered.factors, factors);
+  Multiply(recovered.factors, total_factors_);
+  for (int i = 0; i < static_cast<int>(turns_.size()); ++i) {
+    Turn& turn = turns_[i];
+    if (!turn.result.used || turn.region.first < first_keyframe) continue;
+    turn.step_lengths.clear();
+    for (const TurningStep& step : StepsOf(map, turn.region)) turn.step_lengths.push_back(step.motion.step);
+    if (i < from) continue;
+    turn.result.unadjusted.clear();
+    for (const RangeRecovery& range : recovered.ranges) {
+      const bool around = range.range.first <= turn.region.first && turn.region.first < range.range.last;
+      if (around && !range.adjusted) turn.result.unadjusted = range.reason;
+    }
+  }
+  if (state_ == ScaleState::kPending) CarryFrom(turns_[told.back()].region, map);
+}
+
+// A turn of some time ago has told the scale only now.
+void MetricScale::CarryFrom(const TurningRegion& region, const Map& map) {
+  state_ = ScaleState::kHeld;
+  since_turn_ = {};
+  for (int step = region.last + 1; step + 1 < static_cast<int>(map.keyframes.size()); ++step) {
+    since_turn_.distance += MotionOf(map, step).step;
+    if (map.keyframes[step + 1].after_gap) ++since_turn_.gaps;
+  }
+}
+
+std::optional<TurnScale> MetricScale::Read(const Map& map, Turn& turn) const {
   TurnResult& result = turn.result;
+  const bool refused_before = !result.used && result.metres_per_unit > 0;
   if (!options_.vehicle.lever_arm) {
     result.reason = "no lever arm given";
-    return {};
+    return std::nullopt;
   }
-  const LeverArm lever_arm = LeverArmOf(options_.vehicle);
-  const std::vector<TurningStep> steps = StepsOf(map, region);
-  const PooledScaleResult pooled = PoolScale(steps, lever_arm, options_.pooled_scale);
+  const std::vector<TurningStep> steps = StepsOf(map, turn.region);
+  const PooledScaleResult pooled = PoolScale(steps, LeverArmOf(options_.vehicle), options_.pooled_scale);
   if (!pooled.scale) {
+    if (result.used) return AsRecovered(turn);
     result.reason = pooled.reason;
-    return {};
+    return std::nullopt;
   }
   const double factor = pooled.scale->metres_per_unit;
   turn.relative_sigma = pooled.scale->sigma / factor;
-  result.metres_per_unit = factor * total_factors_[region.first];
+  result.metres_per_unit = factor * total_factors_[turn.region.first];
   result.sigma = turn.relative_sigma * result.metres_per_unit;
-  // A turn is held exactly. One that knows the scale far worse than the drive does already would spoil it.
-  if (turn.relative_sigma > options_.scale.max_sigma_ratio * sigma()) {
+  // Held at what it says itself, a turn that knows the scale far worse than the drive does already would spoil it.
+  const bool poor = refused_before || turn.relative_sigma > options_.scale.max_sigma_ratio * sigma();
+  if (!Smooths() && !result.used && poor) {
     result.reason = "its scale is less certain than the one carried here";
-    return {};
+    return std::nullopt;
   }
-
-  std::vector<TurnScale> held;
-  int first = 0;
-  if (const Turn* previous = LastUsed()) {
-    held.push_back(HeldTurn(previous->region, 1.0));
-    held.back().distances = previous->step_lengths;
-    first = previous->region.first;
-  }
-  held.push_back(HeldTurn(region, factor));
-  if (options_.pooled_scale.method == ScaleMethod::kPerFrame) HoldEachStep(steps, lever_arm, held.back());
-  const ScaleRecoveryResult recovered = RecoverAbsoluteScale(options_.scale.recovery, held, first, map);
-  for (const RangeRecovery& range : recovered.ranges)
-    if (!range.adjusted && range.range.last > region.first) result.unadjusted = range.reason;
-  for (const TurningStep& step : StepsOf(map, region)) turn.step_lengths.push_back(step.motion.step);
   result.used = true;
-  state_ = ScaleState::kObserved;
-  since_turn_ = {};
-  return recovered.factors;
+  result.reason.clear();
+  TurnScale held = HeldTurn(turn.region, factor);
+  if (options_.pooled_scale.method == ScaleMethod::kPerFrame) HoldEachStep(steps, LeverArmOf(options_.vehicle), held);
+  return held;
+}
+
+void MetricScale::HoldSmoothly(const Map& map, const std::vector<int>& turns, std::span<TurnScale> held) {
+  const std::vector<PoseScale> scales = ScaleKeyframes(map, total_factors_, mount_, options_);
+  if (scales.empty()) return;
+  smoothed_sigmas_.clear();
+  for (const PoseScale& scale : scales) smoothed_sigmas_.push_back(scale.sigma);
+  for (size_t i = 0; i < turns.size(); ++i) {
+    TurnScale& turn = held[i];
+    double metres = 0;
+    double length = 0;
+    for (int k = turn.first_step; k <= turn.last_step; ++k) {
+      const double step = MotionOf(map, k - 1).step;
+      length += step;
+      metres += step / total_factors_[k] * scales[k].metres_per_unit;
+    }
+    const double factor = metres / length;
+    if (!(std::isfinite(factor) && factor > 0)) continue;
+    turn.factor = factor;
+    turns_[turns[i]].relative_sigma = scales[turn.last_step].sigma;
+  }
+}
+
+TurnScale MetricScale::AsRecovered(const Turn& turn) {
+  TurnScale held = HeldTurn(turn.region, 1.0);
+  held.distances = turn.step_lengths;
+  return held;
 }
 
 std::vector<double> MetricScale::AdjustSinceLastTurn(Map& map) const {
@@ -149,7 +225,7 @@ std::vector<double> MetricScale::AdjustSinceLastTurn(Map& map) const {
 TurningMotion MetricScale::MotionOf(const Map& map, int step) const {
   const RigidTransform& previous = map.keyframes[step].camera_from_world;
   const RigidTransform& current = map.keyframes[step + 1].camera_from_world;
-  return TurningMotionOf(previous * current.inverse(), options_.vehicle.vehicle_from_camera);
+  return TurningMotionOf(previous * current.inverse(), mount_.At(step + 1));
 }
 
 std::vector<TurningStep> MetricScale::StepsOf(const Map& map, const TurningRegion& region) const {
@@ -159,9 +235,10 @@ std::vector<TurningStep> MetricScale::StepsOf(const Map& map, const TurningRegio
   return steps;
 }
 
-const MetricScale::Turn* MetricScale::LastUsed() const {
-  const auto used = std::find_if(turns_.rbegin(), turns_.rend(), [](const Turn& turn) { return turn.result.used; });
-  return used == turns_.rend() ? nullptr : &*used;
+const MetricScale::Turn* MetricScale::LastUsedBefore(int turn) const {
+  for (int i = turn; i-- > 0;)
+    if (turns_[i].result.used) return &turns_[i];
+  return nullptr;
 }
 
 std::vector<TurnResult> MetricScale::Turns(const Map& map) const {
@@ -188,7 +265,9 @@ void MetricScale::Annotate(const Map& map, const std::vector<int>& keyframe_of_f
       const TurningRegion keyframes = KeyframesOf(turn.region);
       observed.push_back({keyframes.first, keyframes.last, turn.relative_sigma});
     }
-  const std::vector<double> sigmas = ScaleSigmas(options_.scale, map, observed);
+  std::vector<double> sigmas = ScaleSigmas(options_.scale, map, observed);
+  // What turns have in common does not average out between them, which the smoothed sigmas know.
+  std::copy(smoothed_sigmas_.begin(), smoothed_sigmas_.end(), sigmas.begin());
   std::vector<char> in_used_turn(map.keyframes.size(), 0);
   std::vector<char> turning(map.keyframes.size(), 0);
   for (const Turn& turn : turns_) {

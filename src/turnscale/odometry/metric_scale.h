@@ -3,15 +3,18 @@
 
 #include <limits>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "turnscale/kinematics/pooled_scale.h"
 #include "turnscale/kinematics/turn_detector.h"
 #include "turnscale/kinematics/turning_motion.h"
 #include "turnscale/mapping/map.h"
+#include "turnscale/odometry/mount_calibration.h"
 #include "turnscale/odometry/options.h"
 #include "turnscale/odometry/results.h"
 #include "turnscale/odometry/scale_uncertainty.h"
+#include "turnscale/scale/map_scaling.h"
 
 namespace turnscale {
 
@@ -31,10 +34,15 @@ class MetricScale {
   /// Takes a keyframe of the map; each once, in their order.
   ScaleUpdate AddKeyframe(int keyframe, Map& map);
 
-  /// The drive is over: a turn that is still open closes.
+  /// The path ends, here or where tracking was lost: a turn that is still open closes.
+  ScaleUpdate EndPath(Map& map);
+
+  /// The drive is over: its path ends, and its turns are held at what all of them say.
   ScaleUpdate Finish(Map& map);
 
   ScaleState state() const { return state_; }
+  /// How the camera is turned on the car, as far as the drive has told.
+  const MountCalibration& mount() const { return mount_; }
   double sigma() const;  ///< relative standard deviation at the latest keyframe
 
   std::vector<TurnResult> Turns(const Map& map) const;
@@ -57,15 +65,25 @@ class MetricScale {
   /// Adjusts all keyframes since the last turn at once: the windows of the live odometry knew less of them, and of the
   /// lens. Gives what lengths at each keyframe are times what they were.
   std::vector<double> AdjustSinceLastTurn(Map& map) const;
-  /// Reads the turn and, where it tells the scale, recovers the map; empty where nothing changed.
-  std::vector<double> Observe(Map& map, Turn& turn);
   std::vector<double> Close(const TurningRegion& region, Map& map);
-  const Turn* LastUsed() const;
+  /// Reads the turns from this one on, all of them where the mount is known better than before, and recovers the map by
+  /// those that tell the scale. What lengths change by goes into `factors`.
+  void ReadTurns(int from, Map& map, std::vector<double>& factors);
+  /// What the turn tells of the scale; empty where it is not used, with the reason in its result.
+  std::optional<TurnScale> Read(const Map& map, Turn& turn) const;
+  /// Holds these turns at what all turns so far say of their scale.
+  void HoldSmoothly(const Map& map, const std::vector<int>& turns, std::span<TurnScale> held);
+  void CarryFrom(const TurningRegion& region, const Map& map);
+  bool Smooths() const;
+  static TurnScale AsRecovered(const Turn& turn);
+  const Turn* LastUsedBefore(int turn) const;
 
   OdometryOptions options_;
   TurnDetector detector_;
+  MountCalibration mount_;
   std::vector<Turn> turns_;
-  std::vector<double> total_factors_;  ///< metres at a keyframe per unit of the start
+  std::vector<double> total_factors_;    ///< metres at a keyframe per unit of the start
+  std::vector<double> smoothed_sigmas_;  ///< relative, of the keyframes that were there at the latest smoothing
   ScaleState state_ = ScaleState::kPending;
   ScaleCarriage since_turn_;
 };

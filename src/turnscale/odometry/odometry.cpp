@@ -117,6 +117,12 @@ void Odometry::Finish() {
   ApplyScale(scale_.Finish(map_), last_from_keyframe);
 }
 
+void Odometry::EndPath() {
+  if (map_.keyframes.empty()) return;
+  const RigidTransform last_from_keyframe = motion_.last() * map_.keyframes.back().camera_from_world.inverse();
+  ApplyScale(scale_.EndPath(map_), last_from_keyframe);
+}
+
 FrameResult Odometry::Initialize(const FlowImage& image, FrameResult result) {
   const std::optional<InitialMap> start = initializer_.Add(image, result.frame, result.time);
   result.tracked = initializer_.tracked();
@@ -136,7 +142,7 @@ void Odometry::StartMap(const InitialMap& start) {
   const WaitingFrame& second = start.frames.back();
   const bool continues = !map_.keyframes.empty();
   // No turn reaches across the gap: one that was under way is read from the map it belongs to.
-  Finish();
+  EndPath();
   const RigidTransform first_from_world = continues ? motion_.Predict(first.time) : RigidTransform{};
   const double unit = continues ? UnitAfterGap(start) : 1.0;
   RigidTransform second_from_first = start.second_from_first;

@@ -53,8 +53,11 @@ class Odometry {
   /// What the drive has told of the lens beyond its calibration.
   const LensRefinement& lens() const { return lens_; }
   ScaleState scale_state() const { return scale_.state(); }
+  /// How the camera is turned on the car, as given or found.
+  const MountCalibration& mount() const { return scale_.mount(); }
 
  private:
+  void EndPath();
   void CheckImage(const cv::Mat& gray);
   FrameResult NewFrame(double time, TrackingState state);
   FrameResult Initialize(const FlowImage& image, FrameResult result);

@@ -11,6 +11,8 @@ void VehicleOptions::Check() const {
   if (lever_arm && !(*lever_arm > 0 && std::isfinite(*lever_arm)))
     throw InputError("vehicle.lever_arm: has to be a positive number of metres");
   if (!(side_slip >= 0 && side_slip < 1)) throw InputError("vehicle.side_slip: has to be in 0...1 s^2/m");
+  if (!(side_slip_sigma >= 0 && side_slip_sigma < 1))
+    throw InputError("vehicle.side_slip_sigma: has to be in 0...1 s^2/m");
   if (!(std::abs(vehicle_from_camera.norm() - 1) < 1e-6))
     throw InputError("vehicle.vehicle_from_camera: has to be a rotation");
 }
@@ -34,7 +36,7 @@ void TrackingOptions::Check() const {
 void ScaleOptions::Check() const {
   recovery.Check();
   if (!(drift_per_root_metre >= 0)) throw InputError("scale.drift_per_root_metre: must not be negative");
-  if (!(gap_sigma >= 0)) throw InputError("scale.gap_sigma: must not be negative");
+  if (!(gap_sigma > 0)) throw InputError("scale.gap_sigma: has to be positive");
   if (!(max_sigma_ratio > 0)) throw InputError("scale.max_sigma_ratio: has to be positive");
 }
 

@@ -8,6 +8,7 @@
 #include "turnscale/features/corners.h"
 #include "turnscale/features/optical_flow.h"
 #include "turnscale/features/patch_alignment.h"
+#include "turnscale/kinematics/lever_arm.h"
 #include "turnscale/kinematics/pooled_scale.h"
 #include "turnscale/kinematics/turn_detector.h"
 #include "turnscale/mapping/landmarks.h"
@@ -23,11 +24,16 @@ namespace turnscale {
 struct VehicleOptions {
   /// Distance from the rear axle forward to the camera, metres. Without it the path stays up to scale.
   std::optional<double> lever_arm;
-  /// c in L_eff = L - c v^2, s^2/m: the rear axle's slip angle per lateral acceleration. 0 is the paper's
-  /// rigid car.
-  double side_slip = 0.0045;
-  /// The paper's Q.
+  /// c in L_eff = L - c v^2, s^2/m: the rear axle's slip angle per lateral acceleration. With a sigma of 0, 0 is the
+  /// paper's rigid car.
+  double side_slip = kUsualSideSlip;
+  /// Its standard deviation, which leaves the drive room to refine it: cars differ by a third of it. 0 where c is
+  /// known.
+  double side_slip_sigma = 0.0015;
+  /// The paper's Q; where the camera is calibrated, what is assumed until the drive tells better.
   Eigen::Quaterniond vehicle_from_camera = Eigen::Quaterniond::Identity();
+  /// Find Q from the drive.
+  bool calibrate_camera = true;
 
   /// Throws InputError that names the field when a value makes no sense.
   void Check() const;
@@ -67,13 +73,17 @@ struct TrackingOptions {
 /// How the turns' scale is carried over the drive.
 struct ScaleOptions {
   ScaleRecoveryOptions recovery;
+  /// A turn is held at what all turns together say of its scale, each with its variance. Otherwise at what it says
+  /// itself. The paper's per-frame observer holds steps and is not smoothed.
+  bool smooth = true;
   /// How fast the odometry's scale is taken to drift between turns: relative standard deviation after one metre,
   /// growing with the root of the distance (0.001: 1 % after 100 m).
   double drift_per_root_metre = 0.001;
   /// Relative standard deviation that a loss of tracking adds: the scale is taken over from the speed, or from how far
   /// things are.
   double gap_sigma = 0.3;
-  /// A turn whose relative sigma is more than this many times that of the scale carried to it is not used.
+  /// Where turns are not smoothed: one whose relative sigma is more than this many times that of the scale carried to
+  /// it is not used.
   double max_sigma_ratio = 2.0;
 
   /// Throws InputError that names the field when a value makes no sense.

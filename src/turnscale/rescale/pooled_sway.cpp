@@ -25,4 +25,11 @@ PooledSway PoolSway(std::span<const SwayStep> steps, const Eigen::Vector4d& coef
   return pooled;
 }
 
+void AppendResiduals(std::span<const SwayStep> steps, const Eigen::Vector4d& coefficients,
+                     std::vector<double>& residuals) {
+  for (const SwayStep& step : steps) {
+    if (step.usable) residuals.push_back(step.sway - SwayRegressors(step).dot(coefficients));
+  }
+}
+
 }  // namespace turnscale

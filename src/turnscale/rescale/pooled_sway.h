@@ -2,6 +2,7 @@
 #pragma once
 
 #include <span>
+#include <vector>
 
 #include <Eigen/Core>
 
@@ -14,8 +15,7 @@ namespace turnscale {
 ///   -speed^2 2 sin(psi/2) times c lambda: the tyres slip;
 ///   length                times the direction of travel on a straight: the yaw by which Q is wrong;
 ///   roll                  times h/lambda: the body leans about an axis h below the camera.
-/// The last one is no part of the paper. On KITTI it takes 40 % off the residuals, and h comes out as 1.6 to 1.9 m,
-/// near the camera's height above the road.
+/// The last two are no part of the paper.
 Eigen::Vector4d SwayRegressors(const SwayStep& step);
 
 /// Everything that steps say of their coefficients: weighted normal equations, the pooled line of blueprint 3 with
@@ -34,5 +34,9 @@ struct PooledSway {
 /// Pools steps. `sigma` is the sway noise (odometry units, > 0): position noise, of one size for short and long steps.
 /// Residuals about `coefficients` beyond `huber` sigmas lose weight (Huber).
 PooledSway PoolSway(std::span<const SwayStep> steps, const Eigen::Vector4d& coefficients, double sigma, double huber);
+
+/// What the usable steps' sway is off the coefficients, odometry units.
+void AppendResiduals(std::span<const SwayStep> steps, const Eigen::Vector4d& coefficients,
+                     std::vector<double>& residuals);
 
 }  // namespace turnscale

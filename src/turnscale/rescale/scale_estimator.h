@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "turnscale/kinematics/lever_arm.h"
 #include "turnscale/rescale/noise_fit.h"
 #include "turnscale/rescale/scale_filter.h"
 #include "turnscale/rescale/stretch.h"
@@ -13,9 +14,9 @@ namespace turnscale {
 
 /// What is known of the car and its camera beforehand.
 struct CarPrior {
-  double lever_arm = 0;             ///< L: from the rear axle forward to the camera, metres
-  double side_slip = 0.0045;        ///< c, s^2/m: about 2.5 deg of rear slip angle per g
-  double side_slip_sigma = 0.0015;  ///< cars differ by a third of it
+  double lever_arm = 0;               ///< L: from the rear axle forward to the camera, metres
+  double side_slip = kUsualSideSlip;  ///< c, s^2/m
+  double side_slip_sigma = 0.0015;    ///< cars differ by a third of it; 0 where c is known
   /// Of the yaw that Q has wrong, rad (0.5 deg: what a camera mounted by eye or calibrated from motion has).
   double yaw_sigma = 0.5 / 57.295779513082320877;
   /// Of the camera above the axis that the body rolls about, metres.
@@ -34,7 +35,9 @@ struct ScaleEstimatorOptions {
 
   /// Least share of the lever arm that side slip may leave in a turn. In faster turns the scale hangs on the slip
   /// rather than on the tape measure.
-  double min_lever_share = 0.25;
+  double min_lever_arm_ratio = 0.25;
+  /// Of the log-scale where tracking was lost and began anew, carried across by the predicted motion.
+  double gap_sigma = 0.3;
 
   /// Throws InputError that names the field when a value makes no sense.
   void Check() const;
@@ -46,7 +49,9 @@ struct ScaleEstimate {
   ScaleNoise noise;
   double sway_sigma = 0;         ///< of a step, odometry units
   std::vector<Belief> smoothed;  ///< from the whole drive
-  std::vector<Belief> causal;    ///< from what came before; noise and weights are those of the whole drive
+  std::vector<Belief> filtered;  ///< from what came before, but with the whole drive's noise and weights
+  bool converged = false;
+  bool side_slip_at_bound = false;  ///< the drive wants tyres that slip inwards: c is held at 0
 };
 
 /// Maximum a posteriori scale of a drive. Nothing where no turn is slow enough and swings the camera outwards.

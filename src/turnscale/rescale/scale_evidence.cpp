@@ -28,39 +28,40 @@ ScaleEvidence EvidenceAt(const StretchObservation& observation, const DriveState
   const Eigen::Vector4d coefficients = SwayCoefficients(state, lever_arm);
   Eigen::Matrix4d by_state = SwayCoefficientsJacobian(state, lever_arm);
   if (!observation.turning) by_state.col(kLogScale).setZero();
-  Eigen::Matrix<double, 4, 2> by_own = Eigen::Matrix<double, 4, 2>::Zero();
-  by_own(0, 0) = coefficients[0];
-  by_own(2, 1) = 1;
+  Eigen::Matrix<double, 4, 2> by_effects = Eigen::Matrix<double, 4, 2>::Zero();
+  by_effects(0, 0) = coefficients[0];
+  by_effects(2, 1) = 1;
 
   const Eigen::Vector4d slope = pooled.target - pooled.information * coefficients;
-  const Eigen::Vector2d own_prior(observation.lever_weight / (noise.lever * noise.lever),
-                                  observation.direction_weight / (noise.direction * noise.direction));
+  const Eigen::Vector2d effects_prior(observation.lever_weight / (noise.lever * noise.lever),
+                                      observation.direction_weight / (noise.direction * noise.direction));
   ScaleEvidence evidence;
-  evidence.own_gradient = by_own.transpose() * slope;
-  evidence.own_by_state = by_own.transpose() * pooled.information * by_state;
-  Eigen::Matrix2d own_information = by_own.transpose() * pooled.information * by_own;
-  own_information.diagonal() += own_prior;
-  evidence.own_covariance = own_information.inverse();
-  const Eigen::Matrix<double, 4, 2> gain = evidence.own_by_state.transpose() * evidence.own_covariance;
-  evidence.information = by_state.transpose() * pooled.information * by_state - gain * evidence.own_by_state;
-  evidence.gradient = by_state.transpose() * slope - gain * evidence.own_gradient;
+  evidence.effects_gradient = by_effects.transpose() * slope;
+  evidence.effects_by_state = by_effects.transpose() * pooled.information * by_state;
+  Eigen::Matrix2d effects_information = by_effects.transpose() * pooled.information * by_effects;
+  effects_information.diagonal() += effects_prior;
+  evidence.effects_covariance = effects_information.inverse();
+  const Eigen::Matrix<double, 4, 2> gain = evidence.effects_by_state.transpose() * evidence.effects_covariance;
+  evidence.information = by_state.transpose() * pooled.information * by_state - gain * evidence.effects_by_state;
+  evidence.gradient = by_state.transpose() * slope - gain * evidence.effects_gradient;
   evidence.cost = pooled.Cost(coefficients) -
-                  evidence.own_gradient.dot(evidence.own_covariance * evidence.own_gradient) +
-                  std::log(own_information.determinant() / own_prior.prod());
+                  evidence.effects_gradient.dot(evidence.effects_covariance * evidence.effects_gradient) +
+                  std::log(effects_information.determinant() / effects_prior.prod());
   return evidence;
 }
 
-OwnErrors OwnErrorsOf(const ScaleEvidence& evidence, const DriveState& taken_at, const Belief& belief) {
-  const Eigen::Matrix<double, 2, 4> by_state = evidence.own_covariance * evidence.own_by_state;
-  const Eigen::Matrix2d covariance = evidence.own_covariance + by_state * belief.covariance * by_state.transpose();
-  return {evidence.own_covariance * evidence.own_gradient - by_state * (belief.mean - taken_at), covariance.diagonal()};
+RandomEffects RandomEffectsOf(const ScaleEvidence& evidence, const DriveState& taken_at, const Belief& belief) {
+  const Eigen::Matrix<double, 2, 4> by_state = evidence.effects_covariance * evidence.effects_by_state;
+  const Eigen::Matrix2d covariance = evidence.effects_covariance + by_state * belief.covariance * by_state.transpose();
+  return {evidence.effects_covariance * evidence.effects_gradient - by_state * (belief.mean - taken_at),
+          covariance.diagonal()};
 }
 
 double MeanSquareSpeed(const PooledSway& pooled) {
   return pooled.information(0, 0) > 0 ? -pooled.information(0, 1) / pooled.information(0, 0) : 0;
 }
 
-double LeverShare(const PooledSway& pooled, const DriveState& state, double lever_arm) {
+double LeverArmRatio(const PooledSway& pooled, const DriveState& state, double lever_arm) {
   return 1 - state[kSlip] * MeanSquareSpeed(pooled) * std::exp(2 * state[kLogScale]) / lever_arm;
 }
 

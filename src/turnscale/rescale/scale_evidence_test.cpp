@@ -39,13 +39,13 @@ StretchObservation ObservationOf(const std::vector<SwayStep>& steps, double sigm
   return observation;
 }
 
-// The cost with the stretch's own errors in it.
-double FullCost(const StretchObservation& observation, const DriveState& state, const Eigen::Vector2d& own) {
+// The cost with the stretch's random effects in it.
+double FullCost(const StretchObservation& observation, const DriveState& state, const Eigen::Vector2d& effects) {
   Eigen::Vector4d coefficients = SwayCoefficients(state, kLeverArm);
-  coefficients[0] *= 1 + own[0];
-  coefficients[2] += own[1];
-  return observation.pooled.Cost(coefficients) + observation.lever_weight * std::pow(own[0] / kNoise.lever, 2) +
-         observation.direction_weight * std::pow(own[1] / kNoise.direction, 2);
+  coefficients[0] *= 1 + effects[0];
+  coefficients[2] += effects[1];
+  return observation.pooled.Cost(coefficients) + observation.lever_weight * std::pow(effects[0] / kNoise.lever, 2) +
+         observation.direction_weight * std::pow(effects[1] / kNoise.direction, 2);
 }
 
 TEST(PooledSway, CostIsTheSumOfSquares) {
@@ -75,20 +75,20 @@ TEST(ScaleEvidence, CoefficientsHaveTheDerivativesOfFiniteDifferences) {
   }
 }
 
-TEST(ScaleEvidence, GradientIsThatOfTheCostWithOwnErrorsEliminated) {
+TEST(ScaleEvidence, GradientIsThatOfTheCostWithRandomEffectsEliminated) {
   const StretchObservation observation = ObservationOf(Turn(1e-3), 1e-3);
   const DriveState at = kState + DriveState(0.01, 1e-4, 1e-4, 0.02);
   const ScaleEvidence evidence = EvidenceAt(observation, at, kLeverArm, kNoise);
-  // Of the full cost at the best own errors, by the state: the envelope theorem, own errors at first order.
-  const Eigen::Vector2d own = evidence.own_covariance * evidence.own_gradient;
-  EXPECT_LT(FullCost(observation, at, own), FullCost(observation, at, {0, 0}));
+  // Of the full cost at the best random effects, by the state: the envelope theorem, the effects at first order.
+  const Eigen::Vector2d effects = evidence.effects_covariance * evidence.effects_gradient;
+  EXPECT_LT(FullCost(observation, at, effects), FullCost(observation, at, {0, 0}));
   for (const Eigen::Vector2d& off : {Eigen::Vector2d(1e-4, 0), Eigen::Vector2d(0, 1e-5)}) {
-    EXPECT_GT(FullCost(observation, at, own + off), FullCost(observation, at, own));
-    EXPECT_GT(FullCost(observation, at, own - off), FullCost(observation, at, own));
+    EXPECT_GT(FullCost(observation, at, effects + off), FullCost(observation, at, effects));
+    EXPECT_GT(FullCost(observation, at, effects - off), FullCost(observation, at, effects));
   }
   const auto profile = [&](const DriveState& state) {
     const ScaleEvidence there = EvidenceAt(observation, state, kLeverArm, kNoise);
-    return FullCost(observation, state, there.own_covariance * there.own_gradient);
+    return FullCost(observation, state, there.effects_covariance * there.effects_gradient);
   };
   for (const int unknown : {kTravel, kSlip, kHeight}) {
     const DriveState step = (unknown == kHeight ? 1e-4 : 1e-7) * DriveState::Unit(unknown);
@@ -97,7 +97,7 @@ TEST(ScaleEvidence, GradientIsThatOfTheCostWithOwnErrorsEliminated) {
   }
 }
 
-TEST(ScaleEvidence, OwnErrorsBoundWhatATurnCanSay) {
+TEST(ScaleEvidence, RandomEffectsBoundWhatATurnCanSay) {
   std::vector<SwayStep> steps = Turn(0);
   for (SwayStep& step : steps) {
     step.speed = 0.45;
@@ -124,7 +124,7 @@ TEST(ScaleEvidence, OneTurnShowsItsScale) {
   const auto scale = ScaleOfStretch(observation.pooled, kState, kLeverArm);
   ASSERT_TRUE(scale);
   EXPECT_NEAR(*scale / kScale, 1, 1e-9);
-  EXPECT_NEAR(LeverShare(observation.pooled, kState, kLeverArm), 1 - 0.005 * std::pow(0.45 * kScale, 2) / kLeverArm,
+  EXPECT_NEAR(LeverArmRatio(observation.pooled, kState, kLeverArm), 1 - 0.005 * std::pow(0.45 * kScale, 2) / kLeverArm,
               0.02);
 }
 

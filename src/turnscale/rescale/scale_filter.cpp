@@ -17,7 +17,7 @@ constexpr int kLocalIterations = 4;
 Belief Predict(Belief belief, const StretchObservation& next, const ScaleNoise& noise, double scale) {
   belief.covariance(kLogScale, kLogScale) +=
       noise.per_distance * noise.per_distance * next.distance * scale / kDistance +
-      noise.per_angle * noise.per_angle * next.angle / kAngle;
+      noise.per_angle * noise.per_angle * next.angle / kAngle + next.gap_sigma * next.gap_sigma;
   return belief;
 }
 
@@ -67,12 +67,6 @@ double RunFilter(const ScaleProblem& problem, const ScaleNoise& noise, const std
 
 }  // namespace
 
-ScaleHistory FilterScale(const ScaleProblem& problem, const ScaleNoise& noise, const std::vector<DriveState>& at) {
-  Trace trace;
-  const double log_likelihood = RunFilter(problem, noise, at, &trace);
-  return {std::move(trace.filtered), log_likelihood};
-}
-
 double ScaleLogLikelihood(const ScaleProblem& problem, const ScaleNoise& noise, const std::vector<DriveState>& at) {
   return RunFilter(problem, noise, at, nullptr);
 }
@@ -94,7 +88,7 @@ ScaleHistory SmoothScale(const ScaleProblem& problem, const ScaleNoise& noise, c
   return history;
 }
 
-ScaleHistory CausalScale(const ScaleProblem& problem, const ScaleNoise& noise) {
+ScaleHistory FilterScale(const ScaleProblem& problem, const ScaleNoise& noise) {
   ScaleHistory history;
   Belief belief = problem.prior;
   bool started = false;

@@ -26,20 +26,17 @@ struct ScaleHistory {
   double log_likelihood = 0;    ///< of all observations, up to a constant that the noise does not touch
 };
 
-/// Kalman filter along the drive, linearised at given states (one a stretch). A belief holds what is known up to and
-/// with its stretch.
-ScaleHistory FilterScale(const ScaleProblem& problem, const ScaleNoise& noise, const std::vector<DriveState>& at);
-
-/// Log-likelihood of FilterScale alone.
+/// Log-likelihood of a Kalman filter along the drive, linearised at given states (one a stretch).
 double ScaleLogLikelihood(const ScaleProblem& problem, const ScaleNoise& noise, const std::vector<DriveState>& at);
 
-/// Filter and Rauch-Tung-Striebel smoother: a belief holds what the whole drive tells. With the linearisation moved to
-/// the answer and this repeated, it is Gauss-Newton on the maximum a posteriori problem, in time linear in the number
-/// of stretches (Bell 1994, The iterated Kalman smoother as a Gauss-Newton method).
+/// That filter and the Rauch-Tung-Striebel smoother: a belief holds what the whole drive tells. With the linearisation
+/// moved to the answer and this repeated, it is Gauss-Newton on the maximum a posteriori problem, in time linear in the
+/// number of stretches (Bell 1994, The iterated Kalman smoother as a Gauss-Newton method).
 ScaleHistory SmoothScale(const ScaleProblem& problem, const ScaleNoise& noise, const std::vector<DriveState>& at);
 
-/// The causal estimate: an iterated extended Kalman filter, each stretch linearised at what is known with it. Its
-/// log-scale starts where the first turn alone has it; up to there beliefs keep the prior's covariance.
-ScaleHistory CausalScale(const ScaleProblem& problem, const ScaleNoise& noise);
+/// Iterated extended Kalman filter, each stretch linearised at what is known with it: a belief holds what is known up
+/// to and with its stretch. The log-scale starts where the first turn alone has it; up to there beliefs keep the
+/// prior's covariance.
+ScaleHistory FilterScale(const ScaleProblem& problem, const ScaleNoise& noise);
 
 }  // namespace turnscale

@@ -111,24 +111,36 @@ TEST(ScaleFilter, SmootherIsTheDenseLeastSquares) {
 
 TEST(ScaleFilter, FilterEndsWhereTheSmootherDoes) {
   const ScaleProblem problem = RandomProblem(9);
-  const std::vector<DriveState> at = Linearisation(problem);
-  const ScaleHistory filtered = FilterScale(problem, kNoise, at);
-  const ScaleHistory smoothed = SmoothScale(problem, kNoise, at);
-  EXPECT_EQ(filtered.beliefs.back().mean, smoothed.beliefs.back().mean);
-  EXPECT_EQ(filtered.log_likelihood, smoothed.log_likelihood);
-  EXPECT_EQ(filtered.log_likelihood, ScaleLogLikelihood(problem, kNoise, at));
-  for (std::size_t i = 0; i < 9; ++i) {
-    EXPECT_LE(smoothed.beliefs[i].covariance(kLogScale, kLogScale),
-              filtered.beliefs[i].covariance(kLogScale, kLogScale) * (1 + 1e-12));
+  std::vector<DriveState> at = Linearisation(problem);
+  ScaleHistory smoothed;
+  for (int i = 0; i < 20; ++i) {
+    smoothed = SmoothScale(problem, kNoise, at);
+    EXPECT_EQ(smoothed.log_likelihood, ScaleLogLikelihood(problem, kNoise, at));
+    for (std::size_t k = 0; k < at.size(); ++k) at[k] = smoothed.beliefs[k].mean;
   }
+  const ScaleHistory filtered = FilterScale(problem, kNoise);
+  const double sigma = std::sqrt(smoothed.beliefs.back().covariance(kLogScale, kLogScale));
+  EXPECT_NEAR(filtered.beliefs.back().mean[kLogScale], smoothed.beliefs.back().mean[kLogScale], 0.1 * sigma)
+      << "what each linearised elsewhere is all the difference";
+  EXPECT_LT(smoothed.beliefs[3].covariance(kLogScale, kLogScale), filtered.beliefs[3].covariance(kLogScale, kLogScale));
 }
 
-TEST(ScaleFilter, CausalEstimateDoesNotSeeTheFuture) {
+TEST(ScaleFilter, AGapForgetsTheScaleBeforeIt) {
+  ScaleProblem problem = RandomProblem(10);
+  const std::vector<DriveState> at = Linearisation(problem);
+  const ScaleHistory whole = SmoothScale(problem, kNoise, at);
+  problem.observations[5].gap_sigma = 0.3;
+  const ScaleHistory broken = SmoothScale(problem, kNoise, at);
+  EXPECT_GT(broken.beliefs[4].covariance(kLogScale, kLogScale), whole.beliefs[4].covariance(kLogScale, kLogScale));
+  EXPECT_GT(broken.beliefs[5].covariance(kLogScale, kLogScale), whole.beliefs[5].covariance(kLogScale, kLogScale));
+}
+
+TEST(ScaleFilter, FilterDoesNotSeeTheFuture) {
   const ScaleProblem whole = RandomProblem(10);
   ScaleProblem start = whole;
   start.observations.resize(6);
-  const ScaleHistory a = CausalScale(whole, kNoise);
-  const ScaleHistory b = CausalScale(start, kNoise);
+  const ScaleHistory a = FilterScale(whole, kNoise);
+  const ScaleHistory b = FilterScale(start, kNoise);
   for (std::size_t i = 0; i < 6; ++i) EXPECT_EQ(a.beliefs[i].mean, b.beliefs[i].mean);
 }
 

@@ -26,6 +26,18 @@ class Splitter {
   void Turn(int first, int last) { Add(first, last, true); }
 
   void Straight(int first, int last, int max_steps) {
+    for (int i = first + 1; i <= last; ++i) {
+      if (!steps_[i].after_gap) continue;
+      Parts(first, i - 1, max_steps);
+      first = i;
+    }
+    Parts(first, last, max_steps);
+  }
+
+  std::vector<Stretch> Finish() && { return std::move(stretches_); }
+
+ private:
+  void Parts(int first, int last, int max_steps) {
     const int count = last - first + 1;
     const int parts = (count + max_steps - 1) / max_steps;
     for (int part = 0; part < parts; ++part) {
@@ -33,11 +45,8 @@ class Splitter {
     }
   }
 
-  std::vector<Stretch> Finish() && { return std::move(stretches_); }
-
- private:
   void Add(int first, int last, bool turning) {
-    Stretch stretch{first, last, turning};
+    Stretch stretch{first, last, turning, steps_[first].after_gap};
     for (int i = first; i <= last; ++i) {
       stretch.angle += steps_[i].psi;
       stretch.length += steps_[i].length;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "turnscale/kinematics/turn_detector.h"
@@ -13,10 +14,15 @@ struct Stretch {
   int first = 0;  ///< steps first..last
   int last = 0;
   bool turning = false;
-  double angle = 0;   ///< sum of psi, rad, positive to the right
-  double length = 0;  ///< odometry units
-  double middle = 0;  ///< length of the drive up to the middle of the stretch, odometry units
+  bool after_gap = false;  ///< its first step is the one across a gap
+  double angle = 0;        ///< sum of psi, rad, positive to the right
+  double length = 0;       ///< odometry units
+  double middle = 0;       ///< length of the drive up to the middle of the stretch, odometry units
 };
+
+inline std::span<const SwayStep> StepsOf(const std::vector<SwayStep>& steps, const Stretch& stretch) {
+  return std::span(steps).subspan(stretch.first, stretch.last - stretch.first + 1);
+}
 
 struct StretchOptions {
   /// Weaker than those of `turnscale run`: what a poor turn is worth, its variance says. A step of the usual 3 deg

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "turnscale/rescale/stretch.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include <gtest/gtest.h>
 
 #include "turnscale/rescale/drifting_drive.h"
@@ -21,6 +24,37 @@ TEST(SwaySteps, ReadTheConstrainedMotionBack) {
     EXPECT_NEAR(step.speed, step.length / 0.2, 1e-9);
     EXPECT_NEAR(step.roll, 0, 1e-9);
   }
+}
+
+TEST(SwaySteps, PitchOfTheCameraIsNoRoll) {
+  const Eigen::Quaterniond looks_down = RotationFromYawPitchRoll({0, -0.15, 0});
+  const ScaledDrive drive = MakeScaledDrive({{20, 0.8, 0.05}}, kCar, looks_down, 4.0);
+  for (const SwayStep& step : SwaySteps(drive.trajectory, Eigen::Quaterniond::Identity(), 2, true, {})) {
+    EXPECT_NEAR(step.psi, 0.1, 1e-9);
+    EXPECT_NEAR(step.sway, kCar.length * 2 * std::sin(0.05) / 4.0, 1e-9);
+    EXPECT_NEAR(step.roll, 0, 1e-9);
+  }
+}
+
+TEST(SwaySteps, NoneReachesAcrossAGap) {
+  const ScaledDrive drive = MakeScaledDrive({{40, 0.8, 0.05}}, kCar, kTilted, 4.0);
+  const std::vector<SwayStep> steps = SwaySteps(drive.trajectory, kTilted, 3, true, {}, {20});
+  int pose = 0;
+  for (const SwayStep& step : steps) {
+    EXPECT_EQ(step.first, pose);
+    pose = step.last;
+    EXPECT_EQ(step.after_gap, step.last == 20);
+    EXPECT_TRUE(!step.after_gap || (step.first == 19 && step.length == 0 && !step.usable));
+  }
+  int after_gap = 0;
+  for (const Stretch& stretch : SplitIntoStretches(steps, {})) {
+    after_gap += stretch.after_gap;
+    EXPECT_EQ(stretch.after_gap, steps[stretch.first].after_gap);
+    EXPECT_TRUE(std::none_of(steps.begin() + stretch.first + 1, steps.begin() + stretch.last + 1,
+                             [](const SwayStep& step) { return step.after_gap; }))
+        << "a gap is where a stretch begins";
+  }
+  EXPECT_EQ(after_gap, 1);
 }
 
 TEST(SwaySteps, RollIsToTheRight) {

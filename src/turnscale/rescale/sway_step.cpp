@@ -32,15 +32,36 @@ double OrdinaryLength(const Trajectory& trajectory, int spacing) {
   return HalfSumValue(lengths);
 }
 
+// A motion in vehicle axes, pitched so that it goes neither up nor down half-way.
+struct LevelMotion {
+  TurningMotion turning;
+  double roll = 0;
+  double off_forward = 0;  // rad, before it was levelled
+};
+
+LevelMotion LevelMotionOf(const RigidTransform& motion, const Eigen::Quaterniond& vehicle_from_camera) {
+  const Eigen::Quaterniond half_back = RotationFromVector(-0.5 * VectorFromRotation(motion.rotation));
+  const Eigen::Vector3d travel = vehicle_from_camera * (half_back * motion.translation);
+  LevelMotion level;
+  level.off_forward = std::atan2(std::hypot(travel.x(), travel.y()), travel.z());
+  Eigen::Quaterniond level_from_camera = vehicle_from_camera;
+  if (travel.z() > 0) {
+    level_from_camera = RotationFromVector({std::atan2(travel.y(), travel.z()), 0, 0}) * vehicle_from_camera;
+  }
+  level.turning = TurningMotionOf(motion, level_from_camera);
+  level.roll = TwistAboutZ(level_from_camera * motion.rotation * level_from_camera.conjugate());
+  return level;
+}
+
 SwayStep StepBetween(const Trajectory& trajectory, const Eigen::Quaterniond& vehicle_from_camera, int first, int last,
                      bool timed, double max_direction) {
-  const RigidTransform motion = Motion(trajectory, first, last);
-  const TurningMotion turning = TurningMotionOf(motion, vehicle_from_camera);
+  const LevelMotion motion = LevelMotionOf(Motion(trajectory, first, last), vehicle_from_camera);
+  const TurningMotion& turning = motion.turning;
   SwayStep step{first, last, turning.psi, turning.step};
   step.sway = turning.step * std::sin(turning.theta - 0.5 * turning.psi);
-  step.roll = TwistAboutZ(vehicle_from_camera * motion.rotation * vehicle_from_camera.conjugate());
+  step.roll = motion.roll;
   if (timed) step.speed = turning.step / (trajectory[last].time - trajectory[first].time);
-  step.usable = std::abs(turning.theta) <= max_direction;
+  step.forward = step.usable = motion.off_forward <= max_direction;
   return step;
 }
 
@@ -73,22 +94,38 @@ int KeySpacing(const Trajectory& trajectory, const Eigen::Quaterniond& vehicle_f
   options.Check();
   std::vector<double> angles;
   for (int i = 1; i < static_cast<int>(trajectory.size()); ++i) {
-    angles.push_back(std::abs(TurningMotionOf(Motion(trajectory, i - 1, i), vehicle_from_camera).psi));
+    angles.push_back(std::abs(LevelMotionOf(Motion(trajectory, i - 1, i), vehicle_from_camera).turning.psi));
   }
   const double wanted = options.step_angle / std::max(HalfSumValue(angles), 1e-9);
   return static_cast<int>(std::lround(std::clamp(wanted, 1.0, static_cast<double>(options.max_spacing))));
 }
 
 std::vector<SwayStep> SwaySteps(const Trajectory& trajectory, const Eigen::Quaterniond& vehicle_from_camera,
-                                int spacing, bool timed, const KeySpacingOptions& options) {
+                                int spacing, bool timed, const KeySpacingOptions& options,
+                                const std::vector<int>& gaps) {
   options.Check();
   std::vector<SwayStep> steps;
+  const auto step_to = [&](int key, int i) {
+    return StepBetween(trajectory, vehicle_from_camera, key, i, timed, options.max_direction);
+  };
   const double shortest = options.min_length_share * OrdinaryLength(trajectory, spacing);
+  auto gap = gaps.begin();
   int key = 0;
-  for (int i = spacing; i < static_cast<int>(trajectory.size()); ++i) {
+  for (int i = 1; i < static_cast<int>(trajectory.size()); ++i) {
+    if (gap != gaps.end() && *gap == i) {
+      ++gap;
+      if (key < i - 1) {
+        steps.push_back(step_to(key, i - 1));
+        steps.back().usable = false;
+      }
+      steps.push_back({.first = i - 1, .last = i, .usable = false, .after_gap = true});
+      key = i;
+      continue;
+    }
+    if (i - key < spacing) continue;
     const double length = Distance(trajectory, key, i);
-    if (i - key < spacing || length < shortest || length == 0) continue;
-    steps.push_back(StepBetween(trajectory, vehicle_from_camera, key, i, timed, options.max_direction));
+    if (length < shortest || length == 0) continue;
+    steps.push_back(step_to(key, i));
     key = i;
   }
   MarkJumps(steps, spacing, options);

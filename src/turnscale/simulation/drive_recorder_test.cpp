@@ -237,7 +237,8 @@ TEST_F(DriveRecorderTest, InterruptedDriveIsToldByItsMissingTimes) {
       RecordDrive(MakeTestWorld(1), rig, 3, {folder_, 5, 2}, [](int done, int /*frames*/) { return done < 2; });
   EXPECT_FALSE(recording.complete);
   EXPECT_EQ(recording.frames, 2);
-  EXPECT_EQ(FindDrive(folder_).images.size(), 2u) << "nothing of the earlier drive is left";
+  EXPECT_THROW(FindDrive(folder_), InputError) << "a run of half a drive would pass for one of the whole";
+  EXPECT_EQ(FindDrive(folder_ / "image_0").images.size(), 2u) << "nothing of the earlier drive is left";
   EXPECT_FALSE(fs::exists(folder_ / "times.txt"));
   EXPECT_FALSE(fs::exists(folder_ / "poses.txt"));
 }

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/odometry/mount_calibration.h"
+
+#include <algorithm>
+#include <optional>
+
+#include "turnscale/geometry/rotation.h"
+
+namespace turnscale {
+namespace {
+
+// Half a per cent of scale or so.
+constexpr double kLeastChange = 0.05 / kDegreesPerRadian;
+
+// Roll hardly matters to the scale, and is known worst.
+double YawAndPitchBetween(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b) {
+  return VectorFromRotation(a * b.conjugate()).head<2>().norm();
+}
+
+OnlineCalibrationOptions OptionsFor(const Eigen::Quaterniond& assumed) {
+  OnlineCalibrationOptions options;
+  options.forward = assumed.inverse() * Eigen::Vector3d::UnitZ();
+  return options;
+}
+
+}  // namespace
+
+MountCalibration::MountCalibration(const VehicleOptions& vehicle)
+    : calibrates_(vehicle.calibrate_camera),
+      calibration_(OptionsFor(vehicle.vehicle_from_camera)),
+      mounts_{{0, vehicle.vehicle_from_camera}} {}
+
+bool MountCalibration::Learn(const Map& map, const std::vector<double>& unit_at_keyframe, int last) {
+  if (!calibrates_) return false;
+  bool changed = false;
+  for (; next_keyframe_ <= last; ++next_keyframe_) {
+    const Keyframe& keyframe = map.keyframes[next_keyframe_];
+    if (keyframe.after_gap) gatherer_.Break();
+    const RigidTransform pose = keyframe.camera_from_world.inverse();
+    Eigen::Vector3d way = Eigen::Vector3d::Zero();
+    if (next_keyframe_ > 0) {
+      const RigidTransform before = map.keyframes[next_keyframe_ - 1].camera_from_world.inverse();
+      way = (pose.translation - before.translation) / unit_at_keyframe[next_keyframe_];
+    }
+    if (!way.allFinite() || !pose.rotation.coeffs().allFinite()) {
+      gatherer_.Break();
+      continue;
+    }
+    place_ += way;
+    const std::optional<CameraStep> step = gatherer_.Add({keyframe.time, {pose.rotation, place_}});
+    if (!step) continue;
+    const OnlineState& state = calibration_.Add(*step);
+    step_ends_.push_back(next_keyframe_);
+    // What the calibration goes on with comes after the move.
+    if (state.moved) {
+      mounts_.push_back({step_ends_[step_ends_.size() - state.steps], current().vehicle_from_camera});
+    }
+    if (!state.usable) continue;
+    Mount& mount = mounts_.back();
+    mount.found = true;
+    mount.sigma = state.sigma;
+    if (YawAndPitchBetween(state.vehicle_from_camera, mount.vehicle_from_camera) < kLeastChange) continue;
+    mount.vehicle_from_camera = state.vehicle_from_camera;
+    changed = true;
+  }
+  return changed;
+}
+
+const Eigen::Quaterniond& MountCalibration::At(int keyframe) const {
+  const auto later = [](int k, const Mount& mount) { return k < mount.first_keyframe; };
+  return std::prev(std::upper_bound(mounts_.begin() + 1, mounts_.end(), keyframe, later))->vehicle_from_camera;
+}
+
+}  // namespace turnscale

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "turnscale/calibration/online_calibration.h"
+#include "turnscale/calibration/step_gatherer.h"
+#include "turnscale/mapping/map.h"
+#include "turnscale/odometry/options.h"
+
+namespace turnscale {
+
+/// The camera's rotation on the car from some keyframe on, up to the next one that says so.
+struct Mount {
+  int first_keyframe = 0;
+  Eigen::Quaterniond vehicle_from_camera = Eigen::Quaterniond::Identity();
+  bool found = false;       ///< from the drive; else as given or assumed, or as it was before a move
+  YawPitchRoll sigma = {};  ///< rad, where found
+};
+
+/// How the camera is turned on the car: as given, or found from the drive (section III).
+class MountCalibration {
+ public:
+  explicit MountCalibration(const VehicleOptions& vehicle);
+
+  /// Takes the keyframes up to `last` that are new to it; their poses have settled. Lengths at keyframe k divided by
+  /// `unit_at_keyframe[k]` are in one unit for the whole drive. Returns whether the rotation to be used
+  /// has changed by so much that turns read before are worth reading again.
+  bool Learn(const Map& map, const std::vector<double>& unit_at_keyframe, int last);
+
+  /// The paper's Q at a keyframe.
+  const Eigen::Quaterniond& At(int keyframe) const;
+  const Mount& current() const { return mounts_.back(); }
+
+  /// The rotations in use, in the order of time.
+  const std::vector<Mount>& mounts() const { return mounts_; }
+  /// How often the camera was moved.
+  int moves() const { return static_cast<int>(mounts_.size()) - 1; }
+
+ private:
+  bool calibrates_;
+  StepGatherer gatherer_;
+  OnlineCalibration calibration_;
+  std::vector<Mount> mounts_;
+  std::vector<int> step_ends_;  ///< keyframes
+  int next_keyframe_ = 0;
+  Eigen::Vector3d place_ = Eigen::Vector3d::Zero();  ///< of the latest keyframe taken, in the drive's one unit
+};
+
+}  // namespace turnscale

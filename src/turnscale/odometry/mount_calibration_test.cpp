@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/odometry/mount_calibration.h"
+
+#include <cmath>
+#include <utility>
+
+#include <gtest/gtest.h>
+
+#include "turnscale/geometry/rotation.h"
+#include "turnscale/kinematics/synthetic_drive.h"
+
+namespace turnscale {
+namespace {
+
+constexpr double kQuarter = M_PI / 2 / 30;
+const Eigen::Quaterniond kTurned = RotationFromYawPitchRoll({0.15, -0.1, 0.03});
+
+std::vector<DriveSegment> Blocks(int corners) {
+  std::vector<DriveSegment> route = {{40, 0.8, 0}};
+  for (int i = 0; i < corners; ++i) {
+    route.push_back({30, 0.6, i % 2 == 0 ? kQuarter : -kQuarter});
+    route.push_back({40, 0.8, 0});
+  }
+  return route;
+}
+
+void Append(const std::vector<DriveSegment>& route, const Eigen::Quaterniond& mount, Map& map) {
+  const CarDrive drive = MakeCarDrive(route, 0.1, {1.2, 0.0045}, mount);
+  const int first = static_cast<int>(map.keyframes.size());
+  const RigidTransform start =
+      map.keyframes.empty() ? RigidTransform() : map.keyframes.back().camera_from_world.inverse();
+  for (size_t i = first == 0 ? 0 : 1; i < drive.world_from_camera.size(); ++i) {
+    const int k = static_cast<int>(map.keyframes.size());
+    map.keyframes.push_back({k, 0.1 * k, (start * drive.world_from_camera[i]).inverse(), {}, false});
+  }
+}
+
+std::vector<double> Ones(const Map& map) { return std::vector<double>(map.keyframes.size(), 1.0); }
+int Last(const Map& map) { return static_cast<int>(map.keyframes.size()) - 1; }
+
+double DegreesBetween(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b) {
+  return a.angularDistance(b) * kDegreesPerRadian;
+}
+
+TEST(MountCalibration, FindsTheRotationInOneTurn) {
+  Map map;
+  Append(Blocks(1), kTurned, map);
+  MountCalibration mount{VehicleOptions()};
+  EXPECT_FALSE(mount.Learn(map, Ones(map), 35)) << "before the turn";
+  EXPECT_TRUE(mount.Learn(map, Ones(map), Last(map)));
+  EXPECT_LT(DegreesBetween(mount.At(0), kTurned), 0.1);
+  EXPECT_EQ(mount.mounts().size(), 1U);
+  EXPECT_FALSE(mount.Learn(map, Ones(map), Last(map))) << "nothing new";
+}
+
+TEST(MountCalibration, KnowsBackingUpForWhatItIs) {
+  Map map;
+  Append(Blocks(1), kTurned, map);
+  // The same way backwards in time.
+  for (int k = 0; k < Last(map) - k; ++k) {
+    std::swap(map.keyframes[k].camera_from_world, map.keyframes[Last(map) - k].camera_from_world);
+  }
+  MountCalibration mount{VehicleOptions()};
+  EXPECT_TRUE(mount.Learn(map, Ones(map), Last(map)));
+  EXPECT_TRUE(mount.current().found);
+  EXPECT_LT(DegreesBetween(mount.At(0), kTurned), 0.1);
+}
+
+TEST(MountCalibration, ANewUnitDoesNotMatter) {
+  Map map;
+  Append(Blocks(3), kTurned, map);
+  // From some keyframe on, in the middle of a turn, lengths are four times what they were.
+  std::vector<double> units(map.keyframes.size(), 1.0);
+  for (size_t k = 1; k < map.keyframes.size(); ++k) {
+    if (k > 50) units[k] = 4;
+  }
+  Map scaled = map;
+  for (size_t k = 1; k < map.keyframes.size(); ++k) {
+    RigidTransform step = map.keyframes[k].camera_from_world * map.keyframes[k - 1].camera_from_world.inverse();
+    step.translation *= units[k];
+    scaled.keyframes[k].camera_from_world = step * scaled.keyframes[k - 1].camera_from_world;
+  }
+  MountCalibration plain{VehicleOptions()};
+  MountCalibration mount{VehicleOptions()};
+  plain.Learn(map, Ones(map), Last(map));
+  mount.Learn(scaled, units, Last(map));
+  EXPECT_LT(DegreesBetween(mount.At(0), plain.At(0)), 1e-6);
+}
+
+TEST(MountCalibration, AGivenRotationStays) {
+  VehicleOptions vehicle;
+  vehicle.calibrate_camera = false;
+  Map map;
+  Append(Blocks(2), kTurned, map);
+  MountCalibration mount(vehicle);
+  EXPECT_FALSE(mount.Learn(map, Ones(map), Last(map)));
+  EXPECT_EQ(mount.At(Last(map)).coeffs(), vehicle.vehicle_from_camera.coeffs());
+}
+
+TEST(MountCalibration, AMovedCameraIsAnotherMount) {
+  const Eigen::Quaterniond moved = RotationFromYawPitchRoll({0.15 + 0.06, -0.1 + 0.03, 0.03});
+  Map map;
+  Append(Blocks(5), kTurned, map);
+  const int at = Last(map);
+  Append(Blocks(5), moved, map);
+  MountCalibration mount{VehicleOptions()};
+  mount.Learn(map, Ones(map), Last(map));
+  EXPECT_EQ(mount.moves(), 1);
+  ASSERT_EQ(mount.mounts().size(), 2U);
+  EXPECT_NEAR(mount.mounts()[1].first_keyframe, at, 20) << "two seconds";
+  EXPECT_LT(DegreesBetween(mount.At(at - 20), kTurned), 0.1);
+  EXPECT_LT(DegreesBetween(mount.At(Last(map)), moved), 0.1);
+}
+
+}  // namespace
+}  // namespace turnscale

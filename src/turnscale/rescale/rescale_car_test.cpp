@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: MIT
+#include <optional>
+
+#include <gtest/gtest.h>
+
+#include "turnscale/base/error.h"
+#include "turnscale/rescale/rescale_fixture.h"
+
+namespace turnscale {
+namespace {
+
+TEST(Rescale, FindsSlipAndYawThatWereGivenWrong) {
+  const double yaw = 1.0 / kDegreesPerRadian;
+  const ScaledDrive drive = MakeScaledDrive(CityRoute(10), kCar, RotationFromYawPitchRoll({yaw, 0, 0}), kUnit,
+                                            {.position = 0.003, .rotation = 0.0002}, 5);
+  RescaleOptions options = OptionsFor({kCar.length, 0.0055});
+  options.vehicle_from_camera = kIdentity;
+  options.estimator.drifting = false;
+  const RescaleResult result = RescaleTrajectory(options, drive.trajectory);
+  ASSERT_TRUE(result.observable) << result.reason;
+  EXPECT_NEAR(result.yaw_error, yaw, 0.001);
+  EXPECT_NEAR(result.side_slip, kCar.side_slip, 0.0006);
+  EXPECT_LT(WorstLogError(result, drive), 0.03);
+}
+
+// The lever arm is seen in proportion to the turning angle, and so is a roll that is none but a pitch of the camera.
+TEST(Rescale, PitchOfTheCameraDoesNotBendTheScale) {
+  for (const double pitch : {-10.0, 10.0}) {
+    const Eigen::Quaterniond mount = RotationFromYawPitchRoll({0, pitch / kDegreesPerRadian, 0});
+    const ScaledDrive drive = MakeScaledDrive(CityRoute(9), kCar, mount, kUnit);
+    RescaleOptions options = OptionsFor(kCar);
+    for (const auto& given : {std::optional(kIdentity), std::optional<Eigen::Quaterniond>()}) {
+      options.vehicle_from_camera = given;
+      const RescaleResult result = RescaleTrajectory(options, drive.trajectory);
+      ASSERT_TRUE(result.observable) << result.reason;
+      EXPECT_LT(WorstLogError(result, drive), 0.006) << pitch << (given ? " given as 0" : " to be found");
+    }
+  }
+}
+
+TEST(Rescale, FindsHowTheCameraIsTurned) {
+  const YawPitchRoll angles{12 / kDegreesPerRadian, -8 / kDegreesPerRadian, 5 / kDegreesPerRadian};
+  Eigen::Matrix3d vehicle_axes;  // x forward, y left, z up
+  vehicle_axes << 0, -1, 0, 0, 0, -1, 1, 0, 0;
+  for (const auto& mount : {RotationFromYawPitchRoll(angles), Eigen::Quaterniond(vehicle_axes)}) {
+    const ScaledDrive drive = MakeScaledDrive(CityRoute(9), kCar, mount, kUnit, {.position = 0.003}, 2);
+    RescaleOptions options = OptionsFor(kCar);
+    options.estimator.drifting = false;
+    const RescaleResult result = RescaleTrajectory(options, drive.trajectory);
+    ASSERT_TRUE(result.observable) << result.reason;
+    EXPECT_LT(RotationAngle(result.vehicle_from_camera.conjugate() * mount), 1 / kDegreesPerRadian);
+    EXPECT_LT(WorstLogError(result, drive), 0.02);
+  }
+}
+
+TEST(Rescale, SaysWhenTheAxesAreNotACameras) {
+  Eigen::Matrix3d vehicle_axes;
+  vehicle_axes << 0, -1, 0, 0, 0, -1, 1, 0, 0;
+  const ScaledDrive drive = MakeScaledDrive(CityRoute(4), kCar, Eigen::Quaterniond(vehicle_axes), kUnit);
+  RescaleOptions options = OptionsFor(kCar);
+  options.vehicle_from_camera = kIdentity;
+  const RescaleResult result = RescaleTrajectory(options, drive.trajectory);
+  EXPECT_FALSE(result.observable);
+  EXPECT_NE(result.reason.find("sideways"), std::string::npos) << result.reason;
+}
+
+// Of 6 degrees per g, whichever way the camera is pitched.
+TEST(Rescale, BodyRollIsNoLeverArm) {
+  for (const double pitch : {-8.0, 0.0, 8.0}) {
+    const Eigen::Quaterniond mount = RotationFromYawPitchRoll({0, pitch / kDegreesPerRadian, 0});
+    const ScaledDrive drive = MakeScaledDrive(CityRoute(12), kCar, mount, kUnit, {.position = 0.002}, 3, {0.8, 0.0107});
+    RescaleOptions options = OptionsFor(kCar);
+    options.estimator.drifting = false;
+    const RescaleResult result = RescaleTrajectory(options, drive.trajectory);
+    ASSERT_TRUE(result.observable) << result.reason;
+    EXPECT_NEAR(result.height, 0.8, 0.15) << "expected about " << options.car.height << " beforehand";
+    EXPECT_LT(WorstLogError(result, drive), 0.006);
+    options.car.height = 0;
+    options.car.height_sigma = 1e-6;
+    EXPECT_GT(WorstLogError(RescaleTrajectory(options, drive.trajectory), drive), 1.5 * WorstLogError(result, drive))
+        << "with the roll not asked for";
+  }
+}
+
+TEST(Rescale, SideSlipThatIsKnownIsNotRefined) {
+  const ScaledDrive drive = MakeScaledDrive(CityRoute(10), kCar, kIdentity, kUnit, {.position = 0.002}, 7);
+  RescaleOptions options = OptionsFor({kCar.length, 0.001});
+  options.car.side_slip_sigma = 0;
+  const RescaleResult result = RescaleTrajectory(options, drive.trajectory);
+  ASSERT_TRUE(result.observable) << result.reason;
+  EXPECT_NEAR(result.side_slip, 0.001, 1e-9);
+  EXPECT_EQ(result.side_slip_sigma, 0);
+  EXPECT_FALSE(result.side_slip_at_bound);
+}
+
+TEST(Rescale, TyresDoNotSlipInwards) {
+  // A car whose lever arm seems to grow with speed.
+  const ScaledDrive drive = MakeScaledDrive(CityRoute(10), {1.2, -0.01}, kIdentity, kUnit, {.position = 0.002}, 7);
+  const RescaleResult result = RescaleTrajectory(OptionsFor({1.2, 0.001}), drive.trajectory);
+  ASSERT_TRUE(result.observable) << result.reason;
+  EXPECT_GE(result.side_slip, 0);
+  EXPECT_LT(result.side_slip, 1e-6);
+  EXPECT_TRUE(result.side_slip_at_bound);
+}
+
+TEST(Rescale, WithoutTimesTheTyresDoNotSlip) {
+  const LeverArm rigid{1.2, 0};
+  ScaledDrive drive = MakeScaledDrive(CityRoute(5), rigid, kIdentity, kUnit);
+  for (StampedPose& pose : drive.trajectory) pose.time = 0;
+  RescaleOptions options = OptionsFor({rigid.length, 0.0045});
+  EXPECT_THROW(RescaleTrajectory(options, drive.trajectory), InputError);
+  options.timed = false;
+  const RescaleResult result = RescaleTrajectory(options, drive.trajectory);
+  ASSERT_TRUE(result.observable) << result.reason;
+  EXPECT_LT(WorstLogError(result, drive), 0.004);
+  EXPECT_EQ(result.side_slip_sigma, 0);
+}
+
+}  // namespace
+}  // namespace turnscale

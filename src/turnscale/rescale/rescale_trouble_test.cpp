@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: MIT
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include "turnscale/base/error.h"
+#include "turnscale/base/refused_field.h"
+#include "turnscale/rescale/rescale_fixture.h"
+
+namespace turnscale {
+namespace {
+
+TEST(Rescale, ASkiddingTurnHasLittleSay) {
+  std::vector<DriveSegment> route = CityRoute(9);
+  ScaledDrive drive = MakeScaledDrive(route, kCar, kIdentity, kUnit, {.position = 0.003}, 8);
+  RescaleOptions options = OptionsFor(kCar);
+  options.estimator.drifting = false;
+  const RescaleResult clean = RescaleTrajectory(options, drive.trajectory);
+  // In the fourth turn the rear slides outwards: the camera swings by half a lever arm more than it should.
+  const RescaledTurn turn = clean.turns[3];
+  const Trajectory before = drive.trajectory;
+  Eigen::Vector3d off = Eigen::Vector3d::Zero();
+  for (std::size_t i = turn.first_pose + 1; i < drive.trajectory.size(); ++i) {
+    RigidTransform& pose = drive.trajectory[i].world_from_camera;
+    if (static_cast<int>(i) <= turn.last_pose) {
+      const double psi = TwistAboutY(before[i - 1].world_from_camera.rotation.conjugate() * pose.rotation);
+      off += pose.rotation * Eigen::Vector3d(0.5 * kCar.length * psi / kUnit, 0, 0);
+    }
+    pose.translation += off;
+  }
+  const RescaleResult skid = RescaleTrajectory(options, drive.trajectory);
+  ASSERT_TRUE(skid.observable) << skid.reason;
+  EXPECT_LT(skid.turns[3].weight, 0.35);
+  EXPECT_NEAR(skid.poses[0].metres_per_unit / kUnit, 1, 0.03);
+}
+
+TEST(Rescale, KeyframesAtIrregularTimesWillDo) {
+  const ScaledDrive drive = MakeScaledDrive(CityRoute(8), kCar, kIdentity, kUnit, {.position = 0.003}, 6);
+  Trajectory keyframes;
+  for (std::size_t i = 0; i < drive.trajectory.size(); i += 1 + (i * 7) % 4) keyframes.push_back(drive.trajectory[i]);
+  const RescaleResult result = RescaleTrajectory(OptionsFor(kCar), keyframes);
+  ASSERT_TRUE(result.observable) << result.reason;
+  EXPECT_EQ(result.key_spacing, 1);
+  for (const PoseScale& pose : result.poses) EXPECT_NEAR(pose.metres_per_unit / kUnit, 1, 0.04);
+}
+
+TEST(Rescale, StandingStillDoesNoHarm) {
+  ScaledDrive drive = MakeScaledDrive(CityRoute(5), kCar, kIdentity, kUnit);
+  const RescaleResult moving = RescaleTrajectory(OptionsFor(kCar), drive.trajectory);
+  const StampedPose stop = drive.trajectory[30];
+  for (std::size_t i = 31; i < drive.trajectory.size(); ++i) drive.trajectory[i].time += 50;
+  std::vector<StampedPose> standing(500, stop);
+  for (std::size_t i = 0; i < standing.size(); ++i) standing[i].time += 0.1 * static_cast<double>(i + 1);
+  drive.trajectory.insert(drive.trajectory.begin() + 31, standing.begin(), standing.end());
+  const RescaleResult standing_too = RescaleTrajectory(OptionsFor(kCar), drive.trajectory);
+  ASSERT_TRUE(standing_too.observable) << standing_too.reason;
+  EXPECT_NEAR(standing_too.poses.back().metres_per_unit / moving.poses.back().metres_per_unit, 1, 0.003);
+}
+
+TEST(Rescale, LostTrackingAndJumpsDoNoHarm) {
+  ScaledDrive drive = MakeScaledDrive(CityRoute(8), kCar, kIdentity, kUnit, {.position = 0.003}, 7);
+  // Tracking is lost for two seconds on a straight, the last pose repeated; found again, the odometry has jumped.
+  const int lost = static_cast<int>(drive.trajectory.size()) / 2;
+  for (int i = lost; i < lost + 20; ++i)
+    drive.trajectory[i].world_from_camera = drive.trajectory[lost].world_from_camera;
+  for (std::size_t i = lost + 20; i < drive.trajectory.size(); ++i) {
+    drive.trajectory[i].world_from_camera.translation += Eigen::Vector3d(100, 3, -250) / kUnit;
+  }
+  RescaleOptions options = OptionsFor(kCar);
+  options.estimator.drifting = false;
+  const RescaleResult result = RescaleTrajectory(options, drive.trajectory);
+  ASSERT_TRUE(result.observable) << result.reason;
+  EXPECT_NEAR(result.poses[0].metres_per_unit / kUnit, 1, 0.02);
+  EXPECT_NEAR(result.side_slip, kCar.side_slip, 0.001);
+  double driven = 0;
+  for (std::size_t i = 1; i < drive.trajectory.size(); ++i) {
+    const auto& place = [&](std::size_t k) { return drive.trajectory[k].world_from_camera.translation; };
+    if (static_cast<int>(i) != lost + 20) driven += kUnit * (place(i) - place(i - 1)).norm();
+  }
+  EXPECT_NEAR(result.length / driven, 1, 0.03) << "the jump is no way driven";
+}
+
+TEST(Rescale, TheScaleMayJumpAcrossAGapThatIsNamed) {
+  ScaledDrive drive = MakeScaledDrive(CityRoute(10), kCar, kIdentity, kUnit, {.position = 0.003}, 7);
+  const std::size_t gap = drive.trajectory.size() / 2;
+  const Eigen::Vector3d anew(3, -2, 1);
+  for (std::size_t i = gap; i < drive.trajectory.size(); ++i) {
+    Eigen::Vector3d& place = drive.trajectory[i].world_from_camera.translation;
+    place = anew + 0.8 * place;
+    drive.metres_per_unit[i] /= 0.8;
+  }
+  RescaleOptions options = OptionsFor(kCar);
+  options.estimator.drifting = false;
+  const RescaleResult result = RescaleTrajectory(options, drive.trajectory, {static_cast<int>(gap)});
+  ASSERT_TRUE(result.observable) << result.reason;
+  EXPECT_LT(WorstLogError(result, drive), 0.02) << "up to the very pose of the gap";
+  for (const int bad : {0, -3, static_cast<int>(drive.trajectory.size())}) {
+    EXPECT_THROW(RescaleTrajectory(options, drive.trajectory, {bad}), InputError);
+  }
+}
+
+TEST(Rescale, InventsNothingWithoutATurn) {
+  for (const double bend : {0.0, 1e-4}) {
+    const ScaledDrive drive =
+        MakeScaledDrive({{400, 1.0, bend}}, kCar, kIdentity, kUnit, {.position = 0.003, .rotation = 0.0002});
+    const RescaleResult result = RescaleTrajectory(OptionsFor(kCar), drive.trajectory);
+    EXPECT_FALSE(result.observable);
+    EXPECT_FALSE(result.reason.empty());
+    EXPECT_TRUE(result.metric.empty() && result.poses.empty());
+  }
+}
+
+TEST(Rescale, InventsNothingFromTurnsThatAreTooFast) {
+  // At 20 m/s the slip of 0.004 s^2/m exceeds the lever arm.
+  const ScaledDrive drive =
+      MakeScaledDrive({{100, 2.0, 0}, {60, 2.0, 0.02}, {100, 2.0, 0}}, kCar, kIdentity, kUnit, {.position = 0.003});
+  const RescaleResult result = RescaleTrajectory(OptionsFor(kCar), drive.trajectory);
+  EXPECT_FALSE(result.observable);
+  EXPECT_NE(result.reason.find("slow enough"), std::string::npos) << result.reason;
+}
+
+TEST(Rescale, RefusesSenselessInput) {
+  const RescaleOptions options = OptionsFor(kCar);
+  EXPECT_THROW(RescaleTrajectory(options, {}), InputError);
+  ScaledDrive drive = MakeScaledDrive(CityRoute(2), kCar, kIdentity, kUnit);
+  drive.trajectory[7].world_from_camera.translation.x() = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THROW(RescaleTrajectory(options, drive.trajectory), InputError);
+}
+
+TEST(Rescale, ChecksItsOptions) {
+  const auto refused = [](auto change) {
+    return RefusedField<RescaleOptions>([&](RescaleOptions& options) {
+      options.car.lever_arm = 1;
+      change(options);
+    });
+  };
+  EXPECT_EQ(refused([](auto&) {}), "");
+  EXPECT_EQ(refused([](auto& o) { o.car.lever_arm = 0; }), "car.lever_arm");
+  EXPECT_EQ(refused([](auto& o) { o.car.side_slip = -1; }), "car.side_slip");
+  EXPECT_EQ(refused([](auto& o) { o.car.yaw_sigma = 0; }), "car.yaw_sigma");
+  EXPECT_EQ(refused([](auto& o) { o.keys.max_spacing = 0; }), "keys.max_spacing");
+  EXPECT_EQ(refused([](auto& o) { o.stretches.max_straight_steps = 0; }), "stretches.max_straight_steps");
+  EXPECT_EQ(refused([](auto& o) { o.estimator.huber = 0; }), "estimator.huber");
+  EXPECT_EQ(refused([](auto& o) { o.estimator.gap_sigma = 0; }), "estimator.gap_sigma");
+  EXPECT_EQ(refused([](auto& o) { o.estimator.noise.lever.low = 0; }), "noise.lever");
+  EXPECT_EQ(refused([](auto& o) { o.estimator.noise.per_angle.typical = 1; }), "noise.per_angle");
+  EXPECT_EQ(refused([](auto& o) { o.lever_arm_sigma = -1; }), "lever_arm_sigma");
+}
+
+}  // namespace
+}  // namespace turnscale
