@@ -72,6 +72,15 @@ void Linearize(const BundleOptions& options, const BundleProblem& problem, const
   at.constraint_gradients = ConstraintGradients<kDof>(problem, structure, at.constraints);
 }
 
+/// The exact Hessian may have directions of negative curvature, and too far from the solution it leads astray.
+template <int kDof>
+void BackToGaussNewton(const BundleOptions& options, const BundleProblem& problem, const BundleStructure& structure,
+                       Iterate<kDof>& at) {
+  if (at.kind == HessianKind::kGaussNewton) return;
+  at.kind = HessianKind::kGaussNewton;
+  Linearize(options, problem, structure, at);
+}
+
 template <int kDof>
 BundleSummary Adjust(const BundleOptions& options, BundleProblem& problem) {
   Iterate<kDof> at;
@@ -113,10 +122,8 @@ BundleSummary Adjust(const BundleOptions& options, BundleProblem& problem) {
     }
     if (!SolveKkt(problem, structure, at.equations, at.constraints, at.constraint_gradients, caution.constraint_share,
                   system, solver, step)) {
-      // The exact Hessian may have a direction of negative curvature; Gauss-Newton's has none.
       caution.Tighten();
-      at.kind = HessianKind::kGaussNewton;
-      Linearize(options, problem, structure, at);
+      BackToGaussNewton(options, problem, structure, at);
       continue;
     }
     merit.Cover(step.multipliers);
@@ -129,6 +136,7 @@ BundleSummary Adjust(const BundleOptions& options, BundleProblem& problem) {
         (decrease + rounding) / (step.predicted_decrease + caution.constraint_share * violation + rounding);
     if (!std::isfinite(cost) || !(gain > kAcceptedGain)) {
       caution.Tighten();
+      BackToGaussNewton(options, problem, structure, at);
       continue;
     }
     caution.Relax(gain);

@@ -7,6 +7,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <Eigen/SparseCholesky>
+#include <Eigen/OrderingMethods>
 #include <Eigen/SparseCore>
 
 namespace turnscale {
@@ -37,9 +38,10 @@ class CameraSolver {
   bool is_dense_;
   Eigen::MatrixXd matrix_;
   Eigen::LLT<Eigen::MatrixXd, Eigen::Lower> dense_;
-  Eigen::SparseMatrix<double> sparse_matrix_;  ///< lower triangle
-  std::vector<std::array<int, kDof>> value_;   ///< where each column of a block (transposed) starts in the values
-  Eigen::SimplicialLLT<Eigen::SparseMatrix<double>, Eigen::Lower, Eigen::AMDOrdering<int>> sparse_;
+  std::vector<int> place_;                     ///< of each column in the fill-reducing order
+  Eigen::SparseMatrix<double> sparse_matrix_;  ///< lower triangle, in that order
+  std::vector<std::array<int, kDof>> value_;   ///< where a block's share of each matrix column starts in the values
+  Eigen::SimplicialLLT<Eigen::SparseMatrix<double>, Eigen::Lower, Eigen::NaturalOrdering<int>> sparse_;
 };
 
 }  // namespace turnscale
