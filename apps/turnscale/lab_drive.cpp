@@ -92,17 +92,16 @@ PlotPanel HistoryPanel(const std::string& title, const std::string& unit, PlotRa
 
 struct Level {
   ScaleDrive drive;
-  Map adjusted;
+  Map odometry;  // whose unit shrinks
   RecoveredScale recovered;
 };
 
 Level RunLevel(const LabSettings& settings, double pixel_noise) {
   const ScaleDriveOptions options;
   Level level{DriveOf(settings, pixel_noise), {}, {}};
-  level.adjusted = PointOdometry(level.drive);
-  Map drifted = level.adjusted;
-  LoseScale(options.scale_loss, options.scale_loss_frames, drifted);
-  level.recovered = RecoverScale({}, pixel_noise, level.adjusted, drifted);
+  level.odometry = PointOdometry(level.drive);
+  LoseScale(options.scale_loss, options.scale_loss_frames, level.odometry);
+  level.recovered = RecoverScale({}, pixel_noise, level.odometry);
   return level;
 }
 
@@ -142,9 +141,9 @@ LabResult LabFigure8(const LabSettings& settings) {
       {"view_limit_m", options.view_limit},
       {"keyframes", level.drive.truth.keyframes.size()},
       {"steps", level.drive.stations.size() - 1},
-      {"keyframe_frames", options.keyframe_frames},
+      {"step_frames", options.step_frames},
       {"turning_keyframe_frames", options.turning_keyframe_frames},
-      {"step_m", Rounded(options.drive.length / (options.drive.frames - 1) * options.keyframe_frames)},
+      {"step_m", Rounded(options.drive.length / (options.drive.frames - 1) * options.step_frames)},
       {"sightings_per_keyframe", Rounded(observations / static_cast<double>(level.drive.truth.keyframes.size()))},
       {"rotation_noise_deg", Rounded(options.rotation_noise * kDegreesPerRadian)},
       {"turning_angle_deg", Rounded(kTurningAngle * kDegreesPerRadian)},
@@ -180,8 +179,8 @@ LabResult LabFigure10(const LabSettings& settings) {
   paths.lines.push_back({FromAbove(drive.odometry), "odometry", kOdometryColor, 1.6});
   for (std::size_t i = 0; i < levels.size(); ++i) {
     const std::string name = fmt::format("{} ({:g} px)", kLevelNames[i], kPixelNoise[i]);
-    psi.lines.push_back({OverSteps(drive, KeyframePoses(levels[i].adjusted), StepAngle), name, kLevelColors[i], 1.4});
-    PlotLine dots{OverSteps(drive, KeyframePoses(levels[i].adjusted), StepObserved), name, kLevelColors[i], 1};
+    psi.lines.push_back({OverSteps(drive, KeyframePoses(levels[i].odometry), StepAngle), name, kLevelColors[i], 1.4});
+    PlotLine dots{OverSteps(drive, KeyframePoses(levels[i].odometry), StepObserved), name, kLevelColors[i], 1};
     dots.marker = 'o';
     dots.marker_size = 1.8;
     observed.lines.push_back(dots);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 #include <array>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -20,35 +21,28 @@ constexpr std::array<std::array<double, 6>, 3> kPaperTable = {{{0.110, 0.045, 0.
 constexpr double kPaperOdometryPsi = 0.500;
 constexpr double kPaperOdometryScale = 1.098;
 constexpr double kPaperOdometryRatio = 34.79;
-constexpr int kSideReadingShare = 20;  // readings beside the first one have this many times fewer runs
+// Readings beside the first one have so many times fewer runs.
+constexpr int kFewerRuns = 4;
+constexpr int kFewestRuns = 20;
 
 struct Reading {
   std::string name;
   std::string what;
+  std::string color;  // of its box; empty: not drawn
   ScaleDriveOptions drive;
+  int methods = 2;  // the first so many of kMethods
   int runs = 0;
 };
 
 std::vector<Reading> Readings(const LabSettings& settings) {
-  const int fewer = std::max(2, settings.runs / kSideReadingShare);
-  Reading image{"image", "what falls into KITTI's image", {}, settings.runs};
-  Reading front{"front", "all in front of the camera up to the view limit", {}, fewer};
+  const auto fewer = [&](int times) { return std::max(2, settings.runs / times); };
+  Reading front{"front", "everything in front up to the view limit", "#7cb342", {}, 2, settings.runs};
   front.drive.within_image = false;
-  front.drive.nearest = 1;
-  Reading every_frame{"every_frame", "in the image; the odometry loses its share in every frame", {}, fewer};
+  const Reading image{"image", "what falls into KITTI's image", "#1565c0", {}, 3, fewer(kFewerRuns)};
+  Reading every_frame{"every_frame", "in KITTI's image, loss in every frame", "", {}, 2, fewer(kFewestRuns)};
   every_frame.drive.scale_loss_frames = 1;
-  return {image, front, every_frame};
+  return {front, image, every_frame};
 }
-
-// The two estimators of the table.
-std::vector<ScaleEstimatorSettings> Estimators() {
-  std::vector<ScaleEstimatorSettings> estimators(2);
-  estimators[1].scales = TurnScales::kSmoothed;
-  return estimators;
-}
-constexpr std::array<const char*, 2> kEstimators = {"each turn its own", "turns weighted by variance"};
-constexpr std::array<const char*, 2> kEstimatorKeys = {"own", "weighted"};
-constexpr std::array<const char*, 2> kEstimatorColors = {"#42a5f5", "#7cb342"};
 
 PlotPanel CellPanel(std::size_t column) {
   PlotPanel panel;
@@ -56,7 +50,7 @@ PlotPanel CellPanel(std::size_t column) {
   panel.x_label = "pixel noise [px]";
   panel.y_label = std::string(kTableColumns[column].unit);
   panel.x = PlotRange{0.4, 3.6};
-  panel.legend = column == 2 || column == 5;
+  panel.legend = column == 2;
   for (std::size_t level = 0; level < kPixelNoise.size(); ++level)
     panel.x_names.emplace_back(static_cast<double>(level) + 1, fmt::format("{:g}", kPixelNoise[level]));
   PlotLine paper{{}, "paper's Table I", "#c2185b", 2.4};
@@ -78,6 +72,20 @@ PlotBox CellBox(double x, const std::vector<double>& values, const std::string& 
           *std::max_element(values.begin(), values.end()),
           label,
           color};
+}
+
+LabJson OdometryJson(const std::vector<ScaleTrial>& runs) {
+  const auto mean = [&](const auto& value) { return Rounded(CellOf(runs, value).mean); };
+  return {{"psi_deg", mean([](const ScaleTrial& run) { return run.odometry.psi * kDegreesPerRadian; })},
+          {"scale_m", mean([](const ScaleTrial& run) { return run.odometry.scale; })},
+          {"ratio_percent", mean([](const ScaleTrial& run) { return 100 * run.odometry.ratio; })}};
+}
+
+std::string RowLine(const Reading& reading, double pixel_noise, const LabMethod& method, const LabJson& row) {
+  std::string line = fmt::format("table1  {:<11} {:>3g} px  {:<11}", reading.name, pixel_noise, method.label);
+  for (const TableColumn& column : kTableColumns)
+    line += fmt::format("  {} {:.3f}", column.label, row[column.key]["mean"].get<double>());
+  return line;
 }
 
 LabJson PaperJson() {
@@ -110,35 +118,33 @@ LabResult LabTable1(const LabSettings& settings) {
   int all = 0;
   for (const Reading& reading : readings) all += static_cast<int>(kPixelNoise.size()) * reading.runs;
   int before = 0;
+  int drawn = 0;
   for (const Reading& reading : readings) {
     LabJson rows = LabJson::array();
+    const std::span<const LabMethod> methods = std::span(kMethods).first(reading.methods);
+    std::vector<ScaleEstimatorSettings> estimators(methods.size());
+    std::ranges::transform(methods, estimators.begin(), EstimatorOf);
     for (std::size_t level = 0; level < kPixelNoise.size(); ++level) {
-      ScaleTrials trials = TrialsOf(settings, reading.drive, Estimators(), reading.runs);
+      ScaleTrials trials = TrialsOf(settings, reading.drive, estimators, reading.runs);
       trials.drive.pixel_noise = kPixelNoise[level];
       trials.progress = [&](int done, int) { return settings.progress(before + done, all); };
       const std::vector<ScaleTrial> runs = RunScaleTrials(trials);
       if (runs.empty()) return {};
       before += reading.runs;
-      LabJson row = {{"pixel_noise", kPixelNoise[level]}};
-      row["odometry"] = {
-          {"psi_deg",
-           Rounded(CellOf(runs, [](const ScaleTrial& t) { return t.odometry.psi * kDegreesPerRadian; }).mean)},
-          {"scale_m", Rounded(CellOf(runs, [](const ScaleTrial& t) { return t.odometry.scale; }).mean)},
-          {"ratio_percent", Rounded(CellOf(runs, [](const ScaleTrial& t) { return 100 * t.odometry.ratio; }).mean)}};
-      for (std::size_t e = 0; e < kEstimatorKeys.size(); ++e) {
-        row[kEstimatorKeys[e]] = TableRowJson(runs, e);
-        if (reading.name != "image") continue;
-        const double x = static_cast<double>(level) + (e == 0 ? 0.78 : 1.22);
-        for (std::size_t column = 0; column < kTableColumns.size(); ++column)
-          figure.panels[column].boxes.push_back(
-              CellBox(x, TableValues(runs, e, column), kEstimators[e], kEstimatorColors[e]));
+      LabJson row = {{"pixel_noise", kPixelNoise[level]}, {"odometry", OdometryJson(runs)}};
+      for (std::size_t e = 0; e < methods.size(); ++e) {
+        row[methods[e].key] = TableRowJson(runs, e);
+        result.lines.push_back(RowLine(reading, kPixelNoise[level], methods[e], row[methods[e].key]));
       }
-      std::string line = fmt::format("table1  {:<11} {:>3g} px ", reading.name, kPixelNoise[level]);
-      for (const TableColumn& column : kTableColumns)
-        line += fmt::format("  {} {:.3f}", column.key, row[kEstimatorKeys[0]][column.key]["mean"].get<double>());
-      result.lines.push_back(line);
       rows.push_back(std::move(row));
+      if (reading.color.empty()) continue;
+      const double x = static_cast<double>(level) + (drawn == 0 ? 0.8 : 1.2);
+      for (std::size_t column = 0; column < kTableColumns.size(); ++column) {
+        figure.panels[column].boxes.push_back(
+            CellBox(x, TableValues(runs, 0, column), "ours, " + reading.what, reading.color));
+      }
     }
+    ++drawn;
     result.values["readings"][reading.name] = {
         {"what", reading.what}, {"runs", reading.runs}, {"rows", std::move(rows)}};
   }

@@ -2,10 +2,19 @@
 #include "lab_trials.h"
 
 #include <algorithm>
+#include <string_view>
 
 #include "turnscale/geometry/rotation.h"
 
 namespace turnscale {
+
+ScaleEstimatorSettings EstimatorOf(const LabMethod& method) {
+  ScaleEstimatorSettings settings;
+  const std::string_view key = method.key;
+  settings.odometry.scale.smooth = key == "smoothed";
+  if (key == "paper") settings.odometry.pooled_scale.method = ScaleMethod::kPerFrame;
+  return settings;
+}
 
 ScaleTrials TrialsOf(const LabSettings& settings, const ScaleDriveOptions& drive,
                      const std::vector<ScaleEstimatorSettings>& estimators, int runs) {

@@ -26,6 +26,18 @@ constexpr std::array<TableColumn, 6> kTableColumns = {{{"psi_deg", "psi", "RMSE 
                                                        {"scale_m", "s (all)", "RMSE [m]"},
                                                        {"ratio_percent", "r (all)", "RMSE [%]"}}};
 
+/// A way of recovering the scale, as `turnscale run --method` has it.
+struct LabMethod {
+  const char* key;
+  const char* label;
+  const char* color;
+};
+constexpr std::array<LabMethod, 3> kMethods = {
+    {{"smoothed", "smoothed", "#1565c0"}, {"turns", "turns", "#64b5f6"}, {"paper", "the paper's", "#f6a03c"}}};
+
+/// The estimator of the laboratory that recovers the scale that way.
+ScaleEstimatorSettings EstimatorOf(const LabMethod& method);
+
 /// Trials with the settings' seed and jobs.
 ScaleTrials TrialsOf(const LabSettings& settings, const ScaleDriveOptions& drive,
                      const std::vector<ScaleEstimatorSettings>& estimators, int runs);

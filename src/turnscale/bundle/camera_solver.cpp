@@ -47,8 +47,8 @@ CameraSolver<kDof>::CameraSolver(int columns, const std::vector<std::array<int, 
 
 template <int kDof>
 void CameraSolver<kDof>::MakeSparsePattern() {
-  // The lower triangle in the new order, column by column: a block stands in the columns of whichever of its two cameras
-  // comes first there.
+  // The lower triangle in the new order, column by column: a block stands in the columns of whichever of its two
+  // cameras comes first there.
   std::vector<std::vector<int>> blocks_of_place(columns_);
   for (std::size_t i = 0; i < pattern_.size(); ++i) {
     const auto [row, column] = pattern_[i];
@@ -100,15 +100,25 @@ bool CameraSolver<kDof>::Factorize(const std::vector<Block>& blocks) {
 }
 
 template <int kDof>
-Eigen::MatrixXd CameraSolver<kDof>::Solve(const Eigen::MatrixXd& right_hand_sides) const {
-  if (is_dense_) return dense_.solve(right_hand_sides);
+Eigen::MatrixXd CameraSolver<kDof>::SolveLower(const Eigen::MatrixXd& right_hand_sides) const {
+  if (is_dense_) return dense_.matrixL().solve(right_hand_sides);
   Eigen::MatrixXd placed(right_hand_sides.rows(), right_hand_sides.cols());
   for (int i = 0; i < columns_; ++i) {
-    placed.middleRows<kDof>(kDof * place_[i]) = right_hand_sides.middleRows<kDof>(kDof * i);
+    placed.template middleRows<kDof>(kDof * place_[i]) = right_hand_sides.template middleRows<kDof>(kDof * i);
   }
-  const Eigen::MatrixXd solved = sparse_.solve(placed);
-  for (int i = 0; i < columns_; ++i) placed.middleRows<kDof>(kDof * i) = solved.middleRows<kDof>(kDof * place_[i]);
+  sparse_.matrixL().solveInPlace(placed);
   return placed;
+}
+
+template <int kDof>
+Eigen::MatrixXd CameraSolver<kDof>::SolveUpper(Eigen::MatrixXd half_solved) const {
+  if (is_dense_) return dense_.matrixU().solve(half_solved);
+  sparse_.matrixU().solveInPlace(half_solved);
+  Eigen::MatrixXd solution(half_solved.rows(), half_solved.cols());
+  for (int i = 0; i < columns_; ++i) {
+    solution.template middleRows<kDof>(kDof * i) = half_solved.template middleRows<kDof>(kDof * place_[i]);
+  }
+  return solution;
 }
 
 template class CameraSolver<3>;

@@ -6,8 +6,8 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
-#include <Eigen/SparseCholesky>
 #include <Eigen/OrderingMethods>
+#include <Eigen/SparseCholesky>
 #include <Eigen/SparseCore>
 
 namespace turnscale {
@@ -25,8 +25,13 @@ class CameraSolver {
   /// False where the matrix is not positive definite; the solver is then not to be used until the next success.
   bool Factorize(const std::vector<Block>& blocks);
 
-  /// S^-1 times the right-hand sides (one a column).
-  Eigen::MatrixXd Solve(const Eigen::MatrixXd& right_hand_sides) const;
+  /// S^-1 times the right-hand sides (one a column), in two halves: S = F F^T, and SolveLower gives F^-1 times them, of
+  /// which SolveUpper makes F^-T F^-1.
+  Eigen::MatrixXd Solve(const Eigen::MatrixXd& right_hand_sides) const {
+    return SolveUpper(SolveLower(right_hand_sides));
+  }
+  Eigen::MatrixXd SolveLower(const Eigen::MatrixXd& right_hand_sides) const;
+  Eigen::MatrixXd SolveUpper(Eigen::MatrixXd half_solved) const;
 
   bool is_dense() const { return is_dense_; }
 

@@ -77,16 +77,17 @@ bool SolveKkt(const BundleProblem& problem, const BundleStructure& structure, co
   const Eigen::Index count = static_cast<Eigen::Index>(constraints.size());
   Augment(problem, structure, constraints, constraint_gradients, share, system);
   if (!solver.Factorize(system.blocks)) return false;
-  step.cameras = solver.Solve(-system.gradient);
   step.multipliers.resize(count);
   Eigen::VectorXd values(count);
   for (Eigen::Index i = 0; i < count; ++i) values[i] = share * constraints[static_cast<std::size_t>(i)].value;
+  Eigen::VectorXd half_solved = solver.SolveLower(-system.gradient);
   if (count > 0) {
-    const Eigen::MatrixXd reaction = solver.Solve(constraint_gradients);
-    const Eigen::LDLT<Eigen::MatrixXd> coupling(constraint_gradients.transpose() * reaction);
-    step.multipliers = coupling.solve(values + constraint_gradients.transpose() * step.cameras);
-    step.cameras -= reaction * step.multipliers;
+    const Eigen::MatrixXd reaction = solver.SolveLower(constraint_gradients);
+    const Eigen::LDLT<Eigen::MatrixXd> coupling(reaction.transpose() * reaction);
+    step.multipliers = coupling.solve(values + reaction.transpose() * half_solved);
+    half_solved -= reaction * step.multipliers;
   }
+  step.cameras = solver.SolveUpper(half_solved);
   BackSubstitute(structure, equations, system, step.cameras, step.points);
   if (!step.cameras.allFinite()) return false;
 

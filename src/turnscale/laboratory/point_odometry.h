@@ -10,7 +10,7 @@ namespace turnscale {
 Map PointOdometry(const ScaleDrive& drive);
 
 /// The same map as an odometry would give it whose unit shrinks by `loss` every so many frames; landmarks go with the
-/// keyframe that saw them first.
+/// keyframe that saw them from closest by.
 void LoseScale(double loss, int frames, Map& map);
 
 }  // namespace turnscale

@@ -25,7 +25,7 @@ std::vector<int> KeyframesOf(const ScaleDriveOptions& options, const std::vector
     const int frame = static_cast<int>(i) + 1;
     turned += std::abs(steps[i].psi);
     const bool turning = frame % options.turning_keyframe_frames == 0 && turned > 0;
-    if (frame % options.keyframe_frames != 0 && !turning) continue;
+    if (frame % options.keyframe_frames != 0 && frame % options.step_frames != 0 && !turning) continue;
     keyframes.push_back(frame);
     turned = 0;
   }
@@ -47,7 +47,7 @@ Eigen::Vector3d RandomPoint(const ScaleDriveOptions& options, const Trajectory& 
 }
 
 bool Sees(const ScaleDriveOptions& options, const Eigen::Vector3d& x_in_camera) {
-  if (x_in_camera.z() < options.nearest || x_in_camera.z() > options.view_limit) return false;
+  if (x_in_camera.z() < options.nearest || x_in_camera.norm() > options.view_limit) return false;
   if (!options.within_image) return true;
   const Eigen::Vector2d pixel = options.pinhole.Project(x_in_camera);
   return pixel.x() >= 0 && pixel.x() < kImageWidth && pixel.y() >= 0 && pixel.y() < kImageHeight;
@@ -59,7 +59,7 @@ std::vector<RigidTransform> OdometryPath(const ScaleDriveOptions& options, const
   for (std::size_t k = 1; k < truth.keyframes.size(); ++k) {
     const int frame = truth.keyframes[k].frame;
     RigidTransform motion = truth.keyframes[k - 1].camera_from_world * truth.keyframes[k].camera_from_world.inverse();
-    if (frame % options.keyframe_frames == 0) {
+    if (frame % options.step_frames == 0) {
       const double x = random.Gaussian();
       const double y = random.Gaussian();
       const double z = random.Gaussian();
@@ -100,6 +100,7 @@ void ScaleDriveOptions::Check() const {
   require(points >= 1, "points: must be at least 1");
   require(points_aside > 0, "points_aside: must be above 0 m");
   require(nearest > 0 && view_limit > nearest, "view_limit: must be above nearest, and that above 0 m");
+  require(step_frames >= 1, "step_frames: must be at least 1");
   require(keyframe_frames >= 1, "keyframe_frames: must be at least 1");
   require(turning_keyframe_frames >= 1, "turning_keyframe_frames: must be at least 1");
   require(pixel_noise > 0, "pixel_noise: must be above 0 pixels");
@@ -116,7 +117,7 @@ ScaleDrive MakeScaleDrive(const ScaleDriveOptions& options) {
   drive.pixel_noise = options.pixel_noise;
   drive.truth.pinhole = options.pinhole;
   for (const int frame : KeyframesOf(options, steps)) {
-    if (frame % options.keyframe_frames == 0) drive.stations.push_back(static_cast<int>(drive.truth.keyframes.size()));
+    if (frame % options.step_frames == 0) drive.stations.push_back(static_cast<int>(drive.truth.keyframes.size()));
     drive.truth.keyframes.push_back({frame, path[frame].time, path[frame].world_from_camera.inverse(), {}, false});
   }
   Random random(options.seed);

@@ -6,88 +6,71 @@
 #include <cstddef>
 #include <utility>
 
-#include "turnscale/kinematics/scale_observer.h"
+#include "turnscale/kinematics/pooled_scale.h"
 #include "turnscale/kinematics/turning_motion.h"
-#include "turnscale/laboratory/turn_scale_smoother.h"
+#include "turnscale/odometry/drive_scale.h"
+#include "turnscale/odometry/turn_reading.h"
+#include "turnscale/scale/absolute_scale_recovery.h"
 
 namespace turnscale {
 namespace {
 
-TurningMotion MotionOf(const Map& map, int step, const Eigen::Quaterniond& vehicle_from_camera) {
-  const RigidTransform& previous = map.keyframes[step].camera_from_world;
-  const RigidTransform& current = map.keyframes[step + 1].camera_from_world;
-  return TurningMotionOf(previous * current.inverse(), vehicle_from_camera);
-}
-
-std::vector<TurningRegion> DetectTurns(const ScaleEstimatorSettings& settings, const Map& map) {
-  TurnDetector detector(settings.turns);
+std::vector<TurningRegion> DetectTurns(const TurnDetectorOptions& options, const MountCalibration& mount,
+                                       const Map& map) {
+  TurnDetector detector(options);
   std::vector<TurningRegion> regions;
   const auto keep = [&](const std::optional<TurningRegion>& region) {
     if (region) regions.push_back(*region);
   };
   for (int step = 0; step + 1 < static_cast<int>(map.keyframes.size()); ++step)
-    keep(detector.Add(MotionOf(map, step, settings.vehicle_from_camera).psi));
+    keep(detector.Add(StepMotion(map, step, mount).psi));
   keep(detector.Finish());
   return regions;
-}
-
-// The lengths (metres) of a turn's steps: the turn's scale times what the odometry has, or in the paper's form what
-// each step's own angles say (22).
-TurnScale HeldTurn(const ScaleEstimatorSettings& settings, const ObservedTurn& observed,
-                   const std::vector<TurningStep>& steps, const std::vector<Eigen::Vector3d>& centres) {
-  // Step k of a region leads to keyframe k + 1, which is how the recovery counts.
-  TurnScale turn{observed.region.first + 1, observed.region.last + 1, 1, {}};
-  double metres = 0;
-  double units = 0;
-  for (std::size_t i = 0; i < steps.size(); ++i) {
-    const TurningMotion& motion = steps[i].motion;
-    const int k = turn.first_step + static_cast<int>(i);
-    metres += observed.metres_per_unit * motion.step;
-    units += (centres[k] - centres[k - 1]).norm();
-    const double own = ObservedDistance(motion.psi, motion.theta, steps[i].dt, settings.lever_arm);
-    turn.distances.push_back(settings.pooled.method == ScaleMethod::kPooledLine ? observed.metres_per_unit * motion.step
-                             : std::isfinite(own) && own > 0                    ? own
-                                                                                : 0);
-  }
-  turn.factor = metres / units;
-  return turn;
 }
 
 double SquaredError(double estimate, double truth) { return (estimate - truth) * (estimate - truth); }
 
 }  // namespace
 
-RecoveredScale RecoverScale(const ScaleEstimatorSettings& settings, double pixel_noise, const Map& adjusted,
-                            Map drifted) {
+OdometryOptions SyntheticDriveOdometry() {
+  OdometryOptions options;
+  options.vehicle.lever_arm = PaperDriveOptions().lever_arm;
+  options.vehicle.side_slip = 0;
+  options.vehicle.side_slip_sigma = 0;
+  options.vehicle.calibrate_camera = false;
+  options.turns.min_step_angle = kTurningAngle;
+  return options;
+}
+
+RecoveredScale RecoverScale(const ScaleEstimatorSettings& settings, double pixel_noise, Map map) {
+  const OdometryOptions& options = settings.odometry;
+  const MountCalibration mount(options.vehicle);
+  const LeverArm lever_arm{*options.vehicle.lever_arm, options.vehicle.side_slip};
+  const bool per_frame = options.pooled_scale.method == ScaleMethod::kPerFrame;
   RecoveredScale result;
-  Map& map = result.map = std::move(drifted);
-  std::vector<ObservedTurn> observed;
-  std::vector<std::vector<TurningStep>> turn_steps;
-  for (const TurningRegion& region : DetectTurns(settings, adjusted)) {
-    if (settings.most_turns && std::cmp_greater_equal(observed.size(), *settings.most_turns)) break;
-    std::vector<TurningStep> steps;
-    for (int step = region.first; step <= region.last; ++step)
-      steps.push_back({MotionOf(adjusted, step, settings.vehicle_from_camera),
-                       adjusted.keyframes[step + 1].time - adjusted.keyframes[step].time});
-    const PooledScaleResult pooled = PoolScale(steps, settings.lever_arm, settings.pooled);
+  std::vector<TurnScale> turns;
+  for (const TurningRegion& region : DetectTurns(options.turns, mount, map)) {
+    if (settings.most_turns && std::cmp_greater_equal(turns.size(), *settings.most_turns)) break;
+    const std::vector<TurningStep> steps = StepsOfTurn(map, region, mount);
+    const PooledScaleResult pooled = PoolScale(steps, lever_arm, options.pooled_scale);
     if (!pooled.scale) continue;
-    observed.push_back({region, pooled.scale->metres_per_unit, pooled.scale->sigma / pooled.scale->metres_per_unit});
-    turn_steps.push_back(steps);
     result.regions.push_back(region);
+    turns.push_back(HeldTurn(region, pooled.scale->metres_per_unit));
+    if (per_frame) HoldEachStep(steps, lever_arm, turns.back());
   }
-  result.found = !observed.empty();
+  result.found = !turns.empty();
   if (result.found) {
-    if (settings.scales == TurnScales::kSmoothed)
-      SmoothTurnScales(KeyframeCentres(adjusted), settings.drift_per_root_metre, observed);
-    const std::vector<Eigen::Vector3d> centres = KeyframeCentres(map);
-    std::vector<TurnScale> turns;
-    for (std::size_t i = 0; i < observed.size(); ++i)
-      turns.push_back(HeldTurn(settings, observed[i], turn_steps[i], centres));
-    ScaleRecoveryOptions recovery = settings.recovery;
+    if (options.scale.smooth && !per_frame) {
+      const std::vector<double> units(map.keyframes.size(), 1.0);
+      const std::vector<PoseScale> scales = ScaleKeyframes(map, units, mount, options);
+      for (TurnScale& turn : turns) turn.factor = FactorOfTurn(scales, map, units, turn).value_or(turn.factor);
+    }
+    ScaleRecoveryOptions recovery = options.scale.recovery;
     recovery.pixel_sigma = pixel_noise;
     const ScaleRecoveryResult recovered = RecoverAbsoluteScale(recovery, turns, 0, map);
     result.adjusted = std::ranges::all_of(recovered.ranges, &RangeRecovery::adjusted);
   }
+  result.map = std::move(map);
   return result;
 }
 

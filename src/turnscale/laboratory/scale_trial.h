@@ -4,34 +4,24 @@
 #include <optional>
 #include <vector>
 
-#include "turnscale/kinematics/lever_arm.h"
-#include "turnscale/kinematics/pooled_scale.h"
 #include "turnscale/kinematics/turn_detector.h"
 #include "turnscale/laboratory/scale_drive.h"
-#include "turnscale/scale/absolute_scale_recovery.h"
+#include "turnscale/odometry/options.h"
 
 namespace turnscale {
 
 /// The paper's psi_th for its synthetic drive, rad (2.5 deg).
 constexpr double kTurningAngle = 2.5 / 57.295779513082320877;
 
-/// At which scale the turns are held.
-enum class TurnScales {
-  kEachItsOwn,  ///< what each turn shows by itself, as the paper does
-  kSmoothed,    ///< what all turns say of it by their variances, the scale's logarithm walking randomly between them
-};
+/// The car of the synthetic drive, known exactly, and all else as `turnscale run` has it, but for psi_th.
+OdometryOptions SyntheticDriveOdometry();
 
-/// How the absolute scale is recovered on the synthetic drive; the defaults are those of `turnscale run` but for the
-/// paper's threshold psi_th.
+/// How the absolute scale is recovered on the synthetic drive.
 struct ScaleEstimatorSettings {
-  LeverArm lever_arm = {1.0, 0.0};
-  Eigen::Quaterniond vehicle_from_camera = Eigen::Quaterniond::Identity();
-  TurnDetectorOptions turns = {.min_step_angle = kTurningAngle};
-  PooledScaleOptions pooled;
-  TurnScales scales = TurnScales::kEachItsOwn;
-  double drift_per_root_metre = 0.001;  ///< of the random walk, relative
-  std::optional<int> most_turns;        ///< the first so many are used; unset: all
-  ScaleRecoveryOptions recovery;
+  /// Of these, vehicle, turns, pooled_scale and scale count.
+  OdometryOptions odometry = SyntheticDriveOdometry();
+  /// The first so many turns are used; unset: all. Where turns are smoothed, the others still tell of the scale.
+  std::optional<int> most_turns;
 };
 
 /// What the estimator gave.
@@ -42,11 +32,10 @@ struct RecoveredScale {
   bool adjusted = false;               ///< false: between the turns the map has the first guess
 };
 
-/// Detects turns and observes the scale in them on the map as bundle adjustment has it; recovers it between them on the
-/// map as the drifting odometry has it (Algorithm 1, (22), (24)-(30)). All turns at once, as none of them changes what
-/// lies beyond its neighbours.
-RecoveredScale RecoverScale(const ScaleEstimatorSettings& settings, double pixel_noise, const Map& adjusted,
-                            Map drifted);
+/// Detects the turns, observes the scale in them and recovers it between them (Algorithm 1, (22), (24)-(30)), on the
+/// map as the drifting odometry has it. All turns at once, as none of them changes what lies beyond its neighbours.
+/// `pixel_noise` is the standard deviation of the map's pixels.
+RecoveredScale RecoverScale(const ScaleEstimatorSettings& settings, double pixel_noise, Map map);
 
 /// The quantities of Table I over a set of steps: root mean squares of the errors.
 struct ScaleErrors {

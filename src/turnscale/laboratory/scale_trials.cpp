@@ -15,15 +15,14 @@ ScaleTrial RunOnce(const ScaleTrials& trials, int run) {
   options.seed = SeedOfRun(trials.seed, run);
   const ScaleDrive drive = MakeScaleDrive(options);
   const Eigen::Quaterniond& mount = options.drive.vehicle_from_camera;
-  const Map adjusted = PointOdometry(drive);
-  Map drifted = adjusted;
-  LoseScale(options.scale_loss, options.scale_loss_frames, drifted);
+  Map map = PointOdometry(drive);
+  LoseScale(options.scale_loss, options.scale_loss_frames, map);
   const double turning = kTurningAngle;
   ScaleTrial trial;
   trial.odometry = MeasureScale(drive, drive.odometry, mount, turning);
-  trial.adjusted = MeasureScale(drive, KeyframePoses(adjusted), mount, turning);
+  trial.adjusted = MeasureScale(drive, KeyframePoses(map), mount, turning);
   for (const ScaleEstimatorSettings& estimator : trials.estimators) {
-    const RecoveredScale recovered = RecoverScale(estimator, options.pixel_noise, adjusted, drifted);
+    const RecoveredScale recovered = RecoverScale(estimator, options.pixel_noise, map);
     trial.recovered.push_back(MeasureScale(drive, KeyframePoses(recovered.map), mount, turning));
     trial.converged.push_back(recovered.adjusted ? 1 : 0);
   }

@@ -54,9 +54,30 @@ TEST(ScaleTrials, AWrongLeverArmMakesTheScaleWrongByAsMuch) {
   ScaleTrials trials = SmallTrials();
   trials.runs = 1;
   trials.estimators.resize(2);
-  trials.estimators[1].lever_arm.length *= 1.05;
+  *trials.estimators[1].odometry.vehicle.lever_arm *= 1.05;
   const ScaleTrial trial = RunScaleTrials(trials).front();
   EXPECT_NEAR(trial.recovered[1].ratio, 0.05, trial.recovered[0].ratio + 0.005);
+}
+
+// Each turn by itself takes the direction of travel that Q has wrong for the swing of the camera.
+TEST(ScaleTrials, SmoothingFindsWhatTheCamerasYawHasWrong) {
+  ScaleTrials trials = SmallTrials();
+  trials.runs = 1;
+  trials.estimators.resize(2);
+  for (ScaleEstimatorSettings& estimator : trials.estimators)
+    estimator.odometry.vehicle.vehicle_from_camera = RotationFromYawPitchRoll({0.5 / kDegreesPerRadian, 0, 0});
+  trials.estimators[1].odometry.scale.smooth = false;
+  const ScaleTrial trial = RunScaleTrials(trials).front();
+  EXPECT_LT(trial.recovered[0].ratio, 0.5 * trial.recovered[1].ratio);
+}
+
+// Cameras that see points beside them are a hard case for the adjustment: such a point is easily left behind a camera.
+TEST(ScaleTrials, ConvergeSoonWherePointsAreBesideTheCameras) {
+  ScaleTrials trials = SmallTrials();
+  trials.drive.within_image = false;
+  trials.drive.pixel_noise = 2;
+  trials.estimators[0].odometry.scale.recovery.max_iterations = 12;
+  for (const ScaleTrial& trial : RunScaleTrials(trials)) EXPECT_TRUE(trial.converged[0]);
 }
 
 TEST(ScaleTrials, StopWhenAsked) {

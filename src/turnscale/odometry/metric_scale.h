@@ -60,8 +60,6 @@ class MetricScale {
     double relative_sigma = std::numeric_limits<double>::infinity();
   };
 
-  TurningMotion MotionOf(const Map& map, int step) const;
-  std::vector<TurningStep> StepsOf(const Map& map, const TurningRegion& region) const;
   /// Adjusts all keyframes since the last turn at once: the windows of the live odometry knew less of them, and of the
   /// lens. Gives what lengths at each keyframe are times what they were.
   std::vector<double> AdjustSinceLastTurn(Map& map) const;

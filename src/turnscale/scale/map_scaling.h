@@ -42,8 +42,8 @@ std::vector<double> KeyframeFactors(const std::vector<Eigen::Vector3d>& before,
                                     const std::vector<Eigen::Vector3d>& after, int first,
                                     const std::vector<double>& fallback);
 
-/// Moves landmarks with the keyframe that saw them first, their distance from there growing by that keyframe's factor.
-/// Those that a keyframe before `first` has seen stay.
+/// Moves landmarks with the keyframe that saw them from closest by, whose view of them changes fastest; their distance
+/// from there grows by that keyframe's factor. Where that is a keyframe before `first` they stay.
 void CarryLandmarks(const std::vector<Eigen::Vector3d>& before, const std::vector<Eigen::Vector3d>& after, int first,
                     const std::vector<double>& keyframe_factors, const std::vector<int>& landmarks, Map& map);
 
