@@ -12,6 +12,7 @@ ScaleEstimatorSettings EstimatorOf(const LabMethod& method) {
   ScaleEstimatorSettings settings;
   const std::string_view key = method.key;
   settings.odometry.scale.smooth = key == "smoothed";
+  settings.weighs_turns = key == "weighted";
   if (key == "paper") settings.odometry.pooled_scale.method = ScaleMethod::kPerFrame;
   return settings;
 }

@@ -26,14 +26,16 @@ constexpr std::array<TableColumn, 6> kTableColumns = {{{"psi_deg", "psi", "RMSE 
                                                        {"scale_m", "s (all)", "RMSE [m]"},
                                                        {"ratio_percent", "r (all)", "RMSE [%]"}}};
 
-/// A way of recovering the scale, as `turnscale run --method` has it.
+/// A way of recovering the scale: those of `turnscale run --method`, and one more.
 struct LabMethod {
   const char* key;
   const char* label;
   const char* color;
 };
-constexpr std::array<LabMethod, 3> kMethods = {
-    {{"smoothed", "smoothed", "#1565c0"}, {"turns", "turns", "#64b5f6"}, {"paper", "the paper's", "#f6a03c"}}};
+constexpr std::array<LabMethod, 4> kMethods = {{{"smoothed", "smoothed", "#1565c0"},
+                                                {"turns", "turns", "#64b5f6"},
+                                                {"weighted", "turns weighted", "#7cb342"},
+                                                {"paper", "the paper's", "#f6a03c"}}};
 
 /// The estimator of the laboratory that recovers the scale that way.
 ScaleEstimatorSettings EstimatorOf(const LabMethod& method);

@@ -56,6 +56,7 @@ RecoveredScale RecoverScale(const ScaleEstimatorSettings& settings, double pixel
     if (!pooled.scale) continue;
     result.regions.push_back(region);
     turns.push_back(HeldTurn(region, pooled.scale->metres_per_unit));
+    if (settings.weighs_turns) turns.back().sigma = pooled.scale->sigma / pooled.scale->metres_per_unit;
     if (per_frame) HoldEachStep(steps, lever_arm, turns.back());
   }
   result.found = !turns.empty();

@@ -20,6 +20,8 @@ OdometryOptions SyntheticDriveOdometry();
 struct ScaleEstimatorSettings {
   /// Of these, vehicle, turns, pooled_scale and scale count.
   OdometryOptions odometry = SyntheticDriveOdometry();
+  /// Each turn's own scale is weighed by its variance against the images instead of being held.
+  bool weighs_turns = false;
   /// The first so many turns are used; unset: all. Where turns are smoothed, the others still tell of the scale.
   std::optional<int> most_turns;
 };

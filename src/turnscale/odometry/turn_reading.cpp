@@ -22,7 +22,7 @@ std::vector<TurningStep> StepsOfTurn(const Map& map, const TurningRegion& region
 
 // Step k of a region leads to keyframe k + 1, which is how the recovery counts.
 TurnScale HeldTurn(const TurningRegion& region, double factor) {
-  return {region.first + 1, region.last + 1, factor, {}};
+  return {region.first + 1, region.last + 1, factor, {}, 0};
 }
 
 void HoldEachStep(const std::vector<TurningStep>& steps, const LeverArm& lever_arm, TurnScale& turn) {

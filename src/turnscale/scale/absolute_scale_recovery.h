@@ -46,8 +46,8 @@ struct ScaleRecoveryResult {
 /// or later) and the current one (F_tc); at the first turn of a drive only this one, with `first` 0. A first guess
 /// scales each step: as the turn says within turns, passing from turn to turn between them (F_u), and like the nearest
 /// turn at the ends. Then reprojection errors are minimised over centres and points, with rotations and keyframe
-/// `first` fixed and the length of every step of a turn held. Steps that bridge a loss of tracking are scaled and not
-/// adjusted.
+/// `first` fixed and the length of every step of a turn held (or weighed: TurnScale::sigma). Steps that bridge a loss
+/// of tracking are scaled and not adjusted.
 ///
 /// The result does not depend on the map's unit of length. Throws InputError when steps are out of range or out of
 /// order, or a factor is not positive.

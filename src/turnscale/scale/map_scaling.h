@@ -17,6 +17,9 @@ struct TurnScale {
   /// The paper's per-frame observer: metres of each step, first_step..last_step; not positive where the step told
   /// nothing. Empty for the pooled line: factor times what the map has, so that the turn keeps its shape.
   std::vector<double> distances;
+  /// Relative standard deviation of the factor: the turn's length is a measurement that the adjustment weighs against
+  /// the images. 0: it is held, as the paper does.
+  double sigma = 0;
 };
 
 /// Camera centres of all keyframes, in W.
