@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 #include <array>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -30,16 +29,19 @@ struct Reading {
   std::string what;
   std::string color;  // of its box; empty: not drawn
   ScaleDriveOptions drive;
-  int methods = 2;  // the first so many of kMethods
+  std::vector<LabMethod> methods;
   int runs = 0;
 };
 
 std::vector<Reading> Readings(const LabSettings& settings) {
+  const auto [smoothed, turns, weighted, paper] = kMethods;
   const auto fewer = [&](int times) { return std::max(2, settings.runs / times); };
-  Reading front{"front", "everything in front up to the view limit", "#7cb342", {}, 2, settings.runs};
+  Reading front{"front", "everything in front up to the view limit", "#7cb342", {}, {smoothed, turns}, settings.runs};
   front.drive.within_image = false;
-  const Reading image{"image", "what falls into KITTI's image", "#1565c0", {}, 3, fewer(kFewerRuns)};
-  Reading every_frame{"every_frame", "in KITTI's image, loss in every frame", "", {}, 2, fewer(kFewestRuns)};
+  const Reading image{"image", "what falls into KITTI's image", "#1565c0",
+                      {},      {smoothed, turns, paper},        fewer(kFewerRuns)};
+  Reading every_frame{"every_frame",     "in KITTI's image, loss in every frame", "", {}, {smoothed, turns},
+                      fewer(kFewestRuns)};
   every_frame.drive.scale_loss_frames = 1;
   return {front, image, every_frame};
 }
@@ -121,7 +123,7 @@ LabResult LabTable1(const LabSettings& settings) {
   int drawn = 0;
   for (const Reading& reading : readings) {
     LabJson rows = LabJson::array();
-    const std::span<const LabMethod> methods = std::span(kMethods).first(reading.methods);
+    const std::vector<LabMethod>& methods = reading.methods;
     std::vector<ScaleEstimatorSettings> estimators(methods.size());
     std::ranges::transform(methods, estimators.begin(), EstimatorOf);
     for (std::size_t level = 0; level < kPixelNoise.size(); ++level) {

@@ -39,6 +39,7 @@ OdometryOptions SyntheticDriveOdometry() {
   options.vehicle.side_slip_sigma = 0;
   options.vehicle.calibrate_camera = false;
   options.turns.min_step_angle = kTurningAngle;
+  options.scale.recovery.track_correlation = 1;
   return options;
 }
 
@@ -64,7 +65,7 @@ RecoveredScale RecoverScale(const ScaleEstimatorSettings& settings, double pixel
     if (options.scale.smooth && !per_frame) {
       const std::vector<double> units(map.keyframes.size(), 1.0);
       const std::vector<PoseScale> scales = ScaleKeyframes(map, units, mount, options);
-      for (TurnScale& turn : turns) turn.factor = FactorOfTurn(scales, map, units, turn).value_or(turn.factor);
+      for (TurnScale& turn : turns) WeighSmoothed(scales, map, units, turn);
     }
     ScaleRecoveryOptions recovery = options.scale.recovery;
     recovery.pixel_sigma = pixel_noise;

@@ -13,7 +13,8 @@ namespace turnscale {
 /// The paper's psi_th for its synthetic drive, rad (2.5 deg).
 constexpr double kTurningAngle = 2.5 / 57.295779513082320877;
 
-/// The car of the synthetic drive, known exactly, and all else as `turnscale run` has it, but for psi_th.
+/// The car of the synthetic drive, known exactly, its pixels, whose errors are independent, and the paper's psi_th. All
+/// else as `turnscale run` has it.
 OdometryOptions SyntheticDriveOdometry();
 
 /// How the absolute scale is recovered on the synthetic drive.

@@ -112,7 +112,7 @@ void MetricScale::ReadTurns(int from, Map& map, std::vector<double>& factors) {
     told.push_back(i);
   }
   if (told.empty()) return;
-  if (Smooths()) HoldSmoothly(map, told, std::span(held).last(told.size()));
+  if (Smooths()) WeighSmoothly(map, told, std::span(held).last(told.size()));
   const ScaleRecoveryResult recovered = RecoverAbsoluteScale(options_.scale.recovery, held, first_keyframe, map);
   Multiply(recovered.factors, factors);
   Multiply(recovered.factors, total_factors_);
@@ -172,17 +172,14 @@ std::optional<TurnScale> MetricScale::Read(const Map& map, Turn& turn) const {
   return held;
 }
 
-void MetricScale::HoldSmoothly(const Map& map, const std::vector<int>& turns, std::span<TurnScale> held) {
+void MetricScale::WeighSmoothly(const Map& map, const std::vector<int>& turns, std::span<TurnScale> held) {
   const std::vector<PoseScale> scales = ScaleKeyframes(map, total_factors_, mount_, options_);
   if (scales.empty()) return;
   smoothed_sigmas_.clear();
   for (const PoseScale& scale : scales) smoothed_sigmas_.push_back(scale.sigma);
   for (size_t i = 0; i < turns.size(); ++i) {
-    TurnScale& turn = held[i];
-    const std::optional<double> factor = FactorOfTurn(scales, map, total_factors_, turn);
-    if (!factor) continue;
-    turn.factor = *factor;
-    turns_[turns[i]].relative_sigma = scales[turn.last_step].sigma;
+    if (WeighSmoothed(scales, map, total_factors_, held[i]))
+      turns_[turns[i]].relative_sigma = scales[held[i].last_step].sigma;
   }
 }
 

@@ -33,8 +33,8 @@ void HoldEachStep(const std::vector<TurningStep>& steps, const LeverArm& lever_a
   }
 }
 
-std::optional<double> FactorOfTurn(const std::vector<PoseScale>& scales, const Map& map,
-                                   const std::vector<double>& unit_at_keyframe, const TurnScale& turn) {
+bool WeighSmoothed(const std::vector<PoseScale>& scales, const Map& map, const std::vector<double>& unit_at_keyframe,
+                   TurnScale& turn) {
   const std::vector<Eigen::Vector3d> centres = KeyframeCentres(map);
   double metres = 0;
   double length = 0;
@@ -44,7 +44,10 @@ std::optional<double> FactorOfTurn(const std::vector<PoseScale>& scales, const M
     metres += step / unit_at_keyframe[k] * scales[k].metres_per_unit;
   }
   const double factor = metres / length;
-  return std::isfinite(factor) && factor > 0 ? std::optional(factor) : std::nullopt;
+  if (!std::isfinite(factor) || factor <= 0) return false;
+  turn.factor = factor;
+  turn.sigma = scales[turn.last_step].own_sigma;
+  return true;
 }
 
 }  // namespace turnscale

@@ -14,6 +14,9 @@ namespace turnscale {
 struct ScaleRecoveryOptions {
   /// Standard deviation of a tracked pixel, pixels.
   double pixel_sigma = 0.5;
+  /// Beside turns that are weighed (TurnScale::sigma) pixels count as if their sigma was so many times larger: those of
+  /// one track err together, by the patch that all its views are aligned to. 1: they err independently.
+  double track_correlation = 3;
   int max_iterations = 30;
   /// Residuals (in sigmas) beyond this weigh linearly.
   double huber_threshold = 2.0;
