@@ -47,6 +47,7 @@ int Main(int argc, char** argv) {
   AddEvaluateCommand(app);
   AddRescaleCommand(app);
   AddSimulateCommand(app);
+  AddLabCommand(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::RuntimeError& stop) {

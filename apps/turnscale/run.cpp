@@ -231,10 +231,9 @@ void AddRunCommand(CLI::App& app) {
       "--camera-rotation", arguments->camera_rotation,
       "How the camera is turned on the car: yaw,pitch,roll in degrees (right, up, right side down), a YAML file with "
       "yaw_deg, pitch_deg, roll_deg such as calibrate's, or auto: find it on the way [auto]");
-  run->add_option(
-         "--method", arguments->method,
-         "What a turn is held at: smoothed, what all turns say of its scale; turns, what it says itself; paper, "
-         "what each of its steps says (22) [smoothed]")
+  run->add_option("--method", arguments->method,
+                  "The scale of a turn: smoothed, what all turns say of it; turns, what it says itself; paper, "
+                  "what each of its steps says (22) [smoothed]")
       ->check(CLI::IsMember({"smoothed", "turns", "paper"}));
   run->add_option("--frame", arguments->frame, "Whose poses are written")
       ->check(CLI::IsMember({"camera", "vehicle"}))

@@ -10,6 +10,7 @@
 
 #include "turnscale/base/error.h"
 #include "turnscale/bundle/kkt_step.h"
+#include "turnscale/bundle/measured_distances.h"
 #include "turnscale/bundle/merit.h"
 #include "turnscale/bundle/trial.h"
 
@@ -65,6 +66,7 @@ template <int kDof>
 void Linearize(const BundleOptions& options, const BundleProblem& problem, const BundleStructure& structure,
                Iterate<kDof>& at) {
   Linearize(problem.pinhole, structure, at.state, options.huber_threshold, at.kind, at.equations);
+  AddMeasuredDistances(problem, structure, at.state, at.equations);
   at.constraints.clear();
   for (const DistanceConstraint& held : problem.distances) {
     at.constraints.push_back(LinearizeDistance(held, at.state.centres));
@@ -72,12 +74,21 @@ void Linearize(const BundleOptions& options, const BundleProblem& problem, const
   at.constraint_gradients = ConstraintGradients<kDof>(problem, structure, at.constraints);
 }
 
+/// The exact Hessian may have directions of negative curvature, and too far from the solution it leads astray.
+template <int kDof>
+void BackToGaussNewton(const BundleOptions& options, const BundleProblem& problem, const BundleStructure& structure,
+                       Iterate<kDof>& at) {
+  if (at.kind == HessianKind::kGaussNewton) return;
+  at.kind = HessianKind::kGaussNewton;
+  Linearize(options, problem, structure, at);
+}
+
 template <int kDof>
 BundleSummary Adjust(const BundleOptions& options, BundleProblem& problem) {
   Iterate<kDof> at;
   at.state = StateFromProblem(problem);
   at.multipliers.setZero(static_cast<Eigen::Index>(problem.distances.size()));
-  RequireSeparateCentres(problem.distances, at.state.centres);
+  RequireSeparateCentres(problem, at.state.centres);
   const BundleStructure structure = MakeStructure(problem, at.state);
   Linearize(options, problem, structure, at);
 
@@ -108,20 +119,20 @@ BundleSummary Adjust(const BundleOptions& options, BundleProblem& problem) {
     ++summary.iterations;
 
     Eliminate(structure, at.equations, caution.damping, system);
+    AddMeasuredDistances(problem, structure, at.state, at.kind, system);
     if (at.kind == HessianKind::kNewton) {
       AddConstraintCurvature(problem, structure, at.constraints, at.multipliers, system);
     }
     if (!SolveKkt(problem, structure, at.equations, at.constraints, at.constraint_gradients, caution.constraint_share,
                   system, solver, step)) {
-      // The exact Hessian may have a direction of negative curvature; Gauss-Newton's has none.
       caution.Tighten();
-      at.kind = HessianKind::kGaussNewton;
-      Linearize(options, problem, structure, at);
+      BackToGaussNewton(options, problem, structure, at);
       continue;
     }
     merit.Cover(step.multipliers);
     const double cost =
-        TakeStep(problem.pinhole, structure, at.state, at.equations, step, options.huber_threshold, trial);
+        TakeStep(problem.pinhole, structure, at.state, at.equations, step, options.huber_threshold, trial) +
+        MeasuredDistanceCost(problem.measured_distances, trial.centres);
     const double violation = merit.Violation(at.state.centres);
     const double decrease = at.equations.cost + violation - cost - merit.Violation(trial.centres);
     const double rounding = kRounding * at.equations.cost;
@@ -129,6 +140,7 @@ BundleSummary Adjust(const BundleOptions& options, BundleProblem& problem) {
         (decrease + rounding) / (step.predicted_decrease + caution.constraint_share * violation + rounding);
     if (!std::isfinite(cost) || !(gain > kAcceptedGain)) {
       caution.Tighten();
+      BackToGaussNewton(options, problem, structure, at);
       continue;
     }
     caution.Relax(gain);

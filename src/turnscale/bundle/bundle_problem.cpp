@@ -60,19 +60,27 @@ void CheckObservations(const BundleProblem& problem) {
   }
 }
 
+void CheckDistance(const BundleProblem& problem, const DistanceConstraint& held, const std::string& name) {
+  Require(IsIndex(held.camera_a, problem.camera_from_world.size()) &&
+              IsIndex(held.camera_b, problem.camera_from_world.size()),
+          name + " names a camera that does not exist");
+  Require(held.camera_a != held.camera_b, name + " holds a camera at a distance from itself");
+  Require(!problem.camera_is_fixed[held.camera_a] || !problem.camera_is_fixed[held.camera_b],
+          name + " holds the distance of two fixed cameras");
+  Require(std::isfinite(held.distance) && held.distance > 0, name + ".distance is not a positive number");
+}
+
 void CheckDistances(const BundleProblem& problem) {
   std::vector<std::pair<int, int>> pairs;
   for (std::size_t i = 0; i < problem.distances.size(); ++i) {
     const DistanceConstraint& held = problem.distances[i];
-    const std::string name = At("distances", i);
-    Require(IsIndex(held.camera_a, problem.camera_from_world.size()) &&
-                IsIndex(held.camera_b, problem.camera_from_world.size()),
-            name + " names a camera that does not exist");
-    Require(held.camera_a != held.camera_b, name + " holds a camera at a distance from itself");
-    Require(!problem.camera_is_fixed[held.camera_a] || !problem.camera_is_fixed[held.camera_b],
-            name + " holds the distance of two fixed cameras");
-    Require(std::isfinite(held.distance) && held.distance > 0, name + ".distance is not a positive number");
+    CheckDistance(problem, held, At("distances", i));
     pairs.emplace_back(std::minmax(held.camera_a, held.camera_b));
+  }
+  for (std::size_t i = 0; i < problem.measured_distances.size(); ++i) {
+    const auto& [between, sigma] = problem.measured_distances[i];
+    CheckDistance(problem, between, At("measured_distances", i));
+    Require(std::isfinite(sigma) && sigma > 0, At("measured_distances", i) + ".sigma is not a positive number");
   }
   std::sort(pairs.begin(), pairs.end());
   const auto twice = std::adjacent_find(pairs.begin(), pairs.end());

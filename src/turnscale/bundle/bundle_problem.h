@@ -25,6 +25,12 @@ struct DistanceConstraint {
   double distance = 0;
 };
 
+/// The same as a measurement instead of a constraint.
+struct MeasuredDistance {
+  DistanceConstraint between;
+  double sigma = 0;  ///< standard deviation, relative to the distance
+};
+
 /// What bundle adjustment works on: cameras that share one pinhole, points, and what was seen of which.
 struct BundleProblem {
   Pinhole pinhole;
@@ -32,7 +38,8 @@ struct BundleProblem {
   std::vector<char> camera_is_fixed;    ///< one flag a camera; at least one camera has to be fixed
   std::vector<Eigen::Vector3d> points;  ///< in the world frame; all of them are free
   std::vector<BundleObservation> observations;
-  std::vector<DistanceConstraint> distances;  ///< held exactly (24)-(30); empty for ordinary bundle adjustment
+  std::vector<DistanceConstraint> distances;         ///< held exactly (24)-(30); empty for ordinary bundle adjustment
+  std::vector<MeasuredDistance> measured_distances;  ///< weighed against the observations; not robustified
 };
 
 /// Throws InputError that names the entry when sizes, indices or values in the problem make no sense.

@@ -2,6 +2,7 @@
 #include "turnscale/bundle/bundle_structure.h"
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 
 #include "turnscale/bundle/reprojection.h"
@@ -66,6 +67,18 @@ void MakeEdges(BundleStructure& structure) {
   }
 }
 
+template <typename Visit>
+void ForEachDistance(const BundleProblem& problem, const Visit& visit) {
+  for (const DistanceConstraint& held : problem.distances) visit(held);
+  for (const MeasuredDistance& measured : problem.measured_distances) visit(measured.between);
+}
+
+/// The smaller one first; -1 where that camera is fixed.
+std::array<int, 2> ColumnsOf(const BundleStructure& structure, const DistanceConstraint& held) {
+  const auto [a, b] = std::minmax(structure.column_of_camera[held.camera_a], structure.column_of_camera[held.camera_b]);
+  return {a, b};
+}
+
 /// Block numbers of the upper triangle, row by row up to the last column the row reaches. Keyframes that see the same
 /// points are near each other in time, so the rows are short.
 class BlockTable {
@@ -80,11 +93,10 @@ class BlockTable {
         row_reach = std::max(row_reach, structure.edge_column[structure.first_edge[i + 1] - 1]);
       }
     }
-    for (const DistanceConstraint& held : problem.distances) {
-      const auto [a, b] =
-          std::minmax(structure.column_of_camera[held.camera_a], structure.column_of_camera[held.camera_b]);
+    ForEachDistance(problem, [&](const DistanceConstraint& held) {
+      const auto [a, b] = ColumnsOf(structure, held);
       if (a >= 0) reach[a] = std::max(reach[a], b);
-    }
+    });
     row_begin_.assign(columns + 1, 0);
     for (int i = 0; i < columns; ++i) row_begin_[i + 1] = row_begin_[i] + (reach[i] - i + 1);
     block_.assign(row_begin_[columns], -1);
@@ -120,11 +132,10 @@ void MakeBlocks(const BundleProblem& problem, BundleStructure& structure) {
     table.at(row, column) = kWanted;
     ++pairs;
   });
-  for (const DistanceConstraint& held : problem.distances) {
-    const auto [a, b] =
-        std::minmax(structure.column_of_camera[held.camera_a], structure.column_of_camera[held.camera_b]);
+  ForEachDistance(problem, [&](const DistanceConstraint& held) {
+    const auto [a, b] = ColumnsOf(structure, held);
     if (a >= 0) table.at(a, b) = kWanted;
-  }
+  });
   for (int i = 0; i < table.columns(); ++i) {
     table.at(i, i) = i;
     structure.blocks.push_back({i, i});
@@ -138,11 +149,13 @@ void MakeBlocks(const BundleProblem& problem, BundleStructure& structure) {
   }
   structure.pair_block.reserve(pairs);
   ForEachPair(structure, [&](int row, int column) { structure.pair_block.push_back(table.at(row, column)); });
-  for (const DistanceConstraint& held : problem.distances) {
-    const auto [a, b] =
-        std::minmax(structure.column_of_camera[held.camera_a], structure.column_of_camera[held.camera_b]);
-    structure.distance_block.push_back(a >= 0 ? table.at(a, b) : -1);
-  }
+  const auto block_of = [&](const DistanceConstraint& held) {
+    const auto [a, b] = ColumnsOf(structure, held);
+    return a >= 0 ? table.at(a, b) : -1;
+  };
+  for (const DistanceConstraint& held : problem.distances) structure.distance_block.push_back(block_of(held));
+  for (const MeasuredDistance& measured : problem.measured_distances)
+    structure.measured_distance_block.push_back(block_of(measured.between));
 }
 
 }  // namespace

@@ -34,6 +34,7 @@ struct BundleStructure {
   std::vector<int> pair_block;                  ///< per point, per pair of edges i <= j: the block they fill
   std::vector<std::array<int, 2>> blocks;       ///< (row, column), row <= column
   std::vector<int> distance_block;              ///< block above the diagonal of each distance; -1: one end is fixed
+  std::vector<int> measured_distance_block;     ///< the same for the measured distances
   int longest_track = 0;                        ///< largest number of edges of a point
   int behind_camera = 0;                        ///< observations left out: their point starts behind the camera
 };

@@ -6,6 +6,7 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
+#include <Eigen/OrderingMethods>
 #include <Eigen/SparseCholesky>
 #include <Eigen/SparseCore>
 
@@ -24,8 +25,13 @@ class CameraSolver {
   /// False where the matrix is not positive definite; the solver is then not to be used until the next success.
   bool Factorize(const std::vector<Block>& blocks);
 
-  /// S^-1 times the right-hand sides (one a column).
-  Eigen::MatrixXd Solve(const Eigen::MatrixXd& right_hand_sides) const;
+  /// S^-1 times the right-hand sides (one a column), in two halves: S = F F^T, and SolveLower gives F^-1 times them, of
+  /// which SolveUpper makes F^-T F^-1.
+  Eigen::MatrixXd Solve(const Eigen::MatrixXd& right_hand_sides) const {
+    return SolveUpper(SolveLower(right_hand_sides));
+  }
+  Eigen::MatrixXd SolveLower(const Eigen::MatrixXd& right_hand_sides) const;
+  Eigen::MatrixXd SolveUpper(Eigen::MatrixXd half_solved) const;
 
   bool is_dense() const { return is_dense_; }
 
@@ -37,9 +43,10 @@ class CameraSolver {
   bool is_dense_;
   Eigen::MatrixXd matrix_;
   Eigen::LLT<Eigen::MatrixXd, Eigen::Lower> dense_;
-  Eigen::SparseMatrix<double> sparse_matrix_;  ///< lower triangle
-  std::vector<std::array<int, kDof>> value_;   ///< where each column of a block (transposed) starts in the values
-  Eigen::SimplicialLLT<Eigen::SparseMatrix<double>, Eigen::Lower, Eigen::AMDOrdering<int>> sparse_;
+  std::vector<int> place_;                     ///< of each column in the fill-reducing order
+  Eigen::SparseMatrix<double> sparse_matrix_;  ///< lower triangle, in that order
+  std::vector<std::array<int, kDof>> value_;   ///< where a block's share of each matrix column starts in the values
+  Eigen::SimplicialLLT<Eigen::SparseMatrix<double>, Eigen::Lower, Eigen::NaturalOrdering<int>> sparse_;
 };
 
 }  // namespace turnscale

@@ -28,6 +28,19 @@ struct CeresReprojection {
   BundleObservation seen;
 };
 
+/// Error of a measured distance for Ceres, in sigmas.
+struct CeresDistance {
+  template <typename T>
+  bool operator()(const T* a, const T* b, T* residual) const {
+    using std::sqrt;
+    const T d[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+    residual[0] = (sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]) / measured.between.distance - 1.0) / measured.sigma;
+    return true;
+  }
+
+  MeasuredDistance measured;
+};
+
 /// The same cost as AdjustBundle's without constraints, minimised by Ceres on one thread; the result goes into
 /// `problem`. Independent of our solver: automatic derivatives, another rotation parameter, Ceres' own algebra.
 inline ceres::Solver::Summary AdjustWithCeres(const BundleOptions& options, ceres::Solver::Options solver_options,
@@ -48,6 +61,11 @@ inline ceres::Solver::Summary AdjustWithCeres(const BundleOptions& options, cere
     ordering->AddElementToGroup(state.points[seen.point].data(), 0);
     ordering->AddElementToGroup(rotations[seen.camera].data(), 1);
     ordering->AddElementToGroup(state.centres[seen.camera].data(), 1);
+  }
+  for (const MeasuredDistance& measured : problem.measured_distances) {
+    ceres_problem.AddResidualBlock(new ceres::AutoDiffCostFunction<CeresDistance, 1, 3, 3>(new CeresDistance{measured}),
+                                   nullptr, state.centres[measured.between.camera_a].data(),
+                                   state.centres[measured.between.camera_b].data());
   }
   for (std::size_t i = 0; i < rotations.size(); ++i) {
     if (!ceres_problem.HasParameterBlock(rotations[i].data())) continue;

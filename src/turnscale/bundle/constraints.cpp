@@ -21,14 +21,15 @@ double LargestDistanceError(const std::vector<DistanceConstraint>& distances,
   return largest;
 }
 
-void RequireSeparateCentres(const std::vector<DistanceConstraint>& distances,
-                            const std::vector<Eigen::Vector3d>& centres) {
-  for (std::size_t i = 0; i < distances.size(); ++i) {
-    if (DistanceError(distances[i], centres) <= -1.0) {
-      throw InputError("bundle problem: distances[" + std::to_string(i) +
-                       "] is between two cameras at the same place; which way to part them is unknown");
-    }
-  }
+void RequireSeparateCentres(const BundleProblem& problem, const std::vector<Eigen::Vector3d>& centres) {
+  const auto require = [&](const DistanceConstraint& held, const char* list, std::size_t i) {
+    if (DistanceError(held, centres) > -1.0) return;
+    throw InputError("bundle problem: " + std::string(list) + "[" + std::to_string(i) +
+                     "] is between two cameras at the same place; which way to part them is unknown");
+  };
+  for (std::size_t i = 0; i < problem.distances.size(); ++i) require(problem.distances[i], "distances", i);
+  for (std::size_t i = 0; i < problem.measured_distances.size(); ++i)
+    require(problem.measured_distances[i].between, "measured_distances", i);
 }
 
 LinearizedDistance LinearizeDistance(const DistanceConstraint& held, const std::vector<Eigen::Vector3d>& centres) {

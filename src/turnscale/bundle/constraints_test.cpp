@@ -50,8 +50,14 @@ TEST(Constraints, LargestErrorIsTheWorstOfAll) {
 
 TEST(Constraints, CoincidingCentresAreRefused) {
   const std::vector<Eigen::Vector3d> centres = {{1, 2, 3}, {1, 2, 3}};
-  EXPECT_THROW(RequireSeparateCentres({{0, 1, 1.0}}, centres), InputError);
-  EXPECT_NO_THROW(RequireSeparateCentres({{0, 1, 1.0}}, {{1, 2, 3}, {1, 2, 3.001}}));
+  BundleProblem held;
+  held.distances = {{0, 1, 1.0}};
+  BundleProblem measured;
+  measured.measured_distances = {{{0, 1, 1.0}, 0.1}};
+  for (const BundleProblem& problem : {held, measured}) {
+    EXPECT_THROW(RequireSeparateCentres(problem, centres), InputError);
+    EXPECT_NO_THROW(RequireSeparateCentres(problem, {{1, 2, 3}, {1, 2, 3.001}}));
+  }
 }
 
 }  // namespace

@@ -10,19 +10,6 @@
 namespace turnscale {
 namespace {
 
-/// Adds M to the blocks of a constraint's cameras as [M -M; -M M].
-template <int kDof>
-void AddToPair(const BundleProblem& problem, const BundleStructure& structure, std::size_t constraint,
-               const Eigen::Matrix3d& M, SchurSystem<kDof>& system) {
-  const DistanceConstraint& held = problem.distances[constraint];
-  for (const int camera : {held.camera_a, held.camera_b}) {
-    const int column = structure.column_of_camera[camera];
-    if (column >= 0) system.blocks[column].template bottomRightCorner<3, 3>() += M;
-  }
-  const int between = structure.distance_block[constraint];
-  if (between >= 0) system.blocks[between].template bottomRightCorner<3, 3>() -= M;
-}
-
 /// Without the first camera's distance to anything known, only the constraints hold the scale: S alone is singular.
 /// Adding weight * D D^T makes it definite and, with the gradient changed to match, leaves the solution as it is.
 template <int kDof>
@@ -37,7 +24,8 @@ void Augment(const BundleProblem& problem, const BundleStructure& structure,
       if (column >= 0) weight += system.blocks[column].template bottomRightCorner<3, 3>().trace();
     }
     weight = std::abs(weight) * held.distance * held.distance;
-    AddToPair(problem, structure, i, weight * constraints[i].gradient * constraints[i].gradient.transpose(), system);
+    AddToPair(structure, held, structure.distance_block[i],
+              weight * constraints[i].gradient * constraints[i].gradient.transpose(), system);
     system.gradient += weight * share * constraints[i].value * constraint_gradients.col(static_cast<Eigen::Index>(i));
   }
 }
@@ -66,7 +54,8 @@ void AddConstraintCurvature(const BundleProblem& problem, const BundleStructure&
                             const std::vector<LinearizedDistance>& constraints, const Eigen::VectorXd& multipliers,
                             SchurSystem<kDof>& system) {
   for (std::size_t i = 0; i < constraints.size(); ++i) {
-    AddToPair(problem, structure, i, multipliers[static_cast<Eigen::Index>(i)] * constraints[i].curvature, system);
+    AddToPair(structure, problem.distances[i], structure.distance_block[i],
+              multipliers[static_cast<Eigen::Index>(i)] * constraints[i].curvature, system);
   }
 }
 
@@ -77,16 +66,17 @@ bool SolveKkt(const BundleProblem& problem, const BundleStructure& structure, co
   const Eigen::Index count = static_cast<Eigen::Index>(constraints.size());
   Augment(problem, structure, constraints, constraint_gradients, share, system);
   if (!solver.Factorize(system.blocks)) return false;
-  step.cameras = solver.Solve(-system.gradient);
   step.multipliers.resize(count);
   Eigen::VectorXd values(count);
   for (Eigen::Index i = 0; i < count; ++i) values[i] = share * constraints[static_cast<std::size_t>(i)].value;
+  Eigen::VectorXd half_solved = solver.SolveLower(-system.gradient);
   if (count > 0) {
-    const Eigen::MatrixXd reaction = solver.Solve(constraint_gradients);
-    const Eigen::LDLT<Eigen::MatrixXd> coupling(constraint_gradients.transpose() * reaction);
-    step.multipliers = coupling.solve(values + constraint_gradients.transpose() * step.cameras);
-    step.cameras -= reaction * step.multipliers;
+    const Eigen::MatrixXd reaction = solver.SolveLower(constraint_gradients);
+    const Eigen::LDLT<Eigen::MatrixXd> coupling(reaction.transpose() * reaction);
+    step.multipliers = coupling.solve(values + reaction.transpose() * half_solved);
+    half_solved -= reaction * step.multipliers;
   }
+  step.cameras = solver.SolveUpper(half_solved);
   BackSubstitute(structure, equations, system, step.cameras, step.points);
   if (!step.cameras.allFinite()) return false;
 

@@ -94,6 +94,16 @@ void Eliminate(const BundleStructure& structure, const NormalEquations<kDof>& eq
 }
 
 template <int kDof>
+void AddToPair(const BundleStructure& structure, const DistanceConstraint& pair, int between, const Eigen::Matrix3d& M,
+               SchurSystem<kDof>& system) {
+  for (const int camera : {pair.camera_a, pair.camera_b}) {
+    const int column = structure.column_of_camera[camera];
+    if (column >= 0) system.blocks[column].template bottomRightCorner<3, 3>() += M;
+  }
+  if (between >= 0) system.blocks[between].template bottomRightCorner<3, 3>() -= M;
+}
+
+template <int kDof>
 void BackSubstitute(const BundleStructure& structure, const NormalEquations<kDof>& equations,
                     const SchurSystem<kDof>& system, const Eigen::VectorXd& camera_step,
                     std::vector<Eigen::Vector3d>& point_step) {
@@ -111,6 +121,10 @@ void BackSubstitute(const BundleStructure& structure, const NormalEquations<kDof
 
 template void Eliminate<3>(const BundleStructure&, const NormalEquations<3>&, double, SchurSystem<3>&);
 template void Eliminate<6>(const BundleStructure&, const NormalEquations<6>&, double, SchurSystem<6>&);
+template void AddToPair<3>(const BundleStructure&, const DistanceConstraint&, int, const Eigen::Matrix3d&,
+                           SchurSystem<3>&);
+template void AddToPair<6>(const BundleStructure&, const DistanceConstraint&, int, const Eigen::Matrix3d&,
+                           SchurSystem<6>&);
 template void BackSubstitute<3>(const BundleStructure&, const NormalEquations<3>&, const SchurSystem<3>&,
                                 const Eigen::VectorXd&, std::vector<Eigen::Vector3d>&);
 template void BackSubstitute<6>(const BundleStructure&, const NormalEquations<6>&, const SchurSystem<6>&,

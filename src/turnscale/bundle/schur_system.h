@@ -28,6 +28,12 @@ template <int kDof>
 void Eliminate(const BundleStructure& structure, const NormalEquations<kDof>& equations, double damping,
                SchurSystem<kDof>& system);
 
+/// Adds M to the blocks of two cameras as [M -M; -M M], in the unknowns of their centres. `between` is their block
+/// above the diagonal, -1 where one is fixed.
+template <int kDof>
+void AddToPair(const BundleStructure& structure, const DistanceConstraint& pair, int between, const Eigen::Matrix3d& M,
+               SchurSystem<kDof>& system);
+
 /// Steps of all points for a step of the cameras.
 template <int kDof>
 void BackSubstitute(const BundleStructure& structure, const NormalEquations<kDof>& equations,

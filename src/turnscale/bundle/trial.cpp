@@ -72,6 +72,21 @@ double RefinePoint(const Pinhole& pinhole, const BundleStructure& structure, con
   return cost;
 }
 
+/// Where a point comes to be that goes along with the camera it is closest in front of, and so stays there.
+Eigen::Vector3d CarriedPoint(const BundleStructure& structure, const BundleState& state, const BundleState& trial,
+                             std::size_t point) {
+  Eigen::Vector3d carried = state.points[point];
+  double least_depth = kInfinity;
+  for (int k = structure.first_observation[point]; k < structure.first_observation[point + 1]; ++k) {
+    const int camera = structure.observations[k].camera;
+    const Eigen::Vector3d x_in_camera = state.rotations[camera] * (state.points[point] - state.centres[camera]);
+    if (x_in_camera.z() >= least_depth) continue;
+    least_depth = x_in_camera.z();
+    carried = trial.rotations[camera].transpose() * x_in_camera + trial.centres[camera];
+  }
+  return carried;
+}
+
 /// A point's cost has to rise by this much (sigmas squared) before it is looked at on its own.
 constexpr double kNoticeableRise = 0.1;
 
@@ -84,10 +99,11 @@ double PlacePoint(const Pinhole& pinhole, const BundleStructure& structure, cons
   double cost = PointCost(pinhole, structure, trial, point, position, huber_threshold);
   const bool as_expected = cost <= equations.point_cost[point] + kNoticeableRise;
   if (as_expected && !equations.point_is_rough[point]) return cost;
-  const double stay_cost = PointCost(pinhole, structure, trial, point, state.points[point], huber_threshold);
-  if (!(cost <= stay_cost)) {
-    position = state.points[point];
-    cost = stay_cost;
+  for (const Eigen::Vector3d& other : {state.points[point], CarriedPoint(structure, state, trial, point)}) {
+    const double other_cost = PointCost(pinhole, structure, trial, point, other, huber_threshold);
+    if (cost <= other_cost) continue;
+    position = other;
+    cost = other_cost;
   }
   if (!(cost < kInfinity)) return kInfinity;
   return RefinePoint(pinhole, structure, trial, point, huber_threshold, position);

@@ -8,7 +8,7 @@
 
 namespace turnscale {
 
-/// Takes a step from `state` to `trial` and returns the cost there.
+/// Takes a step from `state` to `trial` and returns the observations' cost there.
 ///
 /// The quadratic model can be far off for single points (tracks with outliers, points that hardly move in the image)
 /// while it holds for all others. Such a point would spoil the whole step, so it is treated on its own: where a point's

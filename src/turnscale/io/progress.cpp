@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <utility>
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -22,7 +23,8 @@ std::string Bar(int done, int all) {
 
 }  // namespace
 
-Progress::Progress(int frames, bool quiet) : frames_(frames), quiet_(quiet), on_terminal_(isatty(STDERR_FILENO) == 1) {}
+Progress::Progress(int frames, bool quiet, std::string unit)
+    : frames_(frames), quiet_(quiet), unit_(std::move(unit)), on_terminal_(isatty(STDERR_FILENO) == 1) {}
 
 void Progress::Update(int frames_done, const std::string& more) {
   if (quiet_) return;
@@ -35,8 +37,8 @@ void Progress::Update(int frames_done, const std::string& more) {
   shown_tenths_ = tenths;
   const double seconds = std::chrono::duration<double>(now - start_).count();
   const std::string text =
-      fmt::format("frame {}{}, {:.1f} frames/s{}{}", frames_done, frames_ > 0 ? fmt::format("/{}", frames_) : "",
-                  frames_done / std::max(seconds, 1e-3), more.empty() ? "" : ", ", more);
+      fmt::format("{} {}{}, {:.1f} {}s/s{}{}", unit_, frames_done, frames_ > 0 ? fmt::format("/{}", frames_) : "",
+                  frames_done / std::max(seconds, 1e-3), unit_, more.empty() ? "" : ", ", more);
   if (on_terminal_) {
     fmt::print(stderr, "\r\x1b[K{}{}", frames_ > 0 ? Bar(frames_done, frames_) : "", text);
     std::fflush(stderr);

@@ -12,8 +12,8 @@ namespace turnscale {
 /// now and then. What it shows depends on the clock; nothing else does.
 class Progress {
  public:
-  /// `frames` is how many are expected, 0 where that is not known. Quiet leaves only warnings.
-  Progress(int frames, bool quiet);
+  /// `frames` is how many are expected, 0 where that is not known. Quiet leaves only warnings. `unit` is what is counted.
+  Progress(int frames, bool quiet, std::string unit = "frame");
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
   /// Finishes: what is said of a run that failed gets a line of its own.
@@ -31,6 +31,7 @@ class Progress {
 
   int frames_;
   bool quiet_;
+  std::string unit_;
   bool on_terminal_;
   bool line_open_ = false;
   Clock::time_point start_ = Clock::now();

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <utility>
 
-#include "turnscale/kinematics/scale_observer.h"
 #include "turnscale/mapping/local_bundle_adjustment.h"
 #include "turnscale/odometry/drive_scale.h"
+#include "turnscale/odometry/turn_reading.h"
 #include "turnscale/scale/absolute_scale_recovery.h"
 #include "turnscale/scale/map_scaling.h"
 
@@ -20,23 +20,9 @@ LeverArm LeverArmOf(const VehicleOptions& vehicle) { return {vehicle.lever_arm.v
 
 TurningRegion KeyframesOf(const TurningRegion& steps) { return {steps.first, steps.last + 1, steps.angle}; }
 
-// Step k of a region leads to keyframe k + 1, which is how the recovery counts.
-TurnScale HeldTurn(const TurningRegion& region, double factor) {
-  return {region.first + 1, region.last + 1, factor, {}};
-}
-
 // `by` may be empty, and then changes nothing.
 void Multiply(const std::vector<double>& by, std::vector<double>& factors) {
   for (size_t k = 0; k < by.size() && k < factors.size(); ++k) factors[k] *= by[k];
-}
-
-// The paper's form: every step is held at what its own angles say (22). Steps that say nothing are not held.
-void HoldEachStep(const std::vector<TurningStep>& steps, const LeverArm& lever_arm, TurnScale& turn) {
-  for (const TurningStep& step : steps) {
-    const double distance = step.dt > 0 ? ObservedDistance(step.motion.psi, step.motion.theta, step.dt, lever_arm)
-                                        : ObservedDistance(step.motion.psi, step.motion.theta, lever_arm.length);
-    turn.distances.push_back(std::isfinite(distance) && distance > 0 ? distance : 0.0);
-  }
 }
 
 }  // namespace
@@ -52,7 +38,7 @@ ScaleUpdate MetricScale::AddKeyframe(int keyframe, Map& map) {
   if (map.keyframes[keyframe].after_gap) {
     closed = detector_.AddUnmeasured();
   } else {
-    update.motion = MotionOf(map, keyframe - 1);
+    update.motion = StepMotion(map, keyframe - 1, mount_);
     closed = detector_.Add(update.motion.psi);
   }
   since_turn_.distance += update.motion.step;
@@ -126,7 +112,7 @@ void MetricScale::ReadTurns(int from, Map& map, std::vector<double>& factors) {
     told.push_back(i);
   }
   if (told.empty()) return;
-  if (Smooths()) HoldSmoothly(map, told, std::span(held).last(told.size()));
+  if (Smooths()) WeighSmoothly(map, told, std::span(held).last(told.size()));
   const ScaleRecoveryResult recovered = RecoverAbsoluteScale(options_.scale.recovery, held, first_keyframe, map);
   Multiply(recovered.factors, factors);
   Multiply(recovered.factors, total_factors_);
@@ -134,7 +120,7 @@ void MetricScale::ReadTurns(int from, Map& map, std::vector<double>& factors) {
     Turn& turn = turns_[i];
     if (!turn.result.used || turn.region.first < first_keyframe) continue;
     turn.step_lengths.clear();
-    for (const TurningStep& step : StepsOf(map, turn.region)) turn.step_lengths.push_back(step.motion.step);
+    for (const TurningStep& step : StepsOfTurn(map, turn.region, mount_)) turn.step_lengths.push_back(step.motion.step);
     if (i < from) continue;
     turn.result.unadjusted.clear();
     for (const RangeRecovery& range : recovered.ranges) {
@@ -150,7 +136,7 @@ void MetricScale::CarryFrom(const TurningRegion& region, const Map& map) {
   state_ = ScaleState::kHeld;
   since_turn_ = {};
   for (int step = region.last + 1; step + 1 < static_cast<int>(map.keyframes.size()); ++step) {
-    since_turn_.distance += MotionOf(map, step).step;
+    since_turn_.distance += StepMotion(map, step, mount_).step;
     if (map.keyframes[step + 1].after_gap) ++since_turn_.gaps;
   }
 }
@@ -162,7 +148,7 @@ std::optional<TurnScale> MetricScale::Read(const Map& map, Turn& turn) const {
     result.reason = "no lever arm given";
     return std::nullopt;
   }
-  const std::vector<TurningStep> steps = StepsOf(map, turn.region);
+  const std::vector<TurningStep> steps = StepsOfTurn(map, turn.region, mount_);
   const PooledScaleResult pooled = PoolScale(steps, LeverArmOf(options_.vehicle), options_.pooled_scale);
   if (!pooled.scale) {
     if (result.used) return AsRecovered(turn);
@@ -186,24 +172,14 @@ std::optional<TurnScale> MetricScale::Read(const Map& map, Turn& turn) const {
   return held;
 }
 
-void MetricScale::HoldSmoothly(const Map& map, const std::vector<int>& turns, std::span<TurnScale> held) {
+void MetricScale::WeighSmoothly(const Map& map, const std::vector<int>& turns, std::span<TurnScale> held) {
   const std::vector<PoseScale> scales = ScaleKeyframes(map, total_factors_, mount_, options_);
   if (scales.empty()) return;
   smoothed_sigmas_.clear();
   for (const PoseScale& scale : scales) smoothed_sigmas_.push_back(scale.sigma);
   for (size_t i = 0; i < turns.size(); ++i) {
-    TurnScale& turn = held[i];
-    double metres = 0;
-    double length = 0;
-    for (int k = turn.first_step; k <= turn.last_step; ++k) {
-      const double step = MotionOf(map, k - 1).step;
-      length += step;
-      metres += step / total_factors_[k] * scales[k].metres_per_unit;
-    }
-    const double factor = metres / length;
-    if (!(std::isfinite(factor) && factor > 0)) continue;
-    turn.factor = factor;
-    turns_[turns[i]].relative_sigma = scales[turn.last_step].sigma;
+    if (WeighSmoothed(scales, map, total_factors_, held[i]))
+      turns_[turns[i]].relative_sigma = scales[held[i].last_step].sigma;
   }
 }
 
@@ -222,19 +198,6 @@ std::vector<double> MetricScale::AdjustSinceLastTurn(Map& map) const {
   return KeyframeFactors(before, KeyframeCentres(map), first, std::vector<double>(before.size(), 1.0));
 }
 
-TurningMotion MetricScale::MotionOf(const Map& map, int step) const {
-  const RigidTransform& previous = map.keyframes[step].camera_from_world;
-  const RigidTransform& current = map.keyframes[step + 1].camera_from_world;
-  return TurningMotionOf(previous * current.inverse(), mount_.At(step + 1));
-}
-
-std::vector<TurningStep> MetricScale::StepsOf(const Map& map, const TurningRegion& region) const {
-  std::vector<TurningStep> steps;
-  for (int step = region.first; step <= region.last; ++step)
-    steps.push_back({MotionOf(map, step), map.keyframes[step + 1].time - map.keyframes[step].time});
-  return steps;
-}
-
 const MetricScale::Turn* MetricScale::LastUsedBefore(int turn) const {
   for (int i = turn; i-- > 0;)
     if (turns_[i].result.used) return &turns_[i];
@@ -247,7 +210,7 @@ std::vector<TurnResult> MetricScale::Turns(const Map& map) const {
     results.push_back(turn.result);
     TurnResult& result = results.back();
     if (state_ == ScaleState::kPending) continue;
-    const std::vector<TurningStep> steps = StepsOf(map, turn.region);
+    const std::vector<TurningStep> steps = StepsOfTurn(map, turn.region, mount_);
     double distance = 0;
     for (const TurningStep& step : steps) distance += step.motion.step;
     const double duration = map.keyframes[turn.region.last + 1].time - map.keyframes[turn.region.first].time;
@@ -288,7 +251,7 @@ void MetricScale::Annotate(const Map& map, const std::vector<int>& keyframe_of_f
     frame.scale_sigma = sigmas[keyframe];
     if (!observed.empty()) frame.scale_state = in_used_turn[keyframe] != 0 ? ScaleState::kObserved : ScaleState::kHeld;
     if (!frame.keyframe || keyframe == 0 || map.keyframes[keyframe].after_gap) continue;
-    const TurningMotion motion = MotionOf(map, keyframe - 1);
+    const TurningMotion motion = StepMotion(map, keyframe - 1, mount_);
     frame.psi = motion.psi;
     frame.theta = motion.theta;
   }

@@ -37,7 +37,7 @@ class MetricScale {
   /// The path ends, here or where tracking was lost: a turn that is still open closes.
   ScaleUpdate EndPath(Map& map);
 
-  /// The drive is over: its path ends, and its turns are held at what all of them say.
+  /// The drive is over: its path ends, and its turns count with what all of them say.
   ScaleUpdate Finish(Map& map);
 
   ScaleState state() const { return state_; }
@@ -60,8 +60,6 @@ class MetricScale {
     double relative_sigma = std::numeric_limits<double>::infinity();
   };
 
-  TurningMotion MotionOf(const Map& map, int step) const;
-  std::vector<TurningStep> StepsOf(const Map& map, const TurningRegion& region) const;
   /// Adjusts all keyframes since the last turn at once: the windows of the live odometry knew less of them, and of the
   /// lens. Gives what lengths at each keyframe are times what they were.
   std::vector<double> AdjustSinceLastTurn(Map& map) const;
@@ -71,8 +69,8 @@ class MetricScale {
   void ReadTurns(int from, Map& map, std::vector<double>& factors);
   /// What the turn tells of the scale; empty where it is not used, with the reason in its result.
   std::optional<TurnScale> Read(const Map& map, Turn& turn) const;
-  /// Holds these turns at what all turns so far say of their scale.
-  void HoldSmoothly(const Map& map, const std::vector<int>& turns, std::span<TurnScale> held);
+  /// Puts what all turns so far say of the scale of these in the place of what they say themselves.
+  void WeighSmoothly(const Map& map, const std::vector<int>& turns, std::span<TurnScale> held);
   void CarryFrom(const TurningRegion& region, const Map& map);
   bool Smooths() const;
   static TurnScale AsRecovered(const Turn& turn);

@@ -73,7 +73,7 @@ struct TrackingOptions {
 /// How the turns' scale is carried over the drive.
 struct ScaleOptions {
   ScaleRecoveryOptions recovery;
-  /// A turn is held at what all turns together say of its scale, each with its variance. Otherwise at what it says
+  /// A turn's scale is what all turns together say of it, weighed by its variance. Otherwise it is held at what it says
   /// itself. The paper's per-frame observer holds steps and is not smoothed.
   bool smooth = true;
   /// How fast the odometry's scale is taken to drift between turns: relative standard deviation after one metre,

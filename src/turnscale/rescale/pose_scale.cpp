@@ -74,7 +74,8 @@ std::vector<PoseScale> ScalePoses(int poses, const std::vector<SwayStep>& steps,
     const auto between = [&](double a, double b) { return (1 - place.share) * a + place.share * b; };
     PoseScale scale;
     scale.metres_per_unit = std::exp(between(before.mean[kLogScale], after.mean[kLogScale]));
-    scale.sigma = std::hypot(between(SigmaOf(before), SigmaOf(after)), common_sigma);
+    scale.own_sigma = between(SigmaOf(before), SigmaOf(after));
+    scale.sigma = std::hypot(scale.own_sigma, common_sigma);
     if (place.ended > first_turn) {
       const Belief& filtered = estimate.filtered[place.ended - 1];
       scale.filtered_metres_per_unit = std::exp(filtered.mean[kLogScale]);

@@ -13,6 +13,7 @@ namespace turnscale {
 struct PoseScale {
   double metres_per_unit = 0;  ///< from the whole drive (smoothed)
   double sigma = 0;            ///< relative
+  double own_sigma = 0;        ///< relative, without what all turns have in common
   /// From the stretches that had ended by then, but with the noise and the weights of the whole drive; 0 up to the
   /// first turn.
   double filtered_metres_per_unit = 0;

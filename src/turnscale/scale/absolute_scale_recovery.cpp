@@ -26,6 +26,7 @@ void CheckTurns(const std::vector<TurnScale>& turns, int first, const Map& map) 
   for (const TurnScale& turn : turns) {
     require(turn.first_step > previous && turn.last_step >= turn.first_step, "steps of turns are out of order");
     require(std::isfinite(turn.factor) && turn.factor > 0, "the factor of a turn is not a positive number");
+    require(std::isfinite(turn.sigma) && turn.sigma >= 0, "the sigma of a turn is negative or not a number");
     require(turn.distances.empty() || std::cmp_equal(turn.distances.size(), turn.last_step - turn.first_step + 1),
             "a turn needs one distance for each of its steps");
     previous = turn.last_step;
@@ -50,13 +51,20 @@ std::vector<double> HeldDistances(const TurnScale& turn, const std::vector<Eigen
   return distances;
 }
 
-void HoldTurns(const std::vector<TurnScale>& turns, const std::vector<Eigen::Vector3d>& guess,
-               const KeyframeRange& range, RecoveryProblem& problem) {
+void HoldTurns(const ScaleRecoveryOptions& options, const std::vector<TurnScale>& turns,
+               const std::vector<Eigen::Vector3d>& guess, const KeyframeRange& range, RecoveryProblem& problem) {
   for (const TurnScale& turn : turns) {
     const std::vector<double> distances = HeldDistances(turn, guess);
+    // Steps err independently for the adjustment, so that the turn as a whole errs by its sigma.
+    const double step_sigma = turn.sigma * std::sqrt(static_cast<double>(distances.size())) / options.track_correlation;
     for (int j = turn.first_step; j <= turn.last_step; ++j) {
       const double distance = distances[j - turn.first_step];
-      if (distance > 0 && j > range.first && j <= range.last) HoldStep(j, distance, range, problem);
+      if (distance <= 0 || j <= range.first || j > range.last) continue;
+      if (turn.sigma > 0) {
+        MeasureStep(j, distance, step_sigma, range, problem);
+      } else {
+        HoldStep(j, distance, range, problem);
+      }
     }
   }
 }
@@ -86,7 +94,8 @@ std::string Astray(const BundleSummary& summary, double stretch, double max_stre
 
 /// Why the adjustment of a range is not worth trying; empty where it is.
 std::string Hopeless(const RecoveryProblem& problem, const KeyframeRange& range) {
-  if (problem.bundle.distances.empty()) return "no turn since tracking was lost";
+  if (problem.bundle.distances.empty() && problem.bundle.measured_distances.empty())
+    return "no turn since tracking was lost";
   for (int k = range.first; k <= range.last; ++k) {
     if (problem.points_of_camera[k - range.first] >= kFewestPoints) continue;
     return "keyframe " + std::to_string(k) + " sees too few landmarks";
@@ -123,7 +132,7 @@ RangeRecovery AdjustRange(const ScaleRecoveryOptions& options, const std::vector
   RangeRecovery recovery{range, false, {}, {}};
   const std::vector<Eigen::Vector3d> guess = KeyframeCentres(map);
   RecoveryProblem problem = MakeRecoveryProblem(map, range, options.pixel_sigma);
-  HoldTurns(turns, guess, range, problem);
+  HoldTurns(options, turns, guess, range, problem);
   recovery.reason = Hopeless(problem, range);
   if (!recovery.reason.empty()) return recovery;
 
@@ -152,6 +161,7 @@ void ScaleRecoveryOptions::Check() const {
     if (!good) throw InputError("scale recovery: " + what);
   };
   require(std::isfinite(pixel_sigma) && pixel_sigma > 0, "pixel_sigma must be positive");
+  require(std::isfinite(track_correlation) && track_correlation >= 1, "track_correlation must be at least 1");
   require(max_iterations >= 1, "max_iterations must be at least 1");
   require(std::isfinite(huber_threshold) && huber_threshold >= 0, "huber_threshold must not be negative");
   require(max_stretch > 1, "max_stretch must be more than 1");

@@ -14,6 +14,9 @@ namespace turnscale {
 struct ScaleRecoveryOptions {
   /// Standard deviation of a tracked pixel, pixels.
   double pixel_sigma = 0.5;
+  /// Beside turns that are weighed (TurnScale::sigma) pixels count as if their sigma was so many times larger: those of
+  /// one track err together, by the patch that all its views are aligned to. 1: they err independently.
+  double track_correlation = 3;
   int max_iterations = 30;
   /// Residuals (in sigmas) beyond this weigh linearly.
   double huber_threshold = 2.0;
@@ -46,8 +49,8 @@ struct ScaleRecoveryResult {
 /// or later) and the current one (F_tc); at the first turn of a drive only this one, with `first` 0. A first guess
 /// scales each step: as the turn says within turns, passing from turn to turn between them (F_u), and like the nearest
 /// turn at the ends. Then reprojection errors are minimised over centres and points, with rotations and keyframe
-/// `first` fixed and the length of every step of a turn held. Steps that bridge a loss of tracking are scaled and not
-/// adjusted.
+/// `first` fixed and the length of every step of a turn held (or weighed: TurnScale::sigma). Steps that bridge a loss
+/// of tracking are scaled and not adjusted.
 ///
 /// The result does not depend on the map's unit of length. Throws InputError when steps are out of range or out of
 /// order, or a factor is not positive.

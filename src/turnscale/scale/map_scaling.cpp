@@ -8,8 +8,11 @@
 namespace turnscale {
 namespace {
 
-int FirstObserver(const Landmark& landmark) {
-  return std::ranges::min_element(landmark.observations, {}, &LandmarkObservation::keyframe)->keyframe;
+int ClosestObserver(const Landmark& landmark, const std::vector<Eigen::Vector3d>& centres) {
+  const auto distance = [&](const LandmarkObservation& seen) {
+    return (landmark.position - centres[seen.keyframe]).squaredNorm();
+  };
+  return std::ranges::min_element(landmark.observations, {}, distance)->keyframe;
 }
 
 }  // namespace
@@ -91,7 +94,7 @@ void CarryLandmarks(const std::vector<Eigen::Vector3d>& before, const std::vecto
                     const std::vector<double>& keyframe_factors, const std::vector<int>& landmarks, Map& map) {
   for (const int index : landmarks) {
     Landmark& landmark = map.landmarks[index];
-    const int k = FirstObserver(landmark);
+    const int k = ClosestObserver(landmark, before);
     if (k < first) continue;
     landmark.position = after[k] + keyframe_factors[k] * (landmark.position - before[k]);
   }

@@ -17,6 +17,9 @@ struct TurnScale {
   /// The paper's per-frame observer: metres of each step, first_step..last_step; not positive where the step told
   /// nothing. Empty for the pooled line: factor times what the map has, so that the turn keeps its shape.
   std::vector<double> distances;
+  /// Relative standard deviation of the factor: the turn's length is a measurement that the adjustment weighs against
+  /// the images. 0: it is held, as the paper does.
+  double sigma = 0;
 };
 
 /// Camera centres of all keyframes, in W.
@@ -42,8 +45,8 @@ std::vector<double> KeyframeFactors(const std::vector<Eigen::Vector3d>& before,
                                     const std::vector<Eigen::Vector3d>& after, int first,
                                     const std::vector<double>& fallback);
 
-/// Moves landmarks with the keyframe that saw them first, their distance from there growing by that keyframe's factor.
-/// Those that a keyframe before `first` has seen stay.
+/// Moves landmarks with the keyframe that saw them from closest by, whose view of them changes fastest; their distance
+/// from there grows by that keyframe's factor. Where that is a keyframe before `first` they stay.
 void CarryLandmarks(const std::vector<Eigen::Vector3d>& before, const std::vector<Eigen::Vector3d>& after, int first,
                     const std::vector<double>& keyframe_factors, const std::vector<int>& landmarks, Map& map);
 

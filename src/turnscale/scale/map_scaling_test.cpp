@@ -59,14 +59,14 @@ TEST(MapScaling, KeyframeFactorsFollowThePath) {
   EXPECT_EQ(factors[11], 7.0) << "where nothing moves the fallback stands";
 }
 
-TEST(MapScaling, LandmarksGoWithTheKeyframeThatSawThemFirst) {
+TEST(MapScaling, LandmarksGoWithTheKeyframeThatSawThemFromClosestBy) {
   Map map;
-  map.landmarks.push_back({{0, 1, 5}, true, {{2, {0, 0}}, {1, {0, 0}}}});
-  map.landmarks.push_back({{0, 1, 5}, true, {{0, {0, 0}}, {2, {0, 0}}}});
+  map.landmarks.push_back({{0, 1, 5}, true, {{1, {0, 0}}, {2, {0, 0}}, {0, {0, 0}}}});
+  map.landmarks.push_back({{0, 1, 0}, true, {{0, {0, 0}}, {2, {0, 0}}}});
   map.landmarks.push_back({{0, 1, 5}, true, {{2, {0, 0}}}});
   CarryLandmarks(Line({0, 1, 2}), Line({0, 10, 20}), 1, {1, 2, 3}, {0, 1}, map);
-  EXPECT_EQ(map.landmarks[0].position, Eigen::Vector3d(0, 2, 18));
-  EXPECT_EQ(map.landmarks[1].position, Eigen::Vector3d(0, 1, 5)) << "seen before the first keyframe that moves";
+  EXPECT_EQ(map.landmarks[0].position, Eigen::Vector3d(0, 3, 29));
+  EXPECT_EQ(map.landmarks[1].position, Eigen::Vector3d(0, 1, 0)) << "by a keyframe before the first that moves";
   EXPECT_EQ(map.landmarks[2].position, Eigen::Vector3d(0, 1, 5)) << "not on the list";
 }
 

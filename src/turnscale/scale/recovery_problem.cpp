@@ -82,6 +82,10 @@ void HoldStep(int step, double distance, const KeyframeRange& range, RecoveryPro
   problem.bundle.distances.push_back({step - 1 - range.first, step - range.first, distance});
 }
 
+void MeasureStep(int step, double distance, double sigma, const KeyframeRange& range, RecoveryProblem& problem) {
+  problem.bundle.measured_distances.push_back({{step - 1 - range.first, step - range.first, distance}, sigma});
+}
+
 void WriteBackLandmarks(const RecoveryProblem& problem, Map& map) {
   for (std::size_t i = 0; i < problem.landmark.size(); ++i) {
     map.landmarks[problem.landmark[i]].position = problem.bundle.points[i];

@@ -37,6 +37,9 @@ RecoveryProblem MakeRecoveryProblem(const Map& map, const KeyframeRange& range, 
 /// Adds the constraint (28) that keyframe j-1 and j are `distance` metres apart.
 void HoldStep(int step, double distance, const KeyframeRange& range, RecoveryProblem& problem);
 
+/// Adds it as a measurement of that relative standard deviation.
+void MeasureStep(int step, double distance, double sigma, const KeyframeRange& range, RecoveryProblem& problem);
+
 /// Writes the adjusted points back.
 void WriteBackLandmarks(const RecoveryProblem& problem, Map& map);
 

@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <system_error>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "commands.h"
+#include "interrupt.h"
+#include "lab_experiments.h"
+#include "turnscale/base/error.h"
+#include "turnscale/io/output_file.h"
+#include "turnscale/io/progress.h"
+
+namespace turnscale {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kMaxRuns = 100000;
+constexpr int kMaxJobs = 1024;
+
+struct Experiment {
+  std::string name;
+  std::string what;
+  std::function<LabResult(const LabSettings&)> run;
+};
+
+std::vector<Experiment> Experiments() {
+  return {
+      {"fig4", "directions of travel", [](const LabSettings&) { return LabFigure4(); }},
+      {"fig6", "sensitivity of the scale observer", [](const LabSettings&) { return LabFigure6(); }},
+      {"fig7", "error of the scale", [](const LabSettings&) { return LabFigure7(); }},
+      {"fig8", "the synthetic drive", LabFigure8},
+      {"fig9", "calibration of the camera's rotation", LabFigure9},
+      {"fig10", "absolute scale recovery, a run a noise level", LabFigure10},
+      {"table1", "absolute scale recovery, errors over many runs", LabTable1},
+      {"ablations", "absolute scale recovery with one thing changed at a time", LabAblations},
+  };
+}
+
+struct LabArguments {
+  fs::path out;
+  std::vector<std::string> only;
+  int runs = 100;
+  int jobs = 2;
+  unsigned seed = 1;
+  bool quiet = false;
+};
+
+void Check(const LabArguments& arguments) {
+  if (arguments.runs < 2 || arguments.runs > kMaxRuns) {
+    throw InputError(fmt::format("--runs {}: give 2 to {}", arguments.runs, kMaxRuns));
+  }
+  if (arguments.jobs < 1 || arguments.jobs > kMaxJobs) {
+    throw InputError(fmt::format("--jobs {}: give 1 to {}", arguments.jobs, kMaxJobs));
+  }
+}
+
+void MakeFolder(const fs::path& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (!fs::is_directory(folder)) throw InputError(folder.string() + ": cannot be made; give another --out");
+}
+
+bool Wanted(const LabArguments& arguments, const std::string& name) {
+  return arguments.only.empty() || std::ranges::find(arguments.only, name) != arguments.only.end();
+}
+
+// Returns the exit code.
+int Lab(const LabArguments& arguments) {
+  Check(arguments);
+  MakeFolder(arguments.out);
+  CatchInterrupts();
+  LabJson all = {{"version", TURNSCALE_VERSION}, {"runs", arguments.runs}, {"seed", arguments.seed}};
+  const auto start = std::chrono::steady_clock::now();
+  for (const Experiment& experiment : Experiments()) {
+    if (!Wanted(arguments, experiment.name)) continue;
+    if (!arguments.quiet) fmt::print(stderr, "{}: {}\n", experiment.name, experiment.what);
+    std::optional<Progress> progress;
+    LabSettings settings{arguments.runs, arguments.jobs, arguments.seed, {}};
+    settings.progress = [&](int done, int runs) {
+      if (!progress) progress.emplace(runs, arguments.quiet, "run");
+      progress->Update(done);
+      return !Interrupted();
+    };
+    const LabResult result = experiment.run(settings);
+    if (progress) progress->Finish();
+    if (Interrupted()) {
+      fmt::print(stderr, "turnscale: interrupted in {}; what was done before it is in {}\n", experiment.name,
+                 arguments.out.string());
+      return kInterruptedExitCode;
+    }
+    KeepResult(arguments.out, experiment.name, result, all);
+    if (!arguments.quiet) {
+      for (const std::string& line : result.lines) fmt::print("{}\n", line);
+    }
+  }
+  if (!arguments.quiet) {
+    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    fmt::print("files   {} ({:.0f} s)\n", arguments.out.string(), seconds);
+  }
+  return 0;
+}
+
+}  // namespace
+
+void AddLabCommand(CLI::App& app) {
+  CLI::App* lab = app.add_subcommand("lab", "Repeat the paper's analysis and Monte Carlo runs (V-A, V-B).");
+  auto arguments = std::make_shared<LabArguments>();
+  std::vector<std::string> names;
+  for (const Experiment& experiment : Experiments()) names.push_back(experiment.name);
+  lab->add_option("--out", arguments->out, "Folder for lab.json and the pictures")->required();
+  lab->add_option("--only", arguments->only, "Only these, separated by commas: " + CLI::detail::join(names, ", "))
+      ->delimiter(',')
+      ->check(CLI::IsMember(names));
+  lab->add_option("--runs", arguments->runs, "Random runs a noise level")->capture_default_str();
+  lab->add_option("--jobs", arguments->jobs, "Runs at a time; the numbers do not depend on them")
+      ->capture_default_str();
+  lab->add_option("--seed", arguments->seed, "Another number, other noise and points")->capture_default_str();
+  lab->add_flag("--quiet", arguments->quiet, "Print warnings and errors only");
+  lab->footer("Example:\n  turnscale lab --out lab\n  turnscale lab --out lab --only table1 --runs 10");
+  lab->callback([arguments] {
+    if (const int exit_code = Lab(*arguments); exit_code != 0) throw CLI::RuntimeError(exit_code);
+  });
+}
+
+}  // namespace turnscale

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: MIT
+#include "lab_trials.h"
+
+#include <algorithm>
+#include <string_view>
+
+#include "turnscale/geometry/rotation.h"
+
+namespace turnscale {
+
+ScaleEstimatorSettings EstimatorOf(const LabMethod& method) {
+  ScaleEstimatorSettings settings;
+  const std::string_view key = method.key;
+  settings.odometry.scale.smooth = key == "smoothed";
+  settings.weighs_turns = key == "weighted";
+  if (key == "paper") settings.odometry.pooled_scale.method = ScaleMethod::kPerFrame;
+  return settings;
+}
+
+ScaleTrials TrialsOf(const LabSettings& settings, const ScaleDriveOptions& drive,
+                     const std::vector<ScaleEstimatorSettings>& estimators, int runs) {
+  ScaleTrials trials;
+  trials.drive = drive;
+  trials.estimators = estimators;
+  trials.runs = runs;
+  trials.jobs = settings.jobs;
+  trials.seed = settings.seed;
+  trials.progress = settings.progress;
+  return trials;
+}
+
+MeanAndSpread CellOf(const std::vector<ScaleTrial>& runs, const std::function<double(const ScaleTrial&)>& value) {
+  std::vector<double> values(runs.size());
+  std::ranges::transform(runs, values.begin(), value);
+  return MeanAndSpreadOf(values);
+}
+
+std::vector<double> TableValues(const std::vector<ScaleTrial>& runs, std::size_t estimator, std::size_t column) {
+  std::vector<double> values;
+  for (const ScaleTrial& run : runs) {
+    const ScaleErrors& errors = run.recovered[estimator];
+    const std::array<double, kTableColumns.size()> row = {run.adjusted.psi * kDegreesPerRadian,
+                                                          run.adjusted.theta * kDegreesPerRadian,
+                                                          errors.turn_scale,
+                                                          100 * errors.turn_ratio,
+                                                          errors.scale,
+                                                          100 * errors.ratio};
+    values.push_back(row.at(column));
+  }
+  return values;
+}
+
+LabJson TableRowJson(const std::vector<ScaleTrial>& runs, std::size_t estimator) {
+  LabJson row = LabJson::object();
+  for (std::size_t column = 0; column < kTableColumns.size(); ++column) {
+    const MeanAndSpread cell = MeanAndSpreadOf(TableValues(runs, estimator, column));
+    row[kTableColumns[column].key] = {{"mean", Rounded(cell.mean)}, {"spread", Rounded(cell.spread)}};
+  }
+  row["converged_percent"] =
+      Rounded(100 * CellOf(runs, [estimator](const ScaleTrial& run) { return run.converged[estimator]; }).mean);
+  return row;
+}
+
+}  // namespace turnscale

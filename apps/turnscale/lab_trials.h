@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <array>
+#include <functional>
+#include <vector>
+
+#include "lab_output.h"
+#include "turnscale/laboratory/scale_trials.h"
+
+namespace turnscale {
+
+/// The paper's noise levels, pixels.
+constexpr std::array<double, 3> kPixelNoise = {0.5, 1.0, 2.0};
+
+/// A column of Table I: how lab.json calls it, and what a picture says.
+struct TableColumn {
+  const char* key;
+  const char* label;
+  const char* unit;
+};
+constexpr std::array<TableColumn, 6> kTableColumns = {{{"psi_deg", "psi", "RMSE [deg]"},
+                                                       {"theta_deg", "theta", "RMSE [deg]"},
+                                                       {"turn_scale_m", "s (turn)", "RMSE [m]"},
+                                                       {"turn_ratio_percent", "r (turn)", "RMSE [%]"},
+                                                       {"scale_m", "s (all)", "RMSE [m]"},
+                                                       {"ratio_percent", "r (all)", "RMSE [%]"}}};
+
+/// A way of recovering the scale: those of `turnscale run --method`, and one more.
+struct LabMethod {
+  const char* key;
+  const char* label;
+  const char* color;
+};
+constexpr std::array<LabMethod, 4> kMethods = {{{"smoothed", "smoothed", "#1565c0"},
+                                                {"turns", "turns", "#64b5f6"},
+                                                {"weighted", "turns weighted", "#7cb342"},
+                                                {"paper", "the paper's", "#f6a03c"}}};
+
+/// The estimator of the laboratory that recovers the scale that way.
+ScaleEstimatorSettings EstimatorOf(const LabMethod& method);
+
+/// Trials with the settings' seed and jobs.
+ScaleTrials TrialsOf(const LabSettings& settings, const ScaleDriveOptions& drive,
+                     const std::vector<ScaleEstimatorSettings>& estimators, int runs);
+
+MeanAndSpread CellOf(const std::vector<ScaleTrial>& runs, const std::function<double(const ScaleTrial&)>& value);
+
+/// Values of a column, one a run, in the column's unit.
+std::vector<double> TableValues(const std::vector<ScaleTrial>& runs, std::size_t estimator, std::size_t column);
+
+/// Mean and spread of each column, and the share of the recoveries that converged.
+LabJson TableRowJson(const std::vector<ScaleTrial>& runs, std::size_t estimator);
+
+}  // namespace turnscale

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/laboratory/point_odometry.h"
+
+#include <cmath>
+#include <cstddef>
+
+#include "turnscale/bundle/bundle_adjustment.h"
+#include "turnscale/mapping/window_problem.h"
+#include "turnscale/scale/map_scaling.h"
+
+namespace turnscale {
+namespace {
+
+constexpr int kIterations = 2;
+constexpr double kCostTolerance = 1e-7;
+
+}  // namespace
+
+Map PointOdometry(const ScaleDrive& drive) {
+  Map map = drive.truth;
+  WindowProblem problem = MakeWindowProblem(map, {0, 1}, drive.pixel_noise);
+  BundleOptions options;
+  options.max_iterations = kIterations;
+  options.huber_threshold = 0;  // the noise is Gaussian
+  options.relative_cost_tolerance = kCostTolerance;
+  AdjustBundle(options, problem.bundle);
+  WriteBack(problem, map);
+  return map;
+}
+
+void LoseScale(double loss, int frames, Map& map) {
+  std::vector<double> factors;
+  for (const Keyframe& keyframe : map.keyframes)
+    factors.push_back(std::pow(1 - loss, static_cast<double>(keyframe.frame) / frames));
+  const std::vector<Eigen::Vector3d> before = KeyframeCentres(map);
+  const std::vector<Eigen::Vector3d> after = ScaleSteps(before, 0, factors);
+  std::vector<int> landmarks;
+  for (std::size_t i = 0; i < map.landmarks.size(); ++i) landmarks.push_back(static_cast<int>(i));
+  CarryLandmarks(before, after, 0, KeyframeFactors(before, after, 0, factors), landmarks, map);
+  SetKeyframeCentres(after, map);
+}
+
+}  // namespace turnscale

@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/laboratory/scale_drive.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <utility>
+
+#include "turnscale/base/error.h"
+#include "turnscale/base/random.h"
+#include "turnscale/geometry/rotation.h"
+
+namespace turnscale {
+namespace {
+
+// KITTI 00's, pixels.
+constexpr double kImageWidth = 1241;
+constexpr double kImageHeight = 376;
+
+/// Frames that become keyframes.
+std::vector<int> KeyframesOf(const ScaleDriveOptions& options, const std::vector<VehicleStep>& steps) {
+  std::vector<int> keyframes = {0};
+  double turned = 0;
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    const int frame = static_cast<int>(i) + 1;
+    turned += std::abs(steps[i].psi);
+    const bool turning = frame % options.turning_keyframe_frames == 0 && turned > 0;
+    if (frame % options.keyframe_frames != 0 && frame % options.step_frames != 0 && !turning) continue;
+    keyframes.push_back(frame);
+    turned = 0;
+  }
+  return keyframes;
+}
+
+/// A point near the path, in the world.
+Eigen::Vector3d RandomPoint(const ScaleDriveOptions& options, const Trajectory& path, Random& random) {
+  // As if the road went on straight: else the last keyframes see nothing.
+  const int beyond = static_cast<int>(options.points_beyond / options.drive.length * static_cast<double>(path.size()));
+  const int place = random.Below(static_cast<int>(path.size()) + beyond);
+  const StampedPose& pose = path[std::min(place, static_cast<int>(path.size()) - 1)];
+  const double aside = random.Uniform(-options.points_aside, options.points_aside);
+  const double height = random.Uniform(-options.points_above, options.points_below);
+  const double ahead =
+      options.drive.length / static_cast<double>(path.size()) * std::max(0, place - static_cast<int>(path.size()) + 1);
+  const Eigen::Vector3d x_in_auxiliary(aside, height, ahead);
+  return pose.world_from_camera * (options.drive.vehicle_from_camera.conjugate() * x_in_auxiliary);
+}
+
+bool Sees(const ScaleDriveOptions& options, const Eigen::Vector3d& x_in_camera) {
+  if (x_in_camera.z() < options.nearest || x_in_camera.norm() > options.view_limit) return false;
+  if (!options.within_image) return true;
+  const Eigen::Vector2d pixel = options.pinhole.Project(x_in_camera);
+  return pixel.x() >= 0 && pixel.x() < kImageWidth && pixel.y() >= 0 && pixel.y() < kImageHeight;
+}
+
+/// The odometry: each true motion from station to station disturbed by itself, one after the other.
+std::vector<RigidTransform> OdometryPath(const ScaleDriveOptions& options, const Map& truth, Random& random) {
+  std::vector<RigidTransform> path = {truth.keyframes[0].camera_from_world.inverse()};
+  for (std::size_t k = 1; k < truth.keyframes.size(); ++k) {
+    const int frame = truth.keyframes[k].frame;
+    RigidTransform motion = truth.keyframes[k - 1].camera_from_world * truth.keyframes[k].camera_from_world.inverse();
+    if (frame % options.step_frames == 0) {
+      const double x = random.Gaussian();
+      const double y = random.Gaussian();
+      const double z = random.Gaussian();
+      motion.rotation = motion.rotation * RotationFromVector(options.rotation_noise * Eigen::Vector3d(x, y, z));
+    }
+    motion.translation *= std::pow(1 - options.scale_loss, static_cast<double>(frame) / options.scale_loss_frames);
+    path.push_back(path.back() * motion);
+  }
+  return path;
+}
+
+/// Sights a point from all keyframes; a point that two have seen becomes a landmark.
+void AddPoint(const ScaleDriveOptions& options, const Eigen::Vector3d& point, Random& random, Map& map) {
+  Landmark landmark{point, true, {}};
+  for (std::size_t k = 0; k < map.keyframes.size(); ++k) {
+    const Eigen::Vector3d x_in_camera = map.keyframes[k].camera_from_world * point;
+    if (!Sees(options, x_in_camera)) continue;
+    const double u = random.Gaussian();
+    const double v = random.Gaussian();
+    const Eigen::Vector2d pixel = options.pinhole.Project(x_in_camera) + options.pixel_noise * Eigen::Vector2d(u, v);
+    landmark.observations.push_back({static_cast<int>(k), pixel});
+  }
+  if (landmark.observations.size() < 2) return;
+  const int index = static_cast<int>(map.landmarks.size());
+  for (const LandmarkObservation& seen : landmark.observations) {
+    map.keyframes[seen.keyframe].observations.push_back({index, seen.pixel});
+  }
+  map.landmarks.push_back(std::move(landmark));
+}
+
+}  // namespace
+
+void ScaleDriveOptions::Check() const {
+  const auto require = [](bool good, const char* what) {
+    if (!good) throw InputError(what);
+  };
+  drive.Check();
+  require(points >= 1, "points: must be at least 1");
+  require(points_aside > 0, "points_aside: must be above 0 m");
+  require(nearest > 0 && view_limit > nearest, "view_limit: must be above nearest, and that above 0 m");
+  require(step_frames >= 1, "step_frames: must be at least 1");
+  require(keyframe_frames >= 1, "keyframe_frames: must be at least 1");
+  require(turning_keyframe_frames >= 1, "turning_keyframe_frames: must be at least 1");
+  require(pixel_noise > 0, "pixel_noise: must be above 0 pixels");
+  require(rotation_noise >= 0, "rotation_noise: must not be negative");
+  require(scale_loss >= 0 && scale_loss < 1, "scale_loss: must lie in [0, 1)");
+  require(scale_loss_frames >= 1, "scale_loss_frames: must be at least 1");
+}
+
+ScaleDrive MakeScaleDrive(const ScaleDriveOptions& options) {
+  options.Check();
+  const std::vector<VehicleStep> steps = PaperDriveSteps(options.drive);
+  const Trajectory path = NoisyCameraPath(steps, options.drive, {});
+  ScaleDrive drive;
+  drive.pixel_noise = options.pixel_noise;
+  drive.truth.pinhole = options.pinhole;
+  for (const int frame : KeyframesOf(options, steps)) {
+    if (frame % options.step_frames == 0) drive.stations.push_back(static_cast<int>(drive.truth.keyframes.size()));
+    drive.truth.keyframes.push_back({frame, path[frame].time, path[frame].world_from_camera.inverse(), {}, false});
+  }
+  Random random(options.seed);
+  drive.odometry = OdometryPath(options, drive.truth, random);
+  for (int i = 0; i < options.points; ++i) AddPoint(options, RandomPoint(options, path, random), random, drive.truth);
+  return drive;
+}
+
+}  // namespace turnscale

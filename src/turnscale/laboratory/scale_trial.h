@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "turnscale/kinematics/turn_detector.h"
+#include "turnscale/laboratory/scale_drive.h"
+#include "turnscale/odometry/options.h"
+
+namespace turnscale {
+
+/// The paper's psi_th for its synthetic drive, rad (2.5 deg).
+constexpr double kTurningAngle = 2.5 / 57.295779513082320877;
+
+/// The car of the synthetic drive, known exactly, its pixels, whose errors are independent, and the paper's psi_th. All
+/// else as `turnscale run` has it.
+OdometryOptions SyntheticDriveOdometry();
+
+/// How the absolute scale is recovered on the synthetic drive.
+struct ScaleEstimatorSettings {
+  /// Of these, vehicle, turns, pooled_scale and scale count.
+  OdometryOptions odometry = SyntheticDriveOdometry();
+  /// Each turn's own scale is weighed by its variance against the images instead of being held.
+  bool weighs_turns = false;
+  /// The first so many turns are used; unset: all. Where turns are smoothed, the others still tell of the scale.
+  std::optional<int> most_turns;
+};
+
+/// What the estimator gave.
+struct RecoveredScale {
+  Map map;                             ///< in metres
+  std::vector<TurningRegion> regions;  ///< turns used; steps counted from 0 as the detector does
+  bool found = false;                  ///< false: no turn gave a scale, and the map is the odometry's
+  bool adjusted = false;               ///< false: between the turns the map has the first guess
+};
+
+/// Detects the turns, observes the scale in them and recovers it between them (Algorithm 1, (22), (24)-(30)), on the
+/// map as the drifting odometry has it. All turns at once, as none of them changes what lies beyond its neighbours.
+/// `pixel_noise` is the standard deviation of the map's pixels.
+RecoveredScale RecoverScale(const ScaleEstimatorSettings& settings, double pixel_noise, Map map);
+
+/// The quantities of Table I over a set of steps: root mean squares of the errors.
+struct ScaleErrors {
+  double psi = 0;         ///< rad
+  double theta = 0;       ///< rad
+  double turn_scale = 0;  ///< metres a step, steps of turns
+  double turn_ratio = 0;  ///< (33) as a share, steps of turns
+  double scale = 0;       ///< all steps
+  double ratio = 0;
+};
+
+/// Errors of world_from_camera (one a keyframe) over the steps from station to station. A step counts as turning where
+/// the car truly turns by `turning_angle` (rad) or more.
+ScaleErrors MeasureScale(const ScaleDrive& drive, const std::vector<RigidTransform>& world_from_camera,
+                         const Eigen::Quaterniond& vehicle_from_camera, double turning_angle);
+
+/// Poses of a map's keyframes.
+std::vector<RigidTransform> KeyframePoses(const Map& map);
+
+}  // namespace turnscale

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "turnscale/laboratory/parallel_runs.h"
+#include "turnscale/laboratory/scale_trial.h"
+
+namespace turnscale {
+
+/// The paper's Monte-Carlo evaluation of the absolute scale recovery (V-B 2, Table I, Fig. 10).
+struct ScaleTrials {
+  ScaleDriveOptions drive;
+  /// Estimators that are compared on the same drives.
+  std::vector<ScaleEstimatorSettings> estimators = std::vector<ScaleEstimatorSettings>(1);
+  int runs = 100;
+  int jobs = 1;
+  std::uint64_t seed = 1;
+  RunProgress progress;
+};
+
+/// What one run gives.
+struct ScaleTrial {
+  ScaleErrors odometry;                ///< of the noisy odometry whose unit shrinks
+  ScaleErrors adjusted;                ///< psi and theta as the scale observer sees them
+  std::vector<ScaleErrors> recovered;  ///< one for each estimator
+  std::vector<char> converged;         ///< one flag for each: the recovery ended as it should
+};
+
+/// One entry a run; every run has points and noise of its own. Same options, same bits for any number of jobs. Empty
+/// where `progress` stopped it.
+std::vector<ScaleTrial> RunScaleTrials(const ScaleTrials& trials);
+
+/// Seed of one run's drive.
+std::uint64_t SeedOfRun(std::uint64_t seed, int run);
+
+/// Mean and standard deviation over the runs.
+struct MeanAndSpread {
+  double mean = 0;
+  double spread = 0;
+};
+MeanAndSpread MeanAndSpreadOf(const std::vector<double>& values);
+
+}  // namespace turnscale

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: MIT
+// Every number in docs/laboratory.md comes from docs/laboratory.json, which is what `turnscale lab` measured.
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <regex>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+namespace turnscale {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string Document(const std::string& name) {
+  std::ifstream file(fs::path(TURNSCALE_SOURCE_FOLDER) / "docs" / name);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+std::vector<double> Numbers(const nlohmann::json& json) {
+  std::vector<double> numbers;
+  for (const auto& [key, value] : json.flatten().items()) {
+    if (value.is_number()) numbers.push_back(value.get<double>());
+  }
+  return numbers;
+}
+
+// What has digits and is no number: code, links, and the names of figures and equations.
+std::string WithoutNames(std::string text) {
+  for (const char* name : {"```[^`]*```", "\n    [^\n]*", "`[^`]*`", "\\]\\([^)]*\\)", "Fig\\. [0-9]+( \\([a-c]\\))?",
+                           "\\([0-9]+\\)", "drive 00", "V-[AB]"}) {
+    text = std::regex_replace(text, std::regex(name), " ");
+  }
+  return text;
+}
+
+// True where a number of the set, rounded as the text has it, is the text's.
+bool Measured(const std::string& token, const std::vector<double>& numbers) {
+  const auto point = token.find('.');
+  const double decimals = point == std::string::npos ? 0 : static_cast<double>(token.size() - point - 1);
+  const double unit = std::pow(10, -decimals);
+  const double wanted = std::stod(token);
+  return std::ranges::any_of(
+      numbers, [&](double number) { return std::abs(std::abs(number) - wanted) <= 0.5 * unit * (1 + 1e-9); });
+}
+
+std::vector<std::string> NotMeasured(const std::string& text, const std::vector<double>& numbers) {
+  const std::string plain = WithoutNames(text);
+  const std::regex number("[0-9]+(\\.[0-9]+)?");
+  std::vector<std::string> missing;
+  for (std::sregex_iterator match(plain.begin(), plain.end(), number), end; match != end; ++match) {
+    if (!Measured(match->str(), numbers)) missing.push_back(match->str());
+  }
+  return missing;
+}
+
+TEST(LaboratoryDocument, HoldsNoNumberThatWasNotMeasured) {
+  const std::string text = Document("laboratory.md");
+  if (text.empty()) GTEST_SKIP() << "docs/laboratory.md is not there: make it with benchmarks/laboratory";
+  const std::vector<double> numbers = Numbers(nlohmann::json::parse(Document("laboratory.json")));
+  ASSERT_GT(text.size(), 1000U);
+  ASSERT_GT(numbers.size(), 50U);
+  for (const std::string& token : NotMeasured(text, numbers)) ADD_FAILURE() << token << " is not in laboratory.json";
+}
+
+TEST(LaboratoryDocument, NumbersOfOnesOwnAreFound) {
+  const std::vector<double> numbers = {0.1234, 12};
+  EXPECT_TRUE(NotMeasured("0.12 m in 12 runs; see Fig. 7 and (22), `x 99`", numbers).empty());
+  EXPECT_EQ(NotMeasured("0.13 m in 13 runs", numbers), (std::vector<std::string>{"0.13", "13"}));
+}
+
+}  // namespace
+}  // namespace turnscale
