@@ -51,6 +51,17 @@ std::vector<Condition> SlippingConditions() {
            [](ScaleEstimatorSettings& settings) { settings.odometry.vehicle.side_slip = kTrueSideSlip; }}};
 }
 
+std::vector<Condition> SeeingConditions() {
+  return {{"front", "all known, all in front seen", [](ScaleEstimatorSettings&) {}}};
+}
+
+// Cameras that see everything in front of them up to the view limit.
+ScaleDriveOptions SeeingDrive() {
+  ScaleDriveOptions options;
+  options.within_image = false;
+  return options;
+}
+
 // A drive at whose speed the slip shortens the lever arm.
 ScaleDriveOptions SlippingDrive() {
   ScaleDriveOptions options;
@@ -88,7 +99,9 @@ LabResult LabAblations(const LabSettings& settings) {
   LabResult result;
   const int runs = std::max(2, settings.runs / kFewerRuns);
   const std::vector<std::pair<ScaleDriveOptions, std::vector<Condition>>> parts = {
-      {ScaleDriveOptions{}, RigidConditions()}, {SlippingDrive(), SlippingConditions()}};
+      {ScaleDriveOptions{}, RigidConditions()},
+      {SlippingDrive(), SlippingConditions()},
+      {SeeingDrive(), SeeingConditions()}};
   result.values["runs"] = runs;
   result.values["pixel_noise"] = kPixelNoiseOfAblations;
   result.values["side_slip"] = kTrueSideSlip;
