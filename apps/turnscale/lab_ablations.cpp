@@ -29,7 +29,7 @@ struct Condition {
 std::vector<Condition> RigidConditions() {
   std::vector<Condition> conditions = {{"known", "all known, 9 turns", [](ScaleEstimatorSettings&) {}}};
   for (const int turns : {5, 2, 1}) {
-    conditions.push_back({fmt::format("turns_{}", turns), fmt::format("{} of the 9 turns held", turns),
+    conditions.push_back({fmt::format("turns_{}", turns), fmt::format("{} of the 9 turns used", turns),
                           [turns](ScaleEstimatorSettings& settings) { settings.most_turns = turns; }});
   }
   for (const double yaw : {0.25, 0.5, 1.0}) {
@@ -76,7 +76,7 @@ PlotPanel BarPanel(const std::string& title, const std::string& column, const La
   panel.title = title;
   panel.x_label = "scale error ratio RMSE [%]";
   panel.y = PlotRange{-static_cast<double>(conditions.size()) + 0.5, 0.5};
-  constexpr double kBar = 0.26;
+  constexpr double kBar = 0.8 / kMethods.size();
   double most = 0;
   for (const auto& [key, condition] : conditions.items()) {
     const double y = -static_cast<double>(panel.y_names.size());
@@ -84,7 +84,7 @@ PlotPanel BarPanel(const std::string& title, const std::string& column, const La
     for (std::size_t m = 0; m < kMethods.size(); ++m) {
       const double value = condition[kMethods[m].key][column]["mean"].get<double>();
       most = std::max(most, value);
-      const double top = y + (1.5 - static_cast<double>(m)) * kBar;
+      const double top = y + 0.4 - static_cast<double>(m) * kBar;
       panel.areas.push_back(
           {{{0, top}, {value, top}, {value, top - kBar}, {0, top - kBar}}, kMethods[m].label, kMethods[m].color, 0.9});
     }
