@@ -40,7 +40,7 @@ TEST_F(LabTest, DrawsWhatIsAskedForAndKeepsItsNumbers) {
   const nlohmann::json json = nlohmann::json::parse(Text("a/lab.json"));
   for (const char* name : {"fig4", "fig6", "fig7"}) EXPECT_TRUE(json.contains(name)) << name;
   EXPECT_FALSE(json.contains("table1"));
-  for (const char* name : {"fig4b", "fig6", "fig7"}) EXPECT_TRUE(json.dump().find(name) != std::string::npos);
+  EXPECT_TRUE(json["fig4"]["pictures"].contains("fig4b"));
   for (const char* name : {"a/fig4b.svg", "a/fig6.svg", "a/fig7.svg"}) EXPECT_EQ(Text(name).find("<svg"), 0U) << name;
 }
 

@@ -121,7 +121,9 @@ void AddLabCommand(CLI::App& app) {
   lab->add_option("--only", arguments->only, "Only these, separated by commas: " + CLI::detail::join(names, ", "))
       ->delimiter(',')
       ->check(CLI::IsMember(names));
-  lab->add_option("--runs", arguments->runs, "Random runs a noise level")->capture_default_str();
+  lab->add_option("--runs", arguments->runs,
+                  "Random runs a noise level of Table I and Fig. 9; what is beside them takes a tenth or less")
+      ->capture_default_str();
   lab->add_option("--jobs", arguments->jobs, "Runs at a time; the numbers do not depend on them")
       ->capture_default_str();
   lab->add_option("--seed", arguments->seed, "Another number, other noise and points")->capture_default_str();

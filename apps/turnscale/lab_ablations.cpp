@@ -29,7 +29,7 @@ struct Condition {
 std::vector<Condition> RigidConditions() {
   std::vector<Condition> conditions = {{"known", "all known, 9 turns", [](ScaleEstimatorSettings&) {}}};
   for (const int turns : {5, 2, 1}) {
-    conditions.push_back({fmt::format("turns_{}", turns), fmt::format("{} of the 9 turns held", turns),
+    conditions.push_back({fmt::format("turns_{}", turns), fmt::format("{} of the 9 turns used", turns),
                           [turns](ScaleEstimatorSettings& settings) { settings.most_turns = turns; }});
   }
   for (const double yaw : {0.25, 0.5, 1.0}) {
@@ -51,6 +51,17 @@ std::vector<Condition> SlippingConditions() {
            [](ScaleEstimatorSettings& settings) { settings.odometry.vehicle.side_slip = kTrueSideSlip; }}};
 }
 
+std::vector<Condition> SeeingConditions() {
+  return {{"front", "all known, all in front seen", [](ScaleEstimatorSettings&) {}}};
+}
+
+// Cameras that see everything in front of them up to the view limit.
+ScaleDriveOptions SeeingDrive() {
+  ScaleDriveOptions options;
+  options.within_image = false;
+  return options;
+}
+
 // A drive at whose speed the slip shortens the lever arm.
 ScaleDriveOptions SlippingDrive() {
   ScaleDriveOptions options;
@@ -65,7 +76,7 @@ PlotPanel BarPanel(const std::string& title, const std::string& column, const La
   panel.title = title;
   panel.x_label = "scale error ratio RMSE [%]";
   panel.y = PlotRange{-static_cast<double>(conditions.size()) + 0.5, 0.5};
-  constexpr double kBar = 0.26;
+  constexpr double kBar = 0.8 / kMethods.size();
   double most = 0;
   for (const auto& [key, condition] : conditions.items()) {
     const double y = -static_cast<double>(panel.y_names.size());
@@ -73,7 +84,7 @@ PlotPanel BarPanel(const std::string& title, const std::string& column, const La
     for (std::size_t m = 0; m < kMethods.size(); ++m) {
       const double value = condition[kMethods[m].key][column]["mean"].get<double>();
       most = std::max(most, value);
-      const double top = y + (1.5 - static_cast<double>(m)) * kBar;
+      const double top = y + 0.4 - static_cast<double>(m) * kBar;
       panel.areas.push_back(
           {{{0, top}, {value, top}, {value, top - kBar}, {0, top - kBar}}, kMethods[m].label, kMethods[m].color, 0.9});
     }
@@ -88,7 +99,9 @@ LabResult LabAblations(const LabSettings& settings) {
   LabResult result;
   const int runs = std::max(2, settings.runs / kFewerRuns);
   const std::vector<std::pair<ScaleDriveOptions, std::vector<Condition>>> parts = {
-      {ScaleDriveOptions{}, RigidConditions()}, {SlippingDrive(), SlippingConditions()}};
+      {ScaleDriveOptions{}, RigidConditions()},
+      {SlippingDrive(), SlippingConditions()},
+      {SeeingDrive(), SeeingConditions()}};
   result.values["runs"] = runs;
   result.values["pixel_noise"] = kPixelNoiseOfAblations;
   result.values["side_slip"] = kTrueSideSlip;

@@ -118,7 +118,7 @@ void VisitSettings(Visitor& visitor, OdometryOptions& options) {
     visitor.Group("recovery", [&] {
       auto& o = options.scale.recovery;
       visitor.Field("pixel_sigma", o.pixel_sigma);
-      visitor.Field("track_correlation", o.track_correlation);
+      visitor.Field("pixel_sigma_inflation", o.pixel_sigma_inflation);
       visitor.Field("max_iterations", o.max_iterations);
       visitor.Field("huber_threshold", o.huber_threshold);
       visitor.Field("max_stretch", o.max_stretch);

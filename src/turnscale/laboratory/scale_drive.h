@@ -47,7 +47,8 @@ struct ScaleDrive {
   /// True keyframes and landmarks (metres) with noisy pixels: where an adjustment may start, as only its minimum
   /// counts.
   Map truth;
-  /// world_from_camera of the keyframes as a noisy odometry has them whose unit shrinks.
+  /// world_from_camera of the keyframes as the paper's noisy odometry has them, whose unit shrinks: for comparison, as
+  /// the recovery works on what the pixels give (PointOdometry, LoseScale).
   std::vector<RigidTransform> odometry;
   double pixel_noise = 1;
   /// Keyframes that are step_frames apart, over which errors are measured.

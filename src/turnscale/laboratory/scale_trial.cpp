@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <utility>
 
+#include "turnscale/base/error.h"
 #include "turnscale/kinematics/pooled_scale.h"
 #include "turnscale/kinematics/turning_motion.h"
 #include "turnscale/odometry/drive_scale.h"
@@ -39,15 +40,17 @@ OdometryOptions SyntheticDriveOdometry() {
   options.vehicle.side_slip_sigma = 0;
   options.vehicle.calibrate_camera = false;
   options.turns.min_step_angle = kTurningAngle;
-  options.scale.recovery.track_correlation = 1;
+  options.scale.recovery.pixel_sigma_inflation = 1;
   return options;
 }
 
 RecoveredScale RecoverScale(const ScaleEstimatorSettings& settings, double pixel_noise, Map map) {
   const OdometryOptions& options = settings.odometry;
+  if (!options.vehicle.lever_arm) throw InputError("lever_arm: has to be given");
   const MountCalibration mount(options.vehicle);
   const LeverArm lever_arm{*options.vehicle.lever_arm, options.vehicle.side_slip};
   const bool per_frame = options.pooled_scale.method == ScaleMethod::kPerFrame;
+  const bool smooths = options.scale.smooth && !per_frame;
   RecoveredScale result;
   std::vector<TurnScale> turns;
   for (const TurningRegion& region : DetectTurns(options.turns, mount, map)) {
@@ -57,12 +60,12 @@ RecoveredScale RecoverScale(const ScaleEstimatorSettings& settings, double pixel
     if (!pooled.scale) continue;
     result.regions.push_back(region);
     turns.push_back(HeldTurn(region, pooled.scale->metres_per_unit));
-    if (settings.weighs_turns) turns.back().sigma = pooled.scale->sigma / pooled.scale->metres_per_unit;
+    if (settings.weighs_turns || smooths) turns.back().sigma = pooled.scale->sigma / pooled.scale->metres_per_unit;
     if (per_frame) HoldEachStep(steps, lever_arm, turns.back());
   }
   result.found = !turns.empty();
   if (result.found) {
-    if (options.scale.smooth && !per_frame) {
+    if (smooths) {
       const std::vector<double> units(map.keyframes.size(), 1.0);
       const std::vector<PoseScale> scales = ScaleKeyframes(map, units, mount, options);
       for (TurnScale& turn : turns) WeighSmoothed(scales, map, units, turn);
@@ -70,7 +73,8 @@ RecoveredScale RecoverScale(const ScaleEstimatorSettings& settings, double pixel
     ScaleRecoveryOptions recovery = options.scale.recovery;
     recovery.pixel_sigma = pixel_noise;
     const ScaleRecoveryResult recovered = RecoverAbsoluteScale(recovery, turns, 0, map);
-    result.adjusted = std::ranges::all_of(recovered.ranges, &RangeRecovery::adjusted);
+    result.converged = std::ranges::all_of(
+        recovered.ranges, [](const RangeRecovery& range) { return range.adjusted && range.summary.converged; });
   }
   result.map = std::move(map);
   return result;

@@ -32,7 +32,7 @@ struct RecoveredScale {
   Map map;                             ///< in metres
   std::vector<TurningRegion> regions;  ///< turns used; steps counted from 0 as the detector does
   bool found = false;                  ///< false: no turn gave a scale, and the map is the odometry's
-  bool adjusted = false;               ///< false: between the turns the map has the first guess
+  bool converged = false;              ///< the recovery ended at its minimum
 };
 
 /// Detects the turns, observes the scale in them and recovers it between them (Algorithm 1, (22), (24)-(30)), on the

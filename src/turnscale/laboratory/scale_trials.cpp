@@ -24,7 +24,7 @@ ScaleTrial RunOnce(const ScaleTrials& trials, int run) {
   for (const ScaleEstimatorSettings& estimator : trials.estimators) {
     const RecoveredScale recovered = RecoverScale(estimator, options.pixel_noise, map);
     trial.recovered.push_back(MeasureScale(drive, KeyframePoses(recovered.map), mount, turning));
-    trial.converged.push_back(recovered.adjusted ? 1 : 0);
+    trial.converged.push_back(recovered.converged ? 1 : 0);
   }
   return trial;
 }

@@ -22,10 +22,10 @@ struct ScaleTrials {
 
 /// What one run gives.
 struct ScaleTrial {
-  ScaleErrors odometry;                ///< of the noisy odometry whose unit shrinks
-  ScaleErrors adjusted;                ///< psi and theta as the scale observer sees them
+  ScaleErrors odometry;                ///< of the paper's noisy odometry (ScaleDrive::odometry), for comparison
+  ScaleErrors adjusted;                ///< of the map that the recovery starts from
   std::vector<ScaleErrors> recovered;  ///< one for each estimator
-  std::vector<char> converged;         ///< one flag for each: the recovery ended as it should
+  std::vector<char> converged;         ///< one flag for each: the recovery ended at its minimum
 };
 
 /// One entry a run; every run has points and noise of its own. Same options, same bits for any number of jobs. Empty

@@ -30,6 +30,7 @@ TEST(ScaleTrials, RecoverTheScaleThatTheOdometryLost) {
   trials.drive.scale_loss = 0.003;
   for (const ScaleTrial& trial : RunScaleTrials(trials)) {
     EXPECT_GT(trial.odometry.ratio, 0.1);
+    EXPECT_GT(trial.adjusted.ratio, 0.1);
     EXPECT_NEAR(trial.odometry.psi * kDegreesPerRadian, 0.5, 0.15);
     EXPECT_LT(trial.recovered[0].ratio, 0.03);
     EXPECT_LT(trial.adjusted.psi * kDegreesPerRadian, 0.1);

@@ -168,6 +168,7 @@ std::optional<TurnScale> MetricScale::Read(const Map& map, Turn& turn) const {
   result.used = true;
   result.reason.clear();
   TurnScale held = HeldTurn(turn.region, factor);
+  if (Smooths()) held.sigma = turn.relative_sigma;
   if (options_.pooled_scale.method == ScaleMethod::kPerFrame) HoldEachStep(steps, LeverArmOf(options_.vehicle), held);
   return held;
 }

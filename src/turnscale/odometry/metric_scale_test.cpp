@@ -195,7 +195,7 @@ double ErrorOfTurns(const OdometryOptions& options, const std::vector<DriveSegme
 }
 
 // A yaw that is off makes right and left turns disagree; together they show it.
-TEST(MetricScale, TurnsAreHeldAtWhatAllOfThemSay) {
+TEST(MetricScale, TurnsCountWithWhatAllOfThemSay) {
   std::vector<DriveSegment> segments = {{12, 0.8, 0}};
   for (int i = 0; i < 6; ++i) {
     segments.push_back({22, 0.6, i % 2 == 0 ? kQuarter : -kQuarter});

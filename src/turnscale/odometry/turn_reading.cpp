@@ -35,6 +35,7 @@ void HoldEachStep(const std::vector<TurningStep>& steps, const LeverArm& lever_a
 
 bool WeighSmoothed(const std::vector<PoseScale>& scales, const Map& map, const std::vector<double>& unit_at_keyframe,
                    TurnScale& turn) {
+  if (scales.size() != map.keyframes.size()) return false;
   const std::vector<Eigen::Vector3d> centres = KeyframeCentres(map);
   double metres = 0;
   double length = 0;
@@ -44,9 +45,11 @@ bool WeighSmoothed(const std::vector<PoseScale>& scales, const Map& map, const s
     metres += step / unit_at_keyframe[k] * scales[k].metres_per_unit;
   }
   const double factor = metres / length;
-  if (!std::isfinite(factor) || factor <= 0) return false;
+  const double sigma = scales[turn.last_step].own_sigma;
+  if (!std::isfinite(factor) || factor <= 0 || !std::isfinite(sigma) || sigma <= 0) return false;
   turn.factor = factor;
-  turn.sigma = scales[turn.last_step].own_sigma;
+  turn.sigma = sigma;
+  turn.distances.clear();
   return true;
 }
 

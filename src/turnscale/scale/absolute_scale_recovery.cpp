@@ -34,8 +34,8 @@ void CheckTurns(const std::vector<TurnScale>& turns, int first, const Map& map) 
   require(first >= 0 && std::cmp_less(previous, map.keyframes.size()), "a step is not in the map");
 }
 
-/// Lengths (metres) that the steps of a turn are held at; 0 where a step is not held.
-std::vector<double> HeldDistances(const TurnScale& turn, const std::vector<Eigen::Vector3d>& guess) {
+/// Lengths (metres) that the steps of a turn are held at or measured as; 0 where a step is neither.
+std::vector<double> StepDistances(const TurnScale& turn, const std::vector<Eigen::Vector3d>& guess) {
   std::vector<double> distances;
   double sum = 0;
   for (int j = turn.first_step; j <= turn.last_step; ++j) {
@@ -51,12 +51,13 @@ std::vector<double> HeldDistances(const TurnScale& turn, const std::vector<Eigen
   return distances;
 }
 
-void HoldTurns(const ScaleRecoveryOptions& options, const std::vector<TurnScale>& turns,
-               const std::vector<Eigen::Vector3d>& guess, const KeyframeRange& range, RecoveryProblem& problem) {
+void AddTurns(const ScaleRecoveryOptions& options, const std::vector<TurnScale>& turns,
+              const std::vector<Eigen::Vector3d>& guess, const KeyframeRange& range, RecoveryProblem& problem) {
   for (const TurnScale& turn : turns) {
-    const std::vector<double> distances = HeldDistances(turn, guess);
-    // Steps err independently for the adjustment, so that the turn as a whole errs by its sigma.
-    const double step_sigma = turn.sigma * std::sqrt(static_cast<double>(distances.size())) / options.track_correlation;
+    const std::vector<double> distances = StepDistances(turn, guess);
+    // Steps err independently for the adjustment; a turn of n equal ones errs by its sigma as a whole.
+    const double step_sigma =
+        turn.sigma * std::sqrt(static_cast<double>(distances.size())) / options.pixel_sigma_inflation;
     for (int j = turn.first_step; j <= turn.last_step; ++j) {
       const double distance = distances[j - turn.first_step];
       if (distance <= 0 || j <= range.first || j > range.last) continue;
@@ -132,7 +133,7 @@ RangeRecovery AdjustRange(const ScaleRecoveryOptions& options, const std::vector
   RangeRecovery recovery{range, false, {}, {}};
   const std::vector<Eigen::Vector3d> guess = KeyframeCentres(map);
   RecoveryProblem problem = MakeRecoveryProblem(map, range, options.pixel_sigma);
-  HoldTurns(options, turns, guess, range, problem);
+  AddTurns(options, turns, guess, range, problem);
   recovery.reason = Hopeless(problem, range);
   if (!recovery.reason.empty()) return recovery;
 
@@ -161,7 +162,8 @@ void ScaleRecoveryOptions::Check() const {
     if (!good) throw InputError("scale recovery: " + what);
   };
   require(std::isfinite(pixel_sigma) && pixel_sigma > 0, "pixel_sigma must be positive");
-  require(std::isfinite(track_correlation) && track_correlation >= 1, "track_correlation must be at least 1");
+  require(std::isfinite(pixel_sigma_inflation) && pixel_sigma_inflation >= 1,
+          "pixel_sigma_inflation must be at least 1");
   require(max_iterations >= 1, "max_iterations must be at least 1");
   require(std::isfinite(huber_threshold) && huber_threshold >= 0, "huber_threshold must not be negative");
   require(max_stretch > 1, "max_stretch must be more than 1");

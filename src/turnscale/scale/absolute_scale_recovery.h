@@ -15,8 +15,9 @@ struct ScaleRecoveryOptions {
   /// Standard deviation of a tracked pixel, pixels.
   double pixel_sigma = 0.5;
   /// Beside turns that are weighed (TurnScale::sigma) pixels count as if their sigma was so many times larger: those of
-  /// one track err together, by the patch that all its views are aligned to. 1: they err independently.
-  double track_correlation = 3;
+  /// one track err together, by the patch that all its views are aligned to, so that ten views tell about as much as
+  /// one. 1: they err independently.
+  double pixel_sigma_inflation = 3;
   int max_iterations = 30;
   /// Residuals (in sigmas) beyond this weigh linearly.
   double huber_threshold = 2.0;
@@ -53,7 +54,7 @@ struct ScaleRecoveryResult {
 /// of tracking are scaled and not adjusted.
 ///
 /// The result does not depend on the map's unit of length. Throws InputError when steps are out of range or out of
-/// order, or a factor is not positive.
+/// order, a factor is not positive, or a sigma negative.
 ScaleRecoveryResult RecoverAbsoluteScale(const ScaleRecoveryOptions& options, const std::vector<TurnScale>& turns,
                                          int first, Map& map);
 

@@ -129,6 +129,31 @@ TEST_F(AbsoluteScaleRecovery, PerFrameDistancesAreHeldAsTheyAre) {
   EXPECT_NEAR(StepLength(after, 30), 0.6, 0.1) << "a step that told nothing goes with the others";
 }
 
+TEST_F(AbsoluteScaleRecovery, ASureTurnThatIsWeighedIsAsGoodAsHeld) {
+  TurnScale turn = WithFactor(kFirstTurn, 5.0);
+  turn.sigma = 1e-7;
+  const auto before = KeyframeCentres(map_);
+  const ScaleRecoveryResult result = RecoverAbsoluteScale({}, {turn}, 0, map_);
+  EXPECT_TRUE(result.ranges[0].adjusted) << result.ranges[0].reason;
+  const auto after = KeyframeCentres(map_);
+  for (int j = 21; j <= 40; ++j) EXPECT_NEAR(StepLength(after, j) / StepLength(before, j), 5.0, 1e-4);
+}
+
+// The second turn has its scale wrong by a tenth; the images carry the first one's to it.
+TEST_F(AbsoluteScaleRecovery, AnUnsureTurnGivesWayToTheImages) {
+  TurnScale sure = WithFactor(kFirstTurn, 5.0);
+  TurnScale wrong = WithFactor(kSecondTurn, 1.1 * 5.0 / 1.3);
+  Map held = map_;
+  RecoverAbsoluteScale({}, {sure, wrong}, 0, held);
+  EXPECT_GT(ScaleError(held, truth_, 141, 160), 0.09);
+  sure.sigma = 0.001;
+  wrong.sigma = 0.1;
+  const ScaleRecoveryResult result = RecoverAbsoluteScale({.pixel_sigma_inflation = 1}, {sure, wrong}, 0, map_);
+  EXPECT_TRUE(result.ranges[0].summary.converged);
+  EXPECT_LT(ScaleError(map_, truth_, 21, 40), 0.02);
+  EXPECT_LT(ScaleError(map_, truth_, 141, 160), 0.05);
+}
+
 TEST_F(AbsoluteScaleRecovery, UnitOfTheStartCancels) {
   std::vector<std::vector<Eigen::Vector3d>> centres;
   for (const double unit : {0.1, 1.0, 10.0}) {
@@ -234,7 +259,9 @@ TEST_F(AbsoluteScaleRecovery, RefusesWhatMakesNoSense) {
   EXPECT_THROW(RecoverAbsoluteScale({}, {{150, 162, 1, {}}}, 0, map_), InputError);
   EXPECT_THROW(RecoverAbsoluteScale({}, {WithFactor(kFirstTurn, -1)}, 0, map_), InputError);
   EXPECT_THROW(RecoverAbsoluteScale({}, {{21, 40, 1, {0.6}}}, 0, map_), InputError);
+  EXPECT_THROW(RecoverAbsoluteScale({}, {{21, 40, 1, {}, -0.1}}, 0, map_), InputError);
   EXPECT_THROW(RecoverAbsoluteScale({.pixel_sigma = 0}, {kFirstTurn}, 0, map_), InputError);
+  EXPECT_THROW(RecoverAbsoluteScale({.pixel_sigma_inflation = 0.5}, {kFirstTurn}, 0, map_), InputError);
 }
 
 }  // namespace

@@ -18,7 +18,8 @@ struct TurnScale {
   /// nothing. Empty for the pooled line: factor times what the map has, so that the turn keeps its shape.
   std::vector<double> distances;
   /// Relative standard deviation of the factor: the turn's length is a measurement that the adjustment weighs against
-  /// the images. 0: it is held, as the paper does.
+  /// the images, independent of other turns' (of smoothed scales, which share what all turns say, that is an
+  /// approximation). 0: it is held, as the paper does.
   double sigma = 0;
 };
 
