@@ -6,6 +6,7 @@
 #include <fstream>
 #include <iterator>
 #include <regex>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -24,19 +25,27 @@ std::string Document(const std::string& name) {
 
 std::vector<double> Numbers(const nlohmann::json& json) {
   std::vector<double> numbers;
-  for (const auto& [key, value] : json.flatten().items()) {
+  const nlohmann::json flat = json.flatten();
+  for (const auto& [key, value] : flat.items()) {
     if (value.is_number()) numbers.push_back(value.get<double>());
   }
   return numbers;
 }
 
-// What has digits and is no number: code, links, and the names of figures and equations.
-std::string WithoutNames(std::string text) {
-  for (const char* name : {"```[^`]*```", "\n    [^\n]*", "`[^`]*`", "\\]\\([^)]*\\)", "Fig\\. [0-9]+( \\([a-c]\\))?",
-                           "\\([0-9]+\\)", "drive 00", "V-[AB]"}) {
-    text = std::regex_replace(text, std::regex(name), " ");
+// What has digits and is no number: code, links, and the names of figures and equations. Line by line, since a regular
+// expression of the standard library takes stack for every character that it matches.
+std::string WithoutNames(const std::string& text) {
+  std::istringstream lines(text);
+  std::string plain;
+  for (std::string line; std::getline(lines, line);) {
+    if (line.starts_with("    ")) continue;
+    for (const char* name : {"`[^`]*`", "\\]\\([^)]*\\)", "Fig\\. [0-9]+( \\([a-c]\\))?", "\\([0-9]+\\)",
+                             "drive 00", "V-[AB]"}) {
+      line = std::regex_replace(line, std::regex(name), " ");
+    }
+    plain += line + "\n";
   }
-  return text;
+  return plain;
 }
 
 // True where a number of the set, rounded as the text has it, is the text's.
