@@ -186,7 +186,8 @@ std::string FigureSvg(const Figure& figure) {
   text += SvgText(kEdge, 28, figure.title, "title");
   for (std::size_t i = 0; i < figure.panels.size(); ++i) {
     const double left = column_left[i % columns];
-    const double top = kTitle + cell_height * static_cast<double>(i / columns);
+    const std::size_t row = i / columns;
+    const double top = kTitle + cell_height * static_cast<double>(row);
     const PlotAxes axes(figure.panels[i], {left + AxisLeft(figure.panels[i]), top + kAxisTop},
                         {figure.panel_width, figure.panel_height});
     text += PanelElement(figure.panels[i], axes, i);
