@@ -81,6 +81,7 @@ int Lab(const LabArguments& arguments) {
   CatchInterrupts();
   LabJson all = {{"version", TURNSCALE_VERSION}, {"runs", arguments.runs}, {"seed", arguments.seed}};
   const auto start = std::chrono::steady_clock::now();
+  bool any = false;  // experiment has been kept
   for (const Experiment& experiment : Experiments()) {
     if (!Wanted(arguments, experiment.name)) continue;
     if (!arguments.quiet) fmt::print(stderr, "{}: {}\n", experiment.name, experiment.what);
@@ -94,11 +95,13 @@ int Lab(const LabArguments& arguments) {
     const LabResult result = experiment.run(settings);
     if (progress) progress->Finish();
     if (Interrupted()) {
-      fmt::print(stderr, "turnscale: interrupted in {}; what was done before it is in {}\n", experiment.name,
-                 arguments.out.string());
+      const std::string kept =
+          any ? "what was done before it is in " + arguments.out.string() : "nothing was done before it";
+      fmt::print(stderr, "turnscale: interrupted in {}; {}\n", experiment.name, kept);
       return kInterruptedExitCode;
     }
     KeepResult(arguments.out, experiment.name, result, all);
+    any = true;
     if (!arguments.quiet) {
       for (const std::string& line : result.lines) fmt::print("{}\n", line);
     }
@@ -117,7 +120,7 @@ void AddLabCommand(CLI::App& app) {
   auto arguments = std::make_shared<LabArguments>();
   std::vector<std::string> names;
   for (const Experiment& experiment : Experiments()) names.push_back(experiment.name);
-  lab->add_option("--out", arguments->out, "Folder for lab.json and the pictures")->required();
+  lab->add_option("--out", arguments->out, "Folder for lab.json, which is replaced, and the pictures")->required();
   lab->add_option("--only", arguments->only, "Only these, separated by commas: " + CLI::detail::join(names, ", "))
       ->delimiter(',')
       ->check(CLI::IsMember(names));
