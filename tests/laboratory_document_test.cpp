@@ -39,8 +39,8 @@ std::string WithoutNames(const std::string& text) {
   std::string plain;
   for (std::string line; std::getline(lines, line);) {
     if (line.starts_with("    ")) continue;
-    for (const char* name : {"`[^`]*`", "\\]\\([^)]*\\)", "Fig\\. [0-9]+( \\([a-c]\\))?", "\\([0-9]+\\)",
-                             "drive 00", "V-[AB]"}) {
+    for (const char* name :
+         {"`[^`]*`", "\\]\\([^)]*\\)", "Fig\\. [0-9]+( \\([a-c]\\))?", "\\([0-9]+\\)", "drive 00", "V-[AB]"}) {
       line = std::regex_replace(line, std::regex(name), " ");
     }
     plain += line + "\n";
