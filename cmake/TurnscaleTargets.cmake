@@ -19,6 +19,8 @@ target_compile_options(
 if(TURNSCALE_SANITIZE)
   target_compile_options(turnscale_build_flags INTERFACE -fsanitize=${TURNSCALE_SANITIZE} -fno-omit-frame-pointer
                                                          -fno-sanitize-recover=all)
+  # The instrumentation hides from GCC what is initialised: it then warns inside the standard library.
+  target_compile_options(turnscale_build_flags INTERFACE $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>)
   target_link_options(turnscale_build_flags INTERFACE -fsanitize=${TURNSCALE_SANITIZE})
 endif()
 
