@@ -6,9 +6,9 @@
 
 #include <Eigen/LU>
 
-#include "turnscale/base/random.h"
 #include "turnscale/calibration/camera_angles.h"
 #include "turnscale/calibration/step_elimination.h"
+#include "turnscale/laboratory/parallel_runs.h"
 
 namespace turnscale {
 namespace {
@@ -51,7 +51,7 @@ std::vector<CalibrationTrial> RunCalibrationTrials(const CalibrationTrials& tria
   OdometryNoise noise{trials.rotation_noise, trials.direction_share * trials.rotation_noise, 0};
   std::vector<CalibrationTrial> results;
   for (int run = 0; run < trials.runs; ++run) {
-    noise.seed = Hash(Hash(trials.seed) + static_cast<std::uint64_t>(run));
+    noise.seed = SeedOfRun(trials.seed, run);
     const Trajectory path = NoisyCameraPath(steps, trials.drive, noise);
     const Calibration found = Calibrate(StepsAlong(path, trials.steps), trials.calibration);
     results.push_back({Difference(found.linear.vehicle_from_camera, trials.drive.vehicle_from_camera),

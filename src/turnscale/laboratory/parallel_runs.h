@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstdint>
 #include <functional>
 
 namespace turnscale {
@@ -12,5 +13,8 @@ using RunProgress = std::function<bool(int done, int all)>;
 /// depend on `jobs`. Returns false where `progress` asked to stop: the runs not begun by then are left out. What a run
 /// throws is thrown from here.
 bool ParallelRuns(int runs, int jobs, const std::function<void(int)>& run, const RunProgress& progress = {});
+
+/// Seed of the noise of one run among those of `seed`.
+std::uint64_t SeedOfRun(std::uint64_t seed, int run);
 
 }  // namespace turnscale

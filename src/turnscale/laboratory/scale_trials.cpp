@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstddef>
 
-#include "turnscale/base/random.h"
 #include "turnscale/laboratory/point_odometry.h"
 
 namespace turnscale {
@@ -30,8 +29,6 @@ ScaleTrial RunOnce(const ScaleTrials& trials, int run) {
 }
 
 }  // namespace
-
-std::uint64_t SeedOfRun(std::uint64_t seed, int run) { return Hash(Hash(seed) + static_cast<std::uint64_t>(run)); }
 
 std::vector<ScaleTrial> RunScaleTrials(const ScaleTrials& trials) {
   std::vector<ScaleTrial> results(trials.runs);

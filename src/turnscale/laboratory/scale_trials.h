@@ -32,9 +32,6 @@ struct ScaleTrial {
 /// where `progress` stopped it.
 std::vector<ScaleTrial> RunScaleTrials(const ScaleTrials& trials);
 
-/// Seed of one run's drive.
-std::uint64_t SeedOfRun(std::uint64_t seed, int run);
-
 /// Mean and standard deviation over the runs.
 struct MeanAndSpread {
   double mean = 0;

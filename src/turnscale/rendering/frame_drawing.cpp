@@ -7,8 +7,8 @@
 #include <numeric>
 #include <utility>
 
+#include "turnscale/base/parallel.h"
 #include "turnscale/base/random.h"
-#include "turnscale/rendering/parallel.h"
 
 namespace turnscale {
 namespace {

@@ -10,9 +10,9 @@
 
 #include <Eigen/Geometry>
 
+#include "turnscale/base/parallel.h"
 #include "turnscale/base/random.h"
 #include "turnscale/rendering/lamp_light.h"
-#include "turnscale/rendering/parallel.h"
 #include "turnscale/rendering/surface.h"
 
 namespace turnscale {

@@ -6,7 +6,7 @@
 
 #include <Eigen/Geometry>
 
-#include "turnscale/rendering/parallel.h"
+#include "turnscale/base/parallel.h"
 
 namespace turnscale {
 

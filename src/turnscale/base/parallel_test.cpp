@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "turnscale/rendering/parallel.h"
+#include "turnscale/base/parallel.h"
 
 #include <atomic>
 #include <stdexcept>

@@ -1,16 +1,19 @@
 // SPDX-License-Identifier: MIT
-#include "turnscale/rendering/parallel.h"
+#pragma once
 
 #include <algorithm>
 #include <atomic>
 #include <exception>
+#include <functional>
 #include <mutex>
 #include <thread>
 #include <vector>
 
 namespace turnscale {
 
-void ForEachIndex(int count, int threads, const std::function<void(int)>& work) {
+/// Calls `work` for 0...count-1, from so many threads, each index once, in no order that could be relied on. The first
+/// exception that `work` throws ends it and is thrown on.
+inline void ForEachIndex(int count, int threads, const std::function<void(int)>& work) {
   std::atomic<int> next = 0;
   std::mutex mutex;
   std::exception_ptr failure;
