@@ -63,8 +63,7 @@ RecoveredScale RecoverScale(const ScaleEstimatorSettings& settings, double pixel
     if (settings.weighs_turns || smooths) turns.back().sigma = pooled.scale->sigma / pooled.scale->metres_per_unit;
     if (per_frame) HoldEachStep(steps, lever_arm, turns.back());
   }
-  result.found = !turns.empty();
-  if (result.found) {
+  if (!turns.empty()) {
     if (smooths) {
       const std::vector<double> units(map.keyframes.size(), 1.0);
       const std::vector<PoseScale> scales = ScaleKeyframes(map, units, mount, options);

@@ -29,9 +29,8 @@ struct ScaleEstimatorSettings {
 
 /// What the estimator gave.
 struct RecoveredScale {
-  Map map;                             ///< in metres
+  Map map;                             ///< in metres; the odometry's where no turn gave a scale
   std::vector<TurningRegion> regions;  ///< turns used; steps counted from 0 as the detector does
-  bool found = false;                  ///< false: no turn gave a scale, and the map is the odometry's
   bool converged = false;              ///< the recovery ended at its minimum
 };
 
