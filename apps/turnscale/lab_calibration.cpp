@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: MIT
-#include <algorithm>
 #include <array>
-#include <cmath>
 #include <string>
 #include <vector>
 
 #include <fmt/format.h>
 
 #include "lab_experiments.h"
+#include "lab_trials.h"
 #include "turnscale/geometry/rotation.h"
 #include "turnscale/laboratory/calibration_trials.h"
 #include "turnscale/laboratory/parallel_runs.h"
@@ -45,11 +44,9 @@ PlotPanel Panel(const std::array<Trials, 4>& levels, YawPitchRoll CalibrationTri
   for (std::size_t angle = 0; angle < kAngles.size(); ++angle) {
     panel.x_names.emplace_back(static_cast<double>(angle) + 1, kAngles[angle]);
     for (std::size_t level = 0; level < levels.size(); ++level) {
-      const std::vector<double> values = Errors(levels[level], which, angle);
-      const MeanAndSpread cell = MeanAndSpreadOf(values);
-      panel.boxes.push_back({static_cast<double>(angle) + 0.7 + 0.2 * static_cast<double>(level), 0.16, cell.mean,
-                             cell.spread, *std::ranges::min_element(values), *std::ranges::max_element(values),
-                             fmt::format("noise {:g} deg", kRotationNoise[level]), kColors[level]});
+      panel.boxes.push_back(BoxOf(Errors(levels[level], which, angle),
+                                  static_cast<double>(angle) + 0.7 + 0.2 * static_cast<double>(level), 0.16,
+                                  fmt::format("noise {:g} deg", kRotationNoise[level]), kColors[level]));
     }
   }
   return panel;
@@ -66,7 +63,6 @@ LabResult LabFigure9(const LabSettings& settings) {
     trials.rotation_noise = kRotationNoise.at(level) / kDegreesPerRadian;
     trials.runs = settings.runs;
     trials.seed = settings.seed;
-    trials.calibration.refinement.road_bank = 0;  // the synthetic road is flat
     levels.at(level) = RunCalibrationTrials(trials);
   };
   const auto progress = [&](int done, int all) { return settings.progress(done * settings.runs, all * settings.runs); };
@@ -80,8 +76,7 @@ LabResult LabFigure9(const LabSettings& settings) {
   figure.panels = {Panel(levels, &CalibrationTrial::linear, "(a) linear only"),
                    Panel(levels, &CalibrationTrial::refined, "(b) after the full refinement")};
   for (double y : {-kPaperSpreadAtOneDegree, kPaperSpreadAtOneDegree}) {
-    figure.panels[1].lines.push_back(
-        {{{0.3, y}, {3.7, y}}, fmt::format("paper: one sigma at 1 deg"), "#c2185b", 1.4, "2 3"});
+    figure.panels[1].lines.push_back({{{0.3, y}, {3.7, y}}, "paper: one sigma at 1 deg", "#c2185b", 1.4, "2 3"});
   }
   result.figures.emplace_back("fig9", figure);
   result.values["paper_spread_at_1_deg"] = kPaperSpreadAtOneDegree;

@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 
 #include <fmt/format.h>
 
@@ -19,8 +18,6 @@ constexpr double kDeg = 1 / kDegreesPerRadian;
 constexpr std::array<double, 6> kTravelRatios = {0.1, 0.2, 0.3, 0.4, 0.6, 1.0};
 constexpr double kMostPsi = 10;  // deg
 constexpr std::array<double, 2> kAngleErrors = {0.05, 0.1};
-constexpr PlotRange kRegionPsi = {3, 5};
-constexpr PlotRange kRegionRatio = {0.2, 0.4};
 // What the paper says of them (V-A).
 constexpr double kPaperMeanError = 2.5;
 constexpr double kPaperWorstError = 5.5;
@@ -45,12 +42,14 @@ double ErrorRatio(double psi, double ratio, double error) {
 
 // Where psi and rho/L of the paper's parking lots lead to.
 PlotArea RegionOfInterest(double angle_error) {
-  PlotArea region{{}, "psi 3 to 5 deg, rho/L 0.2 to 0.4", "#0d47a1", 0.55};
+  PlotArea region{{}, "", "#0d47a1", 0.55};
+  region.label =
+      fmt::format("psi {} to {} deg, rho/L {} to {}", kRegionPsi[0], kRegionPsi[1], kRegionRatio[0], kRegionRatio[1]);
   const auto add = [&](double psi, double ratio) {
     region.outline.emplace_back(psi, ErrorRatio(psi * kDeg, ratio, angle_error));
   };
-  for (double psi = kRegionPsi.low; psi <= kRegionPsi.high + 1e-9; psi += 0.1) add(psi, kRegionRatio.high);
-  for (double psi = kRegionPsi.high; psi >= kRegionPsi.low - 1e-9; psi -= 0.1) add(psi, kRegionRatio.low);
+  for (double psi = kRegionPsi[0]; psi <= kRegionPsi[1] + 1e-9; psi += 0.1) add(psi, kRegionRatio[1]);
+  for (double psi = kRegionPsi[1]; psi >= kRegionPsi[0] - 1e-9; psi -= 0.1) add(psi, kRegionRatio[0]);
   return region;
 }
 

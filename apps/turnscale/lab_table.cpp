@@ -61,18 +61,6 @@ PlotPanel CellPanel(std::size_t column) {
   return panel;
 }
 
-PlotBox CellBox(double x, const std::vector<double>& values, const std::string& label, const std::string& color) {
-  const MeanAndSpread cell = MeanAndSpreadOf(values);
-  return {x,
-          0.22,
-          cell.mean,
-          cell.spread,
-          *std::min_element(values.begin(), values.end()),
-          *std::max_element(values.begin(), values.end()),
-          label,
-          color};
-}
-
 LabJson OdometryJson(const std::vector<ScaleTrial>& runs) {
   const auto mean = [&](const auto& value) { return Rounded(CellOf(runs, value).mean); };
   return {{"psi_deg", mean([](const ScaleTrial& run) { return run.odometry.psi * kDegreesPerRadian; })},
@@ -140,7 +128,7 @@ LabResult LabTable1(const LabSettings& settings) {
       const double x = static_cast<double>(level) + (drawn == 0 ? 0.8 : 1.2);
       for (std::size_t column = 0; column < kTableColumns.size(); ++column) {
         figure.panels[column].boxes.push_back(
-            CellBox(x, TableValues(runs, 0, column), "ours, " + reading.what, reading.color));
+            BoxOf(TableValues(runs, 0, column), x, 0.22, "ours, " + reading.what, reading.color));
       }
     }
     ++drawn;

@@ -35,6 +35,13 @@ MeanAndSpread CellOf(const std::vector<ScaleTrial>& runs, const std::function<do
   return MeanAndSpreadOf(values);
 }
 
+PlotBox BoxOf(const std::vector<double>& values, double x, double width, const std::string& label,
+              const std::string& color) {
+  const MeanAndSpread cell = MeanAndSpreadOf(values);
+  const auto [low, high] = std::ranges::minmax(values);
+  return {x, width, cell.mean, cell.spread, low, high, label, color};
+}
+
 std::vector<double> TableValues(const std::vector<ScaleTrial>& runs, std::size_t estimator, std::size_t column) {
   std::vector<double> values;
   for (const ScaleTrial& run : runs) {

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <functional>
+#include <string>
 #include <vector>
 
 #include "lab_output.h"
@@ -45,6 +46,10 @@ ScaleTrials TrialsOf(const LabSettings& settings, const ScaleDriveOptions& drive
                      const std::vector<ScaleEstimatorSettings>& estimators, int runs);
 
 MeanAndSpread CellOf(const std::vector<ScaleTrial>& runs, const std::function<double(const ScaleTrial&)>& value);
+
+/// Mean, spread and range of the values as a box of that width (in units of x).
+PlotBox BoxOf(const std::vector<double>& values, double x, double width, const std::string& label,
+              const std::string& color);
 
 /// Values of a column, one a run, in the column's unit.
 std::vector<double> TableValues(const std::vector<ScaleTrial>& runs, std::size_t estimator, std::size_t column);

@@ -29,8 +29,8 @@ RegionError ErrorOverRegion(double angle_error, bool printed) {
   RegionError region;
   for (int i = 0; i <= kSteps; ++i) {
     for (int k = 0; k <= kSteps; ++k) {
-      const double psi = std::lerp(3.0, 5.0, static_cast<double>(i) / kSteps) / kDegreesPerRadian;
-      const double ratio = std::lerp(0.2, 0.4, static_cast<double>(k) / kSteps);
+      const double psi = std::lerp(kRegionPsi[0], kRegionPsi[1], static_cast<double>(i) / kSteps) / kDegreesPerRadian;
+      const double ratio = std::lerp(kRegionRatio[0], kRegionRatio[1], static_cast<double>(k) / kSteps);
       const ScaleSensitivity sensitivity =
           printed ? PrintedSensitivityOfStep(psi, ratio) : SensitivityOfStep(psi, ratio);
       const double error = ScaleErrorRatio(psi, ratio, angle_error, sensitivity);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <vector>
+#include <array>
 
 #include "turnscale/kinematics/scale_observer.h"
 
@@ -16,7 +16,11 @@ ScaleSensitivity PrintedSensitivityOfStep(double psi, double travel_ratio);
 /// Error of the scale over the scale (32) where psi and theta are both off by `angle_error` (rad).
 double ScaleErrorRatio(double psi, double travel_ratio, double angle_error, const ScaleSensitivity& sensitivity);
 
-/// What (32) gives over the paper's region of interest, psi in [3, 5] deg and rho/L in [0.2, 0.4] (Fig. 7).
+/// The paper's region of interest (Fig. 7): least and most psi, in degrees, and rho/L.
+constexpr std::array<double, 2> kRegionPsi = {3, 5};
+constexpr std::array<double, 2> kRegionRatio = {0.2, 0.4};
+
+/// What (32) gives over the region of interest.
 struct RegionError {
   double mean = 0;
   double worst = 0;
