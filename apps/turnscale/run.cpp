@@ -190,6 +190,7 @@ class Run {
       summary_.mount = {YawPitchRollFromRotation(mount.vehicle_from_camera), mount.sigma, mount.found,
                         odometry_.mount().moves()};
     }
+    summary_.car = odometry_.car();
     Summarize(refined, odometry_.Turns(), summary_);
     summary_.cost = MeasureCost();
     writer_->WriteText("summary.json", SummaryJson(summary_));

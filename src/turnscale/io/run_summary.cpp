@@ -55,6 +55,24 @@ std::string MountText(const std::optional<MountSummary>& mount) {
   return text + "\n";
 }
 
+nlohmann::ordered_json CarJson(const std::optional<CarRefinement>& car) {
+  if (!car) return nullptr;
+  return {{"side_slip_s2_per_m", car->side_slip},
+          {"side_slip_sigma_s2_per_m", car->side_slip_sigma},
+          {"yaw_error_deg", car->yaw_error * kDegreesPerRadian},
+          {"yaw_error_sigma_deg", car->yaw_error_sigma * kDegreesPerRadian}};
+}
+
+// One line, empty where the turns said nothing.
+std::string CarText(const std::optional<CarRefinement>& car) {
+  if (!car) return {};
+  const std::string slip = car->side_slip_sigma > 0
+                               ? fmt::format("side slip {:.4f} +-{:.4f} s^2/m, ", car->side_slip, car->side_slip_sigma)
+                               : std::string();
+  return fmt::format("car     {}yaw {:+.2f} +-{:.2f} deg beyond the camera's, by all turns together\n", slip,
+                     car->yaw_error * kDegreesPerRadian, car->yaw_error_sigma * kDegreesPerRadian);
+}
+
 bool IsMetric(const RunSummary& summary) { return summary.scale_state != ScaleState::kPending; }
 
 }  // namespace
@@ -112,6 +130,7 @@ std::string SummaryJson(const RunSummary& summary) {
        {angles.yaw * kDegreesPerRadian + 0.0, angles.pitch * kDegreesPerRadian + 0.0,
         angles.roll * kDegreesPerRadian + 0.0}},
       {"camera_rotation", MountJson(summary.mount)},
+      {"by_all_turns", CarJson(summary.car)},
       {"complete", summary.stopped.empty()},
       {"stopped", summary.stopped.empty() ? Json(nullptr) : Json(summary.stopped)},
       {"frames",
@@ -147,13 +166,14 @@ std::string SummaryText(const RunSummary& summary) {
       "path    {:.2f} {} in {} frames, {} keyframes\n"
       "scale   {}\n"
       "{}"
+      "{}"
       "turns   {} found, {} used\n"
       "lost    {} frames bridged, {} unreadable; {} before the map began\n"
       "speed   {:.1f} frames/s, {:.1f} ms of processor time a frame, {:.0f} MB\n"
       "files   {}\n",
       summary.distance, IsMetric(summary) ? "m" : "units", summary.frames, summary.keyframes, scale,
-      MountText(summary.mount), summary.turns_found, summary.turns_used, summary.bridged, summary.unreadable.size(),
-      summary.initializing, summary.frames / std::max(cost.wall_seconds, 1e-9),
+      MountText(summary.mount), CarText(summary.car), summary.turns_found, summary.turns_used, summary.bridged,
+      summary.unreadable.size(), summary.initializing, summary.frames / std::max(cost.wall_seconds, 1e-9),
       1e3 * cost.cpu_seconds / std::max(summary.frames, 1), cost.peak_memory_mb, summary.folder);
 }
 

@@ -66,8 +66,8 @@ RecoveredScale RecoverScale(const ScaleEstimatorSettings& settings, double pixel
   if (!turns.empty()) {
     if (smooths) {
       const std::vector<double> units(map.keyframes.size(), 1.0);
-      const std::vector<PoseScale> scales = ScaleKeyframes(map, units, mount, options);
-      for (TurnScale& turn : turns) WeighSmoothed(scales, map, units, turn);
+      if (const std::optional<DriveScale> drive = DriveScaleOf(map, units, mount, options))
+        for (TurnScale& turn : turns) WeighSmoothed(drive->keyframes, map, units, turn);
     }
     ScaleRecoveryOptions recovery = options.scale.recovery;
     recovery.pixel_sigma = pixel_noise;

@@ -2,6 +2,7 @@
 #include "turnscale/odometry/drive_scale.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "turnscale/geometry/trajectory.h"
 #include "turnscale/rescale/rescale.h"
@@ -17,8 +18,8 @@ constexpr NoisePrior kDirectionNoise{0.0002, 0.0008, 0.0004, 0.7};
 
 }  // namespace
 
-std::vector<PoseScale> ScaleKeyframes(const Map& map, const std::vector<double>& unit_at_keyframe,
-                                      const MountCalibration& mount, const OdometryOptions& options) {
+std::optional<DriveScale> DriveScaleOf(const Map& map, const std::vector<double>& unit_at_keyframe,
+                                       const MountCalibration& mount, const OdometryOptions& options) {
   const VehicleOptions& vehicle = options.vehicle;
   if (map.keyframes.size() < 2 || !vehicle.lever_arm) return {};
   Trajectory path;
@@ -46,7 +47,10 @@ std::vector<PoseScale> ScaleKeyframes(const Map& map, const std::vector<double>&
   rescale.car.side_slip_sigma = vehicle.side_slip_sigma;
   rescale.estimator.noise.direction = kDirectionNoise;
   rescale.estimator.gap_sigma = options.scale.gap_sigma;
-  return RescaleTrajectory(rescale, path, gaps).poses;
+  RescaleResult result = RescaleTrajectory(rescale, path, gaps);
+  if (!result.observable) return {};
+  return DriveScale{std::move(result.poses),
+                    {result.yaw_error, result.yaw_error_sigma, result.side_slip, result.side_slip_sigma}};
 }
 
 }  // namespace turnscale

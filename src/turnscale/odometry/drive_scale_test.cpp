@@ -47,7 +47,9 @@ OdometryOptions Car() {
 TEST(DriveScale, IsPerUnitOfTheStart) {
   std::vector<double> units;
   const Map map = MapOfDrive(75, units);
-  const std::vector<PoseScale> scales = ScaleKeyframes(map, units, MountCalibration(Car().vehicle), Car());
+  const std::optional<DriveScale> drive = DriveScaleOf(map, units, MountCalibration(Car().vehicle), Car());
+  ASSERT_TRUE(drive);
+  const std::vector<PoseScale>& scales = drive->keyframes;
   ASSERT_EQ(scales.size(), map.keyframes.size());
   for (const PoseScale& scale : scales) EXPECT_NEAR(scale.metres_per_unit * kUnit, 1, 0.003);
 }
@@ -58,7 +60,9 @@ TEST(DriveScale, ReadsNothingAcrossAGap) {
   // Tracking was lost on the straight, and found again three times as large.
   map.keyframes[90].after_gap = true;
   for (size_t k = 90; k < units.size(); ++k) units[k] /= 3;
-  const std::vector<PoseScale> scales = ScaleKeyframes(map, units, MountCalibration(Car().vehicle), Car());
+  const std::optional<DriveScale> drive = DriveScaleOf(map, units, MountCalibration(Car().vehicle), Car());
+  ASSERT_TRUE(drive);
+  const std::vector<PoseScale>& scales = drive->keyframes;
   ASSERT_EQ(scales.size(), map.keyframes.size());
   // A yaw that is off could have each of the turns read a little wrong.
   EXPECT_NEAR(scales[50].metres_per_unit * kUnit, 1, 0.03);
@@ -70,7 +74,7 @@ TEST(DriveScale, WithoutALeverArmThereIsNone) {
   const Map map = MapOfDrive(75, units);
   OdometryOptions car = Car();
   car.vehicle.lever_arm.reset();
-  EXPECT_TRUE(ScaleKeyframes(map, units, MountCalibration(car.vehicle), car).empty());
+  EXPECT_FALSE(DriveScaleOf(map, units, MountCalibration(car.vehicle), car));
 }
 
 }  // namespace

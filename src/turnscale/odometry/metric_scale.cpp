@@ -174,8 +174,10 @@ std::optional<TurnScale> MetricScale::Read(const Map& map, Turn& turn) const {
 }
 
 void MetricScale::WeighSmoothly(const Map& map, const std::vector<int>& turns, std::span<TurnScale> held) {
-  const std::vector<PoseScale> scales = ScaleKeyframes(map, total_factors_, mount_, options_);
-  if (scales.empty()) return;
+  const std::optional<DriveScale> drive = DriveScaleOf(map, total_factors_, mount_, options_);
+  if (!drive) return;
+  const std::vector<PoseScale>& scales = drive->keyframes;
+  car_ = drive->car;
   smoothed_sigmas_.clear();
   for (const PoseScale& scale : scales) smoothed_sigmas_.push_back(scale.sigma);
   for (size_t i = 0; i < turns.size(); ++i) {

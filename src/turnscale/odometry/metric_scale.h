@@ -43,6 +43,8 @@ class MetricScale {
   ScaleState state() const { return state_; }
   /// How the camera is turned on the car, as far as the drive has told.
   const MountCalibration& mount() const { return mount_; }
+  /// What all turns together say of the car; empty where they said nothing, or are not asked (ScaleOptions::smooth).
+  const std::optional<CarRefinement>& car() const { return car_; }
   double sigma() const;  ///< relative standard deviation at the latest keyframe
 
   std::vector<TurnResult> Turns(const Map& map) const;
@@ -82,6 +84,7 @@ class MetricScale {
   std::vector<Turn> turns_;
   std::vector<double> total_factors_;    ///< metres at a keyframe per unit of the start
   std::vector<double> smoothed_sigmas_;  ///< relative, of the keyframes that were there at the latest smoothing
+  std::optional<CarRefinement> car_;     ///< of that smoothing
   ScaleState state_ = ScaleState::kPending;
   ScaleCarriage since_turn_;
 };

@@ -194,18 +194,37 @@ double ErrorOfTurns(const OdometryOptions& options, const std::vector<DriveSegme
   return std::sqrt(squares / steps);
 }
 
-// A yaw that is off makes right and left turns disagree; together they show it.
-TEST(MetricScale, TurnsCountWithWhatAllOfThemSay) {
+std::vector<DriveSegment> TurnsToBothSides() {
   std::vector<DriveSegment> segments = {{12, 0.8, 0}};
   for (int i = 0; i < 6; ++i) {
     segments.push_back({22, 0.6, i % 2 == 0 ? kQuarter : -kQuarter});
     segments.push_back({15, 0.8, 0});
   }
+  return segments;
+}
+
+// A yaw that is off makes right and left turns disagree; together they show it.
+TEST(MetricScale, TurnsCountWithWhatAllOfThemSay) {
+  const std::vector<DriveSegment> segments = TurnsToBothSides();
   OdometryOptions options = Options();
   options.vehicle.vehicle_from_camera = RotationFromYawPitchRoll({0.03 + 0.005, -0.05, 0.01});
   const double smooth = ErrorOfTurns(options, segments);
   options.scale.smooth = false;
   EXPECT_LT(smooth, 0.6 * ErrorOfTurns(options, segments));
+}
+
+TEST(MetricScale, AllTurnsTogetherTellWhatTheYawHasWrong) {
+  OdometryOptions options = Options();
+  options.vehicle.vehicle_from_camera = RotationFromYawPitchRoll({0.03 - 0.01, -0.05, 0.01});
+  Live live(options, TurnsToBothSides(), 0.3);
+  EXPECT_FALSE(live.scale.car());
+  live.Drive();
+  ASSERT_TRUE(live.scale.car());
+  EXPECT_NEAR(live.scale.car()->yaw_error, 0.01, 0.002);
+  options.scale.smooth = false;
+  Live held(options, TurnsToBothSides(), 0.3);
+  held.Drive();
+  EXPECT_FALSE(held.scale.car());
 }
 
 TEST(MetricScale, PerFrameMethodGivesMetresToo) {

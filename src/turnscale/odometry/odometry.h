@@ -2,6 +2,7 @@
 #pragma once
 
 #include <limits>
+#include <optional>
 #include <vector>
 
 #include <opencv2/core/mat.hpp>
@@ -55,6 +56,8 @@ class Odometry {
   ScaleState scale_state() const { return scale_.state(); }
   /// How the camera is turned on the car, as given or found.
   const MountCalibration& mount() const { return scale_.mount(); }
+  /// What all turns together say of the car (MetricScale::car).
+  const std::optional<CarRefinement>& car() const { return scale_.car(); }
 
  private:
   void EndPath();

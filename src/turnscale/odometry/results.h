@@ -62,4 +62,12 @@ struct TurnResult {
   std::string unadjusted;
 };
 
+/// What all turns of a drive together say of the car beyond what was given, with standard deviations.
+struct CarRefinement {
+  double yaw_error = 0;  ///< what the camera's rotation has too little, rad: it looks so much further right
+  double yaw_error_sigma = 0;
+  double side_slip = 0;        ///< c in L_eff = L - c v^2, s^2/m
+  double side_slip_sigma = 0;  ///< 0 where c was given as known
+};
+
 }  // namespace turnscale
