@@ -9,7 +9,6 @@
 #include "lab_trials.h"
 #include "turnscale/geometry/rotation.h"
 #include "turnscale/laboratory/calibration_trials.h"
-#include "turnscale/laboratory/parallel_runs.h"
 #include "turnscale/laboratory/scale_trials.h"
 
 namespace turnscale {
@@ -57,16 +56,19 @@ PlotPanel Panel(const std::array<Trials, 4>& levels, YawPitchRoll CalibrationTri
 LabResult LabFigure9(const LabSettings& settings) {
   LabResult result;
   std::array<Trials, 4> levels;
-  const auto run = [&](int level) {
+  for (std::size_t level = 0; level < levels.size(); ++level) {
     CalibrationTrials trials;
     trials.drive = PaperCalibrationDrive();
-    trials.rotation_noise = kRotationNoise.at(level) / kDegreesPerRadian;
+    trials.rotation_noise = kRotationNoise[level] / kDegreesPerRadian;
     trials.runs = settings.runs;
+    trials.jobs = settings.jobs;
     trials.seed = settings.seed;
-    levels.at(level) = RunCalibrationTrials(trials);
-  };
-  const auto progress = [&](int done, int all) { return settings.progress(done * settings.runs, all * settings.runs); };
-  if (!ParallelRuns(static_cast<int>(levels.size()), settings.jobs, run, progress)) return {};
+    trials.progress = [&](int done, int all) {
+      return settings.progress(static_cast<int>(level) * all + done, static_cast<int>(levels.size()) * all);
+    };
+    levels[level] = RunCalibrationTrials(trials);
+    if (levels[level].empty()) return {};
+  }
   Figure figure{"Fig. 9: calibration of the camera's rotation on the synthetic drive",
                 "Boxes: mean and one standard deviation; whiskers: range over the runs.",
                 2,

@@ -8,7 +8,6 @@
 
 #include "turnscale/calibration/camera_angles.h"
 #include "turnscale/calibration/step_elimination.h"
-#include "turnscale/laboratory/parallel_runs.h"
 
 namespace turnscale {
 namespace {
@@ -48,16 +47,18 @@ PaperDriveOptions PaperCalibrationDrive() {
 
 std::vector<CalibrationTrial> RunCalibrationTrials(const CalibrationTrials& trials) {
   const std::vector<VehicleStep> steps = PaperDriveSteps(trials.drive);
-  OdometryNoise noise{trials.rotation_noise, trials.direction_share * trials.rotation_noise, 0};
-  std::vector<CalibrationTrial> results;
-  for (int run = 0; run < trials.runs; ++run) {
-    noise.seed = SeedOfRun(trials.seed, run);
+  const Eigen::Quaterniond& truth = trials.drive.vehicle_from_camera;
+  std::vector<CalibrationTrial> results(trials.runs);
+  const auto run = [&](int i) {
+    const OdometryNoise noise{trials.rotation_noise, trials.direction_share * trials.rotation_noise,
+                              SeedOfRun(trials.seed, i)};
     const Trajectory path = NoisyCameraPath(steps, trials.drive, noise);
     const Calibration found = Calibrate(StepsAlong(path, trials.steps), trials.calibration);
-    results.push_back({Difference(found.linear.vehicle_from_camera, trials.drive.vehicle_from_camera),
-                       Difference(found.vehicle_from_camera, trials.drive.vehicle_from_camera), found.sigma});
-  }
-  return results;
+    results[i] = {Difference(found.linear.vehicle_from_camera, truth), Difference(found.vehicle_from_camera, truth),
+                  found.sigma};
+  };
+  const bool finished = ParallelRuns(trials.runs, trials.jobs, run, trials.progress);
+  return finished ? results : std::vector<CalibrationTrial>();
 }
 
 YawPitchRoll CramerRaoBound(const CalibrationTrials& trials) {

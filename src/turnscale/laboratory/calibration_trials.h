@@ -7,6 +7,7 @@
 #include "turnscale/calibration/calibration.h"
 #include "turnscale/calibration/step_gatherer.h"
 #include "turnscale/laboratory/paper_drive.h"
+#include "turnscale/laboratory/parallel_runs.h"
 
 namespace turnscale {
 
@@ -21,7 +22,9 @@ struct CalibrationTrials {
   /// Of each frame's direction of travel over that of its rotation. The paper leaves it open; 1 gives both the same.
   double direction_share = 1;
   int runs = 100;
+  int jobs = 1;
   std::uint64_t seed = 1;
+  RunProgress progress;
   StepOptions steps;
   CalibrationOptions calibration = PaperCalibrationOptions();
 };
@@ -41,6 +44,8 @@ Eigen::Quaterniond RotationFromPaperAngles(double z_deg, double y_deg, double x_
 /// The paper's camera: L = 1 m, Q = {5, 15, -10} deg.
 PaperDriveOptions PaperCalibrationDrive();
 
+/// One entry a run; every run has noise of its own. Same options, same bits for any number of jobs. Empty where
+/// `progress` stopped it.
 std::vector<CalibrationTrial> RunCalibrationTrials(const CalibrationTrials& trials);
 
 /// The least standard deviations (rad) that any unbiased estimator can have on the drive: Cramer and Rao's bound for

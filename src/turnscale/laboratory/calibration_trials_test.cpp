@@ -66,5 +66,24 @@ TEST(CalibrationTrials, TheRefinementIsUnbiasedAndNearTheBound) {
   }
 }
 
+TEST(CalibrationTrials, DoNotDependOnTheJobs) {
+  CalibrationTrials trials;
+  trials.rotation_noise = 1 * kDeg;
+  trials.runs = 3;
+  const std::vector<CalibrationTrial> one = RunCalibrationTrials(trials);
+  trials.jobs = 3;
+  const std::vector<CalibrationTrial> three = RunCalibrationTrials(trials);
+  ASSERT_EQ(three.size(), 3U);
+  for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(one[i].refined.yaw, three[i].refined.yaw);
+  EXPECT_NE(one[0].refined.yaw, one[1].refined.yaw);
+}
+
+TEST(CalibrationTrials, StopWhenAsked) {
+  CalibrationTrials trials;
+  trials.rotation_noise = 1 * kDeg;
+  trials.progress = [](int, int) { return false; };
+  EXPECT_TRUE(RunCalibrationTrials(trials).empty());
+}
+
 }  // namespace
 }  // namespace turnscale
