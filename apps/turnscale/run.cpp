@@ -157,7 +157,7 @@ class Run {
       result = odometry_.Process(frame.gray, frame.time);
     }
     ++processed_;
-    writer_->SetCameraRotation(odometry_.mount().current().vehicle_from_camera);
+    writer_->SetFirstCameraRotation(odometry_.mount().At(0));
     if (writer_->Add(result, odometry_.revision(), odometry_.scale_state())) {
       writer_->Rewrite(odometry_.RefinedFrames(), odometry_.scale_state());
     }
@@ -173,7 +173,7 @@ class Run {
   void WriteResults() {
     odometry_.Finish();
     const std::vector<FrameResult> refined = odometry_.RefinedFrames();
-    writer_->SetCameraRotation(odometry_.mount().current().vehicle_from_camera);
+    writer_->SetFirstCameraRotation(odometry_.mount().At(0));
     writer_->Rewrite(refined, odometry_.scale_state());
     writer_->WriteTurns(odometry_.Turns());
     writer_->WriteMap(odometry_.map(), odometry_.scale_state());

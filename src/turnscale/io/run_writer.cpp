@@ -47,7 +47,7 @@ RunWriter::RunWriter(const RunWriterOptions& options) : options_(options) {
 
 bool RunWriter::Add(const FrameResult& live, int revision, ScaleState scale_state) {
   if (live.world_from_camera) {
-    live_->Write(TumLine({live.time, Shown(*live.world_from_camera, live.scale_state)}));
+    live_->Write(TumLine({live.time, Shown(live, live.scale_state)}));
   }
   latest_revision_ = revision;
   if (scale_state != scale_state_) return true;
@@ -64,7 +64,7 @@ void RunWriter::Rewrite(const std::vector<FrameResult>& refined, ScaleState scal
   for (const FrameResult& frame : refined) {
     std::optional<RigidTransform> pose;
     if (frame.world_from_camera) {
-      pose = Shown(*frame.world_from_camera, scale_state);
+      pose = Shown(frame, scale_state);
       tum += TumLine({frame.time, *pose});
       kitti += KittiLine(*pose);
       ++posed;
@@ -86,25 +86,27 @@ void RunWriter::Rewrite(const std::vector<FrameResult>& refined, ScaleState scal
 void RunWriter::WriteTurns(const std::vector<TurnResult>& turns) { WriteText(kTurns, TurnTable(turns)); }
 
 void RunWriter::WriteMap(const Map& map, ScaleState scale_state) {
-  turnscale::WriteMap(PathOf(kMap), map,
-                      options_.frame == PoseFrame::kVehicle ? VehicleFromCamera(scale_state) : RigidTransform{});
+  const bool of_camera = options_.frame == PoseFrame::kCamera;
+  turnscale::WriteMap(
+      PathOf(kMap), map,
+      of_camera ? RigidTransform{} : VehicleFromCamera(options_.vehicle.vehicle_from_camera, scale_state));
 }
 
 void RunWriter::WriteText(const std::string& name, const std::string& text) { ReplaceFile(PathOf(name), text); }
 
-RigidTransform RunWriter::Shown(const RigidTransform& world_from_camera, ScaleState scale_state) const {
-  if (options_.frame == PoseFrame::kCamera) return world_from_camera;
-  const RigidTransform vehicle_from_camera = VehicleFromCamera(scale_state);
-  return vehicle_from_camera * world_from_camera * vehicle_from_camera.inverse();
+RigidTransform RunWriter::Shown(const FrameResult& frame, ScaleState scale_state) const {
+  if (options_.frame == PoseFrame::kCamera) return *frame.world_from_camera;
+  return VehicleFromCamera(options_.vehicle.vehicle_from_camera, scale_state) * *frame.world_from_camera *
+         VehicleFromCamera(frame.vehicle_from_camera, scale_state).inverse();
 }
 
-RigidTransform RunWriter::VehicleFromCamera(ScaleState scale_state) const {
+RigidTransform RunWriter::VehicleFromCamera(const Eigen::Quaterniond& rotation, ScaleState scale_state) const {
   const double ahead = scale_state == ScaleState::kPending ? 0.0 : options_.vehicle.lever_arm.value_or(0.0);
-  return {options_.vehicle.vehicle_from_camera, {0, 0, ahead}};
+  return {rotation, {0, 0, ahead}};
 }
 
 void RunWriter::Append(const FrameResult& frame) {
-  const RigidTransform pose = Shown(*frame.world_from_camera, scale_state_);
+  const RigidTransform pose = Shown(frame, scale_state_);
   files_->tum.Write(TumLine({frame.time, pose}));
   files_->kitti.Write(KittiLine(pose));
   files_->table.Write(FrameTableLine(frame, pose));

@@ -50,13 +50,13 @@ class RunWriter {
   /// Any other file of the folder, in one step.
   void WriteText(const std::string& name, const std::string& text);
 
-  /// From now on the camera counts as turned like this on the car.
-  void SetCameraRotation(const Eigen::Quaterniond& vehicle_from_camera) {
+  /// From now on the camera counts as turned like this on the car where the world begins.
+  void SetFirstCameraRotation(const Eigen::Quaterniond& vehicle_from_camera) {
     options_.vehicle.vehicle_from_camera = vehicle_from_camera;
   }
 
-  /// The pose to show: the camera's or the rear axle's.
-  RigidTransform Shown(const RigidTransform& world_from_camera, ScaleState scale_state) const;
+  /// The pose to show of a frame that has one: the camera's or the rear axle's.
+  RigidTransform Shown(const FrameResult& frame, ScaleState scale_state) const;
 
  private:
   struct Files {
@@ -65,7 +65,7 @@ class RunWriter {
     OutputFile table;
   };
   std::filesystem::path PathOf(const std::string& name) const { return options_.folder / name; }
-  RigidTransform VehicleFromCamera(ScaleState scale_state) const;
+  RigidTransform VehicleFromCamera(const Eigen::Quaterniond& rotation, ScaleState scale_state) const;
   void Append(const FrameResult& frame);
 
   RunWriterOptions options_;

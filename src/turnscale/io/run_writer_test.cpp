@@ -103,14 +103,33 @@ TEST_F(RunWriterTest, VehiclePosesFollowTheRearAxle) {
   // The car turns on the spot about its rear axle: the camera swings, the axle stays.
   const RigidTransform turned{RotationFromVector({0, 0.7, 0}), Eigen::Vector3d::Zero()};
   const RigidTransform world_from_camera = vehicle_from_camera.inverse() * turned * vehicle_from_camera;
-  const RigidTransform shown = writer.Shown(world_from_camera, ScaleState::kHeld);
+  FrameResult frame;
+  frame.world_from_camera = world_from_camera;
+  frame.vehicle_from_camera = options.vehicle.vehicle_from_camera;
+  const RigidTransform shown = writer.Shown(frame, ScaleState::kHeld);
   EXPECT_GT(world_from_camera.translation.norm(), 0.5);
   EXPECT_LT(shown.translation.norm(), 1e-12);
   EXPECT_LT(shown.rotation.angularDistance(turned.rotation), 1e-12);
-  EXPECT_LT(writer.Shown({}, ScaleState::kHeld).translation.norm(), 1e-12);
   // Without the metre the camera's own path, seen along the car's axes.
-  EXPECT_NEAR(writer.Shown(world_from_camera, ScaleState::kPending).translation.norm(),
-              world_from_camera.translation.norm(), 1e-12);
+  EXPECT_NEAR(writer.Shown(frame, ScaleState::kPending).translation.norm(), world_from_camera.translation.norm(),
+              1e-12);
+  frame.world_from_camera = RigidTransform{};
+  EXPECT_LT(writer.Shown(frame, ScaleState::kHeld).translation.norm(), 1e-12);
+}
+
+TEST_F(RunWriterTest, ACameraThatIsMovedMovesNoAxle) {
+  RunWriterOptions options{folder_, PoseFrame::kVehicle, {}};
+  options.vehicle.lever_arm = 1.5;
+  options.vehicle.vehicle_from_camera = RotationFromYawPitchRoll({0.1, -0.05, 0.02});
+  const RunWriter writer(options);
+  FrameResult moved;
+  moved.vehicle_from_camera = RotationFromYawPitchRoll({-0.2, 0.1, 0});
+  // The car stands, and the camera is turned where it is.
+  moved.world_from_camera =
+      RigidTransform{options.vehicle.vehicle_from_camera.conjugate() * moved.vehicle_from_camera, {0, 0, 0}};
+  const RigidTransform axle = writer.Shown(moved, ScaleState::kHeld);
+  EXPECT_LT(axle.translation.norm(), 1e-12);
+  EXPECT_LT(axle.rotation.angularDistance(Eigen::Quaterniond::Identity()), 1e-12);
 }
 
 TEST_F(RunWriterTest, PlacesThatCannotBeWritten) {

@@ -250,6 +250,7 @@ void MetricScale::Annotate(const Map& map, const std::vector<int>& keyframe_of_f
     FrameResult& frame = frames[i];
     if (keyframe_of_frame[i] >= 0) keyframe = keyframe_of_frame[i];
     if (keyframe < 0) continue;
+    frame.vehicle_from_camera = mount_.At(keyframe);
     frame.turning = turning[keyframe] != 0;
     frame.scale_sigma = sigmas[keyframe];
     if (!observed.empty()) frame.scale_state = in_used_turn[keyframe] != 0 ? ScaleState::kObserved : ScaleState::kHeld;

@@ -49,9 +49,9 @@ class MetricScale {
 
   std::vector<TurnResult> Turns(const Map& map) const;
 
-  /// Writes into refined frames what is known after the turns: psi and theta of keyframes, turning, and the state and
-  /// sigma of the scale, which between two turns come from both. `keyframe_of_frame` names each frame's keyframe, -1
-  /// where it has none.
+  /// Writes into refined frames what is known after the turns: the camera's rotation on the car, psi and theta of
+  /// keyframes, turning, and the state and sigma of the scale, which between two turns come from both.
+  /// `keyframe_of_frame` names each frame's keyframe, -1 where it has none.
   void Annotate(const Map& map, const std::vector<int>& keyframe_of_frame, std::vector<FrameResult>& frames) const;
 
  private:

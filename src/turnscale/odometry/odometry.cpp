@@ -384,6 +384,7 @@ FrameResult Odometry::Record(const FrameResult& result, const RigidTransform& ca
 
 FrameResult Odometry::Record(FrameResult result, int keyframe, const RigidTransform& camera_from_world) {
   result.world_from_camera = camera_from_world.inverse();
+  result.vehicle_from_camera = mount().current().vehicle_from_camera;
   result.scale_state = scale_.state();
   result.scale_sigma = scale_.sigma();
   history_.Add(result, map_, keyframe, camera_from_world);

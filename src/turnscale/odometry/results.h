@@ -31,6 +31,8 @@ struct FrameResult {
   TrackingState state = TrackingState::kInitializing;
   /// Metres where the scale is known, else the arbitrary unit of the start. Empty while there is no map.
   std::optional<RigidTransform> world_from_camera;
+  /// How the camera is turned on the car at this frame, the paper's Q, as far as it is known.
+  Eigen::Quaterniond vehicle_from_camera = Eigen::Quaterniond::Identity();
   ScaleState scale_state = ScaleState::kPending;
   double scale_sigma = std::numeric_limits<double>::infinity();  ///< relative standard deviation of the scale
   int tracked = 0;                                               ///< features found again in this frame
