@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
@@ -31,13 +32,19 @@ class EvaluateTest : public ::testing::Test {
     for (const auto& [name, poses] : {std::pair("estimate", estimate_), std::pair("truth", truth_)}) {
       std::string tum;
       std::string kitti;
+      std::string euroc;
       std::string times;
       for (const StampedPose& pose : poses) {
         tum += TumLine(pose);
         kitti += KittiLine(pose.world_from_camera);
+        const Eigen::Vector3d& t = pose.world_from_camera.translation;
+        const Eigen::Quaterniond& q = pose.world_from_camera.rotation;
+        euroc += fmt::format("{:.0f},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g}\n", 1e9 * pose.time, t.x(), t.y(),
+                             t.z(), q.w(), q.x(), q.y(), q.z());
         times += std::to_string(pose.time) + "\n";
       }
       Text(fs::path(name) / "drive.tum", tum);
+      Text(fs::path(name) / "drive.csv", euroc);
       Text(fs::path(name) / "07.txt", kitti);
       Text(fs::path(name) / "times.txt", times);
     }
@@ -98,10 +105,10 @@ class EvaluateTest : public ::testing::Test {
 TEST_F(EvaluateTest, EveryPairingOfFormatsGivesTheSameNumbers) {
   const Json wanted = Scored({"estimate/drive.tum", "truth/drive.tum"});
   EXPECT_EQ(wanted["paired_by"], "time");
-  for (const char* estimate : {"estimate/drive.tum", "estimate/07.txt"})
-    for (const char* truth : {"truth/drive.tum", "truth/07.txt"}) {
+  for (const char* estimate : {"estimate/drive.tum", "estimate/drive.csv", "estimate/07.txt"})
+    for (const char* truth : {"truth/drive.tum", "truth/drive.csv", "truth/07.txt"}) {
       const Json score = Scored({estimate, truth});
-      const bool timed = std::string(estimate).ends_with("tum") || std::string(truth).ends_with("tum");
+      const bool timed = !std::string(estimate).ends_with("txt") || !std::string(truth).ends_with("txt");
       EXPECT_EQ(score["paired_by"], timed ? "time" : "frame");
       EXPECT_EQ(score["poses"]["paired"], kPoses) << estimate << truth;
       for (const char* name :
@@ -250,7 +257,8 @@ TEST_F(EvaluateTest, BadInputEndsWithCode2) {
   ExpectComplaint({"nowhere.tum", "truth/drive.tum"}, "nowhere.tum: no such trajectory file");
   ExpectComplaint({"estimate/drive.tum", "nowhere.tum"}, "nowhere.tum: no such trajectory file");
   ExpectComplaint({"estimate/drive.tum"}, "GROUND_TRUTH");
-  ExpectComplaint({"estimate/drive.tum", "truth/drive.tum", "--time-tolerance", "-1"}, "--time-tolerance");
+  for (const char* tolerance : {"-1", "nan"})
+    ExpectComplaint({"estimate/drive.tum", "truth/drive.tum", "--time-tolerance", tolerance}, "--time-tolerance");
   ExpectComplaint({"estimate/drive.tum", Text("later.tum", "1000 0 0 0 0 0 0 1\n1001 0 0 1 0 0 0 1\n")},
                   "no pose of the estimate");
 }

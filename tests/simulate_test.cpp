@@ -152,6 +152,7 @@ TEST_F(SimulateTest, SenselessOptions) {
   ExpectComplaint(RunCommand({"simulate", "garage"}, folder_), 2, {"--out"});
   ExpectComplaint(Simulate({"garage", "--seed", "-1"}), 2, {"--seed"});
   ExpectComplaint(Simulate({"garage", "--seconds", "0"}), 2, {"--seconds 0"});
+  ExpectComplaint(Simulate({"garage", "--texture-contrast", "nan"}), 2, {"--texture-contrast nan"});
   ExpectComplaint(Simulate({"garage", "--threads", "0"}), 2, {"--threads 0"});
   ExpectComplaint(Simulate({"garage", "--threads", "2000"}), 2, {"--threads 2000: give 1 to 1024"});
   ExpectComplaint(Simulate({"garage", "--max-frames", "0"}), 2, {"--max-frames"});

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include <CLI/CLI.hpp>
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "commands.h"
@@ -41,6 +42,8 @@ struct Paired {
   const char* by = "time";
 };
 
+bool HasTimes(const TrajectoryFile& file) { return file.format != TrajectoryFormat::kKitti; }
+
 bool NumbersEveryFrame(const TrajectoryFile& file) {
   return file.frames.back() + 1 == static_cast<int>(file.frames.size());
 }
@@ -54,8 +57,8 @@ Paired PairFrames(const TrajectoryFile& estimate, const TrajectoryFile& truth) {
 }
 
 Paired PairPoses(const EvaluateArguments& arguments, TrajectoryFile& estimate, TrajectoryFile& truth) {
-  const bool estimate_has_times = estimate.format == TrajectoryFormat::kTum;
-  const bool truth_has_times = truth.format == TrajectoryFormat::kTum;
+  const bool estimate_has_times = HasTimes(estimate);
+  const bool truth_has_times = HasTimes(truth);
   if (estimate_has_times == truth_has_times && !arguments.timestamps.empty()) {
     throw InputError(
         "--timestamps " + arguments.timestamps.string() + ": is of no use, since " +
@@ -123,6 +126,9 @@ void DrawPath(const EvaluateArguments& arguments, const Paired& paired, const Ev
 }
 
 void RunEvaluate(const EvaluateArguments& arguments) {
+  if (arguments.time_tolerance && !(*arguments.time_tolerance >= 0)) {
+    throw InputError(fmt::format("--time-tolerance {}: give seconds, 0 or more", *arguments.time_tolerance));
+  }
   EvaluationOptions options;
   if (arguments.camera_rotation) options.steps.vehicle_from_camera = ReadCameraRotation(*arguments.camera_rotation);
   TrajectoryFile estimate = ReadTrajectoryFile(arguments.estimate);
@@ -153,15 +159,14 @@ void RunEvaluate(const EvaluateArguments& arguments) {
 void AddEvaluateCommand(CLI::App& app) {
   auto* command = app.add_subcommand("evaluate", "Score a trajectory against the ground truth");
   const auto arguments = std::make_shared<EvaluateArguments>();
-  command->add_option("ESTIMATE", arguments->estimate, "Estimated trajectory: TUM or KITTI file")->required();
-  command->add_option("GROUND_TRUTH", arguments->ground_truth, "True trajectory: TUM or KITTI file")->required();
-  command->add_option("--timestamps", arguments->timestamps,
-                      "Times of the KITTI side when the other is TUM, one a line, s (default: times.txt beside it)");
-  command
-      ->add_option("--time-tolerance", arguments->time_tolerance,
-                   "Poses belong together up to this difference of time, s (default: half the ground truth's "
-                   "interval, at most 0.02)")
-      ->check(CLI::NonNegativeNumber);
+  command->add_option("ESTIMATE", arguments->estimate, "Estimated trajectory: TUM, EuRoC or KITTI file")->required();
+  command->add_option("GROUND_TRUTH", arguments->ground_truth, "True trajectory: TUM, EuRoC or KITTI file")->required();
+  command->add_option(
+      "--timestamps", arguments->timestamps,
+      "Times of the KITTI side when the other has its own, one a line, s (default: times.txt beside it)");
+  command->add_option("--time-tolerance", arguments->time_tolerance,
+                      "Poses belong together up to this difference of time, s (default: half the ground truth's "
+                      "interval, at most 0.02)");
   command->add_option("--keyframes", arguments->keyframes,
                       "trajectory.csv of the run, whose keyframes are the steps of the scale error ratio (default: the "
                       "one beside ESTIMATE, else steps of 1 m)");

@@ -53,6 +53,9 @@ void Check(const SimulateArguments& arguments) {
   if (arguments.seconds && !(*arguments.seconds >= kMinSeconds && *arguments.seconds <= kMaxSeconds)) {
     throw InputError(fmt::format("--seconds {}: give {} to {}", *arguments.seconds, kMinSeconds, kMaxSeconds));
   }
+  if (!(arguments.texture_contrast >= 0 && arguments.texture_contrast <= 1)) {
+    throw InputError(fmt::format("--texture-contrast {}: give 0 to 1", arguments.texture_contrast));
+  }
   if (arguments.threads && (*arguments.threads < 1 || *arguments.threads > kMaxThreads)) {
     throw InputError(fmt::format("--threads {}: give 1 to {}", *arguments.threads, kMaxThreads));
   }
@@ -165,7 +168,8 @@ void AddSimulateCommand(CLI::App& app) {
   simulate->add_option("--rig", arguments->rig,
                        "YAML file with the camera, its mount, the car and the sensor, such as a drive's rig.yaml");
   simulate->add_option("--seconds", arguments->seconds,
-                       "About how long the drive is, 12 at the least [garage 60, street 120]");
+                       "About how long the drive is; the shortest garage takes 15, the shortest street 12 [garage 60, "
+                       "street 120]");
   CLI::Option* follow = simulate->add_option(
       "--follow", arguments->follow,
       "Lay the street along a recorded path in metres: TUM or KITTI poses of a camera on the rig's mount");
@@ -174,7 +178,6 @@ void AddSimulateCommand(CLI::App& app) {
   simulate
       ->add_option("--texture-contrast", arguments->texture_contrast,
                    "Contrast of what all surfaces are made of: 1 as it is, towards 0 ever less to hold on to")
-      ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
   simulate->add_option("--threads", arguments->threads, "Threads; the images do not depend on them [all cores]");
   simulate->add_option("--max-frames", arguments->max_frames, "Stop after this many frames")
