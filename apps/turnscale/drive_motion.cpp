@@ -7,10 +7,7 @@
 
 #include "interrupt.h"
 #include "timed_trajectory.h"
-#include "turnscale/base/error.h"
 #include "turnscale/calibration/step_gatherer.h"
-#include "turnscale/camera/camera_file.h"
-#include "turnscale/io/image_source.h"
 #include "turnscale/io/progress.h"
 #include "turnscale/io/settings.h"
 #include "turnscale/odometry/odometry.h"
@@ -43,12 +40,6 @@ std::vector<Trajectory> Stretches(const std::vector<FrameResult>& frames) {
   return stretches;
 }
 
-fs::path CameraFileFor(const ImageArguments& arguments, const DriveInput& drive) {
-  if (arguments.camera) return *arguments.camera;
-  if (drive.camera_file) return *drive.camera_file;
-  throw InputError(arguments.input.string() + ": comes without a calibration of its own; give --camera FILE");
-}
-
 }  // namespace
 
 DriveMotion MotionFromTrajectory(const fs::path& path, const std::optional<fs::path>& timestamps,
@@ -79,16 +70,13 @@ DriveMotion MotionFromImages(const ImageArguments& arguments) {
   OdometryOptions options = arguments.settings ? ReadSettings(*arguments.settings) : OdometryOptions();
   options.vehicle.lever_arm.reset();
   options.Check();
-  const DriveInput drive = FindDrive(arguments.input);
-  const fs::path camera_file = CameraFileFor(arguments, drive);
-  const CameraModel camera = ReadCameraFile(camera_file);
-  ImageSource source(drive, {arguments.timestamps, arguments.fps, camera.width, camera.height, camera_file.string()});
-  Odometry odometry(options, camera);
+  DriveImages images(arguments);
+  Odometry odometry(options, images.camera);
   CatchInterrupts();
-  Progress progress(arguments.max_frames.value_or(source.count()), arguments.quiet);
+  Progress progress(images.expected, arguments.quiet);
   int processed = 0;
   while (!(arguments.max_frames && processed >= *arguments.max_frames)) {
-    const std::optional<SourceFrame> frame = source.Next();
+    const std::optional<SourceFrame> frame = images.source.Next();
     if (!frame || Interrupted()) break;
     if (frame->gray.empty()) {
       progress.Warn(fmt::format("frame {}: {}; skipped", frame->index, frame->problem));

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "drive_images.h"
 #include "turnscale/calibration/axis_convention.h"
 #include "turnscale/geometry/trajectory.h"
 
@@ -19,17 +20,6 @@ struct DriveMotion {
   std::string incomplete;             ///< why its length is not that of the whole drive; empty where it is
   std::string interrupted;            ///< "interrupted after ..."; empty where it was not
   std::string note;                   ///< one line that the user should know; empty where there is none
-};
-
-/// Where the images of a drive are, as for run.
-struct ImageArguments {
-  std::filesystem::path input;
-  std::optional<std::filesystem::path> camera;
-  std::optional<std::filesystem::path> timestamps;
-  std::optional<double> fps;
-  std::optional<std::filesystem::path> settings;
-  std::optional<int> max_frames;
-  bool quiet = false;
 };
 
 /// Reads a TUM, KITTI or EuRoC trajectory, and turns body axes into camera axes: those given, or where none are, those

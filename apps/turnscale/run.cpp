@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include <cmath>
 #include <cstdio>
-#include <exception>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -11,11 +9,11 @@
 #include <fmt/format.h>
 
 #include "commands.h"
+#include "drive_images.h"
 #include "interrupt.h"
 #include "side_slip.h"
 #include "turnscale/base/error.h"
-#include "turnscale/camera/camera_file.h"
-#include "turnscale/io/image_source.h"
+#include "turnscale/geometry/rotation.h"
 #include "turnscale/io/output_file.h"
 #include "turnscale/io/progress.h"
 #include "turnscale/io/run_summary.h"
@@ -29,25 +27,19 @@ namespace {
 namespace fs = std::filesystem;
 
 struct RunArguments {
-  fs::path input;
-  std::optional<fs::path> camera;
-  std::optional<fs::path> timestamps;
-  std::optional<double> fps;
+  ImageArguments images;
   std::optional<double> lever_arm;
   std::optional<double> side_slip;
   std::string camera_rotation;
   std::optional<std::string> method;
   std::string frame = "camera";
   std::optional<int> threads;
-  std::optional<fs::path> settings;
   fs::path out = "out";
-  std::optional<int> max_frames;
-  bool quiet = false;
 };
 
 // The settings file first, what the command line says over it. Checked here so that messages name the option.
 OdometryOptions OptionsFrom(const RunArguments& arguments) {
-  OdometryOptions options = arguments.settings ? ReadSettings(*arguments.settings) : OdometryOptions();
+  OdometryOptions options = arguments.images.settings ? ReadSettings(*arguments.images.settings) : OdometryOptions();
   if (arguments.lever_arm) {
     constexpr double kLongest = 20;  // metres; more is a slip of the unit
     if (!(*arguments.lever_arm > 0 && *arguments.lever_arm <= kLongest)) {
@@ -79,49 +71,33 @@ OdometryOptions OptionsFrom(const RunArguments& arguments) {
   return options;
 }
 
-fs::path CameraFileFor(const RunArguments& arguments, const DriveInput& drive) {
-  if (arguments.camera) return *arguments.camera;
-  if (drive.camera_file) return *drive.camera_file;
-  throw InputError(arguments.input.string() + ": comes without a calibration of its own; give --camera FILE");
-}
-
-// 0 where neither a video's header nor the user tells.
-int ExpectedFrames(int count, std::optional<int> max_frames) {
-  if (!max_frames) return count;
-  return count > 0 ? std::min(*max_frames, count) : *max_frames;
-}
-
 // One drive from its first image to its files.
 class Run {
  public:
   explicit Run(const RunArguments& arguments)
       : arguments_(arguments),
         options_(OptionsFrom(arguments)),
-        drive_(FindDrive(arguments.input)),
-        camera_file_(CameraFileFor(arguments, drive_)),
-        camera_(ReadCameraFile(camera_file_)),
-        source_(drive_, {arguments.timestamps, arguments.fps, camera_.width, camera_.height, camera_file_.string()}),
-        frames_(ExpectedFrames(source_.count(), arguments.max_frames)),
-        odometry_(options_, camera_) {}
+        images_(arguments.images),
+        odometry_(options_, images_.camera) {}
 
   // Returns the exit code.
   int Go() {
     // Before the folder is made: an image of the wrong size leaves no trace.
-    std::optional<SourceFrame> frame = source_.Next();
+    std::optional<SourceFrame> frame = images_.source.Next();
     writer_.emplace(RunWriterOptions{
         arguments_.out, arguments_.frame == "vehicle" ? PoseFrame::kVehicle : PoseFrame::kCamera, options_.vehicle});
     writer_->WriteText("settings.yaml", SettingsText(odometry_.options()));
     CatchInterrupts();
-    Progress progress(frames_, arguments_.quiet);
+    Progress progress(images_.expected, arguments_.images.quiet);
     try {
-      for (; frame && !Interrupted() && !Enough(); frame = source_.Next()) Process(*frame, progress);
+      for (; frame && !Interrupted() && !Enough(); frame = images_.source.Next()) Process(*frame, progress);
       if (Interrupted())
         summary_.stopped = fmt::format("interrupted after {} frames", processed_);
       else if (Enough() && frame)
-        summary_.stopped = fmt::format("--max-frames {}", *arguments_.max_frames);
+        summary_.stopped = fmt::format("--max-frames {}", *arguments_.images.max_frames);
       else if (!Enough() && EndedEarly()) {
-        summary_.stopped = fmt::format("the video ends after {} of {} frames", processed_, frames_);
-        progress.Warn(fmt::format("{}: {}", drive_.path.string(), summary_.stopped));
+        summary_.stopped = fmt::format("the video ends after {} of {} frames", processed_, images_.source.count());
+        progress.Warn(fmt::format("{}: {}", images_.drive.path.string(), summary_.stopped));
       }
     } catch (const InputError& error) {
       progress.Finish();
@@ -131,20 +107,20 @@ class Run {
     }
     progress.Finish();
     WriteResults();
-    if (!arguments_.quiet) WriteStandardOutput(SummaryText(summary_));
+    if (!arguments_.images.quiet) WriteStandardOutput(SummaryText(summary_));
     if (!Interrupted()) return 0;
     fmt::print(stderr, "turnscale: {}; what was computed is in {}\n", summary_.stopped, arguments_.out.string());
     return kInterruptedExitCode;
   }
 
  private:
-  bool Enough() const { return arguments_.max_frames && processed_ >= *arguments_.max_frames; }
+  bool Enough() const { return arguments_.images.max_frames && processed_ >= *arguments_.images.max_frames; }
 
   // Some containers only estimate how many frames they hold; a sound video may have a few less.
   bool EndedEarly() const {
     constexpr int kFewFrames = 2;
-    const int missing = frames_ - processed_;
-    return missing > kFewFrames && missing > frames_ / 100;
+    const int missing = images_.source.count() - processed_;
+    return missing > kFewFrames && missing > images_.source.count() / 100;
   }
 
   void Process(const SourceFrame& frame, Progress& progress) {
@@ -178,8 +154,8 @@ class Run {
     writer_->WriteTurns(odometry_.Turns());
     writer_->WriteMap(odometry_.map(), odometry_.scale_state());
     summary_.version = TURNSCALE_VERSION;
-    summary_.input = arguments_.input.string();
-    summary_.camera = camera_file_.string();
+    summary_.input = arguments_.images.input.string();
+    summary_.camera = images_.camera_file.string();
     summary_.pose_frame = arguments_.frame;
     summary_.folder = arguments_.out.string();
     summary_.vehicle = options_.vehicle;
@@ -198,11 +174,7 @@ class Run {
 
   RunArguments arguments_;
   OdometryOptions options_;
-  DriveInput drive_;
-  fs::path camera_file_;
-  CameraModel camera_;
-  ImageSource source_;
-  int frames_;  // expected
+  DriveImages images_;
   Odometry odometry_;
   std::optional<RunWriter> writer_;
   int processed_ = 0;
@@ -215,15 +187,15 @@ class Run {
 void AddRunCommand(CLI::App& app) {
   CLI::App* run = app.add_subcommand("run", "Compute the path of a drive from its images.");
   auto arguments = std::make_shared<RunArguments>();
-  run->add_option("input", arguments->input,
+  run->add_option("input", arguments->images.input,
                   "A KITTI folder (image_0/ or images/, calib.txt, times.txt), a folder of images, or a video")
       ->required();
   run->add_option(
-      "--camera", arguments->camera,
+      "--camera", arguments->images.camera,
       "Calibration: KITTI calib.txt, OpenCV, ORB-SLAM or Kalibr YAML [calib.txt or camera.yaml in the input folder]");
   CLI::Option* timestamps =
-      run->add_option("--timestamps", arguments->timestamps, "Times of the frames, one number a line, seconds");
-  run->add_option("--fps", arguments->fps, "Frames per second, where there are no times")->excludes(timestamps);
+      run->add_option("--timestamps", arguments->images.timestamps, "Times of the frames, one number a line, seconds");
+  run->add_option("--fps", arguments->images.fps, "Frames per second, where there are no times")->excludes(timestamps);
   run->add_option("--lever-arm", arguments->lever_arm,
                   "Metres from the rear axle forward to the camera; without it the path is up to scale");
   run->add_option("--side-slip", arguments->side_slip,
@@ -240,11 +212,12 @@ void AddRunCommand(CLI::App& app) {
       ->check(CLI::IsMember({"camera", "vehicle"}))
       ->capture_default_str();
   run->add_option("--threads", arguments->threads, "Threads for image operations; the result does not depend on it");
-  run->add_option("--settings", arguments->settings, "YAML file of settings, such as the settings.yaml of another run");
+  run->add_option("--settings", arguments->images.settings,
+                  "YAML file of settings, such as the settings.yaml of another run");
   run->add_option("--out", arguments->out, "Folder for the results")->capture_default_str();
-  run->add_option("--max-frames", arguments->max_frames, "Stop after this many frames")
+  run->add_option("--max-frames", arguments->images.max_frames, "Stop after this many frames")
       ->check(CLI::Range(1, 1'000'000'000));
-  run->add_flag("--quiet", arguments->quiet, "Print warnings and errors only");
+  run->add_flag("--quiet", arguments->images.quiet, "Print warnings and errors only");
   run->footer(
       "Example:\n  turnscale run drive.mp4 --camera cam.yaml --lever-arm 1.45 --out out/drive\n\n"
       "The folder then holds trajectory.tum and trajectory.kitti.txt (refined, every frame), live.tum (as known at "
