@@ -36,7 +36,7 @@ void WriteMap(const std::filesystem::path& path, const Map& map, const RigidTran
     ++count;
   }
   for (const Keyframe& keyframe : map.keyframes) {
-    AddVertex(vertices, target_from_world * keyframe.camera_from_world.inverse().translation, kCameraColour);
+    AddVertex(vertices, target_from_world * Centre(keyframe), kCameraColour);
     ++count;
   }
   const std::string header = fmt::format(

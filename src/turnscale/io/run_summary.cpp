@@ -59,6 +59,7 @@ nlohmann::ordered_json CarJson(const std::optional<CarRefinement>& car) {
   if (!car) return nullptr;
   return {{"side_slip_s2_per_m", car->side_slip},
           {"side_slip_sigma_s2_per_m", car->side_slip_sigma},
+          {"side_slip_at_bound", car->side_slip_at_bound},
           {"yaw_error_deg", car->yaw_error * kDegreesPerRadian},
           {"yaw_error_sigma_deg", car->yaw_error_sigma * kDegreesPerRadian}};
 }
@@ -66,9 +67,12 @@ nlohmann::ordered_json CarJson(const std::optional<CarRefinement>& car) {
 // One line, empty where the turns said nothing.
 std::string CarText(const std::optional<CarRefinement>& car) {
   if (!car) return {};
-  const std::string slip = car->side_slip_sigma > 0
-                               ? fmt::format("side slip {:.4f} +-{:.4f} s^2/m, ", car->side_slip, car->side_slip_sigma)
-                               : std::string();
+  std::string slip;
+  if (car->side_slip_at_bound) {
+    slip = "side slip 0, as the drive wants less than none: check lever arm and times; ";
+  } else if (car->side_slip_sigma > 0) {
+    slip = fmt::format("side slip {:.4f} +-{:.4f} s^2/m, ", car->side_slip, car->side_slip_sigma);
+  }
   return fmt::format("car     {}yaw {:+.2f} +-{:.2f} deg beyond the camera's, by all turns together\n", slip,
                      car->yaw_error * kDegreesPerRadian, car->yaw_error_sigma * kDegreesPerRadian);
 }

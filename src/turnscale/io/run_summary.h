@@ -60,7 +60,8 @@ struct RunSummary {
   double scale_sigma = 0;             ///< relative
   std::optional<LensSummary> lens;    ///< empty where it was not looked for
   std::optional<MountSummary> mount;  ///< empty where it was given
-  std::optional<CarRefinement> car;   ///< empty where all turns together say nothing
+  std::optional<CarRefinement>
+      car;  ///< empty where all turns together say nothing or are not asked (ScaleOptions::smooth)
   int turns_found = 0;
   int turns_used = 0;
   std::string unused_reason;  ///< of the last turn that was not used

@@ -2,7 +2,6 @@
 #include "turnscale/laboratory/point_odometry.h"
 
 #include <cmath>
-#include <cstddef>
 #include <stdexcept>
 
 #include "turnscale/bundle/bundle_adjustment.h"
@@ -35,12 +34,7 @@ void LoseScale(double loss, int frames, Map& map) {
   std::vector<double> factors;
   for (const Keyframe& keyframe : map.keyframes)
     factors.push_back(std::pow(1 - loss, static_cast<double>(keyframe.frame) / frames));
-  const std::vector<Eigen::Vector3d> before = KeyframeCentres(map);
-  const std::vector<Eigen::Vector3d> after = ScaleSteps(before, 0, factors);
-  std::vector<int> landmarks;
-  for (std::size_t i = 0; i < map.landmarks.size(); ++i) landmarks.push_back(static_cast<int>(i));
-  CarryLandmarks(before, after, 0, KeyframeFactors(before, after, 0, factors), landmarks, map);
-  SetKeyframeCentres(after, map);
+  ScaleMap(factors, 0, map);
 }
 
 }  // namespace turnscale

@@ -50,7 +50,6 @@ RecoveredScale RecoverScale(const ScaleEstimatorSettings& settings, double pixel
   const MountCalibration mount(options.vehicle);
   const LeverArm lever_arm{*options.vehicle.lever_arm, options.vehicle.side_slip};
   const bool per_frame = options.pooled_scale.method == ScaleMethod::kPerFrame;
-  const bool smooths = options.scale.smooth && !per_frame;
   RecoveredScale result;
   std::vector<TurnScale> turns;
   for (const TurningRegion& region : DetectTurns(options.turns, mount, map)) {
@@ -60,11 +59,12 @@ RecoveredScale RecoverScale(const ScaleEstimatorSettings& settings, double pixel
     if (!pooled.scale) continue;
     result.regions.push_back(region);
     turns.push_back(HeldTurn(region, pooled.scale->metres_per_unit));
-    if (settings.weighs_turns || smooths) turns.back().sigma = pooled.scale->sigma / pooled.scale->metres_per_unit;
+    if (settings.weighs_turns || options.Smooths())
+      turns.back().sigma = pooled.scale->sigma / pooled.scale->metres_per_unit;
     if (per_frame) HoldEachStep(steps, lever_arm, turns.back());
   }
   if (!turns.empty()) {
-    if (smooths) {
+    if (options.Smooths()) {
       const std::vector<double> units(map.keyframes.size(), 1.0);
       if (const std::optional<DriveScale> drive = DriveScaleOf(map, units, mount, options))
         for (TurnScale& turn : turns) WeighSmoothed(drive->keyframes, map, units, turn);

@@ -47,6 +47,9 @@ struct Map {
   std::vector<Landmark> landmarks;
 };
 
+/// Where a keyframe's camera is, in W.
+inline Eigen::Vector3d Centre(const Keyframe& keyframe) { return keyframe.camera_from_world.inverse().translation; }
+
 /// Records that a keyframe saw a landmark, on both sides.
 void AddObservation(Map& map, int keyframe, int landmark, const Eigen::Vector2d& pixel);
 

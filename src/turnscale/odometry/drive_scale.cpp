@@ -49,8 +49,9 @@ std::optional<DriveScale> DriveScaleOf(const Map& map, const std::vector<double>
   rescale.estimator.gap_sigma = options.scale.gap_sigma;
   RescaleResult result = RescaleTrajectory(rescale, path, gaps);
   if (!result.observable) return {};
-  return DriveScale{std::move(result.poses),
-                    {result.yaw_error, result.yaw_error_sigma, result.side_slip, result.side_slip_sigma}};
+  return DriveScale{
+      std::move(result.poses),
+      {result.yaw_error, result.yaw_error_sigma, result.side_slip, result.side_slip_sigma, result.side_slip_at_bound}};
 }
 
 }  // namespace turnscale

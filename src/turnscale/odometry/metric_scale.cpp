@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 #include "turnscale/mapping/local_bundle_adjustment.h"
 #include "turnscale/odometry/drive_scale.h"
@@ -64,12 +63,8 @@ ScaleUpdate MetricScale::EndPath(Map& map) {
 
 ScaleUpdate MetricScale::Finish(Map& map) {
   ScaleUpdate update = EndPath(map);
-  if (Smooths()) ReadTurns(0, map, update.factors);
+  if (options_.Smooths()) ReadTurns(0, map, update.factors);
   return update;
-}
-
-bool MetricScale::Smooths() const {
-  return options_.scale.smooth && options_.pooled_scale.method == ScaleMethod::kPooledLine;
 }
 
 double MetricScale::sigma() const {
@@ -91,8 +86,8 @@ std::vector<double> MetricScale::Close(const TurningRegion& region, Map& map) {
   turn.result.angle = region.angle;
   ReadTurns(mount_changed ? 0 : newest, map, factors);
   if (turns_.back().result.used) {
+    CarryFrom(region, map);
     state_ = ScaleState::kObserved;
-    since_turn_ = {};
   }
   return factors;
 }
@@ -112,7 +107,7 @@ void MetricScale::ReadTurns(int from, Map& map, std::vector<double>& factors) {
     told.push_back(i);
   }
   if (told.empty()) return;
-  if (Smooths()) WeighSmoothly(map, told, std::span(held).last(told.size()));
+  if (options_.Smooths()) WeighSmoothly(map, told, std::span(held).last(told.size()));
   const ScaleRecoveryResult recovered = RecoverAbsoluteScale(options_.scale.recovery, held, first_keyframe, map);
   Multiply(recovered.factors, factors);
   Multiply(recovered.factors, total_factors_);
@@ -131,7 +126,7 @@ void MetricScale::ReadTurns(int from, Map& map, std::vector<double>& factors) {
   if (state_ == ScaleState::kPending) CarryFrom(turns_[told.back()].region, map);
 }
 
-// A turn of some time ago has told the scale only now.
+// From that turn on to the latest keyframe.
 void MetricScale::CarryFrom(const TurningRegion& region, const Map& map) {
   state_ = ScaleState::kHeld;
   since_turn_ = {};
@@ -161,24 +156,25 @@ std::optional<TurnScale> MetricScale::Read(const Map& map, Turn& turn) const {
   result.sigma = turn.relative_sigma * result.metres_per_unit;
   // Held at what it says itself, a turn that knows the scale far worse than the drive does already would spoil it.
   const bool poor = refused_before || turn.relative_sigma > options_.scale.max_sigma_ratio * sigma();
-  if (!Smooths() && !result.used && poor) {
+  if (!options_.Smooths() && !result.used && poor) {
     result.reason = "its scale is less certain than the one carried here";
     return std::nullopt;
   }
   result.used = true;
   result.reason.clear();
   TurnScale held = HeldTurn(turn.region, factor);
-  if (Smooths()) held.sigma = turn.relative_sigma;
+  if (options_.Smooths()) held.sigma = turn.relative_sigma;
   if (options_.pooled_scale.method == ScaleMethod::kPerFrame) HoldEachStep(steps, LeverArmOf(options_.vehicle), held);
   return held;
 }
 
 void MetricScale::WeighSmoothly(const Map& map, const std::vector<int>& turns, std::span<TurnScale> held) {
+  smoothed_sigmas_.clear();
+  car_.reset();
   const std::optional<DriveScale> drive = DriveScaleOf(map, total_factors_, mount_, options_);
   if (!drive) return;
   const std::vector<PoseScale>& scales = drive->keyframes;
   car_ = drive->car;
-  smoothed_sigmas_.clear();
   for (const PoseScale& scale : scales) smoothed_sigmas_.push_back(scale.sigma);
   for (size_t i = 0; i < turns.size(); ++i) {
     if (WeighSmoothed(scales, map, total_factors_, held[i]))

@@ -74,7 +74,6 @@ class MetricScale {
   /// Puts what all turns so far say of the scale of these in the place of what they say themselves.
   void WeighSmoothly(const Map& map, const std::vector<int>& turns, std::span<TurnScale> held);
   void CarryFrom(const TurningRegion& region, const Map& map);
-  bool Smooths() const;
   static TurnScale AsRecovered(const Turn& turn);
   const Turn* LastUsedBefore(int turn) const;
 

@@ -349,6 +349,8 @@ TEST(MetricScale, ABridgedStepIsNoMotion) {
   EXPECT_EQ(update.motion.step, 0);
   const std::vector<TurnResult> turns = live.scale.Turns(live.map);
   ASSERT_EQ(turns.size(), 1U) << "no turn goes on across a gap";
+  EXPECT_TRUE(turns[0].used) << turns[0].reason;
+  EXPECT_GE(live.scale.sigma(), Options().scale.gap_sigma) << "the gap came after the turn";
   EXPECT_EQ(turns[0].last_frame, kFirstCorner + 9);
 }
 

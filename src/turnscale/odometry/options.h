@@ -109,6 +109,9 @@ struct OdometryOptions {
   /// Threads that image operations may use. Changes the time, never the result.
   int threads = 2;
 
+  /// All turns together tell the scale (ScaleOptions::smooth), which steps held one by one do not allow.
+  bool Smooths() const { return scale.smooth && pooled_scale.method == ScaleMethod::kPooledLine; }
+
   /// Throws InputError that names the field when a value makes no sense.
   void Check() const;
 };

@@ -68,8 +68,9 @@ struct TurnResult {
 struct CarRefinement {
   double yaw_error = 0;  ///< what the camera's rotation has too little, rad: it looks so much further right
   double yaw_error_sigma = 0;
-  double side_slip = 0;        ///< c in L_eff = L - c v^2, s^2/m
-  double side_slip_sigma = 0;  ///< 0 where c was given as known
+  double side_slip = 0;             ///< c in L_eff = L - c v^2, s^2/m
+  double side_slip_sigma = 0;       ///< 0 where c was given as known
+  bool side_slip_at_bound = false;  ///< the drive wants tyres that slip inwards: c is held at 0
 };
 
 }  // namespace turnscale

@@ -6,8 +6,6 @@
 namespace turnscale {
 namespace {
 
-Eigen::Vector3d Centre(const Keyframe& keyframe) { return keyframe.camera_from_world.inverse().translation; }
-
 double StepLength(const Map& map, size_t k) { return (Centre(map.keyframes[k]) - Centre(map.keyframes[k - 1])).norm(); }
 
 }  // namespace
@@ -25,7 +23,7 @@ std::vector<double> ScaleSigmas(const ScaleOptions& options, const Map& map,
   std::vector<double> known(keyframes, 0.0);
   for (const ObservedStretch& stretch : observed)
     for (int k = stretch.first; k <= stretch.last; ++k) known[k] = stretch.sigma;
-  // `step` names, for each keyframe in the order of the sweep, the step that leads to it.
+  // `step_of` names, for each keyframe in the order of the sweep, the step that leads to it.
   const auto sweep = [&](auto index_of, auto step_of) {
     double sigma = 0;
     ScaleCarriage carriage;

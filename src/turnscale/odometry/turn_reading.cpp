@@ -36,13 +36,10 @@ void HoldEachStep(const std::vector<TurningStep>& steps, const LeverArm& lever_a
 bool WeighSmoothed(const std::vector<PoseScale>& scales, const Map& map, const std::vector<double>& unit_at_keyframe,
                    TurnScale& turn) {
   if (scales.size() != map.keyframes.size()) return false;
-  const auto centre = [&](int k) -> Eigen::Vector3d {
-    return map.keyframes[k].camera_from_world.inverse().translation;
-  };
   double metres = 0;
   double length = 0;
   for (int k = turn.first_step; k <= turn.last_step; ++k) {
-    const double step = (centre(k) - centre(k - 1)).norm();
+    const double step = (Centre(map.keyframes[k]) - Centre(map.keyframes[k - 1])).norm();
     length += step;
     metres += step / unit_at_keyframe[k] * scales[k].metres_per_unit;
   }

@@ -26,7 +26,7 @@ TurnScale HeldTurn(const TurningRegion& region, double factor);
 /// Holds every step at what its own angles say (22), as the paper does; steps that say nothing are not held.
 void HoldEachStep(const std::vector<TurningStep>& steps, const LeverArm& lever_arm, TurnScale& turn);
 
-/// Puts what all turns of the drive say of this one (ScaleKeyframes) in the place of what it says itself, to be weighed
+/// Puts what all turns of the drive say of this one (DriveScaleOf) in the place of what it says itself, to be weighed
 /// by its variance. Where they say nothing the turn stays as it is, and false comes back. Lengths of the map
 /// at keyframe k are `unit_at_keyframe[k]` times those in the unit of the scales.
 bool WeighSmoothed(const std::vector<PoseScale>& scales, const Map& map, const std::vector<double>& unit_at_keyframe,

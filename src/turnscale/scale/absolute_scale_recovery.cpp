@@ -175,10 +175,7 @@ ScaleRecoveryResult RecoverAbsoluteScale(const ScaleRecoveryOptions& options, co
   CheckTurns(turns, first, map);
   const std::vector<Eigen::Vector3d> before = KeyframeCentres(map);
   const std::vector<double> step_factors = StepFactors(before, turns, Gaps(map));
-  const std::vector<Eigen::Vector3d> guess = ScaleSteps(before, first, step_factors);
-  const std::vector<double> guess_factors = KeyframeFactors(before, guess, first, step_factors);
-  CarryLandmarks(before, guess, first, guess_factors, LandmarksInUse(map), map);
-  SetKeyframeCentres(guess, map);
+  ScaleMap(step_factors, first, map);
 
   ScaleRecoveryResult result;
   for (const KeyframeRange& range : SplitAtGaps(map, first)) {

@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: MIT
 #include "turnscale/scale/absolute_scale_recovery.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <gtest/gtest.h>
 
 #include "turnscale/base/error.h"
 #include "turnscale/kinematics/pooled_scale.h"
-#include "turnscale/scale/synthetic_map.h"
+#include "turnscale/mapping/synthetic_map.h"
+#include "turnscale/scale/map_scaling.h"
 
 namespace turnscale {
 namespace {
@@ -21,7 +23,7 @@ CarDrive TwoCorners() {
                       kLeverArm, kLevel);
 }
 
-/// The odometry's unit: `start` of them to the metre, growing by half over the long straight.
+/// The odometry's unit: `start` of them to the metre, growing by 30 % over the long straight.
 std::vector<double> Drift(double start) {
   std::vector<double> factors(162, start);
   for (std::size_t j = 41; j < factors.size(); ++j) {
@@ -75,7 +77,7 @@ std::vector<TurningStep> StepsOfTurn(const Map& map, const TurnScale& turn) {
 class AbsoluteScaleRecovery : public testing::Test {
  protected:
   AbsoluteScaleRecovery() : truth_(MakeMap(TwoCorners(), {.points_per_step = 2})), map_(truth_) {
-    DriftMap(Drift(0.2), map_);
+    ScaleMap(Drift(0.2), 0, map_);
   }
 
   Map truth_;
@@ -98,7 +100,7 @@ TEST_F(AbsoluteScaleRecovery, BringsTheStreetBetweenTwoTurnsToMetres) {
   EXPECT_LT(ScaleError(map_, truth_, 141, 160), 0.015);
 
   Map guess = truth_;
-  DriftMap(Drift(0.2), guess);
+  ScaleMap(Drift(0.2), 0, guess);
   SetKeyframeCentres(ScaleSteps(before, 0, StepFactors(before, turns)), guess);
   EXPECT_GT(ScaleError(guess, truth_, 41, 140), 0.08) << "the first guess alone would not do";
 
@@ -158,7 +160,7 @@ TEST_F(AbsoluteScaleRecovery, UnitOfTheStartCancels) {
   std::vector<std::vector<Eigen::Vector3d>> centres;
   for (const double unit : {0.1, 1.0, 10.0}) {
     Map map = truth_;
-    DriftMap(Drift(unit), map);
+    ScaleMap(Drift(unit), 0, map);
     RecoverAbsoluteScale({}, {WithFactor(kFirstTurn, 1 / unit), WithFactor(kSecondTurn, 1 / (1.3 * unit))}, 0, map);
     centres.push_back(KeyframeCentres(map));
   }
@@ -171,7 +173,7 @@ TEST_F(AbsoluteScaleRecovery, UnitOfTheStartCancels) {
 TEST_F(AbsoluteScaleRecovery, SecondTurnLeavesWhatIsFinal) {
   // The drive up to the first turn is in metres already.
   map_ = truth_;
-  DriftMap(Drift(1.0), map_);
+  ScaleMap(Drift(1.0), 0, map_);
   const Map first = map_;
   const ScaleRecoveryResult result = RecoverAbsoluteScale({}, {kFirstTurn, WithFactor(kSecondTurn, 1 / 1.3)}, 20, map_);
   EXPECT_TRUE(result.ranges[0].adjusted) << result.ranges[0].reason;

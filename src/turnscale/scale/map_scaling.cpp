@@ -20,7 +20,7 @@ int ClosestObserver(const Landmark& landmark, const std::vector<Eigen::Vector3d>
 std::vector<Eigen::Vector3d> KeyframeCentres(const Map& map) {
   std::vector<Eigen::Vector3d> centres;
   centres.reserve(map.keyframes.size());
-  for (const Keyframe& keyframe : map.keyframes) centres.push_back(keyframe.camera_from_world.inverse().translation);
+  for (const Keyframe& keyframe : map.keyframes) centres.push_back(Centre(keyframe));
   return centres;
 }
 
@@ -90,6 +90,14 @@ std::vector<double> KeyframeFactors(const std::vector<Eigen::Vector3d>& before,
   return factors;
 }
 
+std::vector<int> LandmarksInUse(const Map& map) {
+  std::vector<int> in_use;
+  for (std::size_t i = 0; i < map.landmarks.size(); ++i) {
+    if (map.landmarks[i].valid && !map.landmarks[i].observations.empty()) in_use.push_back(static_cast<int>(i));
+  }
+  return in_use;
+}
+
 void CarryLandmarks(const std::vector<Eigen::Vector3d>& before, const std::vector<Eigen::Vector3d>& after, int first,
                     const std::vector<double>& keyframe_factors, const std::vector<int>& landmarks, Map& map) {
   for (const int index : landmarks) {
@@ -98,6 +106,14 @@ void CarryLandmarks(const std::vector<Eigen::Vector3d>& before, const std::vecto
     if (k < first) continue;
     landmark.position = after[k] + keyframe_factors[k] * (landmark.position - before[k]);
   }
+}
+
+void ScaleMap(const std::vector<double>& step_factors, int first, Map& map) {
+  const std::vector<Eigen::Vector3d> before = KeyframeCentres(map);
+  const std::vector<Eigen::Vector3d> after = ScaleSteps(before, first, step_factors);
+  const std::vector<double> factors = KeyframeFactors(before, after, first, step_factors);
+  CarryLandmarks(before, after, first, factors, LandmarksInUse(map), map);
+  SetKeyframeCentres(after, map);
 }
 
 }  // namespace turnscale

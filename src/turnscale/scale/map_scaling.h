@@ -46,9 +46,15 @@ std::vector<double> KeyframeFactors(const std::vector<Eigen::Vector3d>& before,
                                     const std::vector<Eigen::Vector3d>& after, int first,
                                     const std::vector<double>& fallback);
 
+/// Valid landmarks that somebody has seen.
+std::vector<int> LandmarksInUse(const Map& map);
+
 /// Moves landmarks with the keyframe that saw them from closest by, whose view of them changes fastest; their distance
 /// from there grows by that keyframe's factor. Where that is a keyframe before `first` they stay.
 void CarryLandmarks(const std::vector<Eigen::Vector3d>& before, const std::vector<Eigen::Vector3d>& after, int first,
                     const std::vector<double>& keyframe_factors, const std::vector<int>& landmarks, Map& map);
+
+/// Makes the steps after keyframe `first` longer by their factors, and the landmarks go with them.
+void ScaleMap(const std::vector<double>& step_factors, int first, Map& map);
 
 }  // namespace turnscale

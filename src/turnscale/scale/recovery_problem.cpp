@@ -3,6 +3,8 @@
 
 #include <cstddef>
 
+#include "turnscale/scale/map_scaling.h"
+
 namespace turnscale {
 namespace {
 
@@ -33,14 +35,6 @@ Views CountViews(const Landmark& landmark, const KeyframeRange& range) {
 }
 
 }  // namespace
-
-std::vector<int> LandmarksInUse(const Map& map) {
-  std::vector<int> in_use;
-  for (std::size_t i = 0; i < map.landmarks.size(); ++i) {
-    if (map.landmarks[i].valid && !map.landmarks[i].observations.empty()) in_use.push_back(static_cast<int>(i));
-  }
-  return in_use;
-}
 
 std::vector<KeyframeRange> SplitAtGaps(const Map& map, int first) {
   std::vector<KeyframeRange> ranges;

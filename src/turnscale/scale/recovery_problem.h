@@ -14,9 +14,6 @@ struct KeyframeRange {
   int last = 0;
 };
 
-/// Valid landmarks that somebody has seen.
-std::vector<int> LandmarksInUse(const Map& map);
-
 /// Cuts the keyframes from `first` on where tracking was lost: nothing that is seen before is seen after.
 std::vector<KeyframeRange> SplitAtGaps(const Map& map, int first);
 
