@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -18,7 +17,7 @@ constexpr double kDeg = 1 / kDegreesPerRadian;
 constexpr std::array<double, 6> kTravelRatios = {0.1, 0.2, 0.3, 0.4, 0.6, 1.0};
 constexpr double kMostPsi = 10;  // deg
 constexpr std::array<double, 2> kAngleErrors = {0.05, 0.1};
-// What the paper says of them (V-A).
+// What the paper says of the region of interest, and of its example (V-A).
 constexpr double kPaperMeanError = 2.5;
 constexpr double kPaperWorstError = 5.5;
 constexpr double kPaperExampleError = 0.02;

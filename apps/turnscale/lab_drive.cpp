@@ -110,6 +110,7 @@ Level RunLevel(const LabSettings& settings, double pixel_noise) {
 LabResult LabFigure8(const LabSettings& settings) {
   LabResult result;
   const Level level = RunLevel(settings, 1);
+  if (!settings.progress(1, 1)) return {};
   const PlotPoints truth = FromAbove(KeyframePoses(level.drive.truth));
   PlotPanel map = PathPanel("(a) path and points");
   PlotLine points{{}, "points", "#90a4ae", 1};

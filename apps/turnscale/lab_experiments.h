@@ -10,7 +10,8 @@ LabResult LabFigure4();
 LabResult LabFigure6();
 LabResult LabFigure7();
 
-/// The rest draws random numbers; the result is empty where the progress asked to stop.
+/// The rest draws random numbers; the result is empty where the progress asked to stop (Figure 8 is one run, and asks
+/// when that is done).
 LabResult LabFigure8(const LabSettings& settings);    ///< the synthetic drive
 LabResult LabFigure9(const LabSettings& settings);    ///< calibration
 LabResult LabFigure10(const LabSettings& settings);   ///< one recovery a noise level

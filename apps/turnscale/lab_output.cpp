@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "lab_output.h"
 
-#include <cmath>
 #include <cstdlib>
 
 #include <fmt/format.h>

@@ -51,7 +51,8 @@ MeanAndSpread CellOf(const std::vector<ScaleTrial>& runs, const std::function<do
 PlotBox BoxOf(const std::vector<double>& values, double x, double width, const std::string& label,
               const std::string& color);
 
-/// Values of a column, one a run, in the column's unit.
+/// Values of a column, one a run, in the column's unit. psi and theta are those of the map before its recovery, for any
+/// estimator.
 std::vector<double> TableValues(const std::vector<ScaleTrial>& runs, std::size_t estimator, std::size_t column);
 
 /// Mean and spread of each column, and the share of the recoveries that converged.

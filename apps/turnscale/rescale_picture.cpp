@@ -8,6 +8,8 @@
 #include <Eigen/Geometry>
 #include <fmt/format.h>
 
+#include "turnscale/base/xml.h"
+
 namespace turnscale {
 namespace {
 
@@ -39,9 +41,7 @@ std::string Line(const char* style, const Points& points, bool closed = false) {
 }
 
 std::string Text(double x, double y, const std::string& text, const char* anchor = "start") {
-  std::string escaped;
-  for (const char c : text) escaped += c == '<' ? "&lt;" : c == '&' ? "&amp;" : std::string(1, c);
-  return fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"{}\">{}</text>\n", x, y, anchor, escaped);
+  return fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"{}\">{}</text>\n", x, y, anchor, EscapedXml(text));
 }
 
 // Every so many, and the last.

@@ -21,10 +21,15 @@ TEST(Parallel, CallsEachIndexOnce) {
 
 TEST(Parallel, ThrowsOnWhatTheWorkThrows) {
   for (const int threads : {1, 3}) {
-    const auto work = [](int i) {
+    std::atomic<int> calls = 0;
+    const auto work = [&](int i) {
+      ++calls;
       if (i == 50) throw std::runtime_error("fifty");
     };
     EXPECT_THROW(ForEachIndex(100, threads, work), std::runtime_error);
+    if (threads == 1) {
+      EXPECT_EQ(calls, 51);
+    }
   }
 }
 

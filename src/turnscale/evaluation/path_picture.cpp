@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "turnscale/base/error.h"
+#include "turnscale/base/xml.h"
 
 namespace turnscale {
 namespace {
@@ -80,20 +81,6 @@ double BarMetres(double scale) {
   return decade;
 }
 
-std::string Escaped(const std::string& text) {
-  std::string escaped;
-  for (const char c : text) {
-    if (c == '<') {
-      escaped += "&lt;";
-    } else if (c == '&') {
-      escaped += "&amp;";
-    } else {
-      escaped += c;
-    }
-  }
-  return escaped;
-}
-
 std::string Heading(const std::string& title, double scale) {
   const double metres = BarMetres(scale);
   return fmt::format(
@@ -101,7 +88,7 @@ std::string Heading(const std::string& title, double scale) {
       "<path class=\"truth\" d=\"M{0},47h30\"/><text x=\"{2}\" y=\"51\">true</text>\n"
       "<path class=\"estimate\" d=\"M{3},47h30\"/><text x=\"{4}\" y=\"51\">estimated</text>\n"
       "<path class=\"bar\" d=\"M{5},47h{6:.1f}\"/><text x=\"{7:.1f}\" y=\"51\">{8:g} m</text>\n",
-      kMargin, Escaped(title), kMargin + 36, kMargin + 84, kMargin + 120, kMargin + 208, metres * scale,
+      kMargin, EscapedXml(title), kMargin + 36, kMargin + 84, kMargin + 120, kMargin + 208, metres * scale,
       kMargin + 214 + metres * scale, metres);
 }
 

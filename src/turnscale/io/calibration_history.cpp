@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 
 #include "turnscale/base/error.h"
+#include "turnscale/base/xml.h"
 #include "turnscale/calibration/online_calibration.h"
 #include "turnscale/kinematics/turning_motion.h"
 
@@ -107,12 +108,6 @@ std::vector<Value> Sigmas() {
           [](const CalibrationMoment& m) { return Degrees(m.sigma.roll); }};
 }
 
-std::string Escaped(const std::string& text) {
-  std::string escaped;
-  for (const char c : text) escaped += c == '<' ? "&lt;" : c == '&' ? "&amp;" : std::string(1, c);
-  return escaped;
-}
-
 // Of equal runs of moments, the one that turns most.
 std::vector<CalibrationMoment> Thinned(const std::vector<CalibrationMoment>& history) {
   constexpr size_t kMost = 1500;
@@ -181,7 +176,7 @@ std::string HistorySvg(const std::vector<CalibrationMoment>& whole, const std::s
       "text{font-family:sans-serif;font-size:13px;fill:#333}.title{font-size:15px;font-weight:bold}"
       "path{fill:none;stroke-width:1.6;stroke-linejoin:round}.frame{fill:none;stroke:#9aa0a8}</style>\n"
       "<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n";
-  text += fmt::format("<text x=\"24\" y=\"28\" class=\"title\">{}</text>\n", Escaped(title));
+  text += fmt::format("<text x=\"24\" y=\"28\" class=\"title\">{}</text>\n", EscapedXml(title));
   const Graph psi(70, begin, end, -most_psi, most_psi);
   text += psi.Frame("turning angle of a frame, deg, over seconds");
   text += psi.Line(

@@ -6,8 +6,10 @@
 
 #include <Eigen/LU>
 
+#include "turnscale/base/error.h"
 #include "turnscale/calibration/camera_angles.h"
 #include "turnscale/calibration/step_elimination.h"
+#include "turnscale/geometry/rotation.h"
 
 namespace turnscale {
 namespace {
@@ -62,6 +64,8 @@ std::vector<CalibrationTrial> RunCalibrationTrials(const CalibrationTrials& tria
 }
 
 YawPitchRoll CramerRaoBound(const CalibrationTrials& trials) {
+  if (!(trials.rotation_noise > 0)) throw InputError("rotation_noise: must be above 0 rad for there to be a bound");
+  if (!(trials.direction_share > 0)) throw InputError("direction_share: must be above 0 for there to be a bound");
   const Eigen::Quaterniond& truth = trials.drive.vehicle_from_camera;
   StepWeights weights;
   // The rotation's residual is sqrt(2) times the angle.

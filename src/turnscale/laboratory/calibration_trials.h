@@ -45,11 +45,12 @@ Eigen::Quaterniond RotationFromPaperAngles(double z_deg, double y_deg, double x_
 PaperDriveOptions PaperCalibrationDrive();
 
 /// One entry a run; every run has noise of its own. Same options, same bits for any number of jobs. Empty where
-/// `progress` stopped it.
+/// `progress` stopped it. Throws as PaperDriveSteps and Calibrate do.
 std::vector<CalibrationTrial> RunCalibrationTrials(const CalibrationTrials& trials);
 
 /// The least standard deviations (rad) that any unbiased estimator can have on the drive: Cramer and Rao's bound for
-/// Q, one lever arm, and a turning angle for each frame, with the noise of the trials.
+/// Q, one lever arm, and a turning angle for each frame, with the noise of the trials. Throws InputError where there is
+/// none.
 YawPitchRoll CramerRaoBound(const CalibrationTrials& trials);
 
 }  // namespace turnscale

@@ -5,6 +5,9 @@
 
 #include <gtest/gtest.h>
 
+#include "turnscale/base/error.h"
+#include "turnscale/geometry/rotation.h"
+
 namespace turnscale {
 namespace {
 
@@ -52,7 +55,9 @@ TEST(CalibrationTrials, TheRefinementIsUnbiasedAndNearTheBound) {
   const YawPitchRoll bound = CramerRaoBound(trials);
   YawPitchRoll mean;
   YawPitchRoll squares;
-  for (const CalibrationTrial& trial : RunCalibrationTrials(trials)) {
+  const std::vector<CalibrationTrial> runs = RunCalibrationTrials(trials);
+  ASSERT_EQ(runs.size(), 40U);
+  for (const CalibrationTrial& trial : runs) {
     for (const auto angle : {&YawPitchRoll::yaw, &YawPitchRoll::pitch, &YawPitchRoll::roll}) {
       mean.*angle += trial.refined.*angle / trials.runs;
       squares.*angle += std::pow(trial.refined.*angle, 2) / trials.runs;
@@ -62,6 +67,7 @@ TEST(CalibrationTrials, TheRefinementIsUnbiasedAndNearTheBound) {
     EXPECT_LT(std::abs(mean.*angle), 3 * bound.*angle / std::sqrt(trials.runs));
     // The spread over 40 runs is itself uncertain by 11 %.
     EXPECT_LT(std::sqrt(squares.*angle), 1.3 * bound.*angle);
+    EXPECT_GT(std::sqrt(squares.*angle), 0.7 * bound.*angle);
     EXPECT_LT(std::sqrt(squares.*angle), 0.55 * kDeg) << "the paper has 0.5 deg";
   }
 }
@@ -73,10 +79,13 @@ TEST(CalibrationTrials, DoNotDependOnTheJobs) {
   const std::vector<CalibrationTrial> one = RunCalibrationTrials(trials);
   trials.jobs = 3;
   const std::vector<CalibrationTrial> three = RunCalibrationTrials(trials);
+  ASSERT_EQ(one.size(), 3U);
   ASSERT_EQ(three.size(), 3U);
   for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(one[i].refined.yaw, three[i].refined.yaw);
   EXPECT_NE(one[0].refined.yaw, one[1].refined.yaw);
 }
+
+TEST(CalibrationTrials, WithoutNoiseThereIsNoBound) { EXPECT_THROW(CramerRaoBound({}), InputError); }
 
 TEST(CalibrationTrials, StopWhenAsked) {
   CalibrationTrials trials;

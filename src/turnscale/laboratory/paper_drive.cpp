@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "turnscale/laboratory/paper_drive.h"
 
-#include <algorithm>
 #include <array>
-#include <cmath>
 #include <numbers>
 
 #include "turnscale/base/error.h"

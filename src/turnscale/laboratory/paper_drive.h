@@ -26,7 +26,8 @@ struct PaperDriveOptions {
   void Check() const;
 };
 
-/// The drive's steps; nine turns with equal straights between, five to the right and four to the left.
+/// The drive's steps; nine turns with equal straights between, five to the right and four to the left. Throws
+/// InputError where an option makes no sense.
 std::vector<VehicleStep> PaperDriveSteps(const PaperDriveOptions& options = {});
 
 /// What an odometry makes of a drive.
@@ -40,7 +41,7 @@ struct OdometryNoise {
 };
 
 /// The camera's path as an odometry with that noise would give it: each frame's motion is disturbed by itself, and the
-/// motions are put one after the other. Same seed, same bits.
+/// motions are put one after the other. Same seed, same bits. Throws InputError where an option makes no sense.
 Trajectory NoisyCameraPath(const std::vector<VehicleStep>& steps, const PaperDriveOptions& drive,
                            const OdometryNoise& noise);
 

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "turnscale/base/error.h"
+#include "turnscale/base/xml.h"
 
 namespace turnscale {
 namespace {
@@ -75,11 +76,9 @@ std::vector<double> Ticks(const PlotRange& range, int wanted) {
 }
 
 std::string SvgText(double x, double y, const std::string& text, const std::string& style, const std::string& extra) {
-  std::string escaped;
-  for (const char c : text) escaped += c == '<' ? "&lt;" : c == '&' ? "&amp;" : std::string(1, c);
   return fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\"{}{}>{}</text>\n", x, y,
                      style.empty() ? "" : fmt::format(" class=\"{}\"", style), extra.empty() ? "" : " " + extra,
-                     escaped);
+                     EscapedXml(text));
 }
 
 PlotAxes::PlotAxes(const PlotPanel& panel, const Eigen::Vector2d& corner, const Eigen::Vector2d& size)

@@ -99,7 +99,7 @@ void ScaleDriveOptions::Check() const {
   drive.Check();
   require(points >= 1, "points: must be at least 1");
   require(points_aside > 0, "points_aside: must be above 0 m");
-  require(points_above + points_below > 0, "points_above: must be above points_below");
+  require(points_above + points_below > 0, "points_above, points_below: together must be above 0 m");
   require(points_beyond >= 0, "points_beyond: must not be negative");
   require(nearest > 0 && view_limit > nearest, "view_limit: must be above nearest, and that above 0 m");
   require(step_frames >= 1, "step_frames: must be at least 1");

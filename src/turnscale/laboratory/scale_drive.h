@@ -55,7 +55,7 @@ struct ScaleDrive {
   std::vector<int> stations;
 };
 
-/// Same options, same bits.
+/// Same options, same bits. Throws InputError where an option makes no sense.
 ScaleDrive MakeScaleDrive(const ScaleDriveOptions& options);
 
 }  // namespace turnscale

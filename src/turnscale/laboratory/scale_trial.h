@@ -36,7 +36,8 @@ struct RecoveredScale {
 
 /// Detects the turns, observes the scale in them and recovers it between them (Algorithm 1, (22), (24)-(30)), on the
 /// map as the drifting odometry has it. All turns at once, as none of them changes what lies beyond its neighbours.
-/// `pixel_noise` is the standard deviation of the map's pixels.
+/// `pixel_noise` is the standard deviation of the map's pixels. Throws InputError where the lever arm is not given or
+/// an option of the recovery makes no sense.
 RecoveredScale RecoverScale(const ScaleEstimatorSettings& settings, double pixel_noise, Map map);
 
 /// The quantities of Table I over a set of steps: root mean squares of the errors.

@@ -29,7 +29,7 @@ struct ScaleTrial {
 };
 
 /// One entry a run; every run has points and noise of its own. Same options, same bits for any number of jobs. Empty
-/// where `progress` stopped it.
+/// where `progress` stopped it. Throws as MakeScaleDrive, PointOdometry and RecoverScale do.
 std::vector<ScaleTrial> RunScaleTrials(const ScaleTrials& trials);
 
 /// Mean and standard deviation over the runs.

@@ -28,7 +28,9 @@ ScaleTrials SmallTrials() {
 TEST(ScaleTrials, RecoverTheScaleThatTheOdometryLost) {
   ScaleTrials trials = SmallTrials();
   trials.drive.scale_loss = 0.003;
-  for (const ScaleTrial& trial : RunScaleTrials(trials)) {
+  const std::vector<ScaleTrial> runs = RunScaleTrials(trials);
+  ASSERT_EQ(runs.size(), 3U);
+  for (const ScaleTrial& trial : runs) {
     EXPECT_GT(trial.odometry.ratio, 0.1);
     EXPECT_GT(trial.adjusted.ratio, 0.1);
     EXPECT_NEAR(trial.odometry.psi * kDegreesPerRadian, 0.5, 0.15);
@@ -43,7 +45,8 @@ TEST(ScaleTrials, DoNotDependOnTheJobs) {
   const std::vector<ScaleTrial> one = RunScaleTrials(trials);
   trials.jobs = 3;
   const std::vector<ScaleTrial> three = RunScaleTrials(trials);
-  ASSERT_EQ(one.size(), three.size());
+  ASSERT_EQ(one.size(), 3U);
+  ASSERT_EQ(three.size(), 3U);
   for (std::size_t i = 0; i < one.size(); ++i) {
     EXPECT_EQ(one[i].recovered[0].ratio, three[i].recovered[0].ratio);
     EXPECT_EQ(one[i].adjusted.theta, three[i].adjusted.theta);
@@ -78,7 +81,9 @@ TEST(ScaleTrials, ConvergeSoonWherePointsAreBesideTheCameras) {
   trials.drive.within_image = false;
   trials.drive.pixel_noise = 2;
   trials.estimators[0].odometry.scale.recovery.max_iterations = 12;
-  for (const ScaleTrial& trial : RunScaleTrials(trials)) EXPECT_TRUE(trial.converged[0]);
+  const std::vector<ScaleTrial> runs = RunScaleTrials(trials);
+  ASSERT_EQ(runs.size(), 3U);
+  for (const ScaleTrial& trial : runs) EXPECT_TRUE(trial.converged[0]);
 }
 
 TEST(ScaleTrials, StopWhenAsked) {
