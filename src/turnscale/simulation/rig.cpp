@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "turnscale/base/error.h"
+#include "turnscale/config/yaml_map.h"
 #include "turnscale/geometry/rotation.h"
 #include "turnscale/io/field_reader.h"
 #include "turnscale/io/field_writer.h"
