@@ -73,7 +73,7 @@ std::string CarText(const std::optional<CarRefinement>& car) {
   } else if (car->side_slip_sigma > 0) {
     slip = fmt::format("side slip {:.4f} +-{:.4f} s^2/m, ", car->side_slip, car->side_slip_sigma);
   }
-  return fmt::format("car     {}yaw {:+.2f} +-{:.2f} deg beyond the camera's, by all turns together\n", slip,
+  return fmt::format("car     by all turns together: {}camera's yaw off by {:+.2f} +-{:.2f} deg\n", slip,
                      car->yaw_error * kDegreesPerRadian, car->yaw_error_sigma * kDegreesPerRadian);
 }
 
