@@ -167,13 +167,18 @@ TEST_F(ErrorsTest, MaxFramesStopsEarlyAndSaysSo) {
     cv::imwrite((folder_ / "image.jpg").string(), cv::imread(Image(i).string(), cv::IMREAD_GRAYSCALE));
     stream += TextOf(folder_ / "image.jpg");
   }
-  const CommandResult result =
-      RunCommand({"run", Text("drive.mjpeg", stream).string(), "--camera", (Drive() / "calib.txt").string(), "--out",
-                  Out().string(), "--fps", "10", "--max-frames", "5"},
-                 folder_);
+  const std::string video = Text("drive.mjpeg", stream).string();
+  const auto run_stream = [&](const std::string& most) {
+    return RunCommand({"run", video, "--camera", (Drive() / "calib.txt").string(), "--out", Out().string(), "--fps",
+                       "10", "--max-frames", most},
+                      folder_);
+  };
+  const CommandResult result = run_stream("5");
   EXPECT_EQ(result.exit_code, 0) << result.err;
   EXPECT_NE(result.err.find("frame 5/5,"), std::string::npos) << result.err;
   EXPECT_EQ(Summary()["stopped"], "--max-frames 5");
+  EXPECT_EQ(run_stream("50").exit_code, 0);
+  EXPECT_TRUE(Summary()["complete"].get<bool>()) << "nothing promised 50 frames";
 }
 
 TEST_F(ErrorsTest, DamagedImagesAreNamedAndSkipped) {
@@ -239,6 +244,15 @@ TEST_F(ErrorsTest, MissingAndSenselessTimes) {
   ExpectComplaint(Run({"--fps", "0"}), 2, {"--fps 0"});
   fs::remove(Drive() / "times.txt");
   ExpectComplaint(Run(), 2, {"image_0", "give --timestamps FILE or --fps X"});
+}
+
+TEST_F(ErrorsTest, ACalibrationOfAnotherCameraIsDoubted) {
+  EXPECT_EQ(Run({"--max-frames", "2"}).err.find("principal point"), std::string::npos);
+  Text("drive/calib.txt", "P0: 200 0 60 0 0 200 120 0 0 0 1 0\n");
+  const CommandResult result = Run({"--max-frames", "2"});
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_NE(result.err.find("calib.txt: the principal point (60, 120) lies far from the middle"), std::string::npos)
+      << result.err;
 }
 
 TEST_F(ErrorsTest, SenselessCameras) {

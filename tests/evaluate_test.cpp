@@ -257,6 +257,10 @@ TEST_F(EvaluateTest, BadInputEndsWithCode2) {
   ExpectComplaint({"nowhere.tum", "truth/drive.tum"}, "nowhere.tum: no such trajectory file");
   ExpectComplaint({"estimate/drive.tum", "nowhere.tum"}, "nowhere.tum: no such trajectory file");
   ExpectComplaint({"estimate/drive.tum"}, "GROUND_TRUTH");
+  const std::string estimate = (folder_ / "estimate/drive.tum").string();
+  for (const char* option : {"--json", "--picture"})
+    ExpectComplaint({estimate, "truth/drive.tum", option, estimate}, estimate + ": is read as well");
+  EXPECT_TRUE(Head("estimate/drive.tum", 1).starts_with("0.0")) << "untouched";
   for (const char* tolerance : {"-1", "nan"})
     ExpectComplaint({"estimate/drive.tum", "truth/drive.tum", "--time-tolerance", tolerance}, "--time-tolerance");
   ExpectComplaint({"estimate/drive.tum", Text("later.tum", "1000 0 0 0 0 0 0 1\n1001 0 0 1 0 0 0 1\n")},

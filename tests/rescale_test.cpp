@@ -192,6 +192,7 @@ TEST_F(RescaleCommandTest, ComplaintsSayWhatToDo) {
   const std::string tum = Tum();
   ExpectComplaint(Run({tum}), 2, {"--lever-arm"});
   ExpectComplaint(Run({tum, "--lever-arm", "-1"}), 2, {"--lever-arm -1", "above 0"});
+  ExpectComplaint(Run({tum, "--lever-arm", "105"}), 2, {"--lever-arm 105", "up to 20"});
   ExpectComplaint(Run({tum, "--lever-arm", "1", "--side-slip", "2"}), 2, {"--side-slip 2", "s^2/m"});
   ExpectComplaint(Run({tum, "--lever-arm", "1", "--fps", "10"}), 2, {"has times of its own", "leave out --fps"});
   ExpectComplaint(Run({tum, "--lever-arm", "1", "--drift", "some"}), 2, {"--drift"});

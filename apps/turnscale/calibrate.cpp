@@ -9,10 +9,11 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "car_arguments.h"
 #include "commands.h"
 #include "drive_motion.h"
 #include "interrupt.h"
-#include "side_slip.h"
+#include "output_arguments.h"
 #include "turnscale/base/error.h"
 #include "turnscale/calibration/step_gatherer.h"
 #include "turnscale/io/calibration_file.h"
@@ -51,7 +52,12 @@ void Check(const CalibrateArguments& arguments) {
     throw InputError(fmt::format("{} {}: give metres, above 0", option, *value));
   };
   positive("--distance", arguments.distance);
-  positive("--lever-arm", arguments.lever_arm);
+  if (arguments.lever_arm) CheckedLeverArm(*arguments.lever_arm);
+  const std::initializer_list<fs::path> read = {arguments.images.input, arguments.trajectory.value_or(""),
+                                                arguments.speed.value_or(""), arguments.images.camera.value_or(""),
+                                                arguments.images.timestamps.value_or("")};
+  RefuseToOverwrite("--out", arguments.out, read);
+  RefuseToOverwrite("--history", arguments.history.value_or(""), read);
   if (arguments.side_slip) CheckedSideSlip(*arguments.side_slip);
   if (arguments.fit_side_slip && !arguments.in_metres()) {
     throw InputError("--fit-side-slip: needs motion in metres; give --speed, --distance or --metric");

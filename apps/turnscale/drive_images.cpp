@@ -2,6 +2,9 @@
 #include "drive_images.h"
 
 #include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
 
 #include "turnscale/base/error.h"
 #include "turnscale/camera/camera_file.h"
@@ -29,5 +32,17 @@ DriveImages::DriveImages(const ImageArguments& arguments)
       camera(ReadCameraFile(camera_file)),
       source(drive, {arguments.timestamps, arguments.fps, camera.width, camera.height, camera_file.string()}),
       expected(ExpectedFrames(source.count(), arguments.max_frames)) {}
+
+std::string DoubtOf(const DriveImages& images, const cv::Mat& image) {
+  constexpr double kFarOff = 0.15;  // of the image's width or height
+  const Pinhole& pinhole = images.camera.pinhole;
+  const bool named = images.camera.width > 0;
+  const bool central =
+      std::abs(pinhole.cx / image.cols - 0.5) < kFarOff && std::abs(pinhole.cy / image.rows - 0.5) < kFarOff;
+  if (image.empty() || named || central) return {};
+  return fmt::format(
+      "{}: the principal point ({:.0f}, {:.0f}) lies far from the middle of {}x{} images; is the file of this camera?",
+      images.camera_file.string(), pinhole.cx, pinhole.cy, image.cols, image.rows);
+}
 
 }  // namespace turnscale

@@ -3,6 +3,9 @@
 
 #include <filesystem>
 #include <optional>
+#include <string>
+
+#include <opencv2/core/mat.hpp>
 
 #include "turnscale/camera/camera_model.h"
 #include "turnscale/io/drive_input.h"
@@ -32,5 +35,9 @@ struct DriveImages {
   ImageSource source;
   int expected = 0;  ///< frames to come up to `max_frames`; 0 where nothing tells
 };
+
+/// Why the calibration does not seem to be that of the image's camera; empty where it may be. A file that names an
+/// image size is checked against it by the source.
+std::string DoubtOf(const DriveImages& images, const cv::Mat& image);
 
 }  // namespace turnscale

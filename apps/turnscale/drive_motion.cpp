@@ -78,6 +78,9 @@ DriveMotion MotionFromImages(const ImageArguments& arguments) {
   while (!(arguments.max_frames && processed >= *arguments.max_frames)) {
     const std::optional<SourceFrame> frame = images.source.Next();
     if (!frame || Interrupted()) break;
+    if (processed == 0) {
+      if (const std::string doubt = DoubtOf(images, frame->gray); !doubt.empty()) progress.Warn(doubt);
+    }
     if (frame->gray.empty()) {
       progress.Warn(fmt::format("frame {}: {}; skipped", frame->index, frame->problem));
       odometry.ProcessUnreadable(frame->time);

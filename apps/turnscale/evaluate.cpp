@@ -10,6 +10,7 @@
 
 #include "commands.h"
 #include "evaluation_report.h"
+#include "output_arguments.h"
 #include "turnscale/base/error.h"
 #include "turnscale/evaluation/evaluation.h"
 #include "turnscale/evaluation/path_picture.h"
@@ -129,6 +130,10 @@ void RunEvaluate(const EvaluateArguments& arguments) {
   if (arguments.time_tolerance && !(*arguments.time_tolerance >= 0)) {
     throw InputError(fmt::format("--time-tolerance {}: give seconds, 0 or more", *arguments.time_tolerance));
   }
+  const auto read = {arguments.estimate, arguments.ground_truth, arguments.timestamps, arguments.keyframes,
+                     arguments.floor_plan};
+  RefuseToOverwrite("--json", arguments.json, read);
+  RefuseToOverwrite("--picture", arguments.picture, read);
   EvaluationOptions options;
   if (arguments.camera_rotation) options.steps.vehicle_from_camera = ReadCameraRotation(*arguments.camera_rotation);
   TrajectoryFile estimate = ReadTrajectoryFile(arguments.estimate);
@@ -178,6 +183,7 @@ void AddEvaluateCommand(CLI::App& app) {
   command
       ->add_option("--floor-plan", arguments->floor_plan, "floor_plan.csv of a simulated drive, drawn below the paths")
       ->needs(picture);
+  command->footer("Example:\n  turnscale evaluate out/drive/trajectory.tum poses.txt --picture path.svg");
   command->callback([arguments] { RunEvaluate(*arguments); });
 }
 

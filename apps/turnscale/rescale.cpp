@@ -10,10 +10,11 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "car_arguments.h"
 #include "commands.h"
+#include "output_arguments.h"
 #include "rescale_picture.h"
 #include "rescale_report.h"
-#include "side_slip.h"
 #include "timed_trajectory.h"
 #include "turnscale/base/error.h"
 #include "turnscale/geometry/rotation.h"
@@ -43,11 +44,7 @@ struct RescaleArguments {
 
 RescaleOptions OptionsFrom(const RescaleArguments& arguments, bool timed) {
   RescaleOptions options;
-  if (!(std::isfinite(arguments.lever_arm) && arguments.lever_arm > 0)) {
-    throw InputError(fmt::format("--lever-arm {}: give the metres from the rear axle forward to the camera, above 0",
-                                 arguments.lever_arm));
-  }
-  options.car.lever_arm = arguments.lever_arm;
+  options.car.lever_arm = CheckedLeverArm(arguments.lever_arm);
   if (arguments.side_slip) {
     options.car.side_slip = CheckedSideSlip(*arguments.side_slip);
     options.car.side_slip_sigma = 0;
@@ -80,6 +77,7 @@ void WriteReport(const fs::path& folder, const RescaleResult& result, const std:
 }
 
 void RunRescale(const RescaleArguments& arguments) {
+  RefuseToOverwrite("--out", arguments.out, {arguments.input, arguments.timestamps.value_or("")});
   const TimedTrajectory trajectory = ReadTimedTrajectory(arguments.input, arguments.timestamps, arguments.fps);
   const std::string input = arguments.input.string();
   if (!trajectory.timed && !arguments.quiet) {

@@ -8,10 +8,10 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "car_arguments.h"
 #include "commands.h"
 #include "drive_images.h"
 #include "interrupt.h"
-#include "side_slip.h"
 #include "turnscale/base/error.h"
 #include "turnscale/geometry/rotation.h"
 #include "turnscale/io/output_file.h"
@@ -40,15 +40,7 @@ struct RunArguments {
 // The settings file first, what the command line says over it. Checked here so that messages name the option.
 OdometryOptions OptionsFrom(const RunArguments& arguments) {
   OdometryOptions options = arguments.images.settings ? ReadSettings(*arguments.images.settings) : OdometryOptions();
-  if (arguments.lever_arm) {
-    constexpr double kLongest = 20;  // metres; more is a slip of the unit
-    if (!(*arguments.lever_arm > 0 && *arguments.lever_arm <= kLongest)) {
-      throw InputError(
-          fmt::format("--lever-arm {}: give the metres from the rear axle forward to the camera, above 0 and up to {}",
-                      *arguments.lever_arm, kLongest));
-    }
-    options.vehicle.lever_arm = arguments.lever_arm;
-  }
+  if (arguments.lever_arm) options.vehicle.lever_arm = CheckedLeverArm(*arguments.lever_arm);
   if (arguments.side_slip) {
     options.vehicle.side_slip = CheckedSideSlip(*arguments.side_slip);
     options.vehicle.side_slip_sigma = 0;
@@ -89,6 +81,7 @@ class Run {
     writer_->WriteText("settings.yaml", SettingsText(odometry_.options()));
     CatchInterrupts();
     Progress progress(images_.expected, arguments_.images.quiet);
+    if (const std::string doubt = frame ? DoubtOf(images_, frame->gray) : ""; !doubt.empty()) progress.Warn(doubt);
     try {
       for (; frame && !Interrupted() && !Enough(); frame = images_.source.Next()) Process(*frame, progress);
       if (Interrupted())

@@ -45,7 +45,8 @@ std::string MountText(const std::optional<MountSummary>& mount) {
   if (!mount->found && mount->moves > 0)
     return fmt::format("camera  was moved {} times; no turn has shown its rotation since, so it is as before\n",
                        mount->moves);
-  if (!mount->found) return "camera  taken to be turned as --camera-rotation says: no turn showed it well enough\n";
+  if (!mount->found)
+    return "camera  taken to look straight ahead, or as the settings say: no turn showed it well enough\n";
   const auto degrees = [](double angle) { return angle * kDegreesPerRadian; };
   std::string text =
       fmt::format("camera  yaw {:+.2f} +-{:.2f}, pitch {:+.2f} +-{:.2f}, roll {:+.1f} +-{:.1f} deg, found on the way",

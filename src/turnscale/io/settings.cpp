@@ -61,8 +61,8 @@ Eigen::Quaterniond ReadCameraRotation(const std::string& angles_or_file) {
     std::error_code error;
     if (!std::filesystem::exists(angles_or_file, error)) {
       throw InputError(
-          fmt::format("--camera-rotation '{}': give three degrees as yaw,pitch,roll, or a YAML file with yaw_deg, "
-                      "pitch_deg, roll_deg",
+          fmt::format("--camera-rotation '{}': is no file; give three degrees as yaw,pitch,roll, or a YAML file with "
+                      "yaw_deg, pitch_deg, roll_deg",
                       angles_or_file));
     }
     const YamlMap map{std::filesystem::path(angles_or_file)};

@@ -15,4 +15,13 @@ inline double CheckedSideSlip(double side_slip) {
                                side_slip, kUsualSideSlip));
 }
 
+/// What --lever-arm says, metres. Throws InputError where no car has its camera there.
+inline double CheckedLeverArm(double lever_arm) {
+  constexpr double kLongest = 20;  // more is a slip of the unit
+  if (lever_arm > 0 && lever_arm <= kLongest) return lever_arm;
+  throw InputError(
+      fmt::format("--lever-arm {}: give the metres from the rear axle forward to the camera, above 0 and up to {}",
+                  lever_arm, kLongest));
+}
+
 }  // namespace turnscale
