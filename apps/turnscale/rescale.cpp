@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "turnscale/rescale/rescale.h"
 
-#include <cmath>
 #include <filesystem>
 #include <memory>
 #include <optional>
