@@ -20,7 +20,8 @@ OdometryRun RunOdometry(const OdometryOptions& options, const CameraModel& camer
                                          : odometry.Process(images[i], times[i]));
   odometry.Finish();
   run.refined = odometry.RefinedFrames();
-  run.turns = odometry.Turns();
+  run.scale = odometry.Refined();
+  run.turns = run.scale.turns;
   run.lens_correction = odometry.lens().correction();
   run.keyframes_in_map = static_cast<int>(odometry.map().keyframes.size());
   return run;

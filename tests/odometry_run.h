@@ -8,6 +8,7 @@
 #include "street_drive.h"
 #include "turnscale/camera/camera_model.h"
 #include "turnscale/geometry/rigid_transform.h"
+#include "turnscale/odometry/drive_scale.h"
 #include "turnscale/odometry/options.h"
 #include "turnscale/odometry/results.h"
 
@@ -17,7 +18,8 @@ namespace turnscale {
 struct OdometryRun {
   std::vector<FrameResult> live;  ///< what each call returned
   std::vector<FrameResult> refined;
-  std::vector<TurnResult> turns;
+  RefinedScale scale;             ///< what the whole drive says of it
+  std::vector<TurnResult> turns;  ///< of `scale`
   double lens_correction = 0;
   int keyframes_in_map = 0;
 };

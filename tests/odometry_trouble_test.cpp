@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include <gtest/gtest.h>
 #include <opencv2/imgproc.hpp>
@@ -21,6 +22,15 @@ void SpoilImages(StreetDrive& drive, int first, int count, const Spoil& spoil) {
 
 cv::Mat Nothing(const cv::Mat& /*image*/) { return {}; }
 cv::Mat Black(const cv::Mat& image) { return cv::Mat::zeros(image.size(), image.type()); }
+// As a recorder repeats an image: not to the same bytes.
+cv::Mat CompressedAnew(const cv::Mat& image) {
+  cv::RNG random(7);
+  cv::Mat noise(image.size(), CV_16S);
+  random.fill(noise, cv::RNG::NORMAL, 0, 2);
+  cv::Mat again;
+  cv::add(image, noise, again, cv::noArray(), CV_8U);
+  return again;
+}
 cv::Mat Blurred(const cv::Mat& image) {
   cv::Mat blurred;
   cv::GaussianBlur(image, blurred, {}, 25);
@@ -51,6 +61,15 @@ double Drift(const std::vector<FrameResult>& frames, int first, int last) {
   double drift = 0;
   for (int i = first; i <= last; ++i)
     drift = std::max(drift, (PositionAt(frames, i) - PositionAt(frames, first)).norm());
+  return drift;
+}
+
+// The same of the truth.
+double DriftOf(const StreetDrive& drive, int first, int last) {
+  double drift = 0;
+  for (int i = first; i <= last; ++i)
+    drift =
+        std::max(drift, (drive.world_from_camera[i].translation - drive.world_from_camera[first].translation).norm());
   return drift;
 }
 
@@ -132,13 +151,102 @@ TEST(OdometryTrouble, StandingAtTheStartDoesNotDrift) {
 TEST(OdometryTrouble, StandingBetweenTurnsDoesNotDrift) {
   constexpr int kFirst = 72;
   constexpr int kLast = kFirst + 15;
-  const StreetDrive drive = RenderStreetDrive({.frames = 110, .standing_at = kFirst, .standing_frames = 15});
+  const StreetDrive drive =
+      RenderStreetDrive({.frames = 115, .standing_at = kFirst, .standing_frames = 15, .braking_frames = 8});
   const OdometryRun run = RunOdometry(StreetOptions(), drive);
   EXPECT_EQ(Count(run.refined, TrackingState::kTracked), static_cast<int>(drive.times.size()));
   ExpectGoodDrive(run, drive);
   EXPECT_LT(Drift(run.refined, kFirst, kLast), 0.02);
   EXPECT_LT(Drift(run.live, kFirst, kLast), 0.02);
   EXPECT_LE(KeyframesIn(run.refined, kFirst + 1, kLast), 1);
+}
+
+TEST(OdometryTrouble, RepeatedImagesAreNoStandstill) {
+  StreetDrive drive = PlainStreetDrive();
+  // One at a time, two and three in a row, on straights, in both turns and before a turn.
+  const std::vector<int> repeats = {14, 18, 20, 21, 30, 36, 40, 41, 52, 66, 70, 71, 72, 84, 92, 98, 99, 110, 116, 128};
+  for (const int frame : repeats) drive.images[frame] = CompressedAnew(drive.images[frame - 1]);
+  const OdometryRun run = RunOdometry(StreetOptions(), drive);
+  for (const int frame : repeats) {
+    ExpectStates(run, frame, 1, TrackingState::kRepeated);
+    EXPECT_FALSE(run.live[frame].keyframe);
+    // The live pose goes on with the car, as the image does not.
+    EXPECT_GT(Drift(run.live, frame - 1, frame), 0.5 * Drift(run.live, frame - 2, frame - 1)) << "frame " << frame;
+  }
+  EXPECT_EQ(Count(run.refined, TrackingState::kTracked), kStreetFrames - static_cast<int>(repeats.size()));
+  ExpectGoodDrive(run, drive);
+}
+
+TEST(OdometryTrouble, EachImageThreeTimesIsTheSameDrive) {
+  const StreetDrive& plain = PlainStreetDrive();
+  StreetDrive drive = plain;
+  drive.images.clear();
+  drive.times.clear();
+  for (int i = 0; i < kStreetFrames; ++i)
+    for (int k = 0; k < 3; ++k) {
+      drive.images.push_back(k == 0 ? plain.images[i] : CompressedAnew(plain.images[i]));
+      drive.times.push_back(plain.times[i] + kStreetInterval * k / 3);
+    }
+  const OdometryRun run = RunOdometry(StreetOptions(), drive);
+  EXPECT_EQ(Count(run.refined, TrackingState::kBridged), 0);
+  EXPECT_GT(Count(run.refined, TrackingState::kRepeated), 1.4 * kStreetFrames);
+  std::vector<FrameResult> whole;
+  for (int i = 0; i < kStreetFrames; ++i) {
+    whole.push_back(run.refined[3 * i]);
+    EXPECT_EQ(whole.back().state, TrackingState::kTracked) << "image " << i;
+  }
+  OdometryRun thinned = run;
+  thinned.refined = whole;
+  ExpectGoodDrive(thinned, drive);
+}
+
+TEST(OdometryTrouble, AnImageThatFreezesStandsAfterAWhile) {
+  // As if the car stopped from 4 m/s at once, and after 1.5 s went on as fast.
+  constexpr int kFirst = 72;
+  constexpr int kLast = kFirst + 15;
+  const StreetDrive drive = RenderStreetDrive({.frames = 110, .standing_at = kFirst, .standing_frames = 15});
+  const OdometryRun run = RunOdometry(StreetOptions(), drive);
+  const int limit = static_cast<int>(std::ceil(OdometryOptions().repeats.max_seconds / kStreetInterval));
+  ExpectStates(run, kFirst + 1, 3, TrackingState::kRepeated);
+  ExpectStates(run, kFirst + 1 + limit, 15 - limit, TrackingState::kTracked);
+  EXPECT_EQ(Count(run.refined, TrackingState::kBridged), 0) << "the speed from before finds the way on";
+  EXPECT_LT(Drift(run.refined, kFirst, kLast), 0.02);
+  ExpectGoodDrive(run, drive);
+}
+
+TEST(OdometryTrouble, ARestartTellsHowFarItsUnitMayBeOff) {
+  const auto sigma_after = [](int dark) {
+    StreetDrive drive = PlainStreetDrive();
+    SpoilImages(drive, 64, dark, Black);
+    Odometry odometry(StreetOptions(), drive.camera);
+    double sigma = 0;
+    for (size_t i = 0; i < drive.images.size() && sigma == 0; ++i) {
+      odometry.Process(drive.images[i], drive.times[i]);
+      for (const Keyframe& keyframe : odometry.map().keyframes) {
+        EXPECT_EQ(keyframe.gap_sigma > 0, keyframe.after_gap);
+        sigma = std::max(sigma, keyframe.gap_sigma);
+      }
+    }
+    return sigma;
+  };
+  const MotionModelOptions motion;
+  const TrackingOptions tracking;
+  const double after_short = sigma_after(5);
+  EXPECT_GT(after_short, motion.speed_sigma + 0.3 * motion.speed_sigma_per_second);
+  EXPECT_LT(after_short, tracking.depth_sigma);
+  EXPECT_GT(sigma_after(8), after_short + 0.2 * motion.speed_sigma_per_second);
+  EXPECT_EQ(sigma_after(40), tracking.depth_sigma) << "after 4 s the depth of the scene says more";
+}
+
+TEST(OdometryTrouble, ARestartAfterAFreezeKeepsTheSpeedFromBefore) {
+  // The image freezes for 0.8 s, which is longer than a repeat lasts, and is dark for as long before it goes on.
+  StreetDrive drive = PlainStreetDrive();
+  for (int i = 65; i < 73; ++i) drive.images[i] = CompressedAnew(drive.images[64]);
+  SpoilImages(drive, 73, 8, Black);
+  const OdometryRun run = RunOdometry(StreetOptions(), drive);
+  ASSERT_TRUE(AllPosed(run.refined));
+  const double before = Drift(run.refined, 54, 64);
+  EXPECT_NEAR(Drift(run.refined, 90, 100) / before, DriftOf(drive, 90, 100) / DriftOf(drive, 54, 64), 0.1);
 }
 
 TEST(OdometryTrouble, ACarThatNeverMovesHasNoMap) {

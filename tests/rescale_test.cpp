@@ -110,6 +110,9 @@ TEST_F(RescaleCommandTest, WritesTheReport) {
   const auto summary = nlohmann::json::parse(TextOf(folder_ / "report" / "summary.json"));
   EXPECT_EQ(summary["turns"]["found"], 6);
   EXPECT_NEAR(summary["metres_per_unit"]["min"], kUnit, 0.02 * kUnit);
+  EXPECT_GT(summary["length_sigma"], 0.005);
+  EXPECT_LT(summary["length_sigma"], 0.05);
+  EXPECT_FALSE(summary["contradicted"]);
   const auto lines = [&](const std::string& name) {
     const std::string text = TextOf(folder_ / "report" / name);
     return std::count(text.begin(), text.end(), '\n');
@@ -135,18 +138,26 @@ TEST_F(RescaleCommandTest, DrawsTheDriveFromAbove) {
   for (StampedPose& pose : drive_.trajectory) {
     pose.world_from_camera = RigidTransform{up_from_world, {0, 0, 0}} * pose.world_from_camera;
   }
-  EXPECT_EQ(path(), seen);
+  const std::string turned = path();
+  ASSERT_NEAR(static_cast<double>(turned.size()), static_cast<double>(seen.size()),
+              0.01 * static_cast<double>(seen.size()));
+  const auto start = [](const std::string& text) { return std::stod(text.substr(text.find(" d=\"M") + 5)); };
+  EXPECT_NEAR(start(turned), start(seen), 0.3) << "pixels";
 }
 
-TEST_F(RescaleCommandTest, SideSlipThatIsGivenIsKept) {
+// A side slip that is given is known to an eighth, unless its sigma is given too.
+TEST_F(RescaleCommandTest, SideSlipIsKeptAsFarAsItIsKnown) {
   const auto slip = [&](std::vector<std::string> extra) {
     extra.insert(extra.begin(), {Tum(), "--lever-arm", "1.2", "--report", Path("report")});
     EXPECT_EQ(Run(extra).exit_code, 0);
     const auto summary = nlohmann::json::parse(TextOf(folder_ / "report" / "summary.json"));
     return std::pair<double, double>(summary["side_slip_s2pm"], summary["side_slip_sigma_s2pm"]);
   };
-  EXPECT_NEAR(slip({"--side-slip", "0.002"}).first, 0.002, 1e-8);
-  EXPECT_EQ(slip({"--side-slip", "0.002"}).second, 0);
+  EXPECT_NEAR(slip({"--side-slip", "0.002", "--side-slip-sigma", "0"}).first, 0.002, 1e-8);
+  EXPECT_EQ(slip({"--side-slip", "0.002", "--side-slip-sigma", "0"}).second, 0);
+  EXPECT_NEAR(slip({"--side-slip", "0.004"}).first, 0.004, 0.0005);
+  EXPECT_GT(slip({"--side-slip", "0.004"}).second, 0);
+  EXPECT_LE(slip({"--side-slip", "0.004"}).second, 0.00048);
   EXPECT_GT(slip({"--side-slip", "0.002", "--side-slip-sigma", "0.0015"}).second, 0);
   EXPECT_GT(slip({}).second, 0);
 }
@@ -159,7 +170,7 @@ TEST_F(RescaleCommandTest, FindsTheCamerasRotationUnlessItIsGiven) {
   ExpectMetres({Tum(), "--camera-rotation", "20,-9,0"}, poses_);
   drive_ = MakeScaledDrive(CityRoute(6), kCar, RotationFromYawPitchRoll({90 / kDegreesPerRadian, 0, 0}), kUnit);
   ExpectComplaint(Run({Tum(), "--lever-arm", "1.2", "--camera-rotation", "identity"}), 2,
-                  {"scale not observable", "sideways", "let its rotation be found"});
+                  {"scale not observable", "sideways", "let its rotation be estimated"});
 }
 
 TEST_F(RescaleCommandTest, SameInputSameBytes) {
@@ -194,6 +205,8 @@ TEST_F(RescaleCommandTest, ComplaintsSayWhatToDo) {
   ExpectComplaint(Run({tum, "--lever-arm", "-1"}), 2, {"--lever-arm -1", "above 0"});
   ExpectComplaint(Run({tum, "--lever-arm", "105"}), 2, {"--lever-arm 105", "up to 20"});
   ExpectComplaint(Run({tum, "--lever-arm", "1", "--side-slip", "2"}), 2, {"--side-slip 2", "s^2/m"});
+  ExpectComplaint(Run({tum, "--lever-arm", "1", "--lever-arm-sigma", "3"}), 2, {"--lever-arm-sigma 3", "metres"});
+  ExpectComplaint(Run({tum, "--lever-arm", "1", "--side-slip-sigma", "-1"}), 2, {"--side-slip-sigma -1", "s^2/m"});
   ExpectComplaint(Run({tum, "--lever-arm", "1", "--fps", "10"}), 2, {"has times of its own", "leave out --fps"});
   ExpectComplaint(Run({tum, "--lever-arm", "1", "--drift", "some"}), 2, {"--drift"});
   ExpectComplaint(Run({tum, "--lever-arm", "1", "--camera-rotation", "nowhere.yaml"}), 2, {"--camera-rotation"});

@@ -24,11 +24,33 @@ double Steering(int frame) {
   return std::clamp(std::min(frame + 0.5, kStreetTurnFrames - frame - 0.5) / kRamp, 0.0, 1.0);
 }
 
-VehicleStep StepAt(int frame) {
+AckermannStep StepAt(int frame) {
   const bool second = frame >= kStreetSecondTurn;
   const double steering = Steering(frame - (second ? kStreetSecondTurn : kStreetFirstTurn));
   const double full = 90.0 / kDegreesPerRadian / (kStreetTurnFrames - kRamp);
   return {(second ? -full : full) * steering, kStreetStep + (kTurnStep - kStreetStep) * steering};
+}
+
+// Share of the step of a car that neither brakes nor stands which leads to this frame.
+double ShareOfStep(const StreetDriveOptions& options, int frame) {
+  if (options.standing_frames == 0) return 1;
+  const int until = options.standing_at - frame + 1;
+  const int since = frame - options.standing_at - options.standing_frames;
+  const double share = (std::max(until, since) - 0.5) / std::max(options.braking_frames, 1);
+  return options.braking_frames == 0 ? static_cast<double>(std::max(until, since) > 0) : std::clamp(share, 0.0, 1.0);
+}
+
+// Drives on by a share of a step, from so many steps after the start.
+RigidTransform DriveOn(RigidTransform world_from_vehicle, double done, double share) {
+  while (share > 1e-9) {
+    const int step = static_cast<int>(done + 1e-9);
+    const double part = std::min(share, step + 1 - done);
+    const AckermannStep whole = StepAt(step);
+    world_from_vehicle = world_from_vehicle * ConstrainedVehicleMotion({part * whole.psi, part * whole.rho});
+    done += part;
+    share -= part;
+  }
+  return world_from_vehicle;
 }
 
 std::vector<Block> Streets() {
@@ -78,14 +100,15 @@ StreetDrive RenderStreetDrive(const StreetDriveOptions& options) {
   RigidTransform world_from_vehicle;
   cv::RNG random(42);
   cv::Mat ideal;
-  for (int frame = 0; frame < kStreetFrames + options.standing_frames && frame < options.frames; ++frame) {
-    const bool stands = frame > options.standing_at && frame <= options.standing_at + options.standing_frames;
-    const int moved =
-        frame > options.standing_at ? std::max(frame - options.standing_frames, options.standing_at) : frame;
-    if (frame > 0 && !stands) world_from_vehicle = world_from_vehicle * ConstrainedVehicleMotion(StepAt(moved - 1));
+  double done = 0;
+  const int frames = std::min(kStreetFrames + options.standing_frames + options.braking_frames, options.frames);
+  for (int frame = 0; frame < frames; ++frame) {
+    const double share = frame > 0 ? ShareOfStep(options, frame) : 0.0;
+    world_from_vehicle = DriveOn(world_from_vehicle, done, share);
+    done += share;
     drive.times.push_back(kStreetInterval * frame);
     drive.world_from_camera.push_back(world_from_vehicle * vehicle_from_camera);
-    if (!stands || frame == 0) ideal = world.Render(drive.camera, rays, drive.world_from_camera.back());
+    if (share > 0 || frame == 0) ideal = world.Render(drive.camera, rays, drive.world_from_camera.back());
     cv::Mat noise(ideal.size(), CV_16S);
     random.fill(noise, cv::RNG::NORMAL, 0, kNoise);
     cv::Mat image;

@@ -27,6 +27,9 @@ struct StreetDriveOptions {
   Eigen::Quaterniond vehicle_from_camera = Eigen::Quaterniond::Identity();
   int standing_at = -1;     ///< frame at which the car stops
   int standing_frames = 0;  ///< for so long
+  /// Frames over which the car brakes before that, and over which it drives off after. None: from speed to standstill
+  /// from one frame to the next, as no car does.
+  int braking_frames = 0;
 };
 
 constexpr double kStreetLeverArm = 1.5;  ///< metres
@@ -34,7 +37,7 @@ constexpr double kStreetInterval = 0.1;  ///< seconds between frames
 constexpr int kStreetFirstTurn = 25;     ///< frame in which the first turn starts
 constexpr int kStreetSecondTurn = 85;    ///< frame in which the second turn starts
 constexpr int kStreetTurnFrames = 35;    ///< length of a turn
-constexpr int kStreetFrames = 140;       ///< of a drive without standing
+constexpr int kStreetFrames = 140;       ///< of a drive without standing or braking
 
 /// Renders the drive. The same options give the same images.
 StreetDrive RenderStreetDrive(const StreetDriveOptions& options);

@@ -24,4 +24,16 @@ inline double CheckedLeverArm(double lever_arm) {
                   lever_arm, kLongest));
 }
 
+/// What --lever-arm-sigma says, metres.
+inline double CheckedLeverArmSigma(double sigma) {
+  if (sigma >= 0 && sigma <= 1) return sigma;
+  throw InputError(fmt::format("--lever-arm-sigma {}: give metres, from 0 (known exactly) to 1", sigma));
+}
+
+/// What --side-slip-sigma says, s^2/m.
+inline double CheckedSideSlipSigma(double sigma) {
+  if (sigma >= 0 && sigma < 1) return sigma;
+  throw InputError(fmt::format("--side-slip-sigma {}: give s^2/m, from 0 (known exactly) to below 1", sigma));
+}
+
 }  // namespace turnscale

@@ -22,6 +22,7 @@ std::optional<int> FirstLost(const std::vector<FrameResult>& frames) {
   bool started = false;
   for (const FrameResult& frame : frames) {
     const bool tracked = frame.state == TrackingState::kTracked;
+    if (frame.state == TrackingState::kRepeated) continue;
     if (started && !tracked) return frame.frame;
     started = started || tracked;
   }
@@ -32,6 +33,8 @@ std::vector<Trajectory> Stretches(const std::vector<FrameResult>& frames) {
   std::vector<Trajectory> stretches;
   bool open = false;
   for (const FrameResult& frame : frames) {
+    // The step goes on to the next image that shows something new.
+    if (frame.state == TrackingState::kRepeated) continue;
     const bool tracked = frame.state == TrackingState::kTracked && frame.world_from_camera;
     if (tracked && !open) stretches.emplace_back();
     if (tracked) stretches.back().push_back({frame.time, *frame.world_from_camera});

@@ -63,7 +63,7 @@ PlotPanel DrivePanel(bool travel) {
   if (travel) panel.y = PlotRange{0, 1};
   PlotLine line;
   line.color = "#1565c0";
-  for (const VehicleStep& step : PaperDriveSteps(drive)) {
+  for (const AckermannStep& step : PaperDriveSteps(drive)) {
     line.points.emplace_back(static_cast<double>(line.points.size()) / drive.rate_hz,
                              travel ? step.rho / drive.lever_arm : step.psi * kDegreesPerRadian);
   }

@@ -11,9 +11,10 @@ namespace turnscale {
 ScaleEstimatorSettings EstimatorOf(const LabMethod& method) {
   ScaleEstimatorSettings settings;
   const std::string_view key = method.key;
-  settings.odometry.scale.smooth = key == "smoothed";
   settings.weighs_turns = key == "weighted";
-  if (key == "paper") settings.odometry.pooled_scale.method = ScaleMethod::kPerFrame;
+  settings.odometry.scale.method = key == "paper"      ? ScaleMethod::kPaper
+                                   : key == "smoothed" ? ScaleMethod::kSmoothed
+                                                       : ScaleMethod::kTurns;
   return settings;
 }
 

@@ -30,6 +30,7 @@ namespace fs = std::filesystem;
 struct RescaleArguments {
   fs::path input;
   double lever_arm = 0;
+  std::optional<double> lever_arm_sigma;
   std::optional<double> side_slip;
   std::optional<double> side_slip_sigma;
   std::string camera_rotation = "auto";
@@ -46,22 +47,17 @@ RescaleOptions OptionsFrom(const RescaleArguments& arguments, bool timed) {
   options.car.lever_arm = CheckedLeverArm(arguments.lever_arm);
   if (arguments.side_slip) {
     options.car.side_slip = CheckedSideSlip(*arguments.side_slip);
-    options.car.side_slip_sigma = 0;
+    options.car.side_slip_sigma = kGivenSideSlipSigma * options.car.side_slip;
   }
-  if (arguments.side_slip_sigma) {
-    if (!(*arguments.side_slip_sigma >= 0 && *arguments.side_slip_sigma < 1)) {
-      throw InputError(
-          fmt::format("--side-slip-sigma {}: give s^2/m, from 0 (known) to below 1", *arguments.side_slip_sigma));
-    }
-    options.car.side_slip_sigma = *arguments.side_slip_sigma;
-  }
+  if (arguments.lever_arm_sigma) options.car.lever_arm_sigma = CheckedLeverArmSigma(*arguments.lever_arm_sigma);
+  if (arguments.side_slip_sigma) options.car.side_slip_sigma = CheckedSideSlipSigma(*arguments.side_slip_sigma);
   if (arguments.camera_rotation == "identity") {
     options.vehicle_from_camera = Eigen::Quaterniond::Identity();
   } else if (arguments.camera_rotation != "auto") {
     options.vehicle_from_camera = ReadCameraRotation(arguments.camera_rotation);
   }
   options.timed = timed;
-  options.estimator.drifting = arguments.drift == "auto";
+  options.drifting = arguments.drift == "auto";
   return options;
 }
 
@@ -110,14 +106,16 @@ void AddRescaleCommand(CLI::App& app) {
       ->required();
   command->add_option("--lever-arm", arguments->lever_arm, "Metres from the rear axle forward to the camera")
       ->required();
+  command->add_option("--lever-arm-sigma", arguments->lever_arm_sigma,
+                      fmt::format("Its standard deviation, metres [{}]", kTapeSigma));
   command->add_option("--side-slip", arguments->side_slip,
                       fmt::format("c in L_eff = L - c v^2, s^2/m: how much the rear tyres slip; 0 is a rigid car. "
                                   "Refined from the drive, about {}, where it is not given",
                                   car.side_slip));
-  command->add_option("--side-slip-sigma", arguments->side_slip_sigma,
-                      fmt::format("How well c is known beforehand, s^2/m: refine it, the given one too [{}; 0 with "
-                                  "--side-slip]",
-                                  car.side_slip_sigma));
+  command->add_option(
+      "--side-slip-sigma", arguments->side_slip_sigma,
+      fmt::format("Its standard deviation, s^2/m; 0: known exactly [{}; with --side-slip {:.0f} % of it]",
+                  car.side_slip_sigma, 100 * kGivenSideSlipSigma));
   command->add_option(
       "--camera-rotation", arguments->camera_rotation,
       "How the camera is turned on the car: auto (found from the trajectory), identity, yaw,pitch,roll in "

@@ -144,17 +144,17 @@ std::vector<double> MetresAlong(const Trajectory& metric) {
 std::string ScaleChart(const RescaleResult& result, const std::vector<double>& along, double top) {
   double low = HUGE_VAL;
   double high = 0;
-  for (const PoseScale& scale : result.poses) {
+  for (const RescaledPose& scale : result.poses) {
     low = std::min(low, scale.metres_per_unit * std::exp(-2 * scale.sigma));
     high = std::max(high, scale.metres_per_unit * std::exp(2 * scale.sigma));
   }
   const double most = kMostBand * (high - low);
   const double lowest = low - most;
   const double highest = high + most;
-  for (const RescaledTurn& turn : result.turns) {
-    if (!turn.used || !(turn.metres_per_unit > 0)) continue;
-    low = std::max(lowest, std::min(low, turn.metres_per_unit * std::exp(-turn.sigma)));
-    high = std::min(highest, std::max(high, turn.metres_per_unit * std::exp(turn.sigma)));
+  for (const TurnEstimate& turn : result.estimate->turns) {
+    if (!turn.used || !(turn.own > 0)) continue;
+    low = std::max(lowest, std::min(low, turn.own * std::exp(-turn.own_sigma)));
+    high = std::min(highest, std::max(high, turn.own * std::exp(turn.own_sigma)));
   }
   const Chart chart(top, std::max(along.back(), 1.0), low, high);
   const std::vector<std::size_t> shown = Thinned(0, result.poses.size() - 1);
@@ -162,7 +162,7 @@ std::string ScaleChart(const RescaleResult& result, const std::vector<double>& a
   Points band;
   Points lower;
   for (const std::size_t i : shown) {
-    const PoseScale& scale = result.poses[i];
+    const RescaledPose& scale = result.poses[i];
     line.push_back(chart.At(along[i], scale.metres_per_unit));
     band.push_back(chart.At(along[i], scale.metres_per_unit * std::exp(scale.sigma)));
     lower.push_back(chart.At(along[i], scale.metres_per_unit * std::exp(-scale.sigma)));
@@ -171,11 +171,11 @@ std::string ScaleChart(const RescaleResult& result, const std::vector<double>& a
   band.insert(band.end(), lower.rbegin(), lower.rend());
   std::string text = chart.Frame("metres per unit, +- one sigma; bars: what each turn says alone");
   text += Line("band", band, true) + Line("scale", line);
-  for (const RescaledTurn& turn : result.turns) {
-    if (!(turn.metres_per_unit > 0)) continue;
-    const double middle = 0.5 * (along[turn.first_pose] + along[turn.last_pose]);
-    text += Line(turn.used ? "own" : "off", {chart.At(middle, turn.metres_per_unit * std::exp(-turn.sigma)),
-                                             chart.At(middle, turn.metres_per_unit * std::exp(turn.sigma))});
+  for (const TurnEstimate& turn : result.estimate->turns) {
+    if (!(turn.own > 0)) continue;
+    const double middle = 0.5 * (along[result.steps[turn.first_step].first] + along[result.steps[turn.last_step].last]);
+    text += Line(turn.used ? "own" : "off", {chart.At(middle, turn.own * std::exp(-turn.own_sigma)),
+                                             chart.At(middle, turn.own * std::exp(turn.own_sigma))});
   }
   return text;
 }
@@ -213,7 +213,8 @@ std::string RescaleSvg(const RescaleResult& result, const std::string& title, bo
   text += Text(kMargin, 26, title);
   const PathPanel panel(result);
   text += Line("path", panel.Places(0, result.metric.size() - 1));
-  for (const RescaledTurn& turn : result.turns) text += Line("turn", panel.Places(turn.first_pose, turn.last_pose));
+  for (const TurnEstimate& turn : result.estimate->turns)
+    text += Line("turn", panel.Places(result.steps[turn.first_step].first, result.steps[turn.last_step].last));
   text += panel.MetreBar();
   const double top = kHeading + kPathHeight + kMargin / 2;
   text += ScaleChart(result, along, top);

@@ -28,8 +28,10 @@ std::pair<double, double> SigmaRange(const RescaleResult& result) {
   return {low->sigma, high->sigma};
 }
 
+const std::vector<TurnEstimate>& TurnsOf(const RescaleResult& result) { return result.estimate->turns; }
+
 auto UsedTurns(const RescaleResult& result) {
-  return std::count_if(result.turns.begin(), result.turns.end(), [](const RescaledTurn& turn) { return turn.used; });
+  return std::ranges::count_if(TurnsOf(result), [](const TurnEstimate& turn) { return turn.used; });
 }
 
 }  // namespace
@@ -37,7 +39,7 @@ auto UsedTurns(const RescaleResult& result) {
 std::string PoseScaleTable(const RescaleResult& result) {
   std::string table = "pose,time,metres_per_unit,sigma_relative,filtered_metres_per_unit,filtered_sigma_relative\n";
   for (std::size_t i = 0; i < result.poses.size(); ++i) {
-    const PoseScale& scale = result.poses[i];
+    const RescaledPose& scale = result.poses[i];
     fmt::format_to(std::back_inserter(table), "{},{:.6f},{:.9g},{:.6g},{},{}\n", i, result.metric[i].time,
                    scale.metres_per_unit, scale.sigma, PositiveCell(scale.filtered_metres_per_unit),
                    PositiveCell(scale.filtered_sigma));
@@ -48,12 +50,14 @@ std::string PoseScaleTable(const RescaleResult& result) {
 std::string TurnScaleTable(const RescaleResult& result) {
   std::string table =
       "first_pose,last_pose,angle_deg,speed_mps,metres_per_unit,sigma_relative,smoothed_metres_per_unit,"
-      "smoothed_sigma_relative,effective_lever_arm_m,used,weight\n";
-  for (const RescaledTurn& turn : result.turns) {
-    fmt::format_to(std::back_inserter(table), "{},{},{:.4f},{},{},{},{:.9g},{:.6g},{:.6g},{},{:.4g}\n", turn.first_pose,
-                   turn.last_pose, turn.angle * kDegreesPerRadian, PositiveCell(turn.speed),
-                   PositiveCell(turn.metres_per_unit), PositiveCell(turn.sigma), turn.smoothed, turn.smoothed_sigma,
-                   turn.effective_lever_arm, turn.used ? 1 : 0, turn.weight);
+      "smoothed_sigma_relative,deviation_sigmas,effective_lever_arm_m,used,weight,reason\n";
+  for (const TurnEstimate& turn : TurnsOf(result)) {
+    fmt::format_to(std::back_inserter(table), "{},{},{:.4f},{},{},{},{:.9g},{:.6g},{:.3f},{},{},{:.4g},{}\n",
+                   result.steps[turn.first_step].first, result.steps[turn.last_step].last,
+                   turn.angle * kDegreesPerRadian, PositiveCell(turn.speed_units * turn.smoothed),
+                   PositiveCell(turn.own), PositiveCell(turn.own_sigma), turn.smoothed, turn.smoothed_sigma,
+                   turn.deviation, PositiveCell(turn.lever_arm_units * turn.smoothed), turn.used ? 1 : 0, turn.weight,
+                   turn.reason.empty() ? "" : "\"" + turn.reason + "\"");
   }
   return table;
 }
@@ -62,31 +66,26 @@ std::string RescaleJson(const RescaleResult& result, const std::string& input) {
   const auto [low, high] = ScaleRange(result);
   const auto [best, worst] = SigmaRange(result);
   const YawPitchRoll camera = YawPitchRollFromRotation(result.vehicle_from_camera);
+  const ScaleEstimate& estimate = *result.estimate;
+  const CarRefinement& car = estimate.car;
   const nlohmann::ordered_json json = {{"input", input},
                                        {"poses", result.poses.size()},
-                                       {"key_spacing", result.key_spacing},
                                        {"length_m", result.length},
+                                       {"length_sigma", estimate.length_sigma},
                                        {"metres_per_unit", {{"min", low}, {"max", high}}},
                                        {"sigma_relative", {{"min", best}, {"max", worst}}},
-                                       {"turns", {{"found", result.turns.size()}, {"used", UsedTurns(result)}}},
-                                       {"converged", result.converged},
+                                       {"turns", {{"found", TurnsOf(result).size()}, {"used", UsedTurns(result)}}},
+                                       {"converged", estimate.converged},
+                                       {"contradicted", estimate.fell_back},
                                        {"camera_rotation",
                                         {{"yaw_deg", camera.yaw * kDegreesPerRadian},
                                          {"pitch_deg", camera.pitch * kDegreesPerRadian},
                                          {"roll_deg", camera.roll * kDegreesPerRadian}}},
-                                       {"yaw_error_deg", result.yaw_error * kDegreesPerRadian},
-                                       {"yaw_error_sigma_deg", result.yaw_error_sigma * kDegreesPerRadian},
-                                       {"side_slip_s2pm", result.side_slip},
-                                       {"side_slip_sigma_s2pm", result.side_slip_sigma},
-                                       {"side_slip_at_bound", result.side_slip_at_bound},
-                                       {"height_above_roll_axis_m", result.height},
-                                       {"height_sigma_m", result.height_sigma},
-                                       {"noise",
-                                        {{"sway_m", result.sway_sigma},
-                                         {"turn_relative", result.noise.stretch.lever},
-                                         {"direction_deg", result.noise.stretch.direction * kDegreesPerRadian},
-                                         {"log_scale_per_100m", result.noise.per_distance},
-                                         {"log_scale_per_90deg", result.noise.per_angle}}}};
+                                       {"yaw_error_deg", car.yaw_error * kDegreesPerRadian},
+                                       {"yaw_error_sigma_deg", car.yaw_error_sigma * kDegreesPerRadian},
+                                       {"side_slip_s2pm", car.side_slip},
+                                       {"side_slip_sigma_s2pm", car.side_slip_sigma},
+                                       {"side_slip_at_bound", car.side_slip_at_bound}};
   return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
 
@@ -97,18 +96,24 @@ std::string RescaleText(const RescaleResult& result) {
   if (high > low) text = fmt::format("scale         {:.5g} ... {:.5g} m per unit", low, high);
   text += worst - best > 0.0005 ? fmt::format(", +- {:.1f} ... {:.1f} %\n", 100 * best, 100 * worst)
                                 : fmt::format(", +- {:.1f} %\n", 100 * best);
-  text += fmt::format("path          {:.1f} m, {} turns used of {}, key spacing {}\n", result.length, UsedTurns(result),
-                      result.turns.size(), result.key_spacing);
+  const CarRefinement& car = result.estimate->car;
+  text += fmt::format("path          {:.1f} m +- {:.1f} %, {} turns used of {}\n", result.length,
+                      100 * result.estimate->length_sigma, UsedTurns(result), TurnsOf(result).size());
   const YawPitchRoll camera = YawPitchRollFromRotation(result.vehicle_from_camera);
   text += fmt::format("camera        yaw {:+.2f} +- {:.2f}, pitch {:+.2f}, roll {:+.2f} deg\n",
-                      (camera.yaw + result.yaw_error) * kDegreesPerRadian, result.yaw_error_sigma * kDegreesPerRadian,
+                      (camera.yaw + car.yaw_error) * kDegreesPerRadian, car.yaw_error_sigma * kDegreesPerRadian,
                       camera.pitch * kDegreesPerRadian, camera.roll * kDegreesPerRadian);
-  if (result.side_slip_at_bound) {
-    text += "side slip     0: the drive wants less than none, check the lever arm and the times\n";
-  } else if (result.side_slip_sigma > 0) {
-    text += fmt::format("side slip     {:.4f} +- {:.4f} s^2/m\n", result.side_slip, result.side_slip_sigma);
+  if (car.side_slip_at_bound) {
+    text += "side slip     0: the turns ask for a negative one, check the lever arm and the times\n";
+  } else if (car.side_slip_sigma > 0) {
+    text += fmt::format("side slip     {:.4f} +- {:.4f} s^2/m\n", car.side_slip, car.side_slip_sigma);
   }
-  if (!result.converged) text += "note          the estimate has not settled\n";
+  if (result.estimate->fell_back)
+    text += fmt::format(
+        "warning       the turns contradict each other by {:.0f} % of scale: each part of the path follows its own "
+        "turns; "
+        "check the times and the lever arm\n",
+        100 * result.estimate->test.disagreement);
   return text;
 }
 

@@ -29,7 +29,9 @@ namespace fs = std::filesystem;
 struct RunArguments {
   ImageArguments images;
   std::optional<double> lever_arm;
+  std::optional<double> lever_arm_sigma;
   std::optional<double> side_slip;
+  std::optional<double> side_slip_sigma;
   std::string camera_rotation;
   std::optional<std::string> method;
   std::string frame = "camera";
@@ -41,20 +43,22 @@ struct RunArguments {
 OdometryOptions OptionsFrom(const RunArguments& arguments) {
   OdometryOptions options = arguments.images.settings ? ReadSettings(*arguments.images.settings) : OdometryOptions();
   if (arguments.lever_arm) options.vehicle.lever_arm = CheckedLeverArm(*arguments.lever_arm);
+  if (arguments.lever_arm_sigma) options.vehicle.lever_arm_sigma = CheckedLeverArmSigma(*arguments.lever_arm_sigma);
   if (arguments.side_slip) {
     options.vehicle.side_slip = CheckedSideSlip(*arguments.side_slip);
-    options.vehicle.side_slip_sigma = 0;
+    options.vehicle.side_slip_sigma = kGivenSideSlipSigma * *arguments.side_slip;
   }
+  if (arguments.side_slip_sigma) options.vehicle.side_slip_sigma = CheckedSideSlipSigma(*arguments.side_slip_sigma);
   if (arguments.camera_rotation == "auto") {
     options.vehicle.calibrate_camera = true;
   } else if (!arguments.camera_rotation.empty()) {
     options.vehicle.vehicle_from_camera = ReadCameraRotation(arguments.camera_rotation);
     options.vehicle.calibrate_camera = false;
   }
-  if (arguments.method) {
-    options.pooled_scale.method = *arguments.method == "paper" ? ScaleMethod::kPerFrame : ScaleMethod::kPooledLine;
-    options.scale.smooth = *arguments.method == "smoothed";
-  }
+  if (arguments.method)
+    options.scale.method = *arguments.method == "paper"   ? ScaleMethod::kPaper
+                           : *arguments.method == "turns" ? ScaleMethod::kTurns
+                                                          : ScaleMethod::kSmoothed;
   if (arguments.threads) {
     if (*arguments.threads < 1) throw InputError(fmt::format("--threads {}: give at least 1", *arguments.threads));
     options.threads = *arguments.threads;
@@ -133,7 +137,7 @@ class Run {
     if (const int moves = odometry_.mount().moves(); moves > moves_) {
       moves_ = moves;
       progress.Warn(fmt::format(
-          "frame {}: the camera was moved on the car since the last turn; its rotation is found anew", frame.index));
+          "frame {}: the camera was moved on the car since the last turn; re-estimating its rotation", frame.index));
     }
     progress.Update(processed_, fmt::format("{} keyframes, scale {}", odometry_.map().keyframes.size(),
                                             ScaleStateName(odometry_.scale_state())));
@@ -144,8 +148,9 @@ class Run {
     const std::vector<FrameResult> refined = odometry_.RefinedFrames();
     writer_->SetFirstCameraRotation(odometry_.mount().At(0));
     writer_->Rewrite(refined, odometry_.scale_state());
-    writer_->WriteTurns(odometry_.Turns());
-    writer_->WriteMap(odometry_.map(), odometry_.scale_state());
+    const RefinedScale scale = odometry_.Refined();
+    writer_->WriteTurns(scale.turns);
+    writer_->WriteMap(odometry_.RefinedMap(), odometry_.scale_state());
     summary_.version = TURNSCALE_VERSION;
     summary_.input = arguments_.images.input.string();
     summary_.camera = images_.camera_file.string();
@@ -159,8 +164,8 @@ class Run {
       summary_.mount = {YawPitchRollFromRotation(mount.vehicle_from_camera), mount.sigma, mount.found,
                         odometry_.mount().moves()};
     }
-    summary_.car = odometry_.car();
-    Summarize(refined, odometry_.Turns(), summary_);
+    Summarize(refined, scale, summary_);
+    for (const std::string& warning : summary_.warnings) fmt::print(stderr, "warning: {}\n", warning);
     summary_.cost = MeasureCost();
     writer_->WriteText("summary.json", SummaryJson(summary_));
   }
@@ -191,15 +196,23 @@ void AddRunCommand(CLI::App& app) {
   run->add_option("--fps", arguments->images.fps, "Frames per second, where there are no times")->excludes(timestamps);
   run->add_option("--lever-arm", arguments->lever_arm,
                   "Metres from the rear axle forward to the camera; without it the path is up to scale");
+  run->add_option("--lever-arm-sigma", arguments->lever_arm_sigma,
+                  fmt::format("Its standard deviation, metres [{}]", kTapeSigma));
   run->add_option("--side-slip", arguments->side_slip,
-                  "c in L_eff = L - c v^2, s^2/m: how much the rear tyres slip; 0 is a rigid car [0.0045]");
+                  fmt::format("c in L_eff = L - c v^2, s^2/m: how much the rear tyres slip; 0 is a rigid car. Refined "
+                              "from the drive, about {}, where it is not given",
+                              kUsualSideSlip));
+  run->add_option("--side-slip-sigma", arguments->side_slip_sigma,
+                  fmt::format("Its standard deviation, s^2/m; 0: known exactly [{}; with --side-slip {:.0f} % of it]",
+                              kUsualSideSlipSigma, 100 * kGivenSideSlipSigma));
   run->add_option(
       "--camera-rotation", arguments->camera_rotation,
       "How the camera is turned on the car: yaw,pitch,roll in degrees (right, up, right side down), a YAML file with "
       "yaw_deg, pitch_deg, roll_deg such as calibrate's, or auto: find it on the way [auto]");
-  run->add_option("--method", arguments->method,
-                  "The scale of a turn: smoothed, what all turns say of it; turns, what it says itself; paper, "
-                  "what each of its steps says (22) [smoothed]")
+  run->add_option(
+         "--method", arguments->method,
+         "How the path becomes metric: smoothed, what all turns together say along the drive; turns, each turn "
+         "held at what it says by itself; paper, each step of a turn held at what it says (22) [smoothed]")
       ->check(CLI::IsMember({"smoothed", "turns", "paper"}));
   run->add_option("--frame", arguments->frame, "Whose poses are written")
       ->check(CLI::IsMember({"camera", "vehicle"}))

@@ -12,8 +12,8 @@ namespace {
 // Noisy frame motions, each a step of its own: the most work for so many frames.
 std::vector<CameraStep> Frames(int count) {
   const PaperDriveOptions drive = PaperCalibrationDrive();
-  const std::vector<VehicleStep> round = PaperDriveSteps(drive);
-  std::vector<VehicleStep> way;
+  const std::vector<AckermannStep> round = PaperDriveSteps(drive);
+  std::vector<AckermannStep> way;
   // Begun shortly before the first turn, so that a short drive has one; then round after round.
   constexpr size_t kBegin = 260;
   for (size_t i = kBegin; way.size() < static_cast<size_t>(count); ++i) way.push_back(round[i % round.size()]);

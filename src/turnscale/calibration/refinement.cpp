@@ -12,7 +12,7 @@
 #include "turnscale/calibration/camera_angles.h"
 #include "turnscale/calibration/step_elimination.h"
 #include "turnscale/geometry/rotation.h"
-#include "turnscale/kinematics/pooled_scale.h"
+#include "turnscale/kinematics/pooled_line.h"
 #include "turnscale/kinematics/turning_motion.h"
 
 namespace turnscale {
@@ -94,11 +94,12 @@ class Refiner {
   // The pooled line of the whole drive, at the rotation so far.
   void StartLeverArms() {
     if (!steady()) return;
-    std::vector<TurningStep> line;
+    std::vector<VehicleStep> line;
     for (const StepMeasurement& step : steps_) {
       line.push_back({TurningMotionOf({step.rotation, step.direction * step.length}, result_.vehicle_from_camera), 0});
     }
-    usual_lever_arm_ = std::max(ObservedLeverArm(line, 1).value_or(0), 0.0);
+    const PooledLineResult pooled = PoolTurn(line, {.min_inliers = 1, .min_angle = 0});
+    usual_lever_arm_ = pooled.line ? std::max(pooled.line->lever_arm, 0.0) : 0.0;
     std::vector<double> ways;
     for (const StepMeasurement& step : steps_) ways.push_back(step.frames * step.length);
     least_lever_arm_sigma_ = std::max(kLeastLeverArmSpread * Quantile(std::move(ways), 0.5), 1e-9);

@@ -22,7 +22,7 @@ Eigen::Vector3d RandomVector(Random& random) {
 
 TEST(StepResidual, VanishesOnTheModel) {
   for (const double psi : {-0.3, -1e-4, 0.0, 0.05, 0.4}) {
-    const VehicleStep step{psi, 0.9};
+    const AckermannStep step{psi, 0.9};
     const RigidTransform motion = ConstrainedCameraMotion(step, 1.3, kTilted);
     const double length = motion.translation.norm();
     const StepMeasurement measured{motion.rotation, motion.translation / length, length};

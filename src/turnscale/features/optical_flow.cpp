@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "turnscale/features/optical_flow.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <opencv2/video/tracking.hpp>
@@ -16,6 +17,12 @@ constexpr double kMinEigenvalue = 1e-4;
 constexpr int kReturnLevels = 1;
 
 float RoundedGuess(float coordinate) { return std::round(coordinate * 16.0F) / 16.0F; }
+
+// Halvings of an image of this width.
+int LevelsOf(const FlowOptions& options, int width) {
+  constexpr double kUsualWidth = 1280;
+  return options.levels + std::max(0, static_cast<int>(std::lround(std::log2(width / kUsualWidth))));
+}
 
 bool Inside(const cv::Point2f& point, const cv::Size& size) {
   return point.x >= 0 && point.y >= 0 && point.x <= static_cast<float>(size.width - 1) &&
@@ -34,7 +41,8 @@ FlowImage BuildFlowImage(const FlowOptions& options, const cv::Mat& gray) {
   FlowImage image;
   // Tracks keep images as references; the caller may read the next one into the same memory.
   image.gray = gray.clone();
-  cv::buildOpticalFlowPyramid(image.gray, image.pyramid, cv::Size(options.window, options.window), options.levels);
+  cv::buildOpticalFlowPyramid(image.gray, image.pyramid, cv::Size(options.window, options.window),
+                              LevelsOf(options, image.gray.cols));
   return image;
 }
 
@@ -45,7 +53,7 @@ FlowResult TrackPoints(const FlowOptions& options, const FlowImage& first, const
   result.points.reserve(points.size());
   for (const cv::Point2f& guess : guesses) result.points.emplace_back(RoundedGuess(guess.x), RoundedGuess(guess.y));
   cv::calcOpticalFlowPyrLK(first.pyramid, second.pyramid, points, result.points, result.found, cv::noArray(),
-                           cv::Size(options.window, options.window), options.levels, kTermination,
+                           cv::Size(options.window, options.window), LevelsOf(options, first.gray.cols), kTermination,
                            cv::OPTFLOW_USE_INITIAL_FLOW, kMinEigenvalue);
   for (size_t i = 0; i < points.size(); ++i)
     if (!Inside(result.points[i], second.gray.size())) result.found[i] = 0;

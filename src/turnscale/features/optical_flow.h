@@ -10,7 +10,8 @@ namespace turnscale {
 struct FlowOptions {
   /// Side of the square patch that is compared, pixels. Odd.
   int window = 15;
-  /// Halvings of the image above the full size; each doubles the motion that is found without a prediction.
+  /// Halvings of the image above the full size; each doubles the motion that is found without a prediction. Of an image
+  /// about 1280 pixels wide; one more for every doubling of that, so that the same motion of the car is found.
   int levels = 3;
   /// A point tracked forth and back has to return to within this many pixels.
   double max_return_error = 0.7;

@@ -43,6 +43,30 @@ TEST(OpticalFlow, FindsASubPixelShift) {
   }
 }
 
+TEST(OpticalFlow, AWideImageIsFollowedAsFar) {
+  // The same scene at twice the size moves by twice the pixels.
+  std::vector<int> followed;
+  for (const int zoom : {1, 2}) {
+    const SyntheticTexture texture(1, 16.0 * zoom, 400.0 * zoom);
+    const auto image = [&](double shift) {
+      return BuildFlowImage({}, MakeImage({1280 * zoom, 240 * zoom}, [&](const Eigen::Vector2d& pixel) {
+                              return texture.At(pixel - Eigen::Vector2d(shift, 0));
+                            }));
+    };
+    std::vector<cv::Point2f> points;
+    for (int x = 200; x <= 1080; x += 40)
+      points.emplace_back(static_cast<float>(x * zoom), 120.0F * static_cast<float>(zoom));
+    const FlowResult flow = TrackPoints({}, image(0), image(40.0 * zoom), points, points);
+    int right = 0;
+    for (size_t i = 0; i < points.size(); ++i)
+      right +=
+          flow.found[i] != 0 && std::abs(flow.points[i].x - points[i].x - 40.0F * static_cast<float>(zoom)) < 1 ? 1 : 0;
+    followed.push_back(right);
+  }
+  EXPECT_GT(followed[0], 12) << "of 23";
+  EXPECT_GE(followed[1], followed[0]);
+}
+
 TEST(OpticalFlow, AGuessReachesFartherThanThePyramid) {
   const SyntheticTexture texture(2, 8, 100);
   FlowOptions options;

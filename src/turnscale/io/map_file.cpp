@@ -27,23 +27,16 @@ void AddVertex(std::string& vertices, const Eigen::Vector3d& position, const Col
 
 }  // namespace
 
-void WriteMap(const std::filesystem::path& path, const Map& map, const RigidTransform& target_from_world) {
+void WriteMap(const std::filesystem::path& path, const MapPoints& points, const RigidTransform& target_from_world) {
   std::string vertices;
-  size_t count = 0;
-  for (const Landmark& landmark : map.landmarks) {
-    if (!landmark.valid) continue;
-    AddVertex(vertices, target_from_world * landmark.position, kLandmarkColour);
-    ++count;
-  }
-  for (const Keyframe& keyframe : map.keyframes) {
-    AddVertex(vertices, target_from_world * Centre(keyframe), kCameraColour);
-    ++count;
-  }
+  for (const Eigen::Vector3d& landmark : points.landmarks)
+    AddVertex(vertices, target_from_world * landmark, kLandmarkColour);
+  for (const Eigen::Vector3d& camera : points.cameras) AddVertex(vertices, target_from_world * camera, kCameraColour);
   const std::string header = fmt::format(
       "ply\nformat binary_little_endian 1.0\ncomment turnscale: landmarks gray, cameras red\nelement vertex {}\n"
       "property float x\nproperty float y\nproperty float z\n"
       "property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n",
-      count);
+      points.landmarks.size() + points.cameras.size());
   ReplaceFile(path, header + vertices);
 }
 

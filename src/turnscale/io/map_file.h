@@ -3,12 +3,13 @@
 
 #include <filesystem>
 
-#include "turnscale/mapping/map.h"
+#include "turnscale/geometry/rigid_transform.h"
+#include "turnscale/odometry/metric_path.h"
 
 namespace turnscale {
 
-/// Writes the map as binary PLY: valid landmarks in light gray, keyframe cameras in red, positions in metres (or the
-/// map's unit) in the frame that `target_from_world` leads to. Throws as OutputFile does.
-void WriteMap(const std::filesystem::path& path, const Map& map, const RigidTransform& target_from_world = {});
+/// Writes a map as binary PLY: landmarks in light gray, keyframe cameras in red, in the frame that `target_from_world`
+/// leads to. Throws as OutputFile does.
+void WriteMap(const std::filesystem::path& path, const MapPoints& points, const RigidTransform& target_from_world = {});
 
 }  // namespace turnscale

@@ -77,6 +77,8 @@ const char* TrackingStateName(TrackingState state) {
       return "initializing";
     case TrackingState::kTracked:
       return "tracked";
+    case TrackingState::kRepeated:
+      return "repeated";
     case TrackingState::kBridged:
       return "bridged";
     case TrackingState::kUnreadable:

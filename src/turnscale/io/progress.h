@@ -43,7 +43,7 @@ class Progress {
 /// "pending", "observed" or "held".
 const char* ScaleStateName(ScaleState state);
 
-/// "initializing", "tracked", "bridged" or "unreadable".
+/// "initializing", "tracked", "repeated", "bridged" or "unreadable".
 const char* TrackingStateName(TrackingState state);
 
 }  // namespace turnscale

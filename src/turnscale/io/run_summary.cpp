@@ -70,12 +70,49 @@ std::string CarText(const std::optional<CarRefinement>& car) {
   if (!car) return {};
   std::string slip;
   if (car->side_slip_at_bound) {
-    slip = "side slip 0, as the drive wants less than none: check lever arm and times; ";
+    slip = "side slip 0, as the turns ask for a negative one: check lever arm and times; ";
   } else if (car->side_slip_sigma > 0) {
     slip = fmt::format("side slip {:.4f} +-{:.4f} s^2/m, ", car->side_slip, car->side_slip_sigma);
   }
-  return fmt::format("car     by all turns together: {}camera's yaw off by {:+.2f} +-{:.2f} deg\n", slip,
+  return fmt::format("car     {}camera's yaw off by {:+.2f} +-{:.2f} deg, from all turns\n", slip,
                      car->yaw_error * kDegreesPerRadian, car->yaw_error_sigma * kDegreesPerRadian);
+}
+
+// What the turns say against the estimate; empty where they agree.
+std::string TurnWarning(const RefinedScale& scale) {
+  if (!scale.estimate || !scale.estimate->fell_back) return {};
+  const TurnTest& test = scale.estimate->test;
+  int used = 0;
+  for (const TurnResult& turn : scale.turns) {
+    if (!turn.used || used++ != test.worst_turn) continue;
+    return fmt::format(
+        "the turns contradict each other by {:.0f} % of scale, most of all the one at frames {}-{}: each part of the "
+        "path "
+        "follows its own turns; check the camera's calibration, the times of the frames and the lever arm",
+        100 * test.disagreement, turn.first_frame, turn.last_frame);
+  }
+  return {};
+}
+
+std::string CalibrationWarning(const ParameterEstimate& estimate, double path_sigma) {
+  const auto [name, unit] = [&]() -> std::pair<const char*, const char*> {
+    switch (estimate.parameter) {
+      case IntrinsicsParameter::kFocalLength:
+        return {"focal length", " pixels"};
+      case IntrinsicsParameter::kCentreX:
+        return {"horizontal principal point", " pixels"};
+      case IntrinsicsParameter::kCentreY:
+        return {"vertical principal point", " pixels"};
+      case IntrinsicsParameter::kDistortion:
+        return {"radial correction", ""};
+    }
+    return {"", ""};
+  }();
+  return fmt::format(
+      "the turns show a {} of {:.4g} +- {:.2g}{}, the calibration says {:.4g}: check that it is this camera's; lengths "
+      "may be "
+      "off by {:.0f} % or more",
+      name, estimate.found, estimate.sigma, unit, estimate.given, 100 * path_sigma);
 }
 
 bool IsMetric(const RunSummary& summary) { return summary.scale_state != ScaleState::kPending; }
@@ -94,19 +131,28 @@ RunCost MeasureCost() {
   return cost;
 }
 
-void Summarize(const std::vector<FrameResult>& refined, const std::vector<TurnResult>& turns, RunSummary& summary) {
+void Summarize(const std::vector<FrameResult>& refined, const RefinedScale& scale, RunSummary& summary) {
+  const std::vector<TurnResult>& turns = scale.turns;
   summary.frames = static_cast<int>(refined.size());
   const FrameResult* last = nullptr;
   for (const FrameResult& frame : refined) {
     summary.tracked += frame.state == TrackingState::kTracked ? 1 : 0;
+    summary.repeated += frame.state == TrackingState::kRepeated ? 1 : 0;
     summary.bridged += frame.state == TrackingState::kBridged ? 1 : 0;
     summary.initializing += frame.state == TrackingState::kInitializing ? 1 : 0;
     summary.keyframes += frame.keyframe ? 1 : 0;
     if (!frame.world_from_camera) continue;
     if (last) summary.distance += (frame.world_from_camera->translation - last->world_from_camera->translation).norm();
     last = &frame;
+    if (summary.worst_sigma >= frame.scale_sigma) continue;
+    summary.worst_sigma = frame.scale_sigma;
+    summary.worst_sigma_time = frame.time;
   }
-  summary.scale_sigma = refined.empty() ? INFINITY : refined.back().scale_sigma;
+  summary.path_sigma = scale.estimate ? scale.estimate->length_sigma : INFINITY;
+  if (scale.estimate) summary.car = scale.estimate->car;
+  for (const ParameterEstimate& estimate : scale.contradicted_calibration)
+    summary.warnings.push_back(CalibrationWarning(estimate, summary.path_sigma));
+  if (const std::string warning = TurnWarning(scale); !warning.empty()) summary.warnings.push_back(warning);
   summary.turns_found = static_cast<int>(turns.size());
   for (const TurnResult& turn : turns) {
     if (!turn.used) summary.unused_reason = turn.reason;
@@ -141,6 +187,7 @@ std::string SummaryJson(const RunSummary& summary) {
       {"frames",
        {{"total", summary.frames},
         {"tracked", summary.tracked},
+        {"repeated", summary.repeated},
         {"bridged", summary.bridged},
         {"initializing", summary.initializing},
         {"unreadable", summary.unreadable.size()},
@@ -148,7 +195,12 @@ std::string SummaryJson(const RunSummary& summary) {
       {"unreadable", unreadable},
       {"distance_m", IsMetric(summary) ? Json(summary.distance) : Json(nullptr)},
       {"distance_units", IsMetric(summary) ? Json(nullptr) : Json(summary.distance)},
-      {"scale", {{"state", ScaleStateName(summary.scale_state)}, {"relative_sigma", or_null(summary.scale_sigma)}}},
+      {"path_sigma", or_null(summary.path_sigma)},
+      {"scale",
+       {{"state", ScaleStateName(summary.scale_state)},
+        {"worst_relative_sigma", or_null(summary.worst_sigma)},
+        {"worst_at_s", summary.worst_sigma_time}}},
+      {"warnings", summary.warnings},
       {"lens",
        summary.lens ? Json{{"correction", summary.lens->correction}, {"sigma", summary.lens->sigma}} : Json(nullptr)},
       {"turns", {{"found", summary.turns_found}, {"used", summary.turns_used}}},
@@ -159,8 +211,9 @@ std::string SummaryJson(const RunSummary& summary) {
 
 std::string SummaryText(const RunSummary& summary) {
   std::string scale = ScaleStateName(summary.scale_state);
-  if (IsMetric(summary) && std::isfinite(summary.scale_sigma))
-    scale += fmt::format(", +-{:.1f} %", 100 * summary.scale_sigma);
+  if (IsMetric(summary))
+    scale += fmt::format(", path length +-{:.1f} %, at worst +-{:.1f} % (at {:.1f} s)", 100 * summary.path_sigma,
+                         100 * summary.worst_sigma, summary.worst_sigma_time);
   if (!IsMetric(summary)) {
     scale += summary.vehicle.lever_arm ? ": no turn gave the metre, lengths are in an arbitrary unit"
                                        : ": without --lever-arm the path is up to scale, in an arbitrary unit";
@@ -173,13 +226,14 @@ std::string SummaryText(const RunSummary& summary) {
       "{}"
       "{}"
       "turns   {} found, {} used\n"
-      "lost    {} frames bridged, {} unreadable; {} before the map began\n"
+      "lost    {} frames bridged, {} unreadable, {} repeated; {} before the map began\n"
       "speed   {:.1f} frames/s, {:.1f} ms of processor time a frame, {:.0f} MB\n"
       "files   {}\n",
       summary.distance, IsMetric(summary) ? "m" : "units", summary.frames, summary.keyframes, scale,
       MountText(summary.mount), CarText(summary.car), summary.turns_found, summary.turns_used, summary.bridged,
-      summary.unreadable.size(), summary.initializing, summary.frames / std::max(cost.wall_seconds, 1e-9),
-      1e3 * cost.cpu_seconds / std::max(summary.frames, 1), cost.peak_memory_mb, summary.folder);
+      summary.unreadable.size(), summary.repeated, summary.initializing,
+      summary.frames / std::max(cost.wall_seconds, 1e-9), 1e3 * cost.cpu_seconds / std::max(summary.frames, 1),
+      cost.peak_memory_mb, summary.folder);
 }
 
 }  // namespace turnscale

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "turnscale/geometry/rotation.h"
+#include "turnscale/odometry/drive_scale.h"
 #include "turnscale/odometry/options.h"
 #include "turnscale/odometry/results.h"
 
@@ -51,26 +52,29 @@ struct RunSummary {
   VehicleOptions vehicle;
   int frames = 0;
   int tracked = 0;
+  int repeated = 0;
   int bridged = 0;
   int initializing = 0;
   int keyframes = 0;
   std::vector<UnreadableFrame> unreadable;
   double distance = 0;  ///< metres where the scale is known, else in the arbitrary unit
   ScaleState scale_state = ScaleState::kPending;
-  double scale_sigma = 0;             ///< relative
+  double path_sigma = 0;              ///< relative, of the path's length in metres
+  double worst_sigma = 0;             ///< relative, the largest of the scale along the path
+  double worst_sigma_time = 0;        ///< seconds, where that is
   std::optional<LensSummary> lens;    ///< empty where it was not looked for
   std::optional<MountSummary> mount;  ///< empty where it was given
-  std::optional<CarRefinement>
-      car;  ///< empty where all turns together say nothing or are not asked (ScaleOptions::smooth)
+  std::optional<CarRefinement> car;   ///< empty while the scale is pending
   int turns_found = 0;
   int turns_used = 0;
-  std::string unused_reason;  ///< of the last turn that was not used
-  std::string stopped;        ///< why the run ended before the drive did; empty where it did not
+  std::string unused_reason;          ///< of the last turn that was not used
+  std::vector<std::string> warnings;  ///< what casts doubt on the metres, a line each
+  std::string stopped;                ///< why the run ended before the drive did; empty where it did not
   RunCost cost;
 };
 
-/// Fills in what follows from the refined frames and the turns.
-void Summarize(const std::vector<FrameResult>& refined, const std::vector<TurnResult>& turns, RunSummary& summary);
+/// Fills in what follows from the refined frames and their scale, the warnings included.
+void Summarize(const std::vector<FrameResult>& frames, const RefinedScale& scale, RunSummary& summary);
 
 /// The summary as JSON; all but its "cost" is the same for the same input.
 std::string SummaryJson(const RunSummary& summary);

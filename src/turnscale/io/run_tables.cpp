@@ -46,17 +46,19 @@ std::string FrameTableLine(const FrameResult& frame, const std::optional<RigidTr
 
 std::string TurnTable(const std::vector<TurnResult>& turns) {
   std::string table =
-      "first_frame,last_frame,keyframes,angle_deg,speed_mps,metres_per_unit,sigma,effective_lever_arm_m,used,reason,"
-      "unadjusted\n";
+      "first_frame,last_frame,keyframes,angle_deg,speed_mps,metres_per_unit,sigma,smoothed_metres_per_unit,"
+      "smoothed_sigma,deviation_sigmas,effective_lever_arm_m,used,reason,unadjusted\n";
   for (const TurnResult& turn : turns) {
     // A turn that says nothing leaves its cells empty.
     const auto positive = [](double value, int digits) {
       return value > 0 ? fmt::format("{:.{}g}", value, digits) : std::string();
     };
-    table += fmt::format("{},{},{},{:.4f},{},{},{},{},{},{},{}\n", turn.first_frame, turn.last_frame, turn.keyframes,
-                         turn.angle * kDegreesPerRadian, positive(turn.speed, 5), positive(turn.metres_per_unit, 9),
-                         positive(turn.sigma, 6), positive(turn.effective_lever_arm, 6), turn.used ? 1 : 0,
-                         QuotedCell(turn.reason), QuotedCell(turn.unadjusted));
+    table += fmt::format(
+        "{},{},{},{:.4f},{},{},{},{},{},{},{},{},{},{}\n", turn.first_frame, turn.last_frame,
+        turn.last_keyframe - turn.first_keyframe + 1, turn.angle * kDegreesPerRadian, positive(turn.speed, 5),
+        positive(turn.metres_per_unit, 9), positive(turn.sigma, 6), positive(turn.smoothed, 9),
+        positive(turn.smoothed_sigma, 6), turn.used ? fmt::format("{:.3f}", turn.deviation) : std::string(),
+        positive(turn.effective_lever_arm, 6), turn.used ? 1 : 0, QuotedCell(turn.reason), QuotedCell(turn.unadjusted));
   }
   return table;
 }

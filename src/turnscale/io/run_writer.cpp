@@ -85,10 +85,10 @@ void RunWriter::Rewrite(const std::vector<FrameResult>& refined, ScaleState scal
 
 void RunWriter::WriteTurns(const std::vector<TurnResult>& turns) { WriteText(kTurns, TurnTable(turns)); }
 
-void RunWriter::WriteMap(const Map& map, ScaleState scale_state) {
+void RunWriter::WriteMap(const MapPoints& points, ScaleState scale_state) {
   const bool of_camera = options_.frame == PoseFrame::kCamera;
   turnscale::WriteMap(
-      PathOf(kMap), map,
+      PathOf(kMap), points,
       of_camera ? RigidTransform{} : VehicleFromCamera(options_.vehicle.vehicle_from_camera, scale_state));
 }
 

@@ -8,7 +8,7 @@
 
 #include "turnscale/geometry/trajectory.h"
 #include "turnscale/io/output_file.h"
-#include "turnscale/mapping/map.h"
+#include "turnscale/odometry/metric_path.h"
 #include "turnscale/odometry/options.h"
 #include "turnscale/odometry/results.h"
 
@@ -46,7 +46,7 @@ class RunWriter {
   void Rewrite(const std::vector<FrameResult>& refined, ScaleState scale_state);
 
   void WriteTurns(const std::vector<TurnResult>& turns);
-  void WriteMap(const Map& map, ScaleState scale_state);
+  void WriteMap(const MapPoints& points, ScaleState scale_state);
   /// Any other file of the folder, in one step.
   void WriteText(const std::string& name, const std::string& text);
 

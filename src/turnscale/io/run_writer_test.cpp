@@ -172,15 +172,9 @@ TEST_F(RunWriterTest, EarlierResultsAreTakenAway) {
   EXPECT_EQ(TextOf(folder_ / "live.tum"), "");
 }
 
-TEST_F(RunWriterTest, MapHoldsValidLandmarksAndCameras) {
+TEST_F(RunWriterTest, MapHoldsLandmarksAndCameras) {
   RunWriter writer({folder_});
-  Map map;
-  map.landmarks.resize(3);
-  map.landmarks[0] = {{1, 2, 3}, true, {}};
-  map.landmarks[2] = {{4, 5, 6}, true, {}};
-  map.keyframes.resize(1);
-  map.keyframes[0].camera_from_world = RigidTransform{Eigen::Quaterniond::Identity(), {-7, -8, -9}};
-  writer.WriteMap(map, ScaleState::kHeld);
+  writer.WriteMap({{{1, 2, 3}, {4, 5, 6}}, {{7, 8, 9}}}, ScaleState::kHeld);
   const std::string text = TextOf(folder_ / "map.ply");
   EXPECT_NE(text.find("element vertex 3\n"), std::string::npos);
   const size_t begin = text.find("end_header\n") + 11;
@@ -207,7 +201,8 @@ TEST(RunTables, TurnsSayWhyTheyWereNotUsed) {
   turn.first_frame = 7;
   turn.angle = -1.5;
   turn.reason = "too slow, \"far\" too slow";
-  EXPECT_NE(TurnTable({turn}).find("\n7,0,0,-85.9437,,,,,0,\"too slow, \"\"far\"\" too slow\",\n"), std::string::npos)
+  EXPECT_NE(TurnTable({turn}).find("\n7,0,1,-85.9437,,,,,,,,0,\"too slow, \"\"far\"\" too slow\",\n"),
+            std::string::npos)
       << TurnTable({turn});
   TurnResult used;
   used.used = true;
@@ -215,20 +210,43 @@ TEST(RunTables, TurnsSayWhyTheyWereNotUsed) {
   EXPECT_TRUE(TurnTable({used}).ends_with(",1,,\"astray\"\n")) << TurnTable({used});
 }
 
+TEST(RunTables, TurnsHaveACellPerColumn) {
+  TurnResult turn;
+  turn.used = true;
+  turn.first_keyframe = 4;
+  turn.last_keyframe = 12;
+  turn.speed = 6.5;
+  turn.metres_per_unit = 3.25;
+  turn.sigma = 0.125;
+  turn.smoothed = 3.5;
+  turn.smoothed_sigma = 0.0625;
+  turn.deviation = -0.5;
+  turn.effective_lever_arm = 1.25;
+  EXPECT_TRUE(TurnTable({turn}).ends_with("\n0,0,9,0.0000,6.5,3.25,0.125,3.5,0.0625,-0.500,1.25,1,,\n"))
+      << TurnTable({turn});
+  const std::string table = TurnTable({turn});
+  const auto end = table.begin() + static_cast<std::ptrdiff_t>(table.find('\n'));
+  EXPECT_EQ(std::count(table.begin(), end, ','), std::count(end, table.end(), ','));
+}
+
 TEST(RunSummary, CountsAndMeasures) {
   RunSummary summary;
   summary.scale_state = ScaleState::kHeld;
   std::vector<FrameResult> frames = Frames(5, 2);
   frames[1].state = TrackingState::kBridged;
+  frames[2].state = TrackingState::kRepeated;
   frames[4].keyframe = true;
   frames[4].scale_sigma = 0.02;
   TurnResult used;
   used.used = true;
-  Summarize(frames, {used, {}}, summary);
+  RefinedScale scale;
+  scale.turns = {used, {}};
+  Summarize(frames, scale, summary);
   summary.unreadable.push_back({2, "x.png: is truncated"});
   const auto json = nlohmann::json::parse(SummaryJson(summary));
   EXPECT_EQ(json["frames"]["total"], 5);
-  EXPECT_EQ(json["frames"]["tracked"], 4);
+  EXPECT_EQ(json["frames"]["tracked"], 3);
+  EXPECT_EQ(json["frames"]["repeated"], 1);
   EXPECT_EQ(json["frames"]["bridged"], 1);
   EXPECT_EQ(json["frames"]["keyframes"], 1);
   EXPECT_EQ(json["frames"]["unreadable"], 1);
@@ -250,7 +268,7 @@ TEST(RunSummary, CountsAndMeasures) {
   EXPECT_NE(SummaryText(summary).find("side slip 0.0041 +-0.0003 s^2/m, camera's yaw off by +0.11 +-0.06 deg"),
             std::string::npos);
   summary.car = {0.002, 0.001, 0, 1e-9, true};
-  EXPECT_NE(SummaryText(summary).find("side slip 0, as the drive wants less than none"), std::string::npos);
+  EXPECT_NE(SummaryText(summary).find("side slip 0, as the turns ask for a negative one"), std::string::npos);
   EXPECT_TRUE(json["complete"].get<bool>());
   EXPECT_NE(SummaryText(summary).find("8.00 m in 5 frames"), std::string::npos);
 }
@@ -261,7 +279,51 @@ TEST(RunSummary, UpToScaleSaysSo) {
   EXPECT_NE(SummaryText(summary).find("without --lever-arm the path is up to scale"), std::string::npos);
   const auto json = nlohmann::json::parse(SummaryJson(summary));
   EXPECT_TRUE(json["distance_m"].is_null());
-  EXPECT_TRUE(json["scale"]["relative_sigma"].is_null());
+  EXPECT_TRUE(json["scale"]["worst_relative_sigma"].is_null());
+  EXPECT_TRUE(json["path_sigma"].is_null());
+  EXPECT_TRUE(json["warnings"].empty());
+}
+
+TEST(RunSummary, SaysHowWellTheLengthIsKnownAndWhereLeast) {
+  std::vector<FrameResult> frames = Frames(5, 1);
+  for (FrameResult& frame : frames) frame.scale_sigma = 0.02;
+  frames[3].scale_sigma = 0.09;
+  RefinedScale scale;
+  scale.estimate.emplace();
+  scale.estimate->length_sigma = 0.034;
+  RunSummary summary;
+  summary.scale_state = ScaleState::kHeld;
+  Summarize(frames, scale, summary);
+  const auto json = nlohmann::json::parse(SummaryJson(summary));
+  EXPECT_EQ(json["path_sigma"], 0.034);
+  EXPECT_EQ(json["scale"]["worst_relative_sigma"], 0.09);
+  EXPECT_NEAR(json["scale"]["worst_at_s"].get<double>(), 0.3, 1e-12);
+  EXPECT_TRUE(json["warnings"].empty());
+  EXPECT_NE(SummaryText(summary).find("path length +-3.4 %, at worst +-9.0 % (at 0.3 s)"), std::string::npos)
+      << SummaryText(summary);
+}
+
+TEST(RunSummary, NamesTheTurnThatContradicts) {
+  RefinedScale scale;
+  for (const int first : {10, 50, 90, 130}) {
+    TurnResult turn;
+    turn.used = first != 50;
+    turn.first_frame = first;
+    turn.last_frame = first + 20;
+    scale.turns.push_back(turn);
+  }
+  scale.estimate.emplace();
+  scale.estimate->fell_back = true;
+  scale.estimate->test.worst_turn = 1;  // of those that are used
+  scale.estimate->test.disagreement = 0.17;
+  RunSummary summary;
+  Summarize(Frames(5, 1), scale, summary);
+  ASSERT_EQ(summary.warnings.size(), 1u);
+  EXPECT_NE(summary.warnings[0].find("by 17 % of scale"), std::string::npos) << summary.warnings[0];
+  EXPECT_NE(summary.warnings[0].find("frames 90-110"), std::string::npos) << summary.warnings[0];
+  EXPECT_NE(summary.warnings[0].find("check the camera's calibration"), std::string::npos) << summary.warnings[0];
+  const auto json = nlohmann::json::parse(SummaryJson(summary));
+  EXPECT_EQ(json["warnings"][0], summary.warnings[0]);
 }
 
 TEST(RunSummary, CostIsMeasured) {

@@ -39,9 +39,10 @@ TEST(Settings, WrittenDefaultsReadBackToTheSameBits) {
   const OdometryOptions defaults;
   const OdometryOptions read = Read(SettingsText(defaults));
   EXPECT_EQ(SettingsText(read), SettingsText(defaults));
-  EXPECT_EQ(read.turns.min_step_angle, defaults.turns.min_step_angle);
-  EXPECT_EQ(read.turns.min_region_angle, defaults.turns.min_region_angle);
-  EXPECT_EQ(read.pooled_scale.sigma_theta, defaults.pooled_scale.sigma_theta);
+  EXPECT_EQ(read.scale.estimator.segments.turns.min_step_angle, defaults.scale.estimator.segments.turns.min_step_angle);
+  EXPECT_EQ(read.scale.estimator.segments.turns.min_region_angle,
+            defaults.scale.estimator.segments.turns.min_region_angle);
+  EXPECT_EQ(read.scale.estimator.evidence.line.sigma_theta, defaults.scale.estimator.evidence.line.sigma_theta);
   EXPECT_EQ(read.vehicle.side_slip, defaults.vehicle.side_slip);
   EXPECT_EQ(read.vehicle.vehicle_from_camera.coeffs(), defaults.vehicle.vehicle_from_camera.coeffs());
   EXPECT_FALSE(read.vehicle.lever_arm.has_value());
@@ -53,16 +54,26 @@ TEST(Settings, ChangedValuesSurvive) {
   options.vehicle.lever_arm = 1.45;
   options.vehicle.side_slip = 0.0041;
   options.vehicle.vehicle_from_camera = RotationFromYawPitchRoll({0.02, -0.03, 0.01});
-  options.turns.min_step_angle = 3.0 / kDegreesPerRadian;
-  options.pooled_scale.method = ScaleMethod::kPerFrame;
+  options.scale.estimator.segments.turns.min_step_angle = 3.0 / kDegreesPerRadian;
+  options.scale.method = ScaleMethod::kPaper;
+  options.scale.estimator.evidence.turn_sigma = 0.023;
+  options.scale.estimator.drift.per_100m = 0.017;
+  options.scale.estimator.test.min_probability = 0.002;
+  options.vehicle.lever_arm_sigma = 0.02;
+  options.steps.angle = 2.0 / kDegreesPerRadian;
   const OdometryOptions read = Read(SettingsText(options));
   EXPECT_EQ(SettingsText(read), SettingsText(options));
   EXPECT_EQ(read.threads, 7);
   EXPECT_EQ(read.vehicle.lever_arm, 1.45);
   EXPECT_EQ(read.vehicle.side_slip, 0.0041);
   EXPECT_LT(read.vehicle.vehicle_from_camera.angularDistance(options.vehicle.vehicle_from_camera), 1e-12);
-  EXPECT_EQ(read.turns.min_step_angle, options.turns.min_step_angle);
-  EXPECT_EQ(read.pooled_scale.method, ScaleMethod::kPerFrame);
+  EXPECT_EQ(read.scale.estimator.segments.turns.min_step_angle, options.scale.estimator.segments.turns.min_step_angle);
+  EXPECT_EQ(read.scale.method, ScaleMethod::kPaper);
+  EXPECT_EQ(read.scale.estimator.evidence.turn_sigma, 0.023);
+  EXPECT_EQ(read.scale.estimator.drift.per_100m, 0.017);
+  EXPECT_EQ(read.scale.estimator.test.min_probability, 0.002);
+  EXPECT_EQ(read.vehicle.lever_arm_sigma, 0.02);
+  EXPECT_EQ(read.steps.angle, options.steps.angle);
 }
 
 TEST(Settings, WhatIsLeftOutKeepsItsDefault) {
@@ -82,7 +93,7 @@ TEST(Settings, ComplaintsNameLineKeyAndNearestKey) {
   EXPECT_NE(Complaint("threads: 1.5\n").find("give a whole number"), std::string::npos);
   EXPECT_NE(Complaint("vehicle: 3\n").find("vehicle: holds keys of its own"), std::string::npos);
   EXPECT_NE(Complaint("vehicle:\n  side_slip: [1]\n").find("vehicle.side_slip: has no plain value"), std::string::npos);
-  EXPECT_NE(Complaint("pooled_scale:\n  method: magic\n").find("is 'magic'; give pooled_line or per_frame"),
+  EXPECT_NE(Complaint("scale:\n  method: magic\n").find("is 'magic'; give smoothed or turns or paper"),
             std::string::npos);
   const std::string senseless = Complaint("vehicle:\n  lever_arm: -1\n");
   EXPECT_NE(senseless.find("settings_test.yaml: "), std::string::npos) << senseless;

@@ -7,12 +7,12 @@
 
 namespace turnscale {
 
-RigidTransform ConstrainedVehicleMotion(const VehicleStep& step) {
+RigidTransform ConstrainedVehicleMotion(const AckermannStep& step) {
   const double gamma = 0.5 * step.psi;
   return {RotationFromVector({0, step.psi, 0}), {step.rho * std::sin(gamma), 0, step.rho * std::cos(gamma)}};
 }
 
-RigidTransform ConstrainedAuxiliaryMotion(const VehicleStep& step, double lever_arm) {
+RigidTransform ConstrainedAuxiliaryMotion(const AckermannStep& step, double lever_arm) {
   const double gamma = 0.5 * step.psi;
   RigidTransform motion = ConstrainedVehicleMotion(step);
   motion.translation.x() += lever_arm * std::sin(step.psi);
@@ -21,17 +21,17 @@ RigidTransform ConstrainedAuxiliaryMotion(const VehicleStep& step, double lever_
   return motion;
 }
 
-RigidTransform ConstrainedCameraMotion(const VehicleStep& step, double lever_arm,
+RigidTransform ConstrainedCameraMotion(const AckermannStep& step, double lever_arm,
                                        const Eigen::Quaterniond& vehicle_from_camera) {
   const RigidTransform vehicle_axes_from_camera{vehicle_from_camera, Eigen::Vector3d::Zero()};
   return vehicle_axes_from_camera.inverse() * ConstrainedAuxiliaryMotion(step, lever_arm) * vehicle_axes_from_camera;
 }
 
-double CameraDistance(const VehicleStep& step, double lever_arm) {
+double CameraDistance(const AckermannStep& step, double lever_arm) {
   return std::hypot(step.rho, 2.0 * lever_arm * std::sin(0.5 * step.psi));
 }
 
-double DirectionOfTravel(const VehicleStep& step, double lever_arm) {
+double DirectionOfTravel(const AckermannStep& step, double lever_arm) {
   // (23) is the tangent of a sum: half the turn, and the angle that the camera's swing adds to it.
   return 0.5 * step.psi + std::atan2(2.0 * lever_arm * std::sin(0.5 * step.psi), step.rho);
 }

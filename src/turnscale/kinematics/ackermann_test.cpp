@@ -12,7 +12,7 @@ namespace turnscale {
 namespace {
 
 struct RandomStep {
-  VehicleStep step;
+  AckermannStep step;
   double lever_arm = 0;
   Eigen::Quaterniond vehicle_from_camera;
 };
@@ -27,7 +27,7 @@ RandomStep Draw(std::mt19937& random) {
 }
 
 /// The rear axle's centre on a circle about a point to its right, written without the paper's formulas.
-Eigen::Isometry3d VehicleOnCircle(const VehicleStep& step) {
+Eigen::Isometry3d VehicleOnCircle(const AckermannStep& step) {
   const double radius = step.rho / (2.0 * std::sin(0.5 * step.psi));
   const Eigen::AngleAxisd turn(step.psi, Eigen::Vector3d::UnitY());
   const Eigen::Vector3d centre(radius, 0, 0);
@@ -67,7 +67,7 @@ TEST(Ackermann, CameraIsCarriedByTheVehicle) {
 }
 
 TEST(Ackermann, RightTurnSwingsTheCameraToTheRight) {
-  const VehicleStep right{0.1, 1.0};
+  const AckermannStep right{0.1, 1.0};
   EXPECT_GT(ConstrainedVehicleMotion(right).translation.x(), 0);
   EXPECT_GT(ConstrainedAuxiliaryMotion(right, 1.0).translation.x(), ConstrainedVehicleMotion(right).translation.x());
 }

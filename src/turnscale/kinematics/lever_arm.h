@@ -5,6 +5,12 @@ namespace turnscale {
 
 /// Side slip of a car of which no more is known, s^2/m: about 2.5 deg of rear slip angle per g.
 constexpr double kUsualSideSlip = 0.0045;
+/// Its standard deviation: of cars from soft to stiff tyres, s^2/m.
+constexpr double kUsualSideSlipSigma = 0.002;
+/// Standard deviation of a side slip that was measured, relative: load and tyre pressure change.
+constexpr double kGivenSideSlipSigma = 0.12;
+/// Standard deviation of a lever arm measured with a tape, metres.
+constexpr double kTapeSigma = 0.03;
 
 /// How far ahead of the point that does not move sideways the camera sits.
 struct LeverArm {

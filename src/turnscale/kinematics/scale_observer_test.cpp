@@ -21,8 +21,8 @@ TEST(ScaleObserver, ExactOnConstrainedMotion) {
   std::mt19937 random(21);
   std::uniform_real_distribution<double> uniform(-1, 1);
   for (int i = 0; i < 200; ++i) {
-    const VehicleStep step{std::copysign(0.02 + 0.3 * std::abs(uniform(random)), uniform(random)),
-                           1.2 + uniform(random)};
+    const AckermannStep step{std::copysign(0.02 + 0.3 * std::abs(uniform(random)), uniform(random)),
+                             1.2 + uniform(random)};
     const double lever_arm = 1.5 + uniform(random);
     const double theta = DirectionOfTravel(step, lever_arm);
     const double truth = CameraDistance(step, lever_arm);
@@ -66,7 +66,7 @@ TEST(ScaleObserver, DerivativesAgreeWithFiniteDifferences) {
 }
 
 TEST(ScaleObserver, SigmaIsTheSpreadOfNoisyAngles) {
-  const VehicleStep step{0.08, 0.5};
+  const AckermannStep step{0.08, 0.5};
   const double theta = DirectionOfTravel(step, 1.0);
   const double sigma_psi = 2e-4;
   const double sigma_theta = 5e-4;

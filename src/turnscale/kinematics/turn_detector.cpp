@@ -46,13 +46,18 @@ std::optional<TurningRegion> TurnDetector::AddUnmeasured() {
   return Finish();
 }
 
-std::optional<TurningRegion> TurnDetector::Finish() {
+std::optional<TurningRegion> TurnDetector::open() const {
   const bool long_enough =
       strong_steps_ >= options_.min_steps && std::abs(candidate_.angle) >= options_.min_region_angle;
+  return long_enough ? std::optional(candidate_) : std::nullopt;
+}
+
+std::optional<TurningRegion> TurnDetector::Finish() {
+  const std::optional<TurningRegion> closed = open();
   strong_steps_ = 0;
   weak_steps_ = 0;
   weak_angle_ = 0;
-  return long_enough ? std::optional(candidate_) : std::nullopt;
+  return closed;
 }
 
 }  // namespace turnscale

@@ -43,6 +43,12 @@ class TurnDetector {
   /// The next keyframe step was not measured (tracking was lost): it counts, and no region goes on across it.
   std::optional<TurningRegion> AddUnmeasured();
 
+  /// The region under way, up to its latest strong step; empty where there is none long enough.
+  std::optional<TurningRegion> open() const;
+
+  /// The first step that a region to come may hold: of a run that is under way, however short, or the next step.
+  int first_undecided() const { return strong_steps_ > 0 ? candidate_.first : steps_; }
+
   /// Closes the region that is still open, at the end of the drive or where the caller wants it to end.
   std::optional<TurningRegion> Finish();
 

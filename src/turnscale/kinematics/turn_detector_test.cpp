@@ -108,6 +108,57 @@ TEST(TurnDetector, LostTrackEndsATurnAndCountsAsAStep) {
   EXPECT_EQ(after->first, 5);
 }
 
+TEST(TurnDetector, ShowsTheTurnUnderWayWithoutEndingIt) {
+  const std::vector<double> psi = {0, 5, 6, 1, 5, 4, 0.5, 0, 0, -5, -5, -5, -5, 3};
+  // Up to the latest strong step, from the fourth strong one on.
+  const std::vector<std::optional<TurningRegion>> expected = {
+      {}, {}, {}, {}, {}, TurningRegion{1, 5, 21},   TurningRegion{1, 5, 21},
+      {}, {}, {}, {}, {}, TurningRegion{9, 12, -20}, {}};
+  TurnDetector asked(TwoDegrees());
+  TurnDetector unasked(TwoDegrees());
+  for (std::size_t i = 0; i < psi.size(); ++i) {
+    EXPECT_EQ(asked.Add(psi[i] / kDegreesPerRadian), unasked.Add(psi[i] / kDegreesPerRadian));
+    const std::optional<TurningRegion> open = asked.open();
+    ASSERT_EQ(open.has_value(), expected[i].has_value()) << i;
+    if (open) ExpectRegion(*open, expected[i]->first, expected[i]->last, expected[i]->angle);
+    EXPECT_EQ(asked.open(), open) << "asking changes nothing";
+  }
+}
+
+TEST(TurnDetector, WhatIsUnderWayIsWhatFinishGives) {
+  TurnDetector detector({});
+  for (const double psi : {0.1, 0.05, 0.1, 0.01, 0.1, 0.08}) detector.Add(psi);
+  const std::optional<TurningRegion> open = detector.open();
+  ASSERT_TRUE(open);
+  EXPECT_EQ(detector.Finish(), open);
+  EXPECT_FALSE(detector.open());
+}
+
+TEST(TurnDetector, ABendIsNotUnderWayAsATurn) {
+  TurnDetector detector({});
+  for (int i = 0; i < 5; ++i) detector.Add(0.03);
+  EXPECT_FALSE(detector.open()) << "8.6 deg are too little";
+  detector.AddUnmeasured();
+  for (int i = 0; i < 3; ++i) detector.Add(0.2);
+  EXPECT_FALSE(detector.open()) << "three steps are too few";
+}
+
+TEST(TurnDetector, ARegionBeginsNoEarlierThanWasUndecided) {
+  const std::vector<double> psi = {0, 5, 0, 5, 0, 0, 5, 5, 5, 5, -4, -4, -4, -4, 0, 0};
+  const std::vector<int> undecided = {1, 1, 1, 1, 1, 6, 6, 6, 6, 6, 10, 10, 10, 10, 10, 16};
+  TurnDetector detector(TwoDegrees());
+  int before = detector.first_undecided();
+  EXPECT_EQ(before, 0);
+  for (std::size_t i = 0; i < psi.size(); ++i) {
+    const auto closed = detector.Add(psi[i] / kDegreesPerRadian);
+    if (closed) {
+      EXPECT_EQ(closed->first, before);
+    }
+    before = detector.first_undecided();
+    EXPECT_EQ(before, undecided[i]) << i;
+  }
+}
+
 TEST(TurnDetector, RefusesSenselessOptions) {
   EXPECT_THROW(TurnDetector({.min_step_angle = 0}), InputError);
   EXPECT_THROW(TurnDetector({.min_steps = 0}), InputError);

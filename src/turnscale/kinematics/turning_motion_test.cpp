@@ -16,7 +16,7 @@ const Eigen::Quaterniond kTilted = RotationFromYawPitchRoll({0.2, -0.3, 0.1});
 
 TEST(TurningMotion, ReadsTheConstrainedMotionBack) {
   for (const double psi : {-0.4, -0.01, 0.0, 1e-9, 0.05, 0.8}) {
-    const VehicleStep step{psi, 0.7};
+    const AckermannStep step{psi, 0.7};
     const TurningMotion motion = TurningMotionOf(ConstrainedCameraMotion(step, 1.3, kTilted), kTilted);
     EXPECT_NEAR(motion.psi, psi, 1e-15 + 1e-14 * std::abs(psi));
     EXPECT_NEAR(motion.theta, DirectionOfTravel(step, 1.3), 1e-14);

@@ -48,7 +48,7 @@ PaperDriveOptions PaperCalibrationDrive() {
 }
 
 std::vector<CalibrationTrial> RunCalibrationTrials(const CalibrationTrials& trials) {
-  const std::vector<VehicleStep> steps = PaperDriveSteps(trials.drive);
+  const std::vector<AckermannStep> steps = PaperDriveSteps(trials.drive);
   const Eigen::Quaterniond& truth = trials.drive.vehicle_from_camera;
   std::vector<CalibrationTrial> results(trials.runs);
   const auto run = [&](int i) {
@@ -72,7 +72,7 @@ YawPitchRoll CramerRaoBound(const CalibrationTrials& trials) {
   weights.head<3>().setConstant(1 / (std::sqrt(2.0) * trials.rotation_noise));
   weights.tail<3>().setConstant(1 / (trials.direction_share * trials.rotation_noise));
   EliminatedStep sum;
-  for (const VehicleStep& step : PaperDriveSteps(trials.drive)) {
+  for (const AckermannStep& step : PaperDriveSteps(trials.drive)) {
     const RigidTransform motion = ConstrainedCameraMotion(step, trials.drive.lever_arm, truth);
     const double length = motion.translation.norm();
     StepState state;

@@ -19,7 +19,7 @@ TEST(PaperDrive, HasThePapersShape) {
   double heading = 0;
   double way = 0;
   double turned = 0;
-  for (const VehicleStep& step : steps) {
+  for (const AckermannStep& step : steps) {
     heading += step.psi;
     turned += std::abs(step.psi);
     way += step.rho;

@@ -65,23 +65,23 @@ void OdometryNoise::Check() const {
   if (!(direction >= 0)) throw InputError("direction: must not be negative");
 }
 
-std::vector<VehicleStep> PaperDriveSteps(const PaperDriveOptions& options) {
+std::vector<AckermannStep> PaperDriveSteps(const PaperDriveOptions& options) {
   options.Check();
   const double rho = options.length / (options.frames - 1);
-  std::vector<VehicleStep> steps;
+  std::vector<AckermannStep> steps;
   for (int i = 1; i < options.frames; ++i) {
     steps.push_back({HeadingAt(i * rho, options) - HeadingAt((i - 1) * rho, options), rho});
   }
   return steps;
 }
 
-Trajectory NoisyCameraPath(const std::vector<VehicleStep>& steps, const PaperDriveOptions& drive,
+Trajectory NoisyCameraPath(const std::vector<AckermannStep>& steps, const PaperDriveOptions& drive,
                            const OdometryNoise& noise) {
   drive.Check();
   noise.Check();
   Random random(noise.seed);
   Trajectory path{StampedPose{}};
-  for (const VehicleStep& step : steps) {
+  for (const AckermannStep& step : steps) {
     RigidTransform motion = ConstrainedCameraMotion(step, drive.lever_arm, drive.vehicle_from_camera);
     motion.rotation = motion.rotation * Disturbance(noise.rotation, random);
     motion.translation = Disturbance(noise.direction, random) * motion.translation;

@@ -28,7 +28,7 @@ struct PaperDriveOptions {
 
 /// The drive's steps; nine turns with equal straights between, five to the right and four to the left. Throws
 /// InputError where an option makes no sense.
-std::vector<VehicleStep> PaperDriveSteps(const PaperDriveOptions& options = {});
+std::vector<AckermannStep> PaperDriveSteps(const PaperDriveOptions& options = {});
 
 /// What an odometry makes of a drive.
 struct OdometryNoise {
@@ -42,7 +42,7 @@ struct OdometryNoise {
 
 /// The camera's path as an odometry with that noise would give it: each frame's motion is disturbed by itself, and the
 /// motions are put one after the other. Same seed, same bits. Throws InputError where an option makes no sense.
-Trajectory NoisyCameraPath(const std::vector<VehicleStep>& steps, const PaperDriveOptions& drive,
+Trajectory NoisyCameraPath(const std::vector<AckermannStep>& steps, const PaperDriveOptions& drive,
                            const OdometryNoise& noise);
 
 }  // namespace turnscale

@@ -5,8 +5,8 @@
 #include <stdexcept>
 
 #include "turnscale/bundle/bundle_adjustment.h"
+#include "turnscale/mapping/map_scaling.h"
 #include "turnscale/mapping/window_problem.h"
-#include "turnscale/scale/map_scaling.h"
 
 namespace turnscale {
 namespace {

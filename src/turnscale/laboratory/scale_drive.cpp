@@ -18,7 +18,7 @@ constexpr double kImageWidth = 1241;
 constexpr double kImageHeight = 376;
 
 /// Frames that become keyframes.
-std::vector<int> KeyframesOf(const ScaleDriveOptions& options, const std::vector<VehicleStep>& steps) {
+std::vector<int> KeyframesOf(const ScaleDriveOptions& options, const std::vector<AckermannStep>& steps) {
   std::vector<int> keyframes = {0};
   double turned = 0;
   for (std::size_t i = 0; i < steps.size(); ++i) {
@@ -113,7 +113,7 @@ void ScaleDriveOptions::Check() const {
 
 ScaleDrive MakeScaleDrive(const ScaleDriveOptions& options) {
   options.Check();
-  const std::vector<VehicleStep> steps = PaperDriveSteps(options.drive);
+  const std::vector<AckermannStep> steps = PaperDriveSteps(options.drive);
   const Trajectory path = NoisyCameraPath(steps, options.drive, {});
   ScaleDrive drive;
   drive.pixel_noise = options.pixel_noise;

@@ -7,26 +7,25 @@
 #include <utility>
 
 #include "turnscale/base/error.h"
-#include "turnscale/kinematics/pooled_scale.h"
 #include "turnscale/kinematics/turning_motion.h"
+#include "turnscale/mapping/absolute_scale_recovery.h"
 #include "turnscale/odometry/drive_scale.h"
-#include "turnscale/odometry/turn_reading.h"
-#include "turnscale/scale/absolute_scale_recovery.h"
+#include "turnscale/odometry/held_turns.h"
 
 namespace turnscale {
 namespace {
 
-std::vector<TurningRegion> DetectTurns(const TurnDetectorOptions& options, const MountCalibration& mount,
-                                       const Map& map) {
-  TurnDetector detector(options);
-  std::vector<TurningRegion> regions;
-  const auto keep = [&](const std::optional<TurningRegion>& region) {
-    if (region) regions.push_back(*region);
-  };
-  for (int step = 0; step + 1 < static_cast<int>(map.keyframes.size()); ++step)
-    keep(detector.Add(StepMotion(map, step, mount).psi));
-  keep(detector.Finish());
-  return regions;
+// Of all turns or the first `most`.
+void KeepFirst(std::optional<int> most, std::vector<TurnResult>& turns) {
+  int used = 0;
+  for (TurnResult& turn : turns)
+    if (turn.used && most && ++used > *most) turn.used = false;
+}
+
+// The map with its shape as it is, brought to metres by the scale along it.
+Map MetricMap(const RefinedScale& refined, Map map) {
+  SetKeyframeCentres(refined.path.centres, map);
+  return map;
 }
 
 double SquaredError(double estimate, double truth) { return (estimate - truth) * (estimate - truth); }
@@ -39,39 +38,39 @@ OdometryOptions SyntheticDriveOdometry() {
   options.vehicle.side_slip = 0;
   options.vehicle.side_slip_sigma = 0;
   options.vehicle.calibrate_camera = false;
-  options.turns.min_step_angle = kTurningAngle;
+  options.scale.estimator.segments.turns = {.min_step_angle = kTurningAngle};
+  // Each keyframe step is a step of the estimator, as in the paper.
+  options.steps.angle = 0;
+  options.vehicle.lever_arm_sigma = 0;
+  // The drive's odometry loses its unit several times faster than a real one drifts.
+  options.scale.estimator.drift.per_100m = 0.1;
   options.scale.recovery.pixel_sigma_inflation = 1;
   return options;
 }
 
 RecoveredScale RecoverScale(const ScaleEstimatorSettings& settings, double pixel_noise, Map map) {
-  const OdometryOptions& options = settings.odometry;
+  OdometryOptions options = settings.odometry;
   if (!options.vehicle.lever_arm) throw InputError("lever_arm: has to be given");
-  const MountCalibration mount(options.vehicle);
-  const LeverArm lever_arm{*options.vehicle.lever_arm, options.vehicle.side_slip};
-  const bool per_frame = options.pooled_scale.method == ScaleMethod::kPerFrame;
+  options.scale.recovery.pixel_sigma = pixel_noise;
+  DriveScale scale(options);
+  RefinedScale refined = scale.Refine(map);
   RecoveredScale result;
-  std::vector<TurnScale> turns;
-  for (const TurningRegion& region : DetectTurns(options.turns, mount, map)) {
-    if (settings.most_turns && std::cmp_greater_equal(turns.size(), *settings.most_turns)) break;
-    const std::vector<TurningStep> steps = StepsOfTurn(map, region, mount);
-    const PooledScaleResult pooled = PoolScale(steps, lever_arm, options.pooled_scale);
-    if (!pooled.scale) continue;
-    result.regions.push_back(region);
-    turns.push_back(HeldTurn(region, pooled.scale->metres_per_unit));
-    if (settings.weighs_turns || options.Smooths())
-      turns.back().sigma = pooled.scale->sigma / pooled.scale->metres_per_unit;
-    if (per_frame) HoldEachStep(steps, lever_arm, turns.back());
+  KeepFirst(settings.most_turns, refined.turns);
+  for (const TurnResult& turn : refined.turns)
+    if (turn.used) result.regions.push_back({turn.first_keyframe, turn.last_keyframe - 1, turn.angle});
+  if (options.scale.method == ScaleMethod::kSmoothed && !settings.weighs_turns) {
+    result.converged = refined.estimate && refined.estimate->converged;
+    result.map = MetricMap(refined, std::move(map));
+    return result;
+  }
+  std::vector<TurnScale> turns = TurnsToHold(map, scale.mount(), options, refined.turns);
+  if (settings.weighs_turns) {
+    for (TurnScale& held : turns)
+      for (const TurnResult& turn : refined.turns)
+        if (turn.first_keyframe + 1 == held.first_step) held.sigma = turn.sigma / turn.metres_per_unit;
   }
   if (!turns.empty()) {
-    if (options.Smooths()) {
-      const std::vector<double> units(map.keyframes.size(), 1.0);
-      if (const std::optional<DriveScale> drive = DriveScaleOf(map, units, mount, options))
-        for (TurnScale& turn : turns) WeighSmoothed(drive->keyframes, map, units, turn);
-    }
-    ScaleRecoveryOptions recovery = options.scale.recovery;
-    recovery.pixel_sigma = pixel_noise;
-    const ScaleRecoveryResult recovered = RecoverAbsoluteScale(recovery, turns, 0, map);
+    const ScaleRecoveryResult recovered = RecoverAbsoluteScale(options.scale.recovery, turns, 0, map);
     result.converged = std::ranges::all_of(
         recovered.ranges, [](const RangeRecovery& range) { return range.adjusted && range.summary.converged; });
   }

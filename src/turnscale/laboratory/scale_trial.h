@@ -19,7 +19,7 @@ OdometryOptions SyntheticDriveOdometry();
 
 /// How the absolute scale is recovered on the synthetic drive.
 struct ScaleEstimatorSettings {
-  /// Of these, vehicle, turns, pooled_scale and scale count.
+  /// Of these, vehicle, steps and scale count.
   OdometryOptions odometry = SyntheticDriveOdometry();
   /// Each turn's own scale is weighed by its variance against the images instead of being held.
   bool weighs_turns = false;

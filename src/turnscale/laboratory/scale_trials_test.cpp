@@ -70,7 +70,7 @@ TEST(ScaleTrials, SmoothingFindsWhatTheCamerasYawHasWrong) {
   trials.estimators.resize(2);
   for (ScaleEstimatorSettings& estimator : trials.estimators)
     estimator.odometry.vehicle.vehicle_from_camera = RotationFromYawPitchRoll({0.5 / kDegreesPerRadian, 0, 0});
-  trials.estimators[1].odometry.scale.smooth = false;
+  trials.estimators[1].odometry.scale.method = ScaleMethod::kTurns;
   const ScaleTrial trial = RunScaleTrials(trials).front();
   EXPECT_LT(trial.recovered[0].ratio, 0.5 * trial.recovered[1].ratio);
 }

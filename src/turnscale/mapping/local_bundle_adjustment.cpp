@@ -14,6 +14,7 @@ void LocalBundleOptions::Check() const {
   if (window < 2) throw InputError("local_bundle.window: has to be at least 2 keyframes");
   if (anchors < 1) throw InputError("local_bundle.anchors: has to be at least 1 keyframe");
   if (!(pixel_sigma > 0)) throw InputError("local_bundle.pixel_sigma: has to be positive");
+  if (!(relative_cost_tolerance > 0)) throw InputError("local_bundle.relative_cost_tolerance: has to be positive");
   if (max_iterations < 1) throw InputError("local_bundle.max_iterations: has to be at least 1");
 }
 
@@ -29,7 +30,7 @@ LocalBundleResult AdjustFrom(const LocalBundleOptions& options, int first, Map& 
   WindowProblem problem = MakeWindowProblem(map, {first_anchor, first_free}, options.pixel_sigma);
   BundleOptions bundle_options;
   bundle_options.max_iterations = options.max_iterations;
-  bundle_options.relative_cost_tolerance = 1e-4;
+  bundle_options.relative_cost_tolerance = options.relative_cost_tolerance;
   LocalBundleResult result;
   const std::optional<BundleSummary> summary = TryAdjustBundle(bundle_options, problem.bundle);
   if (!summary) return result;

@@ -16,6 +16,8 @@ struct LocalBundleOptions {
   /// Standard deviation of a tracked pixel, pixels.
   double pixel_sigma = 0.5;
   int max_iterations = 6;
+  /// An iteration that lowers the cost by less than this share is the last.
+  double relative_cost_tolerance = 1e-4;
 
   /// Throws InputError that names the field when a value makes no sense.
   void Check() const;

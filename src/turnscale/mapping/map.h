@@ -24,6 +24,8 @@ struct Keyframe {
   std::vector<KeyframeObservation> observations;
   /// Tracking was lost before this keyframe: its motion from the previous keyframe is bridged, not measured.
   bool after_gap = false;
+  /// Relative standard deviation by which the unit of length may have changed across that gap; 0 where there was none.
+  double gap_sigma = 0;
 };
 
 /// One pixel of a landmark's history.

@@ -88,6 +88,7 @@ double ReprojectionError(const Pinhole& pinhole, const RigidTransform& camera_fr
 void TwoViewOptions::Check() const {
   if (!(min_motion >= 0)) throw InputError("initialization.min_motion: must not be negative");
   if (!(min_parallax > 0)) throw InputError("initialization.min_parallax: has to be positive");
+  if (!(min_parallax_deg > 0)) throw InputError("initialization.min_parallax_deg: has to be positive");
   if (!(max_epipolar_error > 0)) throw InputError("initialization.max_epipolar_error: has to be positive");
   if (min_landmarks < 8) throw InputError("initialization.min_landmarks: has to be at least 8");
   if (!(min_inlier_share >= 0 && min_inlier_share <= 1))
@@ -108,7 +109,8 @@ TwoViewResult InitializeFromTwoViews(const TwoViewOptions& options, const Pinhol
     result.status = TwoViewStatus::kStandstill;
     return result;
   }
-  if (result.parallax < options.min_parallax) {
+  const double parallax_deg = result.parallax / pinhole.fx * kDegreesPerRadian;
+  if (result.parallax < options.min_parallax || parallax_deg < options.min_parallax_deg) {
     result.status = TwoViewStatus::kLowParallax;
     return result;
   }

@@ -12,12 +12,16 @@
 namespace turnscale {
 
 struct TwoViewOptions {
-  /// Median motion of the features below which the camera counts as standing still, pixels.
+  /// Median motion of the features below which the camera counts as standing still, pixels: what tracking noise alone
+  /// can look like, in any image.
   double min_motion = 1.0;
-  /// Motion that a quarter of the features have to exceed after the best pure rotation has been taken out, pixels: else
-  /// the two views hold no baseline worth the name (pure rotation, low parallax). A quarter, since on an open road most
-  /// of what stays in sight is far away.
+  /// Motion that a quarter of the features have to exceed after the best pure rotation has been taken out, pixels: less
+  /// is too noisy to tell depths (pure rotation, low parallax). A quarter, since on an open road most of what stays in
+  /// sight is far away.
   double min_parallax = 12.0;
+  /// The same as an angle at the image's centre, degrees: 12 pixels at a focal length of 707 pixels. In sharper images
+  /// a baseline that is too short beside the depth of the scene already moves many pixels.
+  double min_parallax_deg = 0.97;
   /// Largest distance of a match to its epipolar line, and largest reprojection error of a first landmark, pixels.
   double max_epipolar_error = 1.0;
   /// Fewer landmarks than this do not make a map.

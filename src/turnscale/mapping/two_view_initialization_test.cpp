@@ -72,6 +72,22 @@ TEST(TwoViewInitialization, NoticesPureRotation) {
   EXPECT_LT(result.parallax, 1);
 }
 
+TEST(TwoViewInitialization, AShortBaselineIsNoLongerInASharperImage) {
+  const auto start = [](double zoom, double travel) {
+    const Pinhole pinhole{zoom * kPinhole.fx, zoom * kPinhole.fy, zoom * kPinhole.cx, zoom * kPinhole.cy};
+    Views views = MakeViews({Eigen::Quaterniond::Identity(), {0, 0, -travel}}, 0.0, 6);
+    for (std::vector<Eigen::Vector2d>* pixels : {&views.first, &views.second})
+      for (Eigen::Vector2d& pixel : *pixels) pixel *= zoom;
+    return InitializeFromTwoViews({}, pinhole, views.first, views.second);
+  };
+  for (const double zoom : {1.0, 3.0}) {
+    EXPECT_EQ(start(zoom, 0.35).status, TwoViewStatus::kLowParallax) << zoom;
+    EXPECT_EQ(start(zoom, 1.2).status, TwoViewStatus::kInitialized) << zoom;
+  }
+  EXPECT_GT(start(3.0, 0.35).parallax, TwoViewOptions().min_parallax) << "else the angle were not needed";
+  EXPECT_EQ(start(0.3, 0.9).status, TwoViewStatus::kLowParallax) << "too few pixels to measure";
+}
+
 TEST(TwoViewInitialization, RefusesMatchesWithoutACommonMotion) {
   Views views = MakeViews({Eigen::Quaterniond::Identity(), {0, 0, -1.5}}, 0.3, 4);
   std::mt19937 random(5);
@@ -85,6 +101,7 @@ TEST(TwoViewInitialization, OptionsNameTheFieldThatMakesNoSense) {
   EXPECT_EQ(RefusedField<Options>([](auto&) {}), "");
   EXPECT_EQ(RefusedField<Options>([](auto& o) { o.min_motion = -1; }), "initialization.min_motion");
   EXPECT_EQ(RefusedField<Options>([](auto& o) { o.min_parallax = 0; }), "initialization.min_parallax");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.min_parallax_deg = 0; }), "initialization.min_parallax_deg");
   EXPECT_EQ(RefusedField<Options>([](auto& o) { o.max_epipolar_error = 0; }), "initialization.max_epipolar_error");
   EXPECT_EQ(RefusedField<Options>([](auto& o) { o.min_landmarks = 7; }), "initialization.min_landmarks");
   EXPECT_EQ(RefusedField<Options>([](auto& o) { o.min_inlier_share = 1.1; }), "initialization.min_inlier_share");

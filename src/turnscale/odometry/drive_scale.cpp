@@ -2,56 +2,222 @@
 #include "turnscale/odometry/drive_scale.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
-#include "turnscale/geometry/trajectory.h"
-#include "turnscale/rescale/rescale.h"
+#include "turnscale/kinematics/scale_observer.h"
+#include "turnscale/scale/scale_track.h"
 
 namespace turnscale {
 namespace {
 
-// Of the direction of travel, stretch by stretch, rad (0.02 deg): what this odometry has, and less than other
-// trajectories are given. Between 0.02 and 0.07 deg it moves the length of the recorded drives by half a per cent. In a
-// bend of one radius a direction that is off looks like a longer lever arm, so with more room than needed the scale
-// would hang on how turns begin and end.
-constexpr NoisePrior kDirectionNoise{0.0002, 0.0008, 0.0004, 0.7};
+// Keyframes whose poses local bundle adjustment may still move.
+constexpr int kUnsettled = 25;
+
+// Change of the log-scale that an error of the calibration may cause: per relative error of the focal length, per rad
+// of the principal point, per unit of radial correction. The largest that the drives of benchmarks/variants show,
+// about.
+constexpr double kScalePerFocalLength = 5;
+constexpr double kScalePerAngle = 4;
+constexpr double kScalePerCorrection = 15;
+
+CarPrior PriorOf(const VehicleOptions& vehicle) {
+  CarPrior car;
+  car.lever_arm = vehicle.lever_arm.value_or(1.0);
+  car.lever_arm_sigma = std::min(vehicle.lever_arm_sigma, 0.5 * car.lever_arm);
+  car.side_slip = vehicle.side_slip;
+  car.side_slip_sigma = vehicle.side_slip_sigma;
+  car.yaw_sigma = vehicle.yaw_sigma;
+  return car;
+}
+
+bool IsFinite(const StampedPose& pose) {
+  return pose.world_from_camera.translation.allFinite() && pose.world_from_camera.rotation.coeffs().allFinite();
+}
+
+// Position of the camera in the vehicle's axes, which may change on the way where the camera was moved.
+StampedPose VehiclePose(const Map& map, const MountCalibration& mount, int keyframe) {
+  const RigidTransform pose = map.keyframes[keyframe].camera_from_world.inverse();
+  return {map.keyframes[keyframe].time, {pose.rotation * mount.At(keyframe).conjugate(), pose.translation}};
+}
+
+std::optional<PathGap> GapBefore(const Map& map, int keyframe) {
+  if (keyframe == 0 || !map.keyframes[keyframe].after_gap) return std::nullopt;
+  return PathGap{keyframe, map.keyframes[keyframe].gap_sigma};
+}
+
+std::vector<VehicleStep> StepsAlong(const Map& map, const MountCalibration& mount, const VehicleStepOptions& options) {
+  Trajectory path;
+  std::vector<PathGap> gaps;
+  for (int k = 0; k < static_cast<int>(map.keyframes.size()); ++k) {
+    path.push_back(VehiclePose(map, mount, k));
+    // One keyframe that went astray leaves nothing to be read.
+    if (!IsFinite(path.back())) return {};
+    if (const auto gap = GapBefore(map, k)) gaps.push_back(*gap);
+  }
+  return CutIntoSteps(path, gaps, true, options);
+}
+
+TurnResult Describe(const TurnEstimate& turn, const std::vector<VehicleStep>& steps, const Map& map) {
+  TurnResult result;
+  result.first_keyframe = steps[turn.first_step].first;
+  result.last_keyframe = steps[turn.last_step].last;
+  result.first_frame = map.keyframes[result.first_keyframe].frame;
+  result.last_frame = map.keyframes[result.last_keyframe].frame;
+  result.angle = turn.angle;
+  result.used = turn.used;
+  result.reason = turn.reason;
+  result.speed = turn.speed_units * turn.smoothed;
+  result.metres_per_unit = turn.own;
+  result.as_given = turn.as_given;
+  result.sigma = turn.own_sigma * turn.own;
+  result.smoothed = turn.smoothed;
+  result.smoothed_sigma = turn.smoothed_sigma * turn.smoothed;
+  result.deviation = turn.deviation;
+  result.effective_lever_arm = turn.lever_arm_units * turn.smoothed;
+  return result;
+}
+
+MetricPath InOwnUnit(const Map& map) { return {KeyframeCentres(map), std::vector<double>(map.keyframes.size(), 1.0)}; }
 
 }  // namespace
 
-std::optional<DriveScale> DriveScaleOf(const Map& map, const std::vector<double>& unit_at_keyframe,
-                                       const MountCalibration& mount, const OdometryOptions& options) {
-  const VehicleOptions& vehicle = options.vehicle;
-  if (map.keyframes.size() < 2 || !vehicle.lever_arm) return {};
-  Trajectory path;
-  std::vector<int> gaps;
-  RigidTransform last;
-  Eigen::Vector3d place = Eigen::Vector3d::Zero();
-  for (int k = 0; k < static_cast<int>(map.keyframes.size()); ++k) {
-    const Keyframe& keyframe = map.keyframes[k];
-    const RigidTransform pose = keyframe.camera_from_world.inverse();
-    if (k > 0) place += (pose.translation - last.translation) / unit_at_keyframe[k];
-    if (k > 0 && keyframe.after_gap) gaps.push_back(k);
-    // The axes are the vehicle's, since the camera may have been moved on the way.
-    path.push_back({keyframe.time, {pose.rotation * mount.At(k).conjugate(), place}});
-    last = pose;
+DriveScale::DriveScale(const OdometryOptions& options)
+    : options_(options),
+      mount_(options.vehicle),
+      builder_(options.steps, true),
+      live_(PriorOf(options.vehicle), options.scale.estimator) {}
+
+bool DriveScale::Add(const Map& map) {
+  turn_ended_ = false;
+  for (; keyframes_ < static_cast<int>(map.keyframes.size()); ++keyframes_)
+    turn_ended_ = Feed(map, keyframes_) || turn_ended_;
+  UpdateLive(map);
+  return turn_ended_;
+}
+
+void DriveScale::Reread(const Map& map) {
+  keyframes_ = static_cast<int>(map.keyframes.size());
+  mount_.Learn(map, keyframes_ - 1);
+  builder_ = StepBuilder(options_.steps, true);
+  live_ = LiveScale(PriorOf(options_.vehicle), options_.scale.estimator);
+  for (int k = 0; k < keyframes_; ++k) Feed(map, k);
+  UpdateLive(map);
+  last_turn_end_ = keyframes_ - 1;
+}
+
+bool DriveScale::Feed(const Map& map, int keyframe) {
+  const std::optional<PathGap> gap = GapBefore(map, keyframe);
+  bool turn_ended = false;
+  for (const VehicleStep& step : builder_.Add(VehiclePose(map, mount_, keyframe), gap ? &*gap : nullptr))
+    turn_ended = live_.Add(step) || turn_ended;
+  return turn_ended;
+}
+
+// Positions follow the scale as far back as it has changed: to the turn before while a turn is under way, to the start
+// when the scale becomes known.
+void DriveScale::UpdateLive(const Map& map) {
+  const std::optional<ScaleBelief> now = options_.vehicle.lever_arm ? live_.Now() : std::nullopt;
+  const bool was_known = state_ != ScaleState::kPending;
+  const double scale = now ? now->metres_per_unit() : 1.0;
+  sigma_ = now ? now->sigma() : std::numeric_limits<double>::infinity();
+  state_ = !now ? ScaleState::kPending : live_.turning() || turn_ended_ ? ScaleState::kObserved : ScaleState::kHeld;
+
+  const int count = static_cast<int>(map.keyframes.size());
+  std::vector<double>& scales = live_path_.metres_per_unit;
+  const auto step = [&](int k) -> Eigen::Vector3d { return Centre(map.keyframes[k]) - Centre(map.keyframes[k - 1]); };
+  scales.resize(count, scale);
+  live_path_.centres.resize(count);
+  int first = std::max(0, count - 1 - kUnsettled);
+  if (was_known != now.has_value()) {
+    std::ranges::fill(scales, scale);
+    first = 0;
+  } else if (state_ == ScaleState::kObserved) {
+    first = std::min(first, last_turn_end_);
+    double length = 0;
+    for (int k = last_turn_end_ + 1; k < count; ++k) length += step(k).norm();
+    const double growth = std::log(scale / scales[last_turn_end_]);
+    double so_far = 0;
+    for (int k = last_turn_end_ + 1; k < count; ++k) {
+      so_far += step(k).norm();
+      scales[k] = scales[last_turn_end_] * std::exp(length > 0 ? growth * so_far / length : growth);
+    }
   }
-  // One keyframe that went astray leaves nothing to be smoothed; the drive goes on with what its turns say.
-  const auto finite = [](const StampedPose& pose) {
-    return pose.world_from_camera.translation.allFinite() && pose.world_from_camera.rotation.coeffs().allFinite();
-  };
-  if (!std::all_of(path.begin(), path.end(), finite)) return {};
-  RescaleOptions rescale;
-  rescale.vehicle_from_camera = Eigen::Quaterniond::Identity();
-  rescale.car.lever_arm = *vehicle.lever_arm;
-  rescale.car.side_slip = vehicle.side_slip;
-  rescale.car.side_slip_sigma = vehicle.side_slip_sigma;
-  rescale.estimator.noise.direction = kDirectionNoise;
-  rescale.estimator.gap_sigma = options.scale.gap_sigma;
-  RescaleResult result = RescaleTrajectory(rescale, path, gaps);
-  if (!result.observable) return {};
-  return DriveScale{
-      std::move(result.poses),
-      {result.yaw_error, result.yaw_error_sigma, result.side_slip, result.side_slip_sigma, result.side_slip_at_bound}};
+  if (first == 0) live_path_.centres[0] = scales[0] * Centre(map.keyframes[0]);
+  for (int k = first + 1; k < count; ++k) live_path_.centres[k] = live_path_.centres[k - 1] + scales[k] * step(k);
+}
+
+RefinedScale DriveScale::Refine(const Map& map) const {
+  RefinedScale refined;
+  const int count = static_cast<int>(map.keyframes.size());
+  refined.path = InOwnUnit(map);
+  refined.sigmas.assign(count, std::numeric_limits<double>::infinity());
+  refined.turning.assign(count, 0);
+  refined.in_used_turn.assign(count, 0);
+  const std::vector<VehicleStep> steps = StepsAlong(map, mount_, options_.steps);
+  if (steps.empty()) {
+    refined.reason = "the path has no step that can be read";
+    return refined;
+  }
+  ScaleEstimateResult result = EstimateScale(steps, PriorOf(options_.vehicle), options_.scale.estimator);
+  if (!options_.vehicle.lever_arm) {
+    result.estimate.reset();
+    result.reason = "no lever arm given";
+    for (TurnEstimate& turn : result.turns) {
+      turn.used = false;
+      turn.reason = result.reason;
+      turn.own = turn.own_sigma = turn.as_given = 0;
+    }
+  }
+  for (const TurnEstimate& turn : result.estimate ? result.estimate->turns : result.turns) {
+    const TurnResult& described = refined.turns.emplace_back(Describe(turn, steps, map));
+    for (int k = described.first_keyframe; k <= described.last_keyframe; ++k) {
+      if (result.estimate && turn.used) refined.in_used_turn[k] = 1;
+      if (k > described.first_keyframe) refined.turning[k] = 1;
+    }
+  }
+  refined.reason = result.reason;
+  if (!result.estimate) return refined;
+  const std::vector<PoseScale> scales = ScaleTrack(count, steps, *result.estimate);
+  refined.path.centres = MetricPositions(refined.path.centres, scales);
+  for (int k = 0; k < count; ++k) {
+    refined.path.metres_per_unit[k] = scales[k].metres_per_unit;
+    refined.sigmas[k] = scales[k].sigma;
+  }
+  refined.estimate = std::move(result.estimate);
+  return refined;
+}
+
+void WidenForCalibration(const std::vector<ParameterEstimate>& contradictions, double focal_length,
+                         RefinedScale& refined) {
+  refined.contradicted_calibration = contradictions;
+  double variance = 0;
+  for (const ParameterEstimate& estimate : contradictions) {
+    const double off = estimate.found - estimate.given;
+    double sigma = 0;
+    switch (estimate.parameter) {
+      case IntrinsicsParameter::kFocalLength:
+        sigma = kScalePerFocalLength * off / focal_length;
+        break;
+      case IntrinsicsParameter::kCentreX:
+      case IntrinsicsParameter::kCentreY:
+        sigma = kScalePerAngle * off / focal_length;
+        break;
+      case IntrinsicsParameter::kDistortion:
+        sigma = kScalePerCorrection * off;
+        break;
+    }
+    variance += sigma * sigma;
+  }
+  if (variance == 0 || !refined.estimate) return;
+  for (double& sigma : refined.sigmas) sigma = std::hypot(sigma, std::sqrt(variance));
+  refined.estimate->length_sigma = std::hypot(refined.estimate->length_sigma, std::sqrt(variance));
+}
+
+TurningMotion StepMotion(const Map& map, int step, const MountCalibration& mount) {
+  const RigidTransform& previous = map.keyframes[step].camera_from_world;
+  const RigidTransform& current = map.keyframes[step + 1].camera_from_world;
+  return TurningMotionOf(previous * current.inverse(), mount.At(step + 1));
 }
 
 }  // namespace turnscale

@@ -1,28 +1,89 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <limits>
 #include <optional>
+#include <string>
 #include <vector>
 
-#include "turnscale/mapping/map.h"
+#include <Eigen/Core>
+
+#include "turnscale/kinematics/turning_motion.h"
+#include "turnscale/mapping/calibration_check.h"
+#include "turnscale/mapping/map_scaling.h"
+#include "turnscale/odometry/metric_path.h"
 #include "turnscale/odometry/mount_calibration.h"
 #include "turnscale/odometry/options.h"
 #include "turnscale/odometry/results.h"
-#include "turnscale/rescale/pose_scale.h"
+#include "turnscale/scale/live_scale.h"
+#include "turnscale/scale/scale_estimator.h"
 
 namespace turnscale {
 
-/// What all turns of a drive together say.
-struct DriveScale {
-  std::vector<PoseScale> keyframes;  ///< metres per unit of the start
-  CarRefinement car;
+/// What the whole drive says of its scale.
+struct RefinedScale {
+  MetricPath path;
+  std::vector<double> sigmas;      ///< relative, one a keyframe; infinite while the scale is pending
+  std::vector<char> turning;       ///< the step that leads to the keyframe belongs to a turn
+  std::vector<char> in_used_turn;  ///< from the keyframe that the turn's first step leaves
+  std::vector<TurnResult> turns;
+  std::optional<ScaleEstimate> estimate;  ///< empty while the scale is pending
+  std::string reason;                     ///< why
+  /// Intrinsics that the images of turns contradict; sigmas include what such a calibration may cost.
+  std::vector<ParameterEstimate> contradicted_calibration;
 };
 
-/// What all turns of the keyframes' path together say, each with its variance (RescaleTrajectory). Empty where they say
-/// nothing.
+/// Widens all sigmas of `refined` by what a calibration that is off as the estimates say may cost the scale: the error
+/// of the direction of travel over the lever arm's share of it. A coarse bound (benchmarks/variants): metres from such
+/// a calibration are not to be relied on.
+void WidenForCalibration(const std::vector<ParameterEstimate>& contradictions, double focal_length,
+                         RefinedScale& refined);
+
+/// Observes the scale beside the map, which it never changes: keyframes in, metric path out.
 ///
-/// Lengths of the map at keyframe k are `unit_at_keyframe[k]` times those in the unit of the start.
-std::optional<DriveScale> DriveScaleOf(const Map& map, const std::vector<double>& unit_at_keyframe,
-                                       const MountCalibration& mount, const OdometryOptions& options);
+/// Live: a filter over the steps so far, the turn under way included. Refined: the smoother over the whole drive
+/// (EstimateScale).
+class DriveScale {
+ public:
+  explicit DriveScale(const OdometryOptions& options);
+
+  /// Takes the keyframes of the map that are new to it. Returns whether they ended a turn: the keyframes since the turn
+  /// before are worth adjusting once more then, and Reread is due.
+  bool Add(const Map& map);
+
+  /// The keyframes since the last turn have been adjusted: learns the camera's rotation from them, and reads all steps
+  /// again.
+  void Reread(const Map& map);
+
+  ScaleState state() const { return state_; }
+  double sigma() const { return sigma_; }  ///< relative, at the latest keyframe; infinite while pending
+  const MountCalibration& mount() const { return mount_; }
+  /// As known at this moment.
+  const MetricPath& live_path() const { return live_path_; }
+  /// Keyframe up to which the keyframes were adjusted when the last turn ended; 0 before the first turn.
+  int last_turn_end() const { return last_turn_end_; }
+
+  /// The smoother over all keyframes of the map.
+  RefinedScale Refine(const Map& map) const;
+
+ private:
+  /// Returns whether the keyframe ended a turn.
+  bool Feed(const Map& map, int keyframe);
+  void UpdateLive(const Map& map);
+
+  OdometryOptions options_;
+  MountCalibration mount_;
+  StepBuilder builder_;
+  LiveScale live_;  ///< with a lever arm of 1 where none is given: turns are found all the same
+  MetricPath live_path_;
+  ScaleState state_ = ScaleState::kPending;
+  double sigma_ = std::numeric_limits<double>::infinity();
+  int keyframes_ = 0;  ///< taken so far
+  int last_turn_end_ = 0;
+  bool turn_ended_ = false;  ///< with the latest keyframe
+};
+
+/// What the camera did on the step from keyframe `step` to the next.
+TurningMotion StepMotion(const Map& map, int step, const MountCalibration& mount);
 
 }  // namespace turnscale

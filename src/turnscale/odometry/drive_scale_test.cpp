@@ -1,80 +1,486 @@
 // SPDX-License-Identifier: MIT
 #include "turnscale/odometry/drive_scale.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <gtest/gtest.h>
 
+#include "turnscale/base/random.h"
 #include "turnscale/geometry/rotation.h"
 #include "turnscale/kinematics/synthetic_drive.h"
 
 namespace turnscale {
 namespace {
 
-constexpr double kQuarter = M_PI / 2 / 30;
-constexpr double kUnit = 0.25;  // of the start, per metre
-const Eigen::Quaterniond kTurned = RotationFromYawPitchRoll({0.15, -0.1, 0.03});
-const LeverArm kCar{1.2, 0.0045};
+const Eigen::Quaterniond kMounting = RotationFromYawPitchRoll({0.03, -0.05, 0.01});
+constexpr double kLeverArm = 1.2;
+constexpr double kQuarter = M_PI / 2 / 22;
+constexpr double kUnits = 0.3;  // of the map, per metre
 
-// In the unit of the start up to keyframe `change`, then in metres.
-Map MapOfDrive(int change, std::vector<double>& units) {
-  const CarDrive drive = MakeCarDrive(
-      {{40, 0.8, 0}, {30, 0.6, kQuarter}, {60, 0.8, 0}, {30, 0.6, -kQuarter}, {20, 0.8, 0}}, 0.1, kCar, kTurned);
-  Map map;
-  for (int k = 0; k < static_cast<int>(drive.world_from_camera.size()); ++k) {
-    units.push_back(k > change ? 1 / kUnit : 1);
-    RigidTransform pose;
-    if (k > 0) {
-      RigidTransform step = drive.world_from_camera[k].inverse() * drive.world_from_camera[k - 1];
-      step.translation *= units[k] * kUnit;
-      pose = step * map.keyframes.back().camera_from_world;
-    }
-    map.keyframes.push_back({k, 0.1 * k, pose, {}, false});
-  }
-  return map;
-}
+// Two corners of 90 degrees with a street between.
+const std::vector<DriveSegment> kTwoCorners = {
+    {12, 0.8, 0}, {22, 0.6, kQuarter}, {25, 0.8, 0}, {22, 0.6, -kQuarter}, {12, 0.8, 0}};
+constexpr int kFirstCorner = 12;   // the keyframe where it begins
+constexpr int kSecondCorner = 59;  // likewise
 
-OdometryOptions Car() {
+OdometryOptions Options() {
   OdometryOptions options;
-  VehicleOptions& vehicle = options.vehicle;
-  vehicle.lever_arm = kCar.length;
-  vehicle.side_slip_sigma = 0;
-  vehicle.vehicle_from_camera = kTurned;
-  vehicle.calibrate_camera = false;
+  options.vehicle.lever_arm = kLeverArm;
+  options.vehicle.vehicle_from_camera = kMounting;
+  options.vehicle.calibrate_camera = false;
   return options;
 }
 
-TEST(DriveScale, IsPerUnitOfTheStart) {
-  std::vector<double> units;
-  const Map map = MapOfDrive(75, units);
-  const std::optional<DriveScale> drive = DriveScaleOf(map, units, MountCalibration(Car().vehicle), Car());
-  ASSERT_TRUE(drive);
-  const std::vector<PoseScale>& scales = drive->keyframes;
-  ASSERT_EQ(scales.size(), map.keyframes.size());
-  for (const PoseScale& scale : scales) EXPECT_NEAR(scale.metres_per_unit * kUnit, 1, 0.003);
+std::vector<RigidTransform> TrueDrive(const std::vector<DriveSegment>& segments,
+                                      const Eigen::Quaterniond& mount = kMounting) {
+  return MakeCarDrive(segments, 0.1, {kLeverArm, OdometryOptions().vehicle.side_slip}, mount).world_from_camera;
 }
 
-TEST(DriveScale, ReadsNothingAcrossAGap) {
-  std::vector<double> units;
-  Map map = MapOfDrive(75, units);
-  // Tracking was lost on the straight, and found again three times as large.
-  map.keyframes[90].after_gap = true;
-  for (size_t k = 90; k < units.size(); ++k) units[k] /= 3;
-  const std::optional<DriveScale> drive = DriveScaleOf(map, units, MountCalibration(Car().vehicle), Car());
-  ASSERT_TRUE(drive);
-  const std::vector<PoseScale>& scales = drive->keyframes;
-  ASSERT_EQ(scales.size(), map.keyframes.size());
-  // A yaw that is off could have each of the turns read a little wrong.
-  EXPECT_NEAR(scales[50].metres_per_unit * kUnit, 1, 0.03);
-  EXPECT_NEAR(scales[140].metres_per_unit * kUnit * 3, 1, 0.03);
+/// A drive as the odometry lives it: keyframe by keyframe, in the unit of its start.
+struct Live {
+  std::vector<RigidTransform> truth;
+  double units_per_metre = 1;
+  double noise = 0;  ///< of a centre, metres
+  Random random{5};
+  Map map;
+  DriveScale scale;
+
+  Live(const OdometryOptions& options, const std::vector<RigidTransform>& world_from_camera, double units,
+       double position_noise = 0)
+      : truth(world_from_camera), units_per_metre(units), noise(position_noise), scale(options) {}
+
+  /// The next keyframe. `gap` is the factor by which the unit changes across a loss of tracking.
+  void Next(double gap = 1) {
+    const int k = static_cast<int>(map.keyframes.size());
+    Keyframe keyframe{.frame = 2 * k, .time = 0.1 * k, .camera_from_world = {}, .observations = {}};
+    if (k > 0) {
+      RigidTransform step = truth[k].inverse() * truth[k - 1];
+      for (int i = 0; i < 3; ++i) step.translation[i] += noise * random.Gaussian();
+      if (gap != 1) {
+        keyframe.after_gap = true;
+        keyframe.gap_sigma = 0.3;
+        units_per_metre *= gap;
+      }
+      step.translation *= units_per_metre;
+      keyframe.camera_from_world = step * map.keyframes.back().camera_from_world;
+    }
+    map.keyframes.push_back(keyframe);
+    // The camera's rotation is learnt where a turn ends, as Odometry does it.
+    if (scale.Add(map)) scale.Reread(map);
+  }
+
+  void Drive() {
+    while (map.keyframes.size() < truth.size()) Next();
+  }
+
+  double TrueStep(int k) const { return (truth[k].translation - truth[k - 1].translation).norm(); }
+  double MapStep(int k) const { return (Centre(map.keyframes[k]) - Centre(map.keyframes[k - 1])).norm(); }
+};
+
+double StepOf(const MetricPath& path, int k) { return (path.centres[k] - path.centres[k - 1]).norm(); }
+
+void ExpectSameMap(const Map& a, const Map& b) {
+  ASSERT_EQ(a.keyframes.size(), b.keyframes.size());
+  for (std::size_t k = 0; k < a.keyframes.size(); ++k) {
+    EXPECT_EQ(a.keyframes[k].camera_from_world.translation, b.keyframes[k].camera_from_world.translation);
+    EXPECT_EQ(a.keyframes[k].camera_from_world.rotation.coeffs(), b.keyframes[k].camera_from_world.rotation.coeffs());
+  }
+  ASSERT_EQ(a.landmarks.size(), b.landmarks.size());
+  for (std::size_t i = 0; i < a.landmarks.size(); ++i) EXPECT_EQ(a.landmarks[i].position, b.landmarks[i].position);
 }
 
-TEST(DriveScale, WithoutALeverArmThereIsNone) {
-  std::vector<double> units;
-  const Map map = MapOfDrive(75, units);
-  OdometryOptions car = Car();
-  car.vehicle.lever_arm.reset();
-  EXPECT_FALSE(DriveScaleOf(map, units, MountCalibration(car.vehicle), car));
+TEST(DriveScale, TwoCornersGiveMetres) {
+  Live live(Options(), TrueDrive(kTwoCorners), kUnits, 0.001);
+  live.Drive();
+  const RefinedScale refined = live.scale.Refine(live.map);
+  ASSERT_TRUE(refined.estimate) << refined.reason;
+  EXPECT_EQ(refined.reason, "");
+  const std::vector<TurnResult>& turns = refined.turns;
+  ASSERT_EQ(turns.size(), 2U);
+  for (const TurnResult& turn : turns) {
+    EXPECT_TRUE(turn.used) << turn.reason;
+    EXPECT_EQ(turn.reason, "");
+    EXPECT_EQ(turn.unadjusted, "");
+    EXPECT_NEAR(turn.metres_per_unit * kUnits, 1, 0.03);
+    EXPECT_NEAR(turn.as_given * kUnits, 1, 0.03);
+    EXPECT_NEAR(turn.smoothed * kUnits, 1, 0.03);
+    EXPECT_NEAR(turn.effective_lever_arm, kLeverArm - 0.005 * 36, 0.04);
+    EXPECT_NEAR(turn.speed, 6, 0.2);
+    EXPECT_GT(turn.sigma, 0);
+    EXPECT_GT(turn.smoothed_sigma, 0);
+    EXPECT_EQ(turn.first_frame, 2 * turn.first_keyframe);
+    EXPECT_EQ(turn.last_frame, 2 * turn.last_keyframe);
+  }
+  EXPECT_NEAR(turns[0].first_keyframe, kFirstCorner, 1);
+  EXPECT_NEAR(turns[0].last_keyframe, kFirstCorner + 22, 1);
+  EXPECT_NEAR(turns[0].angle, M_PI / 2, 0.01);
+  EXPECT_NEAR(turns[1].angle, -M_PI / 2, 0.01);
+  EXPECT_NEAR(turns[1].first_keyframe, kSecondCorner, 1);
+  for (int k = 1; k < static_cast<int>(live.map.keyframes.size()); ++k) {
+    EXPECT_NEAR(StepOf(refined.path, k) / live.TrueStep(k), 1, 0.03) << k;
+    EXPECT_NEAR(refined.path.metres_per_unit[k] * kUnits, 1, 0.03) << k;
+    EXPECT_LT(refined.sigmas[k], 0.08);
+  }
+  EXPECT_EQ(live.scale.state(), ScaleState::kObserved) << "a turn ends a second after its last strong step";
+  EXPECT_LT(live.scale.sigma(), 0.08);
+}
+
+TEST(DriveScale, GivesMetresInsideTheFirstTurn) {
+  Live live(Options(), TrueDrive(kTwoCorners), kUnits, 0.002);
+  int known_at = -1;
+  while (static_cast<int>(live.map.keyframes.size()) <= kFirstCorner + 22) {
+    live.Next();
+    const int k = static_cast<int>(live.map.keyframes.size()) - 1;
+    const MetricPath& path = live.scale.live_path();
+    ASSERT_EQ(path.centres.size(), live.map.keyframes.size());
+    if (live.scale.state() == ScaleState::kPending) {
+      EXPECT_EQ(known_at, -1);
+      EXPECT_TRUE(std::isinf(live.scale.sigma()));
+      EXPECT_EQ(path.metres_per_unit[k], 1);
+      EXPECT_LT((path.centres[k] - Centre(live.map.keyframes[k])).norm(), 1e-12) << "the map's own unit";
+      continue;
+    }
+    EXPECT_EQ(live.scale.state(), ScaleState::kObserved);
+    if (known_at < 0) {
+      known_at = k;
+      for (int i = 1; i <= k; ++i)
+        EXPECT_NEAR(std::log(StepOf(path, i) / (live.MapStep(i) / kUnits)), 0, 3 * live.scale.sigma())
+            << "all of the path becomes metric";
+    }
+    EXPECT_LE(live.scale.sigma(), 0.15);
+  }
+  EXPECT_GT(known_at, kFirstCorner + 3);
+  EXPECT_LT(known_at, kFirstCorner + 15);
+}
+
+TEST(DriveScale, NeverTouchesTheMap) {
+  Live live(Options(), TrueDrive(kTwoCorners), kUnits, 0.002);
+  live.map.landmarks.push_back({{1, 2, 3}, true, {}});
+  while (live.map.keyframes.size() < live.truth.size()) {
+    Map before = live.map;
+    live.Next();
+    Map after = live.map;
+    after.keyframes.pop_back();
+    ExpectSameMap(before, after);
+  }
+  const Map before = live.map;
+  live.scale.Reread(live.map);
+  const RefinedScale once = live.scale.Refine(live.map);
+  ExpectSameMap(before, live.map);
+  const RefinedScale twice = live.scale.Refine(live.map);
+  for (std::size_t k = 0; k < before.keyframes.size(); ++k) EXPECT_EQ(once.path.centres[k], twice.path.centres[k]);
+}
+
+TEST(DriveScale, TheArbitraryUnitDoesNotMatter) {
+  Live one(Options(), TrueDrive(kTwoCorners), 1, 0.002);
+  one.Drive();
+  const RefinedScale refined = one.scale.Refine(one.map);
+  for (const double unit : {0.02, 10.0}) {
+    Live other(Options(), TrueDrive(kTwoCorners), unit, 0.002);
+    other.Drive();
+    const RefinedScale in_other = other.scale.Refine(other.map);
+    for (int k = 1; k < static_cast<int>(one.map.keyframes.size()); ++k) {
+      EXPECT_NEAR(StepOf(in_other.path, k) / StepOf(refined.path, k), 1, 1e-6) << unit << ' ' << k;
+      EXPECT_NEAR(StepOf(other.scale.live_path(), k) / StepOf(one.scale.live_path(), k), 1, 1e-6) << unit << ' ' << k;
+    }
+    for (const int turn : {0, 1})
+      EXPECT_NEAR(in_other.turns[turn].metres_per_unit * unit / refined.turns[turn].metres_per_unit, 1, 1e-6);
+    EXPECT_NEAR(other.scale.sigma() / one.scale.sigma(), 1, 1e-5);
+  }
+}
+
+// What was driven before the last turn does not change any more, and no step is out of line with its scale.
+TEST(DriveScale, ALivePathGrowsAtItsEnd) {
+  std::vector<DriveSegment> route;
+  for (int i = 0; i < 4; ++i) {
+    route.push_back({60, 0.8, 0});
+    route.push_back({22, 0.6, i % 2 == 0 ? kQuarter : -kQuarter});
+  }
+  route.push_back({60, 0.8, 0});
+  Live live(Options(), TrueDrive(route), kUnits, 0.002);
+  MetricPath before;
+  while (live.map.keyframes.size() < live.truth.size()) {
+    const int turn_end = live.scale.last_turn_end();
+    const bool known = live.scale.state() != ScaleState::kPending;
+    live.Next();
+    const MetricPath& path = live.scale.live_path();
+    const int count = static_cast<int>(path.centres.size());
+    for (int k = 0; known && k <= turn_end; ++k) {
+      EXPECT_EQ(path.metres_per_unit[k], before.metres_per_unit[k]);
+      EXPECT_LT((path.centres[k] - before.centres[k]).norm(), 1e-9);
+    }
+    for (int k = 1; k < count; ++k) {
+      EXPECT_NEAR(StepOf(path, k) / live.MapStep(k), path.metres_per_unit[k], 1e-6) << k;
+      if (known) {
+        EXPECT_NEAR(path.metres_per_unit[k] / path.metres_per_unit[k - 1], 1, 0.1) << "no jump between turns";
+      }
+    }
+    before = path;
+  }
+  EXPECT_EQ(live.scale.last_turn_end(), 4 * 82 + 12) << "two straight steps of 0.6 s make sure of the turn's end";
+  for (int k = 1; k < static_cast<int>(live.map.keyframes.size()); ++k)
+    EXPECT_NEAR(StepOf(live.scale.live_path(), k) / live.TrueStep(k), 1, 0.1) << k;
+}
+
+TEST(DriveScale, FindsTheMountAndReadsTheTurnsBeforeAgain) {
+  OdometryOptions options = Options();
+  options.vehicle.vehicle_from_camera = Eigen::Quaterniond::Identity();
+  Live assumed(options, TrueDrive(kTwoCorners), kUnits);
+  assumed.Drive();
+  const std::vector<TurnResult> off = assumed.scale.Refine(assumed.map).turns;
+  EXPECT_GT(std::abs(off[0].as_given * kUnits - 1), 0.1) << "1.7 deg of yaw matter";
+
+  options.vehicle.calibrate_camera = true;
+  Live live(options, TrueDrive(kTwoCorners), kUnits);
+  live.Drive();
+  EXPECT_LT(live.scale.mount().current().vehicle_from_camera.angularDistance(kMounting), 0.3 / kDegreesPerRadian);
+  const RefinedScale refined = live.scale.Refine(live.map);
+  ASSERT_EQ(refined.turns.size(), 2U);
+  for (const TurnResult& turn : refined.turns) {
+    EXPECT_TRUE(turn.used) << turn.reason;
+    EXPECT_NEAR(turn.metres_per_unit * kUnits, 1, 0.04);
+  }
+  for (int k = 1; k < static_cast<int>(live.map.keyframes.size()); ++k)
+    EXPECT_NEAR(StepOf(refined.path, k) / live.TrueStep(k), 1, 0.06) << k;
+  EXPECT_NEAR(live.scale.live_path().metres_per_unit.back() * kUnits, 1, 0.06);
+}
+
+TEST(DriveScale, ATurnThatOnlyTheMountExplainsIsUsedOnceItIsKnown) {
+  OdometryOptions options = Options();
+  // So far off that no turn to one side can be read.
+  options.vehicle.vehicle_from_camera = RotationFromYawPitchRoll({0.03 + 0.3, -0.05, 0.01});
+  options.vehicle.side_slip_sigma = 0;
+  Live assumed(options, TrueDrive(kTwoCorners), 1);
+  assumed.Drive();
+  const std::vector<TurnResult> unread = assumed.scale.Refine(assumed.map).turns;
+  EXPECT_TRUE(!unread[0].used || !unread[1].used);
+
+  options.vehicle.calibrate_camera = true;
+  Live live(options, TrueDrive(kTwoCorners), 1);
+  live.Drive();
+  EXPECT_EQ(live.scale.state(), ScaleState::kObserved) << "a turn ends a second after its last strong step";
+  for (const TurnResult& turn : live.scale.Refine(live.map).turns) {
+    EXPECT_TRUE(turn.used) << turn.reason;
+    EXPECT_EQ(turn.reason, "");
+    EXPECT_NEAR(turn.metres_per_unit, 1, 0.04);
+  }
+}
+
+TEST(DriveScale, EachStepIsReadAsTheCameraWasTurnedThen) {
+  std::vector<DriveSegment> blocks = {{40, 0.8, 0}};
+  for (int i = 0; i < 5; ++i) {
+    blocks.push_back({30, 0.6, i % 2 == 0 ? M_PI / 60 : -M_PI / 60});
+    blocks.push_back({40, 0.8, 0});
+  }
+  const Eigen::Quaterniond moved = RotationFromYawPitchRoll({0.03 + 0.06, -0.05 + 0.03, 0.01});
+  std::vector<RigidTransform> drive = TrueDrive(blocks);
+  const int at = static_cast<int>(drive.size()) - 1;
+  const RigidTransform pose = drive.back();
+  for (const RigidTransform& next : TrueDrive(blocks, moved)) {
+    // The car goes on as it stood; its camera has turned.
+    const RigidTransform turned{pose.rotation * kMounting.conjugate() * moved, pose.translation};
+    if (next.translation.norm() > 0) drive.push_back(turned * next);
+  }
+  OdometryOptions options = Options();
+  options.vehicle.calibrate_camera = true;
+  Live live(options, drive, kUnits);
+  live.Drive();
+  EXPECT_EQ(live.scale.mount().moves(), 1);
+  const RefinedScale refined = live.scale.Refine(live.map);
+  ASSERT_TRUE(refined.estimate) << refined.reason;
+  EXPECT_FALSE(refined.estimate->fell_back);
+  ASSERT_EQ(refined.turns.size(), 10U);
+  for (const TurnResult& turn : refined.turns) {
+    EXPECT_TRUE(turn.used) << turn.reason;
+    EXPECT_NEAR(turn.metres_per_unit * kUnits, 1, 0.05) << turn.first_keyframe - at;
+  }
+}
+
+TEST(DriveScale, AllTurnsTogetherTellWhatTheYawHasWrong) {
+  OdometryOptions options = Options();
+  options.vehicle.vehicle_from_camera = RotationFromYawPitchRoll({0.03 - 0.01, -0.05, 0.01});
+  std::vector<DriveSegment> route = {{12, 0.8, 0}};
+  for (int i = 0; i < 6; ++i) {
+    route.push_back({22, 0.6, i % 2 == 0 ? kQuarter : -kQuarter});
+    route.push_back({30, 0.8, 0});
+  }
+  Live live(options, TrueDrive(route), kUnits);
+  live.Drive();
+  const RefinedScale refined = live.scale.Refine(live.map);
+  ASSERT_TRUE(refined.estimate);
+  EXPECT_NEAR(refined.estimate->car.yaw_error, 0.01, 0.002);
+  double as_given = 0;
+  double smoothed = 0;
+  for (const TurnResult& turn : refined.turns) {
+    as_given = std::max(as_given, std::abs(std::log(turn.as_given * kUnits)));
+    smoothed = std::max(smoothed, std::abs(std::log(turn.smoothed * kUnits)));
+  }
+  EXPECT_LT(smoothed, 0.3 * as_given) << "right and left turns disagree; together they show it";
+}
+
+TEST(DriveScale, StaysPendingWithoutALeverArm) {
+  OdometryOptions options = Options();
+  options.vehicle.lever_arm.reset();
+  Live live(options, TrueDrive(kTwoCorners), kUnits);
+  int turn_ends = 0;
+  while (live.map.keyframes.size() < live.truth.size()) {
+    const int before = live.scale.last_turn_end();
+    live.Next();
+    turn_ends += live.scale.last_turn_end() != before;
+    EXPECT_EQ(live.scale.state(), ScaleState::kPending);
+  }
+  EXPECT_EQ(turn_ends, 2) << "turns are found all the same";
+  EXPECT_TRUE(std::isinf(live.scale.sigma()));
+  const RefinedScale refined = live.scale.Refine(live.map);
+  EXPECT_FALSE(refined.estimate);
+  EXPECT_EQ(refined.reason, "no lever arm given");
+  ASSERT_EQ(refined.turns.size(), 2U);
+  for (const TurnResult& turn : refined.turns) {
+    EXPECT_FALSE(turn.used);
+    EXPECT_EQ(turn.reason, "no lever arm given");
+    EXPECT_EQ(turn.metres_per_unit, 0);
+    EXPECT_NEAR(std::abs(turn.angle), M_PI / 2, 0.01) << "the turn itself is seen";
+  }
+  for (std::size_t k = 0; k < live.map.keyframes.size(); ++k) {
+    EXPECT_EQ(refined.path.centres[k], Centre(live.map.keyframes[k]));
+    EXPECT_EQ(refined.path.metres_per_unit[k], 1);
+    EXPECT_TRUE(std::isinf(refined.sigmas[k]));
+  }
+}
+
+TEST(DriveScale, ATurnThatTellsNothingSaysWhy) {
+  // At 20 m/s the slip of the tyres exceeds the lever arm.
+  Live live(Options(), TrueDrive({{20, 2, 0}, {12, 2, 0.05}, {20, 2, 0}}), 1);
+  live.Drive();
+  const RefinedScale refined = live.scale.Refine(live.map);
+  ASSERT_EQ(refined.turns.size(), 1U);
+  EXPECT_FALSE(refined.turns[0].used);
+  EXPECT_NE(refined.turns[0].reason, "");
+  EXPECT_FALSE(refined.estimate);
+  EXPECT_NE(refined.reason, "");
+  EXPECT_EQ(live.scale.state(), ScaleState::kPending);
+}
+
+TEST(DriveScale, ATurnThatIsStillOpenClosesAtTheEnd) {
+  Live live(Options(), TrueDrive({{12, 0.8, 0}, {22, 0.6, kQuarter}}), 4);
+  live.Drive();
+  live.scale.Reread(live.map);
+  EXPECT_EQ(live.scale.state(), ScaleState::kObserved);
+  EXPECT_NEAR(live.scale.live_path().metres_per_unit.back() * 4, 1, 0.05);
+  const RefinedScale refined = live.scale.Refine(live.map);
+  ASSERT_EQ(refined.turns.size(), 1U);
+  EXPECT_TRUE(refined.turns[0].used) << refined.turns[0].reason;
+  EXPECT_EQ(refined.turns[0].last_keyframe, kFirstCorner + 22);
+  EXPECT_NEAR(refined.path.metres_per_unit.back() * 4, 1, 0.05);
+}
+
+TEST(DriveScale, NothingIsReadAcrossAGap) {
+  Live live(Options(), TrueDrive(kTwoCorners), 1);
+  while (live.map.keyframes.size() < kFirstCorner + 12) live.Next();
+  EXPECT_EQ(live.scale.state(), ScaleState::kObserved);
+  live.Next(2.5);
+  EXPECT_EQ(live.scale.state(), ScaleState::kPending) << "30 % more: it is no longer known";
+  while (live.map.keyframes.size() < kFirstCorner + 15) live.Next();
+  const RefinedScale refined = live.scale.Refine(live.map);
+  ASSERT_EQ(refined.turns.size(), 1U) << "no turn goes on across a gap";
+  EXPECT_TRUE(refined.turns[0].used) << refined.turns[0].reason;
+  EXPECT_EQ(refined.turns[0].last_keyframe, kFirstCorner + 11);
+  EXPECT_EQ(refined.turning[kFirstCorner + 11], 1);
+  EXPECT_EQ(refined.turning[kFirstCorner + 12], 0);
+  EXPECT_EQ(refined.in_used_turn[kFirstCorner + 12], 0);
+  EXPECT_GE(refined.sigmas.back(), 0.3) << "the gap came after the turn";
+}
+
+TEST(DriveScale, BothSidesOfAGapHaveTheirOwnScale) {
+  Live live(Options(), TrueDrive(kTwoCorners), kUnits, 0.001);
+  const int gap = kSecondCorner - 8;
+  while (static_cast<int>(live.map.keyframes.size()) < gap) live.Next();
+  EXPECT_EQ(live.scale.state(), ScaleState::kHeld);
+  live.Next(1.6);
+  live.Drive();
+  const RefinedScale refined = live.scale.Refine(live.map);
+  ASSERT_EQ(refined.turns.size(), 2U);
+  for (const TurnResult& turn : refined.turns) EXPECT_TRUE(turn.used) << turn.reason;
+  for (int k = 1; k < static_cast<int>(live.map.keyframes.size()); ++k) {
+    if (k == gap) continue;
+    EXPECT_NEAR(StepOf(refined.path, k) / live.TrueStep(k), 1, 0.05) << k;
+  }
+  EXPECT_NEAR(live.scale.live_path().metres_per_unit.back() * kUnits * 1.6, 1, 0.1);
+}
+
+TEST(DriveScale, MarksTheKeyframesOfTurns) {
+  Live live(Options(), TrueDrive(kTwoCorners), 1);
+  live.Drive();
+  const RefinedScale refined = live.scale.Refine(live.map);
+  for (const TurnResult& turn : refined.turns) {
+    for (int k = turn.first_keyframe; k <= turn.last_keyframe; ++k) {
+      EXPECT_EQ(refined.in_used_turn[k], 1);
+      EXPECT_EQ(refined.turning[k], k > turn.first_keyframe) << "the step into a turn is straight";
+    }
+  }
+  EXPECT_EQ(std::count(refined.turning.begin(), refined.turning.end(), 1), 44 + 1)
+      << "one step leads half-way from the street into the second corner";
+  for (int k = kFirstCorner + 22; k <= kSecondCorner; ++k)
+    EXPECT_GE(refined.sigmas[k], 0.99 * refined.sigmas[kSecondCorner + 11]) << "what turns share stays";
+}
+
+TEST(DriveScale, AKeyframeGoneAstrayLeavesNothingToBeRead) {
+  Live live(Options(), TrueDrive(kTwoCorners), 1);
+  live.Drive();
+  live.map.keyframes[50].camera_from_world.translation.x() = std::nan("");
+  const RefinedScale refined = live.scale.Refine(live.map);
+  EXPECT_FALSE(refined.estimate);
+  EXPECT_NE(refined.reason, "");
+  EXPECT_EQ(refined.path.centres.size(), live.map.keyframes.size());
+}
+
+ParameterEstimate Off(IntrinsicsParameter parameter, double off) {
+  ParameterEstimate estimate;
+  estimate.parameter = parameter;
+  estimate.given = 500;
+  estimate.found = 500 + off;
+  return estimate;
+}
+
+TEST(WidenForCalibration, AddsWhatEachContradictionMayCost) {
+  const auto widened = [](const std::vector<ParameterEstimate>& contradictions) {
+    RefinedScale refined;
+    refined.estimate.emplace();
+    refined.estimate->length_sigma = 0.03;
+    refined.sigmas = {0.02, 0.05};
+    WidenForCalibration(contradictions, 700, refined);
+    EXPECT_EQ(refined.contradicted_calibration.size(), contradictions.size());
+    const auto gained = [](double after, double before) { return after * after - before * before; };
+    EXPECT_NEAR(gained(refined.sigmas[0], 0.02), gained(refined.estimate->length_sigma, 0.03), 1e-12);
+    EXPECT_NEAR(gained(refined.sigmas[1], 0.05), gained(refined.estimate->length_sigma, 0.03), 1e-12);
+    return gained(refined.estimate->length_sigma, 0.03);
+  };
+  EXPECT_EQ(widened({}), 0);
+  const double focal = widened({Off(IntrinsicsParameter::kFocalLength, 20)});
+  const double centre = widened({Off(IntrinsicsParameter::kCentreX, -15)});
+  EXPECT_GT(focal, 0.01) << "3 % of the focal length cost more than 10 % of scale";
+  EXPECT_GT(centre, 0);
+  EXPECT_NEAR(widened({Off(IntrinsicsParameter::kFocalLength, -40)}), 4 * focal, 1e-9);
+  EXPECT_NEAR(widened({Off(IntrinsicsParameter::kFocalLength, 20), Off(IntrinsicsParameter::kCentreX, -15)}),
+              focal + centre, 1e-9);
+  RefinedScale pending;
+  pending.sigmas = {1};
+  WidenForCalibration({Off(IntrinsicsParameter::kDistortion, 0.01)}, 700, pending);
+  EXPECT_EQ(pending.sigmas[0], 1);
+  EXPECT_EQ(pending.contradicted_calibration.size(), 1u);
+}
+
+TEST(StepMotion, IsThatOfTheCar) {
+  Live live(Options(), TrueDrive(kTwoCorners), kUnits);
+  live.Drive();
+  const TurningMotion straight = StepMotion(live.map, 3, live.scale.mount());
+  EXPECT_NEAR(straight.psi, 0, 1e-9);
+  EXPECT_NEAR(straight.theta, 0, 1e-9);
+  EXPECT_NEAR(straight.step, 0.8 * kUnits, 1e-9);
+  const TurningMotion left = StepMotion(live.map, kSecondCorner + 5, live.scale.mount());
+  EXPECT_NEAR(left.psi, -kQuarter, 1e-9);
+  EXPECT_LT(left.theta, -0.5 * kQuarter) << "the camera swings outwards";
 }
 
 }  // namespace

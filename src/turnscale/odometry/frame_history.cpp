@@ -57,13 +57,16 @@ std::vector<int> FrameHistory::Keyframes() const {
   return keyframes;
 }
 
-std::vector<FrameResult> FrameHistory::Refined(const Map& map) const {
+std::vector<FrameResult> FrameHistory::Refined(const Map& map, const MetricPath& path) const {
   std::vector<FrameResult> frames;
   frames.reserve(entries_.size());
   for (const Entry& entry : entries_) {
     FrameResult frame = entry.result;
-    if (entry.keyframe >= 0)
-      frame.world_from_camera = (entry.frame_from_keyframe * map.keyframes[entry.keyframe].camera_from_world).inverse();
+    if (entry.keyframe >= 0) {
+      const RigidTransform pose =
+          (entry.frame_from_keyframe * map.keyframes[entry.keyframe].camera_from_world).inverse();
+      frame.world_from_camera = path.InMetres(map, entry.keyframe, pose);
+    }
     frames.push_back(frame);
   }
   BridgeGaps(frames);

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "turnscale/mapping/map.h"
+#include "turnscale/odometry/metric_path.h"
 #include "turnscale/odometry/results.h"
 
 namespace turnscale {
@@ -23,9 +24,10 @@ class FrameHistory {
   /// The keyframe that each frame hangs on, -1 where it has no pose.
   std::vector<int> Keyframes() const;
 
-  /// All frames with the poses that the map gives them now. Bridged frames between two measured ones move evenly from
-  /// the one to the other; frames before the first pose have that pose, once there is one.
-  std::vector<FrameResult> Refined(const Map& map) const;
+  /// All frames with the poses that the map and the metric path beside it give them now. Bridged frames between two
+  /// measured ones move evenly from the one to the other; frames before the first pose have that pose, once there is
+  /// one.
+  std::vector<FrameResult> Refined(const Map& map, const MetricPath& path) const;
 
  private:
   struct Entry {

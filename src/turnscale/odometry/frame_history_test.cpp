@@ -28,6 +28,16 @@ Map TwoKeyframes() {
   return map;
 }
 
+/// The map itself, in its own unit.
+MetricPath OwnUnit(const Map& map) {
+  MetricPath path;
+  for (const Keyframe& keyframe : map.keyframes) {
+    path.centres.push_back(Centre(keyframe));
+    path.metres_per_unit.push_back(1);
+  }
+  return path;
+}
+
 double X(const FrameResult& frame) { return frame.world_from_camera.value().translation.x(); }
 
 TEST(FrameHistory, FramesGoWithTheirKeyframe) {
@@ -37,11 +47,11 @@ TEST(FrameHistory, FramesGoWithTheirKeyframe) {
   history.Add(Frame(1, TrackingState::kTracked), map, 0, At(2));
   history.Add(Frame(2, TrackingState::kTracked), map, 1, At(11));
   EXPECT_EQ(history.Keyframes(), (std::vector<int>{0, 0, 1}));
-  std::vector<FrameResult> frames = history.Refined(map);
+  std::vector<FrameResult> frames = history.Refined(map, OwnUnit(map));
   EXPECT_NEAR(X(frames[1]), 2, 1e-12);
   EXPECT_NEAR(X(frames[2]), 11, 1e-12);
   map.keyframes[1].camera_from_world = At(20, M_PI / 2);
-  frames = history.Refined(map);
+  frames = history.Refined(map, OwnUnit(map));
   EXPECT_NEAR(X(frames[1]), 2, 1e-12);
   EXPECT_NEAR(X(frames[2]), 20, 1e-12) << "a metre to the right of a keyframe that has turned right is behind it";
   EXPECT_NEAR(frames[2].world_from_camera->translation.z(), -1, 1e-12);
@@ -54,9 +64,25 @@ TEST(FrameHistory, LengthsAreRescaledKeyframeByKeyframe) {
   history.Add(Frame(1, TrackingState::kTracked), map, 0, At(2));
   history.Add(Frame(2, TrackingState::kTracked), map, 1, At(11));
   history.Rescale({3, 5});
-  const std::vector<FrameResult> frames = history.Refined(map);
+  const std::vector<FrameResult> frames = history.Refined(map, OwnUnit(map));
   EXPECT_NEAR(X(frames[1]), 6, 1e-12);
   EXPECT_NEAR(X(frames[2]), 15, 1e-12);
+}
+
+TEST(FrameHistory, FramesAreInTheMetresOfTheirKeyframe) {
+  const Map map = TwoKeyframes();
+  FrameHistory history;
+  history.Add(Frame(0, TrackingState::kTracked), map, 0, At(0));
+  history.Add(Frame(1, TrackingState::kTracked), map, 0, At(2));
+  history.Add(Frame(2, TrackingState::kBridged), map, 0, At(7));
+  history.Add(Frame(3, TrackingState::kTracked), map, 1, At(11, 0.3));
+  const MetricPath path{{{100, 0, 0}, {160, 0, 0}}, {3, 8}};
+  const std::vector<FrameResult> frames = history.Refined(map, path);
+  EXPECT_NEAR(X(frames[0]), 100, 1e-12);
+  EXPECT_NEAR(X(frames[1]), 106, 1e-12);
+  EXPECT_NEAR(X(frames[3]), 168, 1e-12);
+  EXPECT_NEAR(X(frames[2]), 137, 1e-12) << "bridged in metres";
+  EXPECT_NEAR(TwistAboutY(frames[3].world_from_camera->rotation), 0.3, 1e-12);
 }
 
 TEST(FrameHistory, AFrameMayGetItsPoseLater) {
@@ -64,10 +90,10 @@ TEST(FrameHistory, AFrameMayGetItsPoseLater) {
   FrameHistory history;
   history.AddWithoutPose(Frame(0, TrackingState::kInitializing));
   history.AddWithoutPose(Frame(1, TrackingState::kInitializing));
-  for (const FrameResult& frame : history.Refined(map)) EXPECT_FALSE(frame.world_from_camera);
+  for (const FrameResult& frame : history.Refined(map, OwnUnit(map))) EXPECT_FALSE(frame.world_from_camera);
   EXPECT_EQ(history.Keyframes(), (std::vector<int>{-1, -1}));
   history.Add(Frame(0, TrackingState::kTracked), map, 0, At(4));
-  const std::vector<FrameResult> frames = history.Refined(map);
+  const std::vector<FrameResult> frames = history.Refined(map, OwnUnit(map));
   ASSERT_EQ(frames.size(), 2U);
   EXPECT_EQ(frames[0].state, TrackingState::kTracked);
   EXPECT_NEAR(X(frames[0]), 4, 1e-12);
@@ -85,7 +111,7 @@ TEST(FrameHistory, BridgedFramesGoEvenlyBetweenMeasuredOnes) {
   history.Add(late, map, 0, At(70));
   history.Add(Frame(4, TrackingState::kTracked), map, 1, At(9, 0.4));
   history.Add(Frame(5, TrackingState::kBridged), map, 1, At(11));
-  const std::vector<FrameResult> frames = history.Refined(map);
+  const std::vector<FrameResult> frames = history.Refined(map, OwnUnit(map));
   EXPECT_NEAR(X(frames[1]), 3, 1e-12);
   EXPECT_NEAR(X(frames[2]), 5, 1e-12);
   EXPECT_NEAR(X(frames[3]), 8, 1e-12) << "even in time, not in number";
@@ -100,7 +126,7 @@ TEST(FrameHistory, FramesBeforeTheFirstPoseHaveThatPose) {
   for (const int frame : {0, 1, 2}) history.AddWithoutPose(Frame(frame, TrackingState::kInitializing));
   history.Add(Frame(3, TrackingState::kTracked), map, 0, At(2, 0.3));
   history.Add(Frame(4, TrackingState::kTracked), map, 0, At(4, 0.3));
-  const std::vector<FrameResult> frames = history.Refined(map);
+  const std::vector<FrameResult> frames = history.Refined(map, OwnUnit(map));
   for (const int i : {0, 1, 2}) {
     EXPECT_NEAR(X(frames[i]), 2, 1e-12);
     EXPECT_NEAR(TwistAboutY(frames[i].world_from_camera->rotation), 0.3, 1e-12);

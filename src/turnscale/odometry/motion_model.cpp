@@ -1,23 +1,95 @@
 // SPDX-License-Identifier: MIT
 #include "turnscale/odometry/motion_model.h"
 
+#include <algorithm>
+#include <cmath>
+
+#include "turnscale/base/error.h"
 #include "turnscale/geometry/rotation.h"
 
 namespace turnscale {
+namespace {
+
+// A speed is the mean over at least so many seconds: that of one short step is noisy.
+constexpr double kSpeedSeconds = 0.2;
+// A speed that falls below this share of itself from one measurement to the next has broken off.
+constexpr double kBreak = 0.5;
+// Below this share of the speed kept already, what breaks off is the noise of standing still.
+constexpr double kNoise = 0.1;
+// A prediction is put together from at most so many steps.
+constexpr double kMostSteps = 1000;
+
+// The seconds that motion which decays goes on for, out of those that pass.
+double Effective(double steady, double decay, double seconds) {
+  return seconds <= steady ? seconds : steady + decay * -std::expm1(-(seconds - steady) / decay);
+}
+
+}  // namespace
+
+void MotionModelOptions::Check() const {
+  if (!(steady_seconds >= 0)) throw InputError("motion.steady_seconds: must not be negative");
+  if (!(turn_seconds > 0)) throw InputError("motion.turn_seconds: has to be positive");
+  if (!(travel_seconds > 0)) throw InputError("motion.travel_seconds: has to be positive");
+  if (!(speed_sigma > 0)) throw InputError("motion.speed_sigma: has to be positive");
+  if (!(speed_sigma_per_second >= 0)) throw InputError("motion.speed_sigma_per_second: must not be negative");
+  if (!(acceleration_in_depths >= 0)) throw InputError("motion.acceleration_in_depths: must not be negative");
+}
+
+// Step by step of the length measured, so that a turn bends the path as it goes on.
+RigidTransform MotionModel::Extrapolate(const Step& step, double seconds) const {
+  const double steps = std::clamp(std::ceil(seconds / step.seconds - 1e-6), 1.0, kMostSteps);
+  const Eigen::Vector3d turn = VectorFromRotation(step.current_from_previous.rotation) / step.seconds;
+  const Eigen::Vector3d velocity = step.current_from_previous.translation / step.seconds;
+  RigidTransform pose = camera_from_world_;
+  double turned = 0;
+  double travelled = 0;
+  for (int i = 1; i <= static_cast<int>(steps); ++i) {
+    const double passed = seconds * i / steps;
+    const double turning = Effective(options_.steady_seconds, options_.turn_seconds, passed);
+    const double travelling = Effective(options_.steady_seconds, options_.travel_seconds, passed);
+    pose = RigidTransform{RotationFromVector((turning - turned) * turn), (travelling - travelled) * velocity} * pose;
+    turned = turning;
+    travelled = travelling;
+  }
+  return pose;
+}
 
 RigidTransform MotionModel::Predict(double time) const {
-  if (!interval_) return camera_from_world_;
-  const double share = (time - time_) / *interval_;
-  const RigidTransform step{RotationFromVector(share * VectorFromRotation(current_from_previous_.rotation)),
-                            share * current_from_previous_.translation};
-  return step * camera_from_world_;
+  return step_ ? Extrapolate(*step_, time - time_) : camera_from_world_;
+}
+
+std::vector<RigidTransform> MotionModel::OtherPredictions(double time) const {
+  std::vector<RigidTransform> others;
+  if (step_) others.push_back(camera_from_world_);
+  if (broken_off_) others.push_back(Extrapolate(broken_off_->step, time - time_));
+  return others;
 }
 
 void MotionModel::Update(double time, const RigidTransform& camera_from_world) {
   if (started_ && time > time_) {
-    interval_ = time - time_;
-    current_from_previous_ = camera_from_world * camera_from_world_.inverse();
+    const Step step{camera_from_world * camera_from_world_.inverse(), time - time_};
+    if (step_ && step.speed() < kBreak * step_->speed() &&
+        !(broken_off_ && step_->speed() < kNoise * broken_off_->past.speed))
+      broken_off_ = {*step_, {speed(), time_}};
+    step_ = step;
+    Remember({step.current_from_previous.translation.norm(), step.seconds});
   }
+  started_ = true;
+  time_ = time;
+  camera_from_world_ = camera_from_world;
+}
+
+void MotionModel::Remember(const Travel& travel) {
+  recent_.push_back(travel);
+  double seconds = 0;
+  for (const Travel& each : recent_) seconds += each.seconds;
+  for (; seconds - recent_.front().seconds > 0.999 * kSpeedSeconds; recent_.pop_front())
+    seconds -= recent_.front().seconds;
+}
+
+void MotionModel::Restart(double time, const RigidTransform& camera_from_world) {
+  recent_.clear();
+  broken_off_.reset();
   started_ = true;
   time_ = time;
   camera_from_world_ = camera_from_world;
@@ -25,9 +97,32 @@ void MotionModel::Update(double time, const RigidTransform& camera_from_world) {
 
 void MotionModel::Correct(const RigidTransform& camera_from_world, double factor) {
   camera_from_world_ = camera_from_world;
-  current_from_previous_.translation *= factor;
+  if (step_) step_->current_from_previous.translation *= factor;
+  for (Travel& travel : recent_) travel.length *= factor;
+  if (!broken_off_) return;
+  broken_off_->step.current_from_previous.translation *= factor;
+  broken_off_->past.speed *= factor;
 }
 
-double MotionModel::speed() const { return interval_ ? current_from_previous_.translation.norm() / *interval_ : 0.0; }
+double MotionModel::speed() const {
+  Travel sum;
+  for (const Travel& travel : recent_) {
+    sum.length += travel.length;
+    sum.seconds += travel.seconds;
+  }
+  return sum.seconds > 0 ? sum.length / sum.seconds : 0.0;
+}
+
+std::vector<PastSpeed> MotionModel::PastSpeeds() const {
+  std::vector<PastSpeed> speeds;
+  if (speed() > 0) speeds.push_back({speed(), time_});
+  if (broken_off_) speeds.push_back(broken_off_->past);
+  return speeds;
+}
+
+double MotionModel::SpeedSigma(const PastSpeed& past, double time, double depth) const {
+  const double growth = std::max(options_.speed_sigma_per_second, options_.acceleration_in_depths * depth / past.speed);
+  return std::hypot(options_.speed_sigma, growth * (time - past.time));
+}
 
 }  // namespace turnscale

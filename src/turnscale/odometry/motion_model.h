@@ -1,33 +1,100 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <deque>
 #include <optional>
+#include <vector>
 
 #include "turnscale/geometry/rigid_transform.h"
 
 namespace turnscale {
 
-/// Goes on as the camera moved last: constant velocity and turning rate.
+/// How far a measured motion reaches. The times and sigmas are what KITTI's ground truth of 22,000 frames shows.
+struct MotionModelOptions {
+  /// Speed and turning rate stay what they were for so long, seconds.
+  double steady_seconds = 0.5;
+  /// After that the turning rate decays with this time constant, seconds: turns end. In all, a turn goes on for at most
+  /// the two together, 2 s at the last rate.
+  double turn_seconds = 1.5;
+  /// And the speed with this one, seconds. Cars keep their speed for longer than most gaps last; it bounds what a
+  /// drive that is interrupted can be given.
+  double travel_seconds = 60;
+  /// Relative standard deviation of a speed at the time it was measured.
+  double speed_sigma = 0.05;
+  /// By how much that grows a second: cars accelerate.
+  double speed_sigma_per_second = 0.15;
+  /// The same for a slow car, whose acceleration is large beside its speed: standard deviation of the acceleration as a
+  /// share of the depth of the nearest quarter of the scene, 1/s^2. 1.2 m/s^2 where that is 12 m away.
+  double acceleration_in_depths = 0.1;
+
+  /// Throws InputError that names the field when a value makes no sense.
+  void Check() const;
+};
+
+/// A speed that was measured once.
+struct PastSpeed {
+  double speed = 0;  ///< units of length per second
+  double time = 0;   ///< seconds
+};
+
+/// Predicts the camera's pose from how it moved before: constant velocity and turning rate, which decay where nothing
+/// has been measured for long.
 class MotionModel {
  public:
+  explicit MotionModel(const MotionModelOptions& options = {}) : options_(options) {}
+
   /// Pose expected at `time` (seconds).
   RigidTransform Predict(double time) const;
 
+  /// What else the pose may be where the expected one proves wrong: the camera has not moved since; it moves as it did
+  /// before its speed broke off.
+  std::vector<RigidTransform> OtherPredictions(double time) const;
+
   /// Takes a measured pose; the velocity is the one from the measured pose before.
   void Update(double time, const RigidTransform& camera_from_world);
+
+  /// Takes a pose that was not measured: velocities stay what they were, and speeds measured before count no longer.
+  void Restart(double time, const RigidTransform& camera_from_world);
 
   /// The last pose turned out to be this one, and lengths are `factor` times what they were.
   void Correct(const RigidTransform& camera_from_world, double factor);
 
   const RigidTransform& last() const { return camera_from_world_; }
-  /// Units of length per second; 0 before two poses are known.
+  /// When the last pose was, seconds.
+  double time() const { return time_; }
+  /// Over the last fifth of a second at least; units of length per second; 0 before two poses are known.
   double speed() const;
+  /// The speed now, and the one before it broke off where it did.
+  std::vector<PastSpeed> PastSpeeds() const;
+  /// Relative standard deviation of a past speed as one for `time`; `depth` is that of the
+  /// nearest quarter of the scene, units of length; 0 where it is not known.
+  double SpeedSigma(const PastSpeed& past, double time, double depth) const;
 
  private:
+  struct Step {
+    RigidTransform current_from_previous;
+    double seconds = 0;  ///< that it spans
+
+    double speed() const { return current_from_previous.translation.norm() / seconds; }
+  };
+  struct Travel {
+    double length = 0;
+    double seconds = 0;
+  };
+  struct BrokenOff {
+    Step step;
+    PastSpeed past;
+  };
+
+  void Remember(const Travel& travel);
+  RigidTransform Extrapolate(const Step& step, double seconds) const;
+
+  MotionModelOptions options_;
   double time_ = 0;
   RigidTransform camera_from_world_;
-  std::optional<double> interval_;  ///< seconds that `current_from_previous_` spans
-  RigidTransform current_from_previous_;
+  std::optional<Step> step_;
+  std::deque<Travel> recent_;            ///< of the last steps, the latest at the back
+  std::optional<BrokenOff> broken_off_;  ///< before the speed fell at once
   bool started_ = false;
 };
 

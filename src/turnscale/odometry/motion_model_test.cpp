@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "turnscale/odometry/motion_model.h"
 
+#include <cmath>
+
 #include <gtest/gtest.h>
 
+#include "turnscale/base/refused_field.h"
 #include "turnscale/geometry/rotation.h"
 
 namespace turnscale {
@@ -64,6 +67,123 @@ TEST(MotionModel, ACorrectionMovesThePoseAndScalesTheSpeed) {
   EXPECT_NEAR(motion.speed(), 7 * speed, 1e-9);
   const RigidTransform longer{kStep.rotation, 7 * kStep.translation};
   ExpectNear(motion.Predict(1.2), longer * corrected);
+}
+
+TEST(MotionModel, ATurnGoesOnForTwoSecondsAtMost) {
+  const MotionModelOptions options;
+  MotionModel motion;
+  motion.Update(1.0, RigidTransform{});
+  motion.Update(1.1, {RotationFromVector({0, -0.05, 0}), {0, 0, -1}});
+  const auto turned = [&](double after) {
+    return RotationAngle(motion.Predict(1.1 + after).rotation * motion.last().rotation.conjugate());
+  };
+  EXPECT_NEAR(turned(0.3), 0.15, 1e-9) << "as fast as measured";
+  EXPECT_NEAR(turned(0.5), 0.25, 1e-9);
+  EXPECT_GT(turned(1.5), 0.5);
+  EXPECT_LT(turned(1.5), 0.7) << "0.75 at a steady rate";
+  EXPECT_NEAR(turned(100), 0.5 * (options.steady_seconds + options.turn_seconds), 1e-3);
+}
+
+TEST(MotionModel, ALongWayAheadIsBoundedToo) {
+  const MotionModelOptions options;
+  MotionModel motion;
+  motion.Update(1.0, RigidTransform{});
+  motion.Update(1.1, {Eigen::Quaterniond::Identity(), {0, 0, -1}});
+  const auto travelled = [&](double after) {
+    return (motion.Predict(1.1 + after).translation - motion.last().translation).norm();
+  };
+  EXPECT_NEAR(travelled(0.5), 5, 1e-9);
+  EXPECT_NEAR(travelled(5), 50, 2);
+  EXPECT_LT(travelled(30), 250);
+  EXPECT_NEAR(travelled(1e9), 10 * (options.steady_seconds + options.travel_seconds), 1e-3);
+}
+
+TEST(MotionModel, ATurnBendsTheWayAhead) {
+  MotionModel motion;
+  motion.Update(1.0, kStart);
+  motion.Update(1.1, kStep * kStart);
+  ExpectNear(motion.Predict(1.5), kStep * kStep * kStep * kStep * kStep * kStart);
+}
+
+TEST(MotionModel, OffersStandstillAndTheSpeedBeforeItBrokeOff) {
+  MotionModel motion;
+  EXPECT_TRUE(motion.OtherPredictions(1).empty());
+  motion.Update(1.0, kStart);
+  motion.Update(1.1, kStep * kStart);
+  const RigidTransform stop = motion.last();
+  ASSERT_EQ(motion.OtherPredictions(1.2).size(), 1U);
+  ExpectNear(motion.OtherPredictions(1.2)[0], stop);
+  motion.Update(1.2, stop);
+  // The noise of standing still breaks off all the time.
+  for (const double noise : {1e-3, 1e-4, 3e-3, 1e-3, 1e-5})
+    motion.Update(motion.time() + 0.1, {stop.rotation, stop.translation + Eigen::Vector3d(noise, 0, 0)});
+  const RigidTransform last = motion.last();
+  const auto others = motion.OtherPredictions(motion.time() + 0.1);
+  ASSERT_EQ(others.size(), 2U);
+  ExpectNear(others[0], last);
+  ExpectNear(others[1], kStep * last);
+}
+
+TEST(MotionModel, SpeedsOfThePastGetLessCertain) {
+  const MotionModelOptions options;
+  MotionModel motion;
+  EXPECT_TRUE(motion.PastSpeeds().empty());
+  motion.Update(1.0, kStart);
+  motion.Update(1.1, kStep * kStart);
+  const double speed = kStep.translation.norm() / 0.1;
+  ASSERT_EQ(motion.PastSpeeds().size(), 1U);
+  EXPECT_NEAR(motion.PastSpeeds()[0].speed, speed, 1e-9);
+  EXPECT_EQ(motion.PastSpeeds()[0].time, 1.1);
+  const PastSpeed past{10, 5};
+  EXPECT_NEAR(motion.SpeedSigma(past, 5, 8), options.speed_sigma, 1e-12);
+  EXPECT_NEAR(motion.SpeedSigma(past, 7, 8), std::hypot(options.speed_sigma, 2 * options.speed_sigma_per_second),
+              1e-12);
+  EXPECT_NEAR(motion.SpeedSigma({1, 5}, 7, 12), std::hypot(options.speed_sigma, 2.4), 1e-12) << "1.2 m/s^2 at 1 m/s";
+  // A stop from speed: the speed before it is still there, at its own time.
+  const RigidTransform& last = motion.last();
+  motion.Update(1.5, {last.rotation, last.translation + Eigen::Vector3d(1e-9, 0, 0)});
+  ASSERT_EQ(motion.PastSpeeds().size(), 2U);
+  EXPECT_GT(motion.SpeedSigma(motion.PastSpeeds()[0], 1.6, 8), 100) << "standing says nothing of the speed";
+  EXPECT_NEAR(motion.PastSpeeds()[1].speed, speed, 1e-9);
+  EXPECT_EQ(motion.PastSpeeds()[1].time, 1.1);
+  motion.Correct(motion.last(), 3);
+  EXPECT_NEAR(motion.PastSpeeds()[1].speed, 3 * speed, 1e-9);
+}
+
+TEST(MotionModel, AfterARestartEarlierSpeedsCountNoLonger) {
+  MotionModel motion;
+  motion.Update(1.0, kStart);
+  motion.Update(1.1, kStep * kStart);
+  motion.Update(1.2, motion.last());
+  motion.Restart(3.0, kStart);
+  EXPECT_TRUE(motion.PastSpeeds().empty());
+  EXPECT_EQ(motion.time(), 3.0);
+  ExpectNear(motion.last(), kStart);
+  motion.Update(3.1, kStep * kStart);
+  EXPECT_NEAR(motion.speed(), kStep.translation.norm() / 0.1, 1e-9);
+  ExpectNear(motion.Predict(3.2), kStep * kStep * kStart);
+}
+
+TEST(MotionModel, TheSpeedIsAMeanOverShortSteps) {
+  MotionModel motion;
+  const double lengths[] = {9, 1, 3, 1, 3, 1, 3};
+  double z = 0;
+  for (int i = 0; i < 7; ++i) {
+    z -= lengths[i];
+    motion.Update(0.04 * i, {Eigen::Quaterniond::Identity(), {0, 0, z}});
+  }
+  EXPECT_NEAR(motion.speed(), (3 + 1 + 3 + 1 + 3) / 0.2, 1e-9);
+}
+
+TEST(MotionModel, OptionsNameTheFieldThatMakesNoSense) {
+  using Options = MotionModelOptions;
+  EXPECT_EQ(RefusedField<Options>([](auto&) {}), "");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.steady_seconds = -1; }), "motion.steady_seconds");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.turn_seconds = 0; }), "motion.turn_seconds");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.travel_seconds = 0; }), "motion.travel_seconds");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.speed_sigma = 0; }), "motion.speed_sigma");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.speed_sigma_per_second = -1; }), "motion.speed_sigma_per_second");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.acceleration_in_depths = -1; }), "motion.acceleration_in_depths");
 }
 
 }  // namespace

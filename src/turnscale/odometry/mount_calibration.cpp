@@ -31,24 +31,18 @@ MountCalibration::MountCalibration(const VehicleOptions& vehicle)
       calibration_(OptionsFor(vehicle.vehicle_from_camera)),
       mounts_{{0, vehicle.vehicle_from_camera}} {}
 
-bool MountCalibration::Learn(const Map& map, const std::vector<double>& unit_at_keyframe, int last) {
+bool MountCalibration::Learn(const Map& map, int last) {
   if (!calibrates_) return false;
   bool changed = false;
   for (; next_keyframe_ <= last; ++next_keyframe_) {
     const Keyframe& keyframe = map.keyframes[next_keyframe_];
     if (keyframe.after_gap) gatherer_.Break();
     const RigidTransform pose = keyframe.camera_from_world.inverse();
-    Eigen::Vector3d way = Eigen::Vector3d::Zero();
-    if (next_keyframe_ > 0) {
-      const RigidTransform before = map.keyframes[next_keyframe_ - 1].camera_from_world.inverse();
-      way = (pose.translation - before.translation) / unit_at_keyframe[next_keyframe_];
-    }
-    if (!way.allFinite() || !pose.rotation.coeffs().allFinite()) {
+    if (!pose.translation.allFinite() || !pose.rotation.coeffs().allFinite()) {
       gatherer_.Break();
       continue;
     }
-    place_ += way;
-    const std::optional<CameraStep> step = gatherer_.Add({keyframe.time, {pose.rotation, place_}});
+    const std::optional<CameraStep> step = gatherer_.Add({keyframe.time, pose});
     if (!step) continue;
     const OnlineState& state = calibration_.Add(*step);
     step_ends_.push_back(next_keyframe_);

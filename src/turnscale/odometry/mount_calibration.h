@@ -25,10 +25,9 @@ class MountCalibration {
  public:
   explicit MountCalibration(const VehicleOptions& vehicle);
 
-  /// Takes the keyframes up to `last` that are new to it; their poses have settled. Lengths at keyframe k divided by
-  /// `unit_at_keyframe[k]` are in one unit for the whole drive. Returns whether the rotation to be used
-  /// has changed by so much that turns read before are worth reading again.
-  bool Learn(const Map& map, const std::vector<double>& unit_at_keyframe, int last);
+  /// Takes the keyframes up to `last` that are new to it; their poses have settled. Returns whether the rotation to be
+  /// used has changed.
+  bool Learn(const Map& map, int last);
 
   /// The paper's Q at a keyframe.
   const Eigen::Quaterniond& At(int keyframe) const;
@@ -46,7 +45,6 @@ class MountCalibration {
   std::vector<Mount> mounts_;
   std::vector<int> step_ends_;  ///< keyframes
   int next_keyframe_ = 0;
-  Eigen::Vector3d place_ = Eigen::Vector3d::Zero();  ///< of the latest keyframe taken, in the drive's one unit
 };
 
 }  // namespace turnscale

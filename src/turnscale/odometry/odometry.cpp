@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <limits>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <unordered_set>
 #include <utility>
 
@@ -16,21 +18,25 @@
 #include "turnscale/geometry/rotation.h"
 #include "turnscale/mapping/landmarks.h"
 #include "turnscale/mapping/local_bundle_adjustment.h"
+#include "turnscale/mapping/map_scaling.h"
+#include "turnscale/odometry/held_turns.h"
 
 namespace turnscale {
 namespace {
 
 // A correction that moves the pixels at a wide image's edge by a hundredth of a pixel.
 constexpr double kLeastLensChange = 2e-5;
-// Share of the depth of the scene below which the travel between two views says nothing of the speed.
-constexpr double kLeastTravel = 0.01;
+constexpr double kNearQuarter = 0.25;
+// A change of the lens correction by which a turn's scale changes by some per cent: poses adjusted under another one
+// are adjusted anew when the next turn ends.
+constexpr double kStaleLensChange = 2e-3;
 
 OdometryOptions Checked(OdometryOptions options, const CameraModel& camera) {
   options.Check();
   if ((camera.width == 0) != (camera.height == 0))
     throw InputError("camera: has a width or a height without the other");
   // The radial correction grows with the tangent of the angle, which has no bound on a fisheye.
-  if (camera.lens == LensModel::kEquidistant) options.lens.enabled = false;
+  if (camera.lens == LensModel::kEquidistant) options.lens.enabled = options.calibration_check.enabled = false;
   return options;
 }
 
@@ -42,13 +48,25 @@ FrameResult NewResult(int frame, double time, TrackingState state) {
   return result;
 }
 
+// What a frame that waited for the map sees of its landmarks.
+std::vector<PointSighting> SightingsIn(const Map& map, const WaitingFrame& frame, int first_landmark) {
+  std::vector<PointSighting> sightings;
+  for (size_t i = 0; i < frame.features.size(); ++i) {
+    const Landmark& landmark = map.landmarks[first_landmark + frame.features[i]];
+    if (landmark.valid) sightings.push_back({landmark.position, frame.pixels[i]});
+  }
+  return sightings;
+}
+
 }  // namespace
 
 Odometry::Odometry(const OdometryOptions& options, const CameraModel& camera)
     : options_(Checked(options, camera)),
       camera_(camera),
       initializer_(options, camera),
+      motion_(options.motion),
       lens_(options_.lens),
+      calibration_check_(options_.calibration_check),
       scale_(options) {
   map_.pinhole = camera.pinhole;
   cv::setNumThreads(options.threads);
@@ -61,13 +79,16 @@ FrameResult Odometry::Process(const cv::Mat& gray, double time) {
   if (!mapping_) return Initialize(image, result);
 
   const RigidTransform predicted = motion_.Predict(time);
-  const std::vector<cv::Point2f> guesses = PredictPixels(map_, camera_, tracks_, motion_.last(), predicted);
-  FollowedTracks followed = FollowTracks(options_.flow, map_, camera_, last_image_, image, tracks_, guesses);
-  PoseEstimate estimate = LocateFrame(predicted, followed);
-  if (Believable(estimate)) {
-    AlignWithMap(image, estimate.camera_from_world, followed);
-    estimate = LocateFrame(estimate.camera_from_world, followed);
+  if (Repeats(image, predicted, time)) {
+    result.state = TrackingState::kRepeated;
+    return Record(result, predicted);
   }
+  auto [followed, estimate] = LocateFrom(image, predicted);
+  if (!Believable(estimate))
+    for (const RigidTransform& other : motion_.OtherPredictions(time)) {
+      std::tie(followed, estimate) = LocateFrom(image, other);
+      if (Believable(estimate)) break;
+    }
   result.tracked = static_cast<int>(followed.found.size());
   result.inliers = estimate.inliers;
   if (!Believable(estimate)) return Bridge(predicted, result);
@@ -113,14 +134,13 @@ FrameResult Odometry::ProcessUnreadable(double time) {
 
 void Odometry::Finish() {
   if (map_.keyframes.empty()) return;
+  // Windows held their older keyframes fixed, so the scale drifts from one to the next; all at once it drifts less.
+  lens_of_keyframe_.clear();
+  SettlePath(options_.final_bundle);
+  refined_ = Refined();
+  if (options_.scale.method == ScaleMethod::kSmoothed) return;
   const RigidTransform last_from_keyframe = LastFromKeyframe();
-  ApplyScale(scale_.Finish(map_), last_from_keyframe);
-}
-
-void Odometry::EndPath() {
-  if (map_.keyframes.empty()) return;
-  const RigidTransform last_from_keyframe = LastFromKeyframe();
-  ApplyScale(scale_.EndPath(map_), last_from_keyframe);
+  FollowMap(HoldTurns(options_, scale_.mount(), map_, *refined_), last_from_keyframe);
 }
 
 FrameResult Odometry::Initialize(const FlowImage& image, FrameResult result) {
@@ -142,15 +162,15 @@ void Odometry::StartMap(const InitialMap& start) {
   const WaitingFrame& second = start.frames.back();
   const bool continues = !map_.keyframes.empty();
   // No turn reaches across the gap: one that was under way is read from the map it belongs to.
-  EndPath();
+  if (continues) SettlePath(options_.turn_bundle);
   const RigidTransform first_from_world = continues ? motion_.Predict(first.time) : RigidTransform{};
-  const double unit = continues ? UnitAfterGap(start) : 1.0;
+  const auto [unit, gap_sigma] = continues ? UnitAfterGap(start) : UnitGuess{1.0, 0.0};
   RigidTransform second_from_first = start.second_from_first;
   second_from_first.translation *= unit;
 
   const int first_landmark = static_cast<int>(map_.landmarks.size());
   const int keyframe = static_cast<int>(map_.keyframes.size());
-  map_.keyframes.push_back({first.frame, first.time, first_from_world, {}, continues});
+  map_.keyframes.push_back({first.frame, first.time, first_from_world, {}, continues, gap_sigma});
   map_.keyframes.push_back({second.frame, second.time, second_from_first * first_from_world, {}, false});
   for (size_t i = 0; i < first.features.size(); ++i) {
     map_.landmarks.push_back({first_from_world.inverse() * (unit * start.points[i]), start.has_point[i] != 0, {}});
@@ -167,48 +187,93 @@ void Odometry::StartMap(const InitialMap& start) {
   mapping_ = true;
   lost_frames_ = 0;
   landmarks_in_keyframe_ = static_cast<int>(std::ranges::count(start.has_point, 1));
+  scale_.Add(map_);
   LocateWaitingFrames(start, first_landmark, keyframe);
-  scale_.AddKeyframe(keyframe, map_);
-  scale_.AddKeyframe(keyframe + 1, map_);
   ++revision_;
 }
 
-double Odometry::UnitAfterGap(const InitialMap& start) const {
-  const double baseline = start.second_from_first.translation.norm();
-  const double travel = motion_.speed() * (start.frames.back().time - start.frames.front().time);
+UnitGuess Odometry::UnitAfterGap(const InitialMap& start) const {
+  // A map that has just started knows the depth of near points only. What has none is farther than the nearest quarter.
   std::vector<double> depths;
-  for (const KeyframeObservation& seen : map_.keyframes.back().observations)
-    if (map_.landmarks[seen.landmark].valid)
-      depths.push_back((map_.keyframes.back().camera_from_world * map_.landmarks[seen.landmark].position).z());
+  for (const KeyframeObservation& seen : map_.keyframes.back().observations) {
+    const Landmark& landmark = map_.landmarks[seen.landmark];
+    depths.push_back(landmark.valid ? (map_.keyframes.back().camera_from_world * landmark.position).z() : HUGE_VAL);
+  }
   std::vector<double> new_depths;
-  for (size_t i = 0; i < start.points.size(); ++i)
-    if (start.has_point[i] != 0) new_depths.push_back(start.points[i].z());
-  if (depths.empty()) return travel > 0 ? travel / baseline : 1.0;
-  // The speed is the better witness where there was one; a car that stood still leaves how far things are.
-  const double depth = Median(std::move(depths));
-  return travel > kLeastTravel * depth ? travel / baseline : depth / Median(std::move(new_depths));
+  for (const int feature : start.frames.back().features)
+    new_depths.push_back(start.has_point[feature] != 0 ? start.points[feature].z() : HUGE_VAL);
+  const double depth = depths.empty() ? HUGE_VAL : Quantile(std::move(depths), kNearQuarter);
+  const double new_depth = Quantile(std::move(new_depths), kNearQuarter);
+  UnitGuess best;
+  if (std::isfinite(depth) && std::isfinite(new_depth)) best = {depth / new_depth, options_.tracking.depth_sigma};
+  const double first = start.frames.front().time;
+  const double second = start.frames.back().time;
+  for (const PastSpeed& past : motion_.PastSpeeds()) {
+    const double sigma = motion_.SpeedSigma(past, 0.5 * (first + second), std::isfinite(depth) ? depth : 0.0);
+    if (!(sigma < best.sigma)) continue;
+    best = {past.speed * (second - first) / start.second_from_first.translation.norm(), sigma};
+  }
+  return best;
 }
 
 void Odometry::LocateWaitingFrames(const InitialMap& start, int first_landmark, int keyframe) {
-  RigidTransform pose = map_.keyframes[keyframe].camera_from_world;
+  const WaitingFrame* moved = nullptr;
   for (const WaitingFrame& waiting : start.frames) {
-    std::vector<PointSighting> sightings;
-    for (size_t i = 0; i < waiting.features.size(); ++i) {
-      const Landmark& landmark = map_.landmarks[first_landmark + waiting.features[i]];
-      if (landmark.valid) sightings.push_back({landmark.position, waiting.pixels[i]});
-    }
-    const PoseEstimate estimate = EstimatePose(options_.pose, camera_.pinhole, sightings, pose);
     const bool is_second = &waiting == &start.frames.back();
-    pose = is_second ? map_.keyframes.back().camera_from_world : estimate.camera_from_world;
-    motion_.Update(waiting.time, pose);
-    if (is_second) break;
-    const TrackingState state = Believable(estimate) ? TrackingState::kTracked : TrackingState::kBridged;
-    FrameResult result = NewResult(waiting.frame, waiting.time, state);
+    FrameResult result = NewResult(waiting.frame, waiting.time, TrackingState::kRepeated);
     result.tracked = static_cast<int>(waiting.features.size());
+    if (moved && Repeats(*moved, waiting, first_landmark)) {
+      if (!is_second) Record(result, keyframe, motion_.Predict(waiting.time));
+      continue;
+    }
+    const RigidTransform& last = moved ? motion_.last() : map_.keyframes[keyframe].camera_from_world;
+    const PoseEstimate estimate =
+        EstimatePose(options_.pose, camera_.pinhole, SightingsIn(map_, waiting, first_landmark), last);
+    const RigidTransform pose = is_second ? map_.keyframes.back().camera_from_world : estimate.camera_from_world;
+    if (moved)
+      motion_.Update(waiting.time, pose);
+    else
+      motion_.Restart(waiting.time, pose);
+    result.keyframe = !moved;
+    moved = &waiting;
+    if (is_second) break;
+    result.state = Believable(estimate) ? TrackingState::kTracked : TrackingState::kBridged;
     result.inliers = estimate.inliers;
-    result.keyframe = &waiting == &start.frames.front();
     Record(result, keyframe, result.keyframe ? map_.keyframes[keyframe].camera_from_world : pose);
   }
+}
+
+bool Odometry::Repeats(const FlowImage& image, const RigidTransform& predicted, double time) const {
+  return time - motion_.time() <= options_.repeats.max_seconds &&
+         IsRepeated(options_.repeats, options_.alignment, map_, camera_, last_image_.gray, image.gray, tracks_,
+                    predicted);
+}
+
+bool Odometry::Repeats(const WaitingFrame& before, const WaitingFrame& waiting, int first_landmark) const {
+  if (waiting.time - before.time > options_.repeats.max_seconds) return false;
+  const RigidTransform predicted = motion_.Predict(waiting.time);
+  std::vector<LandmarkMotion> motion;
+  size_t i = 0;
+  for (size_t k = 0; k < waiting.features.size(); ++k) {
+    // Whoever is seen still was seen before.
+    while (before.features[i] != waiting.features[k]) ++i;
+    const Landmark& landmark = map_.landmarks[first_landmark + waiting.features[k]];
+    const Eigen::Vector3d x = predicted * landmark.position;
+    if (landmark.valid && x.z() > 0) motion.push_back({before.pixels[i], map_.pinhole.Project(x), waiting.pixels[k]});
+  }
+  return IsRepeated(options_.repeats, MedianMotion(motion));
+}
+
+std::pair<FollowedTracks, PoseEstimate> Odometry::LocateFrom(const FlowImage& image,
+                                                             const RigidTransform& predicted) const {
+  const std::vector<cv::Point2f> guesses = PredictPixels(map_, camera_, tracks_, motion_.last(), predicted);
+  FollowedTracks followed = FollowTracks(options_.flow, map_, camera_, last_image_, image, tracks_, guesses);
+  PoseEstimate estimate = LocateFrame(predicted, followed);
+  if (Believable(estimate)) {
+    AlignWithMap(image, estimate.camera_from_world, followed);
+    estimate = LocateFrame(estimate.camera_from_world, followed);
+  }
+  return {std::move(followed), std::move(estimate)};
 }
 
 PoseEstimate Odometry::LocateFrame(const RigidTransform& predicted, FollowedTracks& tracks) const {
@@ -261,7 +326,8 @@ bool Odometry::Believable(const PoseEstimate& estimate) const {
 
 FrameResult Odometry::Bridge(const RigidTransform& predicted, FrameResult result) {
   if (result.state != TrackingState::kUnreadable) result.state = TrackingState::kBridged;
-  if (mapping_ && ++lost_frames_ > options_.tracking.max_lost_frames) {
+  const TrackingOptions& limits = options_.tracking;
+  if (mapping_ && ++lost_frames_ >= limits.min_lost_frames && result.time - motion_.time() > limits.max_lost_seconds) {
     mapping_ = false;
     initializer_ = MapInitializer(options_, camera_);
   }
@@ -299,6 +365,7 @@ void Odometry::AddKeyframe(const FlowImage& image, const RigidTransform& camera_
   const std::unordered_set<int> ended(lost.begin(), lost.end());
   std::erase_if(tracks_, [&](const FeatureTrack& track) { return ended.contains(track.landmark); });
   RefineLens();
+  calibration_check_.Observe(map_, camera_.radial_correction);
   motion_.Correct(map_.keyframes.back().camera_from_world, 1.0);
 
   ObserveScale(result);
@@ -334,22 +401,37 @@ void Odometry::RefineLens() {
 }
 
 void Odometry::ObserveScale(FrameResult& result) {
-  const ScaleUpdate update = scale_.AddKeyframe(static_cast<int>(map_.keyframes.size()) - 1, map_);
-  result.psi = update.motion.psi;
-  result.theta = update.motion.theta;
-  ApplyScale(update, RigidTransform{});
+  const TurningMotion motion = StepMotion(map_, static_cast<int>(map_.keyframes.size()) - 2, mount());
+  result.psi = motion.psi;
+  result.theta = motion.theta;
+  if (scale_.Add(map_)) SettlePath(options_.turn_bundle);
+}
+
+void Odometry::SettlePath(const LocalBundleOptions& bundle) {
+  // Windows along the way have seen less, and the lens was less known.
+  lens_of_keyframe_.resize(map_.keyframes.size(), std::numeric_limits<double>::quiet_NaN());
+  const auto settled = [&](double applied) { return std::abs(applied - camera_.radial_correction) < kStaleLensChange; };
+  const auto stale = std::ranges::find_if_not(lens_of_keyframe_, settled);
+  const int first = static_cast<int>(stale - lens_of_keyframe_.begin());
+  std::fill(stale, lens_of_keyframe_.end(), camera_.radial_correction);
+  const RigidTransform last_from_keyframe = LastFromKeyframe();
+  const std::vector<Eigen::Vector3d> before = KeyframeCentres(map_);
+  AdjustFrom(bundle, first, map_);
+  FollowMap(KeyframeFactors(before, KeyframeCentres(map_), first, std::vector<double>(before.size(), 1.0)),
+            last_from_keyframe);
+  scale_.Reread(map_);
+  ++revision_;
 }
 
 RigidTransform Odometry::LastFromKeyframe() const {
   return motion_.last() * map_.keyframes.back().camera_from_world.inverse();
 }
 
-void Odometry::ApplyScale(const ScaleUpdate& update, RigidTransform last_from_keyframe) {
-  if (update.factors.empty()) return;
-  history_.Rescale(update.factors);
-  last_from_keyframe.translation *= update.factors.back();
-  motion_.Correct(last_from_keyframe * map_.keyframes.back().camera_from_world, update.factors.back());
-  ++revision_;
+void Odometry::FollowMap(const std::vector<double>& factors, RigidTransform last_from_keyframe) {
+  if (factors.empty()) return;
+  history_.Rescale(factors);
+  last_from_keyframe.translation *= factors.back();
+  motion_.Correct(last_from_keyframe * map_.keyframes.back().camera_from_world, factors.back());
 }
 
 void Odometry::RenewReferences(const FlowImage& image) {
@@ -383,20 +465,60 @@ FrameResult Odometry::Record(const FrameResult& result, const RigidTransform& ca
 }
 
 FrameResult Odometry::Record(FrameResult result, int keyframe, const RigidTransform& camera_from_world) {
-  result.world_from_camera = camera_from_world.inverse();
+  history_.Add(result, map_, keyframe, camera_from_world);
+  result.world_from_camera = scale_.live_path().InMetres(map_, keyframe, camera_from_world.inverse());
   result.vehicle_from_camera = mount().current().vehicle_from_camera;
   result.scale_state = scale_.state();
   result.scale_sigma = scale_.sigma();
-  history_.Add(result, map_, keyframe, camera_from_world);
   return result;
 }
 
+ScaleState Odometry::scale_state() const {
+  if (!refined_) return scale_.state();
+  return refined_->estimate ? ScaleState::kHeld : ScaleState::kPending;
+}
+
+RefinedScale Odometry::Refined() const {
+  if (refined_) return *refined_;
+  RefinedScale refined = scale_.Refine(map_);
+  WidenForCalibration(calibration_check_.Contradictions(), map_.pinhole.fx, refined);
+  return refined;
+}
+
 std::vector<FrameResult> Odometry::RefinedFrames() const {
-  std::vector<FrameResult> frames = history_.Refined(map_);
-  scale_.Annotate(map_, history_.Keyframes(), frames);
+  const RefinedScale refined = Refined();
+  std::vector<FrameResult> frames = history_.Refined(map_, refined.path);
+  const std::vector<int> keyframes = history_.Keyframes();
+  int keyframe = -1;
+  for (size_t i = frames.size(); i-- > 0;) {
+    // From the end, since frames before the first keyframe go with it.
+    FrameResult& frame = frames[i];
+    if (keyframes[i] >= 0) keyframe = keyframes[i];
+    if (keyframe < 0) continue;
+    frame.vehicle_from_camera = mount().At(keyframe);
+    frame.turning = refined.turning[keyframe] != 0;
+    frame.scale_sigma = refined.sigmas[keyframe];
+    frame.scale_state = !refined.estimate                     ? ScaleState::kPending
+                        : refined.in_used_turn[keyframe] != 0 ? ScaleState::kObserved
+                                                              : ScaleState::kHeld;
+    if (!frame.keyframe || keyframe == 0 || map_.keyframes[keyframe].after_gap) continue;
+    const TurningMotion motion = StepMotion(map_, keyframe - 1, mount());
+    frame.psi = motion.psi;
+    frame.theta = motion.theta;
+  }
   return frames;
 }
 
-std::vector<TurnResult> Odometry::Turns() const { return scale_.Turns(map_); }
+MapPoints Odometry::RefinedMap() const {
+  const MetricPath path = Refined().path;
+  MapPoints points;
+  points.cameras = path.centres;
+  const std::vector<Eigen::Vector3d> centres = KeyframeCentres(map_);
+  for (const Landmark& landmark : map_.landmarks) {
+    if (!landmark.valid || landmark.observations.empty()) continue;
+    points.landmarks.push_back(path.InMetres(map_, ClosestObserver(landmark, centres), landmark.position));
+  }
+  return points;
+}
 
 }  // namespace turnscale

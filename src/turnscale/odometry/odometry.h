@@ -3,26 +3,37 @@
 
 #include <limits>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include <opencv2/core/mat.hpp>
 
 #include "turnscale/camera/camera_model.h"
 #include "turnscale/features/optical_flow.h"
+#include "turnscale/mapping/calibration_check.h"
 #include "turnscale/mapping/lens_refinement.h"
 #include "turnscale/mapping/map.h"
 #include "turnscale/mapping/pose_estimation.h"
+#include "turnscale/odometry/drive_scale.h"
 #include "turnscale/odometry/feature_tracks.h"
 #include "turnscale/odometry/frame_history.h"
 #include "turnscale/odometry/map_initializer.h"
-#include "turnscale/odometry/metric_scale.h"
 #include "turnscale/odometry/motion_model.h"
 #include "turnscale/odometry/options.h"
 #include "turnscale/odometry/results.h"
 
 namespace turnscale {
 
+/// What a new map's unit of length is in the old one.
+struct UnitGuess {
+  double unit = 1;
+  double sigma = 1;  ///< relative standard deviation; 1 where nothing is known
+};
+
 /// From a drive's images to the camera's path: one call a frame, in the order of time.
+///
+/// The map keeps the arbitrary unit of its start. The scale is observed beside it (DriveScale), and metric poses follow
+/// from both.
 class Odometry {
  public:
   /// Throws InputError when an option makes no sense, or the camera has a width without a height.
@@ -36,37 +47,44 @@ class Odometry {
   /// The next frame has no usable image: its pose is predicted and flagged.
   FrameResult ProcessUnreadable(double time);
 
-  /// The drive is over: a turn that is still going on is used.
+  /// The drive is over: a turn that is still going on counts, and the scale of the whole drive is settled.
   void Finish();
 
-  /// Every frame so far with its refined pose: what the absolute scale recovery has gone back over. Frames before the
-  /// map started have the first pose known (and none only while there is no map at all).
+  /// Every frame so far with its refined pose, metric as far as all turns up to now tell. Frames before the map started
+  /// have the first pose known (and none only while there is no map at all).
   std::vector<FrameResult> RefinedFrames() const;
 
-  /// Grows whenever the refined poses of the whole drive change: a map starts, a turn closes. Between, each keyframe
+  /// What the drive so far says of its scale.
+  RefinedScale Refined() const;
+
+  /// The map's valid landmarks and its keyframes' cameras, in metres as far as the scale is known.
+  MapPoints RefinedMap() const;
+
+  /// Grows whenever the refined poses of the whole drive change: a map starts, a turn ends. Between, each keyframe
   /// moves only the latest few a little.
   int revision() const { return revision_; }
 
-  std::vector<TurnResult> Turns() const;
   /// The options in effect: those given, without what the camera's lens does not allow.
   const OdometryOptions& options() const { return options_; }
   const Map& map() const { return map_; }
   /// What the drive has told of the lens beyond its calibration.
   const LensRefinement& lens() const { return lens_; }
-  ScaleState scale_state() const { return scale_.state(); }
+  /// What the drive says of the calibration that was given.
+  const CalibrationCheck& calibration_check() const { return calibration_check_; }
+  ScaleState scale_state() const;
   /// How the camera is turned on the car, as given or found.
   const MountCalibration& mount() const { return scale_.mount(); }
-  /// What all turns together say of the car (MetricScale::car).
-  const std::optional<CarRefinement>& car() const { return scale_.car(); }
 
  private:
-  void EndPath();
   void CheckImage(const cv::Mat& gray);
   FrameResult NewFrame(double time, TrackingState state);
   FrameResult Initialize(const FlowImage& image, FrameResult result);
   void StartMap(const InitialMap& start);
-  double UnitAfterGap(const InitialMap& start) const;
+  UnitGuess UnitAfterGap(const InitialMap& start) const;
   void LocateWaitingFrames(const InitialMap& start, int first_landmark, int keyframe);
+  bool Repeats(const FlowImage& image, const RigidTransform& predicted, double time) const;
+  bool Repeats(const WaitingFrame& before, const WaitingFrame& waiting, int first_landmark) const;
+  std::pair<FollowedTracks, PoseEstimate> LocateFrom(const FlowImage& image, const RigidTransform& predicted) const;
   PoseEstimate LocateFrame(const RigidTransform& predicted, FollowedTracks& tracks) const;
   void AlignWithMap(const FlowImage& image, const RigidTransform& camera_from_world, FollowedTracks& tracks) const;
   bool Believable(const PoseEstimate& estimate) const;
@@ -75,9 +93,12 @@ class Odometry {
   void AddKeyframe(const FlowImage& image, const RigidTransform& camera_from_world, FrameResult& result);
   void RefineLens();
   void ObserveScale(FrameResult& result);
+  /// A turn or the path has ended: adjusts the keyframes since the last turn, and reads their scale again.
+  void SettlePath(const LocalBundleOptions& bundle);
+  /// Lengths at the keyframes have grown by these factors.
+  void FollowMap(const std::vector<double>& factors, RigidTransform last_from_keyframe);
   /// The latest frame as seen from the latest keyframe.
   RigidTransform LastFromKeyframe() const;
-  void ApplyScale(const ScaleUpdate& update, RigidTransform last_from_keyframe);
   void RenewReferences(const FlowImage& image);
   void DetectNewFeatures(const FlowImage& image);
   FrameResult Record(const FrameResult& result, const RigidTransform& camera_from_world);
@@ -88,9 +109,12 @@ class Odometry {
   MapInitializer initializer_;
   MotionModel motion_;
   LensRefinement lens_;
-  MetricScale scale_;
+  CalibrationCheck calibration_check_;
+  DriveScale scale_;
   FrameHistory history_;
   Map map_;
+  std::vector<double> lens_of_keyframe_;  ///< correction under which each keyframe was adjusted last
+  std::optional<RefinedScale> refined_;   ///< once the drive is over
 
   FlowImage last_image_;                   ///< the latest one whose pose was measured
   std::vector<FeatureTrack> tracks_;       ///< what it shows

@@ -10,9 +10,12 @@ namespace turnscale {
 void VehicleOptions::Check() const {
   if (lever_arm && !(*lever_arm > 0 && std::isfinite(*lever_arm)))
     throw InputError("vehicle.lever_arm: has to be a positive number of metres");
+  if (!(lever_arm_sigma >= 0 && std::isfinite(lever_arm_sigma)))
+    throw InputError("vehicle.lever_arm_sigma: has to be a number of metres, 0 or more");
   if (!(side_slip >= 0 && side_slip < 1)) throw InputError("vehicle.side_slip: has to be in 0...1 s^2/m");
   if (!(side_slip_sigma >= 0 && side_slip_sigma < 1))
     throw InputError("vehicle.side_slip_sigma: has to be in 0...1 s^2/m");
+  if (!(yaw_sigma > 0 && yaw_sigma < 1)) throw InputError("vehicle.yaw_sigma: has to be above 0 and below 1 rad");
   if (!(std::abs(vehicle_from_camera.norm() - 1) < 1e-6))
     throw InputError("vehicle.vehicle_from_camera: has to be a rotation");
 }
@@ -30,13 +33,14 @@ void TrackingOptions::Check() const {
   if (!(min_inlier_share >= 0 && min_inlier_share <= 1))
     throw InputError("tracking.min_inlier_share: has to be in 0...1");
   if (memory_keyframes < 1) throw InputError("tracking.memory_keyframes: has to be at least 1");
-  if (max_lost_frames < 0) throw InputError("tracking.max_lost_frames: must not be negative");
+  if (!(max_lost_seconds >= 0)) throw InputError("tracking.max_lost_seconds: must not be negative");
+  if (!(depth_sigma > 0)) throw InputError("tracking.depth_sigma: has to be positive");
+  if (min_lost_frames < 1) throw InputError("tracking.min_lost_frames: has to be at least 1");
 }
 
 void ScaleOptions::Check() const {
+  estimator.Check();
   recovery.Check();
-  if (!(drift_per_root_metre >= 0)) throw InputError("scale.drift_per_root_metre: must not be negative");
-  if (!(gap_sigma > 0)) throw InputError("scale.gap_sigma: has to be positive");
   if (!(max_sigma_ratio > 0)) throw InputError("scale.max_sigma_ratio: has to be positive");
 }
 
@@ -50,10 +54,14 @@ void OdometryOptions::Check() const {
   keyframes.Check();
   landmarks.Check();
   local_bundle.Check();
+  turn_bundle.Check();
+  final_bundle.Check();
   lens.Check();
+  calibration_check.Check();
   tracking.Check();
-  turns.Check();
-  pooled_scale.Check();
+  motion.Check();
+  repeats.Check();
+  steps.Check();
   scale.Check();
   if (threads < 1) throw InputError("threads: has to be at least 1");
 }

@@ -9,14 +9,17 @@
 #include "turnscale/features/optical_flow.h"
 #include "turnscale/features/patch_alignment.h"
 #include "turnscale/kinematics/lever_arm.h"
-#include "turnscale/kinematics/pooled_scale.h"
-#include "turnscale/kinematics/turn_detector.h"
+#include "turnscale/kinematics/vehicle_step.h"
+#include "turnscale/mapping/absolute_scale_recovery.h"
+#include "turnscale/mapping/calibration_check.h"
 #include "turnscale/mapping/landmarks.h"
 #include "turnscale/mapping/lens_refinement.h"
 #include "turnscale/mapping/local_bundle_adjustment.h"
 #include "turnscale/mapping/pose_estimation.h"
 #include "turnscale/mapping/two_view_initialization.h"
-#include "turnscale/scale/absolute_scale_recovery.h"
+#include "turnscale/odometry/motion_model.h"
+#include "turnscale/odometry/repeated_image.h"
+#include "turnscale/scale/scale_estimator.h"
 
 namespace turnscale {
 
@@ -24,16 +27,19 @@ namespace turnscale {
 struct VehicleOptions {
   /// Distance from the rear axle forward to the camera, metres. Without it the path stays up to scale.
   std::optional<double> lever_arm;
+  /// Its standard deviation, metres: a tape held from the camera to above the centre of the rear wheel.
+  double lever_arm_sigma = kTapeSigma;
   /// c in L_eff = L - c v^2, s^2/m: the rear axle's slip angle per lateral acceleration. With a sigma of 0, 0 is the
   /// paper's rigid car.
   double side_slip = kUsualSideSlip;
-  /// Its standard deviation, which leaves the drive room to refine it: cars differ by a third of it. 0 where c is
-  /// known.
-  double side_slip_sigma = 0.0015;
+  /// Its standard deviation, which leaves the drive room to refine it. 0 where c is known exactly.
+  double side_slip_sigma = kUsualSideSlipSigma;
   /// The paper's Q; where the camera is calibrated, what is assumed until the drive tells better.
   Eigen::Quaterniond vehicle_from_camera = Eigen::Quaterniond::Identity();
   /// Find Q from the drive.
   bool calibrate_camera = true;
+  /// Standard deviation of the yaw of Q, given or found, rad (0.3 deg: what the calibration reaches before it is used).
+  double yaw_sigma = 0.3 / 57.295779513082320877;
 
   /// Throws InputError that names the field when a value makes no sense.
   void Check() const;
@@ -61,8 +67,15 @@ struct TrackingOptions {
   int min_inliers = 25;
   /// Nor one with which fewer than this share of the tracked landmarks agree.
   double min_inlier_share = 0.35;
-  /// Frames in a row without a pose after which the map starts anew, at the predicted pose and speed.
-  int max_lost_frames = 4;
+  /// Seconds since the last measured pose after which the map starts anew, at the predicted pose and speed: what the
+  /// last image showed is then mostly out of sight.
+  double max_lost_seconds = 0.45;
+  /// At least so many frames in a row without a pose come before that, whatever the time between them.
+  int min_lost_frames = 3;
+  /// Relative standard deviation of a new map's unit of length where it is taken from the depth of the scene before and
+  /// after: used where the speed says less (MotionModelOptions::speed_sigma_per_second). On KITTI 03 and 07 and a
+  /// simulated drive it is off by 0.3 to 0.8 (root mean square), whatever the length of the gap.
+  double depth_sigma = 0.5;
   /// A landmark that this many keyframes have not seen is no longer looked for.
   int memory_keyframes = 10;
 
@@ -70,20 +83,20 @@ struct TrackingOptions {
   void Check() const;
 };
 
-/// How the turns' scale is carried over the drive.
+/// How the path becomes metric.
+enum class ScaleMethod {
+  kSmoothed,  ///< the map keeps its shape; its scale is what all turns together say along the drive
+  kTurns,     ///< the finished map is adjusted with the length of each turn held at what the turn says by itself
+  kPaper,     ///< the same with the length of each step of a turn held at what its own angles say (22)
+};
+
 struct ScaleOptions {
+  ScaleMethod method = ScaleMethod::kSmoothed;
+  ScaleEstimatorOptions estimator;
+  /// Of the finished map: methods kTurns and kPaper.
   ScaleRecoveryOptions recovery;
-  /// A turn's scale is what all turns together say of it, weighed by its variance. Otherwise it is held at what it says
-  /// itself. The paper's per-frame observer holds steps and is not smoothed.
-  bool smooth = true;
-  /// How fast the odometry's scale is taken to drift between turns: relative standard deviation after one metre,
-  /// growing with the root of the distance (0.001: 1 % after 100 m).
-  double drift_per_root_metre = 0.001;
-  /// Relative standard deviation that a loss of tracking adds: the scale is taken over from the speed, or from how far
-  /// things are.
-  double gap_sigma = 0.3;
-  /// Where turns are not smoothed: one whose relative sigma is more than this many times that of the scale carried to
-  /// it is not used.
+  /// Methods kTurns and kPaper: a turn whose relative sigma is more than this many times that of the scale propagated
+  /// to it is not held.
   double max_sigma_ratio = 2.0;
 
   /// Throws InputError that names the field when a value makes no sense.
@@ -101,16 +114,19 @@ struct OdometryOptions {
   KeyframeOptions keyframes;
   LandmarkOptions landmarks;
   LocalBundleOptions local_bundle;
+  /// When a turn ends, for all keyframes since the one before.
+  LocalBundleOptions turn_bundle{.max_iterations = 10};
+  /// For the whole drive, at its end.
+  LocalBundleOptions final_bundle{.max_iterations = 40, .relative_cost_tolerance = 1e-7};
   LensRefinementOptions lens;
+  CalibrationCheckOptions calibration_check;
   TrackingOptions tracking;
-  TurnDetectorOptions turns;
-  PooledScaleOptions pooled_scale;
+  MotionModelOptions motion;
+  RepeatOptions repeats;
+  VehicleStepOptions steps;
   ScaleOptions scale;
   /// Threads that image operations may use. Changes the time, never the result.
   int threads = 2;
-
-  /// All turns together tell the scale (ScaleOptions::smooth), which steps held one by one do not allow.
-  bool Smooths() const { return scale.smooth && pooled_scale.method == ScaleMethod::kPooledLine; }
 
   /// Throws InputError that names the field when a value makes no sense.
   void Check() const;

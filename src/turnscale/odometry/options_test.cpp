@@ -33,8 +33,12 @@ TEST(OdometryOptions, NameTheFieldThatMakesNoSense) {
   EXPECT_EQ(Refused([](auto& o) { o.tracking.min_inliers = 5; }), "tracking.min_inliers");
   EXPECT_EQ(Refused([](auto& o) { o.tracking.min_inlier_share = -0.1; }), "tracking.min_inlier_share");
   EXPECT_EQ(Refused([](auto& o) { o.tracking.memory_keyframes = 0; }), "tracking.memory_keyframes");
-  EXPECT_EQ(Refused([](auto& o) { o.tracking.max_lost_frames = -1; }), "tracking.max_lost_frames");
-  EXPECT_EQ(Refused([](auto& o) { o.scale.drift_per_root_metre = -1; }), "scale.drift_per_root_metre");
+  EXPECT_EQ(Refused([](auto& o) { o.tracking.max_lost_seconds = -1; }), "tracking.max_lost_seconds");
+  EXPECT_EQ(Refused([](auto& o) { o.tracking.min_lost_frames = 0; }), "tracking.min_lost_frames");
+  EXPECT_EQ(Refused([](auto& o) { o.tracking.depth_sigma = 0; }), "tracking.depth_sigma");
+  EXPECT_EQ(Refused([](auto& o) { o.vehicle.lever_arm_sigma = -1; }), "vehicle.lever_arm_sigma");
+  EXPECT_EQ(Refused([](auto& o) { o.vehicle.side_slip_sigma = 1; }), "vehicle.side_slip_sigma");
+  EXPECT_EQ(Refused([](auto& o) { o.vehicle.yaw_sigma = 0; }), "vehicle.yaw_sigma");
   EXPECT_EQ(Refused([](auto& o) { o.scale.max_sigma_ratio = 0; }), "scale.max_sigma_ratio");
   EXPECT_EQ(Refused([](auto& o) { o.threads = 0; }), "threads");
 }
@@ -48,8 +52,13 @@ TEST(OdometryOptions, CheckEveryPart) {
   EXPECT_NE(Refused([](auto& o) { o.landmarks.min_parallax_deg = 0; }), "");
   EXPECT_NE(Refused([](auto& o) { o.local_bundle.window = 0; }), "");
   EXPECT_NE(Refused([](auto& o) { o.lens.step = 0; }), "");
-  EXPECT_NE(Refused([](auto& o) { o.turns.min_steps = 0; }), "");
-  EXPECT_NE(Refused([](auto& o) { o.pooled_scale.sigma_theta = 0; }), "");
+  EXPECT_NE(Refused([](auto& o) { o.motion.turn_seconds = 0; }), "");
+  EXPECT_NE(Refused([](auto& o) { o.repeats.max_motion_share = 1; }), "");
+  EXPECT_NE(Refused([](auto& o) { o.steps.max_poses = 0; }), "");
+  EXPECT_NE(Refused([](auto& o) { o.scale.estimator.segments.turns.min_steps = 0; }), "");
+  EXPECT_NE(Refused([](auto& o) { o.scale.estimator.evidence.line.sigma_theta = 0; }), "");
+  EXPECT_NE(Refused([](auto& o) { o.scale.estimator.drift.per_100m = -1; }), "");
+  EXPECT_NE(Refused([](auto& o) { o.scale.estimator.huber = 0; }), "");
   EXPECT_NE(Refused([](auto& o) { o.scale.recovery.pixel_sigma = 0; }), "");
 }
 

@@ -20,6 +20,7 @@ enum class ScaleState {
 enum class TrackingState {
   kInitializing,  ///< no map yet (standstill, pure rotation, too little parallax)
   kTracked,       ///< measured against the map
+  kRepeated,      ///< the image shows what the one before did, though the car moves; the pose is the predicted one
   kBridged,       ///< the image was of no use; the pose is the predicted one
   kUnreadable,    ///< there was no image; the pose is the predicted one
 };
@@ -45,32 +46,30 @@ struct FrameResult {
   bool turning = false;
 };
 
-/// One turning region and what its pooled line says.
+/// One turn and what its pooled line says of the scale.
 struct TurnResult {
   int first_frame = 0;
   int last_frame = 0;
-  int keyframes = 0;
+  int first_keyframe = 0;
+  int last_keyframe = 0;
   double angle = 0;  ///< whole turn, rad, positive to the right
-  double speed = 0;  ///< mean, m/s; 0 while the scale is unknown
-  /// Metres per unit of the drive's first, arbitrary unit.
+  double speed = 0;  ///< root mean square, m/s; 0 while the scale is unknown
+  /// Metres per unit of the map that the turn shows by itself, the car's constants being those of the drive; 0 where it
+  /// shows none.
   double metres_per_unit = 0;
   double sigma = 0;  ///< standard deviation of metres_per_unit
-  /// Lever arm that the turn would have shown, had the scale of the refined trajectory been exact, metres.
+  /// The same with the car's constants as they were given: what `--method turns` holds.
+  double as_given = 0;
+  double smoothed = 0;        ///< metres per unit from the whole drive
+  double smoothed_sigma = 0;  ///< standard deviation of `smoothed`
+  double deviation = 0;       ///< ln(smoothed / metres_per_unit) in standard deviations
+  /// Lever arm that the turn shows at the scale of the whole drive, metres.
   double effective_lever_arm = 0;
   bool used = false;
   std::string reason;  ///< why the turn was not used; empty where it was
-  /// Why the way to this used turn is in metres by the first guess only (RangeRecovery::reason); empty where it was
-  /// adjusted as well.
+  /// Why the recovery (`--method turns`, `paper`) scaled the map around this used turn, but did not adjust it
+  /// (RangeRecovery::reason); empty where it did, and with other methods.
   std::string unadjusted;
-};
-
-/// What all turns of a drive together say of the car beyond what was given, with standard deviations.
-struct CarRefinement {
-  double yaw_error = 0;  ///< what the camera's rotation has too little, rad: it looks so much further right
-  double yaw_error_sigma = 0;
-  double side_slip = 0;             ///< c in L_eff = L - c v^2, s^2/m
-  double side_slip_sigma = 0;       ///< 0 where c was given as known
-  bool side_slip_at_bound = false;  ///< the drive wants tyres that slip inwards: c is held at 0
 };
 
 }  // namespace turnscale

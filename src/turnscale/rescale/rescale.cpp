@@ -3,15 +3,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "turnscale/base/error.h"
-#include "turnscale/geometry/rotation.h"
 #include "turnscale/rescale/camera_mount.h"
+#include "turnscale/scale/live_scale.h"
+#include "turnscale/scale/scale_track.h"
 
 namespace turnscale {
 namespace {
 
-void CheckTrajectory(const Trajectory& trajectory, bool timed, const std::vector<int>& gaps) {
+void CheckTrajectory(const Trajectory& trajectory, bool timed, const std::vector<PathGap>& gaps) {
   if (trajectory.size() < 2) throw InputError("the trajectory has fewer than two poses");
   for (std::size_t i = 0; i < trajectory.size(); ++i) {
     const RigidTransform& pose = trajectory[i].world_from_camera;
@@ -23,11 +25,12 @@ void CheckTrajectory(const Trajectory& trajectory, bool timed, const std::vector
     }
   }
   int last = 0;
-  for (const int gap : gaps) {
-    if (gap <= last || gap >= static_cast<int>(trajectory.size())) {
-      throw InputError("gaps: " + std::to_string(gap) + " is no pose after the first, or out of order");
+  for (const PathGap& gap : gaps) {
+    if (gap.pose <= last || gap.pose >= static_cast<int>(trajectory.size())) {
+      throw InputError("gaps: " + std::to_string(gap.pose) + " is no pose after the first, or out of order");
     }
-    last = gap;
+    if (!(gap.sigma > 0)) throw InputError("gaps: sigma has to be positive");
+    last = gap.pose;
   }
 }
 
@@ -37,53 +40,22 @@ CarPrior CarFor(const RescaleOptions& options) {
   return car;
 }
 
-// What the drive says of the car.
-void DescribeCar(const ScaleEstimate& estimate, const RescaleOptions& options, RescaleResult& result) {
-  const Belief& last = estimate.smoothed.back();
-  const auto sigma = [&](DriveUnknown unknown) { return std::sqrt(last.covariance(unknown, unknown)); };
-  result.yaw_error = -last.mean[kTravel];
-  result.yaw_error_sigma = sigma(kTravel);
-  result.side_slip = std::max(last.mean[kSlip], 0.0);
-  result.side_slip_sigma = options.timed && options.car.side_slip_sigma > 0 ? sigma(kSlip) : 0;
-  result.side_slip_at_bound = estimate.side_slip_at_bound;
-  result.height = last.mean[kHeight];
-  result.height_sigma = sigma(kHeight);
-  result.noise = estimate.noise;
-  result.sway_sigma = estimate.sway_sigma * std::exp(last.mean[kLogScale]);
-  result.converged = estimate.converged;
-}
-
-// Steps, each at the mean of its ends' scales, put together again.
-Trajectory MetricTrajectory(const Trajectory& trajectory, const std::vector<PoseScale>& scales) {
-  Trajectory metric = trajectory;
-  metric[0].world_from_camera.translation *= scales[0].metres_per_unit;
-  for (std::size_t i = 1; i < trajectory.size(); ++i) {
-    const Eigen::Vector3d step =
-        trajectory[i].world_from_camera.translation - trajectory[i - 1].world_from_camera.translation;
-    const double scale = 0.5 * (scales[i - 1].metres_per_unit + scales[i].metres_per_unit);
-    metric[i].world_from_camera.translation = metric[i - 1].world_from_camera.translation + scale * step;
-  }
-  return metric;
-}
-
-double BestSigma(const std::vector<PoseScale>& poses) {
-  return std::min_element(poses.begin(), poses.end(), [](const auto& a, const auto& b) { return a.sigma < b.sigma; })
-      ->sigma;
-}
-
-std::string Rounded(double value) { return std::to_string(std::lround(value)); }
-
-std::string WhatWouldDo(const RescaleOptions& options) {
-  return "give a drive with a slow turn of " + Rounded(options.stretches.turns.min_region_angle * kDegreesPerRadian) +
-         " degrees or more";
+ScaleEstimatorOptions EstimatorFor(const RescaleOptions& options) {
+  ScaleEstimatorOptions estimator = options.estimator;
+  // A trace of drift keeps the smoother's covariances regular.
+  constexpr double kNoDrift = 1e-5;
+  if (!options.drifting) estimator.drift = {kNoDrift, 0};
+  return estimator;
 }
 
 // Leaves the reason why there is none.
-bool FindMount(const RescaleOptions& options, const Trajectory& trajectory, const std::vector<int>& gaps,
+bool FindMount(const RescaleOptions& options, const Trajectory& trajectory, const std::vector<PathGap>& gaps,
                RescaleResult& result) {
+  std::vector<int> first_poses;
+  for (const PathGap& gap : gaps) first_poses.push_back(gap.pose);
   try {
-    result.vehicle_from_camera =
-        options.vehicle_from_camera ? *options.vehicle_from_camera : FindCameraMount(trajectory, options.timed, gaps);
+    result.vehicle_from_camera = options.vehicle_from_camera ? *options.vehicle_from_camera
+                                                             : FindCameraMount(trajectory, options.timed, first_poses);
     return true;
   } catch (const InputError& error) {
     result.reason = error.what();
@@ -91,62 +63,69 @@ bool FindMount(const RescaleOptions& options, const Trajectory& trajectory, cons
   }
 }
 
-bool GoesForward(const std::vector<SwayStep>& steps) {
-  const auto forward = std::count_if(steps.begin(), steps.end(), [](const SwayStep& step) { return step.forward; });
+bool GoesForward(const std::vector<VehicleStep>& steps) {
+  const auto forward = std::ranges::count_if(steps, [](const VehicleStep& step) { return step.usable; });
   return 2 * forward >= static_cast<std::ptrdiff_t>(steps.size());
+}
+
+// What the filter knew at each pose.
+void Filter(const RescaleOptions& options, RescaleResult& result) {
+  LiveScale live(CarFor(options), EstimatorFor(options));
+  for (const VehicleStep& step : result.steps) {
+    live.Add(step);
+    const std::optional<ScaleBelief> now = live.Now();
+    for (int i = step.first + 1; now && i <= step.last; ++i) {
+      result.poses[i].filtered_metres_per_unit = now->metres_per_unit();
+      result.poses[i].filtered_sigma = now->sigma();
+    }
+  }
+}
+
+void BringToMetres(const Trajectory& trajectory, RescaleResult& result) {
+  std::vector<Eigen::Vector3d> positions;
+  for (const StampedPose& pose : trajectory) positions.push_back(pose.world_from_camera.translation);
+  const std::vector<PoseScale> scales = ScaleTrack(static_cast<int>(trajectory.size()), result.steps, *result.estimate);
+  positions = MetricPositions(positions, scales);
+  result.metric = trajectory;
+  for (std::size_t i = 0; i < trajectory.size(); ++i) {
+    result.metric[i].world_from_camera.translation = positions[i];
+    result.poses.push_back({scales[i].metres_per_unit, scales[i].sigma});
+  }
+  for (const VehicleStep& step : result.steps)
+    if (step.usable) result.length += step.motion.step * scales[step.last].metres_per_unit;
 }
 
 }  // namespace
 
 void RescaleOptions::Check() const {
   car.Check();
-  keys.Check();
-  stretches.Check();
+  steps.Check();
   estimator.Check();
-  if (!(lever_arm_sigma >= 0 && lever_arm_sigma < 1)) throw InputError("lever_arm_sigma: has to be from 0 to below 1");
-  if (!(max_scale_sigma > 0)) throw InputError("max_scale_sigma: has to be positive");
 }
 
 RescaleResult RescaleTrajectory(const RescaleOptions& options, const Trajectory& trajectory,
-                                const std::vector<int>& gaps) {
+                                const std::vector<PathGap>& gaps) {
   options.Check();
   CheckTrajectory(trajectory, options.timed, gaps);
   RescaleResult result;
   if (!FindMount(options, trajectory, gaps, result)) return result;
-  result.key_spacing = KeySpacing(trajectory, result.vehicle_from_camera, options.keys);
-  const std::vector<SwayStep> steps =
-      SwaySteps(trajectory, result.vehicle_from_camera, result.key_spacing, options.timed, options.keys, gaps);
-  if (!GoesForward(steps)) {
+  Trajectory path = trajectory;
+  for (StampedPose& pose : path)
+    pose.world_from_camera.rotation = pose.world_from_camera.rotation * result.vehicle_from_camera.conjugate();
+  result.steps = CutIntoSteps(path, gaps, options.timed, options.steps);
+  if (!GoesForward(result.steps)) {
     result.reason =
-        "most of its steps go sideways, up, down or backwards for a camera turned like that; let its rotation be found";
+        "most of its steps go sideways, up, down or backwards for a camera turned like that; let its rotation be "
+        "estimated";
     return result;
   }
-  const std::vector<Stretch> stretches = SplitIntoStretches(steps, options.stretches);
-  if (std::none_of(stretches.begin(), stretches.end(), [](const Stretch& stretch) { return stretch.turning; })) {
-    result.reason = "it has no turn; " + WhatWouldDo(options);
-    return result;
-  }
-  const auto estimate = EstimateScale(steps, stretches, CarFor(options), options.estimator);
-  if (!estimate) {
-    result.reason =
-        "in no turn slow enough the camera swings outwards as its lever arm demands; " + WhatWouldDo(options);
-    return result;
-  }
-  const double common_sigma = options.lever_arm_sigma;
-  result.turns = DescribeTurns(steps, stretches, *estimate, common_sigma);
-  DescribeCar(*estimate, options, result);
-  result.poses = ScalePoses(static_cast<int>(trajectory.size()), steps, stretches, *estimate, common_sigma);
-  if (const double sigma = BestSigma(result.poses); !(sigma <= options.max_scale_sigma)) {
-    result.poses.clear();
-    result.reason = "its turns leave the scale uncertain by " + Rounded(100 * sigma) + " %, more than " +
-                    Rounded(100 * options.max_scale_sigma) + "; " + WhatWouldDo(options);
-    return result;
-  }
-  result.metric = MetricTrajectory(trajectory, result.poses);
-  for (const SwayStep& step : steps) {
-    if (step.usable) result.length += step.length * result.poses[step.last].metres_per_unit;
-  }
-  result.observable = true;
+  ScaleEstimateResult estimate = EstimateScale(result.steps, CarFor(options), EstimatorFor(options));
+  result.reason = estimate.reason;
+  result.estimate = std::move(estimate.estimate);
+  result.observable = result.estimate.has_value();
+  if (!result.observable) return result;
+  BringToMetres(trajectory, result);
+  Filter(options, result);
   return result;
 }
 

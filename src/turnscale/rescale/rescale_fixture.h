@@ -30,4 +30,14 @@ inline double WorstLogError(const RescaleResult& result, const ScaledDrive& driv
   return worst;
 }
 
+/// Poses from which the first step of a turn leads and to which the last does.
+struct PosesOfTurn {
+  int first = 0;
+  int last = 0;
+};
+inline PosesOfTurn PosesOf(const RescaleResult& result, int turn) {
+  const TurnEstimate& estimate = result.estimate->turns[turn];
+  return {result.steps[estimate.first_step].first, result.steps[estimate.last_step].last};
+}
+
 }  // namespace turnscale

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "turnscale/rescale/rescale.h"
 
+#include <cmath>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -14,14 +15,14 @@ TEST(Rescale, FindsTheMetreOfAPerfectDrive) {
   const ScaledDrive drive = MakeScaledDrive(CityRoute(6), kCar, kIdentity, kUnit);
   for (const bool drifting : {true, false}) {
     RescaleOptions options = OptionsFor(kCar);
-    options.estimator.drifting = drifting;
+    options.drifting = drifting;
     const RescaleResult result = RescaleTrajectory(options, drive.trajectory);
     ASSERT_TRUE(result.observable) << result.reason;
     EXPECT_LT(WorstLogError(result, drive), 0.004)
         << "steps of two poses are no single circle where the curvature changes";
-    EXPECT_EQ(result.turns.size(), 6u);
-    EXPECT_NEAR(result.side_slip, kCar.side_slip, 2e-4);
-    EXPECT_NEAR(result.yaw_error, 0, 1e-4);
+    EXPECT_EQ(result.estimate->turns.size(), 6u);
+    EXPECT_NEAR(result.estimate->car.side_slip, kCar.side_slip, 2e-4);
+    EXPECT_NEAR(result.estimate->car.yaw_error, 0, 1e-4);
   }
 }
 
@@ -59,10 +60,11 @@ TEST(Rescale, FollowsADriftAndSaysHowWell) {
     const ScaledDrive drive = MakeScaledDrive(CityRoute(16), kCar, kIdentity, kUnit,
                                               {.position = 0.006, .rotation = 0.0003, .drift = 0.002}, seed);
     RescaleOptions options = OptionsFor(kCar);
-    options.lever_arm_sigma = 0;  // the tape is exact here
+    options.car.lever_arm_sigma = 0;  // the tape is exact here
+    options.estimator.drift.per_100m = 0.02;
     const RescaleResult result = RescaleTrajectory(options, drive.trajectory);
     ASSERT_TRUE(result.observable) << result.reason;
-    EXPECT_TRUE(result.converged);
+    EXPECT_TRUE(result.estimate->converged);
     std::vector<double> errors;
     for (std::size_t i = 0; i < result.poses.size(); ++i) {
       errors.push_back(std::log(result.poses[i].metres_per_unit / drive.metres_per_unit[i]));
@@ -92,15 +94,30 @@ TEST(Rescale, MetricTrajectoryIsTheDriveInMetres) {
   }
 }
 
-TEST(Rescale, FilteredScaleBeginsWithTheFirstTurn) {
+TEST(Rescale, FilteredScaleBeginsInsideTheFirstTurn) {
   const ScaledDrive drive = MakeScaledDrive(CityRoute(6), kCar, kIdentity, kUnit, {.position = 0.004}, 9);
   const RescaleResult result = RescaleTrajectory(OptionsFor(kCar), drive.trajectory);
   ASSERT_TRUE(result.observable);
-  const RescaledTurn& first = result.turns.front();
-  for (int i = 0; i < first.last_pose; ++i) EXPECT_EQ(result.poses[i].filtered_metres_per_unit, 0);
-  const PoseScale& after = result.poses[first.last_pose + 1];
-  EXPECT_NEAR(after.filtered_metres_per_unit / kUnit, 1, 3 * after.filtered_sigma);
-  EXPECT_GT(after.filtered_sigma, result.poses.back().sigma);
+  const PosesOfTurn first = PosesOf(result, 0);
+  for (int i = 0; i <= first.first; ++i) EXPECT_EQ(result.poses[i].filtered_metres_per_unit, 0);
+  const RescaledPose& at_end = result.poses[first.last];
+  EXPECT_NEAR(at_end.filtered_metres_per_unit / kUnit, 1, 3 * at_end.filtered_sigma);
+  EXPECT_GT(at_end.filtered_sigma, result.poses.back().sigma);
+  EXPECT_EQ(result.poses[first.last - 1].filtered_sigma > 0, true) << "before the turn is over";
+  for (std::size_t i = first.last; i < result.poses.size(); ++i) EXPECT_GT(result.poses[i].filtered_sigma, 0);
+}
+
+TEST(Rescale, KnowsHowLongTheWayWas) {
+  const ScaledDrive drive = MakeScaledDrive(CityRoute(8), kCar, kIdentity, kUnit, {.position = 0.003}, 9);
+  const RescaleResult result = RescaleTrajectory(OptionsFor(kCar), drive.trajectory);
+  ASSERT_TRUE(result.observable);
+  double length = 0;
+  for (std::size_t i = 1; i < drive.trajectory.size(); ++i)
+    length += kUnit * (drive.trajectory[i].world_from_camera.translation -
+                       drive.trajectory[i - 1].world_from_camera.translation)
+                          .norm();
+  EXPECT_NEAR(std::log(result.length / length), 0, 2 * result.estimate->length_sigma);
+  EXPECT_LT(result.estimate->length_sigma, 0.05);
 }
 
 }  // namespace

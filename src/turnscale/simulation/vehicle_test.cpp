@@ -9,7 +9,7 @@
 #include "turnscale/base/error.h"
 #include "turnscale/base/refused_field.h"
 #include "turnscale/geometry/rotation.h"
-#include "turnscale/kinematics/pooled_scale.h"
+#include "turnscale/kinematics/pooled_line.h"
 #include "turnscale/simulation/test_routes.h"
 
 namespace turnscale {
@@ -31,8 +31,8 @@ double SidewaysError(const VehicleMotion& motion, double side_slip, double time)
   return sideways - state.yaw_rate * (kLeverArm - side_slip * std::abs(state.speed) * state.speed);
 }
 
-std::vector<TurningStep> StepsOf(const VehicleMotion& motion) {
-  std::vector<TurningStep> steps;
+std::vector<VehicleStep> StepsOf(const VehicleMotion& motion) {
+  std::vector<VehicleStep> steps;
   const RigidTransform vehicle_from_camera{Eigen::Quaterniond::Identity(), {0, 0, kLeverArm}};
   for (double time = 0.1; time < motion.duration(); time += 0.1) {
     const RigidTransform before = motion.At(time - 0.1).world_from_vehicle * vehicle_from_camera;
@@ -76,15 +76,17 @@ TEST(Vehicle, PooledLineGivesBackTheLeverArm) {
   corner.speed = 2;
   CarOptions options = StiffVehicle();
   options.slip_deg_per_g = 0;
-  const std::vector<TurningStep> rigid = StepsOf(DriveFlat(options, {corner}));
-  EXPECT_NEAR(ObservedLeverArm(rigid, 1).value() / kLeverArm, 1, 1e-3);
-  EXPECT_NEAR(PoolScale(rigid, {kLeverArm, 0}).scale->metres_per_unit, 1, 1e-3);
+  const std::vector<VehicleStep> rigid = StepsOf(DriveFlat(options, {corner}));
+  const PooledLine line = PoolTurn(rigid, {}).line.value();
+  EXPECT_NEAR(line.lever_arm / kLeverArm, 1, 1e-3);
+  EXPECT_NEAR(MetresPerUnit(line, {kLeverArm, 0}), 1, 1e-3);
 
   corner.speed = 5;
   options.slip_deg_per_g = 3;
-  const std::vector<TurningStep> slipping = StepsOf(DriveFlat(options, {corner}));
-  EXPECT_LT(ObservedLeverArm(slipping, 1).value() / kLeverArm, 0.97);
-  EXPECT_NEAR(PoolScale(slipping, {kLeverArm, options.SideSlip()}).scale->metres_per_unit, 1, 3e-3);
+  const std::vector<VehicleStep> slipping = StepsOf(DriveFlat(options, {corner}));
+  const PooledLine shortened = PoolTurn(slipping, {}).line.value();
+  EXPECT_LT(shortened.lever_arm / kLeverArm, 0.97);
+  EXPECT_NEAR(MetresPerUnit(shortened, {kLeverArm, options.SideSlip()}), 1, 3e-3);
 }
 
 TEST(Vehicle, StandstillIsExact) {

@@ -1,0 +1,124 @@
+# SPDX-License-Identifier: MIT
+"""What the benchmarks on drives share: rendering, running, scoring, and the tables of their pages."""
+import hashlib
+import json
+import pathlib
+import shutil
+import subprocess
+import sys
+
+
+def fail(message):
+    sys.exit(f"{pathlib.Path(sys.argv[0]).name}: {message}")
+
+
+def run(command):
+    result = subprocess.run([str(word) for word in command], capture_output=True, text=True)
+    if result.returncode != 0:
+        fail(f"{' '.join(map(str, command))}\n{result.stderr.strip()}")
+    return result.stdout
+
+
+def say(text):
+    print(text, file=sys.stderr, flush=True)
+
+
+def read_yaml(path):
+    """The flat maps that simulate writes."""
+    values = {}
+    for line in path.read_text().splitlines():
+        if ":" in line and not line.startswith("#"):
+            key, value = line.split("#")[0].split(":", 1)
+            values[key.strip()] = value.strip()
+    return values
+
+
+def hashed(*parts):
+    """One number for texts and for the contents of files."""
+    whole = hashlib.sha256()
+    for part in parts:
+        data = part.read_bytes() if isinstance(part, pathlib.Path) else str(part).encode()
+        whole.update(len(data).to_bytes(8, "big") + data)
+    return whole.hexdigest()
+
+
+def rig_text(rig):
+    return "".join(f"{key}:\n" + "".join(f"  {k}: {v}\n" for k, v in fields.items()) if isinstance(fields, dict)
+                   else f"{key}: {fields}\n" for key, fields in rig.items())
+
+
+def rendered(program, folder, arguments, rig):
+    """The drive that simulate makes of these arguments, rendered where the folder does not hold it yet. A newer program
+    does not make it anew."""
+    wanted = hashed(rig_text(rig), *arguments)
+    made_of = folder / "made_of"
+    if (folder / "times.txt").is_file() and made_of.is_file() and made_of.read_text() == wanted:
+        return folder
+    say(f"rendering {folder.name}")
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.parent.mkdir(parents=True, exist_ok=True)
+    rig_file = folder.with_name(f"{folder.name}.yaml")
+    rig_file.write_text(rig_text(rig))
+    run([program, "simulate", *arguments, *(["--rig", rig_file] if rig else []), "--out", folder, "--quiet"])
+    rig_file.unlink()
+    made_of.write_text(wanted)
+    return folder
+
+
+def run_and_score(program, images, truth, out, options):
+    """Runs a drive by these options and scores it: a map of numbers, fit for JSON.
+
+    `failed` is what the run says where it comes to nothing. A path that is not in metres has no `path_percent`, one
+    without a pose no `ate_m` either; `sigma_percent` is that of the path's length.
+    """
+    shutil.rmtree(out, ignore_errors=True)
+    command = [str(word) for word in (program, "run", images, *options, "--out", out, "--quiet")]
+    result = subprocess.run(command, capture_output=True, text=True)
+    score = {"options": [str(word) for word in options], "printed": result.stderr.strip().splitlines()}
+    if result.returncode != 0:
+        return {**score, "failed": score["printed"][-1] if score["printed"] else f"exit code {result.returncode}"}
+    summary = json.loads((out / "summary.json").read_text())
+    scale = summary["scale"]
+    # Before the path's own sigma there was the last frame's only.
+    sigma = summary.get("path_sigma", scale.get("relative_sigma"))
+    car = summary.get("by_all_turns") or {}
+    score |= {
+        "metric": summary["distance_m"] is not None, "scale_state": scale["state"],
+        "sigma_percent": None if sigma is None else 100 * sigma, "warnings": summary.get("warnings", []),
+        "frames": summary["frames"], "turns": summary["turns"], "cost": summary["cost"],
+        "side_slip": car.get("side_slip_s2_per_m"), "side_slip_sigma": car.get("side_slip_sigma_s2_per_m"),
+        "camera_yaw_pitch_roll_deg": summary["camera_yaw_pitch_roll_deg"],
+        "path_percent": None, "ate_m": None, "metres": None,
+    }
+    if not (out / "trajectory.tum").read_text().strip():
+        return score
+    errors = json.loads(run([program, "evaluate", out / "trajectory.tum", truth, "--json", "-"]))
+    score["metres"] = errors["true_path_length_m"]
+    score["ate_m"] = (errors["position_error"]["sim3"] or {}).get("rmse_m")
+    if score["metric"]:
+        score["path_percent"] = errors["as_given"]["path_length_error_percent"]
+    return score
+
+
+def cached(file, made_of, make):
+    """What `make` gave before of the same, or gives now: a map that the file keeps as JSON."""
+    if file.is_file():
+        kept = json.loads(file.read_text())
+        if kept["made_of"] == made_of:
+            return kept
+    value = {"made_of": made_of, **make()}
+    file.parent.mkdir(parents=True, exist_ok=True)
+    part = file.with_suffix(".part")
+    part.write_text(json.dumps(value, indent=2) + "\n")
+    part.rename(file)
+    return value
+
+
+def cell(value, digits=1, sign=False):
+    return "" if value is None else f"{value:{'+' if sign else ''}.{digits}f}"
+
+
+def table(header, rows):
+    align = "|".join([":--"] + ["--:"] * (len(header) - 1))
+    lines = ["| " + " | ".join(header) + " |", f"|{align}|", *("| " + " | ".join(row) + " |" for row in rows)]
+    return "\n".join(lines) + "\n"

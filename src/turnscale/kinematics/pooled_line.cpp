@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/kinematics/pooled_line.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdio>
+#include <utility>
+
+#include "turnscale/base/error.h"
+#include "turnscale/base/quantiles.h"
+#include "turnscale/geometry/rotation.h"
+#include "turnscale/kinematics/robust_line.h"
+
+namespace turnscale {
+namespace {
+
+/// Where a weight falls below this the step disagrees rather than scatters.
+constexpr double kInlierWeight = 0.1;
+constexpr double kMedianPenalty = 1.2533;  // standard deviation of a median over that of a mean
+
+PooledLineResult NoLine(std::string reason) { return {std::nullopt, std::move(reason)}; }
+
+std::string Text(const char* format, double a, double b) {
+  char text[200];
+  std::snprintf(text, sizeof text, format, a, b);
+  return text;
+}
+
+double HalfTurn(const VehicleStep& step) { return 2.0 * std::sin(0.5 * step.motion.psi); }
+
+bool IsFinite(const VehicleStep& step) {
+  const TurningMotion& motion = step.motion;
+  return std::isfinite(motion.psi) && std::isfinite(motion.theta) && std::isfinite(motion.step) && motion.step >= 0;
+}
+
+std::vector<VehicleStep> Usable(std::vector<VehicleStep> steps) {
+  std::erase_if(steps, [](const VehicleStep& step) { return !step.usable; });
+  return steps;
+}
+
+/// Lateral noise (units) that the direction's noise makes in a step of ordinary length.
+double NoiseFloor(const std::vector<VehicleStep>& steps, double sigma_theta) {
+  double sum = 0;
+  for (const VehicleStep& step : steps) sum += step.motion.step * step.motion.step;
+  return sigma_theta * std::sqrt(sum / static_cast<double>(steps.size()));
+}
+
+PooledLine Describe(const std::vector<VehicleStep>& steps, const RobustLine& fit) {
+  PooledLine line;
+  line.lever_arm = fit.slope;
+  line.sigma = fit.sigma;
+  line.steps = static_cast<int>(steps.size());
+  double xx = 0;
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    const double x = HalfTurn(steps[i]);
+    xx += fit.weight[i] * x * x;
+    // Negative in reverse, where an error of the direction moves the camera to the other side.
+    const double forward = steps[i].motion.step * std::cos(steps[i].motion.theta - 0.5 * steps[i].motion.psi);
+    line.by_direction += fit.weight[i] * x * forward;
+    line.mean_square_speed += fit.weight[i] * x * x * steps[i].speed() * steps[i].speed();
+    line.angle += steps[i].motion.psi;
+    if (fit.weight[i] >= kInlierWeight) ++line.inliers;
+  }
+  line.by_direction /= xx;
+  line.mean_square_speed /= xx;
+  return line;
+}
+
+}  // namespace
+
+void PooledLineOptions::Check() const {
+  const auto require = [](bool good, const std::string& what) {
+    if (!good) throw InputError("pooled line: " + what);
+  };
+  require(std::isfinite(sigma_theta) && sigma_theta > 0, "sigma_theta must be positive");
+  require(std::isfinite(robust_threshold) && robust_threshold > 0, "robust_threshold must be positive");
+  require(min_inliers >= 1, "min_inliers must be at least 1");
+  require(std::isfinite(min_angle) && min_angle >= 0, "min_angle must not be negative");
+}
+
+PooledLineResult PoolTurn(const std::vector<VehicleStep>& all_steps, const PooledLineOptions& options) {
+  options.Check();
+  if (!std::ranges::all_of(all_steps, IsFinite)) return NoLine("a step is not a number");
+  const std::vector<VehicleStep> steps = Usable(all_steps);
+  if (steps.empty()) return NoLine("no steps");
+  const double noise_floor = NoiseFloor(steps, options.sigma_theta);
+  if (noise_floor == 0) return NoLine("the camera stands still");
+  std::vector<LinePoint> points;
+  points.reserve(steps.size());
+  for (const VehicleStep& step : steps) points.push_back({HalfTurn(step), step.lateral()});
+  if (std::ranges::all_of(points, [](const LinePoint& point) { return point.x == 0; })) return NoLine("no turning");
+  const RobustLine fit = FitRobustLine(points, noise_floor, options.robust_threshold);
+  if (!std::isfinite(fit.slope)) return NoLine("the steps contradict each other");
+
+  const PooledLine line = Describe(steps, fit);
+  if (line.inliers < std::max(options.min_inliers, (line.steps + 1) / 2)) {
+    return NoLine(Text("only %.0f of %.0f steps agree", line.inliers, line.steps));
+  }
+  double inlier_angle = 0;
+  for (std::size_t i = 0; i < steps.size(); ++i)
+    if (fit.weight[i] >= kInlierWeight) inlier_angle += std::abs(steps[i].motion.psi);
+  if (inlier_angle < options.min_angle) {
+    return NoLine(Text("the agreeing steps turn by %.1f deg, less than %.1f", inlier_angle * kDegreesPerRadian,
+                       options.min_angle * kDegreesPerRadian));
+  }
+  return {line, {}};
+}
+
+double MetresPerUnit(const PooledLine& line, const LeverArm& lever_arm, double direction) {
+  // Solved for 1/lambda, which passes through 0 where lambda passes through infinity.
+  const double linear = line.lever_arm - direction * line.by_direction;
+  const double slip = lever_arm.side_slip * line.mean_square_speed;
+  const double root = std::sqrt(linear * linear + 4.0 * slip * lever_arm.length);
+  // No cancellation where the camera swings the wrong way.
+  const double inverse = linear >= 0 ? (linear + root) / (2.0 * lever_arm.length) : 2.0 * slip / (root - linear);
+  return inverse > 0 ? 1.0 / inverse : std::numeric_limits<double>::infinity();
+}
+
+double LeverArmRatio(const PooledLine& line, const LeverArm& lever_arm, double metres_per_unit) {
+  return 1.0 - lever_arm.side_slip * line.mean_square_speed * metres_per_unit * metres_per_unit / lever_arm.length;
+}
+
+MedianScale MedianOfSteps(const std::vector<VehicleStep>& steps, const LeverArm& lever_arm) {
+  std::vector<std::pair<double, double>> inverse_scales;
+  for (const VehicleStep& step : steps) {
+    if (!step.usable || HalfTurn(step) == 0) continue;
+    const PooledLine alone{.lever_arm = step.lateral() / HalfTurn(step),
+                           .mean_square_speed = step.speed() * step.speed()};
+    inverse_scales.emplace_back(1.0 / MetresPerUnit(alone, lever_arm), 1.0);
+  }
+  MedianScale scale;
+  if (inverse_scales.empty()) return scale;
+  const double n = static_cast<double>(inverse_scales.size());
+  const double median = WeightedMedian(inverse_scales);
+  scale.metres_per_unit = 1.0 / median;
+  for (auto& [value, weight] : inverse_scales) value = std::abs(value - median);
+  const double spread = kSigmaPerMad * WeightedMedian(std::move(inverse_scales));
+  scale.sigma = kMedianPenalty * spread / std::sqrt(n) * scale.metres_per_unit * scale.metres_per_unit;
+  return scale;
+}
+
+}  // namespace turnscale

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "turnscale/kinematics/lever_arm.h"
+#include "turnscale/kinematics/vehicle_step.h"
+
+namespace turnscale {
+
+struct PooledLineOptions {
+  /// Standard deviation of a step's direction of travel, rad: the least noise that is believed in, however well few
+  /// steps agree with each other (0.25 deg, half of what monocular odometry shows over steps of 3 deg).
+  double sigma_theta = 0.25 / 57.295779513082320877;
+  /// Residuals beyond this many robust standard deviations have no say (Tukey's biweight). Wide, because a camera
+  /// centre that is off sideways enters two steps with opposite sign: throwing out one of them alone does harm.
+  double robust_threshold = 6.0;
+  /// Least number of steps that must agree.
+  int min_inliers = 3;
+  /// Least sum of |psi| of the agreeing steps, rad (10 deg).
+  double min_angle = 10.0 / 57.295779513082320877;
+
+  /// Throws InputError that names the field when a value makes no sense.
+  void Check() const;
+};
+
+/// What the steps of one turn say of the scale, before any scale is known: every step has a lateral displacement
+/// y = step sin(theta - psi/2) that is its effective lever arm times x = 2 sin(psi/2) (blueprint of the paper's (22)).
+/// The slope of the line through all of them is the effective lever arm in the odometry's unit of length.
+struct PooledLine {
+  double lever_arm = 0;  ///< effective lever arm, odometry units
+  double sigma = 0;      ///< its standard deviation, from the scatter of the steps
+  /// By how much `lever_arm` grows with a direction of travel that is off by 1 rad to the right, odometry units.
+  double by_direction = 0;
+  /// Of the speed, weighed as the steps are, (units/s)^2; 0 where times are unknown.
+  double mean_square_speed = 0;
+  double angle = 0;  ///< sum of psi, rad
+  int steps = 0;
+  int inliers = 0;  ///< steps that agree
+};
+
+/// The line, or one line of text that says why there is none.
+struct PooledLineResult {
+  std::optional<PooledLine> line;
+  std::string reason;
+};
+
+/// Pools the usable steps of a turn. Noise is taken to be in y alone, of one size for all steps (position noise does
+/// not grow with the step) and independent from step to step. Sigma is too large where the camera centres jitter
+/// independently, since a centre's error enters two steps with opposite sign; it does not cover what all steps share:
+/// the camera's yaw, the slip of the tyres.
+PooledLineResult PoolTurn(const std::vector<VehicleStep>& steps, const PooledLineOptions& options);
+
+/// The scale (metres per unit) lambda at which a turn shows this lever arm: the positive root of
+///   lambda (lever_arm - direction by_direction) + c lambda^2 mean_square_speed = L.
+/// `direction` is the direction of travel on straights, rad: minus the yaw that Q lacks. Infinite where the camera does
+/// not swing outwards and the tyres do not slip. Multiplying all lengths of the turn by k divides lambda by k.
+double MetresPerUnit(const PooledLine& line, const LeverArm& lever_arm, double direction = 0);
+
+/// Part of the lever arm that side slip leaves in the turn at this scale: (L - c v^2) / L. Negative beyond
+/// v = sqrt(L/c).
+double LeverArmRatio(const PooledLine& line, const LeverArm& lever_arm, double metres_per_unit);
+
+/// Median of the scales that the paper's observer (22), with slip, gives step by step, and its standard deviation.
+/// Steps that contradict the model count as infinite scales.
+struct MedianScale {
+  double metres_per_unit = std::numeric_limits<double>::infinity();
+  double sigma = std::numeric_limits<double>::infinity();
+};
+MedianScale MedianOfSteps(const std::vector<VehicleStep>& steps, const LeverArm& lever_arm);
+
+}  // namespace turnscale

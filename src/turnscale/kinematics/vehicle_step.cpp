@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/kinematics/vehicle_step.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+#include "turnscale/base/error.h"
+#include "turnscale/base/quantiles.h"
+#include "turnscale/geometry/rotation.h"
+
+namespace turnscale {
+namespace {
+
+// Paths with fewer steps than this do not show what is an ordinary speed.
+constexpr std::size_t kFewestPaces = 5;
+
+double Pace(const VehicleStep& step) { return step.duration > 0 ? step.speed() : step.motion.step; }
+
+void MarkJumps(std::vector<VehicleStep>& steps, double max_speed_ratio) {
+  std::vector<double> paces;
+  for (const VehicleStep& step : steps)
+    if (!step.after_gap) paces.push_back(Pace(step));
+  if (paces.size() < kFewestPaces) return;
+  const double brisk = Quantile(std::move(paces), 0.8);
+  for (VehicleStep& step : steps)
+    if (Pace(step) > max_speed_ratio * brisk) step.usable = false;
+}
+
+}  // namespace
+
+double VehicleStep::lateral() const { return motion.step * std::sin(motion.theta - 0.5 * motion.psi); }
+
+void VehicleStepOptions::Check() const {
+  if (!(angle >= 0 && angle < 0.5)) throw InputError("steps.angle: has to be from 0 to below 0.5 rad");
+  if (!(max_duration > 0)) throw InputError("steps.max_duration: has to be positive");
+  if (max_poses < 1) throw InputError("steps.max_poses: has to be at least 1");
+  if (!(max_speed_ratio > 1)) throw InputError("steps.max_speed_ratio: has to be above 1");
+  if (!(max_direction > 0)) throw InputError("steps.max_direction: has to be positive");
+}
+
+VehicleStep LevelStep(const RigidTransform& previous_from_current, const Eigen::Quaterniond& vehicle_from_camera,
+                      double dt, const VehicleStepOptions& options) {
+  const Eigen::Quaterniond half_back = RotationFromVector(-0.5 * VectorFromRotation(previous_from_current.rotation));
+  const Eigen::Vector3d travel = vehicle_from_camera * (half_back * previous_from_current.translation);
+  VehicleStep step;
+  step.duration = dt;
+  // The pitch of a step that goes backwards would turn the axes over.
+  const double pitch = travel.z() > 0 ? std::atan2(travel.y(), travel.z()) : 0.0;
+  step.motion = TurningMotionOf(previous_from_current, RotationFromVector({pitch, 0, 0}) * vehicle_from_camera);
+  const double length = travel.norm();
+  // The kinematics hold in reverse as well.
+  step.usable = length > 0 && std::abs(travel.z()) >= std::cos(options.max_direction) * length;
+  return step;
+}
+
+std::vector<VehicleStep> StepBuilder::Add(const StampedPose& pose, const PathGap* gap) {
+  std::vector<VehicleStep> ended;
+  const int index = poses_;
+  const auto start_at = [&](const StampedPose& at, int i) {
+    key_pose_ = at;
+    key_ = i;
+  };
+  if (index == 0) {
+    start_at(pose, 0);
+  } else if (gap != nullptr) {
+    if (const std::optional<VehicleStep> rest = Finish()) ended.push_back(*rest);
+    VehicleStep across;
+    across.first = index - 1;
+    across.last = index;
+    across.usable = false;
+    across.after_gap = true;
+    across.gap_sigma = gap->sigma;
+    if (timed_) across.duration = pose.time - last_pose_.time;
+    ended.push_back(across);
+    start_at(pose, index);
+  } else {
+    const VehicleStep step = StepTo(pose, index);
+    // Half a period of the fastest cameras: times are rounded.
+    constexpr double kTimeTolerance = 0.004;
+    const bool ends =
+        std::abs(step.motion.psi) >= options_.angle ||
+        (timed_ ? step.duration >= options_.max_duration - kTimeTolerance : index - key_ >= options_.max_poses);
+    if (ends) {
+      ended.push_back(step);
+      start_at(pose, index);
+    }
+  }
+  last_pose_ = pose;
+  ++poses_;
+  return ended;
+}
+
+std::optional<VehicleStep> StepBuilder::Finish() {
+  const int last = poses_ - 1;
+  if (last <= key_) return std::nullopt;
+  const VehicleStep step = StepTo(last_pose_, last);
+  key_pose_ = last_pose_;
+  key_ = last;
+  return step.motion.step > 0 ? std::optional(step) : std::nullopt;
+}
+
+VehicleStep StepBuilder::StepTo(const StampedPose& pose, int index) const {
+  VehicleStep step = LevelStep(key_pose_.world_from_camera.inverse() * pose.world_from_camera,
+                               Eigen::Quaterniond::Identity(), timed_ ? pose.time - key_pose_.time : 0, options_);
+  step.first = key_;
+  step.last = index;
+  return step;
+}
+
+std::vector<VehicleStep> CutIntoSteps(const Trajectory& path, const std::vector<PathGap>& gaps, bool timed,
+                                      const VehicleStepOptions& options) {
+  options.Check();
+  StepBuilder builder(options, timed);
+  std::vector<VehicleStep> steps;
+  auto gap = gaps.begin();
+  for (int i = 0; i < static_cast<int>(path.size()); ++i) {
+    const bool after_gap = gap != gaps.end() && gap->pose == i;
+    std::ranges::move(builder.Add(path[i], after_gap ? &*gap : nullptr), std::back_inserter(steps));
+    if (after_gap) ++gap;
+  }
+  if (const std::optional<VehicleStep> rest = builder.Finish()) steps.push_back(*rest);
+  MarkJumps(steps, options.max_speed_ratio);
+  return steps;
+}
+
+}  // namespace turnscale

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "turnscale/geometry/trajectory.h"
+#include "turnscale/kinematics/turning_motion.h"
+
+namespace turnscale {
+
+/// The camera's motion between two poses of a path, in the terms of the kinematics.
+struct VehicleStep {
+  TurningMotion motion;  ///< in the odometry's unit of length
+  double duration = 0;   ///< seconds; 0 where times are unknown
+  int first = 0;         ///< poses that the step leads from and to
+  int last = 0;
+  bool usable = true;      ///< false where the step does not go forward, or is a jump: nothing is read from it
+  bool after_gap = false;  ///< leads across a loss of tracking: nothing of its motion is known
+  /// Relative standard deviation by which the unit of length may have changed across the gap.
+  double gap_sigma = 0;
+
+  /// y = length sin(theta - psi/2): lateral displacement as seen half-way, odometry units.
+  double lateral() const;
+  /// Odometry units per second; 0 where times are unknown.
+  double speed() const { return duration > 0 ? motion.step / duration : 0.0; }
+};
+
+/// A loss of tracking on a path.
+struct PathGap {
+  int pose = 0;      ///< the first pose after it
+  double sigma = 0;  ///< relative standard deviation by which the unit of length may have changed across it
+};
+
+struct VehicleStepOptions {
+  /// A step ends at the first pose by which the camera has turned by this much, rad (2.5 deg). Shorter steps carry more
+  /// noise than signal; within longer ones the curvature changes, for which the circle of (1) has no room. 0: a step
+  /// from each pose to the next.
+  double angle = 2.5 / 57.295779513082320877;
+  /// Or after this time, s: on straights.
+  double max_duration = 0.6;
+  /// Or after this many poses, where times are unknown.
+  int max_poses = 6;
+  /// A step this many times as fast as four of five others is a jump of the odometry.
+  double max_speed_ratio = 3;
+  /// A step that goes further off the forward direction than this is backwards or a jump, rad (60 deg).
+  double max_direction = 60.0 / 57.295779513082320877;
+
+  /// Throws InputError that names the field when a value makes no sense.
+  void Check() const;
+};
+
+/// The step between two poses of the camera, `dt` seconds apart; `vehicle_from_camera` is the paper's Q.
+///
+/// The axes of Q are pitched so that the step goes neither up nor down. A car goes along its road, so each step shows
+/// the pitch of the camera, and the body's as well; Q's own pitch then does not matter.
+VehicleStep LevelStep(const RigidTransform& previous_from_current, const Eigen::Quaterniond& vehicle_from_camera,
+                      double dt, const VehicleStepOptions& options);
+
+/// Cuts a path into steps, pose by pose.
+class StepBuilder {
+ public:
+  /// `timed`: the poses' times are seconds.
+  StepBuilder(const VehicleStepOptions& options, bool timed) : options_(options), timed_(timed) {}
+
+  /// Takes the next pose, in vehicle axes: world_from_camera * camera_from_vehicle's rotation. Gives the steps that it
+  /// ends: one at most, two where a gap cuts a step short.
+  std::vector<VehicleStep> Add(const StampedPose& pose, const PathGap* gap = nullptr);
+
+  /// The path ends: what remains of it is a step, unless it has no length.
+  std::optional<VehicleStep> Finish();
+
+ private:
+  VehicleStep StepTo(const StampedPose& pose, int index) const;
+
+  VehicleStepOptions options_;
+  bool timed_;
+  int poses_ = 0;
+  int key_ = 0;  ///< where the step under way begins
+  StampedPose key_pose_;
+  StampedPose last_pose_;
+};
+
+/// All steps of a path whose poses are in vehicle axes, jumps marked as not usable. Gaps in their order.
+std::vector<VehicleStep> CutIntoSteps(const Trajectory& path, const std::vector<PathGap>& gaps, bool timed,
+                                      const VehicleStepOptions& options);
+
+}  // namespace turnscale

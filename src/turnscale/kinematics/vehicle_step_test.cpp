@@ -1,0 +1,247 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/kinematics/vehicle_step.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <random>
+
+#include <Eigen/Core>
+#include <gtest/gtest.h>
+
+#include "turnscale/base/refused_field.h"
+#include "turnscale/geometry/rotation.h"
+#include "turnscale/kinematics/ackermann.h"
+#include "turnscale/kinematics/synthetic_drive.h"
+
+namespace turnscale {
+namespace {
+
+const Eigen::Quaterniond kIdentity = Eigen::Quaterniond::Identity();
+constexpr double kDegree = 1 / kDegreesPerRadian;
+constexpr double kInterval = 0.1;
+
+Eigen::Quaterniond Pitched(double angle) { return RotationFromYawPitchRoll({0, angle, 0}); }
+
+/// Where the camera of a car on a circle goes, drawn on paper: along the way that the car faces half-way through the
+/// step, and to the right of it.
+struct HalfWay {
+  double forward = 0;
+  double lateral = 0;
+};
+HalfWay SeenHalfWay(const AckermannStep& step, double lever_arm) {
+  const auto heading = [](double angle) { return Eigen::Vector2d(std::sin(angle), std::cos(angle)); };  // east, north
+  // The axle's chord lies half-way between its two headings.
+  const Eigen::Vector2d camera_before = lever_arm * heading(0);
+  const Eigen::Vector2d camera_after = step.rho * heading(0.5 * step.psi) + lever_arm * heading(step.psi);
+  const Eigen::Vector2d ahead = heading(0.5 * step.psi);
+  const Eigen::Vector2d right(ahead.y(), -ahead.x());
+  return {(camera_after - camera_before).dot(ahead), (camera_after - camera_before).dot(right)};
+}
+
+Trajectory Timed(const std::vector<DriveSegment>& route, const LeverArm& lever_arm = {1.2, 0}) {
+  Trajectory path;
+  for (const RigidTransform& pose : MakeCarDrive(route, kInterval, lever_arm, kIdentity).world_from_camera)
+    path.push_back({kInterval * static_cast<double>(path.size()), pose});
+  return path;
+}
+
+Trajectory Straight(int poses) { return Timed({{poses - 1, 0.8, 0}}); }
+
+std::vector<int> LastPoses(const std::vector<VehicleStep>& steps) {
+  std::vector<int> last;
+  for (const VehicleStep& step : steps) last.push_back(step.last);
+  return last;
+}
+
+TEST(LevelStep, SeesTheCameraSwingAsTheGeometryHasIt) {
+  std::mt19937 random(31);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  for (int i = 0; i < 200; ++i) {
+    const AckermannStep step{0.4 * uniform(random), 0.3 + std::abs(uniform(random))};
+    const double lever_arm = 1.5 + uniform(random);
+    const Eigen::Quaterniond mount =
+        RotationFromYawPitchRoll({uniform(random), 0.4 * uniform(random), uniform(random)});
+    const VehicleStep read = LevelStep(ConstrainedCameraMotion(step, lever_arm, mount), mount, 0.25, {});
+    const HalfWay truth = SeenHalfWay(step, lever_arm);
+    EXPECT_NEAR(read.lateral(), truth.lateral, 1e-12);
+    EXPECT_NEAR(read.motion.step, std::hypot(truth.forward, truth.lateral), 1e-12);
+    EXPECT_NEAR(read.motion.psi, step.psi, 1e-12);
+    EXPECT_NEAR(read.speed(), 4 * read.motion.step, 1e-12);
+    EXPECT_EQ(read.usable, std::abs(truth.lateral) <= std::sqrt(3.0) * truth.forward) << "60 deg";
+  }
+}
+
+TEST(LevelStep, PitchOfTheMountDoesNotMatter) {
+  std::mt19937 random(32);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  for (int i = 0; i < 100; ++i) {
+    const AckermannStep step{0.3 * uniform(random), 0.8};
+    const double pitch = 0.3 * uniform(random);
+    const RigidTransform motion = ConstrainedCameraMotion(step, 1.4, Pitched(pitch));
+    const VehicleStep known = LevelStep(motion, Pitched(pitch), kInterval, {});
+    for (const double believed : {0.0, 0.2, -0.35}) {
+      const VehicleStep read = LevelStep(motion, Pitched(believed), kInterval, {});
+      EXPECT_NEAR(read.motion.psi, known.motion.psi, 1e-12);
+      EXPECT_NEAR(read.motion.theta, known.motion.theta, 1e-12);
+      EXPECT_NEAR(read.lateral(), known.lateral(), 1e-12);
+    }
+    const double unlevelled = TurningMotionOf(motion, kIdentity).psi;
+    if (std::abs(pitch) > 0.2 && std::abs(step.psi) > 0.1) {
+      EXPECT_GT(std::abs(unlevelled - step.psi), 0.01 * std::abs(step.psi)) << "the pitch is worth levelling";
+    }
+  }
+}
+
+TEST(LevelStep, OnlyStepsAlongTheCarAreUsable) {
+  const auto usable = [](const Eigen::Vector3d& travel) {
+    return LevelStep({kIdentity, travel}, kIdentity, 0.1, {}).usable;
+  };
+  EXPECT_TRUE(usable({0, 0, 1}));
+  EXPECT_TRUE(usable({std::sin(59 * kDegree), 0, std::cos(59 * kDegree)}));
+  EXPECT_FALSE(usable({std::sin(61 * kDegree), 0, std::cos(61 * kDegree)}));
+  EXPECT_FALSE(usable({0, -std::sin(61 * kDegree), std::cos(61 * kDegree)}));
+  EXPECT_TRUE(usable({0, 0, -1})) << "in reverse";
+  EXPECT_FALSE(usable({0, 0, 0}));
+  EXPECT_FALSE(LevelStep({kIdentity, {0.5, 0, 1}}, kIdentity, 0.1, {.max_direction = 20 * kDegree}).usable);
+}
+
+TEST(LevelStep, WithoutTimesThereIsNoSpeed) {
+  EXPECT_EQ(LevelStep({kIdentity, {0, 0, 1}}, kIdentity, 0, {}).speed(), 0);
+}
+
+TEST(CutIntoSteps, AStepEndsAtItsAngle) {
+  // 1 deg from pose to pose: 3 poses reach 2.5 deg.
+  const Trajectory path = Timed({{12, 0.4, -1 * kDegree}});
+  const std::vector<VehicleStep> steps = CutIntoSteps(path, {}, true, {});
+  EXPECT_EQ(LastPoses(steps), (std::vector<int>{3, 6, 9, 12}));
+  for (const VehicleStep& step : steps) {
+    EXPECT_NEAR(step.motion.psi, -3 * kDegree, 1e-9);
+    EXPECT_NEAR(step.duration, 0.3, 1e-9);
+    EXPECT_EQ(step.last - step.first, 3);
+  }
+  const std::vector<VehicleStep> finer = CutIntoSteps(path, {}, true, {.angle = 1.5 * kDegree});
+  EXPECT_EQ(LastPoses(finer), (std::vector<int>{2, 4, 6, 8, 10, 12}));
+}
+
+TEST(CutIntoSteps, AnAngleOfZeroTakesEveryPose) {
+  const std::vector<VehicleStep> steps = CutIntoSteps(Straight(6), {}, true, {.angle = 0});
+  EXPECT_EQ(LastPoses(steps), (std::vector<int>{1, 2, 3, 4, 5}));
+}
+
+TEST(CutIntoSteps, AStraightStepEndsAfterItsTime) {
+  Trajectory path = Straight(19);
+  EXPECT_EQ(LastPoses(CutIntoSteps(path, {}, true, {})), (std::vector<int>{6, 12, 18}));
+  EXPECT_EQ(LastPoses(CutIntoSteps(path, {}, true, {.max_duration = 0.3})), (std::vector<int>{3, 6, 9, 12, 15, 18}));
+  // Times that were rounded to a hundredth do not shift the steps.
+  std::mt19937 random(33);
+  for (StampedPose& pose : path) pose.time += 0.001 * std::uniform_real_distribution<double>(-1, 1)(random);
+  EXPECT_EQ(LastPoses(CutIntoSteps(path, {}, true, {})), (std::vector<int>{6, 12, 18}));
+}
+
+TEST(CutIntoSteps, WithoutTimesPosesAreCounted) {
+  Trajectory path = Straight(9);
+  for (StampedPose& pose : path) pose.time = 0;
+  const std::vector<VehicleStep> steps = CutIntoSteps(path, {}, false, {.max_poses = 4});
+  EXPECT_EQ(LastPoses(steps), (std::vector<int>{4, 8}));
+  for (const VehicleStep& step : steps) EXPECT_EQ(step.duration, 0);
+}
+
+TEST(CutIntoSteps, WhatRemainsIsAStepUnlessItStandsStill) {
+  Trajectory path = Straight(9);
+  EXPECT_EQ(LastPoses(CutIntoSteps(path, {}, true, {})), (std::vector<int>{6, 8}));
+  path[7].world_from_camera = path[8].world_from_camera = path[6].world_from_camera;
+  EXPECT_EQ(LastPoses(CutIntoSteps(path, {}, true, {})), (std::vector<int>{6}));
+  EXPECT_TRUE(CutIntoSteps({path[0]}, {}, true, {}).empty());
+  EXPECT_TRUE(CutIntoSteps({}, {}, true, {}).empty());
+}
+
+TEST(CutIntoSteps, NothingIsReadAcrossAGap) {
+  Trajectory path = Straight(20);
+  for (std::size_t i = 8; i < path.size(); ++i) {
+    // Found again elsewhere, in another unit.
+    path[i].world_from_camera.translation = Eigen::Vector3d(50, 1, 3) + 4 * path[i].world_from_camera.translation;
+  }
+  const std::vector<VehicleStep> steps = CutIntoSteps(path, {{8, 0.3}}, true, {});
+  EXPECT_EQ(LastPoses(steps), (std::vector<int>{6, 7, 8, 14, 19}));
+  int next = 0;
+  for (const VehicleStep& step : steps) {
+    EXPECT_EQ(step.first, next);
+    next = step.last;
+    EXPECT_EQ(step.after_gap, step.last == 8);
+    EXPECT_EQ(step.usable, step.last != 8);
+    EXPECT_EQ(step.gap_sigma, step.last == 8 ? 0.3 : 0);
+    if (!step.after_gap) continue;
+    EXPECT_EQ(step.motion.step, 0);
+    EXPECT_EQ(step.motion.psi, 0);
+    EXPECT_NEAR(step.duration, kInterval, 1e-9);
+  }
+}
+
+TEST(CutIntoSteps, AGapWhereAStepEndsLeavesNoRest) {
+  EXPECT_EQ(LastPoses(CutIntoSteps(Straight(14), {{7, 0.3}}, true, {})), (std::vector<int>{6, 7, 13}));
+}
+
+TEST(CutIntoSteps, AJumpIsNotUsable) {
+  Trajectory path = Straight(43);
+  for (std::size_t i = 15; i < path.size(); ++i) path[i].world_from_camera.translation.z() += 20;
+  for (const VehicleStep& step : CutIntoSteps(path, {}, true, {})) EXPECT_EQ(step.usable, step.last != 18) << step.last;
+  for (const VehicleStep& step : CutIntoSteps(path, {}, true, {.max_speed_ratio = 10})) EXPECT_TRUE(step.usable);
+}
+
+TEST(CutIntoSteps, AFastRoadIsNoJump) {
+  // A third of the steps at 2.5 times the speed of the others.
+  const std::vector<VehicleStep> steps = CutIntoSteps(Timed({{60, 0.6, 0}, {30, 1.5, 0}}), {}, true, {});
+  EXPECT_TRUE(std::ranges::all_of(steps, &VehicleStep::usable));
+}
+
+TEST(CutIntoSteps, TooShortAPathShowsNoJump) {
+  Trajectory path = Straight(13);
+  for (std::size_t i = 7; i < path.size(); ++i) path[i].world_from_camera.translation.z() += 50;
+  for (const VehicleStep& step : CutIntoSteps(path, {}, true, {})) EXPECT_TRUE(step.usable);
+}
+
+TEST(StepBuilder, PoseByPoseIsTheWholePath) {
+  const Trajectory path =
+      Timed({{25, 0.9, 0}, {30, 0.5, 2 * kDegree}, {17, 0.8, 0.3 * kDegree}, {20, 0.4, -3 * kDegree}});
+  const std::vector<PathGap> gaps{{13, 0.2}, {14, 0.3}, {40, 0.1}};
+  for (const bool timed : {true, false}) {
+    StepBuilder builder({}, timed);
+    std::vector<VehicleStep> steps;
+    auto gap = gaps.begin();
+    for (std::size_t i = 0; i < path.size(); ++i) {
+      const bool after_gap = gap != gaps.end() && gap->pose == static_cast<int>(i);
+      const std::vector<VehicleStep> ended = builder.Add(path[i], after_gap ? &*gap++ : nullptr);
+      EXPECT_LE(ended.size(), after_gap ? 2u : 1u);
+      for (const VehicleStep& step : ended) EXPECT_EQ(step.last, &step == &ended.back() ? i : i - 1);
+      std::ranges::copy(ended, std::back_inserter(steps));
+    }
+    if (const auto rest = builder.Finish()) steps.push_back(*rest);
+    EXPECT_FALSE(builder.Finish()) << "the path ends once";
+    const std::vector<VehicleStep> batch = CutIntoSteps(path, gaps, timed, {});
+    ASSERT_EQ(steps.size(), batch.size());
+    for (std::size_t i = 0; i < steps.size(); ++i) {
+      EXPECT_EQ(steps[i].first, batch[i].first);
+      EXPECT_EQ(steps[i].last, batch[i].last);
+      EXPECT_EQ(steps[i].motion.psi, batch[i].motion.psi);
+      EXPECT_EQ(steps[i].lateral(), batch[i].lateral());
+      EXPECT_EQ(steps[i].duration, batch[i].duration);
+      EXPECT_EQ(steps[i].after_gap, batch[i].after_gap);
+      EXPECT_EQ(steps[i].gap_sigma, batch[i].gap_sigma);
+    }
+  }
+}
+
+TEST(VehicleStepOptions, RefusesSenselessValues) {
+  const auto refused = [](auto change) { return RefusedField<VehicleStepOptions>(change); };
+  EXPECT_EQ(refused([](auto&) {}), "");
+  EXPECT_EQ(refused([](auto& o) { o.angle = -0.1; }), "steps.angle");
+  EXPECT_EQ(refused([](auto& o) { o.angle = 0.5; }), "steps.angle");
+  EXPECT_EQ(refused([](auto& o) { o.max_duration = 0; }), "steps.max_duration");
+  EXPECT_EQ(refused([](auto& o) { o.max_poses = 0; }), "steps.max_poses");
+  EXPECT_EQ(refused([](auto& o) { o.max_speed_ratio = 1; }), "steps.max_speed_ratio");
+  EXPECT_EQ(refused([](auto& o) { o.max_direction = 0; }), "steps.max_direction");
+}
+
+}  // namespace
+}  // namespace turnscale

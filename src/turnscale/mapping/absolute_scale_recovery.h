@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "turnscale/bundle/bundle_adjustment.h"
+#include "turnscale/mapping/map.h"
+#include "turnscale/mapping/map_scaling.h"
+#include "turnscale/mapping/recovery_problem.h"
+
+namespace turnscale {
+
+struct ScaleRecoveryOptions {
+  /// Standard deviation of a tracked pixel, pixels.
+  double pixel_sigma = 0.5;
+  /// Beside turns that are weighed (TurnScale::sigma) pixels count as if their sigma was so many times larger: those of
+  /// one track err together, by the patch that all its views are aligned to, so that ten views tell about as much as
+  /// one. 1: they err independently.
+  double pixel_sigma_inflation = 3;
+  int max_iterations = 30;
+  /// Residuals (in sigmas) beyond this weigh linearly.
+  double huber_threshold = 2.0;
+  /// The path may become this many times longer or shorter than the first guess has it; beyond, the adjustment has
+  /// gone astray and the guess stands.
+  double max_stretch = 1.5;
+
+  /// Throws InputError that names the field when a value makes no sense.
+  void Check() const;
+};
+
+/// What became of a stretch of the map between two losses of tracking.
+struct RangeRecovery {
+  KeyframeRange range;
+  bool adjusted = false;  ///< false: it is in metres by the first guess only
+  std::string reason;     ///< why it was not adjusted; empty where it was
+  BundleSummary summary;
+};
+
+struct ScaleRecoveryResult {
+  std::vector<RangeRecovery> ranges;
+  /// Lengths at keyframe k are `factors[k]` times what they were; one for every keyframe of the map, 1 before the first
+  /// that took part. The last one is for velocities and for what comes next.
+  std::vector<double> factors;
+};
+
+/// Absolute scale recovery (24)-(30): brings keyframes `first`.. to the map's latest, and their landmarks, to metres.
+///
+/// Give all turns of that stretch in the order of time: the previous one (F_tp, factor 1, its first step being first+1
+/// or later) and the current one (F_tc); at the first turn of a drive only this one, with `first` 0. A first guess
+/// scales each step: as the turn says within turns, passing from turn to turn between them (F_u), and like the nearest
+/// turn at the ends. Then reprojection errors are minimised over centres and points, with rotations and keyframe
+/// `first` fixed and the length of every step of a turn held (or weighed: TurnScale::sigma). Steps that bridge a loss
+/// of tracking are scaled and not adjusted.
+///
+/// The result does not depend on the map's unit of length. Throws InputError when steps are out of range or out of
+/// order, a factor is not positive, or a sigma negative.
+ScaleRecoveryResult RecoverAbsoluteScale(const ScaleRecoveryOptions& options, const std::vector<TurnScale>& turns,
+                                         int first, Map& map);
+
+}  // namespace turnscale

@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/mapping/calibration_check.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <string>
+
+#include <Eigen/Cholesky>
+
+#include "turnscale/base/error.h"
+#include "turnscale/geometry/rotation.h"
+#include "turnscale/mapping/window_problem.h"
+
+namespace turnscale {
+namespace {
+
+constexpr int kEntries = IntrinsicsChange::kEntries;
+using Vector = IntrinsicsChange::Vector;
+using Matrix = IntrinsicsChange::Matrix;
+
+constexpr int kIterationsAtFirst = 10;
+constexpr int kIterationsAfterAStep = 5;
+// A step below this many standard deviations changes nothing that is reported.
+constexpr double kSmallStep = 0.3;
+// Farther than this at once the linear model is not to be trusted: log of the focal length, principal point in focal
+// lengths, correction.
+constexpr double kLongestFocalStep = 0.1;
+constexpr double kLongestCentreStep = 0.05;
+constexpr double kLongestCorrectionStep = 0.04;
+// Degrees of freedom of the Student distribution that windows are taken to follow.
+constexpr double kStudentDof = 4;
+constexpr int kReweightings = 20;
+// Standard deviation of what a distortion beyond its first radial term does to the focal length (relative), the
+// principal point (in focal lengths) and the correction, as a share of the correction.
+constexpr double kHigherTerms = 0.15;
+// From one look to the next, at most, in halves of a window.
+constexpr int kLongestInterval = 8;
+
+double InRadians(double degrees) { return degrees / kDegreesPerRadian; }
+
+// Largest angle between the first or the last of the keyframes and another, radians.
+double LargestTurn(const Map& map, int first, int last) {
+  double largest = 0;
+  for (int k = first; k <= last; ++k)
+    for (const int end : {first, last}) {
+      const Eigen::Quaterniond turn =
+          map.keyframes[k].camera_from_world.rotation * map.keyframes[end].camera_from_world.rotation.conjugate();
+      largest = std::max(largest, RotationAngle(turn));
+    }
+  return largest;
+}
+
+// Share of a step that stays within what the linear model is good for.
+double ShareOf(const Vector& step, double focal_length) {
+  const double longest = std::max({std::abs(step[IntrinsicsChange::kLogFocal]) / kLongestFocalStep,
+                                   std::abs(step[IntrinsicsChange::kCentreX]) / (kLongestCentreStep * focal_length),
+                                   std::abs(step[IntrinsicsChange::kCentreY]) / (kLongestCentreStep * focal_length),
+                                   std::abs(step[IntrinsicsChange::kCorrection]) / kLongestCorrectionStep});
+  return 1.0 / std::max(1.0, longest);
+}
+
+}  // namespace
+
+void CalibrationCheckOptions::Check() const {
+  const auto require = [](bool fine, const char* what) {
+    if (!fine) throw InputError(std::string("calibration_check.") + what);
+  };
+  require(window >= 3, "window: has to be at least 3 keyframes");
+  require(min_turn_deg > 0, "min_turn_deg: has to be positive");
+  require(max_landmarks >= 20, "max_landmarks: has to be at least 20");
+  require(max_rounds >= 1, "max_rounds: has to be at least 1");
+  require(pixel_sigma_inflation >= 1, "pixel_sigma_inflation: has to be at least 1");
+  require(huber_threshold >= 0, "huber_threshold: must not be negative");
+  require(pixel_sigma > 0, "pixel_sigma: has to be positive");
+  require(focal_prior_sigma > 0, "focal_prior_sigma: has to be positive");
+  require(centre_prior_sigma_deg > 0, "centre_prior_sigma_deg: has to be positive");
+  require(correction_prior_sigma > 0, "correction_prior_sigma: has to be positive");
+  require(focal_window_sigma >= 0, "focal_window_sigma: must not be negative");
+  require(centre_window_sigma_deg >= 0, "centre_window_sigma_deg: must not be negative");
+  require(correction_window_sigma >= 0, "correction_window_sigma: must not be negative");
+  require(focal_model_sigma >= 0, "focal_model_sigma: must not be negative");
+  require(centre_model_sigma_deg >= 0, "centre_model_sigma_deg: must not be negative");
+  require(correction_model_sigma >= 0, "correction_model_sigma: must not be negative");
+  require(min_focal_error >= 0, "min_focal_error: must not be negative");
+  require(min_centre_error_deg >= 0, "min_centre_error_deg: must not be negative");
+  require(min_correction_error >= 0, "min_correction_error: must not be negative");
+  require(significance > 0, "significance: has to be positive");
+}
+
+CalibrationCheck::CalibrationCheck(const CalibrationCheckOptions& options)
+    : options_(options), next_keyframe_(options.window - 1) {}
+
+bool CalibrationCheck::Observe(const Map& map, double applied) {
+  given_ = map.pinhole;
+  const int latest = static_cast<int>(map.keyframes.size()) - 1;
+  if (!options_.enabled || latest < next_keyframe_) return false;
+  const int first = std::max(StartOfMap(map), latest - options_.window + 1);
+  if (LargestTurn(map, first, latest) * kDegreesPerRadian < options_.min_turn_deg) return false;
+  // What windows have in common is known soon: later ones come less often, and only the first overlap.
+  const int read = static_cast<int>(windows_.size()) + 1;
+  next_keyframe_ = latest + std::min(read, kLongestInterval) * (options_.window / 2);
+  const std::optional<Reading> reading = Read(map, first, latest, applied);
+  if (reading) windows_.push_back(*reading);
+  return reading.has_value();
+}
+
+Matrix CalibrationCheck::Covariance(double focal_sigma, double centre_sigma_deg, double correction_sigma) const {
+  const double centre = given_.fx * InRadians(centre_sigma_deg);
+  return Vector(focal_sigma, centre, centre, correction_sigma).array().square().matrix().asDiagonal();
+}
+
+CalibrationCheck::Reading CalibrationCheck::Widened(const Matrix& information, const Vector& weighted_minimum) const {
+  const Matrix window =
+      Covariance(options_.focal_window_sigma, options_.centre_window_sigma_deg, options_.correction_window_sigma);
+  // (information^-1 + window)^-1, where information may be singular.
+  const Matrix share = (Matrix::Identity() + information * window).inverse();
+  return {share * information, share * weighted_minimum};
+}
+
+std::optional<CalibrationCheck::Reading> CalibrationCheck::Read(const Map& map, int first, int last,
+                                                                double applied) const {
+  IntrinsicsWindow window;
+  window.first = first;
+  window.last = last;
+  window.max_landmarks = options_.max_landmarks;
+  window.huber_threshold = options_.huber_threshold;
+  IntrinsicsProblem problem(map, window, applied, options_.pixel_sigma);
+  if (problem.landmarks() == 0) return std::nullopt;
+  // What is known without this window guides the way, and is taken off again.
+  const IntrinsicsEstimate known = Estimate();
+  const Matrix known_information = known.covariance.inverse();
+  Vector start = known.change;
+  if (windows_.empty()) start[IntrinsicsChange::kCorrection] = applied;
+  problem.Change(start);
+  const double deflation = 1.0 / (options_.pixel_sigma_inflation * options_.pixel_sigma_inflation);
+  for (int round = 1;; ++round) {
+    if (!problem.Adjust(round == 1 ? kIterationsAtFirst : kIterationsAfterAStep)) return std::nullopt;
+    problem.EstimatePixelSigma();
+    const std::optional<IntrinsicsEvidence> evidence = problem.Evidence();
+    if (!evidence) return std::nullopt;
+    const Matrix total = deflation * evidence->information + known_information;
+    const Vector slope = deflation * evidence->gradient + known_information * (evidence->at - known.change);
+    const Vector step = -total.ldlt().solve(slope);
+    if (!step.allFinite()) return std::nullopt;
+    if (round == options_.max_rounds || step.dot(total * step) < kSmallStep * kSmallStep)
+      return Widened(deflation * evidence->information, deflation * evidence->weighted_minimum());
+    problem.Follow(evidence->at + ShareOf(step, given_.fx) * step);
+  }
+}
+
+IntrinsicsEstimate CalibrationCheck::Estimate() const {
+  const Matrix prior_covariance =
+      Covariance(options_.focal_prior_sigma, options_.centre_prior_sigma_deg, options_.correction_prior_sigma);
+  const Matrix prior = prior_covariance.inverse();
+  IntrinsicsEstimate estimate;
+  estimate.covariance = prior_covariance;
+  if (windows_.empty()) return estimate;
+  std::vector<double> weights(windows_.size(), 1.0);
+  double scatter = 1;
+  for (int round = 0; round < kReweightings; ++round) {
+    Matrix information = prior;
+    Vector weighted = Vector::Zero();
+    for (size_t i = 0; i < windows_.size(); ++i) {
+      information += weights[i] * windows_[i].information;
+      weighted += weights[i] * windows_[i].weighted_minimum;
+    }
+    estimate.covariance = information.inverse();
+    estimate.change = estimate.covariance * weighted;
+    double sum = 0;
+    for (size_t i = 0; i < windows_.size(); ++i) {
+      // How far the window's own minimum lies from the common one, in its sigmas.
+      const Vector pull = windows_[i].weighted_minimum - windows_[i].information * estimate.change;
+      const double square = pull.dot(windows_[i].information.ldlt().solve(pull));
+      sum += weights[i] * square;
+      weights[i] = (kStudentDof + kEntries) / (kStudentDof + square);
+    }
+    if (windows_.size() > 1) scatter = std::max(1.0, sum / (kEntries * static_cast<double>(windows_.size() - 1)));
+  }
+  estimate.covariance *= scatter;
+  // A lens that distorts much has more to it than the first radial term.
+  const double unmodelled = kHigherTerms * std::abs(estimate.change[IntrinsicsChange::kCorrection]);
+  estimate.covariance += Covariance(std::hypot(options_.focal_model_sigma, unmodelled),
+                                    std::hypot(options_.centre_model_sigma_deg, unmodelled * kDegreesPerRadian),
+                                    std::hypot(options_.correction_model_sigma, unmodelled));
+  return estimate;
+}
+
+std::vector<ParameterEstimate> CalibrationCheck::Parameters() const {
+  const IntrinsicsEstimate estimate = Estimate();
+  const Vector sigmas = estimate.covariance.diagonal().cwiseSqrt();
+  const Pinhole found = ChangedPinhole(given_, estimate.change);
+  return {{IntrinsicsParameter::kFocalLength, given_.fx, found.fx, sigmas[IntrinsicsChange::kLogFocal] * found.fx},
+          {IntrinsicsParameter::kCentreX, given_.cx, found.cx, sigmas[IntrinsicsChange::kCentreX]},
+          {IntrinsicsParameter::kCentreY, given_.cy, found.cy, sigmas[IntrinsicsChange::kCentreY]},
+          {IntrinsicsParameter::kDistortion, 0, estimate.change[IntrinsicsChange::kCorrection],
+           sigmas[IntrinsicsChange::kCorrection]}};
+}
+
+std::vector<ParameterEstimate> CalibrationCheck::Contradictions() const {
+  std::vector<ParameterEstimate> contradictions;
+  if (windows_.empty()) return contradictions;
+  const double centre = given_.fx * std::tan(InRadians(options_.min_centre_error_deg));
+  const double matters[kEntries] = {given_.fx * options_.min_focal_error, centre, centre,
+                                    options_.min_correction_error};
+  const std::vector<ParameterEstimate> all = Parameters();
+  for (size_t i = 0; i < all.size(); ++i) {
+    const double error = std::abs(all[i].found - all[i].given);
+    if (error > matters[i] && error > options_.significance * all[i].sigma) contradictions.push_back(all[i]);
+  }
+  return contradictions;
+}
+
+}  // namespace turnscale

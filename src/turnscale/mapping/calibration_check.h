@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "turnscale/geometry/pinhole.h"
+#include "turnscale/mapping/intrinsics_evidence.h"
+#include "turnscale/mapping/map.h"
+
+namespace turnscale {
+
+struct CalibrationCheckOptions {
+  /// Compare the given intrinsics with what the images of turns say. A focal length that is 15 % off bends the metres
+  /// by tens of per cent, and nothing else notices.
+  bool enabled = true;
+  /// Keyframes that each look takes in.
+  int window = 20;
+  /// Least angle between two of a window's keyframes, degrees. Without turning, a longer focal length is the same as a
+  /// deeper scene.
+  double min_turn_deg = 25.0;
+  /// Landmarks that take part, those with the longest tracks; the time of a look is linear in it.
+  int max_landmarks = 150;
+  /// Times that poses, points and intrinsics are brought to agree in a window; with a right calibration one is enough.
+  int max_rounds = 5;
+  /// Errors of a track's pixels go together, so that each counts as if it were so many times its sigma.
+  double pixel_sigma_inflation = 3.0;
+  /// Where bundle adjustment starts to weigh residuals linearly, in sigmas.
+  double huber_threshold = 2.0;
+  /// Standard deviation of a tracked pixel until residuals tell it, pixels.
+  double pixel_sigma = 0.5;
+
+  // What is taken as known before the drive, standard deviations.
+  double focal_prior_sigma = 0.1;        ///< relative
+  double centre_prior_sigma_deg = 2.0;   ///< principal point, as an angle at the camera, degrees
+  double correction_prior_sigma = 0.02;  ///< radial correction
+
+  // What the images of one window get wrong beyond their noise (moving things, what the lens has besides a radial
+  // distortion), standard deviations. Windows of KITTI scatter by as much.
+  double focal_window_sigma = 0.01;       ///< relative
+  double centre_window_sigma_deg = 0.25;  ///< degrees
+  double correction_window_sigma = 0.004;
+
+  // The same of what all windows of a drive get wrong alike.
+  double focal_model_sigma = 0.007;     ///< relative
+  double centre_model_sigma_deg = 0.2;  ///< degrees
+  double correction_model_sigma = 0.003;
+
+  // A contradiction is reported from these errors on, when it also exceeds `significance` standard deviations.
+  double min_focal_error = 0.03;      ///< relative
+  double min_centre_error_deg = 0.8;  ///< degrees
+  double min_correction_error = 0.05;
+  double significance = 3.0;
+
+  /// Throws InputError that names the field when a value makes no sense.
+  void Check() const;
+};
+
+enum class IntrinsicsParameter { kFocalLength, kCentreX, kCentreY, kDistortion };
+
+/// One parameter as it was given and as the drive has it: focal length fx and principal point in pixels, the distortion
+/// as the radial correction that the calibration lacks.
+struct ParameterEstimate {
+  IntrinsicsParameter parameter = IntrinsicsParameter::kFocalLength;
+  double given = 0;
+  double found = 0;
+  double sigma = 0;
+};
+
+/// Intrinsics of a drive as a difference from the map's pinhole.
+struct IntrinsicsEstimate {
+  IntrinsicsChange::Vector change = IntrinsicsChange::Vector::Zero();
+  IntrinsicsChange::Matrix covariance = IntrinsicsChange::Matrix::Zero();
+};
+
+/// Whether a calibration agrees with the drive. Windows of keyframes in which the camera turns tell the intrinsics
+/// (IntrinsicsProblem); their evidence adds up, windows that disagree with the others count less, and their scatter
+/// widens the sigmas.
+///
+/// Reads the map and changes nothing. Lenses whose correction is not radial_correction.h's are not for it.
+class CalibrationCheck {
+ public:
+  explicit CalibrationCheck(const CalibrationCheckOptions& options);
+
+  /// Takes the map when a keyframe has come; its pixels are corrected by `applied`. True when a window was read.
+  bool Observe(const Map& map, double applied);
+
+  /// Windows that were read.
+  int windows() const { return static_cast<int>(windows_.size()); }
+  /// What the drive and the prior say, sigmas honest: with what windows scatter and have in common.
+  IntrinsicsEstimate Estimate() const;
+  /// All parameters, in the order of IntrinsicsParameter. Where nothing was read, as given, with the prior's sigma.
+  std::vector<ParameterEstimate> Parameters() const;
+  /// Those that contradict what was given; empty where the drive agrees or does not tell.
+  std::vector<ParameterEstimate> Contradictions() const;
+
+ private:
+  struct Reading {
+    IntrinsicsChange::Matrix information;
+    IntrinsicsChange::Vector weighted_minimum;
+  };
+
+  IntrinsicsChange::Matrix Covariance(double focal_sigma, double centre_sigma_deg, double correction_sigma) const;
+  /// With what one window gets wrong beyond its noise.
+  Reading Widened(const IntrinsicsChange::Matrix& information, const IntrinsicsChange::Vector& weighted_minimum) const;
+  std::optional<Reading> Read(const Map& map, int first, int last, double applied) const;
+
+  CalibrationCheckOptions options_;
+  Pinhole given_;
+  std::vector<Reading> windows_;
+  int next_keyframe_ = 0;
+};
+
+}  // namespace turnscale

@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/mapping/calibration_check.h"
+
+#include <cmath>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "turnscale/base/refused_field.h"
+#include "turnscale/camera/radial_correction.h"
+#include "turnscale/geometry/triangulation.h"
+#include "turnscale/mapping/synthetic_map.h"
+
+namespace turnscale {
+namespace {
+
+using Vector = IntrinsicsChange::Vector;
+
+const std::vector<DriveSegment> kStreet = {{60, 0.8, 0}};
+const std::vector<DriveSegment> kRightAndLeft = {{4, 0.8, 0}, {22, 0.7, 0.07}, {4, 0.8, 0}, {22, 0.7, -0.07}};
+
+// A drive read with a calibration that is off by `error`: to be right, the pinhole has to change by minus that, and
+// pixels want error[kCorrection] as correction.
+Map WrongMap(const std::vector<DriveSegment>& segments, const Vector& error, double noise, unsigned seed) {
+  const CarDrive drive = MakeCarDrive(segments, 0.1, {1.2, 0}, Eigen::Quaterniond::Identity());
+  Map map = MakeMap(drive, {.points_per_step = 25, .pixel_noise = noise, .seed = seed});
+  const Pinhole truth = map.pinhole;
+  map.pinhole = ChangedPinhole(truth, error);
+  const auto seen_through_lens = [&](const Eigen::Vector2d& pixel) {
+    return UndoRadialCorrection(truth, error[IntrinsicsChange::kCorrection], pixel);
+  };
+  for (Keyframe& keyframe : map.keyframes)
+    for (KeyframeObservation& seen : keyframe.observations) seen.pixel = seen_through_lens(seen.pixel);
+  for (Landmark& landmark : map.landmarks)
+    for (LandmarkObservation& seen : landmark.observations) seen.pixel = seen_through_lens(seen.pixel);
+  return map;
+}
+
+// The map as it was when this many keyframes had come.
+Map UpTo(int keyframes, const Map& whole) {
+  Map map;
+  map.pinhole = whole.pinhole;
+  for (int k = 0; k < keyframes; ++k) {
+    map.keyframes.push_back(whole.keyframes[k]);
+    map.keyframes.back().observations.clear();
+  }
+  map.landmarks.resize(whole.landmarks.size());
+  for (size_t i = 0; i < whole.landmarks.size(); ++i) {
+    Landmark& landmark = map.landmarks[i];
+    landmark.position = whole.landmarks[i].position;
+    for (const LandmarkObservation& seen : whole.landmarks[i].observations)
+      if (seen.keyframe < keyframes) AddObservation(map, seen.keyframe, static_cast<int>(i), seen.pixel);
+    const std::vector<LandmarkObservation>& seen = landmark.observations;
+    landmark.valid =
+        !seen.empty() && ParallaxAngle(map.keyframes[seen.front().keyframe].camera_from_world,
+                                       map.keyframes[seen.back().keyframe].camera_from_world, landmark.position) > 0.01;
+  }
+  return map;
+}
+
+CalibrationCheck Drive(const Map& whole, const CalibrationCheckOptions& options = {}) {
+  CalibrationCheck check(options);
+  for (int keyframes = 1; keyframes <= static_cast<int>(whole.keyframes.size()); ++keyframes)
+    check.Observe(UpTo(keyframes, whole), 0.0);
+  return check;
+}
+
+TEST(CalibrationCheck, FindsAWrongFocalLength) {
+  for (const double percent : {15.0, -15.0, 5.0, -5.0})
+    for (const unsigned seed : {1U, 2U}) {
+      const Vector error(std::log(1 + percent / 100), 0, 0, 0);
+      const CalibrationCheck check = Drive(WrongMap(kRightAndLeft, error, 0.3, seed));
+      const std::vector<ParameterEstimate> found = check.Contradictions();
+      ASSERT_EQ(found.size(), 1U) << percent;
+      EXPECT_EQ(found[0].parameter, IntrinsicsParameter::kFocalLength);
+      EXPECT_NEAR(found[0].given, 718 * (1 + percent / 100), 1e-6);
+      EXPECT_NEAR(found[0].found, 718, 2.5 * found[0].sigma);
+      EXPECT_LT(found[0].sigma, 0.015 * 718);
+    }
+}
+
+TEST(CalibrationCheck, FindsAWrongPrincipalPoint) {
+  for (const Vector& error : {Vector(0, 25, 0, 0), Vector(0, 0, -25, 0)}) {
+    const CalibrationCheck check = Drive(WrongMap(kRightAndLeft, error, 0.3, 3));
+    const std::vector<ParameterEstimate> all = check.Parameters();
+    EXPECT_NEAR(all[1].found, 607, 2.5 * all[1].sigma);
+    EXPECT_NEAR(all[2].found, 185, 2.5 * all[2].sigma);
+    const std::vector<ParameterEstimate> found = check.Contradictions();
+    ASSERT_EQ(found.size(), 1U) << error.transpose();
+    EXPECT_EQ(found[0].parameter,
+              error[IntrinsicsChange::kCentreX] != 0 ? IntrinsicsParameter::kCentreX : IntrinsicsParameter::kCentreY);
+  }
+}
+
+TEST(CalibrationCheck, TellsALensFromAFocalLength) {
+  const CalibrationCheck check = Drive(WrongMap(kRightAndLeft, Vector(0, 0, 0, 0.015), 0.3, 4));
+  const std::vector<ParameterEstimate> all = check.Parameters();
+  EXPECT_NEAR(all[3].found, 0.015, 2.5 * all[3].sigma);
+  EXPECT_LT(all[3].sigma, 0.007);
+  EXPECT_TRUE(check.Contradictions().empty());
+}
+
+TEST(CalibrationCheck, SaysNothingWhereTheCalibrationIsRight) {
+  for (const unsigned seed : {5U, 6U, 7U, 8U, 9U, 10U}) {
+    const CalibrationCheck check = Drive(WrongMap(kRightAndLeft, Vector::Zero(), 0.3, seed));
+    EXPECT_GT(check.windows(), 1);
+    EXPECT_TRUE(check.Contradictions().empty()) << seed;
+    for (const ParameterEstimate& estimate : check.Parameters())
+      EXPECT_LT(std::abs(estimate.found - estimate.given), 2.5 * estimate.sigma) << seed;
+  }
+}
+
+TEST(CalibrationCheck, AStreetDoesNotTell) {
+  const CalibrationCheck check = Drive(WrongMap(kStreet, Vector(0.14, 0, 0, 0), 0.3, 11));
+  EXPECT_EQ(check.windows(), 0);
+  EXPECT_TRUE(check.Contradictions().empty());
+  const std::vector<ParameterEstimate> all = check.Parameters();
+  EXPECT_EQ(all[0].found, all[0].given);
+  EXPECT_NEAR(all[0].sigma / all[0].given, CalibrationCheckOptions().focal_prior_sigma, 1e-9);
+}
+
+TEST(CalibrationCheck, DoesNotLookAcrossAGap) {
+  Map map = WrongMap(kRightAndLeft, Vector(0.14, 0, 0, 0), 0.3, 12);
+  for (int k = 4; k < static_cast<int>(map.keyframes.size()); k += 5) map.keyframes[k].after_gap = true;
+  EXPECT_EQ(Drive(map).windows(), 0);
+}
+
+TEST(CalibrationCheck, PixelsThatAreCorrectedAlreadySayTheSame) {
+  const Map raw = WrongMap(kRightAndLeft, Vector(0, 0, 0, 0.01), 0.3, 13);
+  Map corrected = raw;
+  for (Landmark& landmark : corrected.landmarks)
+    for (LandmarkObservation& seen : landmark.observations)
+      seen.pixel = CorrectRadially(corrected.pinhole, 0.01, seen.pixel);
+  CalibrationCheck from_raw({});
+  CalibrationCheck from_corrected({});
+  ASSERT_TRUE(from_raw.Observe(raw, 0));
+  ASSERT_TRUE(from_corrected.Observe(corrected, 0.01));
+  const IntrinsicsEstimate one = from_raw.Estimate();
+  const IntrinsicsEstimate other = from_corrected.Estimate();
+  const Vector sigmas = one.covariance.diagonal().cwiseSqrt();
+  EXPECT_LT(((one.change - other.change).array() / sigmas.array()).abs().maxCoeff(), 0.5);
+}
+
+TEST(CalibrationCheck, ANumberThatIsNoneTellsNothing) {
+  Map map = WrongMap(kRightAndLeft, Vector::Zero(), 0.3, 14);
+  for (const KeyframeObservation& seen : map.keyframes.back().observations)
+    map.landmarks[seen.landmark].position.x() = std::nan("");
+  CalibrationCheck check({});
+  EXPECT_FALSE(check.Observe(map, 0));
+  EXPECT_EQ(check.windows(), 0);
+}
+
+TEST(CalibrationCheck, CanBeSwitchedOff) {
+  CalibrationCheckOptions options;
+  options.enabled = false;
+  EXPECT_EQ(Drive(WrongMap(kRightAndLeft, Vector(0.14, 0, 0, 0), 0.3, 15), options).windows(), 0);
+}
+
+TEST(CalibrationCheck, OptionsNameTheFieldThatMakesNoSense) {
+  using Options = CalibrationCheckOptions;
+  EXPECT_EQ(RefusedField<Options>([](auto&) {}), "");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.window = 2; }), "calibration_check.window");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.min_turn_deg = 0; }), "calibration_check.min_turn_deg");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.focal_prior_sigma = std::nan(""); }),
+            "calibration_check.focal_prior_sigma");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.significance = -1; }), "calibration_check.significance");
+}
+
+}  // namespace
+}  // namespace turnscale

@@ -1,0 +1,337 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/mapping/intrinsics_evidence.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <functional>
+#include <utility>
+
+#include <Eigen/Cholesky>
+
+#include "turnscale/base/quantiles.h"
+#include "turnscale/bundle/bundle_adjustment.h"
+#include "turnscale/bundle/reprojection.h"
+#include "turnscale/camera/radial_correction.h"
+#include "turnscale/geometry/rotation.h"
+
+namespace turnscale {
+namespace {
+
+constexpr int kEntries = IntrinsicsChange::kEntries;
+using Vector = IntrinsicsChange::Vector;
+using Matrix = IntrinsicsChange::Matrix;
+
+constexpr size_t kFewestObservations = 3;  // of a landmark: two fit a point whatever the camera
+constexpr int kPoseDof = 6;
+// Median length of a two-dimensional normal error of sigma 1.
+constexpr double kMedianLength = 1.17741;
+// Share of the largest pivot below which a point's depth is not determined.
+constexpr double kLeastPivot = 1e-7;
+// Relative; keeps a factorization from stopping at rounding errors.
+constexpr double kRounding = 1e-13;
+// Pixels are not measured better than this, whatever the residuals of a made-up map.
+constexpr double kLeastPixelSigma = 0.02;
+
+using PoseBlock = Eigen::Matrix<double, 3, kPoseDof>;
+using IntrinsicsBlock = Eigen::Matrix<double, 3, kEntries>;
+
+// What the window's keyframes see of a landmark, in their order.
+struct Track {
+  int landmark = 0;
+  std::vector<LandmarkObservation> observations;
+};
+
+std::vector<Track> LongestTracks(const Map& map, const IntrinsicsWindow& window) {
+  std::vector<int> seen;
+  for (int k = window.first; k <= window.last; ++k)
+    for (const KeyframeObservation& observation : map.keyframes[k].observations)
+      if (map.landmarks[observation.landmark].valid) seen.push_back(observation.landmark);
+  std::ranges::sort(seen);
+  seen.erase(std::unique(seen.begin(), seen.end()), seen.end());
+  std::vector<Track> tracks;
+  for (const int landmark : seen) {
+    Track track{landmark, {}};
+    for (const LandmarkObservation& observation : map.landmarks[landmark].observations)
+      if (observation.keyframe >= window.first && observation.keyframe <= window.last)
+        track.observations.push_back(observation);
+    if (track.observations.size() < kFewestObservations) continue;
+    std::ranges::sort(track.observations, {}, &LandmarkObservation::keyframe);
+    tracks.push_back(std::move(track));
+  }
+  std::ranges::stable_sort(tracks, std::ranges::greater(),
+                           [](const Track& track) { return track.observations.size(); });
+  if (static_cast<int>(tracks.size()) > window.max_landmarks) tracks.resize(window.max_landmarks);
+  return tracks;
+}
+
+// Derivatives of one residual, over sigma and with the root of Huber's weight. Pose unknowns are (phi, delta):
+// x_in_camera = Exp(phi) R (X - c + delta), so that the point's derivatives are those of delta.
+struct Row {
+  int column = -1;  // first of the pose's in the reduced system; -1: it holds still
+  Eigen::Vector2d residual;
+  Eigen::Matrix<double, 2, kPoseDof> pose;
+  Eigen::Matrix<double, 2, kEntries> intrinsics;
+
+  auto point() const { return pose.rightCols<3>(); }
+};
+
+// The window of keyframes without its points: poses but the first, then the intrinsics. Upper triangle.
+struct ReducedSystem {
+  explicit ReducedSystem(int cameras)
+      : poses(kPoseDof * (cameras - 1)),
+        hessian(Eigen::MatrixXd::Zero(poses + kEntries, poses + kEntries)),
+        gradient(Eigen::VectorXd::Zero(poses + kEntries)) {}
+
+  int poses;
+  Eigen::MatrixXd hessian;
+  Eigen::VectorXd gradient;
+};
+
+// One point's normal equations, solved for the point: it moves by -(step + by_intrinsics * intrinsics + the sum of
+// edge blocks times their poses).
+struct EliminatedPoint {
+  struct Edge {
+    int column;
+    PoseBlock block;
+  };
+  Eigen::Vector3d step;
+  IntrinsicsBlock by_intrinsics;
+  std::vector<Edge> edges;
+};
+
+// Adds the rows of one point to the system and takes the point out. Nothing where they do not determine it.
+std::optional<EliminatedPoint> Eliminate(const std::vector<Row>& rows, ReducedSystem& system) {
+  if (rows.size() < kFewestObservations) return std::nullopt;
+  Eigen::Matrix3d hessian = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
+  IntrinsicsBlock by_intrinsics = IntrinsicsBlock::Zero();
+  for (const Row& row : rows) {
+    hessian += row.point().transpose() * row.point();
+    gradient += row.point().transpose() * row.residual;
+    by_intrinsics += row.point().transpose() * row.intrinsics;
+  }
+  const Eigen::LLT<Eigen::Matrix3d> factor(hessian);
+  const Eigen::Vector3d pivots = factor.matrixLLT().diagonal();
+  if (factor.info() != Eigen::Success || !(pivots.minCoeff() > kLeastPivot * pivots.maxCoeff())) return std::nullopt;
+  // Solved by the lower factor alone, so that products of two halves are what elimination takes off.
+  by_intrinsics = factor.matrixL().solve(by_intrinsics).eval();
+  gradient = factor.matrixL().solve(gradient).eval();
+  std::vector<EliminatedPoint::Edge> halves;
+  const int last = system.poses;
+  for (const Row& row : rows) {
+    system.hessian.bottomRightCorner<kEntries, kEntries>() += row.intrinsics.transpose() * row.intrinsics;
+    system.gradient.tail<kEntries>() += row.intrinsics.transpose() * row.residual;
+    if (row.column < 0) continue;
+    const PoseBlock block = row.point().transpose() * row.pose;
+    halves.push_back({row.column, factor.matrixL().solve(block)});
+    const PoseBlock& half = halves.back().block;
+    system.hessian.block<kPoseDof, kPoseDof>(row.column, row.column) += row.pose.transpose() * row.pose;
+    system.hessian.block<kPoseDof, kEntries>(row.column, last) +=
+        row.pose.transpose() * row.intrinsics - half.transpose() * by_intrinsics;
+    system.gradient.segment<kPoseDof>(row.column) += row.pose.transpose() * row.residual - half.transpose() * gradient;
+  }
+  system.hessian.bottomRightCorner<kEntries, kEntries>() -= by_intrinsics.transpose() * by_intrinsics;
+  system.gradient.tail<kEntries>() -= by_intrinsics.transpose() * gradient;
+  // Rows come in the order of keyframes; two of the same keyframe share a block, which wants both their products.
+  for (size_t i = 0; i < halves.size(); ++i)
+    for (size_t j = 0; j < halves.size(); ++j)
+      if (halves[i].column <= halves[j].column)
+        system.hessian.block<kPoseDof, kPoseDof>(halves[i].column, halves[j].column) -=
+            halves[i].block.transpose() * halves[j].block;
+  EliminatedPoint point{factor.matrixU().solve(gradient), factor.matrixU().solve(by_intrinsics), std::move(halves)};
+  for (EliminatedPoint::Edge& edge : point.edges) edge.block = factor.matrixU().solve(edge.block).eval();
+  return point;
+}
+
+// How much each pose's unknowns change when the window grows about its first camera: along it nothing else changes.
+Eigen::VectorXd Growth(const std::vector<RigidTransform>& camera_from_world) {
+  Eigen::VectorXd growth = Eigen::VectorXd::Zero(kPoseDof * (static_cast<Eigen::Index>(camera_from_world.size()) - 1));
+  const Eigen::Vector3d origin = camera_from_world.front().inverse().translation;
+  for (size_t k = 1; k < camera_from_world.size(); ++k)
+    growth.segment<3>(kPoseDof * (static_cast<Eigen::Index>(k) - 1) + 3) =
+        origin - camera_from_world[k].inverse().translation;
+  return growth;
+}
+
+// Solves for the poses with the unit of length held. Nothing where the points do not determine them.
+class PoseSolver {
+ public:
+  PoseSolver(const ReducedSystem& system, const Eigen::VectorXd& growth) {
+    Eigen::MatrixXd hessian = system.hessian.topLeftCorner(system.poses, system.poses).selfadjointView<Eigen::Upper>();
+    const double travel = growth.squaredNorm();
+    // As stiff as the others; what the gauge is held with changes nothing else.
+    const double stiffness = growth.cwiseAbs2().dot(hessian.diagonal()) / travel;
+    hessian += stiffness / travel * growth * growth.transpose();
+    // Rotations and centres have different units.
+    unit_ = hessian.diagonal().cwiseSqrt().cwiseInverse();
+    hessian = unit_.asDiagonal() * hessian * unit_.asDiagonal();
+    hessian.diagonal().array() += kRounding;
+    if (travel > 0 && unit_.allFinite()) factor_.compute(hessian);
+    solves_ = travel > 0 && unit_.allFinite() && factor_.info() == Eigen::Success;
+  }
+
+  bool solves() const { return solves_; }
+  Eigen::MatrixXd Solve(const Eigen::MatrixXd& right) const {
+    return unit_.asDiagonal() * factor_.solve(unit_.asDiagonal() * right);
+  }
+
+ private:
+  Eigen::LLT<Eigen::MatrixXd> factor_;
+  Eigen::VectorXd unit_;
+  bool solves_ = false;
+};
+
+}  // namespace
+
+Pinhole ChangedPinhole(const Pinhole& given, const Vector& change) {
+  const double ratio = std::exp(change[IntrinsicsChange::kLogFocal]);
+  return {ratio * given.fx, ratio * given.fy, given.cx + change[IntrinsicsChange::kCentreX],
+          given.cy + change[IntrinsicsChange::kCentreY]};
+}
+
+Eigen::Matrix<double, 2, kEntries> IntrinsicsJacobian(const Pinhole& pinhole, double correction,
+                                                      const Eigen::Vector3d& x_in_camera, const Eigen::Vector2d& raw) {
+  const Eigen::Vector2d centre(pinhole.cx, pinhole.cy);
+  const Eigen::Vector2d offset = raw - centre;
+  const Eigen::Vector2d ray = pinhole.Ray(raw).head<2>();
+  const double square = ray.squaredNorm();
+  Eigen::Matrix<double, 2, kEntries> J;
+  J.col(IntrinsicsChange::kLogFocal) = pinhole.Project(x_in_camera) - centre + 2 * correction * square * offset;
+  // The corrected pixel is centre + (1 + correction * square) * offset.
+  const Eigen::RowVector2d square_by_centre(-2 * ray.x() / pinhole.fx, -2 * ray.y() / pinhole.fy);
+  J.middleCols<2>(IntrinsicsChange::kCentreX) =
+      Eigen::Matrix2d::Identity() * (1 + correction * square) - correction * offset * square_by_centre;
+  J.col(IntrinsicsChange::kCorrection) = -square * offset;
+  return J;
+}
+
+IntrinsicsProblem::IntrinsicsProblem(const Map& map, const IntrinsicsWindow& window, double applied, double pixel_sigma)
+    : given_(map.pinhole), huber_threshold_(window.huber_threshold) {
+  const std::vector<Track> tracks = LongestTracks(map, window);
+
+  bundle_.pinhole = map.pinhole;
+  for (int k = window.first; k <= window.last; ++k) {
+    bundle_.camera_from_world.push_back(map.keyframes[k].camera_from_world);
+    bundle_.camera_is_fixed.push_back(k == window.first ? 1 : 0);
+  }
+  for (const Track& track : tracks) {
+    const int point = static_cast<int>(bundle_.points.size());
+    bundle_.points.push_back(map.landmarks[track.landmark].position);
+    first_observation_.push_back(static_cast<int>(raw_.size()));
+    for (const LandmarkObservation& seen : track.observations) {
+      bundle_.observations.push_back({seen.keyframe - window.first, point, seen.pixel, pixel_sigma});
+      raw_.push_back(UndoRadialCorrection(map.pinhole, applied, seen.pixel));
+    }
+  }
+  first_observation_.push_back(static_cast<int>(raw_.size()));
+  change_[IntrinsicsChange::kCorrection] = applied;
+}
+
+void IntrinsicsProblem::Change(const Vector& change) {
+  change_ = change;
+  bundle_.pinhole = ChangedPinhole(given_, change);
+  for (size_t i = 0; i < raw_.size(); ++i)
+    bundle_.observations[i].pixel = CorrectRadially(bundle_.pinhole, change[IntrinsicsChange::kCorrection], raw_[i]);
+}
+
+bool IntrinsicsProblem::Adjust(int max_iterations) {
+  BundleOptions options;
+  options.huber_threshold = huber_threshold_;
+  options.max_iterations = max_iterations;
+  options.relative_cost_tolerance = 1e-4;
+  return TryAdjustBundle(options, bundle_).has_value();
+}
+
+void IntrinsicsProblem::EstimatePixelSigma() {
+  std::vector<double> lengths;
+  for (const BundleObservation& seen : bundle_.observations) {
+    const Eigen::Vector3d x = bundle_.camera_from_world[seen.camera] * bundle_.points[seen.point];
+    if (IsInFront(x)) lengths.push_back((bundle_.pinhole.Project(x) - seen.pixel).norm());
+  }
+  const double measured = 2.0 * static_cast<double>(lengths.size());
+  const double fitted = 3.0 * static_cast<double>(bundle_.points.size()) +
+                        kPoseDof * static_cast<double>(bundle_.camera_from_world.size() - 1);
+  if (!(measured > fitted)) return;
+  const double sigma = Median(std::move(lengths)) / kMedianLength * std::sqrt(measured / (measured - fitted));
+  for (BundleObservation& seen : bundle_.observations) seen.sigma = std::max(sigma, kLeastPixelSigma);
+}
+
+std::optional<IntrinsicsEvidence> IntrinsicsProblem::Evidence() {
+  const int cameras = static_cast<int>(bundle_.camera_from_world.size());
+  if (cameras < 2 || bundle_.points.empty()) return std::nullopt;
+  std::vector<Eigen::Matrix3d> rotations;
+  for (const RigidTransform& pose : bundle_.camera_from_world) rotations.push_back(pose.rotation.toRotationMatrix());
+
+  IntrinsicsEvidence evidence;
+  evidence.at = change_;
+  evidence.pixel_sigma = bundle_.observations.front().sigma;
+  ReducedSystem system(cameras);
+  std::vector<std::optional<EliminatedPoint>> points;
+  std::vector<Row> rows;
+  for (size_t p = 0; p < bundle_.points.size(); ++p) {
+    rows.clear();
+    for (int i = first_observation_[p]; i < first_observation_[p + 1]; ++i) {
+      const BundleObservation& seen = bundle_.observations[i];
+      const Eigen::Vector3d x = bundle_.camera_from_world[seen.camera] * bundle_.points[p];
+      if (!IsInFront(x)) continue;
+      Row& row = rows.emplace_back();
+      row.column = kPoseDof * (seen.camera - 1);
+      row.residual = ReprojectionResidual(bundle_.pinhole, x, seen.pixel, 1.0 / seen.sigma);
+      const double length = row.residual.norm();
+      const double root_weight =
+          huber_threshold_ > 0 && length > huber_threshold_ ? std::sqrt(huber_threshold_ / length) : 1.0;
+      Eigen::Matrix<double, 2, 3> by_x;
+      by_x << bundle_.pinhole.fx / x.z(), 0, -bundle_.pinhole.fx * x.x() / (x.z() * x.z()),  //
+          0, bundle_.pinhole.fy / x.z(), -bundle_.pinhole.fy * x.y() / (x.z() * x.z());
+      row.pose << -by_x * Skew(x), by_x * rotations[seen.camera];
+      row.intrinsics = IntrinsicsJacobian(bundle_.pinhole, change_[IntrinsicsChange::kCorrection], x, raw_[i]);
+      row.residual *= root_weight;
+      row.pose *= root_weight / seen.sigma;
+      row.intrinsics *= root_weight / seen.sigma;
+    }
+    points.push_back(Eliminate(rows, system));
+    if (!points.back()) continue;
+    ++evidence.landmarks;
+    evidence.observations += static_cast<int>(rows.size());
+  }
+
+  const PoseSolver solver(system, Growth(bundle_.camera_from_world));
+  if (!solver.solves()) return std::nullopt;
+  const Eigen::MatrixXd cross = system.hessian.topRightCorner(system.poses, kEntries);
+  camera_response_ = -solver.Solve(cross);
+  camera_step_ = -solver.Solve(system.gradient.head(system.poses));
+  evidence.information = system.hessian.bottomRightCorner<kEntries, kEntries>() + cross.transpose() * camera_response_;
+  evidence.information = 0.5 * (evidence.information + evidence.information.transpose()).eval();
+  evidence.gradient = system.gradient.tail<kEntries>() + cross.transpose() * camera_step_;
+  if (!evidence.information.allFinite() || !evidence.gradient.allFinite()) return std::nullopt;
+
+  point_response_.assign(points.size(), IntrinsicsBlock::Zero());
+  point_step_.assign(points.size(), Eigen::Vector3d::Zero());
+  for (size_t p = 0; p < points.size(); ++p) {
+    if (!points[p]) continue;
+    point_response_[p] = -points[p]->by_intrinsics;
+    point_step_[p] = -points[p]->step;
+    for (const EliminatedPoint::Edge& edge : points[p]->edges) {
+      point_response_[p] -= edge.block * camera_response_.middleRows<kPoseDof>(edge.column);
+      point_step_[p] -= edge.block * camera_step_.segment<kPoseDof>(edge.column);
+    }
+  }
+  return evidence;
+}
+
+void IntrinsicsProblem::Follow(const Vector& change) {
+  const Vector step = change - change_;
+  const Eigen::VectorXd cameras = camera_response_ * step + camera_step_;
+  for (size_t k = 1; k < bundle_.camera_from_world.size(); ++k) {
+    RigidTransform& pose = bundle_.camera_from_world[k];
+    const auto move = cameras.segment<kPoseDof>(kPoseDof * (static_cast<Eigen::Index>(k) - 1));
+    const Eigen::Vector3d centre = pose.inverse().translation - move.tail<3>();
+    pose.rotation = (RotationFromVector(move.head<3>()) * pose.rotation).normalized();
+    pose.translation = -(pose.rotation * centre);
+  }
+  for (size_t p = 0; p < bundle_.points.size(); ++p) bundle_.points[p] += point_response_[p] * step + point_step_[p];
+  Change(change);
+}
+
+}  // namespace turnscale

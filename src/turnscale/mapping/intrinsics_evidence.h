@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "turnscale/bundle/bundle_problem.h"
+#include "turnscale/geometry/pinhole.h"
+#include "turnscale/mapping/map.h"
+
+namespace turnscale {
+
+/// By how much a camera differs from the pinhole of the map: log of the focal length's ratio (both axes together),
+/// principal point x and y (pixels, further right and down), and the radial correction (radial_correction.h; the whole
+/// of it, not what comes on top of the one that is applied).
+struct IntrinsicsChange {
+  enum Entry { kLogFocal, kCentreX, kCentreY, kCorrection, kEntries };
+  using Vector = Eigen::Matrix<double, kEntries, 1>;
+  using Matrix = Eigen::Matrix<double, kEntries, kEntries>;
+};
+
+/// The pinhole that differs by `change` from `given`. The correction plays no part.
+Pinhole ChangedPinhole(const Pinhole& given, const IntrinsicsChange::Vector& change);
+
+/// Parabola of the cost in the intrinsics, whatever poses and points may be: cost(change) = constant + gradient^T
+/// (change - at) + (change - at)^T information (change - at) / 2.
+struct IntrinsicsEvidence {
+  IntrinsicsChange::Vector at = IntrinsicsChange::Vector::Zero();
+  IntrinsicsChange::Matrix information = IntrinsicsChange::Matrix::Zero();
+  IntrinsicsChange::Vector gradient = IntrinsicsChange::Vector::Zero();
+  double pixel_sigma = 0;  ///< standard deviation of a pixel as the residuals show it, pixels
+  int landmarks = 0;
+  int observations = 0;
+
+  /// information times the place of the parabola's minimum, which adds up over windows.
+  IntrinsicsChange::Vector weighted_minimum() const { return information * at - gradient; }
+};
+
+/// Which part of a map is asked, and how what it says is weighed.
+struct IntrinsicsWindow {
+  int first = 0;  ///< keyframe
+  int last = 0;   ///< keyframe, included; no gap in the tracking lies between
+  /// Most landmarks that take part: those that most keyframes of the window see. Cost is linear in it.
+  int max_landmarks = 500;
+  /// Where bundle adjustment starts to weigh residuals linearly, in sigmas.
+  double huber_threshold = 2.0;
+};
+
+/// A window of keyframes whose camera can be changed, with poses and points that follow. The map stays as it is.
+class IntrinsicsProblem {
+ public:
+  /// `applied` is the radial correction by which the map's pixels are corrected, `pixel_sigma` the standard deviation
+  /// of a pixel (pixels) until the residuals tell it.
+  IntrinsicsProblem(const Map& map, const IntrinsicsWindow& window, double applied, double pixel_sigma);
+
+  /// Landmarks that take part; none where the window has none that three of its keyframes see.
+  int landmarks() const { return static_cast<int>(bundle_.points.size()); }
+  const IntrinsicsChange::Vector& change() const { return change_; }
+  const BundleProblem& bundle() const { return bundle_; }
+
+  /// Takes another camera; poses and points stay.
+  void Change(const IntrinsicsChange::Vector& change);
+  /// Brings poses and points to where they go best with the camera. False where they are no numbers.
+  bool Adjust(int max_iterations);
+  /// Sets the pixels' standard deviation to what the residuals show.
+  void EstimatePixelSigma();
+  /// Gauss-Newton's model of the cost in the intrinsics at the present state, poses and points marginalised out. The
+  /// first keyframe holds still, and the unit of length with it. Nothing where the poses are not determined.
+  std::optional<IntrinsicsEvidence> Evidence();
+  /// Moves poses and points along with a change of the camera from where Evidence was taken, to first order, and takes
+  /// the camera over.
+  void Follow(const IntrinsicsChange::Vector& change);
+
+ private:
+  BundleProblem bundle_;
+  Pinhole given_;
+  std::vector<Eigen::Vector2d> raw_;  ///< pixels without any radial correction; as bundle_.observations
+  std::vector<int> first_observation_;
+  IntrinsicsChange::Vector change_ = IntrinsicsChange::Vector::Zero();
+  double huber_threshold_ = 0;
+  // Of the latest evidence: step of the cameras for a step of the intrinsics and without one, and the same of points.
+  Eigen::MatrixXd camera_response_;
+  Eigen::VectorXd camera_step_;
+  std::vector<Eigen::Matrix<double, 3, IntrinsicsChange::kEntries>> point_response_;
+  std::vector<Eigen::Vector3d> point_step_;
+};
+
+/// Derivative of (predicted pixel - corrected pixel) by the intrinsics, pixels per unit of each. `pinhole` and
+/// `correction` are those of the prediction, `raw` is the uncorrected pixel.
+Eigen::Matrix<double, 2, IntrinsicsChange::kEntries> IntrinsicsJacobian(const Pinhole& pinhole, double correction,
+                                                                        const Eigen::Vector3d& x_in_camera,
+                                                                        const Eigen::Vector2d& raw);
+
+}  // namespace turnscale

@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/mapping/intrinsics_evidence.h"
+
+#include <cmath>
+#include <random>
+#include <vector>
+
+#include <Eigen/QR>
+#include <gtest/gtest.h>
+
+#include "turnscale/camera/radial_correction.h"
+#include "turnscale/geometry/rotation.h"
+#include "turnscale/mapping/synthetic_map.h"
+
+namespace turnscale {
+namespace {
+
+constexpr int kEntries = IntrinsicsChange::kEntries;
+using Vector = IntrinsicsChange::Vector;
+using Matrix = IntrinsicsChange::Matrix;
+
+const std::vector<DriveSegment> kCorner = {{4, 0.8, 0}, {12, 0.7, 0.07}, {3, 0.8, 0}};
+
+Map CornerMap(double points_per_step, double noise, unsigned seed, double unit = 1) {
+  const CarDrive drive = MakeCarDrive(kCorner, 0.1, {1.2, 0}, Eigen::Quaterniond::Identity());
+  Map map = MakeMap(drive, {.points_per_step = points_per_step, .pixel_noise = noise, .seed = seed});
+  for (Keyframe& keyframe : map.keyframes) keyframe.camera_from_world.translation *= unit;
+  for (Landmark& landmark : map.landmarks) landmark.position *= unit;
+  return map;
+}
+
+IntrinsicsWindow Whole(const Map& map) {
+  IntrinsicsWindow window;
+  window.last = static_cast<int>(map.keyframes.size()) - 1;
+  return window;
+}
+
+TEST(IntrinsicsEvidence, JacobianIsTheNumericOne) {
+  std::mt19937 random(1);
+  std::normal_distribution<double> normal;
+  const Pinhole given{718, 702, 607, 185};
+  for (int trial = 0; trial < 20; ++trial) {
+    const Vector at(0.1 * normal(random), 20 * normal(random), 20 * normal(random), 0.02 * normal(random));
+    const Eigen::Vector3d x(3 * normal(random), normal(random), 5 + std::abs(normal(random)));
+    const Eigen::Vector2d raw = given.Project(x) + 5 * Eigen::Vector2d(normal(random), normal(random));
+    const auto residual = [&](const Vector& change) -> Eigen::Vector2d {
+      const Pinhole pinhole = ChangedPinhole(given, change);
+      return pinhole.Project(x) - CorrectRadially(pinhole, change[IntrinsicsChange::kCorrection], raw);
+    };
+    const auto J = IntrinsicsJacobian(ChangedPinhole(given, at), at[IntrinsicsChange::kCorrection], x, raw);
+    for (int i = 0; i < kEntries; ++i) {
+      const Vector h = 1e-5 * Vector::Unit(i);
+      const Eigen::Vector2d numeric = (residual(at + h) - residual(at - h)) / 2e-5;
+      EXPECT_NEAR((J.col(i) - numeric).norm(), 0, 1e-5 * (1 + numeric.norm())) << "entry " << i;
+    }
+  }
+}
+
+// Residuals of all observations, in sigmas, when poses, points and intrinsics move: six numbers a pose but the first
+// (rotation vector, centre), three a point, the change of the intrinsics.
+Eigen::VectorXd Residuals(const BundleProblem& bundle, const std::vector<Eigen::Vector2d>& raw, const Pinhole& given,
+                          const Vector& change, const Eigen::VectorXd& step) {
+  const Pinhole pinhole = ChangedPinhole(given, change + step.tail<kEntries>());
+  const double correction = change[IntrinsicsChange::kCorrection] + step[step.size() - 1];
+  const Eigen::Index points = 6 * (static_cast<Eigen::Index>(bundle.camera_from_world.size()) - 1);
+  Eigen::VectorXd residuals(2 * static_cast<Eigen::Index>(raw.size()));
+  for (size_t i = 0; i < raw.size(); ++i) {
+    const BundleObservation& seen = bundle.observations[i];
+    const RigidTransform& pose = bundle.camera_from_world[seen.camera];
+    Eigen::Vector3d offset =
+        bundle.points[seen.point] + step.segment<3>(points + 3 * seen.point) - pose.inverse().translation;
+    Eigen::Quaterniond rotation = pose.rotation;
+    if (seen.camera > 0) {
+      const auto move = step.segment<6>(6 * (seen.camera - 1));
+      rotation = RotationFromVector(move.head<3>()) * rotation;
+      offset -= move.tail<3>();
+    }
+    const Eigen::Vector2d predicted = pinhole.Project(rotation * offset);
+    residuals.segment<2>(2 * static_cast<Eigen::Index>(i)) =
+        (predicted - CorrectRadially(pinhole, correction, raw[i])) / seen.sigma;
+  }
+  return residuals;
+}
+
+TEST(IntrinsicsEvidence, IsWhatTheFullNormalEquationsLeaveForTheIntrinsics) {
+  const Map map = CornerMap(2, 0.3, 2);
+  IntrinsicsWindow window = Whole(map);
+  window.huber_threshold = 0;
+  window.last = 9;
+  IntrinsicsProblem problem(map, window, 0.004, 0.5);
+  const Vector change(0.02, 3, -2, 0.004);
+  problem.Change(change);
+  const std::optional<IntrinsicsEvidence> evidence = problem.Evidence();
+  ASSERT_TRUE(evidence);
+
+  const BundleProblem& bundle = problem.bundle();
+  std::vector<Eigen::Vector2d> raw;
+  for (const BundleObservation& seen : bundle.observations)
+    raw.push_back(UndoRadialCorrection(bundle.pinhole, 0.004, seen.pixel));
+  const Eigen::Index poses = 6 * (static_cast<Eigen::Index>(bundle.camera_from_world.size()) - 1);
+  const Eigen::Index others = poses + 3 * static_cast<Eigen::Index>(bundle.points.size());
+  Eigen::MatrixXd J(2 * static_cast<Eigen::Index>(raw.size()), others + kEntries);
+  for (Eigen::Index i = 0; i < J.cols(); ++i) {
+    const Eigen::VectorXd h = 1e-5 * Eigen::VectorXd::Unit(J.cols(), i);
+    J.col(i) =
+        (Residuals(bundle, raw, map.pinhole, change, h) - Residuals(bundle, raw, map.pinhole, change, -h)) / 2e-5;
+  }
+  const Eigen::VectorXd r = Residuals(bundle, raw, map.pinhole, change, Eigen::VectorXd::Zero(J.cols()));
+  // What is left of the intrinsics' columns once all others have explained what they can. How far the last camera is
+  // along z stays as it is, which holds the unit of length.
+  Eigen::MatrixXd rest(J.rows(), others - 1);
+  rest << J.leftCols(poses - 1), J.middleCols(poses, others - poses);
+  rest = rest.colwise().normalized().eval();
+  const Eigen::MatrixXd columns = J.rightCols<kEntries>();
+  const Eigen::MatrixXd left = columns - rest * rest.householderQr().solve(columns);
+  const Matrix information = left.transpose() * left;
+  const Vector gradient = left.transpose() * r;
+  const Vector unit = information.diagonal().cwiseSqrt().cwiseInverse();
+  EXPECT_NEAR((unit.asDiagonal() * (evidence->information - information) * unit.asDiagonal()).norm(), 0, 1e-4);
+  EXPECT_NEAR((unit.asDiagonal() * (evidence->gradient - gradient)).norm(), 0,
+              1e-4 * (unit.asDiagonal() * gradient).norm());
+}
+
+TEST(IntrinsicsEvidence, DoesNotDependOnTheUnitOfLength) {
+  std::vector<IntrinsicsEvidence> evidence;
+  for (const double unit : {1.0, 100.0}) {
+    const Map map = CornerMap(10, 0.3, 3, unit);
+    IntrinsicsProblem problem(map, Whole(map), 0, 0.5);
+    ASSERT_TRUE(problem.Adjust(20));
+    const std::optional<IntrinsicsEvidence> found = problem.Evidence();
+    ASSERT_TRUE(found);
+    evidence.push_back(*found);
+  }
+  for (int i = 0; i < kEntries; ++i)
+    EXPECT_NEAR(evidence[1].information(i, i) / evidence[0].information(i, i), 1, 1e-4);
+}
+
+TEST(IntrinsicsEvidence, FollowingAndLookingAgainLeadsToTheTruth) {
+  const Map truth = CornerMap(10, 0, 4);
+  for (const Vector& error :
+       {Vector(0.15, 0, 0, 0), Vector(-0.15, 0, 0, 0), Vector(0, 20, -15, 0), Vector(0.03, 5, 0, 0.01)}) {
+    Map map = truth;
+    map.pinhole = ChangedPinhole(truth.pinhole, error);
+    for (Landmark& landmark : map.landmarks)
+      for (LandmarkObservation& seen : landmark.observations)
+        seen.pixel = UndoRadialCorrection(truth.pinhole, error[IntrinsicsChange::kCorrection], seen.pixel);
+    IntrinsicsProblem problem(map, Whole(map), 0, 0.5);
+    ASSERT_TRUE(problem.Adjust(20));
+    for (int round = 0; round < 8; ++round) {
+      const std::optional<IntrinsicsEvidence> evidence = problem.Evidence();
+      ASSERT_TRUE(evidence);
+      const Vector step = -evidence->information.ldlt().solve(evidence->gradient);
+      problem.Follow(problem.change() + std::min(1.0, 0.1 / std::abs(step[0])) * step);
+      ASSERT_TRUE(problem.Adjust(10));
+    }
+    const Vector found = problem.change();
+    EXPECT_NEAR(found[0], -error[0], 1e-3);
+    EXPECT_NEAR(found[1], -error[1], 0.1);
+    EXPECT_NEAR(found[2], -error[2], 0.5);
+  }
+}
+
+}  // namespace
+}  // namespace turnscale

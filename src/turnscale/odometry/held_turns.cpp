@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/odometry/held_turns.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "turnscale/kinematics/scale_observer.h"
+#include "turnscale/mapping/absolute_scale_recovery.h"
+
+namespace turnscale {
+namespace {
+
+std::vector<VehicleStep> KeyframeSteps(const Map& map, const MountCalibration& mount, const TurnResult& turn) {
+  std::vector<VehicleStep> steps;
+  for (int k = turn.first_keyframe; k < turn.last_keyframe; ++k)
+    steps.push_back({StepMotion(map, k, mount), map.keyframes[k + 1].time - map.keyframes[k].time});
+  return steps;
+}
+
+// Every step at the length that its own angles give; 0 where they contradict the model.
+std::vector<double> ObservedDistances(const std::vector<VehicleStep>& steps, const LeverArm& lever_arm) {
+  std::vector<double> distances;
+  for (const VehicleStep& step : steps) {
+    const double distance = ObservedDistance(step.motion.psi, step.motion.theta, step.duration, lever_arm);
+    distances.push_back(std::isfinite(distance) && distance > 0 ? distance : 0.0);
+  }
+  return distances;
+}
+
+}  // namespace
+
+std::vector<TurnScale> TurnsToHold(const Map& map, const MountCalibration& mount, const OdometryOptions& options,
+                                   std::vector<TurnResult>& turns) {
+  const LeverArm lever_arm{options.vehicle.lever_arm.value_or(0), options.vehicle.side_slip};
+  std::vector<TurnScale> held;
+  double carried = std::numeric_limits<double>::infinity();  // variance of the log-scale
+  int since = 0;
+  for (TurnResult& turn : turns) {
+    if (!turn.used || !(turn.as_given > 0) || !std::isfinite(turn.as_given)) continue;
+    for (int k = since + 1; k <= turn.first_keyframe; ++k) {
+      const double gap = map.keyframes[k].after_gap ? map.keyframes[k].gap_sigma : 0.0;
+      const double length = (Centre(map.keyframes[k]) - Centre(map.keyframes[k - 1])).norm();
+      carried += DriftVariance(options.scale.estimator.drift, length, turn.as_given, 0, gap);
+    }
+    since = turn.first_keyframe;
+    const double sigma = turn.sigma / turn.metres_per_unit;
+    if (sigma > options.scale.max_sigma_ratio * std::sqrt(carried)) {
+      turn.used = false;
+      turn.reason = "sigma exceeds the propagated sigma";
+      continue;
+    }
+    carried = sigma * sigma;
+    since = turn.last_keyframe;
+    TurnScale scale{turn.first_keyframe + 1, turn.last_keyframe, turn.as_given, {}, 0};
+    if (options.scale.method == ScaleMethod::kPaper) {
+      const std::vector<VehicleStep> steps = KeyframeSteps(map, mount, turn);
+      const MedianScale median = MedianOfSteps(steps, lever_arm);
+      if (!std::isfinite(median.metres_per_unit)) continue;
+      scale.factor = median.metres_per_unit;
+      scale.distances = ObservedDistances(steps, lever_arm);
+    }
+    held.push_back(scale);
+  }
+  return held;
+}
+
+std::vector<double> HoldTurns(const OdometryOptions& options, const MountCalibration& mount, Map& map,
+                              RefinedScale& refined) {
+  const std::vector<TurnScale> held = TurnsToHold(map, mount, options, refined.turns);
+  if (held.empty()) return {};
+  const ScaleRecoveryResult recovered = RecoverAbsoluteScale(options.scale.recovery, held, 0, map);
+  for (TurnResult& turn : refined.turns) {
+    for (const RangeRecovery& range : recovered.ranges) {
+      const bool around = range.range.first <= turn.first_keyframe && turn.first_keyframe < range.range.last;
+      if (turn.used && around && !range.adjusted) turn.unadjusted = range.reason;
+    }
+  }
+  refined.path = {KeyframeCentres(map), std::vector<double>(map.keyframes.size(), 1.0)};
+  return recovered.factors;
+}
+
+}  // namespace turnscale

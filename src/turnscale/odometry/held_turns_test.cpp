@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/odometry/held_turns.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "turnscale/geometry/rotation.h"
+#include "turnscale/mapping/synthetic_map.h"
+
+namespace turnscale {
+namespace {
+
+const Eigen::Quaterniond kMounting = RotationFromYawPitchRoll({0.03, -0.05, 0.01});
+constexpr double kLeverArm = 1.2;
+constexpr double kQuarter = M_PI / 2 / 22;
+
+// Two corners of 90 degrees with a street between.
+const std::vector<DriveSegment> kTwoCorners = {
+    {12, 0.8, 0}, {22, 0.6, kQuarter}, {25, 0.8, 0}, {22, 0.6, -kQuarter}, {12, 0.8, 0}};
+
+OdometryOptions Options(ScaleMethod method) {
+  OdometryOptions options;
+  options.vehicle.lever_arm = kLeverArm;
+  options.vehicle.vehicle_from_camera = kMounting;
+  options.vehicle.calibrate_camera = false;
+  options.scale.method = method;
+  return options;
+}
+
+/// A finished map in a unit of its own, which drifts, and its truth.
+struct FinishedMap {
+  Map truth;
+  Map map;
+};
+
+FinishedMap DriftingMap(const OdometryOptions& options, const std::vector<DriveSegment>& segments, double pixel_noise,
+                        double drift = 0.001) {
+  const LeverArm lever_arm{kLeverArm, options.vehicle.side_slip};
+  FinishedMap finished;
+  finished.truth =
+      MakeMap(MakeCarDrive(segments, 0.1, lever_arm, kMounting), {.points_per_step = 25, .pixel_noise = pixel_noise});
+  finished.map = finished.truth;
+  std::vector<double> units;
+  for (std::size_t k = 0; k < finished.map.keyframes.size(); ++k)
+    units.push_back(0.3 * std::exp(drift * static_cast<double>(k)));
+  ScaleMap(units, 0, finished.map);
+  return finished;
+}
+
+RefinedScale RefinedOf(const OdometryOptions& options, const Map& map) {
+  DriveScale scale(options);
+  scale.Add(map);
+  return scale.Refine(map);
+}
+
+double StepOf(const Map& map, int k) { return (Centre(map.keyframes[k]) - Centre(map.keyframes[k - 1])).norm(); }
+
+TEST(HeldTurns, BringTheMapToMetres) {
+  const OdometryOptions options = Options(ScaleMethod::kTurns);
+  FinishedMap finished = DriftingMap(options, kTwoCorners, 0.2);
+  const Map before = finished.map;
+  RefinedScale refined = RefinedOf(options, finished.map);
+  const std::vector<double> factors = HoldTurns(options, MountCalibration(options.vehicle), finished.map, refined);
+  const int count = static_cast<int>(finished.map.keyframes.size());
+  ASSERT_EQ(factors.size(), finished.map.keyframes.size());
+  for (int k = 1; k < count; ++k) {
+    EXPECT_NEAR(StepOf(finished.map, k) / StepOf(finished.truth, k), 1, 0.05) << k;
+    EXPECT_NEAR(factors[k] * StepOf(before, k) / StepOf(finished.truth, k), 1, 0.08) << k;
+    EXPECT_EQ(refined.path.centres[k], Centre(finished.map.keyframes[k])) << "the map itself is metric now";
+    EXPECT_EQ(refined.path.metres_per_unit[k], 1);
+  }
+  ASSERT_EQ(refined.turns.size(), 2U);
+  for (const TurnResult& turn : refined.turns) {
+    EXPECT_TRUE(turn.used) << turn.reason;
+    EXPECT_EQ(turn.reason, "");
+    EXPECT_EQ(turn.unadjusted, "");
+    double length = 0;
+    double shown = 0;
+    for (int k = turn.first_keyframe + 1; k <= turn.last_keyframe; ++k) {
+      length += StepOf(finished.map, k);
+      shown += turn.as_given * StepOf(before, k);
+    }
+    EXPECT_NEAR(length / shown, 1, 1e-6) << "held at what the turn says with the car as it was given";
+  }
+}
+
+TEST(HeldTurns, PaperHoldsEachStepAtItsOwnLength) {
+  const OdometryOptions options = Options(ScaleMethod::kPaper);
+  FinishedMap finished = DriftingMap(options, kTwoCorners, 0.02);
+  RefinedScale refined = RefinedOf(options, finished.map);
+  HoldTurns(options, MountCalibration(options.vehicle), finished.map, refined);
+  ASSERT_EQ(refined.turns.size(), 2U);
+  for (const TurnResult& turn : refined.turns) EXPECT_TRUE(turn.used) << turn.reason;
+  for (int k = 1; k < static_cast<int>(finished.map.keyframes.size()); ++k)
+    EXPECT_NEAR(StepOf(finished.map, k) / StepOf(finished.truth, k), 1, 0.08) << k;
+}
+
+TEST(HeldTurns, PaperGivesTheDistancesOfTheObserver) {
+  const OdometryOptions options = Options(ScaleMethod::kPaper);
+  const FinishedMap finished = DriftingMap(options, kTwoCorners, 0, 0);
+  RefinedScale refined = RefinedOf(options, finished.map);
+  const std::vector<TurnScale> held =
+      TurnsToHold(finished.map, MountCalibration(options.vehicle), options, refined.turns);
+  ASSERT_EQ(held.size(), 2U);
+  for (const TurnScale& turn : held) {
+    EXPECT_NEAR(turn.factor * 0.3, 1, 1e-6);
+    EXPECT_EQ(turn.sigma, 0) << "held, not weighed";
+    ASSERT_EQ(static_cast<int>(turn.distances.size()), turn.last_step - turn.first_step + 1);
+    for (int j = turn.first_step; j <= turn.last_step; ++j) {
+      const double distance = turn.distances[j - turn.first_step];
+      if (StepOf(finished.truth, j) > 0.7) {
+        EXPECT_EQ(distance, 0) << "a straight step of the turn's region tells nothing";
+      } else {
+        EXPECT_NEAR(distance, 0.6, 1e-6);
+      }
+    }
+  }
+}
+
+TEST(HeldTurns, AWeakTurnDoesNotSpoilAGoodOne) {
+  OdometryOptions options = Options(ScaleMethod::kTurns);
+  options.vehicle.side_slip = 0;
+  const FinishedMap finished =
+      DriftingMap(options, {{12, 0.8, 0}, {22, 0.6, kQuarter}, {15, 1.2, 0}, {6, 1.5, 0.05}, {10, 1.2, 0}}, 0);
+  RefinedScale refined = RefinedOf(options, finished.map);
+  ASSERT_EQ(refined.turns.size(), 2U);
+  EXPECT_TRUE(refined.turns[0].used && refined.turns[1].used);
+  const std::vector<TurnScale> held =
+      TurnsToHold(finished.map, MountCalibration(options.vehicle), options, refined.turns);
+  EXPECT_EQ(held.size(), 1U);
+  EXPECT_TRUE(refined.turns[0].used) << refined.turns[0].reason;
+  EXPECT_FALSE(refined.turns[1].used);
+  EXPECT_NE(refined.turns[1].reason, "");
+  EXPECT_GT(refined.turns[1].metres_per_unit, 0) << "what it would have said stands in the list";
+}
+
+TEST(HeldTurns, AUsedTurnWhoseAdjustmentIsNotBelievedSaysSo) {
+  OdometryOptions options = Options(ScaleMethod::kTurns);
+  options.scale.recovery.max_stretch = 1 + 1e-12;
+  FinishedMap finished = DriftingMap(options, kTwoCorners, 0.2);
+  RefinedScale refined = RefinedOf(options, finished.map);
+  HoldTurns(options, MountCalibration(options.vehicle), finished.map, refined);
+  ASSERT_EQ(refined.turns.size(), 2U);
+  for (const TurnResult& turn : refined.turns) {
+    EXPECT_TRUE(turn.used);
+    EXPECT_EQ(turn.reason, "");
+    EXPECT_EQ(turn.unadjusted, "the adjustment changed the length of the path too much");
+  }
+}
+
+TEST(HeldTurns, WithoutATurnTheMapStaysAsItIs) {
+  const OdometryOptions options = Options(ScaleMethod::kTurns);
+  FinishedMap finished = DriftingMap(options, {{60, 0.8, 0}}, 0.2);
+  const std::vector<Eigen::Vector3d> before = KeyframeCentres(finished.map);
+  RefinedScale refined = RefinedOf(options, finished.map);
+  EXPECT_TRUE(HoldTurns(options, MountCalibration(options.vehicle), finished.map, refined).empty());
+  EXPECT_EQ(KeyframeCentres(finished.map), before);
+}
+
+}  // namespace
+}  // namespace turnscale

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "turnscale/mapping/map.h"
+
+namespace turnscale {
+
+/// Metric positions of the keyframes beside a map that keeps its own unit: one entry a keyframe.
+struct MetricPath {
+  std::vector<Eigen::Vector3d> centres;  ///< metres; the map's unit while the scale is pending
+  std::vector<double> metres_per_unit;   ///< 1 while the scale is pending
+
+  /// A camera near keyframe `keyframe` of the map, its place in metres.
+  RigidTransform InMetres(const Map& map, int keyframe, const RigidTransform& world_from_camera) const;
+  /// A point near that keyframe, in metres.
+  Eigen::Vector3d InMetres(const Map& map, int keyframe, const Eigen::Vector3d& point) const;
+};
+
+/// Points of a map for a picture, in metres or the map's unit.
+struct MapPoints {
+  std::vector<Eigen::Vector3d> landmarks;
+  std::vector<Eigen::Vector3d> cameras;
+};
+
+}  // namespace turnscale

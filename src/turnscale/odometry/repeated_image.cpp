@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/odometry/repeated_image.h"
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+#include "turnscale/base/error.h"
+#include "turnscale/base/quantiles.h"
+
+namespace turnscale {
+namespace {
+
+// Landmarks that are compared: enough for a median, few enough to cost little.
+constexpr size_t kSample = 150;
+constexpr size_t kFewest = 20;
+// Share of them that has to look the same; the others may be covered by what moves by itself.
+constexpr double kLeastShare = 0.7;
+
+// Tracks with a depth, evenly out of all, with where they are expected.
+std::vector<LandmarkMotion> SampleLandmarks(const Map& map, const CameraModel& camera,
+                                            const std::vector<FeatureTrack>& tracks,
+                                            const RigidTransform& predicted_from_world) {
+  std::vector<const FeatureTrack*> with_depth;
+  for (const FeatureTrack& track : tracks)
+    if (map.landmarks[track.landmark].valid) with_depth.push_back(&track);
+  const size_t stride = std::max<size_t>(1, with_depth.size() / kSample);
+  std::vector<LandmarkMotion> sample;
+  for (size_t i = 0; i < with_depth.size(); i += stride) {
+    const Eigen::Vector3d x = predicted_from_world * map.landmarks[with_depth[i]->landmark].position;
+    const std::optional<Eigen::Vector2d> expected = x.z() > 0 ? camera.Project(x) : std::nullopt;
+    const Eigen::Vector2d before(with_depth[i]->pixel.x, with_depth[i]->pixel.y);
+    if (expected) sample.push_back({before, *expected, before});
+  }
+  return sample;
+}
+
+}  // namespace
+
+void RepeatOptions::Check() const {
+  if (!(min_expected_motion > 0)) throw InputError("repeats.min_expected_motion: has to be positive");
+  if (!(max_motion_share >= 0 && max_motion_share < 1))
+    throw InputError("repeats.max_motion_share: has to be in 0...1");
+  if (!(max_seconds >= 0)) throw InputError("repeats.max_seconds: must not be negative");
+}
+
+ImageMotion MedianMotion(const std::vector<LandmarkMotion>& landmarks) {
+  if (landmarks.size() < kFewest) return {};
+  std::vector<double> expected;
+  std::vector<double> seen;
+  for (const LandmarkMotion& landmark : landmarks) {
+    expected.push_back((landmark.expected - landmark.before).norm());
+    seen.push_back((landmark.seen - landmark.before).norm());
+  }
+  return {Median(std::move(expected)), Median(std::move(seen))};
+}
+
+bool IsRepeated(const RepeatOptions& options, const ImageMotion& motion) {
+  return motion.expected >= options.min_expected_motion && motion.seen <= options.max_motion_share * motion.expected;
+}
+
+bool IsRepeated(const RepeatOptions& options, const PatchAlignmentOptions& alignment, const Map& map,
+                const CameraModel& camera, const cv::Mat& first, const cv::Mat& second,
+                const std::vector<FeatureTrack>& tracks, const RigidTransform& predicted_from_world) {
+  const std::vector<LandmarkMotion> sample = SampleLandmarks(map, camera, tracks, predicted_from_world);
+  if (MedianMotion(sample).expected < options.min_expected_motion) return false;
+  std::vector<LandmarkMotion> same;
+  for (const LandmarkMotion& landmark : sample) {
+    const std::optional<Eigen::Vector2d> seen =
+        AlignPatch(alignment, first, landmark.before, Eigen::Matrix2d::Identity(), second, landmark.before);
+    if (seen) same.push_back({landmark.before, landmark.expected, *seen});
+  }
+  return static_cast<double>(same.size()) >= kLeastShare * static_cast<double>(sample.size()) &&
+         IsRepeated(options, MedianMotion(same));
+}
+
+}  // namespace turnscale

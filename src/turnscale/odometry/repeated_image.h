@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <limits>
+#include <vector>
+
+#include <opencv2/core.hpp>
+
+#include "turnscale/camera/camera_model.h"
+#include "turnscale/features/patch_alignment.h"
+#include "turnscale/mapping/map.h"
+#include "turnscale/odometry/feature_tracks.h"
+
+namespace turnscale {
+
+/// What counts as an image that a recorder has written once more. A car does not lose most of its speed from one image
+/// to the next: at the limits below that would be a braking of 10 m/s^2 and more.
+struct RepeatOptions {
+  /// Median motion of the landmarks that the prediction has to expect, pixels: less is not told from tracking noise.
+  double min_expected_motion = 1.5;
+  /// The image repeats the one before if its landmarks have moved by less than this share of what was expected.
+  double max_motion_share = 0.25;
+  /// A car whose image has not moved for longer stands, seconds: it stops from 1 m/s within that by braking at 2 m/s^2.
+  double max_seconds = 0.5;
+
+  /// Throws InputError that names the field when a value makes no sense.
+  void Check() const;
+};
+
+/// Median motion of the landmarks since an image, pixels.
+struct ImageMotion {
+  double expected = 0;
+  double seen = std::numeric_limits<double>::infinity();
+};
+
+/// Where an image showed a landmark, where the next one was expected to, and where it does.
+struct LandmarkMotion {
+  Eigen::Vector2d before = Eigen::Vector2d::Zero();
+  Eigen::Vector2d expected = Eigen::Vector2d::Zero();
+  Eigen::Vector2d seen = Eigen::Vector2d::Zero();
+};
+
+ImageMotion MedianMotion(const std::vector<LandmarkMotion>& landmarks);
+
+/// Whether the image is a repeated one, by what has moved in it.
+bool IsRepeated(const RepeatOptions& options, const ImageMotion& motion);
+
+/// Whether `second` shows what `first` shows, where `predicted_from_world` lets expect other: patches around landmarks
+/// are compared at the same place, up to gain, offset, noise and a fraction of a pixel, so a repeat that was compressed
+/// anew is found and another image of an even gray is none. `tracks` are where the first image shows the landmarks.
+bool IsRepeated(const RepeatOptions& options, const PatchAlignmentOptions& alignment, const Map& map,
+                const CameraModel& camera, const cv::Mat& first, const cv::Mat& second,
+                const std::vector<FeatureTrack>& tracks, const RigidTransform& predicted_from_world);
+
+}  // namespace turnscale

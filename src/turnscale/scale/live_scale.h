@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "turnscale/kinematics/turn_detector.h"
+#include "turnscale/scale/scale_estimator.h"
+
+namespace turnscale {
+
+/// The scale while the drive goes on: a Kalman filter over the segments that have ended, and over the turn under way.
+/// Work per step does not depend on the length of the drive.
+class LiveScale {
+ public:
+  LiveScale(const CarPrior& car, const ScaleEstimatorOptions& options);
+
+  /// Takes the next step. Returns whether it ended a turn.
+  bool Add(const VehicleStep& step);
+
+  /// The belief now, with the evidence of the turn under way; empty until the scale is known to
+  /// ScaleEstimatorOptions::max_sigma.
+  std::optional<ScaleBelief> Now() const;
+
+  /// A turn whose evidence counts is under way.
+  bool turning() const { return turning_; }
+
+ private:
+  void Commit(int last, bool turning);
+  void Advance(const std::vector<VehicleStep>& steps, ScaleBelief& belief) const;
+  /// With the turn's evidence; empty where it has none.
+  std::optional<ScaleBelief> WithTurn(const ScaleBelief& belief, const std::vector<VehicleStep>& steps) const;
+
+  CarPrior car_;
+  ScaleEstimatorOptions options_;
+  TurnDetector detector_;
+  int steps_ = 0;                     ///< taken so far
+  std::vector<VehicleStep> pending_;  ///< those of no segment yet
+  ScaleBelief belief_;                ///< at the end of the last segment
+  bool started_ = false;              ///< a turn has given the scale
+  ScaleBelief now_;
+  bool known_ = false;
+  bool turning_ = false;
+};
+
+}  // namespace turnscale

@@ -1,0 +1,196 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/scale/live_scale.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "turnscale/scale/synthetic_steps.h"
+
+namespace turnscale {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180;
+constexpr double kUnit = 12;
+const LeverArm kCar{1.5, 0.005};
+const DriveErrors kNoise{.direction = 0.2 * kDegree};
+
+CarPrior Prior() {
+  CarPrior prior;
+  prior.lever_arm = kCar.length;
+  prior.side_slip = kCar.side_slip;
+  return prior;
+}
+
+std::vector<StretchOfRoad> OneCorner() { return {{20, 0, 5, 9}, {30, 3 * kDegree, 0.4, 5}, {30, 0, 5, 9}}; }
+
+/// What is known after each step.
+std::vector<std::optional<ScaleBelief>> Live(const std::vector<VehicleStep>& steps) {
+  LiveScale live(Prior(), {});
+  std::vector<std::optional<ScaleBelief>> beliefs;
+  for (const VehicleStep& step : steps) {
+    live.Add(step);
+    beliefs.push_back(live.Now());
+  }
+  return beliefs;
+}
+
+TEST(LiveScale, KnowsTheMetreInsideTheFirstTurn) {
+  const SyntheticSteps drive = MakeSteps(OneCorner(), kCar, 0, kUnit, kNoise);
+  LiveScale live(Prior(), {});
+  int known_at = -1;
+  double last_sigma = 1;
+  for (int i = 0; i < static_cast<int>(drive.steps.size()); ++i) {
+    const bool ended = live.Add(drive.steps[i]);
+    EXPECT_EQ(ended, i == 51) << "two weak steps after its last, step 49";
+    const std::optional<ScaleBelief> now = live.Now();
+    if (!now) {
+      EXPECT_EQ(known_at, -1) << "what is known stays known";
+      continue;
+    }
+    if (known_at < 0) known_at = i;
+    EXPECT_LE(now->sigma(), 0.15);
+    EXPECT_NEAR(std::log(now->metres_per_unit() / kUnit), 0, 2 * now->sigma());
+    EXPECT_EQ(live.turning(), i <= 50) << i;
+    if (i > known_at && i < 50) {
+      EXPECT_LE(now->sigma(), 1.02 * last_sigma) << "better with every step of the turn";
+    }
+    last_sigma = now->sigma();
+  }
+  EXPECT_GE(known_at, 20 + 4) << "15 degrees make a turn";
+  EXPECT_LT(known_at, 20 + 15) << "half-way through it";
+}
+
+TEST(LiveScale, WaitsForFifteenPercent) {
+  const std::vector<VehicleStep> steps = MakeSteps(OneCorner(), kCar, 0, kUnit, kNoise).steps;
+  CarPrior vague = Prior();
+  vague.lever_arm_sigma = 0.2 * kCar.length;
+  LiveScale live(vague, {});
+  for (const VehicleStep& step : steps) {
+    live.Add(step);
+    EXPECT_FALSE(live.Now()) << "the lever arm alone is worth 20 %";
+  }
+  ScaleEstimatorOptions generous;
+  generous.max_sigma = 0.3;
+  LiveScale content(vague, generous);
+  for (const VehicleStep& step : steps) content.Add(step);
+  EXPECT_TRUE(content.Now());
+}
+
+TEST(LiveScale, IsNotKnownWithoutATurn) {
+  for (const auto& belief : Live(MakeSteps({{200, 0, 5, 9}, {50, 0.5 * kDegree, 5, 9}}, kCar, 0, kUnit).steps))
+    EXPECT_FALSE(belief);
+}
+
+TEST(LiveScale, StraightsCostCertainty) {
+  const std::vector<VehicleStep> steps =
+      MakeSteps({{20, 0, 5, 9}, {30, 3 * kDegree, 0.4, 5}, {200, 0, 5, 9}}, kCar, 0, kUnit).steps;
+  const auto beliefs = Live(steps);
+  double last = 0;
+  for (std::size_t i = 52; i < steps.size(); ++i) {
+    ASSERT_TRUE(beliefs[i]);
+    EXPECT_GT(beliefs[i]->sigma(), last);
+    last = beliefs[i]->sigma();
+    EXPECT_NEAR(beliefs[i]->metres_per_unit(), beliefs[52]->metres_per_unit(), 1e-9) << "and do not change it";
+  }
+  // 198 steps of 5 m at 1 % in 100 m.
+  EXPECT_NEAR(std::pow(last, 2) - std::pow(beliefs[52]->sigma(), 2), 1e-4 * 197 * 5 / 100, 2e-6);
+}
+
+TEST(LiveScale, AGapWidensSigma) {
+  std::vector<VehicleStep> steps = MakeSteps(OneCorner(), kCar, 0, kUnit).steps;
+  steps[60].motion = {};
+  steps[60].usable = false;
+  steps[60].after_gap = true;
+  steps[60].gap_sigma = 0.1;
+  const auto beliefs = Live(steps);
+  ASSERT_TRUE(beliefs[59] && beliefs[60]);
+  EXPECT_NEAR(std::pow(beliefs[60]->sigma(), 2) - std::pow(beliefs[59]->sigma(), 2), 0.01, 1e-9);
+  EXPECT_NEAR(beliefs[60]->metres_per_unit(), beliefs[59]->metres_per_unit(), 1e-9);
+  steps[60].gap_sigma = 0.5;
+  const auto lost = Live(steps);
+  EXPECT_FALSE(lost[60]) << "beyond 15 % it is no longer known";
+}
+
+TEST(LiveScale, ATurnAfterAGapSaysItsOwnScale) {
+  std::vector<VehicleStep> steps = MakeSteps(OneCorner(), kCar, 0, kUnit).steps;
+  std::vector<VehicleStep> after = MakeSteps(OneCorner(), kCar, 0, 20).steps;
+  after[0].motion = {};
+  after[0].usable = false;
+  after[0].after_gap = true;
+  after[0].gap_sigma = 0.5;
+  steps.insert(steps.end(), after.begin(), after.end());
+  const auto beliefs = Live(steps);
+  ASSERT_TRUE(beliefs.back());
+  EXPECT_NEAR(beliefs.back()->metres_per_unit() / 20, 1, 0.02);
+}
+
+TEST(LiveScale, AgreesWithTheSmootherAtTheEndOfEachTurn) {
+  for (int seed = 0; seed < 10; ++seed) {
+    DriveErrors errors = kNoise;
+    errors.per_100m = 0.01;
+    errors.per_90deg = 0.005;
+    errors.lever_arm = 0.015;
+    const std::vector<VehicleStep> steps = MakeSteps(TownRoad(8, seed), kCar, 0.003, kUnit, errors, seed).steps;
+    LiveScale live(Prior(), {});
+    int turns = 0;
+    for (std::size_t i = 0; i < steps.size(); ++i) {
+      if (!live.Add(steps[i])) continue;
+      ++turns;
+      const std::vector<VehicleStep> so_far(steps.begin(), steps.begin() + static_cast<std::ptrdiff_t>(i) + 1);
+      const ScaleEstimateResult smoothed = EstimateScale(so_far, Prior(), {});
+      ASSERT_TRUE(smoothed.estimate && live.Now());
+      const ScaleBelief& last = smoothed.estimate->smoothed.back();
+      EXPECT_NEAR(live.Now()->mean[kLogScale], last.mean[kLogScale], last.sigma()) << seed << ' ' << turns;
+      // The smoother has seen the direction of travel on the straights, which the filter does not look at.
+      EXPECT_GT(live.Now()->sigma(), 0.6 * last.sigma());
+      EXPECT_LT(live.Now()->sigma(), 2 * last.sigma());
+    }
+    EXPECT_EQ(turns, 8);
+  }
+}
+
+TEST(LiveScale, DoesNotSeeTheFuture) {
+  const std::vector<VehicleStep> steps = MakeSteps(TownRoad(5, 3), kCar, 0, kUnit, kNoise).steps;
+  const std::vector<VehicleStep> start(steps.begin(), steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2));
+  const auto whole = Live(steps);
+  const auto half = Live(start);
+  for (std::size_t i = 0; i < start.size(); ++i) {
+    ASSERT_EQ(whole[i].has_value(), half[i].has_value());
+    if (whole[i]) {
+      EXPECT_EQ(whole[i]->mean, half[i]->mean);
+    }
+  }
+}
+
+// Wherever a turn begins, also where a long straight has just been put away.
+TEST(LiveScale, ATurnLosesNoStepToTheStraightBeforeIt) {
+  const auto drive = [](int straight) {
+    return Live(MakeSteps({{straight, 0, 5, 9}, {25, 3.6 * kDegree, 0.4, 5}, {5, 0, 5, 9}}, kCar, 0, kUnit).steps);
+  };
+  const auto expected = drive(5);
+  for (int straight = 30; straight < 130; ++straight) {
+    const auto beliefs = drive(straight);
+    for (int i = 0; i < 30; ++i) {
+      const std::optional<ScaleBelief>& belief = beliefs[straight + i];
+      ASSERT_EQ(belief.has_value(), expected[5 + i].has_value()) << straight << ' ' << i;
+      if (!belief) continue;
+      EXPECT_NEAR(belief->sigma(), expected[5 + i]->sigma(), 1e-9) << straight << ' ' << i;
+      EXPECT_NEAR(belief->metres_per_unit() / kUnit, 1, 0.01) << straight << ' ' << i;
+    }
+  }
+}
+
+// Steps that wait for a turn do not pile up: with all of them looked at again at each step, this would take many
+// minutes.
+TEST(LiveScale, StepsWithoutATurnDoNotPileUp) {
+  LiveScale live(Prior(), {});
+  for (const VehicleStep& step : MakeSteps(OneCorner(), kCar, 0, kUnit).steps) live.Add(step);
+  const std::vector<VehicleStep> weave =
+      MakeSteps({{30, 0, 5, 9}, {2, 2 * kDegree, 5, 9}, {2, -2 * kDegree, 5, 9}}, kCar, 0, kUnit).steps;
+  for (int i = 0; i < 300000; ++i) live.Add(weave[i % weave.size()]);
+  EXPECT_FALSE(live.Now()) << "1500 km after its turn the scale is no longer known";
+}
+
+}  // namespace
+}  // namespace turnscale

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/scale/path_segment.h"
+
+#include <optional>
+
+#include "turnscale/base/error.h"
+
+namespace turnscale {
+namespace {
+
+class Splitter {
+ public:
+  explicit Splitter(const std::vector<VehicleStep>& steps) : steps_(steps) {}
+
+  void Turn(int first, int last) { Add(first, last, true); }
+
+  void Straight(int first, int last, int max_steps) {
+    for (int i = first + 1; i <= last; ++i) {
+      if (!steps_[i].after_gap) continue;
+      Parts(first, i - 1, max_steps);
+      first = i;
+    }
+    Parts(first, last, max_steps);
+  }
+
+  std::vector<PathSegment> Finish() && { return std::move(segments_); }
+
+ private:
+  void Parts(int first, int last, int max_steps) {
+    const int count = last - first + 1;
+    const int parts = (count + max_steps - 1) / max_steps;
+    for (int part = 0; part < parts; ++part) {
+      Add(first + count / parts * part, part + 1 == parts ? last : first + count / parts * (part + 1) - 1, false);
+    }
+  }
+
+  void Add(int first, int last, bool turning) {
+    PathSegment segment{.first = first, .last = last, .turning = turning, .gap_sigma = steps_[first].gap_sigma};
+    for (int i = first; i <= last; ++i) {
+      segment.angle += steps_[i].motion.psi;
+      segment.length += steps_[i].motion.step;
+    }
+    segment.middle = length_ + 0.5 * segment.length;
+    length_ += segment.length;
+    segments_.push_back(segment);
+  }
+
+  const std::vector<VehicleStep>& steps_;
+  std::vector<PathSegment> segments_;
+  double length_ = 0;
+};
+
+}  // namespace
+
+void PathSegmentOptions::Check() const {
+  turns.Check();
+  if (max_straight_steps < 1) throw InputError("segments.max_straight_steps: has to be at least 1");
+}
+
+std::vector<TurningRegion> FindTurns(const std::vector<VehicleStep>& steps, const TurnDetectorOptions& options) {
+  TurnDetector detector(options);
+  std::vector<TurningRegion> turns;
+  const auto keep = [&](const std::optional<TurningRegion>& turn) {
+    if (turn) turns.push_back(*turn);
+  };
+  for (const VehicleStep& step : steps) keep(step.usable ? detector.Add(step.motion.psi) : detector.AddUnmeasured());
+  keep(detector.Finish());
+  return turns;
+}
+
+std::vector<PathSegment> SplitIntoSegments(const std::vector<VehicleStep>& steps, const PathSegmentOptions& options) {
+  options.Check();
+  Splitter splitter(steps);
+  int next = 0;
+  for (const TurningRegion& turn : FindTurns(steps, options.turns)) {
+    splitter.Straight(next, turn.first - 1, options.max_straight_steps);
+    splitter.Turn(turn.first, turn.last);
+    next = turn.last + 1;
+  }
+  splitter.Straight(next, static_cast<int>(steps.size()) - 1, options.max_straight_steps);
+  return std::move(splitter).Finish();
+}
+
+std::vector<VehicleStep> StepsOf(const std::vector<VehicleStep>& steps, int first, int last) {
+  return {steps.begin() + first, steps.begin() + last + 1};
+}
+
+}  // namespace turnscale

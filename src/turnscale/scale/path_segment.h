@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <vector>
+
+#include "turnscale/kinematics/turn_detector.h"
+#include "turnscale/kinematics/vehicle_step.h"
+
+namespace turnscale {
+
+/// Neighbouring steps that share one scale: a turn, or a piece of what lies between two turns.
+struct PathSegment {
+  int first = 0;  ///< steps first..last
+  int last = 0;
+  bool turning = false;
+  double gap_sigma = 0;  ///< relative, by which the unit may have changed since the segment before; 0 without a gap
+  double angle = 0;      ///< sum of psi, rad, positive to the right
+  double length = 0;     ///< odometry units
+  double middle = 0;     ///< length of the path up to the middle of the segment, odometry units
+};
+
+struct PathSegmentOptions {
+  TurnDetectorOptions turns;
+  /// Longest straight segment, steps: some hundred metres, over which the direction of travel that the road asks for
+  /// (crown, side wind) may well differ from the next one's.
+  int max_straight_steps = 40;
+
+  /// Throws InputError that names the field when a value makes no sense.
+  void Check() const;
+};
+
+/// The turns among the steps (Algorithm 1), in their order.
+std::vector<TurningRegion> FindTurns(const std::vector<VehicleStep>& steps, const TurnDetectorOptions& options);
+
+/// Divides the steps, without gap or overlap, in their order.
+std::vector<PathSegment> SplitIntoSegments(const std::vector<VehicleStep>& steps, const PathSegmentOptions& options);
+
+/// The steps of a segment.
+std::vector<VehicleStep> StepsOf(const std::vector<VehicleStep>& steps, int first, int last);
+
+}  // namespace turnscale

@@ -1,0 +1,425 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/scale/scale_estimator.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "turnscale/base/refused_field.h"
+#include "turnscale/geometry/rotation.h"
+#include "turnscale/kinematics/synthetic_drive.h"
+#include "turnscale/scale/synthetic_steps.h"
+
+namespace turnscale {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180;
+constexpr double kUnit = 12;
+const LeverArm kCar{1.5, 0.005};
+const DriveErrors kNoise{.direction = 0.2 * kDegree};
+
+CarPrior PriorOf(const LeverArm& car) {
+  CarPrior prior;
+  prior.lever_arm = car.length;
+  prior.side_slip = car.side_slip;
+  return prior;
+}
+
+/// As little unknown as can be.
+CarPrior Exactly(const LeverArm& car) {
+  CarPrior prior = PriorOf(car);
+  prior.lever_arm_sigma = 0;
+  prior.side_slip_sigma = 0;
+  return prior;
+}
+
+/// Differences from the model as large as they are taken to be.
+DriveErrors AsStated(const ScaleEstimatorOptions& options) {
+  return {.direction = options.evidence.line.sigma_theta,
+          .lever_arm = options.evidence.turn_sigma,
+          .slip = options.evidence.slip_sigma,
+          .turn_direction = options.evidence.turn_direction_sigma,
+          .straight_direction = options.evidence.straight_direction_sigma,
+          .per_100m = options.drift.per_100m,
+          .per_90deg = options.drift.per_90deg};
+}
+
+ScaleEstimate EstimateOf(const SyntheticSteps& drive, const CarPrior& car, const ScaleEstimatorOptions& options = {}) {
+  ScaleEstimateResult result = EstimateScale(drive.steps, car, options);
+  EXPECT_TRUE(result.estimate) << result.reason;
+  return result.estimate.value_or(ScaleEstimate{});
+}
+
+double Metres(const ScaleEstimate& estimate) {
+  double metres = 0;
+  for (std::size_t i = 0; i < estimate.segments.size(); ++i)
+    metres += estimate.segments[i].length * estimate.smoothed[i].metres_per_unit();
+  return metres;
+}
+
+/// The mean of the true log-scales in a segment, against the estimate.
+double LogError(const ScaleEstimate& estimate, const SyntheticSteps& drive, std::size_t i) {
+  const PathSegment& segment = estimate.segments[i];
+  double truth = 0;
+  for (int k = segment.first; k <= segment.last; ++k) truth += std::log(drive.metres_per_unit[k]);
+  return estimate.smoothed[i].mean[kLogScale] - truth / (segment.last - segment.first + 1);
+}
+
+TEST(ScaleEstimator, FindsTheMetreOfAPerfectDrive) {
+  const ScaleEstimate estimate = EstimateOf(MakeSteps(TownRoad(6, 1), kCar, 0, kUnit), PriorOf(kCar));
+  ASSERT_EQ(estimate.turns.size(), 6u);
+  for (const ScaleBelief& belief : estimate.smoothed) EXPECT_NEAR(belief.metres_per_unit() / kUnit, 1, 1e-5);
+  EXPECT_NEAR(estimate.car.side_slip, kCar.side_slip, 1e-6);
+  EXPECT_NEAR(estimate.car.yaw_error, 0, 1e-6);
+  EXPECT_TRUE(estimate.converged);
+  EXPECT_FALSE(estimate.fell_back);
+  EXPECT_FALSE(estimate.test.contradicted);
+  for (const TurnEstimate& turn : estimate.turns) {
+    EXPECT_TRUE(turn.used) << turn.reason;
+    EXPECT_NEAR(turn.own / kUnit, 1, 1e-5);
+    EXPECT_NEAR(turn.as_given / kUnit, 1, 1e-5);
+    EXPECT_NEAR(turn.smoothed / kUnit, 1, 1e-5);
+    EXPECT_EQ(turn.weight, 1);
+    EXPECT_GT(turn.own_sigma, 0.015) << "the least that a turn may differ by";
+    EXPECT_LT(turn.smoothed_sigma, turn.own_sigma + 0.03);
+    EXPECT_NEAR(turn.lever_arm_units * kUnit, kCar.At(turn.speed_units * kUnit), 1e-5);
+  }
+}
+
+TEST(ScaleEstimator, ReadsACarOnARoadThroughItsCamera) {
+  const Eigen::Quaterniond mount = RotationFromYawPitchRoll({0, -0.1, 0});
+  std::vector<DriveSegment> route{{60, 0.9, 0}};
+  for (int i = 0; i < 6; ++i) {
+    const double side = i % 3 == 1 ? -1 : 1;
+    route.push_back({i % 2 == 0 ? 45 : 30, i % 2 == 0 ? 0.7 : 0.4, side * M_PI / 2 / (i % 2 == 0 ? 45 : 30)});
+    route.push_back({60 + 20 * (i % 4), 0.9, 0});
+  }
+  Trajectory path;
+  for (const RigidTransform& pose : MakeCarDrive(route, 0.1, kCar, mount).world_from_camera) {
+    // In vehicle axes whose pitch is not known.
+    path.push_back({0.1 * static_cast<double>(path.size()), {pose.rotation, pose.translation / kUnit}});
+  }
+  const ScaleEstimateResult result = EstimateScale(CutIntoSteps(path, {}, true, {}), PriorOf(kCar), {});
+  ASSERT_TRUE(result.estimate) << result.reason;
+  EXPECT_EQ(result.estimate->turns.size(), 6u);
+  EXPECT_NEAR(Metres(*result.estimate) /
+                  (kUnit *
+                   [&] {
+                     double length = 0;
+                     for (std::size_t i = 1; i < path.size(); ++i)
+                       length +=
+                           (path[i].world_from_camera.translation - path[i - 1].world_from_camera.translation).norm();
+                     return length;
+                   }()),
+              1, 0.006)
+      << "steps across the ends of a turn are no single circle";
+}
+
+TEST(ScaleEstimator, FindsSlipAndYawThatWereGivenWrong) {
+  int slip_within = 0;
+  int yaw_within = 0;
+  constexpr int kDrives = 40;
+  for (int seed = 0; seed < kDrives; ++seed) {
+    CarPrior prior = Exactly({kCar.length, 0.0035});
+    prior.side_slip_sigma = 0.002;
+    const double yaw = -0.4 * kDegree;
+    const ScaleEstimate estimate = EstimateOf(MakeSteps(TownRoad(16, seed), kCar, -yaw, kUnit, kNoise, seed), prior);
+    slip_within += std::abs(estimate.car.side_slip - kCar.side_slip) < 2 * estimate.car.side_slip_sigma;
+    yaw_within += std::abs(estimate.car.yaw_error - yaw) < 2 * estimate.car.yaw_error_sigma;
+    EXPECT_LT(estimate.car.side_slip_sigma, 0.0015);
+    EXPECT_LT(estimate.car.yaw_error_sigma, 0.1 * kDegree);
+    EXPECT_GT(estimate.car.side_slip, 0.0035);
+  }
+  EXPECT_GE(slip_within, 0.85 * kDrives);
+  EXPECT_GE(yaw_within, 0.85 * kDrives);
+}
+
+TEST(ScaleEstimator, AnyUnitGivesTheSameMetres) {
+  DriveErrors errors = kNoise;
+  errors.per_100m = 0.01;
+  const ScaleEstimate one = EstimateOf(MakeSteps(TownRoad(8, 3), kCar, 0.003, 1, errors, 4), PriorOf(kCar));
+  for (const double unit : {0.02, 30.0, 5000.0}) {
+    const ScaleEstimate other = EstimateOf(MakeSteps(TownRoad(8, 3), kCar, 0.003, unit, errors, 4), PriorOf(kCar));
+    EXPECT_NEAR(Metres(other) / Metres(one), 1, 1e-7);
+    EXPECT_NEAR(other.length_sigma / one.length_sigma, 1, 1e-5);
+    EXPECT_NEAR(other.car.side_slip, one.car.side_slip, 1e-8);
+    EXPECT_NEAR(other.test.chi_squared / one.test.chi_squared, 1, 1e-4);
+  }
+}
+
+TEST(ScaleEstimator, ADriftIsFollowed) {
+  double followed = 0;
+  double constant = 0;
+  int inside = 0;
+  int count = 0;
+  for (int seed = 0; seed < 30; ++seed) {
+    ScaleEstimatorOptions options;
+    options.drift.per_100m = 0.03;
+    DriveErrors errors = AsStated(options);
+    const SyntheticSteps drive = MakeSteps(TownRoad(14, seed), kCar, 0, kUnit, errors, seed);
+    const ScaleEstimate estimate = EstimateOf(drive, Exactly(kCar), options);
+    double mean = 0;
+    for (const double scale : drive.metres_per_unit) mean += std::log(scale);
+    mean /= static_cast<double>(drive.metres_per_unit.size());
+    for (std::size_t i = 0; i < estimate.segments.size(); ++i) {
+      const double error = LogError(estimate, drive, i);
+      followed += error * error;
+      constant += std::pow(estimate.smoothed[i].mean[kLogScale] - error - mean, 2);
+      inside += std::abs(error) < estimate.smoothed[i].sigma();
+      ++count;
+    }
+  }
+  EXPECT_LT(std::sqrt(followed / constant), 0.5);
+  EXPECT_GT(inside / static_cast<double>(count), 0.6);
+  EXPECT_LT(inside / static_cast<double>(count), 0.85);
+}
+
+TEST(ScaleEstimator, TyresDoNotSlipInwards) {
+  // A car whose lever arm grows with speed.
+  CarPrior prior = Exactly({1.5, 0.002});
+  prior.side_slip_sigma = 0.003;
+  const ScaleEstimate estimate = EstimateOf(MakeSteps(TownRoad(8, 5), {1.5, -0.004}, 0, kUnit, kNoise, 5), prior);
+  EXPECT_TRUE(estimate.car.side_slip_at_bound);
+  EXPECT_GE(estimate.car.side_slip, 0);
+  EXPECT_LT(estimate.car.side_slip, 1e-6);
+  const ScaleEstimate usual = EstimateOf(MakeSteps(TownRoad(8, 5), kCar, 0, kUnit, kNoise, 5), PriorOf(kCar));
+  EXPECT_FALSE(usual.car.side_slip_at_bound);
+}
+
+TEST(ScaleEstimator, WhatIsKnownExactlyIsNotRefined) {
+  const CarPrior exact = Exactly({1.5, 0.004});
+  const ScaleEstimate estimate = EstimateOf(MakeSteps(TownRoad(8, 6), kCar, 0, kUnit, kNoise, 6), exact);
+  EXPECT_NEAR(estimate.car.side_slip, 0.004, 1e-9);
+  EXPECT_EQ(estimate.car.side_slip_sigma, 0);
+  EXPECT_FALSE(estimate.car.side_slip_at_bound);
+  for (const ScaleBelief& belief : estimate.smoothed) EXPECT_NEAR(std::exp(belief.mean[kLogLeverArm]), 1.5, 1e-8);
+}
+
+TEST(ScaleEstimator, TheLeverArmsOwnSigmaIsInTheLengths) {
+  const LeverArm rigid{1.5, 0};
+  const SyntheticSteps drive = MakeSteps(TownRoad(12, 7), rigid, 0, kUnit, kNoise, 7);
+  CarPrior prior = Exactly(rigid);
+  const double without = EstimateOf(drive, prior).length_sigma;
+  prior.lever_arm_sigma = 0.15;
+  EXPECT_NEAR(EstimateOf(drive, prior).length_sigma, std::hypot(without, 0.1), 0.001)
+      << "a tenth of the lever arm is a tenth of the path";
+}
+
+TEST(ScaleEstimator, FastTurnsCarryTheSlipsUncertainty) {
+  const auto sigma_at = [](double speed) {
+    std::vector<StretchOfRoad> road;
+    for (int i = 0; i < 5; ++i) {
+      road.push_back({25, 0, 6, 10});
+      road.push_back({30, (i % 2 ? 1 : -1) * 3 * kDegree, 0.05 * speed * speed / 2, speed});
+    }
+    return EstimateOf(MakeSteps(road, kCar, 0, kUnit), PriorOf(kCar)).length_sigma;
+  };
+  EXPECT_GT(sigma_at(9), 1.5 * sigma_at(4));
+}
+
+TEST(ScaleEstimator, TurnsThatAreTooFastAreLeftOut) {
+  std::vector<StretchOfRoad> road = TownRoad(5, 8);
+  const ScaleEstimate without = EstimateOf(MakeSteps(road, kCar, 0, kUnit), PriorOf(kCar));
+  // At 15.5 m/s a fifth of the lever arm is left, and what the tyres really do counts for everything.
+  road.push_back({30, 0.06, 2, 15.5});
+  road.push_back({20, 0, 6, 12});
+  const ScaleEstimate with = EstimateOf(MakeSteps(road, {1.5, 0.005}, 0, kUnit), PriorOf(kCar));
+  ASSERT_EQ(with.turns.size(), 6u);
+  EXPECT_FALSE(with.turns.back().used);
+  EXPECT_NE(with.turns.back().reason.find("too fast"), std::string::npos) << with.turns.back().reason;
+  EXPECT_EQ(with.turns.back().own, 0);
+  EXPECT_GT(with.turns.back().smoothed, 0) << "the others say what scale it has";
+  EXPECT_NEAR(with.smoothed.front().metres_per_unit(), without.smoothed.front().metres_per_unit(), 1e-4 * kUnit);
+}
+
+TEST(ScaleEstimator, SaysWhyThereIsNoScale) {
+  const ScaleEstimateResult straight =
+      EstimateScale(MakeSteps({{100, 0, 6, 10}}, kCar, 0, kUnit, kNoise).steps, PriorOf(kCar), {});
+  EXPECT_FALSE(straight.estimate);
+  EXPECT_NE(straight.reason.find("no turn"), std::string::npos) << straight.reason;
+  EXPECT_NE(straight.reason.find("15 degrees"), std::string::npos) << "says what would do";
+  EXPECT_TRUE(straight.turns.empty());
+  EXPECT_FALSE(EstimateScale({}, PriorOf(kCar), {}).estimate);
+
+  const ScaleEstimateResult fast = EstimateScale(
+      MakeSteps({{30, 0, 6, 16}, {30, 0.06, 2, 16}, {30, 0, 6, 16}}, kCar, 0, kUnit).steps, PriorOf(kCar), {});
+  EXPECT_FALSE(fast.estimate);
+  EXPECT_NE(fast.reason.find("slow"), std::string::npos) << fast.reason;
+  ASSERT_EQ(fast.turns.size(), 1u);
+  EXPECT_FALSE(fast.turns[0].used);
+
+  // A camera ahead of the front axle would swing outwards; this one swings inwards.
+  CarPrior rigid = Exactly({1.5, 0});
+  const ScaleEstimateResult inwards = EstimateScale(MakeSteps(TownRoad(3, 9), {-1.5, 0}, 0, kUnit).steps, rigid, {});
+  EXPECT_FALSE(inwards.estimate);
+  ASSERT_EQ(inwards.turns.size(), 3u);
+  EXPECT_NE(inwards.turns[0].reason.find("outwards"), std::string::npos) << inwards.turns[0].reason;
+
+  CarPrior vague = PriorOf(kCar);
+  vague.lever_arm_sigma = 0.5;
+  const ScaleEstimateResult uncertain = EstimateScale(MakeSteps(TownRoad(3, 9), kCar, 0, kUnit).steps, vague, {});
+  EXPECT_FALSE(uncertain.estimate);
+  EXPECT_NE(uncertain.reason.find("uncertain by 3"), std::string::npos) << uncertain.reason;
+  EXPECT_EQ(uncertain.turns.size(), 3u);
+}
+
+// One turn of eight whose effective lever arm is wrong by a fifth: within what Huber's weight takes.
+TEST(ScaleEstimator, OneTurnThatSkidsHasLittleSay) {
+  std::vector<StretchOfRoad> road = TownRoad(8, 10);
+  const SyntheticSteps clean = MakeSteps(road, kCar, 0, kUnit, kNoise, 10);
+  SyntheticSteps skid = clean;
+  const ScaleEstimate before = EstimateOf(clean, Exactly(kCar));
+  const TurnEstimate& turn = before.turns[3];
+  for (int i = turn.first_step; i <= turn.last_step; ++i) {
+    TurningMotion& motion = skid.steps[i].motion;
+    motion.theta = 0.5 * motion.psi + 1.2 * (motion.theta - 0.5 * motion.psi);
+  }
+  const ScaleEstimate after = EstimateOf(skid, Exactly(kCar));
+  EXPECT_LT(after.turns[3].weight, 0.5);
+  EXPECT_GT(after.turns[3].deviation, 1.5) << "its own scale is smaller than the drive's";
+  EXPECT_NEAR(Metres(after) / Metres(before), 1, 0.012);
+  for (std::size_t i = 0; i < after.turns.size(); ++i) {
+    if (i != 3) {
+      EXPECT_GT(after.turns[i].weight, 0.6) << i;
+    }
+  }
+}
+
+TEST(ScaleEstimator, TurnsThatContradictAreFollowedAndCovered) {
+  ScaleEstimatorOptions whatever;
+  whatever.max_sigma = 1;
+  for (int seed = 0; seed < 20; ++seed) {
+    std::vector<StretchOfRoad> road = TownRoad(9, 50 + seed);
+    const SyntheticSteps drive = MakeSteps(road, kCar, 0, kUnit, kNoise, seed);
+    SyntheticSteps wrong = drive;
+    const ScaleEstimate clean = EstimateOf(drive, PriorOf(kCar));
+    // Each third turn shows half of its lever arm more: odometry whose camera is calibrated wrongly.
+    for (std::size_t t = 0; t < clean.turns.size(); t += 3) {
+      for (int i = clean.turns[t].first_step; i <= clean.turns[t].last_step; ++i) {
+        TurningMotion& motion = wrong.steps[i].motion;
+        motion.theta = 0.5 * motion.psi + 1.5 * (motion.theta - 0.5 * motion.psi);
+      }
+    }
+    const ScaleEstimate estimate = EstimateOf(wrong, PriorOf(kCar), whatever);
+    EXPECT_FALSE(clean.fell_back) << seed;
+    EXPECT_TRUE(estimate.test.contradicted) << seed;
+    EXPECT_TRUE(estimate.fell_back) << seed;
+    EXPECT_GE(estimate.test.worst_turn, 0);
+    EXPECT_GT(estimate.test.disagreement, 0.05);
+    const double error = std::log(Metres(estimate) / drive.metres);
+    EXPECT_LT(std::abs(error), 2 * estimate.length_sigma) << seed;
+    // The scale goes through the turns as they say themselves.
+    std::size_t next = 0;
+    for (std::size_t i = 0; i < estimate.segments.size(); ++i) {
+      if (!estimate.segments[i].turning) continue;
+      const TurnEstimate& turn = estimate.turns[next++];
+      if (turn.used) {
+        EXPECT_NEAR(estimate.smoothed[i].metres_per_unit() / turn.as_given, 1, 1e-9);
+      }
+    }
+  }
+}
+
+TEST(ScaleEstimator, AGapMayChangeTheUnit) {
+  SyntheticSteps drive = MakeSteps(TownRoad(10, 11), kCar, 0, kUnit, kNoise, 11);
+  const std::size_t middle = drive.steps.size() / 2;
+  for (std::size_t i = middle; i < drive.steps.size(); ++i) {
+    drive.steps[i].motion.step *= 0.7;
+    drive.metres_per_unit[i] /= 0.7;
+  }
+  VehicleStep& gap = drive.steps[middle];
+  gap.motion = {};
+  gap.usable = false;
+  gap.after_gap = true;
+  gap.gap_sigma = 0.3;
+  const ScaleEstimate estimate = EstimateOf(drive, PriorOf(kCar));
+  EXPECT_FALSE(estimate.fell_back);
+  for (std::size_t i = 0; i < estimate.segments.size(); ++i)
+    EXPECT_NEAR(LogError(estimate, drive, i), 0, 3 * estimate.smoothed[i].sigma());
+  EXPECT_NEAR(estimate.smoothed.back().metres_per_unit() / estimate.smoothed.front().metres_per_unit(), 1 / 0.7, 0.05);
+}
+
+/// Drives whose every constant is off by as much as is stated. Shares of errors within one and two standard deviations.
+struct Coverage {
+  int drives = 0;
+  int fell_back = 0;
+  int length_one = 0;
+  int length_two = 0;
+  int slip_one = 0;
+  int slip_two = 0;
+  int yaw_one = 0;
+  int yaw_two = 0;
+};
+
+Coverage Cover(const CarPrior& prior, int turns, int drives) {
+  Coverage coverage;
+  const ScaleEstimatorOptions options;
+  const DriveErrors errors = AsStated(options);
+  for (int seed = 1; seed <= drives; ++seed) {
+    Random random(7000 + seed);
+    LeverArm truth;
+    truth.length = prior.lever_arm + prior.lever_arm_sigma * random.Gaussian();
+    do {
+      truth.side_slip = prior.side_slip + prior.side_slip_sigma * random.Gaussian();
+    } while (truth.side_slip < 0);
+    const double direction = prior.yaw_sigma * random.Gaussian();
+    const double unit = std::exp(random.Uniform(-2, 4));
+    const SyntheticSteps drive = MakeSteps(TownRoad(turns, seed), truth, direction, unit, errors, seed);
+    const ScaleEstimateResult result = EstimateScale(drive.steps, prior, options);
+    if (!result.estimate) continue;
+    const ScaleEstimate& estimate = *result.estimate;
+    ++coverage.drives;
+    coverage.fell_back += estimate.fell_back;
+    const auto count = [](double error, double sigma, int& one, int& two) {
+      one += std::abs(error) <= sigma;
+      two += std::abs(error) <= 2 * sigma;
+    };
+    count(std::log(Metres(estimate) / drive.metres), estimate.length_sigma, coverage.length_one, coverage.length_two);
+    count(estimate.car.side_slip - truth.side_slip, estimate.car.side_slip_sigma, coverage.slip_one, coverage.slip_two);
+    count(estimate.car.yaw_error + direction, estimate.car.yaw_error_sigma, coverage.yaw_one, coverage.yaw_two);
+  }
+  return coverage;
+}
+
+// Limits of what 400 drives may show of 68.3 and 95.4 %.
+void ExpectHonest(int one, int two, int drives, const char* what) {
+  const double share_one = one / static_cast<double>(drives);
+  const double share_two = two / static_cast<double>(drives);
+  EXPECT_GE(share_one, 0.60) << what;
+  EXPECT_LE(share_one, 0.76) << what;
+  EXPECT_GE(share_two, 0.90) << what;
+  EXPECT_LE(share_two, 0.98) << what;
+}
+
+TEST(ScaleEstimator, SigmaCoversWhatItSays) {
+  constexpr int kDrives = 400;
+  for (const int turns : {4, 12}) {
+    for (const double slip_sigma : {kUsualSideSlipSigma, kGivenSideSlipSigma * kUsualSideSlip}) {
+      CarPrior prior = PriorOf(kCar);
+      prior.side_slip_sigma = slip_sigma;
+      const Coverage coverage = Cover(prior, turns, kDrives);
+      SCOPED_TRACE(testing::Message() << turns << " turns, slip +-" << slip_sigma);
+      EXPECT_GE(coverage.drives, 0.99 * kDrives);
+      EXPECT_LE(coverage.fell_back, 0.01 * kDrives);
+      ExpectHonest(coverage.length_one, coverage.length_two, coverage.drives, "length");
+      ExpectHonest(coverage.slip_one, coverage.slip_two, coverage.drives, "slip");
+      ExpectHonest(coverage.yaw_one, coverage.yaw_two, coverage.drives, "yaw");
+    }
+  }
+}
+
+TEST(ScaleEstimatorOptions, RefusesSenselessValues) {
+  const auto refused = [](auto change) { return RefusedField<ScaleEstimatorOptions>(change); };
+  EXPECT_EQ(refused([](auto&) {}), "");
+  EXPECT_EQ(refused([](auto& o) { o.huber = 0; }), "scale.huber");
+  EXPECT_EQ(refused([](auto& o) { o.max_sigma = 0; }), "scale.max_sigma");
+  EXPECT_EQ(refused([](auto& o) { o.segments.max_straight_steps = 0; }), "segments.max_straight_steps");
+  EXPECT_EQ(refused([](auto& o) { o.evidence.turn_sigma = 0; }), "evidence.turn_sigma");
+  EXPECT_EQ(refused([](auto& o) { o.drift.per_100m = -1; }), "drift.per_100m");
+  EXPECT_EQ(refused([](auto& o) { o.test.min_probability = 0; }), "test.min_probability");
+  EXPECT_EQ(refused([](auto& o) { o.segments.turns.min_steps = 0; }), "turn detector");
+}
+
+}  // namespace
+}  // namespace turnscale

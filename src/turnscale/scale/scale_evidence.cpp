@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/scale/scale_evidence.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "turnscale/base/error.h"
+#include "turnscale/base/quantiles.h"
+#include "turnscale/kinematics/robust_line.h"
+
+namespace turnscale {
+namespace {
+
+// Fewer steps of a straight show no direction of travel.
+constexpr int kFewestStraightSteps = 3;
+// The lever arm that acts in the bends of a straight, over that of the turns: faster bends slip more.
+constexpr double kBendRatio = 0.9;
+constexpr double kBendRatioSigma = 0.4;
+
+double MedianLeverArm(const std::vector<SegmentEvidence>& evidence) {
+  std::vector<std::pair<double, double>> lever_arms;
+  for (const SegmentEvidence& segment : evidence)
+    if (segment.turn) lever_arms.emplace_back(segment.turn->lever_arm, std::abs(segment.turn->angle));
+  return lever_arms.empty() ? 0.0 : std::max(WeightedMedian(std::move(lever_arms)), 0.0);
+}
+
+void MeasureDirection(const std::vector<VehicleStep>& steps, double lever_arm, const EvidenceOptions& options,
+                      SegmentEvidence& evidence) {
+  evidence.direction_sigma = std::numeric_limits<double>::infinity();
+  std::vector<LinePoint> points;
+  double angle = 0;
+  double length = 0;
+  double squares = 0;
+  for (const VehicleStep& step : steps) {
+    const TurningMotion& motion = step.motion;
+    if (!step.usable || !std::isfinite(step.lateral())) continue;
+    points.push_back({motion.step * std::cos(motion.theta - 0.5 * motion.psi),
+                      step.lateral() - kBendRatio * lever_arm * 2.0 * std::sin(0.5 * motion.psi)});
+    angle += motion.psi;
+    length += motion.step;
+    squares += motion.step * motion.step;
+  }
+  if (static_cast<int>(points.size()) < kFewestStraightSteps || !(length > 0)) return;
+  const double floor = options.line.sigma_theta * std::sqrt(squares / static_cast<double>(points.size()));
+  const RobustLine line = FitRobustLine(points, floor, options.line.robust_threshold);
+  if (!std::isfinite(line.slope)) return;
+  evidence.direction = line.slope;
+  evidence.direction_sigma = std::hypot(line.sigma, kBendRatioSigma * lever_arm * angle / length);
+}
+
+}  // namespace
+
+void EvidenceOptions::Check() const {
+  line.Check();
+  const auto require = [](bool good, const char* what) {
+    if (!good) throw InputError(what);
+  };
+  require(turn_sigma > 0 && turn_sigma < 1, "evidence.turn_sigma: has to be above 0 and below 1");
+  require(slip_sigma >= 0 && slip_sigma < 10, "evidence.slip_sigma: has to be from 0 to below 10");
+  require(turn_direction_sigma >= 0 && turn_direction_sigma < 1,
+          "evidence.turn_direction_sigma: has to be from 0 to below 1 rad");
+  require(straight_direction_sigma > 0 && straight_direction_sigma < 1,
+          "evidence.straight_direction_sigma: has to be above 0 and below 1 rad");
+  require(min_lever_arm_ratio >= 0 && min_lever_arm_ratio < 1,
+          "evidence.min_lever_arm_ratio: has to be from 0 to below 1");
+}
+
+SegmentEvidence EvidenceOfTurn(const std::vector<VehicleStep>& steps, const EvidenceOptions& options) {
+  SegmentEvidence evidence;
+  evidence.turning = true;
+  PooledLineResult pooled = PoolTurn(steps, options.line);
+  evidence.turn = pooled.line;
+  evidence.reason = std::move(pooled.reason);
+  return evidence;
+}
+
+std::vector<SegmentEvidence> GatherEvidence(const std::vector<VehicleStep>& steps,
+                                            const std::vector<PathSegment>& segments, const EvidenceOptions& options) {
+  std::vector<SegmentEvidence> evidence;
+  for (const PathSegment& segment : segments)
+    evidence.push_back(segment.turning ? EvidenceOfTurn(StepsOf(steps, segment.first, segment.last), options)
+                                       : SegmentEvidence{});
+  const double lever_arm = MedianLeverArm(evidence);
+  for (std::size_t i = 0; i < segments.size(); ++i)
+    if (!segments[i].turning)
+      MeasureDirection(StepsOf(steps, segments[i].first, segments[i].last), lever_arm, options, evidence[i]);
+  return evidence;
+}
+
+std::optional<Measurement> Linearize(const SegmentEvidence& evidence, const DriveState& state,
+                                     const EvidenceOptions& options) {
+  Measurement measurement;
+  if (!evidence.turning) {
+    if (!std::isfinite(evidence.direction_sigma)) return std::nullopt;
+    measurement.innovation = evidence.direction - state[kDirection];
+    measurement.by_state[kDirection] = 1;
+    measurement.variance = evidence.direction_sigma * evidence.direction_sigma +
+                           options.straight_direction_sigma * options.straight_direction_sigma;
+    return measurement;
+  }
+  if (!evidence.turn) return std::nullopt;
+  const PooledLine& turn = *evidence.turn;
+  const double scale = std::exp(state[kLogScale]);
+  const double lever_arm = std::exp(state[kLogLeverArm]) / scale;
+  const double slip = state[kSlip] * scale * turn.mean_square_speed;
+  measurement.innovation = turn.lever_arm - (lever_arm - slip + state[kDirection] * turn.by_direction);
+  measurement.by_state[kLogScale] = -lever_arm - slip;
+  measurement.by_state[kDirection] = turn.by_direction;
+  measurement.by_state[kSlip] = -scale * turn.mean_square_speed;
+  measurement.by_state[kLogLeverArm] = lever_arm;
+  const auto square = [](double value) { return value * value; };
+  measurement.variance = square(turn.sigma) + square(options.turn_sigma * lever_arm) +
+                         square(options.slip_sigma * slip) + square(options.turn_direction_sigma * turn.by_direction);
+  return measurement;
+}
+
+double OwnScale(const SegmentEvidence& evidence, const DriveState& state) {
+  return MetresPerUnit(*evidence.turn, {std::exp(state[kLogLeverArm]), state[kSlip]}, state[kDirection]);
+}
+
+}  // namespace turnscale

@@ -1,0 +1,237 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/scale/scale_evidence.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "turnscale/base/random.h"
+#include "turnscale/base/refused_field.h"
+#include "turnscale/scale/synthetic_steps.h"
+
+namespace turnscale {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180;
+constexpr double kUnit = 12;
+const LeverArm kCar{1.3, 0.005};
+
+DriveState StateOf(double metres_per_unit, double direction, const LeverArm& car) {
+  return {std::log(metres_per_unit), direction, car.side_slip, std::log(car.length)};
+}
+
+SegmentEvidence RandomTurn(Random& random) {
+  SegmentEvidence evidence;
+  evidence.turning = true;
+  evidence.turn = PooledLine{.lever_arm = random.Uniform(0.05, 0.2),
+                             .sigma = random.Uniform(0.0001, 0.002),
+                             .by_direction = random.Uniform(-2, 2),
+                             .mean_square_speed = random.Uniform(0, 1)};
+  return evidence;
+}
+
+DriveState RandomState(Random& random) {
+  return StateOf(std::exp(random.Uniform(1, 3)), random.Uniform(-0.02, 0.02),
+                 {random.Uniform(0.5, 2.5), random.Uniform(0, 0.01)});
+}
+
+std::vector<VehicleStep> Corner(const LeverArm& car, double direction, double side = 1) {
+  return MakeSteps({{25, side * 3.5 * kDegree, 0.5, 6}}, car, direction, kUnit).steps;
+}
+
+/// A straight among two turns; what the straight says.
+SegmentEvidence StraightBetweenTurns(const std::vector<StretchOfRoad>& straight, double direction,
+                                     const DriveErrors& errors = {}, std::uint64_t seed = 1) {
+  std::vector<StretchOfRoad> road{{25, 3.5 * kDegree, 0.5, 6}};
+  road.insert(road.end(), straight.begin(), straight.end());
+  road.push_back({25, -3.5 * kDegree, 0.5, 6});
+  const std::vector<VehicleStep> steps = MakeSteps(road, kCar, direction, kUnit, errors, seed).steps;
+  const std::vector<PathSegment> segments = SplitIntoSegments(steps, {});
+  EXPECT_EQ(segments.size(), 3u);
+  return GatherEvidence(steps, segments, {}).at(1);
+}
+
+TEST(ScaleEvidence, DerivativesAgreeWithFiniteDifferences) {
+  Random random(1);
+  const Eigen::Vector4d sizes(1e-5, 1e-5, 1e-5, 1e-5);
+  for (int draw = 0; draw < 200; ++draw) {
+    SegmentEvidence evidence = RandomTurn(random);
+    if (draw % 4 == 0) {
+      evidence.turning = false;
+      evidence.direction = random.Uniform(-0.1, 0.1);
+      evidence.direction_sigma = 0.01;
+    }
+    const DriveState state = RandomState(random);
+    const Measurement measurement = Linearize(evidence, state, {}).value();
+    for (int i = 0; i < 4; ++i) {
+      const DriveState off = sizes[i] * DriveState::Unit(i);
+      // What is expected grows by as much as the innovation falls.
+      const double numeric =
+          (Linearize(evidence, state - off, {})->innovation - Linearize(evidence, state + off, {})->innovation) /
+          (2 * sizes[i]);
+      EXPECT_NEAR(measurement.by_state[i], numeric, 1e-6 * (1 + std::abs(numeric)));
+    }
+  }
+}
+
+TEST(ScaleEvidence, ATurnOfTheModelMeetsItsExpectation) {
+  for (const double side : {1.0, -1.0}) {
+    for (const double direction : {0.0, 0.01, -0.01}) {
+      const SegmentEvidence evidence = EvidenceOfTurn(Corner(kCar, direction, side), {});
+      ASSERT_TRUE(evidence.turn) << evidence.reason;
+      const DriveState truth = StateOf(kUnit, direction, kCar);
+      EXPECT_NEAR(Linearize(evidence, truth, {})->innovation / evidence.turn->lever_arm, 0, 0.003)
+          << "the sine of the direction for its angle";
+      EXPECT_NEAR(OwnScale(evidence, truth) / kUnit, 1, 0.003);
+      if (direction != 0) {
+        EXPECT_GT(std::abs(OwnScale(evidence, StateOf(kUnit, 0, kCar)) / kUnit - 1), 0.02);
+      }
+    }
+  }
+}
+
+TEST(ScaleEvidence, OwnScaleIsWhereTheInnovationVanishes) {
+  Random random(2);
+  for (int draw = 0; draw < 200; ++draw) {
+    const SegmentEvidence evidence = RandomTurn(random);
+    DriveState state = RandomState(random);
+    state[kLogScale] = std::log(OwnScale(evidence, state));
+    ASSERT_TRUE(std::isfinite(state[kLogScale]));
+    EXPECT_NEAR(Linearize(evidence, state, {})->innovation, 0, 1e-12);
+  }
+}
+
+// The effective lever arm of turns that differ from the model by what the options say.
+TEST(ScaleEvidence, VarianceIsThatOfTurnsThatDifferAsStated) {
+  const EvidenceOptions options;
+  const DriveErrors errors{.direction = 0.25 * kDegree,
+                           .lever_arm = options.turn_sigma,
+                           .slip = options.slip_sigma,
+                           .turn_direction = options.turn_direction_sigma};
+  const DriveState truth = StateOf(kUnit, 0, kCar);
+  for (const double speed : {3.0, 10.0}) {
+    double squares = 0;
+    double variance = 0;
+    constexpr int kDraws = 2000;
+    for (int seed = 0; seed < kDraws; ++seed) {
+      const std::vector<StretchOfRoad> corner{{25, 3.5 * kDegree, 0.5, speed}};
+      const SegmentEvidence evidence = EvidenceOfTurn(MakeSteps(corner, kCar, 0, kUnit, errors, seed).steps, options);
+      const Measurement measurement = Linearize(evidence, truth, options).value();
+      squares += measurement.innovation * measurement.innovation;
+      variance += measurement.variance;
+    }
+    EXPECT_NEAR(std::sqrt(variance / squares), 1, 0.06) << speed << " m/s";
+  }
+}
+
+TEST(ScaleEvidence, AStraightShowsTheDirectionOfTravel) {
+  for (const double direction : {0.0, 0.012, -0.02}) {
+    const SegmentEvidence straight = StraightBetweenTurns({{30, 0, 5, 10}}, direction);
+    EXPECT_FALSE(straight.turning);
+    EXPECT_NEAR(straight.direction, direction, 1e-4);
+    EXPECT_GT(straight.direction_sigma, 0);
+    EXPECT_LT(straight.direction_sigma, 0.001);
+    const Measurement measurement = Linearize(straight, StateOf(kUnit, 0.005, kCar), {}).value();
+    EXPECT_NEAR(measurement.innovation, direction - 0.005, 1e-4);
+    EXPECT_EQ(measurement.by_state[kLogScale], 0) << "straights are not asked for the scale";
+  }
+}
+
+TEST(ScaleEvidence, BendsOfAStraightAreTakenOut) {
+  const std::vector<StretchOfRoad> bends{{10, 1 * kDegree, 5, 9}, {10, -1 * kDegree, 5, 9}, {10, 0, 5, 9}};
+  const SegmentEvidence even = StraightBetweenTurns(bends, 0.01);
+  EXPECT_NEAR(even.direction, 0.01, 3e-4);
+  // A bend to one side: known as far as the lever arm that acts in it is.
+  const SegmentEvidence bend = StraightBetweenTurns({{30, 0.8 * kDegree, 5, 9}}, 0.01);
+  EXPECT_NEAR(bend.direction, 0.01, bend.direction_sigma);
+  EXPECT_GT(bend.direction_sigma, 1.5 * even.direction_sigma);
+  const double swing = kCar.At(9) * 0.8 * kDegree / 5;
+  EXPECT_LT(std::abs(bend.direction - 0.01), 0.5 * swing) << "most of the bend is gone";
+}
+
+TEST(ScaleEvidence, DirectionOfStraightsScattersAsItsSigmaSays) {
+  double squares = 0;
+  double variance = 0;
+  constexpr int kDraws = 300;
+  for (int seed = 0; seed < kDraws; ++seed) {
+    const SegmentEvidence straight = StraightBetweenTurns({{30, 0, 5, 10}}, 0.005, {.direction = 0.4 * kDegree}, seed);
+    squares += std::pow(straight.direction - 0.005, 2);
+    variance += std::pow(straight.direction_sigma, 2);
+  }
+  EXPECT_NEAR(std::sqrt(variance / squares), 1, 0.15);
+}
+
+TEST(ScaleEvidence, AStraightOfTwoStepsShowsNothing) {
+  const SegmentEvidence two = StraightBetweenTurns({{2, 0, 5, 10}}, 0.01);
+  EXPECT_FALSE(Linearize(two, StateOf(kUnit, 0, kCar), {}));
+}
+
+TEST(ScaleEvidence, WhatIsNotUsableShowsNoDirection) {
+  std::vector<VehicleStep> steps = MakeSteps({{30, 0, 5, 10}}, kCar, 0.01, kUnit).steps;
+  for (std::size_t i = 0; i < steps.size(); i += 2) {
+    steps[i].usable = false;
+    steps[i].motion.theta = 1;
+  }
+  const PathSegment whole{.first = 0, .last = 29};
+  EXPECT_NEAR(GatherEvidence(steps, {whole}, {})[0].direction, 0.01, 1e-4);
+  for (VehicleStep& step : steps) step.usable = false;
+  EXPECT_TRUE(std::isinf(GatherEvidence(steps, {whole}, {})[0].direction_sigma));
+}
+
+TEST(ScaleEvidence, ATurnWithoutALineSaysWhy) {
+  std::vector<VehicleStep> steps = Corner(kCar, 0);
+  for (VehicleStep& step : steps) step.motion.step = 0;
+  const SegmentEvidence evidence = EvidenceOfTurn(steps, {});
+  EXPECT_TRUE(evidence.turning);
+  EXPECT_FALSE(evidence.turn);
+  EXPECT_FALSE(evidence.reason.empty());
+  EXPECT_FALSE(Linearize(evidence, StateOf(kUnit, 0, kCar), {}));
+}
+
+TEST(ScaleEvidence, EveryTurnIsItsOwn) {
+  const std::vector<StretchOfRoad> road{
+      {10, 0, 5, 10}, {25, 3.5 * kDegree, 0.5, 6}, {50, 0, 5, 10}, {30, -3 * kDegree, 0.4, 4}};
+  const std::vector<VehicleStep> steps = MakeSteps(road, kCar, 0.01, kUnit).steps;
+  const std::vector<PathSegment> segments = SplitIntoSegments(steps, {});
+  const std::vector<SegmentEvidence> evidence = GatherEvidence(steps, segments, {});
+  ASSERT_EQ(evidence.size(), segments.size());
+  for (std::size_t i = 0; i < segments.size(); ++i) {
+    EXPECT_EQ(evidence[i].turning, segments[i].turning);
+    EXPECT_EQ(evidence[i].turn.has_value(), segments[i].turning);
+    EXPECT_EQ(evidence[i].weight, 1);
+    if (!segments[i].turning) continue;
+    const auto alone = EvidenceOfTurn(StepsOf(steps, segments[i].first, segments[i].last), {});
+    EXPECT_EQ(evidence[i].turn->lever_arm, alone.turn->lever_arm);
+  }
+}
+
+TEST(EvidenceOptions, RefusesSenselessValues) {
+  const auto refused = [](auto change) { return RefusedField<EvidenceOptions>(change); };
+  EXPECT_EQ(refused([](auto&) {}), "");
+  EXPECT_EQ(refused([](auto& o) { o.turn_sigma = 0; }), "evidence.turn_sigma");
+  EXPECT_EQ(refused([](auto& o) { o.slip_sigma = -1; }), "evidence.slip_sigma");
+  EXPECT_EQ(refused([](auto& o) { o.turn_direction_sigma = -1; }), "evidence.turn_direction_sigma");
+  EXPECT_EQ(refused([](auto& o) { o.straight_direction_sigma = 0; }), "evidence.straight_direction_sigma");
+  EXPECT_EQ(refused([](auto& o) { o.min_lever_arm_ratio = 1; }), "evidence.min_lever_arm_ratio");
+  EXPECT_EQ(refused([](auto& o) { o.line.min_inliers = 0; }), "pooled line");
+}
+
+TEST(CarPrior, RefusesSenselessValues) {
+  const auto refused = [](auto change) {
+    return RefusedField<CarPrior>([&](CarPrior& car) {
+      car.lever_arm = 1;
+      change(car);
+    });
+  };
+  EXPECT_EQ(refused([](auto&) {}), "");
+  EXPECT_EQ(refused([](auto& c) { c.lever_arm = 0; }), "car.lever_arm");
+  EXPECT_EQ(refused([](auto& c) { c.lever_arm = std::nan(""); }), "car.lever_arm");
+  EXPECT_EQ(refused([](auto& c) { c.lever_arm_sigma = 1; }), "car.lever_arm_sigma");
+  EXPECT_EQ(refused([](auto& c) { c.lever_arm_sigma = -0.1; }), "car.lever_arm_sigma");
+  EXPECT_EQ(refused([](auto& c) { c.side_slip = -0.001; }), "car.side_slip");
+  EXPECT_EQ(refused([](auto& c) { c.side_slip_sigma = -1; }), "car.side_slip_sigma");
+  EXPECT_EQ(refused([](auto& c) { c.yaw_sigma = 0; }), "car.yaw_sigma");
+}
+
+}  // namespace
+}  // namespace turnscale

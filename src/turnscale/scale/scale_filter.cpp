@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/scale/scale_filter.h"
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include <Eigen/LU>
+
+#include "turnscale/base/error.h"
+
+namespace turnscale {
+namespace {
+
+constexpr double kDistance = 100;  // metres
+constexpr double kAngle = std::numbers::pi / 2;
+
+// From the middle of one segment to the middle of the next.
+double VarianceBetween(const ScaleProblem& problem, std::size_t i, double metres_per_unit) {
+  const PathSegment& before = problem.segments[i - 1];
+  const PathSegment& after = problem.segments[i];
+  return DriftVariance(problem.drift, after.middle - before.middle, metres_per_unit,
+                       0.5 * (std::abs(before.angle) + std::abs(after.angle)), after.gap_sigma);
+}
+
+}  // namespace
+
+void DriftOptions::Check() const {
+  if (!(per_100m >= 0 && per_100m < 1)) throw InputError("drift.per_100m: has to be from 0 to below 1");
+  if (!(per_90deg >= 0 && per_90deg < 1)) throw InputError("drift.per_90deg: has to be from 0 to below 1");
+}
+
+double ScaleBelief::metres_per_unit() const { return std::exp(mean[kLogScale]); }
+
+double ScaleBelief::sigma() const { return std::sqrt(covariance(kLogScale, kLogScale)); }
+
+double DriftVariance(const DriftOptions& options, double length, double metres_per_unit, double angle,
+                     double gap_sigma) {
+  return options.per_100m * options.per_100m * length * metres_per_unit / kDistance +
+         options.per_90deg * options.per_90deg * angle / kAngle + gap_sigma * gap_sigma;
+}
+
+ScaleBelief Updated(const ScaleBelief& belief, const Measurement& measurement, double weight, const DriveState& at) {
+  const Eigen::RowVector4d& by_state = measurement.by_state;
+  const Eigen::Vector4d gain_direction = belief.covariance * by_state.transpose();
+  const Eigen::Vector4d gain = gain_direction / (by_state.dot(gain_direction) + measurement.variance / weight);
+  ScaleBelief updated;
+  updated.mean = belief.mean + gain * (measurement.innovation - by_state.dot(belief.mean - at));
+  updated.covariance = belief.covariance - gain * gain_direction.transpose();
+  updated.covariance = 0.5 * (updated.covariance + updated.covariance.transpose()).eval();
+  return updated;
+}
+
+SmoothedScale SmoothScale(const ScaleProblem& problem, const std::vector<DriveState>& at) {
+  const std::size_t count = problem.segments.size();
+  std::vector<ScaleBelief> predicted(count);
+  SmoothedScale result;
+  ScaleBelief belief = problem.prior;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (i > 0) belief.covariance(kLogScale, kLogScale) += VarianceBetween(problem, i, std::exp(at[i][kLogScale]));
+    predicted[i] = belief;
+    if (const auto measurement = Linearize(problem.evidence[i], at[i], problem.options))
+      belief = Updated(belief, *measurement, problem.evidence[i].weight, at[i]);
+    result.segments.push_back(belief);
+  }
+  result.gains.assign(count, Eigen::Matrix4d::Zero());
+  for (std::size_t i = count; i-- > 1;) {
+    const ScaleBelief& next = result.segments[i];
+    ScaleBelief& here = result.segments[i - 1];
+    // filtered * predicted^-1, both symmetric.
+    const Eigen::Matrix4d gain = predicted[i].covariance.partialPivLu().solve(here.covariance).transpose();
+    here.mean += gain * (next.mean - predicted[i].mean);
+    here.covariance += gain * (next.covariance - predicted[i].covariance) * gain.transpose();
+    result.gains[i - 1] = gain;
+  }
+  return result;
+}
+
+double LengthSigma(const SmoothedScale& smoothed, const std::vector<PathSegment>& segments) {
+  double total = 0;
+  for (std::size_t i = 0; i < segments.size(); ++i)
+    total += smoothed.segments[i].metres_per_unit() * segments[i].length;
+  if (!(total > 0)) return std::numeric_limits<double>::infinity();
+  // From the end: variance of the sum of what follows, and its covariance with the segment at hand.
+  double variance = 0;
+  Eigen::Vector4d with_rest = Eigen::Vector4d::Zero();
+  for (std::size_t i = segments.size(); i-- > 0;) {
+    const ScaleBelief& belief = smoothed.segments[i];
+    const double share = belief.metres_per_unit() * segments[i].length / total;
+    const Eigen::Vector4d carried = smoothed.gains[i] * with_rest;
+    variance += share * share * belief.covariance(kLogScale, kLogScale) + 2 * share * carried[kLogScale];
+    with_rest = share * belief.covariance.col(kLogScale) + carried;
+  }
+  return std::sqrt(variance);
+}
+
+}  // namespace turnscale

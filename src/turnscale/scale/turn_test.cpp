@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/scale/turn_test.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+#include "turnscale/base/error.h"
+
+namespace turnscale {
+namespace {
+
+// Chi-squared value that is exceeded with probability p at k degrees of freedom (Wilson and Hilferty 1931).
+double ChiSquaredLimit(double p, int k) {
+  // Upper quantile of the normal distribution by bisection of the complementary error function.
+  double low = 0;
+  double high = 10;
+  for (int i = 0; i < 60; ++i) {
+    const double middle = 0.5 * (low + high);
+    (0.5 * std::erfc(middle / std::sqrt(2.0)) > p ? low : high) = middle;
+  }
+  const double a = 2.0 / (9.0 * k);
+  return k * std::pow(1 - a + low * std::sqrt(a), 3);
+}
+
+}  // namespace
+
+void TurnTestOptions::Check() const {
+  if (!(min_probability > 0 && min_probability < 0.5))
+    throw InputError("test.min_probability: has to be above 0 and below 0.5");
+  if (!(max_prior_deviation > 0)) throw InputError("test.max_prior_deviation: has to be positive");
+  if (!(min_disagreement >= 0)) throw InputError("test.min_disagreement: must not be negative");
+}
+
+TurnTest TestTurns(const TurnTestInput& input, const TurnTestOptions& options) {
+  TurnTest test;
+  double weights = 0;
+  double worst = -1;
+  for (std::size_t i = 0; i < input.deviations.size(); ++i) {
+    test.chi_squared += input.deviations[i] * input.deviations[i];
+    test.disagreement += input.weights[i] * std::abs(input.differences[i]);
+    weights += input.weights[i];
+    if (std::abs(input.deviations[i]) <= worst) continue;
+    worst = std::abs(input.deviations[i]);
+    test.worst_turn = static_cast<int>(i);
+  }
+  if (weights > 0) test.disagreement /= weights;
+  // The scale at one turn is free; the car's constants are held by their priors.
+  test.degrees_of_freedom = std::max(static_cast<int>(input.deviations.size()) - 1, 0);
+  if (test.degrees_of_freedom > 0) {
+    test.inflation = std::max(1.0, std::sqrt(test.chi_squared / test.degrees_of_freedom));
+    test.contradicted = test.chi_squared > ChiSquaredLimit(options.min_probability, test.degrees_of_freedom);
+  }
+  test.contradicted = (test.contradicted || std::abs(input.slip_deviation) > options.max_prior_deviation) &&
+                      test.disagreement > options.min_disagreement;
+  return test;
+}
+
+}  // namespace turnscale
