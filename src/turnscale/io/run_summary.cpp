@@ -87,8 +87,7 @@ std::string TurnWarning(const RefinedScale& scale) {
     if (!turn.used || used++ != test.worst_turn) continue;
     return fmt::format(
         "the turns contradict each other by {:.0f} % of scale, most of all the one at frames {}-{}: each part of the "
-        "path "
-        "follows its own turns; check the camera's calibration, the times of the frames and the lever arm",
+        "path follows its own turns; check the camera's calibration, the times of the frames and the lever arm",
         100 * test.disagreement, turn.first_frame, turn.last_frame);
   }
   return {};
@@ -110,8 +109,7 @@ std::string CalibrationWarning(const ParameterEstimate& estimate, double path_si
   }();
   return fmt::format(
       "the turns show a {} of {:.4g} +- {:.2g}{}, the calibration says {:.4g}: check that it is this camera's; lengths "
-      "may be "
-      "off by {:.0f} % or more",
+      "may be off by {:.0f} % or more",
       name, estimate.found, estimate.sigma, unit, estimate.given, 100 * path_sigma);
 }
 

@@ -17,7 +17,7 @@ struct VehicleStep {
   double duration = 0;   ///< seconds; 0 where times are unknown
   int first = 0;         ///< poses that the step leads from and to
   int last = 0;
-  bool usable = true;      ///< false where the step does not go forward, or is a jump: nothing is read from it
+  bool usable = true;      ///< false where the step goes sideways, or is a jump: nothing is read from it
   bool after_gap = false;  ///< leads across a loss of tracking: nothing of its motion is known
   /// Relative standard deviation by which the unit of length may have changed across the gap.
   double gap_sigma = 0;
@@ -45,7 +45,7 @@ struct VehicleStepOptions {
   int max_poses = 6;
   /// A step this many times as fast as four of five others is a jump of the odometry.
   double max_speed_ratio = 3;
-  /// A step that goes further off the forward direction than this is backwards or a jump, rad (60 deg).
+  /// A step that goes further off straight ahead or straight back than this is a jump, rad (60 deg).
   double max_direction = 60.0 / 57.295779513082320877;
 
   /// Throws InputError that names the field when a value makes no sense.

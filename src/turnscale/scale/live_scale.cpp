@@ -57,11 +57,26 @@ void LiveScale::Commit(int last, bool turning) {
   const std::vector<VehicleStep> steps(pending_.begin(), end);
   pending_.erase(pending_.begin(), end);
   Advance(steps, belief_);
-  if (!turning) return;
+  if (!turning) {
+    if (started_) TakeDirection(steps);
+    return;
+  }
   if (const auto with = WithTurn(belief_, steps)) {
     belief_ = *with;
     started_ = true;
   }
+}
+
+// A straight that has ended shows the direction of travel. Its bends are taken out with the lever arm, so before the
+// first turn it shows none.
+void LiveScale::TakeDirection(const std::vector<VehicleStep>& steps) {
+  const double lever_arm = std::exp(belief_.mean[kLogLeverArm]) / belief_.metres_per_unit();
+  const SegmentEvidence evidence = EvidenceOfStraight(steps, lever_arm, options_.evidence);
+  const auto measurement = Linearize(evidence, belief_.mean, options_.evidence);
+  if (!measurement) return;
+  const double variance = measurement->variance + belief_.covariance(kDirection, kDirection);
+  const double deviation = std::abs(measurement->innovation) / std::sqrt(variance);
+  belief_ = Updated(belief_, *measurement, std::min(1.0, options_.huber / std::max(deviation, 1e-9)), belief_.mean);
 }
 
 void LiveScale::Advance(const std::vector<VehicleStep>& steps, ScaleBelief& belief) const {

@@ -27,6 +27,7 @@ class LiveScale {
 
  private:
   void Commit(int last, bool turning);
+  void TakeDirection(const std::vector<VehicleStep>& steps);
   void Advance(const std::vector<VehicleStep>& steps, ScaleBelief& belief) const;
   /// With the turn's evidence; empty where it has none.
   std::optional<ScaleBelief> WithTurn(const ScaleBelief& belief, const std::vector<VehicleStep>& steps) const;

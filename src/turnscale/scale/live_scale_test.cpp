@@ -25,8 +25,8 @@ CarPrior Prior() {
 std::vector<StretchOfRoad> OneCorner() { return {{20, 0, 5, 9}, {30, 3 * kDegree, 0.4, 5}, {30, 0, 5, 9}}; }
 
 /// What is known after each step.
-std::vector<std::optional<ScaleBelief>> Live(const std::vector<VehicleStep>& steps) {
-  LiveScale live(Prior(), {});
+std::vector<std::optional<ScaleBelief>> Live(const std::vector<VehicleStep>& steps, const CarPrior& prior = Prior()) {
+  LiveScale live(prior, {});
   std::vector<std::optional<ScaleBelief>> beliefs;
   for (const VehicleStep& step : steps) {
     live.Add(step);
@@ -85,7 +85,9 @@ TEST(LiveScale, IsNotKnownWithoutATurn) {
 TEST(LiveScale, StraightsCostCertainty) {
   const std::vector<VehicleStep> steps =
       MakeSteps({{20, 0, 5, 9}, {30, 3 * kDegree, 0.4, 5}, {200, 0, 5, 9}}, kCar, 0, kUnit).steps;
-  const auto beliefs = Live(steps);
+  CarPrior prior = Prior();
+  prior.yaw_sigma = 1e-6;
+  const auto beliefs = Live(steps, prior);
   double last = 0;
   for (std::size_t i = 52; i < steps.size(); ++i) {
     ASSERT_TRUE(beliefs[i]);
@@ -95,6 +97,21 @@ TEST(LiveScale, StraightsCostCertainty) {
   }
   // 198 steps of 5 m at 1 % in 100 m.
   EXPECT_NEAR(std::pow(last, 2) - std::pow(beliefs[52]->sigma(), 2), 1e-4 * 197 * 5 / 100, 2e-6);
+}
+
+TEST(LiveScale, StraightsShowTheDirectionOfTravel) {
+  constexpr double kOff = 0.5 * kDegree;
+  const std::vector<VehicleStep> steps =
+      MakeSteps({{20, 0, 5, 9}, {30, 3 * kDegree, 0.4, 5}, {120, 0, 5, 9}}, kCar, kOff, kUnit, kNoise, 4).steps;
+  const auto beliefs = Live(steps);
+  ASSERT_TRUE(beliefs[52] && beliefs.back());
+  const double before = std::sqrt(beliefs[52]->covariance(kDirection, kDirection));
+  const double after = std::sqrt(beliefs.back()->covariance(kDirection, kDirection));
+  EXPECT_LT(after, 0.5 * before);
+  EXPECT_NEAR(beliefs.back()->mean[kDirection], kOff, 2 * after);
+  EXPECT_LT(std::abs(std::log(beliefs.back()->metres_per_unit() / kUnit)),
+            std::abs(std::log(beliefs[52]->metres_per_unit() / kUnit)))
+      << "and with it the scale of the turn before";
 }
 
 TEST(LiveScale, AGapWidensSigma) {

@@ -13,6 +13,7 @@ namespace turnscale {
 namespace {
 
 constexpr int kMostIterations = 40;
+constexpr int kMostSelections = 3;
 constexpr double kConverged = 1e-6;       // change of a log-scale in an iteration
 constexpr double kLogScaleSigma = 2;      // of the prior about the start: a factor of seven either way
 constexpr double kMaxLogScaleStep = 0.3;  // of a Gauss-Newton step
@@ -31,27 +32,36 @@ ScaleBelief PriorBelief(const CarPrior& car, double log_scale) {
   return prior;
 }
 
-// Turns from which the measured lever arm cannot be seen are left out, with the reason. Returns where the estimator
-// starts: the median of the scales that the others show one by one, large turns counting more.
-std::optional<double> StartingLogScale(const CarPrior& car, const EvidenceOptions& options,
-                                       std::vector<SegmentEvidence>& evidence) {
-  std::vector<std::pair<double, double>> log_scales;
-  const LeverArm lever_arm{car.lever_arm, car.side_slip};
-  for (SegmentEvidence& segment : evidence) {
+// Turns from which the measured lever arm cannot be seen are left out, with the reason.
+struct Selection {
+  std::vector<SegmentEvidence> evidence;
+  std::vector<std::pair<double, double>> log_scales;  // of the turns that are left, one by one, and their angles
+};
+
+Selection SelectTurns(const std::vector<SegmentEvidence>& gathered, const DriveState& state,
+                      const EvidenceOptions& options) {
+  Selection selection{gathered, {}};
+  const LeverArm lever_arm{std::exp(state[kLogLeverArm]), std::max(state[kSlip], 0.0)};
+  for (SegmentEvidence& segment : selection.evidence) {
     if (!segment.turn) continue;
-    const double scale = MetresPerUnit(*segment.turn, lever_arm);
+    const double scale = MetresPerUnit(*segment.turn, lever_arm, state[kDirection]);
     if (!std::isfinite(scale)) {
       segment.reason = "the camera does not move outwards as its lever arm requires";
     } else if (LeverArmRatio(*segment.turn, lever_arm, scale) < options.min_lever_arm_ratio) {
       segment.reason = "too fast: side slip leaves too little of the lever arm";
     } else {
-      log_scales.emplace_back(std::log(scale), std::abs(segment.turn->angle));
+      selection.log_scales.emplace_back(std::log(scale), std::abs(segment.turn->angle));
       continue;
     }
     segment.turn.reset();
   }
-  if (log_scales.empty()) return std::nullopt;
-  return WeightedMedian(std::move(log_scales));
+  return selection;
+}
+
+bool SameTurns(const std::vector<SegmentEvidence>& a, const std::vector<SegmentEvidence>& b) {
+  return std::ranges::equal(
+      a, b, {}, [](const SegmentEvidence& segment) { return segment.turn.has_value(); },
+      [](const SegmentEvidence& segment) { return segment.turn.has_value(); });
 }
 
 class Smoothing {
@@ -98,6 +108,41 @@ class Smoothing {
   SmoothedScale smoothed_;
   bool converged_ = false;
 };
+
+struct Answer {
+  Smoothing smoothing;
+  bool slip_at_bound = false;
+};
+
+Answer SmoothWith(ScaleProblem problem, const CarPrior& car, double huber) {
+  Answer answer{Smoothing(problem, huber)};
+  answer.smoothing.Run();
+  // Tyres do not slip inwards: on the edge of what can be, the answer is the one without slip.
+  if (car.side_slip_sigma == 0 || !(answer.smoothing.smoothed().segments.back().mean[kSlip] < 0)) return answer;
+  problem.prior.mean[kSlip] = 0;
+  problem.prior.covariance(kSlip, kSlip) = kLeastSigma * kLeastSigma;
+  answer = {Smoothing(std::move(problem), huber), true};
+  answer.smoothing.Run();
+  return answer;
+}
+
+// Which turns are too fast, or swing inwards, depends on the direction of travel and the slip, which the drive knows
+// better than the prior: turns are selected again with its answer.
+Answer SmoothDrive(ScaleProblem problem, const std::vector<SegmentEvidence>& gathered, const CarPrior& car,
+                   const ScaleEstimatorOptions& options, Selection selection) {
+  problem.evidence = selection.evidence;
+  problem.prior = PriorBelief(car, WeightedMedian(selection.log_scales));
+  Answer answer = SmoothWith(problem, car, options.huber);
+  for (int i = 0; i < kMostSelections; ++i) {
+    const DriveState& state = answer.smoothing.smoothed().segments.back().mean;
+    selection = SelectTurns(gathered, state, options.evidence);
+    if (selection.log_scales.empty() || SameTurns(selection.evidence, problem.evidence)) break;
+    problem.evidence = selection.evidence;
+    problem.prior = PriorBelief(car, WeightedMedian(selection.log_scales));
+    answer = SmoothWith(problem, car, options.huber);
+  }
+  return answer;
+}
 
 TurnEstimate DescribeTurn(const PathSegment& segment, const SegmentEvidence& evidence, const CarPrior& car,
                           const EvidenceOptions& options) {
@@ -150,6 +195,7 @@ void CompareTurns(const Smoothing& smoothing, const CarPrior& car, const TurnTes
     turn.weight = evidence.weight;
     turn.deviation = measurement.innovation / std::sqrt(measurement.variance);
     input.deviations.push_back(turn.deviation);
+    input.robust.push_back(evidence.weight);
     input.differences.push_back(std::log(turn.smoothed / turn.as_given));
     input.weights.push_back(std::abs(turn.angle));
   }
@@ -158,8 +204,8 @@ void CompareTurns(const Smoothing& smoothing, const CarPrior& car, const TurnTes
   estimate.test = TestTurns(input, options);
 }
 
-// The scale goes through what each turn says with the car's constants as given; sigma covers how much they differ.
-// Turns that know the scale much worse than others say nothing.
+// The scale goes through what each turn says with the car's constants as given; sigma covers how much they differ,
+// and how far a turn is from the rest. Turns that know the scale much worse than others say nothing.
 void FollowTurns(const ScaleProblem& problem, ScaleEstimate& estimate) {
   constexpr double kMostSigmaRatio = 3;
   struct Node {
@@ -199,7 +245,8 @@ void FollowTurns(const ScaleProblem& problem, ScaleEstimate& estimate) {
       log_scale = (1 - share) * before.log_scale + share * after->log_scale;
     }
     estimate.smoothed[i].mean[kLogScale] = log_scale;
-    estimate.smoothed[i].covariance(kLogScale, kLogScale) += spread * spread;
+    const double sigma = std::max(spread, std::abs(log_scale - centre));
+    estimate.smoothed[i].covariance(kLogScale, kLogScale) += sigma * sigma;
   }
   estimate.length_sigma = std::hypot(estimate.length_sigma, spread);
   estimate.fell_back = true;
@@ -229,29 +276,21 @@ ScaleEstimateResult EstimateScale(const std::vector<VehicleStep>& steps, const C
   problem.segments = SplitIntoSegments(steps, options.segments);
   problem.options = options.evidence;
   problem.drift = options.drift;
-  problem.evidence = GatherEvidence(steps, problem.segments, options.evidence);
+  const std::vector<SegmentEvidence> gathered = GatherEvidence(steps, problem.segments, options.evidence);
   ScaleEstimateResult result;
-  const std::optional<double> start = StartingLogScale(car, options.evidence, problem.evidence);
+  Selection selection = SelectTurns(gathered, PriorState(car, 0), options.evidence);
+  problem.evidence = selection.evidence;
   result.turns = DescribeTurns(problem, car);
   if (result.turns.empty()) {
     result.reason = "it has no turn; " + WhatWouldDo(options);
     return result;
   }
-  if (!start) {
+  if (selection.log_scales.empty()) {
     result.reason = "no sufficiently slow turn shows the expected lateral motion; " + WhatWouldDo(options);
     return result;
   }
-  problem.prior = PriorBelief(car, *start);
-  Smoothing smoothing(problem, options.huber);
-  smoothing.Run();
-  // Tyres do not slip inwards: on the edge of what can be, the answer is the one without slip.
-  const bool at_bound = car.side_slip_sigma > 0 && smoothing.smoothed().segments.back().mean[kSlip] < 0;
-  if (at_bound) {
-    problem.prior.mean[kSlip] = 0;
-    problem.prior.covariance(kSlip, kSlip) = kLeastSigma * kLeastSigma;
-    smoothing = Smoothing(problem, options.huber);
-    smoothing.Run();
-  }
+  const auto [smoothing, at_bound] = SmoothDrive(problem, gathered, car, options, selection);
+  result.turns = DescribeTurns(smoothing.problem(), car);
 
   ScaleEstimate estimate;
   estimate.segments = problem.segments;
@@ -271,7 +310,7 @@ ScaleEstimateResult EstimateScale(const std::vector<VehicleStep>& steps, const C
   const double inflation = estimate.test.inflation;
   for (ScaleBelief& belief : estimate.smoothed) belief.covariance(kLogScale, kLogScale) *= inflation * inflation;
   estimate.length_sigma *= inflation;
-  if (estimate.test.contradicted || !estimate.converged) FollowTurns(problem, estimate);
+  if (estimate.test.contradicted || !estimate.converged) FollowTurns(smoothing.problem(), estimate);
   result.estimate = std::move(estimate);
   return result;
 }

@@ -26,30 +26,6 @@ double MedianLeverArm(const std::vector<SegmentEvidence>& evidence) {
   return lever_arms.empty() ? 0.0 : std::max(WeightedMedian(std::move(lever_arms)), 0.0);
 }
 
-void MeasureDirection(const std::vector<VehicleStep>& steps, double lever_arm, const EvidenceOptions& options,
-                      SegmentEvidence& evidence) {
-  evidence.direction_sigma = std::numeric_limits<double>::infinity();
-  std::vector<LinePoint> points;
-  double angle = 0;
-  double length = 0;
-  double squares = 0;
-  for (const VehicleStep& step : steps) {
-    const TurningMotion& motion = step.motion;
-    if (!step.usable || !std::isfinite(step.lateral())) continue;
-    points.push_back({motion.step * std::cos(motion.theta - 0.5 * motion.psi),
-                      step.lateral() - kBendRatio * lever_arm * 2.0 * std::sin(0.5 * motion.psi)});
-    angle += motion.psi;
-    length += motion.step;
-    squares += motion.step * motion.step;
-  }
-  if (static_cast<int>(points.size()) < kFewestStraightSteps || !(length > 0)) return;
-  const double floor = options.line.sigma_theta * std::sqrt(squares / static_cast<double>(points.size()));
-  const RobustLine line = FitRobustLine(points, floor, options.line.robust_threshold);
-  if (!std::isfinite(line.slope)) return;
-  evidence.direction = line.slope;
-  evidence.direction_sigma = std::hypot(line.sigma, kBendRatioSigma * lever_arm * angle / length);
-}
-
 }  // namespace
 
 void EvidenceOptions::Check() const {
@@ -76,6 +52,32 @@ SegmentEvidence EvidenceOfTurn(const std::vector<VehicleStep>& steps, const Evid
   return evidence;
 }
 
+SegmentEvidence EvidenceOfStraight(const std::vector<VehicleStep>& steps, double lever_arm,
+                                   const EvidenceOptions& options) {
+  SegmentEvidence evidence;
+  evidence.direction_sigma = std::numeric_limits<double>::infinity();
+  std::vector<LinePoint> points;
+  double angle = 0;
+  double length = 0;
+  double squares = 0;
+  for (const VehicleStep& step : steps) {
+    const TurningMotion& motion = step.motion;
+    if (!step.usable || !std::isfinite(step.lateral())) continue;
+    points.push_back({motion.step * std::cos(motion.theta - 0.5 * motion.psi),
+                      step.lateral() - kBendRatio * lever_arm * 2.0 * std::sin(0.5 * motion.psi)});
+    angle += motion.psi;
+    length += motion.step;
+    squares += motion.step * motion.step;
+  }
+  if (static_cast<int>(points.size()) < kFewestStraightSteps || !(length > 0)) return evidence;
+  const double floor = options.line.sigma_theta * std::sqrt(squares / static_cast<double>(points.size()));
+  const RobustLine line = FitRobustLine(points, floor, options.line.robust_threshold);
+  if (!std::isfinite(line.slope)) return evidence;
+  evidence.direction = line.slope;
+  evidence.direction_sigma = std::hypot(line.sigma, kBendRatioSigma * lever_arm * angle / length);
+  return evidence;
+}
+
 std::vector<SegmentEvidence> GatherEvidence(const std::vector<VehicleStep>& steps,
                                             const std::vector<PathSegment>& segments, const EvidenceOptions& options) {
   std::vector<SegmentEvidence> evidence;
@@ -85,7 +87,7 @@ std::vector<SegmentEvidence> GatherEvidence(const std::vector<VehicleStep>& step
   const double lever_arm = MedianLeverArm(evidence);
   for (std::size_t i = 0; i < segments.size(); ++i)
     if (!segments[i].turning)
-      MeasureDirection(StepsOf(steps, segments[i].first, segments[i].last), lever_arm, options, evidence[i]);
+      evidence[i] = EvidenceOfStraight(StepsOf(steps, segments[i].first, segments[i].last), lever_arm, options);
   return evidence;
 }
 

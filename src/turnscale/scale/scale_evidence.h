@@ -60,6 +60,10 @@ struct SegmentEvidence {
 std::vector<SegmentEvidence> GatherEvidence(const std::vector<VehicleStep>& steps,
                                             const std::vector<PathSegment>& segments, const EvidenceOptions& options);
 
+/// Evidence of a single straight, its bends taken out with a lever arm in odometry units.
+SegmentEvidence EvidenceOfStraight(const std::vector<VehicleStep>& steps, double lever_arm,
+                                   const EvidenceOptions& options);
+
 /// Evidence of a single turn.
 SegmentEvidence EvidenceOfTurn(const std::vector<VehicleStep>& steps, const EvidenceOptions& options);
 

@@ -22,6 +22,7 @@ struct TurnTestOptions {
 /// What the test looks at: one entry a used turn.
 struct TurnTestInput {
   std::vector<double> deviations;   ///< ln(smoothed / own) over its standard deviation
+  std::vector<double> robust;       ///< the estimate's robust weight of the turn, 0 to 1
   std::vector<double> differences;  ///< ln(smoothed / own as given), the car's constants as they were given
   std::vector<double> weights;      ///< angles, rad
   double slip_deviation = 0;        ///< of the side slip from its prior, in standard deviations of the prior
@@ -30,7 +31,7 @@ struct TurnTestInput {
 /// Do the turns agree with the drive's estimate?
 struct TurnTest {
   bool contradicted = false;
-  double chi_squared = 0;
+  double chi_squared = 0;  ///< of the deviations, with their robust weights: one odd turn is not a contradiction
   int degrees_of_freedom = 0;
   double disagreement = 0;  ///< weighted mean of |differences|
   int worst_turn = -1;      ///< index of the used turn that deviates most; -1 without turns

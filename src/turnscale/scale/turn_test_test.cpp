@@ -15,6 +15,7 @@ namespace {
 TurnTestInput Alike(int turns, double chi_squared, double difference = 0.2) {
   TurnTestInput input;
   input.deviations.assign(turns, std::sqrt(chi_squared / turns));
+  input.robust.assign(turns, 1.0);
   input.differences.assign(turns, difference);
   input.weights.assign(turns, 1.0);
   return input;
