@@ -160,6 +160,24 @@ TEST(OdometryMetres, SurviveALensThatTheCalibrationDoesNotKnow) {
   ExpectMetres(run, drive);
 }
 
+TEST(OdometryMetres, FollowTheTurnsWhereTheImagesContradictTheCalibration) {
+  StreetDrive drive = PlainStreetDrive();
+  drive.camera.pinhole.fx *= 1.15;
+  drive.camera.pinhole.fy *= 1.15;
+  const OdometryRun run = RunOdometry(StreetOptions(), drive);
+  ASSERT_TRUE(run.scale.estimate) << run.scale.reason;
+  ASSERT_FALSE(run.scale.contradicted_calibration.empty());
+  EXPECT_EQ(run.scale.contradicted_calibration.front().parameter, IntrinsicsParameter::kFocalLength);
+  EXPECT_TRUE(run.scale.estimate->fell_back);
+  const double error = MeasureRun(run.refined, drive.world_from_camera).path_length;
+  EXPECT_LT(std::abs(error), 2 * run.scale.estimate->length_sigma);
+
+  OdometryOptions turns = StreetOptions();
+  turns.scale.method = ScaleMethod::kTurns;
+  const double error_of_turns = MeasureRun(RunOdometry(turns, drive).refined, drive.world_from_camera).path_length;
+  EXPECT_NEAR(error, error_of_turns, 1e-9);
+}
+
 TEST(OdometryMetres, ComeThroughADistortedLensThatIsCalibrated) {
   for (const bool fisheye : {false, true}) {
     const StreetDrive drive = RenderStreetDrive({.frames = 75, .k1 = fisheye ? 0.02 : -0.15, .fisheye = fisheye});

@@ -81,6 +81,8 @@ std::string CarText(const std::optional<CarRefinement>& car) {
 // What the turns say against the estimate; empty where they agree.
 std::string TurnWarning(const RefinedScale& scale) {
   if (!scale.estimate || !scale.estimate->fell_back) return {};
+  // Turns are followed where the calibration is wrong, too; that has a warning of its own.
+  if (!scale.estimate->test.contradicted && !scale.contradicted_calibration.empty()) return {};
   const TurnTest& test = scale.estimate->test;
   int used = 0;
   for (const TurnResult& turn : scale.turns) {

@@ -15,10 +15,10 @@ namespace {
 constexpr int kUnsettled = 25;
 
 // Change of the log-scale that an error of the calibration may cause: per relative error of the focal length, per rad
-// of the principal point, per unit of radial correction. The largest that the drives of benchmarks/variants show,
-// about.
-constexpr double kScalePerFocalLength = 5;
-constexpr double kScalePerAngle = 4;
+// of the principal point, per unit of radial correction. About the largest that the turns of benchmarks/variants show
+// by themselves.
+constexpr double kScalePerFocalLength = 2;
+constexpr double kScalePerAngle = 3;
 constexpr double kScalePerCorrection = 15;
 
 CarPrior PriorOf(const VehicleOptions& vehicle) {
@@ -147,7 +147,7 @@ void DriveScale::UpdateLive(const Map& map) {
   for (int k = first + 1; k < count; ++k) live_path_.centres[k] = live_path_.centres[k - 1] + scales[k] * step(k);
 }
 
-RefinedScale DriveScale::Refine(const Map& map) const {
+RefinedScale DriveScale::Refine(const Map& map, bool follow_turns) const {
   RefinedScale refined;
   const int count = static_cast<int>(map.keyframes.size());
   refined.path = InOwnUnit(map);
@@ -159,7 +159,9 @@ RefinedScale DriveScale::Refine(const Map& map) const {
     refined.reason = "the path has no step that can be read";
     return refined;
   }
-  ScaleEstimateResult result = EstimateScale(steps, PriorOf(options_.vehicle), options_.scale.estimator);
+  ScaleEstimatorOptions estimator = options_.scale.estimator;
+  estimator.follow_turns = estimator.follow_turns || follow_turns;
+  ScaleEstimateResult result = EstimateScale(steps, PriorOf(options_.vehicle), estimator);
   if (!options_.vehicle.lever_arm) {
     result.estimate.reset();
     result.reason = "no lever arm given";

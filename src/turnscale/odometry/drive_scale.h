@@ -63,8 +63,8 @@ class DriveScale {
   /// Keyframe up to which the keyframes were adjusted when the last turn ended; 0 before the first turn.
   int last_turn_end() const { return last_turn_end_; }
 
-  /// The smoother over all keyframes of the map.
-  RefinedScale Refine(const Map& map) const;
+  /// The smoother over all keyframes of the map; `follow_turns`: see ScaleEstimatorOptions.
+  RefinedScale Refine(const Map& map, bool follow_turns = false) const;
 
  private:
   /// Returns whether the keyframe ended a turn.

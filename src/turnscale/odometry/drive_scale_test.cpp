@@ -459,7 +459,7 @@ TEST(WidenForCalibration, AddsWhatEachContradictionMayCost) {
   EXPECT_EQ(widened({}), 0);
   const double focal = widened({Off(IntrinsicsParameter::kFocalLength, 20)});
   const double centre = widened({Off(IntrinsicsParameter::kCentreX, -15)});
-  EXPECT_GT(focal, 0.01) << "3 % of the focal length cost more than 10 % of scale";
+  EXPECT_GT(focal, 0.0025) << "3 % of the focal length cost more than 5 % of scale";
   EXPECT_GT(centre, 0);
   EXPECT_NEAR(widened({Off(IntrinsicsParameter::kFocalLength, -40)}), 4 * focal, 1e-9);
   EXPECT_NEAR(widened({Off(IntrinsicsParameter::kFocalLength, 20), Off(IntrinsicsParameter::kCentreX, -15)}),

@@ -138,7 +138,8 @@ void Odometry::Finish() {
   lens_of_keyframe_.clear();
   SettlePath(options_.final_bundle);
   refined_ = Refined();
-  if (options_.scale.method == ScaleMethod::kSmoothed) return;
+  const bool follows_turns = refined_->estimate && refined_->estimate->fell_back;
+  if (options_.scale.method == ScaleMethod::kSmoothed && !follows_turns) return;
   const RigidTransform last_from_keyframe = LastFromKeyframe();
   FollowMap(HoldTurns(options_, scale_.mount(), map_, *refined_), last_from_keyframe);
 }
@@ -480,8 +481,9 @@ ScaleState Odometry::scale_state() const {
 
 RefinedScale Odometry::Refined() const {
   if (refined_) return *refined_;
-  RefinedScale refined = scale_.Refine(map_);
-  WidenForCalibration(calibration_check_.Contradictions(), map_.pinhole.fx, refined);
+  const std::vector<ParameterEstimate> contradictions = calibration_check_.Contradictions();
+  RefinedScale refined = scale_.Refine(map_, !contradictions.empty());
+  WidenForCalibration(contradictions, map_.pinhole.fx, refined);
   return refined;
 }
 

@@ -310,7 +310,8 @@ ScaleEstimateResult EstimateScale(const std::vector<VehicleStep>& steps, const C
   const double inflation = estimate.test.inflation;
   for (ScaleBelief& belief : estimate.smoothed) belief.covariance(kLogScale, kLogScale) *= inflation * inflation;
   estimate.length_sigma *= inflation;
-  if (estimate.test.contradicted || !estimate.converged) FollowTurns(smoothing.problem(), estimate);
+  if (options.follow_turns || estimate.test.contradicted || !estimate.converged)
+    FollowTurns(smoothing.problem(), estimate);
   result.estimate = std::move(estimate);
   return result;
 }

@@ -20,6 +20,9 @@ struct ScaleEstimatorOptions {
   double huber = 1.5;
   /// A drive whose scale is known worse than this (relative) at its best has none.
   double max_sigma = 0.15;
+  /// The steps are known to be wrong beyond their noise, as by a calibration that the images contradict: the scale
+  /// follows each turn's own, as where turns contradict each other.
+  bool follow_turns = false;
 
   /// Throws InputError that names the field when a value makes no sense.
   void Check() const;
@@ -60,7 +63,7 @@ struct ScaleEstimate {
   CarRefinement car;
   std::vector<TurnEstimate> turns;
   TurnTest test;           ///< do the turns agree with the estimate?
-  bool fell_back = false;  ///< they do not: the scale follows each turn's own
+  bool fell_back = false;  ///< they do not, or `follow_turns`: the scale follows each turn's own
   bool converged = false;
 };
 

@@ -286,6 +286,18 @@ TEST(ScaleEstimator, OneTurnThatSkidsHasLittleSay) {
   }
 }
 
+// As they say themselves.
+void ExpectGoesThroughItsTurns(const ScaleEstimate& estimate) {
+  std::size_t next = 0;
+  for (std::size_t i = 0; i < estimate.segments.size(); ++i) {
+    if (!estimate.segments[i].turning) continue;
+    const TurnEstimate& turn = estimate.turns[next++];
+    if (turn.used) {
+      EXPECT_NEAR(estimate.smoothed[i].metres_per_unit() / turn.as_given, 1, 1e-9);
+    }
+  }
+}
+
 TEST(ScaleEstimator, TurnsThatContradictAreFollowedAndCovered) {
   ScaleEstimatorOptions whatever;
   whatever.max_sigma = 1;
@@ -309,16 +321,21 @@ TEST(ScaleEstimator, TurnsThatContradictAreFollowedAndCovered) {
     EXPECT_GT(estimate.test.disagreement, 0.05);
     const double error = std::log(Metres(estimate) / drive.metres);
     EXPECT_LT(std::abs(error), 2 * estimate.length_sigma) << seed;
-    // The scale goes through the turns as they say themselves.
-    std::size_t next = 0;
-    for (std::size_t i = 0; i < estimate.segments.size(); ++i) {
-      if (!estimate.segments[i].turning) continue;
-      const TurnEstimate& turn = estimate.turns[next++];
-      if (turn.used) {
-        EXPECT_NEAR(estimate.smoothed[i].metres_per_unit() / turn.as_given, 1, 1e-9);
-      }
-    }
+    ExpectGoesThroughItsTurns(estimate);
   }
+}
+
+TEST(ScaleEstimator, FollowsTurnsThatAgreeWhereItIsToldTo) {
+  const SyntheticSteps drive = MakeSteps(TownRoad(9, 61), kCar, 0, kUnit, kNoise, 61);
+  ScaleEstimatorOptions options;
+  const ScaleEstimate smoothed = EstimateOf(drive, PriorOf(kCar), options);
+  options.follow_turns = true;
+  const ScaleEstimate followed = EstimateOf(drive, PriorOf(kCar), options);
+  EXPECT_FALSE(smoothed.fell_back);
+  EXPECT_TRUE(followed.fell_back);
+  EXPECT_FALSE(followed.test.contradicted);
+  EXPECT_GT(followed.length_sigma, smoothed.length_sigma);
+  ExpectGoesThroughItsTurns(followed);
 }
 
 TEST(ScaleEstimator, AGapMayChangeTheUnit) {
