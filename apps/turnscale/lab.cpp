@@ -43,6 +43,7 @@ std::vector<Experiment> Experiments() {
       {"fig10", "absolute scale recovery, a run a noise level", LabFigure10},
       {"table1", "absolute scale recovery, errors over many runs", LabTable1},
       {"ablations", "absolute scale recovery with one thing changed at a time", LabAblations},
+      {"coverage", "how often the truth is within the stated sigmas", LabCoverage},
   };
 }
 

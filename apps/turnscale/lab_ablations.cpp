@@ -62,14 +62,6 @@ ScaleDriveOptions SeeingDrive() {
   return options;
 }
 
-// A drive at whose speed the slip shortens the lever arm.
-ScaleDriveOptions SlippingDrive() {
-  ScaleDriveOptions options;
-  const double speed = options.drive.length * options.drive.rate_hz / (options.drive.frames - 1);
-  options.drive.lever_arm = LeverArm{options.drive.lever_arm, kTrueSideSlip}.At(speed);
-  return options;
-}
-
 // Bars of the methods under every condition, from above.
 PlotPanel BarPanel(const std::string& title, const std::string& column, const LabJson& conditions) {
   PlotPanel panel;
@@ -100,7 +92,7 @@ LabResult LabAblations(const LabSettings& settings) {
   const int runs = std::max(2, settings.runs / kFewerRuns);
   const std::vector<std::pair<ScaleDriveOptions, std::vector<Condition>>> parts = {
       {ScaleDriveOptions{}, RigidConditions()},
-      {SlippingDrive(), SlippingConditions()},
+      {SlippingDrive(kTrueSideSlip), SlippingConditions()},
       {SeeingDrive(), SeeingConditions()}};
   result.values["runs"] = runs;
   result.values["pixel_noise"] = kPixelNoiseOfAblations;

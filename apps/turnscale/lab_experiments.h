@@ -17,5 +17,6 @@ LabResult LabFigure9(const LabSettings& settings);    ///< calibration
 LabResult LabFigure10(const LabSettings& settings);   ///< one recovery a noise level
 LabResult LabTable1(const LabSettings& settings);     ///< the recovery's errors over many runs
 LabResult LabAblations(const LabSettings& settings);  ///< the recovery with one thing changed at a time
+LabResult LabCoverage(const LabSettings& settings);   ///< how often the truth is within the stated sigmas
 
 }  // namespace turnscale

@@ -18,6 +18,13 @@ ScaleEstimatorSettings EstimatorOf(const LabMethod& method) {
   return settings;
 }
 
+ScaleDriveOptions SlippingDrive(double side_slip) {
+  ScaleDriveOptions options;
+  const double speed = options.drive.length * options.drive.rate_hz / (options.drive.frames - 1);
+  options.drive.lever_arm = LeverArm{options.drive.lever_arm, side_slip}.At(speed);
+  return options;
+}
+
 ScaleTrials TrialsOf(const LabSettings& settings, const ScaleDriveOptions& drive,
                      const std::vector<ScaleEstimatorSettings>& estimators, int runs) {
   ScaleTrials trials;

@@ -41,6 +41,9 @@ constexpr std::array<LabMethod, 4> kMethods = {{{"smoothed", "smoothed", "#1565c
 /// The estimator of the laboratory that recovers the scale that way.
 ScaleEstimatorSettings EstimatorOf(const LabMethod& method);
 
+/// The synthetic drive at whose speed that side slip (s^2/m) shortens the lever arm.
+ScaleDriveOptions SlippingDrive(double side_slip);
+
 /// Trials with the settings' seed and jobs.
 ScaleTrials TrialsOf(const LabSettings& settings, const ScaleDriveOptions& drive,
                      const std::vector<ScaleEstimatorSettings>& estimators, int runs);

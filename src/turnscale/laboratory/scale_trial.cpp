@@ -55,6 +55,10 @@ RecoveredScale RecoverScale(const ScaleEstimatorSettings& settings, double pixel
   DriveScale scale(options);
   RefinedScale refined = scale.Refine(map);
   RecoveredScale result;
+  if (refined.estimate) {
+    result.length_sigma = refined.estimate->length_sigma;
+    result.car = refined.estimate->car;
+  }
   KeepFirst(settings.most_turns, refined.turns);
   for (const TurnResult& turn : refined.turns)
     if (turn.used) result.regions.push_back({turn.first_keyframe, turn.last_keyframe - 1, turn.angle});

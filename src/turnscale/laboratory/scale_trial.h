@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <limits>
 #include <optional>
 #include <vector>
 
 #include "turnscale/kinematics/turn_detector.h"
 #include "turnscale/laboratory/scale_drive.h"
 #include "turnscale/odometry/options.h"
+#include "turnscale/scale/scale_estimator.h"
 
 namespace turnscale {
 
@@ -32,6 +34,9 @@ struct RecoveredScale {
   Map map;                             ///< in metres; the odometry's where no turn gave a scale
   std::vector<TurningRegion> regions;  ///< turns used; steps counted from 0 as the detector does
   bool converged = false;              ///< the recovery ended at its minimum
+  /// Relative standard deviation of the path's length that the estimator states; infinite where no turn gave a scale.
+  double length_sigma = std::numeric_limits<double>::infinity();
+  std::optional<CarRefinement> car;  ///< what the drive said of it
 };
 
 /// Detects the turns, observes the scale in them and recovers it between them (Algorithm 1, (22), (24)-(30)), on the

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "turnscale/laboratory/parallel_runs.h"
@@ -9,15 +10,30 @@
 
 namespace turnscale {
 
+/// Standard deviations of what an estimator is told wrongly of the car.
+struct CarErrors {
+  double lever_arm = 0;  ///< metres
+  double side_slip = 0;  ///< s^2/m
+  double yaw = 0;        ///< of the camera, rad
+};
+
 /// The paper's Monte-Carlo evaluation of the absolute scale recovery (V-B 2, Table I, Fig. 10).
 struct ScaleTrials {
   ScaleDriveOptions drive;
   /// Estimators that are compared on the same drives.
   std::vector<ScaleEstimatorSettings> estimators = std::vector<ScaleEstimatorSettings>(1);
+  /// Drawn once a run and added to what each estimator is told. A side slip below 0 is told as 0.
+  CarErrors told_wrong;
   int runs = 100;
   int jobs = 1;
   std::uint64_t seed = 1;
   RunProgress progress;
+};
+
+/// An error and the standard deviation that the estimator states for it; infinite where it states none.
+struct StatedError {
+  double error = 0;
+  double sigma = std::numeric_limits<double>::infinity();
 };
 
 /// What one run gives.
@@ -26,6 +42,8 @@ struct ScaleTrial {
   ScaleErrors adjusted;                ///< of the map that the recovery starts from
   std::vector<ScaleErrors> recovered;  ///< one for each estimator
   std::vector<char> converged;         ///< one flag for each: the recovery ended at its minimum
+  std::vector<StatedError> length;     ///< of the logarithm of the path's length, one for each
+  std::vector<StatedError> side_slip;  ///< s^2/m, against what `estimators` are told before errors are added
 };
 
 /// One entry a run; every run has points and noise of its own. Same options, same bits for any number of jobs. Empty

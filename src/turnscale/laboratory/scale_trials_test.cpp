@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "turnscale/laboratory/scale_trials.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -52,6 +53,31 @@ TEST(ScaleTrials, DoNotDependOnTheJobs) {
     EXPECT_EQ(one[i].adjusted.theta, three[i].adjusted.theta);
   }
   EXPECT_NE(one[0].recovered[0].ratio, one[1].recovered[0].ratio);
+}
+
+TEST(ScaleTrials, WhatIsToldWronglyIsDrawnOnceARun) {
+  ScaleTrials trials = SmallTrials();
+  trials.drive.pixel_noise = 0.02;
+  trials.drive.scale_loss = 0;
+  trials.told_wrong = {0.1, 0, 0};
+  ScaleEstimatorSettings estimator;
+  estimator.odometry.vehicle.lever_arm_sigma = 0.1;
+  estimator.odometry.vehicle.side_slip_sigma = 0.001;
+  trials.estimators = {estimator, estimator};
+  const std::vector<ScaleTrial> runs = RunScaleTrials(trials);
+  ASSERT_EQ(runs.size(), 3U);
+  double largest = 0;
+  for (const ScaleTrial& run : runs) {
+    // The lever arm is 1 m and what is wrong of it goes into the length in full.
+    EXPECT_NEAR(run.length[0].sigma, 0.1, 0.03);
+    EXPECT_LT(std::abs(run.length[0].error), 4 * run.length[0].sigma);
+    EXPECT_EQ(run.length[0].error, run.length[1].error) << "both estimators are told the same";
+    EXPECT_GT(run.side_slip[0].sigma, 0);
+    EXPECT_GE(run.side_slip[0].error, 0) << "the drive has no side slip";
+    largest = std::max(largest, std::abs(run.length[0].error));
+  }
+  EXPECT_GT(largest, 0.02);
+  EXPECT_NE(runs[0].length[0].error, runs[1].length[0].error);
 }
 
 TEST(ScaleTrials, AWrongLeverArmMakesTheScaleWrongByAsMuch) {
