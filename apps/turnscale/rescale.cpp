@@ -91,6 +91,8 @@ void RunRescale(const RescaleArguments& arguments) {
   for (const StampedPose& pose : result.metric) tum += TumLine(pose);
   ReplaceFile(arguments.out, tum);
   if (arguments.report) WriteReport(*arguments.report, result, input, trajectory.timed);
+  if (const std::string warning = RescaleWarning(result); !warning.empty())
+    fmt::print(stderr, "warning: {}: {}\n", input, warning);
   if (!arguments.quiet) WriteStandardOutput(RescaleText(result));
 }
 

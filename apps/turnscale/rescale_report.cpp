@@ -76,7 +76,8 @@ std::string RescaleJson(const RescaleResult& result, const std::string& input) {
                                        {"sigma_relative", {{"min", best}, {"max", worst}}},
                                        {"turns", {{"found", TurnsOf(result).size()}, {"used", UsedTurns(result)}}},
                                        {"converged", estimate.converged},
-                                       {"contradicted", estimate.fell_back},
+                                       {"contradicted", estimate.test.contradicted},
+                                       {"follows_single_turns", estimate.fell_back},
                                        {"camera_rotation",
                                         {{"yaw_deg", camera.yaw * kDegreesPerRadian},
                                          {"pitch_deg", camera.pitch * kDegreesPerRadian},
@@ -87,6 +88,18 @@ std::string RescaleJson(const RescaleResult& result, const std::string& input) {
                                        {"side_slip_sigma_s2pm", car.side_slip_sigma},
                                        {"side_slip_at_bound", car.side_slip_at_bound}};
   return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+}
+
+std::string RescaleWarning(const RescaleResult& result) {
+  const ScaleEstimate& estimate = *result.estimate;
+  if (!estimate.fell_back) return {};
+  const std::string what = "each part of the path follows its own turns; check the times and the lever arm";
+  if (!estimate.test.contradicted || estimate.test.worst_turn < 0)
+    return "the turns agree on no scale (the estimate did not converge): " + what;
+  const TurnEstimate& worst = estimate.turns[estimate.test.worst_turn];
+  return fmt::format("the turns contradict each other by {:.0f} % of scale, most of all the one at poses {}-{}: {}",
+                     100 * estimate.test.disagreement, result.steps[worst.first_step].first,
+                     result.steps[worst.last_step].last, what);
 }
 
 std::string RescaleText(const RescaleResult& result) {
@@ -108,12 +121,6 @@ std::string RescaleText(const RescaleResult& result) {
   } else if (car.side_slip_sigma > 0) {
     text += fmt::format("side slip     {:.4f} +- {:.4f} s^2/m\n", car.side_slip, car.side_slip_sigma);
   }
-  if (result.estimate->fell_back)
-    text += fmt::format(
-        "warning       the turns contradict each other by {:.0f} % of scale: each part of the path follows its own "
-        "turns; "
-        "check the times and the lever arm\n",
-        100 * result.estimate->test.disagreement);
   return text;
 }
 

@@ -16,6 +16,9 @@ std::string TurnScaleTable(const RescaleResult& result);
 /// summary.json: the numbers of the drive, with the unit in each name.
 std::string RescaleJson(const RescaleResult& result, const std::string& input);
 
+/// What the turns say against the estimate, in one line; empty where they agree. There has to be an estimate.
+std::string RescaleWarning(const RescaleResult& result);
+
 /// A few lines for the screen.
 std::string RescaleText(const RescaleResult& result);
 

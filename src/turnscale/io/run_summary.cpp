@@ -81,17 +81,18 @@ std::string CarText(const std::optional<CarRefinement>& car) {
 // What the turns say against the estimate; empty where they agree.
 std::string TurnWarning(const RefinedScale& scale) {
   if (!scale.estimate || !scale.estimate->fell_back) return {};
-  // Turns are followed where the calibration is wrong, too; that has a warning of its own.
-  if (!scale.estimate->test.contradicted && !scale.contradicted_calibration.empty()) return {};
   const TurnTest& test = scale.estimate->test;
-  int used = 0;
-  for (const TurnResult& turn : scale.turns) {
-    if (!turn.used || used++ != test.worst_turn) continue;
+  if (test.contradicted && test.worst_turn >= 0) {
+    const TurnResult& worst = scale.turns[test.worst_turn];
     return fmt::format(
         "the turns contradict each other by {:.0f} % of scale, most of all the one at frames {}-{}: each part of the "
         "path follows its own turns; check the camera's calibration, the times of the frames and the lever arm",
-        100 * test.disagreement, turn.first_frame, turn.last_frame);
+        100 * test.disagreement, worst.first_frame, worst.last_frame);
   }
+  if (!scale.estimate->converged)
+    return "the turns agree on no scale (the estimate did not converge): each part of the path follows its own turns; "
+           "check the camera's calibration, the times of the frames and the lever arm";
+  // Turns are followed where the calibration is wrong, too; that has a warning of its own.
   return {};
 }
 
@@ -110,9 +111,9 @@ std::string CalibrationWarning(const ParameterEstimate& estimate, double path_si
     return {"", ""};
   }();
   return fmt::format(
-      "the turns show a {} of {:.4g} +- {:.2g}{}, the calibration says {:.4g}: check that it is this camera's; lengths "
-      "may be off by {:.0f} % or more",
-      name, estimate.found, estimate.sigma, unit, estimate.given, 100 * path_sigma);
+      "the turns show a {} of {:.4g} +- {:.2g}{}, the calibration says {:.4g}: check that it is this camera's{}", name,
+      estimate.found, estimate.sigma, unit, estimate.given,
+      std::isfinite(path_sigma) ? fmt::format("; lengths may be off by {:.0f} % or more", 100 * path_sigma) : "");
 }
 
 bool IsMetric(const RunSummary& summary) { return summary.scale_state != ScaleState::kPending; }
@@ -149,14 +150,15 @@ void Summarize(const std::vector<FrameResult>& refined, const RefinedScale& scal
     summary.worst_sigma_time = frame.time;
   }
   summary.path_sigma = scale.estimate ? scale.estimate->length_sigma : INFINITY;
-  if (scale.estimate) summary.car = scale.estimate->car;
+  if (scale.estimate) {
+    summary.car = scale.estimate->car;
+    summary.turn_test = scale.estimate->test;
+  }
   for (const ParameterEstimate& estimate : scale.contradicted_calibration)
     summary.warnings.push_back(CalibrationWarning(estimate, summary.path_sigma));
   if (const std::string warning = TurnWarning(scale); !warning.empty()) summary.warnings.push_back(warning);
   summary.turns_found = static_cast<int>(turns.size());
-  for (const TurnResult& turn : turns) {
-    if (!turn.used) summary.unused_reason = turn.reason;
-  }
+  if (!scale.estimate) summary.pending_reason = scale.reason;
   summary.turns_used =
       static_cast<int>(std::count_if(turns.begin(), turns.end(), [](const auto& t) { return t.used; }));
 }
@@ -203,7 +205,11 @@ std::string SummaryJson(const RunSummary& summary) {
       {"warnings", summary.warnings},
       {"lens",
        summary.lens ? Json{{"correction", summary.lens->correction}, {"sigma", summary.lens->sigma}} : Json(nullptr)},
-      {"turns", {{"found", summary.turns_found}, {"used", summary.turns_used}}},
+      {"turns",
+       {{"found", summary.turns_found},
+        {"used", summary.turns_used},
+        {"chi_squared", summary.turn_test.chi_squared},
+        {"degrees_of_freedom", summary.turn_test.degrees_of_freedom}}},
       {"cost", CostJson(summary)}};
   // Names of files may be no UTF-8.
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
@@ -215,9 +221,9 @@ std::string SummaryText(const RunSummary& summary) {
     scale += fmt::format(", path length +-{:.1f} %, at worst +-{:.1f} % (at {:.1f} s)", 100 * summary.path_sigma,
                          100 * summary.worst_sigma, summary.worst_sigma_time);
   if (!IsMetric(summary)) {
-    scale += summary.vehicle.lever_arm ? ": no turn gave the metre, lengths are in an arbitrary unit"
+    scale += summary.vehicle.lever_arm ? ", lengths are in an arbitrary unit"
                                        : ": without --lever-arm the path is up to scale, in an arbitrary unit";
-    if (summary.vehicle.lever_arm && summary.turns_found > 0) scale += "; a turn said: " + summary.unused_reason;
+    if (summary.vehicle.lever_arm && !summary.pending_reason.empty()) scale += ": " + summary.pending_reason;
   }
   const RunCost& cost = summary.cost;
   return fmt::format(

@@ -67,7 +67,8 @@ struct RunSummary {
   std::optional<CarRefinement> car;   ///< empty while the scale is pending
   int turns_found = 0;
   int turns_used = 0;
-  std::string unused_reason;          ///< of the last turn that was not used
+  TurnTest turn_test;                 ///< do the turns agree?
+  std::string pending_reason;         ///< why there is no scale; empty where there is
   std::vector<std::string> warnings;  ///< what casts doubt on the metres, a line each
   std::string stopped;                ///< why the run ended before the drive did; empty where it did not
   RunCost cost;

@@ -314,7 +314,8 @@ TEST(RunSummary, NamesTheTurnThatContradicts) {
   }
   scale.estimate.emplace();
   scale.estimate->fell_back = true;
-  scale.estimate->test.worst_turn = 1;  // of those that are used
+  scale.estimate->test.contradicted = true;
+  scale.estimate->test.worst_turn = 2;
   scale.estimate->test.disagreement = 0.17;
   RunSummary summary;
   Summarize(Frames(5, 1), scale, summary);

@@ -13,7 +13,7 @@ void VisitScaleSettings(Visitor& visitor, ScaleOptions& options) {
   visitor.Field("huber", options.estimator.huber);
   visitor.Field("max_sigma", options.estimator.max_sigma);
   visitor.Field("max_straight_steps", options.estimator.segments.max_straight_steps);
-  visitor.Field("max_sigma_ratio", options.max_sigma_ratio);
+  visitor.Field("max_sigma_ratio", options.estimator.max_sigma_ratio);
   visitor.Group("turns", [&] {
     auto& o = options.estimator.segments.turns;
     visitor.Degrees("min_step_angle_deg", o.min_step_angle);

@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <iterator>
+#include <span>
 
 #include "turnscale/base/error.h"
 #include "turnscale/base/quantiles.h"
@@ -12,19 +14,23 @@
 namespace turnscale {
 namespace {
 
-// Paths with fewer steps than this do not show what is an ordinary speed.
-constexpr std::size_t kFewestPaces = 5;
+// Steps to either side that show what is an ordinary speed there.
+constexpr std::ptrdiff_t kNeighbours = 5;
+constexpr std::size_t kFewestPaces = 4;
 
 double Pace(const VehicleStep& step) { return step.duration > 0 ? step.speed() : step.motion.step; }
 
-void MarkJumps(std::vector<VehicleStep>& steps, double max_speed_ratio) {
-  std::vector<double> paces;
-  for (const VehicleStep& step : steps)
-    if (!step.after_gap) paces.push_back(Pace(step));
-  if (paces.size() < kFewestPaces) return;
-  const double brisk = Quantile(std::move(paces), 0.8);
-  for (VehicleStep& step : steps)
-    if (Pace(step) > max_speed_ratio * brisk) step.usable = false;
+// Steps between two losses of tracking.
+void MarkJumps(std::span<VehicleStep> steps, double max_speed_ratio) {
+  const auto count = static_cast<std::ptrdiff_t>(steps.size());
+  for (std::ptrdiff_t i = 0; i < count; ++i) {
+    std::vector<double> paces;
+    for (std::ptrdiff_t k = std::max<std::ptrdiff_t>(0, i - kNeighbours); k <= std::min(count - 1, i + kNeighbours);
+         ++k)
+      if (k != i) paces.push_back(Pace(steps[k]));
+    if (paces.size() < kFewestPaces) continue;
+    if (Pace(steps[i]) > max_speed_ratio * Quantile(std::move(paces), 0.8)) steps[i].usable = false;
+  }
 }
 
 }  // namespace
@@ -120,7 +126,13 @@ std::vector<VehicleStep> CutIntoSteps(const Trajectory& path, const std::vector<
     if (after_gap) ++gap;
   }
   if (const std::optional<VehicleStep> rest = builder.Finish()) steps.push_back(*rest);
-  MarkJumps(steps, options.max_speed_ratio);
+  // Units of length differ across a gap.
+  auto piece = steps.begin();
+  while (piece != steps.end()) {
+    const auto end = std::find_if(piece + 1, steps.end(), [](const VehicleStep& step) { return step.after_gap; });
+    MarkJumps({piece->after_gap ? piece + 1 : piece, end}, options.max_speed_ratio);
+    piece = end;
+  }
   return steps;
 }
 

@@ -43,7 +43,7 @@ struct VehicleStepOptions {
   double max_duration = 0.6;
   /// Or after this many poses, where times are unknown.
   int max_poses = 6;
-  /// A step this many times as fast as four of five others is a jump of the odometry.
+  /// A step this many times as fast as four of five of the ten around it is a jump of the odometry.
   double max_speed_ratio = 3;
   /// A step that goes further off straight ahead or straight back than this is a jump, rad (60 deg).
   double max_direction = 60.0 / 57.295779513082320877;

@@ -33,9 +33,10 @@ std::vector<double> StepFactors(const std::vector<Eigen::Vector3d>& centres, con
     const int end = turns[i].first_step;
     const auto gap = std::ranges::find_if(gaps, [&](int j) { return j >= first && j < end; });
     if (gap != gaps.end()) {
-      // What lies before a gap shares nothing with the next turn: its scale is the previous one's.
-      std::fill(factors.begin() + first, factors.begin() + *gap, turns[i - 1].factor);
-      std::fill(factors.begin() + *gap, factors.begin() + end, turns[i].factor);
+      // What lies before a gap shares nothing with the next turn: its scale is the previous one's. The bridged step is
+      // predicted, in the unit before it.
+      std::fill(factors.begin() + first, factors.begin() + *gap + 1, turns[i - 1].factor);
+      std::fill(factors.begin() + *gap + 1, factors.begin() + end, turns[i].factor);
       continue;
     }
     double path = 0;

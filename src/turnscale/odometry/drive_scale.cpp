@@ -5,7 +5,6 @@
 #include <cmath>
 #include <utility>
 
-#include "turnscale/kinematics/scale_observer.h"
 #include "turnscale/scale/scale_track.h"
 
 namespace turnscale {
@@ -21,13 +20,18 @@ constexpr double kScalePerFocalLength = 2;
 constexpr double kScalePerAngle = 3;
 constexpr double kScalePerCorrection = 15;
 
-CarPrior PriorOf(const VehicleOptions& vehicle) {
+// Of the yaw of a camera whose rotation is assumed until the drive tells it: people mount cameras by eye (3 deg).
+constexpr double kAssumedYawSigma = 3.0 / 57.295779513082320877;
+
+CarPrior PriorOf(const VehicleOptions& vehicle, const Mount& mount) {
   CarPrior car;
   car.lever_arm = vehicle.lever_arm.value_or(1.0);
   car.lever_arm_sigma = std::min(vehicle.lever_arm_sigma, 0.5 * car.lever_arm);
   car.side_slip = vehicle.side_slip;
   car.side_slip_sigma = vehicle.side_slip_sigma;
   car.yaw_sigma = vehicle.yaw_sigma;
+  if (vehicle.calibrate_camera)
+    car.yaw_sigma = std::max(vehicle.yaw_sigma, mount.found ? mount.sigma.yaw : kAssumedYawSigma);
   return car;
 }
 
@@ -70,6 +74,7 @@ TurnResult Describe(const TurnEstimate& turn, const std::vector<VehicleStep>& st
   result.speed = turn.speed_units * turn.smoothed;
   result.metres_per_unit = turn.own;
   result.as_given = turn.as_given;
+  result.followed = turn.followed;
   result.sigma = turn.own_sigma * turn.own;
   result.smoothed = turn.smoothed;
   result.smoothed_sigma = turn.smoothed_sigma * turn.smoothed;
@@ -86,7 +91,7 @@ DriveScale::DriveScale(const OdometryOptions& options)
     : options_(options),
       mount_(options.vehicle),
       builder_(options.steps, true),
-      live_(PriorOf(options.vehicle), options.scale.estimator) {}
+      live_(PriorOf(options.vehicle, mount_.current()), options.scale.estimator) {}
 
 bool DriveScale::Add(const Map& map) {
   turn_ended_ = false;
@@ -100,7 +105,7 @@ void DriveScale::Reread(const Map& map) {
   keyframes_ = static_cast<int>(map.keyframes.size());
   mount_.Learn(map, keyframes_ - 1);
   builder_ = StepBuilder(options_.steps, true);
-  live_ = LiveScale(PriorOf(options_.vehicle), options_.scale.estimator);
+  live_ = LiveScale(PriorOf(options_.vehicle, mount_.current()), options_.scale.estimator);
   for (int k = 0; k < keyframes_; ++k) Feed(map, k);
   UpdateLive(map);
   last_turn_end_ = keyframes_ - 1;
@@ -115,7 +120,7 @@ bool DriveScale::Feed(const Map& map, int keyframe) {
 }
 
 // Positions follow the scale as far back as it has changed: to the turn before while a turn is under way, to the start
-// when the scale becomes known.
+// when the scale becomes known. At a loss of tracking it changes at once.
 void DriveScale::UpdateLive(const Map& map) {
   const std::optional<ScaleBelief> now = options_.vehicle.lever_arm ? live_.Now() : std::nullopt;
   const bool was_known = state_ != ScaleState::kPending;
@@ -134,17 +139,27 @@ void DriveScale::UpdateLive(const Map& map) {
     first = 0;
   } else if (state_ == ScaleState::kObserved) {
     first = std::min(first, last_turn_end_);
-    double length = 0;
-    for (int k = last_turn_end_ + 1; k < count; ++k) length += step(k).norm();
-    const double growth = std::log(scale / scales[last_turn_end_]);
-    double so_far = 0;
-    for (int k = last_turn_end_ + 1; k < count; ++k) {
-      so_far += step(k).norm();
-      scales[k] = scales[last_turn_end_] * std::exp(length > 0 ? growth * so_far / length : growth);
+    int gap = count - 1;
+    while (gap > last_turn_end_ && !map.keyframes[gap].after_gap) --gap;
+    if (gap > last_turn_end_) {
+      std::fill(scales.begin() + gap, scales.end(), scale);
+    } else {
+      double length = 0;
+      for (int k = last_turn_end_ + 1; k < count; ++k) length += step(k).norm();
+      const double growth = std::log(scale / scales[last_turn_end_]);
+      double so_far = 0;
+      for (int k = last_turn_end_ + 1; k < count; ++k) {
+        so_far += step(k).norm();
+        scales[k] = scales[last_turn_end_] * std::exp(length > 0 ? growth * so_far / length : growth);
+      }
     }
   }
   if (first == 0) live_path_.centres[0] = scales[0] * Centre(map.keyframes[0]);
-  for (int k = first + 1; k < count; ++k) live_path_.centres[k] = live_path_.centres[k - 1] + scales[k] * step(k);
+  for (int k = first + 1; k < count; ++k) {
+    // The bridged step is predicted, in the unit before the gap.
+    const double metres_per_unit = map.keyframes[k].after_gap ? scales[k - 1] : scales[k];
+    live_path_.centres[k] = live_path_.centres[k - 1] + metres_per_unit * step(k);
+  }
 }
 
 RefinedScale DriveScale::Refine(const Map& map, bool follow_turns) const {
@@ -160,13 +175,13 @@ RefinedScale DriveScale::Refine(const Map& map, bool follow_turns) const {
     return refined;
   }
   ScaleEstimatorOptions estimator = options_.scale.estimator;
-  estimator.follow_turns = estimator.follow_turns || follow_turns;
-  ScaleEstimateResult result = EstimateScale(steps, PriorOf(options_.vehicle), estimator);
+  estimator.follow_turns = estimator.follow_turns || follow_turns || options_.scale.method != ScaleMethod::kSmoothed;
+  ScaleEstimateResult result = EstimateScale(steps, PriorOf(options_.vehicle, mount_.current()), estimator);
   if (!options_.vehicle.lever_arm) {
     result.estimate.reset();
     result.reason = "no lever arm given";
     for (TurnEstimate& turn : result.turns) {
-      turn.used = false;
+      turn.used = turn.followed = false;
       turn.reason = result.reason;
       turn.own = turn.own_sigma = turn.as_given = 0;
     }
@@ -190,9 +205,7 @@ RefinedScale DriveScale::Refine(const Map& map, bool follow_turns) const {
   return refined;
 }
 
-void WidenForCalibration(const std::vector<ParameterEstimate>& contradictions, double focal_length,
-                         RefinedScale& refined) {
-  refined.contradicted_calibration = contradictions;
+double CalibrationSigma(const std::vector<ParameterEstimate>& contradictions, double focal_length) {
   double variance = 0;
   for (const ParameterEstimate& estimate : contradictions) {
     const double off = estimate.found - estimate.given;
@@ -211,9 +224,16 @@ void WidenForCalibration(const std::vector<ParameterEstimate>& contradictions, d
     }
     variance += sigma * sigma;
   }
-  if (variance == 0 || !refined.estimate) return;
-  for (double& sigma : refined.sigmas) sigma = std::hypot(sigma, std::sqrt(variance));
-  refined.estimate->length_sigma = std::hypot(refined.estimate->length_sigma, std::sqrt(variance));
+  return std::sqrt(variance);
+}
+
+void WidenForCalibration(const std::vector<ParameterEstimate>& contradictions, double focal_length,
+                         RefinedScale& refined) {
+  refined.contradicted_calibration = contradictions;
+  if (contradictions.empty() || !refined.estimate) return;
+  const double widening = CalibrationSigma(contradictions, focal_length);
+  for (double& sigma : refined.sigmas) sigma = std::hypot(sigma, widening);
+  refined.estimate->length_sigma = std::hypot(refined.estimate->length_sigma, widening);
 }
 
 TurningMotion StepMotion(const Map& map, int step, const MountCalibration& mount) {

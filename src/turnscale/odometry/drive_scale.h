@@ -33,9 +33,12 @@ struct RefinedScale {
   std::vector<ParameterEstimate> contradicted_calibration;
 };
 
-/// Widens all sigmas of `refined` by what a calibration that is off as the estimates say may cost the scale: the error
-/// of the direction of travel over the lever arm's share of it. A coarse bound (benchmarks/variants): metres from such
-/// a calibration are not to be relied on.
+/// Relative standard deviation of what a calibration that is off as the estimates say may cost the scale: the error of
+/// the direction of travel over the lever arm's share of it. A coarse bound (benchmarks/variants): metres from such a
+/// calibration are not to be relied on. 0 without contradictions.
+double CalibrationSigma(const std::vector<ParameterEstimate>& contradictions, double focal_length);
+
+/// Widens all sigmas of `refined` by that.
 void WidenForCalibration(const std::vector<ParameterEstimate>& contradictions, double focal_length,
                          RefinedScale& refined);
 

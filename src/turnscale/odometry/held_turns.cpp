@@ -34,29 +34,24 @@ std::vector<TurnScale> TurnsToHold(const Map& map, const MountCalibration& mount
                                    std::vector<TurnResult>& turns) {
   const LeverArm lever_arm{options.vehicle.lever_arm.value_or(0), options.vehicle.side_slip};
   std::vector<TurnScale> held;
-  double carried = std::numeric_limits<double>::infinity();  // variance of the log-scale
-  int since = 0;
+  const auto leave_out = [](TurnResult& turn, const char* reason) {
+    turn.used = false;
+    turn.reason = reason;
+  };
   for (TurnResult& turn : turns) {
-    if (!turn.used || !(turn.as_given > 0) || !std::isfinite(turn.as_given)) continue;
-    for (int k = since + 1; k <= turn.first_keyframe; ++k) {
-      const double gap = map.keyframes[k].after_gap ? map.keyframes[k].gap_sigma : 0.0;
-      const double length = (Centre(map.keyframes[k]) - Centre(map.keyframes[k - 1])).norm();
-      carried += DriftVariance(options.scale.estimator.drift, length, turn.as_given, 0, gap);
-    }
-    since = turn.first_keyframe;
-    const double sigma = turn.sigma / turn.metres_per_unit;
-    if (sigma > options.scale.max_sigma_ratio * std::sqrt(carried)) {
-      turn.used = false;
-      turn.reason = "sigma exceeds the propagated sigma";
+    if (!turn.used) continue;
+    if (!turn.followed) {
+      leave_out(turn, "knows the scale much worse than other turns");
       continue;
     }
-    carried = sigma * sigma;
-    since = turn.last_keyframe;
     TurnScale scale{turn.first_keyframe + 1, turn.last_keyframe, turn.as_given, {}, 0};
     if (options.scale.method == ScaleMethod::kPaper) {
       const std::vector<VehicleStep> steps = KeyframeSteps(map, mount, turn);
       const MedianScale median = MedianOfSteps(steps, lever_arm);
-      if (!std::isfinite(median.metres_per_unit)) continue;
+      if (!std::isfinite(median.metres_per_unit)) {
+        leave_out(turn, "most of its steps contradict the vehicle model");
+        continue;
+      }
       scale.factor = median.metres_per_unit;
       scale.distances = ObservedDistances(steps, lever_arm);
     }
@@ -67,6 +62,7 @@ std::vector<TurnScale> TurnsToHold(const Map& map, const MountCalibration& mount
 
 std::vector<double> HoldTurns(const OdometryOptions& options, const MountCalibration& mount, Map& map,
                               RefinedScale& refined) {
+  if (!refined.estimate) return {};
   const std::vector<TurnScale> held = TurnsToHold(map, mount, options, refined.turns);
   if (held.empty()) return {};
   const ScaleRecoveryResult recovered = RecoverAbsoluteScale(options.scale.recovery, held, 0, map);

@@ -8,9 +8,8 @@
 
 namespace turnscale {
 
-/// Turns to be held by the absolute scale recovery (24)-(30), as `--method turns` and `--method paper` do. A turn that
-/// knows the scale much worse than the turns before it (ScaleOptions::max_sigma_ratio) is left out, and its result says
-/// so.
+/// Turns to be held by the absolute scale recovery (24)-(30), as `--method turns` and `--method paper` do: those that
+/// the estimate follows (TurnEstimate::followed). The result of another says why it is left out.
 std::vector<TurnScale> TurnsToHold(const Map& map, const MountCalibration& mount, const OdometryOptions& options,
                                    std::vector<TurnResult>& turns);
 

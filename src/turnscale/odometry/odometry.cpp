@@ -81,27 +81,16 @@ FrameResult Odometry::Process(const cv::Mat& gray, double time) {
   const RigidTransform predicted = motion_.Predict(time);
   if (Repeats(image, predicted, time)) {
     result.state = TrackingState::kRepeated;
-    return Record(result, predicted);
+    return MetricResult(result, predicted);
   }
-  auto [followed, estimate] = LocateFrom(image, predicted);
-  if (!Believable(estimate))
-    for (const RigidTransform& other : motion_.OtherPredictions(time)) {
-      std::tie(followed, estimate) = LocateFrom(image, other);
-      if (Believable(estimate)) break;
-    }
-  result.tracked = static_cast<int>(followed.found.size());
-  result.inliers = estimate.inliers;
-  if (!Believable(estimate)) return Bridge(predicted, result);
+  const std::optional<RigidTransform> tracked = Track(image, predicted, result);
+  if (!tracked) return Bridge(predicted, result);
+  if (!NeedsKeyframe(*tracked, result.inliers)) return MetricResult(result, *tracked);
 
-  tracks_ = std::move(followed.found);
-  lost_tracks_ = std::move(followed.lost);
-  last_image_ = image;
-  lost_frames_ = 0;
-  result.state = TrackingState::kTracked;
-  motion_.Update(time, estimate.camera_from_world);
-  if (!NeedsKeyframe(estimate.camera_from_world, estimate.inliers)) return Record(result, estimate.camera_from_world);
-  AddKeyframe(image, estimate.camera_from_world, result);
-  return Record(result, map_.keyframes.back().camera_from_world);
+  AddKeyframe(*tracked, result);
+  ObserveScale(result);
+  ReplenishTracks(image);
+  return MetricResult(result, map_.keyframes.back().camera_from_world);
 }
 
 void Odometry::CheckImage(const cv::Mat& gray) {
@@ -136,7 +125,7 @@ void Odometry::Finish() {
   if (map_.keyframes.empty()) return;
   // Windows held their older keyframes fixed, so the scale drifts from one to the next; all at once it drifts less.
   lens_of_keyframe_.clear();
-  SettlePath(options_.final_bundle);
+  AdjustSinceLastTurn(options_.final_bundle);
   refined_ = Refined();
   const bool follows_turns = refined_->estimate && refined_->estimate->fell_back;
   if (options_.scale.method == ScaleMethod::kSmoothed && !follows_turns) return;
@@ -155,7 +144,7 @@ FrameResult Odometry::Initialize(const FlowImage& image, FrameResult result) {
   result.state = TrackingState::kTracked;
   result.inliers = landmarks_in_keyframe_;
   result.keyframe = true;
-  return Record(result, map_.keyframes.back().camera_from_world);
+  return MetricResult(result, map_.keyframes.back().camera_from_world);
 }
 
 void Odometry::StartMap(const InitialMap& start) {
@@ -163,7 +152,7 @@ void Odometry::StartMap(const InitialMap& start) {
   const WaitingFrame& second = start.frames.back();
   const bool continues = !map_.keyframes.empty();
   // No turn reaches across the gap: one that was under way is read from the map it belongs to.
-  if (continues) SettlePath(options_.turn_bundle);
+  if (continues) AdjustSinceLastTurn(options_.turn_bundle);
   const RigidTransform first_from_world = continues ? motion_.Predict(first.time) : RigidTransform{};
   const auto [unit, gap_sigma] = continues ? UnitAfterGap(start) : UnitGuess{1.0, 0.0};
   RigidTransform second_from_first = start.second_from_first;
@@ -224,7 +213,7 @@ void Odometry::LocateWaitingFrames(const InitialMap& start, int first_landmark, 
     FrameResult result = NewResult(waiting.frame, waiting.time, TrackingState::kRepeated);
     result.tracked = static_cast<int>(waiting.features.size());
     if (moved && Repeats(*moved, waiting, first_landmark)) {
-      if (!is_second) Record(result, keyframe, motion_.Predict(waiting.time));
+      if (!is_second) MetricResult(result, keyframe, motion_.Predict(waiting.time));
       continue;
     }
     const RigidTransform& last = moved ? motion_.last() : map_.keyframes[keyframe].camera_from_world;
@@ -240,7 +229,7 @@ void Odometry::LocateWaitingFrames(const InitialMap& start, int first_landmark, 
     if (is_second) break;
     result.state = Believable(estimate) ? TrackingState::kTracked : TrackingState::kBridged;
     result.inliers = estimate.inliers;
-    Record(result, keyframe, result.keyframe ? map_.keyframes[keyframe].camera_from_world : pose);
+    MetricResult(result, keyframe, result.keyframe ? map_.keyframes[keyframe].camera_from_world : pose);
   }
 }
 
@@ -265,19 +254,40 @@ bool Odometry::Repeats(const WaitingFrame& before, const WaitingFrame& waiting, 
   return IsRepeated(options_.repeats, MedianMotion(motion));
 }
 
-std::pair<FollowedTracks, PoseEstimate> Odometry::LocateFrom(const FlowImage& image,
-                                                             const RigidTransform& predicted) const {
+std::optional<RigidTransform> Odometry::Track(const FlowImage& image, const RigidTransform& predicted,
+                                              FrameResult& result) {
+  auto [followed, estimate] = TrackFrom(image, predicted);
+  if (!Believable(estimate)) {
+    for (const RigidTransform& other : motion_.OtherPredictions(result.time)) {
+      std::tie(followed, estimate) = TrackFrom(image, other);
+      if (Believable(estimate)) break;
+    }
+  }
+  result.tracked = static_cast<int>(followed.found.size());
+  result.inliers = estimate.inliers;
+  if (!Believable(estimate)) return std::nullopt;
+  result.state = TrackingState::kTracked;
+  tracks_ = std::move(followed.found);
+  lost_tracks_ = std::move(followed.lost);
+  last_image_ = image;
+  lost_frames_ = 0;
+  motion_.Update(result.time, estimate.camera_from_world);
+  return estimate.camera_from_world;
+}
+
+std::pair<FollowedTracks, PoseEstimate> Odometry::TrackFrom(const FlowImage& image,
+                                                            const RigidTransform& predicted) const {
   const std::vector<cv::Point2f> guesses = PredictPixels(map_, camera_, tracks_, motion_.last(), predicted);
   FollowedTracks followed = FollowTracks(options_.flow, map_, camera_, last_image_, image, tracks_, guesses);
-  PoseEstimate estimate = LocateFrame(predicted, followed);
+  PoseEstimate estimate = EstimateFramePose(predicted, followed);
   if (Believable(estimate)) {
     AlignWithMap(image, estimate.camera_from_world, followed);
-    estimate = LocateFrame(estimate.camera_from_world, followed);
+    estimate = EstimateFramePose(estimate.camera_from_world, followed);
   }
   return {std::move(followed), std::move(estimate)};
 }
 
-PoseEstimate Odometry::LocateFrame(const RigidTransform& predicted, FollowedTracks& tracks) const {
+PoseEstimate Odometry::EstimateFramePose(const RigidTransform& predicted, FollowedTracks& tracks) const {
   std::vector<PointSighting> sightings;
   for (const FeatureTrack& track : tracks.found)
     if (map_.landmarks[track.landmark].valid)
@@ -332,7 +342,7 @@ FrameResult Odometry::Bridge(const RigidTransform& predicted, FrameResult result
     mapping_ = false;
     initializer_ = MapInitializer(options_, camera_);
   }
-  return Record(result, predicted);
+  return MetricResult(result, predicted);
 }
 
 bool Odometry::NeedsKeyframe(const RigidTransform& camera_from_world, int inliers) const {
@@ -352,7 +362,7 @@ bool Odometry::NeedsKeyframe(const RigidTransform& camera_from_world, int inlier
   return Median(std::move(parallax)) * kDegreesPerRadian > limits.min_parallax_deg;
 }
 
-void Odometry::AddKeyframe(const FlowImage& image, const RigidTransform& camera_from_world, FrameResult& result) {
+void Odometry::AddKeyframe(const RigidTransform& camera_from_world, FrameResult& result) {
   const int keyframe = static_cast<int>(map_.keyframes.size());
   map_.keyframes.push_back({result.frame, result.time, camera_from_world, {}, false});
   std::vector<int> seen;
@@ -367,19 +377,21 @@ void Odometry::AddKeyframe(const FlowImage& image, const RigidTransform& camera_
   std::erase_if(tracks_, [&](const FeatureTrack& track) { return ended.contains(track.landmark); });
   RefineLens();
   calibration_check_.Observe(map_, camera_.radial_correction);
+  calibration_sigma_ = CalibrationSigma(calibration_check_.Contradictions(), map_.pinhole.fx);
   motion_.Correct(map_.keyframes.back().camera_from_world, 1.0);
+  result.keyframe = true;
+}
 
-  ObserveScale(result);
+void Odometry::ReplenishTracks(const FlowImage& image) {
   landmarks_in_keyframe_ = static_cast<int>(
       std::ranges::count_if(tracks_, [&](const FeatureTrack& track) { return map_.landmarks[track.landmark].valid; }));
   for (FeatureTrack& track : tracks_) {
     track.in_keyframe = track.undistorted;
-    track.last_keyframe = keyframe;
+    track.last_keyframe = static_cast<int>(map_.keyframes.size()) - 1;
   }
   for (FeatureTrack& track : lost_tracks_) track.in_keyframe.reset();
   RenewReferences(image);
   DetectNewFeatures(image);
-  result.keyframe = true;
 }
 
 void Odometry::RefineLens() {
@@ -405,10 +417,10 @@ void Odometry::ObserveScale(FrameResult& result) {
   const TurningMotion motion = StepMotion(map_, static_cast<int>(map_.keyframes.size()) - 2, mount());
   result.psi = motion.psi;
   result.theta = motion.theta;
-  if (scale_.Add(map_)) SettlePath(options_.turn_bundle);
+  if (scale_.Add(map_)) AdjustSinceLastTurn(options_.turn_bundle);
 }
 
-void Odometry::SettlePath(const LocalBundleOptions& bundle) {
+void Odometry::AdjustSinceLastTurn(const LocalBundleOptions& bundle) {
   // Windows along the way have seen less, and the lens was less known.
   lens_of_keyframe_.resize(map_.keyframes.size(), std::numeric_limits<double>::quiet_NaN());
   const auto settled = [&](double applied) { return std::abs(applied - camera_.radial_correction) < kStaleLensChange; };
@@ -461,16 +473,16 @@ void Odometry::DetectNewFeatures(const FlowImage& image) {
   }
 }
 
-FrameResult Odometry::Record(const FrameResult& result, const RigidTransform& camera_from_world) {
-  return Record(result, static_cast<int>(map_.keyframes.size()) - 1, camera_from_world);
+FrameResult Odometry::MetricResult(const FrameResult& result, const RigidTransform& camera_from_world) {
+  return MetricResult(result, static_cast<int>(map_.keyframes.size()) - 1, camera_from_world);
 }
 
-FrameResult Odometry::Record(FrameResult result, int keyframe, const RigidTransform& camera_from_world) {
+FrameResult Odometry::MetricResult(FrameResult result, int keyframe, const RigidTransform& camera_from_world) {
   history_.Add(result, map_, keyframe, camera_from_world);
   result.world_from_camera = scale_.live_path().InMetres(map_, keyframe, camera_from_world.inverse());
   result.vehicle_from_camera = mount().current().vehicle_from_camera;
   result.scale_state = scale_.state();
-  result.scale_sigma = scale_.sigma();
+  result.scale_sigma = std::hypot(scale_.sigma(), calibration_sigma_);
   return result;
 }
 

@@ -84,25 +84,30 @@ class Odometry {
   void LocateWaitingFrames(const InitialMap& start, int first_landmark, int keyframe);
   bool Repeats(const FlowImage& image, const RigidTransform& predicted, double time) const;
   bool Repeats(const WaitingFrame& before, const WaitingFrame& waiting, int first_landmark) const;
-  std::pair<FollowedTracks, PoseEstimate> LocateFrom(const FlowImage& image, const RigidTransform& predicted) const;
-  PoseEstimate LocateFrame(const RigidTransform& predicted, FollowedTracks& tracks) const;
+  /// The camera's pose by tracking from the predicted pose, or where that fails from others; empty where all fail.
+  std::optional<RigidTransform> Track(const FlowImage& image, const RigidTransform& predicted, FrameResult& result);
+  std::pair<FollowedTracks, PoseEstimate> TrackFrom(const FlowImage& image, const RigidTransform& predicted) const;
+  PoseEstimate EstimateFramePose(const RigidTransform& predicted, FollowedTracks& tracks) const;
   void AlignWithMap(const FlowImage& image, const RigidTransform& camera_from_world, FollowedTracks& tracks) const;
   bool Believable(const PoseEstimate& estimate) const;
   FrameResult Bridge(const RigidTransform& predicted, FrameResult result);
   bool NeedsKeyframe(const RigidTransform& camera_from_world, int inliers) const;
-  void AddKeyframe(const FlowImage& image, const RigidTransform& camera_from_world, FrameResult& result);
+  void AddKeyframe(const RigidTransform& camera_from_world, FrameResult& result);
   void RefineLens();
+  /// Takes the latest keyframe; adjusts the path since the last turn where it ended one.
   void ObserveScale(FrameResult& result);
   /// A turn or the path has ended: adjusts the keyframes since the last turn, and reads their scale again.
-  void SettlePath(const LocalBundleOptions& bundle);
+  void AdjustSinceLastTurn(const LocalBundleOptions& bundle);
   /// Lengths at the keyframes have grown by these factors.
   void FollowMap(const std::vector<double>& factors, RigidTransform last_from_keyframe);
   /// The latest frame as seen from the latest keyframe.
   RigidTransform LastFromKeyframe() const;
+  void ReplenishTracks(const FlowImage& image);
   void RenewReferences(const FlowImage& image);
   void DetectNewFeatures(const FlowImage& image);
-  FrameResult Record(const FrameResult& result, const RigidTransform& camera_from_world);
-  FrameResult Record(FrameResult result, int keyframe, const RigidTransform& camera_from_world);
+  /// Keeps the frame's pose, and gives it in metres as far as they are known.
+  FrameResult MetricResult(const FrameResult& result, const RigidTransform& camera_from_world);
+  FrameResult MetricResult(FrameResult result, int keyframe, const RigidTransform& camera_from_world);
 
   OdometryOptions options_;
   CameraModel camera_;
@@ -115,6 +120,7 @@ class Odometry {
   Map map_;
   std::vector<double> lens_of_keyframe_;  ///< correction under which each keyframe was adjusted last
   std::optional<RefinedScale> refined_;   ///< once the drive is over
+  double calibration_sigma_ = 0;          ///< what a contradicted calibration adds to the live sigma
 
   FlowImage last_image_;                   ///< the latest one whose pose was measured
   std::vector<FeatureTrack> tracks_;       ///< what it shows

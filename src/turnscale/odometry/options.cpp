@@ -41,7 +41,6 @@ void TrackingOptions::Check() const {
 void ScaleOptions::Check() const {
   estimator.Check();
   recovery.Check();
-  if (!(max_sigma_ratio > 0)) throw InputError("scale.max_sigma_ratio: has to be positive");
 }
 
 void OdometryOptions::Check() const {

@@ -95,9 +95,6 @@ struct ScaleOptions {
   ScaleEstimatorOptions estimator;
   /// Of the finished map: methods kTurns and kPaper.
   ScaleRecoveryOptions recovery;
-  /// Methods kTurns and kPaper: a turn whose relative sigma is more than this many times that of the scale propagated
-  /// to it is not held.
-  double max_sigma_ratio = 2.0;
 
   /// Throws InputError that names the field when a value makes no sense.
   void Check() const;

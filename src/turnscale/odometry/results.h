@@ -11,9 +11,9 @@ namespace turnscale {
 
 /// What is known of the metre when a pose is given.
 enum class ScaleState {
-  kPending,   ///< no turn yet: the unit of length is arbitrary
-  kObserved,  ///< within a turn whose scale was used; live, from the keyframe that closed it to the next one
-  kHeld,      ///< between turns: the scale is carried by the map
+  kPending,   ///< no turn has shown the scale yet: the unit of length is arbitrary
+  kObserved,  ///< within a turn whose evidence counts; live, up to the keyframe that ends it
+  kHeld,      ///< between turns: the scale is that of the turns around; live, of those before
 };
 
 /// How a frame's pose came about.
@@ -60,7 +60,8 @@ struct TurnResult {
   double sigma = 0;  ///< standard deviation of metres_per_unit
   /// The same with the car's constants as they were given: what `--method turns` holds.
   double as_given = 0;
-  double smoothed = 0;        ///< metres per unit from the whole drive
+  bool followed = false;      ///< where the scale follows single turns: this one, at `as_given`
+  double smoothed = 0;        ///< metres per unit of the drive's scale there
   double smoothed_sigma = 0;  ///< standard deviation of `smoothed`
   double deviation = 0;       ///< ln(smoothed / metres_per_unit) in standard deviations
   /// Lever arm that the turn shows at the scale of the whole drive, metres.

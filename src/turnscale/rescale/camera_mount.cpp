@@ -39,14 +39,15 @@ Eigen::Quaterniond Upright(const std::vector<CameraStep>& steps) {
 
 }  // namespace
 
-Eigen::Quaterniond FindCameraMount(const Trajectory& trajectory, bool timed, const std::vector<int>& gaps) {
+CameraMount FindCameraMount(const Trajectory& trajectory, bool timed, const std::vector<int>& gaps) {
   std::vector<Trajectory> pieces = CutAtGaps(timed ? trajectory : AtUsualRate(trajectory), gaps);
   const AxisConvention axes = FindAxisConvention(StepsAlong(pieces));
   for (Trajectory& piece : pieces) piece = InCameraAxes(std::move(piece), axes);
   const Eigen::Quaterniond body_from_camera = InCameraAxes({StampedPose{}}, axes).front().world_from_camera.rotation;
   const std::vector<CameraStep> steps = StepsAlong(pieces);
   const Calibration calibration = Calibrate(steps);
-  return (calibration.observable ? calibration.vehicle_from_camera : Upright(steps)) * body_from_camera.conjugate();
+  const Eigen::Quaterniond found = calibration.observable ? calibration.vehicle_from_camera : Upright(steps);
+  return {found * body_from_camera.conjugate(), calibration.observable};
 }
 
 }  // namespace turnscale

@@ -9,11 +9,17 @@
 
 namespace turnscale {
 
-/// The paper's Q from the path itself, whichever way its body's axes lie. Where no turn shows the camera's roll, the
-/// camera is taken as upright. `timed` says that the poses' times are seconds, `gaps` which poses do not hang together
-/// with the one before (increasing).
+/// How the camera is turned on the car, as a path shows it.
+struct CameraMount {
+  Eigen::Quaterniond vehicle_from_camera = Eigen::Quaterniond::Identity();  ///< the paper's Q
+  bool observed =
+      false;  ///< by turns; else the camera is taken as upright and looking along the mean direction of travel
+};
+
+/// The paper's Q from the path itself, whichever way its body's axes lie. `timed` says that the poses' times are
+/// seconds, `gaps` which poses do not hang together with the one before (increasing).
 ///
 /// Throws InputError where the path has no direction of travel, or is too short to tell.
-Eigen::Quaterniond FindCameraMount(const Trajectory& trajectory, bool timed, const std::vector<int>& gaps = {});
+CameraMount FindCameraMount(const Trajectory& trajectory, bool timed, const std::vector<int>& gaps = {});
 
 }  // namespace turnscale

@@ -34,9 +34,14 @@ void CheckTrajectory(const Trajectory& trajectory, bool timed, const std::vector
   }
 }
 
-CarPrior CarFor(const RescaleOptions& options) {
+CarPrior CarFor(const RescaleOptions& options, double yaw_sigma) {
+  // Part of the lever arm that slip takes in turns of unknown speed, as in most drives of KITTI.
+  constexpr double kUnknownSlip = 0.12;
   CarPrior car = options.car;
-  if (!options.timed) car.side_slip = car.side_slip_sigma = 0;
+  car.yaw_sigma = yaw_sigma;
+  if (options.timed) return car;
+  car.side_slip = car.side_slip_sigma = 0;
+  car.lever_arm_sigma = std::hypot(car.lever_arm_sigma, kUnknownSlip * car.lever_arm);
   return car;
 }
 
@@ -53,9 +58,17 @@ bool FindMount(const RescaleOptions& options, const Trajectory& trajectory, cons
                RescaleResult& result) {
   std::vector<int> first_poses;
   for (const PathGap& gap : gaps) first_poses.push_back(gap.pose);
+  result.yaw_sigma = options.car.yaw_sigma;
+  if (options.vehicle_from_camera) {
+    result.vehicle_from_camera = *options.vehicle_from_camera;
+    return true;
+  }
   try {
-    result.vehicle_from_camera = options.vehicle_from_camera ? *options.vehicle_from_camera
-                                                             : FindCameraMount(trajectory, options.timed, first_poses);
+    // Of the mean direction of travel, which is off in a drive that turns one way (5 deg).
+    constexpr double kUnobservedYawSigma = 5.0 / 57.295779513082320877;
+    const CameraMount mount = FindCameraMount(trajectory, options.timed, first_poses);
+    result.vehicle_from_camera = mount.vehicle_from_camera;
+    if (!mount.observed) result.yaw_sigma = std::max(result.yaw_sigma, kUnobservedYawSigma);
     return true;
   } catch (const InputError& error) {
     result.reason = error.what();
@@ -72,7 +85,7 @@ bool GoesForward(const std::vector<VehicleStep>& steps) {
 
 // What the filter knew at each pose.
 void Filter(const RescaleOptions& options, RescaleResult& result) {
-  LiveScale live(CarFor(options), EstimatorFor(options));
+  LiveScale live(CarFor(options, result.yaw_sigma), EstimatorFor(options));
   for (const VehicleStep& step : result.steps) {
     live.Add(step);
     const std::optional<ScaleBelief> now = live.Now();
@@ -121,7 +134,7 @@ RescaleResult RescaleTrajectory(const RescaleOptions& options, const Trajectory&
         "estimated";
     return result;
   }
-  ScaleEstimateResult estimate = EstimateScale(result.steps, CarFor(options), EstimatorFor(options));
+  ScaleEstimateResult estimate = EstimateScale(result.steps, CarFor(options, result.yaw_sigma), EstimatorFor(options));
   result.reason = estimate.reason;
   result.estimate = std::move(estimate.estimate);
   result.observable = result.estimate.has_value();

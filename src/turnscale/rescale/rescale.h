@@ -47,7 +47,8 @@ struct RescaleResult {
   std::optional<ScaleEstimate> estimate;
   /// Q as given or found.
   Eigen::Quaterniond vehicle_from_camera = Eigen::Quaterniond::Identity();
-  /// Of the metric path along its steps, metres; without jumps, gaps and what was not driven forward.
+  double yaw_sigma = 0;  ///< standard deviation of its yaw, rad, before the turns refine it
+  /// Of the metric path along its steps, metres; without jumps and gaps.
   double length = 0;
 };
 

@@ -110,6 +110,7 @@ TEST(Rescale, WithoutTimesTheTyresDoNotSlip) {
   ASSERT_TRUE(result.observable) << result.reason;
   EXPECT_LT(WorstLogError(result, drive), 0.008) << "steps across the ends of a turn are no single circle";
   EXPECT_EQ(result.estimate->car.side_slip_sigma, 0);
+  EXPECT_GT(result.estimate->length_sigma, 0.1) << "what slip there is stays unknown";
 }
 
 }  // namespace

@@ -8,18 +8,16 @@ namespace turnscale {
 namespace {
 
 constexpr int kLocalIterations = 5;
-constexpr double kLogScaleSigma = 2;
-constexpr double kLeastSigma = 1e-9;
+// Metres per second: before the first turn, what the lengths of straights are guessed from.
+constexpr double kUsualSpeed = 6;
+
+// Tyres do not slip inwards.
+void HoldSlip(ScaleBelief& belief) { belief.mean[kSlip] = std::max(belief.mean[kSlip], 0.0); }
 
 }  // namespace
 
 LiveScale::LiveScale(const CarPrior& car, const ScaleEstimatorOptions& options)
-    : car_(car), options_(options), detector_(options.segments.turns) {
-  belief_.mean << 0, 0, car.side_slip, std::log(car.lever_arm);
-  const Eigen::Vector4d sigmas(kLogScaleSigma, car.yaw_sigma, std::max(car.side_slip_sigma, kLeastSigma),
-                               std::max(car.lever_arm_sigma / car.lever_arm, kLeastSigma));
-  belief_.covariance.diagonal() = sigmas.cwiseAbs2();
-}
+    : options_(options), detector_(options.segments.turns), belief_(PriorBelief(car, 0)) {}
 
 bool LiveScale::Add(const VehicleStep& step) {
   pending_.push_back(step);
@@ -34,16 +32,16 @@ bool LiveScale::Add(const VehicleStep& step) {
   }
   now_ = belief_;
   Advance(pending_, now_);
-  known_ = started_;
   turning_ = false;
   if (const auto open = detector_.open()) {
     const int begin = open->first - (steps_ - static_cast<int>(pending_.size()));
+    TakeDirection(StepsOf(pending_, 0, begin - 1), now_);
     if (const auto with = WithTurn(now_, StepsOf(pending_, begin, begin + open->last - open->first))) {
       now_ = *with;
-      known_ = turning_ = true;
+      turning_ = true;
     }
   }
-  known_ = known_ && now_.sigma() <= options_.max_sigma;
+  known_ = (started_ || turning_) && (known_ || now_.sigma() <= options_.max_sigma);
   return closed.has_value();
 }
 
@@ -58,7 +56,7 @@ void LiveScale::Commit(int last, bool turning) {
   pending_.erase(pending_.begin(), end);
   Advance(steps, belief_);
   if (!turning) {
-    if (started_) TakeDirection(steps);
+    TakeDirection(steps, belief_);
     return;
   }
   if (const auto with = WithTurn(belief_, steps)) {
@@ -67,16 +65,27 @@ void LiveScale::Commit(int last, bool turning) {
   }
 }
 
-// A straight that has ended shows the direction of travel. Its bends are taken out with the lever arm, so before the
-// first turn it shows none.
-void LiveScale::TakeDirection(const std::vector<VehicleStep>& steps) {
-  const double lever_arm = std::exp(belief_.mean[kLogLeverArm]) / belief_.metres_per_unit();
+// A straight that has ended shows the direction of travel. Its bends are taken out with the lever arm in units.
+void LiveScale::TakeDirection(const std::vector<VehicleStep>& steps, ScaleBelief& belief) const {
+  double metres_per_unit = belief.metres_per_unit();
+  if (!started_) {
+    double length = 0;
+    double duration = 0;
+    for (const VehicleStep& step : steps) {
+      if (!step.usable) continue;
+      length += step.motion.step;
+      duration += step.duration;
+    }
+    if (!(length > 0 && duration > 0)) return;
+    metres_per_unit = kUsualSpeed * duration / length;
+  }
+  const double lever_arm = std::exp(belief.mean[kLogLeverArm]) / metres_per_unit;
   const SegmentEvidence evidence = EvidenceOfStraight(steps, lever_arm, options_.evidence);
-  const auto measurement = Linearize(evidence, belief_.mean, options_.evidence);
+  const auto measurement = Linearize(evidence, belief.mean, options_.evidence);
   if (!measurement) return;
-  const double variance = measurement->variance + belief_.covariance(kDirection, kDirection);
+  const double variance = measurement->variance + belief.covariance(kDirection, kDirection);
   const double deviation = std::abs(measurement->innovation) / std::sqrt(variance);
-  belief_ = Updated(belief_, *measurement, std::min(1.0, options_.huber / std::max(deviation, 1e-9)), belief_.mean);
+  belief = Updated(belief, *measurement, std::min(1.0, options_.huber / std::max(deviation, 1e-9)), belief.mean);
 }
 
 void LiveScale::Advance(const std::vector<VehicleStep>& steps, ScaleBelief& belief) const {
@@ -90,11 +99,8 @@ std::optional<ScaleBelief> LiveScale::WithTurn(const ScaleBelief& belief, const 
   const SegmentEvidence evidence = EvidenceOfTurn(steps, options_.evidence);
   if (!evidence.turn) return std::nullopt;
   ScaleBelief start = belief;
-  const double own = OwnScale(evidence, belief.mean);
-  const LeverArm lever_arm{car_.lever_arm, std::max(belief.mean[kSlip], 0.0)};
-  if (!std::isfinite(own) || LeverArmRatio(*evidence.turn, lever_arm, own) < options_.evidence.min_lever_arm_ratio)
-    return std::nullopt;
-  if (!started_) start.mean[kLogScale] = std::log(own);
+  if (!WhyUnusable(*evidence.turn, belief.mean, options_.evidence).empty()) return std::nullopt;
+  if (!started_) start.mean[kLogScale] = std::log(OwnScale(evidence, belief.mean));
   ScaleBelief updated = start;
   double weight = 1;
   for (int i = 0; i < kLocalIterations; ++i) {
@@ -108,6 +114,7 @@ std::optional<ScaleBelief> LiveScale::WithTurn(const ScaleBelief& belief, const 
       weight = std::min(1.0, options_.huber / std::max(std::abs(innovation) / std::sqrt(variance), 1e-9));
     }
     updated = Updated(start, *measurement, weight, at);
+    HoldSlip(updated);
   }
   return updated;
 }

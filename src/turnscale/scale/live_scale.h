@@ -18,8 +18,8 @@ class LiveScale {
   /// Takes the next step. Returns whether it ended a turn.
   bool Add(const VehicleStep& step);
 
-  /// The belief now, with the evidence of the turn under way; empty until the scale is known to
-  /// ScaleEstimatorOptions::max_sigma.
+  /// The belief now, with the evidence of the turn under way; empty until the scale has been known to
+  /// ScaleEstimatorOptions::max_sigma. A loss of tracking widens its sigma, also beyond that.
   std::optional<ScaleBelief> Now() const;
 
   /// A turn whose evidence counts is under way.
@@ -27,12 +27,11 @@ class LiveScale {
 
  private:
   void Commit(int last, bool turning);
-  void TakeDirection(const std::vector<VehicleStep>& steps);
+  void TakeDirection(const std::vector<VehicleStep>& steps, ScaleBelief& belief) const;
   void Advance(const std::vector<VehicleStep>& steps, ScaleBelief& belief) const;
   /// With the turn's evidence; empty where it has none.
   std::optional<ScaleBelief> WithTurn(const ScaleBelief& belief, const std::vector<VehicleStep>& steps) const;
 
-  CarPrior car_;
   ScaleEstimatorOptions options_;
   TurnDetector detector_;
   int steps_ = 0;                     ///< taken so far

@@ -30,7 +30,7 @@ class Splitter {
     const int count = last - first + 1;
     const int parts = (count + max_steps - 1) / max_steps;
     for (int part = 0; part < parts; ++part) {
-      Add(first + count / parts * part, part + 1 == parts ? last : first + count / parts * (part + 1) - 1, false);
+      Add(first + count * part / parts, first + count * (part + 1) / parts - 1, false);
     }
   }
 

@@ -15,21 +15,10 @@ namespace {
 constexpr int kMostIterations = 40;
 constexpr int kMostSelections = 3;
 constexpr double kConverged = 1e-6;       // change of a log-scale in an iteration
-constexpr double kLogScaleSigma = 2;      // of the prior about the start: a factor of seven either way
 constexpr double kMaxLogScaleStep = 0.3;  // of a Gauss-Newton step
-constexpr double kLeastSigma = 1e-9;      // a covariance has to stay regular
 
 DriveState PriorState(const CarPrior& car, double log_scale) {
   return {log_scale, 0, car.side_slip, std::log(car.lever_arm)};
-}
-
-ScaleBelief PriorBelief(const CarPrior& car, double log_scale) {
-  ScaleBelief prior;
-  prior.mean = PriorState(car, log_scale);
-  const Eigen::Vector4d sigmas(kLogScaleSigma, car.yaw_sigma, std::max(car.side_slip_sigma, kLeastSigma),
-                               std::max(car.lever_arm_sigma / car.lever_arm, kLeastSigma));
-  prior.covariance.diagonal() = sigmas.cwiseAbs2();
-  return prior;
 }
 
 // Turns from which the measured lever arm cannot be seen are left out, with the reason.
@@ -41,19 +30,13 @@ struct Selection {
 Selection SelectTurns(const std::vector<SegmentEvidence>& gathered, const DriveState& state,
                       const EvidenceOptions& options) {
   Selection selection{gathered, {}};
-  const LeverArm lever_arm{std::exp(state[kLogLeverArm]), std::max(state[kSlip], 0.0)};
   for (SegmentEvidence& segment : selection.evidence) {
     if (!segment.turn) continue;
-    const double scale = MetresPerUnit(*segment.turn, lever_arm, state[kDirection]);
-    if (!std::isfinite(scale)) {
-      segment.reason = "the camera does not move outwards as its lever arm requires";
-    } else if (LeverArmRatio(*segment.turn, lever_arm, scale) < options.min_lever_arm_ratio) {
-      segment.reason = "too fast: side slip leaves too little of the lever arm";
-    } else {
-      selection.log_scales.emplace_back(std::log(scale), std::abs(segment.turn->angle));
-      continue;
-    }
-    segment.turn.reset();
+    segment.reason = WhyUnusable(*segment.turn, state, options);
+    if (segment.reason.empty())
+      selection.log_scales.emplace_back(std::log(OwnScale(segment, state)), std::abs(segment.turn->angle));
+    else
+      segment.turn.reset();
   }
   return selection;
 }
@@ -111,18 +94,25 @@ class Smoothing {
 
 struct Answer {
   Smoothing smoothing;
-  bool slip_at_bound = false;
+  SmoothedScale smoothed;
+  double side_slip = 0;  // that the drive asks for, s^2/m, be it negative
 };
 
 Answer SmoothWith(ScaleProblem problem, const CarPrior& car, double huber) {
-  Answer answer{Smoothing(problem, huber)};
-  answer.smoothing.Run();
-  // Tyres do not slip inwards: on the edge of what can be, the answer is the one without slip.
-  if (car.side_slip_sigma == 0 || !(answer.smoothing.smoothed().segments.back().mean[kSlip] < 0)) return answer;
+  Smoothing smoothing(problem, huber);
+  smoothing.Run();
+  Answer answer{smoothing, smoothing.smoothed(), smoothing.smoothed().segments.back().mean[kSlip]};
+  if (car.side_slip_sigma == 0 || answer.side_slip >= 0) return answer;
+  // Tyres do not slip inwards: on the edge of what can be, the answer is the one without slip. How well it is known
+  // does not change by that.
+  constexpr double kHeld = 1e-9;
   problem.prior.mean[kSlip] = 0;
-  problem.prior.covariance(kSlip, kSlip) = kLeastSigma * kLeastSigma;
-  answer = {Smoothing(std::move(problem), huber), true};
+  problem.prior.covariance(kSlip, kSlip) = kHeld * kHeld;
+  answer.smoothing = Smoothing(std::move(problem), huber);
   answer.smoothing.Run();
+  for (std::size_t i = 0; i < answer.smoothed.segments.size(); ++i)
+    answer.smoothed.segments[i].mean = answer.smoothing.smoothed().segments[i].mean;
+  answer.smoothed.chi_squared = answer.smoothing.smoothed().chi_squared;
   return answer;
 }
 
@@ -134,7 +124,7 @@ Answer SmoothDrive(ScaleProblem problem, const std::vector<SegmentEvidence>& gat
   problem.prior = PriorBelief(car, WeightedMedian(selection.log_scales));
   Answer answer = SmoothWith(problem, car, options.huber);
   for (int i = 0; i < kMostSelections; ++i) {
-    const DriveState& state = answer.smoothing.smoothed().segments.back().mean;
+    const DriveState& state = answer.smoothed.segments.back().mean;
     selection = SelectTurns(gathered, state, options.evidence);
     if (selection.log_scales.empty() || SameTurns(selection.evidence, problem.evidence)) break;
     problem.evidence = selection.evidence;
@@ -156,8 +146,9 @@ TurnEstimate DescribeTurn(const PathSegment& segment, const SegmentEvidence& evi
   turn.lever_arm_units = evidence.turn->lever_arm;
   turn.speed_units = std::sqrt(evidence.turn->mean_square_speed);
   turn.own = turn.as_given = OwnScale(evidence, PriorState(car, 0));
+  if (!std::isfinite(turn.as_given)) return turn;
   const Measurement measurement = *Linearize(evidence, PriorState(car, std::log(turn.as_given)), options);
-  turn.own_sigma = std::sqrt(measurement.variance) / std::abs(measurement.by_state[kLogScale]);
+  turn.own_sigma = turn.as_given_sigma = std::sqrt(measurement.variance) / std::abs(measurement.by_state[kLogScale]);
   return turn;
 }
 
@@ -176,80 +167,107 @@ CarRefinement DescribeCar(const ScaleBelief& belief, const CarPrior& car, bool s
 }
 
 // Each turn's own scale, with the car's constants as the drive has them, and the test of all of them.
-void CompareTurns(const Smoothing& smoothing, const CarPrior& car, const TurnTestOptions& options,
-                  ScaleEstimate& estimate) {
+void CompareTurns(const Answer& answer, const CarPrior& car, const TurnTestOptions& options, ScaleEstimate& estimate) {
   TurnTestInput input;
-  const ScaleProblem& problem = smoothing.problem();
+  input.chi_squared = answer.smoothed.chi_squared;
+  std::vector<int> tested;
+  const ScaleProblem& problem = answer.smoothing.problem();
   std::size_t next = 0;
   for (std::size_t i = 0; i < problem.segments.size(); ++i) {
     if (!problem.segments[i].turning) continue;
     TurnEstimate& turn = estimate.turns[next++];
     const SegmentEvidence& evidence = problem.evidence[i];
     const ScaleBelief& belief = estimate.smoothed[i];
-    turn.smoothed = belief.metres_per_unit();
-    turn.smoothed_sigma = belief.sigma();
-    if (!turn.used) continue;
+    if (!turn.used || !std::isfinite(turn.as_given)) continue;
+    tested.push_back(static_cast<int>(next) - 1);
     const Measurement measurement = *Linearize(evidence, belief.mean, problem.options);
     turn.own = OwnScale(evidence, belief.mean);
     turn.own_sigma = std::sqrt(measurement.variance) / std::abs(measurement.by_state[kLogScale]);
     turn.weight = evidence.weight;
     turn.deviation = measurement.innovation / std::sqrt(measurement.variance);
     input.deviations.push_back(turn.deviation);
-    input.robust.push_back(evidence.weight);
-    input.differences.push_back(std::log(turn.smoothed / turn.as_given));
+    input.differences.push_back(std::log(belief.metres_per_unit() / turn.as_given));
     input.weights.push_back(std::abs(turn.angle));
   }
-  if (car.side_slip_sigma > 0)
-    input.slip_deviation = (estimate.smoothed.back().mean[kSlip] - car.side_slip) / car.side_slip_sigma;
+  if (car.side_slip_sigma > 0) input.slip_deviation = (answer.side_slip - car.side_slip) / car.side_slip_sigma;
   estimate.test = TestTurns(input, options);
+  if (estimate.test.worst_turn >= 0) estimate.test.worst_turn = tested[estimate.test.worst_turn];
 }
 
-// The scale goes through what each turn says with the car's constants as given; sigma covers how much they differ,
-// and how far a turn is from the rest. Turns that know the scale much worse than others say nothing.
-void FollowTurns(const ScaleProblem& problem, ScaleEstimate& estimate) {
-  constexpr double kMostSigmaRatio = 3;
+// The scale along the drive, as the turns lie in it.
+void DescribeScaleAtTurns(ScaleEstimate& estimate) {
+  std::size_t next = 0;
+  for (std::size_t i = 0; i < estimate.segments.size(); ++i) {
+    if (!estimate.segments[i].turning) continue;
+    TurnEstimate& turn = estimate.turns[next++];
+    turn.smoothed = estimate.smoothed[i].metres_per_unit();
+    turn.smoothed_sigma = estimate.smoothed[i].sigma();
+  }
+}
+
+// The scale goes through what each turn says with the car's constants as given; sigma covers how much they differ from
+// the estimate, and from each other. Turns that know the scale much worse than others say nothing. Between two losses
+// of tracking without a turn, the estimate stays.
+void FollowTurns(const ScaleProblem& problem, const ScaleEstimatorOptions& options, ScaleEstimate& estimate) {
   struct Node {
     double place;
-    double log_scale;
+    double difference;  // ln(as given / smoothed)
+    std::size_t piece;
   };
-  std::vector<Node> nodes;
-  std::vector<std::pair<double, double>> log_scales;
   double best_sigma = std::numeric_limits<double>::infinity();
-  for (const TurnEstimate& turn : estimate.turns)
-    if (turn.used) best_sigma = std::min(best_sigma, turn.own_sigma);
-  std::size_t next = 0;
-  for (const PathSegment& segment : problem.segments) {
-    if (!segment.turning) continue;
-    const TurnEstimate& turn = estimate.turns[next++];
-    if (!turn.used || !std::isfinite(turn.as_given) || turn.own_sigma > kMostSigmaRatio * best_sigma) continue;
-    nodes.push_back({segment.middle, std::log(turn.as_given)});
-    log_scales.emplace_back(std::log(turn.as_given), std::abs(segment.angle));
+  for (TurnEstimate& turn : estimate.turns) {
+    turn.followed = turn.used && std::isfinite(turn.as_given);
+    if (turn.followed) best_sigma = std::min(best_sigma, turn.as_given_sigma);
   }
-  const double centre = WeightedMedian(log_scales);
+  std::vector<Node> nodes;
+  std::vector<std::size_t> pieces;
+  std::vector<std::pair<double, double>> differences;
+  std::size_t piece = 0;
+  std::size_t next = 0;
+  for (std::size_t i = 0; i < problem.segments.size(); ++i) {
+    const PathSegment& segment = problem.segments[i];
+    piece += segment.gap_sigma > 0 ? 1 : 0;
+    pieces.push_back(piece);
+    if (!segment.turning) continue;
+    TurnEstimate& turn = estimate.turns[next++];
+    turn.followed = turn.followed && turn.as_given_sigma <= options.max_sigma_ratio * best_sigma;
+    if (!turn.followed) continue;
+    const double difference = std::log(turn.as_given) - estimate.smoothed[i].mean[kLogScale];
+    nodes.push_back({segment.middle, difference, piece});
+    differences.emplace_back(difference, std::abs(segment.angle));
+  }
+  estimate.fell_back = true;
+  if (nodes.empty()) return;
+  const double centre = WeightedMedian(differences);
   double squares = 0;
   double weights = 0;
-  for (const auto& [log_scale, weight] : log_scales) {
-    squares += weight * (log_scale - centre) * (log_scale - centre);
+  for (const auto& [difference, weight] : differences) {
+    squares += weight * (difference - centre) * (difference - centre);
     weights += weight;
   }
   const double spread = std::hypot(std::sqrt(squares / weights), estimate.test.disagreement);
   for (std::size_t i = 0; i < problem.segments.size(); ++i) {
     const double place = problem.segments[i].middle;
-    const auto after = std::ranges::find_if(nodes, [&](const Node& node) { return node.place >= place; });
-    double log_scale = nodes.back().log_scale;
-    if (after == nodes.begin()) {
-      log_scale = after->log_scale;
-    } else if (after != nodes.end()) {
-      const Node& before = *(after - 1);
-      const double share = (place - before.place) / (after->place - before.place);
-      log_scale = (1 - share) * before.log_scale + share * after->log_scale;
+    const Node* before = nullptr;
+    const Node* after = nullptr;
+    for (const Node& node : nodes) {
+      if (node.piece != pieces[i]) continue;
+      if (node.place <= place) before = &node;
+      if (node.place >= place && after == nullptr) after = &node;
     }
-    estimate.smoothed[i].mean[kLogScale] = log_scale;
-    const double sigma = std::max(spread, std::abs(log_scale - centre));
+    double difference = 0;
+    if (before != nullptr && after != nullptr) {
+      const double way = after->place - before->place;
+      const double share = way > 0 ? (place - before->place) / way : 0.0;
+      difference = (1 - share) * before->difference + share * after->difference;
+    } else if (before != nullptr || after != nullptr) {
+      difference = (before != nullptr ? before : after)->difference;
+    }
+    const double sigma = std::max(spread, std::abs(difference - centre));
+    estimate.smoothed[i].mean[kLogScale] += difference;
     estimate.smoothed[i].covariance(kLogScale, kLogScale) += sigma * sigma;
   }
   estimate.length_sigma = std::hypot(estimate.length_sigma, spread);
-  estimate.fell_back = true;
 }
 
 std::string WhatWouldDo(const ScaleEstimatorOptions& options) {
@@ -264,6 +282,7 @@ void ScaleEstimatorOptions::Check() const {
   evidence.Check();
   drift.Check();
   test.Check();
+  if (!(max_sigma_ratio >= 1)) throw InputError("scale.max_sigma_ratio: has to be at least 1");
   if (!(huber > 0)) throw InputError("scale.huber: has to be positive");
   if (!(max_sigma > 0)) throw InputError("scale.max_sigma: has to be positive");
 }
@@ -289,29 +308,35 @@ ScaleEstimateResult EstimateScale(const std::vector<VehicleStep>& steps, const C
     result.reason = "no sufficiently slow turn shows the expected lateral motion; " + WhatWouldDo(options);
     return result;
   }
-  const auto [smoothing, at_bound] = SmoothDrive(problem, gathered, car, options, selection);
-  result.turns = DescribeTurns(smoothing.problem(), car);
+  const Answer answer = SmoothDrive(problem, gathered, car, options, selection);
+  result.turns = DescribeTurns(answer.smoothing.problem(), car);
 
   ScaleEstimate estimate;
   estimate.segments = problem.segments;
-  estimate.smoothed = smoothing.smoothed().segments;
-  estimate.length_sigma = LengthSigma(smoothing.smoothed(), problem.segments);
-  estimate.converged = smoothing.converged();
+  estimate.smoothed = answer.smoothed.segments;
+  estimate.length_sigma = LengthSigma(answer.smoothed, problem.segments);
+  estimate.converged = answer.smoothing.converged();
   const auto best = std::ranges::min_element(estimate.smoothed, {}, [](const ScaleBelief& b) { return b.sigma(); });
   if (!(best->sigma() <= options.max_sigma)) {
     result.reason = "its turns leave the scale uncertain by " + std::to_string(std::lround(100 * best->sigma())) +
                     " %, more than " + std::to_string(std::lround(100 * options.max_sigma)) + "; " +
                     WhatWouldDo(options);
+    for (TurnEstimate& turn : result.turns) {
+      if (!turn.used) continue;
+      turn.used = false;
+      turn.reason = "knows the scale too badly";
+    }
     return result;
   }
-  estimate.car = DescribeCar(estimate.smoothed.back(), car, at_bound);
   estimate.turns = result.turns;
-  CompareTurns(smoothing, car, options.test, estimate);
+  CompareTurns(answer, car, options.test, estimate);
   const double inflation = estimate.test.inflation;
-  for (ScaleBelief& belief : estimate.smoothed) belief.covariance(kLogScale, kLogScale) *= inflation * inflation;
+  for (ScaleBelief& belief : estimate.smoothed) belief.covariance *= inflation * inflation;
   estimate.length_sigma *= inflation;
+  estimate.car = DescribeCar(estimate.smoothed.back(), car, car.side_slip_sigma > 0 && answer.side_slip < 0);
   if (options.follow_turns || estimate.test.contradicted || !estimate.converged)
-    FollowTurns(smoothing.problem(), estimate);
+    FollowTurns(answer.smoothing.problem(), options, estimate);
+  DescribeScaleAtTurns(estimate);
   result.estimate = std::move(estimate);
   return result;
 }

@@ -20,6 +20,8 @@ struct ScaleEstimatorOptions {
   double huber = 1.5;
   /// A drive whose scale is known worse than this (relative) at its best has none.
   double max_sigma = 0.15;
+  /// Where the scale follows single turns, one whose sigma is this many times the best turn's is not followed.
+  double max_sigma_ratio = 3;
   /// The steps are known to be wrong beyond their noise, as by a calibration that the images contradict: the scale
   /// follows each turn's own, as where turns contradict each other.
   bool follow_turns = false;
@@ -37,8 +39,10 @@ struct TurnEstimate {
   std::string reason;          ///< why it was not used; empty where it was
   double own = 0;              ///< metres per unit that this turn shows by itself; 0 where it shows none
   double own_sigma = 0;        ///< relative
-  double as_given = 0;         ///< as `own`, but with the car's constants as they were given
-  double smoothed = 0;         ///< metres per unit from the whole drive
+  double as_given = 0;         ///< as `own`, but with the car's constants as they were given; may be infinite
+  double as_given_sigma = 0;   ///< relative
+  bool followed = false;       ///< where the scale follows single turns: this one, at `as_given`
+  double smoothed = 0;         ///< metres per unit of the drive's scale there
   double smoothed_sigma = 0;   ///< relative
   double lever_arm_units = 0;  ///< effective lever arm, odometry units
   double speed_units = 0;      ///< root mean square, odometry units per second; 0 where times are unknown
@@ -62,8 +66,9 @@ struct ScaleEstimate {
   double length_sigma = 0;            ///< relative standard deviation of the path's length in metres
   CarRefinement car;
   std::vector<TurnEstimate> turns;
-  TurnTest test;           ///< do the turns agree with the estimate?
-  bool fell_back = false;  ///< they do not, or `follow_turns`: the scale follows each turn's own
+  TurnTest test;  ///< do the turns agree with the estimate? `worst_turn` is a place in `turns`
+  bool fell_back =
+      false;  ///< they do not, or it did not converge, or `follow_turns`: the scale follows each turn's own
   bool converged = false;
 };
 

@@ -118,8 +118,17 @@ std::optional<Measurement> Linearize(const SegmentEvidence& evidence, const Driv
   return measurement;
 }
 
+std::string WhyUnusable(const PooledLine& turn, const DriveState& state, const EvidenceOptions& options) {
+  const LeverArm lever_arm{std::exp(state[kLogLeverArm]), std::max(state[kSlip], 0.0)};
+  const double scale = MetresPerUnit(turn, lever_arm, state[kDirection]);
+  if (!std::isfinite(scale)) return "the camera does not move outwards as its lever arm requires";
+  if (LeverArmRatio(turn, lever_arm, scale) < options.min_lever_arm_ratio)
+    return "too fast: side slip leaves too little of the lever arm";
+  return {};
+}
+
 double OwnScale(const SegmentEvidence& evidence, const DriveState& state) {
-  return MetresPerUnit(*evidence.turn, {std::exp(state[kLogLeverArm]), state[kSlip]}, state[kDirection]);
+  return MetresPerUnit(*evidence.turn, {std::exp(state[kLogLeverArm]), std::max(state[kSlip], 0.0)}, state[kDirection]);
 }
 
 }  // namespace turnscale

@@ -80,6 +80,9 @@ struct Measurement {
 std::optional<Measurement> Linearize(const SegmentEvidence& evidence, const DriveState& state,
                                      const EvidenceOptions& options);
 
+/// Why the measured lever arm cannot be seen in a turn, all else being as in `state`: one line; empty where it can.
+std::string WhyUnusable(const PooledLine& turn, const DriveState& state, const EvidenceOptions& options);
+
 /// The scale (metres per unit) that a turn shows by itself, all else being as in `state`.
 double OwnScale(const SegmentEvidence& evidence, const DriveState& state);
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "turnscale/scale/scale_filter.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -12,7 +13,9 @@
 namespace turnscale {
 namespace {
 
-constexpr double kDistance = 100;  // metres
+constexpr double kLogScaleSigma = 2;  // of the prior about the start: a factor of seven either way
+constexpr double kLeastSigma = 1e-9;  // a covariance has to stay regular
+constexpr double kDistance = 100;     // metres
 constexpr double kAngle = std::numbers::pi / 2;
 
 // From the middle of one segment to the middle of the next.
@@ -21,6 +24,15 @@ double VarianceBetween(const ScaleProblem& problem, std::size_t i, double metres
   const PathSegment& after = problem.segments[i];
   return DriftVariance(problem.drift, after.middle - before.middle, metres_per_unit,
                        0.5 * (std::abs(before.angle) + std::abs(after.angle)), after.gap_sigma);
+}
+
+// Of a measurement under the belief before it: squared innovation over its variance.
+double NormalizedInnovation(const ScaleBelief& belief, const Measurement& measurement, double weight,
+                            const DriveState& at) {
+  const double innovation = measurement.innovation - measurement.by_state.dot(belief.mean - at);
+  const double variance =
+      measurement.by_state.dot(belief.covariance * measurement.by_state.transpose()) + measurement.variance / weight;
+  return innovation * innovation / variance;
 }
 
 }  // namespace
@@ -33,6 +45,15 @@ void DriftOptions::Check() const {
 double ScaleBelief::metres_per_unit() const { return std::exp(mean[kLogScale]); }
 
 double ScaleBelief::sigma() const { return std::sqrt(covariance(kLogScale, kLogScale)); }
+
+ScaleBelief PriorBelief(const CarPrior& car, double log_scale) {
+  ScaleBelief prior;
+  prior.mean << log_scale, 0, car.side_slip, std::log(car.lever_arm);
+  const Eigen::Vector4d sigmas(kLogScaleSigma, car.yaw_sigma, std::max(car.side_slip_sigma, kLeastSigma),
+                               std::max(car.lever_arm_sigma / car.lever_arm, kLeastSigma));
+  prior.covariance.diagonal() = sigmas.cwiseAbs2();
+  return prior;
+}
 
 double DriftVariance(const DriftOptions& options, double length, double metres_per_unit, double angle,
                      double gap_sigma) {
@@ -56,11 +77,17 @@ SmoothedScale SmoothScale(const ScaleProblem& problem, const std::vector<DriveSt
   std::vector<ScaleBelief> predicted(count);
   SmoothedScale result;
   ScaleBelief belief = problem.prior;
+  bool started = false;
   for (std::size_t i = 0; i < count; ++i) {
     if (i > 0) belief.covariance(kLogScale, kLogScale) += VarianceBetween(problem, i, std::exp(at[i][kLogScale]));
     predicted[i] = belief;
-    if (const auto measurement = Linearize(problem.evidence[i], at[i], problem.options))
-      belief = Updated(belief, *measurement, problem.evidence[i].weight, at[i]);
+    if (const auto measurement = Linearize(problem.evidence[i], at[i], problem.options)) {
+      const double weight = problem.evidence[i].weight;
+      if (problem.evidence[i].turning && started)
+        result.chi_squared += NormalizedInnovation(belief, *measurement, weight, at[i]);
+      started = started || problem.evidence[i].turning;
+      belief = Updated(belief, *measurement, weight, at[i]);
+    }
     result.segments.push_back(belief);
   }
   result.gains.assign(count, Eigen::Matrix4d::Zero());

@@ -26,6 +26,9 @@ struct ScaleBelief {
   double sigma() const;  ///< relative standard deviation of the scale
 };
 
+/// Before the first turn: the car's constants at their priors, the scale all but unknown about a start.
+ScaleBelief PriorBelief(const CarPrior& car, double log_scale);
+
 /// Variance that the log-scale gathers on the way: `length` odometry units at `metres_per_unit`, turning by `angle`
 /// rad, with a gap of `gap_sigma` (0: none).
 double DriftVariance(const DriftOptions& options, double length, double metres_per_unit, double angle,
@@ -49,6 +52,9 @@ struct SmoothedScale {
   /// Gains of the smoother: from segment i + 1 back to segment i. What two segments' beliefs have in common follows
   /// from them (LengthSigma).
   std::vector<Eigen::Matrix4d> gains;
+  /// Sum of the turns' squared innovations, each over its variance: chi-squared with one degree of freedom a turn, but
+  /// for the first, which gives the scale. It sees what priors and drift take up, too.
+  double chi_squared = 0;
 };
 
 /// Kalman filter along the drive, linearised at given states (one a segment), and the Rauch-Tung-Striebel smoother.

@@ -46,6 +46,8 @@ std::vector<PoseScale> ScaleTrack(int poses, const std::vector<VehicleStep>& ste
     const ScaleBelief& b = estimate.smoothed[after];
     scales.push_back({std::exp(between(a.mean[kLogScale], b.mean[kLogScale])), between(a.sigma(), b.sigma())});
   }
+  for (const VehicleStep& step : steps)
+    if (step.after_gap) scales[step.last].after_gap = true;
   return scales;
 }
 
@@ -58,7 +60,8 @@ std::vector<Eigen::Vector3d> MetricPositions(const std::vector<Eigen::Vector3d>&
       metric.push_back(scales[0].metres_per_unit * positions[0]);
       continue;
     }
-    const double scale = 0.5 * (scales[i - 1].metres_per_unit + scales[i].metres_per_unit);
+    const double before = scales[i - 1].metres_per_unit;
+    const double scale = scales[i].after_gap ? before : 0.5 * (before + scales[i].metres_per_unit);
     metric.push_back(metric.back() + scale * (positions[i] - positions[i - 1]));
   }
   return metric;

@@ -12,15 +12,17 @@ namespace turnscale {
 /// The unit of length at one pose of a path.
 struct PoseScale {
   double metres_per_unit = 0;
-  double sigma = 0;  ///< relative
+  double sigma = 0;        ///< relative
+  bool after_gap = false;  ///< reached across a loss of tracking
 };
 
 /// The scale along a path, one entry a pose: between the middles of two segments in proportion to the length, but not
 /// across a gap. `steps` are those of the estimate, and lead through the poses.
 std::vector<PoseScale> ScaleTrack(int poses, const std::vector<VehicleStep>& steps, const ScaleEstimate& estimate);
 
-/// Positions in metres: each step from pose to pose is scaled by the mean of its ends' scales. The first position keeps
-/// its direction from the origin.
+/// Positions in metres: each step from pose to pose is scaled by the mean of its ends' scales, one across a loss of
+/// tracking by the scale before it, whose unit it was predicted in. The first position keeps its direction from the
+/// origin.
 std::vector<Eigen::Vector3d> MetricPositions(const std::vector<Eigen::Vector3d>& positions,
                                              const std::vector<PoseScale>& scales);
 

@@ -34,10 +34,10 @@ void TurnTestOptions::Check() const {
 
 TurnTest TestTurns(const TurnTestInput& input, const TurnTestOptions& options) {
   TurnTest test;
+  test.chi_squared = input.chi_squared;
   double weights = 0;
   double worst = -1;
   for (std::size_t i = 0; i < input.deviations.size(); ++i) {
-    test.chi_squared += input.robust[i] * input.deviations[i] * input.deviations[i];
     test.disagreement += input.weights[i] * std::abs(input.differences[i]);
     weights += input.weights[i];
     if (std::abs(input.deviations[i]) <= worst) continue;

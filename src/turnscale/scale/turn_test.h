@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <string>
 #include <vector>
 
 namespace turnscale {
@@ -21,8 +20,8 @@ struct TurnTestOptions {
 
 /// What the test looks at: one entry a used turn.
 struct TurnTestInput {
+  double chi_squared = 0;           ///< of all turns together (SmoothedScale), one degree of freedom less than turns
   std::vector<double> deviations;   ///< ln(smoothed / own) over its standard deviation
-  std::vector<double> robust;       ///< the estimate's robust weight of the turn, 0 to 1
   std::vector<double> differences;  ///< ln(smoothed / own as given), the car's constants as they were given
   std::vector<double> weights;      ///< angles, rad
   double slip_deviation = 0;        ///< of the side slip from its prior, in standard deviations of the prior
@@ -31,10 +30,10 @@ struct TurnTestInput {
 /// Do the turns agree with the drive's estimate?
 struct TurnTest {
   bool contradicted = false;
-  double chi_squared = 0;  ///< of the deviations, with their robust weights: one odd turn is not a contradiction
+  double chi_squared = 0;
   int degrees_of_freedom = 0;
   double disagreement = 0;  ///< weighted mean of |differences|
-  int worst_turn = -1;      ///< index of the used turn that deviates most; -1 without turns
+  int worst_turn = -1;      ///< index of the turn that deviates most; -1 without turns
   /// Factor on sigma that the scatter of the turns about the estimate asks for, at least 1.
   double inflation = 1;
 };

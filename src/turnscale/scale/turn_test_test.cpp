@@ -15,7 +15,7 @@ namespace {
 TurnTestInput Alike(int turns, double chi_squared, double difference = 0.2) {
   TurnTestInput input;
   input.deviations.assign(turns, std::sqrt(chi_squared / turns));
-  input.robust.assign(turns, 1.0);
+  input.chi_squared = chi_squared;
   input.differences.assign(turns, difference);
   input.weights.assign(turns, 1.0);
   return input;
@@ -58,6 +58,8 @@ TEST(TurnTest, ChanceIsCalledAContradictionAsOftenAsItMay) {
     double mean = 0;
     for (double& deviation : input.deviations) mean += (deviation = random.Gaussian()) / 7;
     for (double& deviation : input.deviations) deviation -= mean;  // the scale that was fitted to them
+    input.chi_squared = 0;
+    for (const double deviation : input.deviations) input.chi_squared += deviation * deviation;
     contradicted += TestTurns(input, options).contradicted;
   }
   EXPECT_NEAR(contradicted / static_cast<double>(kDraws), 0.02, 0.004);
