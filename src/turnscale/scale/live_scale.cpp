@@ -8,18 +8,11 @@ namespace turnscale {
 namespace {
 
 constexpr int kLocalIterations = 5;
-constexpr double kLogScaleSigma = 2;
-constexpr double kLeastSigma = 1e-9;
 
 }  // namespace
 
 LiveScale::LiveScale(const CarPrior& car, const ScaleEstimatorOptions& options)
-    : car_(car), options_(options), detector_(options.segments.turns) {
-  belief_.mean << 0, 0, car.side_slip, std::log(car.lever_arm);
-  const Eigen::Vector4d sigmas(kLogScaleSigma, car.yaw_sigma, std::max(car.side_slip_sigma, kLeastSigma),
-                               std::max(car.lever_arm_sigma / car.lever_arm, kLeastSigma));
-  belief_.covariance.diagonal() = sigmas.cwiseAbs2();
-}
+    : car_(car), options_(options), detector_(options.segments.turns), belief_(PriorBelief(car, 0)) {}
 
 bool LiveScale::Add(const VehicleStep& step) {
   pending_.push_back(step);

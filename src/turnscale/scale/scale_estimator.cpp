@@ -22,15 +22,6 @@ DriveState PriorState(const CarPrior& car, double log_scale) {
   return {log_scale, 0, car.side_slip, std::log(car.lever_arm)};
 }
 
-ScaleBelief PriorBelief(const CarPrior& car, double log_scale) {
-  ScaleBelief prior;
-  prior.mean = PriorState(car, log_scale);
-  const Eigen::Vector4d sigmas(kLogScaleSigma, car.yaw_sigma, std::max(car.side_slip_sigma, kLeastSigma),
-                               std::max(car.lever_arm_sigma / car.lever_arm, kLeastSigma));
-  prior.covariance.diagonal() = sigmas.cwiseAbs2();
-  return prior;
-}
-
 // Turns from which the measured lever arm cannot be seen are left out, with the reason. Returns where the estimator
 // starts: the median of the scales that the others show one by one, large turns counting more.
 std::optional<double> StartingLogScale(const CarPrior& car, const EvidenceOptions& options,
@@ -219,6 +210,15 @@ void ScaleEstimatorOptions::Check() const {
   test.Check();
   if (!(huber > 0)) throw InputError("scale.huber: has to be positive");
   if (!(max_sigma > 0)) throw InputError("scale.max_sigma: has to be positive");
+}
+
+ScaleBelief PriorBelief(const CarPrior& car, double log_scale) {
+  ScaleBelief prior;
+  prior.mean = PriorState(car, log_scale);
+  const Eigen::Vector4d sigmas(kLogScaleSigma, car.yaw_sigma, std::max(car.side_slip_sigma, kLeastSigma),
+                               std::max(car.lever_arm_sigma / car.lever_arm, kLeastSigma));
+  prior.covariance.diagonal() = sigmas.cwiseAbs2();
+  return prior;
 }
 
 ScaleEstimateResult EstimateScale(const std::vector<VehicleStep>& steps, const CarPrior& car,

@@ -71,6 +71,9 @@ struct ScaleEstimateResult {
   std::vector<TurnEstimate> turns;  ///< found, where there is no estimate
 };
 
+/// What is known before the drive, of the scale only about where it is.
+ScaleBelief PriorBelief(const CarPrior& car, double log_scale);
+
 /// Maximum a posteriori scale of a drive from its steps. Each turn enters once, with its own likelihood: its effective
 /// lever arm in units. Unknowns are the log-scale, which drifts, and three constants with physical priors: the yaw that
 /// Q lacks, the tyres' slip, and the lever arm. Time is linear in the number of steps.
