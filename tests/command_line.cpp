@@ -17,11 +17,6 @@
 namespace turnscale {
 namespace {
 
-std::string TextOf(const std::filesystem::path& path) {
-  std::ifstream stream(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
-
 void Redirect(int descriptor, const char* path) {
   const int file = open(path, O_WRONLY | O_CREAT | O_TRUNC, 0644);
   if (file < 0 || dup2(file, descriptor) < 0) _exit(126);
@@ -74,6 +69,11 @@ bool Command::WaitForError(const std::string& text) const {
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }
   return TextOf(err_).find(text) != std::string::npos;
+}
+
+std::string TextOf(const std::filesystem::path& path) {
+  std::ifstream stream(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
 }
 
 void Command::Signal(int signal) const { kill(process_, signal); }

@@ -38,6 +38,9 @@ class Command {
   int process_ = -1;
 };
 
+/// What a file holds.
+std::string TextOf(const std::filesystem::path& path);
+
 /// Runs `turnscale` to its end.
 CommandResult RunCommand(const std::vector<std::string>& arguments, const std::filesystem::path& folder,
                          const std::filesystem::path& out = {});

@@ -2,7 +2,6 @@
 #include <chrono>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <string>
 #include <thread>
 #include <utility>
@@ -25,12 +24,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kFrames = 20;
-
-std::string TextOf(const fs::path& path) {
-  std::ifstream stream(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
+constexpr int kRoomFrames = 20;
 
 class ErrorsTest : public ::testing::Test {
  protected:
@@ -39,7 +33,7 @@ class ErrorsTest : public ::testing::Test {
                 (std::string("turnscale_errors_") + ::testing::UnitTest::GetInstance()->current_test_info()->name())) {
     fs::remove_all(folder_);
     fs::create_directories(folder_);
-    WriteRoomDrive(Drive(), kFrames);
+    WriteRoomDrive(Drive(), kRoomFrames);
   }
   ~ErrorsTest() override { fs::remove_all(folder_); }
 
@@ -66,7 +60,7 @@ class ErrorsTest : public ::testing::Test {
   uintmax_t Video(const fs::path& path) const {
     cv::VideoWriter writer(path.string(), cv::VideoWriter::fourcc('M', 'J', 'P', 'G'), 10, {kRoomWidth, kRoomHeight},
                            false);
-    for (int i = 0; i < kFrames; ++i) writer.write(cv::imread(Image(i).string(), cv::IMREAD_GRAYSCALE));
+    for (int i = 0; i < kRoomFrames; ++i) writer.write(cv::imread(Image(i).string(), cv::IMREAD_GRAYSCALE));
     writer.release();
     return fs::file_size(path);
   }
@@ -81,7 +75,7 @@ TEST_F(ErrorsTest, GoodDriveSucceeds) {
   EXPECT_EQ(result.exit_code, 0) << result.err;
   EXPECT_TRUE(result.Complaints().empty()) << result.err;
   EXPECT_NE(result.out.find("files   " + Out().string()), std::string::npos) << result.out;
-  EXPECT_EQ(Summary()["frames"]["total"], kFrames);
+  EXPECT_EQ(Summary()["frames"]["total"], kRoomFrames);
   for (const char* name : {"trajectory.tum", "trajectory.kitti.txt", "live.tum", "trajectory.csv", "turns.csv",
                            "map.ply", "settings.yaml", "summary.json"}) {
     EXPECT_TRUE(fs::exists(Out() / name)) << name;
@@ -149,7 +143,7 @@ TEST_F(ErrorsTest, AVideoThatEndsFarTooEarlyIsIncomplete) {
   const CommandResult nearly_whole = RunCommand(arguments, folder_);
   EXPECT_EQ(nearly_whole.exit_code, 0);
   EXPECT_EQ(nearly_whole.err, "");
-  EXPECT_LT(Summary()["frames"]["total"], kFrames);
+  EXPECT_LT(Summary()["frames"]["total"], kRoomFrames);
   EXPECT_TRUE(Summary()["complete"].get<bool>());
 }
 
@@ -158,12 +152,12 @@ TEST_F(ErrorsTest, MaxFramesStopsEarlyAndSaysSo) {
   EXPECT_EQ(Summary()["frames"]["total"], 5);
   EXPECT_EQ(Summary()["stopped"], "--max-frames 5");
   EXPECT_FALSE(Summary()["complete"].get<bool>());
-  EXPECT_EQ(Run({"--max-frames", std::to_string(kFrames)}).exit_code, 0);
+  EXPECT_EQ(Run({"--max-frames", std::to_string(kRoomFrames)}).exit_code, 0);
   EXPECT_TRUE(Summary()["stopped"].is_null()) << "that was the whole drive";
 
   // JPEG images one after another: a video that does not tell how many it holds.
   std::string stream;
-  for (int i = 0; i < kFrames; ++i) {
+  for (int i = 0; i < kRoomFrames; ++i) {
     cv::imwrite((folder_ / "image.jpg").string(), cv::imread(Image(i).string(), cv::IMREAD_GRAYSCALE));
     stream += TextOf(folder_ / "image.jpg");
   }
@@ -182,16 +176,16 @@ TEST_F(ErrorsTest, MaxFramesStopsEarlyAndSaysSo) {
 }
 
 TEST_F(ErrorsTest, DamagedImagesAreNamedAndSkipped) {
-  for (const int damaged : {0, kFrames / 2, kFrames - 1}) {
+  for (const int damaged : {0, kRoomFrames / 2, kRoomFrames - 1}) {
     fs::remove_all(Drive());
-    WriteRoomDrive(Drive(), kFrames);
+    WriteRoomDrive(Drive(), kRoomFrames);
     fs::resize_file(Image(damaged), fs::file_size(Image(damaged)) / 2);
     const CommandResult result = Run({"--quiet"});
     EXPECT_EQ(result.exit_code, 0) << result.err;
     const std::string name = Image(damaged).filename().string();
     EXPECT_EQ(result.err, "warning: frame " + std::to_string(damaged) + ": " + name + ": is truncated; skipped\n");
     const auto summary = Summary();
-    EXPECT_EQ(summary["frames"]["total"], kFrames);
+    EXPECT_EQ(summary["frames"]["total"], kRoomFrames);
     ASSERT_EQ(summary["unreadable"].size(), 1u);
     EXPECT_EQ(summary["unreadable"][0]["frame"], damaged);
   }
@@ -205,7 +199,7 @@ TEST_F(ErrorsTest, UnreadableImageIsNamedAndSkipped) {
 }
 
 TEST_F(ErrorsTest, NotOneReadableImage) {
-  for (int i = 0; i < kFrames; ++i) std::ofstream(Image(i)) << "this is no image";
+  for (int i = 0; i < kRoomFrames; ++i) std::ofstream(Image(i)) << "this is no image";
   const CommandResult result = Run({"--quiet"});
   EXPECT_EQ(result.exit_code, 2);
   ASSERT_EQ(result.Complaints().size(), 1u);
@@ -234,7 +228,7 @@ TEST_F(ErrorsTest, MissingAndSenselessTimes) {
     return std::vector<std::string>{"--timestamps", Text("t.txt", text).string()};
   };
   std::string good;
-  for (int i = 0; i < kFrames - 1; ++i) good += std::to_string(i) + "\n";
+  for (int i = 0; i < kRoomFrames - 1; ++i) good += std::to_string(i) + "\n";
   ExpectComplaint(Run(times(good)), 2, {"t.txt:19: ends after 19 times"});
   ExpectComplaint(Run(times(good + "19\n20\n")), 2, {"t.txt:21: time 21 has no frame"});
   ExpectComplaint(Run(times(good + "3\n")), 2, {"t.txt:20: time 3 goes back"});

@@ -21,7 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
-constexpr int kFrames = 210;
+constexpr int kRenderedFrames = 210;
 
 using Row = std::map<std::string, double>;
 
@@ -93,8 +93,8 @@ class RenderedDriveTest : public ::testing::Test {
   void Drive(const std::string& world) const {
     const std::string drive = (folder_ / "drive").string();
     const std::string out = (folder_ / "out").string();
-    ASSERT_NO_FATAL_FAILURE(Run("simulate", {world, "--seconds", "30", "--max-frames", std::to_string(kFrames), "--rig",
-                                             (folder_ / "rig.yaml").string(), "--out", drive, "--quiet"}));
+    ASSERT_NO_FATAL_FAILURE(Run("simulate", {world, "--seconds", "30", "--max-frames", std::to_string(kRenderedFrames),
+                                             "--rig", (folder_ / "rig.yaml").string(), "--out", drive, "--quiet"}));
     const YamlMap car(drive + "/vehicle.yaml");
     ASSERT_NO_FATAL_FAILURE(Run("run", {drive, "--lever-arm", car.Text("lever_arm"), "--side-slip",
                                         car.Text("side_slip"), "--out", out, "--quiet"}));
@@ -106,7 +106,7 @@ class RenderedDriveTest : public ::testing::Test {
 
   // `turns`: how many there are at least.
   void ExpectAllFound(size_t turns) const {
-    EXPECT_EQ(Read(folder_ / "out" / "summary.json")["frames"]["tracked"], kFrames);
+    EXPECT_EQ(Read(folder_ / "out" / "summary.json")["frames"]["tracked"], kRenderedFrames);
     const std::vector<Stretch> wanted = TrueTurns(folder_ / "drive" / "truth.csv");
     EXPECT_GE(wanted.size(), turns);
     const std::vector<Row> found = ReadTable(folder_ / "out" / "turns.csv");

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <numbers>
 #include <string>
 #include <vector>
@@ -23,11 +22,6 @@ namespace fs = std::filesystem;
 const LeverArm kCar{1.2, 0.004};
 constexpr double kUnit = 21.0;
 constexpr double kFps = 10;
-
-std::string TextOf(const fs::path& path) {
-  std::ifstream stream(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
 
 double Length(const Trajectory& poses) {
   double length = 0;

@@ -15,7 +15,7 @@ namespace turnscale {
 namespace {
 
 constexpr double kPixelNoiseOfAblations = 1;
-constexpr int kFewerRuns = 10;                    // times fewer runs than Table I has
+constexpr int kFewerRunsOfAblations = 10;         // times fewer runs than Table I has
 constexpr double kTrueSideSlip = kUsualSideSlip;  // of the drive whose tyres slip, s^2/m
 constexpr double kLeverArmError = 0.05;
 
@@ -89,7 +89,7 @@ PlotPanel BarPanel(const std::string& title, const std::string& column, const La
 
 LabResult LabAblations(const LabSettings& settings) {
   LabResult result;
-  const int runs = std::max(2, settings.runs / kFewerRuns);
+  const int runs = std::max(2, settings.runs / kFewerRunsOfAblations);
   const std::vector<std::pair<ScaleDriveOptions, std::vector<Condition>>> parts = {
       {ScaleDriveOptions{}, RigidConditions()},
       {SlippingDrive(kTrueSideSlip), SlippingConditions()},

@@ -45,7 +45,7 @@ PlotLine Squares(const std::vector<TurningRegion>& regions, const PlotPoints& pa
   return squares;
 }
 
-PlotPanel PathPanel(const std::string& title) {
+PlotPanel PanelFromAbove(const std::string& title) {
   PlotPanel panel;
   panel.title = title;
   panel.x_label = "x [m]";
@@ -112,14 +112,14 @@ LabResult LabFigure8(const LabSettings& settings) {
   const Level level = RunLevel(settings, 1);
   if (!settings.progress(1, 1)) return {};
   const PlotPoints truth = FromAbove(KeyframePoses(level.drive.truth));
-  PlotPanel map = PathPanel("(a) path and points");
+  PlotPanel map = PanelFromAbove("(a) path and points");
   PlotLine points{{}, "points", "#90a4ae", 1};
   points.marker = 'o';
   points.marker_size = 0.9;
   for (const Landmark& landmark : level.drive.truth.landmarks)
     points.points.emplace_back(landmark.position.x(), landmark.position.z());
   map.lines = {points, {truth, "true path", "#222", 1.6}};
-  PlotPanel drift = PathPanel("(b) odometry and detected turns");
+  PlotPanel drift = PanelFromAbove("(b) odometry and detected turns");
   drift.lines = {{truth, "true path", "#222", 1.8},
                  {FromAbove(level.drive.odometry), "odometry", kOdometryColor, 1.8},
                  Squares(level.recovered.regions, truth)};
@@ -170,7 +170,7 @@ LabResult LabFigure10(const LabSettings& settings) {
   PlotPanel psi = HistoryPanel("(a) turning angle from step to step", "psi [deg]", {-30, 30});
   PlotPanel observed = HistoryPanel("scale seen by each step (22)", "s [m]", {0, 6});
   PlotPanel recovered = HistoryPanel("scale after absolute scale recovery", "s [m]", {0, 6});
-  PlotPanel paths = PathPanel("(b) paths");
+  PlotPanel paths = PanelFromAbove("(b) paths");
   for (PlotPanel* panel : {&psi, &observed, &recovered})
     panel->areas = TurnAreas(drive, levels[0].recovered.regions, *panel->y);
   PlotLine raw{OverSteps(drive, drive.odometry, StepLength), "odometry", kOdometryColor, 2};

@@ -20,7 +20,7 @@ constexpr std::array<std::array<double, 6>, 3> kPaperTable = {{{0.110, 0.045, 0.
 constexpr double kPaperOdometryPsi = 0.500;
 constexpr double kPaperOdometryScale = 1.098;
 constexpr double kPaperOdometryRatio = 34.79;
-constexpr int kFewerRuns = 20;  // times fewer, of the reading that is beside the point
+constexpr int kFewerRunsOfAside = 20;  // times fewer, of the reading that is beside the point
 
 struct Reading {
   std::string name;
@@ -38,7 +38,7 @@ std::vector<Reading> Readings(const LabSettings& settings) {
   front.drive.within_image = false;
   const Reading image{"image", "what falls into KITTI's image", "#1565c0", {}, {smoothed}, settings.runs};
   Reading every_frame{"every_frame", "in KITTI's image, loss in every frame", "", {}, {smoothed, turns}};
-  every_frame.runs = std::max(2, settings.runs / kFewerRuns);
+  every_frame.runs = std::max(2, settings.runs / kFewerRunsOfAside);
   every_frame.drive.scale_loss_frames = 1;
   return {front, image, every_frame};
 }

@@ -20,7 +20,7 @@ namespace {
 /// Constraints count as met below this.
 constexpr double kConstraintTolerance = 1e-10;
 /// Differences of the cost below this share of it are rounding.
-constexpr double kRounding = 1e-12;
+constexpr double kCostRounding = 1e-12;
 /// The exact Hessian takes over once a step gains less than this share of the cost. Gauss-Newton is the safer guide far
 /// from the solution; close to it, with noise in the pixels, it converges only linearly.
 constexpr double kNewtonBelow = 1e-2;
@@ -135,7 +135,7 @@ BundleSummary Adjust(const BundleOptions& options, BundleProblem& problem) {
         MeasuredDistanceCost(problem.measured_distances, trial.centres);
     const double violation = merit.Violation(at.state.centres);
     const double decrease = at.equations.cost + violation - cost - merit.Violation(trial.centres);
-    const double rounding = kRounding * at.equations.cost;
+    const double rounding = kCostRounding * at.equations.cost;
     const double gain =
         (decrease + rounding) / (step.predicted_decrease + caution.constraint_share * violation + rounding);
     if (!std::isfinite(cost) || !(gain > kAcceptedGain)) {
@@ -157,19 +157,19 @@ BundleSummary Adjust(const BundleOptions& options, BundleProblem& problem) {
   return summary;
 }
 
-void Require(bool fine, const char* what) {
+void RequireOption(bool fine, const char* what) {
   if (!fine) throw InputError(std::string("bundle options: ") + what);
 }
 
 }  // namespace
 
 void BundleOptions::Check() const {
-  Require(max_iterations >= 0, "max_iterations is negative");
-  Require(std::isfinite(huber_threshold) && huber_threshold >= 0, "huber_threshold is negative or not a number");
-  Require(std::isfinite(relative_cost_tolerance) && relative_cost_tolerance >= 0,
-          "relative_cost_tolerance is negative or not a number");
-  Require(std::isfinite(kkt_tolerance) && kkt_tolerance >= 0, "kkt_tolerance is negative or not a number");
-  Require(std::isfinite(initial_damping) && initial_damping >= 0, "initial_damping is negative or not a number");
+  RequireOption(max_iterations >= 0, "max_iterations is negative");
+  RequireOption(std::isfinite(huber_threshold) && huber_threshold >= 0, "huber_threshold is negative or not a number");
+  RequireOption(std::isfinite(relative_cost_tolerance) && relative_cost_tolerance >= 0,
+                "relative_cost_tolerance is negative or not a number");
+  RequireOption(std::isfinite(kkt_tolerance) && kkt_tolerance >= 0, "kkt_tolerance is negative or not a number");
+  RequireOption(std::isfinite(initial_damping) && initial_damping >= 0, "initial_damping is negative or not a number");
 }
 
 BundleSummary AdjustBundle(const BundleOptions& options, BundleProblem& problem) {

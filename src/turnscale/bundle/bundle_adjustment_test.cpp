@@ -11,10 +11,6 @@
 namespace turnscale {
 namespace {
 
-Eigen::Vector3d Centre(const BundleProblem& problem, std::size_t camera) {
-  return problem.camera_from_world[camera].inverse().translation;
-}
-
 /// A window of a drive, disturbed; the first two cameras are fixed, so that the scale is known.
 BundleProblem Window(unsigned seed, double outliers) {
   SyntheticDriveOptions options;

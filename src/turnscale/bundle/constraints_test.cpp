@@ -10,7 +10,7 @@
 namespace turnscale {
 namespace {
 
-constexpr double kStep = 1e-5;
+constexpr double kCentreStep = 1e-5;
 
 std::vector<Eigen::Vector3d> RandomCentres(unsigned seed) {
   std::mt19937 random(seed);
@@ -30,12 +30,12 @@ TEST(Constraints, DerivativesAgainstDifferences) {
       for (const auto& [camera, sign] : {std::pair(2, 1.0), std::pair(0, -1.0)}) {
         std::vector<Eigen::Vector3d> above = centres;
         std::vector<Eigen::Vector3d> below = centres;
-        above[camera][i] += kStep;
-        below[camera][i] -= kStep;
-        const double slope = (DistanceError(held, above) - DistanceError(held, below)) / (2 * kStep);
+        above[camera][i] += kCentreStep;
+        below[camera][i] -= kCentreStep;
+        const double slope = (DistanceError(held, above) - DistanceError(held, below)) / (2 * kCentreStep);
         EXPECT_NEAR(sign * linear.gradient[i], slope, 1e-8);
         const Eigen::Vector3d bend =
-            (LinearizeDistance(held, above).gradient - LinearizeDistance(held, below).gradient) / (2 * kStep);
+            (LinearizeDistance(held, above).gradient - LinearizeDistance(held, below).gradient) / (2 * kCentreStep);
         EXPECT_LT((sign * linear.curvature.col(i) - bend).norm(), 1e-7);
       }
     }

@@ -10,10 +10,6 @@
 namespace turnscale {
 namespace {
 
-Eigen::Vector3d Centre(const BundleProblem& problem, std::size_t camera) {
-  return problem.camera_from_world[camera].inverse().translation;
-}
-
 SyntheticDrive Drive(double pixel_noise) {
   SyntheticDriveOptions options;
   options.cameras = 40;

@@ -19,10 +19,6 @@ namespace {
 using Ipopt::Index;
 using Ipopt::Number;
 
-Eigen::Vector3d Centre(const BundleProblem& problem, std::size_t camera) {
-  return problem.camera_from_world[camera].inverse().translation;
-}
-
 /// (26)-(30): unknowns are the centres of all cameras but the first, then the points; rotations are fixed.
 class RecoveryProgram : public Ipopt::TNLP {
  public:

@@ -12,7 +12,7 @@
 namespace turnscale {
 namespace {
 
-constexpr double kThreshold = 1.5;
+constexpr double kHuberThreshold = 1.5;
 constexpr double kShare = 0.75;
 
 /// A small problem with every special case of the block structure: two fixed cameras (one in the middle), a point seen
@@ -51,9 +51,9 @@ struct DenseSystem {
       const Eigen::Vector3d x = R * (state.points[seen.point] - state.centres[seen.camera]);
       ObservationModel<kDof> model;
       if (kind == HessianKind::kNewton && !is_rough[seen.point]) {
-        NewtonModel(problem.pinhole, R, x, seen.pixel, 1 / seen.sigma, kThreshold, model);
+        NewtonModel(problem.pinhole, R, x, seen.pixel, 1 / seen.sigma, kHuberThreshold, model);
       } else {
-        GaussNewtonModel(problem.pinhole, R, x, seen.pixel, 1 / seen.sigma, kThreshold, model);
+        GaussNewtonModel(problem.pinhole, R, x, seen.pixel, 1 / seen.sigma, kHuberThreshold, model);
       }
       // All unknowns enter through the model's variables: the step is E times the unknowns' step.
       Eigen::MatrixXd E = Eigen::MatrixXd::Zero(kDof, size);
@@ -76,7 +76,7 @@ void ExpectStepOfDenseSystem(bool constrained, double damping, HessianKind kind)
   const BundleState state = StateFromProblem(problem);
   const BundleStructure structure = MakeStructure(problem, state);
   NormalEquations<kDof> equations;
-  Linearize(problem.pinhole, structure, state, kThreshold, kind, equations);
+  Linearize(problem.pinhole, structure, state, kHuberThreshold, kind, equations);
   const auto rough_points = std::count(equations.point_is_rough.begin(), equations.point_is_rough.end(), 1);
   ASSERT_EQ(rough_points > 0, kind == HessianKind::kNewton) << "both kinds of points are wanted in one system";
   ASSERT_LT(rough_points, 10);
@@ -161,7 +161,7 @@ TEST(KktStep, ConstraintsAloneMayHoldTheScale) {
   const BundleState state = StateFromProblem(problem);
   const BundleStructure structure = MakeStructure(problem, state);
   NormalEquations<3> equations;
-  Linearize(problem.pinhole, structure, state, kThreshold, HessianKind::kGaussNewton, equations);
+  Linearize(problem.pinhole, structure, state, kHuberThreshold, HessianKind::kGaussNewton, equations);
   const std::vector<LinearizedDistance> constraints = {LinearizeDistance(problem.distances[0], state.centres)};
   const Eigen::MatrixXd D = ConstraintGradients<3>(problem, structure, constraints);
   CameraSolver<3> solver(4, structure.blocks);

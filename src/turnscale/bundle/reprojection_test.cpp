@@ -16,7 +16,7 @@ using Matrix6d = Eigen::Matrix<double, 6, 6>;
 const Pinhole kPinhole{718, 702, 607, 185};
 constexpr double kThreshold = 2.0;
 /// Of first and of second differences.
-constexpr double kStep = 1e-6;
+constexpr double kPoseStep = 1e-6;
 constexpr double kLongStep = 1e-4;
 
 /// One random observation; `error` is the length of the residual in sigmas.
@@ -50,8 +50,8 @@ struct Sample {
 Eigen::Matrix<double, 2, 6> NumericJacobian(const Sample& sample) {
   Eigen::Matrix<double, 2, 6> J;
   for (int i = 0; i < 6; ++i) {
-    const Vector6d h = kStep * Vector6d::Unit(i);
-    J.col(i) = (sample.Residual(h) - sample.Residual(-h)) / (2 * kStep);
+    const Vector6d h = kPoseStep * Vector6d::Unit(i);
+    J.col(i) = (sample.Residual(h) - sample.Residual(-h)) / (2 * kPoseStep);
   }
   return J;
 }
@@ -59,8 +59,8 @@ Eigen::Matrix<double, 2, 6> NumericJacobian(const Sample& sample) {
 Vector6d NumericGradient(const Sample& sample) {
   Vector6d gradient;
   for (int i = 0; i < 6; ++i) {
-    const Vector6d h = kStep * Vector6d::Unit(i);
-    gradient[i] = (sample.Cost(h) - sample.Cost(-h)) / (2 * kStep);
+    const Vector6d h = kPoseStep * Vector6d::Unit(i);
+    gradient[i] = (sample.Cost(h) - sample.Cost(-h)) / (2 * kPoseStep);
   }
   return gradient;
 }

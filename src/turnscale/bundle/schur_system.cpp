@@ -8,12 +8,12 @@ namespace turnscale {
 namespace {
 
 /// A pivot below this share of its diagonal entry is nothing but rounding.
-constexpr double kRounding = 1e-14;
+constexpr double kPivotRounding = 1e-14;
 
 /// Lower-triangular F with F V F^T = I. A pivot that is rounding gives a row of zeros: no step along it.
 Eigen::Matrix3d InverseFactor(const Eigen::Matrix3d& V) {
   const auto inverse_root = [](double pivot, double diagonal) {
-    return pivot > kRounding * diagonal ? 1.0 / std::sqrt(pivot) : 0.0;
+    return pivot > kPivotRounding * diagonal ? 1.0 / std::sqrt(pivot) : 0.0;
   };
   // V = L L^T with the inverses of L's diagonal at hand.
   const double i0 = inverse_root(V(0, 0), V(0, 0));

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstddef>
 #include <vector>
+
+#include <Eigen/Core>
 
 #include "turnscale/bundle/bundle_problem.h"
 
@@ -38,5 +41,9 @@ void DriftScale(double first, double last, BundleProblem& problem);
 
 /// True distances between consecutive cameras of the turns, evenly chosen, at most `count`.
 std::vector<DistanceConstraint> TurnDistances(const SyntheticDrive& drive, int count);
+
+inline Eigen::Vector3d Centre(const BundleProblem& problem, std::size_t camera) {
+  return problem.camera_from_world[camera].inverse().translation;
+}
 
 }  // namespace turnscale

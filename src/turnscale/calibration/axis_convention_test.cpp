@@ -12,7 +12,7 @@
 namespace turnscale {
 namespace {
 
-const Eigen::Quaterniond kTilted = RotationFromYawPitchRoll({20 * kDeg, 15 * kDeg, -10 * kDeg});
+const Eigen::Quaterniond kTiltedAside = RotationFromYawPitchRoll({20 * kDeg, 15 * kDeg, -10 * kDeg});
 
 // `side` is -1 for a body whose axes point forward, left and up, 1 for forward, right and down.
 Trajectory InBodyAxes(Trajectory path, int side) {
@@ -25,7 +25,7 @@ Trajectory InBodyAxes(Trajectory path, int side) {
 }
 
 TEST(AxisConvention, TellsCamerasFromBodies) {
-  const Trajectory camera = TestPath(TestRoute({1, -1}), {1, 0}, kTilted);
+  const Trajectory camera = TestPath(TestRoute({1, -1}), {1, 0}, kTiltedAside);
   EXPECT_EQ(FindAxisConvention(StepsAlong(camera)), AxisConvention::kCamera);
   EXPECT_EQ(FindAxisConvention(StepsAlong(InBodyAxes(camera, -1))), AxisConvention::kForwardLeftUp);
   EXPECT_EQ(FindAxisConvention(StepsAlong(InBodyAxes(camera, 1))), AxisConvention::kForwardLeftUp);
@@ -37,17 +37,17 @@ TEST(AxisConvention, ACameraThatLooksSidewaysIsOne) {
 }
 
 TEST(AxisConvention, ConvertedPathsCalibrateAlike) {
-  const Trajectory camera = TestPath(TestRoute({1, -1}), {1, 0}, kTilted);
+  const Trajectory camera = TestPath(TestRoute({1, -1}), {1, 0}, kTiltedAside);
   for (const auto& [axes, side] :
        {std::pair(AxisConvention::kForwardLeftUp, -1), {AxisConvention::kForwardRightDown, 1}}) {
     const Calibration found = Calibrate(StepsAlong(InCameraAxes(InBodyAxes(camera, side), axes)));
-    EXPECT_LT(DegreesBetween(found.vehicle_from_camera, kTilted), 0.01);
+    EXPECT_LT(DegreesBetween(found.vehicle_from_camera, kTiltedAside), 0.01);
   }
 }
 
 TEST(AxisConvention, TheOtherBodyTurnsTheSignsOfYawAndPitch) {
-  const Trajectory down = InBodyAxes(TestPath(TestRoute({1, -1}), {1, 0}, kTilted), 1);
-  const YawPitchRoll truth = YawPitchRollFromRotation(kTilted);
+  const Trajectory down = InBodyAxes(TestPath(TestRoute({1, -1}), {1, 0}, kTiltedAside), 1);
+  const YawPitchRoll truth = YawPitchRollFromRotation(kTiltedAside);
   const YawPitchRoll found = Calibrate(StepsAlong(InCameraAxes(down, AxisConvention::kForwardLeftUp))).angles;
   EXPECT_NEAR(found.yaw, -truth.yaw, 0.01 * kDeg);
   EXPECT_NEAR(found.pitch, -truth.pitch, 0.01 * kDeg);

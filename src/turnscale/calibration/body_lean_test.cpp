@@ -12,7 +12,6 @@
 namespace turnscale {
 namespace {
 
-const Eigen::Quaterniond kTilted = RotationFromYawPitchRoll({5 * kDeg, 15 * kDeg, -10 * kDeg});
 constexpr double kPerAcceleration = -0.4 * kDeg;  // rad over m/s^2: outwards, 4 deg per g
 
 // The same drive with a body on springs: its lean follows the sideways acceleration with a little delay.

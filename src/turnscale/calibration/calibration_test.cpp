@@ -13,7 +13,6 @@
 namespace turnscale {
 namespace {
 
-const Eigen::Quaterniond kTilted = RotationFromYawPitchRoll({5 * kDeg, 15 * kDeg, -10 * kDeg});
 const LeverArm kArm{1.2, 0};
 
 Calibration CalibratePath(const Trajectory& path, TravelModel travel = TravelModel::kSteady) {

@@ -15,8 +15,6 @@
 namespace turnscale {
 namespace {
 
-const Eigen::Quaterniond kTilted = RotationFromYawPitchRoll({5 * kDeg, 15 * kDeg, -10 * kDeg});
-
 // Turns at two speeds.
 std::vector<DriveSegment> TwoSpeeds() {
   std::vector<DriveSegment> route = TestRoute({1, -1});

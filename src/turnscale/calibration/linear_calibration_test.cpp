@@ -11,12 +11,10 @@
 namespace turnscale {
 namespace {
 
-const Eigen::Quaterniond kTilted = RotationFromYawPitchRoll({0.2, -0.3, 0.1});
-
 LinearSolution Solve(const std::vector<int>& turns, double lever_arm) {
   LinearCalibration linear;
   for (const DriveSegment& segment : TestRoute(turns)) {
-    const RigidTransform motion = SlippingCameraMotion(segment, 0.1, {lever_arm, 0}, kTilted);
+    const RigidTransform motion = SlippingCameraMotion(segment, 0.1, {lever_arm, 0}, kTiltedDown);
     for (int i = 0; i < segment.steps; ++i) linear.Add(motion, segment.psi);
   }
   return linear.Solve();
@@ -24,7 +22,7 @@ LinearSolution Solve(const std::vector<int>& turns, double lever_arm) {
 
 TEST(LinearCalibration, IsExactWithoutALeverArm) {
   const LinearSolution solution = Solve({1}, 0);
-  EXPECT_LT(DegreesBetween(solution.vehicle_from_camera, kTilted), 1e-5);
+  EXPECT_LT(DegreesBetween(solution.vehicle_from_camera, kTiltedDown), 1e-5);
   EXPECT_GT(solution.confidence, 1e4);
 }
 
@@ -42,11 +40,11 @@ TEST(LinearCalibration, AStraightDriveIsNotUnique) {
 TEST(TurningAxis, SignsTheWholeDriveByOneAxis) {
   TurningAxis axis;
   for (const double psi : {0.04, -0.05, 0.001, 0.03, -0.02}) {
-    axis.Add(ConstrainedCameraMotion({psi, 1}, 1, kTilted).rotation);
+    axis.Add(ConstrainedCameraMotion({psi, 1}, 1, kTiltedDown).rotation);
   }
-  EXPECT_LT((axis.direction() - kTilted.conjugate() * Eigen::Vector3d::UnitY()).norm(), 1e-9);
+  EXPECT_LT((axis.direction() - kTiltedDown.conjugate() * Eigen::Vector3d::UnitY()).norm(), 1e-9);
   for (const double psi : {0.4, -1e-7, 1e-9}) {
-    const Eigen::Quaterniond rotation = ConstrainedCameraMotion({psi, 1}, 1, kTilted).rotation;
+    const Eigen::Quaterniond rotation = ConstrainedCameraMotion({psi, 1}, 1, kTiltedDown).rotation;
     EXPECT_NEAR(TurningAngle(rotation, axis.direction()) / psi, 1, 1e-6);
   }
 }

@@ -13,7 +13,6 @@
 namespace turnscale {
 namespace {
 
-const Eigen::Quaterniond kTilted = RotationFromYawPitchRoll({5 * kDeg, 15 * kDeg, -10 * kDeg});
 const std::vector<int> kTurns{1, -1, 1, 1, -1, -1, 1, -1};
 
 std::vector<CameraStep> Steps(const Eigen::Quaterniond& rotation, int seed) {

@@ -14,6 +14,11 @@ namespace turnscale {
 
 constexpr double kDeg = 1 / kDegreesPerRadian;
 
+/// How a camera may sit on a car: tilted about all three axes.
+inline const Eigen::Quaterniond kTilted = RotationFromYawPitchRoll({5 * kDeg, 15 * kDeg, -10 * kDeg});
+/// Another, that looks down.
+inline const Eigen::Quaterniond kTiltedDown = RotationFromYawPitchRoll({0.2, -0.3, 0.1});
+
 /// A drive of 10 frames a second and 0.8 m a frame, for tests: right angles by 3 deg a frame between straights of
 /// `straight` frames; the signs of `turns` say which way.
 inline std::vector<DriveSegment> TestRoute(const std::vector<int>& turns, int straight = 60) {

@@ -12,7 +12,7 @@
 namespace turnscale {
 namespace {
 
-const cv::Size kSize(600, 400);
+const cv::Size kCornerImageSize(600, 400);
 
 CornerOptions Options() {
   CornerOptions options;
@@ -23,7 +23,7 @@ CornerOptions Options() {
 // Faint on the left, strong on the right.
 cv::Mat UnevenImage() {
   const SyntheticTexture texture(1);
-  return MakeImage(kSize, [&](const Eigen::Vector2d& pixel) {
+  return MakeImage(kCornerImageSize, [&](const Eigen::Vector2d& pixel) {
     const double contrast = pixel.x() < 300 ? 0.5 : 1.5;
     return 128 + contrast * (texture.At(pixel) - 128);
   });
@@ -84,7 +84,7 @@ TEST(Corners, KeepAwayFromTheBorder) {
 }
 
 TEST(Corners, NoneInAFlatImage) {
-  EXPECT_TRUE(DetectCorners(Options(), cv::Mat(kSize, CV_8U, cv::Scalar(120)), {}).empty());
+  EXPECT_TRUE(DetectCorners(Options(), cv::Mat(kCornerImageSize, CV_8U, cv::Scalar(120)), {}).empty());
 }
 
 TEST(Corners, SameImageSameCorners) {

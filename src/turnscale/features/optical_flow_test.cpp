@@ -12,16 +12,17 @@
 namespace turnscale {
 namespace {
 
-const cv::Size kSize(400, 300);
+const cv::Size kFlowImageSize(400, 300);
 
 FlowImage Shifted(const SyntheticTexture& texture, const Eigen::Vector2d& shift) {
-  return BuildFlowImage({}, MakeImage(kSize, [&](const Eigen::Vector2d& pixel) { return texture.At(pixel - shift); }));
+  return BuildFlowImage(
+      {}, MakeImage(kFlowImageSize, [&](const Eigen::Vector2d& pixel) { return texture.At(pixel - shift); }));
 }
 
 std::vector<cv::Point2f> Grid(int margin, int spacing) {
   std::vector<cv::Point2f> points;
-  for (int y = margin; y <= kSize.height - margin; y += spacing)
-    for (int x = margin; x <= kSize.width - margin; x += spacing)
+  for (int y = margin; y <= kFlowImageSize.height - margin; y += spacing)
+    for (int x = margin; x <= kFlowImageSize.width - margin; x += spacing)
       points.emplace_back(static_cast<float>(x) + 0.3F, static_cast<float>(y) - 0.2F);
   return points;
 }
@@ -72,7 +73,7 @@ TEST(OpticalFlow, AGuessReachesFartherThanThePyramid) {
   FlowOptions options;
   options.levels = 0;
   const auto image = [&](double shift) {
-    return BuildFlowImage(options, MakeImage(kSize, [&](const Eigen::Vector2d& p) {
+    return BuildFlowImage(options, MakeImage(kFlowImageSize, [&](const Eigen::Vector2d& p) {
                             return texture.At({p.x() - shift, p.y()});
                           }));
   };
@@ -131,7 +132,7 @@ TEST(OpticalFlow, WhatIsHiddenDoesNotFindItsWayBack) {
   const cv::Rect2d hidden(120, 80, 160, 140);
   const FlowImage first = Shifted(texture, {0, 0});
   const FlowImage second =
-      BuildFlowImage({}, MakeImage(kSize, [&](const Eigen::Vector2d& pixel) {
+      BuildFlowImage({}, MakeImage(kFlowImageSize, [&](const Eigen::Vector2d& pixel) {
                        return hidden.contains({pixel.x(), pixel.y()}) ? other.At(pixel) : texture.At(pixel);
                      }));
   std::vector<cv::Point2f> points;

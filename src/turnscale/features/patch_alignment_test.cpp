@@ -13,7 +13,7 @@
 namespace turnscale {
 namespace {
 
-const cv::Size kSize(300, 240);
+const cv::Size kViewSize(300, 240);
 
 // What the second image shows of the first: `current_from_reference` about the centres, brightness changed.
 struct View {
@@ -32,10 +32,10 @@ struct View {
     return centre + shift + reference_from_current.inverse() * (reference - centre);
   }
   cv::Mat Reference() const {
-    return MakeImage(kSize, [&](const Eigen::Vector2d& pixel) { return texture.At(pixel); });
+    return MakeImage(kViewSize, [&](const Eigen::Vector2d& pixel) { return texture.At(pixel); });
   }
   cv::Mat Current() const {
-    return MakeImage(kSize,
+    return MakeImage(kViewSize,
                      [&](const Eigen::Vector2d& pixel) { return gain * texture.At(ReferenceOf(pixel)) + offset; });
   }
 };
@@ -108,7 +108,7 @@ TEST(PatchAlignment, RefusesADifferentTexture) {
 }
 
 TEST(PatchAlignment, RefusesWhatIsFlat) {
-  const cv::Mat flat(kSize, CV_8U, cv::Scalar(100));
+  const cv::Mat flat(kViewSize, CV_8U, cv::Scalar(100));
   const cv::Mat textured = View{.texture = SyntheticTexture(6)}.Reference();
   const Eigen::Vector2d place(150, 120);
   EXPECT_FALSE(AlignPatch({}, flat, place, Eigen::Matrix2d::Identity(), flat, place));

@@ -7,6 +7,7 @@
 namespace turnscale {
 
 constexpr double kDegreesPerRadian = 57.295779513082320877;
+constexpr double InDegrees(double radians) { return radians * kDegreesPerRadian; }
 
 /// Matrix of the cross product: Skew(a) * b = a x b.
 Eigen::Matrix3d Skew(const Eigen::Vector3d& v);

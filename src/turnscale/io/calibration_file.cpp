@@ -6,8 +6,6 @@
 namespace turnscale {
 namespace {
 
-double Degrees(double radians) { return radians * kDegreesPerRadian; }
-
 // A name may hold what means something in YAML.
 std::string Quoted(const std::string& text) {
   std::string quoted = "\"";
@@ -38,8 +36,9 @@ std::string CalibrationYaml(const CalibrationReport& report) {
       "pitch_sigma_deg: {:.6f}\n"
       "roll_sigma_deg: {:.6f}\n"
       "vehicle_from_camera_wxyz: [{:.12g}, {:.12g}, {:.12g}, {:.12g}]\n",
-      Degrees(found.angles.yaw), Degrees(found.angles.pitch), Degrees(found.angles.roll), Degrees(found.sigma.yaw),
-      Degrees(found.sigma.pitch), Degrees(found.sigma.roll), q.w(), q.x(), q.y(), q.z());
+      InDegrees(found.angles.yaw), InDegrees(found.angles.pitch), InDegrees(found.angles.roll),
+      InDegrees(found.sigma.yaw), InDegrees(found.sigma.pitch), InDegrees(found.sigma.roll), q.w(), q.x(), q.y(),
+      q.z());
   if (report.lever_arm) {
     const LeverArmFit& arm = *report.lever_arm;
     text += fmt::format("lever_arm: {:.6g}  # metres from the rear axle forward to the camera\n", arm.lever_arm.length);
@@ -50,14 +49,14 @@ std::string CalibrationYaml(const CalibrationReport& report) {
   return text + fmt::format(
                     "confidence: {:.4g}  # ratio of the two smallest singular values\n"
                     "frames: {}\nsteps: {}\nturns: {}\nturning_deg: {:.1f}\ninput: {}\n",
-                    found.linear.confidence, report.frames, found.steps, found.turns, Degrees(found.turning),
+                    found.linear.confidence, report.frames, found.steps, found.turns, InDegrees(found.turning),
                     Quoted(report.input));
 }
 
 std::string CalibrationText(const CalibrationReport& report) {
   const Calibration& found = report.calibration;
   const auto angle = [](const char* name, double value, double sigma, const char* sense) {
-    return fmt::format("{:<12}{:>8.2f} +- {:.2f} deg  {}\n", name, Degrees(value), Degrees(sigma), sense);
+    return fmt::format("{:<12}{:>8.2f} +- {:.2f} deg  {}\n", name, InDegrees(value), InDegrees(sigma), sense);
   };
   std::string text = angle("yaw", found.angles.yaw, found.sigma.yaw, "to the right");
   text += angle("pitch", found.angles.pitch, found.sigma.pitch, "up");
@@ -70,7 +69,7 @@ std::string CalibrationText(const CalibrationReport& report) {
                         SlipSource(arm));
   }
   text += fmt::format("{:<12}{} frames in {} steps, {} turns of {:.0f} deg in all{}\n", "data", report.frames,
-                      found.steps, found.turns, Degrees(found.turning),
+                      found.steps, found.turns, InDegrees(found.turning),
                       found.reversed > 0 ? fmt::format(", {} steps backwards", found.reversed) : "");
   text +=
       fmt::format("{:<12}{:.1f} (ratio of the two smallest singular values)\n", "confidence", found.linear.confidence);

@@ -19,8 +19,6 @@
 namespace turnscale {
 namespace {
 
-double Degrees(double radians) { return radians * kDegreesPerRadian; }
-
 // Cells of what is not known yet are empty.
 std::string Cell(double value) { return std::isfinite(value) ? fmt::format("{:.6g}", value) : ""; }
 
@@ -97,15 +95,15 @@ class Graph {
 constexpr const char* kColors[] = {"#c2185b", "#1565c0", "#2e7d32"};
 
 std::vector<Value> Angles() {
-  return {[](const CalibrationMoment& m) { return Degrees(m.angles.yaw); },
-          [](const CalibrationMoment& m) { return Degrees(m.angles.pitch); },
-          [](const CalibrationMoment& m) { return Degrees(m.angles.roll); }};
+  return {[](const CalibrationMoment& m) { return InDegrees(m.angles.yaw); },
+          [](const CalibrationMoment& m) { return InDegrees(m.angles.pitch); },
+          [](const CalibrationMoment& m) { return InDegrees(m.angles.roll); }};
 }
 
 std::vector<Value> Sigmas() {
-  return {[](const CalibrationMoment& m) { return Degrees(m.sigma.yaw); },
-          [](const CalibrationMoment& m) { return Degrees(m.sigma.pitch); },
-          [](const CalibrationMoment& m) { return Degrees(m.sigma.roll); }};
+  return {[](const CalibrationMoment& m) { return InDegrees(m.sigma.yaw); },
+          [](const CalibrationMoment& m) { return InDegrees(m.sigma.pitch); },
+          [](const CalibrationMoment& m) { return InDegrees(m.sigma.roll); }};
 }
 
 // Of equal runs of moments, the one that turns most.
@@ -144,10 +142,11 @@ std::string HistoryCsv(const std::vector<CalibrationMoment>& history) {
       "roll_deg,yaw_sigma_deg,pitch_sigma_deg,roll_sigma_deg,moved\n";
   for (const CalibrationMoment& moment : history) {
     const Eigen::Vector4d& s = moment.singular_values;
-    text += fmt::format("{:.6f},{},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{},{},{},{}\n", moment.time,
-                        moment.frames, Degrees(moment.psi), s[0], s[1], s[2], s[3], Degrees(moment.angles.yaw),
-                        Degrees(moment.angles.pitch), Degrees(moment.angles.roll), Cell(Degrees(moment.sigma.yaw)),
-                        Cell(Degrees(moment.sigma.pitch)), Cell(Degrees(moment.sigma.roll)), moment.moved ? 1 : 0);
+    text +=
+        fmt::format("{:.6f},{},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{},{},{},{}\n", moment.time,
+                    moment.frames, InDegrees(moment.psi), s[0], s[1], s[2], s[3], InDegrees(moment.angles.yaw),
+                    InDegrees(moment.angles.pitch), InDegrees(moment.angles.roll), Cell(InDegrees(moment.sigma.yaw)),
+                    Cell(InDegrees(moment.sigma.pitch)), Cell(InDegrees(moment.sigma.roll)), moment.moved ? 1 : 0);
   }
   return text;
 }
@@ -163,7 +162,7 @@ std::string HistorySvg(const std::vector<CalibrationMoment>& whole, const std::s
   double low = 0;
   double high = 0;
   for (const CalibrationMoment& moment : history) {
-    most_psi = std::max(most_psi, std::abs(Degrees(moment.psi)));
+    most_psi = std::max(most_psi, std::abs(InDegrees(moment.psi)));
     most_singular = std::max(most_singular, moment.singular_values[1]);
     if (!std::isfinite(moment.sigma.yaw)) continue;
     for (const Value& angle : Angles()) {
@@ -180,7 +179,7 @@ std::string HistorySvg(const std::vector<CalibrationMoment>& whole, const std::s
   const Graph psi(70, begin, end, -most_psi, most_psi);
   text += psi.Frame("turning angle of a frame, deg, over seconds");
   text += psi.Line(
-      history, [](const CalibrationMoment& m) { return Degrees(m.psi); }, "#333");
+      history, [](const CalibrationMoment& m) { return InDegrees(m.psi); }, "#333");
   const Graph singular(310, begin, end, 0, most_singular);
   text += singular.Frame("the two smallest singular values of M (14): smallest red, next blue");
   for (int i = 0; i < 2; ++i) {
@@ -198,7 +197,7 @@ std::string HistorySvg(const std::vector<CalibrationMoment>& whole, const std::s
       return std::isfinite(sigma(m)) ? angle(m) : std::numeric_limits<double>::quiet_NaN();
     };
     text += angles.Line(history, known, kColors[i]);
-    if (truth) text += angles.Dashed(Degrees(true_angles[i]), kColors[i]);
+    if (truth) text += angles.Dashed(InDegrees(true_angles[i]), kColors[i]);
   }
   return text + "</svg>\n";
 }

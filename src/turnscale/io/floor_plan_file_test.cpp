@@ -11,15 +11,15 @@
 namespace turnscale {
 namespace {
 
-FloorPlan Read(const std::string& text) {
+FloorPlan PlanFrom(const std::string& text) {
   const std::string path = ScratchPath("floor_plan.csv");
   std::ofstream(path) << text;
   return ReadFloorPlan(path);
 }
 
-std::string Complaint(const std::string& text) {
+std::string PlanComplaint(const std::string& text) {
   try {
-    Read(text);
+    PlanFrom(text);
   } catch (const InputError& error) {
     return error.what();
   }
@@ -28,14 +28,15 @@ std::string Complaint(const std::string& text) {
 
 TEST(FloorPlan, WhatIsWrittenReadsBack) {
   const FloorPlan plan = {{{0, 0}, {0, 5}, {2.5, 5}}, {{-1, -2}, {-3.25, 4}}};
-  EXPECT_EQ(Read(FloorPlanText(plan)), plan);
-  EXPECT_TRUE(Read(FloorPlanText({})).empty());
+  EXPECT_EQ(PlanFrom(FloorPlanText(plan)), plan);
+  EXPECT_TRUE(PlanFrom(FloorPlanText({})).empty());
 }
 
 TEST(FloorPlan, ComplaintsNameTheLine) {
-  EXPECT_NE(Complaint("outline,x_m,z_m\n0,1,2\n0,1\n").find("floor_plan.csv:3: '0,1' is no corner"), std::string::npos);
-  EXPECT_NE(Complaint("outline,x_m,z_m\n0,nan,2\n").find(":2: "), std::string::npos);
-  EXPECT_NE(Complaint("").find("is no floor plan"), std::string::npos);
+  EXPECT_NE(PlanComplaint("outline,x_m,z_m\n0,1,2\n0,1\n").find("floor_plan.csv:3: '0,1' is no corner"),
+            std::string::npos);
+  EXPECT_NE(PlanComplaint("outline,x_m,z_m\n0,nan,2\n").find(":2: "), std::string::npos);
+  EXPECT_NE(PlanComplaint("").find("is no floor plan"), std::string::npos);
   EXPECT_THROW(ReadFloorPlan("/nonexistent/plan.csv"), InputError);
   EXPECT_THROW(ReadFloorPlan("/"), InputError);
 }

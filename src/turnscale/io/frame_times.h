@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -19,5 +20,13 @@ FrameTimes ReadFrameTimes(const std::filesystem::path& path);
 /// Throws InputError that names the line where the file has fewer or more times than there are frames.
 void CheckTimesMatch(const FrameTimes& times, const std::filesystem::path& path, size_t frames,
                      const std::string& frames_of);
+
+/// Tells when a frame was taken.
+struct FrameClock {
+  std::vector<double> times;  ///< of every frame; empty where the rate tells
+  double fps = 0;
+
+  double At(size_t index) const { return times.empty() ? static_cast<double>(index) / fps : times[index]; }
+};
 
 }  // namespace turnscale

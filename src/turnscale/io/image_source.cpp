@@ -23,15 +23,8 @@ namespace {
 // Enough to hide a slow file, few enough to cost little memory.
 constexpr size_t kFramesAhead = 4;
 
-struct Clock {
-  std::vector<double> times;  // of every frame; empty where the rate tells
-  double fps = 0;
-
-  double At(size_t index) const { return times.empty() ? static_cast<double>(index) / fps : times[index]; }
-};
-
 // Explicit wishes go before what lies beside the images.
-Clock FindClock(const DriveInput& drive, const ImageSourceOptions& options, double video_fps, int& count) {
+FrameClock FindClock(const DriveInput& drive, const ImageSourceOptions& options, double video_fps, int& count) {
   if (options.fps && !(std::isfinite(*options.fps) && *options.fps > 0)) {
     throw InputError(fmt::format("--fps {}: give the frames per second, a number above 0", *options.fps));
   }
@@ -127,7 +120,7 @@ struct ImageSource::State {
   std::string path;
   std::vector<std::string> names;
   std::unique_ptr<FrameReader> reader;
-  Clock clock;
+  FrameClock clock;
   int count = 0;
   cv::Size size;
   std::string size_from;

@@ -19,7 +19,7 @@ std::string Write(const std::string& text) {
   return path;
 }
 
-OdometryOptions Read(const std::string& text) { return ReadSettings(Write(text)); }
+OdometryOptions SettingsFrom(const std::string& text) { return ReadSettings(Write(text)); }
 
 template <class Action>
 std::string ComplaintOf(const Action& action) {
@@ -31,13 +31,13 @@ std::string ComplaintOf(const Action& action) {
   return "no error";
 }
 
-std::string Complaint(const std::string& text) {
-  return ComplaintOf([&] { Read(text); });
+std::string SettingsComplaint(const std::string& text) {
+  return ComplaintOf([&] { SettingsFrom(text); });
 }
 
 TEST(Settings, WrittenDefaultsReadBackToTheSameBits) {
   const OdometryOptions defaults;
-  const OdometryOptions read = Read(SettingsText(defaults));
+  const OdometryOptions read = SettingsFrom(SettingsText(defaults));
   EXPECT_EQ(SettingsText(read), SettingsText(defaults));
   EXPECT_EQ(read.scale.estimator.segments.turns.min_step_angle, defaults.scale.estimator.segments.turns.min_step_angle);
   EXPECT_EQ(read.scale.estimator.segments.turns.min_region_angle,
@@ -61,7 +61,7 @@ TEST(Settings, ChangedValuesSurvive) {
   options.scale.estimator.test.min_probability = 0.002;
   options.vehicle.lever_arm_sigma = 0.02;
   options.steps.angle = 2.0 / kDegreesPerRadian;
-  const OdometryOptions read = Read(SettingsText(options));
+  const OdometryOptions read = SettingsFrom(SettingsText(options));
   EXPECT_EQ(SettingsText(read), SettingsText(options));
   EXPECT_EQ(read.threads, 7);
   EXPECT_EQ(read.vehicle.lever_arm, 1.45);
@@ -77,25 +77,26 @@ TEST(Settings, ChangedValuesSurvive) {
 }
 
 TEST(Settings, WhatIsLeftOutKeepsItsDefault) {
-  const OdometryOptions read = Read("vehicle:\n  lever_arm: 1.2\n");
+  const OdometryOptions read = SettingsFrom("vehicle:\n  lever_arm: 1.2\n");
   EXPECT_EQ(read.vehicle.lever_arm, 1.2);
   EXPECT_EQ(read.vehicle.side_slip, OdometryOptions().vehicle.side_slip);
   EXPECT_EQ(read.threads, OdometryOptions().threads);
 }
 
 TEST(Settings, ComplaintsNameLineKeyAndNearestKey) {
-  EXPECT_NE(Complaint("vehicle:\n  leverarm: 1\n")
+  EXPECT_NE(SettingsComplaint("vehicle:\n  leverarm: 1\n")
                 .find("settings_test.yaml:2: vehicle.leverarm: unknown key; did you mean 'vehicle.lever_arm'?"),
             std::string::npos);
-  EXPECT_NE(Complaint("vehicel:\n  lever_arm: 1\n").find(":1: vehicel: unknown key; did you mean 'vehicle'?"),
+  EXPECT_NE(SettingsComplaint("vehicel:\n  lever_arm: 1\n").find(":1: vehicel: unknown key; did you mean 'vehicle'?"),
             std::string::npos);
-  EXPECT_NE(Complaint("threads: two\n").find(":1: threads: is 'two'; give a finite number"), std::string::npos);
-  EXPECT_NE(Complaint("threads: 1.5\n").find("give a whole number"), std::string::npos);
-  EXPECT_NE(Complaint("vehicle: 3\n").find("vehicle: holds keys of its own"), std::string::npos);
-  EXPECT_NE(Complaint("vehicle:\n  side_slip: [1]\n").find("vehicle.side_slip: has no plain value"), std::string::npos);
-  EXPECT_NE(Complaint("scale:\n  method: magic\n").find("is 'magic'; give smoothed or turns or paper"),
+  EXPECT_NE(SettingsComplaint("threads: two\n").find(":1: threads: is 'two'; give a finite number"), std::string::npos);
+  EXPECT_NE(SettingsComplaint("threads: 1.5\n").find("give a whole number"), std::string::npos);
+  EXPECT_NE(SettingsComplaint("vehicle: 3\n").find("vehicle: holds keys of its own"), std::string::npos);
+  EXPECT_NE(SettingsComplaint("vehicle:\n  side_slip: [1]\n").find("vehicle.side_slip: has no plain value"),
             std::string::npos);
-  const std::string senseless = Complaint("vehicle:\n  lever_arm: -1\n");
+  EXPECT_NE(SettingsComplaint("scale:\n  method: magic\n").find("is 'magic'; give smoothed or turns or paper"),
+            std::string::npos);
+  const std::string senseless = SettingsComplaint("vehicle:\n  lever_arm: -1\n");
   EXPECT_NE(senseless.find("settings_test.yaml: "), std::string::npos) << senseless;
   EXPECT_NE(senseless.find("lever_arm"), std::string::npos) << senseless;
 }

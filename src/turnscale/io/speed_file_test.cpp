@@ -12,7 +12,7 @@
 namespace turnscale {
 namespace {
 
-SpeedLog Read(const std::string& text) {
+SpeedLog SpeedsFrom(const std::string& text) {
   const std::string path = ScratchPath("speed.csv");
   std::ofstream(path) << text;
   struct Remover {
@@ -23,7 +23,7 @@ SpeedLog Read(const std::string& text) {
 }
 
 TEST(SpeedFile, GivesDistances) {
-  const SpeedLog log = Read("time_s,speed_mps\n0,0\n1,2\n# a comment\n3 2\n");
+  const SpeedLog log = SpeedsFrom("time_s,speed_mps\n0,0\n1,2\n# a comment\n3 2\n");
   EXPECT_DOUBLE_EQ(log.Distance(0, 1).value(), 1);
   EXPECT_DOUBLE_EQ(log.Distance(0.5, 2).value(), 0.75 + 2);
   EXPECT_DOUBLE_EQ(log.Distance(0, 3).value(), 5);
@@ -34,13 +34,13 @@ TEST(SpeedFile, GivesDistances) {
 TEST(SpeedFile, NamesTheLineItCannotRead) {
   for (const char* text : {"0,1\n1,x\n", "0,1\n1,nan\n", "0,1\n0,2\n", "0,1\n1,-2\n", "0,1\n2\n"}) {
     try {
-      Read(text);
+      SpeedsFrom(text);
       FAIL() << text;
     } catch (const InputError& error) {
       EXPECT_NE(std::string(error.what()).find(":2: "), std::string::npos) << error.what();
     }
   }
-  EXPECT_THROW(Read("0,1\n"), InputError);
+  EXPECT_THROW(SpeedsFrom("0,1\n"), InputError);
 }
 
 }  // namespace

@@ -20,7 +20,6 @@ const LeverArm kSlipping{1.2, 0.005};
 constexpr double kMetresPerUnit = 7.0;
 constexpr int kSteps = 20;
 constexpr int kSeeds = 200;
-constexpr double kInterval = 0.1;
 
 /// A corner of 90 degrees in units of 7 m, from step to step at the metres of `distance`, a function of 0...1.
 template <typename Distance>
@@ -30,9 +29,9 @@ std::vector<VehicleStep> CornerAt(const LeverArm& lever_arm, double side, Distan
     const double middle = std::sin(M_PI * (i + 0.5) / kSteps);
     const DriveSegment segment{1, distance(middle), side * middle * M_PI * M_PI / (4.0 * kSteps)};
     const Eigen::Quaterniond identity = Eigen::Quaterniond::Identity();
-    TurningMotion motion = TurningMotionOf(SlippingCameraMotion(segment, kInterval, lever_arm, identity), identity);
+    TurningMotion motion = TurningMotionOf(SlippingCameraMotion(segment, kStepInterval, lever_arm, identity), identity);
     motion.step /= kMetresPerUnit;
-    corner.push_back({.motion = motion, .duration = kInterval, .first = i, .last = i + 1});
+    corner.push_back({.motion = motion, .duration = kStepInterval, .first = i, .last = i + 1});
   }
   return corner;
 }

@@ -73,11 +73,11 @@ TEST(RobustLine, AThirdOfTheStepsMayBeAnything) {
 }
 
 TEST(RobustLine, SigmaIsTheSpreadOfTheSlope) {
-  constexpr int kSeeds = 400;
+  constexpr int kNoisyLines = 400;
   for (const int count : {8, 30}) {
     double squares = 0;
     double variance = 0;
-    for (unsigned seed = 0; seed < kSeeds; ++seed) {
+    for (unsigned seed = 0; seed < kNoisyLines; ++seed) {
       // The same places each time: sigma is for given x.
       std::vector<LinePoint> points = NoisyLine(count, 0, 5);
       std::mt19937 random(seed);

@@ -17,9 +17,12 @@ struct DriveSegment {
   double psi = 0;              ///< rad the car turns in a step
 };
 
+/// Seconds a step of such a drive usually takes.
+constexpr double kStepInterval = 0.1;
+
 /// A drive whose truth is known.
 struct CarDrive {
-  double dt = 0.1;                                ///< seconds a step
+  double dt = kStepInterval;                      ///< seconds a step
   std::vector<RigidTransform> world_from_camera;  ///< one more than there are steps; metres; the first is the identity
 };
 

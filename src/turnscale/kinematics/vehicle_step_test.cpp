@@ -19,7 +19,6 @@ namespace {
 
 const Eigen::Quaterniond kIdentity = Eigen::Quaterniond::Identity();
 constexpr double kDegree = 1 / kDegreesPerRadian;
-constexpr double kInterval = 0.1;
 
 Eigen::Quaterniond Pitched(double angle) { return RotationFromYawPitchRoll({0, angle, 0}); }
 
@@ -41,8 +40,8 @@ HalfWay SeenHalfWay(const AckermannStep& step, double lever_arm) {
 
 Trajectory Timed(const std::vector<DriveSegment>& route, const LeverArm& lever_arm = {1.2, 0}) {
   Trajectory path;
-  for (const RigidTransform& pose : MakeCarDrive(route, kInterval, lever_arm, kIdentity).world_from_camera)
-    path.push_back({kInterval * static_cast<double>(path.size()), pose});
+  for (const RigidTransform& pose : MakeCarDrive(route, kStepInterval, lever_arm, kIdentity).world_from_camera)
+    path.push_back({kStepInterval * static_cast<double>(path.size()), pose});
   return path;
 }
 
@@ -79,9 +78,9 @@ TEST(LevelStep, PitchOfTheMountDoesNotMatter) {
     const AckermannStep step{0.3 * uniform(random), 0.8};
     const double pitch = 0.3 * uniform(random);
     const RigidTransform motion = ConstrainedCameraMotion(step, 1.4, Pitched(pitch));
-    const VehicleStep known = LevelStep(motion, Pitched(pitch), kInterval, {});
+    const VehicleStep known = LevelStep(motion, Pitched(pitch), kStepInterval, {});
     for (const double believed : {0.0, 0.2, -0.35}) {
-      const VehicleStep read = LevelStep(motion, Pitched(believed), kInterval, {});
+      const VehicleStep read = LevelStep(motion, Pitched(believed), kStepInterval, {});
       EXPECT_NEAR(read.motion.psi, known.motion.psi, 1e-12);
       EXPECT_NEAR(read.motion.theta, known.motion.theta, 1e-12);
       EXPECT_NEAR(read.lateral(), known.lateral(), 1e-12);
@@ -174,7 +173,7 @@ TEST(CutIntoSteps, NothingIsReadAcrossAGap) {
     if (!step.after_gap) continue;
     EXPECT_EQ(step.motion.step, 0);
     EXPECT_EQ(step.motion.psi, 0);
-    EXPECT_NEAR(step.duration, kInterval, 1e-9);
+    EXPECT_NEAR(step.duration, kStepInterval, 1e-9);
   }
 }
 

@@ -20,7 +20,6 @@ constexpr double kEdge = 20;
 constexpr double kTitle = 36;
 constexpr double kNote = 26;
 constexpr double kLegendLine = 18;
-constexpr double kLetter = 6.6;  // width of a legend's letter, about
 
 constexpr auto kStyle =
     "text{font-family:Helvetica,Arial,sans-serif;font-size:13px;fill:#333}.title{font-size:17px;font-weight:bold}"

@@ -15,8 +15,7 @@ namespace {
 
 constexpr int kXTicks = 7;
 constexpr int kYTicks = 6;
-constexpr double kLetter = 6.6;  // width of a letter, about
-constexpr double kAir = 0.05;    // around the data, a share of their range
+constexpr double kAir = 0.05;  // around the data, a share of their range
 
 Eigen::AlignedBox2d Extent(const PlotPanel& panel) {
   Eigen::AlignedBox2d box;

@@ -13,6 +13,8 @@ namespace turnscale {
 double AxisLeft(const PlotPanel& panel);
 constexpr double kAxisTop = 30;
 constexpr double kAxisBottom = 56;
+/// Width of a letter, about.
+constexpr double kLetter = 6.6;
 
 /// Where a panel's values stand on the page.
 class PlotAxes {

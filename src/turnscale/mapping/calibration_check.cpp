@@ -15,7 +15,6 @@
 namespace turnscale {
 namespace {
 
-constexpr int kEntries = IntrinsicsChange::kEntries;
 using Vector = IntrinsicsChange::Vector;
 using Matrix = IntrinsicsChange::Matrix;
 
@@ -173,9 +172,10 @@ IntrinsicsEstimate CalibrationCheck::Estimate() const {
       const Vector pull = windows_[i].weighted_minimum - windows_[i].information * estimate.change;
       const double square = pull.dot(windows_[i].information.ldlt().solve(pull));
       sum += weights[i] * square;
-      weights[i] = (kStudentDof + kEntries) / (kStudentDof + square);
+      weights[i] = (kStudentDof + IntrinsicsChange::kEntries) / (kStudentDof + square);
     }
-    if (windows_.size() > 1) scatter = std::max(1.0, sum / (kEntries * static_cast<double>(windows_.size() - 1)));
+    if (windows_.size() > 1)
+      scatter = std::max(1.0, sum / (IntrinsicsChange::kEntries * static_cast<double>(windows_.size() - 1)));
   }
   estimate.covariance *= scatter;
   // A lens that distorts much has more to it than the first radial term.
@@ -201,8 +201,8 @@ std::vector<ParameterEstimate> CalibrationCheck::Contradictions() const {
   std::vector<ParameterEstimate> contradictions;
   if (windows_.empty()) return contradictions;
   const double centre = given_.fx * std::tan(InRadians(options_.min_centre_error_deg));
-  const double matters[kEntries] = {given_.fx * options_.min_focal_error, centre, centre,
-                                    options_.min_correction_error};
+  const double matters[IntrinsicsChange::kEntries] = {given_.fx * options_.min_focal_error, centre, centre,
+                                                      options_.min_correction_error};
   const std::vector<ParameterEstimate> all = Parameters();
   for (size_t i = 0; i < all.size(); ++i) {
     const double error = std::abs(all[i].found - all[i].given);

@@ -8,7 +8,6 @@
 
 #include "turnscale/base/refused_field.h"
 #include "turnscale/camera/radial_correction.h"
-#include "turnscale/geometry/triangulation.h"
 #include "turnscale/mapping/synthetic_map.h"
 
 namespace turnscale {
@@ -17,7 +16,6 @@ namespace {
 using Vector = IntrinsicsChange::Vector;
 
 const std::vector<DriveSegment> kStreet = {{60, 0.8, 0}};
-const std::vector<DriveSegment> kRightAndLeft = {{4, 0.8, 0}, {22, 0.7, 0.07}, {4, 0.8, 0}, {22, 0.7, -0.07}};
 
 // A drive read with a calibration that is off by `error`: to be right, the pinhole has to change by minus that, and
 // pixels want error[kCorrection] as correction.
@@ -36,32 +34,10 @@ Map WrongMap(const std::vector<DriveSegment>& segments, const Vector& error, dou
   return map;
 }
 
-// The map as it was when this many keyframes had come.
-Map UpTo(int keyframes, const Map& whole) {
-  Map map;
-  map.pinhole = whole.pinhole;
-  for (int k = 0; k < keyframes; ++k) {
-    map.keyframes.push_back(whole.keyframes[k]);
-    map.keyframes.back().observations.clear();
-  }
-  map.landmarks.resize(whole.landmarks.size());
-  for (size_t i = 0; i < whole.landmarks.size(); ++i) {
-    Landmark& landmark = map.landmarks[i];
-    landmark.position = whole.landmarks[i].position;
-    for (const LandmarkObservation& seen : whole.landmarks[i].observations)
-      if (seen.keyframe < keyframes) AddObservation(map, seen.keyframe, static_cast<int>(i), seen.pixel);
-    const std::vector<LandmarkObservation>& seen = landmark.observations;
-    landmark.valid =
-        !seen.empty() && ParallaxAngle(map.keyframes[seen.front().keyframe].camera_from_world,
-                                       map.keyframes[seen.back().keyframe].camera_from_world, landmark.position) > 0.01;
-  }
-  return map;
-}
-
-CalibrationCheck Drive(const Map& whole, const CalibrationCheckOptions& options = {}) {
+CalibrationCheck CheckAlong(const Map& whole, const CalibrationCheckOptions& options = {}) {
   CalibrationCheck check(options);
   for (int keyframes = 1; keyframes <= static_cast<int>(whole.keyframes.size()); ++keyframes)
-    check.Observe(UpTo(keyframes, whole), 0.0);
+    check.Observe(MapUpTo(keyframes, whole), 0.0);
   return check;
 }
 
@@ -69,7 +45,7 @@ TEST(CalibrationCheck, FindsAWrongFocalLength) {
   for (const double percent : {15.0, -15.0, 5.0, -5.0})
     for (const unsigned seed : {1U, 2U}) {
       const Vector error(std::log(1 + percent / 100), 0, 0, 0);
-      const CalibrationCheck check = Drive(WrongMap(kRightAndLeft, error, 0.3, seed));
+      const CalibrationCheck check = CheckAlong(WrongMap(kRightAndLeft, error, 0.3, seed));
       const std::vector<ParameterEstimate> found = check.Contradictions();
       ASSERT_EQ(found.size(), 1U) << percent;
       EXPECT_EQ(found[0].parameter, IntrinsicsParameter::kFocalLength);
@@ -81,7 +57,7 @@ TEST(CalibrationCheck, FindsAWrongFocalLength) {
 
 TEST(CalibrationCheck, FindsAWrongPrincipalPoint) {
   for (const Vector& error : {Vector(0, 25, 0, 0), Vector(0, 0, -25, 0)}) {
-    const CalibrationCheck check = Drive(WrongMap(kRightAndLeft, error, 0.3, 3));
+    const CalibrationCheck check = CheckAlong(WrongMap(kRightAndLeft, error, 0.3, 3));
     const std::vector<ParameterEstimate> all = check.Parameters();
     EXPECT_NEAR(all[1].found, 607, 2.5 * all[1].sigma);
     EXPECT_NEAR(all[2].found, 185, 2.5 * all[2].sigma);
@@ -93,7 +69,7 @@ TEST(CalibrationCheck, FindsAWrongPrincipalPoint) {
 }
 
 TEST(CalibrationCheck, TellsALensFromAFocalLength) {
-  const CalibrationCheck check = Drive(WrongMap(kRightAndLeft, Vector(0, 0, 0, 0.015), 0.3, 4));
+  const CalibrationCheck check = CheckAlong(WrongMap(kRightAndLeft, Vector(0, 0, 0, 0.015), 0.3, 4));
   const std::vector<ParameterEstimate> all = check.Parameters();
   EXPECT_NEAR(all[3].found, 0.015, 2.5 * all[3].sigma);
   EXPECT_LT(all[3].sigma, 0.007);
@@ -102,7 +78,7 @@ TEST(CalibrationCheck, TellsALensFromAFocalLength) {
 
 TEST(CalibrationCheck, SaysNothingWhereTheCalibrationIsRight) {
   for (const unsigned seed : {5U, 6U, 7U, 8U, 9U, 10U}) {
-    const CalibrationCheck check = Drive(WrongMap(kRightAndLeft, Vector::Zero(), 0.3, seed));
+    const CalibrationCheck check = CheckAlong(WrongMap(kRightAndLeft, Vector::Zero(), 0.3, seed));
     EXPECT_GT(check.windows(), 1);
     EXPECT_TRUE(check.Contradictions().empty()) << seed;
     for (const ParameterEstimate& estimate : check.Parameters())
@@ -111,7 +87,7 @@ TEST(CalibrationCheck, SaysNothingWhereTheCalibrationIsRight) {
 }
 
 TEST(CalibrationCheck, AStreetDoesNotTell) {
-  const CalibrationCheck check = Drive(WrongMap(kStreet, Vector(0.14, 0, 0, 0), 0.3, 11));
+  const CalibrationCheck check = CheckAlong(WrongMap(kStreet, Vector(0.14, 0, 0, 0), 0.3, 11));
   EXPECT_EQ(check.windows(), 0);
   EXPECT_TRUE(check.Contradictions().empty());
   const std::vector<ParameterEstimate> all = check.Parameters();
@@ -122,7 +98,7 @@ TEST(CalibrationCheck, AStreetDoesNotTell) {
 TEST(CalibrationCheck, DoesNotLookAcrossAGap) {
   Map map = WrongMap(kRightAndLeft, Vector(0.14, 0, 0, 0), 0.3, 12);
   for (int k = 4; k < static_cast<int>(map.keyframes.size()); k += 5) map.keyframes[k].after_gap = true;
-  EXPECT_EQ(Drive(map).windows(), 0);
+  EXPECT_EQ(CheckAlong(map).windows(), 0);
 }
 
 TEST(CalibrationCheck, PixelsThatAreCorrectedAlreadySayTheSame) {
@@ -153,7 +129,7 @@ TEST(CalibrationCheck, ANumberThatIsNoneTellsNothing) {
 TEST(CalibrationCheck, CanBeSwitchedOff) {
   CalibrationCheckOptions options;
   options.enabled = false;
-  EXPECT_EQ(Drive(WrongMap(kRightAndLeft, Vector(0.14, 0, 0, 0), 0.3, 15), options).windows(), 0);
+  EXPECT_EQ(CheckAlong(WrongMap(kRightAndLeft, Vector(0.14, 0, 0, 0), 0.3, 15), options).windows(), 0);
 }
 
 TEST(CalibrationCheck, OptionsNameTheFieldThatMakesNoSense) {

@@ -22,7 +22,7 @@ constexpr int kEntries = IntrinsicsChange::kEntries;
 using Vector = IntrinsicsChange::Vector;
 using Matrix = IntrinsicsChange::Matrix;
 
-constexpr size_t kFewestObservations = 3;  // of a landmark: two fit a point whatever the camera
+constexpr size_t kFewestInTrack = 3;  // of a landmark: two fit a point whatever the camera
 constexpr int kPoseDof = 6;
 // Median length of a two-dimensional normal error of sigma 1.
 constexpr double kMedianLength = 1.17741;
@@ -55,7 +55,7 @@ std::vector<Track> LongestTracks(const Map& map, const IntrinsicsWindow& window)
     for (const LandmarkObservation& observation : map.landmarks[landmark].observations)
       if (observation.keyframe >= window.first && observation.keyframe <= window.last)
         track.observations.push_back(observation);
-    if (track.observations.size() < kFewestObservations) continue;
+    if (track.observations.size() < kFewestInTrack) continue;
     std::ranges::sort(track.observations, {}, &LandmarkObservation::keyframe);
     tracks.push_back(std::move(track));
   }
@@ -102,7 +102,7 @@ struct EliminatedPoint {
 
 // Adds the rows of one point to the system and takes the point out. Nothing where they do not determine it.
 std::optional<EliminatedPoint> Eliminate(const std::vector<Row>& rows, ReducedSystem& system) {
-  if (rows.size() < kFewestObservations) return std::nullopt;
+  if (rows.size() < kFewestInTrack) return std::nullopt;
   Eigen::Matrix3d hessian = Eigen::Matrix3d::Zero();
   Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
   IntrinsicsBlock by_intrinsics = IntrinsicsBlock::Zero();

@@ -16,7 +16,8 @@ namespace turnscale {
 /// principal point x and y (pixels, further right and down), and the radial correction (radial_correction.h; the whole
 /// of it, not what comes on top of the one that is applied).
 struct IntrinsicsChange {
-  enum Entry { kLogFocal, kCentreX, kCentreY, kCorrection, kEntries };
+  enum Entry { kLogFocal, kCentreX, kCentreY, kCorrection };
+  static constexpr int kEntries = kCorrection + 1;
   using Vector = Eigen::Matrix<double, kEntries, 1>;
   using Matrix = Eigen::Matrix<double, kEntries, kEntries>;
 };

@@ -13,7 +13,7 @@
 namespace turnscale {
 namespace {
 
-constexpr size_t kFewestObservations = 2;
+constexpr size_t kFewestSightings = 2;
 
 CameraRay RayOf(const Map& map, const LandmarkObservation& seen) {
   return {map.keyframes[seen.keyframe].camera_from_world, map.pinhole.Ray(seen.pixel)};
@@ -46,7 +46,7 @@ double ReprojectionError(const Map& map, int landmark, const LandmarkObservation
 void TriangulateLandmarks(const LandmarkOptions& options, const std::vector<int>& landmarks, Map& map) {
   for (const int index : landmarks) {
     Landmark& landmark = map.landmarks[index];
-    if (landmark.valid || landmark.observations.size() < kFewestObservations) continue;
+    if (landmark.valid || landmark.observations.size() < kFewestSightings) continue;
     const std::optional<Eigen::Vector3d> x = TriangulateOne(options, map, index);
     if (!x) continue;
     landmark.position = *x;
@@ -73,7 +73,7 @@ std::vector<int> CullLandmarks(const LandmarkOptions& options, const std::vector
       }
       if (!agrees) RemoveObservation(map, seen.keyframe, index);
     }
-    if (landmark.observations.size() < kFewestObservations) {
+    if (landmark.observations.size() < kFewestSightings) {
       RemoveLandmark(map, index);
       lost.push_back(index);
     } else if (seen_latest && !keeps_latest) {

@@ -15,7 +15,7 @@
 namespace turnscale {
 namespace {
 
-constexpr int kFewestObservations = 3;  // of a landmark in the window: two fit a point whatever the lens does
+constexpr int kFewestInWindow = 3;  // of a landmark in the window: two fit a point whatever the lens does
 
 // Cost that is left when poses and points have followed the correction; NaN where they cannot.
 double ProfileCost(const WindowProblem& window, const Pinhole& pinhole, double from, double to) {
@@ -55,7 +55,7 @@ bool LensRefinement::Observe(const Map& map, double applied) {
   const Eigen::Quaterniond turn =
       map.keyframes[latest].camera_from_world.rotation * map.keyframes[first].camera_from_world.rotation.conjugate();
   if (RotationAngle(turn) * kDegreesPerRadian < options_.min_turn_deg) return false;
-  const WindowProblem window = MakeWindowProblem(map, {first, first + 1, kFewestObservations}, options_.pixel_sigma);
+  const WindowProblem window = MakeWindowProblem(map, {first, first + 1, kFewestInWindow}, options_.pixel_sigma);
   if (window.landmarks.empty()) return false;
 
   const double below = ProfileCost(window, map.pinhole, applied, correction_ - options_.step);

@@ -8,15 +8,12 @@
 
 #include "turnscale/base/refused_field.h"
 #include "turnscale/camera/radial_correction.h"
-#include "turnscale/geometry/rotation.h"
-#include "turnscale/geometry/triangulation.h"
 #include "turnscale/mapping/synthetic_map.h"
 
 namespace turnscale {
 namespace {
 
 const std::vector<DriveSegment> kStreetCornerStreet = {{20, 0.8, 0}, {20, 0.7, 0.07}, {25, 0.8, 0}};
-const std::vector<DriveSegment> kRightAndLeft = {{4, 0.8, 0}, {22, 0.7, 0.07}, {4, 0.8, 0}, {22, 0.7, -0.07}};
 
 // A drive seen through a lens whose pixels would need `distortion` as correction.
 Map MapThroughLens(const std::vector<DriveSegment>& segments, double distortion, double noise, unsigned seed,
@@ -36,40 +33,16 @@ Map MapThroughLens(const std::vector<DriveSegment>& segments, double distortion,
   return map;
 }
 
-// As landmarks are given a depth.
-constexpr double kLeastParallax = 0.5 / kDegreesPerRadian;
-
-// The map as it was when this many keyframes had come.
-Map UpTo(int keyframes, const Map& whole) {
-  Map map;
-  map.pinhole = whole.pinhole;
-  for (int k = 0; k < keyframes; ++k) {
-    map.keyframes.push_back(whole.keyframes[k]);
-    map.keyframes.back().observations.clear();
-  }
-  map.landmarks.resize(whole.landmarks.size());
-  for (size_t i = 0; i < whole.landmarks.size(); ++i) {
-    map.landmarks[i].position = whole.landmarks[i].position;
-    for (const LandmarkObservation& seen : whole.landmarks[i].observations)
-      if (seen.keyframe < keyframes) AddObservation(map, seen.keyframe, static_cast<int>(i), seen.pixel);
-    const std::vector<LandmarkObservation>& seen = map.landmarks[i].observations;
-    map.landmarks[i].valid = !seen.empty() && ParallaxAngle(map.keyframes[seen.front().keyframe].camera_from_world,
-                                                            map.keyframes[seen.back().keyframe].camera_from_world,
-                                                            map.landmarks[i].position) > kLeastParallax;
-  }
-  return map;
-}
-
-LensRefinement Drive(const Map& whole, const LensRefinementOptions& options = {}) {
+LensRefinement RefineAlong(const Map& whole, const LensRefinementOptions& options = {}) {
   LensRefinement lens(options);
   for (int keyframes = 1; keyframes <= static_cast<int>(whole.keyframes.size()); ++keyframes)
-    lens.Observe(UpTo(keyframes, whole), 0.0);
+    lens.Observe(MapUpTo(keyframes, whole), 0.0);
   return lens;
 }
 
 TEST(LensRefinement, FindsTheDistortionFromOneCorner) {
   for (const double distortion : {-0.012, 0.0, 0.008}) {
-    const LensRefinement lens = Drive(MapThroughLens(kStreetCornerStreet, distortion, 0, 3));
+    const LensRefinement lens = RefineAlong(MapThroughLens(kStreetCornerStreet, distortion, 0, 3));
     EXPECT_NEAR(lens.correction(), distortion, 0.001);
   }
 }
@@ -77,7 +50,7 @@ TEST(LensRefinement, FindsTheDistortionFromOneCorner) {
 TEST(LensRefinement, FindsTheDistortionFromTurnsInNoise) {
   for (const double distortion : {-0.012, 0.0, 0.008})
     for (const unsigned seed : {3U, 4U}) {
-      const LensRefinement lens = Drive(MapThroughLens(kRightAndLeft, distortion, 0.3, seed));
+      const LensRefinement lens = RefineAlong(MapThroughLens(kRightAndLeft, distortion, 0.3, seed));
       EXPECT_NEAR(lens.correction(), distortion, 0.002);
       EXPECT_LT(lens.sigma(), 0.001);
       EXPECT_GT(lens.sigma(), 0.0001);
@@ -94,14 +67,14 @@ LensRefinementOptions AnyWindow() {
 TEST(LensRefinement, AsksOnlyWindowsThatTurn) {
   const Map whole = MapThroughLens(kStreetCornerStreet, -0.012, 0.3, 3);
   LensRefinement lens({});
-  EXPECT_FALSE(lens.Observe(UpTo(18, whole), 0)) << "a street";
+  EXPECT_FALSE(lens.Observe(MapUpTo(18, whole), 0)) << "a street";
   EXPECT_EQ(lens.correction(), 0);
-  EXPECT_TRUE(lens.Observe(UpTo(36, whole), 0)) << "a corner";
+  EXPECT_TRUE(lens.Observe(MapUpTo(36, whole), 0)) << "a corner";
   EXPECT_NE(lens.correction(), 0);
 }
 
 TEST(LensRefinement, ANumberThatIsNoneTellsNothing) {
-  Map map = UpTo(36, MapThroughLens(kStreetCornerStreet, -0.012, 0.3, 3));
+  Map map = MapUpTo(36, MapThroughLens(kStreetCornerStreet, -0.012, 0.3, 3));
   for (const KeyframeObservation& seen : map.keyframes.back().observations)
     map.landmarks[seen.landmark].position.x() = std::nan("");
   LensRefinement lens({});
@@ -113,14 +86,14 @@ TEST(LensRefinement, ATurnTellsMoreThanAStreet) {
   LensRefinement street(AnyWindow());
   LensRefinement turn(AnyWindow());
   const Map whole = MapThroughLens(kStreetCornerStreet, 0, 0.3, 3);
-  ASSERT_TRUE(street.Observe(UpTo(18, whole), 0));
-  ASSERT_TRUE(turn.Observe(UpTo(36, whole), 0));
+  ASSERT_TRUE(street.Observe(MapUpTo(18, whole), 0));
+  ASSERT_TRUE(turn.Observe(MapUpTo(36, whole), 0));
   EXPECT_LT(turn.sigma(), 0.3 * street.sigma());
 }
 
 TEST(LensRefinement, DoesNotDependOnTheUnitOfLength) {
-  const LensRefinement one = Drive(MapThroughLens(kRightAndLeft, -0.006, 0.3, 4));
-  const LensRefinement ten = Drive(MapThroughLens(kRightAndLeft, -0.006, 0.3, 4, 10));
+  const LensRefinement one = RefineAlong(MapThroughLens(kRightAndLeft, -0.006, 0.3, 4));
+  const LensRefinement ten = RefineAlong(MapThroughLens(kRightAndLeft, -0.006, 0.3, 4, 10));
   EXPECT_NEAR(ten.correction(), one.correction(), 1e-6);
   EXPECT_NEAR(ten.sigma() / one.sigma(), 1.0, 1e-3);
 }
@@ -128,7 +101,7 @@ TEST(LensRefinement, DoesNotDependOnTheUnitOfLength) {
 TEST(LensRefinement, PixelsThatAreCorrectedAlreadySayTheSame) {
   const double distortion = 0.008;
   const double applied = 0.005;
-  const Map raw = UpTo(40, MapThroughLens(kStreetCornerStreet, distortion, 0.3, 5));
+  const Map raw = MapUpTo(40, MapThroughLens(kStreetCornerStreet, distortion, 0.3, 5));
   Map corrected = raw;
   for (Landmark& landmark : corrected.landmarks)
     for (LandmarkObservation& seen : landmark.observations)
@@ -144,16 +117,16 @@ TEST(LensRefinement, PixelsThatAreCorrectedAlreadySayTheSame) {
 TEST(LensRefinement, KnowsThePriorUntilTheWindowIsFull) {
   const Map whole = MapThroughLens(kStreetCornerStreet, -0.012, 0.3, 6);
   LensRefinement lens(AnyWindow());
-  for (int keyframes = 1; keyframes < 12; ++keyframes) EXPECT_FALSE(lens.Observe(UpTo(keyframes, whole), 0));
+  for (int keyframes = 1; keyframes < 12; ++keyframes) EXPECT_FALSE(lens.Observe(MapUpTo(keyframes, whole), 0));
   EXPECT_EQ(lens.correction(), 0);
   EXPECT_NEAR(lens.sigma(), LensRefinementOptions().prior_sigma, 1e-12);
-  EXPECT_TRUE(lens.Observe(UpTo(12, whole), 0));
+  EXPECT_TRUE(lens.Observe(MapUpTo(12, whole), 0));
   EXPECT_LT(lens.sigma(), LensRefinementOptions().prior_sigma);
-  EXPECT_FALSE(lens.Observe(UpTo(13, whole), 0)) << "the next look is half a window on";
+  EXPECT_FALSE(lens.Observe(MapUpTo(13, whole), 0)) << "the next look is half a window on";
 }
 
 TEST(LensRefinement, DoesNotLookAcrossAGap) {
-  Map map = UpTo(40, MapThroughLens(kStreetCornerStreet, -0.012, 0.3, 7));
+  Map map = MapUpTo(40, MapThroughLens(kStreetCornerStreet, -0.012, 0.3, 7));
   map.keyframes[35].after_gap = true;
   LensRefinement lens({});
   EXPECT_FALSE(lens.Observe(map, 0));
@@ -163,7 +136,7 @@ TEST(LensRefinement, DoesNotLookAcrossAGap) {
 TEST(LensRefinement, CanBeSwitchedOff) {
   LensRefinementOptions options;
   options.enabled = false;
-  const LensRefinement lens = Drive(MapThroughLens(kStreetCornerStreet, -0.012, 0.3, 8), options);
+  const LensRefinement lens = RefineAlong(MapThroughLens(kStreetCornerStreet, -0.012, 0.3, 8), options);
   EXPECT_EQ(lens.correction(), 0);
   EXPECT_NEAR(lens.sigma(), options.prior_sigma, 1e-12);
 }

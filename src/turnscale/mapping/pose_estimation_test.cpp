@@ -7,11 +7,10 @@
 
 #include "turnscale/base/refused_field.h"
 #include "turnscale/geometry/rotation.h"
+#include "turnscale/mapping/synthetic_map.h"
 
 namespace turnscale {
 namespace {
-
-const Pinhole kPinhole{700, 700, 600, 180};
 
 struct Scene {
   RigidTransform camera_from_world{RotationFromVector({0.1, -0.4, 0.05}), {0.5, -0.2, 1.0}};

@@ -6,10 +6,18 @@
 
 #include <Eigen/Core>
 
+#include "turnscale/geometry/rotation.h"
+#include "turnscale/geometry/triangulation.h"
 #include "turnscale/kinematics/synthetic_drive.h"
 #include "turnscale/mapping/map.h"
 
 namespace turnscale {
+
+/// A camera of wide images.
+inline const Pinhole kPinhole{700, 700, 600, 180};
+
+/// A turn to either side.
+inline const std::vector<DriveSegment> kRightAndLeft = {{4, 0.8, 0}, {22, 0.7, 0.07}, {4, 0.8, 0}, {22, 0.7, -0.07}};
 
 /// A street of points around a made-up drive, seen by one keyframe a step, for tests. Metres, pixels.
 struct SyntheticStreet {
@@ -50,6 +58,29 @@ inline Map MakeMap(const CarDrive& drive, const SyntheticStreet& street) {
       map.keyframes[seen.keyframe].observations.push_back({index, seen.pixel});
     }
     map.landmarks.push_back(landmark);
+  }
+  return map;
+}
+
+/// The map as it was when this many keyframes had come.
+inline Map MapUpTo(int keyframes, const Map& whole) {
+  constexpr double kLeastParallax = 0.5 / kDegreesPerRadian;  // as landmarks are given a depth
+  Map map;
+  map.pinhole = whole.pinhole;
+  for (int k = 0; k < keyframes; ++k) {
+    map.keyframes.push_back(whole.keyframes[k]);
+    map.keyframes.back().observations.clear();
+  }
+  map.landmarks.resize(whole.landmarks.size());
+  for (size_t i = 0; i < whole.landmarks.size(); ++i) {
+    Landmark& landmark = map.landmarks[i];
+    landmark.position = whole.landmarks[i].position;
+    for (const LandmarkObservation& seen : whole.landmarks[i].observations)
+      if (seen.keyframe < keyframes) AddObservation(map, seen.keyframe, static_cast<int>(i), seen.pixel);
+    if (landmark.observations.empty()) continue;
+    const auto pose = [&](const LandmarkObservation& seen) { return map.keyframes[seen.keyframe].camera_from_world; };
+    landmark.valid = ParallaxAngle(pose(landmark.observations.front()), pose(landmark.observations.back()),
+                                   landmark.position) > kLeastParallax;
   }
   return map;
 }

@@ -8,11 +8,10 @@
 
 #include "turnscale/base/refused_field.h"
 #include "turnscale/geometry/rotation.h"
+#include "turnscale/mapping/synthetic_map.h"
 
 namespace turnscale {
 namespace {
-
-const Pinhole kPinhole{700, 700, 600, 180};
 
 struct Views {
   std::vector<Eigen::Vector2d> first;

@@ -9,28 +9,16 @@
 #include "turnscale/base/random.h"
 #include "turnscale/geometry/rotation.h"
 #include "turnscale/kinematics/synthetic_drive.h"
+#include "turnscale/odometry/test_corners.h"
 
 namespace turnscale {
 namespace {
 
-const Eigen::Quaterniond kMounting = RotationFromYawPitchRoll({0.03, -0.05, 0.01});
-constexpr double kLeverArm = 1.2;
-constexpr double kQuarter = M_PI / 2 / 22;
 constexpr double kUnits = 0.3;  // of the map, per metre
 
-// Two corners of 90 degrees with a street between.
-const std::vector<DriveSegment> kTwoCorners = {
-    {12, 0.8, 0}, {22, 0.6, kQuarter}, {25, 0.8, 0}, {22, 0.6, -kQuarter}, {12, 0.8, 0}};
+// Of kTwoCorners.
 constexpr int kFirstCorner = 12;   // the keyframe where it begins
 constexpr int kSecondCorner = 59;  // likewise
-
-OdometryOptions Options() {
-  OdometryOptions options;
-  options.vehicle.lever_arm = kLeverArm;
-  options.vehicle.vehicle_from_camera = kMounting;
-  options.vehicle.calibrate_camera = false;
-  return options;
-}
 
 std::vector<RigidTransform> TrueDrive(const std::vector<DriveSegment>& segments,
                                       const Eigen::Quaterniond& mount = kMounting) {
@@ -91,7 +79,7 @@ void ExpectSameMap(const Map& a, const Map& b) {
 }
 
 TEST(DriveScale, TwoCornersGiveMetres) {
-  Live live(Options(), TrueDrive(kTwoCorners), kUnits, 0.001);
+  Live live(KnownCar(), TrueDrive(kTwoCorners), kUnits, 0.001);
   live.Drive();
   const RefinedScale refined = live.scale.Refine(live.map);
   ASSERT_TRUE(refined.estimate) << refined.reason;
@@ -127,7 +115,7 @@ TEST(DriveScale, TwoCornersGiveMetres) {
 }
 
 TEST(DriveScale, GivesMetresInsideTheFirstTurn) {
-  Live live(Options(), TrueDrive(kTwoCorners), kUnits, 0.002);
+  Live live(KnownCar(), TrueDrive(kTwoCorners), kUnits, 0.002);
   int known_at = -1;
   while (static_cast<int>(live.map.keyframes.size()) <= kFirstCorner + 22) {
     live.Next();
@@ -155,7 +143,7 @@ TEST(DriveScale, GivesMetresInsideTheFirstTurn) {
 }
 
 TEST(DriveScale, NeverTouchesTheMap) {
-  Live live(Options(), TrueDrive(kTwoCorners), kUnits, 0.002);
+  Live live(KnownCar(), TrueDrive(kTwoCorners), kUnits, 0.002);
   live.map.landmarks.push_back({{1, 2, 3}, true, {}});
   while (live.map.keyframes.size() < live.truth.size()) {
     Map before = live.map;
@@ -173,11 +161,11 @@ TEST(DriveScale, NeverTouchesTheMap) {
 }
 
 TEST(DriveScale, TheArbitraryUnitDoesNotMatter) {
-  Live one(Options(), TrueDrive(kTwoCorners), 1, 0.002);
+  Live one(KnownCar(), TrueDrive(kTwoCorners), 1, 0.002);
   one.Drive();
   const RefinedScale refined = one.scale.Refine(one.map);
   for (const double unit : {0.02, 10.0}) {
-    Live other(Options(), TrueDrive(kTwoCorners), unit, 0.002);
+    Live other(KnownCar(), TrueDrive(kTwoCorners), unit, 0.002);
     other.Drive();
     const RefinedScale in_other = other.scale.Refine(other.map);
     for (int k = 1; k < static_cast<int>(one.map.keyframes.size()); ++k) {
@@ -195,10 +183,10 @@ TEST(DriveScale, ALivePathGrowsAtItsEnd) {
   std::vector<DriveSegment> route;
   for (int i = 0; i < 4; ++i) {
     route.push_back({60, 0.8, 0});
-    route.push_back({22, 0.6, i % 2 == 0 ? kQuarter : -kQuarter});
+    route.push_back({22, 0.6, i % 2 == 0 ? kCornerStep : -kCornerStep});
   }
   route.push_back({60, 0.8, 0});
-  Live live(Options(), TrueDrive(route), kUnits, 0.002);
+  Live live(KnownCar(), TrueDrive(route), kUnits, 0.002);
   MetricPath before;
   while (live.map.keyframes.size() < live.truth.size()) {
     const int turn_end = live.scale.last_turn_end();
@@ -224,7 +212,7 @@ TEST(DriveScale, ALivePathGrowsAtItsEnd) {
 }
 
 TEST(DriveScale, FindsTheMountAndReadsTheTurnsBeforeAgain) {
-  OdometryOptions options = Options();
+  OdometryOptions options = KnownCar();
   options.vehicle.vehicle_from_camera = Eigen::Quaterniond::Identity();
   Live assumed(options, TrueDrive(kTwoCorners), kUnits);
   assumed.Drive();
@@ -247,7 +235,7 @@ TEST(DriveScale, FindsTheMountAndReadsTheTurnsBeforeAgain) {
 }
 
 TEST(DriveScale, ATurnThatOnlyTheMountExplainsIsUsedOnceItIsKnown) {
-  OdometryOptions options = Options();
+  OdometryOptions options = KnownCar();
   // So far off that no turn to one side can be read.
   options.vehicle.vehicle_from_camera = RotationFromYawPitchRoll({0.03 + 0.3, -0.05, 0.01});
   options.vehicle.side_slip_sigma = 0;
@@ -282,7 +270,7 @@ TEST(DriveScale, EachStepIsReadAsTheCameraWasTurnedThen) {
     const RigidTransform turned{pose.rotation * kMounting.conjugate() * moved, pose.translation};
     if (next.translation.norm() > 0) drive.push_back(turned * next);
   }
-  OdometryOptions options = Options();
+  OdometryOptions options = KnownCar();
   options.vehicle.calibrate_camera = true;
   Live live(options, drive, kUnits);
   live.Drive();
@@ -298,11 +286,11 @@ TEST(DriveScale, EachStepIsReadAsTheCameraWasTurnedThen) {
 }
 
 TEST(DriveScale, AllTurnsTogetherTellWhatTheYawHasWrong) {
-  OdometryOptions options = Options();
+  OdometryOptions options = KnownCar();
   options.vehicle.vehicle_from_camera = RotationFromYawPitchRoll({0.03 - 0.01, -0.05, 0.01});
   std::vector<DriveSegment> route = {{12, 0.8, 0}};
   for (int i = 0; i < 6; ++i) {
-    route.push_back({22, 0.6, i % 2 == 0 ? kQuarter : -kQuarter});
+    route.push_back({22, 0.6, i % 2 == 0 ? kCornerStep : -kCornerStep});
     route.push_back({30, 0.8, 0});
   }
   Live live(options, TrueDrive(route), kUnits);
@@ -320,7 +308,7 @@ TEST(DriveScale, AllTurnsTogetherTellWhatTheYawHasWrong) {
 }
 
 TEST(DriveScale, StaysPendingWithoutALeverArm) {
-  OdometryOptions options = Options();
+  OdometryOptions options = KnownCar();
   options.vehicle.lever_arm.reset();
   Live live(options, TrueDrive(kTwoCorners), kUnits);
   int turn_ends = 0;
@@ -351,7 +339,7 @@ TEST(DriveScale, StaysPendingWithoutALeverArm) {
 
 TEST(DriveScale, ATurnThatTellsNothingSaysWhy) {
   // At 20 m/s the slip of the tyres exceeds the lever arm.
-  Live live(Options(), TrueDrive({{20, 2, 0}, {12, 2, 0.05}, {20, 2, 0}}), 1);
+  Live live(KnownCar(), TrueDrive({{20, 2, 0}, {12, 2, 0.05}, {20, 2, 0}}), 1);
   live.Drive();
   const RefinedScale refined = live.scale.Refine(live.map);
   ASSERT_EQ(refined.turns.size(), 1U);
@@ -363,7 +351,7 @@ TEST(DriveScale, ATurnThatTellsNothingSaysWhy) {
 }
 
 TEST(DriveScale, ATurnThatIsStillOpenClosesAtTheEnd) {
-  Live live(Options(), TrueDrive({{12, 0.8, 0}, {22, 0.6, kQuarter}}), 4);
+  Live live(KnownCar(), TrueDrive({{12, 0.8, 0}, {22, 0.6, kCornerStep}}), 4);
   live.Drive();
   live.scale.Reread(live.map);
   EXPECT_EQ(live.scale.state(), ScaleState::kObserved);
@@ -376,7 +364,7 @@ TEST(DriveScale, ATurnThatIsStillOpenClosesAtTheEnd) {
 }
 
 TEST(DriveScale, NothingIsReadAcrossAGap) {
-  Live live(Options(), TrueDrive(kTwoCorners), 1);
+  Live live(KnownCar(), TrueDrive(kTwoCorners), 1);
   while (live.map.keyframes.size() < kFirstCorner + 12) live.Next();
   EXPECT_EQ(live.scale.state(), ScaleState::kObserved);
   live.Next(2.5);
@@ -394,7 +382,7 @@ TEST(DriveScale, NothingIsReadAcrossAGap) {
 }
 
 TEST(DriveScale, BothSidesOfAGapHaveTheirOwnScale) {
-  Live live(Options(), TrueDrive(kTwoCorners), kUnits, 0.001);
+  Live live(KnownCar(), TrueDrive(kTwoCorners), kUnits, 0.001);
   const int gap = kSecondCorner - 8;
   while (static_cast<int>(live.map.keyframes.size()) < gap) live.Next();
   EXPECT_EQ(live.scale.state(), ScaleState::kHeld);
@@ -411,7 +399,7 @@ TEST(DriveScale, BothSidesOfAGapHaveTheirOwnScale) {
 }
 
 TEST(DriveScale, MarksTheKeyframesOfTurns) {
-  Live live(Options(), TrueDrive(kTwoCorners), 1);
+  Live live(KnownCar(), TrueDrive(kTwoCorners), 1);
   live.Drive();
   const RefinedScale refined = live.scale.Refine(live.map);
   for (const TurnResult& turn : refined.turns) {
@@ -427,7 +415,7 @@ TEST(DriveScale, MarksTheKeyframesOfTurns) {
 }
 
 TEST(DriveScale, AKeyframeGoneAstrayLeavesNothingToBeRead) {
-  Live live(Options(), TrueDrive(kTwoCorners), 1);
+  Live live(KnownCar(), TrueDrive(kTwoCorners), 1);
   live.Drive();
   live.map.keyframes[50].camera_from_world.translation.x() = std::nan("");
   const RefinedScale refined = live.scale.Refine(live.map);
@@ -473,15 +461,15 @@ TEST(WidenForCalibration, AddsWhatEachContradictionMayCost) {
 }
 
 TEST(StepMotion, IsThatOfTheCar) {
-  Live live(Options(), TrueDrive(kTwoCorners), kUnits);
+  Live live(KnownCar(), TrueDrive(kTwoCorners), kUnits);
   live.Drive();
   const TurningMotion straight = StepMotion(live.map, 3, live.scale.mount());
   EXPECT_NEAR(straight.psi, 0, 1e-9);
   EXPECT_NEAR(straight.theta, 0, 1e-9);
   EXPECT_NEAR(straight.step, 0.8 * kUnits, 1e-9);
   const TurningMotion left = StepMotion(live.map, kSecondCorner + 5, live.scale.mount());
-  EXPECT_NEAR(left.psi, -kQuarter, 1e-9);
-  EXPECT_LT(left.theta, -0.5 * kQuarter) << "the camera swings outwards";
+  EXPECT_NEAR(left.psi, -kCornerStep, 1e-9);
+  EXPECT_LT(left.theta, -0.5 * kCornerStep) << "the camera swings outwards";
 }
 
 }  // namespace

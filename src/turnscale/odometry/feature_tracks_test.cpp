@@ -13,7 +13,7 @@
 namespace turnscale {
 namespace {
 
-CameraModel Camera() {
+CameraModel Distorted() {
   CameraModel camera;
   camera.pinhole = {420, 430, 318, 162};
   camera.lens = LensModel::kRadialTangential;
@@ -24,7 +24,7 @@ CameraModel Camera() {
 }
 
 CameraModel Undistorted() {
-  CameraModel camera = Camera();
+  CameraModel camera = Distorted();
   camera.lens = LensModel::kPinhole;
   camera.distortion = {};
   return camera;
@@ -56,7 +56,7 @@ FeatureTrack AddTrack(const CameraModel& camera, const Eigen::Vector2d& pixel, d
 }
 
 TEST(FeatureTracks, CurrentFromReferenceIsHowPixelsMove) {
-  const CameraModel camera = Camera();
+  const CameraModel camera = Distorted();
   Map map = OneKeyframe(camera);
   std::mt19937 random(1);
   std::uniform_real_distribution<double> x(80, 560);
@@ -85,7 +85,7 @@ TEST(FeatureTracks, CurrentFromReferenceIsHowPixelsMove) {
 }
 
 TEST(FeatureTracks, WhatACameraCanNotSeeHasNoCurrentFromReference) {
-  const CameraModel camera = Camera();
+  const CameraModel camera = Distorted();
   Map map = OneKeyframe(camera);
   const FeatureTrack track = AddTrack(camera, {320, 160}, 10, true, map);
   const RigidTransform passed = RigidTransform{Eigen::Quaterniond::Identity(), {0, 0, -11}} * kReference;
@@ -95,7 +95,7 @@ TEST(FeatureTracks, WhatACameraCanNotSeeHasNoCurrentFromReference) {
 }
 
 TEST(FeatureTracks, PredictionsProjectDepthsAndTurnTheRest) {
-  const CameraModel camera = Camera();
+  const CameraModel camera = Distorted();
   Map map = OneKeyframe(camera);
   const std::vector<FeatureTrack> tracks = {AddTrack(camera, {200, 120}, 12, true, map),
                                             AddTrack(camera, {420, 220}, 12, false, map),

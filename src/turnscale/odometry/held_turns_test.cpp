@@ -5,25 +5,14 @@
 
 #include <gtest/gtest.h>
 
-#include "turnscale/geometry/rotation.h"
 #include "turnscale/mapping/synthetic_map.h"
+#include "turnscale/odometry/test_corners.h"
 
 namespace turnscale {
 namespace {
 
-const Eigen::Quaterniond kMounting = RotationFromYawPitchRoll({0.03, -0.05, 0.01});
-constexpr double kLeverArm = 1.2;
-constexpr double kQuarter = M_PI / 2 / 22;
-
-// Two corners of 90 degrees with a street between.
-const std::vector<DriveSegment> kTwoCorners = {
-    {12, 0.8, 0}, {22, 0.6, kQuarter}, {25, 0.8, 0}, {22, 0.6, -kQuarter}, {12, 0.8, 0}};
-
-OdometryOptions Options(ScaleMethod method) {
-  OdometryOptions options;
-  options.vehicle.lever_arm = kLeverArm;
-  options.vehicle.vehicle_from_camera = kMounting;
-  options.vehicle.calibrate_camera = false;
+OdometryOptions Holding(ScaleMethod method) {
+  OdometryOptions options = KnownCar();
   options.scale.method = method;
   return options;
 }
@@ -57,7 +46,7 @@ RefinedScale RefinedOf(const OdometryOptions& options, const Map& map) {
 double StepOf(const Map& map, int k) { return (Centre(map.keyframes[k]) - Centre(map.keyframes[k - 1])).norm(); }
 
 TEST(HeldTurns, BringTheMapToMetres) {
-  const OdometryOptions options = Options(ScaleMethod::kTurns);
+  const OdometryOptions options = Holding(ScaleMethod::kTurns);
   FinishedMap finished = DriftingMap(options, kTwoCorners, 0.2);
   const Map before = finished.map;
   RefinedScale refined = RefinedOf(options, finished.map);
@@ -86,7 +75,7 @@ TEST(HeldTurns, BringTheMapToMetres) {
 }
 
 TEST(HeldTurns, PaperHoldsEachStepAtItsOwnLength) {
-  const OdometryOptions options = Options(ScaleMethod::kPaper);
+  const OdometryOptions options = Holding(ScaleMethod::kPaper);
   FinishedMap finished = DriftingMap(options, kTwoCorners, 0.02);
   RefinedScale refined = RefinedOf(options, finished.map);
   HoldTurns(options, MountCalibration(options.vehicle), finished.map, refined);
@@ -97,7 +86,7 @@ TEST(HeldTurns, PaperHoldsEachStepAtItsOwnLength) {
 }
 
 TEST(HeldTurns, PaperGivesTheDistancesOfTheObserver) {
-  const OdometryOptions options = Options(ScaleMethod::kPaper);
+  const OdometryOptions options = Holding(ScaleMethod::kPaper);
   const FinishedMap finished = DriftingMap(options, kTwoCorners, 0, 0);
   RefinedScale refined = RefinedOf(options, finished.map);
   const std::vector<TurnScale> held =
@@ -119,10 +108,10 @@ TEST(HeldTurns, PaperGivesTheDistancesOfTheObserver) {
 }
 
 TEST(HeldTurns, AWeakTurnDoesNotSpoilAGoodOne) {
-  OdometryOptions options = Options(ScaleMethod::kTurns);
+  OdometryOptions options = Holding(ScaleMethod::kTurns);
   options.vehicle.side_slip = 0;
   const FinishedMap finished =
-      DriftingMap(options, {{12, 0.8, 0}, {22, 0.6, kQuarter}, {15, 1.2, 0}, {6, 1.5, 0.05}, {10, 1.2, 0}}, 0);
+      DriftingMap(options, {{12, 0.8, 0}, {22, 0.6, kCornerStep}, {15, 1.2, 0}, {6, 1.5, 0.05}, {10, 1.2, 0}}, 0);
   RefinedScale refined = RefinedOf(options, finished.map);
   ASSERT_EQ(refined.turns.size(), 2U);
   EXPECT_TRUE(refined.turns[0].used && refined.turns[1].used);
@@ -136,7 +125,7 @@ TEST(HeldTurns, AWeakTurnDoesNotSpoilAGoodOne) {
 }
 
 TEST(HeldTurns, AUsedTurnWhoseAdjustmentIsNotBelievedSaysSo) {
-  OdometryOptions options = Options(ScaleMethod::kTurns);
+  OdometryOptions options = Holding(ScaleMethod::kTurns);
   options.scale.recovery.max_stretch = 1 + 1e-12;
   FinishedMap finished = DriftingMap(options, kTwoCorners, 0.2);
   RefinedScale refined = RefinedOf(options, finished.map);
@@ -150,7 +139,7 @@ TEST(HeldTurns, AUsedTurnWhoseAdjustmentIsNotBelievedSaysSo) {
 }
 
 TEST(HeldTurns, WithoutATurnTheMapStaysAsItIs) {
-  const OdometryOptions options = Options(ScaleMethod::kTurns);
+  const OdometryOptions options = Holding(ScaleMethod::kTurns);
   FinishedMap finished = DriftingMap(options, {{60, 0.8, 0}}, 0.2);
   const std::vector<Eigen::Vector3d> before = KeyframeCentres(finished.map);
   RefinedScale refined = RefinedOf(options, finished.map);

@@ -59,7 +59,7 @@ class Boards {
   std::vector<Board> boards_;
 };
 
-CameraModel Camera() {
+CameraModel SmallCamera() {
   CameraModel camera;
   camera.pinhole = {300, 300, 240, 120};
   camera.width = 480;
@@ -75,7 +75,7 @@ RigidTransform Moved(int i) {
 
 std::optional<InitialMap> Add(const Boards& boards, const RigidTransform& pose, int frame,
                               MapInitializer& initializer) {
-  return initializer.Add(BuildFlowImage({}, boards.Seen(Camera(), pose)), frame, 0.1 * frame);
+  return initializer.Add(BuildFlowImage({}, boards.Seen(SmallCamera(), pose)), frame, 0.1 * frame);
 }
 
 void ExpectTrueMap(const InitialMap& map, const Boards& boards, const RigidTransform& truth) {
@@ -89,7 +89,7 @@ void ExpectTrueMap(const InitialMap& map, const Boards& boards, const RigidTrans
   for (size_t i = 0; i < map.points.size(); ++i) {
     if (map.has_point[i] == 0) continue;
     ++points;
-    const double depth = boards.DepthAt(Camera().pinhole.Ray(map.frames.front().pixels[i]));
+    const double depth = boards.DepthAt(SmallCamera().pinhole.Ray(map.frames.front().pixels[i]));
     right += std::abs(map.points[i].z() * baseline / depth - 1) < 0.1 ? 1 : 0;
   }
   EXPECT_GE(points, 80);
@@ -98,7 +98,7 @@ void ExpectTrueMap(const InitialMap& map, const Boards& boards, const RigidTrans
 
 TEST(MapInitializer, WaitsForABaselineAndFindsTheMap) {
   const Boards boards(1);
-  MapInitializer initializer({}, Camera());
+  MapInitializer initializer({}, SmallCamera());
   for (const int frame : {0, 1, 2}) {
     EXPECT_FALSE(Add(boards, Moved(0), frame, initializer)) << "standing still";
     EXPECT_GT(initializer.tracked(), 200);
@@ -127,7 +127,7 @@ TEST(MapInitializer, WaitsForABaselineAndFindsTheMap) {
 
 TEST(MapInitializer, PureRotationGivesNoMap) {
   const Boards boards(2);
-  MapInitializer initializer({}, Camera());
+  MapInitializer initializer({}, SmallCamera());
   for (int frame = 0; frame < 6; ++frame) {
     const RigidTransform turned{RotationFromVector({0, -0.02 * frame, 0}), Eigen::Vector3d::Zero()};
     EXPECT_FALSE(Add(boards, turned, frame, initializer));
@@ -138,7 +138,7 @@ TEST(MapInitializer, PureRotationGivesNoMap) {
 TEST(MapInitializer, TakesANewFirstViewWhereTheOldOneIsOutOfSight) {
   const Boards before(3);
   const Boards after(400);
-  MapInitializer initializer({}, Camera());
+  MapInitializer initializer({}, SmallCamera());
   EXPECT_FALSE(Add(before, Moved(0), 0, initializer));
   EXPECT_FALSE(Add(before, Moved(1), 1, initializer));
   std::optional<InitialMap> map;

@@ -12,13 +12,13 @@
 namespace turnscale {
 namespace {
 
-constexpr double kQuarter = M_PI / 2 / 30;
+constexpr double kBlockStep = M_PI / 2 / 30;
 const Eigen::Quaterniond kTurned = RotationFromYawPitchRoll({0.15, -0.1, 0.03});
 
 std::vector<DriveSegment> Blocks(int corners) {
   std::vector<DriveSegment> route = {{40, 0.8, 0}};
   for (int i = 0; i < corners; ++i) {
-    route.push_back({30, 0.6, i % 2 == 0 ? kQuarter : -kQuarter});
+    route.push_back({30, 0.6, i % 2 == 0 ? kBlockStep : -kBlockStep});
     route.push_back({40, 0.8, 0});
   }
   return route;

@@ -24,7 +24,7 @@ constexpr float kOpenDistance = 4;
 // How much of the ambient light comes from what is in the way.
 constexpr float kBounce = 0.3F;
 // Where light is gathered: above the surface, and away from the edge that it may share with a wall, metres.
-constexpr float kLift = 0.01F;
+constexpr float kGatheringLift = 0.01F;
 constexpr float kInwards = 0.03F;
 constexpr int kVerticesAtATime = 64;
 
@@ -52,7 +52,7 @@ std::vector<Point> GatheringPoints(const Mesh& mesh) {
     points[i].normal.normalize();
     if (uses[i] == 0) continue;
     const Eigen::Vector3f inwards = points[i].place / uses[i] - mesh.vertices[i];
-    points[i].place = mesh.vertices[i] + kLift * points[i].normal +
+    points[i].place = mesh.vertices[i] + kGatheringLift * points[i].normal +
                       inwards * std::min(0.5F, kInwards / std::max(inwards.norm(), 1e-6F));
   }
   return points;

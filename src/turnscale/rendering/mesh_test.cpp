@@ -14,7 +14,7 @@
 namespace turnscale {
 namespace {
 
-RigidTransform SomePose() {
+RigidTransform PlaceOfSolid() {
   RigidTransform pose;
   pose.rotation = Eigen::AngleAxisd(0.7, Eigen::Vector3d(0.2, 1, -0.4).normalized());
   pose.translation = {3, -1, 8};
@@ -73,7 +73,7 @@ TEST(Mesh, RectangleFacesWhereItsSidesTurn) {
 }
 
 TEST(Mesh, BoxesAreClosedAndFaceOutwards) {
-  const RigidTransform pose = SomePose();
+  const RigidTransform pose = PlaceOfSolid();
   Box cabin;
   cabin.size = {1.7, 1.4, 4.2};
   EXPECT_NEAR(
@@ -104,8 +104,8 @@ TEST(Mesh, BoxesAreClosedAndFaceOutwards) {
 
 TEST(Mesh, TextureFramesLieInTheirTriangles) {
   Mesh mesh;
-  AddBox({}, SomePose(), {{1, 2, 3}, 0.4, 0.5, 0.2}, mesh);
-  AddPrism({}, SomePose(), {0.4, 0.2, 3, 7}, mesh);
+  AddBox({}, PlaceOfSolid(), {{1, 2, 3}, 0.4, 0.5, 0.2}, mesh);
+  AddPrism({}, PlaceOfSolid(), {0.4, 0.2, 3, 7}, mesh);
   for (const Triangle& triangle : mesh.triangles) {
     const TextureFrame& frame = mesh.frames[triangle.frame];
     EXPECT_NEAR(frame.u.norm(), 1, 1e-5);
@@ -120,7 +120,7 @@ TEST(Mesh, PrismsAndConesAreClosedAndFaceOutwards) {
   for (const double top_radius : {0.5, 0.2, 0.0}) {
     const int sides = 9;
     Mesh mesh;
-    AddPrism({}, SomePose(), {0.5, top_radius, 2, sides}, mesh);
+    AddPrism({}, PlaceOfSolid(), {0.5, top_radius, 2, sides}, mesh);
     const double polygon = 0.5 * sides * std::sin(2 * M_PI / sides);
     const double radii = 0.25 + 0.5 * top_radius + top_radius * top_radius;
     EXPECT_NEAR(VolumeOf(mesh), polygon * 2 * radii / 3, 1e-4) << top_radius;
@@ -152,12 +152,12 @@ TEST(Mesh, AMovedMeshIsTheSameElsewhere) {
   Mesh box;
   AddBox({3, 1, {0.1, 0.2}}, {}, {{1, 2, 3}}, box);
   Mesh direct;
-  AddBox({3, 1, {0.1, 0.2}}, SomePose(), {{1, 2, 3}}, direct);
+  AddBox({3, 1, {0.1, 0.2}}, PlaceOfSolid(), {{1, 2, 3}}, direct);
   Mesh moved;
   AddRectangle({}, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}, moved);
   const size_t vertices = moved.vertices.size();
   const size_t triangles = moved.triangles.size();
-  AddMesh(SomePose(), box, moved);
+  AddMesh(PlaceOfSolid(), box, moved);
   for (size_t i = 0; i < box.vertices.size(); ++i)
     EXPECT_LT((moved.vertices[vertices + i] - direct.vertices[i]).norm(), 1e-5);
   for (size_t i = 0; i < box.triangles.size(); ++i) {

@@ -18,7 +18,7 @@ constexpr double kTolerance = 0.05;
 // The rims of small marks are known well enough by so many samples of a pixel.
 constexpr int kManySamples = 64;
 
-RigidTransform SomePose() {
+RigidTransform PlaceOfCamera() {
   RigidTransform pose;
   pose.rotation = Eigen::AngleAxisd(0.6, Eigen::Vector3d(0.1, 1, 0.15).normalized());
   pose.translation = {120, -1.6, 340};
@@ -44,13 +44,13 @@ std::vector<Mark> MarksAllOver(const CameraModel& camera, const RigidTransform& 
 
 void ExpectMarksInPlace(const CameraModel& camera, double side, int edge_samples) {
   Scene scene = EmptyScene();
-  const std::vector<Mark> marks = MarksAllOver(camera, SomePose(), side);
+  const std::vector<Mark> marks = MarksAllOver(camera, PlaceOfCamera(), side);
   for (const Mark& mark : marks) AddMark(mark, scene.fixed);
   RenderOptions options;
   options.edge_samples = edge_samples;
   const Renderer renderer(options, std::move(scene));
-  const cv::Mat image = renderer.Render(camera, StillView(SomePose()));
-  const RigidTransform camera_from_world = SomePose().inverse();
+  const cv::Mat image = renderer.Render(camera, StillView(PlaceOfCamera()));
+  const RigidTransform camera_from_world = PlaceOfCamera().inverse();
   const auto project = [&](const Eigen::Vector3d& x) { return *camera.Project(camera_from_world * x); };
   for (const Mark& mark : marks) {
     const Eigen::Vector2d expected = CentreOfArea(mark, project);

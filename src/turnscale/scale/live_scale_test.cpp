@@ -10,11 +10,6 @@
 namespace turnscale {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
-constexpr double kUnit = 12;
-const LeverArm kCar{1.5, 0.005};
-const DriveErrors kNoise{.direction = 0.2 * kDegree};
-
 CarPrior Prior() {
   CarPrior prior;
   prior.lever_arm = kCar.length;

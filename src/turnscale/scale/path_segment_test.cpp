@@ -11,9 +11,6 @@
 namespace turnscale {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
-const LeverArm kCar{1.2, 0.004};
-
 std::vector<VehicleStep> WithGap(std::vector<VehicleStep> steps, int at) {
   steps[at].motion = {};
   steps[at].usable = false;

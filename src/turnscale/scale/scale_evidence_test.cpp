@@ -12,10 +12,6 @@
 namespace turnscale {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
-constexpr double kUnit = 12;
-const LeverArm kCar{1.3, 0.005};
-
 DriveState StateOf(double metres_per_unit, double direction, const LeverArm& car) {
   return {std::log(metres_per_unit), direction, car.side_slip, std::log(car.length)};
 }

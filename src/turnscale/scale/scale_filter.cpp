@@ -13,9 +13,9 @@
 namespace turnscale {
 namespace {
 
-constexpr double kLogScaleSigma = 2;  // of the prior about the start: a factor of seven either way
-constexpr double kLeastSigma = 1e-9;  // a covariance has to stay regular
-constexpr double kDistance = 100;     // metres
+constexpr double kPriorLogScaleSigma = 2;  // of the prior about the start: a factor of seven either way
+constexpr double kLeastSigma = 1e-9;       // a covariance has to stay regular
+constexpr double kDistance = 100;          // metres
 constexpr double kAngle = std::numbers::pi / 2;
 
 // From the middle of one segment to the middle of the next.
@@ -49,7 +49,7 @@ double ScaleBelief::sigma() const { return std::sqrt(covariance(kLogScale, kLogS
 ScaleBelief PriorBelief(const CarPrior& car, double log_scale) {
   ScaleBelief prior;
   prior.mean << log_scale, 0, car.side_slip, std::log(car.lever_arm);
-  const Eigen::Vector4d sigmas(kLogScaleSigma, car.yaw_sigma, std::max(car.side_slip_sigma, kLeastSigma),
+  const Eigen::Vector4d sigmas(kPriorLogScaleSigma, car.yaw_sigma, std::max(car.side_slip_sigma, kLeastSigma),
                                std::max(car.lever_arm_sigma / car.lever_arm, kLeastSigma));
   prior.covariance.diagonal() = sigmas.cwiseAbs2();
   return prior;

@@ -14,13 +14,13 @@
 namespace turnscale {
 namespace {
 
-constexpr double kUnit = 15;
+constexpr double kMetresPerUnit = 15;
 constexpr double kExact = 1e-9;  // standard deviation of what is known exactly
 
 ScaleProblem RandomProblem(int segments, std::uint64_t seed = 5) {
   Random random(seed);
   ScaleProblem problem;
-  problem.prior.mean << std::log(kUnit), 0.001, 0.005, std::log(1.2);
+  problem.prior.mean << std::log(kMetresPerUnit), 0.001, 0.005, std::log(1.2);
   problem.prior.covariance.diagonal() << 4, 3e-5, 4e-6, 1e-3;
   double middle = 0;
   for (int i = 0; i < segments; ++i) {
@@ -32,10 +32,11 @@ ScaleProblem RandomProblem(int segments, std::uint64_t seed = 5) {
     evidence.turning = segment.turning;
     if (segment.turning) {
       const double speed = random.Uniform(0.1, 0.6);
-      evidence.turn = PooledLine{.lever_arm = 1.2 / kUnit - 0.004 * kUnit * speed * speed + 0.002 * random.Gaussian(),
-                                 .sigma = random.Uniform(2e-4, 2e-3),
-                                 .by_direction = random.Uniform(-1, 1),
-                                 .mean_square_speed = speed * speed};
+      evidence.turn = PooledLine{
+          .lever_arm = 1.2 / kMetresPerUnit - 0.004 * kMetresPerUnit * speed * speed + 0.002 * random.Gaussian(),
+          .sigma = random.Uniform(2e-4, 2e-3),
+          .by_direction = random.Uniform(-1, 1),
+          .mean_square_speed = speed * speed};
     } else {
       evidence.direction = 0.01 * random.Gaussian();
       evidence.direction_sigma = 0.002;

@@ -12,6 +12,8 @@
 
 namespace turnscale {
 
+constexpr double kDegree = std::numbers::pi / 180;
+
 /// Equal steps of a made-up drive, for tests.
 struct StretchOfRoad {
   int steps = 0;
@@ -31,6 +33,11 @@ struct DriveErrors {
   double per_90deg = 0;
 };
 
+/// The car and the odometry of most tests: its lever arm, the metres of its unit, and its noise.
+constexpr LeverArm kCar{1.5, 0.005};
+constexpr double kUnit = 12;
+constexpr DriveErrors kNoise{.direction = 0.2 * kDegree};
+
 /// A drive in an arbitrary unit, whose truth is known.
 struct SyntheticSteps {
   std::vector<VehicleStep> steps;
@@ -42,7 +49,7 @@ struct SyntheticSteps {
 /// unit of length at the start.
 inline SyntheticSteps MakeSteps(const std::vector<StretchOfRoad>& road, const LeverArm& lever_arm, double direction,
                                 double unit, const DriveErrors& errors = {}, std::uint64_t seed = 1) {
-  constexpr double kTurning = 1.5 * std::numbers::pi / 180;
+  constexpr double kTurning = 1.5 * kDegree;
   Random random(seed);
   SyntheticSteps drive;
   double log_scale = std::log(unit);
@@ -86,7 +93,7 @@ inline std::vector<StretchOfRoad> TownRoad(int turns, std::uint64_t seed) {
   };
   straight();
   for (int i = 0; i < turns; ++i) {
-    const double angle = random.Uniform(50, 120) * std::numbers::pi / 180;
+    const double angle = random.Uniform(50, 120) * kDegree;
     const double radius = random.Uniform(6, 25);
     const int steps = static_cast<int>(angle / 0.05);
     const double psi = (random.Chance(0.5) ? 1 : -1) * angle / steps;

@@ -7,14 +7,14 @@
 namespace turnscale {
 namespace {
 
-constexpr double kLightStep = 0.6;
+constexpr double kCarLightStep = 0.6;
 
 RigidTransform At(double right, double up, double forward) {
   return {Eigen::Quaterniond::Identity(), {right, -up, forward}};
 }
 
 SurfaceStyle Style(int material, Random& random) {
-  return {material, kLightStep, {random.Uniform(0, 8), random.Uniform(0, 8)}};
+  return {material, kCarLightStep, {random.Uniform(0, 8), random.Uniform(0, 8)}};
 }
 
 // On its side: what is upright in the prism's frame points to the right.

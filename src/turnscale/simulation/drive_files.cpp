@@ -48,7 +48,7 @@ std::string TruthText(const std::vector<DriveFrame>& frames) {
 }
 
 std::string VehicleText(const Rig& rig) {
-  const Mount& mount = rig.mount;
+  const CameraMount& mount = rig.mount;
   return fmt::format(
       "lever_arm: {}  # metres from the rear axle forward to the camera\n"
       "lateral_offset: {}  # metres from the car's middle to the right\n"

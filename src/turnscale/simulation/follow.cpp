@@ -12,7 +12,7 @@
 namespace turnscale {
 namespace {
 
-constexpr double kSmoothingTime = 0.3;    // seconds, standard deviation
+constexpr double kFitTime = 0.3;          // seconds, standard deviation
 constexpr double kHeightSmoothing = 4.0;  // metres, standard deviation
 constexpr double kMinSpacing = 0.3;       // metres
 constexpr double kMinLength = 1.0;        // metres
@@ -78,7 +78,7 @@ RecordedPath RearAxlePath(const Trajectory& trajectory, const RigidTransform& ve
   }
   RecordedPath path;
   for (std::size_t i = 0; i < axle.size() && axle.size() >= 2; ++i) {
-    const Fit fit = FitAround(times, axle, i, kSmoothingTime);
+    const Fit fit = FitAround(times, axle, i, kFitTime);
     const double speed = FromAbove(fit.slope).norm();
     if (!path.points.empty() && (FromAbove(fit.value) - FromAbove(path.points.back())).norm() < kMinSpacing) {
       path.speeds.back() = std::min(path.speeds.back(), speed);

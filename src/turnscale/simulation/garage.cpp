@@ -25,7 +25,7 @@ using garage::kRampWidth;
 using garage::kStorey;
 
 constexpr double kCeiling = 2.7;
-constexpr double kLightStep = 0.5;
+constexpr double kGarageLightStep = 0.5;
 constexpr double kLineWidth = 0.1;
 // Paint lies this much above what it is painted on.
 constexpr double kCoat = 0.003;
@@ -33,19 +33,19 @@ const Eigen::Vector3d kRight(1, 0, 0);
 const Eigen::Vector3d kUp(0, -1, 0);
 const Eigen::Vector3d kForward(0, 0, 1);
 
-struct Looks {
+struct GarageLooks {
   int floor, wall, ceiling, pillar, stripe, dark_band, line, pipe, lamp, sign, door;
   TrafficLooks traffic;
 };
 
-Looks AddLooks(Random& random, Scene& scene) {
+GarageLooks AddGarageLooks(Random& random, Scene& scene) {
   const auto seed = [&] { return static_cast<std::uint64_t>(random.Uniform() * 0x1.0p53); };
   const int concrete = AddTexture(PavementPattern({2048, seed(), 0.5F, 0.13F}), 7.3, scene);
   const int plaster = AddTexture(PavementPattern({1024, seed(), 0.6F, 0.1F}), 4.1, scene);
   const int boards = AddTexture(BrickPattern({1024, seed(), 0.55F, 0.1F}, 6), 5.7, scene);
   const int paint = AddTexture(PavementPattern({512, seed(), 0.6F, 0.1F}), 2.3, scene);
   const int letters = AddTexture(FacadePattern({512, seed(), 0.5F, 0.3F}, 3, 9), 1.6, scene);
-  Looks looks;
+  GarageLooks looks;
   looks.floor = AddMaterial({concrete, 0.75F, 0.04F, 0}, scene);
   looks.wall = AddMaterial({plaster, 1.1F, 0, 0}, scene);
   looks.ceiling = AddMaterial({boards, 0.9F, 0, 0}, scene);
@@ -66,9 +66,10 @@ RigidTransform Standing(double x, double up, double z, double heading = 0) {
 }
 
 // Builds with one random sequence into one scene.
-class Builder {
+class GarageBuilder {
  public:
-  Builder(World& world, Random& random, const Looks& looks) : world_(world), random_(random), looks_(looks) {}
+  GarageBuilder(World& world, Random& random, const GarageLooks& looks)
+      : world_(world), random_(random), looks_(looks) {}
 
   void Hall(double x0, double up, const std::function<bool(const garage::Bay&)>& is_free) {
     FloorAndCeiling(x0, up);
@@ -96,13 +97,13 @@ class Builder {
   }
 
   void Ramp(double x0) {
-    const int columns = static_cast<int>(kRampWidth / kLightStep);
-    const int rows = static_cast<int>(kHallDepth / kLightStep);
+    const int columns = static_cast<int>(kRampWidth / kGarageLightStep);
+    const int rows = static_cast<int>(kHallDepth / kGarageLightStep);
     std::vector<std::vector<double>> up(rows + 1, std::vector<double>(columns + 1));
     const double step_x = kRampWidth / columns;
     for (int row = 0; row <= rows; ++row)
       for (int column = 0; column <= columns; ++column)
-        up[row][column] = garage::RoadUp({x0 + 0.5 * kRampWidth, row * kLightStep});
+        up[row][column] = garage::RoadUp({x0 + 0.5 * kRampWidth, row * kGarageLightStep});
     AddGround(Style(looks_.floor), {x0, 0}, step_x, up, mesh());
     AddRectangle(Style(looks_.ceiling), {x0, -(kStorey + kCeiling), kHallDepth}, kRampWidth * kRight,
                  -kHallDepth * kForward, mesh());
@@ -112,7 +113,9 @@ class Builder {
  private:
   Mesh& mesh() { return world_.scene.fixed; }
 
-  SurfaceStyle Style(int material) { return {material, kLightStep, {random_.Uniform(0, 20), random_.Uniform(0, 20)}}; }
+  SurfaceStyle Style(int material) {
+    return {material, kGarageLightStep, {random_.Uniform(0, 20), random_.Uniform(0, 20)}};
+  }
 
   void FloorAndCeiling(double x0, double up) {
     AddRectangle(Style(looks_.floor), {x0, -up, 0}, kHallWidth * kRight, kHallDepth * kForward, mesh());
@@ -195,7 +198,7 @@ class Builder {
 
   World& world_;
   Random& random_;
-  const Looks& looks_;
+  const GarageLooks& looks_;
 };
 
 void AddOutline(double left, double right, double near, double far, World& world) {
@@ -246,7 +249,7 @@ void AddManoeuvringCars(const TrafficLooks& looks, const std::vector<garage::Bay
 World MakeGarage(unsigned seed, double seconds) {
   Random random(seed);
   World world;
-  const Looks looks = AddLooks(random, world.scene);
+  const GarageLooks looks = AddGarageLooks(random, world.scene);
   const garage::Plan plan = garage::MakePlan(random, seconds);
   world.legs = plan.legs;
   world.road = garage::RoadUp;
@@ -259,7 +262,7 @@ World MakeGarage(unsigned seed, double seconds) {
         bay.x0 == plan.start.x0 && bay.row == plan.start.row && std::abs(bay.bay - plan.start.bay) <= 2;
     return beside_start || std::ranges::find(in_use, bay) != in_use.end();
   };
-  Builder builder(world, random, looks);
+  GarageBuilder builder(world, random, looks);
   builder.Hall(0, 0, is_free);
   builder.Hall(garage::kUpperX, kStorey, is_free);
   builder.Ramp(kHallWidth);

@@ -8,9 +8,9 @@ namespace turnscale {
 namespace {
 
 constexpr double kSpacing = 0.05;
-constexpr double kSmoothing = 0.5;      // metres, standard deviation
-constexpr double kSmoothingTime = 0.2;  // seconds, standard deviation for recordings
-constexpr double kCreepingSpeed = 0.2;  // m/s
+constexpr double kSmoothing = 0.5;               // metres, standard deviation
+constexpr double kRecordingSmoothingTime = 0.2;  // seconds, standard deviation for recordings
+constexpr double kCreepingSpeed = 0.2;           // m/s
 
 // x, z and speed.
 using Samples = std::vector<Eigen::Vector3d>;
@@ -48,7 +48,8 @@ Samples Smooth(const Samples& samples, double spacing, bool recorded) {
   Samples smooth;
   smooth.reserve(samples.size());
   for (long i = 0; i < static_cast<long>(samples.size()); ++i) {
-    const double sigma = M_SQRT1_2 * (recorded ? std::max(kSmoothing, kSmoothingTime * samples[i].z()) : kSmoothing);
+    const double sigma =
+        M_SQRT1_2 * (recorded ? std::max(kSmoothing, kRecordingSmoothingTime * samples[i].z()) : kSmoothing);
     // Triweight, which ends smoothly: the curvature would show where a kernel that varies along the path is cut off.
     const double reach = 3 * sigma / spacing;
     Eigen::Vector3d sum = samples[i];

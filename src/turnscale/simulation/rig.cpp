@@ -37,7 +37,7 @@ void VisitRig(Visitor& visitor, Rig& rig) {
     visitor.Field("distortion", o.distortion);
   });
   visitor.Group("mount", [&] {
-    Mount& o = rig.mount;
+    CameraMount& o = rig.mount;
     visitor.Field("lever_arm", o.lever_arm);
     visitor.Field("lateral_offset", o.lateral_offset);
     visitor.Field("height", o.height);
@@ -124,7 +124,7 @@ void CheckCamera(const CameraModel& camera) {
 
 }  // namespace
 
-void Mount::Check() const {
+void CameraMount::Check() const {
   const auto check = [](const char* name, double value, double low, double high, const char* unit) {
     if (!(value >= low && value <= high)) {
       throw InputError(fmt::format("mount.{}: is {}; it has to be in {}...{} {}", name, value, low, high, unit));
@@ -143,7 +143,7 @@ void Mount::Check() const {
   check("roll_deg", roll_deg, -180, 180, "degrees");
 }
 
-RigidTransform Mount::VehicleFromCamera() const {
+RigidTransform CameraMount::VehicleFromCamera() const {
   const Eigen::Quaterniond rotation = RotationFromYawPitchRoll(
       {yaw_deg / kDegreesPerRadian, pitch_deg / kDegreesPerRadian, roll_deg / kDegreesPerRadian});
   return {rotation, {lateral_offset, kAxleHeight - height, lever_arm}};

@@ -16,7 +16,7 @@ namespace turnscale {
 constexpr double kAxleHeight = 0.3;
 
 /// Where the camera sits on the car, and where it looks.
-struct Mount {
+struct CameraMount {
   double lever_arm = 1.5;     ///< ahead of the rear axle, metres
   double lateral_offset = 0;  ///< to the right of the car's middle, metres
   double height = 1.4;        ///< above the road while the car stands level, metres
@@ -40,7 +40,7 @@ struct Rig {
   RigPreset preset = RigPreset::kPaper;  ///< what the other fields started from
   CameraModel camera;
   double rate_hz = 10;  ///< frames per second
-  Mount mount;
+  CameraMount mount;
   CarOptions vehicle;
   SensorOptions sensor;
 

@@ -82,7 +82,7 @@ TEST(Rig, WrittenOnesReadBack) {
 }
 
 TEST(Rig, CameraSitsWhereTheMountSays) {
-  const Mount mount{1.5, 0.3, 1.4, 2, -3, 1};
+  const CameraMount mount{1.5, 0.3, 1.4, 2, -3, 1};
   const RigidTransform vehicle_from_camera = mount.VehicleFromCamera();
   EXPECT_LT((vehicle_from_camera.translation - Eigen::Vector3d(0.3, -1.1, 1.5)).norm(), 1e-12);
   EXPECT_LT(vehicle_from_camera.rotation.angularDistance(ReadCameraRotation("2,-3,1")), 1e-12);

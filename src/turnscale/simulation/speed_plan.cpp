@@ -12,7 +12,7 @@ namespace {
 // Share of what the car can do in curves that is planned with; the rest is for the follower's corrections.
 constexpr double kCurveShare = 0.9;
 // Accelerations change over this time, seconds.
-constexpr double kSmoothingTime = 1.2;
+constexpr double kSpeedSmoothingTime = 1.2;
 
 /// Greatest speed at each sample of the path, its neighbours left out of account.
 std::vector<double> SpeedLimits(const CarOptions& options, const ReferencePath& path) {
@@ -61,7 +61,7 @@ std::vector<double> PlanSpeeds(const CarOptions& options, const ReferencePath& p
   const std::vector<double> sharp = SpeedsInTime(speeds, path.spacing, interval);
 
   // A weighted mean over time keeps the limits of acceleration and, with rest on both sides, the distance.
-  const int reach = static_cast<int>(std::lround(0.5 * kSmoothingTime / interval));
+  const int reach = static_cast<int>(std::lround(0.5 * kSpeedSmoothingTime / interval));
   std::vector<double> weights;
   for (int k = 0; k <= 2 * reach; ++k) weights.push_back((1 - std::cos(M_PI * k / reach)) / (2 * reach));
   const int last = static_cast<int>(sharp.size()) - 1;

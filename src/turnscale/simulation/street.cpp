@@ -21,23 +21,23 @@ using street::kRoadHalfWidth;
 
 constexpr double kKerb = 0.13;
 constexpr double kCrown = 0.022;  // fall of the road per metre from its middle
-constexpr double kLightStep = 1.5;
+constexpr double kStreetLightStep = 1.5;
 constexpr double kMargin = 60;
-constexpr double kStorey = 2.9;
+constexpr double kHouseStorey = 2.9;
 // Of the middle of a parked car from the way that is driven.
 constexpr double kParkedRight = 3.1;
 constexpr double kParkedLeft = -5.9;
 constexpr double kOncoming = -3.1;
 
-struct Looks {
+struct StreetLooks {
   int asphalt, slabs, grass, line, bark, hedge, post, sign, tree_line;
   std::vector<int> facades, roofs, crowns;
   TrafficLooks traffic;
 };
 
-Looks AddLooks(Random& random, Scene& scene) {
+StreetLooks AddStreetLooks(Random& random, Scene& scene) {
   const auto seed = [&] { return static_cast<std::uint64_t>(random.Uniform() * 0x1.0p53); };
-  Looks looks;
+  StreetLooks looks;
   looks.asphalt = AddMaterial({AddTexture(PavementPattern({2048, seed(), 0.35F, 0.08F}), 9.1, scene), 1, 0, 0}, scene);
   looks.slabs = AddMaterial({AddTexture(BrickPattern({1024, seed(), 0.5F, 0.1F}, 8), 3.7, scene), 1, 0, 0}, scene);
   const int leaves = AddTexture(FoliagePattern({1024, seed(), 0.3F, 0.14F}), 3.1, scene);
@@ -54,7 +54,7 @@ Looks AddLooks(Random& random, Scene& scene) {
   looks.tree_line =
       AddMaterial({AddTexture(FoliagePattern({1024, seed(), 0.35F, 0.12F}), 14, scene), 0.8F, 0, 0}, scene);
   for (int i = 0; i < 5; ++i) {
-    const int facade = AddTexture(FacadePattern({1024, seed(), 0.55F, 0.14F}, 3, 4), 3 * kStorey, scene);
+    const int facade = AddTexture(FacadePattern({1024, seed(), 0.55F, 0.14F}, 3, 4), 3 * kHouseStorey, scene);
     looks.facades.push_back(AddMaterial({facade, static_cast<float>(random.Uniform(0.75, 1.3)), 0, 0}, scene));
   }
   for (const float tint : {0.8F, 1.1F, 1.5F}) {
@@ -68,13 +68,13 @@ Looks AddLooks(Random& random, Scene& scene) {
 double Heading(const Eigen::Vector2d& along) { return std::atan2(along.x(), along.y()); }
 
 // Builds with one random sequence along one plan.
-class Builder {
+class StreetBuilder {
  public:
-  Builder(const street::Plan& plan, Random& random, World& world)
+  StreetBuilder(const street::Plan& plan, Random& random, World& world)
       : plan_(plan),
         random_(random),
         world_(world),
-        looks_(AddLooks(random, world.scene)),
+        looks_(AddStreetLooks(random, world.scene)),
         map_(std::make_shared<RoadMap>(plan.roads, plan.driven, kMargin)) {
     world.road = [map = map_](const Eigen::Vector2d& place) { return RoadUp(*map, place); };
   }
@@ -106,7 +106,7 @@ class Builder {
 
   Mesh& mesh() { return world_.scene.fixed; }
 
-  SurfaceStyle Style(int material, double light_step = kLightStep) {
+  SurfaceStyle Style(int material, double light_step = kStreetLightStep) {
     return {material, light_step, {random_.Uniform(0, 20), random_.Uniform(0, 20)}};
   }
 
@@ -187,7 +187,7 @@ class Builder {
 
   void House(const Eigen::Vector2d& middle, const Eigen::Vector2d& along, double length, double depth) {
     const int storeys = 1 + random_.Below(3);
-    const double height = storeys * kStorey + 0.4;
+    const double height = storeys * kHouseStorey + 0.4;
     const RigidTransform foot = Standing(middle, Heading(along), 0.4);
     const SurfaceStyle wall = Style(Any(looks_.facades));
     AddBox(wall, foot, {{depth, height + 0.4, length}}, mesh());
@@ -357,7 +357,7 @@ class Builder {
   const street::Plan& plan_;
   Random& random_;
   World& world_;
-  Looks looks_;
+  StreetLooks looks_;
   std::shared_ptr<const RoadMap> map_;
   std::vector<std::pair<Eigen::Vector2d, double>> built_;  // middles and radii
 };
@@ -365,7 +365,7 @@ class Builder {
 World Make(const street::Plan& plan, Random& random) {
   World world;
   world.legs = plan.legs;
-  Builder(plan, random, world).Build();
+  StreetBuilder(plan, random, world).Build();
   const double azimuth = random.Uniform(0, 2 * std::numbers::pi);
   const double height = random.Uniform(0.5, 0.9);
   world.scene.sun = Sun{Eigen::Vector3f(static_cast<float>(std::sin(azimuth)), static_cast<float>(-height),

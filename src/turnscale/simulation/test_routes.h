@@ -8,8 +8,11 @@
 #include <Eigen/Core>
 
 #include "turnscale/simulation/vehicle.h"
+#include "turnscale/simulation/world.h"
 
 namespace turnscale {
+
+constexpr double kHalfCarWidth = 0.9;
 
 inline double FlatRoad(const Eigen::Vector2d&) { return 0; }
 
@@ -50,6 +53,9 @@ inline CarOptions StiffVehicle() {
 inline VehicleMotion DriveFlat(const CarOptions& options, const std::vector<RouteLeg>& legs, unsigned seed = 1) {
   return Drive(options, legs, FlatRoad, 0.3, seed);
 }
+
+/// The drive that a world is made for.
+inline VehicleMotion Driven(const World& world) { return Drive(CarOptions{}, world.legs, world.road, 0.3, 1); }
 
 /// The moments of a drive, `interval` apart.
 inline std::vector<VehicleState> Moments(const VehicleMotion& motion, double interval) {

@@ -7,16 +7,14 @@
 
 #include <gtest/gtest.h>
 
+#include "turnscale/simulation/test_routes.h"
 #include "turnscale/simulation/world.h"
 
 namespace turnscale {
 namespace {
 
-constexpr double kHalfCarWidth = 0.9;
 constexpr double kCarLength = 3.6;  // from the rear axle to the front
 constexpr double kCell = 2;
-
-VehicleMotion Driven(const World& world) { return Drive(CarOptions{}, world.legs, world.road, 0.3, 1); }
 
 // The nearest place of a way, found by cells.
 class Way {

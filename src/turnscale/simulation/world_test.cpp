@@ -7,10 +7,10 @@
 
 #include <gtest/gtest.h>
 
+#include "turnscale/simulation/test_routes.h"
+
 namespace turnscale {
 namespace {
-
-constexpr double kHalfCarWidth = 0.9;
 
 double ToSegment(const Eigen::Vector2d& point, const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
   const Eigen::Vector2d along = b - a;
@@ -36,8 +36,6 @@ double Clearance(const World& world, size_t first_leg) {
       }
   return nearest;
 }
-
-VehicleMotion Driven(const World& world) { return Drive(CarOptions{}, world.legs, world.road, 0.3, 1); }
 
 // How far the car turns to each side in all, rad.
 std::pair<double, double> TurnedLeftAndRight(const VehicleMotion& motion) {
