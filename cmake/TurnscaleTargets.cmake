@@ -40,7 +40,8 @@ function(turnscale_room room)
   set_property(GLOBAL APPEND PROPERTY TURNSCALE_ROOMS ${target})
 endfunction()
 
-# turnscale_tests(<room> SOURCES <test files> [USES <extra libraries>] [LABELS <ctest labels>]): one GoogleTest program.
+# turnscale_tests(<room> SOURCES <test files> [USES <extra libraries>] [LABELS <ctest labels>]): one GoogleTest program,
+# which the target unit_tests builds where it has no label of its own.
 function(turnscale_tests room)
   if(NOT TURNSCALE_BUILD_TESTS)
     return()
@@ -54,6 +55,10 @@ function(turnscale_tests room)
   target_link_libraries(${target} PRIVATE ${TESTS_USES} GTest::gtest_main turnscale_build_flags)
   if(NOT TESTS_LABELS)
     set(TESTS_LABELS unit)
+    if(NOT TARGET unit_tests)
+      add_custom_target(unit_tests)
+    endif()
+    add_dependencies(unit_tests ${target})
   endif()
   gtest_discover_tests(${target} DISCOVERY_TIMEOUT 60 PROPERTIES LABELS "${TESTS_LABELS}" TIMEOUT 300)
 endfunction()
