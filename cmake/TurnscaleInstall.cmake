@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: MIT
-# `find_package(turnscale)` for others: the rooms as turnscale::<room>, the headers, and what they need.
+# `find_package(turnscale)` for others: the modules as turnscale::<module>, the headers, and what they need.
 include(CMakePackageConfigHelpers)
 
-get_property(rooms GLOBAL PROPERTY TURNSCALE_ROOMS)
-install(TARGETS ${rooms} EXPORT turnscaleTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+get_property(modules GLOBAL PROPERTY TURNSCALE_MODULES)
+install(TARGETS ${modules} EXPORT turnscaleTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(TARGETS turnscale RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 install(
   DIRECTORY src/turnscale

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-# How a room (one folder of src/turnscale) becomes a library and a test program.
+# How a module (one folder of src/turnscale) becomes a library and a test program.
 
 add_library(turnscale_build_flags INTERFACE)
 target_compile_features(turnscale_build_flags INTERFACE cxx_std_20)
@@ -24,33 +24,33 @@ if(TURNSCALE_SANITIZE)
   target_link_options(turnscale_build_flags INTERFACE -fsanitize=${TURNSCALE_SANITIZE})
 endif()
 
-# turnscale_room(<room> SOURCES ... [HEADERS_ONLY] [USES <public libraries>] [USES_PRIVATELY <libraries>])
-# Rooms name only rooms below them in USES; ARCHITECTURE.md shows the order.
-function(turnscale_room room)
-  cmake_parse_arguments(ROOM "" "" "SOURCES;USES;USES_PRIVATELY" ${ARGN})
-  set(target turnscale_${room})
-  add_library(${target} STATIC ${ROOM_SOURCES})
-  add_library(turnscale::${room} ALIAS ${target})
-  set_target_properties(${target} PROPERTIES EXPORT_NAME ${room} POSITION_INDEPENDENT_CODE ON)
+# turnscale_module(<module> SOURCES ... [HEADERS_ONLY] [USES <public libraries>] [USES_PRIVATELY <libraries>])
+# Modules name only modules below them in USES; ARCHITECTURE.md shows the order.
+function(turnscale_module module)
+  cmake_parse_arguments(MODULE "" "" "SOURCES;USES;USES_PRIVATELY" ${ARGN})
+  set(target turnscale_${module})
+  add_library(${target} STATIC ${MODULE_SOURCES})
+  add_library(turnscale::${module} ALIAS ${target})
+  set_target_properties(${target} PROPERTIES EXPORT_NAME ${module} POSITION_INDEPENDENT_CODE ON)
   target_include_directories(${target} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/src>
                                               $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
   target_compile_features(${target} PUBLIC cxx_std_20)
-  target_link_libraries(${target} PUBLIC ${ROOM_USES} PRIVATE ${ROOM_USES_PRIVATELY}
+  target_link_libraries(${target} PUBLIC ${MODULE_USES} PRIVATE ${MODULE_USES_PRIVATELY}
                                                               $<BUILD_INTERFACE:turnscale_build_flags>)
-  set_property(GLOBAL APPEND PROPERTY TURNSCALE_ROOMS ${target})
+  set_property(GLOBAL APPEND PROPERTY TURNSCALE_MODULES ${target})
 endfunction()
 
-# turnscale_tests(<room> SOURCES <test files> [USES <extra libraries>] [LABELS <ctest labels>]): one GoogleTest program,
+# turnscale_tests(<module> SOURCES <test files> [USES <extra libraries>] [LABELS <ctest labels>]): one GoogleTest program,
 # which the target unit_tests builds where it has no label of its own.
-function(turnscale_tests room)
+function(turnscale_tests module)
   if(NOT TURNSCALE_BUILD_TESTS)
     return()
   endif()
   cmake_parse_arguments(TESTS "" "" "SOURCES;USES;LABELS" ${ARGN})
-  set(target ${room}_test)
+  set(target ${module}_test)
   add_executable(${target} ${TESTS_SOURCES})
-  if(TARGET turnscale_${room})
-    target_link_libraries(${target} PRIVATE turnscale::${room})
+  if(TARGET turnscale_${module})
+    target_link_libraries(${target} PRIVATE turnscale::${module})
   endif()
   target_link_libraries(${target} PRIVATE ${TESTS_USES} GTest::gtest_main turnscale_build_flags)
   if(NOT TESTS_LABELS)
