@@ -86,12 +86,13 @@ std::string TurnWarning(const RefinedScale& scale) {
     const TurnResult& worst = scale.turns[test.worst_turn];
     return fmt::format(
         "the turns contradict each other by {:.0f} % of scale, most of all the one at frames {}-{}: each part of the "
-        "path follows its own turns; check the camera's calibration, the times of the frames and the lever arm",
+        "path follows its own turns; check the camera's calibration and rotation, the times of the frames and the "
+        "lever arm",
         100 * test.disagreement, worst.first_frame, worst.last_frame);
   }
   if (!scale.estimate->converged)
     return "the turns agree on no scale (the estimate did not converge): each part of the path follows its own turns; "
-           "check the camera's calibration, the times of the frames and the lever arm";
+           "check the camera's calibration and rotation, the times of the frames and the lever arm";
   // Turns are followed where the calibration is wrong, too; that has a warning of its own.
   return {};
 }
