@@ -39,7 +39,7 @@ Eigen::Quaterniond Upright(const std::vector<CameraStep>& steps) {
 
 }  // namespace
 
-CameraMount FindCameraMount(const Trajectory& trajectory, bool timed, const std::vector<int>& gaps) {
+MountFromPath FindCameraMount(const Trajectory& trajectory, bool timed, const std::vector<int>& gaps) {
   std::vector<Trajectory> pieces = CutAtGaps(timed ? trajectory : AtUsualRate(trajectory), gaps);
   const AxisConvention axes = FindAxisConvention(StepsAlong(pieces));
   for (Trajectory& piece : pieces) piece = InCameraAxes(std::move(piece), axes);

@@ -10,7 +10,7 @@
 namespace turnscale {
 
 /// How the camera is turned on the car, as a path shows it.
-struct CameraMount {
+struct MountFromPath {
   Eigen::Quaterniond vehicle_from_camera = Eigen::Quaterniond::Identity();  ///< the paper's Q
   bool observed =
       false;  ///< by turns; else the camera is taken as upright and looking along the mean direction of travel
@@ -20,6 +20,6 @@ struct CameraMount {
 /// seconds, `gaps` which poses do not hang together with the one before (increasing).
 ///
 /// Throws InputError where the path has no direction of travel, or is too short to tell.
-CameraMount FindCameraMount(const Trajectory& trajectory, bool timed, const std::vector<int>& gaps = {});
+MountFromPath FindCameraMount(const Trajectory& trajectory, bool timed, const std::vector<int>& gaps = {});
 
 }  // namespace turnscale

@@ -66,7 +66,7 @@ bool FindMount(const RescaleOptions& options, const Trajectory& trajectory, cons
   try {
     // Of the mean direction of travel, which is off in a drive that turns one way (5 deg).
     constexpr double kUnobservedYawSigma = 5.0 / 57.295779513082320877;
-    const CameraMount mount = FindCameraMount(trajectory, options.timed, first_poses);
+    const MountFromPath mount = FindCameraMount(trajectory, options.timed, first_poses);
     result.vehicle_from_camera = mount.vehicle_from_camera;
     if (!mount.observed) result.yaw_sigma = std::max(result.yaw_sigma, kUnobservedYawSigma);
     return true;
