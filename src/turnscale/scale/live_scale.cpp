@@ -83,9 +83,8 @@ void LiveScale::TakeDirection(const std::vector<VehicleStep>& steps, ScaleBelief
   const SegmentEvidence evidence = EvidenceOfStraight(steps, lever_arm, options_.evidence);
   const auto measurement = Linearize(evidence, belief.mean, options_.evidence);
   if (!measurement) return;
-  const double variance = measurement->variance + belief.covariance(kDirection, kDirection);
-  const double deviation = std::abs(measurement->innovation) / std::sqrt(variance);
-  belief = Updated(belief, *measurement, std::min(1.0, options_.huber / std::max(deviation, 1e-9)), belief.mean);
+  const double deviation = std::sqrt(NormalizedInnovation(belief, *measurement, 1, belief.mean));
+  belief = Updated(belief, *measurement, HuberWeight(deviation, options_.huber), belief.mean);
 }
 
 void LiveScale::Advance(const std::vector<VehicleStep>& steps, ScaleBelief& belief) const {
@@ -106,13 +105,8 @@ std::optional<ScaleBelief> LiveScale::WithTurn(const ScaleBelief& belief, const 
   for (int i = 0; i < kLocalIterations; ++i) {
     const DriveState at = updated.mean;
     const auto measurement = Linearize(evidence, at, options_.evidence);
-    if (started_) {
-      // What the filter expects may be as wrong as the turn: the deviation is that of both together.
-      const double variance =
-          measurement->variance + measurement->by_state.dot(start.covariance * measurement->by_state.transpose());
-      const double innovation = measurement->innovation - measurement->by_state.dot(start.mean - at);
-      weight = std::min(1.0, options_.huber / std::max(std::abs(innovation) / std::sqrt(variance), 1e-9));
-    }
+    // What the filter expects may be as wrong as the turn.
+    if (started_) weight = HuberWeight(std::sqrt(NormalizedInnovation(start, *measurement, 1, at)), options_.huber);
     updated = Updated(start, *measurement, weight, at);
     HoldSlip(updated);
   }

@@ -80,8 +80,7 @@ class Smoothing {
     for (std::size_t i = 0; i < at_.size(); ++i) {
       const auto measurement = Linearize(problem_.evidence[i], at_[i], problem_.options);
       if (!measurement) continue;
-      const double deviation = std::abs(measurement->innovation) / std::sqrt(measurement->variance);
-      problem_.evidence[i].weight = std::min(1.0, huber_ / std::max(deviation, 1e-9));
+      problem_.evidence[i].weight = HuberWeight(measurement->innovation / std::sqrt(measurement->variance), huber_);
     }
   }
 
@@ -134,9 +133,11 @@ Answer SmoothDrive(ScaleProblem problem, const std::vector<SegmentEvidence>& gat
   return answer;
 }
 
-TurnEstimate DescribeTurn(const PathSegment& segment, const SegmentEvidence& evidence, const CarPrior& car,
-                          const EvidenceOptions& options) {
+TurnEstimate DescribeTurn(const ScaleProblem& problem, int place, const CarPrior& car) {
+  const PathSegment& segment = problem.segments[place];
+  const SegmentEvidence& evidence = problem.evidence[place];
   TurnEstimate turn;
+  turn.segment = place;
   turn.first_step = segment.first;
   turn.last_step = segment.last;
   turn.angle = segment.angle;
@@ -147,16 +148,15 @@ TurnEstimate DescribeTurn(const PathSegment& segment, const SegmentEvidence& evi
   turn.speed_units = std::sqrt(evidence.turn->mean_square_speed);
   turn.own = turn.as_given = OwnScale(evidence, PriorState(car, 0));
   if (!std::isfinite(turn.as_given)) return turn;
-  const Measurement measurement = *Linearize(evidence, PriorState(car, std::log(turn.as_given)), options);
+  const Measurement measurement = *Linearize(evidence, PriorState(car, std::log(turn.as_given)), problem.options);
   turn.own_sigma = turn.as_given_sigma = std::sqrt(measurement.variance) / std::abs(measurement.by_state[kLogScale]);
   return turn;
 }
 
 std::vector<TurnEstimate> DescribeTurns(const ScaleProblem& problem, const CarPrior& car) {
   std::vector<TurnEstimate> turns;
-  for (std::size_t i = 0; i < problem.segments.size(); ++i)
-    if (problem.segments[i].turning)
-      turns.push_back(DescribeTurn(problem.segments[i], problem.evidence[i], car, problem.options));
+  for (int i = 0; i < static_cast<int>(problem.segments.size()); ++i)
+    if (problem.segments[i].turning) turns.push_back(DescribeTurn(problem, i, car));
   return turns;
 }
 
@@ -172,14 +172,12 @@ void CompareTurns(const Answer& answer, const CarPrior& car, const TurnTestOptio
   input.chi_squared = answer.smoothed.chi_squared;
   std::vector<int> tested;
   const ScaleProblem& problem = answer.smoothing.problem();
-  std::size_t next = 0;
-  for (std::size_t i = 0; i < problem.segments.size(); ++i) {
-    if (!problem.segments[i].turning) continue;
-    TurnEstimate& turn = estimate.turns[next++];
-    const SegmentEvidence& evidence = problem.evidence[i];
-    const ScaleBelief& belief = estimate.smoothed[i];
+  for (int i = 0; i < static_cast<int>(estimate.turns.size()); ++i) {
+    TurnEstimate& turn = estimate.turns[i];
     if (!turn.used || !std::isfinite(turn.as_given)) continue;
-    tested.push_back(static_cast<int>(next) - 1);
+    tested.push_back(i);
+    const SegmentEvidence& evidence = problem.evidence[turn.segment];
+    const ScaleBelief& belief = estimate.smoothed[turn.segment];
     const Measurement measurement = *Linearize(evidence, belief.mean, problem.options);
     turn.own = OwnScale(evidence, belief.mean);
     turn.own_sigma = std::sqrt(measurement.variance) / std::abs(measurement.by_state[kLogScale]);
@@ -196,73 +194,73 @@ void CompareTurns(const Answer& answer, const CarPrior& car, const TurnTestOptio
 
 // The scale along the drive, as the turns lie in it.
 void DescribeScaleAtTurns(ScaleEstimate& estimate) {
-  std::size_t next = 0;
-  for (std::size_t i = 0; i < estimate.segments.size(); ++i) {
-    if (!estimate.segments[i].turning) continue;
-    TurnEstimate& turn = estimate.turns[next++];
-    turn.smoothed = estimate.smoothed[i].metres_per_unit();
-    turn.smoothed_sigma = estimate.smoothed[i].sigma();
+  for (TurnEstimate& turn : estimate.turns) {
+    turn.smoothed = estimate.smoothed[turn.segment].metres_per_unit();
+    turn.smoothed_sigma = estimate.smoothed[turn.segment].sigma();
   }
 }
 
-// The scale goes through what each turn says with the car's constants as given; sigma covers how much they differ from
-// the estimate, and from each other. Turns that know the scale much worse than others say nothing. Between two losses
-// of tracking without a turn, the estimate stays.
-void FollowTurns(const ScaleProblem& problem, const ScaleEstimatorOptions& options, ScaleEstimate& estimate) {
-  struct Node {
-    double place;
-    double difference;  // ln(as given / smoothed)
-    std::size_t piece;
-  };
+// Which turns are followed where the scale follows single turns: not those that know it much worse than the best.
+void MarkFollowed(double max_sigma_ratio, std::vector<TurnEstimate>& turns) {
+  const auto has_scale = [](const TurnEstimate& turn) { return turn.used && std::isfinite(turn.as_given); };
   double best_sigma = std::numeric_limits<double>::infinity();
-  for (TurnEstimate& turn : estimate.turns) {
-    turn.followed = turn.used && std::isfinite(turn.as_given);
-    if (turn.followed) best_sigma = std::min(best_sigma, turn.as_given_sigma);
-  }
-  std::vector<Node> nodes;
-  std::vector<std::size_t> pieces;
-  std::vector<std::pair<double, double>> differences;
-  std::size_t piece = 0;
-  std::size_t next = 0;
-  for (std::size_t i = 0; i < problem.segments.size(); ++i) {
-    const PathSegment& segment = problem.segments[i];
-    piece += segment.gap_sigma > 0 ? 1 : 0;
-    pieces.push_back(piece);
-    if (!segment.turning) continue;
-    TurnEstimate& turn = estimate.turns[next++];
-    turn.followed = turn.followed && turn.as_given_sigma <= options.max_sigma_ratio * best_sigma;
-    if (!turn.followed) continue;
-    const double difference = std::log(turn.as_given) - estimate.smoothed[i].mean[kLogScale];
-    nodes.push_back({segment.middle, difference, piece});
-    differences.emplace_back(difference, std::abs(segment.angle));
-  }
-  estimate.fell_back = true;
-  if (nodes.empty()) return;
-  const double centre = WeightedMedian(differences);
+  for (const TurnEstimate& turn : turns)
+    if (has_scale(turn)) best_sigma = std::min(best_sigma, turn.as_given_sigma);
+  for (TurnEstimate& turn : turns)
+    turn.followed = has_scale(turn) && turn.as_given_sigma <= max_sigma_ratio * best_sigma;
+}
+
+// A turn that is followed.
+struct Node {
+  std::size_t piece;  // of the drive, between losses of tracking
+  double place;       // along the path
+  double difference;  // ln(as given / smoothed)
+};
+
+// Between nodes of the same piece in proportion to the way, beyond them as at the next one; 0 in a piece without any.
+double DifferenceAt(const std::vector<Node>& nodes, std::size_t piece, double place) {
+  const auto after = std::ranges::lower_bound(nodes, std::pair(piece, place), {},
+                                              [](const Node& node) { return std::pair(node.piece, node.place); });
+  const bool has_after = after != nodes.end() && after->piece == piece;
+  const bool has_before = after != nodes.begin() && (after - 1)->piece == piece;
+  if (!has_after) return has_before ? (after - 1)->difference : 0.0;
+  if (!has_before) return after->difference;
+  const Node& before = *(after - 1);
+  const double share = (place - before.place) / (after->place - before.place);
+  return (1 - share) * before.difference + share * after->difference;
+}
+
+double SpreadAbout(double centre, const std::vector<std::pair<double, double>>& weighted) {
   double squares = 0;
   double weights = 0;
-  for (const auto& [difference, weight] : differences) {
-    squares += weight * (difference - centre) * (difference - centre);
+  for (const auto& [value, weight] : weighted) {
+    squares += weight * (value - centre) * (value - centre);
     weights += weight;
   }
-  const double spread = std::hypot(std::sqrt(squares / weights), estimate.test.disagreement);
-  for (std::size_t i = 0; i < problem.segments.size(); ++i) {
-    const double place = problem.segments[i].middle;
-    const Node* before = nullptr;
-    const Node* after = nullptr;
-    for (const Node& node : nodes) {
-      if (node.piece != pieces[i]) continue;
-      if (node.place <= place) before = &node;
-      if (node.place >= place && after == nullptr) after = &node;
-    }
-    double difference = 0;
-    if (before != nullptr && after != nullptr) {
-      const double way = after->place - before->place;
-      const double share = way > 0 ? (place - before->place) / way : 0.0;
-      difference = (1 - share) * before->difference + share * after->difference;
-    } else if (before != nullptr || after != nullptr) {
-      difference = (before != nullptr ? before : after)->difference;
-    }
+  return std::sqrt(squares / weights);
+}
+
+// The scale goes through what each turn says with the car's constants as given; sigma covers how much they differ from
+// the estimate, and from each other. Between two losses of tracking without a turn, the estimate stays.
+void FollowTurns(double max_sigma_ratio, ScaleEstimate& estimate) {
+  MarkFollowed(max_sigma_ratio, estimate.turns);
+  estimate.fell_back = true;
+  std::vector<std::size_t> pieces;
+  for (const PathSegment& segment : estimate.segments)
+    pieces.push_back((pieces.empty() ? 0 : pieces.back()) + (segment.gap_sigma > 0 ? 1 : 0));
+  std::vector<Node> nodes;
+  std::vector<std::pair<double, double>> differences;
+  for (const TurnEstimate& turn : estimate.turns) {
+    if (!turn.followed) continue;
+    const double difference = std::log(turn.as_given) - estimate.smoothed[turn.segment].mean[kLogScale];
+    nodes.push_back({pieces[turn.segment], estimate.segments[turn.segment].middle, difference});
+    differences.emplace_back(difference, std::abs(turn.angle));
+  }
+  if (nodes.empty()) return;
+  const double centre = WeightedMedian(differences);
+  const double spread = std::hypot(SpreadAbout(centre, differences), estimate.test.disagreement);
+  for (std::size_t i = 0; i < estimate.segments.size(); ++i) {
+    const double difference = DifferenceAt(nodes, pieces[i], estimate.segments[i].middle);
     const double sigma = std::max(spread, std::abs(difference - centre));
     estimate.smoothed[i].mean[kLogScale] += difference;
     estimate.smoothed[i].covariance(kLogScale, kLogScale) += sigma * sigma;
@@ -335,7 +333,7 @@ ScaleEstimateResult EstimateScale(const std::vector<VehicleStep>& steps, const C
   estimate.length_sigma *= inflation;
   estimate.car = DescribeCar(estimate.smoothed.back(), car, car.side_slip_sigma > 0 && answer.side_slip < 0);
   if (options.follow_turns || estimate.test.contradicted || !estimate.converged)
-    FollowTurns(answer.smoothing.problem(), options, estimate);
+    FollowTurns(options.max_sigma_ratio, estimate);
   DescribeScaleAtTurns(estimate);
   result.estimate = std::move(estimate);
   return result;

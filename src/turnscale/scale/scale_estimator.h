@@ -32,6 +32,7 @@ struct ScaleEstimatorOptions {
 
 /// What a turn says of the scale, and what became of it.
 struct TurnEstimate {
+  int segment = 0;  ///< place in ScaleEstimate::segments
   int first_step = 0;
   int last_step = 0;
   double angle = 0;  ///< rad, positive to the right

@@ -26,15 +26,6 @@ double VarianceBetween(const ScaleProblem& problem, std::size_t i, double metres
                        0.5 * (std::abs(before.angle) + std::abs(after.angle)), after.gap_sigma);
 }
 
-// Of a measurement under the belief before it: squared innovation over its variance.
-double NormalizedInnovation(const ScaleBelief& belief, const Measurement& measurement, double weight,
-                            const DriveState& at) {
-  const double innovation = measurement.innovation - measurement.by_state.dot(belief.mean - at);
-  const double variance =
-      measurement.by_state.dot(belief.covariance * measurement.by_state.transpose()) + measurement.variance / weight;
-  return innovation * innovation / variance;
-}
-
 }  // namespace
 
 void DriftOptions::Check() const {
@@ -59,6 +50,18 @@ double DriftVariance(const DriftOptions& options, double length, double metres_p
                      double gap_sigma) {
   return options.per_100m * options.per_100m * length * metres_per_unit / kDistance +
          options.per_90deg * options.per_90deg * angle / kAngle + gap_sigma * gap_sigma;
+}
+
+double NormalizedInnovation(const ScaleBelief& belief, const Measurement& measurement, double weight,
+                            const DriveState& at) {
+  const double innovation = measurement.innovation - measurement.by_state.dot(belief.mean - at);
+  const double variance =
+      measurement.by_state.dot(belief.covariance * measurement.by_state.transpose()) + measurement.variance / weight;
+  return innovation * innovation / variance;
+}
+
+double HuberWeight(double deviation, double threshold) {
+  return std::min(1.0, threshold / std::max(std::abs(deviation), 1e-9));
 }
 
 ScaleBelief Updated(const ScaleBelief& belief, const Measurement& measurement, double weight, const DriveState& at) {

@@ -34,6 +34,14 @@ ScaleBelief PriorBelief(const CarPrior& car, double log_scale);
 double DriftVariance(const DriftOptions& options, double length, double metres_per_unit, double angle,
                      double gap_sigma);
 
+/// Of a measurement under the belief before it, linearised at `at`: innovation over its standard deviation, which is
+/// that of both together, squared.
+double NormalizedInnovation(const ScaleBelief& belief, const Measurement& measurement, double weight,
+                            const DriveState& at);
+
+/// Huber's weight of a deviation (in standard deviations): 1 up to `threshold`, then falling with its inverse.
+double HuberWeight(double deviation, double threshold);
+
 /// The belief with one more measurement, linearised at `at`; `weight` divides the measurement's variance.
 ScaleBelief Updated(const ScaleBelief& belief, const Measurement& measurement, double weight, const DriveState& at);
 
