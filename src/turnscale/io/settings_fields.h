@@ -150,6 +150,7 @@ void VisitSettings(Visitor& visitor, OdometryOptions& options) {
     visitor.Field("min_turn_deg", o.min_turn_deg);
     visitor.Field("max_landmarks", o.max_landmarks);
     visitor.Field("max_rounds", o.max_rounds);
+    visitor.Field("max_windows", o.max_windows);
     visitor.Field("pixel_sigma_inflation", o.pixel_sigma_inflation);
     visitor.Field("huber_threshold", o.huber_threshold);
     visitor.Field("pixel_sigma", o.pixel_sigma);

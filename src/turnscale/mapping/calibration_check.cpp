@@ -69,6 +69,7 @@ void CalibrationCheckOptions::Check() const {
   require(min_turn_deg > 0, "min_turn_deg: has to be positive");
   require(max_landmarks >= 20, "max_landmarks: has to be at least 20");
   require(max_rounds >= 1, "max_rounds: has to be at least 1");
+  require(max_windows >= 1, "max_windows: has to be at least 1");
   require(pixel_sigma_inflation >= 1, "pixel_sigma_inflation: has to be at least 1");
   require(huber_threshold >= 0, "huber_threshold: must not be negative");
   require(pixel_sigma > 0, "pixel_sigma: has to be positive");
@@ -93,8 +94,8 @@ CalibrationCheck::CalibrationCheck(const CalibrationCheckOptions& options)
 bool CalibrationCheck::Observe(const Map& map, double applied) {
   given_ = map.pinhole;
   const int latest = static_cast<int>(map.keyframes.size()) - 1;
-  if (!options_.enabled || latest < next_keyframe_) return false;
-  const int first = std::max(StartOfMap(map), latest - options_.window + 1);
+  if (!options_.enabled || windows() >= options_.max_windows || latest < next_keyframe_) return false;
+  const int first = StartOfMap(map, std::max(0, latest - options_.window + 1));
   if (LargestTurn(map, first, latest) * kDegreesPerRadian < options_.min_turn_deg) return false;
   // What windows have in common is known soon: later ones come less often, and only the first overlap.
   const int read = static_cast<int>(windows_.size()) + 1;

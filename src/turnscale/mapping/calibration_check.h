@@ -23,6 +23,8 @@ struct CalibrationCheckOptions {
   int max_landmarks = 150;
   /// Times that poses, points and intrinsics are brought to agree in a window; with a right calibration one is enough.
   int max_rounds = 5;
+  /// Windows after which no more are read: what is left of the errors then is what all windows have in common.
+  int max_windows = 60;
   /// Errors of a track's pixels go together, so that each counts as if it were so many times its sigma.
   double pixel_sigma_inflation = 3.0;
   /// Where bundle adjustment starts to weigh residuals linearly, in sigmas.

@@ -51,7 +51,7 @@ bool LensRefinement::Observe(const Map& map, double applied) {
   if (!options_.enabled || latest < next_keyframe_) return false;
   next_keyframe_ = latest + options_.window / 2;
   const int first = latest - options_.window + 1;
-  if (first < StartOfMap(map)) return false;
+  if (first < StartOfMap(map, first)) return false;
   const Eigen::Quaterniond turn =
       map.keyframes[latest].camera_from_world.rotation * map.keyframes[first].camera_from_world.rotation.conjugate();
   if (RotationAngle(turn) * kDegreesPerRadian < options_.min_turn_deg) return false;

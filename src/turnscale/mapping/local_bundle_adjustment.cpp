@@ -24,7 +24,7 @@ LocalBundleResult AdjustLocalWindow(const LocalBundleOptions& options, Map& map)
 }
 
 LocalBundleResult AdjustFrom(const LocalBundleOptions& options, int first, Map& map) {
-  const int start = StartOfMap(map);
+  const int start = StartOfMap(map, std::max(0, first - options.anchors));
   const int first_free = std::max(start + 1, first);
   const int first_anchor = std::max(start, first_free - options.anchors);
   WindowProblem problem = MakeWindowProblem(map, {first_anchor, first_free}, options.pixel_sigma);

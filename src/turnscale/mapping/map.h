@@ -39,10 +39,12 @@ struct Landmark {
   Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< in W
   bool valid = false;  ///< triangulated and not culled; invalid landmarks keep their number but take no part
   std::vector<LandmarkObservation> observations;
+  int archived_as = -1;  ///< number in the MapArchive, once a keyframe that saw it is there
 };
 
-/// Keyframes and landmarks; indices are stable over the drive. An observation stands both in its keyframe and in its
-/// landmark (see AddObservation, RemoveObservation).
+/// Keyframes and landmarks. An observation stands both in its keyframe and in its landmark (see AddObservation,
+/// RemoveObservation). Indices of keyframes are stable over the drive; landmarks are numbered anew when old ones leave
+/// (MapArchive::Retire).
 struct Map {
   Pinhole pinhole;
   std::vector<Keyframe> keyframes;

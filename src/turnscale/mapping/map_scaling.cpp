@@ -7,10 +7,10 @@
 
 namespace turnscale {
 
-std::vector<Eigen::Vector3d> KeyframeCentres(const Map& map) {
+std::vector<Eigen::Vector3d> KeyframeCentres(const Map& map, int first) {
   std::vector<Eigen::Vector3d> centres;
-  centres.reserve(map.keyframes.size());
-  for (const Keyframe& keyframe : map.keyframes) centres.push_back(Centre(keyframe));
+  centres.reserve(map.keyframes.size() - first);
+  for (size_t k = first; k < map.keyframes.size(); ++k) centres.push_back(Centre(map.keyframes[k]));
   return centres;
 }
 

@@ -23,8 +23,8 @@ struct TurnScale {
   double sigma = 0;
 };
 
-/// Camera centres of all keyframes, in W.
-std::vector<Eigen::Vector3d> KeyframeCentres(const Map& map);
+/// Camera centres of keyframes `first`... of the map, in W.
+std::vector<Eigen::Vector3d> KeyframeCentres(const Map& map, int first = 0);
 
 /// Moves keyframe centres, rotations staying as they are.
 void SetKeyframeCentres(const std::vector<Eigen::Vector3d>& centres, Map& map);

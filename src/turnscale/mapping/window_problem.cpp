@@ -5,9 +5,9 @@
 
 namespace turnscale {
 
-int StartOfMap(const Map& map) {
+int StartOfMap(const Map& map, int earliest) {
   int start = static_cast<int>(map.keyframes.size()) - 1;
-  while (start > 0 && !map.keyframes[start].after_gap) --start;
+  while (start > earliest && !map.keyframes[start].after_gap) --start;
   return start;
 }
 

@@ -23,8 +23,9 @@ struct WindowProblem {
   std::vector<int> landmarks;  ///< seen by a free keyframe; ascending
 };
 
-/// The first keyframe since tracking was lost last: nothing before it shares a landmark with what follows.
-int StartOfMap(const Map& map);
+/// The first keyframe since tracking was lost last, but none before `earliest`: nothing before a loss shares a landmark
+/// with what follows.
+int StartOfMap(const Map& map, int earliest = 0);
 
 WindowProblem MakeWindowProblem(const Map& map, const Window& window, double pixel_sigma);
 

@@ -13,6 +13,12 @@ namespace {
 // Keyframes whose poses local bundle adjustment may still move.
 constexpr int kUnsettled = 25;
 
+// Keyframes back to which a turn may change the live scale: on a long straight the path before it stays.
+constexpr int kMostRevised = 500;
+
+// Keyframes that join the settled part at a time, at least.
+constexpr int kSettledTogether = 20;
+
 // Change of the log-scale that an error of the calibration may cause: per relative error of the focal length, per rad
 // of the principal point, per unit of radial correction. About the largest that the turns of benchmarks/variants show
 // by themselves.
@@ -33,6 +39,12 @@ CarPrior PriorOf(const VehicleOptions& vehicle, const Mount& mount) {
   if (vehicle.calibrate_camera)
     car.yaw_sigma = std::max(vehicle.yaw_sigma, mount.found ? mount.sigma.yaw : kAssumedYawSigma);
   return car;
+}
+
+// Direction of travel that a camera taken as turned by `before` showed as 0, now that `now` is known, rad.
+double DirectionUnder(const Eigen::Quaterniond& now, const Eigen::Quaterniond& before) {
+  const Eigen::Vector3d forward = now * (before.conjugate() * Eigen::Vector3d::UnitZ());
+  return std::atan2(forward.x(), forward.z());
 }
 
 bool IsFinite(const StampedPose& pose) {
@@ -97,18 +109,37 @@ bool DriveScale::Add(const Map& map) {
   turn_ended_ = false;
   for (; keyframes_ < static_cast<int>(map.keyframes.size()); ++keyframes_)
     turn_ended_ = Feed(map, keyframes_) || turn_ended_;
-  UpdateLive(map);
+  UpdateLive(map, keyframes_);
   return turn_ended_;
 }
 
 void DriveScale::Reread(const Map& map) {
+  settled_.reset();
+  Reread(map, 0, 0);
+}
+
+void DriveScale::Reread(const Map& map, int first, int settled) {
+  const auto knowledge = [&] { return std::pair(mount_.moves(), mount_.current().found); };
+  const auto before = knowledge();
+  mount_.Learn(map, static_cast<int>(map.keyframes.size()) - 1);
+  // Another prior of the yaw counts from the start on.
+  if (knowledge() != before) settled_.reset();
+  if (settled_) {
+    builder_ = settled_->builder;
+    live_ = settled_->live;
+    live_.TurnCamera(DirectionUnder(mount_.current().vehicle_from_camera, settled_->vehicle_from_camera));
+  } else {
+    builder_ = StepBuilder(options_.steps, true);
+    live_ = LiveScale(PriorOf(options_.vehicle, mount_.current()), options_.scale.estimator);
+  }
   keyframes_ = static_cast<int>(map.keyframes.size());
-  mount_.Learn(map, keyframes_ - 1);
-  builder_ = StepBuilder(options_.steps, true);
-  live_ = LiveScale(PriorOf(options_.vehicle, mount_.current()), options_.scale.estimator);
-  for (int k = 0; k < keyframes_; ++k) Feed(map, k);
-  UpdateLive(map);
-  last_turn_end_ = keyframes_ - 1;
+  for (int k = settled_ ? settled_->keyframes : 0; k < keyframes_; ++k) {
+    if (k == settled && settled - (settled_ ? settled_->keyframes : 0) >= kSettledTogether)
+      settled_ = SettledPart{settled, builder_, live_, mount_.current().vehicle_from_camera};
+    Feed(map, k);
+  }
+  UpdateLive(map, first);
+  if (turn_ended_) last_turn_end_ = keyframes_ - 1;
 }
 
 bool DriveScale::Feed(const Map& map, int keyframe) {
@@ -119,9 +150,7 @@ bool DriveScale::Feed(const Map& map, int keyframe) {
   return turn_ended;
 }
 
-// Positions follow the scale as far back as it has changed: to the turn before while a turn is under way, to the start
-// when the scale becomes known. At a loss of tracking it changes at once.
-void DriveScale::UpdateLive(const Map& map) {
+void DriveScale::UpdateLive(const Map& map, int first) {
   const std::optional<ScaleBelief> now = options_.vehicle.lever_arm ? live_.Now() : std::nullopt;
   const bool was_known = state_ != ScaleState::kPending;
   const double scale = now ? now->metres_per_unit() : 1.0;
@@ -130,36 +159,43 @@ void DriveScale::UpdateLive(const Map& map) {
 
   const int count = static_cast<int>(map.keyframes.size());
   std::vector<double>& scales = live_path_.metres_per_unit;
-  const auto step = [&](int k) -> Eigen::Vector3d { return Centre(map.keyframes[k]) - Centre(map.keyframes[k - 1]); };
   scales.resize(count, scale);
   live_path_.centres.resize(count);
-  int first = std::max(0, count - 1 - kUnsettled);
+  first = std::max(0, std::min(first, count) - 1 - kUnsettled);
   if (was_known != now.has_value()) {
     std::ranges::fill(scales, scale);
     first = 0;
   } else if (state_ == ScaleState::kObserved) {
-    first = std::min(first, last_turn_end_);
-    int gap = count - 1;
-    while (gap > last_turn_end_ && !map.keyframes[gap].after_gap) --gap;
-    if (gap > last_turn_end_) {
-      std::fill(scales.begin() + gap, scales.end(), scale);
-    } else {
-      double length = 0;
-      for (int k = last_turn_end_ + 1; k < count; ++k) length += step(k).norm();
-      const double growth = std::log(scale / scales[last_turn_end_]);
-      double so_far = 0;
-      for (int k = last_turn_end_ + 1; k < count; ++k) {
-        so_far += step(k).norm();
-        scales[k] = scales[last_turn_end_] * std::exp(length > 0 ? growth * so_far / length : growth);
-      }
-    }
+    first = std::min(first, SpreadScale(map, scale));
   }
   if (first == 0) live_path_.centres[0] = scales[0] * Centre(map.keyframes[0]);
   for (int k = first + 1; k < count; ++k) {
     // The bridged step is predicted, in the unit before the gap.
     const double metres_per_unit = map.keyframes[k].after_gap ? scales[k - 1] : scales[k];
-    live_path_.centres[k] = live_path_.centres[k - 1] + metres_per_unit * step(k);
+    live_path_.centres[k] =
+        live_path_.centres[k - 1] + metres_per_unit * (Centre(map.keyframes[k]) - Centre(map.keyframes[k - 1]));
   }
+}
+
+// From the end of the turn before the scale passes evenly to that of the turn under way; at a loss of tracking it
+// changes at once.
+int DriveScale::SpreadScale(const Map& map, double scale) {
+  const int count = static_cast<int>(map.keyframes.size());
+  const int begin = std::max(last_turn_end_, count - 1 - kMostRevised);
+  std::vector<double>& scales = live_path_.metres_per_unit;
+  int gap = count - 1;
+  while (gap > begin && !map.keyframes[gap].after_gap) --gap;
+  if (gap > begin) {
+    std::fill(scales.begin() + gap, scales.end(), scale);
+    return begin;
+  }
+  std::vector<double> length(count - begin, 0.0);  // from `begin` on
+  for (int k = begin + 1; k < count; ++k)
+    length[k - begin] = length[k - begin - 1] + (Centre(map.keyframes[k]) - Centre(map.keyframes[k - 1])).norm();
+  const double growth = std::log(scale / scales[begin]);
+  for (int k = begin + 1; k < count; ++k)
+    scales[k] = scales[begin] * std::exp(length.back() > 0 ? growth * length[k - begin] / length.back() : growth);
+  return begin;
 }
 
 RefinedScale DriveScale::Refine(const Map& map, bool follow_turns) const {

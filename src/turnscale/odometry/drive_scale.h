@@ -54,8 +54,10 @@ class DriveScale {
   /// before are worth adjusting once more then, and Reread is due.
   bool Add(const Map& map);
 
-  /// The keyframes since the last turn have been adjusted: learns the camera's rotation from them, and reads all steps
-  /// again.
+  /// Keyframes `first`... have been adjusted: learns the camera's rotation from them, and reads their steps again.
+  /// Keyframes before `settled` will not be adjusted again while the drive goes on.
+  void Reread(const Map& map, int first, int settled);
+  /// All keyframes have been adjusted: the same from the start.
   void Reread(const Map& map);
 
   ScaleState state() const { return state_; }
@@ -72,12 +74,24 @@ class DriveScale {
  private:
   /// Returns whether the keyframe ended a turn.
   bool Feed(const Map& map, int keyframe);
-  void UpdateLive(const Map& map);
+  /// Live positions from keyframe `first` on, and from where the scale has changed.
+  void UpdateLive(const Map& map, int first);
+  /// Brings the live scale within a turn to `scale`. Returns the keyframe from which on it has changed.
+  int SpreadScale(const Map& map, double scale);
+
+  /// The live filter before a keyframe, where reading starts again.
+  struct SettledPart {
+    int keyframes = 0;
+    StepBuilder builder;
+    LiveScale live;
+    Eigen::Quaterniond vehicle_from_camera;
+  };
 
   OdometryOptions options_;
   MountCalibration mount_;
   StepBuilder builder_;
   LiveScale live_;  ///< with a lever arm of 1 where none is given: turns are found all the same
+  std::optional<SettledPart> settled_;
   MetricPath live_path_;
   ScaleState state_ = ScaleState::kPending;
   double sigma_ = std::numeric_limits<double>::infinity();

@@ -30,6 +30,7 @@ struct Live {
   std::vector<RigidTransform> truth;
   double units_per_metre = 1;
   double noise = 0;  ///< of a centre, metres
+  int reach = 0;     ///< keyframes that are read again when a turn ends; 0: all
   Random random{5};
   Map map;
   DriveScale scale;
@@ -55,7 +56,12 @@ struct Live {
     }
     map.keyframes.push_back(keyframe);
     // The camera's rotation is learnt where a turn ends, as Odometry does it.
-    if (scale.Add(map)) scale.Reread(map);
+    if (!scale.Add(map)) return;
+    const int settled = static_cast<int>(map.keyframes.size()) - reach;
+    if (reach == 0)
+      scale.Reread(map);
+    else
+      scale.Reread(map, std::max(0, settled), settled);
   }
 
   void Drive() {
@@ -305,6 +311,30 @@ TEST(DriveScale, AllTurnsTogetherTellWhatTheYawHasWrong) {
     smoothed = std::max(smoothed, std::abs(std::log(turn.smoothed * kUnits)));
   }
   EXPECT_LT(smoothed, 0.3 * as_given) << "right and left turns disagree; together they show it";
+}
+
+TEST(DriveScale, ReadingTheLatestPartAgainIsEnough) {
+  std::vector<DriveSegment> segments;
+  for (int i = 0; i < 12; ++i) {
+    segments.push_back({40, 0.8, 0});
+    segments.push_back({22, 0.6, i % 3 == 1 ? -kCornerStep : kCornerStep});
+  }
+  OdometryOptions options;
+  options.vehicle.lever_arm = kLeverArm;
+  Live whole(options, TrueDrive(segments), kUnits, 0.0005);
+  Live part(options, TrueDrive(segments), kUnits, 0.0005);
+  part.reach = 120;
+  while (whole.map.keyframes.size() < whole.truth.size()) {
+    whole.Next();
+    part.Next();
+    ASSERT_EQ(part.scale.state(), whole.scale.state()) << whole.map.keyframes.size();
+    if (whole.scale.state() == ScaleState::kPending) continue;
+    EXPECT_NEAR(part.scale.live_path().metres_per_unit.back() / whole.scale.live_path().metres_per_unit.back(), 1, 0.01)
+        << whole.map.keyframes.size();
+    EXPECT_NEAR(part.scale.sigma() / whole.scale.sigma(), 1, 0.1) << whole.map.keyframes.size();
+  }
+  EXPECT_EQ(whole.scale.state(), ScaleState::kObserved);
+  EXPECT_TRUE(whole.scale.mount().current().found);
 }
 
 TEST(DriveScale, StaysPendingWithoutALeverArm) {

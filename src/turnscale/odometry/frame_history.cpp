@@ -46,9 +46,12 @@ void FrameHistory::Add(const FrameResult& result, const Map& map, int keyframe,
     entries_.push_back(entry);
 }
 
-void FrameHistory::Rescale(const std::vector<double>& factors) {
-  for (Entry& entry : entries_)
-    if (entry.keyframe >= 0) entry.frame_from_keyframe.translation *= factors[entry.keyframe];
+void FrameHistory::Rescale(int first, const std::vector<double>& factors) {
+  for (auto entry = entries_.rbegin(); entry != entries_.rend(); ++entry) {
+    if (entry->keyframe < 0) continue;
+    if (entry->keyframe < first) return;
+    entry->frame_from_keyframe.translation *= factors[entry->keyframe - first];
+  }
 }
 
 std::vector<int> FrameHistory::Keyframes() const {

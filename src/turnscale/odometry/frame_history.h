@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <deque>
 #include <vector>
 
 #include "turnscale/mapping/map.h"
@@ -18,8 +19,8 @@ class FrameHistory {
   /// Adds a frame, or gives the frame of that number its pose, relative to a keyframe of the map.
   void Add(const FrameResult& result, const Map& map, int keyframe, const RigidTransform& camera_from_world);
 
-  /// Lengths of the frames hung on the keyframes are `factors[k]` times what they were.
-  void Rescale(const std::vector<double>& factors);
+  /// Lengths of the frames hung on keyframe first + k are `factors[k]` times what they were.
+  void Rescale(int first, const std::vector<double>& factors);
 
   /// The keyframe that each frame hangs on, -1 where it has no pose.
   std::vector<int> Keyframes() const;
@@ -35,7 +36,7 @@ class FrameHistory {
     int keyframe = -1;  ///< -1 while the frame has no pose
     RigidTransform frame_from_keyframe;
   };
-  std::vector<Entry> entries_;  ///< index is the frame's number
+  std::deque<Entry> entries_;  ///< index is the frame's number; keyframes ascend
 };
 
 }  // namespace turnscale

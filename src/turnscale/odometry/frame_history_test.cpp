@@ -63,7 +63,7 @@ TEST(FrameHistory, LengthsAreRescaledKeyframeByKeyframe) {
   history.AddWithoutPose(Frame(0, TrackingState::kInitializing));
   history.Add(Frame(1, TrackingState::kTracked), map, 0, At(2));
   history.Add(Frame(2, TrackingState::kTracked), map, 1, At(11));
-  history.Rescale({3, 5});
+  history.Rescale(0, {3, 5});
   const std::vector<FrameResult> frames = history.Refined(map, OwnUnit(map));
   EXPECT_NEAR(X(frames[1]), 6, 1e-12);
   EXPECT_NEAR(X(frames[2]), 15, 1e-12);

@@ -19,6 +19,7 @@
 #include "turnscale/mapping/landmarks.h"
 #include "turnscale/mapping/local_bundle_adjustment.h"
 #include "turnscale/mapping/map_scaling.h"
+#include "turnscale/mapping/section_adjustment.h"
 #include "turnscale/odometry/held_turns.h"
 
 namespace turnscale {
@@ -30,6 +31,8 @@ constexpr double kNearQuarter = 0.25;
 // A change of the lens correction by which a turn's scale changes by some per cent: poses adjusted under another one
 // are adjusted anew when the next turn ends.
 constexpr double kStaleLensChange = 2e-3;
+// Keyframes that go to the archive at a time, at least.
+constexpr int kArchivedTogether = 20;
 
 OdometryOptions Checked(OdometryOptions options, const CameraModel& camera) {
   options.Check();
@@ -123,14 +126,12 @@ FrameResult Odometry::ProcessUnreadable(double time) {
 
 void Odometry::Finish() {
   if (map_.keyframes.empty()) return;
-  // Windows held their older keyframes fixed, so the scale drifts from one to the next; all at once it drifts less.
-  lens_of_keyframe_.clear();
-  AdjustSinceLastTurn(options_.final_bundle);
+  Settle();
+  Archive(static_cast<int>(map_.keyframes.size()));
+  AdjustWholeDrive();
   refined_ = Refined();
   const bool follows_turns = refined_->estimate && refined_->estimate->fell_back;
-  if (options_.scale.method == ScaleMethod::kSmoothed && !follows_turns) return;
-  const RigidTransform last_from_keyframe = LastFromKeyframe();
-  FollowMap(HoldTurns(options_, scale_.mount(), map_, *refined_), last_from_keyframe);
+  if (options_.scale.method != ScaleMethod::kSmoothed || follows_turns) HoldTurnsOfDrive();
 }
 
 FrameResult Odometry::Initialize(const FlowImage& image, FrameResult result) {
@@ -152,7 +153,7 @@ void Odometry::StartMap(const InitialMap& start) {
   const WaitingFrame& second = start.frames.back();
   const bool continues = !map_.keyframes.empty();
   // No turn reaches across the gap: one that was under way is read from the map it belongs to.
-  if (continues) AdjustSinceLastTurn(options_.turn_bundle);
+  if (continues) Settle();
   const RigidTransform first_from_world = continues ? motion_.Predict(first.time) : RigidTransform{};
   const auto [unit, gap_sigma] = continues ? UnitAfterGap(start) : UnitGuess{1.0, 0.0};
   RigidTransform second_from_first = start.second_from_first;
@@ -376,8 +377,8 @@ void Odometry::AddKeyframe(const RigidTransform& camera_from_world, FrameResult&
   const std::unordered_set<int> ended(lost.begin(), lost.end());
   std::erase_if(tracks_, [&](const FeatureTrack& track) { return ended.contains(track.landmark); });
   RefineLens();
-  calibration_check_.Observe(map_, camera_.radial_correction);
-  calibration_sigma_ = CalibrationSigma(calibration_check_.Contradictions(), map_.pinhole.fx);
+  if (calibration_check_.Observe(map_, camera_.radial_correction))
+    calibration_sigma_ = CalibrationSigma(calibration_check_.Contradictions(), map_.pinhole.fx);
   motion_.Correct(map_.keyframes.back().camera_from_world, 1.0);
   result.keyframe = true;
 }
@@ -417,32 +418,68 @@ void Odometry::ObserveScale(FrameResult& result) {
   const TurningMotion motion = StepMotion(map_, static_cast<int>(map_.keyframes.size()) - 2, mount());
   result.psi = motion.psi;
   result.theta = motion.theta;
-  if (scale_.Add(map_)) AdjustSinceLastTurn(options_.turn_bundle);
+  const bool turn_ended = scale_.Add(map_);
+  const int unsettled = static_cast<int>(map_.keyframes.size() - lens_of_keyframe_.size());
+  if (turn_ended || unsettled >= options_.turn_bundle.window / 2) Settle();
 }
 
-void Odometry::AdjustSinceLastTurn(const LocalBundleOptions& bundle) {
+void Odometry::Settle() {
   // Windows along the way have seen less, and the lens was less known.
-  lens_of_keyframe_.resize(map_.keyframes.size(), std::numeric_limits<double>::quiet_NaN());
+  const int keyframes = static_cast<int>(map_.keyframes.size());
+  lens_of_keyframe_.resize(keyframes, std::numeric_limits<double>::quiet_NaN());
   const auto settled = [&](double applied) { return std::abs(applied - camera_.radial_correction) < kStaleLensChange; };
-  const auto stale = std::ranges::find_if_not(lens_of_keyframe_, settled);
-  const int first = static_cast<int>(stale - lens_of_keyframe_.begin());
+  const auto oldest = lens_of_keyframe_.begin() + std::max(archive_.end(), keyframes - options_.turn_bundle.window);
+  const auto stale = std::find_if_not(oldest, lens_of_keyframe_.end(), settled);
   std::fill(stale, lens_of_keyframe_.end(), camera_.radial_correction);
+  // Factors of length take in two steps on either side.
+  const int first = static_cast<int>(stale - lens_of_keyframe_.begin());
+  const int from = std::max(0, first - 2);
+  const RigidTransform last_from_keyframe = LastFromKeyframe();
+  const std::vector<Eigen::Vector3d> before = KeyframeCentres(map_, from);
+  AdjustFrom(options_.turn_bundle, first, map_);
+  FollowMap(from, KeyframeFactors(before, KeyframeCentres(map_, from), first - from, std::vector(before.size(), 1.0)),
+            last_from_keyframe);
+  const int last = keyframes - options_.turn_bundle.window - options_.turn_bundle.anchors;
+  scale_.Reread(map_, first, last);
+  ++revision_;
+  if (last - archive_.end() >= kArchivedTogether) Archive(last);
+}
+
+void Odometry::Archive(int last) {
+  const std::vector<int> new_index = archive_.Retire(last, camera_.radial_correction, map_);
+  for (std::vector<FeatureTrack>* tracks : {&tracks_, &lost_tracks_}) {
+    for (FeatureTrack& track : *tracks) track.landmark = new_index[track.landmark];
+    std::erase_if(*tracks, [](const FeatureTrack& track) { return track.landmark < 0; });
+  }
+}
+
+void Odometry::AdjustWholeDrive() {
+  // Earlier keyframes were held where later ones were adjusted, so the scale drifts; all at once it drifts less.
   const RigidTransform last_from_keyframe = LastFromKeyframe();
   const std::vector<Eigen::Vector3d> before = KeyframeCentres(map_);
-  AdjustFrom(bundle, first, map_);
-  FollowMap(KeyframeFactors(before, KeyframeCentres(map_), first, std::vector<double>(before.size(), 1.0)),
-            last_from_keyframe);
+  AdjustSections(options_.final_bundle, camera_.radial_correction, archive_, map_);
+  FollowMap(0, KeyframeFactors(before, KeyframeCentres(map_), 0, std::vector(before.size(), 1.0)), last_from_keyframe);
   scale_.Reread(map_);
   ++revision_;
+}
+
+void Odometry::HoldTurnsOfDrive() {
+  const RigidTransform last_from_keyframe = LastFromKeyframe();
+  ArchivedPart drive = archive_.Load(0, archive_.end(), camera_.radial_correction, map_);
+  const std::vector<double> factors = HoldTurns(options_, scale_.mount(), drive.map, *refined_);
+  archive_.Store(drive);
+  for (size_t k = 0; k < map_.keyframes.size(); ++k)
+    map_.keyframes[k].camera_from_world = drive.map.keyframes[k].camera_from_world;
+  FollowMap(0, factors, last_from_keyframe);
 }
 
 RigidTransform Odometry::LastFromKeyframe() const {
   return motion_.last() * map_.keyframes.back().camera_from_world.inverse();
 }
 
-void Odometry::FollowMap(const std::vector<double>& factors, RigidTransform last_from_keyframe) {
+void Odometry::FollowMap(int first, const std::vector<double>& factors, RigidTransform last_from_keyframe) {
   if (factors.empty()) return;
-  history_.Rescale(factors);
+  history_.Rescale(first, factors);
   last_from_keyframe.translation *= factors.back();
   motion_.Correct(last_from_keyframe * map_.keyframes.back().camera_from_world, factors.back());
 }
@@ -527,10 +564,22 @@ MapPoints Odometry::RefinedMap() const {
   const MetricPath path = Refined().path;
   MapPoints points;
   points.cameras = path.centres;
-  const std::vector<Eigen::Vector3d> centres = KeyframeCentres(map_);
-  for (const Landmark& landmark : map_.landmarks) {
-    if (!landmark.valid || landmark.observations.empty()) continue;
-    points.landmarks.push_back(path.InMetres(map_, ClosestObserver(landmark, centres), landmark.position));
+  std::vector<char> done(archive_.landmarks(), 0);
+  const auto add = [&](const Map& map, int first_keyframe) {
+    const std::vector<Eigen::Vector3d> centres = KeyframeCentres(map);
+    for (const Landmark& landmark : map.landmarks) {
+      if (!landmark.valid || landmark.observations.empty()) continue;
+      if (landmark.archived_as >= 0 && std::exchange(done[landmark.archived_as], 1) != 0) continue;
+      const int keyframe = first_keyframe + ClosestObserver(landmark, centres);
+      points.landmarks.push_back(path.InMetres(map_, keyframe, landmark.position));
+    }
+  };
+  // From the end: of a landmark's places in several blocks the latest counts.
+  add(map_, 0);
+  std::vector<int> ends = archive_.BlockEnds();
+  for (; !ends.empty(); ends.pop_back()) {
+    const int first = ends.size() > 1 ? ends[ends.size() - 2] : 0;
+    add(archive_.Load(first, ends.back(), camera_.radial_correction, map_).map, first);
   }
   return points;
 }

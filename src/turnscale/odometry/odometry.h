@@ -13,6 +13,7 @@
 #include "turnscale/mapping/calibration_check.h"
 #include "turnscale/mapping/lens_refinement.h"
 #include "turnscale/mapping/map.h"
+#include "turnscale/mapping/map_archive.h"
 #include "turnscale/mapping/pose_estimation.h"
 #include "turnscale/odometry/drive_scale.h"
 #include "turnscale/odometry/feature_tracks.h"
@@ -33,7 +34,8 @@ struct UnitGuess {
 /// From a drive's images to the camera's path: one call a frame, in the order of time.
 ///
 /// The map keeps the arbitrary unit of its start. The scale is observed beside it (DriveScale), and metric poses follow
-/// from both.
+/// from both. Work per frame and memory do not grow with the drive, but for the poses of keyframes and frames: what
+/// settled keyframes saw is moved to a temporary file (MapArchive). Finish goes over the whole drive.
 class Odometry {
  public:
   /// Throws InputError when an option makes no sense, or the camera has a width without a height.
@@ -47,7 +49,8 @@ class Odometry {
   /// The next frame has no usable image: its pose is predicted and flagged.
   FrameResult ProcessUnreadable(double time);
 
-  /// The drive is over: a turn that is still going on counts, and the scale of the whole drive is settled.
+  /// The drive is over: a turn that is still going on counts, the whole drive is adjusted, and its scale is settled. No
+  /// frame may follow.
   void Finish();
 
   /// Every frame so far with its refined pose, metric as far as all turns up to now tell. Frames before the map started
@@ -94,12 +97,19 @@ class Odometry {
   bool NeedsKeyframe(const RigidTransform& camera_from_world, int inliers) const;
   void AddKeyframe(const RigidTransform& camera_from_world, FrameResult& result);
   void RefineLens();
-  /// Takes the latest keyframe; adjusts the path since the last turn where it ended one.
+  /// Takes the latest keyframe; settles the latest ones where it ended a turn, or where they have become many.
   void ObserveScale(FrameResult& result);
-  /// A turn or the path has ended: adjusts the keyframes since the last turn, and reads their scale again.
-  void AdjustSinceLastTurn(const LocalBundleOptions& bundle);
-  /// Lengths at the keyframes have grown by these factors.
-  void FollowMap(const std::vector<double>& factors, RigidTransform last_from_keyframe);
+  /// Adjusts the latest keyframes that have not been settled yet, or were under another lens, and reads their scale
+  /// again.
+  void Settle();
+  /// Moves what keyframes before `last` saw to the archive.
+  void Archive(int last);
+  /// Adjusts all keyframes of the archived drive.
+  void AdjustWholeDrive();
+  /// Brings the archived drive to metres by constraints on the lengths of turns.
+  void HoldTurnsOfDrive();
+  /// Lengths at keyframes `first`... have grown by these factors.
+  void FollowMap(int first, const std::vector<double>& factors, RigidTransform last_from_keyframe);
   /// The latest frame as seen from the latest keyframe.
   RigidTransform LastFromKeyframe() const;
   void ReplenishTracks(const FlowImage& image);
@@ -118,7 +128,8 @@ class Odometry {
   DriveScale scale_;
   FrameHistory history_;
   Map map_;
-  std::vector<double> lens_of_keyframe_;  ///< correction under which each keyframe was adjusted last
+  MapArchive archive_;
+  std::vector<double> lens_of_keyframe_;  ///< correction under which each keyframe was settled; NaN before
   std::optional<RefinedScale> refined_;   ///< once the drive is over
   double calibration_sigma_ = 0;          ///< what a contradicted calibration adds to the live sigma
 

@@ -111,10 +111,10 @@ struct OdometryOptions {
   KeyframeOptions keyframes;
   LandmarkOptions landmarks;
   LocalBundleOptions local_bundle;
-  /// When a turn ends, for all keyframes since the one before.
-  LocalBundleOptions turn_bundle{.max_iterations = 10};
-  /// For the whole drive, at its end.
-  LocalBundleOptions final_bundle{.max_iterations = 40, .relative_cost_tolerance = 1e-7};
+  /// When a turn ends, for keyframes since the one before, and where they have become half of a window.
+  LocalBundleOptions turn_bundle{.window = 120, .max_iterations = 10};
+  /// For the whole drive, at its end, in sections of at most a window.
+  LocalBundleOptions final_bundle{.window = 150, .max_iterations = 40, .relative_cost_tolerance = 1e-7};
   LensRefinementOptions lens;
   CalibrationCheckOptions calibration_check;
   TrackingOptions tracking;

@@ -45,6 +45,11 @@ bool LiveScale::Add(const VehicleStep& step) {
   return closed.has_value();
 }
 
+void LiveScale::TurnCamera(double angle) {
+  belief_.mean[kDirection] += angle;
+  for (VehicleStep& step : pending_) step.motion.theta += angle;
+}
+
 std::optional<ScaleBelief> LiveScale::Now() const { return known_ ? std::optional(now_) : std::nullopt; }
 
 // The pending steps up to `last` become a segment.

@@ -22,6 +22,9 @@ class LiveScale {
   /// ScaleEstimatorOptions::max_sigma. A loss of tracking widens its sigma, also beyond that.
   std::optional<ScaleBelief> Now() const;
 
+  /// From now on steps come with the directions of another camera rotation, by which all were `angle` rad larger.
+  void TurnCamera(double angle);
+
   /// A turn whose evidence counts is under way.
   bool turning() const { return turning_; }
 

@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/mapping/map_archive.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "turnscale/base/error.h"
+#include "turnscale/camera/radial_correction.h"
+
+namespace turnscale {
+namespace {
+
+// In a block.
+constexpr int kMostKeyframes = 50;
+
+template <typename T>
+bool WriteAll(const std::vector<T>& values, std::FILE* file) {
+  return std::fwrite(values.data(), sizeof(T), values.size(), file) == values.size();
+}
+
+template <typename T>
+bool ReadAll(std::vector<T>& values, std::FILE* file) {
+  return std::fread(values.data(), sizeof(T), values.size(), file) == values.size();
+}
+
+// Takes the observations of keyframes before `last` from the landmarks, and drops landmarks that nobody sees any more.
+std::vector<int> DropObservationsBefore(int last, Map& map) {
+  std::vector<int> new_index(map.landmarks.size(), -1);
+  int kept = 0;
+  for (size_t i = 0; i < map.landmarks.size(); ++i) {
+    Landmark& landmark = map.landmarks[i];
+    std::erase_if(landmark.observations, [&](const LandmarkObservation& seen) { return seen.keyframe < last; });
+    if (landmark.observations.empty()) continue;
+    landmark.observations.shrink_to_fit();
+    new_index[i] = kept;
+    if (kept != static_cast<int>(i)) map.landmarks[kept] = std::move(landmark);
+    ++kept;
+  }
+  map.landmarks.resize(kept);
+  map.landmarks.shrink_to_fit();
+  return new_index;
+}
+
+}  // namespace
+
+std::vector<int> MapArchive::BlockEnds() const {
+  std::vector<int> ends;
+  for (const Block& block : blocks_) ends.push_back(block.end);
+  return ends;
+}
+
+std::vector<int> MapArchive::Retire(int last, double correction, Map& map) {
+  while (end() < last) {
+    int block_end = std::min(end() + kMostKeyframes, last);
+    for (int k = end() + 1; k < block_end; ++k)
+      if (map.keyframes[k].after_gap) block_end = k;
+    AddBlock(block_end, correction, map);
+  }
+  std::vector<int> new_index = DropObservationsBefore(last, map);
+  for (size_t k = last; k < map.keyframes.size(); ++k)
+    for (KeyframeObservation& seen : map.keyframes[k].observations) seen.landmark = new_index[seen.landmark];
+  return new_index;
+}
+
+void MapArchive::AddBlock(int last, double correction, Map& map) {
+  Block block;
+  block.first = end();
+  block.end = last;
+  block.correction = correction;
+  Contents contents;
+  std::vector<int> landmarks;
+  for (int k = block.first; k < last; ++k) {
+    std::vector<KeyframeObservation>& observations = map.keyframes[k].observations;
+    const size_t before = contents.observations.size();
+    for (const KeyframeObservation& seen : observations) {
+      Landmark& landmark = map.landmarks[seen.landmark];
+      if (!landmark.valid) continue;
+      if (landmark.archived_as < 0) landmark.archived_as = numbers_++;
+      contents.observations.push_back(
+          {landmark.archived_as, static_cast<float>(seen.pixel.x()), static_cast<float>(seen.pixel.y())});
+      landmarks.push_back(seen.landmark);
+    }
+    contents.observation_counts.push_back(static_cast<int>(contents.observations.size() - before));
+    observations = {};
+  }
+  std::ranges::sort(landmarks);
+  landmarks.erase(std::unique(landmarks.begin(), landmarks.end()), landmarks.end());
+  for (const int index : landmarks) {
+    const Eigen::Vector3d& x = map.landmarks[index].position;
+    contents.landmarks.push_back({map.landmarks[index].archived_as, x.x(), x.y(), x.z()});
+  }
+  Write(std::move(contents), block);
+  blocks_.push_back(std::move(block));
+}
+
+ArchivedPart MapArchive::Load(int first, int last, double correction, const Map& map) const {
+  ArchivedPart part;
+  part.first = first;
+  part.map.pinhole = map.pinhole;
+  std::vector<std::pair<int, Eigen::Vector3d>> landmarks;
+  std::vector<std::pair<Contents, double>> loaded;
+  for (const Block& block : blocks_) {
+    if (block.first < first || block.end > last) continue;
+    loaded.emplace_back(Read(block), block.correction);
+    for (const LandmarkRecord& record : loaded.back().first.landmarks)
+      landmarks.emplace_back(record.number, Eigen::Vector3d(record.x, record.y, record.z));
+  }
+  // Of one number's positions the latest is the last.
+  const auto number_of = [](const auto& landmark) { return landmark.first; };
+  std::ranges::stable_sort(landmarks, {}, number_of);
+  for (const auto& [number, position] : landmarks) {
+    if (part.numbers.empty() || part.numbers.back() != number) {
+      part.numbers.push_back(number);
+      part.map.landmarks.push_back({Eigen::Vector3d::Zero(), true, {}, number});
+    }
+    part.map.landmarks.back().position = position;
+  }
+  for (int k = first; k < last; ++k) {
+    part.map.keyframes.push_back(map.keyframes[k]);
+    part.map.keyframes.back().observations.clear();
+  }
+  int keyframe = 0;
+  for (const auto& [contents, applied] : loaded) {
+    auto seen = contents.observations.begin();
+    for (const int count : contents.observation_counts) {
+      for (const auto end = seen + count; seen != end; ++seen) {
+        Eigen::Vector2d pixel(seen->x, seen->y);
+        if (applied != correction)
+          pixel = CorrectRadially(map.pinhole, correction, UndoRadialCorrection(map.pinhole, applied, pixel));
+        const auto found = std::ranges::lower_bound(part.numbers, seen->number);
+        AddObservation(part.map, keyframe, static_cast<int>(found - part.numbers.begin()), pixel);
+      }
+      ++keyframe;
+    }
+  }
+  return part;
+}
+
+void MapArchive::Store(const ArchivedPart& part) {
+  const int last = part.first + static_cast<int>(part.map.keyframes.size());
+  for (Block& block : blocks_) {
+    if (block.first < part.first || block.end > last) continue;
+    Contents contents = Read(block);
+    for (LandmarkRecord& record : contents.landmarks) {
+      const auto found = std::ranges::lower_bound(part.numbers, record.number);
+      const Eigen::Vector3d& x = part.map.landmarks[found - part.numbers.begin()].position;
+      record = {record.number, x.x(), x.y(), x.z()};
+    }
+    Write(std::move(contents), block);
+  }
+}
+
+bool MapArchive::WriteToFile(const Contents& contents, long offset) {
+  if (!file_ && !file_failed_) file_.reset(std::tmpfile());
+  file_failed_ = file_failed_ || !file_ || std::fseek(file_.get(), offset, SEEK_SET) != 0 ||
+                 !WriteAll(contents.observation_counts, file_.get()) || !WriteAll(contents.observations, file_.get()) ||
+                 !WriteAll(contents.landmarks, file_.get()) || std::fflush(file_.get()) != 0;
+  return !file_failed_;
+}
+
+void MapArchive::Write(Contents contents, Block& block) {
+  block.observations = contents.observations.size();
+  block.landmarks = contents.landmarks.size();
+  const bool is_new = block.offset < 0;
+  if (WriteToFile(contents, is_new ? file_end_ : block.offset)) {
+    if (!is_new) return;
+    block.offset = file_end_;
+    file_end_ = std::ftell(file_.get());
+  } else {
+    block.offset = -1;
+    block.kept = std::move(contents);
+  }
+}
+
+MapArchive::Contents MapArchive::Read(const Block& block) const {
+  if (block.offset < 0) return block.kept;
+  Contents contents;
+  contents.observation_counts.resize(block.end - block.first);
+  contents.observations.resize(block.observations);
+  contents.landmarks.resize(block.landmarks);
+  if (std::fseek(file_.get(), block.offset, SEEK_SET) != 0 || !ReadAll(contents.observation_counts, file_.get()) ||
+      !ReadAll(contents.observations, file_.get()) || !ReadAll(contents.landmarks, file_.get()))
+    throw OutputError("the temporary file of the map cannot be read back");
+  return contents;
+}
+
+}  // namespace turnscale

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <cstdio>
+#include <memory>
+#include <vector>
+
+#include "turnscale/mapping/map.h"
+
+namespace turnscale {
+
+/// Keyframes of the archive as a map of their own.
+struct ArchivedPart {
+  int first = 0;  ///< keyframe i of `map` is keyframe first + i of the drive
+  Map map;
+  std::vector<int> numbers;  ///< of each landmark of `map` in the archive, ascending
+};
+
+/// Keeps the observations of settled keyframes in a temporary file, so that memory does not grow with the drive. Poses
+/// and times of all keyframes stay in the map.
+///
+/// The file has no name and vanishes with the process. What cannot be written to it (disk full) stays in memory.
+class MapArchive {
+ public:
+  /// Observations of keyframes from here on are in the map.
+  int end() const { return blocks_.empty() ? 0 : blocks_.back().end; }
+
+  /// Landmarks that have a number in the archive.
+  int landmarks() const { return numbers_; }
+
+  /// Where an archived block of keyframes ends, in the order of time.
+  std::vector<int> BlockEnds() const;
+
+  /// Moves the observations of keyframes end()...`last`-1 out of the map, in blocks of 50 keyframes at most that
+  /// contain no gap; `correction` is the radial correction of its pixels. Kept are valid landmarks and their
+  /// observations, pixels in single precision. Landmarks that no later keyframe sees leave the map; the rest lose their
+  /// archived observations. Returns the new index of each landmark of the map, -1 for those that left.
+  std::vector<int> Retire(int last, double correction, Map& map);
+
+  /// Keyframes `first`...`last`-1, both 0 or one of BlockEnds(), with the poses and intrinsics of `map`; pixels are
+  /// corrected by `correction`. Landmarks stand where their latest block has them.
+  ArchivedPart Load(int first, int last, double correction, const Map& map) const;
+
+  /// Overwrites the positions of a part's landmarks.
+  void Store(const ArchivedPart& part);
+
+ private:
+  struct ObservationRecord {
+    int number;
+    float x, y;
+  };
+  struct LandmarkRecord {
+    int number;
+    double x, y, z;
+  };
+  struct Contents {
+    std::vector<int> observation_counts;  ///< of each keyframe
+    std::vector<ObservationRecord> observations;
+    std::vector<LandmarkRecord> landmarks;
+  };
+  struct Block {
+    int first = 0;
+    int end = 0;
+    double correction = 0;
+    size_t observations = 0;  ///< how many
+    size_t landmarks = 0;     ///< how many
+    long offset = -1;         ///< in the file; -1: in `kept`
+    Contents kept;
+  };
+  struct CloseFile {
+    void operator()(std::FILE* file) const { std::fclose(file); }
+  };
+
+  void AddBlock(int last, double correction, Map& map);
+  bool WriteToFile(const Contents& contents, long offset);
+  void Write(Contents contents, Block& block);
+  Contents Read(const Block& block) const;
+
+  std::unique_ptr<std::FILE, CloseFile> file_;
+  long file_end_ = 0;
+  bool file_failed_ = false;
+  std::vector<Block> blocks_;
+  int numbers_ = 0;  ///< given to landmarks so far
+};
+
+}  // namespace turnscale

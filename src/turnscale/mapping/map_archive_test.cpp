@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/mapping/map_archive.h"
+
+#include <set>
+
+#include <gtest/gtest.h>
+
+#include "turnscale/camera/radial_correction.h"
+#include "turnscale/mapping/synthetic_map.h"
+
+namespace turnscale {
+namespace {
+
+constexpr float kSinglePrecision = 1e-4F;  // pixels
+
+Map StreetMap() {
+  const CarDrive drive = MakeCarDrive({{130, 0.8, 0}}, 0.1, {1.2, 0}, Eigen::Quaterniond::Identity());
+  return MakeMap(drive, {.points_per_step = 10, .pixel_noise = 0.3});
+}
+
+TEST(MapArchive, GivesBackWhatItTook) {
+  const Map whole = StreetMap();
+  const int keyframes = static_cast<int>(whole.keyframes.size());
+  Map map = whole;
+  MapArchive archive;
+  archive.Retire(60, 0, map);
+  archive.Retire(keyframes, 0, map);
+  EXPECT_EQ(archive.end(), keyframes);
+  EXPECT_TRUE(map.landmarks.empty());
+  for (const Keyframe& keyframe : map.keyframes) EXPECT_TRUE(keyframe.observations.empty());
+
+  const ArchivedPart all = archive.Load(0, keyframes, 0, map);
+  ASSERT_EQ(all.map.keyframes.size(), whole.keyframes.size());
+  ASSERT_EQ(all.map.landmarks.size(), whole.landmarks.size());
+  for (int k = 0; k < keyframes; ++k) {
+    const auto& seen = all.map.keyframes[k].observations;
+    const auto& wanted = whole.keyframes[k].observations;
+    ASSERT_EQ(seen.size(), wanted.size()) << k;
+    for (size_t i = 0; i < seen.size(); ++i) {
+      EXPECT_LT((seen[i].pixel - wanted[i].pixel).norm(), kSinglePrecision);
+      EXPECT_EQ(all.map.landmarks[seen[i].landmark].position, whole.landmarks[wanted[i].landmark].position);
+    }
+  }
+}
+
+TEST(MapArchive, LandmarksThatLaterKeyframesSeeStay) {
+  const Map whole = StreetMap();
+  Map map = whole;
+  MapArchive archive;
+  const std::vector<int> new_index = archive.Retire(60, 0, map);
+  ASSERT_EQ(new_index.size(), whole.landmarks.size());
+  for (size_t i = 0; i < whole.landmarks.size(); ++i) {
+    const bool stays = whole.landmarks[i].observations.back().keyframe >= 60;
+    ASSERT_EQ(new_index[i] >= 0, stays) << i;
+    if (!stays) continue;
+    const Landmark& landmark = map.landmarks[new_index[i]];
+    EXPECT_EQ(landmark.position, whole.landmarks[i].position);
+    EXPECT_GE(landmark.observations.front().keyframe, 60);
+    for (const LandmarkObservation& seen : landmark.observations) {
+      const auto& of_keyframe = map.keyframes[seen.keyframe].observations;
+      EXPECT_TRUE(std::ranges::any_of(of_keyframe, [&](const auto& o) { return o.landmark == new_index[i]; }));
+    }
+  }
+}
+
+TEST(MapArchive, ALandmarkOfTwoBlocksIsOneLandmark) {
+  const Map whole = StreetMap();
+  Map map = whole;
+  MapArchive archive;
+  archive.Retire(60, 0, map);
+  archive.Retire(static_cast<int>(map.keyframes.size()), 0, map);
+  const ArchivedPart all = archive.Load(0, archive.end(), 0, map);
+  EXPECT_EQ(archive.landmarks(), static_cast<int>(whole.landmarks.size()));
+  EXPECT_EQ(std::set<int>(all.numbers.begin(), all.numbers.end()).size(), whole.landmarks.size());
+}
+
+TEST(MapArchive, LandmarksWithoutADepthAreLetGo) {
+  Map map = StreetMap();
+  map.landmarks[0].valid = false;
+  const size_t landmarks = map.landmarks.size();
+  MapArchive archive;
+  archive.Retire(static_cast<int>(map.keyframes.size()), 0, map);
+  EXPECT_EQ(archive.Load(0, archive.end(), 0, map).map.landmarks.size(), landmarks - 1);
+}
+
+TEST(MapArchive, BlocksAreBoundedAndEndAtGaps) {
+  Map map = StreetMap();
+  map.keyframes[70].after_gap = true;
+  MapArchive archive;
+  archive.Retire(131, 0, map);
+  EXPECT_EQ(archive.BlockEnds(), (std::vector<int>{50, 70, 120, 131}));
+}
+
+TEST(MapArchive, PixelsFollowTheCorrection) {
+  Map map = StreetMap();
+  const Eigen::Vector2d pixel = map.keyframes[3].observations[0].pixel;
+  MapArchive archive;
+  archive.Retire(50, 0.01, map);
+  const ArchivedPart part = archive.Load(0, 50, 0.02, map);
+  const Eigen::Vector2d ideal = UndoRadialCorrection(map.pinhole, 0.01, pixel);
+  EXPECT_LT((part.map.keyframes[3].observations[0].pixel - CorrectRadially(map.pinhole, 0.02, ideal)).norm(),
+            2 * kSinglePrecision);
+}
+
+TEST(MapArchive, KeepsChangedPositions) {
+  Map map = StreetMap();
+  MapArchive archive;
+  archive.Retire(131, 0, map);
+  ArchivedPart part = archive.Load(50, 100, 0, map);
+  for (Landmark& landmark : part.map.landmarks) landmark.position += Eigen::Vector3d(1, 2, 3);
+  archive.Store(part);
+  const ArchivedPart again = archive.Load(50, 100, 0, map);
+  ASSERT_EQ(again.numbers, part.numbers);
+  for (size_t i = 0; i < part.numbers.size(); ++i)
+    EXPECT_EQ(again.map.landmarks[i].position, part.map.landmarks[i].position);
+}
+
+}  // namespace
+}  // namespace turnscale
