@@ -25,7 +25,8 @@ if(TURNSCALE_SANITIZE)
 endif()
 
 # turnscale_module(<module> SOURCES ... [HEADERS_ONLY] [USES <public libraries>] [USES_PRIVATELY <libraries>])
-# Modules name only modules below them in USES; ARCHITECTURE.md shows the order.
+# Modules name only modules below them in USES; ARCHITECTURE.md shows the order. TURNSCALE_PART is the part of the package
+# that the module belongs to.
 function(turnscale_module module)
   cmake_parse_arguments(MODULE "" "" "SOURCES;USES;USES_PRIVATELY" ${ARGN})
   set(target turnscale_${module})
@@ -37,7 +38,7 @@ function(turnscale_module module)
   target_compile_features(${target} PUBLIC cxx_std_20)
   target_link_libraries(${target} PUBLIC ${MODULE_USES} PRIVATE ${MODULE_USES_PRIVATELY}
                                                               $<BUILD_INTERFACE:turnscale_build_flags>)
-  set_property(GLOBAL APPEND PROPERTY TURNSCALE_MODULES ${target})
+  set_property(GLOBAL APPEND PROPERTY TURNSCALE_MODULES_OF_${TURNSCALE_PART} ${target})
 endfunction()
 
 # turnscale_tests(<module> SOURCES <test files> [USES <extra libraries>] [LABELS <ctest labels>]): one GoogleTest program,

@@ -273,7 +273,7 @@ TEST_F(ErrorsTest, SenselessSettings) {
   ExpectComplaint(Run(settings("vehicle:\n  lever_arn: 1\n")), 2,
                   {"s.yaml:2: vehicle.lever_arn: unknown key; did you mean 'vehicle.lever_arm'?"});
   ExpectComplaint(Run(settings("vehicle:\n  lever_arm: -1\n")), 2, {"s.yaml", "lever_arm"});
-  ExpectComplaint(Run(settings("threads: many\n")), 2, {"s.yaml:1: threads: is 'many'"});
+  ExpectComplaint(Run(settings("corners:\n  target: many\n")), 2, {"s.yaml:2: corners.target: is 'many'"});
 }
 
 TEST_F(ErrorsTest, SenselessOptions) {

@@ -13,6 +13,9 @@
 
 namespace turnscale {
 
+/// Threads that OpenCV may use where the user does not say. The library leaves that to the program.
+constexpr int kImageThreads = 2;
+
 /// What the commands that run the odometry over images have in common.
 struct ImageArguments {
   std::filesystem::path input;

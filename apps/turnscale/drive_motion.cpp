@@ -4,6 +4,7 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <opencv2/core/utility.hpp>
 
 #include "interrupt.h"
 #include "timed_trajectory.h"
@@ -74,6 +75,7 @@ DriveMotion MotionFromImages(const ImageArguments& arguments) {
   options.vehicle.lever_arm.reset();
   options.Check();
   DriveImages images(arguments);
+  cv::setNumThreads(kImageThreads);
   Odometry odometry(options, images.camera);
   CatchInterrupts();
   Progress progress(images.expected, arguments.quiet);

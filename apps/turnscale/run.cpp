@@ -7,6 +7,7 @@
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <opencv2/core/utility.hpp>
 
 #include "car_arguments.h"
 #include "commands.h"
@@ -35,7 +36,7 @@ struct RunArguments {
   std::string camera_rotation;
   std::optional<std::string> method;
   std::string frame = "camera";
-  std::optional<int> threads;
+  int threads = kImageThreads;
   fs::path out = "out";
 };
 
@@ -59,10 +60,7 @@ OdometryOptions OptionsFrom(const RunArguments& arguments) {
     options.scale.method = *arguments.method == "paper"   ? ScaleMethod::kPaper
                            : *arguments.method == "turns" ? ScaleMethod::kTurns
                                                           : ScaleMethod::kSmoothed;
-  if (arguments.threads) {
-    if (*arguments.threads < 1) throw InputError(fmt::format("--threads {}: give at least 1", *arguments.threads));
-    options.threads = *arguments.threads;
-  }
+  if (arguments.threads < 1) throw InputError(fmt::format("--threads {}: give at least 1", arguments.threads));
   options.Check();
   return options;
 }
@@ -78,6 +76,7 @@ class Run {
 
   // Returns the exit code.
   int Go() {
+    cv::setNumThreads(arguments_.threads);
     // Before the folder is made: an image of the wrong size leaves no trace.
     std::optional<SourceFrame> frame = images_.source.Next();
     writer_.emplace(RunWriterOptions{
@@ -217,7 +216,8 @@ void AddRunCommand(CLI::App& app) {
   run->add_option("--frame", arguments->frame, "Whose poses are written")
       ->check(CLI::IsMember({"camera", "vehicle"}))
       ->capture_default_str();
-  run->add_option("--threads", arguments->threads, "Threads for image operations; the result does not depend on it");
+  run->add_option("--threads", arguments->threads, "Threads for image operations; the result does not depend on it")
+      ->capture_default_str();
   run->add_option("--settings", arguments->images.settings,
                   "YAML file of settings, such as the settings.yaml of another run");
   run->add_option("--out", arguments->out, "Folder for the results")->capture_default_str();

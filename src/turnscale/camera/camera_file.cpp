@@ -4,12 +4,12 @@
 #include <array>
 #include <cmath>
 #include <fstream>
+#include <span>
 #include <string>
 #include <string_view>
 
-#include <fmt/format.h>
-
 #include "turnscale/base/error.h"
+#include "turnscale/base/number_text.h"
 #include "turnscale/base/parse.h"
 #include "turnscale/camera/camera_yaml.h"
 
@@ -20,19 +20,20 @@ namespace {
 CameraModel CameraFromProjection(const std::string& where, std::string_view line) {
   const auto words = SplitWords(line);
   if (words.size() != 13) {
-    throw InputError(fmt::format("{}: P0 has {} numbers; a 3x4 matrix has 12", where, words.size() - 1));
+    throw InputError(where + ": P0 has " + std::to_string(words.size() - 1) + " numbers; a 3x4 matrix has 12");
   }
   std::array<double, 12> p{};
   for (size_t i = 0; i < p.size(); ++i) {
     const auto value = ParseNumber<double>(words[i + 1]);
     if (!value || !std::isfinite(*value)) {
-      throw InputError(fmt::format("{}: P0: '{}' at position {} is no finite number", where, words[i + 1], i + 1));
+      throw InputError(where + ": P0: '" + std::string(words[i + 1]) + "' at position " + std::to_string(i + 1) +
+                       " is no finite number");
     }
     p[i] = *value;
   }
   if (!(p[0] > 0) || !(p[5] > 0)) {
-    throw InputError(fmt::format("{}: P0: focal length {} x {} is not above 0; correct the first and sixth number",
-                                 where, words[1], words[6]));
+    throw InputError(where + ": P0: focal length " + std::string(words[1]) + " x " + std::string(words[6]) +
+                     " is not above 0; correct the first and sixth number");
   }
   if (p[1] != 0 || p[4] != 0 || p[8] != 0 || p[9] != 0 || p[10] != 1) {
     throw InputError(where + ": P0 is no [fx 0 cx; 0 fy cy; 0 0 1] camera matrix; skewed cameras are not supported");
@@ -61,6 +62,12 @@ ProjectionLine FindProjection(const std::filesystem::path& path) {
   return {};
 }
 
+std::string Joined(std::span<const double> numbers, const char* separator) {
+  std::string text;
+  for (const double number : numbers) text += (text.empty() ? "" : separator) + NumberText(number);
+  return text;
+}
+
 }  // namespace
 
 CameraModel ReadCameraFile(const std::filesystem::path& path) {
@@ -68,7 +75,7 @@ CameraModel ReadCameraFile(const std::filesystem::path& path) {
   if (!std::filesystem::exists(path, error)) throw InputError(path.string() + ": no such camera file");
   if (std::filesystem::is_directory(path, error)) throw InputError(path.string() + ": is a folder, not a camera file");
   const ProjectionLine line = FindProjection(path);
-  if (line.number > 0) return CameraFromProjection(fmt::format("{}:{}", path.string(), line.number), line.text);
+  if (line.number > 0) return CameraFromProjection(path.string() + ":" + std::to_string(line.number), line.text);
   return CameraFromYaml(YamlMap(path));
 }
 
@@ -76,20 +83,20 @@ std::string CameraFileText(const CameraModel& camera) {
   const Pinhole& p = camera.pinhole;
   const bool fisheye = camera.lens == LensModel::kEquidistant;
   const int coefficients = fisheye ? 4 : 5;
-  const auto first = camera.distortion.begin();
-  return fmt::format(
-      "image_width: {}\nimage_height: {}\n"
-      "camera_matrix:\n  rows: 3\n  cols: 3\n  data: [{}, 0, {}, 0, {}, {}, 0, 0, 1]\n"
-      "distortion_model: {}\n"
-      "distortion_coefficients:\n  rows: 1\n  cols: {}\n  data: [{}]\n",
-      camera.width, camera.height, p.fx, p.cx, p.fy, p.cy, fisheye ? "equidistant" : "plumb_bob", coefficients,
-      fmt::join(first, first + coefficients, ", "));
+  const std::span<const double> distortion(camera.distortion.data(), coefficients);
+  const std::array<double, 9> matrix = {p.fx, 0, p.cx, 0, p.fy, p.cy, 0, 0, 1};
+  return "image_width: " + std::to_string(camera.width) + "\nimage_height: " + std::to_string(camera.height) +
+         "\ncamera_matrix:\n  rows: 3\n  cols: 3\n  data: [" + Joined(matrix, ", ") +
+         "]\ndistortion_model: " + (fisheye ? "equidistant" : "plumb_bob") +
+         "\ndistortion_coefficients:\n  rows: 1\n  cols: " + std::to_string(coefficients) + "\n  data: [" +
+         Joined(distortion, ", ") + "]\n";
 }
 
 std::string KittiCalibrationText(const Pinhole& p) {
+  const std::array<double, 12> projection = {p.fx, 0, p.cx, 0, 0, p.fy, p.cy, 0, 0, 0, 1, 0};
   std::string text;
   for (int camera = 0; camera < 4; ++camera) {
-    text += fmt::format("P{}: {} 0 {} 0 0 {} {} 0 0 0 1 0\n", camera, p.fx, p.cx, p.fy, p.cy);
+    text.append("P").append(std::to_string(camera)).append(": ").append(Joined(projection, " ")).append("\n");
   }
   return text;
 }

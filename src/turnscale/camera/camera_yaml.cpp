@@ -5,12 +5,20 @@
 #include <string>
 #include <vector>
 
-#include <fmt/format.h>
+#include "turnscale/base/number_text.h"
 
 namespace turnscale {
 namespace {
 
 using Names = std::vector<std::string>;
+
+std::string HoldsNumbers(const std::vector<double>& numbers) {
+  return std::string("holds ") + std::to_string(numbers.size()) + " numbers";
+}
+
+std::string FocalLengthComplaint(double fx, double fy) {
+  return std::string("focal length ") + NumberText(fx) + " x " + NumberText(fy) + " is not above 0; correct it";
+}
 
 // Stores coefficients in the model's order; a lens whose coefficients are all zero is the plain pinhole.
 void SetDistortion(CameraModel& camera, LensModel lens, const std::vector<double>& coefficients) {
@@ -22,15 +30,15 @@ void SetDistortion(CameraModel& camera, LensModel lens, const std::vector<double
 
 int ImageSide(const YamlMap& map, const std::string& key) {
   const int side = map.Integer(key);
-  if (side <= 0) map.Reject(key, fmt::format("is {}; give the image size in pixels", side));
+  if (side <= 0) map.Reject(key, std::string("is ") + std::to_string(side) + "; give the image size in pixels");
   return side;
 }
 
 // Files need not tell the image size, but half of it would be a mistake.
 void SetImageSize(const YamlMap& map, const std::string& width, const std::string& height, CameraModel& camera) {
   if (!map.Has(width) && !map.Has(height)) return;
-  if (!map.Has(width)) map.Reject(width, fmt::format("is missing; give it as well as {}, or neither", height));
-  if (!map.Has(height)) map.Reject(height, fmt::format("is missing; give it as well as {}, or neither", width));
+  if (!map.Has(width)) map.Reject(width, "is missing; give it as well as " + height + ", or neither");
+  if (!map.Has(height)) map.Reject(height, "is missing; give it as well as " + width + ", or neither");
   camera.width = ImageSide(map, width);
   camera.height = ImageSide(map, height);
 }
@@ -83,7 +91,7 @@ CameraModel OrbSlamCamera(const YamlMap& file) {
     SetDistortion(camera, LensModel::kEquidistant,
                   {coefficient("k1", true), coefficient("k2", true), coefficient("k3", true), coefficient("k4", true)});
   } else {
-    file.Reject("Camera.type", fmt::format("'{}' is not supported; use PinHole or KannalaBrandt8", type));
+    file.Reject("Camera.type", "'" + type + "' is not supported; use PinHole or KannalaBrandt8");
   }
   return camera;
 }
@@ -101,17 +109,17 @@ void SetOpenCvDistortion(const YamlMap& file, CameraModel& camera) {
   const bool fisheye =
       (file.Has("fisheye_model") && file.Integer("fisheye_model") != 0) || model == "equidistant" || model == "fisheye";
   if (fisheye) {
-    if (k.size() != 4) file.Reject(key, fmt::format("holds {} numbers; a fisheye has 4", k.size()));
+    if (k.size() != 4) file.Reject(key, HoldsNumbers(k) + "; a fisheye has 4");
     SetDistortion(camera, LensModel::kEquidistant, k);
     return;
   }
   static const Names radial_models = {"", "plumb_bob", "radtan", "rational_polynomial"};
   if (std::find(radial_models.begin(), radial_models.end(), model) == radial_models.end()) {
-    file.Reject("distortion_model", fmt::format("'{}' is not supported; use plumb_bob or equidistant", model));
+    file.Reject("distortion_model", "'" + model + "' is not supported; use plumb_bob or equidistant");
   }
   if (k.size() < 4 ||
       std::any_of(k.begin() + std::min<size_t>(k.size(), 5), k.end(), [](double x) { return x != 0; })) {
-    file.Reject(key, fmt::format("holds {} numbers; only k1 k2 p1 p2 [k3] are supported", k.size()));
+    file.Reject(key, HoldsNumbers(k) + "; only k1 k2 p1 p2 [k3] are supported");
   }
   SetDistortion(camera, LensModel::kRadialTangential, k);
 }
@@ -149,9 +157,9 @@ CameraModel OpenCvCamera(const YamlMap& file) {
                               "frame_id"};
   file.AllowOnly(known);
   const std::vector<double> k = MatrixOf(file, "camera_matrix");
-  if (k.size() != 9) file.Reject("camera_matrix", fmt::format("holds {} numbers; a 3x3 matrix has 9", k.size()));
+  if (k.size() != 9) file.Reject("camera_matrix", HoldsNumbers(k) + "; a 3x3 matrix has 9");
   if (!(k[0] > 0) || !(k[4] > 0)) {
-    file.Reject("camera_matrix", fmt::format("focal length {} x {} is not above 0; correct it", k[0], k[4]));
+    file.Reject("camera_matrix", FocalLengthComplaint(k[0], k[4]));
   }
   if (k[1] != 0 || k[3] != 0 || k[6] != 0 || k[7] != 0 || k[8] != 1) {
     file.Reject("camera_matrix", "is no [fx 0 cx; 0 fy cy; 0 0 1]; skewed cameras are not supported");
@@ -170,12 +178,12 @@ CameraModel KalibrCamera(const YamlMap& cam) {
                               "line_delay"};
   cam.AllowOnly(known);
   if (const std::string model = cam.Text("camera_model"); model != "pinhole") {
-    cam.Reject("camera_model", fmt::format("'{}' is not supported; calibrate with 'pinhole'", model));
+    cam.Reject("camera_model", "'" + model + "' is not supported; calibrate with 'pinhole'");
   }
   const std::vector<double> k = cam.Numbers("intrinsics");
-  if (k.size() != 4) cam.Reject("intrinsics", fmt::format("holds {} numbers; give [fx, fy, cx, cy]", k.size()));
+  if (k.size() != 4) cam.Reject("intrinsics", HoldsNumbers(k) + "; give [fx, fy, cx, cy]");
   if (!(k[0] > 0) || !(k[1] > 0)) {
-    cam.Reject("intrinsics", fmt::format("focal length {} x {} is not above 0; correct it", k[0], k[1]));
+    cam.Reject("intrinsics", FocalLengthComplaint(k[0], k[1]));
   }
   CameraModel camera;
   camera.pinhole = {k[0], k[1], k[2], k[3]};
@@ -187,11 +195,11 @@ CameraModel KalibrCamera(const YamlMap& cam) {
   const std::string model = cam.Text("distortion_model");
   if (model == "none") return camera;
   if (model != "radtan" && model != "equidistant") {
-    cam.Reject("distortion_model", fmt::format("'{}' is not supported; use radtan, equidistant or none", model));
+    cam.Reject("distortion_model", "'" + model + "' is not supported; use radtan, equidistant or none");
   }
   const std::vector<double> coefficients = cam.Numbers("distortion_coeffs");
   if (coefficients.size() != 4) {
-    cam.Reject("distortion_coeffs", fmt::format("holds {} numbers; {} has 4", coefficients.size(), model));
+    cam.Reject("distortion_coeffs", HoldsNumbers(coefficients) + "; " + model + " has 4");
   }
   SetDistortion(camera, model == "radtan" ? LensModel::kRadialTangential : LensModel::kEquidistant, coefficients);
   return camera;

@@ -8,8 +8,6 @@
 #include <limits>
 #include <optional>
 
-#include <fmt/format.h>
-
 #include "turnscale/base/error.h"
 #include "turnscale/base/parse.h"
 #include "turnscale/config/nearest_name.h"
@@ -34,7 +32,7 @@ YAML::Node Parse(const std::filesystem::path& path) {
   try {
     return YAML::Load(text);
   } catch (const YAML::Exception& error) {
-    throw InputError(fmt::format("{}:{}: not valid YAML: {}", path.string(), error.mark.line + 1, error.msg));
+    throw InputError(path.string() + ":" + std::to_string(error.mark.line + 1) + ": not valid YAML: " + error.msg);
   }
 }
 
@@ -75,21 +73,21 @@ std::string YamlMap::Text(const std::string& key) const { return Scalar(key, "a 
 double YamlMap::Number(const std::string& key) const {
   const std::string text = Scalar(key, "a number");
   const std::optional<double> value = NumberOf(text);
-  if (!value || !std::isfinite(*value)) Reject(key, fmt::format("is '{}'; give a finite number", text));
+  if (!value || !std::isfinite(*value)) Reject(key, "is '" + text + "'; give a finite number");
   return *value;
 }
 
 int YamlMap::Integer(const std::string& key) const {
   const double value = Number(key);
   if (value != std::floor(value) || std::abs(value) > std::numeric_limits<int>::max()) {
-    Reject(key, fmt::format("is '{}'; give a whole number", Text(key)));
+    Reject(key, std::string("is '") + Text(key) + "'; give a whole number");
   }
   return static_cast<int>(value);
 }
 
 bool YamlMap::Bool(const std::string& key) const {
   const std::string text = Scalar(key, "true or false");
-  if (text != "true" && text != "false") Reject(key, fmt::format("is '{}'; give true or false", text));
+  if (text != "true" && text != "false") Reject(key, "is '" + text + "'; give true or false");
   return text == "true";
 }
 
@@ -100,8 +98,8 @@ std::vector<double> YamlMap::Numbers(const std::string& key) const {
   for (const YAML::Node& item : value) {
     const std::optional<double> number = item.IsScalar() ? NumberOf(item.Scalar()) : std::nullopt;
     if (!number || !std::isfinite(*number)) {
-      Reject(key, fmt::format("holds '{}' at position {}; give finite numbers", item.IsScalar() ? item.Scalar() : "?",
-                              numbers.size() + 1));
+      Reject(key, std::string("holds '") + (item.IsScalar() ? item.Scalar() : "?") + "' at position " +
+                      std::to_string(numbers.size() + 1) + "; give finite numbers");
     }
     numbers.push_back(*number);
   }
@@ -110,14 +108,14 @@ std::vector<double> YamlMap::Numbers(const std::string& key) const {
 
 double YamlMap::Positive(const std::string& key) const {
   const double value = Number(key);
-  if (!(value > 0)) Reject(key, fmt::format("is {}; give a number above 0", Text(key)));
+  if (!(value > 0)) Reject(key, std::string("is ") + Text(key) + "; give a number above 0");
   return value;
 }
 
 void YamlMap::AllowOnly(std::span<const std::string> known) const {
   for (const std::string& key : Keys()) {
     if (std::find(known.begin(), known.end(), key) != known.end()) continue;
-    Reject(key, fmt::format("unknown key; did you mean '{}{}'?", prefix_, NearestName(key, known)));
+    Reject(key, "unknown key; did you mean '" + prefix_ + NearestName(key, known) + "'?");
   }
 }
 
@@ -126,8 +124,8 @@ void YamlMap::Reject(const std::string& key, std::string_view why) const {
   for (const auto& entry : node_) {
     if (entry.first.IsScalar() && entry.first.Scalar() == key) line = entry.first.Mark().line + 1;
   }
-  throw InputError(line > 0 ? fmt::format("{}:{}: {}{}: {}", path_, line, prefix_, key, why)
-                            : fmt::format("{}: {}{}: {}", path_, prefix_, key, why));
+  const std::string place = line > 0 ? path_ + ":" + std::to_string(line) : path_;
+  throw InputError(place + ": " + prefix_ + key + ": " + std::string(why));
 }
 
 YAML::Node YamlMap::Value(const std::string& key) const {
@@ -137,7 +135,7 @@ YAML::Node YamlMap::Value(const std::string& key) const {
 
 std::string YamlMap::Scalar(const std::string& key, std::string_view wanted) const {
   const YAML::Node value = Value(key);
-  if (!value.IsScalar()) Reject(key, fmt::format("has no plain value; give {}", wanted));
+  if (!value.IsScalar()) Reject(key, std::string("has no plain value; give ").append(wanted));
   return value.Scalar();
 }
 

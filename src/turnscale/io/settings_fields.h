@@ -62,7 +62,6 @@ void VisitScaleSettings(Visitor& visitor, ScaleOptions& options) {
 /// Rotation(prefix, quaternion), which stands as <prefix>_yaw_deg, _pitch_deg and _roll_deg.
 template <class Visitor>
 void VisitSettings(Visitor& visitor, OdometryOptions& options) {
-  visitor.Field("threads", options.threads);
   visitor.Group("vehicle", [&] {
     auto& o = options.vehicle;
     visitor.Field("lever_arm", o.lever_arm);

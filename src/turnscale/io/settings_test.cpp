@@ -50,7 +50,7 @@ TEST(Settings, WrittenDefaultsReadBackToTheSameBits) {
 
 TEST(Settings, ChangedValuesSurvive) {
   OdometryOptions options;
-  options.threads = 7;
+  options.corners.target = 700;
   options.vehicle.lever_arm = 1.45;
   options.vehicle.side_slip = 0.0041;
   options.vehicle.vehicle_from_camera = RotationFromYawPitchRoll({0.02, -0.03, 0.01});
@@ -63,7 +63,7 @@ TEST(Settings, ChangedValuesSurvive) {
   options.steps.angle = 2.0 / kDegreesPerRadian;
   const OdometryOptions read = SettingsFrom(SettingsText(options));
   EXPECT_EQ(SettingsText(read), SettingsText(options));
-  EXPECT_EQ(read.threads, 7);
+  EXPECT_EQ(read.corners.target, 700);
   EXPECT_EQ(read.vehicle.lever_arm, 1.45);
   EXPECT_EQ(read.vehicle.side_slip, 0.0041);
   EXPECT_LT(read.vehicle.vehicle_from_camera.angularDistance(options.vehicle.vehicle_from_camera), 1e-12);
@@ -80,7 +80,7 @@ TEST(Settings, WhatIsLeftOutKeepsItsDefault) {
   const OdometryOptions read = SettingsFrom("vehicle:\n  lever_arm: 1.2\n");
   EXPECT_EQ(read.vehicle.lever_arm, 1.2);
   EXPECT_EQ(read.vehicle.side_slip, OdometryOptions().vehicle.side_slip);
-  EXPECT_EQ(read.threads, OdometryOptions().threads);
+  EXPECT_EQ(read.corners.target, OdometryOptions().corners.target);
 }
 
 TEST(Settings, ComplaintsNameLineKeyAndNearestKey) {
@@ -89,8 +89,9 @@ TEST(Settings, ComplaintsNameLineKeyAndNearestKey) {
             std::string::npos);
   EXPECT_NE(SettingsComplaint("vehicel:\n  lever_arm: 1\n").find(":1: vehicel: unknown key; did you mean 'vehicle'?"),
             std::string::npos);
-  EXPECT_NE(SettingsComplaint("threads: two\n").find(":1: threads: is 'two'; give a finite number"), std::string::npos);
-  EXPECT_NE(SettingsComplaint("threads: 1.5\n").find("give a whole number"), std::string::npos);
+  EXPECT_NE(SettingsComplaint("corners:\n  target: two\n").find(":2: corners.target: is 'two'; give a finite number"),
+            std::string::npos);
+  EXPECT_NE(SettingsComplaint("corners:\n  target: 1.5\n").find("give a whole number"), std::string::npos);
   EXPECT_NE(SettingsComplaint("vehicle: 3\n").find("vehicle: holds keys of its own"), std::string::npos);
   EXPECT_NE(SettingsComplaint("vehicle:\n  side_slip: [1]\n").find("vehicle.side_slip: has no plain value"),
             std::string::npos);

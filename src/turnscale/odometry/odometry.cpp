@@ -72,7 +72,6 @@ Odometry::Odometry(const OdometryOptions& options, const CameraModel& camera)
       calibration_check_(options_.calibration_check),
       scale_(options) {
   map_.pinhole = camera.pinhole;
-  cv::setNumThreads(options.threads);
 }
 
 FrameResult Odometry::Process(const cv::Mat& gray, double time) {

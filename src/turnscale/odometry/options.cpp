@@ -62,7 +62,6 @@ void OdometryOptions::Check() const {
   repeats.Check();
   steps.Check();
   scale.Check();
-  if (threads < 1) throw InputError("threads: has to be at least 1");
 }
 
 }  // namespace turnscale

@@ -122,8 +122,6 @@ struct OdometryOptions {
   RepeatOptions repeats;
   VehicleStepOptions steps;
   ScaleOptions scale;
-  /// Threads that image operations may use. Changes the time, never the result.
-  int threads = 2;
 
   /// Throws InputError that names the field when a value makes no sense.
   void Check() const;

@@ -40,7 +40,6 @@ TEST(OdometryOptions, NameTheFieldThatMakesNoSense) {
   EXPECT_EQ(Refused([](auto& o) { o.vehicle.side_slip_sigma = 1; }), "vehicle.side_slip_sigma");
   EXPECT_EQ(Refused([](auto& o) { o.vehicle.yaw_sigma = 0; }), "vehicle.yaw_sigma");
   EXPECT_EQ(Refused([](auto& o) { o.scale.estimator.max_sigma_ratio = 0; }), "scale.max_sigma_ratio");
-  EXPECT_EQ(Refused([](auto& o) { o.threads = 0; }), "threads");
 }
 
 TEST(OdometryOptions, CheckEveryPart) {

@@ -1,0 +1,9 @@
+// SPDX-License-Identifier: MIT
+#include "commands.h"
+#include "missing_command.h"
+
+namespace turnscale {
+
+void AddLabCommand(CLI::App& app) { AddMissingCommand(app, "lab", "laboratory", "TURNSCALE_BUILD_LABORATORY"); }
+
+}  // namespace turnscale

@@ -1,0 +1,11 @@
+// SPDX-License-Identifier: MIT
+#include "commands.h"
+#include "missing_command.h"
+
+namespace turnscale {
+
+void AddSimulateCommand(CLI::App& app) {
+  AddMissingCommand(app, "simulate", "simulator", "TURNSCALE_BUILD_SIMULATION");
+}
+
+}  // namespace turnscale
