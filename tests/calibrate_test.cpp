@@ -67,7 +67,7 @@ TEST_F(CalibrateTest, WritesWhatRunReads) {
   const CommandResult result =
       Run({"--trajectory", Tum(drive_).string(), "--history", (folder_ / "history.csv").string()});
   ASSERT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_LT(DegreesBetween(ReadCameraRotation(Out().string()), kTilted), 0.2);
+  EXPECT_LT(DegreesBetween(ReadCameraRotation(Out().string()), kTilted), 0.04);
   EXPECT_NE(result.out.find("2 turns of"), std::string::npos) << result.out;
   EXPECT_TRUE(fs::exists(folder_ / "history.csv"));
   EXPECT_TRUE(fs::exists(folder_ / "history.svg"));
@@ -78,7 +78,7 @@ TEST_F(CalibrateTest, SpeedsGiveTheLeverArm) {
   // The times before and after the drive do not matter; the standing at its end tells nothing.
   const fs::path speeds = Text("speed.csv", "time,speed\n0,8\n1000,8\n");
   ASSERT_EQ(Run({"--trajectory", drive, "--speed", speeds.string(), "--side-slip", "0"}).exit_code, 0);
-  EXPECT_NEAR(Value("lever_arm"), 1.45, 0.01);
+  EXPECT_NEAR(Value("lever_arm"), 1.45, 5e-4);
   EXPECT_EQ(Value("side_slip"), 0);
   ExpectComplaint(
       Run({"--trajectory", drive, "--speed", Text("still.csv", "0 0\n1000 0\n").string(), "--side-slip", "0"}), 2,
@@ -88,19 +88,19 @@ TEST_F(CalibrateTest, SpeedsGiveTheLeverArm) {
 TEST_F(CalibrateTest, SpeedsGiveTheLeverArmOfASlippingCar) {
   const fs::path speeds = Text("speed.csv", "0 8\n1000 8\n");
   ASSERT_EQ(Run({"--trajectory", Tum(Exact({1.45, 0.0045}, 0.05)).string(), "--speed", speeds.string()}).exit_code, 0);
-  EXPECT_NEAR(Value("lever_arm"), 1.45, 0.01);
+  EXPECT_NEAR(Value("lever_arm"), 1.45, 5e-4);
   EXPECT_EQ(Value("side_slip"), 0.0045);
 }
 
 TEST_F(CalibrateTest, MetresGiveTheLeverArm) {
   const Trajectory drive = Exact({1.45, 0}, 1);
   ASSERT_EQ(Run({"--trajectory", Tum(drive).string(), "--metric", "--side-slip", "0"}).exit_code, 0);
-  EXPECT_NEAR(Value("lever_arm"), 1.45, 0.01);
+  EXPECT_NEAR(Value("lever_arm"), 1.45, 5e-4);
   // 0.8 m a frame.
   const std::string metres = std::to_string(0.8 * static_cast<double>(drive.size() - 1));
   const std::string units = Tum(Exact({1.45, 0}, 0.031)).string();
   ASSERT_EQ(Run({"--trajectory", units, "--distance", metres, "--side-slip", "0"}).exit_code, 0);
-  EXPECT_NEAR(Value("lever_arm"), 1.45, 0.01);
+  EXPECT_NEAR(Value("lever_arm"), 1.45, 5e-4);
 }
 
 TEST_F(CalibrateTest, FindsTheSideSlipAtTwoSpeeds) {
@@ -112,12 +112,12 @@ TEST_F(CalibrateTest, FindsTheSideSlipAtTwoSpeeds) {
   const Trajectory drive = TestPath(route, {1.45, 0.005}, kTilted);
   const CommandResult result = Run({"--trajectory", Tum(drive).string(), "--metric", "--fit-side-slip"});
   ASSERT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_NEAR(Value("lever_arm"), 1.45, 0.03);
-  EXPECT_NEAR(Value("side_slip"), 0.005, 0.0006);
+  EXPECT_NEAR(Value("lever_arm"), 1.45, 6e-4);
+  EXPECT_NEAR(Value("side_slip"), 0.005, 1e-5);
   // At one speed the rotation is still written, and the line says which drive it was.
   ExpectComplaint(Run({"--trajectory", Tum(Exact({1.45, 0.005}, 1)).string(), "--metric", "--fit-side-slip"}), 2,
                   {"drive.tum: no lever arm", "same speed", "calibration.yaml"});
-  EXPECT_LT(DegreesBetween(ReadCameraRotation(Out().string()), kTilted), 0.2);
+  EXPECT_LT(DegreesBetween(ReadCameraRotation(Out().string()), kTilted), 1e-4);
 }
 
 TEST_F(CalibrateTest, KittiPosesGetTheirTimes) {
@@ -126,15 +126,15 @@ TEST_F(CalibrateTest, KittiPosesGetTheirTimes) {
   const std::string drive = Text("poses.kitti", text).string();
   // The same motion in a third of the time: three times the speed, nine times the slip.
   ASSERT_EQ(Run({"--trajectory", drive, "--metric", "--fps", "30"}).exit_code, 0);
-  EXPECT_NEAR(Value("lever_arm"), 1.45 - 0.0045 * 64 + 0.0045 * 64 * 9, 0.02);
+  EXPECT_NEAR(Value("lever_arm"), 1.45 - 0.0045 * 64 + 0.0045 * 64 * 9, 5e-4);
   ASSERT_EQ(Run({"--trajectory", drive, "--metric", "--fps", "10"}).exit_code, 0);
-  EXPECT_NEAR(Value("lever_arm"), 1.45, 0.02);
+  EXPECT_NEAR(Value("lever_arm"), 1.45, 5e-4);
   // Without times there is no speed, and no slip.
   const CommandResult result = Run({"--trajectory", drive, "--metric"});
   ASSERT_EQ(result.exit_code, 0) << result.err;
   EXPECT_NE(result.out.find("no times"), std::string::npos) << result.out;
   EXPECT_EQ(Value("side_slip"), 0);
-  EXPECT_NEAR(Value("lever_arm"), 1.45 - 0.0045 * 64, 0.02);
+  EXPECT_NEAR(Value("lever_arm"), 1.45 - 0.0045 * 64, 5e-4);
   const std::string speeds = Text("speed.csv", "0 8\n1000 8\n").string();
   ExpectComplaint(Run({"--trajectory", drive, "--speed", speeds}), 2, {"--speed", "no times"});
   ExpectComplaint(Run({"--trajectory", drive, "--metric", "--fit-side-slip"}), 2, {"--fit-side-slip", "no times"});
@@ -159,10 +159,10 @@ TEST_F(CalibrateTest, FindsBodyAxes) {
   const CommandResult result = Run({"--trajectory", Tum(drive).string()});
   ASSERT_EQ(result.exit_code, 0) << result.err;
   EXPECT_NE(result.out.find("taken as y left, z up"), std::string::npos) << result.out;
-  EXPECT_LT(DegreesBetween(ReadCameraRotation(Out().string()), kTilted), 0.2);
+  EXPECT_LT(DegreesBetween(ReadCameraRotation(Out().string()), kTilted), 0.04);
   ASSERT_EQ(Run({"--trajectory", Tum(drive).string(), "--axes", "frd"}).exit_code, 0);
-  EXPECT_NEAR(Value("yaw_deg"), -5, 0.2);
-  EXPECT_NEAR(Value("pitch_deg"), -15, 0.2);
+  EXPECT_NEAR(Value("yaw_deg"), -5, 0.02);
+  EXPECT_NEAR(Value("pitch_deg"), -15, 0.012);
 }
 
 TEST_F(CalibrateTest, SaysWhatTheDriveLacks) {

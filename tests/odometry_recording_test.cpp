@@ -48,8 +48,9 @@ TEST(OdometryRecording, Kitti05ShowsItsTurnAndItsMetres) {
   EXPECT_EQ(Count(run.refined, TrackingState::kTracked), static_cast<int>(images.size()));
   ASSERT_TRUE(AllPosed(run.refined));
   const RunErrors errors = MeasureRun(run.refined, truth);
-  EXPECT_LT(std::abs(errors.path_length), 0.12);
-  EXPECT_LE(errors.psi_rms_deg, 0.15);
+  EXPECT_LT(std::abs(errors.path_length), 0.046);
+  EXPECT_LE(errors.psi_rms_deg, 0.06);
+  EXPECT_LT(errors.shape, 0.2);
 }
 
 }  // namespace

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <gtest/gtest.h>
+
 #include "turnscale/evaluation/association.h"
 #include "turnscale/evaluation/position_error.h"
 #include "turnscale/evaluation/step_error.h"
@@ -23,7 +25,7 @@ OdometryRun RunOdometry(const OdometryOptions& options, const CameraModel& camer
   run.scale = odometry.Refined();
   run.turns = run.scale.turns;
   run.lens_correction = odometry.lens().correction();
-  run.keyframes_in_map = static_cast<int>(odometry.map().keyframes.size());
+  run.map = odometry.map();
   return run;
 }
 
@@ -67,6 +69,16 @@ RunErrors MeasureRun(const std::vector<FrameResult>& refined, const std::vector<
   errors.position = MeasureAlignedPositions(pairs, AlignmentModel::kRigid).distance.max;
   errors.shape = MeasureAlignedPositions(pairs, AlignmentModel::kSimilarity).distance.max;
   return errors;
+}
+
+void ExpectMetres(const OdometryRun& run, const StreetDrive& drive) {
+  ASSERT_TRUE(AllPosed(run.refined));
+  const RunErrors errors = MeasureRun(run.refined, drive.world_from_camera);
+  EXPECT_LT(std::abs(errors.path_length), 0.02);
+  EXPECT_LT(errors.psi_rms_deg, 0.014);
+  EXPECT_LT(errors.position, 0.45);
+  ASSERT_TRUE(run.scale.estimate) << run.scale.reason;
+  EXPECT_LT(std::abs(errors.path_length), run.scale.estimate->length_sigma);
 }
 
 }  // namespace turnscale

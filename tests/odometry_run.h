@@ -8,6 +8,7 @@
 #include "street_drive.h"
 #include "turnscale/camera/camera_model.h"
 #include "turnscale/geometry/rigid_transform.h"
+#include "turnscale/mapping/map.h"
 #include "turnscale/odometry/drive_scale.h"
 #include "turnscale/odometry/options.h"
 #include "turnscale/odometry/results.h"
@@ -21,7 +22,7 @@ struct OdometryRun {
   RefinedScale scale;             ///< what the whole drive says of it
   std::vector<TurnResult> turns;  ///< of `scale`
   double lens_correction = 0;
-  int keyframes_in_map = 0;
+  Map map;
 };
 
 /// An empty image stands for one that could not be read.
@@ -44,5 +45,8 @@ struct RunErrors {
 };
 
 RunErrors MeasureRun(const std::vector<FrameResult>& refined, const std::vector<RigidTransform>& truth);
+
+/// That all frames are posed, with errors as small as they are on streets that the default settings fit.
+void ExpectMetres(const OdometryRun& run, const StreetDrive& drive);
 
 }  // namespace turnscale

@@ -127,18 +127,18 @@ TEST_F(RenderedDriveTest, GarageComesOutInMetres) {
   ASSERT_NO_FATAL_FAILURE(Drive("garage"));
   ExpectAllFound(2);
   const Json score = Read(Score());
-  EXPECT_LT(score["as_given"]["scale_error_ratio"]["all"]["rmse_percent"], 4);
-  EXPECT_LT(score["position_error"]["sim3"]["rmse_m"], 0.3);
-  EXPECT_LT(score["turning_angle"]["turning"]["rmse_deg"], 0.05);
+  EXPECT_LT(score["as_given"]["scale_error_ratio"]["all"]["rmse_percent"], 1.2);
+  EXPECT_LT(score["position_error"]["sim3"]["rmse_m"], 0.02);
+  EXPECT_LT(score["turning_angle"]["turning"]["rmse_deg"], 0.015);
 }
 
 TEST_F(RenderedDriveTest, StreetComesOutInMetres) {
   ASSERT_NO_FATAL_FAILURE(Drive("street"));
   ExpectAllFound(1);
   const Json score = Read(Score());
-  EXPECT_LT(score["as_given"]["scale_error_ratio"]["all"]["rmse_percent"], 8);
-  EXPECT_LT(score["position_error"]["sim3"]["rmse_m"], 1);
-  EXPECT_LT(score["turning_angle"]["turning"]["rmse_deg"], 0.05);
+  EXPECT_LT(score["as_given"]["scale_error_ratio"]["all"]["rmse_percent"], 4.2);
+  EXPECT_LT(score["position_error"]["sim3"]["rmse_m"], 0.35);
+  EXPECT_LT(score["turning_angle"]["turning"]["rmse_deg"], 0.012);
 }
 
 }  // namespace

@@ -40,6 +40,14 @@ double ShareOfStep(const StreetDriveOptions& options, int frame) {
   return options.braking_frames == 0 ? static_cast<double>(std::max(until, since) > 0) : std::clamp(share, 0.0, 1.0);
 }
 
+// After so many steps.
+double LeverArmAt(const StreetDriveOptions& options, double done) {
+  constexpr double kFirstStep = kStreetFirstTurn + kStreetTurnFrames + 4;
+  constexpr double kLastStep = kStreetSecondTurn - 4;
+  const double share = std::clamp((done - kFirstStep) / (kLastStep - kFirstStep), 0.0, 1.0);
+  return kStreetLeverArm + share * (options.second_lever_arm - kStreetLeverArm);
+}
+
 // Drives on by a share of a step, from so many steps after the start.
 RigidTransform DriveOn(RigidTransform world_from_vehicle, double done, double share) {
   while (share > 1e-9) {
@@ -90,24 +98,27 @@ StreetDrive RenderStreetDrive(const StreetDriveOptions& options) {
   static const StreetWorld world(Streets());
   StreetDrive drive;
   const LensModel lens = options.k1 == 0 ? LensModel::kPinhole : LensModel::kRadialTangential;
-  drive.camera = {.pinhole = {280, 280, 239.5, 95.5},
+  const double focal_length = 280.0 * options.width / 480;
+  drive.camera = {.pinhole = {focal_length, focal_length, 0.5 * (options.width - 1), 0.5 * (options.height - 1)},
                   .lens = options.fisheye ? LensModel::kEquidistant : lens,
                   .distortion = {options.k1, 0, 0, 0, 0},
-                  .width = 480,
-                  .height = 192};
-  const RigidTransform vehicle_from_camera{options.vehicle_from_camera, {0, -kCameraHeight, kStreetLeverArm}};
+                  .width = options.width,
+                  .height = options.height};
   const std::vector<Eigen::Vector3d> rays = PixelRays(drive.camera);
   RigidTransform world_from_vehicle;
-  cv::RNG random(42);
+  cv::RNG random(options.noise);
   cv::Mat ideal;
   double done = 0;
-  const int frames = std::min(kStreetFrames + options.standing_frames + options.braking_frames, options.frames);
+  const double steps = 1 / (options.fps * kStreetInterval);  // a frame
+  const int moving = static_cast<int>(kStreetFrames / steps + 1e-9);
+  const int frames = std::min(moving + options.standing_frames + options.braking_frames, options.frames);
   for (int frame = 0; frame < frames; ++frame) {
-    const double share = frame > 0 ? ShareOfStep(options, frame) : 0.0;
+    const double share = frame > 0 ? ShareOfStep(options, frame) * steps : 0.0;
     world_from_vehicle = DriveOn(world_from_vehicle, done, share);
     done += share;
-    drive.times.push_back(kStreetInterval * frame);
-    drive.world_from_camera.push_back(world_from_vehicle * vehicle_from_camera);
+    const Eigen::Vector3d place(0, -kCameraHeight, LeverArmAt(options, done));
+    drive.times.push_back(frame / options.fps);
+    drive.world_from_camera.push_back(world_from_vehicle * RigidTransform{options.vehicle_from_camera, place});
     if (share > 0 || frame == 0) ideal = world.Render(drive.camera, rays, drive.world_from_camera.back());
     cv::Mat noise(ideal.size(), CV_16S);
     random.fill(noise, cv::RNG::NORMAL, 0, kNoise);

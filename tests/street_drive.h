@@ -22,6 +22,10 @@ struct StreetDrive {
 
 struct StreetDriveOptions {
   int frames = 1000;     ///< at most; the drive ends by itself
+  double fps = 10;       ///< frames a second; of standing and braking there are as many at any rate
+  int width = 480;       ///< pixels; the image is 81 degrees wide whatever their number
+  int height = 192;      ///< pixels
+  unsigned noise = 42;   ///< seed of the noise of the images
   double k1 = 0;         ///< radial distortion of the lens; of a fisheye its first coefficient
   bool fisheye = false;  ///< an equidistant lens
   Eigen::Quaterniond vehicle_from_camera = Eigen::Quaterniond::Identity();
@@ -30,10 +34,12 @@ struct StreetDriveOptions {
   /// Frames over which the car brakes before that, and over which it drives off after. None: from speed to standstill
   /// from one frame to the next, as no car does.
   int braking_frames = 0;
+  /// In the second turn, metres: from the point that does not slip to the camera. It changes on the street before.
+  double second_lever_arm = 1.5;
 };
 
 constexpr double kStreetLeverArm = 1.5;  ///< metres
-constexpr double kStreetInterval = 0.1;  ///< seconds between frames
+constexpr double kStreetInterval = 0.1;  ///< seconds between frames at the usual 10 a second, which the rest is of
 constexpr int kStreetFirstTurn = 25;     ///< frame in which the first turn starts
 constexpr int kStreetSecondTurn = 85;    ///< frame in which the second turn starts
 constexpr int kStreetTurnFrames = 35;    ///< length of a turn

@@ -88,7 +88,7 @@ TEST(DistanceConstraints, RecoverALongDriveInFewIterations) {
   EXPECT_LT(summary.kkt_residual, 1e-8);
   EXPECT_LT(summary.constraint_residual, 1e-9);
   for (std::size_t i = 0; i < problem.camera_from_world.size(); ++i) {
-    EXPECT_LT((Centre(problem, i) - Centre(drive.truth, i)).norm(), 0.2) << "camera " << i;
+    EXPECT_LT((Centre(problem, i) - Centre(drive.truth, i)).norm(), 0.13) << "camera " << i;
   }
 }
 

@@ -41,7 +41,7 @@ TEST(AxisConvention, ConvertedPathsCalibrateAlike) {
   for (const auto& [axes, side] :
        {std::pair(AxisConvention::kForwardLeftUp, -1), {AxisConvention::kForwardRightDown, 1}}) {
     const Calibration found = Calibrate(StepsAlong(InCameraAxes(InBodyAxes(camera, side), axes)));
-    EXPECT_LT(DegreesBetween(found.vehicle_from_camera, kTiltedAside), 0.01);
+    EXPECT_LT(DegreesBetween(found.vehicle_from_camera, kTiltedAside), 1e-6);
   }
 }
 
@@ -49,9 +49,9 @@ TEST(AxisConvention, TheOtherBodyTurnsTheSignsOfYawAndPitch) {
   const Trajectory down = InBodyAxes(TestPath(TestRoute({1, -1}), {1, 0}, kTiltedAside), 1);
   const YawPitchRoll truth = YawPitchRollFromRotation(kTiltedAside);
   const YawPitchRoll found = Calibrate(StepsAlong(InCameraAxes(down, AxisConvention::kForwardLeftUp))).angles;
-  EXPECT_NEAR(found.yaw, -truth.yaw, 0.01 * kDeg);
-  EXPECT_NEAR(found.pitch, -truth.pitch, 0.01 * kDeg);
-  EXPECT_NEAR(found.roll, truth.roll, 0.01 * kDeg);
+  EXPECT_NEAR(found.yaw, -truth.yaw, 1e-6 * kDeg);
+  EXPECT_NEAR(found.pitch, -truth.pitch, 1e-6 * kDeg);
+  EXPECT_NEAR(found.roll, truth.roll, 1e-6 * kDeg);
 }
 
 }  // namespace

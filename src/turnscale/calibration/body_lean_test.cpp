@@ -38,7 +38,7 @@ TEST(BodyLean, IsReadFromTheRollAtBothEndsOfATurn) {
   const auto steps = StepsAlong(Leaning({1, -1, 1}, 0.05 * kDeg, 3));
   const BodyLean lean = FitBodyLean(steps, kTilted);
   EXPECT_NEAR(lean.per_acceleration, kPerAcceleration, 0.1 * std::abs(kPerAcceleration));
-  EXPECT_NEAR(lean.per_acceleration, kPerAcceleration, 4 * lean.sigma);
+  EXPECT_NEAR(lean.per_acceleration, kPerAcceleration, lean.sigma);
   EXPECT_LT(lean.sigma, 0.1 * std::abs(kPerAcceleration));
 }
 
@@ -49,7 +49,7 @@ TEST(BodyLean, DoesNotPassForARollOfTheCamera) {
   const double wanted = YawPitchRollFromRotation(kTilted).roll;
   // 4.2 m/s^2 to the left.
   EXPECT_GT(std::abs(Calibrate(steps, rigid).angles.roll - wanted), 1.2 * kDeg);
-  EXPECT_NEAR(Calibrate(steps).angles.roll, wanted, 0.2 * kDeg);
+  EXPECT_NEAR(Calibrate(steps).angles.roll, wanted, 0.02 * kDeg);
 }
 
 TEST(BodyLean, ARigidBodyShowsNone) {

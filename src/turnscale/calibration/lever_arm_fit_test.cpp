@@ -37,7 +37,7 @@ std::string Complaint(const MetricDrive& drive, const LeverArmFitOptions& option
 TEST(LeverArmFit, ReadsTheLeverArmOfARigidCar) {
   const MetricDrive drive{StepsAlong(TestPath(TestRoute({1, -1}), {1.45, 0}, kTilted)), kTilted};
   const LeverArmFit fit = FitLeverArm({drive});
-  EXPECT_NEAR(fit.lever_arm.length, 1.45, 0.005);
+  EXPECT_NEAR(fit.lever_arm.length, 1.45, 1e-5);
   EXPECT_EQ(fit.lever_arm.side_slip, 0);
   EXPECT_EQ(fit.sigma_side_slip, 0);
 }
@@ -45,8 +45,8 @@ TEST(LeverArmFit, ReadsTheLeverArmOfARigidCar) {
 TEST(LeverArmFit, KeyframesAtUnequalSpacingShowTheSame) {
   const MetricDrive drive{StepsAlong(EveryFew(TestPath(TestRoute({1, -1, 1}), {1.45, 0}, kTilted))), kTilted};
   const LeverArmFit fit = FitLeverArm({drive});
-  EXPECT_NEAR(fit.lever_arm.length, 1.45, 0.03);
-  EXPECT_LT(fit.sigma_length, 0.05);
+  EXPECT_NEAR(fit.lever_arm.length, 1.45, 1e-4);
+  EXPECT_LT(fit.sigma_length, 0.015);
 }
 
 TEST(LeverArmFit, StatesTheSpreadThatItsErrorsHave) {
@@ -73,10 +73,10 @@ TEST(LeverArmFit, TakesTheAssumedSlipAway) {
   const MetricDrive drive{StepsAlong(TestPath(TestRoute({1, -1}), {1.45, 0.005}, kTilted)), kTilted};
   LeverArmFitOptions options;
   options.assumed_side_slip = 0.005;
-  EXPECT_NEAR(FitLeverArm({drive}, options).lever_arm.length, 1.45, 0.005);
+  EXPECT_NEAR(FitLeverArm({drive}, options).lever_arm.length, 1.45, 1e-5);
   EXPECT_EQ(FitLeverArm({drive}, options).lever_arm.side_slip, 0.005);
   // Without it, the effective lever arm at 8 m/s.
-  EXPECT_NEAR(FitLeverArm({drive}).lever_arm.length, 1.45 - 0.005 * 64, 0.005);
+  EXPECT_NEAR(FitLeverArm({drive}).lever_arm.length, 1.45 - 0.005 * 64, 1e-5);
 }
 
 TEST(LeverArmFit, TellsSlipFromLengthAtTwoSpeeds) {
@@ -84,8 +84,8 @@ TEST(LeverArmFit, TellsSlipFromLengthAtTwoSpeeds) {
   LeverArmFitOptions options;
   options.side_slip = true;
   const LeverArmFit fit = FitLeverArm({drive}, options);
-  EXPECT_NEAR(fit.lever_arm.length, 1.45, 0.03);
-  EXPECT_NEAR(fit.lever_arm.side_slip, 0.005, 0.0006);
+  EXPECT_NEAR(fit.lever_arm.length, 1.45, 6e-4);
+  EXPECT_NEAR(fit.lever_arm.side_slip, 0.005, 1e-5);
   EXPECT_GT(fit.speed_spread, 0.5);
 }
 
@@ -117,7 +117,7 @@ TEST(LeverArmFit, RefusesWhatIsNoLeverArm) {
 TEST(LeverArmFit, AnErrorOfTheYawIsNoLeverArm) {
   const Eigen::Quaterniond off = RotationFromYawPitchRoll({1 * kDeg, 0, 0}) * kTilted;
   const MetricDrive drive{StepsAlong(TestPath(TestRoute({1, 1}), {1.45, 0}, kTilted)), off};
-  EXPECT_NEAR(FitLeverArm({drive}).lever_arm.length, 1.45, 0.01);
+  EXPECT_NEAR(FitLeverArm({drive}).lever_arm.length, 1.45, 0.003);
 }
 
 TEST(LeverArmFit, NeedsATurn) {

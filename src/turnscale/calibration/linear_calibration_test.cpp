@@ -22,8 +22,8 @@ LinearSolution Solve(const std::vector<int>& turns, double lever_arm) {
 
 TEST(LinearCalibration, IsExactWithoutALeverArm) {
   const LinearSolution solution = Solve({1}, 0);
-  EXPECT_LT(DegreesBetween(solution.vehicle_from_camera, kTiltedDown), 1e-5);
-  EXPECT_GT(solution.confidence, 1e4);
+  EXPECT_LT(DegreesBetween(solution.vehicle_from_camera, kTiltedDown), 1e-9);
+  EXPECT_GT(solution.confidence, 5e5);
 }
 
 TEST(LinearCalibration, TheLeverArmBendsItAsThePaperSays) {

@@ -32,7 +32,7 @@ TEST(OnlineCalibration, WaitsForTheFirstTurnAndThenHolds) {
   EXPECT_GT(usable_from, 6);
   EXPECT_LT(usable_from, 13);
   EXPECT_EQ(online.state().moves, 0);
-  EXPECT_LT(DegreesBetween(online.state().vehicle_from_camera, kTilted), 0.3);
+  EXPECT_LT(DegreesBetween(online.state().vehicle_from_camera, kTilted), 0.06);
 }
 
 TEST(OnlineCalibration, KnowsNothingBeforeTheFirstTurn) {
@@ -52,8 +52,8 @@ TEST(OnlineCalibration, AgreesWithAllStepsTogether) {
   OnlineCalibration online;
   for (const CameraStep& step : steps) online.Add(step);
   const Calibration together = Calibrate(steps);
-  EXPECT_NEAR(online.state().angles.yaw, together.angles.yaw, 0.05 * kDeg);
-  EXPECT_NEAR(online.state().angles.pitch, together.angles.pitch, 0.05 * kDeg);
+  EXPECT_NEAR(online.state().angles.yaw, together.angles.yaw, 0.01 * kDeg);
+  EXPECT_NEAR(online.state().angles.pitch, together.angles.pitch, 0.03 * kDeg);
 }
 
 TEST(OnlineCalibration, NoticesAMovedCameraWithinThirtySeconds) {
@@ -68,11 +68,11 @@ TEST(OnlineCalibration, NoticesAMovedCameraWithinThirtySeconds) {
     for (const CameraStep& step : after) {
       if (online.Add(step).moved) noticed = std::min(noticed, step.end);
     }
-    EXPECT_LT(noticed, 30);
+    EXPECT_LT(noticed, 16);
     EXPECT_EQ(online.state().moves, 1);
     EXPECT_TRUE(online.state().usable);
-    EXPECT_NEAR(online.state().angles.yaw, YawPitchRollFromRotation(moved).yaw, 0.15 * kDeg);
-    EXPECT_NEAR(online.state().angles.pitch, YawPitchRollFromRotation(moved).pitch, 0.15 * kDeg);
+    EXPECT_NEAR(online.state().angles.yaw, YawPitchRollFromRotation(moved).yaw, 0.01 * kDeg);
+    EXPECT_NEAR(online.state().angles.pitch, YawPitchRollFromRotation(moved).pitch, 0.05 * kDeg);
   }
 }
 

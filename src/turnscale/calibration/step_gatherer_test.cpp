@@ -107,7 +107,8 @@ TEST(StepsAlong, UnequalFramesObeyTheKinematics) {
   ASSERT_GT(steps.size(), 30U);
   for (const CameraStep& step : steps) {
     const TurningMotion motion = TurningMotionOf(step.previous_from_current, Eigen::Quaterniond::Identity());
-    EXPECT_NEAR(motion.step * std::sin(motion.theta - 0.5 * motion.psi) / (2 * std::sin(0.5 * motion.psi)), 1.45, 0.01);
+    EXPECT_NEAR(motion.step * std::sin(motion.theta - 0.5 * motion.psi) / (2 * std::sin(0.5 * motion.psi)), 1.45,
+                0.001);
   }
 }
 

@@ -83,7 +83,7 @@ TEST(OpticalFlow, AGuessReachesFartherThanThePyramid) {
   const FlowResult guessed = TrackPoints(options, image(0), image(50), points, guesses);
   for (size_t i = 0; i < points.size(); ++i) {
     ASSERT_EQ(guessed.found[i], 1);
-    EXPECT_NEAR(guessed.points[i].x - points[i].x, 50, 0.05);
+    EXPECT_NEAR(guessed.points[i].x - points[i].x, 50, 0.004);
   }
 }
 

@@ -62,7 +62,7 @@ TEST(RobustLine, AThirdOfTheStepsMayBeAnything) {
   std::vector<LinePoint> points = NoisyLine(30, 0.02, 4);
   for (std::size_t i = 0; i < points.size(); i += 3) points[i].y = 5 + points[i].x;
   const RobustLine line = FitRobustLine(points, 0.01, kThreshold);
-  EXPECT_NEAR(line.slope, kSlope, 0.03);
+  EXPECT_NEAR(line.slope, kSlope, 0.005);
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (i % 3 == 0) {
       EXPECT_EQ(line.weight[i], 0);

@@ -82,7 +82,7 @@ TEST(ScaleObserver, SigmaIsTheSpreadOfNoisyAngles) {
   }
   const double mean = sum / kDraws;
   const double spread = std::sqrt(squares / kDraws - mean * mean);
-  EXPECT_NEAR(ObservedDistanceSigma(step.psi, theta, 1.0, sigma_psi, sigma_theta) / spread, 1.0, 0.03);
+  EXPECT_NEAR(ObservedDistanceSigma(step.psi, theta, 1.0, sigma_psi, sigma_theta) / spread, 1.0, 0.015);
 }
 
 }  // namespace

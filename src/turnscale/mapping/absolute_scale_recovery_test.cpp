@@ -95,9 +95,9 @@ TEST_F(AbsoluteScaleRecovery, BringsTheStreetBetweenTwoTurnsToMetres) {
   ASSERT_EQ(result.ranges.size(), 1u);
   EXPECT_TRUE(result.ranges[0].adjusted) << result.ranges[0].reason;
   EXPECT_TRUE(result.ranges[0].summary.converged);
-  EXPECT_LT(ScaleError(map_, truth_, 1, 160), 0.04);
-  EXPECT_LT(ScaleError(map_, truth_, 21, 40), 0.015);
-  EXPECT_LT(ScaleError(map_, truth_, 141, 160), 0.015);
+  EXPECT_LT(ScaleError(map_, truth_, 1, 160), 0.006);
+  EXPECT_LT(ScaleError(map_, truth_, 21, 40), 1e-6);
+  EXPECT_LT(ScaleError(map_, truth_, 141, 160), 1e-6);
 
   Map guess = truth_;
   ScaleMap(Drift(0.2), 0, guess);
@@ -128,7 +128,7 @@ TEST_F(AbsoluteScaleRecovery, PerFrameDistancesAreHeldAsTheyAre) {
     if (j == 30) continue;
     EXPECT_NEAR(StepLength(after, j), turn.distances[j - 21], 1e-8);
   }
-  EXPECT_NEAR(StepLength(after, 30), 0.6, 0.1) << "a step that told nothing goes with the others";
+  EXPECT_NEAR(StepLength(after, 30), 0.6, 0.005) << "a step that told nothing goes with the others";
 }
 
 TEST_F(AbsoluteScaleRecovery, ASureTurnThatIsWeighedIsAsGoodAsHeld) {
@@ -152,8 +152,8 @@ TEST_F(AbsoluteScaleRecovery, AnUnsureTurnGivesWayToTheImages) {
   wrong.sigma = 0.1;
   const ScaleRecoveryResult result = RecoverAbsoluteScale({.pixel_sigma_inflation = 1}, {sure, wrong}, 0, map_);
   EXPECT_TRUE(result.ranges[0].summary.converged);
-  EXPECT_LT(ScaleError(map_, truth_, 21, 40), 0.02);
-  EXPECT_LT(ScaleError(map_, truth_, 141, 160), 0.05);
+  EXPECT_LT(ScaleError(map_, truth_, 21, 40), 0.002);
+  EXPECT_LT(ScaleError(map_, truth_, 141, 160), 0.013);
 }
 
 TEST_F(AbsoluteScaleRecovery, UnitOfTheStartCancels) {
@@ -177,14 +177,14 @@ TEST_F(AbsoluteScaleRecovery, SecondTurnLeavesWhatIsFinal) {
   const Map first = map_;
   const ScaleRecoveryResult result = RecoverAbsoluteScale({}, {kFirstTurn, WithFactor(kSecondTurn, 1 / 1.3)}, 20, map_);
   EXPECT_TRUE(result.ranges[0].adjusted) << result.ranges[0].reason;
-  EXPECT_LT(ScaleError(map_, truth_, 1, 161), 0.04);
+  EXPECT_LT(ScaleError(map_, truth_, 1, 161), 0.005);
   const auto before = KeyframeCentres(first);
   const auto after = KeyframeCentres(map_);
   for (int k = 0; k <= 20; ++k) EXPECT_LT((after[k] - before[k]).norm(), 1e-12);
   for (int k = 0; k < 20; ++k) EXPECT_EQ(result.factors[k], 1.0);
   EXPECT_NEAR(result.factors[30], 1.0, 1e-9);
   EXPECT_NEAR(result.factors[150], 1 / 1.3, 1e-9);
-  EXPECT_NEAR(result.factors.back(), 1 / 1.3, 0.02);
+  EXPECT_NEAR(result.factors.back(), 1 / 1.3, 0.003);
 }
 
 TEST_F(AbsoluteScaleRecovery, GapIsScaledNotAdjusted) {
@@ -204,8 +204,8 @@ TEST_F(AbsoluteScaleRecovery, GapIsScaledNotAdjusted) {
   EXPECT_EQ(result.ranges[0].range.last, 89);
   EXPECT_EQ(result.ranges[1].range.first, 90);
   for (const RangeRecovery& range : result.ranges) EXPECT_TRUE(range.adjusted) << range.reason;
-  EXPECT_LT(ScaleError(map_, truth_, 1, 88), 0.05);
-  EXPECT_LT(ScaleError(map_, truth_, 93, 160), 0.05);
+  EXPECT_LT(ScaleError(map_, truth_, 1, 88), 0.006);
+  EXPECT_LT(ScaleError(map_, truth_, 93, 160), 0.007);
   EXPECT_NEAR(StepLength(KeyframeCentres(map_), 90), guessed_step, 1e-9);
 
   Map one_turn = map_;
@@ -251,7 +251,7 @@ TEST_F(AbsoluteScaleRecovery, LandmarkSeenOnceGoesWithItsKeyframe) {
   once.position = map_.keyframes[150].camera_from_world.inverse() * (in_camera * 0.2 * 1.3);
   map_.landmarks.push_back(once);
   RecoverAbsoluteScale({}, {WithFactor(kFirstTurn, 5.0), WithFactor(kSecondTurn, 5.0 / 1.3)}, 0, map_);
-  EXPECT_LT((map_.keyframes[150].camera_from_world * map_.landmarks.back().position - in_camera).norm(), 0.2);
+  EXPECT_LT((map_.keyframes[150].camera_from_world * map_.landmarks.back().position - in_camera).norm(), 1e-6);
 }
 
 TEST_F(AbsoluteScaleRecovery, RefusesWhatMakesNoSense) {

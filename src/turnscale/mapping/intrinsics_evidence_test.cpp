@@ -154,9 +154,9 @@ TEST(IntrinsicsEvidence, FollowingAndLookingAgainLeadsToTheTruth) {
       ASSERT_TRUE(problem.Adjust(10));
     }
     const Vector found = problem.change();
-    EXPECT_NEAR(found[0], -error[0], 1e-3);
-    EXPECT_NEAR(found[1], -error[1], 0.1);
-    EXPECT_NEAR(found[2], -error[2], 0.5);
+    EXPECT_NEAR(found[0], -error[0], 1e-5);
+    EXPECT_NEAR(found[1], -error[1], 1e-3);
+    EXPECT_NEAR(found[2], -error[2], 1e-3);
   }
 }
 

@@ -62,13 +62,13 @@ TEST(LocalBundleAdjustment, BringsTheLatestKeyframesBack) {
   Disturb(kKeyframes - 10, map);
   const Map before = map;
   const LocalBundleResult result = AdjustLocalWindow({}, map);
-  EXPECT_LT(result.summary.final_cost, 0.1 * result.summary.initial_cost);
+  EXPECT_LT(result.summary.final_cost, 0.06 * result.summary.initial_cost);
   EXPECT_TRUE(std::ranges::is_sorted(result.landmarks));
   for (int k = 0; k < kKeyframes - 10; ++k) EXPECT_FALSE(Moved(map, before, k)) << k;
   for (int k = kKeyframes - 10; k < kKeyframes; ++k) {
     EXPECT_TRUE(Moved(map, before, k)) << k;
-    EXPECT_LT(PositionError(map, truth, k), 0.02) << k;
-    EXPECT_LT(RotationError(map, truth, k), 0.05) << k;
+    EXPECT_LT(PositionError(map, truth, k), 0.007) << k;
+    EXPECT_LT(RotationError(map, truth, k), 0.023) << k;
   }
 }
 
@@ -115,8 +115,8 @@ TEST(LocalBundleAdjustment, AGapPartsTheMap) {
   // One fixed keyframe holds no scale: directions and rotations come back, lengths as they were guessed.
   for (int k = 23; k < kKeyframes; ++k) {
     EXPECT_TRUE(Moved(map, before, k)) << k;
-    EXPECT_LT(RotationError(map, truth, k), 0.1) << k;
-    EXPECT_LT(PositionError(map, truth, k), 0.2) << k;
+    EXPECT_LT(RotationError(map, truth, k), 0.045) << k;
+    EXPECT_LT(PositionError(map, truth, k), 0.007) << k;
   }
 }
 

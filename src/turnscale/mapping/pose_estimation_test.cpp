@@ -53,7 +53,7 @@ TEST(PoseEstimation, OutliersLoseTheirSay) {
   const PoseEstimate estimate = EstimatePose({}, kPinhole, scene.sightings, Disturbed(scene.camera_from_world));
   const RigidTransform off = estimate.camera_from_world * scene.camera_from_world.inverse();
   EXPECT_LT(RotationAngle(off.rotation) * kDegreesPerRadian, 0.02);
-  EXPECT_LT(off.translation.norm(), 0.02);
+  EXPECT_LT(off.translation.norm(), 0.003);
   for (int i = 0; i < 60; ++i) EXPECT_EQ(estimate.inlier[i], 0) << i;
   EXPECT_EQ(estimate.inliers, 140);
 }

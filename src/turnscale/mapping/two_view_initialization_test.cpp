@@ -46,10 +46,10 @@ TEST(TwoViewInitialization, RecoversAForwardMotionThatTurns) {
   for (int i = 0; i < 80; ++i) views.second[i] += Eigen::Vector2d(-30, 25 + i);
   const TwoViewResult result = InitializeFromTwoViews({}, kPinhole, views.first, views.second);
   ASSERT_EQ(result.status, TwoViewStatus::kInitialized);
-  EXPECT_LT(RotationAngle(result.second_from_first.rotation * truth.rotation.conjugate()) * kDegreesPerRadian, 0.1);
+  EXPECT_LT(RotationAngle(result.second_from_first.rotation * truth.rotation.conjugate()) * kDegreesPerRadian, 0.02);
   EXPECT_NEAR(result.second_from_first.translation.norm(), 1.0, 1e-12) << "the baseline is the unit";
   const double angle = std::acos(result.second_from_first.translation.normalized().dot(truth.translation.normalized()));
-  EXPECT_LT(angle * kDegreesPerRadian, 1.0);
+  EXPECT_LT(angle * kDegreesPerRadian, 0.22);
   int good = 0;
   for (size_t i = 80; i < views.points.size(); ++i)
     if (result.triangulated[i] != 0 &&

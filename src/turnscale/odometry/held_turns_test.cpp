@@ -55,7 +55,7 @@ TEST(HeldTurns, BringTheMapToMetres) {
   ASSERT_EQ(factors.size(), finished.map.keyframes.size());
   for (int k = 1; k < count; ++k) {
     EXPECT_NEAR(StepOf(finished.map, k) / StepOf(finished.truth, k), 1, 0.05) << k;
-    EXPECT_NEAR(factors[k] * StepOf(before, k) / StepOf(finished.truth, k), 1, 0.08) << k;
+    EXPECT_NEAR(factors[k] * StepOf(before, k) / StepOf(finished.truth, k), 1, 0.022) << k;
     EXPECT_EQ(refined.path.centres[k], Centre(finished.map.keyframes[k])) << "the map itself is metric now";
     EXPECT_EQ(refined.path.metres_per_unit[k], 1);
   }
@@ -82,7 +82,7 @@ TEST(HeldTurns, PaperHoldsEachStepAtItsOwnLength) {
   ASSERT_EQ(refined.turns.size(), 2U);
   for (const TurnResult& turn : refined.turns) EXPECT_TRUE(turn.used) << turn.reason;
   for (int k = 1; k < static_cast<int>(finished.map.keyframes.size()); ++k)
-    EXPECT_NEAR(StepOf(finished.map, k) / StepOf(finished.truth, k), 1, 0.08) << k;
+    EXPECT_NEAR(StepOf(finished.map, k) / StepOf(finished.truth, k), 1, 3e-4) << k;
 }
 
 TEST(HeldTurns, PaperGivesTheDistancesOfTheObserver) {

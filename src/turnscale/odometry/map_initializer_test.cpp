@@ -82,8 +82,8 @@ void ExpectTrueMap(const InitialMap& map, const Boards& boards, const RigidTrans
   const double baseline = truth.translation.norm();
   EXPECT_NEAR(map.second_from_first.translation.norm(), 1, 1e-9) << "the baseline is the unit";
   const double cosine = map.second_from_first.translation.dot(truth.translation) / baseline;
-  EXPECT_LT(std::acos(std::min(1.0, cosine)) * kDegreesPerRadian, 3);
-  EXPECT_LT(RotationAngle(map.second_from_first.rotation * truth.rotation.conjugate()) * kDegreesPerRadian, 0.3);
+  EXPECT_LT(std::acos(std::min(1.0, cosine)) * kDegreesPerRadian, 1.2);
+  EXPECT_LT(RotationAngle(map.second_from_first.rotation * truth.rotation.conjugate()) * kDegreesPerRadian, 0.1);
   int points = 0;
   int right = 0;
   for (size_t i = 0; i < map.points.size(); ++i) {

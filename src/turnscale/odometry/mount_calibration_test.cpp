@@ -47,7 +47,7 @@ TEST(MountCalibration, FindsTheRotationInOneTurn) {
   MountCalibration mount{VehicleOptions()};
   EXPECT_FALSE(mount.Learn(map, 35)) << "before the turn";
   EXPECT_TRUE(mount.Learn(map, Last(map)));
-  EXPECT_LT(DegreesBetween(mount.At(0), kTurned), 0.1);
+  EXPECT_LT(DegreesBetween(mount.At(0), kTurned), 1e-4);
   EXPECT_EQ(mount.mounts().size(), 1U);
   EXPECT_FALSE(mount.Learn(map, Last(map))) << "nothing new";
 }
@@ -62,7 +62,7 @@ TEST(MountCalibration, KnowsBackingUpForWhatItIs) {
   MountCalibration mount{VehicleOptions()};
   EXPECT_TRUE(mount.Learn(map, Last(map)));
   EXPECT_TRUE(mount.current().found);
-  EXPECT_LT(DegreesBetween(mount.At(0), kTurned), 0.1);
+  EXPECT_LT(DegreesBetween(mount.At(0), kTurned), 1e-4);
 }
 
 // After a loss of tracking the map may go on in another unit.
@@ -107,8 +107,8 @@ TEST(MountCalibration, AMovedCameraIsAnotherMount) {
   EXPECT_EQ(mount.moves(), 1);
   ASSERT_EQ(mount.mounts().size(), 2U);
   EXPECT_NEAR(mount.mounts()[1].first_keyframe, at, 20) << "two seconds";
-  EXPECT_LT(DegreesBetween(mount.At(at - 20), kTurned), 0.1);
-  EXPECT_LT(DegreesBetween(mount.At(Last(map)), moved), 0.1);
+  EXPECT_LT(DegreesBetween(mount.At(at - 20), kTurned), 1e-4);
+  EXPECT_LT(DegreesBetween(mount.At(Last(map)), moved), 0.003);
 }
 
 }  // namespace

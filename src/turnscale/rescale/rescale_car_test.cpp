@@ -19,8 +19,8 @@ TEST(Rescale, FindsSlipAndYawThatWereGivenWrong) {
   const RescaleResult result = RescaleTrajectory(options, drive.trajectory);
   ASSERT_TRUE(result.observable) << result.reason;
   EXPECT_NEAR(result.estimate->car.yaw_error, yaw, 0.001);
-  EXPECT_NEAR(result.estimate->car.side_slip, kCar.side_slip, 0.0006);
-  EXPECT_LT(WorstLogError(result, drive), 0.03);
+  EXPECT_NEAR(result.estimate->car.side_slip, kCar.side_slip, 0.00015);
+  EXPECT_LT(WorstLogError(result, drive), 0.012);
 }
 
 // The lever arm is seen in proportion to the turning angle, and so is a roll that is none but a pitch of the camera.
@@ -33,7 +33,7 @@ TEST(Rescale, PitchOfTheCameraDoesNotBendTheScale) {
       options.vehicle_from_camera = given;
       const RescaleResult result = RescaleTrajectory(options, drive.trajectory);
       ASSERT_TRUE(result.observable) << result.reason;
-      EXPECT_LT(WorstLogError(result, drive), 0.006) << pitch << (given ? " given as 0" : " to be found");
+      EXPECT_LT(WorstLogError(result, drive), 0.004) << pitch << (given ? " given as 0" : " to be found");
     }
   }
 }
@@ -48,8 +48,8 @@ TEST(Rescale, FindsHowTheCameraIsTurned) {
     options.drifting = false;
     const RescaleResult result = RescaleTrajectory(options, drive.trajectory);
     ASSERT_TRUE(result.observable) << result.reason;
-    EXPECT_LT(RotationAngle(result.vehicle_from_camera.conjugate() * mount), 1 / kDegreesPerRadian);
-    EXPECT_LT(WorstLogError(result, drive), 0.02);
+    EXPECT_LT(RotationAngle(result.vehicle_from_camera.conjugate() * mount), 0.02 / kDegreesPerRadian);
+    EXPECT_LT(WorstLogError(result, drive), 0.0085);
   }
 }
 

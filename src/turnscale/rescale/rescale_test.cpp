@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "turnscale/rescale/rescale.h"
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -18,11 +19,11 @@ TEST(Rescale, FindsTheMetreOfAPerfectDrive) {
     options.drifting = drifting;
     const RescaleResult result = RescaleTrajectory(options, drive.trajectory);
     ASSERT_TRUE(result.observable) << result.reason;
-    EXPECT_LT(WorstLogError(result, drive), 0.004)
+    EXPECT_LT(WorstLogError(result, drive), 0.0014)
         << "steps of two poses are no single circle where the curvature changes";
     EXPECT_EQ(result.estimate->turns.size(), 6u);
     EXPECT_NEAR(result.estimate->car.side_slip, kCar.side_slip, 2e-4);
-    EXPECT_NEAR(result.estimate->car.yaw_error, 0, 1e-4);
+    EXPECT_NEAR(result.estimate->car.yaw_error, 0, 5e-5);
   }
 }
 
@@ -79,19 +80,29 @@ TEST(Rescale, FollowsADriftAndSaysHowWell) {
   EXPECT_LT(inside / count, 0.9);
 }
 
+double StepLength(const Trajectory& path, std::size_t i) {
+  return (path[i].world_from_camera.translation - path[i - 1].world_from_camera.translation).norm();
+}
+
 TEST(Rescale, MetricTrajectoryIsTheDriveInMetres) {
   const ScaledDrive drive = MakeScaledDrive(CityRoute(6), kCar, kIdentity, kUnit, {.drift = 0.001}, 4);
   const RescaleResult result = RescaleTrajectory(OptionsFor(kCar), drive.trajectory);
   ASSERT_TRUE(result.observable);
   ASSERT_EQ(result.metric.size(), drive.trajectory.size());
+  double length = 0;
   for (std::size_t i = 1; i < result.metric.size(); ++i) {
-    const auto step = [&](const Trajectory& t) {
-      return (t[i].world_from_camera.translation - t[i - 1].world_from_camera.translation).norm();
-    };
-    EXPECT_NEAR(step(result.metric) / step(drive.trajectory),
-                0.5 * (result.poses[i - 1].metres_per_unit + result.poses[i].metres_per_unit), 1e-9 * kUnit);
+    const double step = StepLength(result.metric, i);
+    length += step;
+    EXPECT_NEAR(step / (drive.metres_per_unit[i] * StepLength(drive.trajectory, i)), 1, 0.032);
+    const double scale = step / StepLength(drive.trajectory, i);
+    const auto [low, high] = std::minmax(result.poses[i - 1].metres_per_unit, result.poses[i].metres_per_unit);
+    EXPECT_GT(scale, low - 1e-9 * kUnit);
+    EXPECT_LT(scale, high + 1e-9 * kUnit);
     EXPECT_EQ(result.metric[i].time, drive.trajectory[i].time);
+    EXPECT_EQ(result.metric[i].world_from_camera.rotation.coeffs(),
+              drive.trajectory[i].world_from_camera.rotation.coeffs());
   }
+  EXPECT_NEAR(result.length / length, 1, 1e-4);
 }
 
 TEST(Rescale, FilteredScaleBeginsInsideTheFirstTurn) {
@@ -101,7 +112,7 @@ TEST(Rescale, FilteredScaleBeginsInsideTheFirstTurn) {
   const PosesOfTurn first = PosesOf(result, 0);
   for (int i = 0; i <= first.first; ++i) EXPECT_EQ(result.poses[i].filtered_metres_per_unit, 0);
   const RescaledPose& at_end = result.poses[first.last];
-  EXPECT_NEAR(at_end.filtered_metres_per_unit / kUnit, 1, 3 * at_end.filtered_sigma);
+  EXPECT_NEAR(at_end.filtered_metres_per_unit / kUnit, 1, 0.006);
   EXPECT_GT(at_end.filtered_sigma, result.poses.back().sigma);
   EXPECT_EQ(result.poses[first.last - 1].filtered_sigma > 0, true) << "before the turn is over";
   for (std::size_t i = first.last; i < result.poses.size(); ++i) EXPECT_GT(result.poses[i].filtered_sigma, 0);
@@ -116,7 +127,7 @@ TEST(Rescale, KnowsHowLongTheWayWas) {
     length += kUnit * (drive.trajectory[i].world_from_camera.translation -
                        drive.trajectory[i - 1].world_from_camera.translation)
                           .norm();
-  EXPECT_NEAR(std::log(result.length / length), 0, 2 * result.estimate->length_sigma);
+  EXPECT_NEAR(std::log(result.length / length), 0, 0.005);
   EXPECT_LT(result.estimate->length_sigma, 0.05);
 }
 

@@ -45,7 +45,7 @@ TEST(LiveScale, KnowsTheMetreInsideTheFirstTurn) {
     }
     if (known_at < 0) known_at = i;
     EXPECT_LE(now->sigma(), 0.15);
-    EXPECT_NEAR(std::log(now->metres_per_unit() / kUnit), 0, 2 * now->sigma());
+    EXPECT_NEAR(std::log(now->metres_per_unit() / kUnit), 0, 0.2 * now->sigma());
     EXPECT_EQ(live.turning(), i <= 50) << i;
     if (i > known_at && i < 50) {
       EXPECT_LE(now->sigma(), 1.02 * last_sigma) << "better with every step of the turn";
@@ -107,15 +107,15 @@ TEST(LiveScale, StraightsShowTheDirectionOfTravel) {
   // From the one before the first turn, whose length in metres is guessed.
   const auto straight_first = drive(60, 5);
   ASSERT_TRUE(straight_first.back());
-  EXPECT_LT(sigma(*straight_first.back()), 0.3 * kDegree);
-  EXPECT_NEAR(straight_first.back()->mean[kDirection], kOff, 2.5 * sigma(*straight_first.back()));
-  EXPECT_NEAR(std::log(straight_first.back()->metres_per_unit() / kUnit), 0, 2 * straight_first.back()->sigma());
+  EXPECT_LT(sigma(*straight_first.back()), 0.16 * kDegree);
+  EXPECT_NEAR(straight_first.back()->mean[kDirection], kOff, 0.5 * sigma(*straight_first.back()));
+  EXPECT_NEAR(std::log(straight_first.back()->metres_per_unit() / kUnit), 0, 0.02);
   // From the one after it.
   const auto turn_first = drive(2, 120);
   EXPECT_FALSE(turn_first[35]) << "a turn alone does not tell the direction of travel from the lever arm";
   ASSERT_TRUE(turn_first.back());
-  EXPECT_NEAR(turn_first.back()->mean[kDirection], kOff, 2.5 * sigma(*turn_first.back()));
-  EXPECT_NEAR(std::log(turn_first.back()->metres_per_unit() / kUnit), 0, 2 * turn_first.back()->sigma());
+  EXPECT_NEAR(turn_first.back()->mean[kDirection], kOff, 0.5 * sigma(*turn_first.back()));
+  EXPECT_NEAR(std::log(turn_first.back()->metres_per_unit() / kUnit), 0, 0.02);
 }
 
 TEST(LiveScale, AGapWidensSigma) {
@@ -144,7 +144,7 @@ TEST(LiveScale, ATurnAfterAGapSaysItsOwnScale) {
   steps.insert(steps.end(), after.begin(), after.end());
   const auto beliefs = Live(steps);
   ASSERT_TRUE(beliefs.back());
-  EXPECT_NEAR(beliefs.back()->metres_per_unit() / 20, 1, 0.02);
+  EXPECT_NEAR(beliefs.back()->metres_per_unit() / 20, 1, 0.002);
 }
 
 TEST(LiveScale, AgreesWithTheSmootherAtTheEndOfEachTurn) {
@@ -163,10 +163,10 @@ TEST(LiveScale, AgreesWithTheSmootherAtTheEndOfEachTurn) {
       const ScaleEstimateResult smoothed = EstimateScale(so_far, Prior(), {});
       ASSERT_TRUE(smoothed.estimate && live.Now());
       const ScaleBelief& last = smoothed.estimate->smoothed.back();
-      EXPECT_NEAR(live.Now()->mean[kLogScale], last.mean[kLogScale], last.sigma()) << seed << ' ' << turns;
-      // The smoother has seen the direction of travel on the straights, which the filter does not look at.
-      EXPECT_GT(live.Now()->sigma(), 0.6 * last.sigma());
-      EXPECT_LT(live.Now()->sigma(), 2 * last.sigma());
+      EXPECT_NEAR(live.Now()->mean[kLogScale], last.mean[kLogScale], 0.2 * last.sigma()) << seed << ' ' << turns;
+      // The smoother's grows with the scatter of the turns, which the filter does not look at.
+      EXPECT_GT(live.Now()->sigma(), 0.7 * last.sigma());
+      EXPECT_LT(live.Now()->sigma(), 1.03 * last.sigma());
     }
     EXPECT_EQ(turns, 8);
   }
@@ -201,7 +201,7 @@ TEST(LiveScale, ATurnLosesNoStepToTheStraightBeforeIt) {
       ASSERT_EQ(belief.has_value(), expected[5 + i].has_value()) << straight << ' ' << i;
       if (!belief) continue;
       EXPECT_NEAR(belief->sigma(), expected[5 + i]->sigma(), 1e-9) << straight << ' ' << i;
-      EXPECT_NEAR(belief->metres_per_unit() / kUnit, 1, 0.01) << straight << ' ' << i;
+      EXPECT_NEAR(belief->metres_per_unit() / kUnit, 1, 1e-4) << straight << ' ' << i;
     }
   }
 }
