@@ -26,7 +26,7 @@ CameraModel CameraFromProjection(const std::string& where, std::string_view line
   for (size_t i = 0; i < p.size(); ++i) {
     const auto value = ParseNumber<double>(words[i + 1]);
     if (!value || !std::isfinite(*value)) {
-      throw InputError(fmt::format("{}: P0: '{}' at position {} is no finite number", where, words[i + 1], i + 1));
+      throw InputError(fmt::format("{}: P0: '{}' at position {} is not a finite number", where, words[i + 1], i + 1));
     }
     p[i] = *value;
   }
@@ -35,7 +35,7 @@ CameraModel CameraFromProjection(const std::string& where, std::string_view line
                                  where, words[1], words[6]));
   }
   if (p[1] != 0 || p[4] != 0 || p[8] != 0 || p[9] != 0 || p[10] != 1) {
-    throw InputError(where + ": P0 is no [fx 0 cx; 0 fy cy; 0 0 1] camera matrix; skewed cameras are not supported");
+    throw InputError(where + ": P0 is not a [fx 0 cx; 0 fy cy; 0 0 1] camera matrix; skewed cameras are not supported");
   }
   CameraModel camera;
   camera.pinhole = {p[0], p[5], p[2], p[6]};

@@ -188,7 +188,7 @@ TEST(CameraFile, ComplaintsNameKeyValueAndRemedy) {
       {Replaced(kKalibr, "  intrinsics", "  intrinsic"), "did you mean 'cam0.intrinsics'?"},
       {Replaced(kKalibr, "[752, 480]", "[752]"), "cam0.resolution"},
       {"camera_matrx: 3\n", "did you mean 'camera_matrix'?"},
-      {"just words\n", "holds no keys"},
+      {"just words\n", "has no keys"},
   };
   for (const Mistake& mistake : mistakes) {
     const std::string complaint = Complaint(mistake.text);

@@ -48,7 +48,7 @@ std::optional<double> NumberOf(std::string_view text) {
 }  // namespace
 
 YamlMap::YamlMap(const std::filesystem::path& path) : YamlMap(path.string(), "", Parse(path)) {
-  if (!node_.IsMap()) throw InputError(path_ + ": holds no keys; expected lines of the form 'key: value'");
+  if (!node_.IsMap()) throw InputError(path_ + ": has no keys; expected lines of the form 'key: value'");
 }
 
 YamlMap::YamlMap(std::string path, std::string prefix, const YAML::Node& node)
@@ -66,7 +66,7 @@ std::vector<std::string> YamlMap::Keys() const {
 
 YamlMap YamlMap::Map(const std::string& key) const {
   const YAML::Node value = Value(key);
-  if (!value.IsMap()) Reject(key, "holds keys of its own here; give them indented below it");
+  if (!value.IsMap()) Reject(key, "is a map; give its keys on indented lines below it");
   return {path_, prefix_ + key + ".", value};
 }
 
@@ -95,12 +95,12 @@ bool YamlMap::Bool(const std::string& key) const {
 
 std::vector<double> YamlMap::Numbers(const std::string& key) const {
   const YAML::Node value = Value(key);
-  if (!value.IsSequence()) Reject(key, "is no list; give numbers as [a, b, ...]");
+  if (!value.IsSequence()) Reject(key, "is not a list; give numbers as [a, b, ...]");
   std::vector<double> numbers;
   for (const YAML::Node& item : value) {
     const std::optional<double> number = item.IsScalar() ? NumberOf(item.Scalar()) : std::nullopt;
     if (!number || !std::isfinite(*number)) {
-      Reject(key, fmt::format("holds '{}' at position {}; give finite numbers", item.IsScalar() ? item.Scalar() : "?",
+      Reject(key, fmt::format("has '{}' at position {}; give finite numbers", item.IsScalar() ? item.Scalar() : "?",
                               numbers.size() + 1));
     }
     numbers.push_back(*number);
@@ -137,7 +137,7 @@ YAML::Node YamlMap::Value(const std::string& key) const {
 
 std::string YamlMap::Scalar(const std::string& key, std::string_view wanted) const {
   const YAML::Node value = Value(key);
-  if (!value.IsScalar()) Reject(key, fmt::format("has no plain value; give {}", wanted));
+  if (!value.IsScalar()) Reject(key, fmt::format("is not a scalar; give {}", wanted));
   return value.Scalar();
 }
 

@@ -204,9 +204,9 @@ TEST_F(ImageSourceTest, ComplaintsAboutTimesNameTheLine) {
   EXPECT_TRUE(complaint("0\n1\n2\n\n3\n").starts_with("t.txt:5: time 4 has no frame"));
   EXPECT_TRUE(complaint("0\n2\n1\n").starts_with("t.txt:3: time 1 goes back from the time before, 2"));
   EXPECT_TRUE(complaint("0\n1\n1\n").starts_with("t.txt:3: time 1 repeats the time before"));
-  EXPECT_TRUE(complaint("0\nnan\n2\n").starts_with("t.txt:2: 'nan' is no time"));
-  EXPECT_TRUE(complaint("0\n1 1\n2\n").starts_with("t.txt:2: '1 1' is no time"));
-  EXPECT_TRUE(complaint("0\nx\n2\n").starts_with("t.txt:2: 'x' is no time"));
+  EXPECT_TRUE(complaint("0\nnan\n2\n").starts_with("t.txt:2: 'nan' is not a time"));
+  EXPECT_TRUE(complaint("0\n1 1\n2\n").starts_with("t.txt:2: '1 1' is not a time"));
+  EXPECT_TRUE(complaint("0\nx\n2\n").starts_with("t.txt:2: 'x' is not a time"));
   EXPECT_TRUE(complaint("# nothing\n").starts_with("t.txt: holds no times"));
 }
 

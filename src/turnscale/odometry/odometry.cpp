@@ -102,8 +102,8 @@ void Odometry::CheckImage(const cv::Mat& gray) {
     initializer_ = MapInitializer(options_, camera_);
   }
   if (gray.cols != camera_.width || gray.rows != camera_.height)
-    throw InputError("image: is " + std::to_string(gray.cols) + "x" + std::to_string(gray.rows) +
-                     ", the camera's are " + std::to_string(camera_.width) + "x" + std::to_string(camera_.height));
+    throw InputError("image: is " + std::to_string(gray.cols) + "x" + std::to_string(gray.rows) + ", the camera has " +
+                     std::to_string(camera_.width) + "x" + std::to_string(camera_.height));
 }
 
 FrameResult Odometry::NewFrame(double time, TrackingState state) {
