@@ -35,7 +35,7 @@ struct MeasuredDistance {
 struct BundleProblem {
   Pinhole pinhole;
   std::vector<RigidTransform> camera_from_world;
-  std::vector<char> camera_is_fixed;    ///< one flag a camera; at least one camera has to be fixed
+  std::vector<char> camera_is_fixed;    ///< one flag per camera; at least one camera has to be fixed
   std::vector<Eigen::Vector3d> points;  ///< in the world frame; all of them are free
   std::vector<BundleObservation> observations;
   std::vector<DistanceConstraint> distances;         ///< held exactly (24)-(30); empty for ordinary bundle adjustment

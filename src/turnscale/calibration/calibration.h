@@ -34,7 +34,7 @@ struct CalibrationOptions {
   void Check() const;
 };
 
-/// How the camera is turned on the car, and how well that is known.
+/// The camera-to-vehicle rotation, and how well that is known.
 struct Calibration {
   Eigen::Quaterniond vehicle_from_camera = Eigen::Quaterniond::Identity();  ///< the paper's Q
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< of the small rotation about vehicle axes, rad^2

@@ -63,7 +63,7 @@ struct Refinement {
   Eigen::Matrix3d information = Eigen::Matrix3d::Zero();  ///< the normal equations themselves, prior included
   StepNoise noise;                                        ///< as found
   std::vector<double> lever_arms;                         ///< kSteady: one a piece of the drive, in the odometry's unit
-  std::vector<double> psi;                                ///< one a step, rad
+  std::vector<double> psi;                                ///< one per step, rad
   int iterations = 0;
   bool converged = false;
 };

@@ -26,7 +26,7 @@ struct CalibrationMoment {
 /// The online calibration's account of a drive.
 std::vector<CalibrationMoment> CalibrationHistory(const std::vector<CameraStep>& steps);
 
-/// One line a step, with a heading.
+/// One line per step, with a heading.
 std::string HistoryCsv(const std::vector<CalibrationMoment>& history);
 
 /// Fig. 3 as SVG over time: turning angle, two smallest singular values, angles with their one-sigma bands. `truth`,

@@ -21,7 +21,7 @@ struct SourceFrame {
 };
 
 struct ImageSourceOptions {
-  /// File with one time a line, in seconds. Goes before `fps`.
+  /// File with one time per line, in seconds. Goes before `fps`.
   std::optional<std::filesystem::path> timestamps = {};
   /// Frames per second. Goes before the drive's own times.txt or the video's own rate.
   std::optional<double> fps = {};

@@ -34,7 +34,7 @@ struct LensSummary {
   double sigma = 0;
 };
 
-/// How the camera is turned on the car, as the drive has told.
+/// The camera-to-vehicle rotation, as the drive has told.
 struct MountSummary {
   YawPitchRoll angles;  ///< rad; as assumed while not found
   YawPitchRoll sigma;   ///< rad
@@ -59,7 +59,7 @@ struct RunSummary {
   std::vector<UnreadableFrame> unreadable;
   double distance = 0;  ///< metres where the scale is known, else in the arbitrary unit
   ScaleState scale_state = ScaleState::kPending;
-  double path_sigma = 0;              ///< relative, of the path's length in metres
+  double path_sigma = 0;              ///< relative, of the path length in metres
   double worst_sigma = 0;             ///< relative, the largest of the scale along the path
   double worst_sigma_time = 0;        ///< seconds, where that is
   std::optional<LensSummary> lens;    ///< empty where it was not looked for

@@ -15,7 +15,7 @@ struct LinePoint {
 struct RobustLine {
   double slope = 0;
   double sigma = 0;            ///< standard deviation of the slope
-  std::vector<double> weight;  ///< one a point, in [0, 1]
+  std::vector<double> weight;  ///< one per point, in [0, 1]
 };
 
 /// Robust line through the origin: iterated least squares with Tukey's biweight, started at the weighted L1 line.

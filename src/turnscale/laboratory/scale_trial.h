@@ -34,7 +34,7 @@ struct RecoveredScale {
   Map map;                             ///< in metres; the odometry's where no turn gave a scale
   std::vector<TurningRegion> regions;  ///< turns used; steps counted from 0 as the detector does
   bool converged = false;              ///< the recovery ended at its minimum
-  /// Relative standard deviation of the path's length that the estimator states; infinite where no turn gave a scale.
+  /// Relative standard deviation of the path length that the estimator states; infinite where no turn gave a scale.
   double length_sigma = std::numeric_limits<double>::infinity();
   std::optional<CarRefinement> car;  ///< what the drive said of it
 };
