@@ -12,7 +12,7 @@
 
 namespace turnscale {
 
-/// How a calibration came about: what was known after a step.
+/// The online estimate after a step.
 struct CalibrationMoment {
   double time = 0;                                            ///< seconds; the step's end
   int frames = 0;                                             ///< taken in up to here
@@ -23,7 +23,7 @@ struct CalibrationMoment {
   bool moved = false;
 };
 
-/// The online calibration's account of a drive.
+/// The online calibration of a drive, step by step.
 std::vector<CalibrationMoment> CalibrationHistory(const std::vector<CameraStep>& steps);
 
 /// One line per step, with a heading.

@@ -16,7 +16,7 @@ namespace turnscale {
 struct SourceFrame {
   int index = 0;        ///< from 0, without gaps, whatever the file names count
   double time = 0;      ///< seconds
-  cv::Mat gray;         ///< 8-bit gray; empty when the image is of no use
+  cv::Mat gray;         ///< 8-bit gray; empty if the image is unusable
   std::string problem;  ///< why there is no image: "name: why"
 };
 

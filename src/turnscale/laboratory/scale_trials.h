@@ -10,7 +10,7 @@
 
 namespace turnscale {
 
-/// Standard deviations of what an estimator is told wrongly of the car.
+/// Standard deviations of the errors of the car's given parameters.
 struct CarErrors {
   double lever_arm = 0;  ///< metres
   double side_slip = 0;  ///< s^2/m
