@@ -173,7 +173,7 @@ TEST_F(EvaluateTest, PosesWithoutTimesArePairedOneByOne) {
 }
 
 TEST_F(EvaluateTest, StepsAreThoseOfTheTableBesideTheEstimate) {
-  const std::string metres = "of 1 m of true path";
+  const std::string metres = "of 1 m of ground-truth path length";
   EXPECT_EQ(Scored({"estimate/drive.tum", "truth/drive.tum"})["steps"], metres);
   const std::string table = Text("estimate/trajectory.csv", Keyframes());
   const Json score = Scored({"estimate/drive.tum", "truth/drive.tum"});
