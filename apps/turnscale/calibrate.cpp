@@ -265,7 +265,8 @@ void AddCalibrateCommand(CLI::App& app) {
   calibrate->add_option("--camera", images.camera, "Intrinsics, as for run")->excludes(trajectory);
   CLI::Option* timestamps = calibrate->add_option(
       "--timestamps", images.timestamps, "Times of the frames in seconds, one per line [times.txt beside them]");
-  calibrate->add_option("--fps", images.fps, "Frames per second, if there are no timestamps")->excludes(timestamps);
+  calibrate->add_option("--fps", images.fps, "Frames per second; overrides times.txt and a video's own rate")
+      ->excludes(timestamps);
   calibrate->add_option("--settings", images.settings, "YAML file with settings, as for run")->excludes(trajectory);
   CLI::Option* max_frames = calibrate->add_option("--max-frames", images.max_frames, "Stop after this many frames")
                                 ->check(CLI::Range(1, 1'000'000'000))

@@ -128,7 +128,7 @@ void AddLabCommand(CLI::App& app) {
       ->check(CLI::IsMember(names));
   lab->add_option(
          "--runs", arguments->runs,
-         "Random runs per noise level of Table I and Fig. 9, and of coverage; other experiments take a tenth or less")
+         "Random runs per noise level of Table I and Fig. 9, and of coverage; the others use at most a tenth of them")
       ->capture_default_str();
   lab->add_option("--jobs", arguments->jobs, "Parallel runs; do not change the numbers")->capture_default_str();
   lab->add_option("--seed", arguments->seed, "Seed of noise and landmarks")->capture_default_str();

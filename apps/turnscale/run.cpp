@@ -195,7 +195,7 @@ void AddRunCommand(CLI::App& app) {
   CLI::Option* timestamps =
       run->add_option("--timestamps", arguments->images.timestamps,
                       "Times of the frames in seconds, one per line [times.txt in the input folder]");
-  run->add_option("--fps", arguments->images.fps, "Frames per second, if there are no timestamps")
+  run->add_option("--fps", arguments->images.fps, "Frames per second; overrides times.txt and a video's own rate")
       ->excludes(timestamps);
   run->add_option(
       "--lever-arm", arguments->lever_arm,
@@ -217,9 +217,10 @@ void AddRunCommand(CLI::App& app) {
       "with yaw_deg, pitch_deg, roll_deg, such as calibrate writes; or auto: estimated during the drive [auto]");
   run->add_option(
          "--method", arguments->method,
-         "How metric scale is obtained: smoothed, one estimate along the drive from all turns; turns, map adjusted "
-         "with the length of each turn constrained to its single-turn scale; paper, the same with each step of a "
-         "turn, constrained to the length from (22) [smoothed]")
+         "How metric scale is obtained. smoothed: one estimate along the drive, from all turns; turns: map adjusted "
+         "with "
+         "the length of each turn constrained to its single-turn scale; paper: map adjusted with each step of a turn "
+         "constrained to the length from (22) [smoothed]")
       ->check(CLI::IsMember({"smoothed", "turns", "paper"}));
   run->add_option("--frame", arguments->frame, "Write poses of the camera or of the vehicle (rear axle)")
       ->check(CLI::IsMember({"camera", "vehicle"}))
