@@ -116,7 +116,7 @@ TEST_F(CalibrateTest, FindsTheSideSlipAtTwoSpeeds) {
   EXPECT_NEAR(Value("side_slip"), 0.005, 1e-5);
   // At one speed the rotation is still written, and the line says which drive it was.
   ExpectComplaint(Run({"--trajectory", Tum(Exact({1.45, 0.005}, 1)).string(), "--metric", "--fit-side-slip"}), 2,
-                  {"drive.tum: no lever arm", "same speed", "calibration.yaml"});
+                  {"drive.tum: lever arm not estimated", "same speed", "calibration.yaml"});
   EXPECT_LT(DegreesBetween(ReadCameraRotation(Out().string()), kTilted), 1e-4);
 }
 
@@ -158,7 +158,7 @@ TEST_F(CalibrateTest, FindsBodyAxes) {
   }
   const CommandResult result = Run({"--trajectory", Tum(drive).string()});
   ASSERT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_NE(result.out.find("taken as y left, z up"), std::string::npos) << result.out;
+  EXPECT_NE(result.out.find("y left and z up assumed"), std::string::npos) << result.out;
   EXPECT_LT(DegreesBetween(ReadCameraRotation(Out().string()), kTilted), 0.04);
   ASSERT_EQ(Run({"--trajectory", Tum(drive).string(), "--axes", "frd"}).exit_code, 0);
   EXPECT_NEAR(Value("yaw_deg"), -5, 0.02);
@@ -182,7 +182,7 @@ TEST_F(CalibrateTest, SaysWhatTheDriveLacks) {
 }
 
 TEST_F(CalibrateTest, RefusesWhatIsNoDrive) {
-  ExpectComplaint(Run({}), 2, {"give a drive's images, or --trajectory"});
+  ExpectComplaint(Run({}), 2, {"give the images of a drive, or --trajectory"});
   ExpectComplaint(Run({"--trajectory", Text("a.tum", "0 0 0 0 0 0 0 1\n1 nan 0 0 0 0 0 1\n").string()}), 2,
                   {"a.tum:2"});
   ExpectComplaint(Run({"--trajectory", Text("b.tum", "1 0 0 0 0 0 0 1\n1 1 0 0 0 0 0 1\n").string()}), 2,
@@ -190,7 +190,7 @@ TEST_F(CalibrateTest, RefusesWhatIsNoDrive) {
   const std::string drive = Tum(drive_).string();
   ExpectComplaint(Run({"--trajectory", drive, "--distance", "-1"}), 2, {"--distance -1"});
   ExpectComplaint(Run({"--trajectory", drive, "--speed", Text("late.csv", "900 1\n901 1\n").string()}), 2,
-                  {"late.csv", "cover none of the drive's"});
+                  {"late.csv", "do not overlap the drive's"});
   ExpectComplaint(Run({"--trajectory", drive, "--fps", "30"}), 2, {"drive.tum", "--fps"});
   ExpectComplaint(Run({"--trajectory", drive, "--history", "x.svg"}), 2, {"--history x.svg", "CSV"});
   ExpectComplaint(Run({"--trajectory", drive, "--fit-side-slip"}), 2, {"--fit-side-slip", "--metric"});

@@ -89,7 +89,7 @@ TEST_F(ErrorsTest, QuietPrintsNothing) {
 }
 
 TEST_F(ErrorsTest, WithoutLeverArmTheRunSaysItIsUpToScale) {
-  EXPECT_NE(Run().out.find("without --lever-arm the path is up to scale"), std::string::npos);
+  EXPECT_NE(Run().out.find("without --lever-arm the trajectory is up to scale"), std::string::npos);
 }
 
 TEST_F(ErrorsTest, SettingsAreThoseInEffect) {
@@ -233,7 +233,7 @@ TEST_F(ErrorsTest, MissingAndSenselessTimes) {
   ExpectComplaint(Run(times(good + "19\n20\n")), 2, {"t.txt:21: time 21 has no frame"});
   ExpectComplaint(Run(times(good + "3\n")), 2, {"t.txt:20: time 3 goes back"});
   ExpectComplaint(Run(times(good + "18\n")), 2, {"t.txt:20: time 18 repeats"});
-  ExpectComplaint(Run(times(good + "nan\n")), 2, {"t.txt:20: 'nan' is no time"});
+  ExpectComplaint(Run(times(good + "nan\n")), 2, {"t.txt:20: 'nan' is not a time"});
   ExpectComplaint(Run({"--timestamps", "nowhere.txt"}), 2, {"nowhere.txt: no such file"});
   ExpectComplaint(Run({"--fps", "0"}), 2, {"--fps 0"});
   fs::remove(Drive() / "times.txt");
@@ -245,7 +245,7 @@ TEST_F(ErrorsTest, ACalibrationOfAnotherCameraIsDoubted) {
   Text("drive/calib.txt", "P0: 200 0 60 0 0 200 120 0 0 0 1 0\n");
   const CommandResult result = Run({"--max-frames", "2"});
   EXPECT_EQ(result.exit_code, 0);
-  EXPECT_NE(result.err.find("calib.txt: the principal point (60, 120) lies far from the middle"), std::string::npos)
+  EXPECT_NE(result.err.find("calib.txt: the principal point (60, 120) is far from the centre"), std::string::npos)
       << result.err;
 }
 
@@ -319,7 +319,7 @@ TEST_F(ErrorsTest, InterruptKeepsWhatWasComputed) {
     const CommandResult result = command.Wait();
     EXPECT_EQ(result.exit_code, 130);
     ASSERT_EQ(result.Complaints().size(), 1u) << result.err;
-    EXPECT_NE(result.Complaints()[0].find("interrupted after 12 frames; what was computed is in"), std::string::npos);
+    EXPECT_NE(result.Complaints()[0].find("interrupted after 12 frames; the results so far are in"), std::string::npos);
     EXPECT_EQ(Summary()["frames"]["total"], 12);
     EXPECT_FALSE(Summary()["complete"].get<bool>());
     EXPECT_EQ(ReadTrajectory(Out() / "trajectory.tum").size(), 12u);

@@ -125,10 +125,11 @@ TEST_F(EvaluateTest, AScaleErrorOf7PerCentIsShown) {
   const CommandResult table = Run({"estimate/drive.tum", "truth/drive.tum"});
   EXPECT_EQ(table.exit_code, 0) << table.err;
   EXPECT_NE(table.out.find("scaled by 0.93458\n"), std::string::npos) << table.out;
-  for (const char* row : {"path length error                          %       7.000             0.000\n",
-                          "scale error ratio, RMSE                    %       7.000             0.000\n",
-                          "  turning steps, median                    %       7.000             0.000\n",
-                          "paired        300 of 300 poses with 300 true ones, by time; 299.0 m of true path\n"})
+  for (const char* row :
+       {"path length error                          %       7.000             0.000\n",
+        "scale error ratio, RMSE                    %       7.000             0.000\n",
+        "  turning steps, median                    %       7.000             0.000\n",
+        "paired        300 of 300 poses with 300 of ground truth, by time; ground-truth path length 299.0 m\n"})
     EXPECT_NE(table.out.find(row), std::string::npos) << table.out << row;
 
   const Json json = Scored({"estimate/drive.tum", "truth/drive.tum"});
@@ -155,7 +156,7 @@ TEST_F(EvaluateTest, TimesComeFromTheOptionOrFromWhereTheBenchmarkKeepsThem) {
   fs::rename(folder_ / "truth/07.txt", folder_ / "kitti/poses/07.txt");
   // Fewer poses than the truth has: without times they could not be paired.
   Text("part.tum", Head("estimate/drive.tum", 200));
-  ExpectComplaint({"part.tum", "kitti/poses/07.txt"}, "07.txt has no times, and 200 estimated poses");
+  ExpectComplaint({"part.tum", "kitti/poses/07.txt"}, "07.txt has no timestamps, and 200 estimated poses");
   ExpectComplaint({"part.tum", "kitti/poses/07.txt"}, "--timestamps");
   EXPECT_EQ(Scored({"part.tum", "kitti/poses/07.txt", "--timestamps", "truth/times.txt"})["poses"]["paired"], 200);
   fs::rename(folder_ / "truth/times.txt", folder_ / "kitti/sequences/07/times.txt");
@@ -172,7 +173,7 @@ TEST_F(EvaluateTest, PosesWithoutTimesArePairedOneByOne) {
 }
 
 TEST_F(EvaluateTest, StepsAreThoseOfTheTableBesideTheEstimate) {
-  const std::string metres = "of 1 m of true path";
+  const std::string metres = "of 1 m of ground-truth path length";
   EXPECT_EQ(Scored({"estimate/drive.tum", "truth/drive.tum"})["steps"], metres);
   const std::string table = Text("estimate/trajectory.csv", Keyframes());
   const Json score = Scored({"estimate/drive.tum", "truth/drive.tum"});
@@ -209,8 +210,8 @@ TEST_F(EvaluateTest, KeyframesFindTheirFramesInNumberedFiles) {
 
 TEST_F(EvaluateTest, TimesThatAreOfNoUseAreRefused) {
   ExpectComplaint({"estimate/drive.tum", "truth/drive.tum", "--timestamps", "truth/times.txt"},
-                  "both files have times");
-  ExpectComplaint({"estimate/07.txt", "truth/07.txt", "--timestamps", "truth/times.txt"}, "paired by their frames");
+                  "both files have timestamps");
+  ExpectComplaint({"estimate/07.txt", "truth/07.txt", "--timestamps", "truth/times.txt"}, "associated by frame number");
 }
 
 TEST_F(EvaluateTest, TheCamerasMountingTurnsTheTurningAngle) {
@@ -259,7 +260,7 @@ TEST_F(EvaluateTest, BadInputEndsWithCode2) {
   ExpectComplaint({"estimate/drive.tum"}, "GROUND_TRUTH");
   const std::string estimate = (folder_ / "estimate/drive.tum").string();
   for (const char* option : {"--json", "--picture"})
-    ExpectComplaint({estimate, "truth/drive.tum", option, estimate}, estimate + ": is read as well");
+    ExpectComplaint({estimate, "truth/drive.tum", option, estimate}, estimate + ": is also an input file");
   EXPECT_TRUE(Head("estimate/drive.tum", 1).starts_with("0.0")) << "untouched";
   for (const char* tolerance : {"-1", "nan"})
     ExpectComplaint({"estimate/drive.tum", "truth/drive.tum", "--time-tolerance", tolerance}, "--time-tolerance");

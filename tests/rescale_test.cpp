@@ -164,7 +164,7 @@ TEST_F(RescaleCommandTest, FindsTheCamerasRotationUnlessItIsGiven) {
   ExpectMetres({Tum(), "--camera-rotation", "20,-9,0"}, poses_);
   drive_ = MakeScaledDrive(CityRoute(6), kCar, RotationFromYawPitchRoll({90 / kDegreesPerRadian, 0, 0}), kUnit);
   ExpectComplaint(Run({Tum(), "--lever-arm", "1.2", "--camera-rotation", "identity"}), 2,
-                  {"scale not observable", "sideways", "let its rotation be estimated"});
+                  {"scale not observable", "sideways", "let the rotation be estimated"});
 }
 
 TEST_F(RescaleCommandTest, SameInputSameBytes) {
@@ -179,7 +179,7 @@ TEST_F(RescaleCommandTest, NoTurnNoMetres) {
   std::string line;
   for (int i = 0; i < 200; ++i) line += fmt::format("{} 0 0 {} 0 0 0 1\n", 0.1 * i, 0.05 * i);
   const CommandResult result = Run({Text("line.tum", line), "--lever-arm", "1.2", "--report", Path("report")});
-  ExpectComplaint(result, 2, {"line.tum: scale not observable: it has no turn", "give a drive with"});
+  ExpectComplaint(result, 2, {"line.tum: scale not observable: no turn", "use a drive with"});
   EXPECT_FALSE(fs::exists(folder_ / "metric.tum"));
   EXPECT_FALSE(fs::exists(folder_ / "report"));
 }
@@ -201,11 +201,12 @@ TEST_F(RescaleCommandTest, ComplaintsSayWhatToDo) {
   ExpectComplaint(Run({tum, "--lever-arm", "1", "--side-slip", "2"}), 2, {"--side-slip 2", "s^2/m"});
   ExpectComplaint(Run({tum, "--lever-arm", "1", "--lever-arm-sigma", "3"}), 2, {"--lever-arm-sigma 3", "metres"});
   ExpectComplaint(Run({tum, "--lever-arm", "1", "--side-slip-sigma", "-1"}), 2, {"--side-slip-sigma -1", "s^2/m"});
-  ExpectComplaint(Run({tum, "--lever-arm", "1", "--fps", "10"}), 2, {"has times of its own", "leave out --fps"});
+  ExpectComplaint(Run({tum, "--lever-arm", "1", "--fps", "10"}), 2, {"has timestamps", "leave out --fps"});
   ExpectComplaint(Run({tum, "--lever-arm", "1", "--drift", "some"}), 2, {"--drift"});
   ExpectComplaint(Run({tum, "--lever-arm", "1", "--camera-rotation", "nowhere.yaml"}), 2, {"--camera-rotation"});
   ExpectComplaint(Run({Path("missing.tum"), "--lever-arm", "1"}), 2, {"missing.tum: no such trajectory file"});
-  ExpectComplaint(Run({Text("one.tum", "0 0 0 0 0 0 0 1\n"), "--lever-arm", "1"}), 2, {"one.tum: holds one pose only"});
+  ExpectComplaint(Run({Text("one.tum", "0 0 0 0 0 0 0 1\n"), "--lever-arm", "1"}), 2,
+                  {"one.tum: has fewer than two poses"});
 }
 
 }  // namespace

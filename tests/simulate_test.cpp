@@ -99,7 +99,7 @@ TEST_F(SimulateTest, ComplaintsAboutAFollowedPathNameItsFileAndThePlace) {
   for (int i = 0; i < 12; ++i) add(1 - std::cos(i * M_PI / 12), 15 + std::sin(i * M_PI / 12));
   for (int i = 0; i < 30; ++i) add(2, 15 - 0.5 * i);
   ExpectComplaint(Simulate({"street", "--follow", Text("sharp.tum", sharp).string(), "--rig", SmallRig(), "--quiet"}),
-                  2, {"sharp.tum: legs: 1", " m along number 0", "more sharply", "max_steering_deg"});
+                  2, {"sharp.tum: legs: 1", " m along number 0", "too curved", "max_steering_deg"});
   const std::string poses = Text("poses.txt", "1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 0 0 1 0 0 0 0 1 5\n").string();
   const CommandResult times =
       Simulate({"street", "--follow", poses, "--times", Text("times.txt", "0\nnoon\n").string()});
@@ -119,7 +119,7 @@ TEST_F(SimulateTest, RecordingsAreNotReplacedByTheDriveThatFollowsThem) {
   Text("drive/poses.txt", poses);
   Text("drive/times.txt", times);
   ExpectComplaint(Simulate({"street", "--follow", (Out() / "poses.txt").string(), "--rig", SmallRig(), "--quiet"}), 2,
-                  {"drive/times.txt: is not of a simulated drive", "--out"});
+                  {"drive/times.txt: does not belong to a simulated drive", "--out"});
   EXPECT_EQ(ReadTrajectory(Out() / "poses.txt").size(), 10u);
   EXPECT_TRUE(fs::exists(Out() / "times.txt"));
   EXPECT_FALSE(fs::exists(Out() / "image_0"));
@@ -158,7 +158,7 @@ TEST_F(SimulateTest, SenselessOptions) {
   ExpectComplaint(Simulate({"garage", "--max-frames", "0"}), 2, {"--max-frames"});
   const std::string poses = Text("poses.txt", "1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 0 0 1 0 0 0 0 1 5\n").string();
   ExpectComplaint(Simulate({"garage", "--follow", poses}), 2, {"--follow", "garage"});
-  ExpectComplaint(Simulate({"street", "--follow", poses}), 2, {"poses.txt: has no times", "--times"});
+  ExpectComplaint(Simulate({"street", "--follow", poses}), 2, {"poses.txt: has no timestamps", "--times"});
   ExpectComplaint(Simulate({"street", "--times", "t.txt"}), 2, {"--times", "--follow"});
   ExpectComplaint(Simulate({"street", "--follow", "nowhere.txt"}), 2, {"nowhere.txt: no such trajectory"});
   const std::string standing = Text("standing.tum", "0 0 0 0 0 0 0 1\n1 0 0 0 0 0 0 1\n").string();
@@ -188,7 +188,7 @@ TEST_F(SimulateTest, PathIsDrawnOverTheFloorPlan) {
   }
   ExpectComplaint(RunCommand({"evaluate", path, path, "--floor-plan", plan}, folder_), 2, {"--picture"});
   ExpectComplaint(RunCommand({"evaluate", path, path, "--picture", picture.string(), "--floor-plan", path}, folder_), 2,
-                  {"path.txt: is no floor plan"});
+                  {"path.txt: is not a floor plan"});
 }
 
 }  // namespace

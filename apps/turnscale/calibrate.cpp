@@ -45,7 +45,7 @@ struct CalibrateArguments {
 
 void Check(const CalibrateArguments& arguments) {
   if (arguments.images.input.empty() && !arguments.trajectory) {
-    throw InputError("calibrate: give a drive's images, or --trajectory FILE");
+    throw InputError("calibrate: give the images of a drive, or --trajectory FILE");
   }
   const auto positive = [](const char* option, const std::optional<double>& value) {
     if (!value || (std::isfinite(*value) && *value > 0)) return;
@@ -60,16 +60,15 @@ void Check(const CalibrateArguments& arguments) {
   RefuseToOverwrite("--history", arguments.history.value_or(""), read);
   if (arguments.side_slip) CheckedSideSlip(*arguments.side_slip);
   if (arguments.fit_side_slip && !arguments.in_metres()) {
-    throw InputError("--fit-side-slip: needs motion in metres; give --speed, --distance or --metric");
+    throw InputError("--fit-side-slip: needs metric motion; give --speed, --distance or --metric");
   }
   if (arguments.side_slip && !arguments.in_metres() && !arguments.lever_arm) {
     throw InputError(
-        "--side-slip: belongs to a lever arm; give --lever-arm, or motion in metres by --speed, --distance or "
-        "--metric");
+        "--side-slip: needs a lever arm; give --lever-arm, or metric motion with --speed, --distance or --metric");
   }
   if (arguments.history && arguments.history->extension() == ".svg") {
-    throw InputError(
-        fmt::format("--history {}: name a CSV file; the picture (.svg) goes beside it", arguments.history->string()));
+    throw InputError(fmt::format("--history {}: name a CSV file; the plot (.svg) is written beside it",
+                                 arguments.history->string()));
   }
 }
 
@@ -88,8 +87,8 @@ std::vector<CameraStep> Scaled(std::vector<CameraStep> steps, double metres_per_
   return steps;
 }
 
-// Each step as long as the speeds say; steps that no speeds cover, and those slower than one walks, whose speed is
-// known worst, are left out.
+// Each step scaled to its measured length. Steps without speed measurements, and those below walking speed, whose
+// measurements are the least accurate, are left out.
 std::vector<CameraStep> AtMeasuredSpeed(const std::vector<CameraStep>& steps, const SpeedLog& log,
                                         const std::string& name) {
   constexpr double kWalking = 1;  // m/s
@@ -103,32 +102,32 @@ std::vector<CameraStep> AtMeasuredSpeed(const std::vector<CameraStep>& steps, co
     metric.push_back(step);
   }
   if (!covered) {
-    throw InputError(fmt::format("{}: its times, {:g} to {:g} s, cover none of the drive's, {:g} to {:g} s", name,
+    throw InputError(fmt::format("{}: its times, {:g} to {:g} s, do not overlap the drive's, {:g} to {:g} s", name,
                                  log.times.front(), log.times.back(), steps.front().begin, steps.back().end));
   }
   if (metric.empty()) {
     throw InputError(
-        fmt::format("{}: the car stands, or goes slower than {:g} m/s, where the camera drives", name, kWalking));
+        fmt::format("{}: the car stands still, or is slower than {:g} m/s, while the camera moves", name, kWalking));
   }
   return metric;
 }
 
-// What the metres rest on, before anything is computed with them.
+// Checks the source of metric scale before it is used.
 void CheckMetres(const CalibrateArguments& arguments, const DriveMotion& motion) {
   if (arguments.distance && !motion.incomplete.empty()) {
-    throw InputError(fmt::format("--distance: cannot be shared out over {}: {}; give --speed, or an unbroken drive",
+    throw InputError(fmt::format("--distance: cannot be applied to {}: {}; give --speed, or a drive without gaps",
                                  motion.input, motion.incomplete));
   }
   if (motion.timed) return;
   const auto refuse = [&](const char* option) {
-    throw InputError(fmt::format("{}: {} has no times; give --fps or --timestamps", option, motion.input));
+    throw InputError(fmt::format("{}: {} has no timestamps; give --fps or --timestamps", option, motion.input));
   };
   if (arguments.speed) refuse("--speed");
   if (arguments.fit_side_slip) refuse("--fit-side-slip");
   if (arguments.in_metres() && arguments.side_slip.value_or(0) > 0) refuse("--side-slip");
 }
 
-// What the tyres are taken to do: without times no speed is known, and they are taken not to slip.
+// The assumed c: without times no speed is known, and slip is neglected.
 double AssumedSlip(const CalibrateArguments& arguments, const DriveMotion& motion) {
   if (arguments.side_slip) return *arguments.side_slip;
   return motion.timed || arguments.lever_arm ? VehicleOptions().side_slip : 0;
@@ -162,7 +161,7 @@ std::optional<LeverArmFit> FindLeverArm(const CalibrateArguments& arguments, con
   try {
     return FitLeverArm({drive}, options);
   } catch (const InputError& error) {
-    throw InputError(motion.input + ": no lever arm: " + error.what());
+    throw InputError(motion.input + ": lever arm not estimated: " + error.what());
   }
 }
 
@@ -200,19 +199,19 @@ void CalibrateMotion(const CalibrateArguments& arguments, const std::optional<Sp
   report.input = motion.input;
   for (const Trajectory& path : motion.stretches) report.frames += static_cast<int>(path.size());
   report.calibration = CalibrateDrive(steps, motion.input);
-  // Written even where the drive does not suffice: it shows what came when.
+  // Written even if the drive does not suffice: it shows the estimate over time.
   if (arguments.history) WriteHistory(*arguments.history, steps, motion.input);
   if (!report.calibration.observable) {
-    throw InputError(fmt::format("{}: {} ({} steps, {:.0f} deg of turning); drive a street corner", motion.input,
-                                 report.calibration.problem, report.calibration.steps,
+    throw InputError(fmt::format("{}: {} ({} steps, {:.0f} deg of turning); use a drive with a street corner",
+                                 motion.input, report.calibration.problem, report.calibration.steps,
                                  report.calibration.turning * kDegreesPerRadian));
   }
-  // The rotation is good whatever becomes of the lever arm.
+  // The rotation is valid even if the lever arm cannot be estimated.
   ReplaceFile(arguments.out, CalibrationYaml(report));
   try {
     report.lever_arm = FindLeverArm(arguments, speeds, motion, steps, report.calibration);
   } catch (const InputError& error) {
-    throw InputError(fmt::format("{} (the camera's rotation is in {})", error.what(), arguments.out.string()));
+    throw InputError(fmt::format("{} (the camera-to-vehicle rotation is in {})", error.what(), arguments.out.string()));
   }
   ReplaceFile(arguments.out, CalibrationYaml(report));
   if (arguments.images.quiet) return;
@@ -232,7 +231,7 @@ int RunCalibrate(const CalibrateArguments& arguments) {
     CalibrateMotion(arguments, speeds, motion);
     return 0;
   }
-  std::string outcome = "the rotation up to there is in " + arguments.out.string();
+  std::string outcome = "the rotation estimated so far is in " + arguments.out.string();
   try {
     CalibrateMotion(arguments, speeds, motion);
   } catch (const InputError& error) {
@@ -245,60 +244,63 @@ int RunCalibrate(const CalibrateArguments& arguments) {
 }  // namespace
 
 void AddCalibrateCommand(CLI::App& app) {
-  CLI::App* calibrate = app.add_subcommand("calibrate", "Find how the camera is turned on the car, from its motion.");
+  CLI::App* calibrate =
+      app.add_subcommand("calibrate", "Estimate the camera-to-vehicle rotation from the camera's motion.");
   auto arguments = std::make_shared<CalibrateArguments>();
   ImageArguments& images = arguments->images;
-  CLI::Option* input = calibrate->add_option("input", images.input, "The drive's images, as for run");
+  CLI::Option* input = calibrate->add_option("input", images.input, "Images of the drive, as for run");
   CLI::Option* trajectory = calibrate
                                 ->add_option("--trajectory", arguments->trajectory,
-                                             "Instead of images: the camera's path in any unit of length, TUM, KITTI "
+                                             "Instead of images: camera trajectory in any unit of length, TUM, KITTI "
                                              "or EuRoC")
                                 ->excludes(input);
   calibrate
-      ->add_option("--axes", arguments->axes,
-                   "Whose axes the trajectory has: a camera's, or a body's that point forward, left and up (flu) or "
-                   "forward, right and down (frd)")
+      ->add_option(
+          "--axes", arguments->axes,
+          "Axes of the trajectory's poses: camera, or vehicle axes forward-left-up (flu) or forward-right-down "
+          "(frd)")
       ->check(CLI::IsMember({"auto", "camera", "flu", "frd"}))
       ->capture_default_str()
       ->needs(trajectory);
-  calibrate->add_option("--camera", images.camera, "Calibration of the camera, as for run")->excludes(trajectory);
+  calibrate->add_option("--camera", images.camera, "Intrinsics, as for run")->excludes(trajectory);
   CLI::Option* timestamps = calibrate->add_option(
-      "--timestamps", images.timestamps, "Times of the frames, one number a line, seconds [times.txt beside them]");
-  calibrate->add_option("--fps", images.fps, "Frames per second, where there are no times")->excludes(timestamps);
-  calibrate->add_option("--settings", images.settings, "YAML file of settings, as for run")->excludes(trajectory);
+      "--timestamps", images.timestamps, "Times of the frames in seconds, one per line [times.txt beside them]");
+  calibrate->add_option("--fps", images.fps, "Frames per second; overrides times.txt and a video's own rate")
+      ->excludes(timestamps);
+  calibrate->add_option("--settings", images.settings, "YAML file with settings, as for run")->excludes(trajectory);
   CLI::Option* max_frames = calibrate->add_option("--max-frames", images.max_frames, "Stop after this many frames")
                                 ->check(CLI::Range(1, 1'000'000'000))
                                 ->excludes(trajectory);
-  CLI::Option* speed =
-      calibrate->add_option("--speed", arguments->speed, "Speeds 'time, m/s', a line each: gives the lever arm too");
-  CLI::Option* distance =
-      calibrate->add_option("--distance", arguments->distance, "Metres of the whole drive: gives the lever arm too");
+  CLI::Option* speed = calibrate->add_option(
+      "--speed", arguments->speed, "File with one 'time, speed' per line, s and m/s: estimate the lever arm too");
+  CLI::Option* distance = calibrate->add_option("--distance", arguments->distance,
+                                                "Path length of the drive, metres: estimate the lever arm too");
   CLI::Option* metric =
-      calibrate->add_flag("--metric", arguments->metric, "The trajectory is in metres: gives the lever arm too")
+      calibrate->add_flag("--metric", arguments->metric, "The trajectory is in metres: estimate the lever arm too")
           ->needs(trajectory);
   CLI::Option* lever_arm = calibrate->add_option(
-      "--lever-arm", arguments->lever_arm, "Metres from the rear axle forward to the camera, to be kept in the file");
+      "--lever-arm", arguments->lever_arm,
+      "Known lever arm, metres from the rear axle forward to the camera; only copied to the file");
   speed->excludes(distance)->excludes(metric)->excludes(lever_arm);
   distance->excludes(metric)->excludes(lever_arm)->excludes(max_frames);
   metric->excludes(lever_arm);
-  CLI::Option* side_slip =
-      calibrate->add_option("--side-slip", arguments->side_slip,
-                            fmt::format("c in L_eff = L - c v^2, s^2/m: how much the rear tyres slip; 0 is a rigid car "
-                                        "[{}]",
-                                        VehicleOptions().side_slip));
+  CLI::Option* side_slip = calibrate->add_option(
+      "--side-slip", arguments->side_slip,
+      fmt::format("Slip-angle coefficient c in L_eff = L - c v^2, s^2/m; 0: no slip [{}; 0 without timestamps]",
+                  VehicleOptions().side_slip));
   calibrate
       ->add_flag("--fit-side-slip", arguments->fit_side_slip,
-                 "Find c as well; needs turns at different speeds, and motion in metres")
+                 "Estimate c too; needs turns at different speeds, and metric motion")
       ->excludes(side_slip);
   calibrate->add_option("--history", arguments->history,
-                        "Write what was known when into this CSV file, with a picture (.svg) beside it");
+                        "Write the estimate over time to this CSV file, and plot it (.svg beside it)");
   calibrate->add_option("--out", arguments->out, "File for the calibration")->capture_default_str();
   calibrate->add_flag("--quiet", images.quiet, "Print warnings and errors only");
   calibrate->footer(
       "Example:\n  turnscale calibrate drive.mp4 --camera cam.yaml --out calibration.yaml\n"
       "  turnscale run drive.mp4 --camera cam.yaml --lever-arm 1.45 --camera-rotation calibration.yaml\n\n"
-      "Assumed: the car mostly drives forward, with at least one street corner, and the camera is less than a quarter\n"
-      "turn from upright (an upside-down camera moves no differently).");
+      "Assumptions: the car mostly drives forward, through at least one street corner, and the camera is less than\n"
+      "90 degrees from upright (from motion alone, an upside-down camera is indistinguishable).");
   calibrate->callback([arguments] {
     if (const int exit_code = RunCalibrate(*arguments); exit_code != 0) throw CLI::RuntimeError(exit_code);
   });

@@ -15,10 +15,10 @@ namespace {
 std::filesystem::path CameraFileFor(const ImageArguments& arguments, const DriveInput& drive) {
   if (arguments.camera) return *arguments.camera;
   if (drive.camera_file) return *drive.camera_file;
-  throw InputError(arguments.input.string() + ": comes without a calibration of its own; give --camera FILE");
+  throw InputError(arguments.input.string() + ": has no calib.txt or camera.yaml; give --camera FILE");
 }
 
-// 0 where neither a video's header nor the user tells.
+// 0 if known neither from the video header nor from the user.
 int ExpectedFrames(int count, std::optional<int> max_frames) {
   if (!max_frames) return count;
   return count > 0 ? std::min(*max_frames, count) : *max_frames;
@@ -41,7 +41,8 @@ std::string DoubtOf(const DriveImages& images, const cv::Mat& image) {
       std::abs(pinhole.cx / image.cols - 0.5) < kFarOff && std::abs(pinhole.cy / image.rows - 0.5) < kFarOff;
   if (image.empty() || named || central) return {};
   return fmt::format(
-      "{}: the principal point ({:.0f}, {:.0f}) lies far from the middle of {}x{} images; is the file of this camera?",
+      "{}: the principal point ({:.0f}, {:.0f}) is far from the centre of {}x{} images; check that this is the right "
+      "camera",
       images.camera_file.string(), pinhole.cx, pinhole.cy, image.cols, image.rows);
 }
 

@@ -13,10 +13,10 @@
 
 namespace turnscale {
 
-/// Threads that OpenCV may use where the user does not say. The library leaves that to the program.
+/// Threads that OpenCV may use by default. The library leaves the number to the program.
 constexpr int kImageThreads = 2;
 
-/// What the commands that run the odometry over images have in common.
+/// Arguments common to the commands that run the odometry on images.
 struct ImageArguments {
   std::filesystem::path input;
   std::optional<std::filesystem::path> camera;
@@ -27,7 +27,7 @@ struct ImageArguments {
   bool quiet = false;
 };
 
-/// A drive's images with the camera that took them.
+/// The images of a drive and their camera.
 struct DriveImages {
   /// Throws InputError where there are no images, no times or no calibration.
   explicit DriveImages(const ImageArguments& arguments);
@@ -36,11 +36,11 @@ struct DriveImages {
   std::filesystem::path camera_file;
   CameraModel camera;
   ImageSource source;
-  int expected = 0;  ///< frames to come up to `max_frames`; 0 where nothing tells
+  int expected = 0;  ///< number of frames, limited by `max_frames`; 0 if unknown
 };
 
-/// Why the calibration does not seem to be that of the image's camera; empty where it may be. A file that names an
-/// image size is checked against it by the source.
+/// Why the intrinsics are implausible for the image; empty if plausible. An image size in the file is checked by the
+/// image source.
 std::string DoubtOf(const DriveImages& images, const cv::Mat& image);
 
 }  // namespace turnscale

@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The first frame after the start that was not located; nothing where all were.
+// The first frame after initialisation without a measured pose; empty if there is none.
 std::optional<int> FirstLost(const std::vector<FrameResult>& frames) {
   bool started = false;
   for (const FrameResult& frame : frames) {
@@ -34,7 +34,7 @@ std::vector<Trajectory> Stretches(const std::vector<FrameResult>& frames) {
   std::vector<Trajectory> stretches;
   bool open = false;
   for (const FrameResult& frame : frames) {
-    // The step goes on to the next image that shows something new.
+    // The step continues to the next image that is not a duplicate.
     if (frame.state == TrackingState::kRepeated) continue;
     const bool tracked = frame.state == TrackingState::kTracked && frame.world_from_camera;
     if (tracked && !open) stretches.emplace_back();
@@ -55,16 +55,17 @@ DriveMotion MotionFromTrajectory(const fs::path& path, const std::optional<fs::p
   motion.timed = trajectory.timed;
   if (!motion.timed) {
     for (StampedPose& pose : trajectory.poses) pose.time *= kUsualInterval;
-    motion.note = "no times: taken as 10 frames a second";
+    motion.note = "no timestamps: 10 frames per second assumed";
   }
   const AxisConvention found = axes ? *axes : FindAxisConvention(StepsAlong(trajectory.poses));
   if (!axes && found != AxisConvention::kCamera) {
-    motion.note += std::string(motion.note.empty() ? "" : "; ") +
-                   "body axes found (x forward), taken as y left, z up, and angles are those of a camera that looks "
-                   "along x; if y is right and z down, yaw and pitch have the other sign: say --axes frd";
+    motion.note +=
+        std::string(motion.note.empty() ? "" : "; ") +
+        "vehicle axes detected (x forward); y left and z up assumed, and angles are those of a camera that looks "
+        "along x; if y is right and z down, yaw and pitch have the opposite sign: give --axes frd";
   }
   if (const auto gap = FirstGap(trajectory.poses)) {
-    motion.incomplete = fmt::format("a piece of the path is missing after {:.1f} s", *gap);
+    motion.incomplete = fmt::format("the trajectory has a gap after {:.1f} s", *gap);
   }
   motion.stretches.push_back(InCameraAxes(std::move(trajectory.poses), found));
   return motion;
@@ -100,7 +101,7 @@ DriveMotion MotionFromImages(const ImageArguments& arguments) {
   motion.input = arguments.input.string();
   const std::vector<FrameResult> frames = odometry.RefinedFrames();
   motion.stretches = Stretches(frames);
-  if (const auto lost = FirstLost(frames)) motion.incomplete = fmt::format("frame {} could not be located", *lost);
+  if (const auto lost = FirstLost(frames)) motion.incomplete = fmt::format("tracking was lost at frame {}", *lost);
   if (Interrupted()) motion.interrupted = motion.incomplete = fmt::format("interrupted after {} frames", processed);
   return motion;
 }

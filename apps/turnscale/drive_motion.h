@@ -12,24 +12,24 @@
 
 namespace turnscale {
 
-/// A drive's camera motion, from wherever it is.
+/// Camera motion of a drive, from images or from a trajectory file.
 struct DriveMotion {
   std::string input;                  ///< as the user named it
-  std::vector<Trajectory> stretches;  ///< of unbroken tracking, in one unit of length
-  bool timed = true;                  ///< else the times are guessed
-  std::string incomplete;             ///< why its length is not that of the whole drive; empty where it is
-  std::string interrupted;            ///< "interrupted after ..."; empty where it was not
-  std::string note;                   ///< one line that the user should know; empty where there is none
+  std::vector<Trajectory> stretches;  ///< segments of uninterrupted tracking, in one unit of length
+  bool timed = true;                  ///< false: times are assumed
+  std::string incomplete;             ///< why the path length is incomplete; empty if complete
+  std::string interrupted;            ///< "interrupted after ..."; empty if it was not
+  std::string note;                   ///< one line for the user; may be empty
 };
 
-/// Reads a TUM, KITTI or EuRoC trajectory, and turns body axes into camera axes: those given, or where none are, those
-/// found. KITTI poses without times (given, or beside them) are taken as 10 a second. Throws InputError.
+/// Reads a TUM, KITTI or EuRoC trajectory and converts vehicle axes, given or detected, to camera axes.
+/// KITTI poses without timestamps are assumed to be 10 per second. Throws InputError.
 DriveMotion MotionFromTrajectory(const std::filesystem::path& path,
                                  const std::optional<std::filesystem::path>& timestamps, std::optional<double> fps,
                                  std::optional<AxisConvention> axes);
 
-/// Runs the odometry over the images, without a lever arm: the unit of length is arbitrary. Throws InputError. An
-/// interrupt ends the drive there.
+/// Runs the odometry on the images, without a lever arm: the result is up to scale. Throws InputError. An interrupt
+/// ends the drive early.
 DriveMotion MotionFromImages(const ImageArguments& arguments);
 
 }  // namespace turnscale

@@ -62,9 +62,9 @@ Paired PairPoses(const EvaluateArguments& arguments, TrajectoryFile& estimate, T
   const bool truth_has_times = HasTimes(truth);
   if (estimate_has_times == truth_has_times && !arguments.timestamps.empty()) {
     throw InputError(
-        "--timestamps " + arguments.timestamps.string() + ": is of no use, since " +
-        (truth_has_times ? "both files have times" : "poses of two KITTI files are paired by their frames") +
-        "; leave it away");
+        "--timestamps " + arguments.timestamps.string() + ": is not needed, since " +
+        (truth_has_times ? "both files have timestamps" : "two KITTI files are associated by frame number") +
+        "; leave it out");
   }
   if (!estimate_has_times && !truth_has_times) return PairFrames(estimate, truth);
   if (estimate_has_times != truth_has_times) {
@@ -76,9 +76,9 @@ Paired PairPoses(const EvaluateArguments& arguments, TrajectoryFile& estimate, T
         const KeyframeKey key = estimate_has_times ? KeyframeKey::kTime : KeyframeKey::kFrame;
         return {AssociateByFrame(estimate.poses, truth.poses), key, "frame"};
       }
-      throw InputError(untimed_path.string() + " has no times, and " + std::to_string(estimate.poses.size()) +
-                       " estimated poses cannot be told apart among " + std::to_string(truth.poses.size()) +
-                       " true ones; give its times with --timestamps");
+      throw InputError(untimed_path.string() + " has no timestamps, and " + std::to_string(estimate.poses.size()) +
+                       " estimated poses cannot be associated with " + std::to_string(truth.poses.size()) +
+                       " ground-truth poses; give its times with --timestamps");
     }
     untimed = ReadTrajectoryFile(untimed_path, ReadFrameTimes(times).times);
   }
@@ -109,11 +109,11 @@ std::vector<Step> FindSteps(const EvaluateArguments& arguments, const Paired& pa
       if (asked) throw;
     }
   }
-  description = "of 1 m of true path";
+  description = "of 1 m of ground-truth path length";
   return StepsAlongPath(paired.pairs, options);
 }
 
-// The estimate as it is given, its first pose laid on the true one.
+// The estimate as given, its first pose aligned with ground truth.
 void DrawPath(const EvaluateArguments& arguments, const Paired& paired, const Evaluation& evaluation) {
   PathPicture picture;
   picture.title = arguments.estimate.string();
@@ -162,26 +162,30 @@ void RunEvaluate(const EvaluateArguments& arguments) {
 }  // namespace
 
 void AddEvaluateCommand(CLI::App& app) {
-  auto* command = app.add_subcommand("evaluate", "Score a trajectory against the ground truth");
+  auto* command = app.add_subcommand("evaluate", "Evaluate a trajectory against ground truth.");
   const auto arguments = std::make_shared<EvaluateArguments>();
   command->add_option("ESTIMATE", arguments->estimate, "Estimated trajectory: TUM, EuRoC or KITTI file")->required();
-  command->add_option("GROUND_TRUTH", arguments->ground_truth, "True trajectory: TUM, EuRoC or KITTI file")->required();
+  command->add_option("GROUND_TRUTH", arguments->ground_truth, "Ground-truth trajectory: TUM, EuRoC or KITTI file")
+      ->required();
   command->add_option(
       "--timestamps", arguments->timestamps,
-      "Times of the KITTI side when the other has its own, one a line, s (default: times.txt beside it)");
+      "Times of the KITTI file in seconds, one per line, if the other file has timestamps [times.txt beside it]");
   command->add_option("--time-tolerance", arguments->time_tolerance,
-                      "Poses belong together up to this difference of time, s (default: half the ground truth's "
-                      "interval, at most 0.02)");
-  command->add_option("--keyframes", arguments->keyframes,
-                      "trajectory.csv of the run, whose keyframes are the steps of the scale error ratio (default: the "
-                      "one beside ESTIMATE, else steps of 1 m)");
+                      "Largest time difference of associated poses, seconds [half the ground truth's interval, at most "
+                      "0.02]");
+  command->add_option(
+      "--keyframes", arguments->keyframes,
+      "trajectory.csv of the run; the scale error ratio is computed over the steps between its keyframes "
+      "[the one beside ESTIMATE, else steps of 1 m]");
   command->add_option("--camera-rotation", arguments->camera_rotation,
-                      "How the camera is turned on the car, as for run: turning angles are the car's [0,0,0]");
-  command->add_option("--json", arguments->json, "Write the numbers to this file; - writes them instead of the table");
+                      "Camera-to-vehicle rotation, as for run, to compute the turning angles of the car [0,0,0]");
+  command->add_option("--json", arguments->json,
+                      "Write the results to this JSON file; -: to standard output, instead of the table");
   CLI::Option* picture =
-      command->add_option("--picture", arguments->picture, "Draw both paths from above into this SVG file");
+      command->add_option("--picture", arguments->picture, "Draw a top view of both trajectories to this SVG file");
   command
-      ->add_option("--floor-plan", arguments->floor_plan, "floor_plan.csv of a simulated drive, drawn below the paths")
+      ->add_option("--floor-plan", arguments->floor_plan,
+                   "floor_plan.csv of a simulated drive, drawn under the trajectories")
       ->needs(picture);
   command->footer("Example:\n  turnscale evaluate out/drive/trajectory.tum poses.txt --picture path.svg");
   command->callback([arguments] { RunEvaluate(*arguments); });

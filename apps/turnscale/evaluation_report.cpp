@@ -74,9 +74,9 @@ Json ScaledJson(const ScaledErrors& errors) {
 std::string EvaluationTable(const Evaluation& evaluation, const EvaluationSources& sources) {
   const ScaledErrors& given = evaluation.as_given;
   std::string text = fmt::format("estimate      {}\nground truth  {}\n", sources.estimate, sources.ground_truth);
-  text +=
-      fmt::format("paired        {} of {} poses with {} true ones, by {}; {:.1f} m of true path\n\n", evaluation.poses,
-                  sources.estimated_poses, sources.true_poses, sources.pairing, evaluation.true_path_length);
+  text += fmt::format(
+      "paired        {} of {} poses with {} of ground truth, by {}; ground-truth path length {:.1f} m\n\n",
+      evaluation.poses, sources.estimated_poses, sources.true_poses, sources.pairing, evaluation.true_path_length);
 
   const std::string rescaled =
       evaluation.rescaled ? fmt::format("scaled by {:.5g}", evaluation.rescaled->scale) : "scaled";
@@ -97,7 +97,7 @@ std::string EvaluationTable(const Evaluation& evaluation, const EvaluationSource
                       Number(kDegreesPerRadian * given.turning_steps.psi.rms));
 
   text += fmt::format("{:<44}{:>12}{:>18}{:>12}\n", "position error (ATE)", "RMSE", "median", "max");
-  text += Row("  first poses made equal", evaluation.from_first_pose);
+  text += Row("  first poses aligned", evaluation.from_first_pose);
   text += Row("  after SE(3) alignment", evaluation.rigid);
   text += Row("  after Sim(3) alignment", evaluation.similarity);
 

@@ -39,11 +39,11 @@ std::vector<Experiment> Experiments() {
       {"fig6", "sensitivity of the scale observer", [](const LabSettings&) { return LabFigure6(); }},
       {"fig7", "error of the scale", [](const LabSettings&) { return LabFigure7(); }},
       {"fig8", "the synthetic drive", LabFigure8},
-      {"fig9", "calibration of the camera's rotation", LabFigure9},
-      {"fig10", "absolute scale recovery, a run a noise level", LabFigure10},
+      {"fig9", "calibration of the camera-to-vehicle rotation", LabFigure9},
+      {"fig10", "absolute scale recovery, one run per noise level", LabFigure10},
       {"table1", "absolute scale recovery, errors over many runs", LabTable1},
-      {"ablations", "absolute scale recovery with one thing changed at a time", LabAblations},
-      {"coverage", "how often the truth is within the stated sigmas", LabCoverage},
+      {"ablations", "absolute scale recovery with one change at a time", LabAblations},
+      {"coverage", "coverage: how often ground truth is within the stated sigmas", LabCoverage},
   };
 }
 
@@ -96,8 +96,7 @@ int Lab(const LabArguments& arguments) {
     const LabResult result = experiment.run(settings);
     if (progress) progress->Finish();
     if (Interrupted()) {
-      const std::string kept =
-          any ? "what was done before it is in " + arguments.out.string() : "nothing was done before it";
+      const std::string kept = any ? "the results before it are in " + arguments.out.string() : "no results before it";
       fmt::print(stderr, "turnscale: interrupted in {}; {}\n", experiment.name, kept);
       return kInterruptedExitCode;
     }
@@ -117,20 +116,22 @@ int Lab(const LabArguments& arguments) {
 }  // namespace
 
 void AddLabCommand(CLI::App& app) {
-  CLI::App* lab = app.add_subcommand("lab", "Repeat the paper's analysis and Monte Carlo runs (V-A, V-B).");
+  CLI::App* lab = app.add_subcommand("lab", "Reproduce the paper's analysis and Monte Carlo runs (V-A, V-B).");
   auto arguments = std::make_shared<LabArguments>();
   std::vector<std::string> names;
   for (const Experiment& experiment : Experiments()) names.push_back(experiment.name);
-  lab->add_option("--out", arguments->out, "Folder for lab.json, which is replaced, and the pictures")->required();
-  lab->add_option("--only", arguments->only, "Only these, separated by commas: " + CLI::detail::join(names, ", "))
+  lab->add_option("--out", arguments->out, "Folder for lab.json (an older one is replaced) and the figures")
+      ->required();
+  lab->add_option("--only", arguments->only,
+                  "Only these experiments, separated by commas: " + CLI::detail::join(names, ", "))
       ->delimiter(',')
       ->check(CLI::IsMember(names));
-  lab->add_option("--runs", arguments->runs,
-                  "Random runs a noise level of Table I and Fig. 9; what is beside them takes a tenth or less")
+  lab->add_option(
+         "--runs", arguments->runs,
+         "Random runs per noise level of Table I and Fig. 9, and of coverage; the others use at most a tenth of them")
       ->capture_default_str();
-  lab->add_option("--jobs", arguments->jobs, "Runs at a time; the numbers do not depend on them")
-      ->capture_default_str();
-  lab->add_option("--seed", arguments->seed, "Another number, other noise and points")->capture_default_str();
+  lab->add_option("--jobs", arguments->jobs, "Parallel runs; do not change the numbers")->capture_default_str();
+  lab->add_option("--seed", arguments->seed, "Seed of noise and landmarks")->capture_default_str();
   lab->add_flag("--quiet", arguments->quiet, "Print warnings and errors only");
   lab->footer("Example:\n  turnscale lab --out lab\n  turnscale lab --out lab --only table1 --runs 10");
   lab->callback([arguments] {

@@ -34,7 +34,7 @@ std::vector<Condition> RigidConditions() {
   }
   for (const double yaw : {0.25, 0.5, 1.0}) {
     conditions.push_back(
-        {fmt::format("yaw_{:g}_deg", yaw), fmt::format("Q wrong by {:g} deg of yaw", yaw),
+        {fmt::format("yaw_{:g}_deg", yaw), fmt::format("yaw of Q off by {:g} deg", yaw),
          [yaw](ScaleEstimatorSettings& settings) {
            settings.odometry.vehicle.vehicle_from_camera = RotationFromYawPitchRoll({yaw / kDegreesPerRadian, 0, 0});
          }});
@@ -46,13 +46,13 @@ std::vector<Condition> RigidConditions() {
 }
 
 std::vector<Condition> SlippingConditions() {
-  return {{"slip_ignored", "tyres slip, taken as rigid", [](ScaleEstimatorSettings&) {}},
+  return {{"slip_ignored", "tyre slip neglected", [](ScaleEstimatorSettings&) {}},
           {"slip_known", "tyres slip, slip known",
            [](ScaleEstimatorSettings& settings) { settings.odometry.vehicle.side_slip = kTrueSideSlip; }}};
 }
 
 std::vector<Condition> SeeingConditions() {
-  return {{"front", "all known, all in front seen", [](ScaleEstimatorSettings&) {}}};
+  return {{"front", "all known, unlimited field of view", [](ScaleEstimatorSettings&) {}}};
 }
 
 // Cameras that see everything in front of them up to the view limit.
@@ -128,13 +128,12 @@ LabResult LabAblations(const LabSettings& settings) {
   }
   PlotPanel in_turns = BarPanel("in turns", "turn_ratio_percent", all);
   in_turns.legend = false;
-  result.figures.emplace_back("ablations",
-                              Figure{"Which choice wins: the recovery when it is told more or less of the truth",
-                                     "",
-                                     2,
-                                     330,
-                                     38.0 * static_cast<double>(all.size()),
-                                     {in_turns, BarPanel("over the whole drive", "ratio_percent", all)}});
+  result.figures.emplace_back("ablations", Figure{"Ablations: absolute scale recovery with correct and wrong inputs",
+                                                  "",
+                                                  2,
+                                                  330,
+                                                  38.0 * static_cast<double>(all.size()),
+                                                  {in_turns, BarPanel("over the whole drive", "ratio_percent", all)}});
   return result;
 }
 

@@ -36,7 +36,7 @@ std::vector<double> Errors(const Trials& trials, YawPitchRoll CalibrationTrial::
 PlotPanel Panel(const std::array<Trials, 4>& levels, YawPitchRoll CalibrationTrial::*which, const std::string& title) {
   PlotPanel panel;
   panel.title = title;
-  panel.x_label = "angle of the camera on the car";
+  panel.x_label = "angle of the camera-to-vehicle rotation";
   panel.y_label = "error [deg]";
   panel.x = PlotRange{0.3, 3.7};
   panel.lines.push_back({{{0.3, 0}, {3.7, 0}}, "truth", "#777", 1.2, "6 4"});
@@ -69,7 +69,7 @@ LabResult LabFigure9(const LabSettings& settings) {
     levels[level] = RunCalibrationTrials(trials);
     if (levels[level].empty()) return {};
   }
-  Figure figure{"Fig. 9: calibration of the camera's rotation on the synthetic drive",
+  Figure figure{"Fig. 9: calibration of the camera-to-vehicle rotation on the synthetic drive",
                 "Boxes: mean and one standard deviation; whiskers: range over the runs.",
                 2,
                 480,
@@ -78,7 +78,7 @@ LabResult LabFigure9(const LabSettings& settings) {
   figure.panels = {Panel(levels, &CalibrationTrial::linear, "(a) linear only"),
                    Panel(levels, &CalibrationTrial::refined, "(b) after the full refinement")};
   for (double y : {-kPaperSpreadAtOneDegree, kPaperSpreadAtOneDegree}) {
-    figure.panels[1].lines.push_back({{{0.3, y}, {3.7, y}}, "paper: one sigma at 1 deg", "#c2185b", 1.4, "2 3"});
+    figure.panels[1].lines.push_back({{{0.3, y}, {3.7, y}}, "paper: 1 sigma at 1 deg", "#c2185b", 1.4, "2 3"});
   }
   result.figures.emplace_back("fig9", figure);
   result.values["paper_spread_at_1_deg"] = kPaperSpreadAtOneDegree;

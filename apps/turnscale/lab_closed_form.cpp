@@ -83,7 +83,7 @@ LabResult LabFigure4() {
   angles.x = PlotRange{0, kMostPsi};
   angles.legend = false;
   PlotPanel ratios = angles;
-  ratios.title = "theta / psi goes to 1/2";
+  ratios.title = "theta / psi tends to 1/2";
   ratios.y_label = "theta / psi";
   ratios.legend = true;
   LabJson at_five = LabJson::array();
@@ -104,7 +104,7 @@ LabResult LabFigure4() {
 LabResult LabFigure6() {
   LabResult result;
   Figure figure{"Fig. 6: sensitivity of the scale observer to noise (31)",
-                "Solid: right; dashed: as printed in (31), half of the right one for psi and the same for theta.",
+                "Solid: correct; dashed: as printed in (31), half of the correct value for psi, the same for theta.",
                 2,
                 420,
                 340,

@@ -112,7 +112,7 @@ LabResult LabFigure8(const LabSettings& settings) {
   const Level level = RunLevel(settings, 1);
   if (!settings.progress(1, 1)) return {};
   const PlotPoints truth = FromAbove(KeyframePoses(level.drive.truth));
-  PlotPanel map = PanelFromAbove("(a) path and points");
+  PlotPanel map = PanelFromAbove("(a) trajectory and landmarks");
   PlotLine points{{}, "points", "#90a4ae", 1};
   points.marker = 'o';
   points.marker_size = 0.9;
@@ -168,7 +168,7 @@ LabResult LabFigure10(const LabSettings& settings) {
   const ScaleDrive& drive = levels[0].drive;
   const std::vector<RigidTransform> truth = KeyframePoses(drive.truth);
   PlotPanel psi = HistoryPanel("(a) turning angle from step to step", "psi [deg]", {-30, 30});
-  PlotPanel observed = HistoryPanel("scale seen by each step (22)", "s [m]", {0, 6});
+  PlotPanel observed = HistoryPanel("scale observed in each step (22)", "s [m]", {0, 6});
   PlotPanel recovered = HistoryPanel("scale after absolute scale recovery", "s [m]", {0, 6});
   PlotPanel paths = PanelFromAbove("(b) paths");
   for (PlotPanel* panel : {&psi, &observed, &recovered})

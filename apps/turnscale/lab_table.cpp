@@ -36,7 +36,7 @@ std::vector<Reading> Readings(const LabSettings& settings) {
   const LabMethod& turns = kMethods[1];
   Reading front{"front", "everything in front up to the view limit", "#7cb342", {}, {smoothed}, settings.runs};
   front.drive.within_image = false;
-  const Reading image{"image", "what falls into KITTI's image", "#1565c0", {}, {smoothed}, settings.runs};
+  const Reading image{"image", "within KITTI's image", "#1565c0", {}, {smoothed}, settings.runs};
   Reading every_frame{"every_frame", "in KITTI's image, loss in every frame", "", {}, {smoothed, turns}};
   every_frame.runs = std::max(2, settings.runs / kFewerRunsOfAside);
   every_frame.drive.scale_loss_frames = 1;

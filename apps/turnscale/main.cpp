@@ -25,7 +25,7 @@ int Fail(int exit_code, std::string message) {
   return exit_code;
 }
 
-// The libraries below print complaints of their own; ours name the file and what to do.
+// The libraries print errors themselves; turnscale's name the file and the remedy.
 void SilenceLibraries() {
   cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
   constexpr auto kQuiet = "-8";
@@ -35,13 +35,13 @@ void SilenceLibraries() {
 int Main(int argc, char** argv) {
   MeasureCost();
   SilenceLibraries();
-  CLI::App app{"The path of a car in metres, from the images of one camera."};
+  CLI::App app{"Monocular visual odometry for cars, with metric scale from the lever arm to the rear axle."};
   app.name("turnscale");
   app.set_version_flag("--version", "turnscale " TURNSCALE_VERSION);
   app.require_subcommand(1);
   app.footer(
       "Example:\n  turnscale run drive.mp4 --camera cam.yaml --lever-arm 1.45\n\n"
-      "Exit codes: 0 done, 1 the machine failed (disk full), 2 the input cannot be used, 130 interrupted.");
+      "Exit codes: 0 success, 1 disk full, out of memory or internal error, 2 unusable input, 130 interrupted.");
   AddRunCommand(app);
   AddCalibrateCommand(app);
   AddEvaluateCommand(app);

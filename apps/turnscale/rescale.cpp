@@ -77,11 +77,11 @@ void RunRescale(const RescaleArguments& arguments) {
   const std::string input = arguments.input.string();
   if (!trajectory.timed && !arguments.quiet) {
     fmt::print(stderr,
-               "warning: {}: no times, so the tyres are taken not to slip, which costs up to 40 % of scale; "
+               "warning: {}: no timestamps, so tyre slip is neglected: the scale may be off by up to 40 %; "
                "give --fps or --timestamps\n",
                input);
   }
-  if (trajectory.poses.size() < 2) throw InputError(input + ": holds one pose only; a drive has many");
+  if (trajectory.poses.size() < 2) throw InputError(input + ": has fewer than two poses");
   const RescaleOptions options = OptionsFrom(arguments, trajectory.timed);
   const RescaleResult result = RescaleTrajectory(options, trajectory.poses);
   if (!result.observable) {
@@ -99,43 +99,46 @@ void RunRescale(const RescaleArguments& arguments) {
 }  // namespace
 
 void AddRescaleCommand(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("rescale", "Give the trajectory of any monocular SLAM its metres.");
+  CLI::App* command =
+      app.add_subcommand("rescale", "Convert an up-to-scale trajectory of any monocular SLAM to metres.");
   const auto arguments = std::make_shared<RescaleArguments>();
   const CarPrior car;
   command
       ->add_option("FILE", arguments->input,
-                   "Trajectory of any scale: TUM, KITTI (12 numbers, or 13 with the frame's number) or EuRoC CSV")
+                   "Up-to-scale trajectory: TUM, KITTI (12 numbers per line, or 13 with the frame number) or EuRoC CSV")
       ->required();
-  command->add_option("--lever-arm", arguments->lever_arm, "Metres from the rear axle forward to the camera")
+  command->add_option("--lever-arm", arguments->lever_arm, "Distance from the rear axle forward to the camera, metres")
       ->required();
   command->add_option("--lever-arm-sigma", arguments->lever_arm_sigma,
-                      fmt::format("Its standard deviation, metres [{}]", kTapeSigma));
-  command->add_option("--side-slip", arguments->side_slip,
-                      fmt::format("c in L_eff = L - c v^2, s^2/m: how much the rear tyres slip; 0 is a rigid car. "
-                                  "Refined from the drive, about {}, where it is not given",
-                                  car.side_slip));
+                      fmt::format("Standard deviation of --lever-arm, metres [{}]", kTapeSigma));
+  command->add_option(
+      "--side-slip", arguments->side_slip,
+      fmt::format("Slip-angle coefficient c in L_eff = L - c v^2: slip angle of the rear axle per lateral "
+                  "acceleration, rad per m/s^2 (= s^2/m); 0: no slip. Refined from the drive unless its "
+                  "sigma is 0 [{}]",
+                  car.side_slip));
   command->add_option(
       "--side-slip-sigma", arguments->side_slip_sigma,
-      fmt::format("Its standard deviation, s^2/m; 0: known exactly [{}; with --side-slip {:.0f} % of it]",
+      fmt::format("Standard deviation of c, s^2/m; 0: c is not refined [{}; {:.0f} % of a given --side-slip]",
                   car.side_slip_sigma, 100 * kGivenSideSlipSigma));
-  command->add_option(
-      "--camera-rotation", arguments->camera_rotation,
-      "How the camera is turned on the car: auto (found from the trajectory), identity, yaw,pitch,roll in "
-      "degrees, or a YAML file with them [auto]");
-  CLI::Option* fps = command->add_option("--fps", arguments->fps, "Frames per second of a KITTI file");
+  command->add_option("--camera-rotation", arguments->camera_rotation,
+                      "Camera-to-vehicle rotation: auto (estimated from the trajectory); identity; yaw,pitch,roll in "
+                      "degrees; or a YAML file, as for run [auto]");
+  CLI::Option* fps = command->add_option("--fps", arguments->fps, "Frames per second of a KITTI trajectory");
   command
       ->add_option("--timestamps", arguments->timestamps,
-                   "Times of a KITTI file's frames, one a line, s [times.txt beside it]")
+                   "Times of a KITTI trajectory's frames in seconds, one per line [times.txt beside it]")
       ->excludes(fps);
-  command->add_option("--drift", arguments->drift, "auto: the scale may drift along the drive; none: one scale [auto]")
+  command
+      ->add_option("--drift", arguments->drift,
+                   "auto: the scale drifts along the drive; none: constant scale, for loop-closed trajectories [auto]")
       ->check(CLI::IsMember({"auto", "none"}));
-  command->add_option("--out", arguments->out, "The trajectory in metres, TUM [metric.tum]");
-  command->add_option("--report", arguments->report,
-                      "Folder for scale.csv, turns.csv, summary.json and the picture rescale.svg");
-  command->add_flag("--quiet", arguments->quiet, "Print errors only");
+  command->add_option("--out", arguments->out, "File for the trajectory in metres, TUM [metric.tum]");
+  command->add_option("--report", arguments->report, "Folder for scale.csv, turns.csv, summary.json and rescale.svg");
+  command->add_flag("--quiet", arguments->quiet, "Print only errors, and a warning if the turns are inconsistent");
   command->footer(
       "Example:\n  turnscale rescale orbslam.tum --lever-arm 1.05 --out metric.tum --report out/\n\n"
-      "A drive without a turn does not show its scale: nothing is written then, and the exit code is 2.");
+      "Without a sufficiently slow turn the scale is not observable: nothing is written, and the exit code is 2.");
   command->callback([arguments] { RunRescale(*arguments); });
 }
 

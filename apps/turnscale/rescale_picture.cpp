@@ -169,7 +169,7 @@ std::string ScaleChart(const RescaleResult& result, const std::vector<double>& a
   }
   // Forth along the upper edge, back along the lower one.
   band.insert(band.end(), lower.rbegin(), lower.rend());
-  std::string text = chart.Frame("metres per unit, +- one sigma; bars: what each turn says alone");
+  std::string text = chart.Frame("metres per unit, +- 1 sigma; bars: single-turn scales");
   text += Line("band", band, true) + Line("scale", line);
   for (const TurnEstimate& turn : result.estimate->turns) {
     if (!(turn.own > 0)) continue;

@@ -93,11 +93,11 @@ std::string RescaleJson(const RescaleResult& result, const std::string& input) {
 std::string RescaleWarning(const RescaleResult& result) {
   const ScaleEstimate& estimate = *result.estimate;
   if (!estimate.fell_back) return {};
-  const std::string what = "each part of the path follows its own turns; check the times and the lever arm";
+  const std::string what = "the trajectory uses single-turn scales; check the timestamps and the lever arm";
   if (!estimate.test.contradicted || estimate.test.worst_turn < 0)
-    return "the turns agree on no scale (the estimate did not converge): " + what;
+    return "the scale estimate did not converge: " + what;
   const TurnEstimate& worst = estimate.turns[estimate.test.worst_turn];
-  return fmt::format("the turns contradict each other by {:.0f} % of scale, most of all the one at poses {}-{}: {}",
+  return fmt::format("the turns are inconsistent by {:.0f} % of scale, most of all the one at poses {}-{}: {}",
                      100 * estimate.test.disagreement, result.steps[worst.first_step].first,
                      result.steps[worst.last_step].last, what);
 }
@@ -117,7 +117,7 @@ std::string RescaleText(const RescaleResult& result) {
                       (camera.yaw + car.yaw_error) * kDegreesPerRadian, car.yaw_error_sigma * kDegreesPerRadian,
                       camera.pitch * kDegreesPerRadian, camera.roll * kDegreesPerRadian);
   if (car.side_slip_at_bound) {
-    text += "side slip     0: the turns ask for a negative one, check the lever arm and the times\n";
+    text += "side slip     0: the estimate would be negative; check the lever arm and the timestamps\n";
   } else if (car.side_slip_sigma > 0) {
     text += fmt::format("side slip     {:.4f} +- {:.4f} s^2/m\n", car.side_slip, car.side_slip_sigma);
   }

@@ -40,7 +40,7 @@ struct RunArguments {
   fs::path out = "out";
 };
 
-// The settings file first, what the command line says over it. Checked here so that messages name the option.
+// Settings file, overridden by the command line. Checked here so that messages name the option.
 OdometryOptions OptionsFrom(const RunArguments& arguments) {
   OdometryOptions options = arguments.images.settings ? ReadSettings(*arguments.images.settings) : OdometryOptions();
   if (arguments.lever_arm) options.vehicle.lever_arm = CheckedLeverArm(*arguments.lever_arm);
@@ -105,7 +105,7 @@ class Run {
     WriteResults();
     if (!arguments_.images.quiet) WriteStandardOutput(SummaryText(summary_));
     if (!Interrupted()) return 0;
-    fmt::print(stderr, "turnscale: {}; what was computed is in {}\n", summary_.stopped, arguments_.out.string());
+    fmt::print(stderr, "turnscale: {}; the results so far are in {}\n", summary_.stopped, arguments_.out.string());
     return kInterruptedExitCode;
   }
 
@@ -136,7 +136,8 @@ class Run {
     if (const int moves = odometry_.mount().moves(); moves > moves_) {
       moves_ = moves;
       progress.Warn(fmt::format(
-          "frame {}: the camera was moved on the car since the last turn; re-estimating its rotation", frame.index));
+          "frame {}: the camera was moved since the last turn; re-estimating the camera-to-vehicle rotation",
+          frame.index));
     }
     progress.Update(processed_, fmt::format("{} keyframes, scale {}", odometry_.map().keyframes.size(),
                                             ScaleStateName(odometry_.scale_state())));
@@ -182,55 +183,60 @@ class Run {
 }  // namespace
 
 void AddRunCommand(CLI::App& app) {
-  CLI::App* run = app.add_subcommand("run", "Compute the path of a drive from its images.");
+  CLI::App* run = app.add_subcommand("run", "Estimate the trajectory of a drive from its images.");
   auto arguments = std::make_shared<RunArguments>();
   run->add_option("input", arguments->images.input,
-                  "A KITTI folder (image_0/ or images/, calib.txt, times.txt), a folder of images, or a video")
+                  "KITTI folder (image_0/ or images/, calib.txt or camera.yaml, times.txt), folder of images, or video")
       ->required();
   run->add_option(
       "--camera", arguments->images.camera,
-      "Calibration: KITTI calib.txt, OpenCV, ORB-SLAM or Kalibr YAML [calib.txt or camera.yaml in the input folder]");
+      "Intrinsics: KITTI calib.txt, OpenCV, ORB-SLAM or Kalibr YAML [calib.txt or camera.yaml in the input folder]");
   CLI::Option* timestamps =
-      run->add_option("--timestamps", arguments->images.timestamps, "Times of the frames, one number a line, seconds");
-  run->add_option("--fps", arguments->images.fps, "Frames per second, where there are no times")->excludes(timestamps);
-  run->add_option("--lever-arm", arguments->lever_arm,
-                  "Metres from the rear axle forward to the camera; without it the path is up to scale");
+      run->add_option("--timestamps", arguments->images.timestamps,
+                      "Times of the frames in seconds, one per line [times.txt in the input folder]");
+  run->add_option("--fps", arguments->images.fps, "Frames per second; overrides times.txt and a video's own rate")
+      ->excludes(timestamps);
+  run->add_option(
+      "--lever-arm", arguments->lever_arm,
+      "Distance from the rear axle forward to the camera, metres; without it the trajectory is up to scale");
   run->add_option("--lever-arm-sigma", arguments->lever_arm_sigma,
-                  fmt::format("Its standard deviation, metres [{}]", kTapeSigma));
+                  fmt::format("Standard deviation of --lever-arm, metres [{}]", kTapeSigma));
   run->add_option("--side-slip", arguments->side_slip,
-                  fmt::format("c in L_eff = L - c v^2, s^2/m: how much the rear tyres slip; 0 is a rigid car. Refined "
-                              "from the drive, about {}, where it is not given",
+                  fmt::format("Slip-angle coefficient c in L_eff = L - c v^2: slip angle of the rear axle per lateral "
+                              "acceleration, rad per m/s^2 (= s^2/m); 0: no slip. Refined from the drive unless its "
+                              "sigma is 0 [{}]",
                               kUsualSideSlip));
-  run->add_option("--side-slip-sigma", arguments->side_slip_sigma,
-                  fmt::format("Its standard deviation, s^2/m; 0: known exactly [{}; with --side-slip {:.0f} % of it]",
-                              kUsualSideSlipSigma, 100 * kGivenSideSlipSigma));
+  run->add_option(
+      "--side-slip-sigma", arguments->side_slip_sigma,
+      fmt::format("Standard deviation of c, s^2/m; 0: c is not refined [{}; {:.0f} % of a given --side-slip]",
+                  kUsualSideSlipSigma, 100 * kGivenSideSlipSigma));
   run->add_option(
       "--camera-rotation", arguments->camera_rotation,
-      "How the camera is turned on the car: yaw,pitch,roll in degrees (right, up, right side down), a YAML file with "
-      "yaw_deg, pitch_deg, roll_deg such as calibrate's, or auto: find it on the way [auto]");
+      "Camera-to-vehicle rotation: yaw,pitch,roll in degrees (to the right, up, to the right); a YAML file "
+      "with yaw_deg, pitch_deg, roll_deg, such as calibrate writes; or auto: estimated during the drive [auto]");
   run->add_option(
          "--method", arguments->method,
-         "How the path becomes metric: smoothed, what all turns together say along the drive; turns, each turn "
-         "held at what it says by itself; paper, each step of a turn held at what it says (22) [smoothed]")
+         "How metric scale is obtained. smoothed: one estimate along the drive, from all turns; turns: map adjusted "
+         "with "
+         "the length of each turn constrained to its single-turn scale; paper: map adjusted with each step of a turn "
+         "constrained to the length from (22) [smoothed]")
       ->check(CLI::IsMember({"smoothed", "turns", "paper"}));
-  run->add_option("--frame", arguments->frame, "Whose poses are written")
+  run->add_option("--frame", arguments->frame, "Write poses of the camera or of the vehicle (rear axle)")
       ->check(CLI::IsMember({"camera", "vehicle"}))
       ->capture_default_str();
-  run->add_option("--threads", arguments->threads, "Threads for image operations; the result does not depend on it")
+  run->add_option("--threads", arguments->threads, "Threads for image operations; do not change the result")
       ->capture_default_str();
   run->add_option("--settings", arguments->images.settings,
-                  "YAML file of settings, such as the settings.yaml of another run");
+                  "YAML file with settings, such as settings.yaml of another run");
   run->add_option("--out", arguments->out, "Folder for the results")->capture_default_str();
   run->add_option("--max-frames", arguments->images.max_frames, "Stop after this many frames")
       ->check(CLI::Range(1, 1'000'000'000));
   run->add_flag("--quiet", arguments->images.quiet, "Print warnings and errors only");
   run->footer(
       "Example:\n  turnscale run drive.mp4 --camera cam.yaml --lever-arm 1.45 --out out/drive\n\n"
-      "The folder then holds trajectory.tum and trajectory.kitti.txt (refined, every frame), live.tum (as known at "
-      "each\n"
-      "moment), trajectory.csv, turns.csv, map.ply, settings.yaml and summary.json. Ctrl-C stops after the current "
-      "frame\n"
-      "and keeps what was computed (exit code 130).");
+      "Output: trajectory.tum and trajectory.kitti.txt (refined, every frame), live.tum (online: each pose as\n"
+      "estimated at its frame), trajectory.csv, turns.csv, map.ply, settings.yaml and summary.json. Ctrl-C stops\n"
+      "after the current frame and keeps the results so far (exit code 130).");
   run->callback([arguments] {
     if (const int exit_code = Run(*arguments).Go(); exit_code != 0) throw CLI::RuntimeError(exit_code);
   });

@@ -60,7 +60,8 @@ void Check(const SimulateArguments& arguments) {
     throw InputError(fmt::format("--threads {}: give 1 to {}", *arguments.threads, kMaxThreads));
   }
   if (arguments.follow && arguments.world != "street") {
-    throw InputError(fmt::format("--follow: only a street can follow a recorded path, not a {}", arguments.world));
+    throw InputError(
+        fmt::format("--follow: only a street can follow a recorded trajectory, not a {}", arguments.world));
   }
 }
 
@@ -69,10 +70,10 @@ Trajectory ReadFollowed(const SimulateArguments& arguments) {
   TrajectoryFile file = ReadTrajectoryFile(path);
   if (file.format == TrajectoryFormat::kKitti) {
     const fs::path times = arguments.times ? *arguments.times : FindPoseTimes(path);
-    if (times.empty()) throw InputError(path.string() + ": has no times; give them with --times");
+    if (times.empty()) throw InputError(path.string() + ": has no timestamps; give --times FILE");
     file = ReadTrajectoryFile(path, ReadFrameTimes(times).times);
   } else if (arguments.times) {
-    throw InputError(arguments.times->string() + ": is not needed, as " + path.string() + " has times of its own");
+    throw InputError(arguments.times->string() + ": is not needed, since " + path.string() + " has timestamps");
   }
   Trajectory trajectory = std::move(file.poses);
   if (arguments.seconds) {
@@ -88,12 +89,12 @@ World MakeFollowingStreet(const SimulateArguments& arguments, const Rig& rig) {
     const RecordedPath path = RearAxlePath(trajectory, rig.mount.VehicleFromCamera());
     return MakeStreetAlong(arguments.seed, path.points, path.speeds);
   } catch (const InputError& error) {
-    // Complaints about the path itself do not know its file.
+    // Errors of the trajectory do not name its file.
     throw InputError(arguments.follow->string() + ": " + error.what());
   }
 }
 
-// About how long the drive is to be; nothing where the path that is followed tells.
+// Approximate duration; empty if given by the followed trajectory.
 std::optional<double> Seconds(const SimulateArguments& arguments) {
   if (arguments.seconds || arguments.follow) return arguments.seconds;
   return arguments.world == "garage" ? kGarageSeconds : kStreetSeconds;
@@ -158,37 +159,40 @@ int Simulate(const SimulateArguments& arguments) {
 }  // namespace
 
 void AddSimulateCommand(CLI::App& app) {
-  CLI::App* simulate = app.add_subcommand("simulate", "Make a drive: images with the truth beside them.");
+  CLI::App* simulate = app.add_subcommand("simulate", "Render a simulated drive with ground truth.");
   auto arguments = std::make_shared<SimulateArguments>();
   simulate->add_option("world", arguments->world, "garage or street")
       ->required()
       ->check(CLI::IsMember({"garage", "street"}));
   simulate->add_option("--out", arguments->out, "Folder for the drive")->required();
-  simulate->add_option("--seed", arguments->seed, "Another number, another place")->capture_default_str();
+  simulate->add_option("--seed", arguments->seed, "Seed of the scene, the drive and the sensor noise")
+      ->capture_default_str();
   simulate->add_option("--rig", arguments->rig,
-                       "YAML file with the camera, its mount, the car and the sensor, such as a drive's rig.yaml");
-  simulate->add_option("--seconds", arguments->seconds,
-                       "About how long the drive is; the shortest garage takes 15, the shortest street 12 [garage 60, "
-                       "street 120]");
+                       "YAML file with camera, mount, car and sensor, such as rig.yaml of another drive");
+  simulate->add_option(
+      "--seconds", arguments->seconds,
+      "Approximate duration; the shortest garage drive takes 15, the shortest street drive 12 [garage 60, "
+      "street 120]");
   CLI::Option* follow = simulate->add_option(
       "--follow", arguments->follow,
-      "Lay the street along a recorded path in metres: TUM or KITTI poses of a camera on the rig's mount");
-  simulate->add_option("--times", arguments->times, "Times of those poses, one a line, s [times.txt beside them]")
+      "Build the street along a recorded metric trajectory: TUM or KITTI poses of a camera mounted like the rig's");
+  simulate
+      ->add_option("--times", arguments->times, "Times of these poses in seconds, one per line [times.txt beside them]")
       ->needs(follow);
   simulate
       ->add_option("--texture-contrast", arguments->texture_contrast,
-                   "Contrast of what all surfaces are made of: 1 as it is, towards 0 ever less to hold on to")
+                   "Contrast of all textures, 1 (unchanged) to 0 (uniform)")
       ->capture_default_str();
-  simulate->add_option("--threads", arguments->threads, "Threads; the images do not depend on them [all cores]");
+  simulate->add_option("--threads", arguments->threads, "Threads; do not change the images [all cores]");
   simulate->add_option("--max-frames", arguments->max_frames, "Stop after this many frames")
       ->check(CLI::Range(1, 1'000'000'000));
   simulate->add_flag("--quiet", arguments->quiet, "Print warnings and errors only");
   simulate->footer(
       "Example:\n  turnscale simulate garage --out drives/garage --seed 7\n"
       "  turnscale run drives/garage --lever-arm 1.5\n\n"
-      "The folder is KITTI's (image_0/, calib.txt, times.txt, poses.txt), with camera.yaml, vehicle.yaml, truth.csv,\n"
-      "floor_plan.csv, rig.yaml and drive.yaml beside it. times.txt comes last: a folder without it is incomplete.\n"
-      "Where a followed recording stands still, the car creeps on at 0.2 m/s; reversing is not followed.");
+      "Output: a KITTI folder (image_0/, calib.txt, times.txt, poses.txt) with camera.yaml, vehicle.yaml, truth.csv,\n"
+      "floor_plan.csv, rig.yaml and drive.yaml. times.txt is written last: a folder without it is incomplete.\n"
+      "While a followed trajectory stands still, the car moves on at 0.2 m/s; reversing is not followed.");
   simulate->callback([arguments] {
     if (const int exit_code = Simulate(*arguments); exit_code != 0) throw CLI::RuntimeError(exit_code);
   });

@@ -20,8 +20,7 @@ TimedTrajectory ReadTimedTrajectory(const std::filesystem::path& path,
   TrajectoryFile file = ReadTrajectoryFile(path);
   if (file.format != TrajectoryFormat::kKitti) {
     if (!fps && !timestamps) return {std::move(file.poses), true};
-    throw InputError(
-        fmt::format("{}: has times of its own; leave out {}", path.string(), fps ? "--fps" : "--timestamps"));
+    throw InputError(fmt::format("{}: has timestamps; leave out {}", path.string(), fps ? "--fps" : "--timestamps"));
   }
   if (fps) {
     for (StampedPose& pose : file.poses) pose.time /= *fps;

@@ -151,7 +151,7 @@ BundleSummary Adjust(const BundleOptions& options, BundleProblem& problem) {
     Linearize(options, problem, structure, at);
   }
   if (structure.behind_camera > 0) {
-    summary.message += "; left out " + std::to_string(structure.behind_camera) + " observations from behind";
+    summary.message += "; left out " + std::to_string(structure.behind_camera) + " observations behind a camera";
   }
   StateToProblem(at.state, options.fix_rotations, problem);
   return summary;

@@ -64,9 +64,9 @@ void CheckDistance(const BundleProblem& problem, const DistanceConstraint& held,
   Require(IsIndex(held.camera_a, problem.camera_from_world.size()) &&
               IsIndex(held.camera_b, problem.camera_from_world.size()),
           name + " names a camera that does not exist");
-  Require(held.camera_a != held.camera_b, name + " holds a camera at a distance from itself");
+  Require(held.camera_a != held.camera_b, name + " constrains the distance of a camera to itself");
   Require(!problem.camera_is_fixed[held.camera_a] || !problem.camera_is_fixed[held.camera_b],
-          name + " holds the distance of two fixed cameras");
+          name + " constrains the distance of two fixed cameras");
   Require(std::isfinite(held.distance) && held.distance > 0, name + ".distance is not a positive number");
 }
 
@@ -85,7 +85,7 @@ void CheckDistances(const BundleProblem& problem) {
   std::sort(pairs.begin(), pairs.end());
   const auto twice = std::adjacent_find(pairs.begin(), pairs.end());
   if (twice != pairs.end()) {
-    Require(false, "distances holds cameras " + std::to_string(twice->first) + " and " + std::to_string(twice->second) +
+    Require(false, "distances has cameras " + std::to_string(twice->first) + " and " + std::to_string(twice->second) +
                        " twice");
   }
 }

@@ -35,11 +35,11 @@ struct MeasuredDistance {
 struct BundleProblem {
   Pinhole pinhole;
   std::vector<RigidTransform> camera_from_world;
-  std::vector<char> camera_is_fixed;    ///< one flag a camera; at least one camera has to be fixed
+  std::vector<char> camera_is_fixed;    ///< one flag per camera; at least one camera has to be fixed
   std::vector<Eigen::Vector3d> points;  ///< in the world frame; all of them are free
   std::vector<BundleObservation> observations;
-  std::vector<DistanceConstraint> distances;         ///< held exactly (24)-(30); empty for ordinary bundle adjustment
-  std::vector<MeasuredDistance> measured_distances;  ///< weighed against the observations; not robustified
+  std::vector<DistanceConstraint> distances;  ///< equality constraints (24)-(30); empty for plain bundle adjustment
+  std::vector<MeasuredDistance> measured_distances;  ///< measurements; not robustified
 };
 
 /// Throws InputError that names the entry when sizes, indices or values in the problem make no sense.

@@ -11,8 +11,8 @@ namespace turnscale {
 
 /// The unknowns as the solver holds them: x_in_camera = rotation * (x_in_world - centre).
 struct BundleState {
-  std::vector<Eigen::Matrix3d> rotations;  ///< camera_from_world, one a camera
-  std::vector<Eigen::Vector3d> centres;    ///< optical centres in the world, one a camera
+  std::vector<Eigen::Matrix3d> rotations;  ///< camera_from_world, one per camera
+  std::vector<Eigen::Vector3d> centres;    ///< optical centres in the world, one per camera
   std::vector<Eigen::Vector3d> points;     ///< in the world
 };
 

@@ -192,14 +192,14 @@ TEST(Degenerate, BadProblemsAreRefusedByName) {
   expect("observations[3].pixel", [](BundleProblem& p) { p.observations[3].pixel.x() = kNaN; });
   expect("observations[3].sigma", [](BundleProblem& p) { p.observations[3].sigma = 0; });
   expect("distances[0] names a camera", [](BundleProblem& p) { p.distances = {{2, 9, 1.0}}; });
-  expect("distances[0] holds a camera", [](BundleProblem& p) { p.distances = {{2, 2, 1.0}}; });
-  expect("distances[0] holds the distance of two fixed", [](BundleProblem& p) { p.distances = {{0, 1, 1.0}}; });
+  expect("distances[0] constrains the distance of a camera", [](BundleProblem& p) { p.distances = {{2, 2, 1.0}}; });
+  expect("distances[0] constrains the distance of two fixed", [](BundleProblem& p) { p.distances = {{0, 1, 1.0}}; });
   expect("distances[0].distance", [](BundleProblem& p) { p.distances = {{2, 3, 0.0}}; });
   expect("distances[0].distance", [](BundleProblem& p) { p.distances = {{2, 3, kNaN}}; });
   expect("cameras 2 and 3 twice", [](BundleProblem& p) { p.distances = {{2, 3, 1.0}, {3, 2, 1.0}}; });
   expect("measured_distances[0] names a camera", [](BundleProblem& p) { p.measured_distances = {{{2, 9, 1.0}, 0.1}}; });
   expect("measured_distances[0].sigma", [](BundleProblem& p) { p.measured_distances = {{{2, 3, 1.0}, 0.0}}; });
-  expect("at the same place", [](BundleProblem& p) {
+  expect("at the same position", [](BundleProblem& p) {
     p.camera_from_world[3] = p.camera_from_world[2];
     p.distances = {{2, 3, 1.0}};
   });

@@ -17,7 +17,7 @@ namespace turnscale {
 struct KktStep {
   Eigen::VectorXd cameras;  ///< by column, (phi, delta) or delta
   std::vector<Eigen::Vector3d> points;
-  Eigen::VectorXd multipliers;    ///< one a constraint
+  Eigen::VectorXd multipliers;    ///< one per constraint
   double slope = 0;               ///< change of the cost to first order
   double predicted_decrease = 0;  ///< of the cost by the undamped model
 };

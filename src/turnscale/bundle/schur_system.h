@@ -14,7 +14,7 @@ namespace turnscale {
 template <int kDof>
 struct SchurSystem {
   std::vector<Eigen::Matrix<double, kDof, kDof>> blocks;  ///< as BundleStructure::blocks
-  Eigen::VectorXd gradient;                               ///< kDof entries a column
+  Eigen::VectorXd gradient;                               ///< kDof entries per column
   Eigen::VectorXd damping;                                ///< what was added to the cameras' diagonal
   std::vector<Eigen::Matrix3d> inverse_factor;            ///< of each point's damped Hessian V: V^-1 = F^T F
   std::vector<Eigen::Vector3d> point_damping;             ///< what was added to the points' diagonal

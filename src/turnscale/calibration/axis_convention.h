@@ -8,7 +8,7 @@
 
 namespace turnscale {
 
-/// How the axes of a trajectory's body lie.
+/// Axis convention of a trajectory's poses.
 enum class AxisConvention {
   kCamera,            ///< x right, y down, z forward, or as far from that as a camera may be turned
   kForwardLeftUp,     ///< of a robot's or vehicle's body

@@ -9,8 +9,8 @@
 
 namespace turnscale {
 
-/// How a car's body leans outwards in turns, on its springs: in proportion to the sideways acceleration. It tilts the
-/// axis that the camera turns about, which would pass for a roll of the camera where turns to one side prevail.
+/// Outward roll of a sprung car body in turns, in proportion to the lateral acceleration (roll gradient). It tilts the
+/// axis that the camera turns about, which looks like a roll of the camera if most turns go to one side.
 struct BodyLean {
   /// rad of leaning right over the sideways acceleration to the right (unit of length / s^2); not above 0.
   double per_acceleration = 0;
@@ -19,7 +19,7 @@ struct BodyLean {
   double mean_acceleration = 0;
 };
 
-/// Reads the lean from the roll that the camera makes where a turn begins and ends, not from the tilt itself: robust
+/// Estimates it from the camera's rolling motion at the beginning and end of turns, not from the tilt itself: robust
 /// regression of the roll over some steps on the change of acceleration. `vehicle_from_camera` is the paper's Q, good
 /// to some degrees. 0 where too few steps follow each other, or the body seems to lean inwards.
 BodyLean FitBodyLean(const std::vector<CameraStep>& steps, const Eigen::Quaterniond& vehicle_from_camera);

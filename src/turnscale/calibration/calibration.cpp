@@ -32,7 +32,7 @@ void CheckThatItDrives(const std::vector<CameraStep>& steps) {
   }
   constexpr double kLeastShare = 0.5;
   if (sum.norm() >= kLeastShare * length) return;
-  throw InputError("no direction of travel: the camera stands, or turns on the spot, or is not fixed to a car");
+  throw InputError("no direction of travel: the camera stands still, turns on the spot, or is not fixed to a car");
 }
 
 std::string WhatIsMissing(const Calibration& calibration, const CalibrationOptions& options) {
@@ -40,7 +40,7 @@ std::string WhatIsMissing(const Calibration& calibration, const CalibrationOptio
     return "no turn yet: roll and yaw offset not observable";
   }
   if (calibration.linear.confidence < options.min_confidence) {
-    return "the turns are lost in the noise: roll and yaw offset not observable";
+    return "the turns are not significant against the noise: roll and yaw offset not observable";
   }
   return "";
 }
@@ -97,7 +97,7 @@ Calibration Calibrate(const std::vector<CameraStep>& given, const CalibrationOpt
   constexpr int kLeastSteps = 3;
   if (calibration.steps < kLeastSteps) {
     throw InputError("too little motion: " + std::to_string(calibration.steps) +
-                     " steps of driving, and at least 3 are needed");
+                     " usable steps, at least 3 are needed");
   }
   CheckThatItDrives(steps);
   TurningAxis axis;

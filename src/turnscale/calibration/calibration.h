@@ -23,7 +23,7 @@ struct CalibrationOptions {
   /// Turns that are counted for the report begin here, rad (15 deg in one direction).
   double counted_turn = 15 / 57.295779513082320877;
 
-  /// Take the lean of the body in turns away. The paper's car is rigid.
+  /// Compensate the roll of the body in turns. The paper's car is rigid.
   bool body_lean = true;
   /// Standard deviation of what a drive's own motion may be off by from begin to end, rad (0.15 deg): the lens and its
   /// mounting for an odometry, a heading for an inertial one, the road's camber. Yaw and pitch of one drive do not
@@ -34,7 +34,7 @@ struct CalibrationOptions {
   void Check() const;
 };
 
-/// How the camera is turned on the car, and how well that is known.
+/// The camera-to-vehicle rotation and its covariance.
 struct Calibration {
   Eigen::Quaterniond vehicle_from_camera = Eigen::Quaterniond::Identity();  ///< the paper's Q
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< of the small rotation about vehicle axes, rad^2
@@ -48,17 +48,17 @@ struct Calibration {
   int turns = 0;       ///< of more than CalibrationOptions::counted_turn
   double turning = 0;  ///< sum of |psi|, rad
   bool observable = false;
-  std::string problem;  ///< what is missing, one line; empty where all three angles are observed
+  std::string problem;  ///< what is not observable, one line; empty if all three angles are
 };
 
 /// Q from the camera's motion: the linear solution, the refinement, and the refinement again without the body's lean.
 ///
-/// Assumed: the car mostly drives forward (what goes the other way is taken as backing up), and the camera is less than
-/// a quarter turn from upright. Throws InputError where there are fewer than three steps, or
+/// Assumptions: the car mostly drives forward (the other direction counts as reversing), and the camera is less than
+/// 90 degrees from upright. Throws InputError where there are fewer than three steps, or
 /// they have no direction of travel in common.
 Calibration Calibrate(const std::vector<CameraStep>& steps, const CalibrationOptions& options = {});
 
-/// The steps in the direction that most of the way goes, those of backing up turned round. Counts them in `reversed`.
+/// The steps in the main direction of travel, those of reversing inverted. Counts the latter in `reversed`.
 std::vector<CameraStep> DrivenForward(std::vector<CameraStep> steps, int& reversed);
 
 }  // namespace turnscale

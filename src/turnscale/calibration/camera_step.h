@@ -6,7 +6,7 @@
 
 namespace turnscale {
 
-/// How the camera moves from one frame to the next, on the mean over some frames: the paper's hat R_j, hat t_j, with
+/// The camera's motion from one frame to the next, as a mean over some frames: the paper's hat R_j, hat t_j, with
 /// less noise. In the odometry's own unit of length.
 ///
 /// Each frame's motion is taken in its own camera frame, half-way through its rotation: on a bend the camera then goes
@@ -28,7 +28,7 @@ inline RigidTransform WholeMotion(const CameraStep& step) {
       step.frames * (RotationFromVector(0.5 * (step.frames - 1) * rotation) * step.previous_from_current.translation)};
 }
 
-/// A car that backs up obeys the same kinematics with time running the other way: the step as if it drove forward.
+/// Reversing obeys the same kinematics with time inverted: the step as if the car drove forward.
 inline CameraStep Reversed(CameraStep step) {
   step.previous_from_current = step.previous_from_current.inverse();
   return step;

@@ -175,12 +175,12 @@ std::string Fixed(double value, int digits) {
 void CheckFit(const LeverArmFit& fit, const LeverArmFitOptions& options) {
   const double length = fit.lever_arm.length;
   if (!(length > 0)) {
-    throw InputError("the turns show a lever arm of " + Fixed(length, 2) +
-                     " m, and the camera has to be ahead of the rear axle; check the metres and the side slip");
+    throw InputError("the estimated lever arm is " + Fixed(length, 2) +
+                     " m, but the camera must be ahead of the rear axle; check the metric scale and the side slip");
   }
   if (!(fit.sigma_length <= options.max_relative_sigma * length)) {
-    throw InputError("the turns show the lever arm to " + Fixed(length, 2) + " +- " + Fixed(fit.sigma_length, 2) +
-                     " m only; drive more street corners");
+    throw InputError("the estimated lever arm is too uncertain, " + Fixed(length, 2) + " +- " +
+                     Fixed(fit.sigma_length, 2) + " m; use a drive with more street corners");
   }
 }
 
@@ -204,11 +204,11 @@ LeverArmFit FitLeverArm(const std::vector<MetricDrive>& drives, const LeverArmFi
     turned += std::abs(equation.turn);
     ++fit.turning_steps;
   }
-  if (turned < options.min_turn) throw InputError("no turn: the lever arm shows in turns only");
+  if (turned < options.min_turn) throw InputError("no turn: the lever arm is observable in turns only");
   fit.speed_spread = SpeedSpread(equations);
   if (options.side_slip && fit.speed_spread < options.min_speed_spread) {
     throw InputError(
-        "the side slip cannot be told from the lever arm: the turns are all driven at about the same speed (v^2 "
+        "the side slip is indistinguishable from the lever arm: all turns have about the same speed (v^2 "
         "spreads by " +
         Fixed(100 * fit.speed_spread, 0) + " %, " + Fixed(100 * options.min_speed_spread, 0) +
         " % are needed); give the side slip");

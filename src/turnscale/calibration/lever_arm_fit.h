@@ -11,9 +11,9 @@
 namespace turnscale {
 
 struct LeverArmFitOptions {
-  /// Fit c of L_eff = L - c v^2 as well. Needs turns at different speeds; at one speed, L and c cannot be told apart.
+  /// Fit c of L_eff = L - c v^2 as well. Needs turns at different speeds; at one speed, L and c are indistinguishable.
   bool side_slip = false;
-  /// What c is otherwise taken to be, s^2/m.
+  /// Assumed c otherwise, s^2/m.
   double assumed_side_slip = 0;
   /// This share of the turning steps' residuals is below the robust weight's threshold.
   double huber_share = 0.6;
@@ -21,24 +21,24 @@ struct LeverArmFitOptions {
   double min_turn = 30 / 57.295779513082320877;
   /// Least standard deviation of v^2 over the turning steps, over their mean: for side_slip.
   double min_speed_spread = 0.25;
-  /// A lever arm known worse than this, relative, is none.
+  /// A lever arm with a larger relative sigma is rejected.
   double max_relative_sigma = 0.3;
 
   /// Throws InputError that names the field when a value makes no sense.
   void Check() const;
 };
 
-/// The lever arm that metric motion shows.
+/// The lever arm estimated from metric motion.
 struct LeverArmFit {
   LeverArm lever_arm;
   double sigma_length = 0;     ///< metres
   double sigma_side_slip = 0;  ///< s^2/m; 0 where it was assumed, or is at its bound
-  bool slip_at_bound = false;  ///< the best c is below 0; it was taken as 0
+  bool slip_at_bound = false;  ///< the best c is below 0; it was fixed at 0
   int turning_steps = 0;       ///< that turn by at least 2 deg
   double speed_spread = 0;     ///< see LeverArmFitOptions::min_speed_spread
 };
 
-/// A drive in metres, and how its camera is turned on the car.
+/// A metric drive and its camera-to-vehicle rotation.
 struct MetricDrive {
   std::vector<CameraStep> steps;  ///< metres
   Eigen::Quaterniond vehicle_from_camera = Eigen::Quaterniond::Identity();
@@ -46,11 +46,11 @@ struct MetricDrive {
 
 /// L, and c where asked for, common to all drives (end of section III): robust least squares of the pooled line
 ///   s sin(theta - psi/2) = (L - c v^2) 2 sin(psi/2) + s yaw
-/// with a yaw of its own for each drive, so that the error of Q does not pass for a lever arm. Sigma comes from the
+/// with a separate yaw for each drive, so that the error of Q does not bias the lever arm. Sigma comes from the
 /// scores, of the steps or of whole turns, whichever say more, and does not cover what all turns share: the metres
 /// themselves, the slip of the tyres where it is assumed.
-/// Throws InputError where the drives turn too little, or show no lever arm: not above 0, too uncertain, or not to be
-/// told from c.
+/// Throws InputError where the drives turn too little, or give no lever arm: not above 0, too uncertain, or
+/// indistinguishable from c.
 LeverArmFit FitLeverArm(const std::vector<MetricDrive>& drives, const LeverArmFitOptions& options = {});
 
 }  // namespace turnscale

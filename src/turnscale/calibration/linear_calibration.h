@@ -8,11 +8,11 @@
 
 namespace turnscale {
 
-/// What (14) says.
+/// Solution of (14).
 struct LinearSolution {
   Eigen::Quaterniond vehicle_from_camera = Eigen::Quaterniond::Identity();  ///< the paper's Q
   Eigen::Vector4d singular_values = Eigen::Vector4d::Zero();                ///< of M, smallest first
-  /// Ratio of the two smallest singular values: near 1 while a whole family of rotations fits equally well.
+  /// Ratio of the two smallest singular values: near 1 if a whole family of rotations fits equally well.
   double confidence = 1;
 };
 

@@ -33,7 +33,7 @@ struct OnlineCalibrationOptions {
   /// And by at least this angle, rad (1.2 deg).
   double moved_angle = 1.2 / 57.295779513082320877;
   int moved_confirmations = 3;
-  /// Q is worth using below this standard deviation of its yaw, rad (0.3 deg, CalibrationOptions::motion_bias included:
+  /// Q is used below this standard deviation of its yaw, rad (0.3 deg, CalibrationOptions::motion_bias included:
   /// the scale is then right within some per cent).
   double usable_yaw_sigma = 0.3 / 57.295779513082320877;
 
@@ -41,7 +41,7 @@ struct OnlineCalibrationOptions {
   void Check() const;
 };
 
-/// What is known of the camera's rotation at a moment of the drive.
+/// The online estimate of the camera-to-vehicle rotation.
 struct OnlineState {
   Eigen::Quaterniond vehicle_from_camera = Eigen::Quaterniond::Identity();  ///< the paper's Q
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();                     ///< rad^2, about vehicle axes
@@ -58,8 +58,8 @@ struct OnlineState {
   int moves = 0;        ///< so far
 };
 
-/// The calibration as a drive goes on: bounded time and memory for each step. Notices a camera that was moved by the
-/// direction in which it sees the car go. A move about that very direction (roll) hides in the road's bank, and is only
+/// Online calibration, with bounded time and memory per step. Detects a camera that was moved, from a change of the
+/// direction of travel. A move about that very direction (roll) hides in the road's bank, and is only
 /// learned slowly.
 class OnlineCalibration {
  public:

@@ -12,7 +12,7 @@
 
 namespace turnscale {
 
-/// What is assumed of the distances that the car travels.
+/// Model of the travelled distances.
 enum class TravelModel {
   /// The odometry's step lengths hold over a turn: one lever arm, in the odometry's unit, for every piece of the drive
   /// that turns enough to show it. Yaw is then where the line of travel direction over curvature meets zero curvature.
@@ -22,7 +22,7 @@ enum class TravelModel {
   kFree,
 };
 
-/// Standard deviations of a step's measurements, radians: what residuals are weighed by.
+/// Standard deviations of a step's measurements, radians: for the weights of the residuals.
 struct StepNoise {
   double rotation = 0.1 / 57.295779513082320877;    ///< off the turning axis; odometry and the body on its springs
   double vertical = 0.5 / 57.295779513082320877;    ///< direction of travel, up and down
@@ -33,7 +33,7 @@ struct RefinementOptions {
   TravelModel travel = TravelModel::kSteady;
   /// r_th of (16): this share of the residuals is below the Huber threshold, anew in each iteration.
   double huber_share = 0.6;
-  /// Weigh rotations and directions by the spread they show; otherwise both count alike, as in (15).
+  /// Weight rotations and directions by their observed spread; otherwise both count alike, as in (15).
   bool weigh_by_spread = true;
   /// A piece of the drive gets a lever arm of its own once its heading has swept so much, rad (60 deg).
   double turn_per_lever_arm = 60 / 57.295779513082320877;
@@ -61,9 +61,9 @@ struct Refinement {
   /// scaled by the residuals. Infinite diagonal where the equations are singular.
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
   Eigen::Matrix3d information = Eigen::Matrix3d::Zero();  ///< the normal equations themselves, prior included
-  StepNoise noise;                                        ///< as found
-  std::vector<double> lever_arms;                         ///< kSteady: one a piece of the drive, in the odometry's unit
-  std::vector<double> psi;                                ///< one a step, rad
+  StepNoise noise;                                        ///< as estimated
+  std::vector<double> lever_arms;  ///< kSteady: one per piece of the drive, in the odometry's unit
+  std::vector<double> psi;         ///< one per step, rad
   int iterations = 0;
   bool converged = false;
 };

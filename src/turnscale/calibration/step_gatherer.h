@@ -27,7 +27,7 @@ struct StepOptions {
   void Check() const;
 };
 
-/// The frames of a step that is not complete.
+/// Accumulator of the frames of an incomplete step.
 struct FrameMotions {
   Eigen::Vector3d rotation = Eigen::Vector3d::Zero();     ///< sum of rotation vectors, rad
   Eigen::Vector3d translation = Eigen::Vector3d::Zero();  ///< sum of translations, each half-way through its rotation
@@ -57,8 +57,8 @@ class StepGatherer {
 /// All steps of a path. The usual speed is the whole path's.
 std::vector<CameraStep> StepsAlong(const Trajectory& trajectory, const StepOptions& options = {});
 
-/// All steps of a drive whose path is known in stretches, in one unit of length. The usual speed is the whole drive's;
-/// no step reaches from one stretch to the next.
+/// All steps of a drive whose path is known in segments, in one unit of length. The usual speed is the whole drive's;
+/// no step reaches from one segment to the next.
 std::vector<CameraStep> StepsAlong(const std::vector<Trajectory>& stretches, const StepOptions& options = {});
 
 /// When the first piece is missing in a path: the car has gone on, and no step reaches across. Nothing where none is.

@@ -8,8 +8,8 @@
 
 namespace turnscale {
 
-/// The speed that a car usually drives at: half of its way it goes at least so fast. Weighed by the way and not by the
-/// frames, so that standing at a light, where an odometry trembles, says next to nothing. In bounded memory; any unit.
+/// Typical speed of a car: half of its path length is driven at this speed or faster. Weighted by path length, not by
+/// frames, so that odometry noise at standstill has almost no influence. In bounded memory; any unit.
 class UsualSpeed {
  public:
   /// Speeds seen longer ago than about so many seconds of driving are forgotten.

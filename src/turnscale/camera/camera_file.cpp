@@ -27,7 +27,7 @@ CameraModel CameraFromProjection(const std::string& where, std::string_view line
     const auto value = ParseNumber<double>(words[i + 1]);
     if (!value || !std::isfinite(*value)) {
       throw InputError(where + ": P0: '" + std::string(words[i + 1]) + "' at position " + std::to_string(i + 1) +
-                       " is no finite number");
+                       " is not a finite number");
     }
     p[i] = *value;
   }
@@ -36,7 +36,7 @@ CameraModel CameraFromProjection(const std::string& where, std::string_view line
                      " is not above 0; correct the first and sixth number");
   }
   if (p[1] != 0 || p[4] != 0 || p[8] != 0 || p[9] != 0 || p[10] != 1) {
-    throw InputError(where + ": P0 is no [fx 0 cx; 0 fy cy; 0 0 1] camera matrix; skewed cameras are not supported");
+    throw InputError(where + ": P0 is not a [fx 0 cx; 0 fy cy; 0 0 1] camera matrix; skewed cameras are not supported");
   }
   CameraModel camera;
   camera.pinhole = {p[0], p[5], p[2], p[6]};

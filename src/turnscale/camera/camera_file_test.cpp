@@ -178,7 +178,7 @@ TEST(CameraFile, ComplaintsNameKeyValueAndRemedy) {
       {Replaced(kOrbSlam3, "Camera.height: 510\n", ""), "Camera.height: is missing; give it as well as Camera.width"},
       {Replaced(kOpenCv, "image_width: 640\n", ""), "image_width: is missing; give it as well as image_height"},
       {Replaced(kOpenCv, "image_height: 480\n", ""), "image_height: is missing; give it as well as image_width"},
-      {Replaced(kOpenCv, "501.", ".nan"), "camera_matrix.data: holds '.nan' at position 5"},
+      {Replaced(kOpenCv, "501.", ".nan"), "camera_matrix.data: has '.nan' at position 5"},
       {Replaced(kOpenCv, "501.", "-501."), "camera_matrix: focal length 500 x -501"},
       {Replaced(kOpenCv, "image_width", "image_with"), "image_with: unknown key; did you mean 'image_width'?"},
       {Replaced(kOpenCv, "-0.01 ]", "-0.01, 0.5, 0, 0 ]"), "holds 8 numbers"},
@@ -188,7 +188,7 @@ TEST(CameraFile, ComplaintsNameKeyValueAndRemedy) {
       {Replaced(kKalibr, "  intrinsics", "  intrinsic"), "did you mean 'cam0.intrinsics'?"},
       {Replaced(kKalibr, "[752, 480]", "[752]"), "cam0.resolution"},
       {"camera_matrx: 3\n", "did you mean 'camera_matrix'?"},
-      {"just words\n", "holds no keys"},
+      {"just words\n", "has no keys"},
   };
   for (const Mistake& mistake : mistakes) {
     const std::string complaint = Complaint(mistake.text);

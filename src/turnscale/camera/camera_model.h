@@ -22,11 +22,11 @@ struct CameraModel {
   Pinhole pinhole;
   LensModel lens = LensModel::kPinhole;
   std::array<double, 5> distortion = {0, 0, 0, 0, 0};  ///< in the lens model's order, zero-filled
-  int width = 0;                                       ///< pixels; 0 where the camera file does not tell
-  int height = 0;                                      ///< pixels; 0 where the camera file does not tell
+  int width = 0;                                       ///< pixels; 0 if not in the camera file
+  int height = 0;                                      ///< pixels; 0 if not in the camera file
 
-  /// What the calibration has left of the lens's radial distortion (radial_correction.h), found by the odometry itself:
-  /// undistorted pixels are moved by it.
+  /// Residual radial distortion of the calibration (radial_correction.h), estimated by the odometry:
+  /// undistorted pixels are corrected by it.
   double radial_correction = 0;
 
   /// Distorted pixel of a point in the camera frame; nothing where the lens cannot see it.

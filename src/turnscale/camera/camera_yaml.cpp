@@ -162,7 +162,7 @@ CameraModel OpenCvCamera(const YamlMap& file) {
     file.Reject("camera_matrix", FocalLengthComplaint(k[0], k[4]));
   }
   if (k[1] != 0 || k[3] != 0 || k[6] != 0 || k[7] != 0 || k[8] != 1) {
-    file.Reject("camera_matrix", "is no [fx 0 cx; 0 fy cy; 0 0 1]; skewed cameras are not supported");
+    file.Reject("camera_matrix", "is not of the form [fx 0 cx; 0 fy cy; 0 0 1]; skewed cameras are not supported");
   }
   CameraModel camera;
   camera.pinhole = {k[0], k[4], k[2], k[5]};

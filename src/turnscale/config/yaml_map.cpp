@@ -46,7 +46,7 @@ std::optional<double> NumberOf(std::string_view text) {
 }  // namespace
 
 YamlMap::YamlMap(const std::filesystem::path& path) : YamlMap(path.string(), "", Parse(path)) {
-  if (!node_.IsMap()) throw InputError(path_ + ": holds no keys; expected lines of the form 'key: value'");
+  if (!node_.IsMap()) throw InputError(path_ + ": has no keys; expected lines of the form 'key: value'");
 }
 
 YamlMap::YamlMap(std::string path, std::string prefix, const YAML::Node& node)
@@ -64,7 +64,7 @@ std::vector<std::string> YamlMap::Keys() const {
 
 YamlMap YamlMap::Map(const std::string& key) const {
   const YAML::Node value = Value(key);
-  if (!value.IsMap()) Reject(key, "holds keys of its own here; give them indented below it");
+  if (!value.IsMap()) Reject(key, "is a map; give its keys on indented lines below it");
   return {path_, prefix_ + key + ".", value};
 }
 
@@ -93,12 +93,12 @@ bool YamlMap::Bool(const std::string& key) const {
 
 std::vector<double> YamlMap::Numbers(const std::string& key) const {
   const YAML::Node value = Value(key);
-  if (!value.IsSequence()) Reject(key, "is no list; give numbers as [a, b, ...]");
+  if (!value.IsSequence()) Reject(key, "is not a list; give numbers as [a, b, ...]");
   std::vector<double> numbers;
   for (const YAML::Node& item : value) {
     const std::optional<double> number = item.IsScalar() ? NumberOf(item.Scalar()) : std::nullopt;
     if (!number || !std::isfinite(*number)) {
-      Reject(key, std::string("holds '") + (item.IsScalar() ? item.Scalar() : "?") + "' at position " +
+      Reject(key, std::string("has '") + (item.IsScalar() ? item.Scalar() : "?") + "' at position " +
                       std::to_string(numbers.size() + 1) + "; give finite numbers");
     }
     numbers.push_back(*number);
@@ -135,7 +135,7 @@ YAML::Node YamlMap::Value(const std::string& key) const {
 
 std::string YamlMap::Scalar(const std::string& key, std::string_view wanted) const {
   const YAML::Node value = Value(key);
-  if (!value.IsScalar()) Reject(key, std::string("has no plain value; give ").append(wanted));
+  if (!value.IsScalar()) Reject(key, std::string("is not a scalar; give ").append(wanted));
   return value.Scalar();
 }
 

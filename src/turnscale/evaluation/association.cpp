@@ -24,7 +24,7 @@ void CheckTimes(const Trajectory& trajectory, const std::string& name) {
   for (size_t i = 1; i < trajectory.size(); ++i) {
     if (!(trajectory[i].time > trajectory[i - 1].time)) {
       std::ostringstream message;
-      message << "the times of the " << name << " do not grow at pose " << i << ": " << std::setprecision(12)
+      message << "the times of the " << name << " do not increase at pose " << i << ": " << std::setprecision(12)
               << trajectory[i - 1].time << " then " << trajectory[i].time << " s";
       throw InputError(message.str());
     }
@@ -81,7 +81,8 @@ PosePairs AssociateByFrame(const Trajectory& estimate, const Trajectory& truth) 
   CheckNotEmpty(truth, "ground truth");
   if (estimate.size() != truth.size()) {
     throw InputError("the estimate has " + std::to_string(estimate.size()) + " poses and the ground truth " +
-                     std::to_string(truth.size()) + ": without times on both sides they can only be paired one by one");
+                     std::to_string(truth.size()) +
+                     ": without timestamps in both, they can only be associated by index");
   }
   PosePairs pairs;
   for (size_t i = 0; i < estimate.size(); ++i) {

@@ -8,7 +8,7 @@
 
 namespace turnscale {
 
-/// The estimated and the true pose of one moment.
+/// Associated estimated and ground-truth poses.
 struct PosePair {
   int estimate_index = 0;  ///< place in the estimated trajectory
   int truth_index = 0;     ///< place in the true trajectory
@@ -34,7 +34,7 @@ PosePairs AssociateByTime(const Trajectory& estimate, const Trajectory& truth, c
 /// Throws InputError when a trajectory is empty or their lengths differ.
 PosePairs AssociateByFrame(const Trajectory& estimate, const Trajectory& truth);
 
-/// Travel along the true (estimated) positions of the pairs, summed from pair to pair, metres.
+/// Path length along the true (estimated) positions of the pairs, metres.
 double TruePathLength(const PosePairs& pairs);
 double EstimatedPathLength(const PosePairs& pairs);
 

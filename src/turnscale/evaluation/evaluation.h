@@ -17,7 +17,7 @@ struct EvaluationOptions {
   StepErrorOptions steps;
 };
 
-/// The errors that depend on the metre, at one scale of the estimate.
+/// The errors that depend on the scale, at one scale of the estimate.
 struct ScaledErrors {
   double scale = 1;              ///< by which the estimate's translations were multiplied
   double path_length_error = 0;  ///< (estimated - true) / true
@@ -26,7 +26,7 @@ struct ScaledErrors {
   StepErrors turning_steps;
 };
 
-/// How well an estimated trajectory agrees with the truth.
+/// Errors of an estimated trajectory against ground truth.
 struct Evaluation {
   int poses = 0;                ///< paired
   double true_path_length = 0;  ///< metres
@@ -39,7 +39,7 @@ struct Evaluation {
   std::string alignment_problem;
 };
 
-/// Measures everything. Throws InputError when the truth travels too little to be a yardstick.
+/// Computes all errors. Throws InputError when the path length of the ground truth is too short.
 Evaluation Evaluate(const PosePairs& pairs, const std::vector<Step>& steps, const EvaluationOptions& options = {});
 
 }  // namespace turnscale

@@ -60,14 +60,14 @@ Eigen::AlignedBox2d Extent(const PathPicture& picture) {
   Eigen::AlignedBox2d box;
   const auto extend = [&](const std::vector<Eigen::Vector2d>& places) {
     for (const Eigen::Vector2d& place : places) {
-      if (!place.allFinite()) throw InputError("the picture of the path: a place is not finite");
+      if (!place.allFinite()) throw InputError("the top view: a position is not finite");
       box.extend(place);
     }
   };
   extend(picture.truth);
   extend(picture.estimate);
   for (const auto& outline : picture.outlines) extend(outline);
-  if (box.isEmpty()) throw InputError("the picture of the path: there is nothing to show");
+  if (box.isEmpty()) throw InputError("the top view: nothing to draw");
   return box;
 }
 

@@ -8,7 +8,7 @@
 
 namespace turnscale {
 
-/// A drive from above: places as (x to the right, z ahead), metres.
+/// Top view of a drive: positions as (x to the right, z ahead), metres.
 struct PathPicture {
   std::string title;
   std::vector<std::vector<Eigen::Vector2d>> outlines;  ///< of what stands there, closed; may be empty
@@ -16,7 +16,7 @@ struct PathPicture {
   std::vector<Eigen::Vector2d> estimate;
 };
 
-/// The picture as SVG, with a legend and a bar for the metre; ahead is up. Throws InputError where there is no place at
+/// The top view as SVG, with a legend and a scale bar; ahead is up. Throws InputError where there is no place at
 /// all, or one is not finite.
 std::string PathSvg(const PathPicture& picture);
 

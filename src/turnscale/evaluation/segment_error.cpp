@@ -59,8 +59,8 @@ SegmentErrors MeasureSegments(const PosePairs& pairs, double scale, const Segmen
   }
   if (errors.segments == 0 || travel.back() < kShortestDrive) {
     std::ostringstream message;
-    message << "the ground truth travels " << travel.back() << " m over " << pairs.size()
-            << " paired poses: too short to score";
+    message << "the ground truth has a path length of " << travel.back() << " m over " << pairs.size()
+            << " associated poses: too short to evaluate";
     throw InputError(message.str());
   }
   errors.translation /= errors.segments;

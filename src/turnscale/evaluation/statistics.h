@@ -6,7 +6,7 @@
 
 namespace turnscale {
 
-/// What a set of errors amounts to, in the errors' own unit; NaN where there are none.
+/// Statistics of a set of errors, in the errors' unit; NaN if there are none.
 struct ErrorStatistics {
   int count = 0;
   double rms = std::numeric_limits<double>::quiet_NaN();

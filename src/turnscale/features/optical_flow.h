@@ -30,7 +30,7 @@ FlowImage BuildFlowImage(const FlowOptions& options, const cv::Mat& gray);
 
 struct FlowResult {
   std::vector<cv::Point2f> points;  ///< where each point is in the second image; meaningless where not found
-  std::vector<uchar> found;         ///< one flag a point
+  std::vector<uchar> found;         ///< one flag per point
 };
 
 /// Finds points of the first image again in the second by pyramidal Lucas-Kanade, starting at `guesses` (same size as

@@ -17,7 +17,7 @@ std::string Quoted(const std::string& text) {
 }
 
 std::string SlipSource(const LeverArmFit& arm) {
-  if (arm.slip_at_bound) return "the turns show none";
+  if (arm.slip_at_bound) return "estimated, at its bound";
   return arm.sigma_side_slip > 0 ? fmt::format("+- {:.4f}", arm.sigma_side_slip) : "assumed";
 }
 
@@ -27,8 +27,8 @@ std::string CalibrationYaml(const CalibrationReport& report) {
   const Calibration& found = report.calibration;
   const Eigen::Quaterniond& q = found.vehicle_from_camera;
   std::string text = fmt::format(
-      "# How the camera is turned on the car: R_y(yaw) R_x(pitch) R_z(roll), axes x right, y down, z forward.\n"
-      "# These are the z-y-x Euler angles of the axes forward-right-down. For run --camera-rotation.\n"
+      "# Camera-to-vehicle rotation: R_y(yaw) R_x(pitch) R_z(roll), axes x right, y down, z forward.\n"
+      "# The z-y-x Euler angles of forward-right-down axes. For run --camera-rotation.\n"
       "yaw_deg: {:.6f}  # to the right\n"
       "pitch_deg: {:.6f}  # up\n"
       "roll_deg: {:.6f}  # leaning right\n"

@@ -10,7 +10,7 @@
 
 namespace turnscale {
 
-/// What a calibration was made of, and what it found.
+/// Input and result of a calibration.
 struct CalibrationReport {
   std::string input;
   int frames = 0;  ///< poses

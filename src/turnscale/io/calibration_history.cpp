@@ -153,7 +153,7 @@ std::string HistoryCsv(const std::vector<CalibrationMoment>& history) {
 
 std::string HistorySvg(const std::vector<CalibrationMoment>& whole, const std::string& title,
                        const std::optional<YawPitchRoll>& truth) {
-  if (whole.empty()) throw InputError("the picture of the calibration: there is nothing to show");
+  if (whole.empty()) throw InputError("the plot of the calibration: nothing to draw");
   const std::vector<CalibrationMoment> history = Thinned(whole);
   const double begin = history.front().time;
   const double end = std::max(history.back().time, begin + 1);
@@ -177,17 +177,17 @@ std::string HistorySvg(const std::vector<CalibrationMoment>& whole, const std::s
       "<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n";
   text += fmt::format("<text x=\"24\" y=\"28\" class=\"title\">{}</text>\n", EscapedXml(title));
   const Graph psi(70, begin, end, -most_psi, most_psi);
-  text += psi.Frame("turning angle of a frame, deg, over seconds");
+  text += psi.Frame("turning angle per frame, deg, over time, s");
   text += psi.Line(
       history, [](const CalibrationMoment& m) { return InDegrees(m.psi); }, "#333");
   const Graph singular(310, begin, end, 0, most_singular);
-  text += singular.Frame("the two smallest singular values of M (14): smallest red, next blue");
+  text += singular.Frame("the two smallest singular values of M (14): smallest (red), second smallest (blue)");
   for (int i = 0; i < 2; ++i) {
     text += singular.Line(
         history, [i](const CalibrationMoment& m) { return m.singular_values[i]; }, kColors[i]);
   }
   const Graph angles(550, begin, end, std::floor(low - 2), std::ceil(high + 2));
-  text += angles.Frame("refined yaw (red), pitch (blue), roll (green), deg, with one sigma; dashed: truth");
+  text += angles.Frame("refined yaw (red), pitch (blue), roll (green), deg, with 1 sigma; dashed: ground truth");
   const double true_angles[] = {truth ? truth->yaw : 0, truth ? truth->pitch : 0, truth ? truth->roll : 0};
   for (int i = 0; i < 3; ++i) {
     const Value sigma = Sigmas()[i];

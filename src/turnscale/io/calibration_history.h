@@ -12,7 +12,7 @@
 
 namespace turnscale {
 
-/// How a calibration came about: what was known after a step.
+/// The online estimate after a step.
 struct CalibrationMoment {
   double time = 0;                                            ///< seconds; the step's end
   int frames = 0;                                             ///< taken in up to here
@@ -23,10 +23,10 @@ struct CalibrationMoment {
   bool moved = false;
 };
 
-/// The online calibration's account of a drive.
+/// The online calibration of a drive, step by step.
 std::vector<CalibrationMoment> CalibrationHistory(const std::vector<CameraStep>& steps);
 
-/// One line a step, with a heading.
+/// One line per step, with a heading.
 std::string HistoryCsv(const std::vector<CalibrationMoment>& history);
 
 /// Fig. 3 as SVG over time: turning angle, two smallest singular values, angles with their one-sigma bands. `truth`,

@@ -58,7 +58,7 @@ DriveInput FindInFolder(const fs::path& folder) {
   if (!drive.camera_file) drive.camera_file = FileIn(folder, "camera.yaml");
   drive.times_file = FileIn(folder, "times.txt");
   if (FileIn(folder, "drive.yaml") && !drive.times_file) {
-    throw InputError(folder.string() + ": is a simulated drive that was not finished; simulate it again");
+    throw InputError(folder.string() + ": is an incomplete simulated drive; simulate it again");
   }
   std::error_code error;
   for (const char* name : {"image_0", "images"}) {
@@ -75,7 +75,7 @@ DriveInput FindInFolder(const fs::path& folder) {
     return drive;
   }
   if (videos.size() > 1 && drive.path == folder) {
-    throw InputError(folder.string() + ": holds " + std::to_string(videos.size()) + " videos; name one, such as " +
+    throw InputError(folder.string() + ": holds " + std::to_string(videos.size()) + " videos; give one, such as " +
                      videos.front().string());
   }
   throw InputError(drive.path.string() +
@@ -91,8 +91,7 @@ DriveInput FindDrive(const fs::path& input) {
   if (status.type() == fs::file_type::not_found) throw InputError(input.string() + ": no such file or folder");
   if (error) throw InputError(input.string() + ": cannot be opened: " + error.message());
   if (fs::is_directory(status)) return FindInFolder(input);
-  if (IsImageName(input))
-    throw InputError(input.string() + ": is a single image; give the folder that holds the drive");
+  if (IsImageName(input)) throw InputError(input.string() + ": is a single image; give the folder of the drive");
   DriveInput drive;
   drive.path = input;
   drive.is_video = true;

@@ -16,7 +16,7 @@ struct DriveInput {
   std::optional<std::filesystem::path> times_file;   ///< `times.txt` beside the images
 };
 
-/// Sniffs INPUT: a KITTI folder (`image_0/` or `images/`, with `calib.txt` or
+/// Detects the kind of INPUT: a KITTI folder (`image_0/` or `images/`, with `calib.txt` or
 /// `camera.yaml`, and `times.txt`), a folder of images, a
 /// folder with one video, or a video file. Throws InputError where it is none of these.
 DriveInput FindDrive(const std::filesystem::path& input);

@@ -48,14 +48,14 @@ FloorPlan ReadFloorPlan(const std::filesystem::path& path) {
   std::ifstream stream(path);
   std::string line;
   if (std::filesystem::is_directory(path, error) || !std::getline(stream, line) || !line.starts_with(kHeader)) {
-    throw InputError(fmt::format("{}: is no floor plan; it begins with the line {}", path.string(), kHeader));
+    throw InputError(fmt::format("{}: is not a floor plan, which begins with the line {}", path.string(), kHeader));
   }
   FloorPlan plan;
   std::optional<int> outline;
   for (int number = 2; std::getline(stream, line); ++number) {
     const std::optional<Corner> corner = ParseCorner(line);
     if (!corner) {
-      throw InputError(fmt::format("{}:{}: '{}' is no corner; expected {}", path.string(), number, line, kHeader));
+      throw InputError(fmt::format("{}:{}: '{}' is not a corner; expected {}", path.string(), number, line, kHeader));
     }
     if (outline != corner->outline) plan.emplace_back();
     outline = corner->outline;

@@ -33,10 +33,10 @@ TEST(FloorPlan, WhatIsWrittenReadsBack) {
 }
 
 TEST(FloorPlan, ComplaintsNameTheLine) {
-  EXPECT_NE(PlanComplaint("outline,x_m,z_m\n0,1,2\n0,1\n").find("floor_plan.csv:3: '0,1' is no corner"),
+  EXPECT_NE(PlanComplaint("outline,x_m,z_m\n0,1,2\n0,1\n").find("floor_plan.csv:3: '0,1' is not a corner"),
             std::string::npos);
   EXPECT_NE(PlanComplaint("outline,x_m,z_m\n0,nan,2\n").find(":2: "), std::string::npos);
-  EXPECT_NE(PlanComplaint("").find("is no floor plan"), std::string::npos);
+  EXPECT_NE(PlanComplaint("").find("is not a floor plan"), std::string::npos);
   EXPECT_THROW(ReadFloorPlan("/nonexistent/plan.csv"), InputError);
   EXPECT_THROW(ReadFloorPlan("/"), InputError);
 }

@@ -14,7 +14,7 @@ namespace turnscale {
 class FrameReader {
  public:
   virtual ~FrameReader() = default;
-  /// The next image or why it is of no use; nothing at the end.
+  /// The next image, or why it is unusable; empty at the end.
   virtual std::optional<GrayImage> Read() = 0;
 };
 

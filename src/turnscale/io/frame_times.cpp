@@ -23,8 +23,8 @@ FrameTimes ReadFrameTimes(const std::filesystem::path& path) {
     if (words.empty() || words[0].starts_with('#')) continue;
     const auto time = ParseNumber<double>(words[0]);
     if (words.size() != 1 || !time || !std::isfinite(*time)) {
-      throw InputError(fmt::format("{}:{}: '{}' is no time; give one number a line, in seconds", path.string(), number,
-                                   fmt::join(words, " ")));
+      throw InputError(fmt::format("{}:{}: '{}' is not a time; give one number per line, in seconds", path.string(),
+                                   number, fmt::join(words, " ")));
     }
     if (!result.times.empty() && *time <= result.times.back()) {
       throw InputError(fmt::format("{}:{}: time {} {} the time before, {}; times must increase", path.string(), number,
@@ -34,7 +34,7 @@ FrameTimes ReadFrameTimes(const std::filesystem::path& path) {
     result.times.push_back(*time);
     result.lines.push_back(number);
   }
-  if (result.times.empty()) throw InputError(path.string() + ": holds no times; give one number a line, in seconds");
+  if (result.times.empty()) throw InputError(path.string() + ": has no times; give one number per line, in seconds");
   return result;
 }
 

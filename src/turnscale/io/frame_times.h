@@ -8,7 +8,7 @@
 
 namespace turnscale {
 
-/// Times of the frames in seconds, one a line; lines that are empty or begin with # are passed over.
+/// Times of the frames in seconds, one per line; lines that are empty or begin with # are passed over.
 struct FrameTimes {
   std::vector<double> times;
   std::vector<int> lines;  ///< where each stands in the file, from 1

@@ -12,8 +12,8 @@ namespace turnscale {
 
 /// An image as 8-bit gray, or why there is none.
 struct GrayImage {
-  cv::Mat gray;         ///< empty when the file is of no use
-  std::string problem;  ///< "name: why"; empty when all is well
+  cv::Mat gray;         ///< empty if the file is unusable
+  std::string problem;  ///< "name: why"; empty if there is none
 };
 
 /// Reads an image file; colour and 16-bit become 8-bit gray, and the stored rows are taken as they are (a camera's

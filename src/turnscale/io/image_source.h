@@ -16,12 +16,12 @@ namespace turnscale {
 struct SourceFrame {
   int index = 0;        ///< from 0, without gaps, whatever the file names count
   double time = 0;      ///< seconds
-  cv::Mat gray;         ///< 8-bit gray; empty when the image is of no use
+  cv::Mat gray;         ///< 8-bit gray; empty if the image is unusable
   std::string problem;  ///< why there is no image: "name: why"
 };
 
 struct ImageSourceOptions {
-  /// File with one time a line, in seconds. Goes before `fps`.
+  /// File with one time per line, in seconds. Goes before `fps`.
   std::optional<std::filesystem::path> timestamps = {};
   /// Frames per second. Goes before the drive's own times.txt or the video's own rate.
   std::optional<double> fps = {};

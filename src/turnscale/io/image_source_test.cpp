@@ -204,10 +204,10 @@ TEST_F(ImageSourceTest, ComplaintsAboutTimesNameTheLine) {
   EXPECT_TRUE(complaint("0\n1\n2\n\n3\n").starts_with("t.txt:5: time 4 has no frame"));
   EXPECT_TRUE(complaint("0\n2\n1\n").starts_with("t.txt:3: time 1 goes back from the time before, 2"));
   EXPECT_TRUE(complaint("0\n1\n1\n").starts_with("t.txt:3: time 1 repeats the time before"));
-  EXPECT_TRUE(complaint("0\nnan\n2\n").starts_with("t.txt:2: 'nan' is no time"));
-  EXPECT_TRUE(complaint("0\n1 1\n2\n").starts_with("t.txt:2: '1 1' is no time"));
-  EXPECT_TRUE(complaint("0\nx\n2\n").starts_with("t.txt:2: 'x' is no time"));
-  EXPECT_TRUE(complaint("# nothing\n").starts_with("t.txt: holds no times"));
+  EXPECT_TRUE(complaint("0\nnan\n2\n").starts_with("t.txt:2: 'nan' is not a time"));
+  EXPECT_TRUE(complaint("0\n1 1\n2\n").starts_with("t.txt:2: '1 1' is not a time"));
+  EXPECT_TRUE(complaint("0\nx\n2\n").starts_with("t.txt:2: 'x' is not a time"));
+  EXPECT_TRUE(complaint("# nothing\n").starts_with("t.txt: has no times"));
 }
 
 TEST_F(ImageSourceTest, MissingAndEmptyInputs) {
@@ -215,7 +215,7 @@ TEST_F(ImageSourceTest, MissingAndEmptyInputs) {
   EXPECT_NE(Complaint().find("holds no images"), std::string::npos);
   Text("front.mp4", "");
   Text("rear.mp4", "");
-  EXPECT_NE(Complaint().find("holds 2 videos; name one, such as " + (folder_ / "front.mp4").string()),
+  EXPECT_NE(Complaint().find("holds 2 videos; give one, such as " + (folder_ / "front.mp4").string()),
             std::string::npos);
   Images(folder_ / "pictures", 0, 1);
   EXPECT_THROW(FindDrive(folder_ / "pictures" / "0.png"), InputError);

@@ -43,16 +43,16 @@ nlohmann::ordered_json MountJson(const std::optional<MountSummary>& mount) {
 std::string MountText(const std::optional<MountSummary>& mount) {
   if (!mount) return {};
   if (!mount->found && mount->moves > 0)
-    return fmt::format("camera  was moved {} times; no turn has shown its rotation since, so it is as before\n",
+    return fmt::format("camera  moved {} times; no turn since, so the rotation from before the move is used\n",
                        mount->moves);
   if (!mount->found)
-    return "camera  taken to look straight ahead, or as the settings say: no turn showed it well enough\n";
+    return "camera  rotation not estimated (no suitable turn): identity, or that of the settings, is used\n";
   const auto degrees = [](double angle) { return angle * kDegreesPerRadian; };
-  std::string text =
-      fmt::format("camera  yaw {:+.2f} +-{:.2f}, pitch {:+.2f} +-{:.2f}, roll {:+.1f} +-{:.1f} deg, found on the way",
-                  degrees(mount->angles.yaw), degrees(mount->sigma.yaw), degrees(mount->angles.pitch),
-                  degrees(mount->sigma.pitch), degrees(mount->angles.roll), degrees(mount->sigma.roll));
-  if (mount->moves > 0) text += fmt::format("; it was moved {} times", mount->moves);
+  std::string text = fmt::format(
+      "camera  yaw {:+.2f} +-{:.2f}, pitch {:+.2f} +-{:.2f}, roll {:+.1f} +-{:.1f} deg, estimated from the drive",
+      degrees(mount->angles.yaw), degrees(mount->sigma.yaw), degrees(mount->angles.pitch), degrees(mount->sigma.pitch),
+      degrees(mount->angles.roll), degrees(mount->sigma.roll));
+  if (mount->moves > 0) text += fmt::format("; moved {} times", mount->moves);
   return text + "\n";
 }
 
@@ -65,35 +65,35 @@ nlohmann::ordered_json CarJson(const std::optional<CarRefinement>& car) {
           {"yaw_error_sigma_deg", car->yaw_error_sigma * kDegreesPerRadian}};
 }
 
-// One line, empty where the turns said nothing.
+// One line, empty without an estimate.
 std::string CarText(const std::optional<CarRefinement>& car) {
   if (!car) return {};
   std::string slip;
   if (car->side_slip_at_bound) {
-    slip = "side slip 0, as the turns ask for a negative one: check lever arm and times; ";
+    slip = "side slip 0, since the estimate would be negative: check lever arm and timestamps; ";
   } else if (car->side_slip_sigma > 0) {
     slip = fmt::format("side slip {:.4f} +-{:.4f} s^2/m, ", car->side_slip, car->side_slip_sigma);
   }
-  return fmt::format("car     {}camera's yaw off by {:+.2f} +-{:.2f} deg, from all turns\n", slip,
+  return fmt::format("car     {}yaw error of the camera {:+.2f} +-{:.2f} deg, from all turns\n", slip,
                      car->yaw_error * kDegreesPerRadian, car->yaw_error_sigma * kDegreesPerRadian);
 }
 
-// What the turns say against the estimate; empty where they agree.
+// Empty if the turns are consistent with the estimate.
 std::string TurnWarning(const RefinedScale& scale) {
   if (!scale.estimate || !scale.estimate->fell_back) return {};
   const TurnTest& test = scale.estimate->test;
   if (test.contradicted && test.worst_turn >= 0) {
     const TurnResult& worst = scale.turns[test.worst_turn];
     return fmt::format(
-        "the turns contradict each other by {:.0f} % of scale, most of all the one at frames {}-{}: each part of the "
-        "path follows its own turns; check the camera's calibration and rotation, the times of the frames and the "
-        "lever arm",
+        "the turns are inconsistent by {:.0f} % of scale, most of all the one at frames {}-{}: the trajectory uses "
+        "single-turn scales; check the camera's calibration and rotation, the timestamps and the lever arm",
         100 * test.disagreement, worst.first_frame, worst.last_frame);
   }
   if (!scale.estimate->converged)
-    return "the turns agree on no scale (the estimate did not converge): each part of the path follows its own turns; "
-           "check the camera's calibration and rotation, the times of the frames and the lever arm";
-  // Turns are followed where the calibration is wrong, too; that has a warning of its own.
+    return "the scale estimate did not converge: the trajectory uses single-turn scales; check the camera's "
+           "calibration "
+           "and rotation, the timestamps and the lever arm";
+  // Single-turn scales because of the calibration: it has its own warning.
   return {};
 }
 
@@ -112,9 +112,9 @@ std::string CalibrationWarning(const ParameterEstimate& estimate, double path_si
     return {"", ""};
   }();
   return fmt::format(
-      "the turns show a {} of {:.4g} +- {:.2g}{}, the calibration says {:.4g}: check that it is this camera's{}", name,
-      estimate.found, estimate.sigma, unit, estimate.given,
-      std::isfinite(path_sigma) ? fmt::format("; lengths may be off by {:.0f} % or more", 100 * path_sigma) : "");
+      "the images of turns give a {} of {:.4g} +- {:.2g}{}, the calibration {:.4g}: check that it is this camera's{}",
+      name, estimate.found, estimate.sigma, unit, estimate.given,
+      std::isfinite(path_sigma) ? fmt::format("; the scale may be off by {:.0f} % or more", 100 * path_sigma) : "");
 }
 
 bool IsMetric(const RunSummary& summary) { return summary.scale_state != ScaleState::kPending; }
@@ -219,11 +219,11 @@ std::string SummaryJson(const RunSummary& summary) {
 std::string SummaryText(const RunSummary& summary) {
   std::string scale = ScaleStateName(summary.scale_state);
   if (IsMetric(summary))
-    scale += fmt::format(", path length +-{:.1f} %, at worst +-{:.1f} % (at {:.1f} s)", 100 * summary.path_sigma,
-                         100 * summary.worst_sigma, summary.worst_sigma_time);
+    scale += fmt::format(", path length +-{:.1f} %, along the drive at most +-{:.1f} % (at {:.1f} s)",
+                         100 * summary.path_sigma, 100 * summary.worst_sigma, summary.worst_sigma_time);
   if (!IsMetric(summary)) {
-    scale += summary.vehicle.lever_arm ? ", lengths are in an arbitrary unit"
-                                       : ": without --lever-arm the path is up to scale, in an arbitrary unit";
+    scale += summary.vehicle.lever_arm ? ", the trajectory is up to scale"
+                                       : ": without --lever-arm the trajectory is up to scale";
     if (summary.vehicle.lever_arm && !summary.pending_reason.empty()) scale += ": " + summary.pending_reason;
   }
   const RunCost& cost = summary.cost;
@@ -233,8 +233,8 @@ std::string SummaryText(const RunSummary& summary) {
       "{}"
       "{}"
       "turns   {} found, {} used\n"
-      "lost    {} frames bridged, {} unreadable, {} repeated; {} before the map began\n"
-      "speed   {:.1f} frames/s, {:.1f} ms of processor time a frame, {:.0f} MB\n"
+      "frames  {} bridged, {} unreadable, {} repeated; {} before initialisation\n"
+      "speed   {:.1f} frames/s, {:.1f} ms of CPU time per frame, {:.0f} MB\n"
       "files   {}\n",
       summary.distance, IsMetric(summary) ? "m" : "units", summary.frames, summary.keyframes, scale,
       MountText(summary.mount), CarText(summary.car), summary.turns_found, summary.turns_used, summary.bridged,

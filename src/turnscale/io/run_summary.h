@@ -18,7 +18,7 @@ struct UnreadableFrame {
   std::string problem;
 };
 
-/// What a run cost. All that may differ between two runs of the same input.
+/// Cost of a run: the only part that may differ between two runs of the same input.
 struct RunCost {
   double wall_seconds = 0;
   double cpu_seconds = 0;     ///< of all threads
@@ -28,21 +28,21 @@ struct RunCost {
 /// Cost of this process up to now, the wall clock counted from its first call.
 RunCost MeasureCost();
 
-/// What the drive told of the lens beyond its calibration (mapping/lens_refinement.h).
+/// Correction of the lens calibration estimated from the drive (mapping/lens_refinement.h).
 struct LensSummary {
   double correction = 0;
   double sigma = 0;
 };
 
-/// How the camera is turned on the car, as the drive has told.
+/// The camera-to-vehicle rotation as estimated from the drive.
 struct MountSummary {
-  YawPitchRoll angles;  ///< rad; as assumed while not found
+  YawPitchRoll angles;  ///< rad; as assumed if not estimated
   YawPitchRoll sigma;   ///< rad
-  bool found = false;   ///< known well enough to be used
+  bool found = false;   ///< estimated well enough to be used
   int moves = 0;        ///< how often the camera was moved during the drive
 };
 
-/// What a run found, for summary.json and for the screen.
+/// Results of a run, for summary.json and for the screen.
 struct RunSummary {
   std::string version;
   std::string input;
@@ -59,7 +59,7 @@ struct RunSummary {
   std::vector<UnreadableFrame> unreadable;
   double distance = 0;  ///< metres where the scale is known, else in the arbitrary unit
   ScaleState scale_state = ScaleState::kPending;
-  double path_sigma = 0;              ///< relative, of the path's length in metres
+  double path_sigma = 0;              ///< relative, of the path length in metres
   double worst_sigma = 0;             ///< relative, the largest of the scale along the path
   double worst_sigma_time = 0;        ///< seconds, where that is
   std::optional<LensSummary> lens;    ///< empty where it was not looked for
@@ -67,10 +67,10 @@ struct RunSummary {
   std::optional<CarRefinement> car;   ///< empty while the scale is pending
   int turns_found = 0;
   int turns_used = 0;
-  TurnTest turn_test;                 ///< do the turns agree?
+  TurnTest turn_test;                 ///< consistency of the turns
   std::string pending_reason;         ///< why there is no scale; empty where there is
-  std::vector<std::string> warnings;  ///< what casts doubt on the metres, a line each
-  std::string stopped;                ///< why the run ended before the drive did; empty where it did not
+  std::vector<std::string> warnings;  ///< about the metric scale, one line each
+  std::string stopped;                ///< why the run ended before the drive did; empty if it did not
   RunCost cost;
 };
 

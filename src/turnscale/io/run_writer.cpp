@@ -34,7 +34,7 @@ void MakeFolder(const fs::path& folder) {
 
 RunWriter::RunWriter(const RunWriterOptions& options) : options_(options) {
   if (options_.frame == PoseFrame::kVehicle && !options_.vehicle.lever_arm) {
-    throw InputError("--frame vehicle: the rear axle's place is known only with --lever-arm; give it in metres");
+    throw InputError("--frame vehicle: needs the position of the rear axle; give --lever-arm");
   }
   MakeFolder(options_.folder);
   for (const char* name : {kTurns, kMap, "summary.json"}) {

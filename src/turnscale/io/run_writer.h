@@ -14,7 +14,7 @@
 
 namespace turnscale {
 
-/// Whose poses are written.
+/// The frame whose poses are written.
 enum class PoseFrame {
   kCamera,  ///< the camera's, in the world of the first keyframe's camera
   /// The rear axle's, in the axle's own frame at the moment when the camera was at the world's origin. While the scale
@@ -28,21 +28,21 @@ struct RunWriterOptions {
   VehicleOptions vehicle = {};
 };
 
-/// Keeps a run's results on disk from its first frame on. trajectory.tum, trajectory.kitti.txt and trajectory.csv hold
-/// a consistent state of the refined path at every moment, live.tum grows by one flushed line per frame. Every function
-/// throws InputError where the folder or a file cannot be made, OutputError where the system refuses to write.
+/// Writes the results of a run to disk from its first frame on. trajectory.tum, trajectory.kitti.txt and trajectory.csv
+/// hold a consistent state of the refined path at every moment, live.tum grows by one flushed line per frame. Every
+/// function throws InputError where the folder or a file cannot be made, OutputError where the system refuses to write.
 class RunWriter {
  public:
   /// Makes the folder and begins the files anew; results of an earlier run in it are taken away.
   explicit RunWriter(const RunWriterOptions& options);
 
-  /// Writes what the odometry said of the newest frame. Returns whether Rewrite is due: when poses already written have
+  /// Writes the result of the newest frame. Returns whether Rewrite is due: when poses already written have
   /// changed (`revision`), at once where the scale's state changed, else as soon as a fiftieth of the drive is new,
   /// which keeps the work of rewriting in proportion to the drive.
   [[nodiscard]] bool Add(const FrameResult& live, int revision, ScaleState scale_state);
 
-  /// Writes the refined path as a whole. Frames are left out of the trajectory files only while there is no map at all;
-  /// the table has every frame.
+  /// Writes the whole refined trajectory. Frames are left out of the trajectory files only while there is no map at
+  /// all; the table has every frame.
   void Rewrite(const std::vector<FrameResult>& refined, ScaleState scale_state);
 
   void WriteTurns(const std::vector<TurnResult>& turns);
@@ -50,7 +50,7 @@ class RunWriter {
   /// Any other file of the folder, in one step.
   void WriteText(const std::string& name, const std::string& text);
 
-  /// From now on the camera counts as turned like this on the car where the world begins.
+  /// Sets the camera-to-vehicle rotation at the origin of the world frame.
   void SetFirstCameraRotation(const Eigen::Quaterniond& vehicle_from_camera) {
     options_.vehicle.vehicle_from_camera = vehicle_from_camera;
   }

@@ -265,10 +265,10 @@ TEST(RunSummary, CountsAndMeasures) {
   summary.car = {0.002, 0.001, 0.0041, 0.0003, false};
   const auto with_car = nlohmann::json::parse(SummaryJson(summary));
   EXPECT_EQ(with_car["by_all_turns"]["side_slip_s2_per_m"], 0.0041);
-  EXPECT_NE(SummaryText(summary).find("side slip 0.0041 +-0.0003 s^2/m, camera's yaw off by +0.11 +-0.06 deg"),
+  EXPECT_NE(SummaryText(summary).find("side slip 0.0041 +-0.0003 s^2/m, yaw error of the camera +0.11 +-0.06 deg"),
             std::string::npos);
   summary.car = {0.002, 0.001, 0, 1e-9, true};
-  EXPECT_NE(SummaryText(summary).find("side slip 0, as the turns ask for a negative one"), std::string::npos);
+  EXPECT_NE(SummaryText(summary).find("side slip 0, since the estimate would be negative"), std::string::npos);
   EXPECT_TRUE(json["complete"].get<bool>());
   EXPECT_NE(SummaryText(summary).find("8.00 m in 5 frames"), std::string::npos);
 }
@@ -276,7 +276,7 @@ TEST(RunSummary, CountsAndMeasures) {
 TEST(RunSummary, UpToScaleSaysSo) {
   RunSummary summary;
   Summarize(Frames(3, 1), {}, summary);
-  EXPECT_NE(SummaryText(summary).find("without --lever-arm the path is up to scale"), std::string::npos);
+  EXPECT_NE(SummaryText(summary).find("without --lever-arm the trajectory is up to scale"), std::string::npos);
   const auto json = nlohmann::json::parse(SummaryJson(summary));
   EXPECT_TRUE(json["distance_m"].is_null());
   EXPECT_TRUE(json["scale"]["worst_relative_sigma"].is_null());
@@ -299,7 +299,8 @@ TEST(RunSummary, SaysHowWellTheLengthIsKnownAndWhereLeast) {
   EXPECT_EQ(json["scale"]["worst_relative_sigma"], 0.09);
   EXPECT_NEAR(json["scale"]["worst_at_s"].get<double>(), 0.3, 1e-12);
   EXPECT_TRUE(json["warnings"].empty());
-  EXPECT_NE(SummaryText(summary).find("path length +-3.4 %, at worst +-9.0 % (at 0.3 s)"), std::string::npos)
+  EXPECT_NE(SummaryText(summary).find("path length +-3.4 %, along the drive at most +-9.0 % (at 0.3 s)"),
+            std::string::npos)
       << SummaryText(summary);
 }
 

@@ -61,7 +61,7 @@ Eigen::Quaterniond ReadCameraRotation(const std::string& angles_or_file) {
     std::error_code error;
     if (!std::filesystem::exists(angles_or_file, error)) {
       throw InputError(
-          fmt::format("--camera-rotation '{}': is no file; give three degrees as yaw,pitch,roll, or a YAML file with "
+          fmt::format("--camera-rotation '{}': is not a file; give yaw,pitch,roll in degrees, or a YAML file with "
                       "yaw_deg, pitch_deg, roll_deg",
                       angles_or_file));
     }
@@ -76,7 +76,8 @@ Eigen::Quaterniond ReadCameraRotation(const std::string& angles_or_file) {
   }
   for (const double angle : {angles->yaw, angles->pitch, angles->roll}) {
     if (!(std::abs(angle) * kDegreesPerRadian <= 180)) {
-      throw InputError(fmt::format("--camera-rotation '{}': angles lie between -180 and 180 degrees", angles_or_file));
+      throw InputError(
+          fmt::format("--camera-rotation '{}': angles must be between -180 and 180 degrees", angles_or_file));
     }
   }
   return RotationFromYawPitchRoll(*angles);

@@ -58,7 +58,7 @@ SpeedLog ReadSpeedFile(const std::filesystem::path& path) {
     const bool heading = log.times.empty() && !time && !speed;
     if (heading) continue;
     if (!time || !speed || !std::isfinite(*time) || !std::isfinite(*speed) || *speed < 0) {
-      throw InputError(fmt::format("{}: '{}, {}' are no time and speed", where, words[0], words[1]));
+      throw InputError(fmt::format("{}: '{}, {}' is not a time and a speed", where, words[0], words[1]));
     }
     if (!log.times.empty() && *time <= log.times.back()) {
       throw InputError(fmt::format("{}: time {} does not come after {}", where, *time, log.times.back()));

@@ -39,7 +39,7 @@ RigidTransform PoseFromKitti(std::span<const double> values, const std::string& 
   const double error = (R.transpose() * R - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
   if (error > kRotationTolerance || R.determinant() < 0) {
     throw InputError(
-        fmt::format("{}: the 3x3 part is no rotation (off by {:.2g}); expected a row-major 3x4 pose", where, error));
+        fmt::format("{}: the 3x3 part is not a rotation (off by {:.2g}); expected a row-major 3x4 pose", where, error));
   }
   // The nearest rotation: printed digits are never quite orthonormal.
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(R, Eigen::ComputeFullU | Eigen::ComputeFullV);
@@ -50,7 +50,7 @@ std::vector<double> NumbersOf(const std::vector<std::string_view>& words, const 
   std::vector<double> values;
   for (const std::string_view word : words) {
     const auto value = ParseNumber<double>(word);
-    if (!value || !std::isfinite(*value)) throw InputError(fmt::format("{}: '{}' is no finite number", where, word));
+    if (!value || !std::isfinite(*value)) throw InputError(fmt::format("{}: '{}' is not a finite number", where, word));
     values.push_back(*value);
   }
   return values;
@@ -94,7 +94,7 @@ class Parser {
     file_.format = TrajectoryFormat::kEuroc;
     if (words.size() < kEurocColumns || (columns_ != 0 && words.size() != columns_)) {
       throw InputError(
-          fmt::format("{}: {} columns; EuRoC has 'time [ns],px,py,pz,qw,qx,qy,qz' and maybe more in each line", where,
+          fmt::format("{}: {} columns; EuRoC has 'time [ns],px,py,pz,qw,qx,qy,qz' and optional further columns", where,
                       words.size()));
     }
     columns_ = words.size();
@@ -116,7 +116,8 @@ class Parser {
     int frame = static_cast<int>(file_.frames.size());
     if (columns_ == 13) {
       if (values[0] != std::floor(values[0]) || values[0] < 0 || values[0] > 1e9) {
-        throw InputError(fmt::format("{}: '{}' is no frame number; 13 columns begin with one", where, values[0]));
+        throw InputError(
+            fmt::format("{}: '{}' is not a frame number; a 13-column file begins with one", where, values[0]));
       }
       frame = static_cast<int>(values[0]);
       values = values.subspan(1);

@@ -72,7 +72,7 @@ TEST(TrajectoryFile, ReadsEurocCsv) {
   EXPECT_EQ(file.poses[0].world_from_camera.translation, Eigen::Vector3d(4.5, -1.25, 0.75));
   EXPECT_LT(file.poses[0].world_from_camera.rotation.angularDistance(Eigen::Quaterniond(0.5, -0.5, 0.5, 0.5)), 1e-12);
   EXPECT_NE(TrajectoryComplaint("1,2,3\n").find("EuRoC has"), std::string::npos);
-  EXPECT_NE(TrajectoryComplaint("1,0,0,0,1,0,0,0\n2,0,0,0,1,0,0,x\n").find("bad.txt:2: 'x' is no finite number"),
+  EXPECT_NE(TrajectoryComplaint("1,0,0,0,1,0,0,0\n2,0,0,0,1,0,0,x\n").find("bad.txt:2: 'x' is not a finite number"),
             std::string::npos);
 }
 
@@ -124,17 +124,18 @@ TEST(TrajectoryFile, ComplaintsNameTheLine) {
   EXPECT_TRUE(TrajectoryComplaint("1 2 3\n").starts_with("bad.txt:1: 3 columns"));
   EXPECT_TRUE(
       TrajectoryComplaint(tum + "1 1 2 3 0 0 0\n").starts_with("bad.txt:2: 7 columns, but the lines before have 8"));
-  EXPECT_TRUE(
-      TrajectoryComplaint("# c\n" + tum + "1 1 nan 3 0 0 0 1\n").starts_with("bad.txt:3: 'nan' is no finite number"));
-  EXPECT_TRUE(TrajectoryComplaint(tum + "1 1 2 x 0 0 0 1\n").starts_with("bad.txt:2: 'x' is no finite number"));
+  EXPECT_TRUE(TrajectoryComplaint("# c\n" + tum + "1 1 nan 3 0 0 0 1\n")
+                  .starts_with("bad.txt:3: 'nan' is not a finite number"));
+  EXPECT_TRUE(TrajectoryComplaint(tum + "1 1 2 x 0 0 0 1\n").starts_with("bad.txt:2: 'x' is not a finite number"));
   EXPECT_TRUE(TrajectoryComplaint(tum + "1 1 2 3 0 0 0 0.5\n").starts_with("bad.txt:2: quaternion has norm 0.5"));
   EXPECT_TRUE(TrajectoryComplaint(tum + tum).starts_with("bad.txt:2: time 0 does not come after 0"));
+  EXPECT_TRUE(TrajectoryComplaint(kitti + "1 0 0 5 0 1 0 0 0 0 -1 0\n")
+                  .starts_with("bad.txt:2: the 3x3 part is not a rotation"));
   EXPECT_TRUE(
-      TrajectoryComplaint(kitti + "1 0 0 5 0 1 0 0 0 0 -1 0\n").starts_with("bad.txt:2: the 3x3 part is no rotation"));
-  EXPECT_TRUE(TrajectoryComplaint("2 0 0 5 0 1 0 0 0 0 1 0\n").starts_with("bad.txt:1: the 3x3 part is no rotation"));
+      TrajectoryComplaint("2 0 0 5 0 1 0 0 0 0 1 0\n").starts_with("bad.txt:1: the 3x3 part is not a rotation"));
   EXPECT_TRUE(TrajectoryComplaint(kitti + kitti, std::vector<double>{0}).starts_with("bad.txt:2: frame 1 has no time"));
   EXPECT_TRUE(TrajectoryComplaint(kitti, std::vector<double>{0, 1}).starts_with("bad.txt: 1 poses, but 2 times"));
-  EXPECT_TRUE(TrajectoryComplaint("0.5 " + kitti).starts_with("bad.txt:1: '0.5' is no frame number"));
+  EXPECT_TRUE(TrajectoryComplaint("0.5 " + kitti).starts_with("bad.txt:1: '0.5' is not a frame number"));
   EXPECT_TRUE(TrajectoryComplaint("3 " + kitti + "3 " + kitti).starts_with("bad.txt:2: frame 3 does not come after 3"));
   EXPECT_THROW(ReadTrajectory(Path("nowhere")), InputError);
   EXPECT_THROW(ReadTrajectory(::testing::TempDir()), InputError);

@@ -91,17 +91,17 @@ PooledLineResult PoolTurn(const std::vector<VehicleStep>& all_steps, const Poole
   for (const VehicleStep& step : steps) points.push_back({HalfTurn(step), step.lateral()});
   if (std::ranges::all_of(points, [](const LinePoint& point) { return point.x == 0; })) return NoLine("no turning");
   const RobustLine fit = FitRobustLine(points, noise_floor, options.robust_threshold);
-  if (!std::isfinite(fit.slope)) return NoLine("the steps contradict each other");
+  if (!std::isfinite(fit.slope)) return NoLine("the steps are inconsistent");
 
   const PooledLine line = Describe(steps, fit);
   if (line.inliers < std::max(options.min_inliers, (line.steps + 1) / 2)) {
-    return NoLine(Text("only %.0f of %.0f steps agree", line.inliers, line.steps));
+    return NoLine(Text("only %.0f of %.0f steps are inliers", line.inliers, line.steps));
   }
   double inlier_angle = 0;
   for (std::size_t i = 0; i < steps.size(); ++i)
     if (fit.weight[i] >= kInlierWeight) inlier_angle += std::abs(steps[i].motion.psi);
   if (inlier_angle < options.min_angle) {
-    return NoLine(Text("the agreeing steps turn by %.1f deg, less than %.1f", inlier_angle * kDegreesPerRadian,
+    return NoLine(Text("the inlier steps turn by %.1f deg, less than %.1f", inlier_angle * kDegreesPerRadian,
                        options.min_angle * kDegreesPerRadian));
   }
   return {line, {}};

@@ -12,60 +12,60 @@
 namespace turnscale {
 
 struct PooledLineOptions {
-  /// Standard deviation of a step's direction of travel, rad: the least noise that is believed in, however well few
+  /// Standard deviation of a step's direction of travel, rad: a lower bound of the noise, however well few
   /// steps agree with each other (0.25 deg, half of what monocular odometry shows over steps of 3 deg).
   double sigma_theta = 0.25 / 57.295779513082320877;
-  /// Residuals beyond this many robust standard deviations have no say (Tukey's biweight). Wide, because a camera
-  /// centre that is off sideways enters two steps with opposite sign: throwing out one of them alone does harm.
+  /// Residuals beyond this many robust standard deviations get no weight (Tukey's biweight). Wide, because a lateral
+  /// error of a camera centre enters two steps with opposite sign: rejecting only one of them would bias the line.
   double robust_threshold = 6.0;
-  /// Least number of steps that must agree.
+  /// Least number of inlier steps.
   int min_inliers = 3;
-  /// Least sum of |psi| of the agreeing steps, rad (10 deg).
+  /// Least sum of |psi| of the inlier steps, rad (10 deg).
   double min_angle = 10.0 / 57.295779513082320877;
 
   /// Throws InputError that names the field when a value makes no sense.
   void Check() const;
 };
 
-/// What the steps of one turn say of the scale, before any scale is known: every step has a lateral displacement
-/// y = step sin(theta - psi/2) that is its effective lever arm times x = 2 sin(psi/2) (blueprint of the paper's (22)).
+/// Robust line fit of one turn, which needs no scale: every step has a lateral displacement
+/// y = step sin(theta - psi/2) that is the effective lever arm times x = 2 sin(psi/2) (see the paper's (22)).
 /// The slope of the line through all of them is the effective lever arm in the odometry's unit of length.
 struct PooledLine {
   double lever_arm = 0;  ///< effective lever arm, odometry units
   double sigma = 0;      ///< its standard deviation, from the scatter of the steps
-  /// By how much `lever_arm` grows with a direction of travel that is off by 1 rad to the right, odometry units.
+  /// Derivative of `lever_arm` by an error of the direction of travel, to the right, odometry units per rad.
   double by_direction = 0;
-  /// Of the speed, weighed as the steps are, (units/s)^2; 0 where times are unknown.
+  /// Of the speed, weighted as the steps, (units/s)^2; 0 if times are unknown.
   double mean_square_speed = 0;
   double angle = 0;  ///< sum of psi, rad
   int steps = 0;
-  int inliers = 0;  ///< steps that agree
+  int inliers = 0;  ///< inlier steps
 };
 
-/// The line, or one line of text that says why there is none.
+/// The line, or the reason why there is none, in one line.
 struct PooledLineResult {
   std::optional<PooledLine> line;
   std::string reason;
 };
 
-/// Pools the usable steps of a turn. Noise is taken to be in y alone, of one size for all steps (position noise does
+/// Fits the line to the usable steps of a turn. Noise is assumed in y only, equal for all steps (position noise does
 /// not grow with the step) and independent from step to step. Sigma is too large where the camera centres jitter
 /// independently, since a centre's error enters two steps with opposite sign; it does not cover what all steps share:
 /// the camera's yaw, the slip of the tyres.
 PooledLineResult PoolTurn(const std::vector<VehicleStep>& steps, const PooledLineOptions& options);
 
-/// The scale (metres per unit) lambda at which a turn shows this lever arm: the positive root of
+/// The scale (metres per unit) lambda that gives this lever arm: the positive root of
 ///   lambda (lever_arm - direction by_direction) + c lambda^2 mean_square_speed = L.
-/// `direction` is the direction of travel on straights, rad: minus the yaw that Q lacks. Infinite where the camera does
-/// not swing outwards and the tyres do not slip. Multiplying all lengths of the turn by k divides lambda by k.
+/// `direction` is the direction of travel on straights, rad: minus the yaw error of Q. Infinite if the camera does
+/// not move outwards and there is no slip. Multiplying all lengths of the turn by k divides lambda by k.
 double MetresPerUnit(const PooledLine& line, const LeverArm& lever_arm, double direction = 0);
 
-/// Part of the lever arm that side slip leaves in the turn at this scale: (L - c v^2) / L. Negative beyond
+/// Ratio of the effective to the measured lever arm in the turn at this scale: (L - c v^2) / L. Negative beyond
 /// v = sqrt(L/c).
 double LeverArmRatio(const PooledLine& line, const LeverArm& lever_arm, double metres_per_unit);
 
-/// Median of the scales that the paper's observer (22), with slip, gives step by step, and its standard deviation.
-/// Steps that contradict the model count as infinite scales.
+/// Median of the scales of single steps from the paper's observer (22), with slip, and its standard deviation.
+/// Steps inconsistent with the model count as infinite scales.
 struct MedianScale {
   double metres_per_unit = std::numeric_limits<double>::infinity();
   double sigma = std::numeric_limits<double>::infinity();

@@ -311,7 +311,7 @@ TEST(PooledLine, SaysWhyThereIsNone) {
   std::vector<VehicleStep> scattered = Corner(kRigid);
   scattered.resize(2);
   for (VehicleStep& step : scattered) step.motion.psi = 0.2;
-  EXPECT_EQ(reason(scattered), "only 2 of 2 steps agree");
+  EXPECT_EQ(reason(scattered), "only 2 of 2 steps are inliers");
 }
 
 TEST(PooledLine, WithoutTimesThereIsNoSpeed) {

@@ -15,11 +15,11 @@ struct LinePoint {
 struct RobustLine {
   double slope = 0;
   double sigma = 0;            ///< standard deviation of the slope
-  std::vector<double> weight;  ///< one a point, in [0, 1]
+  std::vector<double> weight;  ///< one per point, in [0, 1]
 };
 
 /// Robust line through the origin: iterated least squares with Tukey's biweight, started at the weighted L1 line.
-/// `noise_floor` is the least standard deviation of y that is believed in, in the unit of y; must be positive.
+/// `noise_floor` is a lower bound of the standard deviation of y, in the unit of y; must be positive.
 /// Residuals beyond `threshold` robust standard deviations have no weight. At least one x has to differ from 0.
 RobustLine FitRobustLine(const std::vector<LinePoint>& points, double noise_floor, double threshold);
 

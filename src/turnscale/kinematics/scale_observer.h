@@ -5,11 +5,11 @@
 
 namespace turnscale {
 
-/// The paper's scale observer (22), L standing where the geometry puts it: metres between the two places of the camera
+/// The paper's scale observer (22), with L where the geometry requires it: metres between the two camera positions
 /// in a step that turns by psi and goes towards theta (rad),
 ///   s = 2 L sin(psi) / (sin(theta) - sin(psi - theta)) = 2 L sin(psi/2) / sin(theta - psi/2).
-/// The second form is used; theta - psi/2 is the signal. Not positive and finite where the angles contradict the model:
-/// the step then tells nothing.
+/// The second form is used; theta - psi/2 is the signal. Not positive and finite if the angles are inconsistent with
+/// the model: the step then carries no information.
 double ObservedDistance(double psi, double theta, double lever_arm);
 
 /// The same with side slip, the speed being the one that the distance gives over dt seconds (> 0). Equal to

@@ -11,11 +11,11 @@ struct TurnDetectorOptions {
   double min_step_angle = 1.5 / 57.295779513082320877;
   /// n_th: least number of such steps in a region.
   int min_steps = 4;
-  /// Least angle of the whole region, rad (15 deg): less than that is a bend of the road, from which the pooled line
-  /// learns little.
+  /// Least angle of the whole region, rad (15 deg): less than that is a bend of the road, which has little
+  /// information for the line fit.
   double min_region_angle = 15.0 / 57.295779513082320877;
-  /// A turn goes on over this many weaker steps in a row. The paper has 0, and one weak step between strong ones then
-  /// cuts a street corner in two.
+  /// A turn continues over this many consecutive weaker steps. The paper has 0: one weak step between strong ones then
+  /// divides a street corner in two.
   int max_weak_steps = 1;
 
   /// Throws InputError that names the field when a value makes no sense.
@@ -31,7 +31,7 @@ struct TurningRegion {
   bool operator==(const TurningRegion&) const = default;
 };
 
-/// Algorithm 1 with its counter mended (it is read before it is reset), over a stream of keyframe steps. All strong
+/// Algorithm 1 with its counter corrected (it is read before it is reset), over a stream of keyframe steps. All strong
 /// steps of a region turn the same way: an S gives two regions.
 class TurnDetector {
  public:
@@ -43,10 +43,10 @@ class TurnDetector {
   /// The next keyframe step was not measured (tracking was lost): it counts, and no region goes on across it.
   std::optional<TurningRegion> AddUnmeasured();
 
-  /// The region under way, up to its latest strong step; empty where there is none long enough.
+  /// The current region, up to its latest strong step; empty if there is none long enough.
   std::optional<TurningRegion> open() const;
 
-  /// The first step that a region to come may hold: of a run that is under way, however short, or the next step.
+  /// The first step that a future region may contain: that of the current run, however short, or the next step.
   int first_undecided() const { return strong_steps_ > 0 ? candidate_.first : steps_; }
 
   /// Closes the region that is still open, at the end of the drive or where the caller wants it to end.

@@ -7,14 +7,14 @@
 
 namespace turnscale {
 
-/// A camera's step in the terms of the kinematics.
+/// A camera step in kinematic terms.
 struct TurningMotion {
   double psi = 0;    ///< turning angle, rad, positive to the right
   double theta = 0;  ///< direction of travel in A's horizontal plane, rad, positive to the right (19)
   double step = 0;   ///< distance between the two camera centres, in the unit of the motion
 };
 
-/// Reads a camera's `previous_from_current` as a car's step; `vehicle_from_camera` is the paper's Q.
+/// Kinematic terms of a camera's `previous_from_current`; `vehicle_from_camera` is the paper's Q.
 ///
 /// psi is the part of the rotation about the vehicle's y axis (twist), signed by that axis. (9) takes the whole angle,
 /// by arccos of the trace: that loses half the digits near zero, counts pitching and rolling as turning, and has no

@@ -11,18 +11,18 @@
 
 namespace turnscale {
 
-/// The camera's motion between two poses of a path, in the terms of the kinematics.
+/// The camera's motion between two poses of a path, in kinematic terms.
 struct VehicleStep {
   TurningMotion motion;  ///< in the odometry's unit of length
   double duration = 0;   ///< seconds; 0 where times are unknown
   int first = 0;         ///< poses that the step leads from and to
   int last = 0;
-  bool usable = true;      ///< false where the step goes sideways, or is a jump: nothing is read from it
-  bool after_gap = false;  ///< leads across a loss of tracking: nothing of its motion is known
+  bool usable = true;      ///< false if the step goes sideways, or is a jump: it is not evaluated
+  bool after_gap = false;  ///< across a loss of tracking: its motion is unknown
   /// Relative standard deviation by which the unit of length may have changed across the gap.
   double gap_sigma = 0;
 
-  /// y = length sin(theta - psi/2): lateral displacement as seen half-way, odometry units.
+  /// y = length sin(theta - psi/2): lateral displacement in the axes half-way, odometry units.
   double lateral() const;
   /// Odometry units per second; 0 where times are unknown.
   double speed() const { return duration > 0 ? motion.step / duration : 0.0; }
@@ -36,7 +36,7 @@ struct PathGap {
 
 struct VehicleStepOptions {
   /// A step ends at the first pose by which the camera has turned by this much, rad (2.5 deg). Shorter steps carry more
-  /// noise than signal; within longer ones the curvature changes, for which the circle of (1) has no room. 0: a step
+  /// noise than signal; within longer ones the curvature changes, which the circle of (1) does not model. 0: a step
   /// from each pose to the next.
   double angle = 2.5 / 57.295779513082320877;
   /// Or after this time, s: on straights.

@@ -44,7 +44,7 @@ Eigen::Quaterniond RotationFromPaperAngles(double z_deg, double y_deg, double x_
 /// The paper's camera: L = 1 m, Q = {5, 15, -10} deg.
 PaperDriveOptions PaperCalibrationDrive();
 
-/// One entry a run; every run has noise of its own. Same options, same bits for any number of jobs. Empty where
+/// One entry per run; every run has noise of its own. Same options, same bits for any number of jobs. Empty where
 /// `progress` stopped it. Throws as PaperDriveSteps and Calibrate do.
 std::vector<CalibrationTrial> RunCalibrationTrials(const CalibrationTrials& trials);
 

@@ -23,7 +23,7 @@ OdometryOptions SyntheticDriveOdometry();
 struct ScaleEstimatorSettings {
   /// Of these, vehicle, steps and scale count.
   OdometryOptions odometry = SyntheticDriveOdometry();
-  /// Each turn's own scale is weighed by its variance against the images instead of being held.
+  /// Each single-turn scale is a measurement with a variance instead of an equality constraint.
   bool weighs_turns = false;
   /// The first so many turns are used; unset: all. Where turns are smoothed, the others still tell of the scale.
   std::optional<int> most_turns;
@@ -34,9 +34,9 @@ struct RecoveredScale {
   Map map;                             ///< in metres; the odometry's where no turn gave a scale
   std::vector<TurningRegion> regions;  ///< turns used; steps counted from 0 as the detector does
   bool converged = false;              ///< the recovery ended at its minimum
-  /// Relative standard deviation of the path's length that the estimator states; infinite where no turn gave a scale.
+  /// Relative standard deviation of the path length that the estimator states; infinite where no turn gave a scale.
   double length_sigma = std::numeric_limits<double>::infinity();
-  std::optional<CarRefinement> car;  ///< what the drive said of it
+  std::optional<CarRefinement> car;  ///< as refined from the drive
 };
 
 /// Detects the turns, observes the scale in them and recovers it between them (Algorithm 1, (22), (24)-(30)), on the

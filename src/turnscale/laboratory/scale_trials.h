@@ -10,7 +10,7 @@
 
 namespace turnscale {
 
-/// Standard deviations of what an estimator is told wrongly of the car.
+/// Standard deviations of the errors of the car's given parameters.
 struct CarErrors {
   double lever_arm = 0;  ///< metres
   double side_slip = 0;  ///< s^2/m
@@ -42,11 +42,11 @@ struct ScaleTrial {
   ScaleErrors adjusted;                ///< of the map that the recovery starts from
   std::vector<ScaleErrors> recovered;  ///< one for each estimator
   std::vector<char> converged;         ///< one flag for each: the recovery ended at its minimum
-  std::vector<StatedError> length;     ///< of the logarithm of the path's length, one for each
+  std::vector<StatedError> length;     ///< of the logarithm of the path length, one for each
   std::vector<StatedError> side_slip;  ///< s^2/m, against what `estimators` are told before errors are added
 };
 
-/// One entry a run; every run has points and noise of its own. Same options, same bits for any number of jobs. Empty
+/// One entry per run; every run has points and noise of its own. Same options, same bits for any number of jobs. Empty
 /// where `progress` stopped it. Throws as MakeScaleDrive, PointOdometry and RecoverScale do.
 std::vector<ScaleTrial> RunScaleTrials(const ScaleTrials& trials);
 

@@ -86,10 +86,9 @@ std::vector<int> Gaps(const Map& map) {
 
 /// Why an adjusted range is not to be believed; empty where it is.
 std::string Astray(const BundleSummary& summary, double stretch, double max_stretch) {
-  if (!std::isfinite(summary.final_cost) || !std::isfinite(stretch)) return "the adjustment gave no numbers";
-  if (!(summary.constraint_residual < kHeldTolerance)) return "the lengths of the turn's steps could not be met";
-  if (stretch > max_stretch || stretch * max_stretch < 1)
-    return "the adjustment changed the length of the path too much";
+  if (!std::isfinite(summary.final_cost) || !std::isfinite(stretch)) return "the adjustment diverged";
+  if (!(summary.constraint_residual < kHeldTolerance)) return "the length constraints of the turn were not satisfied";
+  if (stretch > max_stretch || stretch * max_stretch < 1) return "the adjustment changed the path length too much";
   return {};
 }
 

@@ -14,25 +14,25 @@ namespace turnscale {
 struct ScaleRecoveryOptions {
   /// Standard deviation of a tracked pixel, pixels.
   double pixel_sigma = 0.5;
-  /// Beside turns that are weighed (TurnScale::sigma) pixels count as if their sigma was so many times larger: those of
-  /// one track err together, by the patch that all its views are aligned to, so that ten views tell about as much as
-  /// one. 1: they err independently.
+  /// With measured turns (TurnScale::sigma), the pixel sigma is multiplied by this: pixel errors of a track
+  /// are correlated, since all its views are aligned to one patch, so that ten views carry about as much information as
+  /// one. 1: independent errors.
   double pixel_sigma_inflation = 3;
   int max_iterations = 30;
-  /// Residuals (in sigmas) beyond this weigh linearly.
+  /// Residuals (in sigmas) beyond this are weighted linearly (Huber).
   double huber_threshold = 2.0;
-  /// The path may become this many times longer or shorter than the first guess has it; beyond, the adjustment has
-  /// gone astray and the guess stands.
+  /// Largest ratio of the path lengths after and before the adjustment, either way; beyond it, the adjustment has
+  /// diverged and the first guess is kept.
   double max_stretch = 1.5;
 
   /// Throws InputError that names the field when a value makes no sense.
   void Check() const;
 };
 
-/// What became of a stretch of the map between two losses of tracking.
+/// Result for a range of the map between two losses of tracking.
 struct RangeRecovery {
   KeyframeRange range;
-  bool adjusted = false;  ///< false: it is in metres by the first guess only
+  bool adjusted = false;  ///< false: scaled by the first guess only
   std::string reason;     ///< why it was not adjusted; empty where it was
   BundleSummary summary;
 };
@@ -44,7 +44,7 @@ struct ScaleRecoveryResult {
   std::vector<double> factors;
 };
 
-/// Absolute scale recovery (24)-(30): brings keyframes `first`.. to the map's latest, and their landmarks, to metres.
+/// Absolute scale recovery (24)-(30): scales keyframes `first`.. to the map's latest, and their landmarks, to metres.
 ///
 /// Give all turns of that stretch in the order of time: the previous one (F_tp, factor 1, its first step being first+1
 /// or later) and the current one (F_tc); at the first turn of a drive only this one, with `first` 0. A first guess

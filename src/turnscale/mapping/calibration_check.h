@@ -11,8 +11,8 @@
 namespace turnscale {
 
 struct CalibrationCheckOptions {
-  /// Compare the given intrinsics with what the images of turns say. A focal length that is 15 % off bends the metres
-  /// by tens of per cent, and nothing else notices.
+  /// Test the given intrinsics against the images of turns. A focal length that is 15 % off biases the scale
+  /// by tens of per cent, and no other test detects it.
   bool enabled = true;
   /// Keyframes that each look takes in.
   int window = 20;
@@ -32,7 +32,7 @@ struct CalibrationCheckOptions {
   /// Standard deviation of a tracked pixel until residuals tell it, pixels.
   double pixel_sigma = 0.5;
 
-  // What is taken as known before the drive, standard deviations.
+  // Priors, standard deviations.
   double focal_prior_sigma = 0.1;        ///< relative
   double centre_prior_sigma_deg = 2.0;   ///< principal point, as an angle at the camera, degrees
   double correction_prior_sigma = 0.02;  ///< radial correction
@@ -60,8 +60,8 @@ struct CalibrationCheckOptions {
 
 enum class IntrinsicsParameter { kFocalLength, kCentreX, kCentreY, kDistortion };
 
-/// One parameter as it was given and as the drive has it: focal length fx and principal point in pixels, the distortion
-/// as the radial correction that the calibration lacks.
+/// One parameter as given and as estimated from the drive: focal length fx and principal point in pixels, the
+/// distortion as the radial correction that the calibration lacks.
 struct ParameterEstimate {
   IntrinsicsParameter parameter = IntrinsicsParameter::kFocalLength;
   double given = 0;
@@ -75,9 +75,9 @@ struct IntrinsicsEstimate {
   IntrinsicsChange::Matrix covariance = IntrinsicsChange::Matrix::Zero();
 };
 
-/// Whether a calibration agrees with the drive. Windows of keyframes in which the camera turns tell the intrinsics
-/// (IntrinsicsProblem); their evidence adds up, windows that disagree with the others count less, and their scatter
-/// widens the sigmas.
+/// Consistency test of a calibration. Windows of keyframes in which the camera turns determine the intrinsics
+/// (IntrinsicsProblem); their evidence is summed, windows that disagree with the others are down-weighted, and their
+/// scatter widens the sigmas.
 ///
 /// Reads the map and changes nothing. Lenses whose correction is not radial_correction.h's are not for it.
 class CalibrationCheck {
@@ -89,11 +89,11 @@ class CalibrationCheck {
 
   /// Windows that were read.
   int windows() const { return static_cast<int>(windows_.size()); }
-  /// What the drive and the prior say, sigmas honest: with what windows scatter and have in common.
+  /// The estimate from drive and prior; sigmas include the scatter of windows and their common error.
   IntrinsicsEstimate Estimate() const;
   /// All parameters, in the order of IntrinsicsParameter. Where nothing was read, as given, with the prior's sigma.
   std::vector<ParameterEstimate> Parameters() const;
-  /// Those that contradict what was given; empty where the drive agrees or does not tell.
+  /// Those inconsistent with the given ones; empty if the drive agrees or does not determine them.
   std::vector<ParameterEstimate> Contradictions() const;
 
  private:

@@ -8,16 +8,16 @@
 namespace turnscale {
 
 struct LensRefinementOptions {
-  /// Look for what the calibration has left of the lens's radial distortion. A few thousandths of it (half a pixel each
-  /// at the left and right edge of KITTI's images) bend the scale of monocular odometry by per cents in a turn, and
+  /// Estimate the residual radial distortion of the calibration. A few thousandths of it (half a pixel each
+  /// at the left and right edge of KITTI's images) bias the scale of monocular odometry by per cents in a turn, and
   /// KITTI's own calibration is off by 15 of them.
   bool enabled = true;
-  /// Keyframes that each look at the distortion takes in.
+  /// Keyframes per window.
   int window = 12;
   /// Least angle by which the camera turns within a window, degrees. On a straight the noise of the points' depths
   /// looks like distortion.
   double min_turn_deg = 8.0;
-  /// How well the calibration file is taken to know the lens before the drive: standard deviation of the correction.
+  /// Prior standard deviation of the correction: the assumed accuracy of the calibration file.
   double prior_sigma = 0.02;
   /// Step by which the correction is varied to see what fits better.
   double step = 0.003;

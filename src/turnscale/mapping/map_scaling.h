@@ -9,13 +9,13 @@
 
 namespace turnscale {
 
-/// What a turning region says of the map's scale. Step j leads from keyframe j-1 to keyframe j.
+/// Scale of the map from a turning region. Step j leads from keyframe j-1 to keyframe j.
 struct TurnScale {
   int first_step = 0;
   int last_step = 0;
   double factor = 1;  ///< metres per unit that the map has now; 1 for a turn that was recovered before
-  /// The paper's per-frame observer: metres of each step, first_step..last_step; not positive where the step told
-  /// nothing. Empty for the pooled line: factor times what the map has, so that the turn keeps its shape.
+  /// The paper's per-frame observer: metres of each step, first_step..last_step; not positive for steps without an
+  /// observation. Empty for the line fit: factor times the map's lengths, so that the turn keeps its shape.
   std::vector<double> distances;
   /// Relative standard deviation of the factor: the turn's length is a measurement that the adjustment weighs against
   /// the images, independent of other turns' (of smoothed scales, which share what all turns say, that is an

@@ -29,12 +29,12 @@ struct PoseEstimationOptions {
 
 struct PoseEstimate {
   RigidTransform camera_from_world;
-  std::vector<char> inlier;  ///< one flag a sighting
+  std::vector<char> inlier;  ///< one flag per sighting
   int inliers = 0;
 };
 
 /// The camera pose that reprojects the points best: Gauss-Newton with a robust loss, refitted to the inliers a few
-/// times, each round from the last pose, so that a wrong match loses its say. Starts at `initial`.
+/// times, each round from the last pose, so that a wrong match loses its influence. Starts at `initial`.
 PoseEstimate EstimatePose(const PoseEstimationOptions& options, const Pinhole& pinhole,
                           const std::vector<PointSighting>& sightings, const RigidTransform& initial);
 

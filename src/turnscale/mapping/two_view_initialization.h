@@ -30,7 +30,7 @@ struct TwoViewOptions {
   double min_inlier_share = 0.6;
   /// Angle under which a landmark has to be seen by both views, degrees.
   double min_landmark_parallax_deg = 0.6;
-  /// Length given to the first baseline: the arbitrary unit of the start.
+  /// Length of the first baseline: the arbitrary unit of the map.
   double initial_baseline = 1.0;
 
   /// Throws InputError that names the field when a value makes no sense.
@@ -44,7 +44,7 @@ struct TwoViewResult {
   double motion = 0;    ///< median motion of the features, pixels
   double parallax = 0;  ///< motion that a quarter of them exceed after the best pure rotation, pixels
   RigidTransform second_from_first;
-  std::vector<char> triangulated;       ///< one flag a match
+  std::vector<char> triangulated;       ///< one flag per match
   std::vector<Eigen::Vector3d> points;  ///< in the first camera, where triangulated
 };
 

@@ -207,7 +207,7 @@ RefinedScale DriveScale::Refine(const Map& map, bool follow_turns) const {
   refined.in_used_turn.assign(count, 0);
   const std::vector<VehicleStep> steps = StepsAlong(map, mount_, options_.steps);
   if (steps.empty()) {
-    refined.reason = "the path has no step that can be read";
+    refined.reason = "the trajectory has no usable step";
     return refined;
   }
   ScaleEstimatorOptions estimator = options_.scale.estimator;

@@ -20,50 +20,50 @@
 
 namespace turnscale {
 
-/// What the whole drive says of its scale.
+/// The scale estimated from the whole drive.
 struct RefinedScale {
   MetricPath path;
-  std::vector<double> sigmas;      ///< relative, one a keyframe; infinite while the scale is pending
+  std::vector<double> sigmas;      ///< relative, one per keyframe; infinite while the scale is pending
   std::vector<char> turning;       ///< the step that leads to the keyframe belongs to a turn
   std::vector<char> in_used_turn;  ///< from the keyframe that the turn's first step leaves
   std::vector<TurnResult> turns;
   std::optional<ScaleEstimate> estimate;  ///< empty while the scale is pending
-  std::string reason;                     ///< why
-  /// Intrinsics that the images of turns contradict; sigmas include what such a calibration may cost.
+  std::string reason;                     ///< why it is empty
+  /// Intrinsics that are inconsistent with the images of turns; sigmas include their effect on the scale.
   std::vector<ParameterEstimate> contradicted_calibration;
 };
 
-/// Relative standard deviation of what a calibration that is off as the estimates say may cost the scale: the error of
-/// the direction of travel over the lever arm's share of it. A coarse bound (benchmarks/variants): metres from such a
-/// calibration are not to be relied on. 0 without contradictions.
+/// Relative standard deviation of the scale due to the estimated errors of the calibration: the error of the direction
+/// of travel over the lever arm's contribution to it. A coarse bound (benchmarks/variants): the scale from such a
+/// calibration is not reliable. 0 without contradictions.
 double CalibrationSigma(const std::vector<ParameterEstimate>& contradictions, double focal_length);
 
-/// Widens all sigmas of `refined` by that.
+/// Adds it to all sigmas of `refined` in quadrature.
 void WidenForCalibration(const std::vector<ParameterEstimate>& contradictions, double focal_length,
                          RefinedScale& refined);
 
-/// Observes the scale beside the map, which it never changes: keyframes in, metric path out.
+/// Estimates the scale beside the map, which it never changes: keyframes in, metric trajectory out.
 ///
-/// Live: a filter over the steps so far, the turn under way included. Refined: the smoother over the whole drive
+/// Online: a filter over the steps so far, including the current turn. Refined: the smoother over the whole drive
 /// (EstimateScale).
 class DriveScale {
  public:
   explicit DriveScale(const OdometryOptions& options);
 
-  /// Takes the keyframes of the map that are new to it. Returns whether they ended a turn: the keyframes since the turn
-  /// before are worth adjusting once more then, and Reread is due.
+  /// Takes the new keyframes of the map. Returns whether they ended a turn: then the keyframes since the previous turn
+  /// should be adjusted again, followed by Reread.
   bool Add(const Map& map);
 
-  /// Keyframes `first`... have been adjusted: learns the camera's rotation from them, and reads their steps again.
-  /// Keyframes before `settled` will not be adjusted again while the drive goes on.
+  /// Keyframes `first`... have been adjusted: updates the camera-to-vehicle rotation from them, and re-evaluates their
+  /// steps. Keyframes before `settled` will not be adjusted again during the drive.
   void Reread(const Map& map, int first, int settled);
-  /// All keyframes have been adjusted: the same from the start.
+  /// All keyframes have been adjusted: re-evaluates the whole drive.
   void Reread(const Map& map);
 
   ScaleState state() const { return state_; }
   double sigma() const { return sigma_; }  ///< relative, at the latest keyframe; infinite while pending
   const MountCalibration& mount() const { return mount_; }
-  /// As known at this moment.
+  /// The online estimate.
   const MetricPath& live_path() const { return live_path_; }
   /// Keyframe up to which the keyframes were adjusted when the last turn ended; 0 before the first turn.
   int last_turn_end() const { return last_turn_end_; }
@@ -90,7 +90,7 @@ class DriveScale {
   OdometryOptions options_;
   MountCalibration mount_;
   StepBuilder builder_;
-  LiveScale live_;  ///< with a lever arm of 1 where none is given: turns are found all the same
+  LiveScale live_;  ///< with a lever arm of 1 if none is given, to detect turns
   std::optional<SettledPart> settled_;
   MetricPath live_path_;
   ScaleState state_ = ScaleState::kPending;
@@ -100,7 +100,7 @@ class DriveScale {
   bool turn_ended_ = false;  ///< with the latest keyframe
 };
 
-/// What the camera did on the step from keyframe `step` to the next.
+/// Camera motion of the step from keyframe `step` to the next.
 TurningMotion StepMotion(const Map& map, int step, const MountCalibration& mount);
 
 }  // namespace turnscale

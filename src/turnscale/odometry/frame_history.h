@@ -10,7 +10,7 @@
 
 namespace turnscale {
 
-/// Every frame of the drive, each hung on a keyframe: when keyframes are refined, their frames go with them.
+/// Every frame of the drive, relative to a keyframe: when keyframes are refined, their frames move with them.
 class FrameHistory {
  public:
   /// Adds a frame that has no pose yet.
@@ -19,14 +19,14 @@ class FrameHistory {
   /// Adds a frame, or gives the frame of that number its pose, relative to a keyframe of the map.
   void Add(const FrameResult& result, const Map& map, int keyframe, const RigidTransform& camera_from_world);
 
-  /// Lengths of the frames hung on keyframe first + k are `factors[k]` times what they were.
+  /// Translations relative to keyframe first + k are multiplied by `factors[k]`.
   void Rescale(int first, const std::vector<double>& factors);
 
-  /// The keyframe that each frame hangs on, -1 where it has no pose.
+  /// The reference keyframe of each frame, -1 if it has no pose.
   std::vector<int> Keyframes() const;
 
-  /// All frames with the poses that the map and the metric path beside it give them now. Bridged frames between two
-  /// measured ones move evenly from the one to the other; frames before the first pose have that pose, once there is
+  /// All frames with their current poses, from the map and the metric path. Poses of bridged frames are interpolated
+  /// between measured ones; frames before the first pose have that pose, once there is
   /// one.
   std::vector<FrameResult> Refined(const Map& map, const MetricPath& path) const;
 

@@ -41,7 +41,7 @@ std::vector<TurnScale> TurnsToHold(const Map& map, const MountCalibration& mount
   for (TurnResult& turn : turns) {
     if (!turn.used) continue;
     if (!turn.followed) {
-      leave_out(turn, "knows the scale much worse than other turns");
+      leave_out(turn, "its scale is much less certain than other turns'");
       continue;
     }
     TurnScale scale{turn.first_keyframe + 1, turn.last_keyframe, turn.as_given, {}, 0};
@@ -49,7 +49,7 @@ std::vector<TurnScale> TurnsToHold(const Map& map, const MountCalibration& mount
       const std::vector<VehicleStep> steps = KeyframeSteps(map, mount, turn);
       const MedianScale median = MedianOfSteps(steps, lever_arm);
       if (!std::isfinite(median.metres_per_unit)) {
-        leave_out(turn, "most of its steps contradict the vehicle model");
+        leave_out(turn, "most of its steps are inconsistent with the vehicle model");
         continue;
       }
       scale.factor = median.metres_per_unit;

@@ -134,7 +134,7 @@ TEST(HeldTurns, AUsedTurnWhoseAdjustmentIsNotBelievedSaysSo) {
   for (const TurnResult& turn : refined.turns) {
     EXPECT_TRUE(turn.used);
     EXPECT_EQ(turn.reason, "");
-    EXPECT_EQ(turn.unadjusted, "the adjustment changed the length of the path too much");
+    EXPECT_EQ(turn.unadjusted, "the adjustment changed the path length too much");
   }
 }
 

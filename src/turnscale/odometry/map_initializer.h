@@ -17,18 +17,18 @@ struct WaitingFrame {
   int frame = 0;
   double time = 0;
   std::vector<int> features;            ///< numbers of the features seen
-  std::vector<Eigen::Vector2d> pixels;  ///< undistorted, one a feature seen
+  std::vector<Eigen::Vector2d> pixels;  ///< undistorted, one per feature seen
 };
 
 /// What a new map starts from. All in the first view's camera frame, in the arbitrary unit of the start.
 struct InitialMap {
   std::vector<WaitingFrame> frames;  ///< first view ... second view; the first saw every feature
   cv::Mat first_image;
-  std::vector<cv::Point2f> first_pixels;   ///< in the first image as it came, one a feature
-  std::vector<cv::Point2f> second_pixels;  ///< in the second image as it came, one a feature the second view saw
+  std::vector<cv::Point2f> first_pixels;   ///< in the first image as it came, one per feature
+  std::vector<cv::Point2f> second_pixels;  ///< in the second image as it came, one per feature the second view saw
   RigidTransform second_from_first;
-  std::vector<char> has_point;          ///< one flag a feature
-  std::vector<Eigen::Vector3d> points;  ///< one a feature
+  std::vector<char> has_point;          ///< one flag per feature
+  std::vector<Eigen::Vector3d> points;  ///< one per feature
 };
 
 /// Collects views until two of them give a map: follows the first view's features from image to image, waits through

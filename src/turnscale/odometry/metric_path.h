@@ -9,12 +9,12 @@
 
 namespace turnscale {
 
-/// Metric positions of the keyframes beside a map that keeps its own unit: one entry a keyframe.
+/// Metric positions of the keyframes beside a map that keeps its own unit: one entry per keyframe.
 struct MetricPath {
-  std::vector<Eigen::Vector3d> centres;  ///< metres; the map's unit while the scale is pending
+  std::vector<Eigen::Vector3d> centres;  ///< metres; in the map's unit while the scale is pending
   std::vector<double> metres_per_unit;   ///< 1 while the scale is pending
 
-  /// A camera near keyframe `keyframe` of the map, its place in metres.
+  /// A camera pose near keyframe `keyframe` of the map, in metres.
   RigidTransform InMetres(const Map& map, int keyframe, const RigidTransform& world_from_camera) const;
   /// A point near that keyframe, in metres.
   Eigen::Vector3d InMetres(const Map& map, int keyframe, const Eigen::Vector3d& point) const;

@@ -9,9 +9,9 @@
 
 namespace turnscale {
 
-/// How far a measured motion reaches. The times and sigmas are what KITTI's ground truth of 22,000 frames shows.
+/// How long a measured motion is extrapolated. Times and sigmas are from KITTI's ground truth (22,000 frames).
 struct MotionModelOptions {
-  /// Speed and turning rate stay what they were for so long, seconds.
+  /// Speed and turning rate are constant for this time, seconds.
   double steady_seconds = 0.5;
   /// After that the turning rate decays with this time constant, seconds: turns end. In all, a turn goes on for at most
   /// the two together, 2 s at the last rate.
@@ -21,7 +21,7 @@ struct MotionModelOptions {
   double travel_seconds = 60;
   /// Relative standard deviation of a speed at the time it was measured.
   double speed_sigma = 0.05;
-  /// By how much that grows a second: cars accelerate.
+  /// Its growth per second: cars accelerate.
   double speed_sigma_per_second = 0.15;
   /// The same for a slow car, whose acceleration is large beside its speed: standard deviation of the acceleration as a
   /// share of the depth of the nearest quarter of the scene, 1/s^2. 1.2 m/s^2 where that is 12 m away.
@@ -37,8 +37,8 @@ struct PastSpeed {
   double time = 0;   ///< seconds
 };
 
-/// Predicts the camera's pose from how it moved before: constant velocity and turning rate, which decay where nothing
-/// has been measured for long.
+/// Predicts the camera's pose from its previous motion: constant velocity and turning rate, which decay when nothing
+/// has been measured for some time.
 class MotionModel {
  public:
   explicit MotionModel(const MotionModelOptions& options = {}) : options_(options) {}
@@ -46,8 +46,8 @@ class MotionModel {
   /// Pose expected at `time` (seconds).
   RigidTransform Predict(double time) const;
 
-  /// What else the pose may be where the expected one proves wrong: the camera has not moved since; it moves as it did
-  /// before its speed broke off.
+  /// Alternative predictions if tracking from the expected pose fails: the camera stands still; it moves as before an
+  /// abrupt stop.
   std::vector<RigidTransform> OtherPredictions(double time) const;
 
   /// Takes a measured pose; the velocity is the one from the measured pose before.

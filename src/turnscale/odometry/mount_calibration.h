@@ -12,21 +12,21 @@
 
 namespace turnscale {
 
-/// The camera's rotation on the car from some keyframe on, up to the next one that says so.
+/// The camera-to-vehicle rotation from a keyframe on, up to the next Mount's.
 struct Mount {
   int first_keyframe = 0;
   Eigen::Quaterniond vehicle_from_camera = Eigen::Quaterniond::Identity();
-  bool found = false;       ///< from the drive; else as given or assumed, or as it was before a move
-  YawPitchRoll sigma = {};  ///< rad, where found
+  bool found = false;       ///< estimated from the drive; else given, assumed, or from before a move
+  YawPitchRoll sigma = {};  ///< rad, if estimated
 };
 
-/// How the camera is turned on the car: as given, or found from the drive (section III).
+/// The camera-to-vehicle rotation: as given, or found from the drive (section III).
 class MountCalibration {
  public:
   explicit MountCalibration(const VehicleOptions& vehicle);
 
-  /// Takes the keyframes up to `last` that are new to it; their poses have settled. Returns whether the rotation to be
-  /// used has changed.
+  /// Takes the new keyframes up to `last`, whose poses are final. Returns whether the rotation in use has
+  /// changed.
   bool Learn(const Map& map, int last);
 
   /// The paper's Q at a keyframe.

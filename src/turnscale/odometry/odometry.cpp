@@ -104,8 +104,8 @@ void Odometry::CheckImage(const cv::Mat& gray) {
     initializer_ = MapInitializer(options_, camera_);
   }
   if (gray.cols != camera_.width || gray.rows != camera_.height)
-    throw InputError("image: is " + std::to_string(gray.cols) + "x" + std::to_string(gray.rows) +
-                     ", the camera's are " + std::to_string(camera_.width) + "x" + std::to_string(camera_.height));
+    throw InputError("image: is " + std::to_string(gray.cols) + "x" + std::to_string(gray.rows) + ", the camera has " +
+                     std::to_string(camera_.width) + "x" + std::to_string(camera_.height));
 }
 
 FrameResult Odometry::NewFrame(double time, TrackingState state) {
@@ -293,7 +293,7 @@ PoseEstimate Odometry::EstimateFramePose(const RigidTransform& predicted, Follow
     if (map_.landmarks[track.landmark].valid)
       sightings.push_back({map_.landmarks[track.landmark].position, track.undistorted});
   PoseEstimate estimate = EstimatePose(options_.pose, camera_.pinhole, sightings, predicted);
-  // What disagrees with the pose has slipped, or moves by itself.
+  // Outliers are mistracked or on moving objects.
   size_t sighting = 0;
   std::erase_if(tracks.found, [&](const FeatureTrack& track) {
     const bool wrong = map_.landmarks[track.landmark].valid && estimate.inlier[sighting++] == 0;
@@ -312,7 +312,7 @@ void Odometry::AlignWithMap(const FlowImage& image, const RigidTransform& camera
   const std::vector<uchar> same =
       AlignTracks(options_.alignment, map_, camera_, image.gray, camera_from_world, guesses, tracks.found);
 
-  // What is not where the flow led, and what was lost before, may be where the map expects it.
+  // Search again for lost landmarks, at their predicted pixels.
   std::vector<FeatureTrack> missing = lost_tracks_;
   std::ranges::move(tracks.lost, std::back_inserter(missing));
   FollowedTracks aligned;

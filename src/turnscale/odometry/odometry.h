@@ -25,57 +25,58 @@
 
 namespace turnscale {
 
-/// What a new map's unit of length is in the old one.
+/// The unit of length of a new map in the unit of the old one.
 struct UnitGuess {
   double unit = 1;
-  double sigma = 1;  ///< relative standard deviation; 1 where nothing is known
+  double sigma = 1;  ///< relative standard deviation; 1 if nothing is known
 };
 
-/// From a drive's images to the camera's path: one call a frame, in the order of time.
+/// Estimates the camera's trajectory from the images of a drive: one call per frame, in the order of time.
 ///
-/// The map keeps the arbitrary unit of its start. The scale is observed beside it (DriveScale), and metric poses follow
-/// from both. Work per frame and memory do not grow with the drive, but for the poses of keyframes and frames: what
-/// settled keyframes saw is moved to a temporary file (MapArchive). Finish goes over the whole drive.
+/// The map keeps the arbitrary unit of its initialisation. The scale is estimated beside it (DriveScale); metric poses
+/// follow from both. Neither time per frame nor memory grows with the drive, except for the poses of frames and
+/// keyframes: observations of settled keyframes are moved to a temporary file (MapArchive). Finish processes the whole
+/// drive.
 class Odometry {
  public:
-  /// Throws InputError when an option makes no sense, or the camera has a width without a height.
+  /// Throws InputError when an option is invalid, or the camera has a width without a height.
   Odometry(const OdometryOptions& options, const CameraModel& camera);
 
-  /// Takes the next image (8-bit gray) taken at `time` seconds, and gives what is known of the camera's pose at this
-  /// moment. Throws InputError when its size is not the camera's, or where that is unknown, not the first image's, and
-  /// when the time is not after the frame before.
+  /// Processes the next image (8-bit gray), taken at `time` seconds, and returns the online estimate of its pose.
+  /// Throws InputError when its size is not the camera's (or the first image's, if the camera has none), or when the
+  /// time is not after that of the previous frame.
   FrameResult Process(const cv::Mat& gray, double time);
 
   /// The next frame has no usable image: its pose is predicted and flagged.
   FrameResult ProcessUnreadable(double time);
 
-  /// The drive is over: a turn that is still going on counts, the whole drive is adjusted, and its scale is settled. No
+  /// Ends the drive: closes a turn in progress, adjusts all keyframes, and computes the scale of the whole drive. No
   /// frame may follow.
   void Finish();
 
-  /// Every frame so far with its refined pose, metric as far as all turns up to now tell. Frames before the map started
-  /// have the first pose known (and none only while there is no map at all).
+  /// Every frame so far with its refined pose, metric once the turns so far determine the scale. Frames before
+  /// initialisation have the first known pose (none while there is no map at all).
   std::vector<FrameResult> RefinedFrames() const;
 
-  /// What the drive so far says of its scale.
+  /// The scale of the drive so far.
   RefinedScale Refined() const;
 
-  /// The map's valid landmarks and its keyframes' cameras, in metres as far as the scale is known.
+  /// The map's valid landmarks and its keyframes' cameras, in metres if the scale is known.
   MapPoints RefinedMap() const;
 
-  /// Grows whenever the refined poses of the whole drive change: a map starts, a turn ends. Between, each keyframe
-  /// moves only the latest few a little.
+  /// Increases whenever the refined poses of the whole drive change: a map is initialised, a turn ends. Otherwise a
+  /// keyframe changes only the latest few poses slightly.
   int revision() const { return revision_; }
 
-  /// The options in effect: those given, without what the camera's lens does not allow.
+  /// The options in effect: those given, without those that the lens model does not support.
   const OdometryOptions& options() const { return options_; }
   const Map& map() const { return map_; }
-  /// What the drive has told of the lens beyond its calibration.
+  /// The correction of the lens calibration estimated from the drive.
   const LensRefinement& lens() const { return lens_; }
-  /// What the drive says of the calibration that was given.
+  /// The consistency test of the given calibration.
   const CalibrationCheck& calibration_check() const { return calibration_check_; }
   ScaleState scale_state() const;
-  /// How the camera is turned on the car, as given or found.
+  /// The camera-to-vehicle rotation, as given or found.
   const MountCalibration& mount() const { return scale_.mount(); }
 
  private:
@@ -99,23 +100,23 @@ class Odometry {
   void RefineLens();
   /// Takes the latest keyframe; settles the latest ones where it ended a turn, or where they have become many.
   void ObserveScale(FrameResult& result);
-  /// Adjusts the latest keyframes that have not been settled yet, or were under another lens, and reads their scale
-  /// again.
+  /// Adjusts the latest keyframes that are not settled yet, or were adjusted under another lens correction, and
+  /// re-evaluates their steps.
   void Settle();
-  /// Moves what keyframes before `last` saw to the archive.
+  /// Moves the observations of keyframes before `last` to the archive.
   void Archive(int last);
   /// Adjusts all keyframes of the archived drive.
   void AdjustWholeDrive();
-  /// Brings the archived drive to metres by constraints on the lengths of turns.
+  /// Scales the archived drive to metres by constraints on the lengths of turns.
   void HoldTurnsOfDrive();
-  /// Lengths at keyframes `first`... have grown by these factors.
+  /// Lengths at keyframes `first`... have changed by these factors.
   void FollowMap(int first, const std::vector<double>& factors, RigidTransform last_from_keyframe);
   /// The latest frame as seen from the latest keyframe.
   RigidTransform LastFromKeyframe() const;
   void ReplenishTracks(const FlowImage& image);
   void RenewReferences(const FlowImage& image);
   void DetectNewFeatures(const FlowImage& image);
-  /// Keeps the frame's pose, and gives it in metres as far as they are known.
+  /// Stores the frame's pose, and returns it in metres if the scale is known.
   FrameResult MetricResult(const FrameResult& result, const RigidTransform& camera_from_world);
   FrameResult MetricResult(FrameResult result, int keyframe, const RigidTransform& camera_from_world);
 
@@ -131,14 +132,14 @@ class Odometry {
   MapArchive archive_;
   std::vector<double> lens_of_keyframe_;  ///< correction under which each keyframe was settled; NaN before
   std::optional<RefinedScale> refined_;   ///< once the drive is over
-  double calibration_sigma_ = 0;          ///< what a contradicted calibration adds to the live sigma
+  double calibration_sigma_ = 0;          ///< added to the online sigma for an inconsistent calibration
 
   FlowImage last_image_;                   ///< the latest one whose pose was measured
   std::vector<FeatureTrack> tracks_;       ///< what it shows
-  std::vector<FeatureTrack> lost_tracks_;  ///< landmarks seen lately that it does not show
+  std::vector<FeatureTrack> lost_tracks_;  ///< recently seen landmarks that are not in it
   int landmarks_in_keyframe_ = 0;          ///< with a depth, when the last keyframe was made
   bool mapping_ = false;                   ///< there is a map to track against
-  int lost_frames_ = 0;                    ///< in a row, up to now
+  int lost_frames_ = 0;                    ///< consecutive, up to now
   double last_time_ = -std::numeric_limits<double>::infinity();
   int frames_ = 0;
   int revision_ = 0;

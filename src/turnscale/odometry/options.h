@@ -23,22 +23,22 @@
 
 namespace turnscale {
 
-/// The car, as far as the camera's motion tells of it.
+/// Parameters of the car and the camera mount.
 struct VehicleOptions {
-  /// Distance from the rear axle forward to the camera, metres. Without it the path stays up to scale.
+  /// Distance from the rear axle forward to the camera, metres. Without it the trajectory is up to scale.
   std::optional<double> lever_arm;
   /// Its standard deviation, metres: a tape held from the camera to above the centre of the rear wheel.
   double lever_arm_sigma = kTapeSigma;
   /// c in L_eff = L - c v^2, s^2/m: the rear axle's slip angle per lateral acceleration. With a sigma of 0, 0 is the
   /// paper's rigid car.
   double side_slip = kUsualSideSlip;
-  /// Its standard deviation, which leaves the drive room to refine it. 0 where c is known exactly.
+  /// Its standard deviation. c is refined from the drive unless this is 0.
   double side_slip_sigma = kUsualSideSlipSigma;
-  /// The paper's Q; where the camera is calibrated, what is assumed until the drive tells better.
+  /// The paper's Q: given, or the initial value if it is estimated.
   Eigen::Quaterniond vehicle_from_camera = Eigen::Quaterniond::Identity();
-  /// Find Q from the drive.
+  /// Estimate Q from the drive.
   bool calibrate_camera = true;
-  /// Standard deviation of the yaw of Q, given or found, rad (0.3 deg: what the calibration reaches before it is used).
+  /// Standard deviation of the yaw of Q, given or estimated, rad (0.3 deg: at which the calibration is first used).
   double yaw_sigma = 0.3 / 57.295779513082320877;
 
   /// Throws InputError that names the field when a value makes no sense.
@@ -63,9 +63,9 @@ struct KeyframeOptions {
 
 /// When tracking counts as lost, and what happens then.
 struct TrackingOptions {
-  /// A pose with fewer agreeing landmarks is not believed.
+  /// A pose with fewer inliers is rejected.
   int min_inliers = 25;
-  /// Nor one with which fewer than this share of the tracked landmarks agree.
+  /// Also one with a lower ratio of inliers to tracked landmarks.
   double min_inlier_share = 0.35;
   /// Seconds since the last measured pose after which the map starts anew, at the predicted pose and speed: what the
   /// last image showed is then mostly out of sight.
@@ -83,11 +83,11 @@ struct TrackingOptions {
   void Check() const;
 };
 
-/// How the path becomes metric.
+/// How metric scale is obtained.
 enum class ScaleMethod {
-  kSmoothed,  ///< the map keeps its shape; its scale is what all turns together say along the drive
-  kTurns,     ///< the finished map is adjusted with the length of each turn held at what the turn says by itself
-  kPaper,     ///< the same with the length of each step of a turn held at what its own angles say (22)
+  kSmoothed,  ///< the map is not changed; one estimate of the scale along the drive, from all turns
+  kTurns,     ///< the finished map is adjusted with each turn's length constrained to its single-turn scale
+  kPaper,     ///< the same with each step of a turn constrained to the length from its own angles (22)
 };
 
 struct ScaleOptions {
@@ -100,7 +100,7 @@ struct ScaleOptions {
   void Check() const;
 };
 
-/// Everything that can be set; the defaults are the one frozen configuration for all drives.
+/// All settings; the defaults are used for all drives.
 struct OdometryOptions {
   VehicleOptions vehicle;
   CornerOptions corners;

@@ -9,34 +9,34 @@
 
 namespace turnscale {
 
-/// What is known of the metre when a pose is given.
+/// State of the scale of a pose.
 enum class ScaleState {
-  kPending,   ///< no turn has shown the scale yet: the unit of length is arbitrary
-  kObserved,  ///< within a turn whose evidence counts; live, up to the keyframe that ends it
-  kHeld,      ///< between turns: the scale is that of the turns around; live, of those before
+  kPending,   ///< no turn has determined the scale yet: the unit is arbitrary
+  kObserved,  ///< within a used turn; online, up to the keyframe that ends it
+  kHeld,      ///< between turns: propagated from the adjacent turns; online, from earlier ones
 };
 
-/// How a frame's pose came about.
+/// How a frame's pose was determined.
 enum class TrackingState {
   kInitializing,  ///< no map yet (standstill, pure rotation, too little parallax)
   kTracked,       ///< measured against the map
-  kRepeated,      ///< the image shows what the one before did, though the car moves; the pose is the predicted one
-  kBridged,       ///< the image was of no use; the pose is the predicted one
-  kUnreadable,    ///< there was no image; the pose is the predicted one
+  kRepeated,      ///< duplicate image: shows what the previous one did, though the car moves; predicted pose
+  kBridged,       ///< tracking failed in the image; predicted pose
+  kUnreadable,    ///< no readable image; predicted pose
 };
 
-/// What the odometry says of one frame.
+/// Result of one frame.
 struct FrameResult {
   int frame = 0;    ///< number of the image in the drive, from 0
   double time = 0;  ///< seconds
   TrackingState state = TrackingState::kInitializing;
-  /// Metres where the scale is known, else the arbitrary unit of the start. Empty while there is no map.
+  /// In metres if the scale is known, else in the arbitrary unit of the map. Empty while there is no map.
   std::optional<RigidTransform> world_from_camera;
-  /// How the camera is turned on the car at this frame, the paper's Q, as far as it is known.
+  /// The camera-to-vehicle rotation at this frame, the paper's Q, as far as it is known.
   Eigen::Quaterniond vehicle_from_camera = Eigen::Quaterniond::Identity();
   ScaleState scale_state = ScaleState::kPending;
   double scale_sigma = std::numeric_limits<double>::infinity();  ///< relative standard deviation of the scale
-  int tracked = 0;                                               ///< features found again in this frame
+  int tracked = 0;                                               ///< features tracked into this frame
   int inliers = 0;                                               ///< landmarks that agree with the pose
   bool keyframe = false;
   double psi =
@@ -46,7 +46,7 @@ struct FrameResult {
   bool turning = false;
 };
 
-/// One turn and what its pooled line says of the scale.
+/// One turn and its single-turn scale.
 struct TurnResult {
   int first_frame = 0;
   int last_frame = 0;
@@ -54,20 +54,20 @@ struct TurnResult {
   int last_keyframe = 0;
   double angle = 0;  ///< whole turn, rad, positive to the right
   double speed = 0;  ///< root mean square, m/s; 0 while the scale is unknown
-  /// Metres per unit of the map that the turn shows by itself, the car's constants being those of the drive; 0 where it
-  /// shows none.
+  /// Single-turn scale: metres per unit of the map, with the car's constants as refined from the drive; 0 if the turn
+  /// gives none.
   double metres_per_unit = 0;
   double sigma = 0;  ///< standard deviation of metres_per_unit
-  /// The same with the car's constants as they were given: what `--method turns` holds.
+  /// The same with the car's constants as given: the constraint of `--method turns`.
   double as_given = 0;
-  bool followed = false;      ///< where the scale follows single turns: this one, at `as_given`
-  double smoothed = 0;        ///< metres per unit of the drive's scale there
+  bool followed = false;      ///< with single-turn scales: this turn is used, at `as_given`
+  double smoothed = 0;        ///< smoothed scale there, metres per unit
   double smoothed_sigma = 0;  ///< standard deviation of `smoothed`
   double deviation = 0;       ///< ln(smoothed / metres_per_unit) in standard deviations
-  /// Lever arm that the turn shows at the scale of the whole drive, metres.
+  /// Effective lever arm of the turn at the smoothed scale, metres.
   double effective_lever_arm = 0;
   bool used = false;
-  std::string reason;  ///< why the turn was not used; empty where it was
+  std::string reason;  ///< why the turn was not used; empty if it was
   /// Why the recovery (`--method turns`, `paper`) scaled the map around this used turn, but did not adjust it
   /// (RangeRecovery::reason); empty where it did, and with other methods.
   std::string unadjusted;

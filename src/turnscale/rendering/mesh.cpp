@@ -108,7 +108,7 @@ void AddBox(const SurfaceStyle& style, const RigidTransform& world_from_base, co
 }
 
 void AddPrism(const SurfaceStyle& style, const RigidTransform& world_from_base, const Prism& prism, Mesh& mesh) {
-  if (prism.sides < 3) throw std::invalid_argument("a prism has three sides or more");
+  if (prism.sides < 3) throw std::invalid_argument("a prism needs three sides or more");
   std::vector<Eigen::Vector3d> bottom(prism.sides);
   std::vector<Eigen::Vector3d> top(prism.sides);
   for (int i = 0; i < prism.sides; ++i) {

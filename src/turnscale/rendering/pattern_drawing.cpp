@@ -31,7 +31,7 @@ cv::Mat Gains(int side, double roughness) {
 
 void CheckSide(const PatternOptions& options) {
   if (options.side < 16 || !std::has_single_bit(static_cast<unsigned>(options.side)))
-    throw std::invalid_argument("the side of a pattern is a power of two, 16 or more");
+    throw std::invalid_argument("the side of a pattern must be a power of two, 16 or more");
 }
 
 cv::Mat Clouds(int side, std::uint64_t seed, double roughness) {

@@ -16,7 +16,7 @@ std::shared_ptr<void> MakeDevice() {
   // One thread builds the same tree every time.
   RTCDevice device = rtcNewDevice("threads=1");
   if (device == nullptr)
-    throw std::runtime_error("Embree does not start: error " + std::to_string(rtcGetDeviceError(nullptr)));
+    throw std::runtime_error("Embree cannot be initialised: error " + std::to_string(rtcGetDeviceError(nullptr)));
   return {device, [](void* handle) { rtcReleaseDevice(static_cast<RTCDevice>(handle)); }};
 }
 

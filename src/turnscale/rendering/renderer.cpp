@@ -40,7 +40,7 @@ struct Renderer::State {
 
   Tracer TracerFor(const View& view) const {
     if (view.world_from_movable.size() != lit.scene.movable.size())
-      throw std::invalid_argument("a view has a pose for each movable mesh");
+      throw std::invalid_argument("a view needs one pose per movable mesh");
     const double span = view.shutter.exposure + view.shutter.readout;
     const int count = span > 0 ? kPosesInMotion : 1;
     std::vector<std::vector<RigidTransform>> poses;

@@ -9,7 +9,7 @@
 
 namespace turnscale {
 
-/// How the camera is turned on the car, as a path shows it.
+/// The camera-to-vehicle rotation, as a path shows it.
 struct MountFromPath {
   Eigen::Quaterniond vehicle_from_camera = Eigen::Quaterniond::Identity();  ///< the paper's Q
   bool observed =

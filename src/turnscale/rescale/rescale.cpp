@@ -27,7 +27,7 @@ void CheckTrajectory(const Trajectory& trajectory, bool timed, const std::vector
   int last = 0;
   for (const PathGap& gap : gaps) {
     if (gap.pose <= last || gap.pose >= static_cast<int>(trajectory.size())) {
-      throw InputError("gaps: " + std::to_string(gap.pose) + " is no pose after the first, or out of order");
+      throw InputError("gaps: " + std::to_string(gap.pose) + " is not a pose after the first, or out of order");
     }
     if (!(gap.sigma > 0)) throw InputError("gaps: sigma has to be positive");
     last = gap.pose;
@@ -130,8 +130,8 @@ RescaleResult RescaleTrajectory(const RescaleOptions& options, const Trajectory&
   result.steps = CutIntoSteps(path, gaps, options.timed, options.steps);
   if (!GoesForward(result.steps)) {
     result.reason =
-        "most of its steps go sideways, up, down or backwards for a camera turned like that; let its rotation be "
-        "estimated";
+        "with this camera rotation most steps go sideways, up, down or backwards; let the rotation be estimated "
+        "(--camera-rotation auto)";
     return result;
   }
   ScaleEstimateResult estimate = EstimateScale(result.steps, CarFor(options, result.yaw_sigma), EstimatorFor(options));

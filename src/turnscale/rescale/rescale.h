@@ -15,12 +15,12 @@ namespace turnscale {
 
 struct RescaleOptions {
   CarPrior car;
-  /// The paper's Q; found from the trajectory (FindCameraMount) where it is not given. What it has wrong in yaw is
-  /// estimated in either case, its pitch does not matter (LevelStep), and some degrees of roll do little.
+  /// The paper's Q; estimated from the trajectory (FindCameraMount) if not given. Its yaw error is estimated in either
+  /// case; its pitch does not matter (LevelStep), and some degrees of roll have little effect.
   std::optional<Eigen::Quaterniond> vehicle_from_camera;
-  /// The poses' times are seconds. Without them there is no speed, and the tyres are taken not to slip.
+  /// The poses' times are seconds. Without times there is no speed, and slip is neglected.
   bool timed = true;
-  /// The odometry's scale drifts along the drive; false for loop-closed inputs, whose scale is one.
+  /// The scale drifts along the drive; false for loop-closed inputs, whose scale is constant.
   bool drifting = true;
   VehicleStepOptions steps;
   ScaleEstimatorOptions estimator;
@@ -40,25 +40,25 @@ struct RescaledPose {
 
 struct RescaleResult {
   bool observable = false;
-  std::string reason;               ///< why there is no scale; one line, empty where there is one
+  std::string reason;               ///< why there is no scale; one line, empty if there is one
   Trajectory metric;                ///< metres; the first pose keeps its direction from the origin
-  std::vector<RescaledPose> poses;  ///< one a pose
+  std::vector<RescaledPose> poses;  ///< one per pose
   std::vector<VehicleStep> steps;   ///< that the estimate's turns refer to
   std::optional<ScaleEstimate> estimate;
-  /// Q as given or found.
+  /// Q as given or estimated.
   Eigen::Quaterniond vehicle_from_camera = Eigen::Quaterniond::Identity();
   double yaw_sigma = 0;  ///< standard deviation of its yaw, rad, before the turns refine it
   /// Of the metric path along its steps, metres; without jumps and gaps.
   double length = 0;
 };
 
-/// Gives a trajectory of arbitrary scale its metres, from the turns it makes: no images. Poses are the camera's in any
-/// fixed world frame, in the order of time; keyframes only or every frame. `gaps` are poses before which tracking was
-/// lost, in their order: nothing is read across, and the scale may jump there. Time and memory are linear in the poses.
+/// Converts an up-to-scale trajectory to metres, with the scale estimated from its turns: no images. Poses are the
+/// camera's in any fixed world frame, in the order of time; keyframes only or every frame. `gaps` are poses before
+/// which tracking was lost, in order: steps do not extend across, and the scale may jump. Time and memory are linear.
 ///
-/// Where the drive does not show its scale, `observable` is false, `reason` says why, and nothing is invented. Throws
-/// InputError where the trajectory has fewer than two poses, a pose is not finite, times or gaps do not increase, or an
-/// option makes no sense.
+/// If the scale is not observable, `observable` is false and `reason` says why. Throws
+/// InputError if the trajectory has fewer than two poses, a pose is not finite, times or gaps do not increase, or an
+/// option is invalid.
 RescaleResult RescaleTrajectory(const RescaleOptions& options, const Trajectory& trajectory,
                                 const std::vector<PathGap>& gaps = {});
 

@@ -9,7 +9,7 @@
 
 namespace turnscale {
 
-/// The scale while the drive goes on: a Kalman filter over the segments that have ended, and over the turn under way.
+/// Online scale: an iterated extended Kalman filter over the completed segments and the current turn.
 /// Work per step does not depend on the length of the drive.
 class LiveScale {
  public:
@@ -18,21 +18,21 @@ class LiveScale {
   /// Takes the next step. Returns whether it ended a turn.
   bool Add(const VehicleStep& step);
 
-  /// The belief now, with the evidence of the turn under way; empty until the scale has been known to
+  /// The current belief, with the evidence of the current turn; empty until the scale is known to
   /// ScaleEstimatorOptions::max_sigma. A loss of tracking widens its sigma, also beyond that.
   std::optional<ScaleBelief> Now() const;
 
-  /// From now on steps come with the directions of another camera rotation, by which all were `angle` rad larger.
+  /// The camera-to-vehicle rotation has changed: directions of travel are larger by `angle` rad from now on.
   void TurnCamera(double angle);
 
-  /// A turn whose evidence counts is under way.
+  /// Within a usable turn.
   bool turning() const { return turning_; }
 
  private:
   void Commit(int last, bool turning);
   void TakeDirection(const std::vector<VehicleStep>& steps, ScaleBelief& belief) const;
   void Advance(const std::vector<VehicleStep>& steps, ScaleBelief& belief) const;
-  /// With the turn's evidence; empty where it has none.
+  /// With the turn's evidence; empty if it has none.
   std::optional<ScaleBelief> WithTurn(const ScaleBelief& belief, const std::vector<VehicleStep>& steps) const;
 
   ScaleEstimatorOptions options_;

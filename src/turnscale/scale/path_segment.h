@@ -8,7 +8,7 @@
 
 namespace turnscale {
 
-/// Neighbouring steps that share one scale: a turn, or a piece of what lies between two turns.
+/// Consecutive steps that share one scale: a turn, or a part of the straight between two turns.
 struct PathSegment {
   int first = 0;  ///< steps first..last
   int last = 0;
@@ -21,8 +21,8 @@ struct PathSegment {
 
 struct PathSegmentOptions {
   TurnDetectorOptions turns;
-  /// Longest straight segment, steps: some hundred metres, over which the direction of travel that the road asks for
-  /// (crown, side wind) may well differ from the next one's.
+  /// Longest straight segment, steps: some hundred metres. The direction of travel differs between segments with crown
+  /// and side wind.
   int max_straight_steps = 40;
 
   /// Throws InputError that names the field when a value makes no sense.
@@ -32,7 +32,7 @@ struct PathSegmentOptions {
 /// The turns among the steps (Algorithm 1), in their order.
 std::vector<TurningRegion> FindTurns(const std::vector<VehicleStep>& steps, const TurnDetectorOptions& options);
 
-/// Divides the steps, without gap or overlap, in their order.
+/// Divides the steps into segments, in order, without gaps or overlap.
 std::vector<PathSegment> SplitIntoSegments(const std::vector<VehicleStep>& steps, const PathSegmentOptions& options);
 
 /// The steps of a segment.

@@ -270,7 +270,7 @@ void FollowTurns(double max_sigma_ratio, ScaleEstimate& estimate) {
 
 std::string WhatWouldDo(const ScaleEstimatorOptions& options) {
   const long degrees = std::lround(options.segments.turns.min_region_angle * 180 / M_PI);
-  return "give a drive with a slow turn of " + std::to_string(degrees) + " degrees or more";
+  return "use a drive with a slow turn of " + std::to_string(degrees) + " degrees or more";
 }
 
 }  // namespace
@@ -299,7 +299,7 @@ ScaleEstimateResult EstimateScale(const std::vector<VehicleStep>& steps, const C
   problem.evidence = selection.evidence;
   result.turns = DescribeTurns(problem, car);
   if (result.turns.empty()) {
-    result.reason = "it has no turn; " + WhatWouldDo(options);
+    result.reason = "no turn; " + WhatWouldDo(options);
     return result;
   }
   if (selection.log_scales.empty()) {
@@ -316,13 +316,13 @@ ScaleEstimateResult EstimateScale(const std::vector<VehicleStep>& steps, const C
   estimate.converged = answer.smoothing.converged();
   const auto best = std::ranges::min_element(estimate.smoothed, {}, [](const ScaleBelief& b) { return b.sigma(); });
   if (!(best->sigma() <= options.max_sigma)) {
-    result.reason = "its turns leave the scale uncertain by " + std::to_string(std::lround(100 * best->sigma())) +
-                    " %, more than " + std::to_string(std::lround(100 * options.max_sigma)) + "; " +
+    result.reason = "the turns leave the scale uncertain by " + std::to_string(std::lround(100 * best->sigma())) +
+                    " %, more than " + std::to_string(std::lround(100 * options.max_sigma)) + " %; " +
                     WhatWouldDo(options);
     for (TurnEstimate& turn : result.turns) {
       if (!turn.used) continue;
       turn.used = false;
-      turn.reason = "knows the scale too badly";
+      turn.reason = "its scale is too uncertain";
     }
     return result;
   }

@@ -16,76 +16,76 @@ struct ScaleEstimatorOptions {
   EvidenceOptions evidence;
   DriftOptions drift;
   TurnTestOptions test;
-  /// A segment that disagrees with the drive by more than this many sigmas loses weight (Huber).
+  /// A segment with a residual of more than this many sigmas is down-weighted (Huber).
   double huber = 1.5;
-  /// A drive whose scale is known worse than this (relative) at its best has none.
+  /// There is no estimate if the smallest relative sigma of the scale exceeds this.
   double max_sigma = 0.15;
-  /// Where the scale follows single turns, one whose sigma is this many times the best turn's is not followed.
+  /// With single-turn scales, turns whose sigma exceeds the smallest one's by this factor are not used.
   double max_sigma_ratio = 3;
-  /// The steps are known to be wrong beyond their noise, as by a calibration that the images contradict: the scale
-  /// follows each turn's own, as where turns contradict each other.
+  /// Use single-turn scales, as if the turns were inconsistent: for steps with known errors beyond their noise, as from
+  /// a calibration that is inconsistent with the images.
   bool follow_turns = false;
 
   /// Throws InputError that names the field when a value makes no sense.
   void Check() const;
 };
 
-/// What a turn says of the scale, and what became of it.
+/// The scale from one turn, and how it was used.
 struct TurnEstimate {
   int segment = 0;  ///< place in ScaleEstimate::segments
   int first_step = 0;
   int last_step = 0;
   double angle = 0;  ///< rad, positive to the right
   bool used = false;
-  std::string reason;          ///< why it was not used; empty where it was
-  double own = 0;              ///< metres per unit that this turn shows by itself; 0 where it shows none
+  std::string reason;          ///< why it was not used; empty if it was
+  double own = 0;              ///< single-turn scale, metres per unit; 0 if there is none
   double own_sigma = 0;        ///< relative
-  double as_given = 0;         ///< as `own`, but with the car's constants as they were given; may be infinite
+  double as_given = 0;         ///< as `own`, with the car's constants as given; may be infinite
   double as_given_sigma = 0;   ///< relative
-  bool followed = false;       ///< where the scale follows single turns: this one, at `as_given`
-  double smoothed = 0;         ///< metres per unit of the drive's scale there
+  bool followed = false;       ///< with single-turn scales: this turn is used, at `as_given`
+  double smoothed = 0;         ///< smoothed scale there, metres per unit
   double smoothed_sigma = 0;   ///< relative
   double lever_arm_units = 0;  ///< effective lever arm, odometry units
   double speed_units = 0;      ///< root mean square, odometry units per second; 0 where times are unknown
-  double weight = 0;           ///< 1, below where the turn disagrees with the rest
+  double weight = 0;           ///< Huber weight: below 1 if the turn disagrees with the others
   double deviation = 0;        ///< ln(smoothed / own) in standard deviations
 };
 
-/// What the drive says of the car beyond what was given, with standard deviations.
+/// The car's constants as refined from the drive, with standard deviations.
 struct CarRefinement {
-  double yaw_error = 0;  ///< what the camera's rotation has too little, rad: it looks so much further right
+  double yaw_error = 0;  ///< to be added to the yaw of Q, rad: positive if the camera looks further right
   double yaw_error_sigma = 0;
   double side_slip = 0;             ///< c in L_eff = L - c v^2, s^2/m
   double side_slip_sigma = 0;       ///< 0 where c was given as known exactly
-  bool side_slip_at_bound = false;  ///< the drive asks for tyres that slip inwards: c is held at 0
+  bool side_slip_at_bound = false;  ///< the estimate would be negative: c is fixed at 0
 };
 
 /// The scale of a drive, segment by segment.
 struct ScaleEstimate {
   std::vector<PathSegment> segments;
-  std::vector<ScaleBelief> smoothed;  ///< one a segment, from the whole drive; sigma includes what the test adds
-  double length_sigma = 0;            ///< relative standard deviation of the path's length in metres
+  std::vector<ScaleBelief> smoothed;  ///< one per segment, from the whole drive; sigma includes what the test adds
+  double length_sigma = 0;            ///< relative standard deviation of the path length in metres
   CarRefinement car;
   std::vector<TurnEstimate> turns;
   TurnTest test;  ///< do the turns agree with the estimate? `worst_turn` is a place in `turns`
-  bool fell_back =
-      false;  ///< they do not, or it did not converge, or `follow_turns`: the scale follows each turn's own
+  /// Single-turn scales are used: the test failed, the estimate did not converge, or `follow_turns`.
+  bool fell_back = false;
   bool converged = false;
 };
 
-/// The estimate, or one line of text that says why there is none.
+/// The estimate, or one line that says why there is none.
 struct ScaleEstimateResult {
   std::optional<ScaleEstimate> estimate;
   std::string reason;
-  std::vector<TurnEstimate> turns;  ///< found, where there is no estimate
+  std::vector<TurnEstimate> turns;  ///< detected turns, if there is no estimate
 };
 
-/// Maximum a posteriori scale of a drive from its steps. Each turn enters once, with its own likelihood: its effective
-/// lever arm in units. Unknowns are the log-scale, which drifts, and three constants with physical priors: the yaw that
-/// Q lacks, the tyres' slip, and the lever arm. Time is linear in the number of steps.
+/// Maximum a posteriori scale of a drive from its steps. Each turn is one measurement: its effective
+/// lever arm in units. Unknowns are the log-scale, a random walk, and three constants with physical priors: the yaw
+/// error of Q, the side slip c, and the lever arm. Time is linear in the number of steps.
 ///
-/// Every turn's own scale is then tested against the estimate (TurnTest). Where they disagree beyond chance, the scale
-/// follows the turns, and sigma covers the disagreement.
+/// The single-turn scales are then tested jointly against the estimate (TurnTest). If the test fails, they are used
+/// instead, and sigma includes their spread.
 ScaleEstimateResult EstimateScale(const std::vector<VehicleStep>& steps, const CarPrior& car,
                                   const ScaleEstimatorOptions& options);
 

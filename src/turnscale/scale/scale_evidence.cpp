@@ -121,7 +121,7 @@ std::optional<Measurement> Linearize(const SegmentEvidence& evidence, const Driv
 std::string WhyUnusable(const PooledLine& turn, const DriveState& state, const EvidenceOptions& options) {
   const LeverArm lever_arm{std::exp(state[kLogLeverArm]), std::max(state[kSlip], 0.0)};
   const double scale = MetresPerUnit(turn, lever_arm, state[kDirection]);
-  if (!std::isfinite(scale)) return "the camera does not move outwards as its lever arm requires";
+  if (!std::isfinite(scale)) return "the camera does not move outwards as the lever arm requires";
   if (LeverArmRatio(turn, lever_arm, scale) < options.min_lever_arm_ratio)
     return "too fast: side slip leaves too little of the lever arm";
   return {};

@@ -8,10 +8,10 @@
 
 namespace turnscale {
 
-/// How fast the odometry's scale is taken to drift: a random walk of its logarithm.
+/// Assumed scale drift of the odometry: a random walk of the log-scale.
 struct DriftOptions {
-  double per_100m = 0.01;    ///< standard deviation gathered over 100 m
-  double per_90deg = 0.005;  ///< and over 90 degrees of turning: what is left of the lens bends the scale in turns
+  double per_100m = 0.01;    ///< standard deviation over 100 m
+  double per_90deg = 0.005;  ///< and over 90 degrees of turning: residual lens errors bias the scale in turns
 
   /// Throws InputError that names the field when a value makes no sense.
   void Check() const;
@@ -26,16 +26,16 @@ struct ScaleBelief {
   double sigma() const;  ///< relative standard deviation of the scale
 };
 
-/// Before the first turn: the car's constants at their priors, the scale all but unknown about a start.
+/// Before the first turn: the car's constants at their priors, a nearly flat prior of the scale.
 ScaleBelief PriorBelief(const CarPrior& car, double log_scale);
 
-/// Variance that the log-scale gathers on the way: `length` odometry units at `metres_per_unit`, turning by `angle`
+/// Variance of the drift of the log-scale over `length` odometry units at `metres_per_unit`, turning by `angle`
 /// rad, with a gap of `gap_sigma` (0: none).
 double DriftVariance(const DriftOptions& options, double length, double metres_per_unit, double angle,
                      double gap_sigma);
 
-/// Of a measurement under the belief before it, linearised at `at`: innovation over its standard deviation, which is
-/// that of both together, squared.
+/// Squared innovation of a measurement, linearised at `at`, over its variance, which includes that of the belief before
+/// it.
 double NormalizedInnovation(const ScaleBelief& belief, const Measurement& measurement, double weight,
                             const DriveState& at);
 
@@ -45,33 +45,33 @@ double HuberWeight(double deviation, double threshold);
 /// The belief with one more measurement, linearised at `at`; `weight` divides the measurement's variance.
 ScaleBelief Updated(const ScaleBelief& belief, const Measurement& measurement, double weight, const DriveState& at);
 
-/// A drive as the estimator sees it.
+/// Input of the estimator.
 struct ScaleProblem {
   ScaleBelief prior;  ///< before the first segment
   std::vector<PathSegment> segments;
-  std::vector<SegmentEvidence> evidence;  ///< one a segment
+  std::vector<SegmentEvidence> evidence;  ///< one per segment
   EvidenceOptions options;
   DriftOptions drift;
 };
 
-/// What all segments together say of each.
+/// The estimate at each segment, from all segments.
 struct SmoothedScale {
   std::vector<ScaleBelief> segments;
-  /// Gains of the smoother: from segment i + 1 back to segment i. What two segments' beliefs have in common follows
-  /// from them (LengthSigma).
+  /// Gains of the smoother, from segment i + 1 back to segment i. They give the covariance between segments
+  /// (LengthSigma).
   std::vector<Eigen::Matrix4d> gains;
-  /// Sum of the turns' squared innovations, each over its variance: chi-squared with one degree of freedom a turn, but
-  /// for the first, which gives the scale. It sees what priors and drift take up, too.
+  /// Sum of the turns' squared innovations, each over its variance: chi-squared with one degree of freedom per turn,
+  /// except for the first, which gives the scale. It includes deviations absorbed by priors and drift.
   double chi_squared = 0;
 };
 
-/// Kalman filter along the drive, linearised at given states (one a segment), and the Rauch-Tung-Striebel smoother.
+/// Kalman filter along the drive, linearised at given states (one per segment), and the Rauch-Tung-Striebel smoother.
 /// With the linearisation moved to the answer and this repeated, it is Gauss-Newton on the maximum a posteriori
 /// problem, in time linear in the number of segments (Bell 1994, The iterated Kalman smoother as a Gauss-Newton
 /// method).
 SmoothedScale SmoothScale(const ScaleProblem& problem, const std::vector<DriveState>& at);
 
-/// Relative standard deviation of the path's length in metres, with all that the segments' scales have in common.
+/// Relative standard deviation of the path length in metres, with the covariances between the segments' scales.
 double LengthSigma(const SmoothedScale& smoothed, const std::vector<PathSegment>& segments);
 
 }  // namespace turnscale

@@ -16,8 +16,8 @@ struct PoseScale {
   bool after_gap = false;  ///< reached across a loss of tracking
 };
 
-/// The scale along a path, one entry a pose: between the middles of two segments in proportion to the length, but not
-/// across a gap. `steps` are those of the estimate, and lead through the poses.
+/// The scale along a path, one entry per pose: interpolated along the length between the middles of segments, but not
+/// across a gap. `steps` are those of the estimate, along the same poses.
 std::vector<PoseScale> ScaleTrack(int poses, const std::vector<VehicleStep>& steps, const ScaleEstimate& estimate);
 
 /// Positions in metres: each step from pose to pose is scaled by the mean of its ends' scales, one across a loss of

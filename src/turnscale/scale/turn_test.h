@@ -6,19 +6,19 @@
 namespace turnscale {
 
 struct TurnTestOptions {
-  /// Turns contradict the estimate where the sum of their squared deviations is less likely than this by chance.
+  /// Significance level: the turns are inconsistent if chi-squared is less probable than this.
   double min_probability = 0.001;
-  /// Or where the side slip has been moved by more than this many standard deviations of its prior. (The yaw may be:
-  /// straights show it.)
+  /// Or if the side slip deviates from its prior by more than this many standard deviations. (The yaw may deviate:
+  /// it is observed on straights.)
   double max_prior_deviation = 2.5;
-  /// Contradictions below this change of the scale (relative) do not matter.
+  /// Inconsistencies below this change of the scale (relative) are ignored.
   double min_disagreement = 0.05;
 
   /// Throws InputError that names the field when a value makes no sense.
   void Check() const;
 };
 
-/// What the test looks at: one entry a used turn.
+/// Input of the test: one entry per used turn.
 struct TurnTestInput {
   double chi_squared = 0;           ///< of all turns together (SmoothedScale), one degree of freedom less than turns
   std::vector<double> deviations;   ///< ln(smoothed / own) over its standard deviation
@@ -27,14 +27,14 @@ struct TurnTestInput {
   double slip_deviation = 0;        ///< of the side slip from its prior, in standard deviations of the prior
 };
 
-/// Do the turns agree with the drive's estimate?
+/// Consistency of the turns with the estimate.
 struct TurnTest {
   bool contradicted = false;
   double chi_squared = 0;
   int degrees_of_freedom = 0;
   double disagreement = 0;  ///< weighted mean of |differences|
   int worst_turn = -1;      ///< index of the turn that deviates most; -1 without turns
-  /// Factor on sigma that the scatter of the turns about the estimate asks for, at least 1.
+  /// Factor on sigma: the square root of chi-squared over the degrees of freedom, at least 1.
   double inflation = 1;
 };
 

@@ -11,7 +11,7 @@ namespace turnscale {
 
 /// The texts that lie beside a simulated drive's images. All places are in the frame of the first camera.
 
-/// `times.txt`: seconds, one a line.
+/// `times.txt`: seconds, one per line.
 std::string TimesText(const std::vector<DriveFrame>& frames);
 
 /// `poses.txt` as KITTI has it: first_camera_from_camera, to the last bit.

@@ -38,7 +38,7 @@ void RefuseForeign(const fs::path& folder) {
   }
   if (IsOurs(folder)) return;
   const auto refuse = [&](const std::string& name) {
-    throw InputError((folder / name).string() + ": is not of a simulated drive; choose another --out");
+    throw InputError((folder / name).string() + ": does not belong to a simulated drive; choose another --out");
   };
   for (const char* name : kFiles) {
     if (Exists(folder / name)) refuse(name);

@@ -55,7 +55,7 @@ CameraDrive DriveThrough(const World& world, const Rig& rig, unsigned seed, cons
 void WriteImage(const fs::path& path, const cv::Mat& image) {
   std::vector<uchar> bytes;
   if (!cv::imencode(".png", image, bytes, {cv::IMWRITE_PNG_COMPRESSION, kPngLevel})) {
-    throw OutputError(path.string() + ": the image cannot be packed as PNG");
+    throw OutputError(path.string() + ": the image cannot be encoded as PNG");
   }
   OutputFile file(path);
   file.Write({reinterpret_cast<const char*>(bytes.data()), bytes.size()});

@@ -18,11 +18,11 @@ struct RecordOptions {
   DriveOrigin origin = {};             ///< of the world, for `drive.yaml`
 };
 
-/// What a recording amounts to.
+/// Summary of a recording.
 struct Recording {
   int frames = 0;      ///< written
   double seconds = 0;  ///< from the first image to the last
-  double metres = 0;   ///< that the camera has come
+  double metres = 0;   ///< path length of the camera
   double turned = 0;   ///< angle that the car has turned through, to either side, radians
   bool complete = false;
 };

@@ -90,7 +90,7 @@ RecordedPath RearAxlePath(const Trajectory& trajectory, const RigidTransform& ve
   double length = 0;
   for (std::size_t i = 1; i < path.points.size(); ++i)
     length += (FromAbove(path.points[i]) - FromAbove(path.points[i - 1])).norm();
-  if (!(length >= kMinLength)) throw InputError("trajectory: the car moves less than a metre");
+  if (!(length >= kMinLength)) throw InputError("trajectory: its path length is below 1 m");
   SmoothHeights(path.points);
   return path;
 }

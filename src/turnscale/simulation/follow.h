@@ -12,7 +12,7 @@ namespace turnscale {
 /// The way of a recorded drive.
 struct RecordedPath {
   std::vector<Eigen::Vector3d> points;  ///< (x, up, z), metres, at least 0.3 m apart as seen from above
-  std::vector<double> speeds;           ///< m/s, one a point: the least between this point and the next
+  std::vector<double> speeds;           ///< m/s, one per point: the least between this point and the next
 };
 
 /// The rear axle's way from the poses of a camera (metres), in the frame of the car at the first pose: it starts near

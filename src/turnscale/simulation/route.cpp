@@ -102,20 +102,21 @@ void RouteLeg::Check() const {
         "seconds",
         speeds[i], length, kMaxSpeed));
   }
-  if (!(length >= 0.1)) throw InputError("leg.points: have to lead somewhere, 0.1 m away at least");
+  if (!(length >= 0.1)) throw InputError("leg.points: the leg must be at least 0.1 m long");
   if (!(speed > 0 && speed <= kMaxSpeed)) throw InputError("leg.speed: has to be positive and at most 100 m/s");
   if (!(wait >= 0 && wait <= 3600)) throw InputError("leg.wait: has to be in 0...3600 s");
 }
 
 std::vector<Eigen::Vector2d> RoundCorners(const std::vector<Eigen::Vector2d>& corners, double radius, double step) {
-  if (corners.size() < 2) throw InputError("corners: there have to be two or more");
+  if (corners.size() < 2) throw InputError("corners: at least two are needed");
   if (!(radius > 0) || !std::isfinite(radius)) throw InputError("radius: has to be positive");
   if (!(step > 0)) throw InputError("step: has to be positive");
   std::vector<Eigen::Vector2d> directions;
   std::vector<double> room;
   for (std::size_t i = 0; i + 1 < corners.size(); ++i) {
     const double length = (corners[i + 1] - corners[i]).norm();
-    if (!(length > 1e-6)) throw InputError("corners: number " + std::to_string(i + 1) + " is where the one before is");
+    if (!(length > 1e-6))
+      throw InputError("corners: number " + std::to_string(i + 1) + " coincides with the one before");
     directions.emplace_back((corners[i + 1] - corners[i]) / length);
     const bool has_two_corners = i > 0 && i + 2 < corners.size();
     room.push_back(has_two_corners ? 0.5 * length : length);

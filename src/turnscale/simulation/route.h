@@ -13,7 +13,7 @@ struct RouteLeg {
   double speed = 5;                     ///< m/s, at most
   bool reverse = false;                 ///< driven backwards
   double wait = 0;                      ///< seconds that the car stands at its end
-  /// Speeds at the points instead of `speed`, from a recording (m/s): empty or one a point. Where they are lower than
+  /// Speeds at the points instead of `speed`, from a recording (m/s): empty or one per point. Where they are lower than
   /// 0.2 m/s on the way, the car creeps on. A drive whose first leg has speeds starts at the first of them, one whose
   /// last leg has them and no wait ends at the last; all other legs start and end at standstill.
   std::vector<double> speeds;

@@ -206,11 +206,10 @@ VehicleMotion Drive(const CarOptions& options, const std::vector<RouteLeg>& legs
     const double direction = leg.reverse ? -1 : 1;
     if (i == 0) driver.Start(path, direction, speeds.front());
     if (const std::optional<double> lost = driver.Follow(path, direction, speeds)) {
-      throw InputError(
-          fmt::format("legs: {:.1f} m along number {}, the way bends more sharply than the car can follow; smooth or "
-                      "shorten it, or "
-                      "give the car a shorter wheelbase or more max_steering_deg",
-                      *lost, i));
+      throw InputError(fmt::format(
+          "legs: {:.1f} m along number {}, the path is too curved for the car; smooth or shorten it, or give the "
+          "car a shorter wheelbase or more max_steering_deg",
+          *lost, i));
     }
     driver.Wait(leg.wait);
   }

@@ -10,7 +10,7 @@ namespace turnscale {
 
 VehicleMotion::VehicleMotion(std::vector<VehicleState> states, double interval)
     : states_(std::move(states)), interval_(interval) {
-  if (states_.empty()) throw InputError("states: there have to be some");
+  if (states_.empty()) throw InputError("states: must not be empty");
   if (!(interval > 0)) throw InputError("interval: has to be positive");
 }
 
