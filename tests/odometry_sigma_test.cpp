@@ -115,7 +115,7 @@ TEST(OdometrySigma, CoversTurnsThatContradictEachOther) {
   RunSummary summary;
   Summarize(run.refined, run.scale, summary);
   EXPECT_TRUE(std::ranges::any_of(summary.warnings, [](const std::string& warning) {
-    return warning.starts_with("the turns contradict each other");
+    return warning.starts_with("the turns are inconsistent");
   }));
   ASSERT_TRUE(AllPosed(run.refined));
   const double error = MeasureRun(run.refined, drive.world_from_camera).path_length;
