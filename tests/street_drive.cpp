@@ -86,8 +86,7 @@ std::vector<Block> Streets() {
 
 }  // namespace
 
-StreetDrive RenderStreetDrive(const StreetDriveOptions& options) {
-  static const StreetWorld world(Streets());
+StreetDrive StreetDriveWithoutImages(const StreetDriveOptions& options) {
   StreetDrive drive;
   const LensModel lens = options.k1 == 0 ? LensModel::kPinhole : LensModel::kRadialTangential;
   drive.camera = {.pinhole = {280, 280, 239.5, 95.5},
@@ -96,10 +95,7 @@ StreetDrive RenderStreetDrive(const StreetDriveOptions& options) {
                   .width = 480,
                   .height = 192};
   const RigidTransform vehicle_from_camera{options.vehicle_from_camera, {0, -kCameraHeight, kStreetLeverArm}};
-  const std::vector<Eigen::Vector3d> rays = PixelRays(drive.camera);
   RigidTransform world_from_vehicle;
-  cv::RNG random(42);
-  cv::Mat ideal;
   double done = 0;
   const int frames = std::min(kStreetFrames + options.standing_frames + options.braking_frames, options.frames);
   for (int frame = 0; frame < frames; ++frame) {
@@ -108,7 +104,20 @@ StreetDrive RenderStreetDrive(const StreetDriveOptions& options) {
     done += share;
     drive.times.push_back(kStreetInterval * frame);
     drive.world_from_camera.push_back(world_from_vehicle * vehicle_from_camera);
-    if (share > 0 || frame == 0) ideal = world.Render(drive.camera, rays, drive.world_from_camera.back());
+  }
+  return drive;
+}
+
+StreetDrive RenderStreetDrive(const StreetDriveOptions& options) {
+  StreetDrive drive = StreetDriveWithoutImages(options);
+  const StreetWorld world(Streets());
+  const std::vector<Eigen::Vector3d> rays = PixelRays(drive.camera);
+  cv::RNG random(42);
+  cv::Mat ideal;
+  for (size_t frame = 0; frame < drive.times.size(); ++frame) {
+    const RigidTransform& pose = drive.world_from_camera[frame];
+    const bool stands = frame > 0 && pose.translation == drive.world_from_camera[frame - 1].translation;
+    if (!stands) ideal = world.Render(drive.camera, rays, pose);
     cv::Mat noise(ideal.size(), CV_16S);
     random.fill(noise, cv::RNG::NORMAL, 0, kNoise);
     cv::Mat image;
@@ -116,11 +125,6 @@ StreetDrive RenderStreetDrive(const StreetDriveOptions& options) {
     drive.images.push_back(image);
   }
   return drive;
-}
-
-const StreetDrive& PlainStreetDrive() {
-  static const StreetDrive plain = RenderStreetDrive({});
-  return plain;
 }
 
 }  // namespace turnscale
