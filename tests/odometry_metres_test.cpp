@@ -13,10 +13,7 @@ namespace turnscale {
 namespace {
 
 // The plain drive up to where the first turn is over and its scale known.
-const StreetDrive& DriveWithOneTurn() {
-  static const StreetDrive drive = RenderStreetDrive({.frames = 75});
-  return drive;
-}
+StreetDrive DriveWithOneTurn() { return PlainStreetDrive(75); }
 
 void ExpectBothTurns(const OdometryRun& run) {
   ASSERT_EQ(run.turns.size(), 2U);
@@ -45,7 +42,7 @@ void ExpectSameBits(const std::vector<FrameResult>& first, const std::vector<Fra
 }
 
 TEST(OdometryMetres, TwoTurnsGiveTheDrivesMetres) {
-  const StreetDrive& drive = PlainStreetDrive();
+  const StreetDrive drive = PlainStreetDrive();
   const OdometryRun run = RunOdometry(StreetOptions(), drive);
   ExpectMetres(run, drive);
   ExpectBothTurns(run);
@@ -53,7 +50,7 @@ TEST(OdometryMetres, TwoTurnsGiveTheDrivesMetres) {
 }
 
 TEST(OdometryMetres, ScaleIsPendingUntilWellInsideTheFirstTurn) {
-  const StreetDrive& drive = DriveWithOneTurn();
+  const StreetDrive drive = DriveWithOneTurn();
   const OdometryRun run = RunOdometry(StreetOptions(), drive);
   ASSERT_EQ(run.turns.size(), 1U);
   const auto known = std::ranges::find_if(
@@ -89,7 +86,7 @@ TEST(OdometryMetres, ScaleIsPendingUntilWellInsideTheFirstTurn) {
 }
 
 TEST(OdometryMetres, DoNotDependOnTheFirstUnit) {
-  const StreetDrive& drive = DriveWithOneTurn();
+  const StreetDrive drive = DriveWithOneTurn();
   const OdometryRun one = RunOdometry(StreetOptions(), drive);
   ASSERT_EQ(one.turns.size(), 1U);
   ASSERT_TRUE(AllPosed(one.refined));
@@ -110,7 +107,7 @@ TEST(OdometryMetres, DoNotDependOnTheFirstUnit) {
 }
 
 TEST(OdometryMetres, AreTheSameBitsInEveryRunAndForAnyThreads) {
-  const StreetDrive& drive = DriveWithOneTurn();
+  const StreetDrive drive = DriveWithOneTurn();
   const OdometryRun first = RunOdometry(StreetOptions(), drive);
   for (const int threads : {1, 2}) {
     cv::setNumThreads(threads);
@@ -122,7 +119,7 @@ TEST(OdometryMetres, AreTheSameBitsInEveryRunAndForAnyThreads) {
 }
 
 TEST(OdometryMetres, StayUnknownWithoutALeverArm) {
-  const StreetDrive& drive = PlainStreetDrive();
+  const StreetDrive drive = PlainStreetDrive();
   OdometryOptions options = StreetOptions();
   options.vehicle.lever_arm.reset();
   const OdometryRun run = RunOdometry(options, drive);

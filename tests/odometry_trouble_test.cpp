@@ -131,7 +131,7 @@ TEST(OdometryTrouble, TrackingRestartsAfterALongGap) {
 
 TEST(OdometryTrouble, ADriveThatStartsInTheDarkIsFollowedFromTheFirstLight) {
   constexpr int kDark = 8;
-  StreetDrive drive = RenderStreetDrive({.frames = 40});
+  StreetDrive drive = PlainStreetDrive(40);
   SpoilImages(drive, 0, kDark, Black);
   const OdometryRun run = RunOdometry(StreetOptions(), drive);
   for (int i = 0; i < kDark; ++i) EXPECT_EQ(run.refined[i].state, TrackingState::kInitializing) << "frame " << i;
@@ -178,7 +178,7 @@ TEST(OdometryTrouble, RepeatedImagesAreNoStandstill) {
 }
 
 TEST(OdometryTrouble, EachImageThreeTimesIsTheSameDrive) {
-  const StreetDrive& plain = PlainStreetDrive();
+  const StreetDrive plain = PlainStreetDrive();
   StreetDrive drive = plain;
   drive.images.clear();
   drive.times.clear();

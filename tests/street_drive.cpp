@@ -94,8 +94,7 @@ std::vector<Block> Streets() {
 
 }  // namespace
 
-StreetDrive RenderStreetDrive(const StreetDriveOptions& options) {
-  static const StreetWorld world(Streets());
+StreetDrive StreetDriveWithoutImages(const StreetDriveOptions& options) {
   StreetDrive drive;
   const LensModel lens = options.k1 == 0 ? LensModel::kPinhole : LensModel::kRadialTangential;
   const double focal_length = 280.0 * options.width / 480;
@@ -104,10 +103,7 @@ StreetDrive RenderStreetDrive(const StreetDriveOptions& options) {
                   .distortion = {options.k1, 0, 0, 0, 0},
                   .width = options.width,
                   .height = options.height};
-  const std::vector<Eigen::Vector3d> rays = PixelRays(drive.camera);
   RigidTransform world_from_vehicle;
-  cv::RNG random(options.noise);
-  cv::Mat ideal;
   double done = 0;
   const double steps = 1 / (options.fps * kStreetInterval);  // a frame
   const int moving = static_cast<int>(kStreetFrames / steps + 1e-9);
@@ -119,7 +115,20 @@ StreetDrive RenderStreetDrive(const StreetDriveOptions& options) {
     const Eigen::Vector3d place(0, -kCameraHeight, LeverArmAt(options, done));
     drive.times.push_back(frame / options.fps);
     drive.world_from_camera.push_back(world_from_vehicle * RigidTransform{options.vehicle_from_camera, place});
-    if (share > 0 || frame == 0) ideal = world.Render(drive.camera, rays, drive.world_from_camera.back());
+  }
+  return drive;
+}
+
+StreetDrive RenderStreetDrive(const StreetDriveOptions& options) {
+  StreetDrive drive = StreetDriveWithoutImages(options);
+  const StreetWorld world(Streets());
+  const std::vector<Eigen::Vector3d> rays = PixelRays(drive.camera);
+  cv::RNG random(options.noise);
+  cv::Mat ideal;
+  for (size_t frame = 0; frame < drive.times.size(); ++frame) {
+    const RigidTransform& pose = drive.world_from_camera[frame];
+    const bool stands = frame > 0 && pose.translation == drive.world_from_camera[frame - 1].translation;
+    if (!stands) ideal = world.Render(drive.camera, rays, pose);
     cv::Mat noise(ideal.size(), CV_16S);
     random.fill(noise, cv::RNG::NORMAL, 0, kNoise);
     cv::Mat image;
@@ -127,11 +136,6 @@ StreetDrive RenderStreetDrive(const StreetDriveOptions& options) {
     drive.images.push_back(image);
   }
   return drive;
-}
-
-const StreetDrive& PlainStreetDrive() {
-  static const StreetDrive plain = RenderStreetDrive({});
-  return plain;
 }
 
 }  // namespace turnscale

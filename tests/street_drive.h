@@ -47,8 +47,10 @@ constexpr int kStreetFrames = 140;       ///< of a drive without standing or bra
 
 /// Renders the drive. The same options give the same images.
 StreetDrive RenderStreetDrive(const StreetDriveOptions& options);
+/// The same, with no images.
+StreetDrive StreetDriveWithoutImages(const StreetDriveOptions& options);
 
-/// The plain drive, made once.
-const StreetDrive& PlainStreetDrive();
+/// The first frames of the plain drive, whose images the build has rendered (render_street_drive.cpp).
+StreetDrive PlainStreetDrive(int frames = kStreetFrames);
 
 }  // namespace turnscale
