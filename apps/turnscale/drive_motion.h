@@ -9,6 +9,7 @@
 #include "drive_images.h"
 #include "turnscale/calibration/axis_convention.h"
 #include "turnscale/geometry/trajectory.h"
+#include "turnscale/io/message.h"
 
 namespace turnscale {
 
@@ -18,7 +19,7 @@ struct DriveMotion {
   std::vector<Trajectory> stretches;  ///< of unbroken tracking, in one unit of length
   bool timed = true;                  ///< else the times are guessed
   std::string incomplete;             ///< why its length is not that of the whole drive; empty where it is
-  std::string interrupted;            ///< "interrupted after ..."; empty where it was not
+  std::optional<Failure> stopped;     ///< why it was not read to its end; empty where it was
   std::string note;                   ///< one line that the user should know; empty where there is none
 };
 
@@ -28,8 +29,8 @@ DriveMotion MotionFromTrajectory(const std::filesystem::path& path,
                                  const std::optional<std::filesystem::path>& timestamps, std::optional<double> fps,
                                  std::optional<AxisConvention> axes);
 
-/// Runs the odometry over the images, without a lever arm: the unit of length is arbitrary. Throws InputError. An
-/// interrupt ends the drive there.
+/// Runs the odometry over the images, without a lever arm: the unit of length is arbitrary. An interrupt, or whatever
+/// is thrown on the way, ends the drive there; it is thrown on where there is no motion yet.
 DriveMotion MotionFromImages(const ImageArguments& arguments);
 
 }  // namespace turnscale

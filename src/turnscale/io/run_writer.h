@@ -28,27 +28,36 @@ struct RunWriterOptions {
   VehicleOptions vehicle = {};
 };
 
-/// Keeps a run's results on disk from its first frame on. trajectory.tum, trajectory.kitti.txt and trajectory.csv hold
-/// a consistent state of the refined path at every moment, live.tum grows by one flushed line per frame. Every function
-/// throws InputError where the folder or a file cannot be made, OutputError where the system refuses to write.
+/// Keeps a run's results on disk from its first frame on, each file whole at every moment: trajectory.tum,
+/// trajectory.kitti.txt and trajectory.csv are replaced by a later state of the refined path, which lags by no more
+/// than a fiftieth of the drive; live.tum.part grows by a line per frame and is live.tum in the end. Every function
+/// throws OutputError where the system refuses to write, after trying the other files.
 class RunWriter {
  public:
-  /// Makes the folder and begins the files anew; results of an earlier run in it are taken away.
+  /// Makes the folder and begins the files anew; results of an earlier run in it are taken away. Throws InputError
+  /// where the folder or a file cannot be made.
   explicit RunWriter(const RunWriterOptions& options);
 
-  /// Writes what the odometry said of the newest frame. Returns whether Rewrite is due: when poses already written have
+  /// Takes what the odometry said of the newest frame. Returns whether Rewrite is due: when poses already taken have
   /// changed (`revision`), at once where the scale's state changed, else as soon as a fiftieth of the drive is new,
   /// which keeps the work of rewriting in proportion to the drive.
   [[nodiscard]] bool Add(const FrameResult& live, int revision, ScaleState scale_state);
 
   /// Writes the refined path as a whole. Frames are left out of the trajectory files only while there is no map at all;
   /// the table has every frame.
-  void Rewrite(const std::vector<FrameResult>& refined, ScaleState scale_state);
+  void Rewrite(const std::vector<FrameResult>& refined, ScaleState scale_state,
+               Durability durability = Durability::kProcess);
 
-  void WriteTurns(const std::vector<TurnResult>& turns);
-  void WriteMap(const MapPoints& points, ScaleState scale_state);
-  /// Any other file of the folder, in one step.
-  void WriteText(const std::string& name, const std::string& text);
+  /// Writes the path as the last Rewrite had it, with the frames that Add has put to it since. For want of a better.
+  void WritePath(Durability durability = Durability::kPowerCut);
+
+  /// No frame comes any more: live.tum gets its name.
+  void EndLive();
+
+  void WriteTurns(const std::vector<TurnResult>& turns, Durability durability = Durability::kPowerCut);
+  void WriteMap(const MapPoints& points, ScaleState scale_state, Durability durability = Durability::kPowerCut);
+  /// Any file of the folder, in one step.
+  void WriteText(const std::string& name, const std::string& text, Durability durability = Durability::kPowerCut);
 
   /// From now on the camera counts as turned like this on the car where the world begins.
   void SetFirstCameraRotation(const Eigen::Quaterniond& vehicle_from_camera) {
@@ -59,10 +68,11 @@ class RunWriter {
   RigidTransform Shown(const FrameResult& frame, ScaleState scale_state) const;
 
  private:
-  struct Files {
-    OutputFile tum;
-    OutputFile kitti;
-    OutputFile table;
+  // The path as its files will have it.
+  struct Texts {
+    std::string tum;
+    std::string kitti;
+    std::string table;
   };
   std::filesystem::path PathOf(const std::string& name) const { return options_.folder / name; }
   RigidTransform VehicleFromCamera(const Eigen::Quaterniond& rotation, ScaleState scale_state) const;
@@ -70,7 +80,8 @@ class RunWriter {
 
   RunWriterOptions options_;
   std::optional<OutputFile> live_;
-  std::optional<Files> files_;
+  Texts texts_;
+  int posed_ = 0;    // frames in the texts
   int written_ = 0;  // frames in the trajectory files
   int revision_ = 0;
   int latest_revision_ = 0;
