@@ -2,8 +2,6 @@
 #include "command_line.h"
 
 #include <chrono>
-#include <fstream>
-#include <iterator>
 #include <sstream>
 #include <stdexcept>
 #include <thread>
@@ -11,6 +9,7 @@
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -35,7 +34,7 @@ std::vector<std::string> CommandResult::Complaints() const {
 }
 
 Command::Command(const std::vector<std::string>& arguments, const std::filesystem::path& folder,
-                 const std::filesystem::path& out)
+                 const std::filesystem::path& out, std::optional<unsigned> largest_file)
     : out_(folder / "stdout.txt"), err_(folder / "stderr.txt") {
   std::vector<std::string> words = {TURNSCALE_COMMAND};
   words.insert(words.end(), arguments.begin(), arguments.end());
@@ -50,6 +49,12 @@ Command::Command(const std::vector<std::string>& arguments, const std::filesyste
   if (process_ > 0) return;
   Redirect(STDOUT_FILENO, out.empty() ? out_.c_str() : out.c_str());
   Redirect(STDERR_FILENO, err_.c_str());
+  // The test itself may be run by nohup.
+  signal(SIGHUP, SIG_DFL);
+  if (largest_file) {
+    const rlimit limit = {*largest_file, *largest_file};
+    setrlimit(RLIMIT_FSIZE, &limit);
+  }
   execv(pointers[0], pointers.data());
   _exit(127);
 }
@@ -69,11 +74,6 @@ bool Command::WaitForError(const std::string& text) const {
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }
   return TextOf(err_).find(text) != std::string::npos;
-}
-
-std::string TextOf(const std::filesystem::path& path) {
-  std::ifstream stream(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
 }
 
 void Command::Signal(int signal) const { kill(process_, signal); }

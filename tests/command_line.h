@@ -2,8 +2,11 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
+
+#include "text_of.h"
 
 namespace turnscale {
 
@@ -21,8 +24,9 @@ struct CommandResult {
 class Command {
  public:
   /// Keeps what it prints in files below `folder`; where `out` is given, standard output goes there and is not kept.
+  /// No file of it grows beyond `largest_file` bytes, as if the disk were full then.
   Command(const std::vector<std::string>& arguments, const std::filesystem::path& folder,
-          const std::filesystem::path& out = {});
+          const std::filesystem::path& out = {}, std::optional<unsigned> largest_file = {});
   Command(const Command&) = delete;
   Command& operator=(const Command&) = delete;
   ~Command();
@@ -37,9 +41,6 @@ class Command {
   std::filesystem::path err_;
   int process_ = -1;
 };
-
-/// What a file holds.
-std::string TextOf(const std::filesystem::path& path);
 
 /// Runs `turnscale` to its end.
 CommandResult RunCommand(const std::vector<std::string>& arguments, const std::filesystem::path& folder,

@@ -16,6 +16,7 @@
 
 #include "command_line.h"
 #include "rendered_room.h"
+#include "turnscale/base/scratch_path.h"
 #include "turnscale/io/settings.h"
 #include "turnscale/io/trajectory_file.h"
 
@@ -28,9 +29,7 @@ constexpr int kRoomFrames = 20;
 
 class ErrorsTest : public ::testing::Test {
  protected:
-  ErrorsTest()
-      : folder_(fs::path(::testing::TempDir()) /
-                (std::string("turnscale_errors_") + ::testing::UnitTest::GetInstance()->current_test_info()->name())) {
+  ErrorsTest() : folder_(ScratchPath("folder")) {
     fs::remove_all(folder_);
     fs::create_directories(folder_);
     WriteRoomDrive(Drive(), kRoomFrames);
@@ -223,6 +222,13 @@ TEST_F(ErrorsTest, ImageSizeThatChangesKeepsWhatWasComputed) {
   EXPECT_FALSE(Summary()["complete"].get<bool>());
 }
 
+TEST_F(ErrorsTest, ImageSizeThatChangesEndsACalibrationWithWhatItSaw) {
+  cv::imwrite(Image(12).string(), cv::Mat(100, 100, CV_8UC1, cv::Scalar(3)));
+  const std::string out = (folder_ / "calibration.yaml").string();
+  const CommandResult result = RunCommand({"calibrate", Drive().string(), "--out", out, "--quiet"}, folder_);
+  ExpectComplaint(result, 2, {"000012.png: is 100x100 pixels, but", "; " + Drive().string() + ": ", "steps"});
+}
+
 TEST_F(ErrorsTest, MissingAndSenselessTimes) {
   const auto times = [&](const std::string& text) {
     return std::vector<std::string>{"--timestamps", Text("t.txt", text).string()};
@@ -308,7 +314,7 @@ TEST_F(ErrorsTest, FullDisk) {
 }
 
 TEST_F(ErrorsTest, InterruptKeepsWhatWasComputed) {
-  for (const int signal : {SIGINT, SIGTERM}) {
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
     // A pipe in place of frame 12 holds the run there until the signal has been sent.
     fs::remove(Image(12));
     ASSERT_EQ(mkfifo(Image(12).c_str(), 0600), 0);
@@ -362,7 +368,7 @@ TEST_F(ErrorsTest, FilesAreValidWhileTheRunGoesOn) {
   ASSERT_TRUE(command.WaitForError("frame 12/20"));
   EXPECT_GT(ReadTrajectory(Out() / "trajectory.tum").size(), 0u);
   EXPECT_GT(ReadTrajectory(Out() / "trajectory.kitti.txt").size(), 0u);
-  EXPECT_GT(ReadTrajectory(Out() / "live.tum").size(), 0u);
+  EXPECT_GT(ReadTrajectory(Out() / "live.tum.part").size(), 0u);
   command.Signal(SIGKILL);
 }
 

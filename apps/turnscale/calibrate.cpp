@@ -12,12 +12,13 @@
 #include "car_arguments.h"
 #include "commands.h"
 #include "drive_motion.h"
-#include "interrupt.h"
 #include "output_arguments.h"
+#include "turnscale/base/attempts.h"
 #include "turnscale/base/error.h"
 #include "turnscale/calibration/step_gatherer.h"
 #include "turnscale/io/calibration_file.h"
 #include "turnscale/io/calibration_history.h"
+#include "turnscale/io/message.h"
 #include "turnscale/io/output_file.h"
 #include "turnscale/io/speed_file.h"
 #include "turnscale/odometry/options.h"
@@ -199,25 +200,27 @@ void CalibrateMotion(const CalibrateArguments& arguments, const std::optional<Sp
   report.input = motion.input;
   for (const Trajectory& path : motion.stretches) report.frames += static_cast<int>(path.size());
   report.calibration = CalibrateDrive(steps, motion.input);
+  Attempts attempts;
   // Written even if the drive does not suffice: it shows the estimate over time.
-  if (arguments.history) WriteHistory(*arguments.history, steps, motion.input);
+  if (arguments.history) attempts.Try([&] { WriteHistory(*arguments.history, steps, motion.input); });
   if (!report.calibration.observable) {
     throw InputError(fmt::format("{}: {} ({} steps, {:.0f} deg of turning); use a drive with a street corner",
                                  motion.input, report.calibration.problem, report.calibration.steps,
                                  report.calibration.turning * kDegreesPerRadian));
   }
   // The rotation is valid even if the lever arm cannot be estimated.
-  ReplaceFile(arguments.out, CalibrationYaml(report));
+  attempts.Try([&] { ReplaceFile(arguments.out, CalibrationYaml(report)); });
   try {
     report.lever_arm = FindLeverArm(arguments, speeds, motion, steps, report.calibration);
   } catch (const InputError& error) {
     throw InputError(fmt::format("{} (the camera-to-vehicle rotation is in {})", error.what(), arguments.out.string()));
   }
-  ReplaceFile(arguments.out, CalibrationYaml(report));
+  attempts.Try([&] { ReplaceFile(arguments.out, CalibrationYaml(report)); });
+  attempts.RethrowFirst();
   if (arguments.images.quiet) return;
   std::string text = CalibrationText(report);
   if (!motion.note.empty()) text += fmt::format("{:<12}{}\n", "note", motion.note);
-  WriteStandardOutput(text + fmt::format("{:<12}{}\n", "file", arguments.out.string()));
+  PrintText(text + fmt::format("{:<12}{}\n", "file", arguments.out.string()));
 }
 
 // Returns the exit code.
@@ -227,7 +230,7 @@ int RunCalibrate(const CalibrateArguments& arguments) {
   const std::optional<SpeedLog> speeds =
       arguments.speed ? std::optional(ReadSpeedFile(*arguments.speed)) : std::nullopt;
   const DriveMotion motion = ReadMotion(arguments);
-  if (motion.interrupted.empty()) {
+  if (!motion.stopped) {
     CalibrateMotion(arguments, speeds, motion);
     return 0;
   }
@@ -237,8 +240,7 @@ int RunCalibrate(const CalibrateArguments& arguments) {
   } catch (const InputError& error) {
     outcome = error.what();
   }
-  fmt::print(stderr, "turnscale: {}; {}\n", motion.interrupted, outcome);
-  return kInterruptedExitCode;
+  return Report({motion.stopped->exit_code, motion.stopped->message + "; " + outcome});
 }
 
 }  // namespace

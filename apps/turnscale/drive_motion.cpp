@@ -8,6 +8,7 @@
 
 #include "interrupt.h"
 #include "timed_trajectory.h"
+#include "turnscale/base/attempts.h"
 #include "turnscale/calibration/step_gatherer.h"
 #include "turnscale/io/progress.h"
 #include "turnscale/io/settings.h"
@@ -81,28 +82,35 @@ DriveMotion MotionFromImages(const ImageArguments& arguments) {
   CatchInterrupts();
   Progress progress(images.expected, arguments.quiet);
   int processed = 0;
-  while (!(arguments.max_frames && processed >= *arguments.max_frames)) {
-    const std::optional<SourceFrame> frame = images.source.Next();
-    if (!frame || Interrupted()) break;
-    if (processed == 0) {
-      if (const std::string doubt = DoubtOf(images, frame->gray); !doubt.empty()) progress.Warn(doubt);
+  const auto drive = [&] {
+    while (!(arguments.max_frames && processed >= *arguments.max_frames)) {
+      const std::optional<SourceFrame> frame = images.source.Next();
+      if (!frame || Interrupted()) break;
+      if (processed == 0) {
+        if (const std::string doubt = DoubtOf(images, frame->gray); !doubt.empty()) progress.Warn(doubt);
+      }
+      if (frame->gray.empty()) {
+        progress.Warn(fmt::format("frame {}: {}; skipped", frame->index, frame->problem));
+        odometry.ProcessUnreadable(frame->time);
+      } else {
+        odometry.Process(frame->gray, frame->time);
+      }
+      progress.Update(++processed, fmt::format("{} keyframes", odometry.map().keyframes.size()));
     }
-    if (frame->gray.empty()) {
-      progress.Warn(fmt::format("frame {}: {}; skipped", frame->index, frame->problem));
-      odometry.ProcessUnreadable(frame->time);
-    } else {
-      odometry.Process(frame->gray, frame->time);
-    }
-    progress.Update(++processed, fmt::format("{} keyframes", odometry.map().keyframes.size()));
-  }
+  };
+  Attempts attempts;
+  attempts.Try(drive);
   progress.Finish();
-  odometry.Finish();
+  attempts.Try([&] { odometry.Finish(); });
   DriveMotion motion;
   motion.input = arguments.input.string();
   const std::vector<FrameResult> frames = odometry.RefinedFrames();
   motion.stretches = Stretches(frames);
+  if (motion.stretches.empty()) attempts.RethrowFirst();
   if (const auto lost = FirstLost(frames)) motion.incomplete = fmt::format("tracking was lost at frame {}", *lost);
-  if (Interrupted()) motion.interrupted = motion.incomplete = fmt::format("interrupted after {} frames", processed);
+  if (Interrupted()) motion.stopped = {kInterruptedExitCode, fmt::format("interrupted after {} frames", processed)};
+  if (!attempts.failures().empty()) motion.stopped = FailureOf(attempts.failures().front());
+  if (motion.stopped) motion.incomplete = motion.stopped->message;
   return motion;
 }
 

@@ -9,6 +9,7 @@
 #include "drive_images.h"
 #include "turnscale/calibration/axis_convention.h"
 #include "turnscale/geometry/trajectory.h"
+#include "turnscale/io/message.h"
 
 namespace turnscale {
 
@@ -18,7 +19,7 @@ struct DriveMotion {
   std::vector<Trajectory> stretches;  ///< segments of uninterrupted tracking, in one unit of length
   bool timed = true;                  ///< false: times are assumed
   std::string incomplete;             ///< why the path length is incomplete; empty if complete
-  std::string interrupted;            ///< "interrupted after ..."; empty if it was not
+  std::optional<Failure> stopped;     ///< why the drive was not processed to its end; empty if it was
   std::string note;                   ///< one line for the user; may be empty
 };
 
@@ -28,8 +29,8 @@ DriveMotion MotionFromTrajectory(const std::filesystem::path& path,
                                  const std::optional<std::filesystem::path>& timestamps, std::optional<double> fps,
                                  std::optional<AxisConvention> axes);
 
-/// Runs the odometry on the images, without a lever arm: the result is up to scale. Throws InputError. An interrupt
-/// ends the drive early.
+/// Runs the odometry on the images, without a lever arm: the result is up to scale. An interrupt or an exception ends
+/// the drive there; the exception is thrown on if there is no motion yet.
 DriveMotion MotionFromImages(const ImageArguments& arguments);
 
 }  // namespace turnscale

@@ -16,6 +16,7 @@
 #include "turnscale/evaluation/path_picture.h"
 #include "turnscale/io/floor_plan_file.h"
 #include "turnscale/io/frame_times.h"
+#include "turnscale/io/message.h"
 #include "turnscale/io/output_file.h"
 #include "turnscale/io/settings.h"
 #include "turnscale/io/trajectory_file.h"
@@ -156,7 +157,7 @@ void RunEvaluate(const EvaluateArguments& arguments) {
     return;
   }
   if (!arguments.json.empty()) ReplaceFile(arguments.json, json);
-  WriteStandardOutput(EvaluationTable(evaluation, sources));
+  PrintText(EvaluationTable(evaluation, sources));
 }
 
 }  // namespace

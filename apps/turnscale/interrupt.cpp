@@ -6,13 +6,15 @@
 namespace turnscale {
 namespace {
 
+// The last one comes when a terminal is closed.
+constexpr int kStops[] = {SIGINT, SIGTERM, SIGHUP};
+
 volatile std::sig_atomic_t interrupted = 0;
 
 void OnSignal(int /*signal*/) {
   interrupted = 1;
-  // A second signal, of either kind, meets the default and ends a run that hangs.
-  std::signal(SIGINT, SIG_DFL);
-  std::signal(SIGTERM, SIG_DFL);
+  // A second signal, of whichever kind, meets the default and ends a run that hangs.
+  for (const int stop : kStops) std::signal(stop, SIG_DFL);
 }
 
 }  // namespace
@@ -22,8 +24,16 @@ void CatchInterrupts() {
   action.sa_handler = OnSignal;
   action.sa_flags = SA_RESTART;
   sigemptyset(&action.sa_mask);
-  sigaction(SIGINT, &action, nullptr);
-  sigaction(SIGTERM, &action, nullptr);
+  for (const int stop : kStops) {
+    struct sigaction before = {};
+    sigaction(stop, nullptr, &before);
+    // nohup wants it to go on. Shells that start it in the background ignore SIGINT for it, which is not meant so.
+    if (stop == SIGHUP && before.sa_handler == SIG_IGN) continue;
+    sigaction(stop, &action, nullptr);
+  }
+  // A reader that is gone and a limit on the size of files are found out where something is written.
+  std::signal(SIGPIPE, SIG_IGN);
+  std::signal(SIGXFSZ, SIG_IGN);
 }
 
 bool Interrupted() { return interrupted != 0; }

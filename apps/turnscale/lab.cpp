@@ -16,6 +16,7 @@
 #include "interrupt.h"
 #include "lab_experiments.h"
 #include "turnscale/base/error.h"
+#include "turnscale/io/message.h"
 #include "turnscale/io/output_file.h"
 #include "turnscale/io/progress.h"
 
@@ -79,13 +80,15 @@ bool Wanted(const LabArguments& arguments, const std::string& name) {
 int Lab(const LabArguments& arguments) {
   Check(arguments);
   MakeFolder(arguments.out);
+  // Pictures are written before their numbers: older ones must not be taken for them.
+  RemoveOldFile(arguments.out / "lab.json");
   CatchInterrupts();
   LabJson all = {{"version", TURNSCALE_VERSION}, {"runs", arguments.runs}, {"seed", arguments.seed}};
   const auto start = std::chrono::steady_clock::now();
   bool any = false;  // experiment has been kept
   for (const Experiment& experiment : Experiments()) {
     if (!Wanted(arguments, experiment.name)) continue;
-    if (!arguments.quiet) fmt::print(stderr, "{}: {}\n", experiment.name, experiment.what);
+    if (!arguments.quiet) PrintMessage(std::string(experiment.name) + ": " + experiment.what);
     std::optional<Progress> progress;
     LabSettings settings{arguments.runs, arguments.jobs, arguments.seed, {}};
     settings.progress = [&](int done, int runs) {
@@ -97,18 +100,17 @@ int Lab(const LabArguments& arguments) {
     if (progress) progress->Finish();
     if (Interrupted()) {
       const std::string kept = any ? "the results before it are in " + arguments.out.string() : "no results before it";
-      fmt::print(stderr, "turnscale: interrupted in {}; {}\n", experiment.name, kept);
-      return kInterruptedExitCode;
+      return Report({kInterruptedExitCode, fmt::format("interrupted in {}; {}", experiment.name, kept)});
     }
     KeepResult(arguments.out, experiment.name, result, all);
     any = true;
     if (!arguments.quiet) {
-      for (const std::string& line : result.lines) fmt::print("{}\n", line);
+      for (const std::string& line : result.lines) PrintText(line + "\n");
     }
   }
   if (!arguments.quiet) {
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    fmt::print("files   {} ({:.0f} s)\n", arguments.out.string(), seconds);
+    PrintText(fmt::format("files   {} ({:.0f} s)\n", arguments.out.string(), seconds));
   }
   return 0;
 }

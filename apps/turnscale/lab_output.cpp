@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "turnscale/base/attempts.h"
 #include "turnscale/io/output_file.h"
 
 namespace turnscale {
@@ -45,8 +46,10 @@ LabJson FigureJson(const Figure& figure) {
 
 void KeepResult(const std::filesystem::path& folder, const std::string& name, const LabResult& result, LabJson& all) {
   LabJson json = {{"values", result.values}};
+  Attempts attempts;
   for (const auto& [file, figure] : result.figures) {
-    ReplaceFile(folder / (file + ".svg"), FigureSvg(figure));
+    const std::filesystem::path path = folder / (file + ".svg");
+    attempts.Try([&, &drawn = figure] { ReplaceFile(path, FigureSvg(drawn)); });
     json["pictures"][file] = FigureJson(figure);
   }
   all[name] = std::move(json);
@@ -65,7 +68,8 @@ void KeepResult(const std::filesystem::path& folder, const std::string& name, co
     }
     text += "\n}";
   }
-  ReplaceFile(folder / "lab.json", text + "\n}\n");
+  attempts.Try([&] { ReplaceFile(folder / "lab.json", text + "\n}\n"); });
+  attempts.RethrowFirst();
 }
 
 }  // namespace turnscale

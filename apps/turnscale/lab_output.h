@@ -37,7 +37,8 @@ double Rounded(double value);
 /// The curves, boxes and areas of a figure as numbers.
 LabJson FigureJson(const Figure& figure);
 
-/// Writes the pictures and puts the numbers into `all` under the experiment's name. Throws as ReplaceFile does.
+/// Writes the pictures and puts the numbers into `all` under the experiment's name. Throws as ReplaceFile does, after
+/// trying all of them.
 void KeepResult(const std::filesystem::path& folder, const std::string& name, const LabResult& result, LabJson& all);
 
 }  // namespace turnscale

@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: MIT
-#include <algorithm>
-#include <cstdio>
 #include <cstdlib>
 #include <exception>
-#include <new>
 #include <string>
 
 #include <CLI/CLI.hpp>
@@ -11,19 +8,11 @@
 
 #include "commands.h"
 #include "turnscale/base/error.h"
+#include "turnscale/io/message.h"
 #include "turnscale/io/run_summary.h"
 
 namespace turnscale {
 namespace {
-
-constexpr int kFailed = 1;
-constexpr int kBadInput = 2;
-
-int Fail(int exit_code, std::string message) {
-  std::replace(message.begin(), message.end(), '\n', ' ');
-  std::fprintf(stderr, "turnscale: %s\n", message.c_str());
-  return exit_code;
-}
 
 // The libraries print errors themselves; turnscale's name the file and the remedy.
 void SilenceLibraries() {
@@ -55,7 +44,7 @@ int Main(int argc, char** argv) {
   } catch (const CLI::Success& help) {
     return app.exit(help);
   } catch (const CLI::ParseError& error) {
-    return Fail(kBadInput, std::string(error.what()) + "; see turnscale --help");
+    throw InputError(std::string(error.what()) + "; see turnscale --help");
   }
   return 0;
 }
@@ -66,13 +55,7 @@ int Main(int argc, char** argv) {
 int main(int argc, char** argv) {
   try {
     return turnscale::Main(argc, argv);
-  } catch (const turnscale::InputError& error) {
-    return turnscale::Fail(turnscale::kBadInput, error.what());
-  } catch (const turnscale::OutputError& error) {
-    return turnscale::Fail(turnscale::kFailed, error.what());
-  } catch (const std::bad_alloc&) {
-    return turnscale::Fail(turnscale::kFailed, "out of memory");
-  } catch (const std::exception& error) {
-    return turnscale::Fail(turnscale::kFailed, std::string("internal error: ") + error.what());
+  } catch (...) {
+    return turnscale::Report(turnscale::FailureOf(std::current_exception()));
   }
 }

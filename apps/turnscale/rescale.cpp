@@ -18,6 +18,7 @@
 #include "turnscale/base/error.h"
 #include "turnscale/geometry/rotation.h"
 #include "turnscale/io/frame_times.h"
+#include "turnscale/io/message.h"
 #include "turnscale/io/output_file.h"
 #include "turnscale/io/settings.h"
 #include "turnscale/io/trajectory_file.h"
@@ -65,10 +66,12 @@ void WriteReport(const fs::path& folder, const RescaleResult& result, const std:
   std::error_code error;
   fs::create_directories(folder, error);
   if (error) throw InputError(folder.string() + ": cannot be made: " + error.message());
+  // The summary comes last: where it is, the others are of the same drive.
+  for (const char* name : {"summary.json", "scale.csv", "turns.csv", "rescale.svg"}) RemoveOldFile(folder / name);
   ReplaceFile(folder / "scale.csv", PoseScaleTable(result));
   ReplaceFile(folder / "turns.csv", TurnScaleTable(result));
-  ReplaceFile(folder / "summary.json", RescaleJson(result, input));
   ReplaceFile(folder / "rescale.svg", RescaleSvg(result, fs::path(input).filename().string(), timed));
+  ReplaceFile(folder / "summary.json", RescaleJson(result, input));
 }
 
 void RunRescale(const RescaleArguments& arguments) {
@@ -76,10 +79,9 @@ void RunRescale(const RescaleArguments& arguments) {
   const TimedTrajectory trajectory = ReadTimedTrajectory(arguments.input, arguments.timestamps, arguments.fps);
   const std::string input = arguments.input.string();
   if (!trajectory.timed && !arguments.quiet) {
-    fmt::print(stderr,
-               "warning: {}: no timestamps, so tyre slip is neglected: the scale may be off by up to 40 %; "
-               "give --fps or --timestamps\n",
-               input);
+    PrintMessage("warning: " + input +
+                 ": no timestamps, so tyre slip is neglected: the scale may be off by up to 40 %; give --fps or "
+                 "--timestamps");
   }
   if (trajectory.poses.size() < 2) throw InputError(input + ": has fewer than two poses");
   const RescaleOptions options = OptionsFrom(arguments, trajectory.timed);
@@ -92,8 +94,8 @@ void RunRescale(const RescaleArguments& arguments) {
   ReplaceFile(arguments.out, tum);
   if (arguments.report) WriteReport(*arguments.report, result, input, trajectory.timed);
   if (const std::string warning = RescaleWarning(result); !warning.empty())
-    fmt::print(stderr, "warning: {}: {}\n", input, warning);
-  if (!arguments.quiet) WriteStandardOutput(RescaleText(result));
+    PrintMessage("warning: " + input + ": " + warning);
+  if (!arguments.quiet) PrintText(RescaleText(result));
 }
 
 }  // namespace

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
-#include <cstdio>
+#include <exception>
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 
 #include <CLI/CLI.hpp>
@@ -14,11 +15,9 @@
 #include "drive_images.h"
 #include "interrupt.h"
 #include "turnscale/base/error.h"
-#include "turnscale/geometry/rotation.h"
-#include "turnscale/io/output_file.h"
+#include "turnscale/io/message.h"
 #include "turnscale/io/progress.h"
-#include "turnscale/io/run_summary.h"
-#include "turnscale/io/run_writer.h"
+#include "turnscale/io/run_drive.h"
 #include "turnscale/io/settings.h"
 #include "turnscale/odometry/odometry.h"
 
@@ -65,120 +64,60 @@ OdometryOptions OptionsFrom(const RunArguments& arguments) {
   return options;
 }
 
-// One drive from its first image to its files.
-class Run {
- public:
-  explicit Run(const RunArguments& arguments)
-      : arguments_(arguments),
-        options_(OptionsFrom(arguments)),
-        images_(arguments.images),
-        odometry_(options_, images_.camera) {}
+RunSummary BeforeTheDrive(const RunArguments& arguments, const OdometryOptions& options, const DriveImages& images) {
+  RunSummary summary;
+  summary.version = TURNSCALE_VERSION;
+  summary.input = arguments.images.input.string();
+  summary.camera = images.camera_file.string();
+  summary.pose_frame = arguments.frame;
+  summary.folder = arguments.out.string();
+  summary.vehicle = options.vehicle;
+  return summary;
+}
 
-  // Returns the exit code.
-  int Go() {
-    cv::setNumThreads(arguments_.threads);
-    // Before the folder is made: an image of the wrong size leaves no trace.
-    std::optional<SourceFrame> frame = images_.source.Next();
-    writer_.emplace(RunWriterOptions{
-        arguments_.out, arguments_.frame == "vehicle" ? PoseFrame::kVehicle : PoseFrame::kCamera, options_.vehicle});
-    writer_->WriteText("settings.yaml", SettingsText(odometry_.options()));
+// Says what went wrong; returns the exit code.
+int ReportEnd(const RunEnd& end) {
+  const std::string kept = "; the results so far are in " + end.summary.folder;
+  if (end.failures.empty() && end.interrupted) return Report({kInterruptedExitCode, end.summary.stopped + kept});
+  if (end.failures.empty()) return 0;
+  Failure first = FailureOf(end.failures.front());
+  std::set<std::string> said = {first.message};
+  for (const std::exception_ptr& failure : end.failures) {
+    const std::string message = FailureOf(failure).message;
+    if (said.insert(message).second) PrintMessage("warning: " + message);
+  }
+  first.message += kept;
+  return Report(first);
+}
+
+// Returns the exit code.
+int RunImages(const RunArguments& arguments) {
+  cv::setNumThreads(arguments.threads);
+  const OdometryOptions options = OptionsFrom(arguments);
+  DriveImages images(arguments.images);
+  Odometry odometry(options, images.camera);
+  Progress progress(images.expected, arguments.images.quiet);
+  bool begun = false;
+  const auto next = [&] {
+    std::optional<SourceFrame> frame = images.source.Next();
+    if (begun) return frame;
+    begun = true;
+    // From here on there is something to keep.
     CatchInterrupts();
-    Progress progress(images_.expected, arguments_.images.quiet);
-    if (const std::string doubt = frame ? DoubtOf(images_, frame->gray) : ""; !doubt.empty()) progress.Warn(doubt);
-    try {
-      for (; frame && !Interrupted() && !Enough(); frame = images_.source.Next()) Process(*frame, progress);
-      if (Interrupted())
-        summary_.stopped = fmt::format("interrupted after {} frames", processed_);
-      else if (Enough() && frame)
-        summary_.stopped = fmt::format("--max-frames {}", *arguments_.images.max_frames);
-      else if (!Enough() && EndedEarly()) {
-        summary_.stopped = fmt::format("the video ends after {} of {} frames", processed_, images_.source.count());
-        progress.Warn(fmt::format("{}: {}", images_.drive.path.string(), summary_.stopped));
-      }
-    } catch (const InputError& error) {
-      progress.Finish();
-      summary_.stopped = error.what();
-      WriteResults();
-      throw;
-    }
-    progress.Finish();
-    WriteResults();
-    if (!arguments_.images.quiet) WriteStandardOutput(SummaryText(summary_));
-    if (!Interrupted()) return 0;
-    fmt::print(stderr, "turnscale: {}; the results so far are in {}\n", summary_.stopped, arguments_.out.string());
-    return kInterruptedExitCode;
-  }
-
- private:
-  bool Enough() const { return arguments_.images.max_frames && processed_ >= *arguments_.images.max_frames; }
-
-  // Some containers only estimate how many frames they hold; a sound video may have a few less.
-  bool EndedEarly() const {
-    constexpr int kFewFrames = 2;
-    const int missing = images_.source.count() - processed_;
-    return missing > kFewFrames && missing > images_.source.count() / 100;
-  }
-
-  void Process(const SourceFrame& frame, Progress& progress) {
-    FrameResult result;
-    if (frame.gray.empty()) {
-      progress.Warn(fmt::format("frame {}: {}; skipped", frame.index, frame.problem));
-      summary_.unreadable.push_back({frame.index, frame.problem});
-      result = odometry_.ProcessUnreadable(frame.time);
-    } else {
-      result = odometry_.Process(frame.gray, frame.time);
-    }
-    ++processed_;
-    writer_->SetFirstCameraRotation(odometry_.mount().At(0));
-    if (writer_->Add(result, odometry_.revision(), odometry_.scale_state())) {
-      writer_->Rewrite(odometry_.RefinedFrames(), odometry_.scale_state());
-    }
-    if (const int moves = odometry_.mount().moves(); moves > moves_) {
-      moves_ = moves;
-      progress.Warn(fmt::format(
-          "frame {}: the camera was moved since the last turn; re-estimating the camera-to-vehicle rotation",
-          frame.index));
-    }
-    progress.Update(processed_, fmt::format("{} keyframes, scale {}", odometry_.map().keyframes.size(),
-                                            ScaleStateName(odometry_.scale_state())));
-  }
-
-  void WriteResults() {
-    odometry_.Finish();
-    const std::vector<FrameResult> refined = odometry_.RefinedFrames();
-    writer_->SetFirstCameraRotation(odometry_.mount().At(0));
-    writer_->Rewrite(refined, odometry_.scale_state());
-    const RefinedScale scale = odometry_.Refined();
-    writer_->WriteTurns(scale.turns);
-    writer_->WriteMap(odometry_.RefinedMap(), odometry_.scale_state());
-    summary_.version = TURNSCALE_VERSION;
-    summary_.input = arguments_.images.input.string();
-    summary_.camera = images_.camera_file.string();
-    summary_.pose_frame = arguments_.frame;
-    summary_.folder = arguments_.out.string();
-    summary_.vehicle = options_.vehicle;
-    summary_.scale_state = odometry_.scale_state();
-    if (odometry_.options().lens.enabled) summary_.lens = {odometry_.lens().correction(), odometry_.lens().sigma()};
-    if (options_.vehicle.calibrate_camera) {
-      const Mount& mount = odometry_.mount().current();
-      summary_.mount = {YawPitchRollFromRotation(mount.vehicle_from_camera), mount.sigma, mount.found,
-                        odometry_.mount().moves()};
-    }
-    Summarize(refined, scale, summary_);
-    for (const std::string& warning : summary_.warnings) fmt::print(stderr, "warning: {}\n", warning);
-    summary_.cost = MeasureCost();
-    writer_->WriteText("summary.json", SummaryJson(summary_));
-  }
-
-  RunArguments arguments_;
-  OdometryOptions options_;
-  DriveImages images_;
-  Odometry odometry_;
-  std::optional<RunWriter> writer_;
-  int processed_ = 0;
-  int moves_ = 0;  // of the camera on the car, reported so far
-  RunSummary summary_;
-};
+    if (const std::string doubt = frame ? DoubtOf(images, frame->gray) : ""; !doubt.empty()) progress.Warn(doubt);
+    return frame;
+  };
+  const PoseFrame shown = arguments.frame == "vehicle" ? PoseFrame::kVehicle : PoseFrame::kCamera;
+  const DriveToRun drive = {next,
+                            Interrupted,
+                            [&] { return images.source.count(); },
+                            arguments.images.max_frames,
+                            {arguments.out, shown, options.vehicle},
+                            BeforeTheDrive(arguments, options, images)};
+  const RunEnd end = RunDrive(drive, odometry, progress);
+  if (end.failures.empty() && !arguments.images.quiet) PrintText(SummaryText(end.summary));
+  return ReportEnd(end);
+}
 
 }  // namespace
 
@@ -238,7 +177,7 @@ void AddRunCommand(CLI::App& app) {
       "estimated at its frame), trajectory.csv, turns.csv, map.ply, settings.yaml and summary.json. Ctrl-C stops\n"
       "after the current frame and keeps the results so far (exit code 130).");
   run->callback([arguments] {
-    if (const int exit_code = Run(*arguments).Go(); exit_code != 0) throw CLI::RuntimeError(exit_code);
+    if (const int exit_code = RunImages(*arguments); exit_code != 0) throw CLI::RuntimeError(exit_code);
   });
 }
 

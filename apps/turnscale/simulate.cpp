@@ -17,6 +17,7 @@
 #include "turnscale/base/error.h"
 #include "turnscale/geometry/rotation.h"
 #include "turnscale/io/frame_times.h"
+#include "turnscale/io/message.h"
 #include "turnscale/io/progress.h"
 #include "turnscale/io/trajectory_file.h"
 #include "turnscale/simulation/drive_recorder.h"
@@ -127,7 +128,7 @@ int Simulate(const SimulateArguments& arguments) {
   const auto report = [&](int done, int frames) {
     if (!lighting) {
       lighting = true;
-      if (!arguments.quiet) fmt::print(stderr, "{} of {} frames: lighting the scene\n", arguments.world, frames);
+      if (!arguments.quiet) PrintMessage(fmt::format("{} of {} frames: lighting the scene", arguments.world, frames));
       return !Interrupted();
     }
     // Begins now, so that the rate is that of the frames.
@@ -142,17 +143,16 @@ int Simulate(const SimulateArguments& arguments) {
                                           {arguments.out, arguments.max_frames, threads, origin}, report);
   if (progress) progress->Finish();
   if (!recording.complete) {
-    fmt::print(stderr, "turnscale: interrupted after {} frames; {} is incomplete\n", recording.frames,
-               arguments.out.string());
-    return kInterruptedExitCode;
+    return Report({kInterruptedExitCode, fmt::format("interrupted after {} frames; {} is incomplete", recording.frames,
+                                                     arguments.out.string())});
   }
   if (arguments.quiet) return 0;
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  fmt::print("drive   {} frames, {:.1f} s, {:.1f} m, {:.0f} deg of turning\n", recording.frames, recording.seconds,
-             recording.metres, recording.turned * kDegreesPerRadian);
-  fmt::print("cost    {:.1f} s, {:.2f} frames/s\n", seconds, recording.frames / seconds);
-  fmt::print("files   {}\n", arguments.out.string());
-  fmt::print("next    turnscale run {} --lever-arm {:g}\n", arguments.out.string(), rig.mount.lever_arm);
+  const std::string out = arguments.out.string();
+  PrintText(fmt::format("drive   {} frames, {:.1f} s, {:.1f} m, {:.0f} deg of turning\n", recording.frames,
+                        recording.seconds, recording.metres, recording.turned * kDegreesPerRadian) +
+            fmt::format("cost    {:.1f} s, {:.2f} frames/s\n", seconds, recording.frames / seconds) +
+            fmt::format("files   {}\nnext    turnscale run {} --lever-arm {:g}\n", out, out, rig.mount.lever_arm));
   return 0;
 }
 

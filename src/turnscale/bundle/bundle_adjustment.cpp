@@ -181,7 +181,7 @@ BundleSummary AdjustBundle(const BundleOptions& options, BundleProblem& problem)
 std::optional<BundleSummary> TryAdjustBundle(const BundleOptions& options, BundleProblem& problem) {
   try {
     return AdjustBundle(options, problem);
-  } catch (const InputError&) {
+  } catch (const NumericalError&) {
     return std::nullopt;
   }
 }

@@ -45,11 +45,12 @@ struct BundleSummary {
 ///
 /// Cost per iteration is linear in points and observations. Deterministic, and independent of the unit of length.
 /// Observations whose point starts behind their camera are left out; no other point ends behind a camera that sees it.
-/// Throws InputError when the problem or the options make no sense (CheckProblem, BundleOptions::Check).
+/// Throws as CheckProblem and BundleOptions::Check do, and NumericalError where cameras with a held or measured
+/// distance coincide.
 BundleSummary AdjustBundle(const BundleOptions& options, BundleProblem& problem);
 
-/// AdjustBundle for problems of our own making: nothing where one makes no sense (a position that is no number), which
-/// is then left as it is. That is no fault of the user's, and the drive can go on without the adjustment.
+/// AdjustBundle for problems that a drive can do without: nothing where it throws NumericalError (a position that is no
+/// number), and the problem is then left as it is.
 std::optional<BundleSummary> TryAdjustBundle(const BundleOptions& options, BundleProblem& problem);
 
 }  // namespace turnscale

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <source_location>
 #include <string>
 #include <utility>
 
@@ -12,8 +13,14 @@
 namespace turnscale {
 namespace {
 
-void Require(bool fine, const std::string& what) {
-  if (!fine) throw InputError("bundle problem: " + what);
+// Whoever makes a problem answers for its indices and sizes.
+void Require(bool fine, const std::string& what, std::source_location where = std::source_location::current()) {
+  Ensure(fine, "bundle problem: " + what, where);
+}
+
+// What is computed may come to this.
+void RequireNumber(bool fine, const std::string& what) {
+  if (!fine) throw NumericalError("bundle problem: " + what);
 }
 
 std::string At(const char* list, std::size_t i) { return std::string(list) + "[" + std::to_string(i) + "]"; }
@@ -22,9 +29,9 @@ bool IsIndex(int i, std::size_t size) { return i >= 0 && static_cast<std::size_t
 
 void CheckCameras(const BundleProblem& problem) {
   const Pinhole& pinhole = problem.pinhole;
-  Require(std::isfinite(pinhole.fx) && pinhole.fx > 0, "pinhole.fx is not a positive number");
-  Require(std::isfinite(pinhole.fy) && pinhole.fy > 0, "pinhole.fy is not a positive number");
-  Require(std::isfinite(pinhole.cx) && std::isfinite(pinhole.cy), "pinhole.cx or pinhole.cy is not a number");
+  RequireNumber(std::isfinite(pinhole.fx) && pinhole.fx > 0, "pinhole.fx is not a positive number");
+  RequireNumber(std::isfinite(pinhole.fy) && pinhole.fy > 0, "pinhole.fy is not a positive number");
+  RequireNumber(std::isfinite(pinhole.cx) && std::isfinite(pinhole.cy), "pinhole.cx or pinhole.cy is not a number");
   Require(problem.camera_is_fixed.size() == problem.camera_from_world.size(),
           "camera_is_fixed has " + std::to_string(problem.camera_is_fixed.size()) + " entries for " +
               std::to_string(problem.camera_from_world.size()) + " cameras");
@@ -33,17 +40,17 @@ void CheckCameras(const BundleProblem& problem) {
   for (std::size_t i = 0; i < problem.camera_from_world.size(); ++i) {
     const RigidTransform& pose = problem.camera_from_world[i];
     if (!pose.rotation.coeffs().allFinite() || !pose.translation.allFinite()) {
-      Require(false, At("camera_from_world", i) + " is not a number");
+      RequireNumber(false, At("camera_from_world", i) + " is not a number");
     }
     if (std::abs(pose.rotation.norm() - 1.0) > 1e-6) {
-      Require(false, At("camera_from_world", i) + " has a rotation that is not a unit quaternion");
+      RequireNumber(false, At("camera_from_world", i) + " has a rotation that is not a unit quaternion");
     }
   }
 }
 
 void CheckObservations(const BundleProblem& problem) {
   for (std::size_t i = 0; i < problem.points.size(); ++i) {
-    if (!problem.points[i].allFinite()) Require(false, At("points", i) + " is not a number");
+    if (!problem.points[i].allFinite()) RequireNumber(false, At("points", i) + " is not a number");
   }
   for (std::size_t i = 0; i < problem.observations.size(); ++i) {
     const BundleObservation& seen = problem.observations[i];
@@ -53,7 +60,7 @@ void CheckObservations(const BundleProblem& problem) {
     if (!IsIndex(seen.point, problem.points.size())) {
       Require(false, At("observations", i) + " names point " + std::to_string(seen.point) + ", which does not exist");
     }
-    if (!seen.pixel.allFinite()) Require(false, At("observations", i) + ".pixel is not a number");
+    if (!seen.pixel.allFinite()) RequireNumber(false, At("observations", i) + ".pixel is not a number");
     if (!std::isfinite(seen.sigma) || seen.sigma <= 0) {
       Require(false, At("observations", i) + ".sigma is not a positive number");
     }

@@ -42,7 +42,8 @@ struct BundleProblem {
   std::vector<MeasuredDistance> measured_distances;  ///< measurements; not robustified
 };
 
-/// Throws InputError that names the entry when sizes, indices or values in the problem make no sense.
+/// Throws with the name of the entry: InternalError where sizes, indices, sigmas or distances in the problem make no
+/// sense, NumericalError where the pinhole, a pose, a point or a pixel is not a number.
 void CheckProblem(const BundleProblem& problem);
 
 }  // namespace turnscale

@@ -24,8 +24,8 @@ double LargestDistanceError(const std::vector<DistanceConstraint>& distances,
 void RequireSeparateCentres(const BundleProblem& problem, const std::vector<Eigen::Vector3d>& centres) {
   const auto require = [&](const DistanceConstraint& held, const char* list, std::size_t i) {
     if (DistanceError(held, centres) > -1.0) return;
-    throw InputError("bundle problem: " + std::string(list) + "[" + std::to_string(i) +
-                     "] is between two cameras at the same position; the direction between them is undefined");
+    throw NumericalError("bundle problem: " + std::string(list) + "[" + std::to_string(i) +
+                         "] is between two cameras at the same position; the direction between them is undefined");
   };
   for (std::size_t i = 0; i < problem.distances.size(); ++i) require(problem.distances[i], "distances", i);
   for (std::size_t i = 0; i < problem.measured_distances.size(); ++i)

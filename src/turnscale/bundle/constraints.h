@@ -24,7 +24,7 @@ double DistanceError(const DistanceConstraint& held, const std::vector<Eigen::Ve
 double LargestDistanceError(const std::vector<DistanceConstraint>& distances,
                             const std::vector<Eigen::Vector3d>& centres);
 
-/// Throws InputError where a distance is held or measured between centres that coincide: the way to part them is
+/// Throws NumericalError where a distance is held or measured between centres that coincide: the way to part them is
 /// unknown.
 void RequireSeparateCentres(const BundleProblem& problem, const std::vector<Eigen::Vector3d>& centres);
 

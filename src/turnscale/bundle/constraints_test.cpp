@@ -55,7 +55,7 @@ TEST(Constraints, CoincidingCentresAreRefused) {
   BundleProblem measured;
   measured.measured_distances = {{{0, 1, 1.0}, 0.1}};
   for (const BundleProblem& problem : {held, measured}) {
-    EXPECT_THROW(RequireSeparateCentres(problem, centres), InputError);
+    EXPECT_THROW(RequireSeparateCentres(problem, centres), NumericalError);
     EXPECT_NO_THROW(RequireSeparateCentres(problem, {{1, 2, 3}, {1, 2, 3.001}}));
   }
 }

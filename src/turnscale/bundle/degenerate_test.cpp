@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: MIT
+#include <exception>
+#include <functional>
 #include <limits>
+#include <string>
 
 #include <gtest/gtest.h>
 
@@ -161,35 +164,48 @@ TEST(Degenerate, ContradictingDistancesEndWithoutSuccess) {
   ExpectFinite(problem);
 }
 
-/// The message of the InputError that AdjustBundle throws; empty where it throws none.
-std::string Complaint(const BundleProblem& problem, const BundleOptions& options = {}) {
-  BundleProblem copy = problem;
+/// The message of the Error that AdjustBundle throws; empty where it throws none.
+template <class Error>
+std::string Complaint(BundleProblem problem, const BundleOptions& options = {}) {
   try {
-    AdjustBundle(options, copy);
-  } catch (const InputError& error) {
+    AdjustBundle(options, problem);
+  } catch (const Error& error) {
     return error.what();
   }
   return {};
 }
 
-TEST(Degenerate, BadProblemsAreRefusedByName) {
-  const auto expect = [](const char* name, const auto& spoil) {
-    BundleProblem problem = Small();
-    spoil(problem);
-    EXPECT_NE(Complaint(problem).find(name), std::string::npos) << name << ": " << Complaint(problem);
-  };
+template <class Error>
+void ExpectComplaint(const char* name, const std::function<void(BundleProblem&)>& spoil) {
+  BundleProblem problem = Small();
+  spoil(problem);
+  const std::string complaint = Complaint<Error>(problem);
+  EXPECT_NE(complaint.find(name), std::string::npos) << name << ": " << complaint;
+}
+
+TEST(Degenerate, WhatIsNoNumberIsNamed) {
+  const auto expect = ExpectComplaint<NumericalError>;
   expect("pinhole.fx", [](BundleProblem& p) { p.pinhole.fx = -1; });
   expect("pinhole.fy", [](BundleProblem& p) { p.pinhole.fy = kNaN; });
   expect("pinhole.cx", [](BundleProblem& p) { p.pinhole.cx = kNaN; });
-  expect("camera_is_fixed has 4 entries", [](BundleProblem& p) { p.camera_is_fixed.pop_back(); });
-  expect("fixes no camera", [](BundleProblem& p) { p.camera_is_fixed.assign(5, 0); });
   expect("camera_from_world[2]", [](BundleProblem& p) { p.camera_from_world[2].translation.x() = kNaN; });
   expect("unit quaternion", [](BundleProblem& p) { p.camera_from_world[2].rotation.coeffs() *= 2; });
   expect("points[7]", [](BundleProblem& p) { p.points[7].z() = kNaN; });
+  expect("observations[3].pixel", [](BundleProblem& p) { p.observations[3].pixel.x() = kNaN; });
+  expect("at the same position", [](BundleProblem& p) {
+    p.camera_from_world[3] = p.camera_from_world[2];
+    p.distances = {{2, 3, 1.0}};
+  });
+  EXPECT_EQ(Complaint<std::exception>(Small()), "");
+}
+
+TEST(Degenerate, MistakesOfTheCallerAreNamed) {
+  const auto expect = ExpectComplaint<InternalError>;
+  expect("camera_is_fixed has 4 entries", [](BundleProblem& p) { p.camera_is_fixed.pop_back(); });
+  expect("fixes no camera", [](BundleProblem& p) { p.camera_is_fixed.assign(5, 0); });
   expect("observations[3] names camera 5", [](BundleProblem& p) { p.observations[3].camera = 5; });
   expect("observations[3] names camera -1", [](BundleProblem& p) { p.observations[3].camera = -1; });
   expect("observations[3] names point 60", [](BundleProblem& p) { p.observations[3].point = 60; });
-  expect("observations[3].pixel", [](BundleProblem& p) { p.observations[3].pixel.x() = kNaN; });
   expect("observations[3].sigma", [](BundleProblem& p) { p.observations[3].sigma = 0; });
   expect("distances[0] names a camera", [](BundleProblem& p) { p.distances = {{2, 9, 1.0}}; });
   expect("distances[0] constrains the distance of a camera", [](BundleProblem& p) { p.distances = {{2, 2, 1.0}}; });
@@ -199,18 +215,23 @@ TEST(Degenerate, BadProblemsAreRefusedByName) {
   expect("cameras 2 and 3 twice", [](BundleProblem& p) { p.distances = {{2, 3, 1.0}, {3, 2, 1.0}}; });
   expect("measured_distances[0] names a camera", [](BundleProblem& p) { p.measured_distances = {{{2, 9, 1.0}, 0.1}}; });
   expect("measured_distances[0].sigma", [](BundleProblem& p) { p.measured_distances = {{{2, 3, 1.0}, 0.0}}; });
-  expect("at the same position", [](BundleProblem& p) {
-    p.camera_from_world[3] = p.camera_from_world[2];
-    p.distances = {{2, 3, 1.0}};
-  });
-  EXPECT_EQ(Complaint(Small()), "");
+  expect(" at bundle/bundle_problem.cpp:", [](BundleProblem& p) { p.camera_is_fixed.pop_back(); });
+}
+
+TEST(Degenerate, TryingForgivesNumbersAndNoMistakes) {
+  BundleProblem astray = Small();
+  astray.points[7].z() = kNaN;
+  EXPECT_FALSE(TryAdjustBundle({}, astray));
+  BundleProblem mistaken = Small();
+  mistaken.observations[3].camera = 5;
+  EXPECT_THROW(TryAdjustBundle({}, mistaken), InternalError);
 }
 
 TEST(Degenerate, BadOptionsAreRefusedByName) {
   const auto expect = [](const char* name, const auto& spoil) {
     BundleOptions options;
     spoil(options);
-    EXPECT_NE(Complaint(Small(), options).find(name), std::string::npos) << name;
+    EXPECT_NE(Complaint<InputError>(Small(), options).find(name), std::string::npos) << name;
   };
   expect("max_iterations", [](BundleOptions& o) { o.max_iterations = -1; });
   expect("huber_threshold", [](BundleOptions& o) { o.huber_threshold = kNaN; });

@@ -28,10 +28,7 @@ void CheckSpread(const Eigen::Matrix3Xd& points, const std::string& name) {
 
 Similarity AlignPoints(const std::vector<Eigen::Vector3d>& source, const std::vector<Eigen::Vector3d>& target,
                        AlignmentModel model) {
-  if (source.size() != target.size()) {
-    throw InputError("cannot align " + std::to_string(source.size()) + " with " + std::to_string(target.size()) +
-                     " positions");
-  }
+  Ensure(source.size() == target.size(), "positions to align are not as many on both sides");
   if (source.size() < 3) {
     throw InputError("cannot align: needs at least 3 positions, has " + std::to_string(source.size()));
   }

@@ -28,8 +28,8 @@ enum class AlignmentModel {
 
 /// `target_from_source` that brings the source points nearest to the target points in the sense of least squares
 /// (Umeyama 1991). The two sets correspond by index.
-/// Throws InputError when the sets differ in size, hold fewer than three points, or when one of them lies on a line, as
-/// the rotation about that line then is anybody's guess.
+/// Throws InputError when the sets hold fewer than three points, or when one of them lies on a line, as the rotation
+/// about that line then is anybody's guess; InternalError when they differ in size.
 Similarity AlignPoints(const std::vector<Eigen::Vector3d>& source, const std::vector<Eigen::Vector3d>& target,
                        AlignmentModel model);
 

@@ -81,7 +81,7 @@ TEST_F(SimilarityTest, NoNearbySimilarityFitsNoisyPointsBetter) {
 
 TEST_F(SimilarityTest, RefusesWhatHasNoAnswer) {
   const Points source = RandomPoints(10);
-  EXPECT_THROW(AlignPoints(source, RandomPoints(9), AlignmentModel::kRigid), InputError);
+  EXPECT_THROW(AlignPoints(source, RandomPoints(9), AlignmentModel::kRigid), InternalError);
   EXPECT_THROW(AlignPoints({}, {}, AlignmentModel::kRigid), InputError);
   EXPECT_THROW(AlignPoints(RandomPoints(2), RandomPoints(2), AlignmentModel::kRigid), InputError);
   Points line;

@@ -4,11 +4,8 @@
 #include <array>
 #include <bit>
 #include <cstdint>
-#include <string>
 
 #include <fmt/format.h>
-
-#include "turnscale/io/output_file.h"
 
 namespace turnscale {
 namespace {
@@ -27,7 +24,7 @@ void AddVertex(std::string& vertices, const Eigen::Vector3d& position, const Col
 
 }  // namespace
 
-void WriteMap(const std::filesystem::path& path, const MapPoints& points, const RigidTransform& target_from_world) {
+std::string MapText(const MapPoints& points, const RigidTransform& target_from_world) {
   std::string vertices;
   for (const Eigen::Vector3d& landmark : points.landmarks)
     AddVertex(vertices, target_from_world * landmark, kLandmarkColour);
@@ -37,7 +34,7 @@ void WriteMap(const std::filesystem::path& path, const MapPoints& points, const 
       "property float x\nproperty float y\nproperty float z\n"
       "property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n",
       points.landmarks.size() + points.cameras.size());
-  ReplaceFile(path, header + vertices);
+  return header + vertices;
 }
 
 }  // namespace turnscale

@@ -3,7 +3,9 @@
 
 #include <cerrno>
 #include <system_error>
-#include <utility>
+
+#include <fcntl.h>
+#include <unistd.h>
 
 #include "turnscale/base/error.h"
 
@@ -14,62 +16,96 @@ namespace fs = std::filesystem;
 
 std::string SystemMessage(int error) { return std::generic_category().message(error); }
 
+// Another place would be of no help.
+bool IsOfTheMachine(int error) {
+  return error == ENOSPC || error == EDQUOT || error == EIO || error == EMFILE || error == ENFILE || error == ENOMEM;
+}
+
 }  // namespace
 
-OutputFile::OutputFile(const fs::path& path, Mode mode) : OutputFile(path, mode, path.string()) {}
+fs::path PartOf(const fs::path& path) { return path.string() + ".part"; }
 
-OutputFile::OutputFile(const fs::path& path, Mode mode, std::string name)
-    : name_(std::move(name)), file_(std::fopen(path.c_str(), mode == Mode::kAppend ? "ab" : "wb")) {
-  const int error = errno;
-  if (file_) return;
-  if (error == ENOSPC || error == EDQUOT || error == EIO) {
-    throw OutputError(name_ + ": cannot be written: " + SystemMessage(error));
-  }
-  throw InputError(name_ + ": cannot be written: " + SystemMessage(error) + "; choose another place");
+OutputFile::OutputFile(const fs::path& path) : name_(path.string()), target_(path) {
+  std::error_code error;
+  const bool exists = fs::exists(path, error);
+  in_place_ = exists && !fs::is_regular_file(path, error);
+  if (exists && !in_place_) target_ = fs::canonical(path, error);
+  const fs::path written = in_place_ ? target_ : PartOf(target_);
+  descriptor_ = open(written.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+  if (descriptor_ >= 0) return;
+  if (IsOfTheMachine(errno)) Fail(errno);
+  throw InputError(name_ + ": cannot be written: " + SystemMessage(errno) + "; choose another place");
+}
+
+OutputFile::~OutputFile() {
+  if (descriptor_ >= 0) close(descriptor_);
 }
 
 void OutputFile::Write(std::string_view text) {
-  const bool written = std::fwrite(text.data(), 1, text.size(), file_.get()) == text.size();
-  if (!written || std::fflush(file_.get()) != 0) {
-    throw OutputError(name_ + ": cannot be written: " + SystemMessage(errno));
+  std::size_t done = 0;
+  while (done < text.size()) {
+    const ssize_t written = write(descriptor_, text.data() + done, text.size() - done);
+    if (written >= 0) {
+      done += static_cast<std::size_t>(written);
+    } else if (errno != EINTR) {
+      const int error = errno;
+      // Half a line is worth nothing.
+      if (!in_place_ && done > 0 && ftruncate(descriptor_, static_cast<off_t>(size_)) == 0) {
+        lseek(descriptor_, static_cast<off_t>(size_), SEEK_SET);
+      }
+      Fail(error);
+    }
   }
+  size_ += done;
+}
+
+void OutputFile::Finish(Durability durability) {
+  // Some file systems cannot be told to.
+  if (durability == Durability::kPowerCut && !in_place_ && fsync(descriptor_) != 0 && errno != EINVAL) Fail(errno);
+  Close();
+  if (in_place_) return;
+  std::error_code error;
+  fs::rename(PartOf(target_), target_, error);
+  if (error) Fail(error.value());
+}
+
+void OutputFile::Discard() {
+  if (descriptor_ >= 0) close(descriptor_);
+  descriptor_ = -1;
+  std::error_code error;
+  if (!in_place_) fs::remove(PartOf(target_), error);
 }
 
 void OutputFile::Close() {
-  if (file_ && std::fclose(file_.release()) != 0) {
-    throw OutputError(name_ + ": cannot be written: " + SystemMessage(errno));
-  }
+  const int result = close(descriptor_);
+  descriptor_ = -1;
+  if (result != 0 && errno != EINTR) Fail(errno);
 }
 
-void ReplaceFile(const fs::path& path, std::string_view contents) {
-  std::error_code error;
-  const bool exists = fs::exists(path, error);
-  // A device or pipe takes the text as it comes; it cannot be replaced.
-  if (exists && !fs::is_regular_file(path, error)) {
-    OutputFile file(path);
-    file.Write(contents);
-    file.Close();
-    return;
-  }
-  const fs::path target = exists ? fs::canonical(path, error) : path;
-  const fs::path temporary = target.string() + ".tmp";
+void OutputFile::Fail(int error) const { throw OutputError(name_ + ": cannot be written: " + SystemMessage(error)); }
+
+void ReplaceFile(const fs::path& path, std::string_view contents, Durability durability) {
+  OutputFile file(path);
   try {
-    OutputFile file(temporary, OutputFile::Mode::kTruncate, path.string());
     file.Write(contents);
-    file.Close();
-    fs::rename(temporary, target, error);
-    if (error) throw OutputError(path.string() + ": cannot be replaced: " + error.message());
+    file.Finish(durability);
   } catch (...) {
-    fs::remove(temporary, error);
+    file.Discard();
     throw;
   }
 }
 
-void WriteStandardOutput(std::string_view text) {
-  errno = 0;
-  const bool written = std::fwrite(text.data(), 1, text.size(), stdout) == text.size();
-  if (!written || std::fflush(stdout) != 0) {
-    throw OutputError("standard output: cannot be written: " + SystemMessage(errno));
+void RemoveOldFile(const fs::path& path) {
+  for (const fs::path& old : {path, PartOf(path)}) {
+    std::error_code error;
+    if (fs::is_regular_file(old, error))
+      fs::remove(old, error);
+    else
+      error.clear();
+    if (error) {
+      throw InputError(old.string() + ": is of an earlier run and cannot be removed: " + error.message() +
+                       "; choose another place");
+    }
   }
 }
 

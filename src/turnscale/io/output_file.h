@@ -1,42 +1,59 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <cstdio>
+#include <cstddef>
 #include <filesystem>
-#include <memory>
 #include <string>
 #include <string_view>
 
 namespace turnscale {
 
-/// A file that grows by whole lines. Nothing fails in silence: every write reaches the system before it returns.
-class OutputFile {
- public:
-  enum class Mode { kTruncate, kAppend };
-
-  /// Throws InputError where the file cannot be made.
-  explicit OutputFile(const std::filesystem::path& path, Mode mode = Mode::kTruncate);
-  /// The same; messages say `name`.
-  OutputFile(const std::filesystem::path& path, Mode mode, std::string name);
-
-  /// Writes and flushes. Throws OutputError where the system refuses (disk full).
-  void Write(std::string_view text);
-  /// Throws OutputError where the system refuses at the last moment.
-  void Close();
-
- private:
-  struct Closer {
-    void operator()(std::FILE* file) const { std::fclose(file); }
-  };
-  std::string name_;
-  std::unique_ptr<std::FILE, Closer> file_;
+/// What a file that is whole survives.
+enum class Durability {
+  kProcess,   ///< the end of the process, whatever ends it
+  kPowerCut,  ///< that of the machine, too; the disk takes some milliseconds for it
 };
 
-/// Puts new contents in the place of the old in one step: a reader, or an interrupt, meets either the old file or the
-/// new one. A link keeps pointing where it did. Throws as OutputFile does.
-void ReplaceFile(const std::filesystem::path& path, std::string_view contents);
+/// The name of a file while it is being written: `path` with ".part" after it.
+std::filesystem::path PartOf(const std::filesystem::path& path);
 
-/// Writes to standard output, to the end. Throws OutputError where the system refuses.
-void WriteStandardOutput(std::string_view text);
+/// A file that grows as PartOf its path and gets its own name when it is whole: whatever ends the process, nothing
+/// incomplete is found under that name. A link keeps pointing where it did. A device or pipe takes the text as it
+/// comes. Nothing fails in silence: every write reaches the system before it returns.
+class OutputFile {
+ public:
+  /// Throws InputError where the file cannot be made, OutputError where the machine is to blame (disk full).
+  explicit OutputFile(const std::filesystem::path& path);
+  OutputFile(const OutputFile&) = delete;
+  OutputFile& operator=(const OutputFile&) = delete;
+  /// A file that was not finished keeps its part.
+  ~OutputFile();
+
+  /// Throws OutputError where the system refuses (disk full); nothing of the text is in the file then.
+  void Write(std::string_view text);
+  /// Gives the file its name, in the place of an older one. Throws OutputError where the system refuses.
+  void Finish(Durability durability = Durability::kPowerCut);
+  /// Takes the part away.
+  void Discard();
+
+ private:
+  [[noreturn]] void Fail(int error) const;
+  void Close();
+
+  std::string name_;              // in messages
+  std::filesystem::path target_;  // where links lead
+  bool in_place_ = false;         // a device or pipe
+  int descriptor_ = -1;
+  std::size_t size_ = 0;
+};
+
+/// Puts new contents in the place of the old in one step: a reader, or whatever ends the process, meets either the old
+/// file or the new one. Throws as OutputFile does.
+void ReplaceFile(const std::filesystem::path& path, std::string_view contents,
+                 Durability durability = Durability::kPowerCut);
+
+/// Takes away an older file and its part, so that it is not found beside newer ones; devices, pipes and folders stay.
+/// Throws InputError where it cannot be taken away.
+void RemoveOldFile(const std::filesystem::path& path);
 
 }  // namespace turnscale

@@ -8,12 +8,21 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "turnscale/io/message.h"
+
 namespace turnscale {
 namespace {
 
 constexpr auto kTerminalInterval = std::chrono::milliseconds(100);
 constexpr auto kLineInterval = std::chrono::seconds(10);
 constexpr int kBarWidth = 24;
+const std::string kClearLine = "\r\x1b[K";
+
+// A terminal that is gone is no reason to stop.
+void Show(const std::string& text) {
+  std::fwrite(text.data(), 1, text.size(), stderr);
+  std::fflush(stderr);
+}
 
 std::string Bar(int done, int all) {
   const int filled =
@@ -40,22 +49,21 @@ void Progress::Update(int frames_done, const std::string& more) {
       fmt::format("{} {}{}, {:.1f} {}s/s{}{}", unit_, frames_done, frames_ > 0 ? fmt::format("/{}", frames_) : "",
                   frames_done / std::max(seconds, 1e-3), unit_, more.empty() ? "" : ", ", more);
   if (on_terminal_) {
-    fmt::print(stderr, "\r\x1b[K{}{}", frames_ > 0 ? Bar(frames_done, frames_) : "", text);
-    std::fflush(stderr);
+    Show(kClearLine + (frames_ > 0 ? Bar(frames_done, frames_) : "") + text);
     line_open_ = true;
   } else {
-    fmt::print(stderr, "{}\n", text);
+    Show(text + "\n");
   }
 }
 
 void Progress::Warn(const std::string& message) {
-  if (line_open_) fmt::print(stderr, "\r\x1b[K");
+  if (line_open_) Show(kClearLine);
   line_open_ = false;
-  fmt::print(stderr, "warning: {}\n", message);
+  PrintMessage("warning: " + message);
 }
 
 void Progress::Finish() {
-  if (line_open_) fmt::print(stderr, "\n");
+  if (line_open_) Show("\n");
   line_open_ = false;
 }
 

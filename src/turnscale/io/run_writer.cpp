@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <system_error>
 
+#include "turnscale/base/attempts.h"
 #include "turnscale/base/error.h"
 #include "turnscale/io/map_file.h"
 #include "turnscale/io/run_tables.h"
@@ -20,6 +21,8 @@ constexpr auto kTable = "trajectory.csv";
 constexpr auto kLive = "live.tum";
 constexpr auto kTurns = "turns.csv";
 constexpr auto kMap = "map.ply";
+constexpr auto kSummary = "summary.json";
+constexpr auto kSettings = "settings.yaml";
 
 void MakeFolder(const fs::path& folder) {
   std::error_code error;
@@ -37,12 +40,10 @@ RunWriter::RunWriter(const RunWriterOptions& options) : options_(options) {
     throw InputError("--frame vehicle: needs the position of the rear axle; give --lever-arm");
   }
   MakeFolder(options_.folder);
-  for (const char* name : {kTurns, kMap, "summary.json"}) {
-    std::error_code error;
-    if (fs::is_regular_file(PathOf(name), error)) fs::remove(PathOf(name), error);
-  }
+  // The summary first: it says that the others are of one run.
+  for (const char* name : {kSummary, kSettings, kTurns, kMap, kTum, kKitti, kTable, kLive}) RemoveOldFile(PathOf(name));
   live_.emplace(PathOf(kLive));
-  Rewrite({}, ScaleState::kPending);
+  texts_.table = FrameTableHeader();
 }
 
 bool RunWriter::Add(const FrameResult& live, int revision, ScaleState scale_state) {
@@ -51,48 +52,61 @@ bool RunWriter::Add(const FrameResult& live, int revision, ScaleState scale_stat
   }
   latest_revision_ = revision;
   if (scale_state != scale_state_) return true;
-  if (revision != revision_) return live.frame + 1 - written_ >= std::max(1, written_ / 50);
-  if (live.world_from_camera && live.frame == written_) Append(live);
+  const int due = std::max(1, written_ / 50);
+  if (revision != revision_) return live.frame + 1 - written_ >= due;
+  if (live.world_from_camera && live.frame == posed_) Append(live);
+  if (posed_ - written_ >= due) WritePath(Durability::kProcess);
   return false;
 }
 
-void RunWriter::Rewrite(const std::vector<FrameResult>& refined, ScaleState scale_state) {
-  std::string tum;
-  std::string kitti;
-  std::string table = FrameTableHeader();
-  int posed = 0;
+void RunWriter::Rewrite(const std::vector<FrameResult>& refined, ScaleState scale_state, Durability durability) {
+  texts_ = {"", "", FrameTableHeader()};
+  posed_ = 0;
   for (const FrameResult& frame : refined) {
     std::optional<RigidTransform> pose;
     if (frame.world_from_camera) {
       pose = Shown(frame, scale_state);
-      tum += TumLine({frame.time, *pose});
-      kitti += KittiLine(*pose);
-      ++posed;
+      texts_.tum += TumLine({frame.time, *pose});
+      texts_.kitti += KittiLine(*pose);
+      ++posed_;
     }
-    table += FrameTableLine(frame, pose);
+    texts_.table += FrameTableLine(frame, pose);
   }
-  files_.reset();
-  ReplaceFile(PathOf(kTum), tum);
-  ReplaceFile(PathOf(kKitti), kitti);
-  ReplaceFile(PathOf(kTable), table);
-  constexpr auto kAppend = OutputFile::Mode::kAppend;
-  files_.emplace(Files{OutputFile(PathOf(kTum), kAppend), OutputFile(PathOf(kKitti), kAppend),
-                       OutputFile(PathOf(kTable), kAppend)});
-  written_ = posed;
   revision_ = latest_revision_;
   scale_state_ = scale_state;
+  WritePath(durability);
 }
 
-void RunWriter::WriteTurns(const std::vector<TurnResult>& turns) { WriteText(kTurns, TurnTable(turns)); }
+void RunWriter::EndLive() { live_->Finish(); }
 
-void RunWriter::WriteMap(const MapPoints& points, ScaleState scale_state) {
+void RunWriter::WritePath(Durability durability) {
+  Attempts attempts;
+  attempts.Try([&] { WriteText(kTum, texts_.tum, durability); });
+  attempts.Try([&] { WriteText(kKitti, texts_.kitti, durability); });
+  attempts.Try([&] { WriteText(kTable, texts_.table, durability); });
+  attempts.RethrowFirst();
+  written_ = posed_;
+}
+
+void RunWriter::WriteText(const std::string& name, const std::string& text, Durability durability) {
+  try {
+    ReplaceFile(PathOf(name), text, durability);
+  } catch (const InputError& error) {
+    // The user's choice of the folder was good when the run began.
+    throw OutputError(error.what());
+  }
+}
+
+void RunWriter::WriteTurns(const std::vector<TurnResult>& turns, Durability durability) {
+  WriteText(kTurns, TurnTable(turns), durability);
+}
+
+void RunWriter::WriteMap(const MapPoints& points, ScaleState scale_state, Durability durability) {
   const bool of_camera = options_.frame == PoseFrame::kCamera;
-  turnscale::WriteMap(
-      PathOf(kMap), points,
-      of_camera ? RigidTransform{} : VehicleFromCamera(options_.vehicle.vehicle_from_camera, scale_state));
+  const RigidTransform shown_from_world =
+      of_camera ? RigidTransform{} : VehicleFromCamera(options_.vehicle.vehicle_from_camera, scale_state);
+  WriteText(kMap, MapText(points, shown_from_world), durability);
 }
-
-void RunWriter::WriteText(const std::string& name, const std::string& text) { ReplaceFile(PathOf(name), text); }
 
 RigidTransform RunWriter::Shown(const FrameResult& frame, ScaleState scale_state) const {
   if (options_.frame == PoseFrame::kCamera) return *frame.world_from_camera;
@@ -107,10 +121,10 @@ RigidTransform RunWriter::VehicleFromCamera(const Eigen::Quaterniond& rotation, 
 
 void RunWriter::Append(const FrameResult& frame) {
   const RigidTransform pose = Shown(frame, scale_state_);
-  files_->tum.Write(TumLine({frame.time, pose}));
-  files_->kitti.Write(KittiLine(pose));
-  files_->table.Write(FrameTableLine(frame, pose));
-  ++written_;
+  texts_.tum += TumLine({frame.time, pose});
+  texts_.kitti += KittiLine(pose);
+  texts_.table += FrameTableLine(frame, pose);
+  ++posed_;
 }
 
 }  // namespace turnscale

@@ -28,12 +28,14 @@ struct RunWriterOptions {
   VehicleOptions vehicle = {};
 };
 
-/// Writes the results of a run to disk from its first frame on. trajectory.tum, trajectory.kitti.txt and trajectory.csv
-/// hold a consistent state of the refined path at every moment, live.tum grows by one flushed line per frame. Every
-/// function throws InputError where the folder or a file cannot be made, OutputError where the system refuses to write.
+/// Writes the results of a run to disk from its first frame on; each file is complete at every moment: trajectory.tum,
+/// trajectory.kitti.txt and trajectory.csv are replaced by later states of the refined trajectory, which lags behind by
+/// at most a fiftieth of the drive; live.tum.part grows by one line per frame and becomes live.tum at the end. Every
+/// function throws OutputError if the system refuses to write, after trying the other files.
 class RunWriter {
  public:
-  /// Makes the folder and begins the files anew; results of an earlier run in it are taken away.
+  /// Makes the folder and begins the files anew; results of an earlier run in it are taken away. Throws InputError
+  /// where the folder or a file cannot be made.
   explicit RunWriter(const RunWriterOptions& options);
 
   /// Writes the result of the newest frame. Returns whether Rewrite is due: when poses already written have
@@ -43,12 +45,19 @@ class RunWriter {
 
   /// Writes the whole refined trajectory. Frames are left out of the trajectory files only while there is no map at
   /// all; the table has every frame.
-  void Rewrite(const std::vector<FrameResult>& refined, ScaleState scale_state);
+  void Rewrite(const std::vector<FrameResult>& refined, ScaleState scale_state,
+               Durability durability = Durability::kProcess);
 
-  void WriteTurns(const std::vector<TurnResult>& turns);
-  void WriteMap(const MapPoints& points, ScaleState scale_state);
-  /// Any other file of the folder, in one step.
-  void WriteText(const std::string& name, const std::string& text);
+  /// Writes the path as the last Rewrite had it, with the frames that Add has put to it since. For want of a better.
+  void WritePath(Durability durability = Durability::kPowerCut);
+
+  /// No frame comes any more: live.tum gets its name.
+  void EndLive();
+
+  void WriteTurns(const std::vector<TurnResult>& turns, Durability durability = Durability::kPowerCut);
+  void WriteMap(const MapPoints& points, ScaleState scale_state, Durability durability = Durability::kPowerCut);
+  /// Any file of the folder, in one step.
+  void WriteText(const std::string& name, const std::string& text, Durability durability = Durability::kPowerCut);
 
   /// Sets the camera-to-vehicle rotation at the origin of the world frame.
   void SetFirstCameraRotation(const Eigen::Quaterniond& vehicle_from_camera) {
@@ -59,10 +68,11 @@ class RunWriter {
   RigidTransform Shown(const FrameResult& frame, ScaleState scale_state) const;
 
  private:
-  struct Files {
-    OutputFile tum;
-    OutputFile kitti;
-    OutputFile table;
+  // The path as its files will have it.
+  struct Texts {
+    std::string tum;
+    std::string kitti;
+    std::string table;
   };
   std::filesystem::path PathOf(const std::string& name) const { return options_.folder / name; }
   RigidTransform VehicleFromCamera(const Eigen::Quaterniond& rotation, ScaleState scale_state) const;
@@ -70,7 +80,8 @@ class RunWriter {
 
   RunWriterOptions options_;
   std::optional<OutputFile> live_;
-  std::optional<Files> files_;
+  Texts texts_;
+  int posed_ = 0;    // frames in the texts
   int written_ = 0;  // frames in the trajectory files
   int revision_ = 0;
   int latest_revision_ = 0;

@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "turnscale/base/error.h"
+#include "turnscale/base/scratch_path.h"
 #include "turnscale/geometry/rotation.h"
 #include "turnscale/io/run_summary.h"
 #include "turnscale/io/run_tables.h"
@@ -44,11 +45,7 @@ std::vector<FrameResult> Frames(int count, double scale) {
 
 class RunWriterTest : public ::testing::Test {
  protected:
-  RunWriterTest()
-      : folder_(fs::path(::testing::TempDir()) /
-                (std::string("run_writer_") + ::testing::UnitTest::GetInstance()->current_test_info()->name())) {
-    fs::remove_all(folder_);
-  }
+  RunWriterTest() : folder_(ScratchPath("folder")) { fs::remove_all(folder_); }
   ~RunWriterTest() override { fs::remove_all(folder_); }
 
   Trajectory Tum() const { return ReadTrajectory(folder_ / "trajectory.tum"); }
@@ -59,9 +56,9 @@ class RunWriterTest : public ::testing::Test {
 TEST_F(RunWriterTest, AppendsWhileNothingChangesAndRewritesWhenItDoes) {
   RunWriter writer({folder_ / "deep"});
   folder_ /= "deep";
-  EXPECT_EQ(TextOf(folder_ / "trajectory.tum"), "");
+  EXPECT_FALSE(fs::exists(folder_ / "trajectory.tum"));
   for (int i = 0; i < 3; ++i) EXPECT_FALSE(writer.Add(Frame(i, 1, false), 0, ScaleState::kPending));
-  EXPECT_EQ(TextOf(folder_ / "live.tum"), "") << "no pose yet";
+  EXPECT_EQ(TextOf(folder_ / "live.tum.part"), "") << "no pose yet";
 
   EXPECT_TRUE(writer.Add(Frame(3), 1, ScaleState::kPending)) << "the map began: earlier frames have poses now";
   writer.Rewrite(Frames(4, 1), ScaleState::kPending);
@@ -69,15 +66,17 @@ TEST_F(RunWriterTest, AppendsWhileNothingChangesAndRewritesWhenItDoes) {
   EXPECT_FALSE(writer.Add(Frame(4), 1, ScaleState::kPending));
   EXPECT_EQ(Tum().size(), 5u) << "on disk at once";
   EXPECT_EQ(ReadTrajectory(folder_ / "trajectory.kitti.txt").size(), 5u);
-  EXPECT_EQ(ReadTrajectory(folder_ / "live.tum").size(), 2u);
+  EXPECT_EQ(ReadTrajectory(folder_ / "live.tum.part").size(), 2u);
 
   EXPECT_TRUE(writer.Add(Frame(5, 3), 2, ScaleState::kObserved)) << "the metre is known now";
   writer.Rewrite(Frames(6, 3), ScaleState::kObserved);
   const Trajectory refined = Tum();
   ASSERT_EQ(refined.size(), 6u);
   EXPECT_NEAR(refined[2].world_from_camera.translation.z(), 6, 1e-9);
+  EXPECT_FALSE(fs::exists(folder_ / "live.tum")) << "still grows";
+  writer.EndLive();
   EXPECT_NEAR(ReadTrajectory(folder_ / "live.tum")[0].world_from_camera.translation.z(), 3, 1e-9) << "causal";
-  EXPECT_FALSE(fs::exists(folder_ / "trajectory.tum.tmp"));
+  for (const auto& entry : fs::directory_iterator(folder_)) EXPECT_NE(entry.path().extension(), ".part");
 }
 
 TEST_F(RunWriterTest, LongDrivesAreRewrittenInProportion) {
@@ -163,13 +162,36 @@ TEST_F(RunWriterTest, FullDiskIsNoticedInEveryFile) {
   }
 }
 
+TEST_F(RunWriterTest, OneFileThatCannotBeWrittenKeepsNoOther) {
+  fs::create_directories(folder_);
+  fs::create_symlink("/dev/full", folder_ / "trajectory.tum");
+  RunWriter writer({folder_});
+  EXPECT_THROW(writer.Rewrite(Frames(3, 1), ScaleState::kPending), OutputError);
+  EXPECT_EQ(ReadTrajectory(folder_ / "trajectory.kitti.txt").size(), 3u);
+  EXPECT_FALSE(TextOf(folder_ / "trajectory.csv").empty());
+}
+
+TEST_F(RunWriterTest, AFolderThatVanishesIsNoFaultOfTheUsers) {
+  RunWriter writer({folder_});
+  fs::remove_all(folder_);
+  EXPECT_THROW(writer.Rewrite(Frames(2, 1), ScaleState::kPending), OutputError);
+  EXPECT_THROW(writer.EndLive(), OutputError);
+}
+
 TEST_F(RunWriterTest, EarlierResultsAreTakenAway) {
   fs::create_directories(folder_);
-  std::ofstream(folder_ / "summary.json") << "old";
-  std::ofstream(folder_ / "live.tum") << "old";
+  for (const char* name : {"summary.json", "settings.yaml", "live.tum", "trajectory.tum", "trajectory.kitti.txt",
+                           "trajectory.csv", "turns.csv", "map.ply", "map.ply.part"}) {
+    std::ofstream(folder_ / name) << "old";
+  }
+  std::ofstream(folder_ / "notes.txt") << "not ours";
   const RunWriter writer({folder_});
-  EXPECT_FALSE(fs::exists(folder_ / "summary.json"));
-  EXPECT_EQ(TextOf(folder_ / "live.tum"), "");
+  for (const auto& entry : fs::directory_iterator(folder_)) {
+    if (entry.path().filename() == "notes.txt") continue;
+    EXPECT_EQ(entry.path().filename(), "live.tum.part");
+    EXPECT_EQ(TextOf(entry.path()), "");
+  }
+  EXPECT_TRUE(fs::exists(folder_ / "notes.txt"));
 }
 
 TEST_F(RunWriterTest, MapHoldsLandmarksAndCameras) {

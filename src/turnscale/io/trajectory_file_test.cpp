@@ -141,34 +141,5 @@ TEST(TrajectoryFile, ComplaintsNameTheLine) {
   EXPECT_THROW(ReadTrajectory(::testing::TempDir()), InputError);
 }
 
-TEST(OutputFile, FullDiskAndForbiddenPlaces) {
-  EXPECT_THROW(OutputFile("/dev/full").Write("text"), OutputError);
-  EXPECT_THROW(ReplaceFile("/dev/full", "text"), OutputError);
-  EXPECT_THROW(OutputFile("/proc/nothing_may_be_made_here"), InputError);
-  EXPECT_THROW(OutputFile("/nonexistent/file"), InputError);
-}
-
-TEST(OutputFile, ReplacesInOneStepAndFollowsLinks) {
-  const fs::path target = Path("target");
-  const fs::path link = Path("link");
-  fs::remove(link);
-  ReplaceFile(target, "old");
-  fs::create_symlink(target, link);
-  ReplaceFile(link, "new");
-  EXPECT_TRUE(fs::is_symlink(link));
-  std::string text;
-  std::ifstream(target) >> text;
-  EXPECT_EQ(text, "new");
-  EXPECT_FALSE(fs::exists(target.string() + ".tmp"));
-}
-
-TEST(OutputFile, AppendsAfterWhatIsThere) {
-  ReplaceFile(Path("grows"), "a\n");
-  OutputFile file(Path("grows"), OutputFile::Mode::kAppend);
-  file.Write("b\n");
-  std::ifstream stream(Path("grows"));
-  EXPECT_EQ(std::string(std::istreambuf_iterator<char>(stream), {}), "a\nb\n") << "on disk before the file is closed";
-}
-
 }  // namespace
 }  // namespace turnscale

@@ -162,7 +162,7 @@ std::string ScaleColor(double share) {
 }
 
 std::string FigureSvg(const Figure& figure) {
-  if (figure.panels.empty()) throw InputError("a figure without panels");
+  Ensure(!figure.panels.empty(), "a figure without panels");
   const int columns = std::clamp(figure.columns, 1, static_cast<int>(figure.panels.size()));
   // Each column is as wide as its widest legend asks for.
   std::vector<std::vector<LegendEntry>> legends;

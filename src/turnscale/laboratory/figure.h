@@ -74,7 +74,7 @@ struct Figure {
   std::vector<PlotPanel> panels;
 };
 
-/// The figure as SVG. Throws InputError where it has no panel, or a panel neither data nor ranges.
+/// The figure as SVG. Throws InternalError where it has no panel, or a panel neither data nor ranges.
 std::string FigureSvg(const Figure& figure);
 
 /// A colour of the scale from blue over green to yellow, for a share in [0, 1].

@@ -59,10 +59,10 @@ TEST(Figure, LegendShowsEachLabelOnce) {
 }
 
 TEST(Figure, RefusesWhatHasNothingToDraw) {
-  EXPECT_THROW(FigureSvg(Figure{}), InputError);
+  EXPECT_THROW(FigureSvg(Figure{}), InternalError);
   Figure empty;
   empty.panels.emplace_back();
-  EXPECT_THROW(FigureSvg(empty), InputError);
+  EXPECT_THROW(FigureSvg(empty), InternalError);
 }
 
 }  // namespace

@@ -83,7 +83,7 @@ std::string SvgText(double x, double y, const std::string& text, const std::stri
 PlotAxes::PlotAxes(const PlotPanel& panel, const Eigen::Vector2d& corner, const Eigen::Vector2d& size)
     : corner_(corner), size_(size) {
   const Eigen::AlignedBox2d box = Extent(panel);
-  if (box.isEmpty() && !(panel.x && panel.y)) throw InputError("panel " + panel.title + ": nothing to draw");
+  Ensure(!box.isEmpty() || (panel.x && panel.y), "panel " + panel.title + ": nothing to draw");
   x_ = panel.x ? *panel.x : WithAir(box.min().x(), box.max().x());
   y_ = panel.y ? *panel.y : WithAir(box.min().y(), box.max().y());
   if (panel.equal_axes) Equalize(size_, x_, y_);

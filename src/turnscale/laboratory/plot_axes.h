@@ -19,7 +19,7 @@ constexpr double kLetter = 6.6;
 /// Where a panel's values stand on the page.
 class PlotAxes {
  public:
-  /// `corner` is the upper left one. Throws InputError where the panel has neither data nor ranges.
+  /// `corner` is the upper left one. Throws InternalError where the panel has neither data nor ranges.
   PlotAxes(const PlotPanel& panel, const Eigen::Vector2d& corner, const Eigen::Vector2d& size);
 
   Eigen::Vector2d At(const Eigen::Vector2d& value) const;

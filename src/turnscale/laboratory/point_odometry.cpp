@@ -2,8 +2,8 @@
 #include "turnscale/laboratory/point_odometry.h"
 
 #include <cmath>
-#include <stdexcept>
 
+#include "turnscale/base/error.h"
 #include "turnscale/bundle/bundle_adjustment.h"
 #include "turnscale/mapping/map_scaling.h"
 #include "turnscale/mapping/window_problem.h"
@@ -25,7 +25,7 @@ Map PointOdometry(const ScaleDrive& drive) {
   options.huber_threshold = 0;  // the noise is Gaussian
   options.relative_cost_tolerance = kCostTolerance;
   const BundleSummary summary = AdjustBundle(options, problem.bundle);
-  if (!summary.converged) throw std::runtime_error("the synthetic drive's bundle adjustment: " + summary.message);
+  if (!summary.converged) throw NumericalError("the synthetic drive's bundle adjustment: " + summary.message);
   WriteBack(problem, map);
   return map;
 }

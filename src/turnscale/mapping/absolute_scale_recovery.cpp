@@ -3,6 +3,8 @@
 
 #include <cmath>
 #include <cstddef>
+#include <source_location>
+#include <string>
 #include <utility>
 
 #include "turnscale/base/error.h"
@@ -18,8 +20,8 @@ constexpr double kShortestHeldStep = 1e-3;
 constexpr int kFewestPoints = 2;
 
 void CheckTurns(const std::vector<TurnScale>& turns, int first, const Map& map) {
-  const auto require = [](bool good, const std::string& what) {
-    if (!good) throw InputError("scale recovery: " + what);
+  const auto require = [](bool good, const char* what, std::source_location where = std::source_location::current()) {
+    Ensure(good, std::string("scale recovery: ") + what, where);
   };
   require(!turns.empty(), "no turn is given");
   int previous = first;
@@ -138,7 +140,7 @@ RangeRecovery AdjustRange(const ScaleRecoveryOptions& options, const std::vector
 
   try {
     recovery.summary = Adjust(options, problem.bundle);
-  } catch (const InputError& error) {
+  } catch (const NumericalError& error) {
     // A map with a number that is none: the drive goes on with the guess.
     recovery.reason = error.what();
     return recovery;

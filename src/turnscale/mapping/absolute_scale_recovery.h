@@ -53,8 +53,8 @@ struct ScaleRecoveryResult {
 /// `first` fixed and the length of every step of a turn held (or weighed: TurnScale::sigma). Steps that bridge a loss
 /// of tracking are scaled and not adjusted.
 ///
-/// The result does not depend on the map's unit of length. Throws InputError when steps are out of range or out of
-/// order, a factor is not positive, or a sigma negative.
+/// The result does not depend on the map's unit of length. Throws InternalError when steps are out of range or out
+/// of order, a factor is not positive, or a sigma negative.
 ScaleRecoveryResult RecoverAbsoluteScale(const ScaleRecoveryOptions& options, const std::vector<TurnScale>& turns,
                                          int first, Map& map);
 

@@ -255,13 +255,13 @@ TEST_F(AbsoluteScaleRecovery, LandmarkSeenOnceGoesWithItsKeyframe) {
 }
 
 TEST_F(AbsoluteScaleRecovery, RefusesWhatMakesNoSense) {
-  EXPECT_THROW(RecoverAbsoluteScale({}, {}, 0, map_), InputError);
-  EXPECT_THROW(RecoverAbsoluteScale({}, {kSecondTurn, kFirstTurn}, 0, map_), InputError);
-  EXPECT_THROW(RecoverAbsoluteScale({}, {kFirstTurn}, 21, map_), InputError);
-  EXPECT_THROW(RecoverAbsoluteScale({}, {{150, 162, 1, {}}}, 0, map_), InputError);
-  EXPECT_THROW(RecoverAbsoluteScale({}, {WithFactor(kFirstTurn, -1)}, 0, map_), InputError);
-  EXPECT_THROW(RecoverAbsoluteScale({}, {{21, 40, 1, {0.6}}}, 0, map_), InputError);
-  EXPECT_THROW(RecoverAbsoluteScale({}, {{21, 40, 1, {}, -0.1}}, 0, map_), InputError);
+  EXPECT_THROW(RecoverAbsoluteScale({}, {}, 0, map_), InternalError);
+  EXPECT_THROW(RecoverAbsoluteScale({}, {kSecondTurn, kFirstTurn}, 0, map_), InternalError);
+  EXPECT_THROW(RecoverAbsoluteScale({}, {kFirstTurn}, 21, map_), InternalError);
+  EXPECT_THROW(RecoverAbsoluteScale({}, {{150, 162, 1, {}}}, 0, map_), InternalError);
+  EXPECT_THROW(RecoverAbsoluteScale({}, {WithFactor(kFirstTurn, -1)}, 0, map_), InternalError);
+  EXPECT_THROW(RecoverAbsoluteScale({}, {{21, 40, 1, {0.6}}}, 0, map_), InternalError);
+  EXPECT_THROW(RecoverAbsoluteScale({}, {{21, 40, 1, {}, -0.1}}, 0, map_), InternalError);
   EXPECT_THROW(RecoverAbsoluteScale({.pixel_sigma = 0}, {kFirstTurn}, 0, map_), InputError);
   EXPECT_THROW(RecoverAbsoluteScale({.pixel_sigma_inflation = 0.5}, {kFirstTurn}, 0, map_), InputError);
 }

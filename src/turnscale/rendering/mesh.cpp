@@ -4,13 +4,14 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <stdexcept>
+
+#include "turnscale/base/error.h"
 
 namespace turnscale {
 namespace {
 
 int Pieces(double length, double step) {
-  if (!(step > 0)) throw std::invalid_argument("light_step has to be positive");
+  if (!(step > 0)) throw InternalError("light_step has to be positive");
   // A length that is a whole number of steps stays so when rounding has touched it.
   return std::max(1, static_cast<int>(std::ceil(length / step - 1e-6)));
 }
@@ -108,7 +109,7 @@ void AddBox(const SurfaceStyle& style, const RigidTransform& world_from_base, co
 }
 
 void AddPrism(const SurfaceStyle& style, const RigidTransform& world_from_base, const Prism& prism, Mesh& mesh) {
-  if (prism.sides < 3) throw std::invalid_argument("a prism needs three sides or more");
+  if (prism.sides < 3) throw InternalError("a prism has three sides or more");
   std::vector<Eigen::Vector3d> bottom(prism.sides);
   std::vector<Eigen::Vector3d> top(prism.sides);
   for (int i = 0; i < prism.sides; ++i) {
@@ -139,7 +140,7 @@ void AddGround(const SurfaceStyle& style, const Eigen::Vector2d& corner, double 
   const int frame = AddFrame(mesh, origin, Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitZ());
   std::vector<std::vector<int>> vertices;
   for (size_t row = 0; row < up.size(); ++row) {
-    if (up[row].size() != up[0].size()) throw std::invalid_argument("rows of a ground differ in length");
+    if (up[row].size() != up[0].size()) throw InternalError("rows of a ground differ in length");
     std::vector<int>& indices = vertices.emplace_back();
     for (size_t column = 0; column < up[row].size(); ++column) {
       const double height = up[row][column];

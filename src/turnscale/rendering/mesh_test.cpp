@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <stdexcept>
 
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
+#include "turnscale/base/error.h"
 #include "turnscale/rendering/surface.h"
 
 namespace turnscale {
@@ -127,7 +127,7 @@ TEST(Mesh, PrismsAndConesAreClosedAndFaceOutwards) {
     for (const Triangle& triangle : mesh.triangles) EXPECT_GT(AreaOf(mesh, triangle), 0);
   }
   Mesh mesh;
-  EXPECT_THROW(AddPrism({}, {}, {0.5, 0.5, 1, 2}, mesh), std::invalid_argument);
+  EXPECT_THROW(AddPrism({}, {}, {0.5, 0.5, 1, 2}, mesh), InternalError);
 }
 
 TEST(Mesh, GroundFacesUpAndHasHoles) {
@@ -185,7 +185,7 @@ TEST(Mesh, LightIsOfAllVerticesOrNone) {
 
 TEST(Mesh, RefusesAStepOfNothing) {
   Mesh mesh;
-  EXPECT_THROW(AddRectangle({0, 0, {0, 0}}, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}, mesh), std::invalid_argument);
+  EXPECT_THROW(AddRectangle({0, 0, {0, 0}}, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}, mesh), InternalError);
 }
 
 }  // namespace

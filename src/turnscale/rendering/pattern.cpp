@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <stdexcept>
 
 #include "turnscale/base/random.h"
 #include "turnscale/rendering/pattern_drawing.h"

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <stdexcept>
 
+#include "turnscale/base/error.h"
 #include "turnscale/base/random.h"
 
 namespace turnscale {
@@ -31,7 +31,7 @@ cv::Mat Gains(int side, double roughness) {
 
 void CheckSide(const PatternOptions& options) {
   if (options.side < 16 || !std::has_single_bit(static_cast<unsigned>(options.side)))
-    throw std::invalid_argument("the side of a pattern must be a power of two, 16 or more");
+    throw InternalError("the side of a pattern is a power of two, 16 or more");
 }
 
 cv::Mat Clouds(int side, std::uint64_t seed, double roughness) {

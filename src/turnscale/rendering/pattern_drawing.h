@@ -11,7 +11,7 @@
 
 namespace turnscale {
 
-/// Throws std::invalid_argument where the side is not a power of two of at least 16.
+/// Throws InternalError where the side is not a power of two of at least 16.
 void CheckSide(const PatternOptions& options);
 
 /// Noise of all sizes (see CloudPattern), mean 0 and standard deviation 1.

@@ -9,6 +9,8 @@
 #include <gtest/gtest.h>
 #include <opencv2/imgproc.hpp>
 
+#include "turnscale/base/error.h"
+
 namespace turnscale {
 namespace {
 
@@ -102,11 +104,11 @@ TEST(Pattern, HasDetailOfEverySize) {
 TEST(Pattern, RefusesWhatDoesNotFit) {
   PatternOptions odd;
   odd.side = 100;
-  for (const NamedPattern& pattern : Patterns()) EXPECT_THROW(pattern.make(odd), std::invalid_argument);
-  EXPECT_THROW(BrickPattern(Small(), 0), std::invalid_argument);
-  EXPECT_THROW(BrickPattern(Small(), 200), std::invalid_argument);
-  EXPECT_THROW(FacadePattern(Small(), 0, 3), std::invalid_argument);
-  EXPECT_THROW(FacadePattern(Small(), 3, 200), std::invalid_argument);
+  for (const NamedPattern& pattern : Patterns()) EXPECT_THROW(pattern.make(odd), InternalError);
+  EXPECT_THROW(BrickPattern(Small(), 0), InternalError);
+  EXPECT_THROW(BrickPattern(Small(), 200), InternalError);
+  EXPECT_THROW(FacadePattern(Small(), 0, 3), InternalError);
+  EXPECT_THROW(FacadePattern(Small(), 3, 200), InternalError);
 }
 
 }  // namespace

@@ -2,10 +2,10 @@
 #include "turnscale/rendering/ray_table.h"
 
 #include <cmath>
-#include <stdexcept>
 
 #include <Eigen/Geometry>
 
+#include "turnscale/base/error.h"
 #include "turnscale/base/parallel.h"
 
 namespace turnscale {
@@ -17,7 +17,7 @@ std::optional<Eigen::Vector3d> RayOf(const CameraModel& camera, const Eigen::Vec
 }
 
 RayTable::RayTable(const CameraModel& camera, int threads) : camera_(camera) {
-  if (camera.width < 2 || camera.height < 2) throw std::invalid_argument("the camera has no image size");
+  if (camera.width < 2 || camera.height < 2) throw InternalError("the camera has no image size");
   rays_.resize(static_cast<size_t>(camera.width) * camera.height);
   ForEachIndex(camera.height, threads, [&](int row) {
     for (int column = 0; column < camera.width; ++column) {

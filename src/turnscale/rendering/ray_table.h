@@ -23,7 +23,7 @@ struct PixelRay {
 /// The rays of all pixels of a camera: lens models are costly to invert.
 class RayTable {
  public:
-  /// Throws std::invalid_argument for a camera without an image size.
+  /// Throws InternalError for a camera without an image size.
   RayTable(const CameraModel& camera, int threads);
 
   const CameraModel& camera() const { return camera_; }

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "turnscale/rendering/ray_table.h"
 
-#include <stdexcept>
-
 #include <gtest/gtest.h>
 
+#include "turnscale/base/error.h"
 #include "turnscale/rendering/test_scene.h"
 
 namespace turnscale {
@@ -45,7 +44,7 @@ TEST(RayTable, IsMadeAnewForAnotherCameraOnly) {
   EXPECT_NE(first, cache.Get(moved, 1));
 }
 
-TEST(RayTable, NeedsAnImageSize) { EXPECT_THROW(RayTable(CameraModel(), 1), std::invalid_argument); }
+TEST(RayTable, NeedsAnImageSize) { EXPECT_THROW(RayTable(CameraModel(), 1), InternalError); }
 
 }  // namespace
 }  // namespace turnscale

@@ -2,7 +2,6 @@
 #include "turnscale/rendering/renderer.h"
 
 #include <limits>
-#include <stdexcept>
 #include <utility>
 
 #include "turnscale/base/error.h"
@@ -24,7 +23,7 @@ void CheckScene(const Scene& scene) {
   for (const Mesh& mesh : scene.movable) CheckMesh(mesh, materials);
   for (const Material& material : scene.materials)
     if (material.texture < 0 || static_cast<size_t>(material.texture) >= scene.textures.size())
-      throw std::invalid_argument("a material has no such texture");
+      throw InternalError("a material has no such texture");
 }
 
 Scene Baked(const RayScene& rays, int threads, Scene scene) {
@@ -40,7 +39,7 @@ struct Renderer::State {
 
   Tracer TracerFor(const View& view) const {
     if (view.world_from_movable.size() != lit.scene.movable.size())
-      throw std::invalid_argument("a view needs one pose per movable mesh");
+      throw InternalError("a view has a pose for each movable mesh");
     const double span = view.shutter.exposure + view.shutter.readout;
     const int count = span > 0 ? kPosesInMotion : 1;
     std::vector<std::vector<RigidTransform>> poses;

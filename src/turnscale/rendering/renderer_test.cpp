@@ -3,12 +3,12 @@
 
 #include <cmath>
 #include <limits>
-#include <stdexcept>
 #include <string>
 
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
+#include "turnscale/base/error.h"
 #include "turnscale/base/refused_field.h"
 #include "turnscale/rendering/pattern.h"
 #include "turnscale/rendering/test_scene.h"
@@ -231,7 +231,7 @@ TEST(Renderer, RefusesScenesThatDoNotFitTogether) {
   const auto refused = [](const std::function<void(Scene&)>& change) {
     Scene scene = BusyScene();
     change(scene);
-    EXPECT_THROW(Renderer({}, std::move(scene)), std::invalid_argument);
+    EXPECT_THROW(Renderer({}, std::move(scene)), InternalError);
   };
   refused([](Scene& scene) { scene.materials[0].texture = 9; });
   refused([](Scene& scene) { scene.fixed.triangles[0].material = 99; });
@@ -239,8 +239,8 @@ TEST(Renderer, RefusesScenesThatDoNotFitTogether) {
   refused([](Scene& scene) { scene.movable[0].triangles[0].frame = 77; });
   refused([](Scene& scene) { scene.fixed.light = {1, 2}; });
   const Renderer renderer({}, BusyScene());
-  EXPECT_THROW(renderer.Render(TestCameras()[0], StillView({})), std::invalid_argument);
-  EXPECT_THROW(renderer.Render(CameraModel(), BusyView({})), std::invalid_argument);
+  EXPECT_THROW(renderer.Render(TestCameras()[0], StillView({})), InternalError);
+  EXPECT_THROW(renderer.Render(CameraModel(), BusyView({})), InternalError);
 }
 
 TEST(RenderOptions, ChecksItsFields) {

@@ -2,9 +2,10 @@
 #include "turnscale/rendering/surface.h"
 
 #include <algorithm>
-#include <stdexcept>
 
 #include <Eigen/Geometry>
+
+#include "turnscale/base/error.h"
 
 namespace turnscale {
 
@@ -43,7 +44,7 @@ std::vector<TriangleLook> MakeLooks(const Mesh& mesh) {
 void CheckMesh(const Mesh& mesh, int materials) {
   const auto refuse = [](int index, size_t count, const char* what) {
     if (index < 0 || static_cast<size_t>(index) >= count)
-      throw std::invalid_argument(std::string("a triangle has no such ") + what);
+      throw InternalError(std::string("a triangle has no such ") + what);
   };
   for (const Triangle& triangle : mesh.triangles) {
     for (const int vertex : triangle.vertices) refuse(vertex, mesh.vertices.size(), "vertex");
@@ -51,7 +52,7 @@ void CheckMesh(const Mesh& mesh, int materials) {
     refuse(triangle.frame, mesh.frames.size(), "texture frame");
   }
   if (!mesh.light.empty() && mesh.light.size() != mesh.vertices.size())
-    throw std::invalid_argument("a mesh has light for some of its vertices only");
+    throw InternalError("a mesh has light for some of its vertices only");
 }
 
 }  // namespace turnscale

@@ -27,7 +27,7 @@ std::vector<TriangleLook> MakeLooks(const Mesh& mesh);
 /// Unit normal of a triangle, outwards.
 Eigen::Vector3f NormalOf(const Mesh& mesh, const Triangle& triangle);
 
-/// Throws std::invalid_argument where a triangle refers to something that is not there.
+/// Throws InternalError where a triangle refers to something that is not there.
 void CheckMesh(const Mesh& mesh, int materials);
 
 }  // namespace turnscale

@@ -6,8 +6,9 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
-#include <stdexcept>
 #include <utility>
+
+#include "turnscale/base/error.h"
 
 namespace turnscale {
 namespace {
@@ -81,12 +82,12 @@ inline Float4 SumSamples(const float* level, int shift, Phase at, const Phase& s
 Texture::Texture(const cv::Mat& pattern, double size) : size_(size) {
   if (pattern.type() != CV_32F || pattern.rows != pattern.cols || pattern.rows < 1 ||
       !std::has_single_bit(static_cast<unsigned>(pattern.rows)))
-    throw std::invalid_argument("a texture's pattern must be CV_32F and square, its side a power of two");
-  if (!(size > 0)) throw std::invalid_argument("a texture's size must be above 0");
+    throw InternalError("a texture's pattern is CV_32F and square, its side a power of two");
+  if (!(size > 0)) throw InternalError("a texture's size is above 0");
   double least = 0;
   double most = 0;
   cv::minMaxLoc(pattern, &least, &most);
-  if (!(least >= 0 && most < 1e6)) throw std::invalid_argument("a texture's pattern must not be negative");
+  if (!(least >= 0 && most < 1e6)) throw InternalError("a texture's pattern is not negative");
   per_metre_ = static_cast<float>(1 / size);
   pixels_per_metre_ = static_cast<float>(pattern.rows / size);
   std::vector<Level> levels;

@@ -13,7 +13,7 @@ namespace turnscale {
 class Texture {
  public:
   /// `pattern`: CV_32F, square, side a power of two, reflectance 0...1. It covers `size` x `size` metres.
-  /// Throws std::invalid_argument for another shape.
+  /// Throws InternalError for another shape.
   Texture(const cv::Mat& pattern, double size);
 
   /// Mean over the ellipse around `at` with half axes `major` and `minor` (metres; `minor` is a length, perpendicular

@@ -2,10 +2,10 @@
 #include "turnscale/rendering/texture.h"
 
 #include <cmath>
-#include <stdexcept>
 
 #include <gtest/gtest.h>
 
+#include "turnscale/base/error.h"
 #include "turnscale/base/random.h"
 #include "turnscale/rendering/pattern.h"
 
@@ -137,11 +137,11 @@ TEST(Texture, AveragesOverTheEllipse) {
 }
 
 TEST(Texture, RefusesOtherShapes) {
-  EXPECT_THROW(Texture(cv::Mat(16, 16, CV_8U, cv::Scalar(1)), 1), std::invalid_argument);
-  EXPECT_THROW(Texture(cv::Mat(16, 8, CV_32F, cv::Scalar(1)), 1), std::invalid_argument);
-  EXPECT_THROW(Texture(cv::Mat(12, 12, CV_32F, cv::Scalar(1)), 1), std::invalid_argument);
-  EXPECT_THROW(Texture(cv::Mat(16, 16, CV_32F, cv::Scalar(-1)), 1), std::invalid_argument);
-  EXPECT_THROW(Texture(cv::Mat(16, 16, CV_32F, cv::Scalar(1)), 0), std::invalid_argument);
+  EXPECT_THROW(Texture(cv::Mat(16, 16, CV_8U, cv::Scalar(1)), 1), InternalError);
+  EXPECT_THROW(Texture(cv::Mat(16, 8, CV_32F, cv::Scalar(1)), 1), InternalError);
+  EXPECT_THROW(Texture(cv::Mat(12, 12, CV_32F, cv::Scalar(1)), 1), InternalError);
+  EXPECT_THROW(Texture(cv::Mat(16, 16, CV_32F, cv::Scalar(-1)), 1), InternalError);
+  EXPECT_THROW(Texture(cv::Mat(16, 16, CV_32F, cv::Scalar(1)), 0), InternalError);
 }
 
 }  // namespace

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
 
+#include "turnscale/base/error.h"
 #include "turnscale/base/random.h"
 #include "turnscale/rendering/pattern.h"
 #include "turnscale/rendering/pattern_drawing.h"
@@ -69,8 +69,7 @@ float WindowPixel(const Window& window, std::uint64_t house, const Cell& column,
 
 cv::Mat BrickPattern(const PatternOptions& options, int rows) {
   CheckSide(options);
-  if (rows < 1 || rows > options.side / 4)
-    throw std::invalid_argument("a pattern has no room for so many rows of bricks");
+  if (rows < 1 || rows > options.side / 4) throw InternalError("a pattern has no room for so many rows of bricks");
   const std::uint64_t seed = Hash(options.seed);
   const int columns = std::max(1, static_cast<int>(std::lround(static_cast<float>(rows) / kBrickLength)));
   const cv::Mat fine = Clouds(options.side, Hash(seed + 1), 0.9);
@@ -106,7 +105,7 @@ cv::Mat BrickPattern(const PatternOptions& options, int rows) {
 cv::Mat FacadePattern(const PatternOptions& options, int floors, int columns) {
   CheckSide(options);
   if (floors < 1 || columns < 1 || std::max(floors, columns) > options.side / 16)
-    throw std::invalid_argument("a pattern has no room for so many windows");
+    throw InternalError("a pattern has no room for so many windows");
   const std::uint64_t house = Hash(options.seed);
   Window window;
   window.left += 0.06F * (HashUniform(house, 11) - 0.5F);

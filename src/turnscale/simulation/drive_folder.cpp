@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "turnscale/base/error.h"
+#include "turnscale/io/output_file.h"
 
 namespace turnscale {
 namespace {
@@ -49,14 +50,16 @@ void RefuseForeign(const fs::path& folder) {
 }
 
 bool IsImageOfDrive(const fs::path& path) {
-  const std::string number = path.stem().string();
-  return path.extension() == ".png" &&
+  // A recording that was killed leaves a part of one.
+  const fs::path image = path.extension() == PartOf("").string() ? path.stem() : path;
+  const std::string number = image.stem().string();
+  return image.extension() == ".png" &&
          std::all_of(number.begin(), number.end(), [](char c) { return c >= '0' && c <= '9'; });
 }
 
 void RemoveDrive(const fs::path& folder) {
   for (const char* name : kFiles) {
-    if (fs::is_regular_file(folder / name)) fs::remove(folder / name);
+    RemoveOldFile(folder / name);
   }
   for (const auto& entry : fs::directory_iterator(folder / kImages)) {
     if (IsImageOfDrive(entry.path())) fs::remove(entry.path());

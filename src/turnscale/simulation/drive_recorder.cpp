@@ -57,9 +57,8 @@ void WriteImage(const fs::path& path, const cv::Mat& image) {
   if (!cv::imencode(".png", image, bytes, {cv::IMWRITE_PNG_COMPRESSION, kPngLevel})) {
     throw OutputError(path.string() + ": the image cannot be encoded as PNG");
   }
-  OutputFile file(path);
-  file.Write({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
-  file.Close();
+  // Not for each of thousands does the disk have to be waited for.
+  ReplaceFile(path, {reinterpret_cast<const char*>(bytes.data()), bytes.size()}, Durability::kProcess);
 }
 
 void Summarize(const std::vector<DriveFrame>& frames, Recording& recording) {

@@ -233,8 +233,11 @@ TEST_F(DriveRecorderTest, DistortedLensHasNoCalibTxt) {
 TEST_F(DriveRecorderTest, InterruptedDriveIsToldByItsMissingTimes) {
   const Rig rig = SmallRig(64, 48);
   Record(rig, 5);
+  const std::string parts[] = {"image_0/000007.png.part", "poses.txt.part"};
+  for (const std::string& part : parts) std::ofstream(folder_ / part) << "of a recording that was killed";
   const Recording recording =
       RecordDrive(MakeTestWorld(1), rig, 3, {folder_, 5, 2}, [](int done, int /*frames*/) { return done < 2; });
+  for (const std::string& part : parts) EXPECT_FALSE(fs::exists(folder_ / part)) << part;
   EXPECT_FALSE(recording.complete);
   EXPECT_EQ(recording.frames, 2);
   EXPECT_THROW(FindDrive(folder_), InputError) << "a run of half a drive would pass for one of the whole";

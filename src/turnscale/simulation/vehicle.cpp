@@ -160,11 +160,11 @@ class Driver {
 };
 
 void CheckLegs(const std::vector<RouteLeg>& legs) {
-  if (legs.empty()) throw InputError("legs: there has to be one at least");
+  Ensure(!legs.empty(), "a drive has a leg at least");
   for (std::size_t i = 0; i < legs.size(); ++i) {
     legs[i].Check();
-    if (i > 0 && (legs[i].points.front() - legs[i - 1].points.back()).norm() > kMaxLegGap)
-      throw InputError("legs: number " + std::to_string(i) + " does not start where the one before ends");
+    Ensure(i == 0 || (legs[i].points.front() - legs[i - 1].points.back()).norm() <= kMaxLegGap,
+           "a leg starts where the one before ends");
   }
 }
 

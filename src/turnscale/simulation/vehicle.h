@@ -53,7 +53,7 @@ struct VehicleState {
 /// A drive, densely in time.
 class VehicleMotion {
  public:
-  /// `states` are `interval` seconds apart, from time 0. Throws InputError when there are none.
+  /// `states` are `interval` seconds apart, from time 0. Throws InternalError when there are none.
   VehicleMotion(std::vector<VehicleState> states, double interval);
 
   /// State at a time within [0, duration()], interpolated between the simulated moments, which are so dense that this
@@ -74,8 +74,8 @@ class VehicleMotion {
 /// the track (1.5 m) tilts the body, as accelerations do, and its unevenness, which `seed` draws and which grows with
 /// speed; the path is the same for all seeds.
 ///
-/// Throws InputError when an option or a leg makes no sense, a leg does not start where the previous one ends, or one
-/// bends more sharply than the car can follow.
+/// Throws InputError when an option or a leg makes no sense, or one bends more sharply than the car can follow, and
+/// InternalError when a leg does not start where the previous one ends.
 VehicleMotion Drive(const CarOptions& options, const std::vector<RouteLeg>& legs, const RoadHeight& road,
                     double axle_height, unsigned seed);
 

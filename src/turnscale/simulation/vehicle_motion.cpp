@@ -10,8 +10,8 @@ namespace turnscale {
 
 VehicleMotion::VehicleMotion(std::vector<VehicleState> states, double interval)
     : states_(std::move(states)), interval_(interval) {
-  if (states_.empty()) throw InputError("states: must not be empty");
-  if (!(interval > 0)) throw InputError("interval: has to be positive");
+  Ensure(!states_.empty(), "a motion has states");
+  Ensure(interval > 0, "states of a motion are some time apart");
 }
 
 double VehicleMotion::duration() const { return static_cast<double>(states_.size() - 1) * interval_; }

@@ -149,12 +149,12 @@ TEST(Vehicle, SameSeedSameBitsOtherSeedOtherUnevenness) {
 }
 
 TEST(Vehicle, RefusesLegsThatCannotBeDriven) {
-  EXPECT_THROW(DriveFlat({}, {}), InputError);
+  EXPECT_THROW(DriveFlat({}, {}), InternalError);
   EXPECT_THROW(DriveFlat({}, {RouteLeg{}}), InputError);
-  EXPECT_THROW(DriveFlat({}, {Straight(10, 5), Straight(10, 5)}), InputError) << "the second starts elsewhere";
+  EXPECT_THROW(DriveFlat({}, {Straight(10, 5), Straight(10, 5)}), InternalError) << "the second starts elsewhere";
   EXPECT_THROW(DriveFlat({}, {Circle(1, 2, 1)}), InputError) << "too tight";
-  EXPECT_THROW(VehicleMotion({}, 0.002), InputError);
-  EXPECT_THROW(VehicleMotion({VehicleState{}}, 0), InputError);
+  EXPECT_THROW(VehicleMotion({}, 0.002), InternalError);
+  EXPECT_THROW(VehicleMotion({VehicleState{}}, 0), InternalError);
 }
 
 TEST(Vehicle, ComplaintsAboutLegsSayWhere) {

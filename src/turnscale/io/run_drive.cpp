@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/io/run_drive.h"
+
+#include <algorithm>
+#include <string>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "turnscale/base/attempts.h"
+#include "turnscale/geometry/rotation.h"
+#include "turnscale/io/message.h"
+#include "turnscale/io/settings.h"
+
+namespace turnscale {
+namespace {
+
+// What the odometry says of the drive so far.
+struct RunResults {
+  std::vector<FrameResult> frames;
+  RefinedScale scale;
+  MapPoints map;
+  ScaleState scale_state = ScaleState::kPending;
+};
+
+RunResults ResultsOf(const Odometry& odometry) {
+  return {odometry.RefinedFrames(), odometry.Refined(), odometry.RefinedMap(), odometry.scale_state()};
+}
+
+// Some containers only estimate how many frames they hold; a sound video may have a few less.
+bool EndsTooEarly(int frames, int promised) {
+  constexpr int kFewFrames = 2;
+  const int missing = promised - frames;
+  return missing > kFewFrames && missing > promised / 100;
+}
+
+class Run {
+ public:
+  Run(const DriveToRun& drive, Odometry& odometry, Progress& progress)
+      : drive_(drive), odometry_(odometry), progress_(progress), frame_(drive.next()), writer_(drive.output) {
+    end_.summary = drive.summary;
+    writer_.WriteText("settings.yaml", SettingsText(odometry.options()));
+  }
+
+  RunEnd Go() {
+    if (!attempts_.Try([&] { Drive(); })) end_.summary.stopped = FailureOf(attempts_.failures().front()).message;
+    progress_.Finish();
+    attempts_.Try([&] { writer_.EndLive(); });
+    Conclude();
+    attempts_.Try([&] { Summarize(); });
+    end_.failures = attempts_.failures();
+    return end_;
+  }
+
+ private:
+  void Drive() {
+    for (; frame_ && !Stops(); frame_ = drive_.next()) Process(*frame_);
+    if (frame_ || Enough()) return;
+    if (const int promised = drive_.promised(); EndsTooEarly(processed_, promised)) {
+      end_.summary.stopped = fmt::format("the video ends after {} of {} frames", processed_, promised);
+      progress_.Warn(fmt::format("{}: {}", drive_.summary.input, end_.summary.stopped));
+    }
+  }
+
+  bool Enough() const { return drive_.max_frames && processed_ >= *drive_.max_frames; }
+
+  bool Stops() {
+    end_.interrupted = drive_.interrupted();
+    if (end_.interrupted) {
+      end_.summary.stopped = fmt::format("interrupted after {} frames", processed_);
+    } else if (Enough()) {
+      end_.summary.stopped = fmt::format("--max-frames {}", *drive_.max_frames);
+    }
+    return !end_.summary.stopped.empty();
+  }
+
+  void Process(const SourceFrame& frame) {
+    FrameResult result;
+    if (frame.gray.empty()) {
+      progress_.Warn(fmt::format("frame {}: {}; skipped", frame.index, frame.problem));
+      end_.summary.unreadable.push_back({frame.index, frame.problem});
+      result = odometry_.ProcessUnreadable(frame.time);
+    } else {
+      result = odometry_.Process(frame.gray, frame.time);
+    }
+    ++processed_;
+    writer_.SetFirstCameraRotation(odometry_.mount().At(0));
+    if (writer_.Add(result, odometry_.revision(), odometry_.scale_state())) {
+      writer_.Rewrite(odometry_.RefinedFrames(), odometry_.scale_state());
+    }
+    if (const int moves = odometry_.mount().moves(); moves > moves_) {
+      moves_ = moves;
+      progress_.Warn(fmt::format(
+          "frame {}: the camera was moved since the last turn; re-estimating the camera-to-vehicle rotation",
+          frame.index));
+    }
+    progress_.Update(processed_, fmt::format("{} keyframes, scale {}", odometry_.map().keyframes.size(),
+                                             ScaleStateName(odometry_.scale_state())));
+  }
+
+  // The final adjustment may take minutes, or fail: the results are written without it first.
+  void Conclude() {
+    if (!Keep(Durability::kProcess)) attempts_.Try([&] { writer_.WritePath(); });
+    if (!attempts_.Try([&] { odometry_.Finish(); })) return;
+    Keep(Durability::kPowerCut);
+  }
+
+  // Returns whether there were results to write.
+  bool Keep(Durability durability) {
+    RunResults results;
+    if (!attempts_.Try([&] { results = ResultsOf(odometry_); })) return false;
+    writer_.SetFirstCameraRotation(odometry_.mount().At(0));
+    attempts_.Try([&] { writer_.Rewrite(results.frames, results.scale_state, durability); });
+    attempts_.Try([&] { writer_.WriteTurns(results.scale.turns, durability); });
+    attempts_.Try([&] { writer_.WriteMap(results.map, results.scale_state, durability); });
+    results_ = std::move(results);
+    return true;
+  }
+
+  void Summarize() {
+    RunSummary& summary = end_.summary;
+    const OdometryOptions& options = odometry_.options();
+    summary.scale_state = results_.scale_state;
+    if (options.lens.enabled) summary.lens = {odometry_.lens().correction(), odometry_.lens().sigma()};
+    if (options.vehicle.calibrate_camera) {
+      const Mount& mount = odometry_.mount().current();
+      summary.mount = {YawPitchRollFromRotation(mount.vehicle_from_camera), mount.sigma, mount.found,
+                       odometry_.mount().moves()};
+    }
+    turnscale::Summarize(results_.frames, results_.scale, summary);
+    summary.frames = std::max(summary.frames, processed_);
+    for (const std::string& warning : summary.warnings) progress_.Warn(warning);
+    summary.cost = MeasureCost();
+    if (summary.stopped.empty() && !attempts_.failures().empty())
+      summary.stopped = FailureOf(attempts_.failures().front()).message;
+    writer_.WriteText("summary.json", SummaryJson(summary));
+  }
+
+  const DriveToRun& drive_;
+  Odometry& odometry_;
+  Progress& progress_;
+  std::optional<SourceFrame> frame_;
+  RunWriter writer_;
+  RunResults results_;  // the latest that could be computed
+  Attempts attempts_;
+  RunEnd end_;
+  int processed_ = 0;
+  int moves_ = 0;  // of the camera on the car, reported so far
+};
+
+}  // namespace
+
+RunEnd RunDrive(const DriveToRun& drive, Odometry& odometry, Progress& progress) {
+  return Run(drive, odometry, progress).Go();
+}
+
+}  // namespace turnscale

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <exception>
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "turnscale/io/image_source.h"
+#include "turnscale/io/progress.h"
+#include "turnscale/io/run_summary.h"
+#include "turnscale/io/run_writer.h"
+#include "turnscale/odometry/odometry.h"
+
+namespace turnscale {
+
+/// A drive that the odometry is to be run over.
+struct DriveToRun {
+  std::function<std::optional<SourceFrame>()> next;          ///< the next frame; nothing at the end
+  std::function<bool()> interrupted = [] { return false; };  ///< asked before every frame
+  std::function<int()> promised = [] { return 0; };          ///< frames of the drive; 0 where nothing tells
+  std::optional<int> max_frames = {};                        ///< where to stop early
+  RunWriterOptions output;                                   ///< where the results go
+  RunSummary summary;                                        ///< what is known of it beforehand
+};
+
+/// How a run ended.
+struct RunEnd {
+  RunSummary summary;
+  bool interrupted = false;
+  /// What ended the run before the drive did or kept a result from being computed or written, in the order of time;
+  /// empty where all went well.
+  std::vector<std::exception_ptr> failures;
+};
+
+/// Runs the odometry from the first frame to the files of the results. Whatever ends it, all that was computed is
+/// written as at a normal end, each file whether or not the others can be, and summary.json says why it is incomplete.
+/// Throws what the first frame, the folder and settings.yaml throw, as then nothing is computed yet: the folder is made
+/// when there is a first frame.
+RunEnd RunDrive(const DriveToRun& drive, Odometry& odometry, Progress& progress);
+
+}  // namespace turnscale
