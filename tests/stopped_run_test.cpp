@@ -64,7 +64,7 @@ TEST_F(StoppedRunTest, AFileThatIsTooLargeForTheDiskKeepsNoOther) {
   const auto limit = static_cast<unsigned>(second) + 100;
   ASSERT_GT(fs::file_size(Out() / "map.ply"), limit) << "the largest, else the test needs another";
   const CommandResult result = Command(Arguments({"--quiet"}), folder_, {}, limit).Wait();
-  ExpectComplaint(result, 1, {"map.ply: cannot be written: File too large; what was computed is in"});
+  ExpectComplaint(result, 1, {"map.ply: cannot be written: File too large; the results so far are in"});
   EXPECT_FALSE(fs::exists(Out() / "map.ply")) << "neither a part nor that of the run before";
   EXPECT_EQ(ReadTrajectory(Out() / "trajectory.tum").size(), static_cast<size_t>(kFrames));
   EXPECT_TRUE(fs::exists(Out() / "turns.csv"));
@@ -87,11 +87,12 @@ TEST_F(StoppedRunTest, NothingThatATerminalObeysGetsThere) {
     return (folder_ / name).string();
   };
   expect_tame({"--settings", write("s.yaml", "\"veh\\e[31micle\": 1\n")}, 2, "s.yaml:1: veh\\x1b[31micle: unknown key");
-  expect_tame({"--settings", write("s.yaml", "threads: \"\\e]0;title\\a\"\n")}, 2, "is '\\x1b]0;title\\x07'");
+  expect_tame({"--settings", write("s.yaml", "corners:\n  target: \"\\e]0;title\\a\"\n")}, 2,
+              "is '\\x1b]0;title\\x07'");
   expect_tame({"--settings", write("s.yaml", "a\x1b[2J: 1\n")}, 2, "s.yaml");
   expect_tame({"--settings", folder_ / ("no" + clear + ".yaml")}, 2, "no\\x1b[2J\\x07\\x9b\\x7f.yaml: no such file");
   expect_tame({"--timestamps", write("t.txt", "0\n" + clear + "\n")}, 2,
-              "t.txt:2: '\\x1b[2J\\x07\\x9b\\x7f' is no time");
+              "t.txt:2: '\\x1b[2J\\x07\\x9b\\x7f' is not a time");
   expect_tame({"--camera", write("c.txt", "P0: " + clear + " 0 1 0 0 1 1 0 0 0 1 0\n")}, 2, "c.txt:1: P0: '\\x1b");
   expect_tame({"--frame", clear}, 2, "--frame");
   std::ofstream(folder_ / "drive/image_0" / ("000004" + clear + ".png")) << "no image";

@@ -3,7 +3,9 @@
 
 #include <array>
 #include <bit>
+#include <cstddef>
 #include <cstdint>
+#include <string>
 
 #include <fmt/format.h>
 
@@ -13,6 +15,7 @@ namespace {
 using Colour = std::array<uint8_t, 3>;
 constexpr Colour kLandmarkColour = {200, 200, 200};
 constexpr Colour kCameraColour = {230, 40, 40};
+constexpr size_t kPiece = 1 << 20;  // bytes
 
 void AddVertex(std::string& vertices, const Eigen::Vector3d& position, const Colour& colour) {
   for (int axis = 0; axis < 3; ++axis) {
@@ -24,17 +27,31 @@ void AddVertex(std::string& vertices, const Eigen::Vector3d& position, const Col
 
 }  // namespace
 
-std::string MapText(const MapPoints& points, const RigidTransform& target_from_world) {
-  std::string vertices;
-  for (const Eigen::Vector3d& landmark : points.landmarks)
-    AddVertex(vertices, target_from_world * landmark, kLandmarkColour);
-  for (const Eigen::Vector3d& camera : points.cameras) AddVertex(vertices, target_from_world * camera, kCameraColour);
-  const std::string header = fmt::format(
-      "ply\nformat binary_little_endian 1.0\ncomment turnscale: landmarks gray, cameras red\nelement vertex {}\n"
-      "property float x\nproperty float y\nproperty float z\n"
-      "property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n",
-      points.landmarks.size() + points.cameras.size());
-  return header + vertices;
+void WriteMap(const std::filesystem::path& path, const MapPoints& points, const RigidTransform& target_from_world,
+              Durability durability) {
+  OutputFile file(path);
+  try {
+    file.Write(fmt::format(
+        "ply\nformat binary_little_endian 1.0\ncomment turnscale: landmarks gray, cameras red\nelement vertex {}\n"
+        "property float x\nproperty float y\nproperty float z\n"
+        "property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n",
+        points.landmarks.size() + points.cameras.size()));
+    // In pieces: the map of a long drive is large.
+    std::string vertices;
+    const auto write = [&](const Eigen::Vector3d& position, const Colour& colour) {
+      AddVertex(vertices, target_from_world * position, colour);
+      if (vertices.size() < kPiece) return;
+      file.Write(vertices);
+      vertices.clear();
+    };
+    for (const Eigen::Vector3f& landmark : points.landmarks) write(landmark.cast<double>(), kLandmarkColour);
+    for (const Eigen::Vector3d& camera : points.cameras) write(camera, kCameraColour);
+    file.Write(vertices);
+    file.Finish(durability);
+  } catch (...) {
+    file.Discard();
+    throw;
+  }
 }
 
 }  // namespace turnscale

@@ -85,9 +85,7 @@ class Run {
     }
     ++processed_;
     writer_.SetFirstCameraRotation(odometry_.mount().At(0));
-    if (writer_.Add(result, odometry_.revision(), odometry_.scale_state())) {
-      writer_.Rewrite(odometry_.RefinedFrames(), odometry_.scale_state());
-    }
+    writer_.Add(result);
     if (const int moves = odometry_.mount().moves(); moves > moves_) {
       moves_ = moves;
       progress_.Warn(fmt::format(
@@ -100,21 +98,20 @@ class Run {
 
   // The final adjustment may take minutes, or fail: the results are written without it first.
   void Conclude() {
-    if (!Keep(Durability::kProcess)) attempts_.Try([&] { writer_.WritePath(); });
+    Keep(Durability::kProcess);
     if (!attempts_.Try([&] { odometry_.Finish(); })) return;
     Keep(Durability::kPowerCut);
   }
 
-  // Returns whether there were results to write.
-  bool Keep(Durability durability) {
+  // Writes the results, as far as there are any.
+  void Keep(Durability durability) {
     RunResults results;
-    if (!attempts_.Try([&] { results = ResultsOf(odometry_); })) return false;
+    if (!attempts_.Try([&] { results = ResultsOf(odometry_); })) return;
     writer_.SetFirstCameraRotation(odometry_.mount().At(0));
-    attempts_.Try([&] { writer_.Rewrite(results.frames, results.scale_state, durability); });
+    attempts_.Try([&] { writer_.WriteTrajectory(results.frames, results.scale_state, durability); });
     attempts_.Try([&] { writer_.WriteTurns(results.scale.turns, durability); });
     attempts_.Try([&] { writer_.WriteMap(results.map, results.scale_state, durability); });
     results_ = std::move(results);
-    return true;
   }
 
   void Summarize() {

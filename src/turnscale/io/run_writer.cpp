@@ -43,49 +43,33 @@ RunWriter::RunWriter(const RunWriterOptions& options) : options_(options) {
   // The summary first: it says that the others are of one run.
   for (const char* name : {kSummary, kSettings, kTurns, kMap, kTum, kKitti, kTable, kLive}) RemoveOldFile(PathOf(name));
   live_.emplace(PathOf(kLive));
-  texts_.table = FrameTableHeader();
 }
 
-bool RunWriter::Add(const FrameResult& live, int revision, ScaleState scale_state) {
-  if (live.world_from_camera) {
-    live_->Write(TumLine({live.time, Shown(live, live.scale_state)}));
-  }
-  latest_revision_ = revision;
-  if (scale_state != scale_state_) return true;
-  const int due = std::max(1, written_ / 50);
-  if (revision != revision_) return live.frame + 1 - written_ >= due;
-  if (live.world_from_camera && live.frame == posed_) Append(live);
-  if (posed_ - written_ >= due) WritePath(Durability::kProcess);
-  return false;
-}
-
-void RunWriter::Rewrite(const std::vector<FrameResult>& refined, ScaleState scale_state, Durability durability) {
-  texts_ = {"", "", FrameTableHeader()};
-  posed_ = 0;
-  for (const FrameResult& frame : refined) {
-    std::optional<RigidTransform> pose;
-    if (frame.world_from_camera) {
-      pose = Shown(frame, scale_state);
-      texts_.tum += TumLine({frame.time, *pose});
-      texts_.kitti += KittiLine(*pose);
-      ++posed_;
-    }
-    texts_.table += FrameTableLine(frame, pose);
-  }
-  revision_ = latest_revision_;
-  scale_state_ = scale_state;
-  WritePath(durability);
+void RunWriter::Add(const FrameResult& live) {
+  if (live.world_from_camera) live_->Write(TumLine({live.time, Shown(live, live.scale_state)}));
 }
 
 void RunWriter::EndLive() { live_->Finish(); }
 
-void RunWriter::WritePath(Durability durability) {
+void RunWriter::WriteTrajectory(const std::vector<FrameResult>& refined, ScaleState scale_state,
+                                Durability durability) {
+  std::string tum;
+  std::string kitti;
+  std::string table = FrameTableHeader();
+  for (const FrameResult& frame : refined) {
+    std::optional<RigidTransform> pose;
+    if (frame.world_from_camera) {
+      pose = Shown(frame, scale_state);
+      tum += TumLine({frame.time, *pose});
+      kitti += KittiLine(*pose);
+    }
+    table += FrameTableLine(frame, pose);
+  }
   Attempts attempts;
-  attempts.Try([&] { WriteText(kTum, texts_.tum, durability); });
-  attempts.Try([&] { WriteText(kKitti, texts_.kitti, durability); });
-  attempts.Try([&] { WriteText(kTable, texts_.table, durability); });
+  attempts.Try([&] { WriteText(kTum, tum, durability); });
+  attempts.Try([&] { WriteText(kKitti, kitti, durability); });
+  attempts.Try([&] { WriteText(kTable, table, durability); });
   attempts.RethrowFirst();
-  written_ = posed_;
 }
 
 void RunWriter::WriteText(const std::string& name, const std::string& text, Durability durability) {
@@ -105,7 +89,11 @@ void RunWriter::WriteMap(const MapPoints& points, ScaleState scale_state, Durabi
   const bool of_camera = options_.frame == PoseFrame::kCamera;
   const RigidTransform shown_from_world =
       of_camera ? RigidTransform{} : VehicleFromCamera(options_.vehicle.vehicle_from_camera, scale_state);
-  WriteText(kMap, MapText(points, shown_from_world), durability);
+  try {
+    turnscale::WriteMap(PathOf(kMap), points, shown_from_world, durability);
+  } catch (const InputError& error) {
+    throw OutputError(error.what());
+  }
 }
 
 RigidTransform RunWriter::Shown(const FrameResult& frame, ScaleState scale_state) const {
@@ -117,14 +105,6 @@ RigidTransform RunWriter::Shown(const FrameResult& frame, ScaleState scale_state
 RigidTransform RunWriter::VehicleFromCamera(const Eigen::Quaterniond& rotation, ScaleState scale_state) const {
   const double ahead = scale_state == ScaleState::kPending ? 0.0 : options_.vehicle.lever_arm.value_or(0.0);
   return {rotation, {0, 0, ahead}};
-}
-
-void RunWriter::Append(const FrameResult& frame) {
-  const RigidTransform pose = Shown(frame, scale_state_);
-  texts_.tum += TumLine({frame.time, pose});
-  texts_.kitti += KittiLine(pose);
-  texts_.table += FrameTableLine(frame, pose);
-  ++posed_;
 }
 
 }  // namespace turnscale

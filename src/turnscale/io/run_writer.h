@@ -28,28 +28,22 @@ struct RunWriterOptions {
   VehicleOptions vehicle = {};
 };
 
-/// Writes the results of a run to disk from its first frame on; each file is complete at every moment: trajectory.tum,
-/// trajectory.kitti.txt and trajectory.csv are replaced by later states of the refined trajectory, which lags behind by
-/// at most a fiftieth of the drive; live.tum.part grows by one line per frame and becomes live.tum at the end. Every
-/// function throws OutputError if the system refuses to write, after trying the other files.
+/// Writes the results of a run to its folder: live.tum.part grows by one line per frame and becomes live.tum at the
+/// end; all other files are written as a whole. Every function throws OutputError if the system refuses to write, after
+/// trying the other files.
 class RunWriter {
  public:
   /// Makes the folder and begins the files anew; results of an earlier run in it are taken away. Throws InputError
   /// where the folder or a file cannot be made.
   explicit RunWriter(const RunWriterOptions& options);
 
-  /// Writes the result of the newest frame. Returns whether Rewrite is due: when poses already written have
-  /// changed (`revision`), at once where the scale's state changed, else as soon as a fiftieth of the drive is new,
-  /// which keeps the work of rewriting in proportion to the drive.
-  [[nodiscard]] bool Add(const FrameResult& live, int revision, ScaleState scale_state);
+  /// Writes the result of the newest frame to live.tum.part.
+  void Add(const FrameResult& live);
 
-  /// Writes the whole refined trajectory. Frames are left out of the trajectory files only while there is no map at
-  /// all; the table has every frame.
-  void Rewrite(const std::vector<FrameResult>& refined, ScaleState scale_state,
-               Durability durability = Durability::kProcess);
-
-  /// Writes the path as the last Rewrite had it, with the frames that Add has put to it since. For want of a better.
-  void WritePath(Durability durability = Durability::kPowerCut);
+  /// Writes the refined trajectory. Frames are left out of the trajectory files only while there is no map at all; the
+  /// table has every frame.
+  void WriteTrajectory(const std::vector<FrameResult>& refined, ScaleState scale_state,
+                       Durability durability = Durability::kPowerCut);
 
   /// No frame comes any more: live.tum gets its name.
   void EndLive();
@@ -68,24 +62,11 @@ class RunWriter {
   RigidTransform Shown(const FrameResult& frame, ScaleState scale_state) const;
 
  private:
-  // The path as its files will have it.
-  struct Texts {
-    std::string tum;
-    std::string kitti;
-    std::string table;
-  };
   std::filesystem::path PathOf(const std::string& name) const { return options_.folder / name; }
   RigidTransform VehicleFromCamera(const Eigen::Quaterniond& rotation, ScaleState scale_state) const;
-  void Append(const FrameResult& frame);
 
   RunWriterOptions options_;
   std::optional<OutputFile> live_;
-  Texts texts_;
-  int posed_ = 0;    // frames in the texts
-  int written_ = 0;  // frames in the trajectory files
-  int revision_ = 0;
-  int latest_revision_ = 0;
-  ScaleState scale_state_ = ScaleState::kPending;
 };
 
 }  // namespace turnscale

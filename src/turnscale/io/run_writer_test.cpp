@@ -53,43 +53,24 @@ class RunWriterTest : public ::testing::Test {
   fs::path folder_;
 };
 
-TEST_F(RunWriterTest, AppendsWhileNothingChangesAndRewritesWhenItDoes) {
+TEST_F(RunWriterTest, LiveGrowsAndTheTrajectoryIsWrittenAsAWhole) {
   RunWriter writer({folder_ / "deep"});
   folder_ /= "deep";
-  EXPECT_FALSE(fs::exists(folder_ / "trajectory.tum"));
-  for (int i = 0; i < 3; ++i) EXPECT_FALSE(writer.Add(Frame(i, 1, false), 0, ScaleState::kPending));
+  for (int i = 0; i < 3; ++i) writer.Add(Frame(i, 1, false));
   EXPECT_EQ(TextOf(folder_ / "live.tum.part"), "") << "no pose yet";
+  for (int i = 3; i < 5; ++i) writer.Add(Frame(i));
+  EXPECT_EQ(ReadTrajectory(folder_ / "live.tum.part").size(), 2u) << "on disk at once";
+  EXPECT_FALSE(fs::exists(folder_ / "trajectory.tum"));
 
-  EXPECT_TRUE(writer.Add(Frame(3), 1, ScaleState::kPending)) << "the map began: earlier frames have poses now";
-  writer.Rewrite(Frames(4, 1), ScaleState::kPending);
-  EXPECT_EQ(Tum().size(), 4u);
-  EXPECT_FALSE(writer.Add(Frame(4), 1, ScaleState::kPending));
-  EXPECT_EQ(Tum().size(), 5u) << "on disk at once";
-  EXPECT_EQ(ReadTrajectory(folder_ / "trajectory.kitti.txt").size(), 5u);
-  EXPECT_EQ(ReadTrajectory(folder_ / "live.tum.part").size(), 2u);
-
-  EXPECT_TRUE(writer.Add(Frame(5, 3), 2, ScaleState::kObserved)) << "the metre is known now";
-  writer.Rewrite(Frames(6, 3), ScaleState::kObserved);
+  writer.WriteTrajectory(Frames(6, 3), ScaleState::kObserved);
   const Trajectory refined = Tum();
   ASSERT_EQ(refined.size(), 6u);
   EXPECT_NEAR(refined[2].world_from_camera.translation.z(), 6, 1e-9);
+  EXPECT_EQ(ReadTrajectory(folder_ / "trajectory.kitti.txt").size(), 6u);
   EXPECT_FALSE(fs::exists(folder_ / "live.tum")) << "still grows";
   writer.EndLive();
   EXPECT_NEAR(ReadTrajectory(folder_ / "live.tum")[0].world_from_camera.translation.z(), 3, 1e-9) << "causal";
   for (const auto& entry : fs::directory_iterator(folder_)) EXPECT_NE(entry.path().extension(), ".part");
-}
-
-TEST_F(RunWriterTest, LongDrivesAreRewrittenInProportion) {
-  RunWriter writer({folder_});
-  int rewrites = 0;
-  for (int i = 0; i < 600; ++i) {
-    if (!writer.Add(Frame(i), i + 1, ScaleState::kPending)) continue;
-    writer.Rewrite(Frames(i + 1, 1), ScaleState::kPending);
-    ++rewrites;
-    ASSERT_EQ(Tum().size(), static_cast<size_t>(i + 1));
-  }
-  EXPECT_LT(rewrites, 220);
-  EXPECT_GT(Tum().size(), 585u);
 }
 
 TEST_F(RunWriterTest, VehiclePosesFollowTheRearAxle) {
@@ -142,7 +123,7 @@ TEST_F(RunWriterTest, FullDiskIsNoticedAtTheFirstFrame) {
   fs::create_directories(folder_);
   fs::create_symlink("/dev/full", folder_ / "live.tum");
   RunWriter writer({folder_});
-  EXPECT_THROW((void)writer.Add(Frame(0), 0, ScaleState::kPending), OutputError);
+  EXPECT_THROW(writer.Add(Frame(0)), OutputError);
 }
 
 TEST_F(RunWriterTest, FullDiskIsNoticedInEveryFile) {
@@ -153,7 +134,7 @@ TEST_F(RunWriterTest, FullDiskIsNoticedInEveryFile) {
     fs::create_symlink("/dev/full", folder_ / name);
     const auto write_all = [&] {
       RunWriter writer({folder_});
-      writer.Rewrite(Frames(2, 1), ScaleState::kPending);
+      writer.WriteTrajectory(Frames(2, 1), ScaleState::kPending);
       writer.WriteTurns({});
       writer.WriteMap({}, ScaleState::kPending);
       writer.WriteText("any.txt", "text");
@@ -166,7 +147,7 @@ TEST_F(RunWriterTest, OneFileThatCannotBeWrittenKeepsNoOther) {
   fs::create_directories(folder_);
   fs::create_symlink("/dev/full", folder_ / "trajectory.tum");
   RunWriter writer({folder_});
-  EXPECT_THROW(writer.Rewrite(Frames(3, 1), ScaleState::kPending), OutputError);
+  EXPECT_THROW(writer.WriteTrajectory(Frames(3, 1), ScaleState::kPending), OutputError);
   EXPECT_EQ(ReadTrajectory(folder_ / "trajectory.kitti.txt").size(), 3u);
   EXPECT_FALSE(TextOf(folder_ / "trajectory.csv").empty());
 }
@@ -174,7 +155,7 @@ TEST_F(RunWriterTest, OneFileThatCannotBeWrittenKeepsNoOther) {
 TEST_F(RunWriterTest, AFolderThatVanishesIsNoFaultOfTheUsers) {
   RunWriter writer({folder_});
   fs::remove_all(folder_);
-  EXPECT_THROW(writer.Rewrite(Frames(2, 1), ScaleState::kPending), OutputError);
+  EXPECT_THROW(writer.WriteTrajectory(Frames(2, 1), ScaleState::kPending), OutputError);
   EXPECT_THROW(writer.EndLive(), OutputError);
 }
 

@@ -22,7 +22,7 @@ struct MetricPath {
 
 /// Points of a map for a picture, in metres or the map's unit.
 struct MapPoints {
-  std::vector<Eigen::Vector3d> landmarks;
+  std::vector<Eigen::Vector3f> landmarks;  ///< single precision: there may be millions
   std::vector<Eigen::Vector3d> cameras;
 };
 

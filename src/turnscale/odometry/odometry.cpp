@@ -179,7 +179,6 @@ void Odometry::StartMap(const InitialMap& start) {
   landmarks_in_keyframe_ = static_cast<int>(std::ranges::count(start.has_point, 1));
   scale_.Add(map_);
   LocateWaitingFrames(start, first_landmark, keyframe);
-  ++revision_;
 }
 
 UnitGuess Odometry::UnitAfterGap(const InitialMap& start) const {
@@ -440,7 +439,6 @@ void Odometry::Settle() {
             last_from_keyframe);
   const int last = keyframes - options_.turn_bundle.window - options_.turn_bundle.anchors;
   scale_.Reread(map_, first, last);
-  ++revision_;
   if (last - archive_.end() >= kArchivedTogether) Archive(last);
 }
 
@@ -459,7 +457,6 @@ void Odometry::AdjustWholeDrive() {
   AdjustSections(options_.final_bundle, camera_.radial_correction, archive_, map_);
   FollowMap(0, KeyframeFactors(before, KeyframeCentres(map_), 0, std::vector(before.size(), 1.0)), last_from_keyframe);
   scale_.Reread(map_);
-  ++revision_;
 }
 
 void Odometry::HoldTurnsOfDrive() {
@@ -563,6 +560,7 @@ MapPoints Odometry::RefinedMap() const {
   const MetricPath path = Refined().path;
   MapPoints points;
   points.cameras = path.centres;
+  points.landmarks.reserve(archive_.landmarks());
   std::vector<char> done(archive_.landmarks(), 0);
   const auto add = [&](const Map& map, int first_keyframe) {
     const std::vector<Eigen::Vector3d> centres = KeyframeCentres(map);
@@ -570,7 +568,7 @@ MapPoints Odometry::RefinedMap() const {
       if (!landmark.valid || landmark.observations.empty()) continue;
       if (landmark.archived_as >= 0 && std::exchange(done[landmark.archived_as], 1) != 0) continue;
       const int keyframe = first_keyframe + ClosestObserver(landmark, centres);
-      points.landmarks.push_back(path.InMetres(map_, keyframe, landmark.position));
+      points.landmarks.push_back(path.InMetres(map_, keyframe, landmark.position).cast<float>());
     }
   };
   // From the end: of a landmark's places in several blocks the latest counts.

@@ -64,10 +64,6 @@ class Odometry {
   /// The map's valid landmarks and its keyframes' cameras, in metres if the scale is known.
   MapPoints RefinedMap() const;
 
-  /// Increases whenever the refined poses of the whole drive change: a map is initialised, a turn ends. Otherwise a
-  /// keyframe changes only the latest few poses slightly.
-  int revision() const { return revision_; }
-
   /// The options in effect: those given, without those that the lens model does not support.
   const OdometryOptions& options() const { return options_; }
   const Map& map() const { return map_; }
@@ -142,7 +138,6 @@ class Odometry {
   int lost_frames_ = 0;                    ///< consecutive, up to now
   double last_time_ = -std::numeric_limits<double>::infinity();
   int frames_ = 0;
-  int revision_ = 0;
 };
 
 }  // namespace turnscale
