@@ -66,7 +66,7 @@ Command::~Command() {
 }
 
 bool Command::WaitForError(const std::string& text) const {
-  for (int i = 0; i < 6000; ++i) {
+  for (int i = 0; i < 18000; ++i) {
     if (TextOf(err_).find(text) != std::string::npos) return true;
     siginfo_t state = {};
     if (waitid(P_PID, static_cast<id_t>(process_), &state, WEXITED | WNOHANG | WNOWAIT) != 0 || state.si_pid != 0)

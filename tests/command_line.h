@@ -31,7 +31,7 @@ class Command {
   Command& operator=(const Command&) = delete;
   ~Command();
 
-  /// Waits until standard error holds the text; false where the run ends, or a minute passes, without it.
+  /// Waits until standard error holds the text; false where the run ends, or minutes pass, without it.
   bool WaitForError(const std::string& text) const;
   void Signal(int signal) const;
   CommandResult Wait();

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <source_location>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -28,26 +27,36 @@ class NumericalError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// A place in the source. As a default argument, `Here` is where the function is called. (Clang 14 has no
+/// std::source_location.)
+struct SourcePlace {
+  const char* file;
+  int line;
+
+  static constexpr SourcePlace Here(const char* file = __builtin_FILE(), int line = __builtin_LINE()) {
+    return {file, line};
+  }
+
+  /// "module/file.cpp:12": where the sources lie on the machine that compiled them is nobody's business.
+  std::string Text() const {
+    std::string_view name = file;
+    const size_t base = name.rfind('/');
+    const size_t folder = base == std::string_view::npos || base == 0 ? base : name.rfind('/', base - 1);
+    if (folder != std::string_view::npos) name.remove_prefix(folder + 1);
+    return std::string(name) + ":" + std::to_string(line);
+  }
+};
+
 /// Something that always holds does not: a mistake of ours, or of code that calls the library. The message says what
 /// and where in the source. Nobody catches it but to save results; the command line exits with code 1.
 class InternalError : public std::logic_error {
  public:
-  explicit InternalError(std::string_view what, std::source_location where = std::source_location::current())
-      : std::logic_error(std::string(what) + " at " + Place(where)) {}
-
- private:
-  // "module/file.cpp:12": where the sources lie on the machine that compiled them is nobody's business.
-  static std::string Place(const std::source_location& where) {
-    std::string_view file = where.file_name();
-    const size_t name = file.rfind('/');
-    const size_t folder = name == std::string_view::npos || name == 0 ? name : file.rfind('/', name - 1);
-    if (folder != std::string_view::npos) file.remove_prefix(folder + 1);
-    return std::string(file) + ":" + std::to_string(where.line());
-  }
+  explicit InternalError(std::string_view what, SourcePlace where = SourcePlace::Here())
+      : std::logic_error(std::string(what) + " at " + where.Text()) {}
 };
 
 /// Throws InternalError, with the place of the call, unless the condition holds. `broken` says what is wrong.
-inline void Ensure(bool holds, std::string_view broken, std::source_location where = std::source_location::current()) {
+inline void Ensure(bool holds, std::string_view broken, SourcePlace where = SourcePlace::Here()) {
   if (!holds) throw InternalError(broken, where);
 }
 

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <source_location>
 #include <string>
 #include <utility>
 
@@ -14,7 +13,7 @@ namespace turnscale {
 namespace {
 
 // Whoever makes a problem answers for its indices and sizes.
-void Require(bool fine, const std::string& what, std::source_location where = std::source_location::current()) {
+void Require(bool fine, const std::string& what, SourcePlace where = SourcePlace::Here()) {
   Ensure(fine, "bundle problem: " + what, where);
 }
 

@@ -3,7 +3,6 @@
 
 #include <cmath>
 #include <cstddef>
-#include <source_location>
 #include <string>
 #include <utility>
 
@@ -20,7 +19,7 @@ constexpr double kShortestHeldStep = 1e-3;
 constexpr int kFewestPoints = 2;
 
 void CheckTurns(const std::vector<TurnScale>& turns, int first, const Map& map) {
-  const auto require = [](bool good, const char* what, std::source_location where = std::source_location::current()) {
+  const auto require = [](bool good, const char* what, SourcePlace where = SourcePlace::Here()) {
     Ensure(good, std::string("scale recovery: ") + what, where);
   };
   require(!turns.empty(), "no turn is given");
