@@ -2,6 +2,7 @@
 #include "turnscale/odometry/frame_history.h"
 
 #include <optional>
+#include <ranges>
 
 namespace turnscale {
 namespace {
@@ -47,10 +48,10 @@ void FrameHistory::Add(const FrameResult& result, const Map& map, int keyframe,
 }
 
 void FrameHistory::Rescale(int first, const std::vector<double>& factors) {
-  for (auto entry = entries_.rbegin(); entry != entries_.rend(); ++entry) {
-    if (entry->keyframe < 0) continue;
-    if (entry->keyframe < first) return;
-    entry->frame_from_keyframe.translation *= factors[entry->keyframe - first];
+  for (Entry& entry : std::views::reverse(entries_)) {
+    if (entry.keyframe < 0) continue;
+    if (entry.keyframe < first) return;
+    entry.frame_from_keyframe.translation *= factors[entry.keyframe - first];
   }
 }
 

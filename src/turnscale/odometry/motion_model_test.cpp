@@ -122,7 +122,6 @@ TEST(MotionModel, OffersStandstillAndTheSpeedBeforeItBrokeOff) {
 }
 
 TEST(MotionModel, SpeedsOfThePastGetLessCertain) {
-  const MotionModelOptions options;
   MotionModel motion;
   EXPECT_TRUE(motion.PastSpeeds().empty());
   motion.Update(1.0, kStart);
