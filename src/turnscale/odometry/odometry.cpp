@@ -90,7 +90,7 @@ FrameResult Odometry::Process(const cv::Mat& gray, double time) {
   if (!NeedsKeyframe(*tracked, result.inliers)) return MetricResult(result, *tracked);
 
   AddKeyframe(*tracked, result);
-  ObserveScale(result);
+  if (ObserveScale(result)) Settle();
   ReplenishTracks(image);
   return MetricResult(result, map_.keyframes.back().camera_from_world);
 }
@@ -412,24 +412,24 @@ void Odometry::RefineLens() {
   AdjustLocalWindow(options_.local_bundle, map_);
 }
 
-void Odometry::ObserveScale(FrameResult& result) {
+bool Odometry::ObserveScale(FrameResult& result) {
   const TurningMotion motion = StepMotion(map_, static_cast<int>(map_.keyframes.size()) - 2, mount());
   result.psi = motion.psi;
   result.theta = motion.theta;
   const bool turn_ended = scale_.Add(map_);
   const int unsettled = static_cast<int>(map_.keyframes.size() - lens_of_keyframe_.size());
-  if (turn_ended || unsettled >= options_.turn_bundle.window / 2) Settle();
+  return turn_ended || unsettled >= options_.turn_bundle.window / 2;
 }
 
 void Odometry::Settle() {
-  // Windows along the way have seen less, and the lens was less known.
+  // Earlier local windows had fewer observations and a less accurate lens correction.
   const int keyframes = static_cast<int>(map_.keyframes.size());
   lens_of_keyframe_.resize(keyframes, std::numeric_limits<double>::quiet_NaN());
   const auto settled = [&](double applied) { return std::abs(applied - camera_.radial_correction) < kStaleLensChange; };
   const auto oldest = lens_of_keyframe_.begin() + std::max(archive_.end(), keyframes - options_.turn_bundle.window);
   const auto stale = std::find_if_not(oldest, lens_of_keyframe_.end(), settled);
   std::fill(stale, lens_of_keyframe_.end(), camera_.radial_correction);
-  // Factors of length take in two steps on either side.
+  // Factors of length are means over two steps on either side.
   const int first = static_cast<int>(stale - lens_of_keyframe_.begin());
   const int from = std::max(0, first - 2);
   const RigidTransform last_from_keyframe = LastFromKeyframe();

@@ -94,8 +94,9 @@ class Odometry {
   bool NeedsKeyframe(const RigidTransform& camera_from_world, int inliers) const;
   void AddKeyframe(const RigidTransform& camera_from_world, FrameResult& result);
   void RefineLens();
-  /// Takes the latest keyframe; settles the latest ones where it ended a turn, or where they have become many.
-  void ObserveScale(FrameResult& result);
+  /// Updates the scale with the latest keyframe. Returns whether Settle is due: it ended a turn, or many keyframes have
+  /// not been settled yet.
+  bool ObserveScale(FrameResult& result);
   /// Adjusts the latest keyframes that are not settled yet, or were adjusted under another lens correction, and
   /// re-evaluates their steps.
   void Settle();
