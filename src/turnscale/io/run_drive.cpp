@@ -19,12 +19,11 @@ namespace {
 struct RunResults {
   std::vector<FrameResult> frames;
   RefinedScale scale;
-  MapPoints map;
   ScaleState scale_state = ScaleState::kPending;
 };
 
 RunResults ResultsOf(const Odometry& odometry) {
-  return {odometry.RefinedFrames(), odometry.Refined(), odometry.RefinedMap(), odometry.scale_state()};
+  return {odometry.RefinedFrames(), odometry.Refined(), odometry.scale_state()};
 }
 
 // Some containers only estimate how many frames they hold; a sound video may have a few less.
@@ -110,7 +109,7 @@ class Run {
     writer_.SetFirstCameraRotation(odometry_.mount().At(0));
     attempts_.Try([&] { writer_.WriteTrajectory(results.frames, results.scale_state, durability); });
     attempts_.Try([&] { writer_.WriteTurns(results.scale.turns, durability); });
-    attempts_.Try([&] { writer_.WriteMap(results.map, results.scale_state, durability); });
+    attempts_.Try([&] { writer_.WriteMap(odometry_.RefinedMap(), results.scale_state, durability); });
     results_ = std::move(results);
   }
 

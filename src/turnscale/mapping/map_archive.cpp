@@ -50,15 +50,21 @@ std::vector<int> MapArchive::BlockEnds() const {
 }
 
 std::vector<int> MapArchive::Retire(int last, double correction, Map& map) {
+  const int first = end();
   while (end() < last) {
-    int block_end = std::min(end() + kMostKeyframes, last);
-    for (int k = end() + 1; k < block_end; ++k)
-      if (map.keyframes[k].after_gap) block_end = k;
-    AddBlock(block_end, correction, map);
+    int piece_end = end() + 1;
+    while (piece_end < last && !map.keyframes[piece_end].after_gap) ++piece_end;
+    // Blocks of equal size, none of them of a few keyframes only.
+    const int blocks = (piece_end - end() + kMostKeyframes - 1) / kMostKeyframes;
+    AddBlock(end() + (piece_end - end()) / blocks, correction, map);
   }
+  for (int k = first; k < last; ++k) map.keyframes[k].observations = {};
   std::vector<int> new_index = DropObservationsBefore(last, map);
-  for (size_t k = last; k < map.keyframes.size(); ++k)
-    for (KeyframeObservation& seen : map.keyframes[k].observations) seen.landmark = new_index[seen.landmark];
+  for (size_t k = last; k < map.keyframes.size(); ++k) {
+    std::vector<KeyframeObservation>& observations = map.keyframes[k].observations;
+    for (KeyframeObservation& seen : observations) seen.landmark = new_index[seen.landmark];
+    std::erase_if(observations, [](const KeyframeObservation& seen) { return seen.landmark < 0; });
+  }
   return new_index;
 }
 
@@ -70,9 +76,8 @@ void MapArchive::AddBlock(int last, double correction, Map& map) {
   Contents contents;
   std::vector<int> landmarks;
   for (int k = block.first; k < last; ++k) {
-    std::vector<KeyframeObservation>& observations = map.keyframes[k].observations;
     const size_t before = contents.observations.size();
-    for (const KeyframeObservation& seen : observations) {
+    for (const KeyframeObservation& seen : map.keyframes[k].observations) {
       Landmark& landmark = map.landmarks[seen.landmark];
       if (!landmark.valid) continue;
       if (landmark.archived_as < 0) landmark.archived_as = numbers_++;
@@ -81,13 +86,13 @@ void MapArchive::AddBlock(int last, double correction, Map& map) {
       landmarks.push_back(seen.landmark);
     }
     contents.observation_counts.push_back(static_cast<int>(contents.observations.size() - before));
-    observations = {};
   }
   std::ranges::sort(landmarks);
   landmarks.erase(std::unique(landmarks.begin(), landmarks.end()), landmarks.end());
   for (const int index : landmarks) {
+    contents.numbers.push_back(map.landmarks[index].archived_as);
     const Eigen::Vector3d& x = map.landmarks[index].position;
-    contents.landmarks.push_back({map.landmarks[index].archived_as, x.x(), x.y(), x.z()});
+    contents.positions.insert(contents.positions.end(), {x.x(), x.y(), x.z()});
   }
   Write(std::move(contents), block);
   blocks_.push_back(std::move(block));
@@ -100,10 +105,12 @@ ArchivedPart MapArchive::Load(int first, int last, double correction, const Map&
   std::vector<std::pair<int, Eigen::Vector3d>> landmarks;
   std::vector<std::pair<Contents, double>> loaded;
   for (const Block& block : blocks_) {
-    if (block.first < first || block.end > last) continue;
+    if (block.end <= first || block.first >= last) continue;
+    Ensure(block.first >= first && block.end <= last, "a part of the archive consists of whole blocks");
     loaded.emplace_back(Read(block), block.correction);
-    for (const LandmarkRecord& record : loaded.back().first.landmarks)
-      landmarks.emplace_back(record.number, Eigen::Vector3d(record.x, record.y, record.z));
+    const Contents& contents = loaded.back().first;
+    for (size_t i = 0; i < contents.numbers.size(); ++i)
+      landmarks.emplace_back(contents.numbers[i], Eigen::Vector3d(&contents.positions[3 * i]));
   }
   // Of one number's positions the latest is the last.
   const auto number_of = [](const auto& landmark) { return landmark.first; };
@@ -141,10 +148,10 @@ void MapArchive::Store(const ArchivedPart& part) {
   for (Block& block : blocks_) {
     if (block.first < part.first || block.end > last) continue;
     Contents contents = Read(block);
-    for (LandmarkRecord& record : contents.landmarks) {
-      const auto found = std::ranges::lower_bound(part.numbers, record.number);
+    for (size_t i = 0; i < contents.numbers.size(); ++i) {
+      const auto found = std::ranges::lower_bound(part.numbers, contents.numbers[i]);
       const Eigen::Vector3d& x = part.map.landmarks[found - part.numbers.begin()].position;
-      record = {record.number, x.x(), x.y(), x.z()};
+      std::copy_n(x.data(), 3, &contents.positions[3 * i]);
     }
     Write(std::move(contents), block);
   }
@@ -154,13 +161,14 @@ bool MapArchive::WriteToFile(const Contents& contents, long offset) {
   if (!file_ && !file_failed_) file_.reset(std::tmpfile());
   file_failed_ = file_failed_ || !file_ || std::fseek(file_.get(), offset, SEEK_SET) != 0 ||
                  !WriteAll(contents.observation_counts, file_.get()) || !WriteAll(contents.observations, file_.get()) ||
-                 !WriteAll(contents.landmarks, file_.get()) || std::fflush(file_.get()) != 0;
+                 !WriteAll(contents.numbers, file_.get()) || !WriteAll(contents.positions, file_.get()) ||
+                 std::fflush(file_.get()) != 0;
   return !file_failed_;
 }
 
 void MapArchive::Write(Contents contents, Block& block) {
   block.observations = contents.observations.size();
-  block.landmarks = contents.landmarks.size();
+  block.landmarks = contents.numbers.size();
   const bool is_new = block.offset < 0;
   if (WriteToFile(contents, is_new ? file_end_ : block.offset)) {
     if (!is_new) return;
@@ -177,9 +185,11 @@ MapArchive::Contents MapArchive::Read(const Block& block) const {
   Contents contents;
   contents.observation_counts.resize(block.end - block.first);
   contents.observations.resize(block.observations);
-  contents.landmarks.resize(block.landmarks);
+  contents.numbers.resize(block.landmarks);
+  contents.positions.resize(3 * block.landmarks);
   if (std::fseek(file_.get(), block.offset, SEEK_SET) != 0 || !ReadAll(contents.observation_counts, file_.get()) ||
-      !ReadAll(contents.observations, file_.get()) || !ReadAll(contents.landmarks, file_.get()))
+      !ReadAll(contents.observations, file_.get()) || !ReadAll(contents.numbers, file_.get()) ||
+      !ReadAll(contents.positions, file_.get()))
     throw OutputError("the temporary file of the map cannot be read back");
   return contents;
 }

@@ -39,7 +39,8 @@ class MapArchive {
   std::vector<int> Retire(int last, double correction, Map& map);
 
   /// Keyframes `first`...`last`-1, both 0 or one of BlockEnds(), with the poses and intrinsics of `map`; pixels are
-  /// corrected by `correction`. Landmarks stand where their latest block has them.
+  /// corrected by `correction`. Landmarks stand where the latest of these blocks has
+  /// them. Not for several threads at once.
   ArchivedPart Load(int first, int last, double correction, const Map& map) const;
 
   /// Overwrites the positions of a part's landmarks.
@@ -50,14 +51,11 @@ class MapArchive {
     int number;
     float x, y;
   };
-  struct LandmarkRecord {
-    int number;
-    double x, y, z;
-  };
   struct Contents {
     std::vector<int> observation_counts;  ///< of each keyframe
     std::vector<ObservationRecord> observations;
-    std::vector<LandmarkRecord> landmarks;
+    std::vector<int> numbers;       ///< of the landmarks
+    std::vector<double> positions;  ///< three of each
   };
   struct Block {
     int first = 0;

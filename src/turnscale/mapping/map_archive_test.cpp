@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "turnscale/base/error.h"
 #include "turnscale/camera/radial_correction.h"
 #include "turnscale/mapping/synthetic_map.h"
 
@@ -88,7 +89,23 @@ TEST(MapArchive, BlocksAreBoundedAndEndAtGaps) {
   map.keyframes[70].after_gap = true;
   MapArchive archive;
   archive.Retire(131, 0, map);
-  EXPECT_EQ(archive.BlockEnds(), (std::vector<int>{50, 70, 120, 131}));
+  EXPECT_EQ(archive.BlockEnds(), (std::vector<int>{35, 70, 100, 131}));
+}
+
+TEST(MapArchive, GivesOutWholeBlocksOnly) {
+  Map map = StreetMap();
+  MapArchive archive;
+  archive.Retire(131, 0, map);
+  EXPECT_THROW(archive.Load(10, 131, 0, map), InternalError);
+}
+
+TEST(MapArchive, RetiringNothingChangesNothing) {
+  Map map = StreetMap();
+  const size_t landmarks = map.landmarks.size();
+  MapArchive archive;
+  archive.Retire(0, 0, map);
+  EXPECT_EQ(archive.end(), 0);
+  EXPECT_EQ(map.landmarks.size(), landmarks);
 }
 
 TEST(MapArchive, PixelsFollowTheCorrection) {
@@ -106,10 +123,12 @@ TEST(MapArchive, KeepsChangedPositions) {
   Map map = StreetMap();
   MapArchive archive;
   archive.Retire(131, 0, map);
-  ArchivedPart part = archive.Load(50, 100, 0, map);
+  const std::vector<int> ends = archive.BlockEnds();
+  ASSERT_EQ(ends.size(), 3U);
+  ArchivedPart part = archive.Load(ends[0], ends[1], 0, map);
   for (Landmark& landmark : part.map.landmarks) landmark.position += Eigen::Vector3d(1, 2, 3);
   archive.Store(part);
-  const ArchivedPart again = archive.Load(50, 100, 0, map);
+  const ArchivedPart again = archive.Load(ends[0], ends[1], 0, map);
   ASSERT_EQ(again.numbers, part.numbers);
   for (size_t i = 0; i < part.numbers.size(); ++i)
     EXPECT_EQ(again.map.landmarks[i].position, part.map.landmarks[i].position);

@@ -3,6 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
+#include <iterator>
+#include <optional>
 #include <vector>
 
 #include "turnscale/geometry/similarity.h"
@@ -11,37 +14,42 @@
 namespace turnscale {
 namespace {
 
-// Steps over which the change of scale at the end of a section is measured.
+// Mean steps over which the change of scale at the end of a section is measured.
 constexpr int kScaleSteps = 10;
+// A section that has shrunk or grown beyond this has gone astray.
+constexpr double kLeastScale = 0.2;
 
 struct Section {
-  int first_fixed = 0;  ///< the block before, unless a gap is between
+  int first_fixed = 0;  ///< start of a block before, unless a gap is between
   int first = 0;
   int end = 0;
 };
 
-// Blocks joined to sections of about equal size between gaps.
-std::vector<Section> Sections(const MapArchive& archive, const Map& map, int section_keyframes) {
+// Blocks joined to sections of about equal size between gaps. A section is held by `anchors` keyframes before it or
+// more.
+std::vector<Section> Sections(const MapArchive& archive, const Map& map, int section_keyframes, int anchors) {
   std::vector<Section> sections;
   const std::vector<int> ends = archive.BlockEnds();
-  int piece = 0;
-  for (size_t i = 0; i < ends.size(); ++i) {
-    const bool piece_ends = i + 1 == ends.size() || map.keyframes[ends[i]].after_gap;
-    if (!piece_ends) continue;
-    const int count = (ends[i] - piece + section_keyframes - 1) / section_keyframes;
-    const int size = (ends[i] - piece + count - 1) / count;
-    Section section{piece, piece, piece};
-    int block = piece;
-    for (const int end : ends) {
-      if (end <= piece || end > ends[i]) continue;
-      section.end = end;
-      if (end - section.first >= size || end == ends[i]) {
-        sections.push_back(section);
-        section = {block, end, end};
-      }
-      block = end;
+  std::vector<int> starts = {0};  // of the blocks of a piece without gaps
+  for (const int end : ends) {
+    const bool piece_ends = end == ends.back() || map.keyframes[end].after_gap;
+    if (!piece_ends) {
+      starts.push_back(end);
+      continue;
     }
-    piece = ends[i];
+    const int piece = starts.front();
+    const int count = (end - piece + section_keyframes - 1) / section_keyframes;
+    int first = piece;
+    for (int i = 1; i <= count; ++i) {
+      const int wanted = piece + (end - piece) * i / count;
+      const auto distance = [&](int start) { return std::abs(start - wanted); };
+      const int section_end = i == count ? end : *std::ranges::min_element(starts, {}, distance);
+      if (section_end <= first) continue;
+      const auto held = std::ranges::upper_bound(starts, std::max(first - anchors, piece));
+      sections.push_back({*std::prev(held), first, section_end});
+      first = section_end;
+    }
+    starts = {end};
   }
   return sections;
 }
@@ -63,14 +71,25 @@ void Move(const Similarity& new_from_old, int first, Map& map) {
       landmark.position = new_from_old * landmark.position;
 }
 
-double LengthOfEnd(const std::vector<Eigen::Vector3d>& centres) {
-  double length = 0;
-  const int last = static_cast<int>(centres.size()) - 1;
-  for (int k = std::max(1, last - kScaleSteps + 1); k <= last; ++k) length += (centres[k] - centres[k - 1]).norm();
-  return length;
+// The change of scale at the end of a section: lengths of its last steps, over at least a few mean steps, so that a car
+// that stands tells nothing.
+std::optional<double> ScaleOfEnd(const std::vector<Eigen::Vector3d>& before,
+                                 const std::vector<Eigen::Vector3d>& after) {
+  double whole = 0;
+  for (size_t k = 1; k < before.size(); ++k) whole += (before[k] - before[k - 1]).norm();
+  const double enough = kScaleSteps * whole / static_cast<double>(before.size());
+  double length_before = 0;
+  double length_after = 0;
+  for (size_t k = before.size() - 1; k > 0 && length_before < enough; --k) {
+    length_before += (before[k] - before[k - 1]).norm();
+    length_after += (after[k] - after[k - 1]).norm();
+  }
+  const double scale = length_after / length_before;
+  if (!(scale > kLeastScale && scale < 1 / kLeastScale)) return std::nullopt;
+  return scale;
 }
 
-// What takes the old world to the new one at the end of a section.
+// Takes the old world to the new one at the end of a section.
 Similarity MoveOfEnd(const RigidTransform& old_camera, const RigidTransform& new_camera, double scale) {
   Similarity move;
   move.scale = scale;
@@ -82,21 +101,32 @@ Similarity MoveOfEnd(const RigidTransform& old_camera, const RigidTransform& new
 }  // namespace
 
 void AdjustSections(const LocalBundleOptions& options, double correction, MapArchive& archive, Map& map) {
+  // All or none: an exception on the way leaves the poses as they were.
+  Map adjusted;
+  adjusted.pinhole = map.pinhole;
+  for (const Keyframe& keyframe : map.keyframes) {
+    adjusted.keyframes.push_back(keyframe);
+    adjusted.keyframes.back().observations.clear();
+  }
   Similarity new_from_old;
-  for (const Section& section : Sections(archive, map, options.window)) {
-    ArchivedPart part = archive.Load(section.first_fixed, section.end, correction, map);
+  for (const Section& section : Sections(archive, map, options.window, options.anchors)) {
+    // Keyframes that hold the section have been adjusted, its own have not.
+    ArchivedPart part = archive.Load(section.first_fixed, section.end, correction, adjusted);
     const int first = section.first - section.first_fixed;
     const RigidTransform old_end = part.map.keyframes.back().camera_from_world;
-    const double old_length = LengthOfEnd(KeyframeCentres(part.map));
+    const std::vector<Eigen::Vector3d> before = KeyframeCentres(part.map, first);
     Move(new_from_old, first, part.map);
     AdjustFrom(options, first, part.map);
     for (size_t k = first; k < part.map.keyframes.size(); ++k)
-      map.keyframes[section.first_fixed + k].camera_from_world = part.map.keyframes[k].camera_from_world;
+      adjusted.keyframes[section.first_fixed + k].camera_from_world = part.map.keyframes[k].camera_from_world;
     archive.Store(part);
-    const double length = LengthOfEnd(KeyframeCentres(part.map));
-    const double scale = old_length > 0 && length > 0 ? length / old_length : new_from_old.scale;
-    new_from_old = MoveOfEnd(old_end, part.map.keyframes.back().camera_from_world, scale);
+    const std::optional<double> scale = ScaleOfEnd(before, KeyframeCentres(part.map, first));
+    const Similarity move =
+        MoveOfEnd(old_end, part.map.keyframes.back().camera_from_world, scale.value_or(new_from_old.scale));
+    if (move.translation.allFinite() && move.rotation.coeffs().allFinite()) new_from_old = move;
   }
+  for (size_t k = 0; k < map.keyframes.size(); ++k)
+    map.keyframes[k].camera_from_world = adjusted.keyframes[k].camera_from_world;
 }
 
 }  // namespace turnscale

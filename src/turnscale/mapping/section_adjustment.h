@@ -6,8 +6,8 @@
 
 namespace turnscale {
 
-/// Adjusts a whole drive whose keyframes are all archived, in sections of `options.window` keyframes or less (up to a
-/// block of the archive more) that contain no gap: time is linear in the drive, memory bounded by the section. Each
+/// Adjusts a whole drive whose keyframes are all archived, in sections of about `options.window` keyframes that
+/// contain no gap: time is linear in the drive, memory bounded by the section. Each
 /// section starts from where the one before it ends: poses and landmarks follow in rotation, translation and scale.
 /// Moves the poses of `map` and the landmarks of the archive; `correction` is the radial correction to use.
 void AdjustSections(const LocalBundleOptions& options, double correction, MapArchive& archive, Map& map);

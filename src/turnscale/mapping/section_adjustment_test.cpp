@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "turnscale/mapping/section_adjustment.h"
 
-#include <random>
+#include <cmath>
 
 #include <gtest/gtest.h>
 
@@ -79,6 +79,46 @@ TEST(SectionAdjustment, OneSectionIsTheAdjustmentOfTheWhole) {
   archive.Retire(static_cast<int>(map.keyframes.size()), 0, map);
   AdjustSections(options, 0, archive, map);
   EXPECT_LT(LargestError(map, whole), 1e-4) << "pixels are kept in single precision";
+}
+
+TEST(SectionAdjustment, ShortSectionsHoldTheScale) {
+  const Map truth = StreetMap(0);
+  Map map = truth;
+  Drift(40, 1.1, map);
+  LocalBundleOptions options = kOptions;
+  options.window = 10;
+  MapArchive archive;
+  // Blocks of 51 and 4 keyframes, among others.
+  for (int last = 51; last < static_cast<int>(map.keyframes.size()); last += 51) archive.Retire(last, 0, map);
+  archive.Retire(static_cast<int>(map.keyframes.size()), 0, map);
+  AdjustSections(options, 0, archive, map);
+  EXPECT_LT(LargestError(map, truth), 0.5) << "of 136 m";
+}
+
+TEST(SectionAdjustment, AFewKeyframesAreASection) {
+  for (const int keyframes : {1, 2, 3}) {
+    Map map = StreetMap(0);
+    for (int i = 0; i < static_cast<int>(map.landmarks.size()); ++i)
+      if (map.landmarks[i].observations.back().keyframe >= keyframes) RemoveLandmark(map, i);
+    map.keyframes.resize(keyframes);
+    const Map before = map;
+    MapArchive archive;
+    archive.Retire(keyframes, 0, map);
+    AdjustSections(kOptions, 0, archive, map);
+    for (int k = 0; k < keyframes; ++k)
+      EXPECT_LT((Centre(map.keyframes[k]) - Centre(before.keyframes[k])).norm(), 0.01) << keyframes;
+  }
+}
+
+TEST(SectionAdjustment, AKeyframeAstrayStaysAlone) {
+  const Map truth = StreetMap(0);
+  Map map = truth;
+  map.keyframes[99].camera_from_world.translation.x() = std::nan("");
+  MapArchive archive;
+  archive.Retire(static_cast<int>(map.keyframes.size()), 0, map);
+  AdjustSections(kOptions, 0, archive, map);
+  for (size_t k = 0; k < map.keyframes.size(); ++k)
+    EXPECT_EQ(map.keyframes[k].camera_from_world.translation.allFinite(), k != 99) << k;
 }
 
 TEST(SectionAdjustment, WhatFollowsAGapGoesAlong) {

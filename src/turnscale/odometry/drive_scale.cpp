@@ -127,7 +127,7 @@ void DriveScale::Reread(const Map& map, int first, int settled) {
   if (settled_) {
     builder_ = settled_->builder;
     live_ = settled_->live;
-    live_.TurnCamera(DirectionUnder(mount_.current().vehicle_from_camera, settled_->vehicle_from_camera));
+    live_.TurnCamera(DirectionUnder(mount_.At(settled_->keyframes), settled_->vehicle_from_camera));
   } else {
     builder_ = StepBuilder(options_.steps, true);
     live_ = LiveScale(PriorOf(options_.vehicle, mount_.current()), options_.scale.estimator);
@@ -135,7 +135,7 @@ void DriveScale::Reread(const Map& map, int first, int settled) {
   keyframes_ = static_cast<int>(map.keyframes.size());
   for (int k = settled_ ? settled_->keyframes : 0; k < keyframes_; ++k) {
     if (k == settled && settled - (settled_ ? settled_->keyframes : 0) >= kSettledTogether)
-      settled_ = SettledPart{settled, builder_, live_, mount_.current().vehicle_from_camera};
+      settled_ = SettledPart{settled, builder_, live_, mount_.At(settled)};
     Feed(map, k);
   }
   UpdateLive(map, first);

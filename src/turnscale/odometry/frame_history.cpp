@@ -49,9 +49,9 @@ void FrameHistory::Add(const FrameResult& result, const Map& map, int keyframe,
 
 void FrameHistory::Rescale(int first, const std::vector<double>& factors) {
   for (Entry& entry : std::views::reverse(entries_)) {
-    if (entry.keyframe < 0) continue;
-    if (entry.keyframe < first) return;
-    entry.frame_from_keyframe.translation *= factors[entry.keyframe - first];
+    if (entry.keyframe >= first) entry.frame_from_keyframe.translation *= factors[entry.keyframe - first];
+    // Frames around a restart are out of order by one keyframe.
+    if (entry.keyframe >= 0 && entry.keyframe < first - 1) return;
   }
 }
 

@@ -36,7 +36,7 @@ class FrameHistory {
     int keyframe = -1;  ///< -1 while the frame has no pose
     RigidTransform frame_from_keyframe;
   };
-  std::deque<Entry> entries_;  ///< index is the frame's number; keyframes ascend
+  std::deque<Entry> entries_;  ///< index is the frame's number; keyframes ascend but for those around a restart
 };
 
 }  // namespace turnscale

@@ -75,6 +75,7 @@ Odometry::Odometry(const OdometryOptions& options, const CameraModel& camera)
 }
 
 FrameResult Odometry::Process(const cv::Mat& gray, double time) {
+  Ensure(!finished_, "no frame follows Finish");
   CheckImage(gray);
   FrameResult result = NewFrame(time, TrackingState::kInitializing);
   const FlowImage image = BuildFlowImage(options_.flow, gray);
@@ -115,6 +116,7 @@ FrameResult Odometry::NewFrame(double time, TrackingState state) {
 }
 
 FrameResult Odometry::ProcessUnreadable(double time) {
+  Ensure(!finished_, "no frame follows Finish");
   const FrameResult result = NewFrame(time, TrackingState::kUnreadable);
   if (map_.keyframes.empty()) {
     history_.AddWithoutPose(result);
@@ -124,7 +126,7 @@ FrameResult Odometry::ProcessUnreadable(double time) {
 }
 
 void Odometry::Finish() {
-  if (map_.keyframes.empty()) return;
+  if (map_.keyframes.empty() || std::exchange(finished_, true)) return;
   Settle();
   Archive(static_cast<int>(map_.keyframes.size()));
   AdjustWholeDrive();
@@ -400,8 +402,8 @@ void Odometry::RefineLens() {
   const auto corrected = [&](const Eigen::Vector2d& pixel) {
     return CorrectRadially(map_.pinhole, camera_.radial_correction, UndoRadialCorrection(map_.pinhole, applied, pixel));
   };
-  for (Keyframe& keyframe : map_.keyframes)
-    for (KeyframeObservation& seen : keyframe.observations) seen.pixel = corrected(seen.pixel);
+  for (size_t k = archive_.end(); k < map_.keyframes.size(); ++k)
+    for (KeyframeObservation& seen : map_.keyframes[k].observations) seen.pixel = corrected(seen.pixel);
   for (Landmark& landmark : map_.landmarks)
     for (LandmarkObservation& seen : landmark.observations) seen.pixel = corrected(seen.pixel);
   for (std::vector<FeatureTrack>* tracks : {&tracks_, &lost_tracks_})
@@ -437,7 +439,9 @@ void Odometry::Settle() {
   AdjustFrom(options_.turn_bundle, first, map_);
   FollowMap(from, KeyframeFactors(before, KeyframeCentres(map_, from), first - from, std::vector(before.size(), 1.0)),
             last_from_keyframe);
-  const int last = keyframes - options_.turn_bundle.window - options_.turn_bundle.anchors;
+  const auto reach = [](const LocalBundleOptions& window) { return window.window + window.anchors; };
+  const int last = keyframes - std::max({reach(options_.turn_bundle), reach(options_.local_bundle),
+                                         options_.lens.window, options_.calibration_check.window});
   scale_.Reread(map_, first, last);
   if (last - archive_.end() >= kArchivedTogether) Archive(last);
 }
@@ -451,7 +455,8 @@ void Odometry::Archive(int last) {
 }
 
 void Odometry::AdjustWholeDrive() {
-  // Earlier keyframes were held where later ones were adjusted, so the scale drifts; all at once it drifts less.
+  // During the drive, earlier keyframes were fixed while later ones were adjusted. In long sections the scale drifts
+  // less.
   const RigidTransform last_from_keyframe = LastFromKeyframe();
   const std::vector<Eigen::Vector3d> before = KeyframeCentres(map_);
   AdjustSections(options_.final_bundle, camera_.radial_correction, archive_, map_);
@@ -460,10 +465,13 @@ void Odometry::AdjustWholeDrive() {
 }
 
 void Odometry::HoldTurnsOfDrive() {
+  if (!refined_->estimate) return;
   const RigidTransform last_from_keyframe = LastFromKeyframe();
   ArchivedPart drive = archive_.Load(0, archive_.end(), camera_.radial_correction, map_);
-  const std::vector<double> factors = HoldTurns(options_, scale_.mount(), drive.map, *refined_);
+  RefinedScale held = *refined_;
+  const std::vector<double> factors = HoldTurns(options_, scale_.mount(), drive.map, held);
   archive_.Store(drive);
+  refined_ = std::move(held);
   for (size_t k = 0; k < map_.keyframes.size(); ++k)
     map_.keyframes[k].camera_from_world = drive.map.keyframes[k].camera_from_world;
   FollowMap(0, factors, last_from_keyframe);

@@ -135,8 +135,9 @@ class Odometry {
   std::vector<FeatureTrack> tracks_;       ///< what it shows
   std::vector<FeatureTrack> lost_tracks_;  ///< recently seen landmarks that are not in it
   int landmarks_in_keyframe_ = 0;          ///< with a depth, when the last keyframe was made
-  bool mapping_ = false;                   ///< there is a map to track against
-  int lost_frames_ = 0;                    ///< consecutive, up to now
+  bool finished_ = false;
+  bool mapping_ = false;  ///< there is a map to track against
+  int lost_frames_ = 0;   ///< consecutive, up to now
   double last_time_ = -std::numeric_limits<double>::infinity();
   int frames_ = 0;
 };

@@ -114,7 +114,7 @@ struct OdometryOptions {
   /// When a turn ends, for keyframes since the one before, and where they have become half of a window.
   LocalBundleOptions turn_bundle{.window = 120, .max_iterations = 10};
   /// For the whole drive, at its end, in sections of at most a window.
-  LocalBundleOptions final_bundle{.window = 150, .max_iterations = 40};
+  LocalBundleOptions final_bundle{.window = 150, .max_iterations = 40, .relative_cost_tolerance = 1e-5};
   LensRefinementOptions lens;
   CalibrationCheckOptions calibration_check;
   TrackingOptions tracking;
