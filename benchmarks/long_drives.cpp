@@ -108,7 +108,8 @@ Drive Laps(const Route& route, int frames) {
   const int images = static_cast<int>(drive.places.size());
   for (int i = 0; i < frames; ++i) {
     drive.images.push_back(i % images);
-    drive.travelled.push_back(lap * (i / images) + drive.places[i % images]);
+    const int laps = i / images;
+    drive.travelled.push_back(lap * laps + drive.places[i % images]);
   }
   return drive;
 }

@@ -58,7 +58,8 @@ std::vector<int> MapArchive::Retire(int last, double correction, Map& map) {
     const int blocks = (piece_end - end() + kMostKeyframes - 1) / kMostKeyframes;
     AddBlock(end() + (piece_end - end()) / blocks, correction, map);
   }
-  for (int k = first; k < last; ++k) map.keyframes[k].observations = {};
+  // An assignment of {} would keep the memory.
+  for (int k = first; k < last; ++k) std::vector<KeyframeObservation>().swap(map.keyframes[k].observations);
   std::vector<int> new_index = DropObservationsBefore(last, map);
   for (size_t k = last; k < map.keyframes.size(); ++k) {
     std::vector<KeyframeObservation>& observations = map.keyframes[k].observations;

@@ -28,7 +28,7 @@ TEST(MapArchive, GivesBackWhatItTook) {
   archive.Retire(keyframes, 0, map);
   EXPECT_EQ(archive.end(), keyframes);
   EXPECT_TRUE(map.landmarks.empty());
-  for (const Keyframe& keyframe : map.keyframes) EXPECT_TRUE(keyframe.observations.empty());
+  for (const Keyframe& keyframe : map.keyframes) EXPECT_EQ(keyframe.observations.capacity(), 0U);
 
   const ArchivedPart all = archive.Load(0, keyframes, 0, map);
   ASSERT_EQ(all.map.keyframes.size(), whole.keyframes.size());

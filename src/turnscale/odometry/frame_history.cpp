@@ -2,7 +2,6 @@
 #include "turnscale/odometry/frame_history.h"
 
 #include <optional>
-#include <ranges>
 
 namespace turnscale {
 namespace {
@@ -48,7 +47,8 @@ void FrameHistory::Add(const FrameResult& result, const Map& map, int keyframe,
 }
 
 void FrameHistory::Rescale(int first, const std::vector<double>& factors) {
-  for (Entry& entry : std::views::reverse(entries_)) {
+  for (size_t i = entries_.size(); i-- > 0;) {
+    Entry& entry = entries_[i];
     if (entry.keyframe >= first) entry.frame_from_keyframe.translation *= factors[entry.keyframe - first];
     // Frames around a restart are out of order by one keyframe.
     if (entry.keyframe >= 0 && entry.keyframe < first - 1) return;

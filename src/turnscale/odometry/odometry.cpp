@@ -490,12 +490,16 @@ void Odometry::FollowMap(int first, const std::vector<double>& factors, RigidTra
 
 void Odometry::RenewReferences(const FlowImage& image) {
   const int keyframe = static_cast<int>(map_.keyframes.size()) - 1;
-  for (FeatureTrack& track : tracks_) {
-    if (!map_.landmarks[track.landmark].valid) continue;
+  const double limit = options_.keyframes.max_growth * options_.keyframes.max_growth;
+  const auto has_grown = [&](const FeatureTrack& track) {
+    if (!map_.landmarks[track.landmark].valid) return false;
     const std::optional<Eigen::Matrix2d> current_from_reference =
         CurrentFromReference(map_, camera_, track, map_.keyframes[keyframe].camera_from_world);
-    const double limit = options_.keyframes.max_growth * options_.keyframes.max_growth;
-    if (!current_from_reference || current_from_reference->determinant() < limit) continue;
+    return current_from_reference && current_from_reference->determinant() >= limit;
+  };
+  for (FeatureTrack& track : tracks_) {
+    const bool is_old = keyframe - track.reference_keyframe >= options_.keyframes.max_reference_age;
+    if (!is_old && !has_grown(track)) continue;
     track.reference_image = image.gray;
     track.reference_pixel = track.pixel;
     track.reference_keyframe = keyframe;

@@ -56,6 +56,8 @@ struct KeyframeOptions {
   /// A landmark that has grown by more than this since its reference keyframe is looked up in the latest one from now
   /// on: an enlarged old view is too blurred to compare with.
   double max_growth = 1.6;
+  /// As is one whose reference keyframe is so many keyframes old: the image of each reference keyframe is kept.
+  int max_reference_age = 60;
 
   /// Throws InputError that names the field when a value makes no sense.
   void Check() const;
