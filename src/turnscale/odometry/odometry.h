@@ -36,7 +36,7 @@ struct UnitGuess {
 /// The map keeps the arbitrary unit of its initialisation. The scale is estimated beside it (DriveScale); metric poses
 /// follow from both. Neither time per frame nor memory grows with the drive, except for the poses of frames and
 /// keyframes: observations of settled keyframes are moved to a temporary file (MapArchive). Finish processes the whole
-/// drive.
+/// drive; where turns are constrained (HoldTurns), it has the whole map in memory.
 class Odometry {
  public:
   /// Throws InputError when an option is invalid, or the camera has a width without a height.
