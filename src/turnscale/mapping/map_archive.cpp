@@ -13,14 +13,15 @@ namespace {
 // In a block.
 constexpr int kMostKeyframes = 50;
 
+// An empty vector may have no storage, and the C functions take no null pointer.
 template <typename T>
 bool WriteAll(const std::vector<T>& values, std::FILE* file) {
-  return std::fwrite(values.data(), sizeof(T), values.size(), file) == values.size();
+  return values.empty() || std::fwrite(values.data(), sizeof(T), values.size(), file) == values.size();
 }
 
 template <typename T>
 bool ReadAll(std::vector<T>& values, std::FILE* file) {
-  return std::fread(values.data(), sizeof(T), values.size(), file) == values.size();
+  return values.empty() || std::fread(values.data(), sizeof(T), values.size(), file) == values.size();
 }
 
 // Takes the observations of keyframes before `last` from the landmarks, and drops landmarks that nobody sees any more.
