@@ -132,6 +132,7 @@ void VisitSettings(Visitor& visitor, OdometryOptions& options) {
       visitor.Field("pixel_sigma", o.pixel_sigma);
       visitor.Field("max_iterations", o.max_iterations);
       visitor.Field("relative_cost_tolerance", o.relative_cost_tolerance);
+      visitor.Field("initial_damping", o.initial_damping);
     });
   }
   visitor.Group("lens", [&] {

@@ -15,6 +15,7 @@ void LocalBundleOptions::Check() const {
   if (anchors < 1) throw InputError("local_bundle.anchors: has to be at least 1 keyframe");
   if (!(pixel_sigma > 0)) throw InputError("local_bundle.pixel_sigma: has to be positive");
   if (!(relative_cost_tolerance > 0)) throw InputError("local_bundle.relative_cost_tolerance: has to be positive");
+  if (!(initial_damping >= 0)) throw InputError("local_bundle.initial_damping: is negative or not a number");
   if (max_iterations < 1) throw InputError("local_bundle.max_iterations: has to be at least 1");
 }
 
@@ -31,6 +32,7 @@ LocalBundleResult AdjustFrom(const LocalBundleOptions& options, int first, Map& 
   BundleOptions bundle_options;
   bundle_options.max_iterations = options.max_iterations;
   bundle_options.relative_cost_tolerance = options.relative_cost_tolerance;
+  bundle_options.initial_damping = options.initial_damping;
   LocalBundleResult result;
   const std::optional<BundleSummary> summary = TryAdjustBundle(bundle_options, problem.bundle);
   if (!summary) return result;

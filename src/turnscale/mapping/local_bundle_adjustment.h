@@ -18,6 +18,10 @@ struct LocalBundleOptions {
   int max_iterations = 6;
   /// An iteration that lowers the cost by less than this share is the last.
   double relative_cost_tolerance = 1e-4;
+  /// First damping, relative to the diagonal of the normal equations. A small one lets the first steps reach what the
+  /// images hardly tell, such as the drift of the scale along a section, and is for windows that are close to their
+  /// minimum already.
+  double initial_damping = 1e-4;
 
   /// Throws InputError that names the field when a value makes no sense.
   void Check() const;

@@ -116,7 +116,7 @@ struct OdometryOptions {
   /// When a turn ends, for keyframes since the one before, and where they have become half of a window.
   LocalBundleOptions turn_bundle{.window = 120, .max_iterations = 10};
   /// For the whole drive, at its end, in sections of at most a window.
-  LocalBundleOptions final_bundle{.window = 150, .max_iterations = 40, .relative_cost_tolerance = 1e-5};
+  LocalBundleOptions final_bundle{.window = 150, .max_iterations = 40, .initial_damping = 1e-7};
   LensRefinementOptions lens;
   CalibrationCheckOptions calibration_check;
   TrackingOptions tracking;
