@@ -18,12 +18,15 @@ std::vector<VehicleStep> KeyframeSteps(const Map& map, const MountCalibration& m
   return steps;
 }
 
-// Every step at the length that its own angles give; 0 where they contradict the model.
-std::vector<double> ObservedDistances(const std::vector<VehicleStep>& steps, const LeverArm& lever_arm) {
+// Every step at the length that its own angles give; 0 where they contradict the model, or where the step turns too
+// little to be of F_t: its length would be noise.
+std::vector<double> ObservedDistances(const std::vector<VehicleStep>& steps, const LeverArm& lever_arm,
+                                      double min_step_angle) {
   std::vector<double> distances;
   for (const VehicleStep& step : steps) {
     const double distance = ObservedDistance(step.motion.psi, step.motion.theta, step.duration, lever_arm);
-    distances.push_back(std::isfinite(distance) && distance > 0 ? distance : 0.0);
+    const bool turns = std::abs(step.motion.psi) >= min_step_angle;
+    distances.push_back(turns && std::isfinite(distance) && distance > 0 ? distance : 0.0);
   }
   return distances;
 }
@@ -53,7 +56,7 @@ std::vector<TurnScale> TurnsToHold(const Map& map, const MountCalibration& mount
         continue;
       }
       scale.factor = median.metres_per_unit;
-      scale.distances = ObservedDistances(steps, lever_arm);
+      scale.distances = ObservedDistances(steps, lever_arm, options.scale.estimator.segments.turns.min_step_angle);
     }
     held.push_back(scale);
   }
