@@ -35,6 +35,14 @@ void FillStart(std::vector<FrameResult>& frames) {
 
 }  // namespace
 
+RigidTransform MetricPath::InMetres(const Map& map, int keyframe, const RigidTransform& world_from_camera) const {
+  return {world_from_camera.rotation, InMetres(map, keyframe, world_from_camera.translation)};
+}
+
+Eigen::Vector3d MetricPath::InMetres(const Map& map, int keyframe, const Eigen::Vector3d& point) const {
+  return centres[keyframe] + metres_per_unit[keyframe] * (point - Centre(map.keyframes[keyframe]));
+}
+
 void FrameHistory::AddWithoutPose(const FrameResult& result) { entries_.push_back({result, -1, {}}); }
 
 void FrameHistory::Add(const FrameResult& result, const Map& map, int keyframe,

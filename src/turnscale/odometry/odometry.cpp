@@ -13,7 +13,7 @@
 
 #include "turnscale/base/error.h"
 #include "turnscale/base/quantiles.h"
-#include "turnscale/camera/radial_correction.h"
+#include "turnscale/camera/camera_model.h"
 #include "turnscale/features/corners.h"
 #include "turnscale/geometry/rotation.h"
 #include "turnscale/mapping/landmarks.h"
