@@ -51,14 +51,21 @@ std::vector<StepMeasurement> Measurements(const std::vector<CameraStep>& steps) 
   return measurements;
 }
 
-void Refine(const std::vector<CameraStep>& steps, const CalibrationOptions& options, Calibration& calibration) {
-  calibration.refinement =
-      RefineRotation(Measurements(steps), calibration.linear.vehicle_from_camera, options.refinement);
+// Without a turn there is no axis that the rotation could contradict.
+Refinement RefineFrom(const Eigen::Quaterniond& start, const Eigen::Vector3d& turning_axis,
+                      const std::vector<CameraStep>& steps, const CalibrationOptions& options) {
+  const std::vector<StepMeasurement> measurements = Measurements(steps);
+  if (auto refinement = RefineRotationAbout(turning_axis, measurements, start, options.refinement)) return *refinement;
+  return RefineRotation(measurements, start, options.refinement);
+}
+
+void Refine(const std::vector<CameraStep>& steps, const Eigen::Vector3d& turning_axis,
+            const CalibrationOptions& options, Calibration& calibration) {
+  calibration.refinement = RefineFrom(calibration.linear.vehicle_from_camera, turning_axis, steps, options);
   if (options.body_lean) {
     const Eigen::Quaterniond leaning = calibration.refinement.vehicle_from_camera;
     calibration.lean = FitBodyLean(steps, leaning);
-    calibration.refinement =
-        RefineRotation(Measurements(Levelled(steps, leaning, calibration.lean)), leaning, options.refinement);
+    calibration.refinement = RefineFrom(leaning, turning_axis, Levelled(steps, leaning, calibration.lean), options);
   }
   calibration.vehicle_from_camera = calibration.refinement.vehicle_from_camera;
   const double of_lean = calibration.lean.sigma * calibration.lean.mean_acceleration;
@@ -108,7 +115,7 @@ Calibration Calibrate(const std::vector<CameraStep>& given, const CalibrationOpt
     linear.Add(motion, TurningAngle(motion.rotation, axis.direction()));
   }
   calibration.linear = linear.Solve();
-  Refine(steps, options, calibration);
+  Refine(steps, axis.direction(), options, calibration);
   calibration.angles = YawPitchRollFromRotation(calibration.vehicle_from_camera);
   calibration.sigma = SigmaOfAngles(calibration.vehicle_from_camera, calibration.covariance);
   std::vector<double> psi;

@@ -80,28 +80,28 @@ void OnlineCalibration::Retire() {
     window_.pop_front();
     return;
   }
-  const Refinement past = RefineRotation(Measurements(window_, 0, options_.retired_together),
-                                         refinement_->vehicle_from_camera, options_.calibration.refinement, before_);
+  const std::optional<Refinement> past = RefineSteps(options_.retired_together, refinement_->vehicle_from_camera);
   window_.erase(window_.begin(), window_.begin() + options_.retired_together);
+  if (!past) return;
   const Eigen::Matrix3d covariance =
-      FiniteCovariance(past) + options_.drift * options_.drift * Eigen::Matrix3d::Identity();
-  before_ = RotationPrior{past.vehicle_from_camera, covariance.inverse()};
+      FiniteCovariance(*past) + options_.drift * options_.drift * Eigen::Matrix3d::Identity();
+  before_ = RotationPrior{past->vehicle_from_camera, covariance.inverse()};
 }
 
 void OnlineCalibration::Refine() {
   // A rotation that the car's turns contradict came from too little turning: it is forgotten.
-  constexpr double kOneAxis = 0.94;  // cosine of 20 deg
-  const auto contradicts = [&](const Refinement& refinement) {
-    return (refinement.vehicle_from_camera * axis_.direction()).y() < kOneAxis;
-  };
-  if (refinement_ && contradicts(*refinement_)) {
+  if (refinement_ && ContradictsAxis(axis_.direction(), refinement_->vehicle_from_camera)) {
     refinement_.reset();
     before_.reset();
   }
   const Eigen::Quaterniond start =
       refinement_ ? refinement_->vehicle_from_camera : RotationFromForwardAndDown(way_, axis_.direction());
-  refinement_ = RefineRotation(Measurements(window_, 0, static_cast<int>(window_.size())), start,
-                               options_.calibration.refinement, before_);
+  if (const auto refined = RefineSteps(static_cast<int>(window_.size()), start)) refinement_ = refined;
+}
+
+std::optional<Refinement> OnlineCalibration::RefineSteps(int steps, const Eigen::Quaterniond& start) const {
+  return RefineRotationAbout(axis_.direction(), Measurements(window_, 0, steps), start, options_.calibration.refinement,
+                             before_);
 }
 
 // The latest steps by themselves against all steps before them.
@@ -114,8 +114,7 @@ bool OnlineCalibration::DisagreesOver(int steps) const {
   const Eigen::Quaterniond start = refinement_->vehicle_from_camera;
   const Refinement earlier = RefineRotation(Measurements(window_, 0, split), start, options, before_);
   // The roll of a few steps is noise, and would drag yaw and pitch along.
-  RotationPrior same_roll{earlier.vehicle_from_camera, Eigen::Matrix3d::Zero()};
-  same_roll.information(2, 2) = 1 / (options.road_bank * options.road_bank + 1e-6);
+  const RotationPrior same_roll = WithSameRoll(options, {}, earlier.vehicle_from_camera);
   const Refinement latest = RefineRotation(Measurements(window_, split, size), start, options, same_roll);
   if (!earlier.covariance.allFinite() || !latest.covariance.allFinite()) return false;
   const Eigen::Vector2d moved =

@@ -76,6 +76,8 @@ class OnlineCalibration {
   void Learn(const CameraStep& step);
   void Retire();
   void Refine();
+  /// The rotation that the first steps of the window and those before them give; empty where the turns contradict it.
+  std::optional<Refinement> RefineSteps(int steps, const Eigen::Quaterniond& start) const;
   bool DisagreesOver(int steps) const;
   bool LooksMoved();
   void Restart();

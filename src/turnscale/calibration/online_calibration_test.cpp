@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "turnscale/calibration/online_calibration.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -73,6 +74,36 @@ TEST(OnlineCalibration, NoticesAMovedCameraWithinThirtySeconds) {
     EXPECT_TRUE(online.state().usable);
     EXPECT_NEAR(online.state().angles.yaw, YawPitchRollFromRotation(moved).yaw, 0.01 * kDeg);
     EXPECT_NEAR(online.state().angles.pitch, YawPitchRollFromRotation(moved).pitch, 0.05 * kDeg);
+  }
+}
+
+// A street with a turn at each end: most steps are straight, and what turns there is the body's pitch on bumps.
+std::vector<CameraStep> PitchingSteps(int seed) {
+  std::vector<DriveSegment> route = {{40, 0.8, 0}};
+  for (const int side : {-1, 1, 1}) {
+    route.push_back({20, 0.4, side * 4.5 * kDeg});
+    route.push_back({260, 0.9, 0});
+  }
+  Trajectory path = TestPath(route, {1.5, 0}, Eigen::Quaterniond::Identity(), 0.03 * kDeg, seed);
+  Random random(static_cast<std::uint64_t>(100 + seed));
+  for (StampedPose& pose : path) {
+    pose.world_from_camera.rotation =
+        pose.world_from_camera.rotation * RotationFromVector({0.4 * kDeg * random.Gaussian(), 0, 0});
+  }
+  return StepsAlong(EveryFew(path));
+}
+
+TEST(OnlineCalibration, PitchingIsNotTakenForTurning) {
+  for (int seed = 1; seed <= 10; ++seed) {
+    OnlineCalibration online;
+    double largest_roll = 0;
+    for (const CameraStep& step : PitchingSteps(seed)) {
+      const OnlineState& state = online.Add(step);
+      if (state.usable) largest_roll = std::max(largest_roll, std::abs(state.angles.roll));
+    }
+    EXPECT_TRUE(online.state().usable) << seed;
+    EXPECT_LT(largest_roll, 10 * kDeg) << seed;
+    EXPECT_LT(std::abs(online.state().angles.yaw), 0.5 * kDeg) << seed;
   }
 }
 

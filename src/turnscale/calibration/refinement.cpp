@@ -336,4 +336,27 @@ Refinement RefineRotation(const std::vector<StepMeasurement>& steps, const Eigen
   return Refiner(steps, start, options, prior).Run();
 }
 
+RotationPrior WithSameRoll(const RefinementOptions& options, const std::optional<RotationPrior>& prior,
+                           const Eigen::Quaterniond& vehicle_from_camera) {
+  RotationPrior same_roll = prior.value_or(RotationPrior{vehicle_from_camera, Eigen::Matrix3d::Zero()});
+  same_roll.information(2, 2) += 1 / (options.road_bank * options.road_bank + 1e-6);
+  return same_roll;
+}
+
+bool ContradictsAxis(const Eigen::Vector3d& turning_axis, const Eigen::Quaterniond& vehicle_from_camera) {
+  constexpr double kOneAxis = 0.94;  // cosine of 20 deg
+  return (vehicle_from_camera * turning_axis).y() < kOneAxis;
+}
+
+std::optional<Refinement> RefineRotationAbout(const Eigen::Vector3d& turning_axis,
+                                              const std::vector<StepMeasurement>& steps,
+                                              const Eigen::Quaterniond& start, const RefinementOptions& options,
+                                              const std::optional<RotationPrior>& prior) {
+  Refinement refinement = RefineRotation(steps, start, options, prior);
+  if (!ContradictsAxis(turning_axis, refinement.vehicle_from_camera)) return refinement;
+  refinement = RefineRotation(steps, start, options, WithSameRoll(options, prior, start));
+  if (!ContradictsAxis(turning_axis, refinement.vehicle_from_camera)) return refinement;
+  return std::nullopt;
+}
+
 }  // namespace turnscale

@@ -79,4 +79,20 @@ Refinement RefineRotation(const std::vector<StepMeasurement>& steps, const Eigen
                           const RefinementOptions& options = {},
                           const std::optional<RotationPrior>& prior = std::nullopt);
 
+/// What is known before, and in addition that the roll is this rotation's, as far as roads' banks let one know.
+RotationPrior WithSameRoll(const RefinementOptions& options, const std::optional<RotationPrior>& prior,
+                           const Eigen::Quaterniond& vehicle_from_camera);
+
+/// RefineRotation, with the axis of the car's turns in the camera's frame (TurningAxis) known to be within 20 degrees
+/// of the vertical. Where few of the steps turn, (15) has a second minimum that takes the car's pitching for its
+/// turning and the turns for outliers; then the roll is the start's. Empty where even so the turns contradict the
+/// result.
+std::optional<Refinement> RefineRotationAbout(const Eigen::Vector3d& turning_axis,
+                                              const std::vector<StepMeasurement>& steps,
+                                              const Eigen::Quaterniond& start, const RefinementOptions& options = {},
+                                              const std::optional<RotationPrior>& prior = std::nullopt);
+
+/// Whether the turning axis is farther from the vertical of this rotation than roads and noise can make it.
+bool ContradictsAxis(const Eigen::Vector3d& turning_axis, const Eigen::Quaterniond& vehicle_from_camera);
+
 }  // namespace turnscale

@@ -2,6 +2,7 @@
 #include "turnscale/odometry/mount_calibration.h"
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 #include <optional>
 
@@ -10,12 +11,13 @@
 namespace turnscale {
 namespace {
 
-// Half a per cent of scale or so.
+// Half a per cent of scale or so. Roll is known worst, and changes a turn's angle by its cosine only.
 constexpr double kLeastChange = 0.05 / kDegreesPerRadian;
+constexpr double kLeastRollChange = 5 / kDegreesPerRadian;
 
-// Roll hardly matters to the scale, and is known worst.
-double YawAndPitchBetween(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b) {
-  return VectorFromRotation(a * b.conjugate()).head<2>().norm();
+bool AreClose(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b) {
+  const Eigen::Vector3d change = VectorFromRotation(a * b.conjugate());
+  return change.head<2>().norm() < kLeastChange && std::abs(change.z()) < kLeastRollChange;
 }
 
 OnlineCalibrationOptions OptionsFor(const Eigen::Quaterniond& assumed) {
@@ -54,7 +56,7 @@ bool MountCalibration::Learn(const Map& map, int last) {
     Mount& mount = mounts_.back();
     mount.found = true;
     mount.sigma = state.sigma;
-    if (YawAndPitchBetween(state.vehicle_from_camera, mount.vehicle_from_camera) < kLeastChange) continue;
+    if (AreClose(state.vehicle_from_camera, mount.vehicle_from_camera)) continue;
     mount.vehicle_from_camera = state.vehicle_from_camera;
     changed = true;
   }

@@ -3,19 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <limits>
 #include <optional>
 #include <string>
-#include <tuple>
-#include <unordered_set>
 #include <utility>
 
 #include "turnscale/base/error.h"
 #include "turnscale/base/quantiles.h"
 #include "turnscale/camera/camera_model.h"
-#include "turnscale/features/corners.h"
-#include "turnscale/geometry/rotation.h"
 #include "turnscale/mapping/landmarks.h"
 #include "turnscale/mapping/local_bundle_adjustment.h"
 #include "turnscale/mapping/map_scaling.h"
@@ -67,6 +62,7 @@ Odometry::Odometry(const OdometryOptions& options, const CameraModel& camera)
     : options_(Checked(options, camera)),
       camera_(camera),
       initializer_(options, camera),
+      tracker_(options_),
       motion_(options.motion),
       lens_(options_.lens),
       calibration_check_(options_.calibration_check),
@@ -82,17 +78,17 @@ FrameResult Odometry::Process(const cv::Mat& gray, double time) {
   if (!mapping_) return Initialize(image, result);
 
   const RigidTransform predicted = motion_.Predict(time);
-  if (Repeats(image, predicted, time)) {
+  if (time - motion_.time() <= options_.repeats.max_seconds && tracker_.IsRepeat(map_, camera_, image, predicted)) {
     result.state = TrackingState::kRepeated;
     return MetricResult(result, predicted);
   }
-  const std::optional<RigidTransform> tracked = Track(image, predicted, result);
-  if (!tracked) return Bridge(predicted, result);
-  if (!NeedsKeyframe(*tracked, result.inliers)) return MetricResult(result, *tracked);
+  const TrackedFrame tracked = Track(image, predicted, result);
+  if (!tracked.camera_from_world) return Bridge(predicted, result);
+  if (!tracker_.NeedsKeyframe(map_, tracked)) return MetricResult(result, *tracked.camera_from_world);
 
-  AddKeyframe(*tracked, result);
+  AddKeyframe(*tracked.camera_from_world, result);
   if (ObserveScale(result)) Settle();
-  ReplenishTracks(image);
+  tracker_.Replenish(camera_, image, map_);
   return MetricResult(result, map_.keyframes.back().camera_from_world);
 }
 
@@ -141,15 +137,14 @@ FrameResult Odometry::Initialize(const FlowImage& image, FrameResult result) {
   if (!map_.keyframes.empty()) result = Bridge(motion_.Predict(result.time), result);
   if (map_.keyframes.empty()) history_.AddWithoutPose(result);
   if (!start) return result;
-  StartMap(*start);
-  last_image_ = image;
+  StartMap(image, *start);
   result.state = TrackingState::kTracked;
-  result.inliers = landmarks_in_keyframe_;
+  result.inliers = static_cast<int>(std::ranges::count(start->has_point, 1));
   result.keyframe = true;
   return MetricResult(result, map_.keyframes.back().camera_from_world);
 }
 
-void Odometry::StartMap(const InitialMap& start) {
+void Odometry::StartMap(const FlowImage& image, const InitialMap& start) {
   const WaitingFrame& first = start.frames.front();
   const WaitingFrame& second = start.frames.back();
   const bool continues = !map_.keyframes.empty();
@@ -168,17 +163,16 @@ void Odometry::StartMap(const InitialMap& start) {
     map_.landmarks.push_back({first_from_world.inverse() * (unit * start.points[i]), start.has_point[i] != 0, {}});
     AddObservation(map_, keyframe, first_landmark + static_cast<int>(i), first.pixels[i]);
   }
-  tracks_.clear();
-  lost_tracks_.clear();
+  std::vector<FeatureTrack> tracks;
   for (size_t i = 0; i < second.features.size(); ++i) {
     const int landmark = first_landmark + second.features[i];
     AddObservation(map_, keyframe + 1, landmark, second.pixels[i]);
-    tracks_.push_back({landmark, start.second_pixels[i], second.pixels[i], second.pixels[i], start.first_image,
-                       start.first_pixels[second.features[i]], keyframe, keyframe + 1});
+    tracks.push_back({landmark, start.second_pixels[i], second.pixels[i], second.pixels[i], start.first_image,
+                      start.first_pixels[second.features[i]], keyframe, keyframe + 1});
   }
+  tracker_.Start(image, std::move(tracks), static_cast<int>(std::ranges::count(start.has_point, 1)));
   mapping_ = true;
   lost_frames_ = 0;
-  landmarks_in_keyframe_ = static_cast<int>(std::ranges::count(start.has_point, 1));
   scale_.Add(map_);
   LocateWaitingFrames(start, first_landmark, keyframe);
 }
@@ -228,16 +222,10 @@ void Odometry::LocateWaitingFrames(const InitialMap& start, int first_landmark, 
     result.keyframe = !moved;
     moved = &waiting;
     if (is_second) break;
-    result.state = Believable(estimate) ? TrackingState::kTracked : TrackingState::kBridged;
+    result.state = IsBelievable(options_.tracking, estimate) ? TrackingState::kTracked : TrackingState::kBridged;
     result.inliers = estimate.inliers;
     MetricResult(result, keyframe, result.keyframe ? map_.keyframes[keyframe].camera_from_world : pose);
   }
-}
-
-bool Odometry::Repeats(const FlowImage& image, const RigidTransform& predicted, double time) const {
-  return time - motion_.time() <= options_.repeats.max_seconds &&
-         IsRepeated(options_.repeats, options_.alignment, map_, camera_, last_image_.gray, image.gray, tracks_,
-                    predicted);
 }
 
 bool Odometry::Repeats(const WaitingFrame& before, const WaitingFrame& waiting, int first_landmark) const {
@@ -255,85 +243,15 @@ bool Odometry::Repeats(const WaitingFrame& before, const WaitingFrame& waiting, 
   return IsRepeated(options_.repeats, MedianMotion(motion));
 }
 
-std::optional<RigidTransform> Odometry::Track(const FlowImage& image, const RigidTransform& predicted,
-                                              FrameResult& result) {
-  auto [followed, estimate] = TrackFrom(image, predicted);
-  if (!Believable(estimate)) {
-    for (const RigidTransform& other : motion_.OtherPredictions(result.time)) {
-      std::tie(followed, estimate) = TrackFrom(image, other);
-      if (Believable(estimate)) break;
-    }
-  }
-  result.tracked = static_cast<int>(followed.found.size());
-  result.inliers = estimate.inliers;
-  if (!Believable(estimate)) return std::nullopt;
+TrackedFrame Odometry::Track(const FlowImage& image, const RigidTransform& predicted, FrameResult& result) {
+  TrackedFrame tracked = tracker_.Track(map_, camera_, image, motion_, predicted, result.time);
+  result.tracked = tracked.tracked;
+  result.inliers = tracked.inliers;
+  if (!tracked.camera_from_world) return tracked;
   result.state = TrackingState::kTracked;
-  tracks_ = std::move(followed.found);
-  lost_tracks_ = std::move(followed.lost);
-  last_image_ = image;
   lost_frames_ = 0;
-  motion_.Update(result.time, estimate.camera_from_world);
-  return estimate.camera_from_world;
-}
-
-std::pair<FollowedTracks, PoseEstimate> Odometry::TrackFrom(const FlowImage& image,
-                                                            const RigidTransform& predicted) const {
-  const std::vector<cv::Point2f> guesses = PredictPixels(map_, camera_, tracks_, motion_.last(), predicted);
-  FollowedTracks followed = FollowTracks(options_.flow, map_, camera_, last_image_, image, tracks_, guesses);
-  PoseEstimate estimate = EstimateFramePose(predicted, followed);
-  if (Believable(estimate)) {
-    AlignWithMap(image, estimate.camera_from_world, followed);
-    estimate = EstimateFramePose(estimate.camera_from_world, followed);
-  }
-  return {std::move(followed), std::move(estimate)};
-}
-
-PoseEstimate Odometry::EstimateFramePose(const RigidTransform& predicted, FollowedTracks& tracks) const {
-  std::vector<PointSighting> sightings;
-  for (const FeatureTrack& track : tracks.found)
-    if (map_.landmarks[track.landmark].valid)
-      sightings.push_back({map_.landmarks[track.landmark].position, track.undistorted});
-  PoseEstimate estimate = EstimatePose(options_.pose, camera_.pinhole, sightings, predicted);
-  // Outliers are mistracked or on moving objects.
-  size_t sighting = 0;
-  std::erase_if(tracks.found, [&](const FeatureTrack& track) {
-    const bool wrong = map_.landmarks[track.landmark].valid && estimate.inlier[sighting++] == 0;
-    if (wrong) tracks.lost.push_back(track);
-    return wrong;
-  });
-  return estimate;
-}
-
-void Odometry::AlignWithMap(const FlowImage& image, const RigidTransform& camera_from_world,
-                            FollowedTracks& tracks) const {
-  const auto has_depth = [&](const FeatureTrack& track) { return map_.landmarks[track.landmark].valid; };
-  std::vector<std::optional<cv::Point2f>> guesses;
-  for (const FeatureTrack& track : tracks.found)
-    guesses.push_back(has_depth(track) ? std::optional(track.pixel) : std::nullopt);
-  const std::vector<uchar> same =
-      AlignTracks(options_.alignment, map_, camera_, image.gray, camera_from_world, guesses, tracks.found);
-
-  // Search again for lost landmarks, at their predicted pixels.
-  std::vector<FeatureTrack> missing = lost_tracks_;
-  std::ranges::move(tracks.lost, std::back_inserter(missing));
-  FollowedTracks aligned;
-  for (size_t i = 0; i < tracks.found.size(); ++i)
-    (has_depth(tracks.found[i]) && same[i] == 0 ? missing : aligned.found).push_back(std::move(tracks.found[i]));
-  const int oldest = static_cast<int>(map_.keyframes.size()) - options_.tracking.memory_keyframes;
-  std::erase_if(missing, [&](const FeatureTrack& track) { return !has_depth(track) || track.last_keyframe < oldest; });
-  guesses.clear();
-  for (const FeatureTrack& track : missing)
-    guesses.push_back(PixelOf(map_, camera_, track.landmark, camera_from_world));
-  const std::vector<uchar> back =
-      AlignTracks(options_.alignment, map_, camera_, image.gray, camera_from_world, guesses, missing);
-  for (size_t i = 0; i < missing.size(); ++i)
-    (back[i] != 0 ? aligned.found : aligned.lost).push_back(std::move(missing[i]));
-  tracks = std::move(aligned);
-}
-
-bool Odometry::Believable(const PoseEstimate& estimate) const {
-  return estimate.inliers >= options_.tracking.min_inliers &&
-         estimate.inliers >= options_.tracking.min_inlier_share * static_cast<double>(estimate.inlier.size());
+  motion_.Update(result.time, *tracked.camera_from_world);
+  return tracked;
 }
 
 FrameResult Odometry::Bridge(const RigidTransform& predicted, FrameResult result) {
@@ -346,53 +264,22 @@ FrameResult Odometry::Bridge(const RigidTransform& predicted, FrameResult result
   return MetricResult(result, predicted);
 }
 
-bool Odometry::NeedsKeyframe(const RigidTransform& camera_from_world, int inliers) const {
-  const KeyframeOptions& limits = options_.keyframes;
-  if (inliers < limits.min_tracked_share * landmarks_in_keyframe_) return true;
-  const Eigen::Quaterniond turn =
-      camera_from_world.rotation * map_.keyframes.back().camera_from_world.rotation.conjugate();
-  if (RotationAngle(turn) * kDegreesPerRadian > limits.min_rotation_deg) return true;
-  std::vector<double> parallax;
-  for (const FeatureTrack& track : tracks_) {
-    if (!track.in_keyframe) continue;
-    const Eigen::Vector3d rotated = turn * map_.pinhole.Ray(*track.in_keyframe);
-    const Eigen::Vector3d seen = map_.pinhole.Ray(track.undistorted);
-    parallax.push_back(std::atan2(rotated.cross(seen).norm(), rotated.dot(seen)));
-  }
-  if (parallax.empty()) return true;
-  return Median(std::move(parallax)) * kDegreesPerRadian > limits.min_parallax_deg;
-}
-
 void Odometry::AddKeyframe(const RigidTransform& camera_from_world, FrameResult& result) {
   const int keyframe = static_cast<int>(map_.keyframes.size());
   map_.keyframes.push_back({result.frame, result.time, camera_from_world, {}, false});
   std::vector<int> seen;
-  for (const FeatureTrack& track : tracks_) {
+  for (const FeatureTrack& track : tracker_.tracks()) {
     AddObservation(map_, keyframe, track.landmark, track.undistorted);
     seen.push_back(track.landmark);
   }
   TriangulateLandmarks(options_.landmarks, seen, map_);
   const LocalBundleResult adjusted = AdjustLocalWindow(options_.local_bundle, map_);
-  const std::vector<int> lost = CullLandmarks(options_.landmarks, adjusted.landmarks, keyframe, map_);
-  const std::unordered_set<int> ended(lost.begin(), lost.end());
-  std::erase_if(tracks_, [&](const FeatureTrack& track) { return ended.contains(track.landmark); });
+  tracker_.Drop(CullLandmarks(options_.landmarks, adjusted.landmarks, keyframe, map_));
   RefineLens();
   if (calibration_check_.Observe(map_, camera_.radial_correction))
     calibration_sigma_ = CalibrationSigma(calibration_check_.Contradictions(), map_.pinhole.fx);
   motion_.Correct(map_.keyframes.back().camera_from_world, 1.0);
   result.keyframe = true;
-}
-
-void Odometry::ReplenishTracks(const FlowImage& image) {
-  landmarks_in_keyframe_ = static_cast<int>(
-      std::ranges::count_if(tracks_, [&](const FeatureTrack& track) { return map_.landmarks[track.landmark].valid; }));
-  for (FeatureTrack& track : tracks_) {
-    track.in_keyframe = track.undistorted;
-    track.last_keyframe = static_cast<int>(map_.keyframes.size()) - 1;
-  }
-  for (FeatureTrack& track : lost_tracks_) track.in_keyframe.reset();
-  RenewReferences(image);
-  DetectNewFeatures(image);
 }
 
 void Odometry::RefineLens() {
@@ -406,11 +293,7 @@ void Odometry::RefineLens() {
     for (KeyframeObservation& seen : map_.keyframes[k].observations) seen.pixel = corrected(seen.pixel);
   for (Landmark& landmark : map_.landmarks)
     for (LandmarkObservation& seen : landmark.observations) seen.pixel = corrected(seen.pixel);
-  for (std::vector<FeatureTrack>* tracks : {&tracks_, &lost_tracks_})
-    for (FeatureTrack& track : *tracks) {
-      track.undistorted = corrected(track.undistorted);
-      if (track.in_keyframe) track.in_keyframe = corrected(*track.in_keyframe);
-    }
+  tracker_.Correct(corrected);
   AdjustLocalWindow(options_.local_bundle, map_);
 }
 
@@ -446,13 +329,7 @@ void Odometry::Settle() {
   if (last - archive_.end() >= kArchivedTogether) Archive(last);
 }
 
-void Odometry::Archive(int last) {
-  const std::vector<int> new_index = archive_.Retire(last, camera_.radial_correction, map_);
-  for (std::vector<FeatureTrack>* tracks : {&tracks_, &lost_tracks_}) {
-    for (FeatureTrack& track : *tracks) track.landmark = new_index[track.landmark];
-    std::erase_if(*tracks, [](const FeatureTrack& track) { return track.landmark < 0; });
-  }
-}
+void Odometry::Archive(int last) { tracker_.Reindex(archive_.Retire(last, camera_.radial_correction, map_)); }
 
 void Odometry::AdjustWholeDrive() {
   // During the drive, earlier keyframes were fixed while later ones were adjusted. In long sections the scale drifts
@@ -486,36 +363,6 @@ void Odometry::FollowMap(int first, const std::vector<double>& factors, RigidTra
   history_.Rescale(first, factors);
   last_from_keyframe.translation *= factors.back();
   motion_.Correct(last_from_keyframe * map_.keyframes.back().camera_from_world, factors.back());
-}
-
-void Odometry::RenewReferences(const FlowImage& image) {
-  const int keyframe = static_cast<int>(map_.keyframes.size()) - 1;
-  const double limit = options_.keyframes.max_growth * options_.keyframes.max_growth;
-  const auto has_grown = [&](const FeatureTrack& track) {
-    if (!map_.landmarks[track.landmark].valid) return false;
-    const std::optional<Eigen::Matrix2d> current_from_reference =
-        CurrentFromReference(map_, camera_, track, map_.keyframes[keyframe].camera_from_world);
-    return current_from_reference && current_from_reference->determinant() >= limit;
-  };
-  for (FeatureTrack& track : tracks_) {
-    const bool is_old = keyframe - track.reference_keyframe >= options_.keyframes.max_reference_age;
-    if (!is_old && !has_grown(track)) continue;
-    track.reference_image = image.gray;
-    track.reference_pixel = track.pixel;
-    track.reference_keyframe = keyframe;
-  }
-}
-
-void Odometry::DetectNewFeatures(const FlowImage& image) {
-  const int keyframe = static_cast<int>(map_.keyframes.size()) - 1;
-  for (const cv::Point2f& corner : DetectCorners(options_.corners, image.gray, PixelsOf(tracks_))) {
-    const std::optional<Eigen::Vector2d> undistorted = camera_.Undistort({corner.x, corner.y});
-    if (!undistorted) continue;
-    const int landmark = static_cast<int>(map_.landmarks.size());
-    map_.landmarks.push_back({});
-    AddObservation(map_, keyframe, landmark, *undistorted);
-    tracks_.push_back({landmark, corner, *undistorted, *undistorted, image.gray, corner, keyframe, keyframe});
-  }
 }
 
 FrameResult Odometry::MetricResult(const FrameResult& result, const RigidTransform& camera_from_world) {

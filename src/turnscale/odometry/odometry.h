@@ -3,7 +3,6 @@
 
 #include <limits>
 #include <optional>
-#include <utility>
 #include <vector>
 
 #include <opencv2/core/mat.hpp>
@@ -14,10 +13,9 @@
 #include "turnscale/mapping/lens_refinement.h"
 #include "turnscale/mapping/map.h"
 #include "turnscale/mapping/map_archive.h"
-#include "turnscale/mapping/pose_estimation.h"
 #include "turnscale/odometry/drive_scale.h"
-#include "turnscale/odometry/feature_tracks.h"
 #include "turnscale/odometry/frame_history.h"
+#include "turnscale/odometry/frame_tracker.h"
 #include "turnscale/odometry/map_initializer.h"
 #include "turnscale/odometry/motion_model.h"
 #include "turnscale/odometry/options.h"
@@ -79,19 +77,12 @@ class Odometry {
   void CheckImage(const cv::Mat& gray);
   FrameResult NewFrame(double time, TrackingState state);
   FrameResult Initialize(const FlowImage& image, FrameResult result);
-  void StartMap(const InitialMap& start);
+  void StartMap(const FlowImage& image, const InitialMap& start);
   UnitGuess UnitAfterGap(const InitialMap& start) const;
   void LocateWaitingFrames(const InitialMap& start, int first_landmark, int keyframe);
-  bool Repeats(const FlowImage& image, const RigidTransform& predicted, double time) const;
   bool Repeats(const WaitingFrame& before, const WaitingFrame& waiting, int first_landmark) const;
-  /// The camera's pose by tracking from the predicted pose, or where that fails from others; empty where all fail.
-  std::optional<RigidTransform> Track(const FlowImage& image, const RigidTransform& predicted, FrameResult& result);
-  std::pair<FollowedTracks, PoseEstimate> TrackFrom(const FlowImage& image, const RigidTransform& predicted) const;
-  PoseEstimate EstimateFramePose(const RigidTransform& predicted, FollowedTracks& tracks) const;
-  void AlignWithMap(const FlowImage& image, const RigidTransform& camera_from_world, FollowedTracks& tracks) const;
-  bool Believable(const PoseEstimate& estimate) const;
+  TrackedFrame Track(const FlowImage& image, const RigidTransform& predicted, FrameResult& result);
   FrameResult Bridge(const RigidTransform& predicted, FrameResult result);
-  bool NeedsKeyframe(const RigidTransform& camera_from_world, int inliers) const;
   void AddKeyframe(const RigidTransform& camera_from_world, FrameResult& result);
   void RefineLens();
   /// Updates the scale with the latest keyframe. Returns whether Settle is due: it ended a turn, or many keyframes have
@@ -110,9 +101,6 @@ class Odometry {
   void FollowMap(int first, const std::vector<double>& factors, RigidTransform last_from_keyframe);
   /// The latest frame as seen from the latest keyframe.
   RigidTransform LastFromKeyframe() const;
-  void ReplenishTracks(const FlowImage& image);
-  void RenewReferences(const FlowImage& image);
-  void DetectNewFeatures(const FlowImage& image);
   /// Stores the frame's pose, and returns it in metres if the scale is known.
   FrameResult MetricResult(const FrameResult& result, const RigidTransform& camera_from_world);
   FrameResult MetricResult(FrameResult result, int keyframe, const RigidTransform& camera_from_world);
@@ -120,6 +108,7 @@ class Odometry {
   OdometryOptions options_;
   CameraModel camera_;
   MapInitializer initializer_;
+  FrameTracker tracker_;
   MotionModel motion_;
   LensRefinement lens_;
   CalibrationCheck calibration_check_;
@@ -131,10 +120,6 @@ class Odometry {
   std::optional<RefinedScale> refined_;   ///< once the drive is over
   double calibration_sigma_ = 0;          ///< added to the online sigma for an inconsistent calibration
 
-  FlowImage last_image_;                   ///< the latest one whose pose was measured
-  std::vector<FeatureTrack> tracks_;       ///< what it shows
-  std::vector<FeatureTrack> lost_tracks_;  ///< recently seen landmarks that are not in it
-  int landmarks_in_keyframe_ = 0;          ///< with a depth, when the last keyframe was made
   bool finished_ = false;
   bool mapping_ = false;  ///< there is a map to track against
   int lost_frames_ = 0;   ///< consecutive, up to now

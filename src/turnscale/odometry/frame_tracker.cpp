@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/odometry/frame_tracker.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <tuple>
+#include <unordered_set>
+
+#include "turnscale/base/quantiles.h"
+#include "turnscale/features/corners.h"
+#include "turnscale/geometry/rotation.h"
+#include "turnscale/odometry/repeated_image.h"
+
+namespace turnscale {
+namespace {
+
+// Tracks that contradict the pose count as lost: mistracked, or on moving objects.
+PoseEstimate EstimateFramePose(const PoseEstimationOptions& options, const Map& map, const RigidTransform& predicted,
+                               FollowedTracks& tracks) {
+  std::vector<PointSighting> sightings;
+  for (const FeatureTrack& track : tracks.found)
+    if (map.landmarks[track.landmark].valid)
+      sightings.push_back({map.landmarks[track.landmark].position, track.undistorted});
+  PoseEstimate estimate = EstimatePose(options, map.pinhole, sightings, predicted);
+  size_t sighting = 0;
+  std::erase_if(tracks.found, [&](const FeatureTrack& track) {
+    const bool wrong = map.landmarks[track.landmark].valid && estimate.inlier[sighting++] == 0;
+    if (wrong) tracks.lost.push_back(track);
+    return wrong;
+  });
+  return estimate;
+}
+
+}  // namespace
+
+bool IsBelievable(const TrackingOptions& options, const PoseEstimate& estimate) {
+  return estimate.inliers >= options.min_inliers &&
+         estimate.inliers >= options.min_inlier_share * static_cast<double>(estimate.inlier.size());
+}
+
+void FrameTracker::Start(const FlowImage& image, std::vector<FeatureTrack> tracks, int landmarks) {
+  last_image_ = image;
+  tracks_ = std::move(tracks);
+  lost_tracks_.clear();
+  landmarks_in_keyframe_ = landmarks;
+}
+
+bool FrameTracker::IsRepeat(const Map& map, const CameraModel& camera, const FlowImage& image,
+                            const RigidTransform& predicted) const {
+  return IsRepeated(options_.repeats, options_.alignment, map, camera, last_image_.gray, image.gray, tracks_,
+                    predicted);
+}
+
+TrackedFrame FrameTracker::Track(const Map& map, const CameraModel& camera, const FlowImage& image,
+                                 const MotionModel& motion, const RigidTransform& predicted, double time) {
+  auto [followed, estimate] = TrackFrom(map, camera, image, motion.last(), predicted);
+  if (!IsBelievable(options_.tracking, estimate)) {
+    for (const RigidTransform& other : motion.OtherPredictions(time)) {
+      std::tie(followed, estimate) = TrackFrom(map, camera, image, motion.last(), other);
+      if (IsBelievable(options_.tracking, estimate)) break;
+    }
+  }
+  TrackedFrame frame{static_cast<int>(followed.found.size()), estimate.inliers, std::nullopt};
+  if (!IsBelievable(options_.tracking, estimate)) return frame;
+  tracks_ = std::move(followed.found);
+  lost_tracks_ = std::move(followed.lost);
+  last_image_ = image;
+  frame.camera_from_world = estimate.camera_from_world;
+  return frame;
+}
+
+std::pair<FollowedTracks, PoseEstimate> FrameTracker::TrackFrom(const Map& map, const CameraModel& camera,
+                                                                const FlowImage& image, const RigidTransform& last,
+                                                                const RigidTransform& predicted) const {
+  const std::vector<cv::Point2f> guesses = PredictPixels(map, camera, tracks_, last, predicted);
+  FollowedTracks followed = FollowTracks(options_.flow, map, camera, last_image_, image, tracks_, guesses);
+  PoseEstimate estimate = EstimateFramePose(options_.pose, map, predicted, followed);
+  if (IsBelievable(options_.tracking, estimate)) {
+    AlignWithMap(map, camera, image, estimate.camera_from_world, followed);
+    estimate = EstimateFramePose(options_.pose, map, estimate.camera_from_world, followed);
+  }
+  return {std::move(followed), std::move(estimate)};
+}
+
+void FrameTracker::AlignWithMap(const Map& map, const CameraModel& camera, const FlowImage& image,
+                                const RigidTransform& camera_from_world, FollowedTracks& tracks) const {
+  const auto has_depth = [&](const FeatureTrack& track) { return map.landmarks[track.landmark].valid; };
+  std::vector<std::optional<cv::Point2f>> guesses;
+  for (const FeatureTrack& track : tracks.found)
+    guesses.push_back(has_depth(track) ? std::optional(track.pixel) : std::nullopt);
+  const std::vector<uchar> same =
+      AlignTracks(options_.alignment, map, camera, image.gray, camera_from_world, guesses, tracks.found);
+
+  // Search again for lost landmarks, at their predicted pixels.
+  std::vector<FeatureTrack> missing = lost_tracks_;
+  std::ranges::move(tracks.lost, std::back_inserter(missing));
+  FollowedTracks aligned;
+  for (size_t i = 0; i < tracks.found.size(); ++i)
+    (has_depth(tracks.found[i]) && same[i] == 0 ? missing : aligned.found).push_back(std::move(tracks.found[i]));
+  const int oldest = static_cast<int>(map.keyframes.size()) - options_.tracking.memory_keyframes;
+  std::erase_if(missing, [&](const FeatureTrack& track) { return !has_depth(track) || track.last_keyframe < oldest; });
+  guesses.clear();
+  for (const FeatureTrack& track : missing) guesses.push_back(PixelOf(map, camera, track.landmark, camera_from_world));
+  const std::vector<uchar> back =
+      AlignTracks(options_.alignment, map, camera, image.gray, camera_from_world, guesses, missing);
+  for (size_t i = 0; i < missing.size(); ++i)
+    (back[i] != 0 ? aligned.found : aligned.lost).push_back(std::move(missing[i]));
+  tracks = std::move(aligned);
+}
+
+bool FrameTracker::NeedsKeyframe(const Map& map, const TrackedFrame& frame) const {
+  const KeyframeOptions& limits = options_.keyframes;
+  if (frame.inliers < limits.min_tracked_share * landmarks_in_keyframe_) return true;
+  const Eigen::Quaterniond turn =
+      frame.camera_from_world->rotation * map.keyframes.back().camera_from_world.rotation.conjugate();
+  if (RotationAngle(turn) * kDegreesPerRadian > limits.min_rotation_deg) return true;
+  std::vector<double> parallax;
+  for (const FeatureTrack& track : tracks_) {
+    if (!track.in_keyframe) continue;
+    const Eigen::Vector3d rotated = turn * map.pinhole.Ray(*track.in_keyframe);
+    const Eigen::Vector3d seen = map.pinhole.Ray(track.undistorted);
+    parallax.push_back(std::atan2(rotated.cross(seen).norm(), rotated.dot(seen)));
+  }
+  if (parallax.empty()) return true;
+  return Median(std::move(parallax)) * kDegreesPerRadian > limits.min_parallax_deg;
+}
+
+void FrameTracker::Replenish(const CameraModel& camera, const FlowImage& image, Map& map) {
+  landmarks_in_keyframe_ = static_cast<int>(
+      std::ranges::count_if(tracks_, [&](const FeatureTrack& track) { return map.landmarks[track.landmark].valid; }));
+  for (FeatureTrack& track : tracks_) {
+    track.in_keyframe = track.undistorted;
+    track.last_keyframe = static_cast<int>(map.keyframes.size()) - 1;
+  }
+  for (FeatureTrack& track : lost_tracks_) track.in_keyframe.reset();
+  RenewReferences(map, camera, image);
+  DetectNewFeatures(camera, image, map);
+}
+
+void FrameTracker::RenewReferences(const Map& map, const CameraModel& camera, const FlowImage& image) {
+  const int keyframe = static_cast<int>(map.keyframes.size()) - 1;
+  const double limit = options_.keyframes.max_growth * options_.keyframes.max_growth;
+  const auto has_grown = [&](const FeatureTrack& track) {
+    if (!map.landmarks[track.landmark].valid) return false;
+    const std::optional<Eigen::Matrix2d> current_from_reference =
+        CurrentFromReference(map, camera, track, map.keyframes[keyframe].camera_from_world);
+    return current_from_reference && current_from_reference->determinant() >= limit;
+  };
+  for (FeatureTrack& track : tracks_) {
+    const bool is_old = keyframe - track.reference_keyframe >= options_.keyframes.max_reference_age;
+    if (!is_old && !has_grown(track)) continue;
+    track.reference_image = image.gray;
+    track.reference_pixel = track.pixel;
+    track.reference_keyframe = keyframe;
+  }
+}
+
+void FrameTracker::DetectNewFeatures(const CameraModel& camera, const FlowImage& image, Map& map) {
+  const int keyframe = static_cast<int>(map.keyframes.size()) - 1;
+  for (const cv::Point2f& corner : DetectCorners(options_.corners, image.gray, PixelsOf(tracks_))) {
+    const std::optional<Eigen::Vector2d> undistorted = camera.Undistort({corner.x, corner.y});
+    if (!undistorted) continue;
+    const int landmark = static_cast<int>(map.landmarks.size());
+    map.landmarks.push_back({});
+    AddObservation(map, keyframe, landmark, *undistorted);
+    tracks_.push_back({landmark, corner, *undistorted, *undistorted, image.gray, corner, keyframe, keyframe});
+  }
+}
+
+void FrameTracker::Drop(const std::vector<int>& landmarks) {
+  const std::unordered_set<int> ended(landmarks.begin(), landmarks.end());
+  std::erase_if(tracks_, [&](const FeatureTrack& track) { return ended.contains(track.landmark); });
+}
+
+void FrameTracker::Reindex(const std::vector<int>& new_index) {
+  for (std::vector<FeatureTrack>* tracks : {&tracks_, &lost_tracks_}) {
+    for (FeatureTrack& track : *tracks) track.landmark = new_index[track.landmark];
+    std::erase_if(*tracks, [](const FeatureTrack& track) { return track.landmark < 0; });
+  }
+}
+
+void FrameTracker::Correct(const std::function<Eigen::Vector2d(const Eigen::Vector2d&)>& corrected) {
+  for (std::vector<FeatureTrack>* tracks : {&tracks_, &lost_tracks_})
+    for (FeatureTrack& track : *tracks) {
+      track.undistorted = corrected(track.undistorted);
+      if (track.in_keyframe) track.in_keyframe = corrected(*track.in_keyframe);
+    }
+}
+
+}  // namespace turnscale

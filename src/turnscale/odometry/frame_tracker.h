@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "turnscale/camera/camera_model.h"
+#include "turnscale/features/optical_flow.h"
+#include "turnscale/geometry/rigid_transform.h"
+#include "turnscale/mapping/map.h"
+#include "turnscale/mapping/pose_estimation.h"
+#include "turnscale/odometry/feature_tracks.h"
+#include "turnscale/odometry/motion_model.h"
+#include "turnscale/odometry/options.h"
+
+namespace turnscale {
+
+/// Whether a pose has enough inliers to be taken for the camera's.
+bool IsBelievable(const TrackingOptions& options, const PoseEstimate& estimate);
+
+struct TrackedFrame {
+  int tracked = 0;  ///< features found in the image
+  int inliers = 0;  ///< of those with a depth
+  /// Empty where tracking failed; the tracks are then those of the image before.
+  std::optional<RigidTransform> camera_from_world;
+};
+
+/// Tracks the map's landmarks from image to image and estimates the camera's pose from them. Map and camera are the
+/// caller's; only Replenish adds to the map.
+class FrameTracker {
+ public:
+  explicit FrameTracker(const OdometryOptions& options) : options_(options) {}
+
+  /// Begins anew with what an image shows; `landmarks` of it have a depth.
+  void Start(const FlowImage& image, std::vector<FeatureTrack> tracks, int landmarks);
+
+  /// Whether the image is the last one once more.
+  bool IsRepeat(const Map& map, const CameraModel& camera, const FlowImage& image,
+                const RigidTransform& predicted) const;
+
+  /// The camera's pose in the next image, taken at `time` seconds: searched from the predicted pose, then from the
+  /// motion model's others.
+  TrackedFrame Track(const Map& map, const CameraModel& camera, const FlowImage& image, const MotionModel& motion,
+                     const RigidTransform& predicted, double time);
+
+  /// Whether the image that was tracked last has to become a keyframe.
+  bool NeedsKeyframe(const Map& map, const TrackedFrame& frame) const;
+
+  /// The image that was tracked last is the map's latest keyframe: renews reference images, and adds new features as
+  /// landmarks without a depth.
+  void Replenish(const CameraModel& camera, const FlowImage& image, Map& map);
+
+  /// What the latest image shows.
+  const std::vector<FeatureTrack>& tracks() const { return tracks_; }
+
+  /// Ends the tracks of landmarks.
+  void Drop(const std::vector<int>& landmarks);
+
+  /// Landmarks have moved to other indices; -1: they are gone.
+  void Reindex(const std::vector<int>& new_index);
+
+  /// Undistorted pixels have changed.
+  void Correct(const std::function<Eigen::Vector2d(const Eigen::Vector2d&)>& corrected);
+
+ private:
+  std::pair<FollowedTracks, PoseEstimate> TrackFrom(const Map& map, const CameraModel& camera, const FlowImage& image,
+                                                    const RigidTransform& last, const RigidTransform& predicted) const;
+  void AlignWithMap(const Map& map, const CameraModel& camera, const FlowImage& image,
+                    const RigidTransform& camera_from_world, FollowedTracks& tracks) const;
+  void RenewReferences(const Map& map, const CameraModel& camera, const FlowImage& image);
+  void DetectNewFeatures(const CameraModel& camera, const FlowImage& image, Map& map);
+
+  OdometryOptions options_;
+  FlowImage last_image_;                   ///< the latest one whose pose was measured
+  std::vector<FeatureTrack> tracks_;       ///< what it shows
+  std::vector<FeatureTrack> lost_tracks_;  ///< recently seen landmarks that are not in it
+  int landmarks_in_keyframe_ = 0;          ///< with a depth, when the last keyframe was made
+};
+
+}  // namespace turnscale

@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/odometry/frame_tracker.h"
+
+#include <cmath>
+#include <random>
+#include <set>
+
+#include <gtest/gtest.h>
+
+#include "turnscale/features/synthetic_texture.h"
+
+namespace turnscale {
+namespace {
+
+constexpr double kWallDepth = 10;
+constexpr double kInterval = 0.1;  // seconds
+
+// A textured wall straight ahead, all of whose landmarks have their depth; the camera moves to the right and the image
+// to the left.
+class FrameTracking : public testing::Test {
+ protected:
+  FrameTracking() {
+    camera_.pinhole = {400, 400, 160, 120};
+    camera_.width = 320;
+    camera_.height = 240;
+    map_.pinhole = camera_.pinhole;
+    map_.keyframes.push_back({0, 0, {}, {}, false});
+    const FlowImage image = Seen(0);
+    std::vector<FeatureTrack> tracks;
+    for (int row = 24; row <= 216; row += 16)
+      for (int column = 24; column <= 296; column += 16) {
+        const Eigen::Vector2d pixel(column + 0.3, row - 0.2);
+        const int landmark = static_cast<int>(map_.landmarks.size());
+        map_.landmarks.push_back({kWallDepth * camera_.pinhole.Ray(pixel), true, {}});
+        AddObservation(map_, 0, landmark, pixel);
+        const cv::Point2f shown(static_cast<float>(pixel.x()), static_cast<float>(pixel.y()));
+        tracks.push_back({landmark, shown, pixel, pixel, image.gray, shown, 0, 0});
+      }
+    const int landmarks = static_cast<int>(tracks.size());
+    tracker_.Start(image, std::move(tracks), landmarks);
+    motion_.Restart(0, {});
+  }
+
+  RigidTransform Moved(double pixels) const {
+    return {Eigen::Quaterniond::Identity(), {-pixels * kWallDepth / camera_.pinhole.fx, 0, 0}};
+  }
+
+  FlowImage Seen(double pixels) const {
+    return BuildFlowImage(options_.flow, MakeImage({camera_.width, camera_.height}, [&](const Eigen::Vector2d& pixel) {
+                            return texture_.At(pixel + Eigen::Vector2d(pixels, 0));
+                          }));
+  }
+
+  FlowImage Noise() const {
+    std::mt19937 random(3);
+    std::uniform_real_distribution<double> gray(0, 255);
+    return BuildFlowImage(options_.flow, MakeImage({camera_.width, camera_.height},
+                                                   [&](const Eigen::Vector2d&) { return gray(random); }));
+  }
+
+  TrackedFrame Track(const FlowImage& image, double predicted_pixels) {
+    return tracker_.Track(map_, camera_, image, motion_, Moved(predicted_pixels), kInterval);
+  }
+
+  OdometryOptions options_;
+  CameraModel camera_;
+  Map map_;
+  SyntheticTexture texture_{11};
+  FrameTracker tracker_{options_};
+  MotionModel motion_;
+};
+
+TEST_F(FrameTracking, FindsThePose) {
+  const int before = static_cast<int>(tracker_.tracks().size());
+  const TrackedFrame frame = Track(Seen(6.4), 4);
+  ASSERT_TRUE(frame.camera_from_world);
+  EXPECT_GT(frame.inliers, 0.9 * before);
+  EXPECT_EQ(frame.tracked, static_cast<int>(tracker_.tracks().size()));
+  // A twentieth of a pixel.
+  EXPECT_LT((frame.camera_from_world->translation - Moved(6.4).translation).norm(), 0.05 * kWallDepth / 400);
+}
+
+TEST_F(FrameTracking, FindsThePoseFromAnotherPrediction) {
+  // The prediction is out of the optical flow's reach; that the camera stands still is right.
+  motion_.Update(kInterval, {});
+  const TrackedFrame frame = tracker_.Track(map_, camera_, Seen(0.3), motion_, Moved(250), 2 * kInterval);
+  ASSERT_TRUE(frame.camera_from_world);
+  EXPECT_LT((frame.camera_from_world->translation - Moved(0.3).translation).norm(), 0.05 * kWallDepth / 400);
+}
+
+TEST_F(FrameTracking, WhatShowsNothingKnownLeavesTheTracks) {
+  const size_t before = tracker_.tracks().size();
+  const TrackedFrame frame = Track(Noise(), 0);
+  EXPECT_FALSE(frame.camera_from_world);
+  EXPECT_EQ(tracker_.tracks().size(), before);
+  EXPECT_TRUE(Track(Seen(5), 3).camera_from_world) << "the next image is tracked from the last good one";
+}
+
+TEST_F(FrameTracking, AnImageThatIsTheLastOneIsARepeat) {
+  EXPECT_TRUE(tracker_.IsRepeat(map_, camera_, Seen(0), Moved(5)));
+  EXPECT_FALSE(tracker_.IsRepeat(map_, camera_, Seen(5), Moved(5)));
+}
+
+TEST_F(FrameTracking, AKeyframeIsDueAfterEnoughParallax) {
+  const double due = 400 * std::tan(options_.keyframes.min_parallax_deg * M_PI / 180);
+  const TrackedFrame little = Track(Seen(0.8 * due), 0.8 * due);
+  ASSERT_TRUE(little.camera_from_world);
+  EXPECT_FALSE(tracker_.NeedsKeyframe(map_, little));
+  const TrackedFrame enough = Track(Seen(1.2 * due), 1.2 * due);
+  ASSERT_TRUE(enough.camera_from_world);
+  EXPECT_TRUE(tracker_.NeedsKeyframe(map_, enough));
+}
+
+TEST_F(FrameTracking, AKeyframeGetsNewFeatures) {
+  const FlowImage image = Seen(20);
+  const TrackedFrame frame = Track(image, 20);
+  ASSERT_TRUE(frame.camera_from_world);
+  map_.keyframes.push_back({1, kInterval, *frame.camera_from_world, {}, false});
+  const size_t tracked = tracker_.tracks().size();
+  const size_t landmarks = map_.landmarks.size();
+  tracker_.Replenish(camera_, image, map_);
+  EXPECT_GT(map_.landmarks.size(), landmarks);
+  EXPECT_EQ(tracker_.tracks().size() - tracked, map_.landmarks.size() - landmarks);
+  EXPECT_FALSE(map_.landmarks.back().valid) << "its depth is not known yet";
+  for (const FeatureTrack& track : tracker_.tracks()) {
+    EXPECT_EQ(track.last_keyframe, 1);
+    EXPECT_EQ(*track.in_keyframe, track.undistorted);
+  }
+}
+
+TEST_F(FrameTracking, LandmarksThatGoTakeTheirTracksAlong) {
+  const size_t before = tracker_.tracks().size();
+  tracker_.Drop({3, 7});
+  ASSERT_EQ(tracker_.tracks().size(), before - 2);
+  std::vector<int> new_index(before, -1);
+  for (size_t i = 10; i < before; ++i) new_index[i] = static_cast<int>(i) - 10;
+  tracker_.Reindex(new_index);
+  ASSERT_EQ(tracker_.tracks().size(), before - 10);
+  std::set<int> seen;
+  for (const FeatureTrack& track : tracker_.tracks()) seen.insert(track.landmark);
+  EXPECT_EQ(*seen.begin(), 0);
+  EXPECT_EQ(*seen.rbegin(), static_cast<int>(before) - 11);
+}
+
+TEST_F(FrameTracking, CorrectedPixelsAreThoseOfTracksAndKeyframe) {
+  const FeatureTrack before = tracker_.tracks().front();
+  tracker_.Correct([](const Eigen::Vector2d& pixel) -> Eigen::Vector2d { return pixel + Eigen::Vector2d(1, -2); });
+  const FeatureTrack& after = tracker_.tracks().front();
+  EXPECT_EQ(after.undistorted, before.undistorted + Eigen::Vector2d(1, -2));
+  EXPECT_EQ(*after.in_keyframe, *before.in_keyframe + Eigen::Vector2d(1, -2));
+  EXPECT_EQ(after.pixel, before.pixel);
+}
+
+}  // namespace
+}  // namespace turnscale
