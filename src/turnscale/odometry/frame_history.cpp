@@ -43,11 +43,17 @@ Eigen::Vector3d MetricPath::InMetres(const Map& map, int keyframe, const Eigen::
   return centres[keyframe] + metres_per_unit[keyframe] * (point - Centre(map.keyframes[keyframe]));
 }
 
-void FrameHistory::AddWithoutPose(const FrameResult& result) { entries_.push_back({result, -1, {}}); }
+FrameHistory::Entry FrameHistory::EntryOf(const FrameResult& result) {
+  return {result.time, result.tracked, result.inliers, result.state, result.keyframe, -1, {}};
+}
+
+void FrameHistory::AddWithoutPose(const FrameResult& result) { entries_.push_back(EntryOf(result)); }
 
 void FrameHistory::Add(const FrameResult& result, const Map& map, int keyframe,
                        const RigidTransform& camera_from_world) {
-  const Entry entry{result, keyframe, camera_from_world * map.keyframes[keyframe].camera_from_world.inverse()};
+  Entry entry = EntryOf(result);
+  entry.keyframe = keyframe;
+  entry.frame_from_keyframe = camera_from_world * map.keyframes[keyframe].camera_from_world.inverse();
   if (result.frame < static_cast<int>(entries_.size()))
     entries_[result.frame] = entry;
   else
@@ -73,7 +79,13 @@ std::vector<FrameResult> FrameHistory::Refined(const Map& map, const MetricPath&
   std::vector<FrameResult> frames;
   frames.reserve(entries_.size());
   for (const Entry& entry : entries_) {
-    FrameResult frame = entry.result;
+    FrameResult frame;
+    frame.frame = static_cast<int>(frames.size());
+    frame.time = entry.time;
+    frame.state = entry.state;
+    frame.tracked = entry.tracked;
+    frame.inliers = entry.inliers;
+    frame.keyframe = entry.is_keyframe;
     if (entry.keyframe >= 0) {
       const RigidTransform pose =
           (entry.frame_from_keyframe * map.keyframes[entry.keyframe].camera_from_world).inverse();

@@ -38,16 +38,22 @@ class FrameHistory {
   std::vector<int> Keyframes() const;
 
   /// All frames with their current poses, from the map and the metric path. Poses of bridged frames are interpolated
-  /// between measured ones; frames before the first pose have that pose, once there is
-  /// one.
+  /// between measured ones; frames before the first pose have that pose, once there is one.
   std::vector<FrameResult> Refined(const Map& map, const MetricPath& path) const;
 
  private:
+  /// What cannot be computed from the map and the scale: there are many frames.
   struct Entry {
-    FrameResult result;
+    double time = 0;
+    int tracked = 0;
+    int inliers = 0;
+    TrackingState state = TrackingState::kInitializing;
+    bool is_keyframe = false;
     int keyframe = -1;  ///< -1 while the frame has no pose
     RigidTransform frame_from_keyframe;
   };
+  static Entry EntryOf(const FrameResult& result);
+
   std::deque<Entry> entries_;  ///< index is the frame's number; keyframes ascend but for those around a restart
 };
 
