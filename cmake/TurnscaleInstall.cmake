@@ -24,7 +24,6 @@ foreach(part IN ITEMS library io laboratory simulation)
       PATTERN "synthetic_*.h" EXCLUDE
       PATTERN "*_reference.h" EXCLUDE
       PATTERN "test_*.h" EXCLUDE
-      PATTERN "scratch_path.h" EXCLUDE
       PATTERN "refused_field.h" EXCLUDE)
   endforeach()
 endforeach()

@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "command_line.h"
-#include "turnscale/base/scratch_path.h"
+#include "turnscale/base/test_files.h"
 #include "turnscale/calibration/test_drive.h"
 #include "turnscale/io/settings.h"
 #include "turnscale/io/trajectory_file.h"

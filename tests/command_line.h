@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "text_of.h"
+#include "turnscale/base/test_files.h"
 
 namespace turnscale {
 

@@ -16,7 +16,7 @@
 
 #include "command_line.h"
 #include "rendered_room.h"
-#include "turnscale/base/scratch_path.h"
+#include "turnscale/base/test_files.h"
 #include "turnscale/io/settings.h"
 #include "turnscale/io/trajectory_file.h"
 

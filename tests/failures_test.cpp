@@ -18,14 +18,13 @@
 #include "failing_memory.h"
 #include "rendered_room.h"
 #include "result_files.h"
-#include "text_of.h"
 #include "turnscale/base/error.h"
-#include "turnscale/base/scratch_path.h"
+#include "turnscale/base/test_files.h"
 #include "turnscale/camera/camera_file.h"
 #include "turnscale/io/drive_input.h"
-#include "turnscale/io/message.h"
 #include "turnscale/io/output_file.h"
 #include "turnscale/io/run_drive.h"
+#include "turnscale/io/terminal.h"
 #include "turnscale/io/trajectory_file.h"
 
 namespace turnscale {

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: MIT
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <string>
 #include <vector>
 
@@ -9,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "command_line.h"
-#include "turnscale/base/scratch_path.h"
+#include "turnscale/base/test_files.h"
 
 namespace turnscale {
 namespace {
@@ -26,10 +24,7 @@ class LabTest : public ::testing::Test {
     return RunCommand(arguments, folder_);
   }
 
-  std::string Text(const fs::path& file) const {
-    std::ifstream stream(folder_ / file);
-    return {std::istreambuf_iterator<char>(stream), {}};
-  }
+  std::string Text(const fs::path& file) const { return TextOf(folder_ / file); }
 
   fs::path folder_;
 };

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <regex>
 #include <sstream>
 #include <string>
@@ -13,15 +11,14 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "turnscale/base/test_files.h"
+
 namespace turnscale {
 namespace {
 
 namespace fs = std::filesystem;
 
-std::string Document(const std::string& name) {
-  std::ifstream file(fs::path(TURNSCALE_SOURCE_FOLDER) / "docs" / name);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
+std::string Document(const std::string& name) { return TextOf(fs::path(TURNSCALE_SOURCE_FOLDER) / "docs" / name); }
 
 std::vector<double> Numbers(const nlohmann::json& json) {
   std::vector<double> numbers;

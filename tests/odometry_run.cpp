@@ -7,8 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "turnscale/evaluation/association.h"
-#include "turnscale/evaluation/position_error.h"
-#include "turnscale/evaluation/step_error.h"
+#include "turnscale/evaluation/evaluation.h"
 #include "turnscale/odometry/odometry.h"
 
 namespace turnscale {

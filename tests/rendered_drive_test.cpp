@@ -12,7 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "command_line.h"
-#include "turnscale/base/scratch_path.h"
+#include "turnscale/base/test_files.h"
 #include "turnscale/config/yaml_map.h"
 
 namespace turnscale {

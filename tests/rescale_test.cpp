@@ -10,7 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "command_line.h"
-#include "turnscale/base/scratch_path.h"
+#include "turnscale/base/test_files.h"
 #include "turnscale/io/trajectory_file.h"
 #include "turnscale/rescale/drifting_drive.h"
 

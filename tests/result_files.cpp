@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "text_of.h"
+#include "turnscale/base/test_files.h"
 #include "turnscale/io/settings.h"
 #include "turnscale/io/trajectory_file.h"
 

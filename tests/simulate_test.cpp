@@ -2,7 +2,6 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <string>
 #include <vector>
 
@@ -10,7 +9,7 @@
 #include <signal.h>
 
 #include "command_line.h"
-#include "turnscale/base/scratch_path.h"
+#include "turnscale/base/test_files.h"
 #include "turnscale/config/yaml_map.h"
 #include "turnscale/io/drive_input.h"
 #include "turnscale/io/trajectory_file.h"
@@ -181,8 +180,7 @@ TEST_F(SimulateTest, PathIsDrawnOverTheFloorPlan) {
   const CommandResult result =
       RunCommand({"evaluate", path, path, "--picture", picture.string(), "--floor-plan", plan}, folder_);
   EXPECT_EQ(result.exit_code, 0) << result.err;
-  std::ifstream stream(picture);
-  const std::string svg{std::istreambuf_iterator<char>(stream), {}};
+  const std::string svg = TextOf(picture);
   for (const char* part : {"<svg", "class=\"plan\"", "class=\"truth\"", "class=\"estimate\"", "</svg>"}) {
     EXPECT_NE(svg.find(part), std::string::npos) << part;
   }

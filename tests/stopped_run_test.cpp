@@ -12,8 +12,7 @@
 #include "command_line.h"
 #include "rendered_room.h"
 #include "result_files.h"
-#include "text_of.h"
-#include "turnscale/base/scratch_path.h"
+#include "turnscale/base/test_files.h"
 #include "turnscale/io/trajectory_file.h"
 
 namespace turnscale {

@@ -9,18 +9,15 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include "car_arguments.h"
+#include "argument_checks.h"
 #include "commands.h"
-#include "drive_motion.h"
-#include "output_arguments.h"
-#include "turnscale/base/attempts.h"
+#include "drive_source.h"
 #include "turnscale/base/error.h"
-#include "turnscale/calibration/step_gatherer.h"
-#include "turnscale/io/calibration_file.h"
-#include "turnscale/io/calibration_history.h"
-#include "turnscale/io/message.h"
+#include "turnscale/calibration/camera_step.h"
+#include "turnscale/io/calibration_report.h"
 #include "turnscale/io/output_file.h"
 #include "turnscale/io/speed_file.h"
+#include "turnscale/io/terminal.h"
 #include "turnscale/odometry/options.h"
 
 namespace turnscale {

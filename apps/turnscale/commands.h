@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <string>
+
 namespace CLI {
 class App;
 }
@@ -15,5 +17,9 @@ void AddEvaluateCommand(CLI::App& app);
 void AddLabCommand(CLI::App& app);
 void AddRescaleCommand(CLI::App& app);
 void AddSimulateCommand(CLI::App& app);
+
+/// A sub-command that this build comes without: not in the help, and its call, whatever its arguments, says what
+/// enables it.
+void AddMissingCommand(CLI::App& app, const std::string& name, const std::string& what, const std::string& option);
 
 }  // namespace turnscale

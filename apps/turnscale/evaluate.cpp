@@ -8,17 +8,17 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "argument_checks.h"
 #include "commands.h"
 #include "evaluation_report.h"
-#include "output_arguments.h"
 #include "turnscale/base/error.h"
 #include "turnscale/evaluation/evaluation.h"
 #include "turnscale/evaluation/path_picture.h"
+#include "turnscale/io/drive_input.h"
 #include "turnscale/io/floor_plan_file.h"
-#include "turnscale/io/frame_times.h"
-#include "turnscale/io/message.h"
 #include "turnscale/io/output_file.h"
 #include "turnscale/io/settings.h"
+#include "turnscale/io/terminal.h"
 #include "turnscale/io/trajectory_file.h"
 
 namespace turnscale {

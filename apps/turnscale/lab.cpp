@@ -16,9 +16,8 @@
 #include "interrupt.h"
 #include "lab_experiments.h"
 #include "turnscale/base/error.h"
-#include "turnscale/io/message.h"
 #include "turnscale/io/output_file.h"
-#include "turnscale/io/progress.h"
+#include "turnscale/io/terminal.h"
 
 namespace turnscale {
 namespace {

@@ -8,7 +8,6 @@
 #include <fmt/format.h>
 
 #include "lab_experiments.h"
-#include "lab_trials.h"
 #include "turnscale/geometry/rotation.h"
 
 namespace turnscale {

@@ -6,7 +6,6 @@
 #include <fmt/format.h>
 
 #include "lab_experiments.h"
-#include "lab_trials.h"
 #include "turnscale/geometry/rotation.h"
 #include "turnscale/laboratory/calibration_trials.h"
 #include "turnscale/laboratory/scale_trials.h"

@@ -7,9 +7,8 @@
 #include <fmt/format.h>
 
 #include "lab_experiments.h"
-#include "lab_trials.h"
 #include "turnscale/geometry/rotation.h"
-#include "turnscale/scale/car_prior.h"
+#include "turnscale/scale/scale_evidence.h"
 
 namespace turnscale {
 namespace {

@@ -7,12 +7,10 @@
 #include <fmt/format.h>
 
 #include "lab_experiments.h"
-#include "lab_trials.h"
 #include "turnscale/geometry/rotation.h"
-#include "turnscale/kinematics/scale_observer.h"
-#include "turnscale/kinematics/turning_motion.h"
+#include "turnscale/kinematics/ackermann.h"
 #include "turnscale/laboratory/parallel_runs.h"
-#include "turnscale/laboratory/point_odometry.h"
+#include "turnscale/laboratory/scale_drive.h"
 
 namespace turnscale {
 namespace {

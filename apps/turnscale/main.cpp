@@ -8,8 +8,8 @@
 
 #include "commands.h"
 #include "turnscale/base/error.h"
-#include "turnscale/io/message.h"
 #include "turnscale/io/run_summary.h"
+#include "turnscale/io/terminal.h"
 
 namespace turnscale {
 namespace {
@@ -50,6 +50,15 @@ int Main(int argc, char** argv) {
 }
 
 }  // namespace
+
+void AddMissingCommand(CLI::App& app, const std::string& name, const std::string& what, const std::string& option) {
+  CLI::App* command = app.add_subcommand(name)->group("")->prefix_command();
+  command->set_help_flag();
+  command->parse_complete_callback([name, what, option] {
+    throw InputError(name + ": this build has no " + what + "; configure it with -D" + option + "=ON");
+  });
+}
+
 }  // namespace turnscale
 
 int main(int argc, char** argv) {

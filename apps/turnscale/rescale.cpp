@@ -9,18 +9,16 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include "car_arguments.h"
+#include "argument_checks.h"
 #include "commands.h"
-#include "output_arguments.h"
-#include "rescale_picture.h"
+#include "drive_source.h"
 #include "rescale_report.h"
-#include "timed_trajectory.h"
 #include "turnscale/base/error.h"
 #include "turnscale/geometry/rotation.h"
-#include "turnscale/io/frame_times.h"
-#include "turnscale/io/message.h"
+#include "turnscale/io/drive_input.h"
 #include "turnscale/io/output_file.h"
 #include "turnscale/io/settings.h"
+#include "turnscale/io/terminal.h"
 #include "turnscale/io/trajectory_file.h"
 
 namespace turnscale {

@@ -10,15 +10,14 @@
 #include <fmt/format.h>
 #include <opencv2/core/utility.hpp>
 
-#include "car_arguments.h"
+#include "argument_checks.h"
 #include "commands.h"
-#include "drive_images.h"
+#include "drive_source.h"
 #include "interrupt.h"
 #include "turnscale/base/error.h"
-#include "turnscale/io/message.h"
-#include "turnscale/io/progress.h"
 #include "turnscale/io/run_drive.h"
 #include "turnscale/io/settings.h"
+#include "turnscale/io/terminal.h"
 #include "turnscale/odometry/odometry.h"
 
 namespace turnscale {

@@ -16,13 +16,12 @@
 #include "interrupt.h"
 #include "turnscale/base/error.h"
 #include "turnscale/geometry/rotation.h"
-#include "turnscale/io/frame_times.h"
-#include "turnscale/io/message.h"
-#include "turnscale/io/progress.h"
+#include "turnscale/io/drive_input.h"
+#include "turnscale/io/terminal.h"
 #include "turnscale/io/trajectory_file.h"
 #include "turnscale/simulation/drive_recorder.h"
-#include "turnscale/simulation/follow.h"
 #include "turnscale/simulation/rig.h"
+#include "turnscale/simulation/route.h"
 #include "turnscale/simulation/world.h"
 
 namespace turnscale {

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
 #include "commands.h"
-#include "missing_command.h"
 
 namespace turnscale {
 

@@ -12,7 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "turnscale/base/error.h"
-#include "turnscale/base/parse.h"
+#include "turnscale/base/number_text.h"
 #include "turnscale/io/output_file.h"
 #include "turnscale/laboratory/calibration_trials.h"
 

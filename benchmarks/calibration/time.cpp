@@ -2,8 +2,8 @@
 // Time of the calibration against the number of steps: linear, refined, and online per step.
 #include <benchmark/benchmark.h>
 
+#include "turnscale/calibration/linear_calibration.h"
 #include "turnscale/calibration/online_calibration.h"
-#include "turnscale/calibration/turning_axis.h"
 #include "turnscale/laboratory/calibration_trials.h"
 
 namespace turnscale {

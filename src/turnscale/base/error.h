@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <exception>
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace turnscale {
 
@@ -59,5 +61,32 @@ class InternalError : public std::logic_error {
 inline void Ensure(bool holds, std::string_view broken, SourcePlace where = SourcePlace::Here()) {
   if (!holds) throw InternalError(broken, where);
 }
+
+/// Does one thing after another whatever becomes of each, and keeps what they threw.
+class Attempts {
+ public:
+  /// Returns whether `work` came to its end.
+  template <class Work>
+  bool Try(const Work& work) {
+    try {
+      work();
+      return true;
+    } catch (...) {
+      failures_.push_back(std::current_exception());
+      return false;
+    }
+  }
+
+  /// In the order of time.
+  const std::vector<std::exception_ptr>& failures() const { return failures_; }
+
+  /// Throws the first failure, if there was one.
+  void RethrowFirst() const {
+    if (!failures_.empty()) std::rethrow_exception(failures_.front());
+  }
+
+ private:
+  std::vector<std::exception_ptr> failures_;
+};
 
 }  // namespace turnscale

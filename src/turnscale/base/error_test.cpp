@@ -6,8 +6,6 @@
 
 #include <gtest/gtest.h>
 
-#include "turnscale/base/attempts.h"
-
 namespace turnscale {
 namespace {
 

@@ -1,9 +1,14 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <charconv>
+#include <optional>
 #include <string>
+#include <string_view>
+#include <system_error>
+#include <vector>
 
 namespace turnscale {
 
@@ -12,6 +17,29 @@ inline std::string NumberText(double value) {
   std::array<char, 32> text{};
   const auto [end, error] = std::to_chars(text.data(), text.data() + text.size(), value, std::chars_format::general);
   return {text.data(), end};
+}
+
+/// The number that the whole text spells, whatever the locale; "nan" and "inf" are numbers. Nothing for other text.
+template <class Number>
+std::optional<Number> ParseNumber(std::string_view text) {
+  if (text.starts_with('+')) text.remove_prefix(1);
+  Number value{};
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  return value;
+}
+
+/// The words of a line, parted by blanks, tabs or the carriage return of a foreign line end.
+inline std::vector<std::string_view> SplitWords(std::string_view line) {
+  constexpr std::string_view kBlanks = " \t\r\n";
+  std::vector<std::string_view> words;
+  size_t begin = line.find_first_not_of(kBlanks);
+  while (begin != std::string_view::npos) {
+    const size_t end = std::min(line.find_first_of(kBlanks, begin), line.size());
+    words.push_back(line.substr(begin, end - begin));
+    begin = line.find_first_not_of(kBlanks, end);
+  }
+  return words;
 }
 
 }  // namespace turnscale

@@ -5,8 +5,6 @@
 
 #include <gtest/gtest.h>
 
-#include "turnscale/base/parse.h"
-
 namespace turnscale {
 namespace {
 

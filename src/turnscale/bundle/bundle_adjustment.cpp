@@ -9,10 +9,8 @@
 #include <vector>
 
 #include "turnscale/base/error.h"
+#include "turnscale/bundle/camera_distances.h"
 #include "turnscale/bundle/kkt_step.h"
-#include "turnscale/bundle/measured_distances.h"
-#include "turnscale/bundle/merit.h"
-#include "turnscale/bundle/trial.h"
 
 namespace turnscale {
 namespace {

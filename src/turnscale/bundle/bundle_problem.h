@@ -46,4 +46,17 @@ struct BundleProblem {
 /// sense, NumericalError where the pinhole, a pose, a point or a pixel is not a number.
 void CheckProblem(const BundleProblem& problem);
 
+/// The unknowns as the solver holds them: x_in_camera = rotation * (x_in_world - centre).
+struct BundleState {
+  std::vector<Eigen::Matrix3d> rotations;  ///< camera_from_world, one per camera
+  std::vector<Eigen::Vector3d> centres;    ///< optical centres in the world, one per camera
+  std::vector<Eigen::Vector3d> points;     ///< in the world
+};
+
+BundleState StateFromProblem(const BundleProblem& problem);
+
+/// Writes back the points and the free cameras; fixed cameras keep every bit, and so do the rotations where only the
+/// centres were free.
+void StateToProblem(const BundleState& state, bool fix_rotations, BundleProblem& problem);
+
 }  // namespace turnscale

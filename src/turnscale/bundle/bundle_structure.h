@@ -7,7 +7,6 @@
 #include <Eigen/Core>
 
 #include "turnscale/bundle/bundle_problem.h"
-#include "turnscale/bundle/bundle_state.h"
 
 namespace turnscale {
 

@@ -7,7 +7,7 @@
 #include <ceres/rotation.h>
 
 #include "turnscale/bundle/bundle_adjustment.h"
-#include "turnscale/bundle/bundle_state.h"
+#include "turnscale/bundle/bundle_problem.h"
 #include "turnscale/geometry/rotation.h"
 
 namespace turnscale {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "turnscale/bundle/normal_equations.h"
 
+#include <cmath>
 #include <cstddef>
 
 #include <Eigen/Cholesky>
@@ -42,6 +43,50 @@ bool NewtonIsSafe(const Pinhole& pinhole, const BundleStructure& structure, cons
   return Eigen::LLT<Eigen::Matrix3d>(difference).info() == Eigen::Success;
 }
 
+/// A pivot below this share of its diagonal entry is nothing but rounding.
+constexpr double kPivotRounding = 1e-14;
+
+/// Lower-triangular F with F V F^T = I. A pivot that is rounding gives a row of zeros: no step along it.
+Eigen::Matrix3d InverseFactor(const Eigen::Matrix3d& V) {
+  const auto inverse_root = [](double pivot, double diagonal) {
+    return pivot > kPivotRounding * diagonal ? 1.0 / std::sqrt(pivot) : 0.0;
+  };
+  // V = L L^T with the inverses of L's diagonal at hand.
+  const double i0 = inverse_root(V(0, 0), V(0, 0));
+  const double l10 = V(1, 0) * i0;
+  const double l20 = V(2, 0) * i0;
+  const double i1 = inverse_root(V(1, 1) - l10 * l10, V(1, 1));
+  const double l21 = (V(2, 1) - l20 * l10) * i1;
+  const double i2 = inverse_root(V(2, 2) - l20 * l20 - l21 * l21, V(2, 2));
+  Eigen::Matrix3d F = Eigen::Matrix3d::Zero();
+  F(0, 0) = i0;
+  F(1, 1) = i1;
+  F(2, 2) = i2;
+  F(1, 0) = -l10 * i0 * i1;
+  F(2, 1) = -l21 * i1 * i2;
+  F(2, 0) = -(l20 * i0 + l21 * F(1, 0)) * i2;
+  return F;
+}
+
+/// Damping of the cameras: a share of the diagonal, for a parameter that no observation touches a share of the other
+/// cameras' mean. So it stays where it is unless a constraint moves it.
+template <int kDof>
+Eigen::VectorXd CameraDamping(const NormalEquations<kDof>& equations, double damping) {
+  using CameraVector = typename NormalEquations<kDof>::CameraVector;
+  CameraVector mean = CameraVector::Zero();
+  for (const auto& hessian : equations.camera_hessian) mean += hessian.diagonal().cwiseAbs();
+  mean /= static_cast<double>(equations.camera_hessian.size());
+  Eigen::VectorXd added(kDof * static_cast<Eigen::Index>(equations.camera_hessian.size()));
+  for (std::size_t i = 0; i < equations.camera_hessian.size(); ++i) {
+    for (int k = 0; k < kDof; ++k) {
+      const double diagonal = std::abs(equations.camera_hessian[i](k, k));
+      added[static_cast<Eigen::Index>(i) * kDof + k] =
+          damping * (diagonal > 0 ? diagonal : (mean[k] > 0 ? mean[k] : 1.0));
+    }
+  }
+  return added;
+}
+
 }  // namespace
 
 template <int kDof>
@@ -81,5 +126,82 @@ template void Linearize<3>(const Pinhole&, const BundleStructure&, const BundleS
                            NormalEquations<3>&);
 template void Linearize<6>(const Pinhole&, const BundleStructure&, const BundleState&, double, HessianKind,
                            NormalEquations<6>&);
+
+template <int kDof>
+void Eliminate(const BundleStructure& structure, const NormalEquations<kDof>& equations, double damping,
+               SchurSystem<kDof>& system) {
+  const std::size_t columns = equations.camera_hessian.size();
+  const std::size_t points = equations.point_hessian.size();
+  system.blocks.assign(structure.blocks.size(), Eigen::Matrix<double, kDof, kDof>::Zero());
+  system.gradient.resize(kDof * static_cast<Eigen::Index>(columns));
+  system.inverse_factor.resize(points);
+  system.point_damping.resize(points);
+  system.track.resize(structure.longest_track);
+  system.damping = CameraDamping(equations, damping);
+  for (std::size_t i = 0; i < columns; ++i) {
+    const Eigen::Index row = kDof * static_cast<Eigen::Index>(i);
+    system.blocks[i] = equations.camera_hessian[i];
+    system.blocks[i].diagonal() += system.damping.template segment<kDof>(row);
+    system.gradient.template segment<kDof>(row) = equations.camera_gradient[i];
+  }
+
+  const int* block = structure.pair_block.data();
+  for (std::size_t i = 0; i < points; ++i) {
+    Eigen::Matrix3d V = equations.point_hessian[i];
+    system.point_damping[i] = damping * V.diagonal();
+    V.diagonal() += system.point_damping[i];
+    const Eigen::Matrix3d F = InverseFactor(V);
+    system.inverse_factor[i] = F;
+    const Eigen::Vector3d reduced = F * equations.point_gradient[i];
+    const int first = structure.first_edge[i];
+    const int edges = structure.first_edge[i + 1] - first;
+    for (int a = 0; a < edges; ++a) {
+      system.track[a].noalias() = equations.edge_hessian[first + a] * F.transpose();
+      system.gradient.template segment<kDof>(kDof * structure.edge_column[first + a]) -= system.track[a] * reduced;
+    }
+    for (int a = 0; a < edges; ++a) {
+      for (int b = a; b < edges; ++b) {
+        system.blocks[*block++].noalias() -= system.track[a].lazyProduct(system.track[b].transpose());
+      }
+    }
+  }
+}
+
+template <int kDof>
+void AddToPair(const BundleStructure& structure, const DistanceConstraint& pair, int between, const Eigen::Matrix3d& M,
+               SchurSystem<kDof>& system) {
+  for (const int camera : {pair.camera_a, pair.camera_b}) {
+    const int column = structure.column_of_camera[camera];
+    if (column >= 0) system.blocks[column].template bottomRightCorner<3, 3>() += M;
+  }
+  if (between >= 0) system.blocks[between].template bottomRightCorner<3, 3>() -= M;
+}
+
+template <int kDof>
+void BackSubstitute(const BundleStructure& structure, const NormalEquations<kDof>& equations,
+                    const SchurSystem<kDof>& system, const Eigen::VectorXd& camera_step,
+                    std::vector<Eigen::Vector3d>& point_step) {
+  point_step.resize(equations.point_hessian.size());
+  for (std::size_t i = 0; i < point_step.size(); ++i) {
+    Eigen::Vector3d gradient = equations.point_gradient[i];
+    for (int k = structure.first_edge[i]; k < structure.first_edge[i + 1]; ++k) {
+      gradient.noalias() +=
+          equations.edge_hessian[k].transpose() * camera_step.template segment<kDof>(kDof * structure.edge_column[k]);
+    }
+    const Eigen::Matrix3d& F = system.inverse_factor[i];
+    point_step[i] = -(F.transpose() * (F * gradient));
+  }
+}
+
+template void Eliminate<3>(const BundleStructure&, const NormalEquations<3>&, double, SchurSystem<3>&);
+template void Eliminate<6>(const BundleStructure&, const NormalEquations<6>&, double, SchurSystem<6>&);
+template void AddToPair<3>(const BundleStructure&, const DistanceConstraint&, int, const Eigen::Matrix3d&,
+                           SchurSystem<3>&);
+template void AddToPair<6>(const BundleStructure&, const DistanceConstraint&, int, const Eigen::Matrix3d&,
+                           SchurSystem<6>&);
+template void BackSubstitute<3>(const BundleStructure&, const NormalEquations<3>&, const SchurSystem<3>&,
+                                const Eigen::VectorXd&, std::vector<Eigen::Vector3d>&);
+template void BackSubstitute<6>(const BundleStructure&, const NormalEquations<6>&, const SchurSystem<6>&,
+                                const Eigen::VectorXd&, std::vector<Eigen::Vector3d>&);
 
 }  // namespace turnscale

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "turnscale/calibration/calibration.h"
-#include "turnscale/calibration/step_gatherer.h"
+#include "turnscale/calibration/camera_step.h"
 #include "turnscale/calibration/test_drive.h"
 
 namespace turnscale {

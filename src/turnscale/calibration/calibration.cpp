@@ -4,10 +4,10 @@
 #include <cmath>
 
 #include "turnscale/base/error.h"
-#include "turnscale/calibration/camera_angles.h"
-#include "turnscale/calibration/turning_axis.h"
+#include "turnscale/calibration/camera_axes.h"
+#include "turnscale/calibration/linear_calibration.h"
+#include "turnscale/kinematics/ackermann.h"
 #include "turnscale/kinematics/turn_detector.h"
-#include "turnscale/kinematics/turning_motion.h"
 
 namespace turnscale {
 namespace {

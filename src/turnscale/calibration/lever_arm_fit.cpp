@@ -13,7 +13,7 @@
 
 #include "turnscale/base/error.h"
 #include "turnscale/base/quantiles.h"
-#include "turnscale/kinematics/turning_motion.h"
+#include "turnscale/kinematics/ackermann.h"
 
 namespace turnscale {
 namespace {

@@ -6,7 +6,7 @@
 #include <Eigen/Geometry>
 
 #include "turnscale/calibration/camera_step.h"
-#include "turnscale/kinematics/lever_arm.h"
+#include "turnscale/kinematics/ackermann.h"
 
 namespace turnscale {
 

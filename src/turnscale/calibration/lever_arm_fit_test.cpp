@@ -9,7 +9,7 @@
 #include "turnscale/base/error.h"
 #include "turnscale/base/refused_field.h"
 #include "turnscale/calibration/calibration.h"
-#include "turnscale/calibration/step_gatherer.h"
+#include "turnscale/calibration/camera_step.h"
 #include "turnscale/calibration/test_drive.h"
 
 namespace turnscale {

@@ -24,6 +24,20 @@ Eigen::Quaterniond Pure(const Eigen::Vector3d& v) { return {0, v.x(), v.y(), v.z
 
 }  // namespace
 
+void TurningAxis::Add(const Eigen::Quaterniond& previous_from_current) {
+  const Eigen::Vector3d rotation = VectorFromRotation(previous_from_current);
+  scatter_ += rotation * rotation.transpose();
+  if (scatter_.trace() <= 0) return;
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(scatter_);
+  direction_ = solver.eigenvectors().col(2);
+  if (direction_.y() < 0) direction_ = -direction_;
+}
+
+double TurningAngle(const Eigen::Quaterniond& previous_from_current, const Eigen::Vector3d& axis) {
+  const double angle = RotationAngle(previous_from_current);
+  return VectorFromRotation(previous_from_current).dot(axis) < 0 ? -angle : angle;
+}
+
 void LinearCalibration::Add(const RigidTransform& motion, double psi) {
   Eigen::Quaterniond rotation = motion.rotation;
   if (rotation.w() < 0) rotation.coeffs() = -rotation.coeffs();

@@ -6,7 +6,6 @@
 #include <gtest/gtest.h>
 
 #include "turnscale/calibration/test_drive.h"
-#include "turnscale/calibration/turning_axis.h"
 
 namespace turnscale {
 namespace {

@@ -8,8 +8,8 @@
 #include <Eigen/LU>
 
 #include "turnscale/base/error.h"
-#include "turnscale/calibration/camera_angles.h"
-#include "turnscale/kinematics/turning_motion.h"
+#include "turnscale/calibration/camera_axes.h"
+#include "turnscale/kinematics/ackermann.h"
 
 namespace turnscale {
 namespace {

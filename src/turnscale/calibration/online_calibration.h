@@ -6,7 +6,7 @@
 #include <string>
 
 #include "turnscale/calibration/calibration.h"
-#include "turnscale/calibration/turning_axis.h"
+#include "turnscale/calibration/linear_calibration.h"
 
 namespace turnscale {
 

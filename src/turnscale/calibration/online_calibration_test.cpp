@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "turnscale/base/refused_field.h"
-#include "turnscale/calibration/step_gatherer.h"
+#include "turnscale/calibration/camera_step.h"
 #include "turnscale/calibration/test_drive.h"
 
 namespace turnscale {

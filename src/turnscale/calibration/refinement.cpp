@@ -9,11 +9,11 @@
 
 #include "turnscale/base/error.h"
 #include "turnscale/base/quantiles.h"
-#include "turnscale/calibration/camera_angles.h"
-#include "turnscale/calibration/step_elimination.h"
+#include "turnscale/calibration/camera_axes.h"
+#include "turnscale/calibration/step_residual.h"
 #include "turnscale/geometry/rotation.h"
+#include "turnscale/kinematics/ackermann.h"
 #include "turnscale/kinematics/pooled_line.h"
-#include "turnscale/kinematics/turning_motion.h"
 
 namespace turnscale {
 namespace {

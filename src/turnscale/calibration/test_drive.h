@@ -7,7 +7,7 @@
 
 #include "turnscale/base/random.h"
 #include "turnscale/calibration/camera_step.h"
-#include "turnscale/geometry/trajectory.h"
+#include "turnscale/geometry/rigid_transform.h"
 #include "turnscale/kinematics/synthetic_drive.h"
 
 namespace turnscale {

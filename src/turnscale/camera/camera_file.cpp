@@ -1,20 +1,228 @@
 // SPDX-License-Identifier: MIT
 #include "turnscale/camera/camera_file.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <fstream>
 #include <span>
-#include <string>
 #include <string_view>
+#include <vector>
 
 #include "turnscale/base/error.h"
 #include "turnscale/base/number_text.h"
-#include "turnscale/base/parse.h"
-#include "turnscale/camera/camera_yaml.h"
+#include "turnscale/config/yaml_map.h"
 
 namespace turnscale {
 namespace {
+
+using Names = std::vector<std::string>;
+
+std::string HoldsNumbers(const std::vector<double>& numbers) {
+  return std::string("holds ") + std::to_string(numbers.size()) + " numbers";
+}
+
+std::string FocalLengthComplaint(double fx, double fy) {
+  return std::string("focal length ") + NumberText(fx) + " x " + NumberText(fy) + " is not above 0; correct it";
+}
+
+// Stores coefficients in the model's order; a lens whose coefficients are all zero is the plain pinhole.
+void SetDistortion(CameraModel& camera, LensModel lens, const std::vector<double>& coefficients) {
+  std::copy_n(coefficients.begin(), std::min(coefficients.size(), camera.distortion.size()), camera.distortion.begin());
+  const bool plain = std::all_of(coefficients.begin(), coefficients.end(), [](double k) { return k == 0; });
+  // The equidistant lens bends rays even with zero coefficients.
+  camera.lens = lens == LensModel::kRadialTangential && plain ? LensModel::kPinhole : lens;
+}
+
+int ImageSide(const YamlMap& map, const std::string& key) {
+  const int side = map.Integer(key);
+  if (side <= 0) map.Reject(key, std::string("is ") + std::to_string(side) + "; give the image size in pixels");
+  return side;
+}
+
+// Files need not tell the image size, but half of it would be a mistake.
+void SetImageSize(const YamlMap& map, const std::string& width, const std::string& height, CameraModel& camera) {
+  if (!map.Has(width) && !map.Has(height)) return;
+  if (!map.Has(width)) map.Reject(width, "is missing; give it as well as " + height + ", or neither");
+  if (!map.Has(height)) map.Reject(height, "is missing; give it as well as " + width + ", or neither");
+  camera.width = ImageSide(map, width);
+  camera.height = ImageSide(map, height);
+}
+
+// Settings of ORB-SLAM's other parts, which say nothing of the camera.
+bool OfAnotherPart(const std::string& key) {
+  static const Names prefixes = {"Camera2.", "ORBextractor.", "Viewer.",    "IMU.",   "System.",
+                                 "Stereo.",  "RGBD.",         "LEFT.",      "RIGHT.", "File.",
+                                 "Atlas.",   "Initializer.",  "LoopClosing"};
+  static const Names whole = {"ThDepth", "DepthMapFactor", "thFarPoints", "loopClosing"};
+  return std::any_of(prefixes.begin(), prefixes.end(), [&](const auto& prefix) { return key.starts_with(prefix); }) ||
+         std::find(whole.begin(), whole.end(), key) != whole.end();
+}
+
+void CheckOrbSlamKeys(const YamlMap& file, const std::string& lens_prefix) {
+  Names known;
+  for (const char* name : {"type", "width", "height", "fps", "bf", "RGB", "newWidth", "newHeight", "imageScale",
+                           "lappingBegin", "lappingEnd"}) {
+    known.push_back(std::string("Camera.") + name);
+  }
+  for (const char* name :
+       {"fx", "fy", "cx", "cy", "k1", "k2", "k3", "k4", "p1", "p2", "overlappingBegin", "overlappingEnd"}) {
+    known.push_back(lens_prefix + name);
+  }
+  for (const std::string& key : file.Keys()) {
+    if (OfAnotherPart(key)) known.push_back(key);
+  }
+  file.AllowOnly(known);
+}
+
+CameraModel OrbSlamCamera(const YamlMap& file) {
+  const Names keys = file.Keys();
+  const bool third = std::any_of(keys.begin(), keys.end(), [](const auto& key) { return key.starts_with("Camera1."); });
+  const std::string prefix = third ? "Camera1." : "Camera.";
+  CheckOrbSlamKeys(file, prefix);
+  CameraModel camera;
+  camera.pinhole = {file.Positive(prefix + "fx"), file.Positive(prefix + "fy"), file.Number(prefix + "cx"),
+                    file.Number(prefix + "cy")};
+  SetImageSize(file, "Camera.width", "Camera.height", camera);
+  const auto coefficient = [&](const std::string& name, bool required) {
+    return required || file.Has(prefix + name) ? file.Number(prefix + name) : 0.0;
+  };
+  const std::string type = file.Has("Camera.type") ? file.Text("Camera.type") : "PinHole";
+  if (type == "PinHole" || type == "Rectified") {
+    const bool bent = file.Has(prefix + "k1");
+    SetDistortion(camera, LensModel::kRadialTangential,
+                  {coefficient("k1", false), coefficient("k2", bent), coefficient("p1", false),
+                   coefficient("p2", false), coefficient("k3", false)});
+  } else if (type == "KannalaBrandt8") {
+    SetDistortion(camera, LensModel::kEquidistant,
+                  {coefficient("k1", true), coefficient("k2", true), coefficient("k3", true), coefficient("k4", true)});
+  } else {
+    file.Reject("Camera.type", "'" + type + "' is not supported; use PinHole or KannalaBrandt8");
+  }
+  return camera;
+}
+
+// OpenCV's matrices and ROS's maps both keep their numbers under "data".
+std::vector<double> MatrixOf(const YamlMap& file, const std::string& key) {
+  return file.IsMap(key) ? file.Map(key).Numbers("data") : file.Numbers(key);
+}
+
+void SetOpenCvDistortion(const YamlMap& file, CameraModel& camera) {
+  const std::string key = file.Has("distortion_coefficients") ? "distortion_coefficients" : "dist_coeffs";
+  if (!file.Has(key)) file.Reject("distortion_coefficients", "is missing; add it (zeros for a rectified camera)");
+  const std::vector<double> k = MatrixOf(file, key);
+  const std::string model = file.Has("distortion_model") ? file.Text("distortion_model") : "";
+  const bool fisheye =
+      (file.Has("fisheye_model") && file.Integer("fisheye_model") != 0) || model == "equidistant" || model == "fisheye";
+  if (fisheye) {
+    if (k.size() != 4) file.Reject(key, HoldsNumbers(k) + "; a fisheye has 4");
+    SetDistortion(camera, LensModel::kEquidistant, k);
+    return;
+  }
+  static const Names radial_models = {"", "plumb_bob", "radtan", "rational_polynomial"};
+  if (std::find(radial_models.begin(), radial_models.end(), model) == radial_models.end()) {
+    file.Reject("distortion_model", "'" + model + "' is not supported; use plumb_bob or equidistant");
+  }
+  if (k.size() < 4 ||
+      std::any_of(k.begin() + std::min<size_t>(k.size(), 5), k.end(), [](double x) { return x != 0; })) {
+    file.Reject(key, HoldsNumbers(k) + "; only k1 k2 p1 p2 [k3] are supported");
+  }
+  SetDistortion(camera, LensModel::kRadialTangential, k);
+}
+
+CameraModel OpenCvCamera(const YamlMap& file) {
+  static const Names known = {"camera_matrix",
+                              "distortion_coefficients",
+                              "dist_coeffs",
+                              "distortion_model",
+                              "image_width",
+                              "image_height",
+                              "camera_name",
+                              "fisheye_model",
+                              "rectification_matrix",
+                              "projection_matrix",
+                              "calibration_time",
+                              "nframes",
+                              "nr_of_frames",
+                              "board_width",
+                              "board_height",
+                              "square_size",
+                              "marker_size",
+                              "aspectRatio",
+                              "aspect_ratio",
+                              "fix_aspect_ratio",
+                              "flags",
+                              "flagValue",
+                              "avg_reprojection_error",
+                              "per_view_reprojection_errors",
+                              "extrinsic_parameters",
+                              "image_points",
+                              "grid_points",
+                              "rms",
+                              "header",
+                              "frame_id"};
+  file.AllowOnly(known);
+  const std::vector<double> k = MatrixOf(file, "camera_matrix");
+  if (k.size() != 9) file.Reject("camera_matrix", HoldsNumbers(k) + "; a 3x3 matrix has 9");
+  if (!(k[0] > 0) || !(k[4] > 0)) {
+    file.Reject("camera_matrix", FocalLengthComplaint(k[0], k[4]));
+  }
+  if (k[1] != 0 || k[3] != 0 || k[6] != 0 || k[7] != 0 || k[8] != 1) {
+    file.Reject("camera_matrix", "is not of the form [fx 0 cx; 0 fy cy; 0 0 1]; skewed cameras are not supported");
+  }
+  CameraModel camera;
+  camera.pinhole = {k[0], k[4], k[2], k[5]};
+  SetImageSize(file, "image_width", "image_height", camera);
+  SetOpenCvDistortion(file, camera);
+  return camera;
+}
+
+CameraModel KalibrCamera(const YamlMap& cam) {
+  static const Names known = {"camera_model", "intrinsics", "distortion_model",  "distortion_coeffs",
+                              "resolution",   "rostopic",   "cam_overlaps",      "T_cam_imu",
+                              "T_imu_cam",    "T_cn_cnm1",  "timeshift_cam_imu", "rolling_shutter",
+                              "line_delay"};
+  cam.AllowOnly(known);
+  if (const std::string model = cam.Text("camera_model"); model != "pinhole") {
+    cam.Reject("camera_model", "'" + model + "' is not supported; calibrate with 'pinhole'");
+  }
+  const std::vector<double> k = cam.Numbers("intrinsics");
+  if (k.size() != 4) cam.Reject("intrinsics", HoldsNumbers(k) + "; give [fx, fy, cx, cy]");
+  if (!(k[0] > 0) || !(k[1] > 0)) {
+    cam.Reject("intrinsics", FocalLengthComplaint(k[0], k[1]));
+  }
+  CameraModel camera;
+  camera.pinhole = {k[0], k[1], k[2], k[3]};
+  const std::vector<double> size = cam.Numbers("resolution");
+  if (size.size() != 2 || !(size[0] >= 1) || !(size[1] >= 1))
+    cam.Reject("resolution", "give [width, height] in pixels");
+  camera.width = static_cast<int>(size[0]);
+  camera.height = static_cast<int>(size[1]);
+  const std::string model = cam.Text("distortion_model");
+  if (model == "none") return camera;
+  if (model != "radtan" && model != "equidistant") {
+    cam.Reject("distortion_model", "'" + model + "' is not supported; use radtan, equidistant or none");
+  }
+  const std::vector<double> coefficients = cam.Numbers("distortion_coeffs");
+  if (coefficients.size() != 4) {
+    cam.Reject("distortion_coeffs", HoldsNumbers(coefficients) + "; " + model + " has 4");
+  }
+  SetDistortion(camera, model == "radtan" ? LensModel::kRadialTangential : LensModel::kEquidistant, coefficients);
+  return camera;
+}
+
+// Camera of a YAML file in the dialect of Kalibr, OpenCV, ROS or ORB-SLAM. Throws InputError.
+CameraModel CameraFromYaml(const YamlMap& file) {
+  const Names keys = file.Keys();
+  if (file.IsMap("cam0")) return KalibrCamera(file.Map("cam0"));
+  if (file.Has("camera_matrix")) return OpenCvCamera(file);
+  if (std::any_of(keys.begin(), keys.end(), [](const auto& key) { return key.starts_with("Camera"); })) {
+    return OrbSlamCamera(file);
+  }
+  file.AllowOnly(Names{"cam0", "camera_matrix", "distortion_coefficients", "image_width", "image_height", "Camera.fx",
+                       "Camera.fy", "Camera.cx", "Camera.cy", "Camera.type"});
+  file.Reject("camera_matrix", "is missing; give a KITTI calib.txt or a YAML file of OpenCV, ORB-SLAM or Kalibr");
+}
 
 // One line "P0:" and twelve numbers: the rectified camera matrix.
 CameraModel CameraFromProjection(const std::string& where, std::string_view line) {

@@ -25,8 +25,8 @@ struct CameraModel {
   int width = 0;                                       ///< pixels; 0 if not in the camera file
   int height = 0;                                      ///< pixels; 0 if not in the camera file
 
-  /// Residual radial distortion of the calibration (radial_correction.h), estimated by the odometry:
-  /// undistorted pixels are corrected by it.
+  /// Residual radial distortion of the calibration, estimated by the odometry: undistorted pixels are corrected by it
+  /// (CorrectRadially).
   double radial_correction = 0;
 
   /// Distorted pixel of a point in the camera frame; nothing where the lens cannot see it.
@@ -38,5 +38,38 @@ struct CameraModel {
 
   bool operator==(const CameraModel&) const = default;
 };
+
+/// Where the lens shows a point of the plane z = 1, and the derivative of that by the point.
+struct DistortedPoint {
+  Eigen::Vector2d point;
+  Eigen::Matrix2d jacobian;
+};
+
+/// OpenCV's and Kalibr's model with k = k1 k2 p1 p2 k3.
+DistortedPoint DistortRadialTangential(const std::array<double, 5>& k, const Eigen::Vector2d& point);
+
+/// Angle that the equidistant fisheye with k = k1 k2 k3 k4 makes of the angle to the optical axis (radians).
+double DistortAngle(const std::array<double, 5>& k, double theta);
+
+/// Inverse of DistortRadialTangential. Nothing beyond the radius at which the model folds back over itself.
+std::optional<Eigen::Vector2d> UndistortRadialTangential(const std::array<double, 5>& k,
+                                                         const Eigen::Vector2d& distorted);
+
+/// Inverse of DistortAngle for angles in [0, pi]; nothing where no angle below the model's fold gives `distorted`.
+std::optional<double> UndistortAngle(const std::array<double, 5>& k, double distorted);
+
+/// Whether the radial part of the model still rises from the image centre up to this radius (plane z = 1): only there
+/// does a pixel belong to one ray.
+bool RadialRisesUpTo(const std::array<double, 5>& k, double radius);
+
+/// Likewise for the equidistant fisheye up to this angle (radians).
+bool AngleRisesUpTo(const std::array<double, 5>& k, double theta);
+
+/// Moves a pixel away from the principal point (towards it where `correction` < 0) by the share correction * r^2, r
+/// being its distance from the principal point in focal lengths: what a calibration has left of the lens's distortion.
+Eigen::Vector2d CorrectRadially(const Pinhole& pinhole, double correction, const Eigen::Vector2d& pixel);
+
+/// The pixel that CorrectRadially moves to this one. Exact to rounding for corrections of a few per cent.
+Eigen::Vector2d UndoRadialCorrection(const Pinhole& pinhole, double correction, const Eigen::Vector2d& pixel);
 
 }  // namespace turnscale

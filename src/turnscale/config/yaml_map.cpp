@@ -2,15 +2,16 @@
 #include "turnscale/config/yaml_map.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <fstream>
 #include <iterator>
 #include <limits>
+#include <numeric>
 #include <optional>
 
 #include "turnscale/base/error.h"
-#include "turnscale/base/parse.h"
-#include "turnscale/config/nearest_name.h"
+#include "turnscale/base/number_text.h"
 
 namespace turnscale {
 namespace {
@@ -44,6 +45,29 @@ std::optional<double> NumberOf(std::string_view text) {
 }
 
 }  // namespace
+
+size_t EditDistance(std::string_view a, std::string_view b) {
+  const auto lower = [](char c) { return std::tolower(static_cast<unsigned char>(c)); };
+  std::vector<size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), size_t{0});
+  for (size_t i = 0; i < a.size(); ++i) {
+    size_t diagonal = row[0];
+    row[0] = i + 1;
+    for (size_t j = 0; j < b.size(); ++j) {
+      const size_t replaced = diagonal + (lower(a[i]) == lower(b[j]) ? 0 : 1);
+      diagonal = row[j + 1];
+      row[j + 1] = std::min({replaced, row[j] + 1, diagonal + 1});
+    }
+  }
+  return row[b.size()];
+}
+
+std::string NearestName(std::string_view name, std::span<const std::string> known) {
+  const auto nearest = std::min_element(known.begin(), known.end(), [&](const auto& a, const auto& b) {
+    return EditDistance(name, a) < EditDistance(name, b);
+  });
+  return nearest == known.end() ? std::string() : *nearest;
+}
 
 YamlMap::YamlMap(const std::filesystem::path& path) : YamlMap(path.string(), "", Parse(path)) {
   if (!node_.IsMap()) throw InputError(path_ + ": has no keys; expected lines of the form 'key: value'");

@@ -11,6 +11,12 @@
 
 namespace turnscale {
 
+/// Letters to insert, remove or replace to turn one name into the other, upper and lower case taken as equal.
+size_t EditDistance(std::string_view a, std::string_view b);
+
+/// The known name that a mistyped one most likely meant; the first of equals. Empty when nothing is known.
+std::string NearestName(std::string_view name, std::span<const std::string> known);
+
 /// A map in a YAML file. Every complaint is an InputError that names the file, the line, the key and the value.
 class YamlMap {
  public:

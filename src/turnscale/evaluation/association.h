@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "turnscale/geometry/trajectory.h"
+#include "turnscale/geometry/rigid_transform.h"
 
 namespace turnscale {
 

@@ -5,7 +5,7 @@
 #include <string_view>
 
 #include "turnscale/base/error.h"
-#include "turnscale/base/parse.h"
+#include "turnscale/base/number_text.h"
 
 namespace turnscale {
 namespace {

@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 
 #include "turnscale/base/error.h"
-#include "turnscale/base/xml.h"
+#include "turnscale/base/escaped_text.h"
 
 namespace turnscale {
 namespace {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <vector>
+
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
@@ -26,5 +28,14 @@ inline RigidTransform operator*(const RigidTransform& c_from_b, const RigidTrans
   return {(c_from_b.rotation * b_from_a.rotation).normalized(),
           c_from_b.rotation * b_from_a.translation + c_from_b.translation};
 }
+
+/// A pose at a time (seconds).
+struct StampedPose {
+  double time = 0;
+  RigidTransform world_from_camera;
+};
+
+/// Poses in the order of time; each holds the body's (by default the camera's) pose in one world frame.
+using Trajectory = std::vector<StampedPose>;
 
 }  // namespace turnscale

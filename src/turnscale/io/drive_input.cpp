@@ -3,11 +3,14 @@
 
 #include <algorithm>
 #include <cctype>
-#include <string>
+#include <cmath>
+#include <fstream>
 #include <string_view>
 
+#include <fmt/format.h>
+
 #include "turnscale/base/error.h"
-#include "turnscale/io/natural_order.h"
+#include "turnscale/base/number_text.h"
 
 namespace turnscale {
 namespace {
@@ -84,6 +87,78 @@ DriveInput FindInFolder(const fs::path& folder) {
 }
 
 }  // namespace
+
+FrameTimes ReadFrameTimes(const std::filesystem::path& path) {
+  std::error_code error;
+  std::ifstream stream(path);
+  if (!std::filesystem::exists(path, error)) throw InputError(path.string() + ": no such file of frame times");
+  if (!stream || std::filesystem::is_directory(path, error)) throw InputError(path.string() + ": cannot be read");
+  FrameTimes result;
+  std::string line;
+  for (int number = 1; std::getline(stream, line); ++number) {
+    const auto words = SplitWords(line);
+    if (words.empty() || words[0].starts_with('#')) continue;
+    const auto time = ParseNumber<double>(words[0]);
+    if (words.size() != 1 || !time || !std::isfinite(*time)) {
+      throw InputError(fmt::format("{}:{}: '{}' is not a time; give one number per line, in seconds", path.string(),
+                                   number, fmt::join(words, " ")));
+    }
+    if (!result.times.empty() && *time <= result.times.back()) {
+      throw InputError(fmt::format("{}:{}: time {} {} the time before, {}; times must increase", path.string(), number,
+                                   *time, *time < result.times.back() ? "goes back from" : "repeats",
+                                   result.times.back()));
+    }
+    result.times.push_back(*time);
+    result.lines.push_back(number);
+  }
+  if (result.times.empty()) throw InputError(path.string() + ": has no times; give one number per line, in seconds");
+  return result;
+}
+
+void CheckTimesMatch(const FrameTimes& times, const std::filesystem::path& path, size_t frames,
+                     const std::string& frames_of) {
+  if (times.times.size() < frames) {
+    throw InputError(fmt::format("{}:{}: ends after {} times, but {} has {} frames; give one time per frame",
+                                 path.string(), times.lines.back(), times.times.size(), frames_of, frames));
+  }
+  if (times.times.size() > frames) {
+    throw InputError(fmt::format("{}:{}: time {} has no frame: {} has only {}; give one time per frame", path.string(),
+                                 times.lines[frames], frames + 1, frames_of, frames));
+  }
+}
+
+bool NaturalLess(std::string_view a, std::string_view b) {
+  const auto is_digit = [](char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0; };
+  const auto digits_at = [&](std::string_view text) {
+    size_t size = 0;
+    while (size < text.size() && is_digit(text[size])) ++size;
+    return text.substr(0, size);
+  };
+  const std::string_view whole_a = a;
+  const std::string_view whole_b = b;
+  while (!a.empty() && !b.empty()) {
+    if (is_digit(a.front()) && is_digit(b.front())) {
+      const std::string_view run_a = digits_at(a);
+      const std::string_view run_b = digits_at(b);
+      const auto value = [](std::string_view run) {
+        return run.substr(std::min(run.find_first_not_of('0'), run.size()));
+      };
+      const std::string_view value_a = value(run_a);
+      const std::string_view value_b = value(run_b);
+      if (value_a.size() != value_b.size()) return value_a.size() < value_b.size();
+      if (value_a != value_b) return value_a < value_b;
+      a.remove_prefix(run_a.size());
+      b.remove_prefix(run_b.size());
+    } else {
+      if (a.front() != b.front()) return a.front() < b.front();
+      a.remove_prefix(1);
+      b.remove_prefix(1);
+    }
+  }
+  if (a.empty() != b.empty()) return a.empty();
+  // Names equal but for leading zeros still need one fixed order.
+  return whole_a < whole_b;
+}
 
 DriveInput FindDrive(const fs::path& input) {
   std::error_code error;

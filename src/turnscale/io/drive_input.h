@@ -1,11 +1,35 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <optional>
+#include <string>
+#include <string_view>
 #include <vector>
 
 namespace turnscale {
+
+/// Times of the frames in seconds, one per line; lines that are empty or begin with # are passed over.
+struct FrameTimes {
+  std::vector<double> times;
+  std::vector<int> lines;  ///< where each stands in the file, from 1
+};
+
+/// Throws InputError that names the line where a time is no number, is NaN, goes back or repeats.
+FrameTimes ReadFrameTimes(const std::filesystem::path& path);
+
+/// Throws InputError that names the line where the file has fewer or more times than there are frames.
+void CheckTimesMatch(const FrameTimes& times, const std::filesystem::path& path, size_t frames,
+                     const std::string& frames_of);
+
+/// Tells when a frame was taken.
+struct FrameClock {
+  std::vector<double> times;  ///< of every frame; empty where the rate tells
+  double fps = 0;
+
+  double At(size_t index) const { return times.empty() ? static_cast<double>(index) / fps : times[index]; }
+};
 
 /// What INPUT turned out to be: either images in natural order, or a video; and the files that came with them.
 struct DriveInput {
@@ -15,6 +39,9 @@ struct DriveInput {
   std::optional<std::filesystem::path> camera_file;  ///< `calib.txt`, else `camera.yaml`, beside the images
   std::optional<std::filesystem::path> times_file;   ///< `times.txt` beside the images
 };
+
+/// The order that people give numbered names: runs of digits compare as numbers, so 9.png comes before 10.png.
+bool NaturalLess(std::string_view a, std::string_view b);
 
 /// Detects the kind of INPUT: a KITTI folder (`image_0/` or `images/`, with `calib.txt` or
 /// `camera.yaml`, and `times.txt`), a folder of images, a

@@ -2,9 +2,13 @@
 #include "turnscale/io/frame_reader.h"
 
 #include <cmath>
+#include <fstream>
+#include <iterator>
 #include <limits>
 #include <utility>
 
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
 #include <opencv2/videoio.hpp>
 #include <opencv2/videoio/registry.hpp>
 
@@ -53,6 +57,36 @@ cv::VideoCapture Open(const std::filesystem::path& path) {
 }
 
 }  // namespace
+
+cv::Mat ToGray8(const cv::Mat& image) {
+  cv::Mat gray = image;
+  if (image.channels() == 3) cv::cvtColor(image, gray, cv::COLOR_BGR2GRAY);
+  if (image.channels() == 4) cv::cvtColor(image, gray, cv::COLOR_BGRA2GRAY);
+  if (gray.depth() == CV_16U) gray.convertTo(gray, CV_8U, 1.0 / 256.0);
+  return gray.depth() == CV_8U && gray.channels() == 1 ? gray : cv::Mat();
+}
+
+GrayImage ReadGrayImage(const std::filesystem::path& path) {
+  const std::string name = path.filename().string();
+  std::ifstream stream(path, std::ios::binary);
+  if (!stream) return {{}, name + ": cannot be opened"};
+  stream.seekg(0, std::ios::end);
+  const std::streamoff size = stream.tellg();
+  if (size <= 0) return {{}, name + ": is empty"};
+  std::vector<uint8_t> bytes(static_cast<size_t>(size));
+  stream.seekg(0);
+  if (!stream.read(reinterpret_cast<char*>(bytes.data()), size)) return {{}, name + ": cannot be read"};
+  if (EndsEarly(bytes)) return {{}, name + ": is truncated"};
+  GrayImage image;
+  try {
+    image.gray =
+        ToGray8(cv::imdecode(bytes, cv::IMREAD_ANYDEPTH | cv::IMREAD_ANYCOLOR | cv::IMREAD_IGNORE_ORIENTATION));
+  } catch (const cv::Exception&) {
+    image.gray = cv::Mat();
+  }
+  if (image.gray.empty()) image.problem = name + ": is not a readable image";
+  return image;
+}
 
 std::unique_ptr<FrameReader> ReadImages(std::vector<std::filesystem::path> images) {
   return std::make_unique<ImageListReader>(std::move(images));

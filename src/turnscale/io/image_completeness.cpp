@@ -4,7 +4,7 @@
 #include <cctype>
 #include <string_view>
 
-#include "turnscale/io/image_file.h"
+#include "turnscale/io/frame_reader.h"
 
 namespace turnscale {
 namespace {

@@ -14,8 +14,8 @@
 #include <fmt/format.h>
 
 #include "turnscale/base/error.h"
+#include "turnscale/io/drive_input.h"
 #include "turnscale/io/frame_reader.h"
-#include "turnscale/io/frame_times.h"
 
 namespace turnscale {
 namespace {

@@ -11,10 +11,9 @@
 #include <opencv2/videoio.hpp>
 
 #include "turnscale/base/error.h"
-#include "turnscale/base/scratch_path.h"
+#include "turnscale/base/test_files.h"
+#include "turnscale/io/drive_input.h"
 #include "turnscale/io/frame_reader.h"
-#include "turnscale/io/image_file.h"
-#include "turnscale/io/natural_order.h"
 
 namespace turnscale {
 namespace {

@@ -5,7 +5,6 @@
 #include <csignal>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <string>
 #include <thread>
 
@@ -15,17 +14,12 @@
 #include <unistd.h>
 
 #include "turnscale/base/error.h"
-#include "turnscale/base/scratch_path.h"
+#include "turnscale/base/test_files.h"
 
 namespace turnscale {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string Contents(const fs::path& path) {
-  std::ifstream stream(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
 
 // Files of this process end at so many bytes, for as long as it lives: a disk that is full.
 class FullDisk {
@@ -59,10 +53,10 @@ TEST(OutputFile, HasItsNameOnlyWhenItIsWhole) {
   OutputFile file(path);
   file.Write("a\n");
   EXPECT_FALSE(fs::exists(path));
-  EXPECT_EQ(Contents(PartOf(path)), "a\n") << "with the system at once";
+  EXPECT_EQ(TextOf(PartOf(path)), "a\n") << "with the system at once";
   file.Write("b\n");
   file.Finish();
-  EXPECT_EQ(Contents(path), "a\nb\n");
+  EXPECT_EQ(TextOf(path), "a\nb\n");
   EXPECT_FALSE(fs::exists(PartOf(path)));
 }
 
@@ -70,8 +64,8 @@ TEST(OutputFile, KeepsItsPartWhereItIsNotFinished) {
   const fs::path path = ScratchPath("given_up");
   ReplaceFile(path, "old");
   { OutputFile(path).Write("new\n"); }
-  EXPECT_EQ(Contents(path), "old");
-  EXPECT_EQ(Contents(PartOf(path)), "new\n");
+  EXPECT_EQ(TextOf(path), "old");
+  EXPECT_EQ(TextOf(PartOf(path)), "new\n");
   OutputFile(path).Discard();
   EXPECT_FALSE(fs::exists(PartOf(path)));
 }
@@ -86,7 +80,7 @@ TEST(OutputFile, AFullDiskLeavesWholeLines) {
   }
   file.Write("another\n");
   file.Finish();
-  EXPECT_EQ(Contents(path), "a line\nanother\n");
+  EXPECT_EQ(TextOf(path), "a line\nanother\n");
 }
 
 TEST(OutputFile, AFullDiskLeavesTheOlderFile) {
@@ -94,7 +88,7 @@ TEST(OutputFile, AFullDiskLeavesTheOlderFile) {
   ReplaceFile(path, "old");
   const FullDisk disk(1000);
   EXPECT_THROW(ReplaceFile(path, std::string(2000, 'x')), OutputError);
-  EXPECT_EQ(Contents(path), "old");
+  EXPECT_EQ(TextOf(path), "old");
   EXPECT_FALSE(fs::exists(PartOf(path)));
 }
 
@@ -106,7 +100,7 @@ TEST(OutputFile, ReplacesInOneStepAndFollowsLinks) {
   fs::create_symlink(target, link);
   ReplaceFile(link, "new");
   EXPECT_TRUE(fs::is_symlink(link));
-  EXPECT_EQ(Contents(target), "new");
+  EXPECT_EQ(TextOf(target), "new");
   EXPECT_FALSE(fs::exists(PartOf(target)));
 }
 
@@ -124,7 +118,7 @@ TEST(OutputFile, AKillAtAnyMomentLeavesTheOlderFileOrTheNewer) {
     std::this_thread::sleep_for(std::chrono::microseconds(137 * kill_after));
     kill(writer, SIGKILL);
     waitpid(writer, nullptr, 0);
-    const std::string text = Contents(path);
+    const std::string text = TextOf(path);
     EXPECT_TRUE(text == texts[0] || text == texts[1]) << text.size() << " bytes";
     fs::remove(PartOf(path));
   }

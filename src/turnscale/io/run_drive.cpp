@@ -7,10 +7,10 @@
 
 #include <fmt/format.h>
 
-#include "turnscale/base/attempts.h"
+#include "turnscale/base/error.h"
 #include "turnscale/geometry/rotation.h"
-#include "turnscale/io/message.h"
 #include "turnscale/io/settings.h"
+#include "turnscale/io/terminal.h"
 
 namespace turnscale {
 namespace {

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "turnscale/io/image_source.h"
-#include "turnscale/io/progress.h"
 #include "turnscale/io/run_summary.h"
 #include "turnscale/io/run_writer.h"
+#include "turnscale/io/terminal.h"
 #include "turnscale/odometry/odometry.h"
 
 namespace turnscale {

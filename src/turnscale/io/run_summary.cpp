@@ -10,7 +10,7 @@
 #include <sys/resource.h>
 
 #include "turnscale/geometry/rotation.h"
-#include "turnscale/io/progress.h"
+#include "turnscale/io/terminal.h"
 
 namespace turnscale {
 namespace {

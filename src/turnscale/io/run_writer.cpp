@@ -2,16 +2,47 @@
 #include "turnscale/io/run_writer.h"
 
 #include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <system_error>
 
-#include "turnscale/base/attempts.h"
+#include <fmt/format.h>
+
 #include "turnscale/base/error.h"
-#include "turnscale/io/map_file.h"
-#include "turnscale/io/run_tables.h"
+#include "turnscale/geometry/rotation.h"
+#include "turnscale/io/terminal.h"
 #include "turnscale/io/trajectory_file.h"
 
 namespace turnscale {
 namespace {
+
+std::string DegreesCell(double radians) {
+  return std::isnan(radians) ? std::string() : fmt::format("{:.6f}", radians * kDegreesPerRadian);
+}
+
+// Reasons are free text: quoted, as commas would part them.
+std::string QuotedCell(const std::string& text) {
+  if (text.empty()) return {};
+  std::string quoted(1, '"');
+  for (const char c : text) quoted.append(c == '"' ? 2 : 1, c);
+  return quoted.append(1, '"');
+}
+
+using Colour = std::array<uint8_t, 3>;
+constexpr Colour kLandmarkColour = {200, 200, 200};
+constexpr Colour kCameraColour = {230, 40, 40};
+constexpr size_t kPiece = 1 << 20;  // bytes
+
+void AddVertex(std::string& vertices, const Eigen::Vector3d& position, const Colour& colour) {
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto bits = std::bit_cast<uint32_t>(static_cast<float>(position[axis]));
+    for (int shift = 0; shift < 32; shift += 8) vertices.push_back(static_cast<char>(bits >> shift & 0xFF));
+  }
+  for (const uint8_t part : colour) vertices.push_back(static_cast<char>(part));
+}
 
 namespace fs = std::filesystem;
 
@@ -34,6 +65,71 @@ void MakeFolder(const fs::path& folder) {
 }
 
 }  // namespace
+
+std::string FrameTableHeader() {
+  return "frame,time,state,x,y,z,qx,qy,qz,qw,scale_state,scale_sigma,inliers,tracked,keyframe,psi_deg,theta_deg,"
+         "turning\n";
+}
+
+std::string FrameTableLine(const FrameResult& frame, const std::optional<RigidTransform>& pose) {
+  std::string cells = ",,,,,,";
+  if (pose) {
+    const Eigen::Vector3d& t = pose->translation;
+    const Eigen::Quaterniond& q = pose->rotation;
+    cells = fmt::format("{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g}", t.x(), t.y(), t.z(), q.x(), q.y(), q.z(),
+                        q.w());
+  }
+  return fmt::format("{},{:.6f},{},{},{},{:.6g},{},{},{},{},{},{}\n", frame.frame, frame.time,
+                     TrackingStateName(frame.state), cells, ScaleStateName(frame.scale_state), frame.scale_sigma,
+                     frame.inliers, frame.tracked, frame.keyframe ? 1 : 0, DegreesCell(frame.psi),
+                     DegreesCell(frame.theta), frame.turning ? 1 : 0);
+}
+
+std::string TurnTable(const std::vector<TurnResult>& turns) {
+  std::string table =
+      "first_frame,last_frame,keyframes,angle_deg,speed_mps,metres_per_unit,sigma,smoothed_metres_per_unit,"
+      "smoothed_sigma,deviation_sigmas,effective_lever_arm_m,used,reason,unadjusted\n";
+  for (const TurnResult& turn : turns) {
+    // A turn that says nothing leaves its cells empty.
+    const auto positive = [](double value, int digits) {
+      return value > 0 ? fmt::format("{:.{}g}", value, digits) : std::string();
+    };
+    table += fmt::format(
+        "{},{},{},{:.4f},{},{},{},{},{},{},{},{},{},{}\n", turn.first_frame, turn.last_frame,
+        turn.last_keyframe - turn.first_keyframe + 1, turn.angle * kDegreesPerRadian, positive(turn.speed, 5),
+        positive(turn.metres_per_unit, 9), positive(turn.sigma, 6), positive(turn.smoothed, 9),
+        positive(turn.smoothed_sigma, 6), turn.used ? fmt::format("{:.3f}", turn.deviation) : std::string(),
+        positive(turn.effective_lever_arm, 6), turn.used ? 1 : 0, QuotedCell(turn.reason), QuotedCell(turn.unadjusted));
+  }
+  return table;
+}
+
+void WriteMap(const std::filesystem::path& path, const MapPoints& points, const RigidTransform& target_from_world,
+              Durability durability) {
+  OutputFile file(path);
+  try {
+    file.Write(fmt::format(
+        "ply\nformat binary_little_endian 1.0\ncomment turnscale: landmarks gray, cameras red\nelement vertex {}\n"
+        "property float x\nproperty float y\nproperty float z\n"
+        "property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n",
+        points.landmarks.size() + points.cameras.size()));
+    // In pieces: the map of a long drive is large.
+    std::string vertices;
+    const auto write = [&](const Eigen::Vector3d& position, const Colour& colour) {
+      AddVertex(vertices, target_from_world * position, colour);
+      if (vertices.size() < kPiece) return;
+      file.Write(vertices);
+      vertices.clear();
+    };
+    for (const Eigen::Vector3f& landmark : points.landmarks) write(landmark.cast<double>(), kLandmarkColour);
+    for (const Eigen::Vector3d& camera : points.cameras) write(camera, kCameraColour);
+    file.Write(vertices);
+    file.Finish(durability);
+  } catch (...) {
+    file.Discard();
+    throw;
+  }
+}
 
 RunWriter::RunWriter(const RunWriterOptions& options) : options_(options) {
   if (options_.frame == PoseFrame::kVehicle && !options_.vehicle.lever_arm) {

@@ -6,13 +6,26 @@
 #include <string>
 #include <vector>
 
-#include "turnscale/geometry/trajectory.h"
+#include "turnscale/geometry/rigid_transform.h"
 #include "turnscale/io/output_file.h"
-#include "turnscale/odometry/metric_path.h"
 #include "turnscale/odometry/options.h"
 #include "turnscale/odometry/results.h"
 
 namespace turnscale {
+
+/// First line of trajectory.csv.
+std::string FrameTableHeader();
+
+/// A frame's line in trajectory.csv; `pose` is the one to show. Cells without a value are empty.
+std::string FrameTableLine(const FrameResult& frame, const std::optional<RigidTransform>& pose);
+
+/// The whole of turns.csv.
+std::string TurnTable(const std::vector<TurnResult>& turns);
+
+/// Writes a map as binary PLY: landmarks in light gray, keyframe cameras in red, transformed by `target_from_world`.
+/// Throws as OutputFile does.
+void WriteMap(const std::filesystem::path& path, const MapPoints& points, const RigidTransform& target_from_world = {},
+              Durability durability = Durability::kPowerCut);
 
 /// The frame whose poses are written.
 enum class PoseFrame {

@@ -5,27 +5,20 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
 #include "turnscale/base/error.h"
-#include "turnscale/base/scratch_path.h"
+#include "turnscale/base/test_files.h"
 #include "turnscale/geometry/rotation.h"
 #include "turnscale/io/run_summary.h"
-#include "turnscale/io/run_tables.h"
 #include "turnscale/io/trajectory_file.h"
 
 namespace turnscale {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string TextOf(const fs::path& path) {
-  std::ifstream stream(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
 
 FrameResult Frame(int number, double scale = 1, bool posed = true) {
   FrameResult frame;

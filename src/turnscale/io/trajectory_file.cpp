@@ -13,7 +13,7 @@
 #include <fmt/format.h>
 
 #include "turnscale/base/error.h"
-#include "turnscale/base/parse.h"
+#include "turnscale/base/number_text.h"
 
 namespace turnscale {
 namespace {

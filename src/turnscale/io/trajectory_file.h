@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "turnscale/geometry/trajectory.h"
+#include "turnscale/geometry/rigid_transform.h"
 
 namespace turnscale {
 

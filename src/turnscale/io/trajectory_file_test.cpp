@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "turnscale/base/error.h"
-#include "turnscale/base/scratch_path.h"
+#include "turnscale/base/test_files.h"
 #include "turnscale/geometry/rotation.h"
 #include "turnscale/io/output_file.h"
 

@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "turnscale/base/error.h"
-#include "turnscale/kinematics/scale_observer.h"
+#include "turnscale/kinematics/ackermann.h"
 #include "turnscale/kinematics/synthetic_drive.h"
 
 namespace turnscale {

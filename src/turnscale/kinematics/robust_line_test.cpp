@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-#include "turnscale/kinematics/robust_line.h"
-
 #include <cmath>
 #include <random>
 
 #include <Eigen/Dense>
 #include <gtest/gtest.h>
+
+#include "turnscale/kinematics/pooled_line.h"
 
 namespace turnscale {
 namespace {

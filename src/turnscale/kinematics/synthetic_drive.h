@@ -6,7 +6,6 @@
 
 #include "turnscale/geometry/rigid_transform.h"
 #include "turnscale/kinematics/ackermann.h"
-#include "turnscale/kinematics/lever_arm.h"
 
 namespace turnscale {
 

@@ -6,8 +6,8 @@
 
 #include <Eigen/Geometry>
 
-#include "turnscale/geometry/trajectory.h"
-#include "turnscale/kinematics/turning_motion.h"
+#include "turnscale/geometry/rigid_transform.h"
+#include "turnscale/kinematics/ackermann.h"
 
 namespace turnscale {
 

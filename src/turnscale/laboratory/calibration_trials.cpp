@@ -7,8 +7,8 @@
 #include <Eigen/LU>
 
 #include "turnscale/base/error.h"
-#include "turnscale/calibration/camera_angles.h"
-#include "turnscale/calibration/step_elimination.h"
+#include "turnscale/calibration/camera_axes.h"
+#include "turnscale/calibration/step_residual.h"
 #include "turnscale/geometry/rotation.h"
 
 namespace turnscale {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "turnscale/calibration/calibration.h"
-#include "turnscale/calibration/step_gatherer.h"
+#include "turnscale/calibration/camera_step.h"
 #include "turnscale/laboratory/paper_drive.h"
 #include "turnscale/laboratory/parallel_runs.h"
 

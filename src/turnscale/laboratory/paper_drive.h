@@ -6,7 +6,7 @@
 
 #include <Eigen/Geometry>
 
-#include "turnscale/geometry/trajectory.h"
+#include "turnscale/geometry/rigid_transform.h"
 #include "turnscale/kinematics/ackermann.h"
 
 namespace turnscale {

@@ -8,7 +8,10 @@
 
 #include "turnscale/base/error.h"
 #include "turnscale/base/random.h"
+#include "turnscale/bundle/bundle_adjustment.h"
 #include "turnscale/geometry/rotation.h"
+#include "turnscale/mapping/local_bundle_adjustment.h"
+#include "turnscale/mapping/map_scaling.h"
 
 namespace turnscale {
 namespace {
@@ -90,6 +93,10 @@ void AddPoint(const ScaleDriveOptions& options, const Eigen::Vector3d& point, Ra
   map.landmarks.push_back(std::move(landmark));
 }
 
+constexpr int kIterations = 20;
+// Started at the truth, a step that gains less moves nothing by a noticeable part of its sigma.
+constexpr double kCostTolerance = 1e-4;
+
 }  // namespace
 
 void ScaleDriveOptions::Check() const {
@@ -126,6 +133,26 @@ ScaleDrive MakeScaleDrive(const ScaleDriveOptions& options) {
   drive.odometry = OdometryPath(options, drive.truth, random);
   for (int i = 0; i < options.points; ++i) AddPoint(options, RandomPoint(options, path, random), random, drive.truth);
   return drive;
+}
+
+Map PointOdometry(const ScaleDrive& drive) {
+  Map map = drive.truth;
+  WindowProblem problem = MakeWindowProblem(map, {0, 1}, drive.pixel_noise);
+  BundleOptions options;
+  options.max_iterations = kIterations;
+  options.huber_threshold = 0;  // the noise is Gaussian
+  options.relative_cost_tolerance = kCostTolerance;
+  const BundleSummary summary = AdjustBundle(options, problem.bundle);
+  if (!summary.converged) throw NumericalError("the synthetic drive's bundle adjustment: " + summary.message);
+  WriteBack(problem, map);
+  return map;
+}
+
+void LoseScale(double loss, int frames, Map& map) {
+  std::vector<double> factors;
+  for (const Keyframe& keyframe : map.keyframes)
+    factors.push_back(std::pow(1 - loss, static_cast<double>(keyframe.frame) / frames));
+  ScaleMap(factors, 0, map);
 }
 
 }  // namespace turnscale

@@ -9,7 +9,7 @@
 #include "turnscale/base/error.h"
 #include "turnscale/base/random.h"
 #include "turnscale/geometry/rotation.h"
-#include "turnscale/laboratory/point_odometry.h"
+#include "turnscale/laboratory/scale_drive.h"
 
 namespace turnscale {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <array>
 
-#include "turnscale/kinematics/scale_observer.h"
+#include "turnscale/kinematics/ackermann.h"
 
 namespace turnscale {
 

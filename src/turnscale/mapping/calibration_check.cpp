@@ -10,7 +10,7 @@
 
 #include "turnscale/base/error.h"
 #include "turnscale/geometry/rotation.h"
-#include "turnscale/mapping/window_problem.h"
+#include "turnscale/mapping/local_bundle_adjustment.h"
 
 namespace turnscale {
 namespace {

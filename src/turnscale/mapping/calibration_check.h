@@ -79,7 +79,7 @@ struct IntrinsicsEstimate {
 /// (IntrinsicsProblem); their evidence is summed, windows that disagree with the others are down-weighted, and their
 /// scatter widens the sigmas.
 ///
-/// Reads the map and changes nothing. Lenses whose correction is not radial_correction.h's are not for it.
+/// Reads the map and changes nothing. Lenses whose correction is not CorrectRadially's are not for it.
 class CalibrationCheck {
  public:
   explicit CalibrationCheck(const CalibrationCheckOptions& options);

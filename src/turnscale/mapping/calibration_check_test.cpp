@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "turnscale/base/refused_field.h"
-#include "turnscale/camera/radial_correction.h"
+#include "turnscale/camera/camera_model.h"
 #include "turnscale/mapping/synthetic_map.h"
 
 namespace turnscale {

@@ -12,7 +12,7 @@
 #include "turnscale/base/quantiles.h"
 #include "turnscale/bundle/bundle_adjustment.h"
 #include "turnscale/bundle/reprojection.h"
-#include "turnscale/camera/radial_correction.h"
+#include "turnscale/camera/camera_model.h"
 #include "turnscale/geometry/rotation.h"
 
 namespace turnscale {

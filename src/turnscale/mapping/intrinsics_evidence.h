@@ -13,8 +13,8 @@
 namespace turnscale {
 
 /// By how much a camera differs from the pinhole of the map: log of the focal length's ratio (both axes together),
-/// principal point x and y (pixels, further right and down), and the radial correction (radial_correction.h; the whole
-/// of it, not what comes on top of the one that is applied).
+/// principal point x and y (pixels, further right and down), and the radial correction (CorrectRadially; the
+/// whole of it, not what comes on top of the one that is applied).
 struct IntrinsicsChange {
   enum Entry { kLogFocal, kCentreX, kCentreY, kCorrection };
   static constexpr int kEntries = kCorrection + 1;

@@ -8,7 +8,7 @@
 #include <Eigen/QR>
 #include <gtest/gtest.h>
 
-#include "turnscale/camera/radial_correction.h"
+#include "turnscale/camera/camera_model.h"
 #include "turnscale/geometry/rotation.h"
 #include "turnscale/mapping/synthetic_map.h"
 

@@ -8,9 +8,9 @@
 
 #include "turnscale/base/error.h"
 #include "turnscale/bundle/bundle_adjustment.h"
-#include "turnscale/camera/radial_correction.h"
+#include "turnscale/camera/camera_model.h"
 #include "turnscale/geometry/rotation.h"
-#include "turnscale/mapping/window_problem.h"
+#include "turnscale/mapping/local_bundle_adjustment.h"
 
 namespace turnscale {
 namespace {

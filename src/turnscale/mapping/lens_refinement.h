@@ -28,7 +28,7 @@ struct LensRefinementOptions {
   void Check() const;
 };
 
-/// Estimates the radial correction (camera/radial_correction.h) from the drive itself, window by window.
+/// Estimates the radial correction (CorrectRadially) from the drive itself, window by window.
 ///
 /// In each window of keyframes the correction is varied, bundle adjustment finds poses and points that go with it, and
 /// the cost that is left is a parabola in the correction (its profile likelihood). The parabolas of the windows

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "turnscale/base/error.h"
-#include "turnscale/camera/radial_correction.h"
+#include "turnscale/camera/camera_model.h"
 
 namespace turnscale {
 namespace {

@@ -27,7 +27,7 @@ Scene MakeScene(int points, double noise, unsigned seed, double unit = 1.0) {
   scene.camera_from_world.translation *= unit;
   for (int i = 0; i < points; ++i) {
     const Eigen::Vector2d pixel(x(random), y(random));
-    const Eigen::Vector3d in_camera = unit * depth(random) * kPinhole.Ray(pixel);
+    const Eigen::Vector3d in_camera = unit * depth(random) * kTestPinhole.Ray(pixel);
     scene.sightings.push_back({scene.camera_from_world.inverse() * in_camera,
                                pixel + noise * Eigen::Vector2d(normal(random), normal(random))});
   }
@@ -40,7 +40,7 @@ RigidTransform Disturbed(const RigidTransform& pose, double unit = 1.0) {
 
 TEST(PoseEstimation, ExactWithoutNoise) {
   const Scene scene = MakeScene(50, 0, 1);
-  const PoseEstimate estimate = EstimatePose({}, kPinhole, scene.sightings, Disturbed(scene.camera_from_world));
+  const PoseEstimate estimate = EstimatePose({}, kTestPinhole, scene.sightings, Disturbed(scene.camera_from_world));
   const RigidTransform off = estimate.camera_from_world * scene.camera_from_world.inverse();
   EXPECT_LT(RotationAngle(off.rotation), 1e-9);
   EXPECT_LT(off.translation.norm(), 1e-8);
@@ -50,7 +50,7 @@ TEST(PoseEstimation, ExactWithoutNoise) {
 TEST(PoseEstimation, OutliersLoseTheirSay) {
   Scene scene = MakeScene(200, 0.3, 2);
   for (int i = 0; i < 60; ++i) scene.sightings[i].pixel += Eigen::Vector2d(8 + i, -5);
-  const PoseEstimate estimate = EstimatePose({}, kPinhole, scene.sightings, Disturbed(scene.camera_from_world));
+  const PoseEstimate estimate = EstimatePose({}, kTestPinhole, scene.sightings, Disturbed(scene.camera_from_world));
   const RigidTransform off = estimate.camera_from_world * scene.camera_from_world.inverse();
   EXPECT_LT(RotationAngle(off.rotation) * kDegreesPerRadian, 0.02);
   EXPECT_LT(off.translation.norm(), 0.003);
@@ -60,17 +60,18 @@ TEST(PoseEstimation, OutliersLoseTheirSay) {
 
 TEST(PoseEstimation, DoesNotDependOnTheUnitOfLength) {
   const Scene one = MakeScene(100, 0.5, 3);
-  const PoseEstimate reference = EstimatePose({}, kPinhole, one.sightings, Disturbed(one.camera_from_world));
+  const PoseEstimate reference = EstimatePose({}, kTestPinhole, one.sightings, Disturbed(one.camera_from_world));
   for (const double unit : {0.1, 10.0}) {
     const Scene scene = MakeScene(100, 0.5, 3, unit);
-    const PoseEstimate estimate = EstimatePose({}, kPinhole, scene.sightings, Disturbed(scene.camera_from_world, unit));
+    const PoseEstimate estimate =
+        EstimatePose({}, kTestPinhole, scene.sightings, Disturbed(scene.camera_from_world, unit));
     EXPECT_LT((estimate.camera_from_world.translation / unit - reference.camera_from_world.translation).norm(), 1e-8);
     EXPECT_EQ(estimate.inliers, reference.inliers);
   }
 }
 
 TEST(PoseEstimation, TooFewSightingsGiveNoInliersOutOfNothing) {
-  const PoseEstimate estimate = EstimatePose({}, kPinhole, {}, RigidTransform{});
+  const PoseEstimate estimate = EstimatePose({}, kTestPinhole, {}, RigidTransform{});
   EXPECT_EQ(estimate.inliers, 0);
   EXPECT_TRUE(estimate.camera_from_world.translation.allFinite());
 }

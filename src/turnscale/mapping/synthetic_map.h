@@ -14,7 +14,7 @@
 namespace turnscale {
 
 /// A camera of wide images.
-inline const Pinhole kPinhole{700, 700, 600, 180};
+inline const Pinhole kTestPinhole{700, 700, 600, 180};
 
 /// A turn to either side.
 inline const std::vector<DriveSegment> kRightAndLeft = {{4, 0.8, 0}, {22, 0.7, 0.07}, {4, 0.8, 0}, {22, 0.7, -0.07}};

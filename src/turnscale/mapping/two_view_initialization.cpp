@@ -14,7 +14,6 @@
 #include "turnscale/base/quantiles.h"
 #include "turnscale/bundle/bundle_adjustment.h"
 #include "turnscale/geometry/rotation.h"
-#include "turnscale/geometry/rotation_fit.h"
 #include "turnscale/geometry/triangulation.h"
 
 namespace turnscale {

@@ -30,11 +30,11 @@ Views MakeViews(const RigidTransform& second_from_first, double noise, unsigned 
   Views views;
   for (int i = 0; i < 500; ++i) {
     const Eigen::Vector2d pixel(x(random), y(random));
-    const Eigen::Vector3d point = depth(random) * kPinhole.Ray(pixel);
+    const Eigen::Vector3d point = depth(random) * kTestPinhole.Ray(pixel);
     const Eigen::Vector3d in_second = second_from_first * point;
     if (in_second.z() < 1) continue;
     views.first.emplace_back(pixel + jitter());
-    views.second.emplace_back(kPinhole.Project(in_second) + jitter());
+    views.second.emplace_back(kTestPinhole.Project(in_second) + jitter());
     views.points.push_back(point);
   }
   return views;
@@ -44,7 +44,7 @@ TEST(TwoViewInitialization, RecoversAForwardMotionThatTurns) {
   const RigidTransform truth{RotationFromVector({0.002, -0.05, 0.001}), {0.1, 0.0, -1.5}};
   Views views = MakeViews(truth, 0.3, 1);
   for (int i = 0; i < 80; ++i) views.second[i] += Eigen::Vector2d(-30, 25 + i);
-  const TwoViewResult result = InitializeFromTwoViews({}, kPinhole, views.first, views.second);
+  const TwoViewResult result = InitializeFromTwoViews({}, kTestPinhole, views.first, views.second);
   ASSERT_EQ(result.status, TwoViewStatus::kInitialized);
   EXPECT_LT(RotationAngle(result.second_from_first.rotation * truth.rotation.conjugate()) * kDegreesPerRadian, 0.02);
   EXPECT_NEAR(result.second_from_first.translation.norm(), 1.0, 1e-12) << "the baseline is the unit";
@@ -60,12 +60,12 @@ TEST(TwoViewInitialization, RecoversAForwardMotionThatTurns) {
 
 TEST(TwoViewInitialization, NoticesStandstill) {
   const Views views = MakeViews({}, 0.3, 2);
-  EXPECT_EQ(InitializeFromTwoViews({}, kPinhole, views.first, views.second).status, TwoViewStatus::kStandstill);
+  EXPECT_EQ(InitializeFromTwoViews({}, kTestPinhole, views.first, views.second).status, TwoViewStatus::kStandstill);
 }
 
 TEST(TwoViewInitialization, NoticesPureRotation) {
   const Views views = MakeViews({RotationFromVector({0.01, 0.08, 0}), Eigen::Vector3d::Zero()}, 0.3, 3);
-  const TwoViewResult result = InitializeFromTwoViews({}, kPinhole, views.first, views.second);
+  const TwoViewResult result = InitializeFromTwoViews({}, kTestPinhole, views.first, views.second);
   EXPECT_EQ(result.status, TwoViewStatus::kLowParallax);
   EXPECT_GT(result.motion, 40);
   EXPECT_LT(result.parallax, 1);
@@ -73,7 +73,8 @@ TEST(TwoViewInitialization, NoticesPureRotation) {
 
 TEST(TwoViewInitialization, AShortBaselineIsNoLongerInASharperImage) {
   const auto start = [](double zoom, double travel) {
-    const Pinhole pinhole{zoom * kPinhole.fx, zoom * kPinhole.fy, zoom * kPinhole.cx, zoom * kPinhole.cy};
+    const Pinhole pinhole{zoom * kTestPinhole.fx, zoom * kTestPinhole.fy, zoom * kTestPinhole.cx,
+                          zoom * kTestPinhole.cy};
     Views views = MakeViews({Eigen::Quaterniond::Identity(), {0, 0, -travel}}, 0.0, 6);
     for (std::vector<Eigen::Vector2d>* pixels : {&views.first, &views.second})
       for (Eigen::Vector2d& pixel : *pixels) pixel *= zoom;
@@ -92,7 +93,7 @@ TEST(TwoViewInitialization, RefusesMatchesWithoutACommonMotion) {
   std::mt19937 random(5);
   std::uniform_real_distribution<double> off(-100, 100);
   for (Eigen::Vector2d& pixel : views.second) pixel += Eigen::Vector2d(off(random), off(random));
-  EXPECT_EQ(InitializeFromTwoViews({}, kPinhole, views.first, views.second).status, TwoViewStatus::kFailed);
+  EXPECT_EQ(InitializeFromTwoViews({}, kTestPinhole, views.first, views.second).status, TwoViewStatus::kFailed);
 }
 
 TEST(TwoViewInitialization, OptionsNameTheFieldThatMakesNoSense) {

@@ -8,10 +8,10 @@
 
 #include <Eigen/Core>
 
-#include "turnscale/kinematics/turning_motion.h"
+#include "turnscale/kinematics/ackermann.h"
 #include "turnscale/mapping/calibration_check.h"
 #include "turnscale/mapping/map_scaling.h"
-#include "turnscale/odometry/metric_path.h"
+#include "turnscale/odometry/frame_history.h"
 #include "turnscale/odometry/mount_calibration.h"
 #include "turnscale/odometry/options.h"
 #include "turnscale/odometry/results.h"

@@ -4,11 +4,23 @@
 #include <deque>
 #include <vector>
 
+#include <Eigen/Core>
+
 #include "turnscale/mapping/map.h"
-#include "turnscale/odometry/metric_path.h"
 #include "turnscale/odometry/results.h"
 
 namespace turnscale {
+
+/// Metric positions of the keyframes beside a map that keeps its own unit: one entry per keyframe.
+struct MetricPath {
+  std::vector<Eigen::Vector3d> centres;  ///< metres; in the map's unit while the scale is pending
+  std::vector<double> metres_per_unit;   ///< 1 while the scale is pending
+
+  /// A camera pose near keyframe `keyframe` of the map, in metres.
+  RigidTransform InMetres(const Map& map, int keyframe, const RigidTransform& world_from_camera) const;
+  /// A point near that keyframe, in metres.
+  Eigen::Vector3d InMetres(const Map& map, int keyframe, const Eigen::Vector3d& point) const;
+};
 
 /// Every frame of the drive, relative to a keyframe: when keyframes are refined, their frames move with them.
 class FrameHistory {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "turnscale/kinematics/scale_observer.h"
+#include "turnscale/kinematics/ackermann.h"
 #include "turnscale/mapping/absolute_scale_recovery.h"
 
 namespace turnscale {

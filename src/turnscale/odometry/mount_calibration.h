@@ -5,8 +5,8 @@
 
 #include <Eigen/Geometry>
 
+#include "turnscale/calibration/camera_step.h"
 #include "turnscale/calibration/online_calibration.h"
-#include "turnscale/calibration/step_gatherer.h"
 #include "turnscale/mapping/map.h"
 #include "turnscale/odometry/options.h"
 

@@ -10,7 +10,7 @@
 
 #include "turnscale/base/error.h"
 #include "turnscale/base/quantiles.h"
-#include "turnscale/camera/radial_correction.h"
+#include "turnscale/camera/camera_model.h"
 #include "turnscale/mapping/landmarks.h"
 #include "turnscale/mapping/local_bundle_adjustment.h"
 #include "turnscale/mapping/map_scaling.h"

@@ -8,7 +8,7 @@
 #include "turnscale/features/corners.h"
 #include "turnscale/features/optical_flow.h"
 #include "turnscale/features/patch_alignment.h"
-#include "turnscale/kinematics/lever_arm.h"
+#include "turnscale/kinematics/ackermann.h"
 #include "turnscale/kinematics/vehicle_step.h"
 #include "turnscale/mapping/absolute_scale_recovery.h"
 #include "turnscale/mapping/calibration_check.h"

@@ -4,6 +4,9 @@
 #include <limits>
 #include <optional>
 #include <string>
+#include <vector>
+
+#include <Eigen/Core>
 
 #include "turnscale/geometry/rigid_transform.h"
 
@@ -71,6 +74,12 @@ struct TurnResult {
   /// Why the recovery (`--method turns`, `paper`) scaled the map around this used turn, but did not adjust it
   /// (RangeRecovery::reason); empty where it did, and with other methods.
   std::string unadjusted;
+};
+
+/// Points of a map for a picture, in metres or the map's unit.
+struct MapPoints {
+  std::vector<Eigen::Vector3f> landmarks;  ///< single precision: there may be millions
+  std::vector<Eigen::Vector3d> cameras;
 };
 
 }  // namespace turnscale

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: MIT
+#include "turnscale/rendering/light.h"
+
 #include <cmath>
 
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
-#include "turnscale/rendering/lamp_light.h"
-#include "turnscale/rendering/light_baking.h"
-#include "turnscale/rendering/sky.h"
-#include "turnscale/rendering/surface.h"
+#include "turnscale/rendering/mesh.h"
 #include "turnscale/rendering/test_scene.h"
 
 namespace turnscale {

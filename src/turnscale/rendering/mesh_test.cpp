@@ -9,7 +9,6 @@
 #include <gtest/gtest.h>
 
 #include "turnscale/base/error.h"
-#include "turnscale/rendering/surface.h"
 
 namespace turnscale {
 namespace {

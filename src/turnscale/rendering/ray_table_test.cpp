@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: MIT
-#include "turnscale/rendering/ray_table.h"
-
 #include <gtest/gtest.h>
 
 #include "turnscale/base/error.h"
+#include "turnscale/rendering/frame_drawing.h"
 #include "turnscale/rendering/test_scene.h"
 
 namespace turnscale {

@@ -6,9 +6,8 @@
 
 #include "turnscale/base/error.h"
 #include "turnscale/rendering/frame_drawing.h"
-#include "turnscale/rendering/light_baking.h"
+#include "turnscale/rendering/light.h"
 #include "turnscale/rendering/ray_scene.h"
-#include "turnscale/rendering/ray_table.h"
 #include "turnscale/rendering/tracer.h"
 
 namespace turnscale {

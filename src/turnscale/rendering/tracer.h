@@ -7,10 +7,10 @@
 
 #include <Eigen/Core>
 
+#include "turnscale/rendering/light.h"
+#include "turnscale/rendering/mesh.h"
 #include "turnscale/rendering/ray_scene.h"
 #include "turnscale/rendering/scene.h"
-#include "turnscale/rendering/sky.h"
-#include "turnscale/rendering/surface.h"
 
 namespace turnscale {
 

@@ -5,10 +5,10 @@
 #include <vector>
 
 #include "turnscale/base/random.h"
+#include "turnscale/geometry/rigid_transform.h"
 #include "turnscale/geometry/rotation.h"
-#include "turnscale/geometry/trajectory.h"
+#include "turnscale/kinematics/ackermann.h"
 #include "turnscale/kinematics/synthetic_drive.h"
-#include "turnscale/kinematics/turning_motion.h"
 
 namespace turnscale {
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "turnscale/scale/car_prior.h"
+#include "turnscale/scale/scale_evidence.h"
 #include "turnscale/scale/scale_filter.h"
 #include "turnscale/scale/turn_test.h"
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "turnscale/base/random.h"
-#include "turnscale/kinematics/lever_arm.h"
+#include "turnscale/kinematics/ackermann.h"
 #include "turnscale/kinematics/vehicle_step.h"
 
 namespace turnscale {

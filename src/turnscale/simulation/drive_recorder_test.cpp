@@ -4,22 +4,20 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
-#include <iterator>
 #include <sstream>
 
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
 
 #include "turnscale/base/error.h"
-#include "turnscale/base/scratch_path.h"
+#include "turnscale/base/test_files.h"
 #include "turnscale/camera/camera_file.h"
 #include "turnscale/features/corners.h"
 #include "turnscale/features/optical_flow.h"
 #include "turnscale/geometry/rotation.h"
 #include "turnscale/io/drive_input.h"
 #include "turnscale/io/floor_plan_file.h"
-#include "turnscale/io/frame_times.h"
-#include "turnscale/io/image_file.h"
+#include "turnscale/io/frame_reader.h"
 #include "turnscale/io/settings.h"
 #include "turnscale/io/trajectory_file.h"
 #include "turnscale/simulation/drive.h"
@@ -39,11 +37,6 @@ Rig SmallRig(int width = 320, int height = 240) {
   rig.mount.pitch_deg = -2;
   rig.mount.lateral_offset = 0.3;
   return rig;
-}
-
-std::string TextOf(const fs::path& path) {
-  std::ifstream stream(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
 }
 
 // Columns of numbers by name.

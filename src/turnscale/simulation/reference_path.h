@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 
 #include "turnscale/simulation/route.h"
+#include "turnscale/simulation/vehicle.h"
 
 namespace turnscale {
 
@@ -34,5 +35,17 @@ PathPlace PlaceAt(const ReferencePath& path, double distance);
 
 /// Distance along the path to the place nearest to a position, searched around `guess`.
 double Project(const ReferencePath& path, const Eigen::Vector2d& position, double guess);
+
+/// Speeds with which to start and end (m/s).
+struct EndSpeeds {
+  double start = 0;
+  double end = 0;
+};
+
+/// Speeds (m/s, not negative) every `interval` seconds that bring a car from the path's start to its end: the path's
+/// own, lower in curves and where the wheels could not be turned as fast, within the limits of acceleration, and
+/// without jerks. An end whose speed the path does not allow is driven at what it allows.
+std::vector<double> PlanSpeeds(const CarOptions& options, const ReferencePath& path, const EndSpeeds& ends,
+                               double interval);
 
 }  // namespace turnscale

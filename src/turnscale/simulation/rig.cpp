@@ -9,15 +9,14 @@
 #include "turnscale/base/error.h"
 #include "turnscale/config/yaml_map.h"
 #include "turnscale/geometry/rotation.h"
-#include "turnscale/io/field_reader.h"
-#include "turnscale/io/field_writer.h"
+#include "turnscale/io/yaml_fields.h"
 
 namespace turnscale {
 namespace {
 
 constexpr double kPaperFieldOfViewDeg = 80;
 
-// Every field of the file once: reading and writing both follow this list (see io/settings_fields.h).
+// Every field of the file once: reading and writing both follow this list (see io/yaml_fields.h).
 template <class Visitor>
 void VisitRig(Visitor& visitor, Rig& rig) {
   visitor.Choice("preset", rig.preset, {{"paper", RigPreset::kPaper}, {"kitti", RigPreset::kKitti}});

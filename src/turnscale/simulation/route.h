@@ -5,6 +5,8 @@
 
 #include <Eigen/Core>
 
+#include "turnscale/geometry/rigid_transform.h"
+
 namespace turnscale {
 
 /// A stretch of the way, driven without stopping.
@@ -34,5 +36,19 @@ void CutLegs(double metres, std::vector<RouteLeg>& legs);
 /// radius become smaller. Throws InputError for less than two corners, corners that coincide, a path that turns back at
 /// a corner (by more than 170 degrees), or a radius or step that is not positive.
 std::vector<Eigen::Vector2d> RoundCorners(const std::vector<Eigen::Vector2d>& corners, double radius, double step);
+
+/// The way of a recorded drive.
+struct RecordedPath {
+  std::vector<Eigen::Vector3d> points;  ///< (x, up, z), metres, at least 0.3 m apart as seen from above
+  std::vector<double> speeds;           ///< m/s, one per point: the least between this point and the next
+};
+
+/// The rear axle's way from the poses of a camera (metres), in the frame of the car at the first pose: it starts near
+/// the origin, and that pose is taken to be level.
+///
+/// Positions are smoothed over time (0.3 s) and speeds read off there, heights over 4 m of the way besides; where the
+/// car stands, one point is kept.
+/// Throws InputError when times do not grow or the car moves less than a metre in all.
+RecordedPath RearAxlePath(const Trajectory& trajectory, const RigidTransform& vehicle_from_camera);
 
 }  // namespace turnscale

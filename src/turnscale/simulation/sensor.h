@@ -2,12 +2,17 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 
 #include <opencv2/core.hpp>
 
 #include "turnscale/camera/camera_model.h"
 
 namespace turnscale {
+
+/// Fills the values with independent normal numbers of mean 0 and standard deviation 1 (no larger than 4.33). They
+/// depend on the key and their place alone.
+void FillNormalNoise(std::uint64_t key, std::span<float> values);
 
 /// An industrial camera's sensor, from the light on it to gray levels 0...255. Noise stands in the levels before the
 /// response.

@@ -6,7 +6,6 @@
 #include <gtest/gtest.h>
 
 #include "turnscale/base/refused_field.h"
-#include "turnscale/simulation/normal_noise.h"
 
 namespace turnscale {
 namespace {

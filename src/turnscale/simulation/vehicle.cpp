@@ -10,13 +10,22 @@
 #include <fmt/format.h>
 
 #include "turnscale/base/error.h"
+#include "turnscale/base/random.h"
 #include "turnscale/geometry/rotation.h"
-#include "turnscale/simulation/body_motion.h"
 #include "turnscale/simulation/reference_path.h"
-#include "turnscale/simulation/speed_plan.h"
 
 namespace turnscale {
 namespace {
+
+// Of the suspension; it rests at a thousandth of a pixel to a camera of 1000 pixels.
+constexpr double kDamping = 0.4;
+constexpr double kRestAngle = 1e-6;
+constexpr double kRestRate = 1e-5;
+
+// Of the road's unevenness, metres.
+constexpr int kWaves = 24;
+constexpr double kShortestWave = 2;
+constexpr double kLongestWave = 25;
 
 constexpr double kGravity = 9.81;
 constexpr double kInterval = 0.002;
@@ -174,6 +183,62 @@ void CheckNumber(const char* name, double value, double least, double most) {
 }
 
 }  // namespace
+
+VehicleMotion::VehicleMotion(std::vector<VehicleState> states, double interval)
+    : states_(std::move(states)), interval_(interval) {
+  Ensure(!states_.empty(), "a motion has states");
+  Ensure(interval > 0, "states of a motion are some time apart");
+}
+
+double VehicleMotion::duration() const { return static_cast<double>(states_.size() - 1) * interval_; }
+
+VehicleState VehicleMotion::At(double time) const {
+  const double inside = std::clamp(time, 0.0, duration());
+  const std::size_t index = std::min(static_cast<std::size_t>(inside / interval_), states_.size() - 1);
+  const VehicleState& a = states_[index];
+  const VehicleState& b = states_[std::min(index + 1, states_.size() - 1)];
+  const double share = std::clamp(inside / interval_ - static_cast<double>(index), 0.0, 1.0);
+  // Of this form equal ends give the same bits for every share, so that a car at rest does not move.
+  const auto between = [share](const auto& from, const auto& to) { return from + share * (to - from); };
+  VehicleState state;
+  state.time = inside;
+  state.position = a.position + share * (b.position - a.position);
+  state.heading = between(a.heading, b.heading);
+  state.speed = between(a.speed, b.speed);
+  state.yaw_rate = between(a.yaw_rate, b.yaw_rate);
+  state.steering = between(a.steering, b.steering);
+  state.slip = between(a.slip, b.slip);
+  const Eigen::Vector3d& from = a.world_from_vehicle.translation;
+  state.world_from_vehicle.translation = from + share * (b.world_from_vehicle.translation - from);
+  const Eigen::Vector4d start = a.world_from_vehicle.rotation.coeffs();
+  const Eigen::Vector4d end = b.world_from_vehicle.rotation.coeffs();
+  const double sign = start.dot(end) < 0 ? -1 : 1;
+  state.world_from_vehicle.rotation.coeffs() = (start + share * (sign * end - start)).normalized();
+  return state;
+}
+
+void Suspension::Step(double target, double frequency, double dt) {
+  const double omega = 2 * M_PI * frequency;
+  rate += dt * (omega * omega * (target - angle) - 2 * kDamping * omega * rate);
+  angle += dt * rate;
+  if (target == 0 && std::abs(angle) < kRestAngle && std::abs(rate) < kRestRate) *this = {};
+}
+
+RoadNoise::RoadNoise(unsigned long long seed) {
+  Random random(seed);
+  for (int i = 0; i < kWaves; ++i) {
+    const double length = kShortestWave * std::pow(kLongestWave / kShortestWave, (i + random.Uniform()) / kWaves);
+    waves_.push_back({2 * M_PI / length, 2 * M_PI * random.Uniform()});
+  }
+}
+
+double RoadNoise::At(double distance) const {
+  double sum = 0;
+  for (const Wave& wave : waves_) sum += std::cos(wave.frequency * distance + wave.phase);
+  return sum * std::sqrt(2.0 / kWaves);
+}
+
+double RoadNoiseGain(double speed) { return 2 * std::abs(speed) / (std::abs(speed) + 10); }
 
 void CarOptions::Check() const {
   CheckNumber("wheelbase", wheelbase, 0.5, 10);

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+#include <initializer_list>
+#include <string>
+#include <system_error>
+
+#include <fmt/format.h>
+
+#include "turnscale/base/error.h"
+#include "turnscale/kinematics/ackermann.h"
+
+namespace turnscale {
+
+/// Value of --side-slip, s^2/m. Throws InputError if it is out of range.
+inline double CheckedSideSlip(double side_slip) {
+  if (side_slip >= 0 && side_slip < 1) return side_slip;
+  throw InputError(
+      fmt::format("--side-slip {}: give c in s^2/m, from 0 (no slip) to below 1; typical cars have about {}", side_slip,
+                  kUsualSideSlip));
+}
+
+/// Value of --lever-arm, metres. Throws InputError if it is out of range.
+inline double CheckedLeverArm(double lever_arm) {
+  constexpr double kLongest = 20;  // more is a wrong unit
+  if (lever_arm > 0 && lever_arm <= kLongest) return lever_arm;
+  throw InputError(fmt::format(
+      "--lever-arm {}: give the distance from the rear axle forward to the camera in metres, above 0 and up to {}",
+      lever_arm, kLongest));
+}
+
+/// Value of --lever-arm-sigma, metres.
+inline double CheckedLeverArmSigma(double sigma) {
+  if (sigma >= 0 && sigma <= 1) return sigma;
+  throw InputError(fmt::format("--lever-arm-sigma {}: give metres, from 0 (known exactly) to 1", sigma));
+}
+
+/// Value of --side-slip-sigma, s^2/m.
+inline double CheckedSideSlipSigma(double sigma) {
+  if (sigma >= 0 && sigma < 1) return sigma;
+  throw InputError(fmt::format("--side-slip-sigma {}: give s^2/m, from 0 (known exactly) to below 1", sigma));
+}
+
+/// Throws InputError if the output file is also an input file; empty paths are ignored.
+inline void RefuseToOverwrite(const char* option, const std::filesystem::path& output,
+                              std::initializer_list<std::filesystem::path> inputs) {
+  for (const std::filesystem::path& input : inputs) {
+    std::error_code none;
+    if (output.empty() || input.empty() || !std::filesystem::equivalent(output, input, none)) continue;
+    throw InputError(std::string(option) + " " + output.string() + ": is also an input file; name another one");
+  }
+}
+
+}  // namespace turnscale
