@@ -27,18 +27,26 @@ void Clear(const BundleStructure& structure, std::size_t points, NormalEquations
 /// Whether a point's exact Hessian keeps at least this share of Gauss-Newton's in every direction, cameras held.
 constexpr double kSafeShare = 0.02;
 
+/// A point's observations in camera axes.
+struct PointView {
+  Eigen::Vector3d x_in_camera;
+  CameraAxesModel model;
+};
+
+/// Fills the views of a point and says whether its exact Hessian is safe.
 bool NewtonIsSafe(const Pinhole& pinhole, const BundleStructure& structure, const BundleState& state,
-                  double huber_threshold, std::size_t point) {
+                  double huber_threshold, std::size_t point, std::vector<PointView>& views) {
+  views.clear();
   Eigen::Matrix3d difference = Eigen::Matrix3d::Zero();
-  ObservationModel<3> model;
   for (int k = structure.first_observation[point]; k < structure.first_observation[point + 1]; ++k) {
     const SolverObservation& seen = structure.observations[k];
     const Eigen::Matrix3d& R = state.rotations[seen.camera];
-    const Eigen::Vector3d x_in_camera = R * (state.points[point] - state.centres[seen.camera]);
-    NewtonModel(pinhole, R, x_in_camera, seen.pixel, seen.inverse_sigma, huber_threshold, model);
-    difference += model.hessian;
-    GaussNewtonModel(pinhole, R, x_in_camera, seen.pixel, seen.inverse_sigma, huber_threshold, model);
-    difference -= kSafeShare * model.hessian;
+    PointView view;
+    view.x_in_camera = R * (state.points[point] - state.centres[seen.camera]);
+    view.model = ModelInCameraAxes(pinhole, view.x_in_camera, seen.pixel, seen.inverse_sigma, huber_threshold);
+    const Eigen::Matrix3d above = view.model.newton - kSafeShare * view.model.gauss_newton;
+    difference += R.transpose() * (above * R);
+    views.push_back(view);
   }
   return Eigen::LLT<Eigen::Matrix3d>(difference).info() == Eigen::Success;
 }
@@ -87,6 +95,15 @@ Eigen::VectorXd CameraDamping(const NormalEquations<kDof>& equations, double dam
   return added;
 }
 
+/// block -= a b^T, a column at a time: each entry of b is read once.
+template <int kDof>
+void SubtractOuterProduct(const Eigen::Matrix<double, kDof, 3>& a, const Eigen::Matrix<double, kDof, 3>& b,
+                          Eigen::Matrix<double, kDof, kDof>& block) {
+  for (int column = 0; column < kDof; ++column) {
+    block.col(column) -= a.col(0) * b(column, 0) + a.col(1) * b(column, 1) + a.col(2) * b(column, 2);
+  }
+}
+
 }  // namespace
 
 template <int kDof>
@@ -94,8 +111,10 @@ void Linearize(const Pinhole& pinhole, const BundleStructure& structure, const B
                double huber_threshold, HessianKind kind, NormalEquations<kDof>& equations) {
   Clear(structure, state.points.size(), equations);
   ObservationModel<kDof> model;
+  std::vector<PointView> views;
   for (std::size_t i = 0; i < state.points.size(); ++i) {
-    const bool newton = kind == HessianKind::kNewton && NewtonIsSafe(pinhole, structure, state, huber_threshold, i);
+    const bool newton =
+        kind == HessianKind::kNewton && NewtonIsSafe(pinhole, structure, state, huber_threshold, i, views);
     equations.point_is_rough[i] = kind == HessianKind::kNewton && !newton;
     double point_cost = 0;
     Eigen::Matrix3d point_hessian = Eigen::Matrix3d::Zero();
@@ -103,10 +122,14 @@ void Linearize(const Pinhole& pinhole, const BundleStructure& structure, const B
     for (int k = structure.first_observation[i]; k < structure.first_observation[i + 1]; ++k) {
       const SolverObservation& seen = structure.observations[k];
       const Eigen::Matrix3d& R = state.rotations[seen.camera];
-      const Eigen::Vector3d x_in_camera = R * (state.points[i] - state.centres[seen.camera]);
-      point_cost +=
-          newton ? NewtonModel(pinhole, R, x_in_camera, seen.pixel, seen.inverse_sigma, huber_threshold, model)
-                 : GaussNewtonModel(pinhole, R, x_in_camera, seen.pixel, seen.inverse_sigma, huber_threshold, model);
+      if (newton) {
+        const PointView& view = views[k - structure.first_observation[i]];
+        ExpandNewton(view.model, R, view.x_in_camera, model);
+        point_cost += view.model.cost;
+      } else {
+        const Eigen::Vector3d x_in_camera = R * (state.points[i] - state.centres[seen.camera]);
+        point_cost += GaussNewtonModel(pinhole, R, x_in_camera, seen.pixel, seen.inverse_sigma, huber_threshold, model);
+      }
       point_hessian += model.hessian.template bottomRightCorner<3, 3>();
       point_gradient += model.gradient.template tail<3>();
       if (seen.edge < 0) continue;
@@ -161,7 +184,7 @@ void Eliminate(const BundleStructure& structure, const NormalEquations<kDof>& eq
     }
     for (int a = 0; a < edges; ++a) {
       for (int b = a; b < edges; ++b) {
-        system.blocks[*block++].noalias() -= system.track[a].lazyProduct(system.track[b].transpose());
+        SubtractOuterProduct<kDof>(system.track[a], system.track[b], system.blocks[*block++]);
       }
     }
   }

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "turnscale/bundle/reprojection.h"
 
-#include "turnscale/geometry/rotation.h"
+#include <cmath>
+
+#include <Eigen/Geometry>
 
 namespace turnscale {
 
@@ -48,51 +50,80 @@ double GaussNewtonModel(const Pinhole& pinhole, const Eigen::Matrix3d& rotation,
   return cost;
 }
 
-template <int kDof>
-double NewtonModel(const Pinhole& pinhole, const Eigen::Matrix3d& rotation, const Eigen::Vector3d& x_in_camera,
-                   const Eigen::Vector2d& pixel, double inverse_sigma, double huber_threshold,
-                   ObservationModel<kDof>& model) {
+CameraAxesModel ModelInCameraAxes(const Pinhole& pinhole, const Eigen::Vector3d& x_in_camera,
+                                  const Eigen::Vector2d& pixel, double inverse_sigma, double huber_threshold) {
   const double inverse_depth = 1.0 / x_in_camera.z();
   const double u = x_in_camera.x() * inverse_depth;
   const double v = x_in_camera.y() * inverse_depth;
   const Eigen::Vector2d r = ReprojectionResidual(pinhole, x_in_camera, pixel, inverse_sigma);
   const double squared_norm = r.squaredNorm();
+  CameraAxesModel model;
+  model.cost = HuberCost(squared_norm, huber_threshold);
 
-  // In the loss's argument r: gradient weight * r, Hessian weight * (I - outlier r r^T).
-  double weight = 1;
-  double outlier = 0;
-  if (huber_threshold > 0 && squared_norm > huber_threshold * huber_threshold) {
-    weight = huber_threshold / std::sqrt(squared_norm);
-    outlier = 1.0 / squared_norm;
-  }
+  // The Jacobian of r is (a, 0, -a u; 0, b, -b v).
   const double a = inverse_sigma * pinhole.fx * inverse_depth;
   const double b = inverse_sigma * pinhole.fy * inverse_depth;
-  Eigen::Matrix<double, 2, 3> J;
-  J << a, 0, -a * u, 0, b, -b * v;
-  const Eigen::Vector3d across = J.transpose() * r;
-  const Eigen::Vector3d g = weight * across;
-  Eigen::Matrix3d K = weight * (J.transpose() * J - outlier * across * across.transpose());
-  // weight * sum over r_k times the second derivatives of x/z and y/z; they hold the gradient's own entries.
-  K(0, 2) -= g.x() * inverse_depth;
-  K(2, 0) -= g.x() * inverse_depth;
-  K(1, 2) -= g.y() * inverse_depth;
-  K(2, 1) -= g.y() * inverse_depth;
-  K(2, 2) += 2.0 * (g.x() * u + g.y() * v) * inverse_depth;
-
-  const Eigen::Matrix3d KR = K * rotation;
-  if constexpr (kDof == 6) {
-    const Eigen::Matrix3d X = Skew(x_in_camera);
-    model.hessian.template topLeftCorner<3, 3>() =
-        X * K * X.transpose() + 0.5 * (x_in_camera * g.transpose() + g * x_in_camera.transpose());
-    model.hessian.template topRightCorner<3, 3>() = X * KR - Skew(g) * rotation;
-    model.hessian.template bottomLeftCorner<3, 3>() = model.hessian.template topRightCorner<3, 3>().transpose();
-    model.gradient.template head<3>() = x_in_camera.cross(g);
+  const double au = a * u;
+  const double bv = b * v;
+  const Eigen::Vector3d across(a * r.x(), b * r.y(), -au * r.x() - bv * r.y());
+  model.gauss_newton << a * a, 0, -au * a,  //
+      0, b * b, -bv * b,                    //
+      -au * a, -bv * b, au * au + bv * bv;
+  model.newton = model.gauss_newton;
+  model.gradient = across;
+  if (huber_threshold > 0 && squared_norm > huber_threshold * huber_threshold) {
+    // In the loss's argument r: gradient weight * r, Hessian weight * (I - r r^T / r^T r).
+    const double weight = huber_threshold / std::sqrt(squared_norm);
+    model.newton = weight * (model.gauss_newton - (1.0 / squared_norm) * across * across.transpose());
+    model.gauss_newton *= weight;
+    model.gradient *= weight;
   }
-  model.hessian.template bottomRightCorner<3, 3>() = rotation.transpose() * KR;
-  model.gradient.template tail<3>() = rotation.transpose() * g;
-  return HuberCost(squared_norm, huber_threshold);
+  // weight * sum over r_k times the second derivatives of x/z and y/z; they hold the gradient's own entries.
+  const Eigen::Vector3d& g = model.gradient;
+  model.newton(0, 2) -= g.x() * inverse_depth;
+  model.newton(2, 0) -= g.x() * inverse_depth;
+  model.newton(1, 2) -= g.y() * inverse_depth;
+  model.newton(2, 1) -= g.y() * inverse_depth;
+  model.newton(2, 2) += 2.0 * (g.x() * u + g.y() * v) * inverse_depth;
+  return model;
 }
 
+template <int kDof>
+void ExpandNewton(const CameraAxesModel& axes, const Eigen::Matrix3d& rotation, const Eigen::Vector3d& x_in_camera,
+                  ObservationModel<kDof>& model) {
+  const Eigen::Vector3d& x = x_in_camera;
+  const Eigen::Vector3d& g = axes.gradient;
+  const Eigen::Matrix3d turned = axes.newton * rotation;
+  if constexpr (kDof == 6) {
+    Eigen::Matrix3d crossed;  // [x]_x K
+    for (int column = 0; column < 3; ++column) crossed.col(column) = x.cross(axes.newton.col(column));
+    for (int row = 0; row < 3; ++row) {
+      model.hessian.template block<1, 3>(row, 0) = x.cross(crossed.row(row)).transpose();
+    }
+    model.hessian.template topLeftCorner<3, 3>() += 0.5 * (x * g.transpose() + g * x.transpose());
+    for (int column = 0; column < 3; ++column) {
+      model.hessian.template block<3, 1>(0, 3 + column) = x.cross(turned.col(column)) - g.cross(rotation.col(column));
+    }
+    model.hessian.template bottomLeftCorner<3, 3>() = model.hessian.template topRightCorner<3, 3>().transpose();
+    model.gradient.template head<3>() = x.cross(g);
+  }
+  model.hessian.template bottomRightCorner<3, 3>().noalias() = rotation.transpose() * turned;
+  model.gradient.template tail<3>().noalias() = rotation.transpose() * g;
+}
+
+template <int kDof>
+double NewtonModel(const Pinhole& pinhole, const Eigen::Matrix3d& rotation, const Eigen::Vector3d& x_in_camera,
+                   const Eigen::Vector2d& pixel, double inverse_sigma, double huber_threshold,
+                   ObservationModel<kDof>& model) {
+  const CameraAxesModel axes = ModelInCameraAxes(pinhole, x_in_camera, pixel, inverse_sigma, huber_threshold);
+  ExpandNewton(axes, rotation, x_in_camera, model);
+  return axes.cost;
+}
+
+template void ExpandNewton<3>(const CameraAxesModel&, const Eigen::Matrix3d&, const Eigen::Vector3d&,
+                              ObservationModel<3>&);
+template void ExpandNewton<6>(const CameraAxesModel&, const Eigen::Matrix3d&, const Eigen::Vector3d&,
+                              ObservationModel<6>&);
 template double GaussNewtonModel<3>(const Pinhole&, const Eigen::Matrix3d&, const Eigen::Vector3d&,
                                     const Eigen::Vector2d&, double, double, ObservationModel<3>&);
 template double GaussNewtonModel<6>(const Pinhole&, const Eigen::Matrix3d&, const Eigen::Vector3d&,

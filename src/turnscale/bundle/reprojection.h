@@ -42,6 +42,22 @@ double GaussNewtonModel(const Pinhole& pinhole, const Eigen::Matrix3d& rotation,
                         const Eigen::Vector2d& pixel, double inverse_sigma, double huber_threshold,
                         ObservationModel<kDof>& model);
 
+/// The same in camera axes: of a step of x_in_camera alone.
+struct CameraAxesModel {
+  Eigen::Matrix3d newton;        ///< exact; may be indefinite
+  Eigen::Matrix3d gauss_newton;  ///< with Huber's weight
+  Eigen::Vector3d gradient;
+  double cost = 0;
+};
+
+CameraAxesModel ModelInCameraAxes(const Pinhole& pinhole, const Eigen::Vector3d& x_in_camera,
+                                  const Eigen::Vector2d& pixel, double inverse_sigma, double huber_threshold);
+
+/// What the exact model in camera axes is in the variables of the adjustment.
+template <int kDof>
+void ExpandNewton(const CameraAxesModel& axes, const Eigen::Matrix3d& rotation, const Eigen::Vector3d& x_in_camera,
+                  ObservationModel<kDof>& model);
+
 /// The cost's exact second derivatives: Gauss-Newton plus the curvature of the projection and of the loss. The Hessian
 /// may be indefinite.
 template <int kDof>
