@@ -12,7 +12,7 @@
 #include "command_line.h"
 #include "turnscale/base/test_files.h"
 #include "turnscale/io/trajectory_file.h"
-#include "turnscale/rescale/drifting_drive.h"
+#include "turnscale/rescale/test_drifting_drive.h"
 
 namespace turnscale {
 namespace {

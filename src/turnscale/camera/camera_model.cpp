@@ -157,7 +157,9 @@ Eigen::Vector2d UndoRadialCorrection(const Pinhole& pinhole, double correction, 
   double radius = corrected;
   for (int step = 0; step < kNewtonSteps; ++step) {
     const double error = radius * (1 + correction * radius * radius) - corrected;
-    radius -= error / (1 + 3 * correction * radius * radius);
+    const double change = error / (1 + 3 * correction * radius * radius);
+    if (radius - change == radius) break;
+    radius -= change;
   }
   return Scaled(pinhole, pixel, radius / corrected - 1);
 }

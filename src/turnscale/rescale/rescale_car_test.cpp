@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "turnscale/base/error.h"
-#include "turnscale/rescale/rescale_fixture.h"
+#include "turnscale/rescale/test_rescale_drive.h"
 
 namespace turnscale {
 namespace {

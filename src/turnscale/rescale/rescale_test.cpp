@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "turnscale/rescale/rescale_fixture.h"
+#include "turnscale/rescale/test_rescale_drive.h"
 
 namespace turnscale {
 namespace {

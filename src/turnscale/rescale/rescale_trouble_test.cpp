@@ -6,7 +6,7 @@
 
 #include "turnscale/base/error.h"
 #include "turnscale/base/refused_field.h"
-#include "turnscale/rescale/rescale_fixture.h"
+#include "turnscale/rescale/test_rescale_drive.h"
 
 namespace turnscale {
 namespace {

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "turnscale/rescale/drifting_drive.h"
 #include "turnscale/rescale/rescale.h"
+#include "turnscale/rescale/test_drifting_drive.h"
 
 namespace turnscale {
 
