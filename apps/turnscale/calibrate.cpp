@@ -263,7 +263,8 @@ void AddCalibrateCommand(CLI::App& app) {
       ->needs(trajectory);
   calibrate->add_option("--camera", images.camera, "Intrinsics, as for run")->excludes(trajectory);
   CLI::Option* timestamps = calibrate->add_option(
-      "--timestamps", images.timestamps, "Times of the frames in seconds, one per line [times.txt beside them]");
+      "--timestamps", images.timestamps,
+      "Times of the frames in seconds, one per line [times.txt in the input folder, or beside the trajectory]");
   calibrate->add_option("--fps", images.fps, "Frames per second; overrides times.txt and a video's own rate")
       ->excludes(timestamps);
   calibrate->add_option("--settings", images.settings, "YAML file with settings, as for run")->excludes(trajectory);
@@ -279,7 +280,8 @@ void AddCalibrateCommand(CLI::App& app) {
           ->needs(trajectory);
   CLI::Option* lever_arm = calibrate->add_option(
       "--lever-arm", arguments->lever_arm,
-      "Known lever arm, metres from the rear axle forward to the camera; only copied to the file");
+      "Known lever arm, metres from the rear axle forward to the camera; recorded in the output file for reference, "
+      "not used by other commands");
   speed->excludes(distance)->excludes(metric)->excludes(lever_arm);
   distance->excludes(metric)->excludes(lever_arm)->excludes(max_frames);
   metric->excludes(lever_arm);

@@ -174,12 +174,13 @@ void AddEvaluateCommand(CLI::App& app) {
   command->add_option("--time-tolerance", arguments->time_tolerance,
                       "Largest time difference of associated poses, seconds [half the ground truth's interval, at most "
                       "0.02]");
+  command->add_option("--keyframes", arguments->keyframes,
+                      "trajectory.csv of the run; its keyframes delimit the steps of the scale error ratio "
+                      "[the one beside ESTIMATE, else steps of 1 m]");
   command->add_option(
-      "--keyframes", arguments->keyframes,
-      "trajectory.csv of the run; the scale error ratio is computed over the steps between its keyframes "
-      "[the one beside ESTIMATE, else steps of 1 m]");
-  command->add_option("--camera-rotation", arguments->camera_rotation,
-                      "Camera-to-vehicle rotation, as for run, to compute the turning angles of the car [0,0,0]");
+      "--camera-rotation", arguments->camera_rotation,
+      "Camera-to-vehicle rotation, yaw,pitch,roll in degrees or a YAML file, to compute the turning angles of the car "
+      "[0,0,0]");
   command->add_option("--json", arguments->json,
                       "Write the results to this JSON file; -: to standard output, instead of the table");
   CLI::Option* picture =

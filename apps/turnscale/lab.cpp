@@ -117,7 +117,8 @@ int Lab(const LabArguments& arguments) {
 }  // namespace
 
 void AddLabCommand(CLI::App& app) {
-  CLI::App* lab = app.add_subcommand("lab", "Reproduce the paper's analysis and Monte Carlo runs (V-A, V-B).");
+  CLI::App* lab = app.add_subcommand(
+      "lab", "Reproduce the analysis and Monte Carlo runs of the paper by Kim et al. (sections V-A, V-B).");
   auto arguments = std::make_shared<LabArguments>();
   std::vector<std::string> names;
   for (const Experiment& experiment : Experiments()) names.push_back(experiment.name);
@@ -131,7 +132,8 @@ void AddLabCommand(CLI::App& app) {
          "--runs", arguments->runs,
          "Random runs per noise level of Table I and Fig. 9, and of coverage; the others use at most a tenth of them")
       ->capture_default_str();
-  lab->add_option("--jobs", arguments->jobs, "Parallel runs; do not change the numbers")->capture_default_str();
+  lab->add_option("--jobs", arguments->jobs, "Number of runs in parallel; does not affect the numbers")
+      ->capture_default_str();
   lab->add_option("--seed", arguments->seed, "Seed of noise and landmarks")->capture_default_str();
   lab->add_flag("--quiet", arguments->quiet, "Print warnings and errors only");
   lab->footer("Example:\n  turnscale lab --out lab\n  turnscale lab --out lab --only table1 --runs 10");

@@ -24,7 +24,9 @@ void SilenceLibraries() {
 int Main(int argc, char** argv) {
   MeasureCost();
   SilenceLibraries();
-  CLI::App app{"Monocular visual odometry for cars, with metric scale from the lever arm to the rear axle."};
+  CLI::App app{
+      "Monocular visual odometry for cars. Metric scale comes from the distance between camera and rear axle (the "
+      "lever arm)."};
   app.name("turnscale");
   app.set_version_flag("--version", "turnscale " TURNSCALE_VERSION);
   app.require_subcommand(1);

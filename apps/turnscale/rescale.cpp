@@ -131,11 +131,12 @@ void AddRescaleCommand(CLI::App& app) {
       ->excludes(fps);
   command
       ->add_option("--drift", arguments->drift,
-                   "auto: the scale drifts along the drive; none: constant scale, for loop-closed trajectories [auto]")
+                   "auto: the log-scale is a random walk along the drive; none: constant scale, for loop-closed "
+                   "trajectories [auto]")
       ->check(CLI::IsMember({"auto", "none"}));
   command->add_option("--out", arguments->out, "File for the trajectory in metres, TUM [metric.tum]");
   command->add_option("--report", arguments->report, "Folder for scale.csv, turns.csv, summary.json and rescale.svg");
-  command->add_flag("--quiet", arguments->quiet, "Print only errors, and a warning if the turns are inconsistent");
+  command->add_flag("--quiet", arguments->quiet, "Print only errors, and a warning if single-turn scales are used");
   command->footer(
       "Example:\n  turnscale rescale orbslam.tum --lever-arm 1.05 --out metric.tum --report out/\n\n"
       "Without a sufficiently slow turn the scale is not observable: nothing is written, and the exit code is 2.");

@@ -124,7 +124,8 @@ void AddRunCommand(CLI::App& app) {
   CLI::App* run = app.add_subcommand("run", "Estimate the trajectory of a drive from its images.");
   auto arguments = std::make_shared<RunArguments>();
   run->add_option("input", arguments->images.input,
-                  "KITTI folder (image_0/ or images/, calib.txt or camera.yaml, times.txt), folder of images, or video")
+                  "KITTI folder (image_0/ or images/, calib.txt or camera.yaml, times.txt), folder of images, video, "
+                  "or folder with one video and the KITTI files")
       ->required();
   run->add_option(
       "--camera", arguments->images.camera,
@@ -155,14 +156,14 @@ void AddRunCommand(CLI::App& app) {
   run->add_option(
          "--method", arguments->method,
          "How metric scale is obtained. smoothed: one estimate along the drive, from all turns; turns: map adjusted "
-         "with "
-         "the length of each turn constrained to its single-turn scale; paper: map adjusted with each step of a turn "
-         "constrained to the length from (22) [smoothed]")
+         "with the length of each turn fixed to the value that its single-turn scale gives; paper: map adjusted with "
+         "the length of each keyframe step of a turn fixed to the value that its own turning angle and direction of "
+         "travel give (equation (22) of the paper by Kim et al.) [smoothed]")
       ->check(CLI::IsMember({"smoothed", "turns", "paper"}));
   run->add_option("--frame", arguments->frame, "Write poses of the camera or of the vehicle (rear axle)")
       ->check(CLI::IsMember({"camera", "vehicle"}))
       ->capture_default_str();
-  run->add_option("--threads", arguments->threads, "Threads for image operations; do not change the result")
+  run->add_option("--threads", arguments->threads, "Number of threads for image operations; does not affect the result")
       ->capture_default_str();
   run->add_option("--settings", arguments->images.settings,
                   "YAML file with settings, such as settings.yaml of another run");

@@ -176,13 +176,14 @@ void AddSimulateCommand(CLI::App& app) {
       "--follow", arguments->follow,
       "Build the street along a recorded metric trajectory: TUM or KITTI poses of a camera mounted like the rig's");
   simulate
-      ->add_option("--times", arguments->times, "Times of these poses in seconds, one per line [times.txt beside them]")
+      ->add_option("--times", arguments->times,
+                   "Times of the --follow poses in seconds, one per line [times.txt beside the --follow file]")
       ->needs(follow);
   simulate
       ->add_option("--texture-contrast", arguments->texture_contrast,
                    "Contrast of all textures, 1 (unchanged) to 0 (uniform)")
       ->capture_default_str();
-  simulate->add_option("--threads", arguments->threads, "Threads; do not change the images [all cores]");
+  simulate->add_option("--threads", arguments->threads, "Number of threads; does not affect the images [all cores]");
   simulate->add_option("--max-frames", arguments->max_frames, "Stop after this many frames")
       ->check(CLI::Range(1, 1'000'000'000));
   simulate->add_flag("--quiet", arguments->quiet, "Print warnings and errors only");
