@@ -102,12 +102,7 @@ Similarity MoveOfEnd(const RigidTransform& old_camera, const RigidTransform& new
 
 void AdjustSections(const LocalBundleOptions& options, double correction, MapArchive& archive, Map& map) {
   // All or none: an exception on the way leaves the poses as they were.
-  Map adjusted;
-  adjusted.pinhole = map.pinhole;
-  for (const Keyframe& keyframe : map.keyframes) {
-    adjusted.keyframes.push_back(keyframe);
-    adjusted.keyframes.back().observations.clear();
-  }
+  Map adjusted{map.pinhole, map.keyframes, {}};
   Similarity new_from_old;
   for (const Section& section : Sections(archive, map, options.window, options.anchors)) {
     // Keyframes that hold the section have been adjusted, its own have not.

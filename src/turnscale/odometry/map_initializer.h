@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <algorithm>
 #include <optional>
 #include <vector>
 
@@ -29,6 +30,8 @@ struct InitialMap {
   RigidTransform second_from_first;
   std::vector<char> has_point;          ///< one flag per feature
   std::vector<Eigen::Vector3d> points;  ///< one per feature
+
+  int CountPoints() const { return static_cast<int>(std::ranges::count(has_point, 1)); }
 };
 
 /// Collects views until two of them give a map: follows the first view's features from image to image, waits through

@@ -139,7 +139,7 @@ FrameResult Odometry::Initialize(const FlowImage& image, FrameResult result) {
   if (!start) return result;
   StartMap(image, *start);
   result.state = TrackingState::kTracked;
-  result.inliers = static_cast<int>(std::ranges::count(start->has_point, 1));
+  result.inliers = start->CountPoints();
   result.keyframe = true;
   return MetricResult(result, map_.keyframes.back().camera_from_world);
 }
@@ -170,7 +170,7 @@ void Odometry::StartMap(const FlowImage& image, const InitialMap& start) {
     tracks.push_back({landmark, start.second_pixels[i], second.pixels[i], second.pixels[i], start.first_image,
                       start.first_pixels[second.features[i]], keyframe, keyframe + 1});
   }
-  tracker_.Start(image, std::move(tracks), static_cast<int>(std::ranges::count(start.has_point, 1)));
+  tracker_.Start(image, std::move(tracks), start.CountPoints());
   mapping_ = true;
   lost_frames_ = 0;
   scale_.Add(map_);
