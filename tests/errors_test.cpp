@@ -10,7 +10,6 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
-#include <opencv2/videoio.hpp>
 #include <signal.h>
 #include <sys/stat.h>
 
@@ -18,6 +17,7 @@
 #include "rendered_room.h"
 #include "turnscale/base/test_files.h"
 #include "turnscale/io/settings.h"
+#include "turnscale/io/test_video.h"
 #include "turnscale/io/trajectory_file.h"
 
 namespace turnscale {
@@ -57,10 +57,9 @@ class ErrorsTest : public ::testing::Test {
 
   // The drive's images as a video; gives the size of the file.
   uintmax_t Video(const fs::path& path) const {
-    cv::VideoWriter writer(path.string(), cv::VideoWriter::fourcc('M', 'J', 'P', 'G'), 10, {kRoomWidth, kRoomHeight},
-                           false);
-    for (int i = 0; i < kRoomFrames; ++i) writer.write(cv::imread(Image(i).string(), cv::IMREAD_GRAYSCALE));
-    writer.release();
+    std::vector<cv::Mat> images;
+    for (int i = 0; i < kRoomFrames; ++i) images.push_back(cv::imread(Image(i).string(), cv::IMREAD_GRAYSCALE));
+    WriteTestVideo(path, images, {.codec = "mjpeg", .ticks_per_second = 10});
     return fs::file_size(path);
   }
 

@@ -66,7 +66,7 @@ class FailuresTest : public ::testing::Test {
       happening(frame++);
       return source.Next();
     };
-    drive.promised = [&] { return source.count(); };
+    drive.ends_early = [&] { return source.EndsEarly(); };
     drive.max_frames = max_frames;
     drive.output = {out, PoseFrame::kCamera, options.vehicle};
     return RunDrive(drive, odometry, progress);

@@ -109,7 +109,7 @@ int RunImages(const RunArguments& arguments) {
   const PoseFrame shown = arguments.frame == "vehicle" ? PoseFrame::kVehicle : PoseFrame::kCamera;
   const DriveToRun drive = {next,
                             Interrupted,
-                            [&] { return images.source.count(); },
+                            [&] { return images.source.EndsEarly(); },
                             arguments.images.max_frames,
                             {arguments.out, shown, options.vehicle},
                             BeforeTheDrive(arguments, options, images)};

@@ -74,7 +74,7 @@ DriveInput FindInFolder(const fs::path& folder) {
   const std::vector<fs::path> videos = FilesIn(folder, IsVideoName);
   if (videos.size() == 1 && drive.path == folder) {
     drive.path = videos.front();
-    drive.is_video = true;
+    drive.videos = videos;
     return drive;
   }
   if (videos.size() > 1 && drive.path == folder) {
@@ -169,7 +169,7 @@ DriveInput FindDrive(const fs::path& input) {
   if (IsImageName(input)) throw InputError(input.string() + ": is a single image; give the folder of the drive");
   DriveInput drive;
   drive.path = input;
-  drive.is_video = true;
+  drive.videos = {input};
   return drive;
 }
 

@@ -31,11 +31,11 @@ struct FrameClock {
   double At(size_t index) const { return times.empty() ? static_cast<double>(index) / fps : times[index]; }
 };
 
-/// What INPUT turned out to be: either images in natural order, or a video; and the files that came with them.
+/// What INPUT turned out to be: either images in natural order, or videos; and the files that came with them.
 struct DriveInput {
-  std::filesystem::path path;  ///< the folder that holds the images, or the video
+  std::filesystem::path path;  ///< the folder that holds the images or videos, or the video
   std::vector<std::filesystem::path> images;
-  bool is_video = false;
+  std::vector<std::filesystem::path> videos;         ///< one, or several that continue one another
   std::optional<std::filesystem::path> camera_file;  ///< `calib.txt`, else `camera.yaml`, beside the images
   std::optional<std::filesystem::path> times_file;   ///< `times.txt` beside the images
 };

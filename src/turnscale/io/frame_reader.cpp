@@ -1,18 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "turnscale/io/frame_reader.h"
 
-#include <cmath>
 #include <fstream>
 #include <iterator>
-#include <limits>
 #include <utility>
 
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
-#include <opencv2/videoio.hpp>
-#include <opencv2/videoio/registry.hpp>
-
-#include "turnscale/base/error.h"
 
 namespace turnscale {
 namespace {
@@ -21,40 +15,19 @@ class ImageListReader : public FrameReader {
  public:
   explicit ImageListReader(std::vector<std::filesystem::path> images) : images_(std::move(images)) {}
 
-  std::optional<GrayImage> Read() override {
+  std::optional<DriveImage> Read() override {
     if (next_ == images_.size()) return std::nullopt;
-    return ReadGrayImage(images_[next_++]);
+    const std::filesystem::path& path = images_[next_++];
+    DriveImage image;
+    image.image = ReadGrayImage(path);
+    image.name = path.string();
+    return image;
   }
 
  private:
   std::vector<std::filesystem::path> images_;
   size_t next_ = 0;
 };
-
-class VideoReader : public FrameReader {
- public:
-  explicit VideoReader(const cv::VideoCapture& capture) : capture_(capture) {}
-
-  std::optional<GrayImage> Read() override {
-    cv::Mat image;
-    if (!capture_.read(image)) return std::nullopt;
-    // The decoder may reuse its buffer for the next frame.
-    return GrayImage{image.channels() == 1 ? image.clone() : ToGray8(image), ""};
-  }
-
- private:
-  cv::VideoCapture capture_;
-};
-
-cv::VideoCapture Open(const std::filesystem::path& path) {
-  // One backend where there is a choice: each has its own idea of colours and rates, and prints its own complaints.
-  const bool has_ffmpeg = cv::videoio_registry::hasBackend(cv::CAP_FFMPEG);
-  cv::VideoCapture capture(path.string(), has_ffmpeg ? cv::CAP_FFMPEG : cv::CAP_ANY);
-  if (!capture.isOpened()) {
-    throw InputError(path.string() + ": cannot be opened as a video; give a video or a folder of images");
-  }
-  return capture;
-}
 
 }  // namespace
 
@@ -90,25 +63,6 @@ GrayImage ReadGrayImage(const std::filesystem::path& path) {
 
 std::unique_ptr<FrameReader> ReadImages(std::vector<std::filesystem::path> images) {
   return std::make_unique<ImageListReader>(std::move(images));
-}
-
-VideoStream OpenVideo(const std::filesystem::path& path) {
-  cv::VideoCapture capture = Open(path);
-  const double fps = capture.get(cv::CAP_PROP_FPS);
-  const double count = capture.get(cv::CAP_PROP_FRAME_COUNT);
-  VideoStream stream;
-  // Containers without a rate report 0, NaN, or their clock's ticks.
-  stream.fps = std::isfinite(fps) && fps > 0 && fps <= 1000 ? fps : 0.0;
-  stream.count = count > 0 && count < std::numeric_limits<int>::max() ? static_cast<int>(count) : 0;
-  stream.reader = std::make_unique<VideoReader>(capture);
-  return stream;
-}
-
-int CountVideoFrames(const std::filesystem::path& path) {
-  cv::VideoCapture capture = Open(path);
-  int count = 0;
-  while (capture.grab()) ++count;
-  return count;
 }
 
 }  // namespace turnscale

@@ -30,27 +30,26 @@ cv::Mat ToGray8(const cv::Mat& image);
 /// image up in silence. Other formats count as complete.
 bool EndsEarly(std::span<const uint8_t> bytes);
 
+/// An image of a drive.
+struct DriveImage {
+  GrayImage image;
+  std::string name;            ///< file, of a video also the number of the frame in it
+  std::optional<double> time;  ///< seconds; empty if only its number in the drive tells
+  int clip = 0;                ///< number of the video that it is from
+  double gap = 0;              ///< seconds before it that the drive is not recorded; 0 if it continues
+  std::string notice;          ///< what the user should know about the drive before this image; may be empty
+};
+
 /// Yields the images of a drive one by one.
 class FrameReader {
  public:
   virtual ~FrameReader() = default;
   /// The next image, or why it is unusable; empty at the end.
-  virtual std::optional<GrayImage> Read() = 0;
+  virtual std::optional<DriveImage> Read() = 0;
+  /// Once all is read: why the drive ends before it should; empty if it does not.
+  virtual std::string EndsEarly() const { return {}; }
 };
 
 std::unique_ptr<FrameReader> ReadImages(std::vector<std::filesystem::path> images);
-
-/// A video and what its header tells.
-struct VideoStream {
-  std::unique_ptr<FrameReader> reader;
-  double fps = 0;  ///< 0 where the header does not tell
-  int count = 0;   ///< frames that the header promises
-};
-
-/// Throws InputError where the file is no video that can be decoded.
-VideoStream OpenVideo(const std::filesystem::path& path);
-
-/// Frames that the video really holds: steps through all of it.
-int CountVideoFrames(const std::filesystem::path& path);
 
 }  // namespace turnscale

@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <opencv2/core/mat.hpp>
 
@@ -18,12 +19,22 @@ struct SourceFrame {
   double time = 0;      ///< seconds
   cv::Mat gray;         ///< 8-bit gray; empty if the image is unusable
   std::string problem;  ///< why there is no image: "name: why"
+  std::string notice;   ///< what the user should know about the drive before this frame, such as a gap; may be empty
+};
+
+/// A video of a drive, as far as it was read.
+struct ClipPart {
+  std::string file;
+  double start = 0;  ///< time of its first frame in the drive, seconds
+  double end = 0;    ///< time of its last frame
+  int frames = 0;
+  double gap_before = 0;  ///< seconds between the clip before and this one that are not recorded
 };
 
 struct ImageSourceOptions {
   /// File with one time per line, in seconds. Goes before `fps`.
   std::optional<std::filesystem::path> timestamps = {};
-  /// Frames per second. Goes before the drive's own times.txt or the video's own rate.
+  /// Frames per second. Goes before the drive's own times.txt or the video's own time stamps.
   std::optional<double> fps = {};
   int width = 0;                 ///< that every image must have, pixels; 0 takes the first image's
   int height = 0;                ///< that every image must have, pixels; 0 takes the first image's
@@ -33,7 +44,8 @@ struct ImageSourceOptions {
 /// The frames of a drive in order. Images are decoded ahead on a thread of their own.
 class ImageSource {
  public:
-  /// Throws InputError where there are no times, the times do not fit the frames, or a video cannot be opened.
+  /// Throws InputError where there are no times, the times do not fit the frames, a video cannot be opened, or videos
+  /// do not fit one another (ClipReader).
   ImageSource(const DriveInput& drive, const ImageSourceOptions& options);
   ~ImageSource();
   ImageSource(const ImageSource&) = delete;
@@ -43,8 +55,14 @@ class ImageSource {
   /// other images, and at the end where not one image could be read.
   std::optional<SourceFrame> Next();
 
-  /// Frames of the drive; for a video without timestamps what its header promises.
+  /// Frames of the drive; for a video without timestamps what its header says, 0 if it does not.
   int count() const;
+
+  /// At the end: why the drive ends before it should; empty if it does not.
+  std::string EndsEarly() const;
+
+  /// The videos of the drive of which a frame was given; empty for images.
+  const std::vector<ClipPart>& clips() const;
 
  private:
   struct State;

@@ -8,12 +8,12 @@
 
 #include <gtest/gtest.h>
 #include <opencv2/imgcodecs.hpp>
-#include <opencv2/videoio.hpp>
 
 #include "turnscale/base/error.h"
 #include "turnscale/base/test_files.h"
 #include "turnscale/io/drive_input.h"
 #include "turnscale/io/frame_reader.h"
+#include "turnscale/io/test_video.h"
 
 namespace turnscale {
 namespace {
@@ -218,16 +218,14 @@ TEST_F(ImageSourceTest, MissingAndEmptyInputs) {
             std::string::npos);
   Images(folder_ / "pictures", 0, 1);
   EXPECT_THROW(FindDrive(folder_ / "pictures" / "0.png"), InputError);
-  EXPECT_THROW(OpenVideo(Text("drive.mp4", "no video")), InputError);
+  EXPECT_THROW(ImageSource(FindDrive(Text("drive.mp4", "no video")), {}), InputError);
 }
 
 TEST_F(ImageSourceTest, VideoWithItsOwnRateOrTimestamps) {
   const fs::path video = folder_ / "drive.avi";
-  {
-    cv::VideoWriter writer(video.string(), cv::VideoWriter::fourcc('M', 'J', 'P', 'G'), 25, {64, 48}, false);
-    ASSERT_TRUE(writer.isOpened());
-    for (int i = 0; i < 12; ++i) writer.write(Image(10 * i));
-  }
+  std::vector<cv::Mat> images;
+  for (int i = 0; i < 12; ++i) images.push_back(Image(10 * i));
+  WriteTestVideo(video, images, {.codec = "mjpeg"});
   const auto frames = ReadAll({});
   ASSERT_EQ(frames.size(), 12u);
   for (int i = 0; i < 12; ++i) {

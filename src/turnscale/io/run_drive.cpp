@@ -26,13 +26,6 @@ RunResults ResultsOf(const Odometry& odometry) {
   return {odometry.RefinedFrames(), odometry.Refined(), odometry.scale_state()};
 }
 
-// Some containers only estimate how many frames they hold; a sound video may have a few less.
-bool EndsTooEarly(int frames, int promised) {
-  constexpr int kFewFrames = 2;
-  const int missing = promised - frames;
-  return missing > kFewFrames && missing > promised / 100;
-}
-
 class Run {
  public:
   Run(const DriveToRun& drive, Odometry& odometry, Progress& progress)
@@ -55,10 +48,9 @@ class Run {
   void Drive() {
     for (; frame_ && !Stops(); frame_ = drive_.next()) Process(*frame_);
     if (frame_ || Enough()) return;
-    if (const int promised = drive_.promised(); EndsTooEarly(processed_, promised)) {
-      end_.summary.stopped = fmt::format("the video ends after {} of {} frames", processed_, promised);
+    end_.summary.stopped = drive_.ends_early();
+    if (!end_.summary.stopped.empty())
       progress_.Warn(fmt::format("{}: {}", drive_.summary.input, end_.summary.stopped));
-    }
   }
 
   bool Enough() const { return drive_.max_frames && processed_ >= *drive_.max_frames; }
@@ -75,6 +67,11 @@ class Run {
 
   void Process(const SourceFrame& frame) {
     FrameResult result;
+    if (!frame.notice.empty()) {
+      progress_.Warn(frame.notice);
+      end_.summary.warnings.push_back(frame.notice);
+      said_ = end_.summary.warnings.size();
+    }
     if (frame.gray.empty()) {
       progress_.Warn(fmt::format("frame {}: {}; skipped", frame.index, frame.problem));
       end_.summary.unreadable.push_back({frame.index, frame.problem});
@@ -125,7 +122,7 @@ class Run {
     }
     turnscale::Summarize(results_.frames, results_.scale, summary);
     summary.frames = std::max(summary.frames, processed_);
-    for (const std::string& warning : summary.warnings) progress_.Warn(warning);
+    for (size_t i = said_; i < summary.warnings.size(); ++i) progress_.Warn(summary.warnings[i]);
     summary.cost = MeasureCost();
     if (summary.stopped.empty() && !attempts_.failures().empty())
       summary.stopped = FailureOf(attempts_.failures().front()).message;
@@ -141,7 +138,8 @@ class Run {
   Attempts attempts_;
   RunEnd end_;
   int processed_ = 0;
-  int moves_ = 0;  // of the camera on the car, reported so far
+  size_t said_ = 0;  // warnings that have been printed
+  int moves_ = 0;    // of the camera on the car, reported so far
 };
 
 }  // namespace

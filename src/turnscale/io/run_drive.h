@@ -18,10 +18,11 @@ namespace turnscale {
 struct DriveToRun {
   std::function<std::optional<SourceFrame>()> next;          ///< the next frame; nothing at the end
   std::function<bool()> interrupted = [] { return false; };  ///< asked before every frame
-  std::function<int()> promised = [] { return 0; };          ///< frames of the drive; 0 where nothing tells
-  std::optional<int> max_frames = {};                        ///< where to stop early
-  RunWriterOptions output;                                   ///< where the results go
-  RunSummary summary;                                        ///< what is known of it beforehand
+  /// Asked at the end: why the drive ends before it should; empty if it does not.
+  std::function<std::string()> ends_early = [] { return std::string(); };
+  std::optional<int> max_frames = {};  ///< where to stop early
+  RunWriterOptions output;             ///< where the results go
+  RunSummary summary;                  ///< what is known of it beforehand
 };
 
 /// How a run ended.

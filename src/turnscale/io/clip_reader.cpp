@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/io/clip_reader.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "turnscale/base/error.h"
+
+namespace turnscale {
+namespace {
+
+constexpr double kLeastGap = 1.5;  // s; shorter pauses of a recorder are hiccups
+
+std::string NameOf(const std::filesystem::path& path) { return path.filename().string(); }
+
+// Of the whole clip. A header's duration may be what the file still holds; its count is not.
+double Length(const VideoHeader& header) {
+  return header.counted && header.rate > 0 ? header.frames / header.rate : header.duration;
+}
+
+// Why the clip ends before it should; empty if it does not. Some headers only estimate.
+std::string EndsTooEarly(const VideoHeader& header, int frames, double seconds) {
+  constexpr int kFewFrames = 2;
+  constexpr double kFewSeconds = 1;
+  constexpr double kSmallShare = 0.01;
+  if (header.counted) {
+    const int missing = header.frames - frames;
+    if (missing <= kFewFrames || missing <= kSmallShare * header.frames) return {};
+    return fmt::format("the video ends after {} of {} frames", frames, header.frames);
+  }
+  const double missing = header.duration - seconds;
+  if (missing <= kFewSeconds || missing <= kSmallShare * header.duration) return {};
+  return fmt::format("the video ends after {:.1f} of {:.1f} s", seconds, header.duration);
+}
+
+void AddSentence(std::string& text, const std::string& sentence) { text += (text.empty() ? "" : "; ") + sentence; }
+
+}  // namespace
+
+ClipReader::ClipReader(std::vector<std::filesystem::path> clips, const ClipOptions& options)
+    : clips_(std::move(clips)), options_(options) {
+  for (const auto& clip : clips_) {
+    auto video = std::make_unique<VideoFile>(clip);
+    headers_.push_back(video->header());
+    // Opened once more when its turn comes: a decoder needs memory.
+    if (!video_) video_ = std::move(video);
+    const cv::Size size = headers_.back().size;
+    const cv::Size first = headers_.front().size;
+    if (size == first) continue;
+    throw InputError(fmt::format("{}: is {}x{} pixels, but {} is {}x{}; give the clips of one camera", clip.string(),
+                                 size.width, size.height, NameOf(clips_.front()), first.width, first.height));
+  }
+  const bool known =
+      std::all_of(headers_.begin(), headers_.end(), [](const auto& header) { return header.frames > 0; });
+  for (const VideoHeader& header : headers_) count_ += known ? header.frames : 0;
+  if (!options_.timed) return;
+  recorded_.emplace(clips_, headers_);
+  recorded_->RefuseOverlaps();
+}
+
+bool ClipReader::HasTimes() const {
+  return options_.fps ||
+         std::all_of(headers_.begin(), headers_.end(), [](const auto& header) { return header.rate > 0; });
+}
+
+void ClipReader::Open() {
+  if (!video_) video_ = std::make_unique<VideoFile>(clips_[clip_]);
+  const VideoHeader& header = headers_[clip_];
+  clock_ = VideoClock(options_.fps.value_or(header.rate), header.tick);
+  frames_ = 0;
+}
+
+std::optional<double> ClipReader::TimeNext() {
+  if (!options_.timed) return std::nullopt;
+  const double before = clock_.time();
+  const double time = clock_.Next(options_.fps ? std::nullopt : video_->Stamp());
+  const double gap = frames_ > 0 ? time - before - clock_.Interval() : 0;
+  if (gap > kLeastGap) {
+    gap_ += gap;
+    AddSentence(notice_, fmt::format("gap of {:.1f} s in {} (at {:.1f} s of the drive)", gap, NameOf(clips_[clip_]),
+                                     begin_ + before + clock_.Interval()));
+  }
+  return begin_ + time;
+}
+
+void ClipReader::Close() {
+  video_.reset();
+  const VideoHeader& header = headers_[clip_];
+  double seconds = frames_ > 0 ? clock_.time() + clock_.Interval() : 0;
+  ends_early_ = EndsTooEarly(header, frames_, seconds);
+  if (++clip_ == clips_.size()) return;
+  const std::string before = NameOf(clips_[clip_ - 1]);
+  if (!ends_early_.empty()) AddSentence(notice_, before + ": " + ends_early_);
+  if (!options_.timed) return;
+  double gap = recorded_->GapAfter(clip_ - 1, seconds);
+  // What is missing of a damaged clip is a gap, too.
+  if (gap == 0 && !ends_early_.empty() && !options_.fps) gap = std::max(Length(header) - seconds, 0.0);
+  if (gap > 0) {
+    gap_ += gap;
+    AddSentence(notice_, fmt::format("gap of {:.1f} s between {} and {} (at {:.1f} s of the drive)", gap, before,
+                                     NameOf(clips_[clip_]), begin_ + seconds));
+  }
+  begin_ += seconds + gap;
+}
+
+std::optional<DriveImage> ClipReader::Read() {
+  while (clip_ < clips_.size()) {
+    if (!video_ || frames_ == 0) Open();
+    if (!video_->Advance()) {
+      Close();
+      continue;
+    }
+    DriveImage image;
+    image.time = TimeNext();
+    const int number = frames_++;
+    if (passed_++ < options_.skip || (image.time && *image.time < options_.start)) {
+      // Nothing of the drive is before the first image that is given.
+      gap_ = 0;
+      notice_.clear();
+      continue;
+    }
+    image.image.gray = video_->Gray();
+    image.name = fmt::format("{}: frame {}", clips_[clip_].string(), number);
+    image.clip = static_cast<int>(clip_);
+    if (std::exchange(begun_, true)) {
+      image.gap = gap_;
+      image.notice = notice_;
+    }
+    gap_ = 0;
+    notice_.clear();
+    return image;
+  }
+  return std::nullopt;
+}
+
+}  // namespace turnscale

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "turnscale/io/frame_reader.h"
+#include "turnscale/io/recording_time.h"
+#include "turnscale/io/video_clock.h"
+#include "turnscale/io/video_file.h"
+
+namespace turnscale {
+
+struct ClipOptions {
+  bool timed = true;               ///< give each image its time; else only their numbers tell
+  std::optional<double> fps = {};  ///< frames per second, instead of the videos' own time stamps
+  double start = 0;                ///< images before this time of the drive are not given, seconds
+  size_t skip = 0;                 ///< number of images at the beginning of the drive that are not given
+};
+
+/// Reads videos, one or several that continue one another, as one drive. A clip follows the end of the one before, one
+/// frame interval after its last frame; where it is known when they were recorded (RecordingTimes), the time between
+/// two clips is included.
+class ClipReader : public FrameReader {
+ public:
+  /// Throws InputError if a video cannot be opened, is interlaced, has another image size than the first, or begins
+  /// before the one before it ends.
+  ClipReader(std::vector<std::filesystem::path> clips, const ClipOptions& options);
+
+  std::optional<DriveImage> Read() override;
+  std::string EndsEarly() const override { return ends_early_; }
+
+  /// Number of frames as the headers say; 0 if one does not.
+  int count() const { return count_; }
+  /// Whether the headers or the options tell the times of the frames.
+  bool HasTimes() const;
+
+ private:
+  void Open();
+  void Close();
+  std::optional<double> TimeNext();
+
+  std::vector<std::filesystem::path> clips_;
+  ClipOptions options_;
+  std::vector<VideoHeader> headers_;
+  std::optional<RecordingTimes> recorded_;
+  int count_ = 0;
+
+  size_t clip_ = 0;
+  std::unique_ptr<VideoFile> video_;
+  VideoClock clock_{0, 0};
+  double begin_ = 0;    // of the clip, in the drive
+  int frames_ = 0;      // of the clip
+  size_t passed_ = 0;   // of the drive
+  bool begun_ = false;  // an image has been given
+  double gap_ = 0;      // before the next image
+  std::string notice_;  // before the next image
+  std::string ends_early_;
+};
+
+}  // namespace turnscale

@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/io/clip_reader.h"
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "turnscale/base/error.h"
+#include "turnscale/base/test_files.h"
+#include "turnscale/io/test_video.h"
+
+namespace turnscale {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kRate = 10;
+
+class ClipReaderTest : public ::testing::Test {
+ protected:
+  ClipReaderTest() : folder_(ScratchPath("clips")) {
+    fs::remove_all(folder_);
+    fs::create_directories(folder_);
+  }
+  ~ClipReaderTest() override { fs::remove_all(folder_); }
+
+  // Gray values count from `first`.
+  fs::path Write(const std::string& name, int first, int count, TestVideo video = {.ticks_per_second = kRate},
+                 cv::Size size = {64, 48}) const {
+    std::vector<cv::Mat> images;
+    for (int i = 0; i < count; ++i) images.emplace_back(size, CV_8UC1, cv::Scalar(first + i));
+    WriteTestVideo(folder_ / name, images, video);
+    return folder_ / name;
+  }
+
+  static std::vector<DriveImage> ReadAll(ClipReader reader) {
+    std::vector<DriveImage> images;
+    while (auto image = reader.Read()) images.push_back(*image);
+    return images;
+  }
+
+  std::string Complaint(const std::vector<fs::path>& clips) const {
+    try {
+      const ClipReader reader(clips, {});
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "";
+  }
+
+  fs::path folder_;
+};
+
+TEST_F(ClipReaderTest, ClipsContinueOneAnother) {
+  const auto images = ReadAll({{Write("a.mp4", 50, 20), Write("b.mkv", 70, 20), Write("c.avi", 90, 20)}, {}});
+  ASSERT_EQ(images.size(), 60u);
+  for (int i = 0; i < 60; ++i) {
+    EXPECT_NEAR(*images[i].time, i / 10.0, 1e-9) << i;
+    EXPECT_NEAR(images[i].image.gray.at<uint8_t>(20, 20), 50 + i, 3) << i;
+    EXPECT_EQ(images[i].clip, i / 20);
+    EXPECT_EQ(images[i].notice, "");
+  }
+  EXPECT_EQ(images[25].name, (folder_ / "b.mkv").string() + ": frame 5");
+}
+
+TEST_F(ClipReaderTest, VariableRateAndTheRateGiven) {
+  const TestVideo uneven = {.ticks_per_second = 1000, .stamps = {0, 100, 130, 300}};
+  const std::vector<fs::path> clips = {Write("a.mkv", 0, 4, uneven), Write("b.mkv", 4, 4, uneven)};
+  const auto images = ReadAll({clips, {}});
+  ASSERT_EQ(images.size(), 8u);
+  EXPECT_NEAR(*images[2].time, 0.13, 1e-9);
+  EXPECT_NEAR(*images[3].time, 0.3, 1e-9);
+  EXPECT_NEAR(*images[6].time - *images[4].time, 0.13, 1e-9);
+  const auto even = ReadAll({clips, {.fps = 5}});
+  for (int i = 0; i < 8; ++i) EXPECT_NEAR(*even[i].time, i / 5.0, 1e-9);
+}
+
+TEST_F(ClipReaderTest, GapsAreNamedAndCounted) {
+  const auto images = ReadAll({{Write("20230501_120000.mp4", 0, 20), Write("20230501_120002.mp4", 20, 20),
+                                Write("20230501_120007.mp4", 40, 20)},
+                               {}});
+  ASSERT_EQ(images.size(), 60u);
+  EXPECT_NEAR(*images[20].time, 2, 1e-9);
+  EXPECT_EQ(images[20].notice, "");
+  EXPECT_NEAR(*images[40].time, 7, 1e-9);
+  EXPECT_NEAR(images[40].gap, 3, 1e-9);
+  EXPECT_EQ(images[40].notice,
+            "gap of 3.0 s between 20230501_120002.mp4 and 20230501_120007.mp4 (at 4.0 s of the drive)");
+}
+
+TEST_F(ClipReaderTest, AGapWithinAVideoIsNamed) {
+  const auto images =
+      ReadAll({{Write("a.mkv", 0, 4, {.ticks_per_second = 10, .stamps = {0, 1, 50, 51}})}, {.fps = {}}});
+  ASSERT_EQ(images.size(), 4u);
+  EXPECT_NEAR(*images[2].time, 5, 1e-9);
+  EXPECT_NE(images[2].notice.find("s in a.mkv (at "), std::string::npos) << images[2].notice;
+}
+
+TEST_F(ClipReaderTest, ADamagedClipLeavesAGap) {
+  const fs::path damaged = Write("a.avi", 0, 40, {.codec = "mjpeg", .ticks_per_second = kRate});
+  fs::resize_file(damaged, fs::file_size(damaged) / 2);
+  const auto images = ReadAll({{damaged, Write("b.avi", 0, 20)}, {}});
+  const size_t second = images.size() - 20;
+  ASSERT_LT(second, 30u);
+  EXPECT_NEAR(*images[second].time, 4, 0.01);
+  EXPECT_NE(images[second].notice.find("a.avi: the video ends after"), std::string::npos) << images[second].notice;
+  EXPECT_NE(images[second].notice.find("s between a.avi and b.avi"), std::string::npos) << images[second].notice;
+}
+
+TEST_F(ClipReaderTest, SizesHaveToAgree) {
+  const fs::path small = Write("b.mp4", 0, 4, {}, {32, 24});
+  EXPECT_EQ(Complaint({Write("a.mp4", 0, 4), small}),
+            small.string() + ": is 32x24 pixels, but a.mp4 is 64x48; give the clips of one camera");
+}
+
+TEST_F(ClipReaderTest, FramesBeforeTheStartAreLeftOut) {
+  const std::vector<fs::path> clips = {Write("20230501_120000.mp4", 0, 20), Write("20230501_120010.mp4", 20, 20)};
+  const auto images = ReadAll({clips, {.start = 1.05}});
+  ASSERT_EQ(images.size(), 29u);
+  EXPECT_NEAR(*images[0].time, 1.1, 1e-9);
+  EXPECT_NE(images[9].notice, "");
+  const auto second = ReadAll({clips, {.start = 3}});
+  ASSERT_EQ(second.size(), 20u);
+  EXPECT_NEAR(*second[0].time, 10, 1e-9);
+  EXPECT_EQ(second[0].notice, "") << "the gap is before the part that is read";
+  EXPECT_EQ(ReadAll({clips, {.timed = false, .skip = 25}}).size(), 15u);
+}
+
+}  // namespace
+}  // namespace turnscale

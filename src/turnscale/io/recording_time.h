@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "turnscale/io/video_file.h"
+
+namespace turnscale {
+
+/// Time of day in a file name: year, month, day, hour, minute and second, with or without single separators between
+/// them, such as 20230501_120000. In seconds since 1970 on the recorder's clock, whatever its time zone.
+std::optional<double> TimeInName(std::string_view name);
+
+/// When the clips of a drive were recorded, to the second.
+class RecordingTimes {
+ public:
+  /// From the names of the files if all have a time, else from the creation times in the files if all have one.
+  RecordingTimes(const std::vector<std::filesystem::path>& clips, const std::vector<VideoHeader>& headers);
+
+  /// Throws InputError if a clip begins before the one before it ends.
+  void RefuseOverlaps() const;
+
+  /// Seconds between the end of a clip of that duration and the start of the next; 0 if they continue one another or
+  /// nothing tells.
+  double GapAfter(size_t clip, double duration) const;
+
+ private:
+  double PauseAfter(size_t clip, double duration) const;
+
+  std::vector<std::filesystem::path> clips_;
+  std::vector<double> durations_;  // as the headers say
+  std::vector<double> starts_;     // empty if unknown
+  bool by_name_ = false;
+};
+
+}  // namespace turnscale

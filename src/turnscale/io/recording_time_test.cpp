@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/io/recording_time.h"
+
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "turnscale/base/error.h"
+
+namespace turnscale {
+namespace {
+
+constexpr double kMayNoon = 1682942400;  // 2023-05-01 12:00:00
+
+VideoHeader Header(double duration, std::optional<double> created = {}) {
+  VideoHeader header;
+  header.duration = duration;
+  header.created = created;
+  return header;
+}
+
+std::string Complaint(const RecordingTimes& times) {
+  try {
+    times.RefuseOverlaps();
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(TimeInName, CommonFormats) {
+  for (const char* name : {"20230501_120000", "20230501120000", "2023_0501_120000_0042F", "2023-05-01_12-00-00",
+                           "2023-05-01T12:00:00", "NO20230501-120000-000042F", "VID_20230501_120000123"}) {
+    EXPECT_EQ(TimeInName(name), kMayNoon) << name;
+  }
+}
+
+TEST(TimeInName, OtherNumbersAreNoTimes) {
+  for (const char* name : {"", "drive", "GOPR0042", "20230501", "20230501_1200", "20231301_120000", "20230231_120000",
+                           "20230501_240000", "18990501_120000", "120230501_120000", "2023__0501_120000"}) {
+    EXPECT_FALSE(TimeInName(name).has_value()) << name;
+  }
+}
+
+TEST(RecordingTimes, AGapIsLongerThanTheResolutionOfTheNames) {
+  const RecordingTimes times({"20230501_120000.mp4", "20230501_120100.mp4", "20230501_120203.mp4"},
+                             {Header(60), Header(60), Header(60)});
+  EXPECT_EQ(Complaint(times), "");
+  EXPECT_EQ(times.GapAfter(0, 59.2), 0);
+  EXPECT_DOUBLE_EQ(times.GapAfter(1, 60), 3);
+  EXPECT_EQ(times.GapAfter(2, 60), 0);
+}
+
+TEST(RecordingTimes, OverlappingNamesAreRefused) {
+  const std::string complaint =
+      Complaint({{"d/20230501_120000_F.mp4", "d/20230501_120000_R.mp4"}, {Header(60), Header(60)}});
+  EXPECT_NE(complaint.find("d/20230501_120000_R.mp4: begins 60.0 s before 20230501_120000_F.mp4 ends"),
+            std::string::npos)
+      << complaint;
+  EXPECT_EQ(Complaint({{"20230501_120000.mp4", "20230501_120059.mp4"}, {Header(60), Header(60)}}), "");
+}
+
+TEST(RecordingTimes, CreationTimesStandInForNames) {
+  const std::vector<std::filesystem::path> clips = {"a.mp4", "b.mp4"};
+  EXPECT_DOUBLE_EQ(RecordingTimes(clips, {Header(60, kMayNoon), Header(60, kMayNoon + 100)}).GapAfter(0, 60), 40);
+  EXPECT_EQ(RecordingTimes(clips, {Header(60, kMayNoon), Header(60)}).GapAfter(0, 60), 0) << "one is unknown";
+  // Written when the file was closed: the last clip is shorter.
+  const RecordingTimes closed(clips, {Header(60, kMayNoon), Header(20, kMayNoon + 20)});
+  EXPECT_EQ(Complaint(closed), "");
+  EXPECT_EQ(closed.GapAfter(0, 60), 0);
+  EXPECT_NE(Complaint({clips, {Header(60, kMayNoon), Header(60, kMayNoon)}}).find("creation_time"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace turnscale

@@ -1,0 +1,256 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/io/video_file.h"
+
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <limits>
+#include <new>
+#include <string>
+#include <utility>
+
+#include <opencv2/core.hpp>
+
+#include "turnscale/base/error.h"
+
+extern "C" {
+#include <libavcodec/avcodec.h>
+#include <libavformat/avformat.h>
+#include <libavutil/display.h>
+#include <libavutil/opt.h>
+#include <libavutil/parseutils.h>
+#include <libswscale/swscale.h>
+}
+
+namespace turnscale {
+namespace {
+
+// Enough to decode faster than the odometry runs; a fixed number, as damaged streams may decode differently with
+// others.
+constexpr int kDecoderThreads = 2;
+
+[[noreturn]] void RefuseInterlaced(const std::string& path) {
+  throw InputError(path +
+                   ": is interlaced: its rows are not from one moment; deinterlace it first, such as by ffmpeg -i IN "
+                   "-vf yadif OUT");
+}
+
+double Seconds(const AVRational& time_base) { return av_q2d(time_base); }
+
+// Years before are clocks that were never set.
+std::optional<double> CreationTime(const AVFormatContext& input, const AVStream& stream) {
+  constexpr int64_t kYear2000 = 946684800;
+  for (AVDictionary* metadata : {input.metadata, stream.metadata}) {
+    const AVDictionaryEntry* entry = av_dict_get(metadata, "creation_time", nullptr, 0);
+    int64_t microseconds = 0;
+    if (entry == nullptr || av_parse_time(&microseconds, entry->value, 0) < 0) continue;
+    if (microseconds > kYear2000 * 1'000'000) return 1e-6 * static_cast<double>(microseconds);
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+struct VideoFile::State {
+  struct CloseInput {
+    void operator()(AVFormatContext* input) const { avformat_close_input(&input); }
+  };
+  struct FreeDecoder {
+    void operator()(AVCodecContext* decoder) const { avcodec_free_context(&decoder); }
+  };
+  struct FreePacket {
+    void operator()(AVPacket* packet) const { av_packet_free(&packet); }
+  };
+  struct FreeFrame {
+    void operator()(AVFrame* frame) const { av_frame_free(&frame); }
+  };
+
+  // How the stored image becomes the one to show.
+  struct Orientation {
+    bool transpose = false;
+    bool flip_x = false;
+    bool flip_y = false;
+  };
+
+  explicit State(const std::filesystem::path& file) : path(file.string()) {
+    // The library would write its own complaints to standard error.
+    av_log_set_level(AV_LOG_QUIET);
+    AVFormatContext* opened = nullptr;
+    if (avformat_open_input(&opened, ("file:" + path).c_str(), nullptr, nullptr) < 0) Refuse();
+    input.reset(opened);
+    if (avformat_find_stream_info(opened, nullptr) < 0) Refuse();
+    const AVCodec* codec = nullptr;
+    const int index = av_find_best_stream(opened, AVMEDIA_TYPE_VIDEO, -1, -1, &codec, 0);
+    if (index < 0 || codec == nullptr) Refuse();
+    for (unsigned i = 0; i < opened->nb_streams; ++i)
+      if (static_cast<int>(i) != index) opened->streams[i]->discard = AVDISCARD_ALL;
+    stream = opened->streams[index];
+    decoder.reset(avcodec_alloc_context3(codec));
+    packet.reset(av_packet_alloc());
+    frame.reset(av_frame_alloc());
+    if (!decoder || !packet || !frame) throw std::bad_alloc();
+    decoder->thread_count = kDecoderThreads;
+    decoder->pkt_timebase = stream->time_base;
+    if (avcodec_parameters_to_context(decoder.get(), stream->codecpar) < 0 ||
+        avcodec_open2(decoder.get(), codec, nullptr) < 0) {
+      Refuse();
+    }
+    const AVFieldOrder order = stream->codecpar->field_order;
+    if (order != AV_FIELD_UNKNOWN && order != AV_FIELD_PROGRESSIVE) RefuseInterlaced(path);
+    orientation = OrientationOf(*stream);
+    ReadHeader();
+  }
+
+  ~State() { sws_freeContext(converter); }
+
+  [[noreturn]] void Refuse() const {
+    throw InputError(path + ": cannot be opened as a video; give a video or a folder of images");
+  }
+
+  void ReadHeader() {
+    const AVCodecParameters& codec = *stream->codecpar;
+    header.size = {codec.width, codec.height};
+    if (orientation.transpose) std::swap(header.size.width, header.size.height);
+    header.tick = Seconds(stream->time_base);
+    // Containers without a rate have zero, or their clock's ticks.
+    for (const AVRational& rate : {stream->avg_frame_rate, stream->r_frame_rate}) {
+      const double fps = rate.den > 0 ? av_q2d(rate) : 0.0;
+      if (header.rate <= 0 && std::isfinite(fps) && fps > 0 && fps <= 1000) header.rate = fps;
+    }
+    // A stream without a container has the rate that its codec tells, or a default of the library, which is no rate.
+    const bool bare = (input->iformat->flags & AVFMT_NOTIMESTAMPS) != 0;
+    if (bare && decoder->framerate.num <= 0) header.rate = 0;
+    if (stream->duration > 0 && stream->duration != AV_NOPTS_VALUE) {
+      header.duration = static_cast<double>(stream->duration) * header.tick;
+    } else if (input->duration > 0 && input->duration != AV_NOPTS_VALUE) {
+      header.duration = static_cast<double>(input->duration) / AV_TIME_BASE;
+    }
+    // From file size and bit rate, which is no measure of a video.
+    if (input->duration_estimation_method == AVFMT_DURATION_FROM_BITRATE) header.duration = 0;
+    header.counted = stream->nb_frames > 0 && stream->nb_frames < std::numeric_limits<int>::max();
+    const double estimate = std::round(header.duration * header.rate);
+    if (header.counted) {
+      header.frames = static_cast<int>(stream->nb_frames);
+    } else if (estimate < std::numeric_limits<int>::max()) {
+      header.frames = static_cast<int>(estimate);
+    }
+    header.created = CreationTime(*input, *stream);
+  }
+
+  // Passes the next packet of the stream to the decoder, at the end the sign that there is none.
+  void Feed() {
+    while (av_read_frame(input.get(), packet.get()) >= 0) {
+      const bool wanted = packet->stream_index == stream->index;
+      // A damaged packet yields no frame.
+      if (wanted) avcodec_send_packet(decoder.get(), packet.get());
+      av_packet_unref(packet.get());
+      if (wanted) return;
+    }
+    avcodec_send_packet(decoder.get(), nullptr);
+  }
+
+  bool Advance() {
+    for (;;) {
+      const int result = avcodec_receive_frame(decoder.get(), frame.get());
+      if (result == AVERROR(ENOMEM)) throw std::bad_alloc();
+      if (result == AVERROR_EOF) return false;
+      if (result == 0) break;
+      Feed();
+    }
+    if (frame->interlaced_frame != 0) RefuseInterlaced(path);
+    return true;
+  }
+
+  // The ranges have to be known when the converter is made: it chooses its functions by them.
+  void UseConverter() {
+    const bool full = frame->color_range == AVCOL_RANGE_JPEG;
+    const std::array<int, 4> kind = {frame->width, frame->height, frame->format, full ? 1 : 0};
+    if (converter != nullptr && kind == converted) return;
+    sws_freeContext(converter);
+    converter = sws_alloc_context();
+    if (converter == nullptr) throw std::bad_alloc();
+    const std::pair<const char*, int> options[] = {{"srcw", frame->width},
+                                                   {"srch", frame->height},
+                                                   {"src_format", frame->format},
+                                                   {"src_range", full ? 1 : 0},
+                                                   {"dstw", frame->width},
+                                                   {"dsth", frame->height},
+                                                   {"dst_format", AV_PIX_FMT_GRAY8},
+                                                   {"dst_range", 1},
+                                                   {"sws_flags", SWS_POINT | SWS_ACCURATE_RND | SWS_BITEXACT}};
+    for (const auto& [name, value] : options) av_opt_set_int(converter, name, value, 0);
+    if (sws_init_context(converter, nullptr, nullptr) < 0)
+      throw InputError(path + ": its colours cannot be converted; convert it with ffmpeg -i IN -pix_fmt yuv420p OUT");
+    converted = kind;
+  }
+
+  cv::Mat Gray() {
+    UseConverter();
+    cv::Mat gray(frame->height, frame->width, CV_8UC1);
+    uint8_t* const rows[] = {gray.data};
+    const int strides[] = {static_cast<int>(gray.step)};
+    sws_scale(converter, frame->data, frame->linesize, 0, frame->height, rows, strides);
+    return Oriented(gray);
+  }
+
+  cv::Mat Oriented(cv::Mat image) const {
+    if (orientation.transpose) image = image.t();
+    if (orientation.flip_x && orientation.flip_y) {
+      cv::flip(image, image, -1);
+    } else if (orientation.flip_x || orientation.flip_y) {
+      cv::flip(image, image, orientation.flip_x ? 1 : 0);
+    }
+    return image;
+  }
+
+  // The display matrix maps (x, y) to (a x + c y, b x + d y). Only quarter turns and reflections occur in practice.
+  static Orientation OrientationOf(const AVStream& stream) {
+    const uint8_t* data = av_stream_get_side_data(&stream, AV_PKT_DATA_DISPLAYMATRIX, nullptr);
+    if (data == nullptr) return {};
+    const auto* matrix = reinterpret_cast<const int32_t*>(data);
+    const int32_t a = matrix[0];
+    const int32_t b = matrix[1];
+    const int32_t c = matrix[3];
+    const int32_t d = matrix[4];
+    if (std::llabs(a) >= std::llabs(b)) return {false, a < 0, d < 0};
+    return {true, c < 0, b < 0};
+  }
+
+  std::string path;
+  std::unique_ptr<AVFormatContext, CloseInput> input;
+  std::unique_ptr<AVCodecContext, FreeDecoder> decoder;
+  std::unique_ptr<AVPacket, FreePacket> packet;
+  std::unique_ptr<AVFrame, FreeFrame> frame;
+  SwsContext* converter = nullptr;
+  std::array<int, 4> converted{};  // width, height, format and range that the converter is for
+  AVStream* stream = nullptr;
+  Orientation orientation;
+  VideoHeader header;
+};
+
+VideoFile::VideoFile(const std::filesystem::path& path) : state_(std::make_unique<State>(path)) {}
+
+VideoFile::~VideoFile() = default;
+
+const VideoHeader& VideoFile::header() const { return state_->header; }
+
+bool VideoFile::Advance() { return state_->Advance(); }
+
+std::optional<double> VideoFile::Stamp() const {
+  const int64_t stamp = state_->frame->best_effort_timestamp;
+  if (stamp == AV_NOPTS_VALUE) return std::nullopt;
+  const AVRational& base = state_->stream->time_base;
+  // One rounding, so that a constant rate gives the same numbers as index / rate.
+  return static_cast<double>(stamp) * base.num / base.den;
+}
+
+cv::Mat VideoFile::Gray() { return state_->Gray(); }
+
+int CountVideoFrames(const std::filesystem::path& path) {
+  VideoFile video(path);
+  int count = 0;
+  while (video.Advance()) ++count;
+  return count;
+}
+
+}  // namespace turnscale

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+
+#include <opencv2/core/mat.hpp>
+
+namespace turnscale {
+
+/// What a video's header says.
+struct VideoHeader {
+  cv::Size size;                  ///< of the images, rotated as the video asks for
+  double rate = 0;                ///< frames per second on average; 0 if unknown
+  double tick = 0;                ///< resolution of the stamps, seconds
+  double duration = 0;            ///< seconds; 0 if unknown
+  int frames = 0;                 ///< number of frames; 0 if unknown
+  bool counted = false;           ///< `frames` is the container's own count, not an estimate from duration and rate
+  std::optional<double> created;  ///< when it was recorded, seconds since 1970
+};
+
+/// A video file, decoded frame by frame.
+class VideoFile {
+ public:
+  /// Throws InputError if the file is no video that can be decoded, or is interlaced.
+  explicit VideoFile(const std::filesystem::path& path);
+  ~VideoFile();
+  VideoFile(const VideoFile&) = delete;
+  VideoFile& operator=(const VideoFile&) = delete;
+
+  const VideoHeader& header() const;
+
+  /// Decodes the next frame; false at the end. Damaged parts of the file are passed over. Throws InputError if the
+  /// frame is interlaced.
+  bool Advance();
+  /// The frame's presentation time stamp in seconds; empty if the container has none.
+  std::optional<double> Stamp() const;
+  /// The frame as 8-bit gray of full range, rotated and mirrored as the video asks for.
+  cv::Mat Gray();
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+/// Number of frames that a video really holds: decodes all of it.
+int CountVideoFrames(const std::filesystem::path& path);
+
+}  // namespace turnscale
