@@ -2,9 +2,9 @@
 #pragma once
 
 #include <filesystem>
-#include <initializer_list>
 #include <string>
 #include <system_error>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -44,7 +44,7 @@ inline double CheckedSideSlipSigma(double sigma) {
 
 /// Throws InputError if the output file is also an input file; empty paths are ignored.
 inline void RefuseToOverwrite(const char* option, const std::filesystem::path& output,
-                              std::initializer_list<std::filesystem::path> inputs) {
+                              const std::vector<std::filesystem::path>& inputs) {
   for (const std::filesystem::path& input : inputs) {
     std::error_code none;
     if (output.empty() || input.empty() || !std::filesystem::equivalent(output, input, none)) continue;

@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -42,7 +43,7 @@ struct CalibrateArguments {
 };
 
 void Check(const CalibrateArguments& arguments) {
-  if (arguments.images.input.empty() && !arguments.trajectory) {
+  if (arguments.images.inputs.empty() && !arguments.trajectory) {
     throw InputError("calibrate: give the images of a drive, or --trajectory FILE");
   }
   const auto positive = [](const char* option, const std::optional<double>& value) {
@@ -51,9 +52,11 @@ void Check(const CalibrateArguments& arguments) {
   };
   positive("--distance", arguments.distance);
   if (arguments.lever_arm) CheckedLeverArm(*arguments.lever_arm);
-  const std::initializer_list<fs::path> read = {arguments.images.input, arguments.trajectory.value_or(""),
-                                                arguments.speed.value_or(""), arguments.images.camera.value_or(""),
-                                                arguments.images.timestamps.value_or("")};
+  std::vector<fs::path> read = arguments.images.inputs;
+  for (const auto& file :
+       {arguments.trajectory, arguments.speed, arguments.images.camera, arguments.images.timestamps}) {
+    read.push_back(file.value_or(""));
+  }
   RefuseToOverwrite("--out", arguments.out, read);
   RefuseToOverwrite("--history", arguments.history.value_or(""), read);
   if (arguments.side_slip) CheckedSideSlip(*arguments.side_slip);
@@ -247,7 +250,7 @@ void AddCalibrateCommand(CLI::App& app) {
       app.add_subcommand("calibrate", "Estimate the camera-to-vehicle rotation from the camera's motion.");
   auto arguments = std::make_shared<CalibrateArguments>();
   ImageArguments& images = arguments->images;
-  CLI::Option* input = calibrate->add_option("input", images.input, "Images of the drive, as for run");
+  CLI::Option* input = calibrate->add_option("input", images.inputs, "Images of the drive, as for run");
   CLI::Option* trajectory = calibrate
                                 ->add_option("--trajectory", arguments->trajectory,
                                              "Instead of images: camera trajectory in any unit of length, TUM, KITTI "

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <opencv2/core/utility.hpp>
 
@@ -23,7 +24,20 @@ namespace {
 std::filesystem::path CameraFileFor(const ImageArguments& arguments, const DriveInput& drive) {
   if (arguments.camera) return *arguments.camera;
   if (drive.camera_file) return *drive.camera_file;
-  throw InputError(arguments.input.string() + ": has no calib.txt or camera.yaml; give --camera FILE");
+  throw InputError(arguments.Name() + ": has no calib.txt or camera.yaml; give --camera FILE");
+}
+
+ImageSourceOptions SourceOptions(const ImageArguments& arguments, const CameraModel& camera,
+                                 const std::filesystem::path& camera_file) {
+  ImageSourceOptions options;
+  options.timestamps = arguments.timestamps;
+  options.fps = arguments.fps;
+  if (!arguments.start.empty()) options.start = ParseDriveTime("--start", arguments.start);
+  if (!arguments.end.empty()) options.end = ParseDriveTime("--end", arguments.end);
+  options.width = camera.width;
+  options.height = camera.height;
+  options.camera_file = camera_file.string();
+  return options;
 }
 
 // 0 if known neither from the video header nor from the user.
@@ -62,11 +76,23 @@ std::vector<Trajectory> Stretches(const std::vector<FrameResult>& frames) {
 
 }  // namespace
 
+std::string ImageArguments::Name() const {
+  if (inputs.size() < 2) return inputs.empty() ? std::string() : inputs.front().string();
+  return fmt::format("{} and {} more", inputs.front().string(), inputs.size() - 1);
+}
+
+void AddPartOptions(CLI::App& command, ImageArguments& arguments) {
+  command.add_option("--start", arguments.start,
+                     "Process the drive from this time on, HH:MM:SS, MM:SS or seconds after its first frame; the times "
+                     "in the results remain those of the whole drive");
+  command.add_option("--end", arguments.end, "Process the drive up to this time");
+}
+
 DriveImages::DriveImages(const ImageArguments& arguments)
-    : drive(FindDrive(arguments.input)),
+    : drive(FindDrive(arguments.inputs)),
       camera_file(CameraFileFor(arguments, drive)),
       camera(ReadCameraFile(camera_file)),
-      source(drive, {arguments.timestamps, arguments.fps, camera.width, camera.height, camera_file.string()}),
+      source(drive, SourceOptions(arguments, camera, camera_file)),
       expected(ExpectedFrames(source.count(), arguments.max_frames)) {}
 
 std::string DoubtOf(const DriveImages& images, const cv::Mat& image) {
@@ -140,6 +166,7 @@ DriveMotion MotionFromImages(const ImageArguments& arguments) {
     while (!(arguments.max_frames && processed >= *arguments.max_frames)) {
       const std::optional<SourceFrame> frame = images.source.Next();
       if (!frame || Interrupted()) break;
+      if (!frame->notice.empty()) progress.Warn(frame->notice);
       if (processed == 0) {
         if (const std::string doubt = DoubtOf(images, frame->gray); !doubt.empty()) progress.Warn(doubt);
       }
@@ -157,7 +184,7 @@ DriveMotion MotionFromImages(const ImageArguments& arguments) {
   progress.Finish();
   attempts.Try([&] { odometry.Finish(); });
   DriveMotion motion;
-  motion.input = arguments.input.string();
+  motion.input = arguments.Name();
   const std::vector<FrameResult> frames = odometry.RefinedFrames();
   motion.stretches = Stretches(frames);
   if (motion.stretches.empty()) attempts.RethrowFirst();

@@ -15,6 +15,10 @@
 #include "turnscale/io/image_source.h"
 #include "turnscale/io/terminal.h"
 
+namespace CLI {
+class App;
+}
+
 namespace turnscale {
 
 /// Threads that OpenCV may use by default. The library leaves the number to the program.
@@ -22,14 +26,22 @@ constexpr int kImageThreads = 2;
 
 /// Arguments common to the commands that run the odometry on images.
 struct ImageArguments {
-  std::filesystem::path input;
+  std::vector<std::filesystem::path> inputs;  ///< one, or videos that continue one another
   std::optional<std::filesystem::path> camera;
   std::optional<std::filesystem::path> timestamps;
   std::optional<double> fps;
   std::optional<std::filesystem::path> settings;
+  std::string start;  ///< of the part of the drive to process, as ParseDriveTime reads it; empty: the drive's
+  std::string end;    ///< of the part; empty: the drive's
   std::optional<int> max_frames;
   bool quiet = false;
+
+  /// The input for messages and reports.
+  std::string Name() const;
 };
+
+/// Adds the options of the part of a drive to process.
+void AddPartOptions(CLI::App& command, ImageArguments& arguments);
 
 /// The images of a drive and their camera.
 struct DriveImages {

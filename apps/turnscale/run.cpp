@@ -66,7 +66,7 @@ OdometryOptions OptionsFrom(const RunArguments& arguments) {
 RunSummary BeforeTheDrive(const RunArguments& arguments, const OdometryOptions& options, const DriveImages& images) {
   RunSummary summary;
   summary.version = TURNSCALE_VERSION;
-  summary.input = arguments.images.input.string();
+  summary.input = arguments.images.Name();
   summary.camera = images.camera_file.string();
   summary.pose_frame = arguments.frame;
   summary.folder = arguments.out.string();
@@ -110,6 +110,7 @@ int RunImages(const RunArguments& arguments) {
   const DriveToRun drive = {next,
                             Interrupted,
                             [&] { return images.source.EndsEarly(); },
+                            [&] { return images.source.clips(); },
                             arguments.images.max_frames,
                             {arguments.out, shown, options.vehicle},
                             BeforeTheDrive(arguments, options, images)};
@@ -123,9 +124,9 @@ int RunImages(const RunArguments& arguments) {
 void AddRunCommand(CLI::App& app) {
   CLI::App* run = app.add_subcommand("run", "Estimate the trajectory of a drive from its images.");
   auto arguments = std::make_shared<RunArguments>();
-  run->add_option("input", arguments->images.input,
+  run->add_option("input", arguments->images.inputs,
                   "KITTI folder (image_0/ or images/, calib.txt or camera.yaml, times.txt), folder of images, video, "
-                  "or folder with one video and the KITTI files")
+                  "several videos that continue one another, or folder with them and the KITTI files")
       ->required();
   run->add_option(
       "--camera", arguments->images.camera,
@@ -133,7 +134,8 @@ void AddRunCommand(CLI::App& app) {
   CLI::Option* timestamps =
       run->add_option("--timestamps", arguments->images.timestamps,
                       "Times of the frames in seconds, one per line [times.txt in the input folder]");
-  run->add_option("--fps", arguments->images.fps, "Frames per second; overrides times.txt and a video's own rate")
+  run->add_option("--fps", arguments->images.fps,
+                  "Frames per second; overrides times.txt and a video's own time stamps")
       ->excludes(timestamps);
   run->add_option(
       "--lever-arm", arguments->lever_arm,
@@ -168,11 +170,13 @@ void AddRunCommand(CLI::App& app) {
   run->add_option("--settings", arguments->images.settings,
                   "YAML file with settings, such as settings.yaml of another run");
   run->add_option("--out", arguments->out, "Folder for the results")->capture_default_str();
+  AddPartOptions(*run, arguments->images);
   run->add_option("--max-frames", arguments->images.max_frames, "Stop after this many frames")
       ->check(CLI::Range(1, 1'000'000'000));
   run->add_flag("--quiet", arguments->images.quiet, "Print warnings and errors only");
   run->footer(
-      "Example:\n  turnscale run drive.mp4 --camera cam.yaml --lever-arm 1.45 --out out/drive\n\n"
+      "Examples:\n  turnscale run drive.mp4 --camera cam.yaml --lever-arm 1.45 --out out/drive\n"
+      "  turnscale run DCIM/ --camera cam.yaml --lever-arm 1.45 --start 1:30 --end 12:00\n\n"
       "Output: trajectory.tum and trajectory.kitti.txt (refined, every frame), live.tum (online: each pose as\n"
       "estimated at its frame), trajectory.csv, turns.csv, map.ply, settings.yaml and summary.json. Ctrl-C stops\n"
       "after the current frame and keeps the results so far (exit code 130).");

@@ -66,11 +66,42 @@ bool ClipReader::HasTimes() const {
          std::all_of(headers_.begin(), headers_.end(), [](const auto& header) { return header.rate > 0; });
 }
 
+int ClipReader::CountBetween(double start, const std::optional<double>& end) const {
+  const double rate = options_.fps.value_or(headers_.front().rate);
+  const double first = std::min<double>(count_, start * rate);
+  const double last = end ? std::min<double>(count_, *end * rate) : count_;
+  return static_cast<int>(std::lround(last - first));
+}
+
 void ClipReader::Open() {
+  open_ = true;
   if (!video_) video_ = std::make_unique<VideoFile>(clips_[clip_]);
   const VideoHeader& header = headers_[clip_];
   clock_ = VideoClock(options_.fps.value_or(header.rate), header.tick);
   frames_ = 0;
+  if (options_.timed && !options_.fps && begin_ < options_.start) PassOverStart();
+}
+
+// Without decoding, where the file tells the time of every frame: up to the last key frame that is not after the start.
+void ClipReader::PassOverStart() {
+  const std::vector<FrameStamp> stamps = VideoFile::ReadStamps(clips_[clip_]);
+  size_t key = 0;
+  VideoClock clock = clock_;
+  VideoClock before_key = clock_;
+  for (size_t i = 0; i < stamps.size(); ++i) {
+    const VideoClock before = clock;
+    const double time = begin_ + clock.Next(stamps[i].seconds);
+    if (time > options_.start) break;
+    latest_ = time;
+    if (!stamps[i].key) continue;
+    key = i;
+    before_key = before;
+  }
+  if (key == 0) return;
+  clock_ = before_key;
+  frames_ = static_cast<int>(key);
+  passed_ += key;
+  video_->StartAt(stamps[key].seconds);
 }
 
 std::optional<double> ClipReader::TimeNext() {
@@ -83,14 +114,17 @@ std::optional<double> ClipReader::TimeNext() {
     AddSentence(notice_, fmt::format("gap of {:.1f} s in {} (at {:.1f} s of the drive)", gap, NameOf(clips_[clip_]),
                                      begin_ + before + clock_.Interval()));
   }
-  return begin_ + time;
+  return latest_ = begin_ + time;
 }
 
 void ClipReader::Close() {
   video_.reset();
+  open_ = false;
   const VideoHeader& header = headers_[clip_];
   double seconds = frames_ > 0 ? clock_.time() + clock_.Interval() : 0;
-  ends_early_ = EndsTooEarly(header, frames_, seconds);
+  // By other times than the video's own, only a count can tell.
+  const bool comparable = header.counted || (options_.timed && !options_.fps);
+  ends_early_ = comparable ? EndsTooEarly(header, frames_, seconds) : std::string();
   if (++clip_ == clips_.size()) return;
   const std::string before = NameOf(clips_[clip_ - 1]);
   if (!ends_early_.empty()) AddSentence(notice_, before + ": " + ends_early_);
@@ -108,7 +142,7 @@ void ClipReader::Close() {
 
 std::optional<DriveImage> ClipReader::Read() {
   while (clip_ < clips_.size()) {
-    if (!video_ || frames_ == 0) Open();
+    if (!open_) Open();
     if (!video_->Advance()) {
       Close();
       continue;
@@ -116,7 +150,7 @@ std::optional<DriveImage> ClipReader::Read() {
     DriveImage image;
     image.time = TimeNext();
     const int number = frames_++;
-    if (passed_++ < options_.skip || (image.time && *image.time < options_.start)) {
+    if (passed_++ < skip_ || (image.time && *image.time < options_.start)) {
       // Nothing of the drive is before the first image that is given.
       gap_ = 0;
       notice_.clear();

@@ -18,7 +18,6 @@ struct ClipOptions {
   bool timed = true;               ///< give each image its time; else only their numbers tell
   std::optional<double> fps = {};  ///< frames per second, instead of the videos' own time stamps
   double start = 0;                ///< images before this time of the drive are not given, seconds
-  size_t skip = 0;                 ///< number of images at the beginning of the drive that are not given
 };
 
 /// Reads videos, one or several that continue one another, as one drive. A clip follows the end of the one before, one
@@ -33,14 +32,21 @@ class ClipReader : public FrameReader {
   std::optional<DriveImage> Read() override;
   std::string EndsEarly() const override { return ends_early_; }
 
+  /// So many images at the beginning of the drive are not given.
+  void Skip(size_t frames) { skip_ = frames; }
+  double LatestTime() const override { return latest_; }
+
   /// Number of frames as the headers say; 0 if one does not.
   int count() const { return count_; }
+  /// The same for a part of the drive, as for a constant rate without gaps.
+  int CountBetween(double start, const std::optional<double>& end) const;
   /// Whether the headers or the options tell the times of the frames.
   bool HasTimes() const;
 
  private:
   void Open();
   void Close();
+  void PassOverStart();
   std::optional<double> TimeNext();
 
   std::vector<std::filesystem::path> clips_;
@@ -52,9 +58,12 @@ class ClipReader : public FrameReader {
   size_t clip_ = 0;
   std::unique_ptr<VideoFile> video_;
   VideoClock clock_{0, 0};
-  double begin_ = 0;    // of the clip, in the drive
-  int frames_ = 0;      // of the clip
-  size_t passed_ = 0;   // of the drive
+  double begin_ = 0;  // of the clip, in the drive
+  int frames_ = 0;    // of the clip
+  size_t skip_ = 0;
+  size_t passed_ = 0;  // of the drive
+  double latest_ = 0;
+  bool open_ = false;
   bool begun_ = false;  // an image has been given
   double gap_ = 0;      // before the next image
   std::string notice_;  // before the next image

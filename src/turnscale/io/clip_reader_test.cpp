@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <gtest/gtest.h>
+#include <opencv2/core.hpp>
 
 #include "turnscale/base/error.h"
 #include "turnscale/base/test_files.h"
@@ -125,7 +126,34 @@ TEST_F(ClipReaderTest, FramesBeforeTheStartAreLeftOut) {
   ASSERT_EQ(second.size(), 20u);
   EXPECT_NEAR(*second[0].time, 10, 1e-9);
   EXPECT_EQ(second[0].notice, "") << "the gap is before the part that is read";
-  EXPECT_EQ(ReadAll({clips, {.timed = false, .skip = 25}}).size(), 15u);
+  ClipReader untimed(clips, {.timed = false});
+  untimed.Skip(25);
+  EXPECT_NEAR(untimed.Read()->image.gray.at<uint8_t>(20, 20), 25, 3);
+}
+
+TEST_F(ClipReaderTest, PassingOverTheStartChangesNoTimeAndNoImage) {
+  const TestVideo uneven = {.ticks_per_second = 1000, .stamps = {}, .b_frames = 2, .key_interval = 6};
+  for (const std::string name : {"v.mp4", "v.mkv", "v.ts", "v.avi", "v.m4v"}) {
+    TestVideo video = uneven;
+    if (name == "v.ts") video.codec = "mpeg2video";
+    if (name == "v.mp4" || name == "v.mkv") {
+      for (int i = 0; i < 40; ++i) video.stamps.push_back(100 * i + i * i % 37);
+    } else {
+      video.ticks_per_second = 25;
+    }
+    const fs::path path = Write(name, 0, 40, video);
+    const auto all = ReadAll({{path}, {}});
+    ASSERT_EQ(all.size(), 40u) << name;
+    for (const size_t first : {1, 5, 6, 7, 17, 39}) {
+      const auto part = ReadAll({{path}, {.start = *all[first].time}});
+      ASSERT_EQ(part.size(), 40 - first) << name;
+      for (size_t i = 0; i < part.size(); ++i) {
+        EXPECT_EQ(*part[i].time, *all[first + i].time) << name << " " << i;
+        EXPECT_EQ(part[i].name, all[first + i].name);
+        EXPECT_EQ(cv::norm(part[i].image.gray, all[first + i].image.gray, cv::NORM_INF), 0) << name << " " << i;
+      }
+    }
+  }
 }
 
 }  // namespace

@@ -72,14 +72,10 @@ DriveInput FindInFolder(const fs::path& folder) {
   drive.images = FilesIn(drive.path, IsImageName);
   if (!drive.images.empty()) return drive;
   const std::vector<fs::path> videos = FilesIn(folder, IsVideoName);
-  if (videos.size() == 1 && drive.path == folder) {
-    drive.path = videos.front();
+  if (!videos.empty() && drive.path == folder) {
+    if (videos.size() == 1) drive.path = videos.front();
     drive.videos = videos;
     return drive;
-  }
-  if (videos.size() > 1 && drive.path == folder) {
-    throw InputError(folder.string() + ": holds " + std::to_string(videos.size()) + " videos; give one, such as " +
-                     videos.front().string());
   }
   throw InputError(drive.path.string() +
                    ": holds no images; give a folder of png, jpg, bmp, pgm or tiff files, a KITTI "
@@ -171,6 +167,42 @@ DriveInput FindDrive(const fs::path& input) {
   drive.path = input;
   drive.videos = {input};
   return drive;
+}
+
+DriveInput FindDrive(const std::vector<fs::path>& inputs) {
+  if (inputs.size() == 1) return FindDrive(inputs.front());
+  DriveInput drive;
+  for (const fs::path& input : inputs) {
+    std::error_code error;
+    if (fs::is_directory(input, error))
+      throw InputError(input.string() + ": is a folder; give one folder, or several videos");
+    for (const fs::path& other : drive.videos) {
+      if (fs::equivalent(input, other, error)) throw InputError(input.string() + ": is given twice");
+    }
+    drive.videos.push_back(FindDrive(input).videos.front());
+  }
+  drive.path = inputs.front();
+  return drive;
+}
+
+double ParseDriveTime(const std::string& option, std::string_view text) {
+  const std::string_view whole = text;
+  const auto refuse = [&] {
+    return InputError(
+        fmt::format("{} {}: is not a time; give HH:MM:SS, MM:SS or seconds, such as 12:30 or 750", option, whole));
+  };
+  double seconds = 0;
+  for (int fields = 1;; ++fields) {
+    const size_t colon = text.find(':');
+    const bool last = colon == std::string_view::npos;
+    const std::string_view field = text.substr(0, colon);
+    const auto value = ParseNumber<double>(field);
+    const bool has_digits_only = field.find_first_not_of(last ? "0123456789." : "0123456789") == std::string_view::npos;
+    if (!value || !has_digits_only || fields > 3 || (fields > 1 && *value >= 60)) throw refuse();
+    seconds = 60 * seconds + *value;
+    if (last) return seconds;
+    text.remove_prefix(colon + 1);
+  }
 }
 
 }  // namespace turnscale

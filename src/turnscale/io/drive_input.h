@@ -44,8 +44,15 @@ struct DriveInput {
 bool NaturalLess(std::string_view a, std::string_view b);
 
 /// Detects the kind of INPUT: a KITTI folder (`image_0/` or `images/`, with `calib.txt` or
-/// `camera.yaml`, and `times.txt`), a folder of images, a
-/// folder with one video, or a video file. Throws InputError where it is none of these.
+/// `camera.yaml`, and `times.txt`), a folder of images, a folder with videos, which continue one another in natural
+/// order, or a video file. Throws InputError where it is none of these.
 DriveInput FindDrive(const std::filesystem::path& input);
+
+/// The same for several INPUTs, which have to be video files that continue one another.
+DriveInput FindDrive(const std::vector<std::filesystem::path>& inputs);
+
+/// The value of an option that is a time of a drive: HH:MM:SS, MM:SS or seconds, each with or without decimals. Throws
+/// InputError that names the option.
+double ParseDriveTime(const std::string& option, std::string_view text);
 
 }  // namespace turnscale

@@ -48,6 +48,8 @@ class FrameReader {
   virtual std::optional<DriveImage> Read() = 0;
   /// Once all is read: why the drive ends before it should; empty if it does not.
   virtual std::string EndsEarly() const { return {}; }
+  /// Time of the latest image that was read or passed over; 0 if only numbers tell.
+  virtual double LatestTime() const { return 0; }
 };
 
 std::unique_ptr<FrameReader> ReadImages(std::vector<std::filesystem::path> images);

@@ -52,33 +52,72 @@ int CheckedCount(const DriveInput& drive, int count, size_t times) {
 }  // namespace
 
 struct ImageSource::State {
-  State(const DriveInput& drive, const ImageSourceOptions& options) : path(drive.path.string()) {
+  State(const DriveInput& drive, const ImageSourceOptions& options)
+      : path(drive.path.string()), start(options.start), end(options.end) {
     CheckRate(options.fps);
-    const std::optional<std::filesystem::path> times_file = TimesFile(drive, options);
-    if (drive.videos.empty()) {
-      if (!times_file && !options.fps) RefuseWithoutTimes(drive);
-      reader = ReadImages(drive.images);
-      count = static_cast<int>(drive.images.size());
-    } else {
-      ClipOptions clip_options;
-      clip_options.timed = !times_file;
-      clip_options.fps = options.fps;
-      auto clips_reader = std::make_unique<ClipReader>(drive.videos, clip_options);
-      if (!times_file && !clips_reader->HasTimes()) RefuseWithoutTimes(drive);
-      count = clips_reader->count();
-      reader = std::move(clips_reader);
-    }
-    if (times_file) {
-      FrameTimes times = ReadFrameTimes(*times_file);
-      count = CheckedCount(drive, count, times.times.size());
-      CheckTimesMatch(times, *times_file, static_cast<size_t>(count), path);
-      clock.times = std::move(times.times);
-    }
+    if (end && *end <= start)
+      throw InputError(fmt::format("--end {:g} s: has to be after --start {:g} s", *end, start));
+    times_file = TimesFile(drive, options);
     clock.fps = options.fps.value_or(0);
+    if (drive.videos.empty()) {
+      UseImages(drive);
+    } else {
+      UseVideos(drive, options.fps);
+    }
     size = {options.width, options.height};
     size_from = options.camera_file;
-    for (const auto& video : drive.videos) clip_files.push_back(video.string());
     thread = std::jthread([this](std::stop_token stop) { Prefetch(stop); });
+  }
+
+  void UseImages(const DriveInput& drive) {
+    if (!times_file && clock.fps <= 0) RefuseWithoutTimes(drive);
+    count = static_cast<int>(drive.images.size());
+    if (times_file) ReadTimes(drive);
+    const auto [first, last] = FramesOfPart();
+    reader = ReadImages({drive.images.begin() + first, drive.images.begin() + last});
+    count = last - first;
+    offset = first;
+  }
+
+  void UseVideos(const DriveInput& drive, const std::optional<double>& fps) {
+    auto clip_reader = std::make_unique<ClipReader>(drive.videos, ClipOptions{!times_file, fps, start});
+    if (times_file) {
+      count = clip_reader->count();
+      ReadTimes(drive);
+      const auto [first, last] = FramesOfPart();
+      clip_reader->Skip(static_cast<size_t>(first));
+      count = last - first;
+      offset = first;
+    } else {
+      if (!clip_reader->HasTimes()) RefuseWithoutTimes(drive);
+      count = clip_reader->CountBetween(start, end);
+    }
+    reader = std::move(clip_reader);
+    for (const auto& video : drive.videos) clip_files.push_back(video.string());
+  }
+
+  void ReadTimes(const DriveInput& drive) {
+    FrameTimes times = ReadFrameTimes(*times_file);
+    count = CheckedCount(drive, count, times.times.size());
+    CheckTimesMatch(times, *times_file, static_cast<size_t>(count), path);
+    clock.times = std::move(times.times);
+  }
+
+  // Numbers of the first frame of the part and of the first one after it, where the times of all are known.
+  std::pair<int, int> FramesOfPart() const {
+    const auto since_start = [&](int index) { return clock.At(static_cast<size_t>(index)) - clock.At(0); };
+    int first = 0;
+    while (first < count && since_start(first) < start) ++first;
+    int last = first;
+    while (last < count && !(end && since_start(last) >= *end)) ++last;
+    if (count > 0 && first == last) RefusePart(since_start(count - 1));
+    return {first, last};
+  }
+
+  [[noreturn]] void RefusePart(double drive_end) const {
+    if (start > drive_end)
+      throw InputError(fmt::format("--start {:g} s: the drive ends at {:.1f} s", start, drive_end));
+    throw InputError(fmt::format("--start {:g} s, --end {:g} s: the drive has no frame between them", start, *end));
   }
 
   ~State() {
@@ -104,6 +143,12 @@ struct ImageSource::State {
       finished = !more;
       changed.notify_all();
     }
+  }
+
+  // A video of which not one frame can be decoded is no matter of the part.
+  void RefuseEmptyPart() const {
+    if (past_end) RefusePart(start);
+    if (ended && start > 0 && reader->LatestTime() > 0) RefusePart(reader->LatestTime());
   }
 
   std::optional<DriveImage> Take() {
@@ -142,13 +187,18 @@ struct ImageSource::State {
   }
 
   std::string path;
+  double start;
+  std::optional<double> end;
+  std::optional<std::filesystem::path> times_file;
   std::unique_ptr<FrameReader> reader;
   FrameClock clock;
   int count = 0;
+  int offset = 0;  // number in the drive of the first frame that is read
   cv::Size size;
   std::string size_from;
   int next = 0;
   int readable = 0;
+  bool past_end = false;
   bool ended = false;  // the reader is, and the thread no longer uses it
   std::vector<std::string> clip_files;
   std::vector<ClipPart> clips;
@@ -169,22 +219,27 @@ ImageSource::ImageSource(const DriveInput& drive, const ImageSourceOptions& opti
 ImageSource::~ImageSource() = default;
 
 std::optional<SourceFrame> ImageSource::Next() {
-  std::optional<DriveImage> image = state_->Take();
-  const auto index = static_cast<size_t>(state_->next);
-  if (!image || (!state_->clock.times.empty() && index == state_->clock.times.size())) {
-    if (state_->readable == 0) {
-      throw InputError(
-          fmt::format("{}: not one of {} frames could be read; check the files", state_->path, state_->next));
-    }
+  State& state = *state_;
+  if (state.past_end) return std::nullopt;
+  std::optional<DriveImage> image = state.Take();
+  const auto index = static_cast<size_t>(state.offset + state.next);
+  double time = 0;
+  if (image) {
+    state.past_end = image->time ? state.end && *image->time >= *state.end : state.next == state.count;
+    if (!state.past_end) time = image->time ? *image->time : state.clock.At(index);
+  }
+  if (!image || state.past_end) {
+    if (state.next == 0) state.RefuseEmptyPart();
+    if (state.readable == 0)
+      throw InputError(fmt::format("{}: not one of {} frames could be read; check the files", state.path, state.next));
     return std::nullopt;
   }
-  const double time = image->time ? *image->time : state_->clock.At(index);
   if (!image->image.gray.empty()) {
-    state_->CheckSize(image->image.gray, image->name);
-    ++state_->readable;
+    state.CheckSize(image->image.gray, image->name);
+    ++state.readable;
   }
-  state_->CountIn(*image, time);
-  return SourceFrame{state_->next++, time, std::move(image->image.gray), std::move(image->image.problem),
+  state.CountIn(*image, time);
+  return SourceFrame{state.next++, time, std::move(image->image.gray), std::move(image->image.problem),
                      std::move(image->notice)};
 }
 

@@ -15,7 +15,7 @@ namespace turnscale {
 
 /// One frame of a drive.
 struct SourceFrame {
-  int index = 0;        ///< from 0, without gaps, whatever the file names count
+  int index = 0;        ///< from 0 at the first one read, without gaps, whatever the file names count
   double time = 0;      ///< seconds
   cv::Mat gray;         ///< 8-bit gray; empty if the image is unusable
   std::string problem;  ///< why there is no image: "name: why"
@@ -36,6 +36,10 @@ struct ImageSourceOptions {
   std::optional<std::filesystem::path> timestamps = {};
   /// Frames per second. Goes before the drive's own times.txt or the video's own time stamps.
   std::optional<double> fps = {};
+  /// The part of the drive to read, seconds after its first frame: from `start`, and before `end`. Times stay those of
+  /// the whole drive.
+  double start = 0;
+  std::optional<double> end = {};
   int width = 0;                 ///< that every image must have, pixels; 0 takes the first image's
   int height = 0;                ///< that every image must have, pixels; 0 takes the first image's
   std::string camera_file = {};  ///< what asks for that size, for messages
@@ -52,10 +56,10 @@ class ImageSource {
   ImageSource& operator=(const ImageSource&) = delete;
 
   /// The next frame; nothing at the end. Throws InputError where an image has another size than the camera file or the
-  /// other images, and at the end where not one image could be read.
+  /// other images, and at the end where not one image could be read or the part of the drive has no frame.
   std::optional<SourceFrame> Next();
 
-  /// Frames of the drive; for a video without timestamps what its header says, 0 if it does not.
+  /// Frames of the drive, or of the part of it; for a video without timestamps what its header says, 0 if it does not.
   int count() const;
 
   /// At the end: why the drive ends before it should; empty if it does not.

@@ -214,8 +214,7 @@ TEST_F(ImageSourceTest, MissingAndEmptyInputs) {
   EXPECT_NE(Complaint().find("holds no images"), std::string::npos);
   Text("front.mp4", "");
   Text("rear.mp4", "");
-  EXPECT_NE(Complaint().find("holds 2 videos; give one, such as " + (folder_ / "front.mp4").string()),
-            std::string::npos);
+  EXPECT_NE(Complaint().find("front.mp4: cannot be opened as a video"), std::string::npos);
   Images(folder_ / "pictures", 0, 1);
   EXPECT_THROW(FindDrive(folder_ / "pictures" / "0.png"), InputError);
   EXPECT_THROW(ImageSource(FindDrive(Text("drive.mp4", "no video")), {}), InputError);
@@ -239,6 +238,106 @@ TEST_F(ImageSourceTest, VideoWithItsOwnRateOrTimestamps) {
             std::string::npos);
   EXPECT_NE(Complaint({.width = 640, .height = 48, .camera_file = "cam.yaml"}).find("frame 0: is 64x48"),
             std::string::npos);
+}
+
+TEST_F(ImageSourceTest, AFolderOfVideosIsOneDrive) {
+  for (const int clip : {9, 10, 11}) {
+    std::vector<cv::Mat> images;
+    for (int i = 0; i < 5; ++i) images.push_back(Image(10 * clip + i));
+    WriteTestVideo(folder_ / ("clip" + std::to_string(clip) + ".mkv"), images, {.codec = "ffv1"});
+  }
+  Text("calib.txt", "");
+  EXPECT_EQ(FindDrive(folder_).camera_file, folder_ / "calib.txt");
+  ImageSource source(FindDrive(folder_), {});
+  EXPECT_EQ(source.count(), 15);
+  for (int i = 0; i < 15; ++i) {
+    const auto frame = source.Next();
+    ASSERT_TRUE(frame.has_value());
+    EXPECT_NEAR(frame->gray.at<uint8_t>(8, 8), 90 + i % 5 + 10 * (i / 5), 1);
+    EXPECT_NEAR(frame->time, i / 25.0, 1e-9);
+  }
+  EXPECT_FALSE(source.Next().has_value());
+  ASSERT_EQ(source.clips().size(), 3u);
+  EXPECT_EQ(source.clips()[1].file, (folder_ / "clip10.mkv").string());
+  EXPECT_EQ(source.clips()[1].frames, 5);
+  EXPECT_NEAR(source.clips()[1].start, 0.2, 1e-9);
+  std::string times;
+  for (int i = 0; i < 15; ++i) times += std::to_string(100 + i) + "\n";
+  EXPECT_EQ(ReadAll({.timestamps = Text("t.txt", times)})[12].time, 112);
+
+  const DriveInput two = FindDrive(std::vector<fs::path>{folder_ / "clip11.mkv", folder_ / "clip9.mkv"});
+  EXPECT_EQ(two.videos.size(), 2u);
+  EXPECT_EQ(two.videos.front(), folder_ / "clip11.mkv") << "the order given";
+  const auto complaint = [](const std::vector<fs::path>& inputs) {
+    try {
+      FindDrive(inputs);
+    } catch (const InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  EXPECT_NE(complaint({folder_ / "clip9.mkv", folder_ / "." / "clip9.mkv"}).find("clip9.mkv: is given twice"),
+            std::string::npos);
+  EXPECT_NE(complaint({folder_, folder_ / "clip9.mkv"}).find("is a folder; give one folder, or several videos"),
+            std::string::npos);
+  EXPECT_NE(complaint({folder_ / "clip9.mkv", folder_ / "clip12.mkv"}).find("clip12.mkv: no such file"),
+            std::string::npos);
+}
+
+TEST_F(ImageSourceTest, APartOfTheDriveKeepsItsTimes) {
+  Images(folder_, 0, 20);
+  std::string times;
+  for (int i = 0; i < 20; ++i) times += std::to_string(1000 + i) + "\n";
+  const fs::path file = Text("t.txt", times);
+  const auto check = [](const std::vector<SourceFrame>& frames, double unit, double first_time) {
+    ASSERT_EQ(frames.size(), 5u);
+    for (int i = 0; i < 5; ++i) {
+      EXPECT_EQ(frames[i].index, i);
+      EXPECT_NEAR(frames[i].time, first_time + unit * (5 + i), 1e-9);
+      EXPECT_NEAR(frames[i].gray.at<uint8_t>(0, 0), 5 + i, 1);
+    }
+  };
+  check(ReadAll({.fps = 10, .start = 0.5, .end = 1.0}), 0.1, 0);
+  check(ReadAll({.timestamps = file, .start = 5, .end = 10}), 1, 1000);
+  EXPECT_EQ(ReadAll({.fps = 10, .end = 100}).size(), 20u);
+  EXPECT_NE(Complaint({.fps = 10, .start = 3}).find("--start 3 s: the drive ends at 1.9 s"), std::string::npos);
+  EXPECT_NE(Complaint({.fps = 10, .start = 0.51, .end = 0.52}).find("has no frame between them"), std::string::npos);
+  EXPECT_NE(Complaint({.fps = 10, .start = 2, .end = 2}).find("--end 2 s: has to be after --start 2 s"),
+            std::string::npos);
+
+  std::vector<cv::Mat> images;
+  for (int i = 0; i < 20; ++i) {
+    images.push_back(Image(i));
+    fs::remove(folder_ / (std::to_string(i) + ".png"));
+  }
+  WriteTestVideo(folder_ / "v.mkv", images, {.codec = "ffv1", .ticks_per_second = 10});
+  check(ReadAll({.start = 0.5, .end = 1.0}), 0.1, 0);
+  check(ReadAll({.fps = 10, .start = 0.5, .end = 1.0}), 0.1, 0);
+  check(ReadAll({.timestamps = file, .start = 5, .end = 10}), 1, 1000);
+  for (const ImageSourceOptions& options : {ImageSourceOptions{}, {.timestamps = file}, {.fps = 100}}) {
+    ImageSource source(FindDrive(folder_), options);
+    while (source.Next()) EXPECT_EQ(source.EndsEarly(), "");
+    EXPECT_EQ(source.EndsEarly(), "");
+  }
+  EXPECT_NE(Complaint({.start = 3}).find("--start 3 s: the drive ends at 1.9 s"), std::string::npos);
+  EXPECT_NE(Complaint({.start = 0.51, .end = 0.52}).find("has no frame between them"), std::string::npos);
+}
+
+TEST(DriveTime, HoursMinutesAndSeconds) {
+  EXPECT_EQ(ParseDriveTime("--start", "0"), 0);
+  EXPECT_EQ(ParseDriveTime("--start", "750.25"), 750.25);
+  EXPECT_EQ(ParseDriveTime("--start", "12:30"), 750);
+  EXPECT_EQ(ParseDriveTime("--start", "90:00"), 5400);
+  EXPECT_DOUBLE_EQ(ParseDriveTime("--start", "01:02:03.5"), 3723.5);
+  for (const char* text :
+       {"", "x", "-1", "1:", ":1", "1:60", "1:60:00", "1:2:3:4", "1.5:00", "nan", "inf", "1e3", "1 2"}) {
+    try {
+      ParseDriveTime("--end", text);
+      ADD_FAILURE() << text;
+    } catch (const InputError& error) {
+      EXPECT_TRUE(std::string(error.what()).starts_with("--end " + std::string(text) + ": is not a time")) << text;
+    }
+  }
 }
 
 TEST_F(ImageSourceTest, StopsCleanlyWhenLeftHalfWay) {

@@ -113,6 +113,7 @@ class Run {
   void Summarize() {
     RunSummary& summary = end_.summary;
     const OdometryOptions& options = odometry_.options();
+    summary.clips = drive_.clips();
     summary.scale_state = results_.scale_state;
     if (options.lens.enabled) summary.lens = {odometry_.lens().correction(), odometry_.lens().sigma()};
     if (options.vehicle.calibrate_camera) {

@@ -29,6 +29,18 @@ nlohmann::ordered_json CostJson(const RunSummary& summary) {
           {"peak_memory_mb", cost.peak_memory_mb}};
 }
 
+nlohmann::ordered_json ClipsJson(const std::vector<ClipPart>& clips) {
+  auto json = nlohmann::ordered_json::array();
+  for (const ClipPart& clip : clips) {
+    json.push_back({{"file", clip.file},
+                    {"start_s", clip.start},
+                    {"end_s", clip.end},
+                    {"frames", clip.frames},
+                    {"gap_before_s", clip.gap_before}});
+  }
+  return json;
+}
+
 nlohmann::ordered_json MountJson(const std::optional<MountSummary>& mount) {
   if (!mount) return {{"source", "given"}};
   if (!mount->found) return {{"source", mount->moves > 0 ? "before the move" : "assumed"}, {"moves", mount->moves}};
@@ -37,6 +49,12 @@ nlohmann::ordered_json MountJson(const std::optional<MountSummary>& mount) {
            {mount->sigma.yaw * kDegreesPerRadian, mount->sigma.pitch * kDegreesPerRadian,
             mount->sigma.roll * kDegreesPerRadian}},
           {"moves", mount->moves}};
+}
+
+// One line, empty unless there are several.
+std::string ClipsText(const std::vector<ClipPart>& clips) {
+  if (clips.size() < 2) return {};
+  return fmt::format("clips   {}, from {} to {}\n", clips.size(), clips.front().file, clips.back().file);
 }
 
 // One line, empty where the rotation was given.
@@ -176,6 +194,7 @@ std::string SummaryJson(const RunSummary& summary) {
   const Json json = {
       {"version", summary.version},
       {"input", summary.input},
+      {"clips", ClipsJson(summary.clips)},
       {"camera", summary.camera},
       {"pose_frame", summary.pose_frame},
       {"lever_arm_m", summary.vehicle.lever_arm ? Json(*summary.vehicle.lever_arm) : Json(nullptr)},
@@ -228,6 +247,7 @@ std::string SummaryText(const RunSummary& summary) {
   }
   const RunCost& cost = summary.cost;
   return fmt::format(
+      "{}"
       "path    {:.2f} {} in {} frames, {} keyframes\n"
       "scale   {}\n"
       "{}"
@@ -236,8 +256,8 @@ std::string SummaryText(const RunSummary& summary) {
       "frames  {} bridged, {} unreadable, {} repeated; {} before initialisation\n"
       "speed   {:.1f} frames/s, {:.1f} ms of CPU time per frame, {:.0f} MB\n"
       "files   {}\n",
-      summary.distance, IsMetric(summary) ? "m" : "units", summary.frames, summary.keyframes, scale,
-      MountText(summary.mount), CarText(summary.car), summary.turns_found, summary.turns_used, summary.bridged,
+      ClipsText(summary.clips), summary.distance, IsMetric(summary) ? "m" : "units", summary.frames, summary.keyframes,
+      scale, MountText(summary.mount), CarText(summary.car), summary.turns_found, summary.turns_used, summary.bridged,
       summary.unreadable.size(), summary.repeated, summary.initializing,
       summary.frames / std::max(cost.wall_seconds, 1e-9), 1e3 * cost.cpu_seconds / std::max(summary.frames, 1),
       cost.peak_memory_mb, summary.folder);

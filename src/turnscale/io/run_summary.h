@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "turnscale/geometry/rotation.h"
+#include "turnscale/io/image_source.h"
 #include "turnscale/odometry/drive_scale.h"
 #include "turnscale/odometry/options.h"
 #include "turnscale/odometry/results.h"
@@ -49,6 +50,7 @@ struct RunSummary {
   std::string camera;
   std::string pose_frame;  ///< "camera" or "vehicle"
   std::string folder;
+  std::vector<ClipPart> clips;  ///< the videos that were read; empty for images
   VehicleOptions vehicle;
   int frames = 0;
   int tracked = 0;

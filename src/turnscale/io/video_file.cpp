@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "turnscale/io/video_file.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdlib>
@@ -137,16 +138,52 @@ struct VideoFile::State {
     header.created = CreationTime(*input, *stream);
   }
 
-  // Passes the next packet of the stream to the decoder, at the end the sign that there is none.
-  void Feed() {
+  // The next packet of the stream is in `packet`; false at the end.
+  bool ReadPacket() {
+    av_packet_unref(packet.get());
     while (av_read_frame(input.get(), packet.get()) >= 0) {
-      const bool wanted = packet->stream_index == stream->index;
-      // A damaged packet yields no frame.
-      if (wanted) avcodec_send_packet(decoder.get(), packet.get());
+      if (packet->stream_index == stream->index) return true;
       av_packet_unref(packet.get());
-      if (wanted) return;
+    }
+    return false;
+  }
+
+  double InSeconds(int64_t stamp) const {
+    // One rounding, so that a constant rate gives the same numbers as index / rate.
+    return static_cast<double>(stamp) * stream->time_base.num / stream->time_base.den;
+  }
+
+  // Passes the next packet to the decoder, at the end the sign that there is none.
+  void Feed() {
+    while (ReadPacket()) {
+      if (start && (packet->pts == AV_NOPTS_VALUE || InSeconds(packet->pts) != *start)) continue;
+      start.reset();
+      // A damaged packet yields no frame.
+      avcodec_send_packet(decoder.get(), packet.get());
+      return;
     }
     avcodec_send_packet(decoder.get(), nullptr);
+  }
+
+  std::vector<FrameStamp> ReadStamps() {
+    std::vector<FrameStamp> stamps;
+    int64_t latest = AV_NOPTS_VALUE;
+    while (ReadPacket()) {
+      // Stamps that start anew within the file are not in order.
+      if (packet->dts != AV_NOPTS_VALUE && latest != AV_NOPTS_VALUE && packet->dts <= latest) return {};
+      latest = packet->dts;
+      if ((packet->flags & AV_PKT_FLAG_DISCARD) != 0) continue;
+      const bool key = (packet->flags & AV_PKT_FLAG_KEY) != 0;
+      // A file that does not begin with a key frame has frames that are not decoded.
+      if (packet->pts == AV_NOPTS_VALUE || (stamps.empty() && !key)) return {};
+      stamps.push_back({InSeconds(packet->pts), key});
+      if (stamps.back().seconds < stamps.front().seconds) return {};
+    }
+    const auto by_time = [](const FrameStamp& a, const FrameStamp& b) { return a.seconds < b.seconds; };
+    std::sort(stamps.begin(), stamps.end(), by_time);
+    const auto repeats = [](const FrameStamp& a, const FrameStamp& b) { return a.seconds == b.seconds; };
+    if (std::adjacent_find(stamps.begin(), stamps.end(), repeats) != stamps.end()) return {};
+    return stamps;
   }
 
   bool Advance() {
@@ -154,7 +191,12 @@ struct VideoFile::State {
       const int result = avcodec_receive_frame(decoder.get(), frame.get());
       if (result == AVERROR(ENOMEM)) throw std::bad_alloc();
       if (result == AVERROR_EOF) return false;
-      if (result == 0) break;
+      // Frames that are decoded after the first key frame, but shown before it, refer to earlier ones.
+      if (result == 0 &&
+          (frame->best_effort_timestamp == AV_NOPTS_VALUE || InSeconds(frame->best_effort_timestamp) >= first_stamp)) {
+        break;
+      }
+      if (result == 0) continue;
       Feed();
     }
     if (frame->interlaced_frame != 0) RefuseInterlaced(path);
@@ -226,6 +268,8 @@ struct VideoFile::State {
   AVStream* stream = nullptr;
   Orientation orientation;
   VideoHeader header;
+  std::optional<double> start;  // stamp of the packet to begin at
+  double first_stamp = -std::numeric_limits<double>::infinity();
 };
 
 VideoFile::VideoFile(const std::filesystem::path& path) : state_(std::make_unique<State>(path)) {}
@@ -234,17 +278,22 @@ VideoFile::~VideoFile() = default;
 
 const VideoHeader& VideoFile::header() const { return state_->header; }
 
+void VideoFile::StartAt(double stamp) {
+  state_->start = stamp;
+  state_->first_stamp = stamp;
+}
+
 bool VideoFile::Advance() { return state_->Advance(); }
 
 std::optional<double> VideoFile::Stamp() const {
   const int64_t stamp = state_->frame->best_effort_timestamp;
   if (stamp == AV_NOPTS_VALUE) return std::nullopt;
-  const AVRational& base = state_->stream->time_base;
-  // One rounding, so that a constant rate gives the same numbers as index / rate.
-  return static_cast<double>(stamp) * base.num / base.den;
+  return state_->InSeconds(stamp);
 }
 
 cv::Mat VideoFile::Gray() { return state_->Gray(); }
+
+std::vector<FrameStamp> VideoFile::ReadStamps(const std::filesystem::path& path) { return State(path).ReadStamps(); }
 
 int CountVideoFrames(const std::filesystem::path& path) {
   VideoFile video(path);

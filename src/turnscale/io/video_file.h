@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include <opencv2/core/mat.hpp>
 
@@ -21,6 +22,12 @@ struct VideoHeader {
   std::optional<double> created;  ///< when it was recorded, seconds since 1970
 };
 
+/// When a frame of a video is shown.
+struct FrameStamp {
+  double seconds = 0;
+  bool key = false;  ///< it and all frames shown after it can be decoded without earlier ones
+};
+
 /// A video file, decoded frame by frame.
 class VideoFile {
  public:
@@ -30,8 +37,14 @@ class VideoFile {
   VideoFile(const VideoFile&) = delete;
   VideoFile& operator=(const VideoFile&) = delete;
 
+  /// The stamps of all frames in the order in which they are shown, read without decoding; empty if only decoding
+  /// tells.
+  static std::vector<FrameStamp> ReadStamps(const std::filesystem::path& path);
+
   const VideoHeader& header() const;
 
+  /// Begins at the key frame with that stamp (ReadStamps), before the first frame is decoded.
+  void StartAt(double stamp);
   /// Decodes the next frame; false at the end. Damaged parts of the file are passed over. Throws InputError if the
   /// frame is interlaced.
   bool Advance();
