@@ -56,9 +56,9 @@ class ErrorsTest : public ::testing::Test {
   CommandResult Run(const std::vector<std::string>& more = {}) const { return RunCommand(Arguments(more), folder_); }
 
   // The drive's images as a video; gives the size of the file.
-  uintmax_t Video(const fs::path& path) const {
+  uintmax_t Video(const fs::path& path, int first = 0, int last = kRoomFrames) const {
     std::vector<cv::Mat> images;
-    for (int i = 0; i < kRoomFrames; ++i) images.push_back(cv::imread(Image(i).string(), cv::IMREAD_GRAYSCALE));
+    for (int i = first; i < last; ++i) images.push_back(cv::imread(Image(i).string(), cv::IMREAD_GRAYSCALE));
     WriteTestVideo(path, images, {.codec = "mjpeg", .ticks_per_second = 10});
     return fs::file_size(path);
   }
@@ -143,6 +143,79 @@ TEST_F(ErrorsTest, AVideoThatEndsFarTooEarlyIsIncomplete) {
   EXPECT_EQ(nearly_whole.err, "");
   EXPECT_LT(Summary()["frames"]["total"], kRoomFrames);
   EXPECT_TRUE(Summary()["complete"].get<bool>());
+}
+
+TEST_F(ErrorsTest, ClipsAreOneDrive) {
+  const fs::path clips = folder_ / "DCIM";
+  fs::create_directories(clips);
+  Video(clips / "20230501_120000.avi", 0, 12);
+  Video(clips / "20230501_120001.avi", 12, kRoomFrames);
+  fs::copy(Drive() / "calib.txt", clips);
+  const auto run = [&](std::vector<std::string> inputs, const std::vector<std::string>& more = {}) {
+    inputs.insert(inputs.begin(), "run");
+    inputs.insert(inputs.end(), {"--out", Out().string(), "--quiet"});
+    inputs.insert(inputs.end(), more.begin(), more.end());
+    return RunCommand(inputs, folder_);
+  };
+  const CommandResult folder = run({clips.string()});
+  EXPECT_EQ(folder.exit_code, 0);
+  EXPECT_EQ(folder.err, "");
+  EXPECT_EQ(Summary()["frames"]["total"], kRoomFrames);
+  EXPECT_EQ(Summary()["frames"]["tracked"], kRoomFrames);
+  ASSERT_EQ(Summary()["clips"].size(), 2u);
+  EXPECT_EQ(Summary()["clips"][1]["frames"], kRoomFrames - 12);
+  EXPECT_NEAR(Summary()["clips"][1]["start_s"].get<double>(), 1.2, 1e-9);
+  EXPECT_EQ(Summary()["missing"]["seconds"], 0);
+  const std::string trajectory = TextOf(Out() / "trajectory.tum");
+
+  const std::string first = (clips / "20230501_120000.avi").string();
+  const std::string second = (clips / "20230501_120001.avi").string();
+  const std::vector<std::string> camera = {"--camera", (clips / "calib.txt").string()};
+  EXPECT_EQ(run({first, second}, camera).exit_code, 0);
+  EXPECT_EQ(TextOf(Out() / "trajectory.tum"), trajectory);
+
+  const fs::path later = clips / "20230501_120006.avi";
+  fs::rename(second, later);
+  const CommandResult gap = run({clips.string()});
+  EXPECT_EQ(gap.exit_code, 0);
+  const std::string warning =
+      "gap of 4.8 s between 20230501_120000.avi and 20230501_120006.avi (at 1.2 s of the drive)";
+  EXPECT_EQ(gap.err, "warning: " + warning + "\n");
+  EXPECT_EQ(Summary()["warnings"][0], warning);
+  EXPECT_NEAR(Summary()["clips"][1]["start_s"].get<double>(), 6, 1e-9);
+  EXPECT_GT(Summary()["missing"]["seconds"], 4.5);
+
+  const fs::path rear = clips / "20230501_115951.avi";
+  Video(rear, 0, 5);
+  ExpectComplaint(run({later.string(), rear.string()}, camera), 2,
+                  {"20230501_115951.avi: begins", "in the order of time"});
+  ExpectComplaint(run({first, first}, camera), 2, {"is given twice"});
+}
+
+TEST_F(ErrorsTest, APartOfTheDrive) {
+  EXPECT_EQ(Run({"--start", "0:00.5", "--end", "1.5", "--quiet"}).exit_code, 0);
+  EXPECT_EQ(Summary()["frames"]["total"], 10);
+  EXPECT_EQ(Summary()["part"]["start"], "0:00.5");
+  EXPECT_TRUE(Summary()["complete"].get<bool>());
+  EXPECT_EQ(ReadTrajectory(Out() / "trajectory.tum").front().time, 0.5);
+  ExpectComplaint(Run({"--start", "1:2:3:4"}), 2, {"--start 1:2:3:4: is not a time; give HH:MM:SS"});
+  ExpectComplaint(Run({"--end", "soon"}), 2, {"--end soon: is not a time"});
+  ExpectComplaint(Run({"--start", "10"}), 2, {"--start 10 s: the drive ends at 1.9 s"});
+  ExpectComplaint(Run({"--start", "1", "--end", "0.5"}), 2, {"--end 0.5 s: has to be after --start 1 s"});
+}
+
+TEST_F(ErrorsTest, ADriveOfWhichNothingCanBeTracked) {
+  ASSERT_EQ(Run({"--quiet"}).exit_code, 0);
+  for (int i = 0; i < kRoomFrames; ++i)
+    cv::imwrite(Image(i).string(), cv::Mat(kRoomHeight, kRoomWidth, CV_8UC1, cv::Scalar(5)));
+  ExpectComplaint(Run({"--quiet"}), 2,
+                  {Drive().string() + ": nothing could be tracked in 20 images (1.9 s): the images are dark; check"});
+  for (const char* name : {"trajectory.tum", "trajectory.kitti.txt", "live.tum", "live.tum.part", "trajectory.csv",
+                           "turns.csv", "map.ply"}) {
+    EXPECT_FALSE(fs::exists(Out() / name)) << name;
+  }
+  EXPECT_FALSE(Summary()["complete"].get<bool>());
+  EXPECT_EQ(Summary()["missing"]["longest"][0]["reason"], "before the path begins");
 }
 
 TEST_F(ErrorsTest, MaxFramesStopsEarlyAndSaysSo) {

@@ -70,12 +70,15 @@ RunSummary BeforeTheDrive(const RunArguments& arguments, const OdometryOptions& 
   summary.camera = images.camera_file.string();
   summary.pose_frame = arguments.frame;
   summary.folder = arguments.out.string();
+  summary.start = arguments.images.start;
+  summary.end = arguments.images.end;
   summary.vehicle = options.vehicle;
   return summary;
 }
 
 // Says what went wrong; returns the exit code.
 int ReportEnd(const RunEnd& end) {
+  if (!end.nothing_tracked.empty()) return Report({2, end.summary.input + ": " + end.nothing_tracked});
   const std::string kept = "; the results so far are in " + end.summary.folder;
   if (end.failures.empty() && end.interrupted) return Report({kInterruptedExitCode, end.summary.stopped + kept});
   if (end.failures.empty()) return 0;
@@ -115,7 +118,8 @@ int RunImages(const RunArguments& arguments) {
                             {arguments.out, shown, options.vehicle},
                             BeforeTheDrive(arguments, options, images)};
   const RunEnd end = RunDrive(drive, odometry, progress);
-  if (end.failures.empty() && !arguments.images.quiet) PrintText(SummaryText(end.summary));
+  if (end.failures.empty() && end.nothing_tracked.empty() && !arguments.images.quiet)
+    PrintText(SummaryText(end.summary));
   return ReportEnd(end);
 }
 

@@ -29,7 +29,8 @@ bool IsImageName(const fs::path& path) {
 }
 
 bool IsVideoName(const fs::path& path) {
-  return HasExtension(path, {".mp4", ".mkv", ".avi", ".mov", ".webm", ".m4v", ".mpg", ".mpeg", ".ts", ".wmv"});
+  return HasExtension(
+      path, {".mp4", ".mkv", ".avi", ".mov", ".webm", ".m4v", ".mpg", ".mpeg", ".ts", ".mts", ".m2ts", ".3gp", ".wmv"});
 }
 
 template <class Predicate>

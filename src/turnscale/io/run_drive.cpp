@@ -9,6 +9,7 @@
 
 #include "turnscale/base/error.h"
 #include "turnscale/geometry/rotation.h"
+#include "turnscale/io/seen_images.h"
 #include "turnscale/io/settings.h"
 #include "turnscale/io/terminal.h"
 
@@ -39,6 +40,10 @@ class Run {
     progress_.Finish();
     attempts_.Try([&] { writer_.EndLive(); });
     Conclude();
+    if (!tracks_ && end_.summary.stopped.empty() && attempts_.failures().empty()) {
+      end_.nothing_tracked = seen_.Explanation();
+      end_.summary.stopped = end_.nothing_tracked;
+    }
     attempts_.Try([&] { Summarize(); });
     end_.failures = attempts_.failures();
     return end_;
@@ -80,6 +85,8 @@ class Run {
       result = odometry_.Process(frame.gray, frame.time);
     }
     ++processed_;
+    tracks_ = tracks_ || result.world_from_camera;
+    if (!tracks_ && !frame.gray.empty()) seen_.Add(frame.gray, frame.time, result.tracked);
     writer_.SetFirstCameraRotation(odometry_.mount().At(0));
     writer_.Add(result);
     if (const int moves = odometry_.mount().moves(); moves > moves_) {
@@ -103,6 +110,11 @@ class Run {
   void Keep(Durability durability) {
     RunResults results;
     if (!attempts_.Try([&] { results = ResultsOf(odometry_); })) return;
+    if (!tracks_) {
+      attempts_.Try([&] { writer_.Discard(); });
+      results_ = std::move(results);
+      return;
+    }
     writer_.SetFirstCameraRotation(odometry_.mount().At(0));
     attempts_.Try([&] { writer_.WriteTrajectory(results.frames, results.scale_state, durability); });
     attempts_.Try([&] { writer_.WriteTurns(results.scale.turns, durability); });
@@ -139,8 +151,10 @@ class Run {
   Attempts attempts_;
   RunEnd end_;
   int processed_ = 0;
-  size_t said_ = 0;  // warnings that have been printed
-  int moves_ = 0;    // of the camera on the car, reported so far
+  bool tracks_ = false;  // there is a map, or was
+  SeenImages seen_;      // before there is one
+  size_t said_ = 0;      // warnings that have been printed
+  int moves_ = 0;        // of the camera on the car, reported so far
 };
 
 }  // namespace

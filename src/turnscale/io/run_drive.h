@@ -4,6 +4,7 @@
 #include <exception>
 #include <functional>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "turnscale/io/image_source.h"
@@ -31,6 +32,8 @@ struct DriveToRun {
 struct RunEnd {
   RunSummary summary;
   bool interrupted = false;
+  /// Why nothing could be tracked from the first frame of the drive to the last, and what to try; empty if a map began.
+  std::string nothing_tracked;
   /// What ended the run before the drive did or kept a result from being computed or written, in the order of time;
   /// empty where all went well.
   std::vector<std::exception_ptr> failures;

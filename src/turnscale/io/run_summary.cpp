@@ -15,6 +15,8 @@
 namespace turnscale {
 namespace {
 
+constexpr size_t kShownParts = 5;  // of the missing path
+
 double Seconds(const timeval& time) {
   return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
 }
@@ -39,6 +41,31 @@ nlohmann::ordered_json ClipsJson(const std::vector<ClipPart>& clips) {
                     {"gap_before_s", clip.gap_before}});
   }
   return json;
+}
+
+nlohmann::ordered_json MissingJson(const RunSummary& summary) {
+  auto parts = nlohmann::ordered_json::array();
+  for (const MissingPart& part : LongestParts(summary.missing, kShownParts)) {
+    parts.push_back({{"reason", MissingReasonName(part.reason)},
+                     {"from_s", part.from},
+                     {"to_s", part.to},
+                     {"frames", part.frames}});
+  }
+  return {{"seconds", TotalSeconds(summary.missing)},
+          {"of_s", summary.seconds},
+          {"parts", summary.missing.size()},
+          {"longest", parts}};
+}
+
+// Empty where the whole path is measured.
+std::string MissingText(const RunSummary& summary) {
+  if (summary.missing.empty()) return {};
+  std::string text = fmt::format("missing {:.1f} s of {:.1f} s", TotalSeconds(summary.missing), summary.seconds);
+  const std::vector<MissingPart> longest = LongestParts(summary.missing, kShownParts);
+  for (size_t i = 0; i < longest.size(); ++i) text += (i == 0 ? ": " : "; ") + MissingPartText(longest[i]);
+  if (const size_t more = summary.missing.size() - longest.size(); more > 0)
+    text += fmt::format("; and {} shorter part{}", more, more == 1 ? "" : "s");
+  return text + "\n";
 }
 
 nlohmann::ordered_json MountJson(const std::optional<MountSummary>& mount) {
@@ -168,6 +195,8 @@ void Summarize(const std::vector<FrameResult>& refined, const RefinedScale& scal
     summary.worst_sigma = frame.scale_sigma;
     summary.worst_sigma_time = frame.time;
   }
+  if (!refined.empty()) summary.seconds = refined.back().time - refined.front().time;
+  summary.missing = FindMissingParts(refined);
   summary.path_sigma = scale.estimate ? scale.estimate->length_sigma : INFINITY;
   if (scale.estimate) {
     summary.car = scale.estimate->car;
@@ -194,6 +223,9 @@ std::string SummaryJson(const RunSummary& summary) {
   const Json json = {
       {"version", summary.version},
       {"input", summary.input},
+      {"part",
+       {{"start", summary.start.empty() ? Json(nullptr) : Json(summary.start)},
+        {"end", summary.end.empty() ? Json(nullptr) : Json(summary.end)}}},
       {"clips", ClipsJson(summary.clips)},
       {"camera", summary.camera},
       {"pose_frame", summary.pose_frame},
@@ -215,6 +247,7 @@ std::string SummaryJson(const RunSummary& summary) {
         {"unreadable", summary.unreadable.size()},
         {"keyframes", summary.keyframes}}},
       {"unreadable", unreadable},
+      {"missing", MissingJson(summary)},
       {"distance_m", IsMetric(summary) ? Json(summary.distance) : Json(nullptr)},
       {"distance_units", IsMetric(summary) ? Json(nullptr) : Json(summary.distance)},
       {"path_sigma", or_null(summary.path_sigma)},
@@ -254,11 +287,12 @@ std::string SummaryText(const RunSummary& summary) {
       "{}"
       "turns   {} found, {} used\n"
       "frames  {} bridged, {} unreadable, {} repeated; {} before initialisation\n"
+      "{}"
       "speed   {:.1f} frames/s, {:.1f} ms of CPU time per frame, {:.0f} MB\n"
       "files   {}\n",
       ClipsText(summary.clips), summary.distance, IsMetric(summary) ? "m" : "units", summary.frames, summary.keyframes,
       scale, MountText(summary.mount), CarText(summary.car), summary.turns_found, summary.turns_used, summary.bridged,
-      summary.unreadable.size(), summary.repeated, summary.initializing,
+      summary.unreadable.size(), summary.repeated, summary.initializing, MissingText(summary),
       summary.frames / std::max(cost.wall_seconds, 1e-9), 1e3 * cost.cpu_seconds / std::max(summary.frames, 1),
       cost.peak_memory_mb, summary.folder);
 }

@@ -7,6 +7,7 @@
 
 #include "turnscale/geometry/rotation.h"
 #include "turnscale/io/image_source.h"
+#include "turnscale/io/missing_path.h"
 #include "turnscale/odometry/drive_scale.h"
 #include "turnscale/odometry/options.h"
 #include "turnscale/odometry/results.h"
@@ -50,6 +51,8 @@ struct RunSummary {
   std::string camera;
   std::string pose_frame;  ///< "camera" or "vehicle"
   std::string folder;
+  std::string start;            ///< of the part that is processed, as the user gave it; empty: the drive's
+  std::string end;              ///< of the part; empty: the drive's
   std::vector<ClipPart> clips;  ///< the videos that were read; empty for images
   VehicleOptions vehicle;
   int frames = 0;
@@ -59,7 +62,9 @@ struct RunSummary {
   int initializing = 0;
   int keyframes = 0;
   std::vector<UnreadableFrame> unreadable;
-  double distance = 0;  ///< metres where the scale is known, else in the arbitrary unit
+  double seconds = 0;                ///< from the first frame to the last
+  std::vector<MissingPart> missing;  ///< where the path is not measured
+  double distance = 0;               ///< metres where the scale is known, else in the arbitrary unit
   ScaleState scale_state = ScaleState::kPending;
   double path_sigma = 0;              ///< relative, of the path length in metres
   double worst_sigma = 0;             ///< relative, the largest of the scale along the path
@@ -71,7 +76,7 @@ struct RunSummary {
   int turns_used = 0;
   TurnTest turn_test;                 ///< consistency of the turns
   std::string pending_reason;         ///< why there is no scale; empty where there is
-  std::vector<std::string> warnings;  ///< about the metric scale, one line each
+  std::vector<std::string> warnings;  ///< about gaps and the metric scale, one line each
   std::string stopped;                ///< why the run ended before the drive did; empty if it did not
   RunCost cost;
 };

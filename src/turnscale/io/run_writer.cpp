@@ -147,6 +147,10 @@ void RunWriter::Add(const FrameResult& live) {
 
 void RunWriter::EndLive() { live_->Finish(); }
 
+void RunWriter::Discard() {
+  for (const char* name : {kTurns, kMap, kTum, kKitti, kTable, kLive}) RemoveOldFile(PathOf(name));
+}
+
 void RunWriter::WriteTrajectory(const std::vector<FrameResult>& refined, ScaleState scale_state,
                                 Durability durability) {
   std::string tum;

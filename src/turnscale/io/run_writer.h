@@ -58,6 +58,9 @@ class RunWriter {
   void WriteTrajectory(const std::vector<FrameResult>& refined, ScaleState scale_state,
                        Durability durability = Durability::kPowerCut);
 
+  /// Takes away what was written of the trajectory, turns and map: there is no path.
+  void Discard();
+
   /// No frame comes any more: live.tum gets its name.
   void EndLive();
 

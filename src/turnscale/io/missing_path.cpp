@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/io/missing_path.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+namespace turnscale {
+namespace {
+
+constexpr double kLeastPause = 1.5;  // s between frames, above which nothing is recorded
+
+bool IsMeasured(const FrameResult& frame) { return frame.state == TrackingState::kTracked; }
+
+}  // namespace
+
+std::vector<MissingPart> FindMissingParts(const std::vector<FrameResult>& frames) {
+  std::vector<MissingPart> parts;
+  bool open = false;
+  for (size_t i = 0; i < frames.size(); ++i) {
+    const FrameResult& frame = frames[i];
+    const bool after_pause = i > 0 && frame.time - frames[i - 1].time > kLeastPause;
+    if (after_pause && !open) {
+      parts.push_back({MissingReason::kNotRecorded, frames[i - 1].time, frame.time, 0});
+      open = true;
+    }
+    if (open) parts.back().to = frame.time;
+    // A duplicate shows what its neighbours measure.
+    const bool lost = !IsMeasured(frame) && (open || frame.state != TrackingState::kRepeated);
+    if (lost && !open) parts.push_back({MissingReason::kLost, frame.time, frame.time, 0});
+    open = lost;
+    if (!lost) continue;
+    MissingPart& part = parts.back();
+    ++part.frames;
+    part.reason = frame.world_from_camera ? MissingReason::kLost : MissingReason::kNotBegun;
+  }
+  return parts;
+}
+
+std::vector<MissingPart> LongestParts(const std::vector<MissingPart>& parts, size_t most) {
+  std::vector<MissingPart> longest = parts;
+  const auto by_length = [](const MissingPart& a, const MissingPart& b) { return a.to - a.from > b.to - b.from; };
+  std::stable_sort(longest.begin(), longest.end(), by_length);
+  longest.resize(std::min(most, longest.size()));
+  std::sort(longest.begin(), longest.end(), [](const auto& a, const auto& b) { return a.from < b.from; });
+  return longest;
+}
+
+double TotalSeconds(const std::vector<MissingPart>& parts) {
+  double seconds = 0;
+  for (const MissingPart& part : parts) seconds += part.to - part.from;
+  return seconds;
+}
+
+const char* MissingReasonName(MissingReason reason) {
+  switch (reason) {
+    case MissingReason::kNotBegun:
+      return "before the path begins";
+    case MissingReason::kNotRecorded:
+      return "not recorded";
+    default:
+      return "tracking lost";
+  }
+}
+
+std::string MissingPartText(const MissingPart& part) {
+  std::string text = fmt::format("{} from {:.1f} s to {:.1f} s", MissingReasonName(part.reason), part.from, part.to);
+  if (part.frames > 0) text += fmt::format(" ({} frame{})", part.frames, part.frames == 1 ? "" : "s");
+  return text;
+}
+
+}  // namespace turnscale

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "turnscale/odometry/results.h"
+
+namespace turnscale {
+
+/// Why a part of the path is not measured.
+enum class MissingReason {
+  kNotBegun,     ///< before the map begins: without pose
+  kLost,         ///< tracking failed, or images are unreadable: the pose is predicted
+  kNotRecorded,  ///< there are no images
+};
+
+/// A part of the drive in which the path is not measured.
+struct MissingPart {
+  MissingReason reason = MissingReason::kLost;
+  double from = 0;  ///< time of the first frame without a measured pose, seconds; where there are no images, of the
+                    ///< last frame before
+  double to = 0;    ///< time of the next frame with a measured pose; at the end of the drive that of the last frame
+  int frames = 0;   ///< in it
+};
+
+/// All such parts, in the order of time.
+std::vector<MissingPart> FindMissingParts(const std::vector<FrameResult>& frames);
+
+/// The longest parts, in the order of time.
+std::vector<MissingPart> LongestParts(const std::vector<MissingPart>& parts, size_t most);
+
+/// Sum of their lengths, seconds.
+double TotalSeconds(const std::vector<MissingPart>& parts);
+
+/// "before the path begins", "tracking lost" or "not recorded".
+const char* MissingReasonName(MissingReason reason);
+
+/// Such as "tracking lost from 12.3 s to 15.1 s (28 frames)".
+std::string MissingPartText(const MissingPart& part);
+
+}  // namespace turnscale

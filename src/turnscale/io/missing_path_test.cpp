@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/io/missing_path.h"
+
+#include <string_view>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+namespace turnscale {
+namespace {
+
+// 10 frames a second: t tracked, b bridged, u unreadable, r repeated, i before the map; a dash leaves out 2 s.
+std::vector<FrameResult> Frames(std::string_view states) {
+  std::vector<FrameResult> frames;
+  double time = 0;
+  for (const char state : states) {
+    if (state == '-') {
+      time += 2;
+      continue;
+    }
+    FrameResult frame;
+    frame.time = time;
+    frame.state = state == 't'   ? TrackingState::kTracked
+                  : state == 'b' ? TrackingState::kBridged
+                  : state == 'u' ? TrackingState::kUnreadable
+                  : state == 'r' ? TrackingState::kRepeated
+                                 : TrackingState::kInitializing;
+    if (state != 'i') frame.world_from_camera = RigidTransform();
+    frames.push_back(frame);
+    time += 0.1;
+  }
+  return frames;
+}
+
+TEST(MissingPath, NothingIsMissing) {
+  EXPECT_TRUE(FindMissingParts(Frames("")).empty());
+  EXPECT_TRUE(FindMissingParts(Frames("tttrrtt")).empty());
+}
+
+TEST(MissingPath, PartsBeforeTheMapWithinAndAtTheEnd) {
+  const auto parts = FindMissingParts(Frames("iiitttbburbtttbb"));
+  ASSERT_EQ(parts.size(), 3u);
+  EXPECT_EQ(MissingPartText(parts[0]), "before the path begins from 0.0 s to 0.3 s (3 frames)");
+  EXPECT_EQ(MissingPartText(parts[1]), "tracking lost from 0.6 s to 1.1 s (5 frames)");
+  EXPECT_EQ(MissingPartText(parts[2]), "tracking lost from 1.4 s to 1.5 s (2 frames)");
+  EXPECT_NEAR(TotalSeconds(parts), 0.9, 1e-9);
+}
+
+TEST(MissingPath, APauseOfTheRecorderBelongsToWhatIsLostAfterIt) {
+  const auto tracked = FindMissingParts(Frames("ttt-ttt"));
+  ASSERT_EQ(tracked.size(), 1u);
+  EXPECT_EQ(MissingPartText(tracked[0]), "not recorded from 0.2 s to 2.3 s");
+  const auto lost = FindMissingParts(Frames("ttt-bbt"));
+  ASSERT_EQ(lost.size(), 1u);
+  EXPECT_EQ(MissingPartText(lost[0]), "tracking lost from 0.2 s to 2.5 s (2 frames)");
+}
+
+TEST(MissingPath, TheLongestInTheOrderOfTime) {
+  const auto parts = LongestParts(FindMissingParts(Frames("tbtbbbtbbtbtt")), 2);
+  ASSERT_EQ(parts.size(), 2u);
+  EXPECT_EQ(parts[0].frames, 3);
+  EXPECT_EQ(parts[1].frames, 2);
+}
+
+}  // namespace
+}  // namespace turnscale

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <opencv2/core/mat.hpp>
+
+namespace turnscale {
+
+/// What the images of a drive look like as long as there is no map, to say why none begins.
+class SeenImages {
+ public:
+  /// `tracked`: number of features that were tracked into the image.
+  void Add(const cv::Mat& gray, double time, int tracked);
+
+  /// Why nothing could be tracked, and what to try: one sentence.
+  std::string Explanation() const;
+
+ private:
+  std::vector<double> brightness_;  // mean gray of each image
+  std::vector<double> contrast_;    // standard deviation of gray
+  std::vector<double> tracked_;
+  std::vector<double> changes_;  // mean change of gray in a second
+  cv::Mat compared_;             // small image of at least a second before
+  double compared_time_ = 0;
+  double first_time_ = 0;
+  double last_time_ = 0;
+};
+
+}  // namespace turnscale
