@@ -54,16 +54,16 @@ std::optional<double> CreationTime(const AVFormatContext& input, const AVStream&
 
 struct VideoFile::State {
   struct CloseInput {
-    void operator()(AVFormatContext* input) const { avformat_close_input(&input); }
+    void operator()(AVFormatContext* context) const { avformat_close_input(&context); }
   };
   struct FreeDecoder {
-    void operator()(AVCodecContext* decoder) const { avcodec_free_context(&decoder); }
+    void operator()(AVCodecContext* context) const { avcodec_free_context(&context); }
   };
   struct FreePacket {
-    void operator()(AVPacket* packet) const { av_packet_free(&packet); }
+    void operator()(AVPacket* data) const { av_packet_free(&data); }
   };
   struct FreeFrame {
-    void operator()(AVFrame* frame) const { av_frame_free(&frame); }
+    void operator()(AVFrame* data) const { av_frame_free(&data); }
   };
 
   // How the stored image becomes the one to show.
