@@ -133,9 +133,9 @@ TEST_F(ClipReaderTest, FramesBeforeTheStartAreLeftOut) {
 
 TEST_F(ClipReaderTest, PassingOverTheStartChangesNoTimeAndNoImage) {
   const TestVideo uneven = {.ticks_per_second = 1000, .stamps = {}, .b_frames = 2, .key_interval = 6};
-  for (const std::string name : {"v.mp4", "v.mkv", "v.ts", "v.avi", "v.m4v"}) {
+  for (const std::string name : {"v.mp4", "v.mkv", "v.ts", "v.avi", "v.m2v"}) {
     TestVideo video = uneven;
-    if (name == "v.ts") video.codec = "mpeg2video";
+    if (name == "v.ts" || name == "v.m2v") video.codec = "mpeg2video";
     if (name == "v.mp4" || name == "v.mkv") {
       for (int i = 0; i < 40; ++i) video.stamps.push_back(100 * i + i * i % 37);
     } else {

@@ -108,6 +108,18 @@ struct VideoFile::State {
     throw InputError(path + ": cannot be opened as a video; give a video or a folder of images");
   }
 
+  // Whether the file is a stream without a container. The library's readers of such have an option for the rate.
+  bool IsBare() const {
+    const AVClass* options = input->iformat->priv_class;
+    return options != nullptr && av_opt_find(&options, "framerate", nullptr, 0, AV_OPT_SEARCH_FAKE_OBJ) != nullptr;
+  }
+
+  // The rate in the coded stream, which the decoder knows when it has decoded a frame; 0 if there is none.
+  double CodecRate() {
+    ahead = Advance();
+    return decoder->framerate.num > 0 && decoder->framerate.den > 0 ? av_q2d(decoder->framerate) : 0.0;
+  }
+
   void ReadHeader() {
     const AVCodecParameters& codec = *stream->codecpar;
     header.size = {codec.width, codec.height};
@@ -118,9 +130,7 @@ struct VideoFile::State {
       const double fps = rate.den > 0 ? av_q2d(rate) : 0.0;
       if (header.rate <= 0 && std::isfinite(fps) && fps > 0 && fps <= 1000) header.rate = fps;
     }
-    // A stream without a container has the rate that its codec tells, or a default of the library, which is no rate.
-    const bool bare = (input->iformat->flags & AVFMT_NOTIMESTAMPS) != 0;
-    if (bare && decoder->framerate.num <= 0) header.rate = 0;
+    if (IsBare()) header.rate = CodecRate();
     if (stream->duration > 0 && stream->duration != AV_NOPTS_VALUE) {
       header.duration = static_cast<double>(stream->duration) * header.tick;
     } else if (input->duration > 0 && input->duration != AV_NOPTS_VALUE) {
@@ -166,6 +176,7 @@ struct VideoFile::State {
   }
 
   std::vector<FrameStamp> ReadStamps() {
+    if (IsBare()) return {};
     std::vector<FrameStamp> stamps;
     int64_t latest = AV_NOPTS_VALUE;
     while (ReadPacket()) {
@@ -187,6 +198,7 @@ struct VideoFile::State {
   }
 
   bool Advance() {
+    if (std::exchange(ahead, false)) return true;
     for (;;) {
       const int result = avcodec_receive_frame(decoder.get(), frame.get());
       if (result == AVERROR(ENOMEM)) throw std::bad_alloc();
@@ -268,6 +280,7 @@ struct VideoFile::State {
   AVStream* stream = nullptr;
   Orientation orientation;
   VideoHeader header;
+  bool ahead = false;           // `frame` has not been given yet
   std::optional<double> start;  // stamp of the packet to begin at
   double first_stamp = -std::numeric_limits<double>::infinity();
 };
@@ -287,7 +300,8 @@ bool VideoFile::Advance() { return state_->Advance(); }
 
 std::optional<double> VideoFile::Stamp() const {
   const int64_t stamp = state_->frame->best_effort_timestamp;
-  if (stamp == AV_NOPTS_VALUE) return std::nullopt;
+  // Stamps of a stream without a container are guessed from the library's default rate.
+  if (stamp == AV_NOPTS_VALUE || state_->IsBare()) return std::nullopt;
   return state_->InSeconds(stamp);
 }
 

@@ -107,11 +107,17 @@ TEST_F(VideoFileTest, HeaderTellsSizeRateAndLength) {
   EXPECT_EQ(CountVideoFrames(folder_ / "v.mkv"), 40);
 }
 
-TEST_F(VideoFileTest, BareStreamsHaveNoStamps) {
-  VideoFile video(Write("v.m4v", {.ticks_per_second = 20}));
-  EXPECT_DOUBLE_EQ(video.header().rate, 20);
-  ASSERT_TRUE(video.Advance());
-  EXPECT_FALSE(VideoFile(Write("v.mjpeg", {.codec = "mjpeg"})).header().rate > 0);
+TEST_F(VideoFileTest, BareStreamsHaveNoStampsAndPerhapsARate) {
+  VideoFile video(Write("v.m2v", {.codec = "mpeg2video", .b_frames = 2}));
+  EXPECT_DOUBLE_EQ(video.header().rate, 25);
+  for (int i = 0; i < 12; ++i) {
+    ASSERT_TRUE(video.Advance());
+    EXPECT_FALSE(video.Stamp().has_value());
+    ExpectNear(video.Gray(), Image(i), "m2v");
+  }
+  EXPECT_FALSE(video.Advance());
+  // JPEG images one after another: no rate.
+  EXPECT_EQ(VideoFile(Write("v.mjpeg", {.codec = "mjpeg"})).header().rate, 0);
 }
 
 TEST_F(VideoFileTest, RangesAndDepthsBecomeTheSameGray) {
