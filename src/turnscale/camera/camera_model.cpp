@@ -126,6 +126,25 @@ std::optional<Eigen::Vector2d> UndistortRadialTangential(const std::array<double
   return point;
 }
 
+std::optional<UndistortedPoint> UndistortPoint(const CameraModel& camera, const Eigen::Vector2d& distorted) {
+  if (camera.lens == LensModel::kPinhole) return UndistortedPoint{distorted, Eigen::Matrix2d::Identity()};
+  if (camera.lens == LensModel::kRadialTangential) {
+    const std::optional<Eigen::Vector2d> point = UndistortRadialTangential(camera.distortion, distorted);
+    if (!point) return std::nullopt;
+    return UndistortedPoint{*point, DistortRadialTangential(camera.distortion, *point).jacobian.inverse()};
+  }
+  const std::optional<Eigen::Vector2d> point = UndistortFisheye(camera.distortion, distorted);
+  if (!point) return std::nullopt;
+  const double shown = distorted.norm();
+  if (shown == 0) return UndistortedPoint{*point, Eigen::Matrix2d::Identity()};
+  const double radius = point->norm();
+  const Eigen::Vector2d outward = distorted / shown;
+  const double along = (1 + radius * radius) / AngleSlope(camera.distortion, std::atan(radius));
+  const double across = radius / shown;
+  return UndistortedPoint{*point,
+                          across * Eigen::Matrix2d::Identity() + (along - across) * outward * outward.transpose()};
+}
+
 std::optional<double> UndistortAngle(const std::array<double, 5>& k, double distorted) {
   double theta = std::min(distorted, std::numbers::pi);
   double error = DistortAngle(k, theta) - distorted;

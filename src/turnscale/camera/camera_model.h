@@ -48,6 +48,14 @@ struct DistortedPoint {
 /// OpenCV's and Kalibr's model with k = k1 k2 p1 p2 k3.
 DistortedPoint DistortRadialTangential(const std::array<double, 5>& k, const Eigen::Vector2d& point);
 
+/// Inverse of the lens on the plane z = 1, where the camera's calibration has it: what a distorted point is without
+/// distortion, and the derivative of that by the distorted point. Nothing where no ray leads there.
+struct UndistortedPoint {
+  Eigen::Vector2d point;
+  Eigen::Matrix2d jacobian;
+};
+std::optional<UndistortedPoint> UndistortPoint(const CameraModel& camera, const Eigen::Vector2d& distorted);
+
 /// Angle that the equidistant fisheye with k = k1 k2 k3 k4 makes of the angle to the optical axis (radians).
 double DistortAngle(const std::array<double, 5>& k, double theta);
 

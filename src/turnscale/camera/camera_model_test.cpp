@@ -4,6 +4,7 @@
 #include <random>
 #include <vector>
 
+#include <Eigen/Geometry>
 #include <gtest/gtest.h>
 #include <opencv2/calib3d.hpp>
 
@@ -61,6 +62,24 @@ std::vector<CameraModel> Cameras() {
       Camera(LensModel::kRadialTangential, {0.12, -0.21, -0.004, 0.003, 0.05}, 800),
       Camera(LensModel::kEquidistant, {-0.0034, 0.00071, -0.0020, 0.00020, 0}),
       Camera(LensModel::kEquidistant, {0, 0, 0, 0, 0})};
+}
+
+TEST(UndistortPoint, InvertsTheLensWithItsDerivative) {
+  for (const CameraModel& camera : Cameras())
+    for (const Eigen::Vector2d& distorted :
+         {Eigen::Vector2d(0, 0), Eigen::Vector2d(0.3, -0.2), Eigen::Vector2d(0, 0.25)}) {
+      const std::optional<UndistortedPoint> ideal = UndistortPoint(camera, distorted);
+      ASSERT_TRUE(ideal);
+      const Pinhole& pinhole = camera.pinhole;
+      const Eigen::Vector2d pixel = pinhole.Project(distorted.homogeneous());
+      EXPECT_LT((pinhole.Project(ideal->point.homogeneous()) - *camera.Undistort(pixel)).norm(), 1e-9);
+      for (int i = 0; i < 2; ++i) {
+        const Eigen::Vector2d h = 1e-6 * Eigen::Vector2d::Unit(i);
+        const Eigen::Vector2d numeric =
+            (UndistortPoint(camera, distorted + h)->point - UndistortPoint(camera, distorted - h)->point) / 2e-6;
+        EXPECT_LT((ideal->jacobian.col(i) - numeric).norm(), 1e-8);
+      }
+    }
 }
 
 cv::Matx33d MatrixOf(const Pinhole& pinhole) { return {pinhole.fx, 0, pinhole.cx, 0, pinhole.fy, pinhole.cy, 0, 0, 1}; }

@@ -18,6 +18,8 @@ namespace {
 using Vector = IntrinsicsChange::Vector;
 using Matrix = IntrinsicsChange::Matrix;
 
+// Of the radial correction, beyond the term in r^2.
+constexpr int kHigherTermsOfLens = 2;
 constexpr int kIterationsAtFirst = 10;
 constexpr int kIterationsAfterAStep = 5;
 // A step below this many standard deviations changes nothing that is reported.
@@ -27,6 +29,7 @@ constexpr double kSmallStep = 0.3;
 constexpr double kLongestFocalStep = 0.1;
 constexpr double kLongestCentreStep = 0.05;
 constexpr double kLongestCorrectionStep = 0.04;
+constexpr double kLongestHigherStep = 0.04;
 // Degrees of freedom of the Student distribution that windows are taken to follow.
 constexpr double kStudentDof = 4;
 constexpr int kReweightings = 20;
@@ -55,8 +58,15 @@ double ShareOf(const Vector& step, double focal_length) {
   const double longest = std::max({std::abs(step[IntrinsicsChange::kLogFocal]) / kLongestFocalStep,
                                    std::abs(step[IntrinsicsChange::kCentreX]) / (kLongestCentreStep * focal_length),
                                    std::abs(step[IntrinsicsChange::kCentreY]) / (kLongestCentreStep * focal_length),
-                                   std::abs(step[IntrinsicsChange::kCorrection]) / kLongestCorrectionStep});
+                                   std::abs(step[IntrinsicsChange::kCorrection]) / kLongestCorrectionStep,
+                                   step.tail<kHigherTermsOfLens>().cwiseAbs().maxCoeff() / kLongestHigherStep});
   return 1.0 / std::max(1.0, longest);
+}
+
+void IgnoreHigherTerms(IntrinsicsEvidence& evidence) {
+  evidence.information.bottomRows<kHigherTermsOfLens>().setZero();
+  evidence.information.rightCols<kHigherTermsOfLens>().setZero();
+  evidence.gradient.tail<kHigherTermsOfLens>().setZero();
 }
 
 }  // namespace
@@ -76,6 +86,7 @@ void CalibrationCheckOptions::Check() const {
   require(focal_prior_sigma > 0, "focal_prior_sigma: has to be positive");
   require(centre_prior_sigma_deg > 0, "centre_prior_sigma_deg: has to be positive");
   require(correction_prior_sigma > 0, "correction_prior_sigma: has to be positive");
+  require(higher_prior_sigma >= 0, "higher_prior_sigma: must not be negative");
   require(focal_window_sigma >= 0, "focal_window_sigma: must not be negative");
   require(centre_window_sigma_deg >= 0, "centre_window_sigma_deg: must not be negative");
   require(correction_window_sigma >= 0, "correction_window_sigma: must not be negative");
@@ -91,8 +102,15 @@ void CalibrationCheckOptions::Check() const {
 CalibrationCheck::CalibrationCheck(const CalibrationCheckOptions& options)
     : options_(options), next_keyframe_(options.window - 1) {}
 
-bool CalibrationCheck::Observe(const Map& map, double applied) {
-  given_ = map.pinhole;
+CalibrationCheck::CalibrationCheck(const CalibrationCheckOptions& options, const CameraModel& given,
+                                   const IntrinsicsChange::Vector& start)
+    : CalibrationCheck(options) {
+  fixed_given_ = given;
+  start_ = start;
+}
+
+bool CalibrationCheck::Observe(const Map& map, const CameraModel& camera) {
+  given_ = fixed_given_ ? fixed_given_->pinhole : camera.pinhole;
   const int latest = static_cast<int>(map.keyframes.size()) - 1;
   if (!options_.enabled || windows() >= options_.max_windows || latest < next_keyframe_) return false;
   const int first = StartOfMap(map, std::max(0, latest - options_.window + 1));
@@ -100,45 +118,50 @@ bool CalibrationCheck::Observe(const Map& map, double applied) {
   // What windows have in common is known soon: later ones come less often, and only the first overlap.
   const int read = static_cast<int>(windows_.size()) + 1;
   next_keyframe_ = latest + std::min(read, kLongestInterval) * (options_.window / 2);
-  const std::optional<Reading> reading = Read(map, first, latest, applied);
+  const std::optional<Reading> reading = Read(map, camera, first, latest);
   if (reading) windows_.push_back(*reading);
   return reading.has_value();
 }
 
-Matrix CalibrationCheck::Covariance(double focal_sigma, double centre_sigma_deg, double correction_sigma) const {
+Matrix CalibrationCheck::Covariance(double focal_sigma, double centre_sigma_deg, double correction_sigma,
+                                    double higher_sigma) const {
   const double centre = given_.fx * InRadians(centre_sigma_deg);
-  return Vector(focal_sigma, centre, centre, correction_sigma).array().square().matrix().asDiagonal();
+  Vector sigmas;
+  sigmas << focal_sigma, centre, centre, correction_sigma, higher_sigma, higher_sigma;
+  return sigmas.array().square().matrix().asDiagonal();
 }
 
 CalibrationCheck::Reading CalibrationCheck::Widened(const Matrix& information, const Vector& weighted_minimum) const {
   const Matrix window =
-      Covariance(options_.focal_window_sigma, options_.centre_window_sigma_deg, options_.correction_window_sigma);
+      Covariance(options_.focal_window_sigma, options_.centre_window_sigma_deg, options_.correction_window_sigma, 0.0);
   // (information^-1 + window)^-1, where information may be singular.
   const Matrix share = (Matrix::Identity() + information * window).inverse();
   return {share * information, share * weighted_minimum};
 }
 
-std::optional<CalibrationCheck::Reading> CalibrationCheck::Read(const Map& map, int first, int last,
-                                                                double applied) const {
+std::optional<CalibrationCheck::Reading> CalibrationCheck::Read(const Map& map, const CameraModel& camera, int first,
+                                                                int last) const {
   IntrinsicsWindow window;
   window.first = first;
   window.last = last;
   window.max_landmarks = options_.max_landmarks;
   window.huber_threshold = options_.huber_threshold;
-  IntrinsicsProblem problem(map, window, applied, options_.pixel_sigma);
+  IntrinsicsProblem problem(map, camera, fixed_given_ ? *fixed_given_ : camera, window, options_.pixel_sigma);
   if (problem.landmarks() == 0) return std::nullopt;
   // What is known without this window guides the way, and is taken off again.
   const IntrinsicsEstimate known = Estimate();
   const Matrix known_information = known.covariance.inverse();
   Vector start = known.change;
-  if (windows_.empty()) start[IntrinsicsChange::kCorrection] = applied;
+  if (windows_.empty() && start_) start = *start_;
+  if (windows_.empty() && !start_) start[IntrinsicsChange::kCorrection] = camera.radial_correction;
   problem.Change(start);
   const double deflation = 1.0 / (options_.pixel_sigma_inflation * options_.pixel_sigma_inflation);
   for (int round = 1;; ++round) {
     if (!problem.Adjust(round == 1 ? kIterationsAtFirst : kIterationsAfterAStep)) return std::nullopt;
     problem.EstimatePixelSigma();
-    const std::optional<IntrinsicsEvidence> evidence = problem.Evidence();
+    std::optional<IntrinsicsEvidence> evidence = problem.Evidence();
     if (!evidence) return std::nullopt;
+    if (options_.higher_prior_sigma == 0) IgnoreHigherTerms(*evidence);
     const Matrix total = deflation * evidence->information + known_information;
     const Vector slope = deflation * evidence->gradient + known_information * (evidence->at - known.change);
     const Vector step = -total.ldlt().solve(slope);
@@ -150,12 +173,15 @@ std::optional<CalibrationCheck::Reading> CalibrationCheck::Read(const Map& map, 
 }
 
 IntrinsicsEstimate CalibrationCheck::Estimate() const {
+  // Terms that are not estimated stay at zero, as nothing refers to them.
   const Matrix prior_covariance =
-      Covariance(options_.focal_prior_sigma, options_.centre_prior_sigma_deg, options_.correction_prior_sigma);
+      Covariance(options_.focal_prior_sigma, options_.centre_prior_sigma_deg, options_.correction_prior_sigma,
+                 options_.higher_prior_sigma > 0 ? options_.higher_prior_sigma : 1.0);
   const Matrix prior = prior_covariance.inverse();
   IntrinsicsEstimate estimate;
   estimate.covariance = prior_covariance;
   if (windows_.empty()) return estimate;
+  const double entries = IntrinsicsChange::kEntries - (options_.higher_prior_sigma == 0 ? kHigherTermsOfLens : 0);
   std::vector<double> weights(windows_.size(), 1.0);
   double scatter = 1;
   for (int round = 0; round < kReweightings; ++round) {
@@ -173,17 +199,18 @@ IntrinsicsEstimate CalibrationCheck::Estimate() const {
       const Vector pull = windows_[i].weighted_minimum - windows_[i].information * estimate.change;
       const double square = pull.dot(windows_[i].information.ldlt().solve(pull));
       sum += weights[i] * square;
-      weights[i] = (kStudentDof + IntrinsicsChange::kEntries) / (kStudentDof + square);
+      weights[i] = (kStudentDof + entries) / (kStudentDof + square);
     }
     if (windows_.size() > 1)
       scatter = std::max(1.0, sum / (IntrinsicsChange::kEntries * static_cast<double>(windows_.size() - 1)));
   }
   estimate.covariance *= scatter;
   // A lens that distorts much has more to it than the first radial term.
-  const double unmodelled = kHigherTerms * std::abs(estimate.change[IntrinsicsChange::kCorrection]);
+  const double unmodelled =
+      options_.higher_prior_sigma > 0 ? 0.0 : kHigherTerms * std::abs(estimate.change[IntrinsicsChange::kCorrection]);
   estimate.covariance += Covariance(std::hypot(options_.focal_model_sigma, unmodelled),
                                     std::hypot(options_.centre_model_sigma_deg, unmodelled * kDegreesPerRadian),
-                                    std::hypot(options_.correction_model_sigma, unmodelled));
+                                    std::hypot(options_.correction_model_sigma, unmodelled), 0.0);
   return estimate;
 }
 

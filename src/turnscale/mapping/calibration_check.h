@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "turnscale/camera/camera_model.h"
 #include "turnscale/geometry/pinhole.h"
 #include "turnscale/mapping/intrinsics_evidence.h"
 #include "turnscale/mapping/map.h"
@@ -36,6 +37,7 @@ struct CalibrationCheckOptions {
   double focal_prior_sigma = 0.1;        ///< relative
   double centre_prior_sigma_deg = 2.0;   ///< principal point, as an angle at the camera, degrees
   double correction_prior_sigma = 0.02;  ///< radial correction
+  double higher_prior_sigma = 0;         ///< its terms in r^4 and r^6; 0: not estimated
 
   // What the images of one window get wrong beyond their noise (moving things, what the lens has besides a radial
   // distortion), standard deviations. Windows of KITTI scatter by as much.
@@ -84,8 +86,12 @@ class CalibrationCheck {
  public:
   explicit CalibrationCheck(const CalibrationCheckOptions& options);
 
-  /// Takes the map when a keyframe has come; its pixels are corrected by `applied`. True when a window was read.
-  bool Observe(const Map& map, double applied);
+  /// Estimates changes of `given` rather than of the camera that the map is made with; the search begins at `start`.
+  CalibrationCheck(const CalibrationCheckOptions& options, const CameraModel& given,
+                   const IntrinsicsChange::Vector& start);
+
+  /// Takes the map when a keyframe has come; its pixels are undistorted by `camera`. True when a window was read.
+  bool Observe(const Map& map, const CameraModel& camera);
 
   /// Windows that were read.
   int windows() const { return static_cast<int>(windows_.size()); }
@@ -102,12 +108,15 @@ class CalibrationCheck {
     IntrinsicsChange::Vector weighted_minimum;
   };
 
-  IntrinsicsChange::Matrix Covariance(double focal_sigma, double centre_sigma_deg, double correction_sigma) const;
+  IntrinsicsChange::Matrix Covariance(double focal_sigma, double centre_sigma_deg, double correction_sigma,
+                                      double higher_sigma) const;
   /// With what one window gets wrong beyond its noise.
   Reading Widened(const IntrinsicsChange::Matrix& information, const IntrinsicsChange::Vector& weighted_minimum) const;
-  std::optional<Reading> Read(const Map& map, int first, int last, double applied) const;
+  std::optional<Reading> Read(const Map& map, const CameraModel& camera, int first, int last) const;
 
   CalibrationCheckOptions options_;
+  std::optional<CameraModel> fixed_given_;  ///< nothing: the camera of the map
+  std::optional<IntrinsicsChange::Vector> start_;
   Pinhole given_;
   std::vector<Reading> windows_;
   int next_keyframe_ = 0;

@@ -9,6 +9,7 @@
 #include "turnscale/base/refused_field.h"
 #include "turnscale/camera/camera_model.h"
 #include "turnscale/mapping/synthetic_map.h"
+#include "turnscale/mapping/test_intrinsics.h"
 
 namespace turnscale {
 namespace {
@@ -37,14 +38,14 @@ Map WrongMap(const std::vector<DriveSegment>& segments, const Vector& error, dou
 CalibrationCheck CheckAlong(const Map& whole, const CalibrationCheckOptions& options = {}) {
   CalibrationCheck check(options);
   for (int keyframes = 1; keyframes <= static_cast<int>(whole.keyframes.size()); ++keyframes)
-    check.Observe(MapUpTo(keyframes, whole), 0.0);
+    check.Observe(MapUpTo(keyframes, whole), CameraOf(whole));
   return check;
 }
 
 TEST(CalibrationCheck, FindsAWrongFocalLength) {
   for (const double percent : {15.0, -15.0, 5.0, -5.0})
     for (const unsigned seed : {1U, 2U}) {
-      const Vector error(std::log(1 + percent / 100), 0, 0, 0);
+      const Vector error = Change(std::log(1 + percent / 100), 0, 0, 0);
       const CalibrationCheck check = CheckAlong(WrongMap(kRightAndLeft, error, 0.3, seed));
       const std::vector<ParameterEstimate> found = check.Contradictions();
       ASSERT_EQ(found.size(), 1U) << percent;
@@ -56,7 +57,7 @@ TEST(CalibrationCheck, FindsAWrongFocalLength) {
 }
 
 TEST(CalibrationCheck, FindsAWrongPrincipalPoint) {
-  for (const Vector& error : {Vector(0, 25, 0, 0), Vector(0, 0, -25, 0)}) {
+  for (const Vector& error : {Change(0, 25, 0, 0), Change(0, 0, -25, 0)}) {
     const CalibrationCheck check = CheckAlong(WrongMap(kRightAndLeft, error, 0.3, 3));
     const std::vector<ParameterEstimate> all = check.Parameters();
     EXPECT_NEAR(all[1].found, 607, 0.2 * all[1].sigma);
@@ -69,7 +70,7 @@ TEST(CalibrationCheck, FindsAWrongPrincipalPoint) {
 }
 
 TEST(CalibrationCheck, TellsALensFromAFocalLength) {
-  const CalibrationCheck check = CheckAlong(WrongMap(kRightAndLeft, Vector(0, 0, 0, 0.015), 0.3, 4));
+  const CalibrationCheck check = CheckAlong(WrongMap(kRightAndLeft, Change(0, 0, 0, 0.015), 0.3, 4));
   const std::vector<ParameterEstimate> all = check.Parameters();
   EXPECT_NEAR(all[3].found, 0.015, 2 * all[3].sigma);
   EXPECT_LT(all[3].sigma, 0.007);
@@ -87,7 +88,7 @@ TEST(CalibrationCheck, SaysNothingWhereTheCalibrationIsRight) {
 }
 
 TEST(CalibrationCheck, AStreetDoesNotTell) {
-  const CalibrationCheck check = CheckAlong(WrongMap(kStreet, Vector(0.14, 0, 0, 0), 0.3, 11));
+  const CalibrationCheck check = CheckAlong(WrongMap(kStreet, Change(0.14, 0, 0, 0), 0.3, 11));
   EXPECT_EQ(check.windows(), 0);
   EXPECT_TRUE(check.Contradictions().empty());
   const std::vector<ParameterEstimate> all = check.Parameters();
@@ -96,21 +97,21 @@ TEST(CalibrationCheck, AStreetDoesNotTell) {
 }
 
 TEST(CalibrationCheck, DoesNotLookAcrossAGap) {
-  Map map = WrongMap(kRightAndLeft, Vector(0.14, 0, 0, 0), 0.3, 12);
+  Map map = WrongMap(kRightAndLeft, Change(0.14, 0, 0, 0), 0.3, 12);
   for (int k = 4; k < static_cast<int>(map.keyframes.size()); k += 5) map.keyframes[k].after_gap = true;
   EXPECT_EQ(CheckAlong(map).windows(), 0);
 }
 
 TEST(CalibrationCheck, PixelsThatAreCorrectedAlreadySayTheSame) {
-  const Map raw = WrongMap(kRightAndLeft, Vector(0, 0, 0, 0.01), 0.3, 13);
+  const Map raw = WrongMap(kRightAndLeft, Change(0, 0, 0, 0.01), 0.3, 13);
   Map corrected = raw;
   for (Landmark& landmark : corrected.landmarks)
     for (LandmarkObservation& seen : landmark.observations)
       seen.pixel = CorrectRadially(corrected.pinhole, 0.01, seen.pixel);
   CalibrationCheck from_raw({});
   CalibrationCheck from_corrected({});
-  ASSERT_TRUE(from_raw.Observe(raw, 0));
-  ASSERT_TRUE(from_corrected.Observe(corrected, 0.01));
+  ASSERT_TRUE(from_raw.Observe(raw, CameraOf(raw)));
+  ASSERT_TRUE(from_corrected.Observe(corrected, CameraOf(corrected, 0.01)));
   const IntrinsicsEstimate one = from_raw.Estimate();
   const IntrinsicsEstimate other = from_corrected.Estimate();
   const Vector sigmas = one.covariance.diagonal().cwiseSqrt();
@@ -122,14 +123,14 @@ TEST(CalibrationCheck, ANumberThatIsNoneTellsNothing) {
   for (const KeyframeObservation& seen : map.keyframes.back().observations)
     map.landmarks[seen.landmark].position.x() = std::nan("");
   CalibrationCheck check({});
-  EXPECT_FALSE(check.Observe(map, 0));
+  EXPECT_FALSE(check.Observe(map, CameraOf(map)));
   EXPECT_EQ(check.windows(), 0);
 }
 
 TEST(CalibrationCheck, CanBeSwitchedOff) {
   CalibrationCheckOptions options;
   options.enabled = false;
-  EXPECT_EQ(CheckAlong(WrongMap(kRightAndLeft, Vector(0.14, 0, 0, 0), 0.3, 15), options).windows(), 0);
+  EXPECT_EQ(CheckAlong(WrongMap(kRightAndLeft, Change(0.14, 0, 0, 0), 0.3, 15), options).windows(), 0);
 }
 
 TEST(CalibrationCheck, OptionsNameTheFieldThatMakesNoSense) {

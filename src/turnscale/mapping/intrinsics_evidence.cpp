@@ -190,27 +190,45 @@ Pinhole ChangedPinhole(const Pinhole& given, const Vector& change) {
           given.cy + change[IntrinsicsChange::kCentreY]};
 }
 
-Eigen::Matrix<double, 2, kEntries> IntrinsicsJacobian(const Pinhole& pinhole, double correction,
-                                                      const Eigen::Vector3d& x_in_camera, const Eigen::Vector2d& raw) {
-  const Eigen::Vector2d centre(pinhole.cx, pinhole.cy);
-  const Eigen::Vector2d offset = raw - centre;
-  const Eigen::Vector2d ray = pinhole.Ray(raw).head<2>();
-  const double square = ray.squaredNorm();
+std::optional<CorrectedPixel> Correct(const CameraModel& camera, const Vector& change,
+                                      const Eigen::Vector2d& distorted) {
+  const Pinhole pinhole = ChangedPinhole(camera.pinhole, change);
+  const Eigen::Vector2d point = pinhole.Ray(distorted).head<2>();
+  const std::optional<UndistortedPoint> ideal = UndistortPoint(camera, point);
+  if (!ideal) return std::nullopt;
+  const double square = point.squaredNorm();
+  const auto terms = change.tail<3>();
+  const double share = square * (terms[0] + square * (terms[1] + square * terms[2]));
+  const double share_by_square = terms[0] + square * (2 * terms[1] + square * 3 * terms[2]);
+  const Eigen::RowVector2d share_by_point = 2 * share_by_square * point.transpose();
+  const Eigen::Vector2d ray = (1 + share) * ideal->point;
+  return CorrectedPixel{pinhole.Project(ray.homogeneous()), ideal->point,
+                        (1 + share) * ideal->jacobian + ideal->point * share_by_point};
+}
+
+Eigen::Matrix<double, 2, kEntries> IntrinsicsJacobian(const Pinhole& pinhole, const Eigen::Vector3d& x_in_camera,
+                                                      const Eigen::Vector2d& distorted,
+                                                      const CorrectedPixel& corrected) {
+  const Eigen::DiagonalMatrix<double, 2> focal(pinhole.fx, pinhole.fy);
+  const Eigen::Matrix2d by_pixel = focal * corrected.jacobian * focal.inverse();
+  const double square = distorted.squaredNorm();
+  const Eigen::Vector2d outward = focal * corrected.lens_point;
   Eigen::Matrix<double, 2, kEntries> J;
-  J.col(IntrinsicsChange::kLogFocal) = pinhole.Project(x_in_camera) - centre + 2 * correction * square * offset;
-  // The corrected pixel is centre + (1 + correction * square) * offset.
-  const Eigen::RowVector2d square_by_centre(-2 * ray.x() / pinhole.fx, -2 * ray.y() / pinhole.fy);
-  J.middleCols<2>(IntrinsicsChange::kCentreX) =
-      Eigen::Matrix2d::Identity() * (1 + correction * square) - correction * offset * square_by_centre;
-  J.col(IntrinsicsChange::kCorrection) = -square * offset;
+  J.col(IntrinsicsChange::kLogFocal) =
+      pinhole.Project(x_in_camera) - corrected.pixel + focal * (corrected.jacobian * distorted);
+  J.middleCols<2>(IntrinsicsChange::kCentreX) = by_pixel;
+  J.col(IntrinsicsChange::kCorrection) = -square * outward;
+  J.col(IntrinsicsChange::kCorrection4) = -square * square * outward;
+  J.col(IntrinsicsChange::kCorrection6) = -square * square * square * outward;
   return J;
 }
 
-IntrinsicsProblem::IntrinsicsProblem(const Map& map, const IntrinsicsWindow& window, double applied, double pixel_sigma)
-    : given_(map.pinhole), huber_threshold_(window.huber_threshold) {
+IntrinsicsProblem::IntrinsicsProblem(const Map& map, const CameraModel& camera, const CameraModel& given,
+                                     const IntrinsicsWindow& window, double pixel_sigma)
+    : given_(given), huber_threshold_(window.huber_threshold) {
   const std::vector<Track> tracks = LongestTracks(map, window);
 
-  bundle_.pinhole = map.pinhole;
+  bundle_.pinhole = camera.pinhole;
   for (int k = window.first; k <= window.last; ++k) {
     bundle_.camera_from_world.push_back(map.keyframes[k].camera_from_world);
     bundle_.camera_is_fixed.push_back(k == window.first ? 1 : 0);
@@ -218,21 +236,30 @@ IntrinsicsProblem::IntrinsicsProblem(const Map& map, const IntrinsicsWindow& win
   for (const Track& track : tracks) {
     const int point = static_cast<int>(bundle_.points.size());
     bundle_.points.push_back(map.landmarks[track.landmark].position);
-    first_observation_.push_back(static_cast<int>(raw_.size()));
+    first_observation_.push_back(static_cast<int>(distorted_.size()));
     for (const LandmarkObservation& seen : track.observations) {
-      bundle_.observations.push_back({seen.keyframe - window.first, point, seen.pixel, pixel_sigma});
-      raw_.push_back(UndoRadialCorrection(map.pinhole, applied, seen.pixel));
+      const std::optional<Eigen::Vector2d> distorted = camera.Project(camera.pinhole.Ray(seen.pixel));
+      const auto ideal = distorted ? UndistortPoint(camera, camera.pinhole.Ray(*distorted).head<2>()) : std::nullopt;
+      if (!ideal) continue;
+      // Root mean square over all directions.
+      const double stretch = std::sqrt(0.5 * ideal->jacobian.squaredNorm());
+      bundle_.observations.push_back({seen.keyframe - window.first, point, seen.pixel, stretch * pixel_sigma});
+      distorted_.push_back(*distorted);
+      stretch_.push_back(stretch);
     }
   }
-  first_observation_.push_back(static_cast<int>(raw_.size()));
-  change_[IntrinsicsChange::kCorrection] = applied;
+  first_observation_.push_back(static_cast<int>(distorted_.size()));
+  change_[IntrinsicsChange::kCorrection] = camera.radial_correction;
 }
 
 void IntrinsicsProblem::Change(const Vector& change) {
   change_ = change;
-  bundle_.pinhole = ChangedPinhole(given_, change);
-  for (size_t i = 0; i < raw_.size(); ++i)
-    bundle_.observations[i].pixel = CorrectRadially(bundle_.pinhole, change[IntrinsicsChange::kCorrection], raw_[i]);
+  bundle_.pinhole = ChangedPinhole(given_.pinhole, change);
+  for (size_t i = 0; i < distorted_.size(); ++i) {
+    // A pixel that this lens cannot show stays distorted: bundle adjustment gives it little weight.
+    const std::optional<CorrectedPixel> corrected = Correct(given_, change, distorted_[i]);
+    bundle_.observations[i].pixel = corrected ? corrected->pixel : distorted_[i];
+  }
 }
 
 bool IntrinsicsProblem::Adjust(int max_iterations) {
@@ -245,16 +272,18 @@ bool IntrinsicsProblem::Adjust(int max_iterations) {
 
 void IntrinsicsProblem::EstimatePixelSigma() {
   std::vector<double> lengths;
-  for (const BundleObservation& seen : bundle_.observations) {
+  for (size_t i = 0; i < bundle_.observations.size(); ++i) {
+    const BundleObservation& seen = bundle_.observations[i];
     const Eigen::Vector3d x = bundle_.camera_from_world[seen.camera] * bundle_.points[seen.point];
-    if (IsInFront(x)) lengths.push_back((bundle_.pinhole.Project(x) - seen.pixel).norm());
+    if (IsInFront(x)) lengths.push_back((bundle_.pinhole.Project(x) - seen.pixel).norm() / stretch_[i]);
   }
   const double measured = 2.0 * static_cast<double>(lengths.size());
   const double fitted = 3.0 * static_cast<double>(bundle_.points.size()) +
                         kPoseDof * static_cast<double>(bundle_.camera_from_world.size() - 1);
   if (!(measured > fitted)) return;
   const double sigma = Median(std::move(lengths)) / kMedianLength * std::sqrt(measured / (measured - fitted));
-  for (BundleObservation& seen : bundle_.observations) seen.sigma = std::max(sigma, kLeastPixelSigma);
+  for (size_t i = 0; i < bundle_.observations.size(); ++i)
+    bundle_.observations[i].sigma = stretch_[i] * std::max(sigma, kLeastPixelSigma);
 }
 
 std::optional<IntrinsicsEvidence> IntrinsicsProblem::Evidence() {
@@ -265,7 +294,7 @@ std::optional<IntrinsicsEvidence> IntrinsicsProblem::Evidence() {
 
   IntrinsicsEvidence evidence;
   evidence.at = change_;
-  evidence.pixel_sigma = bundle_.observations.front().sigma;
+  evidence.pixel_sigma = bundle_.observations.front().sigma / stretch_.front();
   ReducedSystem system(cameras);
   std::vector<std::optional<EliminatedPoint>> points;
   std::vector<Row> rows;
@@ -275,6 +304,8 @@ std::optional<IntrinsicsEvidence> IntrinsicsProblem::Evidence() {
       const BundleObservation& seen = bundle_.observations[i];
       const Eigen::Vector3d x = bundle_.camera_from_world[seen.camera] * bundle_.points[p];
       if (!IsInFront(x)) continue;
+      const std::optional<CorrectedPixel> corrected = Correct(given_, change_, distorted_[i]);
+      if (!corrected) continue;
       Row& row = rows.emplace_back();
       row.column = kPoseDof * (seen.camera - 1);
       row.residual = ReprojectionResidual(bundle_.pinhole, x, seen.pixel, 1.0 / seen.sigma);
@@ -285,7 +316,7 @@ std::optional<IntrinsicsEvidence> IntrinsicsProblem::Evidence() {
       by_x << bundle_.pinhole.fx / x.z(), 0, -bundle_.pinhole.fx * x.x() / (x.z() * x.z()),  //
           0, bundle_.pinhole.fy / x.z(), -bundle_.pinhole.fy * x.y() / (x.z() * x.z());
       row.pose << -by_x * Skew(x), by_x * rotations[seen.camera];
-      row.intrinsics = IntrinsicsJacobian(bundle_.pinhole, change_[IntrinsicsChange::kCorrection], x, raw_[i]);
+      row.intrinsics = IntrinsicsJacobian(bundle_.pinhole, x, bundle_.pinhole.Ray(distorted_[i]).head<2>(), *corrected);
       row.residual *= root_weight;
       row.pose *= root_weight / seen.sigma;
       row.intrinsics *= root_weight / seen.sigma;

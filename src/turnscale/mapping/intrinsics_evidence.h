@@ -7,23 +7,39 @@
 #include <Eigen/Core>
 
 #include "turnscale/bundle/bundle_problem.h"
+#include "turnscale/camera/camera_model.h"
 #include "turnscale/geometry/pinhole.h"
 #include "turnscale/mapping/map.h"
 
 namespace turnscale {
 
 /// By how much a camera differs from the pinhole of the map: log of the focal length's ratio (both axes together),
-/// principal point x and y (pixels, further right and down), and the radial correction (CorrectRadially; the
-/// whole of it, not what comes on top of the one that is applied).
+/// principal point x and y (pixels, further right and down), and the radial correction: its term in r^2
+/// (CorrectRadially; the whole of it, not what comes on top of the one that is applied) and its terms in r^4 and r^6.
 struct IntrinsicsChange {
-  enum Entry { kLogFocal, kCentreX, kCentreY, kCorrection };
-  static constexpr int kEntries = kCorrection + 1;
+  enum Entry { kLogFocal, kCentreX, kCentreY, kCorrection, kCorrection4, kCorrection6 };
+  static constexpr int kEntries = kCorrection6 + 1;
   using Vector = Eigen::Matrix<double, kEntries, 1>;
   using Matrix = Eigen::Matrix<double, kEntries, kEntries>;
 };
 
 /// The pinhole that differs by `change` from `given`. The correction plays no part.
 Pinhole ChangedPinhole(const Pinhole& given, const IntrinsicsChange::Vector& change);
+
+/// Where the ideal pinhole camera shows the ray of a distorted pixel, and the derivative of the ray by the distorted
+/// point (both on the plane z = 1).
+struct CorrectedPixel {
+  Eigen::Vector2d pixel;
+  Eigen::Vector2d lens_point;  ///< without distortion as `camera` has it, before the correction
+  Eigen::Matrix2d jacobian;
+};
+
+/// Undistorts a pixel with the lens of `camera`, the pinhole that differs by `change` from its own, and the correction
+/// of `change`: on the plane z = 1, the ray moves away from the axis by the share kCorrection r^2 + kCorrection4 r^4 +
+/// kCorrection6 r^6, r being the distance of the distorted point from the axis, which is bounded for any lens.
+/// `camera.radial_correction` plays no part. Nothing where the lens has no ray for the pixel.
+std::optional<CorrectedPixel> Correct(const CameraModel& camera, const IntrinsicsChange::Vector& change,
+                                      const Eigen::Vector2d& distorted);
 
 /// Parabola of the cost in the intrinsics, whatever poses and points may be: cost(change) = constant + gradient^T
 /// (change - at) + (change - at)^T information (change - at) / 2.
@@ -52,9 +68,10 @@ struct IntrinsicsWindow {
 /// A window of keyframes whose camera can be changed, with poses and points that follow. The map stays as it is.
 class IntrinsicsProblem {
  public:
-  /// `applied` is the radial correction by which the map's pixels are corrected, `pixel_sigma` the standard deviation
-  /// of a pixel (pixels) until the residuals tell it.
-  IntrinsicsProblem(const Map& map, const IntrinsicsWindow& window, double applied, double pixel_sigma);
+  /// `camera` is the one by which the map's pixels are undistorted, `given` the one that intrinsics are changes of
+  /// (Correct), `pixel_sigma` the standard deviation of a pixel (pixels) until the residuals tell it.
+  IntrinsicsProblem(const Map& map, const CameraModel& camera, const CameraModel& given, const IntrinsicsWindow& window,
+                    double pixel_sigma);
 
   /// Landmarks that take part; none where the window has none that three of its keyframes see.
   int landmarks() const { return static_cast<int>(bundle_.points.size()); }
@@ -76,8 +93,9 @@ class IntrinsicsProblem {
 
  private:
   BundleProblem bundle_;
-  Pinhole given_;
-  std::vector<Eigen::Vector2d> raw_;  ///< pixels without any radial correction; as bundle_.observations
+  CameraModel given_;
+  std::vector<Eigen::Vector2d> distorted_;  ///< pixels of the image; as bundle_.observations
+  std::vector<double> stretch_;             ///< by which undistortion enlarges an error there
   std::vector<int> first_observation_;
   IntrinsicsChange::Vector change_ = IntrinsicsChange::Vector::Zero();
   double huber_threshold_ = 0;
@@ -88,10 +106,11 @@ class IntrinsicsProblem {
   std::vector<Eigen::Vector3d> point_step_;
 };
 
-/// Derivative of (predicted pixel - corrected pixel) by the intrinsics, pixels per unit of each. `pinhole` and
-/// `correction` are those of the prediction, `raw` is the uncorrected pixel.
-Eigen::Matrix<double, 2, IntrinsicsChange::kEntries> IntrinsicsJacobian(const Pinhole& pinhole, double correction,
+/// Derivative of (predicted pixel - corrected pixel) by the intrinsics, pixels per unit of each. `pinhole` is that of
+/// the prediction, `distorted` the point on the plane z = 1 that was corrected.
+Eigen::Matrix<double, 2, IntrinsicsChange::kEntries> IntrinsicsJacobian(const Pinhole& pinhole,
                                                                         const Eigen::Vector3d& x_in_camera,
-                                                                        const Eigen::Vector2d& raw);
+                                                                        const Eigen::Vector2d& distorted,
+                                                                        const CorrectedPixel& corrected);
 
 }  // namespace turnscale

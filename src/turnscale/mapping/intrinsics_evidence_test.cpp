@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "turnscale/mapping/intrinsics_evidence.h"
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 #include <vector>
@@ -11,6 +12,7 @@
 #include "turnscale/camera/camera_model.h"
 #include "turnscale/geometry/rotation.h"
 #include "turnscale/mapping/synthetic_map.h"
+#include "turnscale/mapping/test_intrinsics.h"
 
 namespace turnscale {
 namespace {
@@ -38,30 +40,38 @@ IntrinsicsWindow Whole(const Map& map) {
 TEST(IntrinsicsEvidence, JacobianIsTheNumericOne) {
   std::mt19937 random(1);
   std::normal_distribution<double> normal;
-  const Pinhole given{718, 702, 607, 185};
-  for (int trial = 0; trial < 20; ++trial) {
-    const Vector at(0.1 * normal(random), 20 * normal(random), 20 * normal(random), 0.02 * normal(random));
-    const Eigen::Vector3d x(3 * normal(random), normal(random), 5 + std::abs(normal(random)));
-    const Eigen::Vector2d raw = given.Project(x) + 5 * Eigen::Vector2d(normal(random), normal(random));
-    const auto residual = [&](const Vector& change) -> Eigen::Vector2d {
-      const Pinhole pinhole = ChangedPinhole(given, change);
-      return pinhole.Project(x) - CorrectRadially(pinhole, change[IntrinsicsChange::kCorrection], raw);
-    };
-    const auto J = IntrinsicsJacobian(ChangedPinhole(given, at), at[IntrinsicsChange::kCorrection], x, raw);
-    for (int i = 0; i < kEntries; ++i) {
-      const Vector h = 1e-5 * Vector::Unit(i);
-      const Eigen::Vector2d numeric = (residual(at + h) - residual(at - h)) / 2e-5;
-      EXPECT_NEAR((J.col(i) - numeric).norm(), 0, 1e-5 * (1 + numeric.norm())) << "entry " << i;
+  CameraModel camera;
+  camera.pinhole = {718, 702, 607, 185};
+  for (const LensModel lens : {LensModel::kPinhole, LensModel::kRadialTangential, LensModel::kEquidistant}) {
+    camera.lens = lens;
+    camera.distortion = {-0.2, 0.05, 0.001, -0.002, 0};
+    if (lens == LensModel::kPinhole) camera.distortion = {};
+    for (int trial = 0; trial < 20; ++trial) {
+      Vector at;
+      at << 0.1 * normal(random), 20 * normal(random), 20 * normal(random), 0.02 * normal(random),
+          0.01 * normal(random), 0.01 * normal(random);
+      const Eigen::Vector3d x(std::clamp(normal(random), -1.5, 1.5), 0.3 * normal(random), 3);
+      const Eigen::Vector2d distorted = *camera.Project(x) + 5 * Eigen::Vector2d(normal(random), normal(random));
+      const auto residual = [&](const Vector& change) -> Eigen::Vector2d {
+        return ChangedPinhole(camera.pinhole, change).Project(x) - Correct(camera, change, distorted)->pixel;
+      };
+      const Pinhole pinhole = ChangedPinhole(camera.pinhole, at);
+      const auto J = IntrinsicsJacobian(pinhole, x, pinhole.Ray(distorted).head<2>(), *Correct(camera, at, distorted));
+      for (int i = 0; i < kEntries; ++i) {
+        const Vector h = 1e-5 * Vector::Unit(i);
+        const Eigen::Vector2d numeric = (residual(at + h) - residual(at - h)) / 2e-5;
+        EXPECT_NEAR((J.col(i) - numeric).norm(), 0, 1e-5 * (1 + numeric.norm())) << "entry " << i;
+      }
     }
   }
 }
 
 // Residuals of all observations, in sigmas, when poses, points and intrinsics move: six numbers a pose but the first
 // (rotation vector, centre), three a point, the change of the intrinsics.
-Eigen::VectorXd Residuals(const BundleProblem& bundle, const std::vector<Eigen::Vector2d>& raw, const Pinhole& given,
-                          const Vector& change, const Eigen::VectorXd& step) {
-  const Pinhole pinhole = ChangedPinhole(given, change + step.tail<kEntries>());
-  const double correction = change[IntrinsicsChange::kCorrection] + step[step.size() - 1];
+Eigen::VectorXd Residuals(const BundleProblem& bundle, const std::vector<Eigen::Vector2d>& raw,
+                          const CameraModel& given, const Vector& change, const Eigen::VectorXd& step) {
+  const Vector moved = change + step.tail<kEntries>();
+  const Pinhole pinhole = ChangedPinhole(given.pinhole, moved);
   const Eigen::Index points = 6 * (static_cast<Eigen::Index>(bundle.camera_from_world.size()) - 1);
   Eigen::VectorXd residuals(2 * static_cast<Eigen::Index>(raw.size()));
   for (size_t i = 0; i < raw.size(); ++i) {
@@ -77,7 +87,7 @@ Eigen::VectorXd Residuals(const BundleProblem& bundle, const std::vector<Eigen::
     }
     const Eigen::Vector2d predicted = pinhole.Project(rotation * offset);
     residuals.segment<2>(2 * static_cast<Eigen::Index>(i)) =
-        (predicted - CorrectRadially(pinhole, correction, raw[i])) / seen.sigma;
+        (predicted - Correct(given, moved, raw[i])->pixel) / seen.sigma;
   }
   return residuals;
 }
@@ -87,8 +97,9 @@ TEST(IntrinsicsEvidence, IsWhatTheFullNormalEquationsLeaveForTheIntrinsics) {
   IntrinsicsWindow window = Whole(map);
   window.huber_threshold = 0;
   window.last = 9;
-  IntrinsicsProblem problem(map, window, 0.004, 0.5);
-  const Vector change(0.02, 3, -2, 0.004);
+  const CameraModel camera = CameraOf(map, 0.004);
+  IntrinsicsProblem problem(map, camera, camera, window, 0.5);
+  const Vector change = Change(0.02, 3, -2, 0.004);
   problem.Change(change);
   const std::optional<IntrinsicsEvidence> evidence = problem.Evidence();
   ASSERT_TRUE(evidence);
@@ -102,10 +113,9 @@ TEST(IntrinsicsEvidence, IsWhatTheFullNormalEquationsLeaveForTheIntrinsics) {
   Eigen::MatrixXd J(2 * static_cast<Eigen::Index>(raw.size()), others + kEntries);
   for (Eigen::Index i = 0; i < J.cols(); ++i) {
     const Eigen::VectorXd h = 1e-5 * Eigen::VectorXd::Unit(J.cols(), i);
-    J.col(i) =
-        (Residuals(bundle, raw, map.pinhole, change, h) - Residuals(bundle, raw, map.pinhole, change, -h)) / 2e-5;
+    J.col(i) = (Residuals(bundle, raw, camera, change, h) - Residuals(bundle, raw, camera, change, -h)) / 2e-5;
   }
-  const Eigen::VectorXd r = Residuals(bundle, raw, map.pinhole, change, Eigen::VectorXd::Zero(J.cols()));
+  const Eigen::VectorXd r = Residuals(bundle, raw, camera, change, Eigen::VectorXd::Zero(J.cols()));
   // What is left of the intrinsics' columns once all others have explained what they can. How far the last camera is
   // along z stays as it is, which holds the unit of length.
   Eigen::MatrixXd rest(J.rows(), others - 1);
@@ -125,7 +135,7 @@ TEST(IntrinsicsEvidence, DoesNotDependOnTheUnitOfLength) {
   std::vector<IntrinsicsEvidence> evidence;
   for (const double unit : {1.0, 100.0}) {
     const Map map = CornerMap(10, 0.3, 3, unit);
-    IntrinsicsProblem problem(map, Whole(map), 0, 0.5);
+    IntrinsicsProblem problem(map, CameraOf(map), CameraOf(map), Whole(map), 0.5);
     ASSERT_TRUE(problem.Adjust(20));
     const std::optional<IntrinsicsEvidence> found = problem.Evidence();
     ASSERT_TRUE(found);
@@ -138,13 +148,13 @@ TEST(IntrinsicsEvidence, DoesNotDependOnTheUnitOfLength) {
 TEST(IntrinsicsEvidence, FollowingAndLookingAgainLeadsToTheTruth) {
   const Map truth = CornerMap(10, 0, 4);
   for (const Vector& error :
-       {Vector(0.15, 0, 0, 0), Vector(-0.15, 0, 0, 0), Vector(0, 20, -15, 0), Vector(0.03, 5, 0, 0.01)}) {
+       {Change(0.15, 0, 0, 0), Change(-0.15, 0, 0, 0), Change(0, 20, -15, 0), Change(0.03, 5, 0, 0.01)}) {
     Map map = truth;
     map.pinhole = ChangedPinhole(truth.pinhole, error);
     for (Landmark& landmark : map.landmarks)
       for (LandmarkObservation& seen : landmark.observations)
         seen.pixel = UndoRadialCorrection(truth.pinhole, error[IntrinsicsChange::kCorrection], seen.pixel);
-    IntrinsicsProblem problem(map, Whole(map), 0, 0.5);
+    IntrinsicsProblem problem(map, CameraOf(map), CameraOf(map), Whole(map), 0.5);
     ASSERT_TRUE(problem.Adjust(20));
     for (int round = 0; round < 8; ++round) {
       const std::optional<IntrinsicsEvidence> evidence = problem.Evidence();

@@ -65,6 +65,8 @@ class Odometry {
   /// The options in effect: those given, without those that the lens model does not support.
   const OdometryOptions& options() const { return options_; }
   const Map& map() const { return map_; }
+  /// The camera by which the map's pixels are undistorted: as given, with the radial correction found so far.
+  const CameraModel& camera() const { return camera_; }
   /// The correction of the lens calibration estimated from the drive.
   const LensRefinement& lens() const { return lens_; }
   /// The consistency test of the given calibration.

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/camera/lens_fit.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include <Eigen/QR>
+
+namespace turnscale {
+namespace {
+
+// Pixels: below what tracking resolves.
+constexpr double kNoDistortion = 0.1;
+constexpr int kColumns = 24;
+constexpr int kRows = 16;
+
+// A pixel's distance from the principal point in the image and that of its ray on the plane z = 1.
+struct RadiusPair {
+  double shown = 0;  ///< in focal lengths
+  double ray = 0;
+};
+
+struct Fit {
+  CameraModel camera;
+  double error = 0;  ///< largest over the image, pixels
+};
+
+std::vector<Eigen::Vector2d> GridOver(int width, int height) {
+  std::vector<Eigen::Vector2d> pixels;
+  for (int row = 0; row <= kRows; ++row)
+    for (int column = 0; column <= kColumns; ++column)
+      pixels.emplace_back((width - 1.0) * column / kColumns, (height - 1.0) * row / kRows);
+  return pixels;
+}
+
+// Coefficients k of shown = base (1 + k1 base^2 + k2 base^4 + ...), by least squares.
+std::array<double, 5> FitSeries(const std::vector<RadiusPair>& pairs, int terms,
+                                const std::function<double(double)>& base_of_ray) {
+  const auto rows = static_cast<Eigen::Index>(pairs.size());
+  Eigen::MatrixXd A(rows, terms);
+  Eigen::VectorXd b(rows);
+  for (Eigen::Index i = 0; i < rows; ++i) {
+    const double base = base_of_ray(pairs[i].ray);
+    double power = base;
+    for (int term = 0; term < terms; ++term) A(i, term) = power *= base * base;
+    b[i] = pairs[i].shown - base;
+  }
+  const Eigen::VectorXd k = A.colPivHouseholderQr().solve(b);
+  std::array<double, 5> coefficients = {0, 0, 0, 0, 0};
+  std::copy(k.begin(), k.end(), coefficients.begin());
+  return coefficients;
+}
+
+}  // namespace
+
+std::optional<CameraModel> FitLens(const Pinhole& pinhole, int width, int height, const RayOfPixel& ray_of) {
+  const double focal = std::sqrt(pinhole.fx * pinhole.fy);
+  std::vector<RadiusPair> pairs;
+  const std::vector<Eigen::Vector2d> grid = GridOver(width, height);
+  for (const Eigen::Vector2d& pixel : grid)
+    if (const std::optional<Eigen::Vector2d> ray = ray_of(pixel); ray && ray->allFinite())
+      pairs.push_back({pinhole.Ray(pixel).head<2>().norm(), ray->norm()});
+  if (pairs.size() < grid.size() / 2) return std::nullopt;
+  const double largest = std::ranges::max(pairs, {}, &RadiusPair::ray).ray;
+
+  const auto error_of = [&](const auto& shown_of_ray) {
+    double error = 0;
+    for (const RadiusPair& pair : pairs) error = std::max(error, focal * std::abs(shown_of_ray(pair.ray) - pair.shown));
+    return error;
+  };
+  const CameraModel plain{pinhole, LensModel::kPinhole, {0, 0, 0, 0, 0}, width, height};
+  if (error_of([](double ray) { return ray; }) < kNoDistortion) return plain;
+
+  std::optional<Fit> best;
+  const auto consider = [&](LensModel lens, const std::array<double, 5>& k, const auto& shown_of_ray) {
+    const double error = error_of(shown_of_ray);
+    if (best && best->error <= error) return;
+    best = {plain, error};
+    best->camera.lens = lens;
+    best->camera.distortion = k;
+  };
+  const std::array<double, 5> radial = FitSeries(pairs, 2, [](double ray) { return ray; });
+  if (RadialRisesUpTo(radial, largest))
+    consider(LensModel::kRadialTangential, radial, [&](double ray) {
+      return DistortRadialTangential(radial, {ray, 0}).point.x();
+    });
+  const std::array<double, 5> fisheye = FitSeries(pairs, 3, [](double ray) { return std::atan(ray); });
+  if (AngleRisesUpTo(fisheye, std::atan(largest)))
+    consider(LensModel::kEquidistant, fisheye, [&](double ray) { return DistortAngle(fisheye, std::atan(ray)); });
+  return best ? std::optional(best->camera) : std::nullopt;
+}
+
+std::optional<double> LargestAngle(const CameraModel& camera) {
+  if (camera.width == 0) return std::nullopt;
+  double largest = 0;
+  for (const Eigen::Vector2d& pixel : GridOver(camera.width, camera.height)) {
+    const std::optional<Eigen::Vector2d> ideal = camera.Undistort(pixel);
+    if (!ideal) return std::nullopt;
+    largest = std::max(largest, std::atan(camera.pinhole.Ray(*ideal).head<2>().norm()));
+  }
+  return largest;
+}
+
+}  // namespace turnscale

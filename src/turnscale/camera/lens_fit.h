@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <functional>
+#include <optional>
+
+#include <Eigen/Core>
+
+#include "turnscale/camera/camera_model.h"
+
+namespace turnscale {
+
+/// Where the ray of a distorted pixel meets the plane z = 1; nothing where the pixel has no ray.
+using RayOfPixel = std::function<std::optional<Eigen::Vector2d>(const Eigen::Vector2d&)>;
+
+/// The camera with these intrinsics and this image size (pixels) whose lens comes closest, over the whole image, to
+/// rays that are distorted along the radius. The lens is a pinhole where that is exact to a tenth of a pixel, else the
+/// radial-tangential model with two coefficients or the equidistant one with three, whichever is closer.
+/// Nothing where neither has a single ray for every pixel, or less than half of the pixels have a ray.
+std::optional<CameraModel> FitLens(const Pinhole& pinhole, int width, int height, const RayOfPixel& ray_of);
+
+/// The largest angle between the optical axis and the ray of a pixel of the image, radians; nothing where the size is
+/// not known, or a pixel has no ray.
+std::optional<double> LargestAngle(const CameraModel& camera);
+
+}  // namespace turnscale

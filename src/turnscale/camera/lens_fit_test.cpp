@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/camera/lens_fit.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+namespace turnscale {
+namespace {
+
+constexpr int kWidth = 1280;
+constexpr int kHeight = 720;
+
+CameraModel MadeCamera(LensModel lens, double focal_length, std::array<double, 5> distortion) {
+  return {{focal_length, focal_length, 650, 350}, lens, distortion, kWidth, kHeight};
+}
+
+RayOfPixel RaysOf(const CameraModel& camera) {
+  return [camera](const Eigen::Vector2d& pixel) -> std::optional<Eigen::Vector2d> {
+    const std::optional<Eigen::Vector2d> ideal = camera.Undistort(pixel);
+    if (!ideal) return std::nullopt;
+    return camera.pinhole.Ray(*ideal).head<2>();
+  };
+}
+
+double LargestPixelError(const CameraModel& camera, const CameraModel& truth) {
+  double largest = 0;
+  for (double x = 0; x < kWidth; x += 40)
+    for (double y = 0; y < kHeight; y += 40) {
+      const Eigen::Vector2d ideal = *truth.Undistort({x, y});
+      const std::optional<Eigen::Vector2d> shown = camera.Project(truth.pinhole.Ray(ideal));
+      largest = std::max(largest, shown ? (*shown - Eigen::Vector2d(x, y)).norm() : HUGE_VAL);
+    }
+  return largest;
+}
+
+TEST(FitLens, FindsTheModelThatMadeTheRays) {
+  for (const CameraModel& truth :
+       {MadeCamera(LensModel::kPinhole, 900, {}), MadeCamera(LensModel::kRadialTangential, 900, {-0.28, 0.07, 0, 0, 0}),
+        MadeCamera(LensModel::kEquidistant, 600, {0.02, -0.01, 0, 0, 0})}) {
+    const std::optional<CameraModel> fit = FitLens(truth.pinhole, kWidth, kHeight, RaysOf(truth));
+    ASSERT_TRUE(fit);
+    EXPECT_EQ(fit->lens, truth.lens);
+    EXPECT_LT(LargestPixelError(*fit, truth), 1e-3);
+  }
+}
+
+TEST(FitLens, ComesCloseWithALensThatIsNeither) {
+  // Three radial terms.
+  CameraModel truth = MadeCamera(LensModel::kRadialTangential, 900, {-0.32, 0.15, 0, 0, -0.04});
+  const std::optional<CameraModel> fit = FitLens(truth.pinhole, kWidth, kHeight, RaysOf(truth));
+  ASSERT_TRUE(fit);
+  EXPECT_LT(LargestPixelError(*fit, truth), 1);
+}
+
+TEST(FitLens, RefusesRaysThatFoldBack) {
+  const Pinhole pinhole{600, 600, 640, 360};
+  const RayOfPixel folding = [&](const Eigen::Vector2d& pixel) -> std::optional<Eigen::Vector2d> {
+    const Eigen::Vector2d point = pinhole.Ray(pixel).head<2>();
+    return Eigen::Vector2d(point * (1 - 0.6 * point.squaredNorm()));
+  };
+  EXPECT_FALSE(FitLens(pinhole, kWidth, kHeight, folding));
+  EXPECT_FALSE(FitLens(pinhole, kWidth, kHeight, [](const auto&) { return std::nullopt; }));
+}
+
+TEST(LargestAngle, IsThatOfTheFarthestCorner) {
+  const CameraModel pinhole = MadeCamera(LensModel::kPinhole, 900, {});
+  EXPECT_NEAR(*LargestAngle(pinhole), std::atan(std::hypot(650.0, 369.0) / 900), 1e-12);
+  const CameraModel fisheye = MadeCamera(LensModel::kEquidistant, 600, {});
+  EXPECT_NEAR(*LargestAngle(fisheye), std::hypot(650.0, 369.0) / 600, 1e-9);
+  CameraModel unknown = fisheye;
+  unknown.width = 0;
+  EXPECT_FALSE(LargestAngle(unknown));
+  EXPECT_FALSE(LargestAngle(MadeCamera(LensModel::kEquidistant, 300, {})));
+}
+
+}  // namespace
+}  // namespace turnscale

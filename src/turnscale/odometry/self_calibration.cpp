@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/odometry/self_calibration.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include "turnscale/base/error.h"
+#include "turnscale/camera/lens_fit.h"
+#include "turnscale/geometry/rotation.h"
+#include "turnscale/odometry/odometry.h"
+
+namespace turnscale {
+namespace {
+
+// Where the drive says nothing with the first camera: odometry fails where its focal length is too far off.
+constexpr std::array<double, 2> kOtherViews = {100.0, 50.0};
+// Before the first window, for a map to build up.
+constexpr double kLeadSeconds = 3.0;
+constexpr double kLooseAtFirst = 4.0;
+constexpr double kTightening = 0.6;
+constexpr int kMaxLandmarks = 300;
+// A focal length may have to change by a factor of two, in steps of a tenth.
+constexpr int kMaxRounds = 15;
+
+// What one reading of the images tells.
+struct Reading {
+  IntrinsicsEstimate estimate;
+  int windows = 0;
+  double first_time = 0;  ///< of the first window, seconds
+};
+
+// Thresholds in pixels are wider at first: with a wrong lens, points near the edge, which tell most of it, fit worst.
+double LooseBy(int pass) { return std::max(1.0, kLooseAtFirst * std::pow(kTightening, pass)); }
+
+OdometryOptions OptionsForReading(OdometryOptions odometry, int pass) {
+  odometry.vehicle.lever_arm.reset();
+  odometry.calibration_check.enabled = false;
+  odometry.pose.inlier_threshold *= LooseBy(pass);
+  odometry.pose.huber_threshold *= LooseBy(pass);
+  odometry.landmarks.max_reprojection_error *= LooseBy(pass);
+  return odometry;
+}
+
+CalibrationCheckOptions CheckForReading(const SelfCalibrationOptions& options, CalibrationCheckOptions check,
+                                        int pass) {
+  check.enabled = true;
+  check.focal_prior_sigma = options.focal_prior_sigma;
+  check.correction_prior_sigma = options.correction_prior_sigma;
+  check.higher_prior_sigma = options.higher_prior_sigma;
+  check.max_landmarks = kMaxLandmarks;
+  check.max_rounds = kMaxRounds;
+  if (pass == 0) check.min_turn_deg = options.first_min_turn_deg;
+  return check;
+}
+
+// Runs the odometry with `camera` from `from` seconds on, until `windows` windows have been read.
+Reading ReadTurns(const OdometryOptions& options, const CameraModel& camera, CalibrationCheck check, int windows,
+                  double from, const ImageStream& next) {
+  Odometry odometry(options, camera);
+  Reading reading;
+  size_t keyframes = 0;
+  while (const std::optional<TimedImage> image = next()) {
+    if (image->time < from || image->gray.empty()) continue;
+    odometry.Process(image->gray, image->time);
+    const Map& map = odometry.map();
+    if (std::exchange(keyframes, map.keyframes.size()) == map.keyframes.size()) continue;
+    if (!check.Observe(map, odometry.camera())) continue;
+    if (check.windows() == 1)
+      reading.first_time = map.keyframes[std::max<size_t>(keyframes, options.calibration_check.window) -
+                                         options.calibration_check.window]
+                               .time;
+    if (check.windows() >= windows) break;
+  }
+  reading.windows = check.windows();
+  reading.estimate = check.Estimate();
+  return reading;
+}
+
+// The camera after a change of its intrinsics.
+std::optional<CameraModel> Changed(const CameraModel& camera, const IntrinsicsChange::Vector& change) {
+  const Pinhole pinhole = ChangedPinhole(camera.pinhole, change);
+  return FitLens(pinhole, camera.width, camera.height,
+                 [&](const Eigen::Vector2d& pixel) -> std::optional<Eigen::Vector2d> {
+                   const std::optional<CorrectedPixel> corrected = Correct(camera, change, pixel);
+                   if (!corrected) return std::nullopt;
+                   return pinhole.Ray(corrected->pixel).head<2>();
+                 });
+}
+
+// Largest change of a pixel's ray.
+double Difference(const CameraModel& camera, const CameraModel& other) {
+  double largest = 0;
+  for (const double x : {0.0, 0.25, 0.5, 0.75, 1.0})
+    for (const double y : {0.0, 0.5, 1.0}) {
+      const Eigen::Vector2d pixel(x * (camera.width - 1), y * (camera.height - 1));
+      const auto one = camera.Undistort(pixel);
+      const auto two = other.Undistort(pixel);
+      if (!one || !two) return HUGE_VAL;
+      const Eigen::Vector3d difference = camera.pinhole.Ray(*one) - other.pinhole.Ray(*two);
+      largest = std::max(largest, difference.norm());
+    }
+  return largest;
+}
+
+}  // namespace
+
+void SelfCalibrationOptions::Check() const {
+  const auto require = [](bool fine, const char* what) {
+    if (!fine) throw InputError(std::string("self_calibration.") + what);
+  };
+  require(windows >= 1, "windows: has to be at least 1");
+  require(first_windows >= 1, "first_windows: has to be at least 1");
+  require(first_min_turn_deg > 0, "first_min_turn_deg: has to be positive");
+  require(max_passes >= 1, "max_passes: has to be at least 1");
+  require(converged > 0, "converged: has to be positive");
+  require(focal_prior_sigma > 0, "focal_prior_sigma: has to be positive");
+  require(correction_prior_sigma > 0, "correction_prior_sigma: has to be positive");
+  require(higher_prior_sigma >= 0, "higher_prior_sigma: must not be negative");
+}
+
+std::optional<FoundCamera> CalibrateFromDrive(const SelfCalibrationOptions& options, const OdometryOptions& odometry,
+                                              const CameraModel& start, const std::function<ImageStream()>& open) {
+  options.Check();
+  CameraModel given = start;
+  IntrinsicsChange::Vector change = IntrinsicsChange::Vector::Zero();
+  const auto read = [&](const CameraModel& camera, int pass, double from) {
+    const CalibrationCheck check(CheckForReading(options, odometry.calibration_check, pass), given, change);
+    return ReadTurns(OptionsForReading(odometry, pass), camera, check,
+                     pass == 0 ? options.first_windows : options.windows, from, open());
+  };
+  Reading reading = read(given, 0, -HUGE_VAL);
+  for (const double view : kOtherViews) {
+    if (reading.windows > 0) break;
+    given = CameraOfView(view, start.width, start.height);
+    reading = read(given, 0, -HUGE_VAL);
+  }
+  if (reading.windows == 0) return std::nullopt;
+
+  CameraModel camera = given;
+  FoundCamera found;
+  for (int pass = 1;; ++pass) {
+    change = reading.estimate.change;
+    const std::optional<CameraModel> next = Changed(given, change);
+    if (!next) return std::nullopt;
+    const IntrinsicsChange::Vector sigmas = reading.estimate.covariance.diagonal().cwiseSqrt();
+    found.camera = *next;
+    found.focal_sigma = sigmas[IntrinsicsChange::kLogFocal] * next->pinhole.fx;
+    found.centre_sigma = sigmas[IntrinsicsChange::kCentreX];
+    found.windows = reading.windows;
+    found.converged = pass > 1 && Difference(camera, *next) < options.converged;
+    if (found.converged || pass == options.max_passes) return found;
+    camera = *next;
+    const Reading again = read(camera, pass, reading.first_time - kLeadSeconds);
+    // With the better camera no part of the drive turns enough.
+    if (again.windows == 0) return found;
+    reading = again;
+  }
+}
+
+CameraModel CameraOfView(double field_of_view_deg, int width, int height) {
+  const double focal = 0.5 * width / std::tan(0.5 * field_of_view_deg / kDegreesPerRadian);
+  return {{focal, focal, 0.5 * (width - 1), 0.5 * (height - 1)}, LensModel::kPinhole, {0, 0, 0, 0, 0}, width, height};
+}
+
+}  // namespace turnscale

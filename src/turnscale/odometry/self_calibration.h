@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <functional>
+#include <optional>
+
+#include <opencv2/core/mat.hpp>
+
+#include "turnscale/camera/camera_model.h"
+#include "turnscale/odometry/options.h"
+
+namespace turnscale {
+
+/// Estimation of the intrinsics from the images of a drive.
+struct SelfCalibrationOptions {
+  /// Windows of keyframes in turns that decide (CalibrationCheckOptions); the first ones of the drive.
+  int windows = 6;
+  /// Windows of the first reading, which need not be accurate.
+  int first_windows = 3;
+  /// Least turn in a window of the first reading, degrees. Small: with a focal length that is much too long, rotations
+  /// come out too small.
+  double first_min_turn_deg = 10.0;
+  /// Most times that the images are read.
+  int max_passes = 6;
+  /// The camera is found when a pass changes the ray of no pixel by more than this (on the plane z = 1).
+  double converged = 0.003;
+
+  // Priors, standard deviations.
+  double focal_prior_sigma = 0.5;       ///< relative
+  double correction_prior_sigma = 0.3;  ///< radial correction, r^2
+  double higher_prior_sigma = 0.1;      ///< radial correction, r^4 and r^6
+
+  /// Throws InputError that names the field when a value makes no sense.
+  void Check() const;
+};
+
+/// An image of a drive and when it was taken, seconds.
+struct TimedImage {
+  cv::Mat gray;  ///< 8 bit; empty where the image is unusable
+  double time = 0;
+};
+
+/// Yields the images of a drive in order; nothing at the end.
+using ImageStream = std::function<std::optional<TimedImage>()>;
+
+/// A camera as the drive tells it.
+struct FoundCamera {
+  CameraModel camera;
+  double focal_sigma = 0;   ///< standard deviation of the focal length, pixels
+  double centre_sigma = 0;  ///< of the principal point, pixels
+  int windows = 0;          ///< windows in turns that decided
+  bool converged = false;
+};
+
+/// Estimates focal length, principal point and radial distortion from the first turns of a drive.
+///
+/// The odometry runs over the images with the camera as assumed; windows of keyframes in turns tell how it differs
+/// from the true one (CalibrationCheck); the images are read again with the new camera, until it no longer changes.
+/// `start` needs image size and focal length only: half or twice the true one is near enough. `open` opens the drive
+/// anew, at its first image. Both focal lengths are changed by the same factor.
+/// Nothing where no window turns enough: the focal length does not matter to the images of a straight.
+std::optional<FoundCamera> CalibrateFromDrive(const SelfCalibrationOptions& options, const OdometryOptions& odometry,
+                                              const CameraModel& start, const std::function<ImageStream()>& open);
+
+/// A camera of this image size (pixels) and horizontal field of view (degrees), without distortion.
+CameraModel CameraOfView(double field_of_view_deg, int width, int height);
+
+}  // namespace turnscale

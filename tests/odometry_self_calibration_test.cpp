@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: MIT
+#include <cmath>
+#include <optional>
+
+#include <gtest/gtest.h>
+
+#include "odometry_run.h"
+#include "street_drive.h"
+#include "turnscale/odometry/self_calibration.h"
+
+namespace turnscale {
+namespace {
+
+std::function<ImageStream()> ImagesOf(const StreetDrive& drive) {
+  return [&drive]() -> ImageStream {
+    return [&drive, next = size_t{0}]() mutable -> std::optional<TimedImage> {
+      if (next == drive.images.size()) return std::nullopt;
+      const size_t frame = next++;
+      return TimedImage{drive.images[frame], drive.times[frame]};
+    };
+  };
+}
+
+std::optional<FoundCamera> Found(const StreetDrive& drive, double field_of_view_deg) {
+  return CalibrateFromDrive({}, StreetOptions(),
+                            CameraOfView(field_of_view_deg, drive.camera.width, drive.camera.height), ImagesOf(drive));
+}
+
+TEST(OdometrySelfCalibration, FindsTheFocalLengthFromANarrowAndAWideStart) {
+  const StreetDrive drive = PlainStreetDrive();
+  for (const double start : {50.0, 105.0}) {
+    const std::optional<FoundCamera> found = Found(drive, start);
+    ASSERT_TRUE(found) << start;
+    EXPECT_NEAR(found->camera.pinhole.fx / drive.camera.pinhole.fx, 1, 0.015) << start;
+    EXPECT_NEAR(found->camera.pinhole.fx, drive.camera.pinhole.fx, 2 * found->focal_sigma) << start;
+    EXPECT_NEAR(found->camera.pinhole.cx, drive.camera.pinhole.cx, 2 * found->centre_sigma) << start;
+  }
+}
+
+TEST(OdometrySelfCalibration, FindsADistortionToo) {
+  const StreetDrive drive = RenderStreetDrive({.k1 = -0.12});
+  const std::optional<FoundCamera> found = Found(drive, 70);
+  ASSERT_TRUE(found);
+  EXPECT_NEAR(found->camera.pinhole.fx / drive.camera.pinhole.fx, 1, 0.03);
+  // At the middle of the left and right edges, where a pinhole with the right focal length is 3 degrees off.
+  for (const double x : {0.0, drive.camera.width - 1.0}) {
+    const Eigen::Vector2d pixel(x, drive.camera.pinhole.cy);
+    const double angle = std::atan(found->camera.pinhole.Ray(*found->camera.Undistort(pixel)).x());
+    const double truth = std::atan(drive.camera.pinhole.Ray(*drive.camera.Undistort(pixel)).x());
+    EXPECT_NEAR(angle, truth, 0.02);
+  }
+}
+
+TEST(OdometrySelfCalibration, AStraightDoesNotTell) {
+  const StreetDrive drive = PlainStreetDrive(kStreetFirstTurn);
+  EXPECT_FALSE(Found(drive, 70));
+}
+
+}  // namespace
+}  // namespace turnscale
