@@ -32,7 +32,7 @@ TEST(OdometrySelfCalibration, FindsTheFocalLengthFromANarrowAndAWideStart) {
     const std::optional<FoundCamera> found = Found(drive, start);
     ASSERT_TRUE(found) << start;
     EXPECT_NEAR(found->camera.pinhole.fx / drive.camera.pinhole.fx, 1, 0.015) << start;
-    EXPECT_NEAR(found->camera.pinhole.fx, drive.camera.pinhole.fx, 2 * found->focal_sigma) << start;
+    EXPECT_NEAR(found->camera.pinhole.fx, drive.camera.pinhole.fx, 2 * found->camera.focal_sigma) << start;
     EXPECT_NEAR(found->camera.pinhole.cx, drive.camera.pinhole.cx, 2 * found->centre_sigma) << start;
   }
 }

@@ -12,6 +12,7 @@
 
 #include "argument_checks.h"
 #include "commands.h"
+#include "drive_camera.h"
 #include "drive_source.h"
 #include "turnscale/base/error.h"
 #include "turnscale/calibration/camera_step.h"
@@ -264,7 +265,7 @@ void AddCalibrateCommand(CLI::App& app) {
       ->check(CLI::IsMember({"auto", "camera", "flu", "frd"}))
       ->capture_default_str()
       ->needs(trajectory);
-  calibrate->add_option("--camera", images.camera, "Intrinsics, as for run")->excludes(trajectory);
+  AddCameraOptions(*calibrate, images);
   CLI::Option* timestamps = calibrate->add_option(
       "--timestamps", images.timestamps,
       "Times of the frames in seconds, one per line [times.txt in the input folder, or beside the trajectory]");

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <opencv2/core/utility.hpp>
 
+#include "drive_camera.h"
 #include "interrupt.h"
 #include "turnscale/base/error.h"
 #include "turnscale/calibration/camera_step.h"
@@ -23,17 +24,13 @@ namespace {
 
 std::filesystem::path CameraFileFor(const ImageArguments& arguments, const DriveInput& drive) {
   if (arguments.camera) return *arguments.camera;
-  if (drive.camera_file) return *drive.camera_file;
-  throw InputError(arguments.Name() + ": has no calib.txt or camera.yaml; give --camera FILE");
+  if (drive.camera_file && !arguments.field_of_view) return *drive.camera_file;
+  return {};
 }
 
 ImageSourceOptions SourceOptions(const ImageArguments& arguments, const CameraModel& camera,
                                  const std::filesystem::path& camera_file) {
-  ImageSourceOptions options;
-  options.timestamps = arguments.timestamps;
-  options.fps = arguments.fps;
-  if (!arguments.start.empty()) options.start = ParseDriveTime("--start", arguments.start);
-  if (!arguments.end.empty()) options.end = ParseDriveTime("--end", arguments.end);
+  ImageSourceOptions options = SourceOptions(arguments);
   options.width = camera.width;
   options.height = camera.height;
   options.camera_file = camera_file.string();
@@ -76,6 +73,15 @@ std::vector<Trajectory> Stretches(const std::vector<FrameResult>& frames) {
 
 }  // namespace
 
+ImageSourceOptions SourceOptions(const ImageArguments& arguments) {
+  ImageSourceOptions options;
+  options.timestamps = arguments.timestamps;
+  options.fps = arguments.fps;
+  if (!arguments.start.empty()) options.start = ParseDriveTime("--start", arguments.start);
+  if (!arguments.end.empty()) options.end = ParseDriveTime("--end", arguments.end);
+  return options;
+}
+
 std::string ImageArguments::Name() const {
   if (inputs.size() < 2) return inputs.empty() ? std::string() : inputs.front().string();
   return fmt::format("{} and {} more", inputs.front().string(), inputs.size() - 1);
@@ -91,14 +97,14 @@ void AddPartOptions(CLI::App& command, ImageArguments& arguments) {
 DriveImages::DriveImages(const ImageArguments& arguments)
     : drive(FindDrive(arguments.inputs)),
       camera_file(CameraFileFor(arguments, drive)),
-      camera(ReadCameraFile(camera_file)),
+      camera(camera_file.empty() ? CameraModel() : ReadCameraFile(camera_file)),
       source(drive, SourceOptions(arguments, camera, camera_file)),
       expected(ExpectedFrames(source.count(), arguments.max_frames)) {}
 
 std::string DoubtOf(const DriveImages& images, const cv::Mat& image) {
   constexpr double kFarOff = 0.15;  // of the image's width or height
   const Pinhole& pinhole = images.camera.pinhole;
-  const bool named = images.camera.width > 0;
+  const bool named = images.camera.width > 0 || images.camera_file.empty();
   const bool central =
       std::abs(pinhole.cx / image.cols - 0.5) < kFarOff && std::abs(pinhole.cy / image.rows - 0.5) < kFarOff;
   if (image.empty() || named || central) return {};
@@ -158,6 +164,7 @@ DriveMotion MotionFromImages(const ImageArguments& arguments) {
   options.Check();
   DriveImages images(arguments);
   cv::setNumThreads(kImageThreads);
+  EstimateCamera(arguments, images, options);
   Odometry odometry(options, images.camera);
   CatchInterrupts();
   Progress progress(images.expected, arguments.quiet);

@@ -28,6 +28,8 @@ constexpr int kImageThreads = 2;
 struct ImageArguments {
   std::vector<std::filesystem::path> inputs;  ///< one, or videos that continue one another
   std::optional<std::filesystem::path> camera;
+  std::optional<double> field_of_view;  ///< horizontal, degrees; estimate the intrinsics, starting there
+  bool refine_camera = false;           ///< estimate the intrinsics, starting from the given ones
   std::optional<std::filesystem::path> timestamps;
   std::optional<double> fps;
   std::optional<std::filesystem::path> settings;
@@ -43,13 +45,16 @@ struct ImageArguments {
 /// Adds the options of the part of a drive to process.
 void AddPartOptions(CLI::App& command, ImageArguments& arguments);
 
+/// Where the images of a drive are read from, as the arguments have it.
+ImageSourceOptions SourceOptions(const ImageArguments& arguments);
+
 /// The images of a drive and their camera.
 struct DriveImages {
-  /// Throws InputError where there are no images, no times or no calibration.
+  /// Throws InputError where there are no images or no times.
   explicit DriveImages(const ImageArguments& arguments);
 
   DriveInput drive;
-  std::filesystem::path camera_file;
+  std::filesystem::path camera_file;  ///< empty where the camera is not given
   CameraModel camera;
   ImageSource source;
   int expected = 0;  ///< number of frames, limited by `max_frames`; 0 if unknown

@@ -12,6 +12,7 @@
 
 #include "argument_checks.h"
 #include "commands.h"
+#include "drive_camera.h"
 #include "drive_source.h"
 #include "interrupt.h"
 #include "turnscale/base/error.h"
@@ -63,11 +64,13 @@ OdometryOptions OptionsFrom(const RunArguments& arguments) {
   return options;
 }
 
-RunSummary BeforeTheDrive(const RunArguments& arguments, const OdometryOptions& options, const DriveImages& images) {
+RunSummary BeforeTheDrive(const RunArguments& arguments, const OdometryOptions& options, const DriveImages& images,
+                          const std::optional<FoundCamera>& found) {
   RunSummary summary;
   summary.version = TURNSCALE_VERSION;
   summary.input = arguments.images.Name();
   summary.camera = images.camera_file.string();
+  summary.found_camera = found;
   summary.pose_frame = arguments.frame;
   summary.folder = arguments.out.string();
   summary.start = arguments.images.start;
@@ -97,6 +100,7 @@ int RunImages(const RunArguments& arguments) {
   cv::setNumThreads(arguments.threads);
   const OdometryOptions options = OptionsFrom(arguments);
   DriveImages images(arguments.images);
+  const std::optional<FoundCamera> found = EstimateCamera(arguments.images, images, options);
   Odometry odometry(options, images.camera);
   Progress progress(images.expected, arguments.images.quiet);
   bool begun = false;
@@ -116,7 +120,7 @@ int RunImages(const RunArguments& arguments) {
                             [&] { return images.source.clips(); },
                             arguments.images.max_frames,
                             {arguments.out, shown, options.vehicle},
-                            BeforeTheDrive(arguments, options, images)};
+                            BeforeTheDrive(arguments, options, images, found)};
   const RunEnd end = RunDrive(drive, odometry, progress);
   if (end.failures.empty() && end.nothing_tracked.empty() && !arguments.images.quiet)
     PrintText(SummaryText(end.summary));
@@ -132,9 +136,7 @@ void AddRunCommand(CLI::App& app) {
                   "KITTI folder (image_0/ or images/, calib.txt or camera.yaml, times.txt), folder of images, video, "
                   "several videos that continue one another, or folder with them and the KITTI files")
       ->required();
-  run->add_option(
-      "--camera", arguments->images.camera,
-      "Intrinsics: KITTI calib.txt, OpenCV, ORB-SLAM or Kalibr YAML [calib.txt or camera.yaml in the input folder]");
+  AddCameraOptions(*run, arguments->images);
   CLI::Option* timestamps =
       run->add_option("--timestamps", arguments->images.timestamps,
                       "Times of the frames in seconds, one per line [times.txt in the input folder]");

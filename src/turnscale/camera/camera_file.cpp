@@ -160,7 +160,9 @@ CameraModel OpenCvCamera(const YamlMap& file) {
                               "grid_points",
                               "rms",
                               "header",
-                              "frame_id"};
+                              "frame_id",
+                              "focal_length_sigma",
+                              "principal_point_sigma"};
   file.AllowOnly(known);
   const std::vector<double> k = MatrixOf(file, "camera_matrix");
   if (k.size() != 9) file.Reject("camera_matrix", HoldsNumbers(k) + "; a 3x3 matrix has 9");
@@ -174,6 +176,8 @@ CameraModel OpenCvCamera(const YamlMap& file) {
   camera.pinhole = {k[0], k[4], k[2], k[5]};
   SetImageSize(file, "image_width", "image_height", camera);
   SetOpenCvDistortion(file, camera);
+  if (file.Has("focal_length_sigma")) camera.focal_sigma = file.Number("focal_length_sigma");
+  if (!(camera.focal_sigma >= 0)) file.Reject("focal_length_sigma", "must not be negative");
   return camera;
 }
 
@@ -297,7 +301,8 @@ std::string CameraFileText(const CameraModel& camera) {
          "\ncamera_matrix:\n  rows: 3\n  cols: 3\n  data: [" + Joined(matrix, ", ") +
          "]\ndistortion_model: " + (fisheye ? "equidistant" : "plumb_bob") +
          "\ndistortion_coefficients:\n  rows: 1\n  cols: " + std::to_string(coefficients) + "\n  data: [" +
-         Joined(distortion, ", ") + "]\n";
+         Joined(distortion, ", ") + "]\n" +
+         (camera.focal_sigma > 0 ? "focal_length_sigma: " + NumberText(camera.focal_sigma) + "\n" : "");
 }
 
 std::string KittiCalibrationText(const Pinhole& p) {

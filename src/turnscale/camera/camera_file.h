@@ -15,6 +15,7 @@ namespace turnscale {
 CameraModel ReadCameraFile(const std::filesystem::path& path);
 
 /// The calibration as YAML of ROS's camera_info, which OpenCV reads too and ReadCameraFile gives back to the same bits.
+/// `focal_length_sigma` (pixels) is added where the camera has one.
 std::string CameraFileText(const CameraModel& camera);
 
 /// KITTI's `calib.txt`: the camera stands for all four. Only for a camera whose lens has no distortion, which the file

@@ -29,6 +29,9 @@ struct CameraModel {
   /// (CorrectRadially).
   double radial_correction = 0;
 
+  /// Standard deviation of the focal length, pixels; 0 if the camera file does not state it. Of both axes together.
+  double focal_sigma = 0;
+
   /// Distorted pixel of a point in the camera frame; nothing where the lens cannot see it.
   std::optional<Eigen::Vector2d> Project(const Eigen::Vector3d& x_in_camera) const;
 

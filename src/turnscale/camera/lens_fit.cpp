@@ -12,6 +12,7 @@ namespace {
 
 // Pixels: below what tracking resolves.
 constexpr double kNoDistortion = 0.1;
+constexpr double kSmallError = 0.3;
 constexpr int kColumns = 24;
 constexpr int kRows = 16;
 
@@ -85,6 +86,8 @@ std::optional<CameraModel> FitLens(const Pinhole& pinhole, int width, int height
     consider(LensModel::kRadialTangential, radial, [&](double ray) {
       return DistortRadialTangential(radial, {ray, 0}).point.x();
     });
+  // Two coefficients that all programs know are preferred to a fit that no image can tell from theirs.
+  if (best && best->error < kSmallError) return best->camera;
   const std::array<double, 5> fisheye = FitSeries(pairs, 3, [](double ray) { return std::atan(ray); });
   if (AngleRisesUpTo(fisheye, std::atan(largest)))
     consider(LensModel::kEquidistant, fisheye, [&](double ray) { return DistortAngle(fisheye, std::atan(ray)); });

@@ -33,6 +33,7 @@ class Run {
       : drive_(drive), odometry_(odometry), progress_(progress), frame_(drive.next()), writer_(drive.output) {
     end_.summary = drive.summary;
     writer_.WriteText("settings.yaml", SettingsText(odometry.options()));
+    if (drive.summary.found_camera) writer_.WriteText("camera.yaml", FoundCameraText(*drive.summary.found_camera));
   }
 
   RunEnd Go() {

@@ -9,6 +9,8 @@
 #include <nlohmann/json.hpp>
 #include <sys/resource.h>
 
+#include "turnscale/base/number_text.h"
+#include "turnscale/camera/camera_file.h"
 #include "turnscale/geometry/rotation.h"
 #include "turnscale/io/terminal.h"
 
@@ -82,6 +84,26 @@ nlohmann::ordered_json MountJson(const std::optional<MountSummary>& mount) {
 std::string ClipsText(const std::vector<ClipPart>& clips) {
   if (clips.size() < 2) return {};
   return fmt::format("clips   {}, from {} to {}\n", clips.size(), clips.front().file, clips.back().file);
+}
+
+nlohmann::ordered_json IntrinsicsJson(const std::optional<FoundCamera>& found) {
+  if (!found) return nullptr;
+  const Pinhole& pinhole = found->camera.pinhole;
+  return {{"focal_length", {pinhole.fx, pinhole.fy}},
+          {"focal_length_sigma", found->camera.focal_sigma},
+          {"principal_point", {pinhole.cx, pinhole.cy}},
+          {"principal_point_sigma", found->centre_sigma},
+          {"windows", found->windows},
+          {"converged", found->converged}};
+}
+
+// One line, empty where the intrinsics were given.
+std::string IntrinsicsText(const std::optional<FoundCamera>& found) {
+  if (!found) return {};
+  const Pinhole& pinhole = found->camera.pinhole;
+  return fmt::format("lens    focal length {:.1f} +-{:.1f}, principal point ({:.1f}, {:.1f}) +-{:.1f} pixels, {}\n",
+                     pinhole.fx, found->camera.focal_sigma, pinhole.cx, pinhole.cy, found->centre_sigma,
+                     "estimated from the drive; see camera.yaml");
 }
 
 // One line, empty where the rotation was given.
@@ -211,6 +233,10 @@ void Summarize(const std::vector<FrameResult>& refined, const RefinedScale& scal
       static_cast<int>(std::count_if(turns.begin(), turns.end(), [](const auto& t) { return t.used; }));
 }
 
+std::string FoundCameraText(const FoundCamera& found) {
+  return CameraFileText(found.camera) + "principal_point_sigma: " + NumberText(found.centre_sigma) + "\n";
+}
+
 std::string SummaryJson(const RunSummary& summary) {
   using Json = nlohmann::ordered_json;
   const YawPitchRoll angles =
@@ -227,7 +253,8 @@ std::string SummaryJson(const RunSummary& summary) {
        {{"start", summary.start.empty() ? Json(nullptr) : Json(summary.start)},
         {"end", summary.end.empty() ? Json(nullptr) : Json(summary.end)}}},
       {"clips", ClipsJson(summary.clips)},
-      {"camera", summary.camera},
+      {"camera", summary.camera.empty() ? Json(nullptr) : Json(summary.camera)},
+      {"intrinsics", IntrinsicsJson(summary.found_camera)},
       {"pose_frame", summary.pose_frame},
       {"lever_arm_m", summary.vehicle.lever_arm ? Json(*summary.vehicle.lever_arm) : Json(nullptr)},
       {"side_slip_s2_per_m", summary.vehicle.side_slip},
@@ -285,16 +312,17 @@ std::string SummaryText(const RunSummary& summary) {
       "scale   {}\n"
       "{}"
       "{}"
+      "{}"
       "turns   {} found, {} used\n"
       "frames  {} bridged, {} unreadable, {} repeated; {} before initialisation\n"
       "{}"
       "speed   {:.1f} frames/s, {:.1f} ms of CPU time per frame, {:.0f} MB\n"
       "files   {}\n",
       ClipsText(summary.clips), summary.distance, IsMetric(summary) ? "m" : "units", summary.frames, summary.keyframes,
-      scale, MountText(summary.mount), CarText(summary.car), summary.turns_found, summary.turns_used, summary.bridged,
-      summary.unreadable.size(), summary.repeated, summary.initializing, MissingText(summary),
-      summary.frames / std::max(cost.wall_seconds, 1e-9), 1e3 * cost.cpu_seconds / std::max(summary.frames, 1),
-      cost.peak_memory_mb, summary.folder);
+      scale, IntrinsicsText(summary.found_camera), MountText(summary.mount), CarText(summary.car), summary.turns_found,
+      summary.turns_used, summary.bridged, summary.unreadable.size(), summary.repeated, summary.initializing,
+      MissingText(summary), summary.frames / std::max(cost.wall_seconds, 1e-9),
+      1e3 * cost.cpu_seconds / std::max(summary.frames, 1), cost.peak_memory_mb, summary.folder);
 }
 
 }  // namespace turnscale

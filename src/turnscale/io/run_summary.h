@@ -11,6 +11,7 @@
 #include "turnscale/odometry/drive_scale.h"
 #include "turnscale/odometry/options.h"
 #include "turnscale/odometry/results.h"
+#include "turnscale/odometry/self_calibration.h"
 
 namespace turnscale {
 
@@ -48,8 +49,9 @@ struct MountSummary {
 struct RunSummary {
   std::string version;
   std::string input;
-  std::string camera;
-  std::string pose_frame;  ///< "camera" or "vehicle"
+  std::string camera;                       ///< file of the intrinsics; empty if there is none
+  std::optional<FoundCamera> found_camera;  ///< intrinsics as estimated from the drive, if they were
+  std::string pose_frame;                   ///< "camera" or "vehicle"
   std::string folder;
   std::string start;            ///< of the part that is processed, as the user gave it; empty: the drive's
   std::string end;              ///< of the part; empty: the drive's
@@ -83,6 +85,9 @@ struct RunSummary {
 
 /// Fills in what follows from the refined frames and their scale, the warnings included.
 void Summarize(const std::vector<FrameResult>& frames, const RefinedScale& scale, RunSummary& summary);
+
+/// An estimated camera as a file that ReadCameraFile reads, with its standard deviations.
+std::string FoundCameraText(const FoundCamera& found);
 
 /// The summary as JSON; all but its "cost" is the same for the same input.
 std::string SummaryJson(const RunSummary& summary);

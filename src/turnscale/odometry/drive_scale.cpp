@@ -241,8 +241,8 @@ RefinedScale DriveScale::Refine(const Map& map, bool follow_turns) const {
   return refined;
 }
 
-double CalibrationSigma(const std::vector<ParameterEstimate>& contradictions, double focal_length) {
-  double variance = 0;
+double CalibrationSigma(const std::vector<ParameterEstimate>& contradictions, double focal_length, double focal_sigma) {
+  double variance = std::pow(kScalePerFocalLength * focal_sigma, 2);
   for (const ParameterEstimate& estimate : contradictions) {
     const double off = estimate.found - estimate.given;
     double sigma = 0;
@@ -263,11 +263,11 @@ double CalibrationSigma(const std::vector<ParameterEstimate>& contradictions, do
   return std::sqrt(variance);
 }
 
-void WidenForCalibration(const std::vector<ParameterEstimate>& contradictions, double focal_length,
+void WidenForCalibration(const std::vector<ParameterEstimate>& contradictions, double focal_length, double focal_sigma,
                          RefinedScale& refined) {
   refined.contradicted_calibration = contradictions;
-  if (contradictions.empty() || !refined.estimate) return;
-  const double widening = CalibrationSigma(contradictions, focal_length);
+  const double widening = CalibrationSigma(contradictions, focal_length, focal_sigma);
+  if (widening == 0 || !refined.estimate) return;
   for (double& sigma : refined.sigmas) sigma = std::hypot(sigma, widening);
   refined.estimate->length_sigma = std::hypot(refined.estimate->length_sigma, widening);
 }

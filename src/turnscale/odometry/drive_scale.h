@@ -35,11 +35,12 @@ struct RefinedScale {
 
 /// Relative standard deviation of the scale due to the estimated errors of the calibration: the error of the direction
 /// of travel over the lever arm's contribution to it. A coarse bound (benchmarks/variants): the scale from such a
-/// calibration is not reliable. 0 without contradictions.
-double CalibrationSigma(const std::vector<ParameterEstimate>& contradictions, double focal_length);
+/// calibration is not reliable. Without contradictions only `focal_sigma` counts, the relative standard deviation of
+/// the focal length that is used.
+double CalibrationSigma(const std::vector<ParameterEstimate>& contradictions, double focal_length, double focal_sigma);
 
 /// Adds it to all sigmas of `refined` in quadrature.
-void WidenForCalibration(const std::vector<ParameterEstimate>& contradictions, double focal_length,
+void WidenForCalibration(const std::vector<ParameterEstimate>& contradictions, double focal_length, double focal_sigma,
                          RefinedScale& refined);
 
 /// Estimates the scale beside the map, which it never changes: keyframes in, metric trajectory out.

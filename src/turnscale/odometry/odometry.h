@@ -120,7 +120,7 @@ class Odometry {
   MapArchive archive_;
   std::vector<double> lens_of_keyframe_;  ///< correction under which each keyframe was settled; NaN before
   std::optional<RefinedScale> refined_;   ///< once the drive is over
-  double calibration_sigma_ = 0;          ///< added to the online sigma for an inconsistent calibration
+  double calibration_sigma_ = 0;          ///< added to the online sigma for an uncertain or inconsistent calibration
 
   bool finished_ = false;
   bool mapping_ = false;  ///< there is a map to track against

@@ -147,7 +147,7 @@ std::optional<FoundCamera> CalibrateFromDrive(const SelfCalibrationOptions& opti
     if (!next) return std::nullopt;
     const IntrinsicsChange::Vector sigmas = reading.estimate.covariance.diagonal().cwiseSqrt();
     found.camera = *next;
-    found.focal_sigma = sigmas[IntrinsicsChange::kLogFocal] * next->pinhole.fx;
+    found.camera.focal_sigma = sigmas[IntrinsicsChange::kLogFocal] * next->pinhole.fx;
     found.centre_sigma = sigmas[IntrinsicsChange::kCentreX];
     found.windows = reading.windows;
     found.converged = pass > 1 && Difference(camera, *next) < options.converged;

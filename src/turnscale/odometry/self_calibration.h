@@ -45,9 +45,8 @@ using ImageStream = std::function<std::optional<TimedImage>()>;
 
 /// A camera as the drive tells it.
 struct FoundCamera {
-  CameraModel camera;
-  double focal_sigma = 0;   ///< standard deviation of the focal length, pixels
-  double centre_sigma = 0;  ///< of the principal point, pixels
+  CameraModel camera;       ///< with the standard deviation of its focal length
+  double centre_sigma = 0;  ///< standard deviation of the principal point, pixels
   int windows = 0;          ///< windows in turns that decided
   bool converged = false;
 };
