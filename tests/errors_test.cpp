@@ -340,8 +340,17 @@ TEST_F(ErrorsTest, SenselessCameras) {
   ExpectComplaint(Run({"--camera", "nowhere.yaml"}), 2, {"nowhere.yaml: no such camera file"});
   Text("drive/calib.txt", "P0: nan 0 160 0 0 200 120 0 0 0 1 0\n");
   ExpectComplaint(Run(), 2, {"calib.txt:1: P0: 'nan' at position 1"});
+  ExpectComplaint(Run({"--fov", "200"}), 2, {"--fov 200"});
+}
+
+TEST_F(ErrorsTest, ADriveWithoutCalibrationAndTurnsAssumesAFieldOfView) {
   fs::remove(Drive() / "calib.txt");
-  ExpectComplaint(Run(), 2, {"give --camera FILE"});
+  const CommandResult result = Run({"--fov", "75"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_NE(result.err.find("a field of view of 75 degrees is assumed"), std::string::npos) << result.err;
+  EXPECT_TRUE(Summary()["camera"].is_null());
+  EXPECT_TRUE(Summary()["intrinsics"].is_null());
+  EXPECT_FALSE(fs::exists(Out() / "camera.yaml"));
 }
 
 TEST_F(ErrorsTest, SenselessSettings) {

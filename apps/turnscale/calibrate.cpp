@@ -266,6 +266,8 @@ void AddCalibrateCommand(CLI::App& app) {
       ->capture_default_str()
       ->needs(trajectory);
   AddCameraOptions(*calibrate, images);
+  for (const char* option : {"--camera", "--fov", "--camera-refine"})
+    calibrate->get_option(option)->excludes(trajectory);
   CLI::Option* timestamps = calibrate->add_option(
       "--timestamps", images.timestamps,
       "Times of the frames in seconds, one per line [times.txt in the input folder, or beside the trajectory]");

@@ -94,15 +94,4 @@ std::optional<CameraModel> FitLens(const Pinhole& pinhole, int width, int height
   return best ? std::optional(best->camera) : std::nullopt;
 }
 
-std::optional<double> LargestAngle(const CameraModel& camera) {
-  if (camera.width == 0) return std::nullopt;
-  double largest = 0;
-  for (const Eigen::Vector2d& pixel : GridOver(camera.width, camera.height)) {
-    const std::optional<Eigen::Vector2d> ideal = camera.Undistort(pixel);
-    if (!ideal) return std::nullopt;
-    largest = std::max(largest, std::atan(camera.pinhole.Ray(*ideal).head<2>().norm()));
-  }
-  return largest;
-}
-
 }  // namespace turnscale

@@ -20,8 +20,4 @@ using RayOfPixel = std::function<std::optional<Eigen::Vector2d>(const Eigen::Vec
 /// Nothing where neither has a single ray for every pixel, or less than half of the pixels have a ray.
 std::optional<CameraModel> FitLens(const Pinhole& pinhole, int width, int height, const RayOfPixel& ray_of);
 
-/// The largest angle between the optical axis and the ray of a pixel of the image, radians; nothing where the size is
-/// not known, or a pixel has no ray.
-std::optional<double> LargestAngle(const CameraModel& camera);
-
 }  // namespace turnscale

@@ -63,16 +63,5 @@ TEST(FitLens, RefusesRaysThatFoldBack) {
   EXPECT_FALSE(FitLens(pinhole, kWidth, kHeight, [](const auto&) { return std::nullopt; }));
 }
 
-TEST(LargestAngle, IsThatOfTheFarthestCorner) {
-  const CameraModel pinhole = MadeCamera(LensModel::kPinhole, 900, {});
-  EXPECT_NEAR(*LargestAngle(pinhole), std::atan(std::hypot(650.0, 369.0) / 900), 1e-12);
-  const CameraModel fisheye = MadeCamera(LensModel::kEquidistant, 600, {});
-  EXPECT_NEAR(*LargestAngle(fisheye), std::hypot(650.0, 369.0) / 600, 1e-9);
-  CameraModel unknown = fisheye;
-  unknown.width = 0;
-  EXPECT_FALSE(LargestAngle(unknown));
-  EXPECT_FALSE(LargestAngle(MadeCamera(LensModel::kEquidistant, 300, {})));
-}
-
 }  // namespace
 }  // namespace turnscale

@@ -11,8 +11,6 @@
 #include "turnscale/base/error.h"
 #include "turnscale/base/quantiles.h"
 #include "turnscale/camera/camera_model.h"
-#include "turnscale/camera/lens_fit.h"
-#include "turnscale/geometry/rotation.h"
 #include "turnscale/mapping/landmarks.h"
 #include "turnscale/mapping/local_bundle_adjustment.h"
 #include "turnscale/mapping/map_scaling.h"
@@ -28,9 +26,6 @@ constexpr double kNearQuarter = 0.25;
 // A change of the lens correction by which a turn's scale changes by some per cent: poses adjusted under another one
 // are adjusted anew when the next turn ends.
 constexpr double kStaleLensChange = 2e-3;
-// Radians from the optical axis.
-constexpr double kWidestCorrected = 70 / kDegreesPerRadian;
-constexpr double kWidestChecked = 80 / kDegreesPerRadian;
 // Keyframes that go to the archive at a time, at least.
 constexpr int kArchivedTogether = 20;
 
@@ -39,11 +34,7 @@ OdometryOptions Checked(OdometryOptions options, const CameraModel& camera) {
   if ((camera.width == 0) != (camera.height == 0))
     throw InputError("camera: has a width or a height without the other");
   // The radial correction grows with the tangent of the angle, which has no bound on a fisheye.
-  if (camera.lens == LensModel::kEquidistant) {
-    const double angle = LargestAngle(camera).value_or(HUGE_VAL);
-    if (angle > kWidestCorrected) options.lens.enabled = false;
-    if (angle > kWidestChecked) options.calibration_check.enabled = false;
-  }
+  if (camera.lens == LensModel::kEquidistant) options.lens.enabled = options.calibration_check.enabled = false;
   return options;
 }
 
