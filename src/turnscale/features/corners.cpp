@@ -41,8 +41,9 @@ double SmallerEigenvalue(const cv::Mat& gray, const cv::Point& at) {
   return 0.5 * (xx + yy - std::hypot(static_cast<double>(xx - yy), 2.0 * xy));
 }
 
-// Marks which pixels are too near to one that is taken.
-cv::Mat FreePixels(const CornerOptions& options, const cv::Size& size, const std::vector<cv::Point2f>& occupied) {
+// Marks which pixels are in the mask and not too near to one that is taken.
+cv::Mat FreePixels(const CornerOptions& options, const cv::Size& size, const std::vector<cv::Point2f>& occupied,
+                   const cv::Mat& mask) {
   cv::Mat free(size, CV_8U, cv::Scalar(0));
   const cv::Rect inside(options.border, options.border, size.width - 2 * options.border,
                         size.height - 2 * options.border);
@@ -51,6 +52,7 @@ cv::Mat FreePixels(const CornerOptions& options, const cv::Size& size, const std
   for (const cv::Point2f& point : occupied)
     cv::circle(free, cv::Point(cvRound(point.x), cvRound(point.y)), cvRound(options.min_distance), cv::Scalar(0),
                cv::FILLED);
+  if (!mask.empty()) free.setTo(0, mask == 0);
   return free;
 }
 
@@ -64,8 +66,8 @@ void CornerOptions::Check() const {
 }
 
 std::vector<cv::Point2f> DetectCorners(const CornerOptions& options, const cv::Mat& gray,
-                                       const std::vector<cv::Point2f>& occupied) {
-  const cv::Mat free = FreePixels(options, gray.size(), occupied);
+                                       const std::vector<cv::Point2f>& occupied, const cv::Mat& mask) {
+  const cv::Mat free = FreePixels(options, gray.size(), occupied, mask);
   std::vector<cv::KeyPoint> candidates;
   cv::FAST(gray, candidates, options.fast_threshold, true);
 

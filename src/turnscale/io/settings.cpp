@@ -212,6 +212,13 @@ void VisitSettings(Visitor& visitor, OdometryOptions& options) {
     visitor.Field("max_motion_share", o.max_motion_share);
     visitor.Field("max_seconds", o.max_seconds);
   });
+  visitor.Group("static_regions", [&] {
+    auto& o = options.static_regions;
+    visitor.Field("columns", o.columns);
+    visitor.Field("max_motion", o.max_motion);
+    visitor.Field("min_expected_motion", o.min_expected_motion);
+    visitor.Field("min_evidence", o.min_evidence);
+  });
   visitor.Group("scale", [&] { VisitScaleSettings(visitor, options.scale); });
 }
 

@@ -61,6 +61,7 @@ std::vector<PointSighting> SightingsIn(const Map& map, const WaitingFrame& frame
 Odometry::Odometry(const OdometryOptions& options, const CameraModel& camera)
     : options_(Checked(options, camera)),
       camera_(camera),
+      mask_(options_.static_regions),
       initializer_(options, camera),
       tracker_(options_),
       motion_(options.motion),
@@ -94,15 +95,25 @@ FrameResult Odometry::Process(const cv::Mat& gray, double time) {
 
 void Odometry::CheckImage(const cv::Mat& gray) {
   if (gray.type() != CV_8UC1) throw InputError("image: has to be 8-bit gray");
+  // Not every camera file tells the size; the first image does.
   if (camera_.width == 0) {
-    // Not every camera file tells the size; the first image does.
     camera_.width = gray.cols;
     camera_.height = gray.rows;
-    initializer_ = MapInitializer(options_, camera_);
   }
   if (gray.cols != camera_.width || gray.rows != camera_.height)
     throw InputError("image: is " + std::to_string(gray.cols) + "x" + std::to_string(gray.rows) + ", the camera has " +
                      std::to_string(camera_.width) + "x" + std::to_string(camera_.height));
+  if (mask_.size() == gray.size()) return;
+  mask_.SetSize(gray.size());
+  ApplyMask();
+  WaitForMap();
+}
+
+void Odometry::ApplyMask() { tracker_.SetMask(mask_.pixels()); }
+
+void Odometry::WaitForMap() {
+  mapping_ = false;
+  initializer_ = MapInitializer(options_, camera_, mask_.pixels());
 }
 
 FrameResult Odometry::NewFrame(double time, TrackingState state) {
@@ -171,6 +182,8 @@ void Odometry::StartMap(const FlowImage& image, const InitialMap& start) {
                       start.first_pixels[second.features[i]], keyframe, keyframe + 1});
   }
   tracker_.Start(image, std::move(tracks), start.CountPoints());
+  mask_.LeaveOut(start.motion);
+  ApplyMask();
   mapping_ = true;
   lost_frames_ = 0;
   scale_.Add(map_);
@@ -258,14 +271,15 @@ FrameResult Odometry::Bridge(const RigidTransform& predicted, FrameResult result
   if (result.state != TrackingState::kUnreadable) result.state = TrackingState::kBridged;
   const TrackingOptions& limits = options_.tracking;
   if (mapping_ && ++lost_frames_ >= limits.min_lost_frames && result.time - motion_.time() > limits.max_lost_seconds) {
-    mapping_ = false;
-    initializer_ = MapInitializer(options_, camera_);
+    WaitForMap();
   }
   return MetricResult(result, predicted);
 }
 
 void Odometry::AddKeyframe(const RigidTransform& camera_from_world, FrameResult& result) {
   const int keyframe = static_cast<int>(map_.keyframes.size());
+  mask_.Observe(tracker_.DropStatic(map_, camera_from_world));
+  ApplyMask();
   map_.keyframes.push_back({result.frame, result.time, camera_from_world, {}, false});
   std::vector<int> seen;
   for (const FeatureTrack& track : tracker_.tracks()) {

@@ -1,0 +1,2 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/odometry/image_mask.h"
