@@ -95,6 +95,8 @@ void VisitSettings(Visitor& visitor, OdometryOptions& options) {
     visitor.Field("window", o.window);
     visitor.Field("levels", o.levels);
     visitor.Field("max_return_error", o.max_return_error);
+    visitor.Field("min_brightness", o.min_brightness);
+    visitor.Field("max_brightness_change", o.max_brightness_change);
   });
   visitor.Group("alignment", [&] {
     auto& o = options.alignment;

@@ -67,10 +67,11 @@ bool FrameTracker::IsRepeat(const Map& map, const CameraModel& camera, const Flo
 
 TrackedFrame FrameTracker::Track(const Map& map, const CameraModel& camera, const FlowImage& image,
                                  const MotionModel& motion, const RigidTransform& predicted, double time) {
-  auto [followed, estimate] = TrackFrom(map, camera, image, motion.last(), predicted);
+  const FlowImage before = MatchBrightness(options_.flow, last_image_, image);
+  auto [followed, estimate] = TrackFrom(map, camera, before, image, motion.last(), predicted);
   if (!IsBelievable(options_.tracking, estimate)) {
     for (const RigidTransform& other : motion.OtherPredictions(time)) {
-      std::tie(followed, estimate) = TrackFrom(map, camera, image, motion.last(), other);
+      std::tie(followed, estimate) = TrackFrom(map, camera, before, image, motion.last(), other);
       if (IsBelievable(options_.tracking, estimate)) break;
     }
   }
@@ -84,10 +85,11 @@ TrackedFrame FrameTracker::Track(const Map& map, const CameraModel& camera, cons
 }
 
 std::pair<FollowedTracks, PoseEstimate> FrameTracker::TrackFrom(const Map& map, const CameraModel& camera,
-                                                                const FlowImage& image, const RigidTransform& last,
+                                                                const FlowImage& before, const FlowImage& image,
+                                                                const RigidTransform& last,
                                                                 const RigidTransform& predicted) const {
   const std::vector<cv::Point2f> guesses = PredictPixels(map, camera, tracks_, last, predicted);
-  FollowedTracks followed = FollowTracks(options_.flow, map, camera, last_image_, image, tracks_, guesses);
+  FollowedTracks followed = FollowTracks(options_.flow, map, camera, before, image, tracks_, guesses);
   DropMasked(followed);
   PoseEstimate estimate = EstimateFramePose(options_.pose, map, predicted, followed);
   if (IsBelievable(options_.tracking, estimate)) {

@@ -75,8 +75,9 @@ class FrameTracker {
   void Correct(const std::function<Eigen::Vector2d(const Eigen::Vector2d&)>& corrected);
 
  private:
-  std::pair<FollowedTracks, PoseEstimate> TrackFrom(const Map& map, const CameraModel& camera, const FlowImage& image,
-                                                    const RigidTransform& last, const RigidTransform& predicted) const;
+  std::pair<FollowedTracks, PoseEstimate> TrackFrom(const Map& map, const CameraModel& camera, const FlowImage& before,
+                                                    const FlowImage& image, const RigidTransform& last,
+                                                    const RigidTransform& predicted) const;
   void DropMasked(FollowedTracks& tracks) const;
   void AlignWithMap(const Map& map, const CameraModel& camera, const FlowImage& image,
                     const RigidTransform& camera_from_world, FollowedTracks& tracks) const;

@@ -85,8 +85,9 @@ void MapInitializer::Start(const FlowImage& image, int frame, double time) {
 }
 
 bool MapInitializer::Follow(const FlowImage& image, int frame, double time) {
-  FlowResult flow = TrackPoints(options_.flow, last_, image, pixels_, pixels_);
-  CheckReturn(options_.flow, last_, image, pixels_, flow);
+  const FlowImage before = MatchBrightness(options_.flow, last_, image);
+  FlowResult flow = TrackPoints(options_.flow, before, image, pixels_, pixels_);
+  CheckReturn(options_.flow, before, image, pixels_, flow);
   WaitingFrame next{.frame = frame, .time = time, .features = {}, .pixels = {}};
   std::vector<cv::Point2f> pixels;
   for (size_t i = 0; i < alive_.size(); ++i) {
