@@ -87,7 +87,9 @@ FlowImage BuildFlowImage(const FlowOptions& options, const cv::Mat& gray) {
 
 FlowImage MatchBrightness(const FlowOptions& options, const FlowImage& first, const FlowImage& second) {
   const double gain = BrightnessRatio(first, second);
-  if (std::abs(gain - 1) <= options.max_brightness_change) return first;
+  // A jump by more is no exposure control: the second image shows something else, or nothing.
+  constexpr double kMostGain = 4;
+  if (std::abs(gain - 1) <= options.max_brightness_change || gain > kMostGain || gain * kMostGain < 1) return first;
   cv::Mat gray;
   first.gray.convertTo(gray, CV_8U, gain);
   return WithPyramid(options, gray);

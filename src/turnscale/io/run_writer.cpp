@@ -139,7 +139,8 @@ RunWriter::RunWriter(const RunWriterOptions& options) : options_(options) {
   }
   MakeFolder(options_.folder);
   // The summary first: it says that the others are of one run.
-  for (const char* name : {kSummary, kSettings, kTurns, kMap, kMask, kTum, kKitti, kTable, kLive}) RemoveOldFile(PathOf(name));
+  for (const char* name : {kSummary, kSettings, kTurns, kMap, kMask, kTum, kKitti, kTable, kLive})
+    RemoveOldFile(PathOf(name));
   live_.emplace(PathOf(kLive));
 }
 

@@ -36,13 +36,12 @@ PoseEstimate EstimateFramePose(const PoseEstimationOptions& options, const Map& 
 // the camera's motion moves whatever is there.
 bool StandsStill(const StaticRegionOptions& options, const Map& map, const Landmark& landmark,
                  const Eigen::Vector2d& pixel, const RigidTransform& camera_from_world) {
-  bool scene_moves = false;
-  for (const LandmarkObservation& seen : landmark.observations) {
-    if ((seen.pixel - pixel).norm() > options.max_motion) return false;
-    const RigidTransform now_from_then = camera_from_world * map.keyframes[seen.keyframe].camera_from_world.inverse();
-    scene_moves |= LeastSceneMotion(map.pinhole, now_from_then, seen.pixel) >= options.min_expected_motion;
-  }
-  return scene_moves;
+  return HasStayed(landmark, pixel, options.max_motion) &&
+         std::ranges::any_of(landmark.observations, [&](const LandmarkObservation& seen) {
+           const RigidTransform& then_from_world = map.keyframes[seen.keyframe].camera_from_world;
+           return LeastSceneMotion(map.pinhole, camera_from_world * then_from_world.inverse(), seen.pixel) >=
+                  options.min_expected_motion;
+         });
 }
 
 }  // namespace

@@ -17,6 +17,8 @@ constexpr double kMostEvidence = 2;
 // No features are detected where pixels are left out. Their evidence fades at this rate per keyframe, so that the cell
 // is looked at again after some hundreds.
 constexpr double kFading = 0.01;
+// In small images cells stay larger than the distance between features, pixels.
+constexpr double kLeastCell = 16;
 
 }  // namespace
 
@@ -41,6 +43,12 @@ double LeastSceneMotion(const Pinhole& pinhole, const RigidTransform& second_fro
   return (from_far - along / nearer.squaredNorm() * nearer).norm();
 }
 
+bool HasStayed(const Landmark& landmark, const Eigen::Vector2d& pixel, double max_motion) {
+  return std::ranges::all_of(landmark.observations, [&](const LandmarkObservation& seen) {
+    return (seen.pixel - pixel).norm() <= max_motion;
+  });
+}
+
 bool IsKept(const cv::Mat& mask, const cv::Point2f& point) {
   if (mask.empty()) return true;
   const int column = std::clamp(cvRound(point.x), 0, mask.cols - 1);
@@ -53,9 +61,9 @@ void ImageMask::SetSize(const cv::Size& size) {
     throw InputError("mask: is " + std::to_string(given_.cols) + "x" + std::to_string(given_.rows) +
                      ", the images are " + std::to_string(size.width) + "x" + std::to_string(size.height));
   size_ = size;
-  cell_size_ = static_cast<double>(size.width) / options_.columns;
-  columns_ = options_.columns;
-  const int rows = static_cast<int>(size.height / cell_size_) + 1;
+  cell_size_ = std::max(kLeastCell, static_cast<double>(size.width) / options_.columns);
+  columns_ = static_cast<int>(std::ceil(size.width / cell_size_));
+  const int rows = static_cast<int>(std::ceil(size.height / cell_size_));
   cells_.assign(static_cast<size_t>(columns_) * rows, {});
   Render();
 }

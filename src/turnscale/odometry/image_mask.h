@@ -8,13 +8,14 @@
 
 #include "turnscale/geometry/pinhole.h"
 #include "turnscale/geometry/rigid_transform.h"
+#include "turnscale/mapping/map.h"
 
 namespace turnscale {
 
 /// What counts as standing still in the image while the scene moves: dashboard, bonnet, reflections, dirt on the
 /// windscreen, burnt-in text.
 struct StaticRegionOptions {
-  /// Cells of the image in which evidence is collected, over its width; they are square.
+  /// Cells of the image in which evidence is collected, over its width; fewer in a small image. They are square.
   int columns = 64;
   /// A feature stands still if it has moved by at most this, pixels.
   double max_motion = 1.0;
@@ -31,6 +32,9 @@ struct StaticRegionOptions {
 /// Distance of a pixel from where a camera motion can take it, pixels: the least over all depths of what it shows.
 /// Where it is large, a feature that has not moved does not belong to the scene.
 double LeastSceneMotion(const Pinhole& pinhole, const RigidTransform& second_from_first, const Eigen::Vector2d& pixel);
+
+/// Whether all keyframes have seen a landmark within so many pixels of the one given.
+bool HasStayed(const Landmark& landmark, const Eigen::Vector2d& pixel, double max_motion);
 
 /// How a feature has moved in the image, as far as that tells whether it belongs to the scene.
 struct ObservedMotion {

@@ -281,12 +281,13 @@ void Odometry::AddKeyframe(const RigidTransform& camera_from_world, FrameResult&
   mask_.Observe(tracker_.DropStatic(map_, camera_from_world));
   ApplyMask();
   map_.keyframes.push_back({result.frame, result.time, camera_from_world, {}, false});
-  std::vector<int> seen;
-  for (const FeatureTrack& track : tracker_.tracks()) {
-    AddObservation(map_, keyframe, track.landmark, track.undistorted);
-    seen.push_back(track.landmark);
-  }
-  TriangulateLandmarks(options_.landmarks, seen, map_);
+  for (const FeatureTrack& track : tracker_.tracks()) AddObservation(map_, keyframe, track.landmark, track.undistorted);
+  // What has stood still in the image so far may not belong to the scene, even if its rays meet.
+  std::vector<int> moving;
+  for (const FeatureTrack& track : tracker_.tracks())
+    if (!HasStayed(map_.landmarks[track.landmark], track.undistorted, options_.static_regions.max_motion))
+      moving.push_back(track.landmark);
+  TriangulateLandmarks(options_.landmarks, moving, map_);
   const LocalBundleResult adjusted = AdjustLocalWindow(options_.local_bundle, map_);
   tracker_.Drop(CullLandmarks(options_.landmarks, adjusted.landmarks, keyframe, map_));
   RefineLens();
