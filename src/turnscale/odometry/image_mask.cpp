@@ -103,7 +103,7 @@ void ImageMask::LeaveOut(const std::vector<ObservedMotion>& motion) {
   const std::vector<int> votes = Votes(motion);
   for (size_t i = 0; i < cells_.size(); ++i) {
     if (votes[i] <= 0) continue;
-    cells_[i].evidence = std::max(cells_[i].evidence, static_cast<double>(options_.min_evidence));
+    cells_[i].evidence = options_.min_evidence + kMostEvidence;
     cells_[i].left_out = true;
   }
   Render();
