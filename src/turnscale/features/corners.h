@@ -11,7 +11,8 @@ struct CornerOptions {
   /// Corners wanted over the whole image. More cost time, fewer cost accuracy in turns, where half the view is new
   /// every second.
   int target = 1200;
-  /// Gray levels by which the ring of a FAST corner has to differ; low, since the ranking below keeps the best.
+  /// Gray levels by which the ring of a FAST corner has to differ; low, since the ranking below keeps the best. Less in
+  /// an image of little contrast.
   int fast_threshold = 10;
   /// No new corner nearer than this to a tracked one, pixels.
   double min_distance = 12;

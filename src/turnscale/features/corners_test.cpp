@@ -73,6 +73,12 @@ TEST(Corners, KeepAwayFromTheOnesThatAreTracked) {
   }
 }
 
+TEST(Corners, AreFoundInFog) {
+  cv::Mat fog;
+  UnevenImage().convertTo(fog, CV_8U, 0.2, 110);
+  EXPECT_GT(DetectCorners(Options(), fog, {}).size(), 150U);
+}
+
 TEST(Corners, StayInTheMask) {
   cv::Mat mask(kCornerImageSize, CV_8U, cv::Scalar(255));
   mask(cv::Rect(100, 100, 200, 150)).setTo(0);

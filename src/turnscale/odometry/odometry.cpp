@@ -282,11 +282,12 @@ void Odometry::AddKeyframe(const RigidTransform& camera_from_world, FrameResult&
   ApplyMask();
   map_.keyframes.push_back({result.frame, result.time, camera_from_world, {}, false});
   for (const FeatureTrack& track : tracker_.tracks()) AddObservation(map_, keyframe, track.landmark, track.undistorted);
-  // What has stood still in the image so far may not belong to the scene, even if its rays meet.
+  // Where parts of the image are known to stand still, what has not moved so far may belong to them, even if its rays
+  // meet.
+  const double max_motion = mask_.pixels().empty() ? -1.0 : options_.static_regions.max_motion;
   std::vector<int> moving;
   for (const FeatureTrack& track : tracker_.tracks())
-    if (!HasStayed(map_.landmarks[track.landmark], track.undistorted, options_.static_regions.max_motion))
-      moving.push_back(track.landmark);
+    if (!HasStayed(map_.landmarks[track.landmark], track.undistorted, max_motion)) moving.push_back(track.landmark);
   TriangulateLandmarks(options_.landmarks, moving, map_);
   const LocalBundleResult adjusted = AdjustLocalWindow(options_.local_bundle, map_);
   tracker_.Drop(CullLandmarks(options_.landmarks, adjusted.landmarks, keyframe, map_));
