@@ -191,6 +191,7 @@ std::optional<InitialMap> MapInitializer::TryTwoViews() const {
     map.has_point[second.features[i]] = views.triangulated[i];
     map.points[second.features[i]] = views.points[i];
   }
+  map.has_still_features = std::ranges::count(FindStatic(second), 1) >= kFewestStatic;
   if (std::ranges::count(still, 1) > 0) LeaveOut(still, map);
   return map;
 }

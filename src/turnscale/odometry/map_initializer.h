@@ -34,6 +34,8 @@ struct InitialMap {
   std::vector<Eigen::Vector3d> points;  ///< one per feature
   /// Where features stood still in the image, and where others moved; empty if all belong to the scene.
   std::vector<ObservedMotion> motion;
+  /// Features stood still in the image, far away or none of the scene.
+  bool has_still_features = false;
 
   int CountPoints() const { return static_cast<int>(std::ranges::count(has_point, 1)); }
 };

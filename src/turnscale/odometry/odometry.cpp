@@ -11,6 +11,7 @@
 #include "turnscale/base/error.h"
 #include "turnscale/base/quantiles.h"
 #include "turnscale/camera/camera_model.h"
+#include "turnscale/geometry/rotation.h"
 #include "turnscale/mapping/landmarks.h"
 #include "turnscale/mapping/local_bundle_adjustment.h"
 #include "turnscale/mapping/map_scaling.h"
@@ -28,6 +29,17 @@ constexpr double kNearQuarter = 0.25;
 constexpr double kStaleLensChange = 2e-3;
 // Keyframes that go to the archive at a time, at least.
 constexpr int kArchivedTogether = 20;
+
+// A turn in which static features show in several keyframes, degrees: if they were none, what stood still before was
+// far away.
+constexpr double kDecidingTurn = 10;
+
+// How far the camera has turned from a keyframe to the latest, degrees.
+double TurnSince(const Map& map, int keyframe) {
+  return RotationAngle(map.keyframes.back().camera_from_world.rotation *
+                       map.keyframes[keyframe].camera_from_world.rotation.conjugate()) *
+         kDegreesPerRadian;
+}
 
 OdometryOptions Checked(OdometryOptions options, const CameraModel& camera) {
   options.Check();
@@ -183,6 +195,7 @@ void Odometry::StartMap(const FlowImage& image, const InitialMap& start) {
   }
   tracker_.Start(image, std::move(tracks), start.CountPoints());
   mask_.LeaveOut(start.motion);
+  if (start.has_still_features) start_in_doubt_ = keyframe;
   ApplyMask();
   mapping_ = true;
   lost_frames_ = 0;
@@ -282,9 +295,10 @@ void Odometry::AddKeyframe(const RigidTransform& camera_from_world, FrameResult&
   ApplyMask();
   map_.keyframes.push_back({result.frame, result.time, camera_from_world, {}, false});
   for (const FeatureTrack& track : tracker_.tracks()) AddObservation(map_, keyframe, track.landmark, track.undistorted);
-  // Where parts of the image are known to stand still, what has not moved so far may belong to them, even if its rays
-  // meet.
-  const double max_motion = mask_.pixels().empty() ? -1.0 : options_.static_regions.max_motion;
+  // Where parts of the image stand still, what has not moved so far may belong to them, even if its rays meet.
+  if (start_in_doubt_ && TurnSince(map_, *start_in_doubt_) > kDecidingTurn) start_in_doubt_.reset();
+  const bool in_doubt = start_in_doubt_ || !mask_.pixels().empty();
+  const double max_motion = in_doubt ? options_.static_regions.max_motion : -1.0;
   std::vector<int> moving;
   for (const FeatureTrack& track : tracker_.tracks())
     if (!HasStayed(map_.landmarks[track.landmark], track.undistorted, max_motion)) moving.push_back(track.landmark);
