@@ -287,6 +287,28 @@ TEST_F(ErrorsTest, ImageSizeThatContradictsTheCamera) {
   EXPECT_FALSE(fs::exists(Out())) << "nothing was computed";
 }
 
+TEST_F(ErrorsTest, AMaskLeavesPixelsOutAndStaysWhatItIs) {
+  const std::string path = (folder_ / "mask.png").string();
+  cv::Mat mask(kRoomHeight, kRoomWidth, CV_8UC1, cv::Scalar(255));
+  mask.rowRange(200, kRoomHeight).setTo(0);
+  cv::imwrite(path, mask);
+  EXPECT_EQ(Run({"--mask", path}).exit_code, 0);
+  const cv::Mat written = cv::imread((Out() / "mask.png").string(), cv::IMREAD_UNCHANGED);
+  ASSERT_EQ(written.size(), mask.size());
+  EXPECT_EQ(cv::countNonZero(written.rowRange(200, kRoomHeight)), 0);
+  ExpectComplaint(Run({"--mask", (Out() / "mask.png").string()}), 2, {"mask.png: is also an input file"});
+  EXPECT_EQ(Run().exit_code, 0);
+  EXPECT_FALSE(fs::exists(Out() / "mask.png")) << "nothing stands still in this drive";
+}
+
+TEST_F(ErrorsTest, AMaskThatDoesNotFit) {
+  const std::string path = (folder_ / "mask.png").string();
+  cv::imwrite(path, cv::Mat(20, 30, CV_8UC1, cv::Scalar(255)));
+  ExpectComplaint(Run({"--mask", path}), 2, {"mask.png: is 30x20 pixels, but the images are 320x240"});
+  EXPECT_FALSE(fs::exists(Out())) << "nothing was computed";
+  ExpectComplaint(Run({"--mask", (folder_ / "none.png").string()}), 2, {"none.png: no such mask"});
+}
+
 TEST_F(ErrorsTest, ImageSizeThatChangesKeepsWhatWasComputed) {
   cv::imwrite(Image(12).string(), cv::Mat(100, 100, CV_8UC1, cv::Scalar(3)));
   ExpectComplaint(Run({"--quiet"}), 2, {"000012.png: is 100x100 pixels, but", "000000.png says 320x240"});

@@ -25,6 +25,7 @@ OdometryRun RunOdometry(const OdometryOptions& options, const CameraModel& camer
   run.turns = run.scale.turns;
   run.lens_correction = odometry.lens().correction();
   run.map = odometry.map();
+  run.mask = odometry.mask();
   return run;
 }
 

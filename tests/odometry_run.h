@@ -23,6 +23,7 @@ struct OdometryRun {
   std::vector<TurnResult> turns;  ///< of `scale`
   double lens_correction = 0;
   Map map;
+  cv::Mat mask;  ///< of pixels left out at the end; empty if none are
 };
 
 /// An empty image stands for one that could not be read.

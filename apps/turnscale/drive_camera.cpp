@@ -63,7 +63,7 @@ void AddCameraOptions(CLI::App& command, ImageArguments& arguments) {
 }
 
 std::optional<FoundCamera> EstimateCamera(const ImageArguments& arguments, DriveImages& images,
-                                          const OdometryOptions& options) {
+                                          const OdometryOptions& options, const cv::Mat& mask) {
   if (!images.camera_file.empty() && !arguments.refine_camera) return std::nullopt;
   const double view = ViewOf(arguments);
   if (images.camera.width == 0) {
@@ -74,11 +74,13 @@ std::optional<FoundCamera> EstimateCamera(const ImageArguments& arguments, Drive
     images.camera.width = size->width;
     images.camera.height = size->height;
   }
+  // The run itself refuses such a mask.
+  if (!mask.empty() && mask.size() != cv::Size(images.camera.width, images.camera.height)) return std::nullopt;
   CatchInterrupts();
   Progress progress(0, arguments.quiet);
   int pass = 0;
-  const std::optional<FoundCamera> found =
-      CalibrateFromDrive({}, options, images.camera, [&] { return Images(arguments, images.drive, progress, pass); });
+  const std::optional<FoundCamera> found = CalibrateFromDrive(
+      {}, options, images.camera, [&] { return Images(arguments, images.drive, progress, pass); }, mask);
   progress.Finish();
   if (Interrupted()) return std::nullopt;
   if (!found) {

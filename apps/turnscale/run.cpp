@@ -16,6 +16,7 @@
 #include "drive_source.h"
 #include "interrupt.h"
 #include "turnscale/base/error.h"
+#include "turnscale/io/mask_file.h"
 #include "turnscale/io/run_drive.h"
 #include "turnscale/io/settings.h"
 #include "turnscale/io/terminal.h"
@@ -32,6 +33,7 @@ struct RunArguments {
   std::optional<double> lever_arm_sigma;
   std::optional<double> side_slip;
   std::optional<double> side_slip_sigma;
+  std::optional<fs::path> mask;
   std::string camera_rotation;
   std::optional<std::string> method;
   std::string frame = "camera";
@@ -100,14 +102,20 @@ int RunImages(const RunArguments& arguments) {
   cv::setNumThreads(arguments.threads);
   const OdometryOptions options = OptionsFrom(arguments);
   DriveImages images(arguments.images);
-  const std::optional<FoundCamera> found = EstimateCamera(arguments.images, images, options);
+  const cv::Mat mask = arguments.mask ? ReadMask(*arguments.mask) : cv::Mat();
+  const std::optional<FoundCamera> found = EstimateCamera(arguments.images, images, options, mask);
   Odometry odometry(options, images.camera);
+  if (arguments.mask) {
+    RefuseToOverwrite("--out", arguments.out / "mask.png", {*arguments.mask});
+    odometry.SetMask(mask);
+  }
   Progress progress(images.expected, arguments.images.quiet);
   bool begun = false;
   const auto next = [&] {
     std::optional<SourceFrame> frame = images.source.Next();
     if (begun) return frame;
     begun = true;
+    if (frame && !frame->gray.empty() && arguments.mask) CheckMaskSize(*arguments.mask, mask, frame->gray.size());
     // From here on there is something to keep.
     CatchInterrupts();
     if (const std::string doubt = frame ? DoubtOf(images, frame->gray) : ""; !doubt.empty()) progress.Warn(doubt);
@@ -161,6 +169,9 @@ void AddRunCommand(CLI::App& app) {
       "--camera-rotation", arguments->camera_rotation,
       "Camera-to-vehicle rotation: yaw,pitch,roll in degrees (to the right, up, to the right); a YAML file "
       "with yaw_deg, pitch_deg, roll_deg, such as calibrate writes; or auto: estimated during the drive [auto]");
+  run->add_option("--mask", arguments->mask,
+                  "Image of the frames' size: black pixels (0) are left out of all frames, in addition to those that "
+                  "are found to stand still while the scene moves");
   run->add_option(
          "--method", arguments->method,
          "How metric scale is obtained. smoothed: one estimate along the drive, from all turns; turns: map adjusted "
@@ -184,8 +195,9 @@ void AddRunCommand(CLI::App& app) {
       "Examples:\n  turnscale run drive.mp4 --camera cam.yaml --lever-arm 1.45 --out out/drive\n"
       "  turnscale run DCIM/ --camera cam.yaml --lever-arm 1.45 --start 1:30 --end 12:00\n\n"
       "Output: trajectory.tum and trajectory.kitti.txt (refined, every frame), live.tum (online: each pose as\n"
-      "estimated at its frame), trajectory.csv, turns.csv, map.ply, settings.yaml and summary.json. Ctrl-C stops\n"
-      "after the current frame and keeps the results so far (exit code 130).");
+      "estimated at its frame), trajectory.csv, turns.csv, map.ply, mask.png (pixels left out, if any), settings.yaml "
+      "and\n"
+      "summary.json. Ctrl-C stops after the current frame and keeps the results so far (exit code 130).");
   run->callback([arguments] {
     if (const int exit_code = RunImages(*arguments); exit_code != 0) throw CLI::RuntimeError(exit_code);
   });

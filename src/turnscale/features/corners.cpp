@@ -41,8 +41,21 @@ double SmallerEigenvalue(const cv::Mat& gray, const cv::Point& at) {
   return 0.5 * (xx + yy - std::hypot(static_cast<double>(xx - yy), 2.0 * xy));
 }
 
-// Marks which pixels are too near to one that is taken.
-cv::Mat FreePixels(const CornerOptions& options, const cv::Size& size, const std::vector<cv::Point2f>& occupied) {
+// In fog, corners are as faint as the whole image.
+int ThresholdFor(const CornerOptions& options, const cv::Mat& gray) {
+  constexpr double kUsualContrast = 18;  // standard deviation of the gray levels; that of most drives is above 25
+  constexpr int kLeast = 4;              // below is noise
+  cv::Scalar mean;
+  cv::Scalar contrast;
+  cv::meanStdDev(gray, mean, contrast);
+  if (contrast[0] >= kUsualContrast) return options.fast_threshold;
+  return std::min(options.fast_threshold,
+                  std::max(kLeast, cvRound(options.fast_threshold * contrast[0] / kUsualContrast)));
+}
+
+// Marks which pixels are in the mask and not too near to one that is taken.
+cv::Mat FreePixels(const CornerOptions& options, const cv::Size& size, const std::vector<cv::Point2f>& occupied,
+                   const cv::Mat& mask) {
   cv::Mat free(size, CV_8U, cv::Scalar(0));
   const cv::Rect inside(options.border, options.border, size.width - 2 * options.border,
                         size.height - 2 * options.border);
@@ -51,6 +64,7 @@ cv::Mat FreePixels(const CornerOptions& options, const cv::Size& size, const std
   for (const cv::Point2f& point : occupied)
     cv::circle(free, cv::Point(cvRound(point.x), cvRound(point.y)), cvRound(options.min_distance), cv::Scalar(0),
                cv::FILLED);
+  if (!mask.empty()) free.setTo(0, mask == 0);
   return free;
 }
 
@@ -64,10 +78,10 @@ void CornerOptions::Check() const {
 }
 
 std::vector<cv::Point2f> DetectCorners(const CornerOptions& options, const cv::Mat& gray,
-                                       const std::vector<cv::Point2f>& occupied) {
-  const cv::Mat free = FreePixels(options, gray.size(), occupied);
+                                       const std::vector<cv::Point2f>& occupied, const cv::Mat& mask) {
+  const cv::Mat free = FreePixels(options, gray.size(), occupied, mask);
   std::vector<cv::KeyPoint> candidates;
-  cv::FAST(gray, candidates, options.fast_threshold, true);
+  cv::FAST(gray, candidates, ThresholdFor(options, gray), true);
 
   const double cell = std::max(options.min_distance, std::sqrt(static_cast<double>(gray.total()) / options.target));
   const int columns = static_cast<int>(gray.cols / cell) + 1;

@@ -73,6 +73,23 @@ TEST(Corners, KeepAwayFromTheOnesThatAreTracked) {
   }
 }
 
+TEST(Corners, AreFoundInFog) {
+  cv::Mat fog;
+  UnevenImage().convertTo(fog, CV_8U, 0.2, 110);
+  EXPECT_GT(DetectCorners(Options(), fog, {}).size(), 150U);
+}
+
+TEST(Corners, StayInTheMask) {
+  cv::Mat mask(kCornerImageSize, CV_8U, cv::Scalar(255));
+  mask(cv::Rect(100, 100, 200, 150)).setTo(0);
+  const std::vector<cv::Point2f> corners = DetectCorners(Options(), UnevenImage(), {}, mask);
+  EXPECT_EQ(CountInside(corners, {100, 100, 200, 150}), 0);
+  const std::vector<cv::Point2f> all = DetectCorners(Options(), UnevenImage(), {});
+  EXPECT_GT(CountInside(all, {100, 100, 200, 150}), 20);
+  EXPECT_GT(CountInside(corners, {320, 0, 280, 400}), 0);
+  EXPECT_EQ(CountInside(corners, {320, 0, 280, 400}), CountInside(all, {320, 0, 280, 400}));
+}
+
 TEST(Corners, KeepAwayFromTheBorder) {
   CornerOptions options = Options();
   options.border = 40;

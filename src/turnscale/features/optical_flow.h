@@ -15,6 +15,10 @@ struct FlowOptions {
   int levels = 3;
   /// A point tracked forth and back has to return to within this many pixels.
   double max_return_error = 0.7;
+  /// Mean gray level below which an image counts as taken at night: it is brightened and smoothed. 0: none is.
+  double min_brightness = 32;
+  /// Images are made equally bright if their brightness differs by more than this share.
+  double max_brightness_change = 0.1;
 
   /// Throws InputError that names the field when a value makes no sense.
   void Check() const;
@@ -22,11 +26,16 @@ struct FlowOptions {
 
 /// An image with what optical flow needs of it, built once a frame.
 struct FlowImage {
-  cv::Mat gray;                  ///< 8 bit, full size
+  cv::Mat gray;                  ///< 8 bit, full size; brightened if it was dark
   std::vector<cv::Mat> pyramid;  ///< images and gradients, level by level
 };
 
 FlowImage BuildFlowImage(const FlowOptions& options, const cv::Mat& gray);
+
+/// The first image as bright as the second, where the brightness has jumped from one to the other (exposure control,
+/// flickering light): optical flow takes the same place to have the same gray level. Where it has not, the first image
+/// itself.
+FlowImage MatchBrightness(const FlowOptions& options, const FlowImage& first, const FlowImage& second);
 
 struct FlowResult {
   std::vector<cv::Point2f> points;  ///< where each point is in the second image; meaningless where not found

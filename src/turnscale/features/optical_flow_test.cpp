@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "turnscale/base/quantiles.h"
 #include "turnscale/base/refused_field.h"
 #include "turnscale/features/synthetic_texture.h"
 
@@ -175,6 +176,49 @@ TEST(OpticalFlow, NoPointsNoResult) {
   EXPECT_TRUE(nothing.found.empty());
 }
 
+TEST(OpticalFlow, AJumpOfTheBrightnessIsTakenOut) {
+  const SyntheticTexture texture(1, 8, 100);
+  const Eigen::Vector2d shift(2.3, -1.6);
+  const FlowImage first = Shifted(texture, {0, 0});
+  cv::Mat darker;
+  Shifted(texture, shift).gray.convertTo(darker, CV_8U, 0.6);
+  // A part that changes by itself: a lorry passes.
+  darker(cv::Rect(0, 0, 150, 300)).setTo(230);
+  const FlowImage second = BuildFlowImage({}, darker);
+  const FlowImage matched = MatchBrightness({}, first, second);
+  EXPECT_NEAR(cv::mean(matched.gray)[0] / cv::mean(first.gray)[0], 0.6, 0.03);
+  std::vector<cv::Point2f> points = Grid(40, 20);
+  std::erase_if(points, [](const cv::Point2f& point) { return point.x < 200; });
+  const auto off = [&](const FlowImage& before) {
+    const FlowResult flow = TrackPoints({}, before, second, points, points);
+    std::vector<double> errors;
+    for (size_t i = 0; i < points.size(); ++i)
+      errors.push_back(
+          std::hypot(flow.points[i].x - points[i].x - shift.x(), flow.points[i].y - points[i].y - shift.y()));
+    return Median(std::move(errors));
+  };
+  EXPECT_LT(off(matched), 0.25);
+  EXPECT_GT(off(first), 3 * off(matched));
+}
+
+TEST(OpticalFlow, ImagesOfAboutTheSameBrightnessStayAsTheyAre) {
+  const SyntheticTexture texture(1, 8, 100);
+  const FlowImage first = Shifted(texture, {0, 0});
+  EXPECT_EQ(MatchBrightness({}, first, Shifted(texture, {3, 2})).gray.data, first.gray.data);
+  const FlowImage black = BuildFlowImage({}, cv::Mat::zeros(kFlowImageSize, CV_8U));
+  EXPECT_EQ(MatchBrightness({}, first, black).gray.data, first.gray.data) << "which shows something else";
+  EXPECT_EQ(MatchBrightness({}, black, first).gray.data, black.gray.data);
+}
+
+TEST(OpticalFlow, ADarkImageIsBrightened) {
+  const SyntheticTexture texture(1, 8, 100);
+  const cv::Mat day = Shifted(texture, {0, 0}).gray;
+  cv::Mat night;
+  day.convertTo(night, CV_8U, 0.15);
+  EXPECT_NEAR(cv::mean(BuildFlowImage({}, night).gray)[0], 4 * cv::mean(night)[0], 0.5);
+  EXPECT_EQ(cv::norm(BuildFlowImage({.min_brightness = 0}, night).gray, night, cv::NORM_INF), 0);
+}
+
 TEST(OpticalFlow, OptionsNameTheFieldThatMakesNoSense) {
   EXPECT_EQ(RefusedField<FlowOptions>([](auto&) {}), "");
   EXPECT_EQ(RefusedField<FlowOptions>([](auto& o) { o.window = 14; }), "flow.window");
@@ -182,6 +226,8 @@ TEST(OpticalFlow, OptionsNameTheFieldThatMakesNoSense) {
   EXPECT_EQ(RefusedField<FlowOptions>([](auto& o) { o.levels = -1; }), "flow.levels");
   EXPECT_EQ(RefusedField<FlowOptions>([](auto& o) { o.levels = 9; }), "flow.levels");
   EXPECT_EQ(RefusedField<FlowOptions>([](auto& o) { o.max_return_error = 0; }), "flow.max_return_error");
+  EXPECT_EQ(RefusedField<FlowOptions>([](auto& o) { o.min_brightness = -1; }), "flow.min_brightness");
+  EXPECT_EQ(RefusedField<FlowOptions>([](auto& o) { o.max_brightness_change = 0; }), "flow.max_brightness_change");
 }
 
 }  // namespace

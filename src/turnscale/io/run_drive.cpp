@@ -119,6 +119,7 @@ class Run {
     writer_.SetFirstCameraRotation(odometry_.mount().At(0));
     attempts_.Try([&] { writer_.WriteTrajectory(results.frames, results.scale_state, durability); });
     attempts_.Try([&] { writer_.WriteTurns(results.scale.turns, durability); });
+    attempts_.Try([&] { writer_.WriteMask(odometry_.mask(), durability); });
     attempts_.Try([&] { writer_.WriteMap(odometry_.RefinedMap(), results.scale_state, durability); });
     results_ = std::move(results);
   }

@@ -10,6 +10,7 @@
 #include <system_error>
 
 #include <fmt/format.h>
+#include <opencv2/imgcodecs.hpp>
 
 #include "turnscale/base/error.h"
 #include "turnscale/geometry/rotation.h"
@@ -52,6 +53,7 @@ constexpr auto kTable = "trajectory.csv";
 constexpr auto kLive = "live.tum";
 constexpr auto kTurns = "turns.csv";
 constexpr auto kMap = "map.ply";
+constexpr auto kMask = "mask.png";
 constexpr auto kSummary = "summary.json";
 constexpr auto kSettings = "settings.yaml";
 
@@ -137,7 +139,8 @@ RunWriter::RunWriter(const RunWriterOptions& options) : options_(options) {
   }
   MakeFolder(options_.folder);
   // The summary first: it says that the others are of one run.
-  for (const char* name : {kSummary, kSettings, kTurns, kMap, kTum, kKitti, kTable, kLive}) RemoveOldFile(PathOf(name));
+  for (const char* name : {kSummary, kSettings, kTurns, kMap, kMask, kTum, kKitti, kTable, kLive})
+    RemoveOldFile(PathOf(name));
   live_.emplace(PathOf(kLive));
 }
 
@@ -183,6 +186,13 @@ void RunWriter::WriteText(const std::string& name, const std::string& text, Dura
 
 void RunWriter::WriteTurns(const std::vector<TurnResult>& turns, Durability durability) {
   WriteText(kTurns, TurnTable(turns), durability);
+}
+
+void RunWriter::WriteMask(const cv::Mat& mask, Durability durability) {
+  if (mask.empty()) return;
+  std::vector<uchar> png;
+  Ensure(cv::imencode(".png", mask, png), "PNG cannot be encoded");
+  WriteText(kMask, std::string(png.begin(), png.end()), durability);
 }
 
 void RunWriter::WriteMap(const MapPoints& points, ScaleState scale_state, Durability durability) {

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include <opencv2/core/mat.hpp>
+
 #include "turnscale/geometry/rigid_transform.h"
 #include "turnscale/io/output_file.h"
 #include "turnscale/odometry/options.h"
@@ -66,6 +68,8 @@ class RunWriter {
 
   void WriteTurns(const std::vector<TurnResult>& turns, Durability durability = Durability::kPowerCut);
   void WriteMap(const MapPoints& points, ScaleState scale_state, Durability durability = Durability::kPowerCut);
+  /// Writes which pixels were left out (0), unless the mask is empty.
+  void WriteMask(const cv::Mat& mask, Durability durability = Durability::kPowerCut);
   /// Any file of the folder, in one step.
   void WriteText(const std::string& name, const std::string& text, Durability durability = Durability::kPowerCut);
 

@@ -95,6 +95,8 @@ void VisitSettings(Visitor& visitor, OdometryOptions& options) {
     visitor.Field("window", o.window);
     visitor.Field("levels", o.levels);
     visitor.Field("max_return_error", o.max_return_error);
+    visitor.Field("min_brightness", o.min_brightness);
+    visitor.Field("max_brightness_change", o.max_brightness_change);
   });
   visitor.Group("alignment", [&] {
     auto& o = options.alignment;
@@ -212,6 +214,13 @@ void VisitSettings(Visitor& visitor, OdometryOptions& options) {
     visitor.Field("min_expected_motion", o.min_expected_motion);
     visitor.Field("max_motion_share", o.max_motion_share);
     visitor.Field("max_seconds", o.max_seconds);
+  });
+  visitor.Group("static_regions", [&] {
+    auto& o = options.static_regions;
+    visitor.Field("columns", o.columns);
+    visitor.Field("max_motion", o.max_motion);
+    visitor.Field("min_expected_motion", o.min_expected_motion);
+    visitor.Field("min_evidence", o.min_evidence);
   });
   visitor.Group("scale", [&] { VisitScaleSettings(visitor, options.scale); });
 }

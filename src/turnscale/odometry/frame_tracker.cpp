@@ -32,6 +32,18 @@ PoseEstimate EstimateFramePose(const PoseEstimationOptions& options, const Map& 
   return estimate;
 }
 
+// Whether a landmark without a depth, now at `pixel`, is none of the scene: it has always been at this pixel, although
+// the camera's motion moves whatever is there.
+bool StandsStill(const StaticRegionOptions& options, const Map& map, const Landmark& landmark,
+                 const Eigen::Vector2d& pixel, const RigidTransform& camera_from_world) {
+  return HasStayed(landmark, pixel, options.max_motion) &&
+         std::ranges::any_of(landmark.observations, [&](const LandmarkObservation& seen) {
+           const RigidTransform& then_from_world = map.keyframes[seen.keyframe].camera_from_world;
+           return LeastSceneMotion(map.pinhole, camera_from_world * then_from_world.inverse(), seen.pixel) >=
+                  options.min_expected_motion;
+         });
+}
+
 }  // namespace
 
 bool IsBelievable(const TrackingOptions& options, const PoseEstimate& estimate) {
@@ -54,10 +66,11 @@ bool FrameTracker::IsRepeat(const Map& map, const CameraModel& camera, const Flo
 
 TrackedFrame FrameTracker::Track(const Map& map, const CameraModel& camera, const FlowImage& image,
                                  const MotionModel& motion, const RigidTransform& predicted, double time) {
-  auto [followed, estimate] = TrackFrom(map, camera, image, motion.last(), predicted);
+  const FlowImage before = MatchBrightness(options_.flow, last_image_, image);
+  auto [followed, estimate] = TrackFrom(map, camera, before, image, motion.last(), predicted);
   if (!IsBelievable(options_.tracking, estimate)) {
     for (const RigidTransform& other : motion.OtherPredictions(time)) {
-      std::tie(followed, estimate) = TrackFrom(map, camera, image, motion.last(), other);
+      std::tie(followed, estimate) = TrackFrom(map, camera, before, image, motion.last(), other);
       if (IsBelievable(options_.tracking, estimate)) break;
     }
   }
@@ -71,16 +84,43 @@ TrackedFrame FrameTracker::Track(const Map& map, const CameraModel& camera, cons
 }
 
 std::pair<FollowedTracks, PoseEstimate> FrameTracker::TrackFrom(const Map& map, const CameraModel& camera,
-                                                                const FlowImage& image, const RigidTransform& last,
+                                                                const FlowImage& before, const FlowImage& image,
+                                                                const RigidTransform& last,
                                                                 const RigidTransform& predicted) const {
   const std::vector<cv::Point2f> guesses = PredictPixels(map, camera, tracks_, last, predicted);
-  FollowedTracks followed = FollowTracks(options_.flow, map, camera, last_image_, image, tracks_, guesses);
+  FollowedTracks followed = FollowTracks(options_.flow, map, camera, before, image, tracks_, guesses);
+  DropMasked(followed);
   PoseEstimate estimate = EstimateFramePose(options_.pose, map, predicted, followed);
   if (IsBelievable(options_.tracking, estimate)) {
     AlignWithMap(map, camera, image, estimate.camera_from_world, followed);
+    DropMasked(followed);
     estimate = EstimateFramePose(options_.pose, map, estimate.camera_from_world, followed);
   }
   return {std::move(followed), std::move(estimate)};
+}
+
+void FrameTracker::DropMasked(FollowedTracks& tracks) const {
+  if (mask_.empty()) return;
+  // Lost, not ended: what a bonnet covers may come back beside it.
+  const auto masked = std::stable_partition(tracks.found.begin(), tracks.found.end(),
+                                            [&](const FeatureTrack& track) { return IsKept(mask_, track.pixel); });
+  std::move(masked, tracks.found.end(), std::back_inserter(tracks.lost));
+  tracks.found.erase(masked, tracks.found.end());
+}
+
+std::vector<ObservedMotion> FrameTracker::DropStatic(const Map& map, const RigidTransform& camera_from_world) {
+  const StaticRegionOptions& options = options_.static_regions;
+  std::vector<ObservedMotion> motion;
+  std::erase_if(tracks_, [&](const FeatureTrack& track) {
+    const Landmark& landmark = map.landmarks[track.landmark];
+    const bool stands_still =
+        !landmark.valid && StandsStill(options, map, landmark, track.undistorted, camera_from_world);
+    const bool has_moved =
+        track.in_keyframe && (track.undistorted - *track.in_keyframe).norm() > 3 * options.max_motion;
+    if (stands_still || has_moved) motion.push_back({track.pixel, stands_still});
+    return stands_still;
+  });
+  return motion;
 }
 
 void FrameTracker::AlignWithMap(const Map& map, const CameraModel& camera, const FlowImage& image,
@@ -158,7 +198,7 @@ void FrameTracker::RenewReferences(const Map& map, const CameraModel& camera, co
 
 void FrameTracker::DetectNewFeatures(const CameraModel& camera, const FlowImage& image, Map& map) {
   const int keyframe = static_cast<int>(map.keyframes.size()) - 1;
-  for (const cv::Point2f& corner : DetectCorners(options_.corners, image.gray, PixelsOf(tracks_))) {
+  for (const cv::Point2f& corner : DetectCorners(options_.corners, image.gray, PixelsOf(tracks_), mask_)) {
     const std::optional<Eigen::Vector2d> undistorted = camera.Undistort({corner.x, corner.y});
     if (!undistorted) continue;
     const int landmark = static_cast<int>(map.landmarks.size());

@@ -14,6 +14,7 @@
 #include "turnscale/mapping/map.h"
 #include "turnscale/mapping/pose_estimation.h"
 #include "turnscale/odometry/feature_tracks.h"
+#include "turnscale/odometry/image_mask.h"
 #include "turnscale/odometry/motion_model.h"
 #include "turnscale/odometry/options.h"
 
@@ -54,6 +55,13 @@ class FrameTracker {
   /// landmarks without a depth.
   void Replenish(const CameraModel& camera, const FlowImage& image, Map& map);
 
+  /// Pixels that are 0 are left out from now on (8 bit; empty: none are).
+  void SetMask(const cv::Mat& mask) { mask_ = mask; }
+
+  /// Ends tracks without a depth that have not moved in the image since they were first seen, although the scene moves
+  /// there. Returns how the tracks have moved. For a new keyframe at this pose, before it is in the map.
+  std::vector<ObservedMotion> DropStatic(const Map& map, const RigidTransform& camera_from_world);
+
   /// What the latest image shows.
   const std::vector<FeatureTrack>& tracks() const { return tracks_; }
 
@@ -67,14 +75,17 @@ class FrameTracker {
   void Correct(const std::function<Eigen::Vector2d(const Eigen::Vector2d&)>& corrected);
 
  private:
-  std::pair<FollowedTracks, PoseEstimate> TrackFrom(const Map& map, const CameraModel& camera, const FlowImage& image,
-                                                    const RigidTransform& last, const RigidTransform& predicted) const;
+  std::pair<FollowedTracks, PoseEstimate> TrackFrom(const Map& map, const CameraModel& camera, const FlowImage& before,
+                                                    const FlowImage& image, const RigidTransform& last,
+                                                    const RigidTransform& predicted) const;
+  void DropMasked(FollowedTracks& tracks) const;
   void AlignWithMap(const Map& map, const CameraModel& camera, const FlowImage& image,
                     const RigidTransform& camera_from_world, FollowedTracks& tracks) const;
   void RenewReferences(const Map& map, const CameraModel& camera, const FlowImage& image);
   void DetectNewFeatures(const CameraModel& camera, const FlowImage& image, Map& map);
 
   OdometryOptions options_;
+  cv::Mat mask_;
   FlowImage last_image_;                   ///< the latest one whose pose was measured
   std::vector<FeatureTrack> tracks_;       ///< what it shows
   std::vector<FeatureTrack> lost_tracks_;  ///< recently seen landmarks that are not in it

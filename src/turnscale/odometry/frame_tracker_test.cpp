@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "turnscale/features/synthetic_texture.h"
+#include "turnscale/geometry/rotation.h"
 
 namespace turnscale {
 namespace {
@@ -126,6 +127,45 @@ TEST_F(FrameTracking, AKeyframeGetsNewFeatures) {
     EXPECT_EQ(track.last_keyframe, 1);
     EXPECT_EQ(*track.in_keyframe, track.undistorted);
   }
+}
+
+TEST_F(FrameTracking, WhatStandsStillWhileTheSceneMovesIsNoneOfIt) {
+  // Two features without a depth, first seen by the keyframe: one moves with the wall, one stays where it was.
+  const Eigen::Vector2d seen(150.3, 135.8);
+  for (const Eigen::Vector2d& pixel : {Eigen::Vector2d(100.3, 55.8), seen}) {
+    map_.landmarks.push_back({});
+    AddObservation(map_, 0, static_cast<int>(map_.landmarks.size()) - 1, pixel);
+  }
+  const int moving = static_cast<int>(map_.landmarks.size()) - 2;
+  const FlowImage image = Seen(0);
+  const auto track = [&](int landmark, const Eigen::Vector2d& before, const Eigen::Vector2d& now) {
+    const cv::Point2f pixel(static_cast<float>(now.x()), static_cast<float>(now.y()));
+    return FeatureTrack{landmark, pixel, now, before, image.gray, pixel, 0, 0};
+  };
+  tracker_.Start(image, {track(moving, {100.3, 55.8}, {120.3, 55.8}), track(moving + 1, seen, seen)}, 0);
+  const Eigen::Quaterniond turned = RotationFromVector({0, 0.05, 0});
+  EXPECT_TRUE(tracker_.DropStatic(map_, {Eigen::Quaterniond::Identity(), {0, 0, -1}}).size() == 1)
+      << "straight ahead it may be far away";
+  EXPECT_EQ(tracker_.tracks().size(), 2U);
+  const std::vector<ObservedMotion> motion = tracker_.DropStatic(map_, {turned, Eigen::Vector3d::Zero()});
+  ASSERT_EQ(motion.size(), 2U);
+  EXPECT_FALSE(motion[0].stands_still);
+  EXPECT_TRUE(motion[1].stands_still);
+  ASSERT_EQ(tracker_.tracks().size(), 1U);
+  EXPECT_EQ(tracker_.tracks().front().landmark, moving);
+}
+
+TEST_F(FrameTracking, MaskedPixelsAreLeftOut) {
+  cv::Mat mask(camera_.height, camera_.width, CV_8U, cv::Scalar(255));
+  mask.rowRange(160, 240).setTo(0);
+  tracker_.SetMask(mask);
+  const FlowImage image = Seen(20);
+  const TrackedFrame frame = Track(image, 20);
+  ASSERT_TRUE(frame.camera_from_world);
+  map_.keyframes.push_back({1, kInterval, *frame.camera_from_world, {}, false});
+  tracker_.Replenish(camera_, image, map_);
+  EXPECT_GT(tracker_.tracks().size(), 100U);
+  for (const FeatureTrack& track : tracker_.tracks()) EXPECT_TRUE(IsKept(mask, track.pixel)) << track.pixel;
 }
 
 TEST_F(FrameTracking, LandmarksThatGoTakeTheirTracksAlong) {

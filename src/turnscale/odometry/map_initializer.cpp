@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "turnscale/odometry/map_initializer.h"
 
+#include <algorithm>
+#include <cmath>
 #include <utility>
 
+#include "turnscale/base/quantiles.h"
 #include "turnscale/features/corners.h"
-#include "turnscale/mapping/two_view_initialization.h"
 
 namespace turnscale {
 namespace {
@@ -13,6 +15,45 @@ namespace {
 constexpr double kFewestFeatures = 0.4;
 // A car that waits longer than this gets a new first view, which bounds the memory.
 constexpr size_t kMostFrames = 300;
+// Share of the features that have to move for what stands still to be told from the scene.
+constexpr double kLeastMovingShare = 0.2;
+// Fewer features that stand still do no harm.
+constexpr int kFewestStatic = 10;
+// What stands still belongs to the scene if the camera's motion, whose rotation is estimated, moves it by no more than
+// this, in the motion that counts as none.
+constexpr double kMostMotionShare = 1.5;
+// Least share of a car's motion along the camera's axis, which points within 60 degrees of it. A lorry that passes
+// before a car that waits moves sideways.
+constexpr double kLeastAhead = 0.5;
+
+bool IsOfCar(const RigidTransform& second_from_first) {
+  const Eigen::Vector3d travel = second_from_first.inverse().translation;
+  return std::abs(travel.z()) >= kLeastAhead * travel.norm();
+}
+
+// Takes features of the second view out of all views but the first.
+void LeaveOut(const std::vector<char>& left_out, InitialMap& map) {
+  const std::vector<int> seen = map.frames.back().features;
+  std::vector<char> is_left_out(map.has_point.size(), 0);
+  std::vector<cv::Point2f> kept;
+  for (size_t i = 0; i < seen.size(); ++i) {
+    is_left_out[seen[i]] = left_out[i];
+    map.motion.push_back({map.second_pixels[i], left_out[i] != 0});
+    if (left_out[i] == 0) kept.push_back(map.second_pixels[i]);
+  }
+  map.second_pixels = std::move(kept);
+  for (size_t k = 1; k < map.frames.size(); ++k) {
+    WaitingFrame& frame = map.frames[k];
+    size_t next = 0;
+    for (size_t i = 0; i < frame.features.size(); ++i) {
+      if (is_left_out[frame.features[i]] != 0) continue;
+      frame.features[next] = frame.features[i];
+      frame.pixels[next++] = frame.pixels[i];
+    }
+    frame.features.resize(next);
+    frame.pixels.resize(next);
+  }
+}
 
 }  // namespace
 
@@ -29,7 +70,7 @@ void MapInitializer::Start(const FlowImage& image, int frame, double time) {
   alive_.clear();
   pixels_.clear();
   WaitingFrame first{.frame = frame, .time = time, .features = {}, .pixels = {}};
-  for (const cv::Point2f& corner : DetectCorners(options_.corners, image.gray, {})) {
+  for (const cv::Point2f& corner : DetectCorners(options_.corners, image.gray, {}, mask_)) {
     const std::optional<Eigen::Vector2d> undistorted = camera_.Undistort({corner.x, corner.y});
     if (!undistorted) continue;
     first.features.push_back(static_cast<int>(first.features.size()));
@@ -44,21 +85,20 @@ void MapInitializer::Start(const FlowImage& image, int frame, double time) {
 }
 
 bool MapInitializer::Follow(const FlowImage& image, int frame, double time) {
-  FlowResult flow = TrackPoints(options_.flow, last_, image, pixels_, pixels_);
-  CheckReturn(options_.flow, last_, image, pixels_, flow);
+  const FlowImage before = MatchBrightness(options_.flow, last_, image);
+  FlowResult flow = TrackPoints(options_.flow, before, image, pixels_, pixels_);
+  CheckReturn(options_.flow, before, image, pixels_, flow);
   WaitingFrame next{.frame = frame, .time = time, .features = {}, .pixels = {}};
   std::vector<cv::Point2f> pixels;
   for (size_t i = 0; i < alive_.size(); ++i) {
-    if (flow.found[i] == 0) continue;
+    if (flow.found[i] == 0 || !IsKept(mask_, flow.points[i])) continue;
     const std::optional<Eigen::Vector2d> undistorted = camera_.Undistort({flow.points[i].x, flow.points[i].y});
     if (!undistorted) continue;
     next.features.push_back(alive_[i]);
     next.pixels.push_back(*undistorted);
     pixels.push_back(flow.points[i]);
   }
-  const size_t features = frames_.front().features.size();
-  if (frames_.size() >= kMostFrames) return false;
-  if (static_cast<double>(next.features.size()) < kFewestFeatures * static_cast<double>(features)) return false;
+  if (frames_.size() >= kMostFrames || HasGone(next)) return false;
   // A dark or blurred first view never gets more features than it had.
   if (static_cast<int>(next.features.size()) < options_.initialization.min_landmarks) return false;
   alive_ = next.features;
@@ -68,13 +108,73 @@ bool MapInitializer::Follow(const FlowImage& image, int frame, double time) {
   return true;
 }
 
+bool MapInitializer::HasGone(const WaitingFrame& next) const {
+  const double all = static_cast<double>(frames_.front().features.size());
+  const double left = static_cast<double>(next.features.size());
+  if (left < kFewestFeatures * all) return true;
+  // A dashboard never goes out of sight.
+  const std::vector<char> still = FindStatic(next);
+  const double standing = static_cast<double>(std::ranges::count(still, 1));
+  return all - standing > kLeastMovingShare * all && left - standing < kFewestFeatures * (all - standing);
+}
+
+std::vector<char> MapInitializer::FindStatic(const WaitingFrame& next) const {
+  std::vector<char> still;
+  for (size_t i = 0; i < next.features.size(); ++i) {
+    const double motion = (next.pixels[i] - frames_.front().pixels[next.features[i]]).norm();
+    still.push_back(motion <= options_.static_regions.max_motion ? 1 : 0);
+  }
+  return still;
+}
+
+TwoViewResult MapInitializer::MatchWithout(const std::vector<char>& left_out) const {
+  std::vector<Eigen::Vector2d> first;
+  std::vector<Eigen::Vector2d> second;
+  for (size_t i = 0; i < left_out.size(); ++i) {
+    if (left_out[i] != 0) continue;
+    first.push_back(frames_.front().pixels[frames_.back().features[i]]);
+    second.push_back(frames_.back().pixels[i]);
+  }
+  TwoViewResult views = InitializeFromTwoViews(options_.initialization, camera_.pinhole, first, second);
+  if (views.status != TwoViewStatus::kInitialized) return views;
+  std::vector<char> triangulated(left_out.size(), 0);
+  std::vector<Eigen::Vector3d> points(left_out.size(), Eigen::Vector3d::Zero());
+  for (size_t i = 0, k = 0; i < left_out.size(); ++i) {
+    if (left_out[i] != 0) continue;
+    triangulated[i] = views.triangulated[k];
+    points[i] = views.points[k++];
+  }
+  views.triangulated = std::move(triangulated);
+  views.points = std::move(points);
+  return views;
+}
+
+bool MapInitializer::BelongToScene(const std::vector<char>& still, const RigidTransform& second_from_first) const {
+  std::vector<double> motion;
+  for (size_t i = 0; i < still.size(); ++i)
+    if (still[i] != 0)
+      motion.push_back(
+          LeastSceneMotion(camera_.pinhole, second_from_first, frames_.front().pixels[frames_.back().features[i]]));
+  return Median(std::move(motion)) <= kMostMotionShare * options_.static_regions.max_motion;
+}
+
+MapInitializer::MatchedViews MapInitializer::MatchViews() const {
+  const std::vector<char> still = FindStatic(frames_.back());
+  const std::vector<char> none(still.size(), 0);
+  if (std::ranges::count(still, 1) < kFewestStatic) return {MatchWithout(none), none};
+  const TwoViewResult moving = MatchWithout(still);
+  const bool drives = moving.status == TwoViewStatus::kInitialized && IsOfCar(moving.second_from_first);
+  if (drives && !BelongToScene(still, moving.second_from_first)) return {moving, still};
+  // What stands still may be far away: then it takes part.
+  TwoViewResult all = MatchWithout(none);
+  if (drives && all.status == TwoViewStatus::kStandstill) return {moving, none};
+  if (all.status == TwoViewStatus::kInitialized && !BelongToScene(still, all.second_from_first))
+    all.status = TwoViewStatus::kFailed;
+  return {all, none};
+}
+
 std::optional<InitialMap> MapInitializer::TryTwoViews() const {
-  const WaitingFrame& first = frames_.front();
-  const WaitingFrame& second = frames_.back();
-  std::vector<Eigen::Vector2d> first_pixels;
-  for (const int feature : second.features) first_pixels.push_back(first.pixels[feature]);
-  const TwoViewResult views =
-      InitializeFromTwoViews(options_.initialization, camera_.pinhole, first_pixels, second.pixels);
+  const auto [views, still] = MatchViews();
   if (views.status != TwoViewStatus::kInitialized) return std::nullopt;
 
   InitialMap map;
@@ -83,12 +183,16 @@ std::optional<InitialMap> MapInitializer::TryTwoViews() const {
   map.first_pixels = first_pixels_;
   map.second_pixels = pixels_;
   map.second_from_first = views.second_from_first;
+  const WaitingFrame& first = frames_.front();
+  const WaitingFrame& second = frames_.back();
   map.has_point.assign(first.features.size(), 0);
   map.points.assign(first.features.size(), Eigen::Vector3d::Zero());
   for (size_t i = 0; i < second.features.size(); ++i) {
     map.has_point[second.features[i]] = views.triangulated[i];
     map.points[second.features[i]] = views.points[i];
   }
+  map.has_still_features = std::ranges::count(FindStatic(second), 1) >= kFewestStatic;
+  if (std::ranges::count(still, 1) > 0) LeaveOut(still, map);
   return map;
 }
 

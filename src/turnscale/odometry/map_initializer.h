@@ -9,6 +9,8 @@
 
 #include "turnscale/camera/camera_model.h"
 #include "turnscale/features/optical_flow.h"
+#include "turnscale/mapping/two_view_initialization.h"
+#include "turnscale/odometry/image_mask.h"
 #include "turnscale/odometry/options.h"
 
 namespace turnscale {
@@ -30,15 +32,23 @@ struct InitialMap {
   RigidTransform second_from_first;
   std::vector<char> has_point;          ///< one flag per feature
   std::vector<Eigen::Vector3d> points;  ///< one per feature
+  /// Where features stood still in the image, and where others moved; empty if all belong to the scene.
+  std::vector<ObservedMotion> motion;
+  /// Features stood still in the image, far away or none of the scene.
+  bool has_still_features = false;
 
   int CountPoints() const { return static_cast<int>(std::ranges::count(has_point, 1)); }
 };
 
 /// Collects views until two of them give a map: follows the first view's features from image to image, waits through
-/// standstill, pure rotation and low parallax, and takes a new first view when too few features are left.
+/// standstill, pure rotation and low parallax, and takes a new first view when too few features are left. Where a good
+/// part of the features moves as a scene does before a car that drives, those that stand still in the image, but would
+/// have to move if they belonged to it, are left out.
 class MapInitializer {
  public:
-  MapInitializer(const OdometryOptions& options, const CameraModel& camera) : options_(options), camera_(camera) {}
+  /// Pixels that are 0 in `mask` are left out (8 bit; empty: none are).
+  MapInitializer(const OdometryOptions& options, const CameraModel& camera, const cv::Mat& mask = {})
+      : options_(options), camera_(camera), mask_(mask) {}
 
   /// Takes the next image; gives the map's start as soon as two views suffice for it.
   std::optional<InitialMap> Add(const FlowImage& image, int frame, double time);
@@ -49,9 +59,23 @@ class MapInitializer {
   void Start(const FlowImage& image, int frame, double time);
   bool Follow(const FlowImage& image, int frame, double time);
   std::optional<InitialMap> TryTwoViews() const;
+  /// The first and the latest view, and which features of the latest are left out, as they stand still.
+  struct MatchedViews {
+    TwoViewResult views;
+    std::vector<char> left_out;
+  };
+  MatchedViews MatchViews() const;
+  TwoViewResult MatchWithout(const std::vector<char>& left_out) const;
+  /// Whether the first view is out of sight.
+  bool HasGone(const WaitingFrame& next) const;
+  /// Features that are where the first view saw them: one flag per feature seen.
+  std::vector<char> FindStatic(const WaitingFrame& next) const;
+  /// Whether features of the latest view that stand still can be far points.
+  bool BelongToScene(const std::vector<char>& still, const RigidTransform& second_from_first) const;
 
   OdometryOptions options_;
   CameraModel camera_;
+  cv::Mat mask_;
   cv::Mat first_image_;
   std::vector<cv::Point2f> first_pixels_;
   FlowImage last_;

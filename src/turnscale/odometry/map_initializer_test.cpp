@@ -78,12 +78,14 @@ std::optional<InitialMap> Add(const Boards& boards, const RigidTransform& pose, 
   return initializer.Add(BuildFlowImage({}, boards.Seen(SmallCamera(), pose)), frame, 0.1 * frame);
 }
 
-void ExpectTrueMap(const InitialMap& map, const Boards& boards, const RigidTransform& truth) {
+void ExpectTrueMap(const InitialMap& map, const Boards& boards, const RigidTransform& truth,
+                   double max_direction_deg = 1.2, double max_rotation_deg = 0.1) {
   const double baseline = truth.translation.norm();
   EXPECT_NEAR(map.second_from_first.translation.norm(), 1, 1e-9) << "the baseline is the unit";
   const double cosine = map.second_from_first.translation.dot(truth.translation) / baseline;
-  EXPECT_LT(std::acos(std::min(1.0, cosine)) * kDegreesPerRadian, 1.2);
-  EXPECT_LT(RotationAngle(map.second_from_first.rotation * truth.rotation.conjugate()) * kDegreesPerRadian, 0.1);
+  EXPECT_LT(std::acos(std::min(1.0, cosine)) * kDegreesPerRadian, max_direction_deg);
+  EXPECT_LT(RotationAngle(map.second_from_first.rotation * truth.rotation.conjugate()) * kDegreesPerRadian,
+            max_rotation_deg);
   int points = 0;
   int right = 0;
   for (size_t i = 0; i < map.points.size(); ++i) {
@@ -123,6 +125,77 @@ TEST(MapInitializer, WaitsForABaselineAndFindsTheMap) {
     }
   }
   ExpectTrueMap(*map, boards, Moved(last - 2));
+}
+
+// A dashboard over the lower rows of the image.
+cv::Mat BehindDashboard(const cv::Mat& scene, int first_row) {
+  const SyntheticTexture texture(77, 8, 60);
+  const cv::Mat dashboard = MakeImage(scene.size(), [&](const Eigen::Vector2d& pixel) { return texture.At(pixel); });
+  cv::Mat image = scene.clone();
+  dashboard.rowRange(first_row, scene.rows).copyTo(image.rowRange(first_row, scene.rows));
+  return image;
+}
+
+TEST(MapInitializer, ADashboardIsNoneOfTheScene) {
+  constexpr int kFirstRow = 150;
+  const Boards boards(1);
+  MapInitializer initializer({}, SmallCamera());
+  const auto add = [&](int moved, int frame) {
+    const cv::Mat image = BehindDashboard(boards.Seen(SmallCamera(), Moved(moved)), kFirstRow);
+    return initializer.Add(BuildFlowImage({}, image), frame, 0.1 * frame);
+  };
+  for (const int frame : {0, 1, 2}) EXPECT_FALSE(add(0, frame)) << "standing still";
+  std::optional<InitialMap> map;
+  int last = 2;
+  while (!map && last < 14) {
+    ++last;
+    map = add(last - 2, last);
+  }
+  ASSERT_TRUE(map);
+  EXPECT_EQ(map->frames.front().frame, 0);
+  // Less of the scene is in sight.
+  ExpectTrueMap(*map, boards, Moved(last - 2), 2.5, 0.2);
+  for (size_t i = 0; i < map->has_point.size(); ++i) {
+    if (map->has_point[i] != 0) {
+      EXPECT_LT(map->frames.front().pixels[i].y(), kFirstRow + 8) << "half a patch reaches over the edge";
+    }
+  }
+  EXPECT_EQ(map->second_pixels.size(), map->frames.back().features.size());
+  int still = 0;
+  for (const ObservedMotion& motion : map->motion) {
+    if (!motion.stands_still) continue;
+    ++still;
+    EXPECT_GT(motion.pixel.y, kFirstRow - 8);
+  }
+  EXPECT_GT(still, 50);
+}
+
+TEST(MapInitializer, WhatPassesBeforeAStandingCameraIsNoStart) {
+  // A wall that moves to the right covers a good part of the image.
+  const Boards boards(5);
+  const SyntheticTexture wall(50, 8, 60);
+  const CameraModel camera = SmallCamera();
+  MapInitializer initializer({}, camera);
+  for (int frame = 0; frame < 12; ++frame) {
+    cv::Mat image = boards.Seen(camera, Moved(0));
+    const cv::Mat passing = MakeImage(image.size(), [&](const Eigen::Vector2d& pixel) {
+      return wall.At(pixel - Eigen::Vector2d((1.0 + 0.02 * pixel.y()) * frame, 0));
+    });
+    passing.rowRange(140, 240).copyTo(image.rowRange(140, 240));
+    EXPECT_FALSE(initializer.Add(BuildFlowImage({}, image), frame, 0.1 * frame)) << "frame " << frame;
+  }
+}
+
+TEST(MapInitializer, MaskedPixelsAreLeftOut) {
+  const Boards boards(1);
+  cv::Mat mask(240, 480, CV_8U, cv::Scalar(255));
+  mask.colRange(0, 160).setTo(0);
+  MapInitializer initializer({}, SmallCamera(), mask);
+  std::optional<InitialMap> map;
+  for (int frame = 0; !map && frame < 14; ++frame) map = Add(boards, Moved(frame), frame, initializer);
+  ASSERT_TRUE(map);
+  for (const cv::Point2f& pixel : map->first_pixels) EXPECT_TRUE(IsKept(mask, pixel)) << pixel;
+  for (const cv::Point2f& pixel : map->second_pixels) EXPECT_TRUE(IsKept(mask, pixel)) << pixel;
 }
 
 TEST(MapInitializer, PureRotationGivesNoMap) {

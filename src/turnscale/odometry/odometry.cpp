@@ -11,6 +11,7 @@
 #include "turnscale/base/error.h"
 #include "turnscale/base/quantiles.h"
 #include "turnscale/camera/camera_model.h"
+#include "turnscale/geometry/rotation.h"
 #include "turnscale/mapping/landmarks.h"
 #include "turnscale/mapping/local_bundle_adjustment.h"
 #include "turnscale/mapping/map_scaling.h"
@@ -28,6 +29,17 @@ constexpr double kNearQuarter = 0.25;
 constexpr double kStaleLensChange = 2e-3;
 // Keyframes that go to the archive at a time, at least.
 constexpr int kArchivedTogether = 20;
+
+// A turn in which static features show in several keyframes, degrees: if they were none, what stood still before was
+// far away.
+constexpr double kDecidingTurn = 10;
+
+// How far the camera has turned from a keyframe to the latest, degrees.
+double TurnSince(const Map& map, int keyframe) {
+  return RotationAngle(map.keyframes.back().camera_from_world.rotation *
+                       map.keyframes[keyframe].camera_from_world.rotation.conjugate()) *
+         kDegreesPerRadian;
+}
 
 OdometryOptions Checked(OdometryOptions options, const CameraModel& camera) {
   options.Check();
@@ -61,6 +73,7 @@ std::vector<PointSighting> SightingsIn(const Map& map, const WaitingFrame& frame
 Odometry::Odometry(const OdometryOptions& options, const CameraModel& camera)
     : options_(Checked(options, camera)),
       camera_(camera),
+      mask_(options_.static_regions),
       initializer_(options, camera),
       tracker_(options_),
       motion_(options.motion),
@@ -95,15 +108,25 @@ FrameResult Odometry::Process(const cv::Mat& gray, double time) {
 
 void Odometry::CheckImage(const cv::Mat& gray) {
   if (gray.type() != CV_8UC1) throw InputError("image: has to be 8-bit gray");
+  // Not every camera file tells the size; the first image does.
   if (camera_.width == 0) {
-    // Not every camera file tells the size; the first image does.
     camera_.width = gray.cols;
     camera_.height = gray.rows;
-    initializer_ = MapInitializer(options_, camera_);
   }
   if (gray.cols != camera_.width || gray.rows != camera_.height)
     throw InputError("image: is " + std::to_string(gray.cols) + "x" + std::to_string(gray.rows) + ", the camera has " +
                      std::to_string(camera_.width) + "x" + std::to_string(camera_.height));
+  if (mask_.size() == gray.size()) return;
+  mask_.SetSize(gray.size());
+  ApplyMask();
+  WaitForMap();
+}
+
+void Odometry::ApplyMask() { tracker_.SetMask(mask_.pixels()); }
+
+void Odometry::WaitForMap() {
+  mapping_ = false;
+  initializer_ = MapInitializer(options_, camera_, mask_.pixels());
 }
 
 FrameResult Odometry::NewFrame(double time, TrackingState state) {
@@ -172,6 +195,9 @@ void Odometry::StartMap(const FlowImage& image, const InitialMap& start) {
                       start.first_pixels[second.features[i]], keyframe, keyframe + 1});
   }
   tracker_.Start(image, std::move(tracks), start.CountPoints());
+  mask_.LeaveOut(start.motion);
+  if (start.has_still_features) start_in_doubt_ = keyframe;
+  ApplyMask();
   mapping_ = true;
   lost_frames_ = 0;
   scale_.Add(map_);
@@ -259,27 +285,31 @@ FrameResult Odometry::Bridge(const RigidTransform& predicted, FrameResult result
   if (result.state != TrackingState::kUnreadable) result.state = TrackingState::kBridged;
   const TrackingOptions& limits = options_.tracking;
   if (mapping_ && ++lost_frames_ >= limits.min_lost_frames && result.time - motion_.time() > limits.max_lost_seconds) {
-    mapping_ = false;
-    initializer_ = MapInitializer(options_, camera_);
+    WaitForMap();
   }
   return MetricResult(result, predicted);
 }
 
 void Odometry::AddKeyframe(const RigidTransform& camera_from_world, FrameResult& result) {
   const int keyframe = static_cast<int>(map_.keyframes.size());
+  mask_.Observe(tracker_.DropStatic(map_, camera_from_world));
+  ApplyMask();
   map_.keyframes.push_back({result.frame, result.time, camera_from_world, {}, false});
-  std::vector<int> seen;
-  for (const FeatureTrack& track : tracker_.tracks()) {
-    AddObservation(map_, keyframe, track.landmark, track.undistorted);
-    seen.push_back(track.landmark);
-  }
-  TriangulateLandmarks(options_.landmarks, seen, map_);
+  for (const FeatureTrack& track : tracker_.tracks()) AddObservation(map_, keyframe, track.landmark, track.undistorted);
+  // Where parts of the image stand still, what has not moved so far may belong to them, even if its rays meet.
+  if (start_in_doubt_ && TurnSince(map_, *start_in_doubt_) > kDecidingTurn) start_in_doubt_.reset();
+  const bool in_doubt = start_in_doubt_ || !mask_.pixels().empty();
+  const double max_motion = in_doubt ? options_.static_regions.max_motion : -1.0;
+  std::vector<int> moving;
+  for (const FeatureTrack& track : tracker_.tracks())
+    if (!HasStayed(map_.landmarks[track.landmark], track.undistorted, max_motion)) moving.push_back(track.landmark);
+  TriangulateLandmarks(options_.landmarks, moving, map_);
   const LocalBundleResult adjusted = AdjustLocalWindow(options_.local_bundle, map_);
   tracker_.Drop(CullLandmarks(options_.landmarks, adjusted.landmarks, keyframe, map_));
   RefineLens();
   if (calibration_check_.Observe(map_, camera_))
-    calibration_sigma_ = CalibrationSigma(calibration_check_.Contradictions(), map_.pinhole.fx,
-                                          camera_.focal_sigma / map_.pinhole.fx);
+    calibration_sigma_ =
+        CalibrationSigma(calibration_check_.Contradictions(), map_.pinhole.fx, camera_.focal_sigma / map_.pinhole.fx);
   motion_.Correct(map_.keyframes.back().camera_from_world, 1.0);
   result.keyframe = true;
 }

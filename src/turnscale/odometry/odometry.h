@@ -16,6 +16,7 @@
 #include "turnscale/odometry/drive_scale.h"
 #include "turnscale/odometry/frame_history.h"
 #include "turnscale/odometry/frame_tracker.h"
+#include "turnscale/odometry/image_mask.h"
 #include "turnscale/odometry/map_initializer.h"
 #include "turnscale/odometry/motion_model.h"
 #include "turnscale/odometry/options.h"
@@ -39,6 +40,9 @@ class Odometry {
  public:
   /// Throws InputError when an option is invalid, or the camera has a width without a height.
   Odometry(const OdometryOptions& options, const CameraModel& camera);
+
+  /// Leaves out the pixels of all images that are 0 in an 8-bit image of their size. Before the first image.
+  void SetMask(const cv::Mat& mask) { mask_.SetGiven(mask); }
 
   /// Processes the next image (8-bit gray), taken at `time` seconds, and returns the online estimate of its pose.
   /// Throws InputError when its size is not the camera's (or the first image's, if the camera has none), or when the
@@ -67,6 +71,9 @@ class Odometry {
   const Map& map() const { return map_; }
   /// The camera by which the map's pixels are undistorted: as given, with the radial correction found so far.
   const CameraModel& camera() const { return camera_; }
+  /// 0 where pixels are left out of the next image: those given, and those found to stand still while the scene moves
+  /// (8 bit, else 255). Empty if none are.
+  const cv::Mat& mask() const { return mask_.pixels(); }
   /// The correction of the lens calibration estimated from the drive.
   const LensRefinement& lens() const { return lens_; }
   /// The consistency test of the given calibration.
@@ -77,6 +84,8 @@ class Odometry {
 
  private:
   void CheckImage(const cv::Mat& gray);
+  void ApplyMask();
+  void WaitForMap();
   FrameResult NewFrame(double time, TrackingState state);
   FrameResult Initialize(const FlowImage& image, FrameResult result);
   void StartMap(const FlowImage& image, const InitialMap& start);
@@ -109,6 +118,7 @@ class Odometry {
 
   OdometryOptions options_;
   CameraModel camera_;
+  ImageMask mask_;
   MapInitializer initializer_;
   FrameTracker tracker_;
   MotionModel motion_;
@@ -123,6 +133,8 @@ class Odometry {
   double calibration_sigma_ = 0;          ///< added to the online sigma for an uncertain or inconsistent calibration
 
   bool finished_ = false;
+  /// Keyframe at which the map started with features that stood still, until a turn tells whether they are far away.
+  std::optional<int> start_in_doubt_;
   bool mapping_ = false;  ///< there is a map to track against
   int lost_frames_ = 0;   ///< consecutive, up to now
   double last_time_ = -std::numeric_limits<double>::infinity();

@@ -61,6 +61,7 @@ void OdometryOptions::Check() const {
   tracking.Check();
   motion.Check();
   repeats.Check();
+  static_regions.Check();
   steps.Check();
   scale.Check();
 }

@@ -17,6 +17,7 @@
 #include "turnscale/mapping/local_bundle_adjustment.h"
 #include "turnscale/mapping/pose_estimation.h"
 #include "turnscale/mapping/two_view_initialization.h"
+#include "turnscale/odometry/image_mask.h"
 #include "turnscale/odometry/motion_model.h"
 #include "turnscale/odometry/repeated_image.h"
 #include "turnscale/scale/scale_estimator.h"
@@ -122,6 +123,7 @@ struct OdometryOptions {
   TrackingOptions tracking;
   MotionModelOptions motion;
   RepeatOptions repeats;
+  StaticRegionOptions static_regions;
   VehicleStepOptions steps;
   ScaleOptions scale;
 

@@ -58,8 +58,9 @@ CalibrationCheckOptions CheckForReading(const SelfCalibrationOptions& options, C
 
 // Runs the odometry with `camera` from `from` seconds on, until `windows` windows have been read.
 Reading ReadTurns(const OdometryOptions& options, const CameraModel& camera, CalibrationCheck check, int windows,
-                  double from, const ImageStream& next) {
+                  double from, const ImageStream& next, const cv::Mat& mask) {
   Odometry odometry(options, camera);
+  if (!mask.empty()) odometry.SetMask(mask);
   Reading reading;
   size_t keyframes = 0;
   while (const std::optional<TimedImage> image = next()) {
@@ -122,14 +123,15 @@ void SelfCalibrationOptions::Check() const {
 }
 
 std::optional<FoundCamera> CalibrateFromDrive(const SelfCalibrationOptions& options, const OdometryOptions& odometry,
-                                              const CameraModel& start, const std::function<ImageStream()>& open) {
+                                              const CameraModel& start, const std::function<ImageStream()>& open,
+                                              const cv::Mat& mask) {
   options.Check();
   CameraModel given = start;
   IntrinsicsChange::Vector change = IntrinsicsChange::Vector::Zero();
   const auto read = [&](const CameraModel& camera, int pass, double from) {
     const CalibrationCheck check(CheckForReading(options, odometry.calibration_check, pass), given, change);
     return ReadTurns(OptionsForReading(odometry, pass), camera, check,
-                     pass == 0 ? options.first_windows : options.windows, from, open());
+                     pass == 0 ? options.first_windows : options.windows, from, open(), mask);
   };
   Reading reading = read(given, 0, -HUGE_VAL);
   for (const double view : kOtherViews) {

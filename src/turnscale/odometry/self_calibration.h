@@ -56,10 +56,12 @@ struct FoundCamera {
 /// The odometry runs over the images with the camera as assumed; windows of keyframes in turns tell how it differs
 /// from the true one (CalibrationCheck); the images are read again with the new camera, until it no longer changes.
 /// `start` needs image size and focal length only: half or twice the true one is near enough. `open` opens the drive
-/// anew, at its first image. Both focal lengths are changed by the same factor.
+/// anew, at its first image. Both focal lengths are changed by the same factor. Pixels that are 0 in `mask` (8 bit, of
+/// the images' size) are left out, unless it is empty.
 /// Nothing where no window turns enough: the focal length does not matter to the images of a straight.
 std::optional<FoundCamera> CalibrateFromDrive(const SelfCalibrationOptions& options, const OdometryOptions& odometry,
-                                              const CameraModel& start, const std::function<ImageStream()>& open);
+                                              const CameraModel& start, const std::function<ImageStream()>& open,
+                                              const cv::Mat& mask = {});
 
 /// A camera of this image size (pixels) and horizontal field of view (degrees), without distortion.
 CameraModel CameraOfView(double field_of_view_deg, int width, int height);

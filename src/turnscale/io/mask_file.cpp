@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/io/mask_file.h"
+
+#include <fmt/format.h>
+#include <opencv2/imgcodecs.hpp>
+
+#include "turnscale/base/error.h"
+
+namespace turnscale {
+
+cv::Mat ReadMask(const std::filesystem::path& path) {
+  std::error_code error;
+  if (!std::filesystem::exists(path, error)) throw InputError(path.string() + ": no such mask");
+  const cv::Mat mask =
+      std::filesystem::is_directory(path, error) ? cv::Mat() : cv::imread(path.string(), cv::IMREAD_GRAYSCALE);
+  if (mask.empty()) throw InputError(path.string() + ": cannot be read as an image");
+  if (cv::countNonZero(mask) == 0) throw InputError(path.string() + ": is black, which leaves out the whole image");
+  return mask;
+}
+
+void CheckMaskSize(const std::filesystem::path& path, const cv::Mat& mask, const cv::Size& images) {
+  if (mask.size() == images) return;
+  throw InputError(fmt::format("{}: is {}x{} pixels, but the images are {}x{}; a mask needs their size", path.string(),
+                               mask.cols, mask.rows, images.width, images.height));
+}
+
+}  // namespace turnscale

@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/odometry/image_mask.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include <opencv2/imgproc.hpp>
+
+#include "turnscale/base/error.h"
+
+namespace turnscale {
+namespace {
+
+// Evidence is bounded, so that a cell that has shown the scene for long can become dirty, and the other way round.
+constexpr double kMostEvidence = 2;
+// No features are detected where pixels are left out. Their evidence fades at this rate per keyframe, so that the cell
+// is looked at again after some hundreds.
+constexpr double kFading = 0.01;
+// In small images cells stay larger than the distance between features, pixels.
+constexpr double kLeastCell = 16;
+
+}  // namespace
+
+void StaticRegionOptions::Check() const {
+  if (columns < 4) throw InputError("static_regions.columns: has to be at least 4");
+  if (!(max_motion > 0)) throw InputError("static_regions.max_motion: has to be positive");
+  if (!(min_expected_motion > max_motion))
+    throw InputError("static_regions.min_expected_motion: has to be above max_motion");
+  if (min_evidence < 1) throw InputError("static_regions.min_evidence: has to be at least 1");
+}
+
+double LeastSceneMotion(const Pinhole& pinhole, const RigidTransform& second_from_first, const Eigen::Vector2d& pixel) {
+  const Eigen::Vector3d far = second_from_first.rotation * pinhole.Ray(pixel);
+  if (!(far.z() > 0)) return HUGE_VAL;
+  // Nearer points lie on a line from where the infinitely far one is.
+  const Eigen::Vector2d from_far = pixel - pinhole.Project(far);
+  const Eigen::Vector3d& t = second_from_first.translation;
+  const Eigen::Vector2d nearer(pinhole.fx * (t.x() * far.z() - far.x() * t.z()),
+                               pinhole.fy * (t.y() * far.z() - far.y() * t.z()));
+  const double along = from_far.dot(nearer);
+  if (!(along > 0)) return from_far.norm();
+  return (from_far - along / nearer.squaredNorm() * nearer).norm();
+}
+
+bool HasStayed(const Landmark& landmark, const Eigen::Vector2d& pixel, double max_motion) {
+  return std::ranges::all_of(landmark.observations, [&](const LandmarkObservation& seen) {
+    return (seen.pixel - pixel).norm() <= max_motion;
+  });
+}
+
+bool IsKept(const cv::Mat& mask, const cv::Point2f& point) {
+  if (mask.empty()) return true;
+  const int column = std::clamp(cvRound(point.x), 0, mask.cols - 1);
+  const int row = std::clamp(cvRound(point.y), 0, mask.rows - 1);
+  return mask.at<uchar>(row, column) != 0;
+}
+
+void ImageMask::SetSize(const cv::Size& size) {
+  if (!given_.empty() && given_.size() != size)
+    throw InputError("mask: is " + std::to_string(given_.cols) + "x" + std::to_string(given_.rows) +
+                     ", the images are " + std::to_string(size.width) + "x" + std::to_string(size.height));
+  size_ = size;
+  cell_size_ = std::max(kLeastCell, static_cast<double>(size.width) / options_.columns);
+  columns_ = static_cast<int>(std::ceil(size.width / cell_size_));
+  const int rows = static_cast<int>(std::ceil(size.height / cell_size_));
+  cells_.assign(static_cast<size_t>(columns_) * rows, {});
+  Render();
+}
+
+void ImageMask::SetGiven(const cv::Mat& mask) {
+  Ensure(mask.type() == CV_8UC1, "a mask is an 8-bit gray image");
+  given_ = mask != 0;
+}
+
+std::vector<int> ImageMask::Votes(const std::vector<ObservedMotion>& motion) const {
+  std::vector<int> votes(cells_.size(), 0);
+  for (const ObservedMotion& feature : motion) {
+    const int column = std::clamp(static_cast<int>(feature.pixel.x / cell_size_), 0, columns_ - 1);
+    const int row =
+        std::clamp(static_cast<int>(feature.pixel.y / cell_size_), 0, static_cast<int>(cells_.size()) / columns_ - 1);
+    votes[static_cast<size_t>(row) * columns_ + column] += feature.stands_still ? 1 : -1;
+  }
+  return votes;
+}
+
+void ImageMask::Observe(const std::vector<ObservedMotion>& motion) {
+  const std::vector<int> votes = Votes(motion);
+  bool changed = false;
+  for (size_t i = 0; i < cells_.size(); ++i) {
+    Cell& cell = cells_[i];
+    const double limit = options_.min_evidence + kMostEvidence;
+    cell.evidence = std::clamp(cell.evidence + std::clamp(votes[i], -1, 1), -kMostEvidence, limit);
+    if (cell.left_out) cell.evidence -= kFading;
+    const bool left_out = cell.evidence >= options_.min_evidence - (cell.left_out ? 1 : 0);
+    changed |= left_out != cell.left_out;
+    cell.left_out = left_out;
+  }
+  if (changed) Render();
+}
+
+void ImageMask::LeaveOut(const std::vector<ObservedMotion>& motion) {
+  const std::vector<int> votes = Votes(motion);
+  for (size_t i = 0; i < cells_.size(); ++i) {
+    if (votes[i] <= 0) continue;
+    cells_[i].evidence = options_.min_evidence + kMostEvidence;
+    cells_[i].left_out = true;
+  }
+  Render();
+}
+
+void ImageMask::Render() {
+  // Copies that were handed out stay as they are.
+  cv::Mat pixels = given_.empty() ? cv::Mat(size_, CV_8U, cv::Scalar(255)) : given_.clone();
+  for (size_t i = 0; i < cells_.size(); ++i) {
+    if (!cells_[i].left_out) continue;
+    const int column = static_cast<int>(i) % columns_;
+    const int row = static_cast<int>(i) / columns_;
+    const cv::Point begin(cvRound(column * cell_size_), cvRound(row * cell_size_));
+    const cv::Point end(cvRound((column + 1) * cell_size_), cvRound((row + 1) * cell_size_));
+    pixels(cv::Rect(begin, end) & cv::Rect({}, size_)).setTo(0);
+  }
+  pixels_ = cv::countNonZero(pixels) < static_cast<int>(pixels.total()) ? pixels : cv::Mat();
+}
+
+}  // namespace turnscale
