@@ -11,9 +11,10 @@
 namespace turnscale {
 namespace {
 
-std::function<ImageStream()> ImagesOf(const StreetDrive& drive) {
-  return [&drive]() -> ImageStream {
-    return [&drive, next = size_t{0}]() mutable -> std::optional<TimedImage> {
+OpenDrive ImagesOf(const StreetDrive& drive) {
+  return [&drive](std::optional<double> from) -> ImageStream {
+    return [&drive, from, next = size_t{0}]() mutable -> std::optional<TimedImage> {
+      while (from && next < drive.times.size() && drive.times[next] < *from) ++next;
       if (next == drive.images.size()) return std::nullopt;
       const size_t frame = next++;
       return TimedImage{drive.images[frame], drive.times[frame]};
@@ -22,8 +23,8 @@ std::function<ImageStream()> ImagesOf(const StreetDrive& drive) {
 }
 
 std::optional<FoundCamera> Found(const StreetDrive& drive, double field_of_view_deg) {
-  return CalibrateFromDrive({}, StreetOptions(),
-                            CameraOfView(field_of_view_deg, drive.camera.width, drive.camera.height), ImagesOf(drive));
+  return CalibrateFromDrive(
+      {}, StreetOptions(), {CameraOfView(field_of_view_deg, drive.camera.width, drive.camera.height)}, ImagesOf(drive));
 }
 
 TEST(OdometrySelfCalibration, FindsTheFocalLengthFromANarrowAndAWideStart) {
@@ -33,6 +34,8 @@ TEST(OdometrySelfCalibration, FindsTheFocalLengthFromANarrowAndAWideStart) {
     ASSERT_TRUE(found) << start;
     EXPECT_NEAR(found->camera.pinhole.fx / drive.camera.pinhole.fx, 1, 0.015) << start;
     EXPECT_NEAR(found->camera.pinhole.fx, drive.camera.pinhole.fx, 2 * found->camera.focal_sigma) << start;
+    EXPECT_LT(found->camera.focal_sigma / found->camera.pinhole.fx, 0.02) << start;
+    EXPECT_TRUE(found->converged) << start;
     EXPECT_NEAR(found->camera.pinhole.cx, drive.camera.pinhole.cx, 2 * found->centre_sigma) << start;
   }
 }
@@ -54,6 +57,13 @@ TEST(OdometrySelfCalibration, FindsADistortionToo) {
 TEST(OdometrySelfCalibration, AStraightDoesNotTell) {
   const StreetDrive drive = PlainStreetDrive(kStreetFirstTurn);
   EXPECT_FALSE(Found(drive, 70));
+}
+
+TEST(OdometrySelfCalibration, ABendDoesNotReplaceACalibration) {
+  // Fifteen degrees into the turn, which with half the focal length would look like thirty.
+  const StreetDrive drive = PlainStreetDrive(kStreetFirstTurn + kStreetTurnFrames / 6);
+  EXPECT_FALSE(CalibrateFromDrive({}, StreetOptions(), {drive.camera, false}, ImagesOf(drive)));
+  EXPECT_FALSE(Found(drive, 110));
 }
 
 }  // namespace

@@ -48,12 +48,15 @@ class SimulateTest : public ::testing::Test {
 };
 
 TEST_F(SimulateTest, DriveGoesStraightIntoRun) {
-  const CommandResult made =
-      Simulate({"garage", "--rig", SmallRig(), "--seconds", "5", "--max-frames", "12", "--seed", "2"});
+  // Large enough to be tracked.
+  const std::string rig =
+      Text("rig.yaml", "camera:\n  width: 320\n  height: 240\n  fx: 190\n  fy: 190\n  cx: 159.5\n  cy: 119.5\n")
+          .string();
+  const CommandResult made = Simulate({"garage", "--rig", rig, "--seconds", "5", "--max-frames", "20", "--seed", "2"});
   EXPECT_EQ(made.exit_code, 0) << made.err;
   EXPECT_NE(made.out.find("files   " + Out().string()), std::string::npos) << made.out;
-  EXPECT_NE(made.err.find("frame 12/12"), std::string::npos) << made.err;
-  EXPECT_EQ(FindDrive(Out()).images.size(), 12u);
+  EXPECT_NE(made.err.find("frame 20/20"), std::string::npos) << made.err;
+  EXPECT_EQ(FindDrive(Out()).images.size(), 20u);
   const YamlMap origin(Out() / "drive.yaml");
   EXPECT_EQ(origin.Text("world"), "garage");
   EXPECT_EQ(origin.Integer("seed"), 2);

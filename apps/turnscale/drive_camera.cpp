@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "drive_camera.h"
 
+#include <algorithm>
 #include <memory>
 #include <utility>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include "interrupt.h"
 #include "turnscale/base/error.h"
 #include "turnscale/io/terminal.h"
 
@@ -15,6 +15,8 @@ namespace turnscale {
 namespace {
 
 constexpr double kUsualView = 70;
+// Of a focal length that is assumed, relative.
+constexpr double kAssumedSigma = 0.3;
 constexpr double kNarrowestView = 20;
 constexpr double kWidestView = 150;
 
@@ -26,24 +28,37 @@ double ViewOf(const ImageArguments& arguments) {
   return view;
 }
 
-// The drive's images from its first one on.
-ImageStream Images(const ImageArguments& arguments, const DriveInput& drive, Progress& progress, int& pass) {
-  ++pass;
-  auto source = std::make_shared<ImageSource>(drive, SourceOptions(arguments));
-  return [&arguments, &progress, &pass, source, read = 0]() mutable -> std::optional<TimedImage> {
-    if (Interrupted() || (arguments.max_frames && read == *arguments.max_frames)) return std::nullopt;
-    std::optional<SourceFrame> frame = source->Next();
-    if (!frame) return std::nullopt;
-    progress.Update(++read, fmt::format("estimating the camera, pass {}", pass));
-    return TimedImage{std::move(frame->gray), frame->time};
+// The drive's images. What is wrong with one of them the run itself says, when it comes to it.
+ImageStream Images(const ImageArguments& arguments, const DriveImages& images, std::optional<double> from, int pass) {
+  ImageSourceOptions options = SourceOptions(arguments, images.camera, images.camera_file);
+  if (from) options.start = std::max(options.start, *from);
+  auto source = std::make_shared<ImageSource>(images.drive, options);
+  auto progress = std::make_shared<Progress>(0, arguments.quiet);
+  return [&arguments, pass, source, progress, read = 0]() mutable -> std::optional<TimedImage> {
+    if (arguments.max_frames && read == *arguments.max_frames) return std::nullopt;
+    try {
+      std::optional<SourceFrame> frame = source->Next();
+      if (!frame) return std::nullopt;
+      progress->Update(++read, fmt::format("estimating the camera, pass {}", pass));
+      return TimedImage{std::move(frame->gray), frame->time};
+    } catch (const InputError&) {
+      return std::nullopt;
+    }
   };
 }
 
-std::optional<cv::Size> ImageSize(const ImageArguments& arguments, const DriveInput& drive) {
-  ImageSource source(drive, SourceOptions(arguments));
+std::optional<cv::Size> ImageSize(const ImageArguments& arguments, const DriveImages& images) {
+  ImageSource source(images.drive, SourceOptions(arguments, images.camera, images.camera_file));
   while (const std::optional<SourceFrame> frame = source.Next())
     if (!frame->gray.empty()) return frame->gray.size();
   return std::nullopt;
+}
+
+std::string NoTurn(const ImageArguments& arguments, double view, bool assumed) {
+  const std::string what = "no turn from which the camera's focal length can be estimated; ";
+  if (!assumed) return what + "the intrinsics are used as given";
+  return what + fmt::format("a field of view of {:.0f} degrees is assumed: give --camera FILE{}", view,
+                            arguments.field_of_view ? "" : " or --fov DEGREES");
 }
 
 }  // namespace
@@ -62,40 +77,33 @@ void AddCameraOptions(CLI::App& command, ImageArguments& arguments) {
                    "Estimate the intrinsics, starting from the given ones, and use the estimate");
 }
 
-std::optional<FoundCamera> EstimateCamera(const ImageArguments& arguments, DriveImages& images,
-                                          const OdometryOptions& options, const cv::Mat& mask) {
-  if (!images.camera_file.empty() && !arguments.refine_camera) return std::nullopt;
+CameraEstimate EstimateCamera(const ImageArguments& arguments, DriveImages& images, const OdometryOptions& options,
+                              const cv::Mat& mask) {
+  const bool assumed = images.camera_file.empty();
+  if (!assumed && !arguments.refine_camera) return {};
+  if (assumed && arguments.refine_camera)
+    throw InputError("--camera-refine: there are no intrinsics to refine; give --camera FILE, or leave it out");
   const double view = ViewOf(arguments);
   if (images.camera.width == 0) {
-    const std::optional<cv::Size> size = ImageSize(arguments, images.drive);
+    const std::optional<cv::Size> size = ImageSize(arguments, images);
     // The run itself says what is wrong with such a drive.
-    if (!size) return std::nullopt;
-    if (images.camera_file.empty()) images.camera = CameraOfView(view, size->width, size->height);
+    if (!size) return {};
+    if (assumed) images.camera = CameraOfView(view, size->width, size->height);
     images.camera.width = size->width;
     images.camera.height = size->height;
   }
+  if (assumed) images.camera.focal_sigma = kAssumedSigma * images.camera.pinhole.fx;
   // The run itself refuses such a mask.
-  if (!mask.empty() && mask.size() != cv::Size(images.camera.width, images.camera.height)) return std::nullopt;
-  CatchInterrupts();
-  Progress progress(0, arguments.quiet);
+  if (!mask.empty() && mask.size() != cv::Size(images.camera.width, images.camera.height)) return {};
   int pass = 0;
   const std::optional<FoundCamera> found = CalibrateFromDrive(
-      {}, options, images.camera, [&] { return Images(arguments, images.drive, progress, pass); }, mask);
-  progress.Finish();
-  if (Interrupted()) return std::nullopt;
-  if (!found) {
-    progress.Warn(images.camera_file.empty()
-                      ? fmt::format("no turn from which the camera's focal length can be estimated; a field of view of "
-                                    "{:.0f} degrees is assumed: give --camera FILE or --fov DEGREES",
-                                    view)
-                      : std::string("no turn from which the camera's focal length can be estimated; the intrinsics "
-                                    "are used as given"));
-    return std::nullopt;
-  }
-  if (!found->converged)
-    progress.Warn("the estimate of the camera did not converge; its standard deviation may be too small");
+      {}, options, {images.camera, assumed},
+      [&](std::optional<double> from) { return Images(arguments, images, from, ++pass); }, mask);
+  if (!found) return {std::nullopt, NoTurn(arguments, view, assumed)};
   images.camera = found->camera;
-  return found;
+  return {found, found->converged
+                     ? ""
+                     : "the estimate of the camera did not converge; its standard deviation may be too small"};
 }
 
 }  // namespace turnscale

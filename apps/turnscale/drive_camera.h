@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 
 #include "drive_source.h"
 #include "turnscale/odometry/options.h"
@@ -16,10 +17,16 @@ namespace turnscale {
 /// Adds the options that name, assume or refine the camera.
 void AddCameraOptions(CLI::App& command, ImageArguments& arguments);
 
+/// What the images say of the camera.
+struct CameraEstimate {
+  std::optional<FoundCamera> found;  ///< nothing where the camera is as given or the drive does not tell it
+  std::string warning;               ///< what to know about it, one line; may be empty
+};
+
 /// Estimates the camera from the images where it is not given or is to be refined (`--camera-refine`), and puts it
-/// into `images`. Returns what was found; nothing where the camera is as given, where
-/// the drive does not tell it, which a warning says, and where the user interrupts. `mask` as in CalibrateFromDrive.
-std::optional<FoundCamera> EstimateCamera(const ImageArguments& arguments, DriveImages& images,
-                                          const OdometryOptions& options, const cv::Mat& mask = {});
+/// into `images`. Where the drive does not tell it, an assumed one. `mask` as in CalibrateFromDrive. Throws InputError
+/// where there is nothing to refine.
+CameraEstimate EstimateCamera(const ImageArguments& arguments, DriveImages& images, const OdometryOptions& options,
+                              const cv::Mat& mask = {});
 
 }  // namespace turnscale

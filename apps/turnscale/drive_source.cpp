@@ -28,15 +28,6 @@ std::filesystem::path CameraFileFor(const ImageArguments& arguments, const Drive
   return {};
 }
 
-ImageSourceOptions SourceOptions(const ImageArguments& arguments, const CameraModel& camera,
-                                 const std::filesystem::path& camera_file) {
-  ImageSourceOptions options = SourceOptions(arguments);
-  options.width = camera.width;
-  options.height = camera.height;
-  options.camera_file = camera_file.string();
-  return options;
-}
-
 // 0 if known neither from the video header nor from the user.
 int ExpectedFrames(int count, std::optional<int> max_frames) {
   if (!max_frames) return count;
@@ -73,12 +64,16 @@ std::vector<Trajectory> Stretches(const std::vector<FrameResult>& frames) {
 
 }  // namespace
 
-ImageSourceOptions SourceOptions(const ImageArguments& arguments) {
+ImageSourceOptions SourceOptions(const ImageArguments& arguments, const CameraModel& camera,
+                                 const std::filesystem::path& camera_file) {
   ImageSourceOptions options;
   options.timestamps = arguments.timestamps;
   options.fps = arguments.fps;
   if (!arguments.start.empty()) options.start = ParseDriveTime("--start", arguments.start);
   if (!arguments.end.empty()) options.end = ParseDriveTime("--end", arguments.end);
+  options.width = camera.width;
+  options.height = camera.height;
+  options.camera_file = camera_file.string();
   return options;
 }
 
@@ -164,10 +159,11 @@ DriveMotion MotionFromImages(const ImageArguments& arguments) {
   options.Check();
   DriveImages images(arguments);
   cv::setNumThreads(kImageThreads);
-  EstimateCamera(arguments, images, options);
+  const CameraEstimate estimate = EstimateCamera(arguments, images, options);
   Odometry odometry(options, images.camera);
   CatchInterrupts();
   Progress progress(images.expected, arguments.quiet);
+  if (!estimate.warning.empty()) progress.Warn(estimate.warning);
   int processed = 0;
   const auto drive = [&] {
     while (!(arguments.max_frames && processed >= *arguments.max_frames)) {
@@ -192,6 +188,9 @@ DriveMotion MotionFromImages(const ImageArguments& arguments) {
   attempts.Try([&] { odometry.Finish(); });
   DriveMotion motion;
   motion.input = arguments.Name();
+  if (estimate.found)
+    motion.note = fmt::format("intrinsics estimated from the drive: focal length {:.1f} +-{:.1f} pixels",
+                              estimate.found->camera.pinhole.fx, estimate.found->camera.focal_sigma);
   const std::vector<FrameResult> frames = odometry.RefinedFrames();
   motion.stretches = Stretches(frames);
   if (motion.stretches.empty()) attempts.RethrowFirst();

@@ -46,7 +46,8 @@ struct ImageArguments {
 void AddPartOptions(CLI::App& command, ImageArguments& arguments);
 
 /// Where the images of a drive are read from, as the arguments have it.
-ImageSourceOptions SourceOptions(const ImageArguments& arguments);
+ImageSourceOptions SourceOptions(const ImageArguments& arguments, const CameraModel& camera,
+                                 const std::filesystem::path& camera_file);
 
 /// The images of a drive and their camera.
 struct DriveImages {

@@ -67,12 +67,13 @@ OdometryOptions OptionsFrom(const RunArguments& arguments) {
 }
 
 RunSummary BeforeTheDrive(const RunArguments& arguments, const OdometryOptions& options, const DriveImages& images,
-                          const std::optional<FoundCamera>& found) {
+                          const CameraEstimate& estimate) {
   RunSummary summary;
   summary.version = TURNSCALE_VERSION;
   summary.input = arguments.images.Name();
   summary.camera = images.camera_file.string();
-  summary.found_camera = found;
+  summary.found_camera = estimate.found;
+  if (!estimate.warning.empty()) summary.warnings.push_back(estimate.warning);
   summary.pose_frame = arguments.frame;
   summary.folder = arguments.out.string();
   summary.start = arguments.images.start;
@@ -103,12 +104,11 @@ int RunImages(const RunArguments& arguments) {
   const OdometryOptions options = OptionsFrom(arguments);
   DriveImages images(arguments.images);
   const cv::Mat mask = arguments.mask ? ReadMask(*arguments.mask) : cv::Mat();
-  const std::optional<FoundCamera> found = EstimateCamera(arguments.images, images, options, mask);
+  if (arguments.mask) RefuseToOverwrite("--out", arguments.out / "mask.png", {*arguments.mask});
+  if (arguments.images.refine_camera) RefuseToOverwrite("--out", arguments.out / "camera.yaml", {images.camera_file});
+  const CameraEstimate estimate = EstimateCamera(arguments.images, images, options, mask);
   Odometry odometry(options, images.camera);
-  if (arguments.mask) {
-    RefuseToOverwrite("--out", arguments.out / "mask.png", {*arguments.mask});
-    odometry.SetMask(mask);
-  }
+  if (arguments.mask) odometry.SetMask(mask);
   Progress progress(images.expected, arguments.images.quiet);
   bool begun = false;
   const auto next = [&] {
@@ -128,7 +128,7 @@ int RunImages(const RunArguments& arguments) {
                             [&] { return images.source.clips(); },
                             arguments.images.max_frames,
                             {arguments.out, shown, options.vehicle},
-                            BeforeTheDrive(arguments, options, images, found)};
+                            BeforeTheDrive(arguments, options, images, estimate)};
   const RunEnd end = RunDrive(drive, odometry, progress);
   if (end.failures.empty() && end.nothing_tracked.empty() && !arguments.images.quiet)
     PrintText(SummaryText(end.summary));
@@ -192,8 +192,8 @@ void AddRunCommand(CLI::App& app) {
       ->check(CLI::Range(1, 1'000'000'000));
   run->add_flag("--quiet", arguments->images.quiet, "Print warnings and errors only");
   run->footer(
-      "Examples:\n  turnscale run drive.mp4 --camera cam.yaml --lever-arm 1.45 --out out/drive\n"
-      "  turnscale run DCIM/ --camera cam.yaml --lever-arm 1.45 --start 1:30 --end 12:00\n\n"
+      "Examples:\n  turnscale run drive.mp4 --lever-arm 1.45 --out out/drive\n"
+      "  turnscale run DCIM/ --camera out/drive/camera.yaml --lever-arm 1.45 --start 1:30 --end 12:00\n\n"
       "Output: trajectory.tum and trajectory.kitti.txt (refined, every frame), live.tum (online: each pose as\n"
       "estimated at its frame), trajectory.csv, turns.csv, map.ply, mask.png (pixels left out, if any), settings.yaml "
       "and\n"

@@ -15,9 +15,9 @@ using RayOfPixel = std::function<std::optional<Eigen::Vector2d>(const Eigen::Vec
 
 /// The camera with these intrinsics and this image size (pixels) whose lens comes closest, over the whole image, to
 /// rays that are distorted along the radius. The lens is a pinhole where that is exact to 0.1 pixel, else the
-/// radial-tangential model with two coefficients where that is exact to 0.3 pixel, else that or the equidistant one with
-/// three, whichever is closer.
-/// Nothing where neither has a single ray for every pixel, or less than half of the pixels have a ray.
+/// radial-tangential model with two coefficients where that is exact to 0.3 pixel, else that or the equidistant one
+/// with three, whichever is closer. Nothing where neither has a single ray for every pixel, or less than half of the
+/// pixels have a ray.
 std::optional<CameraModel> FitLens(const Pinhole& pinhole, int width, int height, const RayOfPixel& ray_of);
 
 }  // namespace turnscale

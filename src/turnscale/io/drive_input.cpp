@@ -80,7 +80,7 @@ DriveInput FindInFolder(const fs::path& folder) {
   }
   throw InputError(drive.path.string() +
                    ": holds no images; give a folder of png, jpg, bmp, pgm or tiff files, a KITTI "
-                   "folder with image_0/, or a video file");
+                   "folder with image_0/, a video, or a folder of videos");
 }
 
 }  // namespace

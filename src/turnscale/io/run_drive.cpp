@@ -32,6 +32,8 @@ class Run {
   Run(const DriveToRun& drive, Odometry& odometry, Progress& progress)
       : drive_(drive), odometry_(odometry), progress_(progress), frame_(drive.next()), writer_(drive.output) {
     end_.summary = drive.summary;
+    for (const std::string& warning : drive.summary.warnings) progress_.Warn(warning);
+    said_ = drive.summary.warnings.size();
     writer_.WriteText("settings.yaml", SettingsText(odometry.options()));
     if (drive.summary.found_camera) writer_.WriteText("camera.yaml", FoundCameraText(*drive.summary.found_camera));
   }
@@ -41,7 +43,7 @@ class Run {
     progress_.Finish();
     attempts_.Try([&] { writer_.EndLive(); });
     Conclude();
-    if (!tracks_ && end_.summary.stopped.empty() && attempts_.failures().empty()) {
+    if (!tracks_ && !end_.interrupted && !Enough() && attempts_.failures().empty()) {
       end_.nothing_tracked = seen_.Explanation();
       end_.summary.stopped = end_.nothing_tracked;
     }

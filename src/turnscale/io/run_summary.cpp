@@ -103,7 +103,7 @@ std::string IntrinsicsText(const std::optional<FoundCamera>& found) {
   const Pinhole& pinhole = found->camera.pinhole;
   return fmt::format("lens    focal length {:.1f} +-{:.1f}, principal point ({:.1f}, {:.1f}) +-{:.1f} pixels, {}\n",
                      pinhole.fx, found->camera.focal_sigma, pinhole.cx, pinhole.cy, found->centre_sigma,
-                     "estimated from the drive; see camera.yaml");
+                     "estimated; for the next drive: --camera camera.yaml");
 }
 
 // One line, empty where the rotation was given.

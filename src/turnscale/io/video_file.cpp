@@ -105,7 +105,7 @@ struct VideoFile::State {
   ~State() { sws_freeContext(converter); }
 
   [[noreturn]] void Refuse() const {
-    throw InputError(path + ": cannot be opened as a video; give a video or a folder of images");
+    throw InputError(path + ": cannot be opened as a video; repair it or leave it out, or give a folder of images");
   }
 
   // Whether the file is a stream without a container. The library's readers of such have an option for the rate.

@@ -201,8 +201,7 @@ IntrinsicsEstimate CalibrationCheck::Estimate() const {
       sum += weights[i] * square;
       weights[i] = (kStudentDof + entries) / (kStudentDof + square);
     }
-    if (windows_.size() > 1)
-      scatter = std::max(1.0, sum / (IntrinsicsChange::kEntries * static_cast<double>(windows_.size() - 1)));
+    if (windows_.size() > 1) scatter = std::max(1.0, sum / (entries * static_cast<double>(windows_.size() - 1)));
   }
   estimate.covariance *= scatter;
   // A lens that distorts much has more to it than the first radial term.

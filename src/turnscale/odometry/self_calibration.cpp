@@ -17,6 +17,8 @@ namespace {
 
 // Where the drive says nothing with the first camera: odometry fails where its focal length is too far off.
 constexpr std::array<double, 2> kOtherViews = {100.0, 50.0};
+// Share of the frames: failure has another cause.
+constexpr double kTracksWell = 0.9;
 // Before the first window, for a map to build up.
 constexpr double kLeadSeconds = 3.0;
 constexpr double kLooseAtFirst = 4.0;
@@ -30,6 +32,8 @@ struct Reading {
   IntrinsicsEstimate estimate;
   int windows = 0;
   double first_time = 0;  ///< of the first window, seconds
+  int frames = 0;
+  int tracked = 0;
 };
 
 // Thresholds in pixels are wider at first: with a wrong lens, points near the edge, which tell most of it, fit worst.
@@ -52,20 +56,23 @@ CalibrationCheckOptions CheckForReading(const SelfCalibrationOptions& options, C
   check.higher_prior_sigma = options.higher_prior_sigma;
   check.max_landmarks = kMaxLandmarks;
   check.max_rounds = kMaxRounds;
+  check.max_windows = pass == 0 ? options.first_windows : options.windows;
   if (pass == 0) check.min_turn_deg = options.first_min_turn_deg;
   return check;
 }
 
-// Runs the odometry with `camera` from `from` seconds on, until `windows` windows have been read.
+// Runs the odometry with `camera` until `windows` windows have been read.
 Reading ReadTurns(const OdometryOptions& options, const CameraModel& camera, CalibrationCheck check, int windows,
-                  double from, const ImageStream& next, const cv::Mat& mask) {
+                  const ImageStream& next, const cv::Mat& mask) {
   Odometry odometry(options, camera);
   if (!mask.empty()) odometry.SetMask(mask);
   Reading reading;
   size_t keyframes = 0;
   while (const std::optional<TimedImage> image = next()) {
-    if (image->time < from || image->gray.empty()) continue;
-    odometry.Process(image->gray, image->time);
+    if (image->gray.empty()) continue;
+    const FrameResult result = odometry.Process(image->gray, image->time);
+    ++reading.frames;
+    reading.tracked += result.state == TrackingState::kTracked ? 1 : 0;
     const Map& map = odometry.map();
     if (std::exchange(keyframes, map.keyframes.size()) == map.keyframes.size()) continue;
     if (!check.Observe(map, odometry.camera())) continue;
@@ -123,21 +130,20 @@ void SelfCalibrationOptions::Check() const {
 }
 
 std::optional<FoundCamera> CalibrateFromDrive(const SelfCalibrationOptions& options, const OdometryOptions& odometry,
-                                              const CameraModel& start, const std::function<ImageStream()>& open,
-                                              const cv::Mat& mask) {
+                                              const StartCamera& start, const OpenDrive& open, const cv::Mat& mask) {
   options.Check();
-  CameraModel given = start;
+  CameraModel given = start.camera;
   IntrinsicsChange::Vector change = IntrinsicsChange::Vector::Zero();
-  const auto read = [&](const CameraModel& camera, int pass, double from) {
+  const auto read = [&](const CameraModel& camera, int pass, std::optional<double> from) {
     const CalibrationCheck check(CheckForReading(options, odometry.calibration_check, pass), given, change);
     return ReadTurns(OptionsForReading(odometry, pass), camera, check,
-                     pass == 0 ? options.first_windows : options.windows, from, open(), mask);
+                     pass == 0 ? options.first_windows : options.windows, open(from), mask);
   };
-  Reading reading = read(given, 0, -HUGE_VAL);
+  Reading reading = read(given, 0, std::nullopt);
   for (const double view : kOtherViews) {
-    if (reading.windows > 0) break;
-    given = CameraOfView(view, start.width, start.height);
-    reading = read(given, 0, -HUGE_VAL);
+    if (reading.windows > 0 || !start.assumed || reading.tracked > kTracksWell * reading.frames) break;
+    given = CameraOfView(view, start.camera.width, start.camera.height);
+    reading = read(given, 0, std::nullopt);
   }
   if (reading.windows == 0) return std::nullopt;
 
@@ -146,7 +152,8 @@ std::optional<FoundCamera> CalibrateFromDrive(const SelfCalibrationOptions& opti
   for (int pass = 1;; ++pass) {
     change = reading.estimate.change;
     const std::optional<CameraModel> next = Changed(given, change);
-    if (!next) return std::nullopt;
+    // A distortion that folds back.
+    if (!next) return pass > 1 ? std::optional(found) : std::nullopt;
     const IntrinsicsChange::Vector sigmas = reading.estimate.covariance.diagonal().cwiseSqrt();
     found.camera = *next;
     found.camera.focal_sigma = sigmas[IntrinsicsChange::kLogFocal] * next->pinhole.fx;
@@ -156,8 +163,8 @@ std::optional<FoundCamera> CalibrateFromDrive(const SelfCalibrationOptions& opti
     if (found.converged || pass == options.max_passes) return found;
     camera = *next;
     const Reading again = read(camera, pass, reading.first_time - kLeadSeconds);
-    // With the better camera no part of the drive turns enough.
-    if (again.windows == 0) return found;
+    // With the better camera no part of the drive turns enough to rely on.
+    if (again.windows == 0) return pass > 1 ? std::optional(found) : std::nullopt;
     reading = again;
   }
 }

@@ -43,6 +43,15 @@ struct TimedImage {
 /// Yields the images of a drive in order; nothing at the end.
 using ImageStream = std::function<std::optional<TimedImage>()>;
 
+/// Opens the drive at its first image, or at the first one from a time on (seconds).
+using OpenDrive = std::function<ImageStream(std::optional<double> from)>;
+
+/// Where the search for the camera begins.
+struct StartCamera {
+  CameraModel camera;
+  bool assumed = true;  ///< else the calibration of the camera, if perhaps a wrong one
+};
+
 /// A camera as the drive tells it.
 struct FoundCamera {
   CameraModel camera;       ///< with the standard deviation of its focal length
@@ -55,12 +64,12 @@ struct FoundCamera {
 ///
 /// The odometry runs over the images with the camera as assumed; windows of keyframes in turns tell how it differs
 /// from the true one (CalibrationCheck); the images are read again with the new camera, until it no longer changes.
-/// `start` needs image size and focal length only: half or twice the true one is near enough. `open` opens the drive
-/// anew, at its first image. Both focal lengths are changed by the same factor. Pixels that are 0 in `mask` (8 bit, of
-/// the images' size) are left out, unless it is empty.
-/// Nothing where no window turns enough: the focal length does not matter to the images of a straight.
+/// `start` needs image size and focal length only: half or twice the true one is near enough; where it is assumed
+/// rather than given, other fields of view are tried if the odometry fails with it. Both focal lengths are changed by
+/// the same factor. Pixels that are 0 in `mask` (8 bit, of the images' size) are left out, unless it is empty. Nothing
+/// where no window turns enough: the focal length does not matter to the images of a straight.
 std::optional<FoundCamera> CalibrateFromDrive(const SelfCalibrationOptions& options, const OdometryOptions& odometry,
-                                              const CameraModel& start, const std::function<ImageStream()>& open,
+                                              const StartCamera& start, const OpenDrive& open,
                                               const cv::Mat& mask = {});
 
 /// A camera of this image size (pixels) and horizontal field of view (degrees), without distortion.
