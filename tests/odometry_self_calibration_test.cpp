@@ -14,7 +14,7 @@ namespace {
 OpenDrive ImagesOf(const StreetDrive& drive) {
   return [&drive](std::optional<double> from) -> ImageStream {
     return [&drive, from, next = size_t{0}]() mutable -> std::optional<TimedImage> {
-      while (from && next < drive.times.size() && drive.times[next] < *from) ++next;
+      while (from && next < drive.times.size() && drive.times[next] - drive.times.front() < *from) ++next;
       if (next == drive.images.size()) return std::nullopt;
       const size_t frame = next++;
       return TimedImage{drive.images[frame], drive.times[frame]};
@@ -38,6 +38,17 @@ TEST(OdometrySelfCalibration, FindsTheFocalLengthFromANarrowAndAWideStart) {
     EXPECT_TRUE(found->converged) << start;
     EXPECT_NEAR(found->camera.pinhole.cx, drive.camera.pinhole.cx, 2 * found->centre_sigma) << start;
   }
+}
+
+TEST(OdometrySelfCalibration, DoesNotDependOnWhenTheClockStarted) {
+  StreetDrive drive = PlainStreetDrive();
+  const std::optional<FoundCamera> at_zero = Found(drive, 70);
+  // A power of two, so that the intervals keep their bits.
+  for (double& time : drive.times) time += 128;
+  const std::optional<FoundCamera> later = Found(drive, 70);
+  ASSERT_TRUE(at_zero && later);
+  EXPECT_NEAR(later->camera.pinhole.fx / at_zero->camera.pinhole.fx, 1, 1e-3);
+  EXPECT_EQ(later->windows, at_zero->windows);
 }
 
 TEST(OdometrySelfCalibration, FindsADistortionToo) {

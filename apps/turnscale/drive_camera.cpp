@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "drive_camera.h"
 
-#include <algorithm>
 #include <memory>
 #include <utility>
 
@@ -31,7 +30,7 @@ double ViewOf(const ImageArguments& arguments) {
 // The drive's images. What is wrong with one of them the run itself says, when it comes to it.
 ImageStream Images(const ImageArguments& arguments, const DriveImages& images, std::optional<double> from, int pass) {
   ImageSourceOptions options = SourceOptions(arguments, images.camera, images.camera_file);
-  if (from) options.start = std::max(options.start, *from);
+  if (from) options.start += *from;
   auto source = std::make_shared<ImageSource>(images.drive, options);
   auto progress = std::make_shared<Progress>(0, arguments.quiet);
   return [&arguments, pass, source, progress, read = 0]() mutable -> std::optional<TimedImage> {

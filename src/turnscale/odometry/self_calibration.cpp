@@ -31,6 +31,7 @@ constexpr int kMaxRounds = 15;
 struct Reading {
   IntrinsicsEstimate estimate;
   int windows = 0;
+  double begin = 0;       ///< time of the first image, seconds
   double first_time = 0;  ///< of the first window, seconds
   int frames = 0;
   int tracked = 0;
@@ -71,7 +72,7 @@ Reading ReadTurns(const OdometryOptions& options, const CameraModel& camera, Cal
   while (const std::optional<TimedImage> image = next()) {
     if (image->gray.empty()) continue;
     const FrameResult result = odometry.Process(image->gray, image->time);
-    ++reading.frames;
+    if (reading.frames++ == 0) reading.begin = image->time;
     reading.tracked += result.state == TrackingState::kTracked ? 1 : 0;
     const Map& map = odometry.map();
     if (std::exchange(keyframes, map.keyframes.size()) == map.keyframes.size()) continue;
@@ -146,6 +147,7 @@ std::optional<FoundCamera> CalibrateFromDrive(const SelfCalibrationOptions& opti
     reading = read(given, 0, std::nullopt);
   }
   if (reading.windows == 0) return std::nullopt;
+  const double begin = reading.begin;
 
   CameraModel camera = given;
   FoundCamera found;
@@ -162,7 +164,7 @@ std::optional<FoundCamera> CalibrateFromDrive(const SelfCalibrationOptions& opti
     found.converged = pass > 1 && Difference(camera, *next) < options.converged;
     if (found.converged || pass == options.max_passes) return found;
     camera = *next;
-    const Reading again = read(camera, pass, reading.first_time - kLeadSeconds);
+    const Reading again = read(camera, pass, std::max(0.0, reading.first_time - begin - kLeadSeconds));
     // With the better camera no part of the drive turns enough to rely on.
     if (again.windows == 0) return pass > 1 ? std::optional(found) : std::nullopt;
     reading = again;

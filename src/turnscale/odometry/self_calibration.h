@@ -43,7 +43,8 @@ struct TimedImage {
 /// Yields the images of a drive in order; nothing at the end.
 using ImageStream = std::function<std::optional<TimedImage>()>;
 
-/// Opens the drive at its first image, or at the first one from a time on (seconds).
+/// Opens the drive at its first image, or at the first one from a time on, seconds after the first image. Its images
+/// have the same times either way.
 using OpenDrive = std::function<ImageStream(std::optional<double> from)>;
 
 /// Where the search for the camera begins.
