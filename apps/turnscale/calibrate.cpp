@@ -54,8 +54,8 @@ void Check(const CalibrateArguments& arguments) {
   positive("--distance", arguments.distance);
   if (arguments.lever_arm) CheckedLeverArm(*arguments.lever_arm);
   std::vector<fs::path> read = arguments.images.inputs;
-  for (const auto& file :
-       {arguments.trajectory, arguments.speed, arguments.images.camera, arguments.images.timestamps}) {
+  for (const auto& file : {arguments.trajectory, arguments.speed, arguments.images.camera, arguments.images.timestamps,
+                           arguments.images.mask}) {
     read.push_back(file.value_or(""));
   }
   RefuseToOverwrite("--out", arguments.out, read);
@@ -274,6 +274,8 @@ void AddCalibrateCommand(CLI::App& app) {
   calibrate->add_option("--fps", images.fps, "Frames per second; overrides times.txt and a video's own rate")
       ->excludes(timestamps);
   calibrate->add_option("--settings", images.settings, "YAML file with settings, as for run")->excludes(trajectory);
+  AddPartOptions(*calibrate, images);
+  for (const char* option : {"--start", "--end", "--mask"}) calibrate->get_option(option)->excludes(trajectory);
   CLI::Option* max_frames = calibrate->add_option("--max-frames", images.max_frames, "Stop after this many frames")
                                 ->check(CLI::Range(1, 1'000'000'000))
                                 ->excludes(trajectory);

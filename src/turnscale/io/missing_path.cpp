@@ -20,13 +20,11 @@ std::vector<MissingPart> FindMissingParts(const std::vector<FrameResult>& frames
   for (size_t i = 0; i < frames.size(); ++i) {
     const FrameResult& frame = frames[i];
     const bool after_pause = i > 0 && frame.time - frames[i - 1].time > kLeastPause;
-    if (after_pause && !open) {
-      parts.push_back({MissingReason::kNotRecorded, frames[i - 1].time, frame.time, 0});
-      open = true;
-    }
-    if (open) parts.back().to = frame.time;
+    if (open) parts.back().to = after_pause ? frames[i - 1].time : frame.time;
     // A duplicate shows what its neighbours measure.
-    const bool lost = !IsMeasured(frame) && (open || frame.state != TrackingState::kRepeated);
+    const bool lost = !IsMeasured(frame) && (open || after_pause || frame.state != TrackingState::kRepeated);
+    if (after_pause) parts.push_back({MissingReason::kNotRecorded, frames[i - 1].time, frame.time, 0});
+    open = open && !after_pause;
     if (lost && !open) parts.push_back({MissingReason::kLost, frame.time, frame.time, 0});
     open = lost;
     if (!lost) continue;

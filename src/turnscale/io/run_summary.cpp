@@ -86,10 +86,17 @@ std::string ClipsText(const std::vector<ClipPart>& clips) {
   return fmt::format("clips   {}, from {} to {}\n", clips.size(), clips.front().file, clips.back().file);
 }
 
-nlohmann::ordered_json IntrinsicsJson(const std::optional<FoundCamera>& found) {
-  if (!found) return nullptr;
+const char* IntrinsicsSource(const RunSummary& summary) {
+  if (!summary.found_camera) return summary.camera.empty() ? "assumed" : "given";
+  return summary.camera.empty() ? "estimated" : "refined";
+}
+
+nlohmann::ordered_json IntrinsicsJson(const RunSummary& summary) {
+  const std::optional<FoundCamera>& found = summary.found_camera;
+  if (!found) return {{"source", IntrinsicsSource(summary)}};
   const Pinhole& pinhole = found->camera.pinhole;
-  return {{"focal_length", {pinhole.fx, pinhole.fy}},
+  return {{"source", IntrinsicsSource(summary)},
+          {"focal_length", {pinhole.fx, pinhole.fy}},
           {"focal_length_sigma", found->camera.focal_sigma},
           {"principal_point", {pinhole.cx, pinhole.cy}},
           {"principal_point_sigma", found->centre_sigma},
@@ -254,7 +261,8 @@ std::string SummaryJson(const RunSummary& summary) {
         {"end", summary.end.empty() ? Json(nullptr) : Json(summary.end)}}},
       {"clips", ClipsJson(summary.clips)},
       {"camera", summary.camera.empty() ? Json(nullptr) : Json(summary.camera)},
-      {"intrinsics", IntrinsicsJson(summary.found_camera)},
+      {"intrinsics", IntrinsicsJson(summary)},
+      {"mask", summary.mask.empty() ? Json(nullptr) : Json(summary.mask)},
       {"pose_frame", summary.pose_frame},
       {"lever_arm_m", summary.vehicle.lever_arm ? Json(*summary.vehicle.lever_arm) : Json(nullptr)},
       {"side_slip_s2_per_m", summary.vehicle.side_slip},
@@ -280,6 +288,7 @@ std::string SummaryJson(const RunSummary& summary) {
       {"path_sigma", or_null(summary.path_sigma)},
       {"scale",
        {{"state", ScaleStateName(summary.scale_state)},
+        {"pending_reason", summary.pending_reason.empty() ? Json(nullptr) : Json(summary.pending_reason)},
         {"worst_relative_sigma", or_null(summary.worst_sigma)},
         {"worst_at_s", summary.worst_sigma_time}}},
       {"warnings", summary.warnings},
