@@ -71,7 +71,8 @@ void ClipReader::ReadHeaders(const std::vector<std::filesystem::path>& clips) {
     } catch (const InputError& error) {
       if (!failure) failure = std::current_exception();
       hole = !clips_.empty();
-      left_out_.push_back(fmt::format("{}; the clip is left out", error.what()));
+      const std::string what = error.what();
+      left_out_.push_back(what.substr(0, what.find("; ")) + "; the clip is left out");
       continue;
     }
     within = std::exchange(hole, false) || within;
