@@ -45,11 +45,7 @@ double InRadians(double degrees) { return degrees / kDegreesPerRadian; }
 double LargestTurn(const Map& map, int first, int last) {
   double largest = 0;
   for (int k = first; k <= last; ++k)
-    for (const int end : {first, last}) {
-      const Eigen::Quaterniond turn =
-          map.keyframes[k].camera_from_world.rotation * map.keyframes[end].camera_from_world.rotation.conjugate();
-      largest = std::max(largest, RotationAngle(turn));
-    }
+    for (const int end : {first, last}) largest = std::max(largest, TurnBetween(map, end, k));
   return largest;
 }
 
@@ -114,7 +110,7 @@ bool CalibrationCheck::Observe(const Map& map, const CameraModel& camera) {
   const int latest = static_cast<int>(map.keyframes.size()) - 1;
   if (!options_.enabled || windows() >= options_.max_windows || latest < next_keyframe_) return false;
   const int first = StartOfMap(map, std::max(0, latest - options_.window + 1));
-  if (LargestTurn(map, first, latest) * kDegreesPerRadian < options_.min_turn_deg) return false;
+  if (InDegrees(LargestTurn(map, first, latest)) < options_.min_turn_deg) return false;
   // What windows have in common is known soon: later ones come less often, and only the first overlap.
   const int read = static_cast<int>(windows_.size()) + 1;
   next_keyframe_ = latest + std::min(read, kLongestInterval) * (options_.window / 2);

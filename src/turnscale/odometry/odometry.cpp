@@ -34,13 +34,6 @@ constexpr int kArchivedTogether = 20;
 // far away.
 constexpr double kDecidingTurn = 10;
 
-// How far the camera has turned from a keyframe to the latest, degrees.
-double TurnSince(const Map& map, int keyframe) {
-  return RotationAngle(map.keyframes.back().camera_from_world.rotation *
-                       map.keyframes[keyframe].camera_from_world.rotation.conjugate()) *
-         kDegreesPerRadian;
-}
-
 OdometryOptions Checked(OdometryOptions options, const CameraModel& camera) {
   options.Check();
   if ((camera.width == 0) != (camera.height == 0))
@@ -297,7 +290,8 @@ void Odometry::AddKeyframe(const RigidTransform& camera_from_world, FrameResult&
   map_.keyframes.push_back({result.frame, result.time, camera_from_world, {}, false});
   for (const FeatureTrack& track : tracker_.tracks()) AddObservation(map_, keyframe, track.landmark, track.undistorted);
   // Where parts of the image stand still, what has not moved so far may belong to them, even if its rays meet.
-  if (start_in_doubt_ && TurnSince(map_, *start_in_doubt_) > kDecidingTurn) start_in_doubt_.reset();
+  if (start_in_doubt_ && InDegrees(TurnBetween(map_, *start_in_doubt_, keyframe)) > kDecidingTurn)
+    start_in_doubt_.reset();
   const bool in_doubt = start_in_doubt_ || !mask_.pixels().empty();
   const double max_motion = in_doubt ? options_.static_regions.max_motion : -1.0;
   std::vector<int> moving;
