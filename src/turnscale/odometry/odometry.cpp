@@ -74,7 +74,7 @@ Odometry::Odometry(const OdometryOptions& options, const CameraModel& camera)
       calibration_check_(options_.calibration_check),
       scale_(options) {
   map_.pinhole = camera.pinhole;
-  calibration_sigma_ = CalibrationSigma({}, map_.pinhole.fx, camera_.focal_sigma / map_.pinhole.fx);
+  calibration_sigma_ = CalibrationSigma({}, camera_);
 }
 
 FrameResult Odometry::Process(const cv::Mat& gray, double time) {
@@ -302,8 +302,7 @@ void Odometry::AddKeyframe(const RigidTransform& camera_from_world, FrameResult&
   tracker_.Drop(CullLandmarks(options_.landmarks, adjusted.landmarks, keyframe, map_));
   RefineLens();
   if (calibration_check_.Observe(map_, camera_))
-    calibration_sigma_ =
-        CalibrationSigma(calibration_check_.Contradictions(), map_.pinhole.fx, camera_.focal_sigma / map_.pinhole.fx);
+    calibration_sigma_ = CalibrationSigma(calibration_check_.Contradictions(), camera_);
   motion_.Correct(map_.keyframes.back().camera_from_world, 1.0);
   result.keyframe = true;
 }
@@ -413,7 +412,7 @@ RefinedScale Odometry::Refined() const {
   if (refined_) return *refined_;
   const std::vector<ParameterEstimate> contradictions = calibration_check_.Contradictions();
   RefinedScale refined = scale_.Refine(map_, !contradictions.empty());
-  WidenForCalibration(contradictions, map_.pinhole.fx, camera_.focal_sigma / map_.pinhole.fx, refined);
+  WidenForCalibration(contradictions, camera_, refined);
   return refined;
 }
 
