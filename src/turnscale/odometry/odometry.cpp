@@ -293,11 +293,13 @@ void Odometry::AddKeyframe(const RigidTransform& camera_from_world, FrameResult&
   if (start_in_doubt_ && InDegrees(TurnBetween(map_, *start_in_doubt_, keyframe)) > kDecidingTurn)
     start_in_doubt_.reset();
   const bool in_doubt = start_in_doubt_ || !mask_.pixels().empty();
-  const double max_motion = in_doubt ? options_.static_regions.max_motion : -1.0;
-  std::vector<int> moving;
+  const auto has_stayed = [&](const FeatureTrack& track) {
+    return HasStayed(map_.landmarks[track.landmark], track.undistorted, options_.static_regions.max_motion);
+  };
+  std::vector<int> of_scene;
   for (const FeatureTrack& track : tracker_.tracks())
-    if (!HasStayed(map_.landmarks[track.landmark], track.undistorted, max_motion)) moving.push_back(track.landmark);
-  TriangulateLandmarks(options_.landmarks, moving, map_);
+    if (!in_doubt || !has_stayed(track)) of_scene.push_back(track.landmark);
+  TriangulateLandmarks(options_.landmarks, of_scene, map_);
   const LocalBundleResult adjusted = AdjustLocalWindow(options_.local_bundle, map_);
   tracker_.Drop(CullLandmarks(options_.landmarks, adjusted.landmarks, keyframe, map_));
   RefineLens();
