@@ -62,8 +62,8 @@ CalibrationCheckOptions CheckForReading(const SelfCalibrationOptions& options, C
   return check;
 }
 
-// Runs the odometry with `camera` until `windows` windows have been read.
-Reading ReadTurns(const OdometryOptions& options, const CameraModel& camera, CalibrationCheck check, int windows,
+// Runs the odometry with `camera` until `check` has read its windows.
+Reading ReadTurns(const OdometryOptions& options, const CameraModel& camera, CalibrationCheck check,
                   const ImageStream& next, const cv::Mat& mask) {
   Odometry odometry(options, camera);
   if (!mask.empty()) odometry.SetMask(mask);
@@ -81,7 +81,7 @@ Reading ReadTurns(const OdometryOptions& options, const CameraModel& camera, Cal
       reading.first_time = map.keyframes[std::max<size_t>(keyframes, options.calibration_check.window) -
                                          options.calibration_check.window]
                                .time;
-    if (check.windows() >= windows) break;
+    if (check.IsComplete()) break;
   }
   reading.windows = check.windows();
   reading.estimate = check.Estimate();
@@ -137,8 +137,7 @@ std::optional<FoundCamera> CalibrateFromDrive(const SelfCalibrationOptions& opti
   IntrinsicsChange::Vector change = IntrinsicsChange::Vector::Zero();
   const auto read = [&](const CameraModel& camera, int pass, std::optional<double> from) {
     const CalibrationCheck check(CheckForReading(options, odometry.calibration_check, pass), given, change);
-    return ReadTurns(OptionsForReading(odometry, pass), camera, check,
-                     pass == 0 ? options.first_windows : options.windows, open(from), mask);
+    return ReadTurns(OptionsForReading(odometry, pass), camera, check, open(from), mask);
   };
   Reading reading = read(given, 0, std::nullopt);
   for (const double view : kOtherViews) {
