@@ -5,10 +5,10 @@
 
 #include <fmt/format.h>
 
+#include "turnscale/io/frame_reader.h"
+
 namespace turnscale {
 namespace {
-
-constexpr double kLeastPause = 1.5;  // s between frames, above which nothing is recorded
 
 bool IsMeasured(const FrameResult& frame) { return frame.state == TrackingState::kTracked; }
 
@@ -19,8 +19,8 @@ std::vector<MissingPart> FindMissingParts(const std::vector<FrameResult>& frames
   bool open = false;
   for (size_t i = 0; i < frames.size(); ++i) {
     const FrameResult& frame = frames[i];
-    const bool after_pause = i > 0 && frame.time - frames[i - 1].time > kLeastPause;
-    if (after_pause && !open) {
+    const bool after_gap = i > 0 && frame.time - frames[i - 1].time > kLeastGap;
+    if (after_gap && !open) {
       parts.push_back({MissingReason::kNotRecorded, frames[i - 1].time, frame.time, 0});
       open = true;
     }
