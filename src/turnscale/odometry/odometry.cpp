@@ -418,8 +418,7 @@ RefinedScale Odometry::Refined() const {
   return refined;
 }
 
-std::vector<FrameResult> Odometry::RefinedFrames() const {
-  const RefinedScale refined = Refined();
+std::vector<FrameResult> Odometry::RefinedFrames(const RefinedScale& refined) const {
   std::vector<FrameResult> frames = history_.Refined(map_, refined.path);
   const std::vector<int> keyframes = history_.Keyframes();
   int keyframe = -1;
@@ -442,8 +441,8 @@ std::vector<FrameResult> Odometry::RefinedFrames() const {
   return frames;
 }
 
-MapPoints Odometry::RefinedMap() const {
-  const MetricPath path = Refined().path;
+MapPoints Odometry::RefinedMap(const RefinedScale& refined) const {
+  const MetricPath& path = refined.path;
   MapPoints points;
   points.cameras = path.centres;
   points.landmarks.reserve(archive_.landmarks());
