@@ -95,7 +95,7 @@ CameraEstimate EstimateCamera(const ImageArguments& arguments, DriveImages& imag
   if (!images.mask.empty() && images.mask.size() != cv::Size(images.camera.width, images.camera.height)) return {};
   int pass = 0;
   const std::optional<FoundCamera> found = CalibrateFromDrive(
-      {}, options, {images.camera, assumed},
+      options, {images.camera, assumed},
       [&](std::optional<double> from) { return Images(arguments, images, from, ++pass); }, images.mask);
   if (!found) return {std::nullopt, NoTurn(arguments, view, assumed)};
   images.camera = found->camera;

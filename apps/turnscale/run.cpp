@@ -149,8 +149,9 @@ void AddRunCommand(CLI::App& app) {
   CLI::App* run = app.add_subcommand("run", "Estimate the trajectory of a drive from its images.");
   auto arguments = std::make_shared<RunArguments>();
   run->add_option("input", arguments->images.inputs,
-                  "KITTI folder (image_0/ or images/, calib.txt or camera.yaml, times.txt), folder of images, video, "
-                  "several videos that continue one another, or folder with them and the KITTI files")
+                  "KITTI folder (with the images in image_0/ or images/), folder of images, video, several videos that "
+                  "continue one another, or folder of such videos; a folder can also contain calib.txt or camera.yaml, "
+                  "and times.txt")
       ->required();
   AddCameraOptions(*run, arguments->images);
   CLI::Option* timestamps =
@@ -200,9 +201,9 @@ void AddRunCommand(CLI::App& app) {
       "Examples:\n  turnscale run drive.mp4 --lever-arm 1.45 --out out/drive\n"
       "  turnscale run DCIM/ --camera out/drive/camera.yaml --lever-arm 1.45 --start 1:30 --end 12:00\n\n"
       "Output: trajectory.tum and trajectory.kitti.txt (refined, every frame), live.tum (online: each pose as\n"
-      "estimated at its frame), trajectory.csv, turns.csv, map.ply, mask.png (pixels left out, if any), settings.yaml "
-      "and\n"
-      "summary.json. Ctrl-C stops after the current frame and keeps the results so far (exit code 130).");
+      "estimated at its frame), trajectory.csv, turns.csv, map.ply, camera.yaml (intrinsics, if estimated),\n"
+      "mask.png (pixels left out, if any), settings.yaml and summary.json. Ctrl-C stops after the current frame\n"
+      "and keeps the results so far (exit code 130).");
   run->callback([arguments] {
     if (const int exit_code = RunImages(*arguments); exit_code != 0) throw CLI::RuntimeError(exit_code);
   });

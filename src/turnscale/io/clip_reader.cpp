@@ -13,8 +13,6 @@
 namespace turnscale {
 namespace {
 
-constexpr double kLeastGap = 1.5;  // s; shorter pauses of a recorder are hiccups
-
 std::string NameOf(const std::filesystem::path& path) { return path.filename().string(); }
 
 // Of the whole clip. A header's duration may be what the file still holds; its count is not.

@@ -127,9 +127,8 @@ TEST_F(ClipReaderTest, AClipThatCannotBeDecodedIsLeftOut) {
 
   EXPECT_NE(Complaint({ends[1], ends[0], ends[2]}), "") << "nothing tells how long the hole is";
   EXPECT_NE(Complaint({ends[0], ends[3]}), "");
-  const auto images = ReadAll({{Write("20230501_120000.mp4", 0, 20), broken("20230501_120002.mp4"),
-                                Write("20230501_120007.mp4", 20, 20)},
-                               {}});
+  const auto images = ReadAll(
+      {{Write("20230501_120000.mp4", 0, 20), broken("20230501_120002.mp4"), Write("20230501_120007.mp4", 20, 20)}, {}});
   ASSERT_EQ(images.size(), 40u);
   EXPECT_NEAR(*images[20].time, 7, 1e-9);
 }

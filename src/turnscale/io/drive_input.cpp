@@ -33,8 +33,8 @@ bool IsVideoName(const fs::path& path) {
       path, {".mp4", ".mkv", ".avi", ".mov", ".webm", ".m4v", ".mpg", ".mpeg", ".ts", ".mts", ".m2ts", ".3gp", ".wmv"});
 }
 
-// The entries of a folder for which `wanted` holds, in natural order. The hidden companions that some file systems write
-// are left out.
+// The entries of a folder for which `wanted` holds, in natural order. The hidden companions that some file systems
+// write are left out.
 template <class Predicate>
 std::vector<fs::path> EntriesIn(const fs::path& folder, const Predicate& wanted) {
   std::error_code error;
@@ -105,9 +105,9 @@ DriveInput FindInFolder(const fs::path& folder) {
   if (drive.path == folder) drive.videos = VideosOf(folder, drive.images.empty());
   std::erase_if(drive.images, [&](const fs::path& image) { return IsThumbnail(image, drive.videos); });
   if (!drive.images.empty() && !drive.videos.empty()) {
-    throw InputError(fmt::format("{}: holds images ({}) and videos ({}); give the videos by name, or a folder of one kind",
-                                 folder.string(), drive.images.front().filename().string(),
-                                 drive.videos.front().filename().string()));
+    throw InputError(fmt::format(
+        "{}: holds images ({}) and videos ({}); give the videos by name, or a folder of one kind", folder.string(),
+        drive.images.front().filename().string(), drive.videos.front().filename().string()));
   }
   if (drive.videos.size() == 1) drive.path = drive.videos.front();
   if (!drive.images.empty() || !drive.videos.empty()) return drive;

@@ -13,6 +13,7 @@
 #include "turnscale/camera/camera_file.h"
 #include "turnscale/geometry/rotation.h"
 #include "turnscale/io/terminal.h"
+#include "turnscale/io/turn_warning.h"
 
 namespace turnscale {
 namespace {
@@ -152,25 +153,6 @@ std::string CarText(const std::optional<CarRefinement>& car) {
                      car->yaw_error * kDegreesPerRadian, car->yaw_error_sigma * kDegreesPerRadian);
 }
 
-// Empty if the turns are consistent with the estimate.
-std::string TurnWarning(const RefinedScale& scale) {
-  if (!scale.estimate || !scale.estimate->fell_back) return {};
-  const TurnTest& test = scale.estimate->test;
-  if (test.contradicted && test.worst_turn >= 0) {
-    const TurnResult& worst = scale.turns[test.worst_turn];
-    return fmt::format(
-        "the turns are inconsistent by {:.0f} % of scale, most of all the one at frames {}-{}: the trajectory uses "
-        "single-turn scales; check the camera's calibration and rotation, the timestamps and the lever arm",
-        100 * test.disagreement, worst.first_frame, worst.last_frame);
-  }
-  if (!scale.estimate->converged)
-    return "the scale estimate did not converge: the trajectory uses single-turn scales; check the camera's "
-           "calibration "
-           "and rotation, the timestamps and the lever arm";
-  // Single-turn scales because of the calibration: it has its own warning.
-  return {};
-}
-
 std::string CalibrationWarning(const ParameterEstimate& estimate, double path_sigma) {
   const auto [name, unit] = [&]() -> std::pair<const char*, const char*> {
     switch (estimate.parameter) {
@@ -233,7 +215,14 @@ void Summarize(const std::vector<FrameResult>& refined, const RefinedScale& scal
   }
   for (const ParameterEstimate& estimate : scale.contradicted_calibration)
     summary.warnings.push_back(CalibrationWarning(estimate, summary.path_sigma));
-  if (const std::string warning = TurnWarning(scale); !warning.empty()) summary.warnings.push_back(warning);
+  const auto frames_of = [&](int turn) {
+    return fmt::format("frames {}-{}", turns[turn].first_frame, turns[turn].last_frame);
+  };
+  const std::string warning =
+      scale.estimate ? TurnWarning(*scale.estimate, frames_of,
+                                   "the camera's calibration and rotation, the timestamps and the lever arm")
+                     : "";
+  if (!warning.empty()) summary.warnings.push_back(warning);
   summary.turns_found = static_cast<int>(turns.size());
   if (!scale.estimate) summary.pending_reason = scale.reason;
   summary.turns_used =

@@ -58,13 +58,17 @@ class Odometry {
 
   /// Every frame so far with its refined pose, metric once the turns so far determine the scale. Frames before
   /// initialisation have the first known pose (none while there is no map at all).
-  std::vector<FrameResult> RefinedFrames() const;
+  std::vector<FrameResult> RefinedFrames() const { return RefinedFrames(Refined()); }
 
-  /// The scale of the drive so far.
+  /// The scale of the drive so far. Before Finish it is computed at each call, in time linear in the drive's length.
   RefinedScale Refined() const;
 
   /// The map's valid landmarks and its keyframes' cameras, in metres if the scale is known.
-  MapPoints RefinedMap() const;
+  MapPoints RefinedMap() const { return RefinedMap(Refined()); }
+
+  /// The same with what Refined has given.
+  std::vector<FrameResult> RefinedFrames(const RefinedScale& refined) const;
+  MapPoints RefinedMap(const RefinedScale& refined) const;
 
   /// The options in effect: those given, without those that the lens model does not support.
   const OdometryOptions& options() const { return options_; }
