@@ -62,11 +62,10 @@ void Check(const CalibrateArguments& arguments) {
   RefuseToOverwrite("--history", arguments.history.value_or(""), read);
   if (arguments.side_slip) CheckedSideSlip(*arguments.side_slip);
   if (arguments.fit_side_slip && !arguments.in_metres()) {
-    throw InputError("--fit-side-slip: needs metric motion; give --speed, --distance or --metric");
+    throw InputError("--fit-side-slip: needs metres; give --speed, --distance or --metric");
   }
   if (arguments.side_slip && !arguments.in_metres() && !arguments.lever_arm) {
-    throw InputError(
-        "--side-slip: needs a lever arm; give --lever-arm, or metric motion with --speed, --distance or --metric");
+    throw InputError("--side-slip: needs a lever arm; give --lever-arm, or --speed, --distance or --metric");
   }
   if (arguments.history && arguments.history->extension() == ".svg") {
     throw InputError(fmt::format("--history {}: name a CSV file; the plot (.svg) is written beside it",
@@ -299,7 +298,7 @@ void AddCalibrateCommand(CLI::App& app) {
                   VehicleOptions().side_slip));
   calibrate
       ->add_flag("--fit-side-slip", arguments->fit_side_slip,
-                 "Estimate c too; needs turns at different speeds, and metric motion")
+                 "Estimate c too; needs turns at different speeds, and --speed, --distance or --metric")
       ->excludes(side_slip);
   calibrate->add_option("--history", arguments->history,
                         "Write the estimate over time to this CSV file, and plot it (.svg beside it)");

@@ -180,10 +180,9 @@ void AddRunCommand(CLI::App& app) {
       "with yaw_deg, pitch_deg, roll_deg, such as calibrate writes; or auto: estimated during the drive [auto]");
   run->add_option(
          "--method", arguments->method,
-         "How metric scale is obtained. smoothed: one estimate along the drive, from all turns; turns: map adjusted "
-         "with the length of each turn fixed to the value that its single-turn scale gives; paper: map adjusted with "
-         "the length of each keyframe step of a turn fixed to the value that its own turning angle and direction of "
-         "travel give (equation (22) of the paper by Kim et al.) [smoothed]")
+         "How metric scale is obtained. smoothed: one estimate along the drive, from all turns; turns: each turn's scale "
+         "from this turn alone, held by a final bundle adjustment; paper: the same for each pair of consecutive "
+         "keyframes in a turn (equation (22) of the paper by Kim et al.) [smoothed]")
       ->check(CLI::IsMember({"smoothed", "turns", "paper"}));
   run->add_option("--frame", arguments->frame, "Write poses of the camera or of the vehicle (rear axle)")
       ->check(CLI::IsMember({"camera", "vehicle"}))

@@ -16,7 +16,7 @@
 #include "turnscale/mapping/local_bundle_adjustment.h"
 #include "turnscale/mapping/map_scaling.h"
 #include "turnscale/mapping/section_adjustment.h"
-#include "turnscale/odometry/held_turns.h"
+#include "turnscale/odometry/constrained_turns.h"
 
 namespace turnscale {
 namespace {
@@ -145,7 +145,7 @@ void Odometry::Finish() {
   AdjustWholeDrive();
   refined_ = Refined();
   const bool follows_turns = refined_->estimate && refined_->estimate->fell_back;
-  if (options_.scale.method != ScaleMethod::kSmoothed || follows_turns) HoldTurnsOfDrive();
+  if (options_.scale.method != ScaleMethod::kSmoothed || follows_turns) ConstrainTurnsOfDrive();
 }
 
 FrameResult Odometry::Initialize(const FlowImage& image, FrameResult result) {
@@ -368,14 +368,14 @@ void Odometry::AdjustWholeDrive() {
   scale_.Reread(map_);
 }
 
-void Odometry::HoldTurnsOfDrive() {
+void Odometry::ConstrainTurnsOfDrive() {
   if (!refined_->estimate) return;
   const RigidTransform last_from_keyframe = LastFromKeyframe();
   ArchivedPart drive = archive_.Load(0, archive_.end(), camera_.radial_correction, map_);
-  RefinedScale held = *refined_;
-  const std::vector<double> factors = HoldTurns(options_, scale_.mount(), drive.map, held);
+  RefinedScale constrained = *refined_;
+  const std::vector<double> factors = ConstrainTurns(options_, scale_.mount(), drive.map, constrained);
   archive_.Store(drive);
-  refined_ = std::move(held);
+  refined_ = std::move(constrained);
   for (size_t k = 0; k < map_.keyframes.size(); ++k)
     map_.keyframes[k].camera_from_world = drive.map.keyframes[k].camera_from_world;
   FollowMap(0, factors, last_from_keyframe);

@@ -35,7 +35,7 @@ struct UnitGuess {
 /// The map keeps the arbitrary unit of its initialisation. The scale is estimated beside it (DriveScale); metric poses
 /// follow from both. Neither time per frame nor memory grows with the drive, except for the poses of frames and
 /// keyframes: observations of settled keyframes are moved to a temporary file (MapArchive). Finish processes the whole
-/// drive; where turns are constrained (HoldTurns), it has the whole map in memory.
+/// drive; where turns are constrained (ConstrainTurns), it has the whole map in memory.
 class Odometry {
  public:
   /// Throws InputError when an option is invalid, or the camera has a width without a height.
@@ -111,7 +111,7 @@ class Odometry {
   /// Adjusts all keyframes of the archived drive.
   void AdjustWholeDrive();
   /// Scales the archived drive to metres by constraints on the lengths of turns.
-  void HoldTurnsOfDrive();
+  void ConstrainTurnsOfDrive();
   /// Lengths at keyframes `first`... have changed by these factors.
   void FollowMap(int first, const std::vector<double>& factors, RigidTransform last_from_keyframe);
   /// The latest frame as seen from the latest keyframe.
