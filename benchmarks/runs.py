@@ -68,6 +68,12 @@ def rendered(program, folder, arguments, rig):
     return folder
 
 
+def estimated_intrinsics(summary):
+    """None where the intrinsics were given or assumed."""
+    intrinsics = summary.get("intrinsics") or {}
+    return intrinsics if "focal_length" in intrinsics else None
+
+
 def run_and_score(program, images, truth, out, options):
     """Runs a drive by these options and scores it: a map of numbers, fit for JSON.
 
@@ -90,7 +96,7 @@ def run_and_score(program, images, truth, out, options):
         "sigma_percent": None if sigma is None else 100 * sigma, "warnings": summary.get("warnings", []),
         "frames": summary["frames"], "turns": summary["turns"], "cost": summary["cost"],
         "side_slip": car.get("side_slip_s2_per_m"), "side_slip_sigma": car.get("side_slip_sigma_s2_per_m"),
-        "camera_yaw_pitch_roll_deg": summary["camera_yaw_pitch_roll_deg"], "intrinsics": summary.get("intrinsics"),
+        "camera_yaw_pitch_roll_deg": summary["camera_yaw_pitch_roll_deg"], "intrinsics": estimated_intrinsics(summary),
         "path_percent": None, "ate_m": None, "metres": None,
     }
     if not (out / "trajectory.tum").read_text().strip():

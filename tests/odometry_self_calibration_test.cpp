@@ -24,7 +24,7 @@ OpenDrive ImagesOf(const StreetDrive& drive) {
 
 std::optional<FoundCamera> Found(const StreetDrive& drive, double field_of_view_deg) {
   return CalibrateFromDrive(
-      {}, StreetOptions(), {CameraOfView(field_of_view_deg, drive.camera.width, drive.camera.height)}, ImagesOf(drive));
+      StreetOptions(), {CameraOfView(field_of_view_deg, drive.camera.width, drive.camera.height)}, ImagesOf(drive));
 }
 
 TEST(OdometrySelfCalibration, FindsTheFocalLengthFromANarrowAndAWideStart) {
@@ -73,7 +73,7 @@ TEST(OdometrySelfCalibration, AStraightDoesNotTell) {
 TEST(OdometrySelfCalibration, ABendDoesNotReplaceACalibration) {
   // Fifteen degrees into the turn, which with half the focal length would look like thirty.
   const StreetDrive drive = PlainStreetDrive(kStreetFirstTurn + kStreetTurnFrames / 6);
-  EXPECT_FALSE(CalibrateFromDrive({}, StreetOptions(), {drive.camera, false}, ImagesOf(drive)));
+  EXPECT_FALSE(CalibrateFromDrive(StreetOptions(), {drive.camera, false}, ImagesOf(drive)));
   EXPECT_FALSE(Found(drive, 110));
 }
 

@@ -101,6 +101,23 @@ class RenderedDriveTest : public ::testing::Test {
     Run("evaluate", {out + "/trajectory.tum", drive + "/poses.txt", "--json", Score().string()});
   }
 
+  // Without the calibration, from a field of view of 60 degrees where the drive has 80.
+  void ExpectTheCameraFromTheDrive() const {
+    const fs::path out = folder_ / "estimated";
+    const std::string drive = (folder_ / "drive").string();
+    ASSERT_NO_FATAL_FAILURE(Run("run", {drive, "--fov", "60", "--out", out.string(), "--quiet"}));
+    const Json intrinsics = Read(out / "summary.json")["intrinsics"];
+    EXPECT_EQ(intrinsics["source"], "estimated");
+    const double focal_length = intrinsics["focal_length"][0];
+    EXPECT_NEAR(focal_length / 307.5, 1, 0.02);
+    EXPECT_LT(intrinsics["focal_length_sigma"].get<double>(), 0.02 * focal_length);
+    EXPECT_NEAR(YamlMap((out / "camera.yaml").string()).Number("focal_length_sigma"), intrinsics["focal_length_sigma"],
+                1e-9);
+    ASSERT_NO_FATAL_FAILURE(Run("run", {drive, "--camera", (out / "camera.yaml").string(), "--max-frames", "20",
+                                        "--out", (folder_ / "next").string(), "--quiet"}));
+    EXPECT_EQ(Read(folder_ / "next" / "summary.json")["intrinsics"]["source"], "given");
+  }
+
   fs::path Score() const { return folder_ / "score.json"; }
   static Json Read(const fs::path& path) { return Json::parse(std::ifstream(path)); }
 
@@ -130,6 +147,7 @@ TEST_F(RenderedDriveTest, GarageComesOutInMetres) {
   EXPECT_LT(score["as_given"]["scale_error_ratio"]["all"]["rmse_percent"], 1.2);
   EXPECT_LT(score["position_error"]["sim3"]["rmse_m"], 0.02);
   EXPECT_LT(score["turning_angle"]["turning"]["rmse_deg"], 0.015);
+  ExpectTheCameraFromTheDrive();
 }
 
 TEST_F(RenderedDriveTest, StreetComesOutInMetres) {

@@ -54,19 +54,18 @@ void Check(const CalibrateArguments& arguments) {
   positive("--distance", arguments.distance);
   if (arguments.lever_arm) CheckedLeverArm(*arguments.lever_arm);
   std::vector<fs::path> read = arguments.images.inputs;
-  for (const auto& file :
-       {arguments.trajectory, arguments.speed, arguments.images.camera, arguments.images.timestamps}) {
+  for (const auto& file : {arguments.trajectory, arguments.speed, arguments.images.camera, arguments.images.timestamps,
+                           arguments.images.mask}) {
     read.push_back(file.value_or(""));
   }
   RefuseToOverwrite("--out", arguments.out, read);
   RefuseToOverwrite("--history", arguments.history.value_or(""), read);
   if (arguments.side_slip) CheckedSideSlip(*arguments.side_slip);
   if (arguments.fit_side_slip && !arguments.in_metres()) {
-    throw InputError("--fit-side-slip: needs metric motion; give --speed, --distance or --metric");
+    throw InputError("--fit-side-slip: needs metres; give --speed, --distance or --metric");
   }
   if (arguments.side_slip && !arguments.in_metres() && !arguments.lever_arm) {
-    throw InputError(
-        "--side-slip: needs a lever arm; give --lever-arm, or metric motion with --speed, --distance or --metric");
+    throw InputError("--side-slip: needs a lever arm; give --lever-arm, or --speed, --distance or --metric");
   }
   if (arguments.history && arguments.history->extension() == ".svg") {
     throw InputError(fmt::format("--history {}: name a CSV file; the plot (.svg) is written beside it",
@@ -271,9 +270,11 @@ void AddCalibrateCommand(CLI::App& app) {
   CLI::Option* timestamps = calibrate->add_option(
       "--timestamps", images.timestamps,
       "Times of the frames in seconds, one per line [times.txt in the input folder, or beside the trajectory]");
-  calibrate->add_option("--fps", images.fps, "Frames per second; overrides times.txt and a video's own rate")
+  calibrate->add_option("--fps", images.fps, "Frames per second; overrides times.txt and a video's own time stamps")
       ->excludes(timestamps);
   calibrate->add_option("--settings", images.settings, "YAML file with settings, as for run")->excludes(trajectory);
+  AddPartOptions(*calibrate, images);
+  for (const char* option : {"--start", "--end", "--mask"}) calibrate->get_option(option)->excludes(trajectory);
   CLI::Option* max_frames = calibrate->add_option("--max-frames", images.max_frames, "Stop after this many frames")
                                 ->check(CLI::Range(1, 1'000'000'000))
                                 ->excludes(trajectory);
@@ -297,7 +298,7 @@ void AddCalibrateCommand(CLI::App& app) {
                   VehicleOptions().side_slip));
   calibrate
       ->add_flag("--fit-side-slip", arguments->fit_side_slip,
-                 "Estimate c too; needs turns at different speeds, and metric motion")
+                 "Estimate c too; needs turns at different speeds, and --speed, --distance or --metric")
       ->excludes(side_slip);
   calibrate->add_option("--history", arguments->history,
                         "Write the estimate over time to this CSV file, and plot it (.svg beside it)");

@@ -76,8 +76,7 @@ void AddCameraOptions(CLI::App& command, ImageArguments& arguments) {
                    "Estimate the intrinsics, starting from the given ones, and use the estimate");
 }
 
-CameraEstimate EstimateCamera(const ImageArguments& arguments, DriveImages& images, const OdometryOptions& options,
-                              const cv::Mat& mask) {
+CameraEstimate EstimateCamera(const ImageArguments& arguments, DriveImages& images, const OdometryOptions& options) {
   const bool assumed = images.camera_file.empty();
   if (!assumed && !arguments.refine_camera) return {};
   if (assumed && arguments.refine_camera)
@@ -93,11 +92,11 @@ CameraEstimate EstimateCamera(const ImageArguments& arguments, DriveImages& imag
   }
   if (assumed) images.camera.focal_sigma = kAssumedSigma * images.camera.pinhole.fx;
   // The run itself refuses such a mask.
-  if (!mask.empty() && mask.size() != cv::Size(images.camera.width, images.camera.height)) return {};
+  if (!images.mask.empty() && images.mask.size() != cv::Size(images.camera.width, images.camera.height)) return {};
   int pass = 0;
   const std::optional<FoundCamera> found = CalibrateFromDrive(
-      {}, options, {images.camera, assumed},
-      [&](std::optional<double> from) { return Images(arguments, images, from, ++pass); }, mask);
+      options, {images.camera, assumed},
+      [&](std::optional<double> from) { return Images(arguments, images, from, ++pass); }, images.mask);
   if (!found) return {std::nullopt, NoTurn(arguments, view, assumed)};
   images.camera = found->camera;
   return {found, found->converged

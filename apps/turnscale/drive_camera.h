@@ -24,9 +24,7 @@ struct CameraEstimate {
 };
 
 /// Estimates the camera from the images where it is not given or is to be refined (`--camera-refine`), and puts it
-/// into `images`. Where the drive does not tell it, an assumed one. `mask` as in CalibrateFromDrive. Throws InputError
-/// where there is nothing to refine.
-CameraEstimate EstimateCamera(const ImageArguments& arguments, DriveImages& images, const OdometryOptions& options,
-                              const cv::Mat& mask = {});
+/// into `images`. Where the drive does not tell it, an assumed one. Throws InputError where there is nothing to refine.
+CameraEstimate EstimateCamera(const ImageArguments& arguments, DriveImages& images, const OdometryOptions& options);
 
 }  // namespace turnscale

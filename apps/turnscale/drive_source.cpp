@@ -14,6 +14,7 @@
 #include "turnscale/base/error.h"
 #include "turnscale/calibration/camera_step.h"
 #include "turnscale/camera/camera_file.h"
+#include "turnscale/io/mask_file.h"
 #include "turnscale/io/settings.h"
 #include "turnscale/io/terminal.h"
 #include "turnscale/io/trajectory_file.h"
@@ -87,14 +88,23 @@ void AddPartOptions(CLI::App& command, ImageArguments& arguments) {
                      "Process the drive from this time on, HH:MM:SS, MM:SS or seconds after its first frame; the times "
                      "in the results remain those of the whole drive");
   command.add_option("--end", arguments.end, "Process the drive up to this time");
+  command.add_option("--mask", arguments.mask,
+                     "Image of the frames' size: black pixels (0) are left out of all frames, in addition to those "
+                     "that are found to stand still while the scene moves");
 }
 
 DriveImages::DriveImages(const ImageArguments& arguments)
     : drive(FindDrive(arguments.inputs)),
       camera_file(CameraFileFor(arguments, drive)),
       camera(camera_file.empty() ? CameraModel() : ReadCameraFile(camera_file)),
+      mask_file(arguments.mask),
+      mask(mask_file ? ReadMask(*mask_file) : cv::Mat()),
       source(drive, SourceOptions(arguments, camera, camera_file)),
       expected(ExpectedFrames(source.count(), arguments.max_frames)) {}
+
+void DriveImages::CheckMask(const cv::Mat& image) const {
+  if (mask_file && !image.empty()) CheckMaskSize(*mask_file, mask, image.size());
+}
 
 std::string DoubtOf(const DriveImages& images, const cv::Mat& image) {
   constexpr double kFarOff = 0.15;  // of the image's width or height
@@ -161,8 +171,10 @@ DriveMotion MotionFromImages(const ImageArguments& arguments) {
   cv::setNumThreads(kImageThreads);
   const CameraEstimate estimate = EstimateCamera(arguments, images, options);
   Odometry odometry(options, images.camera);
+  if (!images.mask.empty()) odometry.SetMask(images.mask);
   CatchInterrupts();
   Progress progress(images.expected, arguments.quiet);
+  for (const std::string& warning : images.source.left_out()) progress.Warn(warning);
   if (!estimate.warning.empty()) progress.Warn(estimate.warning);
   int processed = 0;
   const auto drive = [&] {
@@ -171,6 +183,7 @@ DriveMotion MotionFromImages(const ImageArguments& arguments) {
       if (!frame || Interrupted()) break;
       if (!frame->notice.empty()) progress.Warn(frame->notice);
       if (processed == 0) {
+        images.CheckMask(frame->gray);
         if (const std::string doubt = DoubtOf(images, frame->gray); !doubt.empty()) progress.Warn(doubt);
       }
       if (frame->gray.empty()) {

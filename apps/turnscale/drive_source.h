@@ -33,6 +33,7 @@ struct ImageArguments {
   std::optional<std::filesystem::path> timestamps;
   std::optional<double> fps;
   std::optional<std::filesystem::path> settings;
+  std::optional<std::filesystem::path> mask;
   std::string start;  ///< of the part of the drive to process, as ParseDriveTime reads it; empty: the drive's
   std::string end;    ///< of the part; empty: the drive's
   std::optional<int> max_frames;
@@ -42,7 +43,7 @@ struct ImageArguments {
   std::string Name() const;
 };
 
-/// Adds the options of the part of a drive to process.
+/// Adds the options of the part of a drive and of its images to process.
 void AddPartOptions(CLI::App& command, ImageArguments& arguments);
 
 /// Where the images of a drive are read from, as the arguments have it.
@@ -51,12 +52,17 @@ ImageSourceOptions SourceOptions(const ImageArguments& arguments, const CameraMo
 
 /// The images of a drive and their camera.
 struct DriveImages {
-  /// Throws InputError where there are no images or no times.
+  /// Throws InputError where there are no images or no times, or the mask cannot be read.
   explicit DriveImages(const ImageArguments& arguments);
+
+  /// Throws InputError where the mask is not of the image's size; an empty image is of any.
+  void CheckMask(const cv::Mat& image) const;
 
   DriveInput drive;
   std::filesystem::path camera_file;  ///< empty where the camera is not given
   CameraModel camera;
+  std::optional<std::filesystem::path> mask_file;
+  cv::Mat mask;  ///< pixels to leave out are 0 (ReadMask); empty where none is given
   ImageSource source;
   int expected = 0;  ///< number of frames, limited by `max_frames`; 0 if unknown
 };

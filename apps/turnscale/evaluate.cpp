@@ -174,9 +174,10 @@ void AddEvaluateCommand(CLI::App& app) {
   command->add_option("--time-tolerance", arguments->time_tolerance,
                       "Largest time difference of associated poses, seconds [half the ground truth's interval, at most "
                       "0.02]");
-  command->add_option("--keyframes", arguments->keyframes,
-                      "trajectory.csv of the run; its keyframes delimit the steps of the scale error ratio "
-                      "[the one beside ESTIMATE, else steps of 1 m]");
+  command->add_option(
+      "--keyframes", arguments->keyframes,
+      "trajectory.csv of the run: the relative error of distance (scale error ratio) is computed between its "
+      "keyframes [the one beside ESTIMATE, else over steps of 1 m]");
   command->add_option(
       "--camera-rotation", arguments->camera_rotation,
       "Camera-to-vehicle rotation, yaw,pitch,roll in degrees or a YAML file, to compute the turning angles of the car "

@@ -130,7 +130,8 @@ void AddLabCommand(CLI::App& app) {
       ->check(CLI::IsMember(names));
   lab->add_option(
          "--runs", arguments->runs,
-         "Random runs per noise level of Table I and Fig. 9, and of coverage; the others use at most a tenth of them")
+         "Monte Carlo runs per noise level (Table I, Fig. 9) and of the coverage test; other experiments use at most a "
+         "tenth of them")
       ->capture_default_str();
   lab->add_option("--jobs", arguments->jobs, "Number of runs in parallel; does not affect the numbers")
       ->capture_default_str();

@@ -12,6 +12,7 @@
 
 #include "turnscale/base/escaped_text.h"
 #include "turnscale/geometry/rotation.h"
+#include "turnscale/io/turn_warning.h"
 
 namespace turnscale {
 namespace {
@@ -282,15 +283,11 @@ std::string RescaleJson(const RescaleResult& result, const std::string& input) {
 }
 
 std::string RescaleWarning(const RescaleResult& result) {
-  const ScaleEstimate& estimate = *result.estimate;
-  if (!estimate.fell_back) return {};
-  const std::string what = "the trajectory uses single-turn scales; check the timestamps and the lever arm";
-  if (!estimate.test.contradicted || estimate.test.worst_turn < 0)
-    return "the scale estimate did not converge: " + what;
-  const TurnEstimate& worst = estimate.turns[estimate.test.worst_turn];
-  return fmt::format("the turns are inconsistent by {:.0f} % of scale, most of all the one at poses {}-{}: {}",
-                     100 * estimate.test.disagreement, result.steps[worst.first_step].first,
-                     result.steps[worst.last_step].last, what);
+  const auto poses_of = [&](int index) {
+    const TurnEstimate& turn = result.estimate->turns[index];
+    return fmt::format("poses {}-{}", result.steps[turn.first_step].first, result.steps[turn.last_step].last);
+  };
+  return TurnWarning(*result.estimate, poses_of, "the timestamps and the lever arm");
 }
 
 std::string RescaleText(const RescaleResult& result) {

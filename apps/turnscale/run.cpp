@@ -5,6 +5,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <system_error>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -16,7 +17,6 @@
 #include "drive_source.h"
 #include "interrupt.h"
 #include "turnscale/base/error.h"
-#include "turnscale/io/mask_file.h"
 #include "turnscale/io/run_drive.h"
 #include "turnscale/io/settings.h"
 #include "turnscale/io/terminal.h"
@@ -33,7 +33,6 @@ struct RunArguments {
   std::optional<double> lever_arm_sigma;
   std::optional<double> side_slip;
   std::optional<double> side_slip_sigma;
-  std::optional<fs::path> mask;
   std::string camera_rotation;
   std::optional<std::string> method;
   std::string frame = "camera";
@@ -66,6 +65,15 @@ OdometryOptions OptionsFrom(const RunArguments& arguments) {
   return options;
 }
 
+// Throws InputError where the results would overwrite what is read, or come to lie among the images.
+void CheckFolder(const RunArguments& arguments, const DriveImages& images) {
+  std::error_code none;
+  if (!images.drive.images.empty() && fs::equivalent(arguments.out, images.drive.path, none))
+    throw InputError(fmt::format("--out {}: is the folder of the images; name another one", arguments.out.string()));
+  RefuseToOverwrite("--out", arguments.out / "mask.png", {arguments.images.mask.value_or("")});
+  if (arguments.images.refine_camera) RefuseToOverwrite("--out", arguments.out / "camera.yaml", {images.camera_file});
+}
+
 RunSummary BeforeTheDrive(const RunArguments& arguments, const OdometryOptions& options, const DriveImages& images,
                           const CameraEstimate& estimate) {
   RunSummary summary;
@@ -73,6 +81,8 @@ RunSummary BeforeTheDrive(const RunArguments& arguments, const OdometryOptions& 
   summary.input = arguments.images.Name();
   summary.camera = images.camera_file.string();
   summary.found_camera = estimate.found;
+  if (arguments.images.mask) summary.mask = arguments.images.mask->string();
+  summary.warnings = images.source.left_out();
   if (!estimate.warning.empty()) summary.warnings.push_back(estimate.warning);
   summary.pose_frame = arguments.frame;
   summary.folder = arguments.out.string();
@@ -103,19 +113,17 @@ int RunImages(const RunArguments& arguments) {
   cv::setNumThreads(arguments.threads);
   const OdometryOptions options = OptionsFrom(arguments);
   DriveImages images(arguments.images);
-  const cv::Mat mask = arguments.mask ? ReadMask(*arguments.mask) : cv::Mat();
-  if (arguments.mask) RefuseToOverwrite("--out", arguments.out / "mask.png", {*arguments.mask});
-  if (arguments.images.refine_camera) RefuseToOverwrite("--out", arguments.out / "camera.yaml", {images.camera_file});
-  const CameraEstimate estimate = EstimateCamera(arguments.images, images, options, mask);
+  CheckFolder(arguments, images);
+  const CameraEstimate estimate = EstimateCamera(arguments.images, images, options);
   Odometry odometry(options, images.camera);
-  if (arguments.mask) odometry.SetMask(mask);
+  if (!images.mask.empty()) odometry.SetMask(images.mask);
   Progress progress(images.expected, arguments.images.quiet);
   bool begun = false;
   const auto next = [&] {
     std::optional<SourceFrame> frame = images.source.Next();
     if (begun) return frame;
     begun = true;
-    if (frame && !frame->gray.empty() && arguments.mask) CheckMaskSize(*arguments.mask, mask, frame->gray.size());
+    if (frame) images.CheckMask(frame->gray);
     // From here on there is something to keep.
     CatchInterrupts();
     if (const std::string doubt = frame ? DoubtOf(images, frame->gray) : ""; !doubt.empty()) progress.Warn(doubt);
@@ -141,8 +149,9 @@ void AddRunCommand(CLI::App& app) {
   CLI::App* run = app.add_subcommand("run", "Estimate the trajectory of a drive from its images.");
   auto arguments = std::make_shared<RunArguments>();
   run->add_option("input", arguments->images.inputs,
-                  "KITTI folder (image_0/ or images/, calib.txt or camera.yaml, times.txt), folder of images, video, "
-                  "several videos that continue one another, or folder with them and the KITTI files")
+                  "KITTI folder (with the images in image_0/ or images/), folder of images, video, several videos that "
+                  "continue one another, or folder of such videos; a folder can also contain calib.txt or camera.yaml, "
+                  "and times.txt")
       ->required();
   AddCameraOptions(*run, arguments->images);
   CLI::Option* timestamps =
@@ -169,15 +178,11 @@ void AddRunCommand(CLI::App& app) {
       "--camera-rotation", arguments->camera_rotation,
       "Camera-to-vehicle rotation: yaw,pitch,roll in degrees (to the right, up, to the right); a YAML file "
       "with yaw_deg, pitch_deg, roll_deg, such as calibrate writes; or auto: estimated during the drive [auto]");
-  run->add_option("--mask", arguments->mask,
-                  "Image of the frames' size: black pixels (0) are left out of all frames, in addition to those that "
-                  "are found to stand still while the scene moves");
   run->add_option(
          "--method", arguments->method,
-         "How metric scale is obtained. smoothed: one estimate along the drive, from all turns; turns: map adjusted "
-         "with the length of each turn fixed to the value that its single-turn scale gives; paper: map adjusted with "
-         "the length of each keyframe step of a turn fixed to the value that its own turning angle and direction of "
-         "travel give (equation (22) of the paper by Kim et al.) [smoothed]")
+         "How metric scale is obtained. smoothed: one estimate along the drive, from all turns; turns: each turn's scale "
+         "from this turn alone, held by a final bundle adjustment; paper: the same for each pair of consecutive "
+         "keyframes in a turn (equation (22) of the paper by Kim et al.) [smoothed]")
       ->check(CLI::IsMember({"smoothed", "turns", "paper"}));
   run->add_option("--frame", arguments->frame, "Write poses of the camera or of the vehicle (rear axle)")
       ->check(CLI::IsMember({"camera", "vehicle"}))
@@ -195,9 +200,9 @@ void AddRunCommand(CLI::App& app) {
       "Examples:\n  turnscale run drive.mp4 --lever-arm 1.45 --out out/drive\n"
       "  turnscale run DCIM/ --camera out/drive/camera.yaml --lever-arm 1.45 --start 1:30 --end 12:00\n\n"
       "Output: trajectory.tum and trajectory.kitti.txt (refined, every frame), live.tum (online: each pose as\n"
-      "estimated at its frame), trajectory.csv, turns.csv, map.ply, mask.png (pixels left out, if any), settings.yaml "
-      "and\n"
-      "summary.json. Ctrl-C stops after the current frame and keeps the results so far (exit code 130).");
+      "estimated at its frame), trajectory.csv, turns.csv, map.ply, camera.yaml (intrinsics, if estimated),\n"
+      "mask.png (pixels left out, if any), settings.yaml and summary.json. Ctrl-C stops after the current frame\n"
+      "and keeps the results so far (exit code 130).");
   run->callback([arguments] {
     if (const int exit_code = RunImages(*arguments); exit_code != 0) throw CLI::RuntimeError(exit_code);
   });

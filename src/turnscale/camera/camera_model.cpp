@@ -69,13 +69,38 @@ std::optional<Eigen::Vector2d> ProjectCalibrated(const CameraModel& camera, cons
   return PixelOf(camera.pinhole, DistortRadialTangential(camera.distortion, point).point);
 }
 
+// Inverse of the lens on the plane z = 1; nothing where no ray leads there.
+std::optional<Eigen::Vector2d> UndistortOnPlane(const CameraModel& camera, const Eigen::Vector2d& distorted) {
+  switch (camera.lens) {
+    case LensModel::kPinhole:
+      return distorted;
+    case LensModel::kRadialTangential:
+      return UndistortRadialTangential(camera.distortion, distorted);
+    case LensModel::kEquidistant:
+      return UndistortFisheye(camera.distortion, distorted);
+  }
+  return std::nullopt;
+}
+
+// Derivative of UndistortOnPlane, which gives `point`, by the distorted point.
+Eigen::Matrix2d UndistortionJacobian(const CameraModel& camera, const Eigen::Vector2d& distorted,
+                                     const Eigen::Vector2d& point) {
+  if (camera.lens == LensModel::kRadialTangential)
+    return DistortRadialTangential(camera.distortion, point).jacobian.inverse();
+  const double shown = distorted.norm();
+  if (camera.lens == LensModel::kPinhole || shown == 0) return Eigen::Matrix2d::Identity();
+  const double radius = point.norm();
+  const Eigen::Vector2d outward = distorted / shown;
+  const double along = (1 + radius * radius) / AngleSlope(camera.distortion, std::atan(radius));
+  const double across = radius / shown;
+  return across * Eigen::Matrix2d::Identity() + (along - across) * outward * outward.transpose();
+}
+
 std::optional<Eigen::Vector2d> UndistortCalibrated(const CameraModel& camera, const Eigen::Vector2d& pixel) {
   if (!pixel.allFinite()) return std::nullopt;
+  // Not by way of the plane, which would round.
   if (camera.lens == LensModel::kPinhole) return pixel;
-  const Eigen::Vector2d shown = camera.pinhole.Ray(pixel).head<2>();
-  const std::optional<Eigen::Vector2d> point = camera.lens == LensModel::kEquidistant
-                                                   ? UndistortFisheye(camera.distortion, shown)
-                                                   : UndistortRadialTangential(camera.distortion, shown);
+  const std::optional<Eigen::Vector2d> point = UndistortOnPlane(camera, camera.pinhole.Ray(pixel).head<2>());
   return point ? std::optional(PixelOf(camera.pinhole, *point)) : std::nullopt;
 }
 
@@ -127,22 +152,9 @@ std::optional<Eigen::Vector2d> UndistortRadialTangential(const std::array<double
 }
 
 std::optional<UndistortedPoint> UndistortPoint(const CameraModel& camera, const Eigen::Vector2d& distorted) {
-  if (camera.lens == LensModel::kPinhole) return UndistortedPoint{distorted, Eigen::Matrix2d::Identity()};
-  if (camera.lens == LensModel::kRadialTangential) {
-    const std::optional<Eigen::Vector2d> point = UndistortRadialTangential(camera.distortion, distorted);
-    if (!point) return std::nullopt;
-    return UndistortedPoint{*point, DistortRadialTangential(camera.distortion, *point).jacobian.inverse()};
-  }
-  const std::optional<Eigen::Vector2d> point = UndistortFisheye(camera.distortion, distorted);
+  const std::optional<Eigen::Vector2d> point = UndistortOnPlane(camera, distorted);
   if (!point) return std::nullopt;
-  const double shown = distorted.norm();
-  if (shown == 0) return UndistortedPoint{*point, Eigen::Matrix2d::Identity()};
-  const double radius = point->norm();
-  const Eigen::Vector2d outward = distorted / shown;
-  const double along = (1 + radius * radius) / AngleSlope(camera.distortion, std::atan(radius));
-  const double across = radius / shown;
-  return UndistortedPoint{*point,
-                          across * Eigen::Matrix2d::Identity() + (along - across) * outward * outward.transpose()};
+  return UndistortedPoint{*point, UndistortionJacobian(camera, distorted, *point)};
 }
 
 std::optional<double> UndistortAngle(const std::array<double, 5>& k, double distorted) {

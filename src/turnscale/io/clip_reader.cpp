@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <exception>
 #include <utility>
 
 #include <fmt/format.h>
@@ -11,8 +12,6 @@
 
 namespace turnscale {
 namespace {
-
-constexpr double kLeastGap = 1.5;  // s; shorter pauses of a recorder are hiccups
 
 std::string NameOf(const std::filesystem::path& path) { return path.filename().string(); }
 
@@ -40,25 +39,46 @@ void AddSentence(std::string& text, const std::string& sentence) { text += (text
 
 }  // namespace
 
-ClipReader::ClipReader(std::vector<std::filesystem::path> clips, const ClipOptions& options)
-    : clips_(std::move(clips)), options_(options) {
-  for (const auto& clip : clips_) {
-    auto video = std::make_unique<VideoFile>(clip);
-    headers_.push_back(video->header());
-    // Opened once more when its turn comes: a decoder needs memory.
-    if (!video_) video_ = std::move(video);
-    const cv::Size size = headers_.back().size;
+ClipReader::ClipReader(const std::vector<std::filesystem::path>& clips, const ClipOptions& options)
+    : options_(options) {
+  ReadHeaders(clips);
+  for (size_t i = 1; i < clips_.size(); ++i) {
+    const cv::Size size = headers_[i].size;
     const cv::Size first = headers_.front().size;
     if (size == first) continue;
-    throw InputError(fmt::format("{}: is {}x{} pixels, but {} is {}x{}; give the clips of one camera", clip.string(),
-                                 size.width, size.height, NameOf(clips_.front()), first.width, first.height));
+    throw InputError(fmt::format("{}: is {}x{} pixels, but {} is {}x{}; give the clips of one camera",
+                                 clips_[i].string(), size.width, size.height, NameOf(clips_.front()), first.width,
+                                 first.height));
   }
   const bool known =
       std::all_of(headers_.begin(), headers_.end(), [](const auto& header) { return header.frames > 0; });
   for (const VideoHeader& header : headers_) count_ += known ? header.frames : 0;
-  if (!options_.timed) return;
-  recorded_.emplace(clips_, headers_);
-  recorded_->RefuseOverlaps();
+  if (recorded_) recorded_->RefuseOverlaps();
+}
+
+void ClipReader::ReadHeaders(const std::vector<std::filesystem::path>& clips) {
+  std::exception_ptr failure;
+  bool hole = false;    // after the latest clip that can be decoded
+  bool within = false;  // a hole has such clips on either side
+  for (const auto& clip : clips) {
+    try {
+      auto video = std::make_unique<VideoFile>(clip);
+      headers_.push_back(video->header());
+      // Opened once more when its turn comes: a decoder needs memory.
+      if (!video_) video_ = std::move(video);
+    } catch (const InputError& error) {
+      if (!failure) failure = std::current_exception();
+      hole = !clips_.empty();
+      const std::string what = error.what();
+      left_out_.push_back(what.substr(0, what.find("; ")) + "; the clip is left out");
+      continue;
+    }
+    within = std::exchange(hole, false) || within;
+    clips_.push_back(clip);
+  }
+  if (options_.timed && !clips_.empty()) recorded_.emplace(clips_, headers_);
+  const bool timed = recorded_ && recorded_->AreKnown();
+  if (failure && (clips_.empty() || !options_.timed || (within && !timed))) std::rethrow_exception(failure);
 }
 
 bool ClipReader::HasTimes() const {

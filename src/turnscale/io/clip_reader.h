@@ -25,12 +25,18 @@ struct ClipOptions {
 /// two clips is included.
 class ClipReader : public FrameReader {
  public:
-  /// Throws InputError if a video cannot be opened, is interlaced, has another image size than the first, or begins
-  /// before the one before it ends.
-  ClipReader(std::vector<std::filesystem::path> clips, const ClipOptions& options);
+  /// A clip of several that cannot be decoded, as recorders leave them when the power goes, is left out where it is the
+  /// first or the last one or RecordingTimes tell how long it was. Throws InputError if there is no other, if a video
+  /// has another image size than the first, or begins before the one before it ends.
+  ClipReader(const std::vector<std::filesystem::path>& clips, const ClipOptions& options);
 
   std::optional<DriveImage> Read() override;
   std::string EndsEarly() const override { return ends_early_; }
+
+  /// Those that are read.
+  const std::vector<std::filesystem::path>& clips() const { return clips_; }
+  /// Why clips are left out, one line for each.
+  const std::vector<std::string>& left_out() const { return left_out_; }
 
   /// So many images at the beginning of the drive are not given.
   void Skip(size_t frames) { skip_ = frames; }
@@ -44,6 +50,7 @@ class ClipReader : public FrameReader {
   bool HasTimes() const;
 
  private:
+  void ReadHeaders(const std::vector<std::filesystem::path>& clips);
   void Open();
   void Close();
   void PassOverStart();
@@ -52,6 +59,7 @@ class ClipReader : public FrameReader {
   std::vector<std::filesystem::path> clips_;
   ClipOptions options_;
   std::vector<VideoHeader> headers_;
+  std::vector<std::string> left_out_;
   std::optional<RecordingTimes> recorded_;
   int count_ = 0;
 

@@ -2,7 +2,9 @@
 #include "turnscale/io/clip_reader.h"
 
 #include <filesystem>
+#include <fstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -108,6 +110,27 @@ TEST_F(ClipReaderTest, ADamagedClipLeavesAGap) {
   EXPECT_NEAR(*images[second].time, 4, 0.01);
   EXPECT_NE(images[second].notice.find("a.avi: the video ends after"), std::string::npos) << images[second].notice;
   EXPECT_NE(images[second].notice.find("s between a.avi and b.avi"), std::string::npos) << images[second].notice;
+}
+
+TEST_F(ClipReaderTest, AClipThatCannotBeDecodedIsLeftOut) {
+  const auto broken = [&](const std::string& name) {
+    std::ofstream(folder_ / name) << "no video";
+    return folder_ / name;
+  };
+  const std::vector<fs::path> ends = {broken("a.mp4"), Write("b.mp4", 0, 20), Write("c.mp4", 20, 20), broken("d.mp4")};
+  ClipReader reader(ends, {});
+  EXPECT_EQ(reader.clips(), std::vector<fs::path>({ends[1], ends[2]}));
+  ASSERT_EQ(reader.left_out().size(), 2u);
+  EXPECT_EQ(reader.left_out()[1].find((folder_ / "d.mp4").string() + ": "), 0u) << reader.left_out()[1];
+  EXPECT_NE(reader.left_out()[1].find("; the clip is left out"), std::string::npos) << reader.left_out()[1];
+  EXPECT_EQ(ReadAll(std::move(reader)).size(), 40u);
+
+  EXPECT_NE(Complaint({ends[1], ends[0], ends[2]}), "") << "nothing tells how long the hole is";
+  EXPECT_NE(Complaint({ends[0], ends[3]}), "");
+  const auto images = ReadAll(
+      {{Write("20230501_120000.mp4", 0, 20), broken("20230501_120002.mp4"), Write("20230501_120007.mp4", 20, 20)}, {}});
+  ASSERT_EQ(images.size(), 40u);
+  EXPECT_NEAR(*images[20].time, 7, 1e-9);
 }
 
 TEST_F(ClipReaderTest, SizesHaveToAgree) {

@@ -33,26 +33,57 @@ bool IsVideoName(const fs::path& path) {
       path, {".mp4", ".mkv", ".avi", ".mov", ".webm", ".m4v", ".mpg", ".mpeg", ".ts", ".mts", ".m2ts", ".3gp", ".wmv"});
 }
 
+// The entries of a folder for which `wanted` holds, in natural order. The hidden companions that some file systems
+// write are left out.
 template <class Predicate>
-std::vector<fs::path> FilesIn(const fs::path& folder, const Predicate& wanted) {
+std::vector<fs::path> EntriesIn(const fs::path& folder, const Predicate& wanted) {
   std::error_code error;
-  std::vector<fs::path> files;
+  std::vector<fs::path> found;
   fs::directory_iterator entries(folder, error);
   for (; !error && entries != fs::directory_iterator(); entries.increment(error)) {
-    // A folder named like an image, and the hidden companions that some file systems write, are no frames.
-    const fs::path& path = entries->path();
-    if (wanted(path) && !entries->is_directory() && !path.filename().string().starts_with('.')) files.push_back(path);
+    if (wanted(*entries) && !entries->path().filename().string().starts_with('.')) found.push_back(entries->path());
   }
   if (error) throw InputError(folder.string() + ": cannot be listed: " + error.message());
-  std::sort(files.begin(), files.end(), [](const fs::path& a, const fs::path& b) {
+  std::sort(found.begin(), found.end(), [](const fs::path& a, const fs::path& b) {
     return NaturalLess(a.filename().string(), b.filename().string());
   });
-  return files;
+  return found;
+}
+
+// A folder named like an image is no frame.
+std::vector<fs::path> FilesIn(const fs::path& folder, bool (*wanted)(const fs::path& path)) {
+  return EntriesIn(folder, [&](const fs::directory_entry& entry) {
+    std::error_code error;
+    return wanted(entry.path()) && !entry.is_directory(error);
+  });
+}
+
+std::vector<fs::path> FoldersIn(const fs::path& folder) {
+  return EntriesIn(folder, [](const fs::directory_entry& entry) {
+    std::error_code error;
+    return entry.is_directory(error);
+  });
 }
 
 std::optional<fs::path> FileIn(const fs::path& folder, const char* name) {
   std::error_code error;
   return fs::is_regular_file(folder / name, error) ? std::optional(folder / name) : std::nullopt;
+}
+
+// The videos of a folder, or of the folders in it, as memory cards have them: DCIM/100MEDIA, DCIM/101MEDIA.
+std::vector<fs::path> VideosOf(const fs::path& folder, bool also_below) {
+  std::vector<fs::path> videos = FilesIn(folder, IsVideoName);
+  if (!videos.empty() || !also_below) return videos;
+  for (const fs::path& below : FoldersIn(folder)) {
+    const std::vector<fs::path> more = FilesIn(below, IsVideoName);
+    videos.insert(videos.end(), more.begin(), more.end());
+  }
+  return videos;
+}
+
+// Cameras put a picture of each video beside it.
+bool IsThumbnail(const fs::path& image, const std::vector<fs::path>& videos) {
+  return std::any_of(videos.begin(), videos.end(), [&](const fs::path& video) { return video.stem() == image.stem(); });
 }
 
 DriveInput FindInFolder(const fs::path& folder) {
@@ -71,13 +102,15 @@ DriveInput FindInFolder(const fs::path& folder) {
     break;
   }
   drive.images = FilesIn(drive.path, IsImageName);
-  if (!drive.images.empty()) return drive;
-  const std::vector<fs::path> videos = FilesIn(folder, IsVideoName);
-  if (!videos.empty() && drive.path == folder) {
-    if (videos.size() == 1) drive.path = videos.front();
-    drive.videos = videos;
-    return drive;
+  if (drive.path == folder) drive.videos = VideosOf(folder, drive.images.empty());
+  std::erase_if(drive.images, [&](const fs::path& image) { return IsThumbnail(image, drive.videos); });
+  if (!drive.images.empty() && !drive.videos.empty()) {
+    throw InputError(fmt::format(
+        "{}: holds images ({}) and videos ({}); give the videos by name, or a folder of one kind", folder.string(),
+        drive.images.front().filename().string(), drive.videos.front().filename().string()));
   }
+  if (drive.videos.size() == 1) drive.path = drive.videos.front();
+  if (!drive.images.empty() || !drive.videos.empty()) return drive;
   throw InputError(drive.path.string() +
                    ": holds no images; give a folder of png, jpg, bmp, pgm or tiff files, a KITTI "
                    "folder with image_0/, a video, or a folder of videos");

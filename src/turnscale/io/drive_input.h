@@ -45,7 +45,8 @@ bool NaturalLess(std::string_view a, std::string_view b);
 
 /// Detects the kind of INPUT: a KITTI folder (`image_0/` or `images/`, with `calib.txt` or
 /// `camera.yaml`, and `times.txt`), a folder of images, a folder with videos, which continue one another in natural
-/// order, or a video file. Throws InputError where it is none of these.
+/// order, the folder of a memory card with such folders in it, or a video file. Images named like the videos beside
+/// them are passed over as thumbnails. Throws InputError where it is none of these, or holds both kinds.
 DriveInput FindDrive(const std::filesystem::path& input);
 
 /// The same for several INPUTs, which have to be video files that continue one another.

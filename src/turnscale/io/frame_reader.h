@@ -30,6 +30,10 @@ cv::Mat ToGray8(const cv::Mat& image);
 /// image up in silence. Other formats count as complete.
 bool EndsEarly(std::span<const uint8_t> bytes);
 
+/// A longer pause between two images is a part of the drive that was not recorded; shorter ones are hiccups of the
+/// recorder. Seconds.
+constexpr double kLeastGap = 1.5;
+
 /// An image of a drive.
 struct DriveImage {
   GrayImage image;

@@ -92,8 +92,9 @@ struct ImageSource::State {
       if (!clip_reader->HasTimes()) RefuseWithoutTimes(drive);
       count = clip_reader->CountBetween(start, end);
     }
+    for (const auto& video : clip_reader->clips()) clip_files.push_back(video.string());
+    left_out = clip_reader->left_out();
     reader = std::move(clip_reader);
-    for (const auto& video : drive.videos) clip_files.push_back(video.string());
   }
 
   void ReadTimes(const DriveInput& drive) {
@@ -201,6 +202,7 @@ struct ImageSource::State {
   bool past_end = false;
   bool ended = false;  // the reader is, and the thread no longer uses it
   std::vector<std::string> clip_files;
+  std::vector<std::string> left_out;
   std::vector<ClipPart> clips;
   int clip = 0;  // of the latest image
 
@@ -246,6 +248,8 @@ std::optional<SourceFrame> ImageSource::Next() {
 int ImageSource::count() const { return state_->count; }
 
 std::string ImageSource::EndsEarly() const { return state_->ended ? state_->reader->EndsEarly() : std::string(); }
+
+const std::vector<std::string>& ImageSource::left_out() const { return state_->left_out; }
 
 const std::vector<ClipPart>& ImageSource::clips() const { return state_->clips; }
 

@@ -65,6 +65,9 @@ class ImageSource {
   /// At the end: why the drive ends before it should; empty if it does not.
   std::string EndsEarly() const;
 
+  /// Why videos of the drive are left out, one line for each.
+  const std::vector<std::string>& left_out() const;
+
   /// The videos of the drive of which a frame was given; empty for images.
   const std::vector<ClipPart>& clips() const;
 

@@ -285,6 +285,33 @@ TEST_F(ImageSourceTest, AFolderOfVideosIsOneDrive) {
             std::string::npos);
 }
 
+TEST_F(ImageSourceTest, AMemoryCardIsOneDrive) {
+  const auto write = [&](const fs::path& path) {
+    fs::create_directories(path.parent_path());
+    WriteTestVideo(path, {Image(1), Image(2)}, {.codec = "ffv1"});
+  };
+  write(folder_ / "100MEDIA" / "2.mkv");
+  write(folder_ / "100MEDIA" / "10.mkv");
+  write(folder_ / "101MEDIA" / "1.mkv");
+  const std::vector<fs::path> found = FindDrive(folder_).videos;
+  EXPECT_EQ(found, std::vector<fs::path>({folder_ / "100MEDIA" / "2.mkv", folder_ / "100MEDIA" / "10.mkv",
+                                          folder_ / "101MEDIA" / "1.mkv"}));
+
+  const fs::path media = folder_ / "100MEDIA";
+  cv::imwrite((media / "10.jpg").string(), Image(1));
+  EXPECT_EQ(FindDrive(media).videos.size(), 2u) << "a thumbnail";
+  EXPECT_TRUE(FindDrive(media).images.empty());
+  cv::imwrite((media / "11.jpg").string(), Image(1));
+  try {
+    FindDrive(media);
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_EQ(std::string(error.what()), media.string() +
+                                             ": holds images (11.jpg) and videos (2.mkv); give the videos by name, or "
+                                             "a folder of one kind");
+  }
+}
+
 TEST_F(ImageSourceTest, APartOfTheDriveKeepsItsTimes) {
   Images(folder_, 0, 20);
   std::string times;

@@ -5,10 +5,10 @@
 
 #include <fmt/format.h>
 
+#include "turnscale/io/frame_reader.h"
+
 namespace turnscale {
 namespace {
-
-constexpr double kLeastPause = 1.5;  // s between frames, above which nothing is recorded
 
 bool IsMeasured(const FrameResult& frame) { return frame.state == TrackingState::kTracked; }
 
@@ -19,14 +19,12 @@ std::vector<MissingPart> FindMissingParts(const std::vector<FrameResult>& frames
   bool open = false;
   for (size_t i = 0; i < frames.size(); ++i) {
     const FrameResult& frame = frames[i];
-    const bool after_pause = i > 0 && frame.time - frames[i - 1].time > kLeastPause;
-    if (after_pause && !open) {
-      parts.push_back({MissingReason::kNotRecorded, frames[i - 1].time, frame.time, 0});
-      open = true;
-    }
-    if (open) parts.back().to = frame.time;
+    const bool after_gap = i > 0 && frame.time - frames[i - 1].time > kLeastGap;
+    if (open) parts.back().to = after_gap ? frames[i - 1].time : frame.time;
     // A duplicate shows what its neighbours measure.
-    const bool lost = !IsMeasured(frame) && (open || frame.state != TrackingState::kRepeated);
+    const bool lost = !IsMeasured(frame) && (open || after_gap || frame.state != TrackingState::kRepeated);
+    if (after_gap) parts.push_back({MissingReason::kNotRecorded, frames[i - 1].time, frame.time, 0});
+    open = open && !after_gap;
     if (lost && !open) parts.push_back({MissingReason::kLost, frame.time, frame.time, 0});
     open = lost;
     if (!lost) continue;

@@ -46,13 +46,19 @@ TEST(MissingPath, PartsBeforeTheMapWithinAndAtTheEnd) {
   EXPECT_NEAR(TotalSeconds(parts), 0.9, 1e-9);
 }
 
-TEST(MissingPath, APauseOfTheRecorderBelongsToWhatIsLostAfterIt) {
+TEST(MissingPath, APauseOfTheRecorderIsNotTakenForLostTracking) {
   const auto tracked = FindMissingParts(Frames("ttt-ttt"));
   ASSERT_EQ(tracked.size(), 1u);
   EXPECT_EQ(MissingPartText(tracked[0]), "not recorded from 0.2 s to 2.3 s");
   const auto lost = FindMissingParts(Frames("ttt-bbt"));
-  ASSERT_EQ(lost.size(), 1u);
-  EXPECT_EQ(MissingPartText(lost[0]), "tracking lost from 0.2 s to 2.5 s (2 frames)");
+  ASSERT_EQ(lost.size(), 2u);
+  EXPECT_EQ(MissingPartText(lost[0]), "not recorded from 0.2 s to 2.3 s");
+  EXPECT_EQ(MissingPartText(lost[1]), "tracking lost from 2.3 s to 2.5 s (2 frames)");
+  const auto before = FindMissingParts(Frames("tbb-bt"));
+  ASSERT_EQ(before.size(), 3u);
+  EXPECT_EQ(MissingPartText(before[0]), "tracking lost from 0.1 s to 0.2 s (2 frames)");
+  EXPECT_EQ(MissingPartText(before[1]), "not recorded from 0.2 s to 2.3 s");
+  EXPECT_EQ(MissingPartText(before[2]), "tracking lost from 2.3 s to 2.4 s (1 frame)");
 }
 
 TEST(MissingPath, TheLongestInTheOrderOfTime) {

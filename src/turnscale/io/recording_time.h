@@ -20,6 +20,8 @@ class RecordingTimes {
   /// From the names of the files if all have a time, else from the creation times in the files if all have one.
   RecordingTimes(const std::vector<std::filesystem::path>& clips, const std::vector<VideoHeader>& headers);
 
+  bool AreKnown() const { return !starts_.empty(); }
+
   /// Throws InputError if a clip begins before the one before it ends.
   void RefuseOverlaps() const;
 

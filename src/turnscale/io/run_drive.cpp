@@ -24,7 +24,9 @@ struct RunResults {
 };
 
 RunResults ResultsOf(const Odometry& odometry) {
-  return {odometry.RefinedFrames(), odometry.Refined(), odometry.scale_state()};
+  RefinedScale scale = odometry.Refined();
+  std::vector<FrameResult> frames = odometry.RefinedFrames(scale);
+  return {std::move(frames), std::move(scale), odometry.scale_state()};
 }
 
 class Run {
@@ -122,7 +124,7 @@ class Run {
     attempts_.Try([&] { writer_.WriteTrajectory(results.frames, results.scale_state, durability); });
     attempts_.Try([&] { writer_.WriteTurns(results.scale.turns, durability); });
     attempts_.Try([&] { writer_.WriteMask(odometry_.mask(), durability); });
-    attempts_.Try([&] { writer_.WriteMap(odometry_.RefinedMap(), results.scale_state, durability); });
+    attempts_.Try([&] { writer_.WriteMap(odometry_.RefinedMap(results.scale), results.scale_state, durability); });
     results_ = std::move(results);
   }
 

@@ -13,6 +13,7 @@
 #include "turnscale/camera/camera_file.h"
 #include "turnscale/geometry/rotation.h"
 #include "turnscale/io/terminal.h"
+#include "turnscale/io/turn_warning.h"
 
 namespace turnscale {
 namespace {
@@ -86,10 +87,17 @@ std::string ClipsText(const std::vector<ClipPart>& clips) {
   return fmt::format("clips   {}, from {} to {}\n", clips.size(), clips.front().file, clips.back().file);
 }
 
-nlohmann::ordered_json IntrinsicsJson(const std::optional<FoundCamera>& found) {
-  if (!found) return nullptr;
+const char* IntrinsicsSource(const RunSummary& summary) {
+  if (!summary.found_camera) return summary.camera.empty() ? "assumed" : "given";
+  return summary.camera.empty() ? "estimated" : "refined";
+}
+
+nlohmann::ordered_json IntrinsicsJson(const RunSummary& summary) {
+  const std::optional<FoundCamera>& found = summary.found_camera;
+  if (!found) return {{"source", IntrinsicsSource(summary)}};
   const Pinhole& pinhole = found->camera.pinhole;
-  return {{"focal_length", {pinhole.fx, pinhole.fy}},
+  return {{"source", IntrinsicsSource(summary)},
+          {"focal_length", {pinhole.fx, pinhole.fy}},
           {"focal_length_sigma", found->camera.focal_sigma},
           {"principal_point", {pinhole.cx, pinhole.cy}},
           {"principal_point_sigma", found->centre_sigma},
@@ -143,25 +151,6 @@ std::string CarText(const std::optional<CarRefinement>& car) {
   }
   return fmt::format("car     {}yaw error of the camera {:+.2f} +-{:.2f} deg, from all turns\n", slip,
                      car->yaw_error * kDegreesPerRadian, car->yaw_error_sigma * kDegreesPerRadian);
-}
-
-// Empty if the turns are consistent with the estimate.
-std::string TurnWarning(const RefinedScale& scale) {
-  if (!scale.estimate || !scale.estimate->fell_back) return {};
-  const TurnTest& test = scale.estimate->test;
-  if (test.contradicted && test.worst_turn >= 0) {
-    const TurnResult& worst = scale.turns[test.worst_turn];
-    return fmt::format(
-        "the turns are inconsistent by {:.0f} % of scale, most of all the one at frames {}-{}: the trajectory uses "
-        "single-turn scales; check the camera's calibration and rotation, the timestamps and the lever arm",
-        100 * test.disagreement, worst.first_frame, worst.last_frame);
-  }
-  if (!scale.estimate->converged)
-    return "the scale estimate did not converge: the trajectory uses single-turn scales; check the camera's "
-           "calibration "
-           "and rotation, the timestamps and the lever arm";
-  // Single-turn scales because of the calibration: it has its own warning.
-  return {};
 }
 
 std::string CalibrationWarning(const ParameterEstimate& estimate, double path_sigma) {
@@ -226,7 +215,14 @@ void Summarize(const std::vector<FrameResult>& refined, const RefinedScale& scal
   }
   for (const ParameterEstimate& estimate : scale.contradicted_calibration)
     summary.warnings.push_back(CalibrationWarning(estimate, summary.path_sigma));
-  if (const std::string warning = TurnWarning(scale); !warning.empty()) summary.warnings.push_back(warning);
+  const auto frames_of = [&](int turn) {
+    return fmt::format("frames {}-{}", turns[turn].first_frame, turns[turn].last_frame);
+  };
+  const std::string warning =
+      scale.estimate ? TurnWarning(*scale.estimate, frames_of,
+                                   "the camera's calibration and rotation, the timestamps and the lever arm")
+                     : "";
+  if (!warning.empty()) summary.warnings.push_back(warning);
   summary.turns_found = static_cast<int>(turns.size());
   if (!scale.estimate) summary.pending_reason = scale.reason;
   summary.turns_used =
@@ -254,7 +250,8 @@ std::string SummaryJson(const RunSummary& summary) {
         {"end", summary.end.empty() ? Json(nullptr) : Json(summary.end)}}},
       {"clips", ClipsJson(summary.clips)},
       {"camera", summary.camera.empty() ? Json(nullptr) : Json(summary.camera)},
-      {"intrinsics", IntrinsicsJson(summary.found_camera)},
+      {"intrinsics", IntrinsicsJson(summary)},
+      {"mask", summary.mask.empty() ? Json(nullptr) : Json(summary.mask)},
       {"pose_frame", summary.pose_frame},
       {"lever_arm_m", summary.vehicle.lever_arm ? Json(*summary.vehicle.lever_arm) : Json(nullptr)},
       {"side_slip_s2_per_m", summary.vehicle.side_slip},
@@ -280,6 +277,7 @@ std::string SummaryJson(const RunSummary& summary) {
       {"path_sigma", or_null(summary.path_sigma)},
       {"scale",
        {{"state", ScaleStateName(summary.scale_state)},
+        {"pending_reason", summary.pending_reason.empty() ? Json(nullptr) : Json(summary.pending_reason)},
         {"worst_relative_sigma", or_null(summary.worst_sigma)},
         {"worst_at_s", summary.worst_sigma_time}}},
       {"warnings", summary.warnings},

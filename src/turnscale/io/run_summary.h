@@ -51,6 +51,7 @@ struct RunSummary {
   std::string input;
   std::string camera;                       ///< file of the intrinsics; empty if there is none
   std::optional<FoundCamera> found_camera;  ///< intrinsics as estimated from the drive, if they were
+  std::string mask;                         ///< file of the given mask; empty if there is none
   std::string pose_frame;                   ///< "camera" or "vehicle"
   std::string folder;
   std::string start;            ///< of the part that is processed, as the user gave it; empty: the drive's

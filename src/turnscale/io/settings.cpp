@@ -183,6 +183,17 @@ void VisitSettings(Visitor& visitor, OdometryOptions& options) {
     visitor.Field("min_correction_error", o.min_correction_error);
     visitor.Field("significance", o.significance);
   });
+  visitor.Group("self_calibration", [&] {
+    auto& o = options.self_calibration;
+    visitor.Field("windows", o.windows);
+    visitor.Field("first_windows", o.first_windows);
+    visitor.Field("first_min_turn_deg", o.first_min_turn_deg);
+    visitor.Field("max_passes", o.max_passes);
+    visitor.Field("converged", o.converged);
+    visitor.Field("focal_prior_sigma", o.focal_prior_sigma);
+    visitor.Field("correction_prior_sigma", o.correction_prior_sigma);
+    visitor.Field("higher_prior_sigma", o.higher_prior_sigma);
+  });
   visitor.Group("tracking", [&] {
     auto& o = options.tracking;
     visitor.Field("min_inliers", o.min_inliers);

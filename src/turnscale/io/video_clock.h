@@ -11,9 +11,8 @@ namespace turnscale {
 ///   as that multiple, so that a constant rate gives evenly spaced times.
 /// * A frame without a stamp comes one frame interval after the frame before.
 /// * A frame whose stamp repeats or goes back comes half an interval after the frame before, until the stamps have
-/// caught
-///   up. If they go back by a second or more, or do not catch up within eight frames, they are counted anew from one
-///   interval after the frame before.
+///   caught up. If they go back by a second or more, or do not catch up within eight frames, they are counted anew from
+///   one interval after the frame before.
 class VideoClock {
  public:
   /// `rate`: frames per second, 0 if unknown; `tick`: resolution of the stamps, seconds.

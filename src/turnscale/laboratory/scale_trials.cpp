@@ -12,8 +12,8 @@
 #include "turnscale/kinematics/ackermann.h"
 #include "turnscale/laboratory/scale_drive.h"
 #include "turnscale/mapping/absolute_scale_recovery.h"
+#include "turnscale/odometry/constrained_turns.h"
 #include "turnscale/odometry/drive_scale.h"
-#include "turnscale/odometry/held_turns.h"
 
 namespace turnscale {
 namespace {
@@ -119,7 +119,7 @@ RecoveredScale RecoverScale(const ScaleEstimatorSettings& settings, double pixel
     result.map = MetricMap(refined, std::move(map));
     return result;
   }
-  std::vector<TurnScale> turns = TurnsToHold(map, scale.mount(), options, refined.turns);
+  std::vector<TurnScale> turns = TurnsToConstrain(map, scale.mount(), options, refined.turns);
   if (settings.weighs_turns) {
     for (TurnScale& held : turns)
       for (const TurnResult& turn : refined.turns)

@@ -45,11 +45,7 @@ double InRadians(double degrees) { return degrees / kDegreesPerRadian; }
 double LargestTurn(const Map& map, int first, int last) {
   double largest = 0;
   for (int k = first; k <= last; ++k)
-    for (const int end : {first, last}) {
-      const Eigen::Quaterniond turn =
-          map.keyframes[k].camera_from_world.rotation * map.keyframes[end].camera_from_world.rotation.conjugate();
-      largest = std::max(largest, RotationAngle(turn));
-    }
+    for (const int end : {first, last}) largest = std::max(largest, TurnBetween(map, end, k));
   return largest;
 }
 
@@ -105,16 +101,15 @@ CalibrationCheck::CalibrationCheck(const CalibrationCheckOptions& options)
 CalibrationCheck::CalibrationCheck(const CalibrationCheckOptions& options, const CameraModel& given,
                                    const IntrinsicsChange::Vector& start)
     : CalibrationCheck(options) {
-  fixed_given_ = given;
-  start_ = start;
+  reference_ = {given, start};
 }
 
 bool CalibrationCheck::Observe(const Map& map, const CameraModel& camera) {
-  given_ = fixed_given_ ? fixed_given_->pinhole : camera.pinhole;
+  given_ = reference_ ? reference_->given.pinhole : camera.pinhole;
   const int latest = static_cast<int>(map.keyframes.size()) - 1;
-  if (!options_.enabled || windows() >= options_.max_windows || latest < next_keyframe_) return false;
+  if (!options_.enabled || IsComplete() || latest < next_keyframe_) return false;
   const int first = StartOfMap(map, std::max(0, latest - options_.window + 1));
-  if (LargestTurn(map, first, latest) * kDegreesPerRadian < options_.min_turn_deg) return false;
+  if (InDegrees(LargestTurn(map, first, latest)) < options_.min_turn_deg) return false;
   // What windows have in common is known soon: later ones come less often, and only the first overlap.
   const int read = static_cast<int>(windows_.size()) + 1;
   next_keyframe_ = latest + std::min(read, kLongestInterval) * (options_.window / 2);
@@ -146,15 +141,17 @@ std::optional<CalibrationCheck::Reading> CalibrationCheck::Read(const Map& map, 
   window.last = last;
   window.max_landmarks = options_.max_landmarks;
   window.huber_threshold = options_.huber_threshold;
-  IntrinsicsProblem problem(map, camera, fixed_given_ ? *fixed_given_ : camera, window, options_.pixel_sigma);
+  IntrinsicsProblem problem(map, camera, reference_ ? reference_->given : camera, window, options_.pixel_sigma);
   if (problem.landmarks() == 0) return std::nullopt;
   // What is known without this window guides the way, and is taken off again.
   const IntrinsicsEstimate known = Estimate();
   const Matrix known_information = known.covariance.inverse();
-  Vector start = known.change;
-  if (windows_.empty() && start_) start = *start_;
-  if (windows_.empty() && !start_) start[IntrinsicsChange::kCorrection] = camera.radial_correction;
-  problem.Change(start);
+  // The first window of a test begins with the correction that is applied.
+  if (!windows_.empty()) {
+    problem.Change(known.change);
+  } else if (reference_) {
+    problem.Change(reference_->start);
+  }
   const double deflation = 1.0 / (options_.pixel_sigma_inflation * options_.pixel_sigma_inflation);
   for (int round = 1;; ++round) {
     if (!problem.Adjust(round == 1 ? kIterationsAtFirst : kIterationsAfterAStep)) return std::nullopt;

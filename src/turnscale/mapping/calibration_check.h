@@ -71,7 +71,7 @@ struct ParameterEstimate {
   double sigma = 0;
 };
 
-/// Intrinsics of a drive as a difference from the map's pinhole.
+/// Intrinsics of a drive as a difference from the given ones.
 struct IntrinsicsEstimate {
   IntrinsicsChange::Vector change = IntrinsicsChange::Vector::Zero();
   IntrinsicsChange::Matrix covariance = IntrinsicsChange::Matrix::Zero();
@@ -79,9 +79,9 @@ struct IntrinsicsEstimate {
 
 /// Consistency test of a calibration. Windows of keyframes in which the camera turns determine the intrinsics
 /// (IntrinsicsProblem); their evidence is summed, windows that disagree with the others are down-weighted, and their
-/// scatter widens the sigmas.
+/// scatter widens the sigmas. Also the estimator of unknown intrinsics, with wide priors (CalibrateFromDrive).
 ///
-/// Reads the map and changes nothing. Lenses whose correction is not CorrectRadially's are not for it.
+/// Reads the map and changes nothing. Works with any lens: the correction is applied to the distorted point (Correct).
 class CalibrationCheck {
  public:
   explicit CalibrationCheck(const CalibrationCheckOptions& options);
@@ -95,6 +95,8 @@ class CalibrationCheck {
 
   /// Windows that were read.
   int windows() const { return static_cast<int>(windows_.size()); }
+  /// Whether as many windows were read as there may be: no more are.
+  bool IsComplete() const { return windows() >= options_.max_windows; }
   /// The estimate from drive and prior; sigmas include the scatter of windows and their common error.
   IntrinsicsEstimate Estimate() const;
   /// All parameters, in the order of IntrinsicsParameter. Where nothing was read, as given, with the prior's sigma.
@@ -107,6 +109,11 @@ class CalibrationCheck {
     IntrinsicsChange::Matrix information;
     IntrinsicsChange::Vector weighted_minimum;
   };
+  /// The camera whose changes are estimated, and the change that the search begins with.
+  struct Reference {
+    CameraModel given;
+    IntrinsicsChange::Vector start;
+  };
 
   IntrinsicsChange::Matrix Covariance(double focal_sigma, double centre_sigma_deg, double correction_sigma,
                                       double higher_sigma) const;
@@ -115,8 +122,7 @@ class CalibrationCheck {
   std::optional<Reading> Read(const Map& map, const CameraModel& camera, int first, int last) const;
 
   CalibrationCheckOptions options_;
-  std::optional<CameraModel> fixed_given_;  ///< nothing: the camera of the map
-  std::optional<IntrinsicsChange::Vector> start_;
+  std::optional<Reference> reference_;  ///< nothing: the camera of the map, with the correction that is applied
   Pinhole given_;
   std::vector<Reading> windows_;
   int next_keyframe_ = 0;

@@ -228,7 +228,6 @@ IntrinsicsProblem::IntrinsicsProblem(const Map& map, const CameraModel& camera, 
     : given_(given), huber_threshold_(window.huber_threshold) {
   const std::vector<Track> tracks = LongestTracks(map, window);
 
-  bundle_.pinhole = camera.pinhole;
   for (int k = window.first; k <= window.last; ++k) {
     bundle_.camera_from_world.push_back(map.keyframes[k].camera_from_world);
     bundle_.camera_is_fixed.push_back(k == window.first ? 1 : 0);
@@ -249,15 +248,18 @@ IntrinsicsProblem::IntrinsicsProblem(const Map& map, const CameraModel& camera, 
     }
   }
   first_observation_.push_back(static_cast<int>(distorted_.size()));
-  change_[IntrinsicsChange::kCorrection] = camera.radial_correction;
+  Vector change = Vector::Zero();
+  change[IntrinsicsChange::kCorrection] = camera.radial_correction;
+  Change(change);
 }
 
 void IntrinsicsProblem::Change(const Vector& change) {
   change_ = change;
   bundle_.pinhole = ChangedPinhole(given_.pinhole, change);
+  corrected_.clear();
   for (size_t i = 0; i < distorted_.size(); ++i) {
+    const std::optional<CorrectedPixel>& corrected = corrected_.emplace_back(Correct(given_, change, distorted_[i]));
     // A pixel that this lens cannot show stays distorted: bundle adjustment gives it little weight.
-    const std::optional<CorrectedPixel> corrected = Correct(given_, change, distorted_[i]);
     bundle_.observations[i].pixel = corrected ? corrected->pixel : distorted_[i];
   }
 }
@@ -288,7 +290,7 @@ void IntrinsicsProblem::EstimatePixelSigma() {
 
 std::optional<IntrinsicsEvidence> IntrinsicsProblem::Evidence() {
   const int cameras = static_cast<int>(bundle_.camera_from_world.size());
-  if (cameras < 2 || bundle_.points.empty()) return std::nullopt;
+  if (cameras < 2 || bundle_.observations.empty()) return std::nullopt;
   std::vector<Eigen::Matrix3d> rotations;
   for (const RigidTransform& pose : bundle_.camera_from_world) rotations.push_back(pose.rotation.toRotationMatrix());
 
@@ -303,9 +305,7 @@ std::optional<IntrinsicsEvidence> IntrinsicsProblem::Evidence() {
     for (int i = first_observation_[p]; i < first_observation_[p + 1]; ++i) {
       const BundleObservation& seen = bundle_.observations[i];
       const Eigen::Vector3d x = bundle_.camera_from_world[seen.camera] * bundle_.points[p];
-      if (!IsInFront(x)) continue;
-      const std::optional<CorrectedPixel> corrected = Correct(given_, change_, distorted_[i]);
-      if (!corrected) continue;
+      if (!IsInFront(x) || !corrected_[i]) continue;
       Row& row = rows.emplace_back();
       row.column = kPoseDof * (seen.camera - 1);
       row.residual = ReprojectionResidual(bundle_.pinhole, x, seen.pixel, 1.0 / seen.sigma);
@@ -316,7 +316,8 @@ std::optional<IntrinsicsEvidence> IntrinsicsProblem::Evidence() {
       by_x << bundle_.pinhole.fx / x.z(), 0, -bundle_.pinhole.fx * x.x() / (x.z() * x.z()),  //
           0, bundle_.pinhole.fy / x.z(), -bundle_.pinhole.fy * x.y() / (x.z() * x.z());
       row.pose << -by_x * Skew(x), by_x * rotations[seen.camera];
-      row.intrinsics = IntrinsicsJacobian(bundle_.pinhole, x, bundle_.pinhole.Ray(distorted_[i]).head<2>(), *corrected);
+      row.intrinsics =
+          IntrinsicsJacobian(bundle_.pinhole, x, bundle_.pinhole.Ray(distorted_[i]).head<2>(), *corrected_[i]);
       row.residual *= root_weight;
       row.pose *= root_weight / seen.sigma;
       row.intrinsics *= root_weight / seen.sigma;

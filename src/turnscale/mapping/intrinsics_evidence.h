@@ -13,9 +13,9 @@
 
 namespace turnscale {
 
-/// By how much a camera differs from the pinhole of the map: log of the focal length's ratio (both axes together),
-/// principal point x and y (pixels, further right and down), and the radial correction: its term in r^2
-/// (CorrectRadially; the whole of it, not what comes on top of the one that is applied) and its terms in r^4 and r^6.
+/// By how much a camera differs from a given one: log of the focal length's ratio (both axes together), principal point
+/// x and y (pixels, further right and down), and the terms in r^2, r^4 and r^6 of the radial correction (Correct): the
+/// whole of it, not what comes on top of the one that is applied to the map's pixels.
 struct IntrinsicsChange {
   enum Entry { kLogFocal, kCentreX, kCentreY, kCorrection, kCorrection4, kCorrection6 };
   static constexpr int kEntries = kCorrection6 + 1;
@@ -70,6 +70,7 @@ class IntrinsicsProblem {
  public:
   /// `camera` is the one by which the map's pixels are undistorted, `given` the one that intrinsics are changes of
   /// (Correct), `pixel_sigma` the standard deviation of a pixel (pixels) until the residuals tell it.
+  /// Begins with the pinhole of `given` and the radial correction of `camera`.
   IntrinsicsProblem(const Map& map, const CameraModel& camera, const CameraModel& given, const IntrinsicsWindow& window,
                     double pixel_sigma);
 
@@ -94,8 +95,10 @@ class IntrinsicsProblem {
  private:
   BundleProblem bundle_;
   CameraModel given_;
-  std::vector<Eigen::Vector2d> distorted_;  ///< pixels of the image; as bundle_.observations
-  std::vector<double> stretch_;             ///< by which undistortion enlarges an error there
+  // As bundle_.observations:
+  std::vector<Eigen::Vector2d> distorted_;                ///< pixels of the image
+  std::vector<double> stretch_;                           ///< by which undistortion enlarges an error there
+  std::vector<std::optional<CorrectedPixel>> corrected_;  ///< with change_; nothing where this lens has no ray
   std::vector<int> first_observation_;
   IntrinsicsChange::Vector change_ = IntrinsicsChange::Vector::Zero();
   double huber_threshold_ = 0;

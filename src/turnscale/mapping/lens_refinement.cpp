@@ -52,9 +52,7 @@ bool LensRefinement::Observe(const Map& map, double applied) {
   next_keyframe_ = latest + options_.window / 2;
   const int first = latest - options_.window + 1;
   if (first < StartOfMap(map, first)) return false;
-  const Eigen::Quaterniond turn =
-      map.keyframes[latest].camera_from_world.rotation * map.keyframes[first].camera_from_world.rotation.conjugate();
-  if (RotationAngle(turn) * kDegreesPerRadian < options_.min_turn_deg) return false;
+  if (InDegrees(TurnBetween(map, first, latest)) < options_.min_turn_deg) return false;
   const WindowProblem window = MakeWindowProblem(map, {first, first + 1, kFewestInWindow}, options_.pixel_sigma);
   if (window.landmarks.empty()) return false;
 

@@ -3,7 +3,14 @@
 
 #include <algorithm>
 
+#include "turnscale/geometry/rotation.h"
+
 namespace turnscale {
+
+double TurnBetween(const Map& map, int from, int to) {
+  return RotationAngle(map.keyframes[to].camera_from_world.rotation *
+                       map.keyframes[from].camera_from_world.rotation.conjugate());
+}
 
 void AddObservation(Map& map, int keyframe, int landmark, const Eigen::Vector2d& pixel) {
   map.keyframes[keyframe].observations.push_back({landmark, pixel});

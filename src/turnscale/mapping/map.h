@@ -54,6 +54,9 @@ struct Map {
 /// Where a keyframe's camera is, in W.
 inline Eigen::Vector3d Centre(const Keyframe& keyframe) { return keyframe.camera_from_world.inverse().translation; }
 
+/// By how much the camera turned from one keyframe to another, radians.
+double TurnBetween(const Map& map, int from, int to);
+
 /// Records that a keyframe saw a landmark, on both sides.
 void AddObservation(Map& map, int keyframe, int landmark, const Eigen::Vector2d& pixel);
 

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include "turnscale/geometry/rotation.h"
+
 namespace turnscale {
 namespace {
 
@@ -25,6 +27,16 @@ TEST(Map, AnObservationStandsOnBothSides) {
   EXPECT_EQ(map.landmarks[1].observations[0].pixel, Eigen::Vector2d(3, 4));
   EXPECT_TRUE(map.keyframes[0].observations.empty());
   EXPECT_TRUE(map.landmarks[0].observations.empty());
+}
+
+TEST(Map, TurnBetweenKeyframesIsInRadians) {
+  Map map = EmptyMap(3, 0);
+  map.keyframes[1].camera_from_world.rotation = RotationFromVector({0.1, 0.2, 0});
+  map.keyframes[2].camera_from_world.rotation =
+      RotationFromVector({0, -0.4, 0}) * map.keyframes[1].camera_from_world.rotation;
+  EXPECT_NEAR(TurnBetween(map, 1, 2), 0.4, 1e-12);
+  EXPECT_NEAR(TurnBetween(map, 2, 1), 0.4, 1e-12);
+  EXPECT_EQ(TurnBetween(map, 0, 0), 0);
 }
 
 TEST(Map, RemovingAnObservationLeavesTheOthers) {

@@ -241,8 +241,9 @@ RefinedScale DriveScale::Refine(const Map& map, bool follow_turns) const {
   return refined;
 }
 
-double CalibrationSigma(const std::vector<ParameterEstimate>& contradictions, double focal_length, double focal_sigma) {
-  double variance = std::pow(kScalePerFocalLength * focal_sigma, 2);
+double CalibrationSigma(const std::vector<ParameterEstimate>& contradictions, const CameraModel& camera) {
+  const double focal_length = camera.pinhole.fx;
+  double variance = std::pow(kScalePerFocalLength * (camera.focal_sigma / focal_length), 2);
   for (const ParameterEstimate& estimate : contradictions) {
     const double off = estimate.found - estimate.given;
     double sigma = 0;
@@ -263,10 +264,10 @@ double CalibrationSigma(const std::vector<ParameterEstimate>& contradictions, do
   return std::sqrt(variance);
 }
 
-void WidenForCalibration(const std::vector<ParameterEstimate>& contradictions, double focal_length, double focal_sigma,
+void WidenForCalibration(const std::vector<ParameterEstimate>& contradictions, const CameraModel& camera,
                          RefinedScale& refined) {
   refined.contradicted_calibration = contradictions;
-  const double widening = CalibrationSigma(contradictions, focal_length, focal_sigma);
+  const double widening = CalibrationSigma(contradictions, camera);
   if (widening == 0 || !refined.estimate) return;
   for (double& sigma : refined.sigmas) sigma = std::hypot(sigma, widening);
   refined.estimate->length_sigma = std::hypot(refined.estimate->length_sigma, widening);

@@ -8,6 +8,7 @@
 
 #include <Eigen/Core>
 
+#include "turnscale/camera/camera_model.h"
 #include "turnscale/kinematics/ackermann.h"
 #include "turnscale/mapping/calibration_check.h"
 #include "turnscale/mapping/map_scaling.h"
@@ -35,12 +36,12 @@ struct RefinedScale {
 
 /// Relative standard deviation of the scale due to the estimated errors of the calibration: the error of the direction
 /// of travel over the lever arm's contribution to it. A coarse bound (benchmarks/variants): the scale from such a
-/// calibration is not reliable. Without contradictions only `focal_sigma` counts, the relative standard deviation of
-/// the focal length that is used.
-double CalibrationSigma(const std::vector<ParameterEstimate>& contradictions, double focal_length, double focal_sigma);
+/// calibration is not reliable. Without contradictions only the standard deviation of the focal length of `camera`
+/// counts, with which the map is made.
+double CalibrationSigma(const std::vector<ParameterEstimate>& contradictions, const CameraModel& camera);
 
 /// Adds it to all sigmas of `refined` in quadrature.
-void WidenForCalibration(const std::vector<ParameterEstimate>& contradictions, double focal_length, double focal_sigma,
+void WidenForCalibration(const std::vector<ParameterEstimate>& contradictions, const CameraModel& camera,
                          RefinedScale& refined);
 
 /// Estimates the scale beside the map, which it never changes: keyframes in, metric trajectory out.

@@ -512,12 +512,14 @@ ParameterEstimate Off(IntrinsicsParameter parameter, double off) {
 }
 
 TEST(WidenForCalibration, AddsWhatEachContradictionMayCost) {
-  const auto widened = [](const std::vector<ParameterEstimate>& contradictions) {
+  CameraModel camera;
+  camera.pinhole = {700, 700, 600, 180};
+  const auto widened = [&](const std::vector<ParameterEstimate>& contradictions) {
     RefinedScale refined;
     refined.estimate.emplace();
     refined.estimate->length_sigma = 0.03;
     refined.sigmas = {0.02, 0.05};
-    WidenForCalibration(contradictions, 700, 0, refined);
+    WidenForCalibration(contradictions, camera, refined);
     EXPECT_EQ(refined.contradicted_calibration.size(), contradictions.size());
     const auto gained = [](double after, double before) { return after * after - before * before; };
     EXPECT_NEAR(gained(refined.sigmas[0], 0.02), gained(refined.estimate->length_sigma, 0.03), 1e-12);
@@ -534,7 +536,7 @@ TEST(WidenForCalibration, AddsWhatEachContradictionMayCost) {
               focal + centre, 1e-9);
   RefinedScale pending;
   pending.sigmas = {1};
-  WidenForCalibration({Off(IntrinsicsParameter::kDistortion, 0.01)}, 700, 0, pending);
+  WidenForCalibration({Off(IntrinsicsParameter::kDistortion, 0.01)}, camera, pending);
   EXPECT_EQ(pending.sigmas[0], 1);
   EXPECT_EQ(pending.contradicted_calibration.size(), 1u);
 }

@@ -161,20 +161,20 @@ bool MapInitializer::BelongToScene(const std::vector<char>& still, const RigidTr
 MapInitializer::MatchedViews MapInitializer::MatchViews() const {
   const std::vector<char> still = FindStatic(frames_.back());
   const std::vector<char> none(still.size(), 0);
-  if (std::ranges::count(still, 1) < kFewestStatic) return {MatchWithout(none), none};
+  if (std::ranges::count(still, 1) < kFewestStatic) return {MatchWithout(none), none, false};
   const TwoViewResult moving = MatchWithout(still);
   const bool drives = moving.status == TwoViewStatus::kInitialized && IsOfCar(moving.second_from_first);
-  if (drives && !BelongToScene(still, moving.second_from_first)) return {moving, still};
+  if (drives && !BelongToScene(still, moving.second_from_first)) return {moving, still, true};
   // What stands still may be far away: then it takes part.
   TwoViewResult all = MatchWithout(none);
-  if (drives && all.status == TwoViewStatus::kStandstill) return {moving, none};
+  if (drives && all.status == TwoViewStatus::kStandstill) return {moving, none, true};
   if (all.status == TwoViewStatus::kInitialized && !BelongToScene(still, all.second_from_first))
     all.status = TwoViewStatus::kFailed;
-  return {all, none};
+  return {all, none, true};
 }
 
 std::optional<InitialMap> MapInitializer::TryTwoViews() const {
-  const auto [views, still] = MatchViews();
+  const auto [views, left_out, has_still] = MatchViews();
   if (views.status != TwoViewStatus::kInitialized) return std::nullopt;
 
   InitialMap map;
@@ -191,8 +191,8 @@ std::optional<InitialMap> MapInitializer::TryTwoViews() const {
     map.has_point[second.features[i]] = views.triangulated[i];
     map.points[second.features[i]] = views.points[i];
   }
-  map.has_still_features = std::ranges::count(FindStatic(second), 1) >= kFewestStatic;
-  if (std::ranges::count(still, 1) > 0) LeaveOut(still, map);
+  map.has_still_features = has_still;
+  if (std::ranges::count(left_out, 1) > 0) LeaveOut(left_out, map);
   return map;
 }
 

@@ -63,6 +63,7 @@ class MapInitializer {
   struct MatchedViews {
     TwoViewResult views;
     std::vector<char> left_out;
+    bool has_still = false;  ///< features stand still, left out or not
   };
   MatchedViews MatchViews() const;
   TwoViewResult MatchWithout(const std::vector<char>& left_out) const;

@@ -16,7 +16,7 @@
 #include "turnscale/mapping/local_bundle_adjustment.h"
 #include "turnscale/mapping/map_scaling.h"
 #include "turnscale/mapping/section_adjustment.h"
-#include "turnscale/odometry/held_turns.h"
+#include "turnscale/odometry/constrained_turns.h"
 
 namespace turnscale {
 namespace {
@@ -33,13 +33,6 @@ constexpr int kArchivedTogether = 20;
 // A turn in which static features show in several keyframes, degrees: if they were none, what stood still before was
 // far away.
 constexpr double kDecidingTurn = 10;
-
-// How far the camera has turned from a keyframe to the latest, degrees.
-double TurnSince(const Map& map, int keyframe) {
-  return RotationAngle(map.keyframes.back().camera_from_world.rotation *
-                       map.keyframes[keyframe].camera_from_world.rotation.conjugate()) *
-         kDegreesPerRadian;
-}
 
 OdometryOptions Checked(OdometryOptions options, const CameraModel& camera) {
   options.Check();
@@ -81,7 +74,7 @@ Odometry::Odometry(const OdometryOptions& options, const CameraModel& camera)
       calibration_check_(options_.calibration_check),
       scale_(options) {
   map_.pinhole = camera.pinhole;
-  calibration_sigma_ = CalibrationSigma({}, map_.pinhole.fx, camera_.focal_sigma / map_.pinhole.fx);
+  calibration_sigma_ = CalibrationSigma({}, camera_);
 }
 
 FrameResult Odometry::Process(const cv::Mat& gray, double time) {
@@ -152,7 +145,7 @@ void Odometry::Finish() {
   AdjustWholeDrive();
   refined_ = Refined();
   const bool follows_turns = refined_->estimate && refined_->estimate->fell_back;
-  if (options_.scale.method != ScaleMethod::kSmoothed || follows_turns) HoldTurnsOfDrive();
+  if (options_.scale.method != ScaleMethod::kSmoothed || follows_turns) ConstrainTurnsOfDrive();
 }
 
 FrameResult Odometry::Initialize(const FlowImage& image, FrameResult result) {
@@ -297,19 +290,21 @@ void Odometry::AddKeyframe(const RigidTransform& camera_from_world, FrameResult&
   map_.keyframes.push_back({result.frame, result.time, camera_from_world, {}, false});
   for (const FeatureTrack& track : tracker_.tracks()) AddObservation(map_, keyframe, track.landmark, track.undistorted);
   // Where parts of the image stand still, what has not moved so far may belong to them, even if its rays meet.
-  if (start_in_doubt_ && TurnSince(map_, *start_in_doubt_) > kDecidingTurn) start_in_doubt_.reset();
+  if (start_in_doubt_ && InDegrees(TurnBetween(map_, *start_in_doubt_, keyframe)) > kDecidingTurn)
+    start_in_doubt_.reset();
   const bool in_doubt = start_in_doubt_ || !mask_.pixels().empty();
-  const double max_motion = in_doubt ? options_.static_regions.max_motion : -1.0;
-  std::vector<int> moving;
+  const auto has_stayed = [&](const FeatureTrack& track) {
+    return HasStayed(map_.landmarks[track.landmark], track.undistorted, options_.static_regions.max_motion);
+  };
+  std::vector<int> of_scene;
   for (const FeatureTrack& track : tracker_.tracks())
-    if (!HasStayed(map_.landmarks[track.landmark], track.undistorted, max_motion)) moving.push_back(track.landmark);
-  TriangulateLandmarks(options_.landmarks, moving, map_);
+    if (!in_doubt || !has_stayed(track)) of_scene.push_back(track.landmark);
+  TriangulateLandmarks(options_.landmarks, of_scene, map_);
   const LocalBundleResult adjusted = AdjustLocalWindow(options_.local_bundle, map_);
   tracker_.Drop(CullLandmarks(options_.landmarks, adjusted.landmarks, keyframe, map_));
   RefineLens();
   if (calibration_check_.Observe(map_, camera_))
-    calibration_sigma_ =
-        CalibrationSigma(calibration_check_.Contradictions(), map_.pinhole.fx, camera_.focal_sigma / map_.pinhole.fx);
+    calibration_sigma_ = CalibrationSigma(calibration_check_.Contradictions(), camera_);
   motion_.Correct(map_.keyframes.back().camera_from_world, 1.0);
   result.keyframe = true;
 }
@@ -373,14 +368,14 @@ void Odometry::AdjustWholeDrive() {
   scale_.Reread(map_);
 }
 
-void Odometry::HoldTurnsOfDrive() {
+void Odometry::ConstrainTurnsOfDrive() {
   if (!refined_->estimate) return;
   const RigidTransform last_from_keyframe = LastFromKeyframe();
   ArchivedPart drive = archive_.Load(0, archive_.end(), camera_.radial_correction, map_);
-  RefinedScale held = *refined_;
-  const std::vector<double> factors = HoldTurns(options_, scale_.mount(), drive.map, held);
+  RefinedScale constrained = *refined_;
+  const std::vector<double> factors = ConstrainTurns(options_, scale_.mount(), drive.map, constrained);
   archive_.Store(drive);
-  refined_ = std::move(held);
+  refined_ = std::move(constrained);
   for (size_t k = 0; k < map_.keyframes.size(); ++k)
     map_.keyframes[k].camera_from_world = drive.map.keyframes[k].camera_from_world;
   FollowMap(0, factors, last_from_keyframe);
@@ -419,12 +414,11 @@ RefinedScale Odometry::Refined() const {
   if (refined_) return *refined_;
   const std::vector<ParameterEstimate> contradictions = calibration_check_.Contradictions();
   RefinedScale refined = scale_.Refine(map_, !contradictions.empty());
-  WidenForCalibration(contradictions, map_.pinhole.fx, camera_.focal_sigma / map_.pinhole.fx, refined);
+  WidenForCalibration(contradictions, camera_, refined);
   return refined;
 }
 
-std::vector<FrameResult> Odometry::RefinedFrames() const {
-  const RefinedScale refined = Refined();
+std::vector<FrameResult> Odometry::RefinedFrames(const RefinedScale& refined) const {
   std::vector<FrameResult> frames = history_.Refined(map_, refined.path);
   const std::vector<int> keyframes = history_.Keyframes();
   int keyframe = -1;
@@ -447,8 +441,8 @@ std::vector<FrameResult> Odometry::RefinedFrames() const {
   return frames;
 }
 
-MapPoints Odometry::RefinedMap() const {
-  const MetricPath path = Refined().path;
+MapPoints Odometry::RefinedMap(const RefinedScale& refined) const {
+  const MetricPath& path = refined.path;
   MapPoints points;
   points.cameras = path.centres;
   points.landmarks.reserve(archive_.landmarks());

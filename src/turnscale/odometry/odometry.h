@@ -35,7 +35,7 @@ struct UnitGuess {
 /// The map keeps the arbitrary unit of its initialisation. The scale is estimated beside it (DriveScale); metric poses
 /// follow from both. Neither time per frame nor memory grows with the drive, except for the poses of frames and
 /// keyframes: observations of settled keyframes are moved to a temporary file (MapArchive). Finish processes the whole
-/// drive; where turns are constrained (HoldTurns), it has the whole map in memory.
+/// drive; where turns are constrained (ConstrainTurns), it has the whole map in memory.
 class Odometry {
  public:
   /// Throws InputError when an option is invalid, or the camera has a width without a height.
@@ -58,13 +58,17 @@ class Odometry {
 
   /// Every frame so far with its refined pose, metric once the turns so far determine the scale. Frames before
   /// initialisation have the first known pose (none while there is no map at all).
-  std::vector<FrameResult> RefinedFrames() const;
+  std::vector<FrameResult> RefinedFrames() const { return RefinedFrames(Refined()); }
 
-  /// The scale of the drive so far.
+  /// The scale of the drive so far. Before Finish it is computed at each call, in time linear in the drive's length.
   RefinedScale Refined() const;
 
   /// The map's valid landmarks and its keyframes' cameras, in metres if the scale is known.
-  MapPoints RefinedMap() const;
+  MapPoints RefinedMap() const { return RefinedMap(Refined()); }
+
+  /// The same with what Refined has given.
+  std::vector<FrameResult> RefinedFrames(const RefinedScale& refined) const;
+  MapPoints RefinedMap(const RefinedScale& refined) const;
 
   /// The options in effect: those given, without those that the lens model does not support.
   const OdometryOptions& options() const { return options_; }
@@ -107,7 +111,7 @@ class Odometry {
   /// Adjusts all keyframes of the archived drive.
   void AdjustWholeDrive();
   /// Scales the archived drive to metres by constraints on the lengths of turns.
-  void HoldTurnsOfDrive();
+  void ConstrainTurnsOfDrive();
   /// Lengths at keyframes `first`... have changed by these factors.
   void FollowMap(int first, const std::vector<double>& factors, RigidTransform last_from_keyframe);
   /// The latest frame as seen from the latest keyframe.

@@ -2,6 +2,7 @@
 #include "turnscale/odometry/options.h"
 
 #include <cmath>
+#include <string>
 
 #include "turnscale/base/error.h"
 
@@ -39,6 +40,20 @@ void TrackingOptions::Check() const {
   if (min_lost_frames < 1) throw InputError("tracking.min_lost_frames: has to be at least 1");
 }
 
+void SelfCalibrationOptions::Check() const {
+  const auto require = [](bool fine, const char* what) {
+    if (!fine) throw InputError(std::string("self_calibration.") + what);
+  };
+  require(windows >= 1, "windows: has to be at least 1");
+  require(first_windows >= 1, "first_windows: has to be at least 1");
+  require(first_min_turn_deg > 0, "first_min_turn_deg: has to be positive");
+  require(max_passes >= 1, "max_passes: has to be at least 1");
+  require(converged > 0, "converged: has to be positive");
+  require(focal_prior_sigma > 0, "focal_prior_sigma: has to be positive");
+  require(correction_prior_sigma > 0, "correction_prior_sigma: has to be positive");
+  require(higher_prior_sigma >= 0, "higher_prior_sigma: must not be negative");
+}
+
 void ScaleOptions::Check() const {
   estimator.Check();
   recovery.Check();
@@ -58,6 +73,7 @@ void OdometryOptions::Check() const {
   final_bundle.Check();
   lens.Check();
   calibration_check.Check();
+  self_calibration.Check();
   tracking.Check();
   motion.Check();
   repeats.Check();

@@ -64,6 +64,29 @@ struct KeyframeOptions {
   void Check() const;
 };
 
+/// Estimation of the intrinsics from the images of a drive.
+struct SelfCalibrationOptions {
+  /// Windows of keyframes in turns that decide (CalibrationCheckOptions); the first ones of the drive.
+  int windows = 6;
+  /// Windows of the first reading, which need not be accurate.
+  int first_windows = 3;
+  /// Least turn in a window of the first reading, degrees. Small: with a focal length that is much too long, rotations
+  /// come out too small.
+  double first_min_turn_deg = 10.0;
+  /// Most times that the images are read.
+  int max_passes = 6;
+  /// The camera is found when a pass changes the ray of no pixel by more than this (on the plane z = 1).
+  double converged = 0.003;
+
+  // Priors, standard deviations.
+  double focal_prior_sigma = 0.5;       ///< relative
+  double correction_prior_sigma = 0.3;  ///< radial correction, r^2
+  double higher_prior_sigma = 0.1;      ///< radial correction, r^4 and r^6
+
+  /// Throws InputError that names the field when a value makes no sense.
+  void Check() const;
+};
+
 /// When tracking counts as lost, and what happens then.
 struct TrackingOptions {
   /// A pose with fewer inliers is rejected.
@@ -120,6 +143,7 @@ struct OdometryOptions {
   LocalBundleOptions final_bundle{.window = 150, .max_iterations = 40, .initial_damping = 1e-7};
   LensRefinementOptions lens;
   CalibrationCheckOptions calibration_check;
+  SelfCalibrationOptions self_calibration;
   TrackingOptions tracking;
   MotionModelOptions motion;
   RepeatOptions repeats;

@@ -4,10 +4,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <string>
 #include <utility>
 
-#include "turnscale/base/error.h"
 #include "turnscale/camera/lens_fit.h"
 #include "turnscale/geometry/rotation.h"
 #include "turnscale/odometry/odometry.h"
@@ -40,30 +38,31 @@ struct Reading {
 // Thresholds in pixels are wider at first: with a wrong lens, points near the edge, which tell most of it, fit worst.
 double LooseBy(int pass) { return std::max(1.0, kLooseAtFirst * std::pow(kTightening, pass)); }
 
-OdometryOptions OptionsForReading(OdometryOptions odometry, int pass) {
-  odometry.vehicle.lever_arm.reset();
-  odometry.calibration_check.enabled = false;
-  odometry.pose.inlier_threshold *= LooseBy(pass);
-  odometry.pose.huber_threshold *= LooseBy(pass);
-  odometry.landmarks.max_reprojection_error *= LooseBy(pass);
-  return odometry;
+OdometryOptions OptionsForReading(OdometryOptions options, int pass) {
+  options.vehicle.lever_arm.reset();
+  options.calibration_check.enabled = false;
+  options.pose.inlier_threshold *= LooseBy(pass);
+  options.pose.huber_threshold *= LooseBy(pass);
+  options.landmarks.max_reprojection_error *= LooseBy(pass);
+  return options;
 }
 
-CalibrationCheckOptions CheckForReading(const SelfCalibrationOptions& options, CalibrationCheckOptions check,
-                                        int pass) {
+CalibrationCheckOptions CheckForReading(const OdometryOptions& options, int pass) {
+  const SelfCalibrationOptions& calibration = options.self_calibration;
+  CalibrationCheckOptions check = options.calibration_check;
   check.enabled = true;
-  check.focal_prior_sigma = options.focal_prior_sigma;
-  check.correction_prior_sigma = options.correction_prior_sigma;
-  check.higher_prior_sigma = options.higher_prior_sigma;
+  check.focal_prior_sigma = calibration.focal_prior_sigma;
+  check.correction_prior_sigma = calibration.correction_prior_sigma;
+  check.higher_prior_sigma = calibration.higher_prior_sigma;
   check.max_landmarks = kMaxLandmarks;
   check.max_rounds = kMaxRounds;
-  check.max_windows = pass == 0 ? options.first_windows : options.windows;
-  if (pass == 0) check.min_turn_deg = options.first_min_turn_deg;
+  check.max_windows = pass == 0 ? calibration.first_windows : calibration.windows;
+  if (pass == 0) check.min_turn_deg = calibration.first_min_turn_deg;
   return check;
 }
 
-// Runs the odometry with `camera` until `windows` windows have been read.
-Reading ReadTurns(const OdometryOptions& options, const CameraModel& camera, CalibrationCheck check, int windows,
+// Runs the odometry with `camera` until `check` has read its windows.
+Reading ReadTurns(const OdometryOptions& options, const CameraModel& camera, CalibrationCheck check,
                   const ImageStream& next, const cv::Mat& mask) {
   Odometry odometry(options, camera);
   if (!mask.empty()) odometry.SetMask(mask);
@@ -81,7 +80,7 @@ Reading ReadTurns(const OdometryOptions& options, const CameraModel& camera, Cal
       reading.first_time = map.keyframes[std::max<size_t>(keyframes, options.calibration_check.window) -
                                          options.calibration_check.window]
                                .time;
-    if (check.windows() >= windows) break;
+    if (check.IsComplete()) break;
   }
   reading.windows = check.windows();
   reading.estimate = check.Estimate();
@@ -116,29 +115,14 @@ double Difference(const CameraModel& camera, const CameraModel& other) {
 
 }  // namespace
 
-void SelfCalibrationOptions::Check() const {
-  const auto require = [](bool fine, const char* what) {
-    if (!fine) throw InputError(std::string("self_calibration.") + what);
-  };
-  require(windows >= 1, "windows: has to be at least 1");
-  require(first_windows >= 1, "first_windows: has to be at least 1");
-  require(first_min_turn_deg > 0, "first_min_turn_deg: has to be positive");
-  require(max_passes >= 1, "max_passes: has to be at least 1");
-  require(converged > 0, "converged: has to be positive");
-  require(focal_prior_sigma > 0, "focal_prior_sigma: has to be positive");
-  require(correction_prior_sigma > 0, "correction_prior_sigma: has to be positive");
-  require(higher_prior_sigma >= 0, "higher_prior_sigma: must not be negative");
-}
-
-std::optional<FoundCamera> CalibrateFromDrive(const SelfCalibrationOptions& options, const OdometryOptions& odometry,
-                                              const StartCamera& start, const OpenDrive& open, const cv::Mat& mask) {
+std::optional<FoundCamera> CalibrateFromDrive(const OdometryOptions& options, const StartCamera& start,
+                                              const OpenDrive& open, const cv::Mat& mask) {
   options.Check();
   CameraModel given = start.camera;
   IntrinsicsChange::Vector change = IntrinsicsChange::Vector::Zero();
   const auto read = [&](const CameraModel& camera, int pass, std::optional<double> from) {
-    const CalibrationCheck check(CheckForReading(options, odometry.calibration_check, pass), given, change);
-    return ReadTurns(OptionsForReading(odometry, pass), camera, check,
-                     pass == 0 ? options.first_windows : options.windows, open(from), mask);
+    const CalibrationCheck check(CheckForReading(options, pass), given, change);
+    return ReadTurns(OptionsForReading(options, pass), camera, check, open(from), mask);
   };
   Reading reading = read(given, 0, std::nullopt);
   for (const double view : kOtherViews) {
@@ -161,8 +145,8 @@ std::optional<FoundCamera> CalibrateFromDrive(const SelfCalibrationOptions& opti
     found.camera.focal_sigma = sigmas[IntrinsicsChange::kLogFocal] * next->pinhole.fx;
     found.centre_sigma = sigmas[IntrinsicsChange::kCentreX];
     found.windows = reading.windows;
-    found.converged = pass > 1 && Difference(camera, *next) < options.converged;
-    if (found.converged || pass == options.max_passes) return found;
+    found.converged = pass > 1 && Difference(camera, *next) < options.self_calibration.converged;
+    if (found.converged || pass == options.self_calibration.max_passes) return found;
     camera = *next;
     const Reading again = read(camera, pass, std::max(0.0, reading.first_time - begin - kLeadSeconds));
     // With the better camera no part of the drive turns enough to rely on.

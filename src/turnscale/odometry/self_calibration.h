@@ -11,29 +11,6 @@
 
 namespace turnscale {
 
-/// Estimation of the intrinsics from the images of a drive.
-struct SelfCalibrationOptions {
-  /// Windows of keyframes in turns that decide (CalibrationCheckOptions); the first ones of the drive.
-  int windows = 6;
-  /// Windows of the first reading, which need not be accurate.
-  int first_windows = 3;
-  /// Least turn in a window of the first reading, degrees. Small: with a focal length that is much too long, rotations
-  /// come out too small.
-  double first_min_turn_deg = 10.0;
-  /// Most times that the images are read.
-  int max_passes = 6;
-  /// The camera is found when a pass changes the ray of no pixel by more than this (on the plane z = 1).
-  double converged = 0.003;
-
-  // Priors, standard deviations.
-  double focal_prior_sigma = 0.5;       ///< relative
-  double correction_prior_sigma = 0.3;  ///< radial correction, r^2
-  double higher_prior_sigma = 0.1;      ///< radial correction, r^4 and r^6
-
-  /// Throws InputError that names the field when a value makes no sense.
-  void Check() const;
-};
-
 /// An image of a drive and when it was taken, seconds.
 struct TimedImage {
   cv::Mat gray;  ///< 8 bit; empty where the image is unusable
@@ -69,9 +46,8 @@ struct FoundCamera {
 /// rather than given, other fields of view are tried if the odometry fails with it. Both focal lengths are changed by
 /// the same factor. Pixels that are 0 in `mask` (8 bit, of the images' size) are left out, unless it is empty. Nothing
 /// where no window turns enough: the focal length does not matter to the images of a straight.
-std::optional<FoundCamera> CalibrateFromDrive(const SelfCalibrationOptions& options, const OdometryOptions& odometry,
-                                              const StartCamera& start, const OpenDrive& open,
-                                              const cv::Mat& mask = {});
+std::optional<FoundCamera> CalibrateFromDrive(const OdometryOptions& options, const StartCamera& start,
+                                              const OpenDrive& open, const cv::Mat& mask = {});
 
 /// A camera of this image size (pixels) and horizontal field of view (degrees), without distortion.
 CameraModel CameraOfView(double field_of_view_deg, int width, int height);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "turnscale/odometry/held_turns.h"
+#include "turnscale/odometry/constrained_turns.h"
 
 #include <algorithm>
 #include <cmath>
@@ -33,8 +33,8 @@ std::vector<double> ObservedDistances(const std::vector<VehicleStep>& steps, con
 
 }  // namespace
 
-std::vector<TurnScale> TurnsToHold(const Map& map, const MountCalibration& mount, const OdometryOptions& options,
-                                   std::vector<TurnResult>& turns) {
+std::vector<TurnScale> TurnsToConstrain(const Map& map, const MountCalibration& mount, const OdometryOptions& options,
+                                        std::vector<TurnResult>& turns) {
   const LeverArm lever_arm{options.vehicle.lever_arm.value_or(0), options.vehicle.side_slip};
   std::vector<TurnScale> held;
   const auto leave_out = [](TurnResult& turn, const char* reason) {
@@ -63,10 +63,10 @@ std::vector<TurnScale> TurnsToHold(const Map& map, const MountCalibration& mount
   return held;
 }
 
-std::vector<double> HoldTurns(const OdometryOptions& options, const MountCalibration& mount, Map& map,
-                              RefinedScale& refined) {
+std::vector<double> ConstrainTurns(const OdometryOptions& options, const MountCalibration& mount, Map& map,
+                                   RefinedScale& refined) {
   if (!refined.estimate) return {};
-  const std::vector<TurnScale> held = TurnsToHold(map, mount, options, refined.turns);
+  const std::vector<TurnScale> held = TurnsToConstrain(map, mount, options, refined.turns);
   if (held.empty()) return {};
   const ScaleRecoveryResult recovered = RecoverAbsoluteScale(options.scale.recovery, held, 0, map);
   for (TurnResult& turn : refined.turns) {

@@ -10,14 +10,14 @@ namespace turnscale {
 
 /// Turns to be constrained by the absolute scale recovery (24)-(30), for `--method turns` and `--method paper`: those
 /// with TurnEstimate::followed. The others get the reason why they are left out.
-std::vector<TurnScale> TurnsToHold(const Map& map, const MountCalibration& mount, const OdometryOptions& options,
-                                   std::vector<TurnResult>& turns);
+std::vector<TurnScale> TurnsToConstrain(const Map& map, const MountCalibration& mount, const OdometryOptions& options,
+                                        std::vector<TurnResult>& turns);
 
 /// Scales the finished map to metres, with the length of each turn constrained to its single-turn scale (`turns`, and
 /// the fallback of `smoothed`), or of each of its steps to the length from its own angles (`paper`). `refined` has the
 /// turns and sigmas of the drive, and gets the trajectory of the recovered map. Returns the factors by which lengths at
 /// each keyframe have changed; empty if no turn gives the scale.
-std::vector<double> HoldTurns(const OdometryOptions& options, const MountCalibration& mount, Map& map,
-                              RefinedScale& refined);
+std::vector<double> ConstrainTurns(const OdometryOptions& options, const MountCalibration& mount, Map& map,
+                                   RefinedScale& refined);
 
 }  // namespace turnscale

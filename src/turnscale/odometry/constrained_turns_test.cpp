@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "turnscale/odometry/held_turns.h"
+#include "turnscale/odometry/constrained_turns.h"
 
 #include <cmath>
 
@@ -45,12 +45,12 @@ RefinedScale RefinedOf(const OdometryOptions& options, const Map& map) {
 
 double StepOf(const Map& map, int k) { return (Centre(map.keyframes[k]) - Centre(map.keyframes[k - 1])).norm(); }
 
-TEST(HeldTurns, BringTheMapToMetres) {
+TEST(ConstrainedTurns, BringTheMapToMetres) {
   const OdometryOptions options = Holding(ScaleMethod::kTurns);
   FinishedMap finished = DriftingMap(options, kTwoCorners, 0.2);
   const Map before = finished.map;
   RefinedScale refined = RefinedOf(options, finished.map);
-  const std::vector<double> factors = HoldTurns(options, MountCalibration(options.vehicle), finished.map, refined);
+  const std::vector<double> factors = ConstrainTurns(options, MountCalibration(options.vehicle), finished.map, refined);
   const int count = static_cast<int>(finished.map.keyframes.size());
   ASSERT_EQ(factors.size(), finished.map.keyframes.size());
   for (int k = 1; k < count; ++k) {
@@ -74,23 +74,23 @@ TEST(HeldTurns, BringTheMapToMetres) {
   }
 }
 
-TEST(HeldTurns, PaperHoldsEachStepAtItsOwnLength) {
+TEST(ConstrainedTurns, PaperHoldsEachStepAtItsOwnLength) {
   const OdometryOptions options = Holding(ScaleMethod::kPaper);
   FinishedMap finished = DriftingMap(options, kTwoCorners, 0.02);
   RefinedScale refined = RefinedOf(options, finished.map);
-  HoldTurns(options, MountCalibration(options.vehicle), finished.map, refined);
+  ConstrainTurns(options, MountCalibration(options.vehicle), finished.map, refined);
   ASSERT_EQ(refined.turns.size(), 2U);
   for (const TurnResult& turn : refined.turns) EXPECT_TRUE(turn.used) << turn.reason;
   for (int k = 1; k < static_cast<int>(finished.map.keyframes.size()); ++k)
     EXPECT_NEAR(StepOf(finished.map, k) / StepOf(finished.truth, k), 1, 3e-4) << k;
 }
 
-TEST(HeldTurns, PaperGivesTheDistancesOfTheObserver) {
+TEST(ConstrainedTurns, PaperGivesTheDistancesOfTheObserver) {
   const OdometryOptions options = Holding(ScaleMethod::kPaper);
   const FinishedMap finished = DriftingMap(options, kTwoCorners, 0, 0);
   RefinedScale refined = RefinedOf(options, finished.map);
   const std::vector<TurnScale> held =
-      TurnsToHold(finished.map, MountCalibration(options.vehicle), options, refined.turns);
+      TurnsToConstrain(finished.map, MountCalibration(options.vehicle), options, refined.turns);
   ASSERT_EQ(held.size(), 2U);
   for (const TurnScale& turn : held) {
     EXPECT_NEAR(turn.factor * 0.3, 1, 1e-6);
@@ -107,7 +107,7 @@ TEST(HeldTurns, PaperGivesTheDistancesOfTheObserver) {
   }
 }
 
-TEST(HeldTurns, AWeakTurnDoesNotSpoilAGoodOne) {
+TEST(ConstrainedTurns, AWeakTurnDoesNotSpoilAGoodOne) {
   OdometryOptions options = Holding(ScaleMethod::kTurns);
   options.vehicle.side_slip = 0;
   const FinishedMap finished =
@@ -116,7 +116,7 @@ TEST(HeldTurns, AWeakTurnDoesNotSpoilAGoodOne) {
   ASSERT_EQ(refined.turns.size(), 2U);
   EXPECT_TRUE(refined.turns[0].used && refined.turns[1].used);
   const std::vector<TurnScale> held =
-      TurnsToHold(finished.map, MountCalibration(options.vehicle), options, refined.turns);
+      TurnsToConstrain(finished.map, MountCalibration(options.vehicle), options, refined.turns);
   EXPECT_EQ(held.size(), 1U);
   EXPECT_TRUE(refined.turns[0].used) << refined.turns[0].reason;
   EXPECT_FALSE(refined.turns[1].used);
@@ -124,12 +124,12 @@ TEST(HeldTurns, AWeakTurnDoesNotSpoilAGoodOne) {
   EXPECT_GT(refined.turns[1].metres_per_unit, 0) << "what it would have said stands in the list";
 }
 
-TEST(HeldTurns, AUsedTurnWhoseAdjustmentIsNotBelievedSaysSo) {
+TEST(ConstrainedTurns, AUsedTurnWhoseAdjustmentIsNotBelievedSaysSo) {
   OdometryOptions options = Holding(ScaleMethod::kTurns);
   options.scale.recovery.max_stretch = 1 + 1e-12;
   FinishedMap finished = DriftingMap(options, kTwoCorners, 0.2);
   RefinedScale refined = RefinedOf(options, finished.map);
-  HoldTurns(options, MountCalibration(options.vehicle), finished.map, refined);
+  ConstrainTurns(options, MountCalibration(options.vehicle), finished.map, refined);
   ASSERT_EQ(refined.turns.size(), 2U);
   for (const TurnResult& turn : refined.turns) {
     EXPECT_TRUE(turn.used);
@@ -138,12 +138,12 @@ TEST(HeldTurns, AUsedTurnWhoseAdjustmentIsNotBelievedSaysSo) {
   }
 }
 
-TEST(HeldTurns, WithoutATurnTheMapStaysAsItIs) {
+TEST(ConstrainedTurns, WithoutATurnTheMapStaysAsItIs) {
   const OdometryOptions options = Holding(ScaleMethod::kTurns);
   FinishedMap finished = DriftingMap(options, {{60, 0.8, 0}}, 0.2);
   const std::vector<Eigen::Vector3d> before = KeyframeCentres(finished.map);
   RefinedScale refined = RefinedOf(options, finished.map);
-  EXPECT_TRUE(HoldTurns(options, MountCalibration(options.vehicle), finished.map, refined).empty());
+  EXPECT_TRUE(ConstrainTurns(options, MountCalibration(options.vehicle), finished.map, refined).empty());
   EXPECT_EQ(KeyframeCentres(finished.map), before);
 }
 

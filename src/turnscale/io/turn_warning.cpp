@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/io/turn_warning.h"
+
+#include <fmt/format.h>
+
+namespace turnscale {
+
+std::string TurnWarning(const ScaleEstimate& estimate, const std::function<std::string(int)>& name_of,
+                        const std::string& suspects) {
+  const TurnTest& test = estimate.test;
+  const bool contradicted = test.contradicted && test.worst_turn >= 0;
+  // Else they are used because of the calibration, which has its own warning, or by choice.
+  if (!estimate.fell_back || (!contradicted && estimate.converged)) return {};
+  const std::string problem =
+      contradicted ? fmt::format("the turns are inconsistent by {:.0f} % of scale, most of all the one at {}",
+                                 100 * test.disagreement, name_of(test.worst_turn))
+                   : "the scale estimate did not converge";
+  return fmt::format("{}: the trajectory uses single-turn scales; check {}", problem, suspects);
+}
+
+}  // namespace turnscale

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "turnscale/scale/scale_estimator.h"
+
+namespace turnscale {
+
+/// Why the trajectory uses single-turn scales, in one line; empty where it does not, or where the turns are not the
+/// reason. `name_of` names a turn of `estimate.turns`, such as "frames 10-40"; `suspects` is what the user should
+/// check.
+std::string TurnWarning(const ScaleEstimate& estimate, const std::function<std::string(int)>& name_of,
+                        const std::string& suspects);
+
+}  // namespace turnscale
