@@ -84,10 +84,11 @@ std::string ImageArguments::Name() const {
 }
 
 void AddPartOptions(CLI::App& command, ImageArguments& arguments) {
-  command.add_option("--start", arguments.start,
-                     "Process the drive from this time on, HH:MM:SS, MM:SS or seconds after its first frame; the times "
-                     "in the results remain those of the whole drive");
-  command.add_option("--end", arguments.end, "Process the drive up to this time");
+  command.add_option(
+      "--start", arguments.start,
+      "Time since the first frame of the drive (HH:MM:SS, MM:SS or seconds) at which processing starts; the times "
+      "in the results remain those of the whole drive");
+  command.add_option("--end", arguments.end, "Time since the first frame of the drive at which processing ends");
   command.add_option("--mask", arguments.mask,
                      "Image of the frames' size: black pixels (0) are left out of all frames, in addition to those "
                      "that are found to stand still while the scene moves");

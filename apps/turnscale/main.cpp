@@ -31,7 +31,7 @@ int Main(int argc, char** argv) {
   app.set_version_flag("--version", "turnscale " TURNSCALE_VERSION);
   app.require_subcommand(1);
   app.footer(
-      "Example:\n  turnscale run drive.mp4 --camera cam.yaml --lever-arm 1.45\n\n"
+      "Example:\n  turnscale run drive.mp4 --lever-arm 1.45\n\n"
       "Exit codes: 0 success, 1 disk full, out of memory or internal error, 2 unusable input, 130 interrupted.");
   AddRunCommand(app);
   AddCalibrateCommand(app);

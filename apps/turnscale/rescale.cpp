@@ -119,8 +119,9 @@ void AddRescaleCommand(CLI::App& app) {
                   car.side_slip));
   command->add_option(
       "--side-slip-sigma", arguments->side_slip_sigma,
-      fmt::format("Standard deviation of c, s^2/m; 0: c is not refined [{}; {:.0f} % of a given --side-slip]",
-                  car.side_slip_sigma, 100 * kGivenSideSlipSigma));
+      fmt::format(
+          "Standard deviation of c, s^2/m; 0: c is not refined [{}, or {:.0f} % of --side-slip if that is given]",
+          car.side_slip_sigma, 100 * kGivenSideSlipSigma));
   command->add_option("--camera-rotation", arguments->camera_rotation,
                       "Camera-to-vehicle rotation: auto (estimated from the trajectory); identity; yaw,pitch,roll in "
                       "degrees; or a YAML file, as for run [auto]");

@@ -149,8 +149,8 @@ void AddRunCommand(CLI::App& app) {
   CLI::App* run = app.add_subcommand("run", "Estimate the trajectory of a drive from its images.");
   auto arguments = std::make_shared<RunArguments>();
   run->add_option("input", arguments->images.inputs,
-                  "KITTI folder (with the images in image_0/ or images/), folder of images, video, several videos that "
-                  "continue one another, or folder of such videos; a folder can also contain calib.txt or camera.yaml, "
+                  "KITTI folder (with the images in image_0/ or images/), folder of images, video, several "
+                  "consecutive clips, or folder of clips; a folder can also contain calib.txt or camera.yaml, "
                   "and times.txt")
       ->required();
   AddCameraOptions(*run, arguments->images);
@@ -162,7 +162,8 @@ void AddRunCommand(CLI::App& app) {
       ->excludes(timestamps);
   run->add_option(
       "--lever-arm", arguments->lever_arm,
-      "Distance from the rear axle forward to the camera, metres; without it the trajectory is up to scale");
+      "Horizontal distance from the rear axle forward to the camera, metres; without it the trajectory is up to "
+      "scale");
   run->add_option("--lever-arm-sigma", arguments->lever_arm_sigma,
                   fmt::format("Standard deviation of --lever-arm, metres [{}]", kTapeSigma));
   run->add_option("--side-slip", arguments->side_slip,
@@ -172,15 +173,17 @@ void AddRunCommand(CLI::App& app) {
                               kUsualSideSlip));
   run->add_option(
       "--side-slip-sigma", arguments->side_slip_sigma,
-      fmt::format("Standard deviation of c, s^2/m; 0: c is not refined [{}; {:.0f} % of a given --side-slip]",
-                  kUsualSideSlipSigma, 100 * kGivenSideSlipSigma));
+      fmt::format(
+          "Standard deviation of c, s^2/m; 0: c is not refined [{}, or {:.0f} % of --side-slip if that is given]",
+          kUsualSideSlipSigma, 100 * kGivenSideSlipSigma));
   run->add_option(
       "--camera-rotation", arguments->camera_rotation,
-      "Camera-to-vehicle rotation: yaw,pitch,roll in degrees (to the right, up, to the right); a YAML file "
+      "Camera-to-vehicle rotation: yaw,pitch,roll in degrees, positive to the right, up, to the right; a YAML file "
       "with yaw_deg, pitch_deg, roll_deg, such as calibrate writes; or auto: estimated during the drive [auto]");
   run->add_option(
          "--method", arguments->method,
-         "How metric scale is obtained. smoothed: one estimate along the drive, from all turns; turns: each turn's scale "
+         "How metric scale is obtained. smoothed: one estimate along the drive, from all turns; turns: each turn's "
+         "scale "
          "from this turn alone, held by a final bundle adjustment; paper: the same for each pair of consecutive "
          "keyframes in a turn (equation (22) of the paper by Kim et al.) [smoothed]")
       ->check(CLI::IsMember({"smoothed", "turns", "paper"}));

@@ -192,7 +192,7 @@ void AddSimulateCommand(CLI::App& app) {
       "  turnscale run drives/garage --lever-arm 1.5\n\n"
       "Output: a KITTI folder (image_0/, calib.txt, times.txt, poses.txt) with camera.yaml, vehicle.yaml, truth.csv,\n"
       "floor_plan.csv, rig.yaml and drive.yaml. times.txt is written last: a folder without it is incomplete.\n"
-      "While a followed trajectory stands still, the car moves on at 0.2 m/s; reversing is not followed.");
+      "Where the recorded trajectory stops, the simulated car creeps on at 0.2 m/s; reversing is not reproduced.");
   simulate->callback([arguments] {
     if (const int exit_code = Simulate(*arguments); exit_code != 0) throw CLI::RuntimeError(exit_code);
   });

@@ -294,7 +294,7 @@ std::string SummaryJson(const RunSummary& summary) {
 }
 
 std::string SummaryText(const RunSummary& summary) {
-  std::string scale = ScaleStateName(summary.scale_state);
+  std::string scale = IsMetric(summary) ? "known" : ScaleStateName(summary.scale_state);
   if (IsMetric(summary))
     scale += fmt::format(", path length +-{:.1f} %, along the drive at most +-{:.1f} % (at {:.1f} s)",
                          100 * summary.path_sigma, 100 * summary.worst_sigma, summary.worst_sigma_time);
