@@ -175,7 +175,17 @@ TEST(OdometryMetres, ComeThroughADistortedLensThatIsCalibrated) {
     ASSERT_EQ(run.turns.size(), 1U) << "fisheye " << fisheye;
     EXPECT_EQ(Count(run.refined, TrackingState::kTracked), static_cast<int>(drive.times.size()));
     EXPECT_NEAR(run.lens_correction, 0, 0.0022);
+    EXPECT_TRUE(run.scale.contradicted_calibration.empty());
     ExpectMetres(run, drive);
+    if (!fisheye) continue;
+    CameraModel wrong = drive.camera;
+    wrong.pinhole.fx *= 1.15;
+    wrong.pinhole.fy *= 1.15;
+    const RefinedScale scale = RunOdometry(StreetOptions(), wrong, drive.images, drive.times).scale;
+    ASSERT_FALSE(scale.contradicted_calibration.empty());
+    const ParameterEstimate& focal_length = scale.contradicted_calibration.front();
+    EXPECT_EQ(focal_length.parameter, IntrinsicsParameter::kFocalLength);
+    EXPECT_NEAR(focal_length.found, drive.camera.pinhole.fx, 3 * focal_length.sigma);
   }
 }
 

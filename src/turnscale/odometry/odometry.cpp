@@ -39,7 +39,7 @@ OdometryOptions Checked(OdometryOptions options, const CameraModel& camera) {
   if ((camera.width == 0) != (camera.height == 0))
     throw InputError("camera: has a width or a height without the other");
   // The radial correction grows with the tangent of the angle, which has no bound on a fisheye.
-  if (camera.lens == LensModel::kEquidistant) options.lens.enabled = options.calibration_check.enabled = false;
+  if (camera.lens == LensModel::kEquidistant) options.lens.enabled = false;
   return options;
 }
 
