@@ -118,12 +118,13 @@ Rig Dashcam() {
   rig.mount = {
       .lever_arm = 1.5, .lateral_offset = 0.1, .height = 1.3, .yaw_deg = 1.5, .pitch_deg = -2, .roll_deg = 0.8};
   // Gray as a screen wants it, a small sensor's noise, and a lens that is a little soft.
+  rig.sensor.target_gray = 115;
   rig.sensor.response = 0.5;
   rig.sensor.shot_noise = 3;
   rig.sensor.read_noise = 1.2;
   rig.sensor.blur = 0.6;
   rig.sensor.readout_ms = 20;
-  rig.windscreen = {.dashboard = 0.16, .reflection = 0.12, .defocus = 2.5};
+  rig.windscreen = {.dashboard = 0.16, .reflection = 0.2, .defocus = 2.5};
   rig.recorder = {.video = true,
                   .megabits_per_second = 12,
                   .clock = true,

@@ -92,7 +92,8 @@ cv::Mat Reflection(const cv::Mat& dashboard, double height) {
   // Down to the lower end of the image: the edge is not at the same height everywhere.
   cv::resize(mirrored, mirrored, {dashboard.cols, dashboard.rows - top});
   mirrored.copyTo(reflection.rowRange(top, dashboard.rows));
-  for (int row = top; row < edge; ++row) reflection.row(row) *= static_cast<double>(row - top) / (edge - top);
+  for (int row = top; row < edge; ++row)
+    reflection.row(row) *= std::sqrt(static_cast<double>(row - top) / (edge - top));
   return reflection;
 }
 
