@@ -13,6 +13,7 @@
 #include "turnscale/config/yaml_map.h"
 #include "turnscale/io/drive_input.h"
 #include "turnscale/io/trajectory_file.h"
+#include "turnscale/io/video_file.h"
 
 namespace turnscale {
 namespace {
@@ -68,6 +69,23 @@ TEST_F(SimulateTest, DriveGoesStraightIntoRun) {
                                         "--lever-arm", "1.5", "--out", (folder_ / "out").string(), "--quiet"},
                                        folder_);
   EXPECT_EQ(run.exit_code, 0) << run.err;
+}
+
+TEST_F(SimulateTest, DashcamAndVideoGoStraightIntoRun) {
+  const CommandResult plain =
+      Simulate({"garage", "--rig", SmallRig(), "--seconds", "5", "--max-frames", "3", "--video"});
+  EXPECT_EQ(plain.exit_code, 0) << plain.err;
+  EXPECT_NE(plain.out.find("turnscale run " + (Out() / "video.mp4").string()), std::string::npos) << plain.out;
+  EXPECT_EQ(FindDrive(Out()).videos.size(), 1u);
+  const CommandResult made = Simulate({"garage", "--rig", "dashcam", "--seconds", "5", "--max-frames", "2", "--quiet"});
+  EXPECT_EQ(made.exit_code, 0) << made.err;
+  EXPECT_EQ(made.out + made.err, "");
+  EXPECT_EQ(YamlMap(Out() / "rig.yaml").Text("preset"), "dashcam");
+  VideoFile video(Out() / "video.mp4");
+  ASSERT_TRUE(video.Advance());
+  EXPECT_EQ(video.Gray().size(), cv::Size(1920, 1080));
+  EXPECT_TRUE(video.Advance());
+  EXPECT_FALSE(video.Advance());
 }
 
 TEST_F(SimulateTest, StreetFollowsARecordedPath) {

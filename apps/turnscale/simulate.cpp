@@ -20,6 +20,7 @@
 #include "turnscale/io/terminal.h"
 #include "turnscale/io/trajectory_file.h"
 #include "turnscale/simulation/drive_recorder.h"
+#include "turnscale/simulation/image_output.h"
 #include "turnscale/simulation/rig.h"
 #include "turnscale/simulation/route.h"
 #include "turnscale/simulation/world.h"
@@ -40,6 +41,7 @@ struct SimulateArguments {
   fs::path out;
   unsigned seed = 1;
   std::optional<fs::path> rig;
+  bool video = false;
   std::optional<double> seconds;
   std::optional<fs::path> follow;
   std::optional<fs::path> times;
@@ -106,9 +108,18 @@ World MakeWorld(const SimulateArguments& arguments, const Rig& rig) {
   return arguments.world == "garage" ? MakeGarage(arguments.seed, seconds) : MakeStreet(arguments.seed, seconds);
 }
 
-Rig RigFor(const SimulateArguments& arguments) {
+// With the values of a preset, or of a file.
+Rig BaseRig(const SimulateArguments& arguments) {
   const RigPreset preset = arguments.follow ? RigPreset::kKitti : RigPreset::kPaper;
-  return arguments.rig ? ReadRig(*arguments.rig, preset) : MakeRig(preset);
+  if (!arguments.rig) return MakeRig(preset);
+  const std::optional<RigPreset> named = FindRigPreset(arguments.rig->string());
+  return named ? MakeRig(*named) : ReadRig(*arguments.rig, preset);
+}
+
+Rig RigFor(const SimulateArguments& arguments) {
+  Rig rig = BaseRig(arguments);
+  if (arguments.video) rig.recorder.video = true;
+  return rig;
 }
 
 // Returns the exit code.
@@ -148,10 +159,11 @@ int Simulate(const SimulateArguments& arguments) {
   if (arguments.quiet) return 0;
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const std::string out = arguments.out.string();
+  const std::string input = rig.recorder.video ? (arguments.out / kVideoFile).string() : out;
   PrintText(fmt::format("drive   {} frames, {:.1f} s, {:.1f} m, {:.0f} deg of turning\n", recording.frames,
                         recording.seconds, recording.metres, recording.turned * kDegreesPerRadian) +
             fmt::format("cost    {:.1f} s, {:.2f} frames/s\n", seconds, recording.frames / seconds) +
-            fmt::format("files   {}\nnext    turnscale run {} --lever-arm {:g}\n", out, out, rig.mount.lever_arm));
+            fmt::format("files   {}\nnext    turnscale run {} --lever-arm {:g}\n", out, input, rig.mount.lever_arm));
   return 0;
 }
 
@@ -166,8 +178,11 @@ void AddSimulateCommand(CLI::App& app) {
   simulate->add_option("--out", arguments->out, "Folder for the drive")->required();
   simulate->add_option("--seed", arguments->seed, "Seed of the scene, the drive and the sensor noise")
       ->capture_default_str();
-  simulate->add_option("--rig", arguments->rig,
-                       "YAML file with camera, mount, car and sensor, such as rig.yaml of another drive");
+  simulate->add_option(
+      "--rig", arguments->rig,
+      "paper, kitti, dashcam, or a YAML file with camera, mount, car, sensor, windscreen and recorder, "
+      "such as rig.yaml of another drive [paper; with --follow kitti]");
+  simulate->add_flag("--video", arguments->video, "Write video.mp4 rather than images; the rig dashcam always does");
   simulate->add_option(
       "--seconds", arguments->seconds,
       "Approximate duration; the shortest garage drive takes 15, the shortest street drive 12 [garage 60, "
@@ -190,7 +205,8 @@ void AddSimulateCommand(CLI::App& app) {
   simulate->footer(
       "Example:\n  turnscale simulate garage --out drives/garage --seed 7\n"
       "  turnscale run drives/garage --lever-arm 1.5\n\n"
-      "Output: a KITTI folder (image_0/, calib.txt, times.txt, poses.txt) with camera.yaml, vehicle.yaml, truth.csv,\n"
+      "Output: a KITTI folder (image_0/ or video.mp4, calib.txt, times.txt, poses.txt) with camera.yaml, vehicle.yaml, "
+      "truth.csv,\n"
       "floor_plan.csv, rig.yaml and drive.yaml. times.txt is written last: a folder without it is incomplete.\n"
       "Where the recorded trajectory stops, the simulated car creeps on at 0.2 m/s; reversing is not reproduced.");
   simulate->callback([arguments] {

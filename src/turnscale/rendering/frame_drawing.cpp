@@ -139,8 +139,9 @@ Centres DrawCentres(const FrameDrawing& drawing) {
       centres.look.at<int>(row, column) = static_cast<int>(seen.look);
     };
     for (int column = 0; column < size.width; ++column) {
+      if (!drawing.Wants(row, column)) continue;
       const PixelRay& pixel = drawing.table.At(row, column);
-      if (pixel.sees()) queue.Add(MakeRay(drawing.moments[row][0], pixel.direction, pixel.width), column, keep);
+      queue.Add(MakeRay(drawing.moments[row][0], pixel.direction, pixel.width), column, keep);
     }
     queue.Finish(keep);
   });
@@ -239,8 +240,8 @@ cv::Mat DrawSharp(const FrameDrawing& drawing, int edge_samples) {
     PacketQueue queue(drawing.tracer);
     const std::vector<uchar> edges = EdgesOfRow(centres, row);
     for (int column = 0; column < image.cols; ++column) {
+      if (edges[column] == 0 || !drawing.Wants(row, column)) continue;
       const PixelRay& pixel = drawing.table.At(row, column);
-      if (edges[column] == 0 || !pixel.sees()) continue;
       float sum = 0;
       const auto add = [&](int, const Seen& seen) { sum += seen.brightness; };
       const VariedPattern varied(pattern, row, column);
@@ -267,8 +268,8 @@ cv::Mat DrawBlurred(const FrameDrawing& drawing) {
     };
     for (int i = 0; i < samples; ++i) {
       for (int column = 0; column < image.cols; ++column) {
+        if (!drawing.Wants(row, column)) continue;
         const PixelRay& pixel = drawing.table.At(row, column);
-        if (!pixel.sees()) continue;
         const Eigen::Vector2f offset = VariedPattern(pattern, row, column)[i];
         const Eigen::Vector3f direction = drawing.table.Inside(row, column, offset);
         queue.Add(MakeRay(drawing.moments[row][i], direction, kSampleWidth * pixel.width), column, add);

@@ -71,6 +71,12 @@ struct FrameDrawing {
   const RayTable& table;
   std::vector<std::vector<CameraMoment>> moments;  ///< by row
   int threads = 1;
+  cv::Mat covered = {};  ///< as View::covered
+
+  /// Whether the lens sees something at the pixel, and nothing hides it.
+  bool Wants(int row, int column) const {
+    return table.At(row, column).sees() && (covered.empty() || covered.at<uchar>(row, column) == 0);
+  }
 };
 
 /// One ray through the centre of every pixel; at the edges of things `edge_samples` over the pixel.

@@ -75,12 +75,15 @@ Renderer::Renderer(Renderer&&) noexcept = default;
 Renderer& Renderer::operator=(Renderer&&) noexcept = default;
 
 cv::Mat Renderer::Render(const CameraModel& camera, const View& view) const {
+  if (!view.covered.empty() &&
+      (view.covered.type() != CV_8U || view.covered.size() != cv::Size(camera.width, camera.height)))
+    throw InternalError("what covers a view has the size of its image");
   const std::shared_ptr<const RayTable> table = state_->tables.Get(camera, state_->options.threads);
   const Tracer tracer = state_->TracerFor(view);
   const bool blurred = view.shutter.exposure > 0;
   const FrameDrawing drawing = {tracer, *table,
                                 RowPoses(view, camera.height, blurred ? state_->options.blur_samples : 1),
-                                state_->options.threads};
+                                state_->options.threads, view.covered};
   return blurred ? DrawBlurred(drawing) : DrawSharp(drawing, state_->options.edge_samples);
 }
 

@@ -38,6 +38,9 @@ struct View {
   /// World from each of Scene::movable. Empty where there are none.
   std::vector<std::function<RigidTransform(double)>> world_from_movable;
   Shutter shutter;
+  /// CV_8U of the camera's size: pixels other than 0 are not drawn but stay black, as something hides them. Empty:
+  /// none.
+  cv::Mat covered = {};
 };
 
 /// Draws a scene through a camera by casting rays (Embree). Same scene, same view, same image, on any number of

@@ -7,6 +7,7 @@
 
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
+#include <opencv2/imgproc.hpp>
 
 #include "turnscale/base/error.h"
 #include "turnscale/base/refused_field.h"
@@ -99,6 +100,29 @@ TEST(Renderer, DistanceIsAlongTheRay) {
     EXPECT_NEAR(renderer.Distance(camera, view, near), Eigen::Vector3d(-2, 0, 2.5).norm(), 1e-4);
     EXPECT_EQ(renderer.Distance(camera, view, {600, 240}), std::numeric_limits<double>::infinity());
   }
+}
+
+TEST(Renderer, WhatIsCoveredStaysBlackAndNothingElseChanges) {
+  const CameraModel camera = TestCameras()[0];
+  const Renderer renderer({}, BusyScene());
+  cv::Mat covered(camera.height, camera.width, CV_8U, cv::Scalar(0));
+  covered.rowRange(300, camera.height) = 255;
+  covered.rowRange(310, 320) = 0;
+  for (const double exposure : {0.0, 0.01}) {
+    View view = BusyView({exposure, 0.01});
+    const cv::Mat whole = renderer.Render(camera, view);
+    view.covered = covered;
+    const cv::Mat image = renderer.Render(camera, view);
+    EXPECT_EQ(cv::norm(image, cv::NORM_INF, covered), 0);
+    // At the border of what is covered, pixels count as edges and are sampled more finely.
+    cv::Mat far_from_border;
+    cv::erode(covered == 0, far_from_border, {});
+    EXPECT_EQ(cv::norm(image, whole, cv::NORM_INF, far_from_border), 0);
+    EXPECT_GT(cv::norm(whole, cv::NORM_INF, covered), 0.1);
+  }
+  View view = BusyView({});
+  view.covered = cv::Mat(10, 10, CV_8U, cv::Scalar(0));
+  EXPECT_THROW(renderer.Render(camera, view), InternalError);
 }
 
 TEST(Renderer, ShadowsFallAwayFromTheSun) {

@@ -8,14 +8,17 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <opencv2/imgcodecs.hpp>
 
 #include "turnscale/base/error.h"
 #include "turnscale/camera/camera_file.h"
 #include "turnscale/io/output_file.h"
 #include "turnscale/rendering/renderer.h"
+#include "turnscale/simulation/burnt_clock.h"
+#include "turnscale/simulation/captured_frames.h"
 #include "turnscale/simulation/drive.h"
+#include "turnscale/simulation/image_output.h"
 #include "turnscale/simulation/sensor.h"
+#include "turnscale/simulation/windscreen.h"
 
 namespace turnscale {
 namespace {
@@ -24,10 +27,9 @@ namespace fs = std::filesystem;
 
 constexpr const char* kMarker = "# Made by turnscale simulate, which replaces the drive in this folder when told to.";
 constexpr const char* kMarkedFile = "drive.yaml";
-constexpr const char* kImages = "image_0";
 // Times and poses first: they say that the rest is whole.
-constexpr const char* kFiles[] = {"times.txt", "poses.txt",   "truth.csv",    "floor_plan.csv",
-                                  "calib.txt", "camera.yaml", "vehicle.yaml", "rig.yaml"};
+constexpr const char* kFiles[] = {"times.txt",   "poses.txt",    "truth.csv", "floor_plan.csv", "calib.txt",
+                                  "camera.yaml", "vehicle.yaml", "rig.yaml",  kVideoFile};
 
 bool Exists(const fs::path& path) {
   std::error_code error;
@@ -53,8 +55,8 @@ void RefuseForeign(const fs::path& folder) {
     if (Exists(folder / name)) refuse(name);
   }
   if (Exists(folder / kMarkedFile)) refuse(kMarkedFile);
-  const fs::path images = folder / kImages;
-  if (Exists(images) && !(fs::is_directory(images, error) && fs::is_empty(images, error))) refuse(kImages);
+  const fs::path images = folder / kImageFolder;
+  if (Exists(images) && !(fs::is_directory(images, error) && fs::is_empty(images, error))) refuse(kImageFolder);
 }
 
 bool IsImageOfDrive(const fs::path& path) {
@@ -69,7 +71,8 @@ void RemoveDrive(const fs::path& folder) {
   for (const char* name : kFiles) {
     RemoveOldFile(folder / name);
   }
-  for (const auto& entry : fs::directory_iterator(folder / kImages)) {
+  if (!Exists(folder / kImageFolder)) return;
+  for (const auto& entry : fs::directory_iterator(folder / kImageFolder)) {
     if (IsImageOfDrive(entry.path())) fs::remove(entry.path());
   }
 }
@@ -83,14 +86,9 @@ std::string Quoted(const std::string& text) {
   return quoted + '"';
 }
 
-namespace fs = std::filesystem;
-
-// Noise cannot be packed: higher levels only take longer.
-constexpr int kPngLevel = 1;
-
 void BeginFolder(const RecordOptions& options, const Rig& rig, unsigned seed, const FloorPlan& floor_plan) {
   const fs::path& folder = options.folder;
-  PrepareDriveFolder(folder);
+  PrepareDriveFolder(folder, !rig.recorder.video);
   // First, so that the folder is known as ours whatever happens next.
   ReplaceFile(folder / "drive.yaml", DriveText(options.origin, seed));
   ReplaceFile(folder / "rig.yaml", RigText(rig));
@@ -113,14 +111,30 @@ CameraDrive DriveThrough(const World& world, const Rig& rig, unsigned seed, cons
   }
 }
 
-void WriteImage(const fs::path& path, const cv::Mat& image) {
-  std::vector<uchar> bytes;
-  if (!cv::imencode(".png", image, bytes, {cv::IMWRITE_PNG_COMPRESSION, kPngLevel})) {
-    throw OutputError(path.string() + ": the image cannot be encoded as PNG");
+// What becomes of the light until it is on the card.
+class Camera {
+ public:
+  Camera(const Rig& rig, unsigned seed, const fs::path& folder)
+      : clock_(rig.recorder.clock),
+        windscreen_(rig.windscreen, {rig.camera.width, rig.camera.height}, seed),
+        sensor_(rig.sensor, rig.camera, rig.rate_hz, seed),
+        output_(folder, rig) {}
+
+  const cv::Mat& covered() const { return windscreen_.covered(); }
+
+  void Record(const cv::Mat& scene, double stamp) {
+    cv::Mat image = sensor_.Expose(windscreen_.Through(scene));
+    if (clock_) BurnClock(stamp, image);
+    output_.Write(image, stamp);
   }
-  // Not for each of thousands does the disk have to be waited for.
-  ReplaceFile(path, {reinterpret_cast<const char*>(bytes.data()), bytes.size()}, Durability::kProcess);
-}
+  void Finish() { output_.Finish(); }
+
+ private:
+  bool clock_;
+  Windscreen windscreen_;
+  Sensor sensor_;
+  ImageOutput output_;
+};
 
 void Summarize(const std::vector<DriveFrame>& frames, Recording& recording) {
   recording.frames = static_cast<int>(frames.size());
@@ -141,13 +155,16 @@ std::string DriveText(const DriveOrigin& origin, unsigned seed) {
   return text + fmt::format("texture_contrast: {}\n", origin.texture_contrast);
 }
 
-void PrepareDriveFolder(const fs::path& folder) {
+void PrepareDriveFolder(const fs::path& folder, bool images) {
   RefuseForeign(folder);
   std::error_code error;
-  fs::create_directories(folder / kImages, error);
+  fs::create_directories(images ? folder / kImageFolder : folder, error);
   if (error) throw InputError(folder.string() + ": cannot be made: " + error.message() + "; choose another --out");
   try {
     RemoveDrive(folder);
+    // An empty folder of images would be taken for those of the drive.
+    if (!images && fs::is_directory(folder / kImageFolder) && fs::is_empty(folder / kImageFolder))
+      fs::remove(folder / kImageFolder);
   } catch (const fs::filesystem_error& failure) {
     throw InputError(folder.string() + ": cannot be cleared: " + failure.code().message() + "; choose another --out");
   }
@@ -159,29 +176,34 @@ Recording RecordDrive(World world, const Rig& rig, unsigned seed, const RecordOp
   render_options.threads = options.threads;
   render_options.Check();
   const CameraDrive drive = DriveThrough(world, rig, seed, options.origin);
-  const int count = std::min(drive.frames(), options.max_frames.value_or(drive.frames()));
+  std::vector<CapturedFrame> captured = CapturedFrames(rig.recorder, drive.frames(), rig.rate_hz, seed);
+  if (options.max_frames && *options.max_frames < static_cast<int>(captured.size()))
+    captured.resize(static_cast<size_t>(*options.max_frames));
+  const int count = static_cast<int>(captured.size());
   BeginFolder(options, rig, seed, FloorPlanFrom(drive.At(0).world_from_camera, world));
   if (!progress(0, count)) return {};
   // Lights the scene, which takes a while.
   const Renderer renderer(render_options, std::move(world.scene));
-  Sensor sensor(rig.sensor, rig.camera, rig.rate_hz, seed);
+  Camera camera(rig, seed, options.folder);
 
   Recording recording;
   std::vector<DriveFrame> frames;
-  // One image is exposed, packed and written while the next one is drawn; never two, so that their order is kept.
+  // One image is exposed, coded and written while the next one is drawn; never two, so that their order is kept.
   std::future<void> writing;
   bool go_on = progress(0, count);
-  for (int frame = 0; frame < count && go_on; ++frame) {
-    cv::Mat brightness = renderer.Render(rig.camera, drive.ViewAt(frame));
+  for (int index = 0; index < count && go_on; ++index) {
+    const auto& [frame, stamp] = captured[static_cast<size_t>(index)];
+    View view = drive.ViewAt(frame);
+    view.covered = camera.covered();
+    cv::Mat scene = renderer.Render(rig.camera, view);
     if (writing.valid()) writing.get();
-    const fs::path path = options.folder / "image_0" / fmt::format("{:06}.png", frame);
-    writing = std::async(std::launch::async, [&sensor, path, brightness = std::move(brightness)] {
-      WriteImage(path, sensor.Expose(brightness));
-    });
+    writing = std::async(std::launch::async,
+                         [&camera, stamp = stamp, scene = std::move(scene)] { camera.Record(scene, stamp); });
     frames.push_back(drive.At(frame));
-    go_on = progress(frame + 1, count);
+    go_on = progress(index + 1, count);
   }
   if (writing.valid()) writing.get();
+  camera.Finish();
   Summarize(frames, recording);
   recording.complete = recording.frames == count;
   if (!recording.complete) return recording;

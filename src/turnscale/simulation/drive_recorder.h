@@ -23,10 +23,10 @@ struct DriveOrigin {
 /// `drive.yaml`: the origin, and a first line that tells a folder of ours from any other.
 std::string DriveText(const DriveOrigin& origin, unsigned seed);
 
-/// Makes the folder and its `image_0/`, and removes the drive that a recording has left there; `drive.yaml` stays.
-/// Throws InputError, and touches nothing, where it holds files named like those of a drive and a `drive.yaml` of ours
-/// is not among them, or where it cannot be made or cleared.
-void PrepareDriveFolder(const std::filesystem::path& folder);
+/// Makes the folder and, if it is for `images`, its `image_0/`, and removes the drive that a recording has left there;
+/// `drive.yaml` stays. Throws InputError, and touches nothing, where it holds files named like those of a drive and a
+/// `drive.yaml` of ours is not among them, or where it cannot be made or cleared.
+void PrepareDriveFolder(const std::filesystem::path& folder, bool images);
 
 struct RecordOptions {
   std::filesystem::path folder;
@@ -48,10 +48,11 @@ struct Recording {
 /// before the scene is lit and after.
 using RecordProgress = std::function<bool(int frames_done, int frames)>;
 
-/// Drives a rig through a world and writes what its camera sees as a KITTI folder: `image_0/`, `calib.txt` (where the
-/// lens has no distortion), `times.txt` and `poses.txt`; beside them `camera.yaml`, `vehicle.yaml`, `truth.csv`,
-/// `floor_plan.csv`, `rig.yaml` and `drive.yaml`. `times.txt` and `poses.txt` come last, so that a folder without them
-/// is of no use to anybody. An earlier recording in the folder is replaced.
+/// Drives a rig through a world and writes what its camera sees as a KITTI folder: `image_0/`, or `video.mp4` if the
+/// rig records one; `calib.txt` (where the lens has no distortion), `times.txt` (of exposure; the video's stamps may
+/// stray) and `poses.txt`; beside them `camera.yaml`, `vehicle.yaml`, `truth.csv`, `floor_plan.csv`, `rig.yaml` and
+/// `drive.yaml`. `times.txt` and `poses.txt` come last, so that a folder without them is of no use to anybody. An
+/// earlier recording in the folder is replaced.
 ///
 /// Throws InputError where the rig or the options make no sense, the car cannot drive the world's legs (naming
 /// `origin.follow` where there is one), or the folder cannot be made or holds such files of another origin, OutputError

@@ -20,6 +20,10 @@
 #include "turnscale/io/frame_reader.h"
 #include "turnscale/io/settings.h"
 #include "turnscale/io/trajectory_file.h"
+#include "turnscale/io/video_file.h"
+#include "turnscale/io/video_writer.h"
+#include "turnscale/simulation/burnt_clock.h"
+#include "turnscale/simulation/captured_frames.h"
 #include "turnscale/simulation/drive.h"
 #include "turnscale/simulation/test_world.h"
 
@@ -223,6 +227,69 @@ TEST_F(DriveRecorderTest, DistortedLensHasNoCalibTxt) {
   EXPECT_EQ(ReadCameraFile(folder_ / "camera.yaml").distortion, rig.camera.distortion);
 }
 
+TEST_F(DriveRecorderTest, VideoHoldsTheImagesAndTheirStamps) {
+  Rig rig = SmallRig(128, 96);
+  rig.windscreen.dashboard = 0.2;
+  Record(rig, 6);
+  std::vector<cv::Mat> images;
+  for (int i = 0; i < 6; ++i) images.push_back(Image(i));
+  rig.recorder.video = true;
+  Record(rig, 6);
+  EXPECT_FALSE(fs::exists(folder_ / "image_0")) << "of the earlier drive";
+  const DriveInput drive = FindDrive(folder_);
+  ASSERT_EQ(drive.videos, std::vector<fs::path>{folder_ / "video.mp4"});
+  EXPECT_EQ(drive.camera_file, folder_ / "calib.txt");
+  VideoFile video(drive.videos[0]);
+  for (int i = 0; i < 6; ++i) {
+    ASSERT_TRUE(video.Advance()) << i;
+    EXPECT_NEAR(video.Stamp().value_or(-1), i / 10.0, 1e-9);
+    EXPECT_LT(cv::norm(video.Gray(), images[i], cv::NORM_L1) / static_cast<double>(images[i].total()), 2.5) << i;
+  }
+  EXPECT_FALSE(video.Advance());
+  // And back.
+  rig.recorder.video = false;
+  Record(rig, 2);
+  EXPECT_FALSE(fs::exists(folder_ / "video.mp4"));
+  EXPECT_EQ(FindDrive(folder_).images.size(), 2u);
+}
+
+TEST_F(DriveRecorderTest, LostFramesAreMissingFromAllFiles) {
+  Rig rig = SmallRig(64, 48);
+  rig.recorder = {.video = true, .stalls_per_minute = 200, .stalled_frames = 2, .stamp_jitter_ms = 4};
+  const Recording recording = RecordDrive(MakeTestWorld(3), rig, 3, {folder_, {}, 2}, GoOn);
+  const std::vector<CapturedFrame> captured = CapturedFrames(rig.recorder, 31, rig.rate_hz, 3);
+  ASSERT_LT(captured.size(), 30u);
+  ASSERT_GE(recording.frames, static_cast<int>(captured.size()));
+  const std::vector<double> times = ReadFrameTimes(folder_ / "times.txt").times;
+  const std::vector<FrameStamp> stamps = VideoFile::ReadStamps(folder_ / "video.mp4");
+  ASSERT_EQ(static_cast<int>(times.size()), recording.frames);
+  ASSERT_EQ(static_cast<int>(stamps.size()), recording.frames);
+  EXPECT_EQ(static_cast<int>(ReadTrajectory(folder_ / "poses.txt").size()), recording.frames);
+  const CameraDrive drive(MakeTestWorld(3), rig, 3);
+  const std::vector<double> steps = Column(folder_ / "truth.csv", "camera_step_m");
+  for (size_t i = 0; i < captured.size(); ++i) {
+    EXPECT_EQ(times[i], captured[i].number / rig.rate_hz);
+    EXPECT_NEAR(stamps[i].seconds, captured[i].stamp, 0.51 / kVideoTicksPerSecond);
+    if (i == 0) continue;
+    const auto place = [&](size_t k) { return drive.At(captured[k].number).world_from_camera.translation; };
+    EXPECT_NEAR(steps[i], (place(i) - place(i - 1)).norm(), 1e-6);
+  }
+}
+
+TEST_F(DriveRecorderTest, ClockShowsTheStampsTime) {
+  Rig rig = SmallRig(480, 270);
+  Record(rig, 11);
+  const cv::Mat first = Image(0);
+  const cv::Mat last = Image(10);
+  rig.recorder.clock = true;
+  Record(rig, 11);
+  for (const auto& [frame, plain] : {std::pair(0, first), std::pair(10, last)}) {
+    cv::Mat expected = plain.clone();
+    BurnClock(0.1 * frame, expected);
+    EXPECT_EQ(cv::norm(Image(frame), expected, cv::NORM_INF), 0) << frame;
+  }
+}
+
 TEST_F(DriveRecorderTest, InterruptedDriveIsToldByItsMissingTimes) {
   const Rig rig = SmallRig(64, 48);
   Record(rig, 5);
@@ -254,7 +321,7 @@ TEST_F(DriveRecorderTest, DriveThatIsStoppedBeforeItsSceneIsLitHasNoImages) {
 
 TEST_F(DriveRecorderTest, FilesOfAnotherOriginAreNotTouched) {
   for (const char* name : {"image_0/000000.png", "times.txt", "poses.txt", "truth.csv", "floor_plan.csv", "calib.txt",
-                           "camera.yaml", "vehicle.yaml", "rig.yaml", "drive.yaml"}) {
+                           "video.mp4", "camera.yaml", "vehicle.yaml", "rig.yaml", "drive.yaml"}) {
     fs::remove_all(folder_);
     fs::create_directories((folder_ / name).parent_path());
     std::ofstream(folder_ / name) << "dear";

@@ -16,10 +16,13 @@ namespace {
 
 constexpr double kPaperFieldOfViewDeg = 80;
 
+constexpr Choices<RigPreset> kPresets = {
+    {"paper", RigPreset::kPaper}, {"kitti", RigPreset::kKitti}, {"dashcam", RigPreset::kDashcam}};
+
 // Every field of the file once: reading and writing both follow this list (see io/yaml_fields.h).
 template <class Visitor>
 void VisitRig(Visitor& visitor, Rig& rig) {
-  visitor.Choice("preset", rig.preset, {{"paper", RigPreset::kPaper}, {"kitti", RigPreset::kKitti}});
+  visitor.Choice("preset", rig.preset, kPresets);
   visitor.Field("rate_hz", rig.rate_hz);
   visitor.Group("camera", [&] {
     CameraModel& o = rig.camera;
@@ -76,12 +79,59 @@ void VisitRig(Visitor& visitor, Rig& rig) {
     visitor.Field("exposure_ms", o.exposure_ms);
     visitor.Field("readout_ms", o.readout_ms);
   });
+  visitor.Group("windscreen", [&] {
+    WindscreenOptions& o = rig.windscreen;
+    visitor.Field("dashboard", o.dashboard);
+    visitor.Field("reflection", o.reflection);
+    visitor.Field("defocus", o.defocus);
+  });
+  visitor.Group("recorder", [&] {
+    RecorderOptions& o = rig.recorder;
+    visitor.Field("video", o.video);
+    visitor.Field("megabits_per_second", o.megabits_per_second);
+    visitor.Field("clock", o.clock);
+    visitor.Field("stalls_per_minute", o.stalls_per_minute);
+    visitor.Field("stalled_frames", o.stalled_frames);
+    visitor.Field("stamp_jitter_ms", o.stamp_jitter_ms);
+  });
 }
 
 RigPreset PresetOf(const YamlMap& file, RigPreset fallback) {
   if (!file.Has("preset")) return fallback;
   // Words that are none are refused with all other fields.
-  return file.Text("preset") == "kitti" ? RigPreset::kKitti : RigPreset::kPaper;
+  return FindRigPreset(file.Text("preset")).value_or(fallback);
+}
+
+Rig Dashcam() {
+  Rig rig;
+  rig.preset = RigPreset::kDashcam;
+  CameraModel& camera = rig.camera;
+  camera.width = 1920;
+  camera.height = 1080;
+  camera.lens = LensModel::kEquidistant;
+  camera.distortion = {-0.015, 0.004, 0, 0, 0};
+  constexpr double kHalfFieldOfView = std::numbers::pi / 3;
+  const double focal_length = std::round(camera.width / 2.0 / DistortAngle(camera.distortion, kHalfFieldOfView));
+  // The lens is screwed in a few pixels beside the middle.
+  camera.pinhole = {focal_length, focal_length, 966.5, 533};
+  rig.rate_hz = 30;
+  rig.mount = {
+      .lever_arm = 1.5, .lateral_offset = 0.1, .height = 1.3, .yaw_deg = 1.5, .pitch_deg = -2, .roll_deg = 0.8};
+  // Gray as a screen wants it, a small sensor's noise, and a lens that is a little soft.
+  rig.sensor.target_gray = 115;
+  rig.sensor.response = 0.5;
+  rig.sensor.shot_noise = 3;
+  rig.sensor.read_noise = 1.2;
+  rig.sensor.blur = 0.6;
+  rig.sensor.readout_ms = 20;
+  rig.windscreen = {.dashboard = 0.16, .reflection = 0.2, .defocus = 2.5};
+  rig.recorder = {.video = true,
+                  .megabits_per_second = 12,
+                  .clock = true,
+                  .stalls_per_minute = 6,
+                  .stalled_frames = 3,
+                  .stamp_jitter_ms = 1};
+  return rig;
 }
 
 void CheckCameraField(const char* name, double value, double low, double high, const char* what) {
@@ -154,6 +204,13 @@ void Rig::Check() const {
   mount.Check();
   vehicle.Check();
   sensor.Check();
+  windscreen.Check();
+  recorder.Check();
+  if (recorder.video && (camera.width % 2 != 0 || camera.height % 2 != 0)) {
+    throw InputError(
+        fmt::format("camera: a video needs even numbers of pixels, not {}x{}; give another width and height",
+                    camera.width, camera.height));
+  }
   const double interval_ms = 1000 / rate_hz;
   if (sensor.exposure_ms > interval_ms) {
     throw InputError(fmt::format("sensor.exposure_ms: is longer than the {} ms of a frame", interval_ms));
@@ -165,7 +222,15 @@ void Rig::Check() const {
 
 Shutter Rig::ImageShutter() const { return {sensor.exposure_ms / 1000, sensor.readout_ms / 1000}; }
 
+std::optional<RigPreset> FindRigPreset(std::string_view name) {
+  for (const auto& [word, preset] : kPresets) {
+    if (name == word) return preset;
+  }
+  return std::nullopt;
+}
+
 Rig MakeRig(RigPreset preset) {
+  if (preset == RigPreset::kDashcam) return Dashcam();
   Rig rig;
   rig.preset = preset;
   if (preset == RigPreset::kKitti) {

@@ -47,6 +47,38 @@ TEST(Rig, PresetsAreThoseOfThePaperAndOfKitti) {
   EXPECT_EQ(kitti.camera.pinhole.cy, 185.2157);
 }
 
+TEST(Rig, DashcamIsThatOfItsDescription) {
+  const Rig rig = MakeRig(RigPreset::kDashcam);
+  EXPECT_NO_THROW(rig.Check());
+  EXPECT_EQ(rig.preset, RigPreset::kDashcam);
+  EXPECT_EQ(rig.camera.width, 1920);
+  EXPECT_EQ(rig.camera.height, 1080);
+  EXPECT_EQ(rig.rate_hz, 30);
+  EXPECT_EQ(rig.camera.lens, LensModel::kEquidistant);
+  const auto angle = [&](const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+    const Eigen::Vector3d first = rig.camera.pinhole.Ray(*rig.camera.Undistort(a)).normalized();
+    const Eigen::Vector3d second = rig.camera.pinhole.Ray(*rig.camera.Undistort(b)).normalized();
+    return std::acos(first.dot(second)) * kDegreesPerRadian;
+  };
+  EXPECT_NEAR(angle({-0.5, 533}, {1919.5, 533}), 120, 0.2);
+  EXPECT_NEAR(angle({-0.5, -0.5}, {1919.5, 1079.5}), 138, 1);
+  EXPECT_GT(rig.ImageShutter().readout, 0.01);
+  EXPECT_GT(rig.windscreen.dashboard, 0.1);
+  EXPECT_GT(rig.windscreen.reflection, 0);
+  EXPECT_GT(rig.windscreen.defocus, 0);
+  EXPECT_TRUE(rig.recorder.video);
+  EXPECT_TRUE(rig.recorder.clock);
+  EXPECT_GT(rig.recorder.stalls_per_minute, 0);
+  EXPECT_GT(rig.recorder.stamp_jitter_ms, 0);
+}
+
+TEST(Rig, PresetsAreFoundByTheirNames) {
+  EXPECT_EQ(FindRigPreset("paper"), RigPreset::kPaper);
+  EXPECT_EQ(FindRigPreset("kitti"), RigPreset::kKitti);
+  EXPECT_EQ(FindRigPreset("dashcam"), RigPreset::kDashcam);
+  EXPECT_EQ(FindRigPreset("rig.yaml"), std::nullopt);
+}
+
 TEST(Rig, FileChangesWhatItNames) {
   const Rig rig = Read(
       "preset: kitti\nrate_hz: 20\ncamera:\n  lens: radtan\n  distortion: [-0.3, 0.1]\nmount:\n  lever_arm: 0.9\n"
@@ -64,7 +96,7 @@ TEST(Rig, FileChangesWhatItNames) {
 }
 
 TEST(Rig, WrittenOnesReadBack) {
-  for (const RigPreset preset : {RigPreset::kPaper, RigPreset::kKitti}) {
+  for (const RigPreset preset : {RigPreset::kPaper, RigPreset::kKitti, RigPreset::kDashcam}) {
     Rig rig = MakeRig(preset);
     EXPECT_EQ(RigText(Read(RigText(rig))), RigText(rig));
     rig.camera.lens = LensModel::kEquidistant;
@@ -72,6 +104,8 @@ TEST(Rig, WrittenOnesReadBack) {
     rig.mount = {1.1, -0.2, 1.3, 0.5, -1, 0.25};
     rig.vehicle.wheelbase = 2.9;
     rig.sensor.read_noise = 3;
+    rig.windscreen.defocus = 7;
+    rig.recorder = {.video = false, .megabits_per_second = 3, .clock = true, .stalls_per_minute = 1.5};
     const Rig read = Read(RigText(rig));
     EXPECT_EQ(RigText(read), RigText(rig));
     EXPECT_EQ(read.camera.distortion, rig.camera.distortion);
@@ -97,12 +131,17 @@ TEST(Rig, ComplaintsNameLineKeyAndNearestKey) {
             std::string::npos);
   EXPECT_NE(Complaint("sensors:\n  blur: 1\n").find(":1: sensors: unknown key; did you mean 'sensor'?"),
             std::string::npos);
-  EXPECT_NE(Complaint("preset: kiti\n").find(":1: preset: is 'kiti'; give paper or kitti"), std::string::npos);
+  EXPECT_NE(Complaint("preset: kiti\n").find(":1: preset: is 'kiti'; give paper or kitti or dashcam"),
+            std::string::npos);
   EXPECT_NE(Complaint("mount:\n  lever_arm: -1\n").find("rig.yaml: mount.lever_arm: is -1"), std::string::npos);
   EXPECT_NE(Complaint("camera:\n  width: 3\n").find("rig.yaml: camera.width"), std::string::npos);
   EXPECT_NE(Complaint("camera:\n  distortion: [0.1]\n").find("lens: radtan"), std::string::npos);
   EXPECT_NE(Complaint("camera:\n  distortion: [1,2,3,4,5,6]\n").find("holds 6 numbers"), std::string::npos);
   EXPECT_NE(Complaint("sensor:\n  exposure_ms: 150\n").find("longer than the 100 ms of a frame"), std::string::npos);
+  EXPECT_NE(Complaint("windscreen:\n  dashboard: 2\n").find("rig.yaml: windscreen.dashboard: is 2"), std::string::npos);
+  EXPECT_NE(Complaint("recorder:\n  stalled_frames: 0\n").find("recorder.stalled_frames: is 0"), std::string::npos);
+  EXPECT_NE(Complaint("preset: kitti\nrecorder:\n  video: true\n").find("even numbers of pixels, not 1241x376"),
+            std::string::npos);
   EXPECT_NE(Complaint("rate_hz: 0\n").find("rate_hz"), std::string::npos);
   EXPECT_NE(Complaint("vehicle:\n  wheelbase: -1\n").find("vehicle.wheelbase"), std::string::npos);
 }
