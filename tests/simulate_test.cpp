@@ -160,7 +160,8 @@ TEST_F(SimulateTest, SenselessRigs) {
   ExpectComplaint(SimulateRig("mount:\n  lever_arn: 1\n"), 2,
                   {"rig.yaml:2: mount.lever_arn: unknown key; did you mean 'mount.lever_arm'?"});
   ExpectComplaint(SimulateRig("mount:\n  lever_arm: -1\n"), 2, {"rig.yaml: mount.lever_arm: is -1"});
-  ExpectComplaint(SimulateRig("preset: dashcam\n"), 2, {"rig.yaml:1: preset: is 'dashcam'; give paper or kitti"});
+  ExpectComplaint(SimulateRig("preset: lorry\n"), 2,
+                  {"rig.yaml:1: preset: is 'lorry'; give paper or kitti or dashcam"});
   ExpectComplaint(SimulateRig("sensor:\n  read_noise: lots\n"), 2, {"rig.yaml:2: sensor.read_noise: is 'lots'"});
   ExpectComplaint(Simulate({"garage", "--rig", "nowhere.yaml"}), 2, {"nowhere.yaml: no such file"});
   EXPECT_FALSE(fs::exists(Out()));
