@@ -375,6 +375,17 @@ TEST_F(ErrorsTest, ADriveWithoutCalibrationAndTurnsAssumesAFieldOfView) {
   EXPECT_FALSE(fs::exists(Out() / "camera.yaml"));
 }
 
+TEST_F(ErrorsTest, ResultsDoNotGoWhereTheDriveIs) {
+  const std::string drive = Drive().string();
+  for (const std::vector<std::string>& input :
+       {std::vector{drive}, std::vector{drive, std::string("--fov"), std::string("70")}}) {
+    std::vector<std::string> arguments = {"run", "--out", drive, "--quiet"};
+    arguments.insert(arguments.end(), input.begin(), input.end());
+    ExpectComplaint(RunCommand(arguments, folder_), 2, {drive + ": is the folder of the drive; name another one"});
+  }
+  EXPECT_FALSE(fs::exists(Drive() / "summary.json"));
+}
+
 TEST_F(ErrorsTest, SenselessSettings) {
   const auto settings = [&](const std::string& text) {
     return std::vector<std::string>{"--settings", Text("s.yaml", text).string()};

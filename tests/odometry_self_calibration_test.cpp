@@ -23,8 +23,8 @@ OpenDrive ImagesOf(const StreetDrive& drive) {
 }
 
 std::optional<FoundCamera> Found(const StreetDrive& drive, double field_of_view_deg) {
-  return CalibrateFromDrive(
-      StreetOptions(), {CameraOfView(field_of_view_deg, drive.camera.width, drive.camera.height)}, ImagesOf(drive));
+  return CalibrateFromDrive(StreetOptions(), {CameraOfView(field_of_view_deg, drive.camera.width, drive.camera.height)},
+                            ImagesOf(drive));
 }
 
 TEST(OdometrySelfCalibration, FindsTheFocalLengthFromANarrowAndAWideStart) {

@@ -71,7 +71,7 @@ TEST_F(SimulateTest, DriveGoesStraightIntoRun) {
   EXPECT_EQ(run.exit_code, 0) << run.err;
 }
 
-TEST_F(SimulateTest, DashcamAndVideoGoStraightIntoRun) {
+TEST_F(SimulateTest, DashcamAndVideoAreVideos) {
   const CommandResult plain =
       Simulate({"garage", "--rig", SmallRig(), "--seconds", "5", "--max-frames", "3", "--video"});
   EXPECT_EQ(plain.exit_code, 0) << plain.err;

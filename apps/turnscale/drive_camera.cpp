@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "turnscale/base/error.h"
+#include "turnscale/io/mask_file.h"
 #include "turnscale/io/terminal.h"
 
 namespace turnscale {
@@ -28,17 +29,21 @@ double ViewOf(const ImageArguments& arguments) {
 }
 
 // The drive's images. What is wrong with one of them the run itself says, when it comes to it.
-ImageStream Images(const ImageArguments& arguments, const DriveImages& images, std::optional<double> from, int pass) {
+// `last`: time of the last one that the arguments allow, once it is known.
+ImageStream Images(const ImageArguments& arguments, const DriveImages& images, std::optional<double> from, int pass,
+                   std::optional<double>& last) {
   ImageSourceOptions options = SourceOptions(arguments, images.camera, images.camera_file);
   if (from) options.start += *from;
   auto source = std::make_shared<ImageSource>(images.drive, options);
   auto progress = std::make_shared<Progress>(0, arguments.quiet);
-  return [&arguments, pass, source, progress, read = 0]() mutable -> std::optional<TimedImage> {
+  return [&arguments, &last, pass, source, progress, read = 0]() mutable -> std::optional<TimedImage> {
     if (arguments.max_frames && read == *arguments.max_frames) return std::nullopt;
     try {
       std::optional<SourceFrame> frame = source->Next();
       if (!frame) return std::nullopt;
+      if (last && frame->time > *last) return std::nullopt;
       progress->Update(++read, fmt::format("estimating the camera, pass {}", pass));
+      if (pass == 1 && arguments.max_frames && read == *arguments.max_frames) last = frame->time;
       return TimedImage{std::move(frame->gray), frame->time};
     } catch (const InputError&) {
       return std::nullopt;
@@ -91,12 +96,12 @@ CameraEstimate EstimateCamera(const ImageArguments& arguments, DriveImages& imag
     images.camera.height = size->height;
   }
   if (assumed) images.camera.focal_sigma = kAssumedSigma * images.camera.pinhole.fx;
-  // The run itself refuses such a mask.
-  if (!images.mask.empty() && images.mask.size() != cv::Size(images.camera.width, images.camera.height)) return {};
+  if (images.mask_file) CheckMaskSize(*images.mask_file, images.mask, {images.camera.width, images.camera.height});
   int pass = 0;
+  std::optional<double> last;
   const std::optional<FoundCamera> found = CalibrateFromDrive(
       options, {images.camera, assumed},
-      [&](std::optional<double> from) { return Images(arguments, images, from, ++pass); }, images.mask);
+      [&](std::optional<double> from) { return Images(arguments, images, from, ++pass, last); }, images.mask);
   if (!found) return {std::nullopt, NoTurn(arguments, view, assumed)};
   images.camera = found->camera;
   return {found, found->converged

@@ -65,11 +65,16 @@ OdometryOptions OptionsFrom(const RunArguments& arguments) {
   return options;
 }
 
-// Throws InputError where the results would overwrite what is read, or come to lie among the images.
+// Throws InputError where the results would come to lie among the images or clips, or replace what is read.
 void CheckFolder(const RunArguments& arguments, const DriveImages& images) {
   std::error_code none;
-  if (!images.drive.images.empty() && fs::equivalent(arguments.out, images.drive.path, none))
-    throw InputError(fmt::format("--out {}: is the folder of the images; name another one", arguments.out.string()));
+  const auto refuse_folder = [&](const fs::path& folder) {
+    if (fs::equivalent(arguments.out, folder.empty() ? "." : folder, none))
+      throw InputError(fmt::format("--out {}: is the folder of the drive; name another one", arguments.out.string()));
+  };
+  for (const fs::path& input : arguments.images.inputs)
+    refuse_folder(fs::is_directory(input, none) ? input : input.parent_path());
+  refuse_folder(fs::is_directory(images.drive.path, none) ? images.drive.path : images.drive.path.parent_path());
   RefuseToOverwrite("--out", arguments.out / "mask.png", {arguments.images.mask.value_or("")});
   if (arguments.images.refine_camera) RefuseToOverwrite("--out", arguments.out / "camera.yaml", {images.camera_file});
 }

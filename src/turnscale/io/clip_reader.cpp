@@ -57,28 +57,34 @@ ClipReader::ClipReader(const std::vector<std::filesystem::path>& clips, const Cl
 }
 
 void ClipReader::ReadHeaders(const std::vector<std::filesystem::path>& clips) {
-  std::exception_ptr failure;
-  bool hole = false;    // after the latest clip that can be decoded
-  bool within = false;  // a hole has such clips on either side
+  std::exception_ptr first_failure;
+  std::exception_ptr latest;  // since a clip that can be decoded
+  std::exception_ptr hole;    // of a clip between two that can be decoded
   for (const auto& clip : clips) {
     try {
       auto video = std::make_unique<VideoFile>(clip);
       headers_.push_back(video->header());
       // Opened once more when its turn comes: a decoder needs memory.
       if (!video_) video_ = std::move(video);
-    } catch (const InputError& error) {
-      if (!failure) failure = std::current_exception();
-      hole = !clips_.empty();
-      const std::string what = error.what();
-      left_out_.push_back(what.substr(0, what.find("; ")) + "; the clip is left out");
+    } catch (const UnreadableVideo&) {
+      latest = std::current_exception();
+      if (!first_failure) first_failure = latest;
+      left_out_.push_back(clip.string() + ": cannot be opened as a video; the clip is left out");
       continue;
     }
-    within = std::exchange(hole, false) || within;
+    if (!clips_.empty() && latest && !hole) hole = latest;
+    latest = nullptr;
     clips_.push_back(clip);
   }
-  if (options_.timed && !clips_.empty()) recorded_.emplace(clips_, headers_);
-  const bool timed = recorded_ && recorded_->AreKnown();
-  if (failure && (clips_.empty() || !options_.timed || (within && !timed))) std::rethrow_exception(failure);
+  if (first_failure && (clips_.empty() || !options_.timed)) std::rethrow_exception(first_failure);
+  if (options_.timed) recorded_.emplace(clips_, headers_);
+  if (hole && !recorded_->AreInNames()) std::rethrow_exception(hole);
+  if (options_.in_any_order && recorded_ && !recorded_->AreKnown()) {
+    throw InputError(fmt::format(
+        "{}: lies in another folder than {}, and nothing tells when they were recorded; name the clips of one drive in "
+        "their order",
+        clips_.back().string(), clips_.front().string()));
+  }
 }
 
 bool ClipReader::HasTimes() const {
@@ -179,10 +185,10 @@ std::optional<DriveImage> ClipReader::Read() {
     image.image.gray = video_->Gray();
     image.name = fmt::format("{}: frame {}", clips_[clip_].string(), number);
     image.clip = static_cast<int>(clip_);
-    if (std::exchange(begun_, true)) {
-      image.gap = gap_;
-      image.notice = notice_;
-    }
+    const bool first = !std::exchange(begun_, true);
+    if (!first) image.gap = gap_;
+    // Before the first image: of clips of which no frame could be decoded.
+    if (!first || passed_ == 1) image.notice = notice_;
     gap_ = 0;
     notice_.clear();
     return image;

@@ -17,6 +17,7 @@ namespace turnscale {
 struct ClipOptions {
   bool timed = true;               ///< give each image its time; else only their numbers tell
   std::optional<double> fps = {};  ///< frames per second, instead of the videos' own time stamps
+  bool in_any_order = false;       ///< only the times of recording tell how the clips follow one another
   double start = 0;                ///< images before this time of the drive are not given, seconds
 };
 
@@ -26,8 +27,8 @@ struct ClipOptions {
 class ClipReader : public FrameReader {
  public:
   /// A clip of several that cannot be decoded, as recorders leave them when the power goes, is left out where it is the
-  /// first or the last one or RecordingTimes tell how long it was. Throws InputError if there is no other, if a video
-  /// has another image size than the first, or begins before the one before it ends.
+  /// first or the last one or the names tell how long it was (RecordingTimes). Throws InputError if there is no other,
+  /// if a video has another image size than the first, or begins before the one before it ends.
   ClipReader(const std::vector<std::filesystem::path>& clips, const ClipOptions& options);
 
   std::optional<DriveImage> Read() override;

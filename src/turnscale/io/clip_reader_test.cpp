@@ -127,6 +127,12 @@ TEST_F(ClipReaderTest, AClipThatCannotBeDecodedIsLeftOut) {
 
   EXPECT_NE(Complaint({ends[1], ends[0], ends[2]}), "") << "nothing tells how long the hole is";
   EXPECT_NE(Complaint({ends[0], ends[3]}), "");
+  try {
+    const ClipReader in_folders({ends[1], ends[2]}, {.in_any_order = true});
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("nothing tells when they were recorded"), std::string::npos);
+  }
   const auto images = ReadAll(
       {{Write("20230501_120000.mp4", 0, 20), broken("20230501_120002.mp4"), Write("20230501_120007.mp4", 20, 20)}, {}});
   ASSERT_EQ(images.size(), 40u);

@@ -75,6 +75,8 @@ std::vector<fs::path> VideosOf(const fs::path& folder, bool also_below) {
   std::vector<fs::path> videos = FilesIn(folder, IsVideoName);
   if (!videos.empty() || !also_below) return videos;
   for (const fs::path& below : FoldersIn(folder)) {
+    // Such as lost+found.
+    if (std::error_code error; fs::directory_iterator(below, error), error) continue;
     const std::vector<fs::path> more = FilesIn(below, IsVideoName);
     videos.insert(videos.end(), more.begin(), more.end());
   }
@@ -109,6 +111,8 @@ DriveInput FindInFolder(const fs::path& folder) {
         "{}: holds images ({}) and videos ({}); give the videos by name, or a folder of one kind", folder.string(),
         drive.images.front().filename().string(), drive.videos.front().filename().string()));
   }
+  for (const fs::path& video : drive.videos)
+    drive.several_folders = drive.several_folders || video.parent_path() != drive.videos.front().parent_path();
   if (drive.videos.size() == 1) drive.path = drive.videos.front();
   if (!drive.images.empty() || !drive.videos.empty()) return drive;
   throw InputError(drive.path.string() +

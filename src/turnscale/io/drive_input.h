@@ -36,6 +36,7 @@ struct DriveInput {
   std::filesystem::path path;  ///< the folder that holds the images or videos, or the video
   std::vector<std::filesystem::path> images;
   std::vector<std::filesystem::path> videos;         ///< one, or several that continue one another
+  bool several_folders = false;                      ///< the videos were found in more than one folder
   std::optional<std::filesystem::path> camera_file;  ///< `calib.txt`, else `camera.yaml`, beside the images
   std::optional<std::filesystem::path> times_file;   ///< `times.txt` beside the images
 };

@@ -80,7 +80,8 @@ struct ImageSource::State {
   }
 
   void UseVideos(const DriveInput& drive, const std::optional<double>& fps) {
-    auto clip_reader = std::make_unique<ClipReader>(drive.videos, ClipOptions{!times_file, fps, start});
+    auto clip_reader =
+        std::make_unique<ClipReader>(drive.videos, ClipOptions{!times_file, fps, drive.several_folders, start});
     if (times_file) {
       count = clip_reader->count();
       ReadTimes(drive);

@@ -297,7 +297,9 @@ TEST_F(ImageSourceTest, AMemoryCardIsOneDrive) {
   EXPECT_EQ(found, std::vector<fs::path>({folder_ / "100MEDIA" / "2.mkv", folder_ / "100MEDIA" / "10.mkv",
                                           folder_ / "101MEDIA" / "1.mkv"}));
 
+  EXPECT_TRUE(FindDrive(folder_).several_folders);
   const fs::path media = folder_ / "100MEDIA";
+  EXPECT_FALSE(FindDrive(media).several_folders);
   cv::imwrite((media / "10.jpg").string(), Image(1));
   EXPECT_EQ(FindDrive(media).videos.size(), 2u) << "a thumbnail";
   EXPECT_TRUE(FindDrive(media).images.empty());

@@ -21,6 +21,8 @@ class RecordingTimes {
   RecordingTimes(const std::vector<std::filesystem::path>& clips, const std::vector<VideoHeader>& headers);
 
   bool AreKnown() const { return !starts_.empty(); }
+  /// The names tell when each clip began; creation times may be those of the end.
+  bool AreInNames() const { return by_name_; }
 
   /// Throws InputError if a clip begins before the one before it ends.
   void RefuseOverlaps() const;

@@ -189,6 +189,7 @@ void VisitSettings(Visitor& visitor, OdometryOptions& options) {
     visitor.Field("first_windows", o.first_windows);
     visitor.Field("first_min_turn_deg", o.first_min_turn_deg);
     visitor.Field("max_passes", o.max_passes);
+    visitor.Field("min_interval", o.min_interval);
     visitor.Field("converged", o.converged);
     visitor.Field("focal_prior_sigma", o.focal_prior_sigma);
     visitor.Field("correction_prior_sigma", o.correction_prior_sigma);

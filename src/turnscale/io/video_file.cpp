@@ -3,11 +3,13 @@
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <cmath>
 #include <cstdlib>
 #include <limits>
 #include <new>
 #include <string>
+#include <system_error>
 #include <utility>
 
 #include <opencv2/core.hpp>
@@ -77,7 +79,10 @@ struct VideoFile::State {
     // The library would write its own complaints to standard error.
     av_log_set_level(AV_LOG_QUIET);
     AVFormatContext* opened = nullptr;
-    if (avformat_open_input(&opened, ("file:" + path).c_str(), nullptr, nullptr) < 0) Refuse();
+    const int result = avformat_open_input(&opened, ("file:" + path).c_str(), nullptr, nullptr);
+    if (result == AVERROR(EACCES) || result == AVERROR(EIO))
+      throw InputError(path + ": cannot be read: " + std::generic_category().message(AVUNERROR(result)));
+    if (result < 0) Refuse();
     input.reset(opened);
     if (avformat_find_stream_info(opened, nullptr) < 0) Refuse();
     const AVCodec* codec = nullptr;
@@ -96,6 +101,7 @@ struct VideoFile::State {
         avcodec_open2(decoder.get(), codec, nullptr) < 0) {
       Refuse();
     }
+    if (stream->codecpar->width <= 0 || stream->codecpar->height <= 0) Refuse();
     const AVFieldOrder order = stream->codecpar->field_order;
     if (order != AV_FIELD_UNKNOWN && order != AV_FIELD_PROGRESSIVE) RefuseInterlaced(path);
     orientation = OrientationOf(*stream);
@@ -105,7 +111,8 @@ struct VideoFile::State {
   ~State() { sws_freeContext(converter); }
 
   [[noreturn]] void Refuse() const {
-    throw InputError(path + ": cannot be opened as a video; repair it or leave it out, or give a folder of images");
+    throw UnreadableVideo(path +
+                          ": cannot be opened as a video; repair it or leave it out, or give a folder of images");
   }
 
   // Whether the file is a stream without a container. The library's readers of such have an option for the rate.

@@ -9,6 +9,8 @@
 
 #include <opencv2/core/mat.hpp>
 
+#include "turnscale/base/error.h"
+
 namespace turnscale {
 
 /// What a video's header says.
@@ -28,10 +30,17 @@ struct FrameStamp {
   bool key = false;  ///< it and all frames shown after it can be decoded without earlier ones
 };
 
+/// A file that can be read but holds no video that can be decoded.
+class UnreadableVideo : public InputError {
+ public:
+  using InputError::InputError;
+};
+
 /// A video file, decoded frame by frame.
 class VideoFile {
  public:
-  /// Throws InputError if the file is no video that can be decoded, or is interlaced.
+  /// Throws UnreadableVideo if the file holds no video that can be decoded, InputError if it cannot be read or is
+  /// interlaced.
   explicit VideoFile(const std::filesystem::path& path);
   ~VideoFile();
   VideoFile(const VideoFile&) = delete;

@@ -93,12 +93,14 @@ struct VideoWriter::State {
     if (av_frame_get_buffer(frame.get(), 0) < 0) throw std::bad_alloc();
   }
 
-  ~State() {
-    if (finished || !opened) return;
-    output.reset();
-    std::error_code error;
-    std::filesystem::remove(PartOf(path), error);
-  }
+  // Removes the file under its temporary name, also where the constructor throws.
+  struct Part {
+    std::filesystem::path path;  // empty until the file is made, and once it has its own name
+    ~Part() {
+      std::error_code error;
+      if (!path.empty()) std::filesystem::remove(path, error);
+    }
+  };
 
   void OpenEncoder(const VideoWriterOptions& options) {
     const AVCodec* codec = options.h264 ? avcodec_find_encoder_by_name("libx264") : nullptr;
@@ -145,7 +147,7 @@ struct VideoWriter::State {
     const std::string part = PartOf(path).string();
     if (const int result = avio_open(&output->pb, ("file:" + part).c_str(), AVIO_FLAG_WRITE); result < 0)
       throw InputError(path.string() + ": cannot be written: " + Message(result) + "; choose another place");
-    opened = true;
+    unfinished.path = part;
     AVDictionary* options = nullptr;
     // Otherwise the container counts in a multiple.
     av_dict_set_int(&options, "video_track_timescale", kVideoTicksPerSecond, 0);
@@ -200,10 +202,12 @@ struct VideoWriter::State {
     std::error_code error;
     std::filesystem::rename(PartOf(path), path, error);
     if (error) throw OutputError(path.string() + ": cannot be written: " + error.message());
+    unfinished.path.clear();
     finished = true;
   }
 
   std::filesystem::path path;
+  Part unfinished;
   cv::Size size;
   cv::Mat luma;  // of each gray level
   std::unique_ptr<AVFormatContext, CloseOutput> output;
@@ -212,7 +216,6 @@ struct VideoWriter::State {
   std::unique_ptr<AVFrame, FreeFrame> frame;
   AVStream* stream = nullptr;
   int64_t last_tick = -1;
-  bool opened = false;
   bool finished = false;
 };
 

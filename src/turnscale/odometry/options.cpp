@@ -48,6 +48,7 @@ void SelfCalibrationOptions::Check() const {
   require(first_windows >= 1, "first_windows: has to be at least 1");
   require(first_min_turn_deg > 0, "first_min_turn_deg: has to be positive");
   require(max_passes >= 1, "max_passes: has to be at least 1");
+  require(min_interval >= 0, "min_interval: must not be negative");
   require(converged > 0, "converged: has to be positive");
   require(focal_prior_sigma > 0, "focal_prior_sigma: has to be positive");
   require(correction_prior_sigma > 0, "correction_prior_sigma: has to be positive");

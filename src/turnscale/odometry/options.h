@@ -75,6 +75,8 @@ struct SelfCalibrationOptions {
   double first_min_turn_deg = 10.0;
   /// Most times that the images are read.
   int max_passes = 6;
+  /// Images that come sooner after the one before, seconds, are passed over: they tell little of the camera.
+  double min_interval = 0.045;
   /// The camera is found when a pass changes the ray of no pixel by more than this (on the plane z = 1).
   double converged = 0.003;
 

@@ -68,8 +68,10 @@ Reading ReadTurns(const OdometryOptions& options, const CameraModel& camera, Cal
   if (!mask.empty()) odometry.SetMask(mask);
   Reading reading;
   size_t keyframes = 0;
+  double latest = -HUGE_VAL;
   while (const std::optional<TimedImage> image = next()) {
-    if (image->gray.empty()) continue;
+    if (image->gray.empty() || image->time - latest < options.self_calibration.min_interval) continue;
+    latest = image->time;
     const FrameResult result = odometry.Process(image->gray, image->time);
     if (reading.frames++ == 0) reading.begin = image->time;
     reading.tracked += result.state == TrackingState::kTracked ? 1 : 0;

@@ -122,14 +122,17 @@ class Camera {
 
   const cv::Mat& covered() const { return windscreen_.covered(); }
 
-  void Record(const cv::Mat& scene, double stamp) {
+  void Record(const cv::Mat& scene, const CapturedFrame& frame) {
+    sensor_.Skip(frame.number - next_);
+    next_ = frame.number + 1;
     cv::Mat image = sensor_.Expose(windscreen_.Through(scene));
-    if (clock_) BurnClock(stamp, image);
-    output_.Write(image, stamp);
+    if (clock_) BurnClock(frame.stamp, image);
+    output_.Write(image, frame.stamp);
   }
   void Finish() { output_.Finish(); }
 
  private:
+  int next_ = 0;  // of the frames that the sensor exposes
   bool clock_;
   Windscreen windscreen_;
   Sensor sensor_;
@@ -192,21 +195,21 @@ Recording RecordDrive(World world, const Rig& rig, unsigned seed, const RecordOp
   std::future<void> writing;
   bool go_on = progress(0, count);
   for (int index = 0; index < count && go_on; ++index) {
-    const auto& [frame, stamp] = captured[static_cast<size_t>(index)];
-    View view = drive.ViewAt(frame);
+    const CapturedFrame& frame = captured[static_cast<size_t>(index)];
+    View view = drive.ViewAt(frame.number);
     view.covered = camera.covered();
     cv::Mat scene = renderer.Render(rig.camera, view);
     if (writing.valid()) writing.get();
-    writing = std::async(std::launch::async,
-                         [&camera, stamp = stamp, scene = std::move(scene)] { camera.Record(scene, stamp); });
-    frames.push_back(drive.At(frame));
+    writing =
+        std::async(std::launch::async, [&camera, &frame, scene = std::move(scene)] { camera.Record(scene, frame); });
+    frames.push_back(drive.At(frame.number));
     go_on = progress(index + 1, count);
   }
   if (writing.valid()) writing.get();
-  camera.Finish();
   Summarize(frames, recording);
   recording.complete = recording.frames == count;
   if (!recording.complete) return recording;
+  camera.Finish();
   ReplaceFile(options.folder / "truth.csv", TruthText(frames));
   ReplaceFile(options.folder / "poses.txt", PosesText(frames));
   ReplaceFile(options.folder / "times.txt", TimesText(frames));

@@ -124,7 +124,7 @@ Rig Dashcam() {
   rig.sensor.read_noise = 1.2;
   rig.sensor.blur = 0.6;
   rig.sensor.readout_ms = 20;
-  rig.windscreen = {.dashboard = 0.16, .reflection = 0.2, .defocus = 2.5};
+  rig.windscreen = {.dashboard = 0.16, .reflection = 0.2, .defocus = 1};
   rig.recorder = {.video = true,
                   .megabits_per_second = 12,
                   .clock = true,

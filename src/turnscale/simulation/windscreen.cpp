@@ -115,12 +115,13 @@ Windscreen::Windscreen(const WindscreenOptions& options, const cv::Size& size, s
   if (height < 1) return;
   cv::Mat mask = Mask(size, height);
   const cv::Mat dashboard = Dashboard(size, height, seed);
+  // Blurred with the edge, as what the edge lets through is.
+  added_ = mask.mul(dashboard) + options.reflection * (1 - mask).mul(Reflection(dashboard, height));
+  Defocus(options.defocus, added_);
   Defocus(options.defocus, mask);
   // What is left of a blur far from the edge would still cost rays.
   cv::threshold(1 - mask, transmitted_, kOpaque, 0, cv::THRESH_TOZERO);
   covered_ = transmitted_ == 0;
-  added_ = mask.mul(dashboard) + options.reflection * transmitted_.mul(Reflection(dashboard, height));
-  Defocus(options.defocus, added_);
 }
 
 cv::Mat Windscreen::Through(const cv::Mat& scene) const {

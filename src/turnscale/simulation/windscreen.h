@@ -12,8 +12,8 @@ struct WindscreenOptions {
   double dashboard = 0;   ///< share of the image's height, from below, that the dashboard covers in the middle
   double reflection = 0;  ///< brightness of the dashboard's reflection in the windscreen over that of the dashboard
   /// Standard deviation in pixels, at infinity's focus. A lens of 3 mm focal length and 1.5 mm aperture blurs a
-  /// dashboard at 0.5 m to a disc of 9 micrometres, three pixels or so.
-  double defocus = 2;
+  /// dashboard at 0.5 m to a disc of 9 micrometres: three pixels in diameter, a standard deviation of a quarter of it.
+  double defocus = 0.8;
 
   /// Throws InputError that names the field when a value makes no sense.
   void Check() const;
