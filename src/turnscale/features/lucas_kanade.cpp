@@ -136,7 +136,8 @@ void CutOut(const cv::Mat& image, float x, float y, int window, Patch& patch) {
 
 // Smaller eigenvalue of the mean gradient matrix, gray levels squared.
 float Texture(const Patch& patch, int window) {
-  const float root = std::hypot(patch.xx - patch.yy, 2 * patch.xy);
+  const float difference = patch.xx - patch.yy;
+  const float root = std::sqrt(difference * difference + 4 * patch.xy * patch.xy);
   const float pixels = static_cast<float>(window * window);
   return 0.5F * (patch.xx + patch.yy - root) / (pixels * kGrayLevel * kGrayLevel);
 }
@@ -183,7 +184,7 @@ std::optional<cv::Point2f> TrackPatch(const LucasKanadeOptions& options, const c
     const cv::Point2f b = Mismatch(patch, options.window, second, pixel.x - half, pixel.y - half);
     const cv::Point2f step((patch.xy * b.y - patch.yy * b.x) * inverse, (patch.xy * b.x - patch.xx * b.y) * inverse);
     pixel += step;
-    if (std::hypot(step.x, step.y) <= options.tolerance) break;
+    if (step.dot(step) <= options.tolerance * options.tolerance) break;
     // Two places are equally good: their middle.
     if (std::abs(step.x + last_step.x) < 0.01F && std::abs(step.y + last_step.y) < 0.01F) {
       pixel -= 0.5F * step;

@@ -110,14 +110,17 @@ std::optional<Eigen::Matrix2d> CurrentFromReference(const Map& map, const Camera
   if (!(x.z() > 0)) return std::nullopt;
   // Two points beside the landmark, about a pixel away, at the same depth.
   const double offset = x.z() / map.pinhole.fx;
+  // The radial correction changes both views alike.
+  CameraModel lens = camera;
+  lens.radial_correction = 0;
   const std::array<Eigen::Vector3d, 3> points = {x, x + offset * Eigen::Vector3d::UnitX(),
                                                  x + offset * Eigen::Vector3d::UnitY()};
   std::array<Eigen::Vector2d, 3> in_reference;
   std::array<Eigen::Vector2d, 3> in_current;
   for (size_t i = 0; i < points.size(); ++i) {
     const Eigen::Vector3d moved = current_from_reference * points[i];
-    const std::optional<Eigen::Vector2d> reference = camera.Project(points[i]);
-    const std::optional<Eigen::Vector2d> current = moved.z() > 0 ? camera.Project(moved) : std::nullopt;
+    const std::optional<Eigen::Vector2d> reference = lens.Project(points[i]);
+    const std::optional<Eigen::Vector2d> current = moved.z() > 0 ? lens.Project(moved) : std::nullopt;
     if (!reference || !current) return std::nullopt;
     in_reference[i] = *reference;
     in_current[i] = *current;
