@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <utility>
 
 #include "turnscale/base/error.h"
 #include "turnscale/bundle/bundle_adjustment.h"
@@ -17,9 +18,8 @@ namespace {
 
 constexpr int kFewestInWindow = 3;  // of a landmark in the window: two fit a point whatever the lens does
 
-// Cost that is left when poses and points have followed the correction; NaN where they cannot.
-double ProfileCost(const WindowProblem& window, const Pinhole& pinhole, double from, double to) {
-  BundleProblem problem = window.bundle;
+// Cost that is left when poses and points have followed the correction; NaN where they cannot. Changes the problem.
+double ProfileCost(const Pinhole& pinhole, double from, double to, BundleProblem& problem) {
   for (BundleObservation& seen : problem.observations)
     seen.pixel = CorrectRadially(pinhole, to, UndoRadialCorrection(pinhole, from, seen.pixel));
   BundleOptions options;
@@ -53,12 +53,15 @@ bool LensRefinement::Observe(const Map& map, double applied) {
   const int first = latest - options_.window + 1;
   if (first < StartOfMap(map, first)) return false;
   if (InDegrees(TurnBetween(map, first, latest)) < options_.min_turn_deg) return false;
-  const WindowProblem window = MakeWindowProblem(map, {first, first + 1, kFewestInWindow}, options_.pixel_sigma);
+  WindowProblem window = MakeWindowProblem(map, {first, first + 1, kFewestInWindow}, options_.pixel_sigma);
   if (window.landmarks.empty()) return false;
 
-  const double below = ProfileCost(window, map.pinhole, applied, correction_ - options_.step);
-  const double here = ProfileCost(window, map.pinhole, applied, correction_);
-  const double above = ProfileCost(window, map.pinhole, applied, correction_ + options_.step);
+  // The others start at the minimum for the present correction, which is close to theirs.
+  const double here = ProfileCost(map.pinhole, applied, correction_, window.bundle);
+  BundleProblem shifted = window.bundle;
+  const double below = ProfileCost(map.pinhole, correction_, correction_ - options_.step, shifted);
+  shifted = std::move(window.bundle);
+  const double above = ProfileCost(map.pinhole, correction_, correction_ + options_.step, shifted);
   const double slope = (above - below) / (2 * options_.step);
   const double curvature = (above - 2 * here + below) / (options_.step * options_.step);
   if (!(curvature > 0)) return false;
