@@ -65,6 +65,35 @@ std::vector<Track> LongestTracks(const Map& map, const IntrinsicsWindow& window)
   return tracks;
 }
 
+// Where the image shows what an ideal pinhole would show at a pixel.
+struct Prediction {
+  Eigen::Vector2d distorted;  // pixels of the image
+  CorrectedPixel corrected;   // of it
+  Eigen::Matrix2d jacobian;   // derivative of the distorted pixel by the ideal one
+};
+
+Eigen::Matrix2d DistortedByIdeal(const Pinhole& pinhole, const CorrectedPixel& corrected) {
+  const Eigen::DiagonalMatrix<double, 2> focal(pinhole.fx, pinhole.fy);
+  return focal * corrected.jacobian.inverse() * focal.inverse();
+}
+
+// `begin`, a distorted pixel nearby, and what it is corrected to.
+std::optional<Prediction> Predict(const CameraModel& camera, const Vector& change, const Pinhole& pinhole,
+                                  const Eigen::Vector2d& ideal, const Eigen::Vector2d& begin,
+                                  const CorrectedPixel& begin_corrected) {
+  constexpr int kNewtonSteps = 2;
+  Prediction at{begin, begin_corrected, DistortedByIdeal(pinhole, begin_corrected)};
+  for (int step = 0; step < kNewtonSteps; ++step) {
+    at.distorted += at.jacobian * (ideal - at.corrected.pixel);
+    const std::optional<CorrectedPixel> corrected = Correct(camera, change, at.distorted);
+    if (!corrected) return std::nullopt;
+    at.corrected = *corrected;
+    at.jacobian = DistortedByIdeal(pinhole, *corrected);
+  }
+  if (!at.distorted.allFinite() || !at.jacobian.allFinite()) return std::nullopt;
+  return at;
+}
+
 // Derivatives of one residual, over sigma and with the root of Huber's weight. Pose unknowns are (phi, delta):
 // x_in_camera = Exp(phi) R (X - c + delta), so that the point's derivatives are those of delta.
 struct Row {
@@ -306,9 +335,15 @@ std::optional<IntrinsicsEvidence> IntrinsicsProblem::Evidence() {
       const BundleObservation& seen = bundle_.observations[i];
       const Eigen::Vector3d x = bundle_.camera_from_world[seen.camera] * bundle_.points[p];
       if (!IsInFront(x) || !corrected_[i]) continue;
+      // In the distorted image, whose noise the correction does not change: with the corrected pixel as the measured
+      // one, its noise is in the derivatives too, and biases the correction towards a smaller image.
+      const std::optional<Prediction> predicted =
+          Predict(given_, change_, bundle_.pinhole, bundle_.pinhole.Project(x), distorted_[i], *corrected_[i]);
+      if (!predicted) continue;
+      const double weight = stretch_[i] / seen.sigma;
       Row& row = rows.emplace_back();
       row.column = kPoseDof * (seen.camera - 1);
-      row.residual = ReprojectionResidual(bundle_.pinhole, x, seen.pixel, 1.0 / seen.sigma);
+      row.residual = weight * (predicted->distorted - distorted_[i]);
       const double length = row.residual.norm();
       const double root_weight =
           huber_threshold_ > 0 && length > huber_threshold_ ? std::sqrt(huber_threshold_ / length) : 1.0;
@@ -316,11 +351,12 @@ std::optional<IntrinsicsEvidence> IntrinsicsProblem::Evidence() {
       by_x << bundle_.pinhole.fx / x.z(), 0, -bundle_.pinhole.fx * x.x() / (x.z() * x.z()),  //
           0, bundle_.pinhole.fy / x.z(), -bundle_.pinhole.fy * x.y() / (x.z() * x.z());
       row.pose << -by_x * Skew(x), by_x * rotations[seen.camera];
-      row.intrinsics =
-          IntrinsicsJacobian(bundle_.pinhole, x, bundle_.pinhole.Ray(distorted_[i]).head<2>(), *corrected_[i]);
+      const Eigen::Vector2d distorted_point = bundle_.pinhole.Ray(predicted->distorted).head<2>();
+      row.intrinsics = IntrinsicsJacobian(bundle_.pinhole, x, distorted_point, predicted->corrected);
       row.residual *= root_weight;
-      row.pose *= root_weight / seen.sigma;
-      row.intrinsics *= root_weight / seen.sigma;
+      const Eigen::Matrix2d by_ideal = root_weight * weight * predicted->jacobian;
+      row.pose = by_ideal * row.pose;
+      row.intrinsics = by_ideal * row.intrinsics;
     }
     points.push_back(Eliminate(rows, system));
     if (!points.back()) continue;

@@ -66,9 +66,16 @@ TEST(IntrinsicsEvidence, JacobianIsTheNumericOne) {
   }
 }
 
-// Residuals of all observations, in sigmas, when poses, points and intrinsics move: six numbers a pose but the first
-// (rotation vector, centre), three a point, the change of the intrinsics.
-Eigen::VectorXd Residuals(const BundleProblem& bundle, const std::vector<Eigen::Vector2d>& raw,
+// The distorted pixel that is corrected to `ideal`.
+Eigen::Vector2d Distorted(const CameraModel& given, const Vector& change, const Eigen::Vector2d& ideal) {
+  Eigen::Vector2d pixel = ideal;
+  for (int round = 0; round < 30; ++round) pixel += ideal - Correct(given, change, pixel)->pixel;
+  return pixel;
+}
+
+// Residuals of all observations in the distorted image, in sigmas, when poses, points and intrinsics move: six numbers
+// a pose but the first (rotation vector, centre), three a point, the change of the intrinsics.
+Eigen::VectorXd Residuals(const BundleProblem& bundle, const std::vector<Eigen::Vector2d>& raw, double sigma,
                           const CameraModel& given, const Vector& change, const Eigen::VectorXd& step) {
   const Vector moved = change + step.tail<kEntries>();
   const Pinhole pinhole = ChangedPinhole(given.pinhole, moved);
@@ -86,8 +93,7 @@ Eigen::VectorXd Residuals(const BundleProblem& bundle, const std::vector<Eigen::
       offset -= move.tail<3>();
     }
     const Eigen::Vector2d predicted = pinhole.Project(rotation * offset);
-    residuals.segment<2>(2 * static_cast<Eigen::Index>(i)) =
-        (predicted - Correct(given, moved, raw[i])->pixel) / seen.sigma;
+    residuals.segment<2>(2 * static_cast<Eigen::Index>(i)) = (Distorted(given, moved, predicted) - raw[i]) / sigma;
   }
   return residuals;
 }
@@ -98,7 +104,8 @@ TEST(IntrinsicsEvidence, IsWhatTheFullNormalEquationsLeaveForTheIntrinsics) {
   window.huber_threshold = 0;
   window.last = 9;
   const CameraModel camera = CameraOf(map, 0.004);
-  IntrinsicsProblem problem(map, camera, camera, window, 0.5);
+  constexpr double kSigma = 0.5;
+  IntrinsicsProblem problem(map, camera, camera, window, kSigma);
   const Vector change = Change(0.02, 3, -2, 0.004);
   problem.Change(change);
   const std::optional<IntrinsicsEvidence> evidence = problem.Evidence();
@@ -113,9 +120,10 @@ TEST(IntrinsicsEvidence, IsWhatTheFullNormalEquationsLeaveForTheIntrinsics) {
   Eigen::MatrixXd J(2 * static_cast<Eigen::Index>(raw.size()), others + kEntries);
   for (Eigen::Index i = 0; i < J.cols(); ++i) {
     const Eigen::VectorXd h = 1e-5 * Eigen::VectorXd::Unit(J.cols(), i);
-    J.col(i) = (Residuals(bundle, raw, camera, change, h) - Residuals(bundle, raw, camera, change, -h)) / 2e-5;
+    J.col(i) =
+        (Residuals(bundle, raw, kSigma, camera, change, h) - Residuals(bundle, raw, kSigma, camera, change, -h)) / 2e-5;
   }
-  const Eigen::VectorXd r = Residuals(bundle, raw, camera, change, Eigen::VectorXd::Zero(J.cols()));
+  const Eigen::VectorXd r = Residuals(bundle, raw, kSigma, camera, change, Eigen::VectorXd::Zero(J.cols()));
   // What is left of the intrinsics' columns once all others have explained what they can. How far the last camera is
   // along z stays as it is, which holds the unit of length.
   Eigen::MatrixXd rest(J.rows(), others - 1);

@@ -35,7 +35,7 @@ struct FoundCamera {
   CameraModel camera;       ///< with the standard deviation of its focal length
   double centre_sigma = 0;  ///< standard deviation of the principal point, pixels
   int windows = 0;          ///< windows in turns that decided
-  bool converged = false;
+  bool converged = false;   ///< the last pass changed focal length and principal point by less than their deviations
 };
 
 /// Estimates focal length, principal point and radial distortion from the first turns of a drive.
