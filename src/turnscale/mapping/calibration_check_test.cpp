@@ -87,7 +87,7 @@ TEST(CalibrationCheck, SaysNothingWhereTheCalibrationIsRight) {
   }
 }
 
-// With noise in the derivatives, the focal length comes out 3 % too long here.
+// With derivatives at the measured pixels it is 3 % too long here.
 TEST(CalibrationCheck, NoiseDoesNotBiasTheFocalLength) {
   CalibrationCheckOptions options;
   options.correction_prior_sigma = 0.3;

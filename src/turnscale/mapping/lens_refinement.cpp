@@ -20,7 +20,7 @@ using LensChange = IntrinsicsChange::Vector;
 constexpr int kFirstIterations = 12;
 constexpr int kFurtherIterations = 5;
 constexpr int kMostRounds = 10;  // of a window
-// A step below this many standard deviations changes nothing.
+// In standard deviations; a smaller step is not measured again.
 constexpr double kNegligibleStep = 0.3;
 
 // A change of the radial correction alone.
@@ -50,7 +50,7 @@ bool LensRefinement::Observe(const Map& map, double applied) {
   const int first = latest - options_.window + 1;
   if (first < StartOfMap(map, first)) return false;
   if (InDegrees(TurnBetween(map, first, latest)) < options_.min_turn_deg) return false;
-  // Pixels of the map have no other distortion.
+  // The map's pixels are undistorted except for the correction.
   CameraModel camera;
   camera.pinhole = map.pinhole;
   camera.radial_correction = applied;
@@ -72,18 +72,19 @@ bool LensRefinement::Read(IntrinsicsProblem& problem) {
     const double at = evidence->at[k];
     const double curvature = evidence->information(k, k);
     if (!(curvature > 0)) return false;
-    // Windows overlap by half, so that each observation has its say twice.
+    // Windows overlap by half: most observations count twice.
     const double information = information_ + 0.5 * curvature;
     const double weighted_estimate = weighted_estimate_ + 0.5 * (curvature * at - evidence->gradient[k]);
     const double estimate = weighted_estimate / information;
     const double step = estimate - at;
-    if (step * step * information < kNegligibleStep * kNegligibleStep || round == kMostRounds) {
+    if (step * step * information < kNegligibleStep * kNegligibleStep) {
       information_ = information;
       weighted_estimate_ = weighted_estimate;
       correction_ = estimate;
       return true;
     }
-    // Far from where it was measured a parabola is not to be trusted.
+    if (round == kMostRounds) return false;
+    // The parabola holds only near the place where it was measured.
     problem.Follow(CorrectionOf(at + std::clamp(step, -options_.step, options_.step)));
   }
 }

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <optional>
-
-#include "turnscale/mapping/intrinsics_evidence.h"
 #include "turnscale/mapping/map.h"
 
 namespace turnscale {
+
+class IntrinsicsProblem;
 
 struct LensRefinementOptions {
   /// Estimate the residual radial distortion of the calibration. A few thousandths of it (half a pixel each
@@ -20,7 +19,7 @@ struct LensRefinementOptions {
   double min_turn_deg = 8.0;
   /// Prior standard deviation of the correction: the assumed accuracy of the calibration file.
   double prior_sigma = 0.02;
-  /// Largest step of the correction from one measurement of a window to the next.
+  /// Largest change of the correction between two linearisations of a window.
   double step = 0.003;
   /// Standard deviation of a tracked pixel, pixels.
   double pixel_sigma = 0.5;
@@ -45,6 +44,7 @@ class LensRefinement {
   double sigma() const;  ///< standard deviation of the correction
 
  private:
+  // Adds the window's parabola. False, and nothing changed, where it has none.
   bool Read(IntrinsicsProblem& problem);
 
   LensRefinementOptions options_;

@@ -68,6 +68,13 @@ TEST(LensRefinement, NoiseDoesNotBiasIt) {
     ++drives;
   }
   EXPECT_LT(std::abs(sum), 2 * std::sqrt(variance)) << sum / drives;
+  EXPECT_NEAR(sum / drives, 0, 0.0004);
+}
+
+TEST(LensRefinement, OneWindowFindsALargeCorrection) {
+  LensRefinement lens({});
+  ASSERT_TRUE(lens.Observe(MapUpTo(36, MapThroughLens(kStreetCornerStreet, -0.016, 0, 3)), 0));
+  EXPECT_NEAR(lens.correction(), -0.016, 0.0002);
 }
 
 // Options that look at straight windows as well.

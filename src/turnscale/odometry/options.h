@@ -77,9 +77,9 @@ struct SelfCalibrationOptions {
   int max_passes = 6;
   /// Images that come sooner after the one before, seconds, are passed over: they tell little of the camera.
   double min_interval = 0.045;
-  /// The camera is found when a pass changes the ray of no pixel by more than this (on the plane z = 1), or focal
-  /// length and principal point by less than this share of their standard deviations.
+  /// The camera is found when a pass changes the ray of no pixel by more than this (on the plane z = 1).
   double converged = 0.003;
+  /// It is also found when a pass changes focal length and principal point by fewer standard deviations than this.
   double converged_sigmas = 0.5;
 
   // Priors, standard deviations.

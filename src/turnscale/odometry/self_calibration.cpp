@@ -157,10 +157,13 @@ std::optional<FoundCamera> CalibrateFromDrive(const OdometryOptions& options, co
     found.centre_sigma = sigmas[IntrinsicsChange::kCentreX];
     found.windows = reading.windows;
     const double step = LargestStep(before, change, sigmas);
-    const bool settled =
-        pass > 1 && (step < calibration.converged_sigmas || Difference(camera, *next) < calibration.converged);
-    found.converged = settled || (pass > 1 && step < 1);
-    if (settled || pass == calibration.max_passes) return found;
+    // With wide thresholds, observations come and go from pass to pass.
+    const bool is_strict = LooseBy(pass - 1) == 1;
+    const bool settled = pass > 1 && (Difference(camera, *next) < calibration.converged ||
+                                      (is_strict && step < calibration.converged_sigmas));
+    const bool is_last = settled || pass == calibration.max_passes;
+    found.converged = settled || (is_last && pass > 1 && step < 1);
+    if (is_last) return found;
     camera = *next;
     const Reading again = read(camera, pass, std::max(0.0, reading.first_time - begin - kLeadSeconds));
     // With the better camera no part of the drive turns enough to rely on.
