@@ -39,8 +39,10 @@ void ExpectWholeMap(const std::string& text) {
 }  // namespace
 
 const std::vector<std::string>& NamesOfResults() {
-  static const std::vector<std::string> names = {"live.tum",       "trajectory.tum", "trajectory.kitti.txt",
-                                                 "trajectory.csv", "turns.csv",      "map.ply"};
+  static const std::vector<std::string> names = {
+      "live.tum",  "trajectory.tum", "trajectory.kitti.txt", "trajectory.csv",
+      "turns.csv", "scale.csv",      "camera_rotation.csv",  "speed.csv",
+      "map.ply"};
   return names;
 }
 
