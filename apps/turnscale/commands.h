@@ -14,6 +14,7 @@ namespace turnscale {
 void AddRunCommand(CLI::App& app);
 void AddCalibrateCommand(CLI::App& app);
 void AddEvaluateCommand(CLI::App& app);
+void AddExportCommand(CLI::App& app);
 void AddLabCommand(CLI::App& app);
 void AddRescaleCommand(CLI::App& app);
 void AddSimulateCommand(CLI::App& app);

@@ -36,6 +36,7 @@ int Main(int argc, char** argv) {
   AddRunCommand(app);
   AddCalibrateCommand(app);
   AddEvaluateCommand(app);
+  AddExportCommand(app);
   AddRescaleCommand(app);
   AddSimulateCommand(app);
   AddLabCommand(app);

@@ -21,6 +21,8 @@
 #include "turnscale/io/settings.h"
 #include "turnscale/io/terminal.h"
 #include "turnscale/odometry/odometry.h"
+#include "turnscale/report/run_report.h"
+#include "turnscale/report/thumbnails.h"
 
 namespace turnscale {
 namespace {
@@ -97,6 +99,15 @@ RunSummary BeforeTheDrive(const RunArguments& arguments, const OdometryOptions& 
   return summary;
 }
 
+// The page that shows the results; whatever becomes of it, they are on disk already.
+void KeepReport(const fs::path& folder, const ThumbnailCollector& thumbnails, RunEnd& end) {
+  if (!end.nothing_tracked.empty()) return;
+  Attempts attempts;
+  attempts.Try([&] { WriteThumbnails(folder, thumbnails.thumbnails()); });
+  attempts.Try([&] { WriteRunReport(folder); });
+  end.failures.insert(end.failures.end(), attempts.failures().begin(), attempts.failures().end());
+}
+
 // Says what went wrong; returns the exit code.
 int ReportEnd(const RunEnd& end) {
   if (!end.nothing_tracked.empty()) return Report({2, end.summary.input + ": " + end.nothing_tracked});
@@ -135,14 +146,20 @@ int RunImages(const RunArguments& arguments) {
     return frame;
   };
   const PoseFrame shown = arguments.frame == "vehicle" ? PoseFrame::kVehicle : PoseFrame::kCamera;
+  ThumbnailCollector thumbnails;
+  const auto watch = [&](const SourceFrame& frame, const FrameResult& result, const Odometry& so_far) {
+    thumbnails.Add(frame.gray, result, so_far);
+  };
   const DriveToRun drive = {next,
                             Interrupted,
                             [&] { return images.source.EndsEarly(); },
                             [&] { return images.source.clips(); },
                             arguments.images.max_frames,
                             {arguments.out, shown, options.vehicle},
-                            BeforeTheDrive(arguments, options, images, estimate)};
-  const RunEnd end = RunDrive(drive, odometry, progress);
+                            BeforeTheDrive(arguments, options, images, estimate),
+                            watch};
+  RunEnd end = RunDrive(drive, odometry, progress);
+  KeepReport(arguments.out, thumbnails, end);
   if (end.failures.empty() && end.nothing_tracked.empty() && !arguments.images.quiet)
     PrintText(SummaryText(end.summary));
   return ReportEnd(end);

@@ -95,6 +95,7 @@ class Run {
     if (!tracks_ && !frame.gray.empty()) seen_.Add(frame.gray, frame.time, result.tracked);
     writer_.SetFirstCameraRotation(odometry_.mount().At(0));
     writer_.Add(result);
+    if (drive_.watch) drive_.watch(frame, result, odometry_);
     if (const Mount& mount = odometry_.mount().current(); rotations_.empty() || rotations_.back().Differs(mount))
       rotations_.push_back({result.frame, result.time, mount});
     if (const int moves = odometry_.mount().moves(); moves > moves_) {

@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: MIT
+// Follows a running program: asks it for its state a few times a second, and becomes its report at the end.
+import { element, make } from './dom';
+import type { ReportPage } from './page';
+import type { Path, Report } from './report';
+
+interface LiveState {
+  title: string;
+  version: string;
+  metric: boolean;
+  frame: number;
+  frames: number;
+  time: number;
+  rate: number;
+  keyframes: number;
+  turns: number;
+  scaleState: string;
+  sigma: number | null;
+  speed: number | null;
+  tracking: string;
+  tracked: number;
+  paused: boolean;
+  finished: boolean;
+  image: number;
+  path: number;
+  warnings: string[];
+}
+
+const interval = 250; // milliseconds between two requests
+
+async function get<T>(path: string): Promise<T> {
+  const answer = await fetch(path, { cache: 'no-store' });
+  if (!answer.ok) throw new Error(`${path}: ${answer.status}`);
+  return (await answer.json()) as T;
+}
+
+export function followRun(page: ReportPage): void {
+  let shownPath = -1;
+  let shownImage = -1;
+  let fitted = 0;
+  let updates = 0;
+  let failures = 0;
+  let current: LiveState | null = null;
+  let path: Path | null = null;
+  const bar = element('live');
+  bar.hidden = false;
+  const text = make('span', 'Connecting');
+  const pause = make('button', 'Pause');
+  pause.id = 'pause';
+  bar.append(make('span', '', 'pulse'), text, pause);
+  pause.addEventListener('click', () => {
+    void fetch(current?.paused ? 'resume' : 'pause', { method: 'POST', headers: { 'X-Turnscale': '1' } });
+  });
+  element('picture').hidden = false;
+
+  const showState = (state: LiveState) => {
+    bar.className = `live${state.paused ? ' paused' : ''}`;
+    const of = state.frames > 0 ? ` of ${state.frames}` : '';
+    const parts: [string, string][] = [
+      ['frame', `${state.frame}${of}`],
+      ['frames/s', state.rate.toFixed(1)],
+      ['keyframes', String(state.keyframes)],
+      ['scale', state.scaleState + (state.sigma === null ? '' : ` ±${(100 * state.sigma).toFixed(1)} %`)],
+      ['features', String(state.tracked)],
+      ['tracking', state.tracking],
+    ];
+    text.replaceChildren(...parts.flatMap(([name, value]) => [make('span', ` ${name} `), make('b', value), document.createTextNode('  ')]));
+    pause.textContent = state.paused ? 'Resume' : 'Pause';
+    Object.assign(window, { liveUpdates: ++updates, liveState: state });
+  };
+
+  const showPath = (state: LiveState) => {
+    const report: Report = {
+      title: state.title, version: state.version, unit: state.metric ? 'm' : 'units', notes: ['Live: the path as far as it is known'],
+      warnings: state.warnings, facts: [], path: path!, landmarks: null, turns: [], scale: null, rotation: null, thumbnails: [],
+      truth: null, errors: [], outlines: [], settings: '',
+    };
+    page.showLive(report, path!.time.length > 1.3 * fitted || path!.time.length < 30);
+    if (path!.time.length > 1.3 * fitted) fitted = path!.time.length;
+  };
+
+  const showImage = (number: number) => {
+    if (number === shownImage) return;
+    shownImage = number;
+    const image = element<HTMLImageElement>('thumbnail');
+    const next = new Image();
+    next.onload = () => {
+      image.src = next.src;
+      image.hidden = false;
+      element('no-picture').hidden = true;
+    };
+    next.src = `image.jpg?${number}`;
+  };
+
+  const becomeReport = async () => {
+    const answer = await fetch('report.html', { cache: 'no-store' });
+    const html = await answer.text();
+    document.open();
+    document.write(html);
+    document.close();
+  };
+
+  const step = async () => {
+    try {
+      const state = await get<LiveState>('state.json');
+      failures = 0;
+      current = state;
+      if (state.finished) return await becomeReport();
+      showState(state);
+      if (state.path !== shownPath) {
+        path = await get<Path>('path.json');
+        shownPath = state.path;
+        showPath(state);
+      }
+      showImage(state.image);
+    } catch {
+      if (++failures > 8) {
+        bar.className = 'live gone';
+        text.textContent = 'The program no longer answers. Its results are in its output folder.';
+        pause.hidden = true;
+        return;
+      }
+    }
+    window.setTimeout(() => void step(), interval);
+  };
+  void step();
+}
