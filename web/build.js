@@ -8,7 +8,7 @@ import { fileURLToPath } from 'node:url';
 const here = (path) => fileURLToPath(new URL(path, import.meta.url));
 const read = (path) => readFileSync(here(path), 'utf8');
 
-const libraries = ['three', 'uplot'];
+const libraries = ['uplot'];
 const licences = libraries
   .map((name) => {
     const { version, license } = JSON.parse(read(`node_modules/${name}/package.json`));
@@ -35,7 +35,7 @@ const styles = await build({
 const script = bundle.outputFiles[0].text.trim().replaceAll('</script', '<\\/script');
 const names = libraries.map((name) => JSON.parse(read(`node_modules/${name}/package.json`))).map(({ name, version }) => `${name} ${version}`);
 const page = read('src/page.html')
-  .replace('<!doctype html>', `<!doctype html>\n<!-- SPDX-License-Identifier: MIT. Contains ${names.join(' and ')}, MIT licence: see web/dist/LICENSES.txt of turnscale. -->`)
+  .replace('<!doctype html>', `<!doctype html>\n<!-- SPDX-License-Identifier: MIT. Contains ${names.join(", ")}, MIT licence: see web/dist/LICENSES.txt of turnscale. -->`)
   .replace('/*styles*/', () => styles.outputFiles[0].text.trim())
   .replace('/*script*/', () => script);
 

@@ -18,6 +18,7 @@ void AddExportCommand(CLI::App& app);
 void AddLabCommand(CLI::App& app);
 void AddRescaleCommand(CLI::App& app);
 void AddSimulateCommand(CLI::App& app);
+void AddViewCommand(CLI::App& app);
 
 /// A sub-command that this build comes without: not in the help, and its call, whatever its arguments, says what
 /// enables it.

@@ -40,6 +40,7 @@ int Main(int argc, char** argv) {
   AddRescaleCommand(app);
   AddSimulateCommand(app);
   AddLabCommand(app);
+  AddViewCommand(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::RuntimeError& stop) {

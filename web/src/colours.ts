@@ -14,6 +14,8 @@ export interface Theme {
   accentSoft: string;
   turn: string;
   truth: string;
+  outline: string;
+  onTurn: string;
   landmark: string;
   bad: string;
   good: string;
@@ -21,11 +23,11 @@ export interface Theme {
 
 const light: Theme = {
   dark: false, ink: '#17202c', muted: '#5b6878', line: '#dfe4ea', panel: '#ffffff', accent: '#0b63ce',
-  accentSoft: 'rgba(11,99,206,.16)', turn: '#d9480f', truth: '#8793a1', landmark: '#98a4b3', bad: '#c92a2a', good: '#0a7d5a',
+  accentSoft: 'rgba(11,99,206,.16)', turn: '#d9480f', truth: '#3f4c5c', outline: '#c9d1da', onTurn: '#ffffff', landmark: '#98a4b3', bad: '#c92a2a', good: '#0a7d5a',
 };
 const dark: Theme = {
   dark: true, ink: '#e7edf4', muted: '#94a3b5', line: '#2a3441', panel: '#121921', accent: '#58a6ff',
-  accentSoft: 'rgba(88,166,255,.2)', turn: '#ff9f5a', truth: '#7c8a9a', landmark: '#546579', bad: '#ff7b72', good: '#3fd1a0',
+  accentSoft: 'rgba(88,166,255,.2)', turn: '#ff9f5a', truth: '#c3ced9', outline: '#34404e', onTurn: '#1a1006', landmark: '#546579', bad: '#ff7b72', good: '#3fd1a0',
 };
 
 export const themeOf = (isDark: boolean): Theme => (isDark ? dark : light);
@@ -71,10 +73,11 @@ function ranged(values: (number | null)[], low: number, high: number, isDark: bo
 export function colourPath(path: Path, by: ColourBy, isDark: boolean): Colouring {
   const states = stateColours[isDark ? 'dark' : 'light'];
   if (by === 'speed') {
-    const known = path.speed.filter((value): value is number => value !== null);
-    const high = Math.max(1, ...[Math.ceil(known.reduce((a, b) => Math.max(a, b), 0) * 3.6)]) / 3.6;
+    const speeds = path.speed.map((value) => (value === null ? null : Math.abs(value)));
+    const known = speeds.filter((value): value is number => value !== null);
+    const high = Math.max(1, Math.ceil(known.reduce((a, b) => Math.max(a, b), 0) * 3.6)) / 3.6;
     return {
-      colours: ranged(path.speed, 0, high, isDark, states.p),
+      colours: ranged(speeds, 0, high, isDark, states.p),
       legend: { title: 'Speed', range: ['0', `${Math.round(high * 3.6)} km/h`] },
     };
   }

@@ -2,7 +2,7 @@
 // Follows a running program: asks it for its state a few times a second, and becomes its report at the end.
 import { element, make } from './dom';
 import type { ReportPage } from './page';
-import type { Path, Report } from './report';
+import type { Report } from './report';
 
 interface LiveState {
   title: string;
@@ -41,7 +41,7 @@ export function followRun(page: ReportPage): void {
   let updates = 0;
   let failures = 0;
   let current: LiveState | null = null;
-  let path: Path | null = null;
+  const viewer = Math.random().toString(36).slice(2);
   const bar = element('live');
   bar.hidden = false;
   const text = make('span', 'Connecting');
@@ -69,14 +69,11 @@ export function followRun(page: ReportPage): void {
     Object.assign(window, { liveUpdates: ++updates, liveState: state });
   };
 
-  const showPath = (state: LiveState) => {
-    const report: Report = {
-      title: state.title, version: state.version, unit: state.metric ? 'm' : 'units', notes: ['Live: the path as far as it is known'],
-      warnings: state.warnings, facts: [], path: path!, landmarks: null, turns: [], scale: null, rotation: null, thumbnails: [],
-      truth: null, errors: [], outlines: [], settings: '',
-    };
-    page.showLive(report, path!.time.length > 1.3 * fitted || path!.time.length < 30);
-    if (path!.time.length > 1.3 * fitted) fitted = path!.time.length;
+  const showPath = (report: Report) => {
+    const points = report.path.time.length;
+    const grown = points > 1.3 * fitted;
+    if (grown) fitted = points;
+    page.showLive(report, grown || points < 30);
   };
 
   const showImage = (number: number) => {
@@ -92,8 +89,18 @@ export function followRun(page: ReportPage): void {
     next.src = `image.jpg?${number}`;
   };
 
+  const end = (message: string) => {
+    bar.className = 'live gone';
+    text.textContent = message;
+    pause.hidden = true;
+  };
+
   const becomeReport = async () => {
     const answer = await fetch('report.html', { cache: 'no-store' });
+    if (!answer.ok) {
+      end('The run has ended without a report.');
+      return;
+    }
     const html = await answer.text();
     document.open();
     document.write(html);
@@ -102,22 +109,19 @@ export function followRun(page: ReportPage): void {
 
   const step = async () => {
     try {
-      const state = await get<LiveState>('state.json');
+      const state = await get<LiveState>(`state.json?viewer=${viewer}`);
       failures = 0;
       current = state;
       if (state.finished) return await becomeReport();
       showState(state);
       if (state.path !== shownPath) {
-        path = await get<Path>('path.json');
         shownPath = state.path;
-        showPath(state);
+        showPath(await get<Report>('path.json'));
       }
       showImage(state.image);
     } catch {
       if (++failures > 8) {
-        bar.className = 'live gone';
-        text.textContent = 'The program no longer answers. Its results are in its output folder.';
-        pause.hidden = true;
+        end('The program no longer answers. Its results are in its output folder.');
         return;
       }
     }

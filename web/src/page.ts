@@ -59,7 +59,8 @@ export class ReportPage {
     }));
     const turns = report.turns.map((turn): [number, number] => [closestIndex(path.time, turn.from), closestIndex(path.time, turn.to)]);
     const predicted = ranges(path.time.length, (i) => 'bu'.includes(path.tracking[i]));
-    this.view.setPath(path, colourPath(path, this.by, this.theme.dark).colours, turns, markers, predicted);
+    const { colours } = colourPath(path, this.by, this.theme.dark);
+    this.view.setPath({ places: path, colours, turns, predicted, markers });
     this.view.fit();
     const slider = element<HTMLInputElement>('time');
     slider.max = String(Math.max(path.time.length - 1, 0));
@@ -78,7 +79,8 @@ export class ReportPage {
     this.showHeading();
     this.view.setUnit(report.unit);
     this.by = report.unit === 'm' ? this.by : 'state';
-    this.view.setPath(report.path, colourPath(report.path, this.by, this.theme.dark).colours, [], []);
+    const { colours } = colourPath(report.path, this.by, this.theme.dark);
+    this.view.setPath({ places: report.path, colours, turns: [], predicted: [], markers: [] });
     if (fit) this.view.fit();
     this.showColours();
     this.place = report.path.time.length - 1;
@@ -112,7 +114,7 @@ export class ReportPage {
   private showHeading(): void {
     const report = this.report!;
     const title = element('title');
-    title.replaceChildren(make('bdi', report.title));
+    title.textContent = report.title.split('/').filter(Boolean).pop() ?? report.title;
     title.title = report.title;
     element('notes').textContent = report.notes.join(' · ');
     const warnings = element('warnings');
@@ -124,6 +126,7 @@ export class ReportPage {
     element('facts').replaceChildren(...report.facts.map(factElement));
     element('footer').replaceChildren(
       make('span', `turnscale ${report.version}`),
+      make('span', report.title),
       make('span', 'Bands, error bars and sigma: one standard deviation'),
     );
   }

@@ -1,22 +1,11 @@
 // SPDX-License-Identifier: MIT
-// The path from above and in 3-D, with landmarks, turns and the place that the reader points at.
-import {
-  BufferAttribute, BufferGeometry, Camera, Color, Group, OrthographicCamera, PerspectiveCamera, Points,
-  PointsMaterial, Scene, Vector3, WebGLRenderer,
-} from 'three';
-import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
-import { Line2 } from 'three/examples/jsm/lines/Line2.js';
-import { LineGeometry } from 'three/examples/jsm/lines/LineGeometry.js';
-import { LineMaterial } from 'three/examples/jsm/lines/LineMaterial.js';
-import { LineSegments2 } from 'three/examples/jsm/lines/LineSegments2.js';
-import { LineSegmentsGeometry } from 'three/examples/jsm/lines/LineSegmentsGeometry.js';
+// The path from above and in 3-D, with landmarks, turns and the place that the reader points at. Drawn by hand on a
+// canvas: tens of thousands of points take milliseconds also where there is no graphics card, and paper shows them.
+import { Camera, type Places } from './camera';
 import type { Rgb, Theme } from './colours';
+import { css } from './colours';
 
-export interface Places {
-  x: ArrayLike<number>;
-  y: ArrayLike<number>;
-  z: ArrayLike<number>;
-}
+export type { Places };
 
 export interface Marker {
   index: number;
@@ -24,35 +13,21 @@ export interface Marker {
   used: boolean;
 }
 
-interface Box {
-  centre: Vector3;
-  size: Vector3;
+export interface PathContent {
+  places: Places;
+  colours: Rgb[];
+  /** Ranges of points, first to last. */
+  turns: [number, number][];
+  predicted: [number, number][];
+  markers: Marker[];
 }
 
 const pathWidth = 4.5;
 const hoverRadius = 48; // pixels within which the pointer takes hold of the path
+const tilted = 0.62; // pitch of the 3-D view at first, rad
+const flight = 450; // milliseconds from one view to the other
 
-function boxOf({ x, y, z }: Places): Box {
-  const low = new Vector3(Infinity, Infinity, Infinity);
-  const high = new Vector3(-Infinity, -Infinity, -Infinity);
-  const point = new Vector3();
-  for (let i = 0; i < x.length; i++) {
-    point.set(x[i], y[i], z[i]);
-    low.min(point);
-    high.max(point);
-  }
-  if (x.length === 0) return { centre: new Vector3(), size: new Vector3(1, 1, 0) };
-  return { centre: low.clone().add(high).multiplyScalar(0.5), size: high.sub(low) };
-}
-
-// LineGeometry wants plain arrays: x, y, z of one point after another.
-function flat({ x, y, z }: Places, first: number, last: number): number[] {
-  const positions: number[] = [];
-  for (let i = first; i <= last; i++) positions.push(x[i], y[i], z[i]);
-  return positions;
-}
-
-/** Round lengths: the largest 1, 2 or 5 times a power of ten up to `length`. */
+/** The largest of 1, 2 and 5 times a power of ten up to `length`. */
 function roundLength(length: number): number {
   const decade = 10 ** Math.floor(Math.log10(length));
   return ([5, 2].find((factor) => factor * decade <= length) ?? 1) * decade;
@@ -61,22 +36,14 @@ function roundLength(length: number): number {
 export class PathView {
   onHover: (index: number) => void = () => {};
 
-  private readonly overlay: HTMLCanvasElement;
-  private readonly canvas: HTMLCanvasElement;
-  private readonly renderer: WebGLRenderer | null;
-  private readonly scene = new Scene();
-  private readonly above = new OrthographicCamera(-1, 1, 1, -1, -1e5, 1e5);
-  private readonly around = new PerspectiveCamera(45, 1, 0.1, 1e5);
-  private readonly controls: OrbitControls[] = [];
-  private readonly content = new Group();
-  private readonly lines: LineMaterial[] = [];
+  private readonly canvas = document.createElement('canvas');
+  private readonly context: CanvasRenderingContext2D;
+  private readonly camera = new Camera();
+  private readonly pixel = new Float64Array(2);
   private in3d = false;
-  private theme: Theme;
-  private places: Places = { x: [], y: [], z: [] };
-  private colours: Rgb[] = [];
-  private predicted: [number, number][] = [];
-  private turns: [number, number][] = [];
-  private markers: Marker[] = [];
+  private content: PathContent = { places: { x: [], y: [], z: [] }, colours: [], turns: [], predicted: [], markers: [] };
+  private screen = new Float64Array(); // pixels of the path's points
+  private visible = new Uint8Array();
   private truth: Places | null = null;
   private outlines: number[][] = [];
   private landmarks = new Float32Array();
@@ -84,100 +51,43 @@ export class PathView {
   private current = -1;
   private unit = 'm';
   private scheduled = false;
-  private box: Box = boxOf(this.places);
-  private frames = 0;
+  private fitted = true; // nobody has moved the camera since
+  private drawn = 0;
 
-  constructor(private readonly element: HTMLElement, theme: Theme) {
-    this.theme = theme;
-    this.canvas = document.createElement('canvas');
-    this.overlay = document.createElement('canvas');
-    this.overlay.className = 'overlay';
-    element.append(this.canvas, this.overlay);
-    this.renderer = this.makeRenderer();
-    this.scene.add(this.content);
-    this.above.up.set(0, 1, 0);
-    this.around.up.set(0, 0, 1);
-    if (this.renderer) this.makeControls();
+  constructor(private readonly element: HTMLElement, private theme: Theme) {
+    this.context = this.canvas.getContext('2d')!;
+    element.append(this.canvas);
     new ResizeObserver(() => this.resize()).observe(element);
-    element.addEventListener('pointermove', (event) => this.hover(event));
-    element.addEventListener('click', (event) => this.hover(event));
+    this.bindPointer();
   }
 
-  get hasWebGl(): boolean { return this.renderer !== null; }
   /** Pictures drawn so far, for tests and measurements. */
-  get pictures(): number { return this.frames; }
-
-  private makeRenderer(): WebGLRenderer | null {
-    try {
-      // The buffer is kept so that the picture can be printed.
-      const renderer = new WebGLRenderer({ canvas: this.canvas, antialias: true, alpha: true, preserveDrawingBuffer: true });
-      renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
-      return renderer;
-    } catch {
-      this.canvas.remove();
-      return null;
-    }
-  }
-
-  private makeControls(): void {
-    for (const camera of [this.above, this.around]) {
-      const controls = new OrbitControls(camera, this.element);
-      const is3d = camera === this.around;
-      controls.enableRotate = is3d;
-      controls.screenSpacePanning = !is3d;
-      controls.zoomToCursor = true;
-      controls.enabled = is3d === this.in3d;
-      controls.maxPolarAngle = Math.PI * 0.495;
-      if (!is3d) {
-        controls.mouseButtons.LEFT = 2; // pan
-        controls.touches.ONE = 1; // pan
-      }
-      controls.addEventListener('change', () => this.draw());
-      this.controls.push(controls);
-    }
-    this.element.style.touchAction = 'pan-y';
-    // The wheel scrolls the page until the reader has clicked into the picture.
-    const zooms = (on: boolean) => this.controls.forEach((controls) => { controls.enableZoom = on; });
-    zooms(false);
-    this.element.addEventListener('pointerdown', () => zooms(true));
-    this.element.addEventListener('focusin', () => zooms(true));
-    this.element.addEventListener('pointerleave', () => zooms(false));
-  }
+  get pictures(): number { return this.drawn; }
 
   setUnit(unit: string): void { this.unit = unit; }
   setLandmarks(positions: Float32Array): void { this.landmarks = positions as Float32Array<ArrayBuffer>; }
   setTruth(truth: Places | null): void { this.truth = truth; }
   setOutlines(outlines: number[][]): void { this.outlines = outlines; }
 
-  /** `turns` and `predicted` are ranges of points, first to last. */
-  setPath(places: Places, colours: Rgb[], turns: [number, number][], markers: Marker[], predicted: [number, number][] = []): void {
-    this.places = places;
-    this.colours = colours;
-    this.turns = turns;
-    this.markers = markers;
-    this.predicted = predicted;
-    this.box = boxOf(places);
-    this.build();
+  setPath(content: PathContent): void {
+    this.content = content;
+    this.screen = new Float64Array(2 * content.places.x.length);
+    this.visible = new Uint8Array(content.places.x.length);
+    this.draw();
   }
 
   setColours(colours: Rgb[]): void {
-    this.colours = colours;
-    this.build();
+    this.content.colours = colours;
+    this.draw();
   }
 
   setTheme(theme: Theme): void {
     this.theme = theme;
-    this.build();
+    this.draw();
   }
 
   setShowLandmarks(show: boolean): void {
     this.showLandmarks = show;
-    this.build();
-  }
-
-  setView(in3d: boolean): void {
-    this.in3d = in3d;
-    this.controls.forEach((controls, i) => { controls.enabled = (i === 1) === in3d; });
     this.draw();
   }
 
@@ -186,119 +96,61 @@ export class PathView {
     this.draw();
   }
 
+  setView(in3d: boolean): void {
+    if (this.in3d === in3d) return;
+    this.in3d = in3d;
+    const { camera } = this;
+    const from = { ...camera };
+    const to = new Camera();
+    Object.assign(to, { width: camera.width, height: camera.height, perspective: in3d ? 1 : 0 });
+    to.pitch = in3d ? tilted : Math.PI / 2;
+    to.yaw = camera.bestYaw(this.content.places) - (in3d ? 0.35 : 0);
+    to.fit(this.content.places);
+    const jump = window.matchMedia('(prefers-reduced-motion: reduce)').matches;
+    const begin = performance.now();
+    const step = (now: number) => {
+      const passed = jump ? 1 : Math.min(Math.max((now - begin) / flight, 0), 1);
+      const s = passed * passed * (3 - 2 * passed);
+      for (const key of ['yaw', 'pitch', 'perspective'] as const) camera[key] = (1 - s) * from[key] + s * to[key];
+      camera.scale = from.scale ** (1 - s) * to.scale ** s;
+      camera.target = [0, 1, 2].map((k) => (1 - s) * from.target[k] + s * to.target[k]) as [number, number, number];
+      this.drawNow();
+      if (passed < 1) requestAnimationFrame(step);
+    };
+    requestAnimationFrame(step);
+    this.fitted = true;
+  }
+
   /** The whole path, as large as the element allows. */
   fit(): void {
-    const { centre, size } = this.box;
-    const aspect = this.element.clientWidth / Math.max(this.element.clientHeight, 1);
-    const room = 1.16;
-    const half = 0.5 * room * Math.max(size.y, size.x / aspect, 2);
-    this.above.position.set(centre.x, centre.y, centre.z + 1);
-    this.above.zoom = 1;
-    this.above.userData.half = half;
-    const reach = 0.62 * Math.max(Math.hypot(size.x, size.y), 4) / Math.min(1, aspect * 0.8) / Math.tan((Math.PI * 45) / 360);
-    this.around.position.set(centre.x - 0.28 * reach, centre.y - 0.68 * reach, centre.z + 0.56 * reach);
-    this.around.near = reach / 500;
-    this.around.far = reach * 20;
-    this.controls.forEach((controls) => {
-      controls.target.copy(centre);
-      controls.update();
-    });
-    this.resize();
+    this.fitted = true;
+    if (!this.in3d) this.camera.yaw = this.camera.bestYaw(this.content.places);
+    this.camera.fit(this.content.places);
+    this.draw();
   }
 
   zoomBy(factor: number): void {
-    if (this.in3d) {
-      const target = this.controls[1]?.target ?? this.box.centre;
-      this.around.position.sub(target).divideScalar(factor).add(target);
-      this.controls[1]?.update();
-    } else {
-      this.above.zoom *= factor;
-      this.above.updateProjectionMatrix();
-    }
+    this.fitted = false;
+    this.camera.zoom(factor);
     this.draw();
   }
+
+  panBy(px: number, py: number): void {
+    this.fitted = false;
+    this.camera.pan(px, py);
+    this.draw();
+  }
+
+  private get ratio(): number { return Math.min(window.devicePixelRatio || 1, 2); }
 
   private resize(): void {
-    const width = this.element.clientWidth;
-    const height = Math.max(this.element.clientHeight, 1);
-    const ratio = Math.min(window.devicePixelRatio, 2);
-    this.renderer?.setSize(width, height, false);
-    this.overlay.width = width * ratio;
-    this.overlay.height = height * ratio;
-    const half = (this.above.userData.half as number | undefined) ?? 1;
-    Object.assign(this.above, { left: (-half * width) / height, right: (half * width) / height, top: half, bottom: -half });
-    this.above.updateProjectionMatrix();
-    this.around.aspect = width / height;
-    this.around.updateProjectionMatrix();
-    for (const material of this.lines) material.resolution.set(width, height);
+    const { camera, element } = this;
+    camera.width = Math.max(element.clientWidth, 1);
+    camera.height = Math.max(element.clientHeight, 1);
+    this.canvas.width = Math.round(camera.width * this.ratio);
+    this.canvas.height = Math.round(camera.height * this.ratio);
+    if (this.fitted) camera.fit(this.content.places);
     this.drawNow();
-  }
-
-  private addLine(positions: number[], options: ConstructorParameters<typeof LineMaterial>[0], colours?: number[], order = 0): void {
-    if (positions.length < 6) return;
-    const geometry = new LineGeometry();
-    geometry.setPositions(positions);
-    if (colours) geometry.setColors(colours);
-    this.addMesh(new Line2(geometry, this.lineMaterial(options, colours !== undefined)), order);
-  }
-
-  private lineMaterial(options: ConstructorParameters<typeof LineMaterial>[0], coloured: boolean): LineMaterial {
-    const material = new LineMaterial({ ...options, vertexColors: coloured, depthTest: false, transparent: true });
-    material.resolution.set(this.element.clientWidth, this.element.clientHeight);
-    this.lines.push(material);
-    return material;
-  }
-
-  private addMesh(mesh: Line2 | LineSegments2 | Points, order: number): void {
-    mesh.renderOrder = order;
-    mesh.frustumCulled = false;
-    this.content.add(mesh);
-  }
-
-  private build(): void {
-    if (this.renderer) {
-      for (const child of this.content.children as (Points | Line2)[]) {
-        child.geometry.dispose();
-        (Array.isArray(child.material) ? child.material : [child.material]).forEach((material) => material.dispose());
-      }
-      this.content.clear();
-      this.lines.length = 0;
-      this.buildContent();
-    }
-    this.draw();
-  }
-
-  private buildContent(): void {
-    const { theme } = this;
-    const color = (text: string) => new Color(text);
-    if (this.showLandmarks && this.landmarks.length) {
-      const geometry = new BufferGeometry();
-      geometry.setAttribute('position', new BufferAttribute(this.landmarks, 3));
-      const material = new PointsMaterial({
-        color: color(theme.landmark), size: 1.6, sizeAttenuation: false, transparent: true, opacity: theme.dark ? 0.75 : 0.55,
-        depthTest: false,
-      });
-      this.addMesh(new Points(geometry, material), 0);
-    }
-    if (this.outlines.length) {
-      const geometry = new LineSegmentsGeometry();
-      const segments: number[] = [];
-      for (const outline of this.outlines)
-        for (let i = 0; i + 5 < outline.length; i += 3) segments.push(...outline.slice(i, i + 6));
-      geometry.setPositions(segments);
-      this.addMesh(new LineSegments2(geometry, this.lineMaterial({ color: color(theme.line), linewidth: 1.2 }, false)), 1);
-    }
-    if (this.truth)
-      this.addLine(flat(this.truth, 0, this.truth.x.length - 1), { color: color(theme.truth), linewidth: 2.2 }, undefined, 2);
-    for (const [first, last] of this.turns)
-      this.addLine(flat(this.places, first, last), { color: color(theme.turn), linewidth: 13, opacity: 0.3 }, undefined, 3);
-    const all = flat(this.places, 0, this.places.x.length - 1);
-    this.addLine(all, { color: color(theme.panel), linewidth: pathWidth + 3 }, undefined, 4);
-    const colour = new Color();
-    const colours = this.colours.flatMap(([r, g, b]) => colour.setRGB(r / 255, g / 255, b / 255, 'srgb').toArray());
-    this.addLine(all, { linewidth: pathWidth }, colours, 5);
-    for (const [first, last] of this.predicted)
-      this.addLine(flat(this.places, first, last), { color: color(theme.bad), linewidth: pathWidth + 1 }, undefined, 6);
   }
 
   private draw(): void {
@@ -309,101 +161,187 @@ export class PathView {
 
   drawNow(): void {
     this.scheduled = false;
-    const camera: Camera = this.in3d ? this.around : this.above;
-    camera.updateMatrixWorld();
-    this.renderer?.render(this.scene, camera);
-    this.drawOverlay();
-    this.frames++;
-  }
-
-  private project(places: Places, i: number): [number, number, boolean] {
-    const point = new Vector3(places.x[i], places.y[i], places.z[i]).project(this.in3d ? this.around : this.above);
-    return [0.5 * (point.x + 1) * this.element.clientWidth, 0.5 * (1 - point.y) * this.element.clientHeight, point.z < 1];
-  }
-
-  private drawOverlay(): void {
-    const context = this.overlay.getContext('2d');
-    if (!context) return;
-    const ratio = this.overlay.width / Math.max(this.element.clientWidth, 1);
+    this.camera.update();
+    const { context, ratio } = this;
+    context.setTransform(1, 0, 0, 1, 0, 0);
+    context.clearRect(0, 0, this.canvas.width, this.canvas.height);
+    if (this.showLandmarks) this.drawLandmarks();
     context.setTransform(ratio, 0, 0, ratio, 0, 0);
-    context.clearRect(0, 0, this.overlay.width, this.overlay.height);
+    context.lineCap = context.lineJoin = 'round';
+    this.drawOutlines();
+    this.drawTruth();
+    this.drawPath();
     context.font = '600 11px system-ui, sans-serif';
-    if (!this.renderer) this.drawFlat(context);
-    this.drawMarkers(context);
-    if (!this.in3d) this.drawScaleBar(context);
-    if (this.current >= 0 && this.current < this.places.x.length) this.drawCurrent(context);
+    this.drawMarkers();
+    if (this.camera.perspective === 0) this.drawScaleBar();
+    if (this.current >= 0 && this.current < this.content.places.x.length) this.drawCurrent();
+    this.drawn++;
   }
 
-  // Without WebGL: the path alone, from above.
-  private drawFlat(context: CanvasRenderingContext2D): void {
-    context.lineWidth = pathWidth;
-    context.lineCap = 'round';
-    for (let i = 1; i < this.places.x.length; i++) {
-      const [r, g, b] = this.colours[i];
-      context.strokeStyle = `rgb(${r | 0},${g | 0},${b | 0})`;
-      context.beginPath();
-      context.moveTo(...(this.project(this.places, i - 1).slice(0, 2) as [number, number]));
-      context.lineTo(...(this.project(this.places, i).slice(0, 2) as [number, number]));
+  // Pixel by pixel: where many landmarks meet, the ground gets darker.
+  private drawLandmarks(): void {
+    const { landmarks, camera, pixel, ratio } = this;
+    if (landmarks.length === 0) return;
+    const { width, height } = this.canvas;
+    const image = this.context.createImageData(width, height);
+    const values = new Uint32Array(image.data.buffer);
+    const colour = parseInt(this.theme.landmark.slice(1), 16);
+    const bgr = ((colour & 255) << 16) | (colour & 0xff00) | (colour >> 16);
+    const dot = ratio > 1 ? 2 : 1;
+    const step = this.theme.dark ? 110 : 90;
+    for (let i = 0; i < landmarks.length; i += 3) {
+      if (!camera.project(landmarks[i], landmarks[i + 1], landmarks[i + 2], pixel)) continue;
+      const x = Math.round(pixel[0] * ratio);
+      const y = Math.round(pixel[1] * ratio);
+      if (x < 0 || y < 0 || x >= width - 1 || y >= height - 1) continue;
+      for (let k = 0; k < dot * dot; k++) {
+        const place = (y + (k >> 1)) * width + x + (k & 1);
+        values[place] = (Math.min((values[place] >>> 24) + step, 235) << 24) | bgr;
+      }
+    }
+    this.context.putImageData(image, 0, 0);
+  }
+
+  private line(places: Places, first: number, last: number): boolean {
+    const { context, camera, pixel } = this;
+    let pen = false;
+    let any = false;
+    context.beginPath();
+    for (let i = first; i <= last; i++) {
+      const visible = camera.project(places.x[i], places.y[i], places.z[i], pixel);
+      if (visible && pen) context.lineTo(pixel[0], pixel[1]);
+      else if (visible) context.moveTo(pixel[0], pixel[1]);
+      any ||= visible && pen;
+      pen = visible;
+    }
+    return any;
+  }
+
+  private drawOutlines(): void {
+    const { context, camera, pixel, theme } = this;
+    if (this.outlines.length === 0) return;
+    context.beginPath();
+    for (const outline of this.outlines) {
+      let pen = false;
+      for (let i = 0; i + 2 < outline.length; i += 3) {
+        const visible = camera.project(outline[i], outline[i + 1], outline[i + 2], pixel);
+        if (visible && pen) context.lineTo(pixel[0], pixel[1]);
+        else if (visible) context.moveTo(pixel[0], pixel[1]);
+        pen = visible;
+      }
+    }
+    context.strokeStyle = theme.outline;
+    context.lineWidth = 1.2;
+    context.stroke();
+  }
+
+  private drawTruth(): void {
+    if (!this.truth || !this.line(this.truth, 0, this.truth.x.length - 1)) return;
+    this.context.strokeStyle = this.theme.truth;
+    this.context.lineWidth = 2.4;
+    this.context.setLineDash([7, 5]);
+    this.context.stroke();
+    this.context.setLineDash([]);
+  }
+
+  private drawPath(): void {
+    const { context, content, theme, camera, pixel, screen, visible } = this;
+    const { places } = content;
+    const count = places.x.length;
+    for (let i = 0; i < count; i++) {
+      visible[i] = camera.project(places.x[i], places.y[i], places.z[i], pixel) ? 1 : 0;
+      screen[2 * i] = pixel[0];
+      screen[2 * i + 1] = pixel[1];
+    }
+    context.globalAlpha = 0.28;
+    context.strokeStyle = theme.turn;
+    context.lineWidth = 15;
+    for (const [first, last] of content.turns) if (this.line(places, first, last)) context.stroke();
+    context.globalAlpha = 1;
+    if (this.line(places, 0, count - 1)) {
+      context.strokeStyle = theme.panel;
+      context.lineWidth = pathWidth + 2.5;
       context.stroke();
     }
+    context.lineWidth = pathWidth;
+    // As long as the colour stays the same to the eye, one stroke.
+    const same = (a: Rgb, b: Rgb) => Math.abs(a[0] - b[0]) + Math.abs(a[1] - b[1]) + Math.abs(a[2] - b[2]) < 9;
+    for (let i = 1; i < count; ) {
+      const colour = content.colours[i];
+      let j = i;
+      context.beginPath();
+      context.moveTo(screen[2 * i - 2], screen[2 * i - 1]);
+      for (; j < count && same(colour, content.colours[j]); j++)
+        if (visible[j] && visible[j - 1]) context.lineTo(screen[2 * j], screen[2 * j + 1]);
+        else context.moveTo(screen[2 * j], screen[2 * j + 1]);
+      context.strokeStyle = css(colour);
+      context.stroke();
+      i = j;
+    }
+    context.strokeStyle = theme.bad;
+    context.lineWidth = pathWidth + 1;
+    for (const [first, last] of content.predicted) if (this.line(places, first, last)) context.stroke();
   }
 
-  private drawMarkers(context: CanvasRenderingContext2D): void {
-    const { theme } = this;
+  private drawMarkers(): void {
+    const { context, content, theme, screen, visible } = this;
     const taken: [number, number][] = [];
     context.textAlign = 'center';
     context.textBaseline = 'middle';
-    for (const { index, label, used } of this.markers) {
-      const [x, y, visible] = this.project(this.places, index);
-      // Away from the path: to the outer side, seen from the middle of the drive.
-      if (!visible || taken.some(([a, b]) => Math.abs(a - x) < 20 && Math.abs(b - y) < 20)) continue;
+    const count = content.places.x.length;
+    if (count > 0) this.end(0, 'start');
+    if (count > 1) this.end(count - 1, 'end');
+    for (const { index, label, used } of content.markers) {
+      const [x, y] = [screen[2 * index], screen[2 * index + 1]];
+      if (!visible[index] || taken.some(([a, b]) => Math.abs(a - x) < 20 && Math.abs(b - y) < 20)) continue;
       taken.push([x, y]);
-      const radius = label.length > 2 ? 12 : 9.5;
       context.beginPath();
-      context.arc(x, y, radius, 0, 2 * Math.PI);
+      context.arc(x, y, label.length > 2 ? 12 : 9.5, 0, 2 * Math.PI);
       context.fillStyle = used ? theme.turn : theme.panel;
       context.fill();
       context.lineWidth = 2;
       context.strokeStyle = used ? theme.panel : theme.turn;
       context.stroke();
-      context.fillStyle = used ? (theme.dark ? '#1a1006' : '#fff') : theme.turn;
+      context.fillStyle = used ? theme.onTurn : theme.turn;
       context.fillText(label, x, y + 0.5);
     }
-    const count = this.places.x.length;
-    if (count === 0) return;
-    this.flag(context, 0, 'start');
-    if (count > 1) this.flag(context, count - 1, 'end');
   }
 
-  private flag(context: CanvasRenderingContext2D, index: number, text: string): void {
-    const [x, y, visible] = this.project(this.places, index);
-    if (!visible) return;
+  private end(index: number, text: string): void {
+    const { context, screen, theme } = this;
+    if (!this.visible[index]) return;
+    const [x, y] = [screen[2 * index], screen[2 * index + 1]];
     context.beginPath();
     context.arc(x, y, 5, 0, 2 * Math.PI);
-    context.fillStyle = this.theme.panel;
+    context.fillStyle = theme.panel;
     context.fill();
     context.lineWidth = 2.5;
-    context.strokeStyle = this.theme.ink;
+    context.strokeStyle = theme.ink;
     context.stroke();
-    this.label(context, text, x, y + (text === 'start' ? 17 : -17));
+    // On the side where the path is not.
+    const step = index === 0 ? 1 : -1;
+    let other = index + step;
+    const { length } = this.visible;
+    while (other > 0 && other < length - 1 && Math.hypot(screen[2 * other] - x, screen[2 * other + 1] - y) < 30) other += step;
+    this.label(text, x, y + (screen[2 * other + 1] > y ? -17 : 17));
   }
 
-  private label(context: CanvasRenderingContext2D, text: string, x: number, y: number): void {
+  private label(text: string, x: number, y: number): void {
+    const { context, theme } = this;
     context.lineWidth = 4;
-    context.lineJoin = 'round';
-    context.strokeStyle = this.theme.panel;
+    context.strokeStyle = theme.panel;
     context.strokeText(text, x, y);
-    context.fillStyle = this.theme.ink;
+    context.fillStyle = theme.ink;
     context.fillText(text, x, y);
   }
 
-  private drawScaleBar(context: CanvasRenderingContext2D): void {
-    const perPixel = (this.above.top - this.above.bottom) / this.above.zoom / Math.max(this.element.clientHeight, 1);
-    const length = roundLength(110 * perPixel);
-    const width = length / perPixel;
-    const x = this.element.clientWidth - 18 - width;
-    const y = this.element.clientHeight - 18;
-    for (const [colour, thickness] of [[this.theme.panel, 6], [this.theme.ink, 2]] as const) {
+  private drawScaleBar(): void {
+    const { context, camera, theme } = this;
+    const length = roundLength(110 / camera.scale);
+    const width = length * camera.scale;
+    const x = camera.width - 18 - width;
+    const y = camera.height - 16;
+    for (const [colour, thickness] of [[theme.panel, 6], [theme.ink, 2]] as const) {
       context.beginPath();
       context.moveTo(x, y - 5);
       context.lineTo(x, y);
@@ -414,42 +352,99 @@ export class PathView {
       context.stroke();
     }
     const text = length >= 1000 && this.unit === 'm' ? `${length / 1000} km` : `${+length.toPrecision(3)} ${this.unit}`;
-    this.label(context, text, x + width / 2, y - 12);
+    context.textAlign = 'center';
+    this.label(text, x + width / 2, y - 12);
   }
 
-  private drawCurrent(context: CanvasRenderingContext2D): void {
-    const [x, y] = this.project(this.places, this.current);
-    const last = this.places.x.length - 1;
-    const [ax, ay] = this.project(this.places, Math.max(this.current - 2, 0));
-    const [bx, by] = this.project(this.places, Math.min(this.current + 2, last));
+  private drawCurrent(): void {
+    const { context, screen, theme, current } = this;
+    if (!this.visible[current]) return;
+    const last = this.content.places.x.length - 1;
+    // Ahead: towards a point that is some pixels away, since a car that stands has no direction.
+    let [a, b] = [current, current];
+    const far = () => Math.hypot(screen[2 * b] - screen[2 * a], screen[2 * b + 1] - screen[2 * a + 1]) > 5;
+    while (!far() && (a > 0 || b < last)) [a, b] = [Math.max(a - 1, 0), Math.min(b + 1, last)];
     context.save();
-    context.translate(x, y);
-    context.rotate(Math.atan2(by - ay, bx - ax));
+    context.translate(screen[2 * current], screen[2 * current + 1]);
+    context.rotate(Math.atan2(screen[2 * b + 1] - screen[2 * a + 1], screen[2 * b] - screen[2 * a]));
     context.beginPath();
     context.moveTo(13, 0);
     context.lineTo(-9, -8.5);
     context.lineTo(-5, 0);
     context.lineTo(-9, 8.5);
     context.closePath();
-    context.fillStyle = this.theme.ink;
-    context.strokeStyle = this.theme.panel;
+    context.fillStyle = theme.ink;
+    context.strokeStyle = theme.panel;
     context.lineWidth = 3;
-    context.lineJoin = 'round';
     context.stroke();
     context.fill();
     context.restore();
   }
 
-  private hover(event: PointerEvent | MouseEvent): void {
-    if (event.buttons > 0 && event.type !== 'click') return;
+  private bindPointer(): void {
+    const { element } = this;
+    const pointers = new Map<number, { x: number; y: number }>();
+    // The wheel scrolls the page until the reader has clicked into the picture, and one finger always does.
+    let held = false;
+    element.style.touchAction = 'pan-y';
+    element.addEventListener('contextmenu', (event) => event.preventDefault());
+    element.addEventListener('pointerdown', (event) => {
+      held = true;
+      pointers.set(event.pointerId, { x: event.clientX, y: event.clientY });
+      if (event.pointerType === 'mouse') element.setPointerCapture(event.pointerId);
+    });
+    const release = (event: PointerEvent) => pointers.delete(event.pointerId);
+    element.addEventListener('pointerup', release);
+    element.addEventListener('pointercancel', release);
+    element.addEventListener('pointerleave', () => { held = false; });
+    element.addEventListener('click', (event) => this.hover(event));
+    element.addEventListener('pointermove', (event) => {
+      const before = pointers.get(event.pointerId);
+      if (!before) {
+        this.hover(event);
+        return;
+      }
+      const others = [...pointers].filter(([id]) => id !== event.pointerId).map(([, place]) => place);
+      const now = { x: event.clientX, y: event.clientY };
+      pointers.set(event.pointerId, now);
+      if (others.length > 0) this.pinch(others[0], before, now);
+      else if (event.pointerType !== 'touch' || event.buttons > 0) this.drag(event, now.x - before.x, now.y - before.y);
+    });
+    element.addEventListener('wheel', (event) => {
+      if (!held && !event.ctrlKey && document.activeElement !== element) return;
+      event.preventDefault();
+      const frame = element.getBoundingClientRect();
+      this.fitted = false;
+      this.camera.zoom(Math.exp(-event.deltaY * 0.0015), event.clientX - frame.left, event.clientY - frame.top);
+      this.draw();
+    }, { passive: false });
+  }
+
+  private drag(event: PointerEvent, px: number, py: number): void {
+    this.fitted = false;
+    const turns = this.in3d && !event.shiftKey && !(event.buttons & 2);
+    if (turns) this.camera.orbit(px, py);
+    else this.camera.pan(px, py);
+    this.draw();
+  }
+
+  private pinch(other: { x: number; y: number }, before: { x: number; y: number }, now: { x: number; y: number }): void {
+    const frame = this.element.getBoundingClientRect();
+    const apart = (place: { x: number; y: number }) => Math.max(Math.hypot(place.x - other.x, place.y - other.y), 1);
+    this.fitted = false;
+    this.camera.zoom(apart(now) / apart(before), 0.5 * (now.x + other.x) - frame.left, 0.5 * (now.y + other.y) - frame.top);
+    this.camera.pan(0.5 * (now.x - before.x), 0.5 * (now.y - before.y));
+    this.draw();
+  }
+
+  private hover(event: MouseEvent): void {
     const frame = this.element.getBoundingClientRect();
     const [px, py] = [event.clientX - frame.left, event.clientY - frame.top];
     let best = -1;
     let closest = hoverRadius ** 2;
-    for (let i = 0; i < this.places.x.length; i++) {
-      const [x, y, visible] = this.project(this.places, i);
-      const distance = (x - px) ** 2 + (y - py) ** 2;
-      if (!visible || distance >= closest) continue;
+    for (let i = 0; i < this.visible.length; i++) {
+      const distance = (this.screen[2 * i] - px) ** 2 + (this.screen[2 * i + 1] - py) ** 2;
+      if (!this.visible[i] || distance >= closest) continue;
       closest = distance;
       best = i;
     }

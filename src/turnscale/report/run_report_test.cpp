@@ -63,7 +63,7 @@ TEST_F(RunReportTest, SaysWhatTheSummarySays) {
   EXPECT_EQ(data["facts"][2]["value"], "45 km/h");
   ASSERT_EQ(data["warnings"].size(), 2u);
   EXPECT_EQ(data["warnings"][0], "the camera's <calibration> differs");
-  EXPECT_EQ(data["warnings"][1].get<std::string>().find("The path is not measured for 0.5 s of 2.9 s: tracking lost"),
+  EXPECT_EQ(data["warnings"][1].get<std::string>().find("The path is not measured for 0.4 s of 2.9 s: tracking lost"),
             0u)
       << data["warnings"][1];
   const std::string page = TextOf(folder_ / kReportFile);

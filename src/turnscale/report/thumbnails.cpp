@@ -54,8 +54,14 @@ std::vector<fs::path> ThumbnailFiles(const fs::path& folder) {
 
 }  // namespace
 
-cv::Mat DrawTracking(const cv::Mat& gray, const std::vector<FeatureTrack>& tracks, const Map& map, const cv::Mat& mask,
-                     int width) {
+std::vector<DrawnFeature> FeaturesOf(const Odometry& odometry) {
+  std::vector<DrawnFeature> features;
+  for (const FeatureTrack& track : odometry.tracks())
+    features.push_back({track.pixel, odometry.map().landmarks[track.landmark].valid});
+  return features;
+}
+
+cv::Mat DrawTracking(const cv::Mat& gray, const std::vector<DrawnFeature>& features, const cv::Mat& mask, int width) {
   const double scale = std::min(1.0, static_cast<double>(width) / gray.cols);
   cv::Mat small;
   cv::resize(gray, small, {}, scale, scale, cv::INTER_AREA);
@@ -70,9 +76,9 @@ cv::Mat DrawTracking(const cv::Mat& gray, const std::vector<FeatureTrack>& track
   const int radius = std::max(1, image.cols / 250);
   constexpr int kShift = 4;
   const auto fixed = [](double pixel) { return cvRound(pixel * (1 << kShift)); };
-  for (const FeatureTrack& track : tracks) {
-    const cv::Scalar colour = map.landmarks[track.landmark].valid ? cv::Scalar(120, 230, 70) : cv::Scalar(40, 175, 255);
-    const cv::Point centre(fixed((track.pixel.x + 0.5) * scale - 0.5), fixed((track.pixel.y + 0.5) * scale - 0.5));
+  for (const DrawnFeature& feature : features) {
+    const cv::Scalar colour = feature.has_depth ? cv::Scalar(120, 230, 70) : cv::Scalar(40, 175, 255);
+    const cv::Point centre(fixed((feature.pixel.x + 0.5) * scale - 0.5), fixed((feature.pixel.y + 0.5) * scale - 0.5));
     cv::circle(image, centre, radius << kShift, colour, cv::FILLED, cv::LINE_AA, kShift);
   }
   return image;
@@ -100,11 +106,9 @@ void ThumbnailCollector::Add(const cv::Mat& gray, const FrameResult& frame, cons
   Thumbnail thumbnail{frame.frame, frame.time, {}, {}};
   if (!IsDue(frame, thumbnail.reason) || gray.empty()) return;
   // Where tracking failed, the tracks are those of an earlier image.
-  const std::vector<FeatureTrack> none;
   const bool tracked = frame.state == TrackingState::kTracked;
-  thumbnail.jpeg =
-      JpegOf(DrawTracking(gray, tracked ? odometry.tracks() : none, odometry.map(), odometry.mask(), options_.width),
-             options_.quality);
+  const std::vector<DrawnFeature> features = tracked ? FeaturesOf(odometry) : std::vector<DrawnFeature>();
+  thumbnail.jpeg = JpegOf(DrawTracking(gray, features, odometry.mask(), options_.width), options_.quality);
   last_time_ = frame.time;
   if (thumbnail.reason == ThumbnailReason::kTurn) last_turn_time_ = frame.time;
   bytes_ += thumbnail.jpeg.size();

@@ -28,10 +28,18 @@ struct Thumbnail {
   std::string jpeg;
 };
 
-/// The gray image as a colour image of at most this width: tracked features as dots (green with a depth, amber
-/// without), left-out pixels tinted red.
-cv::Mat DrawTracking(const cv::Mat& gray, const std::vector<FeatureTrack>& tracks, const Map& map, const cv::Mat& mask,
-                     int width);
+/// A tracked feature in the image as it came.
+struct DrawnFeature {
+  cv::Point2f pixel;
+  bool has_depth = false;
+};
+
+/// What the latest image of the odometry shows.
+std::vector<DrawnFeature> FeaturesOf(const Odometry& odometry);
+
+/// The gray image as a colour image of at most this width: features as dots (green with a depth, amber without),
+/// left-out pixels (0 in `mask`, which may be empty) tinted red.
+cv::Mat DrawTracking(const cv::Mat& gray, const std::vector<DrawnFeature>& features, const cv::Mat& mask, int width);
 
 /// The JPEG file of an image. Throws InternalError if it cannot be encoded.
 std::string JpegOf(const cv::Mat& image, int quality);

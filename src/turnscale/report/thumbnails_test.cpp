@@ -51,8 +51,10 @@ TEST_F(ThumbnailsTest, TurnsAndLossesHaveTheirOwn) {
   for (const Thumbnail& thumbnail : collector.thumbnails()) {
     lost += thumbnail.reason == ThumbnailReason::kLost ? 1 : 0;
     turns += thumbnail.reason == ThumbnailReason::kTurn ? 1 : 0;
-    if (thumbnail.reason == ThumbnailReason::kLost) EXPECT_EQ(thumbnail.frame, 45);
-    if (thumbnail.reason == ThumbnailReason::kTurn) EXPECT_EQ(thumbnail.frame, 63);
+    const int expected = thumbnail.reason == ThumbnailReason::kLost   ? 45
+                         : thumbnail.reason == ThumbnailReason::kTurn ? 63
+                                                                      : thumbnail.frame;
+    EXPECT_EQ(thumbnail.frame, expected);
     const std::vector<uchar> bytes(thumbnail.jpeg.begin(), thumbnail.jpeg.end());
     EXPECT_EQ(cv::imdecode(bytes, cv::IMREAD_COLOR).cols, 320);
   }
@@ -97,11 +99,7 @@ TEST_F(ThumbnailsTest, LeftOutPixelsAreTinted) {
   const cv::Mat gray(100, 200, CV_8UC1, cv::Scalar(120));
   cv::Mat mask(100, 200, CV_8UC1, cv::Scalar(255));
   mask.rowRange(50, 100) = 0;
-  Map map;
-  map.landmarks.resize(1);
-  FeatureTrack track;
-  track.pixel = {100, 20};
-  const cv::Mat drawn = DrawTracking(gray, {track}, map, mask, 200);
+  const cv::Mat drawn = DrawTracking(gray, {{{100, 20}, true}}, mask, 200);
   EXPECT_EQ(drawn.at<cv::Vec3b>(40, 20), cv::Vec3b(120, 120, 120));
   EXPECT_GT(drawn.at<cv::Vec3b>(80, 20)[2], drawn.at<cv::Vec3b>(80, 20)[0] + 40);
   EXPECT_NE(drawn.at<cv::Vec3b>(20, 100), cv::Vec3b(120, 120, 120));

@@ -1,0 +1,22 @@
+import puppeteer from 'puppeteer-core';
+const flags = process.argv.slice(2);
+const b = await puppeteer.launch({executablePath:'/usr/bin/chromium', headless:true, args:['--no-sandbox','--disable-dev-shm-usage',...flags], dumpio: false});
+const page = await b.newPage();
+await page.setViewport({width:1360,height:1000});
+const t=Date.now();
+await page.goto('file:///tmp/o/g2/report.html', {timeout: 60000}).then(()=>console.log('loaded', Date.now()-t));
+console.log(await page.evaluate(()=>{
+  const v = turnscale.view; const out={};
+  const gl = v.renderer.getContext();
+  const px=new Uint8Array(4);
+  const time=(n,f)=>{const t=performance.now(); for(let i=0;i<n;i++){f();} gl.readPixels(0,0,1,1,gl.RGBA,gl.UNSIGNED_BYTE,px); return (performance.now()-t)/n;};
+  out.draw=time(5,()=>v.drawNow());
+  v.content.children.forEach((c,i)=>{ v.content.children.forEach(d=>d.visible=false); c.visible=true; out['child'+i+c.type+(c.material.linewidth||'')]=time(3,()=>v.drawNow()); });
+  v.content.children.forEach(d=>d.visible=false); out.none=time(3,()=>v.drawNow());
+  out.size=[v.canvas.width,v.canvas.height];
+  v.content.children.forEach(d=>d.visible=true);
+  out.nav=performance.getEntriesByType('navigation')[0].toJSON().domContentLoadedEventEnd;
+  const t=performance.now(); turnscale.moveTo(100); out.move=performance.now()-t;
+  return out;
+}));
+b.process().kill('SIGKILL'); process.exit();
