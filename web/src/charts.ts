@@ -96,7 +96,10 @@ export function makeChart(element: HTMLElement, data: ChartData, theme: Theme, o
     bands.push({ series: [at + 1, at + 2], fill: colourWithAlpha(band.colour, theme.dark ? 0.24 : 0.18) });
   }
   const grid = { stroke: theme.line, width: 1 };
-  let quiet = false;
+  let shownTime: number | null = null;
+  const showTime = (self: uPlot) => {
+    if (shownTime !== null) self.setCursor({ left: self.valToPos(shownTime, 'x'), top: 0 }, false);
+  };
   const readings = data.readings;
   const size = () => ({ width: Math.max(element.clientWidth, 200), height: 168 });
   const plot: uPlot = new uPlot(
@@ -113,9 +116,11 @@ export function makeChart(element: HTMLElement, data: ChartData, theme: Theme, o
       bands,
       cursor: { y: false, drag: { x: true, y: false }, points: { show: (_, i) => (i % 3 === 1 ? pointOf(theme) : document.createElement('i')) } },
       hooks: {
+        // The reader's cursor, not one that follows the place shown elsewhere.
         setCursor: [(self) => {
-          if (!quiet && self.cursor.idx !== null && self.cursor.idx !== undefined) onTime(data.time[self.cursor.idx]);
+          if (self.cursor.event && typeof self.cursor.idx === 'number') onTime(self.posToVal(self.cursor.left ?? 0, 'x'));
         }],
+        ready: [showTime],
         draw: [(self) => { if (readings) drawReadings(self, readings, theme); }],
       },
     },
@@ -126,9 +131,8 @@ export function makeChart(element: HTMLElement, data: ChartData, theme: Theme, o
   resizes.observe(element);
   return {
     moveTo(time) {
-      quiet = true;
-      plot.setCursor({ left: plot.valToPos(time, 'x'), top: 0 }, true);
-      quiet = false;
+      shownTime = time;
+      if (plot.status === 1) showTime(plot);
     },
     destroy() {
       resizes.disconnect();

@@ -37,7 +37,6 @@ async function get<T>(path: string): Promise<T> {
 export function followRun(page: ReportPage): void {
   let shownPath = -1;
   let shownImage = -1;
-  let fitted = 0;
   let updates = 0;
   let failures = 0;
   let current: LiveState | null = null;
@@ -49,7 +48,7 @@ export function followRun(page: ReportPage): void {
   pause.id = 'pause';
   bar.append(make('span', '', 'pulse'), text, pause);
   pause.addEventListener('click', () => {
-    void fetch(current?.paused ? 'resume' : 'pause', { method: 'POST', headers: { 'X-Turnscale': '1' } });
+    void fetch(current?.paused ? 'resume' : 'pause', { method: 'POST', headers: { 'X-Turnscale': '1' } }).catch(() => {});
   });
   element('picture').hidden = false;
 
@@ -69,15 +68,8 @@ export function followRun(page: ReportPage): void {
     Object.assign(window, { liveUpdates: ++updates, liveState: state });
   };
 
-  const showPath = (report: Report) => {
-    const points = report.path.time.length;
-    const grown = points > 1.3 * fitted;
-    if (grown) fitted = points;
-    page.showLive(report, grown || points < 30);
-  };
-
   const showImage = (number: number) => {
-    if (number === shownImage) return;
+    if (number === shownImage || number === 0) return;
     shownImage = number;
     const image = element<HTMLImageElement>('thumbnail');
     const next = new Image();
@@ -116,7 +108,7 @@ export function followRun(page: ReportPage): void {
       showState(state);
       if (state.path !== shownPath) {
         shownPath = state.path;
-        showPath(await get<Report>('path.json'));
+        page.showLive(await get<Report>('path.json'));
       }
       showImage(state.image);
     } catch {

@@ -74,18 +74,18 @@ export class ReportPage {
   }
 
   /** The path of a run that goes on: without charts and tables; the last point is the current one. */
-  showLive(report: Report, fit: boolean): void {
+  showLive(report: Report): void {
     this.report = report;
     this.showHeading();
     this.view.setUnit(report.unit);
     this.by = report.unit === 'm' ? this.by : 'state';
     const { colours } = colourPath(report.path, this.by, this.theme.dark);
     this.view.setPath({ places: report.path, colours, turns: [], predicted: [], markers: [] });
-    if (fit) this.view.fit();
+    this.view.follow();
     this.showColours();
     this.place = report.path.time.length - 1;
     this.view.setCurrent(this.place);
-    element('landmarks').hidden = true;
+    document.documentElement.classList.add('following');
     if (this.place >= 0) this.showReadout();
   }
 
@@ -167,8 +167,9 @@ export class ReportPage {
     const i = this.place;
     const rows: [string, string, boolean?][] = [['Time', `${clock(path.time[i])}  (frame ${path.frame[i]})`]];
     const speed = path.speed[i];
-    if (speed !== null)
-      rows.push(['Speed', `${(speed * kmhPerMps).toFixed(1)} ± ${((path.speedSigma[i] ?? 0) * kmhPerMps).toFixed(1)} km/h`]);
+    const speedSigma = path.speedSigma[i];
+    const band = speedSigma === null ? '' : ` ± ${(speedSigma * kmhPerMps).toFixed(1)}`;
+    if (speed !== null) rows.push(['Speed', `${(speed * kmhPerMps).toFixed(1)}${band} km/h`]);
     const sigma = path.sigma[i];
     rows.push(['Scale', scaleStateNames[path.scaleState[i]] ?? '-']);
     if (sigma !== null) rows.push(['Sigma of the scale', `${(100 * sigma).toFixed(1)} %`]);

@@ -55,7 +55,8 @@ export class PathView {
   private drawn = 0;
 
   constructor(private readonly element: HTMLElement, private theme: Theme) {
-    this.context = this.canvas.getContext('2d')!;
+    // Landmarks are set pixel by pixel, which a canvas on a graphics card makes slow.
+    this.context = this.canvas.getContext('2d', { willReadFrequently: true })!;
     element.append(this.canvas);
     new ResizeObserver(() => this.resize()).observe(element);
     this.bindPointer();
@@ -119,6 +120,12 @@ export class PathView {
     };
     requestAnimationFrame(step);
     this.fitted = true;
+  }
+
+  /** Keeps the whole path in view as it grows, unless the reader has moved it. */
+  follow(): void {
+    if (this.fitted) this.camera.fit(this.content.places);
+    this.draw();
   }
 
   /** The whole path, as large as the element allows. */
@@ -288,12 +295,14 @@ export class PathView {
     const taken: [number, number][] = [];
     context.textAlign = 'center';
     context.textBaseline = 'middle';
+    // Of many turns, some: the others appear when the reader comes closer.
+    const apart = content.markers.length > 40 ? 46 : 20;
     const count = content.places.x.length;
     if (count > 0) this.end(0, 'start');
     if (count > 1) this.end(count - 1, 'end');
     for (const { index, label, used } of content.markers) {
       const [x, y] = [screen[2 * index], screen[2 * index + 1]];
-      if (!visible[index] || taken.some(([a, b]) => Math.abs(a - x) < 20 && Math.abs(b - y) < 20)) continue;
+      if (!visible[index] || taken.some(([a, b]) => Math.abs(a - x) < apart && Math.abs(b - y) < apart)) continue;
       taken.push([x, y]);
       context.beginPath();
       context.arc(x, y, label.length > 2 ? 12 : 9.5, 0, 2 * Math.PI);
