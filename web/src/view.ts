@@ -36,8 +36,11 @@ function roundLength(length: number): number {
 export class PathView {
   onHover: (index: number) => void = () => {};
 
+  // Path and landmarks; above it what changes with every movement of the pointer.
   private readonly canvas = document.createElement('canvas');
-  private readonly context: CanvasRenderingContext2D;
+  private readonly overlay = document.createElement('canvas');
+  private readonly base: CanvasRenderingContext2D;
+  private readonly top: CanvasRenderingContext2D;
   private readonly camera = new Camera();
   private readonly pixel = new Float64Array(2);
   private in3d = false;
@@ -50,14 +53,18 @@ export class PathView {
   private showLandmarks = true;
   private current = -1;
   private unit = 'm';
-  private scheduled = false;
+  private scheduled: 'nothing' | 'overlay' | 'moved' | 'all' = 'nothing';
+  private settling = 0; // timer after which a picture that was only moved is drawn
+  private baseCamera = { target: [0, 0, 0] as [number, number, number], scale: 1 };
+  private baseTime = 0; // milliseconds that the base took
   private fitted = true; // nobody has moved the camera since
   private drawn = 0;
 
   constructor(private readonly element: HTMLElement, private theme: Theme) {
     // Landmarks are set pixel by pixel, which a canvas on a graphics card makes slow.
-    this.context = this.canvas.getContext('2d', { willReadFrequently: true })!;
-    element.append(this.canvas);
+    this.base = this.canvas.getContext('2d', { willReadFrequently: true })!;
+    this.top = this.overlay.getContext('2d')!;
+    element.append(this.canvas, this.overlay);
     new ResizeObserver(() => this.resize()).observe(element);
     this.bindPointer();
   }
@@ -94,7 +101,7 @@ export class PathView {
 
   setCurrent(index: number): void {
     this.current = index;
-    this.draw();
+    this.schedule('overlay');
   }
 
   setView(in3d: boolean): void {
@@ -139,13 +146,13 @@ export class PathView {
   zoomBy(factor: number): void {
     this.fitted = false;
     this.camera.zoom(factor);
-    this.draw();
+    this.schedule('moved');
   }
 
   panBy(px: number, py: number): void {
     this.fitted = false;
     this.camera.pan(px, py);
-    this.draw();
+    this.schedule('moved');
   }
 
   private get ratio(): number { return Math.min(window.devicePixelRatio || 1, 2); }
@@ -154,35 +161,90 @@ export class PathView {
     const { camera, element } = this;
     camera.width = Math.max(element.clientWidth, 1);
     camera.height = Math.max(element.clientHeight, 1);
-    this.canvas.width = Math.round(camera.width * this.ratio);
-    this.canvas.height = Math.round(camera.height * this.ratio);
+    for (const canvas of [this.canvas, this.overlay]) {
+      canvas.width = Math.round(camera.width * this.ratio);
+      canvas.height = Math.round(camera.height * this.ratio);
+    }
     if (this.fitted) camera.fit(this.content.places);
     this.drawNow();
   }
 
-  private draw(): void {
-    if (this.scheduled) return;
-    this.scheduled = true;
-    requestAnimationFrame(() => this.drawNow());
+  private draw(): void { this.schedule('all'); }
+
+  private schedule(what: 'overlay' | 'moved' | 'all'): void {
+    const order = ['nothing', 'overlay', 'moved', 'all'];
+    const before = this.scheduled;
+    if (order.indexOf(what) > order.indexOf(before)) this.scheduled = what;
+    if (before !== 'nothing') return;
+    requestAnimationFrame(() => {
+      const due = this.scheduled;
+      if (due === 'all') this.drawNow();
+      else if (due === 'moved') this.drawMoved();
+      else if (due === 'overlay') this.drawOverlay();
+    });
   }
 
+  /** After the camera has moved: a picture that takes long is moved as it is, and drawn when the movement pauses. */
+  private drawMoved(): void {
+    const { camera, canvas, pixel } = this;
+    const quick = 14;
+    if (this.baseTime < quick || camera.perspective > 0) {
+      this.drawNow();
+      return;
+    }
+    camera.update();
+    const { target, scale } = this.baseCamera;
+    const factor = camera.scale / scale;
+    camera.project(target[0], target[1], target[2], pixel);
+    const shift = [pixel[0] - 0.5 * factor * camera.width, pixel[1] - 0.5 * factor * camera.height];
+    canvas.style.transform = `translate(${shift[0]}px,${shift[1]}px) scale(${factor})`;
+    this.drawOverlay();
+    window.clearTimeout(this.settling);
+    this.settling = window.setTimeout(() => this.draw(), 150);
+  }
+
+  /** Draws all at once. */
   drawNow(): void {
-    this.scheduled = false;
-    this.camera.update();
-    const { context, ratio } = this;
+    const begin = performance.now();
+    const { base: context, ratio, camera } = this;
+    camera.update();
+    this.baseCamera = { target: [...camera.target], scale: camera.scale };
+    this.canvas.style.transform = '';
+    window.clearTimeout(this.settling);
     context.setTransform(1, 0, 0, 1, 0, 0);
     context.clearRect(0, 0, this.canvas.width, this.canvas.height);
     if (this.showLandmarks) this.drawLandmarks();
     context.setTransform(ratio, 0, 0, ratio, 0, 0);
     context.lineCap = context.lineJoin = 'round';
+    this.projectPath();
     this.drawOutlines();
     this.drawTruth();
     this.drawPath();
+    this.baseTime = performance.now() - begin;
+    this.drawOverlay();
+  }
+
+  private drawOverlay(): void {
+    const { top: context, ratio, camera } = this;
+    this.scheduled = 'nothing';
+    context.setTransform(ratio, 0, 0, ratio, 0, 0);
+    context.clearRect(0, 0, camera.width, camera.height);
     context.font = '600 11px system-ui, sans-serif';
+    context.lineCap = context.lineJoin = 'round';
+    this.projectPath();
     this.drawMarkers();
-    if (this.camera.perspective === 0) this.drawScaleBar();
+    if (camera.perspective === 0) this.drawScaleBar();
     if (this.current >= 0 && this.current < this.content.places.x.length) this.drawCurrent();
     this.drawn++;
+  }
+
+  private projectPath(): void {
+    const { content: { places }, camera, pixel, screen, visible } = this;
+    for (let i = 0; i < visible.length; i++) {
+      visible[i] = camera.project(places.x[i], places.y[i], places.z[i], pixel) ? 1 : 0;
+      screen[2 * i] = pixel[0];
+      screen[2 * i + 1] = pixel[1];
+    }
   }
 
   // Pixel by pixel: where many landmarks meet, the ground gets darker.
@@ -190,7 +252,7 @@ export class PathView {
     const { landmarks, camera, pixel, ratio } = this;
     if (landmarks.length === 0) return;
     const { width, height } = this.canvas;
-    const image = this.context.createImageData(width, height);
+    const image = this.base.createImageData(width, height);
     const values = new Uint32Array(image.data.buffer);
     const colour = parseInt(this.theme.landmark.slice(1), 16);
     const bgr = ((colour & 255) << 16) | (colour & 0xff00) | (colour >> 16);
@@ -206,26 +268,28 @@ export class PathView {
         values[place] = (Math.min((values[place] >>> 24) + step, 235) << 24) | bgr;
       }
     }
-    this.context.putImageData(image, 0, 0);
+    this.base.putImageData(image, 0, 0);
   }
 
-  private line(places: Places, first: number, last: number): boolean {
-    const { context, camera, pixel } = this;
-    let pen = false;
-    let any = false;
-    context.beginPath();
-    for (let i = first; i <= last; i++) {
-      const visible = camera.project(places.x[i], places.y[i], places.z[i], pixel);
-      if (visible && pen) context.lineTo(pixel[0], pixel[1]);
-      else if (visible) context.moveTo(pixel[0], pixel[1]);
-      any ||= visible && pen;
-      pen = visible;
+  // In pieces: a stroke of thousands of points that cross each other takes long.
+  private stroke(places: Places, first: number, last: number): void {
+    const { base: context, camera, pixel } = this;
+    const piece = 200;
+    for (let begin = first; begin < last; begin += piece) {
+      let pen = false;
+      context.beginPath();
+      for (let i = begin; i <= Math.min(begin + piece, last); i++) {
+        const visible = camera.project(places.x[i], places.y[i], places.z[i], pixel);
+        if (visible && pen) context.lineTo(pixel[0], pixel[1]);
+        else if (visible) context.moveTo(pixel[0], pixel[1]);
+        pen = visible;
+      }
+      context.stroke();
     }
-    return any;
   }
 
   private drawOutlines(): void {
-    const { context, camera, pixel, theme } = this;
+    const { base: context, camera, pixel, theme } = this;
     if (this.outlines.length === 0) return;
     context.beginPath();
     for (const outline of this.outlines) {
@@ -243,36 +307,30 @@ export class PathView {
   }
 
   private drawTruth(): void {
-    if (!this.truth || !this.line(this.truth, 0, this.truth.x.length - 1)) return;
-    this.context.strokeStyle = this.theme.truth;
-    this.context.lineWidth = 2.4;
-    this.context.setLineDash([7, 5]);
-    this.context.stroke();
-    this.context.setLineDash([]);
+    if (!this.truth) return;
+    const { base: context } = this;
+    context.strokeStyle = this.theme.truth;
+    context.lineWidth = 2.4;
+    context.setLineDash([7, 5]);
+    this.stroke(this.truth, 0, this.truth.x.length - 1);
+    context.setLineDash([]);
   }
 
   private drawPath(): void {
-    const { context, content, theme, camera, pixel, screen, visible } = this;
+    const { base: context, content, theme, screen, visible } = this;
     const { places } = content;
     const count = places.x.length;
-    for (let i = 0; i < count; i++) {
-      visible[i] = camera.project(places.x[i], places.y[i], places.z[i], pixel) ? 1 : 0;
-      screen[2 * i] = pixel[0];
-      screen[2 * i + 1] = pixel[1];
-    }
     context.globalAlpha = 0.28;
     context.strokeStyle = theme.turn;
     context.lineWidth = 15;
-    for (const [first, last] of content.turns) if (this.line(places, first, last)) context.stroke();
+    for (const [first, last] of content.turns) this.stroke(places, first, last);
     context.globalAlpha = 1;
-    if (this.line(places, 0, count - 1)) {
-      context.strokeStyle = theme.panel;
-      context.lineWidth = pathWidth + 2.5;
-      context.stroke();
-    }
+    context.strokeStyle = theme.panel;
+    context.lineWidth = pathWidth + 2.5;
+    this.stroke(places, 0, count - 1);
     context.lineWidth = pathWidth;
     // As long as the colour stays the same to the eye, one stroke.
-    const same = (a: Rgb, b: Rgb) => Math.abs(a[0] - b[0]) + Math.abs(a[1] - b[1]) + Math.abs(a[2] - b[2]) < 9;
+    const same = (a: Rgb, b: Rgb) => Math.abs(a[0] - b[0]) + Math.abs(a[1] - b[1]) + Math.abs(a[2] - b[2]) < 16;
     for (let i = 1; i < count; ) {
       const colour = content.colours[i];
       let j = i;
@@ -287,11 +345,11 @@ export class PathView {
     }
     context.strokeStyle = theme.bad;
     context.lineWidth = pathWidth + 1;
-    for (const [first, last] of content.predicted) if (this.line(places, first, last)) context.stroke();
+    for (const [first, last] of content.predicted) this.stroke(places, first, last);
   }
 
   private drawMarkers(): void {
-    const { context, content, theme, screen, visible } = this;
+    const { top: context, content, theme, screen, visible } = this;
     const taken: [number, number][] = [];
     context.textAlign = 'center';
     context.textBaseline = 'middle';
@@ -317,7 +375,7 @@ export class PathView {
   }
 
   private end(index: number, text: string): void {
-    const { context, screen, theme } = this;
+    const { top: context, screen, theme } = this;
     if (!this.visible[index]) return;
     const [x, y] = [screen[2 * index], screen[2 * index + 1]];
     context.beginPath();
@@ -336,7 +394,7 @@ export class PathView {
   }
 
   private label(text: string, x: number, y: number): void {
-    const { context, theme } = this;
+    const { top: context, theme } = this;
     context.lineWidth = 4;
     context.strokeStyle = theme.panel;
     context.strokeText(text, x, y);
@@ -345,7 +403,7 @@ export class PathView {
   }
 
   private drawScaleBar(): void {
-    const { context, camera, theme } = this;
+    const { top: context, camera, theme } = this;
     const length = roundLength(110 / camera.scale);
     const width = length * camera.scale;
     const x = camera.width - 18 - width;
@@ -366,7 +424,7 @@ export class PathView {
   }
 
   private drawCurrent(): void {
-    const { context, screen, theme, current } = this;
+    const { top: context, screen, theme, current } = this;
     if (!this.visible[current]) return;
     const last = this.content.places.x.length - 1;
     // Ahead: towards a point that is some pixels away, since a car that stands has no direction.
@@ -425,7 +483,7 @@ export class PathView {
       const frame = element.getBoundingClientRect();
       this.fitted = false;
       this.camera.zoom(Math.exp(-event.deltaY * 0.0015), event.clientX - frame.left, event.clientY - frame.top);
-      this.draw();
+      this.schedule('moved');
     }, { passive: false });
   }
 
@@ -434,7 +492,7 @@ export class PathView {
     const turns = this.in3d && !event.shiftKey && !(event.buttons & 2);
     if (turns) this.camera.orbit(px, py);
     else this.camera.pan(px, py);
-    this.draw();
+    this.schedule('moved');
   }
 
   private pinch(other: { x: number; y: number }, before: { x: number; y: number }, now: { x: number; y: number }): void {
@@ -443,7 +501,7 @@ export class PathView {
     this.fitted = false;
     this.camera.zoom(apart(now) / apart(before), 0.5 * (now.x + other.x) - frame.left, 0.5 * (now.y + other.y) - frame.top);
     this.camera.pan(0.5 * (now.x - before.x), 0.5 * (now.y - before.y));
-    this.draw();
+    this.schedule('moved');
   }
 
   private hover(event: MouseEvent): void {
