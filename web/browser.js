@@ -19,6 +19,8 @@ export function launch() {
 /** A page that records what must not happen: console errors, and requests other than to `allowed`. */
 export async function watchedPage(browser, allowed = () => false) {
   const page = await browser.newPage();
+  // Machines that build at the same time are slow.
+  page.setDefaultTimeout(90000);
   const problems = [];
   page.on('console', (message) => { if (message.type() === 'error') problems.push(`console: ${message.text()}`); });
   page.on('pageerror', (error) => problems.push(`error: ${error.message}`));

@@ -108,7 +108,9 @@ RunSummary BeforeTheDrive(const RunArguments& arguments, const OdometryOptions& 
 
 // The page that shows the results; whatever becomes of it, they are on disk already.
 void KeepReport(const RunArguments& arguments, const ThumbnailCollector& thumbnails, RunEnd& end) {
-  if (!end.nothing_tracked.empty()) return;
+  std::error_code none;
+  for (const char* needed : {"trajectory.csv", "summary.json"})
+    if (!fs::is_regular_file(arguments.out / needed, none)) return;
   Attempts attempts;
   attempts.Try([&] { WriteThumbnails(arguments.out, thumbnails.thumbnails()); });
   attempts.Try([&] { WriteRunPage(arguments.out, arguments.truth); });

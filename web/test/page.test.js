@@ -16,7 +16,11 @@ const run = ['run', drive, '--lever-arm', '1.5'];
 const wait = (milliseconds) => new Promise((done) => setTimeout(done, milliseconds));
 let browser;
 before(async () => { browser = await launch(); });
-after(() => browser.close());
+const children = [];
+after(async () => {
+  for (const child of children) child.kill('SIGKILL');
+  await browser.close();
+});
 
 async function open(path, { dark = false, width = 1360, height = 900 } = {}) {
   const { page, problems } = await watchedPage(browser);
@@ -127,6 +131,7 @@ test('the report of an hour opens and pans', async (t) => {
 /** Starts a live run; gives its address and its end. */
 function liveRun(name) {
   const child = spawn(program, [...run, '--out', join(scratch, name), '--live', '--quiet']);
+  children.push(child);
   const ended = new Promise((done) => child.on('close', done));
   const address = new Promise((done, fail) => {
     let text = '';

@@ -40,7 +40,7 @@ std::string KmlValues(const GeoTrack& track, const char* name,
 }
 
 std::string KmlTrack(const GeoTrack& track) {
-  std::string text = "<Placemark>\n<name>Track with times</name>\n<styleUrl>#path</styleUrl>\n<gx:Track>\n";
+  std::string text = "<Placemark>\n<name>Path</name>\n<styleUrl>#path</styleUrl>\n<gx:Track>\n";
   text += track.has_height ? "<altitudeMode>absolute</altitudeMode>\n" : "";
   for (const GeoPlace& place : track.places)
     text += "<when>" + UtcTimeText(*track.start_time + place.time) + "</when>\n";
@@ -49,6 +49,14 @@ std::string KmlTrack(const GeoTrack& track) {
   text += KmlValues(track, "speed", [](const SpeedReading& reading) { return reading.speed; });
   text += KmlValues(track, "speed_sigma", [](const SpeedReading& reading) { return reading.sigma; });
   return text + "</SchemaData>\n</ExtendedData>\n</gx:Track>\n</Placemark>\n";
+}
+
+std::string KmlLine(const GeoTrack& track) {
+  std::string text = "<Placemark>\n<name>Path</name>\n<styleUrl>#path</styleUrl>\n<LineString>\n";
+  text += track.has_height ? "<altitudeMode>absolute</altitudeMode>\n" : "<tessellate>1</tessellate>\n";
+  text += "<coordinates>\n";
+  for (const GeoPlace& place : track.places) text += KmlCoordinates(track, place, ',') + "\n";
+  return text + "</coordinates>\n</LineString>\n</Placemark>\n";
 }
 
 Json Position(const GeoTrack& track, const GeoPoint& point) {
@@ -96,12 +104,7 @@ std::string KmlText(const GeoTrack& track) {
       "(m/s)</displayName></gx:SimpleArrayField>\n"
       "<gx:SimpleArrayField name=\"speed_sigma\" type=\"float\"><displayName>Sigma of the speed "
       "(m/s)</displayName></gx:SimpleArrayField>\n</Schema>\n";
-  if (track.start_time) text += KmlTrack(track);
-  text += "<Placemark>\n<name>Path</name>\n<styleUrl>#path</styleUrl>\n<LineString>\n";
-  text += track.has_height ? "<altitudeMode>absolute</altitudeMode>\n" : "<tessellate>1</tessellate>\n";
-  text += "<coordinates>\n";
-  for (const GeoPlace& place : track.places) text += KmlCoordinates(track, place, ',') + "\n";
-  text += "</coordinates>\n</LineString>\n</Placemark>\n";
+  text += track.start_time ? KmlTrack(track) : KmlLine(track);
   for (size_t i = 0; i < track.turns.size(); ++i) {
     text += fmt::format(
         "<Placemark>\n<name>Turn {}</name>\n<Point>\n<coordinates>{}</coordinates>\n</Point>\n</Placemark>\n", i + 1,

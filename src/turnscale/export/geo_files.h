@@ -22,7 +22,7 @@ struct GeoTrack {
 /// GPX 1.1: one track. Speed (m/s) and sigmas stand in extensions.
 std::string GpxText(const GeoTrack& track);
 
-/// KML 2.2: the path as a line, and as gx:Track with speed and sigmas if there is a start time.
+/// KML 2.2: the path as a gx:Track with speed and sigmas if there is a start time, else as a line; a point per turn.
 std::string KmlText(const GeoTrack& track);
 
 /// GeoJSON (RFC 7946): a line whose property coordinateProperties has one time, speed and sigma per position (null

@@ -43,6 +43,7 @@ TEST(GeoFiles, Kml) {
   const std::string kml = KmlText(track);
   EXPECT_EQ(Count(kml, "<when>"), 11);
   EXPECT_EQ(Count(kml, "<gx:coord>"), 11);
+  EXPECT_EQ(Count(kml, "<LineString>"), 0) << "readers would find the path twice";
   EXPECT_EQ(Count(kml, "<gx:value>10.000</gx:value>"), 10);
   EXPECT_NE(kml.find("<gx:coord>8.0000000 49.0000000 0.00</gx:coord>"), std::string::npos);
   track.start_time.reset();

@@ -20,16 +20,18 @@ namespace {
 namespace fs = std::filesystem;
 
 std::optional<std::string> TextIfThere(const fs::path& path) {
-  std::ifstream stream(path, std::ios::binary);
+  // A device could be read for ever.
   std::error_code none;
-  if (!stream || fs::is_directory(path, none)) return std::nullopt;
+  if (!fs::is_regular_file(path, none)) return std::nullopt;
+  std::ifstream stream(path, std::ios::binary);
   return std::string(std::istreambuf_iterator<char>(stream), {});
 }
 
 // Calls `read` for every line of a table, if there is one.
 void ReadTable(const fs::path& path, const std::function<void(CsvTable&)>& read) {
+  std::error_code none;
   std::ifstream stream(path);
-  if (!stream) return;
+  if (!stream || !fs::is_regular_file(path, none)) return;
   CsvTable table(stream, path.string());
   while (table.Next()) read(table);
 }
