@@ -263,7 +263,8 @@ export class ReportPage {
         readings: { label: 'from one turn alone', time: own.map((turn) => (turn.from + turn.to) / 2), value: own.map((turn) => turn.scale!),
           sigma: own.map((turn) => turn.sigma!), used: own.map((turn) => turn.used), colour: theme.turn } });
     }
-    if (rotation) {
+    // A rotation that was given was not learned.
+    if (rotation?.yawSigma.some((value) => value !== null)) {
       const band = (label: string, values: number[], sigmas: (number | null)[], colour: string) => ({ label, values, sigmas, colour });
       charts.push({ title: 'Rotation of the camera in the car', unit: 'degrees', ...steps(rotation.time, [
         band('yaw', rotation.yaw, rotation.yawSigma, theme.accent), band('pitch', rotation.pitch, rotation.pitchSigma, theme.good),
