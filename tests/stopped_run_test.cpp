@@ -58,7 +58,7 @@ TEST_F(StoppedRunTest, AKillAtAnyMomentLeavesWholeFilesOrNone) {
 TEST_F(StoppedRunTest, AFileThatIsTooLargeForTheDiskKeepsNoOther) {
   ASSERT_EQ(RunCommand(Arguments({"--quiet"}), folder_).exit_code, 0);
   std::uintmax_t second = 0;
-  for (const auto& entry : fs::directory_iterator(Out())) {
+  for (const auto& entry : fs::recursive_directory_iterator(Out())) {
     if (entry.path().filename() != "report.html" && entry.is_regular_file())
       second = std::max(second, fs::file_size(entry.path()));
   }
