@@ -109,6 +109,12 @@ def run_and_score(program, images, truth, out, options):
     return score
 
 
+def percent_tracked(score):
+    """Frames with a pose of their own, or that repeat one that has."""
+    frames = score["frames"]
+    return 100 * (frames["tracked"] + frames["repeated"]) / frames["total"]
+
+
 def cached(file, made_of, make):
     """What `make` gave before of the same, or gives now: a map that the file keeps as JSON."""
     if file.is_file():

@@ -76,10 +76,16 @@ TEST(OdometryMetres, ScaleIsPendingUntilWellInsideTheFirstTurn) {
     // While the turn goes on, the way before it grows or shrinks as its scale becomes known.
     if (frame->frame < run.turns[0].last_frame + 10) continue;
     const auto place = static_cast<size_t>(frame->frame);
-    const double step = (frame->world_from_camera->translation - (frame - 1)->world_from_camera->translation).norm();
-    const double true_step =
-        (drive.world_from_camera[place].translation - drive.world_from_camera[place - 1].translation).norm();
-    EXPECT_NEAR(step / true_step, 1, 0.04) << "frame " << frame->frame;
+    const auto motion_error = [&](int frames) {
+      const double way =
+          (frame->world_from_camera->translation - (frame - frames)->world_from_camera->translation).norm();
+      const double true_way =
+          (drive.world_from_camera[place].translation - drive.world_from_camera[place - frames].translation).norm();
+      return way / true_way - 1;
+    };
+    // Bundle adjustment moves each keyframe by a few centimetres, which a single step of 0.4 m shows.
+    EXPECT_NEAR(motion_error(1), 0, 0.13) << "frame " << frame->frame;
+    EXPECT_NEAR(motion_error(4), 0, 0.04) << "frame " << frame->frame;
   }
   for (const FrameResult& frame : run.refined)
     EXPECT_NE(frame.scale_state, ScaleState::kPending) << "frame " << frame.frame;

@@ -8,7 +8,6 @@
 #include <fmt/format.h>
 
 #include "turnscale/base/error.h"
-#include "turnscale/io/mask_file.h"
 #include "turnscale/io/terminal.h"
 
 namespace turnscale {
@@ -96,7 +95,7 @@ CameraEstimate EstimateCamera(const ImageArguments& arguments, DriveImages& imag
     images.camera.height = size->height;
   }
   if (assumed) images.camera.focal_sigma = kAssumedSigma * images.camera.pinhole.fx;
-  if (images.mask_file) CheckMaskSize(*images.mask_file, images.mask, {images.camera.width, images.camera.height});
+  images.CheckMask({images.camera.width, images.camera.height});
   int pass = 0;
   std::optional<double> last;
   const std::optional<FoundCamera> found = CalibrateFromDrive(

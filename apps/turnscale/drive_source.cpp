@@ -103,8 +103,8 @@ DriveImages::DriveImages(const ImageArguments& arguments)
       source(drive, SourceOptions(arguments, camera, camera_file)),
       expected(ExpectedFrames(source.count(), arguments.max_frames)) {}
 
-void DriveImages::CheckMask(const cv::Mat& image) const {
-  if (mask_file && !image.empty()) CheckMaskSize(*mask_file, mask, image.size());
+void DriveImages::CheckMask(const cv::Size& size) const {
+  if (mask_file && !size.empty()) CheckMaskSize(*mask_file, mask, size);
 }
 
 std::string DoubtOf(const DriveImages& images, const cv::Mat& image) {
@@ -184,7 +184,7 @@ DriveMotion MotionFromImages(const ImageArguments& arguments) {
       if (!frame || Interrupted()) break;
       if (!frame->notice.empty()) progress.Warn(frame->notice);
       if (processed == 0) {
-        images.CheckMask(frame->gray);
+        images.CheckMask(frame->gray.size());
         if (const std::string doubt = DoubtOf(images, frame->gray); !doubt.empty()) progress.Warn(doubt);
       }
       if (frame->gray.empty()) {

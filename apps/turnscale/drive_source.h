@@ -55,8 +55,8 @@ struct DriveImages {
   /// Throws InputError where there are no images or no times, or the mask cannot be read.
   explicit DriveImages(const ImageArguments& arguments);
 
-  /// Throws InputError where the mask is not of the image's size; an empty image is of any.
-  void CheckMask(const cv::Mat& image) const;
+  /// Throws InputError where the mask is not of the images' size. Accepts an empty size.
+  void CheckMask(const cv::Size& size) const;
 
   DriveInput drive;
   std::filesystem::path camera_file;  ///< empty where the camera is not given

@@ -175,7 +175,7 @@ int RunImages(const RunArguments& arguments) {
     std::optional<SourceFrame> frame = images.source.Next();
     if (begun) return frame;
     begun = true;
-    if (frame) images.CheckMask(frame->gray);
+    if (frame) images.CheckMask(frame->gray.size());
     // From here on there is something to keep.
     CatchInterrupts();
     if (const std::string doubt = frame ? DoubtOf(images, frame->gray) : ""; !doubt.empty()) progress.Warn(doubt);
@@ -243,8 +243,7 @@ void AddRunCommand(CLI::App& app) {
   run->add_option(
          "--method", arguments->method,
          "How metric scale is obtained. smoothed: one estimate along the drive, from all turns; turns: each turn's "
-         "scale "
-         "from this turn alone, held by a final bundle adjustment; paper: the same for each pair of consecutive "
+         "scale from this turn alone, held by a final bundle adjustment; paper: the same for each pair of consecutive "
          "keyframes in a turn (equation (22) of the paper by Kim et al.) [smoothed]")
       ->check(CLI::IsMember({"smoothed", "turns", "paper"}));
   run->add_option("--frame", arguments->frame, "Write poses of the camera or of the vehicle (rear axle)")

@@ -205,9 +205,10 @@ void AddSimulateCommand(CLI::App& app) {
   simulate->footer(
       "Example:\n  turnscale simulate garage --out drives/garage --seed 7\n"
       "  turnscale run drives/garage --lever-arm 1.5\n\n"
-      "Output: a KITTI folder (image_0/ or video.mp4, calib.txt, times.txt, poses.txt) with camera.yaml, vehicle.yaml, "
-      "truth.csv,\n"
-      "floor_plan.csv, rig.yaml and drive.yaml. times.txt is written last: a folder without it is incomplete.\n"
+      "Output: a KITTI folder (image_0/ or video.mp4, calib.txt, times.txt, poses.txt) with camera.yaml, "
+      "vehicle.yaml,\n"
+      "truth.csv, floor_plan.csv, rig.yaml and drive.yaml. times.txt is written last: a folder without it is "
+      "incomplete.\n"
       "Where the recorded trajectory stops, the simulated car creeps on at 0.2 m/s; reversing is not reproduced.");
   simulate->callback([arguments] {
     if (const int exit_code = Simulate(*arguments); exit_code != 0) throw CLI::RuntimeError(exit_code);

@@ -57,9 +57,11 @@ ClipReader::ClipReader(const std::vector<std::filesystem::path>& clips, const Cl
 }
 
 void ClipReader::ReadHeaders(const std::vector<std::filesystem::path>& clips) {
-  std::exception_ptr first_failure;
-  std::exception_ptr latest;  // since a clip that can be decoded
-  std::exception_ptr hole;    // of a clip between two that can be decoded
+  struct Failure {
+    size_t clip;  // that follows, of those that can be decoded
+    std::exception_ptr error;
+  };
+  std::vector<Failure> failures;
   for (const auto& clip : clips) {
     try {
       auto video = std::make_unique<VideoFile>(clip);
@@ -67,18 +69,18 @@ void ClipReader::ReadHeaders(const std::vector<std::filesystem::path>& clips) {
       // Opened once more when its turn comes: a decoder needs memory.
       if (!video_) video_ = std::move(video);
     } catch (const UnreadableVideo&) {
-      latest = std::current_exception();
-      if (!first_failure) first_failure = latest;
+      failures.push_back({clips_.size(), std::current_exception()});
       left_out_.push_back(clip.string() + ": cannot be opened as a video; the clip is left out");
       continue;
     }
-    if (!clips_.empty() && latest && !hole) hole = latest;
-    latest = nullptr;
     clips_.push_back(clip);
   }
-  if (first_failure && (clips_.empty() || !options_.timed)) std::rethrow_exception(first_failure);
+  if (!failures.empty() && (clips_.empty() || !options_.timed)) std::rethrow_exception(failures.front().error);
   if (options_.timed) recorded_.emplace(clips_, headers_);
-  if (hole && !recorded_->AreInNames()) std::rethrow_exception(hole);
+  for (const Failure& failure : failures) {
+    const bool between = failure.clip > 0 && failure.clip < clips_.size();
+    if (between && !recorded_->AreInNames()) std::rethrow_exception(failure.error);
+  }
   if (options_.in_any_order && recorded_ && !recorded_->AreKnown()) {
     throw InputError(fmt::format(
         "{}: lies in another folder than {}, and nothing tells when they were recorded; name the clips of one drive in "

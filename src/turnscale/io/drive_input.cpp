@@ -111,8 +111,9 @@ DriveInput FindInFolder(const fs::path& folder) {
         "{}: holds images ({}) and videos ({}); give the videos by name, or a folder of one kind", folder.string(),
         drive.images.front().filename().string(), drive.videos.front().filename().string()));
   }
-  for (const fs::path& video : drive.videos)
-    drive.several_folders = drive.several_folders || video.parent_path() != drive.videos.front().parent_path();
+  drive.several_folders = std::any_of(drive.videos.begin(), drive.videos.end(), [&](const fs::path& video) {
+    return video.parent_path() != drive.videos.front().parent_path();
+  });
   if (drive.videos.size() == 1) drive.path = drive.videos.front();
   if (!drive.images.empty() || !drive.videos.empty()) return drive;
   throw InputError(drive.path.string() +

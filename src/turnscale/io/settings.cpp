@@ -191,6 +191,7 @@ void VisitSettings(Visitor& visitor, OdometryOptions& options) {
     visitor.Field("max_passes", o.max_passes);
     visitor.Field("min_interval", o.min_interval);
     visitor.Field("converged", o.converged);
+    visitor.Field("converged_sigmas", o.converged_sigmas);
     visitor.Field("focal_prior_sigma", o.focal_prior_sigma);
     visitor.Field("correction_prior_sigma", o.correction_prior_sigma);
     visitor.Field("higher_prior_sigma", o.higher_prior_sigma);

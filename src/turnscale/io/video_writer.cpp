@@ -14,6 +14,7 @@
 
 #include "turnscale/base/error.h"
 #include "turnscale/io/output_file.h"
+#include "turnscale/io/range_check.h"
 
 extern "C" {
 #include <libavcodec/avcodec.h>
@@ -36,7 +37,7 @@ cv::Mat MakeLuma() {
   return luma;
 }
 
-// The system's error among those of the library, which are the system's negated.
+// FFmpeg returns the system's errors with their sign changed, and adds errors of its own.
 std::string Message(int result) {
   char text[AV_ERROR_MAX_STRING_SIZE] = {};
   av_strerror(result, text, sizeof(text));
@@ -144,8 +145,8 @@ struct VideoWriter::State {
     stream->time_base = encoder->time_base;
     stream->avg_frame_rate = encoder->framerate;
     if (avcodec_parameters_from_context(stream->codecpar, encoder.get()) < 0) throw std::bad_alloc();
-    const std::string part = PartOf(path).string();
-    if (const int result = avio_open(&output->pb, ("file:" + part).c_str(), AVIO_FLAG_WRITE); result < 0)
+    const std::filesystem::path part = PartOf(path);
+    if (const int result = avio_open(&output->pb, ("file:" + part.string()).c_str(), AVIO_FLAG_WRITE); result < 0)
       throw InputError(path.string() + ": cannot be written: " + Message(result) + "; choose another place");
     unfinished.path = part;
     AVDictionary* options = nullptr;
@@ -179,7 +180,7 @@ struct VideoWriter::State {
     Ensure(gray.type() == CV_8UC1 && gray.size() == size, "an image of a video has another size or type");
     const int64_t tick = std::llround(seconds * kVideoTicksPerSecond);
     Ensure(tick > last_tick, "the time stamps of a video do not increase");
-    Ensure(!finished, "the video is finished");
+    Ensure(!unfinished.path.empty(), "the video is finished");
     last_tick = tick;
     if (av_frame_make_writable(frame.get()) < 0) throw std::bad_alloc();
     cv::Mat y(size, CV_8U, frame->data[0], static_cast<size_t>(frame->linesize[0]));
@@ -194,16 +195,15 @@ struct VideoWriter::State {
   }
 
   void Finish() {
-    Ensure(!finished, "the video is finished");
+    Ensure(!unfinished.path.empty(), "the video is finished");
     Checked(avcodec_send_frame(encoder.get(), nullptr));
     Drain();
     Checked(av_write_trailer(output.get()));
     Checked(avio_closep(&output->pb));
     std::error_code error;
-    std::filesystem::rename(PartOf(path), path, error);
+    std::filesystem::rename(unfinished.path, path, error);
     if (error) throw OutputError(path.string() + ": cannot be written: " + error.message());
     unfinished.path.clear();
-    finished = true;
   }
 
   std::filesystem::path path;
@@ -216,17 +216,12 @@ struct VideoWriter::State {
   std::unique_ptr<AVFrame, FreeFrame> frame;
   AVStream* stream = nullptr;
   int64_t last_tick = -1;
-  bool finished = false;
 };
 
 void VideoWriterOptions::Check() const {
-  const auto check = [](const char* name, double value, double low, double high) {
-    if (!(value >= low && value <= high))
-      throw InputError(fmt::format("video.{}: is {}; it has to be in {}...{}", name, value, low, high));
-  };
-  check("rate_hz", rate_hz, 0.1, 1000);
-  check("megabits_per_second", megabits_per_second, 0.01, 1000);
-  check("key_seconds", key_seconds, 0, 3600);
+  CheckRange("video.rate_hz", rate_hz, 0.1, 1000);
+  CheckRange("video.megabits_per_second", megabits_per_second, 0.01, 1000);
+  CheckRange("video.key_seconds", key_seconds, 0, 3600);
 }
 
 VideoWriter::VideoWriter(const std::filesystem::path& path, const cv::Size& size, const VideoWriterOptions& options)

@@ -81,8 +81,8 @@ struct IntrinsicsEstimate {
 /// (IntrinsicsProblem); their evidence is summed, windows that disagree with the others are down-weighted, and their
 /// scatter widens the sigmas. Also the estimator of unknown intrinsics, with wide priors (CalibrateFromDrive).
 ///
-/// Reads the map and changes nothing. Works with any lens: the correction is a
-/// function of the distorted radius, which is bounded (Correct).
+/// Reads the map and changes nothing. Works with any lens: the correction is a function of the distorted radius, which
+/// is bounded (Correct).
 class CalibrationCheck {
  public:
   explicit CalibrationCheck(const CalibrationCheckOptions& options);

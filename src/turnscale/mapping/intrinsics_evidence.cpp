@@ -65,6 +65,47 @@ std::vector<Track> LongestTracks(const Map& map, const IntrinsicsWindow& window)
   return tracks;
 }
 
+// The distorted pixel of an ideal one.
+struct Prediction {
+  Eigen::Vector2d distorted;  // pixels of the image
+  CorrectedPixel corrected;   // of it
+  Eigen::Matrix2d jacobian;   // derivative of the distorted pixel by the ideal one
+};
+
+Eigen::Matrix2d DistortedByIdeal(const Pinhole& pinhole, const CorrectedPixel& corrected) {
+  const Eigen::DiagonalMatrix<double, 2> focal(pinhole.fx, pinhole.fy);
+  return focal * corrected.jacobian.inverse() * focal.inverse();
+}
+
+// Whether the correction is far from folding the image.
+bool IsRegular(const CorrectedPixel& corrected) {
+  constexpr double kLeastShare = 0.1;
+  const double half_trace = 0.5 * corrected.jacobian.trace();
+  return corrected.jacobian.determinant() > kLeastShare * half_trace * half_trace;
+}
+
+// Newton's method from `begin`, a distorted pixel whose correction is `begin_corrected`.
+std::optional<Prediction> Predict(const CameraModel& camera, const Vector& change, const Pinhole& pinhole,
+                                  const Eigen::Vector2d& ideal, const Eigen::Vector2d& begin,
+                                  const CorrectedPixel& begin_corrected) {
+  constexpr int kMostSteps = 5;
+  constexpr double kNegligible = 0.01;  // pixels; its square is what is left
+  Prediction at{begin, begin_corrected, Eigen::Matrix2d::Zero()};
+  for (int step = 0; step < kMostSteps; ++step) {
+    if (!IsRegular(at.corrected)) return std::nullopt;
+    const Eigen::Vector2d move = DistortedByIdeal(pinhole, at.corrected) * (ideal - at.corrected.pixel);
+    at.distorted += move;
+    const std::optional<CorrectedPixel> corrected = Correct(camera, change, at.distorted);
+    if (!corrected) return std::nullopt;
+    at.corrected = *corrected;
+    if (!(move.norm() < kNegligible)) continue;
+    if (!IsRegular(at.corrected)) return std::nullopt;
+    at.jacobian = DistortedByIdeal(pinhole, at.corrected);
+    return at;
+  }
+  return std::nullopt;
+}
+
 // Derivatives of one residual, over sigma and with the root of Huber's weight. Pose unknowns are (phi, delta):
 // x_in_camera = Exp(phi) R (X - c + delta), so that the point's derivatives are those of delta.
 struct Row {
@@ -225,7 +266,7 @@ Eigen::Matrix<double, 2, kEntries> IntrinsicsJacobian(const Pinhole& pinhole, co
 
 IntrinsicsProblem::IntrinsicsProblem(const Map& map, const CameraModel& camera, const CameraModel& given,
                                      const IntrinsicsWindow& window, double pixel_sigma)
-    : given_(given), huber_threshold_(window.huber_threshold) {
+    : given_(given), huber_threshold_(window.huber_threshold), pixel_sigma_(pixel_sigma) {
   const std::vector<Track> tracks = LongestTracks(map, window);
 
   for (int k = window.first; k <= window.last; ++k) {
@@ -238,13 +279,10 @@ IntrinsicsProblem::IntrinsicsProblem(const Map& map, const CameraModel& camera, 
     first_observation_.push_back(static_cast<int>(distorted_.size()));
     for (const LandmarkObservation& seen : track.observations) {
       const std::optional<Eigen::Vector2d> distorted = camera.Project(camera.pinhole.Ray(seen.pixel));
-      const auto ideal = distorted ? UndistortPoint(camera, camera.pinhole.Ray(*distorted).head<2>()) : std::nullopt;
-      if (!ideal) continue;
-      // Root mean square over all directions.
-      const double stretch = std::sqrt(0.5 * ideal->jacobian.squaredNorm());
-      bundle_.observations.push_back({seen.keyframe - window.first, point, seen.pixel, stretch * pixel_sigma});
+      if (!distorted || !UndistortPoint(camera, camera.pinhole.Ray(*distorted).head<2>())) continue;
+      bundle_.observations.push_back({seen.keyframe - window.first, point, seen.pixel, pixel_sigma});
       distorted_.push_back(*distorted);
-      stretch_.push_back(stretch);
+      stretch_.push_back(1);
     }
   }
   first_observation_.push_back(static_cast<int>(distorted_.size()));
@@ -261,6 +299,9 @@ void IntrinsicsProblem::Change(const Vector& change) {
     const std::optional<CorrectedPixel>& corrected = corrected_.emplace_back(Correct(given_, change, distorted_[i]));
     // A pixel that this lens cannot show stays distorted: bundle adjustment gives it little weight.
     bundle_.observations[i].pixel = corrected ? corrected->pixel : distorted_[i];
+    // Root mean square over all directions.
+    if (corrected) stretch_[i] = std::sqrt(0.5 * corrected->jacobian.squaredNorm());
+    bundle_.observations[i].sigma = stretch_[i] * pixel_sigma_;
   }
 }
 
@@ -284,8 +325,8 @@ void IntrinsicsProblem::EstimatePixelSigma() {
                         kPoseDof * static_cast<double>(bundle_.camera_from_world.size() - 1);
   if (!(measured > fitted)) return;
   const double sigma = Median(std::move(lengths)) / kMedianLength * std::sqrt(measured / (measured - fitted));
-  for (size_t i = 0; i < bundle_.observations.size(); ++i)
-    bundle_.observations[i].sigma = stretch_[i] * std::max(sigma, kLeastPixelSigma);
+  pixel_sigma_ = std::max(sigma, kLeastPixelSigma);
+  for (size_t i = 0; i < bundle_.observations.size(); ++i) bundle_.observations[i].sigma = stretch_[i] * pixel_sigma_;
 }
 
 std::optional<IntrinsicsEvidence> IntrinsicsProblem::Evidence() {
@@ -296,7 +337,7 @@ std::optional<IntrinsicsEvidence> IntrinsicsProblem::Evidence() {
 
   IntrinsicsEvidence evidence;
   evidence.at = change_;
-  evidence.pixel_sigma = bundle_.observations.front().sigma / stretch_.front();
+  evidence.pixel_sigma = pixel_sigma_;
   ReducedSystem system(cameras);
   std::vector<std::optional<EliminatedPoint>> points;
   std::vector<Row> rows;
@@ -306,9 +347,15 @@ std::optional<IntrinsicsEvidence> IntrinsicsProblem::Evidence() {
       const BundleObservation& seen = bundle_.observations[i];
       const Eigen::Vector3d x = bundle_.camera_from_world[seen.camera] * bundle_.points[p];
       if (!IsInFront(x) || !corrected_[i]) continue;
+      // Residuals in the distorted image: the correction does not scale their noise. Derivatives at the predicted
+      // pixel: those at the measured one are correlated with its noise, which biases the correction.
+      const std::optional<Prediction> predicted =
+          Predict(given_, change_, bundle_.pinhole, bundle_.pinhole.Project(x), distorted_[i], *corrected_[i]);
+      if (!predicted) continue;
+      const double weight = 1 / pixel_sigma_;
       Row& row = rows.emplace_back();
       row.column = kPoseDof * (seen.camera - 1);
-      row.residual = ReprojectionResidual(bundle_.pinhole, x, seen.pixel, 1.0 / seen.sigma);
+      row.residual = weight * (predicted->distorted - distorted_[i]);
       const double length = row.residual.norm();
       const double root_weight =
           huber_threshold_ > 0 && length > huber_threshold_ ? std::sqrt(huber_threshold_ / length) : 1.0;
@@ -316,11 +363,12 @@ std::optional<IntrinsicsEvidence> IntrinsicsProblem::Evidence() {
       by_x << bundle_.pinhole.fx / x.z(), 0, -bundle_.pinhole.fx * x.x() / (x.z() * x.z()),  //
           0, bundle_.pinhole.fy / x.z(), -bundle_.pinhole.fy * x.y() / (x.z() * x.z());
       row.pose << -by_x * Skew(x), by_x * rotations[seen.camera];
-      row.intrinsics =
-          IntrinsicsJacobian(bundle_.pinhole, x, bundle_.pinhole.Ray(distorted_[i]).head<2>(), *corrected_[i]);
+      const Eigen::Vector2d distorted_point = bundle_.pinhole.Ray(predicted->distorted).head<2>();
+      row.intrinsics = IntrinsicsJacobian(bundle_.pinhole, x, distorted_point, predicted->corrected);
       row.residual *= root_weight;
-      row.pose *= root_weight / seen.sigma;
-      row.intrinsics *= root_weight / seen.sigma;
+      const Eigen::Matrix2d by_ideal = root_weight * weight * predicted->jacobian;
+      row.pose = by_ideal * row.pose;
+      row.intrinsics = by_ideal * row.intrinsics;
     }
     points.push_back(Eliminate(rows, system));
     if (!points.back()) continue;
@@ -362,7 +410,15 @@ void IntrinsicsProblem::Follow(const Vector& change) {
     pose.rotation = (RotationFromVector(move.head<3>()) * pose.rotation).normalized();
     pose.translation = -(pose.rotation * centre);
   }
-  for (size_t p = 0; p < bundle_.points.size(); ++p) bundle_.points[p] += point_response_[p] * step + point_step_[p];
+  for (size_t p = 0; p < bundle_.points.size(); ++p) {
+    const Eigen::Vector3d moved = bundle_.points[p] + point_response_[p] * step + point_step_[p];
+    // To first order, a point that is nearly at infinity may come to lie behind its cameras.
+    const auto begin = bundle_.observations.begin();
+    if (std::all_of(
+            begin + first_observation_[p], begin + first_observation_[p + 1],
+            [&](const BundleObservation& seen) { return IsInFront(bundle_.camera_from_world[seen.camera] * moved); }))
+      bundle_.points[p] = moved;
+  }
   Change(change);
 }
 

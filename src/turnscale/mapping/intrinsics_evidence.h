@@ -41,8 +41,8 @@ struct CorrectedPixel {
 std::optional<CorrectedPixel> Correct(const CameraModel& camera, const IntrinsicsChange::Vector& change,
                                       const Eigen::Vector2d& distorted);
 
-/// Parabola of the cost in the intrinsics, whatever poses and points may be: cost(change) = constant + gradient^T
-/// (change - at) + (change - at)^T information (change - at) / 2.
+/// Parabola of the cost in the intrinsics, whatever poses and points may be, with residuals in the distorted image:
+/// cost(change) = constant + gradient^T (change - at) + (change - at)^T information (change - at) / 2.
 struct IntrinsicsEvidence {
   IntrinsicsChange::Vector at = IntrinsicsChange::Vector::Zero();
   IntrinsicsChange::Matrix information = IntrinsicsChange::Matrix::Zero();
@@ -81,7 +81,8 @@ class IntrinsicsProblem {
 
   /// Takes another camera; poses and points stay.
   void Change(const IntrinsicsChange::Vector& change);
-  /// Brings poses and points to where they go best with the camera. False where they are no numbers.
+  /// Brings poses and points to where they go best with the camera, with residuals of the corrected pixels. False where
+  /// they are no numbers.
   bool Adjust(int max_iterations);
   /// Sets the pixels' standard deviation to what the residuals show.
   void EstimatePixelSigma();
@@ -97,11 +98,12 @@ class IntrinsicsProblem {
   CameraModel given_;
   // As bundle_.observations:
   std::vector<Eigen::Vector2d> distorted_;                ///< pixels of the image
-  std::vector<double> stretch_;                           ///< by which undistortion enlarges an error there
+  std::vector<double> stretch_;                           ///< by which correction enlarges an error there
   std::vector<std::optional<CorrectedPixel>> corrected_;  ///< with change_; nothing where this lens has no ray
   std::vector<int> first_observation_;
   IntrinsicsChange::Vector change_ = IntrinsicsChange::Vector::Zero();
   double huber_threshold_ = 0;
+  double pixel_sigma_ = 0;  ///< of the distorted image
   // Of the latest evidence: step of the cameras for a step of the intrinsics and without one, and the same of points.
   Eigen::MatrixXd camera_response_;
   Eigen::VectorXd camera_step_;

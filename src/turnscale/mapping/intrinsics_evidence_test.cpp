@@ -66,9 +66,22 @@ TEST(IntrinsicsEvidence, JacobianIsTheNumericOne) {
   }
 }
 
-// Residuals of all observations, in sigmas, when poses, points and intrinsics move: six numbers a pose but the first
-// (rotation vector, centre), three a point, the change of the intrinsics.
-Eigen::VectorXd Residuals(const BundleProblem& bundle, const std::vector<Eigen::Vector2d>& raw,
+// The distorted pixel that is corrected to `ideal`, from one nearby.
+Eigen::Vector2d Distorted(const CameraModel& given, const Vector& change, const Eigen::Vector2d& ideal,
+                          const Eigen::Vector2d& begin) {
+  Eigen::Vector2d pixel = begin;
+  const Pinhole pinhole = ChangedPinhole(given.pinhole, change);
+  const Eigen::DiagonalMatrix<double, 2> focal(pinhole.fx, pinhole.fy);
+  for (int round = 0; round < 10; ++round) {
+    const CorrectedPixel corrected = *Correct(given, change, pixel);
+    pixel += focal * corrected.jacobian.inverse() * focal.inverse() * (ideal - corrected.pixel);
+  }
+  return pixel;
+}
+
+// Residuals of all observations in the distorted image, in sigmas, when poses, points and intrinsics move: six numbers
+// a pose but the first (rotation vector, centre), three a point, the change of the intrinsics.
+Eigen::VectorXd Residuals(const BundleProblem& bundle, const std::vector<Eigen::Vector2d>& raw, double sigma,
                           const CameraModel& given, const Vector& change, const Eigen::VectorXd& step) {
   const Vector moved = change + step.tail<kEntries>();
   const Pinhole pinhole = ChangedPinhole(given.pinhole, moved);
@@ -87,35 +100,39 @@ Eigen::VectorXd Residuals(const BundleProblem& bundle, const std::vector<Eigen::
     }
     const Eigen::Vector2d predicted = pinhole.Project(rotation * offset);
     residuals.segment<2>(2 * static_cast<Eigen::Index>(i)) =
-        (predicted - Correct(given, moved, raw[i])->pixel) / seen.sigma;
+        (Distorted(given, moved, predicted, raw[i]) - raw[i]) / sigma;
   }
   return residuals;
 }
 
-TEST(IntrinsicsEvidence, IsWhatTheFullNormalEquationsLeaveForTheIntrinsics) {
+void ExpectTheFullNormalEquations(LensModel lens, double correction) {
   const Map map = CornerMap(2, 0.3, 2);
   IntrinsicsWindow window = Whole(map);
   window.huber_threshold = 0;
   window.last = 9;
-  const CameraModel camera = CameraOf(map, 0.004);
-  IntrinsicsProblem problem(map, camera, camera, window, 0.5);
-  const Vector change = Change(0.02, 3, -2, 0.004);
+  CameraModel camera = CameraOf(map, lens == LensModel::kPinhole ? 0.004 : 0);
+  camera.lens = lens;
+  if (lens != LensModel::kPinhole) camera.distortion = {-0.1, 0.02, 0.001, -0.001, 0};
+  constexpr double kSigma = 0.5;
+  IntrinsicsProblem problem(map, camera, camera, window, kSigma);
+  const Vector change = Change(0.02, 3, -2, correction);
+  const BundleProblem& bundle = problem.bundle();
+  std::vector<Eigen::Vector2d> raw;
+  for (const BundleObservation& seen : bundle.observations)
+    raw.push_back(*camera.Project(camera.pinhole.Ray(seen.pixel)));
   problem.Change(change);
   const std::optional<IntrinsicsEvidence> evidence = problem.Evidence();
   ASSERT_TRUE(evidence);
 
-  const BundleProblem& bundle = problem.bundle();
-  std::vector<Eigen::Vector2d> raw;
-  for (const BundleObservation& seen : bundle.observations)
-    raw.push_back(UndoRadialCorrection(bundle.pinhole, 0.004, seen.pixel));
   const Eigen::Index poses = 6 * (static_cast<Eigen::Index>(bundle.camera_from_world.size()) - 1);
   const Eigen::Index others = poses + 3 * static_cast<Eigen::Index>(bundle.points.size());
   Eigen::MatrixXd J(2 * static_cast<Eigen::Index>(raw.size()), others + kEntries);
   for (Eigen::Index i = 0; i < J.cols(); ++i) {
     const Eigen::VectorXd h = 1e-5 * Eigen::VectorXd::Unit(J.cols(), i);
-    J.col(i) = (Residuals(bundle, raw, camera, change, h) - Residuals(bundle, raw, camera, change, -h)) / 2e-5;
+    J.col(i) =
+        (Residuals(bundle, raw, kSigma, camera, change, h) - Residuals(bundle, raw, kSigma, camera, change, -h)) / 2e-5;
   }
-  const Eigen::VectorXd r = Residuals(bundle, raw, camera, change, Eigen::VectorXd::Zero(J.cols()));
+  const Eigen::VectorXd r = Residuals(bundle, raw, kSigma, camera, change, Eigen::VectorXd::Zero(J.cols()));
   // What is left of the intrinsics' columns once all others have explained what they can. How far the last camera is
   // along z stays as it is, which holds the unit of length.
   Eigen::MatrixXd rest(J.rows(), others - 1);
@@ -129,6 +146,12 @@ TEST(IntrinsicsEvidence, IsWhatTheFullNormalEquationsLeaveForTheIntrinsics) {
   EXPECT_NEAR((unit.asDiagonal() * (evidence->information - information) * unit.asDiagonal()).norm(), 0, 1e-4);
   EXPECT_NEAR((unit.asDiagonal() * (evidence->gradient - gradient)).norm(), 0,
               1e-4 * (unit.asDiagonal() * gradient).norm());
+}
+
+TEST(IntrinsicsEvidence, IsWhatTheFullNormalEquationsLeaveForTheIntrinsics) {
+  ExpectTheFullNormalEquations(LensModel::kPinhole, 0.004);
+  ExpectTheFullNormalEquations(LensModel::kRadialTangential, 0.03);
+  ExpectTheFullNormalEquations(LensModel::kEquidistant, -0.03);
 }
 
 TEST(IntrinsicsEvidence, DoesNotDependOnTheUnitOfLength) {

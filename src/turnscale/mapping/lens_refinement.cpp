@@ -7,27 +7,24 @@
 #include <optional>
 
 #include "turnscale/base/error.h"
-#include "turnscale/bundle/bundle_adjustment.h"
 #include "turnscale/camera/camera_model.h"
 #include "turnscale/geometry/rotation.h"
+#include "turnscale/mapping/intrinsics_evidence.h"
 #include "turnscale/mapping/local_bundle_adjustment.h"
 
 namespace turnscale {
 namespace {
 
-constexpr int kFewestInWindow = 3;  // of a landmark in the window: two fit a point whatever the lens does
+using LensChange = IntrinsicsChange::Vector;
 
-// Cost that is left when poses and points have followed the correction; NaN where they cannot.
-double ProfileCost(const WindowProblem& window, const Pinhole& pinhole, double from, double to) {
-  BundleProblem problem = window.bundle;
-  for (BundleObservation& seen : problem.observations)
-    seen.pixel = CorrectRadially(pinhole, to, UndoRadialCorrection(pinhole, from, seen.pixel));
-  BundleOptions options;
-  options.max_iterations = 12;
-  options.relative_cost_tolerance = 1e-5;
-  const std::optional<BundleSummary> summary = TryAdjustBundle(options, problem);
-  return summary ? summary->final_cost : std::numeric_limits<double>::quiet_NaN();
-}
+constexpr int kFirstIterations = 12;
+constexpr int kFurtherIterations = 5;
+constexpr int kMostRounds = 10;  // of a window
+// In standard deviations; a smaller step is not measured again.
+constexpr double kNegligibleStep = 0.3;
+
+// A change of the radial correction alone.
+LensChange CorrectionOf(double correction) { return correction * LensChange::Unit(IntrinsicsChange::kCorrection); }
 
 }  // namespace
 
@@ -53,22 +50,43 @@ bool LensRefinement::Observe(const Map& map, double applied) {
   const int first = latest - options_.window + 1;
   if (first < StartOfMap(map, first)) return false;
   if (InDegrees(TurnBetween(map, first, latest)) < options_.min_turn_deg) return false;
-  const WindowProblem window = MakeWindowProblem(map, {first, first + 1, kFewestInWindow}, options_.pixel_sigma);
-  if (window.landmarks.empty()) return false;
+  // The map's pixels are undistorted except for the correction.
+  CameraModel camera;
+  camera.pinhole = map.pinhole;
+  camera.radial_correction = applied;
+  IntrinsicsWindow window;
+  window.first = first;
+  window.last = latest;
+  window.max_landmarks = std::numeric_limits<int>::max();
+  IntrinsicsProblem problem(map, camera, camera, window, options_.pixel_sigma);
+  return problem.landmarks() > 0 && Read(problem);
+}
 
-  const double below = ProfileCost(window, map.pinhole, applied, correction_ - options_.step);
-  const double here = ProfileCost(window, map.pinhole, applied, correction_);
-  const double above = ProfileCost(window, map.pinhole, applied, correction_ + options_.step);
-  const double slope = (above - below) / (2 * options_.step);
-  const double curvature = (above - 2 * here + below) / (options_.step * options_.step);
-  if (!(curvature > 0)) return false;
-  // Windows overlap by half, so that each observation has its say twice.
-  information_ += 0.5 * curvature;
-  weighted_estimate_ += 0.5 * (curvature * correction_ - slope);
-  // Far from where it was measured a parabola is not to be trusted: the next window looks a step further.
-  const double estimate = weighted_estimate_ / information_;
-  correction_ = std::clamp(estimate, correction_ - options_.step, correction_ + options_.step);
-  return true;
+bool LensRefinement::Read(IntrinsicsProblem& problem) {
+  constexpr int k = IntrinsicsChange::kCorrection;
+  problem.Change(CorrectionOf(correction_));
+  for (int round = 1;; ++round) {
+    if (!problem.Adjust(round == 1 ? kFirstIterations : kFurtherIterations)) return false;
+    const std::optional<IntrinsicsEvidence> evidence = problem.Evidence();
+    if (!evidence) return false;
+    const double at = evidence->at[k];
+    const double curvature = evidence->information(k, k);
+    if (!(curvature > 0)) return false;
+    // Windows overlap by half: most observations count twice.
+    const double information = information_ + 0.5 * curvature;
+    const double weighted_estimate = weighted_estimate_ + 0.5 * (curvature * at - evidence->gradient[k]);
+    const double estimate = weighted_estimate / information;
+    const double step = estimate - at;
+    if (step * step * information < kNegligibleStep * kNegligibleStep) {
+      information_ = information;
+      weighted_estimate_ = weighted_estimate;
+      correction_ = estimate;
+      return true;
+    }
+    if (round == kMostRounds) return false;
+    // The parabola holds only near the place where it was measured.
+    problem.Follow(CorrectionOf(at + std::clamp(step, -options_.step, options_.step)));
+  }
 }
 
 }  // namespace turnscale

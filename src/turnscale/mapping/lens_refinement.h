@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <optional>
-
 #include "turnscale/mapping/map.h"
 
 namespace turnscale {
+
+class IntrinsicsProblem;
 
 struct LensRefinementOptions {
   /// Estimate the residual radial distortion of the calibration. A few thousandths of it (half a pixel each
@@ -19,7 +19,7 @@ struct LensRefinementOptions {
   double min_turn_deg = 8.0;
   /// Prior standard deviation of the correction: the assumed accuracy of the calibration file.
   double prior_sigma = 0.02;
-  /// Step by which the correction is varied to see what fits better.
+  /// Largest change of the correction between two linearisations of a window.
   double step = 0.003;
   /// Standard deviation of a tracked pixel, pixels.
   double pixel_sigma = 0.5;
@@ -30,9 +30,9 @@ struct LensRefinementOptions {
 
 /// Estimates the radial correction (CorrectRadially) from the drive itself, window by window.
 ///
-/// In each window of keyframes the correction is varied, bundle adjustment finds poses and points that go with it, and
-/// the cost that is left is a parabola in the correction (its profile likelihood). The parabolas of the windows
-/// in which the camera turns add up, with the prior, to a maximum a posteriori estimate.
+/// Each window of keyframes in which the camera turns gives a parabola of the cost in the correction, poses and points
+/// marginalised out (IntrinsicsProblem), measured near the estimate. The parabolas add up, with the prior, to a maximum
+/// a posteriori estimate.
 class LensRefinement {
  public:
   explicit LensRefinement(const LensRefinementOptions& options);
@@ -44,6 +44,9 @@ class LensRefinement {
   double sigma() const;  ///< standard deviation of the correction
 
  private:
+  // Adds the window's parabola. False, and nothing changed, where it has none.
+  bool Read(IntrinsicsProblem& problem);
+
   LensRefinementOptions options_;
   double correction_ = 0;
   double information_;            ///< curvature of the sum of all parabolas

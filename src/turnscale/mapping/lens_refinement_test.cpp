@@ -57,6 +57,26 @@ TEST(LensRefinement, FindsTheDistortionFromTurnsInNoise) {
     }
 }
 
+TEST(LensRefinement, NoiseDoesNotBiasIt) {
+  double sum = 0;
+  double variance = 0;
+  int drives = 0;
+  for (const unsigned seed : {11U, 12U, 13U, 14U}) {
+    const LensRefinement lens = RefineAlong(MapThroughLens(kRightAndLeft, 0, 0.5, seed));
+    sum += lens.correction();
+    variance += lens.sigma() * lens.sigma();
+    ++drives;
+  }
+  EXPECT_LT(std::abs(sum), 2 * std::sqrt(variance)) << sum / drives;
+  EXPECT_NEAR(sum / drives, 0, 0.0004);
+}
+
+TEST(LensRefinement, OneWindowFindsALargeCorrection) {
+  LensRefinement lens({});
+  ASSERT_TRUE(lens.Observe(MapUpTo(36, MapThroughLens(kStreetCornerStreet, -0.016, 0, 3)), 0));
+  EXPECT_NEAR(lens.correction(), -0.016, 0.0002);
+}
+
 // Options that look at straight windows as well.
 LensRefinementOptions AnyWindow() {
   LensRefinementOptions options;

@@ -50,6 +50,7 @@ void SelfCalibrationOptions::Check() const {
   require(max_passes >= 1, "max_passes: has to be at least 1");
   require(min_interval >= 0, "min_interval: must not be negative");
   require(converged > 0, "converged: has to be positive");
+  require(converged_sigmas >= 0, "converged_sigmas: must not be negative");
   require(focal_prior_sigma > 0, "focal_prior_sigma: has to be positive");
   require(correction_prior_sigma > 0, "correction_prior_sigma: has to be positive");
   require(higher_prior_sigma >= 0, "higher_prior_sigma: must not be negative");

@@ -79,6 +79,8 @@ struct SelfCalibrationOptions {
   double min_interval = 0.045;
   /// The camera is found when a pass changes the ray of no pixel by more than this (on the plane z = 1).
   double converged = 0.003;
+  /// It is also found when a pass changes focal length and principal point by fewer standard deviations than this.
+  double converged_sigmas = 0.5;
 
   // Priors, standard deviations.
   double focal_prior_sigma = 0.5;       ///< relative

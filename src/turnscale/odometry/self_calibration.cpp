@@ -100,6 +100,14 @@ std::optional<CameraModel> Changed(const CameraModel& camera, const IntrinsicsCh
                  });
 }
 
+// Largest change of focal length and principal point, in standard deviations.
+double LargestStep(const IntrinsicsChange::Vector& before, const IntrinsicsChange::Vector& now,
+                   const IntrinsicsChange::Vector& sigmas) {
+  const IntrinsicsChange::Vector steps = (now - before).cwiseQuotient(sigmas).cwiseAbs();
+  return std::max(
+      {steps[IntrinsicsChange::kLogFocal], steps[IntrinsicsChange::kCentreX], steps[IntrinsicsChange::kCentreY]});
+}
+
 // Largest change of a pixel's ray.
 double Difference(const CameraModel& camera, const CameraModel& other) {
   double largest = 0;
@@ -120,6 +128,7 @@ double Difference(const CameraModel& camera, const CameraModel& other) {
 std::optional<FoundCamera> CalibrateFromDrive(const OdometryOptions& options, const StartCamera& start,
                                               const OpenDrive& open, const cv::Mat& mask) {
   options.Check();
+  const SelfCalibrationOptions& calibration = options.self_calibration;
   CameraModel given = start.camera;
   IntrinsicsChange::Vector change = IntrinsicsChange::Vector::Zero();
   const auto read = [&](const CameraModel& camera, int pass, std::optional<double> from) {
@@ -138,7 +147,7 @@ std::optional<FoundCamera> CalibrateFromDrive(const OdometryOptions& options, co
   CameraModel camera = given;
   FoundCamera found;
   for (int pass = 1;; ++pass) {
-    change = reading.estimate.change;
+    const IntrinsicsChange::Vector before = std::exchange(change, reading.estimate.change);
     const std::optional<CameraModel> next = Changed(given, change);
     // A distortion that folds back.
     if (!next) return pass > 1 ? std::optional(found) : std::nullopt;
@@ -147,8 +156,14 @@ std::optional<FoundCamera> CalibrateFromDrive(const OdometryOptions& options, co
     found.camera.focal_sigma = sigmas[IntrinsicsChange::kLogFocal] * next->pinhole.fx;
     found.centre_sigma = sigmas[IntrinsicsChange::kCentreX];
     found.windows = reading.windows;
-    found.converged = pass > 1 && Difference(camera, *next) < options.self_calibration.converged;
-    if (found.converged || pass == options.self_calibration.max_passes) return found;
+    const double step = LargestStep(before, change, sigmas);
+    // With wide thresholds, observations come and go from pass to pass.
+    const bool is_strict = LooseBy(pass - 1) == 1;
+    const bool settled = pass > 1 && (Difference(camera, *next) < calibration.converged ||
+                                      (is_strict && step < calibration.converged_sigmas));
+    const bool is_last = settled || pass == calibration.max_passes;
+    found.converged = settled || (is_last && pass > 1 && step < 1);
+    if (is_last) return found;
     camera = *next;
     const Reading again = read(camera, pass, std::max(0.0, reading.first_time - begin - kLeadSeconds));
     // With the better camera no part of the drive turns enough to rely on.

@@ -35,13 +35,14 @@ struct FoundCamera {
   CameraModel camera;       ///< with the standard deviation of its focal length
   double centre_sigma = 0;  ///< standard deviation of the principal point, pixels
   int windows = 0;          ///< windows in turns that decided
+  /// The last pass changed no ray by much, or focal length and principal point by less than a standard deviation.
   bool converged = false;
 };
 
 /// Estimates focal length, principal point and radial distortion from the first turns of a drive.
 ///
 /// The odometry runs over the images with the camera as assumed; windows of keyframes in turns tell how it differs
-/// from the true one (CalibrationCheck); the images are read again with the new camera, until it no longer changes.
+/// from the true one (CalibrationCheck); the images are read again with the new camera, until it changes little.
 /// `start` needs image size and focal length only: half or twice the true one is near enough; where it is assumed
 /// rather than given, other fields of view are tried if the odometry fails with it. Both focal lengths are changed by
 /// the same factor. Pixels that are 0 in `mask` (8 bit, of the images' size) are left out, unless it is empty. Nothing

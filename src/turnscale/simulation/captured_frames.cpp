@@ -3,10 +3,8 @@
 
 #include <algorithm>
 
-#include <fmt/format.h>
-
-#include "turnscale/base/error.h"
 #include "turnscale/base/random.h"
+#include "turnscale/io/range_check.h"
 
 namespace turnscale {
 namespace {
@@ -14,18 +12,13 @@ namespace {
 // A stamp strays by this part of an interval at most, so that stamps stay in order.
 constexpr double kLargestStray = 0.25;
 
-void RefuseUnless(bool holds, const char* name, double value, const char* range) {
-  if (!holds) throw InputError(fmt::format("recorder.{}: is {}; it has to be in {}", name, value, range));
-}
-
 }  // namespace
 
 void RecorderOptions::Check() const {
-  RefuseUnless(megabits_per_second >= 0.01 && megabits_per_second <= 1000, "megabits_per_second", megabits_per_second,
-               "0.01...1000");
-  RefuseUnless(stalls_per_minute >= 0 && stalls_per_minute <= 600, "stalls_per_minute", stalls_per_minute, "0...600");
-  RefuseUnless(stalled_frames >= 1 && stalled_frames <= 1000, "stalled_frames", stalled_frames, "1...1000");
-  RefuseUnless(stamp_jitter_ms >= 0 && stamp_jitter_ms <= 1000, "stamp_jitter_ms", stamp_jitter_ms, "0...1000");
+  CheckRange("recorder.megabits_per_second", megabits_per_second, 0.01, 1000);
+  CheckRange("recorder.stalls_per_minute", stalls_per_minute, 0, 600);
+  CheckRange("recorder.stalled_frames", stalled_frames, 1, 1000);
+  CheckRange("recorder.stamp_jitter_ms", stamp_jitter_ms, 0, 1000);
 }
 
 std::vector<CapturedFrame> CapturedFrames(const RecorderOptions& options, int count, double rate_hz,

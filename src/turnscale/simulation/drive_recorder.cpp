@@ -123,8 +123,7 @@ class Camera {
   const cv::Mat& covered() const { return windscreen_.covered(); }
 
   void Record(const cv::Mat& scene, const CapturedFrame& frame) {
-    sensor_.Skip(frame.number - next_);
-    next_ = frame.number + 1;
+    sensor_.SkipTo(frame.number);
     cv::Mat image = sensor_.Expose(windscreen_.Through(scene));
     if (clock_) BurnClock(frame.stamp, image);
     output_.Write(image, frame.stamp);
@@ -132,7 +131,6 @@ class Camera {
   void Finish() { output_.Finish(); }
 
  private:
-  int next_ = 0;  // of the frames that the sensor exposes
   bool clock_;
   Windscreen windscreen_;
   Sensor sensor_;

@@ -9,6 +9,7 @@
 #include "turnscale/base/error.h"
 #include "turnscale/config/yaml_map.h"
 #include "turnscale/geometry/rotation.h"
+#include "turnscale/io/range_check.h"
 #include "turnscale/io/yaml_fields.h"
 
 namespace turnscale {
@@ -134,11 +135,6 @@ Rig Dashcam() {
   return rig;
 }
 
-void CheckCameraField(const char* name, double value, double low, double high, const char* what) {
-  if (value >= low && value <= high) return;
-  throw InputError(fmt::format("camera.{}: is {}; it has to be in {}...{} {}", name, value, low, high, what));
-}
-
 // A pixel whose ray nobody finds shows nothing.
 void CheckDistortion(const CameraModel& camera) {
   const double right = camera.width - 1;
@@ -155,13 +151,13 @@ void CheckDistortion(const CameraModel& camera) {
 }
 
 void CheckCamera(const CameraModel& camera) {
-  CheckCameraField("width", camera.width, 16, 8192, "pixels");
-  CheckCameraField("height", camera.height, 16, 8192, "pixels");
+  CheckRange("camera.width", camera.width, 16, 8192, "pixels");
+  CheckRange("camera.height", camera.height, 16, 8192, "pixels");
   constexpr const char* kOfSize = "pixels for this width and height: give fx, fy, cx and cy along with them";
-  CheckCameraField("fx", camera.pinhole.fx, 0.1 * camera.width, 10.0 * camera.width, kOfSize);
-  CheckCameraField("fy", camera.pinhole.fy, 0.1 * camera.width, 10.0 * camera.width, kOfSize);
-  CheckCameraField("cx", camera.pinhole.cx, 0, camera.width - 1, kOfSize);
-  CheckCameraField("cy", camera.pinhole.cy, 0, camera.height - 1, kOfSize);
+  CheckRange("camera.fx", camera.pinhole.fx, 0.1 * camera.width, 10.0 * camera.width, kOfSize);
+  CheckRange("camera.fy", camera.pinhole.fy, 0.1 * camera.width, 10.0 * camera.width, kOfSize);
+  CheckRange("camera.cx", camera.pinhole.cx, 0, camera.width - 1, kOfSize);
+  CheckRange("camera.cy", camera.pinhole.cy, 0, camera.height - 1, kOfSize);
   if (camera.lens == LensModel::kPinhole && camera.distortion != CameraModel().distortion) {
     throw InputError("camera.distortion: a pinhole has none; give lens: radtan or lens: equidistant");
   }
@@ -174,22 +170,17 @@ void CheckCamera(const CameraModel& camera) {
 }  // namespace
 
 void CameraMount::Check() const {
-  const auto check = [](const char* name, double value, double low, double high, const char* unit) {
-    if (!(value >= low && value <= high)) {
-      throw InputError(fmt::format("mount.{}: is {}; it has to be in {}...{} {}", name, value, low, high, unit));
-    }
-  };
   if (!(lever_arm > 0 && lever_arm <= 20)) {
     throw InputError(
         fmt::format("mount.lever_arm: is {}; give the metres from the rear axle forward to the camera, above 0 and up "
                     "to 20",
                     lever_arm));
   }
-  check("lateral_offset", lateral_offset, -5, 5, "metres");
-  check("height", height, 0.1, 10, "metres");
-  check("yaw_deg", yaw_deg, -180, 180, "degrees");
-  check("pitch_deg", pitch_deg, -90, 90, "degrees");
-  check("roll_deg", roll_deg, -180, 180, "degrees");
+  CheckRange("mount.lateral_offset", lateral_offset, -5, 5, "metres");
+  CheckRange("mount.height", height, 0.1, 10, "metres");
+  CheckRange("mount.yaw_deg", yaw_deg, -180, 180, "degrees");
+  CheckRange("mount.pitch_deg", pitch_deg, -90, 90, "degrees");
+  CheckRange("mount.roll_deg", roll_deg, -180, 180, "degrees");
 }
 
 RigidTransform CameraMount::VehicleFromCamera() const {
@@ -200,7 +191,7 @@ RigidTransform CameraMount::VehicleFromCamera() const {
 
 void Rig::Check() const {
   CheckCamera(camera);
-  if (!(rate_hz >= 0.1 && rate_hz <= 1000)) throw InputError("rate_hz: has to be in 0.1...1000 frames per second");
+  CheckRange("rate_hz", rate_hz, 0.1, 1000, "frames per second");
   mount.Check();
   vehicle.Check();
   sensor.Check();

@@ -6,11 +6,10 @@
 #include <numbers>
 #include <vector>
 
-#include <fmt/format.h>
 #include <opencv2/imgproc.hpp>
 
-#include "turnscale/base/error.h"
 #include "turnscale/base/random.h"
+#include "turnscale/io/range_check.h"
 
 namespace turnscale {
 namespace {
@@ -41,12 +40,6 @@ constexpr int kStepsPerLevel = 64;
 // Metering looks at every fourth pixel of every fourth row.
 constexpr int kMeteringStep = 4;
 constexpr int kSettlingRounds = 60;
-
-void CheckRange(const char* name, double value, double low, double high) {
-  if (!(value >= low && value <= high)) {
-    throw InputError(fmt::format("sensor.{}: is {}; it has to be in {}...{}", name, value, low, high));
-  }
-}
 
 double CosineToAxis(const CameraModel& camera, const Eigen::Vector2d& pixel) {
   const std::optional<Eigen::Vector2d> ideal = camera.Undistort(pixel);
@@ -92,21 +85,21 @@ void FillNormalNoise(std::uint64_t key, std::span<float> values) {
 }
 
 void SensorOptions::Check() const {
-  CheckRange("target_gray", target_gray, 1, 254);
-  CheckRange("exposure_lag", exposure_lag, 0, 100);
-  CheckRange("min_gain", min_gain, 1e-4, 1e4);
-  CheckRange("max_gain", max_gain, min_gain, 1e4);
-  CheckRange("flicker", flicker, 0, 0.9);
-  CheckRange("flicker_hz", flicker_hz, 0, 1000);
-  CheckRange("exposure_step", exposure_step, 0, 0.9);
-  CheckRange("exposure_step_seconds", exposure_step_seconds, 1e-3, 1e6);
-  CheckRange("vignetting", vignetting, 0, 1);
-  CheckRange("blur", blur, 0, 20);
-  CheckRange("shot_noise", shot_noise, 0, 100);
-  CheckRange("read_noise", read_noise, 0, 100);
-  CheckRange("response", response, 0.2, 2);
-  CheckRange("exposure_ms", exposure_ms, 0, 1000);
-  CheckRange("readout_ms", readout_ms, 0, 1000);
+  CheckRange("sensor.target_gray", target_gray, 1, 254);
+  CheckRange("sensor.exposure_lag", exposure_lag, 0, 100);
+  CheckRange("sensor.min_gain", min_gain, 1e-4, 1e4);
+  CheckRange("sensor.max_gain", max_gain, min_gain, 1e4);
+  CheckRange("sensor.flicker", flicker, 0, 0.9);
+  CheckRange("sensor.flicker_hz", flicker_hz, 0, 1000);
+  CheckRange("sensor.exposure_step", exposure_step, 0, 0.9);
+  CheckRange("sensor.exposure_step_seconds", exposure_step_seconds, 1e-3, 1e6);
+  CheckRange("sensor.vignetting", vignetting, 0, 1);
+  CheckRange("sensor.blur", blur, 0, 20);
+  CheckRange("sensor.shot_noise", shot_noise, 0, 100);
+  CheckRange("sensor.read_noise", read_noise, 0, 100);
+  CheckRange("sensor.response", response, 0.2, 2);
+  CheckRange("sensor.exposure_ms", exposure_ms, 0, 1000);
+  CheckRange("sensor.readout_ms", readout_ms, 0, 1000);
 }
 
 Sensor::Sensor(const SensorOptions& options, const CameraModel& camera, double rate_hz, std::uint64_t seed)

@@ -47,8 +47,9 @@ class Sensor {
   /// light.
   cv::Mat Expose(const cv::Mat& brightness);
 
-  /// So many frames are lost behind the sensor: its clock goes on, its exposure stays.
-  void Skip(int frames) { frame_ += static_cast<std::uint64_t>(frames); }
+  /// The next frame has this number, from 0, not less than those so far; the frames before it are lost behind the
+  /// sensor: its clock goes on, its exposure stays.
+  void SkipTo(int frame) { frame_ = static_cast<std::uint64_t>(frame); }
 
   /// Full scale over brightness that the next frame is taken with, flicker and jumps apart.
   double gain() const { return gain_; }

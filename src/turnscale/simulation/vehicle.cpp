@@ -12,6 +12,7 @@
 #include "turnscale/base/error.h"
 #include "turnscale/base/random.h"
 #include "turnscale/geometry/rotation.h"
+#include "turnscale/io/range_check.h"
 #include "turnscale/simulation/reference_path.h"
 
 namespace turnscale {
@@ -177,11 +178,6 @@ void CheckLegs(const std::vector<RouteLeg>& legs) {
   }
 }
 
-void CheckNumber(const char* name, double value, double least, double most) {
-  if (value >= least && value <= most) return;
-  throw InputError(fmt::format("vehicle.{}: is {}; it has to be in {}...{}", name, value, least, most));
-}
-
 }  // namespace
 
 VehicleMotion::VehicleMotion(std::vector<VehicleState> states, double interval)
@@ -241,17 +237,17 @@ double RoadNoise::At(double distance) const {
 double RoadNoiseGain(double speed) { return 2 * std::abs(speed) / (std::abs(speed) + 10); }
 
 void CarOptions::Check() const {
-  CheckNumber("wheelbase", wheelbase, 0.5, 10);
-  CheckNumber("max_steering_deg", max_steering_deg, 5, 80);
-  CheckNumber("max_steering_rate_deg", max_steering_rate_deg, 1, 1000);
-  CheckNumber("slip_deg_per_g", slip_deg_per_g, 0, 20);
-  CheckNumber("max_acceleration", max_acceleration, 0.05, 20);
-  CheckNumber("max_deceleration", max_deceleration, 0.05, 20);
-  CheckNumber("max_lateral_acceleration", max_lateral_acceleration, 0.05, 20);
-  CheckNumber("pitch_deg_per_g", pitch_deg_per_g, 0, 30);
-  CheckNumber("roll_deg_per_g", roll_deg_per_g, 0, 30);
-  CheckNumber("suspension_hz", suspension_hz, 0.2, 20);
-  CheckNumber("road_noise_deg", road_noise_deg, 0, 5);
+  CheckRange("vehicle.wheelbase", wheelbase, 0.5, 10);
+  CheckRange("vehicle.max_steering_deg", max_steering_deg, 5, 80);
+  CheckRange("vehicle.max_steering_rate_deg", max_steering_rate_deg, 1, 1000);
+  CheckRange("vehicle.slip_deg_per_g", slip_deg_per_g, 0, 20);
+  CheckRange("vehicle.max_acceleration", max_acceleration, 0.05, 20);
+  CheckRange("vehicle.max_deceleration", max_deceleration, 0.05, 20);
+  CheckRange("vehicle.max_lateral_acceleration", max_lateral_acceleration, 0.05, 20);
+  CheckRange("vehicle.pitch_deg_per_g", pitch_deg_per_g, 0, 30);
+  CheckRange("vehicle.roll_deg_per_g", roll_deg_per_g, 0, 30);
+  CheckRange("vehicle.suspension_hz", suspension_hz, 0.2, 20);
+  CheckRange("vehicle.road_noise_deg", road_noise_deg, 0, 5);
 }
 
 double CarOptions::SideSlip() const { return slip_deg_per_g / (kDegreesPerRadian * kGravity); }

@@ -6,10 +6,9 @@
 #include <cmath>
 #include <vector>
 
-#include <fmt/format.h>
 #include <opencv2/imgproc.hpp>
 
-#include "turnscale/base/error.h"
+#include "turnscale/io/range_check.h"
 #include "turnscale/rendering/pattern.h"
 
 namespace turnscale {
@@ -27,11 +26,6 @@ constexpr double kReflectionReach = 2.2;
 constexpr float kOpaque = 0.002F;
 // The light on the dashboard is that of every so many-th pixel.
 constexpr int kMeteringStride = 8;
-
-void CheckField(const char* name, double value, double low, double high) {
-  if (!(value >= low && value <= high))
-    throw InputError(fmt::format("windscreen.{}: is {}; it has to be in {}...{}", name, value, low, high));
-}
 
 // Row of the dashboard's edge by column: it falls to both sides, and rises over the instruments before the driver.
 double EdgeAt(double column, const cv::Size& size, double height) {
@@ -104,9 +98,9 @@ void Defocus(double sigma, cv::Mat& image) {
 }  // namespace
 
 void WindscreenOptions::Check() const {
-  CheckField("dashboard", dashboard, 0, 0.6);
-  CheckField("reflection", reflection, 0, 1);
-  CheckField("defocus", defocus, 0, 50);
+  CheckRange("windscreen.dashboard", dashboard, 0, 0.6);
+  CheckRange("windscreen.reflection", reflection, 0, 1);
+  CheckRange("windscreen.defocus", defocus, 0, 50);
 }
 
 Windscreen::Windscreen(const WindscreenOptions& options, const cv::Size& size, std::uint64_t seed) {
