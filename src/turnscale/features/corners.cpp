@@ -41,16 +41,52 @@ double SmallerEigenvalue(const cv::Mat& gray, const cv::Point& at) {
   return 0.5 * (xx + yy - std::hypot(static_cast<double>(xx - yy), 2.0 * xy));
 }
 
+constexpr int kLeastThreshold = 4;  // below is noise
+
 // In fog, corners are as faint as the whole image.
 int ThresholdFor(const CornerOptions& options, const cv::Mat& gray) {
   constexpr double kUsualContrast = 18;  // standard deviation of the gray levels; that of most drives is above 25
-  constexpr int kLeast = 4;              // below is noise
   cv::Scalar mean;
   cv::Scalar contrast;
   cv::meanStdDev(gray, mean, contrast);
   if (contrast[0] >= kUsualContrast) return options.fast_threshold;
   return std::min(options.fast_threshold,
-                  std::max(kLeast, cvRound(options.fast_threshold * contrast[0] / kUsualContrast)));
+                  std::max(kLeastThreshold, cvRound(options.fast_threshold * contrast[0] / kUsualContrast)));
+}
+
+// Square cells that the image is divided into.
+struct Grid {
+  double cell;
+  int columns;
+  int rows;
+
+  size_t size() const { return static_cast<size_t>(columns) * rows; }
+  size_t IndexOf(const cv::Point2f& point) const {
+    return static_cast<size_t>(static_cast<int>(point.y / cell)) * columns + static_cast<int>(point.x / cell);
+  }
+};
+
+Grid MakeGrid(const CornerOptions& options, const cv::Mat& gray) {
+  const double cell = std::max(options.min_distance, std::sqrt(static_cast<double>(gray.total()) / options.target));
+  return {cell, static_cast<int>(gray.cols / cell) + 1, static_cast<int>(gray.rows / cell) + 1};
+}
+
+size_t FilledCells(const Grid& grid, const std::vector<cv::KeyPoint>& candidates) {
+  std::vector<char> filled(grid.size(), 0);
+  for (const cv::KeyPoint& candidate : candidates) filled[grid.IndexOf(candidate.pt)] = 1;
+  return static_cast<size_t>(std::count(filled.begin(), filled.end(), 1));
+}
+
+std::vector<cv::KeyPoint> FindCandidates(const CornerOptions& options, const cv::Mat& gray, const Grid& grid) {
+  // Share of the cells. Most drives fill half of them, with fog before a bright sky less than a tenth.
+  constexpr double kFewest = 0.125;
+  const int threshold = ThresholdFor(options, gray);
+  std::vector<cv::KeyPoint> candidates;
+  cv::FAST(gray, candidates, threshold, true);
+  const auto filled = static_cast<double>(FilledCells(grid, candidates));
+  if (threshold > kLeastThreshold && filled < kFewest * static_cast<double>(grid.size()))
+    cv::FAST(gray, candidates, kLeastThreshold, true);
+  return candidates;
 }
 
 // Marks which pixels are in the mask and not too near to one that is taken.
@@ -80,23 +116,16 @@ void CornerOptions::Check() const {
 std::vector<cv::Point2f> DetectCorners(const CornerOptions& options, const cv::Mat& gray,
                                        const std::vector<cv::Point2f>& occupied, const cv::Mat& mask) {
   const cv::Mat free = FreePixels(options, gray.size(), occupied, mask);
-  std::vector<cv::KeyPoint> candidates;
-  cv::FAST(gray, candidates, ThresholdFor(options, gray), true);
-
-  const double cell = std::max(options.min_distance, std::sqrt(static_cast<double>(gray.total()) / options.target));
-  const int columns = static_cast<int>(gray.cols / cell) + 1;
-  const int rows = static_cast<int>(gray.rows / cell) + 1;
+  const Grid grid = MakeGrid(options, gray);
   struct Slot {
     double score = 0;
     std::optional<cv::Point2f> corner;
   };
-  std::vector<Slot> best(static_cast<size_t>(columns) * rows);
-  for (const cv::KeyPoint& candidate : candidates) {
+  std::vector<Slot> best(grid.size());
+  for (const cv::KeyPoint& candidate : FindCandidates(options, gray, grid)) {
     const cv::Point pixel(candidate.pt);
     if (free.at<uchar>(pixel) == 0) continue;
-    const int column = static_cast<int>(candidate.pt.x / cell);
-    const int row = static_cast<int>(candidate.pt.y / cell);
-    Slot& slot = best[static_cast<size_t>(row) * columns + column];
+    Slot& slot = best[grid.IndexOf(candidate.pt)];
     const double score = SmallerEigenvalue(gray, pixel);
     if (!slot.corner || score > slot.score) slot = {score, candidate.pt};
   }

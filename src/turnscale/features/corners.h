@@ -12,7 +12,7 @@ struct CornerOptions {
   /// every second.
   int target = 1200;
   /// Gray levels by which the ring of a FAST corner has to differ; low, since the ranking below keeps the best. Less in
-  /// an image of little contrast.
+  /// an image of little contrast or with few corners.
   int fast_threshold = 10;
   /// No new corner nearer than this to a tracked one, pixels.
   double min_distance = 12;

@@ -79,6 +79,13 @@ TEST(Corners, AreFoundInFog) {
   EXPECT_GT(DetectCorners(Options(), fog, {}).size(), 150U);
 }
 
+TEST(Corners, AreFoundInFogBeforeABrightSky) {
+  cv::Mat fog;
+  UnevenImage().convertTo(fog, CV_8U, 0.1, 60);
+  fog.rowRange(0, fog.rows / 2).setTo(230);
+  EXPECT_GT(DetectCorners(Options(), fog, {}).size(), 75U) << "half of the cells of the lower half";
+}
+
 TEST(Corners, StayInTheMask) {
   cv::Mat mask(kCornerImageSize, CV_8U, cv::Scalar(255));
   mask(cv::Rect(100, 100, 200, 150)).setTo(0);

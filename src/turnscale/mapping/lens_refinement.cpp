@@ -63,18 +63,18 @@ bool LensRefinement::Observe(const Map& map, double applied) {
 }
 
 bool LensRefinement::Read(IntrinsicsProblem& problem) {
-  constexpr int k = IntrinsicsChange::kCorrection;
+  constexpr int kEntry = IntrinsicsChange::kCorrection;
   problem.Change(CorrectionOf(correction_));
   for (int round = 1;; ++round) {
     if (!problem.Adjust(round == 1 ? kFirstIterations : kFurtherIterations)) return false;
     const std::optional<IntrinsicsEvidence> evidence = problem.Evidence();
     if (!evidence) return false;
-    const double at = evidence->at[k];
-    const double curvature = evidence->information(k, k);
+    const double at = evidence->at[kEntry];
+    const double curvature = evidence->information(kEntry, kEntry);
     if (!(curvature > 0)) return false;
     // Windows overlap by half: most observations count twice.
     const double information = information_ + 0.5 * curvature;
-    const double weighted_estimate = weighted_estimate_ + 0.5 * (curvature * at - evidence->gradient[k]);
+    const double weighted_estimate = weighted_estimate_ + 0.5 * (curvature * at - evidence->gradient[kEntry]);
     const double estimate = weighted_estimate / information;
     const double step = estimate - at;
     if (step * step * information < kNegligibleStep * kNegligibleStep) {
