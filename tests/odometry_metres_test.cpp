@@ -83,9 +83,11 @@ TEST(OdometryMetres, ScaleIsPendingUntilWellInsideTheFirstTurn) {
           (drive.world_from_camera[place].translation - drive.world_from_camera[place - frames].translation).norm();
       return way / true_way - 1;
     };
-    // Bundle adjustment moves each keyframe by a few centimetres, which a single step of 0.4 m shows.
-    EXPECT_NEAR(motion_error(1), 0, 0.13) << "frame " << frame->frame;
     EXPECT_NEAR(motion_error(4), 0, 0.04) << "frame " << frame->frame;
+    // The step to a keyframe holds its adjustment besides, which takes back what tracking on the old map fell short.
+    if (!frame->keyframe) {
+      EXPECT_NEAR(motion_error(1), 0, 0.04) << "frame " << frame->frame;
+    }
   }
   for (const FrameResult& frame : run.refined)
     EXPECT_NE(frame.scale_state, ScaleState::kPending) << "frame " << frame.frame;

@@ -25,9 +25,8 @@ WindowProblem MakeWindowProblem(const Map& map, const Window& window, double pix
   std::ranges::sort(problem.landmarks);
   problem.landmarks.erase(std::unique(problem.landmarks.begin(), problem.landmarks.end()), problem.landmarks.end());
   const auto in_window = [&](const LandmarkObservation& seen) { return seen.keyframe >= window.first; };
-  std::erase_if(problem.landmarks, [&](int index) {
-    return std::ranges::count_if(map.landmarks[index].observations, in_window) < window.min_observations;
-  });
+  std::erase_if(problem.landmarks,
+                [&](int index) { return std::ranges::count_if(map.landmarks[index].observations, in_window) < 2; });
 
   BundleProblem& bundle = problem.bundle;
   bundle.pinhole = map.pinhole;

@@ -13,15 +13,13 @@ namespace turnscale {
 struct Window {
   int first = 0;
   int first_free = 1;
-  /// Least number of keyframes of the window that have to see a landmark.
-  int min_observations = 2;
 };
 
 /// A stretch of the map as bundle adjustment takes it.
 struct WindowProblem {
   Window window;
   BundleProblem bundle;        ///< camera i is keyframe window.first + i, point i is landmark landmarks[i]
-  std::vector<int> landmarks;  ///< seen by a free keyframe; ascending
+  std::vector<int> landmarks;  ///< seen by a free keyframe, and by two of the window; ascending
 };
 
 /// The first keyframe since tracking was lost last, but none before `earliest`: nothing before a loss shares a landmark

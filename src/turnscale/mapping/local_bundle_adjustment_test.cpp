@@ -46,12 +46,6 @@ TEST(WindowProblem, TakesLandmarksThatFreeKeyframesSee) {
   }
 }
 
-TEST(WindowProblem, AsksForEnoughViewsInTheWindow) {
-  const Map map = MakeSmallMap({{3, 4}, {0, 1, 4}, {2, 3, 4}, {1, 3, 4}});
-  EXPECT_EQ(MakeWindowProblem(map, {1, 2, 3}, 1).landmarks, (std::vector<int>{2, 3}));
-  EXPECT_EQ(MakeWindowProblem(map, {1, 2, 2}, 1).landmarks, (std::vector<int>{0, 1, 2, 3}));
-}
-
 TEST(WindowProblem, WritesBackOnlyWhatMayMove) {
   Map map = MakeSmallMap({{3, 4}, {0, 1}});
   WindowProblem problem = MakeWindowProblem(map, {1, 3}, 1);
