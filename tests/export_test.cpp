@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
@@ -124,8 +125,8 @@ TEST_F(ExportTest, GdalReadsAll) {
     const size_t blank = file.find(" tracks");
     const std::string name = file.substr(0, blank);
     const std::string layer = blank == std::string::npos ? "" : "tracks";
-    const auto json =
-        nlohmann::json::parse(OutputOf("ogr2ogr -f GeoJSON /vsistdout/ '" + name + "' " + layer), nullptr, false);
+    const auto json = nlohmann::json::parse(
+        OutputOf(fmt::format("ogr2ogr -f GeoJSON /vsistdout/ '{}' {}", name, layer)), nullptr, false);
     ASSERT_FALSE(json.is_discarded()) << file;
     nlohmann::json line;
     for (const auto& feature : json["features"]) {
