@@ -75,7 +75,7 @@ TEST_F(ErrorsTest, GoodDriveSucceeds) {
   EXPECT_NE(result.out.find("files   " + Out().string()), std::string::npos) << result.out;
   EXPECT_EQ(Summary()["frames"]["total"], kRoomFrames);
   for (const char* name : {"trajectory.tum", "trajectory.kitti.txt", "live.tum", "trajectory.csv", "turns.csv",
-                           "map.ply", "settings.yaml", "summary.json"}) {
+                           "map.ply", "settings.yaml", "summary.json", "report.html"}) {
     EXPECT_TRUE(fs::exists(Out() / name)) << name;
   }
 }

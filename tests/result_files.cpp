@@ -40,7 +40,8 @@ void ExpectWholeMap(const std::string& text) {
 
 const std::vector<std::string>& NamesOfResults() {
   static const std::vector<std::string> names = {"live.tum",       "trajectory.tum", "trajectory.kitti.txt",
-                                                 "trajectory.csv", "turns.csv",      "map.ply"};
+                                                 "trajectory.csv", "turns.csv",      "camera_rotation.csv",
+                                                 "map.ply"};
   return names;
 }
 
@@ -48,13 +49,17 @@ void ExpectWholeFiles(const fs::path& folder) {
   for (const auto& entry : fs::directory_iterator(folder)) {
     const fs::path& path = entry.path();
     const std::string name = path.filename().string();
-    if (path.extension() == ".part") continue;
+    if (path.extension() == ".part" || entry.is_directory()) continue;
     const std::string text = TextOf(path);
     if (path.extension() == ".ply") {
       ExpectWholeMap(text);
       continue;
     }
     EXPECT_TRUE(text.empty() || text.ends_with('\n')) << name;
+    if (path.extension() == ".html") {
+      EXPECT_TRUE(text.ends_with("</html>\n")) << name;
+      continue;
+    }
     if (path.extension() == ".csv") {
       ExpectWholeTable(text, name);
     } else if (path.extension() == ".json") {

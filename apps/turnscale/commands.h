@@ -14,9 +14,11 @@ namespace turnscale {
 void AddRunCommand(CLI::App& app);
 void AddCalibrateCommand(CLI::App& app);
 void AddEvaluateCommand(CLI::App& app);
+void AddExportCommand(CLI::App& app);
 void AddLabCommand(CLI::App& app);
 void AddRescaleCommand(CLI::App& app);
 void AddSimulateCommand(CLI::App& app);
+void AddViewCommand(CLI::App& app);
 
 /// A sub-command that this build comes without: not in the help, and its call, whatever its arguments, says what
 /// enables it.

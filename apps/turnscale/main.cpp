@@ -36,9 +36,11 @@ int Main(int argc, char** argv) {
   AddRunCommand(app);
   AddCalibrateCommand(app);
   AddEvaluateCommand(app);
+  AddExportCommand(app);
   AddRescaleCommand(app);
   AddSimulateCommand(app);
   AddLabCommand(app);
+  AddViewCommand(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::RuntimeError& stop) {

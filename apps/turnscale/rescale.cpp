@@ -12,6 +12,7 @@
 #include "argument_checks.h"
 #include "commands.h"
 #include "drive_source.h"
+#include "rescale_page.h"
 #include "rescale_report.h"
 #include "turnscale/base/error.h"
 #include "turnscale/geometry/rotation.h"
@@ -60,15 +61,18 @@ RescaleOptions OptionsFrom(const RescaleArguments& arguments, bool timed) {
   return options;
 }
 
-void WriteReport(const fs::path& folder, const RescaleResult& result, const std::string& input, bool timed) {
+void WriteReport(const fs::path& folder, const RescaleResult& result, const std::string& input, double lever_arm,
+                 bool timed) {
   std::error_code error;
   fs::create_directories(folder, error);
   if (error) throw InputError(folder.string() + ": cannot be made: " + error.message());
   // The summary comes last: where it is, the others are of the same drive.
-  for (const char* name : {"summary.json", "scale.csv", "turns.csv", "rescale.svg"}) RemoveOldFile(folder / name);
+  for (const char* name : {"summary.json", "scale.csv", "turns.csv", "rescale.svg", "report.html"})
+    RemoveOldFile(folder / name);
   ReplaceFile(folder / "scale.csv", PoseScaleTable(result));
   ReplaceFile(folder / "turns.csv", TurnScaleTable(result));
   ReplaceFile(folder / "rescale.svg", RescaleSvg(result, fs::path(input).filename().string(), timed));
+  ReplaceFile(folder / "report.html", RescalePage(result, input, lever_arm, timed));
   ReplaceFile(folder / "summary.json", RescaleJson(result, input));
 }
 
@@ -90,7 +94,7 @@ void RunRescale(const RescaleArguments& arguments) {
   std::string tum;
   for (const StampedPose& pose : result.metric) tum += TumLine(pose);
   ReplaceFile(arguments.out, tum);
-  if (arguments.report) WriteReport(*arguments.report, result, input, trajectory.timed);
+  if (arguments.report) WriteReport(*arguments.report, result, input, options.car.lever_arm, trajectory.timed);
   if (const std::string warning = RescaleWarning(result); !warning.empty())
     PrintMessage("warning: " + input + ": " + warning);
   if (!arguments.quiet) PrintText(RescaleText(result));
@@ -136,7 +140,8 @@ void AddRescaleCommand(CLI::App& app) {
                    "trajectories [auto]")
       ->check(CLI::IsMember({"auto", "none"}));
   command->add_option("--out", arguments->out, "File for the trajectory in metres, TUM [metric.tum]");
-  command->add_option("--report", arguments->report, "Folder for scale.csv, turns.csv, summary.json and rescale.svg");
+  command->add_option("--report", arguments->report,
+                      "Folder for report.html, scale.csv, turns.csv, summary.json and rescale.svg");
   command->add_flag("--quiet", arguments->quiet, "Print only errors, and a warning if single-turn scales are used");
   command->footer(
       "Example:\n  turnscale rescale orbslam.tum --lever-arm 1.05 --out metric.tum --report out/\n\n"

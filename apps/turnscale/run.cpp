@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include <exception>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <memory>
 #include <optional>
 #include <set>
@@ -16,11 +18,15 @@
 #include "drive_camera.h"
 #include "drive_source.h"
 #include "interrupt.h"
+#include "run_page.h"
 #include "turnscale/base/error.h"
 #include "turnscale/io/run_drive.h"
 #include "turnscale/io/settings.h"
 #include "turnscale/io/terminal.h"
+#include "turnscale/live/live_page.h"
 #include "turnscale/odometry/odometry.h"
+#include "turnscale/report/run_report.h"
+#include "turnscale/report/thumbnails.h"
 
 namespace turnscale {
 namespace {
@@ -38,6 +44,9 @@ struct RunArguments {
   std::string frame = "camera";
   int threads = kImageThreads;
   fs::path out = "out";
+  TruthFiles truth;
+  bool live = false;
+  std::string live_address = "127.0.0.1:0";
 };
 
 // Settings file, overridden by the command line. Checked here so that messages name the option.
@@ -97,6 +106,41 @@ RunSummary BeforeTheDrive(const RunArguments& arguments, const OdometryOptions& 
   return summary;
 }
 
+// The page that shows the results; whatever becomes of it, they are on disk already.
+void KeepReport(const RunArguments& arguments, const ThumbnailCollector& thumbnails, RunEnd& end) {
+  std::error_code none;
+  for (const char* needed : {"trajectory.csv", "summary.json"})
+    if (!fs::is_regular_file(arguments.out / needed, none)) return;
+  Attempts attempts;
+  attempts.Try([&] { WriteThumbnails(arguments.out, thumbnails.thumbnails()); });
+  attempts.Try([&] { WriteRunPage(arguments.out, arguments.truth); });
+  end.failures.insert(end.failures.end(), attempts.failures().begin(), attempts.failures().end());
+}
+
+// The page that shows the run while it goes on.
+class LiveView {
+ public:
+  LiveView(const RunArguments& arguments, int frames)
+      : state_(arguments.images.Name(), TURNSCALE_VERSION, frames),
+        page_(ParseLiveAddress("--live-address", arguments.live_address), state_) {
+    PrintText("live    " + page_.address() + "\n");
+  }
+
+  void WaitWhilePaused() const { page_.WaitWhilePaused(Interrupted); }
+  void Add(const SourceFrame& frame, const FrameResult& result, const Odometry& odometry) {
+    state_.Add(frame.gray, result, odometry);
+    if (!frame.problem.empty()) state_.AddWarnings({fmt::format("frame {}: {}", frame.index, frame.problem)});
+  }
+  void Finish(const fs::path& report) {
+    std::ifstream stream(report, std::ios::binary);
+    page_.Finish({std::istreambuf_iterator<char>(stream), {}});
+  }
+
+ private:
+  LiveState state_;
+  LivePage page_;
+};
+
 // Says what went wrong; returns the exit code.
 int ReportEnd(const RunEnd& end) {
   if (!end.nothing_tracked.empty()) return Report({2, end.summary.input + ": " + end.nothing_tracked});
@@ -123,8 +167,11 @@ int RunImages(const RunArguments& arguments) {
   Odometry odometry(options, images.camera);
   if (!images.mask.empty()) odometry.SetMask(images.mask);
   Progress progress(images.expected, arguments.images.quiet);
+  std::optional<LiveView> live;
+  if (arguments.live) live.emplace(arguments, images.expected);
   bool begun = false;
   const auto next = [&] {
+    if (live) live->WaitWhilePaused();
     std::optional<SourceFrame> frame = images.source.Next();
     if (begun) return frame;
     begun = true;
@@ -135,14 +182,22 @@ int RunImages(const RunArguments& arguments) {
     return frame;
   };
   const PoseFrame shown = arguments.frame == "vehicle" ? PoseFrame::kVehicle : PoseFrame::kCamera;
+  ThumbnailCollector thumbnails;
+  const auto watch = [&](const SourceFrame& frame, const FrameResult& result, const Odometry& so_far) {
+    thumbnails.Add(frame.gray, result, so_far);
+    if (live) live->Add(frame, result, so_far);
+  };
   const DriveToRun drive = {next,
                             Interrupted,
                             [&] { return images.source.EndsEarly(); },
                             [&] { return images.source.clips(); },
                             arguments.images.max_frames,
                             {arguments.out, shown, options.vehicle},
-                            BeforeTheDrive(arguments, options, images, estimate)};
-  const RunEnd end = RunDrive(drive, odometry, progress);
+                            BeforeTheDrive(arguments, options, images, estimate),
+                            watch};
+  RunEnd end = RunDrive(drive, odometry, progress);
+  KeepReport(arguments, thumbnails, end);
+  if (live) live->Finish(arguments.out / kReportFile);
   if (end.failures.empty() && end.nothing_tracked.empty() && !arguments.images.quiet)
     PrintText(SummaryText(end.summary));
   return ReportEnd(end);
@@ -199,6 +254,13 @@ void AddRunCommand(CLI::App& app) {
   run->add_option("--settings", arguments->images.settings,
                   "YAML file with settings, such as settings.yaml of another run");
   run->add_option("--out", arguments->out, "Folder for the results")->capture_default_str();
+  AddTruthOptions(*run, arguments->truth);
+  CLI::Option* live =
+      run->add_flag("--live", arguments->live, "Show the run while it goes on: prints the address of a page");
+  run->add_option("--live-address", arguments->live_address,
+                  "Where the page listens: HOST:PORT of this machine; port 0: a free one")
+      ->needs(live)
+      ->capture_default_str();
   AddPartOptions(*run, arguments->images);
   run->add_option("--max-frames", arguments->images.max_frames, "Stop after this many frames")
       ->check(CLI::Range(1, 1'000'000'000));
@@ -207,8 +269,9 @@ void AddRunCommand(CLI::App& app) {
       "Examples:\n  turnscale run drive.mp4 --lever-arm 1.45 --out out/drive\n"
       "  turnscale run DCIM/ --camera out/drive/camera.yaml --lever-arm 1.45 --start 1:30 --end 12:00\n\n"
       "Output: trajectory.tum and trajectory.kitti.txt (refined, every frame), live.tum (online: each pose as\n"
-      "estimated at its frame), trajectory.csv, turns.csv, map.ply, camera.yaml (intrinsics, if estimated),\n"
-      "mask.png (pixels left out, if any), settings.yaml and summary.json. Ctrl-C stops after the current frame\n"
+      "estimated at its frame), trajectory.csv, speed.csv, turns.csv, scale.csv, camera_rotation.csv, map.ply,\n"
+      "camera.yaml (intrinsics, if estimated), mask.png (pixels left out, if any), settings.yaml, summary.json and\n"
+      "report.html, a page that shows them. Ctrl-C stops after the current frame\n"
       "and keeps the results so far (exit code 130).");
   run->callback([arguments] {
     if (const int exit_code = RunImages(*arguments); exit_code != 0) throw CLI::RuntimeError(exit_code);

@@ -14,6 +14,7 @@
 #include "turnscale/io/seen_images.h"
 #include "turnscale/io/settings.h"
 #include "turnscale/io/terminal.h"
+#include "turnscale/odometry/drive_speed.h"
 
 namespace turnscale {
 namespace {
@@ -99,6 +100,9 @@ class Run {
     if (!tracks_ && !frame.gray.empty()) seen_.Add(frame.gray, frame.time, result.tracked);
     writer_.SetFirstCameraRotation(odometry_.mount().At(0));
     writer_.Add(result);
+    if (drive_.watch) drive_.watch(frame, result, odometry_);
+    if (const Mount& mount = odometry_.mount().current(); rotations_.empty() || rotations_.back().Differs(mount))
+      rotations_.push_back({result.frame, result.time, mount});
     if (const int moves = odometry_.mount().moves(); moves > moves_) {
       moves_ = moves;
       progress_.Warn(fmt::format(
@@ -128,6 +132,11 @@ class Run {
     writer_.SetFirstCameraRotation(odometry_.mount().At(0));
     attempts_.Try([&] { writer_.WriteTrajectory(results.frames, results.scale_state, durability); });
     attempts_.Try([&] { writer_.WriteTurns(results.scale.turns, durability); });
+    attempts_.Try([&] {
+      writer_.WriteSpeeds(SpeedsOf(results.frames, odometry_.options().vehicle.lever_arm.value_or(0.0)), durability);
+    });
+    attempts_.Try([&] { writer_.WriteScale(odometry_.map(), results.scale, durability); });
+    attempts_.Try([&] { writer_.WriteRotations(rotations_, durability); });
     attempts_.Try([&] { writer_.WriteMask(odometry_.mask(), durability); });
     attempts_.Try([&] { writer_.WriteMap(odometry_.RefinedMap(results.scale), results.scale_state, durability); });
     results_ = std::move(results);
@@ -162,6 +171,7 @@ class Run {
   RunResults results_;  // the latest that could be computed
   Attempts attempts_;
   RunEnd end_;
+  std::vector<RotationRecord> rotations_;  // as they came into use
   int processed_ = 0;
   std::vector<double> latencies_;  // seconds
   bool tracks_ = false;            // there is a map, or was

@@ -26,6 +26,8 @@ struct DriveToRun {
   std::optional<int> max_frames = {};  ///< where to stop early
   RunWriterOptions output;             ///< where the results go
   RunSummary summary;                  ///< what is known of it beforehand
+  /// Called after every frame with its result. What it throws ends the run.
+  std::function<void(const SourceFrame&, const FrameResult&, const Odometry&)> watch = {};
 };
 
 /// How a run ended.

@@ -52,9 +52,13 @@ constexpr auto kKitti = "trajectory.kitti.txt";
 constexpr auto kTable = "trajectory.csv";
 constexpr auto kLive = "live.tum";
 constexpr auto kTurns = "turns.csv";
+constexpr auto kSpeed = "speed.csv";
+constexpr auto kScale = "scale.csv";
+constexpr auto kRotation = "camera_rotation.csv";
 constexpr auto kMap = "map.ply";
 constexpr auto kMask = "mask.png";
 constexpr auto kSummary = "summary.json";
+constexpr auto kReport = "report.html";  // made from the others afterwards (module report)
 constexpr auto kSettings = "settings.yaml";
 
 void MakeFolder(const fs::path& folder) {
@@ -106,6 +110,43 @@ std::string TurnTable(const std::vector<TurnResult>& turns) {
   return table;
 }
 
+std::string SpeedTable(const std::vector<SpeedReading>& speeds) {
+  std::string table = "time,speed_mps,sigma_mps\n";
+  for (const SpeedReading& reading : speeds)
+    table += fmt::format("{:.6f},{:.4f},{:.4f}\n", reading.time, reading.speed + 0.0, reading.sigma);
+  return table;
+}
+
+std::string ScaleTable(const Map& map, const RefinedScale& scale) {
+  std::string table = "frame,time,metres_per_unit,sigma\n";
+  for (size_t i = 0; i < scale.sigmas.size(); ++i) {
+    const Keyframe& keyframe = map.keyframes[i];
+    table += fmt::format("{},{:.6f},{:.9g},{:.6g}\n", keyframe.frame, keyframe.time, scale.path.metres_per_unit[i],
+                         scale.sigmas[i]);
+  }
+  return table;
+}
+
+bool RotationRecord::Differs(const Mount& other) const {
+  return other.found != mount.found || other.first_keyframe != mount.first_keyframe ||
+         other.sigma.yaw != mount.sigma.yaw || !other.vehicle_from_camera.isApprox(mount.vehicle_from_camera);
+}
+
+std::string RotationTable(const std::vector<RotationRecord>& records) {
+  std::string table = "frame,time,yaw_deg,pitch_deg,roll_deg,yaw_sigma_deg,pitch_sigma_deg,roll_sigma_deg,estimated\n";
+  for (const RotationRecord& record : records) {
+    const YawPitchRoll angles = YawPitchRollFromRotation(record.mount.vehicle_from_camera);
+    const YawPitchRoll& sigma = record.mount.sigma;
+    const auto degrees = [](double radians) { return DegreesCell(radians + 0.0); };
+    table += fmt::format("{},{:.6f},{},{},{},", record.frame, record.time, degrees(angles.yaw), degrees(angles.pitch),
+                         degrees(angles.roll));
+    table += record.mount.found
+                 ? fmt::format("{},{},{},1\n", degrees(sigma.yaw), degrees(sigma.pitch), degrees(sigma.roll))
+                 : ",,,0\n";
+  }
+  return table;
+}
+
 void WriteMap(const std::filesystem::path& path, const MapPoints& points, const RigidTransform& target_from_world,
               Durability durability) {
   OutputFile file(path);
@@ -139,7 +180,8 @@ RunWriter::RunWriter(const RunWriterOptions& options) : options_(options) {
   }
   MakeFolder(options_.folder);
   // The summary first: it says that the others are of one run.
-  for (const char* name : {kSummary, kSettings, kTurns, kMap, kMask, kTum, kKitti, kTable, kLive})
+  for (const char* name :
+       {kReport, kSummary, kSettings, kTurns, kSpeed, kScale, kRotation, kMap, kMask, kTum, kKitti, kTable, kLive})
     RemoveOldFile(PathOf(name));
   live_.emplace(PathOf(kLive));
 }
@@ -151,7 +193,8 @@ void RunWriter::Add(const FrameResult& live) {
 void RunWriter::EndLive() { live_->Finish(); }
 
 void RunWriter::Discard() {
-  for (const char* name : {kTurns, kMap, kTum, kKitti, kTable, kLive}) RemoveOldFile(PathOf(name));
+  for (const char* name : {kTurns, kSpeed, kScale, kRotation, kMap, kTum, kKitti, kTable, kLive})
+    RemoveOldFile(PathOf(name));
 }
 
 void RunWriter::WriteTrajectory(const std::vector<FrameResult>& refined, ScaleState scale_state,
@@ -186,6 +229,26 @@ void RunWriter::WriteText(const std::string& name, const std::string& text, Dura
 
 void RunWriter::WriteTurns(const std::vector<TurnResult>& turns, Durability durability) {
   WriteText(kTurns, TurnTable(turns), durability);
+}
+
+void RunWriter::WriteSpeeds(const std::vector<SpeedReading>& speeds, Durability durability) {
+  if (speeds.empty()) {
+    RemoveOldFile(PathOf(kSpeed));
+  } else {
+    WriteText(kSpeed, SpeedTable(speeds), durability);
+  }
+}
+
+void RunWriter::WriteScale(const Map& map, const RefinedScale& scale, Durability durability) {
+  if (scale.estimate) {
+    WriteText(kScale, ScaleTable(map, scale), durability);
+  } else {
+    RemoveOldFile(PathOf(kScale));
+  }
+}
+
+void RunWriter::WriteRotations(const std::vector<RotationRecord>& records, Durability durability) {
+  WriteText(kRotation, RotationTable(records), durability);
 }
 
 void RunWriter::WriteMask(const cv::Mat& mask, Durability durability) {

@@ -10,6 +10,9 @@
 
 #include "turnscale/geometry/rigid_transform.h"
 #include "turnscale/io/output_file.h"
+#include "turnscale/kinematics/speed_smoother.h"
+#include "turnscale/mapping/map.h"
+#include "turnscale/odometry/drive_scale.h"
 #include "turnscale/odometry/options.h"
 #include "turnscale/odometry/results.h"
 
@@ -23,6 +26,26 @@ std::string FrameTableLine(const FrameResult& frame, const std::optional<RigidTr
 
 /// The whole of turns.csv.
 std::string TurnTable(const std::vector<TurnResult>& turns);
+
+/// The whole of speed.csv: `time,speed_mps,sigma_mps`.
+std::string SpeedTable(const std::vector<SpeedReading>& speeds);
+
+/// The whole of scale.csv: a line per keyframe of the map, its smoothed scale and the relative sigma.
+std::string ScaleTable(const Map& map, const RefinedScale& scale);
+
+/// The camera-to-vehicle rotation in use from a frame on.
+struct RotationRecord {
+  int frame = 0;
+  double time = 0;  ///< seconds
+  Mount mount;
+
+  /// Whether the record of another rotation has to follow this one.
+  bool Differs(const Mount& other) const;
+};
+
+/// The whole of camera_rotation.csv: a line per change of the rotation or of its sigma, degrees; the sigmas are empty
+/// if the rotation was not estimated.
+std::string RotationTable(const std::vector<RotationRecord>& records);
 
 /// Writes a map as binary PLY: landmarks in light gray, keyframe cameras in red, transformed by `target_from_world`.
 /// Throws as OutputFile does.
@@ -66,6 +89,11 @@ class RunWriter {
   /// No frame comes any more: live.tum gets its name.
   void EndLive();
 
+  /// Writes speed.csv; takes away that of an earlier state of the run if there are no speeds.
+  void WriteSpeeds(const std::vector<SpeedReading>& speeds, Durability durability = Durability::kPowerCut);
+  /// Writes scale.csv; likewise while the scale is pending.
+  void WriteScale(const Map& map, const RefinedScale& scale, Durability durability = Durability::kPowerCut);
+  void WriteRotations(const std::vector<RotationRecord>& records, Durability durability = Durability::kPowerCut);
   void WriteTurns(const std::vector<TurnResult>& turns, Durability durability = Durability::kPowerCut);
   void WriteMap(const MapPoints& points, ScaleState scale_state, Durability durability = Durability::kPowerCut);
   /// Writes which pixels were left out (0), unless the mask is empty.

@@ -225,6 +225,25 @@ TEST(RunTables, TurnsHaveACellPerColumn) {
   EXPECT_EQ(std::count(table.begin(), end, ','), std::count(end, table.end(), ','));
 }
 
+TEST(RunTables, SpeedsHaveTimesAndSigmas) {
+  EXPECT_EQ(SpeedTable({{0.5, 12.25, 0.1}, {0.6, -0.00001, 0.125}}),
+            "time,speed_mps,sigma_mps\n0.500000,12.2500,0.1000\n0.600000,-0.0000,0.1250\n");
+}
+
+TEST(RunTables, RotationsAreGivenInDegrees) {
+  RotationRecord assumed;
+  RotationRecord found{12, 1.2, {}};
+  found.mount.found = true;
+  found.mount.vehicle_from_camera = RotationFromYawPitchRoll({0.1, 0, 0});
+  found.mount.sigma = {0.01, 0.02, 0.03};
+  EXPECT_EQ(RotationTable({assumed, found}),
+            "frame,time,yaw_deg,pitch_deg,roll_deg,yaw_sigma_deg,pitch_sigma_deg,roll_sigma_deg,estimated\n"
+            "0,0.000000,0.000000,0.000000,0.000000,,,,0\n"
+            "12,1.200000,5.729578,0.000000,0.000000,0.572958,1.145916,1.718873,1\n");
+  EXPECT_TRUE(assumed.Differs(found.mount));
+  EXPECT_FALSE(found.Differs(found.mount));
+}
+
 TEST(RunSummary, CountsAndMeasures) {
   RunSummary summary;
   summary.scale_state = ScaleState::kHeld;

@@ -73,6 +73,10 @@ class Odometry {
   /// The options in effect: those given, without those that the lens model does not support.
   const OdometryOptions& options() const { return options_; }
   const Map& map() const { return map_; }
+  /// The online path of the keyframes, metric once the scale is known.
+  const MetricPath& live_path() const { return scale_.live_path(); }
+  /// What the latest tracked image shows of the map.
+  const std::vector<FeatureTrack>& tracks() const { return tracker_.tracks(); }
   /// The camera by which the map's pixels are undistorted: as given, with the radial correction found so far.
   const CameraModel& camera() const { return camera_; }
   /// 0 where pixels are left out of the next image: those given, and those found to stand still while the scene moves

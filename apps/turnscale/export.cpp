@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "commands.h"
+#include "turnscale/base/error.h"
+#include "turnscale/base/number_text.h"
+#include "turnscale/export/blender_scene.h"
+#include "turnscale/export/geo_files.h"
+#include "turnscale/export/gps_fixes.h"
+#include "turnscale/export/utc_time.h"
+#include "turnscale/geometry/rotation.h"
+#include "turnscale/io/output_file.h"
+#include "turnscale/io/result_folder.h"
+#include "turnscale/io/terminal.h"
+
+namespace turnscale {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct ExportArguments {
+  fs::path folder;
+  bool gpx = false;
+  bool kml = false;
+  bool geojson = false;
+  bool gltf = false;
+  std::string origin;
+  std::optional<double> heading;
+  std::string start_time;
+  fs::path fixes;
+  double interval = 1;
+  double fov = 70;
+  double aspect = 16.0 / 9;
+  fs::path out;
+};
+
+// "latitude,longitude" or "latitude,longitude,height".
+GeoPoint ParseOrigin(const std::string& text, bool& has_height) {
+  std::vector<double> numbers;
+  for (size_t begin = 0; begin <= text.size();) {
+    const size_t end = std::min(text.find(',', begin), text.size());
+    const auto number = ParseNumber<double>(std::string_view(text).substr(begin, end - begin));
+    if (!number || !std::isfinite(*number)) break;
+    numbers.push_back(*number);
+    begin = end + 1;
+    if (end == text.size()) {
+      const bool sane =
+          (numbers.size() == 2 || numbers.size() == 3) && std::abs(numbers[0]) < 90 && std::abs(numbers[1]) <= 180;
+      if (!sane) break;
+      has_height = numbers.size() == 3;
+      return {numbers[0], numbers[1], has_height ? numbers[2] : 0};
+    }
+  }
+  throw InputError("--origin " + text + ": give LATITUDE,LONGITUDE in degrees, or with the height in metres");
+}
+
+std::string FixText(const FixPlacement& placed) {
+  return fmt::format(
+      "fixes    {} in the drive, {} of them outliers; {:.1f} m RMS from the path\n"
+      "heading  {:.2f} +-{:.2f} deg at the start\n"
+      "scale    the fixes ask for a path {:+.1f} +-{:.1f} % longer; it is not changed\n",
+      placed.fixes, placed.outliers, placed.rms, placed.placement.heading * kDegreesPerRadian,
+      placed.heading_sigma * kDegreesPerRadian, 100 * (placed.scale - 1), 100 * placed.scale_sigma);
+}
+
+Placement PlacementFrom(const ExportArguments& arguments, const std::vector<LevelPlace>& path,
+                        std::optional<double> start_time, bool& has_height, std::string& said) {
+  if (!arguments.fixes.empty()) {
+    const FixPlacement placed = PlaceByFixes(path, ReadGpsFixes(arguments.fixes, start_time));
+    said += FixText(placed);
+    return placed.placement;
+  }
+  if (arguments.origin.empty() || !arguments.heading) {
+    throw InputError(
+        "export: the place on Earth is needed; give --origin LATITUDE,LONGITUDE and --heading DEGREES, or --fixes "
+        "FILE");
+  }
+  if (!std::isfinite(*arguments.heading)) throw InputError("--heading: give degrees");
+  return {ParseOrigin(arguments.origin, has_height), *arguments.heading / kDegreesPerRadian};
+}
+
+void ExportEarth(const ExportArguments& arguments, const ResultFolder& results, const std::string& stem,
+                 std::string& said) {
+  GeoTrack track;
+  track.name = arguments.folder.string();
+  if (!arguments.start_time.empty()) {
+    track.start_time = ParseUtcTime(arguments.start_time);
+    if (!track.start_time) {
+      throw InputError("--start-time " + arguments.start_time +
+                       ": give date, time and offset, such as 2026-03-22T07:14:05+01:00");
+    }
+  }
+  const std::vector<LevelPlace> path = LevelPath(results, arguments.folder.string());
+  const Placement placement = PlacementFrom(arguments, path, track.start_time, track.has_height, said);
+  track.places = PlaceOnEarth(path, placement, arguments.interval);
+  std::vector<LevelPlace> turns;
+  for (const TurnResult& turn : results.turns) {
+    const int middle = (turn.first_frame + turn.last_frame) / 2;
+    const auto at =
+        std::find_if(path.begin(), path.end(), [&](const LevelPlace& place) { return place.frame >= middle; });
+    if (at != path.end()) turns.push_back(*at);
+  }
+  track.turns = PlaceOnEarth(turns, placement);
+  const auto write = [&](bool wanted, const char* extension, std::string (*text)(const GeoTrack&)) {
+    if (!wanted) return;
+    ReplaceFile(stem + extension, text(track));
+    said += "wrote    " + stem + extension + "\n";
+  };
+  write(arguments.gpx, ".gpx", GpxText);
+  write(arguments.kml, ".kml", KmlText);
+  write(arguments.geojson, ".geojson", GeoJsonText);
+}
+
+void RunExport(const ExportArguments& arguments) {
+  if (!arguments.gpx && !arguments.kml && !arguments.geojson && !arguments.gltf)
+    throw InputError("export: nothing to write; give --gpx, --kml, --geojson or --gltf");
+  const ResultFolder results = ReadResultFolder(arguments.folder);
+  const std::string stem = (arguments.out.empty() ? arguments.folder / "path" : arguments.out).string();
+  std::string said;
+  if (arguments.gpx || arguments.kml || arguments.geojson) ExportEarth(arguments, results, stem, said);
+  if (arguments.gltf) {
+    ReplaceFile(stem + ".gltf",
+                BlenderScene(results, arguments.folder.string(), arguments.fov / kDegreesPerRadian, arguments.aspect));
+    said += "wrote    " + stem + ".gltf\n";
+  }
+  PrintText(said);
+}
+
+}  // namespace
+
+void AddExportCommand(CLI::App& app) {
+  CLI::App* command =
+      app.add_subcommand("export", "Write the path of a run for maps (GPX, KML, GeoJSON) and for Blender.");
+  const auto arguments = std::make_shared<ExportArguments>();
+  command->add_option("folder", arguments->folder, "Folder with the results of turnscale run")->required();
+  command->add_flag("--gpx", arguments->gpx, "Write GPX 1.1");
+  command->add_flag("--kml", arguments->kml, "Write KML 2.2");
+  command->add_flag("--geojson", arguments->geojson, "Write GeoJSON");
+  command->add_flag("--gltf", arguments->gltf, "Write glTF 2.0: animated camera, path and landmarks, for Blender");
+  CLI::Option* origin =
+      command->add_option("--origin", arguments->origin,
+                          "Place of the first pose: LATITUDE,LONGITUDE[,HEIGHT], degrees and metres (WGS 84)");
+  CLI::Option* heading = command->add_option("--heading", arguments->heading,
+                                             "Direction of the car at the first pose, degrees clockwise from north");
+  command
+      ->add_option(
+          "--fixes", arguments->fixes,
+          "Instead: CSV file with GPS fixes (columns time, latitude, longitude, and optionally height and sigma in "
+          "metres [5]). The path is rotated and shifted, but not scaled")
+      ->excludes(origin)
+      ->excludes(heading);
+  command->add_option(
+      "--start-time", arguments->start_time,
+      "UTC time of the drive's time 0, such as 2026-03-22T07:14:05+01:00; without it the files have no times "
+      "of day");
+  command->add_option("--interval", arguments->interval, "Least time between two points, seconds; 0: every frame")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  command->add_option("--fov", arguments->fov, "Horizontal field of view of the camera in --gltf, degrees")
+      ->check(CLI::Range(1.0, 179.0))
+      ->capture_default_str();
+  command->add_option("--aspect", arguments->aspect, "Width over height of the camera's image in --gltf [16/9]")
+      ->check(CLI::PositiveNumber);
+  command->add_option("--out", arguments->out, "Names of the files, without their endings [path, in the folder]");
+  command->footer(
+      "Example:\n  turnscale export out/drive --gpx --kml --origin 49.0112,8.4225 --heading 87.5 \\\n"
+      "      --start-time 2026-03-22T07:14:05+01:00");
+  command->callback([arguments] { RunExport(*arguments); });
+}
+
+}  // namespace turnscale

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+
+namespace CLI {
+class App;
+}
+
+namespace turnscale {
+
+/// The truth that a page of a run shows beside its path; empty where there is none.
+struct TruthFiles {
+  std::filesystem::path truth;
+  std::filesystem::path floor_plan;
+};
+
+/// --truth and --floor-plan.
+void AddTruthOptions(CLI::App& command, TruthFiles& files);
+
+/// Makes report.html in the folder of a run, with the comparison if there is a truth. Throws InputError, OutputError.
+void WriteRunPage(const std::filesystem::path& folder, const TruthFiles& files);
+
+}  // namespace turnscale

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: MIT
+#include <array>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <memory>
+#include <string>
+
+#include <CLI/CLI.hpp>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "commands.h"
+#include "run_page.h"
+#include "turnscale/base/error.h"
+#include "turnscale/io/output_file.h"
+#include "turnscale/io/terminal.h"
+#include "turnscale/report/report_page.h"
+#include "turnscale/report/run_report.h"
+
+namespace turnscale {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct ViewArguments {
+  fs::path results;
+  TruthFiles truth;
+  bool open = false;
+};
+
+std::string TextOf(const fs::path& path) {
+  std::ifstream stream(path, std::ios::binary);
+  std::error_code none;
+  if (!stream || fs::is_directory(path, none)) throw InputError(path.string() + ": cannot be read");
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+// The page of results that are not of `run`, with the data that it has.
+void Renew(const fs::path& page) {
+  const std::string data = DataOfPage(TextOf(page), page.string());
+  if (data.empty()) throw InputError(page.string() + ": holds no results");
+  ReplaceFile(page, ReportPage(page.parent_path().filename().string(), data));
+}
+
+void OpenInBrowser(const fs::path& page) {
+  const std::string path = fs::absolute(page).string();
+  std::array<char*, 3> arguments = {const_cast<char*>("xdg-open"), const_cast<char*>(path.c_str()), nullptr};
+  pid_t child = 0;
+  int status = 0;
+  const bool opened = posix_spawnp(&child, arguments[0], nullptr, nullptr, arguments.data(), environ) == 0 &&
+                      waitpid(child, &status, 0) == child && status == 0;
+  if (!opened) PrintMessage("warning: xdg-open cannot open the page; open it with a browser");
+}
+
+void RunView(const ViewArguments& arguments) {
+  std::error_code none;
+  fs::path page = arguments.results;
+  if (fs::is_directory(page, none)) page /= kReportFile;
+  if (fs::exists(page.parent_path() / "trajectory.csv", none) && page.filename() == kReportFile) {
+    WriteRunPage(page.parent_path(), arguments.truth);
+  } else if (fs::exists(page, none)) {
+    Renew(page);
+  } else {
+    throw InputError(arguments.results.string() +
+                     ": holds no results; give the --out folder of turnscale run, the --report folder of rescale, or a "
+                     "report");
+  }
+  PrintText("page     " + page.string() + "\n");
+  if (arguments.open) OpenInBrowser(page);
+}
+
+}  // namespace
+
+void AddViewCommand(CLI::App& app) {
+  CLI::App* command = app.add_subcommand("view", "Make the page of earlier results again, as this version shows them.");
+  const auto arguments = std::make_shared<ViewArguments>();
+  command
+      ->add_option("results", arguments->results,
+                   "Folder with the results of run or rescale, or a page that one of them or evaluate has written")
+      ->required();
+  AddTruthOptions(*command, arguments->truth);
+  command->add_flag("--open", arguments->open, "Open the page in the browser (xdg-open)");
+  command->footer("Example:\n  turnscale view out/drive --open");
+  command->callback([arguments] { RunView(*arguments); });
+}
+
+}  // namespace turnscale

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <istream>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "turnscale/base/error.h"
+#include "turnscale/base/number_text.h"
+
+namespace turnscale {
+
+/// A comma-separated table with a heading, read line by line. Cells may be quoted; a quoted cell ends in its line.
+class CsvTable {
+ public:
+  /// `name` stands for the table in messages.
+  CsvTable(std::istream& stream, std::string name) : stream_(stream), name_(std::move(name)) {
+    std::getline(stream_, line_);
+    Split();
+    columns_ = cells_;
+  }
+
+  /// The column's place. Throws InputError if there is none of that name.
+  std::size_t Column(std::string_view column) const {
+    const auto found = std::find(columns_.begin(), columns_.end(), column);
+    if (found == columns_.end()) throw InputError(name_ + ": has no column '" + std::string(column) + "'");
+    return static_cast<std::size_t>(found - columns_.begin());
+  }
+
+  bool HasColumn(std::string_view column) const {
+    return std::find(columns_.begin(), columns_.end(), column) != columns_.end();
+  }
+
+  /// Goes to the next line; false at the end. Throws InputError if it has more or fewer cells than the heading.
+  bool Next() {
+    if (!std::getline(stream_, line_)) return false;
+    ++number_;
+    Split();
+    if (cells_.size() != columns_.size()) {
+      throw InputError(Where() + ": has " + std::to_string(cells_.size()) + " values, the first line has " +
+                       std::to_string(columns_.size()));
+    }
+    return true;
+  }
+
+  const std::string& Text(std::size_t column) const { return cells_[column]; }
+
+  /// The number in a cell. Throws InputError if it holds none.
+  template <typename Number>
+  Number Value(std::size_t column) const {
+    const auto value = ParseNumber<Number>(cells_[column]);
+    if (!value) throw InputError(Where() + ": '" + cells_[column] + "' is not a number");
+    return *value;
+  }
+
+  /// The same; nothing for an empty cell.
+  template <typename Number>
+  std::optional<Number> ValueOrNone(std::size_t column) const {
+    return cells_[column].empty() ? std::nullopt : std::optional(Value<Number>(column));
+  }
+
+  /// "name:line" of the current line.
+  std::string Where() const { return name_ + ":" + std::to_string(number_); }
+
+ private:
+  void Split() {
+    if (line_.ends_with('\r')) line_.pop_back();
+    cells_.assign(1, {});
+    bool quoted = false;
+    for (std::size_t i = 0; i < line_.size(); ++i) {
+      const bool doubled = quoted && line_[i] == '"' && i + 1 < line_.size() && line_[i + 1] == '"';
+      if (doubled) {
+        cells_.back() += line_[++i];
+      } else if (line_[i] == '"') {
+        quoted = !quoted;
+      } else if (line_[i] == ',' && !quoted) {
+        cells_.emplace_back();
+      } else {
+        cells_.back() += line_[i];
+      }
+    }
+  }
+
+  std::istream& stream_;
+  std::string name_;
+  std::string line_;
+  std::vector<std::string> columns_;
+  std::vector<std::string> cells_;
+  int number_ = 1;
+};
+
+}  // namespace turnscale

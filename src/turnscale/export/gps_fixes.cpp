@@ -1,0 +1,236 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/export/gps_fixes.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <limits>
+#include <string>
+
+#include <fmt/format.h>
+
+#include "turnscale/base/csv_table.h"
+#include "turnscale/base/error.h"
+#include "turnscale/base/quantiles.h"
+#include "turnscale/export/utc_time.h"
+#include "turnscale/geometry/rotation.h"
+
+namespace turnscale {
+namespace {
+
+using Eigen::Vector2d;
+
+// A fix and where the path is at its time; both in the plane, metres.
+struct Correspondence {
+  Vector2d path;  // right, ahead
+  Vector2d fix;   // east, north
+  double sigma = 1;
+};
+
+struct PlaneFit {
+  double heading = 0;
+  Vector2d shift = Vector2d::Zero();
+
+  Vector2d operator*(const Vector2d& path) const {
+    return EastNorthUp({path.x(), path.y(), 0}, heading).head<2>() + shift;
+  }
+};
+
+constexpr double kTukey = 4.685;      // standard deviations; 95 % efficient on Gaussian noise
+constexpr size_t kMostPairsOf = 150;  // fixes whose pairs are tried as a start
+constexpr double kLeastBaseline = 5;  // standard deviations of a fix
+constexpr int kIterations = 50;
+
+double TukeyWeight(double deviation) {
+  const double share = deviation / kTukey;
+  return share < 1 ? std::pow(1 - share * share, 2) : 0;
+}
+
+double TukeyCost(double deviation) {
+  const double share = std::min(1.0, deviation / kTukey);
+  return 1 - std::pow(1 - share * share, 3);
+}
+
+double HeadingBetween(const Vector2d& path, const Vector2d& fix) {
+  return std::atan2(path.y(), path.x()) - std::atan2(fix.y(), fix.x());
+}
+
+class Fitter {
+ public:
+  explicit Fitter(std::vector<Correspondence> pairs) : pairs_(std::move(pairs)) {}
+
+  PlaneFit BestPair() const {
+    PlaneFit best;
+    double least = std::numeric_limits<double>::infinity();
+    const size_t stride = pairs_.size() / kMostPairsOf + 1;
+    for (size_t i = 0; i < pairs_.size(); i += stride) {
+      for (size_t k = i + stride; k < pairs_.size(); k += stride) {
+        const Correspondence& a = pairs_[i];
+        const Correspondence& b = pairs_[k];
+        if ((b.path - a.path).norm() < kLeastBaseline * std::hypot(a.sigma, b.sigma)) continue;
+        PlaneFit fit;
+        fit.heading = HeadingBetween(b.path - a.path, b.fix - a.fix);
+        fit.shift = 0.5 * (a.fix + b.fix) - fit * Vector2d(0.5 * (a.path + b.path));
+        double cost = 0;
+        for (const Correspondence& pair : pairs_) cost += TukeyCost(Deviation(fit, pair));
+        if (cost >= least) continue;
+        least = cost;
+        best = fit;
+      }
+    }
+    if (std::isinf(least))
+      throw InputError(
+          "--fixes: they lie too close together to give a heading; give some from farther along the drive");
+    return best;
+  }
+
+  PlaneFit Refined(PlaneFit fit) const {
+    for (int i = 0; i < kIterations; ++i) {
+      const Sums sums = SumsOf(fit);
+      const double heading = std::atan2(sums.sine, sums.cosine);
+      fit.heading = heading;
+      fit.shift = Vector2d::Zero();
+      fit.shift = sums.fix - fit * sums.path;
+    }
+    return fit;
+  }
+
+  FixPlacement Describe(const PlaneFit& fit) const {
+    const Sums sums = SumsOf(fit);
+    FixPlacement described;
+    described.fixes = static_cast<int>(pairs_.size());
+    double squares = 0;
+    double weighted = 0;
+    for (const Correspondence& pair : pairs_) {
+      const double weight = TukeyWeight(Deviation(fit, pair));
+      const double distance = (pair.fix - fit * pair.path).norm();
+      if (weight == 0) {
+        ++described.outliers;
+        continue;
+      }
+      squares += distance * distance;
+      weighted += weight * std::pow(distance / pair.sigma, 2);
+    }
+    const int used = described.fixes - described.outliers;
+    described.rms = std::sqrt(squares / std::max(used, 1));
+    // Two numbers per fix, four unknowns with the scale.
+    const double excess = std::max(1.0, weighted / std::max(2 * used - 4, 1));
+    described.heading_sigma = std::sqrt(excess / sums.spread);
+    described.scale = std::hypot(sums.sine, sums.cosine) / sums.spread;
+    described.scale_sigma = std::sqrt(excess / sums.spread);
+    return described;
+  }
+
+ private:
+  // Weighted means, and sums about them.
+  struct Sums {
+    Vector2d path = Vector2d::Zero();
+    Vector2d fix = Vector2d::Zero();
+    double sine = 0;
+    double cosine = 0;
+    double spread = 0;  // of the path
+  };
+
+  static double Deviation(const PlaneFit& fit, const Correspondence& pair) {
+    return (pair.fix - fit * pair.path).norm() / pair.sigma;
+  }
+
+  Sums SumsOf(const PlaneFit& fit) const {
+    Sums sums;
+    double total = 0;
+    std::vector<double> weights;
+    for (const Correspondence& pair : pairs_) {
+      weights.push_back(TukeyWeight(Deviation(fit, pair)) / (pair.sigma * pair.sigma));
+      total += weights.back();
+      sums.path += weights.back() * pair.path;
+      sums.fix += weights.back() * pair.fix;
+    }
+    sums.path /= total;
+    sums.fix /= total;
+    for (size_t i = 0; i < pairs_.size(); ++i) {
+      const Vector2d p = pairs_[i].path - sums.path;
+      const Vector2d q = pairs_[i].fix - sums.fix;
+      sums.cosine += weights[i] * p.dot(q);
+      sums.sine += weights[i] * (p.y() * q.x() - p.x() * q.y());
+      sums.spread += weights[i] * p.squaredNorm();
+    }
+    return sums;
+  }
+
+  std::vector<Correspondence> pairs_;
+};
+
+std::optional<Vector2d> PathAt(const std::vector<LevelPlace>& path, double time) {
+  const auto after = std::lower_bound(path.begin(), path.end(), time,
+                                      [](const LevelPlace& place, double t) { return place.time < t; });
+  if (after == path.end() || (after == path.begin() && after->time > time)) return std::nullopt;
+  if (after == path.begin()) return after->position.head<2>();
+  const LevelPlace& before = *(after - 1);
+  const double share = (time - before.time) / (after->time - before.time);
+  return (1 - share) * before.position.head<2>() + share * after->position.head<2>();
+}
+
+}  // namespace
+
+std::vector<GpsFix> ReadGpsFixes(const std::filesystem::path& path, std::optional<double> start_time) {
+  std::ifstream stream(path);
+  std::error_code none;
+  if (!stream || std::filesystem::is_directory(path, none)) throw InputError(path.string() + ": cannot be read");
+  CsvTable table(stream, path.string());
+  const size_t time = table.Column("time");
+  const size_t latitude = table.Column("latitude");
+  const size_t longitude = table.Column("longitude");
+  const bool has_sigma = table.HasColumn("sigma");
+  const bool has_height = table.HasColumn("height");
+  std::vector<GpsFix> fixes;
+  while (table.Next()) {
+    GpsFix fix;
+    if (const auto seconds = ParseNumber<double>(table.Text(time))) {
+      fix.time = *seconds;
+    } else if (const auto moment = ParseUtcTime(table.Text(time))) {
+      if (!start_time) throw InputError(table.Where() + ": has a time of day; give --start-time too");
+      fix.time = *moment - *start_time;
+    } else {
+      throw InputError(table.Where() + ": '" + table.Text(time) +
+                       "' is not a time; give seconds of the drive, or 2026-03-22T07:14:05+01:00");
+    }
+    fix.point.latitude = table.Value<double>(latitude);
+    fix.point.longitude = table.Value<double>(longitude);
+    if (has_height) fix.point.height = table.ValueOrNone<double>(table.Column("height")).value_or(0);
+    if (has_sigma) fix.sigma = table.ValueOrNone<double>(table.Column("sigma")).value_or(fix.sigma);
+    const bool sane = std::isfinite(fix.time) && std::abs(fix.point.latitude) < 90 &&
+                      std::abs(fix.point.longitude) <= 180 && fix.sigma > 0 && std::isfinite(fix.sigma);
+    if (!sane) throw InputError(table.Where() + ": is not a position with degrees and a positive sigma");
+    if (!fixes.empty() && fix.time <= fixes.back().time)
+      throw InputError(table.Where() + ": its time does not come after that of the line before");
+    fixes.push_back(fix);
+  }
+  return fixes;
+}
+
+FixPlacement PlaceByFixes(const std::vector<LevelPlace>& path, const std::vector<GpsFix>& fixes) {
+  std::vector<Correspondence> pairs;
+  std::vector<double> heights;
+  std::optional<GeoFrame> frame;
+  for (const GpsFix& fix : fixes) {
+    const std::optional<Vector2d> place = PathAt(path, fix.time);
+    if (!place) continue;
+    if (!frame) frame.emplace(fix.point);
+    pairs.push_back({*place, frame->ToLocal(fix.point).head<2>(), fix.sigma});
+    heights.push_back(fix.point.height);
+  }
+  if (pairs.size() < 2) {
+    throw InputError(fmt::format("--fixes: {} of {} lie within the drive, from {:.1f} s to {:.1f} s; give at least 2",
+                                 pairs.size(), fixes.size(), path.front().time, path.back().time));
+  }
+  const Fitter fitter(std::move(pairs));
+  const PlaneFit fit = fitter.Refined(fitter.BestPair());
+  FixPlacement placed = fitter.Describe(fit);
+  GeoPoint origin = frame->FromLocal({fit.shift.x(), fit.shift.y(), 0});
+  origin.height = Median(heights);
+  placed.placement = {origin, std::remainder(fit.heading, 2 * M_PI)};
+  if (placed.placement.heading < 0) placed.placement.heading += 2 * M_PI;
+  return placed;
+}
+
+}  // namespace turnscale

@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/export/gps_fixes.h"
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "turnscale/base/error.h"
+#include "turnscale/base/random.h"
+#include "turnscale/base/test_files.h"
+#include "turnscale/export/test_results.h"
+#include "turnscale/export/utc_time.h"
+#include "turnscale/geometry/rotation.h"
+
+namespace turnscale {
+namespace {
+
+namespace fs = std::filesystem;
+
+const Placement kTruth{{49.0112, 8.4225, 110}, 87.5 / kDegreesPerRadian};
+
+// One fix a second along 500 m, with 5 m of noise in each direction; every tenth is 40 to 400 m off.
+std::vector<GpsFix> NoisyFixes(const std::vector<LevelPlace>& path, unsigned seed, double path_scale = 1) {
+  Random random(seed);
+  const GeoFrame frame(kTruth.origin);
+  std::vector<GpsFix> fixes;
+  for (size_t i = 0; i < path.size(); i += 10) {
+    Eigen::Vector3d place = path_scale * EastNorthUp(path[i].position, kTruth.heading);
+    place += Eigen::Vector3d(5 * random.Gaussian(), 5 * random.Gaussian(), 0);
+    if (i % 100 == 30) place += Eigen::Vector3d(random.Uniform(40, 400), random.Uniform(-200, 200), 0);
+    fixes.push_back({path[i].time, frame.FromLocal(place), 5});
+  }
+  return fixes;
+}
+
+TEST(GpsFixes, GiveTheHeadingInNoiseAndOutliers) {
+  const std::vector<LevelPlace> path = LevelPath(TestResults(501), "out");
+  int within = 0;
+  constexpr int kSeeds = 40;
+  double squares = 0;
+  for (unsigned seed = 1; seed <= kSeeds; ++seed) {
+    const FixPlacement placed = PlaceByFixes(path, NoisyFixes(path, seed));
+    const double error = std::remainder(placed.placement.heading - kTruth.heading, 2 * M_PI) * kDegreesPerRadian;
+    EXPECT_LT(std::abs(error), 1.0) << seed;
+    within += std::abs(error) < 0.5 ? 1 : 0;
+    squares += std::pow(error / (placed.heading_sigma * kDegreesPerRadian), 2);
+    EXPECT_GE(placed.outliers, 5) << seed;
+    EXPECT_LE(placed.outliers, 8) << seed;
+    EXPECT_LT(GeoFrame(kTruth.origin).ToLocal(placed.placement.origin).head<2>().norm(), 5) << seed;
+    EXPECT_NEAR(placed.scale, 1, 4 * placed.scale_sigma) << seed;
+  }
+  EXPECT_GE(within, kSeeds * 9 / 10);
+  EXPECT_NEAR(std::sqrt(squares / kSeeds), 1, 0.35) << "the sigma is that of the errors";
+}
+
+TEST(GpsFixes, TheScaleIsReportedAndNotApplied) {
+  const std::vector<LevelPlace> path = LevelPath(TestResults(501), "out");
+  const FixPlacement placed = PlaceByFixes(path, NoisyFixes(path, 3, 1.05));
+  EXPECT_NEAR(placed.scale, 1.05, 4 * placed.scale_sigma);
+  EXPECT_GT(placed.scale, 1 + 3 * placed.scale_sigma);
+}
+
+TEST(GpsFixes, NeedABaseline) {
+  const std::vector<LevelPlace> path = LevelPath(TestResults(501), "out");
+  std::vector<GpsFix> fixes = NoisyFixes(path, 1);
+  EXPECT_THROW(PlaceByFixes(path, {fixes[0], fixes[1]}), InputError);
+  EXPECT_THROW(PlaceByFixes(path, {fixes[0]}), InputError);
+  for (GpsFix& fix : fixes) fix.time += 1000;
+  EXPECT_THROW(PlaceByFixes(path, fixes), InputError);
+}
+
+class GpsFixFileTest : public ::testing::Test {
+ protected:
+  GpsFixFileTest() : path_(ScratchPath("fixes.csv")) {}
+  ~GpsFixFileTest() override { fs::remove(path_); }
+
+  std::vector<GpsFix> Read(const std::string& text, std::optional<double> start = {}) const {
+    std::ofstream(path_) << text;
+    return ReadGpsFixes(path_, start);
+  }
+  std::string Refusal(const std::string& text) const {
+    try {
+      Read(text);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "";
+  }
+
+  fs::path path_;
+};
+
+TEST_F(GpsFixFileTest, ReadsSecondsAndTimesOfDay) {
+  const auto fixes = Read("time,latitude,longitude,sigma\n1.5,49.1,8.2,3\n4,49.2,8.3,\n");
+  ASSERT_EQ(fixes.size(), 2u);
+  EXPECT_EQ(fixes[0].time, 1.5);
+  EXPECT_EQ(fixes[0].sigma, 3);
+  EXPECT_EQ(fixes[1].sigma, 5);
+  EXPECT_EQ(fixes[1].point.longitude, 8.3);
+  const auto of_day =
+      Read("latitude,longitude,time\n1,2,2026-03-22T07:14:15+01:00\n", ParseUtcTime("2026-03-22T06:14:05Z"));
+  EXPECT_EQ(of_day[0].time, 10);
+}
+
+TEST_F(GpsFixFileTest, NamesFileAndLine) {
+  EXPECT_NE(Refusal("time,lat,lon\n").find("has no column 'latitude'"), std::string::npos);
+  EXPECT_NE(Refusal("time,latitude,longitude\n1,91,0\n").find("fixes.csv:2: is not a position"), std::string::npos);
+  EXPECT_NE(Refusal("time,latitude,longitude\n1,1,1\n1,1,1\n").find("csv:3: its time does not come after"),
+            std::string::npos);
+  EXPECT_NE(Refusal("time,latitude,longitude\nsoon,1,1\n").find("'soon' is not a time"), std::string::npos);
+  EXPECT_NE(Refusal("time,latitude,longitude\n2026-03-22T07:14:15+01:00,1,1\n").find("give --start-time too"),
+            std::string::npos);
+}
+
+}  // namespace
+}  // namespace turnscale

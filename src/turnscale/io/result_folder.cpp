@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/io/result_folder.h"
+
+#include <array>
+#include <bit>
+#include <cstdint>
+#include <fstream>
+#include <functional>
+#include <sstream>
+
+#include <nlohmann/json.hpp>
+
+#include "turnscale/base/csv_table.h"
+#include "turnscale/base/error.h"
+#include "turnscale/io/terminal.h"
+
+namespace turnscale {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::optional<std::string> TextIfThere(const fs::path& path) {
+  // A device could be read for ever.
+  std::error_code none;
+  if (!fs::is_regular_file(path, none)) return std::nullopt;
+  std::ifstream stream(path, std::ios::binary);
+  return std::string(std::istreambuf_iterator<char>(stream), {});
+}
+
+// Calls `read` for every line of a table, if there is one.
+void ReadTable(const fs::path& path, const std::function<void(CsvTable&)>& read) {
+  std::error_code none;
+  std::ifstream stream(path);
+  if (!stream || !fs::is_regular_file(path, none)) return;
+  CsvTable table(stream, path.string());
+  while (table.Next()) read(table);
+}
+
+template <class Value>
+Value Named(const CsvTable& table, size_t column, std::initializer_list<Value> values, const char* (*name)(Value)) {
+  for (const Value value : values)
+    if (table.Text(column) == name(value)) return value;
+  throw InputError(table.Where() + ": '" + table.Text(column) + "' is no state");
+}
+
+std::vector<FrameResult> ReadFrames(const fs::path& path) {
+  std::vector<FrameResult> frames;
+  ReadTable(path, [&](CsvTable& table) {
+    FrameResult frame;
+    size_t next = table.Column("frame");
+    frame.frame = table.Value<int>(next++);
+    frame.time = table.Value<double>(next++);
+    frame.state = Named<TrackingState>(table, next++,
+                                       {TrackingState::kInitializing, TrackingState::kTracked, TrackingState::kRepeated,
+                                        TrackingState::kBridged, TrackingState::kUnreadable},
+                                       TrackingStateName);
+    if (!table.Text(next).empty()) {
+      std::array<double, 7> v{};
+      for (double& value : v) value = table.Value<double>(next++);
+      frame.world_from_camera =
+          RigidTransform{Eigen::Quaterniond(v[6], v[3], v[4], v[5]).normalized(), {v[0], v[1], v[2]}};
+    }
+    const size_t state = table.Column("scale_state");
+    frame.scale_state = Named<ScaleState>(
+        table, state, {ScaleState::kPending, ScaleState::kObserved, ScaleState::kHeld}, ScaleStateName);
+    frame.scale_sigma = table.Value<double>(state + 1);
+    frame.inliers = table.Value<int>(state + 2);
+    frame.tracked = table.Value<int>(state + 3);
+    frame.keyframe = table.Value<int>(state + 4) != 0;
+    frame.turning = table.Value<int>(table.Column("turning")) != 0;
+    frames.push_back(frame);
+  });
+  return frames;
+}
+
+std::vector<TurnResult> ReadTurns(const fs::path& path) {
+  std::vector<TurnResult> turns;
+  ReadTable(path, [&](CsvTable& table) {
+    const auto number = [&](const char* column) { return table.ValueOrNone<double>(table.Column(column)).value_or(0); };
+    TurnResult turn;
+    turn.first_frame = table.Value<int>(table.Column("first_frame"));
+    turn.last_frame = table.Value<int>(table.Column("last_frame"));
+    turn.angle = number("angle_deg") / kDegreesPerRadian;
+    turn.speed = number("speed_mps");
+    turn.metres_per_unit = number("metres_per_unit");
+    turn.sigma = number("sigma");
+    turn.smoothed = number("smoothed_metres_per_unit");
+    turn.smoothed_sigma = number("smoothed_sigma");
+    turn.deviation = number("deviation_sigmas");
+    turn.effective_lever_arm = number("effective_lever_arm_m");
+    turn.used = table.Value<int>(table.Column("used")) != 0;
+    turn.reason = table.Text(table.Column("reason"));
+    turns.push_back(turn);
+  });
+  return turns;
+}
+
+std::vector<RotationRow> ReadRotations(const fs::path& path) {
+  std::vector<RotationRow> rows;
+  ReadTable(path, [&](CsvTable& table) {
+    const auto angles = [&](size_t first) {
+      return YawPitchRoll{table.Value<double>(first) / kDegreesPerRadian,
+                          table.Value<double>(first + 1) / kDegreesPerRadian,
+                          table.Value<double>(first + 2) / kDegreesPerRadian};
+    };
+    RotationRow row;
+    row.frame = table.Value<int>(table.Column("frame"));
+    row.time = table.Value<double>(table.Column("time"));
+    row.angles = angles(table.Column("yaw_deg"));
+    const size_t sigma = table.Column("yaw_sigma_deg");
+    if (!table.Text(sigma).empty()) row.sigma = angles(sigma);
+    rows.push_back(row);
+  });
+  return rows;
+}
+
+float FloatAt(const std::string& bytes, size_t place) {
+  uint32_t bits = 0;
+  for (size_t i = 0; i < sizeof bits; ++i)
+    bits |= static_cast<uint32_t>(static_cast<unsigned char>(bytes[place + i])) << (8 * i);
+  return std::bit_cast<float>(bits);
+}
+
+// As WriteMap writes them: landmarks are gray, cameras red.
+std::vector<Eigen::Vector3f> ReadLandmarks(const fs::path& path) {
+  const std::optional<std::string> text = TextIfThere(path);
+  if (!text) return {};
+  constexpr std::string_view kCount = "element vertex ";
+  constexpr std::string_view kEnd = "end_header\n";
+  constexpr size_t kVertexBytes = 15;
+  const size_t count_at = text->find(kCount);
+  const size_t end = text->find(kEnd);
+  const auto count = count_at < end && end != std::string::npos
+                         ? ParseNumber<size_t>(std::string_view(*text).substr(
+                               count_at + kCount.size(), text->find('\n', count_at) - count_at - kCount.size()))
+                         : std::nullopt;
+  const size_t body = end + kEnd.size();
+  if (!count || text->size() - body != *count * kVertexBytes)
+    throw InputError(path.string() + ": is not a map that turnscale has written");
+  std::vector<Eigen::Vector3f> landmarks;
+  for (size_t i = 0; i < *count; ++i) {
+    const size_t place = body + i * kVertexBytes;
+    const bool is_camera = (*text)[place + 12] != (*text)[place + 13];
+    if (!is_camera) landmarks.emplace_back(FloatAt(*text, place), FloatAt(*text, place + 4), FloatAt(*text, place + 8));
+  }
+  return landmarks;
+}
+
+Eigen::Quaterniond VehicleFromBody(const std::string& summary, const fs::path& path) {
+  const auto json = nlohmann::json::parse(summary, nullptr, false);
+  const auto angles = json.value("camera_yaw_pitch_roll_deg", nlohmann::json());
+  if (json.is_discarded() || !angles.is_array() || angles.size() != 3)
+    throw InputError(path.string() + ": is not a summary of a run");
+  if (json.value("pose_frame", "camera") == "vehicle") return Eigen::Quaterniond::Identity();
+  return RotationFromYawPitchRoll({angles[0].get<double>() / kDegreesPerRadian,
+                                   angles[1].get<double>() / kDegreesPerRadian,
+                                   angles[2].get<double>() / kDegreesPerRadian});
+}
+
+}  // namespace
+
+Trajectory ResultFolder::Poses() const {
+  Trajectory poses;
+  for (const FrameResult& frame : frames)
+    if (frame.world_from_camera) poses.push_back({frame.time, *frame.world_from_camera});
+  return poses;
+}
+
+ResultFolder ReadResultFolder(const fs::path& folder) {
+  std::error_code none;
+  if (!fs::is_directory(folder, none)) throw InputError(folder.string() + ": is not a folder with results of a run");
+  for (const char* name : {"summary.json", "trajectory.csv"})
+    if (!fs::exists(folder / name, none))
+      throw InputError((folder / name).string() + ": no such file; give the --out folder of turnscale run");
+  ResultFolder results;
+  results.summary = TextIfThere(folder / "summary.json").value_or("");
+  results.vehicle_from_body = VehicleFromBody(results.summary, folder / "summary.json");
+  results.settings = TextIfThere(folder / "settings.yaml").value_or("");
+  results.frames = ReadFrames(folder / "trajectory.csv");
+  results.turns = ReadTurns(folder / "turns.csv");
+  ReadTable(folder / "speed.csv", [&](CsvTable& table) {
+    results.speeds.push_back({table.Value<double>(table.Column("time")), table.Value<double>(table.Column("speed_mps")),
+                              table.Value<double>(table.Column("sigma_mps"))});
+  });
+  ReadTable(folder / "scale.csv", [&](CsvTable& table) {
+    results.scale.push_back({table.Value<int>(table.Column("frame")), table.Value<double>(table.Column("time")),
+                             table.Value<double>(table.Column("metres_per_unit")),
+                             table.Value<double>(table.Column("sigma"))});
+  });
+  results.rotations = ReadRotations(folder / "camera_rotation.csv");
+  results.landmarks = ReadLandmarks(folder / "map.ply");
+  return results;
+}
+
+}  // namespace turnscale

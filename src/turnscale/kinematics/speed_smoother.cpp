@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/kinematics/speed_smoother.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+
+#include <Eigen/Core>
+#include <Eigen/LU>
+
+namespace turnscale {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+// Position, speed, acceleration.
+struct CarState {
+  Vector3d mean = Vector3d::Zero();
+  Matrix3d covariance = Matrix3d::Zero();
+};
+
+// Standard deviations of a position that are tried, metres: from an ideal simulator to a poor camera.
+constexpr std::array kNoises = {0.0005, 0.001, 0.002, 0.004, 0.008, 0.016, 0.032, 0.064, 0.128};
+constexpr double kHuber = 3;  // standard deviations
+// Before the first reading: any speed and acceleration of a car.
+constexpr double kFirstSpeedSigma = 30;
+constexpr double kFirstAccelerationSigma = 3;
+
+Matrix3d Transition(double seconds) {
+  Matrix3d transition = Matrix3d::Identity();
+  transition(0, 1) = transition(1, 2) = seconds;
+  transition(0, 2) = 0.5 * seconds * seconds;
+  return transition;
+}
+
+Matrix3d WalkOf(double acceleration_walk, double t) {
+  Matrix3d walk;
+  walk << t * t * t / 20, t * t / 8, t / 6,  //
+      t * t / 8, t / 3, 0.5,                 //
+      t / 6, 0.5, 1 / t;
+  return acceleration_walk * acceleration_walk * t * t * walk;
+}
+
+class Filter {
+ public:
+  Filter(const std::vector<PathReading>& readings, const SpeedSmootherOptions& options, double noise)
+      : readings_(readings), options_(options), variance_(noise * noise) {}
+
+  // The state at each reading, from the readings so far. Returns the log-likelihood.
+  double Run(std::vector<CarState>* predicted, std::vector<CarState>* filtered) {
+    CarState state;
+    double likelihood = 0;
+    bool begun = false;
+    for (size_t i = 0; i < readings_.size(); ++i) {
+      if (i > 0) Predict(readings_[i].time - readings_[i - 1].time, begun && !readings_[i - 1].measured, state);
+      if (!begun) {
+        // Readings before the first measured one get its position, and any speed.
+        state.mean = {FirstPosition(), 0, 0};
+        state.covariance =
+            Vector3d(variance_, kFirstSpeedSigma * kFirstSpeedSigma, kFirstAccelerationSigma * kFirstAccelerationSigma)
+                .asDiagonal();
+      }
+      if (predicted) predicted->push_back(state);
+      if (readings_[i].measured && begun) likelihood += Update(readings_[i].position, state);
+      begun = begun || readings_[i].measured;
+      if (filtered) filtered->push_back(state);
+    }
+    return likelihood;
+  }
+
+ private:
+  double FirstPosition() const {
+    return std::find_if(readings_.begin(), readings_.end(), [](const auto& r) { return r.measured; })->position;
+  }
+
+  void Predict(double seconds, bool across_gap, CarState& state) const {
+    const Matrix3d transition = Transition(seconds);
+    state.mean = transition * state.mean;
+    state.covariance =
+        transition * state.covariance * transition.transpose() + WalkOf(options_.acceleration_walk, seconds);
+    if (!across_gap) return;
+    const double distance = state.mean[1] * seconds;
+    state.covariance(0, 0) += std::pow(options_.gap_sigma * distance, 2);
+  }
+
+  double Update(double position, CarState& state) const {
+    const double innovation = position - state.mean[0];
+    double variance = state.covariance(0, 0) + variance_;
+    const double deviation = std::abs(innovation) / std::sqrt(variance);
+    const double likelihood =
+        -0.5 * (std::min(deviation * deviation, 2 * kHuber * deviation - kHuber * kHuber) + std::log(variance));
+    if (deviation > kHuber) variance += variance_ * (std::pow(deviation / kHuber, 2) - 1);
+    const Vector3d gain = state.covariance.col(0) / variance;
+    state.mean += gain * innovation;
+    state.covariance -= gain * state.covariance.row(0);
+    state.covariance = 0.5 * (state.covariance + state.covariance.transpose()).eval();
+    return likelihood;
+  }
+
+  const std::vector<PathReading>& readings_;
+  const SpeedSmootherOptions& options_;
+  double variance_;
+};
+
+double MostLikelyNoise(const std::vector<PathReading>& readings, const SpeedSmootherOptions& options) {
+  double best = kNoises.front();
+  double highest = -std::numeric_limits<double>::infinity();
+  for (const double noise : kNoises) {
+    const double likelihood = Filter(readings, options, noise).Run(nullptr, nullptr);
+    if (likelihood <= highest) continue;
+    highest = likelihood;
+    best = noise;
+  }
+  return best;
+}
+
+}  // namespace
+
+std::vector<SpeedReading> SmoothSpeed(const std::vector<PathReading>& readings, const SpeedSmootherOptions& options) {
+  constexpr int kLeast = 3;
+  if (std::count_if(readings.begin(), readings.end(), [](const auto& r) { return r.measured; }) < kLeast) return {};
+  std::vector<CarState> predicted;
+  std::vector<CarState> smoothed;
+  Filter(readings, options, MostLikelyNoise(readings, options)).Run(&predicted, &smoothed);
+  for (size_t i = readings.size() - 1; i-- > 0;) {
+    const Matrix3d transition = Transition(readings[i + 1].time - readings[i].time);
+    const Matrix3d gain = smoothed[i].covariance * transition.transpose() * predicted[i + 1].covariance.inverse();
+    smoothed[i].mean += gain * (smoothed[i + 1].mean - predicted[i + 1].mean);
+    smoothed[i].covariance += gain * (smoothed[i + 1].covariance - predicted[i + 1].covariance) * gain.transpose();
+  }
+  std::vector<SpeedReading> speeds;
+  speeds.reserve(readings.size());
+  for (size_t i = 0; i < readings.size(); ++i)
+    speeds.push_back({readings[i].time, smoothed[i].mean[1], std::sqrt(std::max(0.0, smoothed[i].covariance(1, 1)))});
+  return speeds;
+}
+
+}  // namespace turnscale

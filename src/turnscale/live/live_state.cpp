@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/live/live_state.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <nlohmann/json.hpp>
+
+#include "turnscale/io/terminal.h"
+#include "turnscale/report/report_data.h"
+
+namespace turnscale {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+
+constexpr seconds kWatchedFor(3);            // after a viewer has asked
+constexpr milliseconds kImageInterval(200);  // between two images
+constexpr milliseconds kPathInterval(1000);  // between two states of the path
+constexpr seconds kRateWindow(2);            // over which the frames are counted
+constexpr int kPathPoints = 1500;
+constexpr int kImageWidth = 640;
+constexpr int kImageQuality = 72;
+
+// Speed between neighbours: the path that is drawn has no other.
+std::vector<SpeedReading> RoughSpeeds(const std::vector<FrameResult>& frames) {
+  std::vector<SpeedReading> speeds;
+  for (size_t i = 1; i < frames.size(); ++i) {
+    const double distance =
+        (frames[i].world_from_camera->translation - frames[i - 1].world_from_camera->translation).norm();
+    const double time = frames[i].time - frames[i - 1].time;
+    if (time > 0) speeds.push_back({frames[i].time, distance / time, NAN});
+  }
+  return speeds;
+}
+
+}  // namespace
+
+LiveState::LiveState(std::string title, std::string version, int frames)
+    : title_(std::move(title)), version_(std::move(version)), frames_(frames) {}
+
+void LiveState::Add(const cv::Mat& gray, const FrameResult& frame, const Odometry& odometry) {
+  const std::lock_guard lock(mutex_);
+  const Clock::time_point now = Clock::now();
+  latest_ = frame;
+  ++frames_done_;
+  done_at_.push_back(now);
+  while (now - done_at_.front() > kRateWindow) done_at_.pop_front();
+  keyframes_ = static_cast<int>(odometry.map().keyframes.size());
+  keyframe_states_.resize(keyframes_, frame.scale_state);
+  if (now - asked_at_ > kWatchedFor) return;
+  if (!gray.empty() && now - copied_image_at_ > kImageInterval) {
+    copied_image_at_ = now;
+    gray.copyTo(image_);
+    odometry.mask().copyTo(mask_);
+    const bool tracked = frame.state == TrackingState::kTracked;
+    features_ = tracked ? FeaturesOf(odometry) : std::vector<DrawnFeature>();
+    ++image_number_;
+  }
+  if (now - copied_path_at_ > kPathInterval) {
+    copied_path_at_ = now;
+    CopyPath(frame, odometry);
+  }
+}
+
+void LiveState::CopyPath(const FrameResult& frame, const Odometry& odometry) {
+  const Map& map = odometry.map();
+  const MetricPath& path = odometry.live_path();
+  const int count = static_cast<int>(std::min(map.keyframes.size(), path.centres.size()));
+  path_.frames.clear();
+  path_.metric = frame.scale_state != ScaleState::kPending;
+  const int stride = count / kPathPoints + 1;
+  for (int i = 0; i < count; i += stride) {
+    FrameResult keyframe;
+    keyframe.frame = map.keyframes[i].frame;
+    keyframe.time = map.keyframes[i].time;
+    keyframe.state = TrackingState::kTracked;
+    keyframe.world_from_camera =
+        RigidTransform{map.keyframes[i].camera_from_world.rotation.conjugate(), path.centres[i]};
+    // Once a turn has given the scale, it holds for the path before it too.
+    keyframe.scale_state =
+        path_.metric && keyframe_states_[i] == ScaleState::kPending ? ScaleState::kHeld : keyframe_states_[i];
+    keyframe.scale_sigma = frame.scale_sigma;
+    path_.frames.push_back(keyframe);
+  }
+  if (frame.world_from_camera && (path_.frames.empty() || frame.time > path_.frames.back().time))
+    path_.frames.push_back(frame);
+  path_.vehicle_from_camera = odometry.mount().At(0);
+  ++path_number_;
+}
+
+void LiveState::AddWarnings(const std::vector<std::string>& warnings) {
+  const std::lock_guard lock(mutex_);
+  warnings_.insert(warnings_.end(), warnings.begin(), warnings.end());
+}
+
+void LiveState::Finish() {
+  const std::lock_guard lock(mutex_);
+  finished_ = true;
+}
+
+void LiveState::SetPaused(bool paused) {
+  const std::lock_guard lock(mutex_);
+  paused_ = paused;
+}
+
+bool LiveState::paused() const {
+  const std::lock_guard lock(mutex_);
+  return paused_;
+}
+
+bool LiveState::IsWatched() const {
+  const std::lock_guard lock(mutex_);
+  return Clock::now() - asked_at_ <= kWatchedFor;
+}
+
+std::string LiveState::StateJson() {
+  const std::lock_guard lock(mutex_);
+  const Clock::time_point now = Clock::now();
+  asked_at_ = now;
+  const auto recent = std::count_if(done_at_.begin(), done_at_.end(), [&](auto at) { return now - at <= kRateWindow; });
+  const double span = done_at_.empty() ? 0 : std::chrono::duration<double>(now - done_at_.front()).count();
+  const nlohmann::ordered_json json = {
+      {"title", title_},
+      {"version", version_},
+      {"metric", latest_.scale_state != ScaleState::kPending},
+      {"frame", frames_done_},
+      {"frames", frames_},
+      {"time", latest_.time},
+      {"rate", recent > 1 && span > 0 ? static_cast<double>(recent) / span : 0.0},
+      {"keyframes", keyframes_},
+      {"scaleState", ScaleStateName(latest_.scale_state)},
+      {"sigma", std::isfinite(latest_.scale_sigma) ? nlohmann::ordered_json(latest_.scale_sigma) : nullptr},
+      {"tracking", TrackingStateName(latest_.state)},
+      {"tracked", latest_.tracked},
+      {"paused", paused_},
+      {"finished", finished_},
+      {"image", image_number_},
+      {"path", path_number_},
+      {"warnings", warnings_}};
+  return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+}
+
+std::string LiveState::PathJson() {
+  const std::lock_guard making(making_);
+  ReportData data;
+  int number = 0;
+  {
+    const std::lock_guard lock(mutex_);
+    number = path_number_;
+    if (number == path_json_number_) return path_json_;
+    data.frames = path_.frames;
+    data.metric = path_.metric;
+    data.vehicle_from_body = path_.vehicle_from_camera;
+    data.warnings = warnings_;
+  }
+  data.title = title_;
+  data.version = version_;
+  data.notes = {"The path as far as it is known now"};
+  if (data.metric) data.speeds = RoughSpeeds(data.frames);
+  path_json_ = ReportJson(data);
+  path_json_number_ = number;
+  return path_json_;
+}
+
+std::string LiveState::Image() {
+  const std::lock_guard making(making_);
+  cv::Mat image;
+  cv::Mat mask;
+  std::vector<DrawnFeature> features;
+  {
+    const std::lock_guard lock(mutex_);
+    if (image_number_ == jpeg_number_ || image_.empty()) return jpeg_;
+    image = image_.clone();
+    mask = mask_.clone();
+    features = features_;
+    jpeg_number_ = image_number_;
+  }
+  jpeg_ = JpegOf(DrawTracking(image, features, mask, kImageWidth), kImageQuality);
+  return jpeg_;
+}
+
+}  // namespace turnscale

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "turnscale/evaluation/association.h"
+#include "turnscale/io/floor_plan_file.h"
+#include "turnscale/io/result_folder.h"
+#include "turnscale/report/thumbnails.h"
+
+namespace turnscale {
+
+/// A number for the top of the page, as text.
+struct ReportFact {
+  std::string name;
+  std::string value;
+  std::string note;  ///< such as its sigma; may be empty
+};
+
+/// What a page shows. Whatever is empty is left out of it.
+struct ReportData {
+  std::string title;
+  std::string version;
+  bool metric = false;                ///< lengths are metres, else the odometry's unit
+  std::vector<std::string> warnings;  ///< on top
+  std::vector<std::string> notes;     ///< below the title: what was done
+  std::vector<ReportFact> facts;
+  std::vector<FrameResult> frames;
+  Eigen::Quaterniond vehicle_from_body = Eigen::Quaterniond::Identity();
+  std::vector<TurnResult> turns;
+  std::vector<SpeedReading> speeds;
+  std::vector<ScaleRow> scale;
+  std::vector<RotationRow> rotations;
+  std::vector<Eigen::Vector3f> landmarks;
+  std::vector<Thumbnail> thumbnails;
+  PosePairs truth;                 ///< the estimate's poses with the true ones, in any world frames
+  std::vector<ReportFact> errors;  ///< from the comparison with the truth
+  FloorPlan outlines;              ///< in the frame of the true poses, seen from above (x right, z ahead)
+  std::string settings;
+};
+
+/// Upper bounds, so that the page of a long drive opens quickly.
+struct ReportLimits {
+  int path_points = 5000;
+  int landmarks = 50000;
+  int scale_points = 2000;
+  int truth_points = 2500;
+};
+
+/// The data as the page reads it (web/src/report.ts), JSON without '<'. Positions are in level axes (LevelFromWorld).
+std::string ReportJson(const ReportData& data, const ReportLimits& limits = {});
+
+}  // namespace turnscale

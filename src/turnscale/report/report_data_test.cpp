@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/report/report_data.h"
+
+#include <cmath>
+#include <string>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "turnscale/base/error.h"
+#include "turnscale/geometry/rotation.h"
+#include "turnscale/report/report_page.h"
+
+namespace turnscale {
+namespace {
+
+ReportData DriveData(int frames) {
+  ReportData data;
+  data.title = "drive </script>";
+  data.metric = true;
+  for (int i = 0; i < frames; ++i) {
+    FrameResult frame;
+    frame.frame = i;
+    frame.time = 0.1 * i;
+    frame.state = i % 100 == 50 ? TrackingState::kBridged : TrackingState::kTracked;
+    frame.scale_state = i < 10 ? ScaleState::kObserved : ScaleState::kHeld;
+    frame.scale_sigma = 0.02;
+    const double heading = 0.001 * i;
+    frame.world_from_camera = RigidTransform{RotationFromVector({0, heading, 0}),
+                                             {1000 * (1 - std::cos(heading)), 0, 1000 * std::sin(heading)}};
+    data.frames.push_back(frame);
+    if (i > 0) data.speeds.push_back({frame.time, 10, 0.2});
+  }
+  return data;
+}
+
+nlohmann::json Parsed(const ReportData& data, const ReportLimits& limits = {}) {
+  return nlohmann::json::parse(ReportJson(data, limits));
+}
+
+TEST(ReportData, PositionsAreRightAheadUp) {
+  ReportData data = DriveData(1500);
+  data.landmarks = {{5, -1.5F, 20}, {1e6F, 0, 0}};
+  const nlohmann::json json = Parsed(data);
+  const auto& path = json["path"];
+  ASSERT_EQ(path["time"].size(), 1500u);
+  EXPECT_NEAR(path["x"][1000].get<double>(), 1000 * (1 - std::cos(1.0)), 0.01);
+  EXPECT_NEAR(path["y"][1000].get<double>(), 1000 * std::sin(1.0), 0.01);
+  EXPECT_EQ(path["z"][1000], 0);
+  EXPECT_TRUE(path["speed"][0].is_null());
+  EXPECT_EQ(path["speed"][1], 10);
+  EXPECT_EQ(path["scaleState"].get<std::string>().substr(8, 4), "oohh");
+  EXPECT_EQ(path["tracking"].get<std::string>().substr(49, 3), "tbt");
+  EXPECT_EQ(json["unit"], "m");
+  // One landmark is near enough to be shown: three numbers of two bytes.
+  EXPECT_EQ(json["landmarks"]["data"].get<std::string>().size(), 8u);
+  EXPECT_TRUE(json["truth"].is_null());
+}
+
+TEST(ReportData, LongDrivesAreThinned) {
+  ReportData data = DriveData(40000);
+  for (int i = 0; i < 300000; ++i)
+    data.landmarks.emplace_back(static_cast<float>(i % 997), -1.0F, static_cast<float>(i % 1009));
+  for (int i = 0; i < 9000; ++i) data.scale.push_back({4 * i, 0.4 * i, 0.25, 0.02});
+  const std::string text = ReportJson(data);
+  EXPECT_LT(text.size(), 1'250'000u);
+  EXPECT_EQ(text.find('<'), std::string::npos) << "could end the element that holds the data";
+  const nlohmann::json json = nlohmann::json::parse(text);
+  EXPECT_EQ(json["path"]["time"].back(), 3999.9);
+  EXPECT_EQ(json["title"], "drive </script>");
+  EXPECT_LE(json["scale"]["time"].size(), 2001u);
+}
+
+TEST(ReportData, TheTruthIsLaidOnTheFirstPose) {
+  ReportData data = DriveData(200);
+  const RigidTransform elsewhere{RotationFromVector({0.1, 0.5, 0}), {7, 8, 9}};
+  for (int i = 0; i < 200; ++i) {
+    const RigidTransform& estimate = *data.frames[i].world_from_camera;
+    RigidTransform truth = estimate;
+    truth.translation.x() += i == 0 ? 0 : 0.5;
+    data.truth.push_back({i, i, data.frames[i].time, estimate, elsewhere * truth});
+  }
+  const auto json = Parsed(data)["truth"];
+  EXPECT_EQ(json["error"][0], 0);
+  EXPECT_NEAR(json["error"][100].get<double>(), 0.5, 1e-3);
+}
+
+TEST(ReportData, APathWithoutPosesIsAnEmptyPage) {
+  ReportData data;
+  EXPECT_TRUE(Parsed(data)["path"]["time"].empty());
+  data.frames.resize(3);
+  EXPECT_TRUE(Parsed(data)["path"]["time"].empty());
+}
+
+TEST(ReportPage, HoldsItsData) {
+  const std::string json = ReportJson(DriveData(20));
+  const std::string page = ReportPage("a & b", json);
+  EXPECT_EQ(DataOfPage(page, "page"), json);
+  EXPECT_NE(page.find("<title>a &amp; b - turnscale</title>"), std::string::npos);
+  EXPECT_TRUE(DataOfPage(ReportPage("live", ""), "page").empty());
+  EXPECT_THROW(DataOfPage("<html></html>", "page"), InputError);
+}
+
+TEST(ReportPage, RefersToNoOtherFile) {
+  const std::string page = ReportPage("page", "{}");
+  for (const char* loaded : {"<script src", "<link rel=\"stylesheet\"", "@import", "url(http", "src=\"http"})
+    EXPECT_EQ(page.find(loaded), std::string::npos) << loaded;
+  EXPECT_NE(page.find("default-src 'none'"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace turnscale

@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/report/run_report.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "turnscale/base/error.h"
+#include "turnscale/io/output_file.h"
+#include "turnscale/report/report_page.h"
+
+namespace turnscale {
+namespace {
+
+namespace fs = std::filesystem;
+using Summary = nlohmann::json;
+
+constexpr double kKmhPerMps = 3.6;
+
+// Values that a summary of another version may lack.
+double NumberAt(const Summary& json, const char* pointer) {
+  const Summary::json_pointer place(pointer);
+  return json.contains(place) && json.at(place).is_number() ? json.at(place).get<double>() : NAN;
+}
+
+std::string TextAt(const Summary& json, const char* pointer) {
+  const Summary::json_pointer place(pointer);
+  return json.contains(place) && json.at(place).is_string() ? json.at(place).get<std::string>() : "";
+}
+
+std::string Percent(double share) { return fmt::format("\u00b1{:.{}f} %", 100 * share, share < 0.1 ? 1 : 0); }
+
+std::string Clock(double seconds) {
+  const auto whole = static_cast<int>(std::lround(seconds));
+  return whole >= 3600 ? fmt::format("{}:{:02}:{:02} h", whole / 3600, whole / 60 % 60, whole % 60)
+                       : fmt::format("{}:{:02} min", whole / 60, whole % 60);
+}
+
+std::string Metres(double metres) {
+  return metres >= 1000 ? fmt::format("{:.2f} km", metres / 1000) : fmt::format("{:.1f} m", metres);
+}
+
+std::vector<ReportFact> FactsOf(const Summary& summary, const ResultFolder& results, bool metric) {
+  std::vector<ReportFact> facts;
+  if (metric) {
+    facts.push_back({"Path length", Metres(NumberAt(summary, "/distance_m")),
+                     Percent(NumberAt(summary, "/path_sigma")) + " (1 sigma)"});
+  } else {
+    facts.push_back({"Path length", fmt::format("{:.2f} units", NumberAt(summary, "/distance_units")), "up to scale"});
+  }
+  const double seconds = results.frames.empty() ? 0 : results.frames.back().time - results.frames.front().time;
+  facts.push_back({"Duration", Clock(seconds), fmt::format("{} frames", results.frames.size())});
+  if (!results.speeds.empty()) {
+    const auto top = std::max_element(results.speeds.begin(), results.speeds.end(),
+                                      [](const auto& a, const auto& b) { return a.speed < b.speed; });
+    facts.push_back({"Top speed", fmt::format("{:.0f} km/h", kKmhPerMps * top->speed),
+                     fmt::format("\u00b1{:.1f} km/h, at {:.1f} s", kKmhPerMps * top->sigma, top->time)});
+    const double driven = NumberAt(summary, "/distance_m");
+    facts.push_back({"Mean speed", fmt::format("{:.0f} km/h", kKmhPerMps * driven / std::max(seconds, 1e-9)), ""});
+  }
+  const double used = NumberAt(summary, "/turns/used");
+  const double found = NumberAt(summary, "/turns/found");
+  facts.push_back({"Turns", fmt::format("{:.0f} of {:.0f}", used, found), "used for the scale"});
+  if (metric) {
+    facts.push_back({"Largest sigma", Percent(NumberAt(summary, "/scale/worst_relative_sigma")),
+                     fmt::format("of the scale, at {:.1f} s", NumberAt(summary, "/scale/worst_at_s"))});
+  }
+  const double tracked = NumberAt(summary, "/frames/tracked");
+  const double total = std::max(NumberAt(summary, "/frames/total"), 1.0);
+  facts.push_back({"Tracked", fmt::format("{:.4g} %", std::floor(1e3 * tracked / total) / 10), "of the frames"});
+  return facts;
+}
+
+std::string MissingText(const Summary& part) {
+  return fmt::format("{} from {:.1f} s to {:.1f} s", TextAt(part, "/reason"), NumberAt(part, "/from_s"),
+                     NumberAt(part, "/to_s"));
+}
+
+std::vector<std::string> WarningsOf(const Summary& summary, bool metric) {
+  std::vector<std::string> warnings;
+  if (const std::string stopped = TextAt(summary, "/stopped"); !stopped.empty())
+    warnings.push_back("The run ended early: " + stopped);
+  if (!metric) {
+    const std::string reason = TextAt(summary, "/scale/pending_reason");
+    const bool has_arm = std::isfinite(NumberAt(summary, "/lever_arm_m"));
+    warnings.push_back("The path is not in metres: " + (!has_arm         ? "no lever arm was given (--lever-arm)"
+                                                        : reason.empty() ? "no turn has determined the scale"
+                                                                         : reason));
+  }
+  const Summary texts = summary.value("warnings", Summary::array());
+  for (const Summary& text : texts)
+    if (text.is_string()) warnings.push_back(text.get<std::string>());
+  const Summary missing = summary.value("missing", Summary::object());
+  const double seconds = NumberAt(missing, "/seconds");
+  if (seconds > 0) {
+    std::string text =
+        fmt::format("The path is not measured for {:.1f} s of {:.1f} s", seconds, NumberAt(missing, "/of_s"));
+    std::string separator = ": ";
+    for (const Summary& part : missing.value("longest", Summary::array())) {
+      text += std::exchange(separator, "; ") + MissingText(part);
+    }
+    warnings.push_back(text);
+  }
+  return warnings;
+}
+
+std::vector<std::string> NotesOf(const Summary& summary) {
+  std::vector<std::string> notes;
+  if (const double arm = NumberAt(summary, "/lever_arm_m"); std::isfinite(arm))
+    notes.push_back(fmt::format("Lever arm {:g} m", arm));
+  if (const double slip = NumberAt(summary, "/by_all_turns/side_slip_s2_per_m"); std::isfinite(slip))
+    notes.push_back(fmt::format("Side slip {:.4f} s\u00b2/m, from all turns", slip));
+  notes.push_back("Intrinsics " + TextAt(summary, "/intrinsics/source"));
+  notes.push_back(TextAt(summary, "/pose_frame") == "vehicle" ? "Path of the rear axle" : "Path of the camera");
+  return notes;
+}
+
+}  // namespace
+
+ReportData DataOfRun(const ResultFolder& results, std::vector<Thumbnail> thumbnails, const RunReportExtras& extras) {
+  const Summary summary = Summary::parse(results.summary);
+  ReportData data;
+  data.title = TextAt(summary, "/input");
+  data.version = TextAt(summary, "/version");
+  data.metric = std::isfinite(NumberAt(summary, "/distance_m"));
+  data.warnings = WarningsOf(summary, data.metric);
+  data.notes = NotesOf(summary);
+  data.facts = FactsOf(summary, results, data.metric);
+  data.frames = results.frames;
+  data.vehicle_from_body = results.vehicle_from_body;
+  data.turns = results.turns;
+  data.speeds = results.speeds;
+  data.scale = results.scale;
+  data.rotations = results.rotations;
+  data.landmarks = results.landmarks;
+  data.thumbnails = std::move(thumbnails);
+  data.truth = extras.truth;
+  data.errors = extras.errors;
+  data.outlines = extras.outlines;
+  data.settings = results.settings;
+  return data;
+}
+
+void WriteRunReport(const fs::path& folder, const RunReportExtras& extras) {
+  const ResultFolder results = ReadResultFolder(folder);
+  const ReportData data = DataOfRun(results, ReadThumbnails(folder, results.frames), extras);
+  try {
+    ReplaceFile(folder / kReportFile, ReportPage(fs::path(data.title).filename().string(), ReportJson(data)));
+  } catch (const InputError& error) {
+    throw OutputError(error.what());
+  }
+}
+
+std::vector<ReportFact> ErrorFacts(const std::string& evaluation_json) {
+  const Summary json = Summary::parse(evaluation_json);
+  std::vector<ReportFact> facts;
+  const auto add = [&](const char* name, const char* pointer, const char* format, const char* note) {
+    if (const double value = NumberAt(json, pointer); std::isfinite(value))
+      facts.push_back({name, fmt::format(fmt::runtime(format), value), note});
+  };
+  add("True path length", "/true_path_length_m", "{:.1f} m", "");
+  add("Path length error", "/as_given/path_length_error_percent", "{:+.2f} %", "");
+  add("Translation error", "/as_given/kitti/translation_percent", "{:.2f} %", "KITTI");
+  add("Rotation error", "/as_given/kitti/rotation_deg_per_100m", "{:.2f} deg/100 m", "KITTI");
+  add("Scale error ratio", "/as_given/scale_error_ratio/all/median_percent", "{:.2f} %", "median");
+  add("Position error", "/position_error/first_poses_equal/rmse_m", "{:.2f} m", "RMSE, first poses aligned");
+  add("Position error", "/position_error/sim3/rmse_m", "{:.2f} m", "RMSE after Sim(3) alignment");
+  return facts;
+}
+
+}  // namespace turnscale

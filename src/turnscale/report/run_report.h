@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "turnscale/io/result_folder.h"
+#include "turnscale/report/report_data.h"
+
+namespace turnscale {
+
+/// Name of the page in the folder of the results.
+constexpr auto kReportFile = "report.html";
+
+/// What a report shows besides the results of the run.
+struct RunReportExtras {
+  PosePairs truth;                 ///< the trajectory's poses with the true ones
+  std::vector<ReportFact> errors;  ///< from the comparison
+  FloorPlan outlines;              ///< see ReportData
+};
+
+/// The page's data from the files of a run. Its warnings are those of the summary, the missing parts of the path, and
+/// why there are no metres. The cost of the run is left out, so that the same run gives the same page.
+ReportData DataOfRun(const ResultFolder& results, std::vector<Thumbnail> thumbnails,
+                     const RunReportExtras& extras = {});
+
+/// Makes report.html from the other files in the folder of a run, in one step. Throws InputError where these are no
+/// results of a run, OutputError where the page cannot be written.
+void WriteRunReport(const std::filesystem::path& folder, const RunReportExtras& extras = {});
+
+/// The facts of a comparison with the truth, from the JSON that `turnscale evaluate` writes.
+std::vector<ReportFact> ErrorFacts(const std::string& evaluation_json);
+
+}  // namespace turnscale

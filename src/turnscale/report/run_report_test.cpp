@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/report/run_report.h"
+
+#include <filesystem>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "turnscale/base/error.h"
+#include "turnscale/base/test_files.h"
+#include "turnscale/io/run_summary.h"
+#include "turnscale/io/run_writer.h"
+#include "turnscale/report/report_page.h"
+
+namespace turnscale {
+namespace {
+
+namespace fs = std::filesystem;
+
+class RunReportTest : public ::testing::Test {
+ protected:
+  RunReportTest() : folder_(ScratchPath("report")) {}
+  ~RunReportTest() override { fs::remove_all(folder_); }
+
+  void WriteRun(RunSummary summary) const {
+    std::vector<FrameResult> frames(30);
+    for (int i = 0; i < 30; ++i) {
+      frames[i].frame = i;
+      frames[i].time = 0.1 * i;
+      frames[i].state = i > 20 && i < 25 ? TrackingState::kBridged : TrackingState::kTracked;
+      frames[i].world_from_camera = RigidTransform{Eigen::Quaterniond::Identity(), {0, 0, 1.0 * i}};
+      frames[i].scale_state = summary.scale_state;
+      frames[i].scale_sigma = 0.02;
+    }
+    RefinedScale scale;
+    if (summary.scale_state != ScaleState::kPending) scale.estimate.emplace().length_sigma = 0.034;
+    scale.reason = "no turn was found";
+    Summarize(frames, scale, summary);
+    RunWriter writer({folder_});
+    writer.WriteTrajectory(frames, summary.scale_state);
+    writer.WriteTurns({});
+    if (summary.scale_state != ScaleState::kPending) writer.WriteSpeeds({{0, 10, 0.5}, {2.9, 12.5, 0.25}});
+    writer.WriteText("summary.json", SummaryJson(summary));
+  }
+
+  nlohmann::json Data() const { return nlohmann::json::parse(DataOfPage(TextOf(folder_ / kReportFile), "page")); }
+
+  fs::path folder_;
+};
+
+TEST_F(RunReportTest, SaysWhatTheSummarySays) {
+  RunSummary summary;
+  summary.input = "drives/monday.mp4";
+  summary.scale_state = ScaleState::kHeld;
+  summary.vehicle.lever_arm = 1.5;
+  summary.warnings = {"the camera's <calibration> differs"};
+  WriteRun(summary);
+  WriteRunReport(folder_);
+  const nlohmann::json data = Data();
+  EXPECT_EQ(data["title"], "drives/monday.mp4");
+  EXPECT_EQ(data["facts"][0]["value"], "29.0 m");
+  EXPECT_EQ(data["facts"][0]["note"], "\u00b13.4 % (1 sigma)");
+  EXPECT_EQ(data["facts"][2]["value"], "45 km/h");
+  ASSERT_EQ(data["warnings"].size(), 2u);
+  EXPECT_EQ(data["warnings"][0], "the camera's <calibration> differs");
+  EXPECT_EQ(data["warnings"][1].get<std::string>().find("The path is not measured for 0.4 s of 2.9 s: tracking lost"),
+            0u)
+      << data["warnings"][1];
+  const std::string page = TextOf(folder_ / kReportFile);
+  WriteRunReport(folder_);
+  EXPECT_EQ(TextOf(folder_ / kReportFile), page) << "the same results give the same page";
+}
+
+TEST_F(RunReportTest, APathUpToScaleSaysWhy) {
+  RunSummary summary;
+  WriteRun(summary);
+  WriteRunReport(folder_);
+  EXPECT_EQ(Data()["unit"], "units");
+  EXPECT_EQ(Data()["warnings"][0], "The path is not in metres: no lever arm was given (--lever-arm)");
+  summary.vehicle.lever_arm = 1.5;
+  WriteRun(summary);
+  WriteRunReport(folder_);
+  EXPECT_EQ(Data()["warnings"][0], "The path is not in metres: no turn was found");
+}
+
+TEST_F(RunReportTest, NeedsResults) {
+  fs::create_directories(folder_);
+  EXPECT_THROW(WriteRunReport(folder_), InputError);
+}
+
+TEST(ErrorFacts, NamesWhatThereIs) {
+  const std::vector<ReportFact> facts = ErrorFacts(
+      R"({"true_path_length_m": 100.0, "as_given": {"path_length_error_percent": -1.5}, "position_error": {"sim3": null}})");
+  ASSERT_EQ(facts.size(), 2u);
+  EXPECT_EQ(facts[1].value, "-1.50 %");
+}
+
+}  // namespace
+}  // namespace turnscale

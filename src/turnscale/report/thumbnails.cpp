@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/report/thumbnails.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <optional>
+#include <system_error>
+#include <utility>
+
+#include <fmt/format.h>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "turnscale/base/error.h"
+#include "turnscale/base/number_text.h"
+#include "turnscale/geometry/rotation.h"
+#include "turnscale/io/output_file.h"
+
+namespace turnscale {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr auto kFolder = "thumbnails";
+constexpr std::array<std::pair<ThumbnailReason, const char*>, 3> kReasonNames = {
+    {{ThumbnailReason::kDrive, "drive"}, {ThumbnailReason::kTurn, "turn"}, {ThumbnailReason::kLost, "lost"}}};
+
+const char* NameOf(ThumbnailReason reason) { return kReasonNames[static_cast<size_t>(reason)].second; }
+
+bool IsLost(TrackingState state) { return state == TrackingState::kBridged || state == TrackingState::kUnreadable; }
+
+// "000123-turn.jpg"; nothing for other files.
+std::optional<std::pair<int, ThumbnailReason>> ParseName(const fs::path& path) {
+  const std::string stem = path.stem().string();
+  const size_t dash = stem.find('-');
+  if (path.extension() != ".jpg" || dash == std::string::npos) return std::nullopt;
+  const auto frame = ParseNumber<int>(std::string_view(stem).substr(0, dash));
+  for (const auto& [reason, name] : kReasonNames)
+    if (frame && stem.substr(dash + 1) == name) return std::pair(*frame, reason);
+  return std::nullopt;
+}
+
+std::vector<fs::path> ThumbnailFiles(const fs::path& folder) {
+  std::vector<fs::path> files;
+  std::error_code none;
+  for (fs::directory_iterator entry(folder / kFolder, none), end; entry != end; entry.increment(none))
+    if (ParseName(entry->path())) files.push_back(entry->path());
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+}  // namespace
+
+std::vector<DrawnFeature> FeaturesOf(const Odometry& odometry) {
+  std::vector<DrawnFeature> features;
+  for (const FeatureTrack& track : odometry.tracks())
+    features.push_back({track.pixel, odometry.map().landmarks[track.landmark].valid});
+  return features;
+}
+
+cv::Mat DrawTracking(const cv::Mat& gray, const std::vector<DrawnFeature>& features, const cv::Mat& mask, int width) {
+  const double scale = std::min(1.0, static_cast<double>(width) / gray.cols);
+  cv::Mat small;
+  cv::resize(gray, small, {}, scale, scale, cv::INTER_AREA);
+  cv::Mat image;
+  cv::cvtColor(small, image, cv::COLOR_GRAY2BGR);
+  if (!mask.empty()) {
+    cv::Mat left_out;
+    cv::resize(mask, left_out, image.size(), 0, 0, cv::INTER_NEAREST);
+    const cv::Mat tinted = 0.55 * image + cv::Scalar(20, 20, 110);
+    tinted.copyTo(image, left_out == 0);
+  }
+  const int radius = std::max(1, image.cols / 250);
+  constexpr int kShift = 4;
+  const auto fixed = [](double pixel) { return cvRound(pixel * (1 << kShift)); };
+  for (const DrawnFeature& feature : features) {
+    const cv::Scalar colour = feature.has_depth ? cv::Scalar(120, 230, 70) : cv::Scalar(40, 175, 255);
+    const cv::Point centre(fixed((feature.pixel.x + 0.5) * scale - 0.5), fixed((feature.pixel.y + 0.5) * scale - 0.5));
+    cv::circle(image, centre, radius << kShift, colour, cv::FILLED, cv::LINE_AA, kShift);
+  }
+  return image;
+}
+
+std::string JpegOf(const cv::Mat& image, int quality) {
+  std::vector<uchar> jpeg;
+  Ensure(cv::imencode(".jpg", image, jpeg, {cv::IMWRITE_JPEG_QUALITY, quality}), "JPEG cannot be encoded");
+  return {jpeg.begin(), jpeg.end()};
+}
+
+bool ThumbnailCollector::IsDue(const FrameResult& frame, ThumbnailReason& reason) {
+  const bool lost = IsLost(frame.state) && !IsLost(std::exchange(last_state_, frame.state));
+  bool turns = false;
+  if (frame.keyframe) {
+    const double rate = std::abs(frame.psi) * kDegreesPerRadian / (frame.time - last_keyframe_time_);
+    turns = rate > options_.turn_rate && frame.time - last_turn_time_ >= options_.interval * turn_interval_factor_;
+    last_keyframe_time_ = frame.time;
+  }
+  reason = lost ? ThumbnailReason::kLost : turns ? ThumbnailReason::kTurn : ThumbnailReason::kDrive;
+  return lost || turns || frame.time - last_time_ >= options_.interval * interval_factor_;
+}
+
+void ThumbnailCollector::Add(const cv::Mat& gray, const FrameResult& frame, const Odometry& odometry) {
+  Thumbnail thumbnail{frame.frame, frame.time, {}, {}};
+  if (!IsDue(frame, thumbnail.reason) || gray.empty()) return;
+  // Where tracking failed, the tracks are those of an earlier image.
+  const bool tracked = frame.state == TrackingState::kTracked;
+  const std::vector<DrawnFeature> features = tracked ? FeaturesOf(odometry) : std::vector<DrawnFeature>();
+  thumbnail.jpeg = JpegOf(DrawTracking(gray, features, odometry.mask(), options_.width), options_.quality);
+  last_time_ = frame.time;
+  if (thumbnail.reason == ThumbnailReason::kTurn) last_turn_time_ = frame.time;
+  bytes_ += thumbnail.jpeg.size();
+  thumbnails_.push_back(std::move(thumbnail));
+  KeepWithinBudget();
+}
+
+void ThumbnailCollector::KeepWithinBudget() {
+  while (bytes_ > options_.budget && thumbnails_.size() > 1) {
+    const auto count = [&](ThumbnailReason reason) {
+      return std::count_if(thumbnails_.begin(), thumbnails_.end(), [&](const auto& t) { return t.reason == reason; });
+    };
+    // Half of the thumbnails at least show the whole drive.
+    const auto most = std::max({ThumbnailReason::kDrive, ThumbnailReason::kTurn, ThumbnailReason::kLost},
+                               [&](ThumbnailReason a, ThumbnailReason b) { return count(a) < count(b); });
+    if (most == ThumbnailReason::kDrive) interval_factor_ *= 2;
+    if (most == ThumbnailReason::kTurn) turn_interval_factor_ *= 2;
+    DropEverySecond(most);
+  }
+}
+
+void ThumbnailCollector::DropEverySecond(ThumbnailReason reason) {
+  std::vector<Thumbnail> kept;
+  bool drop = false;
+  bytes_ = 0;
+  for (Thumbnail& thumbnail : thumbnails_) {
+    if (thumbnail.reason == reason && std::exchange(drop, !drop)) continue;
+    bytes_ += thumbnail.jpeg.size();
+    kept.push_back(std::move(thumbnail));
+  }
+  thumbnails_ = std::move(kept);
+}
+
+void RemoveThumbnails(const fs::path& folder) {
+  std::error_code none;
+  for (const fs::path& file : ThumbnailFiles(folder)) fs::remove(file, none);
+  // Only where nothing else is in it.
+  fs::remove(folder / kFolder, none);
+}
+
+void WriteThumbnails(const fs::path& folder, const std::vector<Thumbnail>& thumbnails) {
+  RemoveThumbnails(folder);
+  if (thumbnails.empty()) return;
+  std::error_code error;
+  fs::create_directories(folder / kFolder, error);
+  if (error) throw OutputError((folder / kFolder).string() + ": cannot be made: " + error.message());
+  for (const Thumbnail& thumbnail : thumbnails) {
+    ReplaceFile(folder / kFolder / fmt::format("{:06}-{}.jpg", thumbnail.frame, NameOf(thumbnail.reason)),
+                thumbnail.jpeg, Durability::kProcess);
+  }
+}
+
+std::vector<Thumbnail> ReadThumbnails(const fs::path& folder, const std::vector<FrameResult>& frames) {
+  std::vector<Thumbnail> thumbnails;
+  for (const fs::path& file : ThumbnailFiles(folder)) {
+    const auto [frame, reason] = *ParseName(file);
+    if (frame < 0 || frame >= static_cast<int>(frames.size())) continue;
+    std::ifstream stream(file, std::ios::binary);
+    thumbnails.push_back({frame, frames[frame].time, reason, {std::istreambuf_iterator<char>(stream), {}}});
+  }
+  return thumbnails;
+}
+
+}  // namespace turnscale

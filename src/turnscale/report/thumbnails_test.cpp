@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/report/thumbnails.h"
+
+#include <filesystem>
+#include <fstream>
+
+#include <gtest/gtest.h>
+#include <opencv2/imgcodecs.hpp>
+
+#include "turnscale/base/random.h"
+#include "turnscale/base/test_files.h"
+
+namespace turnscale {
+namespace {
+
+namespace fs = std::filesystem;
+
+cv::Mat NoiseImage(int seed) {
+  cv::Mat image(120, 400, CV_8UC1);
+  for (int i = 0; i < 120 * 400; ++i) image.data[i] = static_cast<uchar>(Hash(seed * 100000 + i) & 0xFFU);
+  return image;
+}
+
+FrameResult FrameAt(int number, TrackingState state = TrackingState::kTracked, double psi = 0) {
+  FrameResult frame;
+  frame.frame = number;
+  frame.time = 0.1 * number;
+  frame.state = state;
+  frame.keyframe = true;
+  frame.psi = psi;
+  return frame;
+}
+
+class ThumbnailsTest : public ::testing::Test {
+ protected:
+  ThumbnailsTest() : odometry_({}, {}), folder_(ScratchPath("thumbnails")) {}
+  ~ThumbnailsTest() override { fs::remove_all(folder_); }
+
+  Odometry odometry_;
+  fs::path folder_;
+};
+
+TEST_F(ThumbnailsTest, TurnsAndLossesHaveTheirOwn) {
+  ThumbnailCollector collector;
+  for (int i = 0; i < 100; ++i) {
+    const TrackingState state = i >= 45 && i < 48 ? TrackingState::kBridged : TrackingState::kTracked;
+    collector.Add(NoiseImage(i), FrameAt(i, state, i >= 63 && i < 69 ? 0.05 : 0.0), odometry_);
+  }
+  int lost = 0;
+  int turns = 0;
+  for (const Thumbnail& thumbnail : collector.thumbnails()) {
+    lost += thumbnail.reason == ThumbnailReason::kLost ? 1 : 0;
+    turns += thumbnail.reason == ThumbnailReason::kTurn ? 1 : 0;
+    const int expected = thumbnail.reason == ThumbnailReason::kLost   ? 45
+                         : thumbnail.reason == ThumbnailReason::kTurn ? 63
+                                                                      : thumbnail.frame;
+    EXPECT_EQ(thumbnail.frame, expected);
+    const std::vector<uchar> bytes(thumbnail.jpeg.begin(), thumbnail.jpeg.end());
+    EXPECT_EQ(cv::imdecode(bytes, cv::IMREAD_COLOR).cols, 320);
+  }
+  EXPECT_EQ(lost, 1);
+  EXPECT_EQ(turns, 1);
+  EXPECT_NEAR(static_cast<double>(collector.thumbnails().size()), 12, 2);
+}
+
+TEST_F(ThumbnailsTest, ALongDriveStaysWithinTheBudget) {
+  ThumbnailOptions options;
+  options.budget = 300'000;
+  ThumbnailCollector collector(options);
+  const cv::Mat image = NoiseImage(1);
+  for (int i = 0; i < 5000; ++i) collector.Add(image, FrameAt(i), odometry_);
+  size_t bytes = 0;
+  for (const Thumbnail& thumbnail : collector.thumbnails()) bytes += thumbnail.jpeg.size();
+  EXPECT_LE(bytes, options.budget);
+  EXPECT_GT(bytes, options.budget / 4);
+  // From one end of the drive to the other.
+  EXPECT_LT(collector.thumbnails().front().frame, 500);
+  EXPECT_GT(collector.thumbnails().back().frame, 4500);
+}
+
+TEST_F(ThumbnailsTest, FilesReplaceThoseOfAnEarlierRun) {
+  std::vector<FrameResult> frames;
+  for (int i = 0; i < 20; ++i) frames.push_back(FrameAt(i));
+  fs::create_directories(folder_);
+  WriteThumbnails(folder_, {{3, 0.3, ThumbnailReason::kTurn, "abc"}, {12, 1.2, ThumbnailReason::kLost, "d"}});
+  std::ofstream(folder_ / "thumbnails" / "mine.jpg") << "kept";
+  const std::vector<Thumbnail> read = ReadThumbnails(folder_, frames);
+  ASSERT_EQ(read.size(), 2u);
+  EXPECT_EQ(read[0].reason, ThumbnailReason::kTurn);
+  EXPECT_EQ(read[1].frame, 12);
+  EXPECT_NEAR(read[1].time, 1.2, 1e-12);
+  EXPECT_EQ(read[0].jpeg, "abc");
+  WriteThumbnails(folder_, {});
+  EXPECT_TRUE(ReadThumbnails(folder_, frames).empty());
+  EXPECT_TRUE(fs::exists(folder_ / "thumbnails" / "mine.jpg"));
+}
+
+TEST_F(ThumbnailsTest, LeftOutPixelsAreTinted) {
+  const cv::Mat gray(100, 200, CV_8UC1, cv::Scalar(120));
+  cv::Mat mask(100, 200, CV_8UC1, cv::Scalar(255));
+  mask.rowRange(50, 100) = 0;
+  const cv::Mat drawn = DrawTracking(gray, {{{100, 20}, true}}, mask, 200);
+  EXPECT_EQ(drawn.at<cv::Vec3b>(40, 20), cv::Vec3b(120, 120, 120));
+  EXPECT_GT(drawn.at<cv::Vec3b>(80, 20)[2], drawn.at<cv::Vec3b>(80, 20)[0] + 40);
+  EXPECT_NE(drawn.at<cv::Vec3b>(20, 100), cv::Vec3b(120, 120, 120));
+}
+
+}  // namespace
+}  // namespace turnscale

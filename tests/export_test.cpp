@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: MIT
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <sstream>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "command_line.h"
+#include "turnscale/base/csv_table.h"
+#include "turnscale/base/test_files.h"
+#include "turnscale/geometry/rotation.h"
+#include "turnscale/io/run_summary.h"
+#include "turnscale/io/run_writer.h"
+
+namespace turnscale {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kExportedFrames = 201;
+
+// Standard output of a shell command.
+std::string OutputOf(const std::string& command) {
+  const std::unique_ptr<FILE, int (*)(FILE*)> pipe(popen((command + " 2>/dev/null").c_str(), "r"), pclose);
+  std::string text;
+  std::array<char, 4096> piece{};
+  while (const size_t count = fread(piece.data(), 1, piece.size(), pipe.get())) text.append(piece.data(), count);
+  return text;
+}
+
+bool Has(const std::string& program) { return !OutputOf("command -v " + program).empty(); }
+
+// A drive at 10 m/s along a circle of 100 m radius to the right, and its exports.
+class ExportTest : public ::testing::Test {
+ protected:
+  ExportTest() : folder_(ScratchPath("export")) {
+    std::vector<FrameResult> frames;
+    std::vector<SpeedReading> speeds;
+    for (int i = 0; i < kExportedFrames; ++i) {
+      FrameResult frame;
+      frame.frame = i;
+      frame.time = 0.1 * i;
+      frame.state = TrackingState::kTracked;
+      frame.scale_state = ScaleState::kHeld;
+      frame.scale_sigma = 0.02;
+      const double heading = i / 100.0;
+      frame.world_from_camera = RigidTransform{RotationFromVector({0, heading, 0}),
+                                               {100 * (1 - std::cos(heading)), 0, 100 * std::sin(heading)}};
+      frames.push_back(frame);
+      speeds.push_back({frame.time, 10, 0.25});
+    }
+    RunSummary summary;
+    summary.scale_state = ScaleState::kHeld;
+    RunWriter writer({folder_ / "out"});
+    writer.WriteTrajectory(frames, ScaleState::kHeld);
+    writer.WriteTurns({});
+    writer.WriteSpeeds(speeds);
+    writer.WriteText("summary.json", SummaryJson(summary));
+  }
+  ~ExportTest() override { fs::remove_all(folder_); }
+
+  CommandResult Export(const std::vector<std::string>& more) const {
+    std::vector<std::string> arguments = {"export", (folder_ / "out").string()};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return RunCommand(arguments, folder_);
+  }
+  CommandResult ExportAll() const {
+    return Export({"--gpx", "--kml", "--geojson", "--gltf", "--origin", "49.0112,8.4225", "--heading", "90",
+                   "--start-time", "2026-03-22T07:14:05+01:00"});
+  }
+  std::string Path(const std::string& extension) const { return (folder_ / "out" / "path").string() + extension; }
+
+  fs::path folder_;
+};
+
+// After a quarter of the circle the car is 100 m east and 100 m south of its start.
+void ExpectCircle(const std::vector<std::pair<double, double>>& places) {
+  ASSERT_EQ(places.size(), 21u);
+  EXPECT_NEAR(places[0].first, 49.0112, 2e-6);
+  EXPECT_NEAR(places[0].second, 8.4225, 2e-6);
+  constexpr double kMetresPerDegree = 111210;  // north, at 49 degrees
+  const double angle = 16 / 10.0;
+  EXPECT_NEAR((places[16].first - 49.0112) * kMetresPerDegree, -100 * (1 - std::cos(angle)), 0.3);
+  EXPECT_NEAR((places[16].second - 8.4225) * 73169, 100 * std::sin(angle), 0.3);
+}
+
+void ExpectGpsbabelReads(const std::string& format, const std::string& file) {
+  if (!Has("gpsbabel")) GTEST_SKIP() << "no gpsbabel (Debian package: gpsbabel)";
+  std::istringstream text(OutputOf("gpsbabel -t -i " + format + " -f '" + file + "' -o unicsv,utc=0,prec=8 -F -"));
+  CsvTable table(text, file);
+  std::vector<std::pair<double, double>> places;
+  std::string last_time;
+  while (table.Next()) {
+    places.emplace_back(table.Value<double>(table.Column("Latitude")), table.Value<double>(table.Column("Longitude")));
+    EXPECT_EQ(table.Text(table.Column("Date")), "2026/03/22");
+    last_time = table.Text(table.Column("Time"));
+  }
+  ExpectCircle(places);
+  EXPECT_EQ(last_time.substr(0, 8), "06:14:25") << "UTC";
+}
+
+TEST_F(ExportTest, GpsbabelReadsGpx) {
+  ASSERT_EQ(ExportAll().exit_code, 0);
+  ExpectGpsbabelReads("gpx", Path(".gpx"));
+}
+
+TEST_F(ExportTest, GpsbabelReadsKml) {
+  ASSERT_EQ(ExportAll().exit_code, 0);
+  ExpectGpsbabelReads("kml", Path(".kml"));
+}
+
+TEST_F(ExportTest, GdalReadsAll) {
+  if (!Has("ogr2ogr")) GTEST_SKIP() << "no ogr2ogr (Debian package: gdal-bin)";
+  ASSERT_EQ(ExportAll().exit_code, 0);
+  for (const std::string& file : {Path(".geojson"), Path(".kml"), Path(".gpx") + " tracks"}) {
+    const size_t blank = file.find(" tracks");
+    const std::string name = file.substr(0, blank);
+    const std::string layer = blank == std::string::npos ? "" : "tracks";
+    const auto json = nlohmann::json::parse(
+        OutputOf(fmt::format("ogr2ogr -f GeoJSON /vsistdout/ '{}' {}", name, layer)), nullptr, false);
+    ASSERT_FALSE(json.is_discarded()) << file;
+    nlohmann::json line;
+    for (const auto& feature : json["features"]) {
+      const auto& geometry = feature["geometry"];
+      if (geometry["type"] == "LineString") line = geometry["coordinates"];
+      if (geometry["type"] == "MultiLineString") line = geometry["coordinates"][0];
+    }
+    std::vector<std::pair<double, double>> places;
+    for (const auto& position : line) places.emplace_back(position[1].get<double>(), position[0].get<double>());
+    ExpectCircle(places);
+  }
+}
+
+TEST_F(ExportTest, FixesPlaceThePath) {
+  // Fixes without noise, from the exported path itself.
+  ASSERT_EQ(ExportAll().exit_code, 0);
+  const auto json = nlohmann::json::parse(TextOf(Path(".geojson")));
+  const auto& line = json["features"][0];
+  std::ofstream fixes(folder_ / "fixes.csv");
+  fixes << "time,latitude,longitude,sigma\n";
+  for (size_t i = 0; i < 21; ++i) {
+    const auto& position = line["geometry"]["coordinates"][i];
+    fixes << line["properties"]["coordinateProperties"]["times"][i].get<std::string>() << ',' << position[1].dump()
+          << ',' << position[0].dump() << ",1\n";
+  }
+  fixes.close();
+  const std::string before = TextOf(Path(".gpx"));
+  const CommandResult result =
+      Export({"--gpx", "--fixes", (folder_ / "fixes.csv").string(), "--start-time", "2026-03-22T06:14:05Z"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_NE(result.out.find("heading  90.0"), std::string::npos) << result.out;
+  EXPECT_NE(result.out.find("fixes    21 in the drive, 0 of them outliers"), std::string::npos) << result.out;
+  EXPECT_NE(TextOf(Path(".gpx")), "");
+  EXPECT_EQ(TextOf(Path(".gpx")).substr(0, 400), before.substr(0, 400));
+}
+
+TEST_F(ExportTest, SaysWhatIsMissing) {
+  ExpectComplaint(Export({}), 2, {"nothing to write; give --gpx"});
+  ExpectComplaint(Export({"--gpx"}), 2, {"the place on Earth is needed; give --origin"});
+  ExpectComplaint(Export({"--gpx", "--origin", "49", "--heading", "1"}), 2, {"--origin 49: give LATITUDE,LONGITUDE"});
+  ExpectComplaint(Export({"--gpx", "--origin", "49,8", "--heading", "1", "--start-time", "noon"}), 2,
+                  {"--start-time noon: give date, time and offset"});
+  fs::remove(folder_ / "out" / "speed.csv");
+  ExpectComplaint(Export({"--gpx", "--origin", "49,8", "--heading", "1"}), 2, {"the path is not in metres"});
+  ExpectComplaint(RunCommand({"export", folder_.string(), "--gpx"}, folder_), 2, {"summary.json: no such file"});
+  ExpectComplaint(RunCommand({"view", folder_.string()}, folder_), 2, {"holds no results"});
+}
+
+TEST_F(ExportTest, ViewMakesThePageAgain) {
+  const CommandResult result = RunCommand({"view", (folder_ / "out").string()}, folder_);
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  const std::string page = TextOf(folder_ / "out" / "report.html");
+  EXPECT_NE(page.find("\"unit\":\"m\""), std::string::npos);
+  // A page alone, without the files that it was made from.
+  fs::copy(folder_ / "out" / "report.html", folder_ / "alone.html");
+  EXPECT_EQ(RunCommand({"view", (folder_ / "alone.html").string()}, folder_).exit_code, 0);
+  EXPECT_NE(TextOf(folder_ / "alone.html").find("\"unit\":\"m\""), std::string::npos);
+  std::ofstream(folder_ / "other.html") << "<html>";
+  ExpectComplaint(RunCommand({"view", (folder_ / "other.html").string()}, folder_), 2,
+                  {"other.html: is not a report of turnscale"});
+}
+
+}  // namespace
+}  // namespace turnscale

@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: MIT
+import uPlot from 'uplot';
+import type { Theme } from './colours';
+import { clock } from './report';
+
+export interface Band {
+  label: string;
+  values: (number | null)[];
+  /** Standard deviations: the band is one of them to either side. */
+  sigmas: (number | null)[];
+  colour: string;
+}
+
+export interface ChartData {
+  title: string;
+  unit: string;
+  time: number[];
+  bands: Band[];
+  /** Single readings with their standard deviations, as points with error bars. */
+  readings?: { label: string; time: number[]; value: number[]; sigma: number[]; used: boolean[]; colour: string };
+  /** The range of the vertical axis has to contain this. */
+  include?: number;
+}
+
+export interface Chart {
+  moveTo(time: number): void;
+  destroy(): void;
+}
+
+const font = '11px system-ui, sans-serif';
+
+function drawReadings(plot: uPlot, readings: NonNullable<ChartData['readings']>, theme: Theme): void {
+  const context = plot.ctx;
+  const ratio = uPlot.pxRatio;
+  const { left, top, width, height } = plot.bbox;
+  context.save();
+  context.beginPath();
+  context.rect(left, top, width, height);
+  context.clip();
+  readings.time.forEach((time, i) => {
+    const x = plot.valToPos(time, 'x', true);
+    const y = (value: number) => plot.valToPos(value, 'y', true);
+    context.strokeStyle = readings.colour;
+    context.globalAlpha = readings.used[i] ? 1 : 0.5;
+    context.lineWidth = 1.5 * ratio;
+    context.beginPath();
+    context.moveTo(x, y(readings.value[i] - readings.sigma[i]));
+    context.lineTo(x, y(readings.value[i] + readings.sigma[i]));
+    context.stroke();
+    context.beginPath();
+    context.arc(x, y(readings.value[i]), 3.5 * ratio, 0, 2 * Math.PI);
+    context.fillStyle = readings.used[i] ? readings.colour : theme.panel;
+    context.fill();
+    context.stroke();
+  });
+  context.restore();
+}
+
+function verticalRange(data: ChartData): [number, number] {
+  const values: number[] = [];
+  for (const band of data.bands)
+    band.values.forEach((value, i) => {
+      if (value === null) return;
+      const sigma = Math.min(band.sigmas[i] ?? 0, Math.abs(value) + 1);
+      values.push(value - sigma, value + sigma);
+    });
+  data.readings?.value.forEach((value, i) => {
+    // A turn that says little must not flatten the chart.
+    if (data.readings!.used[i]) values.push(value);
+  });
+  if (data.include !== undefined) values.push(data.include);
+  // The sigmas before the first turns are large: leave out the most extreme hundredth.
+  values.sort((a, b) => a - b);
+  const low = values[Math.floor(values.length * 0.005)] ?? 0;
+  const high = values[Math.ceil(values.length * 0.995) - 1] ?? 1;
+  const room = Math.max(0.08 * (high - low), 1e-6 + 1e-3 * Math.abs(high));
+  return [data.include === low ? low : low - room, high + room];
+}
+
+export function makeChart(element: HTMLElement, data: ChartData, theme: Theme, onTime: (time: number) => void): Chart {
+  const series: uPlot.Series[] = [{}];
+  const columns: (number | null)[][] = [data.time];
+  const bands: uPlot.Band[] = [];
+  for (const band of data.bands) {
+    const at = columns.length;
+    const edge = (sign: number) => band.values.map((value, i) => {
+      const sigma = band.sigmas[i];
+      return value === null || sigma === null ? null : value + sign * sigma;
+    });
+    columns.push(band.values, edge(1), edge(-1));
+    series.push(
+      { label: band.label, stroke: band.colour, width: 1.8, points: { show: false } },
+      { label: 'high', width: 0, points: { show: false } },
+      { label: 'low', width: 0, points: { show: false } },
+    );
+    bands.push({ series: [at + 1, at + 2], fill: colourWithAlpha(band.colour, theme.dark ? 0.24 : 0.18) });
+  }
+  const grid = { stroke: theme.line, width: 1 };
+  let shownTime: number | null = null;
+  const showTime = (self: uPlot) => {
+    if (shownTime !== null) self.setCursor({ left: self.valToPos(shownTime, 'x'), top: 0 }, false);
+  };
+  const readings = data.readings;
+  const size = () => ({ width: Math.max(element.clientWidth, 200), height: 168 });
+  const plot: uPlot = new uPlot(
+    {
+      ...size(),
+      legend: { show: false },
+      padding: [8, 12, 0, 0],
+      scales: { x: { time: false }, y: { range: verticalRange(data) } },
+      axes: [
+        { stroke: theme.muted, grid, ticks: grid, font, size: 26, space: 70, values: (_, ticks) => ticks.map((t) => clock(t).replace(/\.0$/, '')) },
+        { stroke: theme.muted, grid, ticks: grid, font, size: 52 },
+      ],
+      series,
+      bands,
+      cursor: { y: false, drag: { x: true, y: false }, points: { show: (_, i) => (i % 3 === 1 ? pointOf(theme) : document.createElement('i')) } },
+      hooks: {
+        // The reader's cursor, not one that follows the place shown elsewhere.
+        setCursor: [(self) => {
+          if (self.cursor.event && typeof self.cursor.idx === 'number') onTime(self.posToVal(self.cursor.left ?? 0, 'x'));
+        }],
+        ready: [showTime],
+        draw: [(self) => { if (readings) drawReadings(self, readings, theme); }],
+      },
+    },
+    columns as uPlot.AlignedData,
+    element,
+  );
+  const resizes = new ResizeObserver(() => plot.setSize(size()));
+  resizes.observe(element);
+  return {
+    moveTo(time) {
+      shownTime = time;
+      if (plot.status === 1) showTime(plot);
+    },
+    destroy() {
+      resizes.disconnect();
+      plot.destroy();
+    },
+  };
+}
+
+function pointOf(theme: Theme): HTMLElement {
+  const point = document.createElement('div');
+  point.style.cssText = `width:9px;height:9px;border-radius:50%;background:${theme.ink};border:2px solid ${theme.panel};box-sizing:border-box`;
+  return point;
+}
+
+function colourWithAlpha(colour: string, alpha: number): string {
+  const value = parseInt(colour.slice(1), 16);
+  return `rgba(${value >> 16},${(value >> 8) & 255},${value & 255},${alpha})`;
+}

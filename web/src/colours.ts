@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: MIT
+import type { Path } from './report';
+
+export type ColourBy = 'speed' | 'sigma' | 'state';
+export type Rgb = [number, number, number];
+
+export interface Theme {
+  dark: boolean;
+  ink: string;
+  muted: string;
+  line: string;
+  panel: string;
+  accent: string;
+  accentSoft: string;
+  turn: string;
+  truth: string;
+  outline: string;
+  onTurn: string;
+  landmark: string;
+  bad: string;
+  good: string;
+}
+
+const light: Theme = {
+  dark: false, ink: '#17202c', muted: '#5b6878', line: '#dfe4ea', panel: '#ffffff', accent: '#0b63ce',
+  accentSoft: 'rgba(11,99,206,.16)', turn: '#d9480f', truth: '#3f4c5c', outline: '#c9d1da', onTurn: '#ffffff', landmark: '#98a4b3', bad: '#c92a2a', good: '#0a7d5a',
+};
+const dark: Theme = {
+  dark: true, ink: '#e7edf4', muted: '#94a3b5', line: '#2a3441', panel: '#121921', accent: '#58a6ff',
+  accentSoft: 'rgba(88,166,255,.2)', turn: '#ff9f5a', truth: '#c3ced9', outline: '#34404e', onTurn: '#1a1006', landmark: '#546579', bad: '#ff7b72', good: '#3fd1a0',
+};
+
+export const themeOf = (isDark: boolean): Theme => (isDark ? dark : light);
+
+// Equally spaced in lightness and readable for colour-blind people: the plasma map without the ends that vanish on
+// a light or a dark ground.
+const ramps: Record<'light' | 'dark', Rgb[]> = {
+  light: [[44, 5, 148], [106, 0, 168], [157, 24, 157], [203, 71, 119], [236, 112, 86], [251, 152, 56], [246, 186, 28]],
+  dark: [[108, 60, 220], [150, 52, 205], [191, 62, 168], [221, 95, 124], [243, 137, 84], [252, 182, 52], [244, 233, 64]],
+};
+
+export function rampColour(share: number, isDark: boolean): Rgb {
+  const ramp = ramps[isDark ? 'dark' : 'light'];
+  const place = Math.min(Math.max(share, 0), 1) * (ramp.length - 1);
+  const i = Math.min(Math.floor(place), ramp.length - 2);
+  return ramp[i].map((low, k) => low + (place - i) * (ramp[i + 1][k] - low)) as Rgb;
+}
+
+const stateColours: Record<'light' | 'dark', Record<string, Rgb>> = {
+  light: { o: [10, 125, 90], h: [11, 99, 206], p: [135, 147, 161] },
+  dark: { o: [63, 209, 160], h: [88, 166, 255], p: [124, 138, 154] },
+};
+
+export const css = ([r, g, b]: Rgb): string => `rgb(${Math.round(r)},${Math.round(g)},${Math.round(b)})`;
+
+export interface Legend {
+  title: string;
+  /** A ramp from low to high, or names with their colours. */
+  range?: [string, string];
+  names?: { name: string; colour: Rgb }[];
+}
+
+export interface Colouring {
+  colours: Rgb[];
+  legend: Legend;
+}
+
+function ranged(values: (number | null)[], low: number, high: number, isDark: boolean, unknown: Rgb): Rgb[] {
+  const width = Math.max(high - low, 1e-9);
+  return values.map((value) => (value === null ? unknown : rampColour((value - low) / width, isDark)));
+}
+
+export function colourPath(path: Path, by: ColourBy, isDark: boolean): Colouring {
+  const states = stateColours[isDark ? 'dark' : 'light'];
+  if (by === 'speed') {
+    const speeds = path.speed.map((value) => (value === null ? null : Math.abs(value)));
+    const known = speeds.filter((value): value is number => value !== null);
+    const high = Math.max(1, Math.ceil(known.reduce((a, b) => Math.max(a, b), 0) * 3.6)) / 3.6;
+    return {
+      colours: ranged(speeds, 0, high, isDark, states.p),
+      legend: { title: 'Speed', range: ['0', `${Math.round(high * 3.6)} km/h`] },
+    };
+  }
+  if (by === 'sigma') {
+    const known = path.sigma.filter((value): value is number => value !== null);
+    const low = known.reduce((a, b) => Math.min(a, b), Infinity);
+    const high = known.reduce((a, b) => Math.max(a, b), 0);
+    const per = (value: number) => `${(100 * value).toFixed(value < 0.1 ? 1 : 0)} %`;
+    return {
+      colours: ranged(path.sigma, Math.min(low, high), high, isDark, states.p),
+      legend: { title: 'Sigma of the scale', range: known.length ? [per(low), per(high)] : ['-', '-'] },
+    };
+  }
+  const names = [
+    { key: 'o', name: 'observed in a turn' },
+    { key: 'h', name: 'held between turns' },
+    { key: 'p', name: 'pending' },
+  ].filter(({ key }) => path.scaleState.includes(key));
+  return {
+    colours: Array.from(path.scaleState, (letter) => states[letter] ?? states.p),
+    legend: { title: 'State of the scale', names: names.map(({ key, name }) => ({ name, colour: states[key] })) },
+  };
+}

@@ -1,0 +1,420 @@
+// SPDX-License-Identifier: MIT
+// The report: what it shows of a drive, and the one place along the drive that all its parts follow.
+import { makeChart, type Chart, type ChartData } from './charts';
+import { colourPath, css, rampColour, themeOf, type ColourBy, type Legend, type Theme } from './colours';
+import { element, make } from './dom';
+import { clock, closestIndex, decodeLandmarks, scaleStateNames, trackingNames, type Report, type Thumbnail } from './report';
+import { PathView, type Marker } from './view';
+
+const kmhPerMps = 3.6;
+const signed = (value: number, digits: number) => `${value > 0 ? '+' : ''}${value.toFixed(digits)}`;
+
+/** Ranges of points for which `holds`, each begun one point earlier so that a range of one point is a line. */
+function ranges(count: number, holds: (i: number) => boolean): [number, number][] {
+  const found: [number, number][] = [];
+  for (let i = 0; i < count; i++) {
+    if (!holds(i)) continue;
+    const last = found.at(-1);
+    if (last && last[1] === i - 1) last[1] = i;
+    else found.push([Math.max(i - 1, 0), i]);
+  }
+  return found;
+}
+
+export class ReportPage {
+  readonly view: PathView;
+  private theme: Theme;
+  private report: Report | null = null;
+  private by: ColourBy = 'speed';
+  private charts: Chart[] = [];
+  private place = 0;
+  private playing = 0;
+  private chartsDrawn = false;
+
+  constructor(theme: Theme) {
+    this.theme = theme;
+    document.documentElement.classList.toggle('dark', theme.dark);
+    this.view = new PathView(element('view'), theme);
+    this.view.onHover = (index) => this.moveTo(index);
+    this.bindTools();
+    // For tests and measurements.
+    Object.assign(window, { turnscale: this });
+  }
+
+  get currentPlace(): number { return this.place; }
+
+  show(report: Report): void {
+    this.report = report;
+    this.place = 0;
+    document.title = `${report.title.split('/').filter(Boolean).pop() ?? 'report'} - turnscale`;
+    this.showHeading();
+    if (report.path.speed.every((value) => value === null)) this.by = report.unit === 'm' ? 'sigma' : 'state';
+    this.view.setUnit(report.unit);
+    this.view.setLandmarks(decodeLandmarks(report.landmarks));
+    this.view.setTruth(report.truth);
+    this.view.setOutlines(report.outlines);
+    const { path } = report;
+    const markers: Marker[] = report.turns.map((turn, i) => ({
+      index: closestIndex(path.time, (turn.from + turn.to) / 2), label: String(i + 1), used: turn.used,
+    }));
+    const turns = report.turns.map((turn): [number, number] => [closestIndex(path.time, turn.from), closestIndex(path.time, turn.to)]);
+    const predicted = ranges(path.time.length, (i) => 'bu'.includes(path.tracking[i]));
+    const { colours } = colourPath(path, this.by, this.theme.dark);
+    this.view.setPath({ places: path, colours, turns, predicted, markers });
+    this.view.fit();
+    const slider = element<HTMLInputElement>('time');
+    slider.max = String(Math.max(path.time.length - 1, 0));
+    element('landmarks').hidden = !report.landmarks;
+    this.showColours();
+    this.showTurns();
+    this.showErrors();
+    this.showSettings();
+    this.showCharts();
+    this.moveTo(0);
+  }
+
+  /** The path of a run that goes on: without charts and tables; the last point is the current one. */
+  showLive(report: Report): void {
+    this.report = report;
+    this.showHeading();
+    this.view.setUnit(report.unit);
+    this.by = report.unit === 'm' ? this.by : 'state';
+    const { colours } = colourPath(report.path, this.by, this.theme.dark);
+    this.view.setPath({ places: report.path, colours, turns: [], predicted: [], markers: [] });
+    this.view.follow();
+    this.showColours();
+    this.place = report.path.time.length - 1;
+    this.view.setCurrent(this.place);
+    document.documentElement.classList.add('following');
+    if (this.place >= 0) this.showReadout();
+  }
+
+  moveTo(index: number): void {
+    const path = this.report?.path;
+    if (!path || path.time.length === 0) return;
+    this.place = Math.min(Math.max(index, 0), path.time.length - 1);
+    const time = path.time[this.place];
+    this.view.setCurrent(this.place);
+    element<HTMLInputElement>('time').value = String(this.place);
+    element('time').setAttribute('aria-valuetext', clock(time));
+    element('clock').textContent = clock(time);
+    for (const chart of this.charts) chart.moveTo(time);
+    this.showReadout();
+    this.showThumbnail(time);
+    element('turns').querySelectorAll('tbody tr').forEach((row, i) => {
+      const turn = this.report?.turns[i];
+      row.classList.toggle('current', turn !== undefined && time >= turn.from && time <= turn.to);
+    });
+  }
+
+  moveToTime(time: number): void {
+    if (this.report) this.moveTo(closestIndex(this.report.path.time, time));
+  }
+
+  private showHeading(): void {
+    const report = this.report!;
+    const title = element('title');
+    title.textContent = report.title.split('/').filter(Boolean).pop() ?? report.title;
+    title.title = report.title;
+    element('notes').textContent = report.notes.join(' · ');
+    const warnings = element('warnings');
+    warnings.hidden = report.warnings.length === 0;
+    warnings.replaceChildren(
+      make('p', report.warnings.length === 1 ? 'One thing to check' : `${report.warnings.length} things to check`),
+      make('ul', '', '', ...report.warnings.map((text) => make('li', text))),
+    );
+    element('facts').replaceChildren(...report.facts.map(factElement));
+    element('footer').replaceChildren(
+      make('span', `turnscale ${report.version}`),
+      make('span', report.title),
+      make('span', 'Bands, error bars and sigma: one standard deviation'),
+    );
+  }
+
+  private showColours(): void {
+    const { path } = this.report!;
+    const { colours, legend } = colourPath(path, this.by, this.theme.dark);
+    this.view.setColours(colours);
+    for (const button of element('colours').querySelectorAll('button')) {
+      button.setAttribute('aria-checked', String(button.dataset.by === this.by));
+      button.hidden = this.report!.unit !== 'm' && button.dataset.by !== 'state';
+    }
+    this.showLegend(legend);
+  }
+
+  private showLegend(legend: Legend): void {
+    const rows: Node[] = [make('b', legend.title)];
+    if (legend.range) {
+      const ramp = make('div', '', 'ramp');
+      const stops = Array.from({ length: 9 }, (_, i) => css(rampColour(i / 8, this.theme.dark)));
+      ramp.style.background = `linear-gradient(90deg,${stops.join(',')})`;
+      rows.push(ramp, make('div', '', 'ends', make('span', legend.range[0]), make('span', legend.range[1])));
+    }
+    const named = (name: string, colour: string) => {
+      const line = make('i');
+      line.style.background = colour;
+      return make('div', '', 'name', line, make('span', name));
+    };
+    for (const { name, colour } of legend.names ?? []) rows.push(named(name, css(colour)));
+    if (/[bu]/.test(this.report!.path.tracking)) rows.push(named('tracking lost', this.theme.bad));
+    if (this.report!.truth) rows.push(named('ground truth', this.theme.truth));
+    element('legend').replaceChildren(...rows);
+  }
+
+  private showReadout(): void {
+    const report = this.report!;
+    const { path } = report;
+    const i = this.place;
+    const rows: [string, string, boolean?][] = [['Time', `${clock(path.time[i])}  (frame ${path.frame[i]})`]];
+    const speed = path.speed[i];
+    const speedSigma = path.speedSigma[i];
+    const band = speedSigma === null ? '' : ` ± ${(speedSigma * kmhPerMps).toFixed(1)}`;
+    if (speed !== null) rows.push(['Speed', `${(speed * kmhPerMps).toFixed(1)}${band} km/h`]);
+    const sigma = path.sigma[i];
+    rows.push(['Scale', scaleStateNames[path.scaleState[i]] ?? '-']);
+    if (sigma !== null) rows.push(['Sigma of the scale', `${(100 * sigma).toFixed(1)} %`]);
+    const lost = 'bu'.includes(path.tracking[i]);
+    rows.push(['Tracking', trackingNames[path.tracking[i]] ?? '-', lost]);
+    rows.push(['Right, ahead, up', `${[path.x[i], path.y[i], path.z[i]].map((value) => value.toFixed(1)).join(', ')} ${report.unit}`]);
+    if (report.truth) {
+      const error = report.truth.error[closestIndex(report.truth.time, path.time[i])];
+      if (error !== null) rows.push(['Distance to the truth', `${error.toFixed(2)} m`]);
+    }
+    element('readout').replaceChildren(
+      ...rows.flatMap(([name, value, bad]) => [make('dt', name), make('dd', value, bad ? 'bad' : '')]),
+    );
+  }
+
+  private showThumbnail(time: number): void {
+    const thumbnails = this.report!.thumbnails;
+    const image = element<HTMLImageElement>('thumbnail');
+    const shown: Thumbnail | undefined = thumbnails[closestIndex(thumbnails.map((t) => t.time), time)];
+    image.hidden = !shown;
+    element('no-picture').hidden = shown !== undefined;
+    element('picture').hidden = thumbnails.length === 0;
+    if (!shown) return;
+    const source = `data:image/jpeg;base64,${shown.jpeg}`;
+    if (image.src !== source) image.src = source;
+    image.alt = `Frame ${shown.frame}`;
+    const dot = (colour: string, text: string) => {
+      const mark = make('span', '', 'dot');
+      mark.style.background = colour;
+      return [mark, document.createTextNode(text)];
+    };
+    const why = shown.why === 'lost' ? ', tracking lost' : shown.why === 'turn' ? ', in a turn' : '';
+    element('caption').replaceChildren(
+      document.createTextNode(`Frame ${shown.frame} at ${clock(shown.time)}${why} `),
+      ...dot('#46e678', 'landmark'), ...dot('#ffaf28', 'without depth'),
+    );
+  }
+
+  private showTurns(): void {
+    const { turns } = this.report!;
+    const panel = element('turns');
+    panel.hidden = turns.length === 0;
+    const head = ['Turn', 'Time', 'Angle', 'Speed', 'Own scale', 'Smoothed', 'Deviation', 'Lever arm', ''];
+    const rows = turns.map((turn, i) => {
+      const number = (value: number | null, text: (value: number) => string) => (value === null ? '-' : text(value));
+      const go = make('button', String(i + 1));
+      go.setAttribute('aria-label', `Show turn ${i + 1}`);
+      const row = make('tr', '', turn.used ? '' : 'unused',
+        make('td', '', '', go),
+        make('td', `${clock(turn.from)} – ${clock(turn.to)}`),
+        make('td', `${signed(turn.angle, 0)}° ${turn.angle > 0 ? 'right' : 'left'}`),
+        make('td', number(turn.speed, (v) => `${(v * kmhPerMps).toFixed(1)} km/h`)),
+        make('td', number(turn.scale, (v) => `${v.toPrecision(4)}${turn.sigma ? ` ± ${((100 * turn.sigma) / v).toFixed(1)} %` : ''}`)),
+        make('td', number(turn.smoothed, (v) => v.toPrecision(4))),
+        make('td', number(turn.deviation, (v) => `${signed(v, 1)} σ`)),
+        make('td', number(turn.leverArm, (v) => `${v.toFixed(2)} m`)),
+        make('td', turn.used ? '' : turn.reason || 'not used', 'text'));
+      row.addEventListener('click', () => this.moveToTime((turn.from + turn.to) / 2));
+      return row;
+    });
+    const table = make('table', '', '',
+      make('thead', '', '', make('tr', '', '', ...head.map((name) => make('th', name)))), make('tbody', '', '', ...rows));
+    panel.replaceChildren(make('h2', 'Turns'), make('div', '', 'scroll', table));
+  }
+
+  private showErrors(): void {
+    const { errors } = this.report!;
+    const panel = element('errors');
+    panel.hidden = errors.length === 0;
+    panel.replaceChildren(make('h2', 'Compared with the ground truth'), make('div', '', 'facts', ...errors.map(factElement)));
+  }
+
+  private showSettings(): void {
+    const { settings } = this.report!;
+    element('settings').hidden = settings === '';
+    element('settings').querySelector('pre')!.textContent = settings;
+  }
+
+  private chartData(): ChartData[] {
+    const { path, scale, rotation, truth, turns } = this.report!;
+    const { theme } = this;
+    const charts: ChartData[] = [];
+    const kmh = (values: (number | null)[]) => values.map((value) => (value === null ? null : value * kmhPerMps));
+    if (path.speed.some((value) => value !== null))
+      charts.push({ title: 'Speed', unit: 'km/h', time: path.time, include: 0,
+        bands: [{ label: 'speed', values: kmh(path.speed), sigmas: kmh(path.speedSigma), colour: theme.accent }] });
+    if (scale) {
+      const own = turns.filter((turn) => turn.scale !== null && turn.sigma !== null);
+      charts.push({ title: 'Scale', unit: 'metres per unit of the map', time: scale.time,
+        bands: [{ label: 'smoothed', values: scale.value, sigmas: scale.value.map((value, i) => value * (scale.sigma[i] ?? 0)), colour: theme.accent }],
+        readings: { label: 'from one turn alone', time: own.map((turn) => (turn.from + turn.to) / 2), value: own.map((turn) => turn.scale!),
+          sigma: own.map((turn) => turn.sigma!), used: own.map((turn) => turn.used), colour: theme.turn } });
+    }
+    // A rotation that was given was not learned.
+    if (rotation?.yawSigma.some((value) => value !== null)) {
+      const band = (label: string, values: number[], sigmas: (number | null)[], colour: string) => ({ label, values, sigmas, colour });
+      charts.push({ title: 'Rotation of the camera in the car', unit: 'degrees', ...steps(rotation.time, [
+        band('yaw', rotation.yaw, rotation.yawSigma, theme.accent), band('pitch', rotation.pitch, rotation.pitchSigma, theme.good),
+        band('roll', rotation.roll, rotation.rollSigma, theme.turn)]) });
+    }
+    if (truth)
+      charts.push({ title: 'Distance to the ground truth', unit: 'm', time: truth.time, include: 0,
+        bands: [{ label: 'distance', values: truth.error, sigmas: truth.error.map(() => null), colour: theme.bad }] });
+    return charts;
+  }
+
+  private showCharts(): void {
+    this.charts.forEach((chart) => chart.destroy());
+    this.charts = [];
+    const section = element('charts');
+    const all = this.chartData();
+    section.replaceChildren();
+    for (const data of all) {
+      const keys = make('span', '', 'keys');
+      const key = (colour: string, name: string, dot = false) => {
+        const mark = make('i', '', dot ? 'dot' : '');
+        mark.style.background = colour;
+        keys.append(make('span', '', '', mark, document.createTextNode(name)));
+      };
+      if (data.bands.length > 1 || data.readings) data.bands.forEach((band) => key(band.colour, band.label));
+      if (data.readings?.time.length) key(data.readings.colour, data.readings.label, true);
+      const title = make('h2', data.title);
+      title.append(make('small', data.unit));
+      const plot = make('div');
+      section.append(make('div', '', 'panel chart', make('header', '', '', title, keys), plot));
+      this.charts.push(makeChart(plot, data, this.theme, (time) => this.moveToTime(time)));
+    }
+    this.chartsDrawn = true;
+  }
+
+  private setTheme(dark: boolean): void {
+    this.theme = themeOf(dark);
+    document.documentElement.classList.toggle('dark', dark);
+    this.view.setTheme(this.theme);
+    if (!this.report) return;
+    this.showColours();
+    if (this.chartsDrawn) this.showCharts();
+    this.moveTo(this.place);
+  }
+
+  private setView(in3d: boolean): void {
+    this.view.setView(in3d);
+    element('view-above').setAttribute('aria-checked', String(!in3d));
+    element('view-3d').setAttribute('aria-checked', String(in3d));
+  }
+
+  private setColourBy(by: ColourBy): void {
+    this.by = by;
+    if (this.report) this.showColours();
+  }
+
+  private toggleLandmarks(): void {
+    const button = element('landmarks');
+    const show = button.getAttribute('aria-pressed') !== 'true';
+    button.setAttribute('aria-pressed', String(show));
+    this.view.setShowLandmarks(show);
+  }
+
+  private togglePlay(): void {
+    const button = element('play');
+    if (this.playing) {
+      cancelAnimationFrame(this.playing);
+      this.playing = 0;
+    } else if (this.report && this.report.path.time.length > 1) {
+      const { time } = this.report.path;
+      if (this.place >= time.length - 1) this.moveTo(0);
+      // The whole drive in half a minute, a short one in its own time.
+      const rate = Math.max(1, (time[time.length - 1] - time[0]) / 30);
+      let last = performance.now();
+      let at = time[this.place];
+      const step = (now: number) => {
+        at += ((now - last) / 1000) * rate;
+        last = now;
+        this.moveToTime(at);
+        if (this.place >= time.length - 1) this.togglePlay();
+        else this.playing = requestAnimationFrame(step);
+      };
+      this.playing = requestAnimationFrame(step);
+    }
+    button.textContent = this.playing ? '❚❚' : '▶';
+    button.setAttribute('aria-label', this.playing ? 'Pause' : 'Play');
+  }
+
+  private bindTools(): void {
+    const click = (id: string, action: () => void) => element(id).addEventListener('click', action);
+    click('theme', () => this.setTheme(!this.theme.dark));
+    click('view-above', () => this.setView(false));
+    click('view-3d', () => this.setView(true));
+    click('landmarks', () => this.toggleLandmarks());
+    click('zoom-in', () => this.view.zoomBy(1.4));
+    click('zoom-out', () => this.view.zoomBy(1 / 1.4));
+    click('fit', () => this.view.fit());
+    click('play', () => this.togglePlay());
+    for (const button of element('colours').querySelectorAll('button'))
+      button.addEventListener('click', () => this.setColourBy(button.dataset.by as ColourBy));
+    element<HTMLInputElement>('time').addEventListener('input', (event) => this.moveTo(Number((event.target as HTMLInputElement).value)));
+    document.addEventListener('keydown', (event) => this.onKey(event));
+    const paper = window.matchMedia('print');
+    let darkOnScreen = this.theme.dark;
+    const toPaper = () => {
+      darkOnScreen = this.theme.dark;
+      if (darkOnScreen) this.setTheme(false);
+      this.view.drawNow();
+    };
+    window.addEventListener('beforeprint', toPaper);
+    window.addEventListener('afterprint', () => { if (darkOnScreen) this.setTheme(true); });
+    paper.addEventListener('change', () => this.view.drawNow());
+  }
+
+  private onKey(event: KeyboardEvent): void {
+    if (event.ctrlKey || event.metaKey || event.altKey) return;
+    const onControl = event.target instanceof HTMLButtonElement || event.target instanceof HTMLInputElement;
+    const step = event.shiftKey ? 20 : 1;
+    const keys: Record<string, () => void> = {
+      ArrowRight: () => this.moveTo(this.place + step),
+      ArrowLeft: () => this.moveTo(this.place - step),
+      Home: () => this.moveTo(0),
+      End: () => this.moveTo(Infinity),
+      '+': () => this.view.zoomBy(1.4),
+      '=': () => this.view.zoomBy(1.4),
+      '-': () => this.view.zoomBy(1 / 1.4),
+      '0': () => this.view.fit(),
+      '1': () => this.setView(false),
+      '3': () => this.setView(true),
+      t: () => this.setTheme(!this.theme.dark),
+      l: () => this.toggleLandmarks(),
+      ' ': () => this.togglePlay(),
+    };
+    const action = keys[event.key];
+    const forControl = onControl && [' ', 'ArrowLeft', 'ArrowRight', 'Home', 'End'].includes(event.key);
+    if (!action || forControl) return;
+    event.preventDefault();
+    action();
+  }
+}
+
+function factElement({ name, value, note }: { name: string; value: string; note: string }): HTMLElement {
+  return make('dl', '', 'fact', make('dt', name), make('dd', value), make('p', note));
+}
+
+/** A value that holds until the next: each change becomes a step. */
+function steps(time: number[], bands: { label: string; values: number[]; sigmas: (number | null)[]; colour: string }[]) {
+  const doubled = <T>(values: T[]): T[] => values.flatMap((value, i) => (i + 1 < values.length ? [value, value] : [value]));
+  return {
+    time: time.flatMap((t, i) => (i + 1 < time.length ? [t, Math.max(t, time[i + 1] - 1e-3)] : [t])),
+    bands: bands.map((band) => ({ ...band, values: doubled(band.values), sigmas: doubled(band.sigmas) })),
+  };
+}

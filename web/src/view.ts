@@ -1,0 +1,520 @@
+// SPDX-License-Identifier: MIT
+// The path from above and in 3-D, with landmarks, turns and the place that the reader points at. Drawn by hand on a
+// canvas: tens of thousands of points take milliseconds also where there is no graphics card, and paper shows them.
+import { Camera, type Places } from './camera';
+import type { Rgb, Theme } from './colours';
+import { css } from './colours';
+
+export type { Places };
+
+export interface Marker {
+  index: number;
+  label: string;
+  used: boolean;
+}
+
+export interface PathContent {
+  places: Places;
+  colours: Rgb[];
+  /** Ranges of points, first to last. */
+  turns: [number, number][];
+  predicted: [number, number][];
+  markers: Marker[];
+}
+
+const pathWidth = 4.5;
+const hoverRadius = 48; // pixels within which the pointer takes hold of the path
+const tilted = 0.62; // pitch of the 3-D view at first, rad
+const flight = 450; // milliseconds from one view to the other
+
+/** The largest of 1, 2 and 5 times a power of ten up to `length`. */
+function roundLength(length: number): number {
+  const decade = 10 ** Math.floor(Math.log10(length));
+  return ([5, 2].find((factor) => factor * decade <= length) ?? 1) * decade;
+}
+
+export class PathView {
+  onHover: (index: number) => void = () => {};
+
+  // Path and landmarks; above it what changes with every movement of the pointer.
+  private readonly canvas = document.createElement('canvas');
+  private readonly overlay = document.createElement('canvas');
+  private readonly base: CanvasRenderingContext2D;
+  private readonly top: CanvasRenderingContext2D;
+  private readonly camera = new Camera();
+  private readonly pixel = new Float64Array(2);
+  private in3d = false;
+  private content: PathContent = { places: { x: [], y: [], z: [] }, colours: [], turns: [], predicted: [], markers: [] };
+  private screen = new Float64Array(); // pixels of the path's points
+  private visible = new Uint8Array();
+  private truth: Places | null = null;
+  private outlines: number[][] = [];
+  private landmarks = new Float32Array();
+  private showLandmarks = true;
+  private current = -1;
+  private unit = 'm';
+  private scheduled: 'nothing' | 'overlay' | 'moved' | 'all' = 'nothing';
+  private settling = 0; // timer after which a picture that was only moved is drawn
+  private baseCamera = { target: [0, 0, 0] as [number, number, number], scale: 1 };
+  private baseTime = 0; // milliseconds that the base took
+  private fitted = true; // nobody has moved the camera since
+  private drawn = 0;
+
+  constructor(private readonly element: HTMLElement, private theme: Theme) {
+    // Landmarks are set pixel by pixel, which a canvas on a graphics card makes slow.
+    this.base = this.canvas.getContext('2d', { willReadFrequently: true })!;
+    this.top = this.overlay.getContext('2d')!;
+    element.append(this.canvas, this.overlay);
+    new ResizeObserver(() => this.resize()).observe(element);
+    this.bindPointer();
+  }
+
+  /** Pictures drawn so far, for tests and measurements. */
+  get pictures(): number { return this.drawn; }
+
+  setUnit(unit: string): void { this.unit = unit; }
+  setLandmarks(positions: Float32Array): void { this.landmarks = positions as Float32Array<ArrayBuffer>; }
+  setTruth(truth: Places | null): void { this.truth = truth; }
+  setOutlines(outlines: number[][]): void { this.outlines = outlines; }
+
+  setPath(content: PathContent): void {
+    this.content = content;
+    this.screen = new Float64Array(2 * content.places.x.length);
+    this.visible = new Uint8Array(content.places.x.length);
+    this.draw();
+  }
+
+  setColours(colours: Rgb[]): void {
+    this.content.colours = colours;
+    this.draw();
+  }
+
+  setTheme(theme: Theme): void {
+    this.theme = theme;
+    this.draw();
+  }
+
+  setShowLandmarks(show: boolean): void {
+    this.showLandmarks = show;
+    this.draw();
+  }
+
+  setCurrent(index: number): void {
+    this.current = index;
+    this.schedule('overlay');
+  }
+
+  setView(in3d: boolean): void {
+    if (this.in3d === in3d) return;
+    this.in3d = in3d;
+    const { camera } = this;
+    const from = { ...camera };
+    const to = new Camera();
+    Object.assign(to, { width: camera.width, height: camera.height, perspective: in3d ? 1 : 0 });
+    to.pitch = in3d ? tilted : Math.PI / 2;
+    to.yaw = camera.bestYaw(this.content.places) - (in3d ? 0.35 : 0);
+    to.fit(this.content.places);
+    const jump = window.matchMedia('(prefers-reduced-motion: reduce)').matches;
+    const begin = performance.now();
+    const step = (now: number) => {
+      const passed = jump ? 1 : Math.min(Math.max((now - begin) / flight, 0), 1);
+      const s = passed * passed * (3 - 2 * passed);
+      for (const key of ['yaw', 'pitch', 'perspective'] as const) camera[key] = (1 - s) * from[key] + s * to[key];
+      camera.scale = from.scale ** (1 - s) * to.scale ** s;
+      camera.target = [0, 1, 2].map((k) => (1 - s) * from.target[k] + s * to.target[k]) as [number, number, number];
+      this.drawNow();
+      if (passed < 1) requestAnimationFrame(step);
+    };
+    requestAnimationFrame(step);
+    this.fitted = true;
+  }
+
+  /** Keeps the whole path in view as it grows, unless the reader has moved it. */
+  follow(): void {
+    if (this.fitted) this.camera.fit(this.content.places);
+    this.draw();
+  }
+
+  /** The whole path, as large as the element allows. */
+  fit(): void {
+    this.fitted = true;
+    if (!this.in3d) this.camera.yaw = this.camera.bestYaw(this.content.places);
+    this.camera.fit(this.content.places);
+    this.draw();
+  }
+
+  zoomBy(factor: number): void {
+    this.fitted = false;
+    this.camera.zoom(factor);
+    this.schedule('moved');
+  }
+
+  panBy(px: number, py: number): void {
+    this.fitted = false;
+    this.camera.pan(px, py);
+    this.schedule('moved');
+  }
+
+  private get ratio(): number { return Math.min(window.devicePixelRatio || 1, 2); }
+
+  private resize(): void {
+    const { camera, element } = this;
+    camera.width = Math.max(element.clientWidth, 1);
+    camera.height = Math.max(element.clientHeight, 1);
+    for (const canvas of [this.canvas, this.overlay]) {
+      canvas.width = Math.round(camera.width * this.ratio);
+      canvas.height = Math.round(camera.height * this.ratio);
+    }
+    if (this.fitted) camera.fit(this.content.places);
+    this.drawNow();
+  }
+
+  private draw(): void { this.schedule('all'); }
+
+  private schedule(what: 'overlay' | 'moved' | 'all'): void {
+    const order = ['nothing', 'overlay', 'moved', 'all'];
+    const before = this.scheduled;
+    if (order.indexOf(what) > order.indexOf(before)) this.scheduled = what;
+    if (before !== 'nothing') return;
+    requestAnimationFrame(() => {
+      const due = this.scheduled;
+      if (due === 'all') this.drawNow();
+      else if (due === 'moved') this.drawMoved();
+      else if (due === 'overlay') this.drawOverlay();
+    });
+  }
+
+  /** After the camera has moved: a picture that takes long is moved as it is, and drawn when the movement pauses. */
+  private drawMoved(): void {
+    const { camera, canvas, pixel } = this;
+    const quick = 14;
+    if (this.baseTime < quick || camera.perspective > 0) {
+      this.drawNow();
+      return;
+    }
+    camera.update();
+    const { target, scale } = this.baseCamera;
+    const factor = camera.scale / scale;
+    camera.project(target[0], target[1], target[2], pixel);
+    const shift = [pixel[0] - 0.5 * factor * camera.width, pixel[1] - 0.5 * factor * camera.height];
+    canvas.style.transform = `translate(${shift[0]}px,${shift[1]}px) scale(${factor})`;
+    this.drawOverlay();
+    window.clearTimeout(this.settling);
+    this.settling = window.setTimeout(() => this.draw(), 150);
+  }
+
+  /** Draws all at once. */
+  drawNow(): void {
+    const begin = performance.now();
+    const { base: context, ratio, camera } = this;
+    camera.update();
+    this.baseCamera = { target: [...camera.target], scale: camera.scale };
+    this.canvas.style.transform = '';
+    window.clearTimeout(this.settling);
+    context.setTransform(1, 0, 0, 1, 0, 0);
+    context.clearRect(0, 0, this.canvas.width, this.canvas.height);
+    if (this.showLandmarks) this.drawLandmarks();
+    context.setTransform(ratio, 0, 0, ratio, 0, 0);
+    context.lineCap = context.lineJoin = 'round';
+    this.projectPath();
+    this.drawOutlines();
+    this.drawTruth();
+    this.drawPath();
+    this.baseTime = performance.now() - begin;
+    this.drawOverlay();
+  }
+
+  private drawOverlay(): void {
+    const { top: context, ratio, camera } = this;
+    this.scheduled = 'nothing';
+    context.setTransform(ratio, 0, 0, ratio, 0, 0);
+    context.clearRect(0, 0, camera.width, camera.height);
+    context.font = '600 11px system-ui, sans-serif';
+    context.lineCap = context.lineJoin = 'round';
+    this.projectPath();
+    this.drawMarkers();
+    if (camera.perspective === 0) this.drawScaleBar();
+    if (this.current >= 0 && this.current < this.content.places.x.length) this.drawCurrent();
+    this.drawn++;
+  }
+
+  private projectPath(): void {
+    const { content: { places }, camera, pixel, screen, visible } = this;
+    for (let i = 0; i < visible.length; i++) {
+      visible[i] = camera.project(places.x[i], places.y[i], places.z[i], pixel) ? 1 : 0;
+      screen[2 * i] = pixel[0];
+      screen[2 * i + 1] = pixel[1];
+    }
+  }
+
+  // Pixel by pixel: where many landmarks meet, the ground gets darker.
+  private drawLandmarks(): void {
+    const { landmarks, camera, pixel, ratio } = this;
+    if (landmarks.length === 0) return;
+    const { width, height } = this.canvas;
+    const image = this.base.createImageData(width, height);
+    const values = new Uint32Array(image.data.buffer);
+    const colour = parseInt(this.theme.landmark.slice(1), 16);
+    const bgr = ((colour & 255) << 16) | (colour & 0xff00) | (colour >> 16);
+    const dot = ratio > 1 ? 2 : 1;
+    const step = this.theme.dark ? 110 : 90;
+    for (let i = 0; i < landmarks.length; i += 3) {
+      if (!camera.project(landmarks[i], landmarks[i + 1], landmarks[i + 2], pixel)) continue;
+      const x = Math.round(pixel[0] * ratio);
+      const y = Math.round(pixel[1] * ratio);
+      if (x < 0 || y < 0 || x >= width - 1 || y >= height - 1) continue;
+      for (let k = 0; k < dot * dot; k++) {
+        const place = (y + (k >> 1)) * width + x + (k & 1);
+        values[place] = (Math.min((values[place] >>> 24) + step, 235) << 24) | bgr;
+      }
+    }
+    this.base.putImageData(image, 0, 0);
+  }
+
+  // In pieces: a stroke of thousands of points that cross each other takes long.
+  private stroke(places: Places, first: number, last: number): void {
+    const { base: context, camera, pixel } = this;
+    const piece = 200;
+    for (let begin = first; begin < last; begin += piece) {
+      let pen = false;
+      context.beginPath();
+      for (let i = begin; i <= Math.min(begin + piece, last); i++) {
+        const visible = camera.project(places.x[i], places.y[i], places.z[i], pixel);
+        if (visible && pen) context.lineTo(pixel[0], pixel[1]);
+        else if (visible) context.moveTo(pixel[0], pixel[1]);
+        pen = visible;
+      }
+      context.stroke();
+    }
+  }
+
+  private drawOutlines(): void {
+    const { base: context, camera, pixel, theme } = this;
+    if (this.outlines.length === 0) return;
+    context.beginPath();
+    for (const outline of this.outlines) {
+      let pen = false;
+      for (let i = 0; i + 2 < outline.length; i += 3) {
+        const visible = camera.project(outline[i], outline[i + 1], outline[i + 2], pixel);
+        if (visible && pen) context.lineTo(pixel[0], pixel[1]);
+        else if (visible) context.moveTo(pixel[0], pixel[1]);
+        pen = visible;
+      }
+    }
+    context.strokeStyle = theme.outline;
+    context.lineWidth = 1.2;
+    context.stroke();
+  }
+
+  private drawTruth(): void {
+    if (!this.truth) return;
+    const { base: context } = this;
+    context.strokeStyle = this.theme.truth;
+    context.lineWidth = 2.4;
+    context.setLineDash([7, 5]);
+    this.stroke(this.truth, 0, this.truth.x.length - 1);
+    context.setLineDash([]);
+  }
+
+  private drawPath(): void {
+    const { base: context, content, theme, screen, visible } = this;
+    const { places } = content;
+    const count = places.x.length;
+    context.globalAlpha = 0.28;
+    context.strokeStyle = theme.turn;
+    context.lineWidth = 15;
+    for (const [first, last] of content.turns) this.stroke(places, first, last);
+    context.globalAlpha = 1;
+    context.strokeStyle = theme.panel;
+    context.lineWidth = pathWidth + 2.5;
+    this.stroke(places, 0, count - 1);
+    context.lineWidth = pathWidth;
+    // As long as the colour stays the same to the eye, one stroke.
+    const same = (a: Rgb, b: Rgb) => Math.abs(a[0] - b[0]) + Math.abs(a[1] - b[1]) + Math.abs(a[2] - b[2]) < 16;
+    for (let i = 1; i < count; ) {
+      const colour = content.colours[i];
+      let j = i;
+      context.beginPath();
+      context.moveTo(screen[2 * i - 2], screen[2 * i - 1]);
+      for (; j < count && same(colour, content.colours[j]); j++)
+        if (visible[j] && visible[j - 1]) context.lineTo(screen[2 * j], screen[2 * j + 1]);
+        else context.moveTo(screen[2 * j], screen[2 * j + 1]);
+      context.strokeStyle = css(colour);
+      context.stroke();
+      i = j;
+    }
+    context.strokeStyle = theme.bad;
+    context.lineWidth = pathWidth + 1;
+    for (const [first, last] of content.predicted) this.stroke(places, first, last);
+  }
+
+  private drawMarkers(): void {
+    const { top: context, content, theme, screen, visible } = this;
+    const taken: [number, number][] = [];
+    context.textAlign = 'center';
+    context.textBaseline = 'middle';
+    // Of many turns, some: the others appear when the reader comes closer.
+    const apart = content.markers.length > 40 ? 46 : 20;
+    const count = content.places.x.length;
+    if (count > 0) this.end(0, 'start');
+    if (count > 1) this.end(count - 1, 'end');
+    for (const { index, label, used } of content.markers) {
+      const [x, y] = [screen[2 * index], screen[2 * index + 1]];
+      if (!visible[index] || taken.some(([a, b]) => Math.abs(a - x) < apart && Math.abs(b - y) < apart)) continue;
+      taken.push([x, y]);
+      context.beginPath();
+      context.arc(x, y, label.length > 2 ? 12 : 9.5, 0, 2 * Math.PI);
+      context.fillStyle = used ? theme.turn : theme.panel;
+      context.fill();
+      context.lineWidth = 2;
+      context.strokeStyle = used ? theme.panel : theme.turn;
+      context.stroke();
+      context.fillStyle = used ? theme.onTurn : theme.turn;
+      context.fillText(label, x, y + 0.5);
+    }
+  }
+
+  private end(index: number, text: string): void {
+    const { top: context, screen, theme } = this;
+    if (!this.visible[index]) return;
+    const [x, y] = [screen[2 * index], screen[2 * index + 1]];
+    context.beginPath();
+    context.arc(x, y, 5, 0, 2 * Math.PI);
+    context.fillStyle = theme.panel;
+    context.fill();
+    context.lineWidth = 2.5;
+    context.strokeStyle = theme.ink;
+    context.stroke();
+    // On the side where the path is not.
+    const step = index === 0 ? 1 : -1;
+    let other = index + step;
+    const { length } = this.visible;
+    while (other > 0 && other < length - 1 && Math.hypot(screen[2 * other] - x, screen[2 * other + 1] - y) < 30) other += step;
+    this.label(text, x, y + (screen[2 * other + 1] > y ? -17 : 17));
+  }
+
+  private label(text: string, x: number, y: number): void {
+    const { top: context, theme } = this;
+    context.lineWidth = 4;
+    context.strokeStyle = theme.panel;
+    context.strokeText(text, x, y);
+    context.fillStyle = theme.ink;
+    context.fillText(text, x, y);
+  }
+
+  private drawScaleBar(): void {
+    const { top: context, camera, theme } = this;
+    const length = roundLength(110 / camera.scale);
+    const width = length * camera.scale;
+    const x = camera.width - 18 - width;
+    const y = camera.height - 16;
+    for (const [colour, thickness] of [[theme.panel, 6], [theme.ink, 2]] as const) {
+      context.beginPath();
+      context.moveTo(x, y - 5);
+      context.lineTo(x, y);
+      context.lineTo(x + width, y);
+      context.lineTo(x + width, y - 5);
+      context.strokeStyle = colour;
+      context.lineWidth = thickness;
+      context.stroke();
+    }
+    const text = length >= 1000 && this.unit === 'm' ? `${length / 1000} km` : `${+length.toPrecision(3)} ${this.unit}`;
+    context.textAlign = 'center';
+    this.label(text, x + width / 2, y - 12);
+  }
+
+  private drawCurrent(): void {
+    const { top: context, screen, theme, current } = this;
+    if (!this.visible[current]) return;
+    const last = this.content.places.x.length - 1;
+    // Ahead: towards a point that is some pixels away, since a car that stands has no direction.
+    let [a, b] = [current, current];
+    const far = () => Math.hypot(screen[2 * b] - screen[2 * a], screen[2 * b + 1] - screen[2 * a + 1]) > 5;
+    while (!far() && (a > 0 || b < last)) [a, b] = [Math.max(a - 1, 0), Math.min(b + 1, last)];
+    context.save();
+    context.translate(screen[2 * current], screen[2 * current + 1]);
+    context.rotate(Math.atan2(screen[2 * b + 1] - screen[2 * a + 1], screen[2 * b] - screen[2 * a]));
+    context.beginPath();
+    context.moveTo(13, 0);
+    context.lineTo(-9, -8.5);
+    context.lineTo(-5, 0);
+    context.lineTo(-9, 8.5);
+    context.closePath();
+    context.fillStyle = theme.ink;
+    context.strokeStyle = theme.panel;
+    context.lineWidth = 3;
+    context.stroke();
+    context.fill();
+    context.restore();
+  }
+
+  private bindPointer(): void {
+    const { element } = this;
+    const pointers = new Map<number, { x: number; y: number }>();
+    // The wheel scrolls the page until the reader has clicked into the picture, and one finger always does.
+    let held = false;
+    element.style.touchAction = 'pan-y';
+    element.addEventListener('contextmenu', (event) => event.preventDefault());
+    element.addEventListener('pointerdown', (event) => {
+      held = true;
+      pointers.set(event.pointerId, { x: event.clientX, y: event.clientY });
+      if (event.pointerType === 'mouse') element.setPointerCapture(event.pointerId);
+    });
+    const release = (event: PointerEvent) => pointers.delete(event.pointerId);
+    element.addEventListener('pointerup', release);
+    element.addEventListener('pointercancel', release);
+    element.addEventListener('pointerleave', () => { held = false; });
+    element.addEventListener('click', (event) => this.hover(event));
+    element.addEventListener('pointermove', (event) => {
+      const before = pointers.get(event.pointerId);
+      if (!before) {
+        this.hover(event);
+        return;
+      }
+      const others = [...pointers].filter(([id]) => id !== event.pointerId).map(([, place]) => place);
+      const now = { x: event.clientX, y: event.clientY };
+      pointers.set(event.pointerId, now);
+      if (others.length > 0) this.pinch(others[0], before, now);
+      else if (event.pointerType !== 'touch' || event.buttons > 0) this.drag(event, now.x - before.x, now.y - before.y);
+    });
+    element.addEventListener('wheel', (event) => {
+      if (!held && !event.ctrlKey && document.activeElement !== element) return;
+      event.preventDefault();
+      const frame = element.getBoundingClientRect();
+      this.fitted = false;
+      this.camera.zoom(Math.exp(-event.deltaY * 0.0015), event.clientX - frame.left, event.clientY - frame.top);
+      this.schedule('moved');
+    }, { passive: false });
+  }
+
+  private drag(event: PointerEvent, px: number, py: number): void {
+    this.fitted = false;
+    const turns = this.in3d && !event.shiftKey && !(event.buttons & 2);
+    if (turns) this.camera.orbit(px, py);
+    else this.camera.pan(px, py);
+    this.schedule('moved');
+  }
+
+  private pinch(other: { x: number; y: number }, before: { x: number; y: number }, now: { x: number; y: number }): void {
+    const frame = this.element.getBoundingClientRect();
+    const apart = (place: { x: number; y: number }) => Math.max(Math.hypot(place.x - other.x, place.y - other.y), 1);
+    this.fitted = false;
+    this.camera.zoom(apart(now) / apart(before), 0.5 * (now.x + other.x) - frame.left, 0.5 * (now.y + other.y) - frame.top);
+    this.camera.pan(0.5 * (now.x - before.x), 0.5 * (now.y - before.y));
+    this.schedule('moved');
+  }
+
+  private hover(event: MouseEvent): void {
+    const frame = this.element.getBoundingClientRect();
+    const [px, py] = [event.clientX - frame.left, event.clientY - frame.top];
+    let best = -1;
+    let closest = hoverRadius ** 2;
+    for (let i = 0; i < this.visible.length; i++) {
+      const distance = (this.screen[2 * i] - px) ** 2 + (this.screen[2 * i + 1] - py) ** 2;
+      if (!this.visible[i] || distance >= closest) continue;
+      closest = distance;
+      best = i;
+    }
+    if (best >= 0) this.onHover(best);
+  }
+}
