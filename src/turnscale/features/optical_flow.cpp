@@ -3,9 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <utility>
 #include <vector>
 
+#include <Eigen/Core>
 #include <opencv2/imgproc.hpp>
 
 #include "turnscale/base/error.h"
@@ -17,6 +19,11 @@ namespace {
 
 // The way back starts at the right place, so it needs no coarse levels.
 constexpr int kReturnLevels = 1;
+
+// What is compared of a patch and of the place where it was found, pixels, and the least correlation of the two. A
+// wrong place in random texture has less.
+constexpr int kComparedSide = 9;
+constexpr float kLeastCorrelation = 0.5F;
 
 float RoundedGuess(float coordinate) { return std::round(coordinate * 16.0F) / 16.0F; }
 
@@ -107,6 +114,35 @@ void TrackAll(const FlowOptions& options, const FlowImage& first, const FlowImag
   });
 }
 
+// Gray levels around a point, between pixels, less their mean.
+using SmallPatch = Eigen::Matrix<float, kComparedSide * kComparedSide, 1>;
+SmallPatch GrayAround(const cv::Mat& gray, const cv::Point2f& point) {
+  const int left = cvFloor(point.x);
+  const int top = cvFloor(point.y);
+  const float x = point.x - static_cast<float>(left);
+  const float y = point.y - static_cast<float>(top);
+  SmallPatch patch;
+  for (int row = 0; row < kComparedSide; ++row) {
+    // The border is in the same memory.
+    const uchar* above =
+        gray.data + static_cast<std::ptrdiff_t>(gray.step) * (top + row - kComparedSide / 2) + left - kComparedSide / 2;
+    const uchar* below = above + gray.step;
+    for (int column = 0; column < kComparedSide; ++column) {
+      const auto mix = [&](const uchar* pixels) {
+        return (1 - x) * static_cast<float>(pixels[column]) + x * static_cast<float>(pixels[column + 1]);
+      };
+      patch[row * kComparedSide + column] = (1 - y) * mix(above) + y * mix(below);
+    }
+  }
+  return patch.array() - patch.mean();
+}
+
+bool LooksTheSame(const cv::Mat& first, const cv::Point2f& point, const cv::Mat& second, const cv::Point2f& found) {
+  const SmallPatch a = GrayAround(first, point);
+  const SmallPatch b = GrayAround(second, found);
+  return a.dot(b) > kLeastCorrelation * a.norm() * b.norm();
+}
+
 bool Inside(const cv::Point2f& point, const cv::Size& size) {
   return point.x >= 0 && point.y >= 0 && point.x <= static_cast<float>(size.width - 1) &&
          point.y <= static_cast<float>(size.height - 1);
@@ -159,7 +195,9 @@ void CheckReturn(const FlowOptions& options, const FlowImage& first, const FlowI
   TrackAll(options, second, first, result.points, kReturnLevels, back);
   for (size_t i = 0; i < points.size(); ++i) {
     const cv::Point2f off = back.points[i] - points[i];
-    if (back.found[i] == 0 || std::hypot(off.x, off.y) > options.max_return_error) result.found[i] = 0;
+    if (back.found[i] == 0 || std::hypot(off.x, off.y) > options.max_return_error ||
+        !LooksTheSame(first.pyramid[0], points[i], second.pyramid[0], result.points[i]))
+      result.found[i] = 0;
   }
 }
 
