@@ -171,7 +171,8 @@ bool IsNear(const cv::Mat& image, const cv::Point2f& point, float margin) {
 
 std::optional<cv::Point2f> TrackPatch(const LucasKanadeOptions& options, const cv::Mat& first, const cv::Point2f& point,
                                       const cv::Mat& second, const cv::Point2f& guess) {
-  const float half = static_cast<float>(options.window / 2);
+  const int half_window = options.window / 2;
+  const float half = static_cast<float>(half_window);
   if (!IsNear(first, point, half)) return std::nullopt;
   Patch patch;
   CutOut(first, point.x - half, point.y - half, options.window, patch);

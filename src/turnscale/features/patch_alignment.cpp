@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 
 #include <Eigen/Cholesky>
@@ -63,7 +64,7 @@ class LineSampler {
   static constexpr int kWeightBits = 10;
   static constexpr int kHalfWeight = 1 << (kBits - kWeightBits - 1);  // rounds weights to the nearest
 
-  static std::int64_t Fixed(double value) { return static_cast<std::int64_t>(value * (1 << kBits) + 0.5); }
+  static std::int64_t Fixed(double value) { return std::llround(value * (1 << kBits)); }
   static int Weight(std::int64_t coordinate) {
     return static_cast<int>(coordinate >> (kBits - kWeightBits)) & ((1 << kWeightBits) - 1);
   }
