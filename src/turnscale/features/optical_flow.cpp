@@ -3,22 +3,27 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <utility>
 #include <vector>
 
+#include <Eigen/Core>
 #include <opencv2/imgproc.hpp>
-#include <opencv2/video/tracking.hpp>
 
 #include "turnscale/base/error.h"
 #include "turnscale/base/quantiles.h"
+#include "turnscale/features/lucas_kanade.h"
 
 namespace turnscale {
 namespace {
 
-const cv::TermCriteria kTermination(cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 30, 0.03);
-constexpr double kMinEigenvalue = 1e-4;
 // The way back starts at the right place, so it needs no coarse levels.
 constexpr int kReturnLevels = 1;
+
+// What is compared of a patch and of the place where it was found, pixels, and the least correlation of the two. A
+// wrong place in random texture has less.
+constexpr int kComparedSide = 9;
+constexpr float kLeastCorrelation = 0.5F;
 
 float RoundedGuess(float coordinate) { return std::round(coordinate * 16.0F) / 16.0F; }
 
@@ -41,11 +46,25 @@ cv::Mat Brightened(const cv::Mat& gray) {
   return bright;
 }
 
+// A part of a larger image, in which the border repeats what is inside.
+cv::Mat WithBorder(const cv::Mat& gray) {
+  cv::Mat whole;
+  cv::copyMakeBorder(gray, whole, kFlowBorder, kFlowBorder, kFlowBorder, kFlowBorder, cv::BORDER_REFLECT_101);
+  return whole(cv::Rect(kFlowBorder, kFlowBorder, gray.cols, gray.rows));
+}
+
 FlowImage WithPyramid(const FlowOptions& options, const cv::Mat& gray) {
   FlowImage image;
   image.gray = gray;
-  cv::buildOpticalFlowPyramid(image.gray, image.pyramid, cv::Size(options.window, options.window),
-                              LevelsOf(options, image.gray.cols));
+  const int levels = LevelsOf(options, gray.cols);
+  cv::Mat halved = gray;
+  for (int level = 0;; ++level) {
+    image.pyramid.push_back(WithBorder(halved));
+    if (level == levels || std::min(halved.cols, halved.rows) / 2 <= options.window) break;
+    cv::Mat half;
+    cv::pyrDown(halved, half);
+    halved = half;
+  }
   return image;
 }
 
@@ -55,13 +74,73 @@ double BrightnessRatio(const FlowImage& first, const FlowImage& second) {
   const cv::Size blocks(16, 8);
   cv::Mat a;
   cv::Mat b;
-  cv::resize(first.pyramid[first.pyramid.size() - 2], a, blocks, 0, 0, cv::INTER_AREA);
-  cv::resize(second.pyramid[second.pyramid.size() - 2], b, blocks, 0, 0, cv::INTER_AREA);
+  cv::resize(first.pyramid.back(), a, blocks, 0, 0, cv::INTER_AREA);
+  cv::resize(second.pyramid.back(), b, blocks, 0, 0, cv::INTER_AREA);
   std::vector<double> ratios;
   for (int row = 0; row < blocks.height; ++row)
     for (int column = 0; column < blocks.width; ++column)
       ratios.push_back((b.at<uchar>(row, column) + 1.0) / (a.at<uchar>(row, column) + 1.0));
   return Median(std::move(ratios));
+}
+
+// Tracks one point from the coarsest of the levels to the full image. A patch that is flat on a coarse level may have
+// texture on a finer one.
+std::optional<cv::Point2f> TrackThroughLevels(const FlowOptions& options, const FlowImage& first,
+                                              const FlowImage& second, const cv::Point2f& point,
+                                              const cv::Point2f& guess, int levels) {
+  const LucasKanadeOptions patch{.window = options.window};
+  cv::Point2f found = guess;
+  for (int level = levels; level > 0; --level) {
+    const float scale = 1.0F / static_cast<float>(1 << level);
+    const std::optional<cv::Point2f> nearer =
+        TrackPatch(patch, first.pyramid[level], scale * point, second.pyramid[level], scale * found);
+    if (nearer) found = *nearer / scale;
+  }
+  return TrackPatch(patch, first.pyramid[0], point, second.pyramid[0], found);
+}
+
+// For many points, on as many threads as OpenCV is set to use. Points are not looked for where `found` is 0 already.
+void TrackAll(const FlowOptions& options, const FlowImage& first, const FlowImage& second,
+              const std::vector<cv::Point2f>& points, int levels, FlowResult& result) {
+  const int most = static_cast<int>(std::min(first.pyramid.size(), second.pyramid.size())) - 1;
+  cv::parallel_for_(cv::Range(0, static_cast<int>(points.size())), [&](const cv::Range& range) {
+    for (int i = range.start; i < range.end; ++i) {
+      if (result.found[i] == 0) continue;
+      const std::optional<cv::Point2f> found =
+          TrackThroughLevels(options, first, second, points[i], result.points[i], std::min(levels, most));
+      result.found[i] = found ? 1 : 0;
+      if (found) result.points[i] = *found;
+    }
+  });
+}
+
+// Gray levels around a point, between pixels, less their mean.
+using SmallPatch = Eigen::Matrix<float, kComparedSide * kComparedSide, 1>;
+SmallPatch GrayAround(const cv::Mat& gray, const cv::Point2f& point) {
+  const int left = cvFloor(point.x);
+  const int top = cvFloor(point.y);
+  const float x = point.x - static_cast<float>(left);
+  const float y = point.y - static_cast<float>(top);
+  SmallPatch patch;
+  for (int row = 0; row < kComparedSide; ++row) {
+    // The border is in the same memory.
+    const uchar* above =
+        gray.data + static_cast<std::ptrdiff_t>(gray.step) * (top + row - kComparedSide / 2) + left - kComparedSide / 2;
+    const uchar* below = above + gray.step;
+    for (int column = 0; column < kComparedSide; ++column) {
+      const auto mix = [&](const uchar* pixels) {
+        return (1 - x) * static_cast<float>(pixels[column]) + x * static_cast<float>(pixels[column + 1]);
+      };
+      patch[row * kComparedSide + column] = (1 - y) * mix(above) + y * mix(below);
+    }
+  }
+  return patch.array() - patch.mean();
+}
+
+bool LooksTheSame(const cv::Mat& first, const cv::Point2f& point, const cv::Mat& second, const cv::Point2f& found) {
+  const SmallPatch a = GrayAround(first, point);
+  const SmallPatch b = GrayAround(second, found);
+  return a.dot(b) > kLeastCorrelation * a.norm() * b.norm();
 }
 
 bool Inside(const cv::Point2f& point, const cv::Size& size) {
@@ -72,7 +151,8 @@ bool Inside(const cv::Point2f& point, const cv::Size& size) {
 }  // namespace
 
 void FlowOptions::Check() const {
-  if (window < 5 || window % 2 == 0) throw InputError("flow.window: has to be odd and at least 5 pixels");
+  if (window < 5 || window > kMostFlowWindow || window % 2 == 0)
+    throw InputError("flow.window: has to be odd and in 5...31 pixels");
   if (levels < 0 || levels > 8) throw InputError("flow.levels: has to be in 0...8");
   if (!(max_return_error > 0)) throw InputError("flow.max_return_error: has to be positive");
   if (!(min_brightness >= 0 && min_brightness <= 255)) throw InputError("flow.min_brightness: has to be in 0...255");
@@ -96,14 +176,14 @@ FlowImage MatchBrightness(const FlowOptions& options, const FlowImage& first, co
 }
 
 FlowResult TrackPoints(const FlowOptions& options, const FlowImage& first, const FlowImage& second,
-                       const std::vector<cv::Point2f>& points, const std::vector<cv::Point2f>& guesses) {
+                       const std::vector<cv::Point2f>& points, const std::vector<cv::Point2f>& guesses,
+                       std::optional<int> levels) {
   FlowResult result;
   if (points.empty()) return result;
   result.points.reserve(points.size());
   for (const cv::Point2f& guess : guesses) result.points.emplace_back(RoundedGuess(guess.x), RoundedGuess(guess.y));
-  cv::calcOpticalFlowPyrLK(first.pyramid, second.pyramid, points, result.points, result.found, cv::noArray(),
-                           cv::Size(options.window, options.window), LevelsOf(options, first.gray.cols), kTermination,
-                           cv::OPTFLOW_USE_INITIAL_FLOW, kMinEigenvalue);
+  result.found.assign(points.size(), 1);
+  TrackAll(options, first, second, points, levels.value_or(LevelsOf(options, first.gray.cols)), result);
   for (size_t i = 0; i < points.size(); ++i)
     if (!Inside(result.points[i], second.gray.size())) result.found[i] = 0;
   return result;
@@ -111,23 +191,13 @@ FlowResult TrackPoints(const FlowOptions& options, const FlowImage& first, const
 
 void CheckReturn(const FlowOptions& options, const FlowImage& first, const FlowImage& second,
                  const std::vector<cv::Point2f>& points, FlowResult& result) {
-  std::vector<size_t> index;
-  std::vector<cv::Point2f> forth;
-  std::vector<cv::Point2f> back;
+  FlowResult back{points, result.found};
+  TrackAll(options, second, first, result.points, kReturnLevels, back);
   for (size_t i = 0; i < points.size(); ++i) {
-    if (result.found[i] == 0) continue;
-    index.push_back(i);
-    forth.push_back(result.points[i]);
-    back.push_back(points[i]);
-  }
-  if (index.empty()) return;
-  std::vector<uchar> found;
-  cv::calcOpticalFlowPyrLK(second.pyramid, first.pyramid, forth, back, found, cv::noArray(),
-                           cv::Size(options.window, options.window), kReturnLevels, kTermination,
-                           cv::OPTFLOW_USE_INITIAL_FLOW, kMinEigenvalue);
-  for (size_t k = 0; k < index.size(); ++k) {
-    const cv::Point2f off = back[k] - points[index[k]];
-    if (found[k] == 0 || std::hypot(off.x, off.y) > options.max_return_error) result.found[index[k]] = 0;
+    const cv::Point2f off = back.points[i] - points[i];
+    if (back.found[i] == 0 || std::hypot(off.x, off.y) > options.max_return_error ||
+        !LooksTheSame(first.pyramid[0], points[i], second.pyramid[0], result.points[i]))
+      result.found[i] = 0;
   }
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include <opencv2/core.hpp>
@@ -8,7 +9,7 @@
 namespace turnscale {
 
 struct FlowOptions {
-  /// Side of the square patch that is compared, pixels. Odd.
+  /// Side of the square patch that is compared, pixels. Odd, at most 31.
   int window = 15;
   /// Halvings of the image above the full size; each doubles the motion that is found without a prediction. Of an image
   /// about 1280 pixels wide; one more for every doubling of that, so that the same motion of the car is found.
@@ -27,7 +28,7 @@ struct FlowOptions {
 /// An image with what optical flow needs of it, built once a frame.
 struct FlowImage {
   cv::Mat gray;                  ///< 8 bit, full size; brightened if it was dark
-  std::vector<cv::Mat> pyramid;  ///< images and gradients, level by level
+  std::vector<cv::Mat> pyramid;  ///< 8 bit, with a border; the first one is `gray`
 };
 
 FlowImage BuildFlowImage(const FlowOptions& options, const cv::Mat& gray);
@@ -44,11 +45,12 @@ struct FlowResult {
 
 /// Finds points of the first image again in the second by pyramidal Lucas-Kanade, starting at `guesses` (same size as
 /// `points`). Guesses are rounded to 1/16 pixel: a prediction that differs in its last digits then finds the very same
-/// pixels.
+/// pixels. `levels`: halvings of the image to start with; by default all.
 FlowResult TrackPoints(const FlowOptions& options, const FlowImage& first, const FlowImage& second,
-                       const std::vector<cv::Point2f>& points, const std::vector<cv::Point2f>& guesses);
+                       const std::vector<cv::Point2f>& points, const std::vector<cv::Point2f>& guesses,
+                       std::optional<int> levels = {});
 
-/// Gives up those found points that do not track back to where they came from.
+/// Gives up those found points that do not track back to where they came from, or look different there.
 void CheckReturn(const FlowOptions& options, const FlowImage& first, const FlowImage& second,
                  const std::vector<cv::Point2f>& points, FlowResult& result);
 

@@ -166,6 +166,16 @@ TEST(OpticalFlow, WhatIsSeenFindsItsWayBack) {
   EXPECT_EQ(Found(flow), 0) << "a pixel off is not where they came from";
 }
 
+TEST(OpticalFlow, WhatLooksDifferentIsNotTheSamePlace) {
+  const FlowImage first = Shifted(SyntheticTexture(1, 4, 20), {0, 0});
+  const FlowImage second = Shifted(SyntheticTexture(2, 4, 20), {0, 0});
+  const std::vector<cv::Point2f> points = Grid(40, 10);
+  // Each point as if it had been found where it was, so that the way back has nowhere better to go.
+  FlowResult flow{points, std::vector<uchar>(points.size(), 1)};
+  CheckReturn({.max_return_error = 1000}, first, second, points, flow);
+  EXPECT_LT(Found(flow), 0.08 * static_cast<double>(points.size()));
+}
+
 TEST(OpticalFlow, NoPointsNoResult) {
   const FlowImage image = Shifted(SyntheticTexture(8), {0, 0});
   const FlowResult flow = TrackPoints({}, image, image, {}, {});

@@ -2,9 +2,12 @@
 #include "turnscale/features/patch_alignment.h"
 
 #include <algorithm>
-#include <vector>
+#include <array>
+#include <cmath>
+#include <cstdint>
 
 #include <Eigen/Cholesky>
+#include <opencv2/core/hal/intrin.hpp>
 
 #include "turnscale/base/error.h"
 
@@ -14,82 +17,213 @@ namespace {
 // Sum over the patch, gray levels squared: what is flatter looks like anything.
 constexpr float kLeastVariance = 1;
 
+// Rows of a patch are processed in groups of this many pixels. Sums are kept per lane and added in a fixed order, so
+// that the result is the same with any instruction set.
+constexpr int kLanes = cv::v_float32x4::nlanes;
+constexpr int kMostHalf = 20;
+constexpr int kMostWidth = (2 * kMostHalf + kLanes) / kLanes * kLanes;
+
 bool Inside(const cv::Mat& image, float x, float y) {
   return x >= 0 && y >= 0 && x < static_cast<float>(image.cols - 1) && y < static_cast<float>(image.rows - 1);
 }
 
-// Bilinear weights of the four pixels around a point; the same for all points that are whole pixels away.
-struct Bilinear {
-  int column;
-  int row;
-  float top_left, top_right, bottom_left, bottom_right;
-
-  Bilinear(float x, float y) : column(static_cast<int>(x)), row(static_cast<int>(y)) {
-    const float right = x - static_cast<float>(column);
-    const float down = y - static_cast<float>(row);
-    bottom_right = right * down;
-    bottom_left = down - bottom_right;
-    top_right = right - bottom_right;
-    top_left = 1 - right - bottom_left;
-  }
-
-  float operator()(const uchar* top, const uchar* bottom) const {
-    return top_left * static_cast<float>(top[0]) + top_right * static_cast<float>(top[1]) +
-           bottom_left * static_cast<float>(bottom[0]) + bottom_right * static_cast<float>(bottom[1]);
-  }
-};
-
-// (x, y) is Inside.
-float Sample(const cv::Mat& image, float x, float y) {
-  const Bilinear weights(x, y);
-  return weights(image.ptr<uchar>(weights.row) + weights.column, image.ptr<uchar>(weights.row + 1) + weights.column);
+cv::v_float32x4 LoadGray(const uchar* pixels) {
+  return cv::v_cvt_f32(cv::v_reinterpret_as_s32(cv::v_load_expand_q(pixels)));
 }
 
-// The patch as the current image should show it, and how it changes with position, gain and offset.
-struct Template {
-  std::vector<Eigen::Vector4f> jacobian;  // by x, by y, by gain (the value itself), by offset (one)
-  Eigen::Matrix4f normal_matrix = Eigen::Matrix4f::Zero();
-  float variance = 0;  // sum of squared deviations from the mean
+float Sum(const cv::v_float32x4& lanes) {
+  std::array<float, kLanes> values;
+  cv::v_store(values.data(), lanes);
+  return (values[0] + values[1]) + (values[2] + values[3]);
+}
 
-  float value(size_t i) const { return jacobian[i][2]; }
+// Gray levels at points on a line, in fixed point: coordinates in 1/65536 pixel, weights in 1/1024.
+class LineSampler {
+ public:
+  LineSampler(const cv::Mat& image, const Eigen::Vector2d& start, const Eigen::Vector2d& step)
+      : image_(image),
+        x_(Fixed(start.x()) + kHalfWeight),
+        y_(Fixed(start.y()) + kHalfWeight),
+        dx_(Fixed(step.x())),
+        dy_(Fixed(step.y())) {}
+
+  float Next() {
+    const uchar* top = image_.data + static_cast<size_t>(y_ >> kBits) * image_.step + static_cast<size_t>(x_ >> kBits);
+    const uchar* bottom = top + image_.step;
+    const int right = Weight(x_);
+    const int down = Weight(y_);
+    const int above = (top[0] << kWeightBits) + right * (top[1] - top[0]);
+    const int below = (bottom[0] << kWeightBits) + right * (bottom[1] - bottom[0]);
+    x_ += dx_;
+    y_ += dy_;
+    return static_cast<float>((above << kWeightBits) + down * (below - above)) / (1 << (2 * kWeightBits));
+  }
+
+ private:
+  static constexpr int kBits = 16;
+  static constexpr int kWeightBits = 10;
+  static constexpr int kHalfWeight = 1 << (kBits - kWeightBits - 1);  // rounds weights to the nearest
+
+  static std::int64_t Fixed(double value) { return std::llround(value * (1 << kBits)); }
+  static int Weight(std::int64_t coordinate) {
+    return static_cast<int>(coordinate >> (kBits - kWeightBits)) & ((1 << kWeightBits) - 1);
+  }
+
+  const cv::Mat& image_;
+  std::int64_t x_, y_, dx_, dy_;
 };
 
-std::optional<Template> MakeTemplate(int half, const cv::Mat& reference, const Eigen::Vector2d& pixel,
-                                     const Eigen::Matrix2d& reference_from_current) {
-  const int side = 2 * half + 3;  // one more all around for the gradients
-  const Eigen::Matrix2f axes = reference_from_current.cast<float>();
-  const auto at = [&, center = Eigen::Vector2f(pixel.cast<float>())](int row, int column) -> Eigen::Vector2f {
-    return center + static_cast<float>(column - half - 1) * axes.col(0) +
-           static_cast<float>(row - half - 1) * axes.col(1);
+// The patch as the current image should show it, and how it changes with position. Rows are padded to whole groups with
+// zeros.
+struct Template {
+  int side = 0;
+  int width = 0;  // of a padded row
+  std::array<float, (2 * kMostHalf + 1) * kMostWidth> value;
+  std::array<float, (2 * kMostHalf + 1) * kMostWidth> by_x;
+  std::array<float, (2 * kMostHalf + 1) * kMostWidth> by_y;
+  std::array<float, kMostWidth> in_patch;  // of one row: 1, in the padding 0
+  Eigen::Matrix4f normal_matrix;           // of x, y, gain, offset
+  float variance = 0;                      // sum of squared deviations from the mean
+};
+
+// Samples the patch with one more pixel all around for the gradients. False where it leaves the image.
+bool SampleTemplate(int half, const cv::Mat& reference, const Eigen::Vector2d& pixel,
+                    const Eigen::Matrix2d& reference_from_current, Template& patch) {
+  constexpr int kMostSide = 2 * kMostHalf + 3;
+  const int side = 2 * half + 3;
+  const Eigen::Vector2d start = pixel - (half + 1) * (reference_from_current.col(0) + reference_from_current.col(1));
+  const auto inside = [&](int row, int column) {
+    // Rounding to fixed point must not leave the image either.
+    constexpr double kRounding = 0.01;
+    const Eigen::Vector2d at = start + column * reference_from_current.col(0) + row * reference_from_current.col(1);
+    return at.x() >= kRounding && at.y() >= kRounding && at.x() < reference.cols - 1 - kRounding &&
+           at.y() < reference.rows - 1 - kRounding;
   };
-  for (const Eigen::Vector2f& corner : {at(0, 0), at(0, side - 1), at(side - 1, 0), at(side - 1, side - 1)})
-    if (!Inside(reference, corner.x(), corner.y())) return std::nullopt;
-  std::vector<float> values(static_cast<size_t>(side) * side);
-  for (int row = 0; row < side; ++row)
-    for (int column = 0; column < side; ++column) {
-      const Eigen::Vector2f sample = at(row, column);
-      values[static_cast<size_t>(row) * side + column] = Sample(reference, sample.x(), sample.y());
+  if (!inside(0, 0) || !inside(0, side - 1) || !inside(side - 1, 0) || !inside(side - 1, side - 1)) return false;
+  std::array<float, kMostSide * kMostSide> values;
+  for (int row = 0; row < side; ++row) {
+    LineSampler sampler(reference, start + row * reference_from_current.col(1), reference_from_current.col(0));
+    for (int column = 0; column < side; ++column) values[row * side + column] = sampler.Next();
+  }
+  patch.side = side - 2;
+  patch.width = (patch.side + kLanes - 1) / kLanes * kLanes;
+  for (int column = 0; column < patch.width; ++column) patch.in_patch[column] = column < patch.side ? 1.0F : 0.0F;
+  for (int row = 0; row < patch.side; ++row) {
+    const float* centre = &values[(row + 1) * side + 1];
+    float* value = &patch.value[row * patch.width];
+    float* by_x = &patch.by_x[row * patch.width];
+    float* by_y = &patch.by_y[row * patch.width];
+    for (int column = 0; column < patch.side; ++column) {
+      value[column] = centre[column];
+      by_x[column] = 0.5F * (centre[column + 1] - centre[column - 1]);
+      by_y[column] = 0.5F * (centre[column + side] - centre[column - side]);
     }
-  Template patch;
-  patch.jacobian.reserve(values.size());
-  float sum = 0;
-  float sum_of_squares = 0;
-  for (int row = 1; row < side - 1; ++row)
-    for (int column = 1; column < side - 1; ++column) {
-      const float* value = &values[static_cast<size_t>(row) * side + column];
-      patch.jacobian.emplace_back(0.5F * (value[1] - value[-1]), 0.5F * (value[side] - value[-side]), value[0], 1.0F);
-      patch.normal_matrix += patch.jacobian.back() * patch.jacobian.back().transpose();
-      sum += value[0];
-      sum_of_squares += value[0] * value[0];
+    for (int column = patch.side; column < patch.width; ++column) value[column] = by_x[column] = by_y[column] = 0;
+  }
+  return true;
+}
+
+void BuildNormalMatrix(Template& patch) {
+  cv::v_float32x4 xx = cv::v_setzero_f32();
+  cv::v_float32x4 xy = xx, yy = xx, xv = xx, yv = xx, vv = xx, x = xx, y = xx, v = xx;
+  for (int i = 0; i < patch.side * patch.width; i += kLanes) {
+    const cv::v_float32x4 by_x = cv::v_load(&patch.by_x[i]);
+    const cv::v_float32x4 by_y = cv::v_load(&patch.by_y[i]);
+    const cv::v_float32x4 value = cv::v_load(&patch.value[i]);
+    xx += by_x * by_x;
+    xy += by_x * by_y;
+    yy += by_y * by_y;
+    xv += by_x * value;
+    yv += by_y * value;
+    vv += value * value;
+    x += by_x;
+    y += by_y;
+    v += value;
+  }
+  const float pixels = static_cast<float>(patch.side * patch.side);
+  Eigen::Matrix4f& N = patch.normal_matrix;
+  N << Sum(xx), Sum(xy), Sum(xv), Sum(x),  //
+      0, Sum(yy), Sum(yv), Sum(y),         //
+      0, 0, Sum(vv), Sum(v),               //
+      0, 0, 0, pixels;
+  N.triangularView<Eigen::StrictlyLower>() = N.transpose();
+  patch.variance = N(2, 2) - N(2, 3) * N(2, 3) / pixels;
+}
+
+// Difference of the image and the template at a place: its sums times the template's derivatives by x, y, gain and
+// offset, and squared.
+struct Residual {
+  Eigen::Vector4f gradient;
+  float squared = 0;
+};
+
+// The image around the patch; copied where reading whole groups of pixels would leave the image.
+class PatchView {
+ public:
+  PatchView(const cv::Mat& image, int row, int column, int rows, int width)
+      : pixels_(image.ptr<uchar>(row) + column), step_(image.step) {
+    if (column + width < image.cols) return;
+    const int inside = image.cols - column;
+    for (int i = 0; i < rows; ++i) {
+      uchar* copy = &copy_[static_cast<size_t>(i) * kStep];
+      std::copy_n(pixels_ + i * step_, inside, copy);
+      std::fill(copy + inside, copy + kStep, uchar{0});
     }
-  patch.variance = sum_of_squares - sum * sum / static_cast<float>(patch.jacobian.size());
-  return patch;
+    pixels_ = copy_.data();
+    step_ = kStep;
+  }
+  PatchView(const PatchView&) = delete;
+  PatchView& operator=(const PatchView&) = delete;
+
+  const uchar* Row(int row) const { return pixels_ + static_cast<size_t>(row) * step_; }
+
+ private:
+  static constexpr size_t kStep = kMostWidth + kLanes;
+
+  std::array<uchar, (2 * kMostHalf + 2) * kStep> copy_;
+  const uchar* pixels_;
+  size_t step_;
+};
+
+// (x, y) is the top left pixel of the patch.
+Residual Compare(const Template& patch, const cv::Mat& image, float x, float y, float gain, float offset) {
+  const int column = static_cast<int>(x);
+  const int row = static_cast<int>(y);
+  const PatchView view(image, row, column, patch.side + 1, patch.width);
+  const cv::v_float32x4 right = cv::v_setall_f32(x - static_cast<float>(column));
+  const cv::v_float32x4 down = cv::v_setall_f32(y - static_cast<float>(row));
+  const cv::v_float32x4 gains = cv::v_setall_f32(gain);
+  const cv::v_float32x4 offsets = cv::v_setall_f32(offset);
+  cv::v_float32x4 sum = cv::v_setzero_f32();
+  cv::v_float32x4 sum_x = sum, sum_y = sum, sum_value = sum, sum_squared = sum;
+  for (int k = 0; k < patch.width; k += kLanes) {
+    const auto interpolated = [&](int i) {
+      const uchar* pixels = view.Row(i) + k;
+      const cv::v_float32x4 left = LoadGray(pixels);
+      return left + right * (LoadGray(pixels + 1) - left);
+    };
+    const cv::v_float32x4 in_patch = cv::v_load(&patch.in_patch[k]);
+    cv::v_float32x4 above = interpolated(0);
+    for (int i = 0; i < patch.side; ++i) {
+      const cv::v_float32x4 below = interpolated(i + 1);
+      const int at = i * patch.width + k;
+      const cv::v_float32x4 value = cv::v_load(&patch.value[at]);
+      const cv::v_float32x4 residual = in_patch * (above + down * (below - above) - gains * value - offsets);
+      sum_x += residual * cv::v_load(&patch.by_x[at]);
+      sum_y += residual * cv::v_load(&patch.by_y[at]);
+      sum_value += residual * value;
+      sum += residual;
+      sum_squared += residual * residual;
+      above = below;
+    }
+  }
+  return {{Sum(sum_x), Sum(sum_y), Sum(sum_value), Sum(sum)}, Sum(sum_squared)};
 }
 
 }  // namespace
 
 void PatchAlignmentOptions::Check() const {
-  if (half_size < 2 || half_size > 20) throw InputError("alignment.half_size: has to be in 2...20 pixels");
+  if (half_size < 2 || half_size > kMostHalf) throw InputError("alignment.half_size: has to be in 2...20 pixels");
   if (max_iterations < 1) throw InputError("alignment.max_iterations: has to be at least 1");
   if (!(tolerance > 0)) throw InputError("alignment.tolerance: has to be positive");
   if (!(max_distance > 0)) throw InputError("alignment.max_distance: has to be positive");
@@ -101,9 +235,11 @@ std::optional<Eigen::Vector2d> AlignPatch(const PatchAlignmentOptions& options, 
                                           const Eigen::Matrix2d& reference_from_current, const cv::Mat& current,
                                           const Eigen::Vector2d& guess) {
   const int half = options.half_size;
-  const std::optional<Template> patch = MakeTemplate(half, reference, reference_pixel, reference_from_current);
-  if (!patch || !(patch->variance > kLeastVariance)) return std::nullopt;
-  const Eigen::LDLT<Eigen::Matrix4f> factor(patch->normal_matrix);
+  Template patch;
+  if (!SampleTemplate(half, reference, reference_pixel, reference_from_current, patch)) return std::nullopt;
+  BuildNormalMatrix(patch);
+  if (!(patch.variance > kLeastVariance)) return std::nullopt;
+  const Eigen::LDLT<Eigen::Matrix4f> factor(patch.normal_matrix);
 
   Eigen::Vector2d pixel = guess;
   float gain = 1;
@@ -113,19 +249,7 @@ std::optional<Eigen::Vector2d> AlignPatch(const PatchAlignmentOptions& options, 
     const float y = static_cast<float>(pixel.y());
     const float reach = static_cast<float>(half);
     if (!Inside(current, x - reach, y - reach) || !Inside(current, x + reach, y + reach)) return std::nullopt;
-    Eigen::Vector4f gradient = Eigen::Vector4f::Zero();
-    float squared = 0;
-    size_t i = 0;
-    const Bilinear weights(x - reach, y - reach);
-    for (int row = 0; row <= 2 * half; ++row) {
-      const uchar* top = current.ptr<uchar>(weights.row + row) + weights.column;
-      const uchar* bottom = current.ptr<uchar>(weights.row + row + 1) + weights.column;
-      for (int column = 0; column <= 2 * half; ++column, ++i) {
-        const float residual = weights(top + column, bottom + column) - gain * patch->value(i) - offset;
-        gradient += residual * patch->jacobian[i];
-        squared += residual * residual;
-      }
-    }
+    const auto [gradient, squared] = Compare(patch, current, x - reach, y - reach, gain, offset);
     const Eigen::Vector4f step = factor.solve(gradient);
     if (!step.allFinite()) return std::nullopt;
     // The template's gradients stand for the image's, up to the gain.
@@ -136,7 +260,7 @@ std::optional<Eigen::Vector2d> AlignPatch(const PatchAlignmentOptions& options, 
     if ((pixel - guess).norm() > options.max_distance) return std::nullopt;
     if (shift.norm() > options.tolerance) continue;
     // Share of the patch's variance that the image explains is the square of the correlation.
-    const double explained = 1.0 - squared / std::max(1e-6F, gain * gain * patch->variance);
+    const double explained = 1.0 - squared / std::max(1e-6F, gain * gain * patch.variance);
     if (gain < 0.2F || explained < options.min_correlation * options.min_correlation) return std::nullopt;
     return pixel;
   }

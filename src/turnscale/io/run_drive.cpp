@@ -2,8 +2,10 @@
 #include "turnscale/io/run_drive.h"
 
 #include <algorithm>
+#include <chrono>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -77,12 +79,14 @@ class Run {
   }
 
   void Process(const SourceFrame& frame) {
+    using Clock = std::chrono::steady_clock;
     FrameResult result;
     if (!frame.notice.empty()) {
       progress_.Warn(frame.notice);
       end_.summary.warnings.push_back(frame.notice);
       said_ = end_.summary.warnings.size();
     }
+    const Clock::time_point start = Clock::now();
     if (frame.gray.empty()) {
       progress_.Warn(fmt::format("frame {}: {}; skipped", frame.index, frame.problem));
       end_.summary.unreadable.push_back({frame.index, frame.problem});
@@ -90,6 +94,7 @@ class Run {
     } else {
       result = odometry_.Process(frame.gray, frame.time);
     }
+    latencies_.push_back(std::chrono::duration<double>(Clock::now() - start).count());
     ++processed_;
     tracks_ = tracks_ || result.world_from_camera;
     if (!tracks_ && !frame.gray.empty()) seen_.Add(frame.gray, frame.time, result.tracked);
@@ -152,6 +157,7 @@ class Run {
     summary.frames = std::max(summary.frames, processed_);
     for (size_t i = said_; i < summary.warnings.size(); ++i) progress_.Warn(summary.warnings[i]);
     summary.cost = MeasureCost();
+    summary.cost.latency = LatencyOf(latencies_);
     if (summary.stopped.empty() && !attempts_.failures().empty())
       summary.stopped = FailureOf(attempts_.failures().front()).message;
     writer_.WriteText("summary.json", SummaryJson(summary));
@@ -167,10 +173,11 @@ class Run {
   RunEnd end_;
   std::vector<RotationRecord> rotations_;  // as they came into use
   int processed_ = 0;
-  bool tracks_ = false;  // there is a map, or was
-  SeenImages seen_;      // before there is one
-  size_t said_ = 0;      // warnings that have been printed
-  int moves_ = 0;        // of the camera on the car, reported so far
+  std::vector<double> latencies_;  // seconds
+  bool tracks_ = false;            // there is a map, or was
+  SeenImages seen_;                // before there is one
+  size_t said_ = 0;                // warnings that have been printed
+  int moves_ = 0;                  // of the camera on the car, reported so far
 };
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include <sys/resource.h>
 
 #include "turnscale/base/number_text.h"
+#include "turnscale/base/quantiles.h"
 #include "turnscale/camera/camera_file.h"
 #include "turnscale/geometry/rotation.h"
 #include "turnscale/io/terminal.h"
@@ -27,11 +28,16 @@ double Seconds(const timeval& time) {
 nlohmann::ordered_json CostJson(const RunSummary& summary) {
   const RunCost& cost = summary.cost;
   const int frames = std::max(summary.frames, 1);
-  return {{"wall_s", cost.wall_seconds},
-          {"cpu_s", cost.cpu_seconds},
-          {"frames_per_s", summary.frames / std::max(cost.wall_seconds, 1e-9)},
-          {"cpu_ms_per_frame", 1e3 * cost.cpu_seconds / frames},
-          {"peak_memory_mb", cost.peak_memory_mb}};
+  nlohmann::ordered_json json = {{"wall_s", cost.wall_seconds},
+                                 {"cpu_s", cost.cpu_seconds},
+                                 {"frames_per_s", summary.frames / std::max(cost.wall_seconds, 1e-9)},
+                                 {"cpu_ms_per_frame", 1e3 * cost.cpu_seconds / frames},
+                                 {"peak_memory_mb", cost.peak_memory_mb}};
+  if (cost.latency)
+    json["latency_ms"] = {{"median", cost.latency->median},
+                          {"percentile_99", cost.latency->percentile_99},
+                          {"largest", cost.latency->largest}};
+  return json;
 }
 
 nlohmann::ordered_json ClipsJson(const std::vector<ClipPart>& clips) {
@@ -176,6 +182,11 @@ std::string CalibrationWarning(const ParameterEstimate& estimate, double path_si
 bool IsMetric(const RunSummary& summary) { return summary.scale_state != ScaleState::kPending; }
 
 }  // namespace
+
+std::optional<FrameLatency> LatencyOf(const std::vector<double>& seconds) {
+  if (seconds.empty()) return std::nullopt;
+  return FrameLatency{1e3 * Median(seconds), 1e3 * Quantile(seconds, 0.99), 1e3 * Quantile(seconds, 1)};
+}
 
 RunCost MeasureCost() {
   using Clock = std::chrono::steady_clock;

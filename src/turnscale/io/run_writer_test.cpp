@@ -349,5 +349,17 @@ TEST(RunSummary, CostIsMeasured) {
   EXPECT_GT(cost.peak_memory_mb, 1);
 }
 
+TEST(RunSummary, LatencyIsThatOfTheMiddleAndOfTheSlowestFrames) {
+  EXPECT_FALSE(LatencyOf({}));
+  std::vector<double> seconds(99, 0.02);
+  seconds.push_back(0.5);
+  const std::optional<FrameLatency> latency = LatencyOf(seconds);
+  ASSERT_TRUE(latency);
+  EXPECT_DOUBLE_EQ(latency->median, 20);
+  EXPECT_GE(latency->percentile_99, 20);
+  EXPECT_LE(latency->percentile_99, 500);
+  EXPECT_DOUBLE_EQ(latency->largest, 500);
+}
+
 }  // namespace
 }  // namespace turnscale

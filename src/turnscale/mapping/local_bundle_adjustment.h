@@ -45,6 +45,8 @@ struct LocalBundleOptions {
   /// images hardly tell, such as the drift of the scale along a section, and is for windows that are close to their
   /// minimum already.
   double initial_damping = 1e-4;
+  /// See BundleOptions.
+  bool exact_end = true;
 
   /// Throws InputError that names the field when a value makes no sense.
   void Check() const;

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "turnscale/odometry/feature_tracks.h"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
+#include <iterator>
 #include <optional>
 
 namespace turnscale {
@@ -9,6 +12,21 @@ namespace {
 
 cv::Point2f ToPoint(const Eigen::Vector2d& pixel) {
   return {static_cast<float>(pixel.x()), static_cast<float>(pixel.y())};
+}
+
+// Halvings of the image that cover what the parallax of the last image leaves unknown.
+constexpr int kLevelsNearby = 1;
+
+// Notes how far beyond the `distant` pixels the tracks have been found. `found` are some of `tracks`, in their order.
+void NoteParallax(const std::vector<FeatureTrack>& tracks, const std::vector<cv::Point2f>& distant, double moved,
+                  std::vector<FeatureTrack>& found) {
+  size_t i = 0;
+  for (FeatureTrack& track : found) {
+    while (tracks[i].landmark != track.landmark) ++i;
+    const cv::Point2f beyond = track.pixel - distant[i];
+    track.parallax.reset();
+    if (moved > 0) track.parallax = Eigen::Vector2d(beyond.x, beyond.y) / moved;
+  }
 }
 
 }  // namespace
@@ -32,9 +50,9 @@ std::vector<cv::Point2f> PredictPixels(const Map& map, const CameraModel& camera
 
 FollowedTracks FollowTracks(const FlowOptions& options, const Map& map, const CameraModel& camera,
                             const FlowImage& first, const FlowImage& second, const std::vector<FeatureTrack>& tracks,
-                            const std::vector<cv::Point2f>& guesses) {
+                            const std::vector<cv::Point2f>& guesses, std::optional<int> levels) {
   const std::vector<cv::Point2f> pixels = PixelsOf(tracks);
-  const FlowResult flow = TrackPoints(options, first, second, pixels, guesses);
+  const FlowResult flow = TrackPoints(options, first, second, pixels, guesses, levels);
   // A landmark with a depth is going to be compared with its reference view, which asks for more than the way back.
   FlowResult without_depth = flow;
   for (size_t i = 0; i < tracks.size(); ++i)
@@ -57,6 +75,32 @@ FollowedTracks FollowTracks(const FlowOptions& options, const Map& map, const Ca
   return followed;
 }
 
+FollowedTracks FollowWithoutDepth(const FlowOptions& options, const Map& map, const CameraModel& camera,
+                                  const FlowImage& first, const FlowImage& second,
+                                  const std::vector<FeatureTrack>& tracks, const RigidTransform& last_from_world,
+                                  const RigidTransform& camera_from_world) {
+  const double moved = (camera_from_world.inverse().translation - last_from_world.inverse().translation).norm();
+  const auto distant_pixels = [&](const std::vector<FeatureTrack>& some) {
+    return PredictPixels(map, camera, some, last_from_world, camera_from_world);
+  };
+  std::vector<FeatureTrack> known;
+  std::vector<FeatureTrack> others;
+  for (const FeatureTrack& track : tracks) (track.parallax ? known : others).push_back(track);
+  const std::vector<cv::Point2f> known_distant = distant_pixels(known);
+  std::vector<cv::Point2f> guesses = known_distant;
+  for (size_t i = 0; i < known.size(); ++i) guesses[i] += ToPoint(moved * *known[i].parallax);
+  FollowedTracks followed = FollowTracks(options, map, camera, first, second, known, guesses, kLevelsNearby);
+  NoteParallax(known, known_distant, moved, followed.found);
+
+  std::ranges::move(followed.lost, std::back_inserter(others));
+  const std::vector<cv::Point2f> distant = distant_pixels(others);
+  FollowedTracks more = FollowTracks(options, map, camera, first, second, others, distant);
+  NoteParallax(others, distant, moved, more.found);
+  std::ranges::move(more.found, std::back_inserter(followed.found));
+  followed.lost = std::move(more.lost);
+  return followed;
+}
+
 std::optional<Eigen::Matrix2d> CurrentFromReference(const Map& map, const CameraModel& camera,
                                                     const FeatureTrack& track,
                                                     const RigidTransform& camera_from_world) {
@@ -66,14 +110,17 @@ std::optional<Eigen::Matrix2d> CurrentFromReference(const Map& map, const Camera
   if (!(x.z() > 0)) return std::nullopt;
   // Two points beside the landmark, about a pixel away, at the same depth.
   const double offset = x.z() / map.pinhole.fx;
+  // The radial correction changes both views alike.
+  CameraModel lens = camera;
+  lens.radial_correction = 0;
   const std::array<Eigen::Vector3d, 3> points = {x, x + offset * Eigen::Vector3d::UnitX(),
                                                  x + offset * Eigen::Vector3d::UnitY()};
   std::array<Eigen::Vector2d, 3> in_reference;
   std::array<Eigen::Vector2d, 3> in_current;
   for (size_t i = 0; i < points.size(); ++i) {
     const Eigen::Vector3d moved = current_from_reference * points[i];
-    const std::optional<Eigen::Vector2d> reference = camera.Project(points[i]);
-    const std::optional<Eigen::Vector2d> current = moved.z() > 0 ? camera.Project(moved) : std::nullopt;
+    const std::optional<Eigen::Vector2d> reference = lens.Project(points[i]);
+    const std::optional<Eigen::Vector2d> current = moved.z() > 0 ? lens.Project(moved) : std::nullopt;
     if (!reference || !current) return std::nullopt;
     in_reference[i] = *reference;
     in_current[i] = *current;

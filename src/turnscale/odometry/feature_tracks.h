@@ -26,6 +26,10 @@ struct FeatureTrack {
   cv::Point2f reference_pixel;
   int reference_keyframe = 0;  ///< index into Map::keyframes
   int last_keyframe = 0;       ///< the latest one that saw it, index into Map::keyframes
+  int frames_lost = 0;         ///< images in a row that did not show it
+  /// Of a landmark without a depth: its motion in the last image beyond that of infinitely distant points, pixels per
+  /// unit of length that the camera moved. Empty where it is not known.
+  std::optional<Eigen::Vector2d> parallax = std::nullopt;
 };
 
 /// Where each track is expected in a camera: landmarks with a depth are projected, the others turned with the camera.
@@ -39,10 +43,18 @@ struct FollowedTracks {
   std::vector<FeatureTrack> lost;   ///< as they were
 };
 
-/// Finds tracks in the second image. Those without a depth have to track back to where they came from.
+/// Finds tracks in the second image. Those without a depth have to track back to where they came from. `levels`: see
+/// TrackPoints.
 FollowedTracks FollowTracks(const FlowOptions& options, const Map& map, const CameraModel& camera,
                             const FlowImage& first, const FlowImage& second, const std::vector<FeatureTrack>& tracks,
-                            const std::vector<cv::Point2f>& guesses);
+                            const std::vector<cv::Point2f>& guesses, std::optional<int> levels = {});
+
+/// The same for tracks without a depth, once the camera's pose is known: where their parallax is known, they are
+/// searched near the pixel that it predicts first. Notes the parallax of those found.
+FollowedTracks FollowWithoutDepth(const FlowOptions& options, const Map& map, const CameraModel& camera,
+                                  const FlowImage& first, const FlowImage& second,
+                                  const std::vector<FeatureTrack>& tracks, const RigidTransform& last_from_world,
+                                  const RigidTransform& camera_from_world);
 
 /// Compares a track whose landmark has a depth with what the landmark looks like in its reference keyframe, at the size
 /// and turn that the camera's pose gives it, and corrects its pixel, starting at `guess`: optical flow from image to

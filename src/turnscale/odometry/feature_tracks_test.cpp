@@ -223,5 +223,35 @@ TEST(FeatureTracks, FollowingSortsFoundAndLost) {
   EXPECT_EQ(followed.lost[0].pixel, tracks.back().pixel) << "left as it was";
 }
 
+TEST(FeatureTracks, WithoutDepthTheLastParallaxLeadsToThePixel) {
+  const CameraModel camera = Undistorted();
+  Map map = OneKeyframe(camera);
+  const SyntheticTexture texture(4, 8, 100);
+  const auto moved = [](double metres) {
+    return RigidTransform{Eigen::Quaterniond::Identity(), {metres, 0, 0}} * kReference;
+  };
+  const auto image = [&](double metres) { return BuildFlowImage({}, ImageOfWall(texture, camera, moved(metres))); };
+  std::vector<FeatureTrack> tracks;
+  for (double x = 100; x <= 500; x += 50) tracks.push_back(AddTrack(camera, {x, 150}, kWall, false, map));
+  const double pixels_per_metre = camera.pinhole.fx / kWall;
+
+  FollowedTracks followed = FollowWithoutDepth({}, map, camera, image(0), image(0.1), tracks, moved(0), moved(0.1));
+  ASSERT_EQ(followed.found.size(), tracks.size());
+  for (const FeatureTrack& track : followed.found) {
+    ASSERT_TRUE(track.parallax);
+    EXPECT_NEAR(track.parallax->x(), pixels_per_metre, 1);
+    EXPECT_NEAR(track.parallax->y(), 0, 1);
+  }
+  // Farther than without a prediction.
+  constexpr double kFar = 1.1;
+  const std::vector<FeatureTrack> before = followed.found;
+  followed = FollowWithoutDepth({}, map, camera, image(0.1), image(0.1 + kFar), before, moved(0.1), moved(0.1 + kFar));
+  EXPECT_GE(followed.found.size(), before.size() - 2);
+  for (const FeatureTrack& track : followed.found) {
+    const double start = tracks[track.landmark].pixel.x;
+    EXPECT_NEAR(track.pixel.x - start, (0.1 + kFar) * pixels_per_metre, 0.2);
+  }
+}
+
 }  // namespace
 }  // namespace turnscale

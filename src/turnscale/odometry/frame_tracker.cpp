@@ -44,6 +44,20 @@ bool StandsStill(const StaticRegionOptions& options, const Map& map, const Landm
          });
 }
 
+// Landmarks that are tracked from the predicted pose. They give the pose from which all others are searched, within a
+// few pixels.
+constexpr size_t kPoseSample = 120;
+constexpr int kLeastOfPoseSample = 50;
+constexpr double kLeastShareOfSample = 0.6;
+
+// Whether a lost landmark is searched in the next image: what has been out of sight for several images seldom comes
+// back in the next one. In every image, the same share of them is.
+bool IsDue(const FeatureTrack& track) {
+  constexpr int kAlways = 2;
+  constexpr int kPeriod = 8;
+  return track.frames_lost <= kAlways || (track.frames_lost + track.landmark) % kPeriod == 0;
+}
+
 }  // namespace
 
 bool IsBelievable(const TrackingOptions& options, const PoseEstimate& estimate) {
@@ -87,6 +101,11 @@ std::pair<FollowedTracks, PoseEstimate> FrameTracker::TrackFrom(const Map& map, 
                                                                 const FlowImage& before, const FlowImage& image,
                                                                 const RigidTransform& last,
                                                                 const RigidTransform& predicted) const {
+  if (const std::optional<RigidTransform> pose = PoseOfSample(map, camera, before, image, last, predicted)) {
+    FollowedTracks followed = FollowFrom(map, camera, before, image, last, *pose);
+    PoseEstimate estimate = EstimateFramePose(options_.pose, map, *pose, followed);
+    if (IsBelievable(options_.tracking, estimate)) return {std::move(followed), std::move(estimate)};
+  }
   const std::vector<cv::Point2f> guesses = PredictPixels(map, camera, tracks_, last, predicted);
   FollowedTracks followed = FollowTracks(options_.flow, map, camera, before, image, tracks_, guesses);
   DropMasked(followed);
@@ -97,6 +116,60 @@ std::pair<FollowedTracks, PoseEstimate> FrameTracker::TrackFrom(const Map& map, 
     estimate = EstimateFramePose(options_.pose, map, estimate.camera_from_world, followed);
   }
   return {std::move(followed), std::move(estimate)};
+}
+
+std::optional<RigidTransform> FrameTracker::PoseOfSample(const Map& map, const CameraModel& camera,
+                                                         const FlowImage& before, const FlowImage& image,
+                                                         const RigidTransform& last,
+                                                         const RigidTransform& predicted) const {
+  std::vector<const FeatureTrack*> with_depth;
+  for (const FeatureTrack& track : tracks_)
+    if (map.landmarks[track.landmark].valid) with_depth.push_back(&track);
+  std::vector<FeatureTrack> sample;
+  const size_t stride = std::max<size_t>(1, with_depth.size() / kPoseSample);
+  for (size_t i = 0; i < with_depth.size(); i += stride) sample.push_back(*with_depth[i]);
+  FollowedTracks followed = FollowTracks(options_.flow, map, camera, before, image, sample,
+                                         PredictPixels(map, camera, sample, last, predicted));
+  DropMasked(followed);
+  const PoseEstimate estimate = EstimateFramePose(options_.pose, map, predicted, followed);
+  if (estimate.inliers < kLeastOfPoseSample ||
+      estimate.inliers < kLeastShareOfSample * static_cast<double>(sample.size()))
+    return std::nullopt;
+  return estimate.camera_from_world;
+}
+
+FollowedTracks FrameTracker::FollowFrom(const Map& map, const CameraModel& camera, const FlowImage& before,
+                                        const FlowImage& image, const RigidTransform& last,
+                                        const RigidTransform& camera_from_world) const {
+  std::vector<FeatureTrack> with_depth;
+  std::vector<FeatureTrack> without_depth;
+  for (const FeatureTrack& track : tracks_)
+    (map.landmarks[track.landmark].valid ? with_depth : without_depth).push_back(track);
+  FollowedTracks followed =
+      FollowWithoutDepth(options_.flow, map, camera, before, image, without_depth, last, camera_from_world);
+  for (FeatureTrack& track : followed.lost) ++track.frames_lost;
+  SearchByMap(map, camera, image, camera_from_world, std::move(with_depth), followed);
+  SearchByMap(map, camera, image, camera_from_world, lost_tracks_, followed);
+  DropMasked(followed);
+  return followed;
+}
+
+void FrameTracker::SearchByMap(const Map& map, const CameraModel& camera, const FlowImage& image,
+                               const RigidTransform& camera_from_world, std::vector<FeatureTrack> missing,
+                               FollowedTracks& tracks) const {
+  const int oldest = static_cast<int>(map.keyframes.size()) - options_.tracking.memory_keyframes;
+  std::erase_if(missing, [&](const FeatureTrack& track) {
+    return !map.landmarks[track.landmark].valid || track.last_keyframe < oldest;
+  });
+  std::vector<std::optional<cv::Point2f>> guesses;
+  for (const FeatureTrack& track : missing)
+    guesses.push_back(IsDue(track) ? PixelOf(map, camera, track.landmark, camera_from_world) : std::nullopt);
+  const std::vector<uchar> found =
+      AlignTracks(options_.alignment, map, camera, image.gray, camera_from_world, guesses, missing);
+  for (size_t i = 0; i < missing.size(); ++i) {
+    missing[i].frames_lost = found[i] != 0 ? 0 : missing[i].frames_lost + 1;
+    (found[i] != 0 ? tracks.found : tracks.lost).push_back(std::move(missing[i]));
+  }
 }
 
 void FrameTracker::DropMasked(FollowedTracks& tracks) const {
@@ -138,14 +211,7 @@ void FrameTracker::AlignWithMap(const Map& map, const CameraModel& camera, const
   FollowedTracks aligned;
   for (size_t i = 0; i < tracks.found.size(); ++i)
     (has_depth(tracks.found[i]) && same[i] == 0 ? missing : aligned.found).push_back(std::move(tracks.found[i]));
-  const int oldest = static_cast<int>(map.keyframes.size()) - options_.tracking.memory_keyframes;
-  std::erase_if(missing, [&](const FeatureTrack& track) { return !has_depth(track) || track.last_keyframe < oldest; });
-  guesses.clear();
-  for (const FeatureTrack& track : missing) guesses.push_back(PixelOf(map, camera, track.landmark, camera_from_world));
-  const std::vector<uchar> back =
-      AlignTracks(options_.alignment, map, camera, image.gray, camera_from_world, guesses, missing);
-  for (size_t i = 0; i < missing.size(); ++i)
-    (back[i] != 0 ? aligned.found : aligned.lost).push_back(std::move(missing[i]));
+  SearchByMap(map, camera, image, camera_from_world, std::move(missing), aligned);
   tracks = std::move(aligned);
 }
 

@@ -78,6 +78,17 @@ class FrameTracker {
   std::pair<FollowedTracks, PoseEstimate> TrackFrom(const Map& map, const CameraModel& camera, const FlowImage& before,
                                                     const FlowImage& image, const RigidTransform& last,
                                                     const RigidTransform& predicted) const;
+  // The pose by a sample of the landmarks; empty where they do not agree.
+  std::optional<RigidTransform> PoseOfSample(const Map& map, const CameraModel& camera, const FlowImage& before,
+                                             const FlowImage& image, const RigidTransform& last,
+                                             const RigidTransform& predicted) const;
+  // All tracks from a pose that is correct within a few pixels.
+  FollowedTracks FollowFrom(const Map& map, const CameraModel& camera, const FlowImage& before, const FlowImage& image,
+                            const RigidTransform& last, const RigidTransform& camera_from_world) const;
+  // Aligns landmarks with their reference views, starting at their pixels by the map.
+  void SearchByMap(const Map& map, const CameraModel& camera, const FlowImage& image,
+                   const RigidTransform& camera_from_world, std::vector<FeatureTrack> missing,
+                   FollowedTracks& tracks) const;
   void DropMasked(FollowedTracks& tracks) const;
   void AlignWithMap(const Map& map, const CameraModel& camera, const FlowImage& image,
                     const RigidTransform& camera_from_world, FollowedTracks& tracks) const;

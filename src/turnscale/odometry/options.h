@@ -140,7 +140,8 @@ struct OdometryOptions {
   PoseEstimationOptions pose;
   KeyframeOptions keyframes;
   LandmarkOptions landmarks;
-  LocalBundleOptions local_bundle;
+  /// After each keyframe. The larger windows that follow are adjusted until they settle.
+  LocalBundleOptions local_bundle{.max_iterations = 3, .relative_cost_tolerance = 1e-3, .exact_end = false};
   /// When a turn ends, for keyframes since the one before, and where they have become half of a window.
   LocalBundleOptions turn_bundle{.window = 120, .max_iterations = 10};
   /// For the whole drive, at its end, in sections of at most a window.

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/features/lucas_kanade.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+#include <opencv2/core.hpp>
+
+#include "turnscale/features/synthetic_texture.h"
+
+namespace turnscale {
+namespace {
+
+// An image with its border, as TrackPatch takes it.
+cv::Mat Bordered(const cv::Mat& image) {
+  cv::Mat whole;
+  cv::copyMakeBorder(image, whole, kFlowBorder, kFlowBorder, kFlowBorder, kFlowBorder, cv::BORDER_REFLECT_101);
+  return whole(cv::Rect(kFlowBorder, kFlowBorder, image.cols, image.rows));
+}
+
+cv::Mat Moved(const SyntheticTexture& texture, const Eigen::Vector2d& motion) {
+  return Bordered(MakeImage({160, 120}, [&](const Eigen::Vector2d& pixel) { return texture.At(pixel - motion); }));
+}
+
+TEST(LucasKanade, FindsAPatchToAFractionOfAPixel) {
+  const SyntheticTexture texture(5, 10, 60);
+  const cv::Mat first = Moved(texture, {0, 0});
+  const Eigen::Vector2d motion(1.37, -0.81);
+  const cv::Mat second = Moved(texture, motion);
+  for (const int window : {5, 7, 15, 21, kMostFlowWindow}) {
+    LucasKanadeOptions options;
+    options.window = window;
+    for (float x = 40; x <= 120; x += 16.1F) {
+      const cv::Point2f point(x, 60.4F);
+      const std::optional<cv::Point2f> found = TrackPatch(options, first, point, second, point);
+      ASSERT_TRUE(found) << window << ' ' << x;
+      EXPECT_NEAR(found->x - point.x, motion.x(), 0.06) << window << ' ' << x;
+      EXPECT_NEAR(found->y - point.y, motion.y(), 0.06) << window << ' ' << x;
+    }
+  }
+}
+
+TEST(LucasKanade, APatchStaysWhereTheImageIsTheSame) {
+  const cv::Mat image = Moved(SyntheticTexture(6), {0, 0});
+  for (const cv::Point2f point : {cv::Point2f(50.3F, 40.8F), cv::Point2f(3, 2), cv::Point2f(159, 119)}) {
+    const std::optional<cv::Point2f> found = TrackPatch({}, image, point, image, point);
+    ASSERT_TRUE(found) << point;
+    EXPECT_EQ(*found, point);
+  }
+}
+
+TEST(LucasKanade, AtTheBorderWhatIsInsideDecides) {
+  const SyntheticTexture texture(7, 12, 60);
+  const Eigen::Vector2d motion(1.2, 0.9);
+  const cv::Mat first = Moved(texture, {0, 0});
+  const cv::Mat second = Moved(texture, motion);
+  for (const cv::Point2f point : {cv::Point2f(3.2F, 60), cv::Point2f(80, 2.6F)}) {
+    const std::optional<cv::Point2f> found = TrackPatch({}, first, point, second, point);
+    ASSERT_TRUE(found);
+    EXPECT_LT(std::hypot(found->x - point.x - motion.x(), found->y - point.y - motion.y()), 0.25) << point;
+  }
+}
+
+TEST(LucasKanade, FlatOrOutsideIsNotFound) {
+  const cv::Mat textured = Moved(SyntheticTexture(8), {0, 0});
+  const cv::Mat flat = Bordered(cv::Mat(120, 160, CV_8U, cv::Scalar(77)));
+  EXPECT_FALSE(TrackPatch({}, flat, {60, 60}, textured, {60, 60}));
+  EXPECT_FALSE(TrackPatch({}, textured, {-20, 60}, textured, {60, 60}));
+  EXPECT_FALSE(TrackPatch({}, textured, {60, 60}, textured, {60, 140}));
+}
+
+}  // namespace
+}  // namespace turnscale
