@@ -26,7 +26,6 @@ struct FeatureTrack {
   cv::Point2f reference_pixel;
   int reference_keyframe = 0;  ///< index into Map::keyframes
   int last_keyframe = 0;       ///< the latest one that saw it, index into Map::keyframes
-  int frames_lost = 0;         ///< images in a row that did not show it
   /// Of a landmark without a depth: its motion in the last image beyond that of infinitely distant points, pixels per
   /// unit of length that the camera moved. Empty where it is not known.
   std::optional<Eigen::Vector2d> parallax = std::nullopt;

@@ -50,14 +50,6 @@ constexpr size_t kPoseSample = 120;
 constexpr int kLeastOfPoseSample = 50;
 constexpr double kLeastShareOfSample = 0.6;
 
-// Whether a lost landmark is searched in the next image: what has been out of sight for several images seldom comes
-// back in the next one. In every image, the same share of them is.
-bool IsDue(const FeatureTrack& track) {
-  constexpr int kAlways = 2;
-  constexpr int kPeriod = 8;
-  return track.frames_lost <= kAlways || (track.frames_lost + track.landmark) % kPeriod == 0;
-}
-
 }  // namespace
 
 bool IsBelievable(const TrackingOptions& options, const PoseEstimate& estimate) {
@@ -147,7 +139,6 @@ FollowedTracks FrameTracker::FollowFrom(const Map& map, const CameraModel& camer
     (map.landmarks[track.landmark].valid ? with_depth : without_depth).push_back(track);
   FollowedTracks followed =
       FollowWithoutDepth(options_.flow, map, camera, before, image, without_depth, last, camera_from_world);
-  for (FeatureTrack& track : followed.lost) ++track.frames_lost;
   SearchByMap(map, camera, image, camera_from_world, std::move(with_depth), followed);
   SearchByMap(map, camera, image, camera_from_world, lost_tracks_, followed);
   DropMasked(followed);
@@ -162,14 +153,11 @@ void FrameTracker::SearchByMap(const Map& map, const CameraModel& camera, const 
     return !map.landmarks[track.landmark].valid || track.last_keyframe < oldest;
   });
   std::vector<std::optional<cv::Point2f>> guesses;
-  for (const FeatureTrack& track : missing)
-    guesses.push_back(IsDue(track) ? PixelOf(map, camera, track.landmark, camera_from_world) : std::nullopt);
+  for (const FeatureTrack& track : missing) guesses.push_back(PixelOf(map, camera, track.landmark, camera_from_world));
   const std::vector<uchar> found =
       AlignTracks(options_.alignment, map, camera, image.gray, camera_from_world, guesses, missing);
-  for (size_t i = 0; i < missing.size(); ++i) {
-    missing[i].frames_lost = found[i] != 0 ? 0 : missing[i].frames_lost + 1;
+  for (size_t i = 0; i < missing.size(); ++i)
     (found[i] != 0 ? tracks.found : tracks.lost).push_back(std::move(missing[i]));
-  }
 }
 
 void FrameTracker::DropMasked(FollowedTracks& tracks) const {

@@ -77,8 +77,7 @@ std::vector<int> ImageMask::Votes(const std::vector<ObservedMotion>& motion) con
   std::vector<int> votes(cells_.size(), 0);
   for (const ObservedMotion& feature : motion) {
     const int column = std::clamp(static_cast<int>(feature.pixel.x / cell_size_), 0, columns_ - 1);
-    const int row =
-        std::clamp(static_cast<int>(feature.pixel.y / cell_size_), 0, static_cast<int>(cells_.size()) / columns_ - 1);
+    const int row = std::clamp(static_cast<int>(feature.pixel.y / cell_size_), 0, rows() - 1);
     votes[static_cast<size_t>(row) * columns_ + column] += feature.stands_still ? 1 : -1;
   }
   return votes;
@@ -109,13 +108,24 @@ void ImageMask::LeaveOut(const std::vector<ObservedMotion>& motion) {
   Render();
 }
 
+bool ImageMask::IsLeftOut(int column, int row) const {
+  const auto is_left_out = [&](int x, int y) {
+    return x >= 0 && x < columns_ && y >= 0 && y < rows() && cells_[static_cast<size_t>(y) * columns_ + x].left_out;
+  };
+  if (is_left_out(column, row)) return true;
+  // Too plain for a feature, but in the middle of what is left out.
+  const bool is_unseen = cells_[static_cast<size_t>(row) * columns_ + column].evidence == 0;
+  return is_unseen && ((is_left_out(column - 1, row) && is_left_out(column + 1, row)) ||
+                       (is_left_out(column, row - 1) && is_left_out(column, row + 1)));
+}
+
 void ImageMask::Render() {
   // Copies that were handed out stay as they are.
   cv::Mat pixels = given_.empty() ? cv::Mat(size_, CV_8U, cv::Scalar(255)) : given_.clone();
   for (size_t i = 0; i < cells_.size(); ++i) {
-    if (!cells_[i].left_out) continue;
     const int column = static_cast<int>(i) % columns_;
     const int row = static_cast<int>(i) / columns_;
+    if (!IsLeftOut(column, row)) continue;
     const cv::Point begin(cvRound(column * cell_size_), cvRound(row * cell_size_));
     const cv::Point end(cvRound((column + 1) * cell_size_), cvRound((row + 1) * cell_size_));
     pixels(cv::Rect(begin, end) & cv::Rect({}, size_)).setTo(0);

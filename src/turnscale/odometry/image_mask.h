@@ -76,6 +76,8 @@ class ImageMask {
     bool left_out = false;
   };
   std::vector<int> Votes(const std::vector<ObservedMotion>& motion) const;
+  int rows() const { return static_cast<int>(cells_.size()) / columns_; }
+  bool IsLeftOut(int column, int row) const;
   void Render();
 
   StaticRegionOptions options_;

@@ -98,6 +98,16 @@ TEST(ImageMask, ACellThatNothingIsSeenInIsLookedAtAgain) {
   EXPECT_TRUE(mask.pixels().empty());
 }
 
+TEST(ImageMask, APlainCellBetweenOthersThatAreLeftOutGoesWithThem) {
+  ImageMask mask = NewMask();
+  mask.LeaveOut({{{105, 205}, true}, {{145, 205}, true}, {{305, 205}, true}, {{345, 205}, true}});
+  mask.Observe({{{325, 205}, false}});
+  mask.LeaveOut({});
+  EXPECT_FALSE(IsKept(mask.pixels(), {125, 205}));
+  EXPECT_TRUE(IsKept(mask.pixels(), {325, 205})) << "the scene was seen there";
+  EXPECT_TRUE(IsKept(mask.pixels(), {165, 205}));
+}
+
 TEST(ImageMask, CellsOfASmallImageHoldAFeature) {
   ImageMask mask;
   mask.SetSize({320, 160});
