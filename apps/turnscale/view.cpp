@@ -56,7 +56,7 @@ void OpenInBrowser(const fs::path& page) {
 
 void RunView(const ViewArguments& arguments) {
   std::error_code none;
-  fs::path page = arguments.results;
+  fs::path page = fs::absolute(arguments.results);
   if (fs::is_directory(page, none)) page /= kReportFile;
   if (fs::exists(page.parent_path() / "trajectory.csv", none) && page.filename() == kReportFile) {
     WriteRunPage(page.parent_path(), arguments.truth);

@@ -27,12 +27,14 @@ struct Correspondence {
   double sigma = 1;
 };
 
+// With a scale, since the path's own error of it puts its ends kilometres on beyond any outlier's limit.
 struct PlaneFit {
   double heading = 0;
+  double scale = 1;
   Vector2d shift = Vector2d::Zero();
 
   Vector2d operator*(const Vector2d& path) const {
-    return EastNorthUp({path.x(), path.y(), 0}, heading).head<2>() + shift;
+    return scale * EastNorthUp({path.x(), path.y(), 0}, heading).head<2>() + shift;
   }
 };
 
@@ -70,6 +72,7 @@ class Fitter {
         if ((b.path - a.path).norm() < kLeastBaseline * std::hypot(a.sigma, b.sigma)) continue;
         PlaneFit fit;
         fit.heading = HeadingBetween(b.path - a.path, b.fix - a.fix);
+        fit.scale = (b.fix - a.fix).norm() / (b.path - a.path).norm();
         fit.shift = 0.5 * (a.fix + b.fix) - fit * Vector2d(0.5 * (a.path + b.path));
         double cost = 0;
         for (const Correspondence& pair : pairs_) cost += TukeyCost(Deviation(fit, pair));
@@ -87,36 +90,42 @@ class Fitter {
   PlaneFit Refined(PlaneFit fit) const {
     for (int i = 0; i < kIterations; ++i) {
       const Sums sums = SumsOf(fit);
-      const double heading = std::atan2(sums.sine, sums.cosine);
-      fit.heading = heading;
-      fit.shift = Vector2d::Zero();
+      fit = {std::atan2(sums.sine, sums.cosine), sums.Scale(), Vector2d::Zero()};
       fit.shift = sums.fix - fit * sums.path;
     }
     return fit;
   }
 
+  // The path as it is, laid on the middle of the fixes.
+  PlaneFit Rigid(const PlaneFit& fit) const {
+    const Sums sums = SumsOf(fit);
+    PlaneFit rigid{fit.heading, 1, Vector2d::Zero()};
+    rigid.shift = sums.fix - rigid * sums.path;
+    return rigid;
+  }
+
   FixPlacement Describe(const PlaneFit& fit) const {
     const Sums sums = SumsOf(fit);
+    const PlaneFit rigid = Rigid(fit);
     FixPlacement described;
     described.fixes = static_cast<int>(pairs_.size());
     double squares = 0;
     double weighted = 0;
     for (const Correspondence& pair : pairs_) {
       const double weight = TukeyWeight(Deviation(fit, pair));
-      const double distance = (pair.fix - fit * pair.path).norm();
       if (weight == 0) {
         ++described.outliers;
         continue;
       }
-      squares += distance * distance;
-      weighted += weight * std::pow(distance / pair.sigma, 2);
+      squares += (pair.fix - rigid * pair.path).squaredNorm();
+      weighted += weight * std::pow(Deviation(fit, pair), 2);
     }
     const int used = described.fixes - described.outliers;
     described.rms = std::sqrt(squares / std::max(used, 1));
-    // Two numbers per fix, four unknowns with the scale.
+    // Two numbers per fix, four unknowns.
     const double excess = std::max(1.0, weighted / std::max(2 * used - 4, 1));
     described.heading_sigma = std::sqrt(excess / sums.spread);
-    described.scale = std::hypot(sums.sine, sums.cosine) / sums.spread;
+    described.scale = sums.Scale();
     described.scale_sigma = std::sqrt(excess / sums.spread);
     return described;
   }
@@ -129,6 +138,8 @@ class Fitter {
     double sine = 0;
     double cosine = 0;
     double spread = 0;  // of the path
+
+    double Scale() const { return std::hypot(sine, cosine) / spread; }
   };
 
   static double Deviation(const PlaneFit& fit, const Correspondence& pair) {
@@ -226,7 +237,8 @@ FixPlacement PlaceByFixes(const std::vector<LevelPlace>& path, const std::vector
   const Fitter fitter(std::move(pairs));
   const PlaneFit fit = fitter.Refined(fitter.BestPair());
   FixPlacement placed = fitter.Describe(fit);
-  GeoPoint origin = frame->FromLocal({fit.shift.x(), fit.shift.y(), 0});
+  const Vector2d start = fitter.Rigid(fit).shift;
+  GeoPoint origin = frame->FromLocal({start.x(), start.y(), 0});
   origin.height = Median(heights);
   placed.placement = {origin, std::remainder(fit.heading, 2 * M_PI)};
   if (placed.placement.heading < 0) placed.placement.heading += 2 * M_PI;

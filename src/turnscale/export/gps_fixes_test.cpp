@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <fstream>
 #include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -61,6 +62,24 @@ TEST(GpsFixes, TheScaleIsReportedAndNotApplied) {
   const FixPlacement placed = PlaceByFixes(path, NoisyFixes(path, 3, 1.05));
   EXPECT_NEAR(placed.scale, 1.05, 4 * placed.scale_sigma);
   EXPECT_GT(placed.scale, 1 + 3 * placed.scale_sigma);
+}
+
+TEST(GpsFixes, OfALongDriveAreNoOutliersForItsErrorOfScale) {
+  std::vector<LevelPlace> path(501);
+  for (size_t i = 0; i < path.size(); ++i) {
+    path[i].time = static_cast<double>(i);
+    path[i].position = {200 * std::sin(0.01 * static_cast<double>(i)), 10.0 * static_cast<double>(i), 0};
+  }
+  std::vector<GpsFix> all = NoisyFixes(path, 7, 1.03);
+  std::erase_if(all, [](const GpsFix& fix) { return std::fmod(fix.time, 100) == 30; });
+  for (const std::vector<GpsFix>& fixes : {all, {all.front(), all.back()}, {all[0], all[20], all.back()}}) {
+    const FixPlacement placed = PlaceByFixes(path, fixes);
+    EXPECT_EQ(placed.outliers, 0) << fixes.size();
+    EXPECT_NEAR(placed.scale, 1.03, 0.004) << fixes.size();
+    EXPECT_NEAR(placed.placement.heading * kDegreesPerRadian, 87.5, 0.3) << fixes.size();
+    // Half of the scale's error at each end.
+    EXPECT_NEAR(GeoFrame(kTruth.origin).ToLocal(placed.placement.origin).head<2>().norm(), 75, 20) << fixes.size();
+  }
 }
 
 TEST(GpsFixes, NeedABaseline) {

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <cstring>
 
 #include <Eigen/Cholesky>
 #include <opencv2/core/hal/intrin.hpp>
@@ -28,7 +29,15 @@ bool Inside(const cv::Mat& image, float x, float y) {
 }
 
 cv::v_float32x4 LoadGray(const uchar* pixels) {
-  return cv::v_cvt_f32(cv::v_reinterpret_as_s32(cv::v_load_expand_q(pixels)));
+  std::uint32_t four = 0;
+  std::memcpy(&four, pixels, sizeof four);  // v_load_expand_q takes them to be aligned
+  cv::v_uint16x8 low;
+  cv::v_uint16x8 high;
+  cv::v_expand(cv::v_reinterpret_as_u8(cv::v_setall_u32(four)), low, high);
+  cv::v_uint32x4 first;
+  cv::v_uint32x4 second;
+  cv::v_expand(low, first, second);
+  return cv::v_cvt_f32(cv::v_reinterpret_as_s32(first));
 }
 
 float Sum(const cv::v_float32x4& lanes) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "turnscale/io/result_folder.h"
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstdint>
@@ -135,8 +136,9 @@ std::vector<Eigen::Vector3f> ReadLandmarks(const fs::path& path) {
                                count_at + kCount.size(), text->find('\n', count_at) - count_at - kCount.size()))
                          : std::nullopt;
   const size_t body = end + kEnd.size();
-  if (!count || text->size() - body != *count * kVertexBytes)
-    throw InputError(path.string() + ": is not a map that turnscale has written");
+  const bool fits =
+      count && (text->size() - body) % kVertexBytes == 0 && (text->size() - body) / kVertexBytes == *count;
+  if (!fits) throw InputError(path.string() + ": is not a map that turnscale has written");
   std::vector<Eigen::Vector3f> landmarks;
   for (size_t i = 0; i < *count; ++i) {
     const size_t place = body + i * kVertexBytes;
@@ -148,10 +150,12 @@ std::vector<Eigen::Vector3f> ReadLandmarks(const fs::path& path) {
 
 Eigen::Quaterniond VehicleFromBody(const std::string& summary, const fs::path& path) {
   const auto json = nlohmann::json::parse(summary, nullptr, false);
-  const auto angles = json.value("camera_yaw_pitch_roll_deg", nlohmann::json());
-  if (json.is_discarded() || !angles.is_array() || angles.size() != 3)
-    throw InputError(path.string() + ": is not a summary of a run");
-  if (json.value("pose_frame", "camera") == "vehicle") return Eigen::Quaterniond::Identity();
+  const auto member = [&](const char* name) { return json.is_object() ? json.value(name, nlohmann::json()) : json; };
+  const nlohmann::json angles = member("camera_yaw_pitch_roll_deg");
+  const bool is_summary = json.is_object() && angles.is_array() && angles.size() == 3 &&
+                          std::ranges::all_of(angles, [](const auto& angle) { return angle.is_number(); });
+  if (!is_summary) throw InputError(path.string() + ": is not a summary of a run");
+  if (member("pose_frame") == "vehicle") return Eigen::Quaterniond::Identity();
   return RotationFromYawPitchRoll({angles[0].get<double>() / kDegreesPerRadian,
                                    angles[1].get<double>() / kDegreesPerRadian,
                                    angles[2].get<double>() / kDegreesPerRadian});

@@ -94,7 +94,10 @@ TEST_F(ResultFolderTest, SaysWhatIsNoResult) {
   std::ofstream(folder_ / "summary.json") << "{}";
   EXPECT_NE(Refusal().find("trajectory.csv: no such file"), std::string::npos);
   std::ofstream(folder_ / "trajectory.csv") << "frame,time\n";
-  EXPECT_NE(Refusal().find("summary.json: is not a summary of a run"), std::string::npos);
+  for (const char* text : {"{}", "no JSON", "[1, 2]", R"({"camera_yaw_pitch_roll_deg": [1, "2", 3]})"}) {
+    std::ofstream(folder_ / "summary.json") << text;
+    EXPECT_NE(Refusal().find("summary.json: is not a summary of a run"), std::string::npos) << text;
+  }
 }
 
 }  // namespace

@@ -88,6 +88,7 @@ void ImageMask::Observe(const std::vector<ObservedMotion>& motion) {
   bool changed = false;
   for (size_t i = 0; i < cells_.size(); ++i) {
     Cell& cell = cells_[i];
+    cell.seen |= votes[i] != 0;
     const double limit = options_.min_evidence + kMostEvidence;
     cell.evidence = std::clamp(cell.evidence + std::clamp(votes[i], -1, 1), -kMostEvidence, limit);
     if (cell.left_out) cell.evidence -= kFading;
@@ -114,8 +115,8 @@ bool ImageMask::IsLeftOut(int column, int row) const {
   };
   if (is_left_out(column, row)) return true;
   // Too plain for a feature, but in the middle of what is left out.
-  const bool is_unseen = cells_[static_cast<size_t>(row) * columns_ + column].evidence == 0;
-  return is_unseen && ((is_left_out(column - 1, row) && is_left_out(column + 1, row)) ||
+  const bool seen = cells_[static_cast<size_t>(row) * columns_ + column].seen;
+  return !seen && ((is_left_out(column - 1, row) && is_left_out(column + 1, row)) ||
                        (is_left_out(column, row - 1) && is_left_out(column, row + 1)));
 }
 

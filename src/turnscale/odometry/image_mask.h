@@ -74,6 +74,7 @@ class ImageMask {
   struct Cell {
     double evidence = 0;  ///< keyframes in which features stood still, less those in which they moved
     bool left_out = false;
+    bool seen = false;  ///< a feature has told something of it
   };
   std::vector<int> Votes(const std::vector<ObservedMotion>& motion) const;
   int rows() const { return static_cast<int>(cells_.size()) / columns_; }

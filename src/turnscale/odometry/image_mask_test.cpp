@@ -101,6 +101,7 @@ TEST(ImageMask, ACellThatNothingIsSeenInIsLookedAtAgain) {
 TEST(ImageMask, APlainCellBetweenOthersThatAreLeftOutGoesWithThem) {
   ImageMask mask = NewMask();
   mask.LeaveOut({{{105, 205}, true}, {{145, 205}, true}, {{305, 205}, true}, {{345, 205}, true}});
+  mask.Observe({{{325, 205}, true}});
   mask.Observe({{{325, 205}, false}});
   mask.LeaveOut({});
   EXPECT_FALSE(IsKept(mask.pixels(), {125, 205}));

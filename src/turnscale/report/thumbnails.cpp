@@ -91,7 +91,8 @@ std::string JpegOf(const cv::Mat& image, int quality) {
 }
 
 bool ThumbnailCollector::IsDue(const FrameResult& frame, ThumbnailReason& reason) {
-  const bool lost = IsLost(frame.state) && !IsLost(std::exchange(last_state_, frame.state));
+  const TrackingState last_state = std::exchange(last_state_, frame.state);
+  const bool lost = IsLost(frame.state) && !IsLost(last_state);
   bool turns = false;
   if (frame.keyframe) {
     const double rate = std::abs(frame.psi) * kDegreesPerRadian / (frame.time - last_keyframe_time_);

@@ -63,6 +63,18 @@ TEST_F(ThumbnailsTest, TurnsAndLossesHaveTheirOwn) {
   EXPECT_NEAR(static_cast<double>(collector.thumbnails().size()), 12, 2);
 }
 
+TEST_F(ThumbnailsTest, EachLossHasOne) {
+  ThumbnailCollector collector;
+  std::vector<int> lost;
+  for (int i = 0; i < 100; ++i) {
+    const bool is_lost = i == 30 || i == 31 || i == 50 || i == 80;
+    collector.Add(NoiseImage(i), FrameAt(i, is_lost ? TrackingState::kBridged : TrackingState::kTracked), odometry_);
+  }
+  for (const Thumbnail& thumbnail : collector.thumbnails())
+    if (thumbnail.reason == ThumbnailReason::kLost) lost.push_back(thumbnail.frame);
+  EXPECT_EQ(lost, (std::vector<int>{30, 50, 80}));
+}
+
 TEST_F(ThumbnailsTest, ALongDriveStaysWithinTheBudget) {
   ThumbnailOptions options;
   options.budget = 300'000;
