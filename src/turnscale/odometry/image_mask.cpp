@@ -117,7 +117,7 @@ bool ImageMask::IsLeftOut(int column, int row) const {
   // Too plain for a feature, but in the middle of what is left out.
   const bool seen = cells_[static_cast<size_t>(row) * columns_ + column].seen;
   return !seen && ((is_left_out(column - 1, row) && is_left_out(column + 1, row)) ||
-                       (is_left_out(column, row - 1) && is_left_out(column, row + 1)));
+                   (is_left_out(column, row - 1) && is_left_out(column, row + 1)));
 }
 
 void ImageMask::Render() {
