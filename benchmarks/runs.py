@@ -2,13 +2,24 @@
 """What the benchmarks on drives share: rendering, running, scoring, and the tables of their pages."""
 import hashlib
 import json
+import os
 import pathlib
+import re
 import shutil
 import subprocess
 import sys
 
 # Half of the default size, for the sake of time.
 HALF_SIZE_CAMERA = {"width": 516, "height": 386, "fx": 307.5, "fy": 307.5, "cx": 257.5, "cy": 192.5}
+
+# Recorded drives by their folder in the data: what carries the images, lever arm (m), side slip (s^2/m).
+RECORDED = {
+    "kitti_07_f000-159": ("", 0.945, 0.0041),
+    "kitti_05_f100-159": ("", 0.945, 0.0041),
+    "kitti_03": ("video.mkv", 0.945, 0.0041),
+    "torcs_dirt3_uturn": ("video.mkv", 1.5, 0.0084),
+    "torcs_alpine1_r3p5y12": ("video.mkv", 1.7, 0.0060),
+}
 
 
 def fail(message):
@@ -24,6 +35,11 @@ def run(command):
 
 def say(text):
     print(text, file=sys.stderr, flush=True)
+
+
+def machine():
+    cpu = re.search(r"model name\s*: (.*)", pathlib.Path("/proc/cpuinfo").read_text())
+    return f"{os.cpu_count()} cores, {cpu.group(1) if cpu else 'unknown'}"
 
 
 def read_yaml(path):

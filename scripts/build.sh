@@ -14,10 +14,10 @@ progress() {
   done
 }
 
-# build PRESET [TARGET]: configures and builds; says only how far it is, or what failed.
+# build PRESET [TARGET [CMAKE ARGUMENT...]]: configures and builds; says only how far it is, or what failed.
 build() {
   local preset=$1 target=${2-all}
-  cmake --preset "$preset" >"$log" 2>&1 || { cat "$log"; echo "$0: cannot configure"; return 1; }
+  cmake --preset "$preset" "${@:3}" >"$log" 2>&1 || { cat "$log"; echo "$0: cannot configure"; return 1; }
   cmake --build --preset "$preset" --target "$target" --parallel "$(nproc)" 2>&1 | tee "$log" | progress building || {
     sed -n '/^FAILED:/,$p' "$log"
     echo "$0: cannot build"

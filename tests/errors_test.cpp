@@ -386,6 +386,24 @@ TEST_F(ErrorsTest, ResultsDoNotGoWhereTheDriveIs) {
   EXPECT_FALSE(fs::exists(Drive() / "summary.json"));
 }
 
+// Not after a run of hours.
+TEST_F(ErrorsTest, ATruthThatCannotBeReadIsNoticedBeforeTheRun) {
+  const std::string broken = Text("broken.tum", "0 0 0 0 0 0 0\n").string();
+  const std::string good = Text("good.tum", "0 0 0 0 0 0 0 1\n0.1 0 0 1 0 0 0 1\n").string();
+  ExpectComplaint(Run({"--quiet", "--truth", broken}), 2, {"broken.tum"});
+  ExpectComplaint(Run({"--quiet", "--truth", (folder_ / "none.tum").string()}), 2, {"none.tum"});
+  ExpectComplaint(Run({"--quiet", "--truth", good, "--floor-plan", broken}), 2, {"broken.tum: is not a floor plan"});
+  EXPECT_FALSE(fs::exists(Out() / "trajectory.tum"));
+}
+
+TEST_F(ErrorsTest, ATruthOfAnotherDriveLeavesAPageWithoutIt) {
+  const std::string other = Text("other.tum", "1000 0 0 0 0 0 0 1\n1001 0 0 1 0 0 0 1\n").string();
+  const CommandResult result = Run({"--quiet", "--truth", other});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_NE(result.err.find("; the results so far are in"), std::string::npos) << result.err;
+  EXPECT_NE(TextOf(Out() / "report.html").find("\"truth\":null"), std::string::npos);
+}
+
 TEST_F(ErrorsTest, SenselessSettings) {
   const auto settings = [&](const std::string& text) {
     return std::vector<std::string>{"--settings", Text("s.yaml", text).string()};

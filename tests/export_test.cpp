@@ -17,6 +17,7 @@
 #include "command_line.h"
 #include "turnscale/base/csv_table.h"
 #include "turnscale/base/test_files.h"
+#include "turnscale/export/test_results.h"
 #include "turnscale/geometry/rotation.h"
 #include "turnscale/io/run_summary.h"
 #include "turnscale/io/run_writer.h"
@@ -43,31 +44,21 @@ bool Has(const std::string& program) { return !OutputOf("command -v " + program)
 class ExportTest : public ::testing::Test {
  protected:
   ExportTest() : folder_(ScratchPath("export")) {
-    std::vector<FrameResult> frames;
-    std::vector<SpeedReading> speeds;
-    for (int i = 0; i < kExportedFrames; ++i) {
-      FrameResult frame;
-      frame.frame = i;
-      frame.time = 0.1 * i;
-      frame.state = TrackingState::kTracked;
-      frame.scale_state = ScaleState::kHeld;
-      frame.scale_sigma = 0.02;
-      const double heading = i / 100.0;
-      frame.world_from_camera = RigidTransform{RotationFromVector({0, heading, 0}),
-                                               {100 * (1 - std::cos(heading)), 0, 100 * std::sin(heading)}};
-      frames.push_back(frame);
-      speeds.push_back({frame.time, 10, 0.25});
-    }
+    const ResultFolder results = TestResults(kExportedFrames, 100);
     RunSummary summary;
     summary.scale_state = ScaleState::kHeld;
     RunWriter writer({folder_ / "out"});
-    writer.WriteTrajectory(frames, ScaleState::kHeld);
+    writer.WriteTrajectory(results.frames, ScaleState::kHeld);
     writer.WriteTurns({});
-    writer.WriteSpeeds(speeds);
+    writer.WriteSpeeds(results.speeds);
     writer.WriteText("summary.json", SummaryJson(summary));
   }
   ~ExportTest() override { fs::remove_all(folder_); }
 
+  // A writer of results would begin by taking away those that are there.
+  void WriteSummary(const RunSummary& summary) const {
+    std::ofstream(folder_ / "out" / "summary.json") << SummaryJson(summary);
+  }
   CommandResult Export(const std::vector<std::string>& more) const {
     std::vector<std::string> arguments = {"export", (folder_ / "out").string()};
     arguments.insert(arguments.end(), more.begin(), more.end());
@@ -169,10 +160,71 @@ TEST_F(ExportTest, SaysWhatIsMissing) {
   ExpectComplaint(Export({"--gpx", "--origin", "49", "--heading", "1"}), 2, {"--origin 49: give LATITUDE,LONGITUDE"});
   ExpectComplaint(Export({"--gpx", "--origin", "49,8", "--heading", "1", "--start-time", "noon"}), 2,
                   {"--start-time noon: give date, time and offset"});
+  // Results of a version that wrote no speeds are in metres all the same.
   fs::remove(folder_ / "out" / "speed.csv");
+  EXPECT_EQ(Export({"--gpx", "--origin", "49,8", "--heading", "1"}).exit_code, 0);
+  WriteSummary({});
   ExpectComplaint(Export({"--gpx", "--origin", "49,8", "--heading", "1"}), 2, {"the path is not in metres"});
   ExpectComplaint(RunCommand({"export", folder_.string(), "--gpx"}, folder_), 2, {"summary.json: no such file"});
   ExpectComplaint(RunCommand({"view", folder_.string()}, folder_), 2, {"holds no results"});
+}
+
+TEST_F(ExportTest, ViewKeepsTheTruthOfThePage) {
+  const std::string out = (folder_ / "out").string();
+  const std::string truth = out + "/trajectory.tum";
+  ASSERT_EQ(RunCommand({"view", out, "--truth", truth}, folder_).exit_code, 0);
+  const std::string page = TextOf(folder_ / "out" / "report.html");
+  EXPECT_NE(page.find("\"Path length error\",\"value\":\"+0.00 %\""), std::string::npos);
+  ASSERT_EQ(RunCommand({"view", out}, folder_).exit_code, 0);
+  EXPECT_EQ(TextOf(folder_ / "out" / "report.html"), page);
+}
+
+TEST_F(ExportTest, HeightsOfFixesAreThoseOfThePath) {
+  // Above the sea, rising with nothing: the path is level.
+  std::ofstream fixes(folder_ / "fixes.csv");
+  fixes << "time,latitude,longitude,height\n0,49,8,112\n10,49.0004,8.0010,114\n20,49.0004,8.0020,113\n";
+  fixes.close();
+  const CommandResult result = Export({"--gpx", "--kml", "--geojson", "--fixes", (folder_ / "fixes.csv").string()});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_NE(TextOf(Path(".gpx")).find("<ele>113.00</ele>"), std::string::npos);
+  EXPECT_NE(TextOf(Path(".kml")).find(",113.00\n"), std::string::npos);
+  EXPECT_EQ(TextOf(Path(".kml")).find("absolute"), std::string::npos) << "a car is on the ground";
+  const auto json = nlohmann::json::parse(TextOf(Path(".geojson")));
+  EXPECT_NEAR(json["features"][0]["properties"]["coordinateProperties"]["height_m"][20].get<double>(), 113, 0.01);
+}
+
+TEST_F(ExportTest, TimesSince1970NeedNoStartTime) {
+  ResultFolder results = TestResults(kExportedFrames, 100);
+  for (FrameResult& frame : results.frames) frame.time += 1774160045;
+  RunWriter writer({folder_ / "out"});
+  writer.WriteTrajectory(results.frames, ScaleState::kHeld);
+  writer.WriteTurns({});
+  RunSummary summary;
+  summary.scale_state = ScaleState::kHeld;
+  WriteSummary(summary);
+  const std::vector<std::string> place = {"--gpx", "--origin", "49,8", "--heading", "1"};
+  ASSERT_EQ(Export(place).exit_code, 0);
+  EXPECT_NE(TextOf(Path(".gpx")).find("<time>2026-03-22T06:14:05.000Z</time>"), std::string::npos);
+  std::vector<std::string> twice = place;
+  twice.insert(twice.end(), {"--start-time", "2026-03-22T06:14:05Z"});
+  ExpectComplaint(Export(twice), 2, {"--start-time 2026-03-22T06:14:05Z", "are seconds since 1970 already"});
+}
+
+TEST_F(ExportTest, TheCameraIsThatOfTheRun) {
+  RunSummary summary;
+  summary.scale_state = ScaleState::kHeld;
+  summary.pinhole = Pinhole{500, 500, 320, 240};
+  summary.image_width = 640;
+  summary.image_height = 480;
+  WriteSummary(summary);
+  const auto camera = [&](const std::vector<std::string>& arguments) {
+    const CommandResult result = Export(arguments);
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    return nlohmann::json::parse(TextOf(Path(".gltf")))["cameras"][0]["perspective"];
+  };
+  EXPECT_NEAR(camera({"--gltf"})["yfov"].get<double>(), 2 * std::atan(240 / 500.0), 1e-9);
+  EXPECT_NEAR(camera({"--gltf"})["aspectRatio"].get<double>(), 4 / 3.0, 1e-9);
+  EXPECT_NEAR(camera({"--gltf", "--fov", "90", "--aspect", "1"})["yfov"].get<double>(), M_PI / 2, 1e-9);
 }
 
 TEST_F(ExportTest, ViewMakesThePageAgain) {
@@ -184,6 +236,8 @@ TEST_F(ExportTest, ViewMakesThePageAgain) {
   fs::copy(folder_ / "out" / "report.html", folder_ / "alone.html");
   EXPECT_EQ(RunCommand({"view", (folder_ / "alone.html").string()}, folder_).exit_code, 0);
   EXPECT_NE(TextOf(folder_ / "alone.html").find("\"unit\":\"m\""), std::string::npos);
+  ExpectComplaint(RunCommand({"view", (folder_ / "alone.html").string(), "--truth", "poses.txt"}, folder_), 2,
+                  {"--truth poses.txt: needs the results of a run beside the page"});
   std::ofstream(folder_ / "other.html") << "<html>";
   ExpectComplaint(RunCommand({"view", (folder_ / "other.html").string()}, folder_), 2,
                   {"other.html: is not a report of turnscale"});

@@ -123,7 +123,7 @@ TEST_F(RescaleCommandTest, DrawsTheDriveFromAbove) {
   const auto path = [&] {
     EXPECT_EQ(Run({Tum(), "--lever-arm", "1.2", "--report", Path("report")}).exit_code, 0);
     const std::string picture = TextOf(folder_ / "report" / "rescale.svg");
-    const std::size_t begin = picture.find("<path class=\"path\"");
+    const std::size_t begin = picture.find("<path stroke=\"#222\" stroke-width=\"2\"");
     return picture.substr(begin, picture.find('\n', begin) - begin);
   };
   const std::string seen = path();

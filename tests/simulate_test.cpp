@@ -203,7 +203,7 @@ TEST_F(SimulateTest, PathIsDrawnOverTheFloorPlan) {
       RunCommand({"evaluate", path, path, "--picture", picture.string(), "--floor-plan", plan}, folder_);
   EXPECT_EQ(result.exit_code, 0) << result.err;
   const std::string svg = TextOf(picture);
-  for (const char* part : {"<svg", "class=\"plan\"", "class=\"truth\"", "class=\"estimate\"", "</svg>"}) {
+  for (const char* part : {"<svg", "fill:#9aa0a8", ">true<", ">estimated<", " m</text>", "</svg>"}) {
     EXPECT_NE(svg.find(part), std::string::npos) << part;
   }
   ExpectComplaint(RunCommand({"evaluate", path, path, "--floor-plan", plan}, folder_), 2, {"--picture"});

@@ -39,8 +39,8 @@ struct ExportArguments {
   std::string start_time;
   fs::path fixes;
   double interval = 1;
-  double fov = 70;
-  double aspect = 16.0 / 9;
+  std::optional<double> fov;
+  std::optional<double> aspect;
   fs::path out;
 };
 
@@ -78,6 +78,7 @@ Placement PlacementFrom(const ExportArguments& arguments, const std::vector<Leve
   if (!arguments.fixes.empty()) {
     const FixPlacement placed = PlaceByFixes(path, ReadGpsFixes(arguments.fixes, start_time));
     said += FixText(placed);
+    has_height = placed.has_height;
     return placed.placement;
   }
   if (arguments.origin.empty() || !arguments.heading) {
@@ -89,18 +90,42 @@ Placement PlacementFrom(const ExportArguments& arguments, const std::vector<Leve
   return {ParseOrigin(arguments.origin, has_height), *arguments.heading / kDegreesPerRadian};
 }
 
+// UTC time of the drive's time 0, if it is known.
+std::optional<double> StartTime(const std::string& given, double first_time) {
+  // No drive lasts for years: times like these are seconds since 1970 themselves.
+  constexpr double kOfAnEpoch = 3e8;
+  if (first_time > kOfAnEpoch) {
+    if (given.empty()) return 0;
+    throw InputError("--start-time " + given + ": the drive's times are seconds since 1970 already, from " +
+                     UtcTimeText(first_time) + "; leave it out");
+  }
+  if (given.empty()) return std::nullopt;
+  const std::optional<double> time = ParseUtcTime(given);
+  if (!time)
+    throw InputError("--start-time " + given + ": give date, time and offset, such as 2026-03-22T07:14:05+01:00");
+  return time;
+}
+
+// Of the camera: as given, else as the run knew it.
+std::string Scene(const ExportArguments& arguments, const ResultFolder& results, std::string& said) {
+  constexpr double kUsualFov = 70;  // degrees
+  constexpr double kUsualAspect = 16.0 / 9;
+  double fov = arguments.fov ? *arguments.fov / kDegreesPerRadian : results.horizontal_fov;
+  if (!(fov > 0)) {
+    fov = kUsualFov / kDegreesPerRadian;
+    said += fmt::format("camera   {:g} deg wide is assumed, since the results do not say it; give --fov and --aspect\n",
+                        kUsualFov);
+  }
+  const double aspect = arguments.aspect.value_or(results.aspect > 0 ? results.aspect : kUsualAspect);
+  return BlenderScene(results, arguments.folder.string(), fov, aspect);
+}
+
 void ExportEarth(const ExportArguments& arguments, const ResultFolder& results, const std::string& stem,
                  std::string& said) {
   GeoTrack track;
   track.name = arguments.folder.string();
-  if (!arguments.start_time.empty()) {
-    track.start_time = ParseUtcTime(arguments.start_time);
-    if (!track.start_time) {
-      throw InputError("--start-time " + arguments.start_time +
-                       ": give date, time and offset, such as 2026-03-22T07:14:05+01:00");
-    }
-  }
   const std::vector<LevelPlace> path = LevelPath(results, arguments.folder.string());
+  track.start_time = StartTime(arguments.start_time, path.front().time);
   const Placement placement = PlacementFrom(arguments, path, track.start_time, track.has_height, said);
   track.places = PlaceOnEarth(path, placement, arguments.interval);
   std::vector<LevelPlace> turns;
@@ -129,8 +154,7 @@ void RunExport(const ExportArguments& arguments) {
   std::string said;
   if (arguments.gpx || arguments.kml || arguments.geojson) ExportEarth(arguments, results, stem, said);
   if (arguments.gltf) {
-    ReplaceFile(stem + ".gltf",
-                BlenderScene(results, arguments.folder.string(), arguments.fov / kDegreesPerRadian, arguments.aspect));
+    ReplaceFile(stem + ".gltf", Scene(arguments, results, said));
     said += "wrote    " + stem + ".gltf\n";
   }
   PrintText(said);
@@ -149,27 +173,30 @@ void AddExportCommand(CLI::App& app) {
   command->add_flag("--gltf", arguments->gltf, "Write glTF 2.0: animated camera, path and landmarks, for Blender");
   CLI::Option* origin =
       command->add_option("--origin", arguments->origin,
-                          "Place of the first pose: LATITUDE,LONGITUDE[,HEIGHT], degrees and metres (WGS 84)");
+                          "Place of the first pose: LATITUDE,LONGITUDE[,HEIGHT], degrees (WGS 84) and metres above "
+                          "the sea");
   CLI::Option* heading = command->add_option("--heading", arguments->heading,
                                              "Direction of the car at the first pose, degrees clockwise from north");
   command
       ->add_option(
           "--fixes", arguments->fixes,
-          "Instead: CSV file with GPS fixes (columns time, latitude, longitude, and optionally height and sigma in "
-          "metres [5]). The path is rotated and shifted, but not scaled")
+          "Instead: CSV file with GPS fixes (columns time, latitude, longitude, and optionally height above the sea "
+          "and sigma, both in metres [5]). The path is rotated and shifted, but not scaled")
       ->excludes(origin)
       ->excludes(heading);
   command->add_option(
       "--start-time", arguments->start_time,
       "UTC time of the drive's time 0, such as 2026-03-22T07:14:05+01:00; without it the files have no times "
-      "of day");
+      "of day, unless the drive's times are seconds since 1970");
   command->add_option("--interval", arguments->interval, "Least time between two points, seconds; 0: every frame")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
-  command->add_option("--fov", arguments->fov, "Horizontal field of view of the camera in --gltf, degrees")
-      ->check(CLI::Range(1.0, 179.0))
-      ->capture_default_str();
-  command->add_option("--aspect", arguments->aspect, "Width over height of the camera's image in --gltf [16/9]")
+  command
+      ->add_option("--fov", arguments->fov,
+                   "Horizontal field of view of the camera in --gltf, degrees [that of the intrinsics of the run]")
+      ->check(CLI::Range(1.0, 179.0));
+  command
+      ->add_option("--aspect", arguments->aspect, "Width over height of the camera's image in --gltf [that of the run]")
       ->check(CLI::PositiveNumber);
   command->add_option("--out", arguments->out, "Names of the files, without their endings [path, in the folder]");
   command->footer(

@@ -10,7 +10,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "turnscale/laboratory/figure.h"
+#include "turnscale/figure/figure.h"
 #include "turnscale/laboratory/scale_trials.h"
 
 namespace turnscale {

@@ -18,6 +18,7 @@
 #include "turnscale/geometry/rotation.h"
 #include "turnscale/io/drive_input.h"
 #include "turnscale/io/output_file.h"
+#include "turnscale/io/run_writer.h"
 #include "turnscale/io/settings.h"
 #include "turnscale/io/terminal.h"
 #include "turnscale/io/trajectory_file.h"
@@ -67,12 +68,12 @@ void WriteReport(const fs::path& folder, const RescaleResult& result, const std:
   fs::create_directories(folder, error);
   if (error) throw InputError(folder.string() + ": cannot be made: " + error.message());
   // The summary comes last: where it is, the others are of the same drive.
-  for (const char* name : {"summary.json", "scale.csv", "turns.csv", "rescale.svg", "report.html"})
+  for (const char* name : {"summary.json", "scale.csv", "turns.csv", "rescale.svg", kReportFile})
     RemoveOldFile(folder / name);
   ReplaceFile(folder / "scale.csv", PoseScaleTable(result));
   ReplaceFile(folder / "turns.csv", TurnScaleTable(result));
   ReplaceFile(folder / "rescale.svg", RescaleSvg(result, fs::path(input).filename().string(), timed));
-  ReplaceFile(folder / "report.html", RescalePage(result, input, lever_arm, timed));
+  ReplaceFile(folder / kReportFile, RescalePage(result, input, lever_arm, timed));
   ReplaceFile(folder / "summary.json", RescaleJson(result, input));
 }
 

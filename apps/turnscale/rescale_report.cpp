@@ -10,7 +10,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "turnscale/base/escaped_text.h"
+#include "turnscale/figure/figure.h"
 #include "turnscale/geometry/rotation.h"
 #include "turnscale/io/turn_warning.h"
 
@@ -39,36 +39,16 @@ auto UsedTurns(const RescaleResult& result) {
   return std::ranges::count_if(TurnsOf(result), [](const TurnEstimate& turn) { return turn.used; });
 }
 
-// All lengths of the page in its own units, about pixels.
-constexpr double kWidth = 800;
-constexpr double kPathHeight = 480;
+constexpr double kWidth = 640;  // of the panels, about pixels
+constexpr double kPathHeight = 440;
 constexpr double kChartHeight = 170;
-constexpr double kMargin = 56;
-constexpr double kHeading = 40;
 constexpr std::size_t kMostPoints = 2000;  // of a curve
 constexpr double kMostBand = 1;            // by how many bands a single turn may widen the chart
 constexpr double kSpeedSeconds = 1;        // over which the speed is taken
-
-constexpr auto kStyle =
-    "text{font-family:sans-serif;font-size:13px;fill:#333}.title{font-size:15px;font-weight:bold}"
-    "path{fill:none;stroke-linejoin:round}.path{stroke:#222;stroke-width:2}.turn{stroke:#c2185b;stroke-width:4}"
-    ".band{fill:#c2185b;fill-opacity:.18}.scale{stroke:#c2185b;stroke-width:1.8}.frame{stroke:#999}"
-    ".own{stroke:#222;stroke-width:1.5}.off{stroke:#999;stroke-width:1.5;stroke-dasharray:2 "
-    "2}.speed{stroke:#1565c0;stroke-width:1.4}";
-
-using Points = std::vector<Eigen::Vector2d>;
-
-std::string Line(const char* style, const Points& points, bool closed = false) {
-  if (points.empty()) return "";
-  std::string text = fmt::format("<path class=\"{}\" d=\"M", style);
-  for (const Eigen::Vector2d& point : points) text += fmt::format("{:.1f},{:.1f} ", point.x(), point.y());
-  text.back() = closed ? 'Z' : '"';
-  return text + (closed ? "\"/>\n" : "/>\n");
-}
-
-std::string Text(double x, double y, const std::string& text, const char* anchor = "start") {
-  return fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"{}\">{}</text>\n", x, y, anchor, EscapedXml(text));
-}
+constexpr auto kRed = "#c2185b";
+constexpr auto kBlue = "#1565c0";
+constexpr auto kDark = "#222";
+constexpr auto kGray = "#999";
 
 // Every so many, and the last.
 std::vector<std::size_t> Thinned(std::size_t first, std::size_t last) {
@@ -95,68 +75,26 @@ Eigen::Matrix<double, 2, 3> PageAxes(const RescaleResult& result) {
   return axes;
 }
 
-class PathPanel {
- public:
-  explicit PathPanel(const RescaleResult& result) : metric_(result.metric), axes_(PageAxes(result)) {
-    for (std::size_t i = 0; i < metric_.size(); ++i) box_.extend(FromAbove(i));
-    const Eigen::Vector2d size = box_.sizes().cwiseMax(1.0);
-    scale_ = std::min((kWidth - 2 * kMargin) / size.x(), (kPathHeight - kMargin) / size.y());
-  }
-
-  Points Places(std::size_t first, std::size_t last) const {
-    Points points;
-    for (const std::size_t i : Thinned(first, last)) {
-      const Eigen::Vector2d off = scale_ * (FromAbove(i) - box_.center());
-      points.emplace_back(kWidth / 2 + off.x(), kHeading + kPathHeight / 2 - off.y());
-    }
+PlotPanel PathPanel(const RescaleResult& result) {
+  const Eigen::Matrix<double, 2, 3> axes = PageAxes(result);
+  const auto places = [&](std::size_t first, std::size_t last) {
+    PlotPoints points;
+    for (const std::size_t i : Thinned(first, last))
+      points.emplace_back(axes * result.metric[i].world_from_camera.translation);
     return points;
+  };
+  PlotPanel panel;
+  panel.title = "path from above";
+  panel.bar_unit = "m";
+  panel.equal_axes = true;
+  panel.height = kPathHeight;
+  panel.lines.push_back({places(0, result.metric.size() - 1), "path", kDark, 2});
+  for (const TurnEstimate& turn : result.estimate->turns) {
+    panel.lines.push_back(
+        {places(result.steps[turn.first_step].first, result.steps[turn.last_step].last), "turn", kRed, 4});
   }
-
-  std::string MetreBar() const {
-    const double decade = std::pow(10, std::floor(std::log10(kWidth / 5 / scale_)));
-    double metres = decade;
-    for (const double factor : {2.0, 5.0}) {
-      if (factor * decade * scale_ <= kWidth / 5) metres = factor * decade;
-    }
-    const double y = kHeading + kPathHeight - 8;
-    return Line("own", {{kMargin, y}, {kMargin + metres * scale_, y}}) +
-           Text(kMargin + metres * scale_ + 6, y + 4, fmt::format("{:g} m", metres));
-  }
-
- private:
-  Eigen::Vector2d FromAbove(std::size_t i) const { return axes_ * metric_[i].world_from_camera.translation; }
-
-  const Trajectory& metric_;
-  Eigen::Matrix<double, 2, 3> axes_;
-  Eigen::AlignedBox2d box_;
-  double scale_ = 1;
-};
-
-// A chart over the metres of the drive.
-class Chart {
- public:
-  Chart(double top, double length, double low, double high) : top_(top), length_(length), low_(low), high_(high) {}
-
-  Eigen::Vector2d At(double along, double value) const {
-    const double share = (std::clamp(value, low_, high_) - low_) / (high_ - low_);
-    return {kMargin + (kWidth - 2 * kMargin) * along / length_, top_ + kChartHeight * (1 - share)};
-  }
-
-  std::string Frame(const std::string& what) const {
-    std::string text = Line("frame", {At(0, low_), At(length_, low_), At(length_, high_), At(0, high_)}, true) +
-                       Text(kMargin, top_ - 6, what);
-    for (const double value : {low_, 0.5 * (low_ + high_), high_}) {
-      text += Text(kMargin - 6, At(0, value).y() + 4, fmt::format("{:.3g}", value), "end");
-    }
-    return text + Text(kWidth - kMargin, top_ + kChartHeight + 16, fmt::format("{:.0f} m", length_), "end");
-  }
-
- private:
-  double top_;
-  double length_;
-  double low_;
-  double high_;
-};
+  return panel;
+}
 
 std::vector<double> MetresAlong(const Trajectory& metric) {
   std::vector<double> along(metric.size(), 0);
@@ -167,7 +105,7 @@ std::vector<double> MetresAlong(const Trajectory& metric) {
   return along;
 }
 
-std::string ScaleChart(const RescaleResult& result, const std::vector<double>& along, double top) {
+PlotPanel ScalePanel(const RescaleResult& result, const std::vector<double>& along) {
   double low = HUGE_VAL;
   double high = 0;
   for (const RescaledPose& scale : result.poses) {
@@ -177,53 +115,61 @@ std::string ScaleChart(const RescaleResult& result, const std::vector<double>& a
   const double most = kMostBand * (high - low);
   const double lowest = low - most;
   const double highest = high + most;
-  for (const TurnEstimate& turn : result.estimate->turns) {
-    if (!turn.used || !(turn.own > 0)) continue;
-    low = std::max(lowest, std::min(low, turn.own * std::exp(-turn.own_sigma)));
-    high = std::min(highest, std::max(high, turn.own * std::exp(turn.own_sigma)));
-  }
-  const Chart chart(top, std::max(along.back(), 1.0), low, high);
-  const std::vector<std::size_t> shown = Thinned(0, result.poses.size() - 1);
-  Points line;
-  Points band;
-  Points lower;
-  for (const std::size_t i : shown) {
+  PlotPanel panel;
+  panel.title = "scale";
+  panel.y_label = "metres per unit";
+  PlotLine line{{}, "smoothed", kRed, 1.8};
+  PlotArea band{{}, "1 sigma", kRed, 0.18};
+  PlotPoints lower;
+  for (const std::size_t i : Thinned(0, result.poses.size() - 1)) {
     const RescaledPose& scale = result.poses[i];
-    line.push_back(chart.At(along[i], scale.metres_per_unit));
-    band.push_back(chart.At(along[i], scale.metres_per_unit * std::exp(scale.sigma)));
-    lower.push_back(chart.At(along[i], scale.metres_per_unit * std::exp(-scale.sigma)));
+    line.points.emplace_back(along[i], scale.metres_per_unit);
+    band.outline.emplace_back(along[i], scale.metres_per_unit * std::exp(scale.sigma));
+    lower.emplace_back(along[i], scale.metres_per_unit * std::exp(-scale.sigma));
   }
   // Forth along the upper edge, back along the lower one.
-  band.insert(band.end(), lower.rbegin(), lower.rend());
-  std::string text = chart.Frame("metres per unit, +- 1 sigma; bars: single-turn scales");
-  text += Line("band", band, true) + Line("scale", line);
+  band.outline.insert(band.outline.end(), lower.rbegin(), lower.rend());
+  panel.areas = {band};
+  panel.lines = {line};
   for (const TurnEstimate& turn : result.estimate->turns) {
     if (!(turn.own > 0)) continue;
+    const double least = turn.own * std::exp(-turn.own_sigma);
+    const double largest = turn.own * std::exp(turn.own_sigma);
     const double middle = 0.5 * (along[result.steps[turn.first_step].first] + along[result.steps[turn.last_step].last]);
-    text += Line(turn.used ? "own" : "off", {chart.At(middle, turn.own * std::exp(-turn.own_sigma)),
-                                             chart.At(middle, turn.own * std::exp(turn.own_sigma))});
+    panel.lines.push_back({{{middle, least}, {middle, largest}},
+                           turn.used ? "one turn alone" : "turn not used",
+                           turn.used ? kDark : kGray,
+                           1.5,
+                           turn.used ? "none" : "2 2"});
+    if (!turn.used) continue;
+    low = std::max(lowest, std::min(low, least));
+    high = std::min(highest, std::max(high, largest));
   }
-  return text;
+  panel.y = PlotRange{low, high};
+  return panel;
 }
 
-std::string SpeedChart(const RescaleResult& result, const std::vector<double>& along, double top) {
-  std::vector<std::pair<double, double>> speeds;
+PlotPanel SpeedPanel(const RescaleResult& result, const std::vector<double>& along) {
+  PlotPoints speeds;
   double high = 1;
   std::size_t first = 0;
   for (std::size_t i = 1; i < along.size(); ++i) {
     const double seconds = result.metric[i].time - result.metric[first].time;
     if (seconds < kSpeedSeconds) continue;
     speeds.emplace_back(along[i], (along[i] - along[first]) / seconds);
-    high = std::max(high, speeds.back().second);
+    high = std::max(high, speeds.back().y());
     first = i;
   }
-  const Chart chart(top, std::max(along.back(), 1.0), 0, std::ceil(high / 5) * 5);
-  Points line;
+  PlotPanel panel;
+  panel.title = "implied speed";
+  panel.y_label = "m/s";
+  panel.y = PlotRange{0, std::ceil(high / 5) * 5};
+  PlotLine line{{}, "", kBlue, 1.4};
   if (!speeds.empty()) {
-    for (const std::size_t i : Thinned(0, speeds.size() - 1))
-      line.push_back(chart.At(speeds[i].first, speeds[i].second));
+    for (const std::size_t i : Thinned(0, speeds.size() - 1)) line.points.push_back(speeds[i]);
   }
-  return chart.Frame("implied speed, m/s") + Line("speed", line);
+  panel.lines = {line};
+  return panel;
 }
 
 }  // namespace
@@ -314,22 +260,15 @@ std::string RescaleText(const RescaleResult& result) {
 
 std::string RescaleSvg(const RescaleResult& result, const std::string& title, bool timed) {
   const std::vector<double> along = MetresAlong(result.metric);
-  const double chart_room = kChartHeight + kMargin;
-  const double height = kHeading + kPathHeight + kMargin / 2 + (timed ? 2 : 1) * chart_room;
-  std::string text = fmt::format(
-      "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0:.0f} {1:.0f}\" width=\"{0:.0f}\" "
-      "height=\"{1:.0f}\">\n<style>{2}</style>\n<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n",
-      kWidth, height, kStyle);
-  text += Text(kMargin, 26, title);
-  const PathPanel panel(result);
-  text += Line("path", panel.Places(0, result.metric.size() - 1));
-  for (const TurnEstimate& turn : result.estimate->turns)
-    text += Line("turn", panel.Places(result.steps[turn.first_step].first, result.steps[turn.last_step].last));
-  text += panel.MetreBar();
-  const double top = kHeading + kPathHeight + kMargin / 2;
-  text += ScaleChart(result, along, top);
-  if (timed) text += SpeedChart(result, along, top + chart_room);
-  return text + "</svg>\n";
+  Figure figure;
+  figure.title = title;
+  figure.panel_width = kWidth;
+  figure.panel_height = kChartHeight;
+  figure.panels = {PathPanel(result), ScalePanel(result, along)};
+  if (timed) figure.panels.push_back(SpeedPanel(result, along));
+  for (std::size_t i = 1; i < figure.panels.size(); ++i) figure.panels[i].x = PlotRange{0, std::max(along.back(), 1.0)};
+  figure.panels.back().x_label = "along the path [m]";
+  return FigureSvg(figure);
 }
 
 }  // namespace turnscale

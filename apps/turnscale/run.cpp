@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <exception>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <memory>
 #include <optional>
 #include <set>
@@ -20,6 +18,7 @@
 #include "interrupt.h"
 #include "run_page.h"
 #include "turnscale/base/error.h"
+#include "turnscale/base/file_text.h"
 #include "turnscale/io/run_drive.h"
 #include "turnscale/io/settings.h"
 #include "turnscale/io/terminal.h"
@@ -114,6 +113,9 @@ void KeepReport(const RunArguments& arguments, const ThumbnailCollector& thumbna
   Attempts attempts;
   attempts.Try([&] { WriteThumbnails(arguments.out, thumbnails.thumbnails()); });
   attempts.Try([&] { WriteRunPage(arguments.out, arguments.truth); });
+  // A truth that does not fit the drive is no reason to have no page.
+  if (!attempts.failures().empty() && !arguments.truth.truth.empty())
+    attempts.Try([&] { WriteRunPage(arguments.out, {}); });
   end.failures.insert(end.failures.end(), attempts.failures().begin(), attempts.failures().end());
 }
 
@@ -129,12 +131,9 @@ class LiveView {
   void WaitWhilePaused() const { page_.WaitWhilePaused(Interrupted); }
   void Add(const SourceFrame& frame, const FrameResult& result, const Odometry& odometry) {
     state_.Add(frame.gray, result, odometry);
-    if (!frame.problem.empty()) state_.AddWarnings({fmt::format("frame {}: {}", frame.index, frame.problem)});
+    if (!frame.problem.empty()) state_.AddWarning(fmt::format("frame {}: {}", frame.index, frame.problem));
   }
-  void Finish(const fs::path& report) {
-    std::ifstream stream(report, std::ios::binary);
-    page_.Finish({std::istreambuf_iterator<char>(stream), {}});
-  }
+  void Finish(const fs::path& report) { page_.Finish(FileText(report).value_or("")); }
 
  private:
   LiveState state_;
@@ -161,6 +160,7 @@ int ReportEnd(const RunEnd& end) {
 int RunImages(const RunArguments& arguments) {
   cv::setNumThreads(arguments.threads);
   const OdometryOptions options = OptionsFrom(arguments);
+  CheckTruthFiles(arguments.truth);
   DriveImages images(arguments.images);
   CheckFolder(arguments, images);
   const CameraEstimate estimate = EstimateCamera(arguments.images, images, options);

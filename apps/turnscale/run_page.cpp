@@ -4,6 +4,8 @@
 #include <CLI/CLI.hpp>
 
 #include "comparison.h"
+#include "turnscale/io/floor_plan_file.h"
+#include "turnscale/io/trajectory_file.h"
 #include "turnscale/report/run_report.h"
 
 namespace turnscale {
@@ -17,12 +19,17 @@ void AddTruthOptions(CLI::App& command, TruthFiles& files) {
       ->needs(truth);
 }
 
+void CheckTruthFiles(const TruthFiles& files) {
+  if (!files.truth.empty()) ReadTrajectory(files.truth);
+  if (!files.floor_plan.empty()) ReadFloorPlan(files.floor_plan);
+}
+
 void WriteRunPage(const std::filesystem::path& folder, const TruthFiles& files) {
   RunReportExtras extras;
   if (!files.truth.empty()) {
     const Comparison comparison = Compare({folder / "trajectory.tum", files.truth, {}, {}});
     extras.truth = comparison.pairs;
-    extras.errors = ErrorFacts(ComparisonJson(comparison));
+    extras.evaluation = ComparisonJson(comparison);
     if (!files.floor_plan.empty()) extras.outlines = ReadFloorPlan(files.floor_plan);
   }
   WriteRunReport(folder, extras);

@@ -18,7 +18,11 @@ struct TruthFiles {
 /// --truth and --floor-plan.
 void AddTruthOptions(CLI::App& command, TruthFiles& files);
 
-/// Makes report.html in the folder of a run, with the comparison if there is a truth. Throws InputError, OutputError.
+/// Throws InputError where one of them cannot be read: before a run, which may take hours.
+void CheckTruthFiles(const TruthFiles& files);
+
+/// Makes report.html in the folder of a run, with the comparison if there is a truth; that of an earlier page of the
+/// folder is kept if there is none. Throws InputError, OutputError.
 void WriteRunPage(const std::filesystem::path& folder, const TruthFiles& files);
 
 }  // namespace turnscale

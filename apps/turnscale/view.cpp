@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include <array>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include <CLI/CLI.hpp>
@@ -14,7 +13,9 @@
 #include "commands.h"
 #include "run_page.h"
 #include "turnscale/base/error.h"
+#include "turnscale/base/file_text.h"
 #include "turnscale/io/output_file.h"
+#include "turnscale/io/run_writer.h"
 #include "turnscale/io/terminal.h"
 #include "turnscale/report/report_page.h"
 #include "turnscale/report/run_report.h"
@@ -30,16 +31,11 @@ struct ViewArguments {
   bool open = false;
 };
 
-std::string TextOf(const fs::path& path) {
-  std::ifstream stream(path, std::ios::binary);
-  std::error_code none;
-  if (!stream || fs::is_directory(path, none)) throw InputError(path.string() + ": cannot be read");
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
-
 // The page of results that are not of `run`, with the data that it has.
 void Renew(const fs::path& page) {
-  const std::string data = DataOfPage(TextOf(page), page.string());
+  const std::optional<std::string> text = FileText(page);
+  if (!text) throw InputError(page.string() + ": cannot be read");
+  const std::string data = DataOfPage(*text, page.string());
   if (data.empty()) throw InputError(page.string() + ": holds no results");
   ReplaceFile(page, ReportPage(page.parent_path().filename().string(), data));
 }
@@ -61,6 +57,11 @@ void RunView(const ViewArguments& arguments) {
   if (fs::exists(page.parent_path() / "trajectory.csv", none) && page.filename() == kReportFile) {
     WriteRunPage(page.parent_path(), arguments.truth);
   } else if (fs::exists(page, none)) {
+    if (!arguments.truth.truth.empty()) {
+      throw InputError("--truth " + arguments.truth.truth.string() +
+                       ": needs the results of a run beside the page; give the --out folder of turnscale run, or "
+                       "compare with turnscale evaluate --report");
+    }
     Renew(page);
   } else {
     throw InputError(arguments.results.string() +

@@ -13,6 +13,7 @@
 
 #include "turnscale/base/error.h"
 #include "turnscale/base/number_text.h"
+#include "turnscale/figure/figure.h"
 #include "turnscale/io/output_file.h"
 #include "turnscale/laboratory/calibration_trials.h"
 
@@ -56,51 +57,43 @@ double RootMeanSquare(const std::vector<CalibrationTrial>& trials, YawPitchRoll 
   return std::sqrt(squares / static_cast<double>(trials.size()));
 }
 
-// A box of Fig. 9: one sigma, the mean, and the range.
-std::string Box(double x, double middle, const Spread& spread, const char* color) {
-  constexpr double kPixelsPerDegree = 40;
-  const auto y = [&](double value) { return middle - kPixelsPerDegree * value; };
-  return fmt::format(
-      "<path d=\"M{0:.1f},{1:.1f}V{2:.1f}\" stroke=\"#333\"/><rect x=\"{3:.1f}\" y=\"{4:.1f}\" width=\"22\" "
-      "height=\"{5:.1f}\" fill=\"{6}\" fill-opacity=\"0.6\"/><path d=\"M{3:.1f},{7:.1f}h22\" stroke=\"#000\"/>\n",
-      x, y(spread.least), y(spread.most), x - 11, y(spread.mean + spread.sigma), 2 * kPixelsPerDegree * spread.sigma,
-      color, y(spread.mean));
-}
-
-// Both halves of the figure.
+// Both halves of Fig. 9.
 class Picture {
  public:
+  Picture() {
+    panels_[0].title = "(a) linear only";
+    panels_[1].title = "(b) after the refinement";
+    for (PlotPanel& panel : panels_) {
+      panel.x = PlotRange{0.4, 3.6};
+      panel.y_label = "error [deg]";
+      panel.x_names = {{1, "yaw (the paper's pitch)"}, {2, "pitch (about x)"}, {3, "roll (about z)"}};
+      panel.lines.push_back({{{0.4, 0}, {3.6, 0}}, "", "#777", 1.2, "6 4"});
+    }
+  }
+
   void Add(size_t level, size_t angle, const Spread& linear, const Spread& refined) {
-    constexpr std::array<const char*, 4> kColors = {"#90caf9", "#42a5f5", "#1565c0", "#0d2f5c"};
-    const double x = 90 + 220 * static_cast<double>(angle) + 40 * static_cast<double>(level);
-    boxes_ += Box(x, kLinear, linear, kColors[level]) + Box(x, kRefined, refined, kColors[level]);
+    constexpr std::array<const char*, 4> kColors = {"#bbdefb", "#64b5f6", "#1976d2", "#0d3c78"};
+    const double x = 1 + static_cast<double>(angle) + 0.2 * (static_cast<double>(level) - 1.5);
+    const std::string label = fmt::format("noise {:g} deg", kNoise[level]);
+    const auto box = [&](const Spread& spread) {
+      return PlotBox{x, 0.16, spread.mean, spread.sigma, spread.least, spread.most, label, kColors[level]};
+    };
+    panels_[0].boxes.push_back(box(linear));
+    panels_[1].boxes.push_back(box(refined));
   }
 
   std::string Svg(int runs) const {
-    std::string svg =
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 760 560\" width=\"760\" height=\"560\">\n"
-        "<style>text{font-family:sans-serif;font-size:13px;fill:#333}</style><rect width=\"100%\" height=\"100%\" "
-        "fill=\"#fff\"/>\n";
-    svg += boxes_;
-    const std::array<const char*, 3> names = {"yaw (the paper's pitch)", "pitch (about x)", "roll (about z)"};
-    for (size_t i = 0; i < names.size(); ++i) {
-      for (const int middle : {kLinear, kRefined}) {
-        svg += fmt::format(
-            "<path d=\"M{0},{1}h190\" stroke=\"#888\" stroke-dasharray=\"5 4\"/><text x=\"{0}\" y=\"{2}\">{3}</text>\n",
-            65 + 220 * i, middle, middle - 118, names[i]);
-      }
-    }
-    return svg + fmt::format(
-                     "<text x=\"24\" y=\"18\">(a) linear only: error, deg (a degree is 40 units); rotation noise 0.05, "
-                     "0.2, 0.5, 1 deg from left to right</text><text x=\"24\" y=\"290\">(b) after the refinement; box: "
-                     "one sigma, line: mean, whisker: range of {} runs</text></svg>\n",
-                     runs);
+    Figure figure;
+    figure.title = "Calibration of the camera-to-vehicle rotation (the paper's Fig. 9)";
+    figure.note = fmt::format("Boxes: mean and one standard deviation; whiskers: range of {} runs.", runs);
+    figure.panel_width = 640;
+    figure.panel_height = 230;
+    figure.panels = {panels_[0], panels_[1]};
+    return FigureSvg(figure);
   }
 
  private:
-  static constexpr int kLinear = 150;
-  static constexpr int kRefined = 420;
-  std::string boxes_;
+  std::array<PlotPanel, 2> panels_;
 };
 
 Json Rows(double direction_share, int runs, std::uint64_t seed, Picture& picture) {

@@ -20,10 +20,14 @@ export interface ChartData {
   readings?: { label: string; time: number[]; value: number[]; sigma: number[]; used: boolean[]; colour: string };
   /** The range of the vertical axis has to contain this. */
   include?: number;
+  /** The axis covers at least this much, so that noise in the last digit does not fill it. */
+  least?: number;
 }
 
 export interface Chart {
   moveTo(time: number): void;
+  /** After a change of the element's size; by itself only after the browser's next layout. */
+  resize(): void;
   destroy(): void;
 }
 
@@ -73,7 +77,7 @@ function verticalRange(data: ChartData): [number, number] {
   values.sort((a, b) => a - b);
   const low = values[Math.floor(values.length * 0.005)] ?? 0;
   const high = values[Math.ceil(values.length * 0.995) - 1] ?? 1;
-  const room = Math.max(0.08 * (high - low), 1e-6 + 1e-3 * Math.abs(high));
+  const room = Math.max(0.08 * (high - low), 1e-6 + 1e-3 * Math.abs(high), 0.5 * ((data.least ?? 0) - (high - low)));
   return [data.include === low ? low : low - room, high + room];
 }
 
@@ -110,7 +114,7 @@ export function makeChart(element: HTMLElement, data: ChartData, theme: Theme, o
       scales: { x: { time: false }, y: { range: verticalRange(data) } },
       axes: [
         { stroke: theme.muted, grid, ticks: grid, font, size: 26, space: 70, values: (_, ticks) => ticks.map((t) => clock(t).replace(/\.0$/, '')) },
-        { stroke: theme.muted, grid, ticks: grid, font, size: 52 },
+        { stroke: theme.muted, grid, ticks: grid, font, size: 52, space: 26 },
       ],
       series,
       bands,
@@ -133,6 +137,9 @@ export function makeChart(element: HTMLElement, data: ChartData, theme: Theme, o
     moveTo(time) {
       shownTime = time;
       if (plot.status === 1) showTime(plot);
+    },
+    resize() {
+      plot.setSize(size());
     },
     destroy() {
       resizes.disconnect();

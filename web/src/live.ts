@@ -23,7 +23,6 @@ interface LiveState {
   finished: boolean;
   image: number;
   path: number;
-  warnings: string[];
 }
 
 const interval = 250; // milliseconds between two requests
@@ -56,6 +55,7 @@ export function followRun(page: ReportPage): void {
     bar.className = `live${state.paused ? ' paused' : ''}`;
     const of = state.frames > 0 ? ` of ${state.frames}` : '';
     const parts: [string, string][] = [
+      ...(state.paused ? [['', 'Paused'] as [string, string]] : []),
       ['frame', `${state.frame}${of}`],
       ['frames/s', state.rate.toFixed(1)],
       ['keyframes', String(state.keyframes)],
@@ -83,6 +83,7 @@ export function followRun(page: ReportPage): void {
 
   const end = (message: string) => {
     bar.className = 'live gone';
+    text.setAttribute('role', 'status');
     text.textContent = message;
     pause.hidden = true;
   };

@@ -7,7 +7,9 @@ import { clock, closestIndex, decodeLandmarks, scaleStateNames, trackingNames, t
 import { PathView, type Marker } from './view';
 
 const kmhPerMps = 3.6;
-const signed = (value: number, digits: number) => `${value > 0 ? '+' : ''}${value.toFixed(digits)}`;
+/** With a minus sign as wide as the plus. */
+const fixed = (value: number, digits: number) => value.toFixed(digits).replace('-', '\u2212');
+const signed = (value: number, digits: number) => `${value > 0 ? '+' : ''}${fixed(value, digits)}`;
 
 /** Ranges of points for which `holds`, each begun one point earlier so that a range of one point is a line. */
 function ranges(count: number, holds: (i: number) => boolean): [number, number][] {
@@ -28,6 +30,9 @@ export class ReportPage {
   private by: ColourBy = 'speed';
   private charts: Chart[] = [];
   private place = 0;
+  private live = false;
+  /** Where the reader looks while the path grows, seconds; null: at its end. */
+  private heldTime: number | null = null;
   private playing = 0;
   private chartsDrawn = false;
 
@@ -36,6 +41,7 @@ export class ReportPage {
     document.documentElement.classList.toggle('dark', theme.dark);
     this.view = new PathView(element('view'), theme);
     this.view.onHover = (index) => this.moveTo(index);
+    this.view.onLeave = () => this.release();
     this.bindTools();
     // For tests and measurements.
     Object.assign(window, { turnscale: this });
@@ -76,6 +82,7 @@ export class ReportPage {
   /** The path of a run that goes on: without charts and tables; the last point is the current one. */
   showLive(report: Report): void {
     this.report = report;
+    this.live = true;
     this.showHeading();
     this.view.setUnit(report.unit);
     this.by = report.unit === 'm' ? this.by : 'state';
@@ -83,7 +90,8 @@ export class ReportPage {
     this.view.setPath({ places: report.path, colours, turns: [], predicted: [], markers: [] });
     this.view.follow();
     this.showColours();
-    this.place = report.path.time.length - 1;
+    const { time } = report.path;
+    this.place = this.heldTime === null ? time.length - 1 : closestIndex(time, this.heldTime);
     this.view.setCurrent(this.place);
     document.documentElement.classList.add('following');
     if (this.place >= 0) this.showReadout();
@@ -95,6 +103,12 @@ export class ReportPage {
     this.place = Math.min(Math.max(index, 0), path.time.length - 1);
     const time = path.time[this.place];
     this.view.setCurrent(this.place);
+    if (this.live) {
+      // The image stays that of the present: there is none of this place.
+      this.heldTime = this.place < path.time.length - 1 ? time : null;
+      this.showReadout();
+      return;
+    }
     element<HTMLInputElement>('time').value = String(this.place);
     element('time').setAttribute('aria-valuetext', clock(time));
     element('clock').textContent = clock(time);
@@ -105,6 +119,11 @@ export class ReportPage {
       const turn = this.report?.turns[i];
       row.classList.toggle('current', turn !== undefined && time >= turn.from && time <= turn.to);
     });
+  }
+
+  /** Back to the end of a path that grows. */
+  private release(): void {
+    if (this.live) this.moveTo(Infinity);
   }
 
   moveToTime(time: number): void {
@@ -136,7 +155,7 @@ export class ReportPage {
     const { colours, legend } = colourPath(path, this.by, this.theme.dark);
     this.view.setColours(colours);
     for (const button of element('colours').querySelectorAll('button')) {
-      button.setAttribute('aria-checked', String(button.dataset.by === this.by));
+      button.setAttribute('aria-pressed', String(button.dataset.by === this.by));
       button.hidden = this.report!.unit !== 'm' && button.dataset.by !== 'state';
     }
     this.showLegend(legend);
@@ -165,17 +184,17 @@ export class ReportPage {
     const report = this.report!;
     const { path } = report;
     const i = this.place;
-    const rows: [string, string, boolean?][] = [['Time', `${clock(path.time[i])}  (frame ${path.frame[i]})`]];
+    const rows: [string, string, boolean?][] = [['Time', clock(path.time[i])], ['Frame', String(path.frame[i])]];
     const speed = path.speed[i];
     const speedSigma = path.speedSigma[i];
     const band = speedSigma === null ? '' : ` ± ${(speedSigma * kmhPerMps).toFixed(1)}`;
-    if (speed !== null) rows.push(['Speed', `${(speed * kmhPerMps).toFixed(1)}${band} km/h`]);
+    if (speed !== null) rows.push(['Speed', `${fixed(speed * kmhPerMps, 1)}${band} km/h`]);
     const sigma = path.sigma[i];
     rows.push(['Scale', scaleStateNames[path.scaleState[i]] ?? '-']);
     if (sigma !== null) rows.push(['Sigma of the scale', `${(100 * sigma).toFixed(1)} %`]);
     const lost = 'bu'.includes(path.tracking[i]);
     rows.push(['Tracking', trackingNames[path.tracking[i]] ?? '-', lost]);
-    rows.push(['Right, ahead, up', `${[path.x[i], path.y[i], path.z[i]].map((value) => value.toFixed(1)).join(', ')} ${report.unit}`]);
+    rows.push(['Right, ahead, up', `${[path.x[i], path.y[i], path.z[i]].map((value) => fixed(value, 1)).join(', ')} ${report.unit}`]);
     if (report.truth) {
       const error = report.truth.error[closestIndex(report.truth.time, path.time[i])];
       if (error !== null) rows.push(['Distance to the truth', `${error.toFixed(2)} m`]);
@@ -220,7 +239,7 @@ export class ReportPage {
       const row = make('tr', '', turn.used ? '' : 'unused',
         make('td', '', '', go),
         make('td', `${clock(turn.from)} – ${clock(turn.to)}`),
-        make('td', `${signed(turn.angle, 0)}° ${turn.angle > 0 ? 'right' : 'left'}`),
+        make('td', `${Math.abs(turn.angle).toFixed(0)}° ${turn.angle > 0 ? 'right' : 'left'}`),
         make('td', number(turn.speed, (v) => `${(v * kmhPerMps).toFixed(1)} km/h`)),
         make('td', number(turn.scale, (v) => `${v.toPrecision(4)}${turn.sigma ? ` ± ${((100 * turn.sigma) / v).toFixed(1)} %` : ''}`)),
         make('td', number(turn.smoothed, (v) => v.toPrecision(4))),
@@ -232,14 +251,20 @@ export class ReportPage {
     });
     const table = make('table', '', '',
       make('thead', '', '', make('tr', '', '', ...head.map((name) => make('th', name)))), make('tbody', '', '', ...rows));
-    panel.replaceChildren(make('h2', 'Turns'), make('div', '', 'scroll', table));
+    const scroll = make('div', '', 'scroll', table);
+    scroll.tabIndex = 0;
+    scroll.setAttribute('role', 'region');
+    scroll.setAttribute('aria-label', 'Turns');
+    panel.replaceChildren(make('h2', 'Turns'), scroll);
   }
 
   private showErrors(): void {
-    const { errors } = this.report!;
+    const { errors, truth } = this.report!;
     const panel = element('errors');
     panel.hidden = errors.length === 0;
-    panel.replaceChildren(make('h2', 'Compared with the ground truth'), make('div', '', 'facts', ...errors.map(factElement)));
+    const heading = make('h2', 'Compared with the ground truth');
+    if (truth?.metresPerUnit) heading.append(make('small', `laid on the path, which is up to scale: one unit is ${truth.metresPerUnit.toPrecision(3)} m`));
+    panel.replaceChildren(heading, make('div', '', 'facts', ...errors.map(factElement)));
   }
 
   private showSettings(): void {
@@ -254,7 +279,7 @@ export class ReportPage {
     const charts: ChartData[] = [];
     const kmh = (values: (number | null)[]) => values.map((value) => (value === null ? null : value * kmhPerMps));
     if (path.speed.some((value) => value !== null))
-      charts.push({ title: 'Speed', unit: 'km/h', time: path.time, include: 0,
+      charts.push({ title: 'Speed', unit: 'km/h', time: path.time, include: 0, least: 2,
         bands: [{ label: 'speed', values: kmh(path.speed), sigmas: kmh(path.speedSigma), colour: theme.accent }] });
     if (scale) {
       const own = turns.filter((turn) => turn.scale !== null && turn.sigma !== null);
@@ -266,7 +291,7 @@ export class ReportPage {
     // A rotation that was given was not learned.
     if (rotation?.yawSigma.some((value) => value !== null)) {
       const band = (label: string, values: number[], sigmas: (number | null)[], colour: string) => ({ label, values, sigmas, colour });
-      charts.push({ title: 'Rotation of the camera in the car', unit: 'degrees', ...steps(rotation.time, [
+      charts.push({ title: 'Rotation of the camera in the car', unit: 'degrees', least: 0.5, ...steps(rotation.time, [
         band('yaw', rotation.yaw, rotation.yawSigma, theme.accent), band('pitch', rotation.pitch, rotation.pitchSigma, theme.good),
         band('roll', rotation.roll, rotation.rollSigma, theme.turn)]) });
     }
@@ -312,8 +337,8 @@ export class ReportPage {
 
   private setView(in3d: boolean): void {
     this.view.setView(in3d);
-    element('view-above').setAttribute('aria-checked', String(!in3d));
-    element('view-3d').setAttribute('aria-checked', String(in3d));
+    element('view-above').setAttribute('aria-pressed', String(!in3d));
+    element('view-3d').setAttribute('aria-pressed', String(in3d));
   }
 
   private setColourBy(by: ColourBy): void {
@@ -367,21 +392,30 @@ export class ReportPage {
       button.addEventListener('click', () => this.setColourBy(button.dataset.by as ColourBy));
     element<HTMLInputElement>('time').addEventListener('input', (event) => this.moveTo(Number((event.target as HTMLInputElement).value)));
     document.addEventListener('keydown', (event) => this.onKey(event));
-    const paper = window.matchMedia('print');
-    let darkOnScreen = this.theme.dark;
-    const toPaper = () => {
-      darkOnScreen = this.theme.dark;
-      if (darkOnScreen) this.setTheme(false);
-      this.view.drawNow();
+    let darkOnScreen = false;
+    const toPaper = (printing: boolean) => {
+      if (printing) darkOnScreen = this.theme.dark;
+      document.documentElement.classList.toggle('paper', printing);
+      this.setTheme(!printing && darkOnScreen);
+      this.view.resize();
+      for (const chart of this.charts) chart.resize();
     };
-    window.addEventListener('beforeprint', toPaper);
-    window.addEventListener('afterprint', () => { if (darkOnScreen) this.setTheme(true); });
-    paper.addEventListener('change', () => this.view.drawNow());
+    window.addEventListener('beforeprint', () => toPaper(true));
+    window.addEventListener('afterprint', () => toPaper(false));
+  }
+
+  /** Ends what goes on: playing, a place that is held, the wheel's hold on the picture. */
+  private escape(): void {
+    if (this.playing) this.togglePlay();
+    this.release();
+    this.view.letGo();
   }
 
   private onKey(event: KeyboardEvent): void {
     if (event.ctrlKey || event.metaKey || event.altKey) return;
-    const onControl = event.target instanceof HTMLButtonElement || event.target instanceof HTMLInputElement;
+    const { target } = event;
+    const onControl = target instanceof HTMLButtonElement || target instanceof HTMLInputElement || (target as Element).tagName === 'SUMMARY';
+    const onSlider = target instanceof HTMLInputElement;
     const step = event.shiftKey ? 20 : 1;
     const keys: Record<string, () => void> = {
       ArrowRight: () => this.moveTo(this.place + step),
@@ -397,17 +431,20 @@ export class ReportPage {
       t: () => this.setTheme(!this.theme.dark),
       l: () => this.toggleLandmarks(),
       ' ': () => this.togglePlay(),
+      Escape: () => this.escape(),
     };
     const action = keys[event.key];
-    const forControl = onControl && [' ', 'ArrowLeft', 'ArrowRight', 'Home', 'End'].includes(event.key);
+    const forControl = (onControl && event.key === ' ') || (onSlider && ['ArrowLeft', 'ArrowRight', 'Home', 'End'].includes(event.key));
     if (!action || forControl) return;
     event.preventDefault();
     action();
   }
 }
 
+/** The number large, what follows it small. */
 function factElement({ name, value, note }: { name: string; value: string; note: string }): HTMLElement {
-  return make('dl', '', 'fact', make('dt', name), make('dd', value), make('p', note));
+  const [, number, unit] = /^(\S+)\s*(.*)$/.exec(value) ?? ['', value, ''];
+  return make('dl', '', 'fact', make('dt', name), make('dd', '', '', document.createTextNode(number), make('small', unit ? ` ${unit}` : '')), make('p', note));
 }
 
 /** A value that holds until the next: each change becomes a step. */

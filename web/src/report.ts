@@ -63,7 +63,8 @@ export interface Report {
     rollSigma: (number | null)[];
   } | null;
   thumbnails: Thumbnail[];
-  truth: { time: number[]; x: number[]; y: number[]; z: number[]; error: (number | null)[] } | null;
+  /** Errors are in metres. Of a path without metres: the truth is scaled by 1 / metresPerUnit and laid on the whole path. */
+  truth: { metresPerUnit?: number | null; time: number[]; x: number[]; y: number[]; z: number[]; error: (number | null)[] } | null;
   errors: { name: string; value: string; note: string }[];
   outlines: number[][];
   settings: string;

@@ -35,12 +35,15 @@ function roundLength(length: number): number {
 
 export class PathView {
   onHover: (index: number) => void = () => {};
+  onLeave: () => void = () => {};
 
   // Path and landmarks; above it what changes with every movement of the pointer.
   private readonly canvas = document.createElement('canvas');
   private readonly overlay = document.createElement('canvas');
   private readonly base: CanvasRenderingContext2D;
-  private readonly top: CanvasRenderingContext2D;
+  // Landmarks are set pixel by pixel, which a canvas on a graphics card makes slow.
+  private readonly dots = document.createElement('canvas').getContext('2d', { willReadFrequently: true })!;
+  private readonly above: CanvasRenderingContext2D;
   private readonly camera = new Camera();
   private readonly pixel = new Float64Array(2);
   private in3d = false;
@@ -59,11 +62,11 @@ export class PathView {
   private baseTime = 0; // milliseconds that the base took
   private fitted = true; // nobody has moved the camera since
   private drawn = 0;
+  private held = false; // the reader has clicked into the picture: the wheel zooms
 
   constructor(private readonly element: HTMLElement, private theme: Theme) {
-    // Landmarks are set pixel by pixel, which a canvas on a graphics card makes slow.
-    this.base = this.canvas.getContext('2d', { willReadFrequently: true })!;
-    this.top = this.overlay.getContext('2d')!;
+    this.base = this.canvas.getContext('2d')!;
+    this.above = this.overlay.getContext('2d')!;
     element.append(this.canvas, this.overlay);
     new ResizeObserver(() => this.resize()).observe(element);
     this.bindPointer();
@@ -155,13 +158,25 @@ export class PathView {
     this.schedule('moved');
   }
 
+  /** The wheel scrolls the page again. */
+  letGo(): void {
+    this.held = false;
+    this.element.blur();
+  }
+
+  /** Paper shows what is clear in one canvas as white over the other: there, all is drawn into one. */
+  private get top(): CanvasRenderingContext2D {
+    return document.documentElement.classList.contains('paper') ? this.base : this.above;
+  }
+
   private get ratio(): number { return Math.min(window.devicePixelRatio || 1, 2); }
 
-  private resize(): void {
+  /** After a change of the element's size; by itself only after the browser's next layout. */
+  resize(): void {
     const { camera, element } = this;
     camera.width = Math.max(element.clientWidth, 1);
     camera.height = Math.max(element.clientHeight, 1);
-    for (const canvas of [this.canvas, this.overlay]) {
+    for (const canvas of [this.canvas, this.overlay, this.dots.canvas]) {
       canvas.width = Math.round(camera.width * this.ratio);
       canvas.height = Math.round(camera.height * this.ratio);
     }
@@ -228,7 +243,7 @@ export class PathView {
     const { top: context, ratio, camera } = this;
     this.scheduled = 'nothing';
     context.setTransform(ratio, 0, 0, ratio, 0, 0);
-    context.clearRect(0, 0, camera.width, camera.height);
+    if (context !== this.base) context.clearRect(0, 0, camera.width, camera.height);
     context.font = '600 11px system-ui, sans-serif';
     context.lineCap = context.lineJoin = 'round';
     this.projectPath();
@@ -252,7 +267,7 @@ export class PathView {
     const { landmarks, camera, pixel, ratio } = this;
     if (landmarks.length === 0) return;
     const { width, height } = this.canvas;
-    const image = this.base.createImageData(width, height);
+    const image = this.dots.createImageData(width, height);
     const values = new Uint32Array(image.data.buffer);
     const colour = parseInt(this.theme.landmark.slice(1), 16);
     const bgr = ((colour & 255) << 16) | (colour & 0xff00) | (colour >> 16);
@@ -268,7 +283,8 @@ export class PathView {
         values[place] = (Math.min((values[place] >>> 24) + step, 235) << 24) | bgr;
       }
     }
-    this.base.putImageData(image, 0, 0);
+    this.dots.putImageData(image, 0, 0);
+    this.base.drawImage(this.dots.canvas, 0, 0);
   }
 
   // In pieces: a stroke of thousands of points that cross each other takes long.
@@ -452,18 +468,20 @@ export class PathView {
     const { element } = this;
     const pointers = new Map<number, { x: number; y: number }>();
     // The wheel scrolls the page until the reader has clicked into the picture, and one finger always does.
-    let held = false;
     element.style.touchAction = 'pan-y';
     element.addEventListener('contextmenu', (event) => event.preventDefault());
     element.addEventListener('pointerdown', (event) => {
-      held = true;
+      this.held = true;
       pointers.set(event.pointerId, { x: event.clientX, y: event.clientY });
       if (event.pointerType === 'mouse') element.setPointerCapture(event.pointerId);
     });
     const release = (event: PointerEvent) => pointers.delete(event.pointerId);
     element.addEventListener('pointerup', release);
     element.addEventListener('pointercancel', release);
-    element.addEventListener('pointerleave', () => { held = false; });
+    element.addEventListener('pointerleave', () => {
+      this.held = false;
+      if (pointers.size === 0) this.onLeave();
+    });
     element.addEventListener('click', (event) => this.hover(event));
     element.addEventListener('pointermove', (event) => {
       const before = pointers.get(event.pointerId);
@@ -478,7 +496,7 @@ export class PathView {
       else if (event.pointerType !== 'touch' || event.buttons > 0) this.drag(event, now.x - before.x, now.y - before.y);
     });
     element.addEventListener('wheel', (event) => {
-      if (!held && !event.ctrlKey && document.activeElement !== element) return;
+      if (!this.held && !event.ctrlKey && document.activeElement !== element) return;
       event.preventDefault();
       const frame = element.getBoundingClientRect();
       this.fitted = false;

@@ -4,7 +4,7 @@
 import assert from 'node:assert/strict';
 import { spawn, execFileSync } from 'node:child_process';
 import { connect } from 'node:net';
-import { statSync } from 'node:fs';
+import { readFileSync, statSync } from 'node:fs';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
 import { pathToFileURL } from 'node:url';
@@ -31,41 +31,77 @@ async function open(path, { dark = false, width = 1360, height = 900 } = {}) {
   return { page, problems };
 }
 
-/** Share of the view's pixels that differ clearly in colour from gray: the path. */
-const colouredShare = (page) => page.evaluate(() => {
-  window.turnscale.view.drawNow();
+/** Share of points along the path at which its colour is drawn. */
+const drawnShare = (page) => page.evaluate(() => {
+  const { view, report } = window.turnscale;
+  view.drawNow();
   const canvas = document.querySelector('#view canvas');
-  const { data } = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height);
-  let coloured = 0;
-  for (let i = 0; i < data.length; i += 4) {
-    const [r, g, b] = data.slice(i, i + 3);
-    if (data[i + 3] > 128 && Math.max(r, g, b) - Math.min(r, g, b) > 60) coloured++;
+  const context = canvas.getContext('2d');
+  const ratio = canvas.width / canvas.clientWidth;
+  const count = report.path.time.length;
+  let drawn = 0;
+  for (let k = 1; k < 50; k++) {
+    const i = Math.floor((k / 50) * count);
+    const [r, g, b, a] = context.getImageData(Math.round(view.screen[2 * i] * ratio), Math.round(view.screen[2 * i + 1] * ratio), 1, 1).data;
+    if (a > 200 && Math.max(r, g, b) - Math.min(r, g, b) > 60) drawn++;
   }
-  return coloured / (data.length / 4);
+  return drawn / 49;
 });
+
+/** Moves the pointer onto the path, at this share of its points; gives the point's number. */
+async function pointAt(page, share) {
+  const box = await (await page.$('#view')).boundingBox();
+  const place = await page.evaluate((at) => {
+    const { view, report } = window.turnscale;
+    const index = Math.floor(report.path.time.length * at);
+    return { index, x: view.screen[2 * index], y: view.screen[2 * index + 1] };
+  }, share);
+  await page.mouse.move(box.x + place.x, box.y + place.y);
+  return place.index;
+}
+
+/** Pixels between two points of the path on the screen. */
+const apart = (page, i, k) => page.evaluate((a, b) => {
+  const { screen } = window.turnscale.view;
+  return Math.hypot(screen[2 * a] - screen[2 * b], screen[2 * a + 1] - screen[2 * b + 1]);
+}, i, k);
+
+/** What the tab key reaches, in order, and whether each shows that it has the focus. */
+async function tabStops(page) {
+  const stops = [];
+  await page.evaluate(() => { document.body.tabIndex = -1; document.body.focus(); });
+  for (let i = 0; i < 500; i++) {
+    await page.keyboard.press('Tab');
+    const stop = await page.evaluate(() => {
+      const at = document.activeElement;
+      return at === document.body ? null : { name: at.id || at.dataset.by || at.className || at.tagName.toLowerCase(), outline: getComputedStyle(at).outlineStyle };
+    });
+    if (!stop) break;
+    stops.push(stop);
+  }
+  return stops;
+}
 
 const ground = (page) => page.evaluate(() => getComputedStyle(document.documentElement).backgroundColor);
 
 async function checkReport(path) {
   const { page, problems } = await open(path);
-  assert.ok(await colouredShare(page) > 0.002, 'the path is drawn');
+  assert.ok(await drawnShare(page) > 0.8, 'the path is drawn where it is');
   assert.ok(await page.$$eval('.chart canvas', (all) => all.length) >= 3, 'charts');
   assert.ok(await page.$$eval('#turns tbody tr', (all) => all.length) >= 1, 'turns');
   assert.equal(await page.evaluate(() => document.documentElement.scrollWidth <= window.innerWidth), true, 'fits the width');
 
   // The pointer takes hold of the path, and all parts follow.
-  const box = await (await page.$('#view')).boundingBox();
-  const place = await page.evaluate(() => {
-    const { view, report } = window.turnscale;
-    const index = Math.floor(report.path.time.length * 0.6);
-    return { index, x: view.screen[2 * index], y: view.screen[2 * index + 1], time: report.path.time[index] };
-  });
-  await page.mouse.move(box.x + place.x, box.y + place.y);
+  const pointed = await pointAt(page, 0.6);
   await page.waitForFunction(() => window.turnscale.currentPlace > 0);
   const shown = await page.evaluate(() => ({ slider: Number(document.querySelector('#time').value), readout: document.querySelector('#readout').textContent }));
   const at = await page.evaluate(() => window.turnscale.currentPlace);
+  assert.ok(await apart(page, at, pointed) < 2, 'the place is the one that was pointed at');
   assert.equal(shown.slider, at);
   assert.match(shown.readout, /km\/h/);
+  const time = await page.evaluate(() => window.turnscale.report.path.time[window.turnscale.currentPlace]);
+  const minutes = `${String(Math.floor(time / 60) % 60).padStart(2, '0')}:`;
+  assert.ok((await page.$eval('#clock', (clock) => clock.textContent)).includes(minutes), 'the clock follows');
 
   // Keyboard.
   await page.focus('#view');
@@ -74,11 +110,35 @@ async function checkReport(path) {
   await page.keyboard.press('End');
   assert.equal(await page.evaluate(() => window.turnscale.currentPlace), await page.$eval('#time', (slider) => Number(slider.max)));
 
+  await page.keyboard.press('Home');
+  assert.equal(await page.evaluate(() => window.turnscale.currentPlace), 0);
+  await page.keyboard.press(' ');
+  await page.waitForFunction(() => window.turnscale.currentPlace > 0);
+  await page.keyboard.press('Escape');
+  const stopped = await page.evaluate(() => window.turnscale.currentPlace);
+  await wait(300);
+  assert.equal(await page.evaluate(() => window.turnscale.currentPlace), stopped, 'escape ends the play');
+  // On a button, arrow keys move along the path too.
+  await page.focus('#fit');
+  await page.keyboard.press('End');
+  await page.keyboard.press('ArrowLeft');
+  assert.equal(await page.evaluate(() => window.turnscale.currentPlace), await page.$eval('#time', (slider) => Number(slider.max) - 1));
+  const stops = await tabStops(page);
+  for (const name of ['theme', 'view-above', 'view-3d', 'speed', 'sigma', 'state', 'landmarks', 'zoom-in', 'zoom-out', 'fit', 'view', 'play', 'time', 'summary'])
+    assert.ok(stops.some((stop) => stop.name === name), `the tab key reaches ${name} (${stops.map((stop) => stop.name)})`);
+  assert.deepEqual(stops.filter((stop) => stop.outline === 'none').map((stop) => stop.name), [], 'the focus is visible');
+
   // Other views.
   await page.click('#view-3d');
   await wait(700);
-  assert.ok(await colouredShare(page) > 0.002, 'the path is drawn in 3-D');
-  for (const by of ['sigma', 'state', 'speed']) await page.click(`[data-by=${by}]`);
+  assert.ok(await drawnShare(page) > 0.8, 'the path is drawn in 3-D');
+  const legends = [];
+  for (const by of ['sigma', 'state', 'speed']) {
+    await page.click(`[data-by=${by}]`);
+    assert.ok(await drawnShare(page) > 0.8, `the path is drawn by ${by}`);
+    legends.push(await page.$eval('#legend', (legend) => legend.textContent));
+  }
+  assert.equal(new Set(legends).size, 3);
   const light = await ground(page);
   await page.click('#theme');
   assert.notEqual(await ground(page), light, 'dark');
@@ -92,12 +152,24 @@ test('the report of a rendered drive', async () => {
   const { page, problems } = await open(join(scratch, 'run/report.html'), { dark: true, width: 390, height: 844 });
   assert.equal(await ground(page), 'rgb(11, 16, 22)', 'dark where the system is');
   assert.equal(await page.evaluate(() => document.documentElement.scrollWidth <= window.innerWidth), true, 'fits a phone');
+  assert.ok(await drawnShare(page) > 0.8, 'the path is drawn in the dark');
+  const clipped = await page.$$eval('.fact dd', (all) => all.filter((dd) => dd.scrollWidth > dd.clientWidth).map((dd) => dd.textContent));
+  assert.deepEqual(clipped, [], 'all numbers fit');
   const picture = await page.$eval('#thumbnail', (image) => image.naturalWidth);
   assert.ok(picture > 200, 'a thumbnail is shown');
   const before = await page.$eval('#thumbnail', (image) => image.src);
   await page.evaluate(() => window.turnscale.moveTo(Infinity));
   assert.ok(await page.$eval('#thumbnail', (image) => image.src) !== before, 'thumbnails follow');
-  assert.ok((await page.pdf()).length > 20000, 'prints');
+  // Paper: light, of its own width, and all of the path in one canvas (paper shows a clear one above it as white).
+  await page.evaluate(() => window.dispatchEvent(new Event('beforeprint')));
+  assert.equal(await ground(page), 'rgb(255, 255, 255)');
+  assert.ok(await drawnShare(page) > 0.8, 'the path is drawn on paper');
+  assert.equal(await page.$eval('#view canvas + canvas', (canvas) => getComputedStyle(canvas).display), 'none');
+  const tooWide = await page.$$eval('.chart canvas', (all) => all.filter((canvas) => canvas.getBoundingClientRect().right > 700).length);
+  assert.equal(tooWide, 0, 'charts fit the paper');
+  await page.evaluate(() => window.dispatchEvent(new Event('afterprint')));
+  assert.equal(await ground(page), 'rgb(11, 16, 22)', 'dark again');
+  assert.ok((await page.pdf()).length > 100000, 'prints');
   assert.deepEqual(problems, []);
   await page.close();
 });
@@ -160,7 +232,16 @@ test('the live page follows a run and becomes its report', async () => {
   await page.click('#pause');
   await page.waitForFunction((before) => window.liveState.frame > before, {}, frame);
   await page.waitForFunction(() => document.querySelector('#thumbnail').naturalWidth > 200);
-  await page.waitForFunction(() => window.turnscale.currentPlace > 3);
+  await page.waitForFunction(() => window.turnscale.currentPlace > 8);
+  // A place that the reader points at stays; the image stays that of the present.
+  const pointed = await pointAt(page, 0.5);
+  await page.waitForFunction((index) => Math.abs(window.turnscale.currentPlace - index) <= 2, {}, pointed);
+  const path = await page.evaluate(() => window.liveState.path);
+  await page.waitForFunction((before) => window.liveState.path > before, {}, path);
+  assert.ok(await page.evaluate(() => !document.querySelector('#thumbnail').hidden), 'the image stays');
+  assert.ok(await page.evaluate(() => window.turnscale.currentPlace < window.turnscale.report.path.time.length - 1), 'the place is held');
+  await page.mouse.move(2, 2);
+  await page.waitForFunction(() => window.turnscale.currentPlace === window.turnscale.report.path.time.length - 1);
   assert.equal(await ended, 0);
   await page.waitForSelector('.fact', { timeout: 10000 });
   assert.ok(await page.$$eval('.chart', (all) => all.length) >= 3, 'the page is the report');
@@ -183,13 +264,13 @@ test('twenty viewers, stalled ones and ones that leave hurt nothing', async () =
     const socket = connect(Number(url.port), url.hostname, () => socket.destroy());
     socket.on('error', () => {});
   }
-  let answers = 0;
+  const answers = new Map();
   let over = false;
   const viewer = async (name) => {
     while (!over) {
       try {
         const state = await (await fetch(`${url}state.json?viewer=${name}`)).json();
-        answers++;
+        answers.set(name, (answers.get(name) ?? 0) + 1);
         if (state.finished) await (await fetch(`${url}report.html`)).text();
         else await (await fetch(`${url}image.jpg?${state.image}`)).arrayBuffer();
       } catch { /* the run has ended */ }
@@ -201,5 +282,8 @@ test('twenty viewers, stalled ones and ones that leave hurt nothing', async () =
   over = true;
   await Promise.all(viewers);
   stalled.forEach((socket) => socket.destroy());
-  assert.ok(answers > 40, `${answers} answers`);
+  assert.equal(answers.size, 20, 'every viewer was answered');
+  assert.ok(Math.min(...answers.values()) >= 2, `${[...answers.values()]} answers`);
+  const trajectory = (name) => readFileSync(join(scratch, name, 'trajectory.tum'), 'utf8');
+  assert.ok(trajectory('viewers') === trajectory('run'), 'the results are those of a run without viewers');
 });

@@ -11,11 +11,33 @@
 
 namespace turnscale {
 
-/// A path in the tests' folder that no other test, running at the same time, has.
+/// A new folder of this process, removed with what is in it when the process exits.
+class ScratchFolder {
+ public:
+  ScratchFolder() {
+    std::string path = ::testing::TempDir() + "turnscale_XXXXXX";
+    if (mkdtemp(path.data()) == nullptr) throw std::filesystem::filesystem_error("mkdtemp", path, std::error_code());
+    path_ = path;
+  }
+  ~ScratchFolder() {
+    std::error_code ignored;
+    if (getpid() == process_) std::filesystem::remove_all(path_, ignored);
+  }
+  ScratchFolder(const ScratchFolder&) = delete;
+  ScratchFolder& operator=(const ScratchFolder&) = delete;
+
+  const std::filesystem::path& Path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+  pid_t process_ = getpid();
+};
+
+/// A path where nothing is yet, and which no other process has.
 inline std::string ScratchPath(const std::string& name) {
+  static const ScratchFolder folder;
   const auto* test = ::testing::UnitTest::GetInstance()->current_test_info();
-  return ::testing::TempDir() + test->test_suite_name() + "_" + test->name() + "_" + std::to_string(getpid()) + "_" +
-         name;
+  return folder.Path() / (std::string(test->test_suite_name()) + "_" + test->name() + "_" + name);
 }
 
 /// What a file holds.

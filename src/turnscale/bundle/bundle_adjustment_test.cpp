@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: MIT
 #include "turnscale/bundle/bundle_adjustment.h"
 
+#include <algorithm>
 #include <cstring>
+#include <vector>
 
 #include <gtest/gtest.h>
+#include <opencv2/core/utility.hpp>
 
 #include "turnscale/bundle/ceres_reference.h"
+#include "turnscale/bundle/parts.h"
 #include "turnscale/bundle/synthetic_drive.h"
 
 namespace turnscale {
@@ -185,6 +189,34 @@ TEST(BundleAdjustment, StopsAtTheIterationLimit) {
   EXPECT_EQ(summary.message, "iteration limit");
   EXPECT_LT(summary.final_cost, summary.initial_cost);
   EXPECT_GT(summary.kkt_residual, 1e-9);
+}
+
+TEST(BundleAdjustment, HasTheSameBitsOnAnyNumberOfThreads) {
+  const int before = cv::getNumThreads();
+  std::vector<BundleProblem> adjusted;
+  for (const int threads : {1, 2}) {
+    cv::setNumThreads(threads);
+    adjusted.push_back(Window(4, 0.05));
+    AdjustBundle({}, adjusted.back());
+  }
+  cv::setNumThreads(before);
+  EXPECT_GT(PartsOf(adjusted[0].points.size()).size(), 2U) << "there is more than one part";
+  for (const BundleProblem& other : adjusted) {
+    EXPECT_EQ(other.points, adjusted[0].points);
+    for (std::size_t i = 0; i < other.camera_from_world.size(); ++i) {
+      EXPECT_EQ(other.camera_from_world[i].rotation.coeffs(), adjusted[0].camera_from_world[i].rotation.coeffs());
+      EXPECT_EQ(other.camera_from_world[i].translation, adjusted[0].camera_from_world[i].translation);
+    }
+  }
+}
+
+TEST(BundleAdjustment, PartsHoldAllPoints) {
+  for (const std::size_t points : {0, 1, 99, 100, 1234}) {
+    const std::vector<std::size_t> bounds = PartsOf(points);
+    EXPECT_EQ(bounds.front(), 0U);
+    EXPECT_EQ(bounds.back(), points);
+    EXPECT_TRUE(std::ranges::is_sorted(bounds));
+  }
 }
 
 }  // namespace

@@ -148,6 +148,14 @@ void MakeBlocks(const BundleProblem& problem, BundleStructure& structure) {
     }
   }
   structure.pair_block.reserve(pairs);
+  structure.first_pair.reserve(structure.first_edge.size());
+  std::size_t next_pair = 0;
+  for (std::size_t i = 0; i + 1 < structure.first_edge.size(); ++i) {
+    structure.first_pair.push_back(next_pair);
+    const auto edges = static_cast<std::size_t>(structure.first_edge[i + 1] - structure.first_edge[i]);
+    next_pair += edges * (edges + 1) / 2;
+  }
+  structure.first_pair.push_back(next_pair);
   ForEachPair(structure, [&](int row, int column) { structure.pair_block.push_back(table.at(row, column)); });
   const auto block_of = [&](const DistanceConstraint& held) {
     const auto [a, b] = ColumnsOf(structure, held);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <vector>
 
 #include <Eigen/Core>
@@ -31,6 +32,7 @@ struct BundleStructure {
   std::vector<int> edge_column;                 ///< by point, then column
   std::vector<int> first_edge;                  ///< of each point; one more entry than points
   std::vector<int> pair_block;                  ///< per point, per pair of edges i <= j: the block they fill
+  std::vector<std::size_t> first_pair;          ///< of each point, into `pair_block`
   std::vector<std::array<int, 2>> blocks;       ///< (row, column), row <= column
   std::vector<int> distance_block;              ///< block above the diagonal of each distance; -1: one end is fixed
   std::vector<int> measured_distance_block;     ///< the same for the measured distances

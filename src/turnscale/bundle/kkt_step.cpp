@@ -5,9 +5,12 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <numeric>
+#include <vector>
 
 #include <Eigen/Cholesky>
 
+#include "turnscale/bundle/parts.h"
 #include "turnscale/bundle/reprojection.h"
 #include "turnscale/geometry/rotation.h"
 
@@ -256,12 +259,13 @@ double TakeStep(const Pinhole& pinhole, const BundleStructure& structure, const 
       trial.rotations[camera] = turned.normalized().toRotationMatrix();
     }
   }
-  double cost = 0;
-  for (std::size_t i = 0; i < state.points.size(); ++i) {
-    cost += PlacePoint(pinhole, structure, state, equations, step, huber_threshold, i, trial);
-    if (!(cost < kInfinity)) return kInfinity;
-  }
-  return cost;
+  std::vector<double> costs(state.points.size());
+  ForEachPart(PartsOf(costs.size()), [&](std::size_t, std::size_t first, std::size_t last) {
+    for (std::size_t i = first; i < last; ++i)
+      costs[i] = PlacePoint(pinhole, structure, state, equations, step, huber_threshold, i, trial);
+  });
+  const double cost = std::accumulate(costs.begin(), costs.end(), 0.0);
+  return cost < kInfinity ? cost : kInfinity;
 }
 
 template double TakeStep<3>(const Pinhole&, const BundleStructure&, const BundleState&, const NormalEquations<3>&,

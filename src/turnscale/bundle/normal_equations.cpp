@@ -3,9 +3,11 @@
 
 #include <cmath>
 #include <cstddef>
+#include <vector>
 
 #include <Eigen/Cholesky>
 
+#include "turnscale/bundle/parts.h"
 #include "turnscale/bundle/reprojection.h"
 
 namespace turnscale {
@@ -49,6 +51,48 @@ bool NewtonIsSafe(const Pinhole& pinhole, const BundleStructure& structure, cons
     views.push_back(view);
   }
   return Eigen::LLT<Eigen::Matrix3d>(difference).info() == Eigen::Success;
+}
+
+/// Fills in points `first` to `last`, and sums up what they add to the cameras.
+template <int kDof>
+void LinearizePoints(const Pinhole& pinhole, const BundleStructure& structure, const BundleState& state,
+                     double huber_threshold, HessianKind kind, std::size_t first, std::size_t last,
+                     CameraSums<kDof>& sums, NormalEquations<kDof>& equations) {
+  using Equations = NormalEquations<kDof>;
+  sums.hessian.assign(structure.camera_of_column.size(), Equations::CameraMatrix::Zero());
+  sums.gradient.assign(structure.camera_of_column.size(), Equations::CameraVector::Zero());
+  ObservationModel<kDof> model;
+  std::vector<PointView> views;
+  for (std::size_t i = first; i < last; ++i) {
+    const bool newton =
+        kind == HessianKind::kNewton && NewtonIsSafe(pinhole, structure, state, huber_threshold, i, views);
+    equations.point_is_rough[i] = kind == HessianKind::kNewton && !newton;
+    double point_cost = 0;
+    Eigen::Matrix3d point_hessian = Eigen::Matrix3d::Zero();
+    Eigen::Vector3d point_gradient = Eigen::Vector3d::Zero();
+    for (int k = structure.first_observation[i]; k < structure.first_observation[i + 1]; ++k) {
+      const SolverObservation& seen = structure.observations[k];
+      const Eigen::Matrix3d& R = state.rotations[seen.camera];
+      if (newton) {
+        const PointView& view = views[k - structure.first_observation[i]];
+        ExpandNewton(view.model, R, view.x_in_camera, model);
+        point_cost += view.model.cost;
+      } else {
+        const Eigen::Vector3d x_in_camera = R * (state.points[i] - state.centres[seen.camera]);
+        point_cost += GaussNewtonModel(pinhole, R, x_in_camera, seen.pixel, seen.inverse_sigma, huber_threshold, model);
+      }
+      point_hessian += model.hessian.template bottomRightCorner<3, 3>();
+      point_gradient += model.gradient.template tail<3>();
+      if (seen.edge < 0) continue;
+      const int column = structure.edge_column[seen.edge];
+      sums.hessian[column] += model.hessian;
+      sums.gradient[column] += model.gradient;
+      equations.edge_hessian[seen.edge] += model.hessian.template rightCols<3>();
+    }
+    equations.point_cost[i] = point_cost;
+    equations.point_hessian[i] = point_hessian;
+    equations.point_gradient[i] = point_gradient;
+  }
 }
 
 /// A pivot below this share of its diagonal entry is nothing but rounding.
@@ -95,12 +139,39 @@ Eigen::VectorXd CameraDamping(const NormalEquations<kDof>& equations, double dam
   return added;
 }
 
-/// block -= a b^T, a column at a time: each entry of b is read once.
+/// block += a b^T, a column at a time: each entry of b is read once.
 template <int kDof>
-void SubtractOuterProduct(const Eigen::Matrix<double, kDof, 3>& a, const Eigen::Matrix<double, kDof, 3>& b,
-                          Eigen::Matrix<double, kDof, kDof>& block) {
+void AddOuterProduct(const Eigen::Matrix<double, kDof, 3>& a, const Eigen::Matrix<double, kDof, 3>& b,
+                     Eigen::Matrix<double, kDof, kDof>& block) {
   for (int column = 0; column < kDof; ++column) {
-    block.col(column) -= a.col(0) * b(column, 0) + a.col(1) * b(column, 1) + a.col(2) * b(column, 2);
+    block.col(column) += a.col(0) * b(column, 0) + a.col(1) * b(column, 1) + a.col(2) * b(column, 2);
+  }
+}
+
+/// Eliminates points `first` to `last`, and sums up what that takes from the cameras.
+template <int kDof>
+void EliminatePoints(const BundleStructure& structure, const NormalEquations<kDof>& equations, double damping,
+                     std::size_t first, std::size_t last, SchurPart<kDof>& part, SchurSystem<kDof>& system) {
+  part.blocks.assign(structure.blocks.size(), Eigen::Matrix<double, kDof, kDof>::Zero());
+  part.gradient.setZero(system.gradient.size());
+  part.track.resize(structure.longest_track);
+  const int* block = structure.pair_block.data() + structure.first_pair[first];
+  for (std::size_t i = first; i < last; ++i) {
+    Eigen::Matrix3d V = equations.point_hessian[i];
+    system.point_damping[i] = damping * V.diagonal();
+    V.diagonal() += system.point_damping[i];
+    const Eigen::Matrix3d F = InverseFactor(V);
+    system.inverse_factor[i] = F;
+    const Eigen::Vector3d reduced = F * equations.point_gradient[i];
+    const int first_edge = structure.first_edge[i];
+    const int edges = structure.first_edge[i + 1] - first_edge;
+    for (int a = 0; a < edges; ++a) {
+      part.track[a].noalias() = equations.edge_hessian[first_edge + a] * F.transpose();
+      part.gradient.template segment<kDof>(kDof * structure.edge_column[first_edge + a]) += part.track[a] * reduced;
+    }
+    for (int a = 0; a < edges; ++a) {
+      for (int b = a; b < edges; ++b) AddOuterProduct<kDof>(part.track[a], part.track[b], part.blocks[*block++]);
+    }
   }
 }
 
@@ -110,39 +181,18 @@ template <int kDof>
 void Linearize(const Pinhole& pinhole, const BundleStructure& structure, const BundleState& state,
                double huber_threshold, HessianKind kind, NormalEquations<kDof>& equations) {
   Clear(structure, state.points.size(), equations);
-  ObservationModel<kDof> model;
-  std::vector<PointView> views;
-  for (std::size_t i = 0; i < state.points.size(); ++i) {
-    const bool newton =
-        kind == HessianKind::kNewton && NewtonIsSafe(pinhole, structure, state, huber_threshold, i, views);
-    equations.point_is_rough[i] = kind == HessianKind::kNewton && !newton;
-    double point_cost = 0;
-    Eigen::Matrix3d point_hessian = Eigen::Matrix3d::Zero();
-    Eigen::Vector3d point_gradient = Eigen::Vector3d::Zero();
-    for (int k = structure.first_observation[i]; k < structure.first_observation[i + 1]; ++k) {
-      const SolverObservation& seen = structure.observations[k];
-      const Eigen::Matrix3d& R = state.rotations[seen.camera];
-      if (newton) {
-        const PointView& view = views[k - structure.first_observation[i]];
-        ExpandNewton(view.model, R, view.x_in_camera, model);
-        point_cost += view.model.cost;
-      } else {
-        const Eigen::Vector3d x_in_camera = R * (state.points[i] - state.centres[seen.camera]);
-        point_cost += GaussNewtonModel(pinhole, R, x_in_camera, seen.pixel, seen.inverse_sigma, huber_threshold, model);
-      }
-      point_hessian += model.hessian.template bottomRightCorner<3, 3>();
-      point_gradient += model.gradient.template tail<3>();
-      if (seen.edge < 0) continue;
-      const int column = structure.edge_column[seen.edge];
-      equations.camera_hessian[column] += model.hessian;
-      equations.camera_gradient[column] += model.gradient;
-      equations.edge_hessian[seen.edge] += model.hessian.template rightCols<3>();
+  const std::vector<std::size_t> bounds = PartsOf(state.points.size());
+  equations.parts.resize(bounds.size() - 1);
+  ForEachPart(bounds, [&](std::size_t part, std::size_t first, std::size_t last) {
+    LinearizePoints(pinhole, structure, state, huber_threshold, kind, first, last, equations.parts[part], equations);
+  });
+  for (const CameraSums<kDof>& sum : equations.parts) {
+    for (std::size_t i = 0; i < sum.hessian.size(); ++i) {
+      equations.camera_hessian[i] += sum.hessian[i];
+      equations.camera_gradient[i] += sum.gradient[i];
     }
-    equations.cost += point_cost;
-    equations.point_cost[i] = point_cost;
-    equations.point_hessian[i] = point_hessian;
-    equations.point_gradient[i] = point_gradient;
   }
+  for (const double point_cost : equations.point_cost) equations.cost += point_cost;
 }
 
 template void Linearize<3>(const Pinhole&, const BundleStructure&, const BundleState&, double, HessianKind,
@@ -159,7 +209,6 @@ void Eliminate(const BundleStructure& structure, const NormalEquations<kDof>& eq
   system.gradient.resize(kDof * static_cast<Eigen::Index>(columns));
   system.inverse_factor.resize(points);
   system.point_damping.resize(points);
-  system.track.resize(structure.longest_track);
   system.damping = CameraDamping(equations, damping);
   for (std::size_t i = 0; i < columns; ++i) {
     const Eigen::Index row = kDof * static_cast<Eigen::Index>(i);
@@ -168,25 +217,14 @@ void Eliminate(const BundleStructure& structure, const NormalEquations<kDof>& eq
     system.gradient.template segment<kDof>(row) = equations.camera_gradient[i];
   }
 
-  const int* block = structure.pair_block.data();
-  for (std::size_t i = 0; i < points; ++i) {
-    Eigen::Matrix3d V = equations.point_hessian[i];
-    system.point_damping[i] = damping * V.diagonal();
-    V.diagonal() += system.point_damping[i];
-    const Eigen::Matrix3d F = InverseFactor(V);
-    system.inverse_factor[i] = F;
-    const Eigen::Vector3d reduced = F * equations.point_gradient[i];
-    const int first = structure.first_edge[i];
-    const int edges = structure.first_edge[i + 1] - first;
-    for (int a = 0; a < edges; ++a) {
-      system.track[a].noalias() = equations.edge_hessian[first + a] * F.transpose();
-      system.gradient.template segment<kDof>(kDof * structure.edge_column[first + a]) -= system.track[a] * reduced;
-    }
-    for (int a = 0; a < edges; ++a) {
-      for (int b = a; b < edges; ++b) {
-        SubtractOuterProduct<kDof>(system.track[a], system.track[b], system.blocks[*block++]);
-      }
-    }
+  const std::vector<std::size_t> bounds = PartsOf(points);
+  system.parts.resize(bounds.size() - 1);
+  ForEachPart(bounds, [&](std::size_t part, std::size_t first, std::size_t last) {
+    EliminatePoints(structure, equations, damping, first, last, system.parts[part], system);
+  });
+  for (const SchurPart<kDof>& part : system.parts) {
+    for (std::size_t i = 0; i < part.blocks.size(); ++i) system.blocks[i] -= part.blocks[i];
+    system.gradient -= part.gradient;
   }
 }
 
@@ -205,15 +243,17 @@ void BackSubstitute(const BundleStructure& structure, const NormalEquations<kDof
                     const SchurSystem<kDof>& system, const Eigen::VectorXd& camera_step,
                     std::vector<Eigen::Vector3d>& point_step) {
   point_step.resize(equations.point_hessian.size());
-  for (std::size_t i = 0; i < point_step.size(); ++i) {
-    Eigen::Vector3d gradient = equations.point_gradient[i];
-    for (int k = structure.first_edge[i]; k < structure.first_edge[i + 1]; ++k) {
-      gradient.noalias() +=
-          equations.edge_hessian[k].transpose() * camera_step.template segment<kDof>(kDof * structure.edge_column[k]);
+  ForEachPart(PartsOf(point_step.size()), [&](std::size_t, std::size_t first, std::size_t last) {
+    for (std::size_t i = first; i < last; ++i) {
+      Eigen::Vector3d gradient = equations.point_gradient[i];
+      for (int k = structure.first_edge[i]; k < structure.first_edge[i + 1]; ++k) {
+        gradient.noalias() +=
+            equations.edge_hessian[k].transpose() * camera_step.template segment<kDof>(kDof * structure.edge_column[k]);
+      }
+      const Eigen::Matrix3d& F = system.inverse_factor[i];
+      point_step[i] = -(F.transpose() * (F * gradient));
     }
-    const Eigen::Matrix3d& F = system.inverse_factor[i];
-    point_step[i] = -(F.transpose() * (F * gradient));
-  }
+  });
 }
 
 template void Eliminate<3>(const BundleStructure&, const NormalEquations<3>&, double, SchurSystem<3>&);

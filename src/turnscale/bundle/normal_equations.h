@@ -11,6 +11,13 @@
 
 namespace turnscale {
 
+/// What a part of the points adds to the model in the cameras' unknowns, by column.
+template <int kDof>
+struct CameraSums {
+  std::vector<Eigen::Matrix<double, kDof, kDof>> hessian;
+  std::vector<Eigen::Matrix<double, kDof, 1>> gradient;
+};
+
 /// Quadratic model of the cost at a state, in blocks. Camera unknowns are (phi, delta) per column, with the centre
 /// going to c - delta (see ObservationModel); kDof = 3 leaves phi out.
 template <int kDof>
@@ -27,6 +34,7 @@ struct NormalEquations {
   std::vector<double> point_cost;
   std::vector<char> point_is_rough;  ///< the exact Hessian was wanted, but the point got Gauss-Newton's
   double cost = 0;
+  std::vector<CameraSums<kDof>> parts;  ///< scratch
 };
 
 enum class HessianKind {
@@ -38,6 +46,14 @@ template <int kDof>
 void Linearize(const Pinhole& pinhole, const BundleStructure& structure, const BundleState& state,
                double huber_threshold, HessianKind kind, NormalEquations<kDof>& equations);
 
+/// What the elimination of a part of the points takes from the cameras.
+template <int kDof>
+struct SchurPart {
+  std::vector<Eigen::Matrix<double, kDof, kDof>> blocks;  ///< as BundleStructure::blocks
+  Eigen::VectorXd gradient;
+  std::vector<Eigen::Matrix<double, kDof, 3>> track;  ///< scratch: one point's edges times F^T
+};
+
 /// What is left of the normal equations once the points are eliminated: S step = -gradient in the camera columns.
 template <int kDof>
 struct SchurSystem {
@@ -46,7 +62,7 @@ struct SchurSystem {
   Eigen::VectorXd damping;                                ///< what was added to the cameras' diagonal
   std::vector<Eigen::Matrix3d> inverse_factor;            ///< of each point's damped Hessian V: V^-1 = F^T F
   std::vector<Eigen::Vector3d> point_damping;             ///< what was added to the points' diagonal
-  std::vector<Eigen::Matrix<double, kDof, 3>> track;      ///< scratch: one point's edges times F^T
+  std::vector<SchurPart<kDof>> parts;                     ///< scratch
 };
 
 /// Adds `damping` times the diagonal (which makes the result independent of the unit of length) and eliminates the

@@ -4,13 +4,12 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
-#include <fstream>
-#include <iterator>
 #include <limits>
 #include <numeric>
 #include <optional>
 
 #include "turnscale/base/error.h"
+#include "turnscale/base/file_text.h"
 #include "turnscale/base/number_text.h"
 
 namespace turnscale {
@@ -19,11 +18,9 @@ namespace {
 std::string ReadText(const std::filesystem::path& path) {
   std::error_code error;
   if (!std::filesystem::exists(path, error)) throw InputError(path.string() + ": no such file");
-  std::ifstream stream(path, std::ios::binary);
-  if (!std::filesystem::is_regular_file(path, error) || !stream) {
-    throw InputError(path.string() + ": cannot be read as a YAML file");
-  }
-  return {std::istreambuf_iterator<char>(stream), {}};
+  std::optional<std::string> text = FileText(path);
+  if (!text) throw InputError(path.string() + ": cannot be read as a YAML file");
+  return *std::move(text);
 }
 
 // OpenCV heads its files with "%YAML:1.0", which is no YAML directive; as a comment it keeps the line numbers.

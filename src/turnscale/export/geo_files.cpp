@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <vector>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -35,13 +36,14 @@ std::string KmlValues(const GeoTrack& track, const char* name,
                       const std::function<double(const SpeedReading&)>& value) {
   std::string text = fmt::format("<gx:SimpleArrayData name=\"{}\">\n", name);
   for (const GeoPlace& place : track.places)
-    text += place.speed ? fmt::format("<gx:value>{:.3f}</gx:value>\n", value(*place.speed)) : "<gx:value/>\n";
+    text += place.speed && std::isfinite(value(*place.speed))
+                ? fmt::format("<gx:value>{:.3f}</gx:value>\n", value(*place.speed))
+                : "<gx:value/>\n";
   return text + "</gx:SimpleArrayData>\n";
 }
 
 std::string KmlTrack(const GeoTrack& track) {
   std::string text = "<Placemark>\n<name>Path</name>\n<styleUrl>#path</styleUrl>\n<gx:Track>\n";
-  text += track.has_height ? "<altitudeMode>absolute</altitudeMode>\n" : "";
   for (const GeoPlace& place : track.places)
     text += "<when>" + UtcTimeText(*track.start_time + place.time) + "</when>\n";
   for (const GeoPlace& place : track.places) text += "<gx:coord>" + KmlCoordinates(track, place, ' ') + "</gx:coord>\n";
@@ -53,16 +55,55 @@ std::string KmlTrack(const GeoTrack& track) {
 
 std::string KmlLine(const GeoTrack& track) {
   std::string text = "<Placemark>\n<name>Path</name>\n<styleUrl>#path</styleUrl>\n<LineString>\n";
-  text += track.has_height ? "<altitudeMode>absolute</altitudeMode>\n" : "<tessellate>1</tessellate>\n";
+  text += "<tessellate>1</tessellate>\n";
   text += "<coordinates>\n";
   for (const GeoPlace& place : track.places) text += KmlCoordinates(track, place, ',') + "\n";
   return text + "</coordinates>\n</LineString>\n</Placemark>\n";
 }
 
-Json Position(const GeoTrack& track, const GeoPoint& point) {
-  Json position = {Degrees(point.longitude), Degrees(point.latitude)};
-  if (track.has_height) position.push_back(std::round(point.height * 100) / 100);
-  return position;
+Json Position(const GeoPoint& point) { return {Degrees(point.longitude), Degrees(point.latitude)}; }
+
+// Where a step from `a` to `b` crosses the 180th meridian, on the side of `a`.
+GeoPlace Crossing(const GeoPlace& a, const GeoPlace& b) {
+  const double side = a.point.longitude < 0 ? -180 : 180;
+  const double to_b = b.point.longitude + 2 * side - a.point.longitude;
+  const double share = to_b == 0 ? 0 : (side - a.point.longitude) / to_b;
+  GeoPlace at = a;
+  at.time = std::lerp(a.time, b.time, share);
+  at.point = {std::lerp(a.point.latitude, b.point.latitude, share), side,
+              std::lerp(a.point.height, b.point.height, share)};
+  at.speed.reset();
+  return at;
+}
+
+// Parts that do not cross the 180th meridian.
+std::vector<std::vector<GeoPlace>> CutAtMeridian(const std::vector<GeoPlace>& places) {
+  std::vector<std::vector<GeoPlace>> parts(1);
+  for (const GeoPlace& place : places) {
+    std::vector<GeoPlace>& part = parts.back();
+    const bool crosses = !part.empty() && std::abs(place.point.longitude - part.back().point.longitude) > 180;
+    if (crosses) {
+      const GeoPlace end = Crossing(part.back(), place);
+      GeoPlace begin = end;
+      begin.point.longitude = -end.point.longitude;
+      part.push_back(end);
+      parts.push_back({begin});
+    }
+    parts.back().push_back(place);
+  }
+  return parts;
+}
+
+Json Rounded(double value) {
+  constexpr double kSteps = 1e4;
+  return std::isfinite(value) ? Json(std::round(value * kSteps) / kSteps) : Json(nullptr);
+}
+
+// One value per position.
+Json Column(const std::vector<GeoPlace>& places, const std::function<Json(const GeoPlace&)>& value) {
+  Json column = Json::array();
+  for (const GeoPlace& place : places) column.push_back(value(place));
+  return column;
 }
 
 }  // namespace
@@ -84,10 +125,14 @@ std::string GpxText(const GeoTrack& track) {
     if (place.speed) {
       text += fmt::format(
           "<gpxtpx:TrackPointExtension><gpxtpx:speed>{:.3f}</gpxtpx:speed></gpxtpx:TrackPointExtension>"
-          "<turnscale:speed>{:.3f}</turnscale:speed><turnscale:speed_sigma>{:.3f}</turnscale:speed_sigma>",
-          std::abs(place.speed->speed), place.speed->speed, place.speed->sigma);
+          "<turnscale:speed>{:.3f}</turnscale:speed>",
+          std::abs(place.speed->speed), place.speed->speed);
+      if (std::isfinite(place.speed->sigma))
+        text += fmt::format("<turnscale:speed_sigma>{:.3f}</turnscale:speed_sigma>", place.speed->sigma);
     }
-    text += fmt::format("<turnscale:scale_sigma>{:.5f}</turnscale:scale_sigma></extensions></trkpt>\n", place.sigma);
+    if (std::isfinite(place.sigma))
+      text += fmt::format("<turnscale:scale_sigma>{:.5f}</turnscale:scale_sigma>", place.sigma);
+    text += "</extensions></trkpt>\n";
   }
   return text + "</trkseg>\n</trk>\n</gpx>\n";
 }
@@ -114,33 +159,37 @@ std::string KmlText(const GeoTrack& track) {
 }
 
 std::string GeoJsonText(const GeoTrack& track) {
-  Json positions = Json::array();
-  Json times = Json::array();
-  Json seconds = Json::array();
-  Json speeds = Json::array();
-  Json speed_sigmas = Json::array();
-  Json sigmas = Json::array();
-  const auto rounded = [](double value) { return std::round(value * 1e4) / 1e4; };
-  for (const GeoPlace& place : track.places) {
-    positions.push_back(Position(track, place.point));
-    seconds.push_back(rounded(place.time));
-    if (track.start_time) times.push_back(UtcTimeText(*track.start_time + place.time));
-    speeds.push_back(place.speed ? Json(rounded(place.speed->speed)) : Json(nullptr));
-    speed_sigmas.push_back(place.speed ? Json(rounded(place.speed->sigma)) : Json(nullptr));
-    sigmas.push_back(std::isfinite(place.sigma) ? Json(rounded(place.sigma)) : Json(nullptr));
-  }
-  Json readings = {
-      {"seconds", seconds}, {"speed_mps", speeds}, {"speed_sigma_mps", speed_sigmas}, {"scale_sigma", sigmas}};
-  if (track.start_time) readings["times"] = times;
+  const std::vector<std::vector<GeoPlace>> parts = CutAtMeridian(track.places);
+  // A list per part if there are several.
+  const auto of_parts = [&](const std::function<Json(const GeoPlace&)>& value) {
+    if (parts.size() == 1) return Column(parts.front(), value);
+    Json all = Json::array();
+    for (const std::vector<GeoPlace>& part : parts) all.push_back(Column(part, value));
+    return all;
+  };
+  const auto of_speed = [&](double SpeedReading::*value) {
+    return of_parts([value](const GeoPlace& place) { return place.speed ? Rounded(*place.speed.*value) : Json(); });
+  };
+  Json readings = {{"seconds", of_parts([](const GeoPlace& place) { return Rounded(place.time); })},
+                   {"speed_mps", of_speed(&SpeedReading::speed)},
+                   {"speed_sigma_mps", of_speed(&SpeedReading::sigma)},
+                   {"scale_sigma", of_parts([](const GeoPlace& place) { return Rounded(place.sigma); })}};
+  if (track.start_time)
+    readings["times"] =
+        of_parts([&](const GeoPlace& place) { return Json(UtcTimeText(*track.start_time + place.time)); });
+  if (track.has_height)
+    readings["height_m"] = of_parts([](const GeoPlace& place) { return Rounded(place.point.height); });
   Json features = Json::array();
   features.push_back({{"type", "Feature"},
-                      {"geometry", {{"type", "LineString"}, {"coordinates", positions}}},
+                      {"geometry",
+                       {{"type", parts.size() == 1 ? "LineString" : "MultiLineString"},
+                        {"coordinates", of_parts([](const GeoPlace& place) { return Position(place.point); })}}},
                       {"properties", {{"name", track.name}, {"coordinateProperties", readings}}}});
   for (size_t i = 0; i < track.turns.size(); ++i) {
     features.push_back(
         {{"type", "Feature"},
-         {"geometry", {{"type", "Point"}, {"coordinates", Position(track, track.turns[i].point)}}},
-         {"properties", {{"name", fmt::format("Turn {}", i + 1)}, {"seconds", rounded(track.turns[i].time)}}}});
+         {"geometry", {{"type", "Point"}, {"coordinates", Position(track.turns[i].point)}}},
+         {"properties", {{"name", fmt::format("Turn {}", i + 1)}, {"seconds", Rounded(track.turns[i].time)}}}});
   }
   const Json json = {{"type", "FeatureCollection"}, {"features", features}};
   return json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";

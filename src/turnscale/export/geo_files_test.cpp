@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "turnscale/export/geo_files.h"
 
+#include <algorithm>
+#include <cmath>
 #include <string>
+#include <utility>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -67,7 +70,43 @@ TEST(GeoFiles, GeoJsonIsLongitudeFirst) {
   EXPECT_TRUE(readings["speed_mps"][0].is_null());
   EXPECT_EQ(json["features"][1]["geometry"]["type"], "Point");
   track.has_height = true;
-  EXPECT_EQ(nlohmann::json::parse(GeoJsonText(track))["features"][0]["geometry"]["coordinates"][0].size(), 3u);
+  const auto high = nlohmann::json::parse(GeoJsonText(track))["features"][0];
+  EXPECT_EQ(high["geometry"]["coordinates"][0].size(), 2u) << "a third number would be above the ellipsoid";
+  EXPECT_EQ(high["properties"]["coordinateProperties"]["height_m"][0], 0);
+}
+
+// RFC 7946, 3.1.9: a line is cut at the 180th meridian.
+TEST(GeoFiles, GeoJsonIsCutAtTheMeridian) {
+  GeoTrack track;
+  for (const auto& [time, longitude] : {std::pair(0.0, 179.9998), {1.0, 179.9999}, {2.0, -179.9998}, {3.0, -179.9997}})
+    track.places.push_back({time, {10 + 0.003 * time, longitude, 0}, SpeedReading{time, 10, 0.2}, 0.02});
+  const auto line = nlohmann::json::parse(GeoJsonText(track))["features"][0];
+  EXPECT_EQ(line["geometry"]["type"], "MultiLineString");
+  const auto& parts = line["geometry"]["coordinates"];
+  ASSERT_EQ(parts.size(), 2u);
+  ASSERT_EQ(parts[0].size(), 3u);
+  ASSERT_EQ(parts[1].size(), 3u);
+  EXPECT_EQ(parts[0][2], nlohmann::json::parse("[180.0, 10.004]")) << "after a third of the step";
+  EXPECT_EQ(parts[1][0], nlohmann::json::parse("[-180.0, 10.004]"));
+  const auto& readings = line["properties"]["coordinateProperties"];
+  EXPECT_NEAR(readings["seconds"][0][2].get<double>(), 4 / 3.0, 1e-4);
+  EXPECT_TRUE(readings["speed_mps"][1][0].is_null());
+  EXPECT_EQ(readings["speed_mps"][1].size(), 3u);
+  // And the other way round.
+  std::reverse(track.places.begin(), track.places.end());
+  const auto back = nlohmann::json::parse(GeoJsonText(track))["features"][0]["geometry"]["coordinates"];
+  EXPECT_EQ(back[0][2][0], -180);
+  EXPECT_EQ(back[1][0][0], 180);
+}
+
+TEST(GeoFiles, WhatIsNotKnownIsLeftOut) {
+  GeoTrack track = Track();
+  for (GeoPlace& place : track.places) {
+    place.sigma = NAN;
+    if (place.speed) place.speed->sigma = NAN;
+  }
+  for (const std::string& text : {GpxText(track), KmlText(track), GeoJsonText(track)})
+    EXPECT_EQ(text.find("nan"), std::string::npos) << text;
 }
 
 }  // namespace

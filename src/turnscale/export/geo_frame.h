@@ -9,7 +9,7 @@ namespace turnscale {
 struct GeoPoint {
   double latitude = 0;   ///< degrees, north positive
   double longitude = 0;  ///< degrees, east positive
-  double height = 0;     ///< metres above the ellipsoid
+  double height = 0;     ///< metres, above the ellipsoid or the sea as its source has it
 };
 
 /// Local axes east, north, up (metres) at a place.

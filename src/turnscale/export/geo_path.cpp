@@ -11,23 +11,15 @@ namespace turnscale {
 std::vector<LevelPlace> LevelPath(const ResultFolder& results, const std::string& name) {
   const Trajectory poses = results.Poses();
   if (poses.empty()) throw InputError(name + ": the run has no path");
-  if (results.speeds.empty())
+  if (!results.metric)
     throw InputError(name + ": the path is not in metres; run the drive again with --lever-arm, and with a slow turn");
   const Eigen::Quaterniond level_from_world = LevelFromWorld(poses, results.vehicle_from_body);
   const Eigen::Vector3d origin = poses.front().world_from_camera.translation;
   std::vector<LevelPlace> path;
-  auto reading = results.speeds.begin();
-  constexpr double kSame = 1e-6;  // seconds
   for (const FrameResult& frame : results.frames) {
     if (!frame.world_from_camera) continue;
-    LevelPlace place{frame.time,
-                     level_from_world * (frame.world_from_camera->translation - origin),
-                     {},
-                     frame.scale_sigma,
-                     frame.frame};
-    while (reading != results.speeds.end() && reading->time < frame.time - kSame) ++reading;
-    if (reading != results.speeds.end() && reading->time < frame.time + kSame) place.speed = *reading;
-    path.push_back(place);
+    path.push_back({frame.time, level_from_world * (frame.world_from_camera->translation - origin),
+                    SpeedAt(results.speeds, frame.time), frame.scale_sigma, frame.frame});
   }
   return path;
 }

@@ -39,6 +39,8 @@ TEST(GeoPath, ThePathBeginsAtTheOrigin) {
 TEST(GeoPath, NeedsMetres) {
   ResultFolder results = TestResults(10);
   results.speeds.clear();
+  EXPECT_EQ(LevelPath(results, "out").size(), 10u) << "results of a version that wrote no speeds";
+  results.metric = false;
   EXPECT_THROW(LevelPath(results, "out"), InputError);
   EXPECT_THROW(LevelPath({}, "out"), InputError);
 }

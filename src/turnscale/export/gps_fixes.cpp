@@ -40,6 +40,7 @@ struct PlaneFit {
 
 constexpr double kTukey = 4.685;      // standard deviations; 95 % efficient on Gaussian noise
 constexpr size_t kMostPairsOf = 150;  // fixes whose pairs are tried as a start
+constexpr size_t kMostJudges = 1000;  // fixes that judge them
 constexpr double kLeastBaseline = 5;  // standard deviations of a fix
 constexpr int kIterations = 50;
 
@@ -65,6 +66,7 @@ class Fitter {
     PlaneFit best;
     double least = std::numeric_limits<double>::infinity();
     const size_t stride = pairs_.size() / kMostPairsOf + 1;
+    const size_t judge_stride = pairs_.size() / kMostJudges + 1;
     for (size_t i = 0; i < pairs_.size(); i += stride) {
       for (size_t k = i + stride; k < pairs_.size(); k += stride) {
         const Correspondence& a = pairs_[i];
@@ -75,7 +77,7 @@ class Fitter {
         fit.scale = (b.fix - a.fix).norm() / (b.path - a.path).norm();
         fit.shift = 0.5 * (a.fix + b.fix) - fit * Vector2d(0.5 * (a.path + b.path));
         double cost = 0;
-        for (const Correspondence& pair : pairs_) cost += TukeyCost(Deviation(fit, pair));
+        for (size_t j = 0; j < pairs_.size(); j += judge_stride) cost += TukeyCost(Deviation(fit, pairs_[j]));
         if (cost >= least) continue;
         least = cost;
         best = fit;
@@ -104,9 +106,8 @@ class Fitter {
     return rigid;
   }
 
-  FixPlacement Describe(const PlaneFit& fit) const {
+  FixPlacement Describe(const PlaneFit& fit, const PlaneFit& rigid) const {
     const Sums sums = SumsOf(fit);
-    const PlaneFit rigid = Rigid(fit);
     FixPlacement described;
     described.fixes = static_cast<int>(pairs_.size());
     double squares = 0;
@@ -171,14 +172,14 @@ class Fitter {
   std::vector<Correspondence> pairs_;
 };
 
-std::optional<Vector2d> PathAt(const std::vector<LevelPlace>& path, double time) {
+std::optional<Eigen::Vector3d> PathAt(const std::vector<LevelPlace>& path, double time) {
   const auto after = std::lower_bound(path.begin(), path.end(), time,
                                       [](const LevelPlace& place, double t) { return place.time < t; });
   if (after == path.end() || (after == path.begin() && after->time > time)) return std::nullopt;
-  if (after == path.begin()) return after->position.head<2>();
+  if (after == path.begin()) return after->position;
   const LevelPlace& before = *(after - 1);
   const double share = (time - before.time) / (after->time - before.time);
-  return (1 - share) * before.position.head<2>() + share * after->position.head<2>();
+  return Eigen::Vector3d((1 - share) * before.position + share * after->position);
 }
 
 }  // namespace
@@ -207,10 +208,13 @@ std::vector<GpsFix> ReadGpsFixes(const std::filesystem::path& path, std::optiona
     }
     fix.point.latitude = table.Value<double>(latitude);
     fix.point.longitude = table.Value<double>(longitude);
-    if (has_height) fix.point.height = table.ValueOrNone<double>(table.Column("height")).value_or(0);
+    const auto height = has_height ? table.ValueOrNone<double>(table.Column("height")) : std::nullopt;
+    fix.has_height = height.has_value();
+    fix.point.height = height.value_or(0);
     if (has_sigma) fix.sigma = table.ValueOrNone<double>(table.Column("sigma")).value_or(fix.sigma);
     const bool sane = std::isfinite(fix.time) && std::abs(fix.point.latitude) < 90 &&
-                      std::abs(fix.point.longitude) <= 180 && fix.sigma > 0 && std::isfinite(fix.sigma);
+                      std::abs(fix.point.longitude) <= 180 && fix.sigma > 0 && std::isfinite(fix.sigma) &&
+                      std::isfinite(fix.point.height);
     if (!sane) throw InputError(table.Where() + ": is not a position with degrees and a positive sigma");
     if (!fixes.empty() && fix.time <= fixes.back().time)
       throw InputError(table.Where() + ": its time does not come after that of the line before");
@@ -224,11 +228,11 @@ FixPlacement PlaceByFixes(const std::vector<LevelPlace>& path, const std::vector
   std::vector<double> heights;
   std::optional<GeoFrame> frame;
   for (const GpsFix& fix : fixes) {
-    const std::optional<Vector2d> place = PathAt(path, fix.time);
+    const std::optional<Eigen::Vector3d> place = PathAt(path, fix.time);
     if (!place) continue;
     if (!frame) frame.emplace(fix.point);
-    pairs.push_back({*place, frame->ToLocal(fix.point).head<2>(), fix.sigma});
-    heights.push_back(fix.point.height);
+    pairs.push_back({place->head<2>(), frame->ToLocal(fix.point).head<2>(), fix.sigma});
+    if (fix.has_height) heights.push_back(fix.point.height - place->z());
   }
   if (pairs.size() < 2) {
     throw InputError(fmt::format("--fixes: {} of {} lie within the drive, from {:.1f} s to {:.1f} s; give at least 2",
@@ -236,10 +240,11 @@ FixPlacement PlaceByFixes(const std::vector<LevelPlace>& path, const std::vector
   }
   const Fitter fitter(std::move(pairs));
   const PlaneFit fit = fitter.Refined(fitter.BestPair());
-  FixPlacement placed = fitter.Describe(fit);
-  const Vector2d start = fitter.Rigid(fit).shift;
-  GeoPoint origin = frame->FromLocal({start.x(), start.y(), 0});
-  origin.height = Median(heights);
+  const PlaneFit rigid = fitter.Rigid(fit);
+  FixPlacement placed = fitter.Describe(fit, rigid);
+  GeoPoint origin = frame->FromLocal({rigid.shift.x(), rigid.shift.y(), 0});
+  placed.has_height = !heights.empty();
+  origin.height = placed.has_height ? Median(heights) : 0;
   placed.placement = {origin, std::remainder(fit.heading, 2 * M_PI)};
   if (placed.placement.heading < 0) placed.placement.heading += 2 * M_PI;
   return placed;

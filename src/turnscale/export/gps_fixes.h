@@ -13,7 +13,8 @@ namespace turnscale {
 struct GpsFix {
   double time = 0;  ///< seconds of the drive
   GeoPoint point;
-  double sigma = 5;  ///< metres, horizontal
+  double sigma = 5;         ///< metres, horizontal
+  bool has_height = false;  ///< of the point
 };
 
 /// Reads a table with the columns time, latitude and longitude (degrees), and optionally height and sigma (metres), in
@@ -24,6 +25,7 @@ std::vector<GpsFix> ReadGpsFixes(const std::filesystem::path& path, std::optiona
 /// The path laid on fixes by rotation and shift, without a change of scale.
 struct FixPlacement {
   Placement placement;
+  bool has_height = false;   ///< of the origin: the median of what the fixes say
   double heading_sigma = 0;  ///< rad
   int fixes = 0;             ///< during the drive
   int outliers = 0;          ///< of them, not used

@@ -32,7 +32,7 @@ std::vector<GpsFix> NoisyFixes(const std::vector<LevelPlace>& path, unsigned see
     Eigen::Vector3d place = path_scale * EastNorthUp(path[i].position, kTruth.heading);
     place += Eigen::Vector3d(5 * random.Gaussian(), 5 * random.Gaussian(), 0);
     if (i % 100 == 30) place += Eigen::Vector3d(random.Uniform(40, 400), random.Uniform(-200, 200), 0);
-    fixes.push_back({path[i].time, frame.FromLocal(place), 5});
+    fixes.push_back({path[i].time, frame.FromLocal(place), 5, true});
   }
   return fixes;
 }
@@ -42,11 +42,13 @@ TEST(GpsFixes, GiveTheHeadingInNoiseAndOutliers) {
   int within = 0;
   constexpr int kSeeds = 40;
   double squares = 0;
+  double total = 0;
   for (unsigned seed = 1; seed <= kSeeds; ++seed) {
     const FixPlacement placed = PlaceByFixes(path, NoisyFixes(path, seed));
     const double error = std::remainder(placed.placement.heading - kTruth.heading, 2 * M_PI) * kDegreesPerRadian;
     EXPECT_LT(std::abs(error), 1.0) << seed;
     within += std::abs(error) < 0.5 ? 1 : 0;
+    total = std::hypot(total, error);
     squares += std::pow(error / (placed.heading_sigma * kDegreesPerRadian), 2);
     EXPECT_GE(placed.outliers, 5) << seed;
     EXPECT_LE(placed.outliers, 8) << seed;
@@ -54,6 +56,7 @@ TEST(GpsFixes, GiveTheHeadingInNoiseAndOutliers) {
     EXPECT_NEAR(placed.scale, 1, 4 * placed.scale_sigma) << seed;
   }
   EXPECT_GE(within, kSeeds * 9 / 10);
+  EXPECT_LT(total, 0.5 * std::sqrt(kSeeds)) << "0.5 degrees RMS";
   EXPECT_NEAR(std::sqrt(squares / kSeeds), 1, 0.35) << "the sigma is that of the errors";
 }
 
@@ -80,6 +83,31 @@ TEST(GpsFixes, OfALongDriveAreNoOutliersForItsErrorOfScale) {
     // Half of the scale's error at each end.
     EXPECT_NEAR(GeoFrame(kTruth.origin).ToLocal(placed.placement.origin).head<2>().norm(), 75, 20) << fixes.size();
   }
+}
+
+TEST(GpsFixes, TenPerSecondForAnHour) {
+  std::vector<LevelPlace> path(36000);
+  for (size_t i = 0; i < path.size(); ++i) {
+    path[i].time = 0.1 * static_cast<double>(i);
+    path[i].position = {3000 * std::sin(1e-3 * path[i].time), 10 * path[i].time, 2};
+  }
+  Random random(5);
+  const GeoFrame frame(kTruth.origin);
+  std::vector<GpsFix> fixes;
+  for (size_t i = 0; i < path.size(); ++i) {
+    Eigen::Vector3d place = EastNorthUp(path[i].position, kTruth.heading);
+    place += Eigen::Vector3d(5 * random.Gaussian(), 5 * random.Gaussian(), 8 * random.Gaussian());
+    if (i % 10 == 3) place += Eigen::Vector3d(300, -200, 500);
+    GeoPoint point = frame.FromLocal(place);
+    // Above the sea, which is not the ellipsoid; and not in all of them.
+    point.height = 110 + place.z();
+    fixes.push_back({path[i].time, point, 5, i % 2 == 0});
+  }
+  const FixPlacement placed = PlaceByFixes(path, fixes);
+  EXPECT_NEAR(placed.placement.heading, kTruth.heading, 2e-5);
+  EXPECT_NEAR(placed.outliers, 3600, 10);
+  EXPECT_TRUE(placed.has_height);
+  EXPECT_NEAR(placed.placement.origin.height, 110, 2);
 }
 
 TEST(GpsFixes, NeedABaseline) {
@@ -119,6 +147,11 @@ TEST_F(GpsFixFileTest, ReadsSecondsAndTimesOfDay) {
   EXPECT_EQ(fixes[0].sigma, 3);
   EXPECT_EQ(fixes[1].sigma, 5);
   EXPECT_EQ(fixes[1].point.longitude, 8.3);
+  EXPECT_FALSE(fixes[0].has_height);
+  const auto high = Read("time,latitude,longitude,height\n1.5,49.1,8.2,113.5\n4,49.2,8.3,\n");
+  EXPECT_TRUE(high[0].has_height);
+  EXPECT_EQ(high[0].point.height, 113.5);
+  EXPECT_FALSE(high[1].has_height);
   const auto of_day =
       Read("latitude,longitude,time\n1,2,2026-03-22T07:14:15+01:00\n", ParseUtcTime("2026-03-22T06:14:05Z"));
   EXPECT_EQ(of_day[0].time, 10);

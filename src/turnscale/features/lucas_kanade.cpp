@@ -60,10 +60,10 @@ class Interpolation {
   cv::v_int16x8 down_;
 };
 
-// Sums over a patch, with the lanes added in a fixed order. Rows are summed as integers, which is exact.
+// Sums over a patch, with the lanes added in a fixed order.
 class PatchSum {
  public:
-  void AddRow(const cv::v_int32x4& products) { lanes_ += cv::v_cvt_f32(products); }
+  void Add(const cv::v_int32x4& products) { lanes_ += cv::v_cvt_f32(products); }
 
   float Total() const {
     std::array<float, 4> lanes;
@@ -125,9 +125,9 @@ void CutOut(const cv::Mat& image, float x, float y, int window, Patch& patch) {
       row_xy += cv::v_dotprod(by_x, by_y);
       row_yy += cv::v_dotprod(by_y, by_y);
     }
-    xx.AddRow(row_xx);
-    xy.AddRow(row_xy);
-    yy.AddRow(row_yy);
+    xx.Add(row_xx);
+    xy.Add(row_xy);
+    yy.Add(row_yy);
   }
   patch.xx = xx.Total();
   patch.xy = xy.Total();
@@ -148,15 +148,20 @@ cv::Point2f Mismatch(const Patch& patch, int window, const cv::Mat& image, float
   PatchSum sum_x;
   PatchSum sum_y;
   for (int column = 0; column < patch.width; column += kGroup) {
+    // Over all rows of a group the sums stay below 2^31: differences below 2^13, gradients below 2^12, 31 rows.
+    cv::v_int32x4 group_x = cv::v_setzero_s32();
+    cv::v_int32x4 group_y = group_x;
     cv::v_int16x8 above = interpolation.InRow(0, column);
     for (int row = 0; row < window; ++row) {
       const cv::v_int16x8 below = interpolation.InRow(row + 1, column);
       const int at = row * patch.width + column;
       const cv::v_int16x8 difference = interpolation.Between(above, below) - cv::v_load(&patch.gray[at]);
-      sum_x.AddRow(cv::v_dotprod(difference, cv::v_load(&patch.by_x[at])));
-      sum_y.AddRow(cv::v_dotprod(difference, cv::v_load(&patch.by_y[at])));
+      group_x += cv::v_dotprod(difference, cv::v_load(&patch.by_x[at]));
+      group_y += cv::v_dotprod(difference, cv::v_load(&patch.by_y[at]));
       above = below;
     }
+    sum_x.Add(group_x);
+    sum_y.Add(group_y);
   }
   return {sum_x.Total(), sum_y.Total()};
 }
@@ -173,7 +178,7 @@ std::optional<cv::Point2f> TrackPatch(const LucasKanadeOptions& options, const c
                                       const cv::Mat& second, const cv::Point2f& guess) {
   const int half_window = options.window / 2;
   const float half = static_cast<float>(half_window);
-  if (!IsNear(first, point, half)) return std::nullopt;
+  if (!IsNear(first, point, half) || !IsNear(second, guess, half)) return std::nullopt;
   Patch patch;
   CutOut(first, point.x - half, point.y - half, options.window, patch);
   if (!(Texture(patch, options.window) >= kLeastTexture)) return std::nullopt;

@@ -24,7 +24,7 @@ struct LucasKanadeOptions {
 /// compositional method (Baker and Matthews 2004), starting at `guess`. Both images are 8-bit gray with kFlowBorder
 /// pixels of border. Empty where the patch is flat, or the search leaves the image.
 ///
-/// Gray levels are interpolated in 16-bit integers, so the result is the same with any instruction set.
+/// Gray levels are interpolated in 16-bit integers, and sums are added in a fixed order.
 std::optional<cv::Point2f> TrackPatch(const LucasKanadeOptions& options, const cv::Mat& first, const cv::Point2f& point,
                                       const cv::Mat& second, const cv::Point2f& guess);
 

@@ -61,12 +61,42 @@ TEST(LucasKanade, AtTheBorderWhatIsInsideDecides) {
   }
 }
 
+// What is beyond the border of kFlowBorder pixels is not read: it is noise here.
+TEST(LucasKanade, ReadsNothingBeyondTheBorder) {
+  const SyntheticTexture texture(9, 12, 60);
+  const auto surrounded = [&](int gray, cv::Mat& whole) {
+    const cv::Mat bordered = Moved(texture, {0, 0});
+    cv::Size size;
+    cv::Point offset;
+    bordered.locateROI(size, offset);
+    cv::Mat with_border = bordered;
+    with_border.adjustROI(offset.y, offset.y, offset.x, offset.x);
+    cv::copyMakeBorder(with_border, whole, 40, 40, 40, 40, cv::BORDER_CONSTANT, cv::Scalar(gray));
+    return whole(cv::Rect(40 + kFlowBorder, 40 + kFlowBorder, bordered.cols, bordered.rows));
+  };
+  cv::Mat dark_whole;
+  cv::Mat bright_whole;
+  const cv::Mat dark = surrounded(0, dark_whole);
+  const cv::Mat bright = surrounded(255, bright_whole);
+  for (const int window : {5, 15, kMostFlowWindow})
+    for (const cv::Point2f point : {cv::Point2f(0, 0), cv::Point2f(-2.3F, 60), cv::Point2f(161.7F, 60),
+                                    cv::Point2f(159, 119), cv::Point2f(80, 121.4F), cv::Point2f(80, -2.2F)}) {
+      const cv::Point2f guess = point + cv::Point2f(0.4F, -0.3F);
+      EXPECT_EQ(TrackPatch({.window = window}, dark, point, dark, guess),
+                TrackPatch({.window = window}, bright, point, bright, guess))
+          << window << ' ' << point;
+    }
+}
+
 TEST(LucasKanade, FlatOrOutsideIsNotFound) {
   const cv::Mat textured = Moved(SyntheticTexture(8), {0, 0});
   const cv::Mat flat = Bordered(cv::Mat(120, 160, CV_8U, cv::Scalar(77)));
   EXPECT_FALSE(TrackPatch({}, flat, {60, 60}, textured, {60, 60}));
   EXPECT_FALSE(TrackPatch({}, textured, {-20, 60}, textured, {60, 60}));
   EXPECT_FALSE(TrackPatch({}, textured, {60, 60}, textured, {60, 140}));
+  EXPECT_FALSE(TrackPatch({}, textured, {60, 60}, textured, {1e9F, 60}));
+  EXPECT_FALSE(TrackPatch({}, textured, {60, 60}, textured, {NAN, 60}));
+  EXPECT_FALSE(TrackPatch({}, textured, {NAN, 60}, textured, {60, 60}));
 }
 
 }  // namespace

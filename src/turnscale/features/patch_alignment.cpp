@@ -18,8 +18,7 @@ namespace {
 // Sum over the patch, gray levels squared: what is flatter looks like anything.
 constexpr float kLeastVariance = 1;
 
-// Rows of a patch are processed in groups of this many pixels. Sums are kept per lane and added in a fixed order, so
-// that the result is the same with any instruction set.
+// Rows of a patch are processed in groups of this many pixels. Sums are kept per lane and added in a fixed order.
 constexpr int kLanes = cv::v_float32x4::nlanes;
 constexpr int kMostHalf = 20;
 constexpr int kMostWidth = (2 * kMostHalf + kLanes) / kLanes * kLanes;
@@ -82,8 +81,8 @@ class LineSampler {
   std::int64_t x_, y_, dx_, dy_;
 };
 
-// The patch as the current image should show it, and how it changes with position. Rows are padded to whole groups with
-// zeros.
+// The patch as the current image should show it, less the gray level of its middle, and how it changes with position.
+// Rows are padded to whole groups with zeros.
 struct Template {
   int side = 0;
   int width = 0;  // of a padded row
@@ -92,6 +91,7 @@ struct Template {
   std::array<float, (2 * kMostHalf + 1) * kMostWidth> by_y;
   std::array<float, kMostWidth> in_patch;  // of one row: 1, in the padding 0
   Eigen::Matrix4f normal_matrix;           // of x, y, gain, offset
+  float middle = 0;                        // gray level of the middle pixel
   float variance = 0;                      // sum of squared deviations from the mean
 };
 
@@ -114,6 +114,8 @@ bool SampleTemplate(int half, const cv::Mat& reference, const Eigen::Vector2d& p
     LineSampler sampler(reference, start + row * reference_from_current.col(1), reference_from_current.col(0));
     for (int column = 0; column < side; ++column) values[row * side + column] = sampler.Next();
   }
+  // Sums of squares keep their digits where a bright patch has little contrast.
+  patch.middle = values[(half + 1) * side + half + 1];
   patch.side = side - 2;
   patch.width = (patch.side + kLanes - 1) / kLanes * kLanes;
   for (int column = 0; column < patch.width; ++column) patch.in_patch[column] = column < patch.side ? 1.0F : 0.0F;
@@ -123,7 +125,7 @@ bool SampleTemplate(int half, const cv::Mat& reference, const Eigen::Vector2d& p
     float* by_x = &patch.by_x[row * patch.width];
     float* by_y = &patch.by_y[row * patch.width];
     for (int column = 0; column < patch.side; ++column) {
-      value[column] = centre[column];
+      value[column] = centre[column] - patch.middle;
       by_x[column] = 0.5F * (centre[column + 1] - centre[column - 1]);
       by_y[column] = 0.5F * (centre[column + side] - centre[column - side]);
     }
@@ -252,7 +254,7 @@ std::optional<Eigen::Vector2d> AlignPatch(const PatchAlignmentOptions& options, 
 
   Eigen::Vector2d pixel = guess;
   float gain = 1;
-  float offset = 0;
+  float offset = patch.middle;
   for (int iteration = 0; iteration < options.max_iterations; ++iteration) {
     const float x = static_cast<float>(pixel.x());
     const float y = static_cast<float>(pixel.y());
@@ -274,6 +276,19 @@ std::optional<Eigen::Vector2d> AlignPatch(const PatchAlignmentOptions& options, 
     return pixel;
   }
   return std::nullopt;
+}
+
+void PrefetchPatch(const PatchAlignmentOptions& options, const cv::Mat& reference,
+                   const Eigen::Vector2d& reference_pixel) {
+  const int reach = options.half_size + 2;
+  const cv::Rect image(0, 0, reference.cols, reference.rows);
+  const cv::Rect patch = image & cv::Rect(static_cast<int>(reference_pixel.x()) - reach,
+                                          static_cast<int>(reference_pixel.y()) - reach, 2 * reach + 1, 2 * reach + 1);
+  for (int row = patch.y; row < patch.y + patch.height; ++row) {
+    const uchar* pixels = reference.ptr<uchar>(row) + patch.x;
+    __builtin_prefetch(pixels);
+    __builtin_prefetch(pixels + patch.width - 1);
+  }
 }
 
 }  // namespace turnscale

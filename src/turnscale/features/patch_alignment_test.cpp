@@ -159,5 +159,51 @@ TEST(PatchAlignment, OptionsNameTheFieldThatMakesNoSense) {
   EXPECT_EQ(RefusedField<PatchAlignmentOptions>([](auto& o) { o.min_correlation = 1; }), "alignment.min_correlation");
 }
 
+// The same pixels, once as an image of their own and once within larger ones.
+TEST(PatchAlignment, ReadsNothingBeyondTheImage) {
+  const View view{SyntheticTexture(12)};
+  const cv::Mat image = view.Reference();
+  const auto within = [&](int gray, cv::Mat& whole) {
+    cv::copyMakeBorder(image, whole, 40, 40, 40, 40, cv::BORDER_CONSTANT, cv::Scalar(gray));
+    return whole(cv::Rect(40, 40, image.cols, image.rows));
+  };
+  cv::Mat dark_whole;
+  cv::Mat bright_whole;
+  const cv::Mat dark = within(0, dark_whole);
+  const cv::Mat bright = within(255, bright_whole);
+  int found = 0;
+  for (double y = 3.4; y < 240; y += 6.1)
+    for (double x = 3.7; x < 300; x += 5.3) {
+      const Eigen::Vector2d pixel(x, y);
+      const auto in_dark = AlignPatch({}, dark, pixel, Eigen::Matrix2d::Identity(), dark, pixel);
+      EXPECT_EQ(in_dark, AlignPatch({}, bright, pixel, Eigen::Matrix2d::Identity(), bright, pixel)) << x << ' ' << y;
+      found += in_dark ? 1 : 0;
+    }
+  EXPECT_GT(found, 500);
+}
+
+// A bright wall with little contrast: the same texture, fainter and brighter.
+TEST(PatchAlignment, BrightAndFaintIsFoundLikeAnyOther) {
+  View view{SyntheticTexture(13)};
+  view.shift = {0.7, -0.4};
+  const auto faint = [&](double dx, double dy) {
+    return MakeImage(kViewSize, [&](const Eigen::Vector2d& pixel) {
+      return 245 + 0.05 * (view.texture.At(pixel - Eigen::Vector2d(dx, dy)) - 128);
+    });
+  };
+  const cv::Mat reference = faint(0, 0);
+  const cv::Mat current = faint(0.7, -0.4);
+  double worst = 0;
+  int found = 0;
+  for (const Eigen::Vector2d& place : Places()) {
+    const auto pixel = AlignPatch({}, reference, place, Eigen::Matrix2d::Identity(), current, place);
+    if (!pixel) continue;
+    ++found;
+    worst = std::max(worst, (*pixel - place - view.shift).norm());
+  }
+  EXPECT_GT(found, 20);
+  EXPECT_LT(worst, 0.5);
+}
+
 }  // namespace
 }  // namespace turnscale

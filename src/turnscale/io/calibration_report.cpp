@@ -6,14 +6,12 @@
 #include <cstddef>
 #include <functional>
 #include <limits>
-#include <numeric>
-#include <utility>
 
 #include <fmt/format.h>
 
 #include "turnscale/base/error.h"
-#include "turnscale/base/escaped_text.h"
 #include "turnscale/calibration/online_calibration.h"
+#include "turnscale/figure/figure.h"
 #include "turnscale/kinematics/ackermann.h"
 
 namespace turnscale {
@@ -37,77 +35,10 @@ std::string SlipSource(const LeverArmFit& arm) {
 // Cells of what is not known yet are empty.
 std::string Cell(double value) { return std::isfinite(value) ? fmt::format("{:.6g}", value) : ""; }
 
-using Value = std::function<double(const CalibrationMoment&)>;
-
-// One of the graphs above each other, in units of the page, about pixels.
-class Graph {
- public:
-  static constexpr double kLeft = 64;
-  static constexpr double kWidth = 760;
-  static constexpr double kHeight = 190;
-
-  Graph(double top, double begin, double end, double low, double high)
-      : top_(top), begin_(begin), end_(end), low_(low), high_(high) {}
-
-  double X(double time) const { return kLeft + kWidth * (time - begin_) / (end_ - begin_); }
-  double Y(double value) const {
-    return top_ + kHeight * (1 - (std::clamp(value, low_, high_) - low_) / (high_ - low_));
-  }
-
-  std::string Frame(const std::string& title) const {
-    std::string text = fmt::format("<rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" class=\"frame\"/>\n", kLeft,
-                                   top_, kWidth, kHeight);
-    text += fmt::format("<text x=\"{}\" y=\"{:.0f}\">{}</text>\n", kLeft, top_ - 8, title);
-    for (int i = 0; i <= 4; ++i) {
-      const double value = low_ + (high_ - low_) * i / 4;
-      text += fmt::format("<text x=\"{}\" y=\"{:.1f}\" text-anchor=\"end\">{:.3g}</text>\n", kLeft - 6, Y(value) + 4,
-                          value);
-      const double time = begin_ + (end_ - begin_) * i / 4;
-      text += fmt::format("<text x=\"{:.1f}\" y=\"{:.0f}\" text-anchor=\"middle\">{:.0f}</text>\n", X(time),
-                          top_ + kHeight + 16, time);
-    }
-    return text;
-  }
-
-  std::string Line(const std::vector<CalibrationMoment>& history, const Value& value, const char* color) const {
-    std::string path;
-    bool drawing = false;
-    for (const CalibrationMoment& moment : history) {
-      const double v = value(moment);
-      if (std::isfinite(v)) path += fmt::format("{}{:.1f},{:.1f} ", drawing ? "L" : "M", X(moment.time), Y(v));
-      drawing = std::isfinite(v);
-    }
-    return path.empty() ? "" : fmt::format("<path d=\"{}\" stroke=\"{}\"/>\n", path, color);
-  }
-
-  std::string Band(const std::vector<CalibrationMoment>& history, const Value& value, const Value& sigma,
-                   const char* color) const {
-    std::string there;
-    std::vector<std::string> back;
-    for (const CalibrationMoment& moment : history) {
-      if (!std::isfinite(sigma(moment))) continue;
-      there += fmt::format("{:.1f},{:.1f} ", X(moment.time), Y(value(moment) + sigma(moment)));
-      back.push_back(fmt::format("{:.1f},{:.1f} ", X(moment.time), Y(value(moment) - sigma(moment))));
-    }
-    if (there.empty()) return "";
-    there = std::accumulate(back.rbegin(), back.rend(), std::move(there));
-    return fmt::format("<polygon points=\"{}\" fill=\"{}\" fill-opacity=\"0.15\"/>\n", there, color);
-  }
-
-  std::string Dashed(double value, const char* color) const {
-    return fmt::format("<path d=\"M{0},{1:.1f}h{2}\" stroke=\"{3}\" stroke-dasharray=\"6 4\"/>\n", kLeft, Y(value),
-                       kWidth, color);
-  }
-
- private:
-  double top_;
-  double begin_;
-  double end_;
-  double low_;
-  double high_;
-};
-
 constexpr const char* kColors[] = {"#c2185b", "#1565c0", "#2e7d32"};
+constexpr const char* kAngleNames[] = {"yaw", "pitch", "roll"};
+
+using Value = std::function<double(const CalibrationMoment&)>;
 
 std::vector<Value> Angles() {
   return {[](const CalibrationMoment& m) { return InDegrees(m.angles.yaw); },
@@ -119,6 +50,55 @@ std::vector<Value> Sigmas() {
   return {[](const CalibrationMoment& m) { return InDegrees(m.sigma.yaw); },
           [](const CalibrationMoment& m) { return InDegrees(m.sigma.pitch); },
           [](const CalibrationMoment& m) { return InDegrees(m.sigma.roll); }};
+}
+
+PlotPoints Over(const std::vector<CalibrationMoment>& history, const Value& value) {
+  PlotPoints points;
+  for (const CalibrationMoment& moment : history) points.emplace_back(moment.time, value(moment));
+  return points;
+}
+
+// One sigma to both sides, where there is one.
+PlotPoints Band(const std::vector<CalibrationMoment>& history, const Value& value, const Value& sigma) {
+  PlotPoints points;
+  PlotPoints back;
+  for (const CalibrationMoment& moment : history) {
+    if (!std::isfinite(sigma(moment))) continue;
+    points.emplace_back(moment.time, value(moment) + sigma(moment));
+    back.emplace_back(moment.time, value(moment) - sigma(moment));
+  }
+  points.insert(points.end(), back.rbegin(), back.rend());
+  return points;
+}
+
+PlotPanel AnglesPanel(const std::vector<CalibrationMoment>& history, const PlotRange& time,
+                      const std::optional<YawPitchRoll>& truth) {
+  PlotPanel panel;
+  panel.title = "refined camera-to-vehicle rotation with its one-sigma bands";
+  panel.x_label = "time [s]";
+  panel.y_label = "angle [deg]";
+  panel.x = time;
+  PlotRange range{0, 0};
+  const std::vector<Value> sigmas = Sigmas();
+  const std::vector<Value> angles = Angles();
+  const double true_angles[] = {truth ? truth->yaw : 0, truth ? truth->pitch : 0, truth ? truth->roll : 0};
+  for (int i = 0; i < 3; ++i) {
+    const Value known = [&](const CalibrationMoment& m) {
+      return std::isfinite(sigmas[i](m)) ? angles[i](m) : std::numeric_limits<double>::quiet_NaN();
+    };
+    panel.areas.push_back({Band(history, angles[i], sigmas[i]), "", kColors[i], 0.15});
+    panel.lines.push_back({Over(history, known), kAngleNames[i], kColors[i], 1.6});
+    const double at = InDegrees(true_angles[i]);
+    if (truth) panel.lines.push_back({{{time.low, at}, {time.high, at}}, "ground truth", kColors[i], 1.4, "6 4"});
+    // The bands before the first turn are wide.
+    for (const CalibrationMoment& moment : history) {
+      if (!std::isfinite(known(moment))) continue;
+      range.low = std::min(range.low, known(moment));
+      range.high = std::max(range.high, known(moment));
+    }
+  }
+  panel.y = PlotRange{std::floor(range.low - 2), std::ceil(range.high + 2)};
+  return panel;
 }
 
 // Of equal runs of moments, the one that turns most.
@@ -223,51 +203,27 @@ std::string HistorySvg(const std::vector<CalibrationMoment>& whole, const std::s
                        const std::optional<YawPitchRoll>& truth) {
   if (whole.empty()) throw InputError("the plot of the calibration: nothing to draw");
   const std::vector<CalibrationMoment> history = Thinned(whole);
-  const double begin = history.front().time;
-  const double end = std::max(history.back().time, begin + 1);
-  double most_psi = 1;
-  double most_singular = 1e-3;
-  double low = 0;
-  double high = 0;
-  for (const CalibrationMoment& moment : history) {
-    most_psi = std::max(most_psi, std::abs(InDegrees(moment.psi)));
-    most_singular = std::max(most_singular, moment.singular_values[1]);
-    if (!std::isfinite(moment.sigma.yaw)) continue;
-    for (const Value& angle : Angles()) {
-      low = std::min(low, angle(moment));
-      high = std::max(high, angle(moment));
-    }
-  }
-  std::string text =
-      "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 860 780\" width=\"860\" height=\"780\">\n<style>"
-      "text{font-family:sans-serif;font-size:13px;fill:#333}.title{font-size:15px;font-weight:bold}"
-      "path{fill:none;stroke-width:1.6;stroke-linejoin:round}.frame{fill:none;stroke:#9aa0a8}</style>\n"
-      "<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n";
-  text += fmt::format("<text x=\"24\" y=\"28\" class=\"title\">{}</text>\n", EscapedXml(title));
-  const Graph psi(70, begin, end, -most_psi, most_psi);
-  text += psi.Frame("turning angle per frame, deg, over time, s");
-  text += psi.Line(
-      history, [](const CalibrationMoment& m) { return InDegrees(m.psi); }, "#333");
-  const Graph singular(310, begin, end, 0, most_singular);
-  text += singular.Frame("the two smallest singular values of M (14): smallest (red), second smallest (blue)");
+  const PlotRange time{history.front().time, std::max(history.back().time, history.front().time + 1)};
+  PlotPanel psi;
+  psi.title = "turning angle of a frame";
+  psi.y_label = "psi [deg]";
+  psi.x = time;
+  psi.lines = {{Over(history, [](const CalibrationMoment& m) { return InDegrees(m.psi); }), "", "#333", 1.6}};
+  PlotPanel singular;
+  singular.title = "the two smallest singular values of M (14)";
+  singular.y_label = "singular value";
+  singular.x = time;
+  constexpr const char* kRanks[] = {"smallest", "second"};
   for (int i = 0; i < 2; ++i) {
-    text += singular.Line(
-        history, [i](const CalibrationMoment& m) { return m.singular_values[i]; }, kColors[i]);
+    const Value value = [i](const CalibrationMoment& m) { return m.singular_values[i]; };
+    singular.lines.push_back({Over(history, value), kRanks[i], kColors[i], 1.6});
   }
-  const Graph angles(550, begin, end, std::floor(low - 2), std::ceil(high + 2));
-  text += angles.Frame("refined yaw (red), pitch (blue), roll (green), deg, with 1 sigma; dashed: ground truth");
-  const double true_angles[] = {truth ? truth->yaw : 0, truth ? truth->pitch : 0, truth ? truth->roll : 0};
-  for (int i = 0; i < 3; ++i) {
-    const Value sigma = Sigmas()[i];
-    const Value angle = Angles()[i];
-    text += angles.Band(history, angle, sigma, kColors[i]);
-    const Value known = [&](const CalibrationMoment& m) {
-      return std::isfinite(sigma(m)) ? angle(m) : std::numeric_limits<double>::quiet_NaN();
-    };
-    text += angles.Line(history, known, kColors[i]);
-    if (truth) text += angles.Dashed(InDegrees(true_angles[i]), kColors[i]);
-  }
-  return text + "</svg>\n";
+  Figure figure;
+  figure.title = title;
+  figure.panel_width = 680;
+  figure.panel_height = 180;
+  figure.panels = {psi, singular, AnglesPanel(history, time, truth)};
+  return FigureSvg(figure);
 }
 
 }  // namespace turnscale

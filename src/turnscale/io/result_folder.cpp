@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cmath>
 #include <cstdint>
 #include <fstream>
 #include <functional>
@@ -13,20 +14,13 @@
 
 #include "turnscale/base/csv_table.h"
 #include "turnscale/base/error.h"
+#include "turnscale/base/file_text.h"
 #include "turnscale/io/terminal.h"
 
 namespace turnscale {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::optional<std::string> TextIfThere(const fs::path& path) {
-  // A device could be read for ever.
-  std::error_code none;
-  if (!fs::is_regular_file(path, none)) return std::nullopt;
-  std::ifstream stream(path, std::ios::binary);
-  return std::string(std::istreambuf_iterator<char>(stream), {});
-}
 
 // Calls `read` for every line of a table, if there is one.
 void ReadTable(const fs::path& path, const std::function<void(CsvTable&)>& read) {
@@ -124,7 +118,7 @@ float FloatAt(const std::string& bytes, size_t place) {
 
 // As WriteMap writes them: landmarks are gray, cameras red.
 std::vector<Eigen::Vector3f> ReadLandmarks(const fs::path& path) {
-  const std::optional<std::string> text = TextIfThere(path);
+  const std::optional<std::string> text = FileText(path);
   if (!text) return {};
   constexpr std::string_view kCount = "element vertex ";
   constexpr std::string_view kEnd = "end_header\n";
@@ -148,17 +142,34 @@ std::vector<Eigen::Vector3f> ReadLandmarks(const fs::path& path) {
   return landmarks;
 }
 
-Eigen::Quaterniond VehicleFromBody(const std::string& summary, const fs::path& path) {
-  const auto json = nlohmann::json::parse(summary, nullptr, false);
+// From the intrinsics in the summary, if they are there.
+void ReadView(const nlohmann::json& intrinsics, ResultFolder& results) {
+  const auto pair = [&](const char* name) {
+    const nlohmann::json values = intrinsics.is_object() ? intrinsics.value(name, nlohmann::json()) : intrinsics;
+    const bool known = values.is_array() && values.size() == 2 && values[0].is_number() && values[1].is_number();
+    return known ? Eigen::Vector2d(values[0].get<double>(), values[1].get<double>()) : Eigen::Vector2d(0, 0);
+  };
+  const Eigen::Vector2d size = pair("image_size");
+  const Eigen::Vector2d focal = pair("focal_length");
+  if (!(size.minCoeff() > 0 && focal.minCoeff() > 0)) return;
+  results.horizontal_fov = 2 * std::atan(0.5 * size.x() / focal.x());
+  results.aspect = (size.x() / focal.x()) / (size.y() / focal.y());
+}
+
+void ReadSummary(const fs::path& path, ResultFolder& results) {
+  results.summary = FileText(path).value_or("");
+  const auto json = nlohmann::json::parse(results.summary, nullptr, false);
   const auto member = [&](const char* name) { return json.is_object() ? json.value(name, nlohmann::json()) : json; };
   const nlohmann::json angles = member("camera_yaw_pitch_roll_deg");
   const bool is_summary = json.is_object() && angles.is_array() && angles.size() == 3 &&
                           std::ranges::all_of(angles, [](const auto& angle) { return angle.is_number(); });
   if (!is_summary) throw InputError(path.string() + ": is not a summary of a run");
-  if (member("pose_frame") == "vehicle") return Eigen::Quaterniond::Identity();
-  return RotationFromYawPitchRoll({angles[0].get<double>() / kDegreesPerRadian,
-                                   angles[1].get<double>() / kDegreesPerRadian,
-                                   angles[2].get<double>() / kDegreesPerRadian});
+  results.metric = member("distance_m").is_number();
+  ReadView(member("intrinsics"), results);
+  if (member("pose_frame") == "vehicle") return;
+  results.vehicle_from_body = RotationFromYawPitchRoll({angles[0].get<double>() / kDegreesPerRadian,
+                                                        angles[1].get<double>() / kDegreesPerRadian,
+                                                        angles[2].get<double>() / kDegreesPerRadian});
 }
 
 }  // namespace
@@ -177,9 +188,8 @@ ResultFolder ReadResultFolder(const fs::path& folder) {
     if (!fs::exists(folder / name, none))
       throw InputError((folder / name).string() + ": no such file; give the --out folder of turnscale run");
   ResultFolder results;
-  results.summary = TextIfThere(folder / "summary.json").value_or("");
-  results.vehicle_from_body = VehicleFromBody(results.summary, folder / "summary.json");
-  results.settings = TextIfThere(folder / "settings.yaml").value_or("");
+  ReadSummary(folder / "summary.json", results);
+  results.settings = FileText(folder / "settings.yaml").value_or("");
   results.frames = ReadFrames(folder / "trajectory.csv");
   results.turns = ReadTurns(folder / "turns.csv");
   ReadTable(folder / "speed.csv", [&](CsvTable& table) {

@@ -32,10 +32,14 @@ struct RotationRow {
 struct ResultFolder {
   std::vector<FrameResult> frames;
   std::vector<TurnResult> turns;
-  std::vector<SpeedReading> speeds;  ///< empty without metres
+  bool metric = false;               ///< poses, landmarks and speeds are in metres
+  std::vector<SpeedReading> speeds;  ///< empty without metres, and where an earlier version wrote none
   std::vector<ScaleRow> scale;       ///< empty without metres
   std::vector<RotationRow> rotations;
   std::vector<Eigen::Vector3f> landmarks;
+  /// Horizontal field of view (rad) and width over height of the images; 0 where an earlier version wrote none.
+  double horizontal_fov = 0;
+  double aspect = 0;
   std::string summary;   ///< summary.json
   std::string settings;  ///< settings.yaml
   /// Rotation from the bodies of the poses to the car's axes; identity where poses of the car were written.

@@ -86,15 +86,17 @@ class Run {
       end_.summary.warnings.push_back(frame.notice);
       said_ = end_.summary.warnings.size();
     }
-    const Clock::time_point start = Clock::now();
     if (frame.gray.empty()) {
       progress_.Warn(fmt::format("frame {}: {}; skipped", frame.index, frame.problem));
       end_.summary.unreadable.push_back({frame.index, frame.problem});
       result = odometry_.ProcessUnreadable(frame.time);
     } else {
+      const Clock::time_point start = Clock::now();
       result = odometry_.Process(frame.gray, frame.time);
+      latencies_.push_back(std::chrono::duration<double>(Clock::now() - start).count());
+      end_.summary.image_width = frame.gray.cols;
+      end_.summary.image_height = frame.gray.rows;
     }
-    latencies_.push_back(std::chrono::duration<double>(Clock::now() - start).count());
     ++processed_;
     tracks_ = tracks_ || result.world_from_camera;
     if (!tracks_ && !frame.gray.empty()) seen_.Add(frame.gray, frame.time, result.tracked);
@@ -147,6 +149,7 @@ class Run {
     const OdometryOptions& options = odometry_.options();
     summary.clips = drive_.clips();
     summary.scale_state = results_.scale_state;
+    summary.pinhole = odometry_.camera().pinhole;
     if (options.lens.enabled) summary.lens = {odometry_.lens().correction(), odometry_.lens().sigma()};
     if (options.vehicle.calibrate_camera) {
       const Mount& mount = odometry_.mount().current();
@@ -173,7 +176,7 @@ class Run {
   RunEnd end_;
   std::vector<RotationRecord> rotations_;  // as they came into use
   int processed_ = 0;
-  std::vector<double> latencies_;  // seconds
+  std::vector<double> latencies_;  // of images, seconds
   bool tracks_ = false;            // there is a map, or was
   SeenImages seen_;                // before there is one
   size_t said_ = 0;                // warnings that have been printed

@@ -100,15 +100,19 @@ const char* IntrinsicsSource(const RunSummary& summary) {
 
 nlohmann::ordered_json IntrinsicsJson(const RunSummary& summary) {
   const std::optional<FoundCamera>& found = summary.found_camera;
-  if (!found) return {{"source", IntrinsicsSource(summary)}};
-  const Pinhole& pinhole = found->camera.pinhole;
-  return {{"source", IntrinsicsSource(summary)},
-          {"focal_length", {pinhole.fx, pinhole.fy}},
-          {"focal_length_sigma", found->camera.focal_sigma},
-          {"principal_point", {pinhole.cx, pinhole.cy}},
-          {"principal_point_sigma", found->centre_sigma},
-          {"windows", found->windows},
-          {"converged", found->converged}};
+  const std::optional<Pinhole> pinhole = found ? found->camera.pinhole : summary.pinhole;
+  nlohmann::ordered_json json = {{"source", IntrinsicsSource(summary)}};
+  if (summary.image_width > 0) json["image_size"] = {summary.image_width, summary.image_height};
+  if (pinhole) {
+    json["focal_length"] = {pinhole->fx, pinhole->fy};
+    json["principal_point"] = {pinhole->cx, pinhole->cy};
+  }
+  if (!found) return json;
+  json["focal_length_sigma"] = found->camera.focal_sigma;
+  json["principal_point_sigma"] = found->centre_sigma;
+  json["windows"] = found->windows;
+  json["converged"] = found->converged;
+  return json;
 }
 
 // One line, empty where the intrinsics were given.
@@ -159,7 +163,7 @@ std::string CarText(const std::optional<CarRefinement>& car) {
                      car->yaw_error * kDegreesPerRadian, car->yaw_error_sigma * kDegreesPerRadian);
 }
 
-std::string CalibrationWarning(const ParameterEstimate& estimate, double path_sigma) {
+std::string CalibrationWarning(const ParameterEstimate& estimate, double scale_sigma) {
   const auto [name, unit] = [&]() -> std::pair<const char*, const char*> {
     switch (estimate.parameter) {
       case IntrinsicsParameter::kFocalLength:
@@ -176,7 +180,7 @@ std::string CalibrationWarning(const ParameterEstimate& estimate, double path_si
   return fmt::format(
       "the images of turns give a {} of {:.4g} +- {:.2g}{}, the calibration {:.4g}: check that it is this camera's{}",
       name, estimate.found, estimate.sigma, unit, estimate.given,
-      std::isfinite(path_sigma) ? fmt::format("; the scale may be off by {:.0f} % or more", 100 * path_sigma) : "");
+      std::isfinite(scale_sigma) ? fmt::format("; the scale may be off by {:.0f} % or more", 100 * scale_sigma) : "");
 }
 
 bool IsMetric(const RunSummary& summary) { return summary.scale_state != ScaleState::kPending; }
@@ -219,13 +223,14 @@ void Summarize(const std::vector<FrameResult>& refined, const RefinedScale& scal
   }
   if (!refined.empty()) summary.seconds = refined.back().time - refined.front().time;
   summary.missing = FindMissingParts(refined);
-  summary.path_sigma = scale.estimate ? scale.estimate->length_sigma : INFINITY;
+  const double scale_sigma = scale.estimate ? scale.estimate->length_sigma : INFINITY;
+  summary.path_sigma = std::hypot(scale_sigma, scale.gap_sigma / std::max(summary.distance, 1e-9));
   if (scale.estimate) {
     summary.car = scale.estimate->car;
     summary.turn_test = scale.estimate->test;
   }
   for (const ParameterEstimate& estimate : scale.contradicted_calibration)
-    summary.warnings.push_back(CalibrationWarning(estimate, summary.path_sigma));
+    summary.warnings.push_back(CalibrationWarning(estimate, scale_sigma));
   const auto frames_of = [&](int turn) {
     return fmt::format("frames {}-{}", turns[turn].first_frame, turns[turn].last_frame);
   };

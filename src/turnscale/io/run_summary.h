@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "turnscale/geometry/pinhole.h"
 #include "turnscale/geometry/rotation.h"
 #include "turnscale/io/image_source.h"
 #include "turnscale/io/missing_path.h"
@@ -62,8 +63,11 @@ struct RunSummary {
   std::string input;
   std::string camera;                       ///< file of the intrinsics; empty if there is none
   std::optional<FoundCamera> found_camera;  ///< intrinsics as estimated from the drive, if they were
-  std::string mask;                         ///< file of the given mask; empty if there is none
-  std::string pose_frame;                   ///< "camera" or "vehicle"
+  std::optional<Pinhole> pinhole;           ///< of the intrinsics that were used
+  int image_width = 0;                      ///< pixels; 0 before the first image
+  int image_height = 0;
+  std::string mask;        ///< file of the given mask; empty if there is none
+  std::string pose_frame;  ///< "camera" or "vehicle"
   std::string folder;
   std::string start;            ///< of the part that is processed, as the user gave it; empty: the drive's
   std::string end;              ///< of the part; empty: the drive's

@@ -58,7 +58,6 @@ constexpr auto kRotation = "camera_rotation.csv";
 constexpr auto kMap = "map.ply";
 constexpr auto kMask = "mask.png";
 constexpr auto kSummary = "summary.json";
-constexpr auto kReport = "report.html";  // made from the others afterwards (module report)
 constexpr auto kSettings = "settings.yaml";
 
 void MakeFolder(const fs::path& folder) {
@@ -181,7 +180,7 @@ RunWriter::RunWriter(const RunWriterOptions& options) : options_(options) {
   MakeFolder(options_.folder);
   // The summary first: it says that the others are of one run.
   for (const char* name :
-       {kReport, kSummary, kSettings, kTurns, kSpeed, kScale, kRotation, kMap, kMask, kTum, kKitti, kTable, kLive})
+       {kReportFile, kSummary, kSettings, kTurns, kSpeed, kScale, kRotation, kMap, kMask, kTum, kKitti, kTable, kLive})
     RemoveOldFile(PathOf(name));
   live_.emplace(PathOf(kLive));
 }

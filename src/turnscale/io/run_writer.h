@@ -18,6 +18,9 @@
 
 namespace turnscale {
 
+/// Name of the page in the folder of the results, which the module report makes from the other files.
+constexpr auto kReportFile = "report.html";
+
 /// First line of trajectory.csv.
 std::string FrameTableHeader();
 

@@ -119,6 +119,12 @@ double MostLikelyNoise(const std::vector<PathReading>& readings, const SpeedSmoo
 
 }  // namespace
 
+std::optional<SpeedReading> SpeedAt(const std::vector<SpeedReading>& readings, double time) {
+  constexpr double kSame = 1e-6;  // seconds
+  const auto reading = std::ranges::lower_bound(readings, time - kSame, {}, &SpeedReading::time);
+  return reading != readings.end() && reading->time < time + kSame ? std::optional(*reading) : std::nullopt;
+}
+
 std::vector<SpeedReading> SmoothSpeed(const std::vector<PathReading>& readings, const SpeedSmootherOptions& options) {
   constexpr int kLeast = 3;
   if (std::count_if(readings.begin(), readings.end(), [](const auto& r) { return r.measured; }) < kLeast) return {};

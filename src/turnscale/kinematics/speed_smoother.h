@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <optional>
 #include <vector>
 
 namespace turnscale {
@@ -18,6 +19,9 @@ struct SpeedReading {
   double speed = 0;  ///< m/s, negative in reverse
   double sigma = 0;  ///< standard deviation, m/s
 };
+
+/// The reading of a time, to a microsecond, if there is one. Readings are in the order of time.
+std::optional<SpeedReading> SpeedAt(const std::vector<SpeedReading>& readings, double time);
 
 struct SpeedSmootherOptions {
   /// How fast the acceleration of a car changes: random walk, m/s^2 per square root of a second.

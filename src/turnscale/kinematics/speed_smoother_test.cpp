@@ -84,5 +84,13 @@ TEST(SpeedSmoother, TooFewReadings) {
   EXPECT_NEAR(SmoothSpeed({{0, 0, false}, {1, 0, true}, {2, 2, true}, {3, 4, true}})[2].speed, 2, 0.1);
 }
 
+TEST(SpeedAt, FindsTheReadingOfATime) {
+  const std::vector<SpeedReading> readings = {{0.1, 1, 0}, {0.2, 2, 0}, {0.4, 4, 0}};
+  EXPECT_EQ(SpeedAt(readings, 0.2 + 1e-9)->speed, 2);
+  EXPECT_EQ(SpeedAt(readings, 0.4 - 1e-9)->speed, 4);
+  for (const double time : {0.0, 0.3, 0.5}) EXPECT_FALSE(SpeedAt(readings, time)) << time;
+  EXPECT_FALSE(SpeedAt({}, 0.1));
+}
+
 }  // namespace
 }  // namespace turnscale

@@ -1,13 +1,20 @@
 // SPDX-License-Identifier: MIT
 #include "turnscale/live/live_page.h"
 
+#include <algorithm>
+#include <atomic>
 #include <chrono>
+#include <filesystem>
 #include <map>
 #include <mutex>
+#include <system_error>
 #include <thread>
+#include <utility>
 
 #include <httplib.h>
+#include <netinet/in.h>
 #include <sys/resource.h>
+#include <sys/socket.h>
 #include <unistd.h>
 
 #include "turnscale/base/error.h"
@@ -21,27 +28,52 @@ using std::chrono::milliseconds;
 using std::chrono::seconds;
 
 constexpr int kThreads = 32;
-constexpr int kLowPriority = 10;           // niceness
+constexpr int kPoliteness = 10;            // niceness beyond that of the run
 constexpr milliseconds kPollInterval(20);  // of a wait
-constexpr seconds kFarewell(4);            // for viewers to fetch the report
 constexpr int kTimeoutSeconds = 2;         // of a viewer that stalls
+constexpr int kBacklog = 128;              // connections that wait for a thread; the library's 5 make browsers wait
 constexpr int kForbidden = 403;
 constexpr int kNotFound = 404;
 
-std::string HostOf(const httplib::Request& request) {
-  const std::string host = request.get_header_value("Host");
-  const size_t colon = host.rfind(':');
-  return colon != std::string::npos && host.find(']', colon) == std::string::npos ? host.substr(0, colon) : host;
+// Host and port of "host:port", "[address]:port" or an address alone; what is not there is empty.
+std::pair<std::string, std::string> SplitAddress(const std::string& text) {
+  if (text.starts_with('[')) {
+    const size_t end = std::min(text.find(']'), text.size());
+    const size_t port = text.find(':', end);
+    return {text.substr(1, end - 1), port == std::string::npos ? "" : text.substr(port + 1)};
+  }
+  const size_t colon = text.find(':');
+  // More than one: an IPv6 address.
+  if (colon == std::string::npos || text.find(':', colon + 1) != std::string::npos) return {text, ""};
+  return {text.substr(0, colon), text.substr(colon + 1)};
+}
+
+int PortOf(const sockaddr_storage& address) {
+  if (address.ss_family == AF_INET) return ntohs(reinterpret_cast<const sockaddr_in&>(address).sin_port);
+  if (address.ss_family == AF_INET6) return ntohs(reinterpret_cast<const sockaddr_in6&>(address).sin6_port);
+  return -1;
+}
+
+// Ends the connections of this process's sockets of that port, so that no thread waits for their viewers.
+void CutConnections(int port) {
+  std::error_code none;
+  for (std::filesystem::directory_iterator entry("/proc/self/fd", none), end; entry != end; entry.increment(none)) {
+    const int handle = ParseNumber<int>(entry->path().filename().string()).value_or(-1);
+    sockaddr_storage address{};
+    socklen_t size = sizeof address;
+    if (getsockname(handle, reinterpret_cast<sockaddr*>(&address), &size) == 0 && PortOf(address) == port)
+      shutdown(handle, SHUT_RDWR);
+  }
 }
 
 }  // namespace
 
 LivePageOptions ParseLiveAddress(const std::string& option, const std::string& text) {
   LivePageOptions address;
-  const size_t colon = text.rfind(':');
-  if (const std::string host = text.substr(0, colon); !host.empty()) address.host = host;
-  if (colon != std::string::npos) {
-    const auto port = ParseNumber<int>(std::string_view(text).substr(colon + 1));
+  const auto [host, port_text] = SplitAddress(text);
+  if (!host.empty()) address.host = host;
+  if (!port_text.empty()) {
+    const auto port = ParseNumber<int>(port_text);
     constexpr int kMostPort = 65535;
     if (!port || *port < 0 || *port > kMostPort) throw InputError(option + " " + text + ": give HOST:PORT");
     address.port = *port;
@@ -59,16 +91,25 @@ class LivePage::Server {
     server_.set_read_timeout(kTimeoutSeconds);
     server_.set_write_timeout(kTimeoutSeconds);
     server_.set_payload_max_length(0);
+    int listener = -1;
+    server_.set_socket_options([&listener](socket_t socket) {
+      listener = socket;
+      const int yes = 1;
+      setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
+    });
     port_ = options.port > 0 ? (server_.bind_to_port(options.host, options.port) ? options.port : -1)
                              : server_.bind_to_any_port(options.host);
     if (port_ < 0) {
       throw InputError("--live-address " + options.host + ":" + std::to_string(options.port) +
                        ": cannot listen there; choose another port, or an address of this machine");
     }
+    listen(listener, kBacklog);
     thread_ = std::thread([this] {
       // Threads inherit the priority of the one that makes them.
-      setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), kLowPriority);
+      const auto self = static_cast<id_t>(gettid());
+      setpriority(PRIO_PROCESS, self, getpriority(PRIO_PROCESS, self) + kPoliteness);
       server_.listen_after_bind();
+      ended_ = true;
     });
     while (!server_.is_running()) std::this_thread::sleep_for(kPollInterval);
   }
@@ -76,8 +117,13 @@ class LivePage::Server {
   Server& operator=(const Server&) = delete;
   ~Server() { Stop(); }
 
-  std::string address() const { return "http://" + options_.host + ":" + std::to_string(port_) + "/"; }
-  bool paused() const { return state_.paused(); }
+  std::string address() const {
+    // Where it listens on all addresses, this machine's own.
+    const std::string host = options_.host == "0.0.0.0" ? "127.0.0.1" : options_.host == "::" ? "::1" : options_.host;
+    return "http://" + (host.find(':') == std::string::npos ? host : "[" + host + "]") + ":" + std::to_string(port_) +
+           "/";
+  }
+  bool IsPaused() const { return state_.IsPaused(); }
 
   void Finish(const std::string& report) {
     {
@@ -86,7 +132,7 @@ class LivePage::Server {
     }
     const bool watched = state_.IsWatched();
     state_.Finish();
-    const auto end = std::chrono::steady_clock::now() + kFarewell;
+    const auto end = std::chrono::steady_clock::now() + options_.farewell;
     const auto all_served = [&] {
       const std::lock_guard lock(mutex_);
       return !viewers_.empty() && farewells_ >= viewers_.size();
@@ -101,11 +147,17 @@ class LivePage::Server {
 
   void Stop() {
     server_.stop();
+    // A viewer that reads or sends a little at a time would keep its thread for as long as it likes.
+    const auto patience = Clock::now() + options_.last_answers;
+    while (!ended_) {
+      if (Clock::now() > patience) CutConnections(port_);
+      std::this_thread::sleep_for(kPollInterval);
+    }
     if (thread_.joinable()) thread_.join();
   }
 
   bool Knows(const std::string& host) const {
-    const bool local = host == "localhost" || host == "127.0.0.1" || host == "[::1]" || host == options_.host;
+    const bool local = host == "localhost" || host == "127.0.0.1" || host == "::1" || host == options_.host;
     const bool for_all = options_.host == "0.0.0.0" || options_.host == "::";
     return local || for_all;
   }
@@ -114,7 +166,8 @@ class LivePage::Server {
     server_.set_pre_routing_handler([this](const httplib::Request& request, httplib::Response& response) {
       response.set_header("Cache-Control", "no-store");
       response.set_header("X-Content-Type-Options", "nosniff");
-      const bool allowed = Knows(HostOf(request)) && (request.method == "GET" || request.has_header("X-Turnscale"));
+      const bool allowed = Knows(SplitAddress(request.get_header_value("Host")).first) &&
+                           (request.method == "GET" || request.has_header("X-Turnscale"));
       if (allowed) return httplib::Server::HandlerResponse::Unhandled;
       response.status = kForbidden;
       return httplib::Server::HandlerResponse::Handled;
@@ -144,8 +197,11 @@ class LivePage::Server {
       } else {
         response.set_content(report, "text/html; charset=utf-8");
       }
+    });
+    // After an answer has been sent.
+    server_.set_logger([this](const httplib::Request& request, const httplib::Response&) {
       const std::lock_guard lock(mutex_);
-      ++farewells_;
+      if (request.path == "/report.html") ++farewells_;
     });
     server_.Post("/pause", [this](const auto&, auto&) { state_.SetPaused(true); });
     server_.Post("/resume", [this](const auto&, auto&) { state_.SetPaused(false); });
@@ -171,6 +227,7 @@ class LivePage::Server {
   const std::string page_ = ReportPage("live", "");
   httplib::Server server_;
   std::thread thread_;
+  std::atomic<bool> ended_ = false;
   int port_ = -1;
   std::mutex mutex_;
   std::string report_;
@@ -186,7 +243,7 @@ LivePage::~LivePage() = default;
 std::string LivePage::address() const { return server_->address(); }
 
 void LivePage::WaitWhilePaused(const std::function<bool()>& stop) const {
-  while (server_->paused() && !stop()) std::this_thread::sleep_for(kPollInterval);
+  while (server_->IsPaused() && !stop()) std::this_thread::sleep_for(kPollInterval);
 }
 
 void LivePage::Finish(const std::string& report) { server_->Finish(report); }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <chrono>
 #include <functional>
 #include <memory>
 #include <string>
@@ -12,9 +13,14 @@ namespace turnscale {
 struct LivePageOptions {
   std::string host = "127.0.0.1";  ///< address of this machine to listen on
   int port = 0;                    ///< 0: a free one
+  /// At the end, for viewers to ask for the report, and then for answers that are being sent. Generous, since the
+  /// threads that answer have to wait on a busy machine; viewers that are there end the wait.
+  std::chrono::milliseconds farewell{10'000};
+  std::chrono::milliseconds last_answers{15'000};
 };
 
-/// "HOST:PORT", "HOST" or ":PORT". Throws InputError that names the option.
+/// "HOST:PORT", "HOST" or ":PORT"; an IPv6 address with a port stands in brackets, "[::1]:8000". Throws InputError that
+/// names the option.
 LivePageOptions ParseLiveAddress(const std::string& option, const std::string& text);
 
 /// A web server with one page that shows a run while it goes on. It serves nothing but the page and its data. Requests
@@ -36,7 +42,8 @@ class LivePage {
   void WaitWhilePaused(const std::function<bool()>& stop) const;
 
   /// The run is over: viewers get `report`, the page of its results (empty if there is none). Waits until all who have
-  /// looked lately have it, but no longer than some seconds; then the server stops.
+  /// looked lately have it, but no longer than `farewell`; then the server stops, and connections that are still
+  /// open after `last_answers` are cut.
   void Finish(const std::string& report);
 
  private:

@@ -3,8 +3,10 @@
 
 #include <atomic>
 #include <chrono>
+#include <optional>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -19,7 +21,14 @@ namespace {
 
 class LivePageTest : public ::testing::Test {
  protected:
-  LivePageTest() : odometry_({}, {}), state_("drive", "1.0", 100), page_({}, state_), client_(Address()) {}
+  LivePageTest() : odometry_({}, {}), state_("drive", "1.0", 100), page_(ShortEnd(), state_), client_(Address()) {}
+
+  static LivePageOptions ShortEnd() {
+    LivePageOptions options;
+    options.farewell = std::chrono::milliseconds(4000);
+    options.last_answers = std::chrono::milliseconds(1000);
+    return options;
+  }
 
   std::string Address() const {
     const std::string address = page_.address();
@@ -33,6 +42,18 @@ class LivePageTest : public ::testing::Test {
       frame.time = 0.1 * frames_++;
       state_.Add(cv::Mat(60, 80, CV_8UC1, cv::Scalar(90)), frame, odometry_);
     }
+  }
+
+  // A viewer's connection, which says nothing yet.
+  int Connect() const {
+    const int handle = socket(AF_INET, SOCK_STREAM, 0);
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    const std::string port = Address().substr(Address().rfind(':') + 1);
+    address.sin_port = htons(static_cast<uint16_t>(std::stoi(port)));
+    EXPECT_EQ(connect(handle, reinterpret_cast<sockaddr*>(&address), sizeof address), 0);
+    return handle;
   }
 
   nlohmann::json State() {
@@ -70,13 +91,13 @@ TEST_F(LivePageTest, ServesNothingElse) {
   // Pages of other sites: under a name of theirs for this machine, or without the header.
   EXPECT_EQ(client_.Get("/state.json", {{"Host", "elsewhere.example"}})->status, 403);
   EXPECT_EQ(client_.Post("/pause", "", "text/plain")->status, 403);
-  EXPECT_FALSE(state_.paused());
+  EXPECT_FALSE(state_.IsPaused());
 }
 
 TEST_F(LivePageTest, PausesAndResumes) {
   const httplib::Headers headers = {{"X-Turnscale", "1"}};
   EXPECT_EQ(client_.Post("/pause", headers, "", "text/plain")->status, 200);
-  EXPECT_TRUE(state_.paused());
+  EXPECT_TRUE(state_.IsPaused());
   page_.WaitWhilePaused([] { return true; });
   std::atomic<bool> resumed = false;
   std::thread run([&] {
@@ -87,6 +108,31 @@ TEST_F(LivePageTest, PausesAndResumes) {
   EXPECT_EQ(client_.Post("/resume", headers, "", "text/plain")->status, 200);
   run.join();
   EXPECT_TRUE(resumed);
+}
+
+TEST_F(LivePageTest, APauseEndsWhenItsViewerHasLeft) {
+  LiveState state("drive", "1.0", 100, std::chrono::milliseconds(200));
+  const LivePage page({}, state);
+  state.SetPaused(true);
+  const auto begin = std::chrono::steady_clock::now();
+  // A viewer who asks keeps it.
+  for (int i = 0; i < 10; ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(40));
+    state.StateJson();
+    EXPECT_TRUE(state.IsPaused()) << i;
+  }
+  page.WaitWhilePaused([&] { return std::chrono::steady_clock::now() - begin > std::chrono::seconds(60); });
+  EXPECT_FALSE(state.IsPaused());
+  state.StateJson();
+  EXPECT_FALSE(state.IsPaused()) << "one who comes back does not pause it again";
+}
+
+TEST_F(LivePageTest, WarningsAreBounded) {
+  for (int i = 0; i < 1000; ++i) state_.AddWarning("frame " + std::to_string(i) + ": cannot be read");
+  const nlohmann::json warnings = nlohmann::json::parse(state_.PathJson())["warnings"];
+  ASSERT_EQ(warnings.size(), 11u);
+  EXPECT_EQ(warnings[0], "frame 0: cannot be read");
+  EXPECT_EQ(warnings[10], "990 more, in the report");
 }
 
 TEST_F(LivePageTest, BecomesTheReport) {
@@ -104,19 +150,40 @@ TEST_F(LivePageTest, BecomesTheReport) {
 TEST_F(LivePageTest, StalledViewersHoldUpNobody) {
   // They open a connection and say nothing.
   std::vector<int> stalled;
-  for (int i = 0; i < 20; ++i) {
-    const int handle = socket(AF_INET, SOCK_STREAM, 0);
-    sockaddr_in address{};
-    address.sin_family = AF_INET;
-    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    const std::string port = Address().substr(Address().rfind(':') + 1);
-    address.sin_port = htons(static_cast<uint16_t>(std::stoi(port)));
-    ASSERT_EQ(connect(handle, reinterpret_cast<sockaddr*>(&address), sizeof address), 0);
-    stalled.push_back(handle);
-  }
+  for (int i = 0; i < 20; ++i) stalled.push_back(Connect());
   AddFrames(1);
   for (int i = 0; i < 10; ++i) EXPECT_EQ(State()["frame"], 1);
   for (const int handle : stalled) close(handle);
+}
+
+TEST_F(LivePageTest, SlowViewersDoNotHoldUpTheEnd) {
+  // One sends its request letter by letter, one asks for a report that it does not read.
+  const int sender = Connect();
+  const int reader = Connect();
+  const std::string request = "GET /report.html HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n";
+  std::atomic<bool> over = false;
+  std::thread slow([&] {
+    for (size_t i = 0; !over; ++i) {
+      send(sender, i == 0 ? "G" : "x", 1, MSG_NOSIGNAL);
+      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    }
+  });
+  AddFrames(1);
+  State();
+  std::thread late([&] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(200));
+    send(reader, request.data(), request.size(), MSG_NOSIGNAL);
+  });
+  const auto begin = std::chrono::steady_clock::now();
+  std::string report;
+  report.resize(30'000'000, 'x');
+  page_.Finish(report);
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(20));
+  over = true;
+  slow.join();
+  late.join();
+  close(sender);
+  close(reader);
 }
 
 TEST(LiveAddress, HostAndPort) {
@@ -124,8 +191,42 @@ TEST(LiveAddress, HostAndPort) {
   EXPECT_EQ(ParseLiveAddress("--live-address", "0.0.0.0:8000").host, "0.0.0.0");
   EXPECT_EQ(ParseLiveAddress("--live-address", ":80").host, "127.0.0.1");
   EXPECT_EQ(ParseLiveAddress("--live-address", "localhost").port, 0);
-  EXPECT_THROW(ParseLiveAddress("--live-address", "host:port"), InputError);
+  EXPECT_EQ(ParseLiveAddress("--live-address", "[::1]:8000").host, "::1");
+  EXPECT_EQ(ParseLiveAddress("--live-address", "[::1]:8000").port, 8000);
+  EXPECT_EQ(ParseLiveAddress("--live-address", "::").host, "::");
+  for (const char* wrong : {"host:port", "host:70000", "[::1]:port"})
+    EXPECT_THROW(ParseLiveAddress("--live-address", wrong), InputError) << wrong;
 }
+
+class ListeningElsewhere : public ::testing::TestWithParam<std::pair<std::string, std::string>> {};
+
+TEST_P(ListeningElsewhere, AnswersThere) {
+  const auto [host, address] = GetParam();
+  LiveState state("drive", "1.0", 100);
+  std::optional<LivePage> page;
+  try {
+    LivePageOptions options;
+    options.host = host;
+    page.emplace(options, state);
+  } catch (const InputError&) {
+    GTEST_SKIP() << "this machine has no address " << host;
+  }
+  EXPECT_EQ(page->address().substr(0, address.size()), address);
+  const std::string port = page->address().substr(page->address().rfind(':') + 1);
+  httplib::Client client(host.find(':') == std::string::npos ? "127.0.0.1" : "::1", std::stoi(port));
+  // As a browser names the host that it asks.
+  for (const std::string& name : {address.substr(7) + port, std::string("localhost:") + port}) {
+    const auto answer = client.Get("/state.json", {{"Host", name}});
+    ASSERT_TRUE(answer) << host;
+    EXPECT_EQ(answer->status, 200) << host << " asked as " << name;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Addresses, ListeningElsewhere,
+                         ::testing::Values(std::pair<std::string, std::string>("0.0.0.0", "http://127.0.0.1:"),
+                                           std::pair<std::string, std::string>("::1", "http://[::1]:"),
+                                           std::pair<std::string, std::string>("::", "http://[::1]:"),
+                                           std::pair<std::string, std::string>("localhost", "http://localhost:")));
 
 }  // namespace
 }  // namespace turnscale

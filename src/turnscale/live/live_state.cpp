@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 #include <utility>
 
 #include <nlohmann/json.hpp>
@@ -21,6 +22,7 @@ constexpr milliseconds kImageInterval(200);  // between two images
 constexpr milliseconds kPathInterval(1000);  // between two states of the path
 constexpr seconds kRateWindow(2);            // over which the frames are counted
 constexpr int kPathPoints = 1500;
+constexpr size_t kMostWarnings = 10;
 constexpr int kImageWidth = 640;
 constexpr int kImageQuality = 72;
 
@@ -38,8 +40,8 @@ std::vector<SpeedReading> RoughSpeeds(const std::vector<FrameResult>& frames) {
 
 }  // namespace
 
-LiveState::LiveState(std::string title, std::string version, int frames)
-    : title_(std::move(title)), version_(std::move(version)), frames_(frames) {}
+LiveState::LiveState(std::string title, std::string version, int frames, milliseconds pause_kept)
+    : title_(std::move(title)), version_(std::move(version)), frames_(frames), pause_kept_(pause_kept) {}
 
 void LiveState::Add(const cv::Mat& gray, const FrameResult& frame, const Odometry& odometry) {
   const std::lock_guard lock(mutex_);
@@ -91,9 +93,13 @@ void LiveState::CopyPath(const FrameResult& frame, const Odometry& odometry) {
   ++path_number_;
 }
 
-void LiveState::AddWarnings(const std::vector<std::string>& warnings) {
+void LiveState::AddWarning(const std::string& warning) {
   const std::lock_guard lock(mutex_);
-  warnings_.insert(warnings_.end(), warnings.begin(), warnings.end());
+  if (warnings_.size() < kMostWarnings) {
+    warnings_.push_back(warning);
+  } else {
+    ++more_warnings_;
+  }
 }
 
 void LiveState::Finish() {
@@ -104,10 +110,12 @@ void LiveState::Finish() {
 void LiveState::SetPaused(bool paused) {
   const std::lock_guard lock(mutex_);
   paused_ = paused;
+  asked_at_ = Clock::now();
 }
 
-bool LiveState::paused() const {
+bool LiveState::IsPaused() {
   const std::lock_guard lock(mutex_);
+  if (Clock::now() - asked_at_ > pause_kept_) paused_ = false;
   return paused_;
 }
 
@@ -138,8 +146,7 @@ std::string LiveState::StateJson() {
       {"paused", paused_},
       {"finished", finished_},
       {"image", image_number_},
-      {"path", path_number_},
-      {"warnings", warnings_}};
+      {"path", path_number_}};
   return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
 
@@ -155,6 +162,7 @@ std::string LiveState::PathJson() {
     data.metric = path_.metric;
     data.vehicle_from_body = path_.vehicle_from_camera;
     data.warnings = warnings_;
+    if (more_warnings_ > 0) data.warnings.push_back(std::to_string(more_warnings_) + " more, in the report");
   }
   data.title = title_;
   data.version = version_;

@@ -18,17 +18,22 @@ namespace turnscale {
 /// are made when they are asked for, once for all viewers, by the thread that asks.
 class LiveState {
  public:
-  /// `frames` are those expected, 0 if that is not known.
-  LiveState(std::string title, std::string version, int frames);
+  /// Browsers let pages in the background ask once a minute.
+  static constexpr std::chrono::milliseconds kPauseKept{150'000};
+
+  /// `frames` are those expected, 0 if that is not known. A pause ends when nobody has asked for `pause_kept`: whoever
+  /// paused has left.
+  LiveState(std::string title, std::string version, int frames, std::chrono::milliseconds pause_kept = kPauseKept);
 
   /// After each frame. Copies what the page shows only if somebody has asked lately.
   void Add(const cv::Mat& gray, const FrameResult& frame, const Odometry& odometry);
-  void AddWarnings(const std::vector<std::string>& warnings);
+  /// Viewers are told the first ones, and how many more there are.
+  void AddWarning(const std::string& warning);
   /// No frame follows.
   void Finish();
 
   void SetPaused(bool paused);
-  bool paused() const;
+  bool IsPaused();
 
   /// The numbers, JSON; see LiveState in web/src/live.ts.
   std::string StateJson();
@@ -55,12 +60,14 @@ class LiveState {
   const std::string title_;
   const std::string version_;
   const int frames_;
+  const std::chrono::milliseconds pause_kept_;
 
   mutable std::mutex mutex_;  // of all below but for what is made of them
   FrameResult latest_;
   int frames_done_ = 0;
   int keyframes_ = 0;
-  std::vector<std::string> warnings_;
+  std::vector<std::string> warnings_;  // the first ones
+  size_t more_warnings_ = 0;
   bool paused_ = false;
   bool finished_ = false;
   std::deque<Clock::time_point> done_at_;  // of the latest frames

@@ -30,6 +30,7 @@ struct RefinedScale {
   std::vector<TurnResult> turns;
   std::optional<ScaleEstimate> estimate;  ///< empty while the scale is pending
   std::string reason;                     ///< why it is empty
+  double gap_sigma = 0;  ///< standard deviation of the path's length due to parts that are not measured, metres
   /// Intrinsics that are inconsistent with the images of turns; sigmas include their effect on the scale.
   std::vector<ParameterEstimate> contradicted_calibration;
 };

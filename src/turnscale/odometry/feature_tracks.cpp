@@ -17,6 +17,13 @@ cv::Point2f ToPoint(const Eigen::Vector2d& pixel) {
 // Halvings of the image that cover what the parallax of the last image leaves unknown.
 constexpr int kLevelsNearby = 1;
 
+// Share of the distance that the camera moves now over which a parallax has to be measured: the pixel predicted by it
+// is then wrong by a few pixels at most. Of a car that stood, it is noise.
+constexpr double kLeastParallaxBase = 1.0 / 16;
+
+// Tracks whose reference views are on their way from memory while one is aligned.
+constexpr int kTracksAhead = 2;
+
 // Notes how far beyond the `distant` pixels the tracks have been found. `found` are some of `tracks`, in their order.
 void NoteParallax(const std::vector<FeatureTrack>& tracks, const std::vector<cv::Point2f>& distant, double moved,
                   std::vector<FeatureTrack>& found) {
@@ -26,6 +33,7 @@ void NoteParallax(const std::vector<FeatureTrack>& tracks, const std::vector<cv:
     const cv::Point2f beyond = track.pixel - distant[i];
     track.parallax.reset();
     if (moved > 0) track.parallax = Eigen::Vector2d(beyond.x, beyond.y) / moved;
+    track.parallax_base = moved;
   }
 }
 
@@ -85,7 +93,10 @@ FollowedTracks FollowWithoutDepth(const FlowOptions& options, const Map& map, co
   };
   std::vector<FeatureTrack> known;
   std::vector<FeatureTrack> others;
-  for (const FeatureTrack& track : tracks) (track.parallax ? known : others).push_back(track);
+  for (const FeatureTrack& track : tracks) {
+    const bool is_known = track.parallax && track.parallax_base >= kLeastParallaxBase * moved;
+    (is_known ? known : others).push_back(track);
+  }
   const std::vector<cv::Point2f> known_distant = distant_pixels(known);
   std::vector<cv::Point2f> guesses = known_distant;
   for (size_t i = 0; i < known.size(); ++i) guesses[i] += ToPoint(moved * *known[i].parallax);
@@ -153,9 +164,14 @@ std::vector<uchar> AlignTracks(const PatchAlignmentOptions& options, const Map& 
                                std::vector<FeatureTrack>& tracks) {
   std::vector<uchar> aligned(tracks.size(), 0);
   cv::parallel_for_(cv::Range(0, static_cast<int>(tracks.size())), [&](const cv::Range& range) {
-    for (int i = range.start; i < range.end; ++i)
+    for (int i = range.start; i < range.end; ++i) {
+      if (const int later = i + kTracksAhead; later < range.end && guesses[later]) {
+        const FeatureTrack& track = tracks[later];
+        PrefetchPatch(options, track.reference_image, {track.reference_pixel.x, track.reference_pixel.y});
+      }
       if (guesses[i] && AlignTrack(options, map, camera, image, camera_from_world, *guesses[i], tracks[i]))
         aligned[i] = 1;
+    }
   });
   return aligned;
 }

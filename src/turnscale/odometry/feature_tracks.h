@@ -29,6 +29,7 @@ struct FeatureTrack {
   /// Of a landmark without a depth: its motion in the last image beyond that of infinitely distant points, pixels per
   /// unit of length that the camera moved. Empty where it is not known.
   std::optional<Eigen::Vector2d> parallax = std::nullopt;
+  double parallax_base = 0;  ///< how far the camera had moved when the parallax was measured, units of length
 };
 
 /// Where each track is expected in a camera: landmarks with a depth are projected, the others turned with the camera.
@@ -48,8 +49,8 @@ FollowedTracks FollowTracks(const FlowOptions& options, const Map& map, const Ca
                             const FlowImage& first, const FlowImage& second, const std::vector<FeatureTrack>& tracks,
                             const std::vector<cv::Point2f>& guesses, std::optional<int> levels = {});
 
-/// The same for tracks without a depth, once the camera's pose is known: where their parallax is known, they are
-/// searched near the pixel that it predicts first. Notes the parallax of those found.
+/// The same for tracks without a depth, once the camera's pose is known: where their parallax was measured over a
+/// comparable distance, they are searched near the pixel that it predicts first. Notes the parallax of those found.
 FollowedTracks FollowWithoutDepth(const FlowOptions& options, const Map& map, const CameraModel& camera,
                                   const FlowImage& first, const FlowImage& second,
                                   const std::vector<FeatureTrack>& tracks, const RigidTransform& last_from_world,

@@ -223,33 +223,66 @@ TEST(FeatureTracks, FollowingSortsFoundAndLost) {
   EXPECT_EQ(followed.lost[0].pixel, tracks.back().pixel) << "left as it was";
 }
 
-TEST(FeatureTracks, WithoutDepthTheLastParallaxLeadsToThePixel) {
-  const CameraModel camera = Undistorted();
-  Map map = OneKeyframe(camera);
-  const SyntheticTexture texture(4, 8, 100);
-  const auto moved = [](double metres) {
-    return RigidTransform{Eigen::Quaterniond::Identity(), {metres, 0, 0}} * kReference;
-  };
-  const auto image = [&](double metres) { return BuildFlowImage({}, ImageOfWall(texture, camera, moved(metres))); };
-  std::vector<FeatureTrack> tracks;
-  for (double x = 100; x <= 500; x += 50) tracks.push_back(AddTrack(camera, {x, 150}, kWall, false, map));
-  const double pixels_per_metre = camera.pinhole.fx / kWall;
+// The camera moves sideways along the wall; a row of landmarks without a depth.
+struct WallDrive {
+  WallDrive() {
+    for (double x = 100; x <= 500; x += 50) tracks.push_back(AddTrack(camera, {x, 150}, kWall, false, map));
+  }
 
-  FollowedTracks followed = FollowWithoutDepth({}, map, camera, image(0), image(0.1), tracks, moved(0), moved(0.1));
+  FollowedTracks Follow(double from, double to, const std::vector<FeatureTrack>& before) const {
+    return FollowWithoutDepth({}, map, camera, Image(from), Image(to), before, CameraFromWorld(from),
+                              CameraFromWorld(to));
+  }
+
+  static RigidTransform CameraFromWorld(double metres) {
+    return RigidTransform{Eigen::Quaterniond::Identity(), {metres, 0, 0}} * kReference;
+  }
+  FlowImage Image(double metres) const {
+    return BuildFlowImage({}, ImageOfWall(texture, camera, CameraFromWorld(metres)));
+  }
+
+  CameraModel camera = Undistorted();
+  Map map = OneKeyframe(camera);
+  SyntheticTexture texture{4, 8, 100};
+  std::vector<FeatureTrack> tracks;
+  double pixels_per_metre = camera.pinhole.fx / kWall;
+};
+
+TEST(FeatureTracks, WithoutDepthTheLastParallaxLeadsToThePixel) {
+  WallDrive drive;
+  std::vector<FeatureTrack>& tracks = drive.tracks;
+  FollowedTracks followed = drive.Follow(0, 0.1, tracks);
   ASSERT_EQ(followed.found.size(), tracks.size());
   for (const FeatureTrack& track : followed.found) {
     ASSERT_TRUE(track.parallax);
-    EXPECT_NEAR(track.parallax->x(), pixels_per_metre, 1);
+    EXPECT_NEAR(track.parallax->x(), drive.pixels_per_metre, 1);
     EXPECT_NEAR(track.parallax->y(), 0, 1);
   }
   // Farther than without a prediction.
   constexpr double kFar = 1.1;
   const std::vector<FeatureTrack> before = followed.found;
-  followed = FollowWithoutDepth({}, map, camera, image(0.1), image(0.1 + kFar), before, moved(0.1), moved(0.1 + kFar));
+  followed = drive.Follow(0.1, 0.1 + kFar, before);
   EXPECT_GE(followed.found.size(), before.size() - 2);
   for (const FeatureTrack& track : followed.found) {
     const double start = tracks[track.landmark].pixel.x;
-    EXPECT_NEAR(track.pixel.x - start, (0.1 + kFar) * pixels_per_metre, 0.2);
+    EXPECT_NEAR(track.pixel.x - start, (0.1 + kFar) * drive.pixels_per_metre, 0.2);
+  }
+}
+
+TEST(FeatureTracks, AParallaxMeasuredAtStandstillLeadsNowhere) {
+  WallDrive drive;
+  std::vector<FeatureTrack>& tracks = drive.tracks;
+  for (FeatureTrack& track : tracks) {
+    // A third of a pixel of noise over a millimetre.
+    track.parallax = Eigen::Vector2d(-330, 330);
+    track.parallax_base = 0.001;
+  }
+  constexpr double kMotion = 0.1;
+  const FollowedTracks followed = drive.Follow(0, kMotion, tracks);
+  ASSERT_EQ(followed.found.size(), tracks.size());
+  for (const FeatureTrack& track : followed.found) {
+    EXPECT_NEAR(track.pixel.x - tracks[track.landmark].pixel.x, kMotion * drive.pixels_per_metre, 0.2);
+    EXPECT_NEAR(track.parallax_base, kMotion, 1e-9);
   }
 }
 

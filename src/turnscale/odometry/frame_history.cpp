@@ -15,7 +15,7 @@ RigidTransform Between(const FrameResult& before, const FrameResult& after, doub
   return {a.rotation.slerp(share, b.rotation), (1 - share) * a.translation + share * b.translation};
 }
 
-void BridgeGaps(std::vector<FrameResult>& frames) {
+void InterpolateBridged(std::vector<FrameResult>& frames) {
   std::optional<size_t> before;
   for (size_t i = 0; i < frames.size(); ++i) {
     if (!Measured(frames[i])) continue;
@@ -75,6 +75,19 @@ std::vector<int> FrameHistory::Keyframes() const {
   return keyframes;
 }
 
+std::vector<MeasuredEnd> FrameHistory::MeasuredEnds(const Map& map) const {
+  std::vector<MeasuredEnd> ends;
+  for (const Keyframe& keyframe : map.keyframes) ends.push_back({keyframe.time, Centre(keyframe)});
+  for (const Entry& entry : entries_) {
+    if (entry.keyframe < 0 || entry.state != TrackingState::kTracked) continue;
+    MeasuredEnd& end = ends[entry.keyframe];
+    if (entry.time <= end.time) continue;
+    const RigidTransform pose = entry.frame_from_keyframe * map.keyframes[entry.keyframe].camera_from_world;
+    end = {entry.time, pose.inverse().translation};
+  }
+  return ends;
+}
+
 std::vector<FrameResult> FrameHistory::Refined(const Map& map, const MetricPath& path) const {
   std::vector<FrameResult> frames;
   frames.reserve(entries_.size());
@@ -93,7 +106,7 @@ std::vector<FrameResult> FrameHistory::Refined(const Map& map, const MetricPath&
     }
     frames.push_back(frame);
   }
-  BridgeGaps(frames);
+  InterpolateBridged(frames);
   FillStart(frames);
   return frames;
 }

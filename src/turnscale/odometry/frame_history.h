@@ -22,6 +22,12 @@ struct MetricPath {
   Eigen::Vector3d InMetres(const Map& map, int keyframe, const Eigen::Vector3d& point) const;
 };
 
+/// Where and when the camera was measured last before the map went on from another keyframe.
+struct MeasuredEnd {
+  double time = 0;         ///< seconds
+  Eigen::Vector3d centre;  ///< in the world of the map, its unit
+};
+
 /// Every frame of the drive, relative to a keyframe: when keyframes are refined, their frames move with them.
 class FrameHistory {
  public:
@@ -36,6 +42,9 @@ class FrameHistory {
 
   /// The reference keyframe of each frame, -1 if it has no pose.
   std::vector<int> Keyframes() const;
+
+  /// The last measured frame relative to each keyframe of the map; the keyframe itself where there is no other.
+  std::vector<MeasuredEnd> MeasuredEnds(const Map& map) const;
 
   /// All frames with their current poses, from the map and the metric path. Poses of bridged frames are interpolated
   /// between measured ones; frames before the first pose have that pose, once there is one.

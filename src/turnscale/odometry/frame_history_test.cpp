@@ -85,6 +85,20 @@ TEST(FrameHistory, FramesGoWithTheirKeyframe) {
   EXPECT_NEAR(frames[2].world_from_camera->translation.z(), -1, 1e-12);
 }
 
+TEST(FrameHistory, TheLastMeasuredFrameOfAKeyframeEndsItsPart) {
+  const Map map = TwoKeyframes();
+  FrameHistory history;
+  history.Add(Frame(0, TrackingState::kTracked), map, 0, At(0));
+  history.Add(Frame(1, TrackingState::kTracked), map, 0, At(2));
+  history.Add(Frame(2, TrackingState::kBridged), map, 0, At(4));
+  const std::vector<MeasuredEnd> ends = history.MeasuredEnds(map);
+  ASSERT_EQ(ends.size(), 2U);
+  EXPECT_NEAR(ends[0].time, 0.1, 1e-12);
+  EXPECT_NEAR(ends[0].centre.x(), 2, 1e-12);
+  EXPECT_EQ(ends[1].time, 0.5) << "no frame but the keyframe";
+  EXPECT_NEAR(ends[1].centre.x(), 10, 1e-12);
+}
+
 TEST(FrameHistory, LengthsAreRescaledKeyframeByKeyframe) {
   const Map map = TwoKeyframes();
   FrameHistory history;

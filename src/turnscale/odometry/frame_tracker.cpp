@@ -100,6 +100,8 @@ std::pair<FollowedTracks, PoseEstimate> FrameTracker::TrackFrom(const Map& map, 
   }
   const std::vector<cv::Point2f> guesses = PredictPixels(map, camera, tracks_, last, predicted);
   FollowedTracks followed = FollowTracks(options_.flow, map, camera, before, image, tracks_, guesses);
+  // That of an image before the last one.
+  for (FeatureTrack& track : followed.found) track.parallax.reset();
   DropMasked(followed);
   PoseEstimate estimate = EstimateFramePose(options_.pose, map, predicted, followed);
   if (IsBelievable(options_.tracking, estimate)) {
@@ -117,9 +119,10 @@ std::optional<RigidTransform> FrameTracker::PoseOfSample(const Map& map, const C
   std::vector<const FeatureTrack*> with_depth;
   for (const FeatureTrack& track : tracks_)
     if (map.landmarks[track.landmark].valid) with_depth.push_back(&track);
+  if (with_depth.size() < kLeastOfPoseSample) return std::nullopt;
   std::vector<FeatureTrack> sample;
-  const size_t stride = std::max<size_t>(1, with_depth.size() / kPoseSample);
-  for (size_t i = 0; i < with_depth.size(); i += stride) sample.push_back(*with_depth[i]);
+  const size_t size = std::min(with_depth.size(), kPoseSample);
+  for (size_t i = 0; i < size; ++i) sample.push_back(*with_depth[i * with_depth.size() / size]);
   FollowedTracks followed = FollowTracks(options_.flow, map, camera, before, image, sample,
                                          PredictPixels(map, camera, sample, last, predicted));
   DropMasked(followed);

@@ -81,6 +81,45 @@ TEST_F(FrameTracking, FindsThePose) {
   EXPECT_LT((frame.camera_from_world->translation - Moved(6.4).translation).norm(), 0.05 * kWallDepth / 400);
 }
 
+// With half of the wall gone, too few of the sample agree, and all tracks are followed by optical flow.
+TEST_F(FrameTracking, FindsThePoseWhereMostOfTheSampleIsGone) {
+  FlowImage image = Seen(6.4);
+  cv::Mat gray = image.gray.clone();
+  // As bright as before: the images are not made equally bright.
+  gray.colRange(0, 190).setTo(cv::mean(gray));
+  std::vector<FeatureTrack> tracks = tracker_.tracks();
+  for (FeatureTrack& track : tracks) {
+    track.parallax = Eigen::Vector2d(1e6, 1e6);
+    track.parallax_base = 1;
+  }
+  const int landmarks = static_cast<int>(tracks.size());
+  tracker_.Start(Seen(0), std::move(tracks), landmarks);
+  const TrackedFrame frame = Track(BuildFlowImage(options_.flow, gray), 4);
+  ASSERT_TRUE(frame.camera_from_world);
+  EXPECT_LT(frame.inliers, 0.6 * landmarks);
+  EXPECT_GT(frame.inliers, options_.tracking.min_inliers);
+  for (const FeatureTrack& track : tracker_.tracks()) {
+    EXPECT_GT(track.pixel.x, 180);
+    // Half of the wall hardly tells a turn from a motion to the side; where it is seen, it does.
+    const Eigen::Vector3d seen = *frame.camera_from_world * map_.landmarks[track.landmark].position;
+    EXPECT_LT((camera_.pinhole.Project(seen) - *track.in_keyframe + Eigen::Vector2d(6.4, 0)).norm(), 0.2);
+    EXPECT_FALSE(track.parallax) << "that of an earlier image";
+  }
+}
+
+// Fewer landmarks than a sample needs.
+TEST_F(FrameTracking, FindsThePoseByFewLandmarks) {
+  std::vector<FeatureTrack> tracks = tracker_.tracks();
+  std::erase_if(tracks, [](const FeatureTrack& track) { return track.landmark % 6 != 0; });
+  ASSERT_LT(tracks.size(), 50U);
+  const int landmarks = static_cast<int>(tracks.size());
+  tracker_.Start(Seen(0), std::move(tracks), landmarks);
+  const TrackedFrame frame = Track(Seen(6.4), 4);
+  ASSERT_TRUE(frame.camera_from_world);
+  EXPECT_GT(frame.inliers, 0.9 * landmarks);
+  EXPECT_LT((frame.camera_from_world->translation - Moved(6.4).translation).norm(), 0.05 * kWallDepth / 400);
+}
+
 TEST_F(FrameTracking, FindsThePoseFromAnotherPrediction) {
   // The prediction is out of the optical flow's reach; that the camera stands still is right.
   motion_.Update(kInterval, {});

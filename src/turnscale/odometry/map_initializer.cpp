@@ -168,7 +168,9 @@ MapInitializer::MatchedViews MapInitializer::MatchViews() const {
   // What stands still may be far away: then it takes part.
   TwoViewResult all = MatchWithout(none);
   if (drives && all.status == TwoViewStatus::kStandstill) return {moving, none, true};
-  if (all.status == TwoViewStatus::kInitialized && !BelongToScene(still, all.second_from_first))
+  // A dashboard and a scene that turns look like near and far points beside a camera that moves sideways.
+  if (all.status == TwoViewStatus::kInitialized &&
+      (!IsOfCar(all.second_from_first) || !BelongToScene(still, all.second_from_first)))
     all.status = TwoViewStatus::kFailed;
   return {all, none, true};
 }

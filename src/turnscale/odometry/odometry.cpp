@@ -17,6 +17,7 @@
 #include "turnscale/mapping/map_scaling.h"
 #include "turnscale/mapping/section_adjustment.h"
 #include "turnscale/odometry/constrained_turns.h"
+#include "turnscale/odometry/path_gaps.h"
 
 namespace turnscale {
 namespace {
@@ -379,6 +380,12 @@ void Odometry::ConstrainTurnsOfDrive() {
   for (size_t k = 0; k < map_.keyframes.size(); ++k)
     map_.keyframes[k].camera_from_world = drive.map.keyframes[k].camera_from_world;
   FollowMap(0, factors, last_from_keyframe);
+  // The recovered map has its predicted steps again.
+  if (!factors.empty()) BridgeGaps(*refined_);
+}
+
+void Odometry::BridgeGaps(RefinedScale& refined) const {
+  refined.gap_sigma = turnscale::BridgeGaps(map_, history_.MeasuredEnds(map_), last_time_, refined.path);
 }
 
 RigidTransform Odometry::LastFromKeyframe() const {
@@ -415,6 +422,7 @@ RefinedScale Odometry::Refined() const {
   const std::vector<ParameterEstimate> contradictions = calibration_check_.Contradictions();
   RefinedScale refined = scale_.Refine(map_, !contradictions.empty());
   WidenForCalibration(contradictions, camera_, refined);
+  BridgeGaps(refined);
   return refined;
 }
 

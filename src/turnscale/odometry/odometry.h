@@ -116,6 +116,8 @@ class Odometry {
   void AdjustWholeDrive();
   /// Scales the archived drive to metres by constraints on the lengths of turns.
   void ConstrainTurnsOfDrive();
+  /// Interpolates the path across losses of tracking.
+  void BridgeGaps(RefinedScale& refined) const;
   /// Lengths at keyframes `first`... have changed by these factors.
   void FollowMap(int first, const std::vector<double>& factors, RigidTransform last_from_keyframe);
   /// The latest frame as seen from the latest keyframe.

@@ -6,12 +6,15 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include <nlohmann/json.hpp>
 
 #include "turnscale/base/base64.h"
+#include "turnscale/base/error.h"
 #include "turnscale/geometry/level_frame.h"
+#include "turnscale/geometry/similarity.h"
 #include "turnscale/report/path_thinning.h"
 
 namespace turnscale {
@@ -137,17 +140,14 @@ Json PathJson(const ReportData& data, const PosedFrames& posed, const Axes& axes
   PositionColumns positions(axes.steps);
   std::string scale_state;
   std::string tracking;
-  auto reading = data.speeds.begin();
-  constexpr double kSame = 1e-6;  // seconds
   for (const int place : ThinPath(posed.poses, limits.path_points, posed.edges)) {
     const FrameResult& of = *posed.frames[place];
     time.Add(Rounded(of.time, kMilliseconds));
     frame.Add(of.frame);
     positions.Add(axes.level_from_world * of.world_from_camera->translation);
-    while (reading != data.speeds.end() && reading->time < of.time - kSame) ++reading;
-    const bool has_speed = reading != data.speeds.end() && reading->time < of.time + kSame;
-    speed.Add(has_speed ? Rounded(reading->speed, kMillimetres) : Json(nullptr));
-    speed_sigma.Add(has_speed ? Rounded(reading->sigma, kMillimetres) : Json(nullptr));
+    const std::optional<SpeedReading> reading = SpeedAt(data.speeds, of.time);
+    speed.Add(reading ? Rounded(reading->speed, kMillimetres) : Json(nullptr));
+    speed_sigma.Add(reading ? Rounded(reading->sigma, kMillimetres) : Json(nullptr));
     sigma.Add(Rounded(of.scale_sigma, kSigmaSteps));
     scale_state += LetterOf(of.scale_state);
     tracking += LetterOf(of.state);
@@ -259,28 +259,51 @@ Json RotationJson(const ReportData& data) {
 }
 
 Json ThumbnailsJson(const ReportData& data) {
-  constexpr std::array kNames = {"drive", "turn", "lost"};
   Json thumbnails = Json::array();
   for (const Thumbnail& thumbnail : data.thumbnails) {
     thumbnails.push_back({{"time", Rounded(thumbnail.time, kMilliseconds)},
                           {"frame", thumbnail.frame},
-                          {"why", kNames[static_cast<size_t>(thumbnail.reason)]},
+                          {"why", ThumbnailReasonName(thumbnail.reason)},
                           {"jpeg", Base64(thumbnail.jpeg)}});
   }
   return thumbnails;
 }
 
-// The truth as seen from the path: its first pose is laid on that of the estimate.
-RigidTransform PathFromTruth(const ReportData& data) {
-  return data.truth.front().estimate * data.truth.front().truth.inverse();
+// The truth as seen from the path: its first pose is laid on that of the estimate. A path without metres has the truth
+// laid on the whole of it, with a change of scale, since its scale is arbitrary.
+Similarity PathFromTruth(const ReportData& data) {
+  const PosePair& first = data.truth.front();
+  const RigidTransform rigid = first.estimate * first.truth.inverse();
+  Similarity path_from_truth{1, rigid.rotation, rigid.translation};
+  if (data.metric) return path_from_truth;
+  std::vector<Eigen::Vector3d> estimate;
+  std::vector<Eigen::Vector3d> truth;
+  for (const PosePair& pair : data.truth) {
+    estimate.push_back(pair.estimate.translation);
+    truth.push_back(pair.truth.translation);
+  }
+  try {
+    return AlignPoints(truth, estimate, AlignmentModel::kSimilarity);
+  } catch (const InputError&) {
+    // A straight line: the first pose gives the direction, the lengths give the scale.
+    const double scale = EstimatedPathLength(data.truth) / TruePathLength(data.truth);
+    if (std::isfinite(scale) && scale > 0) path_from_truth.scale = scale;
+    path_from_truth.translation =
+        first.estimate.translation - path_from_truth.scale * (rigid.rotation * first.truth.translation);
+    return path_from_truth;
+  }
 }
 
 Json TruthJson(const ReportData& data, const Axes& axes, const ReportLimits& limits) {
   if (data.truth.empty()) return nullptr;
-  const RigidTransform path_from_truth = PathFromTruth(data);
+  const Similarity path_from_truth = PathFromTruth(data);
   Trajectory truth;
-  for (const PosePair& pair : data.truth) truth.push_back({pair.time, path_from_truth * pair.truth});
+  for (const PosePair& pair : data.truth) {
+    truth.push_back(
+        {pair.time, {path_from_truth.rotation * pair.truth.rotation, path_from_truth * pair.truth.translation}});
+  }
   Json json;
+  json["metresPerUnit"] = data.metric ? Json(nullptr) : Significant(1 / path_from_truth.scale);
   Column time;
   Column error;
   PositionColumns positions(axes.steps);
@@ -288,7 +311,8 @@ Json TruthJson(const ReportData& data, const Axes& axes, const ReportLimits& lim
     const Eigen::Vector3d& position = truth[place].world_from_camera.translation;
     time.Add(Rounded(truth[place].time, kMilliseconds));
     positions.Add(axes.level_from_world * position);
-    error.Add(Rounded((data.truth[place].estimate.translation - position).norm(), kMillimetres));
+    error.Add(
+        Rounded((data.truth[place].estimate.translation - position).norm() / path_from_truth.scale, kMillimetres));
   }
   json["time"] = time.Take();
   positions.MoveTo(json);
@@ -299,7 +323,7 @@ Json TruthJson(const ReportData& data, const Axes& axes, const ReportLimits& lim
 Json OutlinesJson(const ReportData& data, const Axes& axes) {
   Json outlines = Json::array();
   if (data.truth.empty()) return outlines;
-  const RigidTransform path_from_truth = PathFromTruth(data);
+  const Similarity path_from_truth = PathFromTruth(data);
   for (const std::vector<Eigen::Vector2d>& outline : data.outlines) {
     Json points = Json::array();
     const auto add = [&](const Eigen::Vector2d& corner) {
@@ -312,6 +336,13 @@ Json OutlinesJson(const ReportData& data, const Axes& axes) {
     outlines.push_back(std::move(points));
   }
   return outlines;
+}
+
+void TakeOverTruth(const std::string& earlier, Json& json) {
+  const Json from = Json::parse(earlier, nullptr, false);
+  if (!from.is_object()) return;
+  for (const char* part : {"truth", "errors", "outlines"})
+    if (from.contains(part)) json[part] = from[part];
 }
 
 Json FactsJson(const std::vector<ReportFact>& facts) {
@@ -328,22 +359,23 @@ std::string ReportJson(const ReportData& data, const ReportLimits& limits) {
   Axes axes;
   if (!posed.poses.empty())
     axes = {LevelFromWorld(posed.poses, data.vehicle_from_body), LengthSteps(posed.poses, data.metric)};
-  const Json json = {{"title", data.title},
-                     {"version", data.version},
-                     {"unit", data.metric ? "m" : "units"},
-                     {"notes", data.notes},
-                     {"warnings", data.warnings},
-                     {"facts", FactsJson(data.facts)},
-                     {"path", PathJson(data, posed, axes, limits)},
-                     {"landmarks", LandmarksJson(data, posed, axes, limits)},
-                     {"turns", TurnsJson(data)},
-                     {"scale", ScaleJson(data, limits)},
-                     {"rotation", RotationJson(data)},
-                     {"thumbnails", ThumbnailsJson(data)},
-                     {"truth", TruthJson(data, axes, limits)},
-                     {"errors", FactsJson(data.errors)},
-                     {"outlines", OutlinesJson(data, axes)},
-                     {"settings", data.settings}};
+  Json json = {{"title", data.title},
+               {"version", data.version},
+               {"unit", data.metric ? "m" : "units"},
+               {"notes", data.notes},
+               {"warnings", data.warnings},
+               {"facts", FactsJson(data.facts)},
+               {"path", PathJson(data, posed, axes, limits)},
+               {"landmarks", LandmarksJson(data, posed, axes, limits)},
+               {"turns", TurnsJson(data)},
+               {"scale", ScaleJson(data, limits)},
+               {"rotation", RotationJson(data)},
+               {"thumbnails", ThumbnailsJson(data)},
+               {"truth", TruthJson(data, axes, limits)},
+               {"errors", FactsJson(data.errors)},
+               {"outlines", OutlinesJson(data, axes)},
+               {"settings", data.settings}};
+  if (data.truth.empty() && !data.earlier.empty()) TakeOverTruth(data.earlier, json);
   // Names of files may be no UTF-8. A '<' could end the script element that holds the data.
   const std::string text = json.dump(-1, ' ', false, Json::error_handler_t::replace);
   std::string escaped;

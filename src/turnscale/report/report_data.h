@@ -35,10 +35,13 @@ struct ReportData {
   std::vector<RotationRow> rotations;
   std::vector<Eigen::Vector3f> landmarks;
   std::vector<Thumbnail> thumbnails;
-  PosePairs truth;                 ///< the estimate's poses with the true ones, in any world frames
+  /// The estimate's poses with the true ones, in any world frames. Their first poses are drawn one on the other;
+  /// without metres the truth is scaled and laid on the whole path.
+  PosePairs truth;
   std::vector<ReportFact> errors;  ///< from the comparison with the truth
   FloorPlan outlines;              ///< in the frame of the true poses, seen from above (x right, z ahead)
   std::string settings;
+  std::string earlier;  ///< data of an earlier page of the same path: its truth is kept where `truth` is empty
 };
 
 /// Upper bounds, so that the page of a long drive opens quickly.

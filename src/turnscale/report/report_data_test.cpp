@@ -85,6 +85,61 @@ TEST(ReportData, TheTruthIsLaidOnTheFirstPose) {
   EXPECT_NEAR(json["error"][100].get<double>(), 0.5, 1e-3);
 }
 
+// Its scale is arbitrary: only its shape can be compared.
+TEST(ReportData, TheTruthIsScaledToAPathWithoutMetres) {
+  ReportData data = DriveData(200);
+  data.metric = false;
+  const RigidTransform elsewhere{RotationFromVector({0.1, 0.5, 0}), {7, 8, 9}};
+  for (int i = 0; i < 200; ++i) {
+    RigidTransform& estimate = *data.frames[i].world_from_camera;
+    RigidTransform truth = elsewhere * estimate;
+    estimate.translation *= 0.1;
+    // One pose is wrong by a metre, upwards.
+    if (i == 100) estimate.translation.y() -= 0.1;
+    data.truth.push_back({i, i, data.frames[i].time, estimate, truth});
+  }
+  const auto json = Parsed(data);
+  EXPECT_NEAR(json["truth"]["metresPerUnit"].get<double>(), 10, 0.01);
+  EXPECT_NEAR(json["truth"]["error"][100].get<double>(), 1, 0.02) << "metres";
+  EXPECT_NEAR(json["truth"]["error"][50].get<double>(), 0, 0.02);
+  EXPECT_NEAR(json["truth"]["y"][199].get<double>(), json["path"]["y"][199].get<double>(), 0.02) << "in units";
+}
+
+TEST(ReportData, TheTruthIsScaledToAStraightPathToo) {
+  ReportData data;
+  for (int i = 0; i < 20; ++i) {
+    FrameResult frame;
+    frame.frame = i;
+    frame.time = i;
+    frame.world_from_camera = RigidTransform{Eigen::Quaterniond::Identity(), {0, 0, 0.5 * i}};
+    data.frames.push_back(frame);
+    data.truth.push_back(
+        {i, i, frame.time, *frame.world_from_camera, {Eigen::Quaterniond::Identity(), {3, 0, 4.0 * i}}});
+  }
+  const auto truth = Parsed(data)["truth"];
+  EXPECT_NEAR(truth["metresPerUnit"].get<double>(), 8, 1e-9);
+  for (const auto& error : truth["error"]) EXPECT_NEAR(error.get<double>(), 0, 1e-9);
+}
+
+TEST(ReportData, TheTruthOfAnEarlierPageIsKept) {
+  ReportData data = DriveData(50);
+  for (int i = 0; i < 50; ++i)
+    data.truth.push_back(
+        {i, i, data.frames[i].time, *data.frames[i].world_from_camera, *data.frames[i].world_from_camera});
+  data.errors = {{"Path length error", "0.10 %", ""}};
+  data.outlines = {{{0, 0}, {1, 0}, {1, 1}}};
+  const std::string before = ReportJson(data);
+  ReportData again = DriveData(50);
+  again.earlier = before;
+  EXPECT_EQ(ReportJson(again), before);
+  // Another truth takes its place; what is no data has none.
+  data.errors = {{"Path length error", "0.20 %", ""}};
+  data.earlier = before;
+  EXPECT_EQ(Parsed(data)["errors"][0]["value"], "0.20 %");
+  again.earlier = "{";
+  EXPECT_TRUE(Parsed(again)["truth"].is_null());
+}
+
 TEST(ReportData, APathWithoutPosesIsAnEmptyPage) {
   ReportData data;
   EXPECT_TRUE(Parsed(data)["path"]["time"].empty());

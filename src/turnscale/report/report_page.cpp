@@ -26,6 +26,8 @@ std::string ReportPage(std::string_view title, std::string_view json) {
   return page;
 }
 
+bool IsReportPage(std::string_view page) { return page.find(kBegin) != std::string_view::npos; }
+
 std::string DataOfPage(std::string_view page, const std::string& name) {
   const size_t begin = page.find(kBegin);
   const size_t end = begin == std::string_view::npos ? begin : page.find(kEnd, begin);

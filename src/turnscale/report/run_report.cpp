@@ -3,13 +3,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "turnscale/base/error.h"
+#include "turnscale/base/file_text.h"
 #include "turnscale/io/output_file.h"
+#include "turnscale/io/run_writer.h"
 #include "turnscale/report/report_page.h"
 
 namespace turnscale {
@@ -31,10 +34,14 @@ std::string TextAt(const Summary& json, const char* pointer) {
   return json.contains(place) && json.at(place).is_string() ? json.at(place).get<std::string>() : "";
 }
 
-std::string Percent(double share) { return fmt::format("\u00b1{:.{}f} %", 100 * share, share < 0.1 ? 1 : 0); }
+// Empty where the number is not known.
+std::string Percent(double share, const char* more = "") {
+  return std::isfinite(share) ? fmt::format("\u00b1{:.{}f} %{}", 100 * share, share < 0.1 ? 1 : 0, more) : "";
+}
 
 std::string Clock(double seconds) {
   const auto whole = static_cast<int>(std::lround(seconds));
+  if (whole < 60) return fmt::format("{} s", whole);
   return whole >= 3600 ? fmt::format("{}:{:02}:{:02} h", whole / 3600, whole / 60 % 60, whole % 60)
                        : fmt::format("{}:{:02} min", whole / 60, whole % 60);
 }
@@ -47,9 +54,10 @@ std::vector<ReportFact> FactsOf(const Summary& summary, const ResultFolder& resu
   std::vector<ReportFact> facts;
   if (metric) {
     facts.push_back({"Path length", Metres(NumberAt(summary, "/distance_m")),
-                     Percent(NumberAt(summary, "/path_sigma")) + " (1 sigma)"});
+                     Percent(NumberAt(summary, "/path_sigma"), " (1 sigma)")});
   } else {
-    facts.push_back({"Path length", fmt::format("{:.2f} units", NumberAt(summary, "/distance_units")), "up to scale"});
+    const double length = NumberAt(summary, "/distance_units");
+    if (std::isfinite(length)) facts.push_back({"Path length", fmt::format("{:.2f} units", length), "up to scale"});
   }
   const double seconds = results.frames.empty() ? 0 : results.frames.back().time - results.frames.front().time;
   facts.push_back({"Duration", Clock(seconds), fmt::format("{} frames", results.frames.size())});
@@ -57,20 +65,24 @@ std::vector<ReportFact> FactsOf(const Summary& summary, const ResultFolder& resu
     const auto top = std::max_element(results.speeds.begin(), results.speeds.end(),
                                       [](const auto& a, const auto& b) { return a.speed < b.speed; });
     facts.push_back({"Top speed", fmt::format("{:.0f} km/h", kKmhPerMps * top->speed),
-                     fmt::format("\u00b1{:.1f} km/h, at {:.1f} s", kKmhPerMps * top->sigma, top->time)});
+                     (std::isfinite(top->sigma) ? fmt::format("\u00b1{:.1f} km/h, ", kKmhPerMps * top->sigma) : "") +
+                         fmt::format("at {:.1f} s", top->time)});
     const double driven = NumberAt(summary, "/distance_m");
-    facts.push_back({"Mean speed", fmt::format("{:.0f} km/h", kKmhPerMps * driven / std::max(seconds, 1e-9)), ""});
+    if (std::isfinite(driven) && seconds > 0)
+      facts.push_back({"Mean speed", fmt::format("{:.0f} km/h", kKmhPerMps * driven / seconds), "standstill included"});
   }
   const double used = NumberAt(summary, "/turns/used");
   const double found = NumberAt(summary, "/turns/found");
-  facts.push_back({"Turns", fmt::format("{:.0f} of {:.0f}", used, found), "used for the scale"});
-  if (metric) {
-    facts.push_back({"Largest sigma", Percent(NumberAt(summary, "/scale/worst_relative_sigma")),
-                     fmt::format("of the scale, at {:.1f} s", NumberAt(summary, "/scale/worst_at_s"))});
-  }
+  if (std::isfinite(used + found))
+    facts.push_back({"Turns", fmt::format("{:.0f} of {:.0f}", used, found), "used for the scale"});
+  const double worst = NumberAt(summary, "/scale/worst_relative_sigma");
+  const double worst_at = NumberAt(summary, "/scale/worst_at_s");
+  if (metric && std::isfinite(worst + worst_at))
+    facts.push_back({"Largest sigma", Percent(worst), fmt::format("of the scale, at {:.1f} s", worst_at)});
   const double tracked = NumberAt(summary, "/frames/tracked");
-  const double total = std::max(NumberAt(summary, "/frames/total"), 1.0);
-  facts.push_back({"Tracked", fmt::format("{:.4g} %", std::floor(1e3 * tracked / total) / 10), "of the frames"});
+  const double total = NumberAt(summary, "/frames/total");
+  if (tracked >= 0 && total > 0)
+    facts.push_back({"Tracked", fmt::format("{:.4g} %", std::floor(1e3 * tracked / total) / 10), "of the frames"});
   return facts;
 }
 
@@ -138,7 +150,7 @@ ReportData DataOfRun(const ResultFolder& results, std::vector<Thumbnail> thumbna
   data.landmarks = results.landmarks;
   data.thumbnails = std::move(thumbnails);
   data.truth = extras.truth;
-  data.errors = extras.errors;
+  if (!extras.evaluation.empty()) data.errors = ErrorFacts(extras.evaluation, data.metric);
   data.outlines = extras.outlines;
   data.settings = results.settings;
   return data;
@@ -146,7 +158,9 @@ ReportData DataOfRun(const ResultFolder& results, std::vector<Thumbnail> thumbna
 
 void WriteRunReport(const fs::path& folder, const RunReportExtras& extras) {
   const ResultFolder results = ReadResultFolder(folder);
-  const ReportData data = DataOfRun(results, ReadThumbnails(folder, results.frames), extras);
+  ReportData data = DataOfRun(results, ReadThumbnails(folder, results.frames), extras);
+  if (const std::optional<std::string> page = FileText(folder / kReportFile); page && IsReportPage(*page))
+    data.earlier = DataOfPage(*page, kReportFile);
   try {
     ReplaceFile(folder / kReportFile, ReportPage(fs::path(data.title).filename().string(), ReportJson(data)));
   } catch (const InputError& error) {
@@ -154,7 +168,7 @@ void WriteRunReport(const fs::path& folder, const RunReportExtras& extras) {
   }
 }
 
-std::vector<ReportFact> ErrorFacts(const std::string& evaluation_json) {
+std::vector<ReportFact> ErrorFacts(const std::string& evaluation_json, bool metric) {
   const Summary json = Summary::parse(evaluation_json);
   std::vector<ReportFact> facts;
   const auto add = [&](const char* name, const char* pointer, const char* format, const char* note) {
@@ -162,6 +176,13 @@ std::vector<ReportFact> ErrorFacts(const std::string& evaluation_json) {
       facts.push_back({name, fmt::format(fmt::runtime(format), value), note});
   };
   add("True path length", "/true_path_length_m", "{:.1f} m", "");
+  if (!metric) {
+    add("Metres per unit", "/position_error/sim3/scale", "{:.4g}", "by the truth");
+    add("Translation error", "/rescaled/kitti/translation_percent", "{:.2f} %", "KITTI, path scaled");
+    add("Rotation error", "/rescaled/kitti/rotation_deg_per_100m", "{:.2f} deg/100 m", "KITTI, path scaled");
+    add("Position error", "/position_error/sim3/rmse_m", "{:.2f} m", "RMSE after Sim(3) alignment");
+    return facts;
+  }
   add("Path length error", "/as_given/path_length_error_percent", "{:+.2f} %", "");
   add("Translation error", "/as_given/kitti/translation_percent", "{:.2f} %", "KITTI");
   add("Rotation error", "/as_given/kitti/rotation_deg_per_100m", "{:.2f} deg/100 m", "KITTI");

@@ -2,6 +2,7 @@
 #include "turnscale/report/run_report.h"
 
 #include <filesystem>
+#include <fstream>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -86,6 +87,50 @@ TEST_F(RunReportTest, APathUpToScaleSaysWhy) {
 TEST_F(RunReportTest, NeedsResults) {
   fs::create_directories(folder_);
   EXPECT_THROW(WriteRunReport(folder_), InputError);
+}
+
+// Of a version, or a failed run, that has written hardly anything.
+TEST_F(RunReportTest, WhatIsNotKnownIsLeftOut) {
+  RunSummary summary;
+  summary.scale_state = ScaleState::kHeld;
+  summary.vehicle.lever_arm = 1.5;
+  WriteRun(summary);
+  nlohmann::json json = nlohmann::json::parse(TextOf(folder_ / "summary.json"));
+  for (const char* name : {"path_sigma", "scale", "turns", "frames", "missing", "by_all_turns"}) json.erase(name);
+  std::ofstream(folder_ / "summary.json") << json;
+  std::ofstream(folder_ / "speed.csv") << "time,speed_mps,sigma_mps\n0,10,nan\n";
+  WriteRunReport(folder_);
+  const std::string facts = Data()["facts"].dump();
+  EXPECT_EQ(facts.find("nan"), std::string::npos) << facts;
+  EXPECT_EQ(facts.find("inf"), std::string::npos) << facts;
+  EXPECT_NE(facts.find("29.0 m"), std::string::npos) << facts;
+}
+
+TEST_F(RunReportTest, KeepsTheTruthOfAnEarlierPage) {
+  RunSummary summary;
+  summary.scale_state = ScaleState::kHeld;
+  WriteRun(summary);
+  const RigidTransform pose;
+  const RunReportExtras extras = {
+      {{0, 0, 0, pose, pose}, {29, 29, 2.9, pose, pose}}, R"({"as_given": {"path_length_error_percent": -1.5}})", {}};
+  WriteRunReport(folder_, extras);
+  WriteRunReport(folder_);
+  EXPECT_EQ(Data()["errors"][0]["value"], "-1.50 %");
+  EXPECT_EQ(Data()["truth"]["time"].size(), 2u);
+  std::ofstream(folder_ / kReportFile) << "something else";
+  WriteRunReport(folder_);
+  EXPECT_TRUE(Data()["truth"].is_null());
+}
+
+TEST(ErrorFacts, OfAPathWithoutMetresLeaveItsLengthOut) {
+  const std::vector<ReportFact> facts = ErrorFacts(
+      R"({"true_path_length_m": 100.0, "as_given": {"path_length_error_percent": -95, "kitti": {"translation_percent": 95}},
+          "rescaled": {"kitti": {"translation_percent": 0.5}}, "position_error": {"sim3": {"scale": 20.0, "rmse_m": 0.25}}})",
+      false);
+  ASSERT_EQ(facts.size(), 4u);
+  EXPECT_EQ(facts[1].value, "20");
+  EXPECT_EQ(facts[2].value, "0.50 %");
+  EXPECT_EQ(facts[3].value, "0.25 m");
 }
 
 TEST(ErrorFacts, NamesWhatThereIs) {

@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <fstream>
-#include <iterator>
 #include <optional>
 #include <system_error>
 #include <utility>
@@ -15,6 +13,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "turnscale/base/error.h"
+#include "turnscale/base/file_text.h"
 #include "turnscale/base/number_text.h"
 #include "turnscale/geometry/rotation.h"
 #include "turnscale/io/output_file.h"
@@ -27,8 +26,6 @@ namespace fs = std::filesystem;
 constexpr auto kFolder = "thumbnails";
 constexpr std::array<std::pair<ThumbnailReason, const char*>, 3> kReasonNames = {
     {{ThumbnailReason::kDrive, "drive"}, {ThumbnailReason::kTurn, "turn"}, {ThumbnailReason::kLost, "lost"}}};
-
-const char* NameOf(ThumbnailReason reason) { return kReasonNames[static_cast<size_t>(reason)].second; }
 
 bool IsLost(TrackingState state) { return state == TrackingState::kBridged || state == TrackingState::kUnreadable; }
 
@@ -54,6 +51,8 @@ std::vector<fs::path> ThumbnailFiles(const fs::path& folder) {
 
 }  // namespace
 
+const char* ThumbnailReasonName(ThumbnailReason reason) { return kReasonNames[static_cast<size_t>(reason)].second; }
+
 std::vector<DrawnFeature> FeaturesOf(const Odometry& odometry) {
   std::vector<DrawnFeature> features;
   for (const FeatureTrack& track : odometry.tracks())
@@ -73,13 +72,18 @@ cv::Mat DrawTracking(const cv::Mat& gray, const std::vector<DrawnFeature>& featu
     const cv::Mat tinted = 0.55 * image + cv::Scalar(20, 20, 110);
     tinted.copyTo(image, left_out == 0);
   }
-  const int radius = std::max(1, image.cols / 250);
+  // Many dots are small ones, so that the picture stays visible between them.
+  constexpr double kShare = 0.03;  // of the picture's area, in all
+  const double whole = image.cols / 250.0;
+  const double fair =
+      std::sqrt(kShare * image.size().area() / (CV_PI * std::max(static_cast<double>(features.size()), 1.0)));
+  const double radius = std::clamp(fair, 0.55 * whole, whole);
   constexpr int kShift = 4;
   const auto fixed = [](double pixel) { return cvRound(pixel * (1 << kShift)); };
   for (const DrawnFeature& feature : features) {
     const cv::Scalar colour = feature.has_depth ? cv::Scalar(120, 230, 70) : cv::Scalar(40, 175, 255);
     const cv::Point centre(fixed((feature.pixel.x + 0.5) * scale - 0.5), fixed((feature.pixel.y + 0.5) * scale - 0.5));
-    cv::circle(image, centre, radius << kShift, colour, cv::FILLED, cv::LINE_AA, kShift);
+    cv::circle(image, centre, fixed(radius), colour, cv::FILLED, cv::LINE_AA, kShift);
   }
   return image;
 }
@@ -122,9 +126,11 @@ void ThumbnailCollector::KeepWithinBudget() {
     const auto count = [&](ThumbnailReason reason) {
       return std::count_if(thumbnails_.begin(), thumbnails_.end(), [&](const auto& t) { return t.reason == reason; });
     };
-    // Half of the thumbnails at least show the whole drive.
+    // The most numerous kind is thinned, so that none displaces the others.
     const auto most = std::max({ThumbnailReason::kDrive, ThumbnailReason::kTurn, ThumbnailReason::kLost},
                                [&](ThumbnailReason a, ThumbnailReason b) { return count(a) < count(b); });
+    // One of each kind stays, however small the budget.
+    if (count(most) < 2) return;
     if (most == ThumbnailReason::kDrive) interval_factor_ *= 2;
     if (most == ThumbnailReason::kTurn) turn_interval_factor_ *= 2;
     DropEverySecond(most);
@@ -157,7 +163,7 @@ void WriteThumbnails(const fs::path& folder, const std::vector<Thumbnail>& thumb
   fs::create_directories(folder / kFolder, error);
   if (error) throw OutputError((folder / kFolder).string() + ": cannot be made: " + error.message());
   for (const Thumbnail& thumbnail : thumbnails) {
-    ReplaceFile(folder / kFolder / fmt::format("{:06}-{}.jpg", thumbnail.frame, NameOf(thumbnail.reason)),
+    ReplaceFile(folder / kFolder / fmt::format("{:06}-{}.jpg", thumbnail.frame, ThumbnailReasonName(thumbnail.reason)),
                 thumbnail.jpeg, Durability::kProcess);
   }
 }
@@ -167,8 +173,7 @@ std::vector<Thumbnail> ReadThumbnails(const fs::path& folder, const std::vector<
   for (const fs::path& file : ThumbnailFiles(folder)) {
     const auto [frame, reason] = *ParseName(file);
     if (frame < 0 || frame >= static_cast<int>(frames.size())) continue;
-    std::ifstream stream(file, std::ios::binary);
-    thumbnails.push_back({frame, frames[frame].time, reason, {std::istreambuf_iterator<char>(stream), {}}});
+    thumbnails.push_back({frame, frames[frame].time, reason, FileText(file).value_or("")});
   }
   return thumbnails;
 }

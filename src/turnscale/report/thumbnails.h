@@ -20,6 +20,9 @@ enum class ThumbnailReason {
   kLost,   ///< tracking failed
 };
 
+/// "drive", "turn" or "lost".
+const char* ThumbnailReasonName(ThumbnailReason reason);
+
 /// A small picture of a frame, with the features that were tracked and the pixels that were left out.
 struct Thumbnail {
   int frame = 0;
@@ -53,9 +56,8 @@ struct ThumbnailOptions {
   std::size_t budget = 2'100'000;
 };
 
-/// Keeps thumbnails of a drive within a budget: when it is spent, every second one along the drive is dropped and the
-/// interval doubled. The pictures of turns and of lost tracking are dropped last. The same drive gives the same
-/// thumbnails.
+/// Keeps thumbnails of a drive within a budget: when it is spent, every second one of the most numerous kind is dropped
+/// and the interval of that kind doubled; one of each kind stays. The same drive gives the same thumbnails.
 class ThumbnailCollector {
  public:
   explicit ThumbnailCollector(const ThumbnailOptions& options = {}) : options_(options) {}

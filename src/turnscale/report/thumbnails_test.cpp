@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "turnscale/report/thumbnails.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 
@@ -88,6 +89,21 @@ TEST_F(ThumbnailsTest, ALongDriveStaysWithinTheBudget) {
   // From one end of the drive to the other.
   EXPECT_LT(collector.thumbnails().front().frame, 500);
   EXPECT_GT(collector.thumbnails().back().frame, 4500);
+}
+
+TEST_F(ThumbnailsTest, ATinyBudgetKeepsOneOfEachKind) {
+  ThumbnailOptions options;
+  options.budget = 100;  // less than one
+  ThumbnailCollector collector(options);
+  for (int i = 0; i < 300; ++i) {
+    const TrackingState state = i == 45 ? TrackingState::kBridged : TrackingState::kTracked;
+    collector.Add(NoiseImage(i), FrameAt(i, state, i >= 63 && i < 69 ? 0.05 : 0.0), odometry_);
+  }
+  std::vector<ThumbnailReason> kinds;
+  for (const Thumbnail& thumbnail : collector.thumbnails()) kinds.push_back(thumbnail.reason);
+  std::sort(kinds.begin(), kinds.end());
+  EXPECT_EQ(kinds,
+            (std::vector<ThumbnailReason>{ThumbnailReason::kDrive, ThumbnailReason::kTurn, ThumbnailReason::kLost}));
 }
 
 TEST_F(ThumbnailsTest, FilesReplaceThoseOfAnEarlierRun) {

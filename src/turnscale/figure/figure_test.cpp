@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: MIT
-#include "turnscale/laboratory/figure.h"
+#include "turnscale/figure/figure.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
 
 #include <gtest/gtest.h>
 
 #include "turnscale/base/error.h"
-#include "turnscale/laboratory/plot_axes.h"
+#include "turnscale/figure/plot_axes.h"
 
 namespace turnscale {
 namespace {
@@ -56,6 +60,43 @@ TEST(Figure, LegendShowsEachLabelOnce) {
   const auto first = svg.find(">line<");
   ASSERT_NE(first, std::string::npos);
   EXPECT_EQ(svg.find(">line<", first + 1), std::string::npos);
+}
+
+TEST(Figure, CurvesBreakWhereAValueIsNotFinite) {
+  Figure figure;
+  figure.panels.push_back(Panel());
+  figure.panels[0].lines = {{{{0, 0}, {1, NAN}, {2, 2}, {3, 3}}, ""}};
+  const std::string svg = FigureSvg(figure);
+  EXPECT_EQ(svg.find("nan"), std::string::npos);
+  const size_t begin = svg.find("d=\"", svg.find("<path stroke=\"#222\"")) + 3;
+  const std::string path = svg.substr(begin, svg.find('"', begin) - begin);
+  EXPECT_EQ(std::count(path.begin(), path.end(), 'M'), 2) << path;
+  EXPECT_EQ(std::count(path.begin(), path.end(), ','), 3) << path;
+}
+
+TEST(Figure, AMapHasABarForAxes) {
+  Figure figure;
+  PlotPanel panel = Panel();
+  panel.x = panel.y = PlotRange{0, 100};
+  panel.bar_unit = "m";
+  figure.panels = {panel};
+  figure.panel_width = figure.panel_height = 300;
+  const std::string svg = FigureSvg(figure);
+  EXPECT_EQ(svg.find("class=\"frame\""), std::string::npos);
+  EXPECT_NE(svg.find(">20 m<"), std::string::npos) << svg;
+  EXPECT_NE(svg.find("v5h60.0v-5"), std::string::npos) << "a fifth of the width";
+}
+
+TEST(Figure, PanelsMayHaveTheirOwnHeights) {
+  Figure figure;
+  figure.panels = {Panel(), Panel()};
+  const auto height = [&] {
+    const std::string svg = FigureSvg(figure);
+    return std::stod(svg.substr(svg.find("height=\"") + 8));
+  };
+  const double before = height();
+  figure.panels[1].height = figure.panel_height + 70;
+  EXPECT_EQ(height(), before + 70);
 }
 
 TEST(Figure, RefusesWhatHasNothingToDraw) {

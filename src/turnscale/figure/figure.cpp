@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "turnscale/laboratory/figure.h"
+#include "turnscale/figure/figure.h"
 
 #include <algorithm>
 #include <array>
@@ -10,7 +10,7 @@
 #include <fmt/format.h>
 
 #include "turnscale/base/error.h"
-#include "turnscale/laboratory/plot_axes.h"
+#include "turnscale/figure/plot_axes.h"
 
 namespace turnscale {
 namespace {
@@ -24,18 +24,22 @@ constexpr double kLegendLine = 18;
 constexpr auto kStyle =
     "text{font-family:Helvetica,Arial,sans-serif;font-size:13px;fill:#333}.title{font-size:17px;font-weight:bold}"
     ".panel{font-size:14px;font-weight:bold}.note{font-size:12px;fill:#666}path{fill:none;stroke-linejoin:round}"
-    ".frame{stroke:#555;stroke-width:1}.grid{stroke:#e3e3e3;stroke-width:1}";
+    ".frame{stroke:#555;stroke-width:1}.grid{stroke:#e3e3e3;stroke-width:1}.bar{stroke:#333;stroke-width:2}";
 
 std::string LineElement(const PlotLine& line, const PlotAxes& axes) {
-  if (line.points.empty()) return "";
-  std::string text = fmt::format("<path stroke=\"{}\" stroke-width=\"{:g}\" stroke-dasharray=\"{}\" d=\"M", line.color,
-                                 line.width, line.dash);
+  std::string path;
+  bool drawing = false;
   for (const Eigen::Vector2d& point : line.points) {
     const Eigen::Vector2d at = axes.At(point);
-    text += fmt::format("{:.1f},{:.1f} ", at.x(), at.y());
+    // M begins a piece; the points after it are joined to it.
+    if (point.allFinite()) path += fmt::format("{}{:.1f},{:.1f} ", drawing ? "" : "M", at.x(), at.y());
+    drawing = point.allFinite();
   }
-  text.back() = '"';
-  return text + "/>\n";
+  if (path.empty()) return "";
+  path.pop_back();
+  return fmt::format("<path stroke=\"{}\" stroke-width=\"{:g}\" stroke-dasharray=\"{}\"{} d=\"{}\"/>\n", line.color,
+                     line.width, line.dash,
+                     line.opacity < 1 ? fmt::format(" stroke-opacity=\"{:g}\"", line.opacity) : "", path);
 }
 
 std::string Marker(const PlotLine& line, const Eigen::Vector2d& at) {
@@ -61,7 +65,9 @@ std::string Drawn(const PlotLine& line, const PlotAxes& axes) {
 
 std::string Drawn(const PlotArea& area, const PlotAxes& axes) {
   if (area.outline.empty()) return "";
-  std::string text = fmt::format("<path style=\"fill:{};fill-opacity:{:g}\" d=\"M", area.color, area.opacity);
+  std::string text = fmt::format("<path style=\"fill:{};fill-opacity:{:g}\"", area.color, area.opacity);
+  if (area.edge > 0) text += fmt::format(" stroke=\"{}\" stroke-width=\"{:g}\"", area.color, area.edge);
+  text += " d=\"M";
   for (const Eigen::Vector2d& point : area.outline) {
     const Eigen::Vector2d at = axes.At(point);
     text += fmt::format("{:.1f},{:.1f} ", at.x(), at.y());
@@ -100,9 +106,9 @@ std::vector<LegendEntry> LegendEntries(const PlotPanel& panel) {
     if (!there) entries.push_back({label, std::move(sample)});
   };
   for (const PlotLine& line : panel.lines) {
-    const auto stroke =
-        fmt::format("<path stroke=\"{}\" stroke-width=\"{:g}\" stroke-dasharray=\"{}\" d=\"M0,0h{:g}\"/>", line.color,
-                    line.width, line.dash, kSample - 4);
+    const auto stroke = fmt::format(
+        "<path stroke=\"{}\" stroke-width=\"{:g}\" stroke-dasharray=\"{}\" stroke-opacity=\"{:g}\" d=\"M0,0h{:g}\"/>",
+        line.color, line.width, line.dash, line.opacity, kSample - 4);
     add(line.label, line.marker == 0 ? stroke : Marker(line, {0.5 * kSample - 2, 0}));
   }
   for (const PlotBox& box : panel.boxes) {
@@ -174,23 +180,29 @@ std::string FigureSvg(const Figure& figure) {
     next = std::max(next, AxisLeft(panel) + figure.panel_width + 14 + LegendWidth(legends.back()));
   }
   for (int c = 1; c <= columns; ++c) column_left[c] += column_left[c - 1];
-  const double cell_height = kAxisTop + figure.panel_height + kAxisBottom;
   const int rows = (static_cast<int>(figure.panels.size()) + columns - 1) / columns;
+  const auto height_of = [&](const PlotPanel& panel) { return panel.height > 0 ? panel.height : figure.panel_height; };
+  std::vector<double> row_top(rows + 1, kTitle);
+  for (int row = 0; row < rows; ++row) {
+    double height = 0;
+    const std::size_t end = std::min<std::size_t>((row + 1) * columns, figure.panels.size());
+    for (std::size_t i = static_cast<std::size_t>(row) * columns; i < end; ++i)
+      height = std::max(height, kAxisTop + height_of(figure.panels[i]) + AxisBottom(figure.panels[i]));
+    row_top[row + 1] = row_top[row] + height;
+  }
   const double width = column_left[columns] + kEdge;
-  const double height = kTitle + cell_height * rows + (figure.note.empty() ? kEdge : kNote + kEdge);
+  const double height = row_top[rows] + (figure.note.empty() ? kEdge : kNote + kEdge);
   std::string text = fmt::format(
       "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0:.0f} {1:.0f}\" width=\"{0:.0f}\" "
       "height=\"{1:.0f}\">\n<style>{2}</style>\n<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n",
       width, height, kStyle);
   text += SvgText(kEdge, 28, figure.title, "title");
   for (std::size_t i = 0; i < figure.panels.size(); ++i) {
-    const double left = column_left[i % columns];
-    const std::size_t row = i / columns;
-    const double top = kTitle + cell_height * static_cast<double>(row);
-    const PlotAxes axes(figure.panels[i], {left + AxisLeft(figure.panels[i]), top + kAxisTop},
-                        {figure.panel_width, figure.panel_height});
-    text += PanelElement(figure.panels[i], axes, i);
-    text += Legend(legends[i], left + AxisLeft(figure.panels[i]) + figure.panel_width + 14, top + kAxisTop + 10);
+    const PlotPanel& panel = figure.panels[i];
+    const Eigen::Vector2d corner(column_left[i % columns] + AxisLeft(panel), row_top[i / columns] + kAxisTop);
+    const PlotAxes axes(panel, corner, {figure.panel_width, height_of(panel)});
+    text += PanelElement(panel, axes, i);
+    text += Legend(legends[i], corner.x() + figure.panel_width + 14, corner.y() + 10);
   }
   if (!figure.note.empty()) text += SvgText(kEdge, height - kEdge, figure.note, "note");
   return text + "</svg>\n";

@@ -5,14 +5,14 @@
 
 #include <Eigen/Core>
 
-#include "turnscale/laboratory/figure.h"
+#include "turnscale/figure/figure.h"
 
 namespace turnscale {
 
 /// Room around a panel's axes for numbers, labels and the title, about pixels.
 double AxisLeft(const PlotPanel& panel);
+double AxisBottom(const PlotPanel& panel);
 constexpr double kAxisTop = 30;
-constexpr double kAxisBottom = 56;
 /// Width of a letter, about.
 constexpr double kLetter = 6.6;
 
@@ -28,11 +28,13 @@ class PlotAxes {
   double width() const { return size_.x(); }
   double height() const { return size_.y(); }
 
-  /// Background, to be drawn before the data, and what goes around them.
+  /// Background, to be drawn before the data, and what goes around them; the bar of a map is among the labels.
   std::string Grid(const PlotPanel& panel) const;
   std::string Labels(const PlotPanel& panel) const;
 
  private:
+  std::string Bar(const std::string& unit) const;
+
   Eigen::Vector2d corner_;
   Eigen::Vector2d size_;
   PlotRange x_;

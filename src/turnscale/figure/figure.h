@@ -12,7 +12,7 @@ namespace turnscale {
 
 using PlotPoints = std::vector<Eigen::Vector2d>;
 
-/// A curve, or markers where `marker` is set.
+/// A curve, broken where a value is not finite, or markers where `marker` is set.
 struct PlotLine {
   PlotPoints points;
   std::string label;           ///< in the legend; empty: not there
@@ -21,6 +21,7 @@ struct PlotLine {
   std::string dash = "none";   ///< SVG's stroke-dasharray
   char marker = 0;             ///< 'o' dots, 'x' crosses, 's' open squares, 0 a line
   double marker_size = 3;
+  double opacity = 1;
 };
 
 /// A filled outline.
@@ -29,6 +30,7 @@ struct PlotArea {
   std::string label;
   std::string color = "#1565c0";
   double opacity = 0.2;
+  double edge = 0;  ///< width of the outline's stroke
 };
 
 /// A box of one sigma about a mean, with whiskers to the extremes.
@@ -58,6 +60,9 @@ struct PlotPanel {
   std::vector<std::pair<double, std::string>> x_names;  ///< instead of numbers at the x axis
   std::vector<std::pair<double, std::string>> y_names;  ///< the same at the y axis
   bool equal_axes = false;                              ///< a unit is as long on both
+  /// A map: no axes but a bar of a round length in this unit, at the lower left.
+  std::string bar_unit;
+  double height = 0;  ///< of the axes; 0: that of the figure's panels
   bool legend = true;
   std::vector<PlotArea> areas;
   std::vector<PlotBox> boxes;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "turnscale/laboratory/plot_axes.h"
+#include "turnscale/figure/plot_axes.h"
 
 #include <algorithm>
 #include <cmath>
@@ -20,7 +20,8 @@ constexpr double kAir = 0.05;  // around the data, a share of their range
 Eigen::AlignedBox2d Extent(const PlotPanel& panel) {
   Eigen::AlignedBox2d box;
   for (const PlotLine& line : panel.lines) {
-    for (const Eigen::Vector2d& point : line.points) box.extend(point);
+    for (const Eigen::Vector2d& point : line.points)
+      if (point.allFinite()) box.extend(point);
   }
   for (const PlotArea& area : panel.areas) {
     for (const Eigen::Vector2d& point : area.outline) box.extend(point);
@@ -53,7 +54,10 @@ std::string Number(double value) { return fmt::format("{:.6g}", std::abs(value) 
 
 }  // namespace
 
+double AxisBottom(const PlotPanel& panel) { return !panel.bar_unit.empty() ? 12 : panel.x_label.empty() ? 38 : 56; }
+
 double AxisLeft(const PlotPanel& panel) {
+  if (!panel.bar_unit.empty()) return 0;
   std::size_t longest = 0;
   for (const auto& [y, name] : panel.y_names) longest = std::max(longest, name.size());
   return std::max(66.0, 14 + kLetter * static_cast<double>(longest));
@@ -99,6 +103,7 @@ bool PlotAxes::Holds(const Eigen::Vector2d& value) const {
 }
 
 std::string PlotAxes::Grid(const PlotPanel& panel) const {
+  if (!panel.bar_unit.empty()) return "";
   std::string path;
   if (panel.x_names.empty()) {
     for (const double x : Ticks(x_, kXTicks)) {
@@ -111,7 +116,23 @@ std::string PlotAxes::Grid(const PlotPanel& panel) const {
   return path.empty() ? "" : fmt::format("<path class=\"grid\" d=\"{}\"/>\n", path);
 }
 
+std::string PlotAxes::Bar(const std::string& unit) const {
+  // The round length nearest to a fifth of the width, from below.
+  const double per_unit = size_.x() / (x_.high - x_.low);
+  const double most = 0.2 * size_.x() / per_unit;
+  const double decade = std::pow(10, std::floor(std::log10(most)));
+  double length = decade;
+  for (const double factor : {2.0, 5.0}) {
+    if (factor * decade <= most) length = factor * decade;
+  }
+  const double bottom = corner_.y() + size_.y() - 4;
+  return fmt::format("<path class=\"bar\" d=\"M{:.1f},{:.1f}v5h{:.1f}v-5\"/>\n", corner_.x() + 1, bottom - 5,
+                     length * per_unit) +
+         SvgText(corner_.x() + length * per_unit + 9, bottom + 4, Number(length) + " " + unit);
+}
+
 std::string PlotAxes::Labels(const PlotPanel& panel) const {
+  if (!panel.bar_unit.empty()) return Bar(panel.bar_unit) + SvgText(corner_.x(), corner_.y() - 9, panel.title, "panel");
   const double bottom = corner_.y() + size_.y();
   std::string text = fmt::format("<path class=\"frame\" d=\"M{:.1f},{:.1f}h{:.1f}v{:.1f}h-{:.1f}Z\"/>\n", corner_.x(),
                                  corner_.y(), size_.x(), size_.y(), size_.x());

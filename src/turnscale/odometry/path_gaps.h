@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <vector>
+
+#include "turnscale/mapping/map.h"
+#include "turnscale/odometry/frame_history.h"
+
+namespace turnscale {
+
+/// Standard deviation of the length of a path that is not measured for so long (seconds), metres. It is interpolated
+/// between the speeds before and after (`both_ends`), or extrapolated from one of them: 0.15 and 0.4 m/s^2 times the
+/// time squared, from KITTI's ground truth for 0.5 to 10 s (22,000 frames).
+double GapLengthSigma(double seconds, bool both_ends);
+
+/// The map predicts the motion across a loss of tracking from the speed before it. Replaces it by the mean of that and
+/// of the motion at the speed after it, now that this is known. `ends`: FrameHistory::MeasuredEnds. Returns the
+/// standard deviation of the path's length up to `end_time` (seconds) due to all gaps, metres.
+double BridgeGaps(const Map& map, const std::vector<MeasuredEnd>& ends, double end_time, MetricPath& path);
+
+}  // namespace turnscale

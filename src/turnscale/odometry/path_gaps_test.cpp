@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/odometry/path_gaps.h"
+
+#include <vector>
+
+#include <gtest/gtest.h>
+
+namespace turnscale {
+namespace {
+
+constexpr double kGap = 3;  // seconds
+constexpr int kFirstAfter = 5;
+
+/// A drive along x at 5 units/s with a keyframe every 0.2 s; the first one after the gap is number 5, where the map
+/// predicts it, and the car goes on at `after` units/s.
+struct Drive {
+  Map map;
+  std::vector<MeasuredEnd> ends;
+  MetricPath path;
+
+  explicit Drive(double after, int keyframes = 10) {
+    double x = 0;
+    double time = 0;
+    for (int k = 0; k < keyframes; ++k) {
+      if (k > 0) {
+        const double seconds = k == kFirstAfter ? kGap : 0.2;
+        x += seconds * (k <= kFirstAfter ? 5 : after);
+        time += seconds;
+      }
+      map.keyframes.push_back({k, time, {Eigen::Quaterniond::Identity(), {-x, 0, 0}}, {}, k == kFirstAfter});
+      ends.push_back({time, {x, 0, 0}});
+      path.centres.emplace_back(2 * x, 0, 0);
+      path.metres_per_unit.push_back(2);
+    }
+  }
+
+  double Bridge() { return BridgeGaps(map, ends, map.keyframes.back().time, path); }
+  double GapLength() const { return path.centres[kFirstAfter].x() - path.centres[kFirstAfter - 1].x(); }
+};
+
+TEST(BridgeGaps, ASteadySpeedGoesOn) {
+  Drive drive(5);
+  const MetricPath before = drive.path;
+  EXPECT_NEAR(drive.Bridge(), GapLengthSigma(kGap, true), 1e-12);
+  for (size_t k = 0; k < before.centres.size(); ++k)
+    EXPECT_LT((drive.path.centres[k] - before.centres[k]).norm(), 1e-9) << k;
+}
+
+TEST(BridgeGaps, ACarThatStopsHasGoneHalfAsFar) {
+  Drive drive(0);
+  drive.Bridge();
+  EXPECT_NEAR(drive.GapLength(), 0.5 * kGap * 10, 1e-9);
+  EXPECT_NEAR(drive.path.centres.back().x(), drive.path.centres[kFirstAfter].x(), 1e-9) << "what follows moves along";
+}
+
+TEST(BridgeGaps, ACarThatReversesHasHardlyMoved) {
+  Drive drive(-5);
+  drive.Bridge();
+  EXPECT_NEAR(drive.GapLength(), 0, 1e-9);
+}
+
+TEST(BridgeGaps, OnlyWhatIsNotMeasuredIsInterpolated) {
+  Drive drive(0);
+  // The frames after the last keyframe are tracked for another second.
+  drive.ends[kFirstAfter - 1].time += 1;
+  drive.ends[kFirstAfter - 1].centre.x() += 5;
+  const double sigma = drive.Bridge();
+  EXPECT_NEAR(drive.GapLength(), 10 + 0.5 * (kGap - 1) * 10, 1e-9);
+  EXPECT_NEAR(sigma, GapLengthSigma(kGap - 1, true), 1e-12);
+}
+
+TEST(BridgeGaps, WithoutASpeedAfterThePredictionStays) {
+  Drive drive(5, kFirstAfter + 1);
+  EXPECT_NEAR(drive.Bridge(), GapLengthSigma(kGap, false), 1e-12);
+  EXPECT_NEAR(drive.GapLength(), kGap * 10, 1e-9);
+}
+
+TEST(BridgeGaps, AnEndThatIsNotMeasuredCounts) {
+  Drive drive(5, kFirstAfter);
+  EXPECT_EQ(drive.Bridge(), 0);
+  EXPECT_NEAR(BridgeGaps(drive.map, drive.ends, drive.map.keyframes.back().time + 2, drive.path),
+              GapLengthSigma(2, false), 1e-12);
+}
+
+TEST(GapLengthSigma, GrowsWithTheSquareOfTheTimeUpToABoundOfTheSpeed) {
+  EXPECT_NEAR(GapLengthSigma(4, true) / GapLengthSigma(2, true), 4, 1e-12);
+  EXPECT_GT(GapLengthSigma(2, false), GapLengthSigma(2, true));
+  EXPECT_NEAR(GapLengthSigma(600, true) / GapLengthSigma(300, true), 2, 1e-12);
+}
+
+}  // namespace
+}  // namespace turnscale
