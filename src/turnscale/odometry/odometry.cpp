@@ -386,7 +386,7 @@ void Odometry::ConstrainTurnsOfDrive() {
 }
 
 void Odometry::BridgeGapsOf(RefinedScale& refined) const {
-  refined.gap_sigma = BridgeGaps(map_, history_.MeasuredEnds(map_), last_time_, refined.path);
+  refined.gap_sigma = BridgeGaps(map_, history_.MeasuredEnds(map_), last_time_, refined.sigmas, refined.path);
 }
 
 RigidTransform Odometry::LastFromKeyframe() const {

@@ -26,13 +26,40 @@ std::optional<Eigen::Vector3d> VelocityAfter(const Map& map, const MetricPath& p
   return (path.centres[last] - path.centres[keyframe]) / seconds(last);
 }
 
+// By how much the variance of one side's relative scale exceeds that of the other; 0 while the scale is pending.
+double Excess(double sigma, double other) {
+  return std::isfinite(sigma) && std::isfinite(other) ? std::max(0.0, sigma * sigma - other * other) : 0.0;
+}
+
+// Two predictions of the motion across a gap, from the speeds on its sides. The common part of their scales' errors
+// belongs to the whole path; what one has beyond the other makes it the worse prediction.
+struct GapSides {
+  double seconds = 0;
+  double before_variance = 0;  ///< of the length, m^2, from the scale alone
+  double after_variance = 0;
+
+  double ShareOfAfter() const {
+    const double speed_variance = std::pow(GapLengthSigma(seconds, false), 2);
+    if (speed_variance == 0) return 0.5;
+    return (speed_variance + before_variance) / (2 * speed_variance + before_variance + after_variance);
+  }
+  double LengthVariance() const {
+    const double after = ShareOfAfter();
+    const double both = GapLengthSigma(seconds, true);
+    const double one = GapLengthSigma(seconds, false);
+    return std::pow(both + (one - both) * std::abs(2 * after - 1), 2) + std::pow(1 - after, 2) * before_variance +
+           after * after * after_variance;
+  }
+};
+
 }  // namespace
 
 double GapLengthSigma(double seconds, bool both_ends) {
   return seconds * std::min((both_ends ? kInterpolated : kExtrapolated) * seconds, kMostSpeedSigma);
 }
 
-double BridgeGaps(const Map& map, const std::vector<MeasuredEnd>& ends, double end_time, MetricPath& path) {
+double BridgeGaps(const Map& map, const std::vector<MeasuredEnd>& ends, double end_time,
+                  const std::vector<double>& sigmas, MetricPath& path) {
   double variance = ends.empty() ? 0 : std::pow(GapLengthSigma(end_time - ends.back().time, false), 2);
   Eigen::Vector3d shift = Eigen::Vector3d::Zero();  // of all keyframes behind the gaps so far
   for (int k = 0; k < static_cast<int>(map.keyframes.size()); ++k) {
@@ -40,8 +67,14 @@ double BridgeGaps(const Map& map, const std::vector<MeasuredEnd>& ends, double e
       const double seconds = map.keyframes[k].time - ends[k - 1].time;
       const std::optional<Eigen::Vector3d> after = VelocityAfter(map, path, k);
       const Eigen::Vector3d predicted = path.centres[k] + shift - path.InMetres(map, k - 1, ends[k - 1].centre);
-      if (after) shift += 0.5 * (seconds * *after - predicted);
-      variance += std::pow(GapLengthSigma(seconds, after.has_value()), 2);
+      if (after) {
+        const GapSides sides{seconds, Excess(sigmas[k - 1], sigmas[k]) * predicted.squaredNorm(),
+                             Excess(sigmas[k], sigmas[k - 1]) * (seconds * *after).squaredNorm()};
+        shift += sides.ShareOfAfter() * (seconds * *after - predicted);
+        variance += sides.LengthVariance();
+      } else {
+        variance += std::pow(GapLengthSigma(seconds, false), 2);
+      }
     }
     path.centres[k] += shift;
   }

@@ -14,8 +14,10 @@ namespace turnscale {
 double GapLengthSigma(double seconds, bool both_ends);
 
 /// The map predicts the motion across a loss of tracking from the speed before it. Replaces it by the mean of that and
-/// of the motion at the speed after it, now that this is known. `ends`: FrameHistory::MeasuredEnds. Returns the
-/// standard deviation of the path's length up to `end_time` (seconds) due to all gaps, metres.
-double BridgeGaps(const Map& map, const std::vector<MeasuredEnd>& ends, double end_time, MetricPath& path);
+/// of the motion at the speed after it, now that this is known; the side whose scale is known better counts for more.
+/// `ends`: FrameHistory::MeasuredEnds; `sigmas`: RefinedScale::sigmas. Returns the standard deviation of the path's
+/// length up to `end_time` (seconds) due to all gaps, metres.
+double BridgeGaps(const Map& map, const std::vector<MeasuredEnd>& ends, double end_time,
+                  const std::vector<double>& sigmas, MetricPath& path);
 
 }  // namespace turnscale

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "turnscale/odometry/path_gaps.h"
 
+#include <algorithm>
+#include <limits>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -16,6 +18,7 @@ constexpr int kFirstAfter = 5;
 struct Drive {
   Map map;
   std::vector<MeasuredEnd> ends;
+  std::vector<double> sigmas;
   MetricPath path;
 
   explicit Drive(double after, int keyframes = 10) {
@@ -31,10 +34,11 @@ struct Drive {
       ends.push_back({time, {x, 0, 0}});
       path.centres.emplace_back(2 * x, 0, 0);
       path.metres_per_unit.push_back(2);
+      sigmas.push_back(0.02);
     }
   }
 
-  double Bridge() { return BridgeGaps(map, ends, map.keyframes.back().time, path); }
+  double Bridge() { return BridgeGaps(map, ends, map.keyframes.back().time, sigmas, path); }
   double GapLength() const { return path.centres[kFirstAfter].x() - path.centres[kFirstAfter - 1].x(); }
 };
 
@@ -69,6 +73,26 @@ TEST(BridgeGaps, OnlyWhatIsNotMeasuredIsInterpolated) {
   EXPECT_NEAR(sigma, GapLengthSigma(kGap - 1, true), 1e-12);
 }
 
+TEST(BridgeGaps, TheSideWithTheBetterScaleDecides) {
+  Drive drive(10);
+  std::fill_n(drive.sigmas.begin(), kFirstAfter, 2.0);
+  const double sigma = drive.Bridge();
+  EXPECT_NEAR(drive.GapLength(), kGap * 20, 0.05 * kGap * 20) << "the speed after the gap";
+  EXPECT_GT(sigma, 0.9 * GapLengthSigma(kGap, false)) << "from one side only";
+
+  Drive other(10);
+  std::fill(other.sigmas.begin() + kFirstAfter, other.sigmas.end(), 2.0);
+  other.Bridge();
+  EXPECT_NEAR(other.GapLength(), kGap * 10, 0.05 * kGap * 10) << "the speed before it";
+}
+
+TEST(BridgeGaps, APendingScaleIsTheSameOnBothSides) {
+  Drive drive(10);
+  std::ranges::fill(drive.sigmas, std::numeric_limits<double>::infinity());
+  EXPECT_NEAR(drive.Bridge(), GapLengthSigma(kGap, true), 1e-12);
+  EXPECT_NEAR(drive.GapLength(), 0.5 * kGap * (10 + 20), 1e-9);
+}
+
 TEST(BridgeGaps, WithoutASpeedAfterThePredictionStays) {
   Drive drive(5, kFirstAfter + 1);
   EXPECT_NEAR(drive.Bridge(), GapLengthSigma(kGap, false), 1e-12);
@@ -78,7 +102,7 @@ TEST(BridgeGaps, WithoutASpeedAfterThePredictionStays) {
 TEST(BridgeGaps, AnEndThatIsNotMeasuredCounts) {
   Drive drive(5, kFirstAfter);
   EXPECT_EQ(drive.Bridge(), 0);
-  EXPECT_NEAR(BridgeGaps(drive.map, drive.ends, drive.map.keyframes.back().time + 2, drive.path),
+  EXPECT_NEAR(BridgeGaps(drive.map, drive.ends, drive.map.keyframes.back().time + 2, drive.sigmas, drive.path),
               GapLengthSigma(2, false), 1e-12);
 }
 
