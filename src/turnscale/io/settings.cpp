@@ -128,6 +128,7 @@ void VisitSettings(Visitor& visitor, OdometryOptions& options) {
     visitor.Field("min_rotation_deg", o.min_rotation_deg);
     visitor.Field("min_parallax_deg", o.min_parallax_deg);
     visitor.Field("min_tracked_share", o.min_tracked_share);
+    visitor.Field("min_followed_share", o.min_followed_share);
     visitor.Field("max_growth", o.max_growth);
     visitor.Field("max_reference_age", o.max_reference_age);
   });

@@ -217,7 +217,8 @@ bool FrameTracker::NeedsKeyframe(const Map& map, const TrackedFrame& frame) cons
     const Eigen::Vector3d seen = map.pinhole.Ray(track.undistorted);
     parallax.push_back(std::atan2(rotated.cross(seen).norm(), rotated.dot(seen)));
   }
-  if (parallax.empty()) return true;
+  if (parallax.empty() || static_cast<double>(parallax.size()) < limits.min_followed_share * features_in_keyframe_)
+    return true;
   return Median(std::move(parallax)) * kDegreesPerRadian > limits.min_parallax_deg;
 }
 
@@ -231,6 +232,7 @@ void FrameTracker::Replenish(const CameraModel& camera, const FlowImage& image, 
   for (FeatureTrack& track : lost_tracks_) track.in_keyframe.reset();
   RenewReferences(map, camera, image);
   DetectNewFeatures(camera, image, map);
+  features_in_keyframe_ = static_cast<int>(tracks_.size());
 }
 
 void FrameTracker::RenewReferences(const Map& map, const CameraModel& camera, const FlowImage& image) {

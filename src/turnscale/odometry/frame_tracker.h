@@ -101,6 +101,7 @@ class FrameTracker {
   std::vector<FeatureTrack> tracks_;       ///< what it shows
   std::vector<FeatureTrack> lost_tracks_;  ///< recently seen landmarks that are not in it
   int landmarks_in_keyframe_ = 0;          ///< with a depth, when the last keyframe was made
+  int features_in_keyframe_ = 0;           ///< with or without a depth
 };
 
 }  // namespace turnscale

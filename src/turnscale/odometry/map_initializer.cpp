@@ -98,7 +98,8 @@ bool MapInitializer::Follow(const FlowImage& image, int frame, double time) {
     next.pixels.push_back(*undistorted);
     pixels.push_back(flow.points[i]);
   }
-  if (frames_.size() >= kMostFrames || HasGone(next)) return false;
+  // No first view is closer to an image than the image before it.
+  if (frames_.size() >= kMostFrames || (frames_.size() > 1 && HasGone(next))) return false;
   // A dark or blurred first view never gets more features than it had.
   if (static_cast<int>(next.features.size()) < options_.initialization.min_landmarks) return false;
   alive_ = next.features;

@@ -208,6 +208,17 @@ TEST(MapInitializer, PureRotationGivesNoMap) {
   EXPECT_GT(initializer.tracked(), 100) << "it follows all the same";
 }
 
+TEST(MapInitializer, StartsFromTwoViewsThatShareLittle) {
+  const Boards boards(3);
+  MapInitializer initializer({}, SmallCamera());
+  EXPECT_FALSE(Add(boards, Moved(0), 0, initializer));
+  const int features = initializer.tracked();
+  const std::optional<InitialMap> map = Add(boards, Moved(8), 1, initializer);
+  EXPECT_LT(initializer.tracked(), 0.4 * features);
+  ASSERT_TRUE(map);
+  ExpectTrueMap(*map, boards, Moved(8));
+}
+
 TEST(MapInitializer, TakesANewFirstViewWhereTheOldOneIsOutOfSight) {
   const Boards before(3);
   const Boards after(400);

@@ -26,6 +26,8 @@ void KeyframeOptions::Check() const {
   if (!(min_parallax_deg > 0)) throw InputError("keyframes.min_parallax_deg: has to be positive");
   if (!(min_tracked_share >= 0 && min_tracked_share <= 1))
     throw InputError("keyframes.min_tracked_share: has to be in 0...1");
+  if (!(min_followed_share >= 0 && min_followed_share <= 1))
+    throw InputError("keyframes.min_followed_share: has to be in 0...1");
   if (!(max_growth > 1)) throw InputError("keyframes.max_growth: has to be above 1");
   if (max_reference_age < 1) throw InputError("keyframes.max_reference_age: has to be at least 1 keyframe");
 }

@@ -54,6 +54,9 @@ struct KeyframeOptions {
   double min_parallax_deg = 1.2;
   /// Share of the last keyframe's landmarks that are still tracked.
   double min_tracked_share = 0.5;
+  /// Share of its features, with or without a depth, that are still tracked: where frames are few, most go out of sight
+  /// before they get a depth.
+  double min_followed_share = 0.4;
   /// A landmark that has grown by more than this since its reference keyframe is looked up in the latest one from now
   /// on: an enlarged old view is too blurred to compare with.
   double max_growth = 1.6;

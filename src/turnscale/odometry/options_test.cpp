@@ -29,6 +29,7 @@ TEST(OdometryOptions, NameTheFieldThatMakesNoSense) {
   EXPECT_EQ(Refused([](auto& o) { o.keyframes.min_rotation_deg = 0; }), "keyframes.min_rotation_deg");
   EXPECT_EQ(Refused([](auto& o) { o.keyframes.min_parallax_deg = std::nan(""); }), "keyframes.min_parallax_deg");
   EXPECT_EQ(Refused([](auto& o) { o.keyframes.min_tracked_share = 1.01; }), "keyframes.min_tracked_share");
+  EXPECT_EQ(Refused([](auto& o) { o.keyframes.min_followed_share = 1.01; }), "keyframes.min_followed_share");
   EXPECT_EQ(Refused([](auto& o) { o.keyframes.max_growth = 1; }), "keyframes.max_growth");
   EXPECT_EQ(Refused([](auto& o) { o.tracking.min_inliers = 5; }), "tracking.min_inliers");
   EXPECT_EQ(Refused([](auto& o) { o.tracking.min_inlier_share = -0.1; }), "tracking.min_inlier_share");
