@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/io/bag_drive.h"
+
+#include <algorithm>
+#include <climits>
+#include <memory>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "turnscale/bag/bag_reader.h"
+#include "turnscale/bag/byte_reader.h"
+#include "turnscale/bag/camera_info.h"
+#include "turnscale/bag/messages.h"
+#include "turnscale/base/error.h"
+
+namespace turnscale {
+namespace {
+
+bool IsOfImages(const BagTopic& topic) { return topic.content != BagContent::kCameraInfo; }
+
+// Topics of a bag with images.
+std::vector<BagTopic> ImageTopics(const std::filesystem::path& bag) {
+  std::vector<BagTopic> topics = ListTopics(bag);
+  std::erase_if(topics, [](const BagTopic& topic) { return !IsOfImages(topic); });
+  if (topics.empty())
+    throw InputError(bag.string() + ": holds no images (no messages of sensor_msgs Image or CompressedImage)");
+  return topics;
+}
+
+std::string NamesOf(const std::vector<BagTopic>& topics) {
+  constexpr size_t kMostShown = 20;
+  std::vector<std::string> names;
+  for (const BagTopic& topic : topics) {
+    if (names.size() == kMostShown) {
+      names.push_back(fmt::format("and {} more", topics.size() - kMostShown));
+      break;
+    }
+    names.push_back(topic.name);
+  }
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
+// When the first image of the topic was recorded, and its header stamp. Nanoseconds.
+struct FirstImage {
+  int64_t logged = 0;
+  int64_t stamp = 0;
+};
+
+FirstImage ReadFirstImage(const std::filesystem::path& bag, const std::string& topic) {
+  const std::unique_ptr<BagReader> reader = OpenBag(bag, {topic});
+  while (const std::optional<BagMessage> message = reader->Next()) {
+    if (!IsOfImages(*message->topic)) continue;
+    try {
+      return {message->logged, ReadBagStamp(*message)};
+    } catch (const MalformedData& error) {
+      throw InputError(fmt::format("{}: {}: image 0: {}", bag.string(), topic, error.what()));
+    }
+  }
+  throw InputError(fmt::format("{}: holds no images on {}", bag.string(), topic));
+}
+
+// Drivers that set no stamps leave the recorder's clock to tell.
+void CheckOrder(const std::vector<std::filesystem::path>& bags, const std::string& topic) {
+  std::optional<FirstImage> before;
+  for (size_t i = 0; i < bags.size() && bags.size() > 1; ++i) {
+    const FirstImage first = ReadFirstImage(bags[i], topic);
+    if (before && (first.logged < before->logged || first.stamp < before->stamp)) {
+      throw InputError(
+          fmt::format("{}: begins before {}; give the bags in their order", bags[i].string(), bags[i - 1].string()));
+    }
+    before = first;
+  }
+}
+
+}  // namespace
+
+BagDrive FindBagDrive(const std::vector<std::filesystem::path>& bags, const std::string& topic) {
+  BagDrive drive{bags, topic, 0};
+  uint64_t images = 0;
+  for (const std::filesystem::path& bag : bags) {
+    const std::vector<BagTopic> topics = ImageTopics(bag);
+    if (drive.topic.empty() && topics.size() > 1) {
+      throw InputError(fmt::format("{}: holds images on several topics; give one of them with --topic: {}",
+                                   bag.string(), NamesOf(topics)));
+    }
+    if (drive.topic.empty()) drive.topic = topics.front().name;
+    const auto found =
+        std::find_if(topics.begin(), topics.end(), [&](const auto& other) { return other.name == drive.topic; });
+    if (found == topics.end()) {
+      throw InputError(
+          fmt::format("{}: holds no images on {}, but on {}", bag.string(), drive.topic, NamesOf(topics)));
+    }
+    images += found->messages;
+  }
+  drive.images = static_cast<int>(std::min<uint64_t>(images, INT_MAX));
+  CheckOrder(bags, drive.topic);
+  return drive;
+}
+
+std::optional<BagCamera> ReadBagCamera(const BagDrive& drive) {
+  const std::string topic = CameraInfoTopic(drive.topic);
+  for (const std::filesystem::path& bag : drive.bags) {
+    const std::vector<BagTopic> topics = ListTopics(bag);
+    const auto is_info = [&](const BagTopic& other) { return other.name == topic && !IsOfImages(other); };
+    if (std::none_of(topics.begin(), topics.end(), is_info)) continue;
+    const std::string name = fmt::format("{}: {}", bag.string(), topic);
+    const std::unique_ptr<BagReader> reader = OpenBag(bag, {topic});
+    while (const std::optional<BagMessage> message = reader->Next()) {
+      if (IsOfImages(*message->topic)) continue;
+      try {
+        const auto camera = CameraOf(ReadBagCameraInfo(*message), IsRectified(drive.topic), name);
+        return camera ? std::optional(BagCamera{name, *camera}) : std::nullopt;
+      } catch (const MalformedData& error) {
+        throw InputError(fmt::format("{}: {}; give --camera FILE", name, error.what()));
+      }
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace turnscale
