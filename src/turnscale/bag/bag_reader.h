@@ -38,8 +38,8 @@ struct BagMessage {
   std::span<const uint8_t> bytes;   ///< valid until the next call of the reader
 };
 
-/// Reads the images and camera infos of a bag in the order in which they are stored. Memory does not grow with the bag's
-/// length.
+/// Reads the images and camera infos of a bag in the order in which they are stored. Memory does not grow with the
+/// bag's length.
 class BagReader {
  public:
   virtual ~BagReader() = default;

@@ -206,7 +206,7 @@ class McapReader : public BagReader {
   bool ended_ = false;
   std::vector<uint8_t> stored_;
   std::vector<uint8_t> decompressed_;
-  ByteReader chunk_{{}};                                  // what is left of the chunk
+  ByteReader chunk_{{}};                                   // what is left of the chunk
   std::map<uint16_t, std::optional<BagContent>> schemas_;  // empty: of no use
   std::map<uint16_t, std::optional<BagTopic>> channels_;   // empty: of no use
 };

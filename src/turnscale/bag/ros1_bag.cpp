@@ -155,9 +155,8 @@ class Ros1BagReader : public BagReader {
     if (name.size() > kLongestTopicName) throw MalformedData("topic name is too long");
     const std::optional<BagContent> content = ContentOf(Ros1Fields(data).Text("type"));
     const bool wanted = topics_.empty() || std::find(topics_.begin(), topics_.end(), name) != topics_.end();
-    connections_[id] = content && wanted
-                           ? std::optional(BagTopic{std::string(name), *content, BagSerialization::kRos1})
-                           : std::nullopt;
+    connections_[id] = content && wanted ? std::optional(BagTopic{std::string(name), *content, BagSerialization::kRos1})
+                                         : std::nullopt;
   }
 
   std::optional<BagMessage> Advance() {
@@ -216,7 +215,7 @@ class Ros1BagReader : public BagReader {
   std::vector<uint8_t> header_;
   std::vector<uint8_t> stored_;
   std::vector<uint8_t> decompressed_;
-  ByteReader chunk_{{}};                                    // what is left of the chunk
+  ByteReader chunk_{{}};                                     // what is left of the chunk
   std::map<uint32_t, std::optional<BagTopic>> connections_;  // empty: of no use
 };
 

@@ -60,23 +60,25 @@ FirstImage ReadFirstImage(const std::filesystem::path& bag, const std::string& t
   throw InputError(fmt::format("{}: holds no images on {}", bag.string(), topic));
 }
 
-// Drivers that set no stamps leave the recorder's clock to tell.
-void CheckOrder(const std::vector<std::filesystem::path>& bags, const std::string& topic) {
-  std::optional<FirstImage> before;
-  for (size_t i = 0; i < bags.size() && bags.size() > 1; ++i) {
+// Drivers that set no stamps leave the recorder's clock to tell. Gives the stamp of the drive's first image.
+int64_t CheckBagOrder(const std::vector<std::filesystem::path>& bags, const std::string& topic) {
+  const FirstImage drive = ReadFirstImage(bags.front(), topic);
+  FirstImage before = drive;
+  for (size_t i = 1; i < bags.size(); ++i) {
     const FirstImage first = ReadFirstImage(bags[i], topic);
-    if (before && (first.logged < before->logged || first.stamp < before->stamp)) {
+    if (first.logged < before.logged || first.stamp < before.stamp) {
       throw InputError(
           fmt::format("{}: begins before {}; give the bags in their order", bags[i].string(), bags[i - 1].string()));
     }
     before = first;
   }
+  return drive.stamp;
 }
 
 }  // namespace
 
 BagDrive FindBagDrive(const std::vector<std::filesystem::path>& bags, const std::string& topic) {
-  BagDrive drive{bags, topic, 0};
+  BagDrive drive{bags, topic, 0, 0};
   uint64_t images = 0;
   for (const std::filesystem::path& bag : bags) {
     const std::vector<BagTopic> topics = ImageTopics(bag);
@@ -88,13 +90,12 @@ BagDrive FindBagDrive(const std::vector<std::filesystem::path>& bags, const std:
     const auto found =
         std::find_if(topics.begin(), topics.end(), [&](const auto& other) { return other.name == drive.topic; });
     if (found == topics.end()) {
-      throw InputError(
-          fmt::format("{}: holds no images on {}, but on {}", bag.string(), drive.topic, NamesOf(topics)));
+      throw InputError(fmt::format("{}: holds no images on {}, but on {}", bag.string(), drive.topic, NamesOf(topics)));
     }
     images += found->messages;
   }
   drive.images = static_cast<int>(std::min<uint64_t>(images, INT_MAX));
-  CheckOrder(bags, drive.topic);
+  drive.first_stamp = CheckBagOrder(bags, drive.topic);
   return drive;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -14,7 +15,8 @@ namespace turnscale {
 struct BagDrive {
   std::vector<std::filesystem::path> bags;
   std::string topic;
-  int images = 0;  ///< as the bags' indices say
+  int images = 0;           ///< as the bags' indices say
+  int64_t first_stamp = 0;  ///< header stamp of the first image, nanoseconds
 };
 
 /// Finds the topic of images. Throws InputError where none is given (empty) and the bags have several, which it lists,

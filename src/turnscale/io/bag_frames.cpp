@@ -21,7 +21,8 @@ constexpr int64_t kLateImage = 1'000'000'000;
 
 }  // namespace
 
-BagFrames::BagFrames(BagDrive drive, const BagFrameOptions& options) : drive_(std::move(drive)), options_(options) {}
+BagFrames::BagFrames(BagDrive drive, const BagFrameOptions& options)
+    : drive_(std::move(drive)), options_(options), origin_(SecondsOfStamp(drive_.first_stamp)) {}
 
 std::string BagFrames::Where() const {
   return fmt::format("{}: {}: image {}", drive_.bags[bag_].string(), drive_.topic, number_);
@@ -46,14 +47,16 @@ bool BagFrames::AcceptStamp(int64_t stamp) {
     const double before = SecondsOfStamp(stamp_);
     if (stamp == 0) throw InputError(Where() + ": has no header stamp; give --fps X or --timestamps FILE");
     if (stamp_from_ != bag_) {
-      throw InputError(fmt::format("{}: its header stamp, {:.3f} s, is not after the last one of {}, {:.3f} s; give "
-                                   "the bags in their order",
-                                   Where(), SecondsOfStamp(stamp), drive_.bags[stamp_from_].string(), before));
+      throw InputError(
+          fmt::format("{}: its header stamp, {:.3f} s, is not after the last one of {}, {:.3f} s; give "
+                      "the bags in their order",
+                      Where(), SecondsOfStamp(stamp), drive_.bags[stamp_from_].string(), before));
     }
     if (stamp_ - stamp >= kLateImage) {
-      throw InputError(fmt::format("{}: its header stamp goes back from {:.3f} to {:.3f} s; give --fps X or "
-                                   "--timestamps FILE",
-                                   Where(), before, SecondsOfStamp(stamp)));
+      throw InputError(
+          fmt::format("{}: its header stamp goes back from {:.3f} to {:.3f} s; give --fps X or "
+                      "--timestamps FILE",
+                      Where(), before, SecondsOfStamp(stamp)));
     }
     if (!std::exchange(left_out_, true))
       notice_ += fmt::format("{}{}: its header stamp is not after the one before; such images are left out",
@@ -63,7 +66,6 @@ bool BagFrames::AcceptStamp(int64_t stamp) {
   const double time = SecondsOfStamp(stamp);
   if (!first_stamp_) {
     first_stamp_ = stamp;
-    origin_ = time;
   } else {
     NoteGap(stamp);
     interval_ = stamp - stamp_;
@@ -127,7 +129,7 @@ GrayImage BagFrames::Decode(const BagMessage& message) const {
       return {ToGray8(PixelsOf(image)), {}};
     }
     const BagCompressedImage image = ReadBagCompressedImage(message);
-    const DecodedImage decoded = DecodeCompressed(image.data);
+    const DecodedImage decoded = DecodeJpegOrPng(image.data);
     if (decoded.pixels.empty()) return {{}, Where() + ": " + decoded.problem};
     return {ToGray8(WithColour(decoded.pixels, image.format)), {}};
   } catch (const MalformedData& error) {

@@ -17,8 +17,8 @@ struct BagFrameOptions {
   double start = 0;   ///< images before this time since the first one are not given, seconds
 };
 
-/// Reads the images of a drive from bags. Their times are those of the header stamps, seconds of the clock that they are
-/// from. An image whose stamp is that of the image before, or less than a second before it, is left out.
+/// Reads the images of a drive from bags. Their times are those of the header stamps, seconds of the clock that they
+/// are from. An image whose stamp is that of the image before, or less than a second before it, is left out.
 class BagFrames : public FrameReader {
  public:
   BagFrames(BagDrive drive, const BagFrameOptions& options);
@@ -29,7 +29,7 @@ class BagFrames : public FrameReader {
   /// Since the first image.
   double LatestTime() const override { return latest_; }
 
-  /// Time of the first image that was read or passed over, seconds.
+  /// Time of the drive's first image, seconds.
   double origin() const { return origin_; }
   /// So many images at the beginning of the drive are not given.
   void Skip(size_t frames) { skip_ = frames; }
@@ -47,14 +47,14 @@ class BagFrames : public FrameReader {
   size_t bag_ = 0;
   uint64_t number_ = 0;  // of the image in the bag
   size_t skip_ = 0;
-  size_t passed_ = 0;  // of the drive
+  size_t passed_ = 0;   // of the drive
   bool begun_ = false;  // an image has been given
   std::optional<int64_t> first_stamp_;
   int64_t stamp_ = 0;      // of the latest image
   int64_t interval_ = 0;   // between the latest two, nanoseconds
   size_t stamp_from_ = 0;  // number of its bag
   bool left_out_ = false;
-  double origin_ = 0;
+  double origin_;
   double latest_ = 0;
   double gap_ = 0;      // before the next image
   std::string notice_;  // before the next image
