@@ -39,7 +39,7 @@ std::string ComplaintOf(const std::function<void()>& work) {
 
 class BagReaderTest : public ::testing::TestWithParam<Container> {
  protected:
-  std::filesystem::path Path() const { return ScratchPath("bag" + GetParam().extension); }
+  std::filesystem::path Path() const { return folder_.Path() / ("drive" + GetParam().extension); }
 
   // Images 0 to 4 on /a and on /b, and a camera info of /a.
   std::vector<TestBagMessage> Messages() const {
@@ -54,6 +54,9 @@ class BagReaderTest : public ::testing::TestWithParam<Container> {
     }
     return messages;
   }
+
+ private:
+  ScratchFolder folder_;
 };
 
 TEST_P(BagReaderTest, GivesTheMessagesInTheirOrder) {
@@ -62,7 +65,9 @@ TEST_P(BagReaderTest, GivesTheMessagesInTheirOrder) {
   std::vector<std::string> topics;
   while (const auto message = reader->Next()) {
     topics.push_back(message->topic->name);
-    if (message->topic->name == "/camera_info") EXPECT_EQ(ReadBagCameraInfo(*message).width, 64u);
+    if (message->topic->name == "/camera_info") {
+      EXPECT_EQ(ReadBagCameraInfo(*message).width, 64u);
+    }
     if (message->topic->name != "/a") continue;
     const BagImage image = ReadBagImage(*message);
     EXPECT_EQ(image.stamp, message->logged);
@@ -117,7 +122,8 @@ TEST_P(BagReaderTest, TruncatedAnywhereItEndsOrIsRefused) {
 }
 
 TEST_P(BagReaderTest, WhatComesBeforeDamageIsListed) {
-  if (Path().extension() == ".db3") GTEST_SKIP() << "sqlite3 tells what it can read";
+  // There sqlite3 tells what it can read.
+  if (Path().extension() == ".db3") return;
   WriteTestBag(Path(), Messages(), GetParam().bag);
   // Without the index, and within a record.
   std::filesystem::resize_file(Path(),

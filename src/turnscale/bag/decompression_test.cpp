@@ -22,6 +22,7 @@ std::vector<uint8_t> Squeezed(const std::string& compression, const std::vector<
   } else {
     auto size = static_cast<unsigned>(out.size());
     std::vector<uint8_t> in = plain;
+    in.reserve(1);
     BZ2_bzBuffToBuffCompress(reinterpret_cast<char*>(out.data()), &size, reinterpret_cast<char*>(in.data()),
                              static_cast<unsigned>(in.size()), 1, 0, 0);
     out.resize(size);
