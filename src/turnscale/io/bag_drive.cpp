@@ -19,13 +19,14 @@ namespace {
 
 bool IsOfImages(const BagTopic& topic) { return topic.content != BagContent::kCameraInfo; }
 
-// Topics of a bag with images.
-std::vector<BagTopic> ImageTopics(const std::filesystem::path& bag) {
-  std::vector<BagTopic> topics = ListTopics(bag);
-  std::erase_if(topics, [](const BagTopic& topic) { return !IsOfImages(topic); });
-  if (topics.empty())
+// Removes the topics with images and gives them.
+std::vector<BagTopic> TakeImageTopics(std::vector<BagTopic>& topics, const std::filesystem::path& bag) {
+  const auto infos = std::stable_partition(topics.begin(), topics.end(), IsOfImages);
+  const std::vector<BagTopic> images(topics.begin(), infos);
+  topics.erase(topics.begin(), infos);
+  if (images.empty())
     throw InputError(bag.string() + ": holds no images (no messages of sensor_msgs Image or CompressedImage)");
-  return topics;
+  return images;
 }
 
 std::string NamesOf(const std::vector<BagTopic>& topics) {
@@ -78,10 +79,13 @@ int64_t CheckBagOrder(const std::vector<std::filesystem::path>& bags, const std:
 }  // namespace
 
 BagDrive FindBagDrive(const std::vector<std::filesystem::path>& bags, const std::string& topic) {
-  BagDrive drive{bags, topic, 0, 0};
+  BagDrive drive;
+  drive.bags = bags;
+  drive.topic = topic;
   uint64_t images = 0;
   for (const std::filesystem::path& bag : bags) {
-    const std::vector<BagTopic> topics = ImageTopics(bag);
+    std::vector<BagTopic> infos = ListTopics(bag);
+    const std::vector<BagTopic> topics = TakeImageTopics(infos, bag);
     if (drive.topic.empty() && topics.size() > 1) {
       throw InputError(fmt::format("{}: holds images on several topics; give one of them with --topic: {}",
                                    bag.string(), NamesOf(topics)));
@@ -93,6 +97,10 @@ BagDrive FindBagDrive(const std::vector<std::filesystem::path>& bags, const std:
       throw InputError(fmt::format("{}: holds no images on {}, but on {}", bag.string(), drive.topic, NamesOf(topics)));
     }
     images += found->messages;
+    const std::string beside = CameraInfoTopic(drive.topic);
+    const bool has_camera =
+        std::any_of(infos.begin(), infos.end(), [&](const auto& info) { return info.name == beside; });
+    if (has_camera && !drive.camera_bag) drive.camera_bag = bag;
   }
   drive.images = static_cast<int>(std::min<uint64_t>(images, INT_MAX));
   drive.first_stamp = CheckBagOrder(bags, drive.topic);
@@ -100,21 +108,17 @@ BagDrive FindBagDrive(const std::vector<std::filesystem::path>& bags, const std:
 }
 
 std::optional<BagCamera> ReadBagCamera(const BagDrive& drive) {
+  if (!drive.camera_bag) return std::nullopt;
   const std::string topic = CameraInfoTopic(drive.topic);
-  for (const std::filesystem::path& bag : drive.bags) {
-    const std::vector<BagTopic> topics = ListTopics(bag);
-    const auto is_info = [&](const BagTopic& other) { return other.name == topic && !IsOfImages(other); };
-    if (std::none_of(topics.begin(), topics.end(), is_info)) continue;
-    const std::string name = fmt::format("{}: {}", bag.string(), topic);
-    const std::unique_ptr<BagReader> reader = OpenBag(bag, {topic});
-    while (const std::optional<BagMessage> message = reader->Next()) {
-      if (IsOfImages(*message->topic)) continue;
-      try {
-        const auto camera = CameraOf(ReadBagCameraInfo(*message), IsRectified(drive.topic), name);
-        return camera ? std::optional(BagCamera{name, *camera}) : std::nullopt;
-      } catch (const MalformedData& error) {
-        throw InputError(fmt::format("{}: {}; give --camera FILE", name, error.what()));
-      }
+  const std::string name = fmt::format("{}: {}", drive.camera_bag->string(), topic);
+  const std::unique_ptr<BagReader> reader = OpenBag(*drive.camera_bag, {topic});
+  while (const std::optional<BagMessage> message = reader->Next()) {
+    if (IsOfImages(*message->topic)) continue;
+    try {
+      const auto camera = CameraOf(ReadBagCameraInfo(*message), IsRectified(drive.topic), name);
+      return camera ? std::optional(BagCamera{name, *camera}) : std::nullopt;
+    } catch (const MalformedData& error) {
+      throw InputError(fmt::format("{}: {}; give --camera FILE", name, error.what()));
     }
   }
   return std::nullopt;

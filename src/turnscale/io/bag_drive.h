@@ -17,6 +17,8 @@ struct BagDrive {
   std::string topic;
   int images = 0;           ///< as the bags' indices say
   int64_t first_stamp = 0;  ///< header stamp of the first image, nanoseconds
+  /// The first bag with camera infos of the images, where one has them.
+  std::optional<std::filesystem::path> camera_bag = {};
 };
 
 /// Finds the topic of images. Throws InputError where none is given (empty) and the bags have several, which it lists,
