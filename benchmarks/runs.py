@@ -87,7 +87,7 @@ def rendered(program, folder, arguments, rig):
 def estimated_intrinsics(summary):
     """None where the intrinsics were given or assumed."""
     intrinsics = summary.get("intrinsics") or {}
-    return intrinsics if "focal_length" in intrinsics else None
+    return intrinsics if intrinsics.get("source") in ("estimated", "refined") else None
 
 
 def run_and_score(program, images, truth, out, options):

@@ -55,7 +55,7 @@ class ExportTest : public ::testing::Test {
   }
   ~ExportTest() override { fs::remove_all(folder_); }
 
-  // A writer of results would begin by taking away those that are there.
+  // A writer of results would first delete the existing ones.
   void WriteSummary(const RunSummary& summary) const {
     std::ofstream(folder_ / "out" / "summary.json") << SummaryJson(summary);
   }

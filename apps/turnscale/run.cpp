@@ -249,7 +249,7 @@ void AddRunCommand(CLI::App& app) {
   run->add_option("--frame", arguments->frame, "Write poses of the camera or of the vehicle (rear axle)")
       ->check(CLI::IsMember({"camera", "vehicle"}))
       ->capture_default_str();
-  run->add_option("--threads", arguments->threads, "Number of threads for image operations; does not affect the result")
+  run->add_option("--threads", arguments->threads, "Number of threads; does not affect the result")
       ->capture_default_str();
   run->add_option("--settings", arguments->images.settings,
                   "YAML file with settings, such as settings.yaml of another run");

@@ -10,8 +10,8 @@
 
 namespace turnscale {
 
-/// What a regular file holds, byte by byte; empty where there is none that can be read. A device could be read for
-/// ever.
+/// What a regular file holds, byte by byte; empty if there is none that can be read. Devices and pipes are refused:
+/// reading them may not end.
 inline std::optional<std::string> FileText(const std::filesystem::path& path) {
   std::error_code none;
   if (!std::filesystem::is_regular_file(path, none)) return std::nullopt;

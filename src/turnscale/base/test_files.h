@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cerrno>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <string>
+#include <system_error>
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -16,7 +19,7 @@ class ScratchFolder {
  public:
   ScratchFolder() {
     std::string path = ::testing::TempDir() + "turnscale_XXXXXX";
-    if (mkdtemp(path.data()) == nullptr) throw std::filesystem::filesystem_error("mkdtemp", path, std::error_code());
+    if (mkdtemp(path.data()) == nullptr) throw std::system_error(errno, std::generic_category(), path);
     path_ = path;
   }
   ~ScratchFolder() {
@@ -33,7 +36,7 @@ class ScratchFolder {
   pid_t process_ = getpid();
 };
 
-/// A path where nothing is yet, and which no other process has.
+/// A path in a folder of this process: one for each test and name.
 inline std::string ScratchPath(const std::string& name) {
   static const ScratchFolder folder;
   const auto* test = ::testing::UnitTest::GetInstance()->current_test_info();

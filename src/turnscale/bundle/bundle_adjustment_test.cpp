@@ -193,26 +193,32 @@ TEST(BundleAdjustment, StopsAtTheIterationLimit) {
 
 TEST(BundleAdjustment, HasTheSameBitsOnAnyNumberOfThreads) {
   const int before = cv::getNumThreads();
-  std::vector<BundleProblem> adjusted;
-  for (const int threads : {1, 2}) {
+  const auto adjusted = [](int threads, const BundleOptions& options) {
     cv::setNumThreads(threads);
-    adjusted.push_back(Window(4, 0.05));
-    AdjustBundle({}, adjusted.back());
-  }
-  cv::setNumThreads(before);
-  EXPECT_GT(PartsOf(adjusted[0].points.size()).size(), 2U) << "there is more than one part";
-  for (const BundleProblem& other : adjusted) {
-    EXPECT_EQ(other.points, adjusted[0].points);
-    for (std::size_t i = 0; i < other.camera_from_world.size(); ++i) {
-      EXPECT_EQ(other.camera_from_world[i].rotation.coeffs(), adjusted[0].camera_from_world[i].rotation.coeffs());
-      EXPECT_EQ(other.camera_from_world[i].translation, adjusted[0].camera_from_world[i].translation);
+    BundleProblem problem = Window(4, 0.05);
+    EXPECT_GT(PointParts(problem.points.size()).size(), 2U) << "there is more than one part";
+    AdjustBundle(options, problem);
+    return problem;
+  };
+  for (const bool fix_rotations : {false, true}) {
+    BundleOptions options;
+    options.fix_rotations = fix_rotations;
+    const BundleProblem one = adjusted(1, options);
+    for (const int threads : {2, 3, 8}) {
+      const BundleProblem other = adjusted(threads, options);
+      EXPECT_EQ(other.points, one.points) << threads;
+      for (std::size_t i = 0; i < one.camera_from_world.size(); ++i) {
+        EXPECT_EQ(other.camera_from_world[i].rotation.coeffs(), one.camera_from_world[i].rotation.coeffs());
+        EXPECT_EQ(other.camera_from_world[i].translation, one.camera_from_world[i].translation);
+      }
     }
   }
+  cv::setNumThreads(before);
 }
 
 TEST(BundleAdjustment, PartsHoldAllPoints) {
   for (const std::size_t points : {0, 1, 99, 100, 1234}) {
-    const std::vector<std::size_t> bounds = PartsOf(points);
+    const std::vector<std::size_t> bounds = PointParts(points);
     EXPECT_EQ(bounds.front(), 0U);
     EXPECT_EQ(bounds.back(), points);
     EXPECT_TRUE(std::ranges::is_sorted(bounds));

@@ -181,9 +181,9 @@ template <int kDof>
 void Linearize(const Pinhole& pinhole, const BundleStructure& structure, const BundleState& state,
                double huber_threshold, HessianKind kind, NormalEquations<kDof>& equations) {
   Clear(structure, state.points.size(), equations);
-  const std::vector<std::size_t> bounds = PartsOf(state.points.size());
+  const std::vector<std::size_t> bounds = PointParts(state.points.size());
   equations.parts.resize(bounds.size() - 1);
-  ForEachPart(bounds, [&](std::size_t part, std::size_t first, std::size_t last) {
+  ForEachPointPart(bounds, [&](std::size_t part, std::size_t first, std::size_t last) {
     LinearizePoints(pinhole, structure, state, huber_threshold, kind, first, last, equations.parts[part], equations);
   });
   for (const CameraSums<kDof>& sum : equations.parts) {
@@ -217,9 +217,9 @@ void Eliminate(const BundleStructure& structure, const NormalEquations<kDof>& eq
     system.gradient.template segment<kDof>(row) = equations.camera_gradient[i];
   }
 
-  const std::vector<std::size_t> bounds = PartsOf(points);
+  const std::vector<std::size_t> bounds = PointParts(points);
   system.parts.resize(bounds.size() - 1);
-  ForEachPart(bounds, [&](std::size_t part, std::size_t first, std::size_t last) {
+  ForEachPointPart(bounds, [&](std::size_t part, std::size_t first, std::size_t last) {
     EliminatePoints(structure, equations, damping, first, last, system.parts[part], system);
   });
   for (const SchurPart<kDof>& part : system.parts) {
@@ -243,7 +243,7 @@ void BackSubstitute(const BundleStructure& structure, const NormalEquations<kDof
                     const SchurSystem<kDof>& system, const Eigen::VectorXd& camera_step,
                     std::vector<Eigen::Vector3d>& point_step) {
   point_step.resize(equations.point_hessian.size());
-  ForEachPart(PartsOf(point_step.size()), [&](std::size_t, std::size_t first, std::size_t last) {
+  ForEachPointPart(PointParts(point_step.size()), [&](std::size_t, std::size_t first, std::size_t last) {
     for (std::size_t i = first; i < last; ++i) {
       Eigen::Vector3d gradient = equations.point_gradient[i];
       for (int k = structure.first_edge[i]; k < structure.first_edge[i + 1]; ++k) {

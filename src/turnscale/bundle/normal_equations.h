@@ -46,7 +46,7 @@ template <int kDof>
 void Linearize(const Pinhole& pinhole, const BundleStructure& structure, const BundleState& state,
                double huber_threshold, HessianKind kind, NormalEquations<kDof>& equations);
 
-/// What the elimination of a part of the points takes from the cameras.
+/// What the elimination of a part of the points subtracts from the camera blocks.
 template <int kDof>
 struct SchurPart {
   std::vector<Eigen::Matrix<double, kDof, kDof>> blocks;  ///< as BundleStructure::blocks

@@ -1,32 +1,18 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <algorithm>
 #include <cstddef>
 #include <functional>
 #include <vector>
-
-#include <opencv2/core/utility.hpp>
 
 namespace turnscale {
 
 /// Bounds of the parts that points are processed in: part i has points bounds[i]...bounds[i + 1]. They follow from the
 /// number of points alone, so that sums over parts are the same for any number of threads.
-inline std::vector<std::size_t> PartsOf(std::size_t points) {
-  constexpr std::size_t kMostParts = 4;
-  constexpr std::size_t kLeastPoints = 50;  // fewer are not worth the handover to a thread
-  const std::size_t parts = std::clamp(points / kLeastPoints, std::size_t{1}, kMostParts);
-  std::vector<std::size_t> bounds;
-  for (std::size_t i = 0; i <= parts; ++i) bounds.push_back(points * i / parts);
-  return bounds;
-}
+std::vector<std::size_t> PointParts(std::size_t points);
 
 /// Calls `work` for each part with its number and its bounds, on as many threads as OpenCV is set to use.
-inline void ForEachPart(const std::vector<std::size_t>& bounds,
-                        const std::function<void(std::size_t part, std::size_t first, std::size_t last)>& work) {
-  cv::parallel_for_(cv::Range(0, static_cast<int>(bounds.size()) - 1), [&](const cv::Range& range) {
-    for (int i = range.start; i < range.end; ++i) work(static_cast<std::size_t>(i), bounds[i], bounds[i + 1]);
-  });
-}
+void ForEachPointPart(const std::vector<std::size_t>& bounds,
+                      const std::function<void(std::size_t part, std::size_t first, std::size_t last)>& work);
 
 }  // namespace turnscale

@@ -186,10 +186,10 @@ std::optional<cv::Point2f> TrackPatch(const LucasKanadeOptions& options, const c
   cv::Point2f pixel = guess;
   cv::Point2f last_step(0, 0);
   for (int iteration = 0; iteration < options.max_iterations; ++iteration) {
-    if (!IsNear(second, pixel, half)) return std::nullopt;
     const cv::Point2f b = Mismatch(patch, options.window, second, pixel.x - half, pixel.y - half);
     const cv::Point2f step((patch.xy * b.y - patch.yy * b.x) * inverse, (patch.xy * b.x - patch.xx * b.y) * inverse);
     pixel += step;
+    if (!IsNear(second, pixel, half)) return std::nullopt;
     if (step.dot(step) <= options.tolerance * options.tolerance) break;
     // Two places are equally good: their middle.
     if (std::abs(step.x + last_step.x) < 0.01F && std::abs(step.y + last_step.y) < 0.01F) {
@@ -198,7 +198,6 @@ std::optional<cv::Point2f> TrackPatch(const LucasKanadeOptions& options, const c
     }
     last_step = step;
   }
-  if (!IsNear(second, pixel, half)) return std::nullopt;
   return pixel;
 }
 

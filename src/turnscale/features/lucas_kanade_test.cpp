@@ -61,8 +61,7 @@ TEST(LucasKanade, AtTheBorderWhatIsInsideDecides) {
   }
 }
 
-// What is beyond the border of kFlowBorder pixels is not read: it is noise here.
-TEST(LucasKanade, ReadsNothingBeyondTheBorder) {
+TEST(LucasKanade, DoesNotDependOnWhatIsBeyondTheBorder) {
   const SyntheticTexture texture(9, 12, 60);
   const auto surrounded = [&](int gray, cv::Mat& whole) {
     const cv::Mat bordered = Moved(texture, {0, 0});
@@ -78,14 +77,16 @@ TEST(LucasKanade, ReadsNothingBeyondTheBorder) {
   cv::Mat bright_whole;
   const cv::Mat dark = surrounded(0, dark_whole);
   const cv::Mat bright = surrounded(255, bright_whole);
-  for (const int window : {5, 15, kMostFlowWindow})
-    for (const cv::Point2f point : {cv::Point2f(0, 0), cv::Point2f(-2.3F, 60), cv::Point2f(161.7F, 60),
-                                    cv::Point2f(159, 119), cv::Point2f(80, 121.4F), cv::Point2f(80, -2.2F)}) {
+  for (const int window : {5, 15, kMostFlowWindow}) {
+    const auto half = static_cast<float>(window / 2);
+    for (const cv::Point2f point : {cv::Point2f(0, 0), cv::Point2f(-half, 60), cv::Point2f(159 + half, 60),
+                                    cv::Point2f(159, 119), cv::Point2f(80, 119 + half), cv::Point2f(80, -half)}) {
       const cv::Point2f guess = point + cv::Point2f(0.4F, -0.3F);
       EXPECT_EQ(TrackPatch({.window = window}, dark, point, dark, guess),
                 TrackPatch({.window = window}, bright, point, bright, guess))
           << window << ' ' << point;
     }
+  }
 }
 
 TEST(LucasKanade, FlatOrOutsideIsNotFound) {

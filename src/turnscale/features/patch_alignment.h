@@ -35,8 +35,7 @@ std::optional<Eigen::Vector2d> AlignPatch(const PatchAlignmentOptions& options, 
                                           const Eigen::Matrix2d& reference_from_current, const cv::Mat& current,
                                           const Eigen::Vector2d& guess);
 
-/// Asks for the pixels of a reference image that AlignPatch is going to read, about: they lie in many images, outside
-/// of the caches. Changes no result.
+/// Prefetches the pixels of a reference image that AlignPatch will read (approximately). Changes no result.
 void PrefetchPatch(const PatchAlignmentOptions& options, const cv::Mat& reference,
                    const Eigen::Vector2d& reference_pixel);
 

@@ -30,7 +30,7 @@ std::vector<MissingPart> FindMissingParts(const std::vector<FrameResult>& frames
     if (!lost) continue;
     MissingPart& part = parts.back();
     ++part.frames;
-    part.reason = frame.world_from_camera ? MissingReason::kLost : MissingReason::kNotBegun;
+    part.reason = frame.state == TrackingState::kInitializing ? MissingReason::kNotBegun : MissingReason::kLost;
   }
   return parts;
 }

@@ -18,10 +18,10 @@ cv::Point2f ToPoint(const Eigen::Vector2d& pixel) {
 constexpr int kLevelsNearby = 1;
 
 // Share of the distance that the camera moves now over which a parallax has to be measured: the pixel predicted by it
-// is then wrong by a few pixels at most. Of a car that stood, it is noise.
+// is then wrong by a few pixels at most. At standstill it is noise.
 constexpr double kLeastParallaxBase = 1.0 / 16;
 
-// Tracks whose reference views are on their way from memory while one is aligned.
+// Tracks whose reference views are prefetched while one is aligned.
 constexpr int kTracksAhead = 2;
 
 // Notes how far beyond the `distant` pixels the tracks have been found. `found` are some of `tracks`, in their order.
@@ -31,7 +31,6 @@ void NoteParallax(const std::vector<FeatureTrack>& tracks, const std::vector<cv:
   for (FeatureTrack& track : found) {
     while (tracks[i].landmark != track.landmark) ++i;
     const cv::Point2f beyond = track.pixel - distant[i];
-    track.parallax.reset();
     if (moved > 0) track.parallax = Eigen::Vector2d(beyond.x, beyond.y) / moved;
     track.parallax_base = moved;
   }
@@ -79,6 +78,7 @@ FollowedTracks FollowTracks(const FlowOptions& options, const Map& map, const Ca
     followed.found.push_back(tracks[i]);
     followed.found.back().pixel = pixel;
     followed.found.back().undistorted = *undistorted;
+    followed.found.back().parallax.reset();
   }
   return followed;
 }

@@ -100,8 +100,6 @@ std::pair<FollowedTracks, PoseEstimate> FrameTracker::TrackFrom(const Map& map, 
   }
   const std::vector<cv::Point2f> guesses = PredictPixels(map, camera, tracks_, last, predicted);
   FollowedTracks followed = FollowTracks(options_.flow, map, camera, before, image, tracks_, guesses);
-  // That of an image before the last one.
-  for (FeatureTrack& track : followed.found) track.parallax.reset();
   DropMasked(followed);
   PoseEstimate estimate = EstimateFramePose(options_.pose, map, predicted, followed);
   if (IsBelievable(options_.tracking, estimate)) {

@@ -73,12 +73,14 @@ void ImageMask::SetGiven(const cv::Mat& mask) {
   given_ = mask != 0;
 }
 
-std::vector<int> ImageMask::Votes(const std::vector<ObservedMotion>& motion) const {
+std::vector<int> ImageMask::Votes(const std::vector<ObservedMotion>& motion) {
   std::vector<int> votes(cells_.size(), 0);
   for (const ObservedMotion& feature : motion) {
     const int column = std::clamp(static_cast<int>(feature.pixel.x / cell_size_), 0, columns_ - 1);
     const int row = std::clamp(static_cast<int>(feature.pixel.y / cell_size_), 0, rows() - 1);
-    votes[static_cast<size_t>(row) * columns_ + column] += feature.stands_still ? 1 : -1;
+    const size_t cell = static_cast<size_t>(row) * columns_ + column;
+    votes[cell] += feature.stands_still ? 1 : -1;
+    cells_[cell].seen = true;
   }
   return votes;
 }
@@ -88,7 +90,6 @@ void ImageMask::Observe(const std::vector<ObservedMotion>& motion) {
   bool changed = false;
   for (size_t i = 0; i < cells_.size(); ++i) {
     Cell& cell = cells_[i];
-    cell.seen |= votes[i] != 0;
     const double limit = options_.min_evidence + kMostEvidence;
     cell.evidence = std::clamp(cell.evidence + std::clamp(votes[i], -1, 1), -kMostEvidence, limit);
     if (cell.left_out) cell.evidence -= kFading;

@@ -74,9 +74,9 @@ class ImageMask {
   struct Cell {
     double evidence = 0;  ///< keyframes in which features stood still, less those in which they moved
     bool left_out = false;
-    bool seen = false;  ///< a feature has told something of it
+    bool seen = false;  ///< a feature here was classified
   };
-  std::vector<int> Votes(const std::vector<ObservedMotion>& motion) const;
+  std::vector<int> Votes(const std::vector<ObservedMotion>& motion);
   int rows() const { return static_cast<int>(cells_.size()) / columns_; }
   bool IsLeftOut(int column, int row) const;
   void Render();

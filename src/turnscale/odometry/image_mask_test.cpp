@@ -80,6 +80,18 @@ TEST(ImageMask, WhatCertainlyStandsStillIsLeftOutAtOnce) {
   EXPECT_FALSE(IsKept(mask.pixels(), {105, 205}));
 }
 
+TEST(ImageMask, ACellThatMovedIsKeptBetweenOthersThatStandStill) {
+  ImageMask mask = NewMask();
+  mask.LeaveOut({{{105, 205}, true}, {{125, 205}, false}, {{145, 205}, true}});
+  EXPECT_FALSE(IsKept(mask.pixels(), {105, 205}));
+  EXPECT_TRUE(IsKept(mask.pixels(), {125, 205}));
+  EXPECT_FALSE(IsKept(mask.pixels(), {145, 205}));
+
+  ImageMask undecided = NewMask();
+  undecided.LeaveOut({{{105, 205}, true}, {{125, 205}, false}, {{125, 206}, true}, {{145, 205}, true}});
+  EXPECT_TRUE(IsKept(undecided.pixels(), {125, 205}));
+}
+
 TEST(ImageMask, ContraryEvidenceTakesACellBack) {
   ImageMask mask = NewMask();
   for (int i = 0; i < 50; ++i) mask.Observe({{{105, 205}, true}});

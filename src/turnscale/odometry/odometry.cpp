@@ -210,16 +210,17 @@ UnitGuess Odometry::UnitAfterGap(const InitialMap& start) const {
     new_depths.push_back(start.has_point[feature] != 0 ? start.points[feature].z() : HUGE_VAL);
   const double depth = depths.empty() ? HUGE_VAL : Quantile(std::move(depths), kNearQuarter);
   const double new_depth = Quantile(std::move(new_depths), kNearQuarter);
-  UnitGuess best;
-  if (std::isfinite(depth) && std::isfinite(new_depth)) best = {depth / new_depth, options_.tracking.depth_sigma};
+  UnitGuess from_depth;
+  if (std::isfinite(depth) && std::isfinite(new_depth)) from_depth = {depth / new_depth, options_.tracking.depth_sigma};
   const double first = start.frames.front().time;
   const double second = start.frames.back().time;
+  UnitGuess from_speed;
   for (const PastSpeed& past : motion_.PastSpeeds()) {
     const double sigma = motion_.SpeedSigma(past, 0.5 * (first + second), std::isfinite(depth) ? depth : 0.0);
-    if (!(sigma < best.sigma)) continue;
-    best = {past.speed * (second - first) / start.second_from_first.translation.norm(), sigma};
+    if (!(sigma < from_speed.sigma)) continue;
+    from_speed = {past.speed * (second - first) / start.second_from_first.translation.norm(), sigma};
   }
-  return best;
+  return Combine(from_depth, from_speed);
 }
 
 void Odometry::LocateWaitingFrames(const InitialMap& start, int first_landmark, int keyframe) {
@@ -381,11 +382,11 @@ void Odometry::ConstrainTurnsOfDrive() {
     map_.keyframes[k].camera_from_world = drive.map.keyframes[k].camera_from_world;
   FollowMap(0, factors, last_from_keyframe);
   // The recovered map has its predicted steps again.
-  if (!factors.empty()) BridgeGaps(*refined_);
+  if (!factors.empty()) BridgeGapsOf(*refined_);
 }
 
-void Odometry::BridgeGaps(RefinedScale& refined) const {
-  refined.gap_sigma = turnscale::BridgeGaps(map_, history_.MeasuredEnds(map_), last_time_, refined.path);
+void Odometry::BridgeGapsOf(RefinedScale& refined) const {
+  refined.gap_sigma = BridgeGaps(map_, history_.MeasuredEnds(map_), last_time_, refined.path);
 }
 
 RigidTransform Odometry::LastFromKeyframe() const {
@@ -422,7 +423,7 @@ RefinedScale Odometry::Refined() const {
   const std::vector<ParameterEstimate> contradictions = calibration_check_.Contradictions();
   RefinedScale refined = scale_.Refine(map_, !contradictions.empty());
   WidenForCalibration(contradictions, camera_, refined);
-  BridgeGaps(refined);
+  BridgeGapsOf(refined);
   return refined;
 }
 

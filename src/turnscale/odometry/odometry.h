@@ -21,14 +21,9 @@
 #include "turnscale/odometry/motion_model.h"
 #include "turnscale/odometry/options.h"
 #include "turnscale/odometry/results.h"
+#include "turnscale/odometry/unit_guess.h"
 
 namespace turnscale {
-
-/// The unit of length of a new map in the unit of the old one.
-struct UnitGuess {
-  double unit = 1;
-  double sigma = 1;  ///< relative standard deviation; 1 if nothing is known
-};
 
 /// Estimates the camera's trajectory from the images of a drive: one call per frame, in the order of time.
 ///
@@ -117,7 +112,7 @@ class Odometry {
   /// Scales the archived drive to metres by constraints on the lengths of turns.
   void ConstrainTurnsOfDrive();
   /// Interpolates the path across losses of tracking.
-  void BridgeGaps(RefinedScale& refined) const;
+  void BridgeGapsOf(RefinedScale& refined) const;
   /// Lengths at keyframes `first`... have changed by these factors.
   void FollowMap(int first, const std::vector<double>& factors, RigidTransform last_from_keyframe);
   /// The latest frame as seen from the latest keyframe.

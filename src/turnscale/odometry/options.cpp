@@ -36,7 +36,7 @@ void TrackingOptions::Check() const {
     throw InputError("tracking.min_inlier_share: has to be in 0...1");
   if (memory_keyframes < 1) throw InputError("tracking.memory_keyframes: has to be at least 1");
   if (!(max_lost_seconds >= 0)) throw InputError("tracking.max_lost_seconds: must not be negative");
-  if (!(depth_sigma > 0)) throw InputError("tracking.depth_sigma: has to be positive");
+  if (!(depth_sigma > 0 && depth_sigma < 1)) throw InputError("tracking.depth_sigma: has to be between 0 and 1");
   if (min_lost_frames < 1) throw InputError("tracking.min_lost_frames: has to be at least 1");
 }
 

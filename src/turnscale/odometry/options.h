@@ -103,7 +103,7 @@ struct TrackingOptions {
   /// At least so many frames in a row without a pose come before that, whatever the time between them.
   int min_lost_frames = 3;
   /// Relative standard deviation of a new map's unit of length where it is taken from the depth of the scene before and
-  /// after: used where the speed says less (MotionModelOptions::speed_sigma_per_second). On KITTI 03 and 07 and a
+  /// after, less than 1; averaged with the last speed (MotionModelOptions::speed_sigma). On KITTI 03 and 07 and a
   /// simulated drive it is off by 0.3 to 0.8 (root mean square), whatever the length of the gap.
   double depth_sigma = 0.5;
   /// A landmark that this many keyframes have not seen is no longer looked for.

@@ -11,7 +11,7 @@ namespace {
 // Standard deviation of the length over the time squared, m/s^2.
 constexpr double kInterpolated = 0.15;
 constexpr double kExtrapolated = 0.4;
-// Bound of the error of a mean speed, m/s: that of a car varies no more.
+// Bound of the error of a mean speed, m/s: a car's speed does not vary by more.
 constexpr double kMostSpeedSigma = 10;
 // A velocity is the mean over so many seconds, if the map goes on for that long.
 constexpr double kVelocitySeconds = 0.5;

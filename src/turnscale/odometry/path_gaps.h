@@ -10,7 +10,7 @@ namespace turnscale {
 
 /// Standard deviation of the length of a path that is not measured for so long (seconds), metres. It is interpolated
 /// between the speeds before and after (`both_ends`), or extrapolated from one of them: 0.15 and 0.4 m/s^2 times the
-/// time squared, from KITTI's ground truth for 0.5 to 10 s (22,000 frames).
+/// time squared, at most 10 m/s times the time, from KITTI's ground truth for 0.5 to 10 s (22,000 frames).
 double GapLengthSigma(double seconds, bool both_ends);
 
 /// The map predicts the motion across a loss of tracking from the speed before it. Replaces it by the mean of that and
