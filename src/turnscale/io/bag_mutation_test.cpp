@@ -112,10 +112,16 @@ void ReadWhole(const fs::path& path) {
   }
 }
 
-// No mutated bag does more than be refused in one line. TURNSCALE_MUTATIONS sets how many there are of each kind.
+int NumberFrom(const char* variable, int otherwise) {
+  const char* value = std::getenv(variable);
+  return ParseNumber<int>(value == nullptr ? "" : value).value_or(otherwise);
+}
+
+// No mutated bag does more than be refused in one line. TURNSCALE_MUTATIONS sets how many there are of each kind, and
+// TURNSCALE_SEED which.
 TEST(MutatedBags, AreReadOrRefused) {
-  const char* wanted = std::getenv("TURNSCALE_MUTATIONS");
-  const int mutations = ParseNumber<int>(wanted == nullptr ? "" : wanted).value_or(150);
+  const int mutations = NumberFrom("TURNSCALE_MUTATIONS", 150);
+  const auto seed = static_cast<uint64_t>(NumberFrom("TURNSCALE_SEED", 1));
   const std::vector<MutatedKind> kinds = {{"a.bag", {}},
                                           {"lz4.bag", {.compression = "lz4"}},
                                           {"bz2.bag", {.compression = "bz2"}},
@@ -137,7 +143,7 @@ TEST(MutatedBags, AreReadOrRefused) {
                    kind.bag);
       ASSERT_NO_THROW(ReadWhole(original)) << kind.name;
       const std::string text = TextOf(original);
-      std::mt19937_64 random(static_cast<uint64_t>(compressed) + 17 * text.size());
+      std::mt19937_64 random(1000 * seed + 17 * text.size() + (compressed ? 1 : 0));
       for (int i = 0; i < (compressed ? mutations / 5 : mutations); ++i) {
         std::ofstream(path, std::ios::binary) << Mutated(text, random);
         try {
