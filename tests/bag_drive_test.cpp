@@ -80,7 +80,9 @@ TEST_F(BagDriveTest, ABagGivesWhatItsImagesGiveInAFolder) {
     EXPECT_EQ(result.exit_code, 0) << result.err;
     EXPECT_EQ(result.err, "");
     EXPECT_EQ(Trajectory(), expected) << name;
-    EXPECT_NE(TextOf(folder_ / "out" / "summary.json").find(name + ": /camera/camera_info"), std::string::npos);
+    const std::string summary = TextOf(folder_ / "out" / "summary.json");
+    EXPECT_NE(summary.find("\"topic\": \"/camera/image_raw\""), std::string::npos);
+    EXPECT_NE(summary.find(name + ": /camera/camera_info"), std::string::npos);
   }
   EXPECT_EQ(Run({Bag("1.bag", {"/camera"}, 0, 8).string(), Bag("2.bag", {"/camera"}, 8).string()}).exit_code, 0);
   EXPECT_EQ(Trajectory(), expected) << "bags continue one another";

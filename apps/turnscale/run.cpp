@@ -92,6 +92,7 @@ RunSummary BeforeTheDrive(const RunArguments& arguments, const OdometryOptions& 
   RunSummary summary;
   summary.version = TURNSCALE_VERSION;
   summary.input = arguments.images.Name();
+  if (images.drive.bags) summary.topic = images.drive.bags->topic;
   summary.camera = images.given.name;
   summary.found_camera = estimate.found;
   if (arguments.images.mask) summary.mask = arguments.images.mask->string();
