@@ -274,7 +274,8 @@ void AddCalibrateCommand(CLI::App& app) {
       ->excludes(timestamps);
   calibrate->add_option("--settings", images.settings, "YAML file with settings, as for run")->excludes(trajectory);
   AddPartOptions(*calibrate, images);
-  for (const char* option : {"--start", "--end", "--mask"}) calibrate->get_option(option)->excludes(trajectory);
+  for (const char* option : {"--topic", "--start", "--end", "--mask"})
+    calibrate->get_option(option)->excludes(trajectory);
   CLI::Option* max_frames = calibrate->add_option("--max-frames", images.max_frames, "Stop after this many frames")
                                 ->check(CLI::Range(1, 1'000'000'000))
                                 ->excludes(trajectory);

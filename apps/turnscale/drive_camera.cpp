@@ -31,7 +31,7 @@ double ViewOf(const ImageArguments& arguments) {
 // `last`: time of the last one that the arguments allow, once it is known.
 ImageStream Images(const ImageArguments& arguments, const DriveImages& images, std::optional<double> from, int pass,
                    std::optional<double>& last) {
-  ImageSourceOptions options = SourceOptions(arguments, images.camera, images.camera_file);
+  ImageSourceOptions options = SourceOptions(arguments, images.camera, images.given.name);
   if (from) options.start += *from;
   auto source = std::make_shared<ImageSource>(images.drive, options);
   auto progress = std::make_shared<Progress>(0, arguments.quiet);
@@ -51,7 +51,7 @@ ImageStream Images(const ImageArguments& arguments, const DriveImages& images, s
 }
 
 std::optional<cv::Size> ImageSize(const ImageArguments& arguments, const DriveImages& images) {
-  ImageSource source(images.drive, SourceOptions(arguments, images.camera, images.camera_file));
+  ImageSource source(images.drive, SourceOptions(arguments, images.camera, images.given.name));
   while (const std::optional<SourceFrame> frame = source.Next())
     if (!frame->gray.empty()) return frame->gray.size();
   return std::nullopt;
@@ -81,7 +81,7 @@ void AddCameraOptions(CLI::App& command, ImageArguments& arguments) {
 }
 
 CameraEstimate EstimateCamera(const ImageArguments& arguments, DriveImages& images, const OdometryOptions& options) {
-  const bool assumed = images.camera_file.empty();
+  const bool assumed = images.given.name.empty();
   if (!assumed && !arguments.refine_camera) return {};
   if (assumed && arguments.refine_camera)
     throw InputError("--camera-refine: there are no intrinsics to refine; give --camera FILE, or leave it out");

@@ -23,10 +23,13 @@
 namespace turnscale {
 namespace {
 
-std::filesystem::path CameraFileFor(const ImageArguments& arguments, const DriveInput& drive) {
-  if (arguments.camera) return *arguments.camera;
-  if (drive.camera_file && !arguments.field_of_view) return *drive.camera_file;
-  return {};
+GivenCamera CameraFor(const ImageArguments& arguments, const DriveInput& drive) {
+  if (arguments.camera) return {arguments.camera->string(), ReadCameraFile(*arguments.camera)};
+  if (arguments.field_of_view) return {};
+  if (drive.camera_file) return {drive.camera_file->string(), ReadCameraFile(*drive.camera_file)};
+  if (!drive.bags) return {};
+  const std::optional<BagCamera> camera = ReadBagCamera(*drive.bags);
+  return camera ? GivenCamera{camera->name, camera->model} : GivenCamera();
 }
 
 // 0 if known neither from the video header nor from the user.
@@ -66,7 +69,7 @@ std::vector<Trajectory> Stretches(const std::vector<FrameResult>& frames) {
 }  // namespace
 
 ImageSourceOptions SourceOptions(const ImageArguments& arguments, const CameraModel& camera,
-                                 const std::filesystem::path& camera_file) {
+                                 const std::string& camera_name) {
   ImageSourceOptions options;
   options.timestamps = arguments.timestamps;
   options.fps = arguments.fps;
@@ -74,7 +77,7 @@ ImageSourceOptions SourceOptions(const ImageArguments& arguments, const CameraMo
   if (!arguments.end.empty()) options.end = ParseDriveTime("--end", arguments.end);
   options.width = camera.width;
   options.height = camera.height;
-  options.camera_file = camera_file.string();
+  options.camera_file = camera_name;
   return options;
 }
 
@@ -84,6 +87,8 @@ std::string ImageArguments::Name() const {
 }
 
 void AddPartOptions(CLI::App& command, ImageArguments& arguments) {
+  command.add_option("--topic", arguments.topic,
+                     "Topic of a bag's images, such as /camera/image_raw [the bag's only topic of images]");
   command.add_option(
       "--start", arguments.start,
       "Time since the first frame of the drive (HH:MM:SS, MM:SS or seconds) at which processing starts; the times "
@@ -95,12 +100,12 @@ void AddPartOptions(CLI::App& command, ImageArguments& arguments) {
 }
 
 DriveImages::DriveImages(const ImageArguments& arguments)
-    : drive(FindDrive(arguments.inputs)),
-      camera_file(CameraFileFor(arguments, drive)),
-      camera(camera_file.empty() ? CameraModel() : ReadCameraFile(camera_file)),
+    : drive(FindDrive(arguments.inputs, arguments.topic)),
+      given(CameraFor(arguments, drive)),
+      camera(given.model),
       mask_file(arguments.mask),
       mask(mask_file ? ReadMask(*mask_file) : cv::Mat()),
-      source(drive, SourceOptions(arguments, camera, camera_file)),
+      source(drive, SourceOptions(arguments, camera, given.name)),
       expected(ExpectedFrames(source.count(), arguments.max_frames)) {}
 
 void DriveImages::CheckMask(const cv::Size& size) const {
@@ -110,14 +115,14 @@ void DriveImages::CheckMask(const cv::Size& size) const {
 std::string DoubtOf(const DriveImages& images, const cv::Mat& image) {
   constexpr double kFarOff = 0.15;  // of the image's width or height
   const Pinhole& pinhole = images.camera.pinhole;
-  const bool named = images.camera.width > 0 || images.camera_file.empty();
+  const bool named = images.camera.width > 0 || images.given.name.empty();
   const bool central =
       std::abs(pinhole.cx / image.cols - 0.5) < kFarOff && std::abs(pinhole.cy / image.rows - 0.5) < kFarOff;
   if (image.empty() || named || central) return {};
   return fmt::format(
       "{}: the principal point ({:.0f}, {:.0f}) is far from the centre of {}x{} images; check that this is the right "
       "camera",
-      images.camera_file.string(), pinhole.cx, pinhole.cy, image.cols, image.rows);
+      images.given.name, pinhole.cx, pinhole.cy, image.cols, image.rows);
 }
 
 TimedTrajectory ReadTimedTrajectory(const std::filesystem::path& path,

@@ -26,7 +26,8 @@ constexpr int kImageThreads = 2;
 
 /// Arguments common to the commands that run the odometry on images.
 struct ImageArguments {
-  std::vector<std::filesystem::path> inputs;  ///< one, or videos that continue one another
+  std::vector<std::filesystem::path> inputs;  ///< one, or videos or bags that continue one another
+  std::string topic;                          ///< of a bag's images; empty: the only one
   std::optional<std::filesystem::path> camera;
   std::optional<double> field_of_view;  ///< horizontal, degrees; estimate the intrinsics, starting there
   bool refine_camera = false;           ///< estimate the intrinsics, starting from the given ones
@@ -43,12 +44,18 @@ struct ImageArguments {
   std::string Name() const;
 };
 
-/// Adds the options of the part of a drive and of its images to process.
+/// Adds the option of a bag's topic, and those of the part of a drive and of its images to process.
 void AddPartOptions(CLI::App& command, ImageArguments& arguments);
 
 /// Where the images of a drive are read from, as the arguments have it.
 ImageSourceOptions SourceOptions(const ImageArguments& arguments, const CameraModel& camera,
-                                 const std::filesystem::path& camera_file);
+                                 const std::string& camera_name);
+
+/// A camera that is given, and where.
+struct GivenCamera {
+  std::string name;  ///< of the file, or of the bag and its topic; empty where no camera is given
+  CameraModel model;
+};
 
 /// The images of a drive and their camera.
 struct DriveImages {
@@ -59,8 +66,8 @@ struct DriveImages {
   void CheckMask(const cv::Size& size) const;
 
   DriveInput drive;
-  std::filesystem::path camera_file;  ///< empty where the camera is not given
-  CameraModel camera;
+  GivenCamera given;
+  CameraModel camera;  ///< that is given, later the estimated one
   std::optional<std::filesystem::path> mask_file;
   cv::Mat mask;  ///< pixels to leave out are 0 (ReadMask); empty where none is given
   ImageSource source;

@@ -84,7 +84,7 @@ void CheckFolder(const RunArguments& arguments, const DriveImages& images) {
     refuse_folder(fs::is_directory(input, none) ? input : input.parent_path());
   refuse_folder(fs::is_directory(images.drive.path, none) ? images.drive.path : images.drive.path.parent_path());
   RefuseToOverwrite("--out", arguments.out / "mask.png", {arguments.images.mask.value_or("")});
-  if (arguments.images.refine_camera) RefuseToOverwrite("--out", arguments.out / "camera.yaml", {images.camera_file});
+  if (arguments.images.refine_camera) RefuseToOverwrite("--out", arguments.out / "camera.yaml", {images.given.name});
 }
 
 RunSummary BeforeTheDrive(const RunArguments& arguments, const OdometryOptions& options, const DriveImages& images,
@@ -92,7 +92,8 @@ RunSummary BeforeTheDrive(const RunArguments& arguments, const OdometryOptions& 
   RunSummary summary;
   summary.version = TURNSCALE_VERSION;
   summary.input = arguments.images.Name();
-  summary.camera = images.camera_file.string();
+  if (images.drive.bags) summary.topic = images.drive.bags->topic;
+  summary.camera = images.given.name;
   summary.found_camera = estimate.found;
   if (arguments.images.mask) summary.mask = arguments.images.mask->string();
   summary.warnings = images.source.left_out();
@@ -210,8 +211,8 @@ void AddRunCommand(CLI::App& app) {
   auto arguments = std::make_shared<RunArguments>();
   run->add_option("input", arguments->images.inputs,
                   "KITTI folder (with the images in image_0/ or images/), folder of images, video, several "
-                  "consecutive clips, or folder of clips; a folder can also contain calib.txt or camera.yaml, "
-                  "and times.txt")
+                  "consecutive clips, folder of clips, or bags (.bag, .mcap, .db3); a folder can also contain "
+                  "calib.txt or camera.yaml, and times.txt")
       ->required();
   AddCameraOptions(*run, arguments->images);
   CLI::Option* timestamps =

@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "turnscale/bag/bag_reader.h"
 #include "turnscale/base/error.h"
 #include "turnscale/base/number_text.h"
 
@@ -32,6 +33,8 @@ bool IsVideoName(const fs::path& path) {
   return HasExtension(
       path, {".mp4", ".mkv", ".avi", ".mov", ".webm", ".m4v", ".mpg", ".mpeg", ".ts", ".mts", ".m2ts", ".3gp", ".wmv"});
 }
+
+bool IsBagName(const fs::path& path) { return HasExtension(path, {".mcap", ".db3"}); }
 
 // The entries of a folder for which `wanted` holds, in natural order. The hidden companions that some file systems
 // write are left out.
@@ -88,7 +91,16 @@ bool IsThumbnail(const fs::path& image, const std::vector<fs::path>& videos) {
   return std::any_of(videos.begin(), videos.end(), [&](const fs::path& video) { return video.stem() == image.stem(); });
 }
 
-DriveInput FindInFolder(const fs::path& folder) {
+void RefuseTopic(const std::string& topic, const fs::path& input) {
+  if (!topic.empty()) throw InputError(fmt::format("--topic {}: {} is not a bag", topic, input.string()));
+}
+
+// The parts of a bag of ROS 2, which keeps them with a description in a folder of their own; empty for other folders.
+std::vector<fs::path> PartsOfBag(const fs::path& folder) {
+  return FileIn(folder, "metadata.yaml") ? FilesIn(folder, IsBagName) : std::vector<fs::path>();
+}
+
+DriveInput FindInFolder(const fs::path& folder, const std::string& topic) {
   DriveInput drive;
   drive.path = folder;
   drive.camera_file = FileIn(folder, "calib.txt");
@@ -115,10 +127,17 @@ DriveInput FindInFolder(const fs::path& folder) {
     return video.parent_path() != drive.videos.front().parent_path();
   });
   if (drive.videos.size() == 1) drive.path = drive.videos.front();
-  if (!drive.images.empty() || !drive.videos.empty()) return drive;
+  if (!drive.images.empty() || !drive.videos.empty()) {
+    RefuseTopic(topic, drive.path);
+    return drive;
+  }
+  if (const std::vector<fs::path> bags = PartsOfBag(folder); !bags.empty()) {
+    drive.bags = FindBagDrive(bags, topic);
+    return drive;
+  }
   throw InputError(drive.path.string() +
                    ": holds no images; give a folder of png, jpg, bmp, pgm or tiff files, a KITTI "
-                   "folder with image_0/, a video, or a folder of videos");
+                   "folder with image_0/, a video, a folder of videos, or a bag");
 }
 
 }  // namespace
@@ -195,32 +214,37 @@ bool NaturalLess(std::string_view a, std::string_view b) {
   return whole_a < whole_b;
 }
 
-DriveInput FindDrive(const fs::path& input) {
-  std::error_code error;
-  const fs::file_status status = fs::status(input, error);
-  if (status.type() == fs::file_type::not_found) throw InputError(input.string() + ": no such file or folder");
-  if (error) throw InputError(input.string() + ": cannot be opened: " + error.message());
-  if (fs::is_directory(status)) return FindInFolder(input);
-  if (IsImageName(input)) throw InputError(input.string() + ": is a single image; give the folder of the drive");
-  DriveInput drive;
-  drive.path = input;
-  drive.videos = {input};
-  return drive;
-}
+DriveInput FindDrive(const fs::path& input, const std::string& topic) { return FindDrive(std::vector{input}, topic); }
 
-DriveInput FindDrive(const std::vector<fs::path>& inputs) {
-  if (inputs.size() == 1) return FindDrive(inputs.front());
+DriveInput FindDrive(const std::vector<fs::path>& inputs, const std::string& topic) {
   DriveInput drive;
+  std::vector<fs::path> bags;
   for (const fs::path& input : inputs) {
     std::error_code error;
-    if (fs::is_directory(input, error))
-      throw InputError(input.string() + ": is a folder; give one folder, or several videos");
-    for (const fs::path& other : drive.videos) {
+    const fs::file_status status = fs::status(input, error);
+    if (status.type() == fs::file_type::not_found) throw InputError(input.string() + ": no such file or folder");
+    if (error) throw InputError(input.string() + ": cannot be opened: " + error.message());
+    if (fs::is_directory(status)) {
+      if (inputs.size() == 1) return FindInFolder(input, topic);
+      throw InputError(input.string() + ": is a folder; give one folder, or several videos or bags");
+    }
+    if (IsImageName(input)) throw InputError(input.string() + ": is a single image; give the folder of the drive");
+    std::vector<fs::path>& same_kind = IsBag(input) ? bags : drive.videos;
+    for (const fs::path& other : same_kind) {
       if (fs::equivalent(input, other, error)) throw InputError(input.string() + ": is given twice");
     }
-    drive.videos.push_back(FindDrive(input).videos.front());
+    same_kind.push_back(input);
   }
   drive.path = inputs.front();
+  if (!bags.empty() && !drive.videos.empty()) {
+    throw InputError(fmt::format("{}: is a bag, but {} is not; give files of one kind", bags.front().string(),
+                                 drive.videos.front().string()));
+  }
+  if (bags.empty()) {
+    RefuseTopic(topic, drive.path);
+  } else {
+    drive.bags = FindBagDrive(bags, topic);
+  }
   return drive;
 }
 

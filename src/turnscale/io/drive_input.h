@@ -8,6 +8,8 @@
 #include <string_view>
 #include <vector>
 
+#include "turnscale/io/bag_drive.h"
+
 namespace turnscale {
 
 /// Times of the frames in seconds, one per line; lines that are empty or begin with # are passed over.
@@ -31,11 +33,12 @@ struct FrameClock {
   double At(size_t index) const { return times.empty() ? static_cast<double>(index) / fps : times[index]; }
 };
 
-/// What INPUT turned out to be: either images in natural order, or videos; and the files that came with them.
+/// What INPUT turned out to be: images in natural order, videos, or bags; and the files that came with them.
 struct DriveInput {
-  std::filesystem::path path;  ///< the folder that holds the images or videos, or the video
+  std::filesystem::path path;  ///< the folder that holds the images or videos, or the video or bag
   std::vector<std::filesystem::path> images;
   std::vector<std::filesystem::path> videos;         ///< one, or several that continue one another
+  std::optional<BagDrive> bags;                      ///< a topic of one, or of several that continue one another
   bool several_folders = false;                      ///< the videos were found in more than one folder
   std::optional<std::filesystem::path> camera_file;  ///< `calib.txt`, else `camera.yaml`, beside the images
   std::optional<std::filesystem::path> times_file;   ///< `times.txt` beside the images
@@ -46,12 +49,13 @@ bool NaturalLess(std::string_view a, std::string_view b);
 
 /// Detects the kind of INPUT: a KITTI folder (`image_0/` or `images/`, with `calib.txt` or
 /// `camera.yaml`, and `times.txt`), a folder of images, a folder with videos, which continue one another in natural
-/// order, the folder of a memory card with such folders in it, or a video file. Images named like the videos beside
-/// them are passed over as thumbnails. Throws InputError where it is none of these, or holds both kinds.
-DriveInput FindDrive(const std::filesystem::path& input);
+/// order, the folder of a memory card with such folders in it, a video file, a bag, or the folder that ROS 2 keeps a
+/// bag in (`metadata.yaml`). Images named like the videos beside them are passed over as thumbnails. `topic`: of a
+/// bag's images, where it has several. Throws InputError where it is none of these, or holds both kinds.
+DriveInput FindDrive(const std::filesystem::path& input, const std::string& topic = {});
 
-/// The same for several INPUTs, which have to be video files that continue one another.
-DriveInput FindDrive(const std::vector<std::filesystem::path>& inputs);
+/// The same for several INPUTs, which have to be video files, or bags, that continue one another.
+DriveInput FindDrive(const std::vector<std::filesystem::path>& inputs, const std::string& topic = {});
 
 /// The value of an option that is a time of a drive: HH:MM:SS, MM:SS or seconds, each with or without decimals. Throws
 /// InputError that names the option.

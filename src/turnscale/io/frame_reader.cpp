@@ -49,16 +49,32 @@ GrayImage ReadGrayImage(const std::filesystem::path& path) {
   std::vector<uint8_t> bytes(static_cast<size_t>(size));
   stream.seekg(0);
   if (!stream.read(reinterpret_cast<char*>(bytes.data()), size)) return {{}, name + ": cannot be read"};
-  if (EndsEarly(bytes)) return {{}, name + ": is truncated"};
-  GrayImage image;
+  const DecodedImage decoded = DecodeImage(bytes);
+  if (!decoded.problem.empty()) return {{}, name + ": " + decoded.problem};
+  const cv::Mat gray = ToGray8(decoded.pixels);
+  return {gray, gray.empty() ? name + ": is not a readable image" : ""};
+}
+
+DecodedImage DecodeImage(std::span<const uint8_t> bytes) {
+  if (EndsEarly(bytes)) return {{}, "is truncated"};
+  // The decoder only reads.
+  const cv::Mat stored(1, static_cast<int>(bytes.size()), CV_8UC1, const_cast<uint8_t*>(bytes.data()));
+  DecodedImage image;
   try {
-    image.gray =
-        ToGray8(cv::imdecode(bytes, cv::IMREAD_ANYDEPTH | cv::IMREAD_ANYCOLOR | cv::IMREAD_IGNORE_ORIENTATION));
+    image.pixels = cv::imdecode(stored, cv::IMREAD_ANYDEPTH | cv::IMREAD_ANYCOLOR | cv::IMREAD_IGNORE_ORIENTATION);
   } catch (const cv::Exception&) {
-    image.gray = cv::Mat();
+    image.pixels = cv::Mat();
   }
-  if (image.gray.empty()) image.problem = name + ": is not a readable image";
+  if (image.pixels.empty()) image.problem = "is not a readable image";
   return image;
+}
+
+DecodedImage DecodeJpegOrPng(std::span<const uint8_t> bytes) {
+  constexpr uint64_t kMostPixels = 100'000'000;
+  const std::optional<uint64_t> pixels = AnnouncedPixels(bytes);
+  if (!pixels) return {{}, "is neither JPEG nor PNG"};
+  if (*pixels == 0 || *pixels > kMostPixels) return {{}, "is not a readable image"};
+  return DecodeImage(bytes);
 }
 
 std::unique_ptr<FrameReader> ReadImages(std::vector<std::filesystem::path> images) {

@@ -23,12 +23,27 @@ struct GrayImage {
 /// calibration knows nothing of EXIF orientation). Files that end too early are refused, not filled up.
 GrayImage ReadGrayImage(const std::filesystem::path& path);
 
+/// The pixels of an encoded image, or why there are none.
+struct DecodedImage {
+  cv::Mat pixels;       ///< gray or BGR, 8 or 16 bit; empty if the bytes are unusable
+  std::string problem;  ///< such as "is truncated"; empty if there is none
+};
+
+/// Decodes the bytes of an image file.
+DecodedImage DecodeImage(std::span<const uint8_t> bytes);
+
+/// The same for bytes of unknown origin: takes JPEG and PNG only, and of no more than 100 megapixels.
+DecodedImage DecodeJpegOrPng(std::span<const uint8_t> bytes);
+
 /// Any image type as 8-bit gray.
 cv::Mat ToGray8(const cv::Mat& image);
 
 /// Whether the bytes of a PNG, JPEG, BMP or binary PGM/PPM stop before the image is complete. Decoders fill such an
 /// image up in silence. Other formats count as complete.
 bool EndsEarly(std::span<const uint8_t> bytes);
+
+/// Number of pixels that the header of a PNG or JPEG announces; nothing for other bytes.
+std::optional<uint64_t> AnnouncedPixels(std::span<const uint8_t> bytes);
 
 /// A longer pause between two images is a part of the drive that was not recorded; shorter ones are hiccups of the
 /// recorder. Seconds.

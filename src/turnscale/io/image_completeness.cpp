@@ -82,7 +82,30 @@ bool NetpbmEndsEarly(Bytes bytes) {
   return bytes.size() < at + 1 + header[0] * header[1] * channels * sample_bytes;
 }
 
+// Height and width of the frame header, the first segment of its kind.
+std::optional<uint64_t> JpegPixels(Bytes bytes) {
+  size_t at = 2;
+  while (at + 9 <= bytes.size()) {
+    const uint8_t marker = bytes[at + 1];
+    if (bytes[at] != 0xFF || marker == 0xFF) {
+      ++at;
+      continue;
+    }
+    const bool table = marker == 0xC4 || marker == 0xC8 || marker == 0xCC;
+    if (marker >= 0xC0 && marker <= 0xCF && !table) return BigEndian(bytes, at + 5, 2) * BigEndian(bytes, at + 7, 2);
+    at += 2 + BigEndian(bytes, at + 2, 2);
+  }
+  return std::nullopt;
+}
+
 }  // namespace
+
+std::optional<uint64_t> AnnouncedPixels(Bytes bytes) {
+  if (StartsWith(bytes, "\x89PNG\r\n\x1a\n") && bytes.size() >= 24)
+    return BigEndian(bytes, 16, 4) * BigEndian(bytes, 20, 4);
+  if (StartsWith(bytes, "\xFF\xD8\xFF")) return JpegPixels(bytes);
+  return std::nullopt;
+}
 
 bool EndsEarly(Bytes bytes) {
   if (StartsWith(bytes, "\x89PNG\r\n\x1a\n")) return PngEndsEarly(bytes);

@@ -14,6 +14,7 @@
 #include <fmt/format.h>
 
 #include "turnscale/base/error.h"
+#include "turnscale/io/bag_frames.h"
 #include "turnscale/io/clip_reader.h"
 #include "turnscale/io/drive_input.h"
 #include "turnscale/io/frame_reader.h"
@@ -41,9 +42,11 @@ std::optional<std::filesystem::path> TimesFile(const DriveInput& drive, const Im
       fmt::format("{}: the times of the frames are missing; give --timestamps FILE or --fps X", drive.path.string()));
 }
 
-// Videos that hold exactly `count` frames by their headers are believed; else they are counted.
+// Videos and bags that hold exactly `count` frames by their headers are believed; else they are counted.
 int CheckedCount(const DriveInput& drive, int count, size_t times) {
-  if (drive.videos.empty() || static_cast<size_t>(count) == times) return count;
+  if (static_cast<size_t>(count) == times) return count;
+  if (drive.bags) return CountBagImages(*drive.bags);
+  if (drive.videos.empty()) return count;
   count = 0;
   for (const auto& video : drive.videos) count += CountVideoFrames(video);
   return count;
@@ -59,7 +62,9 @@ struct ImageSource::State {
       throw InputError(fmt::format("--end {:g} s: has to be after --start {:g} s", *end, start));
     times_file = TimesFile(drive, options);
     clock.fps = options.fps.value_or(0);
-    if (drive.videos.empty()) {
+    if (drive.bags) {
+      UseBags(drive);
+    } else if (drive.videos.empty()) {
       UseImages(drive);
     } else {
       UseVideos(drive, options.fps);
@@ -96,6 +101,25 @@ struct ImageSource::State {
     for (const auto& video : clip_reader->clips()) clip_files.push_back(video.string());
     left_out = clip_reader->left_out();
     reader = std::move(clip_reader);
+  }
+
+  void UseBags(const DriveInput& drive) {
+    const bool timed = !times_file && clock.fps <= 0;
+    auto frames = std::make_unique<BagFrames>(*drive.bags, BagFrameOptions{timed, start});
+    count = drive.bags->images;
+    if (times_file) ReadTimes(drive);
+    if (timed) {
+      origin = frames->origin();
+      // How many are in a part only reading tells.
+      if (start > 0 || end) count = 0;
+    } else {
+      const auto [first, last] = FramesOfPart();
+      frames->Skip(static_cast<size_t>(first));
+      count = last - first;
+      offset = first;
+    }
+    for (const auto& bag : drive.bags->bags) clip_files.push_back(bag.string());
+    reader = std::move(frames);
   }
 
   void ReadTimes(const DriveInput& drive) {
@@ -195,7 +219,8 @@ struct ImageSource::State {
   std::unique_ptr<FrameReader> reader;
   FrameClock clock;
   int count = 0;
-  int offset = 0;  // number in the drive of the first frame that is read
+  double origin = 0;  // time of the drive's first frame, where images bring their times
+  int offset = 0;     // number in the drive of the first frame that is read
   cv::Size size;
   std::string size_from;
   int next = 0;
@@ -228,7 +253,7 @@ std::optional<SourceFrame> ImageSource::Next() {
   const auto index = static_cast<size_t>(state.offset + state.next);
   double time = 0;
   if (image) {
-    state.past_end = image->time ? state.end && *image->time >= *state.end : state.next == state.count;
+    state.past_end = image->time ? state.end && *image->time - state.origin >= *state.end : state.next == state.count;
     if (!state.past_end) time = image->time ? *image->time : state.clock.At(index);
   }
   if (!image || state.past_end) {

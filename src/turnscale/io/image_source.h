@@ -22,7 +22,7 @@ struct SourceFrame {
   std::string notice;   ///< what the user should know about the drive before this frame, such as a gap; may be empty
 };
 
-/// A video of a drive, as far as it was read.
+/// A video or bag of a drive, as far as it was read.
 struct ClipPart {
   std::string file;
   double start = 0;  ///< time of its first frame in the drive, seconds
@@ -34,7 +34,7 @@ struct ClipPart {
 struct ImageSourceOptions {
   /// File with one time per line, in seconds. Goes before `fps`.
   std::optional<std::filesystem::path> timestamps = {};
-  /// Frames per second. Goes before the drive's own times.txt or the video's own time stamps.
+  /// Frames per second. Goes before the drive's own times.txt or the own time stamps of videos and bags.
   std::optional<double> fps = {};
   /// The part of the drive to read, seconds after its first frame: from `start`, and before `end`. Times stay those of
   /// the whole drive.
@@ -59,7 +59,8 @@ class ImageSource {
   /// other images, and at the end where not one image could be read or the part of the drive has no frame.
   std::optional<SourceFrame> Next();
 
-  /// Frames of the drive, or of the part of it; for a video without timestamps what its header says, 0 if it does not.
+  /// Frames of the drive, or of the part of it; for a video or bag without timestamps what its header or index says, 0
+  /// if it does not.
   int count() const;
 
   /// At the end: why the drive ends before it should; empty if it does not.
@@ -68,7 +69,7 @@ class ImageSource {
   /// Why videos of the drive are left out, one line for each.
   const std::vector<std::string>& left_out() const;
 
-  /// The videos of the drive of which a frame was given; empty for images.
+  /// The videos or bags of the drive of which a frame was given; empty for images.
   const std::vector<ClipPart>& clips() const;
 
  private:

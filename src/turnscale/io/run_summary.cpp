@@ -261,6 +261,7 @@ std::string SummaryJson(const RunSummary& summary) {
   const Json json = {
       {"version", summary.version},
       {"input", summary.input},
+      {"topic", summary.topic.empty() ? Json(nullptr) : Json(summary.topic)},
       {"part",
        {{"start", summary.start.empty() ? Json(nullptr) : Json(summary.start)},
         {"end", summary.end.empty() ? Json(nullptr) : Json(summary.end)}}},

@@ -61,7 +61,8 @@ struct MountSummary {
 struct RunSummary {
   std::string version;
   std::string input;
-  std::string camera;                       ///< file of the intrinsics; empty if there is none
+  std::string topic;                        ///< of a bag's images; empty for other inputs
+  std::string camera;                       ///< file of the intrinsics, or bag and topic; empty if there is none
   std::optional<FoundCamera> found_camera;  ///< intrinsics as estimated from the drive, if they were
   std::optional<Pinhole> pinhole;           ///< of the intrinsics that were used
   int image_width = 0;                      ///< pixels; 0 before the first image
