@@ -1,14 +1,18 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <system_error>
 #include <vector>
 
 #include <fmt/format.h>
 
 #include "turnscale/base/error.h"
+#include "turnscale/base/number_text.h"
 #include "turnscale/kinematics/ackermann.h"
 
 namespace turnscale {
@@ -34,6 +38,27 @@ inline double CheckedLeverArm(double lever_arm) {
 inline double CheckedLeverArmSigma(double sigma) {
   if (sigma >= 0 && sigma <= 1) return sigma;
   throw InputError(fmt::format("--lever-arm-sigma {}: give metres, from 0 (known exactly) to 1", sigma));
+}
+
+/// Value of --camera-height: metres, with a standard deviation in metres where one is given.
+struct CameraHeight {
+  double metres = 0;
+  std::optional<double> sigma;
+};
+inline CameraHeight ParseCameraHeight(const std::string& text) {
+  const std::size_t comma = text.find(',');
+  const std::optional<double> metres = ParseNumber<double>(std::string_view(text).substr(0, comma));
+  std::optional<double> sigma;
+  if (comma != std::string::npos) sigma = ParseNumber<double>(std::string_view(text).substr(comma + 1));
+  constexpr double kHighest = 10;  // more is a wrong unit
+  if (metres && *metres > 0 && *metres <= kHighest &&
+      (comma == std::string::npos || (sigma && *sigma > 0 && *sigma < *metres)))
+    return {*metres, sigma};
+  throw InputError(
+      fmt::format("--camera-height {}: give the height of the camera above the road in metres, above 0 and up to {}, "
+                  "or H,SIGMA with "
+                  "its standard deviation in metres, above 0 and below H",
+                  text, kHighest));
 }
 
 /// Value of --side-slip-sigma, s^2/m.

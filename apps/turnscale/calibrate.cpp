@@ -288,8 +288,8 @@ void AddCalibrateCommand(CLI::App& app) {
           ->needs(trajectory);
   CLI::Option* lever_arm = calibrate->add_option(
       "--lever-arm", arguments->lever_arm,
-      "Known lever arm, metres from the rear axle forward to the camera; recorded in the output file for reference, "
-      "not used by other commands");
+      "Known lever arm, metres from the rear axle forward to the camera; recorded in the output file, for "
+      "run --vehicle");
   speed->excludes(distance)->excludes(metric)->excludes(lever_arm);
   distance->excludes(metric)->excludes(lever_arm)->excludes(max_frames);
   metric->excludes(lever_arm);

@@ -22,6 +22,7 @@
 #include "turnscale/io/run_drive.h"
 #include "turnscale/io/settings.h"
 #include "turnscale/io/terminal.h"
+#include "turnscale/io/vehicle_file.h"
 #include "turnscale/live/live_page.h"
 #include "turnscale/odometry/odometry.h"
 #include "turnscale/report/run_report.h"
@@ -36,6 +37,8 @@ struct RunArguments {
   ImageArguments images;
   std::optional<double> lever_arm;
   std::optional<double> lever_arm_sigma;
+  std::optional<std::string> camera_height;
+  std::optional<fs::path> vehicle;
   std::optional<double> side_slip;
   std::optional<double> side_slip_sigma;
   std::string camera_rotation;
@@ -51,8 +54,14 @@ struct RunArguments {
 // Settings file, overridden by the command line. Checked here so that messages name the option.
 OdometryOptions OptionsFrom(const RunArguments& arguments) {
   OdometryOptions options = arguments.images.settings ? ReadSettings(*arguments.images.settings) : OdometryOptions();
+  if (arguments.vehicle) ReadVehicleFile(*arguments.vehicle, options.vehicle);
   if (arguments.lever_arm) options.vehicle.lever_arm = CheckedLeverArm(*arguments.lever_arm);
   if (arguments.lever_arm_sigma) options.vehicle.lever_arm_sigma = CheckedLeverArmSigma(*arguments.lever_arm_sigma);
+  if (arguments.camera_height) {
+    const CameraHeight height = ParseCameraHeight(*arguments.camera_height);
+    options.vehicle.camera_height = height.metres;
+    options.vehicle.camera_height_sigma = height.sigma;
+  }
   if (arguments.side_slip) {
     options.vehicle.side_slip = CheckedSideSlip(*arguments.side_slip);
     options.vehicle.side_slip_sigma = kGivenSideSlipSigma * *arguments.side_slip;
@@ -84,6 +93,7 @@ void CheckFolder(const RunArguments& arguments, const DriveImages& images) {
     refuse_folder(fs::is_directory(input, none) ? input : input.parent_path());
   refuse_folder(fs::is_directory(images.drive.path, none) ? images.drive.path : images.drive.path.parent_path());
   RefuseToOverwrite("--out", arguments.out / "mask.png", {arguments.images.mask.value_or("")});
+  RefuseToOverwrite("--out", arguments.out / "car.yaml", {arguments.vehicle.value_or("")});
   if (arguments.images.refine_camera) RefuseToOverwrite("--out", arguments.out / "camera.yaml", {images.given.name});
 }
 
@@ -221,12 +231,18 @@ void AddRunCommand(CLI::App& app) {
   run->add_option("--fps", arguments->images.fps,
                   "Frames per second; overrides times.txt and a video's own time stamps")
       ->excludes(timestamps);
-  run->add_option(
-      "--lever-arm", arguments->lever_arm,
-      "Horizontal distance from the rear axle forward to the camera, metres; without it the trajectory is up to "
-      "scale");
+  run->add_option("--lever-arm", arguments->lever_arm,
+                  "Horizontal distance from the rear axle forward to the camera, metres; without it and without "
+                  "--camera-height the trajectory is up to scale");
   run->add_option("--lever-arm-sigma", arguments->lever_arm_sigma,
                   fmt::format("Standard deviation of --lever-arm, metres [{}]", kTapeSigma));
+  run->add_option(
+      "--camera-height", arguments->camera_height,
+      "Height of the camera above the road, metres, or H,SIGMA: metres on drives without a turn, and a check "
+      "of the lever arm [learned in turns; SIGMA: 1 % of H]");
+  run->add_option("--vehicle", arguments->vehicle,
+                  "YAML file of the car: car.yaml of an earlier run, or calibration.yaml of calibrate. Lever arm, side "
+                  "slip, camera rotation and camera height are taken from it and refined; other options override it");
   run->add_option("--side-slip", arguments->side_slip,
                   fmt::format("Slip-angle coefficient c in L_eff = L - c v^2: slip angle of the rear axle per lateral "
                               "acceleration, rad per m/s^2 (= s^2/m); 0: no slip. Refined from the drive unless its "
@@ -268,9 +284,11 @@ void AddRunCommand(CLI::App& app) {
   run->add_flag("--quiet", arguments->images.quiet, "Print warnings and errors only");
   run->footer(
       "Examples:\n  turnscale run drive.mp4 --lever-arm 1.45 --out out/drive\n"
+      "  turnscale run next.mp4 --vehicle out/drive/car.yaml --out out/next\n"
       "  turnscale run DCIM/ --camera out/drive/camera.yaml --lever-arm 1.45 --start 1:30 --end 12:00\n\n"
       "Output: trajectory.tum and trajectory.kitti.txt (refined, every frame), live.tum (online: each pose as\n"
       "estimated at its frame), trajectory.csv, speed.csv, turns.csv, scale.csv, camera_rotation.csv, map.ply,\n"
+      "car.yaml (what was learned of the car, for --vehicle),\n"
       "camera.yaml (intrinsics, if estimated), mask.png (pixels left out, if any), settings.yaml, summary.json and\n"
       "report.html, a page that shows them. Ctrl-C stops after the current frame\n"
       "and keeps the results so far (exit code 130).");

@@ -47,8 +47,8 @@ export function rampColour(share: number, isDark: boolean): Rgb {
 }
 
 const stateColours: Record<'light' | 'dark', Record<string, Rgb>> = {
-  light: { o: [10, 125, 90], h: [11, 99, 206], p: [135, 147, 161] },
-  dark: { o: [63, 209, 160], h: [88, 166, 255], p: [124, 138, 154] },
+  light: { o: [10, 125, 90], r: [138, 92, 0], h: [11, 99, 206], p: [135, 147, 161] },
+  dark: { o: [63, 209, 160], r: [227, 179, 65], h: [88, 166, 255], p: [124, 138, 154] },
 };
 
 export const css = ([r, g, b]: Rgb): string => `rgb(${Math.round(r)},${Math.round(g)},${Math.round(b)})`;
@@ -93,6 +93,7 @@ export function colourPath(path: Path, by: ColourBy, isDark: boolean): Colouring
   }
   const names = [
     { key: 'o', name: 'observed in a turn' },
+    { key: 'r', name: 'from the height above the road' },
     { key: 'h', name: 'held between turns' },
     { key: 'p', name: 'pending' },
   ].filter(({ key }) => path.scaleState.includes(key));

@@ -13,7 +13,7 @@ export interface Path {
   speedSigma: (number | null)[];
   /** Relative standard deviation of the scale; null while it is pending. */
   sigma: (number | null)[];
-  /** A letter per point: p pending, o observed, h held. */
+  /** A letter per point: p pending, o observed, h held, r from the road. */
   scaleState: string;
   /** A letter per point: t tracked, r repeated, b bridged, u unreadable, i before the first map. */
   tracking: string;
@@ -93,7 +93,7 @@ export function closestIndex(times: readonly number[], time: number): number {
   return high >= 0 && time - times[low] > times[high] - time ? high : low;
 }
 
-export const scaleStateNames: Record<string, string> = { p: 'pending', o: 'observed in a turn', h: 'held' };
+export const scaleStateNames: Record<string, string> = { p: 'pending', o: 'observed in a turn', h: 'held', r: 'from the road' };
 export const trackingNames: Record<string, string> = {
   t: 'tracked',
   r: 'repeated image',

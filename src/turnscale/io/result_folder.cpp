@@ -57,7 +57,8 @@ std::vector<FrameResult> ReadFrames(const fs::path& path) {
     }
     const size_t state = table.Column("scale_state");
     frame.scale_state = Named<ScaleState>(
-        table, state, {ScaleState::kPending, ScaleState::kObserved, ScaleState::kHeld}, ScaleStateName);
+        table, state, {ScaleState::kPending, ScaleState::kObserved, ScaleState::kHeld, ScaleState::kFromRoad},
+        ScaleStateName);
     frame.scale_sigma = table.Value<double>(state + 1);
     frame.inliers = table.Value<int>(state + 2);
     frame.tracked = table.Value<int>(state + 3);

@@ -14,6 +14,7 @@
 #include "turnscale/io/seen_images.h"
 #include "turnscale/io/settings.h"
 #include "turnscale/io/terminal.h"
+#include "turnscale/io/vehicle_file.h"
 #include "turnscale/odometry/drive_speed.h"
 
 namespace turnscale {
@@ -139,6 +140,11 @@ class Run {
     });
     attempts_.Try([&] { writer_.WriteScale(odometry_.map(), results.scale, durability); });
     attempts_.Try([&] { writer_.WriteRotations(rotations_, durability); });
+    attempts_.Try([&] {
+      writer_.WriteText("car.yaml",
+                        VehicleFileText(odometry_.options().vehicle, odometry_.mount().current(), results.scale),
+                        durability);
+    });
     attempts_.Try([&] { writer_.WriteMask(odometry_.mask(), durability); });
     attempts_.Try([&] { writer_.WriteMap(odometry_.RefinedMap(results.scale), results.scale_state, durability); });
     results_ = std::move(results);

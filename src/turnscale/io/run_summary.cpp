@@ -143,14 +143,21 @@ std::string MountText(const std::optional<MountSummary>& mount) {
 
 nlohmann::ordered_json CarJson(const std::optional<CarRefinement>& car) {
   if (!car) return nullptr;
+  const auto known = [](double value) {
+    return value > 0 ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr);
+  };
   return {{"side_slip_s2_per_m", car->side_slip},
           {"side_slip_sigma_s2_per_m", car->side_slip_sigma},
           {"side_slip_at_bound", car->side_slip_at_bound},
           {"yaw_error_deg", car->yaw_error * kDegreesPerRadian},
-          {"yaw_error_sigma_deg", car->yaw_error_sigma * kDegreesPerRadian}};
+          {"yaw_error_sigma_deg", car->yaw_error_sigma * kDegreesPerRadian},
+          {"lever_arm_m", known(car->lever_arm)},
+          {"lever_arm_sigma_m", known(car->lever_arm_sigma)},
+          {"camera_height_m", known(car->camera_height)},
+          {"camera_height_sigma_m", known(car->camera_height_sigma)}};
 }
 
-// One line, empty without an estimate.
+// Empty without an estimate.
 std::string CarText(const std::optional<CarRefinement>& car) {
   if (!car) return {};
   std::string slip;
@@ -159,8 +166,11 @@ std::string CarText(const std::optional<CarRefinement>& car) {
   } else if (car->side_slip_sigma > 0) {
     slip = fmt::format("side slip {:.4f} +-{:.4f} s^2/m, ", car->side_slip, car->side_slip_sigma);
   }
-  return fmt::format("car     {}yaw error of the camera {:+.2f} +-{:.2f} deg, from all turns\n", slip,
-                     car->yaw_error * kDegreesPerRadian, car->yaw_error_sigma * kDegreesPerRadian);
+  const std::string height = car->camera_height > 0 ? fmt::format("height  camera {:.3f} +-{:.3f} m above the road\n",
+                                                                  car->camera_height, car->camera_height_sigma)
+                                                    : "";
+  return fmt::format("car     {}yaw error of the camera {:+.2f} +-{:.2f} deg, from all turns\n{}", slip,
+                     car->yaw_error * kDegreesPerRadian, car->yaw_error_sigma * kDegreesPerRadian, height);
 }
 
 std::string CalibrationWarning(const ParameterEstimate& estimate, double scale_sigma) {
@@ -228,6 +238,7 @@ void Summarize(const std::vector<FrameResult>& refined, const RefinedScale& scal
   if (scale.estimate) {
     summary.car = scale.estimate->car;
     summary.turn_test = scale.estimate->test;
+    summary.height_conflict = scale.estimate->height_conflict;
   }
   for (const ParameterEstimate& estimate : scale.contradicted_calibration)
     summary.warnings.push_back(CalibrationWarning(estimate, scale_sigma));
@@ -239,6 +250,8 @@ void Summarize(const std::vector<FrameResult>& refined, const RefinedScale& scal
                                    "the camera's calibration and rotation, the timestamps and the lever arm")
                      : "";
   if (!warning.empty()) summary.warnings.push_back(warning);
+  if (summary.height_conflict)
+    summary.warnings.push_back(HeightWarning(*summary.height_conflict, summary.vehicle.lever_arm.value_or(0)));
   summary.turns_found = static_cast<int>(turns.size());
   if (!scale.estimate) summary.pending_reason = scale.reason;
   summary.turns_used =
@@ -272,6 +285,7 @@ std::string SummaryJson(const RunSummary& summary) {
       {"pose_frame", summary.pose_frame},
       {"lever_arm_m", summary.vehicle.lever_arm ? Json(*summary.vehicle.lever_arm) : Json(nullptr)},
       {"side_slip_s2_per_m", summary.vehicle.side_slip},
+      {"camera_height_m", summary.vehicle.camera_height ? Json(*summary.vehicle.camera_height) : Json(nullptr)},
       {"camera_yaw_pitch_roll_deg",
        {angles.yaw * kDegreesPerRadian + 0.0, angles.pitch * kDegreesPerRadian + 0.0,
         angles.roll * kDegreesPerRadian + 0.0}},
@@ -316,9 +330,9 @@ std::string SummaryText(const RunSummary& summary) {
     scale += fmt::format(", path length +-{:.1f} %, along the drive at most +-{:.1f} % (at {:.1f} s)",
                          100 * summary.path_sigma, 100 * summary.worst_sigma, summary.worst_sigma_time);
   if (!IsMetric(summary)) {
-    scale += summary.vehicle.lever_arm ? ", the trajectory is up to scale"
-                                       : ": without --lever-arm the trajectory is up to scale";
-    if (summary.vehicle.lever_arm && !summary.pending_reason.empty()) scale += ": " + summary.pending_reason;
+    const bool given = summary.vehicle.lever_arm || summary.vehicle.camera_height;
+    scale += given ? ", the trajectory is up to scale" : ": without --lever-arm the trajectory is up to scale";
+    if (given && !summary.pending_reason.empty()) scale += ": " + summary.pending_reason;
   }
   const RunCost& cost = summary.cost;
   return fmt::format(

@@ -93,10 +93,11 @@ struct RunSummary {
   std::optional<CarRefinement> car;   ///< empty while the scale is pending
   int turns_found = 0;
   int turns_used = 0;
-  TurnTest turn_test;                 ///< consistency of the turns
-  std::string pending_reason;         ///< why there is no scale; empty where there is
-  std::vector<std::string> warnings;  ///< about gaps and the metric scale, one line each
-  std::string stopped;                ///< why the run ended before the drive did; empty if it did not
+  std::optional<HeightConflict> height_conflict;  ///< lever arm and camera height disagree
+  TurnTest turn_test;                             ///< consistency of the turns
+  std::string pending_reason;                     ///< why there is no scale; empty where there is
+  std::vector<std::string> warnings;              ///< about gaps and the metric scale, one line each
+  std::string stopped;                            ///< why the run ended before the drive did; empty if it did not
   RunCost cost;
 };
 

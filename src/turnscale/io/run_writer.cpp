@@ -55,6 +55,7 @@ constexpr auto kTurns = "turns.csv";
 constexpr auto kSpeed = "speed.csv";
 constexpr auto kScale = "scale.csv";
 constexpr auto kRotation = "camera_rotation.csv";
+constexpr auto kCar = "car.yaml";
 constexpr auto kMap = "map.ply";
 constexpr auto kMask = "mask.png";
 constexpr auto kSummary = "summary.json";
@@ -179,8 +180,8 @@ RunWriter::RunWriter(const RunWriterOptions& options) : options_(options) {
   }
   MakeFolder(options_.folder);
   // The summary first: it says that the others are of one run.
-  for (const char* name :
-       {kReportFile, kSummary, kSettings, kTurns, kSpeed, kScale, kRotation, kMap, kMask, kTum, kKitti, kTable, kLive})
+  for (const char* name : {kReportFile, kSummary, kSettings, kTurns, kSpeed, kScale, kRotation, kCar, kMap, kMask, kTum,
+                           kKitti, kTable, kLive})
     RemoveOldFile(PathOf(name));
   live_.emplace(PathOf(kLive));
 }
@@ -192,7 +193,7 @@ void RunWriter::Add(const FrameResult& live) {
 void RunWriter::EndLive() { live_->Finish(); }
 
 void RunWriter::Discard() {
-  for (const char* name : {kTurns, kSpeed, kScale, kRotation, kMap, kTum, kKitti, kTable, kLive})
+  for (const char* name : {kTurns, kSpeed, kScale, kRotation, kCar, kMap, kTum, kKitti, kTable, kLive})
     RemoveOldFile(PathOf(name));
 }
 

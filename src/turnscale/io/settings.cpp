@@ -11,6 +11,7 @@
 #include "turnscale/base/number_text.h"
 #include "turnscale/config/yaml_map.h"
 #include "turnscale/geometry/rotation.h"
+#include "turnscale/io/vehicle_file.h"
 #include "turnscale/io/yaml_fields.h"
 
 namespace turnscale {
@@ -25,6 +26,7 @@ void VisitScaleSettings(Visitor& visitor, ScaleOptions& options) {
   visitor.Field("max_sigma", options.estimator.max_sigma);
   visitor.Field("max_straight_steps", options.estimator.segments.max_straight_steps);
   visitor.Field("max_sigma_ratio", options.estimator.max_sigma_ratio);
+  visitor.Field("max_height_deviation", options.estimator.max_height_deviation);
   visitor.Group("turns", [&] {
     auto& o = options.estimator.segments.turns;
     visitor.Degrees("min_step_angle_deg", o.min_step_angle);
@@ -46,6 +48,10 @@ void VisitScaleSettings(Visitor& visitor, ScaleOptions& options) {
     visitor.Degrees("turn_direction_sigma_deg", o.turn_direction_sigma);
     visitor.Degrees("straight_direction_sigma_deg", o.straight_direction_sigma);
     visitor.Field("min_lever_arm_ratio", o.min_lever_arm_ratio);
+    visitor.Field("road_sigma", o.road.sigma);
+    visitor.Field("road_correlation_length", o.road.correlation_length);
+    visitor.Field("road_step_sigma", o.road.step_sigma);
+    visitor.Field("road_min_steps", o.road.min_steps);
   });
   visitor.Group("drift", [&] {
     visitor.Field("per_100m", options.estimator.drift.per_100m);
@@ -80,8 +86,11 @@ void VisitSettings(Visitor& visitor, OdometryOptions& options) {
     visitor.Field("side_slip", o.side_slip);
     visitor.Field("side_slip_sigma", o.side_slip_sigma);
     visitor.Rotation("camera", o.vehicle_from_camera);
+    visitor.Field("camera_known", o.camera_known);
     visitor.Field("calibrate_camera", o.calibrate_camera);
     visitor.Degrees("yaw_sigma_deg", o.yaw_sigma);
+    visitor.Field("camera_height", o.camera_height);
+    visitor.Field("camera_height_sigma", o.camera_height_sigma);
   });
   visitor.Group("corners", [&] {
     auto& o = options.corners;
@@ -237,6 +246,30 @@ void VisitSettings(Visitor& visitor, OdometryOptions& options) {
     visitor.Field("min_expected_motion", o.min_expected_motion);
     visitor.Field("min_evidence", o.min_evidence);
   });
+  visitor.Group("road", [&] {
+    auto& o = options.road;
+    visitor.Field("enabled", o.enabled);
+    visitor.Field("baseline", o.baseline);
+    visitor.Field("min_baseline", o.min_baseline);
+    visitor.Degrees("max_turn_deg", o.max_turn);
+    visitor.Degrees("pitch_sigma_deg", o.plane.pitch_sigma);
+    visitor.Degrees("roll_sigma_deg", o.plane.roll_sigma);
+    visitor.Field("max_deviation", o.plane.max_deviation);
+    visitor.Field("bend_sigma", o.plane.bend_sigma);
+    visitor.Field("unevenness", o.plane.unevenness);
+    visitor.Field("min_correlation", o.plane.min_correlation);
+    visitor.Field("min_patches", o.plane.min_patches);
+    visitor.Field("min_share", o.plane.min_share);
+    visitor.Field("half_width", o.plane.patches.half_width);
+    visitor.Field("nearest", o.plane.patches.nearest);
+    visitor.Field("farthest", o.plane.patches.farthest);
+    visitor.Field("rows", o.plane.patches.rows);
+    visitor.Field("columns", o.plane.patches.columns);
+    visitor.Field("half_size", o.plane.patches.half_size);
+    visitor.Field("least_contrast", o.plane.patches.least_contrast);
+    visitor.Field("image_noise", o.plane.patches.image_noise);
+    visitor.Field("least_pixel_sigma", o.plane.patches.least_pixel_sigma);
+  });
   visitor.Group("scale", [&] { VisitScaleSettings(visitor, options.scale); });
 }
 
@@ -288,11 +321,8 @@ Eigen::Quaterniond ReadCameraRotation(const std::string& angles_or_file) {
                       angles_or_file));
     }
     const YamlMap map{std::filesystem::path(angles_or_file)};
-    // A simulated drive's vehicle.yaml says more of the car than its rotation, and calibration.yaml where it is from.
-    map.AllowOnly(std::vector<std::string>{"yaw_deg", "pitch_deg", "roll_deg", "lever_arm", "lateral_offset", "height",
-                                           "side_slip", "yaw_sigma_deg", "pitch_sigma_deg", "roll_sigma_deg",
-                                           "vehicle_from_camera_wxyz", "lever_arm_sigma", "side_slip_sigma",
-                                           "confidence", "frames", "steps", "turns", "turning_deg", "input"});
+    // Such files say more of the car than its rotation.
+    map.AllowOnly(VehicleFileKeys());
     angles = YawPitchRoll{map.Number("yaw_deg") / kDegreesPerRadian, map.Number("pitch_deg") / kDegreesPerRadian,
                           map.Number("roll_deg") / kDegreesPerRadian};
   }

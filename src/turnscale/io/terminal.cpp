@@ -142,6 +142,8 @@ const char* ScaleStateName(ScaleState state) {
       return "observed";
     case ScaleState::kHeld:
       return "held";
+    case ScaleState::kFromRoad:
+      return "road";
   }
   return "unknown";
 }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "turnscale/io/turn_warning.h"
 
+#include <cmath>
+
 #include <fmt/format.h>
 
 namespace turnscale {
@@ -16,6 +18,14 @@ std::string TurnWarning(const ScaleEstimate& estimate, const std::function<std::
                                  100 * test.disagreement, name_of(test.worst_turn))
                    : "the scale estimate did not converge";
   return fmt::format("{}: the trajectory uses single-turn scales; check {}", problem, suspects);
+}
+
+std::string HeightWarning(const HeightConflict& conflict, double lever_arm) {
+  const double ratio = conflict.given / conflict.found;
+  return fmt::format(
+      "lever arm and camera height disagree by {:.0f} %: with the lever arm {:.2f} m the turns give a height of {:.2f} "
+      "+-{:.2f} m, not {:.2f} m; the height as given asks for a lever arm of {:.2f} m: measure both again",
+      100 * std::abs(ratio - 1), lever_arm, conflict.found, conflict.found_sigma, conflict.given, ratio * lever_arm);
 }
 
 }  // namespace turnscale

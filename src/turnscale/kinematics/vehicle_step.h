@@ -21,6 +21,8 @@ struct VehicleStep {
   bool after_gap = false;  ///< across a loss of tracking: its motion is unknown
   /// Relative standard deviation by which the unit of length may have changed across the gap.
   double gap_sigma = 0;
+  double height = 0;        ///< of the camera above the road, odometry units; 0 where the road is not seen
+  double height_sigma = 0;  ///< relative standard deviation of `height`
 
   /// y = length sin(theta - psi/2): lateral displacement in the axes half-way, odometry units.
   double lateral() const;

@@ -31,13 +31,19 @@ constexpr double kAssumedYawSigma = 3.0 / 57.295779513082320877;
 
 CarPrior PriorOf(const VehicleOptions& vehicle, const Mount& mount) {
   CarPrior car;
-  car.lever_arm = vehicle.lever_arm.value_or(1.0);
+  car.lever_arm = vehicle.lever_arm.value_or(vehicle.camera_height ? 0.0 : 1.0);
   car.lever_arm_sigma = std::min(vehicle.lever_arm_sigma, 0.5 * car.lever_arm);
+  if (vehicle.camera_height) {
+    car.camera_height = *vehicle.camera_height;
+    car.camera_height_sigma = vehicle.HeightSigma();
+  }
   car.side_slip = vehicle.side_slip;
   car.side_slip_sigma = vehicle.side_slip_sigma;
   car.yaw_sigma = vehicle.yaw_sigma;
   if (vehicle.calibrate_camera)
-    car.yaw_sigma = std::max(vehicle.yaw_sigma, mount.found ? mount.sigma.yaw : kAssumedYawSigma);
+    car.yaw_sigma = std::max(vehicle.yaw_sigma, mount.found            ? mount.sigma.yaw
+                                                : vehicle.camera_known ? vehicle.yaw_sigma
+                                                                       : kAssumedYawSigma);
   return car;
 }
 
@@ -62,7 +68,11 @@ std::optional<PathGap> GapBefore(const Map& map, int keyframe) {
   return PathGap{keyframe, map.keyframes[keyframe].gap_sigma};
 }
 
-std::vector<VehicleStep> StepsAlong(const Map& map, const MountCalibration& mount, const VehicleStepOptions& options) {
+// A length in metres, from which the scale may come.
+bool HasMetres(const VehicleOptions& vehicle) { return vehicle.lever_arm || vehicle.camera_height; }
+
+std::vector<VehicleStep> StepsAlong(const Map& map, const MountCalibration& mount,
+                                    const std::vector<MeasuredHeight>& heights, const VehicleStepOptions& options) {
   Trajectory path;
   std::vector<PathGap> gaps;
   for (int k = 0; k < static_cast<int>(map.keyframes.size()); ++k) {
@@ -71,7 +81,9 @@ std::vector<VehicleStep> StepsAlong(const Map& map, const MountCalibration& moun
     if (!IsFinite(path.back())) return {};
     if (const auto gap = GapBefore(map, k)) gaps.push_back(*gap);
   }
-  return CutIntoSteps(path, gaps, true, options);
+  std::vector<VehicleStep> steps = CutIntoSteps(path, gaps, true, options);
+  for (VehicleStep& step : steps) turnscale::AddHeight(map, heights, step);
+  return steps;
 }
 
 TurnResult Describe(const TurnEstimate& turn, const std::vector<VehicleStep>& steps, const Map& map) {
@@ -145,17 +157,22 @@ void DriveScale::Reread(const Map& map, int first, int settled) {
 bool DriveScale::Feed(const Map& map, int keyframe) {
   const std::optional<PathGap> gap = GapBefore(map, keyframe);
   bool turn_ended = false;
-  for (const VehicleStep& step : builder_.Add(VehiclePose(map, mount_, keyframe), gap ? &*gap : nullptr))
+  for (VehicleStep& step : builder_.Add(VehiclePose(map, mount_, keyframe), gap ? &*gap : nullptr)) {
+    turnscale::AddHeight(map, heights_, step);
     turn_ended = live_.Add(step) || turn_ended;
+  }
   return turn_ended;
 }
 
 void DriveScale::UpdateLive(const Map& map, int first) {
-  const std::optional<ScaleBelief> now = options_.vehicle.lever_arm ? live_.Now() : std::nullopt;
+  const std::optional<ScaleBelief> now = HasMetres(options_.vehicle) ? live_.Now() : std::nullopt;
   const bool was_known = state_ != ScaleState::kPending;
   const double scale = now ? now->metres_per_unit() : 1.0;
   sigma_ = now ? now->sigma() : std::numeric_limits<double>::infinity();
-  state_ = !now ? ScaleState::kPending : live_.turning() || turn_ended_ ? ScaleState::kObserved : ScaleState::kHeld;
+  state_ = !now                             ? ScaleState::kPending
+           : live_.turning() || turn_ended_ ? ScaleState::kObserved
+           : live_.on_road()                ? ScaleState::kFromRoad
+                                            : ScaleState::kHeld;
 
   const int count = static_cast<int>(map.keyframes.size());
   std::vector<double>& scales = live_path_.metres_per_unit;
@@ -205,7 +222,8 @@ RefinedScale DriveScale::Refine(const Map& map, bool follow_turns) const {
   refined.sigmas.assign(count, std::numeric_limits<double>::infinity());
   refined.turning.assign(count, 0);
   refined.in_used_turn.assign(count, 0);
-  const std::vector<VehicleStep> steps = StepsAlong(map, mount_, options_.steps);
+  refined.from_road.assign(count, 0);
+  const std::vector<VehicleStep> steps = StepsAlong(map, mount_, heights_, options_.steps);
   if (steps.empty()) {
     refined.reason = "the trajectory has no usable step";
     return refined;
@@ -213,7 +231,7 @@ RefinedScale DriveScale::Refine(const Map& map, bool follow_turns) const {
   ScaleEstimatorOptions estimator = options_.scale.estimator;
   estimator.follow_turns = estimator.follow_turns || follow_turns || options_.scale.method != ScaleMethod::kSmoothed;
   ScaleEstimateResult result = EstimateScale(steps, PriorOf(options_.vehicle, mount_.current()), estimator);
-  if (!options_.vehicle.lever_arm) {
+  if (!HasMetres(options_.vehicle)) {
     result.estimate.reset();
     result.reason = "no lever arm given";
     for (TurnEstimate& turn : result.turns) {
@@ -231,6 +249,12 @@ RefinedScale DriveScale::Refine(const Map& map, bool follow_turns) const {
   }
   refined.reason = result.reason;
   if (!result.estimate) return refined;
+  for (std::size_t i = 0; i < result.estimate->segments.size(); ++i) {
+    if (result.estimate->from_road[i] == 0) continue;
+    const PathSegment& segment = result.estimate->segments[i];
+    std::fill(refined.from_road.begin() + steps[segment.first].first + 1,
+              refined.from_road.begin() + steps[segment.last].last + 1, 1);
+  }
   const std::vector<PoseScale> scales = ScaleTrack(count, steps, *result.estimate);
   refined.path.centres = MetricPositions(refined.path.centres, scales);
   for (int k = 0; k < count; ++k) {

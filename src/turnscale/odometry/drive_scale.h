@@ -16,6 +16,7 @@
 #include "turnscale/odometry/mount_calibration.h"
 #include "turnscale/odometry/options.h"
 #include "turnscale/odometry/results.h"
+#include "turnscale/odometry/road_heights.h"
 #include "turnscale/scale/live_scale.h"
 #include "turnscale/scale/scale_estimator.h"
 
@@ -27,6 +28,7 @@ struct RefinedScale {
   std::vector<double> sigmas;      ///< relative, one per keyframe; infinite while the scale is pending
   std::vector<char> turning;       ///< the step that leads to the keyframe belongs to a turn
   std::vector<char> in_used_turn;  ///< from the keyframe that the turn's first step leaves
+  std::vector<char> from_road;     ///< the road shows the scale of the step that leads to the keyframe
   std::vector<TurnResult> turns;
   std::optional<ScaleEstimate> estimate;  ///< empty while the scale is pending
   std::string reason;                     ///< why it is empty
@@ -52,6 +54,9 @@ void WidenForCalibration(const std::vector<ParameterEstimate>& contradictions, c
 class DriveScale {
  public:
   explicit DriveScale(const OdometryOptions& options);
+
+  /// Takes what the latest keyframe shows of the road, before Add.
+  void AddHeight(const MeasuredHeight& height) { heights_.push_back(height); }
 
   /// Takes the new keyframes of the map. Returns whether they ended a turn: then the keyframes since the previous turn
   /// should be adjusted again, followed by Reread.
@@ -92,8 +97,9 @@ class DriveScale {
 
   OdometryOptions options_;
   MountCalibration mount_;
+  std::vector<MeasuredHeight> heights_;  ///< above the road
   StepBuilder builder_;
-  LiveScale live_;  ///< with a lever arm of 1 if none is given, to detect turns
+  LiveScale live_;  ///< with a lever arm of 1 if no length is given, to detect turns
   std::optional<SettledPart> settled_;
   MetricPath live_path_;
   ScaleState state_ = ScaleState::kPending;

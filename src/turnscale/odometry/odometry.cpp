@@ -73,6 +73,7 @@ Odometry::Odometry(const OdometryOptions& options, const CameraModel& camera)
       motion_(options.motion),
       lens_(options_.lens),
       calibration_check_(options_.calibration_check),
+      road_(options_.road),
       scale_(options) {
   map_.pinhole = camera.pinhole;
   calibration_sigma_ = CalibrationSigma({}, camera_);
@@ -95,6 +96,7 @@ FrameResult Odometry::Process(const cv::Mat& gray, double time) {
   if (!tracker_.NeedsKeyframe(map_, tracked)) return MetricResult(result, *tracked.camera_from_world);
 
   AddKeyframe(*tracked.camera_from_world, result);
+  ObserveRoad(image);
   if (ObserveScale(result)) Settle();
   tracker_.Replenish(camera_, image, map_);
   return MetricResult(result, map_.keyframes.back().camera_from_world);
@@ -326,6 +328,12 @@ void Odometry::RefineLens() {
   AdjustLocalWindow(options_.local_bundle, map_);
 }
 
+void Odometry::ObserveRoad(const FlowImage& image) {
+  const std::optional<MeasuredHeight> height =
+      road_.Observe(map_, camera_, mount().current().vehicle_from_camera, image, mask_.pixels());
+  if (height) scale_.AddHeight(*height);
+}
+
 bool Odometry::ObserveScale(FrameResult& result) {
   const TurningMotion motion = StepMotion(map_, static_cast<int>(map_.keyframes.size()) - 2, mount());
   result.psi = motion.psi;
@@ -415,7 +423,8 @@ FrameResult Odometry::MetricResult(FrameResult result, int keyframe, const Rigid
 
 ScaleState Odometry::scale_state() const {
   if (!refined_) return scale_.state();
-  return refined_->estimate ? ScaleState::kHeld : ScaleState::kPending;
+  if (!refined_->estimate) return ScaleState::kPending;
+  return refined_->from_road.back() != 0 ? ScaleState::kFromRoad : ScaleState::kHeld;
 }
 
 RefinedScale Odometry::Refined() const {
@@ -441,6 +450,7 @@ std::vector<FrameResult> Odometry::RefinedFrames(const RefinedScale& refined) co
     frame.scale_sigma = refined.sigmas[keyframe];
     frame.scale_state = !refined.estimate                     ? ScaleState::kPending
                         : refined.in_used_turn[keyframe] != 0 ? ScaleState::kObserved
+                        : refined.from_road[keyframe] != 0    ? ScaleState::kFromRoad
                                                               : ScaleState::kHeld;
     if (!frame.keyframe || keyframe == 0 || map_.keyframes[keyframe].after_gap) continue;
     const TurningMotion motion = StepMotion(map_, keyframe - 1, mount());

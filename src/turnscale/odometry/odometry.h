@@ -21,6 +21,7 @@
 #include "turnscale/odometry/motion_model.h"
 #include "turnscale/odometry/options.h"
 #include "turnscale/odometry/results.h"
+#include "turnscale/odometry/road_observer.h"
 #include "turnscale/odometry/unit_guess.h"
 
 namespace turnscale {
@@ -99,6 +100,8 @@ class Odometry {
   FrameResult Bridge(const RigidTransform& predicted, FrameResult result);
   void AddKeyframe(const RigidTransform& camera_from_world, FrameResult& result);
   void RefineLens();
+  /// Measures the height above the road at the latest keyframe, whose image this is.
+  void ObserveRoad(const FlowImage& image);
   /// Updates the scale with the latest keyframe. Returns whether Settle is due: it ended a turn, or many keyframes have
   /// not been settled yet.
   bool ObserveScale(FrameResult& result);
@@ -129,6 +132,7 @@ class Odometry {
   MotionModel motion_;
   LensRefinement lens_;
   CalibrationCheck calibration_check_;
+  RoadObserver road_;
   DriveScale scale_;
   FrameHistory history_;
   Map map_;

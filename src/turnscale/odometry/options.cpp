@@ -13,6 +13,10 @@ void VehicleOptions::Check() const {
     throw InputError("vehicle.lever_arm: has to be a positive number of metres");
   if (!(lever_arm_sigma >= 0 && std::isfinite(lever_arm_sigma)))
     throw InputError("vehicle.lever_arm_sigma: has to be a number of metres, 0 or more");
+  if (camera_height && !(*camera_height > 0 && std::isfinite(*camera_height)))
+    throw InputError("vehicle.camera_height: has to be a positive number of metres");
+  if (camera_height_sigma && !(*camera_height_sigma >= 0 && *camera_height_sigma < camera_height.value_or(HUGE_VAL)))
+    throw InputError("vehicle.camera_height_sigma: has to be from 0 to below the height, metres");
   if (!(side_slip >= 0 && side_slip < 1)) throw InputError("vehicle.side_slip: has to be in 0...1 s^2/m");
   if (!(side_slip_sigma >= 0 && side_slip_sigma < 1))
     throw InputError("vehicle.side_slip_sigma: has to be in 0...1 s^2/m");
@@ -82,6 +86,7 @@ void OdometryOptions::Check() const {
   motion.Check();
   repeats.Check();
   static_regions.Check();
+  road.Check();
   steps.Check();
   scale.Check();
 }

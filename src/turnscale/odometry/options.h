@@ -20,6 +20,7 @@
 #include "turnscale/odometry/image_mask.h"
 #include "turnscale/odometry/motion_model.h"
 #include "turnscale/odometry/repeated_image.h"
+#include "turnscale/odometry/road_observer.h"
 #include "turnscale/scale/scale_estimator.h"
 
 namespace turnscale {
@@ -37,10 +38,18 @@ struct VehicleOptions {
   double side_slip_sigma = kUsualSideSlipSigma;
   /// The paper's Q: given, or the initial value if it is estimated.
   Eigen::Quaterniond vehicle_from_camera = Eigen::Quaterniond::Identity();
+  /// The initial value of Q was measured before: `yaw_sigma` holds before it is estimated.
+  bool camera_known = false;
   /// Estimate Q from the drive.
   bool calibrate_camera = true;
   /// Standard deviation of the yaw of Q, given or estimated, rad (0.3 deg: at which the calibration is first used).
   double yaw_sigma = 0.3 / 57.295779513082320877;
+  /// Height of the camera above the road, metres. Without it the turns tell it, and it holds the scale between them.
+  std::optional<double> camera_height;
+  std::optional<double> camera_height_sigma;  ///< its standard deviation, metres; 1 % of it if not given
+
+  /// Standard deviation of the height, metres.
+  double HeightSigma() const { return camera_height_sigma.value_or(kGivenHeightSigma * camera_height.value_or(0)); }
 
   /// Throws InputError that names the field when a value makes no sense.
   void Check() const;
@@ -156,6 +165,7 @@ struct OdometryOptions {
   MotionModelOptions motion;
   RepeatOptions repeats;
   StaticRegionOptions static_regions;
+  RoadObserverOptions road;
   VehicleStepOptions steps;
   ScaleOptions scale;
 

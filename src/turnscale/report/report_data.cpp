@@ -83,7 +83,17 @@ class PositionColumns {
 };
 
 char LetterOf(ScaleState state) {
-  return state == ScaleState::kPending ? 'p' : state == ScaleState::kObserved ? 'o' : 'h';
+  switch (state) {
+    case ScaleState::kPending:
+      return 'p';
+    case ScaleState::kObserved:
+      return 'o';
+    case ScaleState::kFromRoad:
+      return 'r';
+    case ScaleState::kHeld:
+      break;
+  }
+  return 'h';
 }
 
 char LetterOf(TrackingState state) {

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "turnscale/scale/road_parts.h"
+
 namespace turnscale {
 namespace {
 
@@ -17,7 +19,7 @@ void HoldSlip(ScaleBelief& belief) { belief.mean[kSlip] = std::max(belief.mean[k
 }  // namespace
 
 LiveScale::LiveScale(const CarPrior& car, const ScaleEstimatorOptions& options)
-    : options_(options), detector_(options.segments.turns), belief_(PriorBelief(car, 0)) {}
+    : car_(car), options_(options), detector_(options.segments.turns), belief_(PriorBelief(car, 0)) {}
 
 bool LiveScale::Add(const VehicleStep& step) {
   pending_.push_back(step);
@@ -26,12 +28,15 @@ bool LiveScale::Add(const VehicleStep& step) {
   if (closed) {
     Commit(closed->first - 1, false);
     Commit(closed->last, true);
-  } else if (static_cast<int>(pending_.size()) > options_.segments.max_straight_steps) {
+  } else if (static_cast<int>(pending_.size()) > MostStraightSteps(pending_, options_.segments.max_straight_steps)) {
     // All but a turn that may have begun.
     Commit(detector_.first_undecided() - 1, false);
   }
   now_ = belief_;
   Advance(pending_, now_);
+  // Where a segment has just ended, what it showed holds until the next one has some steps.
+  const bool begins = static_cast<int>(pending_.size()) < options_.evidence.road.min_steps;
+  on_road_ = (TakeRoad(pending_, now_) || (begins && on_road_)) && KnowsHeight(now_);
   turning_ = false;
   if (const auto open = detector_.open()) {
     const int begin = open->first - (steps_ - static_cast<int>(pending_.size()));
@@ -41,7 +46,7 @@ bool LiveScale::Add(const VehicleStep& step) {
       turning_ = true;
     }
   }
-  known_ = (started_ || turning_) && (known_ || now_.sigma() <= options_.max_sigma);
+  known_ = (started_ || turning_ || on_road_) && (known_ || now_.sigma() <= options_.max_sigma);
   return closed.has_value();
 }
 
@@ -60,6 +65,7 @@ void LiveScale::Commit(int last, bool turning) {
   const std::vector<VehicleStep> steps(pending_.begin(), end);
   pending_.erase(pending_.begin(), end);
   Advance(steps, belief_);
+  if (TakeRoad(steps, belief_) && KnowsHeight(belief_)) started_ = true;
   if (!turning) {
     TakeDirection(steps, belief_);
     return;
@@ -85,7 +91,8 @@ void LiveScale::TakeDirection(const std::vector<VehicleStep>& steps, ScaleBelief
     metres_per_unit = kUsualSpeed * duration / length;
   }
   const double lever_arm = std::exp(belief.mean[kLogLeverArm]) / metres_per_unit;
-  const SegmentEvidence evidence = EvidenceOfStraight(steps, lever_arm, options_.evidence);
+  SegmentEvidence evidence = EvidenceOfStraight(steps, lever_arm, options_.evidence);
+  if (ShowsRoad(steps)) ShareDirection(options_.evidence, evidence);
   const auto measurement = Linearize(evidence, belief.mean, options_.evidence);
   if (!measurement) return;
   const double deviation = std::sqrt(NormalizedInnovation(belief, *measurement, 1, belief.mean));
@@ -93,18 +100,45 @@ void LiveScale::TakeDirection(const std::vector<VehicleStep>& steps, ScaleBelief
 }
 
 void LiveScale::Advance(const std::vector<VehicleStep>& steps, ScaleBelief& belief) const {
+  // Before the first turn the scale is as good as unknown, and so are metres.
   if (!started_) return;
-  for (const VehicleStep& step : steps)
-    belief.covariance(kLogScale, kLogScale) += DriftVariance(options_.drift, step.motion.step, belief.metres_per_unit(),
-                                                             std::abs(step.motion.psi), step.gap_sigma);
+  const double metres_per_unit = belief.metres_per_unit();
+  for (const VehicleStep& step : steps) {
+    const double variance =
+        DriftVariance(options_.drift, step.motion.step, metres_per_unit, std::abs(step.motion.psi), step.gap_sigma);
+    belief = Advanced(belief, variance, step.motion.step, metres_per_unit, options_.evidence.road);
+  }
+}
+
+bool LiveScale::KnowsHeight(const ScaleBelief& belief) const {
+  return belief.Sigma(kLogHeight) <= options_.max_sigma && belief.sigma() <= options_.max_sigma;
+}
+
+bool LiveScale::TakeRoad(const std::vector<VehicleStep>& steps, ScaleBelief& belief) const {
+  // Across a loss of tracking the unit of length changes.
+  const auto gap = std::find_if(steps.rbegin(), steps.rend(), [](const VehicleStep& step) { return step.after_gap; });
+  const std::optional<RoadEvidence> road = EvidenceOfRoad({gap.base(), steps.end()}, options_.evidence.road);
+  if (!road) return false;
+  DriveState at = belief.mean;
+  if (!started_) at[kLogScale] = at[kLogHeight] - road->log_height;
+  const Measurement measurement = LinearizeRoad(*road, at, options_.evidence.road);
+  const double deviation = std::sqrt(NormalizedInnovation(belief, measurement, 1, at));
+  belief = Updated(belief, measurement, started_ ? HuberWeight(deviation, options_.huber) : 1.0, at);
+  return true;
 }
 
 std::optional<ScaleBelief> LiveScale::WithTurn(const ScaleBelief& belief, const std::vector<VehicleStep>& steps) const {
+  if (!car_.knows_lever_arm()) return std::nullopt;
   const SegmentEvidence evidence = EvidenceOfTurn(steps, options_.evidence);
   if (!evidence.turn) return std::nullopt;
   ScaleBelief start = belief;
   if (!WhyUnusable(*evidence.turn, belief.mean, options_.evidence).empty()) return std::nullopt;
-  if (!started_) start.mean[kLogScale] = std::log(OwnScale(evidence, belief.mean));
+  if (!started_) {
+    // What the road has said so far is the ratio of height and scale.
+    const double log_scale = std::log(OwnScale(evidence, belief.mean));
+    start.mean[kLogHeight] += log_scale - start.mean[kLogScale];
+    start.mean[kLogScale] = log_scale;
+  }
   ScaleBelief updated = start;
   double weight = 1;
   for (int i = 0; i < kLocalIterations; ++i) {

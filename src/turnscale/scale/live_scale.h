@@ -28,22 +28,30 @@ class LiveScale {
   /// Within a usable turn.
   bool turning() const { return turning_; }
 
+  /// The latest steps show the height above the road, and it is known in metres.
+  bool on_road() const { return on_road_; }
+
  private:
   void Commit(int last, bool turning);
   void TakeDirection(const std::vector<VehicleStep>& steps, ScaleBelief& belief) const;
   void Advance(const std::vector<VehicleStep>& steps, ScaleBelief& belief) const;
+  /// With the height above the road. Returns whether the steps show it.
+  bool TakeRoad(const std::vector<VehicleStep>& steps, ScaleBelief& belief) const;
+  bool KnowsHeight(const ScaleBelief& belief) const;
   /// With the turn's evidence; empty if it has none.
   std::optional<ScaleBelief> WithTurn(const ScaleBelief& belief, const std::vector<VehicleStep>& steps) const;
 
+  CarPrior car_;
   ScaleEstimatorOptions options_;
   TurnDetector detector_;
   int steps_ = 0;                     ///< taken so far
   std::vector<VehicleStep> pending_;  ///< those of no segment yet
   ScaleBelief belief_;                ///< at the end of the last segment
-  bool started_ = false;              ///< a turn has given the scale
+  bool started_ = false;              ///< a turn, or the road with a known height, has given the scale
   ScaleBelief now_;
   bool known_ = false;
   bool turning_ = false;
+  bool on_road_ = false;
 };
 
 }  // namespace turnscale

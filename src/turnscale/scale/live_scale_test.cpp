@@ -77,6 +77,46 @@ TEST(LiveScale, IsNotKnownWithoutATurn) {
     EXPECT_FALSE(belief);
 }
 
+TEST(LiveScale, AKnownHeightGivesTheMetreFromTheFirstSteps) {
+  CarPrior prior;
+  prior.camera_height = 1.5;
+  prior.camera_height_sigma = 0.015;
+  SyntheticSteps drive = MakeSteps({{200, 0, 5, 9}}, kCar, 0, kUnit, {.per_100m = 0.01});
+  ShowRoad(1.5, {.step = 0.01, .road = 0.01}, 3, drive);
+  LiveScale live(prior, {});
+  for (int i = 0; i < 200; ++i) {
+    live.Add(drive.steps[i]);
+    if (i < 5) continue;
+    ASSERT_TRUE(live.Now()) << i;
+    EXPECT_TRUE(live.on_road());
+    EXPECT_NEAR(std::log(live.Now()->metres_per_unit() / drive.metres_per_unit[i]), 0, 0.05) << i;
+    EXPECT_LT(live.Now()->sigma(), 0.03);
+  }
+}
+
+TEST(LiveScale, AHeightLearnedInATurnHoldsTheScale) {
+  const std::vector<StretchOfRoad> road{{20, 0, 5, 9}, {30, 3 * kDegree, 0.4, 5}, {800, 0, 5, 9}};
+  SyntheticSteps drive = MakeSteps(road, kCar, 0, kUnit, {.per_100m = 0.01});
+  const auto alone = Live(drive.steps).back();
+  ShowRoad(1.3, {.step = 0.01, .road = 0.01}, 4, drive);
+  LiveScale live(Prior(), {});
+  for (const VehicleStep& step : drive.steps) {
+    live.Add(step);
+    EXPECT_TRUE(live.Now() || live.turning() == false);
+  }
+  ASSERT_TRUE(live.Now() && alone);
+  EXPECT_TRUE(live.on_road());
+  EXPECT_NEAR(std::exp(live.Now()->mean[kLogHeight]), 1.3, 4 * 1.3 * live.Now()->Sigma(kLogHeight));
+  EXPECT_LT(live.Now()->sigma(), 0.6 * alone->sigma());
+  EXPECT_NEAR(std::log(live.Now()->metres_per_unit() / drive.metres_per_unit.back()), 0, 3 * live.Now()->sigma());
+}
+
+TEST(LiveScale, AnUnknownHeightIsNoScale) {
+  SyntheticSteps drive = MakeSteps({{200, 0, 5, 9}}, kCar, 0, kUnit);
+  ShowRoad(1.5, {}, 3, drive);
+  for (const auto& belief : Live(drive.steps)) EXPECT_FALSE(belief);
+}
+
 TEST(LiveScale, StraightsCostCertainty) {
   const std::vector<VehicleStep> steps =
       MakeSteps({{20, 0, 5, 9}, {30, 3 * kDegree, 0.4, 5}, {200, 0, 5, 9}}, kCar, 0, kUnit).steps;

@@ -2,8 +2,10 @@
 #include "turnscale/scale/path_segment.h"
 
 #include <optional>
+#include <span>
 
 #include "turnscale/base/error.h"
+#include "turnscale/scale/road_parts.h"
 
 namespace turnscale {
 namespace {
@@ -28,6 +30,8 @@ class Splitter {
  private:
   void Parts(int first, int last, int max_steps) {
     const int count = last - first + 1;
+    if (count <= 0) return;
+    max_steps = MostStraightSteps(std::span(steps_).subspan(first, count), max_steps);
     const int parts = (count + max_steps - 1) / max_steps;
     for (int part = 0; part < parts; ++part) {
       Add(first + count * part / parts, first + count * (part + 1) / parts - 1, false);

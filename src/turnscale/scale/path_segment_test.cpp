@@ -108,6 +108,16 @@ TEST(PathSegments, StepsOfOneAreItsSteps) {
   EXPECT_EQ(some.back().last, steps[9].last);
 }
 
+TEST(PathSegment, StraightsThatShowTheRoadAreCutFiner) {
+  SyntheticSteps drive = MakeSteps({{80, 0, 5, 9}}, kCar, 0, kUnit);
+  EXPECT_EQ(SplitIntoSegments(drive.steps, {}).size(), 2u);
+  ShowRoad(1.5, {}, 1, drive);
+  const std::vector<PathSegment> segments = SplitIntoSegments(drive.steps, {});
+  EXPECT_EQ(segments.size(), 8u);
+  EXPECT_EQ(segments.front().first, 0);
+  EXPECT_EQ(segments.back().last, 79);
+}
+
 TEST(PathSegmentOptions, RefusesSenselessValues) {
   const auto refused = [](auto change) { return RefusedField<PathSegmentOptions>(change); };
   EXPECT_EQ(refused([](auto&) {}), "");

@@ -17,9 +17,10 @@ constexpr int kMostSelections = 3;
 constexpr double kConverged = 1e-6;       // change of a log-scale in an iteration
 constexpr double kMaxLogScaleStep = 0.3;  // of a Gauss-Newton step
 
-DriveState PriorState(const CarPrior& car, double log_scale) {
-  return {log_scale, 0, car.side_slip, std::log(car.lever_arm)};
-}
+// Of ln(H), beyond which a height says nothing yet.
+constexpr double kLeastKnownHeight = 0.15;
+
+DriveState PriorState(const CarPrior& car, double log_scale) { return PriorBelief(car, log_scale).mean; }
 
 // Turns from which the measured lever arm cannot be seen are left out, with the reason.
 struct Selection {
@@ -27,12 +28,13 @@ struct Selection {
   std::vector<std::pair<double, double>> log_scales;  // of the turns that are left, one by one, and their angles
 };
 
-Selection SelectTurns(const std::vector<SegmentEvidence>& gathered, const DriveState& state,
+Selection SelectTurns(const std::vector<SegmentEvidence>& gathered, const CarPrior& car, const DriveState& state,
                       const EvidenceOptions& options) {
   Selection selection{gathered, {}};
   for (SegmentEvidence& segment : selection.evidence) {
     if (!segment.turn) continue;
-    segment.reason = WhyUnusable(*segment.turn, state, options);
+    segment.reason =
+        car.knows_lever_arm() ? WhyUnusable(*segment.turn, state, options) : std::string("no lever arm given");
     if (segment.reason.empty())
       selection.log_scales.emplace_back(std::log(OwnScale(segment, state)), std::abs(segment.turn->angle));
     else
@@ -45,6 +47,18 @@ bool SameTurns(const std::vector<SegmentEvidence>& a, const std::vector<SegmentE
   return std::ranges::equal(
       a, b, {}, [](const SegmentEvidence& segment) { return segment.turn.has_value(); },
       [](const SegmentEvidence& segment) { return segment.turn.has_value(); });
+}
+
+// Where the search for the scale begins: the turns' own scales, or what a known height makes of the road. Empty where
+// there is neither.
+std::optional<double> StartingLogScale(const Selection& selection, const CarPrior& car) {
+  if (!selection.log_scales.empty()) return WeightedMedian(selection.log_scales);
+  if (!car.knows_height()) return std::nullopt;
+  std::vector<std::pair<double, double>> of_road;
+  for (const SegmentEvidence& segment : selection.evidence)
+    if (segment.road)
+      of_road.emplace_back(std::log(car.camera_height) - segment.road->log_height, segment.road->length);
+  return of_road.empty() ? std::nullopt : std::optional(WeightedMedian(of_road));
 }
 
 class Smoothing {
@@ -77,10 +91,14 @@ class Smoothing {
   }
 
   void Reweigh() {
+    const auto weight = [&](const Measurement& measurement) {
+      return HuberWeight(measurement.innovation / std::sqrt(measurement.variance), huber_);
+    };
     for (std::size_t i = 0; i < at_.size(); ++i) {
-      const auto measurement = Linearize(problem_.evidence[i], at_[i], problem_.options);
-      if (!measurement) continue;
-      problem_.evidence[i].weight = HuberWeight(measurement->innovation / std::sqrt(measurement->variance), huber_);
+      SegmentEvidence& evidence = problem_.evidence[i];
+      if (evidence.road) evidence.road->weight = weight(LinearizeRoad(*evidence.road, at_[i], problem_.options.road));
+      if (const auto measurement = Linearize(evidence, at_[i], problem_.options))
+        evidence.weight = weight(*measurement);
     }
   }
 
@@ -120,14 +138,14 @@ Answer SmoothWith(ScaleProblem problem, const CarPrior& car, double huber) {
 Answer SmoothDrive(ScaleProblem problem, const std::vector<SegmentEvidence>& gathered, const CarPrior& car,
                    const ScaleEstimatorOptions& options, Selection selection) {
   problem.evidence = selection.evidence;
-  problem.prior = PriorBelief(car, WeightedMedian(selection.log_scales));
+  problem.prior = PriorBelief(car, *StartingLogScale(selection, car));
   Answer answer = SmoothWith(problem, car, options.huber);
   for (int i = 0; i < kMostSelections; ++i) {
     const DriveState& state = answer.smoothed.segments.back().mean;
-    selection = SelectTurns(gathered, state, options.evidence);
-    if (selection.log_scales.empty() || SameTurns(selection.evidence, problem.evidence)) break;
+    selection = SelectTurns(gathered, car, state, options.evidence);
+    if (!StartingLogScale(selection, car) || SameTurns(selection.evidence, problem.evidence)) break;
     problem.evidence = selection.evidence;
-    problem.prior = PriorBelief(car, WeightedMedian(selection.log_scales));
+    problem.prior = PriorBelief(car, *StartingLogScale(selection, car));
     answer = SmoothWith(problem, car, options.huber);
   }
   return answer;
@@ -161,9 +179,48 @@ std::vector<TurnEstimate> DescribeTurns(const ScaleProblem& problem, const CarPr
 }
 
 CarRefinement DescribeCar(const ScaleBelief& belief, const CarPrior& car, bool slip_at_bound) {
-  const auto sigma = [&](DriveUnknown unknown) { return std::sqrt(belief.covariance(unknown, unknown)); };
-  return {-belief.mean[kDirection], sigma(kDirection), std::max(belief.mean[kSlip], 0.0),
-          car.side_slip_sigma > 0 ? sigma(kSlip) : 0.0, slip_at_bound};
+  CarRefinement refinement{-belief.mean[kDirection], belief.Sigma(kDirection), std::max(belief.mean[kSlip], 0.0),
+                           car.side_slip_sigma > 0 ? belief.Sigma(kSlip) : 0.0, slip_at_bound};
+  if (car.knows_lever_arm()) {
+    refinement.lever_arm = std::exp(belief.mean[kLogLeverArm]);
+    refinement.lever_arm_sigma = belief.Sigma(kLogLeverArm) * refinement.lever_arm;
+  }
+  if (belief.Sigma(kLogHeight) <= kLeastKnownHeight) {
+    refinement.camera_height = std::exp(belief.mean[kLogHeight]);
+    refinement.camera_height_sigma = belief.Sigma(kLogHeight) * refinement.camera_height;
+  }
+  return refinement;
+}
+
+// What the drive says of ln(H) without the given height: its posterior less the prior.
+std::optional<HeightConflict> CompareHeight(const ScaleBelief& belief, const CarPrior& car, double max_deviation) {
+  if (!car.knows_height() || !(car.camera_height_sigma > 0)) return std::nullopt;
+  const double prior_sigma = car.camera_height_sigma / car.camera_height;
+  const double prior = 1 / (prior_sigma * prior_sigma);
+  const double posterior = 1 / belief.covariance(kLogHeight, kLogHeight);
+  const double of_drive = posterior - prior;
+  constexpr double kLeastShare = 1e-3;  // of the information, below which the difference is rounding
+  if (!(of_drive > kLeastShare * prior)) return std::nullopt;
+  const double given = std::log(car.camera_height);
+  const double found = (posterior * belief.mean[kLogHeight] - prior * given) / of_drive;
+  const double found_sigma = 1 / std::sqrt(of_drive);
+  if (!(std::abs(found - given) > max_deviation * std::hypot(prior_sigma, found_sigma))) return std::nullopt;
+  return HeightConflict{car.camera_height, car.camera_height_sigma, std::exp(found), found_sigma * std::exp(found)};
+}
+
+// One of the two measures is wrong, and the scale may be anywhere between them.
+void WidenForConflict(const HeightConflict& conflict, ScaleEstimate& estimate) {
+  const double half = 0.5 * std::log(conflict.found / conflict.given);
+  for (ScaleBelief& belief : estimate.smoothed) belief.covariance(kLogScale, kLogScale) += half * half;
+  estimate.length_sigma = std::hypot(estimate.length_sigma, half);
+}
+
+// Segments, other than used turns, in which the road shows the scale.
+std::vector<char> FromRoad(const ScaleProblem& problem, const CarRefinement& car) {
+  std::vector<char> from_road;
+  for (const SegmentEvidence& evidence : problem.evidence)
+    from_road.push_back(car.camera_height > 0 && evidence.road && !evidence.turn ? 1 : 0);
+  return from_road;
 }
 
 // Each turn's own scale, with the car's constants as the drive has them, and the test of all of them.
@@ -244,7 +301,6 @@ double SpreadAbout(double centre, const std::vector<std::pair<double, double>>& 
 // the estimate, and from each other. Between two losses of tracking without a turn, the estimate stays.
 void FollowTurns(double max_sigma_ratio, ScaleEstimate& estimate) {
   MarkFollowed(max_sigma_ratio, estimate.turns);
-  estimate.fell_back = true;
   std::vector<std::size_t> pieces;
   for (const PathSegment& segment : estimate.segments)
     pieces.push_back((pieces.empty() ? 0 : pieces.back()) + (segment.gap_sigma > 0 ? 1 : 0));
@@ -257,6 +313,7 @@ void FollowTurns(double max_sigma_ratio, ScaleEstimate& estimate) {
     differences.emplace_back(difference, std::abs(turn.angle));
   }
   if (nodes.empty()) return;
+  estimate.fell_back = true;
   const double centre = WeightedMedian(differences);
   const double spread = std::hypot(SpreadAbout(centre, differences), estimate.test.disagreement);
   for (std::size_t i = 0; i < estimate.segments.size(); ++i) {
@@ -268,9 +325,12 @@ void FollowTurns(double max_sigma_ratio, ScaleEstimate& estimate) {
   estimate.length_sigma = std::hypot(estimate.length_sigma, spread);
 }
 
-std::string WhatWouldDo(const ScaleEstimatorOptions& options) {
+std::string WhatWouldDo(const ScaleEstimatorOptions& options, const std::vector<SegmentEvidence>& evidence) {
   const long degrees = std::lround(options.segments.turns.min_region_angle * 180 / M_PI);
-  return "use a drive with a slow turn of " + std::to_string(degrees) + " degrees or more";
+  const bool road =
+      std::ranges::any_of(evidence, [](const SegmentEvidence& segment) { return segment.road.has_value(); });
+  return "use a drive with a slow turn of " + std::to_string(degrees) + " degrees or more" +
+         (road ? ", or give the height of the camera above the road" : "");
 }
 
 }  // namespace
@@ -282,6 +342,7 @@ void ScaleEstimatorOptions::Check() const {
   test.Check();
   if (!(max_sigma_ratio >= 1)) throw InputError("scale.max_sigma_ratio: has to be at least 1");
   if (!(huber > 0)) throw InputError("scale.huber: has to be positive");
+  if (!(max_height_deviation > 0)) throw InputError("scale.max_height_deviation: has to be positive");
   if (!(max_sigma > 0)) throw InputError("scale.max_sigma: has to be positive");
 }
 
@@ -295,15 +356,14 @@ ScaleEstimateResult EstimateScale(const std::vector<VehicleStep>& steps, const C
   problem.drift = options.drift;
   const std::vector<SegmentEvidence> gathered = GatherEvidence(steps, problem.segments, options.evidence);
   ScaleEstimateResult result;
-  Selection selection = SelectTurns(gathered, PriorState(car, 0), options.evidence);
+  Selection selection = SelectTurns(gathered, car, PriorState(car, 0), options.evidence);
   problem.evidence = selection.evidence;
   result.turns = DescribeTurns(problem, car);
-  if (result.turns.empty()) {
-    result.reason = "no turn; " + WhatWouldDo(options);
-    return result;
-  }
-  if (selection.log_scales.empty()) {
-    result.reason = "no sufficiently slow turn shows the expected lateral motion; " + WhatWouldDo(options);
+  if (!StartingLogScale(selection, car)) {
+    result.reason = car.knows_height()     ? "the images do not show the road"
+                    : result.turns.empty() ? "no turn; " + WhatWouldDo(options, gathered)
+                                           : "no sufficiently slow turn shows the expected lateral motion; " +
+                                                 WhatWouldDo(options, gathered);
     return result;
   }
   const Answer answer = SmoothDrive(problem, gathered, car, options, selection);
@@ -318,7 +378,7 @@ ScaleEstimateResult EstimateScale(const std::vector<VehicleStep>& steps, const C
   if (!(best->sigma() <= options.max_sigma)) {
     result.reason = "the turns leave the scale uncertain by " + std::to_string(std::lround(100 * best->sigma())) +
                     " %, more than " + std::to_string(std::lround(100 * options.max_sigma)) + " %; " +
-                    WhatWouldDo(options);
+                    WhatWouldDo(options, gathered);
     for (TurnEstimate& turn : result.turns) {
       if (!turn.used) continue;
       turn.used = false;
@@ -332,6 +392,9 @@ ScaleEstimateResult EstimateScale(const std::vector<VehicleStep>& steps, const C
   for (ScaleBelief& belief : estimate.smoothed) belief.covariance *= inflation * inflation;
   estimate.length_sigma *= inflation;
   estimate.car = DescribeCar(estimate.smoothed.back(), car, car.side_slip_sigma > 0 && answer.side_slip < 0);
+  estimate.height_conflict = CompareHeight(answer.smoothed.segments.back(), car, options.max_height_deviation);
+  if (estimate.height_conflict) WidenForConflict(*estimate.height_conflict, estimate);
+  estimate.from_road = FromRoad(answer.smoothing.problem(), estimate.car);
   if (options.follow_turns || estimate.test.contradicted || !estimate.converged)
     FollowTurns(options.max_sigma_ratio, estimate);
   DescribeScaleAtTurns(estimate);

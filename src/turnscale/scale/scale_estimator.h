@@ -20,6 +20,8 @@ struct ScaleEstimatorOptions {
   double huber = 1.5;
   /// There is no estimate if the smallest relative sigma of the scale exceeds this.
   double max_sigma = 0.15;
+  /// Height and lever arm are in conflict if they differ by more than this many standard deviations.
+  double max_height_deviation = 3;
   /// With single-turn scales, turns whose sigma exceeds the smallest one's by this factor are not used.
   double max_sigma_ratio = 3;
   /// Use single-turn scales, as if the turns were inconsistent: for steps with known errors beyond their noise, as from
@@ -58,6 +60,19 @@ struct CarRefinement {
   double side_slip = 0;             ///< c in L_eff = L - c v^2, s^2/m
   double side_slip_sigma = 0;       ///< 0 where c was given as known exactly
   bool side_slip_at_bound = false;  ///< the estimate would be negative: c is fixed at 0
+  double lever_arm = 0;             ///< metres; 0 if it is not known
+  double lever_arm_sigma = 0;
+  double camera_height = 0;  ///< metres; 0 if neither given nor learned
+  double camera_height_sigma = 0;
+};
+
+/// The camera height that is given, and the one that the turns of the drive show with the lever arm that is given: one
+/// of the two measures is wrong.
+struct HeightConflict {
+  double given = 0;  ///< metres
+  double given_sigma = 0;
+  double found = 0;  ///< from the turns, without the given height, metres
+  double found_sigma = 0;
 };
 
 /// The scale of a drive, segment by segment.
@@ -66,6 +81,8 @@ struct ScaleEstimate {
   std::vector<ScaleBelief> smoothed;  ///< one per segment, from the whole drive; sigma includes what the test adds
   double length_sigma = 0;            ///< relative standard deviation of the path length in metres
   CarRefinement car;
+  std::optional<HeightConflict> height_conflict;
+  std::vector<char> from_road;  ///< one per segment: no turn, and the road shows its scale
   std::vector<TurnEstimate> turns;
   TurnTest test;  ///< do the turns agree with the estimate? `worst_turn` is a place in `turns`
   /// Single-turn scales are used: the test failed, the estimate did not converge, or `follow_turns`.
@@ -81,8 +98,9 @@ struct ScaleEstimateResult {
 };
 
 /// Maximum a posteriori scale of a drive from its steps. Each turn is one measurement: its effective
-/// lever arm in units. Unknowns are the log-scale, a random walk, and three constants with physical priors: the yaw
-/// error of Q, the side slip c, and the lever arm. Time is linear in the number of steps.
+/// lever arm in units. Where the steps show the height above the road, each segment has another one. Unknowns are the
+/// log-scale, a random walk, four constants with physical priors (the yaw error of Q, the side slip c, the lever arm,
+/// the camera height), and the correlated error of the road. Time is linear in the number of steps.
 ///
 /// The single-turn scales are then tested jointly against the estimate (TurnTest). If the test fails, they are used
 /// instead, and sigma includes their spread.

@@ -438,6 +438,98 @@ TEST(ScaleEstimator, SigmaCoversWhatItSays) {
   }
 }
 
+CarPrior WithHeight(double height, double sigma, CarPrior prior = {}) {
+  prior.camera_height = height;
+  prior.camera_height_sigma = sigma;
+  return prior;
+}
+
+/// One corner, then a long straight.
+std::vector<StretchOfRoad> LongStraight() { return {{20, 0, 5, 9}, {30, 3 * kDegree, 0.4, 5}, {900, 0, 6, 10}}; }
+
+TEST(ScaleEstimator, StepsWithoutARoadChangeNothing) {
+  const SyntheticSteps drive = MakeSteps(TownRoad(5, 2), kCar, 0.002, kUnit, kNoise, 2);
+  const ScaleEstimate estimate = EstimateOf(drive, PriorOf(kCar));
+  EXPECT_EQ(estimate.car.camera_height, 0);
+  EXPECT_EQ(std::ranges::count(estimate.from_road, 1), 0);
+  EXPECT_FALSE(estimate.height_conflict);
+  const ScaleEstimate given = EstimateOf(drive, WithHeight(1.5, 0.015, PriorOf(kCar)));
+  for (std::size_t i = 0; i < estimate.smoothed.size(); ++i) {
+    EXPECT_NEAR(given.smoothed[i].mean[kLogScale], estimate.smoothed[i].mean[kLogScale], 1e-9);
+    EXPECT_NEAR(given.smoothed[i].sigma(), estimate.smoothed[i].sigma(), 1e-9);
+  }
+}
+
+TEST(ScaleEstimator, TheRoadHoldsTheScaleOnALongStraight) {
+  const ScaleEstimatorOptions options;
+  double alone = 0;
+  double with_road = 0;
+  double deviations = 0;
+  constexpr int kDrives = 30;
+  for (int seed = 1; seed <= kDrives; ++seed) {
+    SyntheticSteps drive = MakeSteps(LongStraight(), kCar, 0, kUnit, AsStated(options), seed);
+    const ScaleEstimate before = EstimateOf(drive, Exactly(kCar));
+    ShowRoad(1.4, {.step = options.evidence.road.step_sigma, .road = options.evidence.road.sigma}, 100 + seed, drive);
+    const ScaleEstimate after = EstimateOf(drive, Exactly(kCar));
+    // The scale at the end against that in the turn.
+    const auto drift = [&](const ScaleEstimate& e) {
+      return LogError(e, drive, e.segments.size() - 1) - LogError(e, drive, e.turns.at(0).segment);
+    };
+    alone += drift(before) * drift(before);
+    with_road += drift(after) * drift(after);
+    const double error = LogError(after, drive, after.segments.size() - 1) / after.smoothed.back().sigma();
+    deviations += error * error / kDrives;
+    EXPECT_NEAR(std::log(after.car.camera_height / 1.4), 0, 4 * after.car.camera_height_sigma / 1.4) << seed;
+    EXPECT_EQ(after.from_road.back(), 1);
+    EXPECT_EQ(after.from_road[after.turns.at(0).segment], 0);
+  }
+  EXPECT_LT(std::sqrt(with_road), 0.4 * std::sqrt(alone));
+  EXPECT_GT(std::sqrt(deviations), 0.6);
+  EXPECT_LT(std::sqrt(deviations), 1.4);
+}
+
+TEST(ScaleEstimator, AHeightAloneGivesTheMetre) {
+  SyntheticSteps drive = MakeSteps({{300, 0, 6, 10}}, kCar, 0, kUnit, {.per_100m = 0.01}, 3);
+  EXPECT_FALSE(EstimateScale(drive.steps, WithHeight(1.4, 0.014), {}).estimate) << "the road is not seen";
+  ShowRoad(1.4, {.step = 0.01, .road = 0.01}, 3, drive);
+  const ScaleEstimate estimate = EstimateOf(drive, WithHeight(1.4, 0.014));
+  EXPECT_NEAR(Metres(estimate) / drive.metres, 1, 0.015);
+  EXPECT_TRUE(estimate.turns.empty());
+  EXPECT_EQ(estimate.car.lever_arm, 0);
+  EXPECT_EQ(std::ranges::count(estimate.from_road, 0), 0);
+  EXPECT_GT(estimate.length_sigma, 0.009) << "no better than the height";
+  EXPECT_LT(estimate.length_sigma, 0.02);
+  EXPECT_FALSE(estimate.fell_back);
+  const ScaleEstimateResult unknown = EstimateScale(drive.steps, PriorOf(kCar), {});
+  EXPECT_FALSE(unknown.estimate);
+  EXPECT_NE(unknown.reason.find("height"), std::string::npos) << unknown.reason;
+}
+
+TEST(ScaleEstimator, TurnsAreNotUsedWithoutALeverArm) {
+  SyntheticSteps drive = MakeSteps(TownRoad(5, 2), kCar, 0, kUnit, kNoise, 2);
+  ShowRoad(1.4, {.step = 0.01}, 3, drive);
+  const ScaleEstimate estimate = EstimateOf(drive, WithHeight(1.4, 0.014));
+  EXPECT_NEAR(Metres(estimate) / drive.metres, 1, 0.01);
+  ASSERT_EQ(estimate.turns.size(), 5u);
+  for (const TurnEstimate& turn : estimate.turns) {
+    EXPECT_FALSE(turn.used);
+    EXPECT_EQ(turn.reason, "no lever arm given");
+  }
+}
+
+TEST(ScaleEstimator, AWrongLeverArmShowsInTheHeight) {
+  SyntheticSteps drive = MakeSteps(TownRoad(8, 4), kCar, 0, kUnit, kNoise, 4);
+  ShowRoad(1.4, {.step = 0.01, .road = 0.01}, 5, drive);
+  EXPECT_FALSE(EstimateOf(drive, WithHeight(1.4, 0.014, PriorOf(kCar))).height_conflict);
+  CarPrior wrong = WithHeight(1.4, 0.014, PriorOf(kCar));
+  wrong.lever_arm *= 1.2;
+  const ScaleEstimate estimate = EstimateOf(drive, wrong);
+  ASSERT_TRUE(estimate.height_conflict);
+  EXPECT_EQ(estimate.height_conflict->given, 1.4);
+  EXPECT_NEAR(estimate.height_conflict->found / 1.4, 1.2, 0.06);
+  EXPECT_GT(estimate.length_sigma, 0.08) << "it may be either";
+}
+
 TEST(ScaleEstimatorOptions, RefusesSenselessValues) {
   const auto refused = [](auto change) { return RefusedField<ScaleEstimatorOptions>(change); };
   EXPECT_EQ(refused([](auto&) {}), "");

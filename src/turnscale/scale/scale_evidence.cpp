@@ -9,6 +9,7 @@
 #include "turnscale/base/error.h"
 #include "turnscale/base/quantiles.h"
 #include "turnscale/kinematics/pooled_line.h"
+#include "turnscale/scale/road_parts.h"
 
 namespace turnscale {
 namespace {
@@ -18,6 +19,17 @@ constexpr int kFewestStraightSteps = 3;
 // The lever arm that acts in the bends of a straight, over that of the turns: faster bends slip more.
 constexpr double kBendRatio = 0.9;
 constexpr double kBendRatioSigma = 0.4;
+// Of the steps of a segment that show the road.
+constexpr int kRoadReweightings = 5;
+constexpr double kRoadHuber = 1.5;
+
+// Of a straight that has been cut.
+bool IsPart(const std::vector<PathSegment>& segments, std::size_t i) {
+  const auto continues = [&](std::size_t a, std::size_t b) {
+    return b < segments.size() && !segments[a].turning && !segments[b].turning && segments[b].gap_sigma == 0;
+  };
+  return (i > 0 && continues(i - 1, i)) || continues(i, i + 1);
+}
 
 double MedianLeverArm(const std::vector<SegmentEvidence>& evidence) {
   std::vector<std::pair<double, double>> lever_arms;
@@ -32,16 +44,32 @@ void CarPrior::Check() const {
   const auto require = [](bool good, const char* what) {
     if (!good) throw InputError(what);
   };
-  require(std::isfinite(lever_arm) && lever_arm > 0, "car.lever_arm: has to be a positive number of metres");
-  require(lever_arm_sigma >= 0 && lever_arm_sigma < lever_arm,
+  require(std::isfinite(lever_arm) && (lever_arm > 0 || (lever_arm == 0 && knows_height())),
+          "car.lever_arm: has to be a positive number of metres");
+  require(!knows_lever_arm() || (lever_arm_sigma >= 0 && lever_arm_sigma < lever_arm),
           "car.lever_arm_sigma: has to be from 0 to below the lever arm, metres");
+  require(std::isfinite(camera_height) && camera_height >= 0,
+          "car.camera_height: has to be a positive number of metres, or 0 if it is not known");
+  require(!knows_height() || (camera_height_sigma >= 0 && camera_height_sigma < camera_height),
+          "car.camera_height_sigma: has to be from 0 to below the height, metres");
   require(side_slip >= 0 && side_slip < 1, "car.side_slip: has to be from 0 to below 1 s^2/m");
   require(side_slip_sigma >= 0 && side_slip_sigma < 1, "car.side_slip_sigma: has to be from 0 to below 1 s^2/m");
   require(yaw_sigma > 0 && yaw_sigma < 1, "car.yaw_sigma: has to be above 0 and below 1 rad");
 }
 
+void RoadEvidenceOptions::Check() const {
+  const auto require = [](bool good, const char* what) {
+    if (!good) throw InputError(what);
+  };
+  require(sigma > 0 && sigma < 1, "evidence.road.sigma: has to be above 0 and below 1");
+  require(correlation_length > 0, "evidence.road.correlation_length: has to be a positive number of metres");
+  require(step_sigma > 0 && step_sigma < 1, "evidence.road.step_sigma: has to be above 0 and below 1");
+  require(min_steps >= 1, "evidence.road.min_steps: has to be at least 1");
+}
+
 void EvidenceOptions::Check() const {
   line.Check();
+  road.Check();
   const auto require = [](bool good, const char* what) {
     if (!good) throw InputError(what);
   };
@@ -97,10 +125,59 @@ std::vector<SegmentEvidence> GatherEvidence(const std::vector<VehicleStep>& step
     evidence.push_back(segment.turning ? EvidenceOfTurn(StepsOf(steps, segment.first, segment.last), options)
                                        : SegmentEvidence{});
   const double lever_arm = MedianLeverArm(evidence);
-  for (std::size_t i = 0; i < segments.size(); ++i)
-    if (!segments[i].turning)
-      evidence[i] = EvidenceOfStraight(StepsOf(steps, segments[i].first, segments[i].last), lever_arm, options);
+  for (std::size_t i = 0; i < segments.size(); ++i) {
+    const std::vector<VehicleStep> of_segment = StepsOf(steps, segments[i].first, segments[i].last);
+    if (!segments[i].turning) evidence[i] = EvidenceOfStraight(of_segment, lever_arm, options);
+    evidence[i].road = EvidenceOfRoad(of_segment, options.road);
+    if (IsPart(segments, i) && ShowsRoad(of_segment)) ShareDirection(options, evidence[i]);
+  }
   return evidence;
+}
+
+std::optional<RoadEvidence> EvidenceOfRoad(const std::vector<VehicleStep>& steps, const RoadEvidenceOptions& options) {
+  RoadEvidence road;
+  std::vector<double> log_heights;
+  std::vector<double> sigmas;
+  for (const VehicleStep& step : steps) {
+    if (!(step.height > 0)) continue;
+    log_heights.push_back(std::log(step.height));
+    sigmas.push_back(std::hypot(step.height_sigma, options.step_sigma));
+    road.length += step.motion.step;
+  }
+  if (static_cast<int>(log_heights.size()) < options.min_steps) return std::nullopt;
+  road.log_height = Median(log_heights);
+  double information = 0;
+  double spread = 1;
+  for (int round = 0; round < kRoadReweightings; ++round) {
+    std::vector<double> deviations;
+    for (std::size_t i = 0; i < log_heights.size(); ++i)
+      deviations.push_back((log_heights[i] - road.log_height) / sigmas[i]);
+    spread = std::max(1.0, RobustSigma(deviations));
+    information = 0;
+    double sum = 0;
+    for (std::size_t i = 0; i < log_heights.size(); ++i) {
+      const double weight =
+          std::min(1.0, kRoadHuber * spread / std::max(std::abs(deviations[i]), 1e-9)) / (sigmas[i] * sigmas[i]);
+      information += weight;
+      sum += weight * (log_heights[i] - road.log_height);
+    }
+    road.log_height += sum / information;
+  }
+  road.sigma = spread / std::sqrt(information);
+  return road;
+}
+
+Measurement LinearizeRoad(const RoadEvidence& road, const DriveState& state, const RoadEvidenceOptions& options) {
+  // Standard deviation of the mean of an exponentially correlated error over a length, of 1.
+  const double lengths = road.length * std::exp(state[kLogScale]) / options.correlation_length;
+  const double mean = lengths > 1e-3 ? std::sqrt(2 * (lengths + std::expm1(-lengths))) / lengths : 1.0;
+  Measurement measurement;
+  measurement.by_state[kLogHeight] = 1;
+  measurement.by_state[kLogScale] = -1;
+  measurement.by_state[kRoadError] = options.sigma * mean;
+  measurement.innovation = road.log_height - measurement.by_state.dot(state);
+  measurement.variance = road.sigma * road.sigma;
+  return measurement;
 }
 
 std::optional<Measurement> Linearize(const SegmentEvidence& evidence, const DriveState& state,

@@ -13,28 +13,60 @@
 
 namespace turnscale {
 
+/// Relative standard deviation of a given camera height: measured with a tape; load and tyre pressure change.
+constexpr double kGivenHeightSigma = 0.01;
+
 /// Prior knowledge of the car and its camera.
 struct CarPrior {
-  double lever_arm = 0;  ///< L: from the rear axle forward to the camera, metres
+  /// L: from the rear axle forward to the camera, metres. 0: not known; turns then show no scale.
+  double lever_arm = 0;
   /// Standard deviation of L, metres: a tape held from the camera to above the centre of the rear wheel.
   double lever_arm_sigma = kTapeSigma;
   double side_slip = kUsualSideSlip;             ///< c, s^2/m
   double side_slip_sigma = kUsualSideSlipSigma;  ///< 0 where c is known exactly
   /// Of the yaw error of Q, rad (0.3 deg: at which the calibration from the camera's motion is first used).
   double yaw_sigma = 0.3 / 57.295779513082320877;
+  /// H: height of the camera above the road, metres. 0: not known; the drive's turns then tell it.
+  double camera_height = 0;
+  double camera_height_sigma = 0;  ///< metres
+
+  bool knows_lever_arm() const { return lever_arm > 0; }
+  bool knows_height() const { return camera_height > 0; }
 
   /// Throws InputError that names the field when a value makes no sense.
   void Check() const;
 };
 
-/// Indices of the unknowns of a drive. Only the log-scale changes along the drive.
+/// Indices of the unknowns of a drive. Only the log-scale and the road's error change along the drive.
 enum DriveUnknown {
   kLogScale,     ///< ln(lambda), metres per odometry unit
   kDirection,    ///< direction of travel on straights according to Q, rad, positive to the right: minus Q's yaw error
   kSlip,         ///< c, s^2/m
   kLogLeverArm,  ///< ln(L), L in metres
+  kLogHeight,    ///< ln(H), H in metres
+  /// Deviation of the height above the road from H, in its standard deviations: load, slope, crown of the road.
+  /// Exponentially correlated along the drive.
+  kRoadError,
+  kDriveUnknowns
 };
-using DriveState = Eigen::Vector4d;
+using DriveState = Eigen::Matrix<double, kDriveUnknowns, 1>;
+using DriveRow = Eigen::Matrix<double, 1, kDriveUnknowns>;
+using DriveCovariance = Eigen::Matrix<double, kDriveUnknowns, kDriveUnknowns>;
+
+/// Model of the height above the road.
+struct RoadEvidenceOptions {
+  /// Standard deviation of the deviation from H, relative: load, slope and crown of the road, errors of the images.
+  double sigma = 0.015;
+  /// Distance over which this deviation is correlated (1/e), metres.
+  double correlation_length = 60;
+  /// Standard deviation of a step's height, relative, that is independent of the next step's.
+  double step_sigma = 0.015;
+  /// A segment with fewer steps that show the road has no height.
+  int min_steps = 2;
+
+  /// Throws InputError that names the field when a value makes no sense.
+  void Check() const;
+};
 
 /// Standard deviations of a segment's deviation from the model of the drive. All its steps share this deviation, so it
 /// does not average out within the segment.
@@ -52,13 +84,22 @@ struct EvidenceOptions {
   /// Least ratio of effective to measured lever arm in a turn. In faster turns the scale depends on the slip rather
   /// than on the measured lever arm.
   double min_lever_arm_ratio = 0.25;
+  RoadEvidenceOptions road;
 
   /// Throws InputError that names the field when a value makes no sense.
   void Check() const;
 };
 
-/// The measurement of one segment, a scalar: the effective lever arm of a turn in odometry units, or the direction of
-/// travel of a straight.
+/// The height of the camera above the road, as the steps of a segment show it.
+struct RoadEvidence {
+  double log_height = 0;  ///< of the height in odometry units
+  double sigma = 0;       ///< relative, without the road's correlated error
+  double length = 0;      ///< of the steps that show it, odometry units
+  double weight = 1;      ///< robust (Huber), set by the estimator
+};
+
+/// The measurements of one segment: the effective lever arm of a turn in odometry units, or the direction of travel of
+/// a straight; and the height above the road where the steps show it.
 struct SegmentEvidence {
   bool turning = false;
   std::optional<PooledLine> turn;  ///< empty if a turn gives none, or is too fast
@@ -67,6 +108,7 @@ struct SegmentEvidence {
   double direction = 0;
   double direction_sigma = 0;
   double weight = 1;  ///< robust (Huber), set by the estimator: below 1 where the segment disagrees with the drive
+  std::optional<RoadEvidence> road;
 };
 
 /// Evidence of each segment, in order. Bends of straights are compensated with the median lever arm of the turns
@@ -81,11 +123,14 @@ SegmentEvidence EvidenceOfStraight(const std::vector<VehicleStep>& steps, double
 /// Evidence of a single turn.
 SegmentEvidence EvidenceOfTurn(const std::vector<VehicleStep>& steps, const EvidenceOptions& options);
 
+/// The height above the road as these steps show it: the robust mean of their log-heights. Empty where too few do.
+std::optional<RoadEvidence> EvidenceOfRoad(const std::vector<VehicleStep>& steps, const RoadEvidenceOptions& options);
+
 /// A scalar measurement, linearised at a state: innovation = measured - expected, by_state = d expected / d state.
 struct Measurement {
   double innovation = 0;
   double variance = 0;  ///< including the segment's deviation from the model; without its robust weight
-  Eigen::RowVector4d by_state = Eigen::RowVector4d::Zero();
+  DriveRow by_state = DriveRow::Zero();
 };
 
 /// The segment's measurement at a state; empty if it has none.
@@ -93,6 +138,10 @@ struct Measurement {
 ///   straight:  direction
 std::optional<Measurement> Linearize(const SegmentEvidence& evidence, const DriveState& state,
                                      const EvidenceOptions& options);
+
+/// The height above the road, ln(H) - ln(lambda) + error, at a state. The error's standard deviation is that of its
+/// mean over the way that shows the road.
+Measurement LinearizeRoad(const RoadEvidence& road, const DriveState& state, const RoadEvidenceOptions& options);
 
 /// Why a turn is not usable at `state` (too fast, no outward motion): one line; empty if it is.
 std::string WhyUnusable(const PooledLine& turn, const DriveState& state, const EvidenceOptions& options);

@@ -12,8 +12,12 @@
 namespace turnscale {
 namespace {
 
+constexpr double kHeight = 1.5;  // metres
+
 DriveState StateOf(double metres_per_unit, double direction, const LeverArm& car) {
-  return {std::log(metres_per_unit), direction, car.side_slip, std::log(car.length)};
+  DriveState state;
+  state << std::log(metres_per_unit), direction, car.side_slip, std::log(car.length), std::log(kHeight), 0;
+  return state;
 }
 
 SegmentEvidence RandomTurn(Random& random) {
@@ -49,7 +53,7 @@ SegmentEvidence StraightBetweenTurns(const std::vector<StretchOfRoad>& straight,
 
 TEST(ScaleEvidence, DerivativesAgreeWithFiniteDifferences) {
   Random random(1);
-  const Eigen::Vector4d sizes(1e-5, 1e-5, 1e-5, 1e-5);
+  constexpr double kSize = 1e-5;
   for (int draw = 0; draw < 200; ++draw) {
     SegmentEvidence evidence = RandomTurn(random);
     if (draw % 4 == 0) {
@@ -59,12 +63,12 @@ TEST(ScaleEvidence, DerivativesAgreeWithFiniteDifferences) {
     }
     const DriveState state = RandomState(random);
     const Measurement measurement = Linearize(evidence, state, {}).value();
-    for (int i = 0; i < 4; ++i) {
-      const DriveState off = sizes[i] * DriveState::Unit(i);
+    for (int i = 0; i < kDriveUnknowns; ++i) {
+      const DriveState off = kSize * DriveState::Unit(i);
       // What is expected grows by as much as the innovation falls.
       const double numeric =
           (Linearize(evidence, state - off, {})->innovation - Linearize(evidence, state + off, {})->innovation) /
-          (2 * sizes[i]);
+          (2 * kSize);
       EXPECT_NEAR(measurement.by_state[i], numeric, 1e-6 * (1 + std::abs(numeric)));
     }
   }
@@ -200,6 +204,44 @@ TEST(ScaleEvidence, EveryTurnIsItsOwn) {
   }
 }
 
+TEST(RoadEvidence, IsTheRobustMeanOfTheSteps) {
+  SyntheticSteps drive = MakeSteps({{40, 0, 6, 10}}, kCar, 0, kUnit);
+  ShowRoad(kHeight, {}, 1, drive);
+  drive.steps[7].height *= 3;
+  drive.steps[8].height *= 0.4;
+  drive.steps[20].height = 0;
+  const auto road = EvidenceOfRoad(drive.steps, {});
+  ASSERT_TRUE(road);
+  EXPECT_NEAR(road->log_height, std::log(kHeight / kUnit), 0.003);
+  EXPECT_NEAR(road->length * kUnit, 39 * 6, 1e-9);
+  EXPECT_NEAR(road->sigma, RoadEvidenceOptions{}.step_sigma / std::sqrt(39), 3e-4);
+}
+
+TEST(RoadEvidence, NeedsSomeSteps) {
+  SyntheticSteps drive = MakeSteps({{40, 0, 6, 10}}, kCar, 0, kUnit);
+  EXPECT_FALSE(EvidenceOfRoad(drive.steps, {}));
+  drive.steps[3].height = 0.1;
+  EXPECT_FALSE(EvidenceOfRoad(drive.steps, {}));
+  drive.steps[4].height = 0.1;
+  EXPECT_TRUE(EvidenceOfRoad(drive.steps, {}));
+}
+
+TEST(RoadEvidence, MeasuresHeightOverScale) {
+  DriveState state = StateOf(kUnit, 0, kCar);
+  state[kRoadError] = 0.7;
+  RoadEvidence road{.log_height = std::log(kHeight / kUnit) + 0.01, .sigma = 0.002, .length = 1e-6};
+  const RoadEvidenceOptions options;
+  const Measurement near = LinearizeRoad(road, state, options);
+  EXPECT_NEAR(near.innovation, 0.01 - 0.7 * options.sigma, 1e-6);
+  EXPECT_NEAR(near.by_state[kRoadError], options.sigma, 1e-6);
+  EXPECT_EQ(near.by_state[kLogScale], -1);
+  EXPECT_EQ(near.by_state[kLogHeight], 1);
+  EXPECT_NEAR(near.variance, 4e-6, 1e-12);
+  // Along a long way the error averages out: over n lengths to sqrt(2/n).
+  road.length = 100 * options.correlation_length / kUnit;
+  EXPECT_NEAR(LinearizeRoad(road, state, options).by_state[kRoadError] / options.sigma, std::sqrt(0.02), 1e-3);
+}
+
 TEST(EvidenceOptions, RefusesSenselessValues) {
   const auto refused = [](auto change) { return RefusedField<EvidenceOptions>(change); };
   EXPECT_EQ(refused([](auto&) {}), "");
@@ -209,6 +251,10 @@ TEST(EvidenceOptions, RefusesSenselessValues) {
   EXPECT_EQ(refused([](auto& o) { o.straight_direction_sigma = 0; }), "evidence.straight_direction_sigma");
   EXPECT_EQ(refused([](auto& o) { o.min_lever_arm_ratio = 1; }), "evidence.min_lever_arm_ratio");
   EXPECT_EQ(refused([](auto& o) { o.line.min_inliers = 0; }), "pooled line");
+  EXPECT_EQ(refused([](auto& o) { o.road.sigma = 0; }), "evidence.road.sigma");
+  EXPECT_EQ(refused([](auto& o) { o.road.correlation_length = 0; }), "evidence.road.correlation_length");
+  EXPECT_EQ(refused([](auto& o) { o.road.step_sigma = 1; }), "evidence.road.step_sigma");
+  EXPECT_EQ(refused([](auto& o) { o.road.min_steps = 0; }), "evidence.road.min_steps");
 }
 
 TEST(CarPrior, RefusesSenselessValues) {
@@ -226,6 +272,18 @@ TEST(CarPrior, RefusesSenselessValues) {
   EXPECT_EQ(refused([](auto& c) { c.side_slip = -0.001; }), "car.side_slip");
   EXPECT_EQ(refused([](auto& c) { c.side_slip_sigma = -1; }), "car.side_slip_sigma");
   EXPECT_EQ(refused([](auto& c) { c.yaw_sigma = 0; }), "car.yaw_sigma");
+  EXPECT_EQ(refused([](auto& c) { c.camera_height = -1; }), "car.camera_height");
+  EXPECT_EQ(refused([](auto& c) {
+              c.camera_height = 1;
+              c.camera_height_sigma = 1;
+            }),
+            "car.camera_height_sigma");
+  EXPECT_EQ(refused([](auto& c) {
+              c.lever_arm = 0;
+              c.camera_height = 1.5;
+            }),
+            "")
+      << "a height alone will do";
 }
 
 }  // namespace

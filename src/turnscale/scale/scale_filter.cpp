@@ -18,12 +18,24 @@ constexpr double kLeastSigma = 1e-9;       // a covariance has to stay regular
 constexpr double kDistance = 100;          // metres
 constexpr double kAngle = std::numbers::pi / 2;
 
+// Of constants that are not known: means that any car is near to, and sigmas that say next to nothing.
+constexpr double kUsualLeverArm = 1;  // metres
+constexpr double kUsualHeight = 1.4;  // metres
+constexpr double kUnknownLogSigma = 1;
+
+// Share of the road's error that is left after a way.
+double Persistence(double metres, const RoadEvidenceOptions& road) {
+  return std::exp(-metres / road.correlation_length);
+}
+
 // From the middle of one segment to the middle of the next.
-double VarianceBetween(const ScaleProblem& problem, std::size_t i, double metres_per_unit) {
+ScaleBelief AdvancedTo(const ScaleProblem& problem, std::size_t i, double metres_per_unit, const ScaleBelief& belief) {
   const PathSegment& before = problem.segments[i - 1];
   const PathSegment& after = problem.segments[i];
-  return DriftVariance(problem.drift, after.middle - before.middle, metres_per_unit,
-                       0.5 * (std::abs(before.angle) + std::abs(after.angle)), after.gap_sigma);
+  const double length = after.middle - before.middle;
+  const double variance = DriftVariance(problem.drift, length, metres_per_unit,
+                                        0.5 * (std::abs(before.angle) + std::abs(after.angle)), after.gap_sigma);
+  return Advanced(belief, variance, length, metres_per_unit, problem.options.road);
 }
 
 }  // namespace
@@ -35,13 +47,21 @@ void DriftOptions::Check() const {
 
 double ScaleBelief::metres_per_unit() const { return std::exp(mean[kLogScale]); }
 
-double ScaleBelief::sigma() const { return std::sqrt(covariance(kLogScale, kLogScale)); }
+double ScaleBelief::sigma() const { return Sigma(kLogScale); }
+
+double ScaleBelief::Sigma(DriveUnknown unknown) const { return std::sqrt(covariance(unknown, unknown)); }
 
 ScaleBelief PriorBelief(const CarPrior& car, double log_scale) {
+  const auto relative = [](double sigma, double value) { return std::max(sigma / value, kLeastSigma); };
+  const bool arm = car.knows_lever_arm();
+  const bool height = car.knows_height();
   ScaleBelief prior;
-  prior.mean << log_scale, 0, car.side_slip, std::log(car.lever_arm);
-  const Eigen::Vector4d sigmas(kPriorLogScaleSigma, car.yaw_sigma, std::max(car.side_slip_sigma, kLeastSigma),
-                               std::max(car.lever_arm_sigma / car.lever_arm, kLeastSigma));
+  prior.mean << log_scale, 0, car.side_slip, std::log(arm ? car.lever_arm : kUsualLeverArm),
+      std::log(height ? car.camera_height : kUsualHeight), 0;
+  DriveState sigmas;
+  sigmas << kPriorLogScaleSigma, car.yaw_sigma, std::max(car.side_slip_sigma, kLeastSigma),
+      arm ? relative(car.lever_arm_sigma, car.lever_arm) : kUnknownLogSigma,
+      height ? relative(car.camera_height_sigma, car.camera_height) : kUnknownLogSigma, 1;
   prior.covariance.diagonal() = sigmas.cwiseAbs2();
   return prior;
 }
@@ -50,6 +70,18 @@ double DriftVariance(const DriftOptions& options, double length, double metres_p
                      double gap_sigma) {
   return options.per_100m * options.per_100m * length * metres_per_unit / kDistance +
          options.per_90deg * options.per_90deg * angle / kAngle + gap_sigma * gap_sigma;
+}
+
+ScaleBelief Advanced(const ScaleBelief& belief, double drift_variance, double length, double metres_per_unit,
+                     const RoadEvidenceOptions& road) {
+  ScaleBelief advanced = belief;
+  const double persistence = Persistence(length * metres_per_unit, road);
+  advanced.mean[kRoadError] *= persistence;
+  advanced.covariance.row(kRoadError) *= persistence;
+  advanced.covariance.col(kRoadError) *= persistence;
+  advanced.covariance(kRoadError, kRoadError) += 1 - persistence * persistence;
+  advanced.covariance(kLogScale, kLogScale) += drift_variance;
+  return advanced;
 }
 
 double NormalizedInnovation(const ScaleBelief& belief, const Measurement& measurement, double weight,
@@ -65,9 +97,9 @@ double HuberWeight(double deviation, double threshold) {
 }
 
 ScaleBelief Updated(const ScaleBelief& belief, const Measurement& measurement, double weight, const DriveState& at) {
-  const Eigen::RowVector4d& by_state = measurement.by_state;
-  const Eigen::Vector4d gain_direction = belief.covariance * by_state.transpose();
-  const Eigen::Vector4d gain = gain_direction / (by_state.dot(gain_direction) + measurement.variance / weight);
+  const DriveRow& by_state = measurement.by_state;
+  const DriveState gain_direction = belief.covariance * by_state.transpose();
+  const DriveState gain = gain_direction / (by_state.dot(gain_direction) + measurement.variance / weight);
   ScaleBelief updated;
   updated.mean = belief.mean + gain * (measurement.innovation - by_state.dot(belief.mean - at));
   updated.covariance = belief.covariance - gain * gain_direction.transpose();
@@ -82,8 +114,10 @@ SmoothedScale SmoothScale(const ScaleProblem& problem, const std::vector<DriveSt
   ScaleBelief belief = problem.prior;
   bool started = false;
   for (std::size_t i = 0; i < count; ++i) {
-    if (i > 0) belief.covariance(kLogScale, kLogScale) += VarianceBetween(problem, i, std::exp(at[i][kLogScale]));
+    if (i > 0) belief = AdvancedTo(problem, i, std::exp(at[i][kLogScale]), belief);
     predicted[i] = belief;
+    if (const auto& road = problem.evidence[i].road)
+      belief = Updated(belief, LinearizeRoad(*road, at[i], problem.options.road), road->weight, at[i]);
     if (const auto measurement = Linearize(problem.evidence[i], at[i], problem.options)) {
       const double weight = problem.evidence[i].weight;
       if (problem.evidence[i].turning && started)
@@ -93,12 +127,16 @@ SmoothedScale SmoothScale(const ScaleProblem& problem, const std::vector<DriveSt
     }
     result.segments.push_back(belief);
   }
-  result.gains.assign(count, Eigen::Matrix4d::Zero());
+  result.gains.assign(count, DriveCovariance::Zero());
   for (std::size_t i = count; i-- > 1;) {
     const ScaleBelief& next = result.segments[i];
     ScaleBelief& here = result.segments[i - 1];
-    // filtered * predicted^-1, both symmetric.
-    const Eigen::Matrix4d gain = predicted[i].covariance.partialPivLu().solve(here.covariance).transpose();
+    // filtered * transition^T * predicted^-1, both covariances symmetric; the transition is diagonal.
+    DriveCovariance carried = here.covariance;
+    carried.row(kRoadError) *=
+        Persistence((problem.segments[i].middle - problem.segments[i - 1].middle) * std::exp(at[i][kLogScale]),
+                    problem.options.road);
+    const DriveCovariance gain = predicted[i].covariance.partialPivLu().solve(carried).transpose();
     here.mean += gain * (next.mean - predicted[i].mean);
     here.covariance += gain * (next.covariance - predicted[i].covariance) * gain.transpose();
     result.gains[i - 1] = gain;
@@ -113,11 +151,11 @@ double LengthSigma(const SmoothedScale& smoothed, const std::vector<PathSegment>
   if (!(total > 0)) return std::numeric_limits<double>::infinity();
   // From the end: variance of the sum of what follows, and its covariance with the segment at hand.
   double variance = 0;
-  Eigen::Vector4d with_rest = Eigen::Vector4d::Zero();
+  DriveState with_rest = DriveState::Zero();
   for (std::size_t i = segments.size(); i-- > 0;) {
     const ScaleBelief& belief = smoothed.segments[i];
     const double share = belief.metres_per_unit() * segments[i].length / total;
-    const Eigen::Vector4d carried = smoothed.gains[i] * with_rest;
+    const DriveState carried = smoothed.gains[i] * with_rest;
     variance += share * share * belief.covariance(kLogScale, kLogScale) + 2 * share * carried[kLogScale];
     with_rest = share * belief.covariance.col(kLogScale) + carried;
   }

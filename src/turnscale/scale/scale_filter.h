@@ -20,19 +20,25 @@ struct DriftOptions {
 /// Mean and covariance of the unknowns.
 struct ScaleBelief {
   DriveState mean = DriveState::Zero();
-  Eigen::Matrix4d covariance = Eigen::Matrix4d::Zero();
+  DriveCovariance covariance = DriveCovariance::Zero();
 
   double metres_per_unit() const;
   double sigma() const;  ///< relative standard deviation of the scale
+  double Sigma(DriveUnknown unknown) const;
 };
 
-/// Before the first turn: the car's constants at their priors, a nearly flat prior of the scale.
+/// Before the first turn: the car's constants at their priors (nearly flat where they are not known), a nearly flat
+/// prior of the scale.
 ScaleBelief PriorBelief(const CarPrior& car, double log_scale);
 
 /// Variance of the drift of the log-scale over `length` odometry units at `metres_per_unit`, turning by `angle`
 /// rad, with a gap of `gap_sigma` (0: none).
 double DriftVariance(const DriftOptions& options, double length, double metres_per_unit, double angle,
                      double gap_sigma);
+
+/// The belief `length` odometry units later: the scale has drifted by this variance, and the road's error is another.
+ScaleBelief Advanced(const ScaleBelief& belief, double drift_variance, double length, double metres_per_unit,
+                     const RoadEvidenceOptions& road);
 
 /// Squared innovation of a measurement, linearised at `at`, over its variance, which includes that of the belief before
 /// it.
@@ -59,7 +65,7 @@ struct SmoothedScale {
   std::vector<ScaleBelief> segments;
   /// Gains of the smoother, from segment i + 1 back to segment i. They give the covariance between segments
   /// (LengthSigma).
-  std::vector<Eigen::Matrix4d> gains;
+  std::vector<DriveCovariance> gains;
   /// Sum of the turns' squared innovations, each over its variance: chi-squared with one degree of freedom per turn,
   /// except for the first, which gives the scale. It includes deviations absorbed by priors and drift.
   double chi_squared = 0;

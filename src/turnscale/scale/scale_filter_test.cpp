@@ -20,8 +20,8 @@ constexpr double kExact = 1e-9;  // standard deviation of what is known exactly
 ScaleProblem RandomProblem(int segments, std::uint64_t seed = 5) {
   Random random(seed);
   ScaleProblem problem;
-  problem.prior.mean << std::log(kMetresPerUnit), 0.001, 0.005, std::log(1.2);
-  problem.prior.covariance.diagonal() << 4, 3e-5, 4e-6, 1e-3;
+  problem.prior.mean << std::log(kMetresPerUnit), 0.001, 0.005, std::log(1.2), std::log(1.5), 0;
+  problem.prior.covariance.diagonal() << 4, 3e-5, 4e-6, 1e-3, 2e-2, 1;
   double middle = 0;
   for (int i = 0; i < segments; ++i) {
     const double length = random.Uniform(0.5, 8);
@@ -42,6 +42,11 @@ ScaleProblem RandomProblem(int segments, std::uint64_t seed = 5) {
       evidence.direction_sigma = 0.002;
     }
     evidence.weight = random.Uniform(0.3, 1);
+    if (i % 4 != 2)
+      evidence.road = RoadEvidence{.log_height = std::log(1.5 / kMetresPerUnit) + 0.02 * random.Gaussian(),
+                                   .sigma = random.Uniform(0.002, 0.02),
+                                   .length = random.Uniform(0.3, 1) * length,
+                                   .weight = random.Uniform(0.3, 1)};
     problem.segments.push_back(segment);
     problem.evidence.push_back(evidence);
   }
@@ -53,24 +58,30 @@ ScaleProblem RandomProblem(int segments, std::uint64_t seed = 5) {
 std::vector<DriveState> SomeStates(const ScaleProblem& problem) {
   std::vector<DriveState> at(problem.segments.size(), problem.prior.mean);
   Random random(9);
-  for (DriveState& state : at) state += Eigen::Vector4d(0.05, 0.001, 0.0005, 0.01) * random.Gaussian();
+  for (DriveState& state : at) state += DriveState{{0.05, 0.001, 0.0005, 0.01, 0.02, 0.3}} * random.Gaussian();
   return at;
 }
 
-// The same linear problem as one weighted least squares: a log-scale for each segment, then direction, slip and
-// ln(lever arm), those of `exact` taken out.
+// The column of an unknown in a segment: log-scales, constants, errors of the road.
+Eigen::Index Column(Eigen::Index segments, Eigen::Index segment, int unknown) {
+  if (unknown == kLogScale) return segment;
+  return unknown == kRoadError ? segments + 4 + segment : segments + unknown - 1;
+}
+
+// The same linear problem as one weighted least squares: a log-scale for each segment, then direction, slip,
+// ln(lever arm) and ln(height), then the road's error in each segment; those of `exact` taken out.
 struct Dense {
   Eigen::VectorXd mean;
   Eigen::MatrixXd covariance;
 };
 Dense SolveDense(const ScaleProblem& problem, const std::vector<DriveState>& at, std::optional<int> exact = {}) {
   const auto n = static_cast<Eigen::Index>(at.size());
-  const Eigen::Index unknowns = n + 3;
-  Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(4 + (n - 1) + n, unknowns);
+  const Eigen::Index unknowns = 2 * n + 4;
+  Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(kDriveUnknowns + 2 * (n - 1) + 2 * n, unknowns);
   Eigen::VectorXd right = Eigen::VectorXd::Zero(rows.rows());
   Eigen::Index row = 0;
-  const auto column = [&](Eigen::Index segment, int unknown) { return unknown == 0 ? segment : n + unknown - 1; };
-  for (int unknown = 0; unknown < 4; ++unknown, ++row) {
+  const auto column = [&](Eigen::Index segment, int unknown) { return Column(n, segment, unknown); };
+  for (int unknown = 0; unknown < kDriveUnknowns; ++unknown, ++row) {
     if (unknown == exact) continue;
     const double sigma = std::sqrt(problem.prior.covariance(unknown, unknown));
     rows(row, column(0, unknown)) = 1 / sigma;
@@ -85,19 +96,27 @@ Dense SolveDense(const ScaleProblem& problem, const std::vector<DriveState>& at,
                                    std::pow(problem.drift.per_90deg, 2) * turned / 90 + std::pow(b.gap_sigma, 2));
     rows(row, i) = 1 / sigma;
     rows(row, i - 1) = -1 / sigma;
+    const double kept = std::exp(-metres / problem.options.road.correlation_length);
+    ++row;
+    rows(row, column(i, kRoadError)) = 1 / std::sqrt(1 - kept * kept);
+    rows(row, column(i - 1, kRoadError)) = -kept / std::sqrt(1 - kept * kept);
   }
-  for (Eigen::Index i = 0; i < n; ++i, ++row) {
-    const auto measurement = Linearize(problem.evidence[i], at[i], problem.options);
-    if (!measurement) continue;
-    const double sigma = std::sqrt(measurement->variance / problem.evidence[i].weight);
-    for (int unknown = 0; unknown < 4; ++unknown) {
+  const auto measure = [&](Eigen::Index i, const Measurement& measurement, double weight) {
+    const double sigma = std::sqrt(measurement.variance / weight);
+    for (int unknown = 0; unknown < kDriveUnknowns; ++unknown) {
       if (unknown == exact) {
-        right[row] -= measurement->by_state[unknown] * problem.prior.mean[unknown] / sigma;
+        right[row] -= measurement.by_state[unknown] * problem.prior.mean[unknown] / sigma;
       } else {
-        rows(row, column(i, unknown)) = measurement->by_state[unknown] / sigma;
+        rows(row, column(i, unknown)) = measurement.by_state[unknown] / sigma;
       }
     }
-    right[row] += (measurement->innovation + measurement->by_state.dot(at[i])) / sigma;
+    right[row] += (measurement.innovation + measurement.by_state.dot(at[i])) / sigma;
+    ++row;
+  };
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const SegmentEvidence& evidence = problem.evidence[i];
+    if (const auto measurement = Linearize(evidence, at[i], problem.options)) measure(i, *measurement, evidence.weight);
+    if (evidence.road) measure(i, LinearizeRoad(*evidence.road, at[i], problem.options.road), evidence.road->weight);
   }
   // An unknown that is taken out has no rows: the solution of least norm leaves it at 0, and its covariance too.
   const Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> solver(rows);
@@ -118,13 +137,13 @@ void ExpectDense(const SmoothedScale& smoothed, const Dense& dense) {
   const auto n = static_cast<Eigen::Index>(smoothed.segments.size());
   for (Eigen::Index i = 0; i < n; ++i) {
     const ScaleBelief& belief = smoothed.segments[i];
-    const Eigen::Index place[] = {i, n, n + 1, n + 2};
-    for (int r = 0; r < 4; ++r) {
-      const double sigma_r = std::sqrt(dense.covariance(place[r], place[r]));
-      EXPECT_NEAR(belief.mean[r], dense.mean[place[r]], 1e-6 * sigma_r + 1e-9) << i << ' ' << r;
-      for (int c = 0; c < 4; ++c) {
-        const double sigma_c = std::sqrt(dense.covariance(place[c], place[c]));
-        EXPECT_NEAR(belief.covariance(r, c), dense.covariance(place[r], place[c]), 1e-6 * sigma_r * sigma_c + 1e-15)
+    const auto place = [&](int unknown) { return Column(n, i, unknown); };
+    for (int r = 0; r < kDriveUnknowns; ++r) {
+      const double sigma_r = std::sqrt(dense.covariance(place(r), place(r)));
+      EXPECT_NEAR(belief.mean[r], dense.mean[place(r)], 1e-6 * sigma_r + 1e-9) << i << ' ' << r;
+      for (int c = 0; c < kDriveUnknowns; ++c) {
+        const double sigma_c = std::sqrt(dense.covariance(place(c), place(c)));
+        EXPECT_NEAR(belief.covariance(r, c), dense.covariance(place(r), place(c)), 1e-6 * sigma_r * sigma_c + 1e-15)
             << i << ' ' << r << ' ' << c;
       }
     }
@@ -145,7 +164,8 @@ TEST(ScaleFilter, SmootherIsTheDenseLeastSquares) {
 }
 
 TEST(ScaleFilter, WhatIsKnownExactlyStays) {
-  for (const int exact : {static_cast<int>(kSlip), static_cast<int>(kLogLeverArm), static_cast<int>(kDirection)}) {
+  for (const int exact : {static_cast<int>(kSlip), static_cast<int>(kLogLeverArm), static_cast<int>(kDirection),
+                          static_cast<int>(kLogHeight)}) {
     ScaleProblem problem = RandomProblem(20);
     problem.prior.covariance(exact, exact) = kExact * kExact;
     const std::vector<DriveState> at = SomeStates(problem);
@@ -192,22 +212,22 @@ TEST(ScaleFilter, NoLengthHasNoSigma) { EXPECT_TRUE(std::isinf(LengthSigma({}, {
 TEST(ScaleFilter, UpdateIsTheSumOfInformation) {
   Random random(6);
   for (int draw = 0; draw < 50; ++draw) {
-    const auto vector = [&] { return Eigen::Vector4d::NullaryExpr([&] { return random.Gaussian(); }).eval(); };
-    Eigen::Matrix4d root;
-    for (int i = 0; i < 4; ++i) root.col(i) = vector();
-    const ScaleBelief belief{vector(), root * root.transpose() + 0.1 * Eigen::Matrix4d::Identity()};
+    const auto vector = [&] { return DriveState::NullaryExpr([&] { return random.Gaussian(); }).eval(); };
+    DriveCovariance root;
+    for (int i = 0; i < kDriveUnknowns; ++i) root.col(i) = vector();
+    const ScaleBelief belief{vector(), root * root.transpose() + 0.1 * DriveCovariance::Identity()};
     const Measurement measurement{random.Gaussian(), random.Uniform(0.1, 2), vector().transpose()};
     const double weight = random.Uniform(0.1, 1);
-    const Eigen::Vector4d at = vector();
+    const DriveState at = vector();
     const ScaleBelief updated = Updated(belief, measurement, weight, at);
-    const Eigen::Matrix4d before = belief.covariance.inverse();
-    const Eigen::Matrix4d gained =
+    const DriveCovariance before = belief.covariance.inverse();
+    const DriveCovariance gained =
         measurement.by_state.transpose() * measurement.by_state * (weight / measurement.variance);
-    const Eigen::Matrix4d covariance = (before + gained).inverse();
+    const DriveCovariance covariance = (before + gained).inverse();
     EXPECT_LT((updated.covariance - covariance).norm(), 1e-9 * covariance.norm());
     const double value = measurement.innovation + measurement.by_state.dot(at);
-    const Eigen::Vector4d mean = covariance * (before * belief.mean + measurement.by_state.transpose() * value *
-                                                                          (weight / measurement.variance));
+    const DriveState mean = covariance * (before * belief.mean +
+                                          measurement.by_state.transpose() * value * (weight / measurement.variance));
     EXPECT_LT((updated.mean - mean).norm(), 1e-8 * (1 + mean.norm()));
   }
 }

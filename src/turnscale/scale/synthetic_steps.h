@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <numbers>
 #include <vector>
@@ -81,6 +82,26 @@ inline SyntheticSteps MakeSteps(const std::vector<StretchOfRoad>& road, const Le
     }
   }
   return drive;
+}
+
+/// How the road shows the height of the camera; standard deviations, relative.
+struct HeightErrors {
+  double step = 0;     ///< of each step
+  double road = 0;     ///< of an error that is exponentially correlated along the way
+  double length = 60;  ///< over which it is, metres
+};
+
+/// Lets every step of a drive show a camera that is `height` metres above the road.
+inline void ShowRoad(double height, const HeightErrors& errors, std::uint64_t seed, SyntheticSteps& drive) {
+  Random random(seed);
+  double error = random.Gaussian();
+  for (std::size_t i = 0; i < drive.steps.size(); ++i) {
+    VehicleStep& step = drive.steps[i];
+    const double kept = std::exp(-step.motion.step * drive.metres_per_unit[i] / errors.length);
+    error = kept * error + std::sqrt(1 - kept * kept) * random.Gaussian();
+    step.height = height / drive.metres_per_unit[i] * std::exp(errors.road * error + errors.step * random.Gaussian());
+    step.height_sigma = errors.step;
+  }
 }
 
 /// Streets with `turns` corners to either side at 3 to 8 m/s, straights of some hundred metres between them.

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/io/vehicle_file.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "turnscale/config/yaml_map.h"
+#include "turnscale/geometry/rotation.h"
+
+namespace turnscale {
+namespace {
+
+// Standard deviations of what changes from drive to drive: load and tyres lift the camera, and turn it.
+constexpr double kHeightBetweenDrives = 0.01;                  // relative
+constexpr double kYawBetweenDrives = 0.1 / kDegreesPerRadian;  // rad
+
+std::string Line(const char* key, double value, const char* comment = "") {
+  return fmt::format("{}: {:.6g}{}{}\n", key, value, *comment != 0 ? "  # " : "", comment);
+}
+
+}  // namespace
+
+const std::vector<std::string>& VehicleFileKeys() {
+  static const std::vector<std::string> keys = {"yaw_deg",         "pitch_deg",
+                                                "roll_deg",        "yaw_sigma_deg",
+                                                "pitch_sigma_deg", "roll_sigma_deg",
+                                                "lever_arm",       "side_slip",
+                                                "lateral_offset",  "height",
+                                                "lever_arm_sigma", "side_slip_sigma",
+                                                "height_sigma",    "vehicle_from_camera_wxyz",
+                                                "confidence",      "frames",
+                                                "steps",           "turns",
+                                                "turning_deg",     "input"};
+  return keys;
+}
+
+std::string VehicleFileText(const VehicleOptions& vehicle, const Mount& mount, const RefinedScale& scale) {
+  std::string text =
+      "# A car and its camera, with standard deviations, for run --vehicle. Axes x right, y down, z forward.\n";
+  const CarRefinement* car = scale.estimate ? &scale.estimate->car : nullptr;
+  if (!vehicle.calibrate_camera || vehicle.camera_known || mount.found) {
+    YawPitchRoll angles = YawPitchRollFromRotation(mount.vehicle_from_camera);
+    double yaw_sigma = mount.found ? std::max(mount.sigma.yaw, vehicle.yaw_sigma) : vehicle.yaw_sigma;
+    // What the straights have told.
+    if (car) {
+      angles.yaw += car->yaw_error;
+      yaw_sigma = car->yaw_error_sigma;
+    }
+    text += Line("yaw_deg", InDegrees(angles.yaw), "to the right");
+    text += Line("pitch_deg", InDegrees(angles.pitch), "up");
+    text += Line("roll_deg", InDegrees(angles.roll), "leaning right");
+    text += Line("yaw_sigma_deg", InDegrees(yaw_sigma));
+    if (mount.found) {
+      text += Line("pitch_sigma_deg", InDegrees(mount.sigma.pitch));
+      text += Line("roll_sigma_deg", InDegrees(mount.sigma.roll));
+    }
+  }
+  if (vehicle.lever_arm) {
+    const bool refined = car && car->lever_arm > 0;
+    text += Line("lever_arm", refined ? car->lever_arm : *vehicle.lever_arm,
+                 "metres from the rear axle forward to the camera");
+    text += Line("lever_arm_sigma", refined ? car->lever_arm_sigma : vehicle.lever_arm_sigma);
+  }
+  text += Line("side_slip", car ? car->side_slip : vehicle.side_slip, "c in L_eff = L - c v^2, s^2/m");
+  text += Line("side_slip_sigma", car ? car->side_slip_sigma : vehicle.side_slip_sigma);
+  if (car && car->camera_height > 0) {
+    text += Line("height", car->camera_height, "of the camera above the road, metres");
+    text += Line("height_sigma", car->camera_height_sigma);
+  } else if (vehicle.camera_height) {
+    text += Line("height", *vehicle.camera_height, "of the camera above the road, metres");
+    text += Line("height_sigma", vehicle.HeightSigma());
+  }
+  return text;
+}
+
+void ReadVehicleFile(const std::filesystem::path& path, VehicleOptions& vehicle) {
+  const YamlMap map(path);
+  map.AllowOnly(VehicleFileKeys());
+  const auto not_negative = [&](const char* key, double otherwise) {
+    if (!map.Has(key)) return otherwise;
+    const double value = map.Number(key);
+    if (value < 0) map.Reject(key, "must not be negative");
+    return value;
+  };
+  if (map.Has("yaw_deg")) {
+    const auto angle = [&](const char* key) {
+      const double degrees = map.Number(key);
+      if (std::abs(degrees) > 180) map.Reject(key, "has to be between -180 and 180 degrees");
+      return degrees / kDegreesPerRadian;
+    };
+    vehicle.vehicle_from_camera = RotationFromYawPitchRoll({angle("yaw_deg"), angle("pitch_deg"), angle("roll_deg")});
+    vehicle.camera_known = true;
+    if (map.Has("yaw_sigma_deg"))
+      vehicle.yaw_sigma = std::hypot(not_negative("yaw_sigma_deg", 0) / kDegreesPerRadian, kYawBetweenDrives);
+  }
+  if (map.Has("lever_arm")) {
+    vehicle.lever_arm = map.Positive("lever_arm");
+    vehicle.lever_arm_sigma = not_negative("lever_arm_sigma", kTapeSigma);
+  }
+  if (map.Has("side_slip")) {
+    vehicle.side_slip = not_negative("side_slip", 0);
+    vehicle.side_slip_sigma = not_negative("side_slip_sigma", kUsualSideSlipSigma);
+  }
+  if (map.Has("height")) {
+    vehicle.camera_height = map.Positive("height");
+    vehicle.camera_height_sigma =
+        std::hypot(not_negative("height_sigma", 0), kHeightBetweenDrives * *vehicle.camera_height);
+  }
+  vehicle.Check();
+}
+
+}  // namespace turnscale

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "turnscale/odometry/drive_scale.h"
+#include "turnscale/odometry/mount_calibration.h"
+#include "turnscale/odometry/options.h"
+
+namespace turnscale {
+
+/// Keys of the files that describe a car and its camera: car.yaml of a run, calibration.yaml of a calibration,
+/// vehicle.yaml of a simulated drive.
+const std::vector<std::string>& VehicleFileKeys();
+
+/// `car.yaml`: what was given and what the drive has told of the car and its camera, each with its standard deviation;
+/// what is not known is left out.
+std::string VehicleFileText(const VehicleOptions& vehicle, const Mount& mount, const RefinedScale& scale);
+
+/// Takes what such a file knows as prior knowledge of the same car's next drive. Throws InputError where a value makes
+/// no sense.
+void ReadVehicleFile(const std::filesystem::path& path, VehicleOptions& vehicle);
+
+}  // namespace turnscale

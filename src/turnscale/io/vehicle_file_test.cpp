@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/io/vehicle_file.h"
+
+#include <cmath>
+#include <fstream>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "turnscale/base/error.h"
+#include "turnscale/base/test_files.h"
+#include "turnscale/geometry/rotation.h"
+
+namespace turnscale {
+namespace {
+
+VehicleOptions ReadText(const std::string& text) {
+  const std::filesystem::path file = ScratchPath("car.yaml");
+  std::ofstream(file) << text;
+  VehicleOptions vehicle;
+  ReadVehicleFile(file, vehicle);
+  return vehicle;
+}
+
+std::string Refused(const std::string& text) {
+  try {
+    ReadText(text);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return {};
+}
+
+RefinedScale LearnedScale() {
+  RefinedScale scale;
+  scale.estimate.emplace();
+  scale.estimate->car = {.yaw_error = 0.002,
+                         .yaw_error_sigma = 0.001,
+                         .side_slip = 0.0051,
+                         .side_slip_sigma = 0.0007,
+                         .lever_arm = 1.47,
+                         .lever_arm_sigma = 0.02,
+                         .camera_height = 1.31,
+                         .camera_height_sigma = 0.02};
+  return scale;
+}
+
+TEST(VehicleFile, TheNextDriveKnowsWhatThisOneHasLearned) {
+  VehicleOptions vehicle;
+  vehicle.lever_arm = 1.45;
+  const Mount mount{.vehicle_from_camera = RotationFromYawPitchRoll({0.1, -0.05, 0.02}),
+                    .found = true,
+                    .sigma = {0.004, 0.002, 0.01}};
+  const VehicleOptions next = ReadText(VehicleFileText(vehicle, mount, LearnedScale()));
+  EXPECT_NEAR(next.lever_arm.value(), 1.47, 1e-6);
+  EXPECT_NEAR(next.lever_arm_sigma, 0.02, 1e-6);
+  EXPECT_NEAR(next.side_slip, 0.0051, 1e-8);
+  EXPECT_NEAR(next.side_slip_sigma, 0.0007, 1e-8);
+  EXPECT_NEAR(next.camera_height.value(), 1.31, 1e-6);
+  EXPECT_NEAR(next.HeightSigma(), std::hypot(0.02, 0.0131), 1e-6) << "the load differs from drive to drive";
+  EXPECT_TRUE(next.camera_known);
+  EXPECT_TRUE(next.calibrate_camera) << "the next drive refines it";
+  const YawPitchRoll angles = YawPitchRollFromRotation(next.vehicle_from_camera);
+  EXPECT_NEAR(angles.yaw, 0.102, 1e-6);
+  EXPECT_NEAR(angles.pitch, -0.05, 1e-6);
+  EXPECT_NEAR(angles.roll, 0.02, 1e-6);
+  EXPECT_GT(next.yaw_sigma, 0.001);
+  EXPECT_LT(next.yaw_sigma, 0.003);
+}
+
+TEST(VehicleFile, WhatIsNotKnownIsLeftOut) {
+  const std::string text = VehicleFileText({}, {}, {});
+  EXPECT_EQ(text.find("lever_arm:"), std::string::npos) << text;
+  EXPECT_EQ(text.find("height:"), std::string::npos) << text;
+  EXPECT_EQ(text.find("yaw_deg:"), std::string::npos) << text;
+  const VehicleOptions next = ReadText(text);
+  EXPECT_FALSE(next.lever_arm);
+  EXPECT_FALSE(next.camera_height);
+  EXPECT_FALSE(next.camera_known);
+}
+
+TEST(VehicleFile, WhatWasGivenStays) {
+  VehicleOptions vehicle;
+  vehicle.camera_height = 1.2;
+  const VehicleOptions next = ReadText(VehicleFileText(vehicle, {}, {}));
+  EXPECT_NEAR(next.camera_height.value(), 1.2, 1e-9);
+}
+
+TEST(VehicleFile, ReadsWhatSimulateWrites) {
+  const VehicleOptions vehicle = ReadText(
+      "yaw_deg: 2\npitch_deg: -3\nroll_deg: 0.5\nlever_arm: 1.4\nlateral_offset: 0.2\nheight: 1.3\nside_slip: 0.005\n");
+  EXPECT_EQ(vehicle.lever_arm, 1.4);
+  EXPECT_EQ(vehicle.lever_arm_sigma, kTapeSigma);
+  EXPECT_EQ(vehicle.side_slip_sigma, kUsualSideSlipSigma);
+  EXPECT_EQ(vehicle.camera_height, 1.3);
+}
+
+TEST(VehicleFile, SenselessValuesAreRefused) {
+  EXPECT_NE(Refused("height: -1\n").find("height"), std::string::npos);
+  EXPECT_NE(Refused("lever_arm: 0\n").find("lever_arm"), std::string::npos);
+  EXPECT_NE(Refused("height: 1\nheight_sigma: -0.1\n").find("height_sigma"), std::string::npos);
+  EXPECT_NE(Refused("yaw_deg: 270\npitch_deg: 0\nroll_deg: 0\n").find("yaw_deg"), std::string::npos);
+  EXPECT_NE(Refused("hight: 1\n").find("height"), std::string::npos) << "the nearest known key";
+}
+
+}  // namespace
+}  // namespace turnscale

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <vector>
+
+#include "turnscale/kinematics/vehicle_step.h"
+#include "turnscale/mapping/map.h"
+
+namespace turnscale {
+
+/// Height of the camera above the road at a keyframe. It is stored relative to the distance between the two keyframes
+/// that show it: when the map is adjusted, it changes with them.
+struct MeasuredHeight {
+  int keyframe = 0;
+  int reference = 0;  ///< the earlier keyframe
+  double ratio = 0;   ///< height over the distance between the two
+  double sigma = 0;   ///< relative
+};
+
+/// Gives a step along the map's keyframes the height that its keyframes have measured, in the map's present unit.
+/// `heights` are in the order of their keyframes.
+void AddHeight(const Map& map, const std::vector<MeasuredHeight>& heights, VehicleStep& step);
+
+}  // namespace turnscale

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/odometry/road_observer.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "turnscale/base/error.h"
+#include "turnscale/geometry/rotation.h"
+#include "turnscale/kinematics/ackermann.h"
+
+namespace turnscale {
+namespace {
+
+constexpr std::size_t kViews = 9;
+// Keyframes without a road at the height of before, until it is looked for at any height.
+constexpr int kFailures = 5;
+// Bounds of that search, in distances between two keyframes.
+constexpr double kLeastRatio = 0.2;
+constexpr double kGreatestRatio = 10;
+// Share of a new height in the one that the next search starts with.
+constexpr double kFollow = 0.3;
+// Relative standard deviation of the height per rad of turn: the body leans.
+constexpr double kSigmaPerTurn = 0.6;
+
+RoadRegion RegionAhead(const RigidTransform& current_from_earlier, const Eigen::Quaterniond& vehicle_from_camera,
+                       double psi, double height) {
+  const Eigen::Vector3d centre = current_from_earlier.translation;
+  const Eigen::Vector3d travel = -centre.normalized();
+  const Eigen::Vector3d right = vehicle_from_camera.conjugate() * Eigen::Vector3d::UnitX();
+  const Eigen::Vector3d down = travel.cross(right).normalized();
+  RoadRegion region;
+  region.level_from_camera << down.cross(travel).transpose(), down.transpose(), travel.transpose();
+  region.bend = 0.5 * psi;
+  region.curvature = psi * height / centre.norm();
+  return region;
+}
+
+}  // namespace
+
+void RoadObserverOptions::Check() const {
+  plane.Check();
+  if (!(min_baseline > 0 && baseline >= min_baseline))
+    throw InputError("road.baseline: has to be at least `min_baseline`, which has to be positive");
+  if (!(max_turn > 0 && max_turn < 1)) throw InputError("road.max_turn: has to be above 0 and below 1 rad");
+}
+
+const RoadObserver::View* RoadObserver::Reference(const Map& map, double height) const {
+  const int latest = static_cast<int>(map.keyframes.size()) - 1;
+  const Eigen::Vector3d centre = Centre(map.keyframes[latest]);
+  const View* found = nullptr;
+  for (auto view = views_.rbegin() + 1; view != views_.rend(); ++view) {
+    const double distance = (Centre(map.keyframes[view->keyframe]) - centre).norm();
+    if (distance >= options_.min_baseline * height) found = &*view;
+    if (distance >= options_.baseline * height) break;
+  }
+  return found;
+}
+
+std::optional<MeasuredHeight> RoadObserver::Observe(const Map& map, const CameraModel& camera,
+                                                    const Eigen::Quaterniond& vehicle_from_camera,
+                                                    const FlowImage& image, const cv::Mat& mask) {
+  if (!options_.enabled || image.pyramid.size() < 2) return std::nullopt;
+  const int latest = static_cast<int>(map.keyframes.size()) - 1;
+  // Across a loss of tracking the unit changes.
+  for (int k = views_.empty() ? latest : views_.back().keyframe + 1; k <= latest; ++k) {
+    if (!map.keyframes[k].after_gap) continue;
+    views_.clear();
+    height_.reset();
+  }
+  views_.push_back({latest, {image.gray, image.pyramid[1]}});
+  if (views_.size() > kViews) views_.pop_front();
+  if (views_.size() < 2) return std::nullopt;
+  const View* reference = height_ ? Reference(map, *height_) : &views_[views_.size() - 2];
+  if (reference == nullptr) return std::nullopt;
+  const RigidTransform earlier_from_current =
+      map.keyframes[reference->keyframe].camera_from_world * map.keyframes[latest].camera_from_world.inverse();
+  const double distance = earlier_from_current.translation.norm();
+  const TurningMotion motion = TurningMotionOf(earlier_from_current, vehicle_from_camera);
+  if (!(distance > 0) || !std::isfinite(distance) || std::abs(motion.psi) > options_.max_turn) return std::nullopt;
+  // In reverse the road ahead is what the camera has just left; it is seen better going forward.
+  if (std::abs(motion.theta) > 0.5 * M_PI) return std::nullopt;
+  const RoadPair pair = {views_.back().image, reference->image, camera, earlier_from_current, mask};
+  const RoadRegion region =
+      RegionAhead(earlier_from_current.inverse(), vehicle_from_camera, motion.psi, height_.value_or(0));
+  std::optional<RoadPlane> road;
+  if (height_) {
+    road = FitRoadPlane(options_.plane, pair, region, *height_);
+  } else if (failures_++ % kFailures == 0) {
+    road = FindRoadPlane(options_.plane, pair, region, kLeastRatio * distance, kGreatestRatio * distance);
+  }
+  if (!road) {
+    if (height_ && ++failures_ >= kFailures) {
+      height_.reset();
+      failures_ = 0;
+    }
+    return std::nullopt;
+  }
+  failures_ = 0;
+  height_ = height_ ? *height_ * std::pow(road->height / *height_, kFollow) : road->height;
+  return MeasuredHeight{latest, reference->keyframe, road->height / distance,
+                        std::hypot(road->sigma, kSigmaPerTurn * motion.psi)};
+}
+
+}  // namespace turnscale

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <deque>
+#include <optional>
+
+#include <Eigen/Geometry>
+#include <opencv2/core.hpp>
+
+#include "turnscale/camera/camera_model.h"
+#include "turnscale/features/optical_flow.h"
+#include "turnscale/mapping/map.h"
+#include "turnscale/odometry/road_heights.h"
+#include "turnscale/road/road_plane.h"
+
+namespace turnscale {
+
+struct RoadObserverOptions {
+  bool enabled = true;  ///< observe the road at all
+  RoadPlaneOptions plane;
+  /// Distance between the two keyframes that are compared, heights; less where the car is slow.
+  double baseline = 0.5;
+  double min_baseline = 0.1;  ///< heights
+  /// Turn between the two keyframes beyond which the road is not looked at, rad (6 deg): the body leans.
+  double max_turn = 6.0 / 57.295779513082320877;
+
+  /// Throws InputError that names the field when a value makes no sense.
+  void Check() const;
+};
+
+/// Measures the height of the camera above the road from the images of keyframes.
+class RoadObserver {
+ public:
+  explicit RoadObserver(const RoadObserverOptions& options) : options_(options) {}
+
+  /// Takes the latest keyframe of the map. `mask`: as ImageMask::pixels. Empty where the road is not seen.
+  std::optional<MeasuredHeight> Observe(const Map& map, const CameraModel& camera,
+                                        const Eigen::Quaterniond& vehicle_from_camera, const FlowImage& image,
+                                        const cv::Mat& mask);
+
+ private:
+  struct View {
+    int keyframe;
+    RoadImage image;
+  };
+  const View* Reference(const Map& map, double height) const;
+
+  RoadObserverOptions options_;
+  std::deque<View> views_;        ///< recent keyframes, the latest last
+  std::optional<double> height_;  ///< where the next search starts, map units
+  int failures_ = 0;              ///< keyframes in a row that do not show the road there
+};
+
+}  // namespace turnscale

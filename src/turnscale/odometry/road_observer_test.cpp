@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/odometry/road_observer.h"
+
+#include <cmath>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "turnscale/base/refused_field.h"
+#include "turnscale/geometry/rotation.h"
+#include "turnscale/road/synthetic_road.h"
+
+namespace turnscale {
+namespace {
+
+constexpr double kMetresPerUnit = 8;
+constexpr double kStep = 0.6;  // metres from keyframe to keyframe
+
+CameraModel RoadCamera() {
+  CameraModel camera;
+  camera.pinhole = {.fx = 300, .fy = 300, .cx = 239.5, .cy = 110};
+  camera.width = 480;
+  camera.height = 200;
+  return camera;
+}
+
+/// What keyframes of a straight drive show, the map in its own unit.
+std::vector<std::optional<MeasuredHeight>> Observe(const SyntheticRoad& road, int keyframes, int gap = -1) {
+  const CameraModel camera = RoadCamera();
+  RoadObserver observer{RoadObserverOptions{}};
+  std::vector<std::optional<MeasuredHeight>> heights;
+  Map map;
+  map.pinhole = camera.pinhole;
+  for (int k = 0; k < keyframes; ++k) {
+    RigidTransform world_from_camera{RotationFromVector({-0.06, 0, 0}), {0, 0, kStep * k}};
+    const RoadImage image = RenderRoad(road, camera, world_from_camera);
+    world_from_camera.translation /= kMetresPerUnit;
+    map.keyframes.push_back({k, 0.1 * k, world_from_camera.inverse(), {}, k == gap});
+    FlowImage flow;
+    flow.gray = image.gray;
+    flow.pyramid = {image.gray, image.half};
+    heights.push_back(observer.Observe(map, camera, Eigen::Quaterniond::Identity(), flow, {}));
+  }
+  return heights;
+}
+
+TEST(RoadObserver, FindsTheHeightAndFollowsIt) {
+  const SyntheticRoad road;
+  const auto heights = Observe(road, 8);
+  int seen = 0;
+  for (int k = 0; k < 8; ++k) {
+    if (!heights[k]) continue;
+    ++seen;
+    EXPECT_EQ(heights[k]->keyframe, k);
+    EXPECT_LT(heights[k]->reference, k);
+    const double distance = kStep * (k - heights[k]->reference);
+    EXPECT_NEAR(heights[k]->ratio * distance / road.height, 1, 0.02) << k;
+    EXPECT_LT(heights[k]->sigma, 0.06);
+  }
+  EXPECT_GE(seen, 6);
+}
+
+TEST(RoadObserver, NoRoadNoHeight) {
+  for (const auto& height : Observe({.contrast = 0}, 6)) EXPECT_FALSE(height);
+}
+
+TEST(RoadObserver, DoesNotReachAcrossAGap) {
+  for (const auto& height : Observe({}, 8, 4))
+    if (height && height->keyframe >= 4) {
+      EXPECT_GE(height->reference, 4);
+    }
+}
+
+TEST(RoadObserverOptions, RefusesSenselessValues) {
+  const auto refused = [](auto change) { return RefusedField<RoadObserverOptions>(change); };
+  EXPECT_EQ(refused([](auto&) {}), "");
+  EXPECT_EQ(refused([](auto& o) { o.min_baseline = 0; }), "road.baseline");
+  EXPECT_EQ(refused([](auto& o) { o.min_baseline = 1; }), "road.baseline");
+  EXPECT_EQ(refused([](auto& o) { o.max_turn = 0; }), "road.max_turn");
+  EXPECT_EQ(refused([](auto& o) { o.plane.roll_sigma = 0; }), "road.roll_sigma");
+}
+
+}  // namespace
+}  // namespace turnscale

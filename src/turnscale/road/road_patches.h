@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include <Eigen/Core>
+#include <opencv2/core.hpp>
+
+#include "turnscale/camera/camera_model.h"
+#include "turnscale/geometry/rigid_transform.h"
+
+namespace turnscale {
+
+/// The road in a camera's axes.
+struct RoadSurface {
+  /// The plane that is tangent to the road below the camera, by the inverse depth of its points: plane.dot(ray) = 1/z
+  /// for rays with z = 1. It is the plane's normal, which points away from the camera, over its distance.
+  Eigen::Vector3d plane = Eigen::Vector3d::UnitY();
+  /// Curvature of the road along the way, rad per height of the camera, positive where it bends down.
+  double bend = 0;
+
+  /// 1/z where a ray with z = 1 meets the road; not positive where it does not.
+  double InverseDepth(const Eigen::Vector3d& ray) const;
+  /// Derivative of InverseDepth by the plane's three numbers and the bend.
+  Eigen::Vector4d ByParameters(const Eigen::Vector3d& ray) const;
+};
+
+/// An image at full and at half size, 8-bit gray.
+struct RoadImage {
+  cv::Mat gray;
+  cv::Mat half;
+};
+
+/// Two images and the camera's motion between them.
+struct RoadPair {
+  const RoadImage& current;
+  const RoadImage& earlier;
+  const CameraModel& camera;
+  RigidTransform earlier_from_current;
+  cv::Mat mask;  ///< pixels of both images that are 0 are left out; empty: none
+};
+
+/// Where the road is expected in the current image. Lengths are in heights of the camera above the road.
+struct RoadRegion {
+  /// Axes x right, y down, z forward, the road's plane being x-z.
+  Eigen::Matrix3d level_from_camera = Eigen::Matrix3d::Identity();
+  double bend = 0;       ///< direction of travel here relative to z, rad, positive to the right
+  double curvature = 0;  ///< of the path ahead, rad per height
+};
+
+struct RoadPatchOptions {
+  double half_width = 1.1;         ///< of the region, heights: a lane of 3.5 m below a camera at 1.6 m
+  double nearest = 1.5;            ///< end of the region, heights ahead
+  double farthest = 11.0;          ///< other end, heights ahead
+  int rows = 9;                    ///< cells of the region, one patch each
+  int columns = 14;                ///< cells of the region, one patch each
+  int half_size = 4;               ///< half the side of a patch, pixels: the side is 2 * half_size + 1
+  double least_contrast = 2.0;     ///< standard deviation of the gray levels of a patch
+  double image_noise = 3.0;        ///< standard deviation of a gray level, interpolated, of both images together
+  double least_pixel_sigma = 0.1;  ///< of the position of a patch, pixels
+
+  /// Throws InputError that names the field when a value makes no sense.
+  void Check() const;
+};
+
+/// A patch of the current image at one of its two sizes.
+struct RoadPatch {
+  Eigen::Vector3d ray;                      ///< of its centre, z = 1
+  Eigen::Matrix<double, 3, 2> ray_by_step;  ///< change of the ray by half_size pixels to the right and down
+  Eigen::ArrayXf gray;                      ///< less its mean, over its norm
+  Eigen::ArrayXf gray_x;                    ///< derivatives of `gray`, per pixel
+  Eigen::ArrayXf gray_y;
+  double contrast = 0;  ///< the norm
+};
+
+/// Patches of the road region with the most texture along the image motion. `size`: 0 full, 1 half.
+std::vector<RoadPatch> SelectRoadPatches(const RoadPatchOptions& options, const RoadPair& pair,
+                                         const RoadRegion& region, int size);
+
+/// How a patch looks in the earlier image, if it lies on the road.
+struct PatchMatch {
+  double correlation = 0;
+  double inverse_depth_change = 0;  ///< by which the patch itself would be nearer or farther, first order
+  double variance = 0;              ///< of it
+};
+
+/// Empty where the patch leaves the earlier image, or its depth cannot be seen.
+std::optional<PatchMatch> MatchPatch(const RoadPatchOptions& options, const RoadPair& pair, const RoadPatch& patch,
+                                     const RoadSurface& surface, int size);
+
+}  // namespace turnscale

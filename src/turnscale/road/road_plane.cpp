@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/road/road_plane.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include <Eigen/Cholesky>
+
+#include "turnscale/base/error.h"
+#include "turnscale/base/quantiles.h"
+
+namespace turnscale {
+namespace {
+
+// The half-size image brings the plane near, the full one places it.
+constexpr int kIterationsHalf = 3;
+constexpr int kIterationsFull = 3;
+constexpr int kReweightings = 4;
+constexpr double kTukey = 4.0;
+// Below this correlation a patch does not say which way to go.
+constexpr double kLeastGuiding = 0.3;
+constexpr double kSearchRatio = 1.06;
+// Neighbouring patches share errors of the motion between the images.
+constexpr double kCorrelatedErrors = 1.5;
+
+// What the plane is expected to satisfy: row * plane = 0 +- sigma * down * plane; and the bend: 0 +- its sigma.
+struct Expectation {
+  Eigen::Matrix3d level_from_camera;
+  double pitch_sigma;
+  double roll_sigma;
+  double bend_sigma;
+};
+
+struct Sample {
+  Eigen::Vector4d by_surface;  // change of its inverse depth by the plane's three numbers and the bend
+  PatchMatch match;
+  double variance;  // of its inverse depth about the surface
+};
+
+// Of the plane, and the bend of the road.
+struct Fit {
+  Eigen::Vector4d change = Eigen::Vector4d::Zero();
+  Eigen::Matrix4d information = Eigen::Matrix4d::Zero();
+  double spread = 1;  // of the residuals, standard deviations
+  std::vector<double> weights;
+};
+
+std::vector<Sample> MatchAll(const RoadPlaneOptions& options, const RoadPair& pair,
+                             const std::vector<RoadPatch>& patches, const RoadSurface& surface, int size) {
+  std::vector<Sample> samples;
+  for (const RoadPatch& patch : patches) {
+    const auto match = MatchPatch(options.patches, pair, patch, surface, size);
+    if (!match) continue;
+    const double unevenness = options.unevenness * surface.InverseDepth(patch.ray);
+    samples.push_back({surface.ByParameters(patch.ray), *match, match->variance + unevenness * unevenness});
+  }
+  return samples;
+}
+
+Fit ChangeOfSurface(const std::vector<Sample>& samples, const RoadSurface& surface, const Expectation& expected,
+                    double min_correlation) {
+  Fit fit;
+  const double down = expected.level_from_camera.row(1).dot(surface.plane);
+  for (int round = 0; round < kReweightings; ++round) {
+    std::vector<double> residuals;
+    for (const Sample& sample : samples)
+      residuals.push_back((sample.match.inverse_depth_change - sample.by_surface.dot(fit.change)) /
+                          std::sqrt(sample.variance));
+    std::vector<double> deciding;
+    for (std::size_t i = 0; i < samples.size(); ++i)
+      if (samples[i].match.correlation >= min_correlation) deciding.push_back(residuals[i]);
+    fit.spread = std::max(1.0, RobustSigma(deciding));
+    fit.information.setZero();
+    Eigen::Vector4d right = Eigen::Vector4d::Zero();
+    fit.weights.assign(samples.size(), 0);
+    for (std::size_t i = 0; i < samples.size(); ++i) {
+      if (samples[i].match.correlation < min_correlation) continue;
+      const double share = residuals[i] / (kTukey * fit.spread);
+      if (std::abs(share) >= 1) continue;
+      fit.weights[i] = (1 - share * share) * (1 - share * share);
+      const double weight = fit.weights[i] / (samples[i].variance * fit.spread * fit.spread);
+      const Eigen::Vector4d& by_surface = samples[i].by_surface;
+      fit.information += weight * by_surface * by_surface.transpose();
+      right += weight * samples[i].match.inverse_depth_change * by_surface;
+    }
+    const auto expect = [&](int axis, double sigma) {
+      const Eigen::Vector3d row = expected.level_from_camera.row(axis);
+      const double weight = 1 / (sigma * sigma * down * down);
+      fit.information.topLeftCorner<3, 3>() += weight * row * row.transpose();
+      right.head<3>() -= weight * row.dot(surface.plane) * row;
+    };
+    expect(2, expected.pitch_sigma);
+    expect(0, expected.roll_sigma);
+    const double bend_weight = 1 / (expected.bend_sigma * expected.bend_sigma);
+    fit.information(3, 3) += bend_weight;
+    right[3] -= bend_weight * surface.bend;
+    fit.change = fit.information.ldlt().solve(right);
+  }
+  return fit;
+}
+
+RoadSurface LevelSurface(const RoadRegion& region, double height) {
+  return {region.level_from_camera.row(1).transpose() / height, 0};
+}
+
+// The change may turn the plane, or change its distance, by a third at most.
+void Move(const Eigen::Vector4d& change, RoadSurface& surface) {
+  constexpr double kMost = 0.33;
+  const double share = std::min(kMost * surface.plane.norm() / std::max(change.head<3>().norm(), 1e-12), 1.0);
+  surface.plane += share * change.head<3>();
+  surface.bend += share * change[3];
+}
+
+double MeanCorrelation(const RoadPlaneOptions& options, const RoadPair& pair, const std::vector<RoadPatch>& patches,
+                       const RoadSurface& surface, int size) {
+  double sum = 0;
+  for (const RoadPatch& patch : patches)
+    if (const auto match = MatchPatch(options.patches, pair, patch, surface, size))
+      sum += std::max(match->correlation, 0.0);
+  return sum;
+}
+
+}  // namespace
+
+void RoadPlaneOptions::Check() const {
+  patches.Check();
+  const auto require = [](bool good, const char* what) {
+    if (!good) throw InputError(what);
+  };
+  require(pitch_sigma > 0 && pitch_sigma < 1, "road.pitch_sigma: has to be above 0 and below 1 rad");
+  require(roll_sigma > 0 && roll_sigma < 1, "road.roll_sigma: has to be above 0 and below 1 rad");
+  require(bend_sigma > 0, "road.bend_sigma: has to be positive");
+  require(unevenness >= 0, "road.unevenness: must not be negative");
+  require(max_deviation > 0, "road.max_deviation: has to be positive");
+  require(min_correlation > 0 && min_correlation < 1, "road.min_correlation: has to be above 0 and below 1");
+  require(min_patches >= 6, "road.min_patches: has to be at least 6");
+  require(min_share > 0 && min_share <= 1, "road.min_share: has to be above 0, at most 1");
+}
+
+std::optional<RoadPlane> FitRoadPlane(const RoadPlaneOptions& options, const RoadPair& pair, const RoadRegion& region,
+                                      double height) {
+  const Expectation expected = {region.level_from_camera, options.pitch_sigma, options.roll_sigma, options.bend_sigma};
+  RoadSurface surface = LevelSurface(region, height);
+  std::vector<RoadPatch> patches;
+  std::vector<Sample> samples;
+  Fit fit;
+  for (int size = 1; size >= 0; --size) {
+    patches = SelectRoadPatches(options.patches, pair, region, size);
+    if (static_cast<int>(patches.size()) < options.min_patches) {
+      if (size == 1) continue;
+      return std::nullopt;
+    }
+    const int iterations = size == 1 ? kIterationsHalf : kIterationsFull;
+    for (int i = 0; i < iterations; ++i) {
+      samples = MatchAll(options, pair, patches, surface, size);
+      fit = ChangeOfSurface(samples, surface, expected, kLeastGuiding);
+      if (!fit.change.allFinite()) return std::nullopt;
+      Move(fit.change, surface);
+    }
+  }
+  samples = MatchAll(options, pair, patches, surface, 0);
+  fit = ChangeOfSurface(samples, surface, expected, options.min_correlation);
+  RoadPlane road;
+  for (const double weight : fit.weights) road.patches += weight > 0.25 ? 1 : 0;
+  if (samples.empty()) return std::nullopt;
+  road.share = static_cast<double>(road.patches) / static_cast<double>(samples.size());
+  if (road.patches < options.min_patches || road.share < options.min_share) return std::nullopt;
+  Move(fit.change, surface);
+  const double norm = surface.plane.norm();
+  if (!(norm > 0) || !std::isfinite(norm)) return std::nullopt;
+  const Eigen::Vector3d level = region.level_from_camera * surface.plane / norm;
+  if (std::abs(level.z()) > options.max_deviation * options.pitch_sigma * level.y() ||
+      std::abs(level.x()) > options.max_deviation * options.roll_sigma * level.y())
+    return std::nullopt;
+  road.height = 1 / norm;
+  road.normal = surface.plane / norm;
+  Eigen::Vector4d by_plane;
+  by_plane << surface.plane / (norm * norm), 0;
+  road.sigma = kCorrelatedErrors * std::sqrt(by_plane.dot(fit.information.ldlt().solve(by_plane)));
+  return road;
+}
+
+std::optional<RoadPlane> FindRoadPlane(const RoadPlaneOptions& options, const RoadPair& pair, const RoadRegion& region,
+                                       double least_height, double greatest_height) {
+  const std::vector<RoadPatch> patches = SelectRoadPatches(options.patches, pair, region, 1);
+  double best_height = 0;
+  double best = 0;
+  for (double height = least_height; height <= greatest_height; height *= kSearchRatio) {
+    const double sum = MeanCorrelation(options, pair, patches, LevelSurface(region, height), 1);
+    if (sum <= best) continue;
+    best = sum;
+    best_height = height;
+  }
+  return best_height > 0 ? FitRoadPlane(options, pair, region, best_height) : std::nullopt;
+}
+
+}  // namespace turnscale

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <optional>
+
+#include <Eigen/Core>
+
+#include "turnscale/road/road_patches.h"
+
+namespace turnscale {
+
+struct RoadPlaneOptions {
+  RoadPatchOptions patches;
+  double pitch_sigma = 0.25 / 57.295779513082320877;  ///< of the road against the direction of travel, rad
+  double roll_sigma = 3.0 / 57.295779513082320877;    ///< of the road against the vehicle's axes, rad
+  double bend_sigma = 0.003;                          ///< curvature of the road along the way, rad per height
+  double unevenness = 0.01;                           ///< of the road about its plane, heights
+  double max_deviation = 4;                           ///< of pitch and roll, in their sigmas: else it is no road
+  double min_correlation = 0.7;                       ///< of a patch with what it is found to lie on
+  int min_patches = 20;                               ///< on the plane
+  double min_share = 0.5;                             ///< of the patches with texture that are on the plane
+
+  /// Throws InputError that names the field when a value makes no sense.
+  void Check() const;
+};
+
+/// The plane of the road below the camera: that to which a road that bends up or down ahead is tangent.
+struct RoadPlane {
+  double height = 0;                                  ///< of the current camera above it, in the unit of the motion
+  double sigma = 0;                                   ///< relative
+  Eigen::Vector3d normal = Eigen::Vector3d::UnitY();  ///< downwards, in the current camera's axes
+  int patches = 0;                                    ///< that lie on it
+  double share = 0;                                   ///< of those with texture
+};
+
+/// The plane that makes the road region of one image look like that in an earlier one: photometric, patch by patch
+/// (inverse compositional, gain and offset free), the patches joined by a robust fit of one plane. Patches that do not
+/// move like this plane (cars, kerbs, reflections, shadows that move along) take no part.
+///
+/// `height`: where the search starts, within about 15 %. Empty where too few patches agree.
+std::optional<RoadPlane> FitRoadPlane(const RoadPlaneOptions& options, const RoadPair& pair, const RoadRegion& region,
+                                      double height);
+
+/// The same without a start: the heights between two bounds are tried.
+std::optional<RoadPlane> FindRoadPlane(const RoadPlaneOptions& options, const RoadPair& pair, const RoadRegion& region,
+                                       double least_height, double greatest_height);
+
+}  // namespace turnscale

@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/road/road_plane.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "turnscale/base/random.h"
+#include "turnscale/base/refused_field.h"
+#include "turnscale/geometry/rotation.h"
+#include "turnscale/road/synthetic_road.h"
+
+namespace turnscale {
+namespace {
+
+constexpr double kTrueHeight = 1.5;
+constexpr double kRadian = kDegreesPerRadian;
+
+CameraModel Camera() {
+  CameraModel camera;
+  camera.pinhole = {.fx = 360, .fy = 360, .cx = 319.5, .cy = 140};
+  camera.width = 640;
+  camera.height = 240;
+  return camera;
+}
+
+CameraModel Fisheye() {
+  CameraModel camera = Camera();
+  camera.pinhole.fx = camera.pinhole.fy = 300;
+  camera.lens = LensModel::kEquidistant;
+  camera.distortion = {-0.02, 0.004, 0, 0, 0};
+  return camera;
+}
+
+/// Two views of a road, the later one `travel` metres ahead, and the region where the road is expected.
+struct Views {
+  CameraModel camera;
+  RoadImage earlier;
+  RoadImage current;
+  RigidTransform earlier_from_current;
+  RoadRegion region;
+
+  RoadPair Pair() const { return {current, earlier, camera, earlier_from_current, {}}; }
+};
+
+using Shade = std::function<double(int, int, double)>;
+
+Views Drive(const CameraModel& camera, const SyntheticRoad& road, const Eigen::Vector3d& yaw_pitch_roll_deg,
+            double travel = 0.9, const Shade& shade_earlier = {}, const Shade& shade_current = {}) {
+  const Eigen::Vector3d angles = yaw_pitch_roll_deg / kRadian;
+  const Eigen::Quaterniond world_from_camera = RotationFromYawPitchRoll({angles.x(), angles.y(), angles.z()});
+  const RigidTransform earlier{world_from_camera, {0, 0, 0}};
+  const RigidTransform current{world_from_camera, {0, 0, travel}};
+  Views views{camera,
+              RenderRoad(road, camera, earlier, shade_earlier),
+              RenderRoad(road, camera, current, shade_current),
+              earlier.inverse() * current,
+              {}};
+  views.region.level_from_camera = world_from_camera.toRotationMatrix();
+  return views;
+}
+
+TEST(RoadPlane, HeightIsThatOfTheCamera) {
+  for (const Eigen::Vector3d& mount :
+       {Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(5, -6, 2), Eigen::Vector3d(-8, -3, -2)}) {
+    const Views views = Drive(Camera(), {}, mount);
+    const auto road = FitRoadPlane({}, views.Pair(), views.region, kTrueHeight);
+    ASSERT_TRUE(road) << mount.transpose();
+    EXPECT_NEAR(road->height / kTrueHeight, 1, 0.008) << mount.transpose();
+    EXPECT_LT(std::abs(road->height / kTrueHeight - 1), 4 * road->sigma);
+    EXPECT_LT(road->sigma, 0.02);
+    EXPECT_GT(road->share, 0.8);
+    EXPECT_NEAR(road->normal.dot(views.region.level_from_camera.row(1)), 1, 1e-4);
+  }
+}
+
+TEST(RoadPlane, IsFoundFromFifteenPercentOff) {
+  const Views views = Drive(Camera(), {}, {2, -4, 1});
+  const auto at_truth = FitRoadPlane({}, views.Pair(), views.region, kTrueHeight);
+  ASSERT_TRUE(at_truth);
+  for (const double start : {0.87, 1.15}) {
+    const auto road = FitRoadPlane({}, views.Pair(), views.region, start * kTrueHeight);
+    ASSERT_TRUE(road) << start;
+    EXPECT_NEAR(road->height, at_truth->height, 0.01) << start;
+  }
+}
+
+TEST(RoadPlane, IsFoundWithoutAStart) {
+  for (const double travel : {0.4, 1.0, 2.0}) {
+    const Views views = Drive(Camera(), {}, {0, -4, 0}, travel);
+    const auto road = FindRoadPlane({}, views.Pair(), views.region, 0.2 * travel, 10 * travel);
+    ASSERT_TRUE(road) << travel;
+    EXPECT_NEAR(road->height / kTrueHeight, 1, 0.01) << travel;
+  }
+}
+
+TEST(RoadPlane, HeightIsInTheUnitOfTheMotion) {
+  Views views = Drive(Camera(), {}, {0, -4, 0});
+  const auto metres = FitRoadPlane({}, views.Pair(), views.region, kTrueHeight);
+  views.earlier_from_current.translation *= 0.07;
+  const auto units = FitRoadPlane({}, views.Pair(), views.region, 0.07 * kTrueHeight);
+  ASSERT_TRUE(metres && units);
+  EXPECT_NEAR(units->height / metres->height, 0.07, 1e-9);
+  EXPECT_NEAR(units->sigma, metres->sigma, 1e-9);
+}
+
+TEST(RoadPlane, SeesThroughAFisheye) {
+  const Views views = Drive(Fisheye(), {}, {0, -5, 0});
+  const auto road = FitRoadPlane({}, views.Pair(), views.region, kTrueHeight);
+  ASSERT_TRUE(road);
+  EXPECT_NEAR(road->height / kTrueHeight, 1, 0.01);
+}
+
+TEST(RoadPlane, BrightnessAndContrastMayChange) {
+  const Shade darker = [](int, int, double level) { return 0.6 * level + 15; };
+  const Views views = Drive(Camera(), {}, {0, -4, 0}, 0.9, darker);
+  const auto road = FitRoadPlane({}, views.Pair(), views.region, kTrueHeight);
+  ASSERT_TRUE(road);
+  EXPECT_NEAR(road->height / kTrueHeight, 1, 0.006);
+}
+
+// A shadow of the car, or its bonnet: the same pixels in both images.
+TEST(RoadPlane, WhatMovesAlongTakesNoPart) {
+  const Shade shadow = [](int x, int y, double level) {
+    const bool inside = x > 230 && x < 330 && y > 180;
+    return inside ? 0.5 * level * (NoiseAt(x / 6.0, y / 6.0, 7) + 0.3) : level;
+  };
+  const Views views = Drive(Camera(), {}, {0, -4, 0}, 0.9, shadow, shadow);
+  const auto road = FitRoadPlane({}, views.Pair(), views.region, kTrueHeight);
+  ASSERT_TRUE(road);
+  EXPECT_NEAR(road->height / kTrueHeight, 1, 0.012);
+}
+
+TEST(RoadPlane, KerbsAreNotTheRoad) {
+  const Views views = Drive(Camera(), {.half_width = 1.1, .kerb = 0.15}, {0, -4, 0});
+  const auto road = FitRoadPlane({}, views.Pair(), views.region, kTrueHeight);
+  ASSERT_TRUE(road);
+  EXPECT_NEAR(road->height / kTrueHeight, 1, 0.012);
+}
+
+TEST(RoadPlane, ImagesOfNoRoadGiveNone) {
+  const Views flat = Drive(Camera(), {.contrast = 0}, {0, -4, 0});
+  EXPECT_FALSE(FitRoadPlane({}, flat.Pair(), flat.region, kTrueHeight));
+  EXPECT_FALSE(FindRoadPlane({}, flat.Pair(), flat.region, 0.2, 9));
+  Random random(3);
+  const Shade noise = [&](int, int, double) { return 255 * random.Uniform(0, 1); };
+  const Views snow = Drive(Camera(), {}, {0, -4, 0}, 0.9, noise, noise);
+  EXPECT_FALSE(FitRoadPlane({}, snow.Pair(), snow.region, kTrueHeight));
+  EXPECT_FALSE(FindRoadPlane({}, snow.Pair(), snow.region, 0.2, 9));
+}
+
+TEST(RoadPlane, MaskedPixelsTakeNoPart) {
+  const Views views = Drive(Camera(), {}, {0, -4, 0});
+  RoadPair pair = views.Pair();
+  pair.mask = cv::Mat::zeros(240, 640, CV_8UC1);
+  EXPECT_FALSE(FitRoadPlane({}, pair, views.region, kTrueHeight));
+}
+
+// Of normal noise in the images the stated sigma is about that of the height.
+TEST(RoadPlane, SigmaIsThatOfNoisyImages) {
+  RoadPlaneOptions options;
+  options.unevenness = 0;
+  std::vector<double> deviations;
+  for (int seed = 1; seed <= 12; ++seed) {
+    Random random(seed);
+    const Shade noise = [&](int, int, double level) { return level + 3 * random.Gaussian(); };
+    const Views views = Drive(Camera(), {.contrast = 0.3}, {0, -4, 0}, 0.9, noise, noise);
+    const auto road = FitRoadPlane(options, views.Pair(), views.region, kTrueHeight);
+    ASSERT_TRUE(road) << seed;
+    deviations.push_back(std::log(road->height / kTrueHeight) / road->sigma);
+  }
+  double squares = 0;
+  for (const double deviation : deviations) squares += deviation * deviation / static_cast<double>(deviations.size());
+  EXPECT_LT(std::sqrt(squares), 1.6);
+}
+
+TEST(RoadPlaneOptions, RefusesSenselessValues) {
+  const auto refused = [](auto change) { return RefusedField<RoadPlaneOptions>(change); };
+  EXPECT_EQ(refused([](auto&) {}), "");
+  EXPECT_EQ(refused([](auto& o) { o.pitch_sigma = 0; }), "road.pitch_sigma");
+  EXPECT_EQ(refused([](auto& o) { o.roll_sigma = 2; }), "road.roll_sigma");
+  EXPECT_EQ(refused([](auto& o) { o.unevenness = -1; }), "road.unevenness");
+  EXPECT_EQ(refused([](auto& o) { o.min_correlation = 1; }), "road.min_correlation");
+  EXPECT_EQ(refused([](auto& o) { o.min_patches = 2; }), "road.min_patches");
+  EXPECT_EQ(refused([](auto& o) { o.min_share = 0; }), "road.min_share");
+  EXPECT_EQ(refused([](auto& o) { o.patches.farthest = 1; }), "road.patches.farthest");
+  EXPECT_EQ(refused([](auto& o) { o.patches.half_size = 1; }), "road.patches.half_size");
+}
+
+}  // namespace
+}  // namespace turnscale
