@@ -55,12 +55,17 @@ struct RunArguments {
 OdometryOptions OptionsFrom(const RunArguments& arguments) {
   OdometryOptions options = arguments.images.settings ? ReadSettings(*arguments.images.settings) : OdometryOptions();
   if (arguments.vehicle) ReadVehicleFile(*arguments.vehicle, options.vehicle);
-  if (arguments.lever_arm) options.vehicle.lever_arm = CheckedLeverArm(*arguments.lever_arm);
+  if (arguments.lever_arm) {
+    options.vehicle.lever_arm = CheckedLeverArm(*arguments.lever_arm);
+    if (arguments.vehicle) options.vehicle.lever_arm_sigma = kTapeSigma;
+    options.vehicle.height_correlation = 0;
+  }
   if (arguments.lever_arm_sigma) options.vehicle.lever_arm_sigma = CheckedLeverArmSigma(*arguments.lever_arm_sigma);
   if (arguments.camera_height) {
     const CameraHeight height = ParseCameraHeight(*arguments.camera_height);
     options.vehicle.camera_height = height.metres;
     options.vehicle.camera_height_sigma = height.sigma;
+    options.vehicle.height_correlation = 0;
   }
   if (arguments.side_slip) {
     options.vehicle.side_slip = CheckedSideSlip(*arguments.side_slip);
@@ -69,9 +74,12 @@ OdometryOptions OptionsFrom(const RunArguments& arguments) {
   if (arguments.side_slip_sigma) options.vehicle.side_slip_sigma = CheckedSideSlipSigma(*arguments.side_slip_sigma);
   if (arguments.camera_rotation == "auto") {
     options.vehicle.calibrate_camera = true;
+    options.vehicle.camera_known = false;
   } else if (!arguments.camera_rotation.empty()) {
     options.vehicle.vehicle_from_camera = ReadCameraRotation(arguments.camera_rotation);
     options.vehicle.calibrate_camera = false;
+    options.vehicle.camera_known = false;
+    if (arguments.vehicle) options.vehicle.yaw_sigma = VehicleOptions().yaw_sigma;
   }
   if (arguments.method)
     options.scale.method = *arguments.method == "paper"   ? ScaleMethod::kPaper

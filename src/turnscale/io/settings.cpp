@@ -91,6 +91,7 @@ void VisitSettings(Visitor& visitor, OdometryOptions& options) {
     visitor.Degrees("yaw_sigma_deg", o.yaw_sigma);
     visitor.Field("camera_height", o.camera_height);
     visitor.Field("camera_height_sigma", o.camera_height_sigma);
+    visitor.Field("height_correlation", o.height_correlation);
   });
   visitor.Group("corners", [&] {
     auto& o = options.corners;

@@ -29,7 +29,8 @@ const std::vector<std::string>& VehicleFileKeys() {
                                                 "lever_arm",       "side_slip",
                                                 "lateral_offset",  "height",
                                                 "lever_arm_sigma", "side_slip_sigma",
-                                                "height_sigma",    "vehicle_from_camera_wxyz",
+                                                "height_sigma",    "height_correlation",
+                                                "vehicle_from_camera_wxyz",
                                                 "confidence",      "frames",
                                                 "steps",           "turns",
                                                 "turning_deg",     "input"};
@@ -39,7 +40,9 @@ const std::vector<std::string>& VehicleFileKeys() {
 std::string VehicleFileText(const VehicleOptions& vehicle, const Mount& mount, const RefinedScale& scale) {
   std::string text =
       "# A car and its camera, with standard deviations, for run --vehicle. Axes x right, y down, z forward.\n";
-  const CarRefinement* car = scale.estimate ? &scale.estimate->car : nullptr;
+  // Where the measures contradict each other, or the trajectory does not use what was refined, all is as given.
+  const bool refined = scale.estimate && !scale.estimate->fell_back && !scale.estimate->height_conflict;
+  const CarRefinement* car = refined ? &scale.estimate->car : nullptr;
   if (!vehicle.calibrate_camera || vehicle.camera_known || mount.found) {
     YawPitchRoll angles = YawPitchRollFromRotation(mount.vehicle_from_camera);
     double yaw_sigma = mount.found ? std::max(mount.sigma.yaw, vehicle.yaw_sigma) : vehicle.yaw_sigma;
@@ -58,16 +61,18 @@ std::string VehicleFileText(const VehicleOptions& vehicle, const Mount& mount, c
     }
   }
   if (vehicle.lever_arm) {
-    const bool refined = car && car->lever_arm > 0;
-    text += Line("lever_arm", refined ? car->lever_arm : *vehicle.lever_arm,
+    const bool known = car && car->lever_arm > 0;
+    text += Line("lever_arm", known ? car->lever_arm : *vehicle.lever_arm,
                  "metres from the rear axle forward to the camera");
-    text += Line("lever_arm_sigma", refined ? car->lever_arm_sigma : vehicle.lever_arm_sigma);
+    text += Line("lever_arm_sigma", known ? car->lever_arm_sigma : vehicle.lever_arm_sigma);
   }
   text += Line("side_slip", car ? car->side_slip : vehicle.side_slip, "c in L_eff = L - c v^2, s^2/m");
   text += Line("side_slip_sigma", car ? car->side_slip_sigma : vehicle.side_slip_sigma);
   if (car && car->camera_height > 0) {
     text += Line("height", car->camera_height, "of the camera above the road, metres");
     text += Line("height_sigma", car->camera_height_sigma);
+    if (car->lever_arm > 0)
+      text += Line("height_correlation", car->height_correlation, "of the errors of the height and of the lever arm");
   } else if (vehicle.camera_height) {
     text += Line("height", *vehicle.camera_height, "of the camera above the road, metres");
     text += Line("height_sigma", vehicle.HeightSigma());
@@ -107,6 +112,12 @@ void ReadVehicleFile(const std::filesystem::path& path, VehicleOptions& vehicle)
     vehicle.camera_height = map.Positive("height");
     vehicle.camera_height_sigma =
         std::hypot(not_negative("height_sigma", 0), kHeightBetweenDrives * *vehicle.camera_height);
+    if (map.Has("height_correlation")) {
+      const double correlation = map.Number("height_correlation");
+      if (!(std::abs(correlation) <= 1)) map.Reject("height_correlation", "has to be between -1 and 1");
+      // What changes between drives has nothing to do with the lever arm.
+      vehicle.height_correlation = correlation * not_negative("height_sigma", 0) / *vehicle.camera_height_sigma;
+    }
   }
   vehicle.Check();
 }

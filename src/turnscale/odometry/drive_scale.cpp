@@ -36,13 +36,15 @@ CarPrior PriorOf(const VehicleOptions& vehicle, const Mount& mount) {
   if (vehicle.camera_height) {
     car.camera_height = *vehicle.camera_height;
     car.camera_height_sigma = vehicle.HeightSigma();
+    car.height_correlation = vehicle.height_correlation;
   }
   car.side_slip = vehicle.side_slip;
   car.side_slip_sigma = vehicle.side_slip_sigma;
   car.yaw_sigma = vehicle.yaw_sigma;
   if (vehicle.calibrate_camera)
     car.yaw_sigma = std::max(vehicle.yaw_sigma, mount.found            ? mount.sigma.yaw
-                                                : vehicle.camera_known ? vehicle.yaw_sigma
+                                                : vehicle.camera_known && mount.first_keyframe == 0
+                                                    ? vehicle.yaw_sigma
                                                                        : kAssumedYawSigma);
   return car;
 }

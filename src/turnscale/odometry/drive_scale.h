@@ -56,7 +56,10 @@ class DriveScale {
   explicit DriveScale(const OdometryOptions& options);
 
   /// Takes what the latest keyframe shows of the road, before Add.
-  void AddHeight(const MeasuredHeight& height) { heights_.push_back(height); }
+  void AddHeight(const MeasuredHeight& height) {
+    // A camera that has been moved may have another height.
+    if (mount_.moves() == 0) heights_.push_back(height);
+  }
 
   /// Takes the new keyframes of the map. Returns whether they ended a turn: then the keyframes since the previous turn
   /// should be adjusted again, followed by Reread.

@@ -40,6 +40,8 @@ double LooseBy(int pass) { return std::max(1.0, kLooseAtFirst * std::pow(kTighte
 
 OdometryOptions OptionsForReading(OdometryOptions options, int pass) {
   options.vehicle.lever_arm.reset();
+  options.vehicle.camera_height.reset();
+  options.road.enabled = false;
   options.calibration_check.enabled = false;
   options.pose.inlier_threshold *= LooseBy(pass);
   options.pose.huber_threshold *= LooseBy(pass);

@@ -178,6 +178,7 @@ std::optional<RoadPlane> FitRoadPlane(const RoadPlaneOptions& options, const Roa
   Eigen::Vector4d by_plane;
   by_plane << surface.plane / (norm * norm), 0;
   road.sigma = kCorrelatedErrors * std::sqrt(by_plane.dot(fit.information.ldlt().solve(by_plane)));
+  if (!(road.sigma <= options.max_sigma) || std::abs(std::log(road.height / height)) > kMostChange) return std::nullopt;
   return road;
 }
 

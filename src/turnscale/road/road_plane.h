@@ -18,7 +18,8 @@ struct RoadPlaneOptions {
   double max_deviation = 4;                           ///< of pitch and roll, in their sigmas: else it is no road
   double min_correlation = 0.7;                       ///< of a patch with what it is found to lie on
   int min_patches = 20;                               ///< on the plane
-  double min_share = 0.5;                             ///< of the patches with texture that are on the plane
+  double min_share = 0.5;                             ///< of the patches that match that are on the plane
+  double max_sigma = 0.1;                             ///< relative, of a height
 
   /// Throws InputError that names the field when a value makes no sense.
   void Check() const;
@@ -30,14 +31,15 @@ struct RoadPlane {
   double sigma = 0;                                   ///< relative
   Eigen::Vector3d normal = Eigen::Vector3d::UnitY();  ///< downwards, in the current camera's axes
   int patches = 0;                                    ///< that lie on it
-  double share = 0;                                   ///< of those with texture
+  double share = 0;                                   ///< of those that match
 };
 
 /// The plane that makes the road region of one image look like that in an earlier one: photometric, patch by patch
 /// (inverse compositional, gain and offset free), the patches joined by a robust fit of one plane. Patches that do not
 /// move like this plane (cars, kerbs, reflections, shadows that move along) take no part.
 ///
-/// `height`: where the search starts, within about 15 %. Empty where too few patches agree.
+/// `height`: where the search starts, within about 15 %. Empty where too few patches agree, or on a height more than
+/// 25 % away.
 std::optional<RoadPlane> FitRoadPlane(const RoadPlaneOptions& options, const RoadPair& pair, const RoadRegion& region,
                                       double height);
 

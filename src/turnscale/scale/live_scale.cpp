@@ -12,6 +12,20 @@ namespace {
 constexpr int kLocalIterations = 5;
 // Metres per second: before the first turn, what the lengths of straights are guessed from.
 constexpr double kUsualSpeed = 6;
+// Of ln(lambda): above this the scale comes from its prior alone.
+constexpr double kUnknownScale = 1;
+
+// A guess from the usual speed; empty if the steps have no length or no duration.
+std::optional<double> UsualMetresPerUnit(const std::vector<VehicleStep>& steps) {
+  double length = 0;
+  double duration = 0;
+  for (const VehicleStep& step : steps) {
+    if (!step.usable) continue;
+    length += step.motion.step;
+    duration += step.duration;
+  }
+  return length > 0 && duration > 0 ? std::optional(kUsualSpeed * duration / length) : std::nullopt;
+}
 
 // Tyres do not slip inwards.
 void HoldSlip(ScaleBelief& belief) { belief.mean[kSlip] = std::max(belief.mean[kSlip], 0.0); }
@@ -78,19 +92,9 @@ void LiveScale::Commit(int last, bool turning) {
 
 // A straight that has ended shows the direction of travel. Its bends are taken out with the lever arm in units.
 void LiveScale::TakeDirection(const std::vector<VehicleStep>& steps, ScaleBelief& belief) const {
-  double metres_per_unit = belief.metres_per_unit();
-  if (!started_) {
-    double length = 0;
-    double duration = 0;
-    for (const VehicleStep& step : steps) {
-      if (!step.usable) continue;
-      length += step.motion.step;
-      duration += step.duration;
-    }
-    if (!(length > 0 && duration > 0)) return;
-    metres_per_unit = kUsualSpeed * duration / length;
-  }
-  const double lever_arm = std::exp(belief.mean[kLogLeverArm]) / metres_per_unit;
+  const std::optional<double> metres_per_unit = MetresPerUnit(steps, belief);
+  if (!metres_per_unit) return;
+  const double lever_arm = std::exp(belief.mean[kLogLeverArm]) / *metres_per_unit;
   SegmentEvidence evidence = EvidenceOfStraight(steps, lever_arm, options_.evidence);
   if (ShowsRoad(steps)) ShareDirection(options_.evidence, evidence);
   const auto measurement = Linearize(evidence, belief.mean, options_.evidence);
@@ -100,14 +104,17 @@ void LiveScale::TakeDirection(const std::vector<VehicleStep>& steps, ScaleBelief
 }
 
 void LiveScale::Advance(const std::vector<VehicleStep>& steps, ScaleBelief& belief) const {
-  // Before the first turn the scale is as good as unknown, and so are metres.
-  if (!started_) return;
-  const double metres_per_unit = belief.metres_per_unit();
+  const std::optional<double> metres_per_unit = MetresPerUnit(steps, belief);
+  if (!metres_per_unit) return;
   for (const VehicleStep& step : steps) {
     const double variance =
-        DriftVariance(options_.drift, step.motion.step, metres_per_unit, std::abs(step.motion.psi), step.gap_sigma);
-    belief = Advanced(belief, variance, step.motion.step, metres_per_unit, options_.evidence.road);
+        DriftVariance(options_.drift, step.motion.step, *metres_per_unit, std::abs(step.motion.psi), step.gap_sigma);
+    belief = Advanced(belief, variance, step.motion.step, *metres_per_unit, options_.evidence.road);
   }
+}
+
+std::optional<double> LiveScale::MetresPerUnit(const std::vector<VehicleStep>& steps, const ScaleBelief& belief) const {
+  return started_ ? belief.metres_per_unit() : UsualMetresPerUnit(steps);
 }
 
 bool LiveScale::KnowsHeight(const ScaleBelief& belief) const {
@@ -133,10 +140,10 @@ std::optional<ScaleBelief> LiveScale::WithTurn(const ScaleBelief& belief, const 
   if (!evidence.turn) return std::nullopt;
   ScaleBelief start = belief;
   if (!WhyUnusable(*evidence.turn, belief.mean, options_.evidence).empty()) return std::nullopt;
-  if (!started_) {
-    // What the road has said so far is the ratio of height and scale.
+  if (!started_ && belief.sigma() > kUnknownScale) {
     const double log_scale = std::log(OwnScale(evidence, belief.mean));
-    start.mean[kLogHeight] += log_scale - start.mean[kLogScale];
+    // The road has shown the ratio of height and scale so far. A height that is given stays.
+    if (!car_.knows_height()) start.mean[kLogHeight] += log_scale - start.mean[kLogScale];
     start.mean[kLogScale] = log_scale;
   }
   ScaleBelief updated = start;

@@ -188,6 +188,8 @@ CarRefinement DescribeCar(const ScaleBelief& belief, const CarPrior& car, bool s
   if (belief.Sigma(kLogHeight) <= kLeastKnownHeight) {
     refinement.camera_height = std::exp(belief.mean[kLogHeight]);
     refinement.camera_height_sigma = belief.Sigma(kLogHeight) * refinement.camera_height;
+    refinement.height_correlation =
+        belief.covariance(kLogLeverArm, kLogHeight) / (belief.Sigma(kLogLeverArm) * belief.Sigma(kLogHeight));
   }
   return refinement;
 }
@@ -360,7 +362,7 @@ ScaleEstimateResult EstimateScale(const std::vector<VehicleStep>& steps, const C
   problem.evidence = selection.evidence;
   result.turns = DescribeTurns(problem, car);
   if (!StartingLogScale(selection, car)) {
-    result.reason = car.knows_height()     ? "the images do not show the road"
+    result.reason = car.knows_height() && !car.knows_lever_arm() ? "the images do not show the road"
                     : result.turns.empty() ? "no turn; " + WhatWouldDo(options, gathered)
                                            : "no sufficiently slow turn shows the expected lateral motion; " +
                                                  WhatWouldDo(options, gathered);
@@ -376,7 +378,7 @@ ScaleEstimateResult EstimateScale(const std::vector<VehicleStep>& steps, const C
   estimate.converged = answer.smoothing.converged();
   const auto best = std::ranges::min_element(estimate.smoothed, {}, [](const ScaleBelief& b) { return b.sigma(); });
   if (!(best->sigma() <= options.max_sigma)) {
-    result.reason = "the turns leave the scale uncertain by " + std::to_string(std::lround(100 * best->sigma())) +
+    result.reason = "the drive leaves the scale uncertain by " + std::to_string(std::lround(100 * best->sigma())) +
                     " %, more than " + std::to_string(std::lround(100 * options.max_sigma)) + " %; " +
                     WhatWouldDo(options, gathered);
     for (TurnEstimate& turn : result.turns) {
@@ -394,9 +396,10 @@ ScaleEstimateResult EstimateScale(const std::vector<VehicleStep>& steps, const C
   estimate.car = DescribeCar(estimate.smoothed.back(), car, car.side_slip_sigma > 0 && answer.side_slip < 0);
   estimate.height_conflict = CompareHeight(answer.smoothed.segments.back(), car, options.max_height_deviation);
   if (estimate.height_conflict) WidenForConflict(*estimate.height_conflict, estimate);
-  estimate.from_road = FromRoad(answer.smoothing.problem(), estimate.car);
   if (options.follow_turns || estimate.test.contradicted || !estimate.converged)
     FollowTurns(options.max_sigma_ratio, estimate);
+  estimate.from_road = estimate.fell_back ? std::vector<char>(estimate.segments.size(), 0)
+                                          : FromRoad(answer.smoothing.problem(), estimate.car);
   DescribeScaleAtTurns(estimate);
   result.estimate = std::move(estimate);
   return result;

@@ -64,6 +64,7 @@ struct CarRefinement {
   double lever_arm_sigma = 0;
   double camera_height = 0;  ///< metres; 0 if neither given nor learned
   double camera_height_sigma = 0;
+  double height_correlation = 0;  ///< of the errors of camera height and lever arm
 };
 
 /// The camera height that is given, and the one that the turns of the drive show with the lever arm that is given: one

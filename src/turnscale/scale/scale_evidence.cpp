@@ -167,10 +167,22 @@ std::optional<RoadEvidence> EvidenceOfRoad(const std::vector<VehicleStep>& steps
   return road;
 }
 
+namespace {
+
+// Standard deviation of the mean of an exponentially correlated error of 1 over so many correlation lengths, as one
+// value at the middle of a segment whose neighbours are as long: means of neighbours correlate more than the values at
+// their middles, so that it takes a larger one for the mean over all segments to vary as the error does (2 / lengths).
+double MeanErrorSigma(double lengths) {
+  if (!(lengths > 1e-3)) return 1;
+  const double persistence = std::exp(-lengths);
+  return std::sqrt(2 / lengths * (1 - persistence) / (1 + persistence));
+}
+
+}  // namespace
+
 Measurement LinearizeRoad(const RoadEvidence& road, const DriveState& state, const RoadEvidenceOptions& options) {
-  // Standard deviation of the mean of an exponentially correlated error over a length, of 1.
   const double lengths = road.length * std::exp(state[kLogScale]) / options.correlation_length;
-  const double mean = lengths > 1e-3 ? std::sqrt(2 * (lengths + std::expm1(-lengths))) / lengths : 1.0;
+  const double mean = MeanErrorSigma(lengths);
   Measurement measurement;
   measurement.by_state[kLogHeight] = 1;
   measurement.by_state[kLogScale] = -1;

@@ -29,6 +29,8 @@ struct CarPrior {
   /// H: height of the camera above the road, metres. 0: not known; the drive's turns then tell it.
   double camera_height = 0;
   double camera_height_sigma = 0;  ///< metres
+  /// Of the errors of L and H: a height that turns have shown is as wrong as the lever arm they were read with.
+  double height_correlation = 0;
 
   bool knows_lever_arm() const { return lever_arm > 0; }
   bool knows_height() const { return camera_height > 0; }
