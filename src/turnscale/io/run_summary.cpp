@@ -331,7 +331,8 @@ std::string SummaryText(const RunSummary& summary) {
                          100 * summary.path_sigma, 100 * summary.worst_sigma, summary.worst_sigma_time);
   if (!IsMetric(summary)) {
     const bool given = summary.vehicle.lever_arm || summary.vehicle.camera_height;
-    scale += given ? ", the trajectory is up to scale" : ": without --lever-arm the trajectory is up to scale";
+    scale += given ? ", the trajectory is up to scale"
+                   : ": without --lever-arm or --camera-height the trajectory is up to scale";
     if (given && !summary.pending_reason.empty()) scale += ": " + summary.pending_reason;
   }
   const RunCost& cost = summary.cost;

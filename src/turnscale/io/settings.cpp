@@ -261,6 +261,7 @@ void VisitSettings(Visitor& visitor, OdometryOptions& options) {
     visitor.Field("min_correlation", o.plane.min_correlation);
     visitor.Field("min_patches", o.plane.min_patches);
     visitor.Field("min_share", o.plane.min_share);
+    visitor.Field("max_sigma", o.plane.max_sigma);
     visitor.Field("half_width", o.plane.patches.half_width);
     visitor.Field("nearest", o.plane.patches.nearest);
     visitor.Field("farthest", o.plane.patches.farthest);

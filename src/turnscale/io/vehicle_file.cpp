@@ -23,17 +23,27 @@ std::string Line(const char* key, double value, const char* comment = "") {
 }  // namespace
 
 const std::vector<std::string>& VehicleFileKeys() {
-  static const std::vector<std::string> keys = {"yaw_deg",         "pitch_deg",
-                                                "roll_deg",        "yaw_sigma_deg",
-                                                "pitch_sigma_deg", "roll_sigma_deg",
-                                                "lever_arm",       "side_slip",
-                                                "lateral_offset",  "height",
-                                                "lever_arm_sigma", "side_slip_sigma",
-                                                "height_sigma",    "height_correlation",
+  static const std::vector<std::string> keys = {"yaw_deg",
+                                                "pitch_deg",
+                                                "roll_deg",
+                                                "yaw_sigma_deg",
+                                                "pitch_sigma_deg",
+                                                "roll_sigma_deg",
+                                                "lever_arm",
+                                                "side_slip",
+                                                "lateral_offset",
+                                                "height",
+                                                "lever_arm_sigma",
+                                                "side_slip_sigma",
+                                                "height_sigma",
+                                                "height_correlation",
                                                 "vehicle_from_camera_wxyz",
-                                                "confidence",      "frames",
-                                                "steps",           "turns",
-                                                "turning_deg",     "input"};
+                                                "confidence",
+                                                "frames",
+                                                "steps",
+                                                "turns",
+                                                "turning_deg",
+                                                "input"};
   return keys;
 }
 

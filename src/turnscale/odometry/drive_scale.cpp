@@ -42,10 +42,9 @@ CarPrior PriorOf(const VehicleOptions& vehicle, const Mount& mount) {
   car.side_slip_sigma = vehicle.side_slip_sigma;
   car.yaw_sigma = vehicle.yaw_sigma;
   if (vehicle.calibrate_camera)
-    car.yaw_sigma = std::max(vehicle.yaw_sigma, mount.found            ? mount.sigma.yaw
-                                                : vehicle.camera_known && mount.first_keyframe == 0
-                                                    ? vehicle.yaw_sigma
-                                                                       : kAssumedYawSigma);
+    car.yaw_sigma = std::max(vehicle.yaw_sigma, mount.found                                         ? mount.sigma.yaw
+                                                : vehicle.camera_known && mount.first_keyframe == 0 ? vehicle.yaw_sigma
+                                                                                                    : kAssumedYawSigma);
   return car;
 }
 

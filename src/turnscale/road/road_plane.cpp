@@ -23,6 +23,8 @@ constexpr double kLeastGuiding = 0.3;
 constexpr double kSearchRatio = 1.06;
 // Neighbouring patches share errors of the motion between the images.
 constexpr double kCorrelatedErrors = 1.5;
+// Logarithm of a height over that which the search starts with: farther away it has lost the road.
+constexpr double kMostChange = 0.223;
 
 // What the plane is expected to satisfy: row * plane = 0 +- sigma * down * plane; and the bend: 0 +- its sigma.
 struct Expectation {
@@ -136,6 +138,7 @@ void RoadPlaneOptions::Check() const {
   require(min_correlation > 0 && min_correlation < 1, "road.min_correlation: has to be above 0 and below 1");
   require(min_patches >= 6, "road.min_patches: has to be at least 6");
   require(min_share > 0 && min_share <= 1, "road.min_share: has to be above 0, at most 1");
+  require(max_sigma > 0, "road.max_sigma: has to be positive");
 }
 
 std::optional<RoadPlane> FitRoadPlane(const RoadPlaneOptions& options, const RoadPair& pair, const RoadRegion& region,

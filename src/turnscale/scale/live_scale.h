@@ -35,6 +35,8 @@ class LiveScale {
   void Commit(int last, bool turning);
   void TakeDirection(const std::vector<VehicleStep>& steps, ScaleBelief& belief) const;
   void Advance(const std::vector<VehicleStep>& steps, ScaleBelief& belief) const;
+  /// Of the belief, or a guess before it knows them; empty if the steps have no length or no duration.
+  std::optional<double> MetresPerUnit(const std::vector<VehicleStep>& steps, const ScaleBelief& belief) const;
   /// With the height above the road. Returns whether the steps show it.
   bool TakeRoad(const std::vector<VehicleStep>& steps, ScaleBelief& belief) const;
   bool KnowsHeight(const ScaleBelief& belief) const;

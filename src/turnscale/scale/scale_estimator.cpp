@@ -363,7 +363,7 @@ ScaleEstimateResult EstimateScale(const std::vector<VehicleStep>& steps, const C
   result.turns = DescribeTurns(problem, car);
   if (!StartingLogScale(selection, car)) {
     result.reason = car.knows_height() && !car.knows_lever_arm() ? "the images do not show the road"
-                    : result.turns.empty() ? "no turn; " + WhatWouldDo(options, gathered)
+                    : result.turns.empty()                       ? "no turn; " + WhatWouldDo(options, gathered)
                                            : "no sufficiently slow turn shows the expected lateral motion; " +
                                                  WhatWouldDo(options, gathered);
     return result;

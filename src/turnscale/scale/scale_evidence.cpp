@@ -38,6 +38,15 @@ double MedianLeverArm(const std::vector<SegmentEvidence>& evidence) {
   return lever_arms.empty() ? 0.0 : std::max(WeightedMedian(std::move(lever_arms)), 0.0);
 }
 
+// Standard deviation of the mean of an exponentially correlated error of 1 over so many correlation lengths, as one
+// value at the middle of a segment whose neighbours are as long: means of neighbours correlate more than the values at
+// their middles, so that it takes a larger one for the mean over all segments to vary as the error does (2 / lengths).
+double MeanErrorSigma(double lengths) {
+  if (!(lengths > 1e-3)) return 1;
+  const double persistence = std::exp(-lengths);
+  return std::sqrt(2 / lengths * (1 - persistence) / (1 + persistence));
+}
+
 }  // namespace
 
 void CarPrior::Check() const {
@@ -166,19 +175,6 @@ std::optional<RoadEvidence> EvidenceOfRoad(const std::vector<VehicleStep>& steps
   road.sigma = spread / std::sqrt(information);
   return road;
 }
-
-namespace {
-
-// Standard deviation of the mean of an exponentially correlated error of 1 over so many correlation lengths, as one
-// value at the middle of a segment whose neighbours are as long: means of neighbours correlate more than the values at
-// their middles, so that it takes a larger one for the mean over all segments to vary as the error does (2 / lengths).
-double MeanErrorSigma(double lengths) {
-  if (!(lengths > 1e-3)) return 1;
-  const double persistence = std::exp(-lengths);
-  return std::sqrt(2 / lengths * (1 - persistence) / (1 + persistence));
-}
-
-}  // namespace
 
 Measurement LinearizeRoad(const RoadEvidence& road, const DriveState& state, const RoadEvidenceOptions& options) {
   const double lengths = road.length * std::exp(state[kLogScale]) / options.correlation_length;
