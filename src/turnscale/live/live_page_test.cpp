@@ -46,15 +46,16 @@ class LivePageTest : public ::testing::Test {
     }
   }
 
+  int Port() const { return std::stoi(Address().substr(Address().rfind(':') + 1)); }
+
   // A viewer's connection, which says nothing yet; the system keeps so many bytes for it (0: as usual).
-  int Connect(int kept = 0) const {
+  static int Connect(int port, int kept = 0) {
     const int handle = socket(AF_INET, SOCK_STREAM, 0);
     if (kept > 0) setsockopt(handle, SOL_SOCKET, SO_RCVBUF, &kept, sizeof kept);
     sockaddr_in address{};
     address.sin_family = AF_INET;
     address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    const std::string port = Address().substr(Address().rfind(':') + 1);
-    address.sin_port = htons(static_cast<uint16_t>(std::stoi(port)));
+    address.sin_port = htons(static_cast<uint16_t>(port));
     EXPECT_EQ(connect(handle, reinterpret_cast<sockaddr*>(&address), sizeof address), 0);
     return handle;
   }
@@ -176,7 +177,7 @@ TEST_F(LivePageTest, NamesWhatTheProgramDoes) {
 TEST_F(LivePageTest, StalledViewersHoldUpNobody) {
   // They open a connection and say nothing.
   std::vector<int> stalled;
-  for (int i = 0; i < 20; ++i) stalled.push_back(Connect());
+  for (int i = 0; i < 20; ++i) stalled.push_back(Connect(Port()));
   AddFrames(1);
   for (int i = 0; i < 10; ++i) EXPECT_EQ(State()["frame"], 1);
   for (const int handle : stalled) close(handle);
@@ -184,8 +185,8 @@ TEST_F(LivePageTest, StalledViewersHoldUpNobody) {
 
 TEST_F(LivePageTest, SlowViewersDoNotHoldUpTheEnd) {
   // One sends its request letter by letter, one asks for a report that it does not read.
-  const int sender = Connect();
-  const int reader = Connect();
+  const int sender = Connect(Port());
+  const int reader = Connect(Port());
   const std::string request = "GET /report.html?viewer=b HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n";
   std::atomic<bool> over = false;
   std::thread slow([&] {
@@ -214,19 +215,25 @@ TEST_F(LivePageTest, SlowViewersDoNotHoldUpTheEnd) {
 
 // The report is longer than what the system keeps for a viewer.
 TEST_F(LivePageTest, ViewersWhoDoNotReadTheReportHoldUpNobody) {
-  AddFrames(1);
-  State();
+  LiveState state("drive", "1.0", 100);
+  LivePage page({}, state);
+  const std::string address = page.address();
+  const std::string port = address.substr(address.rfind(':') + 1);
+  httplib::Client client("127.0.0.1", std::stoi(port));
+  client.set_read_timeout(60);
+  ASSERT_TRUE(client.Get("/state.json?viewer=a"));
   std::string report;
-  report.resize(30'000'000, 'x');
-  std::thread end([&] { page_.Finish(report, Never); });
-  while (State()["finished"] != true) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  report.resize(12'000'000, 'x');
+  std::thread end([&] { page.Finish(report, Never); });
+  while (!nlohmann::json::parse(client.Get("/state.json?viewer=a").value().body)["finished"].get<bool>())
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
   std::vector<int> stalled;
   const std::string request = "GET /report.html HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n";
-  for (int i = 0; i < 20; ++i) {
-    stalled.push_back(Connect(4096));
+  for (int i = 0; i < 10; ++i) {
+    stalled.push_back(Connect(std::stoi(port), 4096));
     send(stalled.back(), request.data(), request.size(), MSG_NOSIGNAL);
   }
-  const auto answer = client_.Get("/report.html?viewer=a");
+  const auto answer = client.Get("/report.html?viewer=a");
   EXPECT_TRUE(answer && answer->body == report);
   end.join();
   for (const int handle : stalled) close(handle);
