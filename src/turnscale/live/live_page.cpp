@@ -6,6 +6,7 @@
 #include <chrono>
 #include <filesystem>
 #include <map>
+#include <memory>
 #include <mutex>
 #include <system_error>
 #include <thread>
@@ -59,6 +60,14 @@ int PortOf(const sockaddr_storage& address) {
   if (address.ss_family == AF_INET) return ntohs(reinterpret_cast<const sockaddr_in&>(address).sin_port);
   if (address.ss_family == AF_INET6) return ntohs(reinterpret_cast<const sockaddr_in6&>(address).sin6_port);
   return -1;
+}
+
+// With its length given, the library sends it as it is: compressing a page of megabytes takes seconds.
+void Send(std::string body, const char* type, httplib::Response& response) {
+  const auto kept = std::make_shared<const std::string>(std::move(body));
+  response.set_content_provider(kept->size(), type, [kept](size_t offset, size_t length, httplib::DataSink& sink) {
+    return sink.write(kept->data() + offset, length);
+  });
 }
 
 // Ends the connections of this process's sockets of that port, so that no thread waits for their viewers.
@@ -187,20 +196,20 @@ class LivePage::Server {
     });
     server_.Get("/", [this](const auto&, auto& response) {
       const std::string report = Report();
-      response.set_content(report.empty() ? page_ : report, "text/html; charset=utf-8");
+      Send(report.empty() ? page_ : report, "text/html; charset=utf-8", response);
     });
     server_.Get("/state.json", [this](const auto& request, auto& response) {
       Remember(request.get_param_value("viewer"));
-      response.set_content(state_.StateJson(), "application/json");
+      Send(state_.StateJson(), "application/json", response);
     });
     server_.Get("/path.json",
-                [this](const auto&, auto& response) { response.set_content(state_.PathJson(), "application/json"); });
+                [this](const auto&, auto& response) { Send(state_.PathJson(), "application/json", response); });
     server_.Get("/image.jpg", [this](const auto&, auto& response) {
       const std::string image = state_.Image();
       if (image.empty()) {
         response.status = kNotFound;
       } else {
-        response.set_content(image, "image/jpeg");
+        Send(image, "image/jpeg", response);
       }
     });
     server_.Get("/report.html", [this](const auto&, auto& response) {
@@ -208,7 +217,7 @@ class LivePage::Server {
       if (report.empty()) {
         response.status = kNotFound;
       } else {
-        response.set_content(report, "text/html; charset=utf-8");
+        Send(report, "text/html; charset=utf-8", response);
       }
     });
     // After an answer has been sent.
@@ -238,7 +247,7 @@ class LivePage::Server {
   }
 
   void ForgetThoseWhoAskNoMore() {
-    constexpr seconds kKept(3);
+    constexpr seconds kKept(15);  // those who leave say so
     const std::lock_guard lock(mutex_);
     const Clock::time_point now = Clock::now();
     std::erase_if(viewers_, [&](const auto& seen) { return now - seen.second > kKept; });

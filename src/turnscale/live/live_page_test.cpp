@@ -151,6 +151,14 @@ TEST_F(LivePageTest, BecomesTheReport) {
   EXPECT_FALSE(client_.Get("/state.json")) << "the server has stopped";
 }
 
+// That would take seconds of a page of megabytes.
+TEST_F(LivePageTest, CompressesNothing) {
+  const auto page = client_.Get("/", {{"Accept-Encoding", "br, gzip, deflate"}});
+  ASSERT_TRUE(page);
+  EXPECT_FALSE(page->has_header("Content-Encoding"));
+  EXPECT_EQ(page->get_header_value("Content-Length"), std::to_string(page->body.size()));
+}
+
 TEST_F(LivePageTest, WaitsForNobodyWhoHasLeft) {
   AddFrames(1);
   State();
