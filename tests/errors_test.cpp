@@ -87,7 +87,7 @@ TEST_F(ErrorsTest, QuietPrintsNothing) {
 }
 
 TEST_F(ErrorsTest, WithoutLeverArmTheRunSaysItIsUpToScale) {
-  EXPECT_NE(Run().out.find("without --lever-arm the trajectory is up to scale"), std::string::npos);
+  EXPECT_NE(Run().out.find("without --lever-arm or --camera-height the trajectory is up to scale"), std::string::npos);
 }
 
 TEST_F(ErrorsTest, SettingsAreThoseInEffect) {

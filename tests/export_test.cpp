@@ -84,19 +84,23 @@ void ExpectCircle(const std::vector<std::pair<double, double>>& places) {
   EXPECT_NEAR((places[16].second - 8.4225) * 73169, 100 * std::sin(angle), 0.3);
 }
 
+// A point per second, UTC.
+void ExpectTime(const std::string& text, size_t point) {
+  const std::string time = fmt::format("06:14:{:02}", 5 + point);
+  EXPECT_NE(text.find(time), std::string::npos) << text << " at point " << point;
+}
+
 void ExpectGpsbabelReads(const std::string& format, const std::string& file) {
   if (!Has("gpsbabel")) GTEST_SKIP() << "no gpsbabel (Debian package: gpsbabel)";
   std::istringstream text(OutputOf("gpsbabel -t -i " + format + " -f '" + file + "' -o unicsv,utc=0,prec=8 -F -"));
   CsvTable table(text, file);
   std::vector<std::pair<double, double>> places;
-  std::string last_time;
   while (table.Next()) {
     places.emplace_back(table.Value<double>(table.Column("Latitude")), table.Value<double>(table.Column("Longitude")));
     EXPECT_EQ(table.Text(table.Column("Date")), "2026/03/22");
-    last_time = table.Text(table.Column("Time"));
+    ExpectTime(table.Text(table.Column("Time")), places.size() - 1);
   }
   ExpectCircle(places);
-  EXPECT_EQ(last_time.substr(0, 8), "06:14:25") << "UTC";
 }
 
 TEST_F(ExportTest, GpsbabelReadsGpx) {
@@ -109,26 +113,50 @@ TEST_F(ExportTest, GpsbabelReadsKml) {
   ExpectGpsbabelReads("kml", Path(".kml"));
 }
 
-TEST_F(ExportTest, GdalReadsAll) {
+std::pair<double, double> PlaceOf(const nlohmann::json& position) {
+  return {position[1].get<double>(), position[0].get<double>()};
+}
+
+// The features that GDAL reads from a file or one of its layers.
+nlohmann::json ReadByGdal(const std::string& file, const std::string& layer = "") {
+  const auto json = nlohmann::json::parse(OutputOf(fmt::format("ogr2ogr -f GeoJSON /vsistdout/ '{}' {}", file, layer)),
+                                          nullptr, false);
+  EXPECT_TRUE(json.is_object() && json.contains("features")) << file;
+  return json.is_object() ? json.value("features", nlohmann::json::array()) : nlohmann::json::array();
+}
+
+TEST_F(ExportTest, GdalReadsLines) {
   if (!Has("ogr2ogr")) GTEST_SKIP() << "no ogr2ogr (Debian package: gdal-bin)";
   ASSERT_EQ(ExportAll().exit_code, 0);
-  for (const std::string& file : {Path(".geojson"), Path(".kml"), Path(".gpx") + " tracks"}) {
-    const size_t blank = file.find(" tracks");
-    const std::string name = file.substr(0, blank);
-    const std::string layer = blank == std::string::npos ? "" : "tracks";
-    const auto json = nlohmann::json::parse(
-        OutputOf(fmt::format("ogr2ogr -f GeoJSON /vsistdout/ '{}' {}", name, layer)), nullptr, false);
-    ASSERT_FALSE(json.is_discarded()) << file;
+  for (const std::string& file : {Path(".geojson"), Path(".kml")}) {
     nlohmann::json line;
-    for (const auto& feature : json["features"]) {
-      const auto& geometry = feature["geometry"];
-      if (geometry["type"] == "LineString") line = geometry["coordinates"];
-      if (geometry["type"] == "MultiLineString") line = geometry["coordinates"][0];
-    }
+    for (const auto& feature : ReadByGdal(file))
+      if (feature["geometry"]["type"] == "LineString") line = feature;
+    ASSERT_TRUE(line.is_object()) << file;
     std::vector<std::pair<double, double>> places;
-    for (const auto& position : line) places.emplace_back(position[1].get<double>(), position[0].get<double>());
+    for (const auto& position : line["geometry"]["coordinates"]) places.push_back(PlaceOf(position));
     ExpectCircle(places);
+    if (line["properties"].contains("begin")) {
+      // Of a track in KML it reads the first and the last time.
+      ExpectTime(line["properties"]["begin"].get<std::string>(), 0);
+      ExpectTime(line["properties"]["end"].get<std::string>(), 20);
+      continue;
+    }
+    const auto& times = line["properties"]["coordinateProperties"]["times"];
+    ASSERT_EQ(times.size(), 21u) << file;
+    for (size_t i = 0; i < times.size(); ++i) ExpectTime(times[i].get<std::string>(), i);
   }
+}
+
+TEST_F(ExportTest, GdalReadsGpxPoints) {
+  if (!Has("ogr2ogr")) GTEST_SKIP() << "no ogr2ogr (Debian package: gdal-bin)";
+  ASSERT_EQ(ExportAll().exit_code, 0);
+  std::vector<std::pair<double, double>> places;
+  for (const auto& feature : ReadByGdal(Path(".gpx"), "track_points")) {
+    ExpectTime(feature["properties"]["time"].get<std::string>(), places.size());
+    places.push_back(PlaceOf(feature["geometry"]["coordinates"]));
+  }
+  ExpectCircle(places);
 }
 
 TEST_F(ExportTest, FixesPlaceThePath) {
@@ -225,6 +253,13 @@ TEST_F(ExportTest, TheCameraIsThatOfTheRun) {
   EXPECT_NEAR(camera({"--gltf"})["yfov"].get<double>(), 2 * std::atan(240 / 500.0), 1e-9);
   EXPECT_NEAR(camera({"--gltf"})["aspectRatio"].get<double>(), 4 / 3.0, 1e-9);
   EXPECT_NEAR(camera({"--gltf", "--fov", "90", "--aspect", "1"})["yfov"].get<double>(), M_PI / 2, 1e-9);
+  // No pinhole camera resembles a fisheye.
+  summary.lens_model = LensModel::kEquidistant;
+  WriteSummary(summary);
+  EXPECT_NE(Export({"--gltf"}).out.find("70 deg wide is assumed"), std::string::npos);
+  summary.pose_frame = "vehicle";
+  WriteSummary(summary);
+  ExpectComplaint(Export({"--gltf"}), 2, {"are those of the rear axle", "without --frame vehicle"});
 }
 
 TEST_F(ExportTest, ViewMakesThePageAgain) {

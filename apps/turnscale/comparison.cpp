@@ -113,11 +113,12 @@ Comparison Compare(const ComparisonFiles& arguments) {
   const std::vector<Step> steps = FindSteps(arguments, paired, options.steps, comparison.sources.steps);
   comparison.evaluation = Evaluate(paired.pairs, steps, options);
   comparison.pairs = paired.pairs;
+  comparison.timed = paired.key == KeyframeKey::kTime;
   return comparison;
 }
 
 std::string ComparisonJson(const Comparison& comparison) {
-  // Names of files may be no UTF-8.
+  // Names of files may not be valid UTF-8.
   const auto replace = nlohmann::ordered_json::error_handler_t::replace;
   return EvaluationJson(comparison.evaluation, comparison.sources).dump(2, ' ', false, replace) + "\n";
 }

@@ -23,6 +23,7 @@ struct ComparisonFiles {
 /// An estimated trajectory with the true one, pose by pose.
 struct Comparison {
   PosePairs pairs;
+  bool timed = true;  ///< else the pairs carry the numbers of their poses as times
   Evaluation evaluation;
   EvaluationSources sources;
 };

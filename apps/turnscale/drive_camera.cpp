@@ -80,7 +80,8 @@ void AddCameraOptions(CLI::App& command, ImageArguments& arguments) {
                    "Estimate the intrinsics, starting from the given ones, and use the estimate");
 }
 
-CameraEstimate EstimateCamera(const ImageArguments& arguments, DriveImages& images, const OdometryOptions& options) {
+CameraEstimate EstimateCamera(const ImageArguments& arguments, DriveImages& images, const OdometryOptions& options,
+                              const std::function<void(int)>& on_pass) {
   const bool assumed = images.given.name.empty();
   if (!assumed && !arguments.refine_camera) return {};
   if (assumed && arguments.refine_camera)
@@ -100,7 +101,11 @@ CameraEstimate EstimateCamera(const ImageArguments& arguments, DriveImages& imag
   std::optional<double> last;
   const std::optional<FoundCamera> found = CalibrateFromDrive(
       options, {images.camera, assumed},
-      [&](std::optional<double> from) { return Images(arguments, images, from, ++pass, last); }, images.mask);
+      [&](std::optional<double> from) {
+        on_pass(++pass);
+        return Images(arguments, images, from, pass, last);
+      },
+      images.mask);
   if (!found) return {std::nullopt, NoTurn(arguments, view, assumed)};
   images.camera = found->camera;
   return {found, found->converged

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 
@@ -24,7 +25,10 @@ struct CameraEstimate {
 };
 
 /// Estimates the camera from the images where it is not given or is to be refined (`--camera-refine`), and puts it
-/// into `images`. Where the drive does not tell it, an assumed one. Throws InputError where there is nothing to refine.
-CameraEstimate EstimateCamera(const ImageArguments& arguments, DriveImages& images, const OdometryOptions& options);
+/// into `images`. Where the drive does not tell it, an assumed one. `on_pass` is called before each pass over the
+/// images, with its number from 1. Throws InputError where there is nothing to refine.
+CameraEstimate EstimateCamera(
+    const ImageArguments& arguments, DriveImages& images, const OdometryOptions& options,
+    const std::function<void(int)>& on_pass = [](int) {});
 
 }  // namespace turnscale

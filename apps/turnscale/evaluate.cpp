@@ -12,6 +12,7 @@
 #include "turnscale/evaluation/path_picture.h"
 #include "turnscale/io/floor_plan_file.h"
 #include "turnscale/io/output_file.h"
+#include "turnscale/io/settings.h"
 #include "turnscale/io/terminal.h"
 #include "turnscale/report/report_data.h"
 #include "turnscale/report/report_page.h"
@@ -48,13 +49,15 @@ void WriteReport(const EvaluateArguments& arguments, const Comparison& compariso
   data.title = arguments.estimate.string();
   data.version = TURNSCALE_VERSION;
   data.metric = true;
+  data.timed = comparison.timed;
+  data.has_tracking = false;
+  data.has_scale_state = false;
+  if (arguments.camera_rotation) data.vehicle_from_body = ReadCameraRotation(*arguments.camera_rotation);
   data.notes = {"Compared with " + arguments.ground_truth.string()};
   for (const PosePair& pair : comparison.pairs) {
     FrameResult frame;
     frame.frame = pair.estimate_index;
     frame.time = pair.time;
-    frame.state = TrackingState::kTracked;
-    frame.scale_state = ScaleState::kHeld;
     frame.world_from_camera = pair.estimate;
     data.frames.push_back(frame);
   }

@@ -68,16 +68,16 @@ std::string FixText(const FixPlacement& placed) {
   return fmt::format(
       "fixes    {} in the drive, {} of them outliers; {:.1f} m RMS from the path\n"
       "heading  {:.2f} +-{:.2f} deg at the start\n"
-      "scale    the fixes ask for a path {:+.1f} +-{:.1f} % longer; it is not changed\n",
+      "scale    from the fixes: {:+.1f} +-{:.1f} % (path not changed)\n",
       placed.fixes, placed.outliers, placed.rms, placed.placement.heading * kDegreesPerRadian,
       placed.heading_sigma * kDegreesPerRadian, 100 * (placed.scale - 1), 100 * placed.scale_sigma);
 }
 
 Placement PlacementFrom(const ExportArguments& arguments, const std::vector<LevelPlace>& path,
-                        std::optional<double> start_time, bool& has_height, std::string& said) {
+                        std::optional<double> start_time, bool& has_height, std::string& messages) {
   if (!arguments.fixes.empty()) {
     const FixPlacement placed = PlaceByFixes(path, ReadGpsFixes(arguments.fixes, start_time));
-    said += FixText(placed);
+    messages += FixText(placed);
     has_height = placed.has_height;
     return placed.placement;
   }
@@ -107,26 +107,28 @@ std::optional<double> StartTime(const std::string& given, double first_time) {
 }
 
 // Of the camera: as given, else as the run knew it.
-std::string Scene(const ExportArguments& arguments, const ResultFolder& results, std::string& said) {
+std::string Scene(const ExportArguments& arguments, const ResultFolder& results, std::string& messages) {
   constexpr double kUsualFov = 70;  // degrees
   constexpr double kUsualAspect = 16.0 / 9;
   double fov = arguments.fov ? *arguments.fov / kDegreesPerRadian : results.horizontal_fov;
   if (!(fov > 0)) {
     fov = kUsualFov / kDegreesPerRadian;
-    said += fmt::format("camera   {:g} deg wide is assumed, since the results do not say it; give --fov and --aspect\n",
-                        kUsualFov);
+    messages += fmt::format(
+        "camera   {:g} deg wide is assumed, since the results do not give a pinhole camera's; give --fov and "
+        "--aspect\n",
+        kUsualFov);
   }
   const double aspect = arguments.aspect.value_or(results.aspect > 0 ? results.aspect : kUsualAspect);
   return BlenderScene(results, arguments.folder.string(), fov, aspect);
 }
 
 void ExportEarth(const ExportArguments& arguments, const ResultFolder& results, const std::string& stem,
-                 std::string& said) {
+                 std::string& messages) {
   GeoTrack track;
   track.name = arguments.folder.string();
   const std::vector<LevelPlace> path = LevelPath(results, arguments.folder.string());
   track.start_time = StartTime(arguments.start_time, path.front().time);
-  const Placement placement = PlacementFrom(arguments, path, track.start_time, track.has_height, said);
+  const Placement placement = PlacementFrom(arguments, path, track.start_time, track.has_height, messages);
   track.places = PlaceOnEarth(path, placement, arguments.interval);
   std::vector<LevelPlace> turns;
   for (const TurnResult& turn : results.turns) {
@@ -139,7 +141,7 @@ void ExportEarth(const ExportArguments& arguments, const ResultFolder& results, 
   const auto write = [&](bool wanted, const char* extension, std::string (*text)(const GeoTrack&)) {
     if (!wanted) return;
     ReplaceFile(stem + extension, text(track));
-    said += "wrote    " + stem + extension + "\n";
+    messages += "wrote    " + stem + extension + "\n";
   };
   write(arguments.gpx, ".gpx", GpxText);
   write(arguments.kml, ".kml", KmlText);
@@ -151,13 +153,13 @@ void RunExport(const ExportArguments& arguments) {
     throw InputError("export: nothing to write; give --gpx, --kml, --geojson or --gltf");
   const ResultFolder results = ReadResultFolder(arguments.folder);
   const std::string stem = (arguments.out.empty() ? arguments.folder / "path" : arguments.out).string();
-  std::string said;
-  if (arguments.gpx || arguments.kml || arguments.geojson) ExportEarth(arguments, results, stem, said);
+  std::string messages;
+  if (arguments.gpx || arguments.kml || arguments.geojson) ExportEarth(arguments, results, stem, messages);
   if (arguments.gltf) {
-    ReplaceFile(stem + ".gltf", Scene(arguments, results, said));
-    said += "wrote    " + stem + ".gltf\n";
+    ReplaceFile(stem + ".gltf", Scene(arguments, results, messages));
+    messages += "wrote    " + stem + ".gltf\n";
   }
-  PrintText(said);
+  PrintText(messages);
 }
 
 }  // namespace

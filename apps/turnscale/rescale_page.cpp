@@ -41,6 +41,8 @@ std::string RescalePage(const RescaleResult& result, const std::string& input, d
   data.notes = {fmt::format("Lever arm {:g} m", lever_arm), "Scale estimated from the turns of the trajectory"};
   if (const std::string warning = RescaleWarning(result); !warning.empty()) data.warnings.push_back(warning);
   if (!timed) data.warnings.push_back("The trajectory has no times: tyre slip is neglected, and there is no speed");
+  data.timed = timed;
+  data.has_tracking = false;
   data.vehicle_from_body = result.vehicle_from_camera;
   for (const TurnEstimate& turn : result.estimate->turns) data.turns.push_back(TurnOfPage(turn, result));
   for (size_t i = 0; i < result.metric.size(); ++i) {
@@ -48,7 +50,6 @@ std::string RescalePage(const RescaleResult& result, const std::string& input, d
     FrameResult frame;
     frame.frame = pose;
     frame.time = result.metric[i].time;
-    frame.state = TrackingState::kTracked;
     frame.world_from_camera = result.metric[i].world_from_camera;
     frame.vehicle_from_camera = result.vehicle_from_camera;
     frame.scale_sigma = result.poses[i].sigma;

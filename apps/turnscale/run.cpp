@@ -47,6 +47,7 @@ struct RunArguments {
   int threads = kImageThreads;
   fs::path out = "out";
   TruthFiles truth;
+  bool no_report = false;
   bool live = false;
   std::string live_address = "127.0.0.1:0";
 };
@@ -142,7 +143,8 @@ void KeepReport(const RunArguments& arguments, const ThumbnailCollector& thumbna
 class LiveView {
  public:
   LiveView(const RunArguments& arguments, int frames)
-      : state_(arguments.images.Name(), TURNSCALE_VERSION, frames),
+      : state_(arguments.images.Name(), TURNSCALE_VERSION, frames,
+               arguments.no_report ? "" : fs::absolute(arguments.out / kReportFile).lexically_normal().string()),
         page_(ParseLiveAddress("--live-address", arguments.live_address), state_) {
     PrintText("live    " + page_.address() + "\n");
   }
@@ -150,9 +152,13 @@ class LiveView {
   void WaitWhilePaused() const { page_.WaitWhilePaused(Interrupted); }
   void Add(const SourceFrame& frame, const FrameResult& result, const Odometry& odometry) {
     state_.Add(frame.gray, result, odometry);
-    if (!frame.problem.empty()) state_.AddWarning(fmt::format("frame {}: {}", frame.index, frame.problem));
   }
-  void Finish(const fs::path& report) { page_.Finish(FileText(report).value_or("")); }
+  void Warn(const std::string& warning) { state_.AddWarning(warning); }
+  void SetPhase(const std::string& phase) { state_.SetPhase(phase); }
+  // An interrupt ends the wait for viewers, unless it has ended the run already.
+  void Finish(const fs::path& report, bool interrupted) {
+    page_.Finish(FileText(report).value_or(""), [interrupted] { return !interrupted && Interrupted(); });
+  }
 
  private:
   LiveState state_;
@@ -166,10 +172,10 @@ int ReportEnd(const RunEnd& end) {
   if (end.failures.empty() && end.interrupted) return Report({kInterruptedExitCode, end.summary.stopped + kept});
   if (end.failures.empty()) return 0;
   Failure first = FailureOf(end.failures.front());
-  std::set<std::string> said = {first.message};
+  std::set<std::string> messages = {first.message};
   for (const std::exception_ptr& failure : end.failures) {
     const std::string message = FailureOf(failure).message;
-    if (said.insert(message).second) PrintMessage("warning: " + message);
+    if (messages.insert(message).second) PrintMessage("warning: " + message);
   }
   first.message += kept;
   return Report(first);
@@ -182,12 +188,19 @@ int RunImages(const RunArguments& arguments) {
   CheckTruthFiles(arguments.truth);
   DriveImages images(arguments.images);
   CheckFolder(arguments, images);
-  const CameraEstimate estimate = EstimateCamera(arguments.images, images, options);
+  std::optional<LiveView> live;
+  if (arguments.live) live.emplace(arguments, images.expected);
+  const auto set_phase = [&](const std::string& phase) {
+    if (live) live->SetPhase(phase);
+  };
+  const CameraEstimate estimate = EstimateCamera(arguments.images, images, options, [&](int pass) {
+    set_phase(fmt::format("estimating the camera, pass {}", pass));
+  });
+  set_phase("");
   Odometry odometry(options, images.camera);
   if (!images.mask.empty()) odometry.SetMask(images.mask);
   Progress progress(images.expected, arguments.images.quiet);
-  std::optional<LiveView> live;
-  if (arguments.live) live.emplace(arguments, images.expected);
+  if (live) progress.OnWarning([&](const std::string& warning) { live->Warn(warning); });
   bool begun = false;
   const auto next = [&] {
     if (live) live->WaitWhilePaused();
@@ -197,13 +210,14 @@ int RunImages(const RunArguments& arguments) {
     if (frame) images.CheckMask(frame->gray.size());
     // From here on there is something to keep.
     CatchInterrupts();
+    if (frame) RemoveThumbnails(arguments.out);
     if (const std::string doubt = frame ? DoubtOf(images, frame->gray) : ""; !doubt.empty()) progress.Warn(doubt);
     return frame;
   };
   const PoseFrame shown = arguments.frame == "vehicle" ? PoseFrame::kVehicle : PoseFrame::kCamera;
   ThumbnailCollector thumbnails;
   const auto watch = [&](const SourceFrame& frame, const FrameResult& result, const Odometry& so_far) {
-    thumbnails.Add(frame.gray, result, so_far);
+    if (!arguments.no_report) thumbnails.Add(frame.gray, result, so_far);
     if (live) live->Add(frame, result, so_far);
   };
   const DriveToRun drive = {next,
@@ -213,10 +227,11 @@ int RunImages(const RunArguments& arguments) {
                             arguments.images.max_frames,
                             {arguments.out, shown, options.vehicle},
                             BeforeTheDrive(arguments, options, images, estimate),
-                            watch};
+                            watch,
+                            [&] { set_phase("final adjustment"); }};
   RunEnd end = RunDrive(drive, odometry, progress);
-  KeepReport(arguments, thumbnails, end);
-  if (live) live->Finish(arguments.out / kReportFile);
+  if (!arguments.no_report) KeepReport(arguments, thumbnails, end);
+  if (live) live->Finish(arguments.out / kReportFile, end.interrupted);
   if (end.failures.empty() && end.nothing_tracked.empty() && !arguments.images.quiet)
     PrintText(SummaryText(end.summary));
   return ReportEnd(end);
@@ -280,6 +295,7 @@ void AddRunCommand(CLI::App& app) {
                   "YAML file with settings, such as settings.yaml of another run");
   run->add_option("--out", arguments->out, "Folder for the results")->capture_default_str();
   AddTruthOptions(*run, arguments->truth);
+  run->add_flag("--no-report", arguments->no_report, "Write no page (report.html) and no thumbnails");
   CLI::Option* live =
       run->add_flag("--live", arguments->live, "Show the run while it goes on: prints the address of a page");
   run->add_option("--live-address", arguments->live_address,

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 import uPlot from 'uplot';
 import type { Theme } from './colours';
-import { clock } from './report';
 
 export interface Band {
   label: string;
@@ -18,6 +17,8 @@ export interface ChartData {
   bands: Band[];
   /** Single readings with their standard deviations, as points with error bars. */
   readings?: { label: string; time: number[]; value: number[]; sigma: number[]; used: boolean[]; colour: string };
+  /** A place on the horizontal axis in words. */
+  place: (time: number) => string;
   /** The range of the vertical axis has to contain this. */
   include?: number;
   /** The axis covers at least this much, so that noise in the last digit does not fill it. */
@@ -93,7 +94,8 @@ export function makeChart(element: HTMLElement, data: ChartData, theme: Theme, o
     });
     columns.push(band.values, edge(1), edge(-1));
     series.push(
-      { label: band.label, stroke: band.colour, width: 1.8, points: { show: false } },
+      // uPlot shifts a line by (width % 2) / 2 pixels, but not the band around it.
+      { label: band.label, stroke: band.colour, width: 2, points: { show: false } },
       { label: 'high', width: 0, points: { show: false } },
       { label: 'low', width: 0, points: { show: false } },
     );
@@ -113,7 +115,7 @@ export function makeChart(element: HTMLElement, data: ChartData, theme: Theme, o
       padding: [8, 12, 0, 0],
       scales: { x: { time: false }, y: { range: verticalRange(data) } },
       axes: [
-        { stroke: theme.muted, grid, ticks: grid, font, size: 26, space: 70, values: (_, ticks) => ticks.map((t) => clock(t).replace(/\.0$/, '')) },
+        { stroke: theme.muted, grid, ticks: grid, font, size: 26, space: 70, values: (_, ticks) => ticks.map((t) => data.place(t).replace(/^pose |\.0$/g, '')) },
         { stroke: theme.muted, grid, ticks: grid, font, size: 52, space: 26 },
       ],
       series,
@@ -131,6 +133,8 @@ export function makeChart(element: HTMLElement, data: ChartData, theme: Theme, o
     columns as uPlot.AlignedData,
     element,
   );
+  element.setAttribute('role', 'img');
+  element.setAttribute('aria-label', inWords(data));
   const resizes = new ResizeObserver(() => plot.setSize(size()));
   resizes.observe(element);
   return {
@@ -146,6 +150,17 @@ export function makeChart(element: HTMLElement, data: ChartData, theme: Theme, o
       plot.destroy();
     },
   };
+}
+
+/** The chart for those who cannot see it. */
+function inWords(data: ChartData): string {
+  const known = data.time.length > 0 ? ` from ${data.place(data.time[0])} to ${data.place(data.time[data.time.length - 1])}` : '';
+  const bands = data.bands.map(({ label, values }) => {
+    const numbers = values.filter((value): value is number => value !== null);
+    const [low, high] = numbers.reduce(([a, b], value) => [Math.min(a, value), Math.max(b, value)], [Infinity, -Infinity]);
+    return numbers.length > 0 ? `${label} between ${+low.toPrecision(3)} and ${+high.toPrecision(3)}` : `${label} not known`;
+  });
+  return `${data.title} in ${data.unit}${known}: ${bands.join(', ')}`;
 }
 
 function pointOf(theme: Theme): HTMLElement {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-import type { Path } from './report';
+import { closestIndex, type Report } from './report';
 
-export type ColourBy = 'speed' | 'sigma' | 'state';
+export type ColourBy = 'speed' | 'sigma' | 'state' | 'error';
 export type Rgb = [number, number, number];
 
 export interface Theme {
@@ -22,8 +22,8 @@ export interface Theme {
 }
 
 const light: Theme = {
-  dark: false, ink: '#17202c', muted: '#5b6878', line: '#dfe4ea', panel: '#ffffff', accent: '#0b63ce',
-  accentSoft: 'rgba(11,99,206,.16)', turn: '#d9480f', truth: '#3f4c5c', outline: '#c9d1da', onTurn: '#ffffff', landmark: '#98a4b3', bad: '#c92a2a', good: '#0a7d5a',
+  dark: false, ink: '#17202c', muted: '#5b6878', line: '#dfe4ea', panel: '#ffffff', accent: '#0a5cbf',
+  accentSoft: 'rgba(10,92,191,.16)', turn: '#b93c0a', truth: '#3f4c5c', outline: '#c9d1da', onTurn: '#ffffff', landmark: '#98a4b3', bad: '#c92a2a', good: '#0a7d5a',
 };
 const dark: Theme = {
   dark: true, ink: '#e7edf4', muted: '#94a3b5', line: '#2a3441', panel: '#121921', accent: '#58a6ff',
@@ -47,7 +47,7 @@ export function rampColour(share: number, isDark: boolean): Rgb {
 }
 
 const stateColours: Record<'light' | 'dark', Record<string, Rgb>> = {
-  light: { o: [10, 125, 90], r: [138, 92, 0], h: [11, 99, 206], p: [135, 147, 161] },
+  light: { o: [10, 125, 90], r: [138, 92, 0], h: [10, 92, 191], p: [135, 147, 161] },
   dark: { o: [63, 209, 160], r: [227, 179, 65], h: [88, 166, 255], p: [124, 138, 154] },
 };
 
@@ -70,12 +70,32 @@ function ranged(values: (number | null)[], low: number, high: number, isDark: bo
   return values.map((value) => (value === null ? unknown : rampColour((value - low) / width, isDark)));
 }
 
-export function colourPath(path: Path, by: ColourBy, isDark: boolean): Colouring {
+const largest = (values: (number | null)[]) => values.reduce((a: number, b) => Math.max(a, b ?? 0), 0);
+
+/** By what the path of a report can be coloured, the most telling first. */
+export function colourings({ path, truth }: Report): ColourBy[] {
+  const known: [ColourBy, boolean][] = [
+    ['speed', path.speed.some((value) => value !== null)],
+    ['error', truth !== null && truth.time.length > 0],
+    ['sigma', path.scaleState !== '' && path.sigma.some((value) => value !== null)],
+    ['state', path.scaleState !== ''],
+  ];
+  return known.filter(([, has]) => has).map(([by]) => by);
+}
+
+export function colourPath({ path, truth }: Report, by: ColourBy | undefined, isDark: boolean): Colouring {
   const states = stateColours[isDark ? 'dark' : 'light'];
+  if (by === undefined) return { colours: path.time.map(() => states.h), legend: { title: 'Path' } };
+  if (by === 'error' && truth) {
+    const high = largest(truth.error);
+    return {
+      colours: ranged(path.time.map((time) => truth.error[closestIndex(truth.time, time)]), 0, high, isDark, states.p),
+      legend: { title: 'Distance to the ground truth', range: ['0', `${high.toFixed(2)} m`] },
+    };
+  }
   if (by === 'speed') {
     const speeds = path.speed.map((value) => (value === null ? null : Math.abs(value)));
-    const known = speeds.filter((value): value is number => value !== null);
-    const high = Math.max(1, Math.ceil(known.reduce((a, b) => Math.max(a, b), 0) * 3.6)) / 3.6;
+    const high = Math.max(1, Math.ceil(largest(speeds) * 3.6)) / 3.6;
     return {
       colours: ranged(speeds, 0, high, isDark, states.p),
       legend: { title: 'Speed', range: ['0', `${Math.round(high * 3.6)} km/h`] },
@@ -84,7 +104,7 @@ export function colourPath(path: Path, by: ColourBy, isDark: boolean): Colouring
   if (by === 'sigma') {
     const known = path.sigma.filter((value): value is number => value !== null);
     const low = known.reduce((a, b) => Math.min(a, b), Infinity);
-    const high = known.reduce((a, b) => Math.max(a, b), 0);
+    const high = largest(known);
     const per = (value: number) => `${(100 * value).toFixed(value < 0.1 ? 1 : 0)} %`;
     return {
       colours: ranged(path.sigma, Math.min(low, high), high, isDark, states.p),

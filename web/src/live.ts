@@ -5,18 +5,17 @@ import type { ReportPage } from './page';
 import type { Report } from './report';
 
 interface LiveState {
-  title: string;
-  version: string;
-  metric: boolean;
+  /** What the program does other than to run over the frames; empty if it does that. */
+  phase: string;
+  /** The file of the report to come. */
+  report: string;
+  warnings: string[];
   frame: number;
   frames: number;
-  time: number;
   rate: number;
   keyframes: number;
-  turns: number;
   scaleState: string;
   sigma: number | null;
-  speed: number | null;
   tracking: string;
   tracked: number;
   paused: boolean;
@@ -50,6 +49,9 @@ export function followRun(page: ReportPage): void {
     void fetch(current?.paused ? 'resume' : 'pause', { method: 'POST', headers: { 'X-Turnscale': '1' } }).catch(() => {});
   });
   element('picture').hidden = false;
+  element('no-picture').textContent = 'The first image follows';
+  // At its end the program waits for those who are still there.
+  window.addEventListener('pagehide', () => navigator.sendBeacon(`leave?viewer=${viewer}`));
 
   const showState = (state: LiveState) => {
     bar.className = `live${state.paused ? ' paused' : ''}`;
@@ -63,7 +65,10 @@ export function followRun(page: ReportPage): void {
       ['features', String(state.tracked)],
       ['tracking', state.tracking],
     ];
+    if (state.phase) parts.splice(0, parts.length, ['', state.phase[0].toUpperCase() + state.phase.slice(1)]);
     text.replaceChildren(...parts.flatMap(([name, value]) => [make('span', ` ${name} `), make('b', value), document.createTextNode('  ')]));
+    pause.hidden = state.phase !== '';
+    page.showWarnings(state.warnings);
     pause.textContent = state.paused ? 'Resume' : 'Pause';
     Object.assign(window, { liveUpdates: ++updates, liveState: state });
   };
@@ -89,9 +94,9 @@ export function followRun(page: ReportPage): void {
   };
 
   const becomeReport = async () => {
-    const answer = await fetch('report.html', { cache: 'no-store' });
+    const answer = await fetch(`report.html?viewer=${viewer}`, { cache: 'no-store' });
     if (!answer.ok) {
-      end('The run has ended without a report.');
+      end('The run has ended without a report; the program says why.');
       return;
     }
     const html = await answer.text();
@@ -114,7 +119,7 @@ export function followRun(page: ReportPage): void {
       showImage(state.image);
     } catch {
       if (++failures > 8) {
-        end('The program no longer answers. Its results are in its output folder.');
+        end(`The program no longer answers. ${current?.report ? `If it has ended, its report is ${current.report}` : 'Its results are in its output folder.'}`);
         return;
       }
     }

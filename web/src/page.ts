@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 // The report: what it shows of a drive, and the one place along the drive that all its parts follow.
 import { makeChart, type Chart, type ChartData } from './charts';
-import { colourPath, css, rampColour, themeOf, type ColourBy, type Legend, type Theme } from './colours';
+import { colourings, colourPath, css, rampColour, themeOf, type ColourBy, type Legend, type Theme } from './colours';
 import { element, make } from './dom';
-import { clock, closestIndex, decodeLandmarks, scaleStateNames, trackingNames, type Report, type Thumbnail } from './report';
+import { clock, closestIndex, decodeLandmarks, originText, placeText, scaleStateNames, trackingNames, type Report, type Thumbnail } from './report';
 import { PathView, type Marker } from './view';
 
 const kmhPerMps = 3.6;
@@ -27,14 +27,15 @@ export class ReportPage {
   readonly view: PathView;
   private theme: Theme;
   private report: Report | null = null;
-  private by: ColourBy = 'speed';
+  private by: ColourBy | undefined = 'speed';
+  private chosen = false; // the reader has chosen the colours
+  private warnings = '';
   private charts: Chart[] = [];
   private place = 0;
   private live = false;
   /** Where the reader looks while the path grows, seconds; null: at its end. */
   private heldTime: number | null = null;
   private playing = 0;
-  private chartsDrawn = false;
 
   constructor(theme: Theme) {
     this.theme = theme;
@@ -54,7 +55,8 @@ export class ReportPage {
     this.place = 0;
     document.title = `${report.title.split('/').filter(Boolean).pop() ?? 'report'} - turnscale`;
     this.showHeading();
-    if (report.path.speed.every((value) => value === null)) this.by = report.unit === 'm' ? 'sigma' : 'state';
+    this.showWarnings(report.warnings);
+    this.by = colourings(report)[0];
     this.view.setUnit(report.unit);
     this.view.setLandmarks(decodeLandmarks(report.landmarks));
     this.view.setTruth(report.truth);
@@ -65,7 +67,7 @@ export class ReportPage {
     }));
     const turns = report.turns.map((turn): [number, number] => [closestIndex(path.time, turn.from), closestIndex(path.time, turn.to)]);
     const predicted = ranges(path.time.length, (i) => 'bu'.includes(path.tracking[i]));
-    const { colours } = colourPath(path, this.by, this.theme.dark);
+    const { colours } = colourPath(report, this.by, this.theme.dark);
     this.view.setPath({ places: path, colours, turns, predicted, markers });
     this.view.fit();
     const slider = element<HTMLInputElement>('time');
@@ -82,11 +84,13 @@ export class ReportPage {
   /** The path of a run that goes on: without charts and tables; the last point is the current one. */
   showLive(report: Report): void {
     this.report = report;
+    if (!this.live) element('warnings').setAttribute('role', 'status');
     this.live = true;
     this.showHeading();
     this.view.setUnit(report.unit);
-    this.by = report.unit === 'm' ? this.by : 'state';
-    const { colours } = colourPath(report.path, this.by, this.theme.dark);
+    const possible = colourings(report);
+    if (!this.by || !possible.includes(this.by) || !this.chosen) this.by = possible[0];
+    const { colours } = colourPath(report, this.by, this.theme.dark);
     this.view.setPath({ places: report.path, colours, turns: [], predicted: [], markers: [] });
     this.view.follow();
     this.showColours();
@@ -110,8 +114,9 @@ export class ReportPage {
       return;
     }
     element<HTMLInputElement>('time').value = String(this.place);
-    element('time').setAttribute('aria-valuetext', clock(time));
-    element('clock').textContent = clock(time);
+    const place = placeText(this.report!, time);
+    element('time').setAttribute('aria-valuetext', place);
+    element('clock').textContent = place;
     for (const chart of this.charts) chart.moveTo(time);
     this.showReadout();
     this.showThumbnail(time);
@@ -135,13 +140,7 @@ export class ReportPage {
     const title = element('title');
     title.textContent = report.title.split('/').filter(Boolean).pop() ?? report.title;
     title.title = report.title;
-    element('notes').textContent = report.notes.join(' · ');
-    const warnings = element('warnings');
-    warnings.hidden = report.warnings.length === 0;
-    warnings.replaceChildren(
-      make('p', report.warnings.length === 1 ? 'One thing to check' : `${report.warnings.length} things to check`),
-      make('ul', '', '', ...report.warnings.map((text) => make('li', text))),
-    );
+    element('notes').textContent = [...report.notes, originText(report)].filter(Boolean).join(' · ');
     element('facts').replaceChildren(...report.facts.map(factElement));
     element('footer').replaceChildren(
       make('span', `turnscale ${report.version}`),
@@ -150,14 +149,28 @@ export class ReportPage {
     );
   }
 
+  /** Only where they change: screen readers say them each time. */
+  showWarnings(texts: string[]): void {
+    const together = texts.join('\n');
+    if (together === this.warnings) return;
+    this.warnings = together;
+    const warnings = element('warnings');
+    warnings.hidden = texts.length === 0;
+    warnings.replaceChildren(
+      make('p', texts.length === 1 ? 'One thing to check' : `${texts.length} things to check`),
+      make('ul', '', '', ...texts.map((text) => make('li', text))),
+    );
+  }
+
   private showColours(): void {
-    const { path } = this.report!;
-    const { colours, legend } = colourPath(path, this.by, this.theme.dark);
+    const { colours, legend } = colourPath(this.report!, this.by, this.theme.dark);
     this.view.setColours(colours);
+    const possible: string[] = colourings(this.report!);
     for (const button of element('colours').querySelectorAll('button')) {
       button.setAttribute('aria-pressed', String(button.dataset.by === this.by));
-      button.hidden = this.report!.unit !== 'm' && button.dataset.by !== 'state';
+      button.hidden = !possible.includes(button.dataset.by!);
     }
+    element('colours').hidden = possible.length < 2;
     this.showLegend(legend);
   }
 
@@ -167,7 +180,7 @@ export class ReportPage {
       const ramp = make('div', '', 'ramp');
       const stops = Array.from({ length: 9 }, (_, i) => css(rampColour(i / 8, this.theme.dark)));
       ramp.style.background = `linear-gradient(90deg,${stops.join(',')})`;
-      rows.push(ramp, make('div', '', 'ends', make('span', legend.range[0]), make('span', legend.range[1])));
+      rows.push(make('div', '', 'range', make('span', legend.range[0]), ramp, make('span', legend.range[1])));
     }
     const named = (name: string, colour: string) => {
       const line = make('i');
@@ -177,6 +190,7 @@ export class ReportPage {
     for (const { name, colour } of legend.names ?? []) rows.push(named(name, css(colour)));
     if (/[bu]/.test(this.report!.path.tracking)) rows.push(named('tracking lost', this.theme.bad));
     if (this.report!.truth) rows.push(named('ground truth', this.theme.truth));
+    element('legend').hidden = !legend.range && !legend.names && rows.length === 1;
     element('legend').replaceChildren(...rows);
   }
 
@@ -184,16 +198,18 @@ export class ReportPage {
     const report = this.report!;
     const { path } = report;
     const i = this.place;
-    const rows: [string, string, boolean?][] = [['Time', clock(path.time[i])], ['Frame', String(path.frame[i])]];
+    const rows: [string, string, boolean?][] = report.timed === false ? [] : [['Time', clock(path.time[i])]];
+    // Where there is no tracking there were no images.
+    rows.push([path.tracking ? 'Frame' : 'Pose', String(path.frame[i])]);
     const speed = path.speed[i];
     const speedSigma = path.speedSigma[i];
     const band = speedSigma === null ? '' : ` ± ${(speedSigma * kmhPerMps).toFixed(1)}`;
     if (speed !== null) rows.push(['Speed', `${fixed(speed * kmhPerMps, 1)}${band} km/h`]);
     const sigma = path.sigma[i];
-    rows.push(['Scale', scaleStateNames[path.scaleState[i]] ?? '-']);
+    if (path.scaleState) rows.push(['Scale', scaleStateNames[path.scaleState[i]] ?? '-']);
     if (sigma !== null) rows.push(['Sigma of the scale', `${(100 * sigma).toFixed(1)} %`]);
     const lost = 'bu'.includes(path.tracking[i]);
-    rows.push(['Tracking', trackingNames[path.tracking[i]] ?? '-', lost]);
+    if (path.tracking) rows.push(['Tracking', trackingNames[path.tracking[i]] ?? '-', lost]);
     rows.push(['Right, ahead, up', `${[path.x[i], path.y[i], path.z[i]].map((value) => fixed(value, 1)).join(', ')} ${report.unit}`]);
     if (report.truth) {
       const error = report.truth.error[closestIndex(report.truth.time, path.time[i])];
@@ -222,7 +238,7 @@ export class ReportPage {
     };
     const why = shown.why === 'lost' ? ', tracking lost' : shown.why === 'turn' ? ', in a turn' : '';
     element('caption').replaceChildren(
-      document.createTextNode(`Frame ${shown.frame} at ${clock(shown.time)}${why} `),
+      document.createTextNode(`Frame ${shown.frame} at ${placeText(this.report!, shown.time)}${why} `),
       ...dot('#46e678', 'landmark'), ...dot('#ffaf28', 'without depth'),
     );
   }
@@ -231,14 +247,16 @@ export class ReportPage {
     const { turns } = this.report!;
     const panel = element('turns');
     panel.hidden = turns.length === 0;
-    const head = ['Turn', 'Time', 'Angle', 'Speed', 'Own scale', 'Smoothed', 'Deviation', 'Lever arm', ''];
+    const { timed } = this.report!;
+    const place = (time: number) => (timed === false ? String(Math.round(time)) : clock(time));
+    const head = ['Turn', timed === false ? 'Poses' : 'Time', 'Angle', 'Speed', 'Own scale', 'Smoothed', 'Deviation', 'Lever arm', ''];
     const rows = turns.map((turn, i) => {
       const number = (value: number | null, text: (value: number) => string) => (value === null ? '-' : text(value));
       const go = make('button', String(i + 1));
       go.setAttribute('aria-label', `Show turn ${i + 1}`);
       const row = make('tr', '', turn.used ? '' : 'unused',
         make('td', '', '', go),
-        make('td', `${clock(turn.from)} – ${clock(turn.to)}`),
+        make('td', `${place(turn.from)} – ${place(turn.to)}`),
         make('td', `${Math.abs(turn.angle).toFixed(0)}° ${turn.angle > 0 ? 'right' : 'left'}`),
         make('td', number(turn.speed, (v) => `${(v * kmhPerMps).toFixed(1)} km/h`)),
         make('td', number(turn.scale, (v) => `${v.toPrecision(4)}${turn.sigma ? ` ± ${((100 * turn.sigma) / v).toFixed(1)} %` : ''}`)),
@@ -250,7 +268,7 @@ export class ReportPage {
       return row;
     });
     const table = make('table', '', '',
-      make('thead', '', '', make('tr', '', '', ...head.map((name) => make('th', name)))), make('tbody', '', '', ...rows));
+      make('thead', '', '', make('tr', '', '', ...head.map(headOf))), make('tbody', '', '', ...rows));
     const scroll = make('div', '', 'scroll', table);
     scroll.tabIndex = 0;
     scroll.setAttribute('role', 'region');
@@ -273,10 +291,10 @@ export class ReportPage {
     element('settings').querySelector('pre')!.textContent = settings;
   }
 
-  private chartData(): ChartData[] {
+  private chartData(): Omit<ChartData, 'place'>[] {
     const { path, scale, rotation, truth, turns } = this.report!;
     const { theme } = this;
-    const charts: ChartData[] = [];
+    const charts: Omit<ChartData, 'place'>[] = [];
     const kmh = (values: (number | null)[]) => values.map((value) => (value === null ? null : value * kmhPerMps));
     if (path.speed.some((value) => value !== null))
       charts.push({ title: 'Speed', unit: 'km/h', time: path.time, include: 0, least: 2,
@@ -317,12 +335,11 @@ export class ReportPage {
       if (data.bands.length > 1 || data.readings) data.bands.forEach((band) => key(band.colour, band.label));
       if (data.readings?.time.length) key(data.readings.colour, data.readings.label, true);
       const title = make('h2', data.title);
-      title.append(make('small', data.unit));
+      title.append(make('small', this.report!.timed === false ? `${data.unit}, over the number of the pose` : data.unit));
       const plot = make('div');
       section.append(make('div', '', 'panel chart', make('header', '', '', title, keys), plot));
-      this.charts.push(makeChart(plot, data, this.theme, (time) => this.moveToTime(time)));
+      this.charts.push(makeChart(plot, { ...data, place: (time) => placeText(this.report!, time) }, this.theme, (time) => this.moveToTime(time)));
     }
-    this.chartsDrawn = true;
   }
 
   private setTheme(dark: boolean): void {
@@ -331,7 +348,7 @@ export class ReportPage {
     this.view.setTheme(this.theme);
     if (!this.report) return;
     this.showColours();
-    if (this.chartsDrawn) this.showCharts();
+    if (!this.live) this.showCharts();
     this.moveTo(this.place);
   }
 
@@ -343,6 +360,7 @@ export class ReportPage {
 
   private setColourBy(by: ColourBy): void {
     this.by = by;
+    this.chosen = true;
     if (this.report) this.showColours();
   }
 
@@ -391,7 +409,9 @@ export class ReportPage {
     for (const button of element('colours').querySelectorAll('button'))
       button.addEventListener('click', () => this.setColourBy(button.dataset.by as ColourBy));
     element<HTMLInputElement>('time').addEventListener('input', (event) => this.moveTo(Number((event.target as HTMLInputElement).value)));
-    document.addEventListener('keydown', (event) => this.onKey(event));
+    // Keys of a letter or a sign only where the reader is at the picture (WCAG 2.1.4).
+    document.querySelector<HTMLElement>('.stage')!.addEventListener('keydown', (event) => this.onKey(event));
+    document.addEventListener('keydown', (event) => { if (event.key === 'Escape') this.escape(); });
     let darkOnScreen = false;
     const toPaper = (printing: boolean) => {
       if (printing) darkOnScreen = this.theme.dark;
@@ -430,8 +450,7 @@ export class ReportPage {
       '3': () => this.setView(true),
       t: () => this.setTheme(!this.theme.dark),
       l: () => this.toggleLandmarks(),
-      ' ': () => this.togglePlay(),
-      Escape: () => this.escape(),
+      ' ': () => (this.live ? element('pause').click() : this.togglePlay()),
     };
     const action = keys[event.key];
     const forControl = (onControl && event.key === ' ') || (onSlider && ['ArrowLeft', 'ArrowRight', 'Home', 'End'].includes(event.key));
@@ -439,6 +458,12 @@ export class ReportPage {
     event.preventDefault();
     action();
   }
+}
+
+function headOf(name: string): HTMLElement {
+  const head = make(name ? 'th' : 'td', name);
+  if (name) head.setAttribute('scope', 'col');
+  return head;
 }
 
 /** The number large, what follows it small. */

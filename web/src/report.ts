@@ -13,17 +13,15 @@ export interface Path {
   speedSigma: (number | null)[];
   /** Relative standard deviation of the scale; null while it is pending. */
   sigma: (number | null)[];
-  /** A letter per point: p pending, o observed, h held, r from the road. */
+  /** A letter per point: p pending, o observed, h held, r from the road; empty if it is not known. */
   scaleState: string;
-  /** A letter per point: t tracked, r repeated, b bridged, u unreadable, i before the first map. */
+  /** A letter per point: t tracked, r repeated, b bridged, u unreadable, i before the first map; empty likewise. */
   tracking: string;
 }
 
 export interface Turn {
   from: number;
   to: number;
-  firstFrame: number;
-  lastFrame: number;
   angle: number;
   speed: number | null;
   scale: number | null;
@@ -46,6 +44,10 @@ export interface Report {
   title: string;
   version: string;
   unit: 'm' | 'units';
+  /** Else the times are the numbers of the poses. Pages of earlier versions lack this and the next. */
+  timed?: boolean;
+  /** Seconds that are time 0 of the page; since 1970 if they are large. */
+  timeOrigin?: number;
   notes: string[];
   warnings: string[];
   facts: { name: string; value: string; note: string }[];
@@ -97,10 +99,20 @@ export const scaleStateNames: Record<string, string> = { p: 'pending', o: 'obser
 export const trackingNames: Record<string, string> = {
   t: 'tracked',
   r: 'repeated image',
-  b: 'tracking lost, pose predicted',
-  u: 'no readable image, pose predicted',
+  b: 'tracking lost, pose not measured',
+  u: 'no readable image, pose not measured',
   i: 'before the first map',
 };
+
+/** A place along the drive in words: its time, or the number of its pose. */
+export const placeText = (report: Report, time: number): string => (report.timed === false ? `pose ${Math.round(time)}` : clock(time));
+
+/** When the drive began, if its times tell; else what they count from; empty if they count from the drive's start. */
+export function originText({ timeOrigin = 0 }: Report): string {
+  const sinceEpoch = 3e8;
+  if (timeOrigin > sinceEpoch) return `Began ${new Date(1000 * timeOrigin).toISOString().slice(0, 19).replace('T', ' ')} UTC`;
+  return timeOrigin > 0 ? `Time 0 is ${timeOrigin.toFixed(2)} s in the files` : '';
+}
 
 export function clock(seconds: number): string {
   const tenths = Math.round(seconds * 10);

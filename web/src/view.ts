@@ -67,6 +67,8 @@ export class PathView {
   constructor(private readonly element: HTMLElement, private theme: Theme) {
     this.base = this.canvas.getContext('2d')!;
     this.above = this.overlay.getContext('2d')!;
+    // What they show is in the text beside them.
+    for (const canvas of [this.canvas, this.overlay]) canvas.setAttribute('aria-hidden', 'true');
     element.append(this.canvas, this.overlay);
     new ResizeObserver(() => this.resize()).observe(element);
     this.bindPointer();
@@ -248,7 +250,7 @@ export class PathView {
     context.lineCap = context.lineJoin = 'round';
     this.projectPath();
     this.drawMarkers();
-    if (camera.perspective === 0) this.drawScaleBar();
+    if (camera.perspective === 0 && this.content.places.x.length > 0) this.drawScaleBar();
     if (this.current >= 0 && this.current < this.content.places.x.length) this.drawCurrent();
     this.drawn++;
   }
@@ -369,7 +371,7 @@ export class PathView {
     const taken: [number, number][] = [];
     context.textAlign = 'center';
     context.textBaseline = 'middle';
-    // Of many turns, some: the others appear when the reader comes closer.
+    // Overlapping markers are hidden until the user zooms in.
     const apart = content.markers.length > 40 ? 46 : 20;
     const count = content.places.x.length;
     if (count > 0) this.end(0, 'start');

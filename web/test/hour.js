@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT
 // Results of an hour of driving, as a run would write them: 36,000 frames of laps through streets, with a map of a
-// million landmarks, for `turnscale view`.
+// million landmarks, as many thumbnails as a run keeps, and a ground truth, for `turnscale view`.
 import { mkdirSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 
 const frames = 36000;
 const landmarks = 1_000_000;
+const thumbnailBytes = 2_100_000; // of a run, at most (report/thumbnails.h)
 
 /** Street corners along a growing spiral: heading at a distance. */
 function drive() {
@@ -37,8 +38,9 @@ function drive() {
   return { poses, turns: turns.filter(({ first, last }) => last > first) };
 }
 
-export function writeHour(folder) {
-  mkdirSync(folder, { recursive: true });
+/** `picture`: a JPEG file, which all thumbnails are. */
+export function writeHour(folder, picture) {
+  mkdirSync(join(folder, 'thumbnails'), { recursive: true });
   const { poses, turns } = drive();
   const write = (name, text) => writeFileSync(join(folder, name), text);
   const table = ['frame,time,state,x,y,z,qx,qy,qz,qw,scale_state,scale_sigma,inliers,tracked,keyframe,psi_deg,theta_deg,turning'];
@@ -55,6 +57,16 @@ export function writeHour(folder) {
   turns.forEach(({ first, last }, i) => turnTable.push(`${first},${last},12,90,5,${(0.25 + 0.004 * Math.sin(i)).toFixed(4)},0.005,0.25,0.005,0.3,1.4,${i % 9 ? 1 : 0},${i % 9 ? '' : '"too fast"'},`));
   write('trajectory.csv', `${table.join('\n')}\n`);
   write('trajectory.tum', poses.map(({ x, z, heading }, i) => `${(0.1 * i).toFixed(6)} ${x.toFixed(4)} 0 ${z.toFixed(4)} 0 ${Math.sin(heading / 2).toFixed(9)} 0 ${Math.cos(heading / 2).toFixed(9)}\n`).join(''));
+  // Grows by half a per cent, and leans to the left.
+  write('truth.tum', poses.map(({ x, z, heading }, i) => `${(0.1 * i).toFixed(6)} ${(1.005 * x - 0.001 * z).toFixed(4)} 0 ${(1.005 * z).toFixed(4)} 0 ${Math.sin(heading / 2).toFixed(9)} 0 ${Math.cos(heading / 2).toFixed(9)}\n`).join(''));
+  const count = Math.floor(thumbnailBytes / (picture.length + 20));
+  for (let i = 0; i < count; i++) {
+    const frame = Math.floor((i * frames) / count);
+    const why = poses[frame].turning ? 'turn' : frame > 12000 && frame < 12060 ? 'lost' : 'drive';
+    // A comment makes each a file of its own.
+    const comment = Buffer.from(`\xff\xfe\0\x0aframe ${String(i % 100).padStart(2, '0')}`, 'latin1');
+    writeFileSync(join(folder, 'thumbnails', `${String(frame).padStart(6, '0')}-${why}.jpg`), Buffer.concat([picture.subarray(0, 2), comment, picture.subarray(2)]));
+  }
   write('speed.csv', `${speeds.join('\n')}\n`);
   write('scale.csv', `${scale.join('\n')}\n`);
   write('turns.csv', `${turnTable.join('\n')}\n`);

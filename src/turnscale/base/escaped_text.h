@@ -27,7 +27,7 @@ inline size_t Utf8Length(std::string_view text) {
 }
 
 /// The text as a terminal may see it: control characters (also U+0080 to U+009F, which some terminals obey) and bytes
-/// that are no UTF-8 become \xNN. Characters in `kept` stay.
+/// that are not UTF-8 become \xNN. Characters in `kept` stay.
 inline std::string Printable(std::string_view text, std::string_view kept = "") {
   constexpr std::string_view kDigits = "0123456789abcdef";
   std::string printable;
@@ -49,10 +49,21 @@ inline std::string Printable(std::string_view text, std::string_view kept = "") 
   return printable;
 }
 
-/// A text as it stands between the tags of an SVG.
+/// A text as it stands between the tags of XML or HTML. What XML cannot hold (control characters, bytes that are not
+/// UTF-8, U+FFFE and U+FFFF) becomes \xNN.
 inline std::string EscapedXml(std::string_view text) {
   std::string escaped;
-  for (const char c : text) escaped += c == '<' ? "&lt;" : c == '&' ? "&amp;" : std::string(1, c);
+  const std::string printable = Printable(text);
+  for (size_t i = 0; i < printable.size(); ++i) {
+    const char c = printable[i];
+    const std::string_view character = std::string_view(printable).substr(i, 3);
+    if (character == "\xEF\xBF\xBE" || character == "\xEF\xBF\xBF") {
+      escaped += character == "\xEF\xBF\xBE" ? "\\xef\\xbf\\xbe" : "\\xef\\xbf\\xbf";
+      i += 2;
+    } else {
+      escaped += c == '<' ? "&lt;" : c == '>' ? "&gt;" : c == '&' ? "&amp;" : std::string(1, c);
+    }
+  }
   return escaped;
 }
 

@@ -37,5 +37,11 @@ TEST(Printable, EscapesWhatIsNoUtf8) {
   EXPECT_EQ(Printable("\xf4\x90\x80\x80\xf5"), "\\xf4\\x90\\x80\\x80\\xf5") << "beyond Unicode";
 }
 
+TEST(EscapedXml, HoldsOnlyWhatXmlCan) {
+  EXPECT_EQ(EscapedXml("a < b & c ]]> caf\xc3\xa9"), "a &lt; b &amp; c ]]&gt; caf\xc3\xa9");
+  EXPECT_EQ(EscapedXml("\x1b[2J\xff"), "\\x1b[2J\\xff");
+  EXPECT_EQ(EscapedXml("\xef\xbf\xbe \xef\xbf\xbf \xef\xbf\xbd"), "\\xef\\xbf\\xbe \\xef\\xbf\\xbf \xef\xbf\xbd");
+}
+
 }  // namespace
 }  // namespace turnscale

@@ -72,6 +72,10 @@ std::string BlenderScene(const ResultFolder& results, const std::string& name, d
                          int most_landmarks) {
   const Trajectory poses = results.Poses();
   if (poses.empty()) throw InputError(name + ": the run has no path");
+  if (results.poses_of_vehicle) {
+    throw InputError(name +
+                     ": the poses are those of the rear axle, not of the camera; run again without --frame vehicle");
+  }
   // Level axes (right, ahead, up) to glTF's (right, up, back); and the camera looks along its -z there, with y up.
   Eigen::Matrix3d scene_from_level;
   scene_from_level << 1, 0, 0, 0, 0, 1, 0, -1, 0;

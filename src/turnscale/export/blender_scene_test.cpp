@@ -35,6 +35,8 @@ TEST(BlenderScene, HasAnAnimatedCamera) {
   EXPECT_NEAR(gltf["accessors"][2]["max"][3].get<double>(), 1, 1e-6);
   EXPECT_NEAR(gltf["accessors"][2]["max"][0].get<double>(), 0, 1e-6);
   EXPECT_THROW(BlenderScene({}, "out", 1.2, 1.5), InputError);
+  results.poses_of_vehicle = true;
+  EXPECT_THROW(BlenderScene(results, "out", 1.2, 1.5), InputError) << "the camera is not where they are";
 }
 
 }  // namespace

@@ -21,9 +21,6 @@ using Json = nlohmann::ordered_json;
 constexpr double kDegreeSteps = 1e7;
 double Degrees(double value) { return std::round(value * kDegreeSteps) / kDegreeSteps; }
 
-// Names of files may be no UTF-8.
-std::string XmlName(const GeoTrack& track) { return EscapedXml(Printable(track.name)); }
-
 std::string KmlCoordinates(const GeoTrack& track, const GeoPlace& place, char separator) {
   std::string text = fmt::format("{:.7f}{}{:.7f}", place.point.longitude, separator, place.point.latitude);
   // gx:coord needs a height.
@@ -32,14 +29,31 @@ std::string KmlCoordinates(const GeoTrack& track, const GeoPlace& place, char se
   return text;
 }
 
-std::string KmlValues(const GeoTrack& track, const char* name,
-                      const std::function<double(const SpeedReading&)>& value) {
+// Not a number where the value is not known.
+std::string KmlValues(const GeoTrack& track, const char* name, int digits,
+                      const std::function<double(const GeoPlace&)>& value) {
   std::string text = fmt::format("<gx:SimpleArrayData name=\"{}\">\n", name);
   for (const GeoPlace& place : track.places)
-    text += place.speed && std::isfinite(value(*place.speed))
-                ? fmt::format("<gx:value>{:.3f}</gx:value>\n", value(*place.speed))
-                : "<gx:value/>\n";
+    text += std::isfinite(value(place)) ? fmt::format("<gx:value>{:.{}f}</gx:value>\n", value(place), digits)
+                                        : "<gx:value/>\n";
   return text + "</gx:SimpleArrayData>\n";
+}
+
+// A value per place of the path.
+std::string KmlReadings(const GeoTrack& track) {
+  std::string text = "<ExtendedData>\n<SchemaData schemaUrl=\"#readings\">\n";
+  text += KmlValues(track, "seconds", 3, [](const GeoPlace& place) { return place.time; });
+  text += KmlValues(track, "speed", 3, [](const GeoPlace& place) { return place.speed ? place.speed->speed : NAN; });
+  text +=
+      KmlValues(track, "speed_sigma", 3, [](const GeoPlace& place) { return place.speed ? place.speed->sigma : NAN; });
+  text += KmlValues(track, "scale_sigma", 5, [](const GeoPlace& place) { return place.sigma; });
+  return text + "</SchemaData>\n</ExtendedData>\n";
+}
+
+std::string KmlField(const char* name, const char* description) {
+  return fmt::format(
+      "<gx:SimpleArrayField name=\"{}\" type=\"float\"><displayName>{}</displayName></gx:SimpleArrayField>\n", name,
+      description);
 }
 
 std::string KmlTrack(const GeoTrack& track) {
@@ -47,14 +61,12 @@ std::string KmlTrack(const GeoTrack& track) {
   for (const GeoPlace& place : track.places)
     text += "<when>" + UtcTimeText(*track.start_time + place.time) + "</when>\n";
   for (const GeoPlace& place : track.places) text += "<gx:coord>" + KmlCoordinates(track, place, ' ') + "</gx:coord>\n";
-  text += "<ExtendedData>\n<SchemaData schemaUrl=\"#readings\">\n";
-  text += KmlValues(track, "speed", [](const SpeedReading& reading) { return reading.speed; });
-  text += KmlValues(track, "speed_sigma", [](const SpeedReading& reading) { return reading.sigma; });
-  return text + "</SchemaData>\n</ExtendedData>\n</gx:Track>\n</Placemark>\n";
+  return text + KmlReadings(track) + "</gx:Track>\n</Placemark>\n";
 }
 
 std::string KmlLine(const GeoTrack& track) {
-  std::string text = "<Placemark>\n<name>Path</name>\n<styleUrl>#path</styleUrl>\n<LineString>\n";
+  std::string text = "<Placemark>\n<name>Path</name>\n<styleUrl>#path</styleUrl>\n";
+  text += KmlReadings(track) + "<LineString>\n";
   text += "<tessellate>1</tessellate>\n";
   text += "<coordinates>\n";
   for (const GeoPlace& place : track.places) text += KmlCoordinates(track, place, ',') + "\n";
@@ -115,13 +127,13 @@ std::string GpxText(const GeoTrack& track) {
       "xmlns:gpxtpx=\"http://www.garmin.com/xmlschemas/TrackPointExtension/v2\" xmlns:turnscale=\"urn:turnscale\">\n";
   if (track.start_time && !track.places.empty())
     text += "<metadata><time>" + UtcTimeText(*track.start_time + track.places.front().time) + "</time></metadata>\n";
-  text += "<trk>\n<name>" + XmlName(track) + "</name>\n<trkseg>\n";
+  text += "<trk>\n<name>" + EscapedXml(track.name) + "</name>\n<trkseg>\n";
   for (const GeoPlace& place : track.places) {
     text += fmt::format("<trkpt lat=\"{:.7f}\" lon=\"{:.7f}\">", place.point.latitude, place.point.longitude);
     if (track.has_height) text += fmt::format("<ele>{:.2f}</ele>", place.point.height);
     if (track.start_time) text += "<time>" + UtcTimeText(*track.start_time + place.time) + "</time>";
     text += "<extensions>";
-    // The schema of the extension knows no negative speed: a car that reverses has one in ours.
+    // The schema of the extension does not allow a negative speed: that of a car in reverse is in ours.
     if (place.speed) {
       text += fmt::format(
           "<gpxtpx:TrackPointExtension><gpxtpx:speed>{:.3f}</gpxtpx:speed></gpxtpx:TrackPointExtension>"
@@ -142,13 +154,12 @@ std::string KmlText(const GeoTrack& track) {
       "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
       "<kml xmlns=\"http://www.opengis.net/kml/2.2\" "
       "xmlns:gx=\"http://www.google.com/kml/ext/2.2\">\n<Document>\n<name>" +
-      XmlName(track) +
+      EscapedXml(track.name) +
       "</name>\n<Style id=\"path\"><LineStyle><color>ffce630b</color><width>4</width></LineStyle></Style>\n"
-      "<Schema id=\"readings\">\n"
-      "<gx:SimpleArrayField name=\"speed\" type=\"float\"><displayName>Speed "
-      "(m/s)</displayName></gx:SimpleArrayField>\n"
-      "<gx:SimpleArrayField name=\"speed_sigma\" type=\"float\"><displayName>Sigma of the speed "
-      "(m/s)</displayName></gx:SimpleArrayField>\n</Schema>\n";
+      "<Schema id=\"readings\">\n";
+  text += KmlField("seconds", "Time of the drive (s)") + KmlField("speed", "Speed (m/s)") +
+          KmlField("speed_sigma", "Sigma of the speed (m/s)") + KmlField("scale_sigma", "Relative sigma of the scale") +
+          "</Schema>\n";
   text += track.start_time ? KmlTrack(track) : KmlLine(track);
   for (size_t i = 0; i < track.turns.size(); ++i) {
     text += fmt::format(

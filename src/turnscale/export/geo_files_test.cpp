@@ -47,11 +47,13 @@ TEST(GeoFiles, Kml) {
   EXPECT_EQ(Count(kml, "<when>"), 11);
   EXPECT_EQ(Count(kml, "<gx:coord>"), 11);
   EXPECT_EQ(Count(kml, "<LineString>"), 0) << "readers would find the path twice";
-  EXPECT_EQ(Count(kml, "<gx:value>10.000</gx:value>"), 10);
+  EXPECT_EQ(Count(kml, "<gx:value>10.000</gx:value>"), 11) << "the speeds, and the last time";
   EXPECT_NE(kml.find("<gx:coord>8.0000000 49.0000000 0.00</gx:coord>"), std::string::npos);
   track.start_time.reset();
   EXPECT_EQ(Count(KmlText(track), "gx:Track"), 0);
   EXPECT_EQ(Count(KmlText(track), "<LineString>"), 1);
+  EXPECT_EQ(Count(KmlText(track), "<gx:value>10.000</gx:value>"), 11) << "the speeds, and the last time";
+  EXPECT_EQ(Count(KmlText(track), "<gx:value>0.02000</gx:value>"), 11) << "the sigma of the scale";
 }
 
 TEST(GeoFiles, GeoJsonIsLongitudeFirst) {

@@ -78,7 +78,8 @@ TEST(LucasKanade, DoesNotDependOnWhatIsBeyondTheBorder) {
   const cv::Mat dark = surrounded(0, dark_whole);
   const cv::Mat bright = surrounded(255, bright_whole);
   for (const int window : {5, 15, kMostFlowWindow}) {
-    const auto half = static_cast<float>(window / 2);
+    const int whole = window / 2;
+    const auto half = static_cast<float>(whole);
     for (const cv::Point2f point : {cv::Point2f(0, 0), cv::Point2f(-half, 60), cv::Point2f(159 + half, 60),
                                     cv::Point2f(159, 119), cv::Point2f(80, 119 + half), cv::Point2f(80, -half)}) {
       const cv::Point2f guess = point + cv::Point2f(0.4F, -0.3F);

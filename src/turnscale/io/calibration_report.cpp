@@ -90,12 +90,14 @@ PlotPanel AnglesPanel(const std::vector<CalibrationMoment>& history, const PlotR
     panel.lines.push_back({Over(history, known), kAngleNames[i], kColors[i], 1.6});
     const double at = InDegrees(true_angles[i]);
     if (truth) panel.lines.push_back({{{time.low, at}, {time.high, at}}, "ground truth", kColors[i], 1.4, "6 4"});
+    const auto include = [&](double angle) {
+      range.low = std::min(range.low, angle);
+      range.high = std::max(range.high, angle);
+    };
+    if (truth) include(at);
     // The bands before the first turn are wide.
-    for (const CalibrationMoment& moment : history) {
-      if (!std::isfinite(known(moment))) continue;
-      range.low = std::min(range.low, known(moment));
-      range.high = std::max(range.high, known(moment));
-    }
+    for (const CalibrationMoment& moment : history)
+      if (std::isfinite(known(moment))) include(known(moment));
   }
   panel.y = PlotRange{std::floor(range.low - 2), std::ceil(range.high + 2)};
   return panel;
@@ -213,7 +215,7 @@ std::string HistorySvg(const std::vector<CalibrationMoment>& whole, const std::s
   singular.title = "the two smallest singular values of M (14)";
   singular.y_label = "singular value";
   singular.x = time;
-  constexpr const char* kRanks[] = {"smallest", "second"};
+  constexpr const char* kRanks[] = {"smallest", "second smallest"};
   for (int i = 0; i < 2; ++i) {
     const Value value = [i](const CalibrationMoment& m) { return m.singular_values[i]; };
     singular.lines.push_back({Over(history, value), kRanks[i], kColors[i], 1.6});

@@ -11,7 +11,7 @@ namespace turnscale {
 /// Why a part of the path is not measured.
 enum class MissingReason {
   kNotBegun,     ///< before the map begins: without pose
-  kLost,         ///< tracking failed, or images are unreadable: the pose is predicted
+  kLost,         ///< tracking failed, or images are unreadable: poses are interpolated, or extrapolated at the end
   kNotRecorded,  ///< there are no images
 };
 

@@ -15,6 +15,8 @@
 #include "turnscale/base/csv_table.h"
 #include "turnscale/base/error.h"
 #include "turnscale/base/file_text.h"
+#include "turnscale/camera/camera_model.h"
+#include "turnscale/io/run_summary.h"
 #include "turnscale/io/terminal.h"
 
 namespace turnscale {
@@ -35,7 +37,7 @@ template <class Value>
 Value Named(const CsvTable& table, size_t column, std::initializer_list<Value> values, const char* (*name)(Value)) {
   for (const Value value : values)
     if (table.Text(column) == name(value)) return value;
-  throw InputError(table.Where() + ": '" + table.Text(column) + "' is no state");
+  throw InputError(table.Where() + ": '" + table.Text(column) + "' is not a valid state");
 }
 
 std::vector<FrameResult> ReadFrames(const fs::path& path) {
@@ -145,8 +147,11 @@ std::vector<Eigen::Vector3f> ReadLandmarks(const fs::path& path) {
 
 // From the intrinsics in the summary, if they are there.
 void ReadView(const nlohmann::json& intrinsics, ResultFolder& results) {
+  if (!intrinsics.is_object() ||
+      intrinsics.value("lens_model", nlohmann::json()) == LensModelName(LensModel::kEquidistant))
+    return;
   const auto pair = [&](const char* name) {
-    const nlohmann::json values = intrinsics.is_object() ? intrinsics.value(name, nlohmann::json()) : intrinsics;
+    const nlohmann::json values = intrinsics.value(name, nlohmann::json());
     const bool known = values.is_array() && values.size() == 2 && values[0].is_number() && values[1].is_number();
     return known ? Eigen::Vector2d(values[0].get<double>(), values[1].get<double>()) : Eigen::Vector2d(0, 0);
   };
@@ -167,7 +172,8 @@ void ReadSummary(const fs::path& path, ResultFolder& results) {
   if (!is_summary) throw InputError(path.string() + ": is not a summary of a run");
   results.metric = member("distance_m").is_number();
   ReadView(member("intrinsics"), results);
-  if (member("pose_frame") == "vehicle") return;
+  results.poses_of_vehicle = member("pose_frame") == "vehicle";
+  if (results.poses_of_vehicle) return;
   results.vehicle_from_body = RotationFromYawPitchRoll({angles[0].get<double>() / kDegreesPerRadian,
                                                         angles[1].get<double>() / kDegreesPerRadian,
                                                         angles[2].get<double>() / kDegreesPerRadian});

@@ -37,11 +37,13 @@ struct ResultFolder {
   std::vector<ScaleRow> scale;       ///< empty without metres
   std::vector<RotationRow> rotations;
   std::vector<Eigen::Vector3f> landmarks;
-  /// Horizontal field of view (rad) and width over height of the images; 0 where an earlier version wrote none.
+  /// Horizontal field of view (rad) and width over height of the images, as a pinhole camera; 0 if that is not known,
+  /// or if the lens is a fisheye, which no pinhole camera resembles.
   double horizontal_fov = 0;
   double aspect = 0;
-  std::string summary;   ///< summary.json
-  std::string settings;  ///< settings.yaml
+  bool poses_of_vehicle = false;  ///< of the rear axle (--frame vehicle), not of the camera
+  std::string summary;            ///< summary.json
+  std::string settings;           ///< settings.yaml
   /// Rotation from the bodies of the poses to the car's axes; identity where poses of the car were written.
   Eigen::Quaterniond vehicle_from_body = Eigen::Quaterniond::Identity();
 

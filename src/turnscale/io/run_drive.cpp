@@ -39,7 +39,7 @@ class Run {
       : drive_(drive), odometry_(odometry), progress_(progress), frame_(drive.next()), writer_(drive.output) {
     end_.summary = drive.summary;
     for (const std::string& warning : drive.summary.warnings) progress_.Warn(warning);
-    said_ = drive.summary.warnings.size();
+    printed_ = drive.summary.warnings.size();
     writer_.WriteText("settings.yaml", SettingsText(odometry.options()));
     if (drive.summary.found_camera) writer_.WriteText("camera.yaml", FoundCameraText(*drive.summary.found_camera));
   }
@@ -48,6 +48,7 @@ class Run {
     if (!attempts_.Try([&] { Drive(); })) end_.summary.stopped = FailureOf(attempts_.failures().front()).message;
     progress_.Finish();
     attempts_.Try([&] { writer_.EndLive(); });
+    attempts_.Try(drive_.concluding);
     Conclude();
     if (!tracks_ && !end_.interrupted && !Enough() && attempts_.failures().empty()) {
       end_.nothing_tracked = seen_.Explanation();
@@ -85,7 +86,7 @@ class Run {
     if (!frame.notice.empty()) {
       progress_.Warn(frame.notice);
       end_.summary.warnings.push_back(frame.notice);
-      said_ = end_.summary.warnings.size();
+      printed_ = end_.summary.warnings.size();
     }
     if (frame.gray.empty()) {
       progress_.Warn(fmt::format("frame {}: {}; skipped", frame.index, frame.problem));
@@ -156,6 +157,7 @@ class Run {
     summary.clips = drive_.clips();
     summary.scale_state = results_.scale_state;
     summary.pinhole = odometry_.camera().pinhole;
+    summary.lens_model = odometry_.camera().lens;
     if (options.lens.enabled) summary.lens = {odometry_.lens().correction(), odometry_.lens().sigma()};
     if (options.vehicle.calibrate_camera) {
       const Mount& mount = odometry_.mount().current();
@@ -164,7 +166,7 @@ class Run {
     }
     turnscale::Summarize(results_.frames, results_.scale, summary);
     summary.frames = std::max(summary.frames, processed_);
-    for (size_t i = said_; i < summary.warnings.size(); ++i) progress_.Warn(summary.warnings[i]);
+    for (size_t i = printed_; i < summary.warnings.size(); ++i) progress_.Warn(summary.warnings[i]);
     summary.cost = MeasureCost();
     summary.cost.latency = LatencyOf(latencies_);
     if (summary.stopped.empty() && !attempts_.failures().empty())
@@ -185,7 +187,7 @@ class Run {
   std::vector<double> latencies_;  // of images, seconds
   bool tracks_ = false;            // there is a map, or was
   SeenImages seen_;                // before there is one
-  size_t said_ = 0;                // warnings that have been printed
+  size_t printed_ = 0;             // warnings that have been printed
   int moves_ = 0;                  // of the camera on the car, reported so far
 };
 

@@ -28,6 +28,8 @@ struct DriveToRun {
   RunSummary summary;                  ///< what is known of it beforehand
   /// Called after every frame with its result. What it throws ends the run.
   std::function<void(const SourceFrame&, const FrameResult&, const Odometry&)> watch = {};
+  /// Called when no frame follows, before the final adjustment, which may take minutes.
+  std::function<void()> concluding = [] {};
 };
 
 /// How a run ended.

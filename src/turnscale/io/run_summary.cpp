@@ -107,6 +107,8 @@ nlohmann::ordered_json IntrinsicsJson(const RunSummary& summary) {
     json["focal_length"] = {pinhole->fx, pinhole->fy};
     json["principal_point"] = {pinhole->cx, pinhole->cy};
   }
+  const std::optional<LensModel> lens = found ? found->camera.lens : summary.lens_model;
+  if (lens) json["lens_model"] = LensModelName(*lens);
   if (!found) return json;
   json["focal_length_sigma"] = found->camera.focal_sigma;
   json["principal_point_sigma"] = found->centre_sigma;
@@ -212,6 +214,18 @@ RunCost MeasureCost() {
   cost.cpu_seconds = Seconds(usage.ru_utime) + Seconds(usage.ru_stime);
   cost.peak_memory_mb = static_cast<double>(usage.ru_maxrss) / 1024.0;
   return cost;
+}
+
+const char* LensModelName(LensModel lens) {
+  switch (lens) {
+    case LensModel::kPinhole:
+      return "pinhole";
+    case LensModel::kRadialTangential:
+      return "radial-tangential";
+    case LensModel::kEquidistant:
+      return "equidistant";
+  }
+  return "unknown";
 }
 
 void Summarize(const std::vector<FrameResult>& refined, const RefinedScale& scale, RunSummary& summary) {
@@ -320,7 +334,7 @@ std::string SummaryJson(const RunSummary& summary) {
         {"chi_squared", summary.turn_test.chi_squared},
         {"degrees_of_freedom", summary.turn_test.degrees_of_freedom}}},
       {"cost", CostJson(summary)}};
-  // Names of files may be no UTF-8.
+  // Names of files may not be valid UTF-8.
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

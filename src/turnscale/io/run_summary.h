@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "turnscale/camera/camera_model.h"
 #include "turnscale/geometry/pinhole.h"
 #include "turnscale/geometry/rotation.h"
 #include "turnscale/io/image_source.h"
@@ -65,6 +66,7 @@ struct RunSummary {
   std::string camera;                       ///< file of the intrinsics, or bag and topic; empty if there is none
   std::optional<FoundCamera> found_camera;  ///< intrinsics as estimated from the drive, if they were
   std::optional<Pinhole> pinhole;           ///< of the intrinsics that were used
+  std::optional<LensModel> lens_model;      ///< likewise
   int image_width = 0;                      ///< pixels; 0 before the first image
   int image_height = 0;
   std::string mask;        ///< file of the given mask; empty if there is none
@@ -100,6 +102,9 @@ struct RunSummary {
   std::string stopped;                            ///< why the run ended before the drive did; empty if it did not
   RunCost cost;
 };
+
+/// "pinhole", "radial-tangential" or "equidistant".
+const char* LensModelName(LensModel lens);
 
 /// Fills in what follows from the refined frames and their scale, the warnings included.
 void Summarize(const std::vector<FrameResult>& frames, const RefinedScale& scale, RunSummary& summary);

@@ -127,6 +127,7 @@ void Progress::Warn(const std::string& message) {
   if (line_open_) Show(kClearLine);
   line_open_ = false;
   PrintMessage("warning: " + message);
+  if (observer_) observer_(message);
 }
 
 void Progress::Finish() {

@@ -3,8 +3,10 @@
 
 #include <chrono>
 #include <exception>
+#include <functional>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "turnscale/odometry/results.h"
 
@@ -48,6 +50,8 @@ class Progress {
   void Update(int frames_done, const std::string& more = "");
   /// A line of its own, shown even when quiet.
   void Warn(const std::string& message);
+  /// From now on each warning is also given to `observer`.
+  void OnWarning(std::function<void(const std::string&)> observer) { observer_ = std::move(observer); }
   /// Ends the line that renews itself.
   void Finish();
 
@@ -59,6 +63,7 @@ class Progress {
   std::string unit_;
   bool on_terminal_;
   bool line_open_ = false;
+  std::function<void(const std::string&)> observer_;
   Clock::time_point start_ = Clock::now();
   Clock::time_point shown_ = start_;
   int shown_tenths_ = 0;

@@ -6,11 +6,13 @@
 #include <chrono>
 #include <filesystem>
 #include <map>
+#include <memory>
 #include <mutex>
 #include <system_error>
 #include <thread>
 #include <utility>
 
+#include <arpa/inet.h>
 #include <httplib.h>
 #include <netinet/in.h>
 #include <sys/resource.h>
@@ -28,7 +30,7 @@ using std::chrono::milliseconds;
 using std::chrono::seconds;
 
 constexpr int kThreads = 32;
-constexpr int kPoliteness = 10;            // niceness beyond that of the run
+constexpr int kNicenessIncrement = 10;     // niceness beyond that of the run
 constexpr milliseconds kPollInterval(20);  // of a wait
 constexpr int kTimeoutSeconds = 2;         // of a viewer that stalls
 constexpr int kBacklog = 128;              // connections that wait for a thread; the library's 5 make browsers wait
@@ -48,10 +50,24 @@ std::pair<std::string, std::string> SplitAddress(const std::string& text) {
   return {text.substr(0, colon), text.substr(colon + 1)};
 }
 
+// An address in numbers, no name.
+bool IsNumeric(const std::string& host) {
+  in6_addr address{};
+  return inet_pton(AF_INET, host.c_str(), &address) == 1 || inet_pton(AF_INET6, host.c_str(), &address) == 1;
+}
+
 int PortOf(const sockaddr_storage& address) {
   if (address.ss_family == AF_INET) return ntohs(reinterpret_cast<const sockaddr_in&>(address).sin_port);
   if (address.ss_family == AF_INET6) return ntohs(reinterpret_cast<const sockaddr_in6&>(address).sin6_port);
   return -1;
+}
+
+// With its length given, the library sends it as it is: compressing a page of megabytes takes seconds.
+void Send(std::string body, const char* type, httplib::Response& response) {
+  const auto kept = std::make_shared<const std::string>(std::move(body));
+  response.set_content_provider(kept->size(), type, [kept](size_t offset, size_t length, httplib::DataSink& sink) {
+    return sink.write(kept->data() + offset, length);
+  });
 }
 
 // Ends the connections of this process's sockets of that port, so that no thread waits for their viewers.
@@ -107,7 +123,7 @@ class LivePage::Server {
     thread_ = std::thread([this] {
       // Threads inherit the priority of the one that makes them.
       const auto self = static_cast<id_t>(gettid());
-      setpriority(PRIO_PROCESS, self, getpriority(PRIO_PROCESS, self) + kPoliteness);
+      setpriority(PRIO_PROCESS, self, getpriority(PRIO_PROCESS, self) + kNicenessIncrement);
       server_.listen_after_bind();
       ended_ = true;
     });
@@ -115,7 +131,9 @@ class LivePage::Server {
   }
   Server(const Server&) = delete;
   Server& operator=(const Server&) = delete;
-  ~Server() { Stop(); }
+  ~Server() {
+    Stop([] { return false; });
+  }
 
   std::string address() const {
     // Where it listens on all addresses, this machine's own.
@@ -123,34 +141,36 @@ class LivePage::Server {
     return "http://" + (host.find(':') == std::string::npos ? host : "[" + host + "]") + ":" + std::to_string(port_) +
            "/";
   }
-  bool IsPaused() const { return state_.IsPaused(); }
+  bool IsPaused() const {
+    state_.EndStalePause();
+    return state_.IsPaused();
+  }
 
-  void Finish(const std::string& report) {
+  void Finish(const std::string& report, const std::function<bool()>& stop) {
     {
       const std::lock_guard lock(mutex_);
       report_ = report;
     }
-    const bool watched = state_.IsWatched();
     state_.Finish();
-    const auto end = std::chrono::steady_clock::now() + options_.farewell;
+    const auto end = Clock::now() + options_.report_wait;
     const auto all_served = [&] {
       const std::lock_guard lock(mutex_);
-      return !viewers_.empty() && farewells_ >= viewers_.size();
+      return viewers_.empty();
     };
-    while (watched && !all_served() && std::chrono::steady_clock::now() < end)
-      std::this_thread::sleep_for(kPollInterval);
-    Stop();
+    ForgetThoseWhoAskNoMore();
+    while (!all_served() && !stop() && Clock::now() < end) std::this_thread::sleep_for(kPollInterval);
+    Stop(stop);
   }
 
  private:
   using Clock = std::chrono::steady_clock;
 
-  void Stop() {
+  void Stop(const std::function<bool()>& stop) {
     server_.stop();
     // A viewer that reads or sends a little at a time would keep its thread for as long as it likes.
     const auto patience = Clock::now() + options_.last_answers;
     while (!ended_) {
-      if (Clock::now() > patience) CutConnections(port_);
+      if (Clock::now() > patience || stop()) CutConnections(port_);
       std::this_thread::sleep_for(kPollInterval);
     }
     if (thread_.joinable()) thread_.join();
@@ -159,35 +179,37 @@ class LivePage::Server {
   bool Knows(const std::string& host) const {
     const bool local = host == "localhost" || host == "127.0.0.1" || host == "::1" || host == options_.host;
     const bool for_all = options_.host == "0.0.0.0" || options_.host == "::";
-    return local || for_all;
+    return local || (for_all && IsNumeric(host));
   }
 
   void Route() {
     server_.set_pre_routing_handler([this](const httplib::Request& request, httplib::Response& response) {
       response.set_header("Cache-Control", "no-store");
       response.set_header("X-Content-Type-Options", "nosniff");
-      const bool allowed = Knows(SplitAddress(request.get_header_value("Host")).first) &&
-                           (request.method == "GET" || request.has_header("X-Turnscale"));
-      if (allowed) return httplib::Server::HandlerResponse::Unhandled;
+      // Browsers send no header when a page is left; who leaves is named by a number that other sites do not know.
+      const bool named = Knows(SplitAddress(request.get_header_value("Host")).first);
+      const bool ours = request.method == "GET" || request.path == "/leave" || request.has_header("X-Turnscale");
+      if (named && ours) return httplib::Server::HandlerResponse::Unhandled;
       response.status = kForbidden;
+      if (!named) response.set_content("Open this page by the address of the machine in numbers.\n", "text/plain");
       return httplib::Server::HandlerResponse::Handled;
     });
     server_.Get("/", [this](const auto&, auto& response) {
       const std::string report = Report();
-      response.set_content(report.empty() ? page_ : report, "text/html; charset=utf-8");
+      Send(report.empty() ? page_ : report, "text/html; charset=utf-8", response);
     });
     server_.Get("/state.json", [this](const auto& request, auto& response) {
       Remember(request.get_param_value("viewer"));
-      response.set_content(state_.StateJson(), "application/json");
+      Send(state_.StateJson(), "application/json", response);
     });
     server_.Get("/path.json",
-                [this](const auto&, auto& response) { response.set_content(state_.PathJson(), "application/json"); });
+                [this](const auto&, auto& response) { Send(state_.PathJson(), "application/json", response); });
     server_.Get("/image.jpg", [this](const auto&, auto& response) {
       const std::string image = state_.Image();
       if (image.empty()) {
         response.status = kNotFound;
       } else {
-        response.set_content(image, "image/jpeg");
+        Send(image, "image/jpeg", response);
       }
     });
     server_.Get("/report.html", [this](const auto&, auto& response) {
@@ -195,13 +217,17 @@ class LivePage::Server {
       if (report.empty()) {
         response.status = kNotFound;
       } else {
-        response.set_content(report, "text/html; charset=utf-8");
+        Send(report, "text/html; charset=utf-8", response);
       }
     });
     // After an answer has been sent.
     server_.set_logger([this](const httplib::Request& request, const httplib::Response&) {
       const std::lock_guard lock(mutex_);
-      if (request.path == "/report.html") ++farewells_;
+      if (request.path == "/report.html") viewers_.erase(request.get_param_value("viewer"));
+    });
+    server_.Post("/leave", [this](const auto& request, auto&) {
+      const std::lock_guard lock(mutex_);
+      viewers_.erase(request.get_param_value("viewer"));
     });
     server_.Post("/pause", [this](const auto&, auto&) { state_.SetPaused(true); });
     server_.Post("/resume", [this](const auto&, auto&) { state_.SetPaused(false); });
@@ -214,11 +240,16 @@ class LivePage::Server {
 
   // Those that have asked within the last seconds: they are waited for at the end.
   void Remember(const std::string& viewer) {
-    constexpr seconds kKept(3);
     constexpr size_t kMost = 1000;
+    ForgetThoseWhoAskNoMore();
+    const std::lock_guard lock(mutex_);
+    if (!viewer.empty() && viewers_.size() < kMost) viewers_[viewer] = Clock::now();
+  }
+
+  void ForgetThoseWhoAskNoMore() {
+    constexpr seconds kKept(15);  // those who leave say so
     const std::lock_guard lock(mutex_);
     const Clock::time_point now = Clock::now();
-    if (viewers_.size() < kMost) viewers_[viewer] = now;
     std::erase_if(viewers_, [&](const auto& seen) { return now - seen.second > kKept; });
   }
 
@@ -231,8 +262,7 @@ class LivePage::Server {
   int port_ = -1;
   std::mutex mutex_;
   std::string report_;
-  std::map<std::string, Clock::time_point> viewers_;
-  size_t farewells_ = 0;
+  std::map<std::string, Clock::time_point> viewers_;  // without the report
 };
 
 LivePage::LivePage(const LivePageOptions& options, LiveState& state)
@@ -246,6 +276,6 @@ void LivePage::WaitWhilePaused(const std::function<bool()>& stop) const {
   while (server_->IsPaused() && !stop()) std::this_thread::sleep_for(kPollInterval);
 }
 
-void LivePage::Finish(const std::string& report) { server_->Finish(report); }
+void LivePage::Finish(const std::string& report, const std::function<bool()>& stop) { server_->Finish(report, stop); }
 
 }  // namespace turnscale

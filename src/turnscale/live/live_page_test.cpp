@@ -19,13 +19,15 @@
 namespace turnscale {
 namespace {
 
+constexpr auto Never = [] { return false; };
+
 class LivePageTest : public ::testing::Test {
  protected:
   LivePageTest() : odometry_({}, {}), state_("drive", "1.0", 100), page_(ShortEnd(), state_), client_(Address()) {}
 
   static LivePageOptions ShortEnd() {
     LivePageOptions options;
-    options.farewell = std::chrono::milliseconds(4000);
+    options.report_wait = std::chrono::milliseconds(4000);
     options.last_answers = std::chrono::milliseconds(1000);
     return options;
   }
@@ -44,14 +46,16 @@ class LivePageTest : public ::testing::Test {
     }
   }
 
-  // A viewer's connection, which says nothing yet.
-  int Connect() const {
+  int Port() const { return std::stoi(Address().substr(Address().rfind(':') + 1)); }
+
+  // A viewer's connection, which says nothing yet; the system keeps so many bytes for it (0: as usual).
+  static int Connect(int port, int kept = 0) {
     const int handle = socket(AF_INET, SOCK_STREAM, 0);
+    if (kept > 0) setsockopt(handle, SOL_SOCKET, SO_RCVBUF, &kept, sizeof kept);
     sockaddr_in address{};
     address.sin_family = AF_INET;
     address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    const std::string port = Address().substr(Address().rfind(':') + 1);
-    address.sin_port = htons(static_cast<uint16_t>(std::stoi(port)));
+    address.sin_port = htons(static_cast<uint16_t>(port));
     EXPECT_EQ(connect(handle, reinterpret_cast<sockaddr*>(&address), sizeof address), 0);
     return handle;
   }
@@ -111,7 +115,7 @@ TEST_F(LivePageTest, PausesAndResumes) {
 }
 
 TEST_F(LivePageTest, APauseEndsWhenItsViewerHasLeft) {
-  LiveState state("drive", "1.0", 100, std::chrono::milliseconds(200));
+  LiveState state("drive", "1.0", 100, "", std::chrono::milliseconds(200));
   const LivePage page({}, state);
   state.SetPaused(true);
   const auto begin = std::chrono::steady_clock::now();
@@ -129,7 +133,7 @@ TEST_F(LivePageTest, APauseEndsWhenItsViewerHasLeft) {
 
 TEST_F(LivePageTest, WarningsAreBounded) {
   for (int i = 0; i < 1000; ++i) state_.AddWarning("frame " + std::to_string(i) + ": cannot be read");
-  const nlohmann::json warnings = nlohmann::json::parse(state_.PathJson())["warnings"];
+  const nlohmann::json warnings = State()["warnings"];
   ASSERT_EQ(warnings.size(), 11u);
   EXPECT_EQ(warnings[0], "frame 0: cannot be read");
   EXPECT_EQ(warnings[10], "990 more, in the report");
@@ -138,19 +142,50 @@ TEST_F(LivePageTest, WarningsAreBounded) {
 TEST_F(LivePageTest, BecomesTheReport) {
   AddFrames(1);
   State();
-  std::thread end([&] { page_.Finish("<p>the report"); });
+  std::thread end([&] { page_.Finish("<p>the report", Never); });
   nlohmann::json state = State();
   for (int i = 0; i < 100 && state.is_object() && !state["finished"].get<bool>(); ++i) state = State();
   EXPECT_TRUE(state["finished"].get<bool>());
-  EXPECT_EQ(client_.Get("/report.html")->body, "<p>the report");
+  EXPECT_EQ(client_.Get("/report.html?viewer=a")->body, "<p>the report");
   end.join();
   EXPECT_FALSE(client_.Get("/state.json")) << "the server has stopped";
+}
+
+// That would take seconds of a page of megabytes.
+TEST_F(LivePageTest, CompressesNothing) {
+  const auto page = client_.Get("/", {{"Accept-Encoding", "br, gzip, deflate"}});
+  ASSERT_TRUE(page);
+  EXPECT_FALSE(page->has_header("Content-Encoding"));
+  EXPECT_EQ(page->get_header_value("Content-Length"), std::to_string(page->body.size()));
+}
+
+TEST_F(LivePageTest, WaitsForNobodyWhoHasLeft) {
+  AddFrames(1);
+  State();
+  EXPECT_EQ(client_.Post("/leave?viewer=a")->status, 200);
+  const auto begin = std::chrono::steady_clock::now();
+  page_.Finish("<p>the report", Never);
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::milliseconds(3000)) << "of 4000";
+}
+
+TEST_F(LivePageTest, TheWaitForViewersCanBeStopped) {
+  AddFrames(1);
+  State();
+  const auto begin = std::chrono::steady_clock::now();
+  page_.Finish("<p>the report", [] { return true; });
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::milliseconds(3000)) << "of 4000";
+}
+
+TEST_F(LivePageTest, NamesWhatTheProgramDoes) {
+  EXPECT_EQ(State()["phase"], "");
+  state_.SetPhase("final adjustment");
+  EXPECT_EQ(State()["phase"], "final adjustment");
 }
 
 TEST_F(LivePageTest, StalledViewersHoldUpNobody) {
   // They open a connection and say nothing.
   std::vector<int> stalled;
-  for (int i = 0; i < 20; ++i) stalled.push_back(Connect());
+  for (int i = 0; i < 20; ++i) stalled.push_back(Connect(Port()));
   AddFrames(1);
   for (int i = 0; i < 10; ++i) EXPECT_EQ(State()["frame"], 1);
   for (const int handle : stalled) close(handle);
@@ -158,9 +193,9 @@ TEST_F(LivePageTest, StalledViewersHoldUpNobody) {
 
 TEST_F(LivePageTest, SlowViewersDoNotHoldUpTheEnd) {
   // One sends its request letter by letter, one asks for a report that it does not read.
-  const int sender = Connect();
-  const int reader = Connect();
-  const std::string request = "GET /report.html HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n";
+  const int sender = Connect(Port());
+  const int reader = Connect(Port());
+  const std::string request = "GET /report.html?viewer=b HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n";
   std::atomic<bool> over = false;
   std::thread slow([&] {
     for (size_t i = 0; !over; ++i) {
@@ -177,13 +212,39 @@ TEST_F(LivePageTest, SlowViewersDoNotHoldUpTheEnd) {
   const auto begin = std::chrono::steady_clock::now();
   std::string report;
   report.resize(30'000'000, 'x');
-  page_.Finish(report);
+  page_.Finish(report, Never);
   EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(20));
   over = true;
   slow.join();
   late.join();
   close(sender);
   close(reader);
+}
+
+// The report is longer than what the system keeps for a viewer.
+TEST_F(LivePageTest, ViewersWhoDoNotReadTheReportHoldUpNobody) {
+  LiveState state("drive", "1.0", 100);
+  LivePage page({}, state);
+  const std::string address = page.address();
+  const std::string port = address.substr(address.rfind(':') + 1);
+  httplib::Client client("127.0.0.1", std::stoi(port));
+  client.set_read_timeout(60);
+  ASSERT_TRUE(client.Get("/state.json?viewer=a"));
+  std::string report;
+  report.resize(12'000'000, 'x');
+  std::thread end([&] { page.Finish(report, Never); });
+  while (!nlohmann::json::parse(client.Get("/state.json?viewer=a").value().body)["finished"].get<bool>())
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  std::vector<int> stalled;
+  const std::string request = "GET /report.html HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n";
+  for (int i = 0; i < 10; ++i) {
+    stalled.push_back(Connect(std::stoi(port), 4096));
+    send(stalled.back(), request.data(), request.size(), MSG_NOSIGNAL);
+  }
+  const auto answer = client.Get("/report.html?viewer=a");
+  EXPECT_TRUE(answer && answer->body == report);
+  end.join();
+  for (const int handle : stalled) close(handle);
 }
 
 TEST(LiveAddress, HostAndPort) {
@@ -220,6 +281,10 @@ TEST_P(ListeningElsewhere, AnswersThere) {
     ASSERT_TRUE(answer) << host;
     EXPECT_EQ(answer->status, 200) << host << " asked as " << name;
   }
+  // A name that another site may have given to this machine.
+  const auto refused = client.Get("/state.json", {{"Host", "elsewhere.example:" + port}});
+  ASSERT_TRUE(refused);
+  EXPECT_EQ(refused->status, 403) << host;
 }
 
 INSTANTIATE_TEST_SUITE_P(Addresses, ListeningElsewhere,

@@ -40,8 +40,17 @@ std::vector<SpeedReading> RoughSpeeds(const std::vector<FrameResult>& frames) {
 
 }  // namespace
 
-LiveState::LiveState(std::string title, std::string version, int frames, milliseconds pause_kept)
-    : title_(std::move(title)), version_(std::move(version)), frames_(frames), pause_kept_(pause_kept) {}
+LiveState::LiveState(std::string title, std::string version, int frames, std::string report, milliseconds pause_kept)
+    : title_(std::move(title)),
+      version_(std::move(version)),
+      frames_(frames),
+      report_(std::move(report)),
+      pause_kept_(pause_kept) {}
+
+void LiveState::SetPhase(const std::string& phase) {
+  const std::lock_guard lock(mutex_);
+  phase_ = phase;
+}
 
 void LiveState::Add(const cv::Mat& gray, const FrameResult& frame, const Odometry& odometry) {
   const std::lock_guard lock(mutex_);
@@ -113,10 +122,14 @@ void LiveState::SetPaused(bool paused) {
   asked_at_ = Clock::now();
 }
 
-bool LiveState::IsPaused() {
+bool LiveState::IsPaused() const {
+  const std::lock_guard lock(mutex_);
+  return paused_;
+}
+
+void LiveState::EndStalePause() {
   const std::lock_guard lock(mutex_);
   if (Clock::now() - asked_at_ > pause_kept_) paused_ = false;
-  return paused_;
 }
 
 bool LiveState::IsWatched() const {
@@ -130,13 +143,14 @@ std::string LiveState::StateJson() {
   asked_at_ = now;
   const auto recent = std::count_if(done_at_.begin(), done_at_.end(), [&](auto at) { return now - at <= kRateWindow; });
   const double span = done_at_.empty() ? 0 : std::chrono::duration<double>(now - done_at_.front()).count();
+  std::vector<std::string> warnings = warnings_;
+  if (more_warnings_ > 0) warnings.push_back(std::to_string(more_warnings_) + " more, in the report");
   const nlohmann::ordered_json json = {
-      {"title", title_},
-      {"version", version_},
-      {"metric", latest_.scale_state != ScaleState::kPending},
+      {"phase", phase_},
+      {"report", report_},
+      {"warnings", warnings},
       {"frame", frames_done_},
       {"frames", frames_},
-      {"time", latest_.time},
       {"rate", recent > 1 && span > 0 ? static_cast<double>(recent) / span : 0.0},
       {"keyframes", keyframes_},
       {"scaleState", ScaleStateName(latest_.scale_state)},
@@ -161,8 +175,6 @@ std::string LiveState::PathJson() {
     data.frames = path_.frames;
     data.metric = path_.metric;
     data.vehicle_from_body = path_.vehicle_from_camera;
-    data.warnings = warnings_;
-    if (more_warnings_ > 0) data.warnings.push_back(std::to_string(more_warnings_) + " more, in the report");
   }
   data.title = title_;
   data.version = version_;

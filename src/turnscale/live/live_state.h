@@ -23,17 +23,24 @@ class LiveState {
 
   /// `frames` are those expected, 0 if that is not known. A pause ends when nobody has asked for `pause_kept`: whoever
   /// paused has left.
-  LiveState(std::string title, std::string version, int frames, std::chrono::milliseconds pause_kept = kPauseKept);
+  /// `report` is the file of the report to come, for viewers who miss its arrival; empty: there will be none.
+  LiveState(std::string title, std::string version, int frames, std::string report = "",
+            std::chrono::milliseconds pause_kept = kPauseKept);
 
   /// After each frame. Copies what the page shows only if somebody has asked lately.
   void Add(const cv::Mat& gray, const FrameResult& frame, const Odometry& odometry);
+  /// What the program does other than to run over the frames, such as "final adjustment", which cannot be paused;
+  /// empty: it runs over the frames.
+  void SetPhase(const std::string& phase);
   /// Viewers are told the first ones, and how many more there are.
   void AddWarning(const std::string& warning);
   /// No frame follows.
   void Finish();
 
   void SetPaused(bool paused);
-  bool IsPaused();
+  bool IsPaused() const;
+  /// Ends a pause that nobody watches.
+  void EndStalePause();
 
   /// The numbers, JSON; see LiveState in web/src/live.ts.
   std::string StateJson();
@@ -60,9 +67,11 @@ class LiveState {
   const std::string title_;
   const std::string version_;
   const int frames_;
+  const std::string report_;
   const std::chrono::milliseconds pause_kept_;
 
   mutable std::mutex mutex_;  // of all below but for what is made of them
+  std::string phase_;
   FrameResult latest_;
   int frames_done_ = 0;
   int keyframes_ = 0;

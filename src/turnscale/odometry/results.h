@@ -20,13 +20,13 @@ enum class ScaleState {
   kFromRoad,  ///< between turns, where the height of the camera above the road shows it
 };
 
-/// How a frame's pose was determined.
+/// How a pose was determined. If not measured, it is predicted; refined: interpolated, extrapolated only at the end.
 enum class TrackingState {
   kInitializing,  ///< no map yet (standstill, pure rotation, too little parallax)
   kTracked,       ///< measured against the map
-  kRepeated,      ///< duplicate image: shows what the previous one did, though the car moves; predicted pose
-  kBridged,       ///< tracking failed in the image; predicted pose
-  kUnreadable,    ///< no readable image; predicted pose
+  kRepeated,      ///< duplicate image: shows what the previous one did, though the car moves; pose not measured
+  kBridged,       ///< tracking failed in the image; pose not measured
+  kUnreadable,    ///< no readable image; pose not measured
 };
 
 /// Result of one frame.

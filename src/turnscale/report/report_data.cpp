@@ -41,6 +41,9 @@ constexpr double kCentimetres = 100;
 constexpr double kMilliseconds = 1000;
 constexpr double kSigmaSteps = 1e5;
 
+// In the page's seconds.
+Json Time(double time, double origin) { return Rounded(time - origin, kMilliseconds); }
+
 // How finely a length is given: centimetres of a drive in metres, a ten-thousandth of one without.
 double LengthSteps(const Trajectory& poses, bool metric) {
   double length = 0;
@@ -51,6 +54,7 @@ double LengthSteps(const Trajectory& poses, bool metric) {
 }
 
 struct Axes {
+  double time_origin = 0;
   Eigen::Quaterniond level_from_world = Eigen::Quaterniond::Identity();
   double steps = kCentimetres;
 };
@@ -112,23 +116,27 @@ char LetterOf(TrackingState state) {
   return 'i';
 }
 
-// Frames with a pose, and where tracking and turns begin and end among them: points of the path that have to stay.
+// Frames with a pose, and where lost tracking and turns begin and end among them: points of the path that have to stay.
 struct PosedFrames {
   std::vector<const FrameResult*> frames;
   Trajectory poses;
   std::vector<int> edges;
 };
 
-PosedFrames Posed(const ReportData& data) {
+PosedFrames Posed(const ReportData& data, const ReportLimits& limits) {
   PosedFrames posed;
+  std::vector<int> changes;
   for (const FrameResult& frame : data.frames) {
     if (!frame.world_from_camera) continue;
     const int place = static_cast<int>(posed.frames.size());
-    if (place > 0 && posed.frames.back()->state != frame.state && posed.edges.size() < data.frames.size() / 4)
-      posed.edges.insert(posed.edges.end(), {place - 1, place});
+    if (place > 0 && IsLost(posed.frames.back()->state) != IsLost(frame.state)) changes.push_back(place);
     posed.frames.push_back(&frame);
     posed.poses.push_back({frame.time, *frame.world_from_camera});
   }
+  // Where there are too many, some of all parts of the drive.
+  const size_t stride = 4 * changes.size() / std::max(limits.path_points, 1) + 1;
+  for (size_t i = 0; i < changes.size(); i += stride)
+    posed.edges.insert(posed.edges.end(), {changes[i] - 1, changes[i]});
   const auto place_of = [&](int frame) {
     const auto after = std::lower_bound(posed.frames.begin(), posed.frames.end(), frame,
                                         [](const FrameResult* f, int number) { return f->frame < number; });
@@ -152,15 +160,15 @@ Json PathJson(const ReportData& data, const PosedFrames& posed, const Axes& axes
   std::string tracking;
   for (const int place : ThinPath(posed.poses, limits.path_points, posed.edges)) {
     const FrameResult& of = *posed.frames[place];
-    time.Add(Rounded(of.time, kMilliseconds));
+    time.Add(Time(of.time, axes.time_origin));
     frame.Add(of.frame);
     positions.Add(axes.level_from_world * of.world_from_camera->translation);
     const std::optional<SpeedReading> reading = SpeedAt(data.speeds, of.time);
     speed.Add(reading ? Rounded(reading->speed, kMillimetres) : Json(nullptr));
     speed_sigma.Add(reading ? Rounded(reading->sigma, kMillimetres) : Json(nullptr));
     sigma.Add(Rounded(of.scale_sigma, kSigmaSteps));
-    scale_state += LetterOf(of.scale_state);
-    tracking += LetterOf(of.state);
+    if (data.has_scale_state) scale_state += LetterOf(of.scale_state);
+    if (data.has_tracking) tracking += LetterOf(of.state);
   }
   path["time"] = time.Take();
   path["frame"] = frame.Take();
@@ -204,18 +212,15 @@ Json LandmarksJson(const ReportData& data, const PosedFrames& posed, const Axes&
 
 Json OrNull(double value) { return value > 0 ? Significant(value) : Json(nullptr); }
 
-Json TurnsJson(const ReportData& data) {
+Json TurnsJson(const ReportData& data, double time_origin) {
   Json turns = Json::array();
   const auto time_of = [&](int frame) {
-    return Rounded(data.frames[std::clamp<int>(frame, 0, static_cast<int>(data.frames.size()) - 1)].time,
-                   kMilliseconds);
+    return Time(data.frames[std::clamp<int>(frame, 0, static_cast<int>(data.frames.size()) - 1)].time, time_origin);
   };
   if (data.frames.empty()) return turns;
   for (const TurnResult& turn : data.turns) {
     turns.push_back({{"from", time_of(turn.first_frame)},
                      {"to", time_of(turn.last_frame)},
-                     {"firstFrame", turn.first_frame},
-                     {"lastFrame", turn.last_frame},
                      {"angle", Rounded(turn.angle * kDegreesPerRadian, 10)},
                      {"speed", OrNull(turn.speed)},
                      {"scale", OrNull(turn.metres_per_unit)},
@@ -229,7 +234,7 @@ Json TurnsJson(const ReportData& data) {
   return turns;
 }
 
-Json ScaleJson(const ReportData& data, const ReportLimits& limits) {
+Json ScaleJson(const ReportData& data, double time_origin, const ReportLimits& limits) {
   if (data.scale.empty()) return nullptr;
   Column time;
   Column value;
@@ -238,21 +243,21 @@ Json ScaleJson(const ReportData& data, const ReportLimits& limits) {
   for (size_t i = 0; i < data.scale.size(); ++i) {
     if (i % stride != 0 && i + 1 != data.scale.size()) continue;
     const ScaleRow& row = data.scale[i];
-    time.Add(Rounded(row.time, kMilliseconds));
+    time.Add(Time(row.time, time_origin));
     value.Add(Significant(row.metres_per_unit));
     sigma.Add(Rounded(row.sigma, kSigmaSteps));
   }
   return {{"time", time.Take()}, {"value", value.Take()}, {"sigma", sigma.Take()}};
 }
 
-Json RotationJson(const ReportData& data) {
+Json RotationJson(const ReportData& data, double time_origin) {
   if (data.rotations.empty()) return nullptr;
   Json json;
   const auto add = [&](const char* name, double value) {
     json[name].push_back(Rounded(value * kDegreesPerRadian, 1e4));
   };
   const auto add_row = [&](double time, const RotationRow& row) {
-    json["time"].push_back(Rounded(time, kMilliseconds));
+    json["time"].push_back(Time(time, time_origin));
     add("yaw", row.angles.yaw);
     add("pitch", row.angles.pitch);
     add("roll", row.angles.roll);
@@ -268,10 +273,10 @@ Json RotationJson(const ReportData& data) {
   return json;
 }
 
-Json ThumbnailsJson(const ReportData& data) {
+Json ThumbnailsJson(const ReportData& data, double time_origin) {
   Json thumbnails = Json::array();
   for (const Thumbnail& thumbnail : data.thumbnails) {
-    thumbnails.push_back({{"time", Rounded(thumbnail.time, kMilliseconds)},
+    thumbnails.push_back({{"time", Time(thumbnail.time, time_origin)},
                           {"frame", thumbnail.frame},
                           {"why", ThumbnailReasonName(thumbnail.reason)},
                           {"jpeg", Base64(thumbnail.jpeg)}});
@@ -319,7 +324,7 @@ Json TruthJson(const ReportData& data, const Axes& axes, const ReportLimits& lim
   PositionColumns positions(axes.steps);
   for (const int place : ThinPath(truth, limits.truth_points)) {
     const Eigen::Vector3d& position = truth[place].world_from_camera.translation;
-    time.Add(Rounded(truth[place].time, kMilliseconds));
+    time.Add(Time(truth[place].time, axes.time_origin));
     positions.Add(axes.level_from_world * position);
     error.Add(
         Rounded((data.truth[place].estimate.translation - position).norm() / path_from_truth.scale, kMillimetres));
@@ -348,9 +353,10 @@ Json OutlinesJson(const ReportData& data, const Axes& axes) {
   return outlines;
 }
 
+// A page that counts the time from elsewhere, as those of earlier versions may, is of no use.
 void TakeOverTruth(const std::string& earlier, Json& json) {
   const Json from = Json::parse(earlier, nullptr, false);
-  if (!from.is_object()) return;
+  if (!from.is_object() || from.value("timeOrigin", Json(0)) != json["timeOrigin"]) return;
   for (const char* part : {"truth", "errors", "outlines"})
     if (from.contains(part)) json[part] = from[part];
 }
@@ -364,29 +370,39 @@ Json FactsJson(const std::vector<ReportFact>& facts) {
 
 }  // namespace
 
+double TimeOrigin(const std::vector<FrameResult>& frames) {
+  constexpr double kDay = 86400;
+  return !frames.empty() && frames.front().time > kDay ? frames.front().time : 0;
+}
+
 std::string ReportJson(const ReportData& data, const ReportLimits& limits) {
-  const PosedFrames posed = Posed(data);
+  const PosedFrames posed = Posed(data, limits);
   Axes axes;
-  if (!posed.poses.empty())
-    axes = {LevelFromWorld(posed.poses, data.vehicle_from_body), LengthSteps(posed.poses, data.metric)};
+  if (data.timed) axes.time_origin = TimeOrigin(data.frames);
+  if (!posed.poses.empty()) {
+    axes.level_from_world = LevelFromWorld(posed.poses, data.vehicle_from_body);
+    axes.steps = LengthSteps(posed.poses, data.metric);
+  }
   Json json = {{"title", data.title},
                {"version", data.version},
                {"unit", data.metric ? "m" : "units"},
+               {"timed", data.timed},
+               {"timeOrigin", Rounded(axes.time_origin, kMilliseconds)},
                {"notes", data.notes},
                {"warnings", data.warnings},
                {"facts", FactsJson(data.facts)},
                {"path", PathJson(data, posed, axes, limits)},
                {"landmarks", LandmarksJson(data, posed, axes, limits)},
-               {"turns", TurnsJson(data)},
-               {"scale", ScaleJson(data, limits)},
-               {"rotation", RotationJson(data)},
-               {"thumbnails", ThumbnailsJson(data)},
+               {"turns", TurnsJson(data, axes.time_origin)},
+               {"scale", ScaleJson(data, axes.time_origin, limits)},
+               {"rotation", RotationJson(data, axes.time_origin)},
+               {"thumbnails", ThumbnailsJson(data, axes.time_origin)},
                {"truth", TruthJson(data, axes, limits)},
                {"errors", FactsJson(data.errors)},
                {"outlines", OutlinesJson(data, axes)},
                {"settings", data.settings}};
   if (data.truth.empty() && !data.earlier.empty()) TakeOverTruth(data.earlier, json);
-  // Names of files may be no UTF-8. A '<' could end the script element that holds the data.
+  // Names of files may not be valid UTF-8. A '<' could end the script element that holds the data.
   const std::string text = json.dump(-1, ' ', false, Json::error_handler_t::replace);
   std::string escaped;
   escaped.reserve(text.size());

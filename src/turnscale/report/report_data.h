@@ -28,6 +28,9 @@ struct ReportData {
   std::vector<std::string> notes;     ///< below the title: what was done
   std::vector<ReportFact> facts;
   std::vector<FrameResult> frames;
+  bool timed = true;            ///< else the times are the numbers of the poses
+  bool has_tracking = true;     ///< the frames say how they were tracked; else they are poses only
+  bool has_scale_state = true;  ///< the frames say how their scale is known
   Eigen::Quaterniond vehicle_from_body = Eigen::Quaterniond::Identity();
   std::vector<TurnResult> turns;
   std::vector<SpeedReading> speeds;
@@ -51,6 +54,10 @@ struct ReportLimits {
   int scale_points = 2000;
   int truth_points = 2500;
 };
+
+/// The time that the page counts from, seconds: that of the first frame if the times are those of a clock (since 1970,
+/// or since a machine was started), else 0.
+double TimeOrigin(const std::vector<FrameResult>& frames);
 
 /// The data as the page reads it (web/src/report.ts), JSON without '<'. Positions are in level axes (LevelFromWorld).
 std::string ReportJson(const ReportData& data, const ReportLimits& limits = {});

@@ -71,6 +71,70 @@ TEST(ReportData, LongDrivesAreThinned) {
   EXPECT_LE(json["scale"]["time"].size(), 2001u);
 }
 
+// Every second image is a duplicate, or every second one is lost.
+TEST(ReportData, FramesThatAlternateAreThinned) {
+  for (const TrackingState other : {TrackingState::kRepeated, TrackingState::kBridged}) {
+    ReportData data = DriveData(40000);
+    for (size_t i = 0; i < data.frames.size(); ++i) data.frames[i].state = i % 2 == 0 ? TrackingState::kTracked : other;
+    const nlohmann::json path = Parsed(data)["path"];
+    EXPECT_LE(path["time"].size(), 8000u) << static_cast<int>(other);
+    // Those that are kept are of the whole drive.
+    EXPECT_NEAR(path["time"][path["time"].size() / 2].get<double>(), 2000, 200) << static_cast<int>(other);
+  }
+}
+
+TEST(ReportData, WhereTrackingIsLostIsKept) {
+  ReportData data = DriveData(40000);
+  for (FrameResult& frame : data.frames) frame.state = TrackingState::kTracked;
+  data.frames[20001].state = TrackingState::kUnreadable;
+  const nlohmann::json path = Parsed(data, {.path_points = 100})["path"];
+  const auto at = path["tracking"].get<std::string>().find('u');
+  ASSERT_NE(at, std::string::npos);
+  EXPECT_EQ(path["frame"][at], 20001);
+  EXPECT_EQ(path["frame"][at - 1], 20000);
+  EXPECT_EQ(path["frame"][at + 1], 20002);
+}
+
+// Seconds since 1970: the page counts from the first frame.
+TEST(ReportData, TimesOfAClockBeginAtTheFirstFrame) {
+  constexpr double kStart = 1774160045.25;
+  ReportData data = DriveData(50);
+  for (FrameResult& frame : data.frames) frame.time += kStart;
+  for (SpeedReading& reading : data.speeds) reading.time += kStart;
+  TurnResult turn;
+  turn.first_frame = 10;
+  turn.last_frame = 20;
+  data.turns = {turn};
+  data.scale = {{0, kStart, 0.25, 0.02}};
+  data.rotations = {{0, kStart, {}, {}}};
+  data.thumbnails = {{30, kStart + 3, ThumbnailReason::kDrive, "x"}};
+  for (int i = 0; i < 50; ++i)
+    data.truth.push_back(
+        {i, i, data.frames[i].time, *data.frames[i].world_from_camera, *data.frames[i].world_from_camera});
+  const nlohmann::json json = Parsed(data);
+  EXPECT_EQ(json["timeOrigin"], kStart);
+  EXPECT_EQ(json["path"]["time"][0], 0);
+  EXPECT_EQ(json["path"]["time"][49], 4.9);
+  EXPECT_EQ(json["path"]["speed"][49], 10);
+  EXPECT_EQ(json["turns"][0]["from"], 1);
+  EXPECT_EQ(json["scale"]["time"][0], 0);
+  EXPECT_EQ(json["rotation"]["time"][1], 4.9);
+  EXPECT_EQ(json["thumbnails"][0]["time"], 3);
+  EXPECT_EQ(json["truth"]["time"][49], 4.9);
+  EXPECT_EQ(TimeOrigin(DriveData(50).frames), 0);
+}
+
+TEST(ReportData, PosesAlone) {
+  ReportData data = DriveData(20);
+  data.timed = false;
+  data.has_tracking = false;
+  data.has_scale_state = false;
+  const nlohmann::json json = Parsed(data);
+  EXPECT_EQ(json["timed"], false);
+  EXPECT_EQ(json["path"]["tracking"], "");
+  EXPECT_EQ(json["path"]["scaleState"], "");
+}
+
 TEST(ReportData, TheTruthIsLaidOnTheFirstPose) {
   ReportData data = DriveData(200);
   const RigidTransform elsewhere{RotationFromVector({0.1, 0.5, 0}), {7, 8, 9}};

@@ -59,6 +59,7 @@ std::vector<ReportFact> FactsOf(const Summary& summary, const ResultFolder& resu
     const double length = NumberAt(summary, "/distance_units");
     if (std::isfinite(length)) facts.push_back({"Path length", fmt::format("{:.2f} units", length), "up to scale"});
   }
+  const double origin = TimeOrigin(results.frames);
   const double seconds = results.frames.empty() ? 0 : results.frames.back().time - results.frames.front().time;
   facts.push_back({"Duration", Clock(seconds), fmt::format("{} frames", results.frames.size())});
   if (!results.speeds.empty()) {
@@ -66,7 +67,7 @@ std::vector<ReportFact> FactsOf(const Summary& summary, const ResultFolder& resu
                                       [](const auto& a, const auto& b) { return a.speed < b.speed; });
     facts.push_back({"Top speed", fmt::format("{:.0f} km/h", kKmhPerMps * top->speed),
                      (std::isfinite(top->sigma) ? fmt::format("\u00b1{:.1f} km/h, ", kKmhPerMps * top->sigma) : "") +
-                         fmt::format("at {:.1f} s", top->time)});
+                         fmt::format("at {:.1f} s", top->time - origin)});
     const double driven = NumberAt(summary, "/distance_m");
     if (std::isfinite(driven) && seconds > 0)
       facts.push_back({"Mean speed", fmt::format("{:.0f} km/h", kKmhPerMps * driven / seconds), "standstill included"});
@@ -78,7 +79,7 @@ std::vector<ReportFact> FactsOf(const Summary& summary, const ResultFolder& resu
   const double worst = NumberAt(summary, "/scale/worst_relative_sigma");
   const double worst_at = NumberAt(summary, "/scale/worst_at_s");
   if (metric && std::isfinite(worst + worst_at))
-    facts.push_back({"Largest sigma", Percent(worst), fmt::format("of the scale, at {:.1f} s", worst_at)});
+    facts.push_back({"Largest sigma", Percent(worst), fmt::format("of the scale, at {:.1f} s", worst_at - origin)});
   const double tracked = NumberAt(summary, "/frames/tracked");
   const double total = NumberAt(summary, "/frames/total");
   if (tracked >= 0 && total > 0)
@@ -86,12 +87,12 @@ std::vector<ReportFact> FactsOf(const Summary& summary, const ResultFolder& resu
   return facts;
 }
 
-std::string MissingText(const Summary& part) {
-  return fmt::format("{} from {:.1f} s to {:.1f} s", TextAt(part, "/reason"), NumberAt(part, "/from_s"),
-                     NumberAt(part, "/to_s"));
+std::string MissingText(const Summary& part, double origin) {
+  return fmt::format("{} from {:.1f} s to {:.1f} s", TextAt(part, "/reason"), NumberAt(part, "/from_s") - origin,
+                     NumberAt(part, "/to_s") - origin);
 }
 
-std::vector<std::string> WarningsOf(const Summary& summary, bool metric) {
+std::vector<std::string> WarningsOf(const Summary& summary, double origin, bool metric) {
   std::vector<std::string> warnings;
   if (const std::string stopped = TextAt(summary, "/stopped"); !stopped.empty())
     warnings.push_back("The run ended early: " + stopped);
@@ -112,7 +113,7 @@ std::vector<std::string> WarningsOf(const Summary& summary, bool metric) {
         fmt::format("The path is not measured for {:.1f} s of {:.1f} s", seconds, NumberAt(missing, "/of_s"));
     std::string separator = ": ";
     for (const Summary& part : missing.value("longest", Summary::array())) {
-      text += std::exchange(separator, "; ") + MissingText(part);
+      text += std::exchange(separator, "; ") + MissingText(part, origin);
     }
     warnings.push_back(text);
   }
@@ -138,7 +139,7 @@ ReportData DataOfRun(const ResultFolder& results, std::vector<Thumbnail> thumbna
   data.title = TextAt(summary, "/input");
   data.version = TextAt(summary, "/version");
   data.metric = std::isfinite(NumberAt(summary, "/distance_m"));
-  data.warnings = WarningsOf(summary, data.metric);
+  data.warnings = WarningsOf(summary, TimeOrigin(results.frames), data.metric);
   data.notes = NotesOf(summary);
   data.facts = FactsOf(summary, results, data.metric);
   data.frames = results.frames;

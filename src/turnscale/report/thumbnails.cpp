@@ -27,8 +27,6 @@ constexpr auto kFolder = "thumbnails";
 constexpr std::array<std::pair<ThumbnailReason, const char*>, 3> kReasonNames = {
     {{ThumbnailReason::kDrive, "drive"}, {ThumbnailReason::kTurn, "turn"}, {ThumbnailReason::kLost, "lost"}}};
 
-bool IsLost(TrackingState state) { return state == TrackingState::kBridged || state == TrackingState::kUnreadable; }
-
 // "000123-turn.jpg"; nothing for other files.
 std::optional<std::pair<int, ThumbnailReason>> ParseName(const fs::path& path) {
   const std::string stem = path.stem().string();
@@ -50,6 +48,8 @@ std::vector<fs::path> ThumbnailFiles(const fs::path& folder) {
 }
 
 }  // namespace
+
+bool IsLost(TrackingState state) { return state == TrackingState::kBridged || state == TrackingState::kUnreadable; }
 
 const char* ThumbnailReasonName(ThumbnailReason reason) { return kReasonNames[static_cast<size_t>(reason)].second; }
 

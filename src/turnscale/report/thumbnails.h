@@ -20,6 +20,9 @@ enum class ThumbnailReason {
   kLost,   ///< tracking failed
 };
 
+/// The image did not give the pose: tracking failed in it, or it cannot be read.
+bool IsLost(TrackingState state);
+
 /// "drive", "turn" or "lost".
 const char* ThumbnailReasonName(ThumbnailReason reason);
 
