@@ -291,7 +291,8 @@ TEST(RunSummary, CountsAndMeasures) {
 TEST(RunSummary, UpToScaleSaysSo) {
   RunSummary summary;
   Summarize(Frames(3, 1), {}, summary);
-  EXPECT_NE(SummaryText(summary).find("without --lever-arm or --camera-height the trajectory is up to scale"), std::string::npos);
+  EXPECT_NE(SummaryText(summary).find("without --lever-arm or --camera-height the trajectory is up to scale"),
+            std::string::npos);
   const auto json = nlohmann::json::parse(SummaryJson(summary));
   EXPECT_TRUE(json["distance_m"].is_null());
   EXPECT_TRUE(json["scale"]["worst_relative_sigma"].is_null());
