@@ -10,6 +10,7 @@
 #include "turnscale/base/test_files.h"
 #include "turnscale/io/settings.h"
 #include "turnscale/io/trajectory_file.h"
+#include "turnscale/io/vehicle_file.h"
 
 namespace turnscale {
 namespace {
@@ -64,6 +65,9 @@ void ExpectWholeFiles(const fs::path& folder) {
       ExpectWholeTable(text, name);
     } else if (path.extension() == ".json") {
       EXPECT_TRUE(nlohmann::json::accept(text)) << name;
+    } else if (name == "car.yaml") {
+      VehicleOptions vehicle;
+      EXPECT_NO_THROW(ReadVehicleFile(path, vehicle)) << name;
     } else if (path.extension() == ".yaml") {
       EXPECT_NO_THROW(ReadSettings(path)) << name;
     } else if (!text.empty()) {

@@ -35,7 +35,7 @@ TEST(CalibrationHistory, TellsWhenTheFirstTurnCame) {
   EXPECT_GT(history.back().singular_values[1], 0.3);
   EXPECT_EQ(static_cast<size_t>(std::ranges::count(HistoryCsv(history), '\n')), history.size() + 1);
   const std::string svg = HistorySvg(history, "<drive>", YawPitchRollFromRotation(kTilted));
-  EXPECT_NE(svg.find("&lt;drive>"), std::string::npos);
+  EXPECT_NE(svg.find("&lt;drive&gt;"), std::string::npos);
   EXPECT_EQ(svg.find("nan"), std::string::npos);
   EXPECT_EQ(svg.find("inf"), std::string::npos);
 }
