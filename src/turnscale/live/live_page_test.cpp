@@ -19,7 +19,7 @@
 namespace turnscale {
 namespace {
 
-constexpr auto Never = [] { return false; };
+constexpr auto kNever = [] { return false; };
 
 class LivePageTest : public ::testing::Test {
  protected:
@@ -142,7 +142,7 @@ TEST_F(LivePageTest, WarningsAreBounded) {
 TEST_F(LivePageTest, BecomesTheReport) {
   AddFrames(1);
   State();
-  std::thread end([&] { page_.Finish("<p>the report", Never); });
+  std::thread end([&] { page_.Finish("<p>the report", kNever); });
   nlohmann::json state = State();
   for (int i = 0; i < 100 && state.is_object() && !state["finished"].get<bool>(); ++i) state = State();
   EXPECT_TRUE(state["finished"].get<bool>());
@@ -164,7 +164,7 @@ TEST_F(LivePageTest, WaitsForNobodyWhoHasLeft) {
   State();
   EXPECT_EQ(client_.Post("/leave?viewer=a")->status, 200);
   const auto begin = std::chrono::steady_clock::now();
-  page_.Finish("<p>the report", Never);
+  page_.Finish("<p>the report", kNever);
   EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::milliseconds(3000)) << "of 4000";
 }
 
@@ -212,7 +212,7 @@ TEST_F(LivePageTest, SlowViewersDoNotHoldUpTheEnd) {
   const auto begin = std::chrono::steady_clock::now();
   std::string report;
   report.resize(30'000'000, 'x');
-  page_.Finish(report, Never);
+  page_.Finish(report, kNever);
   EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(20));
   over = true;
   slow.join();
@@ -232,7 +232,7 @@ TEST_F(LivePageTest, ViewersWhoDoNotReadTheReportHoldUpNobody) {
   ASSERT_TRUE(client.Get("/state.json?viewer=a"));
   std::string report;
   report.resize(12'000'000, 'x');
-  std::thread end([&] { page.Finish(report, Never); });
+  std::thread end([&] { page.Finish(report, kNever); });
   while (!nlohmann::json::parse(client.Get("/state.json?viewer=a").value().body)["finished"].get<bool>())
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   std::vector<int> stalled;

@@ -52,8 +52,9 @@ inline RoadImage RenderRoad(const SyntheticRoad& road, const CameraModel& camera
       double level = 0;
       constexpr int kSamples = 2;  // each way
       for (int sample = 0; sample < kSamples * kSamples; ++sample) {
-        const Eigen::Vector2d pixel(x + (sample % kSamples + 0.5) / kSamples - 0.5,
-                                    y + (sample / kSamples + 0.5) / kSamples - 0.5);
+        const int column = sample % kSamples;
+        const int row = sample / kSamples;
+        const Eigen::Vector2d pixel(x + (column + 0.5) / kSamples - 0.5, y + (row + 0.5) / kSamples - 0.5);
         const auto ideal = camera.Undistort(pixel);
         const Eigen::Vector3d ray =
             ideal ? world_from_camera.rotation * camera.pinhole.Ray(*ideal) : Eigen::Vector3d(0, -1, 0);
