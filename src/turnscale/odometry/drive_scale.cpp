@@ -83,7 +83,7 @@ std::vector<VehicleStep> StepsAlong(const Map& map, const MountCalibration& moun
     if (const auto gap = GapBefore(map, k)) gaps.push_back(*gap);
   }
   std::vector<VehicleStep> steps = CutIntoSteps(path, gaps, true, options);
-  for (VehicleStep& step : steps) turnscale::AddHeight(map, heights, step);
+  for (VehicleStep& step : steps) SetStepHeight(map, heights, step);
   return steps;
 }
 
@@ -159,7 +159,7 @@ bool DriveScale::Feed(const Map& map, int keyframe) {
   const std::optional<PathGap> gap = GapBefore(map, keyframe);
   bool turn_ended = false;
   for (VehicleStep& step : builder_.Add(VehiclePose(map, mount_, keyframe), gap ? &*gap : nullptr)) {
-    turnscale::AddHeight(map, heights_, step);
+    SetStepHeight(map, heights_, step);
     turn_ended = live_.Add(step) || turn_ended;
   }
   return turn_ended;

@@ -19,6 +19,6 @@ struct MeasuredHeight {
 
 /// Gives a step along the map's keyframes the height that its keyframes have measured, in the map's present unit.
 /// `heights` are in the order of their keyframes.
-void AddHeight(const Map& map, const std::vector<MeasuredHeight>& heights, VehicleStep& step);
+void SetStepHeight(const Map& map, const std::vector<MeasuredHeight>& heights, VehicleStep& step);
 
 }  // namespace turnscale
