@@ -26,8 +26,15 @@ constexpr double kScalePerFocalLength = 2;
 constexpr double kScalePerAngle = 3;
 constexpr double kScalePerCorrection = 15;
 
-// Of the yaw of a camera whose rotation is assumed until the drive tells it: people mount cameras by eye (3 deg).
+// Of the yaw of a camera whose rotation is assumed until it is estimated: people mount cameras by eye (3 deg).
 constexpr double kAssumedYawSigma = 3.0 / 57.295779513082320877;
+
+double YawSigma(const VehicleOptions& vehicle, const Mount& mount) {
+  if (!vehicle.calibrate_camera) return vehicle.yaw_sigma;
+  if (mount.found) return std::max(vehicle.yaw_sigma, mount.sigma.yaw);
+  const bool as_given = vehicle.camera_known && mount.first_keyframe == 0;
+  return as_given ? vehicle.yaw_sigma : std::max(vehicle.yaw_sigma, kAssumedYawSigma);
+}
 
 CarPrior PriorOf(const VehicleOptions& vehicle, const Mount& mount) {
   CarPrior car;
@@ -40,11 +47,7 @@ CarPrior PriorOf(const VehicleOptions& vehicle, const Mount& mount) {
   }
   car.side_slip = vehicle.side_slip;
   car.side_slip_sigma = vehicle.side_slip_sigma;
-  car.yaw_sigma = vehicle.yaw_sigma;
-  if (vehicle.calibrate_camera)
-    car.yaw_sigma = std::max(vehicle.yaw_sigma, mount.found                                         ? mount.sigma.yaw
-                                                : vehicle.camera_known && mount.first_keyframe == 0 ? vehicle.yaw_sigma
-                                                                                                    : kAssumedYawSigma);
+  car.yaw_sigma = YawSigma(vehicle, mount);
   return car;
 }
 
