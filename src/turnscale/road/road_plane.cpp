@@ -9,6 +9,7 @@
 
 #include "turnscale/base/error.h"
 #include "turnscale/base/quantiles.h"
+#include "turnscale/base/robust_weights.h"
 
 namespace turnscale {
 namespace {
@@ -78,9 +79,7 @@ Fit ChangeOfSurface(const std::vector<Sample>& samples, const RoadSurface& surfa
     fit.weights.assign(samples.size(), 0);
     for (std::size_t i = 0; i < samples.size(); ++i) {
       if (samples[i].match.correlation < min_correlation) continue;
-      const double share = residuals[i] / (kTukey * fit.spread);
-      if (std::abs(share) >= 1) continue;
-      fit.weights[i] = (1 - share * share) * (1 - share * share);
+      fit.weights[i] = TukeyWeight(residuals[i], kTukey * fit.spread);
       const double weight = fit.weights[i] / (samples[i].variance * fit.spread * fit.spread);
       const Eigen::Vector4d& by_surface = samples[i].by_surface;
       fit.information += weight * by_surface * by_surface.transpose();

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "turnscale/base/robust_weights.h"
 #include "turnscale/scale/road_parts.h"
 
 namespace turnscale {

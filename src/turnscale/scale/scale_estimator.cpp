@@ -8,6 +8,7 @@
 
 #include "turnscale/base/error.h"
 #include "turnscale/base/quantiles.h"
+#include "turnscale/base/robust_weights.h"
 
 namespace turnscale {
 namespace {

@@ -96,10 +96,6 @@ double NormalizedInnovation(const ScaleBelief& belief, const Measurement& measur
   return innovation * innovation / variance;
 }
 
-double HuberWeight(double deviation, double threshold) {
-  return std::min(1.0, threshold / std::max(std::abs(deviation), 1e-9));
-}
-
 ScaleBelief Updated(const ScaleBelief& belief, const Measurement& measurement, double weight, const DriveState& at) {
   const DriveRow& by_state = measurement.by_state;
   const DriveState gain_direction = belief.covariance * by_state.transpose();
