@@ -30,7 +30,7 @@ RoadRegion RegionAhead(const RigidTransform& current_from_earlier, const Eigen::
   const Eigen::Vector3d down = travel.cross(right).normalized();
   RoadRegion region;
   region.level_from_camera << down.cross(travel).transpose(), down.transpose(), travel.transpose();
-  region.bend = 0.5 * psi;
+  region.direction = 0.5 * psi;
   region.curvature = psi * height / centre.norm();
   return region;
 }

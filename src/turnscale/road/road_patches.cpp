@@ -56,7 +56,7 @@ float GrayAt(const cv::Mat& image, const Eigen::Vector2d& pixel) {
 // Where a point of the road, in heights, is in the current image.
 std::optional<Eigen::Vector2d> PixelOnRoad(const RoadPair& pair, const RoadRegion& region, double side, double ahead,
                                            int size) {
-  const double middle = region.bend * ahead + 0.5 * region.curvature * ahead * ahead;
+  const double middle = region.direction * ahead + 0.5 * region.curvature * ahead * ahead;
   return ProjectTo(pair, region.level_from_camera.transpose() * Eigen::Vector3d(middle + side, 1, ahead), size);
 }
 
@@ -116,18 +116,18 @@ std::optional<RoadPatch> PatchAt(const RoadPatchOptions& options, const RoadPair
 
 }  // namespace
 
-// With lengths in heights, a ray of slope v meets the road at the distance z where v z = 1 + bend z^2 / 2: for a small
-// bend 1/z = v - bend / (2 v).
+// With lengths in heights and a vertical curvature k, a ray of slope v meets the road at the distance z where
+// v z = 1 + k z^2 / 2: for a small curvature 1/z = v - k / (2 v).
 double RoadSurface::InverseDepth(const Eigen::Vector3d& ray) const {
   const double flat = plane.dot(ray);
-  return flat > 0 ? flat - 0.5 * bend * plane.squaredNorm() / flat : 0.0;
+  return flat > 0 ? flat - 0.5 * vertical_curvature * plane.squaredNorm() / flat : 0.0;
 }
 
 Eigen::Vector4d RoadSurface::ByParameters(const Eigen::Vector3d& ray) const {
   const double flat = plane.dot(ray);
   const double squared = plane.squaredNorm();
   Eigen::Vector4d by;
-  by << ray + 0.5 * bend * (squared / (flat * flat) * ray - 2 / flat * plane), -0.5 * squared / flat;
+  by << ray + 0.5 * vertical_curvature * (squared / (flat * flat) * ray - 2 / flat * plane), -0.5 * squared / flat;
   return by;
 }
 

@@ -13,7 +13,7 @@ struct RoadPlaneOptions {
   RoadPatchOptions patches;
   double pitch_sigma = 0.25 / 57.295779513082320877;  ///< of the road against the direction of travel, rad
   double roll_sigma = 3.0 / 57.295779513082320877;    ///< of the road against the vehicle's axes, rad
-  double bend_sigma = 0.003;                          ///< curvature of the road along the way, rad per height
+  double vertical_curvature_sigma = 0.003;            ///< curvature of the road along the way, rad per height
   double unevenness = 0.01;                           ///< of the road about its plane, heights
   double max_deviation = 4;                           ///< of pitch and roll, in their sigmas: else it is no road
   double min_correlation = 0.7;                       ///< of a patch with what it is found to lie on
@@ -25,7 +25,7 @@ struct RoadPlaneOptions {
   void Check() const;
 };
 
-/// The plane of the road below the camera: that to which a road that bends up or down ahead is tangent.
+/// The plane of the road below the camera: the tangent plane of a road that curves up or down ahead.
 struct RoadPlane {
   double height = 0;                                  ///< of the current camera above it, in the unit of the motion
   double sigma = 0;                                   ///< relative
