@@ -38,7 +38,7 @@ struct RoadPair {
   const RoadImage& earlier;
   const CameraModel& camera;
   RigidTransform earlier_from_current;
-  cv::Mat mask;  ///< pixels of both images that are 0 are left out; empty: none
+  cv::Mat mask;  ///< 8 bit, full size: patches that cover a pixel of 0, in either image, are left out; empty: none
 };
 
 /// Where the road is expected in the current image. Lengths are in heights of the camera above the road.
