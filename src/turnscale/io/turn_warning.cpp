@@ -13,6 +13,11 @@ std::string TurnWarning(const ScaleEstimate& estimate, const std::function<std::
   const bool contradicted = test.contradicted && test.worst_turn >= 0;
   // Else they are used because of the calibration, which has its own warning, or by choice.
   if (!estimate.fell_back || (!contradicted && estimate.converged)) return {};
+  if (contradicted && estimate.height_conflict && estimate.height_conflict->contradicts_turns)
+    return fmt::format(
+        "the turns are inconsistent with the given camera height, by {:.0f} % of scale, and consistent without it: the "
+        "trajectory uses single-turn scales; check the camera height and the lever arm",
+        100 * test.disagreement);
   const std::string problem =
       contradicted ? fmt::format("the turns are inconsistent by {:.0f} % of scale, most of all the one at {}",
                                  100 * test.disagreement, name_of(test.worst_turn))

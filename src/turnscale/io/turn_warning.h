@@ -10,7 +10,7 @@ namespace turnscale {
 
 /// Why the trajectory uses single-turn scales, in one line; empty where it does not, or where the turns are not the
 /// reason. `name_of` names a turn of `estimate.turns`, such as "frames 10-40"; `suspects` is what the user should
-/// check.
+/// check. If the turns are consistent without the given camera height, it names the height instead.
 std::string TurnWarning(const ScaleEstimate& estimate, const std::function<std::string(int)>& name_of,
                         const std::string& suspects);
 

@@ -252,6 +252,20 @@ void CompareTurns(const Answer& answer, const CarPrior& car, const TurnTestOptio
   if (estimate.test.worst_turn >= 0) estimate.test.worst_turn = tested[estimate.test.worst_turn];
 }
 
+// Whether the turns are consistent with each other if a given camera height is not used.
+bool AgreeWithoutHeight(const ScaleProblem& problem, const std::vector<SegmentEvidence>& gathered, CarPrior car,
+                        const ScaleEstimatorOptions& options) {
+  car.camera_height = car.camera_height_sigma = car.height_correlation = 0;
+  const Selection selection = SelectTurns(gathered, car, PriorState(car, 0), options.evidence);
+  if (selection.log_scales.empty()) return false;
+  const Answer answer = SmoothDrive(problem, gathered, car, options, selection);
+  ScaleEstimate estimate;
+  estimate.smoothed = answer.smoothed.segments;
+  estimate.turns = DescribeTurns(answer.smoothing.problem(), car);
+  CompareTurns(answer, car, options.test, estimate);
+  return answer.smoothing.converged() && !estimate.test.contradicted;
+}
+
 // The scale along the drive, as the turns lie in it.
 void DescribeScaleAtTurns(ScaleEstimate& estimate) {
   for (TurnEstimate& turn : estimate.turns) {
@@ -396,7 +410,11 @@ ScaleEstimateResult EstimateScale(const std::vector<VehicleStep>& steps, const C
   estimate.length_sigma *= inflation;
   estimate.car = DescribeCar(estimate.smoothed.back(), car, car.side_slip_sigma > 0 && answer.side_slip < 0);
   estimate.height_conflict = CompareHeight(answer.smoothed.segments.back(), car, options.max_height_deviation);
-  if (estimate.height_conflict) WidenForConflict(*estimate.height_conflict, estimate);
+  if (estimate.height_conflict) {
+    WidenForConflict(*estimate.height_conflict, estimate);
+    estimate.height_conflict->contradicts_turns =
+        estimate.test.contradicted && AgreeWithoutHeight(problem, gathered, car, options);
+  }
   if (options.follow_turns || estimate.test.contradicted || !estimate.converged)
     FollowTurns(options.max_sigma_ratio, estimate);
   estimate.from_road = estimate.fell_back ? std::vector<char>(estimate.segments.size(), 0)

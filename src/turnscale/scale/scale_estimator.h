@@ -67,13 +67,15 @@ struct CarRefinement {
   double height_correlation = 0;  ///< of the errors of camera height and lever arm
 };
 
-/// The camera height that is given, and the one that the turns of the drive show with the lever arm that is given: one
-/// of the two measures is wrong.
+/// The given camera height differs from the one that the turns of the drive show with the given lever arm: one of the
+/// two lengths is wrong.
 struct HeightConflict {
   double given = 0;  ///< metres
   double given_sigma = 0;
   double found = 0;  ///< from the turns, without the given height, metres
   double found_sigma = 0;
+  /// The turns are inconsistent (TurnTest::contradicted), and consistent if the given height is not used.
+  bool contradicts_turns = false;
 };
 
 /// The scale of a drive, segment by segment.
