@@ -29,7 +29,7 @@ std::string HeightWarning(const HeightConflict& conflict, double lever_arm) {
   const double ratio = conflict.given / conflict.found;
   return fmt::format(
       "lever arm and camera height disagree by {:.0f} %: with the lever arm {:.2f} m the turns give a height of {:.2f} "
-      "+-{:.2f} m, not {:.2f} m; the height as given asks for a lever arm of {:.2f} m: measure both again",
+      "+-{:.2f} m, not {:.2f} m; the given height implies a lever arm of {:.2f} m: measure both again",
       100 * std::abs(ratio - 1), lever_arm, conflict.found, conflict.found_sigma, conflict.given, ratio * lever_arm);
 }
 

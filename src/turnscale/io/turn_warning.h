@@ -14,8 +14,8 @@ namespace turnscale {
 std::string TurnWarning(const ScaleEstimate& estimate, const std::function<std::string(int)>& name_of,
                         const std::string& suspects);
 
-/// That the lever arm and the camera height as given disagree, by how much, and what each would have to be, in one
-/// line.
+/// One line: by how much the given lever arm and camera height disagree, and the value of each that the other one
+/// implies.
 std::string HeightWarning(const HeightConflict& conflict, double lever_arm);
 
 }  // namespace turnscale

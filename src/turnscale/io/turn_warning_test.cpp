@@ -49,9 +49,9 @@ TEST(TurnWarning, NamesTheCameraHeightWhereTheTurnsAgreeWithoutIt) {
 }
 
 TEST(HeightWarning, GivesBothLengthsAsTheOtherOneImpliesThem) {
-  EXPECT_EQ(HeightWarning({1.3, 0.013, 1.625, 0.08}, 0.945),
-            "lever arm and camera height disagree by 20 %: with the lever arm 0.94 m the turns give a height of 1.62 "
-            "+-0.08 m, not 1.30 m; the height as given asks for a lever arm of 0.76 m: measure both again");
+  EXPECT_EQ(HeightWarning({1.3, 0.013, 1.62, 0.08}, 0.95),
+            "lever arm and camera height disagree by 20 %: with the lever arm 0.95 m the turns give a height of 1.62 "
+            "+-0.08 m, not 1.30 m; the given height implies a lever arm of 0.76 m: measure both again");
 }
 
 TEST(TurnWarning, TellsThatTheEstimateDidNotConverge) {

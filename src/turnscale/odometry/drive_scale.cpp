@@ -81,7 +81,7 @@ std::vector<VehicleStep> StepsAlong(const Map& map, const MountCalibration& moun
   std::vector<PathGap> gaps;
   for (int k = 0; k < static_cast<int>(map.keyframes.size()); ++k) {
     path.push_back(VehiclePose(map, mount, k));
-    // One keyframe that went astray leaves nothing to be read.
+    // The steps need every pose.
     if (!IsFinite(path.back())) return {};
     if (const auto gap = GapBefore(map, k)) gaps.push_back(*gap);
   }

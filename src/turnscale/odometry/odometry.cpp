@@ -104,7 +104,7 @@ FrameResult Odometry::Process(const cv::Mat& gray, double time) {
 
 void Odometry::CheckImage(const cv::Mat& gray) {
   if (gray.type() != CV_8UC1) throw InputError("image: has to be 8-bit gray");
-  // Not every camera file tells the size; the first image does.
+  // Not every camera file has the image size; the first image has it.
   if (camera_.width == 0) {
     camera_.width = gray.cols;
     camera_.height = gray.rows;

@@ -228,7 +228,7 @@ std::optional<PatchMatch> MatchPatch(const RoadPatchOptions& options, const Road
   const float norm = std::sqrt(seen.square().sum());
   if (!(norm > 0)) return std::nullopt;
   seen /= norm;
-  // Free gain and offset: only what is orthogonal to the patch and to a constant tells of its place.
+  // Free gain and offset: only the part orthogonal to the patch and to a constant depends on its position.
   Eigen::ArrayXf slope = static_cast<float>(moved.x()) * patch.gray_x + static_cast<float>(moved.y()) * patch.gray_y;
   slope -= slope.mean();
   slope -= (slope * patch.gray).sum() * patch.gray;

@@ -14,7 +14,7 @@
 namespace turnscale {
 namespace {
 
-// The half-size image brings the plane near, the full one places it.
+// Coarse to fine: the half-size image first.
 constexpr int kIterationsHalf = 3;
 constexpr int kIterationsFull = 3;
 constexpr int kReweightings = 4;
@@ -24,7 +24,7 @@ constexpr double kLeastCorrelation = 0.3;
 constexpr double kSearchRatio = 1.06;
 // Neighbouring patches share errors of the motion between the images.
 constexpr double kCorrelatedErrors = 1.5;
-// Logarithm of a height over that which the search starts with: farther away it has lost the road.
+// Logarithm of a height over that which the search starts with: beyond it the fit is rejected.
 constexpr double kMostChange = 0.223;
 
 // What the plane is expected to satisfy: row * plane = 0 +- sigma * down * plane. The vertical curvature is 0 +- its

@@ -93,7 +93,7 @@ struct ScaleEstimate {
   bool converged = false;
 };
 
-/// The estimate, or one line that says why there is none.
+/// The estimate, or in one line why there is none.
 struct ScaleEstimateResult {
   std::optional<ScaleEstimate> estimate;
   std::string reason;
