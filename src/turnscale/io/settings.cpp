@@ -157,7 +157,7 @@ void VisitSettings(Visitor& visitor, OdometryOptions& options) {
       visitor.Field("max_iterations", o.max_iterations);
       visitor.Field("relative_cost_tolerance", o.relative_cost_tolerance);
       visitor.Field("initial_damping", o.initial_damping);
-      visitor.Field("exact_end", o.exact_end);
+      visitor.Field("use_exact_hessian", o.use_exact_hessian);
     });
   }
   visitor.Group("lens", [&] {
