@@ -51,7 +51,7 @@ CarPrior PriorOf(const VehicleOptions& vehicle, const Mount& mount) {
   return car;
 }
 
-// Direction of travel that a camera taken as turned by `before` showed as 0, now that `now` is known, rad.
+// Direction of travel under the rotation `now` where it is 0 under the rotation `before`, rad.
 double DirectionUnder(const Eigen::Quaterniond& now, const Eigen::Quaterniond& before) {
   const Eigen::Vector3d forward = now * (before.conjugate() * Eigen::Vector3d::UnitZ());
   return std::atan2(forward.x(), forward.z());
@@ -173,10 +173,7 @@ void DriveScale::UpdateLive(const Map& map, int first) {
   const bool was_known = state_ != ScaleState::kPending;
   const double scale = now ? now->metres_per_unit() : 1.0;
   sigma_ = now ? now->sigma() : std::numeric_limits<double>::infinity();
-  state_ = !now                             ? ScaleState::kPending
-           : live_.turning() || turn_ended_ ? ScaleState::kObserved
-           : live_.on_road()                ? ScaleState::kFromRoad
-                                            : ScaleState::kHeld;
+  state_ = now ? KnownState() : ScaleState::kPending;
 
   const int count = static_cast<int>(map.keyframes.size());
   std::vector<double>& scales = live_path_.metres_per_unit;
@@ -196,6 +193,11 @@ void DriveScale::UpdateLive(const Map& map, int first) {
     live_path_.centres[k] =
         live_path_.centres[k - 1] + metres_per_unit * (Centre(map.keyframes[k]) - Centre(map.keyframes[k - 1]));
   }
+}
+
+ScaleState DriveScale::KnownState() const {
+  if (live_.turning() || turn_ended_) return ScaleState::kObserved;
+  return live_.on_road() ? ScaleState::kFromRoad : ScaleState::kHeld;
 }
 
 // From the end of the turn before the scale passes evenly to that of the turn under way; at a loss of tracking it

@@ -258,7 +258,7 @@ bool Odometry::Repeats(const WaitingFrame& before, const WaitingFrame& waiting, 
   std::vector<LandmarkMotion> motion;
   size_t i = 0;
   for (size_t k = 0; k < waiting.features.size(); ++k) {
-    // Whoever is seen still was seen before.
+    // The features of `waiting` are among those of `before`, in the same order.
     while (before.features[i] != waiting.features[k]) ++i;
     const Landmark& landmark = map_.landmarks[first_landmark + waiting.features[k]];
     const Eigen::Vector3d x = predicted * landmark.position;

@@ -126,7 +126,7 @@ TEST(LiveScale, AKnownHeightAndATurnAreMoreThanEither) {
   const auto both = Live(drive.steps, with_both);
   for (const std::size_t last : {std::size_t{49}, drive.steps.size() - 1}) {  // of the turn, of the drive
     ASSERT_TRUE(turn[last] && height[last] && both[last]) << last;
-    EXPECT_LT(both[last]->sigma(), 0.95 * std::min(turn[last]->sigma(), height[last]->sigma())) << last;
+    EXPECT_LT(both[last]->sigma(), std::min(turn[last]->sigma(), height[last]->sigma())) << last;
     EXPECT_NEAR(std::log(both[last]->metres_per_unit() / kUnit), 0, 3 * both[last]->sigma()) << last;
   }
 }

@@ -138,16 +138,17 @@ Answer SmoothWith(ScaleProblem problem, const CarPrior& car, double huber) {
 // better than the prior: turns are selected again with the estimate.
 Answer SmoothDrive(ScaleProblem problem, const std::vector<SegmentEvidence>& gathered, const CarPrior& car,
                    const ScaleEstimatorOptions& options, Selection selection) {
-  problem.evidence = selection.evidence;
-  problem.prior = PriorBelief(car, *StartingLogScale(selection, car));
-  Answer answer = SmoothWith(problem, car, options.huber);
+  const auto smooth = [&] {
+    problem.evidence = selection.evidence;
+    problem.prior = PriorBelief(car, *StartingLogScale(selection, car));
+    return SmoothWith(problem, car, options.huber);
+  };
+  Answer answer = smooth();
   for (int i = 0; i < kMostSelections; ++i) {
     const DriveState& state = answer.smoothed.segments.back().mean;
     selection = SelectTurns(gathered, car, state, options.evidence);
     if (!StartingLogScale(selection, car) || SameTurns(selection.evidence, problem.evidence)) break;
-    problem.evidence = selection.evidence;
-    problem.prior = PriorBelief(car, *StartingLogScale(selection, car));
-    answer = SmoothWith(problem, car, options.huber);
+    answer = smooth();
   }
   return answer;
 }
@@ -377,10 +378,10 @@ ScaleEstimateResult EstimateScale(const std::vector<VehicleStep>& steps, const C
   problem.evidence = selection.evidence;
   result.turns = DescribeTurns(problem, car);
   if (!StartingLogScale(selection, car)) {
+    const char* problem_of_turns =
+        result.turns.empty() ? "no turn; " : "no sufficiently slow turn shows the expected lateral motion; ";
     result.reason = car.knows_height() && !car.knows_lever_arm() ? "the images do not show the road"
-                    : result.turns.empty()
-                        ? "no turn; " + Remedy(options, gathered)
-                        : "no sufficiently slow turn shows the expected lateral motion; " + Remedy(options, gathered);
+                                                                 : problem_of_turns + Remedy(options, gathered);
     return result;
   }
   const Answer answer = SmoothDrive(problem, gathered, car, options, selection);
