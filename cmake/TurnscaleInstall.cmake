@@ -35,6 +35,6 @@ configure_package_config_file(cmake/turnscaleConfig.cmake.in ${PROJECT_BINARY_DI
                               INSTALL_DESTINATION ${package_dir})
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/turnscaleConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/turnscaleConfig.cmake ${PROJECT_BINARY_DIR}/turnscaleConfigVersion.cmake
-              cmake/FindCppHttplib.cmake cmake/FindFFmpegModules.cmake cmake/FindLZ4.cmake cmake/FindOpenCVModules.cmake
-              cmake/FindZSTD.cmake
+              cmake/FindCompressors.cmake cmake/FindCppHttplib.cmake cmake/FindFFmpegModules.cmake
+              cmake/FindOpenCVModules.cmake
         DESTINATION ${package_dir})

@@ -56,8 +56,7 @@ inline CameraHeight ParseCameraHeight(const std::string& text) {
     return {*metres, sigma};
   throw InputError(
       fmt::format("--camera-height {}: give the height of the camera above the road in metres, above 0 and up to {}, "
-                  "or H,SIGMA with "
-                  "its standard deviation in metres, above 0 and below H",
+                  "or H,SIGMA with its standard deviation in metres, above 0 and below H",
                   text, kHighest));
 }
 

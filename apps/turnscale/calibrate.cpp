@@ -309,7 +309,7 @@ void AddCalibrateCommand(CLI::App& app) {
       "Example:\n  turnscale calibrate drive.mp4 --camera camera.yaml --out calibration.yaml\n"
       "  turnscale run drive.mp4 --camera camera.yaml --lever-arm 1.45 --camera-rotation calibration.yaml\n\n"
       "Assumptions: the car mostly drives forward, through at least one street corner, and the camera is upright\n"
-      "to within 90 degrees of roll (motion alone cannot tell an upside-down camera from an upright one).");
+      "to within 90 degrees of roll (motion alone cannot distinguish an upside-down camera from an upright one).");
   calibrate->callback([arguments] {
     if (const int exit_code = RunCalibrate(*arguments); exit_code != 0) throw CLI::RuntimeError(exit_code);
   });

@@ -18,14 +18,14 @@ namespace turnscale {
 /// Adds the options that name, assume or refine the camera.
 void AddCameraOptions(CLI::App& command, ImageArguments& arguments);
 
-/// What the images say of the camera.
+/// The camera as estimated from the images.
 struct CameraEstimate {
-  std::optional<FoundCamera> found;  ///< nothing where the camera is as given or the drive does not tell it
+  std::optional<FoundCamera> found;  ///< nothing where the camera is as given or the drive does not determine it
   std::string warning;               ///< what to know about it, one line; may be empty
 };
 
 /// Estimates the camera from the images where it is not given or is to be refined (`--camera-refine`), and puts it
-/// into `images`. Where the drive does not tell it, an assumed one. `on_pass` is called before each pass over the
+/// into `images`. Where the drive does not determine it, an assumed one. `on_pass` is called before each pass over the
 /// images, with its number from 1. Throws InputError where there is nothing to refine.
 CameraEstimate EstimateCamera(
     const ImageArguments& arguments, DriveImages& images, const OdometryOptions& options,

@@ -261,8 +261,8 @@ void AddRunCommand(CLI::App& app) {
                   fmt::format("Standard deviation of --lever-arm, metres [{}]", kTapeSigma));
   run->add_option(
       "--camera-height", arguments->camera_height,
-      "Height of the camera above the road, metres, or H,SIGMA: metres on drives without a turn, and a check "
-      "of the lever arm [learned in turns; SIGMA: 1 % of H]");
+      "Height of the camera above the road, metres, or H,SIGMA: gives metric scale without a turn, and checks the "
+      "lever arm [estimated in turns; SIGMA: 1 % of H]");
   run->add_option("--vehicle", arguments->vehicle,
                   "YAML file of the car: car.yaml of an earlier run, or calibration.yaml of calibrate. Lever arm, side "
                   "slip, camera rotation and camera height are taken from it and refined; other options override it");
@@ -312,7 +312,7 @@ void AddRunCommand(CLI::App& app) {
       "  turnscale run DCIM/ --camera out/drive/camera.yaml --lever-arm 1.45 --start 1:30 --end 12:00\n\n"
       "Output: trajectory.tum and trajectory.kitti.txt (refined, every frame), live.tum (online: each pose as\n"
       "estimated at its frame), trajectory.csv, speed.csv, turns.csv, scale.csv, camera_rotation.csv, map.ply,\n"
-      "car.yaml (what was learned of the car, for --vehicle),\n"
+      "car.yaml (estimated parameters of the car, for --vehicle),\n"
       "camera.yaml (intrinsics, if estimated), mask.png (pixels left out, if any), settings.yaml, summary.json and\n"
       "report.html, a page that shows them. Ctrl-C stops after the current frame\n"
       "and keeps the results so far (exit code 130).");

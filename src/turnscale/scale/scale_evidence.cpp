@@ -8,6 +8,7 @@
 
 #include "turnscale/base/error.h"
 #include "turnscale/base/quantiles.h"
+#include "turnscale/base/robust_weights.h"
 #include "turnscale/kinematics/pooled_line.h"
 #include "turnscale/scale/road_parts.h"
 
@@ -165,8 +166,7 @@ std::optional<RoadEvidence> EvidenceOfRoad(const std::vector<VehicleStep>& steps
     information = 0;
     double sum = 0;
     for (std::size_t i = 0; i < log_heights.size(); ++i) {
-      const double weight =
-          std::min(1.0, kRoadHuber * spread / std::max(std::abs(deviations[i]), 1e-9)) / (sigmas[i] * sigmas[i]);
+      const double weight = HuberWeight(deviations[i], kRoadHuber * spread) / (sigmas[i] * sigmas[i]);
       information += weight;
       sum += weight * (log_heights[i] - road.log_height);
     }

@@ -18,7 +18,7 @@ constexpr double kLeastSigma = 1e-9;       // a covariance has to stay regular
 constexpr double kDistance = 100;          // metres
 constexpr double kAngle = std::numbers::pi / 2;
 
-// Of constants that are not known: means that any car is near to, and sigmas that say next to nothing.
+// Of constants that are not known: typical means, and sigmas that make the prior nearly flat.
 constexpr double kUsualLeverArm = 1;  // metres
 constexpr double kUsualHeight = 1.4;  // metres
 constexpr double kUnknownLogSigma = 1;
@@ -94,10 +94,6 @@ double NormalizedInnovation(const ScaleBelief& belief, const Measurement& measur
   const double variance =
       measurement.by_state.dot(belief.covariance * measurement.by_state.transpose()) + measurement.variance / weight;
   return innovation * innovation / variance;
-}
-
-double HuberWeight(double deviation, double threshold) {
-  return std::min(1.0, threshold / std::max(std::abs(deviation), 1e-9));
 }
 
 ScaleBelief Updated(const ScaleBelief& belief, const Measurement& measurement, double weight, const DriveState& at) {
