@@ -9,6 +9,7 @@ Without matplotlib, an SVG file is written instead.
 from __future__ import annotations
 
 import argparse
+import importlib
 import pathlib
 
 import numpy as np
@@ -78,13 +79,12 @@ def draw(path: pathlib.Path, drive: turnscale.Drive) -> pathlib.Path:
     time, speed, sigma = (drive.speed[name] for name in ("time", "speed_mps", "sigma_mps"))
     unit = "m" if len(drive.scale) else "units"
     try:
-        import matplotlib
+        pyplot = importlib.import_module("matplotlib.pyplot")
     except ImportError:
         path = path.with_suffix(".svg")
         draw_svg(path, x, z, time, speed, unit)
         return path
-    matplotlib.use("Agg")
-    from matplotlib import pyplot
+    pyplot.switch_backend("Agg")
     figure, (path_axes, speed_axes) = pyplot.subplots(2, 1, figsize=(7, 8), height_ratios=[2, 1])
     path_axes.plot(x, z)
     path_axes.set(xlabel=f"x [{unit}]", ylabel=f"z [{unit}]", title="path from above", aspect="equal")

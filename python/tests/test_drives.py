@@ -90,7 +90,7 @@ class RenderedDrive(unittest.TestCase):
                               side_slip_sigma=0.001, camera_rotation=[0.5, -1, 0.25], method="turns", frame="vehicle",
                               threads=1, start="0:01", end=18.5, max_frames=170)
         support.compare_with_folder(self, drive, folder)
-        self.assertEqual(drive.summary["frames"], 170)
+        self.assertEqual(drive.summary["frames"]["total"], 170)
 
     def test_settings_are_a_file_or_a_mapping(self):
         file = support.scratch() / "settings.yaml"
@@ -176,8 +176,7 @@ class Kitti(unittest.TestCase):
 
     def test_frame_by_frame_gives_the_bits_of_the_program(self):
         odometry = turnscale.Odometry(self.drive / "calib.txt", threads=1, **support.KITTI_CAR)
-        results = feed(odometry, turnscale.Frames(self.drive))
-        self.assertTrue(results[-1].metric)
+        feed(odometry, turnscale.Frames(self.drive))
         support.compare_with_folder(self, odometry.finish(), self.folder)
 
 

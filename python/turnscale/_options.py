@@ -7,7 +7,7 @@ import json
 import os
 import pathlib
 import tempfile
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any, Union
 
 Path = Union[str, "os.PathLike[str]"]
@@ -28,9 +28,9 @@ def list_text(value: object) -> str | None:
         return value
     if isinstance(value, os.PathLike):
         return os.fsdecode(value)
-    if isinstance(value, (int, float)) or not hasattr(value, "__iter__"):
-        return number_text(value)
-    return ",".join(number_text(item) for item in value)
+    if isinstance(value, Iterable):
+        return ",".join(number_text(item) for item in value)
+    return number_text(value)
 
 
 def seconds_text(value: Seconds | None) -> str | None:
