@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: MIT
 """Builds the wheel of turnscale with CMake: a PEP 517 backend that needs nothing but the standard library.
 
-The build folder is build/python, so that a second call compiles only what has changed.
+The build folder is build/python, so that a second call compiles only what has changed. A setting cmake.define.NAME gives
+CMake another option: pip install . --config-settings cmake.define.TURNSCALE_NATIVE=ON
 """
 import base64
 import hashlib
@@ -57,20 +58,23 @@ def call(*command):
                  "scripts/install-dependencies --python")
 
 
-def install_into(folder):
+def install_into(folder, settings):
     if not shutil.which("cmake"):
         sys.exit("turnscale: cmake is missing; run scripts/install-dependencies --python")
     options = {"CMAKE_BUILD_TYPE": "Release", "CMAKE_UNITY_BUILD": "ON", "CMAKE_UNITY_BUILD_BATCH_SIZE": "12",
                "TURNSCALE_BUILD_PYTHON": "ON", "TURNSCALE_BUILD_TESTS": "OFF", "TURNSCALE_BUILD_SIMULATION": "OFF",
-               "TURNSCALE_BUILD_LABORATORY": "OFF", "Python_EXECUTABLE": sys.executable}
+               "TURNSCALE_BUILD_LABORATORY": "OFF", "TURNSCALE_WARNINGS_AS_ERRORS": "OFF",
+               "Python_EXECUTABLE": sys.executable}
+    defines = "cmake.define."
+    options.update({name[len(defines):]: value for name, value in settings.items() if name.startswith(defines)})
     if shutil.which("ccache"):
         options["CMAKE_CXX_COMPILER_LAUNCHER"] = "ccache"
     generator = ["-G", "Ninja"] if shutil.which("ninja") else []
     # What another interpreter's build has found must not stay.
-    python = BUILD / "python"
-    fresh = [] if python.exists() and python.read_text() == sys.version else ["--fresh"]
+    interpreter = BUILD / "interpreter.txt"
+    fresh = [] if interpreter.exists() and interpreter.read_text() == sys.version else ["--fresh"]
     call("cmake", "-S", ROOT, "-B", BUILD, *fresh, *generator, *(f"-D{name}={value}" for name, value in options.items()))
-    python.write_text(sys.version)
+    interpreter.write_text(sys.version)
     call("cmake", "--build", BUILD, "--target", "turnscale_python", "--parallel", os.cpu_count())
     call("cmake", "--install", BUILD, "--component", "python", "--prefix", folder, "--strip")
 
@@ -91,7 +95,7 @@ def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
     name = f"{stem}-{tag()}.whl"
     with tempfile.TemporaryDirectory() as scratch:
         staged = pathlib.Path(scratch)
-        install_into(staged)
+        install_into(staged, config_settings or {})
         files = {path.relative_to(staged).as_posix(): path.read_bytes()
                  for path in sorted(staged.rglob("*")) if path.is_file()}
     files[f"{stem}.dist-info/LICENSE"] = (ROOT / "LICENSE").read_bytes()

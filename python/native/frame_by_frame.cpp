@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 #include <opencv2/core/utility.hpp>
 
-#include "python_hooks.h"
 #include "turnscale/base/error.h"
 #include "turnscale/commands/argument_checks.h"
 #include "turnscale/io/mask_file.h"
@@ -49,7 +48,8 @@ cv::Mat GrayImage(const py::array& image) {
 }
 
 FrameByFrame::FrameByFrame(const CameraModel& camera, const OdometryArguments& arguments)
-    : odometry_(CheckedOptions(arguments), camera), threads_(arguments.threads) {
+    : odometry_(CheckedOptions(arguments), camera) {
+  cv::setNumThreads(arguments.threads);
   if (!arguments.mask) return;
   const cv::Mat mask = ReadMask(*arguments.mask);
   CheckMaskSize(*arguments.mask, mask,
@@ -62,8 +62,6 @@ template <class Work>
 auto FrameByFrame::WithoutLock(const Work& work) {
   const py::gil_scoped_release release;
   const std::lock_guard alone(busy_);
-  const QuietLibraries quiet;
-  if (cv::getNumThreads() != threads_) cv::setNumThreads(threads_);
   return work();
 }
 
@@ -116,6 +114,14 @@ void FrameByFrame::Finish() {
 
 const char* FrameByFrame::scale_state() {
   return WithoutLock([&] { return ScaleStateName(odometry_.scale_state()); });
+}
+
+CameraModel FrameByFrame::camera() {
+  return WithoutLock([&] { return odometry_.camera(); });
+}
+
+int FrameByFrame::frames() {
+  return WithoutLock([&] { return frames_; });
 }
 
 DriveTables FrameByFrame::Tables() {

@@ -46,10 +46,9 @@ class FrameByFrame {
   LiveFrame ProcessUnreadable(double time);
   void Finish();
   DriveTables Tables();
-  const CameraModel& camera() const { return odometry_.camera(); }
+  CameraModel camera();
   const char* scale_state();
-  int frames() const { return frames_; }
-  bool finished() const { return finished_; }
+  int frames();
 
  private:
   template <class Work>
@@ -59,7 +58,6 @@ class FrameByFrame {
 
   std::mutex busy_;
   Odometry odometry_;
-  int threads_;
   std::vector<RotationRecord> rotations_;
   std::string live_;  ///< live.tum
   int frames_ = 0;

@@ -353,10 +353,9 @@ PYBIND11_MODULE(_native, module) {
       .def("process_unreadable", &FrameByFrame::ProcessUnreadable)
       .def("finish", &FrameByFrame::Finish)
       .def("tables", &FrameByFrame::Tables)
-      .def_property_readonly("camera", [](const FrameByFrame& odometry) { return odometry.camera(); })
+      .def_property_readonly("camera", &FrameByFrame::camera)
       .def_property_readonly("scale_state", &FrameByFrame::scale_state)
-      .def_property_readonly("frames", &FrameByFrame::frames)
-      .def_property_readonly("finished", &FrameByFrame::finished);
+      .def_property_readonly("frames", &FrameByFrame::frames);
 
   py::class_<SourceFrame>(module, "Frame", "An image of a drive.")
       .def_readonly("index", &SourceFrame::index, "From 0 at the first one read.")

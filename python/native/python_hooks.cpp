@@ -2,6 +2,9 @@
 #include "python_hooks.h"
 
 #include <exception>
+#include <mutex>
+
+#include <opencv2/core/utils/logger.hpp>
 
 #include "turnscale/base/escaped_text.h"
 
@@ -20,7 +23,22 @@ void Raise(const Failure& failure) {
   Py_DECREF(text);
 }
 
+// Of all threads' QuietLibraries.
+std::mutex quiet_mutex;
+int quiet_users = 0;
+cv::utils::logging::LogLevel usual_level = cv::utils::logging::LOG_LEVEL_WARNING;
+
 }  // namespace
+
+QuietLibraries::QuietLibraries() {
+  const std::lock_guard lock(quiet_mutex);
+  if (quiet_users++ == 0) usual_level = cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
+}
+
+QuietLibraries::~QuietLibraries() {
+  const std::lock_guard lock(quiet_mutex);
+  if (--quiet_users == 0) cv::utils::logging::setLogLevel(usual_level);
+}
 
 void PythonHooks::Join(CommandHooks& hooks) {
   hooks.interrupted = [this] { return Interrupted(); };

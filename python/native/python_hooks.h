@@ -4,7 +4,6 @@
 #include <optional>
 #include <string>
 
-#include <opencv2/core/utils/logger.hpp>
 #include <pybind11/pybind11.h>
 
 #include "turnscale/commands/command_hooks.h"
@@ -36,17 +35,14 @@ struct FailedCommand {
 /// line that the program prints.
 void TranslateErrors();
 
-/// OpenCV prints its own errors beside ours unless it is silenced. It may be that of the user's program: only for a
-/// while.
+/// OpenCV prints its own errors beside ours unless it is silenced. It may be that of the user's program: only as long
+/// as one of these is there.
 class QuietLibraries {
  public:
-  QuietLibraries() : before_(cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT)) {}
-  ~QuietLibraries() { cv::utils::logging::setLogLevel(before_); }
+  QuietLibraries();
+  ~QuietLibraries();
   QuietLibraries(const QuietLibraries&) = delete;
   QuietLibraries& operator=(const QuietLibraries&) = delete;
-
- private:
-  cv::utils::logging::LogLevel before_;
 };
 
 }  // namespace turnscale

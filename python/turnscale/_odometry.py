@@ -23,6 +23,8 @@ class Odometry:
     The other options are those of `run`: lever_arm, lever_arm_sigma, camera_height (m), vehicle (file), side_slip,
     side_slip_sigma (s^2/m), camera_rotation (degrees), method, settings (file or mapping), threads.
 
+    threads is OpenCV's number of threads, in the whole process.
+
     Without lever_arm, camera_height and vehicle the trajectory is up to scale. Calls release Python's lock; those of
     several threads on one Odometry come one after the other. Raises ValueError where an option cannot be used.
     """
