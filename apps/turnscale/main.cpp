@@ -8,6 +8,7 @@
 
 #include "commands.h"
 #include "turnscale/base/error.h"
+#include "turnscale/commands/version.h"
 #include "turnscale/io/run_summary.h"
 #include "turnscale/io/terminal.h"
 
@@ -28,7 +29,7 @@ int Main(int argc, char** argv) {
       "Monocular visual odometry for cars. Metric scale comes from the distance between camera and rear axle (the "
       "lever arm)."};
   app.name("turnscale");
-  app.set_version_flag("--version", "turnscale " TURNSCALE_VERSION);
+  app.set_version_flag("--version", std::string("turnscale ") + Version());
   app.require_subcommand(1);
   app.footer(
       "Example:\n  turnscale run drive.mp4 --lever-arm 1.45\n\n"

@@ -10,21 +10,18 @@
 
 #include "turnscale/calibration/camera_axes.h"
 #include "turnscale/camera/camera_model.h"
+#include "turnscale/commands/command_hooks.h"
 #include "turnscale/geometry/rigid_transform.h"
 #include "turnscale/io/drive_input.h"
 #include "turnscale/io/image_source.h"
 #include "turnscale/io/terminal.h"
-
-namespace CLI {
-class App;
-}
 
 namespace turnscale {
 
 /// Threads that OpenCV may use by default. The library leaves the number to the program.
 constexpr int kImageThreads = 2;
 
-/// Arguments common to the commands that run the odometry on images.
+/// Arguments common to the commands that run the odometry on images, by the names of the program's options.
 struct ImageArguments {
   std::vector<std::filesystem::path> inputs;  ///< one, or videos or bags that continue one another
   std::string topic;                          ///< of a bag's images; empty: the only one
@@ -44,8 +41,8 @@ struct ImageArguments {
   std::string Name() const;
 };
 
-/// Adds the option of a bag's topic, and those of the part of a drive and of its images to process.
-void AddPartOptions(CLI::App& command, ImageArguments& arguments);
+/// Throws InputError where arguments exclude one another, or one is out of range.
+void CheckImageArguments(const ImageArguments& arguments);
 
 /// Where the images of a drive are read from, as the arguments have it.
 ImageSourceOptions SourceOptions(const ImageArguments& arguments, const CameraModel& camera,
@@ -106,7 +103,8 @@ DriveMotion MotionFromTrajectory(const std::filesystem::path& path,
                                  std::optional<AxisConvention> axes);
 
 /// Runs the odometry on the images, without a lever arm: the result is up to scale. An interrupt or an exception ends
-/// the drive there; the exception is thrown on if there is no motion yet.
-DriveMotion MotionFromImages(const ImageArguments& arguments);
+/// the drive there; the exception is thrown on if there is no motion yet. Throws Interruption while the camera is
+/// estimated.
+DriveMotion MotionFromImages(const ImageArguments& arguments, const CommandHooks& hooks);
 
 }  // namespace turnscale

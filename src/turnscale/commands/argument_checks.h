@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <filesystem>
+#include <initializer_list>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -10,6 +12,7 @@
 #include <vector>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "turnscale/base/error.h"
 #include "turnscale/base/number_text.h"
@@ -64,6 +67,33 @@ inline CameraHeight ParseCameraHeight(const std::string& text) {
 inline double CheckedSideSlipSigma(double sigma) {
   if (sigma >= 0 && sigma < 1) return sigma;
   throw InputError(fmt::format("--side-slip-sigma {}: give s^2/m, from 0 (known exactly) to below 1", sigma));
+}
+
+/// Throws InputError unless the value of --threads is a number of threads.
+inline void CheckThreads(int threads) {
+  if (threads < 1) throw InputError(fmt::format("--threads {}: give at least 1", threads));
+}
+
+/// An option by its name on the command line, and whether it is given.
+struct GivenOption {
+  const char* name;
+  bool given;
+};
+
+/// Throws InputError if both are given.
+inline void RefuseBoth(const GivenOption& one, const GivenOption& other) {
+  if (one.given && other.given) throw InputError(fmt::format("{}: excludes {}", one.name, other.name));
+}
+
+/// Throws InputError if the option is given without any of those that it needs, which `needed` names.
+inline void RequireFor(const GivenOption& option, bool has_needed, const char* needed) {
+  if (option.given && !has_needed) throw InputError(fmt::format("{}: needs {}", option.name, needed));
+}
+
+/// Throws InputError unless the option's value is one of those that there are.
+inline void CheckChoice(const char* option, std::string_view value, std::initializer_list<std::string_view> choices) {
+  if (std::find(choices.begin(), choices.end(), value) != choices.end()) return;
+  throw InputError(fmt::format("{} {}: give one of {}", option, value, fmt::join(choices, ", ")));
 }
 
 /// Throws InputError if the output file is also an input file; empty paths are ignored.

@@ -3,10 +3,6 @@
 
 #include <filesystem>
 
-namespace CLI {
-class App;
-}
-
 namespace turnscale {
 
 /// The truth that a page of a run shows beside its path; empty where there is none.
@@ -15,10 +11,8 @@ struct TruthFiles {
   std::filesystem::path floor_plan;
 };
 
-/// --truth and --floor-plan.
-void AddTruthOptions(CLI::App& command, TruthFiles& files);
-
-/// Throws InputError where one of them cannot be read: before a run, which may take hours.
+/// Throws InputError where one of them cannot be read, or there is a floor plan only: before a run, which may take
+/// hours.
 void CheckTruthFiles(const TruthFiles& files);
 
 /// Makes report.html in the folder of a run, with the comparison if there is a truth; that of an earlier page of the

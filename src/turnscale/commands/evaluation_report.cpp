@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "evaluation_report.h"
+#include "turnscale/commands/evaluation_report.h"
 
 #include <cmath>
 

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "evaluation_report.h"
+#include "turnscale/commands/evaluation_report.h"
 #include "turnscale/evaluation/evaluation.h"
 
 namespace turnscale {

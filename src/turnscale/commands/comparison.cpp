@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "comparison.h"
+#include "turnscale/commands/comparison.h"
 
 #include <fstream>
 #include <vector>

@@ -1,19 +1,18 @@
 // SPDX-License-Identifier: MIT
-#include "drive_source.h"
+#include "turnscale/commands/drive_source.h"
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <opencv2/core/utility.hpp>
 
-#include "drive_camera.h"
-#include "interrupt.h"
 #include "turnscale/base/error.h"
 #include "turnscale/calibration/camera_step.h"
 #include "turnscale/camera/camera_file.h"
+#include "turnscale/commands/argument_checks.h"
+#include "turnscale/commands/drive_camera.h"
 #include "turnscale/io/mask_file.h"
 #include "turnscale/io/settings.h"
 #include "turnscale/io/terminal.h"
@@ -86,17 +85,12 @@ std::string ImageArguments::Name() const {
   return fmt::format("{} and {} more", inputs.front().string(), inputs.size() - 1);
 }
 
-void AddPartOptions(CLI::App& command, ImageArguments& arguments) {
-  command.add_option("--topic", arguments.topic,
-                     "Topic of a bag's images, such as /camera/image_raw [the bag's only topic of images]");
-  command.add_option(
-      "--start", arguments.start,
-      "Time since the first frame of the drive (HH:MM:SS, MM:SS or seconds) at which processing starts; the times "
-      "in the results remain those of the whole drive");
-  command.add_option("--end", arguments.end, "Time since the first frame of the drive at which processing ends");
-  command.add_option("--mask", arguments.mask,
-                     "Image of the frames' size: black pixels (0) are left out of all frames, in addition to those "
-                     "that are found to stand still while the scene moves");
+void CheckImageArguments(const ImageArguments& arguments) {
+  if (arguments.inputs.empty()) throw InputError("input: give the images of a drive");
+  RefuseBoth({"--timestamps", arguments.timestamps.has_value()}, {"--fps", arguments.fps.has_value()});
+  RefuseBoth({"--camera", arguments.camera.has_value()}, {"--fov", arguments.field_of_view.has_value()});
+  if (arguments.max_frames && *arguments.max_frames < 1)
+    throw InputError(fmt::format("--max-frames {}: give at least 1", *arguments.max_frames));
 }
 
 DriveImages::DriveImages(const ImageArguments& arguments)
@@ -169,24 +163,26 @@ DriveMotion MotionFromTrajectory(const fs::path& path, const std::optional<fs::p
   return motion;
 }
 
-DriveMotion MotionFromImages(const ImageArguments& arguments) {
+DriveMotion MotionFromImages(const ImageArguments& arguments, const CommandHooks& hooks) {
+  CheckImageArguments(arguments);
   OdometryOptions options = arguments.settings ? ReadSettings(*arguments.settings) : OdometryOptions();
   options.vehicle.lever_arm.reset();
   options.Check();
   DriveImages images(arguments);
   cv::setNumThreads(kImageThreads);
-  const CameraEstimate estimate = EstimateCamera(arguments, images, options);
+  const CameraEstimate estimate = EstimateCamera(arguments, images, options, hooks);
   Odometry odometry(options, images.camera);
   if (!images.mask.empty()) odometry.SetMask(images.mask);
-  CatchInterrupts();
+  hooks.begun();
   Progress progress(images.expected, arguments.quiet);
+  SendWarnings(progress, hooks);
   for (const std::string& warning : images.source.left_out()) progress.Warn(warning);
   if (!estimate.warning.empty()) progress.Warn(estimate.warning);
   int processed = 0;
   const auto drive = [&] {
     while (!(arguments.max_frames && processed >= *arguments.max_frames)) {
       const std::optional<SourceFrame> frame = images.source.Next();
-      if (!frame || Interrupted()) break;
+      if (!frame || hooks.interrupted()) break;
       if (!frame->notice.empty()) progress.Warn(frame->notice);
       if (processed == 0) {
         images.CheckMask(frame->gray.size());
@@ -214,7 +210,8 @@ DriveMotion MotionFromImages(const ImageArguments& arguments) {
   motion.stretches = Stretches(frames);
   if (motion.stretches.empty()) attempts.RethrowFirst();
   if (const auto lost = FirstLost(frames)) motion.incomplete = fmt::format("tracking was lost at frame {}", *lost);
-  if (Interrupted()) motion.stopped = {kInterruptedExitCode, fmt::format("interrupted after {} frames", processed)};
+  if (hooks.interrupted())
+    motion.stopped = {kInterruptedExitCode, fmt::format("interrupted after {} frames", processed)};
   if (!attempts.failures().empty()) motion.stopped = FailureOf(attempts.failures().front());
   if (motion.stopped) motion.incomplete = motion.stopped->message;
   return motion;

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: MIT
-#include "drive_camera.h"
+#include "turnscale/commands/drive_camera.h"
 
 #include <memory>
 #include <utility>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "turnscale/base/error.h"
@@ -13,7 +12,6 @@
 namespace turnscale {
 namespace {
 
-constexpr double kUsualView = 70;
 // Of a focal length that is assumed, relative.
 constexpr double kAssumedSigma = 0.3;
 constexpr double kNarrowestView = 20;
@@ -29,13 +27,14 @@ double ViewOf(const ImageArguments& arguments) {
 
 // The drive's images. What is wrong with one of them the run itself says, when it comes to it.
 // `last`: time of the last one that the arguments allow, once it is known.
-ImageStream Images(const ImageArguments& arguments, const DriveImages& images, std::optional<double> from, int pass,
-                   std::optional<double>& last) {
+ImageStream Images(const ImageArguments& arguments, const DriveImages& images, const CommandHooks& hooks,
+                   std::optional<double> from, int pass, std::optional<double>& last) {
   ImageSourceOptions options = SourceOptions(arguments, images.camera, images.given.name);
   if (from) options.start += *from;
   auto source = std::make_shared<ImageSource>(images.drive, options);
   auto progress = std::make_shared<Progress>(0, arguments.quiet);
-  return [&arguments, &last, pass, source, progress, read = 0]() mutable -> std::optional<TimedImage> {
+  return [&arguments, &hooks, &last, pass, source, progress, read = 0]() mutable -> std::optional<TimedImage> {
+    if (hooks.interrupted()) throw Interruption();
     if (arguments.max_frames && read == *arguments.max_frames) return std::nullopt;
     try {
       std::optional<SourceFrame> frame = source->Next();
@@ -66,22 +65,8 @@ std::string NoTurn(const ImageArguments& arguments, double view, bool assumed) {
 
 }  // namespace
 
-void AddCameraOptions(CLI::App& command, ImageArguments& arguments) {
-  CLI::Option* camera = command.add_option(
-      "--camera", arguments.camera,
-      "Intrinsics: KITTI calib.txt, OpenCV, ORB-SLAM or Kalibr YAML [calib.txt or camera.yaml in the "
-      "input folder; else estimated from the turns of the drive]");
-  command
-      .add_option(
-          "--fov", arguments.field_of_view,
-          fmt::format("Estimate the intrinsics, starting from this horizontal field of view, degrees [{}]", kUsualView))
-      ->excludes(camera);
-  command.add_flag("--camera-refine", arguments.refine_camera,
-                   "Estimate the intrinsics, starting from the given ones, and use the estimate");
-}
-
 CameraEstimate EstimateCamera(const ImageArguments& arguments, DriveImages& images, const OdometryOptions& options,
-                              const std::function<void(int)>& on_pass) {
+                              const CommandHooks& hooks, const std::function<void(int)>& on_pass) {
   const bool assumed = images.given.name.empty();
   if (!assumed && !arguments.refine_camera) return {};
   if (assumed && arguments.refine_camera)
@@ -103,7 +88,7 @@ CameraEstimate EstimateCamera(const ImageArguments& arguments, DriveImages& imag
       options, {images.camera, assumed},
       [&](std::optional<double> from) {
         on_pass(++pass);
-        return Images(arguments, images, from, pass, last);
+        return Images(arguments, images, hooks, from, pass, last);
       },
       images.mask);
   if (!found) return {std::nullopt, NoTurn(arguments, view, assumed)};

@@ -5,18 +5,15 @@
 #include <optional>
 #include <string>
 
-#include "drive_source.h"
+#include "turnscale/commands/command_hooks.h"
+#include "turnscale/commands/drive_source.h"
 #include "turnscale/odometry/options.h"
 #include "turnscale/odometry/self_calibration.h"
 
-namespace CLI {
-class App;
-}
-
 namespace turnscale {
 
-/// Adds the options that name, assume or refine the camera.
-void AddCameraOptions(CLI::App& command, ImageArguments& arguments);
+/// Horizontal field of view, degrees, from which the estimation of the intrinsics starts by default.
+constexpr double kUsualView = 70;
 
 /// The camera as estimated from the images.
 struct CameraEstimate {
@@ -26,9 +23,9 @@ struct CameraEstimate {
 
 /// Estimates the camera from the images where it is not given or is to be refined (`--camera-refine`), and puts it
 /// into `images`. Where the drive does not determine it, an assumed one. `on_pass` is called before each pass over the
-/// images, with its number from 1. Throws InputError where there is nothing to refine.
+/// images, with its number from 1. Throws InputError where there is nothing to refine, Interruption.
 CameraEstimate EstimateCamera(
-    const ImageArguments& arguments, DriveImages& images, const OdometryOptions& options,
+    const ImageArguments& arguments, DriveImages& images, const OdometryOptions& options, const CommandHooks& hooks,
     const std::function<void(int)>& on_pass = [](int) {});
 
 }  // namespace turnscale

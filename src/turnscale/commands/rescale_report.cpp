@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "rescale_report.h"
+#include "turnscale/commands/rescale_report.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "rescale_page.h"
+#include "turnscale/commands/rescale_page.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,8 @@
 
 #include <fmt/format.h>
 
-#include "rescale_report.h"
+#include "turnscale/commands/rescale_report.h"
+#include "turnscale/commands/version.h"
 #include "turnscale/geometry/rotation.h"
 #include "turnscale/odometry/drive_speed.h"
 #include "turnscale/report/report_data.h"
@@ -36,7 +37,7 @@ TurnResult TurnOfPage(const TurnEstimate& turn, const RescaleResult& result) {
 std::string RescalePage(const RescaleResult& result, const std::string& input, double lever_arm, bool timed) {
   ReportData data;
   data.title = input;
-  data.version = TURNSCALE_VERSION;
+  data.version = Version();
   data.metric = true;
   data.notes = {fmt::format("Lever arm {:g} m", lever_arm), "Scale estimated from the turns of the trajectory"};
   if (const std::string warning = RescaleWarning(result); !warning.empty()) data.warnings.push_back(warning);
