@@ -1,0 +1,114 @@
+# SPDX-License-Identifier: MIT
+"""Runs tasks on a Dask cluster, be it this machine's or another's."""
+import contextlib
+import logging
+import queue
+import signal
+import tempfile
+
+import cloudpickle
+import dask
+import distributed
+
+from . import attempt
+from .errors import BatchError
+
+TICK = 1.0  # seconds
+MOST_SUBMISSIONS = 20
+
+
+class _IgnoreInterrupts(distributed.WorkerPlugin):
+    """Ctrl-C on the terminal is for the batch, which then ends its workers."""
+
+    name = "turnscale-ignore-interrupts"
+
+    def setup(self, worker):
+        with contextlib.suppress(ValueError):
+            signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+
+class Scheduler:
+    """A client of the scheduler at an address, or of a cluster of this machine's cores."""
+
+    def __init__(self, address, workers):
+        for module in ("distributed", "distributed.worker", "distributed.nanny", "distributed.core", "tornado"):
+            logging.getLogger(module).setLevel(logging.CRITICAL)
+        # Workers need nothing of turnscale's Python: what they run is sent to them.
+        cloudpickle.register_pickle_by_value(attempt)
+        self._exit = contextlib.ExitStack()
+        self._address = address
+        if address:
+            try:
+                self._client = self._exit.enter_context(distributed.Client(address, timeout="15s"))
+            except (OSError, ValueError) as error:
+                raise BatchError(f"--scheduler {address}: cannot be reached: {error or type(error).__name__}") from error
+            return
+        folder = self._exit.enter_context(tempfile.TemporaryDirectory(prefix="turnscale-batch-",
+                                                                      ignore_cleanup_errors=True))
+        # Workers start with what is ignored now.
+        handler = signal.signal(signal.SIGINT, signal.SIG_IGN)
+        try:
+            with dask.config.set({"distributed.worker.daemon": True}):
+                cluster = self._exit.enter_context(distributed.LocalCluster(
+                    n_workers=workers, threads_per_worker=1, processes=True, dashboard_address=None, memory_limit=0,
+                    local_directory=folder, silence_logs=logging.CRITICAL))
+            self._client = self._exit.enter_context(distributed.Client(cluster))
+            self._client.register_worker_plugin(_IgnoreInterrupts())
+        finally:
+            signal.signal(signal.SIGINT, handler)
+
+    def workers(self):
+        """How many drives run at a time; 0 while there is no worker."""
+        return sum(worker["nthreads"] for worker in self._client.scheduler_info()["workers"].values())
+
+    def run(self, tasks, on_record, on_tick=lambda: None):
+        """Runs tasks, and those that `on_record`, called with the record of each, returns. A task whose worker dies is
+        given to another one; `run_task` counts its attempts."""
+        results = queue.Queue()
+        submitted = {}
+        pending = {}
+
+        def submit(task):
+            count = submitted[task["drive"], task["key"]] = submitted.get((task["drive"], task["key"]), 0) + 1
+            name = f"{task['drive']}-{task['key']}-{task['session']}-{count}"
+            pending[name] = self._client.submit(attempt.run_task, task, key=name, pure=False)
+            pending[name].add_done_callback(lambda future: results.put((task, future)))
+
+        for task in tasks:
+            submit(task)
+        try:
+            while pending:
+                try:
+                    task, future = results.get(timeout=TICK)
+                except queue.Empty:
+                    if self._client.status not in ("running", "connecting"):
+                        raise BatchError(f"the scheduler {self._address or ''} is gone; a second call does what is left")
+                    on_tick()
+                    continue
+                del pending[future.key]
+                record, lost = self._record(task, future)
+                if lost and submitted[task["drive"], task["key"]] < MOST_SUBMISSIONS:
+                    submit(task)
+                    continue
+                for more in on_record(record):
+                    submit(more)
+        finally:
+            if pending:
+                with contextlib.suppress(Exception):
+                    self._client.cancel(list(pending.values()), force=True)
+
+    def _record(self, task, future):
+        """The record, and whether the task has to be given to a worker again."""
+        if future.status == "finished":
+            return future.result(), False
+        error = None if future.cancelled() else future.exception()
+        if future.cancelled() and self._client.status != "running":
+            raise BatchError(f"the scheduler {self._address or ''} is gone; a second call does what is left")
+        lost = error is None or isinstance(error, distributed.KilledWorker)
+        message = "its workers were lost" if lost else f"{type(error).__name__}: {error}"
+        return {"drive": task["drive"], "key": task["key"], "pass": task["pass"], "attempts": 0, "host": "",
+                "wall_s": 0.0, "cpu_s": 0.0, "exit_code": 1, "error": " ".join(message.split())}, lost
+
+    def close(self):
+        with contextlib.suppress(Exception):
+            self._exit.close()
