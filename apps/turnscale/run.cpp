@@ -66,11 +66,12 @@ OdometryOptions OptionsFrom(const RunArguments& arguments) {
     const CameraHeight height = ParseCameraHeight(*arguments.camera_height);
     options.vehicle.camera_height = height.metres;
     options.vehicle.camera_height_sigma = height.sigma;
-    options.vehicle.height_correlation = 0;
+    options.vehicle.height_correlation = options.vehicle.height_slip_correlation = 0;
   }
   if (arguments.side_slip) {
     options.vehicle.side_slip = CheckedSideSlip(*arguments.side_slip);
     options.vehicle.side_slip_sigma = kGivenSideSlipSigma * *arguments.side_slip;
+    options.vehicle.height_slip_correlation = 0;
   }
   if (arguments.side_slip_sigma) options.vehicle.side_slip_sigma = CheckedSideSlipSigma(*arguments.side_slip_sigma);
   if (arguments.camera_rotation == "auto") {

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Started by `turnscale batch`, as `python3 turnscale_batch ARGUMENTS`."""
+import importlib.util
 import os
 import pathlib
 import sys
@@ -11,10 +12,7 @@ def start():
     here = pathlib.Path(__file__).resolve().parent
     # As a package, whose modules do not hide others of their names.
     sys.path[:] = [str(here.parent)] + [path for path in sys.path if pathlib.Path(path or ".").resolve() != here]
-    try:
-        import distributed  # noqa: F401
-        import numpy  # noqa: F401
-    except ImportError:
+    if not all(importlib.util.find_spec(name) for name in ("cloudpickle", "dask", "distributed", "numpy", "yaml")):
         # A Python of the user's own does not see Debian's packages.
         if os.access(DEBIAN_PYTHON, os.X_OK) and not os.path.samefile(sys.executable, DEBIAN_PYTHON):
             os.execv(DEBIAN_PYTHON, [DEBIAN_PYTHON, *sys.argv])

@@ -130,11 +130,11 @@ def _publish(places, task, record, folder):
 class _Child:
     """`turnscale run` in a process group of its own."""
 
-    def __init__(self, command, log):
+    def __init__(self, command, log, folder):
         setpriv = shutil.which(DIES_WITH_WORKER[0])
         prefix = [setpriv, *DIES_WITH_WORKER[1:]] if setpriv else []
         self._process = subprocess.Popen([*prefix, *command], stdin=subprocess.DEVNULL, stdout=log, stderr=log,
-                                         start_new_session=True)
+                                         cwd=folder, start_new_session=True)
         self.exit_code = None
         self.cpu_seconds = 0.0
 
@@ -218,18 +218,19 @@ def _attempt(places, task, attempts):
     log_path = places.log(task["drive"])
     record = _base_record(task, attempts)
     try:
-        vehicle = []
-        if task.get("car"):
-            (folder / "joint.yaml").write_text(task["car"])
-            vehicle = [f"--vehicle={folder / 'joint.yaml'}"]
-        command = [*task["command"], *vehicle, f"--out={results}"]
+        # Named without the attempt's folder, so that the results are the same in each attempt.
+        files = []
+        for option, name, text in task.get("files", ()):
+            (folder / name).write_text(text)
+            files.append(f"{option}={name}")
+        command = [*task["command"], *files, f"--out={results}"]
         log_path.parent.mkdir(exist_ok=True)
         with open(log_path, "ab", buffering=0) as log:
             log.write(f"== {_now()} {record['host']}, pass {task['pass']}, attempt {attempts}: "
                       f"{' '.join(command)}\n".encode())
             start = log.tell()
             begin = time.monotonic()
-            child = _Child(command, log)
+            child = _Child(command, log, folder)
             ended = _wait(child, task.get("timeout"), places.session(task["session"]))
         if ended == STOPPED:
             raise Stopped("the batch has ended")
@@ -241,8 +242,8 @@ def _attempt(places, task, attempts):
         if record["exit_code"] == 0 and not summary.is_file():
             record |= {"exit_code": 1, "error": "the program wrote no summary.json"}
         results.mkdir(exist_ok=True)
-        if task.get("car"):
-            os.rename(folder / "joint.yaml", results / "joint.yaml")
+        for _, name, _ in task.get("files", ()):
+            os.rename(folder / name, results / name)
         # Last: a folder with a record is whole.
         _write_whole(results / RECORD, json.dumps(record, indent=1))
         return _publish(places, task, record, results)
@@ -252,8 +253,8 @@ def _attempt(places, task, attempts):
 
 def run_task(task):
     """Runs a drive unless its result is there already, and returns its record. `task` has `out`, `drive`, `key`,
-    `pass`, `command` (without --out), `session`, and optionally `timeout` (seconds), `car` (text of a file for
-    --vehicle) and `most_attempts`."""
+    `pass`, `command` (without --out), `session`, and optionally `timeout` (seconds), `files` (option of run, name,
+    text) and `most_attempts`."""
     places = Places(task["out"])
     if standing := finished(places, task["drive"], task["key"]):
         return standing

@@ -2,6 +2,7 @@
 """Which drives have to be run, first on their own and then with what all drives of their car tell."""
 import dataclasses
 
+from .evidence import estimates_of
 from .vehicles import Vehicle
 
 
@@ -59,29 +60,30 @@ class Batch:
 
     def _second_pass(self, name):
         drives = [drive for drive in self.drives if drive.vehicle == name]
-        vehicle = Vehicle(name, [(drive, self._store.summary(self.records[drive.name]))
-                                 for drive in drives if self.records[drive.name]["exit_code"] == 0])
+        done = [(drive, self.records[drive.name]) for drive in drives if self.records[drive.name]["exit_code"] == 0]
+        vehicle = Vehicle(name, [estimates_of(drive, self._store.summary(record), self._store.folder_of(record))
+                                 for drive, record in done])
         self.vehicles[name] = vehicle
         tasks = []
         for drive in drives:
             self.doubts[drive.name] = vehicle.doubts(drive)
-            car = vehicle.car_file(drive)
-            if car is None:
+            files, replaced = vehicle.joint_files(drive)
+            if not files:
                 continue
-            record = self._store.finished(drive, drive.key(car))
+            task = self._task(drive, 2, files, replaced)
+            record = self._store.finished(drive, task["key"])
             if record is None:
-                tasks.append(self._task(drive, 2, car))
+                tasks.append(task)
             else:
                 self.records[drive.name] = record
         return tasks
 
-    def _task(self, drive, number, car=None):
-        without = [] if car is None else Vehicle.REPLACED_OPTIONS
-        arguments = drive.arguments(without)
+    def _task(self, drive, number, files=(), replaced=()):
+        arguments = drive.arguments(replaced)
         if drive.option("--threads") is None:
             arguments.append(f"--threads={self._options.threads}")
         return {"out": str(self._store.places.out), "drive": drive.name, "pass": number,
-                "key": drive.key() if car is None else drive.key(car), "car": car,
+                "key": drive.key(*[text for _, _, text in files]), "files": list(files),
                 "command": [self._options.program, "run", "--quiet", *arguments], "session": self._store.token,
                 "timeout": self._options.timeout, "most_attempts": self._options.most_attempts}
 
