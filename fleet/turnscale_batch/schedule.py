@@ -5,9 +5,9 @@ import logging
 import queue
 import signal
 import tempfile
+import time
 
 import cloudpickle
-import dask
 import distributed
 
 from . import attempt
@@ -15,16 +15,12 @@ from .errors import BatchError
 
 TICK = 1.0  # seconds
 MOST_SUBMISSIONS = 20
+WORKER_START = 30.0  # seconds that a worker has
 
 
-class _IgnoreInterrupts(distributed.WorkerPlugin):
-    """Ctrl-C on the terminal is for the batch, which then ends its workers."""
-
-    name = "turnscale-ignore-interrupts"
-
-    def setup(self, worker):
-        with contextlib.suppress(ValueError):
-            signal.signal(signal.SIGINT, signal.SIG_IGN)
+async def _block_interrupts():
+    """Ctrl-C on the terminal is for the batch. Processes that this thread starts never see it."""
+    signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
 
 
 class Scheduler:
@@ -37,6 +33,8 @@ class Scheduler:
         cloudpickle.register_pickle_by_value(attempt)
         self._exit = contextlib.ExitStack()
         self._address = address
+        self._cluster = None
+        self._complete = time.monotonic()  # when all workers were last there
         if address:
             try:
                 self._client = self._exit.enter_context(distributed.Client(address, timeout="15s"))
@@ -45,17 +43,26 @@ class Scheduler:
             return
         folder = self._exit.enter_context(tempfile.TemporaryDirectory(prefix="turnscale-batch-",
                                                                       ignore_cleanup_errors=True))
-        # Workers start with what is ignored now.
-        handler = signal.signal(signal.SIGINT, signal.SIG_IGN)
-        try:
-            with dask.config.set({"distributed.worker.daemon": True}):
-                cluster = self._exit.enter_context(distributed.LocalCluster(
-                    n_workers=workers, threads_per_worker=1, processes=True, dashboard_address=None, memory_limit=0,
-                    local_directory=folder, silence_logs=logging.CRITICAL))
-            self._client = self._exit.enter_context(distributed.Client(cluster))
-            self._client.register_worker_plugin(_IgnoreInterrupts())
-        finally:
-            signal.signal(signal.SIGINT, handler)
+        # A worker that dies while it starts must not hold up the others, so the cluster begins without any.
+        self._cluster = self._exit.enter_context(distributed.LocalCluster(
+            n_workers=0, threads_per_worker=1, processes=True, dashboard_address=None, memory_limit=0,
+            local_directory=folder, silence_logs=logging.CRITICAL))
+        self._client = self._exit.enter_context(distributed.Client(self._cluster))
+        self._cluster.sync(_block_interrupts)
+        self._wanted = workers
+        self._cluster.scale(workers)
+
+    def _replace_lost_workers(self):
+        """A worker that dies later is started again by its nanny; one that dies while it starts is not."""
+        if self._cluster is None:
+            return
+        alive = len(self._client.scheduler_info()["workers"])
+        if alive >= self._wanted:
+            self._complete = time.monotonic()
+        elif time.monotonic() - self._complete > WORKER_START:
+            self._complete = time.monotonic()
+            self._cluster.scale(alive)
+            self._cluster.scale(self._wanted)
 
     def workers(self):
         """How many drives run at a time; 0 while there is no worker."""
@@ -83,6 +90,7 @@ class Scheduler:
                 except queue.Empty:
                     if self._client.status not in ("running", "connecting"):
                         raise BatchError(f"the scheduler {self._address or ''} is gone; a second call does what is left")
+                    self._replace_lost_workers()
                     on_tick()
                     continue
                 del pending[future.key]
