@@ -24,4 +24,8 @@ def start():
 
 
 if __name__ == "__main__":
-    sys.exit(start())
+    exit_code = start()
+    sys.stdout.flush()
+    sys.stderr.flush()
+    # Dask's own clean-up at exit may wait for what is gone; everything has been closed.
+    os._exit(exit_code)

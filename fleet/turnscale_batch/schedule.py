@@ -5,10 +5,13 @@ import logging
 import queue
 import signal
 import tempfile
+import threading
 import time
+from multiprocessing import resource_tracker
 
 import cloudpickle
 import distributed
+import psutil
 
 from . import attempt
 from .errors import BatchError
@@ -16,6 +19,7 @@ from .errors import BatchError
 TICK = 1.0  # seconds
 MOST_SUBMISSIONS = 20
 WORKER_START = 30.0  # seconds that a worker has
+CLOSE = 10.0  # seconds that Dask has for its end
 
 
 async def _block_interrupts():
@@ -48,6 +52,8 @@ class Scheduler:
             n_workers=0, threads_per_worker=1, processes=True, dashboard_address=None, memory_limit=0,
             local_directory=folder, silence_logs=logging.CRITICAL))
         self._client = self._exit.enter_context(distributed.Client(self._cluster))
+        # Starting the tracker would unblock them again.
+        resource_tracker.ensure_running()
         self._cluster.sync(_block_interrupts)
         self._wanted = workers
         self._cluster.scale(workers)
@@ -118,5 +124,17 @@ class Scheduler:
                 "wall_s": 0.0, "cpu_s": 0.0, "exit_code": 1, "error": " ".join(message.split())}, lost
 
     def close(self):
-        with contextlib.suppress(Exception):
-            self._exit.close()
+        """Ends the local workers, also where Dask hangs."""
+        def end():
+            with contextlib.suppress(Exception):
+                self._exit.close()
+
+        closing = threading.Thread(target=end, daemon=True)
+        closing.start()
+        closing.join(CLOSE)
+        if not closing.is_alive():
+            return
+        for process in psutil.Process().children(recursive=True):
+            with contextlib.suppress(psutil.Error):
+                process.kill()
+        closing.join(CLOSE)
