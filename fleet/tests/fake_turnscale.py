@@ -43,4 +43,13 @@ elif what == "deadly":
 summary = {"frames": {"total": 10, "tracked": 9}, "distance_m": 12.5, "path_sigma": 0.02, "missing": {"of_s": 1.0},
            "scale": {"state": "held"}, "turns": {"found": 2, "used": 1}, "warnings": [],
            "arguments": [word for word in words if not word.startswith("--out=")]}
+if what == "car":
+    # A drive that tells c, as `run` does.
+    prior = [[0.0027, 0, 0, 0], [0, 4e-6, 0, 0], [0, 0, 4e-4, 0], [0, 0, 0, 1]]
+    posterior = [[0.0027, 0, 0, 0], [0, 1e-6, 0, 0], [0, 0, 4e-4, 3.9e-4], [0, 0, 3.9e-4, 8e-4]]
+    summary |= {"car_evidence": {"prior": {"mean": [0, 0.0045, 0.4, 0.3], "covariance": prior},
+                                 "posterior": {"mean": [0, float(more[0]), 0.4, 0.34], "covariance": posterior},
+                                 "inflation": 1},
+                "camera_rotation": {"source": "assumed", "moves": 0}, "camera_yaw_pitch_roll_deg": [0, 0, 0],
+                "lever_arm_m": 1.5}
 (out / "summary.json").write_text(json.dumps(summary))

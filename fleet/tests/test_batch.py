@@ -172,6 +172,43 @@ class Batches(unittest.TestCase):
         self.assertIn("--lever-arm=1.3", summary["arguments"])
         self.assert_whole(["sleep-0-a", "sleep-0-b"])
 
+    def test_drives_of_one_car_are_run_again_with_what_the_others_tell(self):
+        names = ["car-0.006-a", "car-0.0062-b", "car-0.0058-c", "sleep-0-tells-nothing"]
+        self.manifest(names, vehicle="golf", lever_arm="1.5")
+        self.batch()
+        self.assertEqual([row["pass"] for row in self.table().values()], ["2"] * 4)
+        self.assert_whole(names)
+        for name in names:
+            arguments = json.loads((self.out / name / "summary.json").read_text())["arguments"]
+            self.assertIn("--vehicle=joint_car.yaml", arguments)
+            self.assertNotIn("--lever-arm=1.5", arguments, "it would hide the joint one")
+            before = json.loads((self.out / "first_pass" / name / "summary.json").read_text())["arguments"]
+            self.assertIn("--lever-arm=1.5", before)
+        cars = {name: dict(line.split(": ") for line in (self.out / name / "joint_car.yaml").read_text().splitlines()[1:])
+                for name in names}
+        slips = {name: float(car["side_slip"]) for name, car in cars.items()}
+        self.assertLess(slips["car-0.0062-b"], slips["car-0.0058-c"], "a drive's own evidence is left out of its estimate")
+        self.assertGreater(float(cars[names[0]]["height_sigma"]), 0)
+        with open(self.out / "vehicles.csv", encoding="utf-8", newline="") as file:
+            row, = csv.DictReader(file)
+        self.assertEqual((row["vehicle"], row["drives"], row["outliers"]), ("golf", "4", ""))
+        # Three times the information of a drive, 0.75 of the posterior's, beside the prior's.
+        self.assertAlmostEqual(float(row["side_slip"]), 0.0062, delta=0.0003)
+
+        self.batch()
+        self.assertEqual([self.starts(name) for name in names], [2] * 4, "nothing is done twice")
+        # Another drive of the car changes what the others tell.
+        self.manifest([*names, "car-0.0061-d"], vehicle="golf", lever_arm="1.5")
+        self.batch()
+        self.assertEqual([self.starts(name) for name in names], [3] * 4)
+        self.assert_whole([*names, "car-0.0061-d"])
+
+    def test_without_the_second_pass(self):
+        self.manifest(["car-0.006-a", "car-0.0062-b"], vehicle="golf", lever_arm="1.5")
+        self.batch("--no-second-pass")
+        self.assertEqual([row["pass"] for row in self.table().values()], ["1", "1"])
+        self.assertFalse((self.out / "first_pass").exists())
+
     def test_folders_of_others_are_not_touched(self):
         self.manifest(["sleep-0-a"])
         (self.out / "sleep-0-a").mkdir(parents=True)

@@ -103,7 +103,7 @@ class HonestSigma(unittest.TestCase):
         return np.array(rows)
 
     def test_of_ten_drives(self):
-        errors = self.deviations(10, 300)
+        errors = self.deviations(10, 150)
         rms = np.sqrt((errors ** 2).mean(axis=0))
         for unknown in range(UNKNOWNS):
             self.assertGreater(rms[unknown], 0.8, unknown)
@@ -111,12 +111,12 @@ class HonestSigma(unittest.TestCase):
         self.assertLess(np.abs(errors.mean(axis=0)).max(), 0.2)
 
     def test_with_one_outlier(self):
-        errors = self.deviations(10, 200, spoil=np.array([0.1, 0.01, 0, 0.5]))
+        errors = self.deviations(10, 100, spoil=np.array([0.1, 0.01, 0, 0.5]))
         rms = np.sqrt((errors ** 2).mean(axis=0))
         self.assertLess(rms.max(), 1.25)
 
     def test_of_two_drives(self):
-        errors = self.deviations(2, 300)
+        errors = self.deviations(2, 150)
         self.assertLess(np.sqrt((errors ** 2).mean(axis=0)).max(), 1.15)
 
     def test_own_evidence_is_left_out(self):
