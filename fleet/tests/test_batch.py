@@ -203,6 +203,18 @@ class Batches(unittest.TestCase):
         self.assertEqual([self.starts(name) for name in names], [3] * 4)
         self.assert_whole([*names, "car-0.0061-d"])
 
+    def test_a_car_with_one_drive_left_has_its_first_pass_again(self):
+        names = ["car-0.006-a", "car-0.0062-b"]
+        self.manifest(names, vehicle="golf", lever_arm="1.5")
+        self.batch()
+        self.assertEqual(self.table()[names[0]]["pass"], "2")
+        self.manifest(names[:1], vehicle="golf", lever_arm="1.5")
+        self.batch()
+        self.assertEqual(self.table()[names[0]]["pass"], "1")
+        self.assertFalse((self.out / names[0] / "joint_car.yaml").exists())
+        self.assertEqual(self.starts(names[0]), 2)
+        self.assert_whole(names[:1])
+
     def test_without_the_second_pass(self):
         self.manifest(["car-0.006-a", "car-0.0062-b"], vehicle="golf", lever_arm="1.5")
         self.batch("--no-second-pass")

@@ -79,7 +79,7 @@ def _write_whole(path, text):
     os.replace(part, path)
 
 
-def _discard(places, folder):
+def discard(places, folder):
     """Out of sight at once, then removed."""
     places.trash.mkdir(parents=True, exist_ok=True)
     gone = places.trash / uuid.uuid4().hex
@@ -102,7 +102,7 @@ def _publish(places, task, record, folder):
             with contextlib.suppress(OSError):
                 os.rename(final, places.first_pass(drive))
         if task["pass"] == 1:
-            _discard(places, places.first_pass(drive))
+            discard(places, places.first_pass(drive))
     else:
         final = places.failed(drive)
         final.parent.mkdir(exist_ok=True)
@@ -113,17 +113,17 @@ def _publish(places, task, record, folder):
         except OSError:
             standing = read_record(final)
             if standing and standing["key"] == key:
-                _discard(places, folder)
+                discard(places, folder)
                 return standing
-            _discard(places, final)
+            discard(places, final)
     else:
         raise OSError(f"{final}: cannot be replaced")
     if record["exit_code"] == 0:
-        _discard(places, places.failed(drive))
+        discard(places, places.failed(drive))
     elif task["pass"] == 1:
         # Results of an earlier version of the row are not this drive's.
         for stale in (places.final(drive), places.first_pass(drive)):
-            _discard(places, stale)
+            discard(places, stale)
     return record
 
 

@@ -87,6 +87,12 @@ class Batch:
                 "command": [self._options.program, "run", "--quiet", *arguments], "session": self._store.token,
                 "timeout": self._options.timeout, "most_attempts": self._options.most_attempts}
 
-    def write_tables(self):
+    def settle(self):
+        """Drives whose joint estimates have gone have the results of their first pass."""
+        for record in self.records.values():
+            if record["exit_code"] == 0 and record["pass"] == 1:
+                self._store.restore_first_pass(record)
+
+    def write_table(self):
         self._store.write_table([self._store.row(drive, self.records.get(drive.name), self.doubts.get(drive.name, ()))
                                  for drive in self.drives])

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """The command line of `turnscale batch`."""
 import argparse
+import contextlib
 import math
 import os
 import pathlib
@@ -100,9 +101,11 @@ def _run(batch, tasks, store, arguments):
         nonlocal saved
         more = batch.take(record)
         progress.add(record)
-        if not math.isclose(saved, time.monotonic(), abs_tol=SAVE_INTERVAL):
+        if time.monotonic() - saved > SAVE_INTERVAL:
             saved = time.monotonic()
-            batch.write_tables()
+            # A disk that is full now may not be at the end.
+            with contextlib.suppress(BatchError):
+                batch.write_table()
         progress.total = max(progress.total, progress.done + len(more))
         return more
 
@@ -143,11 +146,14 @@ def run_batch(arguments):
         for drive in drives:
             store.forget_failure(drive)
     tasks = batch.first_tasks()
-    interrupted = _run(batch, tasks, store, arguments) if tasks else False
-    store.end_session()
-    batch.write_tables()
-    write_vehicles(store.places.out / "vehicles.csv", batch.vehicles.values())
-    store.clean()
+    try:
+        interrupted = _run(batch, tasks, store, arguments) if tasks else False
+    finally:
+        store.end_session()
+        batch.settle()
+        batch.write_table()
+        write_vehicles(store.places.out / "vehicles.csv", batch.vehicles.values())
+        store.clean()
     failed = sum(record["exit_code"] != 0 for record in batch.records.values())
     table = arguments.out / "table.csv"
     if interrupted:

@@ -118,7 +118,8 @@ class Scheduler:
         error = None if future.cancelled() else future.exception()
         if future.cancelled() and self._client.status != "running":
             raise BatchError(f"the scheduler {self._address or ''} is gone; a second call does what is left")
-        lost = error is None or isinstance(error, distributed.KilledWorker)
+        # A worker may see late, over a network, that this batch has begun.
+        lost = error is None or isinstance(error, distributed.KilledWorker) or type(error).__name__ == "Stopped"
         message = "its workers were lost" if lost else f"{type(error).__name__}: {error}"
         return {"drive": task["drive"], "key": task["key"], "pass": task["pass"], "attempts": 0, "host": "",
                 "wall_s": 0.0, "cpu_s": 0.0, "exit_code": 1, "error": " ".join(message.split())}, lost

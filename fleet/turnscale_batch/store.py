@@ -8,7 +8,7 @@ import os
 import shutil
 import uuid
 
-from .attempt import Places, finished, read_record
+from .attempt import Places, discard, finished, read_record
 from .errors import BatchError, InputError
 
 TABLE_COLUMNS = ("drive", "vehicle", "exit_code", "error", "pass", "seconds", "frames", "tracked", "length_m",
@@ -77,6 +77,14 @@ class Store:
             if (read_record(folder) or {}).get("key") == record["key"]:
                 return folder
         return self.places.final(name)
+
+    def restore_first_pass(self, record):
+        """Where the second pass has another key, the first one's results take their place."""
+        first, final = self.places.first_pass(record["drive"]), self.places.final(record["drive"])
+        if (read_record(first) or {}).get("key") != record["key"]:
+            return
+        discard(self.places, final)
+        os.rename(first, final)
 
     def summary(self, record):
         try:
