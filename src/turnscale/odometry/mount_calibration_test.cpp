@@ -113,7 +113,8 @@ TEST(MountCalibration, AKnownYawIsAveragedWithTheDrivesUnlessTheyContradict) {
   alone.Learn(map, Last(map));
   const double own = alone.current().sigma.yaw;
   const auto [yaw, sigma] = yaw_found(own, own);
-  EXPECT_NEAR(yaw, 0.5 * own, 0.1 * own);
+  constexpr double kLeastChange = 0.05 / kDegreesPerRadian;  // that is taken over
+  EXPECT_NEAR(yaw, 0.5 * own, kLeastChange);
   EXPECT_NEAR(sigma, own / std::sqrt(2), 0.01 * own);
   EXPECT_NEAR(yaw_found(10 * own, own).first, 0, 0.1 * own) << "another camera";
 }
