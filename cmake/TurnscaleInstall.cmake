@@ -29,6 +29,11 @@ foreach(part IN ITEMS library io laboratory simulation)
 endforeach()
 if(TURNSCALE_BUILD_PROGRAM)
   install(TARGETS turnscale RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+  install(
+    DIRECTORY fleet/turnscale_batch
+    DESTINATION ${CMAKE_INSTALL_DATADIR}/turnscale/fleet
+    FILES_MATCHING
+    PATTERN "*.py")
 endif()
 
 configure_package_config_file(cmake/turnscaleConfig.cmake.in ${PROJECT_BINARY_DIR}/turnscaleConfig.cmake

@@ -35,6 +35,7 @@ int Main(int argc, char** argv) {
       "Example:\n  turnscale run drive.mp4 --lever-arm 1.45\n\n"
       "Exit codes: 0 success, 1 disk full, out of memory or internal error, 2 unusable input, 130 interrupted.");
   AddRunCommand(app);
+  AddBatchCommand(app);
   AddCalibrateCommand(app);
   AddEvaluateCommand(app);
   AddExportCommand(app);

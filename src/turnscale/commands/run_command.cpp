@@ -87,11 +87,12 @@ OdometryOptions OptionsFrom(const CarArguments& car, const std::optional<fs::pat
     const CameraHeight height = ParseCameraHeight(*car.camera_height);
     options.vehicle.camera_height = height.metres;
     options.vehicle.camera_height_sigma = height.sigma;
-    options.vehicle.height_correlation = 0;
+    options.vehicle.height_correlation = options.vehicle.height_slip_correlation = 0;
   }
   if (car.side_slip) {
     options.vehicle.side_slip = CheckedSideSlip(*car.side_slip);
     options.vehicle.side_slip_sigma = kGivenSideSlipSigma * *car.side_slip;
+    options.vehicle.height_slip_correlation = 0;
   }
   if (car.side_slip_sigma) options.vehicle.side_slip_sigma = CheckedSideSlipSigma(*car.side_slip_sigma);
   if (car.camera_rotation == "auto") {

@@ -92,6 +92,7 @@ void VisitSettings(Visitor& visitor, OdometryOptions& options) {
     visitor.Field("camera_height", o.camera_height);
     visitor.Field("camera_height_sigma", o.camera_height_sigma);
     visitor.Field("height_correlation", o.height_correlation);
+    visitor.Field("height_slip_correlation", o.height_slip_correlation);
   });
   visitor.Group("corners", [&] {
     auto& o = options.corners;

@@ -44,6 +44,7 @@ CarPrior PriorOf(const VehicleOptions& vehicle, const Mount& mount) {
     car.camera_height = *vehicle.camera_height;
     car.camera_height_sigma = vehicle.HeightSigma();
     car.height_correlation = vehicle.height_correlation;
+    car.height_slip_correlation = vehicle.height_slip_correlation;
   }
   car.side_slip = vehicle.side_slip;
   car.side_slip_sigma = vehicle.side_slip_sigma;

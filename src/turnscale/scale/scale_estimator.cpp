@@ -2,6 +2,7 @@
 #include "turnscale/scale/scale_estimator.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -114,12 +115,14 @@ struct Answer {
   Smoothing smoothing;
   SmoothedScale smoothed;
   double side_slip = 0;  // unbounded estimate, s^2/m; may be negative
+  ScaleBelief car;       // of the last segment, with that estimate
 };
 
 Answer SmoothWith(ScaleProblem problem, const CarPrior& car, double huber) {
   Smoothing smoothing(problem, huber);
   smoothing.Run();
-  Answer answer{smoothing, smoothing.smoothed(), smoothing.smoothed().segments.back().mean[kSlip]};
+  const ScaleBelief& last = smoothing.smoothed().segments.back();
+  Answer answer{smoothing, smoothing.smoothed(), last.mean[kSlip], last};
   if (car.side_slip_sigma == 0 || answer.side_slip >= 0) return answer;
   // Tyres do not slip inwards: at the bound, the estimate is the one without slip. The covariance stays that of the
   // unbounded fit.
@@ -178,6 +181,19 @@ std::vector<TurnEstimate> DescribeTurns(const ScaleProblem& problem, const CarPr
   for (int i = 0; i < static_cast<int>(problem.segments.size()); ++i)
     if (problem.segments[i].turning) turns.push_back(DescribeTurn(problem, i, car));
   return turns;
+}
+
+CarBelief CarBeliefOf(const ScaleBelief& belief) {
+  constexpr std::array kConstants = {kDirection, kSlip, kLogLeverArm, kLogHeight};
+  // The yaw error is minus the direction.
+  const Eigen::Vector4d sign(-1, 1, 1, 1);
+  CarBelief car;
+  for (int i = 0; i < 4; ++i) {
+    car.mean[i] = sign[i] * belief.mean[kConstants[i]];
+    for (int k = 0; k < 4; ++k)
+      car.covariance(i, k) = sign[i] * sign[k] * belief.covariance(kConstants[i], kConstants[k]);
+  }
+  return car;
 }
 
 CarRefinement DescribeCar(const ScaleBelief& belief, const CarPrior& car, bool slip_at_bound) {
@@ -410,6 +426,7 @@ ScaleEstimateResult EstimateScale(const std::vector<VehicleStep>& steps, const C
   for (ScaleBelief& belief : estimate.smoothed) belief.covariance *= inflation * inflation;
   estimate.length_sigma *= inflation;
   estimate.car = DescribeCar(estimate.smoothed.back(), car, car.side_slip_sigma > 0 && answer.side_slip < 0);
+  estimate.car_evidence = {CarBeliefOf(PriorBelief(car, 0)), CarBeliefOf(answer.car), inflation};
   estimate.height_conflict = CompareHeight(answer.smoothed.segments.back(), car, options.max_height_deviation);
   if (estimate.height_conflict) {
     WidenForConflict(*estimate.height_conflict, estimate);

@@ -67,6 +67,20 @@ struct CarRefinement {
   double height_correlation = 0;  ///< of the errors of camera height and lever arm
 };
 
+/// Mean and covariance of the car's constants: yaw error of Q (rad), c (s^2/m), ln(L), ln(H).
+struct CarBelief {
+  Eigen::Vector4d mean = Eigen::Vector4d::Zero();
+  Eigen::Matrix4d covariance = Eigen::Matrix4d::Zero();
+};
+
+/// What the drive tells of the car is the posterior's information less the prior's. For that, c may be negative in the
+/// posterior, and its covariance leaves out `inflation`.
+struct CarEvidence {
+  CarBelief prior;
+  CarBelief posterior;
+  double inflation = 1;  ///< of the standard deviations, by the test of the turns
+};
+
 /// The given camera height differs from the one that the turns of the drive show with the given lever arm: one of the
 /// two lengths is wrong.
 struct HeightConflict {
@@ -84,6 +98,7 @@ struct ScaleEstimate {
   std::vector<ScaleBelief> smoothed;  ///< one per segment, from the whole drive; sigma includes what the test adds
   double length_sigma = 0;            ///< relative standard deviation of the path length in metres
   CarRefinement car;
+  CarEvidence car_evidence;
   std::optional<HeightConflict> height_conflict;
   std::vector<char> from_road;  ///< one per segment: no turn, and the road shows its scale
   std::vector<TurnEstimate> turns;

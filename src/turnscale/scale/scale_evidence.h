@@ -31,6 +31,8 @@ struct CarPrior {
   double camera_height_sigma = 0;  ///< metres
   /// Of the errors of L and H: a height that turns have shown is as wrong as the lever arm they were read with.
   double height_correlation = 0;
+  /// Of the errors of c and H: in the turns that have shown the height, more slip is less height.
+  double height_slip_correlation = 0;
 
   bool knows_lever_arm() const { return lever_arm > 0; }
   bool knows_height() const { return camera_height > 0; }

@@ -63,10 +63,12 @@ ScaleBelief PriorBelief(const CarPrior& car, double log_scale) {
       arm ? relative(car.lever_arm_sigma, car.lever_arm) : kUnknownLogSigma,
       height ? relative(car.camera_height_sigma, car.camera_height) : kUnknownLogSigma, 1;
   prior.covariance.diagonal() = sigmas.cwiseAbs2();
-  if (arm && height) {
-    const double covariance = car.height_correlation * sigmas[kLogLeverArm] * sigmas[kLogHeight];
-    prior.covariance(kLogLeverArm, kLogHeight) = prior.covariance(kLogHeight, kLogLeverArm) = covariance;
-  }
+  const auto correlate = [&](DriveUnknown unknown, double correlation) {
+    const double covariance = correlation * sigmas[unknown] * sigmas[kLogHeight];
+    prior.covariance(unknown, kLogHeight) = prior.covariance(kLogHeight, unknown) = covariance;
+  };
+  if (arm && height) correlate(kLogLeverArm, car.height_correlation);
+  if (height) correlate(kSlip, car.height_slip_correlation);
   return prior;
 }
 
