@@ -99,8 +99,11 @@ export class Camera {
     this.scale = Math.min((room * this.width) / Math.max(high[0] - low[0], least), (room * this.height) / Math.max(high[1] - low[1], least));
   }
 
-  /** The yaw at which a path seen from above is largest; among nearly equal ones the smallest. */
-  bestYaw(places: Places): number {
+  /**
+   * The yaw at which a path seen from above is largest; among nearly equal ones the smallest. Where the path mostly runs
+   * in one direction or across it, as streets and aisles do, and that yaw nearly has it upright, exactly upright.
+   */
+  bestYaw(places: Places, path: Places = places): number {
     const trial = new Camera();
     Object.assign(trial, { width: this.width, height: this.height });
     let best = 0;
@@ -114,6 +117,43 @@ export class Camera {
         best = trial.yaw;
       }
     }
-    return best;
+    const direction = commonDirection(path);
+    if (direction === null) return best;
+    const off = quarter(best + direction);
+    const within = (10 * Math.PI) / 180;
+    return Math.abs(off) <= within ? best - off : best;
   }
+}
+
+/** The angle's distance from the nearest quarter of a turn. */
+const quarter = (angle: number): number => angle - Math.round(angle / (Math.PI / 2)) * (Math.PI / 2);
+
+/** The direction, to a quarter of a turn, along which much of the path runs; null if there is none. */
+function commonDirection({ x, y }: Places): number | null {
+  const count = Math.max(x.length - 1, 0);
+  const angles = new Float64Array(count);
+  const lengths = new Float64Array(count);
+  const bins = new Float64Array(45); // of two degrees
+  let all = 0;
+  for (let i = 0; i < count; i++) {
+    lengths[i] = Math.hypot(x[i + 1] - x[i], y[i + 1] - y[i]);
+    angles[i] = quarter(Math.atan2(y[i + 1] - y[i], x[i + 1] - x[i]));
+    bins[Math.min(Math.floor((angles[i] / (Math.PI / 2) + 0.5) * bins.length), bins.length - 1)] += lengths[i];
+    all += lengths[i];
+  }
+  let best = ((bins.indexOf(Math.max(...bins)) + 0.5) / bins.length - 0.5) * (Math.PI / 2);
+  let together = 0;
+  // The mean of what is near, twice: a bin cuts it off.
+  for (const near of [3, 1.5]) {
+    let sum = 0;
+    together = 0;
+    for (let i = 0; i < count; i++) {
+      const off = quarter(angles[i] - best);
+      if (Math.abs(off) > (near * Math.PI) / 180) continue;
+      sum += lengths[i] * off;
+      together += lengths[i];
+    }
+    best += sum / Math.max(together, 1e-12);
+  }
+  return together < 0.3 * all || all === 0 ? null : best;
 }

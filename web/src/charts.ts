@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 import uPlot from 'uplot';
 import type { Theme } from './colours';
+import { minus } from './dom';
+import { closestIndex } from './report';
 
 export interface Band {
   label: string;
@@ -17,6 +19,12 @@ export interface ChartData {
   bands: Band[];
   /** Single readings with their standard deviations, as points with error bars. */
   readings?: { label: string; time: number[]; value: number[]; sigma: number[]; used: boolean[]; colour: string };
+  /** The range of the horizontal axis, that of the drive. */
+  range?: [number, number];
+  /** Shaded: the turns. */
+  spans?: [number, number][];
+  /** Decimals of the value at the cursor. */
+  digits: number;
   /** A place on the horizontal axis in words. */
   place: (time: number) => string;
   /** The range of the vertical axis has to contain this. */
@@ -27,6 +35,8 @@ export interface ChartData {
 
 export interface Chart {
   moveTo(time: number): void;
+  /** The values at a time, in words. */
+  valueAt(time: number): string;
   /** After a change of the element's size; by itself only after the browser's next layout. */
   resize(): void;
   destroy(): void;
@@ -59,6 +69,26 @@ function drawReadings(plot: uPlot, readings: NonNullable<ChartData['readings']>,
     context.stroke();
   });
   context.restore();
+}
+
+function drawSpans(plot: uPlot, spans: [number, number][], theme: Theme): void {
+  const context = plot.ctx;
+  const { left, top, width, height } = plot.bbox;
+  context.save();
+  context.fillStyle = theme.muted;
+  context.globalAlpha = theme.dark ? 0.16 : 0.11;
+  for (const span of spans) {
+    const [a, b] = span.map((time) => Math.min(Math.max(plot.valToPos(time, 'x', true), left), left + width));
+    if (b > a) context.fillRect(a, top, b - a, height);
+  }
+  context.restore();
+}
+
+/** Numbers with as many decimals as their distance needs, all the same. */
+function tickTexts(ticks: number[], step: number): string[] {
+  let digits = 0;
+  while (digits < 6 && Math.abs(step * 10 ** digits - Math.round(step * 10 ** digits)) > 1e-6) digits++;
+  return ticks.map((tick) => minus(tick.toFixed(digits)));
 }
 
 function verticalRange(data: ChartData): [number, number] {
@@ -95,28 +125,29 @@ export function makeChart(element: HTMLElement, data: ChartData, theme: Theme, o
     columns.push(band.values, edge(1), edge(-1));
     series.push(
       // uPlot shifts a line by (width % 2) / 2 pixels, but not the band around it.
-      { label: band.label, stroke: band.colour, width: 2, points: { show: false } },
+      { label: band.label, stroke: band.colour, width: band.sigmas.some((sigma) => sigma !== null) ? 1.2 : 1.6, points: { show: false } },
       { label: 'high', width: 0, points: { show: false } },
       { label: 'low', width: 0, points: { show: false } },
     );
-    bands.push({ series: [at + 1, at + 2], fill: colourWithAlpha(band.colour, theme.dark ? 0.24 : 0.18) });
+    bands.push({ series: [at + 1, at + 2], fill: colourWithAlpha(band.colour, theme.dark ? 0.4 : 0.3) });
   }
   const grid = { stroke: theme.line, width: 1 };
   let shownTime: number | null = null;
   const showTime = (self: uPlot) => {
     if (shownTime !== null) self.setCursor({ left: self.valToPos(shownTime, 'x'), top: 0 }, false);
   };
-  const readings = data.readings;
+  const { readings, spans, range } = data;
+  const ends = [data.time[0] ?? 0, data.time[data.time.length - 1] ?? 1];
   const size = () => ({ width: Math.max(element.clientWidth, 200), height: 168 });
   const plot: uPlot = new uPlot(
     {
       ...size(),
       legend: { show: false },
       padding: [8, 12, 0, 0],
-      scales: { x: { time: false }, y: { range: verticalRange(data) } },
+      scales: { x: { time: false, range: (_, low, high) => (range && low <= ends[0] && high >= ends[1] ? range : [low, high]) }, y: { range: verticalRange(data) } },
       axes: [
-        { stroke: theme.muted, grid, ticks: grid, font, size: 26, space: 70, values: (_, ticks) => ticks.map((t) => data.place(t).replace(/^pose |\.0$/g, '')) },
-        { stroke: theme.muted, grid, ticks: grid, font, size: 52, space: 26 },
+        { stroke: theme.muted, grid, ticks: grid, font, size: 26, space: 70, values: (_, ticks) => ticks.map((t) => data.place(t).replace(/^pose /, '')).map((text, _, all) => (all.every((other) => other.endsWith('.0')) ? text.slice(0, -2) : text)) },
+        { stroke: theme.muted, grid, ticks: grid, font, size: 52, space: 26, values: (_, ticks, __, ___, step) => tickTexts(ticks, step) },
       ],
       series,
       bands,
@@ -127,6 +158,7 @@ export function makeChart(element: HTMLElement, data: ChartData, theme: Theme, o
           if (self.cursor.event && typeof self.cursor.idx === 'number') onTime(self.posToVal(self.cursor.left ?? 0, 'x'));
         }],
         ready: [showTime],
+        drawClear: [(self) => { if (spans) drawSpans(self, spans, theme); }],
         draw: [(self) => { if (readings) drawReadings(self, readings, theme); }],
       },
     },
@@ -141,6 +173,16 @@ export function makeChart(element: HTMLElement, data: ChartData, theme: Theme, o
     moveTo(time) {
       shownTime = time;
       if (plot.status === 1) showTime(plot);
+    },
+    valueAt(time) {
+      const i = closestIndex(data.time, time);
+      const texts = data.bands.map(({ label, values, sigmas }) => {
+        const [value, sigma] = [values[i] ?? null, sigmas[i] ?? null];
+        if (value === null) return '';
+        const text = minus(value.toFixed(data.digits)) + (sigma === null ? '' : ` ±${sigma.toFixed(data.digits)}`);
+        return data.bands.length > 1 ? `${label} ${text}` : text;
+      });
+      return texts.filter(Boolean).join(', ');
     },
     resize() {
       plot.setSize(size());

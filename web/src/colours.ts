@@ -2,6 +2,9 @@
 import { closestIndex, type Report } from './report';
 
 export type ColourBy = 'speed' | 'sigma' | 'state' | 'error';
+// A ramp over less would make a difference of nothing look large.
+const leastSigma = 0.05;
+const leastError = 0.5; // metres
 export type Rgb = [number, number, number];
 
 export interface Theme {
@@ -15,7 +18,6 @@ export interface Theme {
   turn: string;
   truth: string;
   outline: string;
-  onTurn: string;
   landmark: string;
   bad: string;
   good: string;
@@ -23,20 +25,20 @@ export interface Theme {
 
 const light: Theme = {
   dark: false, ink: '#17202c', muted: '#5b6878', line: '#dfe4ea', panel: '#ffffff', accent: '#0a5cbf',
-  accentSoft: 'rgba(10,92,191,.16)', turn: '#b93c0a', truth: '#3f4c5c', outline: '#c9d1da', onTurn: '#ffffff', landmark: '#98a4b3', bad: '#c92a2a', good: '#0a7d5a',
+  accentSoft: 'rgba(10,92,191,.16)', turn: '#b93c0a', truth: '#17202c', outline: '#7d8998', landmark: '#98a4b3', bad: '#c92a2a', good: '#0a7d5a',
 };
 const dark: Theme = {
   dark: true, ink: '#e7edf4', muted: '#94a3b5', line: '#2a3441', panel: '#121921', accent: '#58a6ff',
-  accentSoft: 'rgba(88,166,255,.2)', turn: '#ff9f5a', truth: '#c3ced9', outline: '#34404e', onTurn: '#1a1006', landmark: '#546579', bad: '#ff7b72', good: '#3fd1a0',
+  accentSoft: 'rgba(88,166,255,.2)', turn: '#ff9f5a', truth: '#ffffff', outline: '#66758a', landmark: '#546579', bad: '#ff7b72', good: '#3fd1a0',
 };
 
 export const themeOf = (isDark: boolean): Theme => (isDark ? dark : light);
 
-// Equally spaced in lightness and readable for colour-blind people: the plasma map without the ends that vanish on
-// a light or a dark ground.
+// Equally spaced in lightness and readable for colour-blind people: as the plasma map, but at least 3:1 against the
+// ground all along.
 const ramps: Record<'light' | 'dark', Rgb[]> = {
-  light: [[44, 5, 148], [106, 0, 168], [157, 24, 157], [203, 71, 119], [236, 112, 86], [251, 152, 56], [246, 186, 28]],
-  dark: [[108, 60, 220], [150, 52, 205], [191, 62, 168], [221, 95, 124], [243, 137, 84], [252, 182, 52], [244, 233, 64]],
+  light: [[44, 5, 148], [106, 0, 168], [157, 24, 157], [198, 52, 118], [214, 84, 66], [217, 110, 24], [198, 133, 0]],
+  dark: [[116, 72, 228], [150, 52, 205], [191, 62, 168], [221, 95, 124], [243, 137, 84], [252, 182, 52], [244, 233, 64]],
 };
 
 export function rampColour(share: number, isDark: boolean): Rgb {
@@ -87,10 +89,10 @@ export function colourPath({ path, truth }: Report, by: ColourBy | undefined, is
   const states = stateColours[isDark ? 'dark' : 'light'];
   if (by === undefined) return { colours: path.time.map(() => states.h), legend: { title: 'Path' } };
   if (by === 'error' && truth) {
-    const high = largest(truth.error);
+    const high = Math.max(largest(truth.error), leastError);
     return {
       colours: ranged(path.time.map((time) => truth.error[closestIndex(truth.time, time)]), 0, high, isDark, states.p),
-      legend: { title: 'Distance to the ground truth', range: ['0', `${high.toFixed(2)} m`] },
+      legend: { title: 'Distance to the ground truth', range: ['0', `${high.toFixed(2)}\u00a0m`] },
     };
   }
   if (by === 'speed') {
@@ -98,27 +100,24 @@ export function colourPath({ path, truth }: Report, by: ColourBy | undefined, is
     const high = Math.max(1, Math.ceil(largest(speeds) * 3.6)) / 3.6;
     return {
       colours: ranged(speeds, 0, high, isDark, states.p),
-      legend: { title: 'Speed', range: ['0', `${Math.round(high * 3.6)} km/h`] },
+      legend: { title: 'Speed', range: ['0', `${Math.round(high * 3.6)}\u00a0km/h`] },
     };
   }
   if (by === 'sigma') {
-    const known = path.sigma.filter((value): value is number => value !== null);
-    const low = known.reduce((a, b) => Math.min(a, b), Infinity);
-    const high = largest(known);
-    const per = (value: number) => `${(100 * value).toFixed(value < 0.1 ? 1 : 0)} %`;
+    const high = Math.max(largest(path.sigma), leastSigma);
     return {
-      colours: ranged(path.sigma, Math.min(low, high), high, isDark, states.p),
-      legend: { title: 'Sigma of the scale', range: known.length ? [per(low), per(high)] : ['-', '-'] },
+      colours: ranged(path.sigma, 0, high, isDark, states.p),
+      legend: { title: 'Uncertainty of the scale (1 sigma)', range: ['0', `${(100 * high).toFixed(high < 0.1 ? 1 : 0).replace('.0', '')}\u00a0%`] },
     };
   }
   const names = [
-    { key: 'o', name: 'observed in a turn' },
-    { key: 'r', name: 'from the height above the road' },
-    { key: 'h', name: 'held between turns' },
-    { key: 'p', name: 'pending' },
+    { key: 'o', name: 'the turn itself' },
+    { key: 'r', name: 'height above the road' },
+    { key: 'h', name: 'carried over from turns' },
+    { key: 'p', name: 'not known yet' },
   ].filter(({ key }) => path.scaleState.includes(key));
   return {
     colours: Array.from(path.scaleState, (letter) => states[letter] ?? states.p),
-    legend: { title: 'State of the scale', names: names.map(({ key, name }) => ({ name, colour: states[key] })) },
+    legend: { title: 'Scale from', names: names.map(({ key, name }) => ({ name, colour: states[key] })) },
   };
 }

@@ -13,3 +13,10 @@ export function make(tag: string, text = '', className = '', ...children: Node[]
   made.append(...children);
   return made;
 }
+
+/** With a minus sign as wide as the plus, and none before a zero. */
+export const minus = (number: string): string => number.replace(/^-(?=[0.]*$)/, '').replace('-', '\u2212');
+
+/** Numbers stay with their units, and negative ones have a true minus sign. */
+export const typeset = (text: string): string =>
+  text.replace(/(^|[\s(])-(?=\d)/g, '$1\u2212').replace(/(\d) (?=[%°σ/]|[\p{L}²]{1,5}\b)/gu, '$1\u00a0').replace(/(±) (?=\d)/g, '$1\u00a0');

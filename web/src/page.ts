@@ -2,14 +2,21 @@
 // The report: what it shows of a drive, and the one place along the drive that all its parts follow.
 import { makeChart, type Chart, type ChartData } from './charts';
 import { colourings, colourPath, css, rampColour, themeOf, type ColourBy, type Legend, type Theme } from './colours';
-import { element, make } from './dom';
-import { clock, closestIndex, decodeLandmarks, originText, placeText, scaleStateNames, trackingNames, type Report, type Thumbnail } from './report';
+import { element, make, minus, typeset } from './dom';
+import {
+  clock, closestIndex, decodeLandmarks, featuresOf, momentPattern, originText, placeText, reversed, scaleStateNames, scaleStateTerms,
+  secondsOf, shortTitle, trackingNames, type Report, type Thumbnail,
+} from './report';
 import { PathView, type Marker } from './view';
 
 const kmhPerMps = 3.6;
-/** With a minus sign as wide as the plus. */
-const fixed = (value: number, digits: number) => value.toFixed(digits).replace('-', '\u2212');
-const signed = (value: number, digits: number) => `${value > 0 ? '+' : ''}${fixed(value, digits)}`;
+const fixed = (value: number, digits: number) => minus(value.toFixed(digits));
+const signed = (value: number, digits: number) => {
+  const text = fixed(value, digits);
+  return value > 0 && /[1-9]/.test(text) ? `+${text}` : text;
+};
+const landmarkColour = '#46e678';
+const seenColour = '#ffaf28';
 
 /** Ranges of points for which `holds`, each begun one point earlier so that a range of one point is a line. */
 function ranges(count: number, holds: (i: number) => boolean): [number, number][] {
@@ -36,14 +43,18 @@ export class ReportPage {
   /** Where the reader looks while the path grows, seconds; null: at its end. */
   private heldTime: number | null = null;
   private playing = 0;
+  private reverse: boolean[] = [];
+  private showFeatures = false;
+  private thumbnail: Thumbnail | null = null; // the one that is shown
+  private readouts: HTMLElement[] = []; // of the charts
 
   constructor(theme: Theme) {
     this.theme = theme;
-    document.documentElement.classList.toggle('dark', theme.dark);
     this.view = new PathView(element('view'), theme);
     this.view.onHover = (index) => this.moveTo(index);
     this.view.onLeave = () => this.release();
     this.bindTools();
+    this.showTheme();
     // For tests and measurements.
     Object.assign(window, { turnscale: this });
   }
@@ -53,7 +64,7 @@ export class ReportPage {
   show(report: Report): void {
     this.report = report;
     this.place = 0;
-    document.title = `${report.title.split('/').filter(Boolean).pop() ?? 'report'} - turnscale`;
+    document.title = `${shortTitle(report.title) || 'report'} - turnscale`;
     this.showHeading();
     this.showWarnings(report.warnings);
     this.by = colourings(report)[0];
@@ -62,13 +73,16 @@ export class ReportPage {
     this.view.setTruth(report.truth);
     this.view.setOutlines(report.outlines);
     const { path } = report;
-    const markers: Marker[] = report.turns.map((turn, i) => ({
-      index: closestIndex(path.time, (turn.from + turn.to) / 2), label: String(i + 1), used: turn.used,
-    }));
     const turns = report.turns.map((turn): [number, number] => [closestIndex(path.time, turn.from), closestIndex(path.time, turn.to)]);
+    const markers: Marker[] = report.turns.map((turn, i) => ({
+      index: closestIndex(path.time, (turn.from + turn.to) / 2), first: turns[i][0], last: turns[i][1], label: String(i + 1), used: turn.used,
+    }));
     const predicted = ranges(path.time.length, (i) => 'bu'.includes(path.tracking[i]));
+    this.reverse = reversed(path);
+    const reverse = ranges(this.reverse.length, (i) => this.reverse[i]);
+    const headings = this.reverse.length > 0 ? path.heading : undefined;
     const { colours } = colourPath(report, this.by, this.theme.dark);
-    this.view.setPath({ places: path, colours, turns, predicted, markers });
+    this.view.setPath({ places: path, colours, turns, predicted, reverse, markers, headings });
     this.view.fit();
     const slider = element<HTMLInputElement>('time');
     slider.max = String(Math.max(path.time.length - 1, 0));
@@ -77,6 +91,11 @@ export class ReportPage {
     this.showTurns();
     this.showErrors();
     this.showSettings();
+    const { thumbnails } = report;
+    this.thumbnail = null;
+    element('picture').hidden = thumbnails.length === 0;
+    // Those of earlier versions have their features in the picture.
+    element('features').hidden = !thumbnails.some(({ jpeg }) => featuresOf(jpeg).points.length > 0);
     this.showCharts();
     this.moveTo(0);
   }
@@ -91,7 +110,10 @@ export class ReportPage {
     const possible = colourings(report);
     if (!this.by || !possible.includes(this.by) || !this.chosen) this.by = possible[0];
     const { colours } = colourPath(report, this.by, this.theme.dark);
-    this.view.setPath({ places: report.path, colours, turns: [], predicted: [], markers: [] });
+    this.reverse = reversed(report.path);
+    const reverse = ranges(this.reverse.length, (i) => this.reverse[i]);
+    const headings = this.reverse.length > 0 ? report.path.heading : undefined;
+    this.view.setPath({ places: report.path, colours, turns: [], predicted: [], reverse, markers: [], headings });
     this.view.follow();
     this.showColours();
     const { time } = report.path;
@@ -117,7 +139,10 @@ export class ReportPage {
     const place = placeText(this.report!, time);
     element('time').setAttribute('aria-valuetext', place);
     element('clock').textContent = place;
-    for (const chart of this.charts) chart.moveTo(time);
+    this.charts.forEach((chart, i) => {
+      chart.moveTo(time);
+      this.readouts[i].textContent = chart.valueAt(time);
+    });
     this.showReadout();
     this.showThumbnail(time);
     element('turns').querySelectorAll('tbody tr').forEach((row, i) => {
@@ -138,15 +163,43 @@ export class ReportPage {
   private showHeading(): void {
     const report = this.report!;
     const title = element('title');
-    title.textContent = report.title.split('/').filter(Boolean).pop() ?? report.title;
+    title.textContent = shortTitle(report.title) || report.title;
     title.title = report.title;
-    element('notes').textContent = [...report.notes, originText(report)].filter(Boolean).join(' · ');
-    element('facts').replaceChildren(...report.facts.map(factElement));
+    const notes = typeset([...report.notes, originText(report)].filter(Boolean).join(' · '));
+    element('notes').textContent = notes;
+    this.showFacts(element('facts'), report.facts);
     element('footer').replaceChildren(
       make('span', `turnscale ${report.version}`),
       make('span', report.title),
-      make('span', 'Bands, error bars and sigma: one standard deviation'),
+      make('span', notes, 'notes'),
+      make('span', 'Bands, error bars and ±: one standard deviation (1 sigma)'),
     );
+  }
+
+  private showFacts(list: HTMLElement, facts: Report['facts']): void {
+    // In two rows that are as long as each other.
+    list.style.setProperty('--columns', String(facts.length > 4 ? Math.ceil(facts.length / 2) : Math.max(facts.length, 1)));
+    list.replaceChildren(...facts.map((fact) => factElement(fact, this.linked(fact.note))));
+  }
+
+  /** A text whose moments move along the drive. */
+  private linked(text: string): Node[] {
+    const whole = typeset(text);
+    if (this.live || this.report?.timed === false) return [document.createTextNode(whole)];
+    const nodes: Node[] = [];
+    let end = 0;
+    for (const { 0: moment, index } of whole.matchAll(momentPattern)) {
+      const button = make('button', moment, 'moment');
+      button.setAttribute('aria-label', `Show ${moment}`);
+      button.addEventListener('click', () => {
+        this.moveToTime(secondsOf(moment));
+        element('view').scrollIntoView({ block: 'nearest' });
+      });
+      nodes.push(document.createTextNode(whole.slice(end, index)), button);
+      end = index + moment.length;
+    }
+    nodes.push(document.createTextNode(whole.slice(end)));
+    return nodes;
   }
 
   /** Only where they change: screen readers say them each time. */
@@ -158,7 +211,7 @@ export class ReportPage {
     warnings.hidden = texts.length === 0;
     warnings.replaceChildren(
       make('p', texts.length === 1 ? 'One thing to check' : `${texts.length} things to check`),
-      make('ul', '', '', ...texts.map((text) => make('li', text))),
+      make('ul', '', '', ...texts.map((text) => make('li', '', '', ...this.linked(text)))),
     );
   }
 
@@ -182,98 +235,182 @@ export class ReportPage {
       ramp.style.background = `linear-gradient(90deg,${stops.join(',')})`;
       rows.push(make('div', '', 'range', make('span', legend.range[0]), ramp, make('span', legend.range[1])));
     }
-    const named = (name: string, colour: string) => {
-      const line = make('i');
-      line.style.background = colour;
+    const named = (name: string, colour: string, kind = '') => {
+      const line = make('i', '', kind);
+      line.style.setProperty('--of', colour);
       return make('div', '', 'name', line, make('span', name));
     };
+    const marked = (number: string, name: string, kind: string) => make('div', '', 'name', make('b', '', 'halo', make('b', number, `mark ${kind}`)), make('span', name));
     for (const { name, colour } of legend.names ?? []) rows.push(named(name, css(colour)));
-    if (/[bu]/.test(this.report!.path.tracking)) rows.push(named('tracking lost', this.theme.bad));
-    if (this.report!.truth) rows.push(named('ground truth', this.theme.truth));
+    const { path, truth, turns } = this.report!;
+    if (this.reverse.includes(true)) rows.push(named('reverse', this.theme.muted, 'gaps'));
+    if (/[bu]/.test(path.tracking)) rows.push(named('tracking lost', this.theme.bad));
+    if (truth) rows.push(named('ground truth', this.theme.truth, 'dashed'));
+    const [used, unused] = [turns.findIndex((turn) => turn.used), turns.findIndex((turn) => !turn.used)];
+    if (used >= 0) rows.push(marked(String(used + 1), 'turn used for the scale', ''));
+    if (unused >= 0) rows.push(marked(String(unused + 1), 'turn not used', 'hollow'));
     element('legend').hidden = !legend.range && !legend.names && rows.length === 1;
     element('legend').replaceChildren(...rows);
   }
 
   private showReadout(): void {
     const report = this.report!;
-    const { path } = report;
+    const { path, unit } = report;
     const i = this.place;
-    const rows: [string, string, boolean?][] = report.timed === false ? [] : [['Time', clock(path.time[i])]];
     // Where there is no tracking there were no images.
-    rows.push([path.tracking ? 'Frame' : 'Pose', String(path.frame[i])]);
+    const number = `${path.tracking ? 'frame' : 'pose'} ${path.frame[i]}`;
+    const rows: [string, string, boolean?][] = [['Place', report.timed === false ? number : `${clock(path.time[i])}, ${number}`]];
+    // A row that is known anywhere is there everywhere, so that nothing moves during the play.
+    const anywhere = (values: (number | null)[]) => values.some((value) => value !== null);
     const speed = path.speed[i];
-    const speedSigma = path.speedSigma[i];
-    const band = speedSigma === null ? '' : ` ± ${(speedSigma * kmhPerMps).toFixed(1)}`;
-    if (speed !== null) rows.push(['Speed', `${fixed(speed * kmhPerMps, 1)}${band} km/h`]);
+    const sigmaOfSpeed = path.speedSigma[i];
+    const band = sigmaOfSpeed === null ? '' : ` ±${(sigmaOfSpeed * kmhPerMps).toFixed(1)}`;
+    if (anywhere(path.speed))
+      rows.push([this.reverse[i] ? 'Speed, reverse' : 'Speed', speed === null ? '-' : `${fixed(speed * kmhPerMps, 1)}${band} km/h`]);
+    if (path.driven) rows.push(['Driven so far', `${path.driven[i].toFixed(1)} ${unit}`]);
+    const side = (value: number, positive: string, negative: string) => `${Math.abs(value).toFixed(Math.abs(value) < 100 ? 1 : 0)} ${unit} ${value < 0 ? negative : positive}`;
+    rows.push(['From the start', `${side(path.x[i], 'right', 'left')}, ${side(path.y[i], 'ahead', 'behind')}`]);
+    const lengths = [path.x, path.y, path.z].map((values) => values.reduce((most, value) => Math.max(most, Math.abs(value)), 0));
+    if (lengths[2] > 0.05 * Math.max(lengths[0], lengths[1])) rows.push(['Height', side(path.z[i], 'up', 'down')]);
     const sigma = path.sigma[i];
-    if (path.scaleState) rows.push(['Scale', scaleStateNames[path.scaleState[i]] ?? '-']);
-    if (sigma !== null) rows.push(['Sigma of the scale', `${(100 * sigma).toFixed(1)} %`]);
+    if (path.scaleState) rows.push(['Scale from', scaleStateNames[path.scaleState[i]] ?? '-']);
+    if (anywhere(path.sigma)) rows.push(['Uncertainty', sigma === null ? '-' : `±${(100 * sigma).toFixed(1)} % (1 sigma)`]);
     const lost = 'bu'.includes(path.tracking[i]);
-    if (path.tracking) rows.push(['Tracking', trackingNames[path.tracking[i]] ?? '-', lost]);
-    rows.push(['Right, ahead, up', `${[path.x[i], path.y[i], path.z[i]].map((value) => fixed(value, 1)).join(', ')} ${report.unit}`]);
+    if (/[bu]/.test(path.tracking)) rows.push(['Tracking', trackingNames[path.tracking[i]] ?? '-', lost]);
     if (report.truth) {
       const error = report.truth.error[closestIndex(report.truth.time, path.time[i])];
-      if (error !== null) rows.push(['Distance to the truth', `${error.toFixed(2)} m`]);
+      rows.push(['To the truth', error === null ? '-' : `${error.toFixed(2)} m`]);
     }
     element('readout').replaceChildren(
-      ...rows.flatMap(([name, value, bad]) => [make('dt', name), make('dd', value, bad ? 'bad' : '')]),
+      ...rows.flatMap(([name, value, bad]) => [make('dt', name), make('dd', typeset(value), bad ? 'bad' : '')]),
     );
+    const state = rows.findIndex(([name]) => name === 'Scale from');
+    const term = scaleStateTerms[path.scaleState[i]];
+    if (state >= 0 && term) element('readout').querySelectorAll('dd')[state].title = `scale state: ${term}`;
   }
 
   private showThumbnail(time: number): void {
     const thumbnails = this.report!.thumbnails;
+    const shown = thumbnails[closestIndex(thumbnails.map((t) => t.time), time)] ?? null;
+    if (shown === this.thumbnail) return;
+    this.thumbnail = shown;
     const image = element<HTMLImageElement>('thumbnail');
-    const shown: Thumbnail | undefined = thumbnails[closestIndex(thumbnails.map((t) => t.time), time)];
     image.hidden = !shown;
-    element('no-picture').hidden = shown !== undefined;
-    element('picture').hidden = thumbnails.length === 0;
+    element('no-picture').hidden = shown !== null;
+    element('tracked').hidden = true;
     if (!shown) return;
-    const source = `data:image/jpeg;base64,${shown.jpeg}`;
-    if (image.src !== source) image.src = source;
+    image.src = `data:image/jpeg;base64,${shown.jpeg}`;
     image.alt = `Frame ${shown.frame}`;
+    const why = shown.why === 'lost' ? 'tracking lost' : shown.why === 'turn' ? 'in a turn' : '';
+    element('caption').textContent = `Frame ${shown.frame} at ${placeText(this.report!, shown.time)}${why && `, ${why}`}`;
+    this.drawFeatures();
+  }
+
+  /** What was tracked, and what of the picture was left out. */
+  private drawFeatures(): void {
+    const image = element<HTMLImageElement>('thumbnail');
+    const canvas = element<HTMLCanvasElement>('tracked');
+    const { thumbnail } = this;
+    canvas.hidden = true;
+    if (!this.showFeatures || !thumbnail) return;
+    if (!image.complete || image.naturalWidth === 0) {
+      image.addEventListener('load', () => this.drawFeatures(), { once: true });
+      return;
+    }
+    const { points, mask } = featuresOf(thumbnail.jpeg);
+    const fine = 2;
+    canvas.width = fine * image.naturalWidth;
+    canvas.height = fine * image.naturalHeight;
+    canvas.hidden = false;
+    const context = canvas.getContext('2d')!;
+    const [width, height] = [canvas.width - fine, canvas.height - fine];
+    context.beginPath();
+    for (const corners of mask) {
+      corners.forEach(([x, y], i) => context[i ? 'lineTo' : 'moveTo'](x * width + fine / 2, y * height + fine / 2));
+      context.closePath();
+    }
+    context.fillStyle = 'rgba(200,40,40,.45)';
+    context.fill('evenodd');
+    // Many dots are small ones, so that the picture stays visible between them.
+    const radius = Math.min(Math.max(Math.sqrt((0.03 * width * height) / (Math.PI * Math.max(points.length, 1))), 2.2), 4);
+    for (const { x, y, hasDepth } of points) {
+      context.beginPath();
+      context.arc(x * width + fine / 2, y * height + fine / 2, radius, 0, 2 * Math.PI);
+      context.fillStyle = hasDepth ? landmarkColour : seenColour;
+      context.fill();
+    }
+  }
+
+  private toggleFeatures(): void {
+    if (element('features').hidden) return;
+    this.showFeatures = !this.showFeatures;
+    element('features').setAttribute('aria-pressed', String(this.showFeatures));
     const dot = (colour: string, text: string) => {
       const mark = make('span', '', 'dot');
       mark.style.background = colour;
-      return [mark, document.createTextNode(text)];
+      return make('span', '', '', mark, document.createTextNode(text));
     };
-    const why = shown.why === 'lost' ? ', tracking lost' : shown.why === 'turn' ? ', in a turn' : '';
-    element('caption').replaceChildren(
-      document.createTextNode(`Frame ${shown.frame} at ${placeText(this.report!, shown.time)}${why} `),
-      ...dot('#46e678', 'landmark'), ...dot('#ffaf28', 'without depth'),
-    );
+    element('feature-keys').replaceChildren(...(this.showFeatures ? [dot(landmarkColour, 'landmark'), dot(seenColour, 'distance unknown')] : []));
+    this.drawFeatures();
+  }
+
+  private enlarge(): void {
+    const large = element<HTMLDialogElement>('large');
+    if (large.open) {
+      large.close();
+      return;
+    }
+    large.append(element('enlarge'));
+    large.showModal();
   }
 
   private showTurns(): void {
     const { turns } = this.report!;
     const panel = element('turns');
     panel.hidden = turns.length === 0;
-    const { timed } = this.report!;
+    const { timed, unit, path } = this.report!;
     const place = (time: number) => (timed === false ? String(Math.round(time)) : clock(time));
-    const head = ['Turn', timed === false ? 'Poses' : 'Time', 'Angle', 'Speed', 'Own scale', 'Smoothed', 'Deviation', 'Lever arm', ''];
+    const perUnit = unit === 'm' ? 'm/unit' : 'per unit';
+    const allUsed = turns.every((turn) => turn.used);
+    const head = ['Turn', timed === false ? 'Poses' : 'Time', 'Angle', 'Mean speed', `Own scale, ${perUnit}`, `Smoothed, ${perUnit}`, 'Deviation', 'Effective lever arm', ...(allUsed ? [] : ['Why not used'])];
     const rows = turns.map((turn, i) => {
-      const number = (value: number | null, text: (value: number) => string) => (value === null ? '-' : text(value));
+      const number = (value: number | null, text: (value: number) => string) => (value === null ? '-' : typeset(text(value)));
       const go = make('button', String(i + 1));
       go.setAttribute('aria-label', `Show turn ${i + 1}`);
-      const row = make('tr', '', turn.used ? '' : 'unused',
-        make('td', '', '', go),
-        make('td', `${place(turn.from)} – ${place(turn.to)}`),
-        make('td', `${Math.abs(turn.angle).toFixed(0)}° ${turn.angle > 0 ? 'right' : 'left'}`),
-        make('td', number(turn.speed, (v) => `${(v * kmhPerMps).toFixed(1)} km/h`)),
-        make('td', number(turn.scale, (v) => `${v.toPrecision(4)}${turn.sigma ? ` ± ${((100 * turn.sigma) / v).toFixed(1)} %` : ''}`)),
-        make('td', number(turn.smoothed, (v) => v.toPrecision(4))),
-        make('td', number(turn.deviation, (v) => `${signed(v, 1)} σ`)),
-        make('td', number(turn.leverArm, (v) => `${v.toFixed(2)} m`)),
-        make('td', turn.used ? '' : turn.reason || 'not used', 'text'));
+      const cells = [
+        `${place(turn.from)} – ${place(turn.to)}`,
+        `${Math.abs(turn.angle).toFixed(0)}° ${turn.angle > 0 ? 'right' : 'left'}`,
+        number(meanSpeed(path, turn.from, turn.to) ?? turn.speed, (v) => `${(v * kmhPerMps).toFixed(1)} km/h`),
+        number(turn.scale, (v) => `${v.toPrecision(4)}${turn.sigma ? ` ±${((100 * turn.sigma) / v).toFixed(1)} %` : ''}`),
+        number(turn.smoothed, (v) => v.toPrecision(4)),
+        number(turn.deviation, (v) => `${signed(v, 1)} σ`),
+        number(turn.leverArm, (v) => `${v.toFixed(2)} m`),
+        ...(allUsed ? [] : [turn.used ? '' : turn.reason || 'not used']),
+      ].map((text, k) => {
+        const cell = make('td', text, k === 7 ? 'text' : '');
+        cell.dataset.name = head[k + 1];
+        cell.setAttribute('role', 'cell');
+        return cell;
+      });
+      const first = make('td', '', '', go);
+      first.setAttribute('role', 'cell');
+      const row = make('tr', '', turn.used ? '' : 'unused', first, ...cells);
+      row.setAttribute('role', 'row');
       row.addEventListener('click', () => this.moveToTime((turn.from + turn.to) / 2));
       return row;
     });
-    const table = make('table', '', '',
-      make('thead', '', '', make('tr', '', '', ...head.map(headOf))), make('tbody', '', '', ...rows));
+    const titles = make('tr', '', '', ...head.map(headOf));
+    titles.setAttribute('role', 'row');
+    const table = make('table', '', '', make('thead', '', '', titles), make('tbody', '', '', ...rows));
+    // Styled as cards, a table would lose what it is to screen readers.
+    table.setAttribute('role', 'table');
     const scroll = make('div', '', 'scroll', table);
     scroll.tabIndex = 0;
     scroll.setAttribute('role', 'region');
     scroll.setAttribute('aria-label', 'Turns');
-    panel.replaceChildren(make('h2', 'Turns'), scroll);
+    const note = turns.some((turn) => turn.leverArm !== null)
+      ? 'Effective lever arm: the given lever arm less the side slip of the tyres at the speed of the turn.' : '';
+    panel.replaceChildren(make('h2', 'Turns'), scroll, make('p', note, 'footnote'));
   }
 
   private showErrors(): void {
@@ -282,7 +419,9 @@ export class ReportPage {
     panel.hidden = errors.length === 0;
     const heading = make('h2', 'Compared with the ground truth');
     if (truth?.metresPerUnit) heading.append(make('small', `laid on the path, which is up to scale: one unit is ${truth.metresPerUnit.toPrecision(3)} m`));
-    panel.replaceChildren(heading, make('div', '', 'facts', ...errors.map(factElement)));
+    const facts = make('div', '', 'facts');
+    this.showFacts(facts, errors);
+    panel.replaceChildren(heading, facts);
   }
 
   private showSettings(): void {
@@ -291,17 +430,17 @@ export class ReportPage {
     element('settings').querySelector('pre')!.textContent = settings;
   }
 
-  private chartData(): Omit<ChartData, 'place'>[] {
+  private chartData(): Omit<ChartData, 'place' | 'range' | 'spans'>[] {
     const { path, scale, rotation, truth, turns } = this.report!;
     const { theme } = this;
-    const charts: Omit<ChartData, 'place'>[] = [];
+    const charts: ReturnType<ReportPage['chartData']> = [];
     const kmh = (values: (number | null)[]) => values.map((value) => (value === null ? null : value * kmhPerMps));
     if (path.speed.some((value) => value !== null))
-      charts.push({ title: 'Speed', unit: 'km/h', time: path.time, include: 0, least: 2,
+      charts.push({ title: 'Speed', unit: 'km/h', digits: 1, time: path.time, include: 0, least: 2,
         bands: [{ label: 'speed', values: kmh(path.speed), sigmas: kmh(path.speedSigma), colour: theme.accent }] });
     if (scale) {
       const own = turns.filter((turn) => turn.scale !== null && turn.sigma !== null);
-      charts.push({ title: 'Scale', unit: 'metres per unit of the map', time: scale.time,
+      charts.push({ title: 'Scale', unit: 'metres per unit of the map', digits: scale.value[0] ? Math.max(0, 3 - Math.floor(Math.log10(scale.value[0]))) : 3, time: scale.time,
         bands: [{ label: 'smoothed', values: scale.value, sigmas: scale.value.map((value, i) => value * (scale.sigma[i] ?? 0)), colour: theme.accent }],
         readings: { label: 'from one turn alone', time: own.map((turn) => (turn.from + turn.to) / 2), value: own.map((turn) => turn.scale!),
           sigma: own.map((turn) => turn.sigma!), used: own.map((turn) => turn.used), colour: theme.turn } });
@@ -309,19 +448,23 @@ export class ReportPage {
     // A rotation that was given was not learned.
     if (rotation?.yawSigma.some((value) => value !== null)) {
       const band = (label: string, values: number[], sigmas: (number | null)[], colour: string) => ({ label, values, sigmas, colour });
-      charts.push({ title: 'Rotation of the camera in the car', unit: 'degrees', least: 0.5, ...steps(rotation.time, [
+      charts.push({ title: 'Rotation of the camera in the car', unit: 'degrees', digits: 2, least: 0.5, ...steps(rotation.time, [
         band('yaw', rotation.yaw, rotation.yawSigma, theme.accent), band('pitch', rotation.pitch, rotation.pitchSigma, theme.good),
         band('roll', rotation.roll, rotation.rollSigma, theme.turn)]) });
     }
     if (truth)
-      charts.push({ title: 'Distance to the ground truth', unit: 'm', time: truth.time, include: 0,
-        bands: [{ label: 'distance', values: truth.error, sigmas: truth.error.map(() => null), colour: theme.bad }] });
+      charts.push({ title: 'Distance to the ground truth', unit: 'm', digits: 2, time: truth.time, include: 0,
+        bands: [{ label: 'distance', values: truth.error, sigmas: truth.error.map(() => null), colour: theme.muted }] });
     return charts;
   }
 
   private showCharts(): void {
     this.charts.forEach((chart) => chart.destroy());
     this.charts = [];
+    this.readouts = [];
+    const { path, turns } = this.report!;
+    const range: [number, number] | undefined = path.time.length > 1 ? [path.time[0], path.time[path.time.length - 1]] : undefined;
+    const spans = turns.map((turn): [number, number] => [turn.from, turn.to]);
     const section = element('charts');
     const all = this.chartData();
     section.replaceChildren();
@@ -334,17 +477,31 @@ export class ReportPage {
       };
       if (data.bands.length > 1 || data.readings) data.bands.forEach((band) => key(band.colour, band.label));
       if (data.readings?.time.length) key(data.readings.colour, data.readings.label, true);
+      if (spans.length > 0 && data === all[0]) {
+        key(this.theme.muted, 'turn');
+        keys.lastElementChild!.classList.add('span');
+      }
       const title = make('h2', data.title);
       title.append(make('small', this.report!.timed === false ? `${data.unit}, over the number of the pose` : data.unit));
       const plot = make('div');
-      section.append(make('div', '', 'panel chart', make('header', '', '', title, keys), plot));
-      this.charts.push(makeChart(plot, { ...data, place: (time) => placeText(this.report!, time) }, this.theme, (time) => this.moveToTime(time)));
+      const value = make('output', '', 'value');
+      this.readouts.push(value);
+      section.append(make('div', '', 'panel chart', make('header', '', '', title, value, keys), plot));
+      this.charts.push(makeChart(plot, { ...data, range, spans, place: (time) => placeText(this.report!, time) }, this.theme, (time) => this.moveToTime(time)));
     }
+  }
+
+  private showTheme(): void {
+    const { dark } = this.theme;
+    document.documentElement.classList.toggle('dark', dark);
+    const text = dark ? 'Dark; switch to light' : 'Light; switch to dark';
+    element('theme').title = text;
+    element('theme').setAttribute('aria-label', text);
   }
 
   private setTheme(dark: boolean): void {
     this.theme = themeOf(dark);
-    document.documentElement.classList.toggle('dark', dark);
+    this.showTheme();
     this.view.setTheme(this.theme);
     if (!this.report) return;
     this.showColours();
@@ -392,7 +549,7 @@ export class ReportPage {
       };
       this.playing = requestAnimationFrame(step);
     }
-    button.textContent = this.playing ? '❚❚' : '▶';
+    button.classList.toggle('playing', this.playing !== 0);
     button.setAttribute('aria-label', this.playing ? 'Pause' : 'Play');
   }
 
@@ -406,6 +563,11 @@ export class ReportPage {
     click('zoom-out', () => this.view.zoomBy(1 / 1.4));
     click('fit', () => this.view.fit());
     click('play', () => this.togglePlay());
+    click('features', () => this.toggleFeatures());
+    click('enlarge', () => this.enlarge());
+    // Back to its place, before the text below it.
+    element('large').addEventListener('close', () => element('picture').prepend(element('enlarge')));
+    click('large', () => element<HTMLDialogElement>('large').close());
     for (const button of element('colours').querySelectorAll('button'))
       button.addEventListener('click', () => this.setColourBy(button.dataset.by as ColourBy));
     element<HTMLInputElement>('time').addEventListener('input', (event) => this.moveTo(Number((event.target as HTMLInputElement).value)));
@@ -450,6 +612,7 @@ export class ReportPage {
       '3': () => this.setView(true),
       t: () => this.setTheme(!this.theme.dark),
       l: () => this.toggleLandmarks(),
+      f: () => this.toggleFeatures(),
       ' ': () => (this.live ? element('pause').click() : this.togglePlay()),
     };
     const action = keys[event.key];
@@ -460,16 +623,33 @@ export class ReportPage {
   }
 }
 
+/** Mean over a part of the drive, whichever way the car goes; null where it is not known. */
+function meanSpeed({ time, speed }: Report['path'], from: number, to: number): number | null {
+  let [driven, seconds] = [0, 0];
+  for (let i = 1; i < time.length; i++) {
+    const [a, b] = [speed[i - 1], speed[i]];
+    if (time[i] <= from || time[i - 1] >= to || a === null || b === null) continue;
+    const step = Math.min(time[i], to) - Math.max(time[i - 1], from);
+    driven += 0.5 * (Math.abs(a) + Math.abs(b)) * step;
+    seconds += step;
+  }
+  return seconds > 0 ? driven / seconds : null;
+}
+
 function headOf(name: string): HTMLElement {
-  const head = make(name ? 'th' : 'td', name);
-  if (name) head.setAttribute('scope', 'col');
+  const head = make('th', name);
+  head.setAttribute('scope', 'col');
+  head.setAttribute('role', 'columnheader');
   return head;
 }
 
 /** The number large, what follows it small. */
-function factElement({ name, value, note }: { name: string; value: string; note: string }): HTMLElement {
+function factElement({ name, value }: { name: string; value: string }, note: Node[]): HTMLElement {
   const [, number, unit] = /^(\S+)\s*(.*)$/.exec(value) ?? ['', value, ''];
-  return make('dl', '', 'fact', make('dt', name), make('dd', '', '', document.createTextNode(number), make('small', unit ? ` ${unit}` : '')), make('p', note));
+  // A break is allowed before the standard deviation only.
+  const gap = unit.startsWith('±') ? ' ' : '\u00a0';
+  return make('dl', '', 'fact', make('dt', name),
+    make('dd', '', '', document.createTextNode(minus(number) + (unit ? gap : '')), ...(unit ? [make('small', typeset(unit))] : [])), make('dd', '', 'note', ...note));
 }
 
 /** A value that holds until the next: each change becomes a step. */

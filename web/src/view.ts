@@ -7,8 +7,11 @@ import { css } from './colours';
 
 export type { Places };
 
+/** A turn's number, beside the middle of it. */
 export interface Marker {
   index: number;
+  first: number;
+  last: number;
   label: string;
   used: boolean;
 }
@@ -19,7 +22,10 @@ export interface PathContent {
   /** Ranges of points, first to last. */
   turns: [number, number][];
   predicted: [number, number][];
+  reverse: [number, number][];
   markers: Marker[];
+  /** Where the nose of the car points, degrees clockwise from the y axis; else it is where the path leads. */
+  headings?: number[];
 }
 
 const pathWidth = 4.5;
@@ -31,6 +37,26 @@ const flight = 450; // milliseconds from one view to the other
 function roundLength(length: number): number {
   const decade = 10 ** Math.floor(Math.log10(length));
   return ([5, 2].find((factor) => factor * decade <= length) ?? 1) * decade;
+}
+
+/** The path, and the floor plan as far as it is not much larger. */
+function withPlan(path: Places, outlines: number[][]): Places {
+  const [low, high] = [[Infinity, Infinity], [-Infinity, -Infinity]];
+  for (let i = 0; i < path.x.length; i++)
+    [path.x[i], path.y[i]].forEach((value, k) => {
+      low[k] = Math.min(low[k], value);
+      high[k] = Math.max(high[k], value);
+    });
+  const room = 0.5 * Math.max(high[0] - low[0], high[1] - low[1]);
+  const [x, y, z] = [Array.from(path.x), Array.from(path.y), Array.from(path.z)];
+  for (const outline of outlines)
+    for (let i = 0; i + 2 < outline.length; i += 3) {
+      if ([0, 1].some((k) => outline[i + k] < low[k] - room || outline[i + k] > high[k] + room)) continue;
+      x.push(outline[i]);
+      y.push(outline[i + 1]);
+      z.push(outline[i + 2]);
+    }
+  return { x, y, z };
 }
 
 export class PathView {
@@ -47,7 +73,8 @@ export class PathView {
   private readonly camera = new Camera();
   private readonly pixel = new Float64Array(2);
   private in3d = false;
-  private content: PathContent = { places: { x: [], y: [], z: [] }, colours: [], turns: [], predicted: [], markers: [] };
+  private content: PathContent = { places: { x: [], y: [], z: [] }, colours: [], turns: [], predicted: [], reverse: [], markers: [] };
+  private shown: Places = { x: [], y: [], z: [] }; // what has to be in view
   private screen = new Float64Array(); // pixels of the path's points
   private visible = new Uint8Array();
   private truth: Places | null = null;
@@ -86,6 +113,7 @@ export class PathView {
     this.content = content;
     this.screen = new Float64Array(2 * content.places.x.length);
     this.visible = new Uint8Array(content.places.x.length);
+    this.shown = withPlan(content.places, this.outlines);
     this.draw();
   }
 
@@ -117,8 +145,8 @@ export class PathView {
     const to = new Camera();
     Object.assign(to, { width: camera.width, height: camera.height, perspective: in3d ? 1 : 0 });
     to.pitch = in3d ? tilted : Math.PI / 2;
-    to.yaw = camera.bestYaw(this.content.places) - (in3d ? 0.35 : 0);
-    to.fit(this.content.places);
+    to.yaw = camera.bestYaw(this.shown, this.content.places) - (in3d ? 0.35 : 0);
+    to.fit(this.shown);
     const jump = window.matchMedia('(prefers-reduced-motion: reduce)').matches;
     const begin = performance.now();
     const step = (now: number) => {
@@ -136,15 +164,16 @@ export class PathView {
 
   /** Keeps the whole path in view as it grows, unless the reader has moved it. */
   follow(): void {
-    if (this.fitted) this.camera.fit(this.content.places);
+    if (this.fitted) this.camera.fit(this.shown);
     this.draw();
   }
 
   /** The whole path, as large as the element allows. */
   fit(): void {
     this.fitted = true;
-    if (!this.in3d) this.camera.yaw = this.camera.bestYaw(this.content.places);
-    this.camera.fit(this.content.places);
+    this.measure();
+    if (!this.in3d) this.camera.yaw = this.camera.bestYaw(this.shown, this.content.places);
+    this.camera.fit(this.shown);
     this.draw();
   }
 
@@ -175,15 +204,19 @@ export class PathView {
 
   /** After a change of the element's size; by itself only after the browser's next layout. */
   resize(): void {
-    const { camera, element } = this;
-    camera.width = Math.max(element.clientWidth, 1);
-    camera.height = Math.max(element.clientHeight, 1);
+    const { camera } = this;
+    this.measure();
     for (const canvas of [this.canvas, this.overlay, this.dots.canvas]) {
       canvas.width = Math.round(camera.width * this.ratio);
       canvas.height = Math.round(camera.height * this.ratio);
     }
-    if (this.fitted) camera.fit(this.content.places);
+    if (this.fitted) camera.fit(this.shown);
     this.drawNow();
+  }
+
+  private measure(): void {
+    this.camera.width = Math.max(this.element.clientWidth, 1);
+    this.camera.height = Math.max(this.element.clientHeight, 1);
   }
 
   private draw(): void { this.schedule('all'); }
@@ -235,8 +268,8 @@ export class PathView {
     context.lineCap = context.lineJoin = 'round';
     this.projectPath();
     this.drawOutlines();
-    this.drawTruth();
     this.drawPath();
+    this.drawTruth();
     this.baseTime = performance.now() - begin;
     this.drawOverlay();
   }
@@ -250,7 +283,7 @@ export class PathView {
     context.lineCap = context.lineJoin = 'round';
     this.projectPath();
     this.drawMarkers();
-    if (camera.perspective === 0 && this.content.places.x.length > 0) this.drawScaleBar();
+    if (this.content.places.x.length > 0) this.drawScaleBar();
     if (this.current >= 0 && this.current < this.content.places.x.length) this.drawCurrent();
     this.drawn++;
   }
@@ -324,22 +357,29 @@ export class PathView {
     context.stroke();
   }
 
+  // Thin, so that the colours of a path that is as good as the truth stay visible below.
   private drawTruth(): void {
     if (!this.truth) return;
-    const { base: context } = this;
-    context.strokeStyle = this.theme.truth;
-    context.lineWidth = 2.4;
-    context.setLineDash([7, 5]);
-    this.stroke(this.truth, 0, this.truth.x.length - 1);
+    const { base: context, theme } = this;
+    context.lineCap = 'butt';
+    for (const [colour, width, dash, offset] of [[theme.panel, 2.8, [6, 10], 0], [theme.truth, 1.3, [4, 12], -1]] as const) {
+      context.strokeStyle = colour;
+      context.lineWidth = width;
+      context.setLineDash(dash);
+      context.lineDashOffset = offset;
+      this.stroke(this.truth, 0, this.truth.x.length - 1);
+    }
     context.setLineDash([]);
+    context.lineDashOffset = 0;
+    context.lineCap = 'round';
   }
 
   private drawPath(): void {
     const { base: context, content, theme, screen, visible } = this;
     const { places } = content;
     const count = places.x.length;
-    context.globalAlpha = 0.28;
-    context.strokeStyle = theme.turn;
+    context.globalAlpha = 0.22;
+    context.strokeStyle = theme.muted;
     context.lineWidth = 15;
     for (const [first, last] of content.turns) this.stroke(places, first, last);
     context.globalAlpha = 1;
@@ -361,13 +401,21 @@ export class PathView {
       context.stroke();
       i = j;
     }
+    // Gaps make dashes of it.
+    context.strokeStyle = theme.panel;
+    context.lineWidth = pathWidth + 0.5;
+    context.lineCap = 'butt';
+    context.setLineDash([3, 7]);
+    for (const [first, last] of content.reverse) this.stroke(places, first, last);
+    context.setLineDash([]);
+    context.lineCap = 'round';
     context.strokeStyle = theme.bad;
     context.lineWidth = pathWidth + 1;
     for (const [first, last] of content.predicted) this.stroke(places, first, last);
   }
 
   private drawMarkers(): void {
-    const { top: context, content, theme, screen, visible } = this;
+    const { top: context, content, theme, visible } = this;
     const taken: [number, number][] = [];
     context.textAlign = 'center';
     context.textBaseline = 'middle';
@@ -376,20 +424,44 @@ export class PathView {
     const count = content.places.x.length;
     if (count > 0) this.end(0, 'start');
     if (count > 1) this.end(count - 1, 'end');
-    for (const { index, label, used } of content.markers) {
-      const [x, y] = [screen[2 * index], screen[2 * index + 1]];
-      if (!visible[index] || taken.some(([a, b]) => Math.abs(a - x) < apart && Math.abs(b - y) < apart)) continue;
+    for (const { index, first, last, label, used } of content.markers) {
+      if (!visible[index]) continue;
+      const [x, y] = this.besidePath(index, first, last);
+      if (taken.some(([a, b]) => Math.abs(a - x) < apart && Math.abs(b - y) < apart)) continue;
       taken.push([x, y]);
       context.beginPath();
       context.arc(x, y, label.length > 2 ? 12 : 9.5, 0, 2 * Math.PI);
-      context.fillStyle = used ? theme.turn : theme.panel;
-      context.fill();
-      context.lineWidth = 2;
-      context.strokeStyle = used ? theme.panel : theme.turn;
+      context.lineWidth = 4.5;
+      context.strokeStyle = theme.panel;
       context.stroke();
-      context.fillStyle = used ? theme.onTurn : theme.turn;
+      context.fillStyle = used ? theme.ink : theme.panel;
+      context.fill();
+      context.lineWidth = 1.6;
+      context.strokeStyle = theme.ink;
+      context.stroke();
+      context.fillStyle = used ? theme.panel : theme.ink;
       context.fillText(label, x, y + 0.5);
     }
+  }
+
+  /** Where the path leaves room for a number, and the arrow on the path does not hide it: outside of the curve if possible. */
+  private besidePath(index: number, first: number, last: number): [number, number] {
+    const { screen, visible } = this;
+    const [x, y] = [screen[2 * index], screen[2 * index + 1]];
+    const out = [x - 0.5 * (screen[2 * first] + screen[2 * last]), y - 0.5 * (screen[2 * first + 1] + screen[2 * last + 1])];
+    const length = Math.hypot(out[0], out[1]);
+    const beside = 22;
+    const enough = 16 ** 2;
+    const [u, v] = length > 2 ? [(beside * out[0]) / length, (beside * out[1]) / length] : [0, -beside];
+    const places: [number, number][] = [[x + u, y + v], [x - u, y - v], [x - v, y + u], [x + v, y - u]];
+    let [best, most] = [places[0], 0];
+    for (const place of places) {
+      let clear = enough;
+      for (let i = 0; i < visible.length; i += 2) clear = Math.min(clear, (screen[2 * i] - place[0]) ** 2 + (screen[2 * i + 1] - place[1]) ** 2);
+      if (clear >= enough) return place;
+      if (clear > most) [best, most] = [place, clear];
+    }
+    return best;
   }
 
   private end(index: number, text: string): void {
@@ -437,21 +509,18 @@ export class PathView {
       context.stroke();
     }
     const text = length >= 1000 && this.unit === 'm' ? `${length / 1000} km` : `${+length.toPrecision(3)} ${this.unit}`;
-    context.textAlign = 'center';
-    this.label(text, x + width / 2, y - 12);
+    // In perspective, of what is in the middle of the picture.
+    context.textAlign = camera.perspective > 0 ? 'right' : 'center';
+    if (camera.perspective > 0) this.label(`${text} in the middle`, x + width, y - 12);
+    else this.label(text, x + width / 2, y - 12);
   }
 
   private drawCurrent(): void {
     const { top: context, screen, theme, current } = this;
     if (!this.visible[current]) return;
-    const last = this.content.places.x.length - 1;
-    // Ahead: towards a point that is some pixels away, since a car that stands has no direction.
-    let [a, b] = [current, current];
-    const far = () => Math.hypot(screen[2 * b] - screen[2 * a], screen[2 * b + 1] - screen[2 * a + 1]) > 5;
-    while (!far() && (a > 0 || b < last)) [a, b] = [Math.max(a - 1, 0), Math.min(b + 1, last)];
     context.save();
     context.translate(screen[2 * current], screen[2 * current + 1]);
-    context.rotate(Math.atan2(screen[2 * b + 1] - screen[2 * a + 1], screen[2 * b] - screen[2 * a]));
+    context.rotate(this.directionOf(current));
     context.beginPath();
     context.moveTo(13, 0);
     context.lineTo(-9, -8.5);
@@ -464,6 +533,23 @@ export class PathView {
     context.stroke();
     context.fill();
     context.restore();
+  }
+
+  /** Angle on the screen at which the car stands: its heading, which is not its direction of travel in reverse. */
+  private directionOf(index: number): number {
+    const { camera, content: { places, headings }, pixel, screen } = this;
+    if (headings) {
+      const angle = (headings[index] * Math.PI) / 180;
+      const ahead = 12 / camera.scale;
+      const [x, y, z] = [places.x[index] + ahead * Math.sin(angle), places.y[index] + ahead * Math.cos(angle), places.z[index]];
+      if (camera.project(x, y, z, pixel)) return Math.atan2(pixel[1] - screen[2 * index + 1], pixel[0] - screen[2 * index]);
+    }
+    const last = places.x.length - 1;
+    // Towards a point that is some pixels away, since a car that stands has no direction.
+    let [a, b] = [index, index];
+    const far = () => Math.hypot(screen[2 * b] - screen[2 * a], screen[2 * b + 1] - screen[2 * a + 1]) > 5;
+    while (!far() && (a > 0 || b < last)) [a, b] = [Math.max(a - 1, 0), Math.min(b + 1, last)];
+    return Math.atan2(screen[2 * b + 1] - screen[2 * a + 1], screen[2 * b] - screen[2 * a]);
   }
 
   private bindPointer(): void {

@@ -6,6 +6,9 @@ import { join } from 'node:path';
 
 const frames = 36000;
 const landmarks = 1_000_000;
+const features = 600; // of a thumbnail
+const featureName = 'turnscale features\0';
+const featureBytes = 4 + featureName.length + 3 * features;
 const thumbnailBytes = 2_100_000; // of a run, at most (report/thumbnails.h)
 
 /** Street corners along a growing spiral: heading at a distance. */
@@ -59,12 +62,15 @@ export function writeHour(folder, picture) {
   write('trajectory.tum', poses.map(({ x, z, heading }, i) => `${(0.1 * i).toFixed(6)} ${x.toFixed(4)} 0 ${z.toFixed(4)} 0 ${Math.sin(heading / 2).toFixed(9)} 0 ${Math.cos(heading / 2).toFixed(9)}\n`).join(''));
   // Grows by half a per cent, and leans to the left.
   write('truth.tum', poses.map(({ x, z, heading }, i) => `${(0.1 * i).toFixed(6)} ${(1.005 * x - 0.001 * z).toFixed(4)} 0 ${(1.005 * z).toFixed(4)} 0 ${Math.sin(heading / 2).toFixed(9)} 0 ${Math.cos(heading / 2).toFixed(9)}\n`).join(''));
-  const count = Math.floor(thumbnailBytes / (picture.length + 20));
+  const count = Math.floor(thumbnailBytes / (picture.length + featureBytes));
   for (let i = 0; i < count; i++) {
     const frame = Math.floor((i * frames) / count);
     const why = poses[frame].turning ? 'turn' : frame > 12000 && frame < 12060 ? 'lost' : 'drive';
-    // A comment makes each a file of its own.
-    const comment = Buffer.from(`\xff\xfe\0\x0aframe ${String(i % 100).padStart(2, '0')}`, 'latin1');
+    // Features, which make each a file of its own.
+    const comment = Buffer.alloc(featureBytes);
+    comment.write(`\xff\xfe${featureName.padStart(featureName.length + 2)}`, 'latin1');
+    comment.writeUInt16BE(comment.length - 2, 2);
+    for (let k = 0; k < features; k++) comment.writeUIntBE((k * 27644437 + i * 104729) % 0x1000000, 4 + featureName.length + 3 * k, 3);
     writeFileSync(join(folder, 'thumbnails', `${String(frame).padStart(6, '0')}-${why}.jpg`), Buffer.concat([picture.subarray(0, 2), comment, picture.subarray(2)]));
   }
   write('speed.csv', `${speeds.join('\n')}\n`);

@@ -13,14 +13,14 @@ async function thumbnail(browser) {
   const page = await browser.newPage();
   const url = await page.evaluate(() => {
     const canvas = document.createElement('canvas');
-    canvas.width = 320;
-    canvas.height = 180;
+    canvas.width = 480;
+    canvas.height = 270;
     const context = canvas.getContext('2d');
     for (let i = 0; i < 2500; i++) {
       context.fillStyle = `hsl(210 10% ${(i * 7919) % 100}%)`;
-      context.fillRect((i * 104729) % 320, (i * 15485863) % 180, 5 + (i % 13), 4 + (i % 9));
+      context.fillRect((i * 104729) % 480, (i * 15485863) % 270, 7 + (i % 19), 6 + (i % 13));
     }
-    return canvas.toDataURL('image/jpeg', 0.7);
+    return canvas.toDataURL('image/jpeg', 0.6);
   });
   await page.close();
   return Buffer.from(url.split(',')[1], 'base64');

@@ -31,7 +31,7 @@ async function open(path, { dark = false, width = 1360, height = 900 } = {}) {
   return { page, problems };
 }
 
-/** Share of points along the path at which its colour is drawn. */
+/** Share of points along the path at which, or beside a dash of the truth above it, its colour is drawn. */
 const drawnShare = (page) => page.evaluate(() => {
   const { view, report } = window.turnscale;
   view.drawNow();
@@ -39,11 +39,14 @@ const drawnShare = (page) => page.evaluate(() => {
   const context = canvas.getContext('2d');
   const ratio = canvas.width / canvas.clientWidth;
   const count = report.path.time.length;
+  const near = 2;
+  const coloured = ([r, g, b, a]) => a > 200 && Math.max(r, g, b) - Math.min(r, g, b) > 60;
   let drawn = 0;
   for (let k = 1; k < 50; k++) {
     const i = Math.floor((k / 50) * count);
-    const [r, g, b, a] = context.getImageData(Math.round(view.screen[2 * i] * ratio), Math.round(view.screen[2 * i + 1] * ratio), 1, 1).data;
-    if (a > 200 && Math.max(r, g, b) - Math.min(r, g, b) > 60) drawn++;
+    const side = 2 * near + 1;
+    const { data } = context.getImageData(Math.round(view.screen[2 * i] * ratio) - near, Math.round(view.screen[2 * i + 1] * ratio) - near, side, side);
+    if (Array.from({ length: side * side }, (_, at) => data.subarray(4 * at, 4 * at + 4)).some(coloured)) drawn++;
   }
   return drawn / 49;
 });
@@ -100,8 +103,13 @@ async function checkReport(path) {
   assert.equal(shown.slider, at);
   assert.match(shown.readout, /km\/h/);
   const time = await page.evaluate(() => window.turnscale.report.path.time[window.turnscale.currentPlace]);
-  const minutes = `${String(Math.floor(time / 60) % 60).padStart(2, '0')}:`;
-  assert.ok((await page.$eval('#clock', (clock) => clock.textContent)).includes(minutes), 'the clock follows');
+  const moment = `${Math.floor(time / 60) % 60}:${String(Math.floor(time) % 60).padStart(2, '0')}`;
+  assert.ok((await page.$eval('#clock', (clock) => clock.textContent)).startsWith(moment), 'the clock follows');
+
+  // Moments are links.
+  const linked = await page.$eval('.fact .moment', (button) => { button.click(); return button.textContent; });
+  assert.equal(await page.$eval('#clock', (clock) => clock.textContent), linked, 'a moment leads to its place');
+  await page.evaluate((index) => window.turnscale.moveTo(index), at);
 
   // Keyboard.
   await page.focus('#view');
@@ -154,15 +162,60 @@ async function checkReport(path) {
   await page.close();
 }
 
+/** The car of the picture: where its nose points, what it sees, and that nothing moves during the play. */
+async function checkPicture(path) {
+  const { page, problems } = await open(path, { width: 1360, height: 900 });
+  const nose = await page.evaluate(() => {
+    const { view, report: { path: { speed, x, y } } } = window.turnscale;
+    const steps = speed.map((value, i) => ({ value, i })).filter(({ value, i }) => Math.abs(value) > 0.8 && i > 1 && i + 2 < speed.length);
+    // Cosine between the arrow and the motion on the screen: it has the sign of the speed.
+    return steps.map(({ value, i }) => {
+      const angle = view.directionOf(i);
+      const motion = [view.screen[2 * i + 4] - view.screen[2 * i - 4], view.screen[2 * i + 5] - view.screen[2 * i - 3]];
+      return { value, along: (Math.cos(angle) * motion[0] + Math.sin(angle) * motion[1]) / Math.hypot(...motion), x: x[i], y: y[i] };
+    });
+  });
+  assert.ok(nose.length > 50);
+  assert.ok(nose.some(({ value }) => value < 0), 'the drive begins in reverse');
+  assert.deepEqual(nose.filter(({ value, along }) => Math.sign(value) * along < 0.7), [], 'the arrow points where the nose does');
+  assert.match(await page.$eval('#legend', (legend) => legend.textContent), /reverse.*ground truth.*turn used for the scale/);
+  const layout = () => page.evaluate(() => ['#view', '#readout', '#charts'].map((name) => {
+    const { top, height } = document.querySelector(name).getBoundingClientRect();
+    return [name, Math.round(top), Math.round(height)];
+  }));
+  const before = await layout();
+  const last = await page.$eval('#time', (slider) => Number(slider.max));
+  for (let k = 0; k <= 40; k++) {
+    await page.evaluate((index) => window.turnscale.moveTo(index), Math.floor((k / 40) * last));
+    assert.deepEqual(await layout(), before, `nothing moves at ${k} of 40`);
+  }
+  // What was tracked is drawn on demand.
+  const shown = () => page.$eval('#tracked', (canvas) => !canvas.hidden && canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data.some((value) => value > 0));
+  assert.equal(await page.$eval('#tracked', (canvas) => canvas.hidden), true);
+  await page.click('#features');
+  await page.waitForFunction(() => !document.querySelector('#tracked').hidden);
+  assert.ok(await shown(), 'features are drawn');
+  await page.click('#enlarge');
+  assert.ok(await page.$eval('#large #thumbnail', (image) => image.getBoundingClientRect().width > 700), 'the picture is enlarged');
+  await page.keyboard.press('Escape');
+  await page.waitForSelector('#picture #thumbnail');
+  assert.deepEqual(problems, []);
+  await page.close();
+}
+
 test('the report of a rendered drive', async () => {
   execFileSync(program, [...run, '--out', join(scratch, 'run'), '--truth', join(drive, 'poses.txt'), '--quiet']);
   await checkReport(join(scratch, 'run/report.html'));
+  await checkPicture(join(scratch, 'run/report.html'));
   const { page, problems } = await open(join(scratch, 'run/report.html'), { dark: true, width: 390, height: 844 });
   assert.equal(await ground(page), 'rgb(11, 16, 22)', 'dark where the system is');
   assert.equal(await page.evaluate(() => document.documentElement.scrollWidth <= window.innerWidth), true, 'fits a phone');
   assert.ok(await drawnShare(page) > 0.8, 'the path is drawn in the dark');
   const clipped = await page.$$eval('.fact dd', (all) => all.filter((dd) => dd.scrollWidth > dd.clientWidth).map((dd) => dd.textContent));
   assert.deepEqual(clipped, [], 'all numbers fit');
+  const [slider, view] = await page.evaluate(() => ['#time', '#thumbnail'].map((name) => document.querySelector(name).getBoundingClientRect()).map(({ top, bottom }) => [top, bottom]));
+  assert.ok(view[1] - slider[0] < 600, 'the slider and the picture are on one screen');
+  assert.ok(slider[1] < 844, 'the path and its slider are on the first screen');
   const picture = await page.$eval('#thumbnail', (image) => image.naturalWidth);
   assert.ok(picture > 200, 'a thumbnail is shown');
   const before = await page.$eval('#thumbnail', (image) => image.src);

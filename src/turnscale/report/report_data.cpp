@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <filesystem>
 #include <limits>
 #include <optional>
 #include <utility>
@@ -14,12 +15,14 @@
 #include "turnscale/base/base64.h"
 #include "turnscale/base/error.h"
 #include "turnscale/geometry/level_frame.h"
+#include "turnscale/geometry/rotation.h"
 #include "turnscale/geometry/similarity.h"
 #include "turnscale/report/path_thinning.h"
 
 namespace turnscale {
 namespace {
 
+namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 // Few digits: a number of the page is read by people.
@@ -44,11 +47,19 @@ constexpr double kSigmaSteps = 1e5;
 // In the page's seconds.
 Json Time(double time, double origin) { return Rounded(time - origin, kMilliseconds); }
 
+// Length of the path up to each pose: the points of the page are too few to add up to it.
+std::vector<double> Driven(const Trajectory& poses) {
+  std::vector<double> driven(poses.size());
+  for (size_t i = 1; i < poses.size(); ++i) {
+    const Eigen::Vector3d& before = poses[i - 1].world_from_camera.translation;
+    driven[i] = driven[i - 1] + (poses[i].world_from_camera.translation - before).norm();
+  }
+  return driven;
+}
+
 // How finely a length is given: centimetres of a drive in metres, a ten-thousandth of one without.
 double LengthSteps(const Trajectory& poses, bool metric) {
-  double length = 0;
-  for (size_t i = 1; i < poses.size(); ++i)
-    length += (poses[i].world_from_camera.translation - poses[i - 1].world_from_camera.translation).norm();
+  const double length = Driven(poses).back();
   constexpr double kShare = 2e5;
   return metric ? kCentimetres : std::max(1.0, std::round(kShare / std::max(length, 1e-9)));
 }
@@ -148,6 +159,13 @@ PosedFrames Posed(const ReportData& data, const ReportLimits& limits) {
   return posed;
 }
 
+// Where the car's nose points, clockwise from the y axis: not the direction of travel, which reverses.
+double HeadingOf(const RigidTransform& world_from_body, const ReportData& data, const Axes& axes) {
+  const Eigen::Vector3d forward = data.vehicle_from_body.conjugate() * Eigen::Vector3d::UnitZ();
+  const Eigen::Vector3d in_level = axes.level_from_world * (world_from_body.rotation * forward);
+  return std::atan2(in_level.x(), in_level.y());
+}
+
 Json PathJson(const ReportData& data, const PosedFrames& posed, const Axes& axes, const ReportLimits& limits) {
   Json path;
   Column time;
@@ -155,7 +173,10 @@ Json PathJson(const ReportData& data, const PosedFrames& posed, const Axes& axes
   Column speed;
   Column speed_sigma;
   Column sigma;
+  Column heading;
+  Column driven;
   PositionColumns positions(axes.steps);
+  const std::vector<double> driven_to = Driven(posed.poses);
   std::string scale_state;
   std::string tracking;
   for (const int place : ThinPath(posed.poses, limits.path_points, posed.edges)) {
@@ -163,6 +184,8 @@ Json PathJson(const ReportData& data, const PosedFrames& posed, const Axes& axes
     time.Add(Time(of.time, axes.time_origin));
     frame.Add(of.frame);
     positions.Add(axes.level_from_world * of.world_from_camera->translation);
+    heading.Add(Rounded(HeadingOf(*of.world_from_camera, data, axes) * kDegreesPerRadian, 1));
+    driven.Add(Rounded(driven_to[place], axes.steps / 10));
     const std::optional<SpeedReading> reading = SpeedAt(data.speeds, of.time);
     speed.Add(reading ? Rounded(reading->speed, kMillimetres) : Json(nullptr));
     speed_sigma.Add(reading ? Rounded(reading->sigma, kMillimetres) : Json(nullptr));
@@ -173,6 +196,8 @@ Json PathJson(const ReportData& data, const PosedFrames& posed, const Axes& axes
   path["time"] = time.Take();
   path["frame"] = frame.Take();
   positions.MoveTo(path);
+  path["heading"] = heading.Take();
+  path["driven"] = driven.Take();
   path["speed"] = speed.Take();
   path["speedSigma"] = speed_sigma.Take();
   path["sigma"] = sigma.Take();
@@ -370,6 +395,14 @@ Json FactsJson(const std::vector<ReportFact>& facts) {
 
 }  // namespace
 
+std::string ShortPath(const std::string& path) {
+  const fs::path whole = fs::path(path).lexically_normal();
+  const fs::path last = whole.has_filename() ? whole : whole.parent_path();
+  if (!last.has_filename()) return path;
+  const fs::path parent = last.parent_path().filename();
+  return (parent == ".." ? last.filename() : parent / last.filename()).string();
+}
+
 double TimeOrigin(const std::vector<FrameResult>& frames) {
   constexpr double kDay = 86400;
   return !frames.empty() && frames.front().time > kDay ? frames.front().time : 0;
@@ -383,7 +416,7 @@ std::string ReportJson(const ReportData& data, const ReportLimits& limits) {
     axes.level_from_world = LevelFromWorld(posed.poses, data.vehicle_from_body);
     axes.steps = LengthSteps(posed.poses, data.metric);
   }
-  Json json = {{"title", data.title},
+  Json json = {{"title", ShortPath(data.title)},
                {"version", data.version},
                {"unit", data.metric ? "m" : "units"},
                {"timed", data.timed},

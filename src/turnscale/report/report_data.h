@@ -21,7 +21,7 @@ struct ReportFact {
 
 /// What a page shows. Whatever is empty is left out of it.
 struct ReportData {
-  std::string title;
+  std::string title;  ///< a path is shortened, see ShortPath
   std::string version;
   bool metric = false;                ///< lengths are metres, else the odometry's unit
   std::vector<std::string> warnings;  ///< on top
@@ -54,6 +54,10 @@ struct ReportLimits {
   int scale_points = 2000;
   int truth_points = 2500;
 };
+
+/// A file or folder as the page names it, with the folder it is in: the rest of the path may tell who the reader of the
+/// page need not know.
+std::string ShortPath(const std::string& path);
 
 /// The time that the page counts from, seconds: that of the first frame if the times are those of a clock (since 1970,
 /// or since a machine was started), else 0.

@@ -57,6 +57,41 @@ TEST(ReportData, PositionsAreRightAheadUp) {
   EXPECT_TRUE(json["truth"].is_null());
 }
 
+// The nose keeps its direction where the car backs.
+TEST(ReportData, HeadingsAreThoseOfTheCar) {
+  ReportData data = DriveData(0);
+  // A camera that looks to the left of a car that backs to the right.
+  data.vehicle_from_body = RotationFromVector({0, -M_PI / 2, 0});
+  for (int i = 0; i < 50; ++i) {
+    FrameResult frame;
+    frame.frame = i;
+    frame.time = 0.1 * i;
+    const double heading = 0.5 - 0.01 * i;
+    frame.world_from_camera = RigidTransform{RotationFromVector({0, heading - M_PI / 2, 0}),
+                                             {-0.2 * i * std::sin(heading), 0, -0.2 * i * std::cos(heading)}};
+    data.frames.push_back(frame);
+  }
+  const auto path = Parsed(data)["path"];
+  EXPECT_EQ(path["heading"][0], 0);
+  EXPECT_NEAR(path["heading"][40].get<double>(), -0.4 * kDegreesPerRadian, 0.51);
+  EXPECT_LT(path["y"][10].get<double>(), -1);
+  EXPECT_EQ(path["driven"][0], 0);
+  EXPECT_NEAR(path["driven"][40].get<double>(), 8, 0.2);
+}
+
+TEST(ReportData, NamesOnlyTheLastFolder) {
+  EXPECT_EQ(ShortPath("/home/somebody/drives/monday.mp4"), "drives/monday.mp4");
+  EXPECT_EQ(ShortPath("/home/somebody/monday/drive/"), "monday/drive");
+  EXPECT_EQ(ShortPath("../monday.mp4"), "monday.mp4");
+  EXPECT_EQ(ShortPath("/monday.mp4"), "monday.mp4");
+  EXPECT_EQ(ShortPath("monday.mp4"), "monday.mp4");
+  EXPECT_EQ(ShortPath(""), "");
+  EXPECT_EQ(ShortPath("/"), "/");
+  ReportData data = DriveData(3);
+  data.title = "/home/somebody/monday/drive";
+  EXPECT_EQ(ReportJson(data).find("somebody"), std::string::npos);
+}
+
 TEST(ReportData, LongDrivesAreThinned) {
   ReportData data = DriveData(40000);
   for (int i = 0; i < 300000; ++i)

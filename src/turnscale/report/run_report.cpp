@@ -46,15 +46,35 @@ std::string Clock(double seconds) {
                        : fmt::format("{}:{:02} min", whole / 60, whole % 60);
 }
 
-std::string Metres(double metres) {
-  return metres >= 1000 ? fmt::format("{:.2f} km", metres / 1000) : fmt::format("{:.1f} m", metres);
+// A moment of the page as its clock shows it; the page makes it a link to that place.
+std::string Moment(double seconds) {
+  const auto tenths = std::llround(10 * std::max(seconds, 0.0));
+  const auto minutes = tenths / 600;
+  const std::string rest = fmt::format("{:02}.{}", tenths / 10 % 60, tenths % 10);
+  return minutes >= 60 ? fmt::format("{}:{:02}:{}", minutes / 60, minutes % 60, rest)
+                       : fmt::format("{}:{}", minutes, rest);
+}
+
+// With its standard deviation in the same unit, if that is known.
+std::string Metres(double metres, double sigma = NAN) {
+  const bool far = metres >= 1000;
+  const double per_unit = far ? 1000 : 1;
+  const int digits = far ? 2 : 1;
+  const std::string band = std::isfinite(sigma) ? fmt::format(" \u00b1{:.{}f}", sigma / per_unit, digits) : "";
+  return fmt::format("{:.{}f}{} {}", metres / per_unit, digits, band, far ? "km" : "m");
+}
+
+std::string Speed(double mps) {
+  const double kmh = kKmhPerMps * mps;
+  return fmt::format("{:.{}f} km/h", kmh, kmh < 100 ? 1 : 0);
 }
 
 std::vector<ReportFact> FactsOf(const Summary& summary, const ResultFolder& results, bool metric) {
   std::vector<ReportFact> facts;
   if (metric) {
-    facts.push_back({"Path length", Metres(NumberAt(summary, "/distance_m")),
-                     Percent(NumberAt(summary, "/path_sigma"), " (1 sigma)")});
+    const double length = NumberAt(summary, "/distance_m");
+    const double sigma = NumberAt(summary, "/path_sigma");
+    facts.push_back({"Path length", Metres(length, sigma * length), Percent(sigma, " (1 sigma)")});
   } else {
     const double length = NumberAt(summary, "/distance_units");
     if (std::isfinite(length)) facts.push_back({"Path length", fmt::format("{:.2f} units", length), "up to scale"});
@@ -63,14 +83,15 @@ std::vector<ReportFact> FactsOf(const Summary& summary, const ResultFolder& resu
   const double seconds = results.frames.empty() ? 0 : results.frames.back().time - results.frames.front().time;
   facts.push_back({"Duration", Clock(seconds), fmt::format("{} frames", results.frames.size())});
   if (!results.speeds.empty()) {
-    const auto top = std::max_element(results.speeds.begin(), results.speeds.end(),
-                                      [](const auto& a, const auto& b) { return a.speed < b.speed; });
-    facts.push_back({"Top speed", fmt::format("{:.0f} km/h", kKmhPerMps * top->speed),
+    const auto top = std::max_element(results.speeds.begin(), results.speeds.end(), [](const auto& a, const auto& b) {
+      return std::abs(a.speed) < std::abs(b.speed);
+    });
+    facts.push_back({"Top speed", Speed(std::abs(top->speed)),
                      (std::isfinite(top->sigma) ? fmt::format("\u00b1{:.1f} km/h, ", kKmhPerMps * top->sigma) : "") +
-                         fmt::format("at {:.1f} s", top->time - origin)});
+                         (top->speed < 0 ? "in reverse, " : "") + "at " + Moment(top->time - origin)});
     const double driven = NumberAt(summary, "/distance_m");
     if (std::isfinite(driven) && seconds > 0)
-      facts.push_back({"Mean speed", fmt::format("{:.0f} km/h", kKmhPerMps * driven / seconds), "standstill included"});
+      facts.push_back({"Mean speed", Speed(driven / seconds), "standstill included"});
   }
   const double used = NumberAt(summary, "/turns/used");
   const double found = NumberAt(summary, "/turns/found");
@@ -78,8 +99,11 @@ std::vector<ReportFact> FactsOf(const Summary& summary, const ResultFolder& resu
     facts.push_back({"Turns", fmt::format("{:.0f} of {:.0f}", used, found), "used for the scale"});
   const double worst = NumberAt(summary, "/scale/worst_relative_sigma");
   const double worst_at = NumberAt(summary, "/scale/worst_at_s");
-  if (metric && std::isfinite(worst + worst_at))
-    facts.push_back({"Largest sigma", Percent(worst), fmt::format("of the scale, at {:.1f} s", worst_at - origin)});
+  // Along most drives it is that of the whole path, which stands above.
+  constexpr double kClearly = 1.5;
+  const bool is_news = !(worst < kClearly * NumberAt(summary, "/path_sigma"));
+  if (metric && std::isfinite(worst + worst_at) && is_news)
+    facts.push_back({"Largest uncertainty", Percent(worst), "1 sigma of the scale, at " + Moment(worst_at - origin)});
   const double tracked = NumberAt(summary, "/frames/tracked");
   const double total = NumberAt(summary, "/frames/total");
   if (tracked >= 0 && total > 0)
@@ -88,8 +112,8 @@ std::vector<ReportFact> FactsOf(const Summary& summary, const ResultFolder& resu
 }
 
 std::string MissingText(const Summary& part, double origin) {
-  return fmt::format("{} from {:.1f} s to {:.1f} s", TextAt(part, "/reason"), NumberAt(part, "/from_s") - origin,
-                     NumberAt(part, "/to_s") - origin);
+  return fmt::format("{} from {} to {}", TextAt(part, "/reason"), Moment(NumberAt(part, "/from_s") - origin),
+                     Moment(NumberAt(part, "/to_s") - origin));
 }
 
 std::vector<std::string> WarningsOf(const Summary& summary, double origin, bool metric) {
@@ -163,7 +187,7 @@ void WriteRunReport(const fs::path& folder, const RunReportExtras& extras) {
   if (const std::optional<std::string> page = FileText(folder / kReportFile); page && IsReportPage(*page))
     data.earlier = DataOfPage(*page, kReportFile);
   try {
-    ReplaceFile(folder / kReportFile, ReportPage(fs::path(data.title).filename().string(), ReportJson(data)));
+    ReplaceFile(folder / kReportFile, ReportPage(ShortPath(data.title), ReportJson(data)));
   } catch (const InputError& error) {
     throw OutputError(error.what());
   }
@@ -172,24 +196,30 @@ void WriteRunReport(const fs::path& folder, const RunReportExtras& extras) {
 std::vector<ReportFact> ErrorFacts(const std::string& evaluation_json, bool metric) {
   const Summary json = Summary::parse(evaluation_json);
   std::vector<ReportFact> facts;
-  const auto add = [&](const char* name, const char* pointer, const char* format, const char* note) {
+  const auto add = [&](const char* name, const char* pointer, const char* format, const std::string& note) {
     if (const double value = NumberAt(json, pointer); std::isfinite(value))
       facts.push_back({name, fmt::format(fmt::runtime(format), value), note});
   };
-  add("True path length", "/true_path_length_m", "{:.1f} m", "");
+  const double true_length = NumberAt(json, "/true_path_length_m");
+  const double length_error = NumberAt(json, "/as_given/path_length_error_percent");
   if (!metric) {
+    add("True path length", "/true_path_length_m", "{:.1f} m", "");
     add("Metres per unit", "/position_error/sim3/scale", "{:.4g}", "by the truth");
     add("Translation error", "/rescaled/kitti/translation_percent", "{:.2f} %", "KITTI, path scaled");
     add("Rotation error", "/rescaled/kitti/rotation_deg_per_100m", "{:.2f} deg/100 m", "KITTI, path scaled");
-    add("Position error", "/position_error/sim3/rmse_m", "{:.2f} m", "RMSE after Sim(3) alignment");
+    add("Position error", "/position_error/sim3/rmse_m", "{:.2f} m", "RMSE, best fit with scale (Sim(3))");
     return facts;
   }
-  add("Path length error", "/as_given/path_length_error_percent", "{:+.2f} %", "");
+  const bool has_length = std::isfinite(true_length + length_error);
+  if (!has_length) add("True path length", "/true_path_length_m", "{:.1f} m", "");
+  add("Path length error", "/as_given/path_length_error_percent", "{:+.2f} %",
+      has_length ? Metres(true_length * (1 + length_error / 100)) + ", true " + Metres(true_length) : "");
   add("Translation error", "/as_given/kitti/translation_percent", "{:.2f} %", "KITTI");
   add("Rotation error", "/as_given/kitti/rotation_deg_per_100m", "{:.2f} deg/100 m", "KITTI");
   add("Scale error ratio", "/as_given/scale_error_ratio/all/median_percent", "{:.2f} %", "median");
-  add("Position error", "/position_error/first_poses_equal/rmse_m", "{:.2f} m", "RMSE, first poses aligned");
-  add("Position error", "/position_error/sim3/rmse_m", "{:.2f} m", "RMSE after Sim(3) alignment");
+  add("Position error, start aligned", "/position_error/first_poses_equal/rmse_m", "{:.2f} m",
+      "RMSE, first poses equal");
+  add("Position error, best fit", "/position_error/sim3/rmse_m", "{:.2f} m", "RMSE, with scale (Sim(3))");
   return facts;
 }
 

@@ -23,7 +23,7 @@ class RunReportTest : public ::testing::Test {
   RunReportTest() : folder_(ScratchPath("report")) {}
   ~RunReportTest() override { fs::remove_all(folder_); }
 
-  void WriteRun(RunSummary summary) const {
+  void WriteRun(RunSummary summary, const std::vector<SpeedReading>& speeds = {{0, 10, 0.5}, {2.9, 12.5, 0.25}}) const {
     std::vector<FrameResult> frames(30);
     for (int i = 0; i < 30; ++i) {
       frames[i].frame = i;
@@ -40,7 +40,7 @@ class RunReportTest : public ::testing::Test {
     RunWriter writer({folder_});
     writer.WriteTrajectory(frames, summary.scale_state);
     writer.WriteTurns({});
-    if (summary.scale_state != ScaleState::kPending) writer.WriteSpeeds({{0, 10, 0.5}, {2.9, 12.5, 0.25}});
+    if (summary.scale_state != ScaleState::kPending) writer.WriteSpeeds(speeds);
     writer.WriteText("summary.json", SummaryJson(summary));
   }
 
@@ -59,17 +59,42 @@ TEST_F(RunReportTest, SaysWhatTheSummarySays) {
   WriteRunReport(folder_);
   const nlohmann::json data = Data();
   EXPECT_EQ(data["title"], "drives/monday.mp4");
-  EXPECT_EQ(data["facts"][0]["value"], "29.0 m");
+  EXPECT_EQ(data["facts"][0]["value"], "29.0 \u00b11.0 m");
   EXPECT_EQ(data["facts"][0]["note"], "\u00b13.4 % (1 sigma)");
-  EXPECT_EQ(data["facts"][2]["value"], "45 km/h");
+  EXPECT_EQ(data["facts"][2]["value"], "45.0 km/h");
+  EXPECT_EQ(data["facts"][2]["note"], "\u00b10.9 km/h, at 0:02.9");
   ASSERT_EQ(data["warnings"].size(), 2u);
   EXPECT_EQ(data["warnings"][0], "the camera's <calibration> differs");
-  EXPECT_EQ(data["warnings"][1].get<std::string>().find("The path is not measured for 0.4 s of 2.9 s: tracking lost"),
+  EXPECT_EQ(data["warnings"][1].get<std::string>().find(
+                "The path is not measured for 0.4 s of 2.9 s: tracking lost from 0:0"),
             0u)
       << data["warnings"][1];
   const std::string page = TextOf(folder_ / kReportFile);
   WriteRunReport(folder_);
   EXPECT_EQ(TextOf(folder_ / kReportFile), page) << "the same results give the same page";
+}
+
+TEST_F(RunReportTest, ADriveInReverseHasATopSpeed) {
+  RunSummary summary;
+  summary.scale_state = ScaleState::kHeld;
+  WriteRun(summary, {{0, 0, 0.5}, {1, -2.5, 0.25}, {2.9, -1, 0.25}});
+  WriteRunReport(folder_);
+  EXPECT_EQ(Data()["facts"][2]["value"], "9.0 km/h");
+  EXPECT_EQ(Data()["facts"][2]["note"], "\u00b10.9 km/h, in reverse, at 0:01.0");
+}
+
+TEST_F(RunReportTest, TheLargestSigmaIsGivenWhereItSaysMoreThanThatOfThePath) {
+  RunSummary summary;
+  summary.scale_state = ScaleState::kHeld;
+  WriteRun(summary);
+  nlohmann::json json = nlohmann::json::parse(TextOf(folder_ / "summary.json"));
+  for (const auto& [largest, shown] : {std::pair(0.035, false), std::pair(0.07, true)}) {
+    json["scale"]["worst_relative_sigma"] = largest;
+    json["scale"]["worst_at_s"] = 2.9;
+    std::ofstream(folder_ / "summary.json") << json;
+    WriteRunReport(folder_);
+    EXPECT_EQ(Data()["facts"].dump().find("Largest uncertainty") != std::string::npos, shown) << largest;
+  }
 }
 
 TEST_F(RunReportTest, APathUpToScaleSaysWhy) {
@@ -136,8 +161,9 @@ TEST(ErrorFacts, OfAPathWithoutMetresLeaveItsLengthOut) {
 TEST(ErrorFacts, NamesWhatThereIs) {
   const std::vector<ReportFact> facts = ErrorFacts(
       R"({"true_path_length_m": 100.0, "as_given": {"path_length_error_percent": -1.5}, "position_error": {"sim3": null}})");
-  ASSERT_EQ(facts.size(), 2u);
-  EXPECT_EQ(facts[1].value, "-1.50 %");
+  ASSERT_EQ(facts.size(), 1u);
+  EXPECT_EQ(facts[0].value, "-1.50 %");
+  EXPECT_EQ(facts[0].note, "98.5 m, true 100.0 m");
 }
 
 }  // namespace

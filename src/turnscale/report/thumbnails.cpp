@@ -47,6 +47,58 @@ std::vector<fs::path> ThumbnailFiles(const fs::path& folder) {
   return files;
 }
 
+cv::Mat Shrunk(const cv::Mat& gray, int width) {
+  const double scale = std::min(1.0, static_cast<double>(width) / gray.cols);
+  cv::Mat small;
+  cv::resize(gray, small, {}, scale, scale, cv::INTER_AREA);
+  return small;
+}
+
+// A place in an image of this size, with a flag: 12, 11 and 1 bits.
+std::string PackedPoint(const cv::Point2f& pixel, const cv::Size& size, bool flag) {
+  constexpr int kMostX = 4095;
+  constexpr int kMostY = 2047;
+  const auto steps = [](float place, int length, int most) {
+    return std::clamp(cvRound(place * static_cast<float>(most) / static_cast<float>(std::max(length - 1, 1))), 0, most);
+  };
+  const int bits = steps(pixel.x, size.width, kMostX) << 12 | steps(pixel.y, size.height, kMostY) << 1 | (flag ? 1 : 0);
+  return {static_cast<char>(bits >> 16 & 0xFF), static_cast<char>(bits >> 8 & 0xFF), static_cast<char>(bits & 0xFF)};
+}
+
+std::string PackedFeatures(const std::vector<DrawnFeature>& features, const cv::Size& size) {
+  std::string bytes;
+  for (const DrawnFeature& feature : features) bytes += PackedPoint(feature.pixel, size, feature.has_depth);
+  return bytes;
+}
+
+std::string PackedMask(const cv::Mat& mask, int width) {
+  if (mask.empty()) return "";
+  const cv::Mat left_out = Shrunk(mask, width) < 128;
+  std::vector<std::vector<cv::Point>> contours;
+  cv::findContours(left_out, contours, cv::RETR_CCOMP, cv::CHAIN_APPROX_SIMPLE);
+  std::string bytes;
+  for (const std::vector<cv::Point>& contour : contours) {
+    std::vector<cv::Point> corners;
+    constexpr double kPixels = 1;
+    cv::approxPolyDP(contour, corners, kPixels, true);
+    constexpr size_t kFewest = 3;
+    constexpr size_t kMost = 0xFFFF;
+    if (corners.size() < kFewest || corners.size() > kMost) continue;
+    bytes += {static_cast<char>(corners.size() >> 8U), static_cast<char>(corners.size() & 0xFFU)};
+    for (const cv::Point& corner : corners) bytes += PackedPoint(corner, left_out.size(), false);
+  }
+  return bytes;
+}
+
+// A COM segment; none for no bytes, or for more than a segment holds.
+std::string Comment(const std::string& name, const std::string& bytes) {
+  const size_t length = 2 + name.size() + 1 + bytes.size();
+  constexpr size_t kMost = 0xFFFF;
+  if (bytes.empty() || length > kMost) return "";
+  std::string segment = {'\xFF', '\xFE', static_cast<char>(length >> 8U), static_cast<char>(length & 0xFFU)};
+  return segment + name + '\0' + bytes;
+}
+
 }  // namespace
 
 bool IsLost(TrackingState state) { return state == TrackingState::kBridged || state == TrackingState::kUnreadable; }
@@ -62,10 +114,8 @@ std::vector<DrawnFeature> FeaturesOf(const Odometry& odometry) {
 
 cv::Mat DrawTracking(const cv::Mat& gray, const std::vector<DrawnFeature>& features, const cv::Mat& mask, int width) {
   const double scale = std::min(1.0, static_cast<double>(width) / gray.cols);
-  cv::Mat small;
-  cv::resize(gray, small, {}, scale, scale, cv::INTER_AREA);
   cv::Mat image;
-  cv::cvtColor(small, image, cv::COLOR_GRAY2BGR);
+  cv::cvtColor(Shrunk(gray, width), image, cv::COLOR_GRAY2BGR);
   if (!mask.empty()) {
     cv::Mat left_out;
     cv::resize(mask, left_out, image.size(), 0, 0, cv::INTER_NEAREST);
@@ -94,6 +144,18 @@ std::string JpegOf(const cv::Mat& image, int quality) {
   return {jpeg.begin(), jpeg.end()};
 }
 
+std::string AnnotatedJpeg(const cv::Mat& gray, const std::vector<DrawnFeature>& features, const cv::Mat& mask,
+                          int width, int quality) {
+  std::string jpeg = JpegOf(Shrunk(gray, width), quality);
+  // Behind the start of the image and the JFIF header, which has to be the first segment.
+  const auto byte = [&](size_t place) -> size_t { return static_cast<unsigned char>(jpeg.at(place)); };
+  constexpr size_t kStart = 2;
+  const bool has_header = byte(kStart) == 0xFF && byte(kStart + 1) == 0xE0;
+  const size_t place = has_header ? kStart + 2 + (byte(kStart + 2) << 8U | byte(kStart + 3)) : kStart;
+  return jpeg.insert(place, Comment("turnscale features", PackedFeatures(features, gray.size())) +
+                                Comment("turnscale mask", PackedMask(mask, width)));
+}
+
 bool ThumbnailCollector::IsDue(const FrameResult& frame, ThumbnailReason& reason) {
   const TrackingState last_state = std::exchange(last_state_, frame.state);
   const bool lost = IsLost(frame.state) && !IsLost(last_state);
@@ -113,7 +175,7 @@ void ThumbnailCollector::Add(const cv::Mat& gray, const FrameResult& frame, cons
   // Where tracking failed, the tracks are those of an earlier image.
   const bool tracked = frame.state == TrackingState::kTracked;
   const std::vector<DrawnFeature> features = tracked ? FeaturesOf(odometry) : std::vector<DrawnFeature>();
-  thumbnail.jpeg = JpegOf(DrawTracking(gray, features, odometry.mask(), options_.width), options_.quality);
+  thumbnail.jpeg = AnnotatedJpeg(gray, features, odometry.mask(), options_.width, options_.quality);
   last_time_ = frame.time;
   if (thumbnail.reason == ThumbnailReason::kTurn) last_turn_time_ = frame.time;
   bytes_ += thumbnail.jpeg.size();

@@ -26,12 +26,12 @@ bool IsLost(TrackingState state);
 /// "drive", "turn" or "lost".
 const char* ThumbnailReasonName(ThumbnailReason reason);
 
-/// A small picture of a frame, with the features that were tracked and the pixels that were left out.
+/// A small picture of a frame; its comments tell the features that were tracked and the pixels that were left out.
 struct Thumbnail {
   int frame = 0;
   double time = 0;  ///< seconds
   ThumbnailReason reason = ThumbnailReason::kDrive;
-  std::string jpeg;
+  std::string jpeg;  ///< the file, see AnnotatedJpeg
 };
 
 /// A tracked feature in the image as it came.
@@ -50,9 +50,17 @@ cv::Mat DrawTracking(const cv::Mat& gray, const std::vector<DrawnFeature>& featu
 /// The JPEG file of an image. Throws InternalError if it cannot be encoded.
 std::string JpegOf(const cv::Mat& image, int quality);
 
+/// The gray image as a JPEG file of at most this width. What DrawTracking draws is in comments (COM segments), for a
+/// page that draws it on demand: "turnscale features" and "turnscale mask", each ended by a zero byte. Then follow
+/// points of three bytes: 12 bits of x and 11 of y, high first, as shares of the width and height less one pixel, and a
+/// bit that is 1 for a feature with a depth. Contours of the mask begin with their number of points, two bytes, high
+/// first; what an odd number of them encloses is left out. Throws InternalError if the image cannot be encoded.
+std::string AnnotatedJpeg(const cv::Mat& gray, const std::vector<DrawnFeature>& features, const cv::Mat& mask,
+                          int width, int quality);
+
 struct ThumbnailOptions {
-  int width = 320;       ///< pixels, at most
-  int quality = 70;      ///< of the JPEG, per cent
+  int width = 480;       ///< pixels, at most
+  int quality = 60;      ///< of the JPEG, per cent
   double interval = 1;   ///< seconds of driving between thumbnails of a short drive
   double turn_rate = 8;  ///< of a turn that deserves thumbnails, degrees/s
   /// Bytes of all thumbnails; in a page they take a third more.

@@ -57,7 +57,7 @@ TEST_F(ThumbnailsTest, TurnsAndLossesHaveTheirOwn) {
                                                                       : thumbnail.frame;
     EXPECT_EQ(thumbnail.frame, expected);
     const std::vector<uchar> bytes(thumbnail.jpeg.begin(), thumbnail.jpeg.end());
-    EXPECT_EQ(cv::imdecode(bytes, cv::IMREAD_COLOR).cols, 320);
+    EXPECT_EQ(cv::imdecode(bytes, cv::IMREAD_COLOR).cols, 400);
   }
   EXPECT_EQ(lost, 1);
   EXPECT_EQ(turns, 1);
@@ -78,6 +78,7 @@ TEST_F(ThumbnailsTest, EachLossHasOne) {
 
 TEST_F(ThumbnailsTest, ALongDriveStaysWithinTheBudget) {
   ThumbnailOptions options;
+  options.width = 320;
   options.budget = 300'000;
   ThumbnailCollector collector(options);
   const cv::Mat image = NoiseImage(1);
@@ -121,6 +122,47 @@ TEST_F(ThumbnailsTest, FilesReplaceThoseOfAnEarlierRun) {
   WriteThumbnails(folder_, {});
   EXPECT_TRUE(ReadThumbnails(folder_, frames).empty());
   EXPECT_TRUE(fs::exists(folder_ / "thumbnails" / "mine.jpg"));
+}
+
+// The bytes of a comment of a JPEG file, behind its name; they end where the picture does not need them.
+std::string CommentOf(const std::string& jpeg, const std::string& name) {
+  const auto byte = [&](size_t place) -> size_t { return static_cast<unsigned char>(jpeg.at(place)); };
+  for (size_t place = 2; byte(place) == 0xFF && byte(place + 1) != 0xDA;
+       place += 2 + (byte(place + 2) << 8) + byte(place + 3)) {
+    const std::string bytes = jpeg.substr(place + 4, (byte(place + 2) << 8) + byte(place + 3) - 2);
+    if (byte(place + 1) == 0xFE && bytes.rfind(name + '\0', 0) == 0) return bytes.substr(name.size() + 1);
+  }
+  return "";
+}
+
+TEST_F(ThumbnailsTest, CommentsTellFeaturesAndMask) {
+  const cv::Mat gray = NoiseImage(1);
+  cv::Mat mask(120, 400, CV_8UC1, cv::Scalar(255));
+  mask.rowRange(90, 120) = 0;
+  const std::vector<DrawnFeature> features = {{{0, 0}, true}, {{399, 119}, false}, {{100, 30}, true}};
+  const std::string jpeg = AnnotatedJpeg(gray, features, mask, 200, 60);
+  const cv::Mat image = cv::imdecode(std::vector<uchar>(jpeg.begin(), jpeg.end()), cv::IMREAD_UNCHANGED);
+  EXPECT_EQ(image.size(), cv::Size(200, 60));
+  EXPECT_EQ(image.channels(), 1);
+  EXPECT_EQ(jpeg.substr(6, 4), "JFIF") << "the header stays the first segment";
+  const std::string points = CommentOf(jpeg, "turnscale features");
+  ASSERT_EQ(points.size(), 9u);
+  const auto byte = [](const std::string& bytes, size_t place) {
+    return static_cast<int>(static_cast<unsigned char>(bytes[place]));
+  };
+  const auto bits = [&](const std::string& bytes, size_t at) {
+    return byte(bytes, at) << 16 | byte(bytes, at + 1) << 8 | byte(bytes, at + 2);
+  };
+  EXPECT_EQ(bits(points, 0), 1);
+  EXPECT_EQ(bits(points, 3), 0xFFFFFE);
+  EXPECT_NEAR((bits(points, 6) >> 12) / 4095.0, 100 / 399.0, 1e-3);
+  EXPECT_NEAR((bits(points, 6) >> 1 & 0x7FF) / 2047.0, 30 / 119.0, 1e-3);
+  EXPECT_EQ(bits(points, 6) & 1, 1);
+  const std::string contour = CommentOf(jpeg, "turnscale mask");
+  ASSERT_EQ(contour.size(), 2u + 4 * 3) << "a rectangle";
+  EXPECT_EQ(byte(contour, 1), 4);
+  for (size_t at = 2; at < contour.size(); at += 3) EXPECT_GE((bits(contour, at) >> 1 & 0x7FF) / 2047.0, 0.74);
+  EXPECT_EQ(AnnotatedJpeg(gray, {}, {}, 200, 60).find("turnscale"), std::string::npos);
 }
 
 TEST_F(ThumbnailsTest, LeftOutPixelsAreTinted) {
