@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: MIT
+#include "installed_simulator.h"
+
+#include <cerrno>
+#include <filesystem>
+#include <string>
+#include <system_error>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <unistd.h>
+
+#include "program.h"
+#include "turnscale/base/error.h"
+
+namespace turnscale {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr auto kSimulator = "turnscale-simulator";
+
+// Below the installed program's libexec, or beside the program in the build folder. Empty where it is not installed.
+fs::path FindSimulator() {
+  std::error_code error;
+  const fs::path program = fs::read_symlink("/proc/self/exe", error);
+  if (error) throw InternalError("the program cannot find itself: " + error.message());
+  const fs::path folder = program.parent_path();
+  for (const fs::path& candidate : {folder / TURNSCALE_LIBEXEC_FROM_PROGRAM / kSimulator, folder / kSimulator}) {
+    if (fs::exists(candidate, error)) return candidate;
+  }
+  return {};
+}
+
+// Replaces this process.
+[[noreturn]] void ExecSimulator(const std::string& name, const std::vector<std::string>& arguments) {
+  const fs::path simulator = FindSimulator();
+  if (simulator.empty()) {
+    throw InputError(name + ": the simulator is not installed; install the package " + kSimulator);
+  }
+  std::vector<std::string> words = {simulator.string(), name};
+  words.insert(words.end(), arguments.begin(), arguments.end());
+  std::vector<char*> pointers;
+  for (std::string& word : words) pointers.push_back(word.data());
+  pointers.push_back(nullptr);
+  execv(pointers[0], pointers.data());
+  throw InputError(simulator.string() + ": cannot be run: " + std::system_category().message(errno) +
+                   "; install the package " + kSimulator + " again");
+}
+
+CLI::App* AddUnparsedCommand(CLI::App& app, const SimulatorCommand& command) {
+  CLI::App* added = app.add_subcommand(command.name, command.what)->prefix_command();
+  added->set_help_flag();
+  return added;
+}
+
+}  // namespace
+
+void AddInstalledCommand(CLI::App& app, const SimulatorCommand& command) {
+  CLI::App* added = AddUnparsedCommand(app, command);
+  added->parse_complete_callback(
+      [added, name = std::string(command.name)] { ExecSimulator(name, added->remaining()); });
+}
+
+void AddMissingCommand(CLI::App& app, const SimulatorCommand& command, const std::string& part,
+                       const std::string& option) {
+  AddUnparsedCommand(app, command)
+      ->group("")
+      ->parse_complete_callback([name = std::string(command.name), part, option] {
+        throw InputError(name + ": this build has no " + part + "; configure it with -D" + option + "=ON");
+      });
+}
+
+}  // namespace turnscale
