@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
 # Debian packages by `cpack`, one for each component of `cmake --install`. scripts/package makes them.
-include(DebianChangelog)
+include(DebianText)
 if(NOT TURNSCALE_BUILD_PROGRAM OR NOT TURNSCALE_BUILD_MANUAL)
   message(FATAL_ERROR "Debian packages need the program, help2man and gzip")
 endif()
@@ -13,6 +13,8 @@ endif()
 
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME turnscale)
+# Each component has its own.
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "")
 set(CPACK_PACKAGE_VERSION ${PROJECT_VERSION})
 set(CPACK_PACKAGE_DIRECTORY ${PROJECT_SOURCE_DIR}/build/packages)
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
@@ -39,7 +41,9 @@ macro(turnscale_package component)
   list(APPEND CPACK_COMPONENTS_ALL ${component})
   set(CPACK_DEBIAN_${upper}_PACKAGE_NAME ${PACKAGE_NAME})
   set(CPACK_DEBIAN_${upper}_PACKAGE_SECTION ${PACKAGE_SECTION})
-  set(CPACK_DEBIAN_${upper}_DESCRIPTION "${PACKAGE_SUMMARY}\n${PACKAGE_DESCRIPTION}")
+  turnscale_wrap(general "${what}")
+  turnscale_wrap(description "${PACKAGE_DESCRIPTION}")
+  set(CPACK_DEBIAN_${upper}_DESCRIPTION "${PACKAGE_SUMMARY}\n${general}\n.\n${description}")
   foreach(relation IN ITEMS DEPENDS RECOMMENDS SUGGESTS)
     list(JOIN PACKAGE_${relation} ", " packages)
     set(CPACK_DEBIAN_${upper}_PACKAGE_${relation} "${packages}")
@@ -80,7 +84,7 @@ turnscale_package(
   NAME turnscale
   SECTION science
   SUMMARY "metric visual odometry from one camera on a car"
-  DESCRIPTION "${what}\nThis package contains the program turnscale, which reads folders of images, videos and ROS bags, and writes trajectories, a report, and tracks for maps."
+  DESCRIPTION "This package contains the program turnscale, which reads folders of images, videos and ROS bags, and writes trajectories, a report, and tracks for maps."
   SUGGESTS turnscale-simulator
   ${fleet})
 
@@ -90,7 +94,7 @@ if(TARGET turnscale_simulator)
     NAME turnscale-simulator
     SECTION science
     SUMMARY "simulated drives for turnscale"
-    DESCRIPTION "${what}\nThis package adds `turnscale simulate`, which renders the images of drives with known ground truth, and `turnscale lab`, which reproduces the experiments of the paper that turnscale builds on."
+    DESCRIPTION "This package adds `turnscale simulate`, which renders the images of drives with known ground truth, and `turnscale lab`, which reproduces the experiments of the paper that turnscale builds on."
     DEPENDS "turnscale (= ${PROJECT_VERSION})")
 endif()
 
@@ -99,7 +103,7 @@ turnscale_package(
   NAME libturnscale-dev
   SECTION libdevel
   SUMMARY "metric visual odometry from one camera on a car - library"
-  DESCRIPTION "${what}\nThis package contains the static libraries, their headers, and the files by which CMake finds them. Modules beyond the odometry itself need the recommended and suggested packages."
+  DESCRIPTION "This package contains the static libraries, their headers, and the files by which CMake finds them. Modules beyond the odometry itself need the recommended and suggested packages."
   DEPENDS
   libeigen3-dev
   libopencv-calib3d-dev
@@ -162,7 +166,7 @@ if(TARGET turnscale_python)
     NAME python3-turnscale
     SECTION python
     SUMMARY "metric visual odometry from one camera on a car - Python"
-    DESCRIPTION "${what}\nThis package contains the Python module turnscale, which takes images and gives results as numpy arrays."
+    DESCRIPTION "This package contains the Python module turnscale, which takes images and gives results as numpy arrays."
     DEPENDS
     "python3 (>= ${Python_VERSION_MAJOR}.${Python_VERSION_MINOR}~)"
     "python3 (<< ${Python_VERSION_MAJOR}.${next_minor})"
