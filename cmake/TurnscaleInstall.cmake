@@ -35,6 +35,13 @@ endforeach()
 if(TURNSCALE_BUILD_PROGRAM)
   install(TARGETS turnscale RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT program)
   install(
+    DIRECTORY fleet/turnscale_batch
+    DESTINATION ${CMAKE_INSTALL_DATADIR}/turnscale/fleet
+    COMPONENT program
+    FILES_MATCHING
+    PATTERN "*.py"
+    PATTERN "__pycache__" EXCLUDE)
+  install(
     FILES apps/turnscale/completion.bash
     DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions
     RENAME turnscale
@@ -48,7 +55,7 @@ configure_package_config_file(cmake/turnscaleConfig.cmake.in ${PROJECT_BINARY_DI
                               INSTALL_DESTINATION ${package_dir})
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/turnscaleConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/turnscaleConfig.cmake ${PROJECT_BINARY_DIR}/turnscaleConfigVersion.cmake
-              cmake/FindCppHttplib.cmake cmake/FindFFmpegModules.cmake cmake/FindLZ4.cmake cmake/FindOpenCVModules.cmake
-              cmake/FindZSTD.cmake
+              cmake/FindCompressors.cmake cmake/FindCppHttplib.cmake cmake/FindFFmpegModules.cmake
+              cmake/FindOpenCVModules.cmake
         DESTINATION ${package_dir}
         COMPONENT development)

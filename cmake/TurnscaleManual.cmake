@@ -9,6 +9,10 @@ function(turnscale_manual component)
     else()
       set(name turnscale-${command})
     endif()
+    set(help "")
+    if(command STREQUAL "batch")
+      set(help ${PROJECT_SOURCE_DIR}/fleet/turnscale_batch/cli.py)
+    endif()
     set(page ${CMAKE_CURRENT_BINARY_DIR}/man/${name}.1.gz)
     add_custom_command(
       OUTPUT ${page}
@@ -17,7 +21,7 @@ function(turnscale_manual component)
         -DVERSION=${PROJECT_VERSION} -DCHANGELOG=${PROJECT_SOURCE_DIR}/CHANGELOG.md -DOUTPUT=${page} -P
         ${PROJECT_SOURCE_DIR}/cmake/WriteManualPage.cmake
       DEPENDS turnscale $<TARGET_NAME_IF_EXISTS:turnscale_simulator> ${PROJECT_SOURCE_DIR}/cmake/WriteManualPage.cmake
-              ${PROJECT_SOURCE_DIR}/CHANGELOG.md
+              ${PROJECT_SOURCE_DIR}/CHANGELOG.md ${help}
       COMMENT "Manual page ${name}(1)"
       VERBATIM)
     list(APPEND pages ${page})

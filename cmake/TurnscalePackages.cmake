@@ -73,20 +73,23 @@ set(what
     "turnscale computes the path and the speed of a car from the images of one camera, without GPS or inertial sensors. The path is in metres: in turns, the known distance from rear axle to camera gives the scale."
 )
 
-# Files of Python come with `turnscale batch`.
-set(fleet "")
-if(EXISTS ${PROJECT_SOURCE_DIR}/fleet)
-  turnscale_python_scripts(turnscale /usr/share/turnscale)
-  set(fleet RECOMMENDS python3 python3-dask python3-distributed python3-numpy SCRIPTS ${python_scripts})
-endif()
+turnscale_python_scripts(turnscale /usr/share/turnscale)
 turnscale_package(
   program
   NAME turnscale
   SECTION science
   SUMMARY "metric visual odometry from one camera on a car"
   DESCRIPTION "This package contains the program turnscale, which reads folders of images, videos and ROS bags, and writes trajectories, a report, and tracks for maps."
-  SUGGESTS turnscale-simulator
-  ${fleet})
+  # For `turnscale batch`.
+  RECOMMENDS
+  python3
+  python3-dask
+  python3-distributed
+  python3-numpy
+  SUGGESTS
+  turnscale-simulator
+  SCRIPTS
+  ${python_scripts})
 
 if(TARGET turnscale_simulator)
   turnscale_package(

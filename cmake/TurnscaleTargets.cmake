@@ -25,8 +25,8 @@ if(TURNSCALE_SANITIZE)
 endif()
 
 # turnscale_module(<module> SOURCES ... [HEADERS_ONLY] [USES <public libraries>] [USES_PRIVATELY <libraries>])
-# Modules name only modules below them in USES; ARCHITECTURE.md shows the order. TURNSCALE_PART is the part of the package
-# that the module belongs to.
+# Modules name only modules below them in USES; ARCHITECTURE.md shows the order. TURNSCALE_PART is the part of the
+# package that the module belongs to.
 function(turnscale_module module)
   cmake_parse_arguments(MODULE "" "" "SOURCES;USES;USES_PRIVATELY" ${ARGN})
   set(target turnscale_${module})
@@ -41,8 +41,8 @@ function(turnscale_module module)
   set_property(GLOBAL APPEND PROPERTY TURNSCALE_MODULES_OF_${TURNSCALE_PART} ${target})
 endfunction()
 
-# turnscale_tests(<module> SOURCES <test files> [USES <extra libraries>] [LABELS <ctest labels>]): one GoogleTest program,
-# which the target unit_tests builds where it has no label of its own.
+# turnscale_tests(<module> SOURCES <test files> [USES <extra libraries>] [LABELS <ctest labels>]): one GoogleTest
+# program, which the target unit_tests builds where it has no label of its own.
 function(turnscale_tests module)
   if(NOT TURNSCALE_BUILD_TESTS)
     return()

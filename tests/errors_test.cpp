@@ -420,6 +420,9 @@ TEST_F(ErrorsTest, SenselessOptions) {
   }
   ExpectComplaint(Run({"--lever-arm", "long"}), 2, {"--lever-arm"});
   ExpectComplaint(Run({"--side-slip", "-0.1"}), 2, {"--side-slip -0.1"});
+  for (const char* value : {"0", "-1.4", "10.5", "nan", "tall", "1.4,", ",0.01", "1.4,0", "1.4,-0.01", "1.4,1.4"})
+    ExpectComplaint(Run({"--camera-height", value}), 2,
+                    {std::string("--camera-height ") + value + ": give", "H,SIGMA"});
   ExpectComplaint(Run({"--camera-rotation", "1,2"}), 2, {"--camera-rotation '1,2'"});
   ExpectComplaint(Run({"--frame", "vehicle"}), 2, {"--frame vehicle", "--lever-arm"});
   ExpectComplaint(Run({"--frame", "wheel"}), 2, {"--frame", "wheel"});

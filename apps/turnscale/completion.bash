@@ -24,7 +24,7 @@ _turnscale() {
     line=${line%%  *}
     if [[ $line =~ \{([^}]*)\} ]]; then
       choices=${BASH_REMATCH[1]}
-    elif [[ $line =~ ^\ (FLOAT|INT|UINT) || ($line == ' '* && $prev =~ ^--(topic|start|end|start-time|live-address|origin|camera-height)$) ]]; then
+    elif [[ $line =~ ^\ (FLOAT|INT|UINT|N|S|ADDRESS) || ($line == ' '* && $prev =~ ^--(topic|start|end|start-time|live-address|origin|camera-height)$) ]]; then
       return
     elif [[ $line =~ ^\ [A-Z] && ! $line =~ ^\ (Excludes|Needs): ]]; then
       _filedir

@@ -1,88 +1,24 @@
 // SPDX-License-Identifier: MIT
-#include <filesystem>
 #include <memory>
-#include <optional>
+#include <string>
 
 #include <CLI/CLI.hpp>
 
-#include "argument_checks.h"
 #include "commands.h"
-#include "comparison.h"
-#include "evaluation_report.h"
-#include "turnscale/evaluation/path_picture.h"
-#include "turnscale/io/floor_plan_file.h"
-#include "turnscale/io/output_file.h"
-#include "turnscale/io/settings.h"
+#include "turnscale/commands/evaluate_command.h"
+#include "turnscale/commands/evaluation_report.h"
 #include "turnscale/io/terminal.h"
-#include "turnscale/report/report_data.h"
-#include "turnscale/report/report_page.h"
-#include "turnscale/report/run_report.h"
 
 namespace turnscale {
 namespace {
 
-namespace fs = std::filesystem;
-
-struct EvaluateArguments : ComparisonFiles {
-  std::string json;
-  fs::path picture;
-  fs::path report;
-  fs::path floor_plan;
-};
-
-// The estimate as given, its first pose aligned with ground truth.
-void DrawPath(const EvaluateArguments& arguments, const Comparison& comparison) {
-  PathPicture picture;
-  picture.title = arguments.estimate.string();
-  if (!arguments.floor_plan.empty()) picture.outlines = ReadFloorPlan(arguments.floor_plan);
-  const auto from_above = [](const Eigen::Vector3d& place) { return Eigen::Vector2d(place.x(), place.z()); };
-  const Similarity& truth_from_estimate = comparison.evaluation.from_first_pose.truth_from_estimate;
-  for (const PosePair& pair : comparison.pairs) {
-    picture.truth.push_back(from_above(pair.truth.translation));
-    picture.estimate.push_back(from_above(truth_from_estimate * pair.estimate.translation));
-  }
-  ReplaceFile(arguments.picture, PathSvg(picture));
-}
-
-void WriteReport(const EvaluateArguments& arguments, const Comparison& comparison) {
-  ReportData data;
-  data.title = arguments.estimate.string();
-  data.version = TURNSCALE_VERSION;
-  data.metric = true;
-  data.timed = comparison.timed;
-  data.has_tracking = false;
-  data.has_scale_state = false;
-  if (arguments.camera_rotation) data.vehicle_from_body = ReadCameraRotation(*arguments.camera_rotation);
-  data.notes = {"Compared with " + arguments.ground_truth.string()};
-  for (const PosePair& pair : comparison.pairs) {
-    FrameResult frame;
-    frame.frame = pair.estimate_index;
-    frame.time = pair.time;
-    frame.world_from_camera = pair.estimate;
-    data.frames.push_back(frame);
-  }
-  data.truth = comparison.pairs;
-  data.errors = ErrorFacts(ComparisonJson(comparison));
-  if (!arguments.floor_plan.empty()) data.outlines = ReadFloorPlan(arguments.floor_plan);
-  ReplaceFile(arguments.report, ReportPage(arguments.estimate.filename().string(), ReportJson(data)));
-}
-
 void RunEvaluate(const EvaluateArguments& arguments) {
-  const auto read = {arguments.estimate, arguments.ground_truth, arguments.timestamps, arguments.keyframes,
-                     arguments.floor_plan};
-  RefuseToOverwrite("--json", arguments.json, read);
-  RefuseToOverwrite("--picture", arguments.picture, read);
-  RefuseToOverwrite("--report", arguments.report, read);
-  const Comparison comparison = Compare(arguments);
-  if (!arguments.picture.empty()) DrawPath(arguments, comparison);
-  if (!arguments.report.empty()) WriteReport(arguments, comparison);
-  const std::string json = ComparisonJson(comparison);
+  const Comparison comparison = ExecuteEvaluate(arguments);
   if (arguments.json == "-") {
-    WriteStandardOutput(json);
-    return;
+    WriteStandardOutput(ComparisonJson(comparison));
+  } else {
+    PrintText(EvaluationTable(comparison.evaluation, comparison.sources));
   }
-  if (!arguments.json.empty()) ReplaceFile(arguments.json, json);
-  PrintText(EvaluationTable(comparison.evaluation, comparison.sources));
 }
 
 }  // namespace

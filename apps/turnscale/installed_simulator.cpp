@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include "installed_simulator.h"
 
-#include <cerrno>
 #include <filesystem>
 #include <string>
 #include <system_error>
 #include <vector>
 
 #include <CLI/CLI.hpp>
-#include <unistd.h>
 
+#include "process.h"
 #include "program.h"
 #include "turnscale/base/error.h"
 
@@ -22,17 +21,14 @@ constexpr auto kSimulator = "turnscale-simulator";
 
 // Below the installed program's libexec, or beside the program in the build folder. Empty where it is not installed.
 fs::path FindSimulator() {
-  std::error_code error;
-  const fs::path program = fs::read_symlink("/proc/self/exe", error);
-  if (error) throw InternalError("the program cannot find itself: " + error.message());
-  const fs::path folder = program.parent_path();
+  const fs::path folder = ProgramFile().parent_path();
   for (const fs::path& candidate : {folder / TURNSCALE_LIBEXEC_FROM_PROGRAM / kSimulator, folder / kSimulator}) {
-    if (fs::exists(candidate, error)) return candidate;
+    std::error_code none;
+    if (fs::exists(candidate, none)) return candidate;
   }
   return {};
 }
 
-// Replaces this process.
 [[noreturn]] void ExecSimulator(const std::string& name, const std::vector<std::string>& arguments) {
   const fs::path simulator = FindSimulator();
   if (simulator.empty()) {
@@ -40,12 +36,8 @@ fs::path FindSimulator() {
   }
   std::vector<std::string> words = {simulator.string(), name};
   words.insert(words.end(), arguments.begin(), arguments.end());
-  std::vector<char*> pointers;
-  for (std::string& word : words) pointers.push_back(word.data());
-  pointers.push_back(nullptr);
-  execv(pointers[0], pointers.data());
-  throw InputError(simulator.string() + ": cannot be run: " + std::system_category().message(errno) +
-                   "; install the package " + kSimulator + " again");
+  const std::string error = ReplaceProcess(words);
+  throw InputError(simulator.string() + ": cannot be run: " + error + "; install the package " + kSimulator + " again");
 }
 
 CLI::App* AddUnparsedCommand(CLI::App& app, const SimulatorCommand& command) {

@@ -9,10 +9,10 @@ namespace {
 // The last one comes when a terminal is closed.
 constexpr int kStops[] = {SIGINT, SIGTERM, SIGHUP};
 
-volatile std::sig_atomic_t interrupted = 0;
+volatile std::sig_atomic_t caught = 0;
 
 void OnSignal(int /*signal*/) {
-  interrupted = 1;
+  caught = 1;
   // A second signal, of whichever kind, meets the default and ends a run that hangs.
   for (const int stop : kStops) std::signal(stop, SIG_DFL);
 }
@@ -36,6 +36,6 @@ void CatchInterrupts() {
   std::signal(SIGXFSZ, SIG_IGN);
 }
 
-bool Interrupted() { return interrupted != 0; }
+bool Interrupted() { return caught != 0; }
 
 }  // namespace turnscale

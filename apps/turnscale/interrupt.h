@@ -3,9 +3,6 @@
 
 namespace turnscale {
 
-/// The exit code of a run that was interrupted, as shells have it for Ctrl-C.
-constexpr int kInterruptedExitCode = 130;
-
 /// From now on the first SIGINT, SIGTERM or SIGHUP only asks the run to stop after the current frame; a second one ends
 /// the process. SIGPIPE and SIGXFSZ end nothing: the write that causes them fails.
 void CatchInterrupts();

@@ -17,6 +17,8 @@
 #include "lab_experiments.h"
 #include "program.h"
 #include "turnscale/base/error.h"
+#include "turnscale/commands/command_hooks.h"
+#include "turnscale/commands/version.h"
 #include "turnscale/io/output_file.h"
 #include "turnscale/io/terminal.h"
 
@@ -83,7 +85,7 @@ int Lab(const LabArguments& arguments) {
   // Pictures are written before their numbers: older ones must not be taken for them.
   RemoveOldFile(arguments.out / "lab.json");
   CatchInterrupts();
-  LabJson all = {{"version", TURNSCALE_VERSION}, {"runs", arguments.runs}, {"seed", arguments.seed}};
+  LabJson all = {{"version", Version()}, {"runs", arguments.runs}, {"seed", arguments.seed}};
   const auto start = std::chrono::steady_clock::now();
   bool any = false;  // experiment has been kept
   for (const Experiment& experiment : Experiments()) {

@@ -10,6 +10,7 @@ namespace {
 
 void AddCommands(CLI::App& app) {
   AddRunCommand(app);
+  AddBatchCommand(app);
   AddCalibrateCommand(app);
   AddEvaluateCommand(app);
   AddExportCommand(app);

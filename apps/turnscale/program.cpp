@@ -10,6 +10,7 @@
 
 #include "build_commit.h"
 #include "turnscale/base/error.h"
+#include "turnscale/commands/version.h"
 #include "turnscale/io/run_summary.h"
 #include "turnscale/io/terminal.h"
 
@@ -52,7 +53,7 @@ int Main(int argc, char** argv, void (*add_commands)(CLI::App&)) {
 
 std::string VersionWithCommit() {
   const std::string commit = BuildCommit();
-  return commit.empty() ? TURNSCALE_VERSION : TURNSCALE_VERSION " (" + commit + ")";
+  return commit.empty() ? Version() : std::string(Version()) + " (" + commit + ")";
 }
 
 int RunProgram(int argc, char** argv, void (*add_commands)(CLI::App&)) {

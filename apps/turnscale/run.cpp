@@ -1,151 +1,39 @@
 // SPDX-License-Identifier: MIT
-#include <exception>
 #include <filesystem>
 #include <memory>
 #include <optional>
-#include <set>
 #include <string>
-#include <system_error>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
-#include <opencv2/core/utility.hpp>
 
-#include "argument_checks.h"
 #include "commands.h"
-#include "drive_camera.h"
-#include "drive_source.h"
+#include "common_options.h"
 #include "interrupt.h"
-#include "run_page.h"
-#include "turnscale/base/error.h"
 #include "turnscale/base/file_text.h"
-#include "turnscale/io/run_drive.h"
-#include "turnscale/io/settings.h"
+#include "turnscale/commands/run_command.h"
+#include "turnscale/commands/version.h"
 #include "turnscale/io/terminal.h"
-#include "turnscale/io/vehicle_file.h"
 #include "turnscale/live/live_page.h"
 #include "turnscale/odometry/odometry.h"
-#include "turnscale/report/run_report.h"
-#include "turnscale/report/thumbnails.h"
 
 namespace turnscale {
 namespace {
 
 namespace fs = std::filesystem;
 
-struct RunArguments {
-  ImageArguments images;
-  std::optional<double> lever_arm;
-  std::optional<double> lever_arm_sigma;
-  std::optional<std::string> camera_height;
-  std::optional<fs::path> vehicle;
-  std::optional<double> side_slip;
-  std::optional<double> side_slip_sigma;
-  std::string camera_rotation;
-  std::optional<std::string> method;
-  std::string frame = "camera";
-  int threads = kImageThreads;
-  fs::path out = "out";
-  TruthFiles truth;
-  bool no_report = false;
+struct LiveArguments {
   bool live = false;
-  std::string live_address = "127.0.0.1:0";
+  std::string address = "127.0.0.1:0";
 };
-
-// Settings file, overridden by the command line. Checked here so that messages name the option.
-OdometryOptions OptionsFrom(const RunArguments& arguments) {
-  OdometryOptions options = arguments.images.settings ? ReadSettings(*arguments.images.settings) : OdometryOptions();
-  if (arguments.vehicle) ReadVehicleFile(*arguments.vehicle, options.vehicle);
-  if (arguments.lever_arm) {
-    options.vehicle.lever_arm = CheckedLeverArm(*arguments.lever_arm);
-    if (arguments.vehicle) options.vehicle.lever_arm_sigma = kTapeSigma;
-    options.vehicle.height_correlation = 0;
-  }
-  if (arguments.lever_arm_sigma) options.vehicle.lever_arm_sigma = CheckedLeverArmSigma(*arguments.lever_arm_sigma);
-  if (arguments.camera_height) {
-    const CameraHeight height = ParseCameraHeight(*arguments.camera_height);
-    options.vehicle.camera_height = height.metres;
-    options.vehicle.camera_height_sigma = height.sigma;
-    options.vehicle.height_correlation = 0;
-  }
-  if (arguments.side_slip) {
-    options.vehicle.side_slip = CheckedSideSlip(*arguments.side_slip);
-    options.vehicle.side_slip_sigma = kGivenSideSlipSigma * *arguments.side_slip;
-  }
-  if (arguments.side_slip_sigma) options.vehicle.side_slip_sigma = CheckedSideSlipSigma(*arguments.side_slip_sigma);
-  if (arguments.camera_rotation == "auto") {
-    options.vehicle.calibrate_camera = true;
-    options.vehicle.camera_known = false;
-  } else if (!arguments.camera_rotation.empty()) {
-    options.vehicle.vehicle_from_camera = ReadCameraRotation(arguments.camera_rotation);
-    options.vehicle.calibrate_camera = false;
-    options.vehicle.camera_known = false;
-    if (arguments.vehicle) options.vehicle.yaw_sigma = VehicleOptions().yaw_sigma;
-  }
-  if (arguments.method)
-    options.scale.method = *arguments.method == "paper"   ? ScaleMethod::kPaper
-                           : *arguments.method == "turns" ? ScaleMethod::kTurns
-                                                          : ScaleMethod::kSmoothed;
-  if (arguments.threads < 1) throw InputError(fmt::format("--threads {}: give at least 1", arguments.threads));
-  options.Check();
-  return options;
-}
-
-// Throws InputError where the results would come to lie among the images or clips, or replace what is read.
-void CheckFolder(const RunArguments& arguments, const DriveImages& images) {
-  std::error_code none;
-  const auto refuse_folder = [&](const fs::path& folder) {
-    if (fs::equivalent(arguments.out, folder.empty() ? "." : folder, none))
-      throw InputError(fmt::format("--out {}: is the folder of the drive; name another one", arguments.out.string()));
-  };
-  for (const fs::path& input : arguments.images.inputs)
-    refuse_folder(fs::is_directory(input, none) ? input : input.parent_path());
-  refuse_folder(fs::is_directory(images.drive.path, none) ? images.drive.path : images.drive.path.parent_path());
-  RefuseToOverwrite("--out", arguments.out / "mask.png", {arguments.images.mask.value_or("")});
-  RefuseToOverwrite("--out", arguments.out / "car.yaml", {arguments.vehicle.value_or("")});
-  if (arguments.images.refine_camera) RefuseToOverwrite("--out", arguments.out / "camera.yaml", {images.given.name});
-}
-
-RunSummary BeforeTheDrive(const RunArguments& arguments, const OdometryOptions& options, const DriveImages& images,
-                          const CameraEstimate& estimate) {
-  RunSummary summary;
-  summary.version = TURNSCALE_VERSION;
-  summary.input = arguments.images.Name();
-  if (images.drive.bags) summary.topic = images.drive.bags->topic;
-  summary.camera = images.given.name;
-  summary.found_camera = estimate.found;
-  if (arguments.images.mask) summary.mask = arguments.images.mask->string();
-  summary.warnings = images.source.left_out();
-  if (!estimate.warning.empty()) summary.warnings.push_back(estimate.warning);
-  summary.pose_frame = arguments.frame;
-  summary.folder = arguments.out.string();
-  summary.start = arguments.images.start;
-  summary.end = arguments.images.end;
-  summary.vehicle = options.vehicle;
-  return summary;
-}
-
-// The page that shows the results; whatever becomes of it, they are on disk already.
-void KeepReport(const RunArguments& arguments, const ThumbnailCollector& thumbnails, RunEnd& end) {
-  std::error_code none;
-  for (const char* needed : {"trajectory.csv", "summary.json"})
-    if (!fs::is_regular_file(arguments.out / needed, none)) return;
-  Attempts attempts;
-  attempts.Try([&] { WriteThumbnails(arguments.out, thumbnails.thumbnails()); });
-  attempts.Try([&] { WriteRunPage(arguments.out, arguments.truth); });
-  // A truth that does not fit the drive is no reason to have no page.
-  if (!attempts.failures().empty() && !arguments.truth.truth.empty())
-    attempts.Try([&] { WriteRunPage(arguments.out, {}); });
-  end.failures.insert(end.failures.end(), attempts.failures().begin(), attempts.failures().end());
-}
 
 // The page that shows the run while it goes on.
 class LiveView {
  public:
-  LiveView(const RunArguments& arguments, int frames)
-      : state_(arguments.images.Name(), TURNSCALE_VERSION, frames,
+  LiveView(const RunArguments& arguments, const std::string& address, int frames)
+      : state_(arguments.images.Name(), Version(), frames,
                arguments.no_report ? "" : fs::absolute(arguments.out / kReportFile).lexically_normal().string()),
-        page_(ParseLiveAddress("--live-address", arguments.live_address), state_) {
+        page_(ParseLiveAddress("--live-address", address), state_) {
     PrintText("live    " + page_.address() + "\n");
   }
 
@@ -167,70 +55,30 @@ class LiveView {
 
 // Says what went wrong; returns the exit code.
 int ReportEnd(const RunEnd& end) {
-  if (!end.nothing_tracked.empty()) return Report({2, end.summary.input + ": " + end.nothing_tracked});
-  const std::string kept = "; the results so far are in " + end.summary.folder;
-  if (end.failures.empty() && end.interrupted) return Report({kInterruptedExitCode, end.summary.stopped + kept});
-  if (end.failures.empty()) return 0;
-  Failure first = FailureOf(end.failures.front());
-  std::set<std::string> messages = {first.message};
-  for (const std::exception_ptr& failure : end.failures) {
-    const std::string message = FailureOf(failure).message;
-    if (messages.insert(message).second) PrintMessage("warning: " + message);
-  }
-  first.message += kept;
+  const std::optional<RunFailure> failure = FailureOfRun(end);
+  if (!failure) return 0;
+  for (const std::string& other : failure->others) PrintMessage("warning: " + other);
+  Failure first = failure->first;
+  if (failure->kept) first.message += "; the results so far are in " + end.summary.folder;
   return Report(first);
 }
 
 // Returns the exit code.
-int RunImages(const RunArguments& arguments) {
-  cv::setNumThreads(arguments.threads);
-  const OdometryOptions options = OptionsFrom(arguments);
-  CheckTruthFiles(arguments.truth);
-  DriveImages images(arguments.images);
-  CheckFolder(arguments, images);
+int RunImages(const RunArguments& arguments, const LiveArguments& live_arguments) {
   std::optional<LiveView> live;
-  if (arguments.live) live.emplace(arguments, images.expected);
-  const auto set_phase = [&](const std::string& phase) {
-    if (live) live->SetPhase(phase);
-  };
-  const CameraEstimate estimate = EstimateCamera(arguments.images, images, options, [&](int pass) {
-    set_phase(fmt::format("estimating the camera, pass {}", pass));
-  });
-  set_phase("");
-  Odometry odometry(options, images.camera);
-  if (!images.mask.empty()) odometry.SetMask(images.mask);
-  Progress progress(images.expected, arguments.images.quiet);
-  if (live) progress.OnWarning([&](const std::string& warning) { live->Warn(warning); });
-  bool begun = false;
-  const auto next = [&] {
-    if (live) live->WaitWhilePaused();
-    std::optional<SourceFrame> frame = images.source.Next();
-    if (begun) return frame;
-    begun = true;
-    if (frame) images.CheckMask(frame->gray.size());
-    // From here on there is something to keep.
-    CatchInterrupts();
-    if (frame) RemoveThumbnails(arguments.out);
-    if (const std::string doubt = frame ? DoubtOf(images, frame->gray) : ""; !doubt.empty()) progress.Warn(doubt);
-    return frame;
-  };
-  const PoseFrame shown = arguments.frame == "vehicle" ? PoseFrame::kVehicle : PoseFrame::kCamera;
-  ThumbnailCollector thumbnails;
-  const auto watch = [&](const SourceFrame& frame, const FrameResult& result, const Odometry& so_far) {
-    if (!arguments.no_report) thumbnails.Add(frame.gray, result, so_far);
-    if (live) live->Add(frame, result, so_far);
-  };
-  const DriveToRun drive = {next,
-                            Interrupted,
-                            [&] { return images.source.EndsEarly(); },
-                            [&] { return images.source.clips(); },
-                            arguments.images.max_frames,
-                            {arguments.out, shown, options.vehicle},
-                            BeforeTheDrive(arguments, options, images, estimate),
-                            watch,
-                            [&] { set_phase("final adjustment"); }};
-  RunEnd end = RunDrive(drive, odometry, progress);
-  if (!arguments.no_report) KeepReport(arguments, thumbnails, end);
+  RunHooks hooks;
+  hooks.interrupted = Interrupted;
+  hooks.begun = CatchInterrupts;
+  if (live_arguments.live) {
+    hooks.opened = [&](int frames) { live.emplace(arguments, live_arguments.address, frames); };
+    hooks.warn = [&](const std::string& warning) { live->Warn(warning); };
+    hooks.phase = [&](const std::string& phase) { live->SetPhase(phase); };
+    hooks.before_frame = [&] { live->WaitWhilePaused(); };
+    hooks.watch = [&](const SourceFrame& frame, const FrameResult& result, const Odometry& odometry) {
+      live->Add(frame, result, odometry);
+    };
+  }
+  const RunEnd end = ExecuteRun(arguments, hooks);
   if (live) live->Finish(arguments.out / kReportFile, end.interrupted);
   if (end.failures.empty() && end.nothing_tracked.empty() && !arguments.images.quiet)
     PrintText(SummaryText(end.summary));
@@ -242,6 +90,7 @@ int RunImages(const RunArguments& arguments) {
 void AddRunCommand(CLI::App& app) {
   CLI::App* run = app.add_subcommand("run", "Estimate the trajectory of a drive from its images.");
   auto arguments = std::make_shared<RunArguments>();
+  auto live_arguments = std::make_shared<LiveArguments>();
   run->add_option("input", arguments->images.inputs,
                   "KITTI folder (with the images in image_0/ or images/), folder of images, video, several "
                   "consecutive clips, folder of clips, or bags (.bag, .mcap, .db3); a folder can also contain "
@@ -254,34 +103,34 @@ void AddRunCommand(CLI::App& app) {
   run->add_option("--fps", arguments->images.fps,
                   "Frames per second; overrides times.txt and a video's own time stamps")
       ->excludes(timestamps);
-  run->add_option("--lever-arm", arguments->lever_arm,
+  run->add_option("--lever-arm", arguments->car.lever_arm,
                   "Horizontal distance from the rear axle forward to the camera, metres; without it and without "
                   "--camera-height the trajectory is up to scale");
-  run->add_option("--lever-arm-sigma", arguments->lever_arm_sigma,
+  run->add_option("--lever-arm-sigma", arguments->car.lever_arm_sigma,
                   fmt::format("Standard deviation of --lever-arm, metres [{}]", kTapeSigma));
   run->add_option(
-      "--camera-height", arguments->camera_height,
-      "Height of the camera above the road, metres, or H,SIGMA: metres on drives without a turn, and a check "
-      "of the lever arm [learned in turns; SIGMA: 1 % of H]");
-  run->add_option("--vehicle", arguments->vehicle,
+      "--camera-height", arguments->car.camera_height,
+      "Height of the camera above the road, metres, or H,SIGMA: gives metric scale without a turn, and checks the "
+      "lever arm [estimated in turns; SIGMA: 1 % of H]");
+  run->add_option("--vehicle", arguments->car.vehicle,
                   "YAML file of the car: car.yaml of an earlier run, or calibration.yaml of calibrate. Lever arm, side "
                   "slip, camera rotation and camera height are taken from it and refined; other options override it");
-  run->add_option("--side-slip", arguments->side_slip,
+  run->add_option("--side-slip", arguments->car.side_slip,
                   fmt::format("Slip-angle coefficient c in L_eff = L - c v^2: slip angle of the rear axle per lateral "
                               "acceleration, rad per m/s^2 (= s^2/m); 0: no slip. Refined from the drive unless its "
                               "sigma is 0 [{}]",
                               kUsualSideSlip));
   run->add_option(
-      "--side-slip-sigma", arguments->side_slip_sigma,
+      "--side-slip-sigma", arguments->car.side_slip_sigma,
       fmt::format(
           "Standard deviation of c, s^2/m; 0: c is not refined [{}, or {:.0f} % of --side-slip if that is given]",
           kUsualSideSlipSigma, 100 * kGivenSideSlipSigma));
   run->add_option(
-      "--camera-rotation", arguments->camera_rotation,
+      "--camera-rotation", arguments->car.camera_rotation,
       "Camera-to-vehicle rotation: yaw,pitch,roll in degrees, positive to the right, up, to the right; a YAML file "
       "with yaw_deg, pitch_deg, roll_deg, such as calibrate writes; or auto: estimated during the drive [auto]");
   run->add_option(
-         "--method", arguments->method,
+         "--method", arguments->car.method,
          "How metric scale is obtained. smoothed: one estimate along the drive, from all turns; turns: each turn's "
          "scale from this turn alone, held by a final bundle adjustment; paper: the same for each pair of consecutive "
          "keyframes in a turn (equation (22) of the paper by Kim et al.) [smoothed]")
@@ -297,8 +146,8 @@ void AddRunCommand(CLI::App& app) {
   AddTruthOptions(*run, arguments->truth);
   run->add_flag("--no-report", arguments->no_report, "Write no page (report.html) and no thumbnails");
   CLI::Option* live =
-      run->add_flag("--live", arguments->live, "Show the run while it goes on: prints the address of a page");
-  run->add_option("--live-address", arguments->live_address,
+      run->add_flag("--live", live_arguments->live, "Show the run while it goes on: prints the address of a page");
+  run->add_option("--live-address", live_arguments->address,
                   "Where the page listens: HOST:PORT of this machine; port 0: a free one")
       ->needs(live)
       ->capture_default_str();
@@ -312,12 +161,13 @@ void AddRunCommand(CLI::App& app) {
       "  turnscale run DCIM/ --camera out/drive/camera.yaml --lever-arm 1.45 --start 1:30 --end 12:00\n\n"
       "Output: trajectory.tum and trajectory.kitti.txt (refined, every frame), live.tum (online: each pose as\n"
       "estimated at its frame), trajectory.csv, speed.csv, turns.csv, scale.csv, camera_rotation.csv, map.ply,\n"
-      "car.yaml (what was learned of the car, for --vehicle),\n"
+      "car.yaml (estimated parameters of the car, for --vehicle),\n"
       "camera.yaml (intrinsics, if estimated), mask.png (pixels left out, if any), settings.yaml, summary.json and\n"
       "report.html, a page that shows them. Ctrl-C stops after the current frame\n"
       "and keeps the results so far (exit code 130).");
-  run->callback([arguments] {
-    if (const int exit_code = RunImages(*arguments); exit_code != 0) throw CLI::RuntimeError(exit_code);
+  run->callback([arguments, live_arguments] {
+    if (const int exit_code = RunImages(*arguments, *live_arguments); exit_code != 0)
+      throw CLI::RuntimeError(exit_code);
   });
 }
 

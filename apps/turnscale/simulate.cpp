@@ -16,6 +16,8 @@
 #include "interrupt.h"
 #include "program.h"
 #include "turnscale/base/error.h"
+#include "turnscale/commands/command_hooks.h"
+#include "turnscale/commands/version.h"
 #include "turnscale/geometry/rotation.h"
 #include "turnscale/io/drive_input.h"
 #include "turnscale/io/terminal.h"
@@ -147,7 +149,7 @@ int Simulate(const SimulateArguments& arguments) {
     progress->Update(done);
     return !Interrupted();
   };
-  const DriveOrigin origin = {TURNSCALE_VERSION, arguments.world, Seconds(arguments), arguments.follow,
+  const DriveOrigin origin = {Version(), arguments.world, Seconds(arguments), arguments.follow,
                               arguments.texture_contrast};
   const auto start = std::chrono::steady_clock::now();
   const Recording recording = RecordDrive(std::move(world), rig, arguments.seed,

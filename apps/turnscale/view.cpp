@@ -11,9 +11,10 @@
 #include <unistd.h>
 
 #include "commands.h"
-#include "run_page.h"
+#include "common_options.h"
 #include "turnscale/base/error.h"
 #include "turnscale/base/file_text.h"
+#include "turnscale/commands/run_page.h"
 #include "turnscale/io/output_file.h"
 #include "turnscale/io/run_writer.h"
 #include "turnscale/io/terminal.h"

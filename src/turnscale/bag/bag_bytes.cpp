@@ -4,6 +4,8 @@
 #include <cerrno>
 #include <system_error>
 
+#include <fmt/format.h>
+
 #include "turnscale/bag/bag_reader.h"
 #include "turnscale/base/error.h"
 
@@ -41,6 +43,11 @@ void BagBytes::Read(std::span<uint8_t> bytes) {
                      (errno == 0 ? std::string() : ": " + std::generic_category().message(errno)));
   }
   position_ += bytes.size();
+}
+
+void BagBytes::RefuseRecord(std::string_view what, std::string_view repair) const {
+  throw InputError(
+      fmt::format("{}: {} (record at byte {}); repair it with {}, or record it again", name_, what, record_, repair));
 }
 
 }  // namespace turnscale

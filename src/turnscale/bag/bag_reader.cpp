@@ -16,7 +16,7 @@
 namespace turnscale {
 namespace {
 
-// As many as tell the kinds of files.
+// As many as identify the formats.
 std::string FirstBytes(const std::filesystem::path& path) {
   std::error_code none;
   if (!std::filesystem::is_regular_file(path, none)) return {};

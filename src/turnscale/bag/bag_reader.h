@@ -49,7 +49,7 @@ class BagReader {
   virtual std::optional<BagMessage> Next() = 0;
 
   /// Topics with images or camera infos and the numbers of their messages, from the bag's index; nothing where it has
-  /// none that can be read. To be asked before the first message is read.
+  /// none that can be read. To be called before the first message is read.
   virtual std::optional<std::vector<BagTopic>> TopicsInIndex() = 0;
 };
 

@@ -104,7 +104,7 @@ void DecompressWith(Decoder decoder, std::span<const uint8_t> compressed, size_t
   size_t used = 0;
   size_t made = 0;
   for (bool finished = false; !finished;) {
-    if (made > size) throw MalformedData("compressed data are larger than they say");
+    if (made > size) throw MalformedData("compressed data are larger than stated");
     if (made == out.size()) out.resize(std::min(most, 2 * out.size()));
     const DecoderStep step = decoder.Step(compressed.subspan(used), std::span(out).subspan(made));
     used += step.consumed;
@@ -112,7 +112,7 @@ void DecompressWith(Decoder decoder, std::span<const uint8_t> compressed, size_t
     finished = step.finished;
     if (!finished && step.consumed == 0 && step.produced == 0) throw MalformedData("compressed data end early");
   }
-  if (made != size) throw MalformedData("compressed data have another size than they say");
+  if (made != size) throw MalformedData("compressed data have another size than stated");
   out.resize(size);
 }
 

@@ -26,6 +26,7 @@ enum class McapOp : uint8_t {
   kDataEnd = 0x0F,
 };
 
+constexpr std::string_view kMcapRepair = "mcap recover";
 constexpr uint64_t kFooterSize = 8 + 8 + 4;
 
 std::string_view McapText(ByteReader& reader) { return reader.Text(reader.Read<uint32_t>()); }
@@ -34,42 +35,21 @@ class McapReader : public BagReader {
  public:
   McapReader(const std::filesystem::path& path, std::vector<std::string> topics)
       : bytes_(path), topics_(std::move(topics)) {
-    Located([&] { bytes_.Skip(kMcapMagic.size()); });
+    bytes_.ReadRecord(kMcapRepair, [&] { bytes_.Skip(kMcapMagic.size()); });
   }
 
   std::optional<BagMessage> Next() override {
-    std::optional<BagMessage> message;
-    Located([&] { message = Advance(); });
-    return message;
+    return bytes_.ReadRecord(kMcapRepair, [&] { return Advance(); });
   }
 
   std::optional<std::vector<BagTopic>> TopicsInIndex() override {
-    const uint64_t begin = bytes_.position();
-    std::optional<std::vector<BagTopic>> found;
-    try {
-      found = ReadSummary();
-    } catch (const MalformedData&) {
-      found.reset();
-    }
+    auto found = bytes_.Peek([&] { return ReadSummary(); });
     schemas_.clear();
     channels_.clear();
-    bytes_.Seek(begin);
     return found;
   }
 
  private:
-  // Adds the file and the place to what is found to be wrong.
-  template <class Work>
-  void Located(const Work& work) {
-    record_ = bytes_.position();
-    try {
-      work();
-    } catch (const MalformedData& error) {
-      throw InputError(fmt::format("{}: {} (record at byte {}); repair it with mcap recover, or record it again",
-                                   bytes_.name(), error.what(), record_));
-    }
-  }
-
   std::optional<std::vector<BagTopic>> ReadSummary() {
     const uint64_t end = 9 + kFooterSize + kMcapMagic.size();
     if (bytes_.size() < end) return std::nullopt;
@@ -119,12 +99,12 @@ class McapReader : public BagReader {
   std::optional<BagMessage> Advance() {
     for (;;) {
       while (chunk_.left() > 0) {
-        // Within the chunk that `record_` names.
+        // Errors name the record that holds the chunk.
         const McapOp op{chunk_.Read<uint8_t>()};
         if (const auto message = Take(op, chunk_.Bytes(chunk_.Read<uint64_t>()))) return message;
       }
       if (ended_ || bytes_.left() == 0) return std::nullopt;
-      record_ = bytes_.position();
+      bytes_.BeginRecord();
       const McapOp op{bytes_.Read<uint8_t>()};
       const auto size = bytes_.Read<uint64_t>();
       switch (op) {
@@ -202,7 +182,6 @@ class McapReader : public BagReader {
 
   BagBytes bytes_;
   std::vector<std::string> topics_;
-  uint64_t record_ = 0;  // where the latest record of the file begins
   bool ended_ = false;
   std::vector<uint8_t> stored_;
   std::vector<uint8_t> decompressed_;

@@ -23,6 +23,7 @@ enum class Ros1Op : uint8_t {
   kConnection = 0x07,
 };
 
+constexpr std::string_view kRos1Repair = "rosbag reindex";
 constexpr uint32_t kLongestHeader = 1 << 20;
 
 // Fields "name=value" of a record's or a connection's header.
@@ -74,7 +75,7 @@ class Ros1BagReader : public BagReader {
  public:
   Ros1BagReader(const std::filesystem::path& path, std::vector<std::string> topics)
       : bytes_(path), topics_(std::move(topics)) {
-    Located([&] {
+    bytes_.ReadRecord(kRos1Repair, [&] {
       bytes_.Skip(kRos1Magic.size());
       const Ros1Fields header = ReadHeader();
       if (header.Op() != Ros1Op::kBagHeader) throw MalformedData("first record is not a bag header");
@@ -86,42 +87,20 @@ class Ros1BagReader : public BagReader {
   }
 
   std::optional<BagMessage> Next() override {
-    std::optional<BagMessage> message;
-    Located([&] { message = Advance(); });
-    return message;
+    return bytes_.ReadRecord(kRos1Repair, [&] { return Advance(); });
   }
 
   std::optional<std::vector<BagTopic>> TopicsInIndex() override {
     if (index_ == 0) return std::nullopt;
-    const uint64_t begin = bytes_.position();
-    std::optional<std::vector<BagTopic>> found;
-    try {
-      bytes_.Seek(index_);
-      found = ReadIndex();
-    } catch (const MalformedData&) {
-      found.reset();
-    }
+    auto found = bytes_.Peek([&] { return std::optional(ReadIndex()); });
     connections_.clear();
-    bytes_.Seek(begin);
     return found;
   }
 
  private:
-  // Adds the file and the place to what is found to be wrong.
-  template <class Work>
-  void Located(const Work& work) {
-    record_ = bytes_.position();
-    try {
-      work();
-    } catch (const MalformedData& error) {
-      throw InputError(fmt::format("{}: {} (record at byte {}); repair it with rosbag reindex, or record it again",
-                                   bytes_.name(), error.what(), record_));
-    }
-  }
-
   // Its fields live until the next record is read.
   Ros1Fields ReadHeader() {
-    record_ = bytes_.position();
+    bytes_.BeginRecord();
     const auto length = bytes_.Read<uint32_t>();
     if (length > kLongestHeader) throw MalformedData("record header is too long");
     bytes_.Read(length, header_);
@@ -130,6 +109,7 @@ class Ros1BagReader : public BagReader {
 
   std::vector<BagTopic> ReadIndex() {
     std::vector<BagTopic> topics;
+    bytes_.Seek(index_);
     while (bytes_.left() > 0) {
       const Ros1Fields header = ReadHeader();
       bytes_.Read(bytes_.Read<uint32_t>(), stored_);
@@ -162,7 +142,7 @@ class Ros1BagReader : public BagReader {
   std::optional<BagMessage> Advance() {
     for (;;) {
       while (chunk_.left() > 0) {
-        // Within the chunk that `record_` names.
+        // Errors name the record that holds the chunk.
         const Ros1Fields header(chunk_.Bytes(chunk_.Read<uint32_t>()));
         const auto data = chunk_.Bytes(chunk_.Read<uint32_t>());
         if (const auto message = Take(header, data)) return message;
@@ -211,7 +191,6 @@ class Ros1BagReader : public BagReader {
   BagBytes bytes_;
   std::vector<std::string> topics_;
   uint64_t index_ = 0;
-  uint64_t record_ = 0;  // where the latest record of the file begins
   std::vector<uint8_t> header_;
   std::vector<uint8_t> stored_;
   std::vector<uint8_t> decompressed_;

@@ -23,7 +23,7 @@ class OutputError : public std::runtime_error {
 };
 
 /// A computation came to numbers that are none, or to a problem without a solution. Nobody's fault: whoever can do
-/// without the result catches it. Where nobody can, the command line exits with code 1.
+/// without the result catches it. Where none can, the command line exits with code 1.
 class NumericalError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -39,7 +39,7 @@ struct SourcePlace {
     return {file, line};
   }
 
-  /// "module/file.cpp:12": where the sources lie on the machine that compiled them is nobody's business.
+  /// "module/file.cpp:12": the path of the sources on the machine that compiled them is left out.
   std::string Text() const {
     std::string_view name = file;
     const size_t base = name.rfind('/');
@@ -49,7 +49,7 @@ struct SourcePlace {
   }
 };
 
-/// Something that always holds does not: a mistake of ours, or of code that calls the library. The message says what
+/// Something that always holds does not: a bug of turnscale, or of code that calls the library. The message says what
 /// and where in the source. Nobody catches it but to save results; the command line exits with code 1.
 class InternalError : public std::logic_error {
  public:

@@ -96,7 +96,7 @@ BundleSummary Adjust(const BundleOptions& options, BundleProblem& problem) {
   BundleState trial;
   Merit merit(problem.distances);
   Caution caution{std::max(options.initial_damping, kSmallestDamping)};
-  const bool exact_end = options.exact_end || !problem.distances.empty();
+  const bool use_exact_hessian = options.use_exact_hessian || !problem.distances.empty();
   BundleSummary summary;
   summary.initial_cost = at.equations.cost;
   bool settled = false;
@@ -145,9 +145,9 @@ BundleSummary Adjust(const BundleOptions& options, BundleProblem& problem) {
     caution.Relax(gain);
     std::swap(at.state, trial);
     at.multipliers = step.multipliers;
-    if (exact_end && decrease < kNewtonBelow * at.equations.cost) at.kind = HessianKind::kNewton;
+    if (use_exact_hessian && decrease < kNewtonBelow * at.equations.cost) at.kind = HessianKind::kNewton;
     settled = std::abs(decrease) < options.relative_cost_tolerance * at.equations.cost;
-    if (!exact_end && (settled || summary.iterations == options.max_iterations)) {
+    if (!use_exact_hessian && (settled || summary.iterations == options.max_iterations)) {
       summary.final_cost = cost;
       summary.converged = settled;
       summary.message = settled ? "cost settled" : "iteration limit";

@@ -21,10 +21,10 @@ struct BundleOptions {
   /// First damping, relative to the diagonal of the normal equations, so that the result does not depend on the unit of
   /// length.
   double initial_damping = 1e-4;
-  /// Exact Hessians near the solution, and the KKT residual there. Without, and without constraints, steps are
-  /// Gauss-Newton's and the last one is not followed by a linearisation: for windows that need no more than a few
-  /// steps.
-  bool exact_end = true;
+  /// Near the solution, use the exact Hessian (Newton steps), and linearise at the result for its KKT residual; with
+  /// constraints always. Otherwise all steps are Gauss-Newton's, and the last one is not followed by a linearisation:
+  /// for windows that are adjusted again later.
+  bool use_exact_hessian = true;
 
   /// Throws InputError that names the field when a value makes no sense.
   void Check() const;
@@ -36,7 +36,7 @@ struct BundleSummary {
   double initial_cost = 0;  ///< half the sum of robustified squared residuals, in sigmas squared
   double final_cost = 0;
   /// Largest entry of the Lagrangian's gradient (29), each in standard deviations of its own unknown (KktResidual in
-  /// kkt_step.h). Without BundleOptions::exact_end, that before the last step.
+  /// kkt_step.h). Without BundleOptions::use_exact_hessian, that before the last step.
   double kkt_residual = 0;
   /// Largest |(distance between the centres) / distance - 1| over the constraints.
   double constraint_residual = 0;

@@ -50,7 +50,7 @@ std::vector<Equation> Equations(const std::vector<MetricDrive>& drives) {
   return equations;
 }
 
-// How much the turns' speeds tell L from c.
+// How well the turns' speeds separate L from c.
 double SpeedSpread(const std::vector<Equation>& equations) {
   double weight = 0;
   double mean = 0;
@@ -171,7 +171,7 @@ std::string Fixed(double value, int digits) {
   return text.str();
 }
 
-// What can be said against the fit, one line; empty where it stands.
+// Why the fit is not valid, one line; empty where it is.
 void CheckFit(const LeverArmFit& fit, const LeverArmFitOptions& options) {
   const double length = fit.lever_arm.length;
   if (!(length > 0)) {

@@ -60,7 +60,7 @@ LinearSolution LinearCalibration::Solve() const {
   solution.vehicle_from_camera = Eigen::Quaterniond(q[0], q[1], q[2], q[3]).normalized();
   const double least = solution.singular_values[0];
   const double next = solution.singular_values[1];
-  // Below the rounding of M^T M nothing is told apart.
+  // Eigenvalues below the rounding of M^T M are equal.
   const double rounding = 1e-8 * solution.singular_values[3];
   if (next > rounding) solution.confidence = next / std::max(least, rounding);
   return solution;

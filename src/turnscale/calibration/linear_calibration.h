@@ -10,7 +10,7 @@ namespace turnscale {
 
 /// The axis that a car's camera turns about, downwards in the camera's frame: the direction that all rotations of a
 /// drive share. From it comes the sign of the turning angle, one for the whole drive where the paper takes it frame by
-/// frame. Motion alone cannot tell a camera from one that hangs upside down (both axes of the car's level plane
+/// frame. Motion alone cannot distinguish a camera from one that hangs upside down (both axes of the car's level plane
 /// reversed), so the camera is assumed to be less than a quarter turn from upright: its y axis points downwards.
 class TurningAxis {
  public:
@@ -39,7 +39,7 @@ struct LinearSolution {
 /// The linear solution (9)-(14), one step at a time: of the tall matrix M only the small M^T M is kept.
 class LinearCalibration {
  public:
-  /// Takes `previous_from_current` and its turning angle psi, rad. A step of length 0 tells of its rotation only.
+  /// Takes `previous_from_current` and its turning angle psi, rad. A step of length 0 contributes its rotation only.
   void Add(const RigidTransform& motion, double psi);
 
   LinearSolution Solve() const;

@@ -76,7 +76,7 @@ void OnlineCalibration::Learn(const CameraStep& step) {
 
 void OnlineCalibration::Retire() {
   if (!refinement_) {
-    // No turn yet: what these steps could say of the roll is noise.
+    // No turn yet: the roll from these steps would be noise.
     window_.pop_front();
     return;
   }

@@ -92,7 +92,7 @@ class OnlineCalibration {
   bool turned_ = false;          ///< by CalibrationOptions::min_turn within the window
   std::deque<double> headings_;  ///< after each step of the window, rad
   int steps_ = 0;
-  std::optional<RotationPrior> before_;  ///< what the steps before the window say
+  std::optional<RotationPrior> before_;  ///< from the steps before the window
   std::optional<Refinement> refinement_;
   int disagreements_ = 0;  ///< in a row
   OnlineState state_;

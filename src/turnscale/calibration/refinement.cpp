@@ -18,7 +18,7 @@
 namespace turnscale {
 namespace {
 
-// Fewer steps do not tell their own spread.
+// Fewer steps do not determine their spread.
 constexpr size_t kStepsForSpread = 20;
 // No odometry is better than this, rad (0.001 deg): keeps weights finite on exact input.
 constexpr double kLeastNoise = 1e-3 / kDegreesPerRadian;

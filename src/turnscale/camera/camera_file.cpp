@@ -40,7 +40,7 @@ int ImageSide(const YamlMap& map, const std::string& key) {
   return side;
 }
 
-// Files need not tell the image size, but half of it would be a mistake.
+// The image size may be missing, but not one of its two numbers.
 void SetImageSize(const YamlMap& map, const std::string& width, const std::string& height, CameraModel& camera) {
   if (!map.Has(width) && !map.Has(height)) return;
   if (!map.Has(width)) map.Reject(width, "is missing; give it as well as " + height + ", or neither");
@@ -49,7 +49,7 @@ void SetImageSize(const YamlMap& map, const std::string& width, const std::strin
   camera.height = ImageSide(map, height);
 }
 
-// Settings of ORB-SLAM's other parts, which say nothing of the camera.
+// Settings of ORB-SLAM's other parts, which are not about the camera.
 bool OfAnotherPart(const std::string& key) {
   static const Names prefixes = {"Camera2.", "ORBextractor.", "Viewer.",    "IMU.",   "System.",
                                  "Stereo.",  "RGBD.",         "LEFT.",      "RIGHT.", "File.",

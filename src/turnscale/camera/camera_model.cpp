@@ -56,7 +56,7 @@ std::optional<Eigen::Vector2d> UndistortFisheye(const std::array<double, 5>& k, 
   return distorted * (std::tan(*theta) / angle);
 }
 
-// What the calibration file alone says.
+// Of the calibration file alone.
 std::optional<Eigen::Vector2d> ProjectCalibrated(const CameraModel& camera, const Eigen::Vector3d& x_in_camera) {
   if (camera.lens == LensModel::kEquidistant) {
     const std::optional<Eigen::Vector2d> shown = Fisheye(camera.distortion, x_in_camera);

@@ -12,6 +12,7 @@
 #include "turnscale/base/csv_table.h"
 #include "turnscale/base/error.h"
 #include "turnscale/base/quantiles.h"
+#include "turnscale/base/robust_weights.h"
 #include "turnscale/export/utc_time.h"
 #include "turnscale/geometry/rotation.h"
 
@@ -43,11 +44,6 @@ constexpr size_t kMostPairsOf = 150;  // fixes whose pairs are tried as a start
 constexpr size_t kMostJudges = 1000;  // fixes that judge them
 constexpr double kLeastBaseline = 5;  // standard deviations of a fix
 constexpr int kIterations = 50;
-
-double TukeyWeight(double deviation) {
-  const double share = deviation / kTukey;
-  return share < 1 ? std::pow(1 - share * share, 2) : 0;
-}
 
 double TukeyCost(double deviation) {
   const double share = std::min(1.0, deviation / kTukey);
@@ -113,7 +109,7 @@ class Fitter {
     double squares = 0;
     double weighted = 0;
     for (const Correspondence& pair : pairs_) {
-      const double weight = TukeyWeight(Deviation(fit, pair));
+      const double weight = TukeyWeight(Deviation(fit, pair), kTukey);
       if (weight == 0) {
         ++described.outliers;
         continue;
@@ -152,7 +148,7 @@ class Fitter {
     double total = 0;
     std::vector<double> weights;
     for (const Correspondence& pair : pairs_) {
-      weights.push_back(TukeyWeight(Deviation(fit, pair)) / (pair.sigma * pair.sigma));
+      weights.push_back(TukeyWeight(Deviation(fit, pair), kTukey) / (pair.sigma * pair.sigma));
       total += weights.back();
       sums.path += weights.back() * pair.path;
       sums.fix += weights.back() * pair.fix;

@@ -9,7 +9,7 @@ Eigen::Quaterniond LevelFromWorld(const Trajectory& trajectory, const Eigen::Qua
   for (const StampedPose& pose : trajectory)
     down += pose.world_from_camera.rotation * (camera_from_vehicle * Eigen::Vector3d::UnitY());
   const Eigen::Quaterniond world_from_vehicle = trajectory.front().world_from_camera.rotation * camera_from_vehicle;
-  // A car on its side for half of the drive has no mean; its first pose then tells.
+  // A car on its side for half of the drive has no mean; its first pose is used then.
   constexpr double kLeast = 1e-6;
   const Eigen::Vector3d up =
       down.norm() > kLeast ? Eigen::Vector3d(-down.normalized()) : world_from_vehicle * -Eigen::Vector3d::UnitY();

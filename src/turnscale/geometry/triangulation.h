@@ -17,7 +17,7 @@ struct CameraRay {
 };
 
 /// Point of the world nearest to all rays (least squares of the distances); needs two rays that are not parallel.
-/// Empty where the point cannot be told or lies behind one of the cameras.
+/// Empty where the point is not determined or lies behind one of the cameras.
 std::optional<Eigen::Vector3d> Triangulate(std::span<const CameraRay> rays);
 
 /// Angle in radians at which two camera centres are seen from a point of the world.

@@ -83,7 +83,7 @@ void ClipReader::ReadHeaders(const std::vector<std::filesystem::path>& clips) {
   }
   if (options_.in_any_order && recorded_ && !recorded_->AreKnown()) {
     throw InputError(fmt::format(
-        "{}: lies in another folder than {}, and nothing tells when they were recorded; name the clips of one drive in "
+        "{}: lies in another folder than {}, and their recording times are not known; name the clips of one drive in "
         "their order",
         clips_.back().string(), clips_.front().string()));
   }

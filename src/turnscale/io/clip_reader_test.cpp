@@ -131,7 +131,7 @@ TEST_F(ClipReaderTest, AClipThatCannotBeDecodedIsLeftOut) {
     const ClipReader in_folders({ends[1], ends[2]}, {.in_any_order = true});
     FAIL();
   } catch (const InputError& error) {
-    EXPECT_NE(std::string(error.what()).find("nothing tells when they were recorded"), std::string::npos);
+    EXPECT_NE(std::string(error.what()).find("their recording times are not known"), std::string::npos);
   }
   const auto images = ReadAll(
       {{Write("20230501_120000.mp4", 0, 20), broken("20230501_120002.mp4"), Write("20230501_120007.mp4", 20, 20)}, {}});

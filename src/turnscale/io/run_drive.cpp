@@ -105,8 +105,7 @@ class Run {
     writer_.SetFirstCameraRotation(odometry_.mount().At(0));
     writer_.Add(result);
     if (drive_.watch) drive_.watch(frame, result, odometry_);
-    if (const Mount& mount = odometry_.mount().current(); rotations_.empty() || rotations_.back().Differs(mount))
-      rotations_.push_back({result.frame, result.time, mount});
+    RecordRotation(result, odometry_.mount().current(), rotations_);
     if (const int moves = odometry_.mount().moves(); moves > moves_) {
       moves_ = moves;
       progress_.Warn(fmt::format(

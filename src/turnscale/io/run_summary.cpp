@@ -159,6 +159,23 @@ nlohmann::ordered_json CarJson(const std::optional<CarRefinement>& car) {
           {"camera_height_sigma_m", known(car->camera_height_sigma)}};
 }
 
+nlohmann::ordered_json BeliefJson(const CarBelief& belief) {
+  nlohmann::ordered_json covariance = nlohmann::ordered_json::array();
+  for (int row = 0; row < 4; ++row) {
+    const Eigen::RowVector4d cells = belief.covariance.row(row);
+    covariance.push_back({cells[0], cells[1], cells[2], cells[3]});
+  }
+  return {{"mean", {belief.mean[0] + 0.0, belief.mean[1], belief.mean[2], belief.mean[3]}}, {"covariance", covariance}};
+}
+
+nlohmann::ordered_json EvidenceJson(const std::optional<CarEvidence>& evidence) {
+  if (!evidence) return nullptr;
+  return {{"unknowns", {"yaw_error_rad", "side_slip_s2_per_m", "log_lever_arm", "log_camera_height"}},
+          {"prior", BeliefJson(evidence->prior)},
+          {"posterior", BeliefJson(evidence->posterior)},
+          {"inflation", evidence->inflation}};
+}
+
 // Empty without an estimate.
 std::string CarText(const std::optional<CarRefinement>& car) {
   if (!car) return {};
@@ -253,6 +270,8 @@ void Summarize(const std::vector<FrameResult>& refined, const RefinedScale& scal
     summary.car = scale.estimate->car;
     summary.turn_test = scale.estimate->test;
     summary.height_conflict = scale.estimate->height_conflict;
+    if (!scale.estimate->fell_back && !scale.estimate->height_conflict)
+      summary.car_evidence = scale.estimate->car_evidence;
   }
   for (const ParameterEstimate& estimate : scale.contradicted_calibration)
     summary.warnings.push_back(CalibrationWarning(estimate, scale_sigma));
@@ -305,6 +324,7 @@ std::string SummaryJson(const RunSummary& summary) {
         angles.roll * kDegreesPerRadian + 0.0}},
       {"camera_rotation", MountJson(summary.mount)},
       {"by_all_turns", CarJson(summary.car)},
+      {"car_evidence", EvidenceJson(summary.car_evidence)},
       {"complete", summary.stopped.empty()},
       {"stopped", summary.stopped.empty() ? Json(nullptr) : Json(summary.stopped)},
       {"frames",

@@ -93,6 +93,8 @@ struct RunSummary {
   std::optional<LensSummary> lens;    ///< empty where it was not looked for
   std::optional<MountSummary> mount;  ///< empty where it was given
   std::optional<CarRefinement> car;   ///< empty while the scale is pending
+  /// What the drive tells of the car; empty while the scale is pending, or where the trajectory does not use it.
+  std::optional<CarEvidence> car_evidence;
   int turns_found = 0;
   int turns_used = 0;
   std::optional<HeightConflict> height_conflict;  ///< lever arm and camera height disagree

@@ -132,6 +132,10 @@ bool RotationRecord::Differs(const Mount& other) const {
          other.sigma.yaw != mount.sigma.yaw || !other.vehicle_from_camera.isApprox(mount.vehicle_from_camera);
 }
 
+void RecordRotation(const FrameResult& frame, const Mount& mount, std::vector<RotationRecord>& records) {
+  if (records.empty() || records.back().Differs(mount)) records.push_back({frame.frame, frame.time, mount});
+}
+
 std::string RotationTable(const std::vector<RotationRecord>& records) {
   std::string table = "frame,time,yaw_deg,pitch_deg,roll_deg,yaw_sigma_deg,pitch_sigma_deg,roll_sigma_deg,estimated\n";
   for (const RotationRecord& record : records) {

@@ -46,6 +46,9 @@ struct RotationRecord {
   bool Differs(const Mount& other) const;
 };
 
+/// Adds the rotation in use at a frame unless it is that of the last record.
+void RecordRotation(const FrameResult& frame, const Mount& mount, std::vector<RotationRecord>& records);
+
 /// The whole of camera_rotation.csv: a line per change of the rotation or of its sigma, degrees; the sigmas are empty
 /// if the rotation was not estimated.
 std::string RotationTable(const std::vector<RotationRecord>& records);

@@ -288,6 +288,26 @@ TEST(RunSummary, CountsAndMeasures) {
   EXPECT_NE(SummaryText(summary).find("8.00 m in 5 frames"), std::string::npos);
 }
 
+TEST(RunSummary, HasWhatTheDriveTellsOfTheCar) {
+  RefinedScale scale;
+  scale.estimate.emplace();
+  scale.estimate->car_evidence.prior.covariance.setIdentity();
+  scale.estimate->car_evidence.posterior.mean[1] = 0.005;
+  scale.estimate->car_evidence.posterior.covariance(1, 3) = -0.25;
+  RunSummary summary;
+  Summarize(Frames(3, 1), scale, summary);
+  const auto told = nlohmann::json::parse(SummaryJson(summary))["car_evidence"];
+  EXPECT_EQ(told["unknowns"][1], "side_slip_s2_per_m");
+  EXPECT_EQ(told["posterior"]["mean"][1], 0.005);
+  EXPECT_EQ(told["posterior"]["covariance"][1][3], -0.25);
+  EXPECT_EQ(told["prior"]["covariance"][2][2], 1);
+  EXPECT_EQ(told["inflation"], 1);
+  scale.estimate->fell_back = true;
+  RunSummary without;
+  Summarize(Frames(3, 1), scale, without);
+  EXPECT_TRUE(nlohmann::json::parse(SummaryJson(without))["car_evidence"].is_null());
+}
+
 TEST(RunSummary, UpToScaleSaysSo) {
   RunSummary summary;
   Summarize(Frames(3, 1), {}, summary);

@@ -92,6 +92,7 @@ void VisitSettings(Visitor& visitor, OdometryOptions& options) {
     visitor.Field("camera_height", o.camera_height);
     visitor.Field("camera_height_sigma", o.camera_height_sigma);
     visitor.Field("height_correlation", o.height_correlation);
+    visitor.Field("height_slip_correlation", o.height_slip_correlation);
   });
   visitor.Group("corners", [&] {
     auto& o = options.corners;
@@ -157,7 +158,7 @@ void VisitSettings(Visitor& visitor, OdometryOptions& options) {
       visitor.Field("max_iterations", o.max_iterations);
       visitor.Field("relative_cost_tolerance", o.relative_cost_tolerance);
       visitor.Field("initial_damping", o.initial_damping);
-      visitor.Field("exact_end", o.exact_end);
+      visitor.Field("use_exact_hessian", o.use_exact_hessian);
     });
   }
   visitor.Group("lens", [&] {
@@ -256,7 +257,7 @@ void VisitSettings(Visitor& visitor, OdometryOptions& options) {
     visitor.Degrees("pitch_sigma_deg", o.plane.pitch_sigma);
     visitor.Degrees("roll_sigma_deg", o.plane.roll_sigma);
     visitor.Field("max_deviation", o.plane.max_deviation);
-    visitor.Field("bend_sigma", o.plane.bend_sigma);
+    visitor.Field("vertical_curvature_sigma", o.plane.vertical_curvature_sigma);
     visitor.Field("unevenness", o.plane.unevenness);
     visitor.Field("min_correlation", o.plane.min_correlation);
     visitor.Field("min_patches", o.plane.min_patches);

@@ -124,9 +124,11 @@ void Progress::Update(int frames_done, const std::string& more) {
 }
 
 void Progress::Warn(const std::string& message) {
-  if (line_open_) Show(kClearLine);
-  line_open_ = false;
-  PrintMessage("warning: " + message);
+  if (prints_warnings_) {
+    if (line_open_) Show(kClearLine);
+    line_open_ = false;
+    PrintMessage("warning: " + message);
+  }
   if (observer_) observer_(message);
 }
 

@@ -50,8 +50,11 @@ class Progress {
   void Update(int frames_done, const std::string& more = "");
   /// A line of its own, shown even when quiet.
   void Warn(const std::string& message);
-  /// From now on each warning is also given to `observer`.
-  void OnWarning(std::function<void(const std::string&)> observer) { observer_ = std::move(observer); }
+  /// From now on each warning is given to `observer`, if there is one, and printed only where `printed` says so.
+  void OnWarning(std::function<void(const std::string&)> observer, bool printed = true) {
+    observer_ = std::move(observer);
+    prints_warnings_ = printed;
+  }
   /// Ends the line that renews itself.
   void Finish();
 
@@ -64,6 +67,7 @@ class Progress {
   bool on_terminal_;
   bool line_open_ = false;
   std::function<void(const std::string&)> observer_;
+  bool prints_warnings_ = true;
   Clock::time_point start_ = Clock::now();
   Clock::time_point shown_ = start_;
   int shown_tenths_ = 0;

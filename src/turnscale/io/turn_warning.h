@@ -10,12 +10,12 @@ namespace turnscale {
 
 /// Why the trajectory uses single-turn scales, in one line; empty where it does not, or where the turns are not the
 /// reason. `name_of` names a turn of `estimate.turns`, such as "frames 10-40"; `suspects` is what the user should
-/// check.
+/// check. If the turns are consistent without the given camera height, it names the height instead.
 std::string TurnWarning(const ScaleEstimate& estimate, const std::function<std::string(int)>& name_of,
                         const std::string& suspects);
 
-/// That the lever arm and the camera height as given disagree, by how much, and what each would have to be, in one
-/// line.
+/// One line: by how much the given lever arm and camera height disagree, and the value of each that the other one
+/// implies.
 std::string HeightWarning(const HeightConflict& conflict, double lever_arm);
 
 }  // namespace turnscale

@@ -35,6 +35,25 @@ TEST(TurnWarning, NamesTheTurnThatDeviatesMost) {
             "single-turn scales; check the lever arm");
 }
 
+TEST(TurnWarning, NamesTheCameraHeightWhereTheTurnsAgreeWithoutIt) {
+  ScaleEstimate estimate = Fallback();
+  estimate.test.contradicted = true;
+  estimate.test.disagreement = 0.12;
+  estimate.test.worst_turn = 3;
+  estimate.height_conflict = HeightConflict{1.4, 0.014, 1.6, 0.03, false};
+  EXPECT_NE(Warning(estimate).find("turn 3"), std::string::npos) << "they disagree with or without the height";
+  estimate.height_conflict->contradicts_turns = true;
+  EXPECT_EQ(Warning(estimate),
+            "the turns are inconsistent with the given camera height, by 12 % of scale, and consistent without it: the "
+            "trajectory uses single-turn scales; check the camera height and the lever arm");
+}
+
+TEST(HeightWarning, GivesBothLengthsAsTheOtherOneImpliesThem) {
+  EXPECT_EQ(HeightWarning({1.3, 0.013, 1.62, 0.08}, 0.95),
+            "lever arm and camera height disagree by 20 %: with the lever arm 0.95 m the turns give a height of 1.62 "
+            "+-0.08 m, not 1.30 m; the given height implies a lever arm of 0.76 m: measure both again");
+}
+
 TEST(TurnWarning, TellsThatTheEstimateDidNotConverge) {
   ScaleEstimate estimate = Fallback();
   estimate.converged = false;

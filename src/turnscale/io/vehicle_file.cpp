@@ -37,6 +37,7 @@ const std::vector<std::string>& VehicleFileKeys() {
                                                 "side_slip_sigma",
                                                 "height_sigma",
                                                 "height_correlation",
+                                                "height_slip_correlation",
                                                 "vehicle_from_camera_wxyz",
                                                 "confidence",
                                                 "frames",
@@ -122,12 +123,15 @@ void ReadVehicleFile(const std::filesystem::path& path, VehicleOptions& vehicle)
     vehicle.camera_height = map.Positive("height");
     vehicle.camera_height_sigma =
         std::hypot(not_negative("height_sigma", 0), kHeightBetweenDrives * *vehicle.camera_height);
-    if (map.Has("height_correlation")) {
-      const double correlation = map.Number("height_correlation");
-      if (!(std::abs(correlation) <= 1)) map.Reject("height_correlation", "has to be between -1 and 1");
-      // What changes between drives has nothing to do with the lever arm.
-      vehicle.height_correlation = correlation * not_negative("height_sigma", 0) / *vehicle.camera_height_sigma;
-    }
+    const auto correlation = [&](const char* key) {
+      if (!map.Has(key)) return 0.0;
+      const double value = map.Number(key);
+      if (!(std::abs(value) <= 1)) map.Reject(key, "has to be between -1 and 1");
+      // What changes between drives has nothing to do with the other constants.
+      return value * not_negative("height_sigma", 0) / *vehicle.camera_height_sigma;
+    };
+    vehicle.height_correlation = correlation("height_correlation");
+    vehicle.height_slip_correlation = correlation("height_slip_correlation");
   }
   vehicle.Check();
 }

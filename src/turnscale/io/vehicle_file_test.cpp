@@ -68,6 +68,18 @@ TEST(VehicleFile, TheNextDriveKnowsWhatThisOneHasLearned) {
   EXPECT_LT(next.yaw_sigma, 0.003);
 }
 
+TEST(VehicleFile, CorrelationsOfTheHeightShrinkByWhatChangesBetweenDrives) {
+  const VehicleOptions next = ReadText(
+      "lever_arm: 1.5\nside_slip: 0.005\nheight: 1.4\nheight_sigma: 0.014\nheight_correlation: 0.6\n"
+      "height_slip_correlation: -0.7\n");
+  EXPECT_NEAR(next.height_correlation, 0.6 / std::sqrt(2), 1e-9);
+  EXPECT_NEAR(next.height_slip_correlation, -0.7 / std::sqrt(2), 1e-9);
+  EXPECT_NE(Refused("height: 1\nheight_slip_correlation: 1.5\n").find("height_slip_correlation"), std::string::npos);
+  EXPECT_NE(Refused("height: 2\nheight_sigma: 1\nheight_correlation: 0.9\nheight_slip_correlation: 0.9\n")
+                .find("height_slip_correlation"),
+            std::string::npos);
+}
+
 TEST(VehicleFile, WhatIsNotKnownIsLeftOut) {
   const std::string text = VehicleFileText({}, {}, {});
   EXPECT_EQ(text.find("lever_arm:"), std::string::npos) << text;

@@ -9,6 +9,7 @@
 
 #include "turnscale/base/error.h"
 #include "turnscale/base/quantiles.h"
+#include "turnscale/base/robust_weights.h"
 #include "turnscale/geometry/rotation.h"
 
 namespace turnscale {
@@ -33,11 +34,6 @@ double ResidualSpread(const std::vector<LinePoint>& points, double slope) {
   for (const LinePoint& point : points) residuals.push_back(point.y - slope * point.x);
   const double n = static_cast<double>(points.size());
   return RobustSigma(std::move(residuals)) * std::sqrt(n / std::max(n - 1.0, 1.0));
-}
-
-double TukeyWeight(double residual_in_widths) {
-  const double inside = 1.0 - residual_in_widths * residual_in_widths;
-  return inside > 0 ? inside * inside : 0.0;
 }
 
 double SigmaOfSlope(const std::vector<LinePoint>& points, const RobustLine& line, double noise_floor) {
@@ -120,7 +116,7 @@ RobustLine FitRobustLine(const std::vector<LinePoint>& points, double noise_floo
     double xx = 0;
     for (std::size_t i = 0; i < points.size(); ++i) {
       const auto& [x, y] = points[i];
-      line.weight[i] = TukeyWeight((y - line.slope * x) / width);
+      line.weight[i] = TukeyWeight(y - line.slope * x, width);
       xy += line.weight[i] * x * y;
       xx += line.weight[i] * x * x;
     }

@@ -14,7 +14,7 @@
 
 namespace turnscale {
 
-/// What viewers are told of a run that goes on. One thread adds frames, any number of others ask. Texts and pictures
+/// State of a run in progress, for its viewers. One thread adds frames, any number of others ask. Texts and pictures
 /// are made when they are asked for, once for all viewers, by the thread that asks.
 class LiveState {
  public:
@@ -32,14 +32,14 @@ class LiveState {
   /// What the program does other than to run over the frames, such as "final adjustment", which cannot be paused;
   /// empty: it runs over the frames.
   void SetPhase(const std::string& phase);
-  /// Viewers are told the first ones, and how many more there are.
+  /// Viewers get the first ones and the number of the others.
   void AddWarning(const std::string& warning);
   /// No frame follows.
   void Finish();
 
   void SetPaused(bool paused);
   bool IsPaused() const;
-  /// Ends a pause that nobody watches.
+  /// Ends a pause without viewers.
   void EndStalePause();
 
   /// The numbers, JSON; see LiveState in web/src/live.ts.
@@ -49,7 +49,7 @@ class LiveState {
   /// The latest image with its features, JPEG; empty before the first.
   std::string Image();
 
-  /// Somebody asked for the state within the last seconds.
+  /// The state was requested within the last seconds.
   bool IsWatched() const;
 
  private:

@@ -30,7 +30,7 @@ struct CalibrationCheckOptions {
   double pixel_sigma_inflation = 3.0;
   /// Where bundle adjustment starts to weigh residuals linearly, in sigmas.
   double huber_threshold = 2.0;
-  /// Standard deviation of a tracked pixel until residuals tell it, pixels.
+  /// Standard deviation of a tracked pixel until estimated from residuals, pixels.
   double pixel_sigma = 0.5;
 
   // Priors, standard deviations.

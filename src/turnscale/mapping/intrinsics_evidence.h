@@ -55,7 +55,7 @@ struct IntrinsicsEvidence {
   IntrinsicsChange::Vector weighted_minimum() const { return information * at - gradient; }
 };
 
-/// Which part of a map is asked, and how what it says is weighed.
+/// The part of a map that is used, and its weights.
 struct IntrinsicsWindow {
   int first = 0;  ///< keyframe
   int last = 0;   ///< keyframe, included; no gap in the tracking lies between
@@ -69,7 +69,7 @@ struct IntrinsicsWindow {
 class IntrinsicsProblem {
  public:
   /// `camera` is the one by which the map's pixels are undistorted, `given` the one that intrinsics are changes of
-  /// (Correct), `pixel_sigma` the standard deviation of a pixel (pixels) until the residuals tell it.
+  /// (Correct), `pixel_sigma` the standard deviation of a pixel (pixels) until it is estimated from the residuals.
   /// Begins with the pinhole of `given` and the radial correction of `camera`.
   IntrinsicsProblem(const Map& map, const CameraModel& camera, const CameraModel& given, const IntrinsicsWindow& window,
                     double pixel_sigma);

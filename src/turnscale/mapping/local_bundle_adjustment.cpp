@@ -75,7 +75,7 @@ LocalBundleResult AdjustFrom(const LocalBundleOptions& options, int first, Map& 
   bundle_options.max_iterations = options.max_iterations;
   bundle_options.relative_cost_tolerance = options.relative_cost_tolerance;
   bundle_options.initial_damping = options.initial_damping;
-  bundle_options.exact_end = options.exact_end;
+  bundle_options.use_exact_hessian = options.use_exact_hessian;
   LocalBundleResult result;
   const std::optional<BundleSummary> summary = TryAdjustBundle(bundle_options, problem.bundle);
   if (!summary) return result;

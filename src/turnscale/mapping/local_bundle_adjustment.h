@@ -41,12 +41,12 @@ struct LocalBundleOptions {
   int max_iterations = 6;
   /// An iteration that lowers the cost by less than this share is the last.
   double relative_cost_tolerance = 1e-4;
-  /// First damping, relative to the diagonal of the normal equations. A small one lets the first steps reach what the
-  /// images hardly tell, such as the drift of the scale along a section, and is for windows that are close to their
+  /// First damping, relative to the diagonal of the normal equations. With a small one, the first steps also change
+  /// what is weakly observable, such as the drift of the scale along a section: for windows that are close to their
   /// minimum already.
   double initial_damping = 1e-4;
   /// See BundleOptions.
-  bool exact_end = true;
+  bool use_exact_hessian = true;
 
   /// Throws InputError that names the field when a value makes no sense.
   void Check() const;

@@ -63,7 +63,7 @@ void AddObservation(Map& map, int keyframe, int landmark, const Eigen::Vector2d&
 /// Forgets that a keyframe saw a landmark, on both sides.
 void RemoveObservation(Map& map, int keyframe, int landmark);
 
-/// Takes a landmark out of the map: invalid and seen by nobody. Its number stays taken.
+/// Takes a landmark out of the map: invalid and without observations. Its number is not used again.
 void RemoveLandmark(Map& map, int landmark);
 
 }  // namespace turnscale

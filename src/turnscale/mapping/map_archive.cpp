@@ -24,7 +24,7 @@ bool ReadAll(std::vector<T>& values, std::FILE* file) {
   return values.empty() || std::fread(values.data(), sizeof(T), values.size(), file) == values.size();
 }
 
-// Takes the observations of keyframes before `last` from the landmarks, and drops landmarks that nobody sees any more.
+// Takes the observations of keyframes before `last` from the landmarks, and drops landmarks without observations.
 std::vector<int> DropObservationsBefore(int last, Map& map) {
   std::vector<int> new_index(map.landmarks.size(), -1);
   int kept = 0;

@@ -72,7 +72,7 @@ void Move(const Similarity& new_from_old, int first, Map& map) {
 }
 
 // The change of scale at the end of a section: lengths of its last steps, over at least a few mean steps, so that a car
-// that stands tells nothing.
+// that stands has no information.
 std::optional<double> ScaleOfEnd(const std::vector<Eigen::Vector3d>& before,
                                  const std::vector<Eigen::Vector3d>& after) {
   double whole = 0;

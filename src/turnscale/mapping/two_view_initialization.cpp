@@ -64,7 +64,7 @@ EssentialMotion FindMotion(const TwoViewOptions& options, const Pinhole& pinhole
   if (essential.rows != 3) return motion;
   cv::Mat rotation;
   cv::Mat translation;
-  // Points farther than this many baselines tell nothing about which of the four motions is right.
+  // Points farther than this many baselines do not decide which of the four motions is right.
   constexpr double kFarthest = 500;
   cv::recoverPose(essential, a, b, identity, rotation, translation, kFarthest, mask);
   Eigen::Matrix3d R;

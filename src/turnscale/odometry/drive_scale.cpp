@@ -26,8 +26,15 @@ constexpr double kScalePerFocalLength = 2;
 constexpr double kScalePerAngle = 3;
 constexpr double kScalePerCorrection = 15;
 
-// Of the yaw of a camera whose rotation is assumed until the drive tells it: people mount cameras by eye (3 deg).
+// Of the yaw of a camera whose rotation is assumed until it is estimated: people mount cameras by eye (3 deg).
 constexpr double kAssumedYawSigma = 3.0 / 57.295779513082320877;
+
+double YawSigma(const VehicleOptions& vehicle, const Mount& mount) {
+  if (!vehicle.calibrate_camera) return vehicle.yaw_sigma;
+  if (mount.found) return std::max(vehicle.yaw_sigma, mount.sigma.yaw);
+  const bool as_given = vehicle.camera_known && mount.first_keyframe == 0;
+  return as_given ? vehicle.yaw_sigma : std::max(vehicle.yaw_sigma, kAssumedYawSigma);
+}
 
 CarPrior PriorOf(const VehicleOptions& vehicle, const Mount& mount) {
   CarPrior car;
@@ -37,18 +44,15 @@ CarPrior PriorOf(const VehicleOptions& vehicle, const Mount& mount) {
     car.camera_height = *vehicle.camera_height;
     car.camera_height_sigma = vehicle.HeightSigma();
     car.height_correlation = vehicle.height_correlation;
+    car.height_slip_correlation = vehicle.height_slip_correlation;
   }
   car.side_slip = vehicle.side_slip;
   car.side_slip_sigma = vehicle.side_slip_sigma;
-  car.yaw_sigma = vehicle.yaw_sigma;
-  if (vehicle.calibrate_camera)
-    car.yaw_sigma = std::max(vehicle.yaw_sigma, mount.found                                         ? mount.sigma.yaw
-                                                : vehicle.camera_known && mount.first_keyframe == 0 ? vehicle.yaw_sigma
-                                                                                                    : kAssumedYawSigma);
+  car.yaw_sigma = YawSigma(vehicle, mount);
   return car;
 }
 
-// Direction of travel that a camera taken as turned by `before` showed as 0, now that `now` is known, rad.
+// Direction of travel under the rotation `now` where it is 0 under the rotation `before`, rad.
 double DirectionUnder(const Eigen::Quaterniond& now, const Eigen::Quaterniond& before) {
   const Eigen::Vector3d forward = now * (before.conjugate() * Eigen::Vector3d::UnitZ());
   return std::atan2(forward.x(), forward.z());
@@ -78,12 +82,12 @@ std::vector<VehicleStep> StepsAlong(const Map& map, const MountCalibration& moun
   std::vector<PathGap> gaps;
   for (int k = 0; k < static_cast<int>(map.keyframes.size()); ++k) {
     path.push_back(VehiclePose(map, mount, k));
-    // One keyframe that went astray leaves nothing to be read.
+    // The steps need every pose.
     if (!IsFinite(path.back())) return {};
     if (const auto gap = GapBefore(map, k)) gaps.push_back(*gap);
   }
   std::vector<VehicleStep> steps = CutIntoSteps(path, gaps, true, options);
-  for (VehicleStep& step : steps) turnscale::AddHeight(map, heights, step);
+  for (VehicleStep& step : steps) SetStepHeight(map, heights, step);
   return steps;
 }
 
@@ -159,7 +163,7 @@ bool DriveScale::Feed(const Map& map, int keyframe) {
   const std::optional<PathGap> gap = GapBefore(map, keyframe);
   bool turn_ended = false;
   for (VehicleStep& step : builder_.Add(VehiclePose(map, mount_, keyframe), gap ? &*gap : nullptr)) {
-    turnscale::AddHeight(map, heights_, step);
+    SetStepHeight(map, heights_, step);
     turn_ended = live_.Add(step) || turn_ended;
   }
   return turn_ended;
@@ -170,10 +174,7 @@ void DriveScale::UpdateLive(const Map& map, int first) {
   const bool was_known = state_ != ScaleState::kPending;
   const double scale = now ? now->metres_per_unit() : 1.0;
   sigma_ = now ? now->sigma() : std::numeric_limits<double>::infinity();
-  state_ = !now                             ? ScaleState::kPending
-           : live_.turning() || turn_ended_ ? ScaleState::kObserved
-           : live_.on_road()                ? ScaleState::kFromRoad
-                                            : ScaleState::kHeld;
+  state_ = now ? KnownState() : ScaleState::kPending;
 
   const int count = static_cast<int>(map.keyframes.size());
   std::vector<double>& scales = live_path_.metres_per_unit;
@@ -193,6 +194,11 @@ void DriveScale::UpdateLive(const Map& map, int first) {
     live_path_.centres[k] =
         live_path_.centres[k - 1] + metres_per_unit * (Centre(map.keyframes[k]) - Centre(map.keyframes[k - 1]));
   }
+}
+
+ScaleState DriveScale::KnownState() const {
+  if (live_.turning() || turn_ended_) return ScaleState::kObserved;
+  return live_.on_road() ? ScaleState::kFromRoad : ScaleState::kHeld;
 }
 
 // From the end of the turn before the scale passes evenly to that of the turn under way; at a loss of tracking it

@@ -55,7 +55,7 @@ class DriveScale {
  public:
   explicit DriveScale(const OdometryOptions& options);
 
-  /// Takes what the latest keyframe shows of the road, before Add.
+  /// Takes the height measured at the latest keyframe, before Add.
   void AddHeight(const MeasuredHeight& height) {
     // A camera that has been moved may have another height.
     if (mount_.moves() == 0) heights_.push_back(height);
@@ -87,6 +87,8 @@ class DriveScale {
   bool Feed(const Map& map, int keyframe);
   /// Live positions from keyframe `first` on, and from where the scale has changed.
   void UpdateLive(const Map& map, int first);
+  /// Where the live scale comes from, once it is known.
+  ScaleState KnownState() const;
   /// Brings the live scale within a turn to `scale`. Returns the keyframe from which on it has changed.
   int SpreadScale(const Map& map, double scale);
 

@@ -60,7 +60,7 @@ FollowedTracks FollowTracks(const FlowOptions& options, const Map& map, const Ca
                             const std::vector<cv::Point2f>& guesses, std::optional<int> levels) {
   const std::vector<cv::Point2f> pixels = PixelsOf(tracks);
   const FlowResult flow = TrackPoints(options, first, second, pixels, guesses, levels);
-  // A landmark with a depth is going to be compared with its reference view, which asks for more than the way back.
+  // A landmark with a depth is going to be compared with its reference view, which is stricter than tracking back.
   FlowResult without_depth = flow;
   for (size_t i = 0; i < tracks.size(); ++i)
     if (map.landmarks[tracks[i].landmark].valid) without_depth.found[i] = 0;

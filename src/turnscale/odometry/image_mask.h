@@ -20,7 +20,7 @@ struct StaticRegionOptions {
   /// A feature stands still if it has moved by at most this, pixels.
   double max_motion = 1.0;
   /// The camera's motion has to move whatever is at its pixel, at any depth, by at least this much, pixels. Far points
-  /// stand still too while the camera does not turn: straight ahead nothing is told.
+  /// stand still too while the camera does not turn: straight ahead they are not classified.
   double min_expected_motion = 5.0;
   /// A cell is left out when features have stood still there in so many more keyframes than others have moved.
   int min_evidence = 3;
@@ -36,7 +36,7 @@ double LeastSceneMotion(const Pinhole& pinhole, const RigidTransform& second_fro
 /// Whether all keyframes have seen a landmark within so many pixels of the one given.
 bool HasStayed(const Landmark& landmark, const Eigen::Vector2d& pixel, double max_motion);
 
-/// How a feature has moved in the image, as far as that tells whether it belongs to the scene.
+/// How a feature has moved in the image, as evidence of whether it belongs to the scene.
 struct ObservedMotion {
   cv::Point2f pixel;          ///< in the image as it came
   bool stands_still = false;  ///< although the scene moves there; else it has moved

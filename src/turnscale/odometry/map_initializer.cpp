@@ -15,7 +15,7 @@ namespace {
 constexpr double kFewestFeatures = 0.4;
 // A car that waits longer than this gets a new first view, which bounds the memory.
 constexpr size_t kMostFrames = 300;
-// Share of the features that have to move for what stands still to be told from the scene.
+// Share of the features that have to move for static features to be separated from the scene.
 constexpr double kLeastMovingShare = 0.2;
 // Fewer features that stand still do no harm.
 constexpr int kFewestStatic = 10;

@@ -15,6 +15,9 @@ namespace {
 constexpr double kLeastChange = 0.05 / kDegreesPerRadian;
 constexpr double kLeastRollChange = 5 / kDegreesPerRadian;
 
+// Between the yaw that was known and the drive's, in standard deviations, beyond which the camera is taken as turned.
+constexpr double kMostYawDeviation = 3;
+
 bool AreClose(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b) {
   const Eigen::Vector3d change = VectorFromRotation(a * b.conjugate());
   return change.head<2>().norm() < kLeastChange && std::abs(change.z()) < kLeastRollChange;
@@ -30,8 +33,26 @@ OnlineCalibrationOptions OptionsFor(const Eigen::Quaterniond& assumed) {
 
 MountCalibration::MountCalibration(const VehicleOptions& vehicle)
     : calibrates_(vehicle.calibrate_camera),
+      known_yaw_sigma_(vehicle.yaw_sigma),
       calibration_(OptionsFor(vehicle.vehicle_from_camera)),
-      mounts_{{0, vehicle.vehicle_from_camera}} {}
+      mounts_{{0, vehicle.vehicle_from_camera}} {
+  if (vehicle.camera_known) known_ = YawPitchRollFromRotation(vehicle.vehicle_from_camera);
+}
+
+Mount MountCalibration::Found(const OnlineState& state) const {
+  Mount found{current().first_keyframe, state.vehicle_from_camera, true, state.sigma};
+  // A camera that has been moved is as the drive says.
+  if (!known_ || moves() > 0) return found;
+  YawPitchRoll angles = YawPitchRollFromRotation(state.vehicle_from_camera);
+  const double of_known = 1 / (known_yaw_sigma_ * known_yaw_sigma_);
+  const double of_drive = 1 / (state.sigma.yaw * state.sigma.yaw);
+  const double difference = known_->yaw - angles.yaw;
+  if (std::abs(difference) > kMostYawDeviation * std::hypot(known_yaw_sigma_, state.sigma.yaw)) return found;
+  angles.yaw += of_known / (of_known + of_drive) * difference;
+  found.vehicle_from_camera = RotationFromYawPitchRoll(angles);
+  found.sigma.yaw = 1 / std::sqrt(of_known + of_drive);
+  return found;
+}
 
 bool MountCalibration::Learn(const Map& map, int last) {
   if (!calibrates_) return false;
@@ -53,11 +74,12 @@ bool MountCalibration::Learn(const Map& map, int last) {
       mounts_.push_back({step_ends_[step_ends_.size() - state.steps], current().vehicle_from_camera});
     }
     if (!state.usable) continue;
+    const Mount found = Found(state);
     Mount& mount = mounts_.back();
     mount.found = true;
-    mount.sigma = state.sigma;
-    if (AreClose(state.vehicle_from_camera, mount.vehicle_from_camera)) continue;
-    mount.vehicle_from_camera = state.vehicle_from_camera;
+    mount.sigma = found.sigma;
+    if (AreClose(found.vehicle_from_camera, mount.vehicle_from_camera)) continue;
+    mount.vehicle_from_camera = found.vehicle_from_camera;
     changed = true;
   }
   return changed;

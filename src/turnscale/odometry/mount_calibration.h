@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -39,7 +40,12 @@ class MountCalibration {
   int moves() const { return static_cast<int>(mounts_.size()) - 1; }
 
  private:
+  /// The rotation that the drive gives, its yaw averaged with the one that was known before, unless they contradict.
+  Mount Found(const OnlineState& state) const;
+
   bool calibrates_;
+  std::optional<YawPitchRoll> known_;  ///< before the drive
+  double known_yaw_sigma_;             ///< rad
   StepGatherer gatherer_;
   OnlineCalibration calibration_;
   std::vector<Mount> mounts_;

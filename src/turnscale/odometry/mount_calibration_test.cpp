@@ -96,6 +96,29 @@ TEST(MountCalibration, AGivenRotationStays) {
   EXPECT_EQ(mount.At(Last(map)).coeffs(), vehicle.vehicle_from_camera.coeffs());
 }
 
+TEST(MountCalibration, AKnownYawIsAveragedWithTheDrivesUnlessTheyContradict) {
+  Map map;
+  Append(Blocks(2), kTurned, map);
+  const auto yaw_found = [&](double known_error, double known_sigma) {
+    VehicleOptions vehicle;
+    vehicle.vehicle_from_camera = RotationFromYawPitchRoll({0.15 + known_error, -0.1, 0.03});
+    vehicle.camera_known = true;
+    vehicle.yaw_sigma = known_sigma;
+    MountCalibration mount(vehicle);
+    mount.Learn(map, Last(map));
+    EXPECT_TRUE(mount.current().found);
+    return std::pair(YawPitchRollFromRotation(mount.At(0)).yaw - 0.15, mount.current().sigma.yaw);
+  };
+  MountCalibration alone{VehicleOptions()};
+  alone.Learn(map, Last(map));
+  const double own = alone.current().sigma.yaw;
+  const auto [yaw, sigma] = yaw_found(own, own);
+  constexpr double kLeastChange = 0.05 / kDegreesPerRadian;  // that is taken over
+  EXPECT_NEAR(yaw, 0.5 * own, kLeastChange);
+  EXPECT_NEAR(sigma, own / std::sqrt(2), 0.01 * own);
+  EXPECT_NEAR(yaw_found(10 * own, own).first, 0, 0.1 * own) << "another camera";
+}
+
 TEST(MountCalibration, AMovedCameraIsAnotherMount) {
   const Eigen::Quaterniond moved = RotationFromYawPitchRoll({0.15 + 0.06, -0.1 + 0.03, 0.03});
   Map map;

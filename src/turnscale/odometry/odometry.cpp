@@ -104,7 +104,7 @@ FrameResult Odometry::Process(const cv::Mat& gray, double time) {
 
 void Odometry::CheckImage(const cv::Mat& gray) {
   if (gray.type() != CV_8UC1) throw InputError("image: has to be 8-bit gray");
-  // Not every camera file tells the size; the first image does.
+  // Not every camera file has the image size; the first image has it.
   if (camera_.width == 0) {
     camera_.width = gray.cols;
     camera_.height = gray.rows;
@@ -258,7 +258,7 @@ bool Odometry::Repeats(const WaitingFrame& before, const WaitingFrame& waiting, 
   std::vector<LandmarkMotion> motion;
   size_t i = 0;
   for (size_t k = 0; k < waiting.features.size(); ++k) {
-    // Whoever is seen still was seen before.
+    // The features of `waiting` are among those of `before`, in the same order.
     while (before.features[i] != waiting.features[k]) ++i;
     const Landmark& landmark = map_.landmarks[first_landmark + waiting.features[k]];
     const Eigen::Vector3d x = predicted * landmark.position;

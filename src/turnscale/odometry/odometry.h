@@ -142,7 +142,7 @@ class Odometry {
   double calibration_sigma_ = 0;          ///< added to the online sigma for an uncertain or inconsistent calibration
 
   bool finished_ = false;
-  /// Keyframe at which the map started with features that stood still, until a turn tells whether they are far away.
+  /// Keyframe at which the map started with features that stood still, until a turn shows whether they are far away.
   std::optional<int> start_in_doubt_;
   bool mapping_ = false;  ///< there is a map to track against
   int lost_frames_ = 0;   ///< consecutive, up to now

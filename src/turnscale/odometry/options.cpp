@@ -18,6 +18,9 @@ void VehicleOptions::Check() const {
   if (camera_height_sigma && !(*camera_height_sigma >= 0 && *camera_height_sigma < camera_height.value_or(HUGE_VAL)))
     throw InputError("vehicle.camera_height_sigma: has to be from 0 to below the height, metres");
   if (!(std::abs(height_correlation) < 1)) throw InputError("vehicle.height_correlation: has to be between -1 and 1");
+  if (!(std::hypot(height_correlation, height_slip_correlation) < 1))
+    throw InputError(
+        "vehicle.height_slip_correlation: the sum of its square and that of height_correlation has to be below 1");
   if (!(side_slip >= 0 && side_slip < 1)) throw InputError("vehicle.side_slip: has to be in 0...1 s^2/m");
   if (!(side_slip_sigma >= 0 && side_slip_sigma < 1))
     throw InputError("vehicle.side_slip_sigma: has to be in 0...1 s^2/m");

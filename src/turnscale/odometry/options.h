@@ -44,10 +44,11 @@ struct VehicleOptions {
   bool calibrate_camera = true;
   /// Standard deviation of the yaw of Q, given or estimated, rad (0.3 deg: at which the calibration is first used).
   double yaw_sigma = 0.3 / 57.295779513082320877;
-  /// Height of the camera above the road, metres. Without it the turns tell it, and it holds the scale between them.
+  /// Height of the camera above the road, metres. Estimated in turns if not given.
   std::optional<double> camera_height;
   std::optional<double> camera_height_sigma;  ///< its standard deviation, metres; 1 % of it if not given
   double height_correlation = 0;              ///< of the errors of camera height and lever arm
+  double height_slip_correlation = 0;         ///< of the errors of camera height and c
 
   /// Standard deviation of the height, metres.
   double HeightSigma() const { return camera_height_sigma.value_or(kGivenHeightSigma * camera_height.value_or(0)); }
@@ -88,7 +89,7 @@ struct SelfCalibrationOptions {
   double first_min_turn_deg = 10.0;
   /// Most times that the images are read.
   int max_passes = 6;
-  /// Images that come sooner after the one before, seconds, are passed over: they tell little of the camera.
+  /// Images that come sooner after the one before, seconds, are skipped: they add little information on the camera.
   double min_interval = 0.045;
   /// The camera is found when a pass changes the ray of no pixel by more than this (on the plane z = 1).
   double converged = 0.003;
@@ -119,7 +120,7 @@ struct TrackingOptions {
   /// after, less than 1; averaged with the last speed (MotionModelOptions::speed_sigma). On KITTI 03 and 07 and a
   /// simulated drive it is off by 0.3 to 0.8 (root mean square), whatever the length of the gap.
   double depth_sigma = 0.5;
-  /// A landmark that this many keyframes have not seen is no longer looked for.
+  /// A landmark that has not been observed in this many keyframes is no longer searched for.
   int memory_keyframes = 10;
 
   /// Throws InputError that names the field when a value makes no sense.
@@ -154,7 +155,7 @@ struct OdometryOptions {
   KeyframeOptions keyframes;
   LandmarkOptions landmarks;
   /// After each keyframe. The larger windows that follow are adjusted until they settle.
-  LocalBundleOptions local_bundle{.max_iterations = 3, .relative_cost_tolerance = 1e-3, .exact_end = false};
+  LocalBundleOptions local_bundle{.max_iterations = 3, .relative_cost_tolerance = 1e-3, .use_exact_hessian = false};
   /// When a turn ends, for keyframes since the one before, and where they have become half of a window.
   LocalBundleOptions turn_bundle{.window = 120, .max_iterations = 10};
   /// For the whole drive, at its end, in sections of at most a window.

@@ -16,7 +16,7 @@ namespace turnscale {
 /// What counts as an image that a recorder has written once more. A car does not lose most of its speed from one image
 /// to the next: at the limits below that would be a braking of 10 m/s^2 and more.
 struct RepeatOptions {
-  /// Median motion of the landmarks that the prediction has to expect, pixels: less is not told from tracking noise.
+  /// Median motion of the landmarks that the prediction has to expect, pixels: less is like tracking noise.
   double min_expected_motion = 1.5;
   /// The image repeats the one before if its landmarks have moved by less than this share of what was expected.
   double max_motion_share = 0.25;

@@ -6,7 +6,7 @@
 
 namespace turnscale {
 
-void AddHeight(const Map& map, const std::vector<MeasuredHeight>& heights, VehicleStep& step) {
+void SetStepHeight(const Map& map, const std::vector<MeasuredHeight>& heights, VehicleStep& step) {
   if (step.after_gap || !step.usable) return;
   double information = 0;
   double sum = 0;

@@ -17,8 +17,8 @@ struct MeasuredHeight {
   double sigma = 0;   ///< relative
 };
 
-/// Gives a step along the map's keyframes the height that its keyframes have measured, in the map's present unit.
+/// Sets the height of a step along the map's keyframes from those measured at its keyframes, in the map's present unit.
 /// `heights` are in the order of their keyframes.
-void AddHeight(const Map& map, const std::vector<MeasuredHeight>& heights, VehicleStep& step);
+void SetStepHeight(const Map& map, const std::vector<MeasuredHeight>& heights, VehicleStep& step);
 
 }  // namespace turnscale

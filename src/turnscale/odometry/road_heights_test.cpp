@@ -29,7 +29,7 @@ TEST(RoadHeights, AStepHasTheHeightOfItsKeyframes) {
   const std::vector<MeasuredHeight> heights = {
       {3, 2, 9.0, 0.01}, {4, 3, 0.8, 0.01}, {6, 4, 0.4, 0.02}, {7, 6, 9.0, 0.01}};
   VehicleStep step = StepBetween(3, 6);
-  AddHeight(map, heights, step);
+  SetStepHeight(map, heights, step);
   EXPECT_NEAR(step.height, 0.4, 1e-12);
   EXPECT_GT(step.height_sigma, 0.01) << "they share their errors";
   EXPECT_LT(step.height_sigma, 0.02);
@@ -39,10 +39,10 @@ TEST(RoadHeights, FollowTheMapWhenItIsAdjusted) {
   Map map = StraightMap(10);
   const std::vector<MeasuredHeight> heights = {{4, 2, 0.4, 0.01}};
   VehicleStep before = StepBetween(3, 6);
-  AddHeight(map, heights, before);
+  SetStepHeight(map, heights, before);
   for (Keyframe& keyframe : map.keyframes) keyframe.camera_from_world.translation *= 1.1;
   VehicleStep after = StepBetween(3, 6);
-  AddHeight(map, heights, after);
+  SetStepHeight(map, heights, after);
   EXPECT_NEAR(after.height, 1.1 * before.height, 1e-12);
 }
 
@@ -50,15 +50,15 @@ TEST(RoadHeights, AStepThatShowsNoRoadHasNone) {
   const Map map = StraightMap(10);
   const std::vector<MeasuredHeight> heights = {{4, 3, 0.8, 0.01}};
   VehicleStep other = StepBetween(4, 8);
-  AddHeight(map, heights, other);
+  SetStepHeight(map, heights, other);
   EXPECT_EQ(other.height, 0);
   VehicleStep gap = StepBetween(3, 4);
   gap.after_gap = true;
-  AddHeight(map, heights, gap);
+  SetStepHeight(map, heights, gap);
   EXPECT_EQ(gap.height, 0);
   VehicleStep jump = StepBetween(3, 4);
   jump.usable = false;
-  AddHeight(map, heights, jump);
+  SetStepHeight(map, heights, jump);
   EXPECT_EQ(jump.height, 0);
 }
 

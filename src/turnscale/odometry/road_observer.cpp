@@ -12,7 +12,7 @@ namespace turnscale {
 namespace {
 
 constexpr std::size_t kViews = 9;
-// Keyframes without a road at the height of before, until it is looked for at any height.
+// Keyframes in a row without the road at the last height, after which it is searched for at any height.
 constexpr int kFailures = 5;
 // Bounds of that search, in distances between two keyframes.
 constexpr double kLeastRatio = 0.2;
@@ -30,7 +30,7 @@ RoadRegion RegionAhead(const RigidTransform& current_from_earlier, const Eigen::
   const Eigen::Vector3d down = travel.cross(right).normalized();
   RoadRegion region;
   region.level_from_camera << down.cross(travel).transpose(), down.transpose(), travel.transpose();
-  region.bend = 0.5 * psi;
+  region.direction = 0.5 * psi;
   region.curvature = psi * height / centre.norm();
   return region;
 }
@@ -77,7 +77,7 @@ std::optional<MeasuredHeight> RoadObserver::Observe(const Map& map, const Camera
   const double distance = earlier_from_current.translation.norm();
   const TurningMotion motion = TurningMotionOf(earlier_from_current, vehicle_from_camera);
   if (!(distance > 0) || !std::isfinite(distance) || std::abs(motion.psi) > options_.max_turn) return std::nullopt;
-  // In reverse the road ahead is what the camera has just left; it is seen better going forward.
+  // In reverse the road ahead is what the camera has just left; it is measured better going forward.
   if (std::abs(motion.theta) > 0.5 * M_PI) return std::nullopt;
   const RoadPair pair = {views_.back().image, reference->image, camera, earlier_from_current, mask};
   const RoadRegion region =

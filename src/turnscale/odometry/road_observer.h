@@ -16,12 +16,12 @@
 namespace turnscale {
 
 struct RoadObserverOptions {
-  bool enabled = true;  ///< observe the road at all
+  bool enabled = true;  ///< observe the road
   RoadPlaneOptions plane;
   /// Distance between the two keyframes that are compared, heights; less where the car is slow.
   double baseline = 0.5;
   double min_baseline = 0.1;  ///< heights
-  /// Turn between the two keyframes beyond which the road is not looked at, rad (6 deg): the body leans.
+  /// Turn between the two keyframes beyond which the road is not observed, rad (6 deg): the body leans.
   double max_turn = 6.0 / 57.295779513082320877;
 
   /// Throws InputError that names the field when a value makes no sense.
@@ -33,7 +33,7 @@ class RoadObserver {
  public:
   explicit RoadObserver(const RoadObserverOptions& options) : options_(options) {}
 
-  /// Takes the latest keyframe of the map. `mask`: as ImageMask::pixels. Empty where the road is not seen.
+  /// Takes the latest keyframe of the map. `mask`: as ImageMask::pixels. Empty where the road is not observed.
   std::optional<MeasuredHeight> Observe(const Map& map, const CameraModel& camera,
                                         const Eigen::Quaterniond& vehicle_from_camera, const FlowImage& image,
                                         const cv::Mat& mask);

@@ -13,7 +13,7 @@
 namespace turnscale {
 namespace {
 
-// Where the drive says nothing with the first camera: odometry fails where its focal length is too far off.
+// Where the first camera leads to no estimate: odometry fails where its focal length is too far off.
 constexpr std::array<double, 2> kOtherViews = {100.0, 50.0};
 // Share of the frames: failure has another cause.
 constexpr double kTracksWell = 0.9;
@@ -25,7 +25,7 @@ constexpr int kMaxLandmarks = 300;
 // A focal length may have to change by a factor of two, in steps of a tenth.
 constexpr int kMaxRounds = 15;
 
-// What one reading of the images tells.
+// Result of one pass over the images.
 struct Reading {
   IntrinsicsEstimate estimate;
   int windows = 0;
@@ -35,7 +35,7 @@ struct Reading {
   int tracked = 0;
 };
 
-// Thresholds in pixels are wider at first: with a wrong lens, points near the edge, which tell most of it, fit worst.
+// Thresholds in pixels are wider at first: with a wrong lens, points near the edge, which show most of it, fit worst.
 double LooseBy(int pass) { return std::max(1.0, kLooseAtFirst * std::pow(kTightening, pass)); }
 
 OdometryOptions OptionsForReading(OdometryOptions options, int pass) {

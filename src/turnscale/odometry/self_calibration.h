@@ -30,7 +30,7 @@ struct StartCamera {
   bool assumed = true;  ///< else the calibration of the camera, if perhaps a wrong one
 };
 
-/// A camera as the drive tells it.
+/// A camera estimated from a drive.
 struct FoundCamera {
   CameraModel camera;       ///< with the standard deviation of its focal length
   double centre_sigma = 0;  ///< standard deviation of the principal point, pixels
@@ -41,7 +41,7 @@ struct FoundCamera {
 
 /// Estimates focal length, principal point and radial distortion from the first turns of a drive.
 ///
-/// The odometry runs over the images with the camera as assumed; windows of keyframes in turns tell how it differs
+/// The odometry runs over the images with the camera as assumed; windows of keyframes in turns show how it differs
 /// from the true one (CalibrationCheck); the images are read again with the new camera, until it changes little.
 /// `start` needs image size and focal length only: half or twice the true one is near enough; where it is assumed
 /// rather than given, other fields of view are tried if the odometry fails with it. Both focal lengths are changed by

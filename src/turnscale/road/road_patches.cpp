@@ -33,11 +33,15 @@ bool IsInside(const cv::Mat& image, const Eigen::Vector2d& pixel, double margin)
          pixel.y() < image.rows - 1 - margin;
 }
 
-bool IsMasked(const RoadPair& pair, const Eigen::Vector2d& pixel, int size) {
+// Whether the mask leaves out a pixel of the box that reaches so far around `centre`.
+bool IsMasked(const RoadPair& pair, const Eigen::Vector2d& centre, const Eigen::Vector2d& reach, int size) {
   if (pair.mask.empty()) return false;
-  const int x = std::clamp(static_cast<int>(std::lround(pixel.x() / Shrink(size))), 0, pair.mask.cols - 1);
-  const int y = std::clamp(static_cast<int>(std::lround(pixel.y() / Shrink(size))), 0, pair.mask.rows - 1);
-  return pair.mask.at<uchar>(y, x) == 0;
+  const Eigen::Vector2d first = (centre - reach) / Shrink(size);
+  const Eigen::Vector2d last = (centre + reach) / Shrink(size);
+  const cv::Rect box = cv::Rect(cv::Point(cvFloor(first.x()), cvFloor(first.y())),
+                                cv::Point(cvCeil(last.x()) + 1, cvCeil(last.y()) + 1)) &
+                       cv::Rect({}, pair.mask.size());
+  return cv::countNonZero(pair.mask(box)) < box.area();
 }
 
 float GrayAt(const cv::Mat& image, const Eigen::Vector2d& pixel) {
@@ -56,7 +60,7 @@ float GrayAt(const cv::Mat& image, const Eigen::Vector2d& pixel) {
 // Where a point of the road, in heights, is in the current image.
 std::optional<Eigen::Vector2d> PixelOnRoad(const RoadPair& pair, const RoadRegion& region, double side, double ahead,
                                            int size) {
-  const double middle = region.bend * ahead + 0.5 * region.curvature * ahead * ahead;
+  const double middle = region.direction * ahead + 0.5 * region.curvature * ahead * ahead;
   return ProjectTo(pair, region.level_from_camera.transpose() * Eigen::Vector3d(middle + side, 1, ahead), size);
 }
 
@@ -116,18 +120,18 @@ std::optional<RoadPatch> PatchAt(const RoadPatchOptions& options, const RoadPair
 
 }  // namespace
 
-// With lengths in heights, a ray of slope v meets the road at the distance z where v z = 1 + bend z^2 / 2: for a small
-// bend 1/z = v - bend / (2 v).
+// With lengths in heights and a vertical curvature k, a ray of slope v meets the road at the distance z where
+// v z = 1 + k z^2 / 2: for a small curvature 1/z = v - k / (2 v).
 double RoadSurface::InverseDepth(const Eigen::Vector3d& ray) const {
   const double flat = plane.dot(ray);
-  return flat > 0 ? flat - 0.5 * bend * plane.squaredNorm() / flat : 0.0;
+  return flat > 0 ? flat - 0.5 * vertical_curvature * plane.squaredNorm() / flat : 0.0;
 }
 
 Eigen::Vector4d RoadSurface::ByParameters(const Eigen::Vector3d& ray) const {
   const double flat = plane.dot(ray);
   const double squared = plane.squaredNorm();
   Eigen::Vector4d by;
-  by << ray + 0.5 * bend * (squared / (flat * flat) * ray - 2 / flat * plane), -0.5 * squared / flat;
+  by << ray + 0.5 * vertical_curvature * (squared / (flat * flat) * ray - 2 / flat * plane), -0.5 * squared / flat;
   return by;
 }
 
@@ -177,7 +181,9 @@ std::vector<RoadPatch> SelectRoadPatches(const RoadPatchOptions& options, const 
           cv::Point(static_cast<int>(std::max(a->x(), b->x())) + 1, static_cast<int>(std::max(a->y(), b->y())) + 1));
       const Eigen::Vector2d direction = (0.5 * (*a + *b) - *epipole).normalized();
       const auto centre = MostTexture(image, cell & inside, direction);
-      if (!centre || IsMasked(pair, {centre->x, centre->y}, size)) continue;
+      // With the pixels next to the patch, of which its gradients are.
+      const Eigen::Vector2d reach = Eigen::Vector2d::Constant(options.half_size + 1);
+      if (!centre || IsMasked(pair, {centre->x, centre->y}, reach, size)) continue;
       if (auto patch = PatchAt(options, pair, *centre, size)) patches.push_back(std::move(*patch));
     }
   }
@@ -205,8 +211,9 @@ std::optional<PatchMatch> MatchPatch(const RoadPatchOptions& options, const Road
     if (!ahead || !back) return std::nullopt;
     earlier_from_current.col(axis) = (*ahead - *back) / (2.0 * options.half_size);
   }
-  const double reach = options.half_size * earlier_from_current.cwiseAbs().rowwise().sum().maxCoeff() + 1;
-  if (!std::isfinite(reach) || !IsInside(image, *centre, reach) || IsMasked(pair, *centre, size)) return std::nullopt;
+  const Eigen::Vector2d reach = (options.half_size * earlier_from_current.cwiseAbs().rowwise().sum()).array() + 1;
+  if (!reach.allFinite() || !IsInside(image, *centre, reach.maxCoeff()) || IsMasked(pair, *centre, reach, size))
+    return std::nullopt;
   const Eigen::Vector2d by_inverse_depth = (*nearer - *centre) / step;
   const double determinant = earlier_from_current.determinant();
   if (!(determinant > 1e-3)) return std::nullopt;
@@ -221,7 +228,7 @@ std::optional<PatchMatch> MatchPatch(const RoadPatchOptions& options, const Road
   const float norm = std::sqrt(seen.square().sum());
   if (!(norm > 0)) return std::nullopt;
   seen /= norm;
-  // Free gain and offset: only what is orthogonal to the patch and to a constant tells of its place.
+  // Free gain and offset: only the part orthogonal to the patch and to a constant depends on its position.
   Eigen::ArrayXf slope = static_cast<float>(moved.x()) * patch.gray_x + static_cast<float>(moved.y()) * patch.gray_y;
   slope -= slope.mean();
   slope -= (slope * patch.gray).sum() * patch.gray;

@@ -17,12 +17,12 @@ struct RoadSurface {
   /// The plane that is tangent to the road below the camera, by the inverse depth of its points: plane.dot(ray) = 1/z
   /// for rays with z = 1. It is the plane's normal, which points away from the camera, over its distance.
   Eigen::Vector3d plane = Eigen::Vector3d::UnitY();
-  /// Curvature of the road along the way, rad per height of the camera, positive where it bends down.
-  double bend = 0;
+  /// Curvature of the road along the way, rad per height of the camera, positive where it curves down (a crest).
+  double vertical_curvature = 0;
 
   /// 1/z where a ray with z = 1 meets the road; not positive where it does not.
   double InverseDepth(const Eigen::Vector3d& ray) const;
-  /// Derivative of InverseDepth by the plane's three numbers and the bend.
+  /// Derivative of InverseDepth by the plane's three numbers and the vertical curvature.
   Eigen::Vector4d ByParameters(const Eigen::Vector3d& ray) const;
 };
 
@@ -38,15 +38,15 @@ struct RoadPair {
   const RoadImage& earlier;
   const CameraModel& camera;
   RigidTransform earlier_from_current;
-  cv::Mat mask;  ///< pixels of both images that are 0 are left out; empty: none
+  cv::Mat mask;  ///< 8 bit, full size: patches that cover a pixel of 0, in either image, are left out; empty: none
 };
 
 /// Where the road is expected in the current image. Lengths are in heights of the camera above the road.
 struct RoadRegion {
   /// Axes x right, y down, z forward, the road's plane being x-z.
   Eigen::Matrix3d level_from_camera = Eigen::Matrix3d::Identity();
-  double bend = 0;       ///< direction of travel here relative to z, rad, positive to the right
-  double curvature = 0;  ///< of the path ahead, rad per height
+  double direction = 0;  ///< of travel here, relative to z, rad, positive to the right
+  double curvature = 0;  ///< of the path ahead, horizontal, rad per height, positive to the right
 };
 
 struct RoadPatchOptions {

@@ -9,38 +9,40 @@
 
 #include "turnscale/base/error.h"
 #include "turnscale/base/quantiles.h"
+#include "turnscale/base/robust_weights.h"
 
 namespace turnscale {
 namespace {
 
-// The half-size image brings the plane near, the full one places it.
+// Coarse to fine: the half-size image first.
 constexpr int kIterationsHalf = 3;
 constexpr int kIterationsFull = 3;
 constexpr int kReweightings = 4;
 constexpr double kTukey = 4.0;
-// Below this correlation a patch does not say which way to go.
-constexpr double kLeastGuiding = 0.3;
+// Below this correlation the alignment of a patch need not lead towards the match.
+constexpr double kLeastCorrelation = 0.3;
 constexpr double kSearchRatio = 1.06;
 // Neighbouring patches share errors of the motion between the images.
 constexpr double kCorrelatedErrors = 1.5;
-// Logarithm of a height over that which the search starts with: farther away it has lost the road.
+// Logarithm of a height over that which the search starts with: beyond it the fit is rejected.
 constexpr double kMostChange = 0.223;
 
-// What the plane is expected to satisfy: row * plane = 0 +- sigma * down * plane; and the bend: 0 +- its sigma.
+// What the plane is expected to satisfy: row * plane = 0 +- sigma * down * plane. The vertical curvature is 0 +- its
+// sigma.
 struct Expectation {
   Eigen::Matrix3d level_from_camera;
   double pitch_sigma;
   double roll_sigma;
-  double bend_sigma;
+  double vertical_curvature_sigma;
 };
 
 struct Sample {
-  Eigen::Vector4d by_surface;  // change of its inverse depth by the plane's three numbers and the bend
+  Eigen::Vector4d by_surface;  // change of its inverse depth by the plane's three numbers and the vertical curvature
   PatchMatch match;
   double variance;  // of its inverse depth about the surface
 };
 
-// Of the plane, and the bend of the road.
+// Of the plane's three numbers and the vertical curvature.
 struct Fit {
   Eigen::Vector4d change = Eigen::Vector4d::Zero();
   Eigen::Matrix4d information = Eigen::Matrix4d::Zero();
@@ -78,9 +80,7 @@ Fit ChangeOfSurface(const std::vector<Sample>& samples, const RoadSurface& surfa
     fit.weights.assign(samples.size(), 0);
     for (std::size_t i = 0; i < samples.size(); ++i) {
       if (samples[i].match.correlation < min_correlation) continue;
-      const double share = residuals[i] / (kTukey * fit.spread);
-      if (std::abs(share) >= 1) continue;
-      fit.weights[i] = (1 - share * share) * (1 - share * share);
+      fit.weights[i] = TukeyWeight(residuals[i], kTukey * fit.spread);
       const double weight = fit.weights[i] / (samples[i].variance * fit.spread * fit.spread);
       const Eigen::Vector4d& by_surface = samples[i].by_surface;
       fit.information += weight * by_surface * by_surface.transpose();
@@ -94,9 +94,9 @@ Fit ChangeOfSurface(const std::vector<Sample>& samples, const RoadSurface& surfa
     };
     expect(2, expected.pitch_sigma);
     expect(0, expected.roll_sigma);
-    const double bend_weight = 1 / (expected.bend_sigma * expected.bend_sigma);
-    fit.information(3, 3) += bend_weight;
-    right[3] -= bend_weight * surface.bend;
+    const double curvature_weight = 1 / (expected.vertical_curvature_sigma * expected.vertical_curvature_sigma);
+    fit.information(3, 3) += curvature_weight;
+    right[3] -= curvature_weight * surface.vertical_curvature;
     fit.change = fit.information.ldlt().solve(right);
   }
   return fit;
@@ -111,11 +111,11 @@ void Move(const Eigen::Vector4d& change, RoadSurface& surface) {
   constexpr double kMost = 0.33;
   const double share = std::min(kMost * surface.plane.norm() / std::max(change.head<3>().norm(), 1e-12), 1.0);
   surface.plane += share * change.head<3>();
-  surface.bend += share * change[3];
+  surface.vertical_curvature += share * change[3];
 }
 
-double MeanCorrelation(const RoadPlaneOptions& options, const RoadPair& pair, const std::vector<RoadPatch>& patches,
-                       const RoadSurface& surface, int size) {
+double SumOfCorrelations(const RoadPlaneOptions& options, const RoadPair& pair, const std::vector<RoadPatch>& patches,
+                         const RoadSurface& surface, int size) {
   double sum = 0;
   for (const RoadPatch& patch : patches)
     if (const auto match = MatchPatch(options.patches, pair, patch, surface, size))
@@ -132,7 +132,7 @@ void RoadPlaneOptions::Check() const {
   };
   require(pitch_sigma > 0 && pitch_sigma < 1, "road.pitch_sigma: has to be above 0 and below 1 rad");
   require(roll_sigma > 0 && roll_sigma < 1, "road.roll_sigma: has to be above 0 and below 1 rad");
-  require(bend_sigma > 0, "road.bend_sigma: has to be positive");
+  require(vertical_curvature_sigma > 0, "road.vertical_curvature_sigma: has to be positive");
   require(unevenness >= 0, "road.unevenness: must not be negative");
   require(max_deviation > 0, "road.max_deviation: has to be positive");
   require(min_correlation > 0 && min_correlation < 1, "road.min_correlation: has to be above 0 and below 1");
@@ -143,7 +143,8 @@ void RoadPlaneOptions::Check() const {
 
 std::optional<RoadPlane> FitRoadPlane(const RoadPlaneOptions& options, const RoadPair& pair, const RoadRegion& region,
                                       double height) {
-  const Expectation expected = {region.level_from_camera, options.pitch_sigma, options.roll_sigma, options.bend_sigma};
+  const Expectation expected = {region.level_from_camera, options.pitch_sigma, options.roll_sigma,
+                                options.vertical_curvature_sigma};
   RoadSurface surface = LevelSurface(region, height);
   std::vector<RoadPatch> patches;
   std::vector<Sample> samples;
@@ -157,7 +158,7 @@ std::optional<RoadPlane> FitRoadPlane(const RoadPlaneOptions& options, const Roa
     const int iterations = size == 1 ? kIterationsHalf : kIterationsFull;
     for (int i = 0; i < iterations; ++i) {
       samples = MatchAll(options, pair, patches, surface, size);
-      fit = ChangeOfSurface(samples, surface, expected, kLeastGuiding);
+      fit = ChangeOfSurface(samples, surface, expected, kLeastCorrelation);
       if (!fit.change.allFinite()) return std::nullopt;
       Move(fit.change, surface);
     }
@@ -191,7 +192,7 @@ std::optional<RoadPlane> FindRoadPlane(const RoadPlaneOptions& options, const Ro
   double best_height = 0;
   double best = 0;
   for (double height = least_height; height <= greatest_height; height *= kSearchRatio) {
-    const double sum = MeanCorrelation(options, pair, patches, LevelSurface(region, height), 1);
+    const double sum = SumOfCorrelations(options, pair, patches, LevelSurface(region, height), 1);
     if (sum <= best) continue;
     best = sum;
     best_height = height;

@@ -7,14 +7,12 @@
 
 #include "turnscale/base/random.h"
 #include "turnscale/base/refused_field.h"
-#include "turnscale/geometry/rotation.h"
 #include "turnscale/road/synthetic_road.h"
 
 namespace turnscale {
 namespace {
 
 constexpr double kTrueHeight = 1.5;
-constexpr double kRadian = kDegreesPerRadian;
 
 CameraModel Camera() {
   CameraModel camera;
@@ -32,38 +30,10 @@ CameraModel Fisheye() {
   return camera;
 }
 
-/// Two views of a road, the later one `travel` metres ahead, and the region where the road is expected.
-struct Views {
-  CameraModel camera;
-  RoadImage earlier;
-  RoadImage current;
-  RigidTransform earlier_from_current;
-  RoadRegion region;
-
-  RoadPair Pair() const { return {current, earlier, camera, earlier_from_current, {}}; }
-};
-
-using Shade = std::function<double(int, int, double)>;
-
-Views Drive(const CameraModel& camera, const SyntheticRoad& road, const Eigen::Vector3d& yaw_pitch_roll_deg,
-            double travel = 0.9, const Shade& shade_earlier = {}, const Shade& shade_current = {}) {
-  const Eigen::Vector3d angles = yaw_pitch_roll_deg / kRadian;
-  const Eigen::Quaterniond world_from_camera = RotationFromYawPitchRoll({angles.x(), angles.y(), angles.z()});
-  const RigidTransform earlier{world_from_camera, {0, 0, 0}};
-  const RigidTransform current{world_from_camera, {0, 0, travel}};
-  Views views{camera,
-              RenderRoad(road, camera, earlier, shade_earlier),
-              RenderRoad(road, camera, current, shade_current),
-              earlier.inverse() * current,
-              {}};
-  views.region.level_from_camera = world_from_camera.toRotationMatrix();
-  return views;
-}
-
 TEST(RoadPlane, HeightIsThatOfTheCamera) {
   for (const Eigen::Vector3d& mount :
        {Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(5, -6, 2), Eigen::Vector3d(-8, -3, -2)}) {
-    const Views views = Drive(Camera(), {}, mount);
+    const RoadViews views = ViewRoad(Camera(), {}, mount);
     const auto road = FitRoadPlane({}, views.Pair(), views.region, kTrueHeight);
     ASSERT_TRUE(road) << mount.transpose();
     EXPECT_NEAR(road->height / kTrueHeight, 1, 0.008) << mount.transpose();
@@ -75,7 +45,7 @@ TEST(RoadPlane, HeightIsThatOfTheCamera) {
 }
 
 TEST(RoadPlane, IsFoundFromFifteenPercentOff) {
-  const Views views = Drive(Camera(), {}, {2, -4, 1});
+  const RoadViews views = ViewRoad(Camera(), {}, {2, -4, 1});
   const auto at_truth = FitRoadPlane({}, views.Pair(), views.region, kTrueHeight);
   ASSERT_TRUE(at_truth);
   for (const double start : {0.87, 1.15}) {
@@ -87,7 +57,7 @@ TEST(RoadPlane, IsFoundFromFifteenPercentOff) {
 
 TEST(RoadPlane, IsFoundWithoutAStart) {
   for (const double travel : {0.4, 1.0, 2.0}) {
-    const Views views = Drive(Camera(), {}, {0, -4, 0}, travel);
+    const RoadViews views = ViewRoad(Camera(), {}, {0, -4, 0}, travel);
     const auto road = FindRoadPlane({}, views.Pair(), views.region, 0.2 * travel, 10 * travel);
     ASSERT_TRUE(road) << travel;
     EXPECT_NEAR(road->height / kTrueHeight, 1, 0.01) << travel;
@@ -95,7 +65,7 @@ TEST(RoadPlane, IsFoundWithoutAStart) {
 }
 
 TEST(RoadPlane, HeightIsInTheUnitOfTheMotion) {
-  Views views = Drive(Camera(), {}, {0, -4, 0});
+  RoadViews views = ViewRoad(Camera(), {}, {0, -4, 0});
   const auto metres = FitRoadPlane({}, views.Pair(), views.region, kTrueHeight);
   views.earlier_from_current.translation *= 0.07;
   const auto units = FitRoadPlane({}, views.Pair(), views.region, 0.07 * kTrueHeight);
@@ -105,7 +75,7 @@ TEST(RoadPlane, HeightIsInTheUnitOfTheMotion) {
 }
 
 TEST(RoadPlane, SeesThroughAFisheye) {
-  const Views views = Drive(Fisheye(), {}, {0, -5, 0});
+  const RoadViews views = ViewRoad(Fisheye(), {}, {0, -5, 0});
   const auto road = FitRoadPlane({}, views.Pair(), views.region, kTrueHeight);
   ASSERT_TRUE(road);
   EXPECT_NEAR(road->height / kTrueHeight, 1, 0.01);
@@ -113,7 +83,7 @@ TEST(RoadPlane, SeesThroughAFisheye) {
 
 TEST(RoadPlane, BrightnessAndContrastMayChange) {
   const Shade darker = [](int, int, double level) { return 0.6 * level + 15; };
-  const Views views = Drive(Camera(), {}, {0, -4, 0}, 0.9, darker);
+  const RoadViews views = ViewRoad(Camera(), {}, {0, -4, 0}, 0.9, darker);
   const auto road = FitRoadPlane({}, views.Pair(), views.region, kTrueHeight);
   ASSERT_TRUE(road);
   EXPECT_NEAR(road->height / kTrueHeight, 1, 0.006);
@@ -125,32 +95,49 @@ TEST(RoadPlane, WhatMovesAlongTakesNoPart) {
     const bool inside = x > 230 && x < 330 && y > 180;
     return inside ? 0.5 * level * (NoiseAt(x / 6.0, y / 6.0, 7) + 0.3) : level;
   };
-  const Views views = Drive(Camera(), {}, {0, -4, 0}, 0.9, shadow, shadow);
+  const RoadViews views = ViewRoad(Camera(), {}, {0, -4, 0}, 0.9, shadow, shadow);
   const auto road = FitRoadPlane({}, views.Pair(), views.region, kTrueHeight);
   ASSERT_TRUE(road);
   EXPECT_NEAR(road->height / kTrueHeight, 1, 0.012);
 }
 
 TEST(RoadPlane, KerbsAreNotTheRoad) {
-  const Views views = Drive(Camera(), {.half_width = 1.1, .kerb = 0.15}, {0, -4, 0});
+  const RoadViews views = ViewRoad(Camera(), {.half_width = 1.1, .kerb = 0.15}, {0, -4, 0});
   const auto road = FitRoadPlane({}, views.Pair(), views.region, kTrueHeight);
   ASSERT_TRUE(road);
   EXPECT_NEAR(road->height / kTrueHeight, 1, 0.012);
 }
 
+// Crests and dips: a plane fitted to what lies ahead is not that below the camera.
+TEST(RoadPlane, VerticalCurvatureDoesNotChangeTheHeight) {
+  constexpr double kTravel = 0.9;
+  RoadPlaneOptions flat;
+  flat.vertical_curvature_sigma = 1e-9;
+  for (const double curvature : {0.003, -0.003}) {  // rad per height
+    const RoadViews views =
+        ViewRoad(Camera(), {.vertical_curvature = curvature / kTrueHeight, .level_at = kTravel}, {0, -4, 0}, kTravel);
+    const auto road = FitRoadPlane({}, views.Pair(), views.region, kTrueHeight);
+    const auto without = FitRoadPlane(flat, views.Pair(), views.region, kTrueHeight);
+    ASSERT_TRUE(road && without) << curvature;
+    EXPECT_NEAR(road->height / kTrueHeight, 1, 0.01) << curvature;
+    EXPECT_GT(std::abs(std::log(without->height / kTrueHeight)), 0.02) << curvature;
+    EXPECT_GT(road->sigma, without->sigma) << "the curvature is estimated too";
+  }
+}
+
 TEST(RoadPlane, ImagesOfNoRoadGiveNone) {
-  const Views flat = Drive(Camera(), {.contrast = 0}, {0, -4, 0});
+  const RoadViews flat = ViewRoad(Camera(), {.contrast = 0}, {0, -4, 0});
   EXPECT_FALSE(FitRoadPlane({}, flat.Pair(), flat.region, kTrueHeight));
   EXPECT_FALSE(FindRoadPlane({}, flat.Pair(), flat.region, 0.2, 9));
   Random random(3);
   const Shade noise = [&](int, int, double) { return 255 * random.Uniform(0, 1); };
-  const Views snow = Drive(Camera(), {}, {0, -4, 0}, 0.9, noise, noise);
+  const RoadViews snow = ViewRoad(Camera(), {}, {0, -4, 0}, 0.9, noise, noise);
   EXPECT_FALSE(FitRoadPlane({}, snow.Pair(), snow.region, kTrueHeight));
   EXPECT_FALSE(FindRoadPlane({}, snow.Pair(), snow.region, 0.2, 9));
 }
 
 TEST(RoadPlane, MaskedPixelsTakeNoPart) {
-  const Views views = Drive(Camera(), {}, {0, -4, 0});
+  const RoadViews views = ViewRoad(Camera(), {}, {0, -4, 0});
   RoadPair pair = views.Pair();
   pair.mask = cv::Mat::zeros(240, 640, CV_8UC1);
   EXPECT_FALSE(FitRoadPlane({}, pair, views.region, kTrueHeight));
@@ -164,7 +151,7 @@ TEST(RoadPlane, SigmaIsThatOfNoisyImages) {
   for (int seed = 1; seed <= 12; ++seed) {
     Random random(seed);
     const Shade noise = [&](int, int, double level) { return level + 3 * random.Gaussian(); };
-    const Views views = Drive(Camera(), {.contrast = 0.3}, {0, -4, 0}, 0.9, noise, noise);
+    const RoadViews views = ViewRoad(Camera(), {.contrast = 0.3}, {0, -4, 0}, 0.9, noise, noise);
     const auto road = FitRoadPlane(options, views.Pair(), views.region, kTrueHeight);
     ASSERT_TRUE(road) << seed;
     deviations.push_back(std::log(road->height / kTrueHeight) / road->sigma);
@@ -179,6 +166,7 @@ TEST(RoadPlaneOptions, RefusesSenselessValues) {
   EXPECT_EQ(refused([](auto&) {}), "");
   EXPECT_EQ(refused([](auto& o) { o.pitch_sigma = 0; }), "road.pitch_sigma");
   EXPECT_EQ(refused([](auto& o) { o.roll_sigma = 2; }), "road.roll_sigma");
+  EXPECT_EQ(refused([](auto& o) { o.vertical_curvature_sigma = 0; }), "road.vertical_curvature_sigma");
   EXPECT_EQ(refused([](auto& o) { o.unevenness = -1; }), "road.unevenness");
   EXPECT_EQ(refused([](auto& o) { o.min_correlation = 1; }), "road.min_correlation");
   EXPECT_EQ(refused([](auto& o) { o.min_patches = 2; }), "road.min_patches");

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "turnscale/base/robust_weights.h"
 #include "turnscale/scale/road_parts.h"
 
 namespace turnscale {
@@ -48,7 +49,7 @@ bool LiveScale::Add(const VehicleStep& step) {
   }
   now_ = belief_;
   Advance(pending_, now_);
-  // Where a segment has just ended, what it showed holds until the next one has some steps.
+  // After the end of a segment its state is kept until the next one has some steps.
   const bool begins = static_cast<int>(pending_.size()) < options_.evidence.road.min_steps;
   on_road_ = (TakeRoad(pending_, now_) || (begins && on_road_)) && KnowsHeight(now_);
   turning_ = false;
@@ -151,7 +152,7 @@ std::optional<ScaleBelief> LiveScale::WithTurn(const ScaleBelief& belief, const 
   for (int i = 0; i < kLocalIterations; ++i) {
     const DriveState at = updated.mean;
     const auto measurement = Linearize(evidence, at, options_.evidence);
-    // What the filter expects may be as wrong as the turn.
+    // The prediction may be wrong as well as the turn.
     if (started_) weight = HuberWeight(std::sqrt(NormalizedInnovation(start, *measurement, 1, at)), options_.huber);
     updated = Updated(start, *measurement, weight, at);
     HoldSlip(updated);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "turnscale/scale/live_scale.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -109,6 +110,25 @@ TEST(LiveScale, AHeightLearnedInATurnHoldsTheScale) {
   EXPECT_NEAR(std::exp(live.Now()->mean[kLogHeight]), 1.3, 4 * 1.3 * live.Now()->Sigma(kLogHeight));
   EXPECT_LT(live.Now()->sigma(), 0.6 * alone->sigma());
   EXPECT_NEAR(std::log(live.Now()->metres_per_unit() / drive.metres_per_unit.back()), 0, 3 * live.Now()->sigma());
+}
+
+TEST(LiveScale, AKnownHeightAndATurnAreMoreThanEither) {
+  SyntheticSteps drive = MakeSteps(OneCorner(), kCar, 0, kUnit, kNoise);
+  const auto turn = Live(drive.steps);
+  ShowRoad(1.5, {.step = 0.01, .road = 0.01}, 3, drive);
+  CarPrior height_only;
+  height_only.camera_height = 1.5;
+  height_only.camera_height_sigma = 0.015;
+  const auto height = Live(drive.steps, height_only);
+  CarPrior with_both = Prior();
+  with_both.camera_height = height_only.camera_height;
+  with_both.camera_height_sigma = height_only.camera_height_sigma;
+  const auto both = Live(drive.steps, with_both);
+  for (const std::size_t last : {std::size_t{49}, drive.steps.size() - 1}) {  // of the turn, of the drive
+    ASSERT_TRUE(turn[last] && height[last] && both[last]) << last;
+    EXPECT_LT(both[last]->sigma(), std::min(turn[last]->sigma(), height[last]->sigma())) << last;
+    EXPECT_NEAR(std::log(both[last]->metres_per_unit() / kUnit), 0, 3 * both[last]->sigma()) << last;
+  }
 }
 
 TEST(LiveScale, AnUnknownHeightIsNoScale) {

@@ -11,8 +11,8 @@
 
 namespace turnscale {
 
-/// Straights that show the road are cut so many times finer than others: the scale drifts within them, and the road
-/// shows it.
+/// Straights with heights above the road are divided into so many more segments than others: the heights observe the
+/// drift of the scale within them.
 constexpr int kRoadParts = 4;
 
 /// Whether at least half of the steps show the height above the road.
@@ -26,8 +26,8 @@ inline int MostStraightSteps(std::span<const VehicleStep> steps, int max_straigh
   return ShowsRoad(steps) ? std::max(1, max_straight_steps / kRoadParts) : max_straight_steps;
 }
 
-/// Crown and side wind are the same in all parts of a straight: together they tell no more of the direction of travel
-/// than the whole.
+/// Crown and side wind are the same in all parts of a straight: enlarges the sigma of a part's direction so that all
+/// parts together determine the direction of travel no better than the undivided straight.
 inline void ShareDirection(const EvidenceOptions& options, SegmentEvidence& part) {
   part.direction_sigma =
       std::hypot(part.direction_sigma, std::sqrt(kRoadParts - 1.0) * options.straight_direction_sigma);

@@ -2,12 +2,14 @@
 #include "turnscale/scale/scale_estimator.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <utility>
 
 #include "turnscale/base/error.h"
 #include "turnscale/base/quantiles.h"
+#include "turnscale/base/robust_weights.h"
 
 namespace turnscale {
 namespace {
@@ -17,12 +19,12 @@ constexpr int kMostSelections = 3;
 constexpr double kConverged = 1e-6;       // change of a log-scale in an iteration
 constexpr double kMaxLogScaleStep = 0.3;  // of a Gauss-Newton step
 
-// Of ln(H), beyond which a height says nothing yet.
+// Of ln(H), beyond which the height counts as unknown.
 constexpr double kLeastKnownHeight = 0.15;
 
 DriveState PriorState(const CarPrior& car, double log_scale) { return PriorBelief(car, log_scale).mean; }
 
-// Turns from which the measured lever arm cannot be seen are left out, with the reason.
+// Turns in which the lever arm cannot be observed are left out, with the reason.
 struct Selection {
   std::vector<SegmentEvidence> evidence;
   std::vector<std::pair<double, double>> log_scales;  // of the turns that are left, one by one, and their angles
@@ -49,8 +51,8 @@ bool SameTurns(const std::vector<SegmentEvidence>& a, const std::vector<SegmentE
       [](const SegmentEvidence& segment) { return segment.turn.has_value(); });
 }
 
-// Where the search for the scale begins: the turns' own scales, or what a known height makes of the road. Empty where
-// there is neither.
+// Initial value of the log-scale: the median of the single-turn scales, or of the scales that a known height gives on
+// the road. Empty where there is neither.
 std::optional<double> StartingLogScale(const Selection& selection, const CarPrior& car) {
   if (!selection.log_scales.empty()) return WeightedMedian(selection.log_scales);
   if (!car.knows_height()) return std::nullopt;
@@ -112,16 +114,18 @@ class Smoothing {
 struct Answer {
   Smoothing smoothing;
   SmoothedScale smoothed;
-  double side_slip = 0;  // that the drive asks for, s^2/m, be it negative
+  double side_slip = 0;  // unbounded estimate, s^2/m; may be negative
+  ScaleBelief car;       // of the last segment, with that estimate
 };
 
 Answer SmoothWith(ScaleProblem problem, const CarPrior& car, double huber) {
   Smoothing smoothing(problem, huber);
   smoothing.Run();
-  Answer answer{smoothing, smoothing.smoothed(), smoothing.smoothed().segments.back().mean[kSlip]};
+  const ScaleBelief& last = smoothing.smoothed().segments.back();
+  Answer answer{smoothing, smoothing.smoothed(), last.mean[kSlip], last};
   if (car.side_slip_sigma == 0 || answer.side_slip >= 0) return answer;
-  // Tyres do not slip inwards: on the edge of what can be, the answer is the one without slip. How well it is known
-  // does not change by that.
+  // Tyres do not slip inwards: at the bound, the estimate is the one without slip. The covariance stays that of the
+  // unbounded fit.
   constexpr double kHeld = 1e-9;
   problem.prior.mean[kSlip] = 0;
   problem.prior.covariance(kSlip, kSlip) = kHeld * kHeld;
@@ -133,20 +137,21 @@ Answer SmoothWith(ScaleProblem problem, const CarPrior& car, double huber) {
   return answer;
 }
 
-// Which turns are too fast, or swing inwards, depends on the direction of travel and the slip, which the drive knows
-// better than the prior: turns are selected again with its answer.
+// Which turns are too fast, or swing inwards, depends on the direction of travel and the slip, which the estimate has
+// better than the prior: turns are selected again with the estimate.
 Answer SmoothDrive(ScaleProblem problem, const std::vector<SegmentEvidence>& gathered, const CarPrior& car,
                    const ScaleEstimatorOptions& options, Selection selection) {
-  problem.evidence = selection.evidence;
-  problem.prior = PriorBelief(car, *StartingLogScale(selection, car));
-  Answer answer = SmoothWith(problem, car, options.huber);
+  const auto smooth = [&] {
+    problem.evidence = selection.evidence;
+    problem.prior = PriorBelief(car, *StartingLogScale(selection, car));
+    return SmoothWith(problem, car, options.huber);
+  };
+  Answer answer = smooth();
   for (int i = 0; i < kMostSelections; ++i) {
     const DriveState& state = answer.smoothed.segments.back().mean;
     selection = SelectTurns(gathered, car, state, options.evidence);
     if (!StartingLogScale(selection, car) || SameTurns(selection.evidence, problem.evidence)) break;
-    problem.evidence = selection.evidence;
-    problem.prior = PriorBelief(car, *StartingLogScale(selection, car));
-    answer = SmoothWith(problem, car, options.huber);
+    answer = smooth();
   }
   return answer;
 }
@@ -178,6 +183,19 @@ std::vector<TurnEstimate> DescribeTurns(const ScaleProblem& problem, const CarPr
   return turns;
 }
 
+CarBelief CarBeliefOf(const ScaleBelief& belief) {
+  constexpr std::array kConstants = {kDirection, kSlip, kLogLeverArm, kLogHeight};
+  // The yaw error is minus the direction.
+  const Eigen::Vector4d sign(-1, 1, 1, 1);
+  CarBelief car;
+  for (int i = 0; i < 4; ++i) {
+    car.mean[i] = sign[i] * belief.mean[kConstants[i]];
+    for (int k = 0; k < 4; ++k)
+      car.covariance(i, k) = sign[i] * sign[k] * belief.covariance(kConstants[i], kConstants[k]);
+  }
+  return car;
+}
+
 CarRefinement DescribeCar(const ScaleBelief& belief, const CarPrior& car, bool slip_at_bound) {
   CarRefinement refinement{-belief.mean[kDirection], belief.Sigma(kDirection), std::max(belief.mean[kSlip], 0.0),
                            car.side_slip_sigma > 0 ? belief.Sigma(kSlip) : 0.0, slip_at_bound};
@@ -194,7 +212,7 @@ CarRefinement DescribeCar(const ScaleBelief& belief, const CarPrior& car, bool s
   return refinement;
 }
 
-// What the drive says of ln(H) without the given height: its posterior less the prior.
+// The information of the drive on ln(H), without the given height: the posterior less the prior.
 std::optional<HeightConflict> CompareHeight(const ScaleBelief& belief, const CarPrior& car, double max_deviation) {
   if (!car.knows_height() || !(car.camera_height_sigma > 0)) return std::nullopt;
   const double prior_sigma = car.camera_height_sigma / car.camera_height;
@@ -210,7 +228,7 @@ std::optional<HeightConflict> CompareHeight(const ScaleBelief& belief, const Car
   return HeightConflict{car.camera_height, car.camera_height_sigma, std::exp(found), found_sigma * std::exp(found)};
 }
 
-// One of the two measures is wrong, and the scale may be anywhere between them.
+// One of the two lengths is wrong: the scale is between those that they imply.
 void WidenForConflict(const HeightConflict& conflict, ScaleEstimate& estimate) {
   const double half = 0.5 * std::log(conflict.found / conflict.given);
   for (ScaleBelief& belief : estimate.smoothed) belief.covariance(kLogScale, kLogScale) += half * half;
@@ -225,7 +243,7 @@ std::vector<char> FromRoad(const ScaleProblem& problem, const CarRefinement& car
   return from_road;
 }
 
-// Each turn's own scale, with the car's constants as the drive has them, and the test of all of them.
+// The single-turn scales, with the refined constants of the car, and their joint test.
 void CompareTurns(const Answer& answer, const CarPrior& car, const TurnTestOptions& options, ScaleEstimate& estimate) {
   TurnTestInput input;
   input.chi_squared = answer.smoothed.chi_squared;
@@ -251,7 +269,21 @@ void CompareTurns(const Answer& answer, const CarPrior& car, const TurnTestOptio
   if (estimate.test.worst_turn >= 0) estimate.test.worst_turn = tested[estimate.test.worst_turn];
 }
 
-// The scale along the drive, as the turns lie in it.
+// Whether the turns are consistent with each other if a given camera height is not used.
+bool AgreeWithoutHeight(const ScaleProblem& problem, const std::vector<SegmentEvidence>& gathered, CarPrior car,
+                        const ScaleEstimatorOptions& options) {
+  car.camera_height = car.camera_height_sigma = car.height_correlation = 0;
+  const Selection selection = SelectTurns(gathered, car, PriorState(car, 0), options.evidence);
+  if (selection.log_scales.empty()) return false;
+  const Answer answer = SmoothDrive(problem, gathered, car, options, selection);
+  ScaleEstimate estimate;
+  estimate.smoothed = answer.smoothed.segments;
+  estimate.turns = DescribeTurns(answer.smoothing.problem(), car);
+  CompareTurns(answer, car, options.test, estimate);
+  return answer.smoothing.converged() && !estimate.test.contradicted;
+}
+
+// The smoothed scale at each turn.
 void DescribeScaleAtTurns(ScaleEstimate& estimate) {
   for (TurnEstimate& turn : estimate.turns) {
     turn.smoothed = estimate.smoothed[turn.segment].metres_per_unit();
@@ -259,7 +291,7 @@ void DescribeScaleAtTurns(ScaleEstimate& estimate) {
   }
 }
 
-// Which turns are followed where the scale follows single turns: not those that know it much worse than the best.
+// Marks the turns that are used with single-turn scales: not those whose sigma is much larger than the smallest.
 void MarkFollowed(double max_sigma_ratio, std::vector<TurnEstimate>& turns) {
   const auto has_scale = [](const TurnEstimate& turn) { return turn.used && std::isfinite(turn.as_given); };
   double best_sigma = std::numeric_limits<double>::infinity();
@@ -299,8 +331,8 @@ double SpreadAbout(double centre, const std::vector<std::pair<double, double>>& 
   return std::sqrt(squares / weights);
 }
 
-// The scale goes through what each turn says with the car's constants as given; sigma covers how much they differ from
-// the estimate, and from each other. Between two losses of tracking without a turn, the estimate stays.
+// The scale passes through the single-turn scales, with the car's constants as given; sigma covers their differences
+// from the estimate and from each other. Between two losses of tracking without a turn, the estimate stays.
 void FollowTurns(double max_sigma_ratio, ScaleEstimate& estimate) {
   MarkFollowed(max_sigma_ratio, estimate.turns);
   std::vector<std::size_t> pieces;
@@ -327,7 +359,7 @@ void FollowTurns(double max_sigma_ratio, ScaleEstimate& estimate) {
   estimate.length_sigma = std::hypot(estimate.length_sigma, spread);
 }
 
-std::string WhatWouldDo(const ScaleEstimatorOptions& options, const std::vector<SegmentEvidence>& evidence) {
+std::string Remedy(const ScaleEstimatorOptions& options, const std::vector<SegmentEvidence>& evidence) {
   const long degrees = std::lround(options.segments.turns.min_region_angle * 180 / M_PI);
   const bool road =
       std::ranges::any_of(evidence, [](const SegmentEvidence& segment) { return segment.road.has_value(); });
@@ -362,10 +394,10 @@ ScaleEstimateResult EstimateScale(const std::vector<VehicleStep>& steps, const C
   problem.evidence = selection.evidence;
   result.turns = DescribeTurns(problem, car);
   if (!StartingLogScale(selection, car)) {
+    const char* problem_of_turns =
+        result.turns.empty() ? "no turn; " : "no sufficiently slow turn shows the expected lateral motion; ";
     result.reason = car.knows_height() && !car.knows_lever_arm() ? "the images do not show the road"
-                    : result.turns.empty()                       ? "no turn; " + WhatWouldDo(options, gathered)
-                                           : "no sufficiently slow turn shows the expected lateral motion; " +
-                                                 WhatWouldDo(options, gathered);
+                                                                 : problem_of_turns + Remedy(options, gathered);
     return result;
   }
   const Answer answer = SmoothDrive(problem, gathered, car, options, selection);
@@ -380,7 +412,7 @@ ScaleEstimateResult EstimateScale(const std::vector<VehicleStep>& steps, const C
   if (!(best->sigma() <= options.max_sigma)) {
     result.reason = "the drive leaves the scale uncertain by " + std::to_string(std::lround(100 * best->sigma())) +
                     " %, more than " + std::to_string(std::lround(100 * options.max_sigma)) + " %; " +
-                    WhatWouldDo(options, gathered);
+                    Remedy(options, gathered);
     for (TurnEstimate& turn : result.turns) {
       if (!turn.used) continue;
       turn.used = false;
@@ -394,8 +426,13 @@ ScaleEstimateResult EstimateScale(const std::vector<VehicleStep>& steps, const C
   for (ScaleBelief& belief : estimate.smoothed) belief.covariance *= inflation * inflation;
   estimate.length_sigma *= inflation;
   estimate.car = DescribeCar(estimate.smoothed.back(), car, car.side_slip_sigma > 0 && answer.side_slip < 0);
+  estimate.car_evidence = {CarBeliefOf(PriorBelief(car, 0)), CarBeliefOf(answer.car), inflation};
   estimate.height_conflict = CompareHeight(answer.smoothed.segments.back(), car, options.max_height_deviation);
-  if (estimate.height_conflict) WidenForConflict(*estimate.height_conflict, estimate);
+  if (estimate.height_conflict) {
+    WidenForConflict(*estimate.height_conflict, estimate);
+    estimate.height_conflict->contradicts_turns =
+        estimate.test.contradicted && AgreeWithoutHeight(problem, gathered, car, options);
+  }
   if (options.follow_turns || estimate.test.contradicted || !estimate.converged)
     FollowTurns(options.max_sigma_ratio, estimate);
   estimate.from_road = estimate.fell_back ? std::vector<char>(estimate.segments.size(), 0)

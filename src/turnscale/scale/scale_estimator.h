@@ -62,18 +62,34 @@ struct CarRefinement {
   bool side_slip_at_bound = false;  ///< the estimate would be negative: c is fixed at 0
   double lever_arm = 0;             ///< metres; 0 if it is not known
   double lever_arm_sigma = 0;
-  double camera_height = 0;  ///< metres; 0 if neither given nor learned
+  double camera_height = 0;  ///< metres; 0 if neither given nor estimated
   double camera_height_sigma = 0;
   double height_correlation = 0;  ///< of the errors of camera height and lever arm
 };
 
-/// The camera height that is given, and the one that the turns of the drive show with the lever arm that is given: one
-/// of the two measures is wrong.
+/// Mean and covariance of the car's constants: yaw error of Q (rad), c (s^2/m), ln(L), ln(H).
+struct CarBelief {
+  Eigen::Vector4d mean = Eigen::Vector4d::Zero();
+  Eigen::Matrix4d covariance = Eigen::Matrix4d::Zero();
+};
+
+/// What the drive tells of the car is the posterior's information less the prior's. For that, c may be negative in the
+/// posterior, and its covariance leaves out `inflation`.
+struct CarEvidence {
+  CarBelief prior;
+  CarBelief posterior;
+  double inflation = 1;  ///< of the standard deviations, by the test of the turns
+};
+
+/// The given camera height differs from the one that the turns of the drive show with the given lever arm: one of the
+/// two lengths is wrong.
 struct HeightConflict {
   double given = 0;  ///< metres
   double given_sigma = 0;
   double found = 0;  ///< from the turns, without the given height, metres
   double found_sigma = 0;
+  /// The turns are inconsistent (TurnTest::contradicted), and consistent if the given height is not used.
+  bool contradicts_turns = false;
 };
 
 /// The scale of a drive, segment by segment.
@@ -82,6 +98,7 @@ struct ScaleEstimate {
   std::vector<ScaleBelief> smoothed;  ///< one per segment, from the whole drive; sigma includes what the test adds
   double length_sigma = 0;            ///< relative standard deviation of the path length in metres
   CarRefinement car;
+  CarEvidence car_evidence;
   std::optional<HeightConflict> height_conflict;
   std::vector<char> from_road;  ///< one per segment: no turn, and the road shows its scale
   std::vector<TurnEstimate> turns;
@@ -91,7 +108,7 @@ struct ScaleEstimate {
   bool converged = false;
 };
 
-/// The estimate, or one line that says why there is none.
+/// The estimate, or in one line why there is none.
 struct ScaleEstimateResult {
   std::optional<ScaleEstimate> estimate;
   std::string reason;

@@ -530,6 +530,67 @@ TEST(ScaleEstimator, AWrongLeverArmShowsInTheHeight) {
   EXPECT_GT(estimate.length_sigma, 0.08) << "it may be either";
 }
 
+// The road and the turns show different scales: the turns disagree with the estimate, but not with each other.
+TEST(ScaleEstimator, AWrongHeightIsNotBlamedOnTheTurns) {
+  for (const double wrong : {1.3, 0.75}) {
+    int contradicted = 0;
+    for (int seed = 1; seed <= 8; ++seed) {
+      SyntheticSteps drive = MakeSteps(TownRoad(8, seed), kCar, 0, kUnit, kNoise, seed);
+      ShowRoad(1.4, {.step = 0.01, .road = 0.01}, 5, drive);
+      const ScaleEstimate estimate = EstimateOf(drive, WithHeight(wrong * 1.4, wrong * 0.014, PriorOf(kCar)));
+      ASSERT_TRUE(estimate.height_conflict) << seed;
+      EXPECT_EQ(estimate.height_conflict->contradicts_turns, estimate.test.contradicted) << seed;
+      contradicted += estimate.test.contradicted ? 1 : 0;
+    }
+    EXPECT_GT(contradicted, 0) << wrong;
+  }
+}
+
+TEST(ScaleEstimator, TurnsThatDisagreeWithEachOtherAreNotBlamedOnTheHeight) {
+  SyntheticSteps drive = MakeSteps(TownRoad(9, 50), kCar, 0, kUnit, kNoise, 1);
+  ShowRoad(1.4, {.step = 0.01, .road = 0.01}, 5, drive);
+  const ScaleEstimate clean = EstimateOf(drive, PriorOf(kCar));
+  for (std::size_t t = 0; t < clean.turns.size(); t += 3) {
+    for (int i = clean.turns[t].first_step; i <= clean.turns[t].last_step; ++i) {
+      TurningMotion& motion = drive.steps[i].motion;
+      motion.theta = 0.5 * motion.psi + 1.5 * (motion.theta - 0.5 * motion.psi);
+    }
+  }
+  const ScaleEstimate estimate = EstimateOf(drive, WithHeight(1.3 * 1.4, 1.3 * 0.014, PriorOf(kCar)));
+  ASSERT_TRUE(estimate.height_conflict);
+  EXPECT_TRUE(estimate.test.contradicted);
+  EXPECT_FALSE(estimate.height_conflict->contradicts_turns);
+}
+
+// Scaled to about one standard deviation of each constant.
+Eigen::Matrix4d Information(const CarEvidence& evidence) {
+  const Eigen::Vector4d scale(0.005, 0.002, 0.03, 0.1);
+  const Eigen::Matrix4d told = evidence.posterior.covariance.inverse() - evidence.prior.covariance.inverse();
+  return scale.asDiagonal() * told * scale.asDiagonal();
+}
+
+TEST(ScaleEstimator, WhatADriveTellsOfTheCarDoesNotDependOnThePrior) {
+  SyntheticSteps drive = MakeSteps(TownRoad(6, 4), kCar, 0, kUnit, {}, 4);
+  ShowRoad(1.4, {}, 5, drive);
+  CarPrior wide = PriorOf(kCar);
+  CarPrior narrow = WithHeight(1.4, 0.1, PriorOf(kCar));
+  narrow.side_slip_sigma = 0.5 * wide.side_slip_sigma;
+  narrow.yaw_sigma = 0.5 * wide.yaw_sigma;
+  narrow.height_slip_correlation = -0.5;
+  const Eigen::Matrix4d of_wide = Information(EstimateOf(drive, wide).car_evidence);
+  const Eigen::Matrix4d of_narrow = Information(EstimateOf(drive, narrow).car_evidence);
+  EXPECT_GT(of_wide(1, 1), 1) << "the turns tell c";
+  EXPECT_LT((of_wide - of_narrow).norm(), 0.02 * of_wide.norm()) << of_wide << "\n\n" << of_narrow;
+}
+
+TEST(ScaleEstimator, WhatADriveTellsOfTheCarMayBeANegativeSlip) {
+  const SyntheticSteps drive = MakeSteps(TownRoad(8, 4), {kCar.length, -0.004}, 0, kUnit, {}, 4);
+  const ScaleEstimate estimate = EstimateOf(drive, PriorOf({kCar.length, 0.001}));
+  ASSERT_TRUE(estimate.car.side_slip_at_bound);
+  EXPECT_EQ(estimate.car.side_slip, 0);
+  EXPECT_LT(estimate.car_evidence.posterior.mean[1], 0);
+}
+
 TEST(ScaleEstimatorOptions, RefusesSenselessValues) {
   const auto refused = [](auto change) { return RefusedField<ScaleEstimatorOptions>(change); };
   EXPECT_EQ(refused([](auto&) {}), "");

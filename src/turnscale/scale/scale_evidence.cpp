@@ -8,6 +8,7 @@
 
 #include "turnscale/base/error.h"
 #include "turnscale/base/quantiles.h"
+#include "turnscale/base/robust_weights.h"
 #include "turnscale/kinematics/pooled_line.h"
 #include "turnscale/scale/road_parts.h"
 
@@ -63,6 +64,8 @@ void CarPrior::Check() const {
           "car.camera_height_sigma: has to be from 0 to below the height, metres");
   require(side_slip >= 0 && side_slip < 1, "car.side_slip: has to be from 0 to below 1 s^2/m");
   require(side_slip_sigma >= 0 && side_slip_sigma < 1, "car.side_slip_sigma: has to be from 0 to below 1 s^2/m");
+  require(height_correlation * height_correlation + height_slip_correlation * height_slip_correlation < 1,
+          "car.height_correlation, car.height_slip_correlation: the sum of their squares has to be below 1");
   require(yaw_sigma > 0 && yaw_sigma < 1, "car.yaw_sigma: has to be above 0 and below 1 rad");
 }
 
@@ -165,8 +168,7 @@ std::optional<RoadEvidence> EvidenceOfRoad(const std::vector<VehicleStep>& steps
     information = 0;
     double sum = 0;
     for (std::size_t i = 0; i < log_heights.size(); ++i) {
-      const double weight =
-          std::min(1.0, kRoadHuber * spread / std::max(std::abs(deviations[i]), 1e-9)) / (sigmas[i] * sigmas[i]);
+      const double weight = HuberWeight(deviations[i], kRoadHuber * spread) / (sigmas[i] * sigmas[i]);
       information += weight;
       sum += weight * (log_heights[i] - road.log_height);
     }

@@ -26,11 +26,13 @@ struct CarPrior {
   double side_slip_sigma = kUsualSideSlipSigma;  ///< 0 where c is known exactly
   /// Of the yaw error of Q, rad (0.3 deg: at which the calibration from the camera's motion is first used).
   double yaw_sigma = 0.3 / 57.295779513082320877;
-  /// H: height of the camera above the road, metres. 0: not known; the drive's turns then tell it.
+  /// H: height of the camera above the road, metres. 0: not known; estimated in turns.
   double camera_height = 0;
   double camera_height_sigma = 0;  ///< metres
   /// Of the errors of L and H: a height that turns have shown is as wrong as the lever arm they were read with.
   double height_correlation = 0;
+  /// Of the errors of c and H: in the turns that have shown the height, more slip is less height.
+  double height_slip_correlation = 0;
 
   bool knows_lever_arm() const { return lever_arm > 0; }
   bool knows_height() const { return camera_height > 0; }

@@ -18,7 +18,7 @@ constexpr double kLeastSigma = 1e-9;       // a covariance has to stay regular
 constexpr double kDistance = 100;          // metres
 constexpr double kAngle = std::numbers::pi / 2;
 
-// Of constants that are not known: means that any car is near to, and sigmas that say next to nothing.
+// Of constants that are not known: typical means, and sigmas that make the prior nearly flat.
 constexpr double kUsualLeverArm = 1;  // metres
 constexpr double kUsualHeight = 1.4;  // metres
 constexpr double kUnknownLogSigma = 1;
@@ -63,10 +63,12 @@ ScaleBelief PriorBelief(const CarPrior& car, double log_scale) {
       arm ? relative(car.lever_arm_sigma, car.lever_arm) : kUnknownLogSigma,
       height ? relative(car.camera_height_sigma, car.camera_height) : kUnknownLogSigma, 1;
   prior.covariance.diagonal() = sigmas.cwiseAbs2();
-  if (arm && height) {
-    const double covariance = car.height_correlation * sigmas[kLogLeverArm] * sigmas[kLogHeight];
-    prior.covariance(kLogLeverArm, kLogHeight) = prior.covariance(kLogHeight, kLogLeverArm) = covariance;
-  }
+  const auto correlate = [&](DriveUnknown unknown, double correlation) {
+    const double covariance = correlation * sigmas[unknown] * sigmas[kLogHeight];
+    prior.covariance(unknown, kLogHeight) = prior.covariance(kLogHeight, unknown) = covariance;
+  };
+  if (arm && height) correlate(kLogLeverArm, car.height_correlation);
+  if (height) correlate(kSlip, car.height_slip_correlation);
   return prior;
 }
 
@@ -94,10 +96,6 @@ double NormalizedInnovation(const ScaleBelief& belief, const Measurement& measur
   const double variance =
       measurement.by_state.dot(belief.covariance * measurement.by_state.transpose()) + measurement.variance / weight;
   return innovation * innovation / variance;
-}
-
-double HuberWeight(double deviation, double threshold) {
-  return std::min(1.0, threshold / std::max(std::abs(deviation), 1e-9));
 }
 
 ScaleBelief Updated(const ScaleBelief& belief, const Measurement& measurement, double weight, const DriveState& at) {

@@ -45,9 +45,6 @@ ScaleBelief Advanced(const ScaleBelief& belief, double drift_variance, double le
 double NormalizedInnovation(const ScaleBelief& belief, const Measurement& measurement, double weight,
                             const DriveState& at);
 
-/// Huber's weight of a deviation (in standard deviations): 1 up to `threshold`, then falling with its inverse.
-double HuberWeight(double deviation, double threshold);
-
 /// The belief with one more measurement, linearised at `at`; `weight` divides the measurement's variance.
 ScaleBelief Updated(const ScaleBelief& belief, const Measurement& measurement, double weight, const DriveState& at);
 

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "turnscale/commands/drive_source.h"
+#include "turnscale/commands/run_page.h"
+
+namespace CLI {
+class App;
+}
+
+namespace turnscale {
+
+/// Adds the options that name, assume or refine the camera.
+void AddCameraOptions(CLI::App& command, ImageArguments& arguments);
+
+/// Adds the option of a bag's topic, and those of the part of a drive and of its images to process.
+void AddPartOptions(CLI::App& command, ImageArguments& arguments);
+
+/// --truth and --floor-plan.
+void AddTruthOptions(CLI::App& command, TruthFiles& files);
+
+}  // namespace turnscale

@@ -1,0 +1,25 @@
+# SPDX-License-Identifier: MIT
+# Finds compression libraries without a CMake package of their own. Components: lz4, zstd. Each becomes the target
+# Compressors::<component>.
+
+set(header_of_lz4 lz4frame.h)
+set(header_of_zstd zstd.h)
+
+foreach(library IN LISTS Compressors_FIND_COMPONENTS)
+  find_path(Compressors_${library}_INCLUDE_DIR ${header_of_${library}})
+  find_library(Compressors_${library}_LIBRARY ${library})
+  mark_as_advanced(Compressors_${library}_INCLUDE_DIR Compressors_${library}_LIBRARY)
+  if(Compressors_${library}_INCLUDE_DIR AND Compressors_${library}_LIBRARY)
+    set(Compressors_${library}_FOUND TRUE)
+    if(NOT TARGET Compressors::${library})
+      add_library(Compressors::${library} UNKNOWN IMPORTED)
+      set_target_properties(
+        Compressors::${library} PROPERTIES IMPORTED_LOCATION "${Compressors_${library}_LIBRARY}"
+                                           INTERFACE_INCLUDE_DIRECTORIES "${Compressors_${library}_INCLUDE_DIR}")
+    endif()
+  endif()
+endforeach()
+
+include(FindPackageHandleStandardArgs)
+find_package_handle_standard_args(Compressors HANDLE_COMPONENTS REASON_FAILURE_MESSAGE
+                                  "install liblz4-dev and libzstd-dev")

@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: MIT
+"""turnscale batch: many drives, on Dask."""

@@ -1,0 +1,190 @@
+# SPDX-License-Identifier: MIT
+"""The command line of `turnscale batch`."""
+import argparse
+import contextlib
+import math
+import os
+import pathlib
+import shutil
+import signal
+import sys
+import time
+
+from .batch import Batch, BatchOptions
+from .errors import BatchError, InputError
+from .manifest import COLUMNS, read_manifest
+from .progress import Progress
+from .store import Store
+from .vehicles import write_vehicles
+
+INTERRUPTED = 130
+SAVE_INTERVAL = 10  # seconds
+
+
+class _Parser(argparse.ArgumentParser):
+    def error(self, message):
+        raise InputError(f"batch: {message}; see turnscale batch --help")
+
+
+def _seconds(text):
+    value = float(text)
+    if not (math.isfinite(value) and value > 0):
+        raise argparse.ArgumentTypeError(f"'{text}': has to be a positive number of seconds")
+    return value
+
+
+def _count(text):
+    value = int(text)
+    if value < 1:
+        raise argparse.ArgumentTypeError(f"'{text}': give at least 1")
+    return value
+
+
+def _parser():
+    parser = _Parser(
+        prog="turnscale batch", formatter_class=argparse.RawDescriptionHelpFormatter, allow_abbrev=False,
+        description="Run many drives, on all cores of this machine or on a Dask cluster. A second call does what is "
+                    "left.",
+        epilog="Columns of the manifest: drive, input (several separated by ';'), vehicle (name of the car), "
+               "vehicle_file (--vehicle of run), and options of turnscale run: "
+               f"{', '.join(COLUMNS[4:])}. Paths are relative to the manifest.\n\n"
+               "Example:\n  turnscale batch drives.csv --out results\n\n"
+               "Exit codes: 0 every drive is done, 1 drives have failed and are listed in table.csv, or an error, 2 "
+               "unusable input, 130 interrupted.")
+    parser.add_argument("manifest", type=pathlib.Path, help="CSV file with one drive per row")
+    parser.add_argument("--out", type=pathlib.Path, required=True, metavar="DIR",
+                        help="Folder for the results; on a cluster, all workers need it, and the images, under the "
+                             "same path")
+    parser.add_argument("--scheduler", metavar="ADDRESS", help="Dask scheduler, such as tcp://host:8786 [workers on "
+                                                               "this machine]")
+    parser.add_argument("--workers", type=_count, metavar="N", help="Drives at a time on this machine [its cores]")
+    parser.add_argument("--threads", type=_count, default=1, metavar="N", help="Threads of each run; does not affect "
+                                                                               "the result [1]")
+    parser.add_argument("--timeout", type=_seconds, metavar="S", help="End a run after so many seconds: it has failed")
+    parser.add_argument("--redo-failed", action="store_true", help="Run drives again that have failed before")
+    parser.add_argument("--no-second-pass", action="store_true",
+                        help="Do not run drives again with what all drives of their vehicle tell")
+    parser.add_argument("--attempts", type=_count, default=5, metavar="N",
+                        help="Times that a drive is begun whose worker dies [5]")
+    parser.add_argument("--program", metavar="FILE", default=os.environ.get("TURNSCALE_PROGRAM", "turnscale"),
+                        help="The program turnscale on the workers [this one]")
+    parser.add_argument("--quiet", action="store_true", help="Print failures and errors only")
+    return parser
+
+
+def _program(name):
+    found = shutil.which(name)
+    if found is None:
+        raise InputError(f"--program {name}: is no program")
+    return str(pathlib.Path(found).absolute())
+
+
+def _cores():
+    return len(os.sched_getaffinity(0))
+
+
+def _interrupt(_signal, _frame):
+    # The next one does not wait for anything.
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+    raise KeyboardInterrupt
+
+
+def _run(batch, tasks, store, arguments):
+    """Returns whether it was interrupted."""
+    # Takes a second to load.
+    from .schedule import Scheduler
+    workers = arguments.workers or _cores()
+    progress = Progress(batch.expected_runs(tasks), workers, arguments.quiet)
+    saved = time.monotonic()
+
+    def on_record(record):
+        nonlocal saved
+        more = batch.take(record)
+        progress.add(record)
+        if time.monotonic() - saved > SAVE_INTERVAL:
+            saved = time.monotonic()
+            # A disk that is full now may not be at the end.
+            with contextlib.suppress(BatchError):
+                batch.write_table()
+        progress.total = max(progress.total, progress.done + len(more))
+        return more
+
+    waiting_said = False
+
+    def on_tick():
+        nonlocal waiting_said
+        if arguments.scheduler:
+            progress.workers = max(1, scheduler.workers())
+            if scheduler.workers() == 0 and not waiting_said:
+                waiting_said = True
+                progress.say(f"--scheduler {arguments.scheduler}: has no worker yet; waiting")
+        progress.show()
+
+    scheduler = None
+    try:
+        scheduler = Scheduler(arguments.scheduler, min(workers, max(1, progress.total)))
+        scheduler.run(tasks, on_record, on_tick)
+    except KeyboardInterrupt:
+        return True
+    finally:
+        store.end_session()
+        if scheduler:
+            scheduler.close()
+        progress.total = progress.done
+        progress.show(ended=True)
+    return False
+
+
+def run_batch(arguments):
+    drives = read_manifest(arguments.manifest)
+    options = BatchOptions(_program(arguments.program), str(arguments.threads), arguments.timeout,
+                           not arguments.no_second_pass, arguments.attempts)
+    store = Store(arguments.out)
+    store.refuse_strangers(drives)
+    batch = Batch(drives, store, options)
+    if arguments.redo_failed:
+        for drive in drives:
+            store.forget_failure(drive)
+    tasks = batch.first_tasks()
+    try:
+        interrupted = _run(batch, tasks, store, arguments) if tasks else False
+    finally:
+        store.end_session()
+        batch.settle()
+        batch.write_table()
+        write_vehicles(store.places.out / "vehicles.csv", batch.vehicles.values())
+        store.clean()
+    failed = sum(record["exit_code"] != 0 for record in batch.records.values())
+    table = arguments.out / "table.csv"
+    if interrupted:
+        left = len(drives) - len(batch.records)
+        print(f"turnscale: interrupted; a second call does what is left; {table} has the "
+              f"{len(drives) - left} drives so far", file=sys.stderr)
+        return INTERRUPTED
+    if failed:
+        print(f"turnscale: {failed} of {len(drives)} drives failed; {table} says why, and --redo-failed tries them "
+              "again", file=sys.stderr)
+        return 1
+    if not arguments.quiet:
+        print(f"{len(drives)} drives, {len(tasks)} of them run now\ntable   {table}")
+    return 0
+
+
+def main(words):
+    signal.signal(signal.SIGINT, _interrupt)
+    signal.signal(signal.SIGTERM, _interrupt)
+    try:
+        return run_batch(_parser().parse_args(words))
+    except BatchError as error:
+        print("turnscale: " + " ".join(str(error).split()), file=sys.stderr)
+        return error.exit_code
+    except KeyboardInterrupt:
+        print("turnscale: interrupted", file=sys.stderr)
+        return INTERRUPTED
+    except OSError as error:
+        print(f"turnscale: {error.filename or arguments_name(words)}: {error.strerror or error}", file=sys.stderr)
+        return 1
+
+
+def arguments_name(words):
+    return words[0] if words else "batch"

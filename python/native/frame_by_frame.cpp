@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: MIT
+#include "frame_by_frame.h"
+
+#include <fmt/format.h>
+#include <opencv2/core/utility.hpp>
+
+#include "turnscale/base/error.h"
+#include "turnscale/commands/argument_checks.h"
+#include "turnscale/io/mask_file.h"
+#include "turnscale/io/terminal.h"
+#include "turnscale/io/trajectory_file.h"
+#include "turnscale/odometry/drive_speed.h"
+
+namespace py = pybind11;
+
+namespace turnscale {
+namespace {
+
+OdometryOptions CheckedOptions(const OdometryArguments& arguments) {
+  CheckThreads(arguments.threads);
+  return OptionsFrom(arguments.car, arguments.settings);
+}
+
+std::string ShapeOf(const py::array& image) {
+  return py::str(image.attr("dtype")).cast<std::string>() + " of shape " +
+         py::str(image.attr("shape")).cast<std::string>();
+}
+
+}  // namespace
+
+cv::Mat GrayImage(const py::array& image) {
+  if (!image.dtype().equal(py::dtype::of<uint8_t>()) || image.ndim() != 2 || image.size() == 0)
+    throw InputError("image: is " + ShapeOf(image) + "; give gray pixels: uint8 of shape (height, width)");
+  const bool dense = image.shape(1) == 1 || image.strides(1) == 1;
+  const bool in_order = image.shape(0) == 1 || image.strides(0) >= image.shape(1);
+  if (!dense || !in_order)
+    throw InputError(
+        fmt::format("image: has strides ({}, {}); the pixels of a row have to lie side by side and the "
+                    "rows in order: give numpy.ascontiguousarray(image)",
+                    image.strides(0), image.strides(1)));
+  constexpr py::ssize_t kLongest = 1 << 20;
+  if (image.shape(0) > kLongest || image.shape(1) > kLongest)
+    throw InputError("image: is " + ShapeOf(image) + "; that is too large");
+  const auto step = static_cast<size_t>(image.shape(0) == 1 ? image.shape(1) : image.strides(0));
+  // The odometry only reads it, and keeps no reference.
+  return {static_cast<int>(image.shape(0)), static_cast<int>(image.shape(1)), CV_8UC1, const_cast<void*>(image.data()),
+          step};
+}
+
+FrameByFrame::FrameByFrame(const CameraModel& camera, const OdometryArguments& arguments)
+    : odometry_(CheckedOptions(arguments), camera) {
+  cv::setNumThreads(arguments.threads);
+  if (!arguments.mask) return;
+  const cv::Mat mask = ReadMask(*arguments.mask);
+  CheckMaskSize(*arguments.mask, mask,
+                {camera.width > 0 ? camera.width : mask.cols, camera.width > 0 ? camera.height : mask.rows});
+  odometry_.SetMask(mask);
+}
+
+// Two threads of Python may call at the same time: the second waits here, without Python's lock.
+template <class Work>
+auto FrameByFrame::WithoutLock(const Work& work) {
+  const py::gil_scoped_release release;
+  const std::lock_guard alone(busy_);
+  return work();
+}
+
+void FrameByFrame::RefuseAfterEnd() const {
+  if (finished_) throw InputError("process: the drive has been finished; begin a new Odometry");
+}
+
+void FrameByFrame::SetMask(const py::array& mask) {
+  const cv::Mat pixels = GrayImage(mask).clone();
+  WithoutLock([&] {
+    if (frames_ > 0) throw InputError("mask: has to be set before the first image");
+    odometry_.SetMask(pixels);
+  });
+}
+
+LiveFrame FrameByFrame::Keep(const FrameResult& result) {
+  ++frames_;
+  RecordRotation(result, odometry_.mount().current(), rotations_);
+  if (result.world_from_camera) live_ += TumLine({result.time, *result.world_from_camera});
+  LiveFrame frame;
+  frame.result = result;
+  const MetricPath& path = odometry_.live_path();
+  if (odometry_.scale_state() != ScaleState::kPending && !path.metres_per_unit.empty())
+    frame.scale = path.metres_per_unit.back();
+  return frame;
+}
+
+LiveFrame FrameByFrame::Process(const py::array& image, double time) {
+  const cv::Mat gray = GrayImage(image);
+  return WithoutLock([&] {
+    RefuseAfterEnd();
+    return Keep(odometry_.Process(gray, time));
+  });
+}
+
+LiveFrame FrameByFrame::ProcessUnreadable(double time) {
+  return WithoutLock([&] {
+    RefuseAfterEnd();
+    return Keep(odometry_.ProcessUnreadable(time));
+  });
+}
+
+void FrameByFrame::Finish() {
+  WithoutLock([&] {
+    if (finished_) return;
+    odometry_.Finish();
+    finished_ = true;
+  });
+}
+
+const char* FrameByFrame::scale_state() {
+  return WithoutLock([&] { return ScaleStateName(odometry_.scale_state()); });
+}
+
+CameraModel FrameByFrame::camera() {
+  return WithoutLock([&] { return odometry_.camera(); });
+}
+
+int FrameByFrame::frames() {
+  return WithoutLock([&] { return frames_; });
+}
+
+DriveTables FrameByFrame::Tables() {
+  return WithoutLock([&] {
+    const RefinedScale refined = odometry_.Refined();
+    const std::vector<FrameResult> frames = odometry_.RefinedFrames(refined);
+    DriveTables tables;
+    tables.trajectory = FrameTableHeader();
+    for (const FrameResult& frame : frames) tables.trajectory += FrameTableLine(frame, frame.world_from_camera);
+    tables.turns = TurnTable(refined.turns);
+    tables.speed = SpeedTable(SpeedsOf(frames, odometry_.options().vehicle.lever_arm.value_or(0.0)));
+    tables.scale = ScaleTable(odometry_.map(), refined.estimate ? refined : RefinedScale());
+    tables.camera_rotation = RotationTable(rotations_);
+    tables.live = live_;
+    tables.map = odometry_.RefinedMap(refined);
+    return tables;
+  });
+}
+
+}  // namespace turnscale

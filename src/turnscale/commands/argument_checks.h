@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <filesystem>
+#include <initializer_list>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <system_error>
+#include <vector>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "turnscale/base/error.h"
+#include "turnscale/base/number_text.h"
+#include "turnscale/kinematics/ackermann.h"
+
+namespace turnscale {
+
+/// Value of --side-slip, s^2/m. Throws InputError if it is out of range.
+inline double CheckedSideSlip(double side_slip) {
+  if (side_slip >= 0 && side_slip < 1) return side_slip;
+  throw InputError(
+      fmt::format("--side-slip {}: give c in s^2/m, from 0 (no slip) to below 1; typical cars have about {}", side_slip,
+                  kUsualSideSlip));
+}
+
+/// Value of --lever-arm, metres. Throws InputError if it is out of range.
+inline double CheckedLeverArm(double lever_arm) {
+  constexpr double kLongest = 20;  // more is a wrong unit
+  if (lever_arm > 0 && lever_arm <= kLongest) return lever_arm;
+  throw InputError(fmt::format(
+      "--lever-arm {}: give the distance from the rear axle forward to the camera in metres, above 0 and up to {}",
+      lever_arm, kLongest));
+}
+
+/// Value of --lever-arm-sigma, metres.
+inline double CheckedLeverArmSigma(double sigma) {
+  if (sigma >= 0 && sigma <= 1) return sigma;
+  throw InputError(fmt::format("--lever-arm-sigma {}: give metres, from 0 (known exactly) to 1", sigma));
+}
+
+/// Value of --camera-height: metres, with a standard deviation in metres where one is given.
+struct CameraHeight {
+  double metres = 0;
+  std::optional<double> sigma;
+};
+inline CameraHeight ParseCameraHeight(const std::string& text) {
+  const std::size_t comma = text.find(',');
+  const std::optional<double> metres = ParseNumber<double>(std::string_view(text).substr(0, comma));
+  std::optional<double> sigma;
+  if (comma != std::string::npos) sigma = ParseNumber<double>(std::string_view(text).substr(comma + 1));
+  constexpr double kHighest = 10;  // more is a wrong unit
+  if (metres && *metres > 0 && *metres <= kHighest &&
+      (comma == std::string::npos || (sigma && *sigma > 0 && *sigma < *metres)))
+    return {*metres, sigma};
+  throw InputError(
+      fmt::format("--camera-height {}: give the height of the camera above the road in metres, above 0 and up to {}, "
+                  "or H,SIGMA with its standard deviation in metres, above 0 and below H",
+                  text, kHighest));
+}
+
+/// Value of --side-slip-sigma, s^2/m.
+inline double CheckedSideSlipSigma(double sigma) {
+  if (sigma >= 0 && sigma < 1) return sigma;
+  throw InputError(fmt::format("--side-slip-sigma {}: give s^2/m, from 0 (known exactly) to below 1", sigma));
+}
+
+/// Throws InputError unless the value of --threads is a number of threads.
+inline void CheckThreads(int threads) {
+  if (threads < 1) throw InputError(fmt::format("--threads {}: give at least 1", threads));
+}
+
+/// An option by its name on the command line, and whether it is given.
+struct GivenOption {
+  const char* name;
+  bool given;
+};
+
+/// Throws InputError if both are given.
+inline void RefuseBoth(const GivenOption& one, const GivenOption& other) {
+  if (one.given && other.given) throw InputError(fmt::format("{}: excludes {}", one.name, other.name));
+}
+
+/// Throws InputError if the option is given without any of those that it needs, which `needed` names.
+inline void RequireFor(const GivenOption& option, bool has_needed, const char* needed) {
+  if (option.given && !has_needed) throw InputError(fmt::format("{}: needs {}", option.name, needed));
+}
+
+/// Throws InputError unless the option's value is one of those that there are.
+inline void CheckChoice(const char* option, std::string_view value, std::initializer_list<std::string_view> choices) {
+  if (std::find(choices.begin(), choices.end(), value) != choices.end()) return;
+  throw InputError(fmt::format("{} {}: give one of {}", option, value, fmt::join(choices, ", ")));
+}
+
+/// Throws InputError if the output file is also an input file; empty paths are ignored.
+inline void RefuseToOverwrite(const char* option, const std::filesystem::path& output,
+                              const std::vector<std::filesystem::path>& inputs) {
+  for (const std::filesystem::path& input : inputs) {
+    std::error_code none;
+    if (output.empty() || input.empty() || !std::filesystem::equivalent(output, input, none)) continue;
+    throw InputError(std::string(option) + " " + output.string() + ": is also an input file; name another one");
+  }
+}
+
+}  // namespace turnscale

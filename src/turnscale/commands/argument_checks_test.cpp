@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/commands/argument_checks.h"
+
+#include <gtest/gtest.h>
+
+namespace turnscale {
+namespace {
+
+template <class Work>
+std::string Complaint(const Work& work) {
+  try {
+    work();
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return {};
+}
+
+TEST(ArgumentChecks, TwoOptionsMayExcludeEachOther) {
+  EXPECT_EQ(Complaint([] { RefuseBoth({"--fps", true}, {"--timestamps", true}); }), "--fps: excludes --timestamps");
+  EXPECT_EQ(Complaint([] { RefuseBoth({"--fps", true}, {"--timestamps", false}); }), "");
+  EXPECT_EQ(Complaint([] { RefuseBoth({"--fps", false}, {"--timestamps", true}); }), "");
+}
+
+TEST(ArgumentChecks, AnOptionMayNeedAnother) {
+  EXPECT_EQ(Complaint([] { RequireFor({"--metric", true}, false, "--trajectory"); }), "--metric: needs --trajectory");
+  EXPECT_EQ(Complaint([] { RequireFor({"--metric", true}, true, "--trajectory"); }), "");
+  EXPECT_EQ(Complaint([] { RequireFor({"--metric", false}, false, "--trajectory"); }), "");
+}
+
+TEST(ArgumentChecks, AChoiceNamesWhatThereIs) {
+  EXPECT_EQ(Complaint([] {
+              CheckChoice("--drift", "some", {"auto", "none"});
+            }),
+            "--drift some: give one of auto, none");
+  EXPECT_EQ(Complaint([] { CheckChoice("--drift", "none", {"auto", "none"}); }), "");
+}
+
+TEST(ArgumentChecks, AHeightMayHaveASigma) {
+  EXPECT_EQ(ParseCameraHeight("1.5").metres, 1.5);
+  EXPECT_FALSE(ParseCameraHeight("1.5").sigma);
+  EXPECT_EQ(ParseCameraHeight("1.5,0.1").sigma, 0.1);
+  for (const char* text : {"", "tall", "0", "11", "1.5,", "1.5,0", "1.5,2", "nan"})
+    EXPECT_NE(Complaint([&] { ParseCameraHeight(text); }), "") << text;
+}
+
+}  // namespace
+}  // namespace turnscale

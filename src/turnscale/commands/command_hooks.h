@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "turnscale/io/terminal.h"
+
+namespace turnscale {
+
+/// The exit code of a command that was interrupted, as shells have it for Ctrl-C.
+constexpr int kInterruptedExitCode = 130;
+
+/// What the caller of a command that takes long is asked and told.
+struct CommandHooks {
+  /// Asked before every frame: whether to stop. Once it has said so, it has to go on saying so.
+  std::function<bool()> interrupted = [] { return false; };
+  /// Called before the first frame: from here on an interrupted command keeps its results so far.
+  std::function<void()> begun = [] {};
+  /// Receives each warning, one line.
+  std::function<void(const std::string&)> warn = {};
+  /// Warnings go to standard error, too.
+  bool print_warnings = true;
+};
+
+/// Thrown where a command is interrupted before it has results.
+struct Interruption {};
+
+inline void Warn(const CommandHooks& hooks, const std::string& warning) {
+  if (hooks.print_warnings) PrintMessage("warning: " + warning);
+  if (hooks.warn) hooks.warn(warning);
+}
+
+/// The progress's warnings go where the hooks want them.
+inline void SendWarnings(Progress& progress, const CommandHooks& hooks) {
+  progress.OnWarning(hooks.warn, hooks.print_warnings);
+}
+
+}  // namespace turnscale

@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/commands/comparison.h"
+
+#include <fstream>
+#include <vector>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "turnscale/base/error.h"
+#include "turnscale/io/drive_input.h"
+#include "turnscale/io/settings.h"
+#include "turnscale/io/trajectory_file.h"
+
+namespace turnscale {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Paired {
+  PosePairs pairs;
+  KeyframeKey key = KeyframeKey::kTime;
+  const char* by = "time";
+};
+
+bool HasTimes(const TrajectoryFile& file) { return file.format != TrajectoryFormat::kKitti; }
+
+bool NumbersEveryFrame(const TrajectoryFile& file) {
+  return file.frames.back() + 1 == static_cast<int>(file.frames.size());
+}
+
+Paired PairFrames(const TrajectoryFile& estimate, const TrajectoryFile& truth) {
+  if (NumbersEveryFrame(estimate) && NumbersEveryFrame(truth)) {
+    return {AssociateByFrame(estimate.poses, truth.poses), KeyframeKey::kFrame, "frame"};
+  }
+  // Without times, the time of a KITTI pose is its frame's number.
+  return {AssociateByTime(estimate.poses, truth.poses, {0.5}), KeyframeKey::kFrame, "frame"};
+}
+
+Paired PairPoses(const ComparisonFiles& arguments, TrajectoryFile& estimate, TrajectoryFile& truth) {
+  const bool estimate_has_times = HasTimes(estimate);
+  const bool truth_has_times = HasTimes(truth);
+  if (estimate_has_times == truth_has_times && !arguments.timestamps.empty()) {
+    throw InputError(
+        "--timestamps " + arguments.timestamps.string() + ": is not needed, since " +
+        (truth_has_times ? "both files have timestamps" : "two KITTI files are associated by frame number") +
+        "; leave it out");
+  }
+  if (!estimate_has_times && !truth_has_times) return PairFrames(estimate, truth);
+  if (estimate_has_times != truth_has_times) {
+    const fs::path& untimed_path = estimate_has_times ? arguments.ground_truth : arguments.estimate;
+    TrajectoryFile& untimed = estimate_has_times ? truth : estimate;
+    const fs::path times = arguments.timestamps.empty() ? FindPoseTimes(untimed_path) : arguments.timestamps;
+    if (times.empty()) {
+      if (estimate.poses.size() == truth.poses.size()) {
+        const KeyframeKey key = estimate_has_times ? KeyframeKey::kTime : KeyframeKey::kFrame;
+        return {AssociateByFrame(estimate.poses, truth.poses), key, "frame"};
+      }
+      throw InputError(untimed_path.string() + " has no timestamps, and " + std::to_string(estimate.poses.size()) +
+                       " estimated poses cannot be associated with " + std::to_string(truth.poses.size()) +
+                       " ground-truth poses; give its times with --timestamps");
+    }
+    untimed = ReadTrajectoryFile(untimed_path, ReadFrameTimes(times).times);
+  }
+  return {AssociateByTime(estimate.poses, truth.poses, {arguments.time_tolerance}), KeyframeKey::kTime, "time"};
+}
+
+std::vector<Step> ReadKeyframeSteps(const fs::path& path, const Paired& paired) {
+  std::ifstream stream(path);
+  if (!stream || fs::is_directory(path)) throw InputError(path.string() + ": cannot be read");
+  auto steps = StepsBetweenKeyframes(paired.pairs, ReadKeyframes(stream, path.string()), paired.key);
+  if (steps.empty()) {
+    throw InputError(path.string() + ": fewer than two of its keyframes have a pose in both trajectories");
+  }
+  return steps;
+}
+
+std::vector<Step> FindSteps(const ComparisonFiles& arguments, const Paired& paired, const StepErrorOptions& options,
+                            std::string& description) {
+  const bool asked = !arguments.keyframes.empty();
+  const fs::path path = asked ? arguments.keyframes : arguments.estimate.parent_path() / "trajectory.csv";
+  if (asked || fs::exists(path)) {
+    try {
+      auto steps = ReadKeyframeSteps(path, paired);
+      description = "between the keyframes of " + path.string();
+      return steps;
+    } catch (const InputError&) {
+      // A table that merely lies in the same folder may belong to something else.
+      if (asked) throw;
+    }
+  }
+  description = "of 1 m of ground-truth path length";
+  return StepsAlongPath(paired.pairs, options);
+}
+
+}  // namespace
+
+Comparison Compare(const ComparisonFiles& arguments) {
+  if (arguments.time_tolerance && !(*arguments.time_tolerance >= 0)) {
+    throw InputError(fmt::format("--time-tolerance {}: give seconds, 0 or more", *arguments.time_tolerance));
+  }
+  EvaluationOptions options;
+  if (arguments.camera_rotation) options.steps.vehicle_from_camera = ReadCameraRotation(*arguments.camera_rotation);
+  TrajectoryFile estimate = ReadTrajectoryFile(arguments.estimate);
+  TrajectoryFile truth = ReadTrajectoryFile(arguments.ground_truth);
+  const Paired paired = PairPoses(arguments, estimate, truth);
+  Comparison comparison;
+  comparison.sources.estimate = arguments.estimate.string();
+  comparison.sources.ground_truth = arguments.ground_truth.string();
+  comparison.sources.estimated_poses = static_cast<int>(estimate.poses.size());
+  comparison.sources.true_poses = static_cast<int>(truth.poses.size());
+  comparison.sources.pairing = paired.by;
+  const std::vector<Step> steps = FindSteps(arguments, paired, options.steps, comparison.sources.steps);
+  comparison.evaluation = Evaluate(paired.pairs, steps, options);
+  comparison.pairs = paired.pairs;
+  comparison.timed = paired.key == KeyframeKey::kTime;
+  return comparison;
+}
+
+std::string ComparisonJson(const Comparison& comparison) {
+  // Names of files may not be valid UTF-8.
+  const auto replace = nlohmann::ordered_json::error_handler_t::replace;
+  return EvaluationJson(comparison.evaluation, comparison.sources).dump(2, ' ', false, replace) + "\n";
+}
+
+}  // namespace turnscale

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/commands/drive_camera.h"
+
+#include <memory>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "turnscale/base/error.h"
+#include "turnscale/io/terminal.h"
+
+namespace turnscale {
+namespace {
+
+// Of a focal length that is assumed, relative.
+constexpr double kAssumedSigma = 0.3;
+constexpr double kNarrowestView = 20;
+constexpr double kWidestView = 150;
+
+double ViewOf(const ImageArguments& arguments) {
+  const double view = arguments.field_of_view.value_or(kUsualView);
+  if (!(view >= kNarrowestView && view <= kWidestView))
+    throw InputError(fmt::format("--fov {}: give the horizontal field of view in degrees, {} to {}", view,
+                                 kNarrowestView, kWidestView));
+  return view;
+}
+
+// The drive's images. What is wrong with one of them the run itself says, when it comes to it.
+// `last`: time of the last one that the arguments allow, once it is known.
+ImageStream Images(const ImageArguments& arguments, const DriveImages& images, const CommandHooks& hooks,
+                   std::optional<double> from, int pass, std::optional<double>& last) {
+  ImageSourceOptions options = SourceOptions(arguments, images.camera, images.given.name);
+  if (from) options.start += *from;
+  auto source = std::make_shared<ImageSource>(images.drive, options);
+  auto progress = std::make_shared<Progress>(0, arguments.quiet);
+  return [&arguments, &hooks, &last, pass, source, progress, read = 0]() mutable -> std::optional<TimedImage> {
+    if (hooks.interrupted()) throw Interruption();
+    if (arguments.max_frames && read == *arguments.max_frames) return std::nullopt;
+    try {
+      std::optional<SourceFrame> frame = source->Next();
+      if (!frame) return std::nullopt;
+      if (last && frame->time > *last) return std::nullopt;
+      progress->Update(++read, fmt::format("estimating the camera, pass {}", pass));
+      if (pass == 1 && arguments.max_frames && read == *arguments.max_frames) last = frame->time;
+      return TimedImage{std::move(frame->gray), frame->time};
+    } catch (const InputError&) {
+      return std::nullopt;
+    }
+  };
+}
+
+std::optional<cv::Size> ImageSize(const ImageArguments& arguments, const DriveImages& images) {
+  ImageSource source(images.drive, SourceOptions(arguments, images.camera, images.given.name));
+  while (const std::optional<SourceFrame> frame = source.Next())
+    if (!frame->gray.empty()) return frame->gray.size();
+  return std::nullopt;
+}
+
+std::string NoTurn(const ImageArguments& arguments, double view, bool assumed) {
+  const std::string what = "no turn from which the camera's focal length can be estimated; ";
+  if (!assumed) return what + "the intrinsics are used as given";
+  return what + fmt::format("a field of view of {:.0f} degrees is assumed: give --camera FILE{}", view,
+                            arguments.field_of_view ? "" : " or --fov DEGREES");
+}
+
+}  // namespace
+
+CameraEstimate EstimateCamera(const ImageArguments& arguments, DriveImages& images, const OdometryOptions& options,
+                              const CommandHooks& hooks, const std::function<void(int)>& on_pass) {
+  const bool assumed = images.given.name.empty();
+  if (!assumed && !arguments.refine_camera) return {};
+  if (assumed && arguments.refine_camera)
+    throw InputError("--camera-refine: there are no intrinsics to refine; give --camera FILE, or leave it out");
+  const double view = ViewOf(arguments);
+  if (images.camera.width == 0) {
+    const std::optional<cv::Size> size = ImageSize(arguments, images);
+    // The run itself says what is wrong with such a drive.
+    if (!size) return {};
+    if (assumed) images.camera = CameraOfView(view, size->width, size->height);
+    images.camera.width = size->width;
+    images.camera.height = size->height;
+  }
+  if (assumed) images.camera.focal_sigma = kAssumedSigma * images.camera.pinhole.fx;
+  images.CheckMask({images.camera.width, images.camera.height});
+  int pass = 0;
+  std::optional<double> last;
+  const std::optional<FoundCamera> found = CalibrateFromDrive(
+      options, {images.camera, assumed},
+      [&](std::optional<double> from) {
+        on_pass(++pass);
+        return Images(arguments, images, hooks, from, pass, last);
+      },
+      images.mask);
+  if (!found) return {std::nullopt, NoTurn(arguments, view, assumed)};
+  images.camera = found->camera;
+  return {found, found->converged
+                     ? ""
+                     : "the estimate of the camera did not converge; its standard deviation may be too small"};
+}
+
+}  // namespace turnscale

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "turnscale/commands/command_hooks.h"
+#include "turnscale/commands/drive_source.h"
+#include "turnscale/odometry/options.h"
+#include "turnscale/odometry/self_calibration.h"
+
+namespace turnscale {
+
+/// Horizontal field of view, degrees, from which the estimation of the intrinsics starts by default.
+constexpr double kUsualView = 70;
+
+/// The camera as estimated from the images.
+struct CameraEstimate {
+  std::optional<FoundCamera> found;  ///< nothing where the camera is as given or the drive does not determine it
+  std::string warning;               ///< what to know about it, one line; may be empty
+};
+
+/// Estimates the camera from the images where it is not given or is to be refined (`--camera-refine`), and puts it
+/// into `images`. Where the drive does not determine it, an assumed one. `on_pass` is called before each pass over the
+/// images, with its number from 1. Throws InputError where there is nothing to refine, Interruption.
+CameraEstimate EstimateCamera(
+    const ImageArguments& arguments, DriveImages& images, const OdometryOptions& options, const CommandHooks& hooks,
+    const std::function<void(int)>& on_pass = [](int) {});
+
+}  // namespace turnscale

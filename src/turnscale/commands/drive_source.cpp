@@ -1,0 +1,220 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/commands/drive_source.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+#include <opencv2/core/utility.hpp>
+
+#include "turnscale/base/error.h"
+#include "turnscale/calibration/camera_step.h"
+#include "turnscale/camera/camera_file.h"
+#include "turnscale/commands/argument_checks.h"
+#include "turnscale/commands/drive_camera.h"
+#include "turnscale/io/mask_file.h"
+#include "turnscale/io/settings.h"
+#include "turnscale/io/terminal.h"
+#include "turnscale/io/trajectory_file.h"
+#include "turnscale/odometry/odometry.h"
+
+namespace turnscale {
+namespace {
+
+GivenCamera CameraFor(const ImageArguments& arguments, const DriveInput& drive) {
+  if (arguments.camera) return {arguments.camera->string(), ReadCameraFile(*arguments.camera)};
+  if (arguments.field_of_view) return {};
+  if (drive.camera_file) return {drive.camera_file->string(), ReadCameraFile(*drive.camera_file)};
+  if (!drive.bags) return {};
+  const std::optional<BagCamera> camera = ReadBagCamera(*drive.bags);
+  return camera ? GivenCamera{camera->name, camera->model} : GivenCamera();
+}
+
+// 0 if known neither from the video header nor from the user.
+int ExpectedFrames(int count, std::optional<int> max_frames) {
+  if (!max_frames) return count;
+  return count > 0 ? std::min(*max_frames, count) : *max_frames;
+}
+
+namespace fs = std::filesystem;
+
+// The first frame after initialisation without a measured pose; empty if there is none.
+std::optional<int> FirstLost(const std::vector<FrameResult>& frames) {
+  bool started = false;
+  for (const FrameResult& frame : frames) {
+    const bool tracked = frame.state == TrackingState::kTracked;
+    if (frame.state == TrackingState::kRepeated) continue;
+    if (started && !tracked) return frame.frame;
+    started = started || tracked;
+  }
+  return std::nullopt;
+}
+
+std::vector<Trajectory> Stretches(const std::vector<FrameResult>& frames) {
+  std::vector<Trajectory> stretches;
+  bool open = false;
+  for (const FrameResult& frame : frames) {
+    // The step continues to the next image that is not a duplicate.
+    if (frame.state == TrackingState::kRepeated) continue;
+    const bool tracked = frame.state == TrackingState::kTracked && frame.world_from_camera;
+    if (tracked && !open) stretches.emplace_back();
+    if (tracked) stretches.back().push_back({frame.time, *frame.world_from_camera});
+    open = tracked;
+  }
+  return stretches;
+}
+
+}  // namespace
+
+ImageSourceOptions SourceOptions(const ImageArguments& arguments, const CameraModel& camera,
+                                 const std::string& camera_name) {
+  ImageSourceOptions options;
+  options.timestamps = arguments.timestamps;
+  options.fps = arguments.fps;
+  if (!arguments.start.empty()) options.start = ParseDriveTime("--start", arguments.start);
+  if (!arguments.end.empty()) options.end = ParseDriveTime("--end", arguments.end);
+  options.width = camera.width;
+  options.height = camera.height;
+  options.camera_file = camera_name;
+  return options;
+}
+
+std::string ImageArguments::Name() const {
+  if (inputs.size() < 2) return inputs.empty() ? std::string() : inputs.front().string();
+  return fmt::format("{} and {} more", inputs.front().string(), inputs.size() - 1);
+}
+
+void CheckImageArguments(const ImageArguments& arguments) {
+  if (arguments.inputs.empty()) throw InputError("input: give the images of a drive");
+  RefuseBoth({"--timestamps", arguments.timestamps.has_value()}, {"--fps", arguments.fps.has_value()});
+  RefuseBoth({"--camera", arguments.camera.has_value()}, {"--fov", arguments.field_of_view.has_value()});
+  if (arguments.max_frames && *arguments.max_frames < 1)
+    throw InputError(fmt::format("--max-frames {}: give at least 1", *arguments.max_frames));
+}
+
+DriveImages::DriveImages(const ImageArguments& arguments)
+    : drive(FindDrive(arguments.inputs, arguments.topic)),
+      given(CameraFor(arguments, drive)),
+      camera(given.model),
+      mask_file(arguments.mask),
+      mask(mask_file ? ReadMask(*mask_file) : cv::Mat()),
+      source(drive, SourceOptions(arguments, camera, given.name)),
+      expected(ExpectedFrames(source.count(), arguments.max_frames)) {}
+
+void DriveImages::CheckMask(const cv::Size& size) const {
+  if (mask_file && !size.empty()) CheckMaskSize(*mask_file, mask, size);
+}
+
+std::string DoubtOf(const DriveImages& images, const cv::Mat& image) {
+  constexpr double kFarOff = 0.15;  // of the image's width or height
+  const Pinhole& pinhole = images.camera.pinhole;
+  const bool named = images.camera.width > 0 || images.given.name.empty();
+  const bool central =
+      std::abs(pinhole.cx / image.cols - 0.5) < kFarOff && std::abs(pinhole.cy / image.rows - 0.5) < kFarOff;
+  if (image.empty() || named || central) return {};
+  return fmt::format(
+      "{}: the principal point ({:.0f}, {:.0f}) is far from the centre of {}x{} images; check that this is the right "
+      "camera",
+      images.given.name, pinhole.cx, pinhole.cy, image.cols, image.rows);
+}
+
+TimedTrajectory ReadTimedTrajectory(const std::filesystem::path& path,
+                                    const std::optional<std::filesystem::path>& timestamps, std::optional<double> fps) {
+  if (fps && !(std::isfinite(*fps) && *fps > 0)) {
+    throw InputError(fmt::format("--fps {}: give frames per second, above 0", *fps));
+  }
+  TrajectoryFile file = ReadTrajectoryFile(path);
+  if (file.format != TrajectoryFormat::kKitti) {
+    if (!fps && !timestamps) return {std::move(file.poses), true};
+    throw InputError(fmt::format("{}: has timestamps; leave out {}", path.string(), fps ? "--fps" : "--timestamps"));
+  }
+  if (fps) {
+    for (StampedPose& pose : file.poses) pose.time /= *fps;
+    return {std::move(file.poses), true};
+  }
+  const std::filesystem::path times = timestamps ? *timestamps : FindPoseTimes(path);
+  if (times.empty()) return {std::move(file.poses), false};
+  return {ReadTrajectory(path, ReadFrameTimes(times).times), true};
+}
+
+DriveMotion MotionFromTrajectory(const fs::path& path, const std::optional<fs::path>& timestamps,
+                                 std::optional<double> fps, std::optional<AxisConvention> axes) {
+  constexpr double kUsualInterval = 0.1;
+  DriveMotion motion;
+  motion.input = path.string();
+  TimedTrajectory trajectory = ReadTimedTrajectory(path, timestamps, fps);
+  motion.timed = trajectory.timed;
+  if (!motion.timed) {
+    for (StampedPose& pose : trajectory.poses) pose.time *= kUsualInterval;
+    motion.note = "no timestamps: 10 frames per second assumed";
+  }
+  const AxisConvention found = axes ? *axes : FindAxisConvention(StepsAlong(trajectory.poses));
+  if (!axes && found != AxisConvention::kCamera) {
+    motion.note +=
+        std::string(motion.note.empty() ? "" : "; ") +
+        "vehicle axes detected (x forward); y left and z up assumed, and angles are those of a camera that looks "
+        "along x; if y is right and z down, yaw and pitch have the opposite sign: give --axes frd";
+  }
+  if (const auto gap = FirstGap(trajectory.poses)) {
+    motion.incomplete = fmt::format("the trajectory has a gap after {:.1f} s", *gap);
+  }
+  motion.stretches.push_back(InCameraAxes(std::move(trajectory.poses), found));
+  return motion;
+}
+
+DriveMotion MotionFromImages(const ImageArguments& arguments, const CommandHooks& hooks) {
+  CheckImageArguments(arguments);
+  OdometryOptions options = arguments.settings ? ReadSettings(*arguments.settings) : OdometryOptions();
+  options.vehicle.lever_arm.reset();
+  options.Check();
+  DriveImages images(arguments);
+  cv::setNumThreads(kImageThreads);
+  const CameraEstimate estimate = EstimateCamera(arguments, images, options, hooks);
+  Odometry odometry(options, images.camera);
+  if (!images.mask.empty()) odometry.SetMask(images.mask);
+  hooks.begun();
+  Progress progress(images.expected, arguments.quiet);
+  SendWarnings(progress, hooks);
+  for (const std::string& warning : images.source.left_out()) progress.Warn(warning);
+  if (!estimate.warning.empty()) progress.Warn(estimate.warning);
+  int processed = 0;
+  const auto drive = [&] {
+    while (!(arguments.max_frames && processed >= *arguments.max_frames)) {
+      const std::optional<SourceFrame> frame = images.source.Next();
+      if (!frame || hooks.interrupted()) break;
+      if (!frame->notice.empty()) progress.Warn(frame->notice);
+      if (processed == 0) {
+        images.CheckMask(frame->gray.size());
+        if (const std::string doubt = DoubtOf(images, frame->gray); !doubt.empty()) progress.Warn(doubt);
+      }
+      if (frame->gray.empty()) {
+        progress.Warn(fmt::format("frame {}: {}; skipped", frame->index, frame->problem));
+        odometry.ProcessUnreadable(frame->time);
+      } else {
+        odometry.Process(frame->gray, frame->time);
+      }
+      progress.Update(++processed, fmt::format("{} keyframes", odometry.map().keyframes.size()));
+    }
+  };
+  Attempts attempts;
+  attempts.Try(drive);
+  progress.Finish();
+  attempts.Try([&] { odometry.Finish(); });
+  DriveMotion motion;
+  motion.input = arguments.Name();
+  if (estimate.found)
+    motion.note = fmt::format("intrinsics estimated from the drive: focal length {:.1f} +-{:.1f} pixels",
+                              estimate.found->camera.pinhole.fx, estimate.found->camera.focal_sigma);
+  const std::vector<FrameResult> frames = odometry.RefinedFrames();
+  motion.stretches = Stretches(frames);
+  if (motion.stretches.empty()) attempts.RethrowFirst();
+  if (const auto lost = FirstLost(frames)) motion.incomplete = fmt::format("tracking was lost at frame {}", *lost);
+  if (hooks.interrupted())
+    motion.stopped = {kInterruptedExitCode, fmt::format("interrupted after {} frames", processed)};
+  if (!attempts.failures().empty()) motion.stopped = FailureOf(attempts.failures().front());
+  if (motion.stopped) motion.incomplete = motion.stopped->message;
+  return motion;
+}
+
+}  // namespace turnscale

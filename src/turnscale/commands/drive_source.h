@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <opencv2/core/mat.hpp>
+
+#include "turnscale/calibration/camera_axes.h"
+#include "turnscale/camera/camera_model.h"
+#include "turnscale/commands/command_hooks.h"
+#include "turnscale/geometry/rigid_transform.h"
+#include "turnscale/io/drive_input.h"
+#include "turnscale/io/image_source.h"
+#include "turnscale/io/terminal.h"
+
+namespace turnscale {
+
+/// Threads that OpenCV may use by default. The library leaves the number to the program.
+constexpr int kImageThreads = 2;
+
+/// Arguments common to the commands that run the odometry on images, by the names of the program's options.
+struct ImageArguments {
+  std::vector<std::filesystem::path> inputs;  ///< one, or videos or bags that continue one another
+  std::string topic;                          ///< of a bag's images; empty: the only one
+  std::optional<std::filesystem::path> camera;
+  std::optional<double> field_of_view;  ///< horizontal, degrees; estimate the intrinsics, starting there
+  bool refine_camera = false;           ///< estimate the intrinsics, starting from the given ones
+  std::optional<std::filesystem::path> timestamps;
+  std::optional<double> fps;
+  std::optional<std::filesystem::path> settings;
+  std::optional<std::filesystem::path> mask;
+  std::string start;  ///< of the part of the drive to process, as ParseDriveTime reads it; empty: the drive's
+  std::string end;    ///< of the part; empty: the drive's
+  std::optional<int> max_frames;
+  bool quiet = false;
+
+  /// The input for messages and reports.
+  std::string Name() const;
+};
+
+/// Throws InputError where arguments exclude one another, or one is out of range.
+void CheckImageArguments(const ImageArguments& arguments);
+
+/// Where the images of a drive are read from, as the arguments have it.
+ImageSourceOptions SourceOptions(const ImageArguments& arguments, const CameraModel& camera,
+                                 const std::string& camera_name);
+
+/// A camera that is given, and where.
+struct GivenCamera {
+  std::string name;  ///< of the file, or of the bag and its topic; empty where no camera is given
+  CameraModel model;
+};
+
+/// The images of a drive and their camera.
+struct DriveImages {
+  /// Throws InputError where there are no images or no times, or the mask cannot be read.
+  explicit DriveImages(const ImageArguments& arguments);
+
+  /// Throws InputError where the mask is not of the images' size. Accepts an empty size.
+  void CheckMask(const cv::Size& size) const;
+
+  DriveInput drive;
+  GivenCamera given;
+  CameraModel camera;  ///< that is given, later the estimated one
+  std::optional<std::filesystem::path> mask_file;
+  cv::Mat mask;  ///< pixels to leave out are 0 (ReadMask); empty where none is given
+  ImageSource source;
+  int expected = 0;  ///< number of frames, limited by `max_frames`; 0 if unknown
+};
+
+/// Why the intrinsics are implausible for the image; empty if plausible. An image size in the file is checked by the
+/// image source.
+std::string DoubtOf(const DriveImages& images, const cv::Mat& image);
+
+struct TimedTrajectory {
+  Trajectory poses;
+  bool timed = true;  ///< else the poses carry their frames' numbers as times
+};
+
+/// Reads a trajectory with its times, seconds: its own (TUM, EuRoC), or for KITTI's poses those of `timestamps`, of so
+/// many frames a second, or of the times.txt that FindPoseTimes finds. Throws InputError, also where times are given
+/// for a file that has its own.
+TimedTrajectory ReadTimedTrajectory(const std::filesystem::path& path,
+                                    const std::optional<std::filesystem::path>& timestamps, std::optional<double> fps);
+
+/// Camera motion of a drive, from images or from a trajectory file.
+struct DriveMotion {
+  std::string input;                  ///< as the user named it
+  std::vector<Trajectory> stretches;  ///< segments of uninterrupted tracking, in one unit of length
+  bool timed = true;                  ///< false: times are assumed
+  std::string incomplete;             ///< why the path length is incomplete; empty if complete
+  std::optional<Failure> stopped;     ///< why the drive was not processed to its end; empty if it was
+  std::string note;                   ///< one line for the user; may be empty
+};
+
+/// Reads a TUM, KITTI or EuRoC trajectory and converts vehicle axes, given or detected, to camera axes.
+/// KITTI poses without timestamps are assumed to be 10 per second. Throws InputError.
+DriveMotion MotionFromTrajectory(const std::filesystem::path& path,
+                                 const std::optional<std::filesystem::path>& timestamps, std::optional<double> fps,
+                                 std::optional<AxisConvention> axes);
+
+/// Runs the odometry on the images, without a lever arm: the result is up to scale. An interrupt or an exception ends
+/// the drive there; the exception is thrown on if there is no motion yet. Throws Interruption while the camera is
+/// estimated.
+DriveMotion MotionFromImages(const ImageArguments& arguments, const CommandHooks& hooks);
+
+}  // namespace turnscale

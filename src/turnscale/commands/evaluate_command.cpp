@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/commands/evaluate_command.h"
+
+#include "turnscale/commands/argument_checks.h"
+#include "turnscale/commands/version.h"
+#include "turnscale/evaluation/path_picture.h"
+#include "turnscale/io/floor_plan_file.h"
+#include "turnscale/io/output_file.h"
+#include "turnscale/io/settings.h"
+#include "turnscale/report/report_data.h"
+#include "turnscale/report/report_page.h"
+#include "turnscale/report/run_report.h"
+
+namespace turnscale {
+namespace {
+
+// The estimate as given, its first pose aligned with ground truth.
+void DrawPath(const EvaluateArguments& arguments, const Comparison& comparison) {
+  PathPicture picture;
+  picture.title = arguments.estimate.string();
+  if (!arguments.floor_plan.empty()) picture.outlines = ReadFloorPlan(arguments.floor_plan);
+  const auto from_above = [](const Eigen::Vector3d& place) { return Eigen::Vector2d(place.x(), place.z()); };
+  const Similarity& truth_from_estimate = comparison.evaluation.from_first_pose.truth_from_estimate;
+  for (const PosePair& pair : comparison.pairs) {
+    picture.truth.push_back(from_above(pair.truth.translation));
+    picture.estimate.push_back(from_above(truth_from_estimate * pair.estimate.translation));
+  }
+  ReplaceFile(arguments.picture, PathSvg(picture));
+}
+
+void WriteReport(const EvaluateArguments& arguments, const Comparison& comparison) {
+  ReportData data;
+  data.title = arguments.estimate.string();
+  data.version = Version();
+  data.metric = true;
+  data.timed = comparison.timed;
+  data.has_tracking = false;
+  data.has_scale_state = false;
+  if (arguments.camera_rotation) data.vehicle_from_body = ReadCameraRotation(*arguments.camera_rotation);
+  data.notes = {"Compared with " + arguments.ground_truth.string()};
+  for (const PosePair& pair : comparison.pairs) {
+    FrameResult frame;
+    frame.frame = pair.estimate_index;
+    frame.time = pair.time;
+    frame.world_from_camera = pair.estimate;
+    data.frames.push_back(frame);
+  }
+  data.truth = comparison.pairs;
+  data.errors = ErrorFacts(ComparisonJson(comparison));
+  if (!arguments.floor_plan.empty()) data.outlines = ReadFloorPlan(arguments.floor_plan);
+  ReplaceFile(arguments.report, ReportPage(arguments.estimate.filename().string(), ReportJson(data)));
+}
+
+}  // namespace
+
+Comparison ExecuteEvaluate(const EvaluateArguments& arguments) {
+  RequireFor({"--floor-plan", !arguments.floor_plan.empty()}, !arguments.picture.empty() || !arguments.report.empty(),
+             "--picture or --report");
+  const auto read = {arguments.estimate, arguments.ground_truth, arguments.timestamps, arguments.keyframes,
+                     arguments.floor_plan};
+  RefuseToOverwrite("--json", arguments.json, read);
+  RefuseToOverwrite("--picture", arguments.picture, read);
+  RefuseToOverwrite("--report", arguments.report, read);
+  const Comparison comparison = Compare(arguments);
+  if (!arguments.picture.empty()) DrawPath(arguments, comparison);
+  if (!arguments.report.empty()) WriteReport(arguments, comparison);
+  if (!arguments.json.empty() && arguments.json != "-") ReplaceFile(arguments.json, ComparisonJson(comparison));
+  return comparison;
+}
+
+}  // namespace turnscale

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/commands/rescale_command.h"
+
+#include <fmt/format.h>
+
+#include "turnscale/base/error.h"
+#include "turnscale/commands/argument_checks.h"
+#include "turnscale/commands/drive_source.h"
+#include "turnscale/commands/rescale_page.h"
+#include "turnscale/commands/rescale_report.h"
+#include "turnscale/geometry/rotation.h"
+#include "turnscale/io/output_file.h"
+#include "turnscale/io/run_writer.h"
+#include "turnscale/io/settings.h"
+#include "turnscale/io/trajectory_file.h"
+
+namespace turnscale {
+namespace {
+
+namespace fs = std::filesystem;
+
+RescaleOptions OptionsFrom(const RescaleArguments& arguments, bool timed) {
+  RescaleOptions options;
+  options.car.lever_arm = CheckedLeverArm(arguments.lever_arm);
+  if (arguments.side_slip) {
+    options.car.side_slip = CheckedSideSlip(*arguments.side_slip);
+    options.car.side_slip_sigma = kGivenSideSlipSigma * options.car.side_slip;
+  }
+  if (arguments.lever_arm_sigma) options.car.lever_arm_sigma = CheckedLeverArmSigma(*arguments.lever_arm_sigma);
+  if (arguments.side_slip_sigma) options.car.side_slip_sigma = CheckedSideSlipSigma(*arguments.side_slip_sigma);
+  if (arguments.camera_rotation == "identity") {
+    options.vehicle_from_camera = Eigen::Quaterniond::Identity();
+  } else if (arguments.camera_rotation != "auto") {
+    options.vehicle_from_camera = ReadCameraRotation(arguments.camera_rotation);
+  }
+  options.timed = timed;
+  options.drifting = arguments.drift == "auto";
+  return options;
+}
+
+void WriteReport(const fs::path& folder, const RescaleResult& result, const std::string& input, double lever_arm,
+                 bool timed) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) throw InputError(folder.string() + ": cannot be made: " + error.message());
+  // The summary comes last: where it is, the others are of the same drive.
+  for (const char* name : {"summary.json", "scale.csv", "turns.csv", "rescale.svg", kReportFile})
+    RemoveOldFile(folder / name);
+  ReplaceFile(folder / "scale.csv", PoseScaleTable(result));
+  ReplaceFile(folder / "turns.csv", TurnScaleTable(result));
+  ReplaceFile(folder / "rescale.svg", RescaleSvg(result, fs::path(input).filename().string(), timed));
+  ReplaceFile(folder / kReportFile, RescalePage(result, input, lever_arm, timed));
+  ReplaceFile(folder / "summary.json", RescaleJson(result, input));
+}
+
+}  // namespace
+
+RescaleResult ExecuteRescale(const RescaleArguments& arguments, const CommandHooks& hooks) {
+  RefuseBoth({"--timestamps", arguments.timestamps.has_value()}, {"--fps", arguments.fps.has_value()});
+  CheckChoice("--drift", arguments.drift, {"auto", "none"});
+  RefuseToOverwrite("--out", arguments.out, {arguments.input, arguments.timestamps.value_or("")});
+  const TimedTrajectory trajectory = ReadTimedTrajectory(arguments.input, arguments.timestamps, arguments.fps);
+  const std::string input = arguments.input.string();
+  if (!trajectory.timed && !arguments.quiet) {
+    Warn(hooks, input +
+                    ": no timestamps, so tyre slip is neglected: the scale may be off by up to 40 %; give --fps or "
+                    "--timestamps");
+  }
+  if (trajectory.poses.size() < 2) throw InputError(input + ": has fewer than two poses");
+  const RescaleOptions options = OptionsFrom(arguments, trajectory.timed);
+  const RescaleResult result = RescaleTrajectory(options, trajectory.poses);
+  if (!result.observable) {
+    throw InputError(fmt::format("{}: scale not observable: {}", input, result.reason));
+  }
+  std::string tum;
+  for (const StampedPose& pose : result.metric) tum += TumLine(pose);
+  if (!arguments.out.empty()) ReplaceFile(arguments.out, tum);
+  if (arguments.report) WriteReport(*arguments.report, result, input, options.car.lever_arm, trajectory.timed);
+  if (const std::string warning = RescaleWarning(result); !warning.empty()) Warn(hooks, input + ": " + warning);
+  return result;
+}
+
+}  // namespace turnscale

@@ -1,0 +1,274 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/commands/rescale_report.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <vector>
+
+#include <Eigen/Geometry>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "turnscale/figure/figure.h"
+#include "turnscale/geometry/rotation.h"
+#include "turnscale/io/turn_warning.h"
+
+namespace turnscale {
+namespace {
+
+std::string PositiveCell(double value) { return value > 0 ? fmt::format("{:.6g}", value) : std::string(); }
+
+// Lowest and highest of the drive.
+std::pair<double, double> ScaleRange(const RescaleResult& result) {
+  const auto [low, high] =
+      std::minmax_element(result.poses.begin(), result.poses.end(),
+                          [](const auto& a, const auto& b) { return a.metres_per_unit < b.metres_per_unit; });
+  return {low->metres_per_unit, high->metres_per_unit};
+}
+
+std::pair<double, double> SigmaRange(const RescaleResult& result) {
+  const auto [low, high] = std::minmax_element(result.poses.begin(), result.poses.end(),
+                                               [](const auto& a, const auto& b) { return a.sigma < b.sigma; });
+  return {low->sigma, high->sigma};
+}
+
+const std::vector<TurnEstimate>& TurnsOf(const RescaleResult& result) { return result.estimate->turns; }
+
+auto UsedTurns(const RescaleResult& result) {
+  return std::ranges::count_if(TurnsOf(result), [](const TurnEstimate& turn) { return turn.used; });
+}
+
+constexpr double kWidth = 640;  // of the panels, about pixels
+constexpr double kPathHeight = 440;
+constexpr double kChartHeight = 170;
+constexpr std::size_t kMostPoints = 2000;  // of a curve
+constexpr double kMostBand = 1;            // by how many bands a single turn may widen the chart
+constexpr double kSpeedSeconds = 1;        // over which the speed is taken
+constexpr auto kRed = "#c2185b";
+constexpr auto kBlue = "#1565c0";
+constexpr auto kDark = "#222";
+constexpr auto kGray = "#999";
+
+// Every so many, and the last.
+std::vector<std::size_t> Thinned(std::size_t first, std::size_t last) {
+  const std::size_t stride = (last - first) / kMostPoints + 1;
+  std::vector<std::size_t> indices;
+  for (std::size_t i = first; i < last; i += stride) indices.push_back(i);
+  indices.push_back(last);
+  return indices;
+}
+
+// Right and up on the page, in the world's axes: the drive as seen from above, however its world frame lies. Up is what
+// the car has above it on the whole; the world's x axis goes to the right, or its z axis where x points up.
+Eigen::Matrix<double, 2, 3> PageAxes(const RescaleResult& result) {
+  Eigen::Vector3d up = Eigen::Vector3d::Zero();
+  for (const StampedPose& pose : result.metric) {
+    up -= pose.world_from_camera.rotation * (result.vehicle_from_camera.conjugate() * Eigen::Vector3d::UnitY());
+  }
+  up.normalize();
+  constexpr double kAlong = 0.9;
+  const Eigen::Vector3d reference = std::abs(up.x()) < kAlong ? Eigen::Vector3d::UnitX() : Eigen::Vector3d::UnitZ();
+  Eigen::Matrix<double, 2, 3> axes;
+  axes.row(0) = (reference - reference.dot(up) * up).normalized();
+  axes.row(1) = up.cross(Eigen::Vector3d(axes.row(0)));
+  return axes;
+}
+
+PlotPanel PathPanel(const RescaleResult& result) {
+  const Eigen::Matrix<double, 2, 3> axes = PageAxes(result);
+  const auto places = [&](std::size_t first, std::size_t last) {
+    PlotPoints points;
+    for (const std::size_t i : Thinned(first, last))
+      points.emplace_back(axes * result.metric[i].world_from_camera.translation);
+    return points;
+  };
+  PlotPanel panel;
+  panel.title = "path from above";
+  panel.bar_unit = "m";
+  panel.equal_axes = true;
+  panel.height = kPathHeight;
+  panel.lines.push_back({places(0, result.metric.size() - 1), "path", kDark, 2});
+  for (const TurnEstimate& turn : result.estimate->turns) {
+    panel.lines.push_back(
+        {places(result.steps[turn.first_step].first, result.steps[turn.last_step].last), "turn", kRed, 4});
+  }
+  return panel;
+}
+
+std::vector<double> MetresAlong(const Trajectory& metric) {
+  std::vector<double> along(metric.size(), 0);
+  for (std::size_t i = 1; i < metric.size(); ++i) {
+    along[i] =
+        along[i - 1] + (metric[i].world_from_camera.translation - metric[i - 1].world_from_camera.translation).norm();
+  }
+  return along;
+}
+
+PlotPanel ScalePanel(const RescaleResult& result, const std::vector<double>& along) {
+  double low = HUGE_VAL;
+  double high = 0;
+  for (const RescaledPose& scale : result.poses) {
+    low = std::min(low, scale.metres_per_unit * std::exp(-2 * scale.sigma));
+    high = std::max(high, scale.metres_per_unit * std::exp(2 * scale.sigma));
+  }
+  const double most = kMostBand * (high - low);
+  const double lowest = low - most;
+  const double highest = high + most;
+  PlotPanel panel;
+  panel.title = "scale";
+  panel.y_label = "metres per unit";
+  PlotLine line{{}, "smoothed", kRed, 1.8};
+  PlotArea band{{}, "1 sigma", kRed, 0.18};
+  PlotPoints lower;
+  for (const std::size_t i : Thinned(0, result.poses.size() - 1)) {
+    const RescaledPose& scale = result.poses[i];
+    line.points.emplace_back(along[i], scale.metres_per_unit);
+    band.outline.emplace_back(along[i], scale.metres_per_unit * std::exp(scale.sigma));
+    lower.emplace_back(along[i], scale.metres_per_unit * std::exp(-scale.sigma));
+  }
+  // Forth along the upper edge, back along the lower one.
+  band.outline.insert(band.outline.end(), lower.rbegin(), lower.rend());
+  panel.areas = {band};
+  panel.lines = {line};
+  for (const TurnEstimate& turn : result.estimate->turns) {
+    if (!(turn.own > 0)) continue;
+    const double least = turn.own * std::exp(-turn.own_sigma);
+    const double largest = turn.own * std::exp(turn.own_sigma);
+    const double middle = 0.5 * (along[result.steps[turn.first_step].first] + along[result.steps[turn.last_step].last]);
+    panel.lines.push_back({{{middle, least}, {middle, largest}},
+                           turn.used ? "one turn alone" : "turn not used",
+                           turn.used ? kDark : kGray,
+                           1.5,
+                           turn.used ? "none" : "2 2"});
+    if (!turn.used) continue;
+    low = std::max(lowest, std::min(low, least));
+    high = std::min(highest, std::max(high, largest));
+  }
+  panel.y = PlotRange{low, high};
+  return panel;
+}
+
+PlotPanel SpeedPanel(const RescaleResult& result, const std::vector<double>& along) {
+  PlotPoints speeds;
+  double high = 1;
+  std::size_t first = 0;
+  for (std::size_t i = 1; i < along.size(); ++i) {
+    const double seconds = result.metric[i].time - result.metric[first].time;
+    if (seconds < kSpeedSeconds) continue;
+    speeds.emplace_back(along[i], (along[i] - along[first]) / seconds);
+    high = std::max(high, speeds.back().y());
+    first = i;
+  }
+  PlotPanel panel;
+  panel.title = "implied speed";
+  panel.y_label = "m/s";
+  panel.y = PlotRange{0, std::ceil(high / 5) * 5};
+  PlotLine line{{}, "", kBlue, 1.4};
+  if (!speeds.empty()) {
+    for (const std::size_t i : Thinned(0, speeds.size() - 1)) line.points.push_back(speeds[i]);
+  }
+  panel.lines = {line};
+  return panel;
+}
+
+}  // namespace
+
+std::string PoseScaleTable(const RescaleResult& result) {
+  std::string table = "pose,time,metres_per_unit,sigma_relative,filtered_metres_per_unit,filtered_sigma_relative\n";
+  for (std::size_t i = 0; i < result.poses.size(); ++i) {
+    const RescaledPose& scale = result.poses[i];
+    fmt::format_to(std::back_inserter(table), "{},{:.6f},{:.9g},{:.6g},{},{}\n", i, result.metric[i].time,
+                   scale.metres_per_unit, scale.sigma, PositiveCell(scale.filtered_metres_per_unit),
+                   PositiveCell(scale.filtered_sigma));
+  }
+  return table;
+}
+
+std::string TurnScaleTable(const RescaleResult& result) {
+  std::string table =
+      "first_pose,last_pose,angle_deg,speed_mps,metres_per_unit,sigma_relative,smoothed_metres_per_unit,"
+      "smoothed_sigma_relative,deviation_sigmas,effective_lever_arm_m,used,weight,reason\n";
+  for (const TurnEstimate& turn : TurnsOf(result)) {
+    fmt::format_to(std::back_inserter(table), "{},{},{:.4f},{},{},{},{:.9g},{:.6g},{:.3f},{},{},{:.4g},{}\n",
+                   result.steps[turn.first_step].first, result.steps[turn.last_step].last,
+                   turn.angle * kDegreesPerRadian, PositiveCell(turn.speed_units * turn.smoothed),
+                   PositiveCell(turn.own), PositiveCell(turn.own_sigma), turn.smoothed, turn.smoothed_sigma,
+                   turn.deviation, PositiveCell(turn.lever_arm_units * turn.smoothed), turn.used ? 1 : 0, turn.weight,
+                   turn.reason.empty() ? "" : "\"" + turn.reason + "\"");
+  }
+  return table;
+}
+
+std::string RescaleJson(const RescaleResult& result, const std::string& input) {
+  const auto [low, high] = ScaleRange(result);
+  const auto [best, worst] = SigmaRange(result);
+  const YawPitchRoll camera = YawPitchRollFromRotation(result.vehicle_from_camera);
+  const ScaleEstimate& estimate = *result.estimate;
+  const CarRefinement& car = estimate.car;
+  const nlohmann::ordered_json json = {{"input", input},
+                                       {"poses", result.poses.size()},
+                                       {"length_m", result.length},
+                                       {"length_sigma", estimate.length_sigma},
+                                       {"metres_per_unit", {{"min", low}, {"max", high}}},
+                                       {"sigma_relative", {{"min", best}, {"max", worst}}},
+                                       {"turns", {{"found", TurnsOf(result).size()}, {"used", UsedTurns(result)}}},
+                                       {"converged", estimate.converged},
+                                       {"contradicted", estimate.test.contradicted},
+                                       {"follows_single_turns", estimate.fell_back},
+                                       {"camera_rotation",
+                                        {{"yaw_deg", camera.yaw * kDegreesPerRadian},
+                                         {"pitch_deg", camera.pitch * kDegreesPerRadian},
+                                         {"roll_deg", camera.roll * kDegreesPerRadian}}},
+                                       {"yaw_error_deg", car.yaw_error * kDegreesPerRadian},
+                                       {"yaw_error_sigma_deg", car.yaw_error_sigma * kDegreesPerRadian},
+                                       {"side_slip_s2pm", car.side_slip},
+                                       {"side_slip_sigma_s2pm", car.side_slip_sigma},
+                                       {"side_slip_at_bound", car.side_slip_at_bound}};
+  return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+}
+
+std::string RescaleWarning(const RescaleResult& result) {
+  const auto poses_of = [&](int index) {
+    const TurnEstimate& turn = result.estimate->turns[index];
+    return fmt::format("poses {}-{}", result.steps[turn.first_step].first, result.steps[turn.last_step].last);
+  };
+  return TurnWarning(*result.estimate, poses_of, "the timestamps and the lever arm");
+}
+
+std::string RescaleText(const RescaleResult& result) {
+  const auto [low, high] = ScaleRange(result);
+  const auto [best, worst] = SigmaRange(result);
+  std::string text = fmt::format("scale         {:.5g} m per unit", low);
+  if (high > low) text = fmt::format("scale         {:.5g} ... {:.5g} m per unit", low, high);
+  text += worst - best > 0.0005 ? fmt::format(", +- {:.1f} ... {:.1f} %\n", 100 * best, 100 * worst)
+                                : fmt::format(", +- {:.1f} %\n", 100 * best);
+  const CarRefinement& car = result.estimate->car;
+  text += fmt::format("path          {:.1f} m +- {:.1f} %, {} turns used of {}\n", result.length,
+                      100 * result.estimate->length_sigma, UsedTurns(result), TurnsOf(result).size());
+  const YawPitchRoll camera = YawPitchRollFromRotation(result.vehicle_from_camera);
+  text += fmt::format("camera        yaw {:+.2f} +- {:.2f}, pitch {:+.2f}, roll {:+.2f} deg\n",
+                      (camera.yaw + car.yaw_error) * kDegreesPerRadian, car.yaw_error_sigma * kDegreesPerRadian,
+                      camera.pitch * kDegreesPerRadian, camera.roll * kDegreesPerRadian);
+  if (car.side_slip_at_bound) {
+    text += "side slip     0: the estimate would be negative; check the lever arm and the timestamps\n";
+  } else if (car.side_slip_sigma > 0) {
+    text += fmt::format("side slip     {:.4f} +- {:.4f} s^2/m\n", car.side_slip, car.side_slip_sigma);
+  }
+  return text;
+}
+
+std::string RescaleSvg(const RescaleResult& result, const std::string& title, bool timed) {
+  const std::vector<double> along = MetresAlong(result.metric);
+  Figure figure;
+  figure.title = title;
+  figure.panel_width = kWidth;
+  figure.panel_height = kChartHeight;
+  figure.panels = {PathPanel(result), ScalePanel(result, along)};
+  if (timed) figure.panels.push_back(SpeedPanel(result, along));
+  for (std::size_t i = 1; i < figure.panels.size(); ++i) figure.panels[i].x = PlotRange{0, std::max(along.back(), 1.0)};
+  figure.panels.back().x_label = "along the path [m]";
+  return FigureSvg(figure);
+}
+
+}  // namespace turnscale

@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/commands/run_command.h"
+
+#include <exception>
+#include <set>
+#include <system_error>
+#include <utility>
+
+#include <fmt/format.h>
+#include <opencv2/core/utility.hpp>
+
+#include "turnscale/base/error.h"
+#include "turnscale/commands/argument_checks.h"
+#include "turnscale/commands/drive_camera.h"
+#include "turnscale/commands/version.h"
+#include "turnscale/io/settings.h"
+#include "turnscale/io/vehicle_file.h"
+#include "turnscale/odometry/odometry.h"
+#include "turnscale/report/run_report.h"
+#include "turnscale/report/thumbnails.h"
+
+namespace turnscale {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Throws InputError where the results would come to lie among the images or clips, or replace what is read.
+void CheckFolder(const RunArguments& arguments, const DriveImages& images) {
+  std::error_code none;
+  const auto refuse_folder = [&](const fs::path& folder) {
+    if (fs::equivalent(arguments.out, folder.empty() ? "." : folder, none))
+      throw InputError(fmt::format("--out {}: is the folder of the drive; name another one", arguments.out.string()));
+  };
+  for (const fs::path& input : arguments.images.inputs)
+    refuse_folder(fs::is_directory(input, none) ? input : input.parent_path());
+  refuse_folder(fs::is_directory(images.drive.path, none) ? images.drive.path : images.drive.path.parent_path());
+  RefuseToOverwrite("--out", arguments.out / "mask.png", {arguments.images.mask.value_or("")});
+  RefuseToOverwrite("--out", arguments.out / "car.yaml", {arguments.car.vehicle.value_or("")});
+  if (arguments.images.refine_camera) RefuseToOverwrite("--out", arguments.out / "camera.yaml", {images.given.name});
+}
+
+RunSummary BeforeTheDrive(const RunArguments& arguments, const OdometryOptions& options, const DriveImages& images,
+                          const CameraEstimate& estimate) {
+  RunSummary summary;
+  summary.version = Version();
+  summary.input = arguments.images.Name();
+  if (images.drive.bags) summary.topic = images.drive.bags->topic;
+  summary.camera = images.given.name;
+  summary.found_camera = estimate.found;
+  if (arguments.images.mask) summary.mask = arguments.images.mask->string();
+  summary.warnings = images.source.left_out();
+  if (!estimate.warning.empty()) summary.warnings.push_back(estimate.warning);
+  summary.pose_frame = arguments.frame;
+  summary.folder = arguments.out.string();
+  summary.start = arguments.images.start;
+  summary.end = arguments.images.end;
+  summary.vehicle = options.vehicle;
+  return summary;
+}
+
+// The page that shows the results; whatever becomes of it, they are on disk already.
+void KeepReport(const RunArguments& arguments, const ThumbnailCollector& thumbnails, RunEnd& end) {
+  std::error_code none;
+  for (const char* needed : {"trajectory.csv", "summary.json"})
+    if (!fs::is_regular_file(arguments.out / needed, none)) return;
+  Attempts attempts;
+  attempts.Try([&] { WriteThumbnails(arguments.out, thumbnails.thumbnails()); });
+  attempts.Try([&] { WriteRunPage(arguments.out, arguments.truth); });
+  // A truth that does not fit the drive is no reason to have no page.
+  if (!attempts.failures().empty() && !arguments.truth.truth.empty())
+    attempts.Try([&] { WriteRunPage(arguments.out, {}); });
+  end.failures.insert(end.failures.end(), attempts.failures().begin(), attempts.failures().end());
+}
+
+}  // namespace
+
+OdometryOptions OptionsFrom(const CarArguments& car, const std::optional<fs::path>& settings) {
+  OdometryOptions options = settings ? ReadSettings(*settings) : OdometryOptions();
+  if (car.vehicle) ReadVehicleFile(*car.vehicle, options.vehicle);
+  if (car.lever_arm) {
+    options.vehicle.lever_arm = CheckedLeverArm(*car.lever_arm);
+    if (car.vehicle) options.vehicle.lever_arm_sigma = kTapeSigma;
+    options.vehicle.height_correlation = 0;
+  }
+  if (car.lever_arm_sigma) options.vehicle.lever_arm_sigma = CheckedLeverArmSigma(*car.lever_arm_sigma);
+  if (car.camera_height) {
+    const CameraHeight height = ParseCameraHeight(*car.camera_height);
+    options.vehicle.camera_height = height.metres;
+    options.vehicle.camera_height_sigma = height.sigma;
+    options.vehicle.height_correlation = options.vehicle.height_slip_correlation = 0;
+  }
+  if (car.side_slip) {
+    options.vehicle.side_slip = CheckedSideSlip(*car.side_slip);
+    options.vehicle.side_slip_sigma = kGivenSideSlipSigma * *car.side_slip;
+    options.vehicle.height_slip_correlation = 0;
+  }
+  if (car.side_slip_sigma) options.vehicle.side_slip_sigma = CheckedSideSlipSigma(*car.side_slip_sigma);
+  if (car.camera_rotation == "auto") {
+    options.vehicle.calibrate_camera = true;
+    options.vehicle.camera_known = false;
+  } else if (!car.camera_rotation.empty()) {
+    options.vehicle.vehicle_from_camera = ReadCameraRotation(car.camera_rotation);
+    options.vehicle.calibrate_camera = false;
+    options.vehicle.camera_known = false;
+    if (car.vehicle) options.vehicle.yaw_sigma = VehicleOptions().yaw_sigma;
+  }
+  if (car.method) CheckChoice("--method", *car.method, {"smoothed", "turns", "paper"});
+  if (car.method)
+    options.scale.method = *car.method == "paper"   ? ScaleMethod::kPaper
+                           : *car.method == "turns" ? ScaleMethod::kTurns
+                                                    : ScaleMethod::kSmoothed;
+  options.Check();
+  return options;
+}
+
+RunEnd ExecuteRun(const RunArguments& arguments, const RunHooks& hooks) {
+  CheckImageArguments(arguments.images);
+  CheckChoice("--frame", arguments.frame, {"camera", "vehicle"});
+  const OdometryOptions options = OptionsFrom(arguments.car, arguments.images.settings);
+  CheckThreads(arguments.threads);
+  cv::setNumThreads(arguments.threads);
+  CheckTruthFiles(arguments.truth);
+  DriveImages images(arguments.images);
+  CheckFolder(arguments, images);
+  hooks.opened(images.expected);
+  const CameraEstimate estimate = EstimateCamera(arguments.images, images, options, hooks, [&](int pass) {
+    hooks.phase(fmt::format("estimating the camera, pass {}", pass));
+  });
+  hooks.phase("");
+  Odometry odometry(options, images.camera);
+  if (!images.mask.empty()) odometry.SetMask(images.mask);
+  Progress progress(images.expected, arguments.images.quiet);
+  SendWarnings(progress, hooks);
+  bool begun = false;
+  const auto next = [&] {
+    hooks.before_frame();
+    std::optional<SourceFrame> frame = images.source.Next();
+    if (begun) return frame;
+    begun = true;
+    if (frame) images.CheckMask(frame->gray.size());
+    // From here on there is something to keep.
+    hooks.begun();
+    if (frame) RemoveThumbnails(arguments.out);
+    if (const std::string doubt = frame ? DoubtOf(images, frame->gray) : ""; !doubt.empty()) progress.Warn(doubt);
+    return frame;
+  };
+  const PoseFrame shown = arguments.frame == "vehicle" ? PoseFrame::kVehicle : PoseFrame::kCamera;
+  ThumbnailCollector thumbnails;
+  const auto watch = [&](const SourceFrame& frame, const FrameResult& result, const Odometry& so_far) {
+    if (!arguments.no_report) thumbnails.Add(frame.gray, result, so_far);
+    if (hooks.watch) hooks.watch(frame, result, so_far);
+  };
+  const DriveToRun drive = {next,
+                            hooks.interrupted,
+                            [&] { return images.source.EndsEarly(); },
+                            [&] { return images.source.clips(); },
+                            arguments.images.max_frames,
+                            {arguments.out, shown, options.vehicle},
+                            BeforeTheDrive(arguments, options, images, estimate),
+                            watch,
+                            [&] { hooks.phase("final adjustment"); }};
+  RunEnd end = RunDrive(drive, odometry, progress);
+  if (!arguments.no_report) KeepReport(arguments, thumbnails, end);
+  return end;
+}
+
+std::optional<RunFailure> FailureOfRun(const RunEnd& end) {
+  if (!end.nothing_tracked.empty())
+    return RunFailure{{2, end.summary.input + ": " + end.nothing_tracked}, {}, /*kept=*/false};
+  if (end.failures.empty() && end.interrupted) return RunFailure{{kInterruptedExitCode, end.summary.stopped}, {}};
+  if (end.failures.empty()) return std::nullopt;
+  RunFailure failure = {FailureOf(end.failures.front()), {}};
+  std::set<std::string> messages = {failure.first.message};
+  for (const std::exception_ptr& thrown : end.failures) {
+    const std::string message = FailureOf(thrown).message;
+    if (messages.insert(message).second) failure.others.push_back(message);
+  }
+  return failure;
+}
+
+}  // namespace turnscale
