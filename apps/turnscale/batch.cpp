@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include <cerrno>
 #include <cstdlib>
 #include <filesystem>
 #include <string>
@@ -7,9 +6,9 @@
 #include <vector>
 
 #include <CLI/CLI.hpp>
-#include <unistd.h>
 
 #include "commands.h"
+#include "process.h"
 #include "turnscale/base/error.h"
 
 namespace turnscale {
@@ -28,20 +27,13 @@ fs::path BatchFolder(const fs::path& program) {
   throw InputError("batch: its Python files are missing; install turnscale again");
 }
 
-// Replaces this process.
 [[noreturn]] void ExecBatch(const std::vector<std::string>& arguments) {
-  std::error_code error;
-  const fs::path program = fs::read_symlink("/proc/self/exe", error);
-  if (error) throw InternalError("batch: the program cannot find itself: " + error.message());
+  const fs::path program = ProgramFile();
   // The runs of the drives are this program's.
   setenv("TURNSCALE_PROGRAM", program.c_str(), 1);
   std::vector<std::string> words = {"python3", BatchFolder(program).string()};
   words.insert(words.end(), arguments.begin(), arguments.end());
-  std::vector<char*> pointers;
-  for (std::string& word : words) pointers.push_back(word.data());
-  pointers.push_back(nullptr);
-  execvp(pointers[0], pointers.data());
-  throw InputError(std::string("batch: needs python3: ") + std::system_category().message(errno) +
+  throw InputError("batch: needs python3: " + ReplaceProcess(words) +
                    "; install the Debian packages python3, python3-dask, python3-distributed and python3-numpy");
 }
 

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <string>
-
 namespace CLI {
 class App;
 }
@@ -20,9 +18,5 @@ void AddLabCommand(CLI::App& app);
 void AddRescaleCommand(CLI::App& app);
 void AddSimulateCommand(CLI::App& app);
 void AddViewCommand(CLI::App& app);
-
-/// A sub-command that this build comes without: not in the help, and its call, whatever its arguments, says what
-/// enables it.
-void AddMissingCommand(CLI::App& app, const std::string& name, const std::string& what, const std::string& option);
 
 }  // namespace turnscale

@@ -202,8 +202,8 @@ void AddExportCommand(CLI::App& app) {
       ->check(CLI::PositiveNumber);
   command->add_option("--out", arguments->out, "Names of the files, without their endings [path, in the folder]");
   command->footer(
-      "Example:\n  turnscale export out/drive --gpx --kml --origin 49.0112,8.4225 --heading 87.5 \\\n"
-      "      --start-time 2026-03-22T07:14:05+01:00");
+      "Examples:\n  turnscale export out/drive --gpx --kml --origin 49.0112,8.4225 --heading 87.5\n"
+      "  turnscale export out/drive --gpx --fixes gps.csv --start-time 2026-03-22T07:14:05+01:00");
   command->callback([arguments] { RunExport(*arguments); });
 }
 

@@ -15,6 +15,7 @@
 #include "commands.h"
 #include "interrupt.h"
 #include "lab_experiments.h"
+#include "program.h"
 #include "turnscale/base/error.h"
 #include "turnscale/commands/command_hooks.h"
 #include "turnscale/commands/version.h"
@@ -119,8 +120,7 @@ int Lab(const LabArguments& arguments) {
 }  // namespace
 
 void AddLabCommand(CLI::App& app) {
-  CLI::App* lab = app.add_subcommand(
-      "lab", "Reproduce the analysis and Monte Carlo runs of the paper by Kim et al. (sections V-A, V-B).");
+  CLI::App* lab = app.add_subcommand(kLabCommand.name, kLabCommand.what);
   auto arguments = std::make_shared<LabArguments>();
   std::vector<std::string> names;
   for (const Experiment& experiment : Experiments()) names.push_back(experiment.name);

@@ -14,6 +14,7 @@
 
 #include "commands.h"
 #include "interrupt.h"
+#include "program.h"
 #include "turnscale/base/error.h"
 #include "turnscale/commands/command_hooks.h"
 #include "turnscale/commands/version.h"
@@ -172,7 +173,7 @@ int Simulate(const SimulateArguments& arguments) {
 }  // namespace
 
 void AddSimulateCommand(CLI::App& app) {
-  CLI::App* simulate = app.add_subcommand("simulate", "Render a simulated drive with ground truth.");
+  CLI::App* simulate = app.add_subcommand(kSimulateCommand.name, kSimulateCommand.what);
   auto arguments = std::make_shared<SimulateArguments>();
   simulate->add_option("world", arguments->world, "garage or street")
       ->required()
