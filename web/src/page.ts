@@ -267,8 +267,8 @@ export class ReportPage {
     const band = sigmaOfSpeed === null ? '' : ` ±${(sigmaOfSpeed * kmhPerMps).toFixed(1)}`;
     if (anywhere(path.speed))
       rows.push([this.reverse[i] ? 'Speed, reverse' : 'Speed', speed === null ? '-' : `${fixed(speed * kmhPerMps, 1)}${band} km/h`]);
-    if (path.driven) rows.push(['Driven so far', `${path.driven[i].toFixed(1)} ${unit}`]);
-    const side = (value: number, positive: string, negative: string) => `${Math.abs(value).toFixed(Math.abs(value) < 100 ? 1 : 0)} ${unit} ${value < 0 ? negative : positive}`;
+    if (path.driven) rows.push(['Driven so far', lengthText(path.driven[i], unit)]);
+    const side = (value: number, positive: string, negative: string) => `${lengthText(Math.abs(value), unit, 100)} ${value < 0 ? negative : positive}`;
     rows.push(['From the start', `${side(path.x[i], 'right', 'left')}, ${side(path.y[i], 'ahead', 'behind')}`]);
     const lengths = [path.x, path.y, path.z].map((values) => values.reduce((most, value) => Math.max(most, Math.abs(value)), 0));
     if (lengths[2] > 0.05 * Math.max(lengths[0], lengths[1])) rows.push(['Height', side(path.z[i], 'up', 'down')]);
@@ -621,6 +621,12 @@ export class ReportPage {
     event.preventDefault();
     action();
   }
+}
+
+/** With a decimal below `fine`. */
+function lengthText(length: number, unit: string, fine = 1000): string {
+  if (unit === 'm' && length >= 1000) return `${(length / 1000).toFixed(2)} km`;
+  return `${length.toFixed(length < fine ? 1 : 0)} ${unit}`;
 }
 
 /** Mean over a part of the drive, whichever way the car goes; null where it is not known. */

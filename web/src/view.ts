@@ -75,6 +75,8 @@ export class PathView {
   private in3d = false;
   private content: PathContent = { places: { x: [], y: [], z: [] }, colours: [], turns: [], predicted: [], reverse: [], markers: [] };
   private shown: Places = { x: [], y: [], z: [] }; // what has to be in view
+  private sides = new Map<number, number>(); // of the turns' numbers, as found for the camera below
+  private sidesOf = '';
   private screen = new Float64Array(); // pixels of the path's points
   private visible = new Uint8Array();
   private truth: Places | null = null;
@@ -114,6 +116,7 @@ export class PathView {
     this.screen = new Float64Array(2 * content.places.x.length);
     this.visible = new Uint8Array(content.places.x.length);
     this.shown = withPlan(content.places, this.outlines);
+    this.sidesOf = '';
     this.draw();
   }
 
@@ -415,7 +418,7 @@ export class PathView {
   }
 
   private drawMarkers(): void {
-    const { top: context, content, theme, visible } = this;
+    const { top: context, content, theme, screen, visible } = this;
     const taken: [number, number][] = [];
     context.textAlign = 'center';
     context.textBaseline = 'middle';
@@ -425,10 +428,10 @@ export class PathView {
     if (count > 0) this.end(0, 'start');
     if (count > 1) this.end(count - 1, 'end');
     for (const { index, first, last, label, used } of content.markers) {
-      if (!visible[index]) continue;
+      const [px, py] = [screen[2 * index], screen[2 * index + 1]];
+      if (!visible[index] || taken.some(([a, b]) => Math.abs(a - px) < apart && Math.abs(b - py) < apart)) continue;
+      taken.push([px, py]);
       const [x, y] = this.besidePath(index, first, last);
-      if (taken.some(([a, b]) => Math.abs(a - x) < apart && Math.abs(b - y) < apart)) continue;
-      taken.push([x, y]);
       context.beginPath();
       context.arc(x, y, label.length > 2 ? 12 : 9.5, 0, 2 * Math.PI);
       context.lineWidth = 4.5;
@@ -453,15 +456,23 @@ export class PathView {
     const beside = 22;
     const enough = 16 ** 2;
     const [u, v] = length > 2 ? [(beside * out[0]) / length, (beside * out[1]) / length] : [0, -beside];
-    const places: [number, number][] = [[x + u, y + v], [x - u, y - v], [x - v, y + u], [x + v, y - u]];
-    let [best, most] = [places[0], 0];
-    for (const place of places) {
-      let clear = enough;
-      for (let i = 0; i < visible.length; i += 2) clear = Math.min(clear, (screen[2 * i] - place[0]) ** 2 + (screen[2 * i + 1] - place[1]) ** 2);
-      if (clear >= enough) return place;
-      if (clear > most) [best, most] = [place, clear];
+    const offsets: [number, number][] = [[u, v], [-u, -v], [-v, u], [v, -u]];
+    // The choice stays while the camera only shifts: it takes a look at the whole path.
+    const { camera } = this;
+    const look = `${camera.scale} ${camera.yaw} ${camera.pitch} ${camera.perspective}`;
+    if (look !== this.sidesOf) this.sides.clear();
+    this.sidesOf = look;
+    let side = this.sides.get(index);
+    if (side === undefined) {
+      const clearances = offsets.map(([du, dv]) => {
+        let clear = enough;
+        for (let i = 0; i < visible.length; i += 2) clear = Math.min(clear, (screen[2 * i] - x - du) ** 2 + (screen[2 * i + 1] - y - dv) ** 2);
+        return clear;
+      });
+      side = clearances.indexOf(Math.max(...clearances));
+      this.sides.set(index, side);
     }
-    return best;
+    return [x + offsets[side][0], y + offsets[side][1]];
   }
 
   private end(index: number, text: string): void {
