@@ -34,12 +34,14 @@ execute_process(COMMAND date --utc --date "${date}" +%s OUTPUT_VARIABLE seconds 
                         COMMAND_ERROR_IS_FATAL ANY)
 set(ENV{SOURCE_DATE_EPOCH} ${seconds})
 set(ENV{TZ} UTC0)
+# Python breaks no lines.
+set(ENV{COLUMNS} 2000)
 execute_process(
   COMMAND "${HELP2MAN}" --no-info --section=1 --manual=turnscale "--name=${what}" --version-string=${VERSION} "./${call}"
   WORKING_DIRECTORY "${folder}"
   OUTPUT_VARIABLE page COMMAND_ERROR_IS_FATAL ANY)
 
-# What help2man does not know: pages of sub-commands, CLI11's headings, and examples of several lines.
+# What help2man does not know: pages of sub-commands, headings of CLI11 and Python, and examples of several lines.
 string(TOUPPER "${NAME}" title)
 string(REGEX REPLACE "\n\\.TH [^\n]* \"1\" (\"[^\"]*\") \"[^\"]*\"" "\n.TH ${title} 1 \\1 \"turnscale ${VERSION}\"" page "${page}")
 string(REPLACE "\n${call} \\-" "\n${NAME} \\-" page "${page}")
@@ -47,6 +49,9 @@ if(command)
   string(REPLACE "\n.B turnscale\n\\fI\\,${command} \\/\\fR" "\n.B ${call}\n" page "${page}")
 endif()
 string(REPLACE "\n.SS \"Positionals:\"\n" "\n.SH ARGUMENTS\n" page "${page}")
+string(REGEX REPLACE "\n\\.SH DESCRIPTION\nusage: ${call} ([^\n]*)\n\\.PP\n" "\n.SH SYNOPSIS\n.B ${call}\n\\1\n.SH DESCRIPTION\n" page
+       "${page}")
+string(REPLACE "\n.SS \"options:\"\n" "\n.SH OPTIONS\n" page "${page}")
 string(REPLACE "\n.SS \"positional arguments:\"\n" "\n.SH ARGUMENTS\n" page "${page}")
 string(REPLACE "\n.SS \"Subcommands:\"\n" "\n.SH COMMANDS\n" page "${page}")
 string(REPLACE "\n.SS \"Example:\"\n" "\n.SH EXAMPLE\n" page "${page}")
