@@ -37,7 +37,7 @@ void WriteReport(const EvaluateArguments& arguments, const Comparison& compariso
   data.has_tracking = false;
   data.has_scale_state = false;
   if (arguments.camera_rotation) data.vehicle_from_body = ReadCameraRotation(*arguments.camera_rotation);
-  data.notes = {"Compared with " + arguments.ground_truth.string()};
+  data.notes = {"Compared with " + ShortPath(arguments.ground_truth.string())};
   for (const PosePair& pair : comparison.pairs) {
     FrameResult frame;
     frame.frame = pair.estimate_index;
