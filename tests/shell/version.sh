@@ -26,7 +26,9 @@ if git -C "$source" cat-file -e HEAD:cmake/archived_commit.txt 2>/dev/null; then
   mkdir "$folder/archive"
   git -C "$source" archive HEAD cmake .gitattributes | tar -x -C "$folder/archive"
   write "$folder/archive"
-  grep -q "$commit" "$folder/commit.cpp" || fail "not the commit of the archive: $(<"$folder/commit.cpp")"
+  # An archive of a tagged commit has the name of the tag alone.
+  tag=$(git -C "$source" describe --tags --exact-match 2>/dev/null) || tag=$commit
+  grep -qe "$commit" -e "\"$tag\"" "$folder/commit.cpp" || fail "not the commit of the archive: $(<"$folder/commit.cpp")"
 fi
 
 mkdir -p "$folder/plain/cmake"
