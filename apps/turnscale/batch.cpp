@@ -2,7 +2,6 @@
 #include <cstdlib>
 #include <filesystem>
 #include <string>
-#include <system_error>
 #include <vector>
 
 #include <CLI/CLI.hpp>
@@ -16,22 +15,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The Python package, beside the installed program or in the build folder.
-fs::path BatchFolder(const fs::path& program) {
-  const fs::path folder = program.parent_path();
-  for (const fs::path& candidate :
-       {folder / TURNSCALE_DATA_FROM_PROGRAM / "fleet/turnscale_batch", folder / "fleet/turnscale_batch"}) {
-    std::error_code none;
-    if (fs::is_regular_file(candidate / "__main__.py", none)) return fs::canonical(candidate);
-  }
-  throw InputError("batch: its Python files are missing; install turnscale again");
-}
-
 [[noreturn]] void ExecBatch(const std::vector<std::string>& arguments) {
-  const fs::path program = ProgramFile();
+  const fs::path entry = fs::path("fleet") / "turnscale_batch" / "__main__.py";
+  const fs::path script = FindBesideProgram(TURNSCALE_DATA_FROM_PROGRAM / entry, entry);
+  if (script.empty()) throw InputError("batch: its Python files are missing; install turnscale again");
   // The runs of the drives are this program's.
-  setenv("TURNSCALE_PROGRAM", program.c_str(), 1);
-  std::vector<std::string> words = {"python3", BatchFolder(program).string()};
+  setenv("TURNSCALE_PROGRAM", ProgramFile().c_str(), 1);
+  std::vector<std::string> words = {"python3", fs::canonical(script).parent_path().string()};
   words.insert(words.end(), arguments.begin(), arguments.end());
   throw InputError("batch: needs python3: " + ReplaceProcess(words) +
                    "; install the Debian packages python3, python3-dask, python3-distributed and python3-numpy");
@@ -40,10 +30,8 @@ fs::path BatchFolder(const fs::path& program) {
 }  // namespace
 
 void AddBatchCommand(CLI::App& app) {
-  CLI::App* command =
-      app.add_subcommand("batch", "Run many drives, on this machine or on a Dask cluster; see turnscale batch --help.")
-          ->prefix_command();
-  command->set_help_flag();
+  CLI::App* command = AddUnparsedCommand(
+      app, "batch", "Run many drives, on this machine or on a Dask cluster; see turnscale batch --help.");
   command->parse_complete_callback([command] { ExecBatch(command->remaining()); });
 }
 

@@ -3,7 +3,6 @@
 
 #include <filesystem>
 #include <string>
-#include <system_error>
 #include <vector>
 
 #include <CLI/CLI.hpp>
@@ -19,18 +18,8 @@ namespace fs = std::filesystem;
 
 constexpr auto kSimulator = "turnscale-simulator";
 
-// Below the installed program's libexec, or beside the program in the build folder. Empty where it is not installed.
-fs::path FindSimulator() {
-  const fs::path folder = ProgramFile().parent_path();
-  for (const fs::path& candidate : {folder / TURNSCALE_LIBEXEC_FROM_PROGRAM / kSimulator, folder / kSimulator}) {
-    std::error_code none;
-    if (fs::exists(candidate, none)) return candidate;
-  }
-  return {};
-}
-
 [[noreturn]] void ExecSimulator(const std::string& name, const std::vector<std::string>& arguments) {
-  const fs::path simulator = FindSimulator();
+  const fs::path simulator = FindBesideProgram(fs::path(TURNSCALE_LIBEXEC_FROM_PROGRAM) / kSimulator, kSimulator);
   if (simulator.empty()) {
     throw InputError(name + ": the simulator is not installed; install the package " + kSimulator);
   }
@@ -40,23 +29,17 @@ fs::path FindSimulator() {
   throw InputError(simulator.string() + ": cannot be run: " + error + "; install the package " + kSimulator + " again");
 }
 
-CLI::App* AddUnparsedCommand(CLI::App& app, const SimulatorCommand& command) {
-  CLI::App* added = app.add_subcommand(command.name, command.what)->prefix_command();
-  added->set_help_flag();
-  return added;
-}
-
 }  // namespace
 
 void AddInstalledCommand(CLI::App& app, const SimulatorCommand& command) {
-  CLI::App* added = AddUnparsedCommand(app, command);
+  CLI::App* added = AddUnparsedCommand(app, command.name, command.what);
   added->parse_complete_callback(
       [added, name = std::string(command.name)] { ExecSimulator(name, added->remaining()); });
 }
 
 void AddMissingCommand(CLI::App& app, const SimulatorCommand& command, const std::string& part,
                        const std::string& option) {
-  AddUnparsedCommand(app, command)
+  AddUnparsedCommand(app, command.name, command.what)
       ->group("")
       ->parse_complete_callback([name = std::string(command.name), part, option] {
         throw InputError(name + ": this build has no " + part + "; configure it with -D" + option + "=ON");
