@@ -2,6 +2,8 @@
 # Finds compression libraries without a CMake package of their own. Components: lz4, zstd. Each becomes the target
 # Compressors::<component>.
 
+include("${CMAKE_CURRENT_LIST_DIR}/ImportedComponent.cmake")
+
 set(header_of_lz4 lz4frame.h)
 set(header_of_zstd zstd.h)
 
@@ -9,15 +11,7 @@ foreach(library IN LISTS Compressors_FIND_COMPONENTS)
   find_path(Compressors_${library}_INCLUDE_DIR ${header_of_${library}})
   find_library(Compressors_${library}_LIBRARY ${library})
   mark_as_advanced(Compressors_${library}_INCLUDE_DIR Compressors_${library}_LIBRARY)
-  if(Compressors_${library}_INCLUDE_DIR AND Compressors_${library}_LIBRARY)
-    set(Compressors_${library}_FOUND TRUE)
-    if(NOT TARGET Compressors::${library})
-      add_library(Compressors::${library} UNKNOWN IMPORTED)
-      set_target_properties(
-        Compressors::${library} PROPERTIES IMPORTED_LOCATION "${Compressors_${library}_LIBRARY}"
-                                           INTERFACE_INCLUDE_DIRECTORIES "${Compressors_${library}_INCLUDE_DIR}")
-    endif()
-  endif()
+  imported_component(Compressors ${library} Compressors_${library}_INCLUDE_DIR Compressors_${library}_LIBRARY)
 endforeach()
 
 include(FindPackageHandleStandardArgs)

@@ -2,19 +2,13 @@
 # Finds single libraries of FFmpeg, which has no CMake package. Each component becomes the target
 # FFmpegModules::<component>.
 
+include("${CMAKE_CURRENT_LIST_DIR}/ImportedComponent.cmake")
+
 foreach(module IN LISTS FFmpegModules_FIND_COMPONENTS)
   find_path(FFmpegModules_${module}_INCLUDE_DIR lib${module}/${module}.h)
   find_library(FFmpegModules_${module}_LIBRARY ${module})
   mark_as_advanced(FFmpegModules_${module}_INCLUDE_DIR FFmpegModules_${module}_LIBRARY)
-  if(FFmpegModules_${module}_INCLUDE_DIR AND FFmpegModules_${module}_LIBRARY)
-    set(FFmpegModules_${module}_FOUND TRUE)
-    if(NOT TARGET FFmpegModules::${module})
-      add_library(FFmpegModules::${module} UNKNOWN IMPORTED)
-      set_target_properties(
-        FFmpegModules::${module} PROPERTIES IMPORTED_LOCATION "${FFmpegModules_${module}_LIBRARY}"
-                                            INTERFACE_INCLUDE_DIRECTORIES "${FFmpegModules_${module}_INCLUDE_DIR}")
-    endif()
-  endif()
+  imported_component(FFmpegModules ${module} FFmpegModules_${module}_INCLUDE_DIR FFmpegModules_${module}_LIBRARY)
 endforeach()
 
 include(FindPackageHandleStandardArgs)

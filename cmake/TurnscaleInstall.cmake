@@ -56,6 +56,6 @@ configure_package_config_file(cmake/turnscaleConfig.cmake.in ${PROJECT_BINARY_DI
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/turnscaleConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/turnscaleConfig.cmake ${PROJECT_BINARY_DIR}/turnscaleConfigVersion.cmake
               cmake/FindCompressors.cmake cmake/FindCppHttplib.cmake cmake/FindFFmpegModules.cmake
-              cmake/FindOpenCVModules.cmake
+              cmake/FindOpenCVModules.cmake cmake/ImportedComponent.cmake
         DESTINATION ${package_dir}
         COMPONENT development)
