@@ -80,7 +80,7 @@ class Batches(unittest.TestCase):
         for name in names:
             self.assertEqual((self.out / name / "trajectory.tum").read_text(), f"whole of {name}")
         self.assertEqual(processes_with(str(self.out)), [], "something still runs")
-        self.assertEqual(sorted(path.name for path in (self.out / ".batch").iterdir()), ["lock"])
+        self.assertEqual({path.name for path in (self.out / ".batch").iterdir()} - {"dask.log"}, {"lock"})
 
     def test_failures_cost_one_drive_each_and_are_listed(self):
         good = ["sleep-0.1-a", "sleep-0-b"]

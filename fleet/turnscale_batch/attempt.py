@@ -35,6 +35,7 @@ class Places:
         self.attempts = self.hidden / "attempts"
         self.started = self.hidden / "started"
         self.trash = self.hidden / "trash"
+        self.dask_log = self.hidden / "dask.log"
 
     def final(self, drive):
         return self.out / drive

@@ -11,6 +11,7 @@ import sys
 import time
 
 from .batch import Batch, BatchOptions
+from .dask_log import stderr_in_file
 from .errors import BatchError, InputError
 from .manifest import COLUMNS, read_manifest
 from .progress import Progress
@@ -89,12 +90,12 @@ def _interrupt(_signal, _frame):
     raise KeyboardInterrupt
 
 
-def _run(batch, tasks, store, arguments):
-    """Returns whether it was interrupted."""
+def _run(batch, tasks, store, arguments, messages):
+    """Returns whether it was interrupted. Messages go to that stream."""
     # Takes a second to load.
     from .schedule import Scheduler
     workers = arguments.workers or _cores()
-    progress = Progress(batch.expected_runs(tasks), workers, arguments.quiet)
+    progress = Progress(batch.expected_runs(tasks), workers, arguments.quiet, messages)
     saved = time.monotonic()
 
     def on_record(record):
@@ -146,8 +147,11 @@ def run_batch(arguments):
         for drive in drives:
             store.forget_failure(drive)
     tasks = batch.first_tasks()
+    interrupted = False
     try:
-        interrupted = _run(batch, tasks, store, arguments) if tasks else False
+        if tasks:
+            with stderr_in_file(store.places.dask_log) as messages:
+                interrupted = _run(batch, tasks, store, arguments, messages)
     finally:
         store.end_session()
         batch.settle()

@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: MIT
 """How far the batch is, on the error stream: a bar on a terminal, plain lines otherwise."""
-import sys
 import time
 
 BAR = 24  # characters
@@ -17,7 +16,7 @@ def spoken(seconds):
 class Progress:
     """Counts runs: of drives, and their second passes as far as they are expected."""
 
-    def __init__(self, total, workers, quiet, stream=sys.stderr, clock=time.monotonic):
+    def __init__(self, total, workers, quiet, stream, clock=time.monotonic):
         self.total, self.workers = total, max(1, workers)
         self._quiet, self._stream, self._clock = quiet, stream, clock
         self._bar = stream.isatty()

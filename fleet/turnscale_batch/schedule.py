@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Runs tasks on a Dask cluster, be it this machine's or another's."""
 import contextlib
-import logging
 import queue
 import signal
 import tempfile
@@ -31,8 +30,6 @@ class Scheduler:
     """A client of the scheduler at an address, or of a cluster of this machine's cores."""
 
     def __init__(self, address, workers):
-        for module in ("distributed", "distributed.worker", "distributed.nanny", "distributed.core", "tornado"):
-            logging.getLogger(module).setLevel(logging.CRITICAL)
         # Workers need nothing of turnscale's Python: what they run is sent to them.
         cloudpickle.register_pickle_by_value(attempt)
         self._exit = contextlib.ExitStack()
@@ -50,7 +47,7 @@ class Scheduler:
         # A worker that dies while it starts must not hold up the others, so the cluster begins without any.
         self._cluster = self._exit.enter_context(distributed.LocalCluster(
             n_workers=0, threads_per_worker=1, processes=True, dashboard_address=None, memory_limit=0,
-            local_directory=folder, silence_logs=logging.CRITICAL))
+            local_directory=folder))
         self._client = self._exit.enter_context(distributed.Client(self._cluster))
         # Starting the tracker would unblock them again.
         resource_tracker.ensure_running()
