@@ -14,6 +14,9 @@ target_compile_options(
             -Wnon-virtual-dtor
             # The same bits on every machine: no fused multiply-add that the source does not ask for.
             -ffp-contract=off
+            # Paths in messages of tests start at the project's folder, and the same sources give the same objects wherever
+            # that lies.
+            -fmacro-prefix-map=${PROJECT_SOURCE_DIR}/=
             $<$<BOOL:${TURNSCALE_WARNINGS_AS_ERRORS}>:-Werror>
             $<$<BOOL:${TURNSCALE_NATIVE}>:-march=native>)
 if(TURNSCALE_SANITIZE)

@@ -68,7 +68,7 @@ def install_into(folder, settings):
     defines = "cmake.define."
     options.update({name[len(defines):]: value for name, value in settings.items() if name.startswith(defines)})
     if shutil.which("ccache"):
-        options["CMAKE_CXX_COMPILER_LAUNCHER"] = "ccache"
+        options["CMAKE_CXX_COMPILER_LAUNCHER"] = str(ROOT / "cmake" / "compile-cached")
     generator = ["-G", "Ninja"] if shutil.which("ninja") else []
     # What another interpreter's build has found must not stay.
     interpreter = BUILD / "interpreter.txt"
