@@ -136,6 +136,47 @@ class HonestSigma(unittest.TestCase):
         self.assertLess(JointEstimate([0] * 20, many).at(0).sigma(SLIP), JointEstimate([0] * 3, few).at(0).sigma(SLIP))
 
 
+class Positions(unittest.TestCase):
+    def dense(self, joint, positions, evidences, drives):
+        """Mean and covariance of all unknowns at once, from these drives: c, then yaw, ln L and ln H per position."""
+        size = 1 + 3 * (max(positions) + 1)
+        information, vector = np.zeros((size, size)), np.zeros(size)
+        places = [[1 + 3 * position, 0, 2 + 3 * position, 3 + 3 * position] for position in range(max(positions) + 1)]
+        before = np.linalg.inv(PRIOR)
+        before[YAW, YAW] = 1 / math.radians(30) ** 2
+        information[0, 0], vector[0] = before[SLIP, SLIP], before[SLIP, SLIP] * PRIOR_MEAN[SLIP]
+        before[SLIP, SLIP] = 0
+        for place in places:
+            information[np.ix_(place, place)] += before
+            vector[place] += before @ PRIOR_MEAN
+        for i in drives:
+            place = places[positions[i]]
+            of_car, its_vector = evidences[i].of_car(joint.slip)
+            information[np.ix_(place, place)] += of_car / joint.inflation ** 2
+            vector[place] += its_vector / joint.inflation ** 2
+        covariance = np.linalg.inv(information)
+        return covariance @ vector, covariance, places
+
+    def test_share_c(self):
+        positions = [0, 0, 1, 2, 2, 2, 1]
+        for seed in range(20):
+            draw = np.random.default_rng(seed)
+            truth = random_car(draw)
+            evidences = [evidence_of(*random_likelihood(truth, draw)) for _ in positions]
+            joint = JointEstimate(positions, evidences)
+            kept = [i for i in range(len(positions)) if i not in joint.outliers]
+            estimates = [(joint.at(positions[i]), i, kept) for i in range(len(positions))]
+            estimates += [(joint.without(i), i, [k for k in kept if k != i]) for i in range(len(positions))]
+            for found, i, drives in estimates:
+                mean, covariance, places = self.dense(joint, positions, evidences, drives)
+                place = places[positions[i]]
+                covariance = covariance[np.ix_(place, place)]
+                sigmas = np.sqrt(np.diag(covariance))
+                np.testing.assert_allclose((found.mean - mean[place]) / sigmas, 0, atol=1e-8)
+                np.testing.assert_allclose((found.covariance - covariance) / np.outer(sigmas, sigmas), 0, atol=1e-8)
+                self.assertEqual(found.drives, len(drives))
+
+
 class Outlier(unittest.TestCase):
     def test_is_found_and_named(self):
         draw = np.random.default_rng(7)

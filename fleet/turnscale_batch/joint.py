@@ -37,85 +37,102 @@ class Joint:
         return self.covariance[a, b] / (self.sigma(a) * self.sigma(b))
 
 
+def _of_slip(information, vector):
+    """What information on the four unknowns tells of c alone."""
+    place = [YAW, ARM, HEIGHT]
+    solved = np.linalg.solve(information[np.ix_(place, place)],
+                             np.column_stack([information[place, SLIP], vector[place]]))
+    return np.array([information[SLIP, SLIP], vector[SLIP]]) - information[SLIP, place] @ solved
+
+
 class JointEstimate:
-    """From pairs of a position's number and a drive's Evidence (None: the drive tells nothing)."""
+    """From pairs of a position's number and a drive's Evidence (None: the drive tells nothing).
+
+    Positions have only c in common, so that an estimate at one position needs of the others only what they tell of c. The
+    estimates of n drives take a time proportional to n. `slip` is the c to which changes between drives are relative."""
 
     def __init__(self, positions, evidences):
         self.positions = list(positions)
         self._evidences = list(evidences)
         self.outliers = set()
         self.inflation = 1.0
-        self._count = max(self.positions, default=-1) + 1
-        known = [i for i, evidence in enumerate(self._evidences) if evidence is not None]
-        if not known:
-            self._members = []
+        self._members = [i for i, evidence in enumerate(self._evidences) if evidence is not None]
+        if not self._members:
             return
-        self._prior()
-        self._slip = USUAL_SLIP
-        self._members = known
+        self._set_prior()
+        self._set_slip(USUAL_SLIP)
         # What changes between drives is relative to c.
         for _ in range(2):
-            self._slip = max(self.at(0).mean[SLIP], 0.2 * USUAL_SLIP)
+            self._set_slip(max(self.at(0).mean[SLIP], 0.2 * USUAL_SLIP))
         self._remove_outliers()
         self._inflate()
 
     def __bool__(self):
         return bool(self._members)
 
-    def _index(self, position):
-        """Of the four unknowns among all."""
-        index = [0] * UNKNOWNS
-        for place, unknown in enumerate((YAW, ARM, HEIGHT)):
-            index[unknown] = 1 + 3 * position + place
-        return index
-
-    def _prior(self):
+    def _set_prior(self):
         """Each constant as known before the drives. Where drives were given different values of c, the narrowest."""
-        size = 1 + 3 * self._count
-        information, vector = np.zeros((size, size)), np.zeros(size)
-        known = [(position, evidence) for position, evidence in zip(self.positions, self._evidences) if evidence]
+        known = [(self.positions[i], self._evidences[i]) for i in self._members]
         slip = min((evidence for _, evidence in known), key=lambda e: e.prior_covariance[SLIP, SLIP])
-        information[0, 0] = 1 / slip.prior_covariance[SLIP, SLIP]
-        vector[0] = information[0, 0] * slip.prior_mean[SLIP]
-        for position in range(self._count):
-            index = self._index(position)
-            first = next((evidence for place, evidence in known if place == position), slip)
-            block = [ARM, HEIGHT]
-            places = np.ix_([index[k] for k in block], [index[k] for k in block])
-            of_lengths = np.linalg.inv(first.prior_covariance[np.ix_(block, block)])
-            information[places] += of_lengths
-            vector[[index[k] for k in block]] += of_lengths @ first.prior_mean[block]
-            information[index[YAW], index[YAW]] += 1 / FLAT_YAW ** 2
-            vector[index[YAW]] += first.prior_mean[YAW] / FLAT_YAW ** 2
-        self._prior_information, self._prior_vector = information, vector
+        self._slip_prior = np.array([1, slip.prior_mean[SLIP]]) / slip.prior_covariance[SLIP, SLIP]
+        first = {}
+        for position, evidence in known:
+            first.setdefault(position, evidence)
+        count = max(self.positions) + 1
+        self._prior_information, self._prior_vector = np.zeros((count, UNKNOWNS, UNKNOWNS)), np.zeros((count, UNKNOWNS))
+        lengths = np.ix_([ARM, HEIGHT], [ARM, HEIGHT])
+        for position in range(count):
+            before = first.get(position, slip)
+            information = self._prior_information[position]
+            information[lengths] = np.linalg.inv(before.prior_covariance[lengths])
+            information[YAW, YAW] = 1 / FLAT_YAW ** 2
+            self._prior_vector[position] = information @ before.prior_mean
 
-    def _information(self, i):
-        """Of drive i, on the car's constants."""
-        information, vector = self._evidences[i].of_car(self._slip)
+    def _set_slip(self, slip):
+        self.slip = slip
+        self._of_drive = {i: self._evidences[i].of_car(slip) for i in self._members}
+        self._add_up()
+
+    def _add_up(self):
+        """Information and vector of each position, and what each tells of c."""
+        self._information, self._vector = self._prior_information.copy(), self._prior_vector.copy()
+        for i in self._members:
+            information, vector = self._told(i)
+            self._information[self.positions[i]] += information
+            self._vector[self.positions[i]] += vector
+        self._slip = np.array([_of_slip(*told) for told in zip(self._information, self._vector)])
+        self._slip_of_all = self._slip_prior + self._slip.sum(axis=0)
+
+    def _told(self, i):
+        """Information and vector of drive i on the car's constants."""
+        information, vector = self._of_drive[i]
         return information / self.inflation ** 2, vector / self.inflation ** 2
 
-    def at(self, position, without=None):
-        """The four unknowns at a position, from all drives but one."""
-        information, vector = self._prior_information.copy(), self._prior_vector.copy()
-        used = [i for i in self._members if i != without]
-        for i in used:
-            index = self._index(self.positions[i])
-            of_drive, its_vector = self._information(i)
-            information[np.ix_(index, index)] += of_drive
-            vector[index] += its_vector
+    def _joint(self, position, information, vector, drives):
+        elsewhere = self._slip_of_all - self._slip[position]
+        information[SLIP, SLIP] += elsewhere[0]
+        vector[SLIP] += elsewhere[1]
         covariance = np.linalg.inv(information)
-        mean = covariance @ vector
-        index = self._index(position)
-        return Joint(mean[index], covariance[np.ix_(index, index)], len(used))
+        return Joint(covariance @ vector, covariance, drives)
+
+    def at(self, position):
+        """The four unknowns at a position, from all drives."""
+        return self._joint(position, self._information[position].copy(), self._vector[position].copy(),
+                           len(self._members))
 
     def without(self, i):
         """The four unknowns for drive i, without its own evidence."""
-        return self.at(self.positions[i], without=i)
+        position = self.positions[i]
+        if i not in self._of_drive:
+            return self.at(position)
+        information, vector = self._told(i)
+        return self._joint(position, self._information[position] - information, self._vector[position] - vector,
+                           len(self._members) - 1)
 
     def deviation(self, i):
         """Squared, of what drive i tells from what the others do, with its degrees of freedom."""
         others = self.without(i)
-        information, vector = self._information(i)
+        information, vector = self._told(i)
         innovation = (vector - information @ others.mean) * SCALES
         scaled = information * np.outer(SCALES, SCALES)
         variance = scaled + scaled @ (others.covariance / np.outer(SCALES, SCALES)) @ scaled
@@ -136,7 +153,9 @@ class JointEstimate:
             if excess[worst] <= 1:
                 return
             self._members.remove(worst)
+            del self._of_drive[worst]
             self.outliers.add(worst)
+            self._add_up()
 
     def _inflate(self):
         """Drives that differ from each other by more than their standard deviations widen these."""
@@ -146,6 +165,7 @@ class JointEstimate:
         count = sum(number for _, number in deviations)
         if count:
             self.inflation = max(1.0, math.sqrt(sum(squared for squared, _ in deviations) / count))
+            self._add_up()
 
 
 class _Place:
