@@ -29,6 +29,13 @@ elif what == "bad":
 elif what == "full":
     print(f"turnscale: {out}/trajectory.tum: No space left on device", file=sys.stderr)
     sys.exit(1)
+elif what == "write":
+    # So many MB; a full disk is a failure.
+    try:
+        (out / "map.ply").write_bytes(os.urandom(int(float(more[0]) * 1e6)))
+    except OSError as error:
+        print(f"turnscale: {error.filename}: {error.strerror}", file=sys.stderr)
+        sys.exit(1)
 elif what == "crash":
     os.abort()
 elif what == "once":

@@ -106,6 +106,17 @@ class Batches(unittest.TestCase):
         self.assertEqual(self.starts("bad-1"), 2)
         self.assertEqual(self.starts(good[0]), 1)
 
+    def test_long_drives_begin_first(self):
+        sizes = {"sleep-0-a": 4, "sleep-0-b": 1, "sleep-0-c": 3, "sleep-0-d": 2}
+        for name, size in sizes.items():
+            with open(self.folder / name, "wb") as file:
+                file.truncate(size * 1_000_000)
+        self.manifest([*sizes, "sleep-0-unseen"])
+        self.batch("--workers", "1")
+        begun = sorted((self.folder / "starts").iterdir(), key=lambda path: path.stat().st_mtime_ns)
+        self.assertEqual([path.name.rpartition("-")[0].removeprefix("sleep-0-") for path in begun],
+                         ["unseen", "a", "c", "d", "b"])
+
     def test_a_drive_that_kills_its_workers_is_given_up(self):
         self.manifest(["deadly-1", "sleep-0-a"])
         self.batch("--attempts", "2", code=1)
@@ -220,6 +231,57 @@ class Batches(unittest.TestCase):
         self.batch("--no-second-pass")
         self.assertEqual([row["pass"] for row in self.table().values()], ["1", "1"])
         self.assertFalse((self.out / "first_pass").exists())
+
+    def test_results_of_a_second_pass_stay_where_the_next_is_left_out(self):
+        names = ["car-0.006-a", "car-0.0062-b"]
+        self.manifest(names, vehicle="golf", lever_arm="1.5")
+        self.batch()
+        vehicles = (self.out / "vehicles.csv").read_text()
+        self.manifest([*names, "car-0.0061-c"], vehicle="golf", lever_arm="1.5")
+        self.batch("--no-second-pass")
+        self.assertEqual([row["pass"] for row in self.table().values()], ["2", "2", "1"])
+        self.assertTrue((self.out / names[0] / "joint_car.yaml").exists())
+        self.assertEqual((self.out / "vehicles.csv").read_text(), vehicles)
+        self.batch()
+        self.assertEqual([row["pass"] for row in self.table().values()], ["2", "2", "2"])
+        self.assertEqual([self.starts(name) for name in names], [3, 3])
+        self.assert_whole([*names, "car-0.0061-c"])
+
+    def mount(self, size):
+        """A disk of so many bytes, at the folder of results."""
+        self.out.mkdir()
+        mounted = subprocess.run(["mount", "-t", "tmpfs", "-o", f"size={size}", "tmpfs", str(self.out)], check=False,
+                                 stderr=subprocess.DEVNULL)
+        if mounted.returncode != 0:
+            self.skipTest("mounting needs root")
+        self.addCleanup(subprocess.run, ["umount", "--lazy", str(self.out)], check=True)
+
+    def test_a_disk_that_is_full(self):
+        self.mount(4_000_000)
+        names = ["write-1-a", "write-1-b", "write-3-c"]
+        self.manifest(names)
+        self.batch(code=1)
+        table = self.table()
+        failed = [name for name in names if table[name]["exit_code"] != "0"]
+        self.assertIn("write-3-c", failed)
+        for name in failed:
+            self.assertIn("No space left", table[name]["error"])
+            self.assertFalse((self.out / name).exists())
+        self.assert_whole(set(names) - set(failed))
+
+        # Not even the table has room.
+        with contextlib.suppress(OSError), open(self.out / "filler", "wb") as file:
+            while True:
+                file.write(bytes(4096))
+        self.manifest([*names, "write-1-d"])
+        said = self.batch("--redo-failed", code=1)
+        self.assertIn("No space left", said)
+        self.assert_whole(set(names) - set(failed))
+
+        (self.out / "filler").unlink()
+        subprocess.run(["mount", "-o", "remount,size=40000000", str(self.out)], check=True)
+        self.batch("--redo-failed")
+        self.assert_whole([*names, "write-1-d"])
 
     def test_folders_of_others_are_not_touched(self):
         self.manifest(["sleep-0-a"])

@@ -11,36 +11,40 @@ class Terminal(io.StringIO):
         return True
 
 
-def record(wall, exit_code=0, error=""):
-    return {"drive": "one", "wall_s": wall, "exit_code": exit_code, "error": error}
+def record(exit_code=0, error=""):
+    return {"drive": "one", "exit_code": exit_code, "error": error}
 
 
 class ProgressTest(unittest.TestCase):
-    def test_estimates_the_end_from_the_mean_run(self):
-        progress = Progress(10, 2, False, io.StringIO())
-        self.assertIsNone(progress.remaining())
-        progress.add(record(60))
-        progress.add(record(120))
-        self.assertAlmostEqual(progress.remaining(), 8 * 90 / 2)
-        self.assertIn("2 of 10 runs, about 6 min left", progress.text())
+    def test_end_is_told_once_it_is_known(self):
+        progress = Progress(10, False, io.StringIO())
+        self.assertEqual(progress.text(), "0 of 10 runs, end not known yet")
+        progress.add(record())
+        progress.expect(9, 360)
+        self.assertEqual(progress.text(), "1 of 10 runs, about 6 min left")
+        progress.expect(0, 0)
+        self.assertEqual(progress.text(), "1 of 1 runs")
 
     def test_bar_on_a_terminal(self):
         stream = Terminal()
-        Progress(2, 1, False, stream).add(record(1))
-        self.assertIn("[############............] 1 of 2 runs", stream.getvalue())
+        progress = Progress(2, False, stream)
+        progress.add(record())
+        progress.expect(1, 5)
+        progress.show()
+        self.assertIn("[############............] 1 of 2 runs, about 5 s left", stream.getvalue())
 
     def test_plain_lines_otherwise(self):
         stream, now = io.StringIO(), [0.0]
-        progress = Progress(3, 1, False, stream, lambda: now[0])
-        progress.add(record(1))
+        progress = Progress(3, False, stream, lambda: now[0])
+        progress.show()
         self.assertEqual(stream.getvalue(), "")
         now[0] = 31
-        progress.add(record(1))
+        progress.show()
         self.assertEqual(stream.getvalue().count("\n"), 1)
 
     def test_failures_are_told_at_once_and_cannot_write_to_the_terminal(self):
         stream = io.StringIO()
-        Progress(3, 1, True, stream).add(record(1, 2, "bad\x1b[31m file"))
+        Progress(3, True, stream).add(record(2, "bad\x1b[31m file"))
         self.assertEqual(stream.getvalue(), "turnscale: one: bad\\x1b[31m file\n")
 
     def test_times_in_words(self):

@@ -18,6 +18,7 @@ RECORD = "batch.json"  # of a finished drive, in its folder
 DIES_WITH_WORKER = ("setpriv", "--pdeathsig", "KILL", "--")
 POLL = 0.05  # seconds
 SESSION_POLL = 1.0
+KILL_PATIENCE = 30.0  # seconds for a process to die
 STOPPED = "stopped"
 NOT_RUN = -1
 
@@ -150,7 +151,11 @@ class _Child:
     def kill(self):
         with contextlib.suppress(ProcessLookupError):
             os.killpg(self._process.pid, signal.SIGKILL)
+        begin = time.monotonic()
         while self.poll() is None:
+            if time.monotonic() - begin > KILL_PATIENCE:
+                # It waits for a disk or a network that does not answer.
+                self.exit_code = -signal.SIGKILL
             time.sleep(POLL)
 
 
@@ -176,8 +181,8 @@ def _last_line(log, start):
     """The error's line: the program prints it last."""
     try:
         with open(log, "rb") as file:
-            file.seek(start)
-            lines = file.read()[-65536:].decode(errors="replace").splitlines()
+            file.seek(max(start, os.path.getsize(log) - 65536))
+            lines = file.read().decode(errors="replace").splitlines()
     except OSError:
         return ""
     said = [line.strip() for line in lines if line.strip()]
@@ -255,7 +260,7 @@ def _attempt(places, task, attempts):
 def run_task(task):
     """Runs a drive unless its result is there already, and returns its record. `task` has `out`, `drive`, `key`,
     `pass`, `command` (without --out), `session`, and optionally `timeout` (seconds), `files` (option of run, name,
-    text) and `most_attempts`."""
+    text) and `most_attempts`; `priority` is the scheduler's."""
     places = Places(task["out"])
     if standing := finished(places, task["drive"], task["key"]):
         return standing

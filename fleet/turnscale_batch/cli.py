@@ -19,7 +19,8 @@ from .store import Store
 from .vehicles import write_vehicles
 
 INTERRUPTED = 130
-SAVE_INTERVAL = 10  # seconds
+SAVE_INTERVAL = 10  # seconds between tables, at least
+SAVE_SHARE = 20  # times the seconds that a table takes to write, likewise
 
 
 class _Parser(argparse.ArgumentParser):
@@ -64,7 +65,8 @@ def _parser():
     parser.add_argument("--timeout", type=_seconds, metavar="S", help="End a run after so many seconds: it has failed")
     parser.add_argument("--redo-failed", action="store_true", help="Run drives again that have failed before")
     parser.add_argument("--no-second-pass", action="store_true",
-                        help="Do not run drives again with what all drives of their vehicle tell")
+                        help="Do not run drives again with what all drives of their vehicle tell; keep the results "
+                             "of earlier second passes")
     parser.add_argument("--attempts", type=_count, default=5, metavar="N",
                         help="Times that a drive is begun whose worker dies [5]")
     parser.add_argument("--program", metavar="FILE", default=os.environ.get("TURNSCALE_PROGRAM", "turnscale"),
@@ -90,48 +92,55 @@ def _interrupt(_signal, _frame):
     raise KeyboardInterrupt
 
 
+class _Watch:
+    """Keeps the table and the progress up to date while drives are run."""
+
+    def __init__(self, batch, progress, scheduler, address):
+        self._batch, self._progress, self._scheduler, self._address = batch, progress, scheduler, address
+        self._next_save = time.monotonic() + SAVE_INTERVAL
+        self._waiting_said = False
+
+    def on_record(self, record):
+        tasks = self._batch.take(record)
+        self._progress.add(record)
+        return tasks
+
+    def on_tick(self):
+        threads = self._scheduler.threads()
+        self._progress.expect(self._batch.left(), self._batch.seconds_left(max(1, threads)))
+        self._progress.show()
+        if self._address and threads == 0 and not self._waiting_said:
+            self._waiting_said = True
+            self._progress.say(f"--scheduler {self._address}: has no worker yet; waiting")
+        if time.monotonic() > self._next_save:
+            self._save()
+
+    def _save(self):
+        begin = time.monotonic()
+        # A disk that is full now may not be at the end.
+        with contextlib.suppress(BatchError):
+            self._batch.write_table()
+        now = time.monotonic()
+        self._next_save = now + max(SAVE_INTERVAL, SAVE_SHARE * (now - begin))
+
+
 def _run(batch, tasks, store, arguments, messages):
     """Returns whether it was interrupted. Messages go to that stream."""
     # Takes a second to load.
     from .schedule import Scheduler
-    workers = arguments.workers or _cores()
-    progress = Progress(batch.expected_runs(tasks), workers, arguments.quiet, messages)
-    saved = time.monotonic()
-
-    def on_record(record):
-        nonlocal saved
-        more = batch.take(record)
-        progress.add(record)
-        if time.monotonic() - saved > SAVE_INTERVAL:
-            saved = time.monotonic()
-            # A disk that is full now may not be at the end.
-            with contextlib.suppress(BatchError):
-                batch.write_table()
-        progress.total = max(progress.total, progress.done + len(more))
-        return more
-
-    waiting_said = False
-
-    def on_tick():
-        nonlocal waiting_said
-        if arguments.scheduler:
-            progress.workers = max(1, scheduler.workers())
-            if scheduler.workers() == 0 and not waiting_said:
-                waiting_said = True
-                progress.say(f"--scheduler {arguments.scheduler}: has no worker yet; waiting")
-        progress.show()
-
+    progress = Progress(batch.left(), arguments.quiet, messages)
     scheduler = None
     try:
-        scheduler = Scheduler(arguments.scheduler, min(workers, max(1, progress.total)))
-        scheduler.run(tasks, on_record, on_tick)
+        scheduler = Scheduler(arguments.scheduler, min(arguments.workers or _cores(), batch.left()))
+        watch = _Watch(batch, progress, scheduler, arguments.scheduler)
+        scheduler.run(tasks, watch.on_record, watch.on_tick)
     except KeyboardInterrupt:
         return True
     finally:
         store.end_session()
         if scheduler:
             scheduler.close()
-        progress.total = progress.done
+        progress.expect(batch.left(), None)
         progress.show(ended=True)
     return False
 
@@ -154,10 +163,13 @@ def run_batch(arguments):
                 interrupted = _run(batch, tasks, store, arguments, messages)
     finally:
         store.end_session()
-        batch.settle()
-        batch.write_table()
-        write_vehicles(store.places.out / "vehicles.csv", batch.vehicles.values())
-        store.clean()
+        try:
+            batch.settle()
+            batch.write_table()
+            if batch.vehicles_known():
+                write_vehicles(store.places.out / "vehicles.csv", batch.vehicles.values())
+        finally:
+            store.clean()
     failed = sum(record["exit_code"] != 0 for record in batch.records.values())
     table = arguments.out / "table.csv"
     if interrupted:
@@ -174,6 +186,10 @@ def run_batch(arguments):
     return 0
 
 
+def _manifest_name(words):
+    return words[0] if words else "batch"
+
+
 def main(words):
     signal.signal(signal.SIGINT, _interrupt)
     signal.signal(signal.SIGTERM, _interrupt)
@@ -186,9 +202,5 @@ def main(words):
         print("turnscale: interrupted", file=sys.stderr)
         return INTERRUPTED
     except OSError as error:
-        print(f"turnscale: {error.filename or arguments_name(words)}: {error.strerror or error}", file=sys.stderr)
+        print(f"turnscale: {error.filename or _manifest_name(words)}: {error.strerror or error}", file=sys.stderr)
         return 1
-
-
-def arguments_name(words):
-    return words[0] if words else "batch"

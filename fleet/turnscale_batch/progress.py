@@ -14,49 +14,44 @@ def spoken(seconds):
 
 
 class Progress:
-    """Counts runs: of drives, and their second passes as far as they are expected."""
+    """Counts runs."""
 
-    def __init__(self, total, workers, quiet, stream, clock=time.monotonic):
-        self.total, self.workers = total, max(1, workers)
+    def __init__(self, left, quiet, stream, clock=time.monotonic):
+        self._left, self._seconds_left = left, None
         self._quiet, self._stream, self._clock = quiet, stream, clock
         self._bar = stream.isatty()
-        self._begin = self._last_line = clock()
-        self.done = self.failed = 0
-        self._wall = 0.0
+        self._last_line = clock()
+        self._done = self._failed = 0
 
-    def remaining(self):
-        """Seconds, from the mean of what has been run; None where nothing has."""
-        if self.done == 0:
-            return None
-        return max(0, self.total - self.done) * self._wall / self.done / self.workers
+    def expect(self, left, seconds):
+        """So many runs are left, which will take so long; None where that is not known yet."""
+        self._left, self._seconds_left = left, seconds
 
     def add(self, record):
-        self.done += 1
-        self._wall += record["wall_s"]
+        self._done += 1
         if record["exit_code"] != 0:
-            self.failed += 1
+            self._failed += 1
             self.say(f"{record['drive']}: {record['error']}")
-        self.show()
 
-    def text(self):
-        parts = [f"{self.done} of {self.total} runs"]
-        if self.failed:
-            parts.append(f"{self.failed} failed")
-        remaining = self.remaining()
-        if self.done < self.total:
-            parts.append("end not known yet" if remaining is None else f"about {spoken(remaining)} left")
+    def text(self, ended=False):
+        parts = [f"{self._done} of {self._done + self._left} runs"]
+        if self._failed:
+            parts.append(f"{self._failed} failed")
+        if self._left and not ended:
+            parts.append("end not known yet" if self._seconds_left is None
+                         else f"about {spoken(self._seconds_left)} left")
         return ", ".join(parts)
 
     def show(self, ended=False):
         if self._quiet:
             return
         if self._bar:
-            full = BAR * self.done // max(1, self.total)
-            self._stream.write(f"\r\033[K[{'#' * full}{'.' * (BAR - full)}] {self.text()}" + ("\n" if ended else ""))
+            full = BAR * self._done // max(1, self._done + self._left)
+            self._stream.write(f"\r\033[K[{'#' * full}{'.' * (BAR - full)}] {self.text(ended)}" + ("\n" if ended else ""))
             self._stream.flush()
         elif ended or self._clock() - self._last_line >= LINE_INTERVAL:
             self._last_line = self._clock()
-            print(self.text(), file=self._stream, flush=True)
+            print(self.text(ended), file=self._stream, flush=True)
 
     def say(self, text):
         clear = "\r\033[K" if self._bar and not self._quiet else ""

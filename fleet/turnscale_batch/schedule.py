@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Runs tasks on a Dask cluster, be it this machine's or another's."""
+import collections
 import contextlib
 import queue
 import signal
@@ -9,6 +10,7 @@ import time
 from multiprocessing import resource_tracker
 
 import cloudpickle
+import dask
 import distributed
 import psutil
 
@@ -26,34 +28,46 @@ async def _block_interrupts():
     signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
 
 
+def _client_of(address):
+    try:
+        return distributed.Client(address, timeout="15s")
+    except (OSError, ValueError) as error:
+        raise BatchError(f"--scheduler {address}: cannot be reached: {error or type(error).__name__}") from error
+
+
+def _local_cluster(stack):
+    """A client and a cluster of this machine, without a worker yet: one that dies while the cluster starts would hold it
+    up forever."""
+    folder = stack.enter_context(tempfile.TemporaryDirectory(prefix="turnscale-batch-", ignore_cleanup_errors=True))
+    # No worker has a task in stock: the next one goes to the first worker that is free.
+    dask.config.set({"distributed.scheduler.worker-saturation": 1.0})
+    cluster = stack.enter_context(distributed.LocalCluster(
+        n_workers=0, threads_per_worker=1, processes=True, dashboard_address=None, memory_limit=0,
+        local_directory=folder))
+    client = stack.enter_context(distributed.Client(cluster))
+    # Starting the tracker later would unblock interrupts again.
+    resource_tracker.ensure_running()
+    cluster.sync(_block_interrupts)
+    return client, cluster
+
+
 class Scheduler:
     """A client of the scheduler at an address, or of a cluster of this machine's cores."""
 
     def __init__(self, address, workers):
         # Workers need nothing of turnscale's Python: what they run is sent to them.
         cloudpickle.register_pickle_by_value(attempt)
-        self._exit = contextlib.ExitStack()
         self._address = address
-        self._cluster = None
+        with contextlib.ExitStack() as stack:
+            if address:
+                self._client = stack.enter_context(_client_of(address))
+                self._cluster = None
+            else:
+                self._client, self._cluster = _local_cluster(stack)
+                self._wanted = workers
+                self._cluster.scale(workers)
+            self._exit = stack.pop_all()
         self._complete = time.monotonic()  # when all workers were last there
-        if address:
-            try:
-                self._client = self._exit.enter_context(distributed.Client(address, timeout="15s"))
-            except (OSError, ValueError) as error:
-                raise BatchError(f"--scheduler {address}: cannot be reached: {error or type(error).__name__}") from error
-            return
-        folder = self._exit.enter_context(tempfile.TemporaryDirectory(prefix="turnscale-batch-",
-                                                                      ignore_cleanup_errors=True))
-        # A worker that dies while it starts must not hold up the others, so the cluster begins without any.
-        self._cluster = self._exit.enter_context(distributed.LocalCluster(
-            n_workers=0, threads_per_worker=1, processes=True, dashboard_address=None, memory_limit=0,
-            local_directory=folder))
-        self._client = self._exit.enter_context(distributed.Client(self._cluster))
-        # Starting the tracker would unblock them again.
-        resource_tracker.ensure_running()
-        self._cluster.sync(_block_interrupts)
-        self._wanted = workers
-        self._cluster.scale(workers)
 
     def _replace_lost_workers(self):
         """A worker that dies later is started again by its nanny; one that dies while it starts is not."""
@@ -67,46 +81,57 @@ class Scheduler:
             self._cluster.scale(alive)
             self._cluster.scale(self._wanted)
 
-    def workers(self):
+    def threads(self):
         """How many drives run at a time; 0 while there is no worker."""
         return sum(worker["nthreads"] for worker in self._client.scheduler_info()["workers"].values())
 
-    def run(self, tasks, on_record, on_tick=lambda: None):
-        """Runs tasks, and those that `on_record`, called with the record of each, returns. A task whose worker dies is
-        given to another one; `run_task` counts its attempts."""
+    def run(self, tasks, on_record, on_tick):
+        """Runs tasks, and those that `on_record`, called with the record of each, returns: those of the highest priority
+        first, as far as Dask knows of them. Calls `on_tick` about once a second. A task whose worker dies is given to
+        another one; `run_task` counts its attempts."""
         results = queue.Queue()
-        submitted = {}
+        submissions = collections.Counter()  # by drive and key
         pending = {}
 
+        def submit_all(tasks):
+            # A worker that is free takes the first one at once.
+            for task in sorted(tasks, key=lambda task: task["priority"], reverse=True):
+                submit(task)
+
         def submit(task):
-            count = submitted[task["drive"], task["key"]] = submitted.get((task["drive"], task["key"]), 0) + 1
-            name = f"{task['drive']}-{task['key']}-{task['session']}-{count}"
-            pending[name] = self._client.submit(attempt.run_task, task, key=name, pure=False)
+            submissions[task["drive"], task["key"]] += 1
+            # Dask takes names that begin alike for one group of tasks, which it holds back until workers are free.
+            name = f"turnscale-{task['session']}-{submissions.total()}-{task['drive']}"
+            pending[name] = self._client.submit(attempt.run_task, task, key=name, pure=False, priority=task["priority"])
             pending[name].add_done_callback(lambda future: results.put((task, future)))
 
-        for task in tasks:
-            submit(task)
+        submit_all(tasks)
+        ticked = time.monotonic()
         try:
             while pending:
+                if time.monotonic() - ticked > TICK:
+                    ticked = time.monotonic()
+                    self._check()
+                    on_tick()
                 try:
                     task, future = results.get(timeout=TICK)
                 except queue.Empty:
-                    if self._client.status not in ("running", "connecting"):
-                        raise BatchError(f"the scheduler {self._address or ''} is gone; a second call does what is left")
-                    self._replace_lost_workers()
-                    on_tick()
                     continue
                 del pending[future.key]
                 record, lost = self._record(task, future)
-                if lost and submitted[task["drive"], task["key"]] < MOST_SUBMISSIONS:
+                if lost and submissions[task["drive"], task["key"]] < MOST_SUBMISSIONS:
                     submit(task)
                     continue
-                for more in on_record(record):
-                    submit(more)
+                submit_all(on_record(record))
         finally:
             if pending:
                 with contextlib.suppress(Exception):
                     self._client.cancel(list(pending.values()), force=True)
+
+    def _check(self):
+        if self._client.status not in ("running", "connecting"):
+            raise BatchError(f"the scheduler {self._address or ''} is gone; a second call does what is left")
+        self._replace_lost_workers()
 
     def _record(self, task, future):
         """The record, and whether the task has to be given to a worker again."""

@@ -65,6 +65,12 @@ class Store:
     def finished(self, drive, key):
         return finished(self.places, drive.name, key)
 
+    def records(self, drive):
+        """Of earlier runs, of this row of the manifest or of one of the same name."""
+        for folder in (self.places.failed(drive.name), self.places.first_pass(drive.name), self.places.final(drive.name)):
+            if record := read_record(folder):
+                yield record
+
     def forget_failure(self, drive):
         shutil.rmtree(self.places.failed(drive.name), ignore_errors=True)
 
@@ -78,13 +84,19 @@ class Store:
                 return folder
         return self.places.final(name)
 
+    def _has_made_way(self, record):
+        """Whether the results of this first pass have made way for those of a second."""
+        return (read_record(self.places.first_pass(record["drive"])) or {}).get("key") == record["key"]
+
     def restore_first_pass(self, record):
-        """Where the second pass has another key, the first one's results take their place."""
-        first, final = self.places.first_pass(record["drive"]), self.places.final(record["drive"])
-        if (read_record(first) or {}).get("key") != record["key"]:
-            return
-        discard(self.places, final)
-        os.rename(first, final)
+        """Puts the results back in their place."""
+        if self._has_made_way(record):
+            discard(self.places, self.places.final(record["drive"]))
+            os.rename(self.places.first_pass(record["drive"]), self.places.final(record["drive"]))
+
+    def second_of(self, record):
+        """The record of an earlier second pass after this first one; None if there is none."""
+        return read_record(self.places.final(record["drive"])) if self._has_made_way(record) else None
 
     def summary(self, record):
         try:
