@@ -125,6 +125,11 @@ def run_and_score(program, images, truth, out, options):
     return score
 
 
+def calibration_reports(score):
+    """The warnings of a run that the images contradict its calibration."""
+    return [warning for warning in score.get("warnings", []) if warning.startswith("the images of turns give a ")]
+
+
 def percent_tracked(score):
     """Frames with a pose of their own, or that repeat one that has."""
     frames = score["frames"]
