@@ -183,6 +183,15 @@ class Batches(unittest.TestCase):
         self.assertIn("--lever-arm=1.3", summary["arguments"])
         self.assert_whole(["sleep-0-a", "sleep-0-b"])
 
+    def test_a_drive_that_is_renamed_with_its_folder_is_not_run_again(self):
+        self.manifest(["sleep-0-a"])
+        self.batch()
+        (self.out / "sleep-0-a").rename(self.out / "monday")
+        (self.folder / "drives.csv").write_text("drive,input\nmonday,sleep-0-a\n")
+        self.batch()
+        self.assertEqual(self.starts("sleep-0-a"), 1)
+        self.assertEqual(self.table()["monday"]["exit_code"], "0")
+
     def test_drives_of_one_car_are_run_again_with_what_the_others_tell(self):
         names = ["car-0.006-a", "car-0.0062-b", "car-0.0058-c", "sleep-0-tells-nothing"]
         self.manifest(names, vehicle="golf", lever_arm="1.5")

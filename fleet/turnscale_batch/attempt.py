@@ -55,12 +55,13 @@ class Places:
 
 
 def read_record(folder):
-    """What is known of a finished drive; None where the folder holds none."""
+    """What is known of a finished drive, whose name the folder has; None where it holds no record."""
     try:
-        record = json.loads((pathlib.Path(folder) / RECORD).read_text())
-        return record if isinstance(record, dict) and "key" in record else None
+        record = json.loads((folder / RECORD).read_text())
     except (OSError, ValueError):
         return None
+    # Users rename drives, and folders with them.
+    return record | {"drive": folder.name} if isinstance(record, dict) and "key" in record else None
 
 
 def finished(places, drive, key):
