@@ -21,6 +21,7 @@ from .vehicles import write_vehicles
 INTERRUPTED = 130
 SAVE_INTERVAL = 10  # seconds between tables, at least
 SAVE_SHARE = 20  # times the seconds that a table takes to write, likewise
+WORKERS_EXPECTED = 10  # seconds after which the user is told that there are none
 
 
 class _Parser(argparse.ArgumentParser):
@@ -98,7 +99,7 @@ class _Watch:
     def __init__(self, batch, progress, scheduler, address):
         self._batch, self._progress, self._scheduler, self._address = batch, progress, scheduler, address
         self._next_save = time.monotonic() + SAVE_INTERVAL
-        self._waiting_said = False
+        self._workers_missed = time.monotonic() + WORKERS_EXPECTED
 
     def on_record(self, record):
         tasks = self._batch.take(record)
@@ -109,8 +110,8 @@ class _Watch:
         threads = self._scheduler.threads()
         self._progress.expect(self._batch.left(), self._batch.seconds_left(max(1, threads)))
         self._progress.show()
-        if self._address and threads == 0 and not self._waiting_said:
-            self._waiting_said = True
+        if self._address and threads == 0 and time.monotonic() > self._workers_missed:
+            self._workers_missed = math.inf
             self._progress.say(f"--scheduler {self._address}: has no worker yet; waiting")
         if time.monotonic() > self._next_save:
             self._save()
