@@ -23,6 +23,8 @@ export class Camera {
   perspective = 0;
   width = 1;
   height = 1;
+  /** Pixels to be left free at the edges when all places are shown: at the sides, at the top and at the bottom. */
+  margins: Point3 = [0, 0, 0];
 
   // Rows of the rotation to the right, up and away from the camera.
   private right: Point3 = [1, 0, 0];
@@ -93,10 +95,35 @@ export class Camera {
     if (x.length === 0) [low, high].forEach((corner, k) => corner.fill(k));
     const middle = low.map((value, k) => 0.5 * (value + high[k]));
     this.target = [0, 1, 2].map((k) => middle[0] * right[k] + middle[1] * up[k] + middle[2] * away[k]) as Point3;
-    // In perspective, what is near the reader takes more room.
-    const room = 0.86 - 0.15 * this.perspective;
+    const [left, top, bottom] = this.margins;
+    const [wide, tall] = [Math.max(this.width - 2 * left, 10), Math.max(this.height - top - bottom, 10)];
     const least = 1e-9;
-    this.scale = Math.min((room * this.width) / Math.max(high[0] - low[0], least), (room * this.height) / Math.max(high[1] - low[1], least));
+    this.scale = Math.min(wide / Math.max(high[0] - low[0], least), tall / Math.max(high[1] - low[1], least));
+    this.shift(0, 0.5 * (bottom - top));
+    // In perspective, what is near the reader takes more room.
+    for (let i = 0; this.perspective > 0 && i < 6; i++) {
+      const [x0, y0, x1, y1] = this.extent({ x, y, z });
+      const factor = Math.min(wide / Math.max(x1 - x0, 1), tall / Math.max(y1 - y0, 1));
+      this.shift(0.5 * (x0 + x1 - this.width), 0.5 * (y0 + y1 - top - (this.height - bottom)));
+      this.scale *= Math.min(Math.max(factor, 0.5), 2);
+    }
+  }
+
+  /** Moves the target by pixels to the right and down on the screen. */
+  private shift(px: number, py: number): void {
+    const { right, up, scale } = this;
+    this.target = this.target.map((value, k) => value + (px * right[k] - py * up[k]) / scale) as Point3;
+  }
+
+  /** Least and greatest pixels of the places. */
+  private extent({ x, y, z }: Places): [number, number, number, number] {
+    const pixel = new Float64Array(2);
+    let [x0, y0, x1, y1] = [Infinity, Infinity, -Infinity, -Infinity];
+    for (let i = 0; i < x.length; i++) {
+      if (!this.project(x[i], y[i], z[i], pixel)) return [-this.width, -this.height, 2 * this.width, 2 * this.height];
+      [x0, y0, x1, y1] = [Math.min(x0, pixel[0]), Math.min(y0, pixel[1]), Math.max(x1, pixel[0]), Math.max(y1, pixel[1])];
+    }
+    return x.length > 0 ? [x0, y0, x1, y1] : [0, 0, this.width, this.height];
   }
 
   /**
@@ -105,7 +132,7 @@ export class Camera {
    */
   bestYaw(places: Places, path: Places = places): number {
     const trial = new Camera();
-    Object.assign(trial, { width: this.width, height: this.height });
+    Object.assign(trial, { width: this.width, height: this.height, margins: this.margins });
     let best = 0;
     let largest = 0;
     for (let step = 0; step <= 18; step++) {

@@ -25,6 +25,8 @@ export interface ChartData {
   spans?: [number, number][];
   /** Decimals of the value at the cursor. */
   digits: number;
+  /** What is said where there is no value. */
+  unknown?: string;
   /** A place on the horizontal axis in words. */
   place: (time: number) => string;
   /** The range of the vertical axis has to contain this. */
@@ -55,6 +57,7 @@ function drawReadings(plot: uPlot, readings: NonNullable<ChartData['readings']>,
   readings.time.forEach((time, i) => {
     const x = plot.valToPos(time, 'x', true);
     const y = (value: number) => plot.valToPos(value, 'y', true);
+    const at = y(readings.value[i]);
     context.strokeStyle = readings.colour;
     context.globalAlpha = readings.used[i] ? 1 : 0.5;
     context.lineWidth = 1.5 * ratio;
@@ -63,7 +66,17 @@ function drawReadings(plot: uPlot, readings: NonNullable<ChartData['readings']>,
     context.lineTo(x, y(readings.value[i] + readings.sigma[i]));
     context.stroke();
     context.beginPath();
-    context.arc(x, y(readings.value[i]), 3.5 * ratio, 0, 2 * Math.PI);
+    const beyond = at < top ? -1 : at > top + height ? 1 : 0;
+    if (beyond === 0) {
+      context.arc(x, at, 3.5 * ratio, 0, 2 * Math.PI);
+    } else {
+      // An arrow at the edge points to it.
+      const edge = beyond < 0 ? top : top + height;
+      context.moveTo(x, edge - beyond * ratio);
+      context.lineTo(x - 4.5 * ratio, edge - beyond * 8.5 * ratio);
+      context.lineTo(x + 4.5 * ratio, edge - beyond * 8.5 * ratio);
+      context.closePath();
+    }
     context.fillStyle = readings.used[i] ? readings.colour : theme.panel;
     context.fill();
     context.stroke();
@@ -96,7 +109,7 @@ function verticalRange(data: ChartData): [number, number] {
   for (const band of data.bands)
     band.values.forEach((value, i) => {
       if (value === null) return;
-      const sigma = Math.min(band.sigmas[i] ?? 0, Math.abs(value) + 1);
+      const sigma = Math.min(band.sigmas[i] ?? 0, Math.abs(value) + 2);
       values.push(value - sigma, value + sigma);
     });
   data.readings?.value.forEach((value, i) => {
@@ -129,7 +142,7 @@ export function makeChart(element: HTMLElement, data: ChartData, theme: Theme, o
       { label: 'high', width: 0, points: { show: false } },
       { label: 'low', width: 0, points: { show: false } },
     );
-    bands.push({ series: [at + 1, at + 2], fill: colourWithAlpha(band.colour, theme.dark ? 0.4 : 0.3) });
+    bands.push({ series: [at + 1, at + 2], fill: colourWithAlpha(band.colour, (theme.dark ? 0.4 : 0.3) / Math.sqrt(data.bands.length)) });
   }
   const grid = { stroke: theme.line, width: 1 };
   let shownTime: number | null = null;
@@ -182,7 +195,7 @@ export function makeChart(element: HTMLElement, data: ChartData, theme: Theme, o
         const text = minus(value.toFixed(data.digits)) + (sigma === null ? '' : ` ±${sigma.toFixed(data.digits)}`);
         return data.bands.length > 1 ? `${label} ${text}` : text;
       });
-      return texts.filter(Boolean).join(', ');
+      return texts.filter(Boolean).join(', ') || (data.unknown ?? '');
     },
     resize() {
       plot.setSize(size());

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Follows a running program: asks it for its state a few times a second, and becomes its report at the end.
 import { element, make } from './dom';
-import type { ReportPage } from './page';
-import type { Report } from './report';
+import { featureKeys, type ReportPage } from './page';
+import { scaleStateNames, scaleStateTerms, type Report } from './report';
 
 interface LiveState {
   /** What the program does other than to run over the frames; empty if it does that. */
@@ -23,6 +23,9 @@ interface LiveState {
   image: number;
   path: number;
 }
+
+/** The words of the report for the program's own. */
+const scaleWords = Object.fromEntries(Object.entries(scaleStateTerms).map(([letter, term]) => [term, scaleStateNames[letter]]));
 
 const interval = 250; // milliseconds between two requests
 
@@ -49,6 +52,7 @@ export function followRun(page: ReportPage): void {
     void fetch(current?.paused ? 'resume' : 'pause', { method: 'POST', headers: { 'X-Turnscale': '1' } }).catch(() => {});
   });
   element('picture').hidden = false;
+  element('feature-keys').replaceChildren(...featureKeys());
   element('no-picture').textContent = 'The first image follows';
   // At its end the program waits for those who are still there.
   window.addEventListener('pagehide', () => navigator.sendBeacon(`leave?viewer=${viewer}`));
@@ -61,12 +65,12 @@ export function followRun(page: ReportPage): void {
       ['frame', `${state.frame}${of}`],
       ['frames/s', state.rate.toFixed(1)],
       ['keyframes', String(state.keyframes)],
-      ['scale', state.scaleState + (state.sigma === null ? '' : ` ±${(100 * state.sigma).toFixed(1)} %`)],
+      ['scale from', (scaleWords[state.scaleState] ?? state.scaleState) + (state.sigma === null ? '' : ` ±${(100 * state.sigma).toFixed(1)} %`)],
       ['features', String(state.tracked)],
       ['tracking', state.tracking],
     ];
     if (state.phase) parts.splice(0, parts.length, ['', state.phase[0].toUpperCase() + state.phase.slice(1)]);
-    text.replaceChildren(...parts.flatMap(([name, value]) => [make('span', ` ${name} `), make('b', value), document.createTextNode('  ')]));
+    text.replaceChildren(...parts.flatMap(([name, value]) => [make('span', '', 'pair', make('span', `${name} `), make('b', value)), document.createTextNode(' ')]));
     pause.hidden = state.phase !== '';
     page.showWarnings(state.warnings);
     pause.textContent = state.paused ? 'Resume' : 'Pause';

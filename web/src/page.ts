@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 // The report: what it shows of a drive, and the one place along the drive that all its parts follow.
-import { makeChart, type Chart, type ChartData } from './charts';
+import { makeChart, type Band, type Chart, type ChartData } from './charts';
 import { colourings, colourPath, css, rampColour, themeOf, type ColourBy, type Legend, type Theme } from './colours';
 import { element, make, minus, typeset } from './dom';
 import {
   clock, closestIndex, decodeLandmarks, featuresOf, momentPattern, originText, placeText, reversed, scaleStateNames, scaleStateTerms,
-  secondsOf, shortTitle, trackingNames, type Report, type Thumbnail,
+  secondsOf, shortTitle, sizeOf, trackingNames, type Report, type Thumbnail,
 } from './report';
 import { PathView, type Marker } from './view';
 
@@ -17,6 +17,15 @@ const signed = (value: number, digits: number) => {
 };
 const landmarkColour = '#46e678';
 const seenColour = '#ffaf28';
+
+/** What the dots in a picture are. */
+export function featureKeys(): HTMLElement[] {
+  return ([[landmarkColour, 'landmark'], [seenColour, 'distance unknown']] as const).map(([colour, text]) => {
+    const mark = make('span', '', 'dot');
+    mark.style.background = colour;
+    return make('span', '', '', mark, document.createTextNode(text));
+  });
+}
 
 /** Ranges of points for which `holds`, each begun one point earlier so that a range of one point is a line. */
 function ranges(count: number, holds: (i: number) => boolean): [number, number][] {
@@ -82,6 +91,12 @@ export class ReportPage {
     const reverse = ranges(this.reverse.length, (i) => this.reverse[i]);
     const headings = this.reverse.length > 0 ? path.heading : undefined;
     const { colours } = colourPath(report, this.by, this.theme.dark);
+    const { thumbnails } = report;
+    this.thumbnail = null;
+    element('picture').hidden = thumbnails.length === 0;
+    const [first] = thumbnails;
+    const { width, height } = first ? sizeOf(first.jpeg) : { width: 1, height: 1 };
+    document.querySelector('.stage')!.classList.toggle('wide', width > 2.2 * height);
     this.view.setPath({ places: path, colours, turns, predicted, reverse, markers, headings });
     this.view.fit();
     const slider = element<HTMLInputElement>('time');
@@ -91,9 +106,6 @@ export class ReportPage {
     this.showTurns();
     this.showErrors();
     this.showSettings();
-    const { thumbnails } = report;
-    this.thumbnail = null;
-    element('picture').hidden = thumbnails.length === 0;
     // Those of earlier versions have their features in the picture.
     element('features').hidden = !thumbnails.some(({ jpeg }) => featuresOf(jpeg).points.length > 0);
     this.showCharts();
@@ -113,7 +125,7 @@ export class ReportPage {
     this.reverse = reversed(report.path);
     const reverse = ranges(this.reverse.length, (i) => this.reverse[i]);
     const headings = this.reverse.length > 0 ? report.path.heading : undefined;
-    this.view.setPath({ places: report.path, colours, turns: [], predicted: [], reverse, markers: [], headings });
+    this.view.setPath({ places: report.path, colours, turns: [], predicted: [], reverse, markers: [], headings, last: 'now' });
     this.view.follow();
     this.showColours();
     const { time } = report.path;
@@ -259,7 +271,7 @@ export class ReportPage {
     const i = this.place;
     // Where there is no tracking there were no images.
     const number = `${path.tracking ? 'frame' : 'pose'} ${path.frame[i]}`;
-    const rows: [string, string, boolean?][] = [['Place', report.timed === false ? number : `${clock(path.time[i])}, ${number}`]];
+    const rows: [string, string, boolean?][] = [[report.timed === false ? 'Pose' : 'Time', report.timed === false ? number : `${clock(path.time[i])}, ${number}`]];
     // A row that is known anywhere is there everywhere, so that nothing moves during the play.
     const anywhere = (values: (number | null)[]) => values.some((value) => value !== null);
     const speed = path.speed[i];
@@ -268,7 +280,10 @@ export class ReportPage {
     if (anywhere(path.speed))
       rows.push([this.reverse[i] ? 'Speed, reverse' : 'Speed', speed === null ? '-' : `${fixed(speed * kmhPerMps, 1)}${band} km/h`]);
     if (path.driven) rows.push(['Driven so far', lengthText(path.driven[i], unit)]);
-    const side = (value: number, positive: string, negative: string) => `${lengthText(Math.abs(value), unit, 100)} ${value < 0 ? negative : positive}`;
+    const side = (value: number, positive: string, negative: string) => {
+      const length = unit === 'm' ? lengthText(Math.abs(value), unit, 10) : Math.abs(value).toFixed(1);
+      return `${length} ${value < 0 ? negative : positive}`;
+    };
     rows.push(['From the start', `${side(path.x[i], 'right', 'left')}, ${side(path.y[i], 'ahead', 'behind')}`]);
     const lengths = [path.x, path.y, path.z].map((values) => values.reduce((most, value) => Math.max(most, Math.abs(value)), 0));
     if (lengths[2] > 0.05 * Math.max(lengths[0], lengths[1])) rows.push(['Height', side(path.z[i], 'up', 'down')]);
@@ -282,7 +297,7 @@ export class ReportPage {
       rows.push(['To the truth', error === null ? '-' : `${error.toFixed(2)} m`]);
     }
     element('readout').replaceChildren(
-      ...rows.flatMap(([name, value, bad]) => [make('dt', name), make('dd', typeset(value), bad ? 'bad' : '')]),
+      ...rows.map(([name, value, bad]) => make('div', '', '', make('dt', name), make('dd', typeset(value), bad ? 'bad' : ''))),
     );
     const state = rows.findIndex(([name]) => name === 'Scale from');
     const term = scaleStateTerms[path.scaleState[i]];
@@ -345,12 +360,7 @@ export class ReportPage {
     if (element('features').hidden) return;
     this.showFeatures = !this.showFeatures;
     element('features').setAttribute('aria-pressed', String(this.showFeatures));
-    const dot = (colour: string, text: string) => {
-      const mark = make('span', '', 'dot');
-      mark.style.background = colour;
-      return make('span', '', '', mark, document.createTextNode(text));
-    };
-    element('feature-keys').replaceChildren(...(this.showFeatures ? [dot(landmarkColour, 'landmark'), dot(seenColour, 'distance unknown')] : []));
+    element('feature-keys').replaceChildren(...(this.showFeatures ? featureKeys() : []));
     this.drawFeatures();
   }
 
@@ -372,12 +382,10 @@ export class ReportPage {
     const place = (time: number) => (timed === false ? String(Math.round(time)) : clock(time));
     const perUnit = unit === 'm' ? 'm/unit' : 'per unit';
     const allUsed = turns.every((turn) => turn.used);
-    const head = ['Turn', timed === false ? 'Poses' : 'Time', 'Angle', 'Mean speed', `Own scale, ${perUnit}`, `Smoothed, ${perUnit}`, 'Deviation', 'Effective lever arm', ...(allUsed ? [] : ['Why not used'])];
-    const rows = turns.map((turn, i) => {
+    const names = [timed === false ? 'Poses' : 'Time', 'Angle', 'Mean speed', `Own scale, ${perUnit}`, `Smoothed, ${perUnit}`, 'Deviation', 'Effective lever arm', ...(allUsed ? [] : ['Why not used'])];
+    const texts = turns.map((turn) => {
       const number = (value: number | null, text: (value: number) => string) => (value === null ? '-' : typeset(text(value)));
-      const go = make('button', String(i + 1));
-      go.setAttribute('aria-label', `Show turn ${i + 1}`);
-      const cells = [
+      return [
         `${place(turn.from)} – ${place(turn.to)}`,
         `${Math.abs(turn.angle).toFixed(0)}° ${turn.angle > 0 ? 'right' : 'left'}`,
         number(meanSpeed(path, turn.from, turn.to) ?? turn.speed, (v) => `${(v * kmhPerMps).toFixed(1)} km/h`),
@@ -386,11 +394,20 @@ export class ReportPage {
         number(turn.deviation, (v) => `${signed(v, 1)} σ`),
         number(turn.leverArm, (v) => `${v.toFixed(2)} m`),
         ...(allUsed ? [] : [turn.used ? '' : turn.reason || 'not used']),
-      ].map((text, k) => {
-        const cell = make('td', text, k === 7 ? 'text' : '');
-        cell.dataset.name = head[k + 1];
+      ];
+    });
+    // What is known of no turn has no column.
+    const known = names.map((_, k) => texts.some((row) => row[k] !== '-'));
+    const head = ['Turn', ...names.filter((_, k) => known[k])];
+    const rows = turns.map((turn, i) => {
+      const go = make('button', String(i + 1));
+      go.setAttribute('aria-label', `Show turn ${i + 1}`);
+      const cells = texts[i].flatMap((text, k) => {
+        if (!known[k]) return [];
+        const cell = make('td', text, names[k] === 'Why not used' ? 'text' : '');
+        cell.dataset.name = names[k];
         cell.setAttribute('role', 'cell');
-        return cell;
+        return [cell];
       });
       const first = make('td', '', '', go);
       first.setAttribute('role', 'cell');
@@ -447,8 +464,10 @@ export class ReportPage {
     }
     // A rotation that was given was not learned.
     if (rotation?.yawSigma.some((value) => value !== null)) {
-      const band = (label: string, values: number[], sigmas: (number | null)[], colour: string) => ({ label, values, sigmas, colour });
-      charts.push({ title: 'Rotation of the camera in the car', unit: 'degrees', digits: 2, least: 0.5, ...steps(rotation.time, [
+      // What was assumed before it was learned has no sigma.
+      const band = (label: string, values: number[], sigmas: (number | null)[], colour: string) =>
+        ({ label, values: values.map((value, i) => (sigmas[i] === null ? null : value)), sigmas, colour });
+      charts.push({ title: 'Rotation of the camera in the car', unit: 'degrees', digits: 2, least: 0.5, unknown: 'not known yet', ...steps(rotation.time, [
         band('yaw', rotation.yaw, rotation.yawSigma, theme.accent), band('pitch', rotation.pitch, rotation.pitchSigma, theme.good),
         band('roll', rotation.roll, rotation.rollSigma, theme.turn)]) });
     }
@@ -484,7 +503,7 @@ export class ReportPage {
       const title = make('h2', data.title);
       title.append(make('small', this.report!.timed === false ? `${data.unit}, over the number of the pose` : data.unit));
       const plot = make('div');
-      const value = make('output', '', 'value');
+      const value = make('output', '', data.bands.length > 1 ? 'value several' : 'value');
       this.readouts.push(value);
       section.append(make('div', '', 'panel chart', make('header', '', '', title, value, keys), plot));
       this.charts.push(makeChart(plot, { ...data, range, spans, place: (time) => placeText(this.report!, time) }, this.theme, (time) => this.moveToTime(time)));
@@ -643,7 +662,7 @@ function meanSpeed({ time, speed }: Report['path'], from: number, to: number): n
 }
 
 function headOf(name: string): HTMLElement {
-  const head = make('th', name);
+  const head = make('th', name, name === 'Why not used' ? 'text' : '');
   head.setAttribute('scope', 'col');
   head.setAttribute('role', 'columnheader');
   return head;
@@ -652,14 +671,14 @@ function headOf(name: string): HTMLElement {
 /** The number large, what follows it small. */
 function factElement({ name, value }: { name: string; value: string }, note: Node[]): HTMLElement {
   const [, number, unit] = /^(\S+)\s*(.*)$/.exec(value) ?? ['', value, ''];
-  // A break is allowed before the standard deviation only.
-  const gap = unit.startsWith('±') ? ' ' : '\u00a0';
-  return make('dl', '', 'fact', make('dt', name),
+  // A break is allowed before a standard deviation and before long units only.
+  const gap = unit.length > 4 ? ' ' : '\u00a0';
+  return make('dl', '', unit.startsWith('±') ? 'fact uncertain' : 'fact', make('dt', name),
     make('dd', '', '', document.createTextNode(minus(number) + (unit ? gap : '')), ...(unit ? [make('small', typeset(unit))] : [])), make('dd', '', 'note', ...note));
 }
 
 /** A value that holds until the next: each change becomes a step. */
-function steps(time: number[], bands: { label: string; values: number[]; sigmas: (number | null)[]; colour: string }[]) {
+function steps(time: number[], bands: Band[]) {
   const doubled = <T>(values: T[]): T[] => values.flatMap((value, i) => (i + 1 < values.length ? [value, value] : [value]));
   return {
     time: time.flatMap((t, i) => (i + 1 < time.length ? [t, Math.max(t, time[i + 1] - 1e-3)] : [t])),

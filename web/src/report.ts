@@ -184,10 +184,21 @@ export interface Features {
   mask: [number, number][][];
 }
 
+const bytesOf = (jpeg: string) => Uint8Array.from(atob(jpeg), (letter) => letter.charCodeAt(0));
+
+/** Pixels, from the start of the frame in the JPEG file; square where there is none. */
+export function sizeOf(jpeg: string): { width: number; height: number } {
+  const bytes = bytesOf(jpeg);
+  const number = (at: number) => (bytes[at] << 8) | bytes[at + 1];
+  for (let place = 2; place + 9 < bytes.length && bytes[place] === 0xff; place += 2 + number(place + 2))
+    if (bytes[place + 1] >= 0xc0 && bytes[place + 1] <= 0xc2) return { width: number(place + 7), height: number(place + 5) };
+  return { width: 1, height: 1 };
+}
+
 /** From the comments of the JPEG file (report/thumbnails.h). */
 export function featuresOf(jpeg: string): Features {
   const found: Features = { points: [], mask: [] };
-  const bytes = Uint8Array.from(atob(jpeg), (letter) => letter.charCodeAt(0));
+  const bytes = bytesOf(jpeg);
   const point = (at: number) => {
     const bits = (bytes[at] << 16) | (bytes[at + 1] << 8) | bytes[at + 2];
     return { x: (bits >> 12) / 4095, y: ((bits >> 1) & 2047) / 2047, hasDepth: (bits & 1) === 1 };

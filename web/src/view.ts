@@ -26,6 +26,8 @@ export interface PathContent {
   markers: Marker[];
   /** Where the nose of the car points, degrees clockwise from the y axis; else it is where the path leads. */
   headings?: number[];
+  /** What the last point is called. */
+  last?: string;
 }
 
 const pathWidth = 4.5;
@@ -47,7 +49,7 @@ function withPlan(path: Places, outlines: number[][]): Places {
       low[k] = Math.min(low[k], value);
       high[k] = Math.max(high[k], value);
     });
-  const room = 0.5 * Math.max(high[0] - low[0], high[1] - low[1]);
+  const room = 0.6 * Math.max(high[0] - low[0], high[1] - low[1]);
   const [x, y, z] = [Array.from(path.x), Array.from(path.y), Array.from(path.z)];
   for (const outline of outlines)
     for (let i = 0; i + 2 < outline.length; i += 3) {
@@ -76,6 +78,7 @@ export class PathView {
   private content: PathContent = { places: { x: [], y: [], z: [] }, colours: [], turns: [], predicted: [], reverse: [], markers: [] };
   private shown: Places = { x: [], y: [], z: [] }; // what has to be in view
   private sides = new Map<number, number>(); // of the turns' numbers, as found for the camera below
+  private names: [number, number][] = []; // pixels of the ends' names
   private sidesOf = '';
   private screen = new Float64Array(); // pixels of the path's points
   private visible = new Uint8Array();
@@ -148,8 +151,9 @@ export class PathView {
     const to = new Camera();
     Object.assign(to, { width: camera.width, height: camera.height, perspective: in3d ? 1 : 0 });
     to.pitch = in3d ? tilted : Math.PI / 2;
+    camera.margins = this.margins();
     to.yaw = camera.bestYaw(this.shown, this.content.places) - (in3d ? 0.35 : 0);
-    to.fit(this.shown);
+    this.fitAll(to);
     const jump = window.matchMedia('(prefers-reduced-motion: reduce)').matches;
     const begin = performance.now();
     const step = (now: number) => {
@@ -167,7 +171,7 @@ export class PathView {
 
   /** Keeps the whole path in view as it grows, unless the reader has moved it. */
   follow(): void {
-    if (this.fitted) this.camera.fit(this.shown);
+    if (this.fitted) this.fitAll();
     this.draw();
   }
 
@@ -175,9 +179,35 @@ export class PathView {
   fit(): void {
     this.fitted = true;
     this.measure();
+    this.camera.margins = this.margins();
     if (!this.in3d) this.camera.yaw = this.camera.bestYaw(this.shown, this.content.places);
-    this.camera.fit(this.shown);
+    this.fitAll();
     this.draw();
+  }
+
+  /** Room for the numbers of turns and the names of the ends beside the path. */
+  private margins(): [number, number, number] {
+    const { width, height } = this.camera;
+    const above = Math.min(36, 0.1 * height);
+    return [Math.min(36, 0.1 * width), above, above];
+  }
+
+  /** With the path clear of the buttons and of the scale bar in the lower corners. */
+  private fitAll(camera = this.camera): void {
+    camera.margins = this.margins();
+    camera.fit(this.shown);
+    const { places: { x, y, z } } = this.content;
+    const buttons = this.element.parentElement?.querySelector<HTMLElement>('.zoom');
+    const [wide, high] = [Math.max(buttons?.offsetWidth ?? 0, 124) + 24, Math.max(buttons?.offsetHeight ?? 0, 28) + 34];
+    camera.update();
+    for (let i = 0; i < x.length; i++) {
+      camera.project(x[i], y[i], z[i], this.pixel);
+      const [px, py] = this.pixel;
+      if (py < camera.height - high || (px > wide && px < camera.width - wide)) continue;
+      camera.margins[2] = high;
+      camera.fit(this.shown);
+      return;
+    }
   }
 
   zoomBy(factor: number): void {
@@ -213,7 +243,7 @@ export class PathView {
       canvas.width = Math.round(camera.width * this.ratio);
       canvas.height = Math.round(camera.height * this.ratio);
     }
-    if (this.fitted) camera.fit(this.shown);
+    if (this.fitted) this.fitAll();
     this.drawNow();
   }
 
@@ -425,8 +455,9 @@ export class PathView {
     // Overlapping markers are hidden until the user zooms in.
     const apart = content.markers.length > 40 ? 46 : 20;
     const count = content.places.x.length;
+    this.names = [];
     if (count > 0) this.end(0, 'start');
-    if (count > 1) this.end(count - 1, 'end');
+    if (count > 1) this.end(count - 1, content.last ?? 'end');
     for (const { index, first, last, label, used } of content.markers) {
       const [px, py] = [screen[2 * index], screen[2 * index + 1]];
       if (!visible[index] || taken.some(([a, b]) => Math.abs(a - px) < apart && Math.abs(b - py) < apart)) continue;
@@ -467,6 +498,7 @@ export class PathView {
       const clearances = offsets.map(([du, dv]) => {
         let clear = enough;
         for (let i = 0; i < visible.length; i += 2) clear = Math.min(clear, (screen[2 * i] - x - du) ** 2 + (screen[2 * i + 1] - y - dv) ** 2);
+        for (const [a, b] of this.names) if (Math.abs(a - x - du) < 29 && Math.abs(b - y - dv) < 18) clear = 0;
         return clear;
       });
       side = clearances.indexOf(Math.max(...clearances));
@@ -491,7 +523,9 @@ export class PathView {
     let other = index + step;
     const { length } = this.visible;
     while (other > 0 && other < length - 1 && Math.hypot(screen[2 * other] - x, screen[2 * other + 1] - y) < 30) other += step;
-    this.label(text, x, y + (screen[2 * other + 1] > y ? -17 : 17));
+    const beside = y + (screen[2 * other + 1] > y ? -17 : 17);
+    this.names.push([x, beside]);
+    this.label(text, x, beside);
   }
 
   private label(text: string, x: number, y: number): void {

@@ -63,6 +63,16 @@ async function pointAt(page, share) {
   return place.index;
 }
 
+/** Of the path's points on the screen and the names of its ends, those that buttons hide. */
+const hiddenPlaces = (page) => page.evaluate(() => {
+  const { view } = window.turnscale;
+  const frame = document.querySelector('#view').getBoundingClientRect();
+  const buttons = document.querySelector('.zoom').getBoundingClientRect();
+  const places = [...view.names];
+  for (let i = 0; i < view.screen.length; i += 2) places.push([view.screen[i], view.screen[i + 1]]);
+  return places.filter(([x, y]) => x + frame.left < buttons.right && y + frame.top > buttons.top || x < 0 || y < 0 || x > frame.width || y > frame.height);
+});
+
 /** Pixels between two points of the path on the screen. */
 const apart = (page, i, k) => page.evaluate((a, b) => {
   const { screen } = window.turnscale.view;
@@ -148,8 +158,11 @@ async function checkReport(path) {
   assert.deepEqual(stops.filter((stop) => stop.outline === 'none').map((stop) => stop.name), [], 'the focus is visible');
 
   // Other views.
+  await page.evaluate(() => window.turnscale.view.fit());
+  assert.deepEqual(await hiddenPlaces(page), [], 'no button is above the path');
   await page.click('#view-3d');
   await wait(700);
+  assert.deepEqual(await hiddenPlaces(page), [], 'no button is above the path in 3-D');
   assert.ok(await drawnShare(page) > 0.8, 'the path is drawn in 3-D');
   const legends = [];
   for (const by of ['sigma', 'state', 'error', 'speed']) {
@@ -216,6 +229,7 @@ test('the report of a rendered drive', async () => {
   assert.ok(await drawnShare(page) > 0.8, 'the path is drawn in the dark');
   const clipped = await page.$$eval('.fact dd', (all) => all.filter((dd) => dd.scrollWidth > dd.clientWidth).map((dd) => dd.textContent));
   assert.deepEqual(clipped, [], 'all numbers fit');
+  assert.deepEqual(await hiddenPlaces(page), [], 'no button is above the path on a phone');
   const [slider, view] = await page.evaluate(() => ['#time', '#thumbnail'].map((name) => document.querySelector(name).getBoundingClientRect()).map(({ top, bottom }) => [top, bottom]));
   assert.ok(view[1] - slider[0] < 600, 'the slider and the picture are on one screen');
   assert.ok(slider[1] < 844, 'the path and its slider are on the first screen');
@@ -234,6 +248,18 @@ test('the report of a rendered drive', async () => {
   await page.evaluate(() => window.dispatchEvent(new Event('afterprint')));
   assert.equal(await ground(page), 'rgb(11, 16, 22)', 'dark again');
   assert.ok((await page.pdf()).length > 100000, 'prints');
+  assert.deepEqual(problems, []);
+  await page.close();
+});
+
+test('the page of a comparison, without pictures', async () => {
+  const path = join(scratch, 'comparison.html');
+  execFileSync(program, ['evaluate', join(scratch, 'run/trajectory.tum'), join(drive, 'poses.txt'), '--report', path]);
+  const { page, problems } = await open(path);
+  assert.ok(await drawnShare(page) > 0.8, 'the path is drawn');
+  assert.deepEqual(await hiddenPlaces(page), [], 'no button is above the path');
+  const [stage, view] = await page.evaluate(() => ['.stage', '#view'].map((name) => document.querySelector(name).getBoundingClientRect().width));
+  assert.ok(view > stage - 4, 'the path has the whole width');
   assert.deepEqual(problems, []);
   await page.close();
 });
