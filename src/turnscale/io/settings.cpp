@@ -44,6 +44,8 @@ void VisitScaleSettings(Visitor& visitor, ScaleOptions& options) {
   visitor.Group("evidence", [&] {
     auto& o = options.estimator.evidence;
     visitor.Field("turn_sigma", o.turn_sigma);
+    visitor.Field("roll_height", o.roll_height);
+    visitor.Field("roll_height_sigma", o.roll_height_sigma);
     visitor.Field("slip_sigma", o.slip_sigma);
     visitor.Degrees("turn_direction_sigma_deg", o.turn_direction_sigma);
     visitor.Degrees("straight_direction_sigma_deg", o.straight_direction_sigma);

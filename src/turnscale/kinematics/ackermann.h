@@ -15,11 +15,16 @@ constexpr double kUsualSideSlipSigma = 0.002;
 constexpr double kGivenSideSlipSigma = 0.12;
 /// Standard deviation of a lever arm measured with a tape, metres.
 constexpr double kTapeSigma = 0.03;
+/// Height of a car's camera above the axis about which its body rolls, metres: cameras are 1.2 to 1.7 m above the road,
+/// the axis is near the road.
+constexpr double kUsualRollHeight = 1.1;
 
 /// Distance of the camera ahead of the point without lateral velocity.
 struct LeverArm {
   double length = 0;     ///< L: from the rear axle forward to the camera, metres
   double side_slip = 0;  ///< c: the rear axle's slip angle per lateral acceleration, s^2/m; 0 is the paper's rigid car
+  /// Height of the camera above the axis about which the body rolls, metres; 0: roll does not move the camera.
+  double roll_height = 0;
 
   /// The effective lever arm at a speed (m/s): L - c v^2. The rear tyres slip outwards in a turn, and the point
   /// without lateral velocity moves forward. Negative beyond v = sqrt(L/c).

@@ -65,6 +65,16 @@ std::string Text(const char* format, double a, double b) {
 
 double HalfTurn(const VehicleStep& step) { return 2.0 * std::sin(0.5 * step.motion.psi); }
 
+// Least length that acts in a turn, over the lever arm.
+constexpr double kLeastLength = 0.1;
+// Greatest height above the axis of roll, over the lever arm.
+constexpr double kMostRollHeight = 4;
+
+// The lever arm with what the roll of the body adds to it in this turn, metres.
+double LengthIn(const PooledLine& line, const LeverArm& lever_arm) {
+  return std::max(lever_arm.length + line.by_roll_height * lever_arm.roll_height, kLeastLength * lever_arm.length);
+}
+
 bool IsFinite(const VehicleStep& step) {
   const TurningMotion& motion = step.motion;
   return std::isfinite(motion.psi) && std::isfinite(motion.theta) && std::isfinite(motion.step) && motion.step >= 0;
@@ -82,9 +92,27 @@ double NoiseFloor(const std::vector<VehicleStep>& steps, double sigma_theta) {
   return sigma_theta * std::sqrt(sum / static_cast<double>(steps.size()));
 }
 
-PooledLine Describe(const std::vector<VehicleStep>& steps, const RobustLine& fit) {
+// Height above the axis of roll (odometry units) that fits the residuals of the line best.
+double RollHeight(const std::vector<VehicleStep>& steps, const std::vector<LinePoint>& points, const RobustLine& fit) {
+  double xx = 0;
+  double xr = 0;
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    xx += fit.weight[i] * points[i].x * points[i].x;
+    xr += fit.weight[i] * points[i].x * steps[i].roll;
+  }
+  double ry = 0;
+  double rr = 0;
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    // What of the roll the turning does not explain.
+    const double roll = steps[i].roll - xr / xx * points[i].x;
+    ry += fit.weight[i] * roll * (points[i].y - fit.slope * points[i].x);
+    rr += fit.weight[i] * roll * roll;
+  }
+  return rr > 0 ? std::clamp(ry / rr, 0.0, kMostRollHeight * std::abs(fit.slope)) : 0.0;
+}
+
+PooledLine Describe(const std::vector<VehicleStep>& steps, const RobustLine& fit, double roll_height) {
   PooledLine line;
-  line.lever_arm = fit.slope;
   line.sigma = fit.sigma;
   line.steps = static_cast<int>(steps.size());
   double xx = 0;
@@ -94,12 +122,15 @@ PooledLine Describe(const std::vector<VehicleStep>& steps, const RobustLine& fit
     // Negative in reverse, where an error of the direction moves the camera to the other side.
     const double forward = steps[i].motion.step * std::cos(steps[i].motion.theta - 0.5 * steps[i].motion.psi);
     line.by_direction += fit.weight[i] * x * forward;
-    line.mean_square_speed += fit.weight[i] * x * x * steps[i].speed() * steps[i].speed();
+    line.by_roll_height += fit.weight[i] * x * steps[i].roll;
+    line.mean_square_speed += fit.weight[i] * x * x * steps[i].speed() * steps[i].speed() * steps[i].square_speed_ratio;
     line.angle += steps[i].motion.psi;
     if (fit.weight[i] >= kInlierWeight) ++line.inliers;
   }
   line.by_direction /= xx;
+  line.by_roll_height /= xx;
   line.mean_square_speed /= xx;
+  line.lever_arm = fit.slope + roll_height * line.by_roll_height;
   return line;
 }
 
@@ -148,10 +179,14 @@ PooledLineResult PoolTurn(const std::vector<VehicleStep>& all_steps, const Poole
   points.reserve(steps.size());
   for (const VehicleStep& step : steps) points.push_back({HalfTurn(step), step.lateral()});
   if (std::ranges::all_of(points, [](const LinePoint& point) { return point.x == 0; })) return NoLine("no turning");
-  const RobustLine fit = FitRobustLine(points, noise_floor, options.robust_threshold);
+  RobustLine fit = FitRobustLine(points, noise_floor, options.robust_threshold);
+  if (!std::isfinite(fit.slope)) return NoLine("the steps are inconsistent");
+  const double roll_height = RollHeight(steps, points, fit);
+  for (std::size_t i = 0; i < steps.size(); ++i) points[i].y -= roll_height * steps[i].roll;
+  fit = FitRobustLine(points, noise_floor, options.robust_threshold);
   if (!std::isfinite(fit.slope)) return NoLine("the steps are inconsistent");
 
-  const PooledLine line = Describe(steps, fit);
+  const PooledLine line = Describe(steps, fit, roll_height);
   if (line.inliers < std::max(options.min_inliers, (line.steps + 1) / 2)) {
     return NoLine(Text("only %.0f of %.0f steps are inliers", line.inliers, line.steps));
   }
@@ -169,9 +204,10 @@ double MetresPerUnit(const PooledLine& line, const LeverArm& lever_arm, double d
   // Solved for 1/lambda, which passes through 0 where lambda passes through infinity.
   const double linear = line.lever_arm - direction * line.by_direction;
   const double slip = lever_arm.side_slip * line.mean_square_speed;
-  const double root = std::sqrt(linear * linear + 4.0 * slip * lever_arm.length);
+  const double length = LengthIn(line, lever_arm);
+  const double root = std::sqrt(linear * linear + 4.0 * slip * length);
   // No cancellation where the camera swings the wrong way.
-  const double inverse = linear >= 0 ? (linear + root) / (2.0 * lever_arm.length) : 2.0 * slip / (root - linear);
+  const double inverse = linear >= 0 ? (linear + root) / (2.0 * length) : 2.0 * slip / (root - linear);
   return inverse > 0 ? 1.0 / inverse : std::numeric_limits<double>::infinity();
 }
 
@@ -184,7 +220,8 @@ MedianScale MedianOfSteps(const std::vector<VehicleStep>& steps, const LeverArm&
   for (const VehicleStep& step : steps) {
     if (!step.usable || HalfTurn(step) == 0) continue;
     const PooledLine alone{.lever_arm = step.lateral() / HalfTurn(step),
-                           .mean_square_speed = step.speed() * step.speed()};
+                           .by_roll_height = step.roll / HalfTurn(step),
+                           .mean_square_speed = step.speed() * step.speed() * step.square_speed_ratio};
     inverse_scales.emplace_back(1.0 / MetresPerUnit(alone, lever_arm), 1.0);
   }
   MedianScale scale;

@@ -53,6 +53,9 @@ struct PooledLine {
   double sigma = 0;      ///< its standard deviation, from the scatter of the steps
   /// Derivative of `lever_arm` by an error of the direction of travel, to the right, odometry units per rad.
   double by_direction = 0;
+  /// Derivative of `lever_arm` by the height of the camera above the axis of roll. Small over a whole turn, into which
+  /// the body leans and out of which it comes up again.
+  double by_roll_height = 0;
   /// Of the speed, weighted as the steps, (units/s)^2; 0 if times are unknown.
   double mean_square_speed = 0;
   double angle = 0;  ///< sum of psi, rad
@@ -69,11 +72,12 @@ struct PooledLineResult {
 /// Fits the line to the usable steps of a turn. Noise is assumed in y only, equal for all steps (position noise does
 /// not grow with the step) and independent from step to step. Sigma is too large where the camera centres jitter
 /// independently, since a centre's error enters two steps with opposite sign; it does not cover what all steps share:
-/// the camera's yaw, the slip of the tyres.
+/// the camera's yaw, the slip of the tyres. What the roll of the body adds to y, by a height that fits best, is no
+/// noise.
 PooledLineResult PoolTurn(const std::vector<VehicleStep>& steps, const PooledLineOptions& options);
 
 /// The scale (metres per unit) lambda that gives this lever arm: the positive root of
-///   lambda (lever_arm - direction by_direction) + c lambda^2 mean_square_speed = L.
+///   lambda (lever_arm - direction by_direction) + c lambda^2 mean_square_speed = L + roll_height by_roll_height.
 /// `direction` is the direction of travel on straights, rad: minus the yaw error of Q. Infinite if the camera does
 /// not move outwards and there is no slip. Multiplying all lengths of the turn by k divides lambda by k.
 double MetresPerUnit(const PooledLine& line, const LeverArm& lever_arm, double direction = 0);

@@ -17,6 +17,12 @@ namespace {
 // Steps to either side that show what is an ordinary speed there.
 constexpr std::ptrdiff_t kNeighbours = 5;
 constexpr std::size_t kFewestPaces = 4;
+// Of a step whose squared speed is weighted by turning, rad.
+constexpr double kLeastTurn = 0.005;
+// Of squared speeds within a step.
+constexpr double kMostRatio = 4;
+
+double Square(double value) { return value * value; }
 
 double Pace(const VehicleStep& step) { return step.duration > 0 ? step.speed() : step.motion.step; }
 
@@ -35,7 +41,7 @@ void MarkJumps(std::span<VehicleStep> steps, double max_speed_ratio) {
 
 }  // namespace
 
-double VehicleStep::lateral() const { return motion.step * std::sin(motion.theta - 0.5 * motion.psi); }
+double VehicleStep::lateral() const { return motion.step * std::sin(motion.theta - 0.5 * motion.psi - heading_offset); }
 
 void VehicleStepOptions::Check() const {
   if (!(angle >= 0 && angle < 0.5)) throw InputError("steps.angle: has to be from 0 to below 0.5 rad");
@@ -53,7 +59,9 @@ VehicleStep LevelStep(const RigidTransform& previous_from_current, const Eigen::
   step.duration = dt;
   // The pitch of a step that goes backwards would turn the axes over.
   const double pitch = travel.z() > 0 ? std::atan2(travel.y(), travel.z()) : 0.0;
-  step.motion = TurningMotionOf(previous_from_current, RotationFromVector({pitch, 0, 0}) * vehicle_from_camera);
+  const Eigen::Quaterniond level_from_camera = RotationFromVector({pitch, 0, 0}) * vehicle_from_camera;
+  step.motion = TurningMotionOf(previous_from_current, level_from_camera);
+  step.roll = (level_from_camera * VectorFromRotation(previous_from_current.rotation)).z();
   const double length = travel.norm();
   // The kinematics hold in reverse as well.
   step.usable = length > 0 && std::abs(travel.z()) >= std::cos(options.max_direction) * length;
@@ -63,12 +71,8 @@ VehicleStep LevelStep(const RigidTransform& previous_from_current, const Eigen::
 std::vector<VehicleStep> StepBuilder::Add(const StampedPose& pose, const PathGap* gap) {
   std::vector<VehicleStep> ended;
   const int index = poses_;
-  const auto start_at = [&](const StampedPose& at, int i) {
-    key_pose_ = at;
-    key_ = i;
-  };
   if (index == 0) {
-    start_at(pose, 0);
+    StartAt(pose, 0);
   } else if (gap != nullptr) {
     if (const std::optional<VehicleStep> rest = Finish()) ended.push_back(*rest);
     VehicleStep across;
@@ -79,7 +83,7 @@ std::vector<VehicleStep> StepBuilder::Add(const StampedPose& pose, const PathGap
     across.gap_sigma = gap->sigma;
     if (timed_) across.duration = pose.time - last_pose_.time;
     ended.push_back(across);
-    start_at(pose, index);
+    StartAt(pose, index);
   } else {
     const VehicleStep step = StepTo(pose, index);
     // Half a period of the fastest cameras: times are rounded.
@@ -89,7 +93,7 @@ std::vector<VehicleStep> StepBuilder::Add(const StampedPose& pose, const PathGap
         (timed_ ? step.duration >= options_.max_duration - kTimeTolerance : index - key_ >= options_.max_poses);
     if (ends) {
       ended.push_back(step);
-      start_at(pose, index);
+      StartAt(pose, index);
     }
   }
   last_pose_ = pose;
@@ -101,16 +105,35 @@ std::optional<VehicleStep> StepBuilder::Finish() {
   const int last = poses_ - 1;
   if (last <= key_) return std::nullopt;
   const VehicleStep step = StepTo(last_pose_, last);
-  key_pose_ = last_pose_;
-  key_ = last;
+  StartAt(last_pose_, last);
   return step.motion.step > 0 ? std::optional(step) : std::nullopt;
 }
 
-VehicleStep StepBuilder::StepTo(const StampedPose& pose, int index) const {
+void StepBuilder::StartAt(const StampedPose& pose, int index) {
+  key_pose_ = pose;
+  key_ = index;
+  heading_ = 0;
+  travel_ = 0;
+  heading_integral_ = 0;
+  square_speed_integral_ = 0;
+}
+
+VehicleStep StepBuilder::StepTo(const StampedPose& pose, int index) {
   VehicleStep step = LevelStep(key_pose_.world_from_camera.inverse() * pose.world_from_camera,
                                Eigen::Quaterniond::Identity(), timed_ ? pose.time - key_pose_.time : 0, options_);
   step.first = key_;
   step.last = index;
+  const double travel = (pose.world_from_camera.translation - last_pose_.world_from_camera.translation).norm();
+  heading_integral_ += travel * 0.5 * (heading_ + step.motion.psi);
+  travel_ += travel;
+  const double duration = pose.time - last_pose_.time;
+  if (timed_ && duration > 0) square_speed_integral_ += (step.motion.psi - heading_) * Square(travel / duration);
+  heading_ = step.motion.psi;
+  if (travel_ > 0) step.heading_offset = heading_integral_ / travel_ - 0.5 * heading_;
+  // A heading that hardly changes is noise.
+  if (std::abs(heading_) > kLeastTurn && step.speed() > 0)
+    step.square_speed_ratio =
+        std::clamp(square_speed_integral_ / (heading_ * Square(step.speed())), 1 / kMostRatio, kMostRatio);
   return step;
 }
 

@@ -21,10 +21,20 @@ struct VehicleStep {
   bool after_gap = false;  ///< across a loss of tracking: its motion is unknown
   /// Relative standard deviation by which the unit of length may have changed across the gap.
   double gap_sigma = 0;
+  /// Mean of the squared speed weighted by turning, over the square of `speed()`: slip acts where the car turns.
+  double square_speed_ratio = 1;
   double height = 0;        ///< of the camera above the road, odometry units; 0 where the road is not seen
   double height_sigma = 0;  ///< relative standard deviation of `height`
 
-  /// y = length sin(theta - psi/2): lateral displacement in the axes half-way, odometry units.
+  /// Mean of the heading over the distance driven, less the mean of the headings at both ends, rad. 0 on the circle of
+  /// (1); at the start and at the end of a turn, where the curvature changes, it is not.
+  double heading_offset = 0;
+  /// Rotation about the way that the step goes, rad, leaning right positive. The body leans outwards in a turn and
+  /// takes the camera, which is above the axis of the roll, with it.
+  double roll = 0;
+
+  /// y = length sin(theta - psi/2 - heading_offset): lateral displacement in the axes of the mean heading, odometry
+  /// units. The rear axle does not move sideways there, whatever way the curvature changes within the step.
   double lateral() const;
   /// Odometry units per second; 0 where times are unknown.
   double speed() const { return duration > 0 ? motion.step / duration : 0.0; }
@@ -75,7 +85,9 @@ class StepBuilder {
   std::optional<VehicleStep> Finish();
 
  private:
-  VehicleStep StepTo(const StampedPose& pose, int index) const;
+  void StartAt(const StampedPose& pose, int index);
+  // From the pose where the step under way begins to the next one, or to the last one again.
+  VehicleStep StepTo(const StampedPose& pose, int index);
 
   VehicleStepOptions options_;
   bool timed_;
@@ -83,6 +95,13 @@ class StepBuilder {
   int key_ = 0;  ///< where the step under way begins
   StampedPose key_pose_;
   StampedPose last_pose_;
+  // Of the step under way, from its start to `last_pose_`: change of heading (rad), distance, integral of that change
+  // over the distance.
+  double heading_ = 0;
+  double travel_ = 0;
+  double heading_integral_ = 0;
+  // Integral of the squared speed over the change of heading.
+  double square_speed_integral_ = 0;
 };
 
 /// All steps of a path whose poses are in vehicle axes, jumps marked as not usable. Gaps in their order.

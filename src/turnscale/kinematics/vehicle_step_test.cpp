@@ -92,6 +92,20 @@ TEST(LevelStep, PitchOfTheMountDoesNotMatter) {
   }
 }
 
+TEST(LevelStep, RollIsAboutTheWayThatTheStepGoes) {
+  const Eigen::Quaterniond mount = RotationFromYawPitchRoll({0.2, -0.1, 0.05});
+  for (const double roll : {0.01, -0.02}) {
+    for (const double slope : {0.0, 0.1, -0.15}) {
+      // The body turns about its own axes, which climb with the road; the camera sees the motion from its mount.
+      const Eigen::Vector3d turn = Pitched(slope) * Eigen::Vector3d(0, 0.05, roll);
+      const Eigen::Quaterniond rotation = RotationFromVector(turn);
+      const Eigen::Vector3d travel = RotationFromVector(0.5 * turn) * (Pitched(slope) * Eigen::Vector3d(0, 0, 1));
+      const RigidTransform seen{mount.conjugate() * rotation * mount, mount.conjugate() * travel};
+      EXPECT_NEAR(LevelStep(seen, mount, 0.1, {}).roll, roll, 1e-9);
+    }
+  }
+}
+
 TEST(LevelStep, OnlyStepsAlongTheCarAreUsable) {
   const auto usable = [](const Eigen::Vector3d& travel) {
     return LevelStep({kIdentity, travel}, kIdentity, 0.1, {}).usable;
@@ -121,6 +135,26 @@ TEST(CutIntoSteps, AStepEndsAtItsAngle) {
   }
   const std::vector<VehicleStep> finer = CutIntoSteps(path, {}, true, {.angle = 1.5 * kDegree});
   EXPECT_EQ(LastPoses(finer), (std::vector<int>{2, 4, 6, 8, 10, 12}));
+}
+
+TEST(CutIntoSteps, TheCameraSwingsAsTheLeverArmRequiresWhereTheCurvatureChanges) {
+  const double lever_arm = 1.2;
+  for (const double side : {1.0, -1.0}) {
+    // Into the turn and out of it, on a circle from pose to pose, but not over a step.
+    std::vector<DriveSegment> route;
+    for (const double turn : {0.1, 0.3, 0.6, 0.9, 1.2, 1.2, 0.8, 0.4, 0.2, 0.1})
+      route.push_back({1, 0.4, side * turn * kDegree});
+    const std::vector<VehicleStep> steps = CutIntoSteps(Timed(route, {lever_arm, 0}), {}, true, {.max_duration = 10});
+    ASSERT_EQ(LastPoses(steps), (std::vector<int>{5, 9, 10}));
+    for (const VehicleStep& step : steps) {
+      const double swing = lever_arm * 2 * std::sin(0.5 * step.motion.psi);
+      EXPECT_NEAR(step.lateral(), swing, 2e-3 * std::abs(swing)) << step.last << ", " << side;
+    }
+    // In the axes half-way between the headings of both ends it is quite different.
+    const TurningMotion& entry = steps.front().motion;
+    EXPECT_GT(std::abs(entry.step * std::sin(entry.theta - 0.5 * entry.psi) - steps.front().lateral()),
+              0.1 * std::abs(steps.front().lateral()));
+  }
 }
 
 TEST(CutIntoSteps, AnAngleOfZeroTakesEveryPose) {

@@ -142,7 +142,7 @@ std::optional<ScaleBelief> LiveScale::WithTurn(const ScaleBelief& belief, const 
   ScaleBelief start = belief;
   if (!WhyUnusable(*evidence.turn, belief.mean, options_.evidence).empty()) return std::nullopt;
   if (!started_ && belief.sigma() > kUnknownScale) {
-    const double log_scale = std::log(OwnScale(evidence, belief.mean));
+    const double log_scale = std::log(OwnScale(evidence, belief.mean, options_.evidence));
     // The road has shown the ratio of height and scale so far. A height that is given stays.
     if (!car_.knows_height()) start.mean[kLogHeight] += log_scale - start.mean[kLogScale];
     start.mean[kLogScale] = log_scale;

@@ -32,6 +32,10 @@ bool IsPart(const std::vector<PathSegment>& segments, std::size_t i) {
   return (i > 0 && continues(i - 1, i)) || continues(i, i + 1);
 }
 
+LeverArm LeverArmOf(const DriveState& state, const EvidenceOptions& options) {
+  return {std::exp(state[kLogLeverArm]), std::max(state[kSlip], 0.0), options.roll_height};
+}
+
 double MedianLeverArm(const std::vector<SegmentEvidence>& evidence) {
   std::vector<std::pair<double, double>> lever_arms;
   for (const SegmentEvidence& segment : evidence)
@@ -86,6 +90,9 @@ void EvidenceOptions::Check() const {
     if (!good) throw InputError(what);
   };
   require(turn_sigma > 0 && turn_sigma < 1, "evidence.turn_sigma: has to be above 0 and below 1");
+  require(roll_height >= 0 && roll_height < 10, "evidence.roll_height: has to be from 0 to below 10 m");
+  require(roll_height_sigma >= 0 && roll_height_sigma < 10,
+          "evidence.roll_height_sigma: has to be from 0 to below 10 m");
   require(slip_sigma >= 0 && slip_sigma < 10, "evidence.slip_sigma: has to be from 0 to below 10");
   require(turn_direction_sigma >= 0 && turn_direction_sigma < 1,
           "evidence.turn_direction_sigma: has to be from 0 to below 1 rad");
@@ -205,20 +212,22 @@ std::optional<Measurement> Linearize(const SegmentEvidence& evidence, const Driv
   const PooledLine& turn = *evidence.turn;
   const double scale = std::exp(state[kLogScale]);
   const double lever_arm = std::exp(state[kLogLeverArm]) / scale;
+  const double roll = options.roll_height * turn.by_roll_height / scale;
   const double slip = state[kSlip] * scale * turn.mean_square_speed;
-  measurement.innovation = turn.lever_arm - (lever_arm - slip + state[kDirection] * turn.by_direction);
-  measurement.by_state[kLogScale] = -lever_arm - slip;
+  measurement.innovation = turn.lever_arm - (lever_arm + roll - slip + state[kDirection] * turn.by_direction);
+  measurement.by_state[kLogScale] = -lever_arm - roll - slip;
   measurement.by_state[kDirection] = turn.by_direction;
   measurement.by_state[kSlip] = -scale * turn.mean_square_speed;
   measurement.by_state[kLogLeverArm] = lever_arm;
   const auto square = [](double value) { return value * value; };
   measurement.variance = square(turn.sigma) + square(options.turn_sigma * lever_arm) +
-                         square(options.slip_sigma * slip) + square(options.turn_direction_sigma * turn.by_direction);
+                         square(options.slip_sigma * slip) + square(options.turn_direction_sigma * turn.by_direction) +
+                         square(options.roll_height_sigma * turn.by_roll_height / scale);
   return measurement;
 }
 
 std::string WhyUnusable(const PooledLine& turn, const DriveState& state, const EvidenceOptions& options) {
-  const LeverArm lever_arm{std::exp(state[kLogLeverArm]), std::max(state[kSlip], 0.0)};
+  const LeverArm lever_arm = LeverArmOf(state, options);
   const double scale = MetresPerUnit(turn, lever_arm, state[kDirection]);
   if (!std::isfinite(scale)) return "the camera does not move outwards as the lever arm requires";
   if (LeverArmRatio(turn, lever_arm, scale) < options.min_lever_arm_ratio)
@@ -226,8 +235,8 @@ std::string WhyUnusable(const PooledLine& turn, const DriveState& state, const E
   return {};
 }
 
-double OwnScale(const SegmentEvidence& evidence, const DriveState& state) {
-  return MetresPerUnit(*evidence.turn, {std::exp(state[kLogLeverArm]), std::max(state[kSlip], 0.0)}, state[kDirection]);
+double OwnScale(const SegmentEvidence& evidence, const DriveState& state, const EvidenceOptions& options) {
+  return MetresPerUnit(*evidence.turn, LeverArmOf(state, options), state[kDirection]);
 }
 
 }  // namespace turnscale

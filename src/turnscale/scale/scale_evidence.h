@@ -76,9 +76,12 @@ struct RoadEvidenceOptions {
 /// does not average out within the segment.
 struct EvidenceOptions {
   PooledLineOptions line;
-  /// Effective lever arm of a turn, relative: effects not modelled (road bank, roll of the body, drift of the
-  /// odometry within the turn). ORB-SLAM's stereo trajectories of KITTI scatter by this much about one car.
+  /// Effective lever arm of a turn, relative: effects not modelled (road bank, transients of the tyres, drift of the
+  /// odometry within the turn). Turns of simulated cars with sprung bodies scatter by half as much.
   double turn_sigma = 0.015;
+  /// Height of the camera above the axis about which the body rolls, metres.
+  double roll_height = kUsualRollHeight;
+  double roll_height_sigma = 0.35;  ///< its standard deviation over cars and cameras, metres
   /// Side slip of a turn, relative: grip and load differ from turn to turn.
   double slip_sigma = 0.2;
   /// Direction of travel in a turn, rad (0.05 deg): road bank.
@@ -138,7 +141,8 @@ struct Measurement {
 };
 
 /// The segment's measurement at a state; empty if it has none.
-///   turn:      lever_arm = L/lambda - c lambda u^2 + direction * by_direction,  u^2 mean square speed in units/s
+///   turn:      lever_arm = (L + roll_height * by_roll_height) / lambda - c lambda u^2 + direction * by_direction,
+///              u^2 mean square speed in units/s
 ///   straight:  direction
 std::optional<Measurement> Linearize(const SegmentEvidence& evidence, const DriveState& state,
                                      const EvidenceOptions& options);
@@ -151,6 +155,6 @@ Measurement LinearizeRoad(const RoadEvidence& road, const DriveState& state, con
 std::string WhyUnusable(const PooledLine& turn, const DriveState& state, const EvidenceOptions& options);
 
 /// The single-turn scale (metres per unit), the other unknowns as in `state`.
-double OwnScale(const SegmentEvidence& evidence, const DriveState& state);
+double OwnScale(const SegmentEvidence& evidence, const DriveState& state, const EvidenceOptions& options);
 
 }  // namespace turnscale

@@ -26,6 +26,7 @@ SegmentEvidence RandomTurn(Random& random) {
   evidence.turn = PooledLine{.lever_arm = random.Uniform(0.05, 0.2),
                              .sigma = random.Uniform(0.0001, 0.002),
                              .by_direction = random.Uniform(-2, 2),
+                             .by_roll_height = random.Uniform(-0.1, 0.1),
                              .mean_square_speed = random.Uniform(0, 1)};
   return evidence;
 }
@@ -81,9 +82,9 @@ TEST(ScaleEvidence, ATurnOfTheModelMeetsItsExpectation) {
       ASSERT_TRUE(evidence.turn) << evidence.reason;
       const DriveState truth = StateOf(kUnit, direction, kCar);
       EXPECT_NEAR(Linearize(evidence, truth, {})->innovation / evidence.turn->lever_arm, 0, 1e-9);
-      EXPECT_NEAR(OwnScale(evidence, truth) / kUnit, 1, 1e-6);
+      EXPECT_NEAR(OwnScale(evidence, truth, {}) / kUnit, 1, 1e-6);
       if (direction != 0) {
-        EXPECT_GT(std::abs(OwnScale(evidence, StateOf(kUnit, 0, kCar)) / kUnit - 1), 0.02);
+        EXPECT_GT(std::abs(OwnScale(evidence, StateOf(kUnit, 0, kCar), {}) / kUnit - 1), 0.02);
       }
     }
   }
@@ -94,7 +95,7 @@ TEST(ScaleEvidence, OwnScaleIsWhereTheInnovationVanishes) {
   for (int draw = 0; draw < 200; ++draw) {
     const SegmentEvidence evidence = RandomTurn(random);
     DriveState state = RandomState(random);
-    state[kLogScale] = std::log(OwnScale(evidence, state));
+    state[kLogScale] = std::log(OwnScale(evidence, state, {}));
     ASSERT_TRUE(std::isfinite(state[kLogScale]));
     EXPECT_NEAR(Linearize(evidence, state, {})->innovation, 0, 1e-12);
   }

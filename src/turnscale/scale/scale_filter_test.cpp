@@ -36,6 +36,7 @@ ScaleProblem RandomProblem(int segments, std::uint64_t seed = 5) {
           .lever_arm = 1.2 / kMetresPerUnit - 0.004 * kMetresPerUnit * speed * speed + 0.002 * random.Gaussian(),
           .sigma = random.Uniform(2e-4, 2e-3),
           .by_direction = random.Uniform(-1, 1),
+          .by_roll_height = random.Uniform(-0.02, 0.02),
           .mean_square_speed = speed * speed};
     } else {
       evidence.direction = 0.01 * random.Gaussian();
