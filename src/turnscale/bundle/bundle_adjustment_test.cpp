@@ -196,7 +196,7 @@ TEST(BundleAdjustment, HasTheSameBitsOnAnyNumberOfThreads) {
   const auto adjusted = [](int threads, const BundleOptions& options) {
     cv::setNumThreads(threads);
     BundleProblem problem = Window(4, 0.05);
-    EXPECT_GT(PointParts(problem.points.size()).size(), 2U) << "there is more than one part";
+    EXPECT_GT(PartsOf(problem.points.size()).size(), 2U) << "there is more than one part";
     AdjustBundle(options, problem);
     return problem;
   };
@@ -218,7 +218,7 @@ TEST(BundleAdjustment, HasTheSameBitsOnAnyNumberOfThreads) {
 
 TEST(BundleAdjustment, PartsHoldAllPoints) {
   for (const std::size_t points : {0, 1, 99, 100, 1234}) {
-    const std::vector<std::size_t> bounds = PointParts(points);
+    const std::vector<std::size_t> bounds = PartsOf(points);
     EXPECT_EQ(bounds.front(), 0U);
     EXPECT_EQ(bounds.back(), points);
     EXPECT_TRUE(std::ranges::is_sorted(bounds));

@@ -260,7 +260,7 @@ double TakeStep(const Pinhole& pinhole, const BundleStructure& structure, const 
     }
   }
   std::vector<double> costs(state.points.size());
-  ForEachPointPart(PointParts(costs.size()), [&](std::size_t, std::size_t first, std::size_t last) {
+  ForEachPart(PartsOf(costs.size()), [&](std::size_t, std::size_t first, std::size_t last) {
     for (std::size_t i = first; i < last; ++i)
       costs[i] = PlacePoint(pinhole, structure, state, equations, step, huber_threshold, i, trial);
   });

@@ -13,16 +13,17 @@
 namespace turnscale {
 namespace {
 
+/// Makes room, and clears the sums. What belongs to a point or an edge is going to be overwritten.
 template <int kDof>
-void Clear(const BundleStructure& structure, std::size_t points, NormalEquations<kDof>& equations) {
+void Prepare(const BundleStructure& structure, std::size_t points, NormalEquations<kDof>& equations) {
   using Equations = NormalEquations<kDof>;
   equations.camera_hessian.assign(structure.camera_of_column.size(), Equations::CameraMatrix::Zero());
   equations.camera_gradient.assign(structure.camera_of_column.size(), Equations::CameraVector::Zero());
-  equations.edge_hessian.assign(structure.edge_column.size(), Equations::EdgeMatrix::Zero());
-  equations.point_hessian.assign(points, Eigen::Matrix3d::Zero());
-  equations.point_gradient.assign(points, Eigen::Vector3d::Zero());
-  equations.point_cost.assign(points, 0.0);
-  equations.point_is_rough.assign(points, 0);
+  equations.edge_hessian.resize(structure.edge_column.size());
+  equations.point_hessian.resize(points);
+  equations.point_gradient.resize(points);
+  equations.point_cost.resize(points);
+  equations.point_is_rough.resize(points);
   equations.cost = 0;
 }
 
@@ -70,6 +71,7 @@ void LinearizePoints(const Pinhole& pinhole, const BundleStructure& structure, c
     double point_cost = 0;
     Eigen::Matrix3d point_hessian = Eigen::Matrix3d::Zero();
     Eigen::Vector3d point_gradient = Eigen::Vector3d::Zero();
+    int last_edge = -1;
     for (int k = structure.first_observation[i]; k < structure.first_observation[i + 1]; ++k) {
       const SolverObservation& seen = structure.observations[k];
       const Eigen::Matrix3d& R = state.rotations[seen.camera];
@@ -87,7 +89,12 @@ void LinearizePoints(const Pinhole& pinhole, const BundleStructure& structure, c
       const int column = structure.edge_column[seen.edge];
       sums.hessian[column] += model.hessian;
       sums.gradient[column] += model.gradient;
-      equations.edge_hessian[seen.edge] += model.hessian.template rightCols<3>();
+      // A camera that sees the point twice has both in one edge, one after the other.
+      if (seen.edge == last_edge)
+        equations.edge_hessian[seen.edge] += model.hessian.template rightCols<3>();
+      else
+        equations.edge_hessian[seen.edge] = model.hessian.template rightCols<3>();
+      last_edge = seen.edge;
     }
     equations.point_cost[i] = point_cost;
     equations.point_hessian[i] = point_hessian;
@@ -170,7 +177,9 @@ void EliminatePoints(const BundleStructure& structure, const NormalEquations<kDo
       part.gradient.template segment<kDof>(kDof * structure.edge_column[first_edge + a]) += part.track[a] * reduced;
     }
     for (int a = 0; a < edges; ++a) {
-      for (int b = a; b < edges; ++b) AddOuterProduct<kDof>(part.track[a], part.track[b], part.blocks[*block++]);
+      // A copy, which stays in registers: the blocks cannot overlap it.
+      const Eigen::Matrix<double, kDof, 3> left = part.track[a];
+      for (int b = a; b < edges; ++b) AddOuterProduct<kDof>(left, part.track[b], part.blocks[*block++]);
     }
   }
 }
@@ -180,10 +189,10 @@ void EliminatePoints(const BundleStructure& structure, const NormalEquations<kDo
 template <int kDof>
 void Linearize(const Pinhole& pinhole, const BundleStructure& structure, const BundleState& state,
                double huber_threshold, HessianKind kind, NormalEquations<kDof>& equations) {
-  Clear(structure, state.points.size(), equations);
-  const std::vector<std::size_t> bounds = PointParts(state.points.size());
+  Prepare(structure, state.points.size(), equations);
+  const std::vector<std::size_t> bounds = PartsOf(state.points.size());
   equations.parts.resize(bounds.size() - 1);
-  ForEachPointPart(bounds, [&](std::size_t part, std::size_t first, std::size_t last) {
+  ForEachPart(bounds, [&](std::size_t part, std::size_t first, std::size_t last) {
     LinearizePoints(pinhole, structure, state, huber_threshold, kind, first, last, equations.parts[part], equations);
   });
   for (const CameraSums<kDof>& sum : equations.parts) {
@@ -205,27 +214,33 @@ void Eliminate(const BundleStructure& structure, const NormalEquations<kDof>& eq
                SchurSystem<kDof>& system) {
   const std::size_t columns = equations.camera_hessian.size();
   const std::size_t points = equations.point_hessian.size();
-  system.blocks.assign(structure.blocks.size(), Eigen::Matrix<double, kDof, kDof>::Zero());
   system.gradient.resize(kDof * static_cast<Eigen::Index>(columns));
   system.inverse_factor.resize(points);
   system.point_damping.resize(points);
   system.damping = CameraDamping(equations, damping);
-  for (std::size_t i = 0; i < columns; ++i) {
-    const Eigen::Index row = kDof * static_cast<Eigen::Index>(i);
-    system.blocks[i] = equations.camera_hessian[i];
-    system.blocks[i].diagonal() += system.damping.template segment<kDof>(row);
-    system.gradient.template segment<kDof>(row) = equations.camera_gradient[i];
-  }
+  for (std::size_t i = 0; i < columns; ++i)
+    system.gradient.template segment<kDof>(kDof * static_cast<Eigen::Index>(i)) = equations.camera_gradient[i];
 
-  const std::vector<std::size_t> bounds = PointParts(points);
+  const std::vector<std::size_t> bounds = PartsOf(points);
   system.parts.resize(bounds.size() - 1);
-  ForEachPointPart(bounds, [&](std::size_t part, std::size_t first, std::size_t last) {
+  ForEachPart(bounds, [&](std::size_t part, std::size_t first, std::size_t last) {
     EliminatePoints(structure, equations, damping, first, last, system.parts[part], system);
   });
-  for (const SchurPart<kDof>& part : system.parts) {
-    for (std::size_t i = 0; i < part.blocks.size(); ++i) system.blocks[i] -= part.blocks[i];
-    system.gradient -= part.gradient;
-  }
+  for (const SchurPart<kDof>& part : system.parts) system.gradient -= part.gradient;
+  // The first blocks are those of the diagonal.
+  constexpr std::size_t kLeastBlocks = 400;
+  system.blocks.resize(structure.blocks.size());
+  ForEachPart(PartsOf(system.blocks.size(), kLeastBlocks), [&](std::size_t, std::size_t first, std::size_t last) {
+    for (std::size_t i = first; i < last; ++i) {
+      if (i < columns) {
+        system.blocks[i] = equations.camera_hessian[i];
+        system.blocks[i].diagonal() += system.damping.template segment<kDof>(kDof * static_cast<Eigen::Index>(i));
+      } else {
+        system.blocks[i].setZero();
+      }
+      for (const SchurPart<kDof>& part : system.parts) system.blocks[i] -= part.blocks[i];
+    }
+  });
 }
 
 template <int kDof>
@@ -243,7 +258,7 @@ void BackSubstitute(const BundleStructure& structure, const NormalEquations<kDof
                     const SchurSystem<kDof>& system, const Eigen::VectorXd& camera_step,
                     std::vector<Eigen::Vector3d>& point_step) {
   point_step.resize(equations.point_hessian.size());
-  ForEachPointPart(PointParts(point_step.size()), [&](std::size_t, std::size_t first, std::size_t last) {
+  ForEachPart(PartsOf(point_step.size()), [&](std::size_t, std::size_t first, std::size_t last) {
     for (std::size_t i = first; i < last; ++i) {
       Eigen::Vector3d gradient = equations.point_gradient[i];
       for (int k = structure.first_edge[i]; k < structure.first_edge[i + 1]; ++k) {

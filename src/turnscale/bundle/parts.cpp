@@ -7,17 +7,16 @@
 
 namespace turnscale {
 
-std::vector<std::size_t> PointParts(std::size_t points) {
+std::vector<std::size_t> PartsOf(std::size_t count, std::size_t least) {
   constexpr std::size_t kMostParts = 4;
-  constexpr std::size_t kLeastPoints = 50;  // fewer are not worth the handover to a thread
-  const std::size_t parts = std::clamp(points / kLeastPoints, std::size_t{1}, kMostParts);
+  const std::size_t parts = std::clamp(count / least, std::size_t{1}, kMostParts);
   std::vector<std::size_t> bounds;
-  for (std::size_t i = 0; i <= parts; ++i) bounds.push_back(points * i / parts);
+  for (std::size_t i = 0; i <= parts; ++i) bounds.push_back(count * i / parts);
   return bounds;
 }
 
-void ForEachPointPart(const std::vector<std::size_t>& bounds,
-                      const std::function<void(std::size_t part, std::size_t first, std::size_t last)>& work) {
+void ForEachPart(const std::vector<std::size_t>& bounds,
+                 const std::function<void(std::size_t part, std::size_t first, std::size_t last)>& work) {
   cv::parallel_for_(cv::Range(0, static_cast<int>(bounds.size()) - 1), [&](const cv::Range& range) {
     for (int i = range.start; i < range.end; ++i) work(static_cast<std::size_t>(i), bounds[i], bounds[i + 1]);
   });

@@ -2,6 +2,7 @@
 #include "turnscale/features/corners.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 
@@ -77,15 +78,37 @@ size_t FilledCells(const Grid& grid, const std::vector<cv::KeyPoint>& candidates
   return static_cast<size_t>(std::count(filled.begin(), filled.end(), 1));
 }
 
+// FAST corners of horizontal bands, on as many threads as OpenCV is set to use: those of the whole image, in its order.
+std::vector<cv::KeyPoint> FindFast(const cv::Mat& gray, int threshold) {
+  constexpr int kBands = 4;
+  // The radius of the ring, and a row for the comparison with neighbours.
+  constexpr int kMargin = 4;
+  std::array<std::vector<cv::KeyPoint>, kBands> found;
+  cv::parallel_for_(cv::Range(0, kBands), [&](const cv::Range& range) {
+    for (int band = range.start; band < range.end; ++band) {
+      const int first = gray.rows * band / kBands;
+      const int last = gray.rows * (band + 1) / kBands;
+      const int top = std::max(0, first - kMargin);
+      cv::FAST(gray.rowRange(top, std::min(gray.rows, last + kMargin)), found[band], threshold, true);
+      for (cv::KeyPoint& corner : found[band]) corner.pt.y += static_cast<float>(top);
+      std::erase_if(found[band], [&](const cv::KeyPoint& corner) {
+        return corner.pt.y < static_cast<float>(first) || corner.pt.y >= static_cast<float>(last);
+      });
+    }
+  });
+  std::vector<cv::KeyPoint> corners;
+  for (const std::vector<cv::KeyPoint>& of_band : found) corners.insert(corners.end(), of_band.begin(), of_band.end());
+  return corners;
+}
+
 std::vector<cv::KeyPoint> FindCandidates(const CornerOptions& options, const cv::Mat& gray, const Grid& grid) {
   // Share of the cells. Most drives fill half of them, with fog before a bright sky less than a tenth.
   constexpr double kFewest = 0.125;
   const int threshold = ThresholdFor(options, gray);
-  std::vector<cv::KeyPoint> candidates;
-  cv::FAST(gray, candidates, threshold, true);
+  std::vector<cv::KeyPoint> candidates = FindFast(gray, threshold);
   const auto filled = static_cast<double>(FilledCells(grid, candidates));
   if (threshold > kLeastThreshold && filled < kFewest * static_cast<double>(grid.size()))
-    cv::FAST(gray, candidates, kLeastThreshold, true);
+    candidates = FindFast(gray, kLeastThreshold);
   return candidates;
 }
 

@@ -3,8 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
+#include <utility>
 
 #include <gtest/gtest.h>
+#include <opencv2/features2d.hpp>
 
 #include "turnscale/base/refused_field.h"
 #include "turnscale/features/synthetic_texture.h"
@@ -53,6 +56,30 @@ TEST(Corners, OnePerCell) {
   const float side = std::sqrt(600.0F * 400.0F / 300.0F);
   for (float y = 0; y < 400; y += side)
     for (float x = 0; x < 600; x += side) EXPECT_LE(CountInside(corners, {x, y, side, side}), 1) << x << ' ' << y;
+}
+
+TEST(Corners, AreThoseOfTheWholeImage) {
+  // They are searched in bands.
+  const cv::Mat image = UnevenImage();
+  CornerOptions options = Options();
+  options.target = 100000;
+  std::vector<cv::KeyPoint> all;
+  cv::FAST(image, all, options.fast_threshold, true);
+  const auto cell_of = [&](const cv::Point2f& point) {
+    return std::pair(static_cast<int>(point.y / options.min_distance),
+                     static_cast<int>(point.x / options.min_distance));
+  };
+  std::set<std::pair<int, int>> cells;
+  for (const cv::KeyPoint& corner : all) {
+    const cv::Rect2f inside(12, 12, 576, 376);
+    if (inside.contains(corner.pt)) cells.insert(cell_of(corner.pt));
+  }
+  const std::vector<cv::Point2f> corners = DetectCorners(options, image, {});
+  EXPECT_EQ(corners.size(), cells.size());
+  for (const cv::Point2f& corner : corners) {
+    EXPECT_TRUE(cells.contains(cell_of(corner)));
+    EXPECT_TRUE(std::ranges::any_of(all, [&](const cv::KeyPoint& other) { return other.pt == corner; })) << corner;
+  }
 }
 
 TEST(Corners, KeepAwayFromTheOnesThatAreTracked) {

@@ -193,12 +193,14 @@ void CheckReturn(const FlowOptions& options, const FlowImage& first, const FlowI
                  const std::vector<cv::Point2f>& points, FlowResult& result) {
   FlowResult back{points, result.found};
   TrackAll(options, second, first, result.points, kReturnLevels, back);
-  for (size_t i = 0; i < points.size(); ++i) {
-    const cv::Point2f off = back.points[i] - points[i];
-    if (back.found[i] == 0 || std::hypot(off.x, off.y) > options.max_return_error ||
-        !LooksTheSame(first.pyramid[0], points[i], second.pyramid[0], result.points[i]))
-      result.found[i] = 0;
-  }
+  cv::parallel_for_(cv::Range(0, static_cast<int>(points.size())), [&](const cv::Range& range) {
+    for (int i = range.start; i < range.end; ++i) {
+      const cv::Point2f off = back.points[i] - points[i];
+      if (back.found[i] == 0 || std::hypot(off.x, off.y) > options.max_return_error ||
+          !LooksTheSame(first.pyramid[0], points[i], second.pyramid[0], result.points[i]))
+        result.found[i] = 0;
+    }
+  });
 }
 
 }  // namespace turnscale

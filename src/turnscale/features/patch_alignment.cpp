@@ -48,12 +48,13 @@ float Sum(const cv::v_float32x4& lanes) {
 // Gray levels at points on a line, in fixed point: coordinates in 1/65536 pixel, weights in 1/1024.
 class LineSampler {
  public:
-  LineSampler(const cv::Mat& image, const Eigen::Vector2d& start, const Eigen::Vector2d& step)
-      : image_(image),
-        x_(Fixed(start.x()) + kHalfWeight),
-        y_(Fixed(start.y()) + kHalfWeight),
-        dx_(Fixed(step.x())),
-        dy_(Fixed(step.y())) {}
+  LineSampler(const cv::Mat& image, const Eigen::Vector2d& step)
+      : image_(image), dx_(Fixed(step.x())), dy_(Fixed(step.y())) {}
+
+  void StartAt(const Eigen::Vector2d& point) {
+    x_ = Fixed(point.x()) + kHalfWeight;
+    y_ = Fixed(point.y()) + kHalfWeight;
+  }
 
   float Next() {
     const uchar* top = image_.data + static_cast<size_t>(y_ >> kBits) * image_.step + static_cast<size_t>(x_ >> kBits);
@@ -78,7 +79,10 @@ class LineSampler {
   }
 
   const cv::Mat& image_;
-  std::int64_t x_, y_, dx_, dy_;
+  std::int64_t x_ = 0;
+  std::int64_t y_ = 0;
+  std::int64_t dx_;
+  std::int64_t dy_;
 };
 
 // The patch as the current image should show it, less the gray level of its middle, and how it changes with position.
@@ -110,8 +114,9 @@ bool SampleTemplate(int half, const cv::Mat& reference, const Eigen::Vector2d& p
   };
   if (!inside(0, 0) || !inside(0, side - 1) || !inside(side - 1, 0) || !inside(side - 1, side - 1)) return false;
   std::array<float, kMostSide * kMostSide> values;
+  LineSampler sampler(reference, reference_from_current.col(0));
   for (int row = 0; row < side; ++row) {
-    LineSampler sampler(reference, start + row * reference_from_current.col(1), reference_from_current.col(0));
+    sampler.StartAt(start + row * reference_from_current.col(1));
     for (int column = 0; column < side; ++column) values[row * side + column] = sampler.Next();
   }
   // Sums of squares keep their digits where a bright patch has little contrast.

@@ -5,9 +5,13 @@
 #include <array>
 #include <cerrno>
 #include <cmath>
+#include <cstddef>
 #include <cstdlib>
 #include <limits>
+#include <memory>
 #include <new>
+#include <numeric>
+#include <optional>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -22,6 +26,7 @@ extern "C" {
 #include <libavutil/display.h>
 #include <libavutil/opt.h>
 #include <libavutil/parseutils.h>
+#include <libavutil/pixdesc.h>
 #include <libswscale/swscale.h>
 }
 
@@ -31,6 +36,8 @@ namespace {
 // Enough to decode faster than the odometry runs; a fixed number, as damaged streams may decode differently with
 // others.
 constexpr int kDecoderThreads = 2;
+
+constexpr int kLevels = 256;  // of gray
 
 [[noreturn]] void RefuseInterlaced(const std::string& path) {
   throw InputError(path +
@@ -67,6 +74,11 @@ struct VideoFile::State {
   struct FreeFrame {
     void operator()(AVFrame* data) const { av_frame_free(&data); }
   };
+
+  struct FreeConverter {
+    void operator()(SwsContext* context) const { sws_freeContext(context); }
+  };
+  using Converter = std::unique_ptr<SwsContext, FreeConverter>;
 
   // How the stored image becomes the one to show.
   struct Orientation {
@@ -107,8 +119,6 @@ struct VideoFile::State {
     orientation = OrientationOf(*stream);
     ReadHeader();
   }
-
-  ~State() { sws_freeContext(converter); }
 
   [[noreturn]] void Refuse() const {
     throw UnreadableVideo(path +
@@ -223,34 +233,79 @@ struct VideoFile::State {
   }
 
   // The ranges have to be known when the converter is made: it chooses its functions by them.
-  void UseConverter() {
-    const bool full = frame->color_range == AVCOL_RANGE_JPEG;
-    const std::array<int, 4> kind = {frame->width, frame->height, frame->format, full ? 1 : 0};
-    if (converter != nullptr && kind == converted) return;
-    sws_freeContext(converter);
-    converter = sws_alloc_context();
-    if (converter == nullptr) throw std::bad_alloc();
-    const std::pair<const char*, int> options[] = {{"srcw", frame->width},
-                                                   {"srch", frame->height},
+  Converter MakeConverter(const cv::Size& size) const {
+    Converter made(sws_alloc_context());
+    if (!made) throw std::bad_alloc();
+    const std::pair<const char*, int> options[] = {{"srcw", size.width},
+                                                   {"srch", size.height},
                                                    {"src_format", frame->format},
-                                                   {"src_range", full ? 1 : 0},
-                                                   {"dstw", frame->width},
-                                                   {"dsth", frame->height},
+                                                   {"src_range", frame->color_range == AVCOL_RANGE_JPEG ? 1 : 0},
+                                                   {"dstw", size.width},
+                                                   {"dsth", size.height},
                                                    {"dst_format", AV_PIX_FMT_GRAY8},
                                                    {"dst_range", 1},
                                                    {"sws_flags", SWS_POINT | SWS_ACCURATE_RND | SWS_BITEXACT}};
-    for (const auto& [name, value] : options) av_opt_set_int(converter, name, value, 0);
-    if (sws_init_context(converter, nullptr, nullptr) < 0)
+    for (const auto& [name, value] : options) av_opt_set_int(made.get(), name, value, 0);
+    if (sws_init_context(made.get(), nullptr, nullptr) < 0)
       throw InputError(path + ": its colours cannot be converted; convert it with ffmpeg -i IN -pix_fmt yuv420p OUT");
-    converted = kind;
+    return made;
+  }
+
+  static cv::Mat Convert(SwsContext* context, const AVFrame& image) {
+    cv::Mat gray(image.height, image.width, CV_8UC1);
+    uint8_t* const rows[] = {gray.data};
+    const int strides[] = {static_cast<int>(gray.step)};
+    sws_scale(context, image.data, image.linesize, 0, image.height, rows, strides);
+    return gray;
+  }
+
+  // Whether the gray levels are a plane of bytes, which the converter only has to stretch.
+  bool HasPlaneOfBytes() const {
+    const AVPixFmtDescriptor* format = av_pix_fmt_desc_get(static_cast<AVPixelFormat>(frame->format));
+    constexpr uint64_t kOther = AV_PIX_FMT_FLAG_RGB | AV_PIX_FMT_FLAG_PAL | AV_PIX_FMT_FLAG_BITSTREAM |
+                                AV_PIX_FMT_FLAG_HWACCEL | AV_PIX_FMT_FLAG_BAYER;
+    return format != nullptr && (format->flags & kOther) == 0 && format->comp[0].plane == 0 &&
+           format->comp[0].step == 1 && format->comp[0].depth == 8;
+  }
+
+  // What the converter makes of each gray level. Looking levels up is faster.
+  std::array<uint8_t, kLevels> LevelTable() const {
+    // Rows for two of the coarsest chroma.
+    constexpr int kRows = 8;
+    const std::unique_ptr<AVFrame, FreeFrame> levels(av_frame_alloc());
+    if (!levels) throw std::bad_alloc();
+    levels->format = frame->format;
+    levels->width = kLevels;
+    levels->height = kRows;
+    if (av_frame_get_buffer(levels.get(), 0) < 0) throw std::bad_alloc();
+    for (const AVBufferRef* plane : levels->buf)
+      if (plane != nullptr) std::fill_n(plane->data, plane->size, uint8_t{128});
+    for (int row = 0; row < kRows; ++row)
+      std::iota(levels->data[0] + row * levels->linesize[0], levels->data[0] + row * levels->linesize[0] + kLevels, 0);
+    const cv::Mat gray = Convert(MakeConverter({kLevels, kRows}).get(), *levels);
+    std::array<uint8_t, kLevels> converted_levels;
+    std::copy_n(gray.ptr<uint8_t>(0), kLevels, converted_levels.begin());
+    return converted_levels;
   }
 
   cv::Mat Gray() {
-    UseConverter();
+    const std::array<int, 4> kind = {frame->width, frame->height, frame->format, frame->color_range};
+    if (kind != converted) {
+      converter.reset();
+      table.reset();
+      if (HasPlaneOfBytes())
+        table = LevelTable();
+      else
+        converter = MakeConverter({frame->width, frame->height});
+      converted = kind;
+    }
+    if (!table) return Oriented(Convert(converter.get(), *frame));
     cv::Mat gray(frame->height, frame->width, CV_8UC1);
-    uint8_t* const rows[] = {gray.data};
-    const int strides[] = {static_cast<int>(gray.step)};
-    sws_scale(converter, frame->data, frame->linesize, 0, frame->height, rows, strides);
+    for (int row = 0; row < gray.rows; ++row) {
+      const uint8_t* stored = frame->data[0] + static_cast<std::ptrdiff_t>(row) * frame->linesize[0];
+      std::transform(stored, stored + gray.cols, gray.ptr<uint8_t>(row),
+                     [&](uint8_t level) { return (*table)[level]; });
+    }
     return Oriented(gray);
   }
 
@@ -282,8 +337,9 @@ struct VideoFile::State {
   std::unique_ptr<AVCodecContext, FreeDecoder> decoder;
   std::unique_ptr<AVPacket, FreePacket> packet;
   std::unique_ptr<AVFrame, FreeFrame> frame;
-  SwsContext* converter = nullptr;
-  std::array<int, 4> converted{};  // width, height, format and range that the converter is for
+  Converter converter;
+  std::optional<std::array<uint8_t, kLevels>> table;  // stands for the converter where it can
+  std::array<int, 4> converted{};                     // width, height, format and range that these are for
   AVStream* stream = nullptr;
   Orientation orientation;
   VideoHeader header;

@@ -2,6 +2,7 @@
 #include "turnscale/mapping/intrinsics_evidence.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <functional>
@@ -11,6 +12,7 @@
 
 #include "turnscale/base/quantiles.h"
 #include "turnscale/bundle/bundle_adjustment.h"
+#include "turnscale/bundle/parts.h"
 #include "turnscale/bundle/reprojection.h"
 #include "turnscale/camera/camera_model.h"
 #include "turnscale/geometry/rotation.h"
@@ -33,6 +35,9 @@ constexpr double kRounding = 1e-13;
 // Pixels are not measured better than this, whatever the residuals of a made-up map.
 constexpr double kLeastPixelSigma = 0.02;
 
+// Points whose rows are in memory together.
+constexpr size_t kPointsTogether = 400;
+
 using PoseBlock = Eigen::Matrix<double, 3, kPoseDof>;
 using IntrinsicsBlock = Eigen::Matrix<double, 3, kEntries>;
 
@@ -43,16 +48,14 @@ struct Track {
 };
 
 std::vector<Track> LongestTracks(const Map& map, const IntrinsicsWindow& window) {
-  std::vector<int> seen;
+  std::vector<char> is_seen(map.landmarks.size(), 0);
   for (int k = window.first; k <= window.last; ++k)
-    for (const KeyframeObservation& observation : map.keyframes[k].observations)
-      if (map.landmarks[observation.landmark].valid) seen.push_back(observation.landmark);
-  std::ranges::sort(seen);
-  seen.erase(std::unique(seen.begin(), seen.end()), seen.end());
+    for (const KeyframeObservation& observation : map.keyframes[k].observations) is_seen[observation.landmark] = 1;
   std::vector<Track> tracks;
-  for (const int landmark : seen) {
-    Track track{landmark, {}};
-    for (const LandmarkObservation& observation : map.landmarks[landmark].observations)
+  for (size_t i = 0; i < is_seen.size(); ++i) {
+    if (is_seen[i] == 0 || !map.landmarks[i].valid) continue;
+    Track track{static_cast<int>(i), {}};
+    for (const LandmarkObservation& observation : map.landmarks[i].observations)
       if (observation.keyframe >= window.first && observation.keyframe <= window.last)
         track.observations.push_back(observation);
     if (track.observations.size() < kFewestInTrack) continue;
@@ -294,15 +297,17 @@ IntrinsicsProblem::IntrinsicsProblem(const Map& map, const CameraModel& camera, 
 void IntrinsicsProblem::Change(const Vector& change) {
   change_ = change;
   bundle_.pinhole = ChangedPinhole(given_.pinhole, change);
-  corrected_.clear();
-  for (size_t i = 0; i < distorted_.size(); ++i) {
-    const std::optional<CorrectedPixel>& corrected = corrected_.emplace_back(Correct(given_, change, distorted_[i]));
-    // A pixel that this lens cannot show stays distorted: bundle adjustment gives it little weight.
-    bundle_.observations[i].pixel = corrected ? corrected->pixel : distorted_[i];
-    // Root mean square over all directions.
-    if (corrected) stretch_[i] = std::sqrt(0.5 * corrected->jacobian.squaredNorm());
-    bundle_.observations[i].sigma = stretch_[i] * pixel_sigma_;
-  }
+  corrected_.resize(distorted_.size());
+  ForEachPart(PartsOf(distorted_.size()), [&](size_t, size_t first, size_t last) {
+    for (size_t i = first; i < last; ++i) {
+      const std::optional<CorrectedPixel>& corrected = corrected_[i] = Correct(given_, change, distorted_[i]);
+      // A pixel that this lens cannot show stays distorted: bundle adjustment gives it little weight.
+      bundle_.observations[i].pixel = corrected ? corrected->pixel : distorted_[i];
+      // Root mean square over all directions.
+      if (corrected) stretch_[i] = std::sqrt(0.5 * corrected->jacobian.squaredNorm());
+      bundle_.observations[i].sigma = stretch_[i] * pixel_sigma_;
+    }
+  });
 }
 
 bool IntrinsicsProblem::Adjust(int max_iterations) {
@@ -340,8 +345,7 @@ std::optional<IntrinsicsEvidence> IntrinsicsProblem::Evidence() {
   evidence.pixel_sigma = pixel_sigma_;
   ReducedSystem system(cameras);
   std::vector<std::optional<EliminatedPoint>> points;
-  std::vector<Row> rows;
-  for (size_t p = 0; p < bundle_.points.size(); ++p) {
+  const auto fill_rows = [&](size_t p, std::vector<Row>& rows) {
     rows.clear();
     for (int i = first_observation_[p]; i < first_observation_[p + 1]; ++i) {
       const BundleObservation& seen = bundle_.observations[i];
@@ -370,10 +374,20 @@ std::optional<IntrinsicsEvidence> IntrinsicsProblem::Evidence() {
       row.pose = by_ideal * row.pose;
       row.intrinsics = by_ideal * row.intrinsics;
     }
-    points.push_back(Eliminate(rows, system));
-    if (!points.back()) continue;
-    ++evidence.landmarks;
-    evidence.observations += static_cast<int>(rows.size());
+  };
+  // Rows are filled on several threads, and added up in the order of the points.
+  std::array<std::vector<Row>, kPointsTogether> rows;
+  for (size_t first = 0; first < bundle_.points.size(); first += kPointsTogether) {
+    const size_t count = std::min(kPointsTogether, bundle_.points.size() - first);
+    ForEachPart(PartsOf(count), [&](size_t, size_t begin, size_t end) {
+      for (size_t i = begin; i < end; ++i) fill_rows(first + i, rows[i]);
+    });
+    for (size_t i = 0; i < count; ++i) {
+      points.push_back(Eliminate(rows[i], system));
+      if (!points.back()) continue;
+      ++evidence.landmarks;
+      evidence.observations += static_cast<int>(rows[i].size());
+    }
   }
 
   const PoseSolver solver(system, Growth(bundle_.camera_from_world));

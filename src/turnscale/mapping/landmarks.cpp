@@ -64,14 +64,17 @@ std::vector<int> CullLandmarks(const LandmarkOptions& options, const std::vector
     if (!landmark.valid) continue;
     bool seen_latest = false;
     bool keeps_latest = false;
-    const std::vector<LandmarkObservation> observations = landmark.observations;
-    for (const LandmarkObservation& seen : observations) {
+    for (size_t i = 0; i < landmark.observations.size();) {
+      const LandmarkObservation seen = landmark.observations[i];
       const bool agrees = ReprojectionError(map, index, seen) <= options.max_reprojection_error;
       if (seen.keyframe == latest_keyframe) {
         seen_latest = true;
         keeps_latest = agrees;
       }
-      if (!agrees) RemoveObservation(map, seen.keyframe, index);
+      if (agrees)
+        ++i;
+      else
+        RemoveObservation(map, seen.keyframe, index);
     }
     if (landmark.observations.size() < kFewestSightings) {
       RemoveLandmark(map, index);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include "turnscale/base/error.h"
 
@@ -19,14 +20,18 @@ WindowProblem MakeWindowProblem(const Map& map, const Window& window, double pix
   const int keyframes = static_cast<int>(map.keyframes.size());
   WindowProblem problem;
   problem.window = window;
+  std::vector<char> is_seen(map.landmarks.size(), 0);
   for (int k = window.first_free; k < keyframes; ++k)
-    for (const KeyframeObservation& seen : map.keyframes[k].observations)
-      if (map.landmarks[seen.landmark].valid) problem.landmarks.push_back(seen.landmark);
-  std::ranges::sort(problem.landmarks);
-  problem.landmarks.erase(std::unique(problem.landmarks.begin(), problem.landmarks.end()), problem.landmarks.end());
+    for (const KeyframeObservation& seen : map.keyframes[k].observations) is_seen[seen.landmark] = 1;
   const auto in_window = [&](const LandmarkObservation& seen) { return seen.keyframe >= window.first; };
-  std::erase_if(problem.landmarks,
-                [&](int index) { return std::ranges::count_if(map.landmarks[index].observations, in_window) < 2; });
+  size_t observations = 0;
+  for (size_t i = 0; i < is_seen.size(); ++i) {
+    if (is_seen[i] == 0 || !map.landmarks[i].valid) continue;
+    const auto count = std::ranges::count_if(map.landmarks[i].observations, in_window);
+    if (count < 2) continue;
+    problem.landmarks.push_back(static_cast<int>(i));
+    observations += static_cast<size_t>(count);
+  }
 
   BundleProblem& bundle = problem.bundle;
   bundle.pinhole = map.pinhole;
@@ -34,6 +39,8 @@ WindowProblem MakeWindowProblem(const Map& map, const Window& window, double pix
     bundle.camera_from_world.push_back(map.keyframes[k].camera_from_world);
     bundle.camera_is_fixed.push_back(k < window.first_free ? 1 : 0);
   }
+  bundle.points.reserve(problem.landmarks.size());
+  bundle.observations.reserve(observations);
   for (const int index : problem.landmarks) {
     const int point = static_cast<int>(bundle.points.size());
     bundle.points.push_back(map.landmarks[index].position);

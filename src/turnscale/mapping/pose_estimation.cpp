@@ -24,7 +24,7 @@ double TypicalDistance(const std::vector<PointSighting>& sightings, const RigidT
 }
 
 struct Normal {
-  Matrix6d matrix = Matrix6d::Zero();
+  Matrix6d matrix = Matrix6d::Zero();  // its lower triangle: the factorisation reads no more
   Vector6d gradient = Vector6d::Zero();
 };
 
@@ -42,14 +42,22 @@ Normal BuildNormal(const PoseEstimationOptions& options, const Pinhole& pinhole,
     const Eigen::Vector2d residual = pinhole.Project(x) - sightings[i].pixel;
     const double error = residual.norm();
     const double weight = error > options.huber_threshold ? options.huber_threshold / error : 1.0;
-    Eigen::Matrix<double, 2, 3> by_x;
-    by_x << pinhole.fx * inverse_depth, 0, -pinhole.fx * x.x() * inverse_depth * inverse_depth,  //
-        0, pinhole.fy * inverse_depth, -pinhole.fy * x.y() * inverse_depth * inverse_depth;
-    Eigen::Matrix<double, 2, 6> J;
-    J.leftCols<3>() = -by_x * Skew(rotated);
-    J.rightCols<3>() = by_x;
-    normal.matrix.noalias() += weight * J.transpose() * J;
-    normal.gradient.noalias() += weight * J.transpose() * residual;
+    // Derivatives of the pixel's two coordinates by the position: (a, 0, b) and (0, c, d); by the rotation: minus that
+    // times the cross product with the rotated point.
+    const double a = pinhole.fx * inverse_depth;
+    const double b = -pinhole.fx * x.x() * inverse_depth * inverse_depth;
+    const double c = pinhole.fy * inverse_depth;
+    const double d = -pinhole.fy * x.y() * inverse_depth * inverse_depth;
+    Vector6d J0;
+    Vector6d J1;
+    J0 << b * rotated.y(), a * rotated.z() - b * rotated.x(), -a * rotated.y(), a, 0, b;
+    J1 << d * rotated.y() - c * rotated.z(), -d * rotated.x(), c * rotated.x(), 0, c, d;
+    const Vector6d weighted0 = weight * J0;
+    const Vector6d weighted1 = weight * J1;
+    for (int column = 0; column < 6; ++column)
+      for (int row = column; row < 6; ++row)
+        normal.matrix(row, column) += weighted0[row] * J0[column] + weighted1[row] * J1[column];
+    normal.gradient += weighted0 * residual.x() + weighted1 * residual.y();
   }
   return normal;
 }

@@ -149,7 +149,7 @@ bool AlignTrack(const PatchAlignmentOptions& options, const Map& map, const Came
       CurrentFromReference(map, camera, track, camera_from_world);
   if (!current_from_reference) return false;
   const std::optional<Eigen::Vector2d> pixel =
-      AlignPatch(options, track.reference_image, {track.reference_pixel.x, track.reference_pixel.y},
+      AlignPatch(options, *track.reference_image, {track.reference_pixel.x, track.reference_pixel.y},
                  current_from_reference->inverse(), image, {guess.x, guess.y});
   const std::optional<Eigen::Vector2d> undistorted = pixel ? camera.Undistort(*pixel) : std::nullopt;
   if (!undistorted) return false;
@@ -167,7 +167,7 @@ std::vector<uchar> AlignTracks(const PatchAlignmentOptions& options, const Map& 
     for (int i = range.start; i < range.end; ++i) {
       if (const int later = i + kTracksAhead; later < range.end && guesses[later]) {
         const FeatureTrack& track = tracks[later];
-        PrefetchPatch(options, track.reference_image, {track.reference_pixel.x, track.reference_pixel.y});
+        PrefetchPatch(options, *track.reference_image, {track.reference_pixel.x, track.reference_pixel.y});
       }
       if (guesses[i] && AlignTrack(options, map, camera, image, camera_from_world, *guesses[i], tracks[i]))
         aligned[i] = 1;

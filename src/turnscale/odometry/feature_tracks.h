@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -21,8 +22,9 @@ struct FeatureTrack {
   Eigen::Vector2d undistorted = Eigen::Vector2d::Zero();  ///< in the ideal pinhole image
   /// Where the last keyframe saw it, undistorted; empty where that one did not.
   std::optional<Eigen::Vector2d> in_keyframe;
-  /// What the landmark looks like: the image of a keyframe and its pixel there, as the image came.
-  cv::Mat reference_image;
+  /// What the landmark looks like: the image of a keyframe and its pixel there, as the image came. Shared, since tracks
+  /// are copied in every frame.
+  std::shared_ptr<const cv::Mat> reference_image;
   cv::Point2f reference_pixel;
   int reference_keyframe = 0;  ///< index into Map::keyframes
   int last_keyframe = 0;       ///< the latest one that saw it, index into Map::keyframes

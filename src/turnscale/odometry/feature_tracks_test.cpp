@@ -2,6 +2,7 @@
 #include "turnscale/odometry/feature_tracks.h"
 
 #include <cmath>
+#include <memory>
 #include <random>
 
 #include <Eigen/LU>
@@ -151,7 +152,7 @@ TEST(FeatureTracks, AlignmentFindsTheReferenceViewAgain) {
   for (double y = 60; y <= 260; y += 25)
     for (double x = 200; x <= 440; x += 25) {
       FeatureTrack track = AddTrack(camera, {x, y}, kWall, true, map);
-      track.reference_image = reference;
+      track.reference_image = std::make_shared<const cv::Mat>(reference);
       const std::optional<cv::Point2f> truth = PixelOf(map, camera, track.landmark, kCurrent);
       if (!truth) continue;
       ++tried;
@@ -168,7 +169,7 @@ TEST(FeatureTracks, WhatLooksDifferentIsLeftAsItWas) {
   const CameraModel camera = Undistorted();
   Map map = OneKeyframe(camera);
   FeatureTrack track = AddTrack(camera, {300, 150}, kWall, true, map);
-  track.reference_image = ImageOfWall(SyntheticTexture(3), camera, kReference);
+  track.reference_image = std::make_shared<const cv::Mat>(ImageOfWall(SyntheticTexture(3), camera, kReference));
   const cv::Mat flat(camera.height, camera.width, CV_8U, cv::Scalar(90));
   const FeatureTrack before = track;
   EXPECT_FALSE(AlignTrack({}, map, camera, flat, kReference, {301, 151}, track));
@@ -184,7 +185,7 @@ TEST(FeatureTracks, AligningManyIsAligningEach) {
   std::vector<std::optional<cv::Point2f>> guesses;
   for (float x = 100; x <= 500; x += 10) {
     tracks.push_back(AddTrack(camera, {x, 150}, kWall, true, map));
-    tracks.back().reference_image = image;
+    tracks.back().reference_image = std::make_shared<const cv::Mat>(image);
     guesses.emplace_back(cv::Point2f(x + 1, 150.5F));
   }
   guesses[3].reset();

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <memory>
 #include <tuple>
 #include <unordered_set>
 
@@ -230,12 +231,14 @@ void FrameTracker::Replenish(const CameraModel& camera, const FlowImage& image, 
     track.last_keyframe = static_cast<int>(map.keyframes.size()) - 1;
   }
   for (FeatureTrack& track : lost_tracks_) track.in_keyframe.reset();
-  RenewReferences(map, camera, image);
-  DetectNewFeatures(camera, image, map);
+  const auto reference = std::make_shared<const cv::Mat>(image.gray);
+  RenewReferences(map, camera, reference);
+  DetectNewFeatures(camera, reference, map);
   features_in_keyframe_ = static_cast<int>(tracks_.size());
 }
 
-void FrameTracker::RenewReferences(const Map& map, const CameraModel& camera, const FlowImage& image) {
+void FrameTracker::RenewReferences(const Map& map, const CameraModel& camera,
+                                   const std::shared_ptr<const cv::Mat>& image) {
   const int keyframe = static_cast<int>(map.keyframes.size()) - 1;
   const double limit = options_.keyframes.max_growth * options_.keyframes.max_growth;
   const auto has_grown = [&](const FeatureTrack& track) {
@@ -247,21 +250,21 @@ void FrameTracker::RenewReferences(const Map& map, const CameraModel& camera, co
   for (FeatureTrack& track : tracks_) {
     const bool is_old = keyframe - track.reference_keyframe >= options_.keyframes.max_reference_age;
     if (!is_old && !has_grown(track)) continue;
-    track.reference_image = image.gray;
+    track.reference_image = image;
     track.reference_pixel = track.pixel;
     track.reference_keyframe = keyframe;
   }
 }
 
-void FrameTracker::DetectNewFeatures(const CameraModel& camera, const FlowImage& image, Map& map) {
+void FrameTracker::DetectNewFeatures(const CameraModel& camera, const std::shared_ptr<const cv::Mat>& image, Map& map) {
   const int keyframe = static_cast<int>(map.keyframes.size()) - 1;
-  for (const cv::Point2f& corner : DetectCorners(options_.corners, image.gray, PixelsOf(tracks_), mask_)) {
+  for (const cv::Point2f& corner : DetectCorners(options_.corners, *image, PixelsOf(tracks_), mask_)) {
     const std::optional<Eigen::Vector2d> undistorted = camera.Undistort({corner.x, corner.y});
     if (!undistorted) continue;
     const int landmark = static_cast<int>(map.landmarks.size());
     map.landmarks.push_back({});
     AddObservation(map, keyframe, landmark, *undistorted);
-    tracks_.push_back({landmark, corner, *undistorted, *undistorted, image.gray, corner, keyframe, keyframe});
+    tracks_.push_back({landmark, corner, *undistorted, *undistorted, image, corner, keyframe, keyframe});
   }
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -92,8 +93,9 @@ class FrameTracker {
   void DropMasked(FollowedTracks& tracks) const;
   void AlignWithMap(const Map& map, const CameraModel& camera, const FlowImage& image,
                     const RigidTransform& camera_from_world, FollowedTracks& tracks) const;
-  void RenewReferences(const Map& map, const CameraModel& camera, const FlowImage& image);
-  void DetectNewFeatures(const CameraModel& camera, const FlowImage& image, Map& map);
+  // The image is that of the latest keyframe.
+  void RenewReferences(const Map& map, const CameraModel& camera, const std::shared_ptr<const cv::Mat>& image);
+  void DetectNewFeatures(const CameraModel& camera, const std::shared_ptr<const cv::Mat>& image, Map& map);
 
   OdometryOptions options_;
   cv::Mat mask_;

@@ -2,6 +2,7 @@
 #include "turnscale/odometry/frame_tracker.h"
 
 #include <cmath>
+#include <memory>
 #include <random>
 #include <set>
 
@@ -177,9 +178,10 @@ TEST_F(FrameTracking, WhatStandsStillWhileTheSceneMovesIsNoneOfIt) {
   }
   const int moving = static_cast<int>(map_.landmarks.size()) - 2;
   const FlowImage image = Seen(0);
+  const auto reference = std::make_shared<const cv::Mat>(image.gray);
   const auto track = [&](int landmark, const Eigen::Vector2d& before, const Eigen::Vector2d& now) {
     const cv::Point2f pixel(static_cast<float>(now.x()), static_cast<float>(now.y()));
-    return FeatureTrack{landmark, pixel, now, before, image.gray, pixel, 0, 0};
+    return FeatureTrack{landmark, pixel, now, before, reference, pixel, 0, 0};
   };
   tracker_.Start(image, {track(moving, {100.3, 55.8}, {120.3, 55.8}), track(moving + 1, seen, seen)}, 0);
   const Eigen::Quaterniond turned = RotationFromVector({0, 0.05, 0});

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -183,11 +184,12 @@ void Odometry::StartMap(const FlowImage& image, const InitialMap& start) {
     map_.landmarks.push_back({first_from_world.inverse() * (unit * start.points[i]), start.has_point[i] != 0, {}});
     AddObservation(map_, keyframe, first_landmark + static_cast<int>(i), first.pixels[i]);
   }
+  const auto reference = std::make_shared<const cv::Mat>(start.first_image);
   std::vector<FeatureTrack> tracks;
   for (size_t i = 0; i < second.features.size(); ++i) {
     const int landmark = first_landmark + second.features[i];
     AddObservation(map_, keyframe + 1, landmark, second.pixels[i]);
-    tracks.push_back({landmark, start.second_pixels[i], second.pixels[i], second.pixels[i], start.first_image,
+    tracks.push_back({landmark, start.second_pixels[i], second.pixels[i], second.pixels[i], reference,
                       start.first_pixels[second.features[i]], keyframe, keyframe + 1});
   }
   tracker_.Start(image, std::move(tracks), start.CountPoints());
@@ -320,10 +322,14 @@ void Odometry::RefineLens() {
   const auto corrected = [&](const Eigen::Vector2d& pixel) {
     return CorrectRadially(map_.pinhole, camera_.radial_correction, UndoRadialCorrection(map_.pinhole, applied, pixel));
   };
-  for (size_t k = archive_.end(); k < map_.keyframes.size(); ++k)
-    for (KeyframeObservation& seen : map_.keyframes[k].observations) seen.pixel = corrected(seen.pixel);
   for (Landmark& landmark : map_.landmarks)
     for (LandmarkObservation& seen : landmark.observations) seen.pixel = corrected(seen.pixel);
+  // Each observation stands on both sides.
+  for (int k = archive_.end(); k < static_cast<int>(map_.keyframes.size()); ++k)
+    for (KeyframeObservation& seen : map_.keyframes[k].observations) {
+      const std::vector<LandmarkObservation>& corrected_already = map_.landmarks[seen.landmark].observations;
+      seen.pixel = std::ranges::find(corrected_already, k, &LandmarkObservation::keyframe)->pixel;
+    }
   tracker_.Correct(corrected);
   AdjustLocalWindow(options_.local_bundle, map_);
 }

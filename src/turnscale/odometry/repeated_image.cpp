@@ -64,14 +64,17 @@ bool IsRepeated(const RepeatOptions& options, const PatchAlignmentOptions& align
                 const std::vector<FeatureTrack>& tracks, const RigidTransform& predicted_from_world) {
   const std::vector<LandmarkMotion> sample = SampleLandmarks(map, camera, tracks, predicted_from_world);
   if (MedianMotion(sample).expected < options.min_expected_motion) return false;
+  const double least = kLeastShare * static_cast<double>(sample.size());
   std::vector<LandmarkMotion> same;
-  for (const LandmarkMotion& landmark : sample) {
+  for (size_t i = 0; i < sample.size(); ++i) {
+    // Of most images this is certain after a part of the sample.
+    if (static_cast<double>(same.size() + sample.size() - i) < least) return false;
+    const LandmarkMotion& landmark = sample[i];
     const std::optional<Eigen::Vector2d> seen =
         AlignPatch(alignment, first, landmark.before, Eigen::Matrix2d::Identity(), second, landmark.before);
     if (seen) same.push_back({landmark.before, landmark.expected, *seen});
   }
-  return static_cast<double>(same.size()) >= kLeastShare * static_cast<double>(sample.size()) &&
-         IsRepeated(options, MedianMotion(same));
+  return static_cast<double>(same.size()) >= least && IsRepeated(options, MedianMotion(same));
 }
 
 }  // namespace turnscale

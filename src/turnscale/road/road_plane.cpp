@@ -3,9 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <vector>
 
 #include <Eigen/Cholesky>
+#include <opencv2/core/utility.hpp>
 
 #include "turnscale/base/error.h"
 #include "turnscale/base/quantiles.h"
@@ -50,14 +52,26 @@ struct Fit {
   std::vector<double> weights;
 };
 
+// MatchPatch for many patches, on as many threads as OpenCV is set to use.
+std::vector<std::optional<PatchMatch>> MatchEach(const RoadPatchOptions& options, const RoadPair& pair,
+                                                 const std::vector<RoadPatch>& patches, const RoadSurface& surface,
+                                                 int size) {
+  std::vector<std::optional<PatchMatch>> matches(patches.size());
+  cv::parallel_for_(cv::Range(0, static_cast<int>(patches.size())), [&](const cv::Range& range) {
+    for (int i = range.start; i < range.end; ++i) matches[i] = MatchPatch(options, pair, patches[i], surface, size);
+  });
+  return matches;
+}
+
 std::vector<Sample> MatchAll(const RoadPlaneOptions& options, const RoadPair& pair,
                              const std::vector<RoadPatch>& patches, const RoadSurface& surface, int size) {
+  const std::vector<std::optional<PatchMatch>> matches = MatchEach(options.patches, pair, patches, surface, size);
   std::vector<Sample> samples;
-  for (const RoadPatch& patch : patches) {
-    const auto match = MatchPatch(options.patches, pair, patch, surface, size);
-    if (!match) continue;
-    const double unevenness = options.unevenness * surface.InverseDepth(patch.ray);
-    samples.push_back({surface.ByParameters(patch.ray), *match, match->variance + unevenness * unevenness});
+  for (std::size_t i = 0; i < patches.size(); ++i) {
+    if (!matches[i]) continue;
+    const Eigen::Vector3d& ray = patches[i].ray;
+    const double unevenness = options.unevenness * surface.InverseDepth(ray);
+    samples.push_back({surface.ByParameters(ray), *matches[i], matches[i]->variance + unevenness * unevenness});
   }
   return samples;
 }
@@ -117,9 +131,8 @@ void Move(const Eigen::Vector4d& change, RoadSurface& surface) {
 double SumOfCorrelations(const RoadPlaneOptions& options, const RoadPair& pair, const std::vector<RoadPatch>& patches,
                          const RoadSurface& surface, int size) {
   double sum = 0;
-  for (const RoadPatch& patch : patches)
-    if (const auto match = MatchPatch(options.patches, pair, patch, surface, size))
-      sum += std::max(match->correlation, 0.0);
+  for (const std::optional<PatchMatch>& match : MatchEach(options.patches, pair, patches, surface, size))
+    if (match) sum += std::max(match->correlation, 0.0);
   return sum;
 }
 
