@@ -360,6 +360,8 @@ TEST_F(ErrorsTest, SenselessCameras) {
                   {"cam.yaml:2: Camera.cz: unknown key; did you mean 'Camera.c"});
   ExpectComplaint(Run(camera(rest)), 2, {"Camera.fx: is missing"});
   ExpectComplaint(Run({"--camera", "nowhere.yaml"}), 2, {"nowhere.yaml: no such camera file"});
+  for (const auto* text : {"name: a drive\n", "no camera\n", "a: [\n"})
+    ExpectComplaint(Run(camera(text)), 2, {"cam.yaml:", "(a camera file is a KITTI calib.txt or a YAML file"});
   Text("drive/calib.txt", "P0: nan 0 160 0 0 200 120 0 0 0 1 0\n");
   ExpectComplaint(Run(), 2, {"calib.txt:1: P0: 'nan' at position 1"});
   ExpectComplaint(Run({"--fov", "200"}), 2, {"--fov 200"});
@@ -418,7 +420,10 @@ TEST_F(ErrorsTest, SenselessOptions) {
   for (const char* value : {"0", "-1.2", "nan", "inf"}) {
     ExpectComplaint(Run({"--lever-arm", value}), 2, {std::string("--lever-arm ") + value, "above 0"});
   }
-  ExpectComplaint(Run({"--lever-arm", "long"}), 2, {"--lever-arm"});
+  ExpectComplaint(Run({"--lever-arm", "long"}), 2,
+                  {"--lever-arm: 'long' is not a value that it takes; see turnscale run --help"});
+  ExpectComplaint(Run({"--lever-arm"}), 2, {"--lever-arm: its value is missing; see turnscale run --help"});
+  ExpectComplaint(Run({"--lever-arm", "--quiet"}), 2, {"--lever-arm: its value is missing"});
   ExpectComplaint(Run({"--side-slip", "-0.1"}), 2, {"--side-slip -0.1"});
   for (const char* value : {"0", "-1.4", "10.5", "nan", "tall", "1.4,", ",0.01", "1.4,0", "1.4,-0.01", "1.4,1.4"})
     ExpectComplaint(Run({"--camera-height", value}), 2,
