@@ -301,6 +301,16 @@ TEST_F(ErrorsTest, AMaskLeavesPixelsOutAndStaysWhatItIs) {
   EXPECT_FALSE(fs::exists(Out() / "mask.png")) << "nothing stands still in this drive";
 }
 
+TEST_F(ErrorsTest, TheCameraOfAnEarlierRunIsTakenAwayUnlessItIsGiven) {
+  fs::create_directories(Out());
+  const fs::path camera = Out() / "camera.yaml";
+  fs::copy_file(Drive() / "calib.txt", camera);
+  ExpectComplaint(Run({"--camera", camera.string()}), 2, {"camera.yaml: is also an input file"});
+  EXPECT_TRUE(fs::exists(camera));
+  EXPECT_EQ(Run().exit_code, 0);
+  EXPECT_FALSE(fs::exists(camera));
+}
+
 TEST_F(ErrorsTest, AMaskThatDoesNotFit) {
   const std::string path = (folder_ / "mask.png").string();
   cv::imwrite(path, cv::Mat(20, 30, CV_8UC1, cv::Scalar(255)));

@@ -36,7 +36,7 @@ void CheckFolder(const RunArguments& arguments, const DriveImages& images) {
   refuse_folder(fs::is_directory(images.drive.path, none) ? images.drive.path : images.drive.path.parent_path());
   RefuseToOverwrite("--out", arguments.out / "mask.png", {arguments.images.mask.value_or("")});
   RefuseToOverwrite("--out", arguments.out / "car.yaml", {arguments.car.vehicle.value_or("")});
-  if (arguments.images.refine_camera) RefuseToOverwrite("--out", arguments.out / "camera.yaml", {images.given.name});
+  RefuseToOverwrite("--out", arguments.out / "camera.yaml", {images.given.name});
 }
 
 RunSummary BeforeTheDrive(const RunArguments& arguments, const OdometryOptions& options, const DriveImages& images,
