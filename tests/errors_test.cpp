@@ -311,6 +311,24 @@ TEST_F(ErrorsTest, TheCameraOfAnEarlierRunIsTakenAwayUnlessItIsGiven) {
   EXPECT_FALSE(fs::exists(camera));
 }
 
+TEST_F(ErrorsTest, WideImagesAreProcessedSmallerAndResultsAreAtFullSize) {
+  const std::string path = (folder_ / "mask.png").string();
+  cv::Mat mask(kRoomHeight, kRoomWidth, CV_8UC1, cv::Scalar(255));
+  mask.rowRange(200, kRoomHeight).setTo(0);
+  cv::imwrite(path, mask);
+  const fs::path settings = Text("s.yaml", "images:\n  max_width: 200\ncorners:\n  min_distance: 5\n");
+  const CommandResult result = Run({"--settings", settings.string(), "--mask", path});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  const nlohmann::json intrinsics = Summary()["intrinsics"];
+  EXPECT_EQ(intrinsics["image_size"], nlohmann::json({kRoomWidth, kRoomHeight}));
+  EXPECT_EQ(intrinsics["focal_length"], nlohmann::json({kRoomPinhole.fx, kRoomPinhole.fy}));
+  EXPECT_EQ(intrinsics["principal_point"], nlohmann::json({kRoomPinhole.cx, kRoomPinhole.cy}));
+  const cv::Mat written = cv::imread((Out() / "mask.png").string(), cv::IMREAD_UNCHANGED);
+  ASSERT_EQ(written.size(), mask.size());
+  EXPECT_EQ(cv::countNonZero(written != mask), 0);
+  EXPECT_EQ(Summary()["frames"]["bridged"], 0);
+}
+
 TEST_F(ErrorsTest, AMaskThatDoesNotFit) {
   const std::string path = (folder_ / "mask.png").string();
   cv::imwrite(path, cv::Mat(20, 30, CV_8UC1, cv::Scalar(255)));
