@@ -301,6 +301,34 @@ TEST_F(ErrorsTest, AMaskLeavesPixelsOutAndStaysWhatItIs) {
   EXPECT_FALSE(fs::exists(Out() / "mask.png")) << "nothing stands still in this drive";
 }
 
+TEST_F(ErrorsTest, TheCameraOfAnEarlierRunIsTakenAwayUnlessItIsGiven) {
+  fs::create_directories(Out());
+  const fs::path camera = Out() / "camera.yaml";
+  fs::copy_file(Drive() / "calib.txt", camera);
+  ExpectComplaint(Run({"--camera", camera.string()}), 2, {"camera.yaml: is also an input file"});
+  EXPECT_TRUE(fs::exists(camera));
+  EXPECT_EQ(Run().exit_code, 0);
+  EXPECT_FALSE(fs::exists(camera));
+}
+
+TEST_F(ErrorsTest, WideImagesAreProcessedSmallerAndResultsAreAtFullSize) {
+  const std::string path = (folder_ / "mask.png").string();
+  cv::Mat mask(kRoomHeight, kRoomWidth, CV_8UC1, cv::Scalar(255));
+  mask.rowRange(200, kRoomHeight).setTo(0);
+  cv::imwrite(path, mask);
+  const fs::path settings = Text("s.yaml", "images:\n  max_width: 200\ncorners:\n  min_distance: 5\n");
+  const CommandResult result = Run({"--settings", settings.string(), "--mask", path});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  const nlohmann::json intrinsics = Summary()["intrinsics"];
+  EXPECT_EQ(intrinsics["image_size"], nlohmann::json({kRoomWidth, kRoomHeight}));
+  EXPECT_EQ(intrinsics["focal_length"], nlohmann::json({kRoomPinhole.fx, kRoomPinhole.fy}));
+  EXPECT_EQ(intrinsics["principal_point"], nlohmann::json({kRoomPinhole.cx, kRoomPinhole.cy}));
+  const cv::Mat written = cv::imread((Out() / "mask.png").string(), cv::IMREAD_UNCHANGED);
+  ASSERT_EQ(written.size(), mask.size());
+  EXPECT_EQ(cv::countNonZero(written != mask), 0);
+  EXPECT_EQ(Summary()["frames"]["bridged"], 0);
+}
+
 TEST_F(ErrorsTest, AMaskThatDoesNotFit) {
   const std::string path = (folder_ / "mask.png").string();
   cv::imwrite(path, cv::Mat(20, 30, CV_8UC1, cv::Scalar(255)));
@@ -360,6 +388,8 @@ TEST_F(ErrorsTest, SenselessCameras) {
                   {"cam.yaml:2: Camera.cz: unknown key; did you mean 'Camera.c"});
   ExpectComplaint(Run(camera(rest)), 2, {"Camera.fx: is missing"});
   ExpectComplaint(Run({"--camera", "nowhere.yaml"}), 2, {"nowhere.yaml: no such camera file"});
+  for (const auto* text : {"name: a drive\n", "no camera\n", "a: [\n"})
+    ExpectComplaint(Run(camera(text)), 2, {"cam.yaml:", "(a camera file is a KITTI calib.txt or a YAML file"});
   Text("drive/calib.txt", "P0: nan 0 160 0 0 200 120 0 0 0 1 0\n");
   ExpectComplaint(Run(), 2, {"calib.txt:1: P0: 'nan' at position 1"});
   ExpectComplaint(Run({"--fov", "200"}), 2, {"--fov 200"});
@@ -418,7 +448,10 @@ TEST_F(ErrorsTest, SenselessOptions) {
   for (const char* value : {"0", "-1.2", "nan", "inf"}) {
     ExpectComplaint(Run({"--lever-arm", value}), 2, {std::string("--lever-arm ") + value, "above 0"});
   }
-  ExpectComplaint(Run({"--lever-arm", "long"}), 2, {"--lever-arm"});
+  ExpectComplaint(Run({"--lever-arm", "long"}), 2,
+                  {"--lever-arm: 'long' is not a value that it takes; see turnscale run --help"});
+  ExpectComplaint(Run({"--lever-arm"}), 2, {"--lever-arm: its value is missing; see turnscale run --help"});
+  ExpectComplaint(Run({"--lever-arm", "--quiet"}), 2, {"--lever-arm: its value is missing"});
   ExpectComplaint(Run({"--side-slip", "-0.1"}), 2, {"--side-slip -0.1"});
   for (const char* value : {"0", "-1.4", "10.5", "nan", "tall", "1.4,", ",0.01", "1.4,0", "1.4,-0.01", "1.4,1.4"})
     ExpectComplaint(Run({"--camera-height", value}), 2,

@@ -4,6 +4,8 @@
 #include <cstdlib>
 #include <exception>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 #include <opencv2/core/utils/logger.hpp>
@@ -22,6 +24,22 @@ void SilenceLibraries() {
   cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
   constexpr auto kQuiet = "-8";
   setenv("OPENCV_FFMPEG_LOGLEVEL", kQuiet, 0);
+}
+
+// CLI11's words for a value that is missing or of the wrong kind name types of C++.
+std::string Reason(const CLI::ParseError& error) {
+  constexpr std::string_view kMissing = ": its value is missing";
+  constexpr std::string_view kConversion = "Could not convert: ";
+  const std::string text = error.what();
+  if (dynamic_cast<const CLI::ArgumentMismatch*>(&error) != nullptr && text.ends_with(" missing"))
+    return text.substr(0, text.find(':')).append(kMissing);
+  if (!text.starts_with(kConversion)) return text;
+  const size_t equals = text.find(" = ");
+  const std::string option = text.substr(kConversion.size(), equals - kConversion.size());
+  const std::string value = equals == std::string::npos ? "" : text.substr(equals + 3);
+  // The next option was taken for the value.
+  if (value.starts_with("--")) return option + std::string(kMissing);
+  return option + ": '" + value + "' is not a value that it takes";
 }
 
 int Main(int argc, char** argv, void (*add_commands)(CLI::App&)) {
@@ -44,7 +62,9 @@ int Main(int argc, char** argv, void (*add_commands)(CLI::App&)) {
   } catch (const CLI::Success& help) {
     return app.exit(help);
   } catch (const CLI::ParseError& error) {
-    throw InputError(std::string(error.what()) + "; see turnscale --help");
+    const std::vector<CLI::App*> commands = app.get_subcommands();
+    const std::string command = commands.empty() ? "" : commands.front()->get_name() + " ";
+    throw InputError(Reason(error) + "; see turnscale " + command + "--help");
   }
   return 0;
 }

@@ -215,6 +215,17 @@ CameraModel KalibrCamera(const YamlMap& cam) {
   return camera;
 }
 
+// For a file that may not be meant as a camera at all.
+template <class Read>
+auto OrSayWhatIsOne(const Read& read) {
+  try {
+    return read();
+  } catch (const InputError& error) {
+    throw InputError(std::string(error.what()) +
+                     " (a camera file is a KITTI calib.txt or a YAML file of OpenCV, ORB-SLAM or Kalibr)");
+  }
+}
+
 // Camera of a YAML file in the dialect of Kalibr, OpenCV, ROS or ORB-SLAM. Throws InputError.
 CameraModel CameraFromYaml(const YamlMap& file) {
   const Names keys = file.Keys();
@@ -223,9 +234,11 @@ CameraModel CameraFromYaml(const YamlMap& file) {
   if (std::any_of(keys.begin(), keys.end(), [](const auto& key) { return key.starts_with("Camera"); })) {
     return OrbSlamCamera(file);
   }
-  file.AllowOnly(Names{"cam0", "camera_matrix", "distortion_coefficients", "image_width", "image_height", "Camera.fx",
-                       "Camera.fy", "Camera.cx", "Camera.cy", "Camera.type"});
-  file.Reject("camera_matrix", "is missing; give a KITTI calib.txt or a YAML file of OpenCV, ORB-SLAM or Kalibr");
+  return OrSayWhatIsOne([&]() -> CameraModel {
+    file.AllowOnly(Names{"cam0", "camera_matrix", "distortion_coefficients", "image_width", "image_height", "Camera.fx",
+                         "Camera.fy", "Camera.cx", "Camera.cy", "Camera.type"});
+    file.Reject("camera_matrix", "is missing");
+  });
 }
 
 // One line "P0:" and twelve numbers: the rectified camera matrix.
@@ -288,7 +301,7 @@ CameraModel ReadCameraFile(const std::filesystem::path& path) {
   if (std::filesystem::is_directory(path, error)) throw InputError(path.string() + ": is a folder, not a camera file");
   const ProjectionLine line = FindProjection(path);
   if (line.number > 0) return CameraFromProjection(path.string() + ":" + std::to_string(line.number), line.text);
-  return CameraFromYaml(YamlMap(path));
+  return CameraFromYaml(OrSayWhatIsOne([&] { return YamlMap(path); }));
 }
 
 std::string CameraFileText(const CameraModel& camera) {

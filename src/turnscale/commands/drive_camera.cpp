@@ -27,9 +27,9 @@ double ViewOf(const ImageArguments& arguments) {
 
 // The drive's images. What is wrong with one of them the run itself says, when it comes to it.
 // `last`: time of the last one that the arguments allow, once it is known.
-ImageStream Images(const ImageArguments& arguments, const DriveImages& images, const CommandHooks& hooks,
+ImageStream Images(const ImageArguments& arguments, const DriveImages& images, const CommandHooks& hooks, int max_width,
                    std::optional<double> from, int pass, std::optional<double>& last) {
-  ImageSourceOptions options = SourceOptions(arguments, images.camera, images.given.name);
+  ImageSourceOptions options = SourceOptions(arguments, images.given, max_width);
   if (from) options.start += *from;
   auto source = std::make_shared<ImageSource>(images.drive, options);
   auto progress = std::make_shared<Progress>(0, arguments.quiet);
@@ -49,13 +49,6 @@ ImageStream Images(const ImageArguments& arguments, const DriveImages& images, c
   };
 }
 
-std::optional<cv::Size> ImageSize(const ImageArguments& arguments, const DriveImages& images) {
-  ImageSource source(images.drive, SourceOptions(arguments, images.camera, images.given.name));
-  while (const std::optional<SourceFrame> frame = source.Next())
-    if (!frame->gray.empty()) return frame->gray.size();
-  return std::nullopt;
-}
-
 std::string NoTurn(const ImageArguments& arguments, double view, bool assumed) {
   const std::string what = "no turn from which the camera's focal length can be estimated; ";
   if (!assumed) return what + "the intrinsics are used as given";
@@ -72,30 +65,27 @@ CameraEstimate EstimateCamera(const ImageArguments& arguments, DriveImages& imag
   if (assumed && arguments.refine_camera)
     throw InputError("--camera-refine: there are no intrinsics to refine; give --camera FILE, or leave it out");
   const double view = ViewOf(arguments);
-  if (images.camera.width == 0) {
-    const std::optional<cv::Size> size = ImageSize(arguments, images);
-    // The run itself says what is wrong with such a drive.
-    if (!size) return {};
-    if (assumed) images.camera = CameraOfView(view, size->width, size->height);
-    images.camera.width = size->width;
-    images.camera.height = size->height;
-  }
+  // The run itself says what is wrong with such a drive.
+  if (images.full_size.empty()) return {};
+  const cv::Size size = images.full_size / images.reduction.factor();
+  if (assumed) images.camera = CameraOfView(view, size.width, size.height);
+  images.camera.width = size.width;
+  images.camera.height = size.height;
   if (assumed) images.camera.focal_sigma = kAssumedSigma * images.camera.pinhole.fx;
-  images.CheckMask({images.camera.width, images.camera.height});
   int pass = 0;
   std::optional<double> last;
   const std::optional<FoundCamera> found = CalibrateFromDrive(
       options, {images.camera, assumed},
       [&](std::optional<double> from) {
         on_pass(++pass);
-        return Images(arguments, images, hooks, from, pass, last);
+        return Images(arguments, images, hooks, options.images.max_width, from, pass, last);
       },
       images.mask);
   if (!found) return {std::nullopt, NoTurn(arguments, view, assumed)};
   images.camera = found->camera;
-  return {found, found->converged
-                     ? ""
-                     : "the estimate of the camera did not converge; its standard deviation may be too small"};
+  return {
+      images.reduction.Full(*found),
+      found->converged ? "" : "the estimate of the camera did not converge; its standard deviation may be too small"};
 }
 
 }  // namespace turnscale

@@ -31,6 +31,14 @@ GivenCamera CameraFor(const ImageArguments& arguments, const DriveInput& drive) 
   return camera ? GivenCamera{camera->name, camera->model} : GivenCamera();
 }
 
+// Not checked where the size is not known, as then there is no image to use it with.
+cv::Mat GivenMask(const std::optional<std::filesystem::path>& file, const cv::Size& size) {
+  if (!file) return {};
+  cv::Mat mask = ReadMask(*file);
+  if (!size.empty()) CheckMaskSize(*file, mask, size);
+  return mask;
+}
+
 // 0 if known neither from the video header nor from the user.
 int ExpectedFrames(int count, std::optional<int> max_frames) {
   if (!max_frames) return count;
@@ -67,16 +75,16 @@ std::vector<Trajectory> Stretches(const std::vector<FrameResult>& frames) {
 
 }  // namespace
 
-ImageSourceOptions SourceOptions(const ImageArguments& arguments, const CameraModel& camera,
-                                 const std::string& camera_name) {
+ImageSourceOptions SourceOptions(const ImageArguments& arguments, const GivenCamera& given, int max_width) {
   ImageSourceOptions options;
   options.timestamps = arguments.timestamps;
   options.fps = arguments.fps;
   if (!arguments.start.empty()) options.start = ParseDriveTime("--start", arguments.start);
   if (!arguments.end.empty()) options.end = ParseDriveTime("--end", arguments.end);
-  options.width = camera.width;
-  options.height = camera.height;
-  options.camera_file = camera_name;
+  options.width = given.model.width;
+  options.height = given.model.height;
+  options.camera_file = given.name;
+  options.max_width = max_width;
   return options;
 }
 
@@ -93,30 +101,28 @@ void CheckImageArguments(const ImageArguments& arguments) {
     throw InputError(fmt::format("--max-frames {}: give at least 1", *arguments.max_frames));
 }
 
-DriveImages::DriveImages(const ImageArguments& arguments)
+DriveImages::DriveImages(const ImageArguments& arguments, int max_width)
     : drive(FindDrive(arguments.inputs, arguments.topic)),
       given(CameraFor(arguments, drive)),
-      camera(given.model),
-      mask_file(arguments.mask),
-      mask(mask_file ? ReadMask(*mask_file) : cv::Mat()),
-      source(drive, SourceOptions(arguments, camera, given.name)),
+      source(drive, SourceOptions(arguments, given, max_width)),
+      full_size(source.FullSize().value_or(cv::Size())),
+      reduction(full_size, max_width),
+      camera(reduction.Reduced(given.model)),
+      mask(reduction.ReducedMask(GivenMask(arguments.mask, full_size))),
       expected(ExpectedFrames(source.count(), arguments.max_frames)) {}
 
-void DriveImages::CheckMask(const cv::Size& size) const {
-  if (mask_file && !size.empty()) CheckMaskSize(*mask_file, mask, size);
-}
-
-std::string DoubtOf(const DriveImages& images, const cv::Mat& image) {
+std::string DoubtOf(const DriveImages& images) {
   constexpr double kFarOff = 0.15;  // of the image's width or height
-  const Pinhole& pinhole = images.camera.pinhole;
-  const bool named = images.camera.width > 0 || images.given.name.empty();
+  const Pinhole& pinhole = images.given.model.pinhole;
+  const cv::Size& size = images.full_size;
+  const bool named = images.given.model.width > 0 || images.given.name.empty();
   const bool central =
-      std::abs(pinhole.cx / image.cols - 0.5) < kFarOff && std::abs(pinhole.cy / image.rows - 0.5) < kFarOff;
-  if (image.empty() || named || central) return {};
+      std::abs(pinhole.cx / size.width - 0.5) < kFarOff && std::abs(pinhole.cy / size.height - 0.5) < kFarOff;
+  if (size.empty() || named || central) return {};
   return fmt::format(
       "{}: the principal point ({:.0f}, {:.0f}) is far from the centre of {}x{} images; check that this is the right "
       "camera",
-      images.given.name, pinhole.cx, pinhole.cy, image.cols, image.rows);
+      images.given.name, pinhole.cx, pinhole.cy, size.width, size.height);
 }
 
 TimedTrajectory ReadTimedTrajectory(const std::filesystem::path& path,
@@ -168,7 +174,7 @@ DriveMotion MotionFromImages(const ImageArguments& arguments, const CommandHooks
   OdometryOptions options = arguments.settings ? ReadSettings(*arguments.settings) : OdometryOptions();
   options.vehicle.lever_arm.reset();
   options.Check();
-  DriveImages images(arguments);
+  DriveImages images(arguments, options.images.max_width);
   cv::setNumThreads(kImageThreads);
   const CameraEstimate estimate = EstimateCamera(arguments, images, options, hooks);
   Odometry odometry(options, images.camera);
@@ -178,16 +184,13 @@ DriveMotion MotionFromImages(const ImageArguments& arguments, const CommandHooks
   SendWarnings(progress, hooks);
   for (const std::string& warning : images.source.left_out()) progress.Warn(warning);
   if (!estimate.warning.empty()) progress.Warn(estimate.warning);
+  if (const std::string doubt = DoubtOf(images); !doubt.empty()) progress.Warn(doubt);
   int processed = 0;
   const auto drive = [&] {
     while (!(arguments.max_frames && processed >= *arguments.max_frames)) {
       const std::optional<SourceFrame> frame = images.source.Next();
       if (!frame || hooks.interrupted()) break;
       if (!frame->notice.empty()) progress.Warn(frame->notice);
-      if (processed == 0) {
-        images.CheckMask(frame->gray.size());
-        if (const std::string doubt = DoubtOf(images, frame->gray); !doubt.empty()) progress.Warn(doubt);
-      }
       if (frame->gray.empty()) {
         progress.Warn(fmt::format("frame {}: {}; skipped", frame->index, frame->problem));
         odometry.ProcessUnreadable(frame->time);

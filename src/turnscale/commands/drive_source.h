@@ -13,6 +13,7 @@
 #include "turnscale/commands/command_hooks.h"
 #include "turnscale/geometry/rigid_transform.h"
 #include "turnscale/io/drive_input.h"
+#include "turnscale/io/image_reduction.h"
 #include "turnscale/io/image_source.h"
 #include "turnscale/io/terminal.h"
 
@@ -44,36 +45,34 @@ struct ImageArguments {
 /// Throws InputError where arguments exclude one another, or one is out of range.
 void CheckImageArguments(const ImageArguments& arguments);
 
-/// Where the images of a drive are read from, as the arguments have it.
-ImageSourceOptions SourceOptions(const ImageArguments& arguments, const CameraModel& camera,
-                                 const std::string& camera_name);
-
 /// A camera that is given, and where.
 struct GivenCamera {
   std::string name;  ///< of the file, or of the bag and its topic; empty where no camera is given
   CameraModel model;
 };
 
+/// Where the images of a drive are read from, as the arguments have it. `max_width`: ImageSourceOptions.
+ImageSourceOptions SourceOptions(const ImageArguments& arguments, const GivenCamera& given, int max_width);
+
 /// The images of a drive and their camera.
 struct DriveImages {
-  /// Throws InputError where there are no images or no times, or the mask cannot be read.
-  explicit DriveImages(const ImageArguments& arguments);
-
-  /// Throws InputError where the mask is not of the images' size. Accepts an empty size.
-  void CheckMask(const cv::Size& size) const;
+  /// Images are reduced if they are wider than `max_width`, pixels; 0: none are. Throws InputError where there are no
+  /// images or no times, or the mask cannot be read or is not of their size.
+  explicit DriveImages(const ImageArguments& arguments, int max_width = 0);
 
   DriveInput drive;
-  GivenCamera given;
-  CameraModel camera;  ///< that is given, later the estimated one
-  std::optional<std::filesystem::path> mask_file;
-  cv::Mat mask;  ///< pixels to leave out are 0 (ReadMask); empty where none is given
+  GivenCamera given;  ///< at full size
   ImageSource source;
-  int expected = 0;  ///< number of frames, limited by `max_frames`; 0 if unknown
+  cv::Size full_size;        ///< of the images; empty where not one can be read
+  ImageReduction reduction;  ///< of the images, the mask and the camera
+  CameraModel camera;        ///< that is given, later the estimated one
+  cv::Mat mask;              ///< pixels to leave out are 0 (ReadMask); empty where none is given
+  int expected = 0;          ///< number of frames, limited by `max_frames`; 0 if unknown
 };
 
-/// Why the intrinsics are implausible for the image; empty if plausible. An image size in the file is checked by the
-/// image source.
-std::string DoubtOf(const DriveImages& images, const cv::Mat& image);
+/// Why the given intrinsics are implausible for images of this size; empty if plausible. An image size in the file is
+/// checked by the image source.
+std::string DoubtOf(const DriveImages& images);
 
 struct TimedTrajectory {
   Trajectory poses;

@@ -36,7 +36,7 @@ void CheckFolder(const RunArguments& arguments, const DriveImages& images) {
   refuse_folder(fs::is_directory(images.drive.path, none) ? images.drive.path : images.drive.path.parent_path());
   RefuseToOverwrite("--out", arguments.out / "mask.png", {arguments.images.mask.value_or("")});
   RefuseToOverwrite("--out", arguments.out / "car.yaml", {arguments.car.vehicle.value_or("")});
-  if (arguments.images.refine_camera) RefuseToOverwrite("--out", arguments.out / "camera.yaml", {images.given.name});
+  RefuseToOverwrite("--out", arguments.out / "camera.yaml", {images.given.name});
 }
 
 RunSummary BeforeTheDrive(const RunArguments& arguments, const OdometryOptions& options, const DriveImages& images,
@@ -120,7 +120,7 @@ RunEnd ExecuteRun(const RunArguments& arguments, const RunHooks& hooks) {
   CheckThreads(arguments.threads);
   cv::setNumThreads(arguments.threads);
   CheckTruthFiles(arguments.truth);
-  DriveImages images(arguments.images);
+  DriveImages images(arguments.images, options.images.max_width);
   CheckFolder(arguments, images);
   hooks.opened(images.expected);
   const CameraEstimate estimate = EstimateCamera(arguments.images, images, options, hooks, [&](int pass) {
@@ -137,11 +137,10 @@ RunEnd ExecuteRun(const RunArguments& arguments, const RunHooks& hooks) {
     std::optional<SourceFrame> frame = images.source.Next();
     if (begun) return frame;
     begun = true;
-    if (frame) images.CheckMask(frame->gray.size());
     // From here on there is something to keep.
     hooks.begun();
     if (frame) RemoveThumbnails(arguments.out);
-    if (const std::string doubt = frame ? DoubtOf(images, frame->gray) : ""; !doubt.empty()) progress.Warn(doubt);
+    if (const std::string doubt = DoubtOf(images); !doubt.empty()) progress.Warn(doubt);
     return frame;
   };
   const PoseFrame shown = arguments.frame == "vehicle" ? PoseFrame::kVehicle : PoseFrame::kCamera;
@@ -155,6 +154,7 @@ RunEnd ExecuteRun(const RunArguments& arguments, const RunHooks& hooks) {
                             [&] { return images.source.EndsEarly(); },
                             [&] { return images.source.clips(); },
                             arguments.images.max_frames,
+                            images.reduction,
                             {arguments.out, shown, options.vehicle},
                             BeforeTheDrive(arguments, options, images, estimate),
                             watch,

@@ -18,6 +18,7 @@
 #include "turnscale/io/clip_reader.h"
 #include "turnscale/io/drive_input.h"
 #include "turnscale/io/frame_reader.h"
+#include "turnscale/io/image_reduction.h"
 #include "turnscale/io/video_file.h"
 
 namespace turnscale {
@@ -71,6 +72,7 @@ struct ImageSource::State {
     }
     size = {options.width, options.height};
     size_from = options.camera_file;
+    max_width = options.max_width;
     thread = std::jthread([this](std::stop_token stop) { Prefetch(stop); });
   }
 
@@ -171,6 +173,18 @@ struct ImageSource::State {
     }
   }
 
+  // Images up to the first readable one are taken from the queue and kept for Take.
+  std::optional<cv::Size> FullSize() {
+    for (size_t i = 0;; ++i) {
+      if (i == looked_at.size()) {
+        std::optional<DriveImage> image = TakeFromQueue();
+        if (!image) return std::nullopt;
+        looked_at.push_back(std::move(*image));
+      }
+      if (!looked_at[i].image.gray.empty()) return looked_at[i].image.gray.size();
+    }
+  }
+
   // A video of which not one frame can be decoded is no matter of the part.
   void RefuseEmptyPart() const {
     if (past_end) RefusePart(start);
@@ -178,6 +192,13 @@ struct ImageSource::State {
   }
 
   std::optional<DriveImage> Take() {
+    if (looked_at.empty()) return TakeFromQueue();
+    DriveImage image = std::move(looked_at.front());
+    looked_at.pop_front();
+    return image;
+  }
+
+  std::optional<DriveImage> TakeFromQueue() {
     std::unique_lock lock(mutex);
     changed.wait(lock, [&] { return !queue.empty() || finished; });
     if (queue.empty()) {
@@ -223,6 +244,7 @@ struct ImageSource::State {
   int offset = 0;     // number in the drive of the first frame that is read
   cv::Size size;
   std::string size_from;
+  int max_width = 0;
   int next = 0;
   int readable = 0;
   bool past_end = false;
@@ -230,7 +252,8 @@ struct ImageSource::State {
   std::vector<std::string> clip_files;
   std::vector<std::string> left_out;
   std::vector<ClipPart> clips;
-  int clip = 0;  // of the latest image
+  int clip = 0;                      // of the latest image
+  std::deque<DriveImage> looked_at;  // but not taken
 
   std::mutex mutex;
   std::condition_variable_any changed;
@@ -264,12 +287,15 @@ std::optional<SourceFrame> ImageSource::Next() {
   }
   if (!image->image.gray.empty()) {
     state.CheckSize(image->image.gray, image->name);
+    image->image.gray = ImageReduction(state.size, state.max_width).Reduced(image->image.gray);
     ++state.readable;
   }
   state.CountIn(*image, time);
   return SourceFrame{state.next++, time, std::move(image->image.gray), std::move(image->image.problem),
                      std::move(image->notice)};
 }
+
+std::optional<cv::Size> ImageSource::FullSize() { return state_->FullSize(); }
 
 int ImageSource::count() const { return state_->count; }
 

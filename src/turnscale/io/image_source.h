@@ -43,6 +43,7 @@ struct ImageSourceOptions {
   int width = 0;                 ///< that every image must have, pixels; 0 takes the first image's
   int height = 0;                ///< that every image must have, pixels; 0 takes the first image's
   std::string camera_file = {};  ///< what asks for that size, for messages
+  int max_width = 0;             ///< wider images are reduced (ImageReduction); 0: none are
 };
 
 /// The frames of a drive in order. Images are decoded ahead on a thread of their own.
@@ -54,6 +55,10 @@ class ImageSource {
   ~ImageSource();
   ImageSource(const ImageSource&) = delete;
   ImageSource& operator=(const ImageSource&) = delete;
+
+  /// Size of the first readable image from here on, before it is reduced; nothing where there is none. Waits for it.
+  /// Throws InputError where reading on is not possible.
+  std::optional<cv::Size> FullSize();
 
   /// The next frame; nothing at the end. Throws InputError where an image has another size than the camera file or the
   /// other images, and at the end where not one image could be read or the part of the drive has no frame.

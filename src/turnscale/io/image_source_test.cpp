@@ -96,6 +96,27 @@ TEST_F(ImageSourceTest, FolderOfImagesInNaturalOrderWithAnyStartAndGaps) {
   }
 }
 
+TEST_F(ImageSourceTest, WideImagesAreReduced) {
+  Images(folder_, 0, 2);
+  ImageSource plain(FindDrive(folder_), {.fps = 10});
+  const cv::Size size = plain.FullSize().value();
+  ImageSource source(FindDrive(folder_),
+                     {.fps = 10, .width = size.width, .height = size.height, .max_width = size.width - 1});
+  EXPECT_EQ(source.FullSize(), size) << "asked before the first image";
+  int frames = 0;
+  for (; const auto frame = source.Next(); ++frames) EXPECT_EQ(frame->gray.size(), size / 2);
+  EXPECT_EQ(frames, 2) << "none is missing";
+}
+
+TEST_F(ImageSourceTest, TheSizeIsThatOfTheFirstReadableImage) {
+  Images(folder_, 1, 2);
+  Text("0.png", "no image");
+  ImageSource source(FindDrive(folder_), {.fps = 10});
+  EXPECT_FALSE(source.FullSize().value().empty());
+  EXPECT_TRUE(source.Next()->gray.empty());
+  EXPECT_FALSE(source.Next()->gray.empty());
+}
+
 TEST_F(ImageSourceTest, KittiFolderBringsItsTimesAndCamera) {
   Images(folder_ / "image_0", 0, 3);
   Text("times.txt", "0.0\n1.036e-01\n\n# a comment\n2.07e-01\r\n");

@@ -96,8 +96,9 @@ class Run {
       const Clock::time_point start = Clock::now();
       result = odometry_.Process(frame.gray, frame.time);
       latencies_.push_back(std::chrono::duration<double>(Clock::now() - start).count());
-      end_.summary.image_width = frame.gray.cols;
-      end_.summary.image_height = frame.gray.rows;
+      const cv::Size full = drive_.reduction.Full(frame.gray.size());
+      end_.summary.image_width = full.width;
+      end_.summary.image_height = full.height;
     }
     ++processed_;
     tracks_ = tracks_ || result.world_from_camera;
@@ -145,8 +146,10 @@ class Run {
                         VehicleFileText(odometry_.options().vehicle, odometry_.mount().current(), results.scale),
                         durability);
     });
-    attempts_.Try([&] { writer_.WriteMask(odometry_.mask(), durability); });
+    attempts_.Try([&] { writer_.WriteMask(drive_.reduction.FullMask(odometry_.mask()), durability); });
     attempts_.Try([&] { writer_.WriteMap(odometry_.RefinedMap(results.scale), results.scale_state, durability); });
+    for (ParameterEstimate& estimate : results.scale.contradicted_calibration)
+      estimate = drive_.reduction.Full(estimate);
     results_ = std::move(results);
   }
 
@@ -155,7 +158,7 @@ class Run {
     const OdometryOptions& options = odometry_.options();
     summary.clips = drive_.clips();
     summary.scale_state = results_.scale_state;
-    summary.pinhole = odometry_.camera().pinhole;
+    summary.pinhole = drive_.reduction.Full(odometry_.camera()).pinhole;
     summary.lens_model = odometry_.camera().lens;
     if (options.lens.enabled) summary.lens = {odometry_.lens().correction(), odometry_.lens().sigma()};
     if (options.vehicle.calibrate_camera) {

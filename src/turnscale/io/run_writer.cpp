@@ -58,6 +58,7 @@ constexpr auto kRotation = "camera_rotation.csv";
 constexpr auto kCar = "car.yaml";
 constexpr auto kMap = "map.ply";
 constexpr auto kMask = "mask.png";
+constexpr auto kCamera = "camera.yaml";
 constexpr auto kSummary = "summary.json";
 constexpr auto kSettings = "settings.yaml";
 
@@ -184,8 +185,8 @@ RunWriter::RunWriter(const RunWriterOptions& options) : options_(options) {
   }
   MakeFolder(options_.folder);
   // The summary first: it says that the others are of one run.
-  for (const char* name : {kReportFile, kSummary, kSettings, kTurns, kSpeed, kScale, kRotation, kCar, kMap, kMask, kTum,
-                           kKitti, kTable, kLive})
+  for (const char* name : {kReportFile, kSummary, kSettings, kTurns, kSpeed, kScale, kRotation, kCar, kCamera, kMap,
+                           kMask, kTum, kKitti, kTable, kLive})
     RemoveOldFile(PathOf(name));
   live_.emplace(PathOf(kLive));
 }

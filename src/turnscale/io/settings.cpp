@@ -96,6 +96,7 @@ void VisitSettings(Visitor& visitor, OdometryOptions& options) {
     visitor.Field("height_correlation", o.height_correlation);
     visitor.Field("height_slip_correlation", o.height_slip_correlation);
   });
+  visitor.Group("images", [&] { visitor.Field("max_width", options.images.max_width); });
   visitor.Group("corners", [&] {
     auto& o = options.corners;
     visitor.Field("target", o.target);

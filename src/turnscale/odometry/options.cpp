@@ -40,6 +40,10 @@ void KeyframeOptions::Check() const {
   if (max_reference_age < 1) throw InputError("keyframes.max_reference_age: has to be at least 1 keyframe");
 }
 
+void ImageOptions::Check() const {
+  if (max_width < 0) throw InputError("images.max_width: must not be negative");
+}
+
 void TrackingOptions::Check() const {
   if (min_inliers < 6) throw InputError("tracking.min_inliers: has to be at least 6");
   if (!(min_inlier_share >= 0 && min_inlier_share <= 1))
@@ -73,6 +77,7 @@ void ScaleOptions::Check() const {
 
 void OdometryOptions::Check() const {
   vehicle.Check();
+  images.Check();
   corners.Check();
   flow.Check();
   alignment.Check();

@@ -78,6 +78,16 @@ struct KeyframeOptions {
   void Check() const;
 };
 
+/// How the images of a drive are read.
+struct ImageOptions {
+  /// Images wider than this, pixels, are halved until they are not: twice the pixels a side cost four times the time,
+  /// and add little. 0: none are. The odometry itself takes images as they are.
+  int max_width = 2048;
+
+  /// Throws InputError that names the field when a value makes no sense.
+  void Check() const;
+};
+
 /// Estimation of the intrinsics from the images of a drive.
 struct SelfCalibrationOptions {
   /// Windows of keyframes in turns that decide (CalibrationCheckOptions); the first ones of the drive.
@@ -147,6 +157,7 @@ struct ScaleOptions {
 /// All settings; the defaults are used for all drives.
 struct OdometryOptions {
   VehicleOptions vehicle;
+  ImageOptions images;
   CornerOptions corners;
   FlowOptions flow;
   PatchAlignmentOptions alignment;
