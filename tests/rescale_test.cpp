@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <numbers>
@@ -117,6 +119,20 @@ TEST_F(RescaleCommandTest, WritesTheReport) {
   EXPECT_TRUE(picture.starts_with("<svg") && picture.ends_with("</svg>\n"));
   EXPECT_NE(picture.find("implied speed"), std::string::npos);
   EXPECT_EQ(picture.find("nan"), std::string::npos);
+}
+
+TEST_F(RescaleCommandTest, ThePageHasSpeedsAndDeviations) {
+  ASSERT_EQ(Run({Tum(), "--lever-arm", "1.2", "--report", Path("report")}).exit_code, 0);
+  const std::string page = TextOf(folder_ / "report" / "report.html");
+  const std::string start = "<script type=\"application/json\" id=\"data\">";
+  const std::size_t begin = page.find(start) + start.size();
+  const auto data = nlohmann::json::parse(page.substr(begin, page.find("</script>", begin) - begin));
+  const auto& speeds = data["path"]["speed"];
+  ASSERT_GT(speeds.size(), 10u);
+  EXPECT_TRUE(speeds[speeds.size() / 2].is_number());
+  double largest = 0;
+  for (const auto& turn : data["turns"]) largest = std::max(largest, std::abs(turn["deviation"].get<double>()));
+  EXPECT_GT(largest, 0);
 }
 
 TEST_F(RescaleCommandTest, DrawsTheDriveFromAbove) {

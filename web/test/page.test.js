@@ -333,6 +333,7 @@ test('the live page follows a run and becomes its report', async () => {
   assert.ok(await page.evaluate(() => window.turnscale.currentPlace < window.turnscale.report.path.time.length - 1), 'the place is held');
   await page.mouse.move(2, 2);
   await page.waitForFunction(() => window.turnscale.currentPlace === window.turnscale.report.path.time.length - 1);
+  await page.waitForFunction(() => window.turnscale.report.path.speed.some((speed) => speed !== null && speed < -0.5)); // it begins in reverse
   assert.equal(await ended, 0);
   await page.waitForSelector('.fact');
   assert.ok(await page.$$eval('.chart', (all) => all.length) >= 3, 'the page is the report');

@@ -27,6 +27,7 @@ TurnResult TurnOfPage(const TurnEstimate& turn, const RescaleResult& result) {
   shown.smoothed = turn.smoothed;
   shown.smoothed_sigma = turn.smoothed * turn.smoothed_sigma;
   shown.effective_lever_arm = turn.lever_arm_units * turn.smoothed;
+  shown.deviation = turn.deviation;
   shown.used = turn.used;
   shown.reason = turn.reason;
   return shown;
@@ -50,6 +51,7 @@ std::string RescalePage(const RescaleResult& result, const std::string& input, d
     const int pose = static_cast<int>(i);
     FrameResult frame;
     frame.frame = pose;
+    frame.state = TrackingState::kTracked;
     frame.time = result.metric[i].time;
     frame.world_from_camera = result.metric[i].world_from_camera;
     frame.vehicle_from_camera = result.vehicle_from_camera;

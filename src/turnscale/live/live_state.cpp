@@ -26,12 +26,15 @@ constexpr size_t kMostWarnings = 10;
 constexpr int kImageWidth = 640;
 constexpr int kImageQuality = 72;
 
-// Speed between neighbours: the path that is drawn has no other.
-std::vector<SpeedReading> RoughSpeeds(const std::vector<FrameResult>& frames) {
+// Speed between neighbours, negative in reverse: the path that is drawn has no other.
+std::vector<SpeedReading> RoughSpeeds(const std::vector<FrameResult>& frames,
+                                      const Eigen::Quaterniond& vehicle_from_camera) {
+  const Eigen::Vector3d forward = vehicle_from_camera.conjugate() * Eigen::Vector3d::UnitZ();
   std::vector<SpeedReading> speeds;
   for (size_t i = 1; i < frames.size(); ++i) {
-    const double distance =
-        (frames[i].world_from_camera->translation - frames[i - 1].world_from_camera->translation).norm();
+    const RigidTransform& pose = *frames[i].world_from_camera;
+    const Eigen::Vector3d way = pose.translation - frames[i - 1].world_from_camera->translation;
+    const double distance = std::copysign(way.norm(), way.dot(pose.rotation * forward));
     const double time = frames[i].time - frames[i - 1].time;
     if (time > 0) speeds.push_back({frames[i].time, distance / time, NAN});
   }
@@ -58,7 +61,7 @@ void LiveState::Add(const cv::Mat& gray, const FrameResult& frame, const Odometr
   latest_ = frame;
   ++frames_done_;
   done_at_.push_back(now);
-  while (now - done_at_.front() > kRateWindow) done_at_.pop_front();
+  while (done_at_.size() > 2 && now - done_at_.front() > kRateWindow) done_at_.pop_front();
   keyframes_ = static_cast<int>(odometry.map().keyframes.size());
   keyframe_states_.resize(keyframes_, frame.scale_state);
   if (now - asked_at_ > kWatchedFor) return;
@@ -141,8 +144,11 @@ std::string LiveState::StateJson() {
   const std::lock_guard lock(mutex_);
   const Clock::time_point now = Clock::now();
   asked_at_ = now;
-  const auto recent = std::count_if(done_at_.begin(), done_at_.end(), [&](auto at) { return now - at <= kRateWindow; });
-  const double span = done_at_.empty() ? 0 : std::chrono::duration<double>(now - done_at_.front()).count();
+  // Those of the last seconds, or the last two where the run is slower.
+  const auto in_window = [&](Clock::time_point at) { return now - at <= kRateWindow; };
+  const auto recent = std::max<std::ptrdiff_t>(std::count_if(done_at_.begin(), done_at_.end(), in_window),
+                                               std::min<std::ptrdiff_t>(std::ssize(done_at_), 2));
+  const double span = recent > 0 ? std::chrono::duration<double>(now - *(done_at_.end() - recent)).count() : 0;
   std::vector<std::string> warnings = warnings_;
   if (more_warnings_ > 0) warnings.push_back(std::to_string(more_warnings_) + " more, in the report");
   const nlohmann::ordered_json json = {
@@ -179,7 +185,7 @@ std::string LiveState::PathJson() {
   data.title = title_;
   data.version = version_;
   data.notes = {"The path as far as it is known now"};
-  if (data.metric) data.speeds = RoughSpeeds(data.frames);
+  if (data.metric) data.speeds = RoughSpeeds(data.frames, data.vehicle_from_body);
   path_json_ = ReportJson(data);
   path_json_number_ = number;
   return path_json_;
