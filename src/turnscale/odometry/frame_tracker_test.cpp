@@ -28,6 +28,7 @@ class FrameTracking : public testing::Test {
     map_.pinhole = camera_.pinhole;
     map_.keyframes.push_back({0, 0, {}, {}, false});
     const FlowImage image = Seen(0);
+    const auto reference = std::make_shared<const cv::Mat>(image.gray);
     std::vector<FeatureTrack> tracks;
     for (int row = 24; row <= 216; row += 16)
       for (int column = 24; column <= 296; column += 16) {
@@ -36,7 +37,7 @@ class FrameTracking : public testing::Test {
         map_.landmarks.push_back({kWallDepth * camera_.pinhole.Ray(pixel), true, {}});
         AddObservation(map_, 0, landmark, pixel);
         const cv::Point2f shown(static_cast<float>(pixel.x()), static_cast<float>(pixel.y()));
-        tracks.push_back({landmark, shown, pixel, pixel, image.gray, shown, 0, 0});
+        tracks.push_back({landmark, shown, pixel, pixel, reference, shown, 0, 0});
       }
     const int landmarks = static_cast<int>(tracks.size());
     tracker_.Start(image, std::move(tracks), landmarks);
