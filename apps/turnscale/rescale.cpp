@@ -7,6 +7,7 @@
 #include "commands.h"
 #include "turnscale/commands/rescale_command.h"
 #include "turnscale/commands/rescale_report.h"
+#include "turnscale/io/height_file.h"
 #include "turnscale/io/terminal.h"
 
 namespace turnscale {
@@ -28,8 +29,9 @@ void AddRescaleCommand(CLI::App& app) {
       ->add_option("FILE", arguments->input,
                    "Up-to-scale trajectory: TUM, KITTI (12 numbers per line, or 13 with the frame number) or EuRoC CSV")
       ->required();
-  command->add_option("--lever-arm", arguments->lever_arm, "Distance from the rear axle forward to the camera, metres")
-      ->required();
+  command->add_option(
+      "--lever-arm", arguments->lever_arm,
+      "Distance from the rear axle forward to the camera, metres; needed unless --camera-height is given");
   command->add_option("--lever-arm-sigma", arguments->lever_arm_sigma,
                       fmt::format("Standard deviation of --lever-arm, metres [{}]", kTapeSigma));
   command->add_option(
@@ -43,6 +45,20 @@ void AddRescaleCommand(CLI::App& app) {
       fmt::format(
           "Standard deviation of c, s^2/m; 0: c is not refined [{}, or {:.0f} % of --side-slip if that is given]",
           car.side_slip_sigma, 100 * kGivenSideSlipSigma));
+  CLI::Option* heights = command->add_option(
+      "--heights", arguments->heights,
+      fmt::format(
+          "CSV file with heights of the camera above the road, which show the scale between turns: columns time "
+          "(as the trajectory's: seconds, or frame numbers), height and optionally sigma, its standard "
+          "deviation [{:.0f} %], both in the trajectory's unit of length",
+          100 * kUsualHeightSigma));
+  command
+      ->add_option("--camera-height", arguments->camera_height,
+                   fmt::format("Height of the camera above the road, metres, or H,SIGMA with its standard deviation "
+                               "[{:.0f} %]; without a turn, --heights show the scale by it. Estimated in turns if not "
+                               "given",
+                               100 * kGivenHeightSigma))
+      ->needs(heights);
   command->add_option("--camera-rotation", arguments->camera_rotation,
                       "Camera-to-vehicle rotation: auto (estimated from the trajectory); identity; yaw,pitch,roll in "
                       "degrees; or a YAML file, as for run [auto]");
@@ -62,7 +78,8 @@ void AddRescaleCommand(CLI::App& app) {
   command->add_flag("--quiet", arguments->quiet, "Print only errors, and a warning if single-turn scales are used");
   command->footer(
       "Example:\n  turnscale rescale orbslam.tum --lever-arm 1.05 --out metric.tum --report out/\n\n"
-      "Without a sufficiently slow turn the scale is not observable: nothing is written, and the exit code is 2.");
+      "Without a sufficiently slow turn, or heights above the road with --camera-height, the scale is not observable: "
+      "nothing\nis written, and the exit code is 2.");
   command->callback([arguments] { Rescale(*arguments); });
 }
 

@@ -82,6 +82,8 @@ RescaleArguments RescaleArgumentsFrom(const py::dict& given) {
   keywords.Take("input", arguments.input);
   keywords.Take("lever_arm", arguments.lever_arm);
   keywords.Take("lever_arm_sigma", arguments.lever_arm_sigma);
+  keywords.Take("heights", arguments.heights);
+  keywords.Take("camera_height", arguments.camera_height);
   keywords.Take("side_slip", arguments.side_slip);
   keywords.Take("side_slip_sigma", arguments.side_slip_sigma);
   keywords.Take("camera_rotation", arguments.camera_rotation);

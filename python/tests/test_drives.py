@@ -162,6 +162,18 @@ class RenderedDrive(unittest.TestCase):
         support.compare_with_csv(self, rescaled.turns, report / "turns.csv")
         self.assertGreater(rescaled.summary["length_m"], 10)
 
+    def test_rescale_takes_heights(self):
+        out, heights = support.scratch() / "metric.tum", support.scratch() / "heights.csv"
+        path = support.run_of_program(self.drive) / "trajectory.tum"
+        times = [line.split()[0] for line in path.read_text().splitlines()]
+        heights.write_text("time,height\n" + "".join(f"{time},2.8\n" for time in times))
+        said, code, _ = support.program("rescale", path, "--heights", heights, "--camera-height", "1.4,0.02", "--out", out)
+        self.assertEqual(code, 0, said)
+        rescaled = turnscale.rescale(path, heights=heights, camera_height=(1.4, 0.02))
+        support.compare_with_tum(self, rescaled.trajectory, out)
+        self.assertAlmostEqual(rescaled.scale["metres_per_unit"][-1], 0.5, delta=0.01)
+        self.assertAlmostEqual(rescaled.summary["camera_height_m"], 1.4, delta=0.02)
+
 
 class Kitti(unittest.TestCase):
     """Recorded images."""

@@ -83,6 +83,8 @@ class Refused(unittest.TestCase):
         self.refuse("^--metric: needs --trajectory", turnscale.calibrate, "nowhere", metric=True)
         self.refuse("^--speed: excludes --lever-arm", turnscale.calibrate, "nowhere", speed="s", lever_arm=1)
         self.refuse("^--drift some: ", turnscale.rescale, "nowhere", lever_arm=1, drift="some")
+        self.refuse("^--lever-arm: is missing", turnscale.rescale, "nowhere")
+        self.refuse("^--camera-height: needs --heights", turnscale.rescale, "nowhere", camera_height=1.4)
         self.refuse("^--floor-plan: needs --picture or --report", turnscale.evaluate, "a", "b", floor_plan="p")
         self.refuse("^--truth: ", turnscale.run, "nowhere", truth="t")
 

@@ -261,7 +261,8 @@ class Rescaled:
     """Length (m), scale, sigmas, camera rotation (degrees), side slip (s^2/m); as summary.json."""
 
 
-def rescale(path: Path, *, lever_arm: float, lever_arm_sigma: float | None = None, side_slip: float | None = None,
+def rescale(path: Path, *, lever_arm: float | None = None, lever_arm_sigma: float | None = None,
+            heights: Path | None = None, camera_height: Height | None = None, side_slip: float | None = None,
             side_slip_sigma: float | None = None, camera_rotation: Rotation | None = None, fps: float | None = None,
             timestamps: Path | None = None, drift: Literal["auto", "none"] = "auto", out: Path | None = None,
             report: Path | None = None) -> Rescaled:
@@ -269,6 +270,9 @@ def rescale(path: Path, *, lever_arm: float, lever_arm_sigma: float | None = Non
 
     path: TUM, KITTI or EuRoC file.
     lever_arm, lever_arm_sigma: distance from the rear axle forward to the camera, m.
+    heights: CSV file with heights of the camera above the road: time, height and optionally sigma, in the trajectory's
+        units.
+    camera_height: of the camera above the road, m, or (height, sigma); lever_arm is not needed then.
     side_slip, side_slip_sigma: slip-angle coefficient c, s^2/m.
     camera_rotation: "auto", "identity", (yaw, pitch, roll) in degrees, or a YAML file.
     fps, timestamps: of a KITTI trajectory.
@@ -278,8 +282,8 @@ def rescale(path: Path, *, lever_arm: float, lever_arm_sigma: float | None = Non
     Raises ValueError where the scale is not observable or the file cannot be used.
     """
     found = _native.rescale({
-        "input": path, "lever_arm": lever_arm, "lever_arm_sigma": lever_arm_sigma, "side_slip": side_slip,
-        "side_slip_sigma": side_slip_sigma, "camera_rotation": list_text(camera_rotation), "fps": fps,
+        "input": path, "lever_arm": lever_arm, "lever_arm_sigma": lever_arm_sigma, "heights": heights,
+        "camera_height": list_text(camera_height), "side_slip": side_slip, "side_slip_sigma": side_slip_sigma, "camera_rotation": list_text(camera_rotation), "fps": fps,
         "timestamps": timestamps, "drift": drift, "out": out, "report": report})
     return Rescaled(trajectory=from_tum(found["tum"]), scale=from_csv(found["scale"]), turns=from_csv(found["turns"]),
                     summary=json.loads(found["summary"]))

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "turnscale/commands/rescale_command.h"
 
+#include <algorithm>
+#include <vector>
+
 #include <fmt/format.h>
 
 #include "turnscale/base/error.h"
@@ -9,6 +12,7 @@
 #include "turnscale/commands/rescale_page.h"
 #include "turnscale/commands/rescale_report.h"
 #include "turnscale/geometry/rotation.h"
+#include "turnscale/io/height_file.h"
 #include "turnscale/io/output_file.h"
 #include "turnscale/io/run_writer.h"
 #include "turnscale/io/settings.h"
@@ -21,7 +25,12 @@ namespace fs = std::filesystem;
 
 RescaleOptions OptionsFrom(const RescaleArguments& arguments, bool timed) {
   RescaleOptions options;
-  options.car.lever_arm = CheckedLeverArm(arguments.lever_arm);
+  if (arguments.lever_arm) options.car.lever_arm = CheckedLeverArm(*arguments.lever_arm);
+  if (arguments.camera_height) {
+    const CameraHeight height = ParseCameraHeight(*arguments.camera_height);
+    options.car.camera_height = height.metres;
+    options.car.camera_height_sigma = height.sigma.value_or(kGivenHeightSigma * height.metres);
+  }
   if (arguments.side_slip) {
     options.car.side_slip = CheckedSideSlip(*arguments.side_slip);
     options.car.side_slip_sigma = kGivenSideSlipSigma * options.car.side_slip;
@@ -38,7 +47,30 @@ RescaleOptions OptionsFrom(const RescaleArguments& arguments, bool timed) {
   return options;
 }
 
-void WriteReport(const fs::path& folder, const RescaleResult& result, const std::string& input, double lever_arm,
+void CheckArguments(const RescaleArguments& arguments) {
+  RefuseBoth({"--timestamps", arguments.timestamps.has_value()}, {"--fps", arguments.fps.has_value()});
+  CheckChoice("--drift", arguments.drift, {"auto", "none"});
+  RequireFor({"--camera-height", arguments.camera_height.has_value()}, arguments.heights.has_value(), "--heights");
+  RequireFor({"--lever-arm-sigma", arguments.lever_arm_sigma.has_value()}, arguments.lever_arm.has_value(),
+             "--lever-arm");
+  if (!arguments.lever_arm && !arguments.camera_height)
+    throw InputError("--lever-arm: is missing; give it, or --camera-height with --heights");
+  RefuseToOverwrite("--out", arguments.out,
+                    {arguments.input, arguments.timestamps.value_or(""), arguments.heights.value_or("")});
+}
+
+std::vector<PathHeight> HeightsAlong(const Trajectory& poses, const std::optional<fs::path>& path) {
+  if (!path) return {};
+  std::vector<PathHeight> heights = ReadHeightFile(*path);
+  const double first = poses.front().time;
+  const double last = poses.back().time;
+  if (std::ranges::any_of(heights,
+                          [&](const PathHeight& height) { return height.time >= first && height.time <= last; }))
+    return heights;
+  throw InputError(fmt::format("{}: no height is at a time of the trajectory, {} to {}", path->string(), first, last));
+}
+
+void WriteReport(const fs::path& folder, const RescaleResult& result, const std::string& input, const CarPrior& car,
                  bool timed) {
   std::error_code error;
   fs::create_directories(folder, error);
@@ -49,34 +81,33 @@ void WriteReport(const fs::path& folder, const RescaleResult& result, const std:
   ReplaceFile(folder / "scale.csv", PoseScaleTable(result));
   ReplaceFile(folder / "turns.csv", TurnScaleTable(result));
   ReplaceFile(folder / "rescale.svg", RescaleSvg(result, fs::path(input).filename().string(), timed));
-  ReplaceFile(folder / kReportFile, RescalePage(result, input, lever_arm, timed));
+  ReplaceFile(folder / kReportFile, RescalePage(result, input, car, timed));
   ReplaceFile(folder / "summary.json", RescaleJson(result, input));
 }
 
 }  // namespace
 
 RescaleResult ExecuteRescale(const RescaleArguments& arguments, const CommandHooks& hooks) {
-  RefuseBoth({"--timestamps", arguments.timestamps.has_value()}, {"--fps", arguments.fps.has_value()});
-  CheckChoice("--drift", arguments.drift, {"auto", "none"});
-  RefuseToOverwrite("--out", arguments.out, {arguments.input, arguments.timestamps.value_or("")});
+  CheckArguments(arguments);
   const TimedTrajectory trajectory = ReadTimedTrajectory(arguments.input, arguments.timestamps, arguments.fps);
   const std::string input = arguments.input.string();
-  if (!trajectory.timed && !arguments.quiet) {
+  if (!trajectory.timed && arguments.lever_arm && !arguments.quiet) {
     Warn(hooks, input +
                     ": no timestamps, so tyre slip is neglected: the scale may be off by up to 40 %; give --fps or "
                     "--timestamps");
   }
   if (trajectory.poses.size() < 2) throw InputError(input + ": has fewer than two poses");
   const RescaleOptions options = OptionsFrom(arguments, trajectory.timed);
-  const RescaleResult result = RescaleTrajectory(options, trajectory.poses);
+  const RescaleResult result =
+      RescaleTrajectory(options, trajectory.poses, {}, HeightsAlong(trajectory.poses, arguments.heights));
   if (!result.observable) {
     throw InputError(fmt::format("{}: scale not observable: {}", input, result.reason));
   }
   std::string tum;
   for (const StampedPose& pose : result.metric) tum += TumLine(pose);
   if (!arguments.out.empty()) ReplaceFile(arguments.out, tum);
-  if (arguments.report) WriteReport(*arguments.report, result, input, options.car.lever_arm, trajectory.timed);
-  if (const std::string warning = RescaleWarning(result); !warning.empty()) Warn(hooks, input + ": " + warning);
+  if (arguments.report) WriteReport(*arguments.report, result, input, options.car, trajectory.timed);
+  for (const std::string& warning : RescaleWarnings(result, options.car)) Warn(hooks, input + ": " + warning);
   return result;
 }
 

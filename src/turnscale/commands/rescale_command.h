@@ -13,11 +13,13 @@ namespace turnscale {
 /// Arguments of `rescale`, by the names of the program's options.
 struct RescaleArguments {
   std::filesystem::path input;
-  double lever_arm = 0;  ///< metres
+  std::optional<double> lever_arm;  ///< metres
   std::optional<double> lever_arm_sigma;
-  std::optional<double> side_slip;        ///< s^2/m
-  std::optional<double> side_slip_sigma;  ///< s^2/m
-  std::string camera_rotation = "auto";   ///< degrees, a file, "identity" or "auto"
+  std::optional<double> side_slip;               ///< s^2/m
+  std::optional<double> side_slip_sigma;         ///< s^2/m
+  std::optional<std::filesystem::path> heights;  ///< CSV file: time, height, sigma
+  std::optional<std::string> camera_height;      ///< metres, or "H,SIGMA"
+  std::string camera_rotation = "auto";          ///< degrees, a file, "identity" or "auto"
   std::optional<double> fps;
   std::optional<std::filesystem::path> timestamps;
   std::string drift = "auto";                ///< or "none"

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -33,20 +34,44 @@ TurnResult TurnOfPage(const TurnEstimate& turn, const RescaleResult& result) {
   return shown;
 }
 
+// Whether the road shows the scale at each pose.
+std::vector<char> PosesFromRoad(const RescaleResult& result) {
+  const ScaleEstimate& estimate = *result.estimate;
+  std::vector<char> from_road(result.metric.size(), 0);
+  for (size_t i = 0; i < estimate.segments.size(); ++i) {
+    if (!estimate.from_road[i]) continue;
+    const int first = result.steps[estimate.segments[i].first].first;
+    const int last = result.steps[estimate.segments[i].last].last;
+    std::fill(from_road.begin() + first + 1, from_road.begin() + last + 1, 1);
+  }
+  return from_road;
+}
+
+std::string ScaleNote(const RescaleResult& result, const CarPrior& car) {
+  const bool road =
+      std::any_of(result.steps.begin(), result.steps.end(), [](const VehicleStep& step) { return step.height > 0; });
+  if (!road) return "Scale estimated from the turns of the trajectory";
+  return car.knows_lever_arm() ? "Scale estimated from the turns of the trajectory and the heights above the road"
+                               : "Scale estimated from the heights above the road";
+}
+
 }  // namespace
 
-std::string RescalePage(const RescaleResult& result, const std::string& input, double lever_arm, bool timed) {
+std::string RescalePage(const RescaleResult& result, const std::string& input, const CarPrior& car, bool timed) {
   ReportData data;
   data.title = input;
   data.version = Version();
   data.metric = true;
-  data.notes = {fmt::format("Lever arm {:g} m", lever_arm), "Scale estimated from the turns of the trajectory"};
-  if (const std::string warning = RescaleWarning(result); !warning.empty()) data.warnings.push_back(warning);
+  if (car.knows_lever_arm()) data.notes.push_back(fmt::format("Lever arm {:g} m", car.lever_arm));
+  if (car.knows_height()) data.notes.push_back(fmt::format("Camera {:g} m above the road", car.camera_height));
+  data.notes.push_back(ScaleNote(result, car));
+  data.warnings = RescaleWarnings(result, car);
   if (!timed) data.warnings.push_back("The trajectory has no times: tyre slip is neglected, and there is no speed");
   data.timed = timed;
   data.has_tracking = false;
   data.vehicle_from_body = result.vehicle_from_camera;
   for (const TurnEstimate& turn : result.estimate->turns) data.turns.push_back(TurnOfPage(turn, result));
+  const std::vector<char> from_road = PosesFromRoad(result);
   for (size_t i = 0; i < result.metric.size(); ++i) {
     const int pose = static_cast<int>(i);
     FrameResult frame;
@@ -59,16 +84,19 @@ std::string RescalePage(const RescaleResult& result, const std::string& input, d
     const bool in_turn = std::any_of(data.turns.begin(), data.turns.end(), [&](const TurnResult& turn) {
       return turn.used && pose >= turn.first_frame && pose <= turn.last_frame;
     });
-    frame.scale_state = in_turn ? ScaleState::kObserved : ScaleState::kHeld;
+    frame.scale_state = in_turn ? ScaleState::kObserved : from_road[i] ? ScaleState::kFromRoad : ScaleState::kHeld;
     data.frames.push_back(frame);
     data.scale.push_back({pose, frame.time, result.poses[i].metres_per_unit, result.poses[i].sigma});
   }
-  if (timed) data.speeds = SpeedsOf(data.frames, lever_arm);
+  if (timed) data.speeds = SpeedsOf(data.frames, car.lever_arm);
   const auto used = std::count_if(data.turns.begin(), data.turns.end(), [](const auto& turn) { return turn.used; });
   data.facts = {{"Path length", fmt::format("{:.1f} m", result.length),
                  fmt::format("\u00b1{:.1f} % (1 sigma)", 100 * result.estimate->length_sigma)},
                 {"Poses", fmt::format("{}", result.metric.size()), ""},
                 {"Turns", fmt::format("{} of {}", used, data.turns.size()), "used for the scale"}};
+  if (const CarRefinement& refined = result.estimate->car; refined.camera_height > 0)
+    data.facts.push_back({"Camera height", fmt::format("{:.3f} m", refined.camera_height),
+                          fmt::format("\u00b1{:.3f} m above the road", refined.camera_height_sigma)});
   return ReportPage(std::filesystem::path(input).filename().string(), ReportJson(data));
 }
 

@@ -7,8 +7,8 @@
 
 namespace turnscale {
 
-/// The page of a rescaled trajectory, HTML. The result has to be observable. `lever_arm` in metres; `timed`: the poses'
-/// times are seconds.
-std::string RescalePage(const RescaleResult& result, const std::string& input, double lever_arm, bool timed);
+/// The page of a rescaled trajectory, HTML. The result has to be observable. `car` is as it was given; `timed`: the
+/// poses' times are seconds.
+std::string RescalePage(const RescaleResult& result, const std::string& input, const CarPrior& car, bool timed);
 
 }  // namespace turnscale

@@ -206,6 +206,9 @@ std::string RescaleJson(const RescaleResult& result, const std::string& input) {
   const YawPitchRoll camera = YawPitchRollFromRotation(result.vehicle_from_camera);
   const ScaleEstimate& estimate = *result.estimate;
   const CarRefinement& car = estimate.car;
+  const auto known = [](double metres) {
+    return metres > 0 ? nlohmann::ordered_json(metres) : nlohmann::ordered_json(nullptr);
+  };
   const nlohmann::ordered_json json = {{"input", input},
                                        {"poses", result.poses.size()},
                                        {"length_m", result.length},
@@ -224,16 +227,23 @@ std::string RescaleJson(const RescaleResult& result, const std::string& input) {
                                        {"yaw_error_sigma_deg", car.yaw_error_sigma * kDegreesPerRadian},
                                        {"side_slip_s2pm", car.side_slip},
                                        {"side_slip_sigma_s2pm", car.side_slip_sigma},
-                                       {"side_slip_at_bound", car.side_slip_at_bound}};
+                                       {"side_slip_at_bound", car.side_slip_at_bound},
+                                       {"camera_height_m", known(car.camera_height)},
+                                       {"camera_height_sigma_m", known(car.camera_height_sigma)}};
   return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
 
-std::string RescaleWarning(const RescaleResult& result) {
+std::vector<std::string> RescaleWarnings(const RescaleResult& result, const CarPrior& car) {
   const auto poses_of = [&](int index) {
     const TurnEstimate& turn = result.estimate->turns[index];
     return fmt::format("poses {}-{}", result.steps[turn.first_step].first, result.steps[turn.last_step].last);
   };
-  return TurnWarning(*result.estimate, poses_of, "the timestamps and the lever arm");
+  std::vector<std::string> warnings;
+  const std::string of_turns = TurnWarning(*result.estimate, poses_of, "the timestamps and the lever arm");
+  if (!of_turns.empty()) warnings.push_back(of_turns);
+  if (result.estimate->height_conflict)
+    warnings.push_back(HeightWarning(*result.estimate->height_conflict, car.lever_arm));
+  return warnings;
 }
 
 std::string RescaleText(const RescaleResult& result) {
@@ -255,6 +265,9 @@ std::string RescaleText(const RescaleResult& result) {
   } else if (car.side_slip_sigma > 0) {
     text += fmt::format("side slip     {:.4f} +- {:.4f} s^2/m\n", car.side_slip, car.side_slip_sigma);
   }
+  if (car.camera_height > 0)
+    text += fmt::format("height        camera {:.3f} +- {:.3f} m above the road\n", car.camera_height,
+                        car.camera_height_sigma);
   return text;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "turnscale/rescale/rescale.h"
 
@@ -16,8 +17,9 @@ std::string TurnScaleTable(const RescaleResult& result);
 /// summary.json: the numbers of the drive, with the unit in each name.
 std::string RescaleJson(const RescaleResult& result, const std::string& input);
 
-/// The warning if the turns contradict the estimate, one line; empty where they agree. There has to be an estimate.
-std::string RescaleWarning(const RescaleResult& result);
+/// Of turns that contradict the estimate, and of a lever arm and a camera height that disagree: a line each. There has
+/// to be an estimate. `car` is as it was given.
+std::vector<std::string> RescaleWarnings(const RescaleResult& result, const CarPrior& car);
 
 /// A few lines for the screen.
 std::string RescaleText(const RescaleResult& result);

@@ -62,6 +62,30 @@ void CheckTrajectory(const Trajectory& trajectory, bool timed, const std::vector
   }
 }
 
+void CheckHeights(const std::vector<PathHeight>& heights) {
+  for (std::size_t i = 0; i < heights.size(); ++i) {
+    const PathHeight& height = heights[i];
+    if (!(height.height > 0 && std::isfinite(height.height)))
+      throw InputError("height " + std::to_string(i) + " is not positive");
+    if (!(height.sigma > 0 && std::isfinite(height.sigma)))
+      throw InputError("the sigma of height " + std::to_string(i) + " is not positive");
+    if (!std::isfinite(height.time) || (i > 0 && !(height.time > heights[i - 1].time)))
+      throw InputError("the time of height " + std::to_string(i) + " does not come after the one before");
+  }
+}
+
+// Each step has the heights after its first pose and up to its last one.
+void SetHeights(const std::vector<PathHeight>& heights, const Trajectory& trajectory, std::vector<VehicleStep>& steps) {
+  auto height = heights.begin();
+  for (VehicleStep& step : steps) {
+    StepHeight mean;
+    while (height != heights.end() && height->time <= trajectory[step.first].time) ++height;
+    for (; height != heights.end() && height->time <= trajectory[step.last].time; ++height)
+      mean.Add(height->height, height->sigma);
+    if (!step.after_gap && step.usable) mean.SetOn(step);
+  }
+}
+
 CarPrior CarFor(const RescaleOptions& options, double yaw_sigma) {
   // Part of the lever arm that slip takes in turns of unknown speed, as in most drives of KITTI.
   constexpr double kUnknownSlip = 0.12;
@@ -158,15 +182,17 @@ void RescaleOptions::Check() const {
 }
 
 RescaleResult RescaleTrajectory(const RescaleOptions& options, const Trajectory& trajectory,
-                                const std::vector<PathGap>& gaps) {
+                                const std::vector<PathGap>& gaps, const std::vector<PathHeight>& heights) {
   options.Check();
   CheckTrajectory(trajectory, options.timed, gaps);
+  CheckHeights(heights);
   RescaleResult result;
   if (!FindMount(options, trajectory, gaps, result)) return result;
   Trajectory path = trajectory;
   for (StampedPose& pose : path)
     pose.world_from_camera.rotation = pose.world_from_camera.rotation * result.vehicle_from_camera.conjugate();
   result.steps = CutIntoSteps(path, gaps, options.timed, options.steps);
+  SetHeights(heights, trajectory, result.steps);
   if (!GoesForward(result.steps)) {
     result.reason =
         "with this camera rotation most steps go sideways, up, down or backwards; let the rotation be estimated "
@@ -174,7 +200,8 @@ RescaleResult RescaleTrajectory(const RescaleOptions& options, const Trajectory&
     return result;
   }
   ScaleEstimateResult estimate = EstimateScale(result.steps, CarFor(options, result.yaw_sigma), EstimatorFor(options));
-  result.reason = estimate.reason;
+  result.reason =
+      options.car.knows_lever_arm() || estimate.estimate ? estimate.reason : "too few heights above the road";
   result.estimate = std::move(estimate.estimate);
   result.observable = result.estimate.has_value();
   if (!result.observable) return result;
