@@ -107,6 +107,40 @@ TEST(OnlineCalibration, PitchingIsNotTakenForTurning) {
   }
 }
 
+// A corner, then a motorway in wide bends of even curvature. Errors of an odometry's rotation and of its direction of
+// travel go together, by the depth of the scene: in such a bend they look like a lever arm of that length, and the
+// yaw like what is left.
+std::vector<CameraStep> MotorwaySteps(int seed) {
+  constexpr double kPerFrame = 2.8;  // metres: 28 m/s
+  constexpr double kDepth = 40;      // metres
+  std::vector<DriveSegment> route = TestRoute({1}, 100);
+  route.push_back({300, kPerFrame, 0});
+  for (const double radius : {1300.0, -600.0, 2000.0, -1300.0}) {
+    route.push_back({400, kPerFrame, kPerFrame / radius});
+    route.push_back({100, kPerFrame, 0});
+  }
+  const Trajectory path = TestPath(route, {0.945, 0.0053}, Eigen::Quaterniond::Identity(), 0.02 * kDeg, seed);
+  Random random(static_cast<std::uint64_t>(200 + seed));
+  Trajectory disturbed{path.front()};
+  for (size_t i = 1; i < path.size(); ++i) {
+    RigidTransform motion = path[i - 1].world_from_camera.inverse() * path[i].world_from_camera;
+    const double error = 0.005 * kDeg * random.Gaussian();
+    motion.rotation = motion.rotation * RotationFromVector({0, error, 0});
+    motion.translation = RotationFromVector({0, kDepth / kPerFrame * error, 0}) * motion.translation;
+    disturbed.push_back({path[i].time, disturbed.back().world_from_camera * motion});
+  }
+  return StepsAlong(disturbed);
+}
+
+TEST(OnlineCalibration, ALongBendIsNotTakenForAMovedCamera) {
+  for (int seed = 1; seed <= 4; ++seed) {
+    OnlineCalibration online;
+    for (const CameraStep& step : MotorwaySteps(seed)) online.Add(step);
+    EXPECT_EQ(online.state().moves, 0) << seed;
+    EXPECT_LT(std::abs(online.state().angles.yaw), 0.3 * kDeg) << seed;
+  }
+}
+
 TEST(OnlineCalibrationOptions, RefuseSenselessValues) {
   using Options = OnlineCalibrationOptions;
   EXPECT_EQ(RefusedField<Options>([](Options& o) { o.window = 10; }), "window");

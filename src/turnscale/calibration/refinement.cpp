@@ -220,10 +220,12 @@ class Refiner {
     return equations;
   }
 
+  double LeverArmSigma() const { return std::max(kLeverArmSpread * usual_lever_arm_, least_lever_arm_sigma_); }
+
   // Of Q and the piece's lever arm.
   EliminatedStep ReducePiece(const Piece& piece, bool curvature) const {
     EliminatedStep block;
-    const double sigma = std::max(kLeverArmSpread * usual_lever_arm_, least_lever_arm_sigma_);
+    const double sigma = LeverArmSigma();
     block.hessian(3, 3) = 1 / (sigma * sigma);
     block.gradient[3] = (piece.lever_arm - usual_lever_arm_) / (sigma * sigma);
     for (size_t i = piece.first; i < piece.last; ++i) {
@@ -285,6 +287,8 @@ class Refiner {
       const EliminatedStep block = ReducePiece(piece, true);
       const Eigen::Vector3d share = block.hessian.topRightCorner<3, 1>() / block.hessian(3, 3);
       hessian += block.hessian.topLeftCorner<3, 3>() - share * block.hessian.bottomLeftCorner<1, 3>();
+      // The prior of the lever arm is uncertain, too.
+      scores += share * share.transpose() / (LeverArmSigma() * LeverArmSigma());
       for (size_t i = piece.first; i < piece.last; ++i) {
         if (steps_[i].length <= 0) continue;
         const EliminatedStep step = EliminateTurningAngle(states_[i], 1 / steps_[i].length, true);
