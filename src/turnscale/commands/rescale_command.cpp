@@ -107,7 +107,8 @@ RescaleResult ExecuteRescale(const RescaleArguments& arguments, const CommandHoo
   for (const StampedPose& pose : result.metric) tum += TumLine(pose);
   if (!arguments.out.empty()) ReplaceFile(arguments.out, tum);
   if (arguments.report) WriteReport(*arguments.report, result, input, options.car, trajectory.timed);
-  for (const std::string& warning : RescaleWarnings(result, options.car)) Warn(hooks, input + ": " + warning);
+  for (const std::string& warning : RescaleWarnings(result, options.car))
+    Warn(hooks, fmt::format("{}: {}", input, warning));
   return result;
 }
 
