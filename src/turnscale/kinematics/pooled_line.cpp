@@ -220,7 +220,6 @@ MedianScale MedianOfSteps(const std::vector<VehicleStep>& steps, const LeverArm&
   for (const VehicleStep& step : steps) {
     if (!step.usable || HalfTurn(step) == 0) continue;
     const PooledLine alone{.lever_arm = step.lateral() / HalfTurn(step),
-                           .by_roll_height = step.roll / HalfTurn(step),
                            .mean_square_speed = step.speed() * step.speed() * step.square_speed_ratio};
     inverse_scales.emplace_back(1.0 / MetresPerUnit(alone, lever_arm), 1.0);
   }

@@ -46,8 +46,9 @@ struct PooledLineOptions {
 };
 
 /// Robust line fit of one turn, which needs no scale: every step has a lateral displacement
-/// y = step sin(theta - psi/2) that is the effective lever arm times x = 2 sin(psi/2) (see the paper's (22)).
-/// The slope of the line through all of them is the effective lever arm in the odometry's unit of length.
+/// y = VehicleStep::lateral() that is the effective lever arm times x = 2 sin(psi/2) (see the paper's (22)), and the
+/// height of the camera above the axis of roll times VehicleStep::roll. The slope by x is the effective lever arm in
+/// the odometry's unit of length.
 struct PooledLine {
   double lever_arm = 0;  ///< effective lever arm, odometry units
   double sigma = 0;      ///< its standard deviation, from the scatter of the steps
@@ -72,8 +73,8 @@ struct PooledLineResult {
 /// Fits the line to the usable steps of a turn. Noise is assumed in y only, equal for all steps (position noise does
 /// not grow with the step) and independent from step to step. Sigma is too large where the camera centres jitter
 /// independently, since a centre's error enters two steps with opposite sign; it does not cover what all steps share:
-/// the camera's yaw, the slip of the tyres. What the roll of the body adds to y, by a height that fits best, is no
-/// noise.
+/// the camera's yaw, the slip of the tyres. The part of the residuals that is proportional to the roll does not count
+/// as noise; `lever_arm` is the slope with this part left in y.
 PooledLineResult PoolTurn(const std::vector<VehicleStep>& steps, const PooledLineOptions& options);
 
 /// The scale (metres per unit) lambda that gives this lever arm: the positive root of
