@@ -283,8 +283,9 @@ def rescale(path: Path, *, lever_arm: float | None = None, lever_arm_sigma: floa
     """
     found = _native.rescale({
         "input": path, "lever_arm": lever_arm, "lever_arm_sigma": lever_arm_sigma, "heights": heights,
-        "camera_height": list_text(camera_height), "side_slip": side_slip, "side_slip_sigma": side_slip_sigma, "camera_rotation": list_text(camera_rotation), "fps": fps,
-        "timestamps": timestamps, "drift": drift, "out": out, "report": report})
+        "camera_height": list_text(camera_height), "side_slip": side_slip, "side_slip_sigma": side_slip_sigma,
+        "camera_rotation": list_text(camera_rotation), "fps": fps, "timestamps": timestamps, "drift": drift, "out": out,
+        "report": report})
     return Rescaled(trajectory=from_tum(found["tum"]), scale=from_csv(found["scale"]), turns=from_csv(found["turns"]),
                     summary=json.loads(found["summary"]))
 

@@ -48,14 +48,10 @@ struct Track {
 };
 
 std::vector<Track> LongestTracks(const Map& map, const IntrinsicsWindow& window) {
-  std::vector<char> is_seen(map.landmarks.size(), 0);
-  for (int k = window.first; k <= window.last; ++k)
-    for (const KeyframeObservation& observation : map.keyframes[k].observations) is_seen[observation.landmark] = 1;
   std::vector<Track> tracks;
-  for (size_t i = 0; i < is_seen.size(); ++i) {
-    if (is_seen[i] == 0 || !map.landmarks[i].valid) continue;
-    Track track{static_cast<int>(i), {}};
-    for (const LandmarkObservation& observation : map.landmarks[i].observations)
+  for (const int landmark : LandmarksSeen(map, window.first, window.last)) {
+    Track track{landmark, {}};
+    for (const LandmarkObservation& observation : map.landmarks[landmark].observations)
       if (observation.keyframe >= window.first && observation.keyframe <= window.last)
         track.observations.push_back(observation);
     if (track.observations.size() < kFewestInTrack) continue;

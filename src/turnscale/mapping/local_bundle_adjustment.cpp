@@ -20,16 +20,12 @@ WindowProblem MakeWindowProblem(const Map& map, const Window& window, double pix
   const int keyframes = static_cast<int>(map.keyframes.size());
   WindowProblem problem;
   problem.window = window;
-  std::vector<char> is_seen(map.landmarks.size(), 0);
-  for (int k = window.first_free; k < keyframes; ++k)
-    for (const KeyframeObservation& seen : map.keyframes[k].observations) is_seen[seen.landmark] = 1;
   const auto in_window = [&](const LandmarkObservation& seen) { return seen.keyframe >= window.first; };
   size_t observations = 0;
-  for (size_t i = 0; i < is_seen.size(); ++i) {
-    if (is_seen[i] == 0 || !map.landmarks[i].valid) continue;
-    const auto count = std::ranges::count_if(map.landmarks[i].observations, in_window);
+  for (const int landmark : LandmarksSeen(map, window.first_free, keyframes - 1)) {
+    const auto count = std::ranges::count_if(map.landmarks[landmark].observations, in_window);
     if (count < 2) continue;
-    problem.landmarks.push_back(static_cast<int>(i));
+    problem.landmarks.push_back(landmark);
     observations += static_cast<size_t>(count);
   }
 

@@ -12,6 +12,16 @@ double TurnBetween(const Map& map, int from, int to) {
                        map.keyframes[from].camera_from_world.rotation.conjugate());
 }
 
+std::vector<int> LandmarksSeen(const Map& map, int first, int last) {
+  std::vector<char> is_seen(map.landmarks.size(), 0);
+  for (int k = first; k <= last; ++k)
+    for (const KeyframeObservation& seen : map.keyframes[k].observations) is_seen[seen.landmark] = 1;
+  std::vector<int> landmarks;
+  for (size_t i = 0; i < is_seen.size(); ++i)
+    if (is_seen[i] != 0 && map.landmarks[i].valid) landmarks.push_back(static_cast<int>(i));
+  return landmarks;
+}
+
 void AddObservation(Map& map, int keyframe, int landmark, const Eigen::Vector2d& pixel) {
   map.keyframes[keyframe].observations.push_back({landmark, pixel});
   map.landmarks[landmark].observations.push_back({keyframe, pixel});

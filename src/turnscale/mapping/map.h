@@ -57,6 +57,9 @@ inline Eigen::Vector3d Centre(const Keyframe& keyframe) { return keyframe.camera
 /// By how much the camera turned from one keyframe to another, radians.
 double TurnBetween(const Map& map, int from, int to);
 
+/// Valid landmarks that any of the keyframes `first`...`last` saw, in ascending order.
+std::vector<int> LandmarksSeen(const Map& map, int first, int last);
+
 /// Records that a keyframe saw a landmark, on both sides.
 void AddObservation(Map& map, int keyframe, int landmark, const Eigen::Vector2d& pixel);
 

@@ -76,7 +76,6 @@ void MapArchive::AddBlock(int last, double correction, Map& map) {
   block.end = last;
   block.correction = correction;
   Contents contents;
-  std::vector<int> landmarks;
   for (int k = block.first; k < last; ++k) {
     const size_t before = contents.observations.size();
     for (const KeyframeObservation& seen : map.keyframes[k].observations) {
@@ -85,13 +84,10 @@ void MapArchive::AddBlock(int last, double correction, Map& map) {
       if (landmark.archived_as < 0) landmark.archived_as = numbers_++;
       contents.observations.push_back(
           {landmark.archived_as, static_cast<float>(seen.pixel.x()), static_cast<float>(seen.pixel.y())});
-      landmarks.push_back(seen.landmark);
     }
     contents.observation_counts.push_back(static_cast<int>(contents.observations.size() - before));
   }
-  std::ranges::sort(landmarks);
-  landmarks.erase(std::unique(landmarks.begin(), landmarks.end()), landmarks.end());
-  for (const int index : landmarks) {
+  for (const int index : LandmarksSeen(map, block.first, last - 1)) {
     contents.numbers.push_back(map.landmarks[index].archived_as);
     const Eigen::Vector3d& x = map.landmarks[index].position;
     contents.positions.insert(contents.positions.end(), {x.x(), x.y(), x.z()});

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "turnscale/mapping/map.h"
 
+#include <utility>
+#include <vector>
+
 #include <gtest/gtest.h>
 
 #include "turnscale/geometry/rotation.h"
@@ -37,6 +40,16 @@ TEST(Map, TurnBetweenKeyframesIsInRadians) {
   EXPECT_NEAR(TurnBetween(map, 1, 2), 0.4, 1e-12);
   EXPECT_NEAR(TurnBetween(map, 2, 1), 0.4, 1e-12);
   EXPECT_EQ(TurnBetween(map, 0, 0), 0);
+}
+
+TEST(Map, LandmarksSeenAreValidAndEachOnce) {
+  Map map = EmptyMap(4, 5);
+  for (const auto& [keyframe, landmark] : {std::pair{0, 1}, {1, 4}, {1, 2}, {2, 2}, {2, 3}, {3, 0}})
+    AddObservation(map, keyframe, landmark, {0, 0});
+  map.landmarks[3].valid = false;
+  EXPECT_EQ(LandmarksSeen(map, 1, 2), (std::vector<int>{2, 4}));
+  EXPECT_EQ(LandmarksSeen(map, 0, 3), (std::vector<int>{0, 1, 2, 4}));
+  EXPECT_TRUE(LandmarksSeen(map, 2, 1).empty());
 }
 
 TEST(Map, RemovingAnObservationLeavesTheOthers) {
