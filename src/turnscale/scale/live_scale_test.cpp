@@ -212,7 +212,7 @@ TEST(LiveScale, AgreesWithTheSmootherAtTheEndOfEachTurn) {
     DriveErrors errors = kNoise;
     errors.per_100m = 0.01;
     errors.per_90deg = 0.005;
-    errors.lever_arm = 0.015;
+    errors.lever_arm = EvidenceOptions().turn_sigma;
     const std::vector<VehicleStep> steps = MakeSteps(TownRoad(8, seed), kCar, 0.003, kUnit, errors, seed).steps;
     LiveScale live(Prior(), {});
     int turns = 0;

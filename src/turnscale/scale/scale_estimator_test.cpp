@@ -76,7 +76,7 @@ TEST(ScaleEstimator, FindsTheMetreOfAPerfectDrive) {
     EXPECT_NEAR(turn.as_given / kUnit, 1, 1e-5);
     EXPECT_NEAR(turn.smoothed / kUnit, 1, 1e-5);
     EXPECT_EQ(turn.weight, 1);
-    EXPECT_GT(turn.own_sigma, 0.015) << "the least that a turn may differ by";
+    EXPECT_GT(turn.own_sigma, EvidenceOptions().turn_sigma) << "the least that a turn may differ by";
     EXPECT_LT(turn.smoothed_sigma, turn.own_sigma + 0.03);
     EXPECT_NEAR(turn.lever_arm_units * kUnit, kCar.At(turn.speed_units * kUnit), 1e-5);
   }
@@ -287,7 +287,7 @@ void ExpectGoesThroughItsTurns(const ScaleEstimate& estimate) {
   for (std::size_t i = 0; i < estimate.segments.size(); ++i) {
     if (!estimate.segments[i].turning) continue;
     const TurnEstimate& turn = estimate.turns[next++];
-    if (turn.used) {
+    if (turn.followed) {
       EXPECT_NEAR(estimate.smoothed[i].metres_per_unit() / turn.as_given, 1, 1e-9);
     }
   }

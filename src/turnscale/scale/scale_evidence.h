@@ -77,8 +77,8 @@ struct RoadEvidenceOptions {
 struct EvidenceOptions {
   PooledLineOptions line;
   /// Effective lever arm of a turn, relative: effects not modelled (road bank, transients of the tyres, drift of the
-  /// odometry within the turn). Turns of simulated cars with sprung bodies scatter by half as much.
-  double turn_sigma = 0.015;
+  /// odometry within the turn). As turns of simulated cars with sprung bodies scatter.
+  double turn_sigma = 0.0075;
   /// Height of the camera above the axis about which the body rolls, metres.
   double roll_height = kUsualRollHeight;
   double roll_height_sigma = 0.35;  ///< its standard deviation over cars and cameras, metres
