@@ -66,10 +66,10 @@ def _parser():
     parser.add_argument("--timeout", type=_seconds, metavar="S", help="End a run after so many seconds: it has failed")
     parser.add_argument("--redo-failed", action="store_true", help="Run drives again that have failed before")
     parser.add_argument("--no-second-pass", action="store_true",
-                        help="Do not run drives again with what all drives of their vehicle tell; keep the results "
-                             "of earlier second passes")
+                        help="Do not run drives again with the joint estimates of their vehicle; keep the results of "
+                             "earlier second passes")
     parser.add_argument("--attempts", type=_count, default=5, metavar="N",
-                        help="Times that a drive is begun whose worker dies [5]")
+                        help="Attempts per run of a drive if its worker dies [5]")
     parser.add_argument("--program", metavar="FILE", default=os.environ.get("TURNSCALE_PROGRAM", "turnscale"),
                         help="The program turnscale on the workers [this one]")
     parser.add_argument("--quiet", action="store_true", help="Print failures and errors only")
