@@ -44,8 +44,6 @@ void VisitScaleSettings(Visitor& visitor, ScaleOptions& options) {
   visitor.Group("evidence", [&] {
     auto& o = options.estimator.evidence;
     visitor.Field("turn_sigma", o.turn_sigma);
-    visitor.Field("roll_height", o.roll_height);
-    visitor.Field("roll_height_sigma", o.roll_height_sigma);
     visitor.Field("slip_sigma", o.slip_sigma);
     visitor.Degrees("turn_direction_sigma_deg", o.turn_direction_sigma);
     visitor.Degrees("straight_direction_sigma_deg", o.straight_direction_sigma);
@@ -95,6 +93,8 @@ void VisitSettings(Visitor& visitor, OdometryOptions& options) {
     visitor.Field("camera_height_sigma", o.camera_height_sigma);
     visitor.Field("height_correlation", o.height_correlation);
     visitor.Field("height_slip_correlation", o.height_slip_correlation);
+    visitor.Field("roll_height", o.roll_height);
+    visitor.Field("roll_height_sigma", o.roll_height_sigma);
   });
   visitor.Group("images", [&] { visitor.Field("max_width", options.images.max_width); });
   visitor.Group("corners", [&] {

@@ -18,6 +18,7 @@ constexpr double kTapeSigma = 0.03;
 /// Height of a car's camera above the axis about which its body rolls, metres: cameras are 1.2 to 1.7 m above the road,
 /// the axis is near the road.
 constexpr double kUsualRollHeight = 1.1;
+constexpr double kUsualRollHeightSigma = 0.35;  ///< its standard deviation over cars and cameras, metres
 
 /// Distance of the camera ahead of the point without lateral velocity.
 struct LeverArm {

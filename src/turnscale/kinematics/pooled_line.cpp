@@ -65,6 +65,16 @@ std::string Text(const char* format, double a, double b) {
 
 double HalfTurn(const VehicleStep& step) { return 2.0 * std::sin(0.5 * step.motion.psi); }
 
+// Distance ahead, odometry units. Negative in reverse, where errors of the direction and the slip of the tyres move the
+// camera to the other side.
+double Forward(const VehicleStep& step) {
+  return step.motion.step * std::cos(step.motion.theta - 0.5 * step.motion.psi);
+}
+
+double SignedSquareSpeed(const VehicleStep& step) {
+  return std::copysign(step.speed() * step.speed() * step.square_speed_ratio, Forward(step));
+}
+
 // Least length that acts in a turn, over the lever arm.
 constexpr double kLeastLength = 0.1;
 // Greatest height above the axis of roll, over the lever arm.
@@ -77,7 +87,8 @@ double LengthIn(const PooledLine& line, const LeverArm& lever_arm) {
 
 bool IsFinite(const VehicleStep& step) {
   const TurningMotion& motion = step.motion;
-  return std::isfinite(motion.psi) && std::isfinite(motion.theta) && std::isfinite(motion.step) && motion.step >= 0;
+  return std::isfinite(motion.psi) && std::isfinite(step.lateral()) && std::isfinite(step.roll) &&
+         std::isfinite(step.square_speed_ratio) && motion.step >= 0;
 }
 
 std::vector<VehicleStep> Usable(std::vector<VehicleStep> steps) {
@@ -119,11 +130,9 @@ PooledLine Describe(const std::vector<VehicleStep>& steps, const RobustLine& fit
   for (std::size_t i = 0; i < steps.size(); ++i) {
     const double x = HalfTurn(steps[i]);
     xx += fit.weight[i] * x * x;
-    // Negative in reverse, where an error of the direction moves the camera to the other side.
-    const double forward = steps[i].motion.step * std::cos(steps[i].motion.theta - 0.5 * steps[i].motion.psi);
-    line.by_direction += fit.weight[i] * x * forward;
+    line.by_direction += fit.weight[i] * x * Forward(steps[i]);
     line.by_roll_height += fit.weight[i] * x * steps[i].roll;
-    line.mean_square_speed += fit.weight[i] * x * x * steps[i].speed() * steps[i].speed() * steps[i].square_speed_ratio;
+    line.mean_square_speed += fit.weight[i] * x * x * SignedSquareSpeed(steps[i]);
     line.angle += steps[i].motion.psi;
     if (fit.weight[i] >= kInlierWeight) ++line.inliers;
   }
@@ -219,8 +228,7 @@ MedianScale MedianOfSteps(const std::vector<VehicleStep>& steps, const LeverArm&
   std::vector<std::pair<double, double>> inverse_scales;
   for (const VehicleStep& step : steps) {
     if (!step.usable || HalfTurn(step) == 0) continue;
-    const PooledLine alone{.lever_arm = step.lateral() / HalfTurn(step),
-                           .mean_square_speed = step.speed() * step.speed() * step.square_speed_ratio};
+    const PooledLine alone{.lever_arm = step.lateral() / HalfTurn(step), .mean_square_speed = SignedSquareSpeed(step)};
     inverse_scales.emplace_back(1.0 / MetresPerUnit(alone, lever_arm), 1.0);
   }
   MedianScale scale;

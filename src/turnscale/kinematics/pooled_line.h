@@ -57,7 +57,8 @@ struct PooledLine {
   /// Derivative of `lever_arm` by the height of the camera above the axis of roll. Small over a whole turn, into which
   /// the body leans and out of which it comes up again.
   double by_roll_height = 0;
-  /// Of the speed, weighted as the steps, (units/s)^2; 0 if times are unknown.
+  /// Of the speed, weighted as the steps, (units/s)^2; 0 if times are unknown. Steps in reverse count negative: there
+  /// the tyres' slip moves the camera to the other side.
   double mean_square_speed = 0;
   double angle = 0;  ///< sum of psi, rad
   int steps = 0;
@@ -80,7 +81,8 @@ PooledLineResult PoolTurn(const std::vector<VehicleStep>& steps, const PooledLin
 /// The scale (metres per unit) lambda that gives this lever arm: the positive root of
 ///   lambda (lever_arm - direction by_direction) + c lambda^2 mean_square_speed = L + roll_height by_roll_height.
 /// `direction` is the direction of travel on straights, rad: minus the yaw error of Q. Infinite if the camera does
-/// not move outwards and there is no slip. Multiplying all lengths of the turn by k divides lambda by k.
+/// not move outwards and there is no slip, or if it swings out by less than slip in reverse requires. Multiplying all
+/// lengths of the turn by k divides lambda by k.
 double MetresPerUnit(const PooledLine& line, const LeverArm& lever_arm, double direction = 0);
 
 /// Ratio of the effective to the measured lever arm in the turn at this scale: (L - c v^2) / L. Negative beyond

@@ -46,6 +46,15 @@ std::vector<VehicleStep> EvenCorner(const LeverArm& lever_arm) {
   return CornerAt(lever_arm, 1, [](double) { return 0.7; });
 }
 
+/// The same way backwards: each step seen from its end.
+std::vector<VehicleStep> Reversed(std::vector<VehicleStep> steps) {
+  for (VehicleStep& step : steps) {
+    step.motion.theta = M_PI + step.motion.theta - step.motion.psi;
+    step.motion.psi *= -1;
+  }
+  return steps;
+}
+
 /// Moves the camera sideways by normal noise of `sigma` units in each step.
 void AddSidewaysNoise(double sigma, unsigned seed, std::vector<VehicleStep>& steps) {
   std::mt19937 random(seed);
@@ -200,13 +209,18 @@ TEST(PooledLine, LeftAndRightAreMirrorImages) {
 }
 
 TEST(PooledLine, HoldsInReverse) {
-  std::vector<VehicleStep> steps = Corner(kRigid);
-  for (VehicleStep& step : steps) {
-    // The same step seen from its end, backwards.
-    step.motion.theta = M_PI + step.motion.theta - step.motion.psi;
-    step.motion.psi *= -1;
-  }
+  std::vector<VehicleStep> steps = Reversed(Corner(kRigid));
   EXPECT_NEAR(Scale(steps, kRigid) / kMetresPerUnit, 1.0, 1e-12);
+}
+
+// The tyres slip outwards in reverse as well, which takes a camera ahead of them the other way about the turn.
+TEST(PooledLine, SlipInReverseLengthensTheLeverArm) {
+  const LeverArm acting{kSlipping.length + kSlipping.side_slip * 49};
+  const std::vector<VehicleStep> steps = Reversed(EvenCorner(acting));
+  EXPECT_NEAR(Scale(steps, kSlipping) / kMetresPerUnit, 1.0, 1e-12);
+  EXPECT_LT(LineOf(steps).mean_square_speed, 0);
+  EXPECT_GT(LeverArmRatio(LineOf(steps), kSlipping, kMetresPerUnit), 1);
+  EXPECT_NEAR(MedianScaleOf(steps, kSlipping) / kMetresPerUnit, 1.0, 1e-12);
 }
 
 TEST(PooledLine, UnitOfLengthCancels) {

@@ -49,6 +49,8 @@ CarPrior PriorOf(const VehicleOptions& vehicle, const Mount& mount) {
   car.side_slip = vehicle.side_slip;
   car.side_slip_sigma = vehicle.side_slip_sigma;
   car.yaw_sigma = YawSigma(vehicle, mount);
+  car.roll_height = vehicle.roll_height;
+  car.roll_height_sigma = vehicle.roll_height_sigma;
   return car;
 }
 

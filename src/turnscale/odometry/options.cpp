@@ -25,6 +25,9 @@ void VehicleOptions::Check() const {
   if (!(side_slip_sigma >= 0 && side_slip_sigma < 1))
     throw InputError("vehicle.side_slip_sigma: has to be in 0...1 s^2/m");
   if (!(yaw_sigma > 0 && yaw_sigma < 1)) throw InputError("vehicle.yaw_sigma: has to be above 0 and below 1 rad");
+  if (!(roll_height >= 0 && roll_height < 10)) throw InputError("vehicle.roll_height: has to be from 0 to below 10 m");
+  if (!(roll_height_sigma >= 0 && roll_height_sigma < 10))
+    throw InputError("vehicle.roll_height_sigma: has to be from 0 to below 10 m");
   if (!(std::abs(vehicle_from_camera.norm() - 1) < 1e-6))
     throw InputError("vehicle.vehicle_from_camera: has to be a rotation");
 }

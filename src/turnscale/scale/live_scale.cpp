@@ -28,8 +28,13 @@ std::optional<double> UsualMetresPerUnit(const std::vector<VehicleStep>& steps) 
   return length > 0 && duration > 0 ? std::optional(kUsualSpeed * duration / length) : std::nullopt;
 }
 
-// Tyres do not slip inwards.
-void HoldSlip(ScaleBelief& belief) { belief.mean[kSlip] = std::max(belief.mean[kSlip], 0.0); }
+// Tyres do not slip inwards: a negative slip-angle coefficient becomes 0, and the other unknowns what they are then.
+// The covariance stays.
+void HoldSlip(ScaleBelief& belief) {
+  if (belief.mean[kSlip] >= 0) return;
+  belief.mean -= belief.covariance.col(kSlip) * (belief.mean[kSlip] / belief.covariance(kSlip, kSlip));
+  belief.mean[kSlip] = 0;
+}
 
 }  // namespace
 
@@ -142,7 +147,7 @@ std::optional<ScaleBelief> LiveScale::WithTurn(const ScaleBelief& belief, const 
   ScaleBelief start = belief;
   if (!WhyUnusable(*evidence.turn, belief.mean, options_.evidence).empty()) return std::nullopt;
   if (!started_ && belief.sigma() > kUnknownScale) {
-    const double log_scale = std::log(OwnScale(evidence, belief.mean, options_.evidence));
+    const double log_scale = std::log(OwnScale(evidence, belief.mean));
     // The road has shown the ratio of height and scale so far. A height that is given stays.
     if (!car_.knows_height()) start.mean[kLogHeight] += log_scale - start.mean[kLogScale];
     start.mean[kLogScale] = log_scale;

@@ -38,7 +38,7 @@ Selection SelectTurns(const std::vector<SegmentEvidence>& gathered, const CarPri
     segment.reason =
         car.knows_lever_arm() ? WhyUnusable(*segment.turn, state, options) : std::string("no lever arm given");
     if (segment.reason.empty())
-      selection.log_scales.emplace_back(std::log(OwnScale(segment, state, options)), std::abs(segment.turn->angle));
+      selection.log_scales.emplace_back(std::log(OwnScale(segment, state)), std::abs(segment.turn->angle));
     else
       segment.turn.reset();
   }
@@ -168,8 +168,8 @@ TurnEstimate DescribeTurn(const ScaleProblem& problem, int place, const CarPrior
   turn.reason = evidence.reason;
   if (!turn.used) return turn;
   turn.lever_arm_units = evidence.turn->lever_arm;
-  turn.speed_units = std::sqrt(evidence.turn->mean_square_speed);
-  turn.own = turn.as_given = OwnScale(evidence, PriorState(car, 0), problem.options);
+  turn.speed_units = std::sqrt(std::abs(evidence.turn->mean_square_speed));
+  turn.own = turn.as_given = OwnScale(evidence, PriorState(car, 0));
   if (!std::isfinite(turn.as_given)) return turn;
   const Measurement measurement = *Linearize(evidence, PriorState(car, std::log(turn.as_given)), problem.options);
   turn.own_sigma = turn.as_given_sigma = std::sqrt(measurement.variance) / std::abs(measurement.by_state[kLogScale]);
@@ -256,7 +256,7 @@ void CompareTurns(const Answer& answer, const CarPrior& car, const TurnTestOptio
     const SegmentEvidence& evidence = problem.evidence[turn.segment];
     const ScaleBelief& belief = estimate.smoothed[turn.segment];
     const Measurement measurement = *Linearize(evidence, belief.mean, problem.options);
-    turn.own = OwnScale(evidence, belief.mean, problem.options);
+    turn.own = OwnScale(evidence, belief.mean);
     turn.own_sigma = std::sqrt(measurement.variance) / std::abs(measurement.by_state[kLogScale]);
     turn.weight = evidence.weight;
     turn.deviation = measurement.innovation / std::sqrt(measurement.variance);

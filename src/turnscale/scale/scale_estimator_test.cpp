@@ -381,7 +381,7 @@ struct Coverage {
   int yaw_two = 0;
 };
 
-Coverage Cover(const CarPrior& prior, int turns, int drives) {
+Coverage Cover(const CarPrior& prior, int turns, double slope, int drives) {
   Coverage coverage;
   const ScaleEstimatorOptions options;
   const DriveErrors errors = AsStated(options);
@@ -394,7 +394,10 @@ Coverage Cover(const CarPrior& prior, int turns, int drives) {
     } while (truth.side_slip < 0);
     const double direction = prior.yaw_sigma * random.Gaussian();
     const double unit = std::exp(random.Uniform(-2, 4));
-    const SyntheticSteps drive = MakeSteps(TownRoad(turns, seed), truth, direction, unit, errors, seed);
+    truth.roll_height = std::max(prior.roll_height + prior.roll_height_sigma * random.Gaussian(), 0.0);
+    std::vector<StretchOfRoad> road = TownRoad(turns, seed);
+    for (StretchOfRoad& stretch : road) stretch.roll = slope;
+    const SyntheticSteps drive = MakeSteps(road, truth, direction, unit, errors, seed);
     const ScaleEstimateResult result = EstimateScale(drive.steps, prior, options);
     if (!result.estimate) continue;
     const ScaleEstimate& estimate = *result.estimate;
@@ -427,13 +430,15 @@ TEST(ScaleEstimator, SigmaCoversWhatItSays) {
     for (const double slip_sigma : {kUsualSideSlipSigma, kGivenSideSlipSigma * kUsualSideSlip}) {
       CarPrior prior = PriorOf(kCar);
       prior.side_slip_sigma = slip_sigma;
-      const Coverage coverage = Cover(prior, turns, kDrives);
-      SCOPED_TRACE(testing::Message() << turns << " turns, slip +-" << slip_sigma);
-      EXPECT_GE(coverage.drives, 0.99 * kDrives);
-      EXPECT_LE(coverage.fell_back, 0.01 * kDrives);
-      ExpectHonest(coverage.length_one, coverage.length_two, coverage.drives, "length");
-      ExpectHonest(coverage.slip_one, coverage.slip_two, coverage.drives, "slip");
-      ExpectHonest(coverage.yaw_one, coverage.yaw_two, coverage.drives, "yaw");
+      for (const double slope : {0.0, 0.12}) {
+        const Coverage coverage = Cover(prior, turns, slope, kDrives);
+        SCOPED_TRACE(testing::Message() << turns << " turns, slip +-" << slip_sigma << ", slope " << slope);
+        EXPECT_GE(coverage.drives, 0.99 * kDrives);
+        EXPECT_LE(coverage.fell_back, 0.01 * kDrives);
+        ExpectHonest(coverage.length_one, coverage.length_two, coverage.drives, "length");
+        ExpectHonest(coverage.slip_one, coverage.slip_two, coverage.drives, "slip");
+        ExpectHonest(coverage.yaw_one, coverage.yaw_two, coverage.drives, "yaw");
+      }
     }
   }
 }

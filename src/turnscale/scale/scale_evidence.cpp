@@ -32,8 +32,8 @@ bool IsPart(const std::vector<PathSegment>& segments, std::size_t i) {
   return (i > 0 && continues(i - 1, i)) || continues(i, i + 1);
 }
 
-LeverArm LeverArmOf(const DriveState& state, const EvidenceOptions& options) {
-  return {std::exp(state[kLogLeverArm]), std::max(state[kSlip], 0.0), options.roll_height};
+LeverArm LeverArmOf(const DriveState& state) {
+  return {std::exp(state[kLogLeverArm]), std::max(state[kSlip], 0.0), state[kRollHeight]};
 }
 
 double MedianLeverArm(const std::vector<SegmentEvidence>& evidence) {
@@ -71,6 +71,8 @@ void CarPrior::Check() const {
   require(height_correlation * height_correlation + height_slip_correlation * height_slip_correlation < 1,
           "car.height_correlation, car.height_slip_correlation: the sum of their squares has to be below 1");
   require(yaw_sigma > 0 && yaw_sigma < 1, "car.yaw_sigma: has to be above 0 and below 1 rad");
+  require(roll_height >= 0 && roll_height < 10, "car.roll_height: has to be from 0 to below 10 m");
+  require(roll_height_sigma >= 0 && roll_height_sigma < 10, "car.roll_height_sigma: has to be from 0 to below 10 m");
 }
 
 void RoadEvidenceOptions::Check() const {
@@ -90,9 +92,6 @@ void EvidenceOptions::Check() const {
     if (!good) throw InputError(what);
   };
   require(turn_sigma > 0 && turn_sigma < 1, "evidence.turn_sigma: has to be above 0 and below 1");
-  require(roll_height >= 0 && roll_height < 10, "evidence.roll_height: has to be from 0 to below 10 m");
-  require(roll_height_sigma >= 0 && roll_height_sigma < 10,
-          "evidence.roll_height_sigma: has to be from 0 to below 10 m");
   require(slip_sigma >= 0 && slip_sigma < 10, "evidence.slip_sigma: has to be from 0 to below 10");
   require(turn_direction_sigma >= 0 && turn_direction_sigma < 1,
           "evidence.turn_direction_sigma: has to be from 0 to below 1 rad");
@@ -212,22 +211,22 @@ std::optional<Measurement> Linearize(const SegmentEvidence& evidence, const Driv
   const PooledLine& turn = *evidence.turn;
   const double scale = std::exp(state[kLogScale]);
   const double lever_arm = std::exp(state[kLogLeverArm]) / scale;
-  const double roll = options.roll_height * turn.by_roll_height / scale;
+  const double roll = state[kRollHeight] * turn.by_roll_height / scale;
   const double slip = state[kSlip] * scale * turn.mean_square_speed;
   measurement.innovation = turn.lever_arm - (lever_arm + roll - slip + state[kDirection] * turn.by_direction);
   measurement.by_state[kLogScale] = -lever_arm - roll - slip;
   measurement.by_state[kDirection] = turn.by_direction;
   measurement.by_state[kSlip] = -scale * turn.mean_square_speed;
   measurement.by_state[kLogLeverArm] = lever_arm;
+  measurement.by_state[kRollHeight] = turn.by_roll_height / scale;
   const auto square = [](double value) { return value * value; };
   measurement.variance = square(turn.sigma) + square(options.turn_sigma * lever_arm) +
-                         square(options.slip_sigma * slip) + square(options.turn_direction_sigma * turn.by_direction) +
-                         square(options.roll_height_sigma * turn.by_roll_height / scale);
+                         square(options.slip_sigma * slip) + square(options.turn_direction_sigma * turn.by_direction);
   return measurement;
 }
 
 std::string WhyUnusable(const PooledLine& turn, const DriveState& state, const EvidenceOptions& options) {
-  const LeverArm lever_arm = LeverArmOf(state, options);
+  const LeverArm lever_arm = LeverArmOf(state);
   const double scale = MetresPerUnit(turn, lever_arm, state[kDirection]);
   if (!std::isfinite(scale)) return "the camera does not move outwards as the lever arm requires";
   if (LeverArmRatio(turn, lever_arm, scale) < options.min_lever_arm_ratio)
@@ -235,8 +234,8 @@ std::string WhyUnusable(const PooledLine& turn, const DriveState& state, const E
   return {};
 }
 
-double OwnScale(const SegmentEvidence& evidence, const DriveState& state, const EvidenceOptions& options) {
-  return MetresPerUnit(*evidence.turn, LeverArmOf(state, options), state[kDirection]);
+double OwnScale(const SegmentEvidence& evidence, const DriveState& state) {
+  return MetresPerUnit(*evidence.turn, LeverArmOf(state), state[kDirection]);
 }
 
 }  // namespace turnscale

@@ -26,6 +26,8 @@ struct CarPrior {
   double side_slip_sigma = kUsualSideSlipSigma;  ///< 0 where c is known exactly
   /// Of the yaw error of Q, rad (0.3 deg: at which the calibration from the camera's motion is first used).
   double yaw_sigma = 0.3 / 57.295779513082320877;
+  double roll_height = kUsualRollHeight;             ///< h: above the axis about which the body rolls, metres
+  double roll_height_sigma = kUsualRollHeightSigma;  ///< metres
   /// H: height of the camera above the road, metres. 0: not known; estimated in turns.
   double camera_height = 0;
   double camera_height_sigma = 0;  ///< metres
@@ -47,6 +49,7 @@ enum DriveUnknown {
   kDirection,    ///< direction of travel on straights according to Q, rad, positive to the right: minus Q's yaw error
   kSlip,         ///< c, s^2/m
   kLogLeverArm,  ///< ln(L), L in metres
+  kRollHeight,   ///< h, metres
   kLogHeight,    ///< ln(H), H in metres
   /// Deviation of the height above the road from H, in its standard deviations: load, slope, crown of the road.
   /// Exponentially correlated along the drive.
@@ -79,9 +82,6 @@ struct EvidenceOptions {
   /// Effective lever arm of a turn, relative: effects not modelled (road bank, transients of the tyres, drift of the
   /// odometry within the turn). As turns of simulated cars with sprung bodies scatter.
   double turn_sigma = 0.0075;
-  /// Height of the camera above the axis about which the body rolls, metres.
-  double roll_height = kUsualRollHeight;
-  double roll_height_sigma = 0.35;  ///< its standard deviation over cars and cameras, metres
   /// Side slip of a turn, relative: grip and load differ from turn to turn.
   double slip_sigma = 0.2;
   /// Direction of travel in a turn, rad (0.05 deg): road bank.
@@ -141,7 +141,7 @@ struct Measurement {
 };
 
 /// The segment's measurement at a state; empty if it has none.
-///   turn:      lever_arm = (L + roll_height * by_roll_height) / lambda - c lambda u^2 + direction * by_direction,
+///   turn:      lever_arm = (L + h * by_roll_height) / lambda - c lambda u^2 + direction * by_direction,
 ///              u^2 mean square speed in units/s
 ///   straight:  direction
 std::optional<Measurement> Linearize(const SegmentEvidence& evidence, const DriveState& state,
@@ -155,6 +155,6 @@ Measurement LinearizeRoad(const RoadEvidence& road, const DriveState& state, con
 std::string WhyUnusable(const PooledLine& turn, const DriveState& state, const EvidenceOptions& options);
 
 /// The single-turn scale (metres per unit), the other unknowns as in `state`.
-double OwnScale(const SegmentEvidence& evidence, const DriveState& state, const EvidenceOptions& options);
+double OwnScale(const SegmentEvidence& evidence, const DriveState& state);
 
 }  // namespace turnscale

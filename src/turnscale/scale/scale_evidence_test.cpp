@@ -16,7 +16,8 @@ constexpr double kHeight = 1.5;  // metres
 
 DriveState StateOf(double metres_per_unit, double direction, const LeverArm& car) {
   DriveState state;
-  state << std::log(metres_per_unit), direction, car.side_slip, std::log(car.length), std::log(kHeight), 0;
+  state << std::log(metres_per_unit), direction, car.side_slip, std::log(car.length), car.roll_height,
+      std::log(kHeight), 0;
   return state;
 }
 
@@ -33,7 +34,7 @@ SegmentEvidence RandomTurn(Random& random) {
 
 DriveState RandomState(Random& random) {
   return StateOf(std::exp(random.Uniform(1, 3)), random.Uniform(-0.02, 0.02),
-                 {random.Uniform(0.5, 2.5), random.Uniform(0, 0.01)});
+                 {random.Uniform(0.5, 2.5), random.Uniform(0, 0.01), random.Uniform(0, 2)});
 }
 
 std::vector<VehicleStep> Corner(const LeverArm& car, double direction, double side = 1) {
@@ -82,9 +83,9 @@ TEST(ScaleEvidence, ATurnOfTheModelMeetsItsExpectation) {
       ASSERT_TRUE(evidence.turn) << evidence.reason;
       const DriveState truth = StateOf(kUnit, direction, kCar);
       EXPECT_NEAR(Linearize(evidence, truth, {})->innovation / evidence.turn->lever_arm, 0, 1e-9);
-      EXPECT_NEAR(OwnScale(evidence, truth, {}) / kUnit, 1, 1e-6);
+      EXPECT_NEAR(OwnScale(evidence, truth) / kUnit, 1, 1e-6);
       if (direction != 0) {
-        EXPECT_GT(std::abs(OwnScale(evidence, StateOf(kUnit, 0, kCar), {}) / kUnit - 1), 0.02);
+        EXPECT_GT(std::abs(OwnScale(evidence, StateOf(kUnit, 0, kCar)) / kUnit - 1), 0.02);
       }
     }
   }
@@ -95,7 +96,7 @@ TEST(ScaleEvidence, OwnScaleIsWhereTheInnovationVanishes) {
   for (int draw = 0; draw < 200; ++draw) {
     const SegmentEvidence evidence = RandomTurn(random);
     DriveState state = RandomState(random);
-    state[kLogScale] = std::log(OwnScale(evidence, state, {}));
+    state[kLogScale] = std::log(OwnScale(evidence, state));
     ASSERT_TRUE(std::isfinite(state[kLogScale]));
     EXPECT_NEAR(Linearize(evidence, state, {})->innovation, 0, 1e-12);
   }
@@ -273,6 +274,8 @@ TEST(CarPrior, RefusesSenselessValues) {
   EXPECT_EQ(refused([](auto& c) { c.side_slip = -0.001; }), "car.side_slip");
   EXPECT_EQ(refused([](auto& c) { c.side_slip_sigma = -1; }), "car.side_slip_sigma");
   EXPECT_EQ(refused([](auto& c) { c.yaw_sigma = 0; }), "car.yaw_sigma");
+  EXPECT_EQ(refused([](auto& c) { c.roll_height = -1; }), "car.roll_height");
+  EXPECT_EQ(refused([](auto& c) { c.roll_height_sigma = 10; }), "car.roll_height_sigma");
   EXPECT_EQ(refused([](auto& c) { c.camera_height = -1; }), "car.camera_height");
   EXPECT_EQ(refused([](auto& c) {
               c.camera_height = 1;

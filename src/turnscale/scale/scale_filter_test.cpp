@@ -20,8 +20,8 @@ constexpr double kExact = 1e-9;  // standard deviation of what is known exactly
 ScaleProblem RandomProblem(int segments, std::uint64_t seed = 5) {
   Random random(seed);
   ScaleProblem problem;
-  problem.prior.mean << std::log(kMetresPerUnit), 0.001, 0.005, std::log(1.2), std::log(1.5), 0;
-  problem.prior.covariance.diagonal() << 4, 3e-5, 4e-6, 1e-3, 2e-2, 1;
+  problem.prior.mean << std::log(kMetresPerUnit), 0.001, 0.005, std::log(1.2), 1.1, std::log(1.5), 0;
+  problem.prior.covariance.diagonal() << 4, 3e-5, 4e-6, 1e-3, 0.1, 2e-2, 1;
   double middle = 0;
   for (int i = 0; i < segments; ++i) {
     const double length = random.Uniform(0.5, 8);
@@ -59,25 +59,28 @@ ScaleProblem RandomProblem(int segments, std::uint64_t seed = 5) {
 std::vector<DriveState> SomeStates(const ScaleProblem& problem) {
   std::vector<DriveState> at(problem.segments.size(), problem.prior.mean);
   Random random(9);
-  for (DriveState& state : at) state += DriveState{{0.05, 0.001, 0.0005, 0.01, 0.02, 0.3}} * random.Gaussian();
+  for (DriveState& state : at) state += DriveState{{0.05, 0.001, 0.0005, 0.01, 0.1, 0.02, 0.3}} * random.Gaussian();
   return at;
 }
+
+constexpr Eigen::Index kConstants = kRoadError - kDirection;
 
 // The column of an unknown in a segment: log-scales, constants, errors of the road.
 Eigen::Index Column(Eigen::Index segments, Eigen::Index segment, int unknown) {
   if (unknown == kLogScale) return segment;
-  return unknown == kRoadError ? segments + 4 + segment : segments + unknown - 1;
+  return unknown == kRoadError ? segments + kConstants + segment : segments + unknown - 1;
 }
 
 // The same linear problem as one weighted least squares: a log-scale for each segment, then direction, slip,
-// ln(lever arm) and ln(height), then the road's error in each segment; those of `exact` taken out.
+// ln(lever arm), height above the roll axis and ln(height), then the road's error in each segment; those of `exact`
+// taken out.
 struct Dense {
   Eigen::VectorXd mean;
   Eigen::MatrixXd covariance;
 };
 Dense SolveDense(const ScaleProblem& problem, const std::vector<DriveState>& at, std::optional<int> exact = {}) {
   const auto n = static_cast<Eigen::Index>(at.size());
-  const Eigen::Index unknowns = 2 * n + 4;
+  const Eigen::Index unknowns = 2 * n + kConstants;
   Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(kDriveUnknowns + 2 * (n - 1) + 2 * n, unknowns);
   Eigen::VectorXd right = Eigen::VectorXd::Zero(rows.rows());
   Eigen::Index row = 0;
@@ -166,7 +169,7 @@ TEST(ScaleFilter, SmootherIsTheDenseLeastSquares) {
 
 TEST(ScaleFilter, WhatIsKnownExactlyStays) {
   for (const int exact : {static_cast<int>(kSlip), static_cast<int>(kLogLeverArm), static_cast<int>(kDirection),
-                          static_cast<int>(kLogHeight)}) {
+                          static_cast<int>(kRollHeight), static_cast<int>(kLogHeight)}) {
     ScaleProblem problem = RandomProblem(20);
     problem.prior.covariance(exact, exact) = kExact * kExact;
     const std::vector<DriveState> at = SomeStates(problem);

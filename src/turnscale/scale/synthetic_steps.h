@@ -21,6 +21,7 @@ struct StretchOfRoad {
   double psi = 0;     ///< rad a step turns
   double length = 0;  ///< metres a step goes, along the way that the car faces half-way through it
   double speed = 0;   ///< metres per second
+  double roll = 0;    ///< rad a rad of turning: the slope of a helical ramp
 };
 
 /// How a car and its odometry differ from the model; standard deviations, normal.
@@ -63,7 +64,9 @@ inline SyntheticSteps MakeSteps(const std::vector<StretchOfRoad>& road, const Le
     const double effective = lever_arm.length * swing - lever_arm.side_slip * slip * stretch.speed * stretch.speed;
     for (int i = 0; i < stretch.steps; ++i) {
       const double angle = off + errors.direction * random.Gaussian();
-      const double sideways = effective * 2 * std::sin(0.5 * stretch.psi) + angle * stretch.length;
+      const double roll = stretch.roll * stretch.psi;
+      const double sideways =
+          effective * 2 * std::sin(0.5 * stretch.psi) + lever_arm.roll_height * roll + angle * stretch.length;
       const double metres = std::hypot(sideways, stretch.length);
       const double quarter = std::numbers::pi / 2;
       log_scale += std::hypot(errors.per_100m * std::sqrt(metres / 100),
@@ -74,6 +77,7 @@ inline SyntheticSteps MakeSteps(const std::vector<StretchOfRoad>& road, const Le
       step.motion.theta = 0.5 * stretch.psi + std::atan2(sideways, stretch.length);
       step.motion.step = metres * std::exp(-log_scale);
       step.duration = metres / stretch.speed;
+      step.roll = roll;
       step.first = pose;
       step.last = ++pose;
       drive.steps.push_back(step);
