@@ -7,6 +7,8 @@
 #include <limits>
 #include <utility>
 
+#include <Eigen/Cholesky>
+
 #include "turnscale/base/error.h"
 #include "turnscale/base/quantiles.h"
 #include "turnscale/base/robust_weights.h"
@@ -212,20 +214,31 @@ CarRefinement DescribeCar(const ScaleBelief& belief, const CarPrior& car, bool s
   return refinement;
 }
 
-// The information of the drive on ln(H), without the given height: the posterior less the prior.
-std::optional<HeightConflict> CompareHeight(const ScaleBelief& belief, const CarPrior& car, double max_deviation) {
+// The given height as a measurement: the part of ln(H) that is independent of the other unknowns in the prior. With
+// their own prior, it is the joint prior.
+Measurement GivenHeight(const ScaleBelief& prior) {
+  const DriveState information = prior.covariance.llt().solve(DriveState::Unit(kLogHeight));
+  Measurement given;
+  given.variance = 1 / information[kLogHeight];
+  given.by_state = given.variance * information.transpose();
+  return given;
+}
+
+// The height that the turns show with the lever arm: the given height is taken out of the posterior, an update with
+// minus its variance. Errors that it shares with L and c in the prior do not count as a difference.
+std::optional<HeightConflict> CompareHeight(const ScaleBelief& posterior, const CarPrior& car, double max_deviation) {
   if (!car.knows_height() || !(car.camera_height_sigma > 0)) return std::nullopt;
-  const double prior_sigma = car.camera_height_sigma / car.camera_height;
-  const double prior = 1 / (prior_sigma * prior_sigma);
-  const double posterior = 1 / belief.covariance(kLogHeight, kLogHeight);
-  const double of_drive = posterior - prior;
-  constexpr double kLeastShare = 1e-3;  // of the information, below which the difference is rounding
-  if (!(of_drive > kLeastShare * prior)) return std::nullopt;
-  const double given = std::log(car.camera_height);
-  const double found = (posterior * belief.mean[kLogHeight] - prior * given) / of_drive;
-  const double found_sigma = 1 / std::sqrt(of_drive);
-  if (!(std::abs(found - given) > max_deviation * std::hypot(prior_sigma, found_sigma))) return std::nullopt;
-  return HeightConflict{car.camera_height, car.camera_height_sigma, std::exp(found), found_sigma * std::exp(found)};
+  const ScaleBelief prior = PriorBelief(car, 0);
+  const Measurement given = GivenHeight(prior);
+  const double variance = given.by_state.dot(posterior.covariance * given.by_state.transpose());
+  constexpr double kLeastShare = 1e-3;  // of the information, below which what the drive adds is rounding
+  if (!((1 + kLeastShare) * variance < given.variance)) return std::nullopt;
+  Measurement taken_out = given;
+  taken_out.variance = -given.variance;
+  const ScaleBelief without = Updated(posterior, taken_out, 1, prior.mean);
+  if (!(NormalizedInnovation(without, given, 1, prior.mean) > max_deviation * max_deviation)) return std::nullopt;
+  const double found = std::exp(without.mean[kLogHeight]);
+  return HeightConflict{car.camera_height, car.camera_height_sigma, found, without.Sigma(kLogHeight) * found};
 }
 
 // One of the two lengths is wrong: the scale is between those that they imply.
@@ -427,7 +440,7 @@ ScaleEstimateResult EstimateScale(const std::vector<VehicleStep>& steps, const C
   estimate.length_sigma *= inflation;
   estimate.car = DescribeCar(estimate.smoothed.back(), car, car.side_slip_sigma > 0 && answer.side_slip < 0);
   estimate.car_evidence = {CarBeliefOf(PriorBelief(car, 0)), CarBeliefOf(answer.car), inflation};
-  estimate.height_conflict = CompareHeight(answer.smoothed.segments.back(), car, options.max_height_deviation);
+  estimate.height_conflict = CompareHeight(answer.car, car, options.max_height_deviation);
   if (estimate.height_conflict) {
     WidenForConflict(*estimate.height_conflict, estimate);
     estimate.height_conflict->contradicts_turns =

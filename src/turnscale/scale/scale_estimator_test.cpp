@@ -535,6 +535,61 @@ TEST(ScaleEstimator, AWrongLeverArmShowsInTheHeight) {
   EXPECT_GT(estimate.length_sigma, 0.08) << "it may be either";
 }
 
+/// Lever arm and height known to 2 %, with errors that correlate as in a car file.
+CarPrior WithCorrelatedHeight(double correlation, double slip_correlation) {
+  CarPrior prior = WithHeight(1.4, 0.02 * 1.4, PriorOf(kCar));
+  prior.lever_arm_sigma = 0.02 * kCar.length;
+  prior.height_correlation = correlation;
+  prior.height_slip_correlation = slip_correlation;
+  return prior;
+}
+
+struct HeightCorrelations {
+  double with_lever_arm;
+  double with_slip;
+};
+constexpr HeightCorrelations kHeightCorrelations[] = {{0, 0}, {0.7, 0}, {0.9, 0}, {0.7, -0.5}};
+
+TEST(ScaleEstimator, TheHeightFoundIsThatOfTheTurnsHoweverThePriorsCorrelate) {
+  for (const auto& [with_lever_arm, with_slip] : kHeightCorrelations) {
+    const CarPrior prior = WithCorrelatedHeight(with_lever_arm, with_slip);
+    for (const double height : {1.2, 1.6}) {
+      for (int seed = 1; seed <= 5; ++seed) {
+        SyntheticSteps drive = MakeSteps(TownRoad(8, seed), kCar, 0, kUnit, kNoise, seed);
+        ShowRoad(height, {.step = 0.01, .road = 0.01}, seed, drive);
+        const ScaleEstimate estimate = EstimateOf(drive, prior);
+        SCOPED_TRACE(testing::Message() << with_lever_arm << ' ' << with_slip << ' ' << height << ' ' << seed);
+        ASSERT_TRUE(estimate.height_conflict);
+        EXPECT_NEAR(estimate.height_conflict->found / height, 1, 0.03);
+        EXPECT_GT(estimate.height_conflict->found_sigma / height, 0.02) << "no better than the lever arm";
+        EXPECT_LT(estimate.height_conflict->found_sigma / height, 0.04);
+        EXPECT_LT(estimate.length_sigma, estimate.fell_back ? 0.2 : 0.1);
+      }
+    }
+  }
+}
+
+TEST(ScaleEstimator, LengthsThatAreWrongWithinTheirSigmasAreNoConflict) {
+  const ScaleEstimatorOptions options;
+  for (const auto& [with_lever_arm, with_slip] : kHeightCorrelations) {
+    const CarPrior prior = WithCorrelatedHeight(with_lever_arm, with_slip);
+    const double alone = std::sqrt(1 - with_lever_arm * with_lever_arm - with_slip * with_slip);
+    int conflicts = 0;
+    for (int seed = 1; seed <= 100; ++seed) {
+      Random random(300 + seed);
+      const double arm = random.Gaussian();
+      const double slip = std::max(random.Gaussian(), -prior.side_slip / prior.side_slip_sigma);
+      const double height = with_lever_arm * arm + with_slip * slip + alone * random.Gaussian();
+      const LeverArm car{prior.lever_arm + prior.lever_arm_sigma * arm, prior.side_slip + prior.side_slip_sigma * slip};
+      SyntheticSteps drive = MakeSteps(TownRoad(8, seed), car, 0, kUnit, AsStated(options), seed);
+      ShowRoad(prior.camera_height + prior.camera_height_sigma * height,
+               {.step = options.evidence.road.step_sigma, .road = options.evidence.road.sigma}, seed, drive);
+      conflicts += EstimateOf(drive, prior, options).height_conflict ? 1 : 0;
+    }
+    EXPECT_LE(conflicts, 2) << with_lever_arm << ' ' << with_slip;
+  }
+}
+
 // The road and the turns show different scales: the turns disagree with the estimate, but not with each other.
 TEST(ScaleEstimator, AWrongHeightIsNotBlamedOnTheTurns) {
   for (const double wrong : {1.3, 0.75}) {
