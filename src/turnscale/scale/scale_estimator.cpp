@@ -120,6 +120,17 @@ struct Answer {
   ScaleBelief car;       // of the last segment, with that estimate
 };
 
+// The prior at c = 0: a height whose error correlates with that of c moves with it.
+ScaleBelief WithoutSlip(const ScaleBelief& prior) {
+  constexpr double kVariance = 1e-18;  // a covariance has to stay regular
+  ScaleBelief held = Updated(prior, {-prior.mean[kSlip], kVariance, DriveRow::Unit(kSlip)}, 1, prior.mean);
+  held.mean[kSlip] = 0;
+  held.covariance.row(kSlip).setZero();
+  held.covariance.col(kSlip).setZero();
+  held.covariance(kSlip, kSlip) = kVariance;
+  return held;
+}
+
 Answer SmoothWith(ScaleProblem problem, const CarPrior& car, double huber) {
   Smoothing smoothing(problem, huber);
   smoothing.Run();
@@ -128,9 +139,7 @@ Answer SmoothWith(ScaleProblem problem, const CarPrior& car, double huber) {
   if (car.side_slip_sigma == 0 || answer.side_slip >= 0) return answer;
   // Tyres do not slip inwards: at the bound, the estimate is the one without slip. The covariance stays that of the
   // unbounded fit.
-  constexpr double kHeld = 1e-9;
-  problem.prior.mean[kSlip] = 0;
-  problem.prior.covariance(kSlip, kSlip) = kHeld * kHeld;
+  problem.prior = WithoutSlip(problem.prior);
   answer.smoothing = Smoothing(std::move(problem), huber);
   answer.smoothing.Run();
   for (std::size_t i = 0; i < answer.smoothed.segments.size(); ++i)

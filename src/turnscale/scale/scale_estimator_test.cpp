@@ -569,6 +569,21 @@ TEST(ScaleEstimator, TheHeightFoundIsThatOfTheTurnsHoweverThePriorsCorrelate) {
   }
 }
 
+TEST(ScaleEstimator, TyresDoNotSlipInwardsHoweverTheHeightCorrelates) {
+  for (const double correlation : {0.0, -0.5, 0.5}) {
+    CarPrior prior = WithCorrelatedHeight(0.5, correlation);
+    prior.side_slip = 0.001;
+    SyntheticSteps drive = MakeSteps(TownRoad(8, 4), {kCar.length, -0.004}, 0, kUnit, kNoise, 4);
+    ShowRoad(1.4, {.step = 0.01, .road = 0.01}, 5, drive);
+    const ScaleEstimate estimate = EstimateOf(drive, prior);
+    SCOPED_TRACE(correlation);
+    EXPECT_TRUE(estimate.converged);
+    EXPECT_TRUE(estimate.car.side_slip_at_bound);
+    for (const ScaleBelief& belief : estimate.smoothed) EXPECT_NEAR(belief.mean[kSlip], 0, 1e-7);
+    EXPECT_NEAR(estimate.car.camera_height, 1.4, 2 * estimate.car.camera_height_sigma);
+  }
+}
+
 TEST(ScaleEstimator, LengthsThatAreWrongWithinTheirSigmasAreNoConflict) {
   const ScaleEstimatorOptions options;
   for (const auto& [with_lever_arm, with_slip] : kHeightCorrelations) {
