@@ -145,6 +145,7 @@ Answer SmoothWith(ScaleProblem problem, const CarPrior& car, double huber) {
   for (std::size_t i = 0; i < answer.smoothed.segments.size(); ++i)
     answer.smoothed.segments[i].mean = answer.smoothing.smoothed().segments[i].mean;
   answer.smoothed.chi_squared = answer.smoothing.smoothed().chi_squared;
+  answer.smoothed.degrees_of_freedom = answer.smoothing.smoothed().degrees_of_freedom;
   return answer;
 }
 
@@ -269,6 +270,7 @@ std::vector<char> FromRoad(const ScaleProblem& problem, const CarRefinement& car
 void CompareTurns(const Answer& answer, const CarPrior& car, const TurnTestOptions& options, ScaleEstimate& estimate) {
   TurnTestInput input;
   input.chi_squared = answer.smoothed.chi_squared;
+  input.degrees_of_freedom = answer.smoothed.degrees_of_freedom;
   std::vector<int> tested;
   const ScaleProblem& problem = answer.smoothing.problem();
   for (int i = 0; i < static_cast<int>(estimate.turns.size()); ++i) {

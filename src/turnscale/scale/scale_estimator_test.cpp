@@ -353,6 +353,52 @@ TEST(ScaleEstimator, AGapMayChangeTheUnit) {
               0.0035);
 }
 
+/// Loses tracking on the straights before so many turns, from the second on; the unit stays.
+void LoseTracking(int gaps, const ScaleEstimate& estimate, SyntheticSteps& drive) {
+  for (int i = 0; i < gaps; ++i) {
+    VehicleStep& gap = drive.steps[estimate.turns[i + 1].first_step - 5];
+    gap.motion = {};
+    gap.usable = false;
+    gap.after_gap = true;
+    gap.gap_sigma = 0.5;
+  }
+}
+
+TEST(ScaleEstimator, TurnsThatScatterWidenSigmaAsMuchWithGaps) {
+  constexpr int kDrives = 60;
+  DriveErrors errors = kNoise;
+  errors.lever_arm = 0.06;
+  const auto inflation = [&](int gaps) {
+    double sum = 0;
+    for (int seed = 1; seed <= kDrives; ++seed) {
+      SyntheticSteps drive = MakeSteps(TownRoad(12, seed), kCar, 0, kUnit, errors, seed);
+      LoseTracking(gaps, EstimateOf(drive, PriorOf(kCar)), drive);
+      const TurnTest test = EstimateOf(drive, PriorOf(kCar)).test;
+      EXPECT_EQ(test.degrees_of_freedom, 11 - gaps) << seed;
+      sum += test.inflation;
+    }
+    return sum / kDrives;
+  };
+  const double whole = inflation(0);
+  EXPECT_GT(whole, 1.4);
+  for (const int gaps : {4, 8}) EXPECT_NEAR(inflation(gaps), whole, 0.12) << gaps;
+  EXPECT_EQ(inflation(11), 1) << "each turn has a scale of its own";
+}
+
+TEST(ScaleEstimator, ATurnAfterAGapIsTestedIfTheScaleIsKnownThere) {
+  const auto degrees_of_freedom = [](double gap_sigma, bool shows_road) {
+    SyntheticSteps drive = MakeSteps(TownRoad(6, 3), kCar, 0, kUnit, kNoise, 3);
+    if (shows_road) ShowRoad(1.4, {.step = 0.01, .road = 0.01}, 3, drive);
+    LoseTracking(3, EstimateOf(drive, PriorOf(kCar)), drive);
+    for (VehicleStep& step : drive.steps)
+      if (step.after_gap) step.gap_sigma = gap_sigma;
+    return EstimateOf(drive, PriorOf(kCar)).test.degrees_of_freedom;
+  };
+  EXPECT_EQ(degrees_of_freedom(0.5, false), 2);
+  EXPECT_EQ(degrees_of_freedom(0.005, false), 5) << "the unit is hardly new";
+  EXPECT_EQ(degrees_of_freedom(0.5, true), 5) << "the height above the road has shown the scale";
+}
+
 TEST(ScaleEstimator, ALongDriveIsKnownBetterThanAShortOne) {
   const ScaleEstimatorOptions options;
   double last_sigma = 1;

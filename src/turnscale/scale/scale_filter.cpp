@@ -38,6 +38,32 @@ ScaleBelief AdvancedTo(const ScaleProblem& problem, std::size_t i, double metres
   return Advanced(belief, variance, length, metres_per_unit, problem.options.road);
 }
 
+// Sums the innovations of the turns, other than those that set the scale (SmoothedScale::chi_squared).
+class TurnSum {
+ public:
+  void PassGap() { after_gap_ = true; }
+
+  void Add(const ScaleBelief& before, const ScaleBelief& after, double normalized_innovation) {
+    constexpr double kMostLeft = 0.5;
+    const double left = after.covariance(kLogScale, kLogScale) / before.covariance(kLogScale, kLogScale);
+    if (first_ || (after_gap_ && left < kMostLeft)) {
+      first_ = after_gap_ = false;
+      return;
+    }
+    chi_squared_ += normalized_innovation;
+    ++count_;
+  }
+
+  double chi_squared() const { return chi_squared_; }
+  int count() const { return count_; }
+
+ private:
+  bool first_ = true;
+  bool after_gap_ = false;  // and no turn has set the scale since
+  double chi_squared_ = 0;
+  int count_ = 0;
+};
+
 }  // namespace
 
 void DriftOptions::Check() const {
@@ -115,21 +141,24 @@ SmoothedScale SmoothScale(const ScaleProblem& problem, const std::vector<DriveSt
   std::vector<ScaleBelief> predicted(count);
   SmoothedScale result;
   ScaleBelief belief = problem.prior;
-  bool started = false;
+  TurnSum turns;
   for (std::size_t i = 0; i < count; ++i) {
     if (i > 0) belief = AdvancedTo(problem, i, std::exp(at[i][kLogScale]), belief);
+    if (problem.segments[i].gap_sigma > 0) turns.PassGap();
     predicted[i] = belief;
     if (const auto& road = problem.evidence[i].road)
       belief = Updated(belief, LinearizeRoad(*road, at[i], problem.options.road), road->weight, at[i]);
     if (const auto measurement = Linearize(problem.evidence[i], at[i], problem.options)) {
       const double weight = problem.evidence[i].weight;
-      if (problem.evidence[i].turning && started)
-        result.chi_squared += NormalizedInnovation(belief, *measurement, weight, at[i]);
-      started = started || problem.evidence[i].turning;
-      belief = Updated(belief, *measurement, weight, at[i]);
+      const ScaleBelief updated = Updated(belief, *measurement, weight, at[i]);
+      if (problem.evidence[i].turning)
+        turns.Add(belief, updated, NormalizedInnovation(belief, *measurement, weight, at[i]));
+      belief = updated;
     }
     result.segments.push_back(belief);
   }
+  result.chi_squared = turns.chi_squared();
+  result.degrees_of_freedom = turns.count();
   result.gains.assign(count, DriveCovariance::Zero());
   for (std::size_t i = count; i-- > 1;) {
     const ScaleBelief& next = result.segments[i];

@@ -63,9 +63,11 @@ struct SmoothedScale {
   /// Gains of the smoother, from segment i + 1 back to segment i. They give the covariance between segments
   /// (LengthSigma).
   std::vector<DriveCovariance> gains;
-  /// Sum of the turns' squared innovations, each over its variance: chi-squared with one degree of freedom per turn,
-  /// except for the first, which gives the scale. It includes deviations absorbed by priors and drift.
+  /// Sum of the squared innovations of the turns that test the scale, each over its variance: chi-squared with one
+  /// degree of freedom per turn. It includes deviations absorbed by priors and drift. The first turn sets the scale,
+  /// and so does a turn after a gap that takes most of the variance of the log-scale; they are not in the sum.
   double chi_squared = 0;
+  int degrees_of_freedom = 0;
 };
 
 /// Kalman filter along the drive, linearised at given states (one per segment), and the Rauch-Tung-Striebel smoother.

@@ -35,6 +35,7 @@ void TurnTestOptions::Check() const {
 TurnTest TestTurns(const TurnTestInput& input, const TurnTestOptions& options) {
   TurnTest test;
   test.chi_squared = input.chi_squared;
+  test.degrees_of_freedom = input.degrees_of_freedom;
   double weights = 0;
   double worst = -1;
   for (std::size_t i = 0; i < input.deviations.size(); ++i) {
@@ -45,8 +46,6 @@ TurnTest TestTurns(const TurnTestInput& input, const TurnTestOptions& options) {
     test.worst_turn = static_cast<int>(i);
   }
   if (weights > 0) test.disagreement /= weights;
-  // The scale at one turn is free; the car's constants are held by their priors.
-  test.degrees_of_freedom = std::max(static_cast<int>(input.deviations.size()) - 1, 0);
   if (test.degrees_of_freedom > 0) {
     test.inflation = std::max(1.0, std::sqrt(test.chi_squared / test.degrees_of_freedom));
     test.contradicted = test.chi_squared > ChiSquaredLimit(options.min_probability, test.degrees_of_freedom);

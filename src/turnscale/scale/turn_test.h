@@ -18,9 +18,10 @@ struct TurnTestOptions {
   void Check() const;
 };
 
-/// Input of the test: one entry per used turn.
+/// Input of the test; in the lists, one entry per used turn.
 struct TurnTestInput {
-  double chi_squared = 0;           ///< of all turns together (SmoothedScale), one degree of freedom less than turns
+  double chi_squared = 0;           ///< of all turns together (SmoothedScale)
+  int degrees_of_freedom = 0;       ///< of chi-squared
   std::vector<double> deviations;   ///< ln(smoothed / own) over its standard deviation
   std::vector<double> differences;  ///< ln(smoothed / own as given), the car's constants as they were given
   std::vector<double> weights;      ///< angles, rad

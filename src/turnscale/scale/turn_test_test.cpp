@@ -16,6 +16,7 @@ TurnTestInput Alike(int turns, double chi_squared, double difference = 0.2) {
   TurnTestInput input;
   input.deviations.assign(turns, std::sqrt(chi_squared / turns));
   input.chi_squared = chi_squared;
+  input.degrees_of_freedom = turns - 1;
   input.differences.assign(turns, difference);
   input.weights.assign(turns, 1.0);
   return input;
