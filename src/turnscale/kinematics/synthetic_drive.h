@@ -12,7 +12,7 @@ namespace turnscale {
 /// Equal steps of a made-up drive, for tests.
 struct DriveSegment {
   int steps = 0;
-  double camera_distance = 0;  ///< metres the camera moves in a step
+  double camera_distance = 0;  ///< metres the camera moves in a step; negative in reverse
   double psi = 0;              ///< rad the car turns in a step
 };
 
@@ -31,7 +31,8 @@ inline RigidTransform SlippingCameraMotion(const DriveSegment& segment, double d
                                            const Eigen::Quaterniond& vehicle_from_camera) {
   const double effective = lever_arm.At(segment.camera_distance / dt);
   const double swing = 2.0 * effective * std::sin(0.5 * segment.psi);
-  const double rho = std::sqrt(segment.camera_distance * segment.camera_distance - swing * swing);
+  const double way = std::sqrt(segment.camera_distance * segment.camera_distance - swing * swing);
+  const double rho = std::copysign(way, segment.camera_distance);
   return ConstrainedCameraMotion({segment.psi, rho}, effective, vehicle_from_camera);
 }
 

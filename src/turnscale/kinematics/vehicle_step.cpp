@@ -57,8 +57,9 @@ VehicleStep LevelStep(const RigidTransform& previous_from_current, const Eigen::
   const Eigen::Vector3d travel = vehicle_from_camera * (half_back * previous_from_current.translation);
   VehicleStep step;
   step.duration = dt;
-  // The pitch of a step that goes backwards would turn the axes over.
-  const double pitch = travel.z() > 0 ? std::atan2(travel.y(), travel.z()) : 0.0;
+  // Of the line of travel: in reverse, levelling the direction itself would turn the axes over.
+  const double way = std::copysign(1.0, travel.z());
+  const double pitch = std::atan2(way * travel.y(), way * travel.z());
   const Eigen::Quaterniond level_from_camera = RotationFromVector({pitch, 0, 0}) * vehicle_from_camera;
   step.motion = TurningMotionOf(previous_from_current, level_from_camera);
   step.roll = (level_from_camera * VectorFromRotation(previous_from_current.rotation)).z();

@@ -66,8 +66,8 @@ struct VehicleStepOptions {
 
 /// The step between two poses of the camera, `dt` seconds apart; `vehicle_from_camera` is the paper's Q.
 ///
-/// The axes of Q are pitched so that the step goes neither up nor down. A car goes along its road, so each step shows
-/// the pitch of the camera, and the body's as well; Q's own pitch then does not matter.
+/// The axes of Q are pitched so that the step, forward or in reverse, goes neither up nor down. A car goes along its
+/// road, so each step shows the pitch of the camera, and the body's as well; Q's own pitch then does not matter.
 VehicleStep LevelStep(const RigidTransform& previous_from_current, const Eigen::Quaterniond& vehicle_from_camera,
                       double dt, const VehicleStepOptions& options);
 

@@ -96,12 +96,29 @@ TEST(LevelStep, RollIsAboutTheWayThatTheStepGoes) {
   const Eigen::Quaterniond mount = RotationFromYawPitchRoll({0.2, -0.1, 0.05});
   for (const double roll : {0.01, -0.02}) {
     for (const double slope : {0.0, 0.1, -0.15}) {
-      // The body turns about its own axes, which climb with the road; the camera sees the motion from its mount.
-      const Eigen::Vector3d turn = Pitched(slope) * Eigen::Vector3d(0, 0.05, roll);
-      const Eigen::Quaterniond rotation = RotationFromVector(turn);
-      const Eigen::Vector3d travel = RotationFromVector(0.5 * turn) * (Pitched(slope) * Eigen::Vector3d(0, 0, 1));
-      const RigidTransform seen{mount.conjugate() * rotation * mount, mount.conjugate() * travel};
-      EXPECT_NEAR(LevelStep(seen, mount, 0.1, {}).roll, roll, 1e-9);
+      for (const double way : {1.0, -1.0}) {
+        // The body turns about its own axes, which climb with the road; the camera sees the motion from its mount.
+        const Eigen::Vector3d turn = Pitched(slope) * Eigen::Vector3d(0, 0.05, roll);
+        const Eigen::Quaterniond rotation = RotationFromVector(turn);
+        const Eigen::Vector3d travel = RotationFromVector(0.5 * turn) * (Pitched(slope) * Eigen::Vector3d(0, 0, way));
+        const RigidTransform seen{mount.conjugate() * rotation * mount, mount.conjugate() * travel};
+        EXPECT_NEAR(LevelStep(seen, mount, 0.1, {}).roll, roll, 1e-9) << "slope " << slope << ", way " << way;
+      }
+    }
+  }
+}
+
+TEST(LevelStep, PitchOfTheMountIsNoRollInReverse) {
+  for (const double pitch : {-0.2, 0.15}) {
+    for (const double psi : {0.1, -0.1}) {
+      const RigidTransform motion = ConstrainedCameraMotion({psi, -0.8}, 1.2, Pitched(pitch));
+      const VehicleStep known = LevelStep(motion, Pitched(pitch), kStepInterval, {});
+      const VehicleStep read = LevelStep(motion, kIdentity, kStepInterval, {});
+      EXPECT_TRUE(read.usable);
+      EXPECT_NEAR(read.roll, 0, 1e-12);
+      EXPECT_NEAR(read.motion.psi, psi, 1e-12);
+      EXPECT_NEAR(read.motion.theta, known.motion.theta, 1e-12);
+      EXPECT_NEAR(read.lateral(), 1.2 * 2 * std::sin(0.5 * psi), 1e-12) << "the swing, as when it goes forward";
     }
   }
 }

@@ -40,6 +40,31 @@ TEST(Rescale, PitchOfTheCameraDoesNotBendTheScale) {
   }
 }
 
+TEST(Rescale, PitchOfTheCameraDoesNotBendTheScaleInReverse) {
+  std::vector<DriveSegment> route = CityRoute(3);
+  route.push_back({10, 0, 0});
+  for (const double side : {1.0, -1.0}) {
+    route.push_back({30, -0.3, side * (M_PI / 2) / 30});
+    route.push_back({40, -0.3, 0});
+  }
+  const LeverArm rigid{1.2, 0};
+  for (const double pitch : {-8.0, 8.0}) {
+    const Eigen::Quaterniond mount = RotationFromYawPitchRoll({0, pitch / kDegreesPerRadian, 0});
+    const ScaledDrive drive = MakeScaledDrive(route, rigid, mount, kUnit);
+    RescaleOptions options = OptionsFor(rigid);
+    options.vehicle_from_camera = kIdentity;
+    const RescaleResult result = RescaleTrajectory(options, drive.trajectory);
+    ASSERT_TRUE(result.observable) << result.reason;
+    const std::vector<TurnEstimate>& turns = result.estimate->turns;
+    ASSERT_EQ(turns.size(), 5U);
+    for (const TurnEstimate& turn : turns) {
+      EXPECT_TRUE(turn.used) << turn.reason;
+      EXPECT_NEAR(turn.own / kUnit, 1, 0.005) << pitch << ", pose " << result.steps[turn.first_step].first;
+    }
+    EXPECT_LT(WorstLogError(result, drive), 0.004);
+  }
+}
+
 TEST(Rescale, FindsHowTheCameraIsTurned) {
   const YawPitchRoll angles{12 / kDegreesPerRadian, -8 / kDegreesPerRadian, 5 / kDegreesPerRadian};
   Eigen::Matrix3d vehicle_axes;  // x forward, y left, z up
