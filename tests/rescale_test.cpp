@@ -134,6 +134,15 @@ TEST_F(RescaleCommandTest, RefusesHeightsThatDoNotFit) {
             std::string::npos);
   EXPECT_NE(Run({Tum()}).err.find("--lever-arm: is missing; give it, or --camera-height with --heights"),
             std::string::npos);
+  std::string kitti;
+  for (const StampedPose& pose : drive_.trajectory) kitti += KittiLine(pose.world_from_camera);
+  Text("frames.txt", kitti);
+  // The index of a pose is not its time.
+  Text("seconds.csv", "time,height\n1,0.1\n2,0.1\n");
+  for (const char* length : {"--lever-arm", "--camera-height"}) {
+    ExpectComplaint(Run({Path("frames.txt"), length, "1.2", "--heights", Path("seconds.csv")}), 2,
+                    {"frames.txt: no timestamps", "--heights", "give --fps or --timestamps"});
+  }
   const CommandResult alone = Run({Tum(), "--camera-height", "1.4"});
   EXPECT_EQ(alone.exit_code, 2);
   EXPECT_NE(alone.err.find("--camera-height"), std::string::npos);

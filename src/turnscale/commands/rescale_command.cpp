@@ -91,6 +91,9 @@ RescaleResult ExecuteRescale(const RescaleArguments& arguments, const CommandHoo
   CheckArguments(arguments);
   const TimedTrajectory trajectory = ReadTimedTrajectory(arguments.input, arguments.timestamps, arguments.fps);
   const std::string input = arguments.input.string();
+  if (!trajectory.timed && arguments.heights) {
+    throw InputError(input + ": no timestamps, by which --heights finds its poses; give --fps or --timestamps");
+  }
   if (!trajectory.timed && arguments.lever_arm && !arguments.quiet) {
     Warn(hooks, input +
                     ": no timestamps, so tyre slip is neglected: the scale may be off by up to 40 %; give --fps or "

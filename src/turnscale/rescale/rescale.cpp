@@ -185,6 +185,8 @@ RescaleResult RescaleTrajectory(const RescaleOptions& options, const Trajectory&
                                 const std::vector<PathGap>& gaps, const std::vector<PathHeight>& heights) {
   options.Check();
   CheckTrajectory(trajectory, options.timed, gaps);
+  if (!heights.empty() && !options.timed)
+    throw InputError("heights: the poses have no times, by which heights find their steps; give times in seconds");
   CheckHeights(heights);
   RescaleResult result;
   if (!FindMount(options, trajectory, gaps, result)) return result;

@@ -70,11 +70,11 @@ struct RescaleResult {
 /// camera's in any fixed world frame, in the order of time; keyframes only or every frame. `gaps` are poses before
 /// which tracking was lost, in order: steps do not extend across, and the scale may jump. `heights` above the road, in
 /// the order of time, show the scale between turns, and without a turn where the car's is known; those at times beyond
-/// the poses are left out. Time and memory are linear.
+/// the poses are left out. They need poses with times. Time and memory are linear.
 ///
 /// If the scale is not observable, `observable` is false and `reason` says why. Throws
 /// InputError if the trajectory has fewer than two poses, a pose is not finite, times or gaps do not increase, a height
-/// makes no sense, or an option is invalid.
+/// makes no sense or the poses have no times for it, or an option is invalid.
 RescaleResult RescaleTrajectory(const RescaleOptions& options, const Trajectory& trajectory,
                                 const std::vector<PathGap>& gaps = {}, const std::vector<PathHeight>& heights = {});
 

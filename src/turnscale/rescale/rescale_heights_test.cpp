@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 #include <cmath>
+#include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -94,6 +95,19 @@ TEST(RescaleHeights, TimesDecideWhichStepTheyBelongTo) {
       EXPECT_NEAR(step.height, kHeight / kUnit, 0.03 * kHeight / kUnit);
       EXPECT_NEAR(step.height_sigma, 0.01, 1e-12) << "steps' heights share their errors";
     }
+  }
+}
+
+TEST(RescaleHeights, NeedTimesOfThePoses) {
+  const ScaledDrive drive = MakeScaledDrive(CityRoute(2), kCar, kIdentity, kUnit);
+  RescaleOptions options = OptionsFor(kCar);
+  options.timed = false;
+  EXPECT_TRUE(RescaleTrajectory(options, drive.trajectory).observable);
+  try {
+    RescaleTrajectory(options, drive.trajectory, {}, HeightsOf(drive));
+    FAIL() << "times that are none decide where the heights belong";
+  } catch (const InputError& error) {
+    EXPECT_EQ(std::string(error.what()).find("heights: the poses have no times"), 0U) << error.what();
   }
 }
 
