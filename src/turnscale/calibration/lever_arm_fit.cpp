@@ -14,6 +14,7 @@
 #include "turnscale/base/error.h"
 #include "turnscale/base/quantiles.h"
 #include "turnscale/kinematics/ackermann.h"
+#include "turnscale/kinematics/vehicle_step.h"
 
 namespace turnscale {
 namespace {
@@ -22,10 +23,11 @@ constexpr double kTurningStep = 2 / kDegreesPerRadian;
 
 // Unknowns: L, the yaw of each drive, then c where it is fitted.
 struct Equation {
-  double turn = 0;   ///< 2 sin(psi/2)
-  double speed = 0;  ///< m/s
-  double way = 0;    ///< metres
-  double sideways = 0;
+  double turn = 0;      ///< 2 sin(psi/2)
+  double speed = 0;     ///< m/s
+  double way = 0;       ///< metres
+  double sideways = 0;  ///< metres, without what the roll of the body adds
+  double roll = 0;      ///< rad
   int drive = 0;
 
   bool turning() const { return std::abs(turn) >= kTurningStep; }
@@ -36,13 +38,15 @@ std::vector<Equation> Equations(const std::vector<MetricDrive>& drives) {
   std::vector<Equation> equations;
   for (size_t drive = 0; drive < drives.size(); ++drive) {
     for (const CameraStep& step : drives[drive].steps) {
-      const TurningMotion motion = TurningMotionOf(step.previous_from_current, drives[drive].vehicle_from_camera);
+      const VehicleStep level = LevelStep(step.previous_from_current, drives[drive].vehicle_from_camera,
+                                          (step.end - step.begin) / step.frames, {});
       // The whole step's turning and way, so that steps of more frames count for more.
       Equation equation;
-      equation.turn = step.frames * 2 * std::sin(0.5 * motion.psi);
-      equation.way = step.frames * motion.step;
-      equation.speed = equation.way / (step.end - step.begin);
-      equation.sideways = equation.way * std::sin(motion.theta - 0.5 * motion.psi);
+      equation.turn = step.frames * 2 * std::sin(0.5 * level.motion.psi);
+      equation.way = step.frames * level.motion.step;
+      equation.speed = level.speed();
+      equation.roll = step.frames * level.roll;
+      equation.sideways = step.frames * level.lateral() - kUsualRollHeight * equation.roll;
       equation.drive = static_cast<int>(drive);
       equations.push_back(equation);
     }
@@ -125,12 +129,14 @@ class Fit {
   static double Weight(double off, double threshold) { return 1 / std::hypot(1, off / threshold); }
 
   // Step by step, where all are independent, and turn by turn, where the steps of a turn (or of the way between two)
-  // err together; the larger.
+  // err together; the larger. The height above the roll axis errs in all turns alike.
   void Sandwich(double threshold) {
     Eigen::MatrixXd hessian = 1e-12 * Eigen::MatrixXd::Identity(unknowns_, unknowns_);
+    Eigen::MatrixXd normal = hessian;
     Eigen::MatrixXd of_steps = Eigen::MatrixXd::Zero(unknowns_, unknowns_);
     Eigen::MatrixXd of_turns = of_steps;
     Eigen::VectorXd turn_score = Eigen::VectorXd::Zero(unknowns_);
+    Eigen::VectorXd roll_score = Eigen::VectorXd::Zero(unknowns_);
     int turns = 0;
     for (size_t i = 0; i < equations_.size(); ++i) {
       const Equation& equation = equations_[i];
@@ -138,6 +144,8 @@ class Fit {
       const double off = Residual(equation);
       const double weight = Weight(off, threshold);
       hessian += weight * weight * weight * row * row.transpose();
+      normal += weight * row * row.transpose();
+      roll_score += weight * equation.roll * row;
       const Eigen::VectorXd score = weight * off * row;
       of_steps += score * score.transpose();
       turn_score += score;
@@ -154,6 +162,7 @@ class Fit {
     const Eigen::MatrixXd inverse = hessian.ldlt().solve(Eigen::MatrixXd::Identity(unknowns_, unknowns_));
     sigma_ = (inverse * of_steps * inverse).diagonal();
     if (free > 0) sigma_ = sigma_.cwiseMax(Eigen::VectorXd((inverse * of_turns * inverse).diagonal()));
+    sigma_ += (kUsualRollHeightSigma * normal.ldlt().solve(roll_score)).cwiseAbs2();
     sigma_ = sigma_.cwiseMax(0).cwiseSqrt().eval();
   }
 

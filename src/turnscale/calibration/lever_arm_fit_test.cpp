@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "turnscale/base/error.h"
+#include "turnscale/base/random.h"
 #include "turnscale/base/refused_field.h"
 #include "turnscale/calibration/calibration.h"
 #include "turnscale/calibration/camera_step.h"
@@ -118,6 +119,38 @@ TEST(LeverArmFit, AnErrorOfTheYawIsNoLeverArm) {
   const Eigen::Quaterniond off = RotationFromYawPitchRoll({1 * kDeg, 0, 0}) * kTilted;
   const MetricDrive drive{StepsAlong(TestPath(TestRoute({1, 1}), {1.45, 0}, kTilted)), off};
   EXPECT_NEAR(FitLeverArm({drive}).lever_arm.length, 1.45, 0.003);
+}
+
+// Of corners out of which the car accelerates, on springs: it leans more and more while it turns.
+std::vector<CameraStep> LeaningSteps(const BodyRoll& body) {
+  std::vector<DriveSegment> route;
+  for (const double side : {1.0, -1.0, -1.0, 1.0}) {
+    route.push_back({60, 0.4, 0});
+    for (const double way : {0.4, 0.5, 0.6, 0.7, 0.8}) route.push_back({6, way, side * 3 * kDeg});
+    route.push_back({60, 0.8, 0});
+  }
+  CarDrive drive = MakeCarDrive(route, kStepInterval, {1.45, 0}, kTilted);
+  RollBody(drive.world_from_camera, kTilted, body, drive.dt);
+  Random random(7);
+  Trajectory path;
+  for (RigidTransform pose : drive.world_from_camera) {
+    for (int i = 0; i < 3; ++i) pose.translation[i] += 0.003 * random.Gaussian();
+    path.push_back({kStepInterval * static_cast<double>(path.size()), pose});
+  }
+  return StepsAlong(path);
+}
+
+TEST(LeverArmFit, RollOfTheBodyIsNoLeverArm) {
+  const auto fit = [](const BodyRoll& body) { return FitLeverArm({{LeaningSteps(body), kTilted}}); };
+  const LeverArmFit rigid = fit({kUsualRollHeight, 0});
+  const LeverArmFit usual = fit({kUsualRollHeight, 0.0107});
+  const LeverArmFit higher = fit({kUsualRollHeight + kUsualRollHeightSigma, 0.0107});
+  EXPECT_NEAR(usual.lever_arm.length, rigid.lever_arm.length, 0.005);
+  EXPECT_NEAR(usual.lever_arm.length, 1.45, 2 * usual.sigma_length);
+  const double off = std::abs(higher.lever_arm.length - usual.lever_arm.length);
+  EXPECT_GT(off, 0.006) << "the roll is worth taking away";
+  EXPECT_NEAR(std::sqrt(std::pow(usual.sigma_length, 2) - std::pow(rigid.sigma_length, 2)), off, 0.25 * off)
+      << "the height is not known, whatever the number of turns";
 }
 
 TEST(LeverArmFit, NeedsATurn) {

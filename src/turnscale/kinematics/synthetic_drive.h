@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "turnscale/geometry/rigid_transform.h"
+#include "turnscale/geometry/rotation.h"
 #include "turnscale/kinematics/ackermann.h"
 
 namespace turnscale {
@@ -46,6 +47,30 @@ inline CarDrive MakeCarDrive(const std::vector<DriveSegment>& segments, double d
     }
   }
   return drive;
+}
+
+/// A body on springs: it leans outwards in a turn, about an axis below the camera.
+struct BodyRoll {
+  double height = 0;            ///< of the camera above that axis, metres
+  double per_acceleration = 0;  ///< rad per m/s^2 sideways
+};
+
+/// Lets the body of the car roll; `dt` seconds from pose to pose.
+inline void RollBody(std::vector<RigidTransform>& world_from_camera, const Eigen::Quaterniond& vehicle_from_camera,
+                     const BodyRoll& body, double dt) {
+  constexpr double kLag = 0.2;  // share of what is missing that a step makes good
+  double roll = 0;
+  RigidTransform before = world_from_camera.front();
+  for (std::size_t i = 1; i < world_from_camera.size(); ++i) {
+    RigidTransform& pose = world_from_camera[i];
+    const TurningMotion step = TurningMotionOf(before.inverse() * pose, vehicle_from_camera);
+    before = pose;
+    roll += kLag * (-body.per_acceleration * step.step * step.psi / (dt * dt) - roll);
+    const Eigen::Quaterniond world_from_vehicle = pose.rotation * vehicle_from_camera.conjugate();
+    pose.translation +=
+        world_from_vehicle * Eigen::Vector3d(body.height * std::sin(roll), body.height * (1 - std::cos(roll)), 0);
+    pose.rotation = world_from_vehicle * RotationFromVector({0, 0, roll}) * vehicle_from_camera;
+  }
 }
 
 }  // namespace turnscale
