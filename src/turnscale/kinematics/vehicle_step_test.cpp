@@ -2,6 +2,7 @@
 #include "turnscale/kinematics/vehicle_step.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <iterator>
 #include <random>
@@ -174,6 +175,31 @@ TEST(CutIntoSteps, TheCameraSwingsAsTheLeverArmRequiresWhereTheCurvatureChanges)
   }
 }
 
+TEST(CutIntoSteps, TheSquaredSpeedIsWeightedByTurning) {
+  // Braking while the car turns more and more, and less and less.
+  for (const double side : {1.0, -1.0}) {
+    for (const auto& turns : {std::array{0.002, 0.004, 0.008, 0.016}, std::array{0.016, 0.008, 0.004, 0.002}}) {
+      constexpr std::array kWays = {1.0, 0.7, 0.4, 0.2};
+      std::vector<DriveSegment> route;
+      double integral = 0;
+      double psi = 0;
+      for (std::size_t i = 0; i < turns.size(); ++i) {
+        route.push_back({1, kWays[i], side * turns[i]});
+        integral += turns[i] * std::pow(kWays[i] / kStepInterval, 2);
+        psi += turns[i];
+      }
+      const std::vector<VehicleStep> steps = CutIntoSteps(Timed(route), {}, true, {.angle = 0.03});
+      ASSERT_EQ(LastPoses(steps), (std::vector<int>{4}));
+      const double speed = steps[0].speed();
+      EXPECT_NEAR(speed, 2.3 / (4 * kStepInterval), 0.01);
+      EXPECT_NEAR(steps[0].square_speed_ratio, integral / (psi * speed * speed), 1e-9);
+      EXPECT_GT(std::abs(std::log(steps[0].square_speed_ratio)), 0.3) << "not that of the mean speed";
+    }
+  }
+  for (const VehicleStep& step : CutIntoSteps(Timed({{12, 0.4, 1 * kDegree}}), {}, true, {}))
+    EXPECT_NEAR(step.square_speed_ratio, 1, 0.002) << "at an even speed";
+}
+
 TEST(CutIntoSteps, AnAngleOfZeroTakesEveryPose) {
   const std::vector<VehicleStep> steps = CutIntoSteps(Straight(6), {}, true, {.angle = 0});
   EXPECT_EQ(LastPoses(steps), (std::vector<int>{1, 2, 3, 4, 5}));
@@ -275,6 +301,8 @@ TEST(StepBuilder, PoseByPoseIsTheWholePath) {
       EXPECT_EQ(steps[i].last, batch[i].last);
       EXPECT_EQ(steps[i].motion.psi, batch[i].motion.psi);
       EXPECT_EQ(steps[i].lateral(), batch[i].lateral());
+      EXPECT_EQ(steps[i].roll, batch[i].roll);
+      EXPECT_EQ(steps[i].square_speed_ratio, batch[i].square_speed_ratio);
       EXPECT_EQ(steps[i].duration, batch[i].duration);
       EXPECT_EQ(steps[i].after_gap, batch[i].after_gap);
       EXPECT_EQ(steps[i].gap_sigma, batch[i].gap_sigma);
