@@ -27,10 +27,11 @@ struct CarDrive {
 };
 
 /// `previous_from_current` of a camera on a car whose tyres slip: the rigid car's motion about the point that does not
-/// move sideways, which the slip puts nearer to the camera.
+/// move sideways, which the slip puts nearer to the camera, and in reverse farther away.
 inline RigidTransform SlippingCameraMotion(const DriveSegment& segment, double dt, const LeverArm& lever_arm,
                                            const Eigen::Quaterniond& vehicle_from_camera) {
-  const double effective = lever_arm.At(segment.camera_distance / dt);
+  const double speed = segment.camera_distance / dt;
+  const double effective = lever_arm.length - lever_arm.side_slip * speed * std::abs(speed);
   const double swing = 2.0 * effective * std::sin(0.5 * segment.psi);
   const double way = std::sqrt(segment.camera_distance * segment.camera_distance - swing * swing);
   const double rho = std::copysign(way, segment.camera_distance);

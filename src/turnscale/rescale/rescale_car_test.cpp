@@ -47,11 +47,10 @@ TEST(Rescale, PitchOfTheCameraDoesNotBendTheScaleInReverse) {
     route.push_back({30, -0.3, side * (M_PI / 2) / 30});
     route.push_back({40, -0.3, 0});
   }
-  const LeverArm rigid{1.2, 0};
   for (const double pitch : {-8.0, 8.0}) {
     const Eigen::Quaterniond mount = RotationFromYawPitchRoll({0, pitch / kDegreesPerRadian, 0});
-    const ScaledDrive drive = MakeScaledDrive(route, rigid, mount, kUnit);
-    RescaleOptions options = OptionsFor(rigid);
+    const ScaledDrive drive = MakeScaledDrive(route, kCar, mount, kUnit);
+    RescaleOptions options = OptionsFor(kCar);
     options.vehicle_from_camera = kIdentity;
     const RescaleResult result = RescaleTrajectory(options, drive.trajectory);
     ASSERT_TRUE(result.observable) << result.reason;
