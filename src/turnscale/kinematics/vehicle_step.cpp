@@ -72,8 +72,8 @@ VehicleStep LevelStep(const RigidTransform& previous_from_current, const Eigen::
 std::vector<VehicleStep> StepBuilder::Add(const StampedPose& pose, const PathGap* gap) {
   std::vector<VehicleStep> ended;
   const int index = poses_;
-  if (index == 0) {
-    StartAt(pose, 0);
+  if (!started_) {
+    StartAt(pose, index);
   } else if (gap != nullptr) {
     if (const std::optional<VehicleStep> rest = Finish()) ended.push_back(*rest);
     VehicleStep across;
@@ -104,13 +104,14 @@ std::vector<VehicleStep> StepBuilder::Add(const StampedPose& pose, const PathGap
 
 std::optional<VehicleStep> StepBuilder::Finish() {
   const int last = poses_ - 1;
-  if (last <= key_) return std::nullopt;
+  if (!started_ || last <= key_) return std::nullopt;
   const VehicleStep step = StepTo(last_pose_, last);
   StartAt(last_pose_, last);
   return step.motion.step > 0 ? std::optional(step) : std::nullopt;
 }
 
 void StepBuilder::StartAt(const StampedPose& pose, int index) {
+  started_ = true;
   key_pose_ = pose;
   key_ = index;
   heading_ = 0;

@@ -81,6 +81,9 @@ class StepBuilder {
   /// ends: one at most, two where a gap cuts a step short.
   std::vector<VehicleStep> Add(const StampedPose& pose, const PathGap* gap = nullptr);
 
+  /// The next pose is unknown: the step leads past it.
+  void Skip() { ++poses_; }
+
   /// The path ends: what remains of it is a step, unless it has no length.
   std::optional<VehicleStep> Finish();
 
@@ -92,7 +95,8 @@ class StepBuilder {
   VehicleStepOptions options_;
   bool timed_;
   int poses_ = 0;
-  int key_ = 0;  ///< where the step under way begins
+  bool started_ = false;  ///< with the first pose that is known
+  int key_ = 0;           ///< where the step under way begins
   StampedPose key_pose_;
   StampedPose last_pose_;
   // Of the step under way, from its start to `last_pose_`: change of heading (rad), distance, integral of that change

@@ -75,6 +75,12 @@ std::optional<PathGap> GapBefore(const Map& map, int keyframe) {
   return PathGap{keyframe, map.keyframes[keyframe].gap_sigma};
 }
 
+// Of the keyframe, or of the last one before it that is not gone astray.
+Eigen::Vector3d KnownCentre(const Map& map, int keyframe) {
+  while (keyframe > 0 && !Centre(map.keyframes[keyframe]).allFinite()) --keyframe;
+  return Centre(map.keyframes[keyframe]);
+}
+
 // A length in metres, from which the scale may come.
 bool HasMetres(const VehicleOptions& vehicle) { return vehicle.lever_arm || vehicle.camera_height; }
 
@@ -162,9 +168,16 @@ void DriveScale::Reread(const Map& map, int first, int settled) {
 }
 
 bool DriveScale::Feed(const Map& map, int keyframe) {
-  const std::optional<PathGap> gap = GapBefore(map, keyframe);
+  const StampedPose pose = VehiclePose(map, mount_, keyframe);
+  if (!IsFinite(pose)) {
+    builder_.Skip();
+    return false;
+  }
+  // The path hangs together with the last pose that is known, unless tracking was lost since then.
+  std::optional<PathGap> gap = GapBefore(map, keyframe);
+  for (int k = keyframe - 1; !gap && k > 0 && !IsFinite(VehiclePose(map, mount_, k)); --k) gap = GapBefore(map, k);
   bool turn_ended = false;
-  for (VehicleStep& step : builder_.Add(VehiclePose(map, mount_, keyframe), gap ? &*gap : nullptr)) {
+  for (VehicleStep& step : builder_.Add(pose, gap ? &*gap : nullptr)) {
     SetStepHeight(map, heights_, step);
     turn_ended = live_.Add(step) || turn_ended;
   }
@@ -194,7 +207,7 @@ void DriveScale::UpdateLive(const Map& map, int first) {
     // The bridged step is predicted, in the unit before the gap.
     const double metres_per_unit = map.keyframes[k].after_gap ? scales[k - 1] : scales[k];
     live_path_.centres[k] =
-        live_path_.centres[k - 1] + metres_per_unit * (Centre(map.keyframes[k]) - Centre(map.keyframes[k - 1]));
+        live_path_.centres[k - 1] + metres_per_unit * (KnownCentre(map, k) - KnownCentre(map, k - 1));
   }
 }
 
@@ -217,7 +230,7 @@ int DriveScale::SpreadScale(const Map& map, double scale) {
   }
   std::vector<double> length(count - begin, 0.0);  // from `begin` on
   for (int k = begin + 1; k < count; ++k)
-    length[k - begin] = length[k - begin - 1] + (Centre(map.keyframes[k]) - Centre(map.keyframes[k - 1])).norm();
+    length[k - begin] = length[k - begin - 1] + (KnownCentre(map, k) - KnownCentre(map, k - 1)).norm();
   const double growth = std::log(scale / scales[begin]);
   for (int k = begin + 1; k < count; ++k)
     scales[k] = scales[begin] * std::exp(length.back() > 0 ? growth * length[k - begin] / length.back() : growth);

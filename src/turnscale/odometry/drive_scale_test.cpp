@@ -503,6 +503,29 @@ TEST(DriveScale, AKeyframeGoneAstrayLeavesNothingToBeRead) {
   EXPECT_EQ(refined.path.centres.size(), live.map.keyframes.size());
 }
 
+TEST(DriveScale, AKeyframeGoneAstrayIsPassedLive) {
+  Live live(KnownCar(), TrueDrive(kTwoCorners), kUnits);
+  live.Drive();
+  // On the straight, and in both corners.
+  const std::vector<int> astray{5, kFirstCorner + 10, 40, kSecondCorner + 7, kSecondCorner + 8};
+  Map map;
+  DriveScale scale(KnownCar());
+  for (const Keyframe& keyframe : live.map.keyframes) {
+    map.keyframes.push_back(keyframe);
+    const int k = static_cast<int>(map.keyframes.size()) - 1;
+    if (std::ranges::count(astray, k) > 0) map.keyframes[k].camera_from_world.translation.x() = std::nan("");
+    if (scale.Add(map)) scale.Reread(map);
+    ASSERT_TRUE(scale.live_path().centres[k].allFinite()) << k;
+  }
+  EXPECT_NE(scale.state(), ScaleState::kPending);
+  EXPECT_NEAR(scale.live_path().metres_per_unit.back() * kUnits, 1, 0.02);
+  EXPECT_LT(scale.sigma(), 0.1);
+  const auto length = [](const DriveScale& drive) {
+    return (drive.live_path().centres.back() - drive.live_path().centres.front()).norm();
+  };
+  EXPECT_NEAR(length(scale) / length(live.scale), 1, 0.02);
+}
+
 ParameterEstimate Off(IntrinsicsParameter parameter, double off) {
   ParameterEstimate estimate;
   estimate.parameter = parameter;
