@@ -49,7 +49,7 @@ void AddRescaleCommand(CLI::App& app) {
       "--heights", arguments->heights,
       fmt::format(
           "CSV file with heights of the camera above the road, which show the scale between turns: columns time "
-          "(as the trajectory's: seconds, or frame numbers), height and optionally sigma, its standard "
+          "(seconds, as the trajectory's, which must have times), height and optionally sigma, its standard "
           "deviation [{:.0f} %], both in the trajectory's unit of length",
           100 * kUsualHeightSigma));
   command

@@ -270,8 +270,8 @@ def rescale(path: Path, *, lever_arm: float | None = None, lever_arm_sigma: floa
 
     path: TUM, KITTI or EuRoC file.
     lever_arm, lever_arm_sigma: distance from the rear axle forward to the camera, m.
-    heights: CSV file with heights of the camera above the road: time, height and optionally sigma, in the trajectory's
-        units.
+    heights: CSV file with heights of the camera above the road: time (s), height and optionally sigma, both in
+        the trajectory's unit of length; the trajectory must have times.
     camera_height: of the camera above the road, m, or (height, sigma); lever_arm is not needed then.
     side_slip, side_slip_sigma: slip-angle coefficient c, s^2/m.
     camera_rotation: "auto", "identity", (yaw, pitch, roll) in degrees, or a YAML file.

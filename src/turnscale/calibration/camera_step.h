@@ -34,7 +34,8 @@ inline RigidTransform WholeMotion(const CameraStep& step) {
       step.frames * (RotationFromVector(0.5 * (step.frames - 1) * rotation) * step.previous_from_current.translation)};
 }
 
-/// Reversing obeys the same kinematics with time inverted: the step as if the car drove forward.
+/// Reversing obeys the same kinematics with time inverted, except for the slip of the tyres: the step as if the car
+/// drove forward.
 inline CameraStep Reversed(CameraStep step) {
   step.previous_from_current = step.previous_from_current.inverse();
   return step;

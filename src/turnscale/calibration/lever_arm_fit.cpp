@@ -24,14 +24,14 @@ constexpr double kTurningStep = 2 / kDegreesPerRadian;
 // Unknowns: L, the yaw of each drive, then c where it is fitted.
 struct Equation {
   double turn = 0;      ///< 2 sin(psi/2)
-  double speed = 0;     ///< m/s
-  double way = 0;       ///< metres
+  double speed = 0;     ///< m/s, negative in reverse
+  double way = 0;       ///< metres, negative in reverse
   double sideways = 0;  ///< metres, without what the roll of the body adds
   double roll = 0;      ///< rad
   int drive = 0;
 
   bool turning() const { return std::abs(turn) >= kTurningStep; }
-  double slip() const { return -speed * speed * turn; }
+  double slip() const { return -speed * std::abs(speed) * turn; }
 };
 
 std::vector<Equation> Equations(const std::vector<MetricDrive>& drives) {
@@ -43,8 +43,9 @@ std::vector<Equation> Equations(const std::vector<MetricDrive>& drives) {
       // The whole step's turning and way, so that steps of more frames count for more.
       Equation equation;
       equation.turn = step.frames * 2 * std::sin(0.5 * level.motion.psi);
-      equation.way = step.frames * level.motion.step;
-      equation.speed = level.speed();
+      const double sense = std::copysign(1.0, std::cos(level.motion.theta - 0.5 * level.motion.psi));
+      equation.way = sense * step.frames * level.motion.step;
+      equation.speed = sense * level.speed();
       equation.roll = step.frames * level.roll;
       equation.sideways = step.frames * level.lateral() - kUsualRollHeight * equation.roll;
       equation.drive = static_cast<int>(drive);
@@ -132,7 +133,6 @@ class Fit {
   // err together; the larger. The height above the roll axis errs in all turns alike.
   void Sandwich(double threshold) {
     Eigen::MatrixXd hessian = 1e-12 * Eigen::MatrixXd::Identity(unknowns_, unknowns_);
-    Eigen::MatrixXd normal = hessian;
     Eigen::MatrixXd of_steps = Eigen::MatrixXd::Zero(unknowns_, unknowns_);
     Eigen::MatrixXd of_turns = of_steps;
     Eigen::VectorXd turn_score = Eigen::VectorXd::Zero(unknowns_);
@@ -143,9 +143,9 @@ class Fit {
       const Eigen::VectorXd row = Row(equation);
       const double off = Residual(equation);
       const double weight = Weight(off, threshold);
-      hessian += weight * weight * weight * row * row.transpose();
-      normal += weight * row * row.transpose();
-      roll_score += weight * equation.roll * row;
+      const double curvature = weight * weight * weight;
+      hessian += curvature * row * row.transpose();
+      roll_score += curvature * equation.roll * row;
       const Eigen::VectorXd score = weight * off * row;
       of_steps += score * score.transpose();
       turn_score += score;
@@ -162,7 +162,7 @@ class Fit {
     const Eigen::MatrixXd inverse = hessian.ldlt().solve(Eigen::MatrixXd::Identity(unknowns_, unknowns_));
     sigma_ = (inverse * of_steps * inverse).diagonal();
     if (free > 0) sigma_ = sigma_.cwiseMax(Eigen::VectorXd((inverse * of_turns * inverse).diagonal()));
-    sigma_ += (kUsualRollHeightSigma * normal.ldlt().solve(roll_score)).cwiseAbs2();
+    sigma_ += (kUsualRollHeightSigma * (inverse * roll_score)).cwiseAbs2();
     sigma_ = sigma_.cwiseMax(0).cwiseSqrt().eval();
   }
 

@@ -46,11 +46,12 @@ struct MetricDrive {
 
 /// L, and c where asked for, common to all drives (end of section III): robust least squares of the pooled line
 ///   s sin(theta - psi/2) = (L - c v^2) 2 sin(psi/2) + s yaw + h roll
-/// with a separate yaw for each drive, so that the error of Q does not bias the lever arm. The body's roll in a step
-/// moves the camera sideways; its height h above the roll axis is kUsualRollHeight +- kUsualRollHeightSigma. Sigma
-/// comes from the scores, of the steps or of whole turns, whichever say more, and from h. It does not cover what else
-/// all turns share: the metres themselves, the slip of the tyres where it is assumed. Throws InputError where the
-/// drives turn too little, or give no lever arm: not above 0, too uncertain, or indistinguishable from c.
+/// (s and c v^2 negative in reverse), with a separate yaw for each drive, so that the error of Q does not bias the
+/// lever arm. The body's roll in a step moves the camera sideways; its height h above the roll axis is kUsualRollHeight
+/// +- kUsualRollHeightSigma. Sigma comes from the scores, of the steps or of whole turns, whichever say more, and from
+/// h. It does not cover what else all turns share: the metres themselves, the slip of the tyres where it is assumed.
+/// Throws InputError where the drives turn too little, or give no lever arm: not above 0, too uncertain, or
+/// indistinguishable from c.
 LeverArmFit FitLeverArm(const std::vector<MetricDrive>& drives, const LeverArmFitOptions& options = {});
 
 }  // namespace turnscale

@@ -161,8 +161,6 @@ std::optional<LeverArmFit> FindLeverArm(const CalibrateArguments& arguments, con
   } else {
     return std::nullopt;
   }
-  int reversed = 0;
-  drive.steps = DrivenForward(std::move(drive.steps), reversed);
   LeverArmFitOptions options;
   options.side_slip = arguments.fit_side_slip;
   options.assumed_side_slip = slip;

@@ -67,10 +67,11 @@ double ObservedDistance(double psi, double theta, double lever_arm) {
 
 double ObservedDistance(double psi, double theta, double dt, const LeverArm& lever_arm) {
   if (lever_arm.side_slip == 0) return ObservedDistance(psi, theta, lever_arm.length);
-  // s sin(theta - psi/2) = 2 (L - c (s/dt)^2) sin(psi/2): quadratic in s, one root is positive. Turned so that psi > 0.
+  // s sin(theta - psi/2) = 2 (L - c (s/dt)^2) sin(psi/2): quadratic in s, one root is positive. In reverse c has the
+  // other sign, and the smaller of two positive roots is taken. Turned so that psi > 0.
   const double x = 2.0 * std::abs(std::sin(0.5 * psi));
   const double swing = std::copysign(1.0, psi) * std::sin(theta - 0.5 * psi);
-  const double quadratic = lever_arm.side_slip * x / (dt * dt);
+  const double quadratic = std::copysign(lever_arm.side_slip * x / (dt * dt), std::cos(theta - 0.5 * psi));
   const double constant = lever_arm.length * x;
   return 2.0 * constant / (swing + std::sqrt(swing * swing + 4.0 * quadratic * constant));
 }

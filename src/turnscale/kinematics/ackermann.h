@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cmath>
+
 #include <Eigen/Geometry>
 
 #include "turnscale/geometry/rigid_transform.h"
@@ -27,9 +29,9 @@ struct LeverArm {
   /// Height of the camera above the axis about which the body rolls, metres; 0: roll does not move the camera.
   double roll_height = 0;
 
-  /// The effective lever arm at a speed (m/s): L - c v^2. The rear tyres slip outwards in a turn, and the point
-  /// without lateral velocity moves forward. Negative beyond v = sqrt(L/c).
-  double At(double speed) const { return length - side_slip * speed * speed; }
+  /// The effective lever arm at a speed (m/s, negative in reverse): L - c v |v|. The rear tyres slip outwards in a
+  /// turn: the point without lateral velocity moves forward, in reverse backward. Negative beyond v = sqrt(L/c).
+  double At(double speed) const { return length - side_slip * speed * std::abs(speed); }
 
   /// Throws InputError when the length is not positive or the slip is negative.
   void Check() const;

@@ -65,8 +65,8 @@ std::string Text(const char* format, double a, double b) {
 
 double HalfTurn(const VehicleStep& step) { return 2.0 * std::sin(0.5 * step.motion.psi); }
 
-// Distance ahead, odometry units. Negative in reverse, where errors of the direction and the slip of the tyres move the
-// camera to the other side.
+// Distance ahead, odometry units. Negative in reverse, where errors of the direction and the slip of the tyres have the
+// opposite sign relative to psi.
 double Forward(const VehicleStep& step) {
   return step.motion.step * std::cos(step.motion.theta - 0.5 * step.motion.psi);
 }

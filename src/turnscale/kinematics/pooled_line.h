@@ -58,7 +58,7 @@ struct PooledLine {
   /// the body leans and out of which it comes up again.
   double by_roll_height = 0;
   /// Of the speed, weighted as the steps, (units/s)^2; 0 if times are unknown. Steps in reverse count negative: there
-  /// the tyres' slip moves the camera to the other side.
+  /// the slip of the tyres has the opposite sign relative to psi.
   double mean_square_speed = 0;
   double angle = 0;  ///< sum of psi, rad
   int steps = 0;
@@ -78,15 +78,15 @@ struct PooledLineResult {
 /// as noise; `lever_arm` is the slope with this part left in y.
 PooledLineResult PoolTurn(const std::vector<VehicleStep>& steps, const PooledLineOptions& options);
 
-/// The scale (metres per unit) lambda that gives this lever arm: the positive root of
+/// The scale (metres per unit) lambda that gives this lever arm: the positive root, in reverse the smaller of two, of
 ///   lambda (lever_arm - direction by_direction) + c lambda^2 mean_square_speed = L + roll_height by_roll_height.
 /// `direction` is the direction of travel on straights, rad: minus the yaw error of Q. Infinite if the camera does
-/// not move outwards and there is no slip, or if it swings out by less than slip in reverse requires. Multiplying all
-/// lengths of the turn by k divides lambda by k.
+/// not move outwards and there is no slip, or if it swings out by less than any scale allows with slip in reverse.
+/// Multiplying all lengths of the turn by k divides lambda by k.
 double MetresPerUnit(const PooledLine& line, const LeverArm& lever_arm, double direction = 0);
 
 /// Ratio of the effective to the measured lever arm in the turn at this scale: (L - c v^2) / L. Negative beyond
-/// v = sqrt(L/c).
+/// v = sqrt(L/c), above 1 in reverse.
 double LeverArmRatio(const PooledLine& line, const LeverArm& lever_arm, double metres_per_unit);
 
 /// Median of the scales of single steps from the paper's observer (22), with slip, and its standard deviation.

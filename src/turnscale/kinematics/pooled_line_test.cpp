@@ -213,7 +213,7 @@ TEST(PooledLine, HoldsInReverse) {
   EXPECT_NEAR(Scale(steps, kRigid) / kMetresPerUnit, 1.0, 1e-12);
 }
 
-// The tyres slip outwards in reverse as well, which takes a camera ahead of them the other way about the turn.
+// The tyres slip outwards in reverse as well, which there adds to the swing of a camera ahead of them.
 TEST(PooledLine, SlipInReverseLengthensTheLeverArm) {
   const LeverArm acting{kSlipping.length + kSlipping.side_slip * 49};
   const std::vector<VehicleStep> steps = Reversed(EvenCorner(acting));
@@ -221,6 +221,23 @@ TEST(PooledLine, SlipInReverseLengthensTheLeverArm) {
   EXPECT_LT(LineOf(steps).mean_square_speed, 0);
   EXPECT_GT(LeverArmRatio(LineOf(steps), kSlipping, kMetresPerUnit), 1);
   EXPECT_NEAR(MedianScaleOf(steps, kSlipping) / kMetresPerUnit, 1.0, 1e-12);
+}
+
+TEST(PooledLine, TooLittleSwingInReverseHasNoScale) {
+  PooledLine line{.mean_square_speed = -0.04};
+  const double least = 2 * std::sqrt(kSlipping.side_slip * 0.04 * kSlipping.length);
+  line.lever_arm = 0.99 * least;
+  EXPECT_TRUE(std::isinf(MetresPerUnit(line, kSlipping)));
+  line.lever_arm = 1.01 * least;
+  EXPECT_LT(std::pow(MetresPerUnit(line, kSlipping), 2) * kSlipping.side_slip * 0.04, kSlipping.length) << "slow root";
+}
+
+TEST(PooledLine, TheObserverOfAStepAgreesInReverse) {
+  const LeverArm acting{kSlipping.length + kSlipping.side_slip * 49};
+  for (const VehicleStep& step : Reversed(EvenCorner(acting))) {
+    const double metres = ObservedDistance(step.motion.psi, step.motion.theta, step.duration, kSlipping);
+    EXPECT_NEAR(metres / step.motion.step / kMetresPerUnit, 1.0, 1e-9);
+  }
 }
 
 TEST(PooledLine, UnitOfLengthCancels) {

@@ -30,8 +30,7 @@ struct CarDrive {
 /// move sideways, which the slip puts nearer to the camera, and in reverse farther away.
 inline RigidTransform SlippingCameraMotion(const DriveSegment& segment, double dt, const LeverArm& lever_arm,
                                            const Eigen::Quaterniond& vehicle_from_camera) {
-  const double speed = segment.camera_distance / dt;
-  const double effective = lever_arm.length - lever_arm.side_slip * speed * std::abs(speed);
+  const double effective = lever_arm.At(segment.camera_distance / dt);
   const double swing = 2.0 * effective * std::sin(0.5 * segment.psi);
   const double way = std::sqrt(segment.camera_distance * segment.camera_distance - swing * swing);
   const double rho = std::copysign(way, segment.camera_distance);

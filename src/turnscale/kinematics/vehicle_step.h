@@ -29,8 +29,8 @@ struct VehicleStep {
   /// Mean of the heading over the distance driven, less the mean of the headings at both ends, rad. 0 on the circle of
   /// (1); at the start and at the end of a turn, where the curvature changes, it is not.
   double heading_offset = 0;
-  /// Rotation about the way that the step goes, rad, leaning right positive. The body leans outwards in a turn and
-  /// takes the camera, which is above the axis of the roll, with it.
+  /// Rotation about the levelled forward axis, rad, leaning right positive, also in reverse. The body leans outwards in
+  /// a turn and takes the camera, which is above the axis of the roll, with it.
   double roll = 0;
 
   /// y = length sin(theta - psi/2 - heading_offset): lateral displacement in the axes of the mean heading, odometry
@@ -81,7 +81,8 @@ class StepBuilder {
   /// ends: one at most, two where a gap cuts a step short.
   std::vector<VehicleStep> Add(const StampedPose& pose, const PathGap* gap = nullptr);
 
-  /// The next pose is unknown: the step leads past it.
+  /// The next pose is unknown: the step leads past it. A step that ends at a gap counts the poses skipped before it as
+  /// its own.
   void Skip() { ++poses_; }
 
   /// The path ends: what remains of it is a step, unless it has no length.

@@ -75,7 +75,7 @@ std::optional<PathGap> GapBefore(const Map& map, int keyframe) {
   return PathGap{keyframe, map.keyframes[keyframe].gap_sigma};
 }
 
-// Of the keyframe, or of the last one before it that is not gone astray.
+// Of the keyframe, or of the last one before it that is finite.
 Eigen::Vector3d KnownCentre(const Map& map, int keyframe) {
   while (keyframe > 0 && !Centre(map.keyframes[keyframe]).allFinite()) --keyframe;
   return Centre(map.keyframes[keyframe]);
@@ -173,7 +173,7 @@ bool DriveScale::Feed(const Map& map, int keyframe) {
     builder_.Skip();
     return false;
   }
-  // The path hangs together with the last pose that is known, unless tracking was lost since then.
+  // The path continues from the last known pose, unless tracking was lost since then.
   std::optional<PathGap> gap = GapBefore(map, keyframe);
   for (int k = keyframe - 1; !gap && k > 0 && !IsFinite(VehiclePose(map, mount_, k)); --k) gap = GapBefore(map, k);
   bool turn_ended = false;

@@ -50,6 +50,7 @@ struct VehicleOptions {
   double height_correlation = 0;              ///< of the errors of camera height and lever arm
   double height_slip_correlation = 0;         ///< of the errors of camera height and c
   double roll_height = kUsualRollHeight;  ///< height of the camera above the axis about which the body rolls, metres
+                                          ///< (`calibrate` assumes the default)
   double roll_height_sigma = kUsualRollHeightSigma;  ///< its standard deviation, metres
 
   /// Standard deviation of the height, metres.

@@ -90,9 +90,9 @@ TEST(Rescale, SaysWhenTheAxesAreNotACameras) {
   EXPECT_NE(result.reason.find("sideways"), std::string::npos) << result.reason;
 }
 
-// A body that leans outwards by 6 degrees per g moves the camera sideways where turns begin and end. That is a term of
-// the turn's own, h b, and no slip. The height h above the roll axis is not the usual one here, and few turns tell;
-// what is left of the roll hardly bends the scale, whichever way the camera is pitched.
+// A body that leans outwards by 6 degrees per g moves the camera sideways where turns begin and end: the term h b of
+// the model, not slip. Here h is not the usual height, and few turns determine it; even so, the scale is hardly
+// affected, however the camera is pitched.
 TEST(Rescale, RollOfTheBodyHardlyBendsTheScale) {
   for (const double pitch : {-8.0, 0.0, 8.0}) {
     const Eigen::Quaterniond mount = RotationFromYawPitchRoll({0, pitch / kDegreesPerRadian, 0});

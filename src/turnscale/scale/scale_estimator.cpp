@@ -296,7 +296,7 @@ void CompareTurns(const Answer& answer, const CarPrior& car, const TurnTestOptio
 // Whether the turns are consistent with each other if a given camera height is not used.
 bool AgreeWithoutHeight(const ScaleProblem& problem, const std::vector<SegmentEvidence>& gathered, CarPrior car,
                         const ScaleEstimatorOptions& options) {
-  car.camera_height = car.camera_height_sigma = car.height_correlation = 0;
+  car.camera_height = car.camera_height_sigma = car.height_correlation = car.height_slip_correlation = 0;
   const Selection selection = SelectTurns(gathered, car, PriorState(car, 0), options.evidence);
   if (selection.log_scales.empty()) return false;
   const Answer answer = SmoothDrive(problem, gathered, car, options, selection);
@@ -451,6 +451,7 @@ ScaleEstimateResult EstimateScale(const std::vector<VehicleStep>& steps, const C
   estimate.length_sigma *= inflation;
   estimate.car = DescribeCar(estimate.smoothed.back(), car, car.side_slip_sigma > 0 && answer.side_slip < 0);
   estimate.car_evidence = {CarBeliefOf(PriorBelief(car, 0)), CarBeliefOf(answer.car), inflation};
+  // With c unbounded: a wrong height may be what makes it negative.
   estimate.height_conflict = CompareHeight(answer.car, car, options.max_height_deviation);
   if (estimate.height_conflict) {
     WidenForConflict(*estimate.height_conflict, estimate);

@@ -48,9 +48,11 @@ struct TurnEstimate {
   double smoothed = 0;         ///< smoothed scale there, metres per unit
   double smoothed_sigma = 0;   ///< relative
   double lever_arm_units = 0;  ///< effective lever arm, odometry units
-  double speed_units = 0;      ///< root mean square, odometry units per second; 0 where times are unknown
-  double weight = 0;           ///< Huber weight: below 1 if the turn disagrees with the others
-  double deviation = 0;        ///< ln(smoothed / own) in standard deviations
+  /// Root mean square where the turn goes one way (PooledLine::mean_square_speed), odometry units per second; 0 where
+  /// times are unknown.
+  double speed_units = 0;
+  double weight = 0;     ///< Huber weight: below 1 if the turn disagrees with the others
+  double deviation = 0;  ///< ln(smoothed / own) in standard deviations
 };
 
 /// The car's constants as refined from the drive, with standard deviations.
@@ -117,8 +119,9 @@ struct ScaleEstimateResult {
 
 /// Maximum a posteriori scale of a drive from its steps. Each turn is one measurement: its effective
 /// lever arm in units. Where the steps show the height above the road, each segment has another one. Unknowns are the
-/// log-scale, a random walk, four constants with physical priors (the yaw error of Q, the side slip c, the lever arm,
-/// the camera height), and the correlated error of the road. Time is linear in the number of steps.
+/// log-scale, a random walk, five constants with physical priors (the yaw error of Q, the side slip c, the lever arm,
+/// the heights of the camera above the roll axis and above the road), and the correlated error of the road. Time is
+/// linear in the number of steps.
 ///
 /// The single-turn scales are then tested jointly against the estimate (TurnTest). If the test fails, they are used
 /// instead, and sigma includes their spread.
