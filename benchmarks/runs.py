@@ -84,6 +84,12 @@ def rendered(program, folder, arguments, rig):
     return folder
 
 
+def section(part, made, before):
+    """A part of a page between marks. Where nothing was made, it is what the page says before."""
+    begin, end = f"<!-- {part} -->\n", f"<!-- end of {part} -->\n"
+    return begin + (made or before.partition(begin)[2].partition(end)[0] or "Not measured yet.\n") + end
+
+
 def estimated_intrinsics(summary):
     """None where the intrinsics were given or assumed."""
     intrinsics = summary.get("intrinsics") or {}

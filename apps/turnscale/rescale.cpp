@@ -48,7 +48,7 @@ void AddRescaleCommand(CLI::App& app) {
   CLI::Option* heights = command->add_option(
       "--heights", arguments->heights,
       fmt::format(
-          "CSV file with heights of the camera above the road, which show the scale between turns: columns time "
+          "CSV file with heights of the camera above the road, which give the scale between turns: columns time "
           "(seconds, as the trajectory's, which must have times), height and optionally sigma, its standard "
           "deviation [{:.0f} %], both in the trajectory's unit of length",
           100 * kUsualHeightSigma));

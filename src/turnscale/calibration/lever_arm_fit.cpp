@@ -43,9 +43,8 @@ std::vector<Equation> Equations(const std::vector<MetricDrive>& drives) {
       // The whole step's turning and way, so that steps of more frames count for more.
       Equation equation;
       equation.turn = step.frames * 2 * std::sin(0.5 * level.motion.psi);
-      const double sense = std::copysign(1.0, std::cos(level.motion.theta - 0.5 * level.motion.psi));
-      equation.way = sense * step.frames * level.motion.step;
-      equation.speed = sense * level.speed();
+      equation.way = std::copysign(step.frames * level.motion.step, level.forward());
+      equation.speed = std::copysign(level.speed(), level.forward());
       equation.roll = step.frames * level.roll;
       equation.sideways = step.frames * level.lateral() - kUsualRollHeight * equation.roll;
       equation.drive = static_cast<int>(drive);

@@ -65,14 +65,9 @@ std::string Text(const char* format, double a, double b) {
 
 double HalfTurn(const VehicleStep& step) { return 2.0 * std::sin(0.5 * step.motion.psi); }
 
-// Distance ahead, odometry units. Negative in reverse, where errors of the direction and the slip of the tyres have the
-// opposite sign relative to psi.
-double Forward(const VehicleStep& step) {
-  return step.motion.step * std::cos(step.motion.theta - 0.5 * step.motion.psi);
-}
-
+// Negative in reverse, where the slip of the tyres has the opposite sign relative to psi.
 double SignedSquareSpeed(const VehicleStep& step) {
-  return std::copysign(step.speed() * step.speed() * step.square_speed_ratio, Forward(step));
+  return std::copysign(step.speed() * step.speed() * step.square_speed_ratio, step.forward());
 }
 
 // Least length that acts in a turn, over the lever arm.
@@ -130,7 +125,7 @@ PooledLine Describe(const std::vector<VehicleStep>& steps, const RobustLine& fit
   for (std::size_t i = 0; i < steps.size(); ++i) {
     const double x = HalfTurn(steps[i]);
     xx += fit.weight[i] * x * x;
-    line.by_direction += fit.weight[i] * x * Forward(steps[i]);
+    line.by_direction += fit.weight[i] * x * steps[i].forward();
     line.by_roll_height += fit.weight[i] * x * steps[i].roll;
     line.mean_square_speed += fit.weight[i] * x * x * SignedSquareSpeed(steps[i]);
     line.angle += steps[i].motion.psi;

@@ -43,6 +43,8 @@ void MarkJumps(std::span<VehicleStep> steps, double max_speed_ratio) {
 
 double VehicleStep::lateral() const { return motion.step * std::sin(motion.theta - 0.5 * motion.psi - heading_offset); }
 
+double VehicleStep::forward() const { return motion.step * std::cos(motion.theta - 0.5 * motion.psi); }
+
 void VehicleStepOptions::Check() const {
   if (!(angle >= 0 && angle < 0.5)) throw InputError("steps.angle: has to be from 0 to below 0.5 rad");
   if (!(max_duration > 0)) throw InputError("steps.max_duration: has to be positive");

@@ -36,6 +36,8 @@ struct VehicleStep {
   /// y = length sin(theta - psi/2 - heading_offset): lateral displacement in the axes of the mean heading, odometry
   /// units. The rear axle does not move sideways there, whatever way the curvature changes within the step.
   double lateral() const;
+  /// length cos(theta - psi/2): distance ahead, odometry units; negative in reverse.
+  double forward() const;
   /// Odometry units per second; 0 where times are unknown.
   double speed() const { return duration > 0 ? motion.step / duration : 0.0; }
 };

@@ -129,9 +129,8 @@ bool FindMount(const RescaleOptions& options, const Trajectory& trajectory, cons
 }
 
 bool GoesForward(const std::vector<VehicleStep>& steps) {
-  const auto forward = std::ranges::count_if(steps, [](const VehicleStep& step) {
-    return step.usable && std::cos(step.motion.theta - 0.5 * step.motion.psi) > 0;
-  });
+  const auto forward = std::ranges::count_if(
+      steps, [](const VehicleStep& step) { return step.usable && !std::signbit(step.forward()); });
   return 2 * forward >= static_cast<std::ptrdiff_t>(steps.size());
 }
 

@@ -234,7 +234,7 @@ Measurement GivenHeight(const ScaleBelief& prior) {
   return given;
 }
 
-// The height that the turns show with the lever arm: the given height is taken out of the posterior, an update with
+// The height that the turns give with the lever arm: the given height is taken out of the posterior, an update with
 // minus its variance. Errors that it shares with L and c in the prior do not count as a difference.
 std::optional<HeightConflict> CompareHeight(const ScaleBelief& posterior, const CarPrior& car, double max_deviation) {
   if (!car.knows_height() || !(car.camera_height_sigma > 0)) return std::nullopt;

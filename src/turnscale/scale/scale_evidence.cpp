@@ -121,8 +121,7 @@ SegmentEvidence EvidenceOfStraight(const std::vector<VehicleStep>& steps, double
   for (const VehicleStep& step : steps) {
     const TurningMotion& motion = step.motion;
     if (!step.usable || !std::isfinite(step.lateral())) continue;
-    points.push_back({motion.step * std::cos(motion.theta - 0.5 * motion.psi),
-                      step.lateral() - kBendRatio * lever_arm * 2.0 * std::sin(0.5 * motion.psi)});
+    points.push_back({step.forward(), step.lateral() - kBendRatio * lever_arm * 2.0 * std::sin(0.5 * motion.psi)});
     angle += motion.psi;
     length += motion.step;
     squares += motion.step * motion.step;

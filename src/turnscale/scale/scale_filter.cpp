@@ -44,7 +44,7 @@ class TurnSum {
   void PassGap() { after_gap_ = true; }
 
   void Add(const ScaleBelief& before, const ScaleBelief& after, double normalized_innovation) {
-    // Of the variance, which all turns share where it comes from the constants of the car.
+    // The variance that comes from the constants of the car is left by every turn.
     constexpr double kMostLeft = 0.5;
     const double left = after.covariance(kLogScale, kLogScale) / before.covariance(kLogScale, kLogScale);
     if (first_ || (after_gap_ && left < kMostLeft)) {
