@@ -11,7 +11,6 @@
 #include <sqlite3.h>
 
 #include "turnscale/base/error.h"
-#include "turnscale/base/escaped_text.h"
 
 namespace turnscale {
 namespace {
@@ -94,7 +93,7 @@ class Db3Reader : public BagReader {
 
   [[noreturn]] void Refuse() const {
     throw InputError(fmt::format("{}: cannot be read as a bag of ROS 2: {}; record it again", name_,
-                                 database_ ? Printable(sqlite3_errmsg(database_.get())) : "out of memory"));
+                                 database_ ? sqlite3_errmsg(database_.get()) : "out of memory"));
   }
 
   Db3Statement Prepare(const char* query) const {

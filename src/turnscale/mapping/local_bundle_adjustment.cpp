@@ -69,18 +69,26 @@ LocalBundleResult AdjustLocalWindow(const LocalBundleOptions& options, Map& map)
   return AdjustFrom(options, keyframes - options.window, map);
 }
 
-LocalBundleResult AdjustFrom(const LocalBundleOptions& options, int first, Map& map) {
+WindowProblem MakeLocalWindow(const LocalBundleOptions& options, int first, const Map& map) {
   const int start = StartOfMap(map, std::max(0, first - options.anchors));
   const int first_free = std::max(start + 1, first);
   const int first_anchor = std::max(start, first_free - options.anchors);
-  WindowProblem problem = MakeWindowProblem(map, {first_anchor, first_free}, options.pixel_sigma);
+  return MakeWindowProblem(map, {first_anchor, first_free}, options.pixel_sigma);
+}
+
+std::optional<BundleSummary> AdjustWindow(const LocalBundleOptions& options, WindowProblem& window) {
   BundleOptions bundle_options;
   bundle_options.max_iterations = options.max_iterations;
   bundle_options.relative_cost_tolerance = options.relative_cost_tolerance;
   bundle_options.initial_damping = options.initial_damping;
   bundle_options.use_exact_hessian = options.use_exact_hessian;
+  return TryAdjustBundle(bundle_options, window.bundle);
+}
+
+LocalBundleResult AdjustFrom(const LocalBundleOptions& options, int first, Map& map) {
+  WindowProblem problem = MakeLocalWindow(options, first, map);
   LocalBundleResult result;
-  const std::optional<BundleSummary> summary = TryAdjustBundle(bundle_options, problem.bundle);
+  const std::optional<BundleSummary> summary = AdjustWindow(options, problem);
   if (!summary) return result;
   result.summary = *summary;
   WriteBack(problem, map);

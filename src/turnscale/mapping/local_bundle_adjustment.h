@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "turnscale/bundle/bundle_adjustment.h"
@@ -57,9 +58,16 @@ struct LocalBundleResult {
   std::vector<int> landmarks;  ///< those that took part, ascending
 };
 
-/// Adjusts the latest keyframes and the landmarks they see; earlier keyframes that see the same landmarks hold still.
-/// The first keyframe of the map, or after a gap in the tracking, never moves. A window that holds a number that is
-/// none stays as it is, and no landmark takes part.
+/// The keyframes from `first` to the latest and the landmarks they see; earlier keyframes that see the same landmarks
+/// hold still. The first keyframe of the map, or after a gap in the tracking, never moves.
+WindowProblem MakeLocalWindow(const LocalBundleOptions& options, int first, const Map& map);
+
+/// Adjusts a window by itself: nothing of the map changes before WriteBack. Empty, and the window is as it was, where
+/// it holds a number that is none.
+std::optional<BundleSummary> AdjustWindow(const LocalBundleOptions& options, WindowProblem& window);
+
+/// Adjusts the latest keyframes of the map and the landmarks they see. A window that holds a number that is none stays
+/// as it is, and no landmark takes part.
 LocalBundleResult AdjustLocalWindow(const LocalBundleOptions& options, Map& map);
 
 /// The same with all keyframes from `first` to the latest moving.

@@ -270,7 +270,8 @@ void FrameTracker::DetectNewFeatures(const CameraModel& camera, const std::share
 
 void FrameTracker::Drop(const std::vector<int>& landmarks) {
   const std::unordered_set<int> ended(landmarks.begin(), landmarks.end());
-  std::erase_if(tracks_, [&](const FeatureTrack& track) { return ended.contains(track.landmark); });
+  for (std::vector<FeatureTrack>* tracks : {&tracks_, &lost_tracks_})
+    std::erase_if(*tracks, [&](const FeatureTrack& track) { return ended.contains(track.landmark); });
 }
 
 void FrameTracker::Reindex(const std::vector<int>& new_index) {

@@ -9,6 +9,8 @@
 #include <string>
 #include <utility>
 
+#include <opencv2/core/utility.hpp>
+
 #include "turnscale/base/error.h"
 #include "turnscale/base/quantiles.h"
 #include "turnscale/camera/camera_model.h"
@@ -96,10 +98,12 @@ FrameResult Odometry::Process(const cv::Mat& gray, double time) {
   if (!tracked.camera_from_world) return Bridge(predicted, result);
   if (!tracker_.NeedsKeyframe(map_, tracked)) return MetricResult(result, *tracked.camera_from_world);
 
-  AddKeyframe(*tracked.camera_from_world, result);
+  ApplyBackgroundWork();
+  AddKeyframe(result);
   ObserveRoad(image);
-  if (ObserveScale(result)) Settle();
+  ObserveScale(result);
   tracker_.Replenish(camera_, image, map_);
+  StartBackgroundWork();
   return MetricResult(result, map_.keyframes.back().camera_from_world);
 }
 
@@ -289,7 +293,8 @@ FrameResult Odometry::Bridge(const RigidTransform& predicted, FrameResult result
   return MetricResult(result, predicted);
 }
 
-void Odometry::AddKeyframe(const RigidTransform& camera_from_world, FrameResult& result) {
+void Odometry::AddKeyframe(FrameResult& result) {
+  const RigidTransform camera_from_world = motion_.last();
   const int keyframe = static_cast<int>(map_.keyframes.size());
   mask_.Observe(tracker_.DropStatic(map_, camera_from_world));
   ApplyMask();
@@ -308,19 +313,82 @@ void Odometry::AddKeyframe(const RigidTransform& camera_from_world, FrameResult&
   TriangulateLandmarks(options_.landmarks, of_scene, map_);
   const LocalBundleResult adjusted = AdjustLocalWindow(options_.local_bundle, map_);
   tracker_.Drop(CullLandmarks(options_.landmarks, adjusted.landmarks, keyframe, map_));
-  RefineLens();
-  if (calibration_check_.Observe(map_, camera_))
-    calibration_sigma_ = CalibrationSigma(calibration_check_.Contradictions(), camera_);
   motion_.Correct(map_.keyframes.back().camera_from_world, 1.0);
   result.keyframe = true;
 }
 
-void Odometry::RefineLens() {
-  const double applied = camera_.radial_correction;
-  if (!lens_.Observe(map_, applied) || std::abs(lens_.correction() - applied) < kLeastLensChange) return;
-  camera_.radial_correction = lens_.correction();
+void Odometry::ObserveRoad(const FlowImage& image) {
+  const std::optional<MeasuredHeight> height =
+      road_.Observe(map_, camera_, mount().current().vehicle_from_camera, image, mask_.pixels());
+  if (height) scale_.AddHeight(*height);
+}
+
+void Odometry::ObserveScale(FrameResult& result) {
+  const TurningMotion motion = StepMotion(map_, static_cast<int>(map_.keyframes.size()) - 2, mount());
+  result.psi = motion.psi;
+  result.theta = motion.theta;
+  const bool turn_ended = scale_.Add(map_);
+  const int unsettled = static_cast<int>(map_.keyframes.size() - lens_of_keyframe_.size());
+  settling_is_due_ = turn_ended || unsettled >= options_.turn_bundle.window / 2;
+}
+
+void Odometry::StartBackgroundWork() {
+  BackgroundWork start;
+  if (std::exchange(settling_is_due_, false)) {
+    start.settled_from = FirstToSettle();
+    start.settled = MakeLocalWindow(options_.turn_bundle, *start.settled_from, map_);
+  }
+  const auto work = [this, camera = camera_](BackgroundWork parts) {
+    if (parts.settled_from && !AdjustWindow(options_.turn_bundle, parts.settled)) parts.settled.landmarks.clear();
+    lens_.Observe(map_, camera.radial_correction);
+    parts.lens_correction = lens_.correction();
+    if (calibration_check_.Observe(map_, camera))
+      parts.calibration_sigma = CalibrationSigma(calibration_check_.Contradictions(), camera);
+    return parts;
+  };
+  const std::launch policy = cv::getNumThreads() > 1 ? std::launch::async : std::launch::deferred;
+  background_work_ = std::async(policy, work, std::move(start));
+}
+
+void Odometry::ApplyBackgroundWork() {
+  if (!background_work_.valid()) return;
+  const BackgroundWork done = background_work_.get();
+  if (done.calibration_sigma) calibration_sigma_ = *done.calibration_sigma;
+  if (done.settled_from) ApplySettled(*done.settled_from, done.settled);
+  if (std::abs(done.lens_correction - camera_.radial_correction) >= kLeastLensChange) CorrectLens(done.lens_correction);
+}
+
+int Odometry::FirstToSettle() {
+  // Earlier local windows had fewer observations and a less accurate lens correction.
+  const int keyframes = static_cast<int>(map_.keyframes.size());
+  lens_of_keyframe_.resize(keyframes, std::numeric_limits<double>::quiet_NaN());
+  const auto settled = [&](double applied) { return std::abs(applied - camera_.radial_correction) < kStaleLensChange; };
+  const auto oldest = lens_of_keyframe_.begin() + std::max(archive_.end(), keyframes - options_.turn_bundle.window);
+  const auto stale = std::find_if_not(oldest, lens_of_keyframe_.end(), settled);
+  std::fill(stale, lens_of_keyframe_.end(), camera_.radial_correction);
+  return static_cast<int>(stale - lens_of_keyframe_.begin());
+}
+
+void Odometry::ApplySettled(int first, const WindowProblem& settled) {
+  const int keyframes = static_cast<int>(map_.keyframes.size());
+  // Factors of length are means over two steps on either side.
+  const int from = std::max(0, first - 2);
+  const RigidTransform last_from_keyframe = LastFromKeyframe();
+  const std::vector<Eigen::Vector3d> before = KeyframeCentres(map_, from);
+  if (!settled.landmarks.empty()) WriteBack(settled, map_);
+  FollowMap(from, KeyframeFactors(before, KeyframeCentres(map_, from), first - from, std::vector(before.size(), 1.0)),
+            last_from_keyframe);
+  const auto reach = [](const LocalBundleOptions& window) { return window.window + window.anchors; };
+  const int last = keyframes - std::max({reach(options_.turn_bundle), reach(options_.local_bundle),
+                                         options_.lens.window, options_.calibration_check.window});
+  scale_.Reread(map_, first, last);
+  if (last - archive_.end() >= kArchivedTogether) Archive(last);
+}
+
+void Odometry::CorrectLens(double correction) {
+  const double applied = std::exchange(camera_.radial_correction, correction);
   const auto corrected = [&](const Eigen::Vector2d& pixel) {
-    return CorrectRadially(map_.pinhole, camera_.radial_correction, UndoRadialCorrection(map_.pinhole, applied, pixel));
+    return CorrectRadially(map_.pinhole, correction, UndoRadialCorrection(map_.pinhole, applied, pixel));
   };
   for (Landmark& landmark : map_.landmarks)
     for (LandmarkObservation& seen : landmark.observations) seen.pixel = corrected(seen.pixel);
@@ -331,45 +399,14 @@ void Odometry::RefineLens() {
       seen.pixel = std::ranges::find(corrected_already, k, &LandmarkObservation::keyframe)->pixel;
     }
   tracker_.Correct(corrected);
-  AdjustLocalWindow(options_.local_bundle, map_);
-}
-
-void Odometry::ObserveRoad(const FlowImage& image) {
-  const std::optional<MeasuredHeight> height =
-      road_.Observe(map_, camera_, mount().current().vehicle_from_camera, image, mask_.pixels());
-  if (height) scale_.AddHeight(*height);
-}
-
-bool Odometry::ObserveScale(FrameResult& result) {
-  const TurningMotion motion = StepMotion(map_, static_cast<int>(map_.keyframes.size()) - 2, mount());
-  result.psi = motion.psi;
-  result.theta = motion.theta;
-  const bool turn_ended = scale_.Add(map_);
-  const int unsettled = static_cast<int>(map_.keyframes.size() - lens_of_keyframe_.size());
-  return turn_ended || unsettled >= options_.turn_bundle.window / 2;
 }
 
 void Odometry::Settle() {
-  // Earlier local windows had fewer observations and a less accurate lens correction.
-  const int keyframes = static_cast<int>(map_.keyframes.size());
-  lens_of_keyframe_.resize(keyframes, std::numeric_limits<double>::quiet_NaN());
-  const auto settled = [&](double applied) { return std::abs(applied - camera_.radial_correction) < kStaleLensChange; };
-  const auto oldest = lens_of_keyframe_.begin() + std::max(archive_.end(), keyframes - options_.turn_bundle.window);
-  const auto stale = std::find_if_not(oldest, lens_of_keyframe_.end(), settled);
-  std::fill(stale, lens_of_keyframe_.end(), camera_.radial_correction);
-  // Factors of length are means over two steps on either side.
-  const int first = static_cast<int>(stale - lens_of_keyframe_.begin());
-  const int from = std::max(0, first - 2);
-  const RigidTransform last_from_keyframe = LastFromKeyframe();
-  const std::vector<Eigen::Vector3d> before = KeyframeCentres(map_, from);
-  AdjustFrom(options_.turn_bundle, first, map_);
-  FollowMap(from, KeyframeFactors(before, KeyframeCentres(map_, from), first - from, std::vector(before.size(), 1.0)),
-            last_from_keyframe);
-  const auto reach = [](const LocalBundleOptions& window) { return window.window + window.anchors; };
-  const int last = keyframes - std::max({reach(options_.turn_bundle), reach(options_.local_bundle),
-                                         options_.lens.window, options_.calibration_check.window});
-  scale_.Reread(map_, first, last);
-  if (last - archive_.end() >= kArchivedTogether) Archive(last);
+  ApplyBackgroundWork();
+  const int first = FirstToSettle();
+  WindowProblem window = MakeLocalWindow(options_.turn_bundle, first, map_);
+  if (!AdjustWindow(options_.turn_bundle, window)) window.landmarks.clear();
+  ApplySettled(first, window);
 }
 
 void Odometry::Archive(int last) { tracker_.Reindex(archive_.Retire(last, camera_.radial_correction, map_)); }
@@ -435,6 +472,7 @@ ScaleState Odometry::scale_state() const {
 
 RefinedScale Odometry::Refined() const {
   if (refined_) return *refined_;
+  AwaitBackgroundWork();
   const std::vector<ParameterEstimate> contradictions = calibration_check_.Contradictions();
   RefinedScale refined = scale_.Refine(map_, !contradictions.empty());
   WidenForCalibration(contradictions, camera_, refined);

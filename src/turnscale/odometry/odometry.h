@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <future>
 #include <limits>
 #include <optional>
 #include <vector>
@@ -11,6 +12,7 @@
 #include "turnscale/features/optical_flow.h"
 #include "turnscale/mapping/calibration_check.h"
 #include "turnscale/mapping/lens_refinement.h"
+#include "turnscale/mapping/local_bundle_adjustment.h"
 #include "turnscale/mapping/map.h"
 #include "turnscale/mapping/map_archive.h"
 #include "turnscale/odometry/drive_scale.h"
@@ -32,10 +34,17 @@ namespace turnscale {
 /// follow from both. Neither time per frame nor memory grows with the drive, except for the poses of frames and
 /// keyframes: observations of settled keyframes are moved to a temporary file (MapArchive). Finish processes the whole
 /// drive; where turns are constrained (ConstrainTurns), it has the whole map in memory.
+///
+/// Lens, calibration and settled poses are computed beside the frames after a keyframe where OpenCV may use more than
+/// one thread. The next keyframe applies what they give, however soon it is there: the number of threads changes no
+/// result.
 class Odometry {
  public:
   /// Throws InputError when an option is invalid, or the camera has a width without a height.
   Odometry(const OdometryOptions& options, const CameraModel& camera);
+  // Work under way refers to the map.
+  Odometry(const Odometry&) = delete;
+  Odometry& operator=(const Odometry&) = delete;
 
   /// Leaves out the pixels of all images that are 0 in an 8-bit image of their size. Before the first image.
   void SetMask(const cv::Mat& mask) { mask_.SetGiven(mask); }
@@ -79,9 +88,15 @@ class Odometry {
   /// (8 bit, else 255). Empty if none are.
   const cv::Mat& mask() const { return mask_.pixels(); }
   /// The correction of the lens calibration estimated from the drive.
-  const LensRefinement& lens() const { return lens_; }
+  const LensRefinement& lens() const {
+    AwaitBackgroundWork();
+    return lens_;
+  }
   /// The consistency test of the given calibration.
-  const CalibrationCheck& calibration_check() const { return calibration_check_; }
+  const CalibrationCheck& calibration_check() const {
+    AwaitBackgroundWork();
+    return calibration_check_;
+  }
   ScaleState scale_state() const;
   /// The camera-to-vehicle rotation, as given or found.
   const MountCalibration& mount() const { return scale_.mount(); }
@@ -98,15 +113,35 @@ class Odometry {
   bool Repeats(const WaitingFrame& before, const WaitingFrame& waiting, int first_landmark) const;
   TrackedFrame Track(const FlowImage& image, const RigidTransform& predicted, FrameResult& result);
   FrameResult Bridge(const RigidTransform& predicted, FrameResult result);
-  void AddKeyframe(const RigidTransform& camera_from_world, FrameResult& result);
-  void RefineLens();
+  /// What is computed from the map beside the frames up to the next keyframe.
+  struct BackgroundWork {
+    std::optional<int> settled_from;  ///< first keyframe to settle, where that is due
+    WindowProblem settled;            ///< adjusted; without landmarks where it holds a number that is none
+    double lens_correction = 0;
+    std::optional<double> calibration_sigma;  ///< where the calibration was tested
+  };
+
+  /// The latest frame becomes a keyframe.
+  void AddKeyframe(FrameResult& result);
   /// Measures the height above the road at the latest keyframe, whose image this is.
   void ObserveRoad(const FlowImage& image);
-  /// Updates the scale with the latest keyframe. Returns whether Settle is due: it ended a turn, or many keyframes have
+  /// Updates the scale with the latest keyframe. Settling is due where it ended a turn, or where many keyframes have
   /// not been settled yet.
-  bool ObserveScale(FrameResult& result);
-  /// Adjusts the latest keyframes that are not settled yet, or were adjusted under another lens correction, and
-  /// re-evaluates their steps.
+  void ObserveScale(FrameResult& result);
+  /// The map must not change before ApplyBackgroundWork.
+  void StartBackgroundWork();
+  void AwaitBackgroundWork() const {
+    if (background_work_.valid()) background_work_.wait();
+  }
+  /// Waits for the work, if there is any, and moves map, tracks and motion model to its results.
+  void ApplyBackgroundWork();
+  /// First keyframe that is not settled, or was under another lens correction. From there on all count as settled.
+  int FirstToSettle();
+  /// Keyframes from `first` on have been adjusted: re-evaluates their steps.
+  void ApplySettled(int first, const WindowProblem& settled);
+  /// Undistorts the map's pixels by this radial correction.
+  void CorrectLens(double correction);
+  /// Adjusts the latest keyframes that are not settled yet, now.
   void Settle();
   /// Moves the observations of keyframes before `last` to the archive.
   void Archive(int last);
@@ -138,8 +173,10 @@ class Odometry {
   Map map_;
   MapArchive archive_;
   std::vector<double> lens_of_keyframe_;  ///< correction under which each keyframe was settled; NaN before
-  std::optional<RefinedScale> refined_;   ///< once the drive is over
-  double calibration_sigma_ = 0;          ///< added to the online sigma for an uncertain or inconsistent calibration
+  bool settling_is_due_ = false;
+  FlowImage keyframe_image_;             ///< of the latest keyframe, until the road was observed in it
+  std::optional<RefinedScale> refined_;  ///< once the drive is over
+  double calibration_sigma_ = 0;         ///< added to the online sigma for an uncertain or inconsistent calibration
 
   bool finished_ = false;
   /// Keyframe at which the map started with features that stood still, until a turn shows whether they are far away.
@@ -148,6 +185,7 @@ class Odometry {
   int lost_frames_ = 0;   ///< consecutive, up to now
   double last_time_ = -std::numeric_limits<double>::infinity();
   int frames_ = 0;
+  std::future<BackgroundWork> background_work_;  ///< last: it ends before what it reads
 };
 
 }  // namespace turnscale

@@ -169,7 +169,7 @@ struct OdometryOptions {
   KeyframeOptions keyframes;
   LandmarkOptions landmarks;
   /// After each keyframe. The larger windows that follow are adjusted until they settle.
-  LocalBundleOptions local_bundle{.max_iterations = 3, .relative_cost_tolerance = 1e-3, .use_exact_hessian = false};
+  LocalBundleOptions local_bundle{.max_iterations = 2, .relative_cost_tolerance = 1e-3, .use_exact_hessian = false};
   /// When a turn ends, for keyframes since the one before, and where they have become half of a window.
   LocalBundleOptions turn_bundle{.window = 120, .max_iterations = 10};
   /// For the whole drive, at its end, in sections of at most a window.
