@@ -159,6 +159,8 @@ TEST_F(RescaleCommandTest, WritesTheReport) {
   EXPECT_GT(summary["length_sigma"], 0.02);
   EXPECT_LT(summary["length_sigma"], 0.05);
   EXPECT_FALSE(summary["contradicted"]);
+  EXPECT_NEAR(summary["roll_height_m"], 1.1, 0.35);
+  EXPECT_LE(summary["roll_height_sigma_m"], 0.35);
   const auto lines = [&](const std::string& name) {
     const std::string text = TextOf(folder_ / "report" / name);
     return std::count(text.begin(), text.end(), '\n');

@@ -228,6 +228,8 @@ std::string RescaleJson(const RescaleResult& result, const std::string& input) {
                                        {"side_slip_s2pm", car.side_slip},
                                        {"side_slip_sigma_s2pm", car.side_slip_sigma},
                                        {"side_slip_at_bound", car.side_slip_at_bound},
+                                       {"roll_height_m", car.roll_height},
+                                       {"roll_height_sigma_m", car.roll_height_sigma},
                                        {"camera_height_m", known(car.camera_height)},
                                        {"camera_height_sigma_m", known(car.camera_height_sigma)}};
   return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";

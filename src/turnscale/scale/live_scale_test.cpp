@@ -225,8 +225,9 @@ TEST(LiveScale, AgreesWithTheSmootherAtTheEndOfEachTurn) {
       const ScaleBelief& last = smoothed.estimate->smoothed.back();
       EXPECT_NEAR(live.Now()->mean[kLogScale], last.mean[kLogScale], 0.2 * last.sigma()) << seed << ' ' << turns;
       // The smoother's grows with the scatter of the turns, which the filter does not look at.
-      EXPECT_GT(live.Now()->sigma(), 0.7 * last.sigma());
-      EXPECT_LT(live.Now()->sigma(), 1.03 * last.sigma());
+      const double sigma = last.sigma() / smoothed.estimate->test.inflation;
+      EXPECT_GT(live.Now()->sigma(), 0.95 * sigma);
+      EXPECT_LT(live.Now()->sigma(), 1.03 * sigma);
     }
     EXPECT_EQ(turns, 8);
   }

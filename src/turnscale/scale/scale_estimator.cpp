@@ -211,6 +211,8 @@ CarBelief CarBeliefOf(const ScaleBelief& belief) {
 CarRefinement DescribeCar(const ScaleBelief& belief, const CarPrior& car, bool slip_at_bound) {
   CarRefinement refinement{-belief.mean[kDirection], belief.Sigma(kDirection), std::max(belief.mean[kSlip], 0.0),
                            car.side_slip_sigma > 0 ? belief.Sigma(kSlip) : 0.0, slip_at_bound};
+  refinement.roll_height = belief.mean[kRollHeight];
+  refinement.roll_height_sigma = belief.Sigma(kRollHeight);
   if (car.knows_lever_arm()) {
     refinement.lever_arm = std::exp(belief.mean[kLogLeverArm]);
     refinement.lever_arm_sigma = belief.Sigma(kLogLeverArm) * refinement.lever_arm;

@@ -64,6 +64,8 @@ struct CarRefinement {
   bool side_slip_at_bound = false;  ///< the estimate would be negative: c is fixed at 0
   double lever_arm = 0;             ///< metres; 0 if it is not known
   double lever_arm_sigma = 0;
+  double roll_height = 0;  ///< h: of the camera above the axis about which the body rolls, metres
+  double roll_height_sigma = 0;
   double camera_height = 0;  ///< metres; 0 if neither given nor estimated
   double camera_height_sigma = 0;
   double height_correlation = 0;  ///< of the errors of camera height and lever arm

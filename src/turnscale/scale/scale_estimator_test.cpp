@@ -489,6 +489,23 @@ TEST(ScaleEstimator, SigmaCoversWhatItSays) {
   }
 }
 
+TEST(ScaleEstimator, RampsShowTheHeightAboveTheRollAxis) {
+  LeverArm car = kCar;
+  car.roll_height = 1.5;
+  const auto drive = [&](double slope) {
+    std::vector<StretchOfRoad> road = TownRoad(12, 5);
+    int stretches = 0;
+    for (StretchOfRoad& stretch : road) stretch.roll = stretches++ < 12 ? slope : -slope;
+    return MakeSteps(road, car, 0, kUnit, kNoise, 5);
+  };
+  const CarRefinement ramps = EstimateOf(drive(0.12), PriorOf(kCar)).car;
+  EXPECT_NEAR(ramps.roll_height, car.roll_height, 2 * ramps.roll_height_sigma);
+  EXPECT_LT(ramps.roll_height_sigma, 0.2);
+  const CarRefinement level = EstimateOf(drive(0), PriorOf(kCar)).car;
+  EXPECT_DOUBLE_EQ(level.roll_height, kUsualRollHeight);
+  EXPECT_NEAR(level.roll_height_sigma, kUsualRollHeightSigma, 1e-9);
+}
+
 CarPrior WithHeight(double height, double sigma, CarPrior prior = {}) {
   prior.camera_height = height;
   prior.camera_height_sigma = sigma;
