@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""write_bags.py encodings|rig DRIVE OUT: the frames of a simulated drive as folders of images and as bags.
+"""write_bags.py encodings|rig|long DRIVE OUT: the frames of a simulated drive as folders of images and as bags.
 
 OUT/folders/NAME are drives in folders, OUT/bags/NAME.* the same in ROS 1 bags (Debian's python3-rosbag) and .db3 files
 (sqlite3), and OUT/mcap.json is the plan of the MCAP files for write_mcap.js. OUT/pairs.txt has a line per bag: its file,
-the folder that has to give the same trajectory, and the topic where one has to be named.
+the folder that has to give the same trajectory, and the topic where one has to be named. For `long`, OUT/bags has bags
+of 30 and of 900 images, all alike.
 """
 import json
 import pathlib
@@ -281,12 +282,29 @@ def write_parts(writer):
     (bags / "broken.bag").write_bytes(whole[:len(whole) * 2 // 3])
 
 
+def write_long(writer):
+    """A few and many images in each container: noise, which cannot be compressed."""
+    noise = np.random.default_rng(1).integers(0, 255, writer.grays[0].shape, dtype=np.uint8)
+    info, image = writer.messages("noise", "mono8", [noise])
+    for name, count in (("short", 30), ("long", 900)):
+        messages = [{**message, "stamp": str(stamp)} for stamp in STAMPS[:count] for message in (info, image)]
+        for compression in ("none", "lz4"):
+            write_ros1(writer.out / "bags" / f"{name}_{compression}.bag", messages, compression)
+        write_db3(writer.out / "bags" / f"{name}.db3", messages)
+        for compression, indexed in (("zstd", True), ("none", False)):
+            path = writer.out / "bags" / f"{name}_{compression}.mcap"
+            writer.plan.append({"path": str(path), "compression": compression, "indexed": indexed, "chunks": indexed,
+                                "messages": messages})
+
+
 def main():
     kind, drive, out = sys.argv[1], pathlib.Path(sys.argv[2]), pathlib.Path(sys.argv[3])
     shutil.rmtree(out, ignore_errors=True)
     writer = Writer(drive, out)
     if kind == "rig":
         write_rig(writer)
+    elif kind == "long":
+        write_long(writer)
     else:
         write_encodings(writer)
         write_parts(writer)
