@@ -6,7 +6,11 @@
 FROM debian:12 AS build
 WORKDIR /turnscale
 COPY scripts/install-dependencies scripts/
-RUN scripts/install-dependencies --package && rm -rf /var/lib/apt/lists/*
+# git: for the commit in `turnscale --version`.
+RUN apt-get update && \
+    apt-get install -y --no-install-recommends git && \
+    scripts/install-dependencies --package && \
+    rm -rf /var/lib/apt/lists/*
 COPY . .
 RUN scripts/package
 

@@ -148,7 +148,7 @@ def run(path: Path | Sequence[Path], *, topic: str | None = None, camera: Path |
 class Frames(Iterator[Frame]):
     """The images of a drive in order, as `run` reads them, decoded ahead.
 
-    path, topic, camera, timestamps, fps, mask, start, end, max_frames: as for `run`.
+    path, topic, camera, timestamps, fps, start, end, max_frames: as for `run`.
 
     Raises ValueError where the drive or one of its images cannot be used.
     """

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "turnscale/base/error.h"
+#include "turnscale/base/escaped_text.h"
 
 namespace turnscale {
 namespace {
@@ -42,7 +43,7 @@ LensModel LensOf(const BagCameraInfo& info, const std::string& where) {
   }
   constexpr std::array<std::string_view, 4> kRadial = {"", "plumb_bob", "radtan", "rational_polynomial"};
   if (std::find(kRadial.begin(), kRadial.end(), model) == kRadial.end())
-    RefuseInfo(where, fmt::format("distortion model '{}' is not supported", model));
+    RefuseInfo(where, fmt::format("distortion model '{}' is not supported", Printable(model)));
   if (count != 0 && count < 4) RefuseInfo(where, fmt::format("{} has 5 coefficients, not {}", model, count));
   if (std::any_of(info.d.begin() + static_cast<std::ptrdiff_t>(std::min<size_t>(count, 5)), info.d.end(),
                   [](double k) { return k != 0; })) {

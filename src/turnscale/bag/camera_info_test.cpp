@@ -77,6 +77,7 @@ TEST(CameraInfo, WhatCannotBeUsedIsNamed) {
     EXPECT_NE(complaint.find(part), std::string::npos) << complaint;
   };
   holds([](auto& info) { info.distortion_model = "thin_prism"; }, "'thin_prism' is not supported");
+  holds([](auto& info) { info.distortion_model = "thin\nprism"; }, "'thin\\x0aprism' is not supported");
   holds([](auto& info) { info.d = {0.1, 0, 0, 0, 0, 0.2, 0, 0}; }, "more than k1 k2 p1 p2 k3");
   holds([](auto& info) { info.distortion_model = "equidistant"; }, "equidistant has 4 coefficients, not 5");
   holds([](auto& info) { info.d = {1}; }, "5 coefficients, not 1");

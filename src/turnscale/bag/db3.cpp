@@ -11,6 +11,7 @@
 #include <sqlite3.h>
 
 #include "turnscale/base/error.h"
+#include "turnscale/base/escaped_text.h"
 
 namespace turnscale {
 namespace {
@@ -93,7 +94,7 @@ class Db3Reader : public BagReader {
 
   [[noreturn]] void Refuse() const {
     throw InputError(fmt::format("{}: cannot be read as a bag of ROS 2: {}; record it again", name_,
-                                 database_ ? sqlite3_errmsg(database_.get()) : "out of memory"));
+                                 database_ ? Printable(sqlite3_errmsg(database_.get())) : "out of memory"));
   }
 
   Db3Statement Prepare(const char* query) const {

@@ -11,6 +11,7 @@
 #include <zstd.h>
 
 #include "turnscale/bag/byte_reader.h"
+#include "turnscale/base/escaped_text.h"
 
 namespace turnscale {
 namespace {
@@ -123,7 +124,7 @@ void Decompress(std::string_view compression, std::span<const uint8_t> compresse
   if (compression == "lz4") return DecompressWith<Lz4Decoder>({}, compressed, size, out);
   if (compression == "zstd") return DecompressWith<ZstdDecoder>({}, compressed, size, out);
   if (compression == "bz2") return DecompressWith<Bz2Decoder>({}, compressed, size, out);
-  throw MalformedData("unknown compression '" + std::string(compression.substr(0, 32)) + "'");
+  throw MalformedData("unknown compression '" + Printable(compression.substr(0, 32)) + "'");
 }
 
 }  // namespace turnscale

@@ -11,6 +11,7 @@
 
 #include "turnscale/bag/byte_reader.h"
 #include "turnscale/base/error.h"
+#include "turnscale/base/escaped_text.h"
 
 namespace turnscale {
 namespace {
@@ -67,7 +68,7 @@ void CheckEncoding(std::string_view encoding, const std::string& where) {
   if (FindEncoding(encoding)) return;
   throw InputError(
       fmt::format("{}: image encoding '{}' is not supported; record mono8, mono16, bgr8, rgb8, bgra8, rgba8 or bayer_*",
-                  where, encoding.substr(0, 32)));
+                  where, Printable(encoding.substr(0, 32))));
 }
 
 cv::Mat PixelsOf(const BagImage& image) {

@@ -13,6 +13,7 @@
 #include "turnscale/bag/camera_info.h"
 #include "turnscale/bag/messages.h"
 #include "turnscale/base/error.h"
+#include "turnscale/base/escaped_text.h"
 
 namespace turnscale {
 namespace {
@@ -37,7 +38,7 @@ std::string NamesOf(const std::vector<BagTopic>& topics) {
       names.push_back(fmt::format("and {} more", topics.size() - kMostShown));
       break;
     }
-    names.push_back(topic.name);
+    names.push_back(Printable(topic.name));
   }
   return fmt::format("{}", fmt::join(names, ", "));
 }
@@ -55,10 +56,10 @@ FirstImage ReadFirstImage(const std::filesystem::path& bag, const std::string& t
     try {
       return {message->logged, ReadBagStamp(*message)};
     } catch (const MalformedData& error) {
-      throw InputError(fmt::format("{}: {}: image 0: {}", bag.string(), topic, error.what()));
+      throw InputError(fmt::format("{}: {}: image 0: {}", bag.string(), Printable(topic), error.what()));
     }
   }
-  throw InputError(fmt::format("{}: holds no images on {}", bag.string(), topic));
+  throw InputError(fmt::format("{}: holds no images on {}", bag.string(), Printable(topic)));
 }
 
 // Drivers that set no stamps leave the recorder's clock to tell. Gives the stamp of the drive's first image.
@@ -110,7 +111,7 @@ BagDrive FindBagDrive(const std::vector<std::filesystem::path>& bags, const std:
 std::optional<BagCamera> ReadBagCamera(const BagDrive& drive) {
   if (!drive.camera_bag) return std::nullopt;
   const std::string topic = CameraInfoTopic(drive.topic);
-  const std::string name = fmt::format("{}: {}", drive.camera_bag->string(), topic);
+  const std::string name = fmt::format("{}: {}", drive.camera_bag->string(), Printable(topic));
   const std::unique_ptr<BagReader> reader = OpenBag(*drive.camera_bag, {topic});
   while (const std::optional<BagMessage> message = reader->Next()) {
     if (IsOfImages(*message->topic)) continue;

@@ -11,6 +11,7 @@
 #include "turnscale/bag/image_pixels.h"
 #include "turnscale/bag/messages.h"
 #include "turnscale/base/error.h"
+#include "turnscale/base/escaped_text.h"
 
 namespace turnscale {
 namespace {
@@ -25,7 +26,7 @@ BagFrames::BagFrames(BagDrive drive, const BagFrameOptions& options)
     : drive_(std::move(drive)), options_(options), origin_(SecondsOfStamp(drive_.first_stamp)) {}
 
 std::string BagFrames::Where() const {
-  return fmt::format("{}: {}: image {}", drive_.bags[bag_].string(), drive_.topic, number_);
+  return fmt::format("{}: {}: image {}", drive_.bags[bag_].string(), Printable(drive_.topic), number_);
 }
 
 std::optional<BagMessage> BagFrames::NextMessage() {

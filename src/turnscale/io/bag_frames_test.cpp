@@ -210,6 +210,19 @@ TEST_F(BagFramesTest, DamagedImagesAreSkippedAndDamagedBagsEnd) {
   ExpectHolds(BagComplaint({Write("depth.bag", messages)}), {"image 1: image encoding '32FC1' is not supported"});
 }
 
+TEST_F(BagFramesTest, TextOfABagIsEscapedInMessages) {
+  const std::vector<uint8_t> pixels(10);
+  std::vector<TestBagMessage> messages = BagImages(0, 1, "/left\nright");
+  messages.push_back(messages[0]);
+  messages[1].logged += kBagSecond;
+  messages[1].bytes = TestImageMessage(BagSerialization::kRos1, messages[1].logged, 10, 1, "mono\n8", pixels);
+  ExpectHolds(BagComplaint({Write("lines.bag", messages)}),
+              {"/left\\x0aright: image 1: image encoding 'mono\\x0a8' is"});
+  messages = BagImages(0, 1, "/left\n");
+  messages.push_back(BagImages(0, 1, "/right")[0]);
+  ExpectHolds(BagComplaint({Write("topics.bag", messages)}), {"--topic: /left\\x0a, /right"});
+}
+
 TEST_F(BagFramesTest, CompressedImages) {
   cv::Mat picture(kBagHeight, kBagWidth, CV_8UC1, cv::Scalar(77));
   std::vector<TestBagMessage> messages;
