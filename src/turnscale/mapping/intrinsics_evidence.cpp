@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstddef>
 #include <functional>
+#include <map>
 #include <utility>
 
 #include <Eigen/Cholesky>
@@ -35,6 +36,9 @@ constexpr double kRounding = 1e-13;
 // Pixels are not measured better than this, whatever the residuals of a made-up map.
 constexpr double kLeastPixelSigma = 0.02;
 
+// Side of the parts of the view from which tracks are taken evenly, as a sine.
+constexpr double kCell = 0.15;
+
 // Points whose rows are in memory together.
 constexpr size_t kPointsTogether = 400;
 
@@ -47,7 +51,31 @@ struct Track {
   std::vector<LandmarkObservation> observations;
 };
 
-std::vector<Track> LongestTracks(const Map& map, const IntrinsicsWindow& window) {
+// Part of the image in which the track lies on average: columns and rows of squares of the sphere seen from ahead.
+// Where the lens is said to show a pixel does not matter to it.
+std::pair<int, int> CellOf(const CameraModel& camera, const Track& track) {
+  Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+  for (const LandmarkObservation& seen : track.observations) {
+    const Eigen::Vector2d distorted = camera.Project(camera.pinhole.Ray(seen.pixel)).value_or(seen.pixel);
+    sum += camera.pinhole.Ray(distorted).normalized().head<2>();
+  }
+  const Eigen::Vector2d cell = sum / (kCell * static_cast<double>(track.observations.size()));
+  return {static_cast<int>(std::floor(cell.x())), static_cast<int>(std::floor(cell.y()))};
+}
+
+// The longest tracks of each part of the view, in equal numbers where there are as many; those that come first in
+// `tracks` count as longer.
+std::vector<Track> SpreadOverView(const CameraModel& camera, std::vector<Track> tracks, int count) {
+  std::map<std::pair<int, int>, int> taken;
+  std::vector<std::pair<int, size_t>> ranks;  // place within the cell, and in `tracks`
+  for (size_t i = 0; i < tracks.size(); ++i) ranks.emplace_back(taken[CellOf(camera, tracks[i])]++, i);
+  std::ranges::sort(ranks);
+  std::vector<Track> spread;
+  for (int i = 0; i < count; ++i) spread.push_back(std::move(tracks[ranks[i].second]));
+  return spread;
+}
+
+std::vector<Track> ChooseTracks(const Map& map, const CameraModel& camera, const IntrinsicsWindow& window) {
   std::vector<Track> tracks;
   for (const int landmark : LandmarksSeen(map, window.first, window.last)) {
     Track track{landmark, {}};
@@ -60,8 +88,8 @@ std::vector<Track> LongestTracks(const Map& map, const IntrinsicsWindow& window)
   }
   std::ranges::stable_sort(tracks, std::ranges::greater(),
                            [](const Track& track) { return track.observations.size(); });
-  if (static_cast<int>(tracks.size()) > window.max_landmarks) tracks.resize(window.max_landmarks);
-  return tracks;
+  if (static_cast<int>(tracks.size()) <= window.max_landmarks) return tracks;
+  return SpreadOverView(camera, std::move(tracks), window.max_landmarks);
 }
 
 // The distorted pixel of an ideal one.
@@ -266,7 +294,7 @@ Eigen::Matrix<double, 2, kEntries> IntrinsicsJacobian(const Pinhole& pinhole, co
 IntrinsicsProblem::IntrinsicsProblem(const Map& map, const CameraModel& camera, const CameraModel& given,
                                      const IntrinsicsWindow& window, double pixel_sigma)
     : given_(given), huber_threshold_(window.huber_threshold), pixel_sigma_(pixel_sigma) {
-  const std::vector<Track> tracks = LongestTracks(map, window);
+  const std::vector<Track> tracks = ChooseTracks(map, camera, window);
 
   for (int k = window.first; k <= window.last; ++k) {
     bundle_.camera_from_world.push_back(map.keyframes[k].camera_from_world);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <random>
 #include <vector>
 
@@ -166,6 +167,31 @@ TEST(IntrinsicsEvidence, DoesNotDependOnTheUnitOfLength) {
   }
   for (int i = 0; i < kEntries; ++i)
     EXPECT_NEAR(evidence[1].information(i, i) / evidence[0].information(i, i), 1, 1e-4);
+}
+
+// Seen for longest, in a straight, is what lies ahead.
+TEST(IntrinsicsEvidence, LandmarksAreTakenFromAllOverTheView) {
+  const CarDrive drive = MakeCarDrive({{20, 0.8, 0}}, 0.1, {1.2, 0}, Eigen::Quaterniond::Identity());
+  const Map map = MakeMap(drive, {.points_per_step = 60, .seed = 3});
+  const auto is_outer = [&](const Eigen::Vector2d& pixel) { return std::abs(map.pinhole.Ray(pixel).x()) > 0.5; };
+  std::vector<Landmark> longest = map.landmarks;
+  std::ranges::stable_sort(longest, std::ranges::greater(),
+                           [](const Landmark& landmark) { return landmark.observations.size(); });
+  longest.resize(100);
+  double outer = 0;
+  double all = 0;
+  for (const Landmark& landmark : longest)
+    for (const LandmarkObservation& seen : landmark.observations) {
+      outer += is_outer(seen.pixel) ? 1 : 0;
+      all += 1;
+    }
+  IntrinsicsWindow window = Whole(map);
+  window.max_landmarks = 100;
+  const IntrinsicsProblem problem(map, CameraOf(map), CameraOf(map), window, 0.3);
+  EXPECT_EQ(problem.landmarks(), 100);
+  const auto& taken = problem.bundle().observations;
+  const auto taken_outer = std::ranges::count_if(taken, [&](const auto& seen) { return is_outer(seen.pixel); });
+  EXPECT_GT(static_cast<double>(taken_outer) / static_cast<double>(taken.size()), 1.25 * outer / all);
 }
 
 TEST(IntrinsicsEvidence, FollowingAndLookingAgainLeadsToTheTruth) {

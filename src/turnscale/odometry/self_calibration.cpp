@@ -21,7 +21,6 @@ constexpr double kTracksWell = 0.9;
 constexpr double kLeadSeconds = 3.0;
 constexpr double kLooseAtFirst = 4.0;
 constexpr double kTightening = 0.6;
-constexpr int kMaxLandmarks = 300;
 // A focal length may have to change by a factor of two, in steps of a tenth.
 constexpr int kMaxRounds = 15;
 
@@ -56,7 +55,6 @@ CalibrationCheckOptions CheckForReading(const OdometryOptions& options, int pass
   check.focal_prior_sigma = calibration.focal_prior_sigma;
   check.correction_prior_sigma = calibration.correction_prior_sigma;
   check.higher_prior_sigma = calibration.higher_prior_sigma;
-  check.max_landmarks = kMaxLandmarks;
   check.max_rounds = kMaxRounds;
   check.max_windows = pass == 0 ? calibration.first_windows : calibration.windows;
   if (pass == 0) check.min_turn_deg = calibration.first_min_turn_deg;
