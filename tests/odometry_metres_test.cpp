@@ -8,6 +8,7 @@
 #include "odometry_run.h"
 #include "street_drive.h"
 #include "turnscale/geometry/rotation.h"
+#include "turnscale/odometry/odometry.h"
 
 namespace turnscale {
 namespace {
@@ -136,6 +137,37 @@ TEST(OdometryMetres, DoNotDependOnTheFirstUnit) {
           1e-6 * extent)
           << "unit " << unit << ", frame " << i;
   }
+}
+
+TEST(OdometryMetres, ReadingResultsOnTheWayChangesNoBits) {
+  const StreetDrive drive = DriveWithOneTurn();
+  const OdometryRun undisturbed = RunOdometry(StreetOptions(), drive);
+  for (const int threads : {1, 2}) {
+    cv::setNumThreads(threads);
+    Odometry odometry(StreetOptions(), drive.camera);
+    for (size_t i = 0; i < drive.images.size(); ++i) {
+      odometry.Process(drive.images[i], drive.times[i]);
+      if (i % 3 != 0 || odometry.map().keyframes.empty()) continue;
+      EXPECT_EQ(odometry.RefinedFrames().size(), i + 1);
+      EXPECT_GE(odometry.lens().sigma(), 0);
+      EXPECT_GE(odometry.calibration_check().windows(), 0);
+    }
+    odometry.Finish();
+    ExpectSameBits(undisturbed.refined, odometry.RefinedFrames());
+  }
+}
+
+TEST(OdometryMetres, ARadialCorrectionOfTheCameraStaysWithoutRefinement) {
+  const StreetDrive drive = DriveWithOneTurn();
+  OdometryOptions options = StreetOptions();
+  options.lens.enabled = false;
+  CameraModel camera = drive.camera;
+  camera.radial_correction = 0.004;
+  Odometry odometry(options, camera);
+  for (size_t i = 0; i < drive.images.size(); ++i) odometry.Process(drive.images[i], drive.times[i]);
+  odometry.Finish();
+  EXPECT_GT(odometry.map().keyframes.size(), 5U);
+  EXPECT_EQ(odometry.camera().radial_correction, 0.004);
 }
 
 TEST(OdometryMetres, AreTheSameBitsInEveryRunAndForAnyThreads) {

@@ -1,6 +1,11 @@
 // SPDX-License-Identifier: MIT
+#include <cstdlib>
+
 #include <CLI/CLI.hpp>
+
+#ifdef __GLIBC__
 #include <malloc.h>
+#endif
 
 #include "commands.h"
 #include "installed_simulator.h"
@@ -29,7 +34,7 @@ void AddCommands(CLI::App& app) {
   AddViewCommand(app);
 }
 
-// Threads use one heap, so that memory which one of them has freed serves the others: a second heap costs 10 MB.
+// All threads share one heap, so that memory freed by one can be reused by the others: a second heap costs 10 MB.
 void ShareHeap() {
 #ifdef __GLIBC__
   mallopt(M_ARENA_MAX, 1);

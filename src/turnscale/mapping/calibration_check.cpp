@@ -59,6 +59,17 @@ double ShareOf(const Vector& step, double focal_length) {
   return 1.0 / std::max(1.0, longest);
 }
 
+// The correction in r^2 alone that moves the pixels of a disc most alike, by its weights in r^2, r^4 and r^6: least
+// squares of the shift c r^3 over the disc. Its radius is that of the image's corner on the plane z = 1.
+Vector WeightsOfDistortion(const Pinhole& pinhole) {
+  const double corner = std::hypot(pinhole.cx / pinhole.fx, pinhole.cy / pinhole.fy);
+  Vector weights = Vector::Zero();
+  weights[IntrinsicsChange::kCorrection] = 1;
+  weights[IntrinsicsChange::kCorrection4] = 8.0 / 10 * std::pow(corner, 2);
+  weights[IntrinsicsChange::kCorrection6] = 8.0 / 12 * std::pow(corner, 4);
+  return weights;
+}
+
 void IgnoreHigherTerms(IntrinsicsEvidence& evidence) {
   evidence.information.bottomRows<kHigherTermsOfLens>().setZero();
   evidence.information.rightCols<kHigherTermsOfLens>().setZero();
@@ -214,11 +225,13 @@ std::vector<ParameterEstimate> CalibrationCheck::Parameters() const {
   const IntrinsicsEstimate estimate = Estimate();
   const Vector sigmas = estimate.covariance.diagonal().cwiseSqrt();
   const Pinhole found = ChangedPinhole(given_, estimate.change);
+  Vector distortion = WeightsOfDistortion(given_);
+  if (options_.higher_prior_sigma == 0) distortion.tail<kHigherTermsOfLens>().setZero();
   return {{IntrinsicsParameter::kFocalLength, given_.fx, found.fx, sigmas[IntrinsicsChange::kLogFocal] * found.fx},
           {IntrinsicsParameter::kCentreX, given_.cx, found.cx, sigmas[IntrinsicsChange::kCentreX]},
           {IntrinsicsParameter::kCentreY, given_.cy, found.cy, sigmas[IntrinsicsChange::kCentreY]},
-          {IntrinsicsParameter::kDistortion, 0, estimate.change[IntrinsicsChange::kCorrection],
-           sigmas[IntrinsicsChange::kCorrection]}};
+          {IntrinsicsParameter::kDistortion, 0, distortion.dot(estimate.change),
+           std::sqrt(distortion.dot(estimate.covariance * distortion))}};
 }
 
 std::vector<ParameterEstimate> CalibrationCheck::Contradictions() const {

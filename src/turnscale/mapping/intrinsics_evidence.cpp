@@ -36,7 +36,7 @@ constexpr double kRounding = 1e-13;
 // Pixels are not measured better than this, whatever the residuals of a made-up map.
 constexpr double kLeastPixelSigma = 0.02;
 
-// Side of the parts of the view from which tracks are taken evenly, as a sine.
+// Side of a grid cell from which tracks are taken evenly, in x or y of the unit ray.
 constexpr double kCell = 0.15;
 
 // Points whose rows are in memory together.
@@ -51,8 +51,8 @@ struct Track {
   std::vector<LandmarkObservation> observations;
 };
 
-// Part of the image in which the track lies on average: columns and rows of squares of the sphere seen from ahead.
-// Where the lens is said to show a pixel does not matter to it.
+// Column and row of the cell in which the track lies on average, in a grid over x and y of the unit ray. Computed from
+// the distorted pixel, so that the radial correction does not change it.
 std::pair<int, int> CellOf(const CameraModel& camera, const Track& track) {
   Eigen::Vector2d sum = Eigen::Vector2d::Zero();
   for (const LandmarkObservation& seen : track.observations) {
@@ -60,11 +60,12 @@ std::pair<int, int> CellOf(const CameraModel& camera, const Track& track) {
     sum += camera.pinhole.Ray(distorted).normalized().head<2>();
   }
   const Eigen::Vector2d cell = sum / (kCell * static_cast<double>(track.observations.size()));
+  if (!cell.allFinite()) return {0, 0};
   return {static_cast<int>(std::floor(cell.x())), static_cast<int>(std::floor(cell.y()))};
 }
 
-// The longest tracks of each part of the view, in equal numbers where there are as many; those that come first in
-// `tracks` count as longer.
+// The longest tracks of each cell, in equal numbers as far as there are enough. `tracks` is sorted, longest first, and
+// has at least `count`.
 std::vector<Track> SpreadOverView(const CameraModel& camera, std::vector<Track> tracks, int count) {
   std::map<std::pair<int, int>, int> taken;
   std::vector<std::pair<int, size_t>> ranks;  // place within the cell, and in `tracks`

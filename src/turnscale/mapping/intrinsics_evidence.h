@@ -59,8 +59,8 @@ struct IntrinsicsEvidence {
 struct IntrinsicsWindow {
   int first = 0;  ///< keyframe
   int last = 0;   ///< keyframe, included; no gap in the tracking lies between
-  /// Most landmarks that take part: from each part of the view in equal numbers, there those that most keyframes of the
-  /// window see. The longest tracks of all lie near its middle, where a focal length and a distortion look alike. Cost
+  /// Most landmarks that take part: from each part of the view in equal numbers, within a part those seen by the most
+  /// keyframes. The longest tracks of all lie near its middle, where a focal length and a distortion look alike. Cost
   /// is linear in it.
   int max_landmarks = 500;
   /// Where bundle adjustment starts to weigh residuals linearly, in sigmas.

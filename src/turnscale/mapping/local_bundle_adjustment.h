@@ -62,12 +62,12 @@ struct LocalBundleResult {
 /// hold still. The first keyframe of the map, or after a gap in the tracking, never moves.
 WindowProblem MakeLocalWindow(const LocalBundleOptions& options, int first, const Map& map);
 
-/// Adjusts a window by itself: nothing of the map changes before WriteBack. Empty, and the window is as it was, where
-/// it holds a number that is none.
+/// Adjusts a window without changing the map; WriteBack does that. Returns nothing and leaves the window unchanged if
+/// it contains NaN.
 std::optional<BundleSummary> AdjustWindow(const LocalBundleOptions& options, WindowProblem& window);
 
-/// Adjusts the latest keyframes of the map and the landmarks they see. A window that holds a number that is none stays
-/// as it is, and no landmark takes part.
+/// Adjusts the latest keyframes of the map and the landmarks they see. A window that contains NaN stays as it is,
+/// and no landmark takes part.
 LocalBundleResult AdjustLocalWindow(const LocalBundleOptions& options, Map& map);
 
 /// The same with all keyframes from `first` to the latest moving.

@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <system_error>
 #include <utility>
 
 #include <opencv2/core/utility.hpp>
@@ -101,9 +102,9 @@ FrameResult Odometry::Process(const cv::Mat& gray, double time) {
   ApplyBackgroundWork();
   AddKeyframe(result);
   ObserveRoad(image);
-  ObserveScale(result);
+  const bool settling_is_due = ObserveScale(result);
   tracker_.Replenish(camera_, image, map_);
-  StartBackgroundWork();
+  StartBackgroundWork(settling_is_due);
   return MetricResult(result, map_.keyframes.back().camera_from_world);
 }
 
@@ -323,59 +324,77 @@ void Odometry::ObserveRoad(const FlowImage& image) {
   if (height) scale_.AddHeight(*height);
 }
 
-void Odometry::ObserveScale(FrameResult& result) {
+bool Odometry::ObserveScale(FrameResult& result) {
   const TurningMotion motion = StepMotion(map_, static_cast<int>(map_.keyframes.size()) - 2, mount());
   result.psi = motion.psi;
   result.theta = motion.theta;
   const bool turn_ended = scale_.Add(map_);
   const int unsettled = static_cast<int>(map_.keyframes.size() - lens_of_keyframe_.size());
-  settling_is_due_ = turn_ended || unsettled >= options_.turn_bundle.window / 2;
+  return turn_ended || unsettled >= options_.turn_bundle.window / 2;
 }
 
-void Odometry::StartBackgroundWork() {
-  BackgroundWork start;
-  if (std::exchange(settling_is_due_, false)) {
-    start.settled_from = FirstToSettle();
-    start.settled = MakeLocalWindow(options_.turn_bundle, *start.settled_from, map_);
-  }
-  const auto work = [this, camera = camera_](BackgroundWork parts) {
+void Odometry::StartBackgroundWork(bool settling_is_due) {
+  auto start = std::make_shared<BackgroundWork>(settling_is_due ? WorkToSettle() : BackgroundWork{});
+  start->applied_correction = camera_.radial_correction;
+  const auto work = [this, start, camera = camera_] {
+    BackgroundWork& parts = *start;
     if (parts.settled_from && !AdjustWindow(options_.turn_bundle, parts.settled)) parts.settled.landmarks.clear();
-    lens_.Observe(map_, camera.radial_correction);
-    parts.lens_correction = lens_.correction();
+    if (lens_.Observe(map_, camera.radial_correction)) parts.lens_correction = lens_.correction();
     if (calibration_check_.Observe(map_, camera))
       parts.calibration_sigma = CalibrationSigma(calibration_check_.Contradictions(), camera);
-    return parts;
+    return std::move(parts);
   };
-  const std::launch policy = cv::getNumThreads() > 1 ? std::launch::async : std::launch::deferred;
-  background_work_ = std::async(policy, work, std::move(start));
+  if (cv::getNumThreads() > 1) {
+    try {
+      background_work_ = std::async(std::launch::async, work);
+      return;
+    } catch (const std::system_error&) {
+      // No thread can be had: the work is done at the next keyframe.
+    }
+  }
+  background_work_ = std::async(std::launch::deferred, work);
 }
 
 void Odometry::ApplyBackgroundWork() {
   if (!background_work_.valid()) return;
-  const BackgroundWork done = background_work_.get();
-  if (done.calibration_sigma) calibration_sigma_ = *done.calibration_sigma;
-  if (done.settled_from) ApplySettled(*done.settled_from, done.settled);
-  if (std::abs(done.lens_correction - camera_.radial_correction) >= kLeastLensChange) CorrectLens(done.lens_correction);
+  const BackgroundWork work = background_work_.get();
+  if (work.calibration_sigma) calibration_sigma_ = *work.calibration_sigma;
+  if (work.settled_from) ApplySettled(work);
+  if (work.lens_correction && std::abs(*work.lens_correction - camera_.radial_correction) >= kLeastLensChange)
+    CorrectLens(*work.lens_correction);
 }
 
-int Odometry::FirstToSettle() {
+int Odometry::FirstToSettle() const {
+  const int keyframes = static_cast<int>(map_.keyframes.size());
+  const auto is_settled = [&](double correction) {
+    return std::abs(correction - camera_.radial_correction) < kStaleLensChange;
+  };
+  const int oldest = std::max(archive_.end(), keyframes - options_.turn_bundle.window);
+  const int settled = static_cast<int>(lens_of_keyframe_.size());
+  if (oldest >= settled) return oldest;
+  const auto first = std::find_if_not(lens_of_keyframe_.begin() + oldest, lens_of_keyframe_.end(), is_settled);
+  return static_cast<int>(first - lens_of_keyframe_.begin());
+}
+
+Odometry::BackgroundWork Odometry::WorkToSettle() const {
   // Earlier local windows had fewer observations and a less accurate lens correction.
-  const int keyframes = static_cast<int>(map_.keyframes.size());
-  lens_of_keyframe_.resize(keyframes, std::numeric_limits<double>::quiet_NaN());
-  const auto settled = [&](double applied) { return std::abs(applied - camera_.radial_correction) < kStaleLensChange; };
-  const auto oldest = lens_of_keyframe_.begin() + std::max(archive_.end(), keyframes - options_.turn_bundle.window);
-  const auto stale = std::find_if_not(oldest, lens_of_keyframe_.end(), settled);
-  std::fill(stale, lens_of_keyframe_.end(), camera_.radial_correction);
-  return static_cast<int>(stale - lens_of_keyframe_.begin());
+  BackgroundWork work;
+  work.settled_from = FirstToSettle();
+  work.settled = MakeLocalWindow(options_.turn_bundle, *work.settled_from, map_);
+  work.applied_correction = camera_.radial_correction;
+  return work;
 }
 
-void Odometry::ApplySettled(int first, const WindowProblem& settled) {
+void Odometry::ApplySettled(const BackgroundWork& work) {
   const int keyframes = static_cast<int>(map_.keyframes.size());
+  const int first = *work.settled_from;
+  lens_of_keyframe_.resize(keyframes, std::numeric_limits<double>::quiet_NaN());
+  std::fill(lens_of_keyframe_.begin() + first, lens_of_keyframe_.end(), work.applied_correction);
   // Factors of length are means over two steps on either side.
   const int from = std::max(0, first - 2);
   const RigidTransform last_from_keyframe = LastFromKeyframe();
   const std::vector<Eigen::Vector3d> before = KeyframeCentres(map_, from);
-  if (!settled.landmarks.empty()) WriteBack(settled, map_);
+  if (!work.settled.landmarks.empty()) WriteBack(work.settled, map_);
   FollowMap(from, KeyframeFactors(before, KeyframeCentres(map_, from), first - from, std::vector(before.size(), 1.0)),
             last_from_keyframe);
   const auto reach = [](const LocalBundleOptions& window) { return window.window + window.anchors; };
@@ -403,10 +422,9 @@ void Odometry::CorrectLens(double correction) {
 
 void Odometry::Settle() {
   ApplyBackgroundWork();
-  const int first = FirstToSettle();
-  WindowProblem window = MakeLocalWindow(options_.turn_bundle, first, map_);
-  if (!AdjustWindow(options_.turn_bundle, window)) window.landmarks.clear();
-  ApplySettled(first, window);
+  BackgroundWork work = WorkToSettle();
+  if (!AdjustWindow(options_.turn_bundle, work.settled)) work.settled.landmarks.clear();
+  ApplySettled(work);
 }
 
 void Odometry::Archive(int last) { tracker_.Reindex(archive_.Retire(last, camera_.radial_correction, map_)); }

@@ -35,14 +35,14 @@ namespace turnscale {
 /// keyframes: observations of settled keyframes are moved to a temporary file (MapArchive). Finish processes the whole
 /// drive; where turns are constrained (ConstrainTurns), it has the whole map in memory.
 ///
-/// Lens, calibration and settled poses are computed beside the frames after a keyframe where OpenCV may use more than
-/// one thread. The next keyframe applies what they give, however soon it is there: the number of threads changes no
-/// result.
+/// Lens, calibration and settled poses are computed in the background, while the frames after a keyframe are processed,
+/// if OpenCV may use more than one thread. The results are applied at the next keyframe, never earlier, so that they do
+/// not depend on the number of threads.
 class Odometry {
  public:
   /// Throws InputError when an option is invalid, or the camera has a width without a height.
   Odometry(const OdometryOptions& options, const CameraModel& camera);
-  // Work under way refers to the map.
+  // Background work holds a pointer to this object.
   Odometry(const Odometry&) = delete;
   Odometry& operator=(const Odometry&) = delete;
 
@@ -113,35 +113,39 @@ class Odometry {
   bool Repeats(const WaitingFrame& before, const WaitingFrame& waiting, int first_landmark) const;
   TrackedFrame Track(const FlowImage& image, const RigidTransform& predicted, FrameResult& result);
   FrameResult Bridge(const RigidTransform& predicted, FrameResult result);
-  /// What is computed from the map beside the frames up to the next keyframe.
+
+  /// What is computed from the map while the frames up to the next keyframe are processed.
   struct BackgroundWork {
-    std::optional<int> settled_from;  ///< first keyframe to settle, where that is due
-    WindowProblem settled;            ///< adjusted; without landmarks where it holds a number that is none
-    double lens_correction = 0;
-    std::optional<double> calibration_sigma;  ///< where the calibration was tested
+    double applied_correction = 0;            ///< radial correction under which the map's pixels are undistorted
+    std::optional<int> settled_from;          ///< first keyframe to settle; empty if settling is not due
+    WindowProblem settled;                    ///< adjusted; no landmarks if the window contains NaN
+    std::optional<double> lens_correction;    ///< if the estimate has changed
+    std::optional<double> calibration_sigma;  ///< if the calibration was tested
   };
 
   /// The latest frame becomes a keyframe.
   void AddKeyframe(FrameResult& result);
   /// Measures the height above the road at the latest keyframe, whose image this is.
   void ObserveRoad(const FlowImage& image);
-  /// Updates the scale with the latest keyframe. Settling is due where it ended a turn, or where many keyframes have
-  /// not been settled yet.
-  void ObserveScale(FrameResult& result);
-  /// The map must not change before ApplyBackgroundWork.
-  void StartBackgroundWork();
+  /// Updates the scale with the latest keyframe. Returns whether settling is due: the keyframe ended a turn, or many
+  /// keyframes have not been settled yet.
+  bool ObserveScale(FrameResult& result);
+  /// Starts background work on the map, which must not change before ApplyBackgroundWork.
+  void StartBackgroundWork(bool settling_is_due);
   void AwaitBackgroundWork() const {
     if (background_work_.valid()) background_work_.wait();
   }
   /// Waits for the work, if there is any, and moves map, tracks and motion model to its results.
   void ApplyBackgroundWork();
-  /// First keyframe that is not settled, or was under another lens correction. From there on all count as settled.
-  int FirstToSettle();
-  /// Keyframes from `first` on have been adjusted: re-evaluates their steps.
-  void ApplySettled(int first, const WindowProblem& settled);
-  /// Undistorts the map's pixels by this radial correction.
+  /// The first keyframe that has not been settled, or was settled under a radial correction that is out of date.
+  int FirstToSettle() const;
+  /// The keyframes from there on, to be adjusted.
+  BackgroundWork WorkToSettle() const;
+  /// Writes the adjusted window to the map and re-evaluates its steps.
+  void ApplySettled(const BackgroundWork& work);
+  /// Replaces the radial correction of all pixels of map and tracks.
   void CorrectLens(double correction);
-  /// Adjusts the latest keyframes that are not settled yet, now.
+  /// Applies pending work, then settles the remaining keyframes at once.
   void Settle();
   /// Moves the observations of keyframes before `last` to the archive.
   void Archive(int last);
@@ -173,10 +177,8 @@ class Odometry {
   Map map_;
   MapArchive archive_;
   std::vector<double> lens_of_keyframe_;  ///< correction under which each keyframe was settled; NaN before
-  bool settling_is_due_ = false;
-  FlowImage keyframe_image_;             ///< of the latest keyframe, until the road was observed in it
-  std::optional<RefinedScale> refined_;  ///< once the drive is over
-  double calibration_sigma_ = 0;         ///< added to the online sigma for an uncertain or inconsistent calibration
+  std::optional<RefinedScale> refined_;   ///< once the drive is over
+  double calibration_sigma_ = 0;          ///< added to the online sigma for an uncertain or inconsistent calibration
 
   bool finished_ = false;
   /// Keyframe at which the map started with features that stood still, until a turn shows whether they are far away.
@@ -185,7 +187,8 @@ class Odometry {
   int lost_frames_ = 0;   ///< consecutive, up to now
   double last_time_ = -std::numeric_limits<double>::infinity();
   int frames_ = 0;
-  std::future<BackgroundWork> background_work_;  ///< last: it ends before what it reads
+  /// Declared last, so that it is waited for before the members that it reads are destroyed.
+  std::future<BackgroundWork> background_work_;
 };
 
 }  // namespace turnscale
