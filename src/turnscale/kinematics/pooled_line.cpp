@@ -233,6 +233,7 @@ MedianScale MedianOfSteps(const std::vector<VehicleStep>& steps, const LeverArm&
   scale.metres_per_unit = 1.0 / median;
   for (auto& [value, weight] : inverse_scales) value = std::abs(value - median);
   const double spread = kSigmaPerMad * WeightedMedian(std::move(inverse_scales));
+  scale.spread = std::abs(spread / median);
   scale.sigma = kMedianPenalty * spread / std::sqrt(n) * scale.metres_per_unit * scale.metres_per_unit;
   return scale;
 }

@@ -94,6 +94,8 @@ double LeverArmRatio(const PooledLine& line, const LeverArm& lever_arm, double m
 struct MedianScale {
   double metres_per_unit = std::numeric_limits<double>::infinity();
   double sigma = std::numeric_limits<double>::infinity();
+  /// Robust standard deviation of a step's inverse scale, relative to the median's.
+  double spread = std::numeric_limits<double>::infinity();
 };
 MedianScale MedianOfSteps(const std::vector<VehicleStep>& steps, const LeverArm& lever_arm);
 

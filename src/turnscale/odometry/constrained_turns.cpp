@@ -18,15 +18,23 @@ std::vector<VehicleStep> KeyframeSteps(const Map& map, const MountCalibration& m
   return steps;
 }
 
-// Every step at the length that its own angles give; 0 where they contradict the model, or where the step turns too
-// little to be of F_t: its length would be noise.
+// Deviation of a step's inverse scale beyond which it is left out: in standard deviations, and at least this share.
+constexpr double kMostDeviations = 3;
+constexpr double kLeastDeviation = 0.1;
+
+// Every step at the length that its own angles give; 0 where they contradict the model or the other steps of the turn,
+// or where the step turns too little to be of F_t: its length would be noise. The length is the inverse of a small
+// angle: a few steps whose angle is nearly zero would make the whole turn too long.
 std::vector<double> ObservedDistances(const std::vector<VehicleStep>& steps, const LeverArm& lever_arm,
-                                      double min_step_angle) {
+                                      double min_step_angle, const MedianScale& median) {
+  const double most = std::max(kMostDeviations * median.spread, kLeastDeviation);
   std::vector<double> distances;
   for (const VehicleStep& step : steps) {
     const double distance = ObservedDistance(step.motion.psi, step.motion.theta, step.duration, lever_arm);
+    const double by_median = median.metres_per_unit * step.motion.step;
+    const bool agrees = distance > 0 && std::abs(by_median / distance - 1) <= most;
     const bool turns = std::abs(step.motion.psi) >= min_step_angle;
-    distances.push_back(turns && std::isfinite(distance) && distance > 0 ? distance : 0.0);
+    distances.push_back(turns && agrees && std::isfinite(distance) ? distance : 0.0);
   }
   return distances;
 }
@@ -56,7 +64,8 @@ std::vector<TurnScale> TurnsToConstrain(const Map& map, const MountCalibration& 
         continue;
       }
       scale.factor = median.metres_per_unit;
-      scale.distances = ObservedDistances(steps, lever_arm, options.scale.estimator.segments.turns.min_step_angle);
+      scale.distances =
+          ObservedDistances(steps, lever_arm, options.scale.estimator.segments.turns.min_step_angle, median);
     }
     held.push_back(scale);
   }

@@ -107,6 +107,24 @@ TEST(ConstrainedTurns, PaperGivesTheDistancesOfTheObserver) {
   }
 }
 
+TEST(ConstrainedTurns, PaperLeavesOutAStepThatContradictsItsTurn) {
+  const OdometryOptions options = Holding(ScaleMethod::kPaper);
+  FinishedMap finished = DriftingMap(options, kTwoCorners, 0, 0);
+  RefinedScale refined = RefinedOf(options, finished.map);
+  // The camera of one keyframe goes sideways, so that its step seems to swing out by a third only.
+  const int keyframe = (refined.turns[0].first_keyframe + refined.turns[0].last_keyframe) / 2;
+  RigidTransform& pose = finished.map.keyframes[keyframe].camera_from_world;
+  const MountCalibration mount(options.vehicle);
+  const TurningMotion motion = StepMotion(finished.map, keyframe - 1, mount);
+  const double swing = motion.step * std::sin(motion.theta - 0.5 * motion.psi);
+  const Eigen::Vector3d right = mount.At(keyframe).conjugate() * Eigen::Vector3d::UnitX();
+  pose.translation += 2.0 / 3 * swing * right;
+  const std::vector<TurnScale> held = TurnsToConstrain(finished.map, mount, options, refined.turns);
+  ASSERT_EQ(held.size(), 2U);
+  EXPECT_EQ(held[0].distances[keyframe - held[0].first_step], 0);
+  EXPECT_GT(held[0].distances[keyframe + 3 - held[0].first_step], 0);
+}
+
 TEST(ConstrainedTurns, AWeakTurnDoesNotSpoilAGoodOne) {
   OdometryOptions options = Holding(ScaleMethod::kTurns);
   options.vehicle.side_slip = 0;
