@@ -23,6 +23,8 @@ constexpr double kLooseAtFirst = 4.0;
 constexpr double kTightening = 0.6;
 // A focal length may have to change by a factor of two, in steps of a tenth.
 constexpr int kMaxRounds = 15;
+// Of a window: nearly all, so that it does not matter much which ones they are.
+constexpr int kMaxLandmarks = 600;
 
 // Result of one pass over the images.
 struct Reading {
@@ -56,6 +58,7 @@ CalibrationCheckOptions CheckForReading(const OdometryOptions& options, int pass
   check.correction_prior_sigma = calibration.correction_prior_sigma;
   check.higher_prior_sigma = calibration.higher_prior_sigma;
   check.max_rounds = kMaxRounds;
+  check.max_landmarks = kMaxLandmarks;
   check.max_windows = pass == 0 ? calibration.first_windows : calibration.windows;
   if (pass == 0) check.min_turn_deg = calibration.first_min_turn_deg;
   return check;
