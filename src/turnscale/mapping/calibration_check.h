@@ -37,8 +37,8 @@ struct CalibrationCheckOptions {
   double focal_prior_sigma = 0.1;        ///< relative
   double centre_prior_sigma_deg = 2.0;   ///< principal point, as an angle at the camera, degrees
   double correction_prior_sigma = 0.02;  ///< radial correction
-  /// Its terms in r^4 and r^6; 0: not estimated. If they are not, their errors are mistaken for a focal length: on
-  /// KITTI it is then up to 3 % too short.
+  /// Its terms in r^4 and r^6; 0: not estimated. If they are not, their errors are mistaken for a focal
+  /// length.
   double higher_prior_sigma = 0.02;
 
   // What the images of one window get wrong beyond their noise (moving things, what the lens has besides a radial

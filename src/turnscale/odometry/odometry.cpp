@@ -335,7 +335,6 @@ bool Odometry::ObserveScale(FrameResult& result) {
 
 void Odometry::StartBackgroundWork(bool settling_is_due) {
   auto start = std::make_shared<BackgroundWork>(settling_is_due ? WorkToSettle() : BackgroundWork{});
-  start->applied_correction = camera_.radial_correction;
   const auto work = [this, start, camera = camera_] {
     BackgroundWork& parts = *start;
     if (parts.settled_from && !AdjustWindow(options_.turn_bundle, parts.settled)) parts.settled.landmarks.clear();

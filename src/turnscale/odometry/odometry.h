@@ -116,7 +116,7 @@ class Odometry {
 
   /// What is computed from the map while the frames up to the next keyframe are processed.
   struct BackgroundWork {
-    double applied_correction = 0;            ///< radial correction under which the map's pixels are undistorted
+    double applied_correction = 0;            ///< radial correction of the pixels in `settled`
     std::optional<int> settled_from;          ///< first keyframe to settle; empty if settling is not due
     WindowProblem settled;                    ///< adjusted; no landmarks if the window contains NaN
     std::optional<double> lens_correction;    ///< if the estimate has changed
