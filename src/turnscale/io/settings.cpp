@@ -171,6 +171,7 @@ void VisitSettings(Visitor& visitor, OdometryOptions& options) {
     visitor.Field("min_turn_deg", o.min_turn_deg);
     visitor.Field("prior_sigma", o.prior_sigma);
     visitor.Field("step", o.step);
+    visitor.Field("max_landmarks", o.max_landmarks);
     visitor.Field("pixel_sigma", o.pixel_sigma);
   });
   visitor.Group("calibration_check", [&] {

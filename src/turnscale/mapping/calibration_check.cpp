@@ -115,18 +115,34 @@ CalibrationCheck::CalibrationCheck(const CalibrationCheckOptions& options, const
   reference_ = {given, start};
 }
 
-bool CalibrationCheck::Observe(const Map& map, const CameraModel& camera) {
+std::optional<IntrinsicsProblem> CalibrationCheck::Window(const Map& map, const CameraModel& camera) {
   given_ = reference_ ? reference_->given.pinhole : camera.pinhole;
   const int latest = static_cast<int>(map.keyframes.size()) - 1;
-  if (!options_.enabled || IsComplete() || latest < next_keyframe_) return false;
+  if (!options_.enabled || IsComplete() || latest < next_keyframe_) return std::nullopt;
   const int first = StartOfMap(map, std::max(0, latest - options_.window + 1));
-  if (InDegrees(LargestTurn(map, first, latest)) < options_.min_turn_deg) return false;
+  if (InDegrees(LargestTurn(map, first, latest)) < options_.min_turn_deg) return std::nullopt;
   // What windows have in common is known soon: later ones come less often, and only the first overlap.
   const int read = static_cast<int>(windows_.size()) + 1;
   next_keyframe_ = latest + std::min(read, kLongestInterval) * (options_.window / 2);
-  const std::optional<Reading> reading = Read(map, camera, first, latest);
+  IntrinsicsWindow window;
+  window.first = first;
+  window.last = latest;
+  window.max_landmarks = options_.max_landmarks;
+  window.huber_threshold = options_.huber_threshold;
+  IntrinsicsProblem problem(map, camera, reference_ ? reference_->given : camera, window, options_.pixel_sigma);
+  if (problem.landmarks() == 0) return std::nullopt;
+  return problem;
+}
+
+bool CalibrationCheck::Read(IntrinsicsProblem& window) {
+  const std::optional<Reading> reading = ReadingOf(window);
   if (reading) windows_.push_back(*reading);
   return reading.has_value();
+}
+
+bool CalibrationCheck::Observe(const Map& map, const CameraModel& camera) {
+  std::optional<IntrinsicsProblem> window = Window(map, camera);
+  return window && Read(*window);
 }
 
 Matrix CalibrationCheck::Covariance(double focal_sigma, double centre_sigma_deg, double correction_sigma,
@@ -145,29 +161,21 @@ CalibrationCheck::Reading CalibrationCheck::Widened(const Matrix& information, c
   return {share * information, share * weighted_minimum};
 }
 
-std::optional<CalibrationCheck::Reading> CalibrationCheck::Read(const Map& map, const CameraModel& camera, int first,
-                                                                int last) const {
-  IntrinsicsWindow window;
-  window.first = first;
-  window.last = last;
-  window.max_landmarks = options_.max_landmarks;
-  window.huber_threshold = options_.huber_threshold;
-  IntrinsicsProblem problem(map, camera, reference_ ? reference_->given : camera, window, options_.pixel_sigma);
-  if (problem.landmarks() == 0) return std::nullopt;
+std::optional<CalibrationCheck::Reading> CalibrationCheck::ReadingOf(IntrinsicsProblem& window) const {
   // What is known without this window guides the way, and is taken off again.
   const IntrinsicsEstimate known = Estimate();
   const Matrix known_information = known.covariance.inverse();
   // The first window of a test begins with the correction that is applied.
   if (!windows_.empty()) {
-    problem.Change(known.change);
+    window.Change(known.change);
   } else if (reference_) {
-    problem.Change(reference_->start);
+    window.Change(reference_->start);
   }
   const double deflation = 1.0 / (options_.pixel_sigma_inflation * options_.pixel_sigma_inflation);
   for (int round = 1;; ++round) {
-    if (!problem.Adjust(round == 1 ? kIterationsAtFirst : kIterationsAfterAStep)) return std::nullopt;
-    problem.EstimatePixelSigma();
-    std::optional<IntrinsicsEvidence> evidence = problem.Evidence();
+    if (!window.Adjust(round == 1 ? kIterationsAtFirst : kIterationsAfterAStep)) return std::nullopt;
+    window.EstimatePixelSigma();
+    std::optional<IntrinsicsEvidence> evidence = window.Evidence();
     if (!evidence) return std::nullopt;
     if (options_.higher_prior_sigma == 0) IgnoreHigherTerms(*evidence);
     const Matrix total = deflation * evidence->information + known_information;
@@ -176,7 +184,7 @@ std::optional<CalibrationCheck::Reading> CalibrationCheck::Read(const Map& map, 
     if (!step.allFinite()) return std::nullopt;
     if (round == options_.max_rounds || step.dot(total * step) < kSmallStep * kSmallStep)
       return Widened(deflation * evidence->information, deflation * evidence->weighted_minimum());
-    problem.Follow(evidence->at + ShareOf(step, given_.fx) * step);
+    window.Follow(evidence->at + ShareOf(step, given_.fx) * step);
   }
 }
 

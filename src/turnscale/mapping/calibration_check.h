@@ -94,7 +94,12 @@ class CalibrationCheck {
   CalibrationCheck(const CalibrationCheckOptions& options, const CameraModel& given,
                    const IntrinsicsChange::Vector& start);
 
-  /// Takes the map when a keyframe has come; its pixels are undistorted by `camera`. True when a window was read.
+  /// A copy of the window that ends at the latest keyframe; nothing if none is due, or the camera turns too little in
+  /// it. The map's pixels are undistorted by `camera`. Call it when a keyframe has come.
+  std::optional<IntrinsicsProblem> Window(const Map& map, const CameraModel& camera);
+  /// Takes in a window. False where it does not determine the intrinsics.
+  bool Read(IntrinsicsProblem& window);
+  /// Both. True when a window was read.
   bool Observe(const Map& map, const CameraModel& camera);
 
   /// Windows that were read.
@@ -109,6 +114,7 @@ class CalibrationCheck {
   std::vector<ParameterEstimate> Contradictions() const;
 
  private:
+  /// What a window says.
   struct Reading {
     IntrinsicsChange::Matrix information;
     IntrinsicsChange::Vector weighted_minimum;
@@ -123,7 +129,7 @@ class CalibrationCheck {
                                       double higher_sigma) const;
   /// With what one window gets wrong beyond its noise.
   Reading Widened(const IntrinsicsChange::Matrix& information, const IntrinsicsChange::Vector& weighted_minimum) const;
-  std::optional<Reading> Read(const Map& map, const CameraModel& camera, int first, int last) const;
+  std::optional<Reading> ReadingOf(IntrinsicsProblem& window) const;
 
   CalibrationCheckOptions options_;
   std::optional<Reference> reference_;  ///< nothing: the camera of the map, with the correction that is applied

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <optional>
 
 #include "turnscale/base/error.h"
@@ -33,6 +32,7 @@ void LensRefinementOptions::Check() const {
   if (!(min_turn_deg >= 0)) throw InputError("lens.min_turn_deg: must not be negative");
   if (!(prior_sigma > 0)) throw InputError("lens.prior_sigma: has to be positive");
   if (!(step > 0)) throw InputError("lens.step: has to be positive");
+  if (max_landmarks < 20) throw InputError("lens.max_landmarks: has to be at least 20");
   if (!(pixel_sigma > 0)) throw InputError("lens.pixel_sigma: has to be positive");
 }
 
@@ -43,13 +43,13 @@ LensRefinement::LensRefinement(const LensRefinementOptions& options)
 
 double LensRefinement::sigma() const { return 1.0 / std::sqrt(information_); }
 
-bool LensRefinement::Observe(const Map& map, double applied) {
+std::optional<IntrinsicsProblem> LensRefinement::Window(const Map& map, double applied) {
   const int latest = static_cast<int>(map.keyframes.size()) - 1;
-  if (!options_.enabled || latest < next_keyframe_) return false;
+  if (!options_.enabled || latest < next_keyframe_) return std::nullopt;
   next_keyframe_ = latest + options_.window / 2;
   const int first = latest - options_.window + 1;
-  if (first < StartOfMap(map, first)) return false;
-  if (InDegrees(TurnBetween(map, first, latest)) < options_.min_turn_deg) return false;
+  if (first < StartOfMap(map, first)) return std::nullopt;
+  if (InDegrees(TurnBetween(map, first, latest)) < options_.min_turn_deg) return std::nullopt;
   // The map's pixels are undistorted except for the correction.
   CameraModel camera;
   camera.pinhole = map.pinhole;
@@ -57,17 +57,23 @@ bool LensRefinement::Observe(const Map& map, double applied) {
   IntrinsicsWindow window;
   window.first = first;
   window.last = latest;
-  window.max_landmarks = std::numeric_limits<int>::max();
+  window.max_landmarks = options_.max_landmarks;
   IntrinsicsProblem problem(map, camera, camera, window, options_.pixel_sigma);
-  return problem.landmarks() > 0 && Read(problem);
+  if (problem.landmarks() == 0) return std::nullopt;
+  return problem;
 }
 
-bool LensRefinement::Read(IntrinsicsProblem& problem) {
+bool LensRefinement::Observe(const Map& map, double applied) {
+  std::optional<IntrinsicsProblem> window = Window(map, applied);
+  return window && Read(*window);
+}
+
+bool LensRefinement::Read(IntrinsicsProblem& window) {
   constexpr int kEntry = IntrinsicsChange::kCorrection;
-  problem.Change(CorrectionOf(correction_));
+  window.Change(CorrectionOf(correction_));
   for (int round = 1;; ++round) {
-    if (!problem.Adjust(round == 1 ? kFirstIterations : kFurtherIterations)) return false;
-    const std::optional<IntrinsicsEvidence> evidence = problem.Evidence();
+    if (!window.Adjust(round == 1 ? kFirstIterations : kFurtherIterations)) return false;
+    const std::optional<IntrinsicsEvidence> evidence = window.Evidence();
     if (!evidence) return false;
     const double at = evidence->at[kEntry];
     const double curvature = evidence->information(kEntry, kEntry);
@@ -85,7 +91,7 @@ bool LensRefinement::Read(IntrinsicsProblem& problem) {
     }
     if (round == kMostRounds) return false;
     // The parabola holds only near the place where it was measured.
-    problem.Follow(CorrectionOf(at + std::clamp(step, -options_.step, options_.step)));
+    window.Follow(CorrectionOf(at + std::clamp(step, -options_.step, options_.step)));
   }
 }
 

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <optional>
+
+#include "turnscale/mapping/intrinsics_evidence.h"
 #include "turnscale/mapping/map.h"
 
 namespace turnscale {
-
-class IntrinsicsProblem;
 
 struct LensRefinementOptions {
   /// Estimate the residual radial distortion of the calibration. A few thousandths of it (half a pixel each
@@ -21,6 +22,8 @@ struct LensRefinementOptions {
   double prior_sigma = 0.02;
   /// Largest change of the correction between two linearisations of a window.
   double step = 0.003;
+  /// Landmarks of a window that take part (IntrinsicsWindow); its time is linear in it.
+  int max_landmarks = 300;
   /// Standard deviation of a tracked pixel, pixels.
   double pixel_sigma = 0.5;
 
@@ -37,16 +40,18 @@ class LensRefinement {
  public:
   explicit LensRefinement(const LensRefinementOptions& options);
 
-  /// Takes the map when a keyframe has come; its pixels are corrected by `applied`. True when the estimate changed.
+  /// A copy of the window that ends at the latest keyframe; nothing if none is due, or the camera turns too little in
+  /// it. The map's pixels are corrected by `applied`. Call it when a keyframe has come.
+  std::optional<IntrinsicsProblem> Window(const Map& map, double applied);
+  /// Adds the window's parabola. False, and nothing changed, where it has none.
+  bool Read(IntrinsicsProblem& window);
+  /// Both. True when the estimate changed.
   bool Observe(const Map& map, double applied);
 
   double correction() const { return correction_; }
   double sigma() const;  ///< standard deviation of the correction
 
  private:
-  // Adds the window's parabola. False, and nothing changed, where it has none.
-  bool Read(IntrinsicsProblem& problem);
-
   LensRefinementOptions options_;
   double correction_ = 0;
   double information_;            ///< curvature of the sum of all parabolas

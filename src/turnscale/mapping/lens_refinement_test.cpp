@@ -2,6 +2,7 @@
 #include "turnscale/mapping/lens_refinement.h"
 
 #include <cmath>
+#include <optional>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -161,12 +162,28 @@ TEST(LensRefinement, CanBeSwitchedOff) {
   EXPECT_NEAR(lens.sigma(), options.prior_sigma, 1e-12);
 }
 
+TEST(LensRefinement, ReadsAWindowThatWasCopiedBeforeTheMapChanged) {
+  const Map whole = MapThroughLens(kStreetCornerStreet, -0.012, 0.3, 3);
+  LensRefinement at_once({});
+  LensRefinement later({});
+  Map map = MapUpTo(36, whole);
+  std::optional<IntrinsicsProblem> window = later.Window(map, 0);
+  ASSERT_TRUE(window);
+  ASSERT_TRUE(at_once.Observe(map, 0));
+  for (Keyframe& keyframe : map.keyframes) keyframe.camera_from_world = {};
+  map.landmarks.clear();
+  EXPECT_EQ(later.correction(), 0) << "not before it is read";
+  ASSERT_TRUE(later.Read(*window));
+  EXPECT_EQ(later.correction(), at_once.correction());
+}
+
 TEST(LensRefinement, OptionsNameTheFieldThatMakesNoSense) {
   using Options = LensRefinementOptions;
   EXPECT_EQ(RefusedField<Options>([](auto&) {}), "");
   EXPECT_EQ(RefusedField<Options>([](auto& o) { o.window = 2; }), "lens.window");
   EXPECT_EQ(RefusedField<Options>([](auto& o) { o.prior_sigma = 0; }), "lens.prior_sigma");
   EXPECT_EQ(RefusedField<Options>([](auto& o) { o.step = -1; }), "lens.step");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.max_landmarks = 19; }), "lens.max_landmarks");
   EXPECT_EQ(RefusedField<Options>([](auto& o) { o.pixel_sigma = std::nan(""); }), "lens.pixel_sigma");
 }
 

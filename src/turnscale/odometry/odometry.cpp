@@ -3,11 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <future>
 #include <limits>
 #include <memory>
 #include <optional>
 #include <string>
 #include <system_error>
+#include <type_traits>
 #include <utility>
 
 #include <opencv2/core/utility.hpp>
@@ -38,6 +40,25 @@ constexpr int kArchivedTogether = 20;
 // A turn in which static features show in several keyframes, degrees: if they were none, what stood still before was
 // far away.
 constexpr double kDecidingTurn = 10;
+
+// From the start of camera work to its results, in keyframes: in a turn, where they are close to one another, it takes
+// about as long as two of them.
+constexpr int kKeyframesOfCameraWork = 4;
+
+// Calls `work` on a thread of its own, or where there is none, when its result is asked for.
+template <typename Work>
+std::future<std::invoke_result_t<Work&>> InBackground(Work work) {
+  const auto shared = std::make_shared<Work>(std::move(work));
+  const auto call = [shared] { return (*shared)(); };
+  if (cv::getNumThreads() > 1) {
+    try {
+      return std::async(std::launch::async, call);
+    } catch (const std::system_error&) {
+      // No thread can be had.
+    }
+  }
+  return std::async(std::launch::deferred, call);
+}
 
 OdometryOptions Checked(OdometryOptions options, const CameraModel& camera) {
   options.Check();
@@ -104,7 +125,8 @@ FrameResult Odometry::Process(const cv::Mat& gray, double time) {
   ObserveRoad(image);
   const bool settling_is_due = ObserveScale(result);
   tracker_.Replenish(camera_, image, map_);
-  StartBackgroundWork(settling_is_due);
+  if (settling_is_due) StartSettling();
+  StartCameraWork();
   return MetricResult(result, map_.keyframes.back().camera_from_world);
 }
 
@@ -333,32 +355,34 @@ bool Odometry::ObserveScale(FrameResult& result) {
   return turn_ended || unsettled >= options_.turn_bundle.window / 2;
 }
 
-void Odometry::StartBackgroundWork(bool settling_is_due) {
-  auto start = std::make_shared<BackgroundWork>(settling_is_due ? WorkToSettle() : BackgroundWork{});
-  const auto work = [this, start, camera = camera_] {
-    BackgroundWork& parts = *start;
-    if (parts.settled_from && !AdjustWindow(options_.turn_bundle, parts.settled)) parts.settled.landmarks.clear();
-    if (lens_.Observe(map_, camera.radial_correction)) parts.lens_correction = lens_.correction();
-    if (calibration_check_.Observe(map_, camera))
-      parts.calibration_sigma = CalibrationSigma(calibration_check_.Contradictions(), camera);
-    return std::move(parts);
-  };
-  if (cv::getNumThreads() > 1) {
-    try {
-      background_work_ = std::async(std::launch::async, work);
-      return;
-    } catch (const std::system_error&) {
-      // No thread can be had: the work is done at the next keyframe.
-    }
-  }
-  background_work_ = std::async(std::launch::deferred, work);
+void Odometry::StartSettling() {
+  settling_ = InBackground([options = options_.turn_bundle, work = WorkToSettle()]() mutable {
+    if (!AdjustWindow(options, work.window)) work.window.landmarks.clear();
+    return std::move(work);
+  });
+}
+
+void Odometry::StartCameraWork() {
+  if (camera_work_.valid()) return;
+  std::optional<IntrinsicsProblem> refined = lens_.Window(map_, camera_.radial_correction);
+  std::optional<IntrinsicsProblem> tested = calibration_check_.Window(map_, camera_);
+  if (!refined && !tested) return;
+  camera_work_due_ = static_cast<int>(map_.keyframes.size()) + kKeyframesOfCameraWork;
+  camera_work_ =
+      InBackground([this, refined = std::move(refined), tested = std::move(tested), camera = camera_]() mutable {
+        CameraWork work;
+        if (refined && lens_.Read(*refined)) work.lens_correction = lens_.correction();
+        if (tested && calibration_check_.Read(*tested))
+          work.calibration_sigma = CalibrationSigma(calibration_check_.Contradictions(), camera);
+        return work;
+      });
 }
 
 void Odometry::ApplyBackgroundWork() {
-  if (!background_work_.valid()) return;
-  const BackgroundWork work = background_work_.get();
+  if (settling_.valid()) ApplySettled(settling_.get());
+  if (!camera_work_.valid() || static_cast<int>(map_.keyframes.size()) < camera_work_due_) return;
+  const CameraWork work = camera_work_.get();
   if (work.calibration_sigma) calibration_sigma_ = *work.calibration_sigma;
-  if (work.settled_from) ApplySettled(work);
   if (work.lens_correction && std::abs(*work.lens_correction - camera_.radial_correction) >= kLeastLensChange)
     CorrectLens(*work.lens_correction);
 }
@@ -375,25 +399,25 @@ int Odometry::FirstToSettle() const {
   return static_cast<int>(first - lens_of_keyframe_.begin());
 }
 
-Odometry::BackgroundWork Odometry::WorkToSettle() const {
+Odometry::SettlingWork Odometry::WorkToSettle() const {
   // Earlier local windows had fewer observations and a less accurate lens correction.
-  BackgroundWork work;
-  work.settled_from = FirstToSettle();
-  work.settled = MakeLocalWindow(options_.turn_bundle, *work.settled_from, map_);
+  SettlingWork work;
+  work.first = FirstToSettle();
+  work.window = MakeLocalWindow(options_.turn_bundle, work.first, map_);
   work.applied_correction = camera_.radial_correction;
   return work;
 }
 
-void Odometry::ApplySettled(const BackgroundWork& work) {
+void Odometry::ApplySettled(const SettlingWork& work) {
   const int keyframes = static_cast<int>(map_.keyframes.size());
-  const int first = *work.settled_from;
+  const int first = work.first;
   lens_of_keyframe_.resize(keyframes, std::numeric_limits<double>::quiet_NaN());
   std::fill(lens_of_keyframe_.begin() + first, lens_of_keyframe_.end(), work.applied_correction);
   // Factors of length are means over two steps on either side.
   const int from = std::max(0, first - 2);
   const RigidTransform last_from_keyframe = LastFromKeyframe();
   const std::vector<Eigen::Vector3d> before = KeyframeCentres(map_, from);
-  if (!work.settled.landmarks.empty()) WriteBack(work.settled, map_);
+  if (!work.window.landmarks.empty()) WriteBack(work.window, map_);
   FollowMap(from, KeyframeFactors(before, KeyframeCentres(map_, from), first - from, std::vector(before.size(), 1.0)),
             last_from_keyframe);
   const auto reach = [](const LocalBundleOptions& window) { return window.window + window.anchors; };
@@ -420,9 +444,10 @@ void Odometry::CorrectLens(double correction) {
 }
 
 void Odometry::Settle() {
+  camera_work_due_ = 0;
   ApplyBackgroundWork();
-  BackgroundWork work = WorkToSettle();
-  if (!AdjustWindow(options_.turn_bundle, work.settled)) work.settled.landmarks.clear();
+  SettlingWork work = WorkToSettle();
+  if (!AdjustWindow(options_.turn_bundle, work.window)) work.window.landmarks.clear();
   ApplySettled(work);
 }
 
@@ -489,7 +514,7 @@ ScaleState Odometry::scale_state() const {
 
 RefinedScale Odometry::Refined() const {
   if (refined_) return *refined_;
-  AwaitBackgroundWork();
+  AwaitCameraWork();
   const std::vector<ParameterEstimate> contradictions = calibration_check_.Contradictions();
   RefinedScale refined = scale_.Refine(map_, !contradictions.empty());
   WidenForCalibration(contradictions, camera_, refined);

@@ -89,12 +89,12 @@ class Odometry {
   const cv::Mat& mask() const { return mask_.pixels(); }
   /// The correction of the lens calibration estimated from the drive.
   const LensRefinement& lens() const {
-    AwaitBackgroundWork();
+    AwaitCameraWork();
     return lens_;
   }
   /// The consistency test of the given calibration.
   const CalibrationCheck& calibration_check() const {
-    AwaitBackgroundWork();
+    AwaitCameraWork();
     return calibration_check_;
   }
   ScaleState scale_state() const;
@@ -114,11 +114,14 @@ class Odometry {
   TrackedFrame Track(const FlowImage& image, const RigidTransform& predicted, FrameResult& result);
   FrameResult Bridge(const RigidTransform& predicted, FrameResult result);
 
-  /// What is computed from the map while the frames up to the next keyframe are processed.
-  struct BackgroundWork {
-    double applied_correction = 0;            ///< radial correction of the pixels in `settled`
-    std::optional<int> settled_from;          ///< first keyframe to settle; empty if settling is not due
-    WindowProblem settled;                    ///< adjusted; no landmarks if the window contains NaN
+  /// A window that is adjusted while the frames up to the next keyframe are processed.
+  struct SettlingWork {
+    double applied_correction = 0;  ///< radial correction of the window's pixels
+    int first = 0;                  ///< first keyframe to settle
+    WindowProblem window;           ///< adjusted; no landmarks if it contains NaN
+  };
+  /// What the images say of the camera, computed while the frames up to a later keyframe are processed.
+  struct CameraWork {
     std::optional<double> lens_correction;    ///< if the estimate has changed
     std::optional<double> calibration_sigma;  ///< if the calibration was tested
   };
@@ -130,19 +133,23 @@ class Odometry {
   /// Updates the scale with the latest keyframe. Returns whether settling is due: the keyframe ended a turn, or many
   /// keyframes have not been settled yet.
   bool ObserveScale(FrameResult& result);
-  /// Starts background work on the map, which must not change before ApplyBackgroundWork.
-  void StartBackgroundWork(bool settling_is_due);
-  void AwaitBackgroundWork() const {
-    if (background_work_.valid()) background_work_.wait();
+  /// Starts to adjust a copy of the keyframes that are not settled.
+  void StartSettling();
+  /// Starts to read copies of the windows that lens refinement and calibration check want, if there are any. Nothing
+  /// while earlier ones are being read.
+  void StartCameraWork();
+  void AwaitCameraWork() const {
+    if (camera_work_.valid()) camera_work_.wait();
   }
-  /// Waits for the work, if there is any, and moves map, tracks and motion model to its results.
+  /// Waits for the work that is due at this keyframe, and moves map, tracks and motion model to its results. When it
+  /// is due does not depend on how long it takes.
   void ApplyBackgroundWork();
   /// The first keyframe that has not been settled, or was settled under a radial correction that is out of date.
   int FirstToSettle() const;
   /// The keyframes from there on, to be adjusted.
-  BackgroundWork WorkToSettle() const;
+  SettlingWork WorkToSettle() const;
   /// Writes the adjusted window to the map and re-evaluates its steps.
-  void ApplySettled(const BackgroundWork& work);
+  void ApplySettled(const SettlingWork& work);
   /// Replaces the radial correction of all pixels of map and tracks.
   void CorrectLens(double correction);
   /// Applies pending work, then settles the remaining keyframes at once.
@@ -187,8 +194,10 @@ class Odometry {
   int lost_frames_ = 0;   ///< consecutive, up to now
   double last_time_ = -std::numeric_limits<double>::infinity();
   int frames_ = 0;
-  /// Declared last, so that it is waited for before the members that it reads are destroyed.
-  std::future<BackgroundWork> background_work_;
+  int camera_work_due_ = 0;  ///< number of keyframes at which its results are applied
+  // Declared last, so that they are waited for before the members that they use are destroyed.
+  std::future<SettlingWork> settling_;
+  std::future<CameraWork> camera_work_;
 };
 
 }  // namespace turnscale
