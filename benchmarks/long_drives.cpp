@@ -13,12 +13,14 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 #include <opencv2/core/utility.hpp>
-#include <opencv2/imgcodecs.hpp>
 #include <time.h>
 
 #include "../tests/street_world.h"
 #include "turnscale/base/error.h"
 #include "turnscale/geometry/rotation.h"
+#include "turnscale/image_file/image_encoder.h"
+#include "turnscale/io/frame_reader.h"
+#include "turnscale/io/output_file.h"
 #include "turnscale/odometry/odometry.h"
 
 namespace turnscale {
@@ -205,7 +207,7 @@ void RenderImages(const Place& place, const Drive& drive, const std::filesystem:
     random.fill(noise, cv::RNG::NORMAL, 0, kNoise);
     cv::Mat image;
     cv::add(ideal, noise, image, cv::noArray(), CV_8U);
-    if (!cv::imwrite(ImageFile(folder, i), image)) throw OutputError(folder.string() + ": cannot write images");
+    ReplaceFile(ImageFile(folder, i), EncodePng(image), Durability::kProcess);
     if (i % 100 == 0) fmt::print(stderr, "rendering: {} of {}\n", i, drive.places.size());
   }
   std::ofstream(folder / "complete");
@@ -262,7 +264,7 @@ nlohmann::json Run(const Place& place, const Drive& drive, const std::filesystem
   const int frames = static_cast<int>(drive.images.size());
   double run_cpu = 0;
   for (int i = 0; i < frames; ++i) {
-    const cv::Mat image = cv::imread(ImageFile(folder, drive.images[i]), cv::IMREAD_GRAYSCALE);
+    const cv::Mat image = ReadGrayImage(ImageFile(folder, drive.images[i])).gray;
     const double cpu_before = CpuSeconds();
     const double wall_before = WallSeconds();
     const FrameResult result = odometry.Process(image, kInterval * i);

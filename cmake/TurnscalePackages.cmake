@@ -123,7 +123,6 @@ turnscale_package(
   libcpp-httplib-dev
   libfmt-dev
   liblz4-dev
-  libopencv-imgcodecs-dev
   libsqlite3-dev
   libswscale-dev
   libzstd-dev

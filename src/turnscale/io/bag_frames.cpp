@@ -132,7 +132,8 @@ GrayImage BagFrames::Decode(const BagMessage& message) const {
     const BagCompressedImage image = ReadBagCompressedImage(message);
     const DecodedImage decoded = DecodeJpegOrPng(image.data);
     if (decoded.pixels.empty()) return {{}, Where() + ": " + decoded.problem};
-    return {ToGray8(WithColour(decoded.pixels, image.format)), {}};
+    // Colours of a Bayer pattern are those that a driver has made of it.
+    return {ToGray8(decoded.colour ? decoded.pixels : WithColour(decoded.pixels, image.format)), {}};
   } catch (const MalformedData& error) {
     return {{}, Where() + ": " + error.what()};
   }

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include "turnscale/io/frame_reader.h"
 
+#include <climits>
 #include <fstream>
 #include <iterator>
 #include <utility>
 
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
+
+#include "turnscale/image_file/image_decoder.h"
 
 namespace turnscale {
 namespace {
@@ -28,6 +30,12 @@ class ImageListReader : public FrameReader {
   std::vector<std::filesystem::path> images_;
   size_t next_ = 0;
 };
+
+DecodedImage Decoded(std::span<const uint8_t> bytes, int64_t most_pixels) {
+  if (EndsEarly(bytes)) return {{}, false, "is truncated"};
+  const ImagePixels decoded = DecodePixels(bytes, most_pixels);
+  return {decoded.gray, decoded.colour, decoded.gray.empty() ? "is not a readable image" : ""};
+}
 
 }  // namespace
 
@@ -55,26 +63,14 @@ GrayImage ReadGrayImage(const std::filesystem::path& path) {
   return {gray, gray.empty() ? name + ": is not a readable image" : ""};
 }
 
-DecodedImage DecodeImage(std::span<const uint8_t> bytes) {
-  if (EndsEarly(bytes)) return {{}, "is truncated"};
-  // The decoder only reads.
-  const cv::Mat stored(1, static_cast<int>(bytes.size()), CV_8UC1, const_cast<uint8_t*>(bytes.data()));
-  DecodedImage image;
-  try {
-    image.pixels = cv::imdecode(stored, cv::IMREAD_ANYDEPTH | cv::IMREAD_ANYCOLOR | cv::IMREAD_IGNORE_ORIENTATION);
-  } catch (const cv::Exception&) {
-    image.pixels = cv::Mat();
-  }
-  if (image.pixels.empty()) image.problem = "is not a readable image";
-  return image;
-}
+DecodedImage DecodeImage(std::span<const uint8_t> bytes) { return Decoded(bytes, INT_MAX); }
 
 DecodedImage DecodeJpegOrPng(std::span<const uint8_t> bytes) {
-  constexpr uint64_t kMostPixels = 100'000'000;
+  constexpr int64_t kMostPixels = 100'000'000;
   const std::optional<uint64_t> pixels = AnnouncedPixels(bytes);
-  if (!pixels) return {{}, "is neither JPEG nor PNG"};
-  if (*pixels == 0 || *pixels > kMostPixels) return {{}, "is not a readable image"};
-  return DecodeImage(bytes);
+  if (!pixels) return {{}, false, "is neither JPEG nor PNG"};
+  if (*pixels == 0 || *pixels > kMostPixels) return {{}, false, "is not a readable image"};
+  return Decoded(bytes, kMostPixels);
 }
 
 std::unique_ptr<FrameReader> ReadImages(std::vector<std::filesystem::path> images) {

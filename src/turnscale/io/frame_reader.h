@@ -25,7 +25,8 @@ GrayImage ReadGrayImage(const std::filesystem::path& path);
 
 /// The pixels of an encoded image, or why there are none.
 struct DecodedImage {
-  cv::Mat pixels;       ///< gray or BGR, 8 or 16 bit; empty if the bytes are unusable
+  cv::Mat pixels;       ///< gray, 8 or 16 bit; empty if the bytes are unusable
+  bool colour = false;  ///< the file has colours
   std::string problem;  ///< such as "is truncated"; empty if there is none
 };
 

@@ -2,17 +2,17 @@
 #include "turnscale/io/mask_file.h"
 
 #include <fmt/format.h>
-#include <opencv2/imgcodecs.hpp>
+#include <opencv2/core.hpp>
 
 #include "turnscale/base/error.h"
+#include "turnscale/io/frame_reader.h"
 
 namespace turnscale {
 
 cv::Mat ReadMask(const std::filesystem::path& path) {
   std::error_code error;
   if (!std::filesystem::exists(path, error)) throw InputError(path.string() + ": no such mask");
-  const cv::Mat mask =
-      std::filesystem::is_directory(path, error) ? cv::Mat() : cv::imread(path.string(), cv::IMREAD_GRAYSCALE);
+  const cv::Mat mask = std::filesystem::is_directory(path, error) ? cv::Mat() : ReadGrayImage(path).gray;
   if (mask.empty()) throw InputError(path.string() + ": cannot be read as an image");
   if (cv::countNonZero(mask) == 0) throw InputError(path.string() + ": is black, which leaves out the whole image");
   return mask;

@@ -10,10 +10,10 @@
 #include <system_error>
 
 #include <fmt/format.h>
-#include <opencv2/imgcodecs.hpp>
 
 #include "turnscale/base/error.h"
 #include "turnscale/geometry/rotation.h"
+#include "turnscale/image_file/image_encoder.h"
 #include "turnscale/io/terminal.h"
 #include "turnscale/io/trajectory_file.h"
 
@@ -258,9 +258,7 @@ void RunWriter::WriteRotations(const std::vector<RotationRecord>& records, Durab
 
 void RunWriter::WriteMask(const cv::Mat& mask, Durability durability) {
   if (mask.empty()) return;
-  std::vector<uchar> png;
-  Ensure(cv::imencode(".png", mask, png), "PNG cannot be encoded");
-  WriteText(kMask, std::string(png.begin(), png.end()), durability);
+  WriteText(kMask, EncodePng(mask), durability);
 }
 
 void RunWriter::WriteMap(const MapPoints& points, ScaleState scale_state, Durability durability) {

@@ -8,6 +8,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "turnscale/image_file/image_encoder.h"
 #include "turnscale/io/terminal.h"
 #include "turnscale/report/report_data.h"
 
@@ -204,7 +205,7 @@ std::string LiveState::Image() {
     features = features_;
     jpeg_number_ = image_number_;
   }
-  jpeg_ = JpegOf(DrawTracking(image, features, mask, kImageWidth), kImageQuality);
+  jpeg_ = EncodeJpeg(DrawTracking(image, features, mask, kImageWidth), kImageQuality);
   return jpeg_;
 }
 

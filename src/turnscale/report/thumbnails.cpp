@@ -9,13 +9,13 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "turnscale/base/error.h"
 #include "turnscale/base/file_text.h"
 #include "turnscale/base/number_text.h"
 #include "turnscale/geometry/rotation.h"
+#include "turnscale/image_file/image_encoder.h"
 #include "turnscale/io/output_file.h"
 
 namespace turnscale {
@@ -138,15 +138,9 @@ cv::Mat DrawTracking(const cv::Mat& gray, const std::vector<DrawnFeature>& featu
   return image;
 }
 
-std::string JpegOf(const cv::Mat& image, int quality) {
-  std::vector<uchar> jpeg;
-  Ensure(cv::imencode(".jpg", image, jpeg, {cv::IMWRITE_JPEG_QUALITY, quality}), "JPEG cannot be encoded");
-  return {jpeg.begin(), jpeg.end()};
-}
-
 std::string AnnotatedJpeg(const cv::Mat& gray, const std::vector<DrawnFeature>& features, const cv::Mat& mask,
                           int width, int quality) {
-  std::string jpeg = JpegOf(Shrunk(gray, width), quality);
+  std::string jpeg = EncodeJpeg(Shrunk(gray, width), quality);
   // Behind the start of the image and the JFIF header, which has to be the first segment.
   const auto byte = [&](size_t place) -> size_t { return static_cast<unsigned char>(jpeg.at(place)); };
   constexpr size_t kStart = 2;

@@ -47,9 +47,6 @@ std::vector<DrawnFeature> FeaturesOf(const Odometry& odometry);
 /// left-out pixels (0 in `mask`, which may be empty) tinted red.
 cv::Mat DrawTracking(const cv::Mat& gray, const std::vector<DrawnFeature>& features, const cv::Mat& mask, int width);
 
-/// The JPEG file of an image. Throws InternalError if it cannot be encoded.
-std::string JpegOf(const cv::Mat& image, int quality);
-
 /// The gray image as a JPEG file of at most this width. What DrawTracking draws is in comments (COM segments), for a
 /// page that draws it on demand: "turnscale features" and "turnscale mask", each ended by a zero byte. Then follow
 /// points of three bytes: 12 bits of x and 11 of y, high first, as shares of the width and height less one pixel, and a

@@ -141,9 +141,12 @@ TEST_F(ThumbnailsTest, CommentsTellFeaturesAndMask) {
   mask.rowRange(90, 120) = 0;
   const std::vector<DrawnFeature> features = {{{0, 0}, true}, {{399, 119}, false}, {{100, 30}, true}};
   const std::string jpeg = AnnotatedJpeg(gray, features, mask, 200, 60);
-  const cv::Mat image = cv::imdecode(std::vector<uchar>(jpeg.begin(), jpeg.end()), cv::IMREAD_UNCHANGED);
+  const cv::Mat image = cv::imdecode(std::vector<uchar>(jpeg.begin(), jpeg.end()), cv::IMREAD_COLOR);
   EXPECT_EQ(image.size(), cv::Size(200, 60));
-  EXPECT_EQ(image.channels(), 1);
+  std::vector<cv::Mat> channels;
+  cv::split(image, channels);
+  for (const int i : {1, 2})
+    EXPECT_EQ(cv::norm(channels[0], channels[i], cv::NORM_INF), 0) << "nothing is drawn into it";
   EXPECT_EQ(jpeg.substr(6, 4), "JFIF") << "the header stays the first segment";
   const std::string points = CommentOf(jpeg, "turnscale features");
   ASSERT_EQ(points.size(), 9u);

@@ -1,30 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "turnscale/simulation/image_output.h"
 
-#include <vector>
-
 #include <fmt/format.h>
-#include <opencv2/imgcodecs.hpp>
 
-#include "turnscale/base/error.h"
+#include "turnscale/image_file/image_encoder.h"
 #include "turnscale/io/output_file.h"
 
 namespace turnscale {
-namespace {
-
-// Noise cannot be packed: higher levels only take longer.
-constexpr int kPngLevel = 1;
-
-void WriteImage(const std::filesystem::path& path, const cv::Mat& image) {
-  std::vector<uchar> bytes;
-  if (!cv::imencode(".png", image, bytes, {cv::IMWRITE_PNG_COMPRESSION, kPngLevel})) {
-    throw OutputError(path.string() + ": the image cannot be encoded as PNG");
-  }
-  // Not for each of thousands does the disk have to be waited for.
-  ReplaceFile(path, {reinterpret_cast<const char*>(bytes.data()), bytes.size()}, Durability::kProcess);
-}
-
-}  // namespace
 
 ImageOutput::ImageOutput(const std::filesystem::path& folder, const Rig& rig) : images_(folder / kImageFolder) {
   if (!rig.recorder.video) return;
@@ -38,7 +20,8 @@ void ImageOutput::Write(const cv::Mat& image, double stamp) {
   if (video_) {
     video_->Add(image, stamp);
   } else {
-    WriteImage(images_ / fmt::format("{:06}.png", count_), image);
+    // Not for each of thousands does the disk have to be waited for.
+    ReplaceFile(images_ / fmt::format("{:06}.png", count_), EncodePng(image), Durability::kProcess);
   }
   ++count_;
 }

@@ -1,0 +1,327 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/image_file/image_decoder.h"
+
+#include <algorithm>
+#include <array>
+#include <climits>
+#include <cstring>
+#include <iterator>
+#include <new>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
+#include <zlib.h>
+
+#include "turnscale/image_file/codec_pointers.h"
+
+extern "C" {
+#include <libavutil/bswap.h>
+#include <libavutil/imgutils.h>
+#include <libavutil/intreadwrite.h>
+#include <libavutil/pixdesc.h>
+}
+
+namespace turnscale {
+namespace {
+
+using Bytes = std::span<const uint8_t>;
+
+bool StartsWith(Bytes bytes, std::string_view magic) {
+  return bytes.size() >= magic.size() && std::memcmp(bytes.data(), magic.data(), magic.size()) == 0;
+}
+
+constexpr std::string_view kPngSignature = "\x89PNG\r\n\x1a\n";
+
+AVCodecID CodecOf(Bytes bytes) {
+  using namespace std::string_view_literals;
+  constexpr std::pair<std::string_view, AVCodecID> kCodecs[] = {
+      {kPngSignature, AV_CODEC_ID_PNG}, {"\xFF\xD8\xFF", AV_CODEC_ID_MJPEG},
+      {"BM", AV_CODEC_ID_BMP},          {"II*\0"sv, AV_CODEC_ID_TIFF},
+      {"MM\0*"sv, AV_CODEC_ID_TIFF},    {"P1", AV_CODEC_ID_PBM},
+      {"P4", AV_CODEC_ID_PBM},          {"P2", AV_CODEC_ID_PGM},
+      {"P5", AV_CODEC_ID_PGM},          {"P3", AV_CODEC_ID_PPM},
+      {"P6", AV_CODEC_ID_PPM}};
+  for (const auto& [magic, codec] : kCodecs)
+    if (StartsWith(bytes, magic)) return codec;
+  return AV_CODEC_ID_NONE;
+}
+
+// A PNG's chunks of length, type, data and checksum, without those that do not change the pixels: their damage does no
+// harm, and a text can be packed to a thousandth of its size.
+std::vector<Bytes> ChunksOf(Bytes png) {
+  png = png.subspan(kPngSignature.size());
+  std::vector<Bytes> chunks;
+  constexpr size_t kAround = 12;
+  constexpr uint8_t kAncillary = 0x20;
+  while (png.size() >= kAround) {
+    size_t length = 0;
+    for (int i = 0; i < 4; ++i) length = length << 8 | png[i];
+    const Bytes chunk = png.first(std::min(length + kAround, png.size()));
+    if ((chunk[4] & kAncillary) == 0) chunks.push_back(chunk);
+    png = png.subspan(chunk.size());
+  }
+  return chunks;
+}
+
+bool IsChunk(Bytes chunk, std::string_view name) { return StartsWith(chunk.subspan(4), name); }
+
+// Places in a PNG's first chunk.
+constexpr size_t kWidthAt = 8;
+constexpr size_t kHeightAt = 12;
+constexpr size_t kDepthAt = 16;
+constexpr size_t kColourAt = 17;
+constexpr size_t kInterlaceAt = 20;
+constexpr size_t kHeaderSize = 25;
+
+bool IsInterlaced(Bytes header) { return header[kInterlaceAt] != 0; }
+
+// Bytes of the rows of an interlaced PNG, each with its filter, before they are packed.
+uint64_t InterlacedSize(Bytes header) {
+  struct Pass {
+    uint64_t x, y, step_x, step_y;
+  };
+  constexpr Pass kPasses[] = {{0, 0, 8, 8}, {4, 0, 8, 8}, {0, 4, 4, 8}, {2, 0, 4, 4},
+                              {0, 2, 2, 4}, {1, 0, 2, 2}, {0, 1, 1, 2}};
+  constexpr uint64_t kChannels[] = {1, 0, 3, 1, 2, 0, 4};
+  const auto number = [&](size_t at) { return static_cast<uint64_t>(AV_RB32(header.data() + at)); };
+  const uint64_t bits = header[kDepthAt] * kChannels[std::min<size_t>(header[kColourAt], std::size(kChannels) - 1)];
+  uint64_t size = 0;
+  for (const Pass& pass : kPasses) {
+    const uint64_t columns = (number(kWidthAt) + pass.step_x - 1 - pass.x) / pass.step_x;
+    const uint64_t rows = (number(kHeightAt) + pass.step_y - 1 - pass.y) / pass.step_y;
+    if (columns > 0) size += rows * (1 + (columns * bits + 7) / 8);
+  }
+  return size;
+}
+
+// Whether the chunks' packed data is at least of this size when unpacked.
+bool UnpacksTo(const std::vector<Bytes>& chunks, uint64_t size) {
+  z_stream stream{};
+  if (inflateInit(&stream) != Z_OK) throw std::bad_alloc();
+  std::vector<uint8_t> unpacked(1U << 16U);
+  int result = Z_OK;
+  for (const Bytes chunk : chunks) {
+    constexpr size_t kBefore = 8;
+    constexpr size_t kAround = 12;
+    if (!IsChunk(chunk, "IDAT")) continue;
+    stream.next_in = const_cast<uint8_t*>(chunk.data() + kBefore);
+    stream.avail_in = static_cast<uInt>(chunk.size() - kAround);
+    do {
+      stream.next_out = unpacked.data();
+      stream.avail_out = static_cast<uInt>(unpacked.size());
+      result = inflate(&stream, Z_NO_FLUSH);
+    } while (result == Z_OK && stream.avail_out == 0 && stream.total_out < size);
+  }
+  const bool enough = stream.total_out >= size;
+  inflateEnd(&stream);
+  return enough;
+}
+
+// The parts of a PNG to decode; none if its header and the kinds of its chunks do not make an image.
+std::vector<Bytes> PartsOfPng(Bytes bytes, int64_t most_pixels) {
+  std::vector<Bytes> parts = ChunksOf(bytes);
+  if (parts.empty() || !IsChunk(parts[0], "IHDR") || parts[0].size() != kHeaderSize) return {};
+  const Bytes header = parts[0];
+  const uint64_t pixels = static_cast<uint64_t>(AV_RB32(header.data() + kWidthAt)) * AV_RB32(header.data() + kHeightAt);
+  if (pixels > static_cast<uint64_t>(most_pixels)) return {};
+  constexpr uint8_t kPalette = 3;
+  const auto is_palette = [](Bytes chunk) { return IsChunk(chunk, "PLTE"); };
+  if (header[kColourAt] == kPalette && std::none_of(parts.begin(), parts.end(), is_palette)) return {};
+  // Of passes that are missing the decoder shows a preview.
+  if (IsInterlaced(header) && !UnpacksTo(parts, InterlacedSize(header))) return {};
+  parts.insert(parts.begin(), bytes.first(kPngSignature.size()));
+  return parts;
+}
+
+PacketPointer PacketOf(const std::vector<Bytes>& parts) {
+  size_t size = 0;
+  for (const Bytes part : parts) size += part.size();
+  if (size == 0 || size > INT_MAX - AV_INPUT_BUFFER_PADDING_SIZE) return nullptr;
+  PacketPointer packet(Allocated(av_packet_alloc()));
+  if (av_new_packet(packet.get(), static_cast<int>(size)) < 0) throw std::bad_alloc();
+  uint8_t* to = packet->data;
+  for (const Bytes part : parts) to = std::copy(part.begin(), part.end(), to);
+  // Otherwise it may be taken as the difference from another image.
+  packet->flags |= AV_PKT_FLAG_KEY;
+  return packet;
+}
+
+// The decoders give out some incomplete images as if they were whole. So rows are filled with this level before they
+// are decoded.
+struct Mark {
+  uint8_t level = 0;
+  bool all_rows = false;  // or only the last one, which is written last
+};
+
+// Calls `row(plane's row, bytes)` for the rows that are marked.
+template <class Row>
+void ForMarkedRows(const AVFrame& frame, const Mark& mark, const Row& row) {
+  const auto format = static_cast<AVPixelFormat>(frame.format);
+  const AVPixFmtDescriptor* description = av_pix_fmt_desc_get(format);
+  for (int plane = 0; plane < av_pix_fmt_count_planes(format); ++plane) {
+    const bool is_chroma = plane == 1 || plane == 2;
+    const int rows = is_chroma ? AV_CEIL_RSHIFT(frame.height, description->log2_chroma_h) : frame.height;
+    const auto bytes = static_cast<size_t>(std::max(av_image_get_linesize(format, frame.width, plane), 0));
+    for (int y = mark.all_rows ? 0 : rows - 1; y < rows; ++y)
+      row(frame.data[plane] + static_cast<std::ptrdiff_t>(y) * frame.linesize[plane], bytes);
+  }
+}
+
+int MarkedBuffer(AVCodecContext* context, AVFrame* frame, int flags) {
+  const int result = avcodec_default_get_buffer2(context, frame, flags);
+  if (result < 0) return result;
+  const Mark& mark = *static_cast<const Mark*>(context->opaque);
+  ForMarkedRows(*frame, mark, [&](uint8_t* row, size_t bytes) { std::fill_n(row, bytes, mark.level); });
+  return result;
+}
+
+bool HasMarkedRow(const AVFrame& frame, const Mark& mark) {
+  bool found = false;
+  ForMarkedRows(frame, mark, [&](const uint8_t* row, size_t bytes) {
+    found = found || std::all_of(row, row + bytes, [&](uint8_t level) { return level == mark.level; });
+  });
+  return found;
+}
+
+// Nothing for what is damaged. Each image has a decoder of its own, so that none shows anything of an earlier one.
+FramePointer DecodeFrame(AVCodecID id, const AVPacket& packet, int64_t most_pixels, Mark mark) {
+  const AVCodec* codec = avcodec_find_decoder(id);
+  if (codec == nullptr) return nullptr;
+  const CodecPointer decoder(Allocated(avcodec_alloc_context3(codec)));
+  decoder->thread_count = 1;
+  decoder->flags |= AV_CODEC_FLAG_BITEXACT;
+  // In TIFF, a tag that the library does not know counts as damage, too.
+  decoder->err_recognition = AV_EF_CRCCHECK | (id == AV_CODEC_ID_TIFF ? 0 : AV_EF_EXPLODE);
+  decoder->max_pixels = most_pixels;
+  decoder->opaque = &mark;
+  decoder->get_buffer2 = MarkedBuffer;
+  FramePointer frame(Allocated(av_frame_alloc()));
+  if (avcodec_open2(decoder.get(), codec, nullptr) < 0 || avcodec_send_packet(decoder.get(), &packet) < 0 ||
+      avcodec_receive_frame(decoder.get(), frame.get()) < 0) {
+    return nullptr;
+  }
+  const bool damaged = (frame->flags & AV_FRAME_FLAG_CORRUPT) != 0 || frame->decode_error_flags != 0;
+  return damaged ? nullptr : std::move(frame);
+}
+
+cv::Mat View(const AVFrame& frame, int plane, int type) {
+  return {frame.height, frame.width, type, frame.data[plane], static_cast<size_t>(frame.linesize[plane])};
+}
+
+// One component of any format, stretched to 8 or 16 bits.
+cv::Mat Component(const AVFrame& frame, const AVPixFmtDescriptor& format, int component) {
+  const AVComponentDescriptor& stored = format.comp[component];
+  const bool big_endian = (format.flags & AV_PIX_FMT_FLAG_BE) != 0;
+  if (stored.depth == 8 && stored.step == 1) return View(frame, stored.plane, CV_8UC1).clone();
+  if (stored.depth == 16 && stored.step == 2 && !big_endian) return View(frame, stored.plane, CV_16UC1).clone();
+  const unsigned most = (1U << static_cast<unsigned>(stored.depth)) - 1;
+  const unsigned levels = stored.depth > 8 ? 0xFFFF : 0xFF;
+  const bool black_is_one = frame.format == AV_PIX_FMT_MONOWHITE;
+  cv::Mat image(frame.height, frame.width, CV_16UC1);
+  for (int y = 0; y < image.rows; ++y) {
+    auto* row = image.ptr<uint16_t>(y);
+    if (stored.depth == 16 && stored.step == 2) {
+      const auto* from = View(frame, stored.plane, CV_16UC1).ptr<uint16_t>(y);
+      std::transform(from, from + image.cols, row, [](uint16_t level) { return av_bswap16(level); });
+      continue;
+    }
+    av_read_image_line2(row, const_cast<const uint8_t**>(frame.data), frame.linesize, &format, 0, y, component,
+                        image.cols, 0, sizeof(*row));
+    std::transform(row, row + image.cols, row, [&](uint16_t level) {
+      const unsigned stretched = (std::min<unsigned>(level, most) * levels + most / 2) / most;
+      return static_cast<uint16_t>(black_is_one ? levels - stretched : stretched);
+    });
+  }
+  if (levels == 0xFF) image.convertTo(image, CV_8U);
+  return image;
+}
+
+ImagePixels PixelsOfPalette(const AVFrame& frame) {
+  std::array<uint32_t, 256> palette{};
+  std::memcpy(palette.data(), frame.data[1], sizeof(palette));
+  cv::Mat colours(1, static_cast<int>(palette.size()), CV_8UC3);
+  ImagePixels pixels;
+  for (int i = 0; i < colours.cols; ++i) {
+    const uint32_t argb = palette[static_cast<size_t>(i)];
+    const cv::Vec3b bgr(argb & 0xFF, argb >> 8 & 0xFF, argb >> 16 & 0xFF);
+    colours.at<cv::Vec3b>(i) = bgr;
+    pixels.colour = pixels.colour || bgr[0] != bgr[1] || bgr[1] != bgr[2];
+  }
+  cv::Mat levels;
+  cv::cvtColor(colours, levels, cv::COLOR_BGR2GRAY);
+  cv::LUT(View(frame, 0, CV_8UC1), levels, pixels.gray);
+  return pixels;
+}
+
+cv::Mat GrayOfColours(const AVFrame& frame, const AVPixFmtDescriptor& format) {
+  constexpr std::pair<AVPixelFormat, int> kPacked[] = {
+      {AV_PIX_FMT_RGB24, cv::COLOR_RGB2GRAY}, {AV_PIX_FMT_BGR24, cv::COLOR_BGR2GRAY},
+      {AV_PIX_FMT_RGBA, cv::COLOR_RGBA2GRAY}, {AV_PIX_FMT_BGRA, cv::COLOR_BGRA2GRAY},
+      {AV_PIX_FMT_RGB0, cv::COLOR_RGBA2GRAY}, {AV_PIX_FMT_BGR0, cv::COLOR_BGRA2GRAY}};
+  cv::Mat gray;
+  for (const auto& [packed, conversion] : kPacked) {
+    if (frame.format != packed) continue;
+    cv::cvtColor(View(frame, 0, CV_8UC(format.comp[0].step)), gray, conversion);
+    return gray;
+  }
+  cv::Mat colours;
+  cv::merge(std::vector<cv::Mat>{Component(frame, format, 2), Component(frame, format, 1), Component(frame, format, 0)},
+            colours);
+  cv::cvtColor(colours, gray, cv::COLOR_BGR2GRAY);
+  return gray;
+}
+
+// Video's 16...235.
+cv::Mat StretchedLimitedRange(const cv::Mat& luma) {
+  constexpr int kBlack = 16;
+  constexpr int kRange = 219;
+  cv::Mat stretched;
+  luma.convertTo(stretched, CV_8U, 255.0 / kRange, -255.0 * kBlack / kRange);
+  return stretched;
+}
+
+ImagePixels PixelsOf(const AVFrame& frame) {
+  const AVPixFmtDescriptor* format = av_pix_fmt_desc_get(static_cast<AVPixelFormat>(frame.format));
+  constexpr uint64_t kOther = AV_PIX_FMT_FLAG_HWACCEL | AV_PIX_FMT_FLAG_BAYER | AV_PIX_FMT_FLAG_FLOAT;
+  if (format == nullptr || (format->flags & kOther) != 0) return {};
+  if ((format->flags & AV_PIX_FMT_FLAG_PAL) != 0) return PixelsOfPalette(frame);
+  if ((format->flags & AV_PIX_FMT_FLAG_RGB) != 0) return {GrayOfColours(frame, *format), true};
+  constexpr int kColour = 3;  // components, two of which are chroma
+  ImagePixels pixels{Component(frame, *format, 0), format->nb_components >= kColour};
+  if (pixels.colour && frame.color_range == AVCOL_RANGE_MPEG && pixels.gray.depth() == CV_8U)
+    pixels.gray = StretchedLimitedRange(pixels.gray);
+  return pixels;
+}
+
+bool AreEqual(const cv::Mat& a, const cv::Mat& b) {
+  return a.size() == b.size() && a.type() == b.type() && cv::norm(a, b, cv::NORM_INF) == 0;
+}
+
+}  // namespace
+
+ImagePixels DecodePixels(Bytes bytes, int64_t most_pixels) {
+  // The library would write its own complaints to standard error.
+  av_log_set_level(AV_LOG_QUIET);
+  const AVCodecID id = CodecOf(bytes);
+  if (id == AV_CODEC_ID_NONE) return {};
+  const PacketPointer packet =
+      PacketOf(id == AV_CODEC_ID_PNG ? PartsOfPng(bytes, most_pixels) : std::vector<Bytes>{bytes});
+  if (!packet) return {};
+  const bool from_top = id == AV_CODEC_ID_PNG || id == AV_CODEC_ID_MJPEG;
+  constexpr uint8_t kLevel = 0x5B;  // rarely that of a whole row
+  Mark mark{kLevel, !from_top};
+  const FramePointer frame = DecodeFrame(id, *packet, most_pixels, mark);
+  if (!frame) return {};
+  ImagePixels pixels = PixelsOf(*frame);
+  // In TIFF, decoding may end within a row.
+  if (id != AV_CODEC_ID_TIFF && !HasMarkedRow(*frame, mark)) return pixels;
+  // Pixels that are decoded do not depend on what was there before.
+  mark.level = static_cast<uint8_t>(~kLevel);
+  const FramePointer again = DecodeFrame(id, *packet, most_pixels, mark);
+  return again && AreEqual(pixels.gray, PixelsOf(*again).gray) ? pixels : ImagePixels();
+}
+
+}  // namespace turnscale
