@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: MIT
-# Finds compression libraries without a CMake package of their own. Components: lz4, zstd. Each becomes the target
+# Finds compression libraries without a CMake package of their own. Components: deflate, lz4, zstd. Each becomes the target
 # Compressors::<component>.
 
 include("${CMAKE_CURRENT_LIST_DIR}/ImportedComponent.cmake")
 
+set(header_of_deflate libdeflate.h)
 set(header_of_lz4 lz4frame.h)
 set(header_of_zstd zstd.h)
 
@@ -16,4 +17,4 @@ endforeach()
 
 include(FindPackageHandleStandardArgs)
 find_package_handle_standard_args(Compressors HANDLE_COMPONENTS REASON_FAILURE_MESSAGE
-                                  "install liblz4-dev and libzstd-dev")
+                                  "install libdeflate-dev, liblz4-dev and libzstd-dev")

@@ -121,13 +121,13 @@ turnscale_package(
   libavutil-dev
   libbz2-dev
   libcpp-httplib-dev
+  libdeflate-dev
   libfmt-dev
   liblz4-dev
   libsqlite3-dev
   libswscale-dev
   libzstd-dev
   nlohmann-json3-dev
-  zlib1g-dev
   SUGGESTS
   libembree-dev)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SHLIBDEPS OFF)

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <zlib.h>
+#include <libdeflate.h>
 
 #include "turnscale/bag/bag_bytes.h"
 #include "turnscale/bag/byte_reader.h"
@@ -141,7 +141,7 @@ class McapReader : public BagReader {
       Decompress(compression, records, static_cast<size_t>(size), decompressed_);
       content = decompressed_;
     }
-    if (checksum != 0 && crc32_z(0, content.data(), content.size()) != checksum)
+    if (checksum != 0 && libdeflate_crc32(0, content.data(), content.size()) != checksum)
       throw MalformedData("chunk with a wrong checksum");
     chunk_ = ByteReader(content);
   }

@@ -8,9 +8,9 @@
 #include <utility>
 
 #include <bzlib.h>
+#include <libdeflate.h>
 #include <lz4frame.h>
 #include <sqlite3.h>
-#include <zlib.h>
 #include <zstd.h>
 
 #include "turnscale/bag/mcap.h"
@@ -182,7 +182,7 @@ std::string McapText(const std::vector<TestBagMessage>& messages, const TestBag&
       continue;
     }
     const auto checksum =
-        static_cast<uint32_t>(crc32_z(0, reinterpret_cast<const uint8_t*>(chunk.data()), chunk.size()));
+        static_cast<uint32_t>(libdeflate_crc32(0, reinterpret_cast<const uint8_t*>(chunk.data()), chunk.size()));
     const std::string records = Compressed(bag.compression, chunk);
     file += McapRecord(6, TestBytes()
                               .Add(group.front().logged)

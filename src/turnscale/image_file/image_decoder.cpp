@@ -5,22 +5,23 @@
 #include <array>
 #include <climits>
 #include <cstring>
-#include <iterator>
+#include <memory>
 #include <new>
+#include <optional>
 #include <string_view>
 #include <utility>
 #include <vector>
 
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
-#include <zlib.h>
 
 #include "turnscale/image_file/codec_pointers.h"
+#include "turnscale/image_file/gray_png.h"
+#include "turnscale/image_file/png_chunks.h"
 
 extern "C" {
 #include <libavutil/bswap.h>
 #include <libavutil/imgutils.h>
-#include <libavutil/intreadwrite.h>
 #include <libavutil/pixdesc.h>
 }
 
@@ -32,8 +33,6 @@ using Bytes = std::span<const uint8_t>;
 bool StartsWith(Bytes bytes, std::string_view magic) {
   return bytes.size() >= magic.size() && std::memcmp(bytes.data(), magic.data(), magic.size()) == 0;
 }
-
-constexpr std::string_view kPngSignature = "\x89PNG\r\n\x1a\n";
 
 AVCodecID CodecOf(Bytes bytes) {
   using namespace std::string_view_literals;
@@ -49,91 +48,19 @@ AVCodecID CodecOf(Bytes bytes) {
   return AV_CODEC_ID_NONE;
 }
 
-// A PNG's chunks of length, type, data and checksum, without those that do not change the pixels: their damage does no
-// harm, and a text can be packed to a thousandth of its size.
-std::vector<Bytes> ChunksOf(Bytes png) {
-  png = png.subspan(kPngSignature.size());
-  std::vector<Bytes> chunks;
-  constexpr size_t kAround = 12;
-  constexpr uint8_t kAncillary = 0x20;
-  while (png.size() >= kAround) {
-    size_t length = 0;
-    for (int i = 0; i < 4; ++i) length = length << 8 | png[i];
-    const Bytes chunk = png.first(std::min(length + kAround, png.size()));
-    if ((chunk[4] & kAncillary) == 0) chunks.push_back(chunk);
-    png = png.subspan(chunk.size());
-  }
-  return chunks;
-}
-
-bool IsChunk(Bytes chunk, std::string_view name) { return StartsWith(chunk.subspan(4), name); }
-
-// Places in a PNG's first chunk.
-constexpr size_t kWidthAt = 8;
-constexpr size_t kHeightAt = 12;
-constexpr size_t kDepthAt = 16;
-constexpr size_t kColourAt = 17;
-constexpr size_t kInterlaceAt = 20;
-constexpr size_t kHeaderSize = 25;
-
-bool IsInterlaced(Bytes header) { return header[kInterlaceAt] != 0; }
-
-// Bytes of the rows of an interlaced PNG, each with its filter, before they are packed.
-uint64_t InterlacedSize(Bytes header) {
-  struct Pass {
-    uint64_t x, y, step_x, step_y;
-  };
-  constexpr Pass kPasses[] = {{0, 0, 8, 8}, {4, 0, 8, 8}, {0, 4, 4, 8}, {2, 0, 4, 4},
-                              {0, 2, 2, 4}, {1, 0, 2, 2}, {0, 1, 1, 2}};
-  constexpr uint64_t kChannels[] = {1, 0, 3, 1, 2, 0, 4};
-  const auto number = [&](size_t at) { return static_cast<uint64_t>(AV_RB32(header.data() + at)); };
-  const uint64_t bits = header[kDepthAt] * kChannels[std::min<size_t>(header[kColourAt], std::size(kChannels) - 1)];
-  uint64_t size = 0;
-  for (const Pass& pass : kPasses) {
-    const uint64_t columns = (number(kWidthAt) + pass.step_x - 1 - pass.x) / pass.step_x;
-    const uint64_t rows = (number(kHeightAt) + pass.step_y - 1 - pass.y) / pass.step_y;
-    if (columns > 0) size += rows * (1 + (columns * bits + 7) / 8);
-  }
-  return size;
-}
-
-// Whether the chunks' packed data is at least of this size when unpacked.
-bool UnpacksTo(const std::vector<Bytes>& chunks, uint64_t size) {
-  z_stream stream{};
-  if (inflateInit(&stream) != Z_OK) throw std::bad_alloc();
-  std::vector<uint8_t> unpacked(1U << 16U);
-  int result = Z_OK;
-  for (const Bytes chunk : chunks) {
-    constexpr size_t kBefore = 8;
-    constexpr size_t kAround = 12;
-    if (!IsChunk(chunk, "IDAT")) continue;
-    stream.next_in = const_cast<uint8_t*>(chunk.data() + kBefore);
-    stream.avail_in = static_cast<uInt>(chunk.size() - kAround);
-    do {
-      stream.next_out = unpacked.data();
-      stream.avail_out = static_cast<uInt>(unpacked.size());
-      result = inflate(&stream, Z_NO_FLUSH);
-    } while (result == Z_OK && stream.avail_out == 0 && stream.total_out < size);
-  }
-  const bool enough = stream.total_out >= size;
-  inflateEnd(&stream);
-  return enough;
-}
-
-// The parts of a PNG to decode; none if its header and the kinds of its chunks do not make an image.
-std::vector<Bytes> PartsOfPng(Bytes bytes, int64_t most_pixels) {
-  std::vector<Bytes> parts = ChunksOf(bytes);
-  if (parts.empty() || !IsChunk(parts[0], "IHDR") || parts[0].size() != kHeaderSize) return {};
-  const Bytes header = parts[0];
-  const uint64_t pixels = static_cast<uint64_t>(AV_RB32(header.data() + kWidthAt)) * AV_RB32(header.data() + kHeightAt);
-  if (pixels > static_cast<uint64_t>(most_pixels)) return {};
-  constexpr uint8_t kPalette = 3;
-  const auto is_palette = [](Bytes chunk) { return IsChunk(chunk, "PLTE"); };
-  if (header[kColourAt] == kPalette && std::none_of(parts.begin(), parts.end(), is_palette)) return {};
+// The parts of a PNG to decode; none if its header and the types of its chunks do not make an image.
+std::vector<Bytes> PartsOfPng(Bytes bytes, const PngHeader& header, std::vector<PngChunk> chunks) {
+  const auto is_palette = [](PngChunk chunk) { return IsPngChunk(chunk, "PLTE"); };
+  if (header.colour == kPngPalette && std::ranges::none_of(chunks, is_palette)) return {};
   // Of passes that are missing the decoder shows a preview.
-  if (IsInterlaced(header) && !UnpacksTo(parts, InterlacedSize(header))) return {};
-  parts.insert(parts.begin(), bytes.first(kPngSignature.size()));
-  return parts;
+  if (header.interlaced) {
+    const uint64_t size = UnpackedPngSize(header);
+    const auto unpacked = std::make_unique_for_overwrite<uint8_t[]>(size);
+    const PngData data = UnpackPng(chunks, {unpacked.get(), size});
+    if (data != PngData::kExact && data != PngData::kLong) return {};
+  }
+  chunks.insert(chunks.begin(), bytes.first(kPngSignature.size()));
+  return chunks;
 }
 
 PacketPointer PacketOf(const std::vector<Bytes>& parts) {
@@ -307,8 +234,16 @@ ImagePixels DecodePixels(Bytes bytes, int64_t most_pixels) {
   av_log_set_level(AV_LOG_QUIET);
   const AVCodecID id = CodecOf(bytes);
   if (id == AV_CODEC_ID_NONE) return {};
-  const PacketPointer packet =
-      PacketOf(id == AV_CODEC_ID_PNG ? PartsOfPng(bytes, most_pixels) : std::vector<Bytes>{bytes});
+  std::vector<Bytes> parts = {bytes};
+  if (id == AV_CODEC_ID_PNG) {
+    std::vector<PngChunk> chunks = PngChunks(bytes);
+    const std::optional<PngHeader> header = HeaderOfPng(chunks);
+    if (!header || uint64_t{header->width} * header->height > static_cast<uint64_t>(most_pixels)) return {};
+    const cv::Mat gray = DecodeGrayPng(chunks);
+    if (!gray.empty()) return {gray, false};
+    parts = PartsOfPng(bytes, *header, std::move(chunks));
+  }
+  const PacketPointer packet = PacketOf(parts);
   if (!packet) return {};
   const bool from_top = id == AV_CODEC_ID_PNG || id == AV_CODEC_ID_MJPEG;
   constexpr uint8_t kLevel = 0x5B;  // rarely that of a whole row

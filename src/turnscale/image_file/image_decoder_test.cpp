@@ -12,12 +12,11 @@
 #include <gtest/gtest.h>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
-#include <zlib.h>
+
+#include "turnscale/image_file/test_png.h"
 
 namespace turnscale {
 namespace {
-
-using Bytes = std::vector<uint8_t>;
 
 // Smooth, with some noise, as JPEG does not keep all of the latter.
 cv::Mat Picture(int type, const cv::Size& size = {53, 38}) {
@@ -61,48 +60,6 @@ void ExpectEqual(const cv::Mat& a, const cv::Mat& b, double tolerance = 0) {
   ASSERT_EQ(a.size(), b.size());
   ASSERT_EQ(a.type(), b.type());
   EXPECT_LE(cv::norm(a, b, cv::NORM_INF), tolerance);
-}
-
-void AppendBigEndian(Bytes& bytes, uint32_t value) {
-  for (int shift = 24; shift >= 0; shift -= 8) bytes.push_back(static_cast<uint8_t>(value >> shift));
-}
-
-void AppendChunk(Bytes& png, const std::string& name, const Bytes& data) {
-  AppendBigEndian(png, static_cast<uint32_t>(data.size()));
-  Bytes covered(name.begin(), name.end());
-  covered.insert(covered.end(), data.begin(), data.end());
-  png.insert(png.end(), covered.begin(), covered.end());
-  AppendBigEndian(png, static_cast<uint32_t>(crc32(0, covered.data(), static_cast<uInt>(covered.size()))));
-}
-
-struct PngHeader {
-  int width = 0;
-  int height = 0;
-  int depth = 8;
-  int colour = 0;  // 0 gray, 2 RGB, 3 palette, 4 gray and alpha, 6 RGBA
-  int interlace = 0;
-};
-
-// `rows` as PNG packs them: each with its filter before it.
-Bytes Png(const PngHeader& header, const Bytes& rows, const Bytes& palette = {},
-          const std::function<void(Bytes&)>& before_data = {}) {
-  const std::string signature = "\x89PNG\r\n\x1a\n";
-  Bytes png(signature.begin(), signature.end());
-  Bytes first;
-  AppendBigEndian(first, static_cast<uint32_t>(header.width));
-  AppendBigEndian(first, static_cast<uint32_t>(header.height));
-  for (const int value : {header.depth, header.colour, 0, 0, header.interlace})
-    first.push_back(static_cast<uint8_t>(value));
-  AppendChunk(png, "IHDR", first);
-  if (!palette.empty()) AppendChunk(png, "PLTE", palette);
-  if (before_data) before_data(png);
-  Bytes packed(compressBound(rows.size()));
-  uLongf size = packed.size();
-  compress(packed.data(), &size, rows.data(), rows.size());
-  packed.resize(size);
-  AppendChunk(png, "IDAT", packed);
-  AppendChunk(png, "IEND", {});
-  return png;
 }
 
 // The seven passes of an 8-bit gray image.
