@@ -114,7 +114,7 @@ class CalibrationCheck {
   std::vector<ParameterEstimate> Contradictions() const;
 
  private:
-  /// What a window says.
+  /// The evidence of a window.
   struct Reading {
     IntrinsicsChange::Matrix information;
     IntrinsicsChange::Vector weighted_minimum;

@@ -41,8 +41,8 @@ constexpr int kArchivedTogether = 20;
 // far away.
 constexpr double kDecidingTurn = 10;
 
-// From the start of camera work to its results, in keyframes: in a turn, where they are close to one another, it takes
-// about as long as two of them.
+// Keyframes that are added between the start of camera work and the use of its results: in a turn, where they are close
+// to one another, the work takes about as long as two of them.
 constexpr int kKeyframesOfCameraWork = 4;
 
 // Calls `work` on a thread of its own, or where there is none, when its result is asked for.

@@ -36,8 +36,8 @@ namespace turnscale {
 /// drive; where turns are constrained (ConstrainTurns), it has the whole map in memory.
 ///
 /// Lens, calibration and settled poses are computed in the background, while the frames after a keyframe are processed,
-/// if OpenCV may use more than one thread. The results are applied at the next keyframe, never earlier, so that they do
-/// not depend on the number of threads.
+/// if OpenCV may use more than one thread. The results are applied a fixed number of keyframes later, at a gap or in
+/// Finish, never earlier, so that they do not depend on the number of threads.
 class Odometry {
  public:
   /// Throws InputError when an option is invalid, or the camera has a width without a height.
@@ -120,7 +120,7 @@ class Odometry {
     int first = 0;                  ///< first keyframe to settle
     WindowProblem window;           ///< adjusted; no landmarks if it contains NaN
   };
-  /// What the images say of the camera, computed while the frames up to a later keyframe are processed.
+  /// Results of lens refinement and calibration check, computed while the frames up to a later keyframe are processed.
   struct CameraWork {
     std::optional<double> lens_correction;    ///< if the estimate has changed
     std::optional<double> calibration_sigma;  ///< if the calibration was tested
@@ -135,8 +135,8 @@ class Odometry {
   bool ObserveScale(FrameResult& result);
   /// Starts to adjust a copy of the keyframes that are not settled.
   void StartSettling();
-  /// Starts to read copies of the windows that lens refinement and calibration check want, if there are any. Nothing
-  /// while earlier ones are being read.
+  /// Starts to read copies of the windows that are due for lens refinement and calibration check, if there are any.
+  /// Does nothing while results of earlier ones are not applied.
   void StartCameraWork();
   void AwaitCameraWork() const {
     if (camera_work_.valid()) camera_work_.wait();
