@@ -3,12 +3,14 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <climits>
 #include <cstring>
 #include <memory>
 #include <new>
 #include <optional>
 #include <string_view>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -48,11 +50,39 @@ AVCodecID CodecOf(Bytes bytes) {
   return AV_CODEC_ID_NONE;
 }
 
+// The greatest level of a binary PGM or PPM, and where its digits are.
+struct GreatestLevel {
+  size_t begin = 0;
+  size_t end = 0;
+  unsigned level = 0;
+};
+
+// Nothing if the header has none.
+std::optional<GreatestLevel> GreatestLevelOf(Bytes netpbm) {
+  constexpr int kWordsBefore = 3;  // magic, width and height
+  const auto is_space = [](uint8_t c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; };
+  auto at = netpbm.begin();
+  for (int i = 0; i < kWordsBefore; ++i) {
+    at = std::find_if(at, netpbm.end(), is_space);
+    at = std::find_if_not(at, netpbm.end(), is_space);
+    while (at != netpbm.end() && *at == '#')
+      at = std::find_if_not(std::find(at, netpbm.end(), '\n'), netpbm.end(), is_space);
+  }
+  GreatestLevel greatest;
+  greatest.begin = static_cast<size_t>(at - netpbm.begin());
+  const std::string_view rest(reinterpret_cast<const char*>(netpbm.data()) + greatest.begin,
+                              netpbm.size() - greatest.begin);
+  const auto [end, error] = std::from_chars(rest.data(), rest.data() + rest.size(), greatest.level);
+  if (error != std::errc() || greatest.level == 0 || greatest.level > 0xFFFF) return std::nullopt;
+  greatest.end = greatest.begin + static_cast<size_t>(end - rest.data());
+  return greatest;
+}
+
 // The parts of a PNG to decode; none if its header and the types of its chunks do not make an image.
 std::vector<Bytes> PartsOfPng(Bytes bytes, const PngHeader& header, std::vector<PngChunk> chunks) {
   const auto is_palette = [](PngChunk chunk) { return IsPngChunk(chunk, "PLTE"); };
   if (header.colour == kPngPalette && std::ranges::none_of(chunks, is_palette)) return {};
-  // Of passes that are missing the decoder shows a preview.
+  // The decoder fills in missing passes with a preview.
   if (header.interlaced) {
     const uint64_t size = UnpackedPngSize(header);
     const auto unpacked = std::make_unique_for_overwrite<uint8_t[]>(size);
@@ -76,7 +106,7 @@ PacketPointer PacketOf(const std::vector<Bytes>& parts) {
   return packet;
 }
 
-// The decoders give out some incomplete images as if they were whole. So rows are filled with this level before they
+// The decoders return some incomplete images as if they were whole. So rows are filled with this level before they
 // are decoded.
 struct Mark {
   uint8_t level = 0;
@@ -227,22 +257,7 @@ bool AreEqual(const cv::Mat& a, const cv::Mat& b) {
   return a.size() == b.size() && a.type() == b.type() && cv::norm(a, b, cv::NORM_INF) == 0;
 }
 
-}  // namespace
-
-ImagePixels DecodePixels(Bytes bytes, int64_t most_pixels) {
-  // The library would write its own complaints to standard error.
-  av_log_set_level(AV_LOG_QUIET);
-  const AVCodecID id = CodecOf(bytes);
-  if (id == AV_CODEC_ID_NONE) return {};
-  std::vector<Bytes> parts = {bytes};
-  if (id == AV_CODEC_ID_PNG) {
-    std::vector<PngChunk> chunks = PngChunks(bytes);
-    const std::optional<PngHeader> header = HeaderOfPng(chunks);
-    if (!header || uint64_t{header->width} * header->height > static_cast<uint64_t>(most_pixels)) return {};
-    const cv::Mat gray = DecodeGrayPng(chunks);
-    if (!gray.empty()) return {gray, false};
-    parts = PartsOfPng(bytes, *header, std::move(chunks));
-  }
+ImagePixels DecodeParts(AVCodecID id, const std::vector<Bytes>& parts, int64_t most_pixels) {
   const PacketPointer packet = PacketOf(parts);
   if (!packet) return {};
   const bool from_top = id == AV_CODEC_ID_PNG || id == AV_CODEC_ID_MJPEG;
@@ -257,6 +272,47 @@ ImagePixels DecodePixels(Bytes bytes, int64_t most_pixels) {
   mark.level = static_cast<uint8_t>(~kLevel);
   const FramePointer again = DecodeFrame(id, *packet, most_pixels, mark);
   return again && AreEqual(pixels.gray, PixelsOf(*again).gray) ? pixels : ImagePixels();
+}
+
+ImagePixels DecodePng(Bytes png, int64_t most_pixels) {
+  // Deflate does not pack further. A small file does not take memory for a large image.
+  constexpr uint64_t kMostPacking = 1032;
+  std::vector<PngChunk> chunks = PngChunks(png);
+  const std::optional<PngHeader> header = HeaderOfPng(chunks);
+  if (!header || uint64_t{header->width} * header->height > static_cast<uint64_t>(most_pixels) ||
+      UnpackedPngSize(*header) > kMostPacking * png.size()) {
+    return {};
+  }
+  const cv::Mat gray = DecodeGrayPng(chunks);
+  if (!gray.empty()) return {gray, false};
+  return DecodeParts(AV_CODEC_ID_PNG, PartsOfPng(png, *header, std::move(chunks)), most_pixels);
+}
+
+// The library stretches levels with rounding errors: 254 of 254 becomes 0. So its header says that they are stretched
+// already.
+ImagePixels DecodeBinaryNetpbm(AVCodecID id, Bytes netpbm, int64_t most_pixels) {
+  const std::optional<GreatestLevel> greatest = GreatestLevelOf(netpbm);
+  if (!greatest) return {};
+  const std::string_view whole_range = greatest->level > 0xFF ? "65535" : "255";
+  const unsigned levels = greatest->level > 0xFF ? 0xFFFF : 0xFF;
+  const Bytes digits(reinterpret_cast<const uint8_t*>(whole_range.data()), whole_range.size());
+  ImagePixels pixels =
+      DecodeParts(id, {netpbm.first(greatest->begin), digits, netpbm.subspan(greatest->end)}, most_pixels);
+  if (!pixels.gray.empty() && greatest->level != levels)
+    pixels.gray.convertTo(pixels.gray, -1, static_cast<double>(levels) / greatest->level);
+  return pixels;
+}
+
+}  // namespace
+
+ImagePixels DecodePixels(Bytes bytes, int64_t most_pixels) {
+  // The library would write its own messages to standard error.
+  av_log_set_level(AV_LOG_QUIET);
+  const AVCodecID id = CodecOf(bytes);
+  if (id == AV_CODEC_ID_NONE) return {};
+  if (id == AV_CODEC_ID_PNG) return DecodePng(bytes, most_pixels);
+  if (StartsWith(bytes, "P5") || StartsWith(bytes, "P6")) return DecodeBinaryNetpbm(id, bytes, most_pixels);
+  return DecodeParts(id, {bytes}, most_pixels);
 }
 
 }  // namespace turnscale

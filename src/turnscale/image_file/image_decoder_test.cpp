@@ -134,6 +134,37 @@ TEST(ImageDecoder, LevelsOfFewBitsAreStretched) {
   ExpectEqual(Decoded(one).gray, (cv::Mat_<uint8_t>(1, 3) << 255, 0, 255));
 }
 
+// A row of all levels up to the greatest one.
+Bytes LevelsOfPgm(int greatest) {
+  const std::string header =
+      "P5\n# comment 12\n" + std::to_string(greatest + 1) + " 1\n" + std::to_string(greatest) + "\n";
+  Bytes bytes(header.begin(), header.end());
+  for (int level = 0; level <= greatest; ++level) {
+    if (greatest > 255) bytes.push_back(static_cast<uint8_t>(level >> 8));
+    bytes.push_back(static_cast<uint8_t>(level));
+  }
+  return bytes;
+}
+
+TEST(ImageDecoder, LevelsOfPgmAreStretchedToTheWholeRange) {
+  for (const int greatest : {1, 100, 138, 254, 255, 256, 1023, 4095, 16383, 65534, 65535}) {
+    const cv::Mat gray = Decoded(LevelsOfPgm(greatest)).gray;
+    ASSERT_EQ(gray.size(), cv::Size(greatest + 1, 1)) << greatest;
+    ASSERT_EQ(gray.depth(), greatest > 255 ? CV_16U : CV_8U);
+    const double range = greatest > 255 ? 65535 : 255;
+    for (int level = 0; level <= greatest; ++level) {
+      const int stretched = gray.depth() == CV_16U ? gray.at<uint16_t>(level) : gray.at<uint8_t>(level);
+      ASSERT_NEAR(stretched, range * level / greatest, 0.51) << level << " of " << greatest;
+    }
+  }
+  const std::string beyond("P5 2 1 100\n\x64\xFF", 13);
+  ExpectEqual(Decoded({beyond.begin(), beyond.end()}).gray, (cv::Mat_<uint8_t>(1, 2) << 255, 255));
+  const std::string colours("P6 1 1 100\n\x64\x64\x64", 14);
+  ExpectEqual(Decoded({colours.begin(), colours.end()}).gray, (cv::Mat_<uint8_t>(1, 1) << 255));
+  for (const std::string header : {"P5 1 1 0\n", "P5 1 1 65536\n", "P5 1 1 -1\n", "P5 1 1", "P5 1 1 #", "P5 1 1 x\n"})
+    EXPECT_TRUE(IsRefused({header.begin(), header.end()})) << header;
+}
+
 TEST(ImageDecoder, PaletteBecomesGray) {
   const Bytes palette = {0, 0, 0, 255, 0, 0, 0, 255, 0, 10, 20, 200};
   for (const int depth : {2, 8}) {
@@ -287,6 +318,12 @@ TEST(ImageDecoder, HugeSizesAreRefused) {
   EXPECT_TRUE(DecodePixels(png, 100'000'000).gray.empty());
   EXPECT_TRUE(IsRefused(Png({0x7FFFFFFF, 0x7FFFFFFF}, {0})));
   EXPECT_TRUE(IsRefused(Png({0, 5}, {0})));
+  for (const int interlace : {0, 1}) {
+    EXPECT_TRUE(IsRefused(Png({46'000, 46'000, 16, 6, interlace}, Bytes(100)))) << "gigabytes from few bytes";
+    const cv::Mat black(2000, 2000, CV_8UC1, cv::Scalar(0));
+    ExpectEqual(Decoded(Png({2000, 2000, 8, 0, interlace}, interlace ? InterlacedRows(black) : PlainRows(black))).gray,
+                black);
+  }
   const Bytes small = Encoded(".png", Picture(CV_8UC1, {64, 64}));
   EXPECT_TRUE(DecodePixels(small, 64 * 64 - 1).gray.empty());
   EXPECT_FALSE(DecodePixels(small, 64 * 64).gray.empty());

@@ -43,7 +43,7 @@ uint16_t* ScaledTable(const Table& table, int quality) {
 }
 
 CodecPointer MakeEncoder(AVCodecID id, AVPixelFormat format, const cv::Size& size) {
-  // The library would write its own complaints to standard error.
+  // The library would write its own messages to standard error.
   av_log_set_level(AV_LOG_QUIET);
   const AVCodec* codec = avcodec_find_encoder(id);
   Ensure(codec != nullptr, "FFmpeg's libraries have no encoder for an image");

@@ -34,7 +34,13 @@ class ImageListReader : public FrameReader {
 DecodedImage Decoded(std::span<const uint8_t> bytes, int64_t most_pixels) {
   if (EndsEarly(bytes)) return {{}, false, "is truncated"};
   const ImagePixels decoded = DecodePixels(bytes, most_pixels);
-  return {decoded.gray, decoded.colour, decoded.gray.empty() ? "is not a readable image" : ""};
+  if (!decoded.gray.empty()) return {decoded.gray, decoded.colour, ""};
+  const bool is_tiff = bytes.size() > 1 && bytes[0] == bytes[1] && (bytes[0] == 'I' || bytes[0] == 'M');
+  return {{},
+          false,
+          is_tiff ? "is not a readable TIFF; one with tiles, of floating-point numbers or packed as JPEG has to be "
+                    "converted, for example to PNG"
+                  : "is not a readable image"};
 }
 
 }  // namespace

@@ -154,6 +154,14 @@ TEST_F(ImageSourceTest, ColourAndSixteenBitBecomeGray) {
   }
 }
 
+TEST_F(ImageSourceTest, KindsOfTiffThatAreNotReadAreNamed) {
+  const fs::path path = folder_ / "0.tif";
+  cv::imwrite(path.string(), cv::Mat(48, 64, CV_32FC1, cv::Scalar(50)));
+  const GrayImage read = ReadGrayImage(path);
+  EXPECT_TRUE(read.gray.empty());
+  EXPECT_EQ(read.problem.rfind("0.tif: is not a readable TIFF; ", 0), 0u) << read.problem;
+}
+
 TEST_F(ImageSourceTest, TruncatedFilesOfEveryKindAreNoticed) {
   for (const std::string name : {"0.png", "1.jpg", "2.bmp", "3.pgm", "4.ppm"}) {
     const fs::path path = folder_ / name;
