@@ -23,7 +23,7 @@ struct CalibrationCheckOptions {
   /// Landmarks that take part (IntrinsicsWindow); the time of a look is linear in it.
   int max_landmarks = 300;
   /// Times that poses, points and intrinsics are brought to agree in a window; with a right calibration one is enough.
-  int max_rounds = 5;
+  int max_rounds = 15;
   /// Windows after which no more are read: what is left of the errors then is what all windows have in common.
   int max_windows = 60;
   /// Errors of a track's pixels go together, so that each counts as if it were so many times its sigma.
@@ -34,12 +34,12 @@ struct CalibrationCheckOptions {
   double pixel_sigma = 0.5;
 
   // Priors, standard deviations.
-  double focal_prior_sigma = 0.1;        ///< relative
-  double centre_prior_sigma_deg = 2.0;   ///< principal point, as an angle at the camera, degrees
-  double correction_prior_sigma = 0.02;  ///< radial correction
+  double focal_prior_sigma = 0.1;       ///< relative
+  double centre_prior_sigma_deg = 2.0;  ///< principal point, as an angle at the camera, degrees
+  double correction_prior_sigma = 0.3;  ///< radial correction: the whole distortion may be missing
   /// Its terms in r^4 and r^6; 0: not estimated. If they are not, their errors are mistaken for a focal
   /// length.
-  double higher_prior_sigma = 0.02;
+  double higher_prior_sigma = 0.1;
 
   // What the images of one window get wrong beyond their noise (moving things, what the lens has besides a radial
   // distortion), standard deviations. Windows of KITTI scatter by as much.
