@@ -19,6 +19,7 @@
 #include <opencv2/core.hpp>
 
 #include "turnscale/base/error.h"
+#include "turnscale/image_file/codec_pointers.h"
 
 extern "C" {
 #include <libavcodec/avcodec.h>
@@ -65,16 +66,6 @@ struct VideoFile::State {
   struct CloseInput {
     void operator()(AVFormatContext* context) const { avformat_close_input(&context); }
   };
-  struct FreeDecoder {
-    void operator()(AVCodecContext* context) const { avcodec_free_context(&context); }
-  };
-  struct FreePacket {
-    void operator()(AVPacket* data) const { av_packet_free(&data); }
-  };
-  struct FreeFrame {
-    void operator()(AVFrame* data) const { av_frame_free(&data); }
-  };
-
   struct FreeConverter {
     void operator()(SwsContext* context) const { sws_freeContext(context); }
   };
@@ -103,10 +94,9 @@ struct VideoFile::State {
     for (unsigned i = 0; i < opened->nb_streams; ++i)
       if (static_cast<int>(i) != index) opened->streams[i]->discard = AVDISCARD_ALL;
     stream = opened->streams[index];
-    decoder.reset(avcodec_alloc_context3(codec));
-    packet.reset(av_packet_alloc());
-    frame.reset(av_frame_alloc());
-    if (!decoder || !packet || !frame) throw std::bad_alloc();
+    decoder.reset(Allocated(avcodec_alloc_context3(codec)));
+    packet.reset(Allocated(av_packet_alloc()));
+    frame.reset(Allocated(av_frame_alloc()));
     decoder->thread_count = kDecoderThreads;
     decoder->pkt_timebase = stream->time_base;
     if (avcodec_parameters_to_context(decoder.get(), stream->codecpar) < 0 ||
@@ -272,8 +262,7 @@ struct VideoFile::State {
   std::array<uint8_t, kLevels> LevelTable() const {
     // Rows for two of the coarsest chroma.
     constexpr int kRows = 8;
-    const std::unique_ptr<AVFrame, FreeFrame> levels(av_frame_alloc());
-    if (!levels) throw std::bad_alloc();
+    const FramePointer levels(Allocated(av_frame_alloc()));
     levels->format = frame->format;
     levels->width = kLevels;
     levels->height = kRows;
@@ -334,9 +323,9 @@ struct VideoFile::State {
 
   std::string path;
   std::unique_ptr<AVFormatContext, CloseInput> input;
-  std::unique_ptr<AVCodecContext, FreeDecoder> decoder;
-  std::unique_ptr<AVPacket, FreePacket> packet;
-  std::unique_ptr<AVFrame, FreeFrame> frame;
+  CodecPointer decoder;
+  PacketPointer packet;
+  FramePointer frame;
   Converter converter;
   std::optional<std::array<uint8_t, kLevels>> table;  // stands for the converter where it can
   std::array<int, 4> converted{};                     // width, height, format and range that these are for

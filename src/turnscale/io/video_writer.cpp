@@ -13,6 +13,7 @@
 #include <opencv2/core.hpp>
 
 #include "turnscale/base/error.h"
+#include "turnscale/image_file/codec_pointers.h"
 #include "turnscale/io/output_file.h"
 #include "turnscale/io/range_check.h"
 
@@ -44,12 +45,6 @@ std::string Message(int result) {
   return text;
 }
 
-template <class Pointer>
-Pointer* Allocated(Pointer* pointer) {
-  if (pointer == nullptr) throw std::bad_alloc();
-  return pointer;
-}
-
 }  // namespace
 
 struct VideoWriter::State {
@@ -59,16 +54,6 @@ struct VideoWriter::State {
       avformat_free_context(context);
     }
   };
-  struct FreeEncoder {
-    void operator()(AVCodecContext* context) const { avcodec_free_context(&context); }
-  };
-  struct FreePacket {
-    void operator()(AVPacket* data) const { av_packet_free(&data); }
-  };
-  struct FreeFrame {
-    void operator()(AVFrame* data) const { av_frame_free(&data); }
-  };
-
   State(const std::filesystem::path& file, const cv::Size& image_size, const VideoWriterOptions& options)
       : path(file), size(image_size), luma(MakeLuma()) {
     options.Check();
@@ -211,9 +196,9 @@ struct VideoWriter::State {
   cv::Size size;
   cv::Mat luma;  // of each gray level
   std::unique_ptr<AVFormatContext, CloseOutput> output;
-  std::unique_ptr<AVCodecContext, FreeEncoder> encoder;
-  std::unique_ptr<AVPacket, FreePacket> packet;
-  std::unique_ptr<AVFrame, FreeFrame> frame;
+  CodecPointer encoder;
+  PacketPointer packet;
+  FramePointer frame;
   AVStream* stream = nullptr;
   int64_t last_tick = -1;
 };

@@ -356,10 +356,8 @@ bool Odometry::ObserveScale(FrameResult& result) {
 }
 
 void Odometry::StartSettling() {
-  settling_ = InBackground([options = options_.turn_bundle, work = WorkToSettle()]() mutable {
-    if (!AdjustWindow(options, work.window)) work.window.landmarks.clear();
-    return std::move(work);
-  });
+  settling_ = InBackground(
+      [options = options_.turn_bundle, work = WorkToSettle()]() mutable { return Adjusted(options, std::move(work)); });
 }
 
 void Odometry::StartCameraWork() {
@@ -408,6 +406,11 @@ Odometry::SettlingWork Odometry::WorkToSettle() const {
   return work;
 }
 
+Odometry::SettlingWork Odometry::Adjusted(const LocalBundleOptions& options, SettlingWork work) {
+  if (!AdjustWindow(options, work.window)) work.window.landmarks.clear();
+  return work;
+}
+
 void Odometry::ApplySettled(const SettlingWork& work) {
   const int keyframes = static_cast<int>(map_.keyframes.size());
   const int first = work.first;
@@ -446,9 +449,7 @@ void Odometry::CorrectLens(double correction) {
 void Odometry::Settle() {
   camera_work_due_ = 0;
   ApplyBackgroundWork();
-  SettlingWork work = WorkToSettle();
-  if (!AdjustWindow(options_.turn_bundle, work.window)) work.window.landmarks.clear();
-  ApplySettled(work);
+  ApplySettled(Adjusted(options_.turn_bundle, WorkToSettle()));
 }
 
 void Odometry::Archive(int last) { tracker_.Reindex(archive_.Retire(last, camera_.radial_correction, map_)); }
