@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
-# Finds compression libraries without a CMake package of their own. Components: deflate, lz4, zstd. Each becomes the target
-# Compressors::<component>.
+# Finds compression libraries without a CMake package of their own. Components: deflate, lz4, zstd. Each becomes the
+# target Compressors::<component>.
 
 include("${CMAKE_CURRENT_LIST_DIR}/ImportedComponent.cmake")
 

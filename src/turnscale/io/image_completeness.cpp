@@ -4,6 +4,7 @@
 #include <cctype>
 #include <string_view>
 
+#include "turnscale/image_file/png_chunks.h"
 #include "turnscale/io/frame_reader.h"
 
 namespace turnscale {
@@ -22,15 +23,8 @@ size_t BigEndian(Bytes bytes, size_t at, int count) {
   return value;
 }
 
-// Chunks of length, type, data and checksum follow the signature; the last one is IEND.
 bool PngEndsEarly(Bytes bytes) {
-  size_t at = 8;
-  while (at + 12 <= bytes.size()) {
-    const size_t length = BigEndian(bytes, at, 4);
-    if (StartsWith(bytes.subspan(at + 4), "IEND")) return false;
-    at += 12 + length;
-  }
-  return true;
+  return std::ranges::none_of(PngChunks(bytes), [](PngChunk chunk) { return IsPngChunk(chunk, "IEND"); });
 }
 
 // Segments with a length, and between them coded data in which FF is followed by 00 or a restart marker.
@@ -101,14 +95,13 @@ std::optional<uint64_t> JpegPixels(Bytes bytes) {
 }  // namespace
 
 std::optional<uint64_t> AnnouncedPixels(Bytes bytes) {
-  if (StartsWith(bytes, "\x89PNG\r\n\x1a\n") && bytes.size() >= 24)
-    return BigEndian(bytes, 16, 4) * BigEndian(bytes, 20, 4);
+  if (StartsWith(bytes, kPngSignature) && bytes.size() >= 24) return BigEndian(bytes, 16, 4) * BigEndian(bytes, 20, 4);
   if (StartsWith(bytes, "\xFF\xD8\xFF")) return JpegPixels(bytes);
   return std::nullopt;
 }
 
 bool EndsEarly(Bytes bytes) {
-  if (StartsWith(bytes, "\x89PNG\r\n\x1a\n")) return PngEndsEarly(bytes);
+  if (StartsWith(bytes, kPngSignature)) return PngEndsEarly(bytes);
   if (StartsWith(bytes, "\xFF\xD8\xFF")) return JpegEndsEarly(bytes);
   if (StartsWith(bytes, "BM")) return BmpEndsEarly(bytes);
   if (StartsWith(bytes, "P5") || StartsWith(bytes, "P6")) return NetpbmEndsEarly(bytes);

@@ -148,6 +148,7 @@ class Odometry {
   int FirstToSettle() const;
   /// The keyframes from there on, to be adjusted.
   SettlingWork WorkToSettle() const;
+  /// The work with its window adjusted.
   static SettlingWork Adjusted(const LocalBundleOptions& options, SettlingWork work);
   /// Writes the adjusted window to the map and re-evaluates its steps.
   void ApplySettled(const SettlingWork& work);
