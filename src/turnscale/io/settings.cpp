@@ -170,6 +170,8 @@ void VisitSettings(Visitor& visitor, OdometryOptions& options) {
     visitor.Field("window", o.window);
     visitor.Field("min_turn_deg", o.min_turn_deg);
     visitor.Field("prior_sigma", o.prior_sigma);
+    visitor.Field("accurate_share", o.accurate_share);
+    visitor.Field("accurate_sigma", o.accurate_sigma);
     visitor.Field("step", o.step);
     visitor.Field("max_landmarks", o.max_landmarks);
     visitor.Field("pixel_sigma", o.pixel_sigma);

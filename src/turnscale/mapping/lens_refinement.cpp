@@ -22,6 +22,19 @@ constexpr int kMostRounds = 10;  // of a window
 // In standard deviations; a smaller step is not measured again.
 constexpr double kNegligibleStep = 0.3;
 
+struct Belief {
+  double mean = 0;
+  double variance = 0;
+  double log_evidence = 0;  // up to a constant that is the same for all priors
+};
+
+// For a prior N(0, sigma^2) and a Gaussian likelihood.
+Belief Posterior(double sigma, double information, double weighted_estimate) {
+  const double variance = sigma * sigma / (1 + information * sigma * sigma);
+  return {variance * weighted_estimate, variance,
+          0.5 * (variance * weighted_estimate * weighted_estimate - std::log1p(information * sigma * sigma))};
+}
+
 // A change of the radial correction alone.
 LensChange CorrectionOf(double correction) { return correction * LensChange::Unit(IntrinsicsChange::kCorrection); }
 
@@ -31,17 +44,29 @@ void LensRefinementOptions::Check() const {
   if (window < 3) throw InputError("lens.window: has to be at least 3 keyframes");
   if (!(min_turn_deg >= 0)) throw InputError("lens.min_turn_deg: must not be negative");
   if (!(prior_sigma > 0)) throw InputError("lens.prior_sigma: has to be positive");
+  if (!(accurate_share >= 0 && accurate_share < 1))
+    throw InputError("lens.accurate_share: has to be from 0 to below 1");
+  if (!(accurate_sigma > 0)) throw InputError("lens.accurate_sigma: has to be positive");
   if (!(step > 0)) throw InputError("lens.step: has to be positive");
   if (max_landmarks < 20) throw InputError("lens.max_landmarks: has to be at least 20");
   if (!(pixel_sigma > 0)) throw InputError("lens.pixel_sigma: has to be positive");
 }
 
 LensRefinement::LensRefinement(const LensRefinementOptions& options)
-    : options_(options),
-      information_(1.0 / (options.prior_sigma * options.prior_sigma)),
-      next_keyframe_(options.window - 1) {}
+    : options_(options), next_keyframe_(options.window - 1) {
+  Update();
+}
 
-double LensRefinement::sigma() const { return 1.0 / std::sqrt(information_); }
+void LensRefinement::Update() {
+  const Belief accurate = Posterior(options_.accurate_sigma, information_, weighted_estimate_);
+  const Belief off = Posterior(options_.prior_sigma, information_, weighted_estimate_);
+  const double odds =
+      options_.accurate_share / (1 - options_.accurate_share) * std::exp(accurate.log_evidence - off.log_evidence);
+  const double share = std::isinf(odds) ? 1 : odds / (1 + odds);
+  correction_ = share * accurate.mean + (1 - share) * off.mean;
+  const double apart = accurate.mean - off.mean;
+  sigma_ = std::sqrt(share * accurate.variance + (1 - share) * off.variance + share * (1 - share) * apart * apart);
+}
 
 std::optional<IntrinsicsProblem> LensRefinement::Window(const Map& map, double applied) {
   const int latest = static_cast<int>(map.keyframes.size()) - 1;
@@ -81,12 +106,12 @@ bool LensRefinement::Read(IntrinsicsProblem& window) {
     // Windows overlap by half: most observations count twice.
     const double information = information_ + 0.5 * curvature;
     const double weighted_estimate = weighted_estimate_ + 0.5 * (curvature * at - evidence->gradient[kEntry]);
-    const double estimate = weighted_estimate / information;
-    const double step = estimate - at;
+    const Belief off = Posterior(options_.prior_sigma, information, weighted_estimate);
+    const double step = off.mean - at;
     if (step * step * information < kNegligibleStep * kNegligibleStep) {
       information_ = information;
       weighted_estimate_ = weighted_estimate;
-      correction_ = estimate;
+      Update();
       return true;
     }
     if (round == kMostRounds) return false;

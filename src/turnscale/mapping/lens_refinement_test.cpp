@@ -135,14 +135,20 @@ TEST(LensRefinement, PixelsThatAreCorrectedAlreadySayTheSame) {
   EXPECT_NEAR(from_corrected.correction(), from_raw.correction(), 1e-6);
 }
 
+// Standard deviation of the mixture.
+double PriorSigma(const LensRefinementOptions& options) {
+  return std::sqrt(options.accurate_share * options.accurate_sigma * options.accurate_sigma +
+                   (1 - options.accurate_share) * options.prior_sigma * options.prior_sigma);
+}
+
 TEST(LensRefinement, KnowsThePriorUntilTheWindowIsFull) {
   const Map whole = MapThroughLens(kStreetCornerStreet, -0.012, 0.3, 6);
   LensRefinement lens(AnyWindow());
   for (int keyframes = 1; keyframes < 12; ++keyframes) EXPECT_FALSE(lens.Observe(MapUpTo(keyframes, whole), 0));
   EXPECT_EQ(lens.correction(), 0);
-  EXPECT_NEAR(lens.sigma(), LensRefinementOptions().prior_sigma, 1e-12);
+  EXPECT_NEAR(lens.sigma(), PriorSigma({}), 1e-12);
   EXPECT_TRUE(lens.Observe(MapUpTo(12, whole), 0));
-  EXPECT_LT(lens.sigma(), LensRefinementOptions().prior_sigma);
+  EXPECT_LT(lens.sigma(), PriorSigma({}));
   EXPECT_FALSE(lens.Observe(MapUpTo(13, whole), 0)) << "the next look is half a window on";
 }
 
@@ -159,7 +165,69 @@ TEST(LensRefinement, CanBeSwitchedOff) {
   options.enabled = false;
   const LensRefinement lens = RefineAlong(MapThroughLens(kStreetCornerStreet, -0.012, 0.3, 8), options);
   EXPECT_EQ(lens.correction(), 0);
-  EXPECT_NEAR(lens.sigma(), options.prior_sigma, 1e-12);
+  EXPECT_NEAR(lens.sigma(), PriorSigma(options), 1e-12);
+}
+
+LensRefinementOptions ForNoise(double pixel_sigma) {
+  LensRefinementOptions options;
+  options.pixel_sigma = pixel_sigma;
+  return options;
+}
+
+// Without the part of the prior for accurate calibrations.
+LensRefinementOptions OffOnly(LensRefinementOptions options) {
+  options.accurate_share = 0;
+  return options;
+}
+
+TEST(LensRefinement, NoiseHardlyChangesAnAccurateCalibration) {
+  double sum = 0;
+  double without = 0;
+  for (unsigned seed = 21; seed < 29; ++seed) {
+    const Map whole = MapThroughLens(kStreetCornerStreet, 0, 2.0, seed);
+    sum += std::abs(RefineAlong(whole, ForNoise(2)).correction());
+    without += std::abs(RefineAlong(whole, OffOnly(ForNoise(2))).correction());
+  }
+  EXPECT_GT(without, 0.008) << "noise hides a correction";
+  EXPECT_LT(sum, 0.5 * without);
+}
+
+TEST(LensRefinement, TakesASignificantCorrectionAsItIs) {
+  const Map whole = MapThroughLens(kRightAndLeft, -0.012, 0.5, 31);
+  const LensRefinement lens = RefineAlong(whole);
+  const LensRefinement off = RefineAlong(whole, OffOnly({}));
+  ASSERT_GT(std::abs(off.correction()), 8 * off.sigma());
+  EXPECT_NEAR(lens.correction(), off.correction(), 1e-9);
+  EXPECT_NEAR(lens.sigma(), off.sigma(), 1e-9);
+}
+
+// Against the posterior integrated numerically.
+TEST(LensRefinement, IsThePosteriorMeanOfTheMixture) {
+  const Map whole = MapThroughLens(kStreetCornerStreet, 0.003, 1.5, 34);
+  const LensRefinementOptions options = ForNoise(1.5);
+  const LensRefinement off = RefineAlong(whole, OffOnly(options));
+  const double prior = 1 / (options.prior_sigma * options.prior_sigma);
+  const double posterior = 1 / (off.sigma() * off.sigma());
+  const double information = posterior - prior;
+  const double centre = off.correction() * posterior / information;
+  const auto density = [](double x, double sigma) { return std::exp(-0.5 * x * x / (sigma * sigma)) / sigma; };
+  double mass = 0;
+  double first = 0;
+  double second = 0;
+  for (double x = -0.1; x <= 0.1; x += 1e-6) {
+    const double p = density(x - centre, 1 / std::sqrt(information)) *
+                     (options.accurate_share * density(x, options.accurate_sigma) +
+                      (1 - options.accurate_share) * density(x, options.prior_sigma));
+    mass += p;
+    first += p * x;
+    second += p * x * x;
+  }
+  const double mean = first / mass;
+  ASSERT_LT(std::abs(mean), 0.9 * std::abs(off.correction()));
+  // A window is measured near the estimate, which is not the same for both.
+  const LensRefinement lens = RefineAlong(whole, options);
+  EXPECT_NEAR(lens.correction(), mean, 0.02 * off.sigma());
+  EXPECT_NEAR(lens.sigma(), std::sqrt(second / mass - mean * mean), 0.02 * off.sigma());
 }
 
 TEST(LensRefinement, ReadsAWindowThatWasCopiedBeforeTheMapChanged) {
@@ -182,6 +250,8 @@ TEST(LensRefinement, OptionsNameTheFieldThatMakesNoSense) {
   EXPECT_EQ(RefusedField<Options>([](auto&) {}), "");
   EXPECT_EQ(RefusedField<Options>([](auto& o) { o.window = 2; }), "lens.window");
   EXPECT_EQ(RefusedField<Options>([](auto& o) { o.prior_sigma = 0; }), "lens.prior_sigma");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.accurate_share = 1; }), "lens.accurate_share");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.accurate_sigma = 0; }), "lens.accurate_sigma");
   EXPECT_EQ(RefusedField<Options>([](auto& o) { o.step = -1; }), "lens.step");
   EXPECT_EQ(RefusedField<Options>([](auto& o) { o.max_landmarks = 19; }), "lens.max_landmarks");
   EXPECT_EQ(RefusedField<Options>([](auto& o) { o.pixel_sigma = std::nan(""); }), "lens.pixel_sigma");

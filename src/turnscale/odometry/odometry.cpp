@@ -66,6 +66,8 @@ OdometryOptions Checked(OdometryOptions options, const CameraModel& camera) {
     throw InputError("camera: has a width or a height without the other");
   // The radial correction grows with the tangent of the angle, which has no bound on a fisheye.
   if (camera.lens == LensModel::kEquidistant) options.lens.enabled = false;
+  // Intrinsics estimated from a drive are not exact.
+  if (camera.focal_sigma > 0) options.lens.accurate_share = 0;
   return options;
 }
 
