@@ -18,16 +18,18 @@ std::vector<VehicleStep> KeyframeSteps(const Map& map, const MountCalibration& m
   return steps;
 }
 
-// Deviation of a step's inverse scale beyond which it is left out: in standard deviations, and at least this share.
+// Relative deviation of a step's inverse scale beyond which it is left out: in standard deviations of its turn's steps,
+// and bounds. Where they scatter by a third, three deviations would let in steps of any length.
 constexpr double kMostDeviations = 3;
 constexpr double kLeastDeviation = 0.1;
+constexpr double kMostDeviation = 0.5;
 
 // Every step at the length that its own angles give; 0 where they contradict the model or the other steps of the turn,
 // or where the step turns too little to be of F_t: its length would be noise. The length is the inverse of a small
 // angle: a few steps whose angle is nearly zero would make the whole turn too long.
 std::vector<double> ObservedDistances(const std::vector<VehicleStep>& steps, const LeverArm& lever_arm,
                                       double min_step_angle, const MedianScale& median) {
-  const double most = std::max(kMostDeviations * median.spread, kLeastDeviation);
+  const double most = std::clamp(kMostDeviations * median.spread, kLeastDeviation, kMostDeviation);
   std::vector<double> distances;
   for (const VehicleStep& step : steps) {
     const double distance = ObservedDistance(step.motion.psi, step.motion.theta, step.duration, lever_arm);

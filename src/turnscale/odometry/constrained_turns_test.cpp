@@ -125,6 +125,34 @@ TEST(ConstrainedTurns, PaperLeavesOutAStepThatContradictsItsTurn) {
   EXPECT_GT(held[0].distances[keyframe + 3 - held[0].first_step], 0);
 }
 
+TEST(ConstrainedTurns, PaperLeavesOutStepsFarFromTheMedianHoweverTheyScatter) {
+  const OdometryOptions options = Holding(ScaleMethod::kPaper);
+  FinishedMap finished = DriftingMap(options, kTwoCorners, 0, 0);
+  RefinedScale refined = RefinedOf(options, finished.map);
+  const MountCalibration mount(options.vehicle);
+  // Every third camera of the first turn goes sideways, so that its two steps seem to swing out by 0.1 and 1.9 of what they do.
+  for (int k = refined.turns[0].first_keyframe + 1; k < refined.turns[0].last_keyframe; k += 3) {
+    const TurningMotion motion = StepMotion(finished.map, k - 1, mount);
+    const double swing = motion.step * std::sin(motion.theta - 0.5 * motion.psi);
+    finished.map.keyframes[k].camera_from_world.translation +=
+        0.9 * swing * (mount.At(k).conjugate() * Eigen::Vector3d::UnitX());
+  }
+  const std::vector<TurnScale> held = TurnsToConstrain(finished.map, mount, options, refined.turns);
+  ASSERT_EQ(held.size(), 2U);
+  int left_out = 0;
+  for (std::size_t i = 0; i < held[0].distances.size(); ++i) {
+    const double distance = held[0].distances[i];
+    const double by_median = held[0].factor * StepOf(finished.map, held[0].first_step + static_cast<int>(i));
+    if (distance == 0) {
+      ++left_out;
+    } else {
+      EXPECT_GE(by_median / distance, 0.5 - 1e-9) << i;
+      EXPECT_LE(by_median / distance, 1.5 + 1e-9) << i;
+    }
+  }
+  EXPECT_GE(left_out, 3);
+}
+
 TEST(ConstrainedTurns, AWeakTurnDoesNotSpoilAGoodOne) {
   OdometryOptions options = Holding(ScaleMethod::kTurns);
   options.vehicle.side_slip = 0;
