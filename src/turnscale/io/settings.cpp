@@ -127,6 +127,8 @@ void VisitSettings(Visitor& visitor, OdometryOptions& options) {
     visitor.Field("min_parallax_deg", o.min_parallax_deg);
     visitor.Field("max_epipolar_error", o.max_epipolar_error);
     visitor.Field("min_landmarks", o.min_landmarks);
+    visitor.Field("min_landmark_share", o.min_landmark_share);
+    visitor.Field("fewest_landmarks", o.fewest_landmarks);
     visitor.Field("min_inlier_share", o.min_inlier_share);
     visitor.Field("min_landmark_parallax_deg", o.min_landmark_parallax_deg);
     visitor.Field("initial_baseline", o.initial_baseline);
@@ -237,6 +239,7 @@ void VisitSettings(Visitor& visitor, OdometryOptions& options) {
     visitor.Field("steady_seconds", o.steady_seconds);
     visitor.Field("turn_seconds", o.turn_seconds);
     visitor.Field("travel_seconds", o.travel_seconds);
+    visitor.Field("turn_acceleration", o.turn_acceleration);
     visitor.Field("speed_sigma", o.speed_sigma);
     visitor.Field("speed_sigma_per_second", o.speed_sigma_per_second);
     visitor.Field("acceleration_in_depths", o.acceleration_in_depths);

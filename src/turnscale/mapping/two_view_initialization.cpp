@@ -20,6 +20,8 @@ namespace turnscale {
 namespace {
 
 constexpr double kRansacConfidence = 0.9999;
+// Of the least parallax: at this, more of it shows hardly any more landmarks.
+constexpr double kAmpleParallax = 2;
 
 std::vector<Eigen::Vector3d> Rays(const Pinhole& pinhole, const std::vector<Eigen::Vector2d>& pixels) {
   std::vector<Eigen::Vector3d> rays;
@@ -82,6 +84,12 @@ double ReprojectionError(const Pinhole& pinhole, const RigidTransform& camera_fr
   return in_camera.z() > 0 ? (pinhole.Project(in_camera) - pixel).norm() : HUGE_VAL;
 }
 
+double LandmarksNeeded(const TwoViewOptions& options, double parallax, size_t matches) {
+  if (parallax < kAmpleParallax * options.min_parallax) return options.min_landmarks;
+  const double share = options.min_landmark_share * static_cast<double>(matches);
+  return std::clamp<double>(share, options.fewest_landmarks, options.min_landmarks);
+}
+
 }  // namespace
 
 void TwoViewOptions::Check() const {
@@ -90,6 +98,10 @@ void TwoViewOptions::Check() const {
   if (!(min_parallax_deg > 0)) throw InputError("initialization.min_parallax_deg: has to be positive");
   if (!(max_epipolar_error > 0)) throw InputError("initialization.max_epipolar_error: has to be positive");
   if (min_landmarks < 8) throw InputError("initialization.min_landmarks: has to be at least 8");
+  if (!(min_landmark_share >= 0 && min_landmark_share <= 1))
+    throw InputError("initialization.min_landmark_share: has to be in 0...1");
+  if (fewest_landmarks < 8 || fewest_landmarks > min_landmarks)
+    throw InputError("initialization.fewest_landmarks: has to be from 8 to initialization.min_landmarks");
   if (!(min_inlier_share >= 0 && min_inlier_share <= 1))
     throw InputError("initialization.min_inlier_share: has to be in 0...1");
   if (!(min_landmark_parallax_deg > 0))
@@ -159,7 +171,7 @@ TwoViewResult InitializeFromTwoViews(const TwoViewOptions& options, const Pinhol
     ++landmarks;
   }
   result.second_from_first.translation *= unit;
-  if (landmarks >= options.min_landmarks) result.status = TwoViewStatus::kInitialized;
+  if (landmarks >= LandmarksNeeded(options, result.parallax, first.size())) result.status = TwoViewStatus::kInitialized;
   return result;
 }
 

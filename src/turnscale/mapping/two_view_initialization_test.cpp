@@ -88,6 +88,28 @@ TEST(TwoViewInitialization, AShortBaselineIsNoLongerInASharperImage) {
   EXPECT_EQ(start(0.3, 0.9).status, TwoViewStatus::kLowParallax) << "too few pixels to measure";
 }
 
+TEST(TwoViewInitialization, FewLandmarksSufficeWhereImagesHaveFewFeatures) {
+  const auto start = [](double travel, const TwoViewOptions& options) {
+    // Sixty points nearby, a hundred far away.
+    const RigidTransform motion{RotationFromVector({0, 0.02, 0}), {0.2 * travel, 0, -travel}};
+    const Views views = MakeViews(motion, 0.2, 5);
+    Views few;
+    for (size_t i = 0; i < 160; ++i) {
+      const bool is_near = i % 8 < 3;
+      few.first.push_back(views.first[i]);
+      few.second.push_back(is_near ? views.second[i] : kTestPinhole.Project(motion * (20 * views.points[i])));
+    }
+    return InitializeFromTwoViews(options, kTestPinhole, few.first, few.second);
+  };
+  TwoViewOptions strict;
+  strict.min_landmark_share = 1;
+  EXPECT_EQ(start(2.5, strict).status, TwoViewStatus::kFailed);
+  EXPECT_EQ(start(2.5, {}).status, TwoViewStatus::kInitialized);
+  const TwoViewResult early = start(0.9, {});
+  EXPECT_EQ(early.status, TwoViewStatus::kFailed) << "with more parallax, there may be more";
+  EXPECT_LT(early.parallax, 2 * strict.min_parallax);
+}
+
 TEST(TwoViewInitialization, RefusesMatchesWithoutACommonMotion) {
   Views views = MakeViews({Eigen::Quaterniond::Identity(), {0, 0, -1.5}}, 0.3, 4);
   std::mt19937 random(5);
@@ -104,6 +126,8 @@ TEST(TwoViewInitialization, OptionsNameTheFieldThatMakesNoSense) {
   EXPECT_EQ(RefusedField<Options>([](auto& o) { o.min_parallax_deg = 0; }), "initialization.min_parallax_deg");
   EXPECT_EQ(RefusedField<Options>([](auto& o) { o.max_epipolar_error = 0; }), "initialization.max_epipolar_error");
   EXPECT_EQ(RefusedField<Options>([](auto& o) { o.min_landmarks = 7; }), "initialization.min_landmarks");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.min_landmark_share = -0.1; }), "initialization.min_landmark_share");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.fewest_landmarks = 81; }), "initialization.fewest_landmarks");
   EXPECT_EQ(RefusedField<Options>([](auto& o) { o.min_inlier_share = 1.1; }), "initialization.min_inlier_share");
   EXPECT_EQ(RefusedField<Options>([](auto& o) { o.min_landmark_parallax_deg = 0; }),
             "initialization.min_landmark_parallax_deg");

@@ -29,6 +29,7 @@ double Effective(double steady, double decay, double seconds) {
 void MotionModelOptions::Check() const {
   if (!(steady_seconds >= 0)) throw InputError("motion.steady_seconds: must not be negative");
   if (!(turn_seconds > 0)) throw InputError("motion.turn_seconds: has to be positive");
+  if (!(turn_acceleration >= 0)) throw InputError("motion.turn_acceleration: must not be negative");
   if (!(travel_seconds > 0)) throw InputError("motion.travel_seconds: has to be positive");
   if (!(speed_sigma > 0)) throw InputError("motion.speed_sigma: has to be positive");
   if (!(speed_sigma_per_second >= 0)) throw InputError("motion.speed_sigma_per_second: must not be negative");
@@ -62,6 +63,14 @@ std::vector<RigidTransform> MotionModel::OtherPredictions(double time) const {
   std::vector<RigidTransform> others;
   if (step_) others.push_back(camera_from_world_);
   if (broken_off_) others.push_back(Extrapolate(broken_off_->step, time - time_));
+  if (!step_) return others;
+  for (const double share : {-1.0, 1.0, -0.5, 0.5}) {
+    Step step = *step_;
+    const double change = share * options_.turn_acceleration * (time - time_) * step.seconds;
+    step.current_from_previous.rotation =
+        RotationFromVector(VectorFromRotation(step.current_from_previous.rotation) + change * Eigen::Vector3d::UnitY());
+    others.push_back(Extrapolate(step, time - time_));
+  }
   return others;
 }
 

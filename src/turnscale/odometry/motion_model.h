@@ -19,6 +19,9 @@ struct MotionModelOptions {
   /// And the speed with this one, seconds. Cars keep their speed for longer than most gaps last; it bounds what a
   /// drive that is interrupted can be given.
   double travel_seconds = 60;
+  /// Change of the turning rate per second that alternative predictions allow for, rad/s^2: that of a car at 4 m/s
+  /// whose wheels turn by 45 degrees per second.
+  double turn_acceleration = 1.2;
   /// Relative standard deviation of a speed at the time it was measured.
   double speed_sigma = 0.05;
   /// Its growth per second: cars accelerate.
@@ -47,7 +50,8 @@ class MotionModel {
   RigidTransform Predict(double time) const;
 
   /// Alternative predictions if tracking from the expected pose fails: the camera stands still; it moves as before an
-  /// abrupt stop.
+  /// abrupt stop; the car, whose vertical axis is taken to be the camera's, turns more or less than before. At a few
+  /// images per second the turning rate changes by much from one to the next.
   std::vector<RigidTransform> OtherPredictions(double time) const;
 
   /// Takes a measured pose; the velocity is the one from the measured pose before.

@@ -102,13 +102,15 @@ TEST(MotionModel, ATurnBendsTheWayAhead) {
   ExpectNear(motion.Predict(1.5), kStep * kStep * kStep * kStep * kStep * kStart);
 }
 
+constexpr size_t kTurningRates = 4;
+
 TEST(MotionModel, OffersStandstillAndTheSpeedBeforeItBrokeOff) {
   MotionModel motion;
   EXPECT_TRUE(motion.OtherPredictions(1).empty());
   motion.Update(1.0, kStart);
   motion.Update(1.1, kStep * kStart);
   const RigidTransform stop = motion.last();
-  ASSERT_EQ(motion.OtherPredictions(1.2).size(), 1U);
+  ASSERT_EQ(motion.OtherPredictions(1.2).size(), 1U + kTurningRates);
   ExpectNear(motion.OtherPredictions(1.2)[0], stop);
   motion.Update(1.2, stop);
   // The noise of standing still breaks off all the time.
@@ -116,9 +118,32 @@ TEST(MotionModel, OffersStandstillAndTheSpeedBeforeItBrokeOff) {
     motion.Update(motion.time() + 0.1, {stop.rotation, stop.translation + Eigen::Vector3d(noise, 0, 0)});
   const RigidTransform last = motion.last();
   const auto others = motion.OtherPredictions(motion.time() + 0.1);
-  ASSERT_EQ(others.size(), 2U);
+  ASSERT_EQ(others.size(), 2U + kTurningRates);
   ExpectNear(others[0], last);
   ExpectNear(others[1], kStep * last);
+}
+
+TEST(MotionModel, OffersOtherTurningRates) {
+  MotionModelOptions options;
+  options.turn_acceleration = 1.0;
+  MotionModel motion(options);
+  const RigidTransform step{RotationFromVector({0, -0.06, 0}), {0, 0, -1}};
+  motion.Update(1.0, kStart);
+  motion.Update(1.3, step * kStart);
+  const auto others = motion.OtherPredictions(1.6);
+  ASSERT_EQ(others.size(), 1U + kTurningRates);
+  std::vector<double> turned;
+  for (size_t i = 1; i < others.size(); ++i) {
+    const RigidTransform moved = others[i] * motion.last().inverse();
+    turned.push_back(VectorFromRotation(moved.rotation).y());
+    EXPECT_NEAR(moved.translation.norm(), 1, 1e-9) << "at the same speed";
+  }
+  // The rate changes by 0.3 rad/s at most in these 0.3 s.
+  std::ranges::sort(turned);
+  EXPECT_NEAR(turned[0], -0.06 - 0.09, 1e-9);
+  EXPECT_NEAR(turned[1], -0.06 - 0.045, 1e-9);
+  EXPECT_NEAR(turned[2], -0.06 + 0.045, 1e-9);
+  EXPECT_NEAR(turned[3], -0.06 + 0.09, 1e-9);
 }
 
 TEST(MotionModel, SpeedsOfThePastGetLessCertain) {
