@@ -9,6 +9,15 @@
 
 #include <opencv2/core/hal/intrin.hpp>
 
+// Compiled in addition to the rest, and used where the processor has it.
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(CV_FORCE_SIMD128_CPP)
+#define TURNSCALE_WITH_AVX2 1
+#define TURNSCALE_AVX2 __attribute__((target("avx2")))
+#include <immintrin.h>
+#else
+#define TURNSCALE_WITH_AVX2 0
+#endif
+
 namespace turnscale {
 namespace {
 
@@ -49,10 +58,32 @@ class Interpolation {
     return above + cv::v_mul_hi((below - above) << 1, down_);
   }
 
+#if TURNSCALE_WITH_AVX2
+  // The same for two groups.
+  TURNSCALE_AVX2 __m256i WideInRow(int row, int column) const {
+    const uchar* pixels = corner_ + row * step_ + column;
+    const __m256i left = LoadWide(pixels);
+    const __m256i difference = _mm256_slli_epi16(_mm256_subs_epi16(LoadWide(pixels + 1), left), kGrayBits + 1);
+    return _mm256_adds_epi16(_mm256_slli_epi16(left, kGrayBits),
+                             _mm256_mulhi_epi16(difference, _mm256_broadcastsi128_si256(right_.val)));
+  }
+
+  TURNSCALE_AVX2 __m256i WideBetween(__m256i above, __m256i below) const {
+    const __m256i difference = _mm256_slli_epi16(_mm256_subs_epi16(below, above), 1);
+    return _mm256_adds_epi16(above, _mm256_mulhi_epi16(difference, _mm256_broadcastsi128_si256(down_.val)));
+  }
+#endif
+
  private:
   static cv::v_int16x8 Weight(float fraction) {
     return cv::v_setall_s16(static_cast<std::int16_t>(std::min(32767.0F, fraction * 32768.0F)));
   }
+
+#if TURNSCALE_WITH_AVX2
+  TURNSCALE_AVX2 static __m256i LoadWide(const uchar* pixels) {
+    return _mm256_cvtepu8_epi16(_mm_loadu_si128(reinterpret_cast<const __m128i*>(pixels)));
+  }
+#endif
 
   std::ptrdiff_t step_;
   const uchar* corner_;
@@ -86,67 +117,41 @@ struct Patch {
   float xx = 0, xy = 0, yy = 0;  // gradient matrix, summed
 };
 
-// (x, y) is the top left pixel of the patch.
-void CutOut(const cv::Mat& image, float x, float y, int window, Patch& patch) {
-  patch.width = (window + kGroup - 1) / kGroup * kGroup;
-  const int sampled = patch.width + kGroup;
-  std::array<std::int16_t, kMostSampledRows * kMostSampledWidth> gray;
-  const Interpolation interpolation(image, x - 1, y - 1);
-  for (int column = 0; column < sampled; column += kGroup) {
+using SampledPatch = std::array<std::int16_t, kMostSampledRows * kMostSampledWidth>;
+
+// Rows of `sampled` pixels, from `first` to their ends.
+void Sample(const Interpolation& interpolation, int rows, int first, int sampled, SampledPatch& gray) {
+  for (int column = first; column < sampled; column += kGroup) {
     cv::v_int16x8 above = interpolation.InRow(0, column);
-    for (int row = 0; row < window + 2; ++row) {
+    for (int row = 0; row < rows; ++row) {
       const cv::v_int16x8 below = interpolation.InRow(row + 1, column);
       cv::v_store(&gray[row * sampled + column], interpolation.Between(above, below));
       above = below;
     }
   }
-  const auto is_inside = [](float at, int size) { return at >= 0 && at <= static_cast<float>(size - 1); };
-  std::array<std::int16_t, kMostFlowWidth> counts{};
-  for (int column = 0; column < window; ++column)
-    counts[column] = is_inside(x + static_cast<float>(column), image.cols) ? -1 : 0;
-  PatchSum xx;
-  PatchSum xy;
-  PatchSum yy;
-  for (int row = 0; row < window; ++row) {
-    const bool row_counts = is_inside(y + static_cast<float>(row), image.rows);
-    cv::v_int32x4 row_xx = cv::v_setzero_s32();
-    cv::v_int32x4 row_xy = row_xx;
-    cv::v_int32x4 row_yy = row_xx;
-    for (int column = 0; column < patch.width; column += kGroup) {
-      const std::int16_t* centre = &gray[(row + 1) * sampled + column + 1];
-      const cv::v_int16x8 inside = row_counts ? cv::v_load(&counts[column]) : cv::v_setzero_s16();
-      const cv::v_int16x8 by_x = inside & ((cv::v_load(centre + 1) - cv::v_load(centre - 1)) >> 1);
-      const cv::v_int16x8 by_y = inside & ((cv::v_load(centre + sampled) - cv::v_load(centre - sampled)) >> 1);
-      const int at = row * patch.width + column;
-      cv::v_store(&patch.gray[at], cv::v_load(centre));
-      cv::v_store(&patch.by_x[at], by_x);
-      cv::v_store(&patch.by_y[at], by_y);
-      row_xx += cv::v_dotprod(by_x, by_x);
-      row_xy += cv::v_dotprod(by_x, by_y);
-      row_yy += cv::v_dotprod(by_y, by_y);
-    }
-    xx.Add(row_xx);
-    xy.Add(row_xy);
-    yy.Add(row_yy);
+}
+
+// Adds the products of the gradients. `counts` has all bits set for the columns inside of the image.
+void TakeGradients(const std::int16_t* sampled_row, int sampled, const std::int16_t* counts, int at, Patch& patch,
+                   std::array<PatchSum, 3>& sums) {
+  std::array<cv::v_int32x4, 3> row = {cv::v_setzero_s32(), cv::v_setzero_s32(), cv::v_setzero_s32()};
+  for (int column = 0; column < patch.width; column += kGroup) {
+    const std::int16_t* centre = sampled_row + column;
+    const cv::v_int16x8 inside = cv::v_load(counts + column);
+    const cv::v_int16x8 by_x = inside & ((cv::v_load(centre + 1) - cv::v_load(centre - 1)) >> 1);
+    const cv::v_int16x8 by_y = inside & ((cv::v_load(centre + sampled) - cv::v_load(centre - sampled)) >> 1);
+    cv::v_store(&patch.gray[at + column], cv::v_load(centre));
+    cv::v_store(&patch.by_x[at + column], by_x);
+    cv::v_store(&patch.by_y[at + column], by_y);
+    row[0] += cv::v_dotprod(by_x, by_x);
+    row[1] += cv::v_dotprod(by_x, by_y);
+    row[2] += cv::v_dotprod(by_y, by_y);
   }
-  patch.xx = xx.Total();
-  patch.xy = xy.Total();
-  patch.yy = yy.Total();
+  for (size_t i = 0; i < row.size(); ++i) sums[i].Add(row[i]);
 }
 
-// Smaller eigenvalue of the mean gradient matrix, gray levels squared.
-float Texture(const Patch& patch, int window) {
-  const float difference = patch.xx - patch.yy;
-  const float root = std::sqrt(difference * difference + 4 * patch.xy * patch.xy);
-  const float pixels = static_cast<float>(window * window);
-  return 0.5F * (patch.xx + patch.yy - root) / (pixels * kGrayLevel * kGrayLevel);
-}
-
-// Sum of the gradients times the difference of the image and the patch. (x, y) is the top left pixel of the patch.
-cv::Point2f Mismatch(const Patch& patch, int window, const cv::Mat& image, float x, float y) {
-  const Interpolation interpolation(image, x, y);
-  PatchSum sum_x;
-  PatchSum sum_y;
+// Sums of the gradients times the difference of the image and the patch.
+void SumMismatch(const Patch& patch, int window, const Interpolation& interpolation, PatchSum& sum_x, PatchSum& sum_y) {
   for (int column = 0; column < patch.width; column += kGroup) {
     // Over all rows of a group the sums stay below 2^31: differences below 2^13, gradients below 2^12, 31 rows.
     cv::v_int32x4 group_x = cv::v_setzero_s32();
@@ -163,6 +168,143 @@ cv::Point2f Mismatch(const Patch& patch, int window, const cv::Mat& image, float
     sum_x.Add(group_x);
     sum_y.Add(group_y);
   }
+}
+
+#if TURNSCALE_WITH_AVX2
+// Two groups at a time give the same bits: sums over a group are exact integers, and are added in the same order.
+constexpr int kWideGroup = 2 * kGroup;
+
+bool IsWide(int width) {
+  static const bool has_avx2 = cv::checkHardwareSupport(CV_CPU_AVX2);
+  return has_avx2 && width % kWideGroup == 0;
+}
+
+TURNSCALE_AVX2 __m256i LoadWide(const std::int16_t* values) {
+  return _mm256_loadu_si256(reinterpret_cast<const __m256i*>(values));
+}
+
+TURNSCALE_AVX2 void StoreWide(std::int16_t* values, __m256i wide) {
+  _mm256_storeu_si256(reinterpret_cast<__m256i*>(values), wide);
+}
+
+TURNSCALE_AVX2 cv::v_int32x4 FirstHalf(__m256i wide) { return cv::v_int32x4(_mm256_castsi256_si128(wide)); }
+
+TURNSCALE_AVX2 cv::v_int32x4 SecondHalf(__m256i wide) { return cv::v_int32x4(_mm256_extracti128_si256(wide, 1)); }
+
+TURNSCALE_AVX2 void SampleWide(const Interpolation& interpolation, int rows, int sampled, int end, SampledPatch& gray) {
+  for (int column = 0; column < end; column += kWideGroup) {
+    __m256i above = interpolation.WideInRow(0, column);
+    for (int row = 0; row < rows; ++row) {
+      const __m256i below = interpolation.WideInRow(row + 1, column);
+      StoreWide(&gray[row * sampled + column], interpolation.WideBetween(above, below));
+      above = below;
+    }
+  }
+}
+
+TURNSCALE_AVX2 void TakeGradientsWide(const std::int16_t* sampled_row, int sampled, const std::int16_t* counts, int at,
+                                      Patch& patch, std::array<PatchSum, 3>& sums) {
+  __m256i xx = _mm256_setzero_si256();
+  __m256i xy = xx;
+  __m256i yy = xx;
+  for (int column = 0; column < patch.width; column += kWideGroup) {
+    const std::int16_t* centre = sampled_row + column;
+    const __m256i inside = LoadWide(counts + column);
+    const __m256i across = _mm256_subs_epi16(LoadWide(centre + 1), LoadWide(centre - 1));
+    const __m256i along = _mm256_subs_epi16(LoadWide(centre + sampled), LoadWide(centre - sampled));
+    const __m256i by_x = _mm256_and_si256(inside, _mm256_srai_epi16(across, 1));
+    const __m256i by_y = _mm256_and_si256(inside, _mm256_srai_epi16(along, 1));
+    StoreWide(&patch.gray[at + column], LoadWide(centre));
+    StoreWide(&patch.by_x[at + column], by_x);
+    StoreWide(&patch.by_y[at + column], by_y);
+    xx = _mm256_add_epi32(xx, _mm256_madd_epi16(by_x, by_x));
+    xy = _mm256_add_epi32(xy, _mm256_madd_epi16(by_x, by_y));
+    yy = _mm256_add_epi32(yy, _mm256_madd_epi16(by_y, by_y));
+  }
+  sums[0].Add(FirstHalf(xx) + SecondHalf(xx));
+  sums[1].Add(FirstHalf(xy) + SecondHalf(xy));
+  sums[2].Add(FirstHalf(yy) + SecondHalf(yy));
+}
+
+TURNSCALE_AVX2 void SumMismatchWide(const Patch& patch, int window, const Interpolation& interpolation, PatchSum& sum_x,
+                                    PatchSum& sum_y) {
+  for (int column = 0; column < patch.width; column += kWideGroup) {
+    __m256i groups_x = _mm256_setzero_si256();
+    __m256i groups_y = groups_x;
+    __m256i above = interpolation.WideInRow(0, column);
+    for (int row = 0; row < window; ++row) {
+      const __m256i below = interpolation.WideInRow(row + 1, column);
+      const int at = row * patch.width + column;
+      const __m256i difference = _mm256_subs_epi16(interpolation.WideBetween(above, below), LoadWide(&patch.gray[at]));
+      groups_x = _mm256_add_epi32(groups_x, _mm256_madd_epi16(difference, LoadWide(&patch.by_x[at])));
+      groups_y = _mm256_add_epi32(groups_y, _mm256_madd_epi16(difference, LoadWide(&patch.by_y[at])));
+      above = below;
+    }
+    sum_x.Add(FirstHalf(groups_x));
+    sum_x.Add(SecondHalf(groups_x));
+    sum_y.Add(FirstHalf(groups_y));
+    sum_y.Add(SecondHalf(groups_y));
+  }
+}
+#endif
+
+// (x, y) is the top left pixel of the patch.
+void CutOut(const cv::Mat& image, float x, float y, int window, Patch& patch) {
+  patch.width = (window + kGroup - 1) / kGroup * kGroup;
+  const int sampled = patch.width + kGroup;
+  SampledPatch gray;
+  const Interpolation interpolation(image, x - 1, y - 1);
+  const int rows = window + 2;
+#if TURNSCALE_WITH_AVX2
+  const bool wide = IsWide(patch.width);
+  if (wide) SampleWide(interpolation, rows, sampled, patch.width, gray);
+  Sample(interpolation, rows, wide ? patch.width : 0, sampled, gray);
+#else
+  Sample(interpolation, rows, 0, sampled, gray);
+#endif
+  const auto is_inside = [](float at, int size) { return at >= 0 && at <= static_cast<float>(size - 1); };
+  constexpr std::array<std::int16_t, kMostFlowWidth> kNone{};
+  std::array<std::int16_t, kMostFlowWidth> counts{};
+  for (int column = 0; column < window; ++column)
+    counts[column] = is_inside(x + static_cast<float>(column), image.cols) ? -1 : 0;
+  std::array<PatchSum, 3> sums;
+  for (int row = 0; row < window; ++row) {
+    const bool row_counts = is_inside(y + static_cast<float>(row), image.rows);
+    const std::int16_t* of_row = row_counts ? counts.data() : kNone.data();
+    const std::int16_t* sampled_row = &gray[(row + 1) * sampled + 1];
+#if TURNSCALE_WITH_AVX2
+    if (wide) {
+      TakeGradientsWide(sampled_row, sampled, of_row, row * patch.width, patch, sums);
+      continue;
+    }
+#endif
+    TakeGradients(sampled_row, sampled, of_row, row * patch.width, patch, sums);
+  }
+  patch.xx = sums[0].Total();
+  patch.xy = sums[1].Total();
+  patch.yy = sums[2].Total();
+}
+
+// Smaller eigenvalue of the mean gradient matrix, gray levels squared.
+float Texture(const Patch& patch, int window) {
+  const float difference = patch.xx - patch.yy;
+  const float root = std::sqrt(difference * difference + 4 * patch.xy * patch.xy);
+  const float pixels = static_cast<float>(window * window);
+  return 0.5F * (patch.xx + patch.yy - root) / (pixels * kGrayLevel * kGrayLevel);
+}
+
+// Sum of the gradients times the difference of the image and the patch. (x, y) is the top left pixel of the patch.
+cv::Point2f Mismatch(const Patch& patch, int window, const cv::Mat& image, float x, float y) {
+  const Interpolation interpolation(image, x, y);
+  PatchSum sum_x;
+  PatchSum sum_y;
+#if TURNSCALE_WITH_AVX2
+  if (IsWide(patch.width)) {
+    SumMismatchWide(patch, window, interpolation, sum_x, sum_y);
+    return {sum_x.Total(), sum_y.Total()};
+  }
+#endif
+  SumMismatch(patch, window, interpolation, sum_x, sum_y);
   return {sum_x.Total(), sum_y.Total()};
 }
 
@@ -202,3 +344,6 @@ std::optional<cv::Point2f> TrackPatch(const LucasKanadeOptions& options, const c
 }
 
 }  // namespace turnscale
+
+#undef TURNSCALE_AVX2
+#undef TURNSCALE_WITH_AVX2

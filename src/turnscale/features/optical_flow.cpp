@@ -99,15 +99,18 @@ std::optional<cv::Point2f> TrackThroughLevels(const FlowOptions& options, const 
   return TrackPatch(patch, first.pyramid[0], point, second.pyramid[0], found);
 }
 
-// For many points, on as many threads as OpenCV is set to use. Points are not looked for where `found` is 0 already.
+int MostLevels(const FlowImage& first, const FlowImage& second) {
+  return static_cast<int>(std::min(first.pyramid.size(), second.pyramid.size())) - 1;
+}
+
+// For many points, on as many threads as OpenCV is set to use.
 void TrackAll(const FlowOptions& options, const FlowImage& first, const FlowImage& second,
-              const std::vector<cv::Point2f>& points, int levels, FlowResult& result) {
-  const int most = static_cast<int>(std::min(first.pyramid.size(), second.pyramid.size())) - 1;
+              const std::vector<cv::Point2f>& points, int wanted_levels, FlowResult& result) {
+  const int levels = std::min(wanted_levels, MostLevels(first, second));
   cv::parallel_for_(cv::Range(0, static_cast<int>(points.size())), [&](const cv::Range& range) {
     for (int i = range.start; i < range.end; ++i) {
-      if (result.found[i] == 0) continue;
       const std::optional<cv::Point2f> found =
-          TrackThroughLevels(options, first, second, points[i], result.points[i], std::min(levels, most));
+          TrackThroughLevels(options, first, second, points[i], result.points[i], levels);
       result.found[i] = found ? 1 : 0;
       if (found) result.points[i] = *found;
     }
@@ -191,12 +194,14 @@ FlowResult TrackPoints(const FlowOptions& options, const FlowImage& first, const
 
 void CheckReturn(const FlowOptions& options, const FlowImage& first, const FlowImage& second,
                  const std::vector<cv::Point2f>& points, FlowResult& result) {
-  FlowResult back{points, result.found};
-  TrackAll(options, second, first, result.points, kReturnLevels, back);
+  if (std::ranges::find(result.found, uchar{1}) == result.found.end()) return;
+  const int levels = std::min(kReturnLevels, MostLevels(first, second));
   cv::parallel_for_(cv::Range(0, static_cast<int>(points.size())), [&](const cv::Range& range) {
     for (int i = range.start; i < range.end; ++i) {
-      const cv::Point2f off = back.points[i] - points[i];
-      if (back.found[i] == 0 || std::hypot(off.x, off.y) > options.max_return_error ||
+      if (result.found[i] == 0) continue;
+      const std::optional<cv::Point2f> back =
+          TrackThroughLevels(options, second, first, result.points[i], points[i], levels);
+      if (!back || std::hypot(back->x - points[i].x, back->y - points[i].y) > options.max_return_error ||
           !LooksTheSame(first.pyramid[0], points[i], second.pyramid[0], result.points[i]))
         result.found[i] = 0;
     }

@@ -12,6 +12,15 @@
 
 #include "turnscale/base/error.h"
 
+// Compiled in addition to the rest, and used where the processor has it.
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(CV_FORCE_SIMD128_CPP)
+#define TURNSCALE_WITH_AVX2 1
+#define TURNSCALE_AVX2 __attribute__((target("avx2")))
+#include <immintrin.h>
+#else
+#define TURNSCALE_WITH_AVX2 0
+#endif
+
 namespace turnscale {
 namespace {
 
@@ -45,6 +54,10 @@ float Sum(const cv::v_float32x4& lanes) {
   return (values[0] + values[1]) + (values[2] + values[3]);
 }
 
+// Samples that are computed together at most, and the pixels that reading four for two of them takes more.
+constexpr int kWide = 8;
+constexpr int kWideReach = 2;
+
 // Gray levels at points on a line, in fixed point: coordinates in 1/65536 pixel, weights in 1/1024.
 class LineSampler {
  public:
@@ -68,7 +81,57 @@ class LineSampler {
     return static_cast<float>((above << kWeightBits) + down * (below - above)) / (1 << (2 * kWeightBits));
   }
 
+#if TURNSCALE_WITH_AVX2
+  // Whether coordinates and addresses in this image fit in 32 bits.
+  static bool IsSmall(const cv::Mat& image) {
+    constexpr int kMost = 1 << (31 - kBits);
+    return image.cols < kMost && image.rows < kMost && image.step * image.rows < size_t{1} << 31;
+  }
+
+  // The next `count` gray levels, eight at a time, and up to seven copies of the last one. Reads up to kWideReach
+  // pixels to the right of what Next reads.
+  TURNSCALE_AVX2 void NextWide(int count, float* values) const {
+    const __m256i eight = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
+    const __m256i last = _mm256_set1_epi32(count - 1);
+    const __m256i step = _mm256_set1_epi32(static_cast<int>(image_.step));
+    const __m256i mask = _mm256_set1_epi32((1 << kWeightBits) - 1);
+    const __m256i one = _mm256_set1_epi32(1 << kWeightBits);
+    const int* top = reinterpret_cast<const int*>(image_.data);
+    const int* bottom = reinterpret_cast<const int*>(image_.data + image_.step);
+    for (int first = 0; first < count; first += kWide) {
+      const __m256i steps = _mm256_min_epi32(_mm256_add_epi32(eight, _mm256_set1_epi32(first)), last);
+      const __m256i x = AfterSteps(x_, dx_, steps);
+      const __m256i y = AfterSteps(y_, dy_, steps);
+      const __m256i at =
+          _mm256_add_epi32(_mm256_mullo_epi32(_mm256_srai_epi32(y, kBits), step), _mm256_srai_epi32(x, kBits));
+      const __m256i right = _mm256_and_si256(_mm256_srai_epi32(x, kBits - kWeightBits), mask);
+      const __m256i down = _mm256_and_si256(_mm256_srai_epi32(y, kBits - kWeightBits), mask);
+      const __m256i weights = _mm256_or_si256(_mm256_sub_epi32(one, right), _mm256_slli_epi32(right, 16));
+      const __m256i above = _mm256_madd_epi16(FirstPair(_mm256_i32gather_epi32(top, at, 1)), weights);
+      const __m256i below = _mm256_madd_epi16(FirstPair(_mm256_i32gather_epi32(bottom, at, 1)), weights);
+      const __m256i sum = _mm256_add_epi32(_mm256_slli_epi32(above, kWeightBits),
+                                           _mm256_mullo_epi32(down, _mm256_sub_epi32(below, above)));
+      // A power of two, so that the product has the bits of the quotient.
+      constexpr float kUnit = 1.0F / (1 << (2 * kWeightBits));
+      _mm256_storeu_ps(values + first, _mm256_mul_ps(_mm256_cvtepi32_ps(sum), _mm256_set1_ps(kUnit)));
+    }
+  }
+#endif
+
  private:
+#if TURNSCALE_WITH_AVX2
+  TURNSCALE_AVX2 static __m256i AfterSteps(std::int64_t start, std::int64_t step, __m256i steps) {
+    return _mm256_add_epi32(_mm256_set1_epi32(static_cast<int>(start)),
+                            _mm256_mullo_epi32(steps, _mm256_set1_epi32(static_cast<int>(step))));
+  }
+
+  // The first two bytes of each four, as 16-bit integers.
+  TURNSCALE_AVX2 static __m256i FirstPair(__m256i bytes) {
+    const __m256i first = _mm256_and_si256(bytes, _mm256_set1_epi32(0xFF));
+    return _mm256_or_si256(first, _mm256_slli_epi32(_mm256_and_si256(bytes, _mm256_set1_epi32(0xFF00)), 8));
+  }
+#endif
+
   static constexpr int kBits = 16;
   static constexpr int kWeightBits = 10;
   static constexpr int kHalfWeight = 1 << (kBits - kWeightBits - 1);  // rounds weights to the nearest
@@ -105,19 +168,35 @@ bool SampleTemplate(int half, const cv::Mat& reference, const Eigen::Vector2d& p
   constexpr int kMostSide = 2 * kMostHalf + 3;
   const int side = 2 * half + 3;
   const Eigen::Vector2d start = pixel - (half + 1) * (reference_from_current.col(0) + reference_from_current.col(1));
-  const auto inside = [&](int row, int column) {
+  const auto inside = [&](int margin) {
     // Rounding to fixed point must not leave the image either.
     constexpr double kRounding = 0.01;
-    const Eigen::Vector2d at = start + column * reference_from_current.col(0) + row * reference_from_current.col(1);
-    return at.x() >= kRounding && at.y() >= kRounding && at.x() < reference.cols - 1 - kRounding &&
-           at.y() < reference.rows - 1 - kRounding;
+    for (const int row : {0, side - 1})
+      for (const int column : {0, side - 1}) {
+        const Eigen::Vector2d at = start + column * reference_from_current.col(0) + row * reference_from_current.col(1);
+        if (!(at.x() >= kRounding && at.y() >= kRounding && at.x() < reference.cols - 1 - margin - kRounding &&
+              at.y() < reference.rows - 1 - kRounding))
+          return false;
+      }
+    return true;
   };
-  if (!inside(0, 0) || !inside(0, side - 1) || !inside(side - 1, 0) || !inside(side - 1, side - 1)) return false;
-  std::array<float, kMostSide * kMostSide> values;
+  if (!inside(0)) return false;
+  std::array<float, kMostSide * kMostSide + kWide> values;
   LineSampler sampler(reference, reference_from_current.col(0));
+#if TURNSCALE_WITH_AVX2
+  static const bool has_avx2 = cv::checkHardwareSupport(CV_CPU_AVX2);
+  const bool wide = has_avx2 && LineSampler::IsSmall(reference) && inside(kWideReach);
+#endif
   for (int row = 0; row < side; ++row) {
     sampler.StartAt(start + row * reference_from_current.col(1));
-    for (int column = 0; column < side; ++column) values[row * side + column] = sampler.Next();
+    float* of_row = &values[row * side];
+#if TURNSCALE_WITH_AVX2
+    if (wide) {
+      sampler.NextWide(side, of_row);
+      continue;
+    }
+#endif
+    for (int column = 0; column < side; ++column) of_row[column] = sampler.Next();
   }
   // Sums of squares keep their digits where a bright patch has little contrast.
   patch.middle = values[(half + 1) * side + half + 1];
@@ -297,3 +376,6 @@ void PrefetchPatch(const PatchAlignmentOptions& options, const cv::Mat& referenc
 }
 
 }  // namespace turnscale
+
+#undef TURNSCALE_AVX2
+#undef TURNSCALE_WITH_AVX2

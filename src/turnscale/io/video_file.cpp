@@ -34,9 +34,9 @@ extern "C" {
 namespace turnscale {
 namespace {
 
-// Enough to decode faster than the odometry runs; a fixed number, as damaged streams may decode differently with
-// others.
-constexpr int kDecoderThreads = 2;
+// Decodes faster than the odometry runs: more would only compete with it for the cores. A fixed number, as damaged
+// streams may decode differently with others.
+constexpr int kDecoderThreads = 1;
 
 constexpr int kLevels = 256;  // of gray
 

@@ -141,8 +141,8 @@ FollowedTracks FrameTracker::FollowFrom(const Map& map, const CameraModel& camer
     (map.landmarks[track.landmark].valid ? with_depth : without_depth).push_back(track);
   FollowedTracks followed =
       FollowWithoutDepth(options_.flow, map, camera, before, image, without_depth, last, camera_from_world);
+  with_depth.insert(with_depth.end(), lost_tracks_.begin(), lost_tracks_.end());
   SearchByMap(map, camera, image, camera_from_world, std::move(with_depth), followed);
-  SearchByMap(map, camera, image, camera_from_world, lost_tracks_, followed);
   DropMasked(followed);
   return followed;
 }
