@@ -135,9 +135,10 @@ DriveInput FindInFolder(const fs::path& folder, const std::string& topic) {
     drive.bags = FindBagDrive(bags, topic);
     return drive;
   }
-  throw InputError(drive.path.string() +
-                   ": holds no images; give a folder of png, jpg, bmp, pgm or tiff files, a KITTI "
-                   "folder with image_0/, a video, a folder of videos, or a bag");
+  throw InputError(
+      drive.path.string() +
+      ": holds no images or videos, nor do its subfolders hold videos; give a folder of png, jpg, bmp, pgm or "
+      "tiff files, a KITTI folder with image_0/, a video, a folder of videos, or a bag");
 }
 
 }  // namespace

@@ -78,10 +78,11 @@ void RecordingTimes::RefuseOverlaps() const {
   for (size_t i = 0; i + 1 < starts_.size(); ++i) {
     const double pause = PauseAfter(i, durations_[i]);
     if (pause >= -kResolution) continue;
-    throw InputError(fmt::format(
-        "{}: begins {:.1f} s before {} ends, by the times {}; give the clips of one camera, in the order of time",
-        clips_[i + 1].string(), -pause, clips_[i].filename().string(),
-        by_name_ ? "in their names" : "at which the files were made (creation_time)"));
+    throw InputError(
+        fmt::format("{}: begins {:.1f} s before {} ends, by the times {}; give the clips of one camera (front or "
+                    "rear), in the order of time",
+                    clips_[i + 1].string(), -pause, clips_[i].filename().string(),
+                    by_name_ ? "in their names" : "at which the files were made (creation_time)"));
   }
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <filesystem>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -118,12 +119,14 @@ nlohmann::ordered_json IntrinsicsJson(const RunSummary& summary) {
 }
 
 // One line, empty where the intrinsics were given.
-std::string IntrinsicsText(const std::optional<FoundCamera>& found) {
+std::string IntrinsicsText(const std::optional<FoundCamera>& found, const std::string& folder) {
   if (!found) return {};
   const Pinhole& pinhole = found->camera.pinhole;
-  return fmt::format("lens    focal length {:.1f} +-{:.1f}, principal point ({:.1f}, {:.1f}) +-{:.1f} pixels, {}\n",
-                     pinhole.fx, found->camera.focal_sigma, pinhole.cx, pinhole.cy, found->centre_sigma,
-                     "estimated; for the next drive: --camera camera.yaml");
+  return fmt::format(
+      "lens    focal length {:.1f} +-{:.1f}, principal point ({:.1f}, {:.1f}) +-{:.1f} pixels, estimated; for the "
+      "next drive: --camera {}\n",
+      pinhole.fx, found->camera.focal_sigma, pinhole.cx, pinhole.cy, found->centre_sigma,
+      (std::filesystem::path(folder) / "camera.yaml").string());
 }
 
 // One line, empty where the rotation was given.
@@ -133,7 +136,8 @@ std::string MountText(const std::optional<MountSummary>& mount) {
     return fmt::format("camera  moved {} times; no turn since, so the rotation from before the move is used\n",
                        mount->moves);
   if (!mount->found)
-    return "camera  rotation not estimated (no suitable turn): identity, or that of the settings, is used\n";
+    return "camera  rotation not estimated (no suitable turn): the camera is taken to point straight ahead, or as the "
+           "settings say\n";
   const auto degrees = [](double angle) { return angle * kDegreesPerRadian; };
   std::string text = fmt::format(
       "camera  yaw {:+.2f} +-{:.2f}, pitch {:+.2f} +-{:.2f}, roll {:+.1f} +-{:.1f} deg, estimated from the drive",
@@ -188,7 +192,7 @@ std::string CarText(const std::optional<CarRefinement>& car) {
   const std::string height = car->camera_height > 0 ? fmt::format("height  camera {:.3f} +-{:.3f} m above the road\n",
                                                                   car->camera_height, car->camera_height_sigma)
                                                     : "";
-  return fmt::format("car     {}yaw error of the camera {:+.2f} +-{:.2f} deg, from all turns\n{}", slip,
+  return fmt::format("car     {}remaining yaw error of the camera {:+.2f} +-{:.2f} deg, from all turns\n{}", slip,
                      car->yaw_error * kDegreesPerRadian, car->yaw_error_sigma * kDegreesPerRadian, height);
 }
 
@@ -361,7 +365,7 @@ std::string SummaryJson(const RunSummary& summary) {
 std::string SummaryText(const RunSummary& summary) {
   std::string scale = IsMetric(summary) ? "known" : ScaleStateName(summary.scale_state);
   if (IsMetric(summary))
-    scale += fmt::format(", path length +-{:.1f} %, along the drive at most +-{:.1f} % (at {:.1f} s)",
+    scale += fmt::format(", path length +-{:.1f} % (1 sigma), along the drive at most +-{:.1f} % (at {:.1f} s)",
                          100 * summary.path_sigma, 100 * summary.worst_sigma, summary.worst_sigma_time);
   if (!IsMetric(summary)) {
     const bool given = summary.vehicle.lever_arm || summary.vehicle.camera_height;
@@ -380,12 +384,12 @@ std::string SummaryText(const RunSummary& summary) {
       "turns   {} found, {} used\n"
       "frames  {} bridged, {} unreadable, {} repeated; {} before initialisation\n"
       "{}"
-      "speed   {:.1f} frames/s, {:.1f} ms of CPU time per frame, {:.0f} MB\n"
+      "speed   {:.1f} frames/s, {:.1f} ms of CPU time per frame over the whole run, {:.0f} MB of memory\n"
       "files   {}\n",
       ClipsText(summary.clips), summary.distance, IsMetric(summary) ? "m" : "units", summary.frames, summary.keyframes,
-      scale, IntrinsicsText(summary.found_camera), MountText(summary.mount), CarText(summary.car), summary.turns_found,
-      summary.turns_used, summary.bridged, summary.unreadable.size(), summary.repeated, summary.initializing,
-      MissingText(summary), summary.frames / std::max(cost.wall_seconds, 1e-9),
+      scale, IntrinsicsText(summary.found_camera, summary.folder), MountText(summary.mount), CarText(summary.car),
+      summary.turns_found, summary.turns_used, summary.bridged, summary.unreadable.size(), summary.repeated,
+      summary.initializing, MissingText(summary), summary.frames / std::max(cost.wall_seconds, 1e-9),
       1e3 * cost.cpu_seconds / std::max(summary.frames, 1), cost.peak_memory_mb, summary.folder);
 }
 

@@ -280,7 +280,7 @@ TEST(RunSummary, CountsAndMeasures) {
   summary.car = {0.002, 0.001, 0.0041, 0.0003, false};
   const auto with_car = nlohmann::json::parse(SummaryJson(summary));
   EXPECT_EQ(with_car["by_all_turns"]["side_slip_s2_per_m"], 0.0041);
-  EXPECT_NE(SummaryText(summary).find("side slip 0.0041 +-0.0003 s^2/m, yaw error of the camera +0.11 +-0.06 deg"),
+  EXPECT_NE(SummaryText(summary).find("side slip 0.0041 +-0.0003 s^2/m, remaining yaw error of the camera +0.11 +-0.06 deg"),
             std::string::npos);
   summary.car = {0.002, 0.001, 0, 1e-9, true};
   EXPECT_NE(SummaryText(summary).find("side slip 0, since the estimate would be negative"), std::string::npos);
@@ -335,7 +335,7 @@ TEST(RunSummary, SaysHowWellTheLengthIsKnownAndWhereLeast) {
   EXPECT_EQ(json["scale"]["worst_relative_sigma"], 0.09);
   EXPECT_NEAR(json["scale"]["worst_at_s"].get<double>(), 0.3, 1e-12);
   EXPECT_TRUE(json["warnings"].empty());
-  EXPECT_NE(SummaryText(summary).find("path length +-3.4 %, along the drive at most +-9.0 % (at 0.3 s)"),
+  EXPECT_NE(SummaryText(summary).find("path length +-3.4 % (1 sigma), along the drive at most +-9.0 % (at 0.3 s)"),
             std::string::npos)
       << SummaryText(summary);
 }

@@ -111,8 +111,7 @@ struct VideoFile::State {
   }
 
   [[noreturn]] void Refuse() const {
-    throw UnreadableVideo(path +
-                          ": cannot be opened as a video; repair it or leave it out, or give a folder of images");
+    throw UnreadableVideo(path + ": cannot be opened as a video; leave it out or repair it");
   }
 
   // Whether the file is a stream without a container. The library's readers of such have an option for the rate.

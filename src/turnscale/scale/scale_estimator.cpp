@@ -390,7 +390,7 @@ std::string Remedy(const ScaleEstimatorOptions& options, const std::vector<Segme
   const bool road =
       std::ranges::any_of(evidence, [](const SegmentEvidence& segment) { return segment.road.has_value(); });
   return "use a drive with a slow turn of " + std::to_string(degrees) + " degrees or more" +
-         (road ? ", or give the height of the camera above the road" : "");
+         (road ? ", or give the measured height of the camera above the road" : "");
 }
 
 }  // namespace
