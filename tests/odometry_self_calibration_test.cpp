@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <cmath>
 #include <optional>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -63,6 +64,21 @@ TEST(OdometrySelfCalibration, FindsADistortionToo) {
     const double truth = std::atan(drive.camera.pinhole.Ray(*drive.camera.Undistort(pixel)).x());
     EXPECT_NEAR(angle, truth, 0.02);
   }
+}
+
+TEST(OdometrySelfCalibration, TheSecondReadingBeginsWithTheDriveToo) {
+  // The first one, with a camera that may be far off, can miss an early turn.
+  const StreetDrive drive = PlainStreetDrive(kStreetFirstTurn + kStreetTurnFrames);
+  const OpenDrive images = ImagesOf(drive);
+  std::vector<std::optional<double>> begins;
+  const OpenDrive noted = [&](std::optional<double> from) {
+    begins.push_back(from);
+    return images(from);
+  };
+  ASSERT_TRUE(CalibrateFromDrive(StreetOptions(), {CameraOfView(70, drive.camera.width, drive.camera.height)}, noted));
+  ASSERT_GT(begins.size(), 1);
+  EXPECT_FALSE(begins[0]);
+  EXPECT_FALSE(begins[1]);
 }
 
 TEST(OdometrySelfCalibration, AStraightDoesNotTell) {

@@ -168,7 +168,10 @@ std::optional<FoundCamera> CalibrateFromDrive(const OdometryOptions& options, co
     found.converged = settled || (is_last && pass > 1 && step < 1);
     if (is_last) return found;
     camera = *next;
-    const Reading again = read(camera, pass, std::max(0.0, reading.first_time - begin - kLeadSeconds));
+    // With the camera as assumed, an earlier turn may have gone unnoticed.
+    const auto from =
+        pass == 1 ? std::nullopt : std::optional(std::max(0.0, reading.first_time - begin - kLeadSeconds));
+    const Reading again = read(camera, pass, from);
     // With the better camera no part of the drive turns enough to rely on.
     if (again.windows == 0) return pass > 1 ? std::optional(found) : std::nullopt;
     reading = again;
