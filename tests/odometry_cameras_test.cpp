@@ -24,6 +24,13 @@ void ExpectOneTurnInMetres(const StreetDriveOptions& options) {
   EXPECT_LT(run.map.keyframes.size(), 55U) << "as many as the motion asks for, whatever the camera";
 }
 
+TEST(OdometryCameras, EstimatedIntrinsicsAreNotTakenAsAccurate) {
+  CameraModel camera = PlainStreetDrive().camera;
+  EXPECT_GT(Odometry(StreetOptions(), camera).options().lens.accurate_share, 0);
+  camera.focal_sigma = 5;
+  EXPECT_EQ(Odometry(StreetOptions(), camera).options().lens.accurate_share, 0);
+}
+
 TEST(OdometryCameras, ThirtyFramesASecondGiveTheSameMetres) {
   ExpectOneTurnInMetres({.frames = 3 * kFramesOfOneTurn, .fps = 30});
 }

@@ -76,7 +76,7 @@ TEST(OdometrySelfCalibration, TheSecondReadingBeginsWithTheDriveToo) {
     return images(from);
   };
   ASSERT_TRUE(CalibrateFromDrive(StreetOptions(), {CameraOfView(70, drive.camera.width, drive.camera.height)}, noted));
-  ASSERT_GT(begins.size(), 1);
+  ASSERT_GT(begins.size(), 1U);
   EXPECT_FALSE(begins[0]);
   EXPECT_FALSE(begins[1]);
 }

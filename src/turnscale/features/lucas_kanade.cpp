@@ -9,14 +9,7 @@
 
 #include <opencv2/core/hal/intrin.hpp>
 
-// Compiled in addition to the rest, and used where the processor has it.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(CV_FORCE_SIMD128_CPP)
-#define TURNSCALE_WITH_AVX2 1
-#define TURNSCALE_AVX2 __attribute__((target("avx2")))
-#include <immintrin.h>
-#else
-#define TURNSCALE_WITH_AVX2 0
-#endif
+#include "turnscale/features/avx2.h"
 
 namespace turnscale {
 namespace {
@@ -174,10 +167,7 @@ void SumMismatch(const Patch& patch, int window, const Interpolation& interpolat
 // Two groups at a time give the same bits: sums over a group are exact integers, and are added in the same order.
 constexpr int kWideGroup = 2 * kGroup;
 
-bool IsWide(int width) {
-  static const bool has_avx2 = cv::checkHardwareSupport(CV_CPU_AVX2);
-  return has_avx2 && width % kWideGroup == 0;
-}
+bool IsWide(int width) { return HasAvx2() && width % kWideGroup == 0; }
 
 TURNSCALE_AVX2 __m256i LoadWide(const std::int16_t* values) {
   return _mm256_loadu_si256(reinterpret_cast<const __m256i*>(values));
@@ -344,6 +334,3 @@ std::optional<cv::Point2f> TrackPatch(const LucasKanadeOptions& options, const c
 }
 
 }  // namespace turnscale
-
-#undef TURNSCALE_AVX2
-#undef TURNSCALE_WITH_AVX2

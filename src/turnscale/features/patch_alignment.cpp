@@ -11,15 +11,7 @@
 #include <opencv2/core/hal/intrin.hpp>
 
 #include "turnscale/base/error.h"
-
-// Compiled in addition to the rest, and used where the processor has it.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(CV_FORCE_SIMD128_CPP)
-#define TURNSCALE_WITH_AVX2 1
-#define TURNSCALE_AVX2 __attribute__((target("avx2")))
-#include <immintrin.h>
-#else
-#define TURNSCALE_WITH_AVX2 0
-#endif
+#include "turnscale/features/avx2.h"
 
 namespace turnscale {
 namespace {
@@ -54,7 +46,7 @@ float Sum(const cv::v_float32x4& lanes) {
   return (values[0] + values[1]) + (values[2] + values[3]);
 }
 
-// Samples that are computed together at most, and the pixels that reading four for two of them takes more.
+// Samples that are computed together. A gather reads four pixels where two are needed: so many beyond them.
 constexpr int kWide = 8;
 constexpr int kWideReach = 2;
 
@@ -184,8 +176,7 @@ bool SampleTemplate(int half, const cv::Mat& reference, const Eigen::Vector2d& p
   std::array<float, kMostSide * kMostSide + kWide> values;
   LineSampler sampler(reference, reference_from_current.col(0));
 #if TURNSCALE_WITH_AVX2
-  static const bool has_avx2 = cv::checkHardwareSupport(CV_CPU_AVX2);
-  const bool wide = has_avx2 && LineSampler::IsSmall(reference) && inside(kWideReach);
+  const bool wide = HasAvx2() && LineSampler::IsSmall(reference) && inside(kWideReach);
 #endif
   for (int row = 0; row < side; ++row) {
     sampler.StartAt(start + row * reference_from_current.col(1));
@@ -376,6 +367,3 @@ void PrefetchPatch(const PatchAlignmentOptions& options, const cv::Mat& referenc
 }
 
 }  // namespace turnscale
-
-#undef TURNSCALE_AVX2
-#undef TURNSCALE_WITH_AVX2

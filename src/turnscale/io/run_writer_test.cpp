@@ -280,8 +280,9 @@ TEST(RunSummary, CountsAndMeasures) {
   summary.car = {0.002, 0.001, 0.0041, 0.0003, false};
   const auto with_car = nlohmann::json::parse(SummaryJson(summary));
   EXPECT_EQ(with_car["by_all_turns"]["side_slip_s2_per_m"], 0.0041);
-  EXPECT_NE(SummaryText(summary).find("side slip 0.0041 +-0.0003 s^2/m, remaining yaw error of the camera +0.11 +-0.06 deg"),
-            std::string::npos);
+  EXPECT_NE(
+      SummaryText(summary).find("side slip 0.0041 +-0.0003 s^2/m, remaining yaw error of the camera +0.11 +-0.06 deg"),
+      std::string::npos);
   summary.car = {0.002, 0.001, 0, 1e-9, true};
   EXPECT_NE(SummaryText(summary).find("side slip 0, since the estimate would be negative"), std::string::npos);
   EXPECT_TRUE(json["complete"].get<bool>());

@@ -46,7 +46,8 @@ void LensRefinementOptions::Check() const {
   if (!(prior_sigma > 0)) throw InputError("lens.prior_sigma: has to be positive");
   if (!(accurate_share >= 0 && accurate_share < 1))
     throw InputError("lens.accurate_share: has to be from 0 to below 1");
-  if (!(accurate_sigma > 0)) throw InputError("lens.accurate_sigma: has to be positive");
+  if (!(accurate_sigma > 0 && accurate_sigma < prior_sigma))
+    throw InputError("lens.accurate_sigma: has to be positive and below lens.prior_sigma");
   if (!(step > 0)) throw InputError("lens.step: has to be positive");
   if (max_landmarks < 20) throw InputError("lens.max_landmarks: has to be at least 20");
   if (!(pixel_sigma > 0)) throw InputError("lens.pixel_sigma: has to be positive");
@@ -62,7 +63,7 @@ void LensRefinement::Update() {
   const Belief off = Posterior(options_.prior_sigma, information_, weighted_estimate_);
   const double odds =
       options_.accurate_share / (1 - options_.accurate_share) * std::exp(accurate.log_evidence - off.log_evidence);
-  const double share = std::isinf(odds) ? 1 : odds / (1 + odds);
+  const double share = odds / (1 + odds);
   correction_ = share * accurate.mean + (1 - share) * off.mean;
   const double apart = accurate.mean - off.mean;
   sigma_ = std::sqrt(share * accurate.variance + (1 - share) * off.variance + share * (1 - share) * apart * apart);
@@ -106,6 +107,7 @@ bool LensRefinement::Read(IntrinsicsProblem& window) {
     // Windows overlap by half: most observations count twice.
     const double information = information_ + 0.5 * curvature;
     const double weighted_estimate = weighted_estimate_ + 0.5 * (curvature * at - evidence->gradient[kEntry]);
+    // Where the parabola is measured does not depend on which of the two priors is believed.
     const Belief off = Posterior(options_.prior_sigma, information, weighted_estimate);
     const double step = off.mean - at;
     if (step * step * information < kNegligibleStep * kNegligibleStep) {

@@ -21,7 +21,8 @@ struct LensRefinementOptions {
   /// Prior standard deviation of the correction where the calibration is off (KITTI's: 0.016).
   double prior_sigma = 0.02;
   /// Prior probability that the calibration is accurate instead: most lenses need no correction, and the noise of a
-  /// single turn should not make one.
+  /// single turn should not make one. Intrinsics
+  /// with a standard deviation were estimated from a drive: for them it is 0.
   double accurate_share = 0.5;
   /// Prior standard deviation of the correction of an accurate calibration: half a pixel at the edge of an image that
   /// is 1200 pixels and 80 degrees wide.
@@ -40,7 +41,7 @@ struct LensRefinementOptions {
 /// Estimates the radial correction (CorrectRadially) from the drive itself, window by window.
 ///
 /// Each window of keyframes in which the camera turns gives a parabola of the cost in the correction, poses and points
-/// marginalised out (IntrinsicsProblem), measured near the estimate. The parabolas add up to a Gaussian likelihood. The
+/// marginalised out (IntrinsicsProblem), measured near its minimum. The parabolas add up to a Gaussian likelihood. The
 /// estimate is the posterior mean, with a mixture of two Gaussians as the prior: the calibration is accurate, or off.
 /// What the windows cannot tell from noise hardly changes the calibration; a significant correction is taken as it is.
 class LensRefinement {

@@ -252,6 +252,7 @@ TEST(LensRefinement, OptionsNameTheFieldThatMakesNoSense) {
   EXPECT_EQ(RefusedField<Options>([](auto& o) { o.prior_sigma = 0; }), "lens.prior_sigma");
   EXPECT_EQ(RefusedField<Options>([](auto& o) { o.accurate_share = 1; }), "lens.accurate_share");
   EXPECT_EQ(RefusedField<Options>([](auto& o) { o.accurate_sigma = 0; }), "lens.accurate_sigma");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.accurate_sigma = o.prior_sigma; }), "lens.accurate_sigma");
   EXPECT_EQ(RefusedField<Options>([](auto& o) { o.step = -1; }), "lens.step");
   EXPECT_EQ(RefusedField<Options>([](auto& o) { o.max_landmarks = 19; }), "lens.max_landmarks");
   EXPECT_EQ(RefusedField<Options>([](auto& o) { o.pixel_sigma = std::nan(""); }), "lens.pixel_sigma");

@@ -84,8 +84,13 @@ double ReprojectionError(const Pinhole& pinhole, const RigidTransform& camera_fr
   return in_camera.z() > 0 ? (pinhole.Project(in_camera) - pixel).norm() : HUGE_VAL;
 }
 
-double LandmarksNeeded(const TwoViewOptions& options, double parallax, size_t matches) {
-  if (parallax < kAmpleParallax * options.min_parallax) return options.min_landmarks;
+// Pixels: the larger of the two bounds.
+double LeastParallax(const TwoViewOptions& options, const Pinhole& pinhole) {
+  return std::max(options.min_parallax, options.min_parallax_deg / kDegreesPerRadian * pinhole.fx);
+}
+
+double LandmarksNeeded(const TwoViewOptions& options, const Pinhole& pinhole, double parallax, size_t matches) {
+  if (parallax < kAmpleParallax * LeastParallax(options, pinhole)) return options.min_landmarks;
   const double share = options.min_landmark_share * static_cast<double>(matches);
   return std::clamp<double>(share, options.fewest_landmarks, options.min_landmarks);
 }
@@ -120,8 +125,7 @@ TwoViewResult InitializeFromTwoViews(const TwoViewOptions& options, const Pinhol
     result.status = TwoViewStatus::kStandstill;
     return result;
   }
-  const double parallax_deg = result.parallax / pinhole.fx * kDegreesPerRadian;
-  if (result.parallax < options.min_parallax || parallax_deg < options.min_parallax_deg) {
+  if (result.parallax < LeastParallax(options, pinhole)) {
     result.status = TwoViewStatus::kLowParallax;
     return result;
   }
@@ -171,7 +175,8 @@ TwoViewResult InitializeFromTwoViews(const TwoViewOptions& options, const Pinhol
     ++landmarks;
   }
   result.second_from_first.translation *= unit;
-  if (landmarks >= LandmarksNeeded(options, result.parallax, first.size())) result.status = TwoViewStatus::kInitialized;
+  if (landmarks >= LandmarksNeeded(options, pinhole, result.parallax, first.size()))
+    result.status = TwoViewStatus::kInitialized;
   return result;
 }
 

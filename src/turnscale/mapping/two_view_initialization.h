@@ -24,12 +24,12 @@ struct TwoViewOptions {
   double min_parallax_deg = 0.97;
   /// Largest distance of a match to its epipolar line, and largest reprojection error of a first landmark, pixels.
   double max_epipolar_error = 1.0;
-  /// Fewer landmarks than this do not make a map,
+  /// Least number of matches, and of landmarks of a map.
   int min_landmarks = 80;
-  /// unless the images have few features (fog, rain) and waiting has not helped: at twice the least parallax, this
-  /// share of the matches suffices,
+  /// Where few of the matches become landmarks (fog, rain): share of the matches that suffices instead, from twice the
+  /// least parallax on.
   double min_landmark_share = 0.25;
-  /// but not fewer than these.
+  /// Least number of landmarks even then.
   int fewest_landmarks = 40;
   /// Share of the matches that have to agree with the motion found.
   double min_inlier_share = 0.6;

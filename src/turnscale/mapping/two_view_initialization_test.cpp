@@ -89,7 +89,7 @@ TEST(TwoViewInitialization, AShortBaselineIsNoLongerInASharperImage) {
 }
 
 TEST(TwoViewInitialization, FewLandmarksSufficeWhereImagesHaveFewFeatures) {
-  const auto start = [](double travel, const TwoViewOptions& options) {
+  const auto start = [](double travel, const TwoViewOptions& options, double zoom = 1) {
     // Sixty points nearby, a hundred far away.
     const RigidTransform motion{RotationFromVector({0, 0.02, 0}), {0.2 * travel, 0, -travel}};
     const Views views = MakeViews(motion, 0.2, 5);
@@ -98,8 +98,12 @@ TEST(TwoViewInitialization, FewLandmarksSufficeWhereImagesHaveFewFeatures) {
       const bool is_near = i % 8 < 3;
       few.first.push_back(views.first[i]);
       few.second.push_back(is_near ? views.second[i] : kTestPinhole.Project(motion * (20 * views.points[i])));
+      few.first.back() *= zoom;
+      few.second.back() *= zoom;
     }
-    return InitializeFromTwoViews(options, kTestPinhole, few.first, few.second);
+    const Pinhole pinhole{zoom * kTestPinhole.fx, zoom * kTestPinhole.fy, zoom * kTestPinhole.cx,
+                          zoom * kTestPinhole.cy};
+    return InitializeFromTwoViews(options, pinhole, few.first, few.second);
   };
   TwoViewOptions strict;
   strict.min_landmark_share = 1;
@@ -108,6 +112,9 @@ TEST(TwoViewInitialization, FewLandmarksSufficeWhereImagesHaveFewFeatures) {
   const TwoViewResult early = start(0.9, {});
   EXPECT_EQ(early.status, TwoViewStatus::kFailed) << "with more parallax, there may be more";
   EXPECT_LT(early.parallax, 2 * strict.min_parallax);
+  const TwoViewResult sharper = start(0.9, {}, 3);
+  EXPECT_EQ(sharper.status, TwoViewStatus::kFailed) << "the least parallax is an angle there";
+  EXPECT_GT(sharper.parallax, 2 * strict.min_parallax);
 }
 
 TEST(TwoViewInitialization, RefusesMatchesWithoutACommonMotion) {

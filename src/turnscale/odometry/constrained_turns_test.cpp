@@ -130,7 +130,8 @@ TEST(ConstrainedTurns, PaperLeavesOutStepsFarFromTheMedianHoweverTheyScatter) {
   FinishedMap finished = DriftingMap(options, kTwoCorners, 0, 0);
   RefinedScale refined = RefinedOf(options, finished.map);
   const MountCalibration mount(options.vehicle);
-  // Every third camera of the first turn goes sideways, so that its two steps seem to swing out by 0.1 and 1.9 of what they do.
+  // Every third camera of the first turn goes sideways: its two steps seem to swing out by 0.1 and 1.9 of what they
+  // do.
   for (int k = refined.turns[0].first_keyframe + 1; k < refined.turns[0].last_keyframe; k += 3) {
     const TurningMotion motion = StepMotion(finished.map, k - 1, mount);
     const double swing = motion.step * std::sin(motion.theta - 0.5 * motion.psi);

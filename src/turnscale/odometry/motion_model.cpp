@@ -63,7 +63,7 @@ std::vector<RigidTransform> MotionModel::OtherPredictions(double time) const {
   std::vector<RigidTransform> others;
   if (step_) others.push_back(camera_from_world_);
   if (broken_off_) others.push_back(Extrapolate(broken_off_->step, time - time_));
-  if (!step_) return others;
+  if (!step_ || options_.turn_acceleration == 0) return others;
   for (const double share : {-1.0, 1.0, -0.5, 0.5}) {
     Step step = *step_;
     const double change = share * options_.turn_acceleration * (time - time_) * step.seconds;

@@ -44,6 +44,8 @@ OdometryOptions OptionsForReading(OdometryOptions options, int pass) {
   options.vehicle.camera_height.reset();
   options.road.enabled = false;
   options.calibration_check.enabled = false;
+  // The camera is not known yet.
+  options.lens.accurate_share = 0;
   options.pose.inlier_threshold *= LooseBy(pass);
   options.pose.huber_threshold *= LooseBy(pass);
   options.landmarks.max_reprojection_error *= LooseBy(pass);

@@ -86,7 +86,7 @@ struct EvidenceOptions {
   /// Side slip of a turn, relative: grip and load differ from turn to turn.
   double slip_sigma = 0.2;
   /// Direction of travel in a turn, rad (0.05 deg): road bank. Gravity loads the tyres by it, so a bank of 1.1 deg
-  /// changes the slip angle by so much.
+  /// changes the slip angle by this much.
   double turn_direction_sigma = 0.05 / 57.295779513082320877;
   /// Direction of travel on a straight segment, rad (0.1 deg): crown of the road, side wind, lane changes.
   double straight_direction_sigma = 0.1 / 57.295779513082320877;
