@@ -223,7 +223,8 @@ bool FrameTracker::NeedsKeyframe(const Map& map, const TrackedFrame& frame) cons
   return Median(std::move(parallax)) * kDegreesPerRadian > limits.min_parallax_deg;
 }
 
-void FrameTracker::Replenish(const CameraModel& camera, const FlowImage& image, Map& map) {
+void FrameTracker::Replenish(const CameraModel& camera, const FlowImage& image,
+                             const std::vector<cv::KeyPoint>& candidates, Map& map) {
   landmarks_in_keyframe_ = static_cast<int>(
       std::ranges::count_if(tracks_, [&](const FeatureTrack& track) { return map.landmarks[track.landmark].valid; }));
   for (FeatureTrack& track : tracks_) {
@@ -233,7 +234,7 @@ void FrameTracker::Replenish(const CameraModel& camera, const FlowImage& image, 
   for (FeatureTrack& track : lost_tracks_) track.in_keyframe.reset();
   const auto reference = std::make_shared<const cv::Mat>(image.gray);
   RenewReferences(map, camera, reference);
-  DetectNewFeatures(camera, reference, map);
+  DetectNewFeatures(camera, reference, candidates, map);
   features_in_keyframe_ = static_cast<int>(tracks_.size());
 }
 
@@ -256,9 +257,10 @@ void FrameTracker::RenewReferences(const Map& map, const CameraModel& camera,
   }
 }
 
-void FrameTracker::DetectNewFeatures(const CameraModel& camera, const std::shared_ptr<const cv::Mat>& image, Map& map) {
+void FrameTracker::DetectNewFeatures(const CameraModel& camera, const std::shared_ptr<const cv::Mat>& image,
+                                     const std::vector<cv::KeyPoint>& candidates, Map& map) {
   const int keyframe = static_cast<int>(map.keyframes.size()) - 1;
-  for (const cv::Point2f& corner : DetectCorners(options_.corners, *image, PixelsOf(tracks_), mask_)) {
+  for (const cv::Point2f& corner : DetectCorners(options_.corners, *image, candidates, PixelsOf(tracks_), mask_)) {
     const std::optional<Eigen::Vector2d> undistorted = camera.Undistort({corner.x, corner.y});
     if (!undistorted) continue;
     const int landmark = static_cast<int>(map.landmarks.size());

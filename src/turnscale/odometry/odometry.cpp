@@ -17,6 +17,7 @@
 #include "turnscale/base/error.h"
 #include "turnscale/base/quantiles.h"
 #include "turnscale/camera/camera_model.h"
+#include "turnscale/features/corners.h"
 #include "turnscale/geometry/rotation.h"
 #include "turnscale/mapping/landmarks.h"
 #include "turnscale/mapping/local_bundle_adjustment.h"
@@ -127,11 +128,14 @@ FrameResult Odometry::Process(const FlowImage& image, double time) {
   if (!tracked.camera_from_world) return Bridge(predicted, result);
   if (!tracker_.NeedsKeyframe(map_, tracked)) return MetricResult(result, *tracked.camera_from_world);
 
+  // They depend on the image alone, so that they are found while the map is adjusted.
+  std::future<std::vector<cv::KeyPoint>> corners =
+      InBackground([&] { return FindCandidates(options_.corners, image.gray); });
   ApplyBackgroundWork();
   AddKeyframe(result);
   ObserveRoad(image);
   const bool settling_is_due = ObserveScale(result);
-  tracker_.Replenish(camera_, image, map_);
+  tracker_.Replenish(camera_, image, corners.get(), map_);
   if (settling_is_due) StartSettling();
   StartCameraWork();
   return MetricResult(result, map_.keyframes.back().camera_from_world);
