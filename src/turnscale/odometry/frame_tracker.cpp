@@ -8,6 +8,8 @@
 #include <tuple>
 #include <unordered_set>
 
+#include <opencv2/core/utility.hpp>
+
 #include "turnscale/base/quantiles.h"
 #include "turnscale/features/corners.h"
 #include "turnscale/geometry/rotation.h"
@@ -137,6 +139,8 @@ FollowedTracks FrameTracker::FollowFrom(const Map& map, const CameraModel& camer
                                         const RigidTransform& camera_from_world) const {
   std::vector<FeatureTrack> with_depth;
   std::vector<FeatureTrack> without_depth;
+  with_depth.reserve(tracks_.size() + lost_tracks_.size());
+  without_depth.reserve(tracks_.size());
   for (const FeatureTrack& track : tracks_)
     (map.landmarks[track.landmark].valid ? with_depth : without_depth).push_back(track);
   FollowedTracks followed =
@@ -154,10 +158,14 @@ void FrameTracker::SearchByMap(const Map& map, const CameraModel& camera, const 
   std::erase_if(missing, [&](const FeatureTrack& track) {
     return !map.landmarks[track.landmark].valid || track.last_keyframe < oldest;
   });
-  std::vector<std::optional<cv::Point2f>> guesses;
-  for (const FeatureTrack& track : missing) guesses.push_back(PixelOf(map, camera, track.landmark, camera_from_world));
+  std::vector<std::optional<cv::Point2f>> guesses(missing.size());
+  cv::parallel_for_(cv::Range(0, static_cast<int>(missing.size())), [&](const cv::Range& range) {
+    for (int i = range.start; i < range.end; ++i)
+      guesses[i] = PixelOf(map, camera, missing[i].landmark, camera_from_world);
+  });
   const std::vector<uchar> found =
       AlignTracks(options_.alignment, map, camera, image.gray, camera_from_world, guesses, missing);
+  tracks.found.reserve(tracks.found.size() + missing.size());
   for (size_t i = 0; i < missing.size(); ++i)
     (found[i] != 0 ? tracks.found : tracks.lost).push_back(std::move(missing[i]));
 }

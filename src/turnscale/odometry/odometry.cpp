@@ -446,14 +446,18 @@ void Odometry::CorrectLens(double correction) {
   const auto corrected = [&](const Eigen::Vector2d& pixel) {
     return CorrectRadially(map_.pinhole, correction, UndoRadialCorrection(map_.pinhole, applied, pixel));
   };
-  for (Landmark& landmark : map_.landmarks)
-    for (LandmarkObservation& seen : landmark.observations) seen.pixel = corrected(seen.pixel);
+  cv::parallel_for_(cv::Range(0, static_cast<int>(map_.landmarks.size())), [&](const cv::Range& range) {
+    for (int i = range.start; i < range.end; ++i)
+      for (LandmarkObservation& seen : map_.landmarks[i].observations) seen.pixel = corrected(seen.pixel);
+  });
   // Each observation stands on both sides.
-  for (int k = archive_.end(); k < static_cast<int>(map_.keyframes.size()); ++k)
-    for (KeyframeObservation& seen : map_.keyframes[k].observations) {
-      const std::vector<LandmarkObservation>& corrected_already = map_.landmarks[seen.landmark].observations;
-      seen.pixel = std::ranges::find(corrected_already, k, &LandmarkObservation::keyframe)->pixel;
-    }
+  cv::parallel_for_(cv::Range(archive_.end(), static_cast<int>(map_.keyframes.size())), [&](const cv::Range& range) {
+    for (int k = range.start; k < range.end; ++k)
+      for (KeyframeObservation& seen : map_.keyframes[k].observations) {
+        const std::vector<LandmarkObservation>& corrected_already = map_.landmarks[seen.landmark].observations;
+        seen.pixel = std::ranges::find(corrected_already, k, &LandmarkObservation::keyframe)->pixel;
+      }
+  });
   tracker_.Correct(corrected);
 }
 
