@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "turnscale/odometry/odometry.h"
 #include "odometry_run.h"
 #include "street_drive.h"
 

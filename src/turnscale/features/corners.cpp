@@ -101,17 +101,6 @@ std::vector<cv::KeyPoint> FindFast(const cv::Mat& gray, int threshold) {
   return corners;
 }
 
-std::vector<cv::KeyPoint> FindCandidates(const CornerOptions& options, const cv::Mat& gray, const Grid& grid) {
-  // Share of the cells. Most drives fill half of them, with fog before a bright sky less than a tenth.
-  constexpr double kFewest = 0.125;
-  const int threshold = ThresholdFor(options, gray);
-  std::vector<cv::KeyPoint> candidates = FindFast(gray, threshold);
-  const auto filled = static_cast<double>(FilledCells(grid, candidates));
-  if (threshold > kLeastThreshold && filled < kFewest * static_cast<double>(grid.size()))
-    candidates = FindFast(gray, kLeastThreshold);
-  return candidates;
-}
-
 // Marks which pixels are in the mask and not too near to one that is taken.
 cv::Mat FreePixels(const CornerOptions& options, const cv::Size& size, const std::vector<cv::Point2f>& occupied,
                    const cv::Mat& mask) {
@@ -136,7 +125,25 @@ void CornerOptions::Check() const {
   if (border < 4) throw InputError("corners.border: has to be at least 4 pixels");
 }
 
+std::vector<cv::KeyPoint> FindCandidates(const CornerOptions& options, const cv::Mat& gray) {
+  // Share of the cells. Most drives fill half of them, with fog before a bright sky less than a tenth.
+  constexpr double kFewest = 0.125;
+  const Grid grid = MakeGrid(options, gray);
+  const int threshold = ThresholdFor(options, gray);
+  std::vector<cv::KeyPoint> candidates = FindFast(gray, threshold);
+  const auto filled = static_cast<double>(FilledCells(grid, candidates));
+  if (threshold > kLeastThreshold && filled < kFewest * static_cast<double>(grid.size()))
+    candidates = FindFast(gray, kLeastThreshold);
+  return candidates;
+}
+
 std::vector<cv::Point2f> DetectCorners(const CornerOptions& options, const cv::Mat& gray,
+                                       const std::vector<cv::Point2f>& occupied, const cv::Mat& mask) {
+  return DetectCorners(options, gray, FindCandidates(options, gray), occupied, mask);
+}
+
+std::vector<cv::Point2f> DetectCorners(const CornerOptions& options, const cv::Mat& gray,
+                                       const std::vector<cv::KeyPoint>& candidates,
                                        const std::vector<cv::Point2f>& occupied, const cv::Mat& mask) {
   const cv::Mat free = FreePixels(options, gray.size(), occupied, mask);
   const Grid grid = MakeGrid(options, gray);
@@ -145,7 +152,7 @@ std::vector<cv::Point2f> DetectCorners(const CornerOptions& options, const cv::M
     std::optional<cv::Point2f> corner;
   };
   std::vector<Slot> best(grid.size());
-  for (const cv::KeyPoint& candidate : FindCandidates(options, gray, grid)) {
+  for (const cv::KeyPoint& candidate : candidates) {
     const cv::Point pixel(candidate.pt);
     if (free.at<uchar>(pixel) == 0) continue;
     Slot& slot = best[grid.IndexOf(candidate.pt)];

@@ -23,11 +23,19 @@ struct CornerOptions {
   void Check() const;
 };
 
+/// FAST corners of an 8-bit gray image, all of them: the candidates for DetectCorners.
+std::vector<cv::KeyPoint> FindCandidates(const CornerOptions& options, const cv::Mat& gray);
+
 /// Corners of an 8-bit gray image spread evenly: the image is divided into about `target` square cells, and each cell
 /// gives, away from the `occupied` pixels, its FAST corner with the largest smaller eigenvalue of the gradient
 /// matrix (Shi and Tomasi 1994), which is what optical flow can hold on to in both directions. None lies where `mask`
 /// (8 bit, of the image's size; empty: no mask) is 0.
 std::vector<cv::Point2f> DetectCorners(const CornerOptions& options, const cv::Mat& gray,
                                        const std::vector<cv::Point2f>& occupied, const cv::Mat& mask = {});
+
+/// The same out of the image's candidates.
+std::vector<cv::Point2f> DetectCorners(const CornerOptions& options, const cv::Mat& gray,
+                                       const std::vector<cv::KeyPoint>& candidates,
+                                       const std::vector<cv::Point2f>& occupied, const cv::Mat& mask);
 
 }  // namespace turnscale

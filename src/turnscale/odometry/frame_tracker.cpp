@@ -8,6 +8,8 @@
 #include <tuple>
 #include <unordered_set>
 
+#include <opencv2/core/utility.hpp>
+
 #include "turnscale/base/quantiles.h"
 #include "turnscale/features/corners.h"
 #include "turnscale/geometry/rotation.h"
@@ -137,6 +139,8 @@ FollowedTracks FrameTracker::FollowFrom(const Map& map, const CameraModel& camer
                                         const RigidTransform& camera_from_world) const {
   std::vector<FeatureTrack> with_depth;
   std::vector<FeatureTrack> without_depth;
+  with_depth.reserve(tracks_.size() + lost_tracks_.size());
+  without_depth.reserve(tracks_.size());
   for (const FeatureTrack& track : tracks_)
     (map.landmarks[track.landmark].valid ? with_depth : without_depth).push_back(track);
   FollowedTracks followed =
@@ -154,10 +158,14 @@ void FrameTracker::SearchByMap(const Map& map, const CameraModel& camera, const 
   std::erase_if(missing, [&](const FeatureTrack& track) {
     return !map.landmarks[track.landmark].valid || track.last_keyframe < oldest;
   });
-  std::vector<std::optional<cv::Point2f>> guesses;
-  for (const FeatureTrack& track : missing) guesses.push_back(PixelOf(map, camera, track.landmark, camera_from_world));
+  std::vector<std::optional<cv::Point2f>> guesses(missing.size());
+  cv::parallel_for_(cv::Range(0, static_cast<int>(missing.size())), [&](const cv::Range& range) {
+    for (int i = range.start; i < range.end; ++i)
+      guesses[i] = PixelOf(map, camera, missing[i].landmark, camera_from_world);
+  });
   const std::vector<uchar> found =
       AlignTracks(options_.alignment, map, camera, image.gray, camera_from_world, guesses, missing);
+  tracks.found.reserve(tracks.found.size() + missing.size());
   for (size_t i = 0; i < missing.size(); ++i)
     (found[i] != 0 ? tracks.found : tracks.lost).push_back(std::move(missing[i]));
 }
@@ -223,7 +231,8 @@ bool FrameTracker::NeedsKeyframe(const Map& map, const TrackedFrame& frame) cons
   return Median(std::move(parallax)) * kDegreesPerRadian > limits.min_parallax_deg;
 }
 
-void FrameTracker::Replenish(const CameraModel& camera, const FlowImage& image, Map& map) {
+void FrameTracker::Replenish(const CameraModel& camera, const FlowImage& image,
+                             const std::vector<cv::KeyPoint>& candidates, Map& map) {
   landmarks_in_keyframe_ = static_cast<int>(
       std::ranges::count_if(tracks_, [&](const FeatureTrack& track) { return map.landmarks[track.landmark].valid; }));
   for (FeatureTrack& track : tracks_) {
@@ -233,7 +242,7 @@ void FrameTracker::Replenish(const CameraModel& camera, const FlowImage& image, 
   for (FeatureTrack& track : lost_tracks_) track.in_keyframe.reset();
   const auto reference = std::make_shared<const cv::Mat>(image.gray);
   RenewReferences(map, camera, reference);
-  DetectNewFeatures(camera, reference, map);
+  DetectNewFeatures(camera, reference, candidates, map);
   features_in_keyframe_ = static_cast<int>(tracks_.size());
 }
 
@@ -256,9 +265,10 @@ void FrameTracker::RenewReferences(const Map& map, const CameraModel& camera,
   }
 }
 
-void FrameTracker::DetectNewFeatures(const CameraModel& camera, const std::shared_ptr<const cv::Mat>& image, Map& map) {
+void FrameTracker::DetectNewFeatures(const CameraModel& camera, const std::shared_ptr<const cv::Mat>& image,
+                                     const std::vector<cv::KeyPoint>& candidates, Map& map) {
   const int keyframe = static_cast<int>(map.keyframes.size()) - 1;
-  for (const cv::Point2f& corner : DetectCorners(options_.corners, *image, PixelsOf(tracks_), mask_)) {
+  for (const cv::Point2f& corner : DetectCorners(options_.corners, *image, candidates, PixelsOf(tracks_), mask_)) {
     const std::optional<Eigen::Vector2d> undistorted = camera.Undistort({corner.x, corner.y});
     if (!undistorted) continue;
     const int landmark = static_cast<int>(map.landmarks.size());

@@ -53,8 +53,9 @@ class FrameTracker {
   bool NeedsKeyframe(const Map& map, const TrackedFrame& frame) const;
 
   /// The image that was tracked last is the map's latest keyframe: renews reference images, and adds new features as
-  /// landmarks without a depth.
-  void Replenish(const CameraModel& camera, const FlowImage& image, Map& map);
+  /// landmarks without a depth, out of the image's candidates (FindCandidates).
+  void Replenish(const CameraModel& camera, const FlowImage& image, const std::vector<cv::KeyPoint>& candidates,
+                 Map& map);
 
   /// Pixels that are 0 are left out from now on (8 bit; empty: none are).
   void SetMask(const cv::Mat& mask) { mask_ = mask; }
@@ -95,7 +96,8 @@ class FrameTracker {
                     const RigidTransform& camera_from_world, FollowedTracks& tracks) const;
   // The image is that of the latest keyframe.
   void RenewReferences(const Map& map, const CameraModel& camera, const std::shared_ptr<const cv::Mat>& image);
-  void DetectNewFeatures(const CameraModel& camera, const std::shared_ptr<const cv::Mat>& image, Map& map);
+  void DetectNewFeatures(const CameraModel& camera, const std::shared_ptr<const cv::Mat>& image,
+                         const std::vector<cv::KeyPoint>& candidates, Map& map);
 
   OdometryOptions options_;
   cv::Mat mask_;

@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include "turnscale/features/corners.h"
 #include "turnscale/features/synthetic_texture.h"
 #include "turnscale/geometry/rotation.h"
 
@@ -160,7 +161,7 @@ TEST_F(FrameTracking, AKeyframeGetsNewFeatures) {
   map_.keyframes.push_back({1, kInterval, *frame.camera_from_world, {}, false});
   const size_t tracked = tracker_.tracks().size();
   const size_t landmarks = map_.landmarks.size();
-  tracker_.Replenish(camera_, image, map_);
+  tracker_.Replenish(camera_, image, FindCandidates(options_.corners, image.gray), map_);
   EXPECT_GT(map_.landmarks.size(), landmarks);
   EXPECT_EQ(tracker_.tracks().size() - tracked, map_.landmarks.size() - landmarks);
   EXPECT_FALSE(map_.landmarks.back().valid) << "its depth is not known yet";
@@ -205,7 +206,7 @@ TEST_F(FrameTracking, MaskedPixelsAreLeftOut) {
   const TrackedFrame frame = Track(image, 20);
   ASSERT_TRUE(frame.camera_from_world);
   map_.keyframes.push_back({1, kInterval, *frame.camera_from_world, {}, false});
-  tracker_.Replenish(camera_, image, map_);
+  tracker_.Replenish(camera_, image, FindCandidates(options_.corners, image.gray), map_);
   EXPECT_GT(tracker_.tracks().size(), 100U);
   for (const FeatureTrack& track : tracker_.tracks()) EXPECT_TRUE(IsKept(mask, track.pixel)) << track.pixel;
 }

@@ -17,6 +17,7 @@
 #include "turnscale/base/error.h"
 #include "turnscale/base/quantiles.h"
 #include "turnscale/camera/camera_model.h"
+#include "turnscale/features/corners.h"
 #include "turnscale/geometry/rotation.h"
 #include "turnscale/mapping/landmarks.h"
 #include "turnscale/mapping/local_bundle_adjustment.h"
@@ -109,8 +110,13 @@ Odometry::Odometry(const OdometryOptions& options, const CameraModel& camera)
 FrameResult Odometry::Process(const cv::Mat& gray, double time) {
   Ensure(!finished_, "no frame follows Finish");
   CheckImage(gray);
+  return Process(BuildFlowImage(options_.flow, gray), time);
+}
+
+FrameResult Odometry::Process(const FlowImage& image, double time) {
+  Ensure(!finished_, "no frame follows Finish");
+  CheckImage(image.gray);
   FrameResult result = NewFrame(time, TrackingState::kInitializing);
-  const FlowImage image = BuildFlowImage(options_.flow, gray);
   if (!mapping_) return Initialize(image, result);
 
   const RigidTransform predicted = motion_.Predict(time);
@@ -122,11 +128,14 @@ FrameResult Odometry::Process(const cv::Mat& gray, double time) {
   if (!tracked.camera_from_world) return Bridge(predicted, result);
   if (!tracker_.NeedsKeyframe(map_, tracked)) return MetricResult(result, *tracked.camera_from_world);
 
+  // They depend on the image alone, so that they are found while the map is adjusted.
+  std::future<std::vector<cv::KeyPoint>> corners =
+      InBackground([&] { return FindCandidates(options_.corners, image.gray); });
   ApplyBackgroundWork();
   AddKeyframe(result);
   ObserveRoad(image);
   const bool settling_is_due = ObserveScale(result);
-  tracker_.Replenish(camera_, image, map_);
+  tracker_.Replenish(camera_, image, corners.get(), map_);
   if (settling_is_due) StartSettling();
   StartCameraWork();
   return MetricResult(result, map_.keyframes.back().camera_from_world);
@@ -437,14 +446,18 @@ void Odometry::CorrectLens(double correction) {
   const auto corrected = [&](const Eigen::Vector2d& pixel) {
     return CorrectRadially(map_.pinhole, correction, UndoRadialCorrection(map_.pinhole, applied, pixel));
   };
-  for (Landmark& landmark : map_.landmarks)
-    for (LandmarkObservation& seen : landmark.observations) seen.pixel = corrected(seen.pixel);
+  cv::parallel_for_(cv::Range(0, static_cast<int>(map_.landmarks.size())), [&](const cv::Range& range) {
+    for (int i = range.start; i < range.end; ++i)
+      for (LandmarkObservation& seen : map_.landmarks[i].observations) seen.pixel = corrected(seen.pixel);
+  });
   // Each observation stands on both sides.
-  for (int k = archive_.end(); k < static_cast<int>(map_.keyframes.size()); ++k)
-    for (KeyframeObservation& seen : map_.keyframes[k].observations) {
-      const std::vector<LandmarkObservation>& corrected_already = map_.landmarks[seen.landmark].observations;
-      seen.pixel = std::ranges::find(corrected_already, k, &LandmarkObservation::keyframe)->pixel;
-    }
+  cv::parallel_for_(cv::Range(archive_.end(), static_cast<int>(map_.keyframes.size())), [&](const cv::Range& range) {
+    for (int k = range.start; k < range.end; ++k)
+      for (KeyframeObservation& seen : map_.keyframes[k].observations) {
+        const std::vector<LandmarkObservation>& corrected_already = map_.landmarks[seen.landmark].observations;
+        seen.pixel = std::ranges::find(corrected_already, k, &LandmarkObservation::keyframe)->pixel;
+      }
+  });
   tracker_.Correct(corrected);
 }
 
