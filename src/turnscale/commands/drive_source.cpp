@@ -75,8 +75,7 @@ std::vector<Trajectory> Stretches(const std::vector<FrameResult>& frames) {
 
 }  // namespace
 
-ImageSourceOptions SourceOptions(const ImageArguments& arguments, const GivenCamera& given, int max_width,
-                                 const std::optional<FlowOptions>& flow) {
+ImageSourceOptions SourceOptions(const ImageArguments& arguments, const GivenCamera& given, int max_width) {
   ImageSourceOptions options;
   options.timestamps = arguments.timestamps;
   options.fps = arguments.fps;
@@ -86,7 +85,6 @@ ImageSourceOptions SourceOptions(const ImageArguments& arguments, const GivenCam
   options.height = given.model.height;
   options.camera_file = given.name;
   options.max_width = max_width;
-  options.flow = flow;
   return options;
 }
 
@@ -103,10 +101,10 @@ void CheckImageArguments(const ImageArguments& arguments) {
     throw InputError(fmt::format("--max-frames {}: give at least 1", *arguments.max_frames));
 }
 
-DriveImages::DriveImages(const ImageArguments& arguments, int max_width, const std::optional<FlowOptions>& flow)
+DriveImages::DriveImages(const ImageArguments& arguments, int max_width)
     : drive(FindDrive(arguments.inputs, arguments.topic)),
       given(CameraFor(arguments, drive)),
-      source(drive, SourceOptions(arguments, given, max_width, flow)),
+      source(drive, SourceOptions(arguments, given, max_width)),
       full_size(source.FullSize().value_or(cv::Size())),
       reduction(full_size, max_width),
       camera(reduction.Reduced(given.model)),
@@ -176,7 +174,7 @@ DriveMotion MotionFromImages(const ImageArguments& arguments, const CommandHooks
   OdometryOptions options = arguments.settings ? ReadSettings(*arguments.settings) : OdometryOptions();
   options.vehicle.lever_arm.reset();
   options.Check();
-  DriveImages images(arguments, options.images.max_width, options.flow);
+  DriveImages images(arguments, options.images.max_width);
   cv::setNumThreads(kImageThreads);
   const CameraEstimate estimate = EstimateCamera(arguments, images, options, hooks);
   Odometry odometry(options, images.camera);
@@ -197,7 +195,7 @@ DriveMotion MotionFromImages(const ImageArguments& arguments, const CommandHooks
         progress.Warn(fmt::format("frame {}: {}; skipped", frame->index, frame->problem));
         odometry.ProcessUnreadable(frame->time);
       } else {
-        odometry.Process(frame->flow, frame->time);
+        odometry.Process(frame->gray, frame->time);
       }
       progress.Update(++processed, fmt::format("{} keyframes", odometry.map().keyframes.size()));
     }

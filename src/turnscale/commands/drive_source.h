@@ -51,15 +51,14 @@ struct GivenCamera {
   CameraModel model;
 };
 
-/// Where the images of a drive are read from, as the arguments have it. `max_width`, `flow`: ImageSourceOptions.
-ImageSourceOptions SourceOptions(const ImageArguments& arguments, const GivenCamera& given, int max_width,
-                                 const std::optional<FlowOptions>& flow = {});
+/// Where the images of a drive are read from, as the arguments have it. `max_width`: ImageSourceOptions.
+ImageSourceOptions SourceOptions(const ImageArguments& arguments, const GivenCamera& given, int max_width);
 
 /// The images of a drive and their camera.
 struct DriveImages {
-  /// Images are reduced if they are wider than `max_width`, pixels; 0: none are. `flow`: ImageSourceOptions. Throws
-  /// InputError where there are no images or no times, or the mask cannot be read or is not of their size.
-  explicit DriveImages(const ImageArguments& arguments, int max_width = 0, const std::optional<FlowOptions>& flow = {});
+  /// Images are reduced if they are wider than `max_width`, pixels; 0: none are. Throws InputError where there are no
+  /// images or no times, or the mask cannot be read or is not of their size.
+  explicit DriveImages(const ImageArguments& arguments, int max_width = 0);
 
   DriveInput drive;
   GivenCamera given;  ///< at full size

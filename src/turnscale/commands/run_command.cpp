@@ -120,7 +120,7 @@ RunEnd ExecuteRun(const RunArguments& arguments, const RunHooks& hooks) {
   CheckThreads(arguments.threads);
   cv::setNumThreads(arguments.threads);
   CheckTruthFiles(arguments.truth);
-  DriveImages images(arguments.images, options.images.max_width, options.flow);
+  DriveImages images(arguments.images, options.images.max_width);
   CheckFolder(arguments, images);
   hooks.opened(images.expected);
   const CameraEstimate estimate = EstimateCamera(arguments.images, images, options, hooks, [&](int pass) {

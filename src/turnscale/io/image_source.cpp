@@ -56,12 +56,6 @@ int CheckedCount(const DriveInput& drive, int count, size_t times) {
 }  // namespace
 
 struct ImageSource::State {
-  // An image as the caller gets it.
-  struct PreparedImage : DriveImage {
-    cv::Size full_size;  // before it was reduced; empty if there is none
-    FlowImage flow;      // empty if none is wanted
-  };
-
   State(const DriveInput& drive, const ImageSourceOptions& options)
       : path(drive.path.string()), start(options.start), end(options.end) {
     CheckRate(options.fps);
@@ -79,7 +73,6 @@ struct ImageSource::State {
     size = {options.width, options.height};
     size_from = options.camera_file;
     max_width = options.max_width;
-    flow = options.flow;
     thread = std::jthread([this](std::stop_token stop) { Prefetch(stop); });
   }
 
@@ -163,10 +156,10 @@ struct ImageSource::State {
   void Prefetch(const std::stop_token& stop) {
     bool more = true;
     while (more && !stop.stop_requested()) {
-      std::optional<PreparedImage> image;
+      std::optional<DriveImage> image;
       std::exception_ptr thrown;
       try {
-        image = ReadPrepared();
+        image = reader->Read();
       } catch (...) {
         thrown = std::current_exception();
       }
@@ -180,27 +173,15 @@ struct ImageSource::State {
     }
   }
 
-  std::optional<PreparedImage> ReadPrepared() {
-    std::optional<DriveImage> read = reader->Read();
-    if (!read) return std::nullopt;
-    PreparedImage image{std::move(*read), {}, {}};
-    cv::Mat& gray = image.image.gray;
-    if (gray.empty()) return image;
-    image.full_size = gray.size();
-    gray = ImageReduction(image.full_size, max_width).Reduced(gray);
-    if (flow) image.flow = BuildFlowImage(*flow, gray);
-    return image;
-  }
-
   // Images up to the first readable one are taken from the queue and kept for Take.
   std::optional<cv::Size> FullSize() {
     for (size_t i = 0;; ++i) {
       if (i == looked_at.size()) {
-        std::optional<PreparedImage> image = TakeFromQueue();
+        std::optional<DriveImage> image = TakeFromQueue();
         if (!image) return std::nullopt;
         looked_at.push_back(std::move(*image));
       }
-      if (!looked_at[i].full_size.empty()) return looked_at[i].full_size;
+      if (!looked_at[i].image.gray.empty()) return looked_at[i].image.gray.size();
     }
   }
 
@@ -210,14 +191,14 @@ struct ImageSource::State {
     if (ended && start > 0 && reader->LatestTime() > 0) RefusePart(reader->LatestTime());
   }
 
-  std::optional<PreparedImage> Take() {
+  std::optional<DriveImage> Take() {
     if (looked_at.empty()) return TakeFromQueue();
-    PreparedImage image = std::move(looked_at.front());
+    DriveImage image = std::move(looked_at.front());
     looked_at.pop_front();
     return image;
   }
 
-  std::optional<PreparedImage> TakeFromQueue() {
+  std::optional<DriveImage> TakeFromQueue() {
     std::unique_lock lock(mutex);
     changed.wait(lock, [&] { return !queue.empty() || finished; });
     if (queue.empty()) {
@@ -225,20 +206,20 @@ struct ImageSource::State {
       ended = true;
       return std::nullopt;
     }
-    PreparedImage image = std::move(queue.front());
+    DriveImage image = std::move(queue.front());
     queue.pop_front();
     changed.notify_all();
     return image;
   }
 
-  void CheckSize(const cv::Size& of_image, const std::string& name) {
+  void CheckSize(const cv::Mat& image, const std::string& name) {
     if (size.width == 0 || size.height == 0) {
-      size = of_image;
+      size = image.size();
       size_from = name;
     }
-    if (of_image == size) return;
+    if (image.size() == size) return;
     throw InputError(fmt::format("{}: is {}x{} pixels, but {} says {}x{}; all frames need the camera's size", name,
-                                 of_image.width, of_image.height, size_from, size.width, size.height));
+                                 image.cols, image.rows, size_from, size.width, size.height));
   }
 
   void CountIn(const DriveImage& image, double time) {
@@ -264,7 +245,6 @@ struct ImageSource::State {
   cv::Size size;
   std::string size_from;
   int max_width = 0;
-  std::optional<FlowOptions> flow;
   int next = 0;
   int readable = 0;
   bool past_end = false;
@@ -272,12 +252,12 @@ struct ImageSource::State {
   std::vector<std::string> clip_files;
   std::vector<std::string> left_out;
   std::vector<ClipPart> clips;
-  int clip = 0;                         // of the latest image
-  std::deque<PreparedImage> looked_at;  // but not taken
+  int clip = 0;                      // of the latest image
+  std::deque<DriveImage> looked_at;  // but not taken
 
   std::mutex mutex;
   std::condition_variable_any changed;
-  std::deque<PreparedImage> queue;
+  std::deque<DriveImage> queue;
   std::exception_ptr failure;
   bool finished = false;
   // Last: it stops before what it uses goes.
@@ -292,7 +272,7 @@ ImageSource::~ImageSource() = default;
 std::optional<SourceFrame> ImageSource::Next() {
   State& state = *state_;
   if (state.past_end) return std::nullopt;
-  std::optional<State::PreparedImage> image = state.Take();
+  std::optional<DriveImage> image = state.Take();
   const auto index = static_cast<size_t>(state.offset + state.next);
   double time = 0;
   if (image) {
@@ -306,15 +286,12 @@ std::optional<SourceFrame> ImageSource::Next() {
     return std::nullopt;
   }
   if (!image->image.gray.empty()) {
-    state.CheckSize(image->full_size, image->name);
+    state.CheckSize(image->image.gray, image->name);
+    image->image.gray = ImageReduction(state.size, state.max_width).Reduced(image->image.gray);
     ++state.readable;
   }
   state.CountIn(*image, time);
-  return SourceFrame{state.next++,
-                     time,
-                     std::move(image->image.gray),
-                     std::move(image->flow),
-                     std::move(image->image.problem),
+  return SourceFrame{state.next++, time, std::move(image->image.gray), std::move(image->image.problem),
                      std::move(image->notice)};
 }
 

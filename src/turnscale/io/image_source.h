@@ -9,7 +9,6 @@
 
 #include <opencv2/core/mat.hpp>
 
-#include "turnscale/features/optical_flow.h"
 #include "turnscale/io/drive_input.h"
 
 namespace turnscale {
@@ -19,7 +18,6 @@ struct SourceFrame {
   int index = 0;        ///< from 0 at the first one read, without gaps, whatever the file names count
   double time = 0;      ///< seconds
   cv::Mat gray;         ///< 8-bit gray; empty if the image is unusable
-  FlowImage flow;       ///< made of it, if ImageSourceOptions::flow asks for that; else empty
   std::string problem;  ///< why there is no image: "name: why"
   std::string notice;   ///< what the user should know about the drive before this frame, such as a gap; may be empty
 };
@@ -46,11 +44,9 @@ struct ImageSourceOptions {
   int height = 0;                ///< that every image must have, pixels; 0 takes the first image's
   std::string camera_file = {};  ///< what asks for that size, for messages
   int max_width = 0;             ///< wider images are reduced (ImageReduction); 0: none are
-  /// How to prepare images for optical flow; nothing: they are not prepared.
-  std::optional<FlowOptions> flow = {};
 };
 
-/// The frames of a drive in order. Images are decoded, reduced and prepared ahead on a thread of their own.
+/// The frames of a drive in order. Images are decoded ahead on a thread of their own.
 class ImageSource {
  public:
   /// Throws InputError where there are no times, the times do not fit the frames, a video cannot be opened, or videos

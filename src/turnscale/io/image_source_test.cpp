@@ -108,18 +108,6 @@ TEST_F(ImageSourceTest, WideImagesAreReduced) {
   EXPECT_EQ(frames, 2) << "none is missing";
 }
 
-TEST_F(ImageSourceTest, ImagesArePreparedForOpticalFlow) {
-  Images(folder_, 0, 1);
-  Text("1.png", "no image");
-  const std::vector<SourceFrame> frames = ReadAll({.fps = 10, .max_width = 40, .flow = FlowOptions()});
-  ASSERT_EQ(frames.size(), 2);
-  ASSERT_EQ(frames[0].flow.gray.size(), frames[0].gray.size()) << "of the reduced image";
-  EXPECT_EQ(cv::norm(frames[0].flow.gray, frames[0].gray, cv::NORM_INF), 0);
-  EXPECT_FALSE(frames[0].flow.pyramid.empty());
-  EXPECT_TRUE(frames[1].flow.gray.empty()) << "there is no image";
-  EXPECT_TRUE(ReadAll()[0].flow.gray.empty()) << "not asked for";
-}
-
 TEST_F(ImageSourceTest, TheSizeIsThatOfTheFirstReadableImage) {
   Images(folder_, 1, 2);
   Text("0.png", "no image");

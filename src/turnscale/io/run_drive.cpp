@@ -94,8 +94,7 @@ class Run {
       result = odometry_.ProcessUnreadable(frame.time);
     } else {
       const Clock::time_point start = Clock::now();
-      result = frame.flow.gray.empty() ? odometry_.Process(frame.gray, frame.time)
-                                       : odometry_.Process(frame.flow, frame.time);
+      result = odometry_.Process(frame.gray, frame.time);
       latencies_.push_back(std::chrono::duration<double>(Clock::now() - start).count());
       const cv::Size full = drive_.reduction.Full(frame.gray.size());
       end_.summary.image_width = full.width;

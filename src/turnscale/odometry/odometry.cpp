@@ -110,13 +110,8 @@ Odometry::Odometry(const OdometryOptions& options, const CameraModel& camera)
 FrameResult Odometry::Process(const cv::Mat& gray, double time) {
   Ensure(!finished_, "no frame follows Finish");
   CheckImage(gray);
-  return Process(BuildFlowImage(options_.flow, gray), time);
-}
-
-FrameResult Odometry::Process(const FlowImage& image, double time) {
-  Ensure(!finished_, "no frame follows Finish");
-  CheckImage(image.gray);
   FrameResult result = NewFrame(time, TrackingState::kInitializing);
+  const FlowImage image = BuildFlowImage(options_.flow, gray);
   if (!mapping_) return Initialize(image, result);
 
   const RigidTransform predicted = motion_.Predict(time);

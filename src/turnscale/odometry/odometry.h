@@ -53,8 +53,6 @@ class Odometry {
   /// Throws InputError when its size is not the camera's (or the first image's, if the camera has none), or when the
   /// time is not after that of the previous frame.
   FrameResult Process(const cv::Mat& gray, double time);
-  /// The same for an image that BuildFlowImage has prepared with the options' `flow`, for example on another thread.
-  FrameResult Process(const FlowImage& image, double time);
 
   /// The next frame has no usable image: its pose is predicted and flagged.
   FrameResult ProcessUnreadable(double time);
