@@ -4,9 +4,9 @@
 
 #include <gtest/gtest.h>
 
-#include "turnscale/odometry/odometry.h"
 #include "odometry_run.h"
 #include "street_drive.h"
+#include "turnscale/odometry/odometry.h"
 
 namespace turnscale {
 namespace {
