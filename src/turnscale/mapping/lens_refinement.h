@@ -21,8 +21,8 @@ struct LensRefinementOptions {
   /// Prior standard deviation of the correction where the calibration is off (KITTI's: 0.016).
   double prior_sigma = 0.02;
   /// Prior probability that the calibration is accurate instead: most lenses need no correction, and the noise of a
-  /// single turn should not make one. Intrinsics
-  /// with a standard deviation were estimated from a drive: for them it is 0.
+  /// single turn should not make one. It is 0 for intrinsics with a standard deviation: these were estimated from a
+  /// drive.
   double accurate_share = 0.5;
   /// Prior standard deviation of the correction of an accurate calibration: half a pixel at the edge of an image that
   /// is 1200 pixels and 80 degrees wide.
@@ -60,6 +60,7 @@ class LensRefinement {
   double sigma() const { return sigma_; }  ///< standard deviation of the correction
 
  private:
+  /// Correction and sigma from the sums.
   void Update();
 
   LensRefinementOptions options_;

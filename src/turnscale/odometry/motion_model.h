@@ -20,8 +20,7 @@ struct MotionModelOptions {
   /// drive that is interrupted can be given.
   double travel_seconds = 60;
   /// Change of the turning rate per second that alternative predictions allow for, rad/s^2: that of a car at 4 m/s
-  /// whose wheels turn by 45 degrees per second. 0: there are no such
-  /// predictions.
+  /// whose wheels turn by 45 degrees per second. 0: there are no such predictions.
   double turn_acceleration = 1.2;
   /// Relative standard deviation of a speed at the time it was measured.
   double speed_sigma = 0.05;
