@@ -6,6 +6,8 @@
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(CV_FORCE_SIMD128_CPP)
 #define TURNSCALE_WITH_AVX2 1
 #define TURNSCALE_AVX2 __attribute__((target("avx2")))
+#include <cstdint>
+
 #include <immintrin.h>
 #include <opencv2/core/utility.hpp>
 
@@ -14,6 +16,10 @@ namespace turnscale {
 inline bool HasAvx2() {
   static const bool has = cv::checkHardwareSupport(CV_CPU_AVX2);
   return has;
+}
+
+TURNSCALE_AVX2 inline __m256i LoadWide(const std::int16_t* values) {
+  return _mm256_loadu_si256(reinterpret_cast<const __m256i*>(values));
 }
 
 }  // namespace turnscale

@@ -4,18 +4,18 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstddef>
 #include <cstdint>
 
 #include <opencv2/core/hal/intrin.hpp>
 
 #include "turnscale/features/avx2.h"
+#include "turnscale/features/gray_interpolation.h"
 
 namespace turnscale {
 namespace {
 
-// Pixels are processed in groups of this many, as 16-bit integers in 1/32 of a gray level.
-constexpr int kGroup = cv::v_int16x8::nlanes;
+constexpr int kGroup = kPixelGroup;
+// Gray levels are in 1/32.
 constexpr int kGrayBits = 5;
 constexpr float kGrayLevel = 1 << kGrayBits;
 
@@ -28,61 +28,7 @@ constexpr int kMostFlowWidth = (kMostFlowWindow + kGroup - 1) / kGroup * kGroup;
 constexpr int kMostSampledRows = kMostFlowWindow + 2;
 constexpr int kMostSampledWidth = kMostFlowWidth + kGroup;
 
-cv::v_int16x8 LoadPixels(const uchar* pixels) { return cv::v_reinterpret_as_s16(cv::v_load_expand(pixels)); }
-
-// A patch at a fraction of a pixel: bilinear interpolation with weights in 1/32768.
-class Interpolation {
- public:
-  // (x, y) is the top left pixel of the patch.
-  Interpolation(const cv::Mat& image, float x, float y)
-      : step_(static_cast<std::ptrdiff_t>(image.step)),
-        corner_(image.data + std::ptrdiff_t{cvFloor(y)} * step_ + cvFloor(x)),
-        right_(Weight(x - std::floor(x))),
-        down_(Weight(y - std::floor(y))) {}
-
-  // Between two columns of a row, a group from `column` on.
-  cv::v_int16x8 InRow(int row, int column) const {
-    const uchar* pixels = corner_ + row * step_ + column;
-    const cv::v_int16x8 left = LoadPixels(pixels);
-    return (left << kGrayBits) + cv::v_mul_hi((LoadPixels(pixels + 1) - left) << (kGrayBits + 1), right_);
-  }
-
-  cv::v_int16x8 Between(const cv::v_int16x8& above, const cv::v_int16x8& below) const {
-    return above + cv::v_mul_hi((below - above) << 1, down_);
-  }
-
-#if TURNSCALE_WITH_AVX2
-  // The same for two groups.
-  TURNSCALE_AVX2 __m256i WideInRow(int row, int column) const {
-    const uchar* pixels = corner_ + row * step_ + column;
-    const __m256i left = LoadWide(pixels);
-    const __m256i difference = _mm256_slli_epi16(_mm256_subs_epi16(LoadWide(pixels + 1), left), kGrayBits + 1);
-    return _mm256_adds_epi16(_mm256_slli_epi16(left, kGrayBits),
-                             _mm256_mulhi_epi16(difference, _mm256_broadcastsi128_si256(right_.val)));
-  }
-
-  TURNSCALE_AVX2 __m256i WideBetween(__m256i above, __m256i below) const {
-    const __m256i difference = _mm256_slli_epi16(_mm256_subs_epi16(below, above), 1);
-    return _mm256_adds_epi16(above, _mm256_mulhi_epi16(difference, _mm256_broadcastsi128_si256(down_.val)));
-  }
-#endif
-
- private:
-  static cv::v_int16x8 Weight(float fraction) {
-    return cv::v_setall_s16(static_cast<std::int16_t>(std::min(32767.0F, fraction * 32768.0F)));
-  }
-
-#if TURNSCALE_WITH_AVX2
-  TURNSCALE_AVX2 static __m256i LoadWide(const uchar* pixels) {
-    return _mm256_cvtepu8_epi16(_mm_loadu_si128(reinterpret_cast<const __m128i*>(pixels)));
-  }
-#endif
-
-  std::ptrdiff_t step_;
-  const uchar* corner_;
-  cv::v_int16x8 right_;
-  cv::v_int16x8 down_;
-};
+using Interpolation = GrayInterpolation<kGrayBits>;
 
 // Sums over a patch, with the lanes added in a fixed order.
 class PatchSum {
@@ -168,10 +114,6 @@ void SumMismatch(const Patch& patch, int window, const Interpolation& interpolat
 constexpr int kWideGroup = 2 * kGroup;
 
 bool IsWide(int width) { return HasAvx2() && width % kWideGroup == 0; }
-
-TURNSCALE_AVX2 __m256i LoadWide(const std::int16_t* values) {
-  return _mm256_loadu_si256(reinterpret_cast<const __m256i*>(values));
-}
 
 TURNSCALE_AVX2 void StoreWide(std::int16_t* values, __m256i wide) {
   _mm256_storeu_si256(reinterpret_cast<__m256i*>(values), wide);
