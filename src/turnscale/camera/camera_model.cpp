@@ -29,6 +29,7 @@ double AngleSlope(const std::array<double, 5>& k, double theta) {
 }
 
 constexpr int kNewtonSteps = 8;
+constexpr double kSmallChange = 0.05;  // of a radius, relative
 
 Eigen::Vector2d Scaled(const Pinhole& pinhole, const Eigen::Vector2d& pixel, double share) {
   const Eigen::Vector2d centre(pinhole.cx, pinhole.cy);
@@ -185,12 +186,14 @@ Eigen::Vector2d UndoRadialCorrection(const Pinhole& pinhole, double correction, 
   // Newton on radius (1 + correction radius^2) = corrected radius.
   const double corrected = pinhole.Ray(pixel).head<2>().norm();
   if (correction == 0 || corrected == 0) return pixel;
-  double radius = corrected;
+  // The series of the inverse is close where the correction is small.
+  const double change = correction * corrected * corrected;
+  double radius = std::abs(change) < kSmallChange ? corrected * (1 - change * (1 - 3 * change)) : corrected;
   for (int step = 0; step < kNewtonSteps; ++step) {
     const double error = radius * (1 + correction * radius * radius) - corrected;
-    const double change = error / (1 + 3 * correction * radius * radius);
-    if (radius - change == radius) break;
-    radius -= change;
+    const double excess = error / (1 + 3 * correction * radius * radius);
+    if (radius - excess == radius) break;
+    radius -= excess;
   }
   return Scaled(pinhole, pixel, radius / corrected - 1);
 }

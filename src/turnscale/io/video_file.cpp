@@ -46,6 +46,12 @@ constexpr int kLevels = 256;  // of gray
                    "-vf yadif OUT");
 }
 
+bool IsIdentity(const std::array<uint8_t, kLevels>& table) {
+  for (int level = 0; level < kLevels; ++level)
+    if (table[level] != level) return false;
+  return true;
+}
+
 double Seconds(const AVRational& time_base) { return av_q2d(time_base); }
 
 // Years before are clocks that were never set.
@@ -285,14 +291,18 @@ struct VideoFile::State {
         table = LevelTable();
       else
         converter = MakeConverter({frame->width, frame->height});
+      levels_stay = table && IsIdentity(*table);
       converted = kind;
     }
     if (!table) return Oriented(Convert(converter.get(), *frame));
     cv::Mat gray(frame->height, frame->width, CV_8UC1);
     for (int row = 0; row < gray.rows; ++row) {
       const uint8_t* stored = frame->data[0] + static_cast<std::ptrdiff_t>(row) * frame->linesize[0];
-      std::transform(stored, stored + gray.cols, gray.ptr<uint8_t>(row),
-                     [&](uint8_t level) { return (*table)[level]; });
+      if (levels_stay)
+        std::copy_n(stored, gray.cols, gray.ptr<uint8_t>(row));
+      else
+        std::transform(stored, stored + gray.cols, gray.ptr<uint8_t>(row),
+                       [&](uint8_t level) { return (*table)[level]; });
     }
     return Oriented(gray);
   }
@@ -327,6 +337,7 @@ struct VideoFile::State {
   FramePointer frame;
   Converter converter;
   std::optional<std::array<uint8_t, kLevels>> table;  // stands for the converter where it can
+  bool levels_stay = false;                           // whether the table changes none
   std::array<int, 4> converted{};                     // width, height, format and range that these are for
   AVStream* stream = nullptr;
   Orientation orientation;

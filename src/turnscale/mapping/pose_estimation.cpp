@@ -62,15 +62,20 @@ Normal BuildNormal(const PoseEstimationOptions& options, const Pinhole& pinhole,
   return normal;
 }
 
-void Classify(const PoseEstimationOptions& options, const Pinhole& pinhole, const std::vector<PointSighting>& sightings,
+// Returns whether any sighting has become an inlier or an outlier.
+bool Classify(const PoseEstimationOptions& options, const Pinhole& pinhole, const std::vector<PointSighting>& sightings,
               PoseEstimate& estimate) {
+  bool changed = false;
   estimate.inliers = 0;
   for (size_t i = 0; i < sightings.size(); ++i) {
     const Eigen::Vector3d x = estimate.camera_from_world * sightings[i].x_in_world;
     const double squared = x.z() > 0 ? (pinhole.Project(x) - sightings[i].pixel).squaredNorm() : HUGE_VAL;
-    estimate.inlier[i] = squared <= options.inlier_threshold * options.inlier_threshold ? 1 : 0;
-    estimate.inliers += estimate.inlier[i];
+    const char inlier = squared <= options.inlier_threshold * options.inlier_threshold ? 1 : 0;
+    changed |= inlier != estimate.inlier[i];
+    estimate.inlier[i] = inlier;
+    estimate.inliers += inlier;
   }
+  return changed;
 }
 
 }  // namespace
@@ -98,7 +103,7 @@ PoseEstimate EstimatePose(const PoseEstimationOptions& options, const Pinhole& p
       estimate.camera_from_world.translation += step.tail<3>();
       if (step.head<3>().norm() + step.tail<3>().norm() / distance < kStepTolerance) break;
     }
-    Classify(options, pinhole, sightings, estimate);
+    if (!Classify(options, pinhole, sightings, estimate)) break;
   }
   return estimate;
 }

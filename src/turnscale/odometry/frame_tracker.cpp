@@ -52,6 +52,8 @@ bool StandsStill(const StaticRegionOptions& options, const Map& map, const Landm
 constexpr size_t kPoseSample = 120;
 constexpr int kLeastOfPoseSample = 50;
 constexpr double kLeastShareOfSample = 0.6;
+// Halvings of the image that cover the error of most predictions.
+constexpr int kSampleLevels = 1;
 
 }  // namespace
 
@@ -96,7 +98,9 @@ std::pair<FollowedTracks, PoseEstimate> FrameTracker::TrackFrom(const Map& map, 
                                                                 const FlowImage& before, const FlowImage& image,
                                                                 const RigidTransform& last,
                                                                 const RigidTransform& predicted) const {
-  if (const std::optional<RigidTransform> pose = PoseOfSample(map, camera, before, image, last, predicted)) {
+  std::optional<RigidTransform> pose = PoseOfSample(map, camera, before, image, last, predicted, kSampleLevels);
+  if (!pose) pose = PoseOfSample(map, camera, before, image, last, predicted, std::nullopt);
+  if (pose) {
     FollowedTracks followed = FollowFrom(map, camera, before, image, last, *pose);
     PoseEstimate estimate = EstimateFramePose(options_.pose, map, *pose, followed);
     if (IsBelievable(options_.tracking, estimate)) return {std::move(followed), std::move(estimate)};
@@ -115,8 +119,8 @@ std::pair<FollowedTracks, PoseEstimate> FrameTracker::TrackFrom(const Map& map, 
 
 std::optional<RigidTransform> FrameTracker::PoseOfSample(const Map& map, const CameraModel& camera,
                                                          const FlowImage& before, const FlowImage& image,
-                                                         const RigidTransform& last,
-                                                         const RigidTransform& predicted) const {
+                                                         const RigidTransform& last, const RigidTransform& predicted,
+                                                         std::optional<int> levels) const {
   std::vector<const FeatureTrack*> with_depth;
   for (const FeatureTrack& track : tracks_)
     if (map.landmarks[track.landmark].valid) with_depth.push_back(&track);
@@ -125,7 +129,7 @@ std::optional<RigidTransform> FrameTracker::PoseOfSample(const Map& map, const C
   const size_t size = std::min(with_depth.size(), kPoseSample);
   for (size_t i = 0; i < size; ++i) sample.push_back(*with_depth[i * with_depth.size() / size]);
   FollowedTracks followed = FollowTracks(options_.flow, map, camera, before, image, sample,
-                                         PredictPixels(map, camera, sample, last, predicted));
+                                         PredictPixels(map, camera, sample, last, predicted), levels);
   DropMasked(followed);
   const PoseEstimate estimate = EstimateFramePose(options_.pose, map, predicted, followed);
   if (estimate.inliers < kLeastOfPoseSample ||

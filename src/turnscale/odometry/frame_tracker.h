@@ -80,10 +80,11 @@ class FrameTracker {
   std::pair<FollowedTracks, PoseEstimate> TrackFrom(const Map& map, const CameraModel& camera, const FlowImage& before,
                                                     const FlowImage& image, const RigidTransform& last,
                                                     const RigidTransform& predicted) const;
-  // The pose by a sample of the landmarks; empty where they do not agree.
+  // The pose by a sample of the landmarks, searched from this many halvings of the image on (empty: all); empty where
+  // they do not agree.
   std::optional<RigidTransform> PoseOfSample(const Map& map, const CameraModel& camera, const FlowImage& before,
                                              const FlowImage& image, const RigidTransform& last,
-                                             const RigidTransform& predicted) const;
+                                             const RigidTransform& predicted, std::optional<int> levels) const;
   // All tracks from a pose that is correct within a few pixels.
   FollowedTracks FollowFrom(const Map& map, const CameraModel& camera, const FlowImage& before, const FlowImage& image,
                             const RigidTransform& last, const RigidTransform& camera_from_world) const;
