@@ -5,6 +5,8 @@
 #define turnscale turnscale_portable
 #include "turnscale/features/lucas_kanade.cpp"     // NOLINT(bugprone-suspicious-include)
 #include "turnscale/features/patch_alignment.cpp"  // NOLINT(bugprone-suspicious-include)
+#include "turnscale/features/patch_sums.cpp"       // NOLINT(bugprone-suspicious-include)
+#include "turnscale/features/patch_template.cpp"   // NOLINT(bugprone-suspicious-include)
 #undef turnscale
 
 #include "turnscale/features/portable_features.h"
