@@ -58,6 +58,35 @@ TEST(WindowProblem, WritesBackOnlyWhatMayMove) {
   EXPECT_EQ(map.landmarks[1].position, Eigen::Vector3d(1, 0, 20));
 }
 
+TEST(WindowProblem, LaterKeyframesFollowWhatIsWrittenBack) {
+  Map map = MakeSmallMap({{1, 2}, {2, 3, 4}, {3, 4}});
+  Map earlier = map;
+  earlier.keyframes.resize(3);
+  std::erase_if(earlier.landmarks[1].observations, [](const LandmarkObservation& seen) { return seen.keyframe > 2; });
+  earlier.landmarks[2].observations.clear();
+  WindowProblem problem = MakeWindowProblem(earlier, {0, 1}, 1);
+  ASSERT_EQ(problem.landmarks, (std::vector<int>{0}));
+  // Everything is 1.5 times as large about keyframe 0, and then turned.
+  const RigidTransform turn{RotationFromVector({0.1, -0.2, 0.3}), {0.4, 0.5, 0.6}};
+  const auto moved = [&](const Eigen::Vector3d& x) -> Eigen::Vector3d { return turn * (1.5 * x); };
+  for (RigidTransform& pose : problem.bundle.camera_from_world) {
+    pose.translation *= 1.5;
+    pose = pose * turn.inverse();
+  }
+  problem.bundle.camera_is_fixed.assign(3, 0);
+  problem.bundle.points[0] = moved(map.landmarks[0].position);
+  const Map before = map;
+  WriteBack(problem, map);
+  for (int k = 0; k < 5; ++k) {
+    const RigidTransform& pose = map.keyframes[k].camera_from_world;
+    const Eigen::Vector3d centre = before.keyframes[k].camera_from_world.inverse().translation;
+    EXPECT_LT((pose.inverse().translation - moved(centre)).norm(), 1e-12) << k;
+    EXPECT_LT(RotationAngle(pose.rotation * turn.rotation), 1e-7) << k;
+  }
+  for (int i = 0; i < 3; ++i)
+    EXPECT_LT((map.landmarks[i].position - moved(before.landmarks[i].position)).norm(), 1e-12) << i;
+}
+
 TEST(WindowProblem, TheMapStartsAfterTheLastGap) {
   Map map = MakeSmallMap({});
   EXPECT_EQ(StartOfMap(map), 0);

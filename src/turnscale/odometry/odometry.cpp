@@ -42,9 +42,10 @@ constexpr int kArchivedTogether = 20;
 // far away.
 constexpr double kDecidingTurn = 10;
 
-// Keyframes that are added between the start of camera work and the use of its results: in a turn, where they are close
-// to one another, the work takes about as long as two of them.
+// Keyframes that are added between the start of work and the use of its results. In a turn, where they are close to one
+// another, camera work takes about as long as two of them, a large window as four.
 constexpr int kKeyframesOfCameraWork = 4;
+constexpr int kKeyframesOfSettling = 6;
 
 // Calls `work` on a thread of its own, or where there is none, when its result is asked for.
 template <typename Work>
@@ -129,9 +130,9 @@ FrameResult Odometry::Process(const cv::Mat& gray, double time) {
   ApplyBackgroundWork();
   AddKeyframe(result);
   ObserveRoad(image);
-  const bool settling_is_due = ObserveScale(result);
+  ObserveScale(result);
   tracker_.Replenish(camera_, image, corners.get(), map_);
-  if (settling_is_due) StartSettling();
+  StartSettling();
   StartCameraWork();
   return MetricResult(result, map_.keyframes.back().camera_from_world);
 }
@@ -352,16 +353,20 @@ void Odometry::ObserveRoad(const FlowImage& image) {
   if (height) scale_.AddHeight(*height);
 }
 
-bool Odometry::ObserveScale(FrameResult& result) {
+void Odometry::ObserveScale(FrameResult& result) {
   const TurningMotion motion = StepMotion(map_, static_cast<int>(map_.keyframes.size()) - 2, mount());
   result.psi = motion.psi;
   result.theta = motion.theta;
   const bool turn_ended = scale_.Add(map_);
   const int unsettled = static_cast<int>(map_.keyframes.size() - lens_of_keyframe_.size());
-  return turn_ended || unsettled >= options_.turn_bundle.window / 2;
+  const bool many = !settling_.valid() && unsettled >= options_.turn_bundle.window / 2;
+  settling_is_due_ = settling_is_due_ || turn_ended || many;
 }
 
 void Odometry::StartSettling() {
+  if (!settling_is_due_ || settling_.valid()) return;
+  settling_is_due_ = false;
+  settled_window_due_ = static_cast<int>(map_.keyframes.size()) + kKeyframesOfSettling;
   settling_ = InBackground(
       [options = options_.turn_bundle, work = WorkToSettle()]() mutable { return Adjusted(options, std::move(work)); });
 }
@@ -383,8 +388,9 @@ void Odometry::StartCameraWork() {
 }
 
 void Odometry::ApplyBackgroundWork() {
-  if (settling_.valid()) ApplySettled(settling_.get());
-  if (!camera_work_.valid() || static_cast<int>(map_.keyframes.size()) < camera_work_due_) return;
+  const int keyframes = static_cast<int>(map_.keyframes.size());
+  if (settling_.valid() && keyframes >= settled_window_due_) ApplySettled(settling_.get());
+  if (!camera_work_.valid() || keyframes < camera_work_due_) return;
   const CameraWork work = camera_work_.get();
   if (work.calibration_sigma) calibration_sigma_ = *work.calibration_sigma;
   if (work.lens_correction && std::abs(*work.lens_correction - camera_.radial_correction) >= kLeastLensChange)
@@ -407,6 +413,7 @@ Odometry::SettlingWork Odometry::WorkToSettle() const {
   // Earlier local windows had fewer observations and a less accurate lens correction.
   SettlingWork work;
   work.first = FirstToSettle();
+  work.end = static_cast<int>(map_.keyframes.size());
   work.window = MakeLocalWindow(options_.turn_bundle, work.first, map_);
   work.applied_correction = camera_.radial_correction;
   return work;
@@ -420,7 +427,7 @@ Odometry::SettlingWork Odometry::Adjusted(const LocalBundleOptions& options, Set
 void Odometry::ApplySettled(const SettlingWork& work) {
   const int keyframes = static_cast<int>(map_.keyframes.size());
   const int first = work.first;
-  lens_of_keyframe_.resize(keyframes, std::numeric_limits<double>::quiet_NaN());
+  lens_of_keyframe_.resize(work.end, std::numeric_limits<double>::quiet_NaN());
   std::fill(lens_of_keyframe_.begin() + first, lens_of_keyframe_.end(), work.applied_correction);
   // Factors of length are means over two steps on either side.
   const int from = std::max(0, first - 2);
@@ -457,6 +464,7 @@ void Odometry::CorrectLens(double correction) {
 }
 
 void Odometry::Settle() {
+  settled_window_due_ = 0;
   camera_work_due_ = 0;
   ApplyBackgroundWork();
   ApplySettled(Adjusted(options_.turn_bundle, WorkToSettle()));

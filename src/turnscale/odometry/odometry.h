@@ -114,10 +114,11 @@ class Odometry {
   TrackedFrame Track(const FlowImage& image, const RigidTransform& predicted, FrameResult& result);
   FrameResult Bridge(const RigidTransform& predicted, FrameResult result);
 
-  /// A window that is adjusted while the frames up to the next keyframe are processed.
+  /// A window that is adjusted while the frames up to a later keyframe are processed.
   struct SettlingWork {
     double applied_correction = 0;  ///< radial correction of the window's pixels
     int first = 0;                  ///< first keyframe to settle
+    int end = 0;                    ///< the one after the last
     WindowProblem window;           ///< adjusted; no landmarks if it contains NaN
   };
   /// Results of lens refinement and calibration check, computed while the frames up to a later keyframe are processed.
@@ -130,10 +131,10 @@ class Odometry {
   void AddKeyframe(FrameResult& result);
   /// Measures the height above the road at the latest keyframe, whose image this is.
   void ObserveRoad(const FlowImage& image);
-  /// Updates the scale with the latest keyframe. Returns whether settling is due: the keyframe ended a turn, or many
-  /// keyframes have not been settled yet.
-  bool ObserveScale(FrameResult& result);
-  /// Starts to adjust a copy of the keyframes that are not settled.
+  /// Updates the scale with the latest keyframe. Settling is due if it ended a turn, or many keyframes have not been
+  /// settled yet.
+  void ObserveScale(FrameResult& result);
+  /// Starts to adjust a copy of the keyframes that are not settled, if that is due and none is being adjusted.
   void StartSettling();
   /// Starts to read copies of the windows that are due for lens refinement and calibration check, if there are any.
   /// Does nothing while results of earlier ones are not applied.
@@ -196,7 +197,9 @@ class Odometry {
   int lost_frames_ = 0;   ///< consecutive, up to now
   double last_time_ = -std::numeric_limits<double>::infinity();
   int frames_ = 0;
-  int camera_work_due_ = 0;  ///< number of keyframes at which its results are applied
+  bool settling_is_due_ = false;
+  int settled_window_due_ = 0;  ///< number of keyframes at which the window is applied
+  int camera_work_due_ = 0;     ///< the same for camera work
   // Declared last, so that they are waited for before the members that they use are destroyed.
   std::future<SettlingWork> settling_;
   std::future<CameraWork> camera_work_;
