@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include "turnscale/geometry/rotation.h"
+
 namespace turnscale {
 namespace {
 
@@ -44,6 +46,38 @@ TEST(RoadHeights, FollowTheMapWhenItIsAdjusted) {
   VehicleStep after = StepBetween(3, 6);
   SetStepHeight(map, heights, after);
   EXPECT_NEAR(after.height, 1.1 * before.height, 1e-12);
+}
+
+TEST(RoadHeights, FollowAChangeOfTheMotion) {
+  Map map = StraightMap(10);
+  // The later keyframe turns down by 2 mrad and rises by 1 mrad of the way when the map is adjusted.
+  MeasuredHeight height = {4, 2, 0.4, 0.01};
+  height.reference_from_keyframe = map.keyframes[2].camera_from_world * map.keyframes[4].camera_from_world.inverse();
+  height.by_rotation << -4, 0.5, 0.2;
+  height.by_direction << 0.1, 6, 0;
+  VehicleStep before = StepBetween(3, 6);
+  SetStepHeight(map, {height}, before);
+  EXPECT_NEAR(before.height, 0.4, 1e-12);
+  const RigidTransform pose = map.keyframes[4].camera_from_world.inverse();
+  const RigidTransform adjusted{RotationFromVector({-0.002, 0, 0}) * pose.rotation,
+                                pose.translation + Eigen::Vector3d(0, -0.001, 0)};
+  map.keyframes[4].camera_from_world = adjusted.inverse();
+  VehicleStep after = StepBetween(3, 6);
+  SetStepHeight(map, {height}, after);
+  EXPECT_NEAR(std::log(after.height / before.height), 4 * 0.002 - 6 * 0.001, 1e-5);
+}
+
+TEST(RoadHeights, TooLargeAChangeOfTheMotionLeavesNoHeight) {
+  Map map = StraightMap(10);
+  MeasuredHeight height = {4, 2, 0.4, 0.01};
+  height.reference_from_keyframe = map.keyframes[2].camera_from_world * map.keyframes[4].camera_from_world.inverse();
+  height.by_direction << 0, 6, 0;
+  RigidTransform pose = map.keyframes[4].camera_from_world.inverse();
+  pose.translation.y() += 0.1;
+  map.keyframes[4].camera_from_world = pose.inverse();
+  VehicleStep step = StepBetween(3, 6);
+  SetStepHeight(map, {height}, step);
+  EXPECT_EQ(step.height, 0);
 }
 
 TEST(RoadHeights, AStepThatShowsNoRoadHasNone) {

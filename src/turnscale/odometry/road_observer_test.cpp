@@ -25,11 +25,17 @@ CameraModel RoadCamera() {
 }
 
 /// What keyframes of a straight drive show, the map in its own unit.
-std::vector<std::optional<MeasuredHeight>> Observe(const SyntheticRoad& road, int keyframes, int gap = -1) {
+struct Observed {
+  Map map;  ///< as it truly is
+  std::vector<std::optional<MeasuredHeight>> heights;
+};
+
+/// `pitch_error`: of each keyframe while it is the latest one, rad.
+Observed ObserveMap(const SyntheticRoad& road, int keyframes, int gap = -1, double pitch_error = 0) {
   const CameraModel camera = RoadCamera();
   RoadObserver observer{RoadObserverOptions{}};
-  std::vector<std::optional<MeasuredHeight>> heights;
-  Map map;
+  Observed observed;
+  Map& map = observed.map;
   map.pinhole = camera.pinhole;
   for (int k = 0; k < keyframes; ++k) {
     RigidTransform world_from_camera{RotationFromVector({-0.06, 0, 0}), {0, 0, kStep * k}};
@@ -39,9 +45,17 @@ std::vector<std::optional<MeasuredHeight>> Observe(const SyntheticRoad& road, in
     FlowImage flow;
     flow.gray = image.gray;
     flow.pyramid = {image.gray, image.half};
-    heights.push_back(observer.Observe(map, camera, Eigen::Quaterniond::Identity(), flow, {}));
+    const RigidTransform truth = map.keyframes.back().camera_from_world;
+    map.keyframes.back().camera_from_world =
+        RigidTransform{RotationFromVector({pitch_error, 0, 0}), Eigen::Vector3d::Zero()} * truth;
+    observed.heights.push_back(observer.Observe(map, camera, Eigen::Quaterniond::Identity(), flow, {}));
+    map.keyframes.back().camera_from_world = truth;
   }
-  return heights;
+  return observed;
+}
+
+std::vector<std::optional<MeasuredHeight>> Observe(const SyntheticRoad& road, int keyframes, int gap = -1) {
+  return ObserveMap(road, keyframes, gap).heights;
 }
 
 TEST(RoadObserver, FindsTheHeightAndFollowsIt) {
@@ -58,6 +72,29 @@ TEST(RoadObserver, FindsTheHeightAndFollowsIt) {
     EXPECT_LT(heights[k]->sigma, 0.06);
   }
   EXPECT_GE(seen, 6);
+}
+
+// The latest keyframe has an error that adjustment of the map removes later; so do the heights measured with it.
+TEST(RoadObserver, HeightsFollowTheAdjustedMotion) {
+  const SyntheticRoad road;
+  const Observed exact = ObserveMap(road, 8);
+  const Observed off = ObserveMap(road, 8, -1, 5e-4);
+  int compared = 0;
+  for (int k = 3; k < 8; ++k) {
+    if (!exact.heights[k] || !off.heights[k]) continue;
+    const double wrong = off.heights[k]->ratio / exact.heights[k]->ratio;
+    EXPECT_GT(std::abs(wrong - 1), 0.002) << k;
+    const auto height_of = [&](const Observed& observed) {
+      VehicleStep step;
+      step.first = k - 1;
+      step.last = k;
+      SetStepHeight(observed.map, {*observed.heights[k]}, step);
+      return step.height;
+    };
+    EXPECT_NEAR(height_of(off) / height_of(exact), 1, 0.2 * std::abs(wrong - 1)) << k;
+    ++compared;
+  }
+  EXPECT_GE(compared, 4);
 }
 
 TEST(RoadObserver, NoRoadNoHeight) {
