@@ -18,6 +18,15 @@ Map StraightMap(int keyframes) {
   return map;
 }
 
+MeasuredHeight Measured(int keyframe, int reference, double ratio, double sigma) {
+  MeasuredHeight height;
+  height.keyframe = keyframe;
+  height.reference = reference;
+  height.ratio = ratio;
+  height.sigma = sigma;
+  return height;
+}
+
 VehicleStep StepBetween(int first, int last) {
   VehicleStep step;
   step.first = first;
@@ -28,8 +37,8 @@ VehicleStep StepBetween(int first, int last) {
 TEST(RoadHeights, AStepHasTheHeightOfItsKeyframes) {
   const Map map = StraightMap(10);
   // 0.4 units each, but for one outside of the step.
-  const std::vector<MeasuredHeight> heights = {
-      {3, 2, 9.0, 0.01}, {4, 3, 0.8, 0.01}, {6, 4, 0.4, 0.02}, {7, 6, 9.0, 0.01}};
+  const std::vector<MeasuredHeight> heights = {Measured(3, 2, 9.0, 0.01), Measured(4, 3, 0.8, 0.01),
+                                               Measured(6, 4, 0.4, 0.02), Measured(7, 6, 9.0, 0.01)};
   VehicleStep step = StepBetween(3, 6);
   SetStepHeight(map, heights, step);
   EXPECT_NEAR(step.height, 0.4, 1e-12);
@@ -39,7 +48,7 @@ TEST(RoadHeights, AStepHasTheHeightOfItsKeyframes) {
 
 TEST(RoadHeights, FollowTheMapWhenItIsAdjusted) {
   Map map = StraightMap(10);
-  const std::vector<MeasuredHeight> heights = {{4, 2, 0.4, 0.01}};
+  const std::vector<MeasuredHeight> heights = {Measured(4, 2, 0.4, 0.01)};
   VehicleStep before = StepBetween(3, 6);
   SetStepHeight(map, heights, before);
   for (Keyframe& keyframe : map.keyframes) keyframe.camera_from_world.translation *= 1.1;
@@ -51,7 +60,7 @@ TEST(RoadHeights, FollowTheMapWhenItIsAdjusted) {
 TEST(RoadHeights, FollowAChangeOfTheMotion) {
   Map map = StraightMap(10);
   // The later keyframe turns down by 2 mrad and rises by 1 mrad of the way when the map is adjusted.
-  MeasuredHeight height = {4, 2, 0.4, 0.01};
+  MeasuredHeight height = Measured(4, 2, 0.4, 0.01);
   height.reference_from_keyframe = map.keyframes[2].camera_from_world * map.keyframes[4].camera_from_world.inverse();
   height.by_rotation << -4, 0.5, 0.2;
   height.by_direction << 0.1, 6, 0;
@@ -69,7 +78,7 @@ TEST(RoadHeights, FollowAChangeOfTheMotion) {
 
 TEST(RoadHeights, TooLargeAChangeOfTheMotionLeavesNoHeight) {
   Map map = StraightMap(10);
-  MeasuredHeight height = {4, 2, 0.4, 0.01};
+  MeasuredHeight height = Measured(4, 2, 0.4, 0.01);
   height.reference_from_keyframe = map.keyframes[2].camera_from_world * map.keyframes[4].camera_from_world.inverse();
   height.by_direction << 0, 6, 0;
   RigidTransform pose = map.keyframes[4].camera_from_world.inverse();
@@ -82,7 +91,7 @@ TEST(RoadHeights, TooLargeAChangeOfTheMotionLeavesNoHeight) {
 
 TEST(RoadHeights, AStepThatShowsNoRoadHasNone) {
   const Map map = StraightMap(10);
-  const std::vector<MeasuredHeight> heights = {{4, 3, 0.8, 0.01}};
+  const std::vector<MeasuredHeight> heights = {Measured(4, 3, 0.8, 0.01)};
   VehicleStep other = StepBetween(4, 8);
   SetStepHeight(map, heights, other);
   EXPECT_EQ(other.height, 0);
