@@ -97,8 +97,13 @@ std::optional<MeasuredHeight> RoadObserver::Observe(const Map& map, const Camera
   }
   failures_ = 0;
   height_ = height_ ? *height_ * std::pow(road->height / *height_, kFollow) : road->height;
-  return MeasuredHeight{latest, reference->keyframe, road->height / distance,
-                        std::hypot(road->sigma, kSigmaPerTurn * motion.psi)};
+  return MeasuredHeight{latest,
+                        reference->keyframe,
+                        road->height / distance,
+                        std::hypot(road->sigma, kSigmaPerTurn * motion.psi),
+                        earlier_from_current,
+                        road->by_rotation,
+                        road->by_direction};
 }
 
 }  // namespace turnscale

@@ -243,4 +243,29 @@ std::optional<PatchMatch> MatchPatch(const RoadPatchOptions& options, const Road
   return match;
 }
 
+std::optional<Eigen::Matrix<double, 1, 6>> InverseDepthChangeByMotion(const RoadPair& pair, const Eigen::Vector3d& ray,
+                                                                      const RoadSurface& surface) {
+  const double inverse_depth = surface.InverseDepth(ray);
+  if (!(inverse_depth > 0)) return std::nullopt;
+  const RigidTransform& motion = pair.earlier_from_current;
+  const Eigen::Vector3d turned = motion.rotation * ray;
+  const Eigen::Vector3d point = turned + inverse_depth * motion.translation;
+  const auto pixel = ProjectTo(pair, point, 0);
+  if (!pixel) return std::nullopt;
+  const double step = 1e-3 * point.z();
+  Eigen::Matrix<double, 2, 3> by_point;
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto moved = ProjectTo(pair, point + step * Eigen::Vector3d::Unit(axis), 0);
+    if (!moved) return std::nullopt;
+    by_point.col(axis) = (*moved - *pixel) / step;
+  }
+  const Eigen::Vector2d by_inverse_depth = by_point * motion.translation;
+  const double squares = by_inverse_depth.squaredNorm();
+  if (!(squares > 0)) return std::nullopt;
+  const Eigen::RowVector3d along = -by_inverse_depth.transpose() * by_point / squares;
+  Eigen::Matrix<double, 1, 6> by_motion;
+  by_motion << turned.cross(along.transpose()).transpose(), inverse_depth * along;
+  return by_motion;
+}
+
 }  // namespace turnscale

@@ -89,4 +89,10 @@ struct PatchMatch {
 std::optional<PatchMatch> MatchPatch(const RoadPatchOptions& options, const RoadPair& pair, const RoadPatch& patch,
                                      const RoadSurface& surface, int size);
 
+/// Derivatives of PatchMatch::inverse_depth_change by a small rotation (rad) and translation that follow
+/// `earlier_from_current`, in the axes of the earlier camera. A shift of the patch across its epipolar line is taken to
+/// leave the match as it is. Empty where MatchPatch would be.
+std::optional<Eigen::Matrix<double, 1, 6>> InverseDepthChangeByMotion(const RoadPair& pair, const Eigen::Vector3d& ray,
+                                                                      const RoadSurface& surface);
+
 }  // namespace turnscale

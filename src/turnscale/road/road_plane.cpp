@@ -39,6 +39,7 @@ struct Expectation {
 };
 
 struct Sample {
+  Eigen::Vector3d ray;
   Eigen::Vector4d by_surface;  // change of its inverse depth by the plane's three numbers and the vertical curvature
   PatchMatch match;
   double variance;  // of its inverse depth about the surface
@@ -71,7 +72,7 @@ std::vector<Sample> MatchAll(const RoadPlaneOptions& options, const RoadPair& pa
     if (!matches[i]) continue;
     const Eigen::Vector3d& ray = patches[i].ray;
     const double unevenness = options.unevenness * surface.InverseDepth(ray);
-    samples.push_back({surface.ByParameters(ray), *matches[i], matches[i]->variance + unevenness * unevenness});
+    samples.push_back({ray, surface.ByParameters(ray), *matches[i], matches[i]->variance + unevenness * unevenness});
   }
   return samples;
 }
@@ -126,6 +127,31 @@ void Move(const Eigen::Vector4d& change, RoadSurface& surface) {
   const double share = std::min(kMost * surface.plane.norm() / std::max(change.head<3>().norm(), 1e-12), 1.0);
   surface.plane += share * change.head<3>();
   surface.vertical_curvature += share * change[3];
+}
+
+// Changes of the fit's result by a small rotation and translation that follow `earlier_from_current`.
+Eigen::Matrix<double, 4, 6> ChangeByMotion(const RoadPair& pair, const std::vector<Sample>& samples, const Fit& fit,
+                                           const RoadSurface& surface, const Expectation& expected) {
+  Eigen::Matrix<double, 4, 6> right = Eigen::Matrix<double, 4, 6>::Zero();
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    if (fit.weights[i] == 0) continue;
+    const auto by_motion = InverseDepthChangeByMotion(pair, samples[i].ray, surface);
+    if (!by_motion) continue;
+    const double weight = fit.weights[i] / (samples[i].variance * fit.spread * fit.spread);
+    right += weight * samples[i].by_surface * *by_motion;
+  }
+  // The direction of travel in the axes of the current camera is the inverse rotation of the translation's.
+  const RigidTransform& motion = pair.earlier_from_current;
+  const double length = motion.translation.norm();
+  const Eigen::RowVector3d plane = (motion.rotation * surface.plane).transpose();
+  Eigen::Matrix<double, 1, 6> pitch;
+  pitch << plane.cross(motion.translation.transpose() / length), plane / length;
+  pitch.tail<3>() -= pitch.tail<3>().dot(motion.translation) / (length * length) * motion.translation.transpose();
+  const Eigen::Vector3d forward = expected.level_from_camera.row(2);
+  const double down = expected.level_from_camera.row(1).dot(surface.plane);
+  const double weight = 1 / (expected.pitch_sigma * expected.pitch_sigma * down * down);
+  right.topRows<3>() -= weight * forward * pitch;
+  return fit.information.ldlt().solve(right);
 }
 
 double SumOfCorrelations(const RoadPlaneOptions& options, const RoadPair& pair, const std::vector<RoadPatch>& patches,
@@ -183,6 +209,7 @@ std::optional<RoadPlane> FitRoadPlane(const RoadPlaneOptions& options, const Roa
   if (samples.empty()) return std::nullopt;
   road.share = static_cast<double>(road.patches) / static_cast<double>(samples.size());
   if (road.patches < options.min_patches || road.share < options.min_share) return std::nullopt;
+  const Eigen::Matrix<double, 4, 6> by_motion = ChangeByMotion(pair, samples, fit, surface, expected);
   Move(fit.change, surface);
   const double norm = surface.plane.norm();
   if (!(norm > 0) || !std::isfinite(norm)) return std::nullopt;
@@ -192,6 +219,9 @@ std::optional<RoadPlane> FitRoadPlane(const RoadPlaneOptions& options, const Roa
     return std::nullopt;
   road.height = 1 / norm;
   road.normal = surface.plane / norm;
+  const Eigen::RowVector3d by_surface = -surface.plane.transpose() / (norm * norm);
+  road.by_rotation = by_surface * by_motion.topLeftCorner<3, 3>();
+  road.by_direction = by_surface * by_motion.topRightCorner<3, 3>() * pair.earlier_from_current.translation.norm();
   Eigen::Vector4d by_plane;
   by_plane << surface.plane / (norm * norm), 0;
   road.sigma = kCorrelatedErrors * std::sqrt(by_plane.dot(fit.information.ldlt().solve(by_plane)));

@@ -32,6 +32,11 @@ struct RoadPlane {
   Eigen::Vector3d normal = Eigen::Vector3d::UnitY();  ///< downwards, in the current camera's axes
   int patches = 0;                                    ///< inliers
   double share = 0;                                   ///< of inliers in the patches that match
+  /// Derivatives of ln(height / length of the motion) by a small rotation (rad) that follows `earlier_from_current`,
+  /// and by a change of the motion's unit vector of translation, in the axes of the earlier camera. With the motion
+  /// turns the direction of travel, from which the plane's pitch is expected.
+  Eigen::RowVector3d by_rotation = Eigen::RowVector3d::Zero();
+  Eigen::RowVector3d by_direction = Eigen::RowVector3d::Zero();
 };
 
 /// The plane that makes the road region of one image look like that in an earlier one: photometric, patch by patch

@@ -2,11 +2,14 @@
 #include "turnscale/road/road_plane.h"
 
 #include <cmath>
+#include <utility>
+#include <vector>
 
 #include <gtest/gtest.h>
 
 #include "turnscale/base/random.h"
 #include "turnscale/base/refused_field.h"
+#include "turnscale/geometry/rotation.h"
 #include "turnscale/road/synthetic_road.h"
 
 namespace turnscale {
@@ -41,6 +44,47 @@ TEST(RoadPlane, HeightIsThatOfTheCamera) {
     EXPECT_LT(road->sigma, 0.02);
     EXPECT_GT(road->share, 0.8);
     EXPECT_NEAR(road->normal.dot(views.region.level_from_camera.row(1)), 1, 1e-4);
+  }
+}
+
+/// The same images with another motion: a small rotation follows it, and its unit vector of translation changes. The
+/// region follows the direction of travel.
+RoadViews WithMotion(RoadViews views, const Eigen::Vector3d& turn, const Eigen::Vector3d& aside) {
+  RigidTransform& motion = views.earlier_from_current;
+  const double travel = motion.translation.norm();
+  const Eigen::Vector3d direction = (motion.translation / travel + aside).normalized();
+  motion = {RotationFromVector(turn) * motion.rotation, travel * direction};
+  const Eigen::Vector3d forward = motion.rotation.conjugate() * direction;
+  const Eigen::Vector3d right = views.region.level_from_camera.row(0);
+  const Eigen::Vector3d down = forward.cross(right).normalized();
+  views.region.level_from_camera << down.cross(forward).transpose(), down.transpose(), forward.transpose();
+  return views;
+}
+
+// Another motion also moves the region by fractions of a pixel, so that other patches are selected: what is left of the
+// error is the scatter of fits.
+TEST(RoadPlane, DerivativesByTheMotionCorrectTheHeight) {
+  const std::vector<std::pair<Eigen::Vector3d, Eigen::Vector3d>> changes = {
+      {{0, 0, 0}, {0, 0.004, 0}},       {{0, 0, 0}, {0, -0.004, 0}},        {{0.003, 0, 0}, {0, 0.004, 0}},
+      {{-0.003, 0, 0}, {0, -0.004, 0}}, {{0.003, 0.003, 0}, {0, 0.004, 0}}, {{0, -0.003, 0.003}, {0.004, -0.004, 0}}};
+  for (const CameraModel& camera : {Camera(), Fisheye()}) {
+    double before = 0;
+    double after = 0;
+    for (const double travel : {0.7, 0.9, 1.4, 2.5}) {
+      const RoadViews views = ViewRoad(camera, {}, {2, -4, 1}, travel);
+      const auto right = FitRoadPlane({}, views.Pair(), views.region, kTrueHeight);
+      ASSERT_TRUE(right);
+      for (const auto& [turn, aside] : changes) {
+        const RoadViews other = WithMotion(views, turn, aside);
+        const auto wrong = FitRoadPlane({}, other.Pair(), other.region, kTrueHeight);
+        ASSERT_TRUE(wrong);
+        const double error = std::log(wrong->height / right->height);
+        const double corrected = error - wrong->by_rotation.dot(turn) - wrong->by_direction.dot(aside);
+        before += error * error;
+        after += corrected * corrected;
+      }
+    }
+    EXPECT_LT(std::sqrt(after / before), 0.4);
   }
 }
 

@@ -103,10 +103,12 @@ void LiveScale::TakeDirection(const std::vector<VehicleStep>& steps, ScaleBelief
   const double lever_arm = std::exp(belief.mean[kLogLeverArm]) / *metres_per_unit;
   SegmentEvidence evidence = EvidenceOfStraight(steps, lever_arm, options_.evidence);
   if (ShowsRoad(steps)) ShareDirection(options_.evidence, evidence);
-  const auto measurement = Linearize(evidence, belief.mean, options_.evidence);
+  DriveState at = belief.mean;
+  at[kLogScale] = std::log(*metres_per_unit);
+  const auto measurement = Linearize(evidence, at, options_.evidence);
   if (!measurement) return;
-  const double deviation = std::sqrt(NormalizedInnovation(belief, *measurement, 1, belief.mean));
-  belief = Updated(belief, *measurement, HuberWeight(deviation, options_.huber), belief.mean);
+  const double deviation = std::sqrt(NormalizedInnovation(belief, *measurement, 1, at));
+  belief = Updated(belief, *measurement, HuberWeight(deviation, options_.huber), at);
 }
 
 void LiveScale::Advance(const std::vector<VehicleStep>& steps, ScaleBelief& belief) const {

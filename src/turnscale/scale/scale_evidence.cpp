@@ -17,7 +17,8 @@ namespace {
 
 // Fewer steps of a straight show no direction of travel.
 constexpr int kFewestStraightSteps = 3;
-// The lever arm that acts in the bends of a straight, over that of the turns: faster bends slip more.
+// The lever arm with which the bends of a straight are taken out before the scale is known, over that of the turns:
+// faster bends slip more. The standard deviation is that of the lever arm and of the slip: roads are banked.
 constexpr double kBendRatio = 0.9;
 constexpr double kBendRatioSigma = 0.4;
 // Of the steps of a segment that show the road.
@@ -114,23 +115,38 @@ SegmentEvidence EvidenceOfStraight(const std::vector<VehicleStep>& steps, double
                                    const EvidenceOptions& options) {
   SegmentEvidence evidence;
   evidence.direction_sigma = std::numeric_limits<double>::infinity();
+  evidence.bend_lever_arm = kBendRatio * lever_arm;
   std::vector<LinePoint> points;
+  std::vector<double> turns;
+  std::vector<double> square_speeds;
   double angle = 0;
   double length = 0;
   double squares = 0;
   for (const VehicleStep& step : steps) {
     const TurningMotion& motion = step.motion;
     if (!step.usable || !std::isfinite(step.lateral())) continue;
-    points.push_back({step.forward(), step.lateral() - kBendRatio * lever_arm * 2.0 * std::sin(0.5 * motion.psi)});
+    const double turn = 2.0 * std::sin(0.5 * motion.psi);
+    points.push_back({step.forward(), step.lateral() - evidence.bend_lever_arm * turn});
+    turns.push_back(turn);
     angle += motion.psi;
     length += motion.step;
     squares += motion.step * motion.step;
+    square_speeds.push_back(std::copysign(step.speed() * step.speed(), step.forward()));
   }
   if (static_cast<int>(points.size()) < kFewestStraightSteps || !(length > 0)) return evidence;
   const double floor = options.line.sigma_theta * std::sqrt(squares / static_cast<double>(points.size()));
   const RobustLine line = FitRobustLine(points, floor, options.line.robust_threshold);
   if (!std::isfinite(line.slope)) return evidence;
   evidence.direction = line.slope;
+  double weights = 0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const double weight = line.weight[i] * points[i].x;
+    weights += weight * points[i].x;
+    evidence.bend += weight * turns[i];
+    evidence.bend_square_speed += weight * turns[i] * square_speeds[i];
+  }
+  evidence.bend /= weights;
+  evidence.bend_square_speed /= weights;
   evidence.direction_sigma = std::hypot(line.sigma, kBendRatioSigma * lever_arm * angle / length);
   return evidence;
 }
@@ -197,13 +213,17 @@ Measurement LinearizeRoad(const RoadEvidence& road, const DriveState& state, con
 
 std::optional<Measurement> Linearize(const SegmentEvidence& evidence, const DriveState& state,
                                      const EvidenceOptions& options) {
+  const auto square = [](double value) { return value * value; };
   Measurement measurement;
   if (!evidence.turning) {
     if (!std::isfinite(evidence.direction_sigma)) return std::nullopt;
-    measurement.innovation = evidence.direction - state[kDirection];
+    const double scale = std::exp(state[kLogScale]);
+    const double swing = evidence.bend * (std::exp(state[kLogLeverArm]) / scale - evidence.bend_lever_arm);
+    const double slip = state[kSlip] * scale * evidence.bend_square_speed;
+    measurement.innovation = evidence.direction - (state[kDirection] + swing - slip);
     measurement.by_state[kDirection] = 1;
-    measurement.variance = evidence.direction_sigma * evidence.direction_sigma +
-                           options.straight_direction_sigma * options.straight_direction_sigma;
+    measurement.variance =
+        square(evidence.direction_sigma) + square(options.straight_direction_sigma) + square(kBendRatioSigma * slip);
     return measurement;
   }
   if (!evidence.turn) return std::nullopt;
@@ -218,7 +238,6 @@ std::optional<Measurement> Linearize(const SegmentEvidence& evidence, const Driv
   measurement.by_state[kSlip] = -scale * turn.mean_square_speed;
   measurement.by_state[kLogLeverArm] = lever_arm;
   measurement.by_state[kRollHeight] = turn.by_roll_height / scale;
-  const auto square = [](double value) { return value * value; };
   measurement.variance = square(turn.sigma) + square(options.turn_sigma * lever_arm) +
                          square(options.slip_sigma * slip) + square(options.turn_direction_sigma * turn.by_direction);
   return measurement;

@@ -150,6 +150,24 @@ TEST(ScaleEvidence, BendsOfAStraightAreTakenOut) {
   EXPECT_LT(std::abs(bend.direction - 0.01), 0.08 * swing) << "most of the bend is gone";
 }
 
+// At motorway speed, slip turns the sign of the effective lever arm.
+TEST(ScaleEvidence, SlipInFastBendsIsNotTakenForTheDirectionOfTravel) {
+  constexpr double kDirection = 0.002;
+  constexpr double kBend = 1 * kDegree;  // in 17 m: 970 m of radius
+  const SegmentEvidence bend = StraightBetweenTurns({{30, kBend, 17, 28}}, kDirection);
+  const double slip = kCar.side_slip * 28 * 28 * kBend / 17;
+  EXPECT_GT(slip, 0.004);
+  const Measurement measurement = Linearize(bend, StateOf(kUnit, kDirection, kCar), {}).value();
+  EXPECT_NEAR(measurement.innovation, 0, 5e-5);
+  const Measurement even =
+      Linearize(StraightBetweenTurns({{30, 0, 17, 28}}, kDirection), StateOf(kUnit, kDirection, kCar), {}).value();
+  EXPECT_GT(measurement.variance - even.variance, std::pow(0.3 * slip, 2)) << "roads are banked";
+  // Neither the scale nor the slip comes from straights.
+  EXPECT_EQ(measurement.by_state[kLogScale], 0);
+  EXPECT_EQ(measurement.by_state[kSlip], 0);
+  EXPECT_EQ(measurement.by_state[kLogLeverArm], 0);
+}
+
 TEST(ScaleEvidence, DirectionOfStraightsScattersAsItsSigmaSays) {
   double squares = 0;
   double variance = 0;
