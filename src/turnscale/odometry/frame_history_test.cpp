@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "turnscale/odometry/frame_history.h"
 
+#include <cmath>
+#include <vector>
+
 #include <gtest/gtest.h>
 
 #include "turnscale/geometry/rotation.h"
@@ -167,7 +170,7 @@ TEST(FrameHistory, BridgedFramesGoEvenlyBetweenMeasuredOnes) {
 TEST(FrameHistory, AGapInATurnIsBent) {
   constexpr double kRadius = 7;
   constexpr double kTurning = 1.0;  // rad/s
-  const auto on_circle = [](double time) {
+  const auto on_circle = [&](double time) {
     const double turned = kTurning * time;
     return RigidTransform{RotationFromVector({0, turned, 0}),
                           kRadius * Eigen::Vector3d(1 - std::cos(turned), 0, std::sin(turned))};
