@@ -221,13 +221,28 @@ TEST(OdometryTrouble, AnImageThatFreezesStandsAfterAWhile) {
   constexpr int kFirst = 72;
   constexpr int kLast = kFirst + 15;
   const StreetDrive drive = RenderStreetDrive({.frames = 110, .standing_at = kFirst, .standing_frames = 15});
-  const OdometryRun run = RunOdometry(StreetOptions(), drive);
-  const int limit = static_cast<int>(std::ceil(OdometryOptions().repeats.max_seconds / kStreetInterval));
+  OdometryOptions options = StreetOptions();
+  options.repeats.max_seconds = 0.5;
+  const OdometryRun run = RunOdometry(options, drive);
+  const int limit = static_cast<int>(std::ceil(options.repeats.max_seconds / kStreetInterval));
   ExpectStates(run, kFirst + 1, 3, TrackingState::kRepeated);
   ExpectStates(run, kFirst + 1 + limit, 15 - limit, TrackingState::kTracked);
   EXPECT_EQ(Count(run.refined, TrackingState::kBridged), 0) << "the speed from before finds the way on";
   EXPECT_LT(Drift(run.refined, kFirst, kLast), 0.006);
   ExpectGoodDrive(run, drive);
+}
+
+TEST(OdometryTrouble, AFreezeWhileTheCarGoesOnIsPartOfThePath) {
+  for (const int frozen : {8, 20}) {
+    StreetDrive drive = PlainStreetDrive();
+    for (int i = 65; i < 65 + frozen; ++i) drive.images[i] = CompressedAnew(drive.images[64]);
+    const OdometryRun run = RunOdometry(StreetOptions(), drive);
+    ASSERT_TRUE(AllPosed(run.refined));
+    ExpectStates(run, 65, frozen, TrackingState::kRepeated);
+    EXPECT_NEAR(Drift(run.refined, 64, 90) / Drift(run.refined, 54, 64),
+                DriftOf(drive, 64, 90) / DriftOf(drive, 54, 64), 0.1 * DriftOf(drive, 64, 90) / DriftOf(drive, 54, 64))
+        << frozen << " frames";
+  }
 }
 
 TEST(OdometryTrouble, ARestartTellsHowFarItsUnitMayBeOff) {
@@ -259,7 +274,9 @@ TEST(OdometryTrouble, ARestartAfterAFreezeKeepsTheSpeedFromBefore) {
   StreetDrive drive = PlainStreetDrive();
   for (int i = 65; i < 73; ++i) drive.images[i] = CompressedAnew(drive.images[64]);
   SpoilImages(drive, 73, 8, Black);
-  const OdometryRun run = RunOdometry(StreetOptions(), drive);
+  OdometryOptions options = StreetOptions();
+  options.repeats.max_seconds = 0.5;
+  const OdometryRun run = RunOdometry(options, drive);
   ASSERT_TRUE(AllPosed(run.refined));
   const double before = Drift(run.refined, 54, 64);
   EXPECT_NEAR(Drift(run.refined, 90, 100) / before, DriftOf(drive, 90, 100) / DriftOf(drive, 54, 64), 0.075);

@@ -115,12 +115,18 @@ FollowedTracks FollowWithoutDepth(const FlowOptions& options, const Map& map, co
 std::optional<Eigen::Matrix2d> CurrentFromReference(const Map& map, const CameraModel& camera,
                                                     const FeatureTrack& track,
                                                     const RigidTransform& camera_from_world) {
-  const RigidTransform& reference_from_world = map.keyframes[track.reference_keyframe].camera_from_world;
+  return CurrentFromReference(camera, map.landmarks[track.landmark].position,
+                              map.keyframes[track.reference_keyframe].camera_from_world, camera_from_world);
+}
+
+std::optional<Eigen::Matrix2d> CurrentFromReference(const CameraModel& camera, const Eigen::Vector3d& point,
+                                                    const RigidTransform& reference_from_world,
+                                                    const RigidTransform& camera_from_world) {
   const RigidTransform current_from_reference = camera_from_world * reference_from_world.inverse();
-  const Eigen::Vector3d x = reference_from_world * map.landmarks[track.landmark].position;
+  const Eigen::Vector3d x = reference_from_world * point;
   if (!(x.z() > 0)) return std::nullopt;
   // Two points beside the landmark, about a pixel away, at the same depth.
-  const double offset = x.z() / map.pinhole.fx;
+  const double offset = x.z() / camera.pinhole.fx;
   // The radial correction changes both views alike.
   CameraModel lens = camera;
   lens.radial_correction = 0;

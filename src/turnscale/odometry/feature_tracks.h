@@ -77,6 +77,11 @@ std::vector<uchar> AlignTracks(const PatchAlignmentOptions& options, const Map& 
 std::optional<Eigen::Matrix2d> CurrentFromReference(const Map& map, const CameraModel& camera,
                                                     const FeatureTrack& track, const RigidTransform& camera_from_world);
 
+/// The same for a point (in the world) and any other view as the reference.
+std::optional<Eigen::Matrix2d> CurrentFromReference(const CameraModel& camera, const Eigen::Vector3d& point,
+                                                    const RigidTransform& reference_from_world,
+                                                    const RigidTransform& camera_from_world);
+
 /// Where a camera shows a landmark, as the image comes; empty where it is out of sight.
 std::optional<cv::Point2f> PixelOf(const Map& map, const CameraModel& camera, int landmark,
                                    const RigidTransform& camera_from_world);

@@ -3,26 +3,82 @@
 
 #include <optional>
 
+#include "turnscale/geometry/rotation.h"
+
 namespace turnscale {
 namespace {
 
 bool Measured(const FrameResult& frame) { return frame.state == TrackingState::kTracked && frame.world_from_camera; }
 
-RigidTransform Between(const FrameResult& before, const FrameResult& after, double time) {
-  const double share = (time - before.time) / (after.time - before.time);
-  const RigidTransform& a = *before.world_from_camera;
-  const RigidTransform& b = *after.world_from_camera;
-  return {a.rotation.slerp(share, b.rotation), (1 - share) * a.translation + share * b.translation};
+// Motion between two frames: mean velocity, and turn about the first one's axes per second.
+struct MeanMotion {
+  Eigen::Vector3d velocity;
+  Eigen::Vector3d turning;
+  double seconds = 0;
+};
+
+MeanMotion MotionBetween(const FrameResult& first, const FrameResult& second) {
+  const RigidTransform& a = *first.world_from_camera;
+  const RigidTransform& b = *second.world_from_camera;
+  const double seconds = second.time - first.time;
+  return {(b.translation - a.translation) / seconds, VectorFromRotation(a.rotation.conjugate() * b.rotation) / seconds,
+          seconds};
 }
 
+// Rate at the end of a gap from the mean rates in it and beside it, each valid in the middle of its interval. Bounded,
+// so that the path through the gap does not turn back.
+Eigen::Vector3d RateAtEnd(const Eigen::Vector3d& within, double seconds, const Eigen::Vector3d& beside,
+                          double seconds_beside) {
+  constexpr double kMostTimesMean = 3;
+  const Eigen::Vector3d rate = (seconds * beside + seconds_beside * within) / (seconds + seconds_beside);
+  const double most = kMostTimesMean * within.norm();
+  return rate.norm() > most ? Eigen::Vector3d(rate * (most / rate.norm())) : rate;
+}
+
+// The poses in a gap between two measured frames: cubics in time of position and rotation, which go on from the
+// measured motion on either side, where there is some.
+class GapPath {
+ public:
+  GapPath(const FrameResult* earlier, const FrameResult& before, const FrameResult& after, const FrameResult* later)
+      : start_(*before.world_from_camera), time_(before.time), mean_(MotionBetween(before, after)) {
+    first_ = last_ = mean_;
+    const auto join = [&](const MeanMotion& beside, MeanMotion& end) {
+      end.velocity = RateAtEnd(mean_.velocity, mean_.seconds, beside.velocity, beside.seconds);
+      end.turning = RateAtEnd(mean_.turning, mean_.seconds, beside.turning, beside.seconds);
+    };
+    if (earlier != nullptr) join(MotionBetween(*earlier, before), first_);
+    if (later != nullptr) join(MotionBetween(after, *later), last_);
+  }
+
+  RigidTransform At(double time) const {
+    const double share = (time - time_) / mean_.seconds;
+    const auto moved = [&](const Eigen::Vector3d& mean, const Eigen::Vector3d& first, const Eigen::Vector3d& last) {
+      const double left = 1 - share;
+      return Eigen::Vector3d(mean_.seconds * share * (mean + left * (left * (first - mean) - share * (last - mean))));
+    };
+    return {start_.rotation * RotationFromVector(moved(mean_.turning, first_.turning, last_.turning)),
+            start_.translation + moved(mean_.velocity, first_.velocity, last_.velocity)};
+  }
+
+ private:
+  RigidTransform start_;
+  double time_ = 0;
+  MeanMotion mean_;
+  MeanMotion first_;  // at the ends of the gap
+  MeanMotion last_;
+};
+
 void InterpolateBridged(std::vector<FrameResult>& frames) {
-  std::optional<size_t> before;
-  for (size_t i = 0; i < frames.size(); ++i) {
-    if (!Measured(frames[i])) continue;
-    if (before)
-      for (size_t gap = *before + 1; gap < i; ++gap)
-        frames[gap].world_from_camera = Between(frames[*before], frames[i], frames[gap].time);
-    before = i;
+  std::vector<const FrameResult*> measured;
+  for (const FrameResult& frame : frames)
+    if (Measured(frame)) measured.push_back(&frame);
+  for (size_t i = 1; i < measured.size(); ++i) {
+    const size_t before = measured[i - 1] - frames.data();
+    const size_t after = measured[i] - frames.data();
+    if (after - before < 2) continue;
+    const GapPath path(i > 1 ? measured[i - 2] : nullptr, frames[before], frames[after],
+                       i + 1 < measured.size() ? measured[i + 1] : nullptr);
+    for (size_t gap = before + 1; gap < after; ++gap) frames[gap].world_from_camera = path.At(frames[gap].time);
   }
 }
 

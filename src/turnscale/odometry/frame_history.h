@@ -46,8 +46,8 @@ class FrameHistory {
   /// The last measured frame relative to each keyframe of the map; the keyframe itself where there is no other.
   std::vector<MeasuredEnd> MeasuredEnds(const Map& map) const;
 
-  /// All frames with their current poses, from the map and the metric path. Poses of bridged frames are interpolated
-  /// between measured ones; frames before the first pose have that pose, once there is one.
+  /// All frames with their current poses, from the map and the metric path. Poses that were not measured go on
+  /// smoothly between measured ones; frames before the first pose have that pose, once there is one.
   std::vector<FrameResult> Refined(const Map& map, const MetricPath& path) const;
 
  private:

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "turnscale/odometry/frame_history.h"
 
+#include <cmath>
+#include <vector>
+
 #include <gtest/gtest.h>
 
 #include "turnscale/geometry/rotation.h"
@@ -118,12 +121,13 @@ TEST(FrameHistory, FramesAreInTheMetresOfTheirKeyframe) {
   history.Add(Frame(1, TrackingState::kTracked), map, 0, At(2));
   history.Add(Frame(2, TrackingState::kBridged), map, 0, At(7));
   history.Add(Frame(3, TrackingState::kTracked), map, 1, At(11, 0.3));
-  const MetricPath path{{{100, 0, 0}, {160, 0, 0}}, {3, 8}};
+  // 60 m/s before the gap and in it.
+  const MetricPath path{{{100, 0, 0}, {110, 0, 0}}, {3, 8}};
   const std::vector<FrameResult> frames = history.Refined(map, path);
   EXPECT_NEAR(X(frames[0]), 100, 1e-12);
   EXPECT_NEAR(X(frames[1]), 106, 1e-12);
-  EXPECT_NEAR(X(frames[3]), 168, 1e-12);
-  EXPECT_NEAR(X(frames[2]), 137, 1e-12) << "bridged in metres";
+  EXPECT_NEAR(X(frames[3]), 118, 1e-12);
+  EXPECT_NEAR(X(frames[2]), 112, 1e-12) << "bridged in metres";
   EXPECT_NEAR(TwistAboutY(frames[3].world_from_camera->rotation), 0.3, 1e-12);
 }
 
@@ -160,6 +164,43 @@ TEST(FrameHistory, BridgedFramesGoEvenlyBetweenMeasuredOnes) {
   EXPECT_NEAR(TwistAboutY(frames[2].world_from_camera->rotation), 0.2, 1e-12);
   EXPECT_NEAR(X(frames[5]), 11, 1e-12) << "nothing measured comes after it";
   EXPECT_EQ(frames[2].state, TrackingState::kUnreadable);
+}
+
+// A car on a circle: halfway through a gap of 0.6 s, a straight line would be 0.3 m inside of it.
+TEST(FrameHistory, AGapInATurnIsBent) {
+  constexpr double kRadius = 7;
+  constexpr double kTurning = 1.0;  // rad/s
+  const auto on_circle = [&](double time) {
+    const double turned = kTurning * time;
+    return RigidTransform{RotationFromVector({0, turned, 0}),
+                          kRadius * Eigen::Vector3d(1 - std::cos(turned), 0, std::sin(turned))};
+  };
+  Map map;
+  map.keyframes.push_back({0, 0, on_circle(0).inverse(), {}, false});
+  FrameHistory history;
+  for (int i = 0; i < 11; ++i) {
+    const TrackingState state = i > 2 && i < 8 ? TrackingState::kRepeated : TrackingState::kTracked;
+    history.Add(Frame(i, state), map, 0, on_circle(0.1 * i).inverse());
+  }
+  const std::vector<FrameResult> frames = history.Refined(map, OwnUnit(map));
+  for (int i = 3; i < 8; ++i) {
+    const RigidTransform truth = on_circle(0.1 * i);
+    EXPECT_LT((frames[i].world_from_camera->translation - truth.translation).norm(), 0.05) << i;
+    EXPECT_LT(frames[i].world_from_camera->rotation.angularDistance(truth.rotation), 1e-9) << i;
+  }
+}
+
+TEST(FrameHistory, ACarThatStandsAfterAGapHasNotGoneFarther) {
+  const Map map = TwoKeyframes();
+  FrameHistory history;
+  const std::vector<double> places = {0, 3, 0, 0, 0, 0, 3.5, 3.5};
+  for (int i = 0; i < static_cast<int>(places.size()); ++i)
+    history.Add(Frame(i, i > 1 && i < 6 ? TrackingState::kBridged : TrackingState::kTracked), map, 0, At(places[i]));
+  const std::vector<FrameResult> frames = history.Refined(map, OwnUnit(map));
+  for (int i = 2; i < 6; ++i) {
+    EXPECT_GE(X(frames[i]), X(frames[i - 1])) << i;
+    EXPECT_LE(X(frames[i]), 3.5) << i;
+  }
 }
 
 TEST(FrameHistory, FramesBeforeTheFirstPoseHaveThatPose) {

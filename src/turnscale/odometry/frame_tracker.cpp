@@ -6,13 +6,16 @@
 #include <iterator>
 #include <memory>
 #include <tuple>
+#include <unordered_map>
 #include <unordered_set>
+#include <utility>
 
 #include <opencv2/core/utility.hpp>
 
 #include "turnscale/base/quantiles.h"
 #include "turnscale/features/corners.h"
 #include "turnscale/geometry/rotation.h"
+#include "turnscale/odometry/pose_search.h"
 #include "turnscale/odometry/repeated_image.h"
 
 namespace turnscale {
@@ -55,6 +58,31 @@ constexpr double kLeastShareOfSample = 0.6;
 // Halvings of the image that cover the error of most predictions.
 constexpr int kSampleLevels = 1;
 
+// Interval of two images, seconds, after which tracking that has lost many landmarks is repeated by a wide search.
+constexpr double kLongInterval = 0.25;
+
+// Growth of an area since the last image from which on a patch is compared at half the size.
+constexpr double kMuchLarger = 2.25;
+
+// Where an image shows a landmark by what it looks like in the last one, of which the pose is known, too.
+std::optional<Eigen::Vector2d> PixelByLastImage(const PatchAlignmentOptions& options, const Map& map,
+                                                const CameraModel& camera, int landmark, const cv::Mat& last_image,
+                                                const Eigen::Vector2d& last_pixel, const RigidTransform& last,
+                                                const FlowImage& image, const RigidTransform& camera_from_world) {
+  const std::optional<cv::Point2f> guess = PixelOf(map, camera, landmark, camera_from_world);
+  const std::optional<Eigen::Matrix2d> current_from_last =
+      CurrentFromReference(camera, map.landmarks[landmark].position, last, camera_from_world);
+  if (!guess || !current_from_last) return std::nullopt;
+  // What has grown is not as sharp in the last image: it is compared at half the size.
+  const int level = current_from_last->determinant() > kMuchLarger ? 1 : 0;
+  const double size = 1 << level;
+  const std::optional<Eigen::Vector2d> pixel =
+      AlignPatch(options, last_image, last_pixel, size * current_from_last->inverse(), image.pyramid[level],
+                 Eigen::Vector2d(guess->x, guess->y) / size);
+  if (!pixel) return std::nullopt;
+  return size * *pixel;
+}
+
 }  // namespace
 
 bool IsBelievable(const TrackingOptions& options, const PoseEstimate& estimate) {
@@ -85,6 +113,16 @@ TrackedFrame FrameTracker::Track(const Map& map, const CameraModel& camera, cons
       if (IsBelievable(options_.tracking, estimate)) break;
     }
   }
+  std::optional<RigidTransform> searched;
+  if (!IsBelievable(options_.tracking, estimate))
+    searched = SearchPose(map, camera, last_image_, image, tracks_, motion, time);
+  else if (LacksLandmarks(map, estimate, time - motion.time()))
+    searched = SearchPose(map, camera, last_image_, motion.last(), image, tracks_, estimate.camera_from_world);
+  if (searched) {
+    auto [found, by_search] = TrackFromSearched(map, camera, before, image, motion.last(), *searched);
+    if (IsBelievable(options_.tracking, by_search) && by_search.inliers > estimate.inliers)
+      std::tie(followed, estimate) = std::tie(found, by_search);
+  }
   TrackedFrame frame{static_cast<int>(followed.found.size()), estimate.inliers, std::nullopt};
   if (!IsBelievable(options_.tracking, estimate)) return frame;
   tracks_ = std::move(followed.found);
@@ -92,6 +130,46 @@ TrackedFrame FrameTracker::Track(const Map& map, const CameraModel& camera, cons
   last_image_ = image;
   frame.camera_from_world = estimate.camera_from_world;
   return frame;
+}
+
+bool FrameTracker::LacksLandmarks(const Map& map, const PoseEstimate& estimate, double seconds) const {
+  const auto with_depth =
+      std::ranges::count_if(tracks_, [&](const FeatureTrack& track) { return map.landmarks[track.landmark].valid; });
+  return seconds >= kLongInterval && estimate.inliers < kLeastShareOfSample * static_cast<double>(with_depth);
+}
+
+std::pair<FollowedTracks, PoseEstimate> FrameTracker::TrackFromSearched(const Map& map, const CameraModel& camera,
+                                                                        const FlowImage& before, const FlowImage& image,
+                                                                        const RigidTransform& last,
+                                                                        const RigidTransform& searched) const {
+  FollowedTracks followed = FollowFrom(map, camera, before, image, last, searched);
+  AlignWithLastImage(map, camera, image, last, searched, followed);
+  DropMasked(followed);
+  PoseEstimate estimate = EstimateFramePose(options_.pose, map, searched, followed);
+  return {std::move(followed), std::move(estimate)};
+}
+
+void FrameTracker::AlignWithLastImage(const Map& map, const CameraModel& camera, const FlowImage& image,
+                                      const RigidTransform& last, const RigidTransform& camera_from_world,
+                                      FollowedTracks& tracks) const {
+  std::unordered_map<int, Eigen::Vector2d> in_last_image;
+  for (const FeatureTrack& track : tracks_)
+    if (map.landmarks[track.landmark].valid) in_last_image[track.landmark] = {track.pixel.x, track.pixel.y};
+  std::vector<FeatureTrack> lost = std::exchange(tracks.lost, {});
+  for (FeatureTrack& track : lost) {
+    const auto before = in_last_image.find(track.landmark);
+    const std::optional<Eigen::Vector2d> pixel =
+        before == in_last_image.end()
+            ? std::nullopt
+            : PixelByLastImage(options_.alignment, map, camera, track.landmark, last_image_.gray, before->second, last,
+                               image, camera_from_world);
+    const std::optional<Eigen::Vector2d> undistorted = pixel ? camera.Undistort(*pixel) : std::nullopt;
+    if (undistorted) {
+      track.pixel = {static_cast<float>(pixel->x()), static_cast<float>(pixel->y())};
+      track.undistorted = *undistorted;
+    }
+    (undistorted ? tracks.found : tracks.lost).push_back(std::move(track));
+  }
 }
 
 std::pair<FollowedTracks, PoseEstimate> FrameTracker::TrackFrom(const Map& map, const CameraModel& camera,

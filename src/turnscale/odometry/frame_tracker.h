@@ -80,6 +80,17 @@ class FrameTracker {
   std::pair<FollowedTracks, PoseEstimate> TrackFrom(const Map& map, const CameraModel& camera, const FlowImage& before,
                                                     const FlowImage& image, const RigidTransform& last,
                                                     const RigidTransform& predicted) const;
+  // Whether an image so many seconds after the last one shows fewer landmarks than it should: what has come nearer in
+  // the meantime looks too different for optical flow.
+  bool LacksLandmarks(const Map& map, const PoseEstimate& estimate, double seconds) const;
+  // All tracks from a pose that a wide search has found, also those that have come much nearer.
+  std::pair<FollowedTracks, PoseEstimate> TrackFromSearched(const Map& map, const CameraModel& camera,
+                                                            const FlowImage& before, const FlowImage& image,
+                                                            const RigidTransform& last,
+                                                            const RigidTransform& searched) const;
+  // Compares lost landmarks with the last image, which shows them larger than their reference views do.
+  void AlignWithLastImage(const Map& map, const CameraModel& camera, const FlowImage& image, const RigidTransform& last,
+                          const RigidTransform& camera_from_world, FollowedTracks& tracks) const;
   // The pose by a sample of the landmarks, searched from this many halvings of the image on (empty: all); empty where
   // they do not agree.
   std::optional<RigidTransform> PoseOfSample(const Map& map, const CameraModel& camera, const FlowImage& before,

@@ -16,6 +16,8 @@ constexpr double kSpeedSeconds = 0.2;
 constexpr double kBreak = 0.5;
 // Below this share of the speed kept already, what breaks off is the noise of standing still.
 constexpr double kNoise = 0.1;
+// Deviation from the expected turn after which little of what was seen is left in the image, radians.
+constexpr double kMostTurnReach = 0.5;
 // A prediction is put together from at most so many steps.
 constexpr double kMostSteps = 1000;
 
@@ -72,6 +74,20 @@ std::vector<RigidTransform> MotionModel::OtherPredictions(double time) const {
     others.push_back(Extrapolate(step, time - time_));
   }
   return others;
+}
+
+double MotionModel::TurnReach(double time) const {
+  return std::min(options_.turn_acceleration * (time - time_) * (time - time_), kMostTurnReach);
+}
+
+RigidTransform MotionModel::PredictOtherwise(double time, double turn, double speed_share) const {
+  if (!step_) return camera_from_world_;
+  Step step = *step_;
+  const double turning = Effective(options_.steady_seconds, options_.turn_seconds, time - time_);
+  step.current_from_previous.rotation = RotationFromVector(VectorFromRotation(step.current_from_previous.rotation) +
+                                                           turn * step.seconds / turning * Eigen::Vector3d::UnitY());
+  step.current_from_previous.translation *= speed_share;
+  return Extrapolate(step, time - time_);
 }
 
 void MotionModel::Update(double time, const RigidTransform& camera_from_world) {

@@ -54,6 +54,12 @@ class MotionModel {
   /// images per second the turning rate changes by much from one to the next.
   std::vector<RigidTransform> OtherPredictions(double time) const;
 
+  /// How far a turn may be from the expected one until `time`, radians.
+  double TurnReach(double time) const;
+
+  /// Pose at `time` if the car turns by `turn` radians more than expected, at this share of the expected speed.
+  RigidTransform PredictOtherwise(double time, double turn, double speed_share) const;
+
   /// Takes a measured pose; the velocity is the one from the measured pose before.
   void Update(double time, const RigidTransform& camera_from_world);
 

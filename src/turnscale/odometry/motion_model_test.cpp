@@ -102,6 +102,22 @@ TEST(MotionModel, ATurnBendsTheWayAhead) {
   ExpectNear(motion.Predict(1.5), kStep * kStep * kStep * kStep * kStep * kStart);
 }
 
+TEST(MotionModel, PredictsOtherTurnsAndSpeeds) {
+  MotionModel motion;
+  ExpectNear(motion.PredictOtherwise(1, 0.2, 0.5), motion.last());
+  motion.Update(1.0, kStart);
+  motion.Update(1.1, {RotationFromVector({0, -0.02, 0}) * kStart.rotation, kStart.translation});
+  ExpectNear(motion.PredictOtherwise(1.5, 0, 1), motion.Predict(1.5));
+  const RigidTransform moved = motion.PredictOtherwise(1.5, -0.3, 1) * motion.last().inverse();
+  EXPECT_NEAR(VectorFromRotation(moved.rotation).y(), -0.08 - 0.3, 1e-9);
+  EXPECT_LT(motion.TurnReach(1.2), motion.TurnReach(1.4));
+  motion.Update(1.2, kStep * motion.last());
+  const auto travelled = [&](double share) {
+    return (motion.PredictOtherwise(1.3, 0, share) * motion.last().inverse()).translation.norm();
+  };
+  EXPECT_NEAR(travelled(0.5), 0.5 * travelled(1), 1e-9);
+}
+
 constexpr size_t kTurningRates = 4;
 
 TEST(MotionModel, OffersStandstillAndTheSpeedBeforeItBrokeOff) {

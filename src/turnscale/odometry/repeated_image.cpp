@@ -17,6 +17,15 @@ constexpr size_t kFewest = 20;
 // Share of them that has to look the same; the others may be covered by what moves by itself.
 constexpr double kLeastShare = 0.7;
 
+// Median motion that has to be expected where all pixels are the same, pixels: images of a car that still moves differ.
+constexpr double kExpectedOfSame = 0.2;
+
+bool HaveSamePixels(const cv::Mat& first, const cv::Mat& second) {
+  for (int row = 0; row < first.rows; ++row)
+    if (!std::equal(first.ptr<uchar>(row), first.ptr<uchar>(row) + first.cols, second.ptr<uchar>(row))) return false;
+  return true;
+}
+
 // Tracks with a depth, evenly out of all, with where they are expected.
 std::vector<LandmarkMotion> SampleLandmarks(const Map& map, const CameraModel& camera,
                                             const std::vector<FeatureTrack>& tracks,
@@ -63,7 +72,8 @@ bool IsRepeated(const RepeatOptions& options, const PatchAlignmentOptions& align
                 const CameraModel& camera, const cv::Mat& first, const cv::Mat& second,
                 const std::vector<FeatureTrack>& tracks, const RigidTransform& predicted_from_world) {
   const std::vector<LandmarkMotion> sample = SampleLandmarks(map, camera, tracks, predicted_from_world);
-  if (MedianMotion(sample).expected < options.min_expected_motion) return false;
+  const double expected = MedianMotion(sample).expected;
+  if (expected < options.min_expected_motion) return expected >= kExpectedOfSame && HaveSamePixels(first, second);
   const double least = kLeastShare * static_cast<double>(sample.size());
   std::vector<LandmarkMotion> same;
   for (size_t i = 0; i < sample.size(); ++i) {

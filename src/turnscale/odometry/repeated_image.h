@@ -20,8 +20,9 @@ struct RepeatOptions {
   double min_expected_motion = 1.5;
   /// The image repeats the one before if its landmarks have moved by less than this share of what was expected.
   double max_motion_share = 0.25;
-  /// A car whose image has not moved for longer stands, seconds: it stops from 1 m/s within that by braking at 2 m/s^2.
-  double max_seconds = 0.5;
+  /// A car whose image has not moved for longer stands, seconds. Longer than most recorders hang; where the car stands
+  /// after all, its path is the same.
+  double max_seconds = 3;
 
   /// Throws InputError that names the field when a value makes no sense.
   void Check() const;

@@ -83,6 +83,14 @@ TEST_F(Wall, ACarThatStandsOrCreepsHasNoRepeatedImages) {
   EXPECT_FALSE(Repeated(Seen(0, 4), 1.2));
 }
 
+TEST_F(Wall, WhatHasTheSamePixelsIsRepeatedWhereLittleMotionWasExpected) {
+  EXPECT_TRUE(Repeated(Seen(0), 0.4));
+  EXPECT_FALSE(Repeated(Seen(0), 0.1)) << "a car that stands";
+  cv::Mat other = Seen(0);
+  other.at<uchar>(200, 300) ^= 1;
+  EXPECT_FALSE(Repeated(other, 0.4));
+}
+
 TEST_F(Wall, AnImageThatShowsNothingIsNotRepeated) {
   cv::Mat blurred;
   cv::GaussianBlur(Seen(0), blurred, {}, 25);
