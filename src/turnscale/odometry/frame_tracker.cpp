@@ -74,7 +74,7 @@ std::optional<Eigen::Vector2d> PixelByLastImage(const PatchAlignmentOptions& opt
       CurrentFromReference(camera, map.landmarks[landmark].position, last, camera_from_world);
   if (!guess || !current_from_last) return std::nullopt;
   // What has grown is not as sharp in the last image: it is compared at half the size.
-  const int level = current_from_last->determinant() > kMuchLarger ? 1 : 0;
+  const int level = current_from_last->determinant() > kMuchLarger && image.pyramid.size() > 1 ? 1 : 0;
   const double size = 1 << level;
   const std::optional<Eigen::Vector2d> pixel =
       AlignPatch(options, last_image, last_pixel, size * current_from_last->inverse(), image.pyramid[level],

@@ -77,7 +77,7 @@ std::vector<RigidTransform> MotionModel::OtherPredictions(double time) const {
 }
 
 double MotionModel::TurnReach(double time) const {
-  return std::min(options_.turn_acceleration * (time - time_) * (time - time_), kMostTurnReach);
+  return step_ ? std::min(options_.turn_acceleration * (time - time_) * (time - time_), kMostTurnReach) : 0.0;
 }
 
 RigidTransform MotionModel::PredictOtherwise(double time, double turn, double speed_share) const {

@@ -33,7 +33,7 @@ constexpr int kHalf = 4;
 constexpr int kSide = 2 * kHalf + 1;
 constexpr int kReach = 2;  // of the alignment, in pixels of its level
 constexpr int kFinestLevel = 1;
-constexpr int kLeastInliers = 25;
+constexpr size_t kLeastInliers = 25;
 constexpr double kLeastInlierShare = 0.4;
 
 using Patch = std::array<float, kSide * kSide>;  // mean 0, sum of squares 1
@@ -115,6 +115,8 @@ class Search {
     for (size_t i = 0; i < count; ++i) tracks_.push_back(with_depth[i * with_depth.size() / count]);
   }
 
+  bool HasLandmarks() const { return tracks_.size() >= kLeastInliers; }
+
   double TurnStep() const { return kTurnStep * (1 << coarsest_) / map_.pinhole.fx; }
 
   // How well a pose explains the coarse image.
@@ -130,7 +132,7 @@ class Search {
 
   PoseEstimate Align(RigidTransform pose) const {
     PoseEstimate estimate;
-    for (int level = coarsest_; level >= kFinestLevel; --level)
+    for (int level = coarsest_; level >= std::min(kFinestLevel, coarsest_); --level)
       for (int round = 0; round < 2; ++round) {
         std::vector<PointSighting> sightings;
         for (const FeatureTrack* track : tracks_) {
@@ -139,7 +141,7 @@ class Search {
           const std::optional<Eigen::Vector2d> undistorted = camera_.Undistort(match->pixel);
           if (undistorted) sightings.push_back({map_.landmarks[track->landmark].position, *undistorted});
         }
-        if (static_cast<int>(sightings.size()) < kLeastInliers) return {};
+        if (sightings.size() < kLeastInliers) return {};
         const double pixel = 1 << level;
         estimate = EstimatePose({.inlier_threshold = 1.5 * pixel, .huber_threshold = 0.5 * pixel}, map_.pinhole,
                                 sightings, pose);
@@ -151,7 +153,7 @@ class Search {
  private:
   static int CoarsestLevel(const CameraModel& camera, int levels) {
     const int wanted = static_cast<int>(std::lround(std::log2(kCoarsePixel * camera.pinhole.fx)));
-    return std::clamp(wanted, kFinestLevel, levels - 1);
+    return std::min(std::max(wanted, kFinestLevel), levels - 1);
   }
 
   // What has grown is taken from a larger image, so that it is as sharp as what it is compared with.
@@ -198,8 +200,8 @@ class Search {
 };
 
 std::optional<RigidTransform> BelievedPose(const PoseEstimate& estimate) {
-  const double least = kLeastInlierShare * static_cast<double>(estimate.inlier.size());
-  if (estimate.inliers < kLeastInliers || estimate.inliers < least) return std::nullopt;
+  const double share = kLeastInlierShare * static_cast<double>(estimate.inlier.size());
+  if (estimate.inliers < std::max(static_cast<double>(kLeastInliers), share)) return std::nullopt;
   return estimate.camera_from_world;
 }
 
@@ -209,6 +211,7 @@ std::optional<RigidTransform> SearchPose(const Map& map, const CameraModel& came
                                          const FlowImage& image, const std::vector<FeatureTrack>& tracks,
                                          const MotionModel& motion, double time) {
   const Search search(map, camera, last_image, motion.last(), image, tracks);
+  if (!search.HasLandmarks()) return std::nullopt;
   std::vector<RigidTransform> hypotheses;
   const int turns = static_cast<int>(std::ceil(motion.TurnReach(time) / search.TurnStep()));
   for (int turn = -turns; turn <= turns; ++turn)
