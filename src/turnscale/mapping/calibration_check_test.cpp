@@ -3,6 +3,8 @@
 
 #include <cmath>
 #include <vector>
+#include <cstdio>
+#include <iostream>
 
 #include <gtest/gtest.h>
 
@@ -131,6 +133,22 @@ TEST(CalibrationCheck, HigherTermsOfTheLensAreNoFocalLength) {
     CalibrationCheckOptions only_square;
     only_square.higher_prior_sigma = 0;
     EXPECT_GT(CheckAlong(map, only_square).Estimate().change[IntrinsicsChange::kLogFocal], 0.03) << seed;
+  }
+}
+
+TEST(CalibrationCheck, DecentringIsNoFocalLength) {
+  for (const unsigned seed : {19U, 20U}) {
+    Map map = WrongMap(kRightAndLeft, Vector::Zero(), 0.15, seed);
+    // What an image that was undistorted about a wrong centre has left.
+    Vector lens = Change(0, 0, 0, 0.02);
+    lens.tail<4>() << 0.004, -0.002, -0.004, 0.004;
+    Distort(lens, map);
+    CalibrationCheckOptions options;
+    options.decentring_prior_sigma = 0.005;
+    const IntrinsicsEstimate with = CheckAlong(map, options).Estimate();
+    const IntrinsicsEstimate without = CheckAlong(map).Estimate();
+    std::printf("%g %g  c %g %g / %g %g\n", with.change[0], without.change[0], with.change[1], with.change[2], without.change[1], without.change[2]);
+    std::cout << with.change.transpose() << std::endl << with.covariance.diagonal().cwiseSqrt().transpose() << std::endl;
   }
 }
 
