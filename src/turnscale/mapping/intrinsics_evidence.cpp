@@ -100,8 +100,7 @@ Eigen::Matrix2d DecentringByPoint(const Eigen::Vector2d& point, const Eigen::Vec
     return d * point.transpose() + point * d.transpose() + point.dot(d) * Eigen::Matrix2d::Identity();
   };
   const Eigen::Vector2d fourth = decentring.tail<2>();
-  return 2 * part(decentring.head<2>()) + 4 * square * part(fourth) +
-         8 * point.dot(fourth) * point * point.transpose();
+  return 2 * part(decentring.head<2>()) + 4 * square * part(fourth) + 8 * point.dot(fourth) * point * point.transpose();
 }
 
 // The distorted pixel of an ideal one.

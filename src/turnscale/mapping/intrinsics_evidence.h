@@ -15,7 +15,8 @@ namespace turnscale {
 
 /// By how much a camera differs from a given one: log of the focal length's ratio (both axes together), principal point
 /// x and y (pixels, further right and down), the terms in r^2, r^4 and r^6 of the radial correction (Correct): the
-/// whole of it, not what comes on top of the one that is applied to the map's pixels; and its decentring in r^2 and r^4.
+/// whole of it, not what comes on top of the one that is applied to the map's pixels; and its decentring in r^2 and
+/// r^4.
 struct IntrinsicsChange {
   enum Entry {
     kLogFocal,
