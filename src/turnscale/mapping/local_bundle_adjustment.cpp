@@ -7,36 +7,27 @@
 #include <vector>
 
 #include "turnscale/base/error.h"
+#include "turnscale/mapping/end_of_window.h"
+#include "turnscale/mapping/map_scaling.h"
 
 namespace turnscale {
 namespace {
 
-constexpr int kStepsOfFactor = 3;  // by which a length at the end of a window has changed
-
-double PathLength(const Map& map, int first, int last) {
-  double length = 0;
-  for (int k = first + 1; k <= last; ++k) {
-    const RigidTransform step = map.keyframes[k].camera_from_world * map.keyframes[k - 1].camera_from_world.inverse();
-    length += step.translation.norm();
-  }
-  return length;
-}
-
-// Keyframes after `last`, and landmarks that they see but for `others`, move with keyframe `last`, which was at
-// `last_from_world`. `others` are in ascending order.
-void Follow(int last, const RigidTransform& last_from_world, double factor, const std::vector<int>& others, Map& map) {
-  const RigidTransform& moved_from_world = map.keyframes[last].camera_from_world;
+// Keyframes after `last`, and landmarks that they see but for `others`, which are in ascending order.
+void Move(const Similarity& new_from_old, int last, const std::vector<int>& others, Map& map) {
   const int keyframes = static_cast<int>(map.keyframes.size());
   for (const int index : LandmarksSeen(map, last + 1, keyframes - 1)) {
-    if (std::ranges::binary_search(others, index)) continue;
     Eigen::Vector3d& position = map.landmarks[index].position;
-    position = moved_from_world.inverse() * (factor * (last_from_world * position));
+    if (!std::ranges::binary_search(others, index)) position = new_from_old * position;
   }
-  for (int k = last + 1; k < keyframes; ++k) {
-    RigidTransform from_last = map.keyframes[k].camera_from_world * last_from_world.inverse();
-    from_last.translation *= factor;
-    map.keyframes[k].camera_from_world = from_last * moved_from_world;
-  }
+  for (int k = last + 1; k < keyframes; ++k)
+    map.keyframes[k].camera_from_world = Moved(map.keyframes[k].camera_from_world, new_from_old);
+}
+
+std::vector<Eigen::Vector3d> CentresOf(const WindowProblem& problem, const Map& map) {
+  std::vector<Eigen::Vector3d> centres = KeyframeCentres(map, problem.window.first);
+  centres.resize(problem.bundle.camera_from_world.size());
+  return centres;
 }
 
 }  // namespace
@@ -80,15 +71,14 @@ WindowProblem MakeWindowProblem(const Map& map, const Window& window, double pix
 
 void WriteBack(const WindowProblem& problem, Map& map) {
   const int last = problem.window.first + static_cast<int>(problem.bundle.camera_from_world.size()) - 1;
-  const RigidTransform last_from_world = map.keyframes[last].camera_from_world;
-  const int steps_from = std::max(problem.window.first, last - kStepsOfFactor);
-  const double path = PathLength(map, steps_from, last);
+  const RigidTransform old_camera = map.keyframes[last].camera_from_world;
+  const std::vector<Eigen::Vector3d> before = CentresOf(problem, map);
   for (size_t i = 0; i < problem.bundle.camera_from_world.size(); ++i)
     if (problem.bundle.camera_is_fixed[i] == 0)
       map.keyframes[problem.window.first + i].camera_from_world = problem.bundle.camera_from_world[i];
   if (last + 1 < static_cast<int>(map.keyframes.size())) {
-    const double factor = path > 0 ? PathLength(map, steps_from, last) / path : 1.0;
-    Follow(last, last_from_world, factor, problem.landmarks, map);
+    const double scale = ScaleOfEnd(before, CentresOf(problem, map)).value_or(1.0);
+    Move(MoveOfEnd(old_camera, map.keyframes[last].camera_from_world, scale), last, problem.landmarks, map);
   }
   for (size_t i = 0; i < problem.landmarks.size(); ++i)
     map.landmarks[problem.landmarks[i]].position = problem.bundle.points[i];

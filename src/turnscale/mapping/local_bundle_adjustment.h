@@ -30,8 +30,8 @@ int StartOfMap(const Map& map, int earliest = 0);
 WindowProblem MakeWindowProblem(const Map& map, const Window& window, double pixel_sigma);
 
 /// Brings what bundle adjustment found back into the map. Keyframes that have been added since the problem was made
-/// follow the problem's latest one, as do landmarks that are not in the problem but seen by them: lengths change by the
-/// factor of the path over that keyframe's last steps.
+/// follow the problem's latest one, as do landmarks that are not in the problem but seen by them; lengths change by
+/// ScaleOfEnd.
 void WriteBack(const WindowProblem& problem, Map& map);
 
 struct LocalBundleOptions {

@@ -93,6 +93,7 @@ PoseEstimate EstimatePose(const PoseEstimationOptions& options, const Pinhole& p
   estimate.inlier.assign(sightings.size(), 1);
   const double distance = TypicalDistance(sightings, initial);
   for (int round = 0; round < kRounds; ++round) {
+    bool settled = false;
     for (int iteration = 0; iteration < options.max_iterations; ++iteration) {
       const Normal normal = BuildNormal(options, pinhole, sightings, estimate.inlier, estimate.camera_from_world);
       const Eigen::LDLT<Matrix6d> factor(normal.matrix);
@@ -101,9 +102,10 @@ PoseEstimate EstimatePose(const PoseEstimationOptions& options, const Pinhole& p
       const Eigen::Quaterniond turn = RotationFromVector(step.head<3>());
       estimate.camera_from_world.rotation = (turn * estimate.camera_from_world.rotation).normalized();
       estimate.camera_from_world.translation += step.tail<3>();
-      if (step.head<3>().norm() + step.tail<3>().norm() / distance < kStepTolerance) break;
+      settled = step.head<3>().norm() + step.tail<3>().norm() / distance < kStepTolerance;
+      if (settled) break;
     }
-    if (!Classify(options, pinhole, sightings, estimate)) break;
+    if (!Classify(options, pinhole, sightings, estimate) && settled) break;
   }
   return estimate;
 }

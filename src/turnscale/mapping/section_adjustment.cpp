@@ -9,15 +9,11 @@
 #include <vector>
 
 #include "turnscale/geometry/similarity.h"
+#include "turnscale/mapping/end_of_window.h"
 #include "turnscale/mapping/map_scaling.h"
 
 namespace turnscale {
 namespace {
-
-// Mean steps over which the change of scale at the end of a section is measured.
-constexpr int kScaleSteps = 10;
-// A section that has shrunk or grown beyond this has gone astray.
-constexpr double kLeastScale = 0.2;
 
 struct Section {
   int first_fixed = 0;  ///< start of a block before, unless a gap is between
@@ -54,48 +50,12 @@ std::vector<Section> Sections(const MapArchive& archive, const Map& map, int sec
   return sections;
 }
 
-RigidTransform Moved(const RigidTransform& camera_from_world, const Similarity& new_from_old) {
-  // x_camera = s (R x_old + t) is what the camera sees once the world has grown by s.
-  RigidTransform moved;
-  moved.rotation = camera_from_world.rotation * new_from_old.rotation.conjugate();
-  const Eigen::Vector3d centre = new_from_old * camera_from_world.inverse().translation;
-  moved.translation = -(moved.rotation * centre);
-  return moved;
-}
-
 void Move(const Similarity& new_from_old, int first, Map& map) {
   for (size_t k = first; k < map.keyframes.size(); ++k)
     map.keyframes[k].camera_from_world = Moved(map.keyframes[k].camera_from_world, new_from_old);
   for (Landmark& landmark : map.landmarks)
     if (!landmark.observations.empty() && landmark.observations.back().keyframe >= first)
       landmark.position = new_from_old * landmark.position;
-}
-
-// The change of scale at the end of a section: lengths of its last steps, over at least a few mean steps, so that a car
-// that stands has no information.
-std::optional<double> ScaleOfEnd(const std::vector<Eigen::Vector3d>& before,
-                                 const std::vector<Eigen::Vector3d>& after) {
-  double whole = 0;
-  for (size_t k = 1; k < before.size(); ++k) whole += (before[k] - before[k - 1]).norm();
-  const double enough = kScaleSteps * whole / static_cast<double>(before.size());
-  double length_before = 0;
-  double length_after = 0;
-  for (size_t k = before.size() - 1; k > 0 && length_before < enough; --k) {
-    length_before += (before[k] - before[k - 1]).norm();
-    length_after += (after[k] - after[k - 1]).norm();
-  }
-  const double scale = length_after / length_before;
-  if (!(scale > kLeastScale && scale < 1 / kLeastScale)) return std::nullopt;
-  return scale;
-}
-
-// Takes the old world to the new one at the end of a section.
-Similarity MoveOfEnd(const RigidTransform& old_camera, const RigidTransform& new_camera, double scale) {
-  Similarity move;
-  move.scale = scale;
-  move.rotation = (new_camera.rotation.conjugate() * old_camera.rotation).normalized();
-  move.translation = new_camera.inverse().translation - scale * (move.rotation * old_camera.inverse().translation);
-  return move;
 }
 
 }  // namespace

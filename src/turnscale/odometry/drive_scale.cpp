@@ -134,16 +134,17 @@ bool DriveScale::Add(const Map& map) {
   turn_ended_ = false;
   for (; keyframes_ < static_cast<int>(map.keyframes.size()); ++keyframes_)
     turn_ended_ = Feed(map, keyframes_) || turn_ended_;
+  if (turn_ended_) unread_turn_end_ = keyframes_ - 1;
   UpdateLive(map, keyframes_);
   return turn_ended_;
 }
 
 void DriveScale::Reread(const Map& map) {
   settled_.reset();
-  Reread(map, 0, 0);
+  Reread(map, 0, static_cast<int>(map.keyframes.size()), 0);
 }
 
-void DriveScale::Reread(const Map& map, int first, int settled) {
+void DriveScale::Reread(const Map& map, int first, int end, int settled) {
   const auto knowledge = [&] { return std::pair(mount_.moves(), mount_.current().found); };
   const auto before = knowledge();
   mount_.Learn(map, static_cast<int>(map.keyframes.size()) - 1);
@@ -163,8 +164,10 @@ void DriveScale::Reread(const Map& map, int first, int settled) {
       settled_ = SettledPart{settled, builder_, live_, mount_.At(settled)};
     Feed(map, k);
   }
-  UpdateLive(map, first);
-  if (turn_ended_) last_turn_end_ = keyframes_ - 1;
+  std::optional<int> turn_end;
+  if (unread_turn_end_ && *unread_turn_end_ < end) turn_end = std::exchange(unread_turn_end_, std::nullopt);
+  UpdateLive(map, first, turn_end);
+  if (turn_end) last_turn_end_ = *turn_end;
 }
 
 bool DriveScale::Feed(const Map& map, int keyframe) {
@@ -184,7 +187,7 @@ bool DriveScale::Feed(const Map& map, int keyframe) {
   return turn_ended;
 }
 
-void DriveScale::UpdateLive(const Map& map, int first) {
+void DriveScale::UpdateLive(const Map& map, int first, std::optional<int> turn_end) {
   const std::optional<ScaleBelief> now = HasMetres(options_.vehicle) ? live_.Now() : std::nullopt;
   const bool was_known = state_ != ScaleState::kPending;
   const double scale = now ? now->metres_per_unit() : 1.0;
@@ -199,8 +202,8 @@ void DriveScale::UpdateLive(const Map& map, int first) {
   if (was_known != now.has_value()) {
     std::ranges::fill(scales, scale);
     first = 0;
-  } else if (state_ == ScaleState::kObserved) {
-    first = std::min(first, SpreadScale(map, scale));
+  } else if (turn_end || state_ == ScaleState::kObserved) {
+    first = std::min(first, SpreadScale(map, scale, turn_end.value_or(count - 1)));
   }
   if (first == 0) live_path_.centres[0] = scales[0] * Centre(map.keyframes[0]);
   for (int k = first + 1; k < count; ++k) {
@@ -218,21 +221,21 @@ ScaleState DriveScale::KnownState() const {
 
 // From the end of the turn before the scale passes evenly to that of the turn under way; at a loss of tracking it
 // changes at once.
-int DriveScale::SpreadScale(const Map& map, double scale) {
-  const int count = static_cast<int>(map.keyframes.size());
-  const int begin = std::max(last_turn_end_, count - 1 - kMostRevised);
+int DriveScale::SpreadScale(const Map& map, double scale, int last) {
+  const int begin = std::max(last_turn_end_, last - kMostRevised);
   std::vector<double>& scales = live_path_.metres_per_unit;
-  int gap = count - 1;
+  std::fill(scales.begin() + last, scales.end(), scale);
+  int gap = last;
   while (gap > begin && !map.keyframes[gap].after_gap) --gap;
   if (gap > begin) {
-    std::fill(scales.begin() + gap, scales.end(), scale);
+    std::fill(scales.begin() + gap, scales.begin() + last, scale);
     return begin;
   }
-  std::vector<double> length(count - begin, 0.0);  // from `begin` on
-  for (int k = begin + 1; k < count; ++k)
+  std::vector<double> length(last - begin + 1, 0.0);  // from `begin` on
+  for (int k = begin + 1; k <= last; ++k)
     length[k - begin] = length[k - begin - 1] + (KnownCentre(map, k) - KnownCentre(map, k - 1)).norm();
   const double growth = std::log(scale / scales[begin]);
-  for (int k = begin + 1; k < count; ++k)
+  for (int k = begin + 1; k <= last; ++k)
     scales[k] = scales[begin] * std::exp(length.back() > 0 ? growth * length[k - begin] / length.back() : growth);
   return begin;
 }

@@ -62,12 +62,13 @@ class DriveScale {
   }
 
   /// Takes the new keyframes of the map. Returns whether they ended a turn: then the keyframes since the previous turn
-  /// should be adjusted again, followed by Reread.
+  /// should be adjusted again, followed by Reread, now or some keyframes later.
   bool Add(const Map& map);
 
-  /// Keyframes `first`... have been adjusted: updates the camera-to-vehicle rotation from them, and re-evaluates their
-  /// steps. Keyframes before `settled` will not be adjusted again during the drive.
-  void Reread(const Map& map, int first, int settled);
+  /// Keyframes `first`...`end`-1 have been adjusted, and those from `end` on moved with them: updates the
+  /// camera-to-vehicle rotation, and re-evaluates their steps. Keyframes before `settled` will not be adjusted again
+  /// during the drive.
+  void Reread(const Map& map, int first, int end, int settled);
   /// All keyframes have been adjusted: re-evaluates the whole drive.
   void Reread(const Map& map);
 
@@ -85,12 +86,14 @@ class DriveScale {
  private:
   /// Returns whether the keyframe ended a turn.
   bool Feed(const Map& map, int keyframe);
-  /// Live positions from keyframe `first` on, and from where the scale has changed.
-  void UpdateLive(const Map& map, int first);
+  /// Live positions from keyframe `first` on, and from where the scale has changed. `turn_end`: a turn has been
+  /// re-evaluated that ended there.
+  void UpdateLive(const Map& map, int first, std::optional<int> turn_end = {});
   /// Where the live scale comes from, once it is known.
   ScaleState KnownState() const;
-  /// Brings the live scale within a turn to `scale`. Returns the keyframe from which on it has changed.
-  int SpreadScale(const Map& map, double scale);
+  /// Brings the live scale within a turn to `scale` at keyframe `last` and beyond. Returns the keyframe from which on
+  /// it has changed.
+  int SpreadScale(const Map& map, double scale, int last);
 
   /// The live filter before a keyframe, where reading starts again.
   struct SettledPart {
@@ -111,7 +114,8 @@ class DriveScale {
   double sigma_ = std::numeric_limits<double>::infinity();
   int keyframes_ = 0;  ///< taken so far
   int last_turn_end_ = 0;
-  bool turn_ended_ = false;  ///< with the latest keyframe
+  bool turn_ended_ = false;             ///< with the latest keyframe
+  std::optional<int> unread_turn_end_;  ///< keyframe that ended a turn which has not been re-evaluated
 };
 
 /// Camera motion of the step from keyframe `step` to the next.

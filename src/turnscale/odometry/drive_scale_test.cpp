@@ -29,9 +29,11 @@ std::vector<RigidTransform> TrueDrive(const std::vector<DriveSegment>& segments,
 struct Live {
   std::vector<RigidTransform> truth;
   double units_per_metre = 1;
-  double noise = 0;  ///< of a centre, metres
-  int reach = 0;     ///< keyframes that are read again when a turn ends; 0: all
-  double drift = 0;  ///< of the unit, over 100 m, relative
+  double noise = 0;        ///< of a centre, metres
+  int reach = 0;           ///< keyframes that are read again when a turn ends; 0: all
+  int delay = 0;           ///< keyframes from the end of a turn until they are read again
+  double drift = 0;        ///< of the unit, over 100 m, relative
+  std::optional<int> end;  ///< number of keyframes when a turn ended that is not read again yet
   Random random{5};
   Map map;
   DriveScale scale;
@@ -58,12 +60,11 @@ struct Live {
     }
     map.keyframes.push_back(keyframe);
     // The camera's rotation is learnt where a turn ends, as Odometry does it.
-    if (!scale.Add(map)) return;
-    const int settled = static_cast<int>(map.keyframes.size()) - reach;
-    if (reach == 0)
-      scale.Reread(map);
-    else
-      scale.Reread(map, std::max(0, settled), settled);
+    if (scale.Add(map) && !end) end = k + 1;
+    if (!end || k + 1 < *end + delay) return;
+    const int settled = reach == 0 ? 0 : k + 1 - reach;
+    scale.Reread(map, std::max(0, settled), *end, settled);
+    end.reset();
   }
 
   void Drive() {
@@ -187,7 +188,9 @@ TEST(DriveScale, TheArbitraryUnitDoesNotMatter) {
 }
 
 // What was driven before the last turn does not change any more, and no step is out of line with its scale.
-TEST(DriveScale, ALivePathGrowsAtItsEnd) {
+class LivePath : public testing::TestWithParam<int> {};
+
+TEST_P(LivePath, GrowsAtItsEnd) {
   std::vector<DriveSegment> route;
   for (int i = 0; i < 4; ++i) {
     route.push_back({60, 0.8, 0});
@@ -195,6 +198,7 @@ TEST(DriveScale, ALivePathGrowsAtItsEnd) {
   }
   route.push_back({60, 0.8, 0});
   Live live(KnownCar(), TrueDrive(route), kUnits, 0.002);
+  live.delay = GetParam();
   MetricPath before;
   while (live.map.keyframes.size() < live.truth.size()) {
     const int turn_end = live.scale.last_turn_end();
@@ -218,6 +222,8 @@ TEST(DriveScale, ALivePathGrowsAtItsEnd) {
   for (int k = 1; k < static_cast<int>(live.map.keyframes.size()); ++k)
     EXPECT_NEAR(StepOf(live.scale.live_path(), k) / live.TrueStep(k), 1, 0.02) << k;
 }
+
+INSTANTIATE_TEST_SUITE_P(KeyframesUntilATurnIsReadAgain, LivePath, testing::Values(0, 6));
 
 // Three kilometres with forty corners, along which the unit drifts as much as odometry is taken to.
 TEST(DriveScale, ALongDriveStaysInMetres) {

@@ -439,7 +439,7 @@ void Odometry::ApplySettled(const SettlingWork& work) {
   const auto reach = [](const LocalBundleOptions& window) { return window.window + window.anchors; };
   const int last = keyframes - std::max({reach(options_.turn_bundle), reach(options_.local_bundle),
                                          options_.lens.window, options_.calibration_check.window});
-  scale_.Reread(map_, first, last);
+  scale_.Reread(map_, first, work.end, last);
   if (last - archive_.end() >= kArchivedTogether) Archive(last);
 }
 
@@ -464,6 +464,7 @@ void Odometry::CorrectLens(double correction) {
 }
 
 void Odometry::Settle() {
+  settling_is_due_ = false;
   settled_window_due_ = 0;
   camera_work_due_ = 0;
   ApplyBackgroundWork();
