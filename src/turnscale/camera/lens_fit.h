@@ -14,10 +14,10 @@ namespace turnscale {
 using RayOfPixel = std::function<std::optional<Eigen::Vector2d>(const Eigen::Vector2d&)>;
 
 /// The camera with these intrinsics and this image size (pixels) whose lens comes closest, over the whole image, to
-/// rays that are distorted along the radius, or nearly so. The lens is a pinhole where that is exact to 0.1 pixel, else
-/// the radial-tangential model with two radial coefficients where that is exact to 0.3 pixel, else the closest of that,
-/// the equidistant one with three, and, if the distortion has a part across the radius, the radial-tangential one with
-/// all five. Nothing where none has a single ray for every pixel, or less than half of the pixels have a ray.
+/// rays that are distorted along the radius. The lens is a pinhole where that is exact to 0.1 pixel, else the
+/// radial-tangential model with two coefficients where that is exact to 0.3 pixel, else that or the equidistant one
+/// with three, whichever is closer. Nothing where neither has a single ray for every pixel, or less than half of the
+/// pixels have a ray.
 std::optional<CameraModel> FitLens(const Pinhole& pinhole, int width, int height, const RayOfPixel& ray_of);
 
 }  // namespace turnscale

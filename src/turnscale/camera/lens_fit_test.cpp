@@ -53,14 +53,6 @@ TEST(FitLens, ComesCloseWithALensThatIsNeither) {
   EXPECT_LT(LargestPixelError(*fit, truth), 1);
 }
 
-TEST(FitLens, FollowsADistortionAcrossTheRadius) {
-  const CameraModel truth = MadeCamera(LensModel::kRadialTangential, 900, {-0.03, 0.02, 0.002, -0.004, -0.01});
-  const std::optional<CameraModel> fit = FitLens(truth.pinhole, kWidth, kHeight, RaysOf(truth));
-  ASSERT_TRUE(fit);
-  EXPECT_EQ(fit->lens, truth.lens);
-  EXPECT_LT(LargestPixelError(*fit, truth), 1e-3);
-}
-
 TEST(FitLens, RefusesRaysThatFoldBack) {
   const Pinhole pinhole{600, 600, 640, 360};
   const RayOfPixel folding = [&](const Eigen::Vector2d& pixel) -> std::optional<Eigen::Vector2d> {

@@ -193,7 +193,6 @@ void VisitSettings(Visitor& visitor, OdometryOptions& options) {
     visitor.Field("centre_prior_sigma_deg", o.centre_prior_sigma_deg);
     visitor.Field("correction_prior_sigma", o.correction_prior_sigma);
     visitor.Field("higher_prior_sigma", o.higher_prior_sigma);
-    visitor.Field("decentring_prior_sigma", o.decentring_prior_sigma);
     visitor.Field("focal_window_sigma", o.focal_window_sigma);
     visitor.Field("centre_window_sigma_deg", o.centre_window_sigma_deg);
     visitor.Field("correction_window_sigma", o.correction_window_sigma);
@@ -217,7 +216,6 @@ void VisitSettings(Visitor& visitor, OdometryOptions& options) {
     visitor.Field("focal_prior_sigma", o.focal_prior_sigma);
     visitor.Field("correction_prior_sigma", o.correction_prior_sigma);
     visitor.Field("higher_prior_sigma", o.higher_prior_sigma);
-    visitor.Field("decentring_prior_sigma", o.decentring_prior_sigma);
   });
   visitor.Group("tracking", [&] {
     auto& o = options.tracking;

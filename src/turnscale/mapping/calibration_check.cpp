@@ -20,7 +20,6 @@ using Matrix = IntrinsicsChange::Matrix;
 
 // Of the radial correction, beyond the term in r^2.
 constexpr int kHigherTermsOfLens = 2;
-constexpr int kDecentringTerms = 4;
 constexpr int kIterationsAtFirst = 10;
 constexpr int kIterationsAfterAStep = 5;
 // A step below this many standard deviations changes nothing that is reported.
@@ -31,7 +30,6 @@ constexpr double kLongestFocalStep = 0.1;
 constexpr double kLongestCentreStep = 0.05;
 constexpr double kLongestCorrectionStep = 0.04;
 constexpr double kLongestHigherStep = 0.04;
-constexpr double kLongestDecentringStep = 0.02;
 // Degrees of freedom of the Student distribution that windows are taken to follow.
 constexpr double kStudentDof = 4;
 constexpr int kReweightings = 20;
@@ -51,16 +49,13 @@ double LargestTurn(const Map& map, int first, int last) {
   return largest;
 }
 
-auto HigherOf(const Vector& vector) { return vector.segment<kHigherTermsOfLens>(IntrinsicsChange::kCorrection4); }
-
 // Share of a step that stays within what the linear model is good for.
 double ShareOf(const Vector& step, double focal_length) {
   const double longest = std::max({std::abs(step[IntrinsicsChange::kLogFocal]) / kLongestFocalStep,
                                    std::abs(step[IntrinsicsChange::kCentreX]) / (kLongestCentreStep * focal_length),
                                    std::abs(step[IntrinsicsChange::kCentreY]) / (kLongestCentreStep * focal_length),
                                    std::abs(step[IntrinsicsChange::kCorrection]) / kLongestCorrectionStep,
-                                   HigherOf(step).cwiseAbs().maxCoeff() / kLongestHigherStep,
-                                   step.tail<kDecentringTerms>().cwiseAbs().maxCoeff() / kLongestDecentringStep});
+                                   step.tail<kHigherTermsOfLens>().cwiseAbs().maxCoeff() / kLongestHigherStep});
   return 1.0 / std::max(1.0, longest);
 }
 
@@ -75,10 +70,10 @@ Vector WeightsOfDistortion(const Pinhole& pinhole) {
   return weights;
 }
 
-void Ignore(int first, int count, IntrinsicsEvidence& evidence) {
-  evidence.information.middleRows(first, count).setZero();
-  evidence.information.middleCols(first, count).setZero();
-  evidence.gradient.segment(first, count).setZero();
+void IgnoreHigherTerms(IntrinsicsEvidence& evidence) {
+  evidence.information.bottomRows<kHigherTermsOfLens>().setZero();
+  evidence.information.rightCols<kHigherTermsOfLens>().setZero();
+  evidence.gradient.tail<kHigherTermsOfLens>().setZero();
 }
 
 }  // namespace
@@ -99,7 +94,6 @@ void CalibrationCheckOptions::Check() const {
   require(centre_prior_sigma_deg > 0, "centre_prior_sigma_deg: has to be positive");
   require(correction_prior_sigma > 0, "correction_prior_sigma: has to be positive");
   require(higher_prior_sigma >= 0, "higher_prior_sigma: must not be negative");
-  require(decentring_prior_sigma >= 0, "decentring_prior_sigma: must not be negative");
   require(focal_window_sigma >= 0, "focal_window_sigma: must not be negative");
   require(centre_window_sigma_deg >= 0, "centre_window_sigma_deg: must not be negative");
   require(correction_window_sigma >= 0, "correction_window_sigma: must not be negative");
@@ -152,22 +146,16 @@ bool CalibrationCheck::Observe(const Map& map, const CameraModel& camera) {
 }
 
 Matrix CalibrationCheck::Covariance(double focal_sigma, double centre_sigma_deg, double correction_sigma,
-                                    double higher_sigma, double decentring_sigma) const {
+                                    double higher_sigma) const {
   const double centre = given_.fx * InRadians(centre_sigma_deg);
   Vector sigmas;
-  sigmas << focal_sigma, centre, centre, correction_sigma, higher_sigma, higher_sigma, decentring_sigma,
-      decentring_sigma, decentring_sigma, decentring_sigma;
+  sigmas << focal_sigma, centre, centre, correction_sigma, higher_sigma, higher_sigma;
   return sigmas.array().square().matrix().asDiagonal();
-}
-
-void CalibrationCheck::IgnoreOthers(IntrinsicsEvidence& evidence) const {
-  if (options_.higher_prior_sigma == 0) Ignore(IntrinsicsChange::kCorrection4, kHigherTermsOfLens, evidence);
-  if (options_.decentring_prior_sigma == 0) Ignore(IntrinsicsChange::kDecentring2X, kDecentringTerms, evidence);
 }
 
 CalibrationCheck::Reading CalibrationCheck::Widened(const Matrix& information, const Vector& weighted_minimum) const {
   const Matrix window =
-      Covariance(options_.focal_window_sigma, options_.centre_window_sigma_deg, options_.correction_window_sigma);
+      Covariance(options_.focal_window_sigma, options_.centre_window_sigma_deg, options_.correction_window_sigma, 0.0);
   // (information^-1 + window)^-1, where information may be singular.
   const Matrix share = (Matrix::Identity() + information * window).inverse();
   return {share * information, share * weighted_minimum};
@@ -189,7 +177,7 @@ std::optional<CalibrationCheck::Reading> CalibrationCheck::ReadingOf(IntrinsicsP
     window.EstimatePixelSigma();
     std::optional<IntrinsicsEvidence> evidence = window.Evidence();
     if (!evidence) return std::nullopt;
-    IgnoreOthers(*evidence);
+    if (options_.higher_prior_sigma == 0) IgnoreHigherTerms(*evidence);
     const Matrix total = deflation * evidence->information + known_information;
     const Vector slope = deflation * evidence->gradient + known_information * (evidence->at - known.change);
     const Vector step = -total.ldlt().solve(slope);
@@ -204,14 +192,12 @@ IntrinsicsEstimate CalibrationCheck::Estimate() const {
   // Terms that are not estimated stay at zero, as nothing refers to them.
   const Matrix prior_covariance =
       Covariance(options_.focal_prior_sigma, options_.centre_prior_sigma_deg, options_.correction_prior_sigma,
-                 options_.higher_prior_sigma > 0 ? options_.higher_prior_sigma : 1.0,
-                 options_.decentring_prior_sigma > 0 ? options_.decentring_prior_sigma : 1.0);
+                 options_.higher_prior_sigma > 0 ? options_.higher_prior_sigma : 1.0);
   const Matrix prior = prior_covariance.inverse();
   IntrinsicsEstimate estimate;
   estimate.covariance = prior_covariance;
   if (windows_.empty()) return estimate;
-  const double entries = IntrinsicsChange::kEntries - (options_.higher_prior_sigma == 0 ? kHigherTermsOfLens : 0) -
-                         (options_.decentring_prior_sigma == 0 ? kDecentringTerms : 0);
+  const double entries = IntrinsicsChange::kEntries - (options_.higher_prior_sigma == 0 ? kHigherTermsOfLens : 0);
   std::vector<double> weights(windows_.size(), 1.0);
   double scatter = 1;
   for (int round = 0; round < kReweightings; ++round) {
@@ -239,7 +225,7 @@ IntrinsicsEstimate CalibrationCheck::Estimate() const {
       options_.higher_prior_sigma > 0 ? 0.0 : kHigherTerms * std::abs(estimate.change[IntrinsicsChange::kCorrection]);
   estimate.covariance += Covariance(std::hypot(options_.focal_model_sigma, unmodelled),
                                     std::hypot(options_.centre_model_sigma_deg, unmodelled * kDegreesPerRadian),
-                                    std::hypot(options_.correction_model_sigma, unmodelled));
+                                    std::hypot(options_.correction_model_sigma, unmodelled), 0.0);
   return estimate;
 }
 
@@ -248,8 +234,7 @@ std::vector<ParameterEstimate> CalibrationCheck::Parameters() const {
   const Vector sigmas = estimate.covariance.diagonal().cwiseSqrt();
   const Pinhole found = ChangedPinhole(given_, estimate.change);
   Vector distortion = WeightsOfDistortion(given_);
-  if (options_.higher_prior_sigma == 0)
-    distortion.segment<kHigherTermsOfLens>(IntrinsicsChange::kCorrection4).setZero();
+  if (options_.higher_prior_sigma == 0) distortion.tail<kHigherTermsOfLens>().setZero();
   return {{IntrinsicsParameter::kFocalLength, given_.fx, found.fx, sigmas[IntrinsicsChange::kLogFocal] * found.fx},
           {IntrinsicsParameter::kCentreX, given_.cx, found.cx, sigmas[IntrinsicsChange::kCentreX]},
           {IntrinsicsParameter::kCentreY, given_.cy, found.cy, sigmas[IntrinsicsChange::kCentreY]},

@@ -40,9 +40,6 @@ struct CalibrationCheckOptions {
   /// Its terms in r^4 and r^6; 0: not estimated. If they are not, their errors are mistaken for a focal
   /// length.
   double higher_prior_sigma = 0.1;
-  /// Decentring of the correction in r^2 and r^4; 0: not estimated. Where a calibration is tested, it would be mistaken
-  /// for a wrong principal point.
-  double decentring_prior_sigma = 0;
 
   // What the images of one window get wrong beyond their noise (moving things, what the lens has besides a radial
   // distortion), standard deviations. Windows of KITTI scatter by as much.
@@ -129,9 +126,7 @@ class CalibrationCheck {
   };
 
   IntrinsicsChange::Matrix Covariance(double focal_sigma, double centre_sigma_deg, double correction_sigma,
-                                      double higher_sigma = 0, double decentring_sigma = 0) const;
-  /// Entries that are not estimated tell nothing.
-  void IgnoreOthers(IntrinsicsEvidence& evidence) const;
+                                      double higher_sigma) const;
   /// With what one window gets wrong beyond its noise.
   Reading Widened(const IntrinsicsChange::Matrix& information, const IntrinsicsChange::Vector& weighted_minimum) const;
   std::optional<Reading> ReadingOf(IntrinsicsProblem& window) const;

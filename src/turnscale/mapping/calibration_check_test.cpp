@@ -134,26 +134,6 @@ TEST(CalibrationCheck, HigherTermsOfTheLensAreNoFocalLength) {
   }
 }
 
-TEST(CalibrationCheck, DecentringIsNoFocalLength) {
-  for (const unsigned seed : {19U, 20U}) {
-    Map map = WrongMap(kRightAndLeft, Vector::Zero(), 0.15, seed);
-    // What an image that was undistorted about a wrong centre has left.
-    Vector lens = Change(0, 0, 0, 0.02);
-    lens.tail<4>() << 0.004, -0.002, -0.004, 0.004;
-    Distort(lens, map);
-    CalibrationCheckOptions options;
-    options.decentring_prior_sigma = 0.005;
-    const IntrinsicsEstimate with = CheckAlong(map, options).Estimate();
-    const IntrinsicsEstimate without = CheckAlong(map).Estimate();
-    EXPECT_NEAR(with.change[IntrinsicsChange::kLogFocal], 0, 0.004) << seed;
-    EXPECT_GT(std::abs(without.change[IntrinsicsChange::kLogFocal]), 0.012) << seed;
-    const Vector error = with.change - lens;
-    const Vector sigmas = with.covariance.diagonal().cwiseSqrt();
-    for (int i = IntrinsicsChange::kDecentring2X; i < IntrinsicsChange::kEntries; ++i)
-      EXPECT_NEAR(error[i], 0, 3 * sigmas[i]) << i << " " << seed;
-  }
-}
-
 TEST(CalibrationCheck, ADistortionCountsByWhatItDoesInTheImage) {
   const auto distortion_of = [](double r2, double r4) {
     Map map = WrongMap(kRightAndLeft, Vector::Zero(), 0.15, 18);

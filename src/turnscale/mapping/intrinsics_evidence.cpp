@@ -93,16 +93,6 @@ std::vector<Track> ChooseTracks(const Map& map, const CameraModel& camera, const
   return SpreadOverView(camera, std::move(tracks), window.max_landmarks);
 }
 
-// Derivative of the decentring by the distorted point.
-Eigen::Matrix2d DecentringByPoint(const Eigen::Vector2d& point, const Eigen::Vector4d& decentring) {
-  const double square = point.squaredNorm();
-  const auto part = [&](const Eigen::Vector2d& d) -> Eigen::Matrix2d {
-    return d * point.transpose() + point * d.transpose() + point.dot(d) * Eigen::Matrix2d::Identity();
-  };
-  const Eigen::Vector2d fourth = decentring.tail<2>();
-  return 2 * part(decentring.head<2>()) + 4 * square * part(fourth) + 8 * point.dot(fourth) * point * point.transpose();
-}
-
 // The distorted pixel of an ideal one.
 struct Prediction {
   Eigen::Vector2d distorted;  // pixels of the image
@@ -269,15 +259,6 @@ Pinhole ChangedPinhole(const Pinhole& given, const Vector& change) {
           given.cy + change[IntrinsicsChange::kCentreY]};
 }
 
-Eigen::Matrix<double, 2, 4> DecentringTerms(const Eigen::Vector2d& distorted) {
-  const double square = distorted.squaredNorm();
-  const Eigen::Matrix2d outer = distorted * distorted.transpose();
-  Eigen::Matrix<double, 2, 4> terms;
-  terms << square * Eigen::Matrix2d::Identity() + 2 * outer,
-      square * (square * Eigen::Matrix2d::Identity() + 4 * outer);
-  return terms;
-}
-
 std::optional<CorrectedPixel> Correct(const CameraModel& camera, const Vector& change,
                                       const Eigen::Vector2d& distorted) {
   const Pinhole pinhole = ChangedPinhole(camera.pinhole, change);
@@ -285,15 +266,13 @@ std::optional<CorrectedPixel> Correct(const CameraModel& camera, const Vector& c
   const std::optional<UndistortedPoint> ideal = UndistortPoint(camera, point);
   if (!ideal) return std::nullopt;
   const double square = point.squaredNorm();
-  const auto terms = change.segment<3>(IntrinsicsChange::kCorrection);
+  const auto terms = change.tail<3>();
   const double share = square * (terms[0] + square * (terms[1] + square * terms[2]));
   const double share_by_square = terms[0] + square * (2 * terms[1] + square * 3 * terms[2]);
   const Eigen::RowVector2d share_by_point = 2 * share_by_square * point.transpose();
-  const auto decentring = change.segment<4>(IntrinsicsChange::kDecentring2X);
-  const Eigen::Vector2d ray = (1 + share) * ideal->point + DecentringTerms(point) * decentring;
-  return CorrectedPixel{
-      pinhole.Project(ray.homogeneous()), ideal->point,
-      (1 + share) * ideal->jacobian + ideal->point * share_by_point + DecentringByPoint(point, decentring)};
+  const Eigen::Vector2d ray = (1 + share) * ideal->point;
+  return CorrectedPixel{pinhole.Project(ray.homogeneous()), ideal->point,
+                        (1 + share) * ideal->jacobian + ideal->point * share_by_point};
 }
 
 Eigen::Matrix<double, 2, kEntries> IntrinsicsJacobian(const Pinhole& pinhole, const Eigen::Vector3d& x_in_camera,
@@ -310,7 +289,6 @@ Eigen::Matrix<double, 2, kEntries> IntrinsicsJacobian(const Pinhole& pinhole, co
   J.col(IntrinsicsChange::kCorrection) = -square * outward;
   J.col(IntrinsicsChange::kCorrection4) = -square * square * outward;
   J.col(IntrinsicsChange::kCorrection6) = -square * square * square * outward;
-  J.middleCols<4>(IntrinsicsChange::kDecentring2X) = -(focal * DecentringTerms(distorted));
   return J;
 }
 

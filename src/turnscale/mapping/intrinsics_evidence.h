@@ -14,23 +14,11 @@
 namespace turnscale {
 
 /// By how much a camera differs from a given one: log of the focal length's ratio (both axes together), principal point
-/// x and y (pixels, further right and down), the terms in r^2, r^4 and r^6 of the radial correction (Correct): the
-/// whole of it, not what comes on top of the one that is applied to the map's pixels; and its decentring in r^2 and
-/// r^4.
+/// x and y (pixels, further right and down), and the terms in r^2, r^4 and r^6 of the radial correction (Correct): the
+/// whole of it, not what comes on top of the one that is applied to the map's pixels.
 struct IntrinsicsChange {
-  enum Entry {
-    kLogFocal,
-    kCentreX,
-    kCentreY,
-    kCorrection,
-    kCorrection4,
-    kCorrection6,
-    kDecentring2X,
-    kDecentring2Y,
-    kDecentring4X,
-    kDecentring4Y,
-  };
-  static constexpr int kEntries = kDecentring4Y + 1;
+  enum Entry { kLogFocal, kCentreX, kCentreY, kCorrection, kCorrection4, kCorrection6 };
+  static constexpr int kEntries = kCorrection6 + 1;
   using Vector = Eigen::Matrix<double, kEntries, 1>;
   using Matrix = Eigen::Matrix<double, kEntries, kEntries>;
 };
@@ -48,17 +36,10 @@ struct CorrectedPixel {
 
 /// Undistorts a pixel with the lens of `camera`, the pinhole that differs by `change` from its own, and the correction
 /// of `change`: on the plane z = 1, the ray moves away from the axis by the share kCorrection r^2 + kCorrection4 r^4 +
-/// kCorrection6 r^6, r being the distance of the distorted point from the axis, which is bounded for any lens. Then the
-/// decentring is added (DecentringTerms). `camera.radial_correction` plays no part. Nothing where the lens has no ray
-/// for the pixel.
+/// kCorrection6 r^6, r being the distance of the distorted point from the axis, which is bounded for any lens.
+/// `camera.radial_correction` plays no part. Nothing where the lens has no ray for the pixel.
 std::optional<CorrectedPixel> Correct(const CameraModel& camera, const IntrinsicsChange::Vector& change,
                                       const Eigen::Vector2d& distorted);
-
-/// What a radial distortion of degree 3 or 5 changes by when its centre moves: r^2 d + 2 p (p . d) and
-/// r^4 d + 4 r^2 p (p . d), with p the distorted point on the plane z = 1. Columns: x and y of d for r^2, then for r^4.
-/// The terms in r^2 are the tangential distortion of common lens models. Lenses whose elements are not aligned have
-/// those in r^4, too, and so have images that were undistorted about a wrong centre.
-Eigen::Matrix<double, 2, 4> DecentringTerms(const Eigen::Vector2d& distorted);
 
 /// Parabola of the cost in the intrinsics, whatever poses and points may be, with residuals in the distorted image:
 /// cost(change) = constant + gradient^T (change - at) + (change - at)^T information (change - at) / 2.

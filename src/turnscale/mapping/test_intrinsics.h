@@ -7,10 +7,10 @@
 
 namespace turnscale {
 
-/// A change without the correction's higher terms and its decentring.
+/// A change without the correction's higher terms.
 inline IntrinsicsChange::Vector Change(double log_focal, double centre_x, double centre_y, double correction) {
-  IntrinsicsChange::Vector change = IntrinsicsChange::Vector::Zero();
-  change.head<4>() << log_focal, centre_x, centre_y, correction;
+  IntrinsicsChange::Vector change;
+  change << log_focal, centre_x, centre_y, correction, 0, 0;
   return change;
 }
 

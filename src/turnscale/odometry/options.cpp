@@ -71,7 +71,6 @@ void SelfCalibrationOptions::Check() const {
   require(focal_prior_sigma > 0, "focal_prior_sigma: has to be positive");
   require(correction_prior_sigma > 0, "correction_prior_sigma: has to be positive");
   require(higher_prior_sigma >= 0, "higher_prior_sigma: must not be negative");
-  require(decentring_prior_sigma >= 0, "decentring_prior_sigma: must not be negative");
 }
 
 void ScaleOptions::Check() const {

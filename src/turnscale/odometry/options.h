@@ -113,9 +113,6 @@ struct SelfCalibrationOptions {
   double focal_prior_sigma = 0.5;       ///< relative
   double correction_prior_sigma = 0.3;  ///< radial correction, r^2
   double higher_prior_sigma = 0.1;      ///< radial correction, r^4 and r^6
-  /// Decentring of the correction, r^2 and r^4: tangential coefficients of lenses are a few thousandths. Without it,
-  /// 0.3 pixels of decentring in r^4 make the focal length several tenths of a per cent too short.
-  double decentring_prior_sigma = 0.005;
 
   /// Throws InputError that names the field when a value makes no sense.
   void Check() const;

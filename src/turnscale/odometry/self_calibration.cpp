@@ -59,7 +59,6 @@ CalibrationCheckOptions CheckForReading(const OdometryOptions& options, int pass
   check.focal_prior_sigma = calibration.focal_prior_sigma;
   check.correction_prior_sigma = calibration.correction_prior_sigma;
   check.higher_prior_sigma = calibration.higher_prior_sigma;
-  check.decentring_prior_sigma = calibration.decentring_prior_sigma;
   check.max_rounds = kMaxRounds;
   check.max_landmarks = kMaxLandmarks;
   check.max_windows = pass == 0 ? calibration.first_windows : calibration.windows;
