@@ -191,9 +191,9 @@ Eigen::Vector2d UndoRadialCorrection(const Pinhole& pinhole, double correction, 
   double radius = std::abs(change) < kSmallChange ? corrected * (1 - change * (1 - 3 * change)) : corrected;
   for (int step = 0; step < kNewtonSteps; ++step) {
     const double error = radius * (1 + correction * radius * radius) - corrected;
-    const double excess = error / (1 + 3 * correction * radius * radius);
-    if (radius - excess == radius) break;
-    radius -= excess;
+    const double step_back = error / (1 + 3 * correction * radius * radius);
+    if (radius - step_back == radius) break;
+    radius -= step_back;
   }
   return Scaled(pinhole, pixel, radius / corrected - 1);
 }

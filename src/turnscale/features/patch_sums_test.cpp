@@ -67,6 +67,28 @@ TEST(PatchSums, AreThoseOfAllPixels) {
   for (const int half : {2, 5, 7, 8, 20}) ExpectSumsOneByOne(half, reference, image);
 }
 
+// Between pixels, and where the patch touches the right and lower edge: as within a larger image.
+TEST(PatchSums, ReadNothingBeyondTheImage) {
+  Random random(8);
+  cv::Mat whole(100, 100, CV_8UC1);
+  for (int i = 0; i < 100 * 100; ++i) whole.data[i] = static_cast<uchar>(random.Uniform(0, 255.99));
+  const cv::Mat image = whole(cv::Rect(0, 0, 60, 60)).clone();
+  for (const int half : {2, 5, 8, 20}) {
+    PatchTemplate patch;
+    ASSERT_TRUE(MakeTemplate(half, image, Eigen::Vector2d(29.3, 30.6), Eigen::Matrix2d::Identity(), patch));
+    for (const float from_edge : {0.25F, 0.5F, 1.75F, 9.3F}) {
+      const float at = static_cast<float>(59 - 2 * half) - from_edge;
+      const ImageSums inside = SumsOf(patch, whole, at, at);
+      const ImageSums at_edge = SumsOf(patch, image, at, at);
+      EXPECT_EQ(at_edge.by_x, inside.by_x) << half << ' ' << at;
+      EXPECT_EQ(at_edge.by_y, inside.by_y) << half << ' ' << at;
+      EXPECT_EQ(at_edge.value, inside.value) << half << ' ' << at;
+      EXPECT_EQ(at_edge.one, inside.one) << half << ' ' << at;
+      EXPECT_EQ(at_edge.gray, inside.gray) << half << ' ' << at;
+    }
+  }
+}
+
 // Black beside white, and the opposite in the image: no sum may overflow.
 TEST(PatchSums, HoldTheGreatestContrast) {
   cv::Mat reference(60, 60, CV_8UC1);
