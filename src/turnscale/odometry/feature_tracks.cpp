@@ -191,6 +191,17 @@ std::optional<cv::Point2f> PixelOf(const Map& map, const CameraModel& camera, in
   return ToPoint(*pixel);
 }
 
+std::vector<const FeatureTrack*> SampleWithDepth(const Map& map, const std::vector<FeatureTrack>& tracks, size_t most) {
+  std::vector<const FeatureTrack*> with_depth;
+  for (const FeatureTrack& track : tracks)
+    if (map.landmarks[track.landmark].valid) with_depth.push_back(&track);
+  const size_t size = std::min(with_depth.size(), most);
+  std::vector<const FeatureTrack*> sample;
+  sample.reserve(size);
+  for (size_t i = 0; i < size; ++i) sample.push_back(with_depth[i * with_depth.size() / size]);
+  return sample;
+}
+
 std::vector<cv::Point2f> PixelsOf(const std::vector<FeatureTrack>& tracks) {
   std::vector<cv::Point2f> pixels;
   pixels.reserve(tracks.size());

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstddef>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -85,6 +86,9 @@ std::optional<Eigen::Matrix2d> CurrentFromReference(const CameraModel& camera, c
 /// Where a camera shows a landmark, as the image comes; empty where it is out of sight.
 std::optional<cv::Point2f> PixelOf(const Map& map, const CameraModel& camera, int landmark,
                                    const RigidTransform& camera_from_world);
+
+/// At most `most` of the tracks whose landmarks have a depth, evenly out of all of these.
+std::vector<const FeatureTrack*> SampleWithDepth(const Map& map, const std::vector<FeatureTrack>& tracks, size_t most);
 
 /// The pixels of tracks, as the image shows them.
 std::vector<cv::Point2f> PixelsOf(const std::vector<FeatureTrack>& tracks);

@@ -58,8 +58,9 @@ constexpr double kLeastShareOfSample = 0.6;
 // Halvings of the image that cover the error of most predictions.
 constexpr int kSampleLevels = 1;
 
-// Interval of two images, seconds, after which tracking that has lost many landmarks is repeated by a wide search.
-constexpr double kLongInterval = 0.25;
+// Interval of two images, seconds, after which tracking that has lost many landmarks is repeated by a wide search: that
+// of four images a second is longer, that of five is not, however time stamps are rounded.
+constexpr double kLongInterval = 0.225;
 
 // Growth of an area since the last image from which on a patch is compared at half the size.
 constexpr double kMuchLarger = 2.25;
@@ -73,8 +74,10 @@ std::optional<Eigen::Vector2d> PixelByLastImage(const PatchAlignmentOptions& opt
   const std::optional<Eigen::Matrix2d> current_from_last =
       CurrentFromReference(camera, map.landmarks[landmark].position, last, camera_from_world);
   if (!guess || !current_from_last) return std::nullopt;
+  const double growth = current_from_last->determinant();
+  if (!(growth > 0)) return std::nullopt;
   // What has grown is not as sharp in the last image: it is compared at half the size.
-  const int level = current_from_last->determinant() > kMuchLarger && image.pyramid.size() > 1 ? 1 : 0;
+  const int level = growth > kMuchLarger && image.pyramid.size() > 1 ? 1 : 0;
   const double size = 1 << level;
   const std::optional<Eigen::Vector2d> pixel =
       AlignPatch(options, last_image, last_pixel, size * current_from_last->inverse(), image.pyramid[level],
@@ -120,8 +123,11 @@ TrackedFrame FrameTracker::Track(const Map& map, const CameraModel& camera, cons
     searched = SearchPose(map, camera, last_image_, motion.last(), image, tracks_, estimate.camera_from_world);
   if (searched) {
     auto [found, by_search] = TrackFromSearched(map, camera, before, image, motion.last(), *searched);
-    if (IsBelievable(options_.tracking, by_search) && by_search.inliers > estimate.inliers)
-      std::tie(followed, estimate) = std::tie(found, by_search);
+    const bool is_better = !IsBelievable(options_.tracking, estimate) || by_search.inliers > estimate.inliers;
+    if (is_better && IsBelievable(options_.tracking, by_search)) {
+      followed = std::move(found);
+      estimate = std::move(by_search);
+    }
   }
   TrackedFrame frame{static_cast<int>(followed.found.size()), estimate.inliers, std::nullopt};
   if (!IsBelievable(options_.tracking, estimate)) return frame;
@@ -133,9 +139,10 @@ TrackedFrame FrameTracker::Track(const Map& map, const CameraModel& camera, cons
 }
 
 bool FrameTracker::LacksLandmarks(const Map& map, const PoseEstimate& estimate, double seconds) const {
+  if (seconds < kLongInterval) return false;
   const auto with_depth =
       std::ranges::count_if(tracks_, [&](const FeatureTrack& track) { return map.landmarks[track.landmark].valid; });
-  return seconds >= kLongInterval && estimate.inliers < kLeastShareOfSample * static_cast<double>(with_depth);
+  return estimate.inliers < kLeastShareOfSample * static_cast<double>(with_depth);
 }
 
 std::pair<FollowedTracks, PoseEstimate> FrameTracker::TrackFromSearched(const Map& map, const CameraModel& camera,
@@ -199,13 +206,9 @@ std::optional<RigidTransform> FrameTracker::PoseOfSample(const Map& map, const C
                                                          const FlowImage& before, const FlowImage& image,
                                                          const RigidTransform& last, const RigidTransform& predicted,
                                                          std::optional<int> levels) const {
-  std::vector<const FeatureTrack*> with_depth;
-  for (const FeatureTrack& track : tracks_)
-    if (map.landmarks[track.landmark].valid) with_depth.push_back(&track);
-  if (with_depth.size() < kLeastOfPoseSample) return std::nullopt;
   std::vector<FeatureTrack> sample;
-  const size_t size = std::min(with_depth.size(), kPoseSample);
-  for (size_t i = 0; i < size; ++i) sample.push_back(*with_depth[i * with_depth.size() / size]);
+  for (const FeatureTrack* track : SampleWithDepth(map, tracks_, kPoseSample)) sample.push_back(*track);
+  if (sample.size() < kLeastOfPoseSample) return std::nullopt;
   FollowedTracks followed = FollowTracks(options_.flow, map, camera, before, image, sample,
                                          PredictPixels(map, camera, sample, last, predicted), levels);
   DropMasked(followed);

@@ -31,9 +31,16 @@ class PoseSearch : public testing::Test {
     map_.pinhole = camera_.pinhole;
     map_.keyframes.push_back({0, 0, {}, {}, false});
     first_ = Seen({});
+    AddTracks(16);
+    motion_.Update(-kInterval, Pose(0, -kSpeed));
+    motion_.Update(0, {});
+  }
+
+  // On a grid with so many pixels between its lines.
+  void AddTracks(int step) {
     const auto reference = std::make_shared<const cv::Mat>(first_.gray);
-    for (int row = 20; row <= 220; row += 16)
-      for (int column = 20; column <= 300; column += 16) {
+    for (int row = 20; row <= 220; row += step)
+      for (int column = 20; column <= 300; column += step) {
         const Eigen::Vector2d pixel(column + 0.3, row - 0.2);
         const int landmark = static_cast<int>(map_.landmarks.size());
         map_.landmarks.push_back({Surface({}, pixel).second, true, {}});
@@ -41,8 +48,6 @@ class PoseSearch : public testing::Test {
         const cv::Point2f shown(static_cast<float>(pixel.x()), static_cast<float>(pixel.y()));
         tracks_.push_back({landmark, shown, pixel, pixel, reference, shown, 0, 0});
       }
-    motion_.Update(-kInterval, Pose(0, -kSpeed));
-    motion_.Update(0, {});
   }
 
   // Turned to the right, moved along the mean heading.
@@ -66,11 +71,13 @@ class PoseSearch : public testing::Test {
     return {nearest, centre + distance * ray};
   }
 
-  FlowImage Seen(const RigidTransform& camera_from_world) const {
+  FlowImage Seen(const RigidTransform& camera_from_world) const { return Seen(camera_from_world, texture_); }
+
+  FlowImage Seen(const RigidTransform& camera_from_world, const SyntheticTexture& texture) const {
     return BuildFlowImage(options_.flow, MakeImage({camera_.width, camera_.height}, [&](const Eigen::Vector2d& pixel) {
                             const auto [wall, point] = Surface(camera_from_world, pixel);
                             const Eigen::Vector2d place(wall == 0 ? point.x() : point.z(), point.y());
-                            return texture_.At(place + 100.0 * static_cast<double>(wall) * Eigen::Vector2d::Ones());
+                            return texture.At(place + 100.0 * static_cast<double>(wall) * Eigen::Vector2d::Ones());
                           }));
   }
 
@@ -115,6 +122,26 @@ TEST_F(PoseSearch, FindsTurnsAndSpeedsThatWereNotExpected) {
 
 TEST_F(PoseSearch, FindsNothingInAnImageOfSomethingElse) { EXPECT_FALSE(Search(Noise())); }
 
+TEST_F(PoseSearch, FindsNothingInAnotherYardOfTheSameKind) {
+  // With many landmarks some look alike at a few pixels anyway.
+  AddTracks(12);
+  for (const double contrast : {35.0, 3.0})
+    for (unsigned seed = 10; seed < 16; ++seed) {
+      const SyntheticTexture other(seed, 0.6, 3, contrast);
+      EXPECT_FALSE(Search(Seen(Pose(0.1, 2), other))) << "seed " << seed << ", contrast " << contrast;
+    }
+}
+
+TEST_F(PoseSearch, ImagesOfASingleSizeAreSearchedToo) {
+  options_.flow.levels = 0;
+  first_ = Seen({});
+  ASSERT_EQ(first_.pyramid.size(), 1U);
+  const RigidTransform truth = Pose(0.1, 2);
+  const std::optional<RigidTransform> pose = Search(Seen(truth));
+  ASSERT_TRUE(pose);
+  EXPECT_LT(PixelError(camera_, truth, *pose), 2);
+}
+
 TEST_F(PoseSearch, TracksWithoutADepthDoNotCount) {
   for (Landmark& landmark : map_.landmarks) landmark.valid = false;
   EXPECT_FALSE(Search(Seen(Pose(0.25, 2))));
@@ -130,6 +157,17 @@ TEST_F(PoseSearch, TrackingGoesOnAfterAGapInATurn) {
   size_t in_sight = 0;
   for (const FeatureTrack& track : tracks_) in_sight += PixelOf(map_, camera_, track.landmark, truth) ? 1 : 0;
   EXPECT_GT(tracker.tracks().size(), 0.7 * static_cast<double>(in_sight));
+}
+
+TEST_F(PoseSearch, TrackingGoesOnAfterAGapInImagesOfASingleSize) {
+  options_.flow.levels = 0;
+  first_ = Seen({});
+  FrameTracker tracker(options_);
+  tracker.Start(first_, tracks_, static_cast<int>(tracks_.size()));
+  const RigidTransform truth = Pose(0.1, 3);
+  const TrackedFrame frame = tracker.Track(map_, camera_, Seen(truth), motion_, motion_.Predict(kGap), kGap);
+  ASSERT_TRUE(frame.camera_from_world);
+  EXPECT_LT(PixelError(camera_, truth, *frame.camera_from_world), 0.3);
 }
 
 }  // namespace

@@ -26,19 +26,15 @@ bool HaveSamePixels(const cv::Mat& first, const cv::Mat& second) {
   return true;
 }
 
-// Tracks with a depth, evenly out of all, with where they are expected.
+// A sample of the landmarks with where they are expected.
 std::vector<LandmarkMotion> SampleLandmarks(const Map& map, const CameraModel& camera,
                                             const std::vector<FeatureTrack>& tracks,
                                             const RigidTransform& predicted_from_world) {
-  std::vector<const FeatureTrack*> with_depth;
-  for (const FeatureTrack& track : tracks)
-    if (map.landmarks[track.landmark].valid) with_depth.push_back(&track);
-  const size_t stride = std::max<size_t>(1, with_depth.size() / kSample);
   std::vector<LandmarkMotion> sample;
-  for (size_t i = 0; i < with_depth.size(); i += stride) {
-    const Eigen::Vector3d x = predicted_from_world * map.landmarks[with_depth[i]->landmark].position;
+  for (const FeatureTrack* track : SampleWithDepth(map, tracks, kSample)) {
+    const Eigen::Vector3d x = predicted_from_world * map.landmarks[track->landmark].position;
     const std::optional<Eigen::Vector2d> expected = x.z() > 0 ? camera.Project(x) : std::nullopt;
-    const Eigen::Vector2d before(with_depth[i]->pixel.x, with_depth[i]->pixel.y);
+    const Eigen::Vector2d before(track->pixel.x, track->pixel.y);
     if (expected) sample.push_back({before, *expected, before});
   }
   return sample;

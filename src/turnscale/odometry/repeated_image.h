@@ -13,15 +13,19 @@
 
 namespace turnscale {
 
-/// What counts as an image that a recorder has written once more. A car does not lose most of its speed from one image
-/// to the next: at the limits below that would be a braking of 10 m/s^2 and more.
+/// What counts as an image that a recorder has written once more. From one image to the next a car does not lose most
+/// of its speed: that would be a braking of 10 m/s^2 and more. The longer an image stays the same, the less this tells:
+/// a car that went on at 10 m/s can stop within two seconds. Live poses of repeated images are predictions, which
+/// overshoot where the car has in fact stopped. In the refined path they lie between the measured poses before and
+/// after.
 struct RepeatOptions {
-  /// Median motion of the landmarks that the prediction has to expect, pixels: less is like tracking noise.
+  /// Median motion of the landmarks that the prediction has to expect, pixels: less is like tracking noise. Where all
+  /// pixels of the two images are the same, 0.2 are enough: noise makes any two images of a camera differ.
   double min_expected_motion = 1.5;
   /// The image repeats the one before if its landmarks have moved by less than this share of what was expected.
   double max_motion_share = 0.25;
   /// A car whose image has not moved for longer stands, seconds. Longer than most recorders hang; where the car stands
-  /// after all, its path is the same.
+  /// after all, its refined path leads to the same place.
   double max_seconds = 3;
 
   /// Throws InputError that names the field when a value makes no sense.
