@@ -66,3 +66,13 @@ function(turnscale_tests module)
   endif()
   gtest_discover_tests(${target} DISCOVERY_TIMEOUT 60 PROPERTIES LABELS "${TESTS_LABELS}" TIMEOUT 300)
 endfunction()
+
+# turnscale_runs(<target> <program>): running the target needs the program, compiling it does not. With add_dependencies,
+# its sources would wait for the program; other generators than Ninja do not find the rule of a file in another folder.
+function(turnscale_runs target program)
+  if(CMAKE_GENERATOR MATCHES "Ninja")
+    set_property(TARGET ${target} APPEND PROPERTY LINK_DEPENDS $<TARGET_FILE:${program}>)
+  else()
+    add_dependencies(${target} ${program})
+  endif()
+endfunction()
