@@ -7,8 +7,8 @@
 
 namespace turnscale {
 
-/// Sums over a patch, gray levels in 1/2^kPatchGrayBits: of those that an image shows, less the template's middle, times
-/// the template's gradients, its value, 1, and themselves.
+/// Sums over a patch, gray levels in 1/2^kPatchGrayBits: of those that an image shows, less the template's middle,
+/// times the template's gradients, its value, 1, and themselves.
 struct ImageSums {
   double by_x = 0, by_y = 0, value = 0, one = 0, gray = 0;
 };
