@@ -194,6 +194,7 @@ class PatchView {
   const uchar* pixels_;
   std::ptrdiff_t step_;
 };
+
 }  // namespace
 
 TemplateSums SumsOf(const PatchTemplate& patch) {
@@ -207,6 +208,7 @@ TemplateSums SumsOf(const PatchTemplate& patch) {
   ForEachBlock(patch, kPixelGroup, [&](const Block& block) { AddBlock(patch, block, sums); });
   return sums;
 }
+
 ImageSums SumsOf(const PatchTemplate& patch, const cv::Mat& image, float x, float y) {
   const PatchView view(image, static_cast<int>(y), static_cast<int>(x), patch.side + 1, patch.width);
   const PatchInterpolation interpolation(view.corner(), view.step(), x, y);
@@ -220,4 +222,5 @@ ImageSums SumsOf(const PatchTemplate& patch, const cv::Mat& image, float x, floa
   ForEachBlock(patch, kPixelGroup, [&](const Block& block) { AddBlock(patch, interpolation, block, sums); });
   return sums;
 }
+
 }  // namespace turnscale

@@ -107,6 +107,7 @@ class LineSampler {
   std::int64_t dx_;
   std::int64_t dy_;
 };
+
 // Gray levels of a patch with one more pixel all around, and the zeros that a padded row of gradients reads besides.
 constexpr int kMostWarpedWidth = kMostPatchWidth + kPatchBlock;
 using WarpedPatch = std::array<std::int16_t, (kMostPatchSide + 2) * kMostWarpedWidth>;
@@ -149,8 +150,6 @@ bool WarpPatch(int half, const cv::Mat& reference, const Eigen::Vector2d& pixel,
 }
 
 void TakeGradients(int half, int sampled, const WarpedPatch& gray, PatchTemplate& patch) {
-  patch.side = 2 * half + 1;
-  patch.width = (patch.side + kPatchBlock - 1) / kPatchBlock * kPatchBlock;
   // Sums of squares stay small where a bright patch has little contrast.
   patch.middle = gray[(half + 1) * sampled + half + 1];
   for (int column = 0; column < patch.width; ++column) patch.in_patch[column] = column < patch.side ? -1 : 0;
@@ -165,11 +164,14 @@ void TakeGradients(int half, int sampled, const WarpedPatch& gray, PatchTemplate
       cv::v_store(&patch.by_y[at], inside & (cv::v_load(centre + sampled) - cv::v_load(centre - sampled)));
     }
 }
+
 }  // namespace
 
 bool MakeTemplate(int half, const cv::Mat& reference, const Eigen::Vector2d& pixel,
                   const Eigen::Matrix2d& reference_from_current, PatchTemplate& patch) {
-  const int sampled = (2 * half + 1 + kPatchBlock - 1) / kPatchBlock * kPatchBlock + kPixelGroup;
+  patch.side = 2 * half + 1;
+  patch.width = (patch.side + kPatchBlock - 1) / kPatchBlock * kPatchBlock;
+  const int sampled = patch.width + kPixelGroup;
   WarpedPatch gray;
   if (!WarpPatch(half, reference, pixel, reference_from_current, sampled, gray)) return false;
   TakeGradients(half, sampled, gray, patch);

@@ -13,7 +13,7 @@
 namespace turnscale {
 namespace {
 
-// Keyframes after `last`, and landmarks that they see but for `others`, which are in ascending order.
+// Moves keyframes after `last`, and the landmarks that they see but for `others`, which are in ascending order.
 void Move(const Similarity& new_from_old, int last, const std::vector<int>& others, Map& map) {
   const int keyframes = static_cast<int>(map.keyframes.size());
   for (const int index : LandmarksSeen(map, last + 1, keyframes - 1)) {
@@ -72,11 +72,13 @@ WindowProblem MakeWindowProblem(const Map& map, const Window& window, double pix
 void WriteBack(const WindowProblem& problem, Map& map) {
   const int last = problem.window.first + static_cast<int>(problem.bundle.camera_from_world.size()) - 1;
   const RigidTransform old_camera = map.keyframes[last].camera_from_world;
-  const std::vector<Eigen::Vector3d> before = CentresOf(problem, map);
+  const bool has_later = last + 1 < static_cast<int>(map.keyframes.size());
+  std::vector<Eigen::Vector3d> before;
+  if (has_later) before = CentresOf(problem, map);
   for (size_t i = 0; i < problem.bundle.camera_from_world.size(); ++i)
     if (problem.bundle.camera_is_fixed[i] == 0)
       map.keyframes[problem.window.first + i].camera_from_world = problem.bundle.camera_from_world[i];
-  if (last + 1 < static_cast<int>(map.keyframes.size())) {
+  if (has_later) {
     const double scale = ScaleOfEnd(before, CentresOf(problem, map)).value_or(1.0);
     Move(MoveOfEnd(old_camera, map.keyframes[last].camera_from_world, scale), last, problem.landmarks, map);
   }
