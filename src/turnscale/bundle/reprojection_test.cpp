@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "turnscale/geometry/random_vector.h"
 #include "turnscale/geometry/rotation.h"
 
 namespace turnscale {
@@ -24,9 +25,10 @@ struct Sample {
   Sample(unsigned seed, double error) {
     std::mt19937 random(seed);
     std::normal_distribution<double> normal;
-    const auto vector = [&] { return Eigen::Vector3d(normal(random), normal(random), normal(random)); };
+    const auto vector = [&] { return DrawVector<3>([&] { return normal(random); }); };
     rotation = RotationFromVector(vector()).toRotationMatrix();
-    const Eigen::Vector3d x_in_camera(normal(random), normal(random), 4.0 + std::abs(normal(random)));
+    Eigen::Vector3d x_in_camera = vector();
+    x_in_camera.z() = 4.0 + std::abs(x_in_camera.z());
     offset = rotation.transpose() * x_in_camera;
     inverse_sigma = 1.0 / 1.7;
     const double angle = normal(random);

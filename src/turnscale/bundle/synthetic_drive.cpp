@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <random>
 
+#include "turnscale/geometry/random_vector.h"
 #include "turnscale/geometry/rotation.h"
 
 namespace turnscale {
@@ -66,7 +67,8 @@ SyntheticDrive MakeSyntheticDrive(const SyntheticDriveOptions& options) {
     const double mean_track = static_cast<double>(observations_left) / points_left;
     const int wanted = std::max(2, static_cast<int>(std::lround(mean_track * (0.5 + uniform(random)))));
     const int first = std::min(static_cast<int>(uniform(random) * options.cameras), options.cameras - 2);
-    const Eigen::Vector2d seed_pixel(kWidth * uniform(random), kHeight * uniform(random));
+    const Eigen::Vector2d seed_pixel =
+        DrawVector<2>([&] { return uniform(random); }).cwiseProduct(Eigen::Vector2d(kWidth, kHeight));
     const double depth = 5 + 40 * uniform(random) * uniform(random);
     const Eigen::Vector3d point =
         problem.camera_from_world[first].inverse() * (depth * problem.pinhole.Ray(seed_pixel)).eval();
@@ -85,7 +87,7 @@ SyntheticDrive MakeSyntheticDrive(const SyntheticDriveOptions& options) {
     if (track.size() < 2) continue;
     for (BundleObservation& seen : track) {
       const double noise = uniform(random) < options.outliers ? 40.0 : options.pixel_noise;
-      seen.pixel += noise * Eigen::Vector2d(normal(random), normal(random));
+      seen.pixel += noise * DrawVector<2>([&] { return normal(random); });
     }
     problem.points.push_back(point);
     problem.observations.insert(problem.observations.end(), track.begin(), track.end());
@@ -96,7 +98,7 @@ SyntheticDrive MakeSyntheticDrive(const SyntheticDriveOptions& options) {
 void Disturb(double position, double angle, double depth, unsigned seed, BundleProblem& problem) {
   std::mt19937 random(seed);
   std::normal_distribution<double> normal;
-  const auto vector = [&] { return Eigen::Vector3d(normal(random), normal(random), normal(random)); };
+  const auto vector = [&] { return DrawVector<3>([&] { return normal(random); }); };
   std::vector<int> first_camera(problem.points.size(), -1);
   for (const BundleObservation& seen : problem.observations) {
     if (first_camera[seen.point] < 0) first_camera[seen.point] = seen.camera;

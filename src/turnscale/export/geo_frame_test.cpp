@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "turnscale/base/random.h"
+#include "turnscale/geometry/random_vector.h"
 
 namespace turnscale {
 namespace {
@@ -13,7 +14,8 @@ TEST(GeoFrame, GoesThereAndBack) {
   for (int i = 0; i < 200; ++i) {
     const GeoPoint origin{random.Uniform(-89, 89), random.Uniform(-180, 180), random.Uniform(-100, 3000)};
     const GeoFrame frame(origin);
-    const Eigen::Vector3d local(random.Uniform(-2e4, 2e4), random.Uniform(-2e4, 2e4), random.Uniform(-500, 500));
+    const Eigen::Vector3d local =
+        DrawVector<3>([&] { return random.Uniform(-1, 1); }).cwiseProduct(Eigen::Vector3d(2e4, 2e4, 500));
     EXPECT_LT((frame.ToLocal(frame.FromLocal(local)) - local).norm(), 1e-6);
     EXPECT_LT(frame.ToLocal(origin).norm(), 1e-8);
   }

@@ -14,6 +14,7 @@
 #include "turnscale/base/test_files.h"
 #include "turnscale/export/test_results.h"
 #include "turnscale/export/utc_time.h"
+#include "turnscale/geometry/random_vector.h"
 #include "turnscale/geometry/rotation.h"
 
 namespace turnscale {
@@ -30,8 +31,11 @@ std::vector<GpsFix> NoisyFixes(const std::vector<LevelPlace>& path, unsigned see
   std::vector<GpsFix> fixes;
   for (size_t i = 0; i < path.size(); i += 10) {
     Eigen::Vector3d place = path_scale * EastNorthUp(path[i].position, kTruth.heading);
-    place += Eigen::Vector3d(5 * random.Gaussian(), 5 * random.Gaussian(), 0);
-    if (i % 100 == 30) place += Eigen::Vector3d(random.Uniform(40, 400), random.Uniform(-200, 200), 0);
+    place.head<2>() += 5 * DrawVector<2>([&] { return random.Gaussian(); });
+    if (i % 100 == 30) {
+      place.y() += random.Uniform(-200, 200);
+      place.x() += random.Uniform(40, 400);
+    }
     fixes.push_back({path[i].time, frame.FromLocal(place), 5, true});
   }
   return fixes;
@@ -96,7 +100,7 @@ TEST(GpsFixes, TenPerSecondForAnHour) {
   std::vector<GpsFix> fixes;
   for (size_t i = 0; i < path.size(); ++i) {
     Eigen::Vector3d place = EastNorthUp(path[i].position, kTruth.heading);
-    place += Eigen::Vector3d(5 * random.Gaussian(), 5 * random.Gaussian(), 8 * random.Gaussian());
+    place += DrawVector<3>([&] { return random.Gaussian(); }).cwiseProduct(Eigen::Vector3d(5, 5, 8));
     if (i % 10 == 3) place += Eigen::Vector3d(300, -200, 500);
     GeoPoint point = frame.FromLocal(place);
     // Above the sea, which is not the ellipsoid; and not in all of them.

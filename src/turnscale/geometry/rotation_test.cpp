@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "turnscale/geometry/random_vector.h"
 #include "turnscale/geometry/rigid_transform.h"
 
 namespace turnscale {
@@ -17,7 +18,7 @@ TEST(Rotation, VectorRoundTripFromTinyToNearlyPi) {
   std::normal_distribution<double> normal;
   for (const double angle : {0.0, 1e-12, 1e-9, 1e-7, 1e-5, 1e-3, 0.1, 1.0, 3.0, 3.14159}) {
     for (int i = 0; i < 20; ++i) {
-      const Eigen::Vector3d v = angle * Eigen::Vector3d(normal(random), normal(random), normal(random)).normalized();
+      const Eigen::Vector3d v = angle * DrawVector<3>([&] { return normal(random); }).normalized();
       const Eigen::Vector3d back = VectorFromRotation(RotationFromVector(v));
       EXPECT_LT((back - v).norm(), 1e-15 + 1e-12 * angle) << "angle " << angle;
     }
@@ -28,7 +29,7 @@ TEST(Rotation, VectorAgreesWithAngleAxis) {
   std::mt19937 random(2);
   std::uniform_real_distribution<double> uniform(-1.5, 1.5);
   for (int i = 0; i < 100; ++i) {
-    const Eigen::Vector3d v(uniform(random), uniform(random), uniform(random));
+    const Eigen::Vector3d v = DrawVector<3>([&] { return uniform(random); });
     const Eigen::Matrix3d expected = Eigen::AngleAxisd(v.norm(), v.normalized()).toRotationMatrix();
     EXPECT_LT((RotationFromVector(v).toRotationMatrix() - expected).norm(), 1e-14);
     EXPECT_NEAR(RotationAngle(RotationFromVector(v)), v.norm(), 1e-13);
@@ -58,7 +59,7 @@ TEST(Rotation, YawPitchRollRoundTripAndDirections) {
 TEST(RigidTransform, ComposesAndInverts) {
   std::mt19937 random(3);
   std::normal_distribution<double> normal;
-  const auto vector = [&] { return Eigen::Vector3d(normal(random), normal(random), normal(random)); };
+  const auto vector = [&] { return DrawVector<3>([&] { return normal(random); }); };
   for (int i = 0; i < 20; ++i) {
     const RigidTransform b_from_a{RotationFromVector(vector()), vector()};
     const RigidTransform c_from_b{RotationFromVector(vector()), vector()};
@@ -75,7 +76,8 @@ TEST(RotationFit, ExactForARotationAlone) {
   std::vector<Eigen::Vector3d> first;
   std::vector<Eigen::Vector3d> second;
   for (int i = 0; i < 20; ++i) {
-    first.emplace_back(normal(random), normal(random), 3.0);
+    first.emplace_back(0, 0, 3);
+    first.back().head<2>() = DrawVector<2>([&] { return normal(random); });
     second.emplace_back(2.0 * (rotation * first.back()));
   }
   EXPECT_LT(RotationAngle(FitRotation(first, second) * rotation.conjugate()), 1e-9);
@@ -88,7 +90,8 @@ TEST(RotationFit, IsNotPulledAwayByAThirdOfTheDirections) {
   std::vector<Eigen::Vector3d> first;
   std::vector<Eigen::Vector3d> second;
   for (int i = 0; i < 90; ++i) {
-    first.emplace_back(normal(random), normal(random), 3.0);
+    first.emplace_back(0, 0, 3);
+    first.back().head<2>() = DrawVector<2>([&] { return normal(random); });
     const Eigen::Vector3d moved = first.back() + (i % 3 == 0 ? Eigen::Vector3d(1, 0, 0) : Eigen::Vector3d::Zero());
     second.emplace_back(rotation * moved);
   }

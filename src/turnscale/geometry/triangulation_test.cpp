@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "turnscale/geometry/random_vector.h"
 #include "turnscale/geometry/rotation.h"
 
 namespace turnscale {
@@ -14,7 +15,7 @@ namespace {
 // A camera with a random pose and the ray on which it sees the point, in front of it.
 CameraRay RandomRayTo(const Eigen::Vector3d& x, std::mt19937& random) {
   std::normal_distribution<double> normal;
-  const auto vector = [&] { return Eigen::Vector3d(normal(random), normal(random), normal(random)); };
+  const auto vector = [&] { return DrawVector<3>([&] { return normal(random); }); };
   const RigidTransform pose{RotationFromVector(vector()), vector()};
   return {pose, pose * x};
 }
@@ -23,7 +24,7 @@ TEST(Triangulation, FindsThePointThatAllRaysMeet) {
   std::mt19937 random(1);
   std::normal_distribution<double> normal;
   for (int trial = 0; trial < 50; ++trial) {
-    const Eigen::Vector3d x(normal(random), normal(random), 10 + normal(random));
+    const Eigen::Vector3d x = Eigen::Vector3d(0, 0, 10) + DrawVector<3>([&] { return normal(random); });
     std::vector<CameraRay> rays;
     for (int i = 0; i < 2 + trial % 3; ++i) rays.push_back(RandomRayTo(x, random));
     const std::optional<Eigen::Vector3d> found = Triangulate(rays);

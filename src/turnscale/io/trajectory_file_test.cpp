@@ -9,6 +9,7 @@
 
 #include "turnscale/base/error.h"
 #include "turnscale/base/test_files.h"
+#include "turnscale/geometry/random_vector.h"
 #include "turnscale/geometry/rotation.h"
 #include "turnscale/io/output_file.h"
 
@@ -36,7 +37,7 @@ Trajectory RandomTrajectory(int count) {
   std::normal_distribution<double> normal;
   Trajectory poses;
   for (int i = 0; i < count; ++i) {
-    const auto vector = [&] { return Eigen::Vector3d(normal(random), normal(random), normal(random)); };
+    const auto vector = [&] { return DrawVector<3>([&] { return normal(random); }); };
     poses.push_back({1.4e9 + 0.1 * i, {RotationFromVector(vector()), 1000 * vector()}});
   }
   return poses;

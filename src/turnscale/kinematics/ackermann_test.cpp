@@ -148,8 +148,8 @@ TEST(ScaleObserver, ExactOnConstrainedMotion) {
   std::mt19937 random(21);
   std::uniform_real_distribution<double> uniform(-1, 1);
   for (int i = 0; i < 200; ++i) {
-    const AckermannStep step{std::copysign(0.02 + 0.3 * std::abs(uniform(random)), uniform(random)),
-                             1.2 + uniform(random)};
+    const double side = uniform(random);
+    const AckermannStep step{std::copysign(0.02 + 0.3 * std::abs(uniform(random)), side), 1.2 + uniform(random)};
     const double lever_arm = 1.5 + uniform(random);
     const double theta = DirectionOfTravel(step, lever_arm);
     const double truth = CameraDistance(step, lever_arm);

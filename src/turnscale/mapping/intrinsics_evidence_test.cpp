@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "turnscale/camera/camera_model.h"
+#include "turnscale/geometry/random_vector.h"
 #include "turnscale/geometry/rotation.h"
 #include "turnscale/mapping/synthetic_map.h"
 #include "turnscale/mapping/test_intrinsics.h"
@@ -51,8 +52,9 @@ TEST(IntrinsicsEvidence, JacobianIsTheNumericOne) {
       Vector at;
       at << 0.1 * normal(random), 20 * normal(random), 20 * normal(random), 0.02 * normal(random),
           0.01 * normal(random), 0.01 * normal(random);
-      const Eigen::Vector3d x(std::clamp(normal(random), -1.5, 1.5), 0.3 * normal(random), 3);
-      const Eigen::Vector2d distorted = *camera.Project(x) + 5 * Eigen::Vector2d(normal(random), normal(random));
+      const Eigen::Vector2d ray = DrawVector<2>([&] { return normal(random); });
+      const Eigen::Vector3d x(std::clamp(ray.x(), -1.5, 1.5), 0.3 * ray.y(), 3);
+      const Eigen::Vector2d distorted = *camera.Project(x) + 5 * DrawVector<2>([&] { return normal(random); });
       const auto residual = [&](const Vector& change) -> Eigen::Vector2d {
         return ChangedPinhole(camera.pinhole, change).Project(x) - Correct(camera, change, distorted)->pixel;
       };

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "turnscale/base/refused_field.h"
+#include "turnscale/geometry/random_vector.h"
 #include "turnscale/geometry/rotation.h"
 #include "turnscale/mapping/synthetic_map.h"
 
@@ -110,7 +111,7 @@ Map TrueMap() {
 void Disturb(int first, Map& map) {
   std::mt19937 random(7);
   std::normal_distribution<double> normal;
-  const auto vector = [&] { return Eigen::Vector3d(normal(random), normal(random), normal(random)); };
+  const auto vector = [&] { return DrawVector<3>([&] { return normal(random); }); };
   for (int k = first; k < static_cast<int>(map.keyframes.size()); ++k) {
     RigidTransform& pose = map.keyframes[k].camera_from_world;
     pose = RigidTransform{RotationFromVector(0.004 * vector()), 0.05 * vector()} * pose;

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "turnscale/base/refused_field.h"
+#include "turnscale/geometry/random_vector.h"
 #include "turnscale/geometry/rotation.h"
 #include "turnscale/mapping/synthetic_map.h"
 
@@ -26,10 +27,11 @@ Scene MakeScene(int points, double noise, unsigned seed, double unit = 1.0) {
   Scene scene;
   scene.camera_from_world.translation *= unit;
   for (int i = 0; i < points; ++i) {
-    const Eigen::Vector2d pixel(x(random), y(random));
+    const double row = y(random);
+    const Eigen::Vector2d pixel(x(random), row);
     const Eigen::Vector3d in_camera = unit * depth(random) * kTestPinhole.Ray(pixel);
-    scene.sightings.push_back({scene.camera_from_world.inverse() * in_camera,
-                               pixel + noise * Eigen::Vector2d(normal(random), normal(random))});
+    scene.sightings.push_back(
+        {scene.camera_from_world.inverse() * in_camera, pixel + noise * DrawVector<2>([&] { return normal(random); })});
   }
   return scene;
 }

@@ -6,6 +6,7 @@
 
 #include <Eigen/Core>
 
+#include "turnscale/geometry/random_vector.h"
 #include "turnscale/geometry/rotation.h"
 #include "turnscale/geometry/triangulation.h"
 #include "turnscale/kinematics/synthetic_drive.h"
@@ -42,14 +43,15 @@ inline Map MakeMap(const CarDrive& drive, const SyntheticStreet& street) {
   while (static_cast<double>(map.landmarks.size()) < wanted) {
     const RigidTransform& near = drive.world_from_camera[random() % drive.world_from_camera.size()];
     const double side = uniform(random) < 0.5 ? -1 : 1;
-    const Eigen::Vector3d place(side * (4 + 8 * uniform(random)), 1.5 - 5 * uniform(random), 20 * uniform(random));
+    const Eigen::Vector3d shares = DrawVector<3>([&] { return uniform(random); });
+    const Eigen::Vector3d place(side * (4 + 8 * shares.x()), 1.5 - 5 * shares.y(), 20 * shares.z());
     Landmark landmark{near * place, true, {}};
     for (std::size_t k = 0; k < map.keyframes.size(); ++k) {
       const Eigen::Vector3d x = map.keyframes[k].camera_from_world * landmark.position;
       if (x.z() < 3 || x.z() > street.max_depth) continue;
       const Eigen::Vector2d pixel = map.pinhole.Project(x);
       if (pixel.x() < 0 || pixel.x() > 1240 || pixel.y() < 0 || pixel.y() > 370) continue;
-      const Eigen::Vector2d seen = pixel + Eigen::Vector2d(noise(random), noise(random));
+      const Eigen::Vector2d seen = pixel + DrawVector<2>([&] { return noise(random); });
       landmark.observations.push_back({static_cast<int>(k), seen});
     }
     if (landmark.observations.size() < 2) continue;

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "turnscale/base/refused_field.h"
+#include "turnscale/geometry/random_vector.h"
 #include "turnscale/geometry/rotation.h"
 #include "turnscale/mapping/synthetic_map.h"
 
@@ -26,10 +27,11 @@ Views MakeViews(const RigidTransform& second_from_first, double noise, unsigned 
   std::uniform_real_distribution<double> y(20, 340);
   std::uniform_real_distribution<double> depth(6, 30);
   std::normal_distribution<double> normal;
-  const auto jitter = [&] { return Eigen::Vector2d(noise * normal(random), noise * normal(random)); };
+  const auto jitter = [&] { return DrawVector<2>([&] { return noise * normal(random); }); };
   Views views;
   for (int i = 0; i < 500; ++i) {
-    const Eigen::Vector2d pixel(x(random), y(random));
+    const double row = y(random);
+    const Eigen::Vector2d pixel(x(random), row);
     const Eigen::Vector3d point = depth(random) * kTestPinhole.Ray(pixel);
     const Eigen::Vector3d in_second = second_from_first * point;
     if (in_second.z() < 1) continue;

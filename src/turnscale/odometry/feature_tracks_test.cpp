@@ -64,7 +64,8 @@ TEST(FeatureTracks, CurrentFromReferenceIsHowPixelsMove) {
   std::uniform_real_distribution<double> y(60, 260);
   std::uniform_real_distribution<double> depth(5, 30);
   for (int i = 0; i < 50; ++i) {
-    const Eigen::Vector2d pixel(x(random), y(random));
+    const double row = y(random);
+    const Eigen::Vector2d pixel(x(random), row);
     const double z = depth(random);
     const FeatureTrack track = AddTrack(camera, pixel, z, true, map);
     // A pixel beside it in the reference, put on the plane that faces the reference, seen by the current camera.

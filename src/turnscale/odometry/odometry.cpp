@@ -129,9 +129,10 @@ FrameResult Odometry::Process(const cv::Mat& gray, double time) {
       InBackground([&] { return FindCandidates(options_.corners, image.gray); });
   ApplyBackgroundWork();
   AddKeyframe(result);
-  ObserveRoad(image);
-  ObserveScale(result);
+  // Of the map it reads the keyframes' poses, to which new features change nothing.
+  std::future<std::optional<MeasuredHeight>> height = InBackground([&] { return ObserveRoad(image); });
   tracker_.Replenish(camera_, image, corners.get(), map_);
+  ObserveScale(height.get(), result);
   StartSettling();
   StartCameraWork();
   return MetricResult(result, map_.keyframes.back().camera_from_world);
@@ -347,13 +348,12 @@ void Odometry::AddKeyframe(FrameResult& result) {
   result.keyframe = true;
 }
 
-void Odometry::ObserveRoad(const FlowImage& image) {
-  const std::optional<MeasuredHeight> height =
-      road_.Observe(map_, camera_, mount().current().vehicle_from_camera, image, mask_.pixels());
-  if (height) scale_.AddHeight(*height);
+std::optional<MeasuredHeight> Odometry::ObserveRoad(const FlowImage& image) {
+  return road_.Observe(map_, camera_, mount().current().vehicle_from_camera, image, mask_.pixels());
 }
 
-void Odometry::ObserveScale(FrameResult& result) {
+void Odometry::ObserveScale(const std::optional<MeasuredHeight>& height, FrameResult& result) {
+  if (height) scale_.AddHeight(*height);
   const TurningMotion motion = StepMotion(map_, static_cast<int>(map_.keyframes.size()) - 2, mount());
   result.psi = motion.psi;
   result.theta = motion.theta;

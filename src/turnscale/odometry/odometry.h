@@ -130,10 +130,10 @@ class Odometry {
   /// The latest frame becomes a keyframe.
   void AddKeyframe(FrameResult& result);
   /// Measures the height above the road at the latest keyframe, whose image this is.
-  void ObserveRoad(const FlowImage& image);
+  std::optional<MeasuredHeight> ObserveRoad(const FlowImage& image);
   /// Updates the scale with the latest keyframe. Settling is due if it ended a turn, or many keyframes have not been
   /// settled yet.
-  void ObserveScale(FrameResult& result);
+  void ObserveScale(const std::optional<MeasuredHeight>& height, FrameResult& result);
   /// Starts to adjust a copy of the keyframes that are not settled, if that is due and none is being adjusted.
   void StartSettling();
   /// Starts to read copies of the windows that are due for lens refinement and calibration check, if there are any.

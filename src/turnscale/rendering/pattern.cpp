@@ -147,7 +147,8 @@ void AddCrack(Eigen::Vector2f at, float angle, int steps, float width, Random& r
 void AddPatch(Random& random, cv::Mat& pattern) {
   const float scale = Scale(pattern);
   const Eigen::Vector2f centre = AnyPlace(pattern, random);
-  const Eigen::Vector2f half(scale * random.UniformFloat(40, 150), scale * random.UniformFloat(30, 110));
+  const float half_height = scale * random.UniformFloat(30, 110);
+  const Eigen::Vector2f half(scale * random.UniformFloat(40, 150), half_height);
   const Eigen::Vector2f axis = Direction(random.UniformFloat(-0.1F, 0.1F) + (random.Uniform() < 0.5F ? 0 : 1.5708F));
   const float shade = random.UniformFloat(-0.9F, 0.9F);
   const auto paint = [&](float& pixel, const Eigen::Vector2f& at) {
@@ -259,8 +260,8 @@ cv::Mat PavementPattern(const PatternOptions& options) {
   for (int i = 0; i < 7; ++i) {
     const Eigen::Vector2f start = AnyPlace(pattern, random);
     const float angle = random.UniformFloat(0, 2 * std::numbers::pi_v<float>);
-    AddCrack(start, angle, static_cast<int>(scale * random.UniformFloat(150, 700)), random.UniformFloat(0.8F, 2.0F),
-             random, pattern);
+    const float width = random.UniformFloat(0.8F, 2.0F);
+    AddCrack(start, angle, static_cast<int>(scale * random.UniformFloat(150, 700)), width, random, pattern);
   }
   Finish(options, pattern);
   return pattern;

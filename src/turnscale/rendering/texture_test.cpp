@@ -50,8 +50,10 @@ TEST(Texture, Repeats) {
   Random random(1);
   for (int i = 0; i < 200; ++i) {
     const Eigen::Vector2f at = AnyPlace(random);
-    const Eigen::Vector2f major(random.UniformFloat(0, 0.3F), random.UniformFloat(0, 0.3F));
-    const Eigen::Vector2f turns(static_cast<float>(random.Below(7) - 3), static_cast<float>(random.Below(7) - 3));
+    const float major_y = random.UniformFloat(0, 0.3F);
+    const Eigen::Vector2f major(random.UniformFloat(0, 0.3F), major_y);
+    const auto turns_y = static_cast<float>(random.Below(7) - 3);
+    const Eigen::Vector2f turns(static_cast<float>(random.Below(7) - 3), turns_y);
     EXPECT_NEAR(texture.Sample(at, major, 0.02F), texture.Sample(at + kSize * turns, major, 0.02F), 1e-3);
   }
 }

@@ -33,8 +33,9 @@ SegmentEvidence RandomTurn(Random& random) {
 }
 
 DriveState RandomState(Random& random) {
-  return StateOf(std::exp(random.Uniform(1, 3)), random.Uniform(-0.02, 0.02),
-                 {random.Uniform(0.5, 2.5), random.Uniform(0, 0.01), random.Uniform(0, 2)});
+  const LeverArm car = {random.Uniform(0.5, 2.5), random.Uniform(0, 0.01), random.Uniform(0, 2)};
+  const double direction = random.Uniform(-0.02, 0.02);
+  return StateOf(std::exp(random.Uniform(1, 3)), direction, car);
 }
 
 std::vector<VehicleStep> Corner(const LeverArm& car, double direction, double side = 1) {

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "turnscale/base/random.h"
+#include "turnscale/geometry/random_vector.h"
 
 namespace turnscale {
 namespace {
@@ -112,7 +113,7 @@ TEST(MetricPositions, KeepDirectionsAndStayBetweenTheScalesOfBothEnds) {
   std::vector<Eigen::Vector3d> positions;
   std::vector<PoseScale> scales;
   for (int i = 0; i < 20; ++i) {
-    positions.emplace_back(random.Gaussian(), random.Gaussian(), random.Gaussian());
+    positions.push_back(DrawVector<3>([&] { return random.Gaussian(); }));
     scales.push_back({random.Uniform(1, 5), 0.1});
   }
   const std::vector<Eigen::Vector3d> metric = MetricPositions(positions, scales);

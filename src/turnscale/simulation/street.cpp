@@ -244,8 +244,9 @@ class StreetBuilder {
     AddPrism(Style(looks_.bark), foot, {trunk, 0.8 * trunk, height + 1, 8}, mesh());
     const SurfaceStyle leaves = Style(Any(looks_.crowns));
     for (int i = 0; i < 5; ++i) {
-      const Eigen::Vector3d off(random_.Uniform(-0.5, 0.5) * crown, -(height + random_.Uniform(-0.3, 0.9) * crown),
-                                random_.Uniform(-0.5, 0.5) * crown);
+      const double ahead = random_.Uniform(-0.5, 0.5) * crown;
+      const double up = height + random_.Uniform(-0.3, 0.9) * crown;
+      const Eigen::Vector3d off(random_.Uniform(-0.5, 0.5) * crown, -up, ahead);
       const RigidTransform at = {foot.rotation, foot.translation + off};
       const double radius = random_.Uniform(0.5, 0.8) * crown;
       AddPrism(leaves, at, {0.5 * radius, radius, 0.5 * radius, 7}, mesh());
