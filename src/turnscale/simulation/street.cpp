@@ -265,9 +265,10 @@ class StreetBuilder {
           const bool hedge = random_.Chance(0.35);
           const double off = kRoadHalfWidth + kPavementWidth + (hedge ? 0.6 : random_.Uniform(0.8, 9));
           const Eigen::Vector2d place = road[i].place + side * off * right;
-          if (hedge && Fits(place, along, 3.6, 0.7, kRoadHalfWidth + kPavementWidth))
-            AddBox(Style(looks_.hedge), Standing(place, Heading(along), 0.1), {{0.7, random_.Uniform(0.8, 1.8), 3.6}},
-                   mesh());
+          if (hedge && Fits(place, along, 3.6, 0.7, kRoadHalfWidth + kPavementWidth)) {
+            const double height = random_.Uniform(0.8, 1.8);
+            AddBox(Style(looks_.hedge), Standing(place, Heading(along), 0.1), {{0.7, height, 3.6}}, mesh());
+          }
           if (!hedge && Fits(place, along, 1, 1, kRoadHalfWidth + kPavementWidth)) Tree(place);
         }
   }
