@@ -26,7 +26,6 @@ namespace {
 
 // Enough to hide a slow file, few enough to cost little memory.
 constexpr size_t kFramesAhead = 4;
-constexpr size_t kFewAhead = 1;
 
 void CheckRate(const std::optional<double>& fps) {
   if (!fps || (std::isfinite(*fps) && *fps > 0)) return;
@@ -166,8 +165,7 @@ struct ImageSource::State {
       }
       more = image.has_value();
       std::unique_lock lock(mutex);
-      // Once enough is ahead, several are decoded in a row: a frame that is taken begins with work for all threads.
-      if (queue.size() >= kFramesAhead && !changed.wait(lock, stop, [&] { return queue.size() <= kFewAhead; })) return;
+      if (!changed.wait(lock, stop, [&] { return queue.size() < kFramesAhead; })) return;
       if (image) queue.push_back(std::move(*image));
       failure = thrown;
       finished = !more;
