@@ -18,6 +18,10 @@ progress() {
 build() {
   local preset=$1 target=${2-all}
   cmake --preset "$preset" "${@:3}" >"$log" 2>&1 || { cat "$log"; echo "$0: cannot configure"; return 1; }
+  # Where the folder was built with another compiler, CMake forgets the preset's other settings.
+  if grep -q 'require your cache to be deleted' "$log"; then
+    cmake --fresh --preset "$preset" "${@:3}" >"$log" 2>&1 || { cat "$log"; echo "$0: cannot configure"; return 1; }
+  fi
   cmake --build --preset "$preset" --target "$target" --parallel "$(nproc)" 2>&1 | tee "$log" | progress building || {
     sed -n '/^FAILED:/,$p' "$log"
     echo "$0: cannot build"
