@@ -46,7 +46,7 @@ endfunction()
 
 # turnscale_tests(<module> SOURCES <test files> [USES <extra libraries>] [LABELS <ctest labels>]): one GoogleTest
 # program. Without labels these are unit tests: the target unit_tests builds them, and CTest runs them in one process,
-# since loading the libraries takes longer than most of them. With labels, CTest runs each test by itself.
+# since loading the libraries takes longer than most of the tests. With labels, CTest runs each test by itself.
 function(turnscale_tests module)
   if(NOT TURNSCALE_BUILD_TESTS)
     return()
@@ -59,15 +59,14 @@ function(turnscale_tests module)
   endif()
   target_link_libraries(${target} PRIVATE ${TESTS_USES} GTest::gtest_main turnscale_build_flags)
   if(TESTS_LABELS)
-    # The longest first: what is left at the end is short.
-    gtest_discover_tests(${target} DISCOVERY_TIMEOUT 60 PROPERTIES LABELS "${TESTS_LABELS}" TIMEOUT 300 COST 10)
+    gtest_discover_tests(${target} DISCOVERY_TIMEOUT 60 PROPERTIES LABELS "${TESTS_LABELS}" TIMEOUT 300)
     return()
   endif()
   if(NOT TARGET unit_tests)
     add_custom_target(unit_tests)
   endif()
   add_dependencies(unit_tests ${target})
-  add_test(NAME ${target} COMMAND ${target} --gtest_brief=1)
+  add_test(NAME ${target} COMMAND ${target})
   set_tests_properties(${target} PROPERTIES LABELS unit TIMEOUT 900)
 endfunction()
 

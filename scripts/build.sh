@@ -14,13 +14,15 @@ progress() {
   done
 }
 
+configure() { cmake "$@" >"$log" 2>&1 || { cat "$log"; echo "$0: cannot configure"; return 1; }; }
+
 # build PRESET [TARGET [CMAKE ARGUMENT...]]: configures and builds; says only how far it is, or what failed.
 build() {
   local preset=$1 target=${2-all}
-  cmake --preset "$preset" "${@:3}" >"$log" 2>&1 || { cat "$log"; echo "$0: cannot configure"; return 1; }
-  # Where the folder was built with another compiler, CMake forgets the preset's other settings.
+  configure --preset "$preset" "${@:3}" || return 1
+  # In a folder that was configured for another compiler, CMake loses all other settings of the preset.
   if grep -q 'require your cache to be deleted' "$log"; then
-    cmake --fresh --preset "$preset" "${@:3}" >"$log" 2>&1 || { cat "$log"; echo "$0: cannot configure"; return 1; }
+    configure --fresh --preset "$preset" "${@:3}" || return 1
   fi
   cmake --build --preset "$preset" --target "$target" --parallel "$(nproc)" 2>&1 | tee "$log" | progress building || {
     sed -n '/^FAILED:/,$p' "$log"

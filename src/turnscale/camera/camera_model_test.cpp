@@ -8,6 +8,8 @@
 #include <gtest/gtest.h>
 #include <opencv2/calib3d.hpp>
 
+#include "turnscale/geometry/random_vector.h"
+
 namespace turnscale {
 namespace {
 
@@ -105,7 +107,7 @@ TEST(CameraModel, ProjectAgreesWithOpenCv) {
   for (const CameraModel& camera : Cameras()) {
     for (int i = 0; i < 200; ++i) {
       const double z = depth(random);
-      const Eigen::Vector3d x(across(random) * z, across(random) * z, z);
+      const Eigen::Vector3d x = z * DrawVector<2>([&] { return across(random); }).homogeneous();
       const std::optional<Eigen::Vector2d> pixel = camera.Project(x);
       ASSERT_TRUE(pixel.has_value());
       EXPECT_LT((*pixel - OpenCvProjection(camera, x)).norm(), 1e-9);
@@ -133,7 +135,7 @@ TEST(CameraModel, RadialTangentialJacobianAgreesWithOpenCv) {
   std::mt19937 random(12);
   std::uniform_real_distribution<double> across(-0.7, 0.7);
   for (int i = 0; i < 50; ++i) {
-    const Eigen::Vector2d x(across(random), across(random));
+    const Eigen::Vector2d x = DrawVector<2>([&] { return across(random); });
     std::vector<cv::Point2d> pixels;
     cv::Mat jacobian;
     cv::projectPoints(std::vector<cv::Point3d>{{x.x(), x.y(), 1}}, cv::Vec3d(0, 0, 0), cv::Vec3d(0, 0, 0),

@@ -5,8 +5,8 @@
 
 namespace turnscale {
 
-/// A vector of `draw`'s numbers, the last component drawn first. As arguments of a constructor, they would be drawn in
-/// the order that the compiler prefers.
+/// A vector of numbers that `draw` gives, the last component drawn first. As arguments of a constructor, they would be
+/// drawn in an order that the compiler chooses; this one is GCC's.
 template <int kSize, typename Draw>
 Eigen::Matrix<double, kSize, 1> DrawVector(const Draw& draw) {
   Eigen::Matrix<double, kSize, 1> vector;

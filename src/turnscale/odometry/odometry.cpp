@@ -129,7 +129,7 @@ FrameResult Odometry::Process(const cv::Mat& gray, double time) {
       InBackground([&] { return FindCandidates(options_.corners, image.gray); });
   ApplyBackgroundWork();
   AddKeyframe(result);
-  // Of the map it reads the keyframes' poses, to which new features change nothing.
+  // The road's observer reads only poses and gaps of keyframes, which adding features does not change.
   std::future<std::optional<MeasuredHeight>> height = InBackground([&] { return ObserveRoad(image); });
   tracker_.Replenish(camera_, image, corners.get(), map_);
   ObserveScale(height.get(), result);

@@ -129,10 +129,10 @@ class Odometry {
 
   /// The latest frame becomes a keyframe.
   void AddKeyframe(FrameResult& result);
-  /// Measures the height above the road at the latest keyframe, whose image this is.
+  /// Measures the height above the road at the latest keyframe, whose image this is. Empty where it does not show.
   std::optional<MeasuredHeight> ObserveRoad(const FlowImage& image);
-  /// Updates the scale with the latest keyframe. Settling is due if it ended a turn, or many keyframes have not been
-  /// settled yet.
+  /// Updates the scale with the latest keyframe and the height that was measured there, if any. Settling is due if it
+  /// ended a turn, or many keyframes have not been settled yet.
   void ObserveScale(const std::optional<MeasuredHeight>& height, FrameResult& result);
   /// Starts to adjust a copy of the keyframes that are not settled, if that is due and none is being adjusted.
   void StartSettling();

@@ -33,7 +33,8 @@ class RoadObserver {
  public:
   explicit RoadObserver(const RoadObserverOptions& options) : options_(options) {}
 
-  /// Takes the latest keyframe of the map. `mask`: as ImageMask::pixels. Empty where the road is not observed.
+  /// Takes the latest keyframe of the map. `mask`: as ImageMask::pixels. Empty where the road is not observed. Reads
+  /// only the number, poses and gaps of the map's keyframes: landmarks and observations may be added meanwhile.
   std::optional<MeasuredHeight> Observe(const Map& map, const CameraModel& camera,
                                         const Eigen::Quaterniond& vehicle_from_camera, const FlowImage& image,
                                         const cv::Mat& mask);

@@ -149,7 +149,8 @@ void AddPatch(Random& random, cv::Mat& pattern) {
   const Eigen::Vector2f centre = AnyPlace(pattern, random);
   const float half_height = scale * random.UniformFloat(30, 110);
   const Eigen::Vector2f half(scale * random.UniformFloat(40, 150), half_height);
-  const Eigen::Vector2f axis = Direction(random.UniformFloat(-0.1F, 0.1F) + (random.Uniform() < 0.5F ? 0 : 1.5708F));
+  const float askew = random.UniformFloat(-0.1F, 0.1F);
+  const Eigen::Vector2f axis = Direction(askew + (random.Uniform() < 0.5F ? 0 : 1.5708F));
   const float shade = random.UniformFloat(-0.9F, 0.9F);
   const auto paint = [&](float& pixel, const Eigen::Vector2f& at) {
     const float x = std::abs(at.dot(axis)) - half.x();
