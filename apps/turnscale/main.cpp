@@ -35,9 +35,14 @@ void AddCommands(CLI::App& app) {
 }
 
 // All threads share one heap, so that memory freed by one can be reused by the others: a second heap costs 10 MB.
-void ShareHeap() {
+// Large blocks come from the heap, too, and freed memory stays in it: the kernel would clear every page anew for each
+// image and each bundle adjustment, 5 % of the CPU time.
+void SetUpHeap() {
 #ifdef __GLIBC__
+  constexpr int kMegabyte = 1 << 20;
   mallopt(M_ARENA_MAX, 1);
+  mallopt(M_MMAP_THRESHOLD, 32 * kMegabyte);
+  mallopt(M_TRIM_THRESHOLD, 256 * kMegabyte);
 #endif
 }
 
@@ -45,6 +50,6 @@ void ShareHeap() {
 }  // namespace turnscale
 
 int main(int argc, char** argv) {
-  turnscale::ShareHeap();
+  turnscale::SetUpHeap();
   return turnscale::RunProgram(argc, argv, turnscale::AddCommands);
 }
