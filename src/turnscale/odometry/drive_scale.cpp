@@ -141,13 +141,16 @@ bool DriveScale::Add(const Map& map) {
 
 void DriveScale::Reread(const Map& map) {
   settled_.reset();
-  Reread(map, 0, static_cast<int>(map.keyframes.size()), 0);
+  const int keyframes = static_cast<int>(map.keyframes.size());
+  MountCalibration mount = mount_;
+  mount.Learn(map, keyframes - 1);
+  Reread(map, std::move(mount), 0, keyframes, 0);
 }
 
-void DriveScale::Reread(const Map& map, int first, int end, int settled) {
+void DriveScale::Reread(const Map& map, MountCalibration mount, int first, int end, int settled) {
   const auto knowledge = [&] { return std::pair(mount_.moves(), mount_.current().found); };
   const auto before = knowledge();
-  mount_.Learn(map, static_cast<int>(map.keyframes.size()) - 1);
+  mount_ = std::move(mount);
   // Another prior of the yaw counts from the start on.
   if (knowledge() != before) settled_.reset();
   if (settled_) {

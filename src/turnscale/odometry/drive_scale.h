@@ -65,11 +65,11 @@ class DriveScale {
   /// should be adjusted again, followed by Reread, now or some keyframes later.
   bool Add(const Map& map);
 
-  /// Keyframes `first`...`end`-1 have been adjusted, and those from `end` on moved with them: updates the
-  /// camera-to-vehicle rotation, and re-evaluates their steps. Keyframes before `settled` will not be adjusted again
-  /// during the drive.
-  void Reread(const Map& map, int first, int end, int settled);
-  /// All keyframes have been adjusted: re-evaluates the whole drive.
+  /// Keyframes `first`...`end`-1 have been adjusted, and those from `end` on moved with them: takes over what `mount`
+  /// has learned from them, and re-evaluates their steps. Keyframes before `settled` will not be adjusted again during
+  /// the drive.
+  void Reread(const Map& map, MountCalibration mount, int first, int end, int settled);
+  /// All keyframes have been adjusted: learns from those that are new, and re-evaluates the whole drive.
   void Reread(const Map& map);
 
   ScaleState state() const { return state_; }

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -63,7 +64,9 @@ struct Live {
     if (scale.Add(map) && !end) end = k + 1;
     if (!end || k + 1 < *end + delay) return;
     const int settled = reach == 0 ? 0 : k + 1 - reach;
-    scale.Reread(map, std::max(0, settled), *end, settled);
+    MountCalibration mount = scale.mount();
+    mount.Learn(map, k);
+    scale.Reread(map, std::move(mount), std::max(0, settled), *end, settled);
     end.reset();
   }
 

@@ -55,10 +55,15 @@ Mount MountCalibration::Found(const OnlineState& state) const {
 }
 
 bool MountCalibration::Learn(const Map& map, int last) {
-  if (!calibrates_) return false;
+  if (last < next_keyframe_) return false;
+  return Learn(std::span(map.keyframes).subspan(next_keyframe_, last + 1 - next_keyframe_));
+}
+
+bool MountCalibration::Learn(std::span<const Keyframe> next) {
   bool changed = false;
-  for (; next_keyframe_ <= last; ++next_keyframe_) {
-    const Keyframe& keyframe = map.keyframes[next_keyframe_];
+  for (const Keyframe& keyframe : next) {
+    const int index = next_keyframe_++;
+    if (!calibrates_) continue;
     if (keyframe.after_gap) gatherer_.Break();
     const RigidTransform pose = keyframe.camera_from_world.inverse();
     if (!pose.translation.allFinite() || !pose.rotation.coeffs().allFinite()) {
@@ -68,7 +73,7 @@ bool MountCalibration::Learn(const Map& map, int last) {
     const std::optional<CameraStep> step = gatherer_.Add({keyframe.time, pose});
     if (!step) continue;
     const OnlineState& state = calibration_.Add(*step);
-    step_ends_.push_back(next_keyframe_);
+    step_ends_.push_back(index);
     // What the calibration goes on with comes after the move.
     if (state.moved) {
       mounts_.push_back({step_ends_[step_ends_.size() - state.steps], current().vehicle_from_camera});

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -26,9 +27,13 @@ class MountCalibration {
  public:
   explicit MountCalibration(const VehicleOptions& vehicle);
 
-  /// Takes the new keyframes up to `last`, whose poses are final. Returns whether the rotation in use has
-  /// changed.
+  /// Takes the next keyframes of the drive, whose poses are final; their observations are not used. Returns whether the
+  /// rotation in use has changed.
+  bool Learn(std::span<const Keyframe> next);
+  /// Takes the new keyframes up to `last`.
   bool Learn(const Map& map, int last);
+  /// The first keyframe that has not been taken.
+  int next_keyframe() const { return next_keyframe_; }
 
   /// The paper's Q at a keyframe.
   const Eigen::Quaterniond& At(int keyframe) const;

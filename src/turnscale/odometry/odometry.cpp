@@ -29,14 +29,15 @@
 namespace turnscale {
 namespace {
 
-// A correction that moves the pixels at a wide image's edge by a hundredth of a pixel.
-constexpr double kLeastLensChange = 2e-5;
+// A correction that moves the pixels at a wide image's edge by a fortieth of a pixel. To apply it takes 10 ms.
+constexpr double kLeastLensChange = 5e-5;
 constexpr double kNearQuarter = 0.25;
 // A change of the lens correction by which a turn's scale changes by some per cent: poses adjusted under another one
 // are adjusted anew when the next turn ends.
 constexpr double kStaleLensChange = 2e-3;
-// Keyframes that go to the archive at a time, at least.
-constexpr int kArchivedTogether = 20;
+// Keyframes that go to the archive at a time, at least and about at most.
+constexpr int kLeastArchived = 20;
+constexpr int kMostArchived = 50;
 
 // A turn in which static features show in several keyframes, degrees: if they were none, what stood still before was
 // far away.
@@ -389,6 +390,10 @@ void Odometry::StartCameraWork() {
 
 void Odometry::ApplyBackgroundWork() {
   const int keyframes = static_cast<int>(map_.keyframes.size());
+  if (const int due = archive_due_ - archive_.end(); due > 0) {
+    const int times = (due + kMostArchived - 1) / kMostArchived;
+    Archive(archive_.end() + due / times);
+  }
   if (settling_.valid() && keyframes >= settled_window_due_) ApplySettled(settling_.get());
   if (!camera_work_.valid() || keyframes < camera_work_due_) return;
   const CameraWork work = camera_work_.get();
@@ -411,20 +416,33 @@ int Odometry::FirstToSettle() const {
 
 Odometry::SettlingWork Odometry::WorkToSettle() const {
   // Earlier local windows had fewer observations and a less accurate lens correction.
-  SettlingWork work;
-  work.first = FirstToSettle();
-  work.end = static_cast<int>(map_.keyframes.size());
-  work.window = MakeLocalWindow(options_.turn_bundle, work.first, map_);
-  work.applied_correction = camera_.radial_correction;
+  const int first = FirstToSettle();
+  SettlingWork work = {camera_.radial_correction,
+                       first,
+                       static_cast<int>(map_.keyframes.size()),
+                       MakeLocalWindow(options_.turn_bundle, first, map_),
+                       mount(),
+                       {}};
+  for (int k = work.mount.next_keyframe(); k < work.end; ++k) {
+    const Keyframe& keyframe = map_.keyframes[k];
+    work.next.push_back({keyframe.frame, keyframe.time, keyframe.camera_from_world, {}, keyframe.after_gap});
+  }
   return work;
 }
 
 Odometry::SettlingWork Odometry::Adjusted(const LocalBundleOptions& options, SettlingWork work) {
-  if (!AdjustWindow(options, work.window)) work.window.landmarks.clear();
+  const int first = work.mount.next_keyframe();
+  if (AdjustWindow(options, work.window)) {
+    for (int k = std::max(first, work.window.window.first); k < work.end; ++k)
+      work.next[k - first].camera_from_world = work.window.bundle.camera_from_world[k - work.window.window.first];
+  } else {
+    work.window.landmarks.clear();
+  }
+  work.mount.Learn(work.next);
   return work;
 }
 
-void Odometry::ApplySettled(const SettlingWork& work) {
+void Odometry::ApplySettled(SettlingWork work) {
   const int keyframes = static_cast<int>(map_.keyframes.size());
   const int first = work.first;
   lens_of_keyframe_.resize(work.end, std::numeric_limits<double>::quiet_NaN());
@@ -439,8 +457,8 @@ void Odometry::ApplySettled(const SettlingWork& work) {
   const auto reach = [](const LocalBundleOptions& window) { return window.window + window.anchors; };
   const int last = keyframes - std::max({reach(options_.turn_bundle), reach(options_.local_bundle),
                                          options_.lens.window, options_.calibration_check.window});
-  scale_.Reread(map_, first, work.end, last);
-  if (last - archive_.end() >= kArchivedTogether) Archive(last);
+  scale_.Reread(map_, std::move(work.mount), first, work.end, last);
+  if (last - archive_.end() >= kLeastArchived) archive_due_ = last;
 }
 
 void Odometry::CorrectLens(double correction) {
@@ -452,13 +470,10 @@ void Odometry::CorrectLens(double correction) {
     for (int i = range.start; i < range.end; ++i)
       for (LandmarkObservation& seen : map_.landmarks[i].observations) seen.pixel = corrected(seen.pixel);
   });
-  // Each observation stands on both sides.
+  // Each observation stands on both sides. To correct it twice is faster than to find it.
   cv::parallel_for_(cv::Range(archive_.end(), static_cast<int>(map_.keyframes.size())), [&](const cv::Range& range) {
     for (int k = range.start; k < range.end; ++k)
-      for (KeyframeObservation& seen : map_.keyframes[k].observations) {
-        const std::vector<LandmarkObservation>& corrected_already = map_.landmarks[seen.landmark].observations;
-        seen.pixel = std::ranges::find(corrected_already, k, &LandmarkObservation::keyframe)->pixel;
-      }
+      for (KeyframeObservation& seen : map_.keyframes[k].observations) seen.pixel = corrected(seen.pixel);
   });
   tracker_.Correct(corrected);
 }

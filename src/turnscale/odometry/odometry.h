@@ -120,6 +120,8 @@ class Odometry {
     int first = 0;                  ///< first keyframe to settle
     int end = 0;                    ///< the one after the last
     WindowProblem window;           ///< adjusted; no landmarks if it contains NaN
+    MountCalibration mount;         ///< has learned from the keyframes before `end`
+    std::vector<Keyframe> next;     ///< that it learns from, without observations
   };
   /// Results of lens refinement and calibration check, computed while the frames up to a later keyframe are processed.
   struct CameraWork {
@@ -149,10 +151,10 @@ class Odometry {
   int FirstToSettle() const;
   /// The keyframes from there on, to be adjusted.
   SettlingWork WorkToSettle() const;
-  /// The work with its window adjusted.
+  /// The work with its window adjusted and the camera-to-vehicle rotation updated.
   static SettlingWork Adjusted(const LocalBundleOptions& options, SettlingWork work);
   /// Writes the adjusted window to the map and re-evaluates its steps.
-  void ApplySettled(const SettlingWork& work);
+  void ApplySettled(SettlingWork work);
   /// Replaces the radial correction of all pixels of map and tracks.
   void CorrectLens(double correction);
   /// Applies pending work, then settles the remaining keyframes at once.
@@ -199,6 +201,7 @@ class Odometry {
   int frames_ = 0;
   bool settling_is_due_ = false;
   int settled_window_due_ = 0;  ///< number of keyframes at which the window is applied
+  int archive_due_ = 0;         ///< keyframes before this one go to the archive at the next keyframes
   int camera_work_due_ = 0;     ///< the same for camera work
   // Declared last, so that they are waited for before the members that they use are destroyed.
   std::future<SettlingWork> settling_;
