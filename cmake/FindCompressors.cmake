@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: MIT
-# Finds compression libraries without a CMake package of their own. Components: deflate, lz4, zstd. Each becomes the
-# target Compressors::<component>.
+# Finds compression libraries without a CMake package of their own. Components: deflate, lz4, turbojpeg, zstd. Each
+# becomes the target Compressors::<component>.
 
 include("${CMAKE_CURRENT_LIST_DIR}/ImportedComponent.cmake")
 
 set(header_of_deflate libdeflate.h)
 set(header_of_lz4 lz4frame.h)
+set(header_of_turbojpeg turbojpeg.h)
 set(header_of_zstd zstd.h)
 
 foreach(library IN LISTS Compressors_FIND_COMPONENTS)
@@ -17,4 +18,4 @@ endforeach()
 
 include(FindPackageHandleStandardArgs)
 find_package_handle_standard_args(Compressors HANDLE_COMPONENTS REASON_FAILURE_MESSAGE
-                                  "install libdeflate-dev, liblz4-dev and libzstd-dev")
+                                  "install libdeflate-dev, liblz4-dev, libturbojpeg0-dev and libzstd-dev")

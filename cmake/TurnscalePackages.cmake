@@ -80,6 +80,9 @@ turnscale_package(
   SECTION science
   SUMMARY "metric visual odometry from one camera on a car"
   DESCRIPTION "This package contains the program turnscale, which reads folders of images, videos and ROS bags, and writes trajectories, a report, and tracks for maps."
+  # These are loaded when they are needed, so that nothing shows it in the program.
+  DEPENDS
+  ${FFmpegModules_RUNTIME_PACKAGES}
   # For `turnscale batch`.
   RECOMMENDS
   python3
@@ -116,16 +119,14 @@ turnscale_package(
   libyaml-cpp-dev
   RECOMMENDS
   cmake
-  libavcodec-dev
-  libavformat-dev
-  libavutil-dev
+  ${FFmpegModules_RUNTIME_PACKAGES}
   libbz2-dev
   libcpp-httplib-dev
   libdeflate-dev
   libfmt-dev
   liblz4-dev
   libsqlite3-dev
-  libswscale-dev
+  libturbojpeg0-dev
   libzstd-dev
   nlohmann-json3-dev
   SUGGESTS

@@ -4,26 +4,22 @@
 #include <memory>
 #include <new>
 
-extern "C" {
-#include <libavcodec/avcodec.h>
-#include <libavutil/frame.h>
-#include <libavutil/mem.h>
-}
+#include "turnscale/image_file/ffmpeg.h"
 
 namespace turnscale {
 
 struct FreeCodec {
   void operator()(AVCodecContext* context) const {
     // Some versions of the library forget it.
-    av_freep(&context->chroma_intra_matrix);
-    avcodec_free_context(&context);
+    ffmpeg::av_freep(&context->chroma_intra_matrix);
+    ffmpeg::avcodec_free_context(&context);
   }
 };
 struct FreePacket {
-  void operator()(AVPacket* packet) const { av_packet_free(&packet); }
+  void operator()(AVPacket* packet) const { ffmpeg::av_packet_free(&packet); }
 };
 struct FreeFrame {
-  void operator()(AVFrame* frame) const { av_frame_free(&frame); }
+  void operator()(AVFrame* frame) const { ffmpeg::av_frame_free(&frame); }
 };
 
 /// FFmpeg's objects, with their owner.

@@ -23,8 +23,6 @@
 
 extern "C" {
 #include <libavutil/bswap.h>
-#include <libavutil/imgutils.h>
-#include <libavutil/pixdesc.h>
 }
 
 namespace turnscale {
@@ -97,8 +95,8 @@ PacketPointer PacketOf(const std::vector<Bytes>& parts) {
   size_t size = 0;
   for (const Bytes part : parts) size += part.size();
   if (size == 0 || size > INT_MAX - AV_INPUT_BUFFER_PADDING_SIZE) return nullptr;
-  PacketPointer packet(Allocated(av_packet_alloc()));
-  if (av_new_packet(packet.get(), static_cast<int>(size)) < 0) throw std::bad_alloc();
+  PacketPointer packet(Allocated(ffmpeg::av_packet_alloc()));
+  if (ffmpeg::av_new_packet(packet.get(), static_cast<int>(size)) < 0) throw std::bad_alloc();
   uint8_t* to = packet->data;
   for (const Bytes part : parts) to = std::copy(part.begin(), part.end(), to);
   // Otherwise it may be taken as the difference from another image.
@@ -117,18 +115,18 @@ struct Mark {
 template <class Row>
 void ForMarkedRows(const AVFrame& frame, const Mark& mark, const Row& row) {
   const auto format = static_cast<AVPixelFormat>(frame.format);
-  const AVPixFmtDescriptor* description = av_pix_fmt_desc_get(format);
-  for (int plane = 0; plane < av_pix_fmt_count_planes(format); ++plane) {
+  const AVPixFmtDescriptor* description = ffmpeg::av_pix_fmt_desc_get(format);
+  for (int plane = 0; plane < ffmpeg::av_pix_fmt_count_planes(format); ++plane) {
     const bool is_chroma = plane == 1 || plane == 2;
     const int rows = is_chroma ? AV_CEIL_RSHIFT(frame.height, description->log2_chroma_h) : frame.height;
-    const auto bytes = static_cast<size_t>(std::max(av_image_get_linesize(format, frame.width, plane), 0));
+    const auto bytes = static_cast<size_t>(std::max(ffmpeg::av_image_get_linesize(format, frame.width, plane), 0));
     for (int y = mark.all_rows ? 0 : rows - 1; y < rows; ++y)
       row(frame.data[plane] + static_cast<std::ptrdiff_t>(y) * frame.linesize[plane], bytes);
   }
 }
 
 int MarkedBuffer(AVCodecContext* context, AVFrame* frame, int flags) {
-  const int result = avcodec_default_get_buffer2(context, frame, flags);
+  const int result = ffmpeg::avcodec_default_get_buffer2(context, frame, flags);
   if (result < 0) return result;
   const Mark& mark = *static_cast<const Mark*>(context->opaque);
   ForMarkedRows(*frame, mark, [&](uint8_t* row, size_t bytes) { std::fill_n(row, bytes, mark.level); });
@@ -145,9 +143,11 @@ bool HasMarkedRow(const AVFrame& frame, const Mark& mark) {
 
 // Nothing for what is damaged. Each image has a decoder of its own, so that none shows anything of an earlier one.
 FramePointer DecodeFrame(AVCodecID id, const AVPacket& packet, int64_t most_pixels, Mark mark) {
-  const AVCodec* codec = avcodec_find_decoder(id);
+  // The library would write its own messages to standard error.
+  ffmpeg::av_log_set_level(AV_LOG_QUIET);
+  const AVCodec* codec = ffmpeg::avcodec_find_decoder(id);
   if (codec == nullptr) return nullptr;
-  const CodecPointer decoder(Allocated(avcodec_alloc_context3(codec)));
+  const CodecPointer decoder(Allocated(ffmpeg::avcodec_alloc_context3(codec)));
   decoder->thread_count = 1;
   decoder->flags |= AV_CODEC_FLAG_BITEXACT;
   // In TIFF, a tag that the library does not know counts as damage, too.
@@ -155,9 +155,10 @@ FramePointer DecodeFrame(AVCodecID id, const AVPacket& packet, int64_t most_pixe
   decoder->max_pixels = most_pixels;
   decoder->opaque = &mark;
   decoder->get_buffer2 = MarkedBuffer;
-  FramePointer frame(Allocated(av_frame_alloc()));
-  if (avcodec_open2(decoder.get(), codec, nullptr) < 0 || avcodec_send_packet(decoder.get(), &packet) < 0 ||
-      avcodec_receive_frame(decoder.get(), frame.get()) < 0) {
+  FramePointer frame(Allocated(ffmpeg::av_frame_alloc()));
+  if (ffmpeg::avcodec_open2(decoder.get(), codec, nullptr) < 0 ||
+      ffmpeg::avcodec_send_packet(decoder.get(), &packet) < 0 ||
+      ffmpeg::avcodec_receive_frame(decoder.get(), frame.get()) < 0) {
     return nullptr;
   }
   const bool damaged = (frame->flags & AV_FRAME_FLAG_CORRUPT) != 0 || frame->decode_error_flags != 0;
@@ -185,8 +186,8 @@ cv::Mat Component(const AVFrame& frame, const AVPixFmtDescriptor& format, int co
       std::transform(from, from + image.cols, row, [](uint16_t level) { return av_bswap16(level); });
       continue;
     }
-    av_read_image_line2(row, const_cast<const uint8_t**>(frame.data), frame.linesize, &format, 0, y, component,
-                        image.cols, 0, sizeof(*row));
+    ffmpeg::av_read_image_line2(row, const_cast<const uint8_t**>(frame.data), frame.linesize, &format, 0, y, component,
+                                image.cols, 0, sizeof(*row));
     std::transform(row, row + image.cols, row, [&](uint16_t level) {
       const unsigned stretched = (std::min<unsigned>(level, most) * levels + most / 2) / most;
       return static_cast<uint16_t>(black_is_one ? levels - stretched : stretched);
@@ -241,7 +242,7 @@ cv::Mat StretchedLimitedRange(const cv::Mat& luma) {
 }
 
 ImagePixels PixelsOf(const AVFrame& frame) {
-  const AVPixFmtDescriptor* format = av_pix_fmt_desc_get(static_cast<AVPixelFormat>(frame.format));
+  const AVPixFmtDescriptor* format = ffmpeg::av_pix_fmt_desc_get(static_cast<AVPixelFormat>(frame.format));
   constexpr uint64_t kOther = AV_PIX_FMT_FLAG_HWACCEL | AV_PIX_FMT_FLAG_BAYER | AV_PIX_FMT_FLAG_FLOAT;
   if (format == nullptr || (format->flags & kOther) != 0) return {};
   if ((format->flags & AV_PIX_FMT_FLAG_PAL) != 0) return PixelsOfPalette(frame);
@@ -306,8 +307,6 @@ ImagePixels DecodeBinaryNetpbm(AVCodecID id, Bytes netpbm, int64_t most_pixels) 
 }  // namespace
 
 ImagePixels DecodePixels(Bytes bytes, int64_t most_pixels) {
-  // The library would write its own messages to standard error.
-  av_log_set_level(AV_LOG_QUIET);
   const AVCodecID id = CodecOf(bytes);
   if (id == AV_CODEC_ID_NONE) return {};
   if (id == AV_CODEC_ID_PNG) return DecodePng(bytes, most_pixels);

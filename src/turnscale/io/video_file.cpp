@@ -20,15 +20,10 @@
 
 #include "turnscale/base/error.h"
 #include "turnscale/image_file/codec_pointers.h"
+#include "turnscale/image_file/ffmpeg.h"
 
 extern "C" {
-#include <libavcodec/avcodec.h>
-#include <libavformat/avformat.h>
 #include <libavutil/display.h>
-#include <libavutil/opt.h>
-#include <libavutil/parseutils.h>
-#include <libavutil/pixdesc.h>
-#include <libswscale/swscale.h>
 }
 
 namespace turnscale {
@@ -58,9 +53,9 @@ double Seconds(const AVRational& time_base) { return av_q2d(time_base); }
 std::optional<double> CreationTime(const AVFormatContext& input, const AVStream& stream) {
   constexpr int64_t kYear2000 = 946684800;
   for (AVDictionary* metadata : {input.metadata, stream.metadata}) {
-    const AVDictionaryEntry* entry = av_dict_get(metadata, "creation_time", nullptr, 0);
+    const AVDictionaryEntry* entry = ffmpeg::av_dict_get(metadata, "creation_time", nullptr, 0);
     int64_t microseconds = 0;
-    if (entry == nullptr || av_parse_time(&microseconds, entry->value, 0) < 0) continue;
+    if (entry == nullptr || ffmpeg::av_parse_time(&microseconds, entry->value, 0) < 0) continue;
     if (microseconds > kYear2000 * 1'000'000) return 1e-6 * static_cast<double>(microseconds);
   }
   return std::nullopt;
@@ -70,10 +65,10 @@ std::optional<double> CreationTime(const AVFormatContext& input, const AVStream&
 
 struct VideoFile::State {
   struct CloseInput {
-    void operator()(AVFormatContext* context) const { avformat_close_input(&context); }
+    void operator()(AVFormatContext* context) const { ffmpeg::avformat_close_input(&context); }
   };
   struct FreeConverter {
-    void operator()(SwsContext* context) const { sws_freeContext(context); }
+    void operator()(SwsContext* context) const { ffmpeg::sws_freeContext(context); }
   };
   using Converter = std::unique_ptr<SwsContext, FreeConverter>;
 
@@ -86,27 +81,27 @@ struct VideoFile::State {
 
   explicit State(const std::filesystem::path& file) : path(file.string()) {
     // The library would write its own complaints to standard error.
-    av_log_set_level(AV_LOG_QUIET);
+    ffmpeg::av_log_set_level(AV_LOG_QUIET);
     AVFormatContext* opened = nullptr;
-    const int result = avformat_open_input(&opened, ("file:" + path).c_str(), nullptr, nullptr);
+    const int result = ffmpeg::avformat_open_input(&opened, ("file:" + path).c_str(), nullptr, nullptr);
     if (result == AVERROR(EACCES) || result == AVERROR(EIO))
       throw InputError(path + ": cannot be read: " + std::generic_category().message(AVUNERROR(result)));
     if (result < 0) Refuse();
     input.reset(opened);
-    if (avformat_find_stream_info(opened, nullptr) < 0) Refuse();
+    if (ffmpeg::avformat_find_stream_info(opened, nullptr) < 0) Refuse();
     const AVCodec* codec = nullptr;
-    const int index = av_find_best_stream(opened, AVMEDIA_TYPE_VIDEO, -1, -1, &codec, 0);
+    const int index = ffmpeg::av_find_best_stream(opened, AVMEDIA_TYPE_VIDEO, -1, -1, &codec, 0);
     if (index < 0 || codec == nullptr) Refuse();
     for (unsigned i = 0; i < opened->nb_streams; ++i)
       if (static_cast<int>(i) != index) opened->streams[i]->discard = AVDISCARD_ALL;
     stream = opened->streams[index];
-    decoder.reset(Allocated(avcodec_alloc_context3(codec)));
-    packet.reset(Allocated(av_packet_alloc()));
-    frame.reset(Allocated(av_frame_alloc()));
+    decoder.reset(Allocated(ffmpeg::avcodec_alloc_context3(codec)));
+    packet.reset(Allocated(ffmpeg::av_packet_alloc()));
+    frame.reset(Allocated(ffmpeg::av_frame_alloc()));
     decoder->thread_count = kDecoderThreads;
     decoder->pkt_timebase = stream->time_base;
-    if (avcodec_parameters_to_context(decoder.get(), stream->codecpar) < 0 ||
-        avcodec_open2(decoder.get(), codec, nullptr) < 0) {
+    if (ffmpeg::avcodec_parameters_to_context(decoder.get(), stream->codecpar) < 0 ||
+        ffmpeg::avcodec_open2(decoder.get(), codec, nullptr) < 0) {
       Refuse();
     }
     if (stream->codecpar->width <= 0 || stream->codecpar->height <= 0) Refuse();
@@ -123,7 +118,8 @@ struct VideoFile::State {
   // Whether the file is a stream without a container. The library's readers of such have an option for the rate.
   bool IsBare() const {
     const AVClass* options = input->iformat->priv_class;
-    return options != nullptr && av_opt_find(&options, "framerate", nullptr, 0, AV_OPT_SEARCH_FAKE_OBJ) != nullptr;
+    return options != nullptr &&
+           ffmpeg::av_opt_find(&options, "framerate", nullptr, 0, AV_OPT_SEARCH_FAKE_OBJ) != nullptr;
   }
 
   // The rate in the coded stream, which the decoder knows when it has decoded a frame; 0 if there is none.
@@ -162,10 +158,10 @@ struct VideoFile::State {
 
   // The next packet of the stream is in `packet`; false at the end.
   bool ReadPacket() {
-    av_packet_unref(packet.get());
-    while (av_read_frame(input.get(), packet.get()) >= 0) {
+    ffmpeg::av_packet_unref(packet.get());
+    while (ffmpeg::av_read_frame(input.get(), packet.get()) >= 0) {
       if (packet->stream_index == stream->index) return true;
-      av_packet_unref(packet.get());
+      ffmpeg::av_packet_unref(packet.get());
     }
     return false;
   }
@@ -181,10 +177,10 @@ struct VideoFile::State {
       if (start && (packet->pts == AV_NOPTS_VALUE || InSeconds(packet->pts) != *start)) continue;
       start.reset();
       // A damaged packet yields no frame.
-      avcodec_send_packet(decoder.get(), packet.get());
+      ffmpeg::avcodec_send_packet(decoder.get(), packet.get());
       return;
     }
-    avcodec_send_packet(decoder.get(), nullptr);
+    ffmpeg::avcodec_send_packet(decoder.get(), nullptr);
   }
 
   std::vector<FrameStamp> ReadStamps() {
@@ -212,7 +208,7 @@ struct VideoFile::State {
   bool Advance() {
     if (std::exchange(ahead, false)) return true;
     for (;;) {
-      const int result = avcodec_receive_frame(decoder.get(), frame.get());
+      const int result = ffmpeg::avcodec_receive_frame(decoder.get(), frame.get());
       if (result == AVERROR(ENOMEM)) throw std::bad_alloc();
       if (result == AVERROR_EOF) return false;
       // Frames that are decoded after the first key frame, but shown before it, refer to earlier ones.
@@ -229,7 +225,7 @@ struct VideoFile::State {
 
   // The ranges have to be known when the converter is made: it chooses its functions by them.
   Converter MakeConverter(const cv::Size& size) const {
-    Converter made(sws_alloc_context());
+    Converter made(ffmpeg::sws_alloc_context());
     if (!made) throw std::bad_alloc();
     const std::pair<const char*, int> options[] = {{"srcw", size.width},
                                                    {"srch", size.height},
@@ -240,8 +236,8 @@ struct VideoFile::State {
                                                    {"dst_format", AV_PIX_FMT_GRAY8},
                                                    {"dst_range", 1},
                                                    {"sws_flags", SWS_POINT | SWS_ACCURATE_RND | SWS_BITEXACT}};
-    for (const auto& [name, value] : options) av_opt_set_int(made.get(), name, value, 0);
-    if (sws_init_context(made.get(), nullptr, nullptr) < 0)
+    for (const auto& [name, value] : options) ffmpeg::av_opt_set_int(made.get(), name, value, 0);
+    if (ffmpeg::sws_init_context(made.get(), nullptr, nullptr) < 0)
       throw InputError(path + ": its colours cannot be converted; convert it with ffmpeg -i IN -pix_fmt yuv420p OUT");
     return made;
   }
@@ -250,13 +246,13 @@ struct VideoFile::State {
     cv::Mat gray(image.height, image.width, CV_8UC1);
     uint8_t* const rows[] = {gray.data};
     const int strides[] = {static_cast<int>(gray.step)};
-    sws_scale(context, image.data, image.linesize, 0, image.height, rows, strides);
+    ffmpeg::sws_scale(context, image.data, image.linesize, 0, image.height, rows, strides);
     return gray;
   }
 
   // Whether the gray levels are a plane of bytes, which the converter only has to stretch.
   bool HasPlaneOfBytes() const {
-    const AVPixFmtDescriptor* format = av_pix_fmt_desc_get(static_cast<AVPixelFormat>(frame->format));
+    const AVPixFmtDescriptor* format = ffmpeg::av_pix_fmt_desc_get(static_cast<AVPixelFormat>(frame->format));
     constexpr uint64_t kOther = AV_PIX_FMT_FLAG_RGB | AV_PIX_FMT_FLAG_PAL | AV_PIX_FMT_FLAG_BITSTREAM |
                                 AV_PIX_FMT_FLAG_HWACCEL | AV_PIX_FMT_FLAG_BAYER;
     return format != nullptr && (format->flags & kOther) == 0 && format->comp[0].plane == 0 &&
@@ -267,11 +263,11 @@ struct VideoFile::State {
   std::array<uint8_t, kLevels> LevelTable() const {
     // Rows for two of the coarsest chroma.
     constexpr int kRows = 8;
-    const FramePointer levels(Allocated(av_frame_alloc()));
+    const FramePointer levels(Allocated(ffmpeg::av_frame_alloc()));
     levels->format = frame->format;
     levels->width = kLevels;
     levels->height = kRows;
-    if (av_frame_get_buffer(levels.get(), 0) < 0) throw std::bad_alloc();
+    if (ffmpeg::av_frame_get_buffer(levels.get(), 0) < 0) throw std::bad_alloc();
     for (const AVBufferRef* plane : levels->buf)
       if (plane != nullptr) std::fill_n(plane->data, plane->size, uint8_t{128});
     for (int row = 0; row < kRows; ++row)
@@ -319,7 +315,7 @@ struct VideoFile::State {
 
   // The display matrix maps (x, y) to (a x + c y, b x + d y). Only quarter turns and reflections occur in practice.
   static Orientation OrientationOf(const AVStream& stream) {
-    const uint8_t* data = av_stream_get_side_data(&stream, AV_PKT_DATA_DISPLAYMATRIX, nullptr);
+    const uint8_t* data = ffmpeg::av_stream_get_side_data(&stream, AV_PKT_DATA_DISPLAYMATRIX, nullptr);
     if (data == nullptr) return {};
     const auto* matrix = reinterpret_cast<const int32_t*>(data);
     const int32_t a = matrix[0];

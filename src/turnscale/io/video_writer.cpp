@@ -14,14 +14,9 @@
 
 #include "turnscale/base/error.h"
 #include "turnscale/image_file/codec_pointers.h"
+#include "turnscale/image_file/ffmpeg.h"
 #include "turnscale/io/output_file.h"
 #include "turnscale/io/range_check.h"
-
-extern "C" {
-#include <libavcodec/avcodec.h>
-#include <libavformat/avformat.h>
-#include <libavutil/opt.h>
-}
 
 namespace turnscale {
 namespace {
@@ -41,7 +36,7 @@ cv::Mat MakeLuma() {
 // FFmpeg returns the system's errors with their sign changed, and adds errors of its own.
 std::string Message(int result) {
   char text[AV_ERROR_MAX_STRING_SIZE] = {};
-  av_strerror(result, text, sizeof(text));
+  ffmpeg::av_strerror(result, text, sizeof(text));
   return text;
 }
 
@@ -50,8 +45,8 @@ std::string Message(int result) {
 struct VideoWriter::State {
   struct CloseOutput {
     void operator()(AVFormatContext* context) const {
-      avio_closep(&context->pb);
-      avformat_free_context(context);
+      ffmpeg::avio_closep(&context->pb);
+      ffmpeg::avformat_free_context(context);
     }
   };
   State(const std::filesystem::path& file, const cv::Size& image_size, const VideoWriterOptions& options)
@@ -62,21 +57,21 @@ struct VideoWriter::State {
                                    path.string(), size.width, size.height));
     }
     // The library would write its own complaints to standard error.
-    av_log_set_level(AV_LOG_QUIET);
+    ffmpeg::av_log_set_level(AV_LOG_QUIET);
     AVFormatContext* made = nullptr;
-    if (avformat_alloc_output_context2(&made, nullptr, "mp4", nullptr) < 0)
+    if (ffmpeg::avformat_alloc_output_context2(&made, nullptr, "mp4", nullptr) < 0)
       throw InputError(path.string() + ": FFmpeg's libraries cannot write MP4 here; install a build that can");
     output.reset(made);
     output->flags |= AVFMT_FLAG_BITEXACT;
     OpenEncoder(options);
     OpenFile();
-    packet.reset(Allocated(av_packet_alloc()));
-    frame.reset(Allocated(av_frame_alloc()));
+    packet.reset(Allocated(ffmpeg::av_packet_alloc()));
+    frame.reset(Allocated(ffmpeg::av_frame_alloc()));
     frame->format = encoder->pix_fmt;
     frame->width = size.width;
     frame->height = size.height;
     frame->color_range = encoder->color_range;
-    if (av_frame_get_buffer(frame.get(), 0) < 0) throw std::bad_alloc();
+    if (ffmpeg::av_frame_get_buffer(frame.get(), 0) < 0) throw std::bad_alloc();
   }
 
   // Removes the file under its temporary name, also where the constructor throws.
@@ -89,21 +84,21 @@ struct VideoWriter::State {
   };
 
   void OpenEncoder(const VideoWriterOptions& options) {
-    const AVCodec* codec = options.h264 ? avcodec_find_encoder_by_name("libx264") : nullptr;
+    const AVCodec* codec = options.h264 ? ffmpeg::avcodec_find_encoder_by_name("libx264") : nullptr;
     const bool h264 = codec != nullptr;
-    if (!h264) codec = avcodec_find_encoder_by_name("mpeg4");
+    if (!h264) codec = ffmpeg::avcodec_find_encoder_by_name("mpeg4");
     if (codec == nullptr) {
       throw InputError(path.string() +
                        ": FFmpeg's libraries have no encoder for H.264 or MPEG-4 here; install a build that has, or "
                        "write images");
     }
-    encoder.reset(Allocated(avcodec_alloc_context3(codec)));
+    encoder.reset(Allocated(ffmpeg::avcodec_alloc_context3(codec)));
     encoder->width = size.width;
     encoder->height = size.height;
     encoder->pix_fmt = AV_PIX_FMT_YUV420P;
     encoder->color_range = AVCOL_RANGE_MPEG;
     encoder->time_base = {1, kVideoTicksPerSecond};
-    encoder->framerate = av_d2q(options.rate_hz, 1'000'000);
+    encoder->framerate = ffmpeg::av_d2q(options.rate_hz, 1'000'000);
     encoder->bit_rate = std::llround(1e6 * options.megabits_per_second);
     encoder->rc_max_rate = encoder->bit_rate;
     // One second.
@@ -116,29 +111,30 @@ struct VideoWriter::State {
     if ((output->oformat->flags & AVFMT_GLOBALHEADER) != 0) encoder->flags |= AV_CODEC_FLAG_GLOBAL_HEADER;
     if (h264) {
       // About what the encoder in a camera's chip does, which knows no later frames.
-      av_opt_set(encoder->priv_data, "preset", "veryfast", 0);
-      av_opt_set(encoder->priv_data, "x264-params", "rc-lookahead=0:mbtree=0:scenecut=0", 0);
+      ffmpeg::av_opt_set(encoder->priv_data, "preset", "veryfast", 0);
+      ffmpeg::av_opt_set(encoder->priv_data, "x264-params", "rc-lookahead=0:mbtree=0:scenecut=0", 0);
     }
-    if (const int result = avcodec_open2(encoder.get(), codec, nullptr); result < 0) {
+    if (const int result = ffmpeg::avcodec_open2(encoder.get(), codec, nullptr); result < 0) {
       throw InputError(fmt::format("{}: the encoder {} does not take these images: {}", path.string(), codec->name,
                                    Message(result)));
     }
   }
 
   void OpenFile() {
-    stream = Allocated(avformat_new_stream(output.get(), nullptr));
+    stream = Allocated(ffmpeg::avformat_new_stream(output.get(), nullptr));
     stream->time_base = encoder->time_base;
     stream->avg_frame_rate = encoder->framerate;
-    if (avcodec_parameters_from_context(stream->codecpar, encoder.get()) < 0) throw std::bad_alloc();
+    if (ffmpeg::avcodec_parameters_from_context(stream->codecpar, encoder.get()) < 0) throw std::bad_alloc();
     const std::filesystem::path part = PartOf(path);
-    if (const int result = avio_open(&output->pb, ("file:" + part.string()).c_str(), AVIO_FLAG_WRITE); result < 0)
+    if (const int result = ffmpeg::avio_open(&output->pb, ("file:" + part.string()).c_str(), AVIO_FLAG_WRITE);
+        result < 0)
       throw InputError(path.string() + ": cannot be written: " + Message(result) + "; choose another place");
     unfinished.path = part;
     AVDictionary* options = nullptr;
     // Otherwise the container counts in a multiple.
-    av_dict_set_int(&options, "video_track_timescale", kVideoTicksPerSecond, 0);
-    const int result = avformat_write_header(output.get(), &options);
-    av_dict_free(&options);
+    ffmpeg::av_dict_set_int(&options, "video_track_timescale", kVideoTicksPerSecond, 0);
+    const int result = ffmpeg::avformat_write_header(output.get(), &options);
+    ffmpeg::av_dict_free(&options);
     Checked(result);
   }
 
@@ -150,12 +146,12 @@ struct VideoWriter::State {
   // What the encoder has ready goes to the file.
   void Drain() {
     while (true) {
-      const int result = avcodec_receive_packet(encoder.get(), packet.get());
+      const int result = ffmpeg::avcodec_receive_packet(encoder.get(), packet.get());
       if (result == AVERROR(EAGAIN) || result == AVERROR_EOF) break;
       Checked(result);
       packet->stream_index = stream->index;
-      av_packet_rescale_ts(packet.get(), encoder->time_base, stream->time_base);
-      Checked(av_interleaved_write_frame(output.get(), packet.get()));
+      ffmpeg::av_packet_rescale_ts(packet.get(), encoder->time_base, stream->time_base);
+      Checked(ffmpeg::av_interleaved_write_frame(output.get(), packet.get()));
     }
     // Writes through the library's buffer fail when it is emptied.
     Checked(output->pb->error);
@@ -167,7 +163,7 @@ struct VideoWriter::State {
     Ensure(tick > last_tick, "the time stamps of a video do not increase");
     Ensure(!unfinished.path.empty(), "the video is finished");
     last_tick = tick;
-    if (av_frame_make_writable(frame.get()) < 0) throw std::bad_alloc();
+    if (ffmpeg::av_frame_make_writable(frame.get()) < 0) throw std::bad_alloc();
     cv::Mat y(size, CV_8U, frame->data[0], static_cast<size_t>(frame->linesize[0]));
     cv::LUT(gray, luma, y);
     for (const int plane : {1, 2}) {
@@ -175,16 +171,16 @@ struct VideoWriter::State {
       cv::Mat(size / 2, CV_8U, frame->data[plane], stride).setTo(kNoColour);
     }
     frame->pts = tick;
-    Checked(avcodec_send_frame(encoder.get(), frame.get()));
+    Checked(ffmpeg::avcodec_send_frame(encoder.get(), frame.get()));
     Drain();
   }
 
   void Finish() {
     Ensure(!unfinished.path.empty(), "the video is finished");
-    Checked(avcodec_send_frame(encoder.get(), nullptr));
+    Checked(ffmpeg::avcodec_send_frame(encoder.get(), nullptr));
     Drain();
-    Checked(av_write_trailer(output.get()));
-    Checked(avio_closep(&output->pb));
+    Checked(ffmpeg::av_write_trailer(output.get()));
+    Checked(ffmpeg::avio_closep(&output->pb));
     std::error_code error;
     std::filesystem::rename(unfinished.path, path, error);
     if (error) throw OutputError(path.string() + ": cannot be written: " + error.message());
