@@ -80,7 +80,7 @@ turnscale_package(
   SECTION science
   SUMMARY "metric visual odometry from one camera on a car"
   DESCRIPTION "This package contains the program turnscale, which reads folders of images, videos and ROS bags, and writes trajectories, a report, and tracks for maps."
-  # These are loaded when they are needed, so that nothing shows it in the program.
+  # Loaded when they are needed, so that dpkg-shlibdeps does not find them.
   DEPENDS
   ${FFmpegModules_RUNTIME_PACKAGES}
   # For `turnscale batch`.
@@ -174,6 +174,7 @@ if(TARGET turnscale_python)
     "python3 (>= ${Python_VERSION_MAJOR}.${Python_VERSION_MINOR}~)"
     "python3 (<< ${Python_VERSION_MAJOR}.${next_minor})"
     python3-numpy
+    ${FFmpegModules_RUNTIME_PACKAGES}
     SUGGESTS
     python3-matplotlib
     python3-pandas
