@@ -365,7 +365,8 @@ void Odometry::ObserveScale(const std::optional<MeasuredHeight>& height, FrameRe
 }
 
 void Odometry::StartSettling() {
-  if (!settling_is_due_ || settling_.valid()) return;
+  // The archive takes its keyframes first: it renumbers the landmarks, by whose numbers the window is written back.
+  if (!settling_is_due_ || settling_.valid() || archive_due_ > archive_.end()) return;
   settling_is_due_ = false;
   settled_window_due_ = static_cast<int>(map_.keyframes.size()) + kKeyframesOfSettling;
   settling_ = InBackground(
@@ -486,7 +487,10 @@ void Odometry::Settle() {
   ApplySettled(Adjusted(options_.turn_bundle, WorkToSettle()));
 }
 
-void Odometry::Archive(int last) { tracker_.Reindex(archive_.Retire(last, camera_.radial_correction, map_)); }
+void Odometry::Archive(int last) {
+  Ensure(!settling_.valid(), "landmarks are renumbered while a window is adjusted");
+  tracker_.Reindex(archive_.Retire(last, camera_.radial_correction, map_));
+}
 
 void Odometry::AdjustWholeDrive() {
   // During the drive, earlier keyframes were fixed while later ones were adjusted. In long sections the scale drifts

@@ -136,7 +136,8 @@ class Odometry {
   /// Updates the scale with the latest keyframe and the height that was measured there, if any. Settling is due if it
   /// ended a turn, or many keyframes have not been settled yet.
   void ObserveScale(const std::optional<MeasuredHeight>& height, FrameResult& result);
-  /// Starts to adjust a copy of the keyframes that are not settled, if that is due and none is being adjusted.
+  /// Starts to adjust a copy of the keyframes that are not settled, if that is due, none is being adjusted and none
+  /// waits to be archived.
   void StartSettling();
   /// Starts to read copies of the windows that are due for lens refinement and calibration check, if there are any.
   /// Does nothing while results of earlier ones are not applied.
