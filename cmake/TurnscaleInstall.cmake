@@ -29,7 +29,10 @@ foreach(part IN ITEMS library io laboratory simulation)
       PATTERN "synthetic_*.h" EXCLUDE
       PATTERN "*_reference.h" EXCLUDE
       PATTERN "test_*.h" EXCLUDE
-      PATTERN "refused_field.h" EXCLUDE)
+      PATTERN "refused_field.h" EXCLUDE
+      # These need the headers of FFmpeg.
+      PATTERN "ffmpeg.h" EXCLUDE
+      PATTERN "codec_pointers.h" EXCLUDE)
   endforeach()
 endforeach()
 if(TURNSCALE_BUILD_PROGRAM)
@@ -55,7 +58,7 @@ configure_package_config_file(cmake/turnscaleConfig.cmake.in ${PROJECT_BINARY_DI
                               INSTALL_DESTINATION ${package_dir})
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/turnscaleConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/turnscaleConfig.cmake ${PROJECT_BINARY_DIR}/turnscaleConfigVersion.cmake
-              cmake/FindCompressors.cmake cmake/FindCppHttplib.cmake cmake/FindFFmpegModules.cmake
-              cmake/FindOpenCVModules.cmake cmake/ImportedComponent.cmake
+              cmake/FindCompressors.cmake cmake/FindCppHttplib.cmake cmake/FindOpenCVModules.cmake
+              cmake/ImportedComponent.cmake
         DESTINATION ${package_dir}
         COMPONENT development)

@@ -71,5 +71,20 @@ TEST(OdometryLong, SigmaCoversADriftThatGoesOneWay) {
   }
 }
 
+// The archive renumbers the landmarks, which an adjusted window refers to by their numbers.
+TEST(OdometryLong, KeyframesAreArchivedBetweenWindows) {
+  constexpr int kSides = 3;
+  const StreetDrive drive = RoundTheBlock(kSides);
+  OdometryOptions options = StreetOptions();
+  // The next window is due when the last one is written back.
+  options.turn_bundle.window = 12;
+  options.turn_bundle.anchors = 5;
+  const OdometryRun run = RunOdometry(options, drive);
+  EXPECT_EQ(Count(run.refined, TrackingState::kTracked), static_cast<int>(drive.times.size()));
+  const RunErrors errors = MeasureRun(run.refined, drive.world_from_camera);
+  EXPECT_LT(std::abs(errors.path_length), 0.03);
+  EXPECT_LT(errors.psi_rms_deg, 0.03);
+}
+
 }  // namespace
 }  // namespace turnscale

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "interrupt.h"
 
+#include <atomic>
 #include <csignal>
 
 namespace turnscale {
@@ -9,10 +10,12 @@ namespace {
 // The last one comes when a terminal is closed.
 constexpr int kStops[] = {SIGINT, SIGTERM, SIGHUP};
 
-volatile std::sig_atomic_t caught = 0;
+// The handler may run on any thread.
+std::atomic<bool> caught = false;
+static_assert(std::atomic<bool>::is_always_lock_free);
 
 void OnSignal(int /*signal*/) {
-  caught = 1;
+  caught = true;
   // A second signal, of whichever kind, meets the default and ends a run that hangs.
   for (const int stop : kStops) std::signal(stop, SIG_DFL);
 }
@@ -36,6 +39,6 @@ void CatchInterrupts() {
   std::signal(SIGXFSZ, SIG_IGN);
 }
 
-bool Interrupted() { return caught != 0; }
+bool Interrupted() { return caught; }
 
 }  // namespace turnscale

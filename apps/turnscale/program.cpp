@@ -20,11 +20,7 @@ namespace turnscale {
 namespace {
 
 // The libraries print errors themselves; turnscale's name the file and the remedy.
-void SilenceLibraries() {
-  cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
-  constexpr auto kQuiet = "-8";
-  setenv("OPENCV_FFMPEG_LOGLEVEL", kQuiet, 0);
-}
+void SilenceLibraries() { cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT); }
 
 // CLI11's words for a value that is missing or of the wrong kind name types of C++.
 std::string Reason(const CLI::ParseError& error) {

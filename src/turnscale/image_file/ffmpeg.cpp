@@ -24,21 +24,21 @@ const char* FileOf(Library library) {
     case Library::kFormat:
       return "libavformat.so." AV_STRINGIFY(LIBAVFORMAT_VERSION_MAJOR);
     case Library::kScale:
-      break;
+      return "libswscale.so." AV_STRINGIFY(LIBSWSCALE_VERSION_MAJOR);
   }
-  return "libswscale.so." AV_STRINGIFY(LIBSWSCALE_VERSION_MAJOR);
+  return "";
 }
 
 }  // namespace
 
 void* AddressOf(Library library, const char* name) {
-  // Loads it once, and counts the calls: it stays.
+  // dlopen loads a library once and counts its users. It is never closed.
   void* loaded = dlopen(FileOf(library), RTLD_LAZY | RTLD_LOCAL);
   void* address = loaded == nullptr ? nullptr : dlsym(loaded, name);
   if (address == nullptr) {
-    throw InputError(
-        std::string(FileOf(library)) +
-        ": cannot be loaded, to read or write images and videos; install this version of FFmpeg's libraries");
+    const char* why = dlerror();
+    throw InputError(std::string(FileOf(library)) + ": cannot be loaded, to read or write images and videos; install " +
+                     "this version of FFmpeg's libraries (" + (why == nullptr ? name : why) + ")");
   }
   return address;
 }

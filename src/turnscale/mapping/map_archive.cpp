@@ -10,9 +10,6 @@
 namespace turnscale {
 namespace {
 
-// In a block.
-constexpr int kMostKeyframes = 50;
-
 // An empty vector may have no storage, and the C functions take no null pointer.
 template <typename T>
 bool WriteAll(const std::vector<T>& values, std::FILE* file) {

@@ -23,6 +23,8 @@ struct ArchivedPart {
 /// The file has no name and vanishes with the process. What cannot be written to it (disk full) stays in memory.
 class MapArchive {
  public:
+  static constexpr int kMostKeyframes = 50;  ///< in a block
+
   /// Observations of keyframes from here on are in the map.
   int end() const { return blocks_.empty() ? 0 : blocks_.back().end; }
 
@@ -32,7 +34,7 @@ class MapArchive {
   /// Where an archived block of keyframes ends, in the order of time.
   std::vector<int> BlockEnds() const;
 
-  /// Moves the observations of keyframes end()...`last`-1 out of the map, in blocks of 50 keyframes at most that
+  /// Moves the observations of keyframes end()...`last`-1 out of the map, in blocks of kMostKeyframes at most that
   /// contain no gap; `correction` is the radial correction of its pixels. Kept are valid landmarks and their
   /// observations, pixels in single precision. Landmarks that no later keyframe sees leave the map; the rest lose their
   /// archived observations. Returns the new index of each landmark of the map, -1 for those that left.

@@ -10,9 +10,6 @@
 namespace turnscale {
 namespace {
 
-// Keyframes whose poses local bundle adjustment may still move.
-constexpr int kUnsettled = 25;
-
 // Keyframes back to which a turn may change the live scale: on a long straight the path before it stays.
 constexpr int kMostRevised = 500;
 
@@ -201,7 +198,8 @@ void DriveScale::UpdateLive(const Map& map, int first, std::optional<int> turn_e
   std::vector<double>& scales = live_path_.metres_per_unit;
   scales.resize(count, scale);
   live_path_.centres.resize(count);
-  first = std::max(0, std::min(first, count) - 1 - kUnsettled);
+  // Local bundle adjustment may still move the keyframes of its window.
+  first = std::max(0, std::min(first, count) - 1 - options_.local_bundle.window - options_.local_bundle.anchors);
   if (was_known != now.has_value()) {
     std::ranges::fill(scales, scale);
     first = 0;

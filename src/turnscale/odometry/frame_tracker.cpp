@@ -98,6 +98,7 @@ void FrameTracker::Start(const FlowImage& image, std::vector<FeatureTrack> track
   tracks_ = std::move(tracks);
   lost_tracks_.clear();
   landmarks_in_keyframe_ = landmarks;
+  features_in_keyframe_ = static_cast<int>(tracks_.size());
 }
 
 bool FrameTracker::IsRepeat(const Map& map, const CameraModel& camera, const FlowImage& image,

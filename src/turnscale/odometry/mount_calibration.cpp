@@ -54,13 +54,11 @@ Mount MountCalibration::Found(const OnlineState& state) const {
   return found;
 }
 
-bool MountCalibration::Learn(const Map& map, int last) {
-  if (last < next_keyframe_) return false;
-  return Learn(std::span(map.keyframes).subspan(next_keyframe_, last + 1 - next_keyframe_));
+void MountCalibration::Learn(const Map& map, int last) {
+  if (last >= next_keyframe_) Learn(std::span(map.keyframes).subspan(next_keyframe_, last + 1 - next_keyframe_));
 }
 
-bool MountCalibration::Learn(std::span<const Keyframe> next) {
-  bool changed = false;
+void MountCalibration::Learn(std::span<const Keyframe> next) {
   for (const Keyframe& keyframe : next) {
     const int index = next_keyframe_++;
     if (!calibrates_) continue;
@@ -83,11 +81,9 @@ bool MountCalibration::Learn(std::span<const Keyframe> next) {
     Mount& mount = mounts_.back();
     mount.found = true;
     mount.sigma = found.sigma;
-    if (AreClose(found.vehicle_from_camera, mount.vehicle_from_camera)) continue;
-    mount.vehicle_from_camera = found.vehicle_from_camera;
-    changed = true;
+    if (!AreClose(found.vehicle_from_camera, mount.vehicle_from_camera))
+      mount.vehicle_from_camera = found.vehicle_from_camera;
   }
-  return changed;
 }
 
 const Eigen::Quaterniond& MountCalibration::At(int keyframe) const {

@@ -27,11 +27,10 @@ class MountCalibration {
  public:
   explicit MountCalibration(const VehicleOptions& vehicle);
 
-  /// Takes the next keyframes of the drive, whose poses are final; their observations are not used. Returns whether the
-  /// rotation in use has changed.
-  bool Learn(std::span<const Keyframe> next);
+  /// Takes the next keyframes of the drive, whose poses are final; their observations are not used.
+  void Learn(std::span<const Keyframe> next);
   /// Takes the new keyframes up to `last`.
-  bool Learn(const Map& map, int last);
+  void Learn(const Map& map, int last);
   /// The first keyframe that has not been taken.
   int next_keyframe() const { return next_keyframe_; }
 

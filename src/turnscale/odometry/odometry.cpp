@@ -35,9 +35,8 @@ constexpr double kNearQuarter = 0.25;
 // A change of the lens correction by which a turn's scale changes by some per cent: poses adjusted under another one
 // are adjusted anew when the next turn ends.
 constexpr double kStaleLensChange = 2e-3;
-// Keyframes that go to the archive at a time, at least and about at most.
+// Keyframes that go to the archive together, at least.
 constexpr int kLeastArchived = 20;
-constexpr int kMostArchived = 50;
 
 // A turn in which static features show in several keyframes, degrees: if they were none, what stood still before was
 // far away.
@@ -48,7 +47,8 @@ constexpr double kDecidingTurn = 10;
 constexpr int kKeyframesOfCameraWork = 4;
 constexpr int kKeyframesOfSettling = 6;
 
-// Calls `work` on a thread of its own, or where there is none, when its result is asked for.
+// Calls `work` on a thread of its own, or where there is none, when its result is asked for. It is shared, so that the
+// second call has it where the first could not start a thread.
 template <typename Work>
 std::future<std::invoke_result_t<Work&>> InBackground(Work work) {
   const auto shared = std::make_shared<Work>(std::move(work));
@@ -179,7 +179,7 @@ FrameResult Odometry::ProcessUnreadable(double time) {
 }
 
 void Odometry::Finish() {
-  if (map_.keyframes.empty() || std::exchange(finished_, true)) return;
+  if (std::exchange(finished_, true) || map_.keyframes.empty()) return;
   Settle();
   Archive(static_cast<int>(map_.keyframes.size()));
   AdjustWholeDrive();
@@ -391,10 +391,7 @@ void Odometry::StartCameraWork() {
 
 void Odometry::ApplyBackgroundWork() {
   const int keyframes = static_cast<int>(map_.keyframes.size());
-  if (const int due = archive_due_ - archive_.end(); due > 0) {
-    const int times = (due + kMostArchived - 1) / kMostArchived;
-    Archive(archive_.end() + due / times);
-  }
+  ArchiveNextPart();
   if (settling_.valid() && keyframes >= settled_window_due_) ApplySettled(settling_.get());
   if (!camera_work_.valid() || keyframes < camera_work_due_) return;
   const CameraWork work = camera_work_.get();
@@ -416,30 +413,31 @@ int Odometry::FirstToSettle() const {
 }
 
 Odometry::SettlingWork Odometry::WorkToSettle() const {
-  // Earlier local windows had fewer observations and a less accurate lens correction.
   const int first = FirstToSettle();
-  SettlingWork work = {camera_.radial_correction,
-                       first,
-                       static_cast<int>(map_.keyframes.size()),
-                       MakeLocalWindow(options_.turn_bundle, first, map_),
-                       mount(),
-                       {}};
+  SettlingWork work{.applied_correction = camera_.radial_correction,
+                    .first = first,
+                    .end = static_cast<int>(map_.keyframes.size()),
+                    .window = MakeLocalWindow(options_.turn_bundle, first, map_),
+                    .mount = mount(),
+                    .unlearned = {}};
   for (int k = work.mount.next_keyframe(); k < work.end; ++k) {
     const Keyframe& keyframe = map_.keyframes[k];
-    work.next.push_back({keyframe.frame, keyframe.time, keyframe.camera_from_world, {}, keyframe.after_gap});
+    work.unlearned.push_back(
+        {keyframe.frame, keyframe.time, keyframe.camera_from_world, {}, keyframe.after_gap, keyframe.gap_sigma});
   }
   return work;
 }
 
 Odometry::SettlingWork Odometry::Adjusted(const LocalBundleOptions& options, SettlingWork work) {
-  const int first = work.mount.next_keyframe();
   if (AdjustWindow(options, work.window)) {
-    for (int k = std::max(first, work.window.window.first); k < work.end; ++k)
-      work.next[k - first].camera_from_world = work.window.bundle.camera_from_world[k - work.window.window.first];
+    const int first_adjusted = work.window.window.first;
+    const int first_unlearned = work.mount.next_keyframe();
+    for (int k = std::max(first_adjusted, first_unlearned); k < work.end; ++k)
+      work.unlearned[k - first_unlearned].camera_from_world = work.window.bundle.camera_from_world[k - first_adjusted];
   } else {
     work.window.landmarks.clear();
   }
-  work.mount.Learn(work.next);
+  work.mount.Learn(work.unlearned);
   return work;
 }
 
@@ -485,6 +483,13 @@ void Odometry::Settle() {
   camera_work_due_ = 0;
   ApplyBackgroundWork();
   ApplySettled(Adjusted(options_.turn_bundle, WorkToSettle()));
+}
+
+void Odometry::ArchiveNextPart() {
+  const int due = archive_due_ - archive_.end();
+  if (due <= 0) return;
+  const int parts = (due + MapArchive::kMostKeyframes - 1) / MapArchive::kMostKeyframes;
+  Archive(archive_.end() + due / parts);
 }
 
 void Odometry::Archive(int last) {

@@ -116,12 +116,12 @@ class Odometry {
 
   /// A window that is adjusted while the frames up to a later keyframe are processed.
   struct SettlingWork {
-    double applied_correction = 0;  ///< radial correction of the window's pixels
-    int first = 0;                  ///< first keyframe to settle
-    int end = 0;                    ///< the one after the last
-    WindowProblem window;           ///< adjusted; no landmarks if it contains NaN
-    MountCalibration mount;         ///< has learned from the keyframes before `end`
-    std::vector<Keyframe> next;     ///< that it learns from, without observations
+    double applied_correction = 0;    ///< radial correction of the window's pixels
+    int first = 0;                    ///< first keyframe to settle
+    int end = 0;                      ///< the one after the last
+    WindowProblem window;             ///< adjusted; no landmarks if it contains NaN
+    MountCalibration mount;           ///< has learned from the keyframes before `end`
+    std::vector<Keyframe> unlearned;  ///< that it learns from, without observations
   };
   /// Results of lens refinement and calibration check, computed while the frames up to a later keyframe are processed.
   struct CameraWork {
@@ -136,8 +136,8 @@ class Odometry {
   /// Updates the scale with the latest keyframe and the height that was measured there, if any. Settling is due if it
   /// ended a turn, or many keyframes have not been settled yet.
   void ObserveScale(const std::optional<MeasuredHeight>& height, FrameResult& result);
-  /// Starts to adjust a copy of the keyframes that are not settled, if that is due, none is being adjusted and none
-  /// waits to be archived.
+  /// Starts to adjust a copy of the keyframes that are not settled, if that is due, no copy is being adjusted and no
+  /// keyframe waits to be archived. Local windows had fewer observations and a less accurate lens correction.
   void StartSettling();
   /// Starts to read copies of the windows that are due for lens refinement and calibration check, if there are any.
   /// Does nothing while results of earlier ones are not applied.
@@ -148,13 +148,16 @@ class Odometry {
   /// Waits for the work that is due at this keyframe, and moves map, tracks and motion model to its results. When it
   /// is due does not depend on how long it takes.
   void ApplyBackgroundWork();
-  /// The first keyframe that has not been settled, or was settled under a radial correction that is out of date.
+  /// Archives a part of the keyframes that are due, so that no frame waits for all of them.
+  void ArchiveNextPart();
+  /// The first keyframe of the map within a window that has not been settled, or was settled under a radial correction
+  /// that is out of date.
   int FirstToSettle() const;
   /// The keyframes from there on, to be adjusted.
   SettlingWork WorkToSettle() const;
   /// The work with its window adjusted and the camera-to-vehicle rotation updated.
   static SettlingWork Adjusted(const LocalBundleOptions& options, SettlingWork work);
-  /// Writes the adjusted window to the map and re-evaluates its steps.
+  /// Writes the adjusted window to the map, re-evaluates its steps, and has old keyframes archived.
   void ApplySettled(SettlingWork work);
   /// Replaces the radial correction of all pixels of map and tracks.
   void CorrectLens(double correction);
@@ -202,8 +205,8 @@ class Odometry {
   int frames_ = 0;
   bool settling_is_due_ = false;
   int settled_window_due_ = 0;  ///< number of keyframes at which the window is applied
-  int archive_due_ = 0;         ///< keyframes before this one go to the archive at the next keyframes
   int camera_work_due_ = 0;     ///< the same for camera work
+  int archive_due_ = 0;         ///< keyframes before this one go to the archive, part by part
   // Declared last, so that they are waited for before the members that they use are destroyed.
   std::future<SettlingWork> settling_;
   std::future<CameraWork> camera_work_;

@@ -172,7 +172,7 @@ struct OdometryOptions {
   LocalBundleOptions local_bundle{.max_iterations = 2, .relative_cost_tolerance = 1e-3, .use_exact_hessian = false};
   /// When a turn ends, for keyframes since the one before, and where they have become half of a window.
   LocalBundleOptions turn_bundle{.window = 120, .max_iterations = 10};
-  /// For the whole drive, at its end, in sections of at most a window.
+  /// For the whole drive, at its end, in sections of about a window.
   LocalBundleOptions final_bundle{.window = 150, .max_iterations = 40, .initial_damping = 1e-7};
   LensRefinementOptions lens;
   CalibrationCheckOptions calibration_check;
