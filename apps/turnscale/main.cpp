@@ -35,8 +35,8 @@ void AddCommands(CLI::App& app) {
 }
 
 // All threads share one heap, so that memory freed by one can be reused by the others: a second heap costs 10 MB.
-// Blocks up to 32 MB come from the heap, too, and freed memory stays in it: the kernel would clear every page anew for
-// each image and each bundle adjustment, 5 % of the CPU time.
+// Blocks up to 32 MB are allocated in the heap, too, and freed memory stays there. Otherwise the kernel clears new
+// pages for each image and each bundle adjustment, which takes 5 % of the CPU time.
 void SetUpHeap() {
 #ifdef __GLIBC__
   constexpr int kMegabyte = 1 << 20;

@@ -9,11 +9,7 @@
 namespace turnscale {
 
 struct FreeCodec {
-  void operator()(AVCodecContext* context) const {
-    // Some versions of the library forget it.
-    ffmpeg::av_freep(&context->chroma_intra_matrix);
-    ffmpeg::avcodec_free_context(&context);
-  }
+  void operator()(AVCodecContext* context) const { ffmpeg::avcodec_free_context(&context); }
 };
 struct FreePacket {
   void operator()(AVPacket* packet) const { ffmpeg::av_packet_free(&packet); }

@@ -37,8 +37,8 @@ void* AddressOf(Library library, const char* name) {
   void* address = loaded == nullptr ? nullptr : dlsym(loaded, name);
   if (address == nullptr) {
     const char* why = dlerror();
-    throw InputError(std::string(FileOf(library)) + ": cannot be loaded, to read or write images and videos; install " +
-                     "this version of FFmpeg's libraries (" + (why == nullptr ? name : why) + ")");
+    throw InputError(std::string(FileOf(library)) + ": cannot be loaded (" + (why == nullptr ? name : why) +
+                     "); install this version of FFmpeg's libraries, which read and write videos and images");
   }
   return address;
 }

@@ -10,7 +10,6 @@ extern "C" {
 #include <libavutil/frame.h>
 #include <libavutil/imgutils.h>
 #include <libavutil/log.h>
-#include <libavutil/mem.h>
 #include <libavutil/opt.h>
 #include <libavutil/parseutils.h>
 #include <libavutil/pixdesc.h>
@@ -18,8 +17,8 @@ extern "C" {
 }
 
 /// FFmpeg's functions under their own names, from shared libraries that are loaded when the first of them is called:
-/// for videos, and for images other than 8-bit gray PNG. The libraries depend on a hundred others, which take 60 ms to
-/// load, twice as long as the rest of the program.
+/// for videos, and for images other than 8-bit gray PNG. The libraries depend on a hundred others, whose loading takes
+/// about twice as long as that of the rest of the program.
 namespace turnscale::ffmpeg {
 
 enum class Library { kUtil, kCodec, kFormat, kScale };
@@ -52,8 +51,14 @@ class Function<Result(Arguments...)> {
   mutable std::atomic<void*> address_ = nullptr;
 };
 
+/// Only for decltype. The type is deduced without the attributes of the headers, which it cannot carry.
+template <typename Result, typename... Arguments>
+Function<Result(Arguments...)> FunctionLike(Result (*)(Arguments...));
+
+// NOLINTBEGIN(bugprone-macro-parentheses): a name that is declared has none.
 #define TURNSCALE_FFMPEG(library, name) \
-  inline constinit const Function<decltype(::name)> name { Library::library, #name }
+  inline constinit const decltype(FunctionLike(::name)) name(Library::library, #name)
+// NOLINTEND(bugprone-macro-parentheses)
 
 TURNSCALE_FFMPEG(kUtil, av_d2q);
 TURNSCALE_FFMPEG(kUtil, av_dict_free);
@@ -63,7 +68,6 @@ TURNSCALE_FFMPEG(kUtil, av_frame_alloc);
 TURNSCALE_FFMPEG(kUtil, av_frame_free);
 TURNSCALE_FFMPEG(kUtil, av_frame_get_buffer);
 TURNSCALE_FFMPEG(kUtil, av_frame_make_writable);
-TURNSCALE_FFMPEG(kUtil, av_freep);
 TURNSCALE_FFMPEG(kUtil, av_image_get_linesize);
 TURNSCALE_FFMPEG(kUtil, av_log_set_level);
 TURNSCALE_FFMPEG(kUtil, av_opt_find);

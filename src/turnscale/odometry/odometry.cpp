@@ -29,7 +29,7 @@
 namespace turnscale {
 namespace {
 
-// A correction that moves the pixels at a wide image's edge by a fortieth of a pixel. To apply it takes 10 ms.
+// A correction that moves the pixels at a wide image's edge by a fortieth of a pixel. Applying one takes up to 10 ms.
 constexpr double kLeastLensChange = 5e-5;
 constexpr double kNearQuarter = 0.25;
 // A change of the lens correction by which a turn's scale changes by some per cent: poses adjusted under another one
@@ -47,8 +47,8 @@ constexpr double kDecidingTurn = 10;
 constexpr int kKeyframesOfCameraWork = 4;
 constexpr int kKeyframesOfSettling = 6;
 
-// Calls `work` on a thread of its own, or where there is none, when its result is asked for. It is shared, so that the
-// second call has it where the first could not start a thread.
+// Calls `work` on a thread of its own, or where there is none, when its result is asked for. `work` is shared:
+// where no thread can be started, it is needed again.
 template <typename Work>
 std::future<std::invoke_result_t<Work&>> InBackground(Work work) {
   const auto shared = std::make_shared<Work>(std::move(work));
