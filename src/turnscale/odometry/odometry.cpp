@@ -195,6 +195,7 @@ FrameResult Odometry::Initialize(const FlowImage& image, FrameResult result) {
   if (map_.keyframes.empty()) history_.AddWithoutPose(result);
   if (!start) return result;
   StartMap(image, *start);
+  ObserveRoad(image);  // shows nothing yet; the next keyframe is compared with it
   result.state = TrackingState::kTracked;
   result.inliers = start->CountPoints();
   result.keyframe = true;

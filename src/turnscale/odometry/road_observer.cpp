@@ -12,7 +12,8 @@ namespace turnscale {
 namespace {
 
 constexpr std::size_t kViews = 9;
-// Keyframes in a row without the road at the last height, after which it is searched for at any height.
+// Keyframes in a row without the road at the last height, after which it is searched for at any height: at so many
+// keyframes, then at one of so many.
 constexpr int kFailures = 5;
 // Bounds of that search, in distances between two keyframes.
 constexpr double kLeastRatio = 0.2;
@@ -85,7 +86,7 @@ std::optional<MeasuredHeight> RoadObserver::Observe(const Map& map, const Camera
   std::optional<RoadPlane> road;
   if (height_) {
     road = FitRoadPlane(options_.plane, pair, region, *height_);
-  } else if (failures_++ % kFailures == 0) {
+  } else if (++failures_ <= kFailures || failures_ % kFailures == 0) {
     road = FindRoadPlane(options_.plane, pair, region, kLeastRatio * distance, kGreatestRatio * distance);
   }
   if (!road) {

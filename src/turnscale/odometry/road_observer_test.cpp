@@ -30,8 +30,9 @@ struct Observed {
   std::vector<std::optional<MeasuredHeight>> heights;
 };
 
-/// `rise`: by which each keyframe is too high while it is the latest one, metres.
-Observed ObserveMap(const SyntheticRoad& road, int keyframes, int gap = -1, double rise = 0) {
+/// `rise`: by which each keyframe is too high while it is the latest one, metres. `blank`: first keyframes without
+/// texture.
+Observed ObserveMap(const SyntheticRoad& road, int keyframes, int gap = -1, double rise = 0, int blank = 0) {
   const CameraModel camera = RoadCamera();
   RoadObserver observer{RoadObserverOptions{}};
   Observed observed;
@@ -39,7 +40,9 @@ Observed ObserveMap(const SyntheticRoad& road, int keyframes, int gap = -1, doub
   map.pinhole = camera.pinhole;
   for (int k = 0; k < keyframes; ++k) {
     RigidTransform world_from_camera{RotationFromVector({-0.06, 0, 0}), {0, 0, kStep * k}};
-    const RoadImage image = RenderRoad(road, camera, world_from_camera);
+    SyntheticRoad shown = road;
+    if (k < blank) shown.contrast = 0;
+    const RoadImage image = RenderRoad(shown, camera, world_from_camera);
     world_from_camera.translation /= kMetresPerUnit;
     map.keyframes.push_back({k, 0.1 * k, world_from_camera.inverse(), {}, k == gap});
     FlowImage flow;
@@ -100,6 +103,12 @@ TEST(RoadObserver, HeightsFollowTheAdjustedMotion) {
 
 TEST(RoadObserver, NoRoadNoHeight) {
   for (const auto& height : Observe({.contrast = 0}, 6)) EXPECT_FALSE(height);
+}
+
+TEST(RoadObserver, SearchesAtEachOfTheFirstKeyframes) {
+  const auto heights = ObserveMap({}, 6, -1, 0, 2).heights;
+  EXPECT_FALSE(heights[1] || heights[2]);
+  EXPECT_TRUE(heights[3]);
 }
 
 TEST(RoadObserver, DoesNotReachAcrossAGap) {
