@@ -44,15 +44,16 @@ double SmallerEigenvalue(const cv::Mat& gray, const cv::Point& at) {
 
 constexpr int kLeastThreshold = 4;  // below is noise
 
-// In fog, corners are as faint as the whole image.
-int ThresholdFor(const CornerOptions& options, const cv::Mat& gray) {
+// In fog, corners are as faint as the whole image. Smoothing makes them fainter.
+int ThresholdFor(const CornerOptions& options, const cv::Mat& gray, bool dark) {
   constexpr double kUsualContrast = 18;  // standard deviation of the gray levels; that of most drives is above 25
+  constexpr double kDarkShare = 0.5;
   cv::Scalar mean;
   cv::Scalar contrast;
   cv::meanStdDev(gray, mean, contrast);
-  if (contrast[0] >= kUsualContrast) return options.fast_threshold;
-  return std::min(options.fast_threshold,
-                  std::max(kLeastThreshold, cvRound(options.fast_threshold * contrast[0] / kUsualContrast)));
+  const double share = std::min(contrast[0] / kUsualContrast, dark ? kDarkShare : 1.0);
+  if (share >= 1) return options.fast_threshold;
+  return std::min(options.fast_threshold, std::max(kLeastThreshold, cvRound(options.fast_threshold * share)));
 }
 
 // Square cells that the image is divided into.
@@ -125,11 +126,11 @@ void CornerOptions::Check() const {
   if (border < 4) throw InputError("corners.border: has to be at least 4 pixels");
 }
 
-std::vector<cv::KeyPoint> FindCandidates(const CornerOptions& options, const cv::Mat& gray) {
+std::vector<cv::KeyPoint> FindCandidates(const CornerOptions& options, const cv::Mat& gray, bool dark) {
   // Share of the cells. Most drives fill half of them, with fog before a bright sky less than a tenth.
   constexpr double kFewest = 0.125;
   const Grid grid = MakeGrid(options, gray);
-  const int threshold = ThresholdFor(options, gray);
+  const int threshold = ThresholdFor(options, gray, dark);
   std::vector<cv::KeyPoint> candidates = FindFast(gray, threshold);
   const auto filled = static_cast<double>(FilledCells(grid, candidates));
   if (threshold > kLeastThreshold && filled < kFewest * static_cast<double>(grid.size()))

@@ -23,8 +23,9 @@ struct CornerOptions {
   void Check() const;
 };
 
-/// FAST corners of an 8-bit gray image, all of them: the candidates for DetectCorners.
-std::vector<cv::KeyPoint> FindCandidates(const CornerOptions& options, const cv::Mat& gray);
+/// FAST corners of an 8-bit gray image, all of them: the candidates for DetectCorners. `dark`: the image was dark, and
+/// has been brightened and smoothed (FlowImage); half the threshold finds its corners.
+std::vector<cv::KeyPoint> FindCandidates(const CornerOptions& options, const cv::Mat& gray, bool dark = false);
 
 /// Corners of an 8-bit gray image spread evenly: the image is divided into about `target` square cells, and each cell
 /// gives, away from the `occupied` pixels, its FAST corner with the largest smaller eigenvalue of the gradient

@@ -106,6 +106,14 @@ TEST(Corners, AreFoundInFog) {
   EXPECT_GT(DetectCorners(Options(), fog, {}).size(), 150U);
 }
 
+TEST(Corners, ADarkImageIsSearchedWithHalfTheThreshold) {
+  const cv::Mat image = UnevenImage();
+  CornerOptions half = Options();
+  half.fast_threshold /= 2;
+  EXPECT_EQ(FindCandidates(Options(), image, true).size(), FindCandidates(half, image).size());
+  EXPECT_GT(FindCandidates(Options(), image, true).size(), FindCandidates(Options(), image).size());
+}
+
 TEST(Corners, AreFoundInFogBeforeABrightSky) {
   cv::Mat fog;
   UnevenImage().convertTo(fog, CV_8U, 0.1, 60);

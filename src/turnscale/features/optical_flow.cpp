@@ -36,7 +36,7 @@ int LevelsOf(const FlowOptions& options, int width) {
 // A dark image has little contrast beside its noise: four times the brightness, smoothed before it is rounded.
 cv::Mat Brightened(const cv::Mat& gray) {
   constexpr double kGain = 4;
-  constexpr double kSigma = 1.2;    // pixels
+  constexpr double kSigma = 1.4;    // pixels
   constexpr double kFraction = 64;  // of a gray level
   cv::Mat fine;
   gray.convertTo(fine, CV_16U, kGain * kFraction);
@@ -88,7 +88,7 @@ double BrightnessRatio(const FlowImage& first, const FlowImage& second) {
 std::optional<cv::Point2f> TrackThroughLevels(const FlowOptions& options, const FlowImage& first,
                                               const FlowImage& second, const cv::Point2f& point,
                                               const cv::Point2f& guess, int levels) {
-  const LucasKanadeOptions patch{.window = options.window};
+  const LucasKanadeOptions patch{.window = first.dark || second.dark ? options.dark_window : options.window};
   cv::Point2f found = guess;
   for (int level = levels; level > 0; --level) {
     const float scale = 1.0F / static_cast<float>(1 << level);
@@ -154,8 +154,9 @@ bool Inside(const cv::Point2f& point, const cv::Size& size) {
 }  // namespace
 
 void FlowOptions::Check() const {
-  if (window < 5 || window > kMostFlowWindow || window % 2 == 0)
-    throw InputError("flow.window: has to be odd and in 5...31 pixels");
+  const auto is_window = [](int side) { return side >= 5 && side <= kMostFlowWindow && side % 2 == 1; };
+  if (!is_window(window)) throw InputError("flow.window: has to be odd and in 5...31 pixels");
+  if (!is_window(dark_window)) throw InputError("flow.dark_window: has to be odd and in 5...31 pixels");
   if (levels < 0 || levels > 8) throw InputError("flow.levels: has to be in 0...8");
   if (!(max_return_error > 0)) throw InputError("flow.max_return_error: has to be positive");
   if (!(min_brightness >= 0 && min_brightness <= 255)) throw InputError("flow.min_brightness: has to be in 0...255");
@@ -163,7 +164,11 @@ void FlowOptions::Check() const {
 }
 
 FlowImage BuildFlowImage(const FlowOptions& options, const cv::Mat& gray) {
-  if (cv::mean(gray)[0] < options.min_brightness) return WithPyramid(options, Brightened(gray));
+  if (cv::mean(gray)[0] < options.min_brightness) {
+    FlowImage image = WithPyramid(options, Brightened(gray));
+    image.dark = true;
+    return image;
+  }
   // Tracks keep images as references; the caller may read the next one into the same memory.
   return WithPyramid(options, gray.clone());
 }
@@ -175,7 +180,9 @@ FlowImage MatchBrightness(const FlowOptions& options, const FlowImage& first, co
   if (std::abs(gain - 1) <= options.max_brightness_change || gain > kMostGain || gain * kMostGain < 1) return first;
   cv::Mat gray;
   first.gray.convertTo(gray, CV_8U, gain);
-  return WithPyramid(options, gray);
+  FlowImage matched = WithPyramid(options, gray);
+  matched.dark = first.dark;
+  return matched;
 }
 
 FlowResult TrackPoints(const FlowOptions& options, const FlowImage& first, const FlowImage& second,

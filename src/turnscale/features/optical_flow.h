@@ -11,6 +11,8 @@ namespace turnscale {
 struct FlowOptions {
   /// Side of the square patch that is compared, pixels. Odd, at most 31.
   int window = 15;
+  /// The same in dark images, whose texture is as weak as their noise.
+  int dark_window = 23;
   /// Halvings of the image above the full size; each doubles the motion that is found without a prediction. Of an image
   /// about 1280 pixels wide; one more for every doubling of that, so that the same motion of the car is found.
   int levels = 3;
@@ -28,6 +30,7 @@ struct FlowOptions {
 /// An image with what optical flow needs of it, built once a frame.
 struct FlowImage {
   cv::Mat gray;                  ///< 8 bit, full size; brightened if it was dark
+  bool dark = false;             ///< FlowOptions::min_brightness
   std::vector<cv::Mat> pyramid;  ///< 8 bit, with a border; the first one is `gray`
 };
 

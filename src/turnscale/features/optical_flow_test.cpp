@@ -229,10 +229,39 @@ TEST(OpticalFlow, ADarkImageIsBrightened) {
   EXPECT_EQ(cv::norm(BuildFlowImage({.min_brightness = 0}, night).gray, night, cv::NORM_INF), 0);
 }
 
+TEST(OpticalFlow, LargerPatchesFollowADarkImage) {
+  const SyntheticTexture texture(1, 8, 100);
+  const Eigen::Vector2d shift(2.4, -1.7);
+  const auto at_night = [&](const Eigen::Vector2d& moved, int seed) {
+    cv::Mat night;
+    Shifted(texture, moved).gray.convertTo(night, CV_32F, 0.15);
+    cv::Mat noise(night.size(), CV_32F);
+    cv::RNG(seed).fill(noise, cv::RNG::NORMAL, 0, 4);
+    night += noise;
+    night.convertTo(night, CV_8U);
+    return BuildFlowImage({}, night);
+  };
+  const std::vector<cv::Point2f> points = Grid(40, 10);
+  const auto followed = [&](const FlowOptions& options) {
+    const FlowResult flow = TrackPoints(options, at_night({0, 0}, 1), at_night(shift, 2), points, points);
+    int right = 0;
+    for (size_t i = 0; i < points.size(); ++i) {
+      const cv::Point2f off = flow.points[i] - points[i];
+      right += flow.found[i] != 0 && (Eigen::Vector2d(off.x, off.y) - shift).norm() < 0.5 ? 1 : 0;
+    }
+    return static_cast<double>(right) / static_cast<double>(points.size());
+  };
+  const double with_large_patches = followed({});
+  const double with_small_patches = followed({.dark_window = 15});
+  EXPECT_GT(with_large_patches, 0.9);
+  EXPECT_GT(with_large_patches, with_small_patches + 0.1);
+}
+
 TEST(OpticalFlow, OptionsNameTheFieldThatMakesNoSense) {
   EXPECT_EQ(RefusedField<FlowOptions>([](auto&) {}), "");
   EXPECT_EQ(RefusedField<FlowOptions>([](auto& o) { o.window = 14; }), "flow.window");
   EXPECT_EQ(RefusedField<FlowOptions>([](auto& o) { o.window = 3; }), "flow.window");
+  EXPECT_EQ(RefusedField<FlowOptions>([](auto& o) { o.dark_window = 24; }), "flow.dark_window");
   EXPECT_EQ(RefusedField<FlowOptions>([](auto& o) { o.levels = -1; }), "flow.levels");
   EXPECT_EQ(RefusedField<FlowOptions>([](auto& o) { o.levels = 9; }), "flow.levels");
   EXPECT_EQ(RefusedField<FlowOptions>([](auto& o) { o.max_return_error = 0; }), "flow.max_return_error");

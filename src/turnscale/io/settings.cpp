@@ -107,6 +107,7 @@ void VisitSettings(Visitor& visitor, OdometryOptions& options) {
   visitor.Group("flow", [&] {
     auto& o = options.flow;
     visitor.Field("window", o.window);
+    visitor.Field("dark_window", o.dark_window);
     visitor.Field("levels", o.levels);
     visitor.Field("max_return_error", o.max_return_error);
     visitor.Field("min_brightness", o.min_brightness);

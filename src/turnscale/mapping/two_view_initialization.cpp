@@ -90,9 +90,9 @@ double LeastParallax(const TwoViewOptions& options, const Pinhole& pinhole) {
 }
 
 double LandmarksNeeded(const TwoViewOptions& options, const Pinhole& pinhole, double parallax, size_t matches) {
-  if (parallax < kAmpleParallax * LeastParallax(options, pinhole)) return options.min_landmarks;
-  const double share = options.min_landmark_share * static_cast<double>(matches);
-  return std::clamp<double>(share, options.fewest_landmarks, options.min_landmarks);
+  const double ample = std::min((parallax / LeastParallax(options, pinhole) - 1) / (kAmpleParallax - 1), 1.0);
+  const double share = options.min_landmark_share * (2 - ample);
+  return std::clamp<double>(share * static_cast<double>(matches), options.fewest_landmarks, options.min_landmarks);
 }
 
 }  // namespace

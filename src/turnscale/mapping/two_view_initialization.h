@@ -26,8 +26,8 @@ struct TwoViewOptions {
   double max_epipolar_error = 1.0;
   /// Least number of matches, and of landmarks of a map.
   int min_landmarks = 80;
-  /// Where few of the matches become landmarks (fog, rain): share of the matches that suffices instead, from twice the
-  /// least parallax on.
+  /// Where there are few matches (night), or few of them become landmarks (fog, rain): share of the matches that
+  /// suffices instead from twice the least parallax on. At the least parallax it takes twice that share.
   double min_landmark_share = 0.25;
   /// Least number of landmarks even then.
   int fewest_landmarks = 40;

@@ -119,6 +119,16 @@ TEST(TwoViewInitialization, FewLandmarksSufficeWhereImagesHaveFewFeatures) {
   EXPECT_GT(sharper.parallax, 2 * strict.min_parallax);
 }
 
+TEST(TwoViewInitialization, FewMatchesSufficeIfMostBecomeLandmarks) {
+  Views views = MakeViews({RotationFromVector({0, 0.02, 0}), {0.13, 0, -0.65}}, 0.2, 5);
+  views.first.resize(90);
+  views.second.resize(90);
+  const TwoViewResult result = InitializeFromTwoViews({}, kTestPinhole, views.first, views.second);
+  EXPECT_EQ(result.status, TwoViewStatus::kInitialized);
+  EXPECT_LT(std::ranges::count(result.triangulated, 1), 80);
+  EXPECT_LT(result.parallax, 2 * TwoViewOptions().min_parallax);
+}
+
 TEST(TwoViewInitialization, RefusesMatchesWithoutACommonMotion) {
   Views views = MakeViews({Eigen::Quaterniond::Identity(), {0, 0, -1.5}}, 0.3, 4);
   std::mt19937 random(5);

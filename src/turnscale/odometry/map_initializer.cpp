@@ -11,7 +11,7 @@
 namespace turnscale {
 namespace {
 
-// Below this share of its features a first view has gone out of sight.
+// Below this share of its features, without those that no other image shows, a first view has gone out of sight.
 constexpr double kFewestFeatures = 0.4;
 // A car that waits longer than this gets a new first view, which bounds the memory.
 constexpr size_t kMostFrames = 300;
@@ -70,7 +70,8 @@ void MapInitializer::Start(const FlowImage& image, int frame, double time) {
   alive_.clear();
   pixels_.clear();
   WaitingFrame first{.frame = frame, .time = time, .features = {}, .pixels = {}};
-  for (const cv::Point2f& corner : DetectCorners(options_.corners, image.gray, {}, mask_)) {
+  const std::vector<cv::KeyPoint> candidates = FindCandidates(options_.corners, image.gray, image.dark);
+  for (const cv::Point2f& corner : DetectCorners(options_.corners, image.gray, candidates, {}, mask_)) {
     const std::optional<Eigen::Vector2d> undistorted = camera_.Undistort({corner.x, corner.y});
     if (!undistorted) continue;
     first.features.push_back(static_cast<int>(first.features.size()));
@@ -110,7 +111,8 @@ bool MapInitializer::Follow(const FlowImage& image, int frame, double time) {
 }
 
 bool MapInitializer::HasGone(const WaitingFrame& next) const {
-  const double all = static_cast<double>(frames_.front().features.size());
+  // Corners of noise are gone in the next image.
+  const double all = static_cast<double>(frames_[1].features.size());
   const double left = static_cast<double>(next.features.size());
   if (left < kFewestFeatures * all) return true;
   // A dashboard never goes out of sight.

@@ -127,7 +127,7 @@ FrameResult Odometry::Process(const cv::Mat& gray, double time) {
 
   // They depend on the image alone, so that they are found while the map is adjusted.
   std::future<std::vector<cv::KeyPoint>> corners =
-      InBackground([&] { return FindCandidates(options_.corners, image.gray); });
+      InBackground([&] { return FindCandidates(options_.corners, image.gray, image.dark); });
   ApplyBackgroundWork();
   AddKeyframe(result);
   // The road's observer reads only poses and gaps of keyframes, which adding features does not change.
