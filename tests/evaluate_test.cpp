@@ -214,6 +214,25 @@ TEST_F(EvaluateTest, TimesThatAreOfNoUseAreRefused) {
   ExpectComplaint({"estimate/07.txt", "truth/07.txt", "--timestamps", "truth/times.txt"}, "associated by frame number");
 }
 
+TEST_F(EvaluateTest, ClocksThatDifferAreDoubted) {
+  EXPECT_TRUE(Scored({"estimate/drive.tum", "truth/drive.tum"})["warning"].is_null());
+  // A truth of fewer poses, at the same times.
+  Text("sparse.tum", Head("truth/drive.tum", kPoses, false, 10));
+  EXPECT_EQ(Run({"estimate/drive.tum", "sparse.tum"}).err, "");
+  // The estimate's clock is slow: its poses meet those of the truth now and then.
+  std::string tum;
+  for (StampedPose pose : estimate_) {
+    pose.time *= 0.97;
+    tum += TumLine(pose);
+  }
+  Text("slow.tum", tum);
+  const CommandResult slow = Run({"slow.tum", "truth/drive.tum"});
+  EXPECT_EQ(slow.exit_code, 0);
+  EXPECT_NE(slow.err.find("slow.tum: only "), std::string::npos) << slow.err;
+  EXPECT_NE(slow.err.find("300 (estimate) and 291 (ground truth)"), std::string::npos) << slow.err;
+  EXPECT_TRUE(Scored({"slow.tum", "truth/drive.tum"})["warning"].get<std::string>().starts_with("only "));
+}
+
 TEST_F(EvaluateTest, TheCamerasMountingTurnsTheTurningAngle) {
   const auto all = [&](const std::vector<std::string>& more) {
     std::vector<std::string> arguments = {"tilted.tum", "truth/drive.tum"};

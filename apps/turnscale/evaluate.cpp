@@ -13,7 +13,7 @@ namespace turnscale {
 namespace {
 
 void RunEvaluate(const EvaluateArguments& arguments) {
-  const Comparison comparison = ExecuteEvaluate(arguments);
+  const Comparison comparison = ExecuteEvaluate(arguments, {});
   if (arguments.json == "-") {
     WriteStandardOutput(ComparisonJson(comparison));
   } else {

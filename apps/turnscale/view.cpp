@@ -56,7 +56,8 @@ void RunView(const ViewArguments& arguments) {
   fs::path page = fs::absolute(arguments.results);
   if (fs::is_directory(page, none)) page /= kReportFile;
   if (fs::exists(page.parent_path() / "trajectory.csv", none) && page.filename() == kReportFile) {
-    WriteRunPage(page.parent_path(), arguments.truth);
+    const std::string warning = WriteRunPage(page.parent_path(), arguments.truth);
+    if (!warning.empty()) PrintMessage("warning: " + warning);
   } else if (fs::exists(page, none)) {
     if (!arguments.truth.truth.empty()) {
       throw InputError("--truth " + arguments.truth.truth.string() +

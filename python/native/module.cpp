@@ -192,7 +192,7 @@ py::dict RescaleFor(const py::dict& given) {
 py::bytes EvaluateFor(const py::dict& given) {
   const EvaluateArguments arguments = EvaluateArgumentsFrom(given);
   std::string json;
-  Execute([&](const CommandHooks&) { json = ComparisonJson(ExecuteEvaluate(arguments)); });
+  Execute([&](const CommandHooks& hooks) { json = ComparisonJson(ExecuteEvaluate(arguments, hooks)); });
   return json;
 }
 

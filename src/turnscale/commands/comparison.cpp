@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "turnscale/commands/comparison.h"
 
+#include <algorithm>
 #include <fstream>
+#include <string_view>
 #include <vector>
 
 #include <fmt/format.h>
@@ -65,6 +67,20 @@ Paired PairPoses(const ComparisonFiles& arguments, TrajectoryFile& estimate, Tra
   return {AssociateByTime(estimate.poses, truth.poses, {arguments.time_tolerance}), KeyframeKey::kTime, "time"};
 }
 
+// Where both files have poses all along but few of them pair, their times are of different clocks.
+std::string UnpairedWarning(const Paired& paired, const Trajectory& estimate, const Trajectory& truth) {
+  constexpr double kMostArePaired = 0.8;
+  if (std::string_view(paired.by) != "time") return {};
+  const CommonPoses common = PosesInCommonTime(estimate, truth);
+  const int paired_poses = static_cast<int>(paired.pairs.size());
+  if (paired_poses >= kMostArePaired * std::min(common.estimated, common.in_truth)) return {};
+  return fmt::format(
+      "only {} poses are paired, though the files have {} (estimate) and {} (ground truth) in the time that both "
+      "cover: "
+      "the errors may be wrong; check that both have the times of one clock, or give a larger --time-tolerance",
+      paired_poses, common.estimated, common.in_truth);
+}
+
 std::vector<Step> ReadKeyframeSteps(const fs::path& path, const Paired& paired) {
   std::ifstream stream(path);
   if (!stream || fs::is_directory(path)) throw InputError(path.string() + ": cannot be read");
@@ -110,6 +126,7 @@ Comparison Compare(const ComparisonFiles& arguments) {
   comparison.sources.estimated_poses = static_cast<int>(estimate.poses.size());
   comparison.sources.true_poses = static_cast<int>(truth.poses.size());
   comparison.sources.pairing = paired.by;
+  comparison.sources.warning = UnpairedWarning(paired, estimate.poses, truth.poses);
   const std::vector<Step> steps = FindSteps(arguments, paired, options.steps, comparison.sources.steps);
   comparison.evaluation = Evaluate(paired.pairs, steps, options);
   comparison.pairs = paired.pairs;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "turnscale/commands/evaluate_command.h"
 
+#include <fmt/format.h>
+
 #include "turnscale/commands/argument_checks.h"
 #include "turnscale/commands/version.h"
 #include "turnscale/evaluation/path_picture.h"
@@ -53,7 +55,7 @@ void WriteReport(const EvaluateArguments& arguments, const Comparison& compariso
 
 }  // namespace
 
-Comparison ExecuteEvaluate(const EvaluateArguments& arguments) {
+Comparison ExecuteEvaluate(const EvaluateArguments& arguments, const CommandHooks& hooks) {
   RequireFor({"--floor-plan", !arguments.floor_plan.empty()}, !arguments.picture.empty() || !arguments.report.empty(),
              "--picture or --report");
   const auto read = {arguments.estimate, arguments.ground_truth, arguments.timestamps, arguments.keyframes,
@@ -62,6 +64,8 @@ Comparison ExecuteEvaluate(const EvaluateArguments& arguments) {
   RefuseToOverwrite("--picture", arguments.picture, read);
   RefuseToOverwrite("--report", arguments.report, read);
   const Comparison comparison = Compare(arguments);
+  const std::string& warning = comparison.sources.warning;
+  if (!warning.empty()) Warn(hooks, fmt::format("{}: {}", arguments.estimate.string(), warning));
   if (!arguments.picture.empty()) DrawPath(arguments, comparison);
   if (!arguments.report.empty()) WriteReport(arguments, comparison);
   if (!arguments.json.empty() && arguments.json != "-") ReplaceFile(arguments.json, ComparisonJson(comparison));

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <string>
 
+#include "turnscale/commands/command_hooks.h"
 #include "turnscale/commands/comparison.h"
 
 namespace turnscale {
@@ -17,6 +18,6 @@ struct EvaluateArguments : ComparisonFiles {
 };
 
 /// Compares a trajectory with the true one and writes the files. Throws InputError and OutputError.
-Comparison ExecuteEvaluate(const EvaluateArguments& arguments);
+Comparison ExecuteEvaluate(const EvaluateArguments& arguments, const CommandHooks& hooks);
 
 }  // namespace turnscale

@@ -126,7 +126,8 @@ Json EvaluationJson(const Evaluation& evaluation, const EvaluationSources& sourc
        {{"first_poses_equal", PositionJson(evaluation.from_first_pose)},
         {"se3", evaluation.rigid ? PositionJson(*evaluation.rigid) : none},
         {"sim3", evaluation.similarity ? PositionJson(*evaluation.similarity) : none}}},
-      {"alignment_problem", evaluation.alignment_problem.empty() ? none : Json(evaluation.alignment_problem)}};
+      {"alignment_problem", evaluation.alignment_problem.empty() ? none : Json(evaluation.alignment_problem)},
+      {"warning", sources.warning.empty() ? none : Json(sources.warning)}};
 }
 
 }  // namespace turnscale

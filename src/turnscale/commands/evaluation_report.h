@@ -17,6 +17,7 @@ struct EvaluationSources {
   int true_poses = 0;
   std::string pairing;  ///< "time" or "frame"
   std::string steps;    ///< what the steps of the scale error ratio are
+  std::string warning;  ///< what makes the numbers doubtful, one line; may be empty
 };
 
 /// Aligned lines for the screen, in metres, per cent and degrees.

@@ -59,13 +59,16 @@ RunSummary BeforeTheDrive(const RunArguments& arguments, const OdometryOptions& 
 }
 
 // The page that shows the results; whatever becomes of it, they are on disk already.
-void KeepReport(const RunArguments& arguments, const ThumbnailCollector& thumbnails, RunEnd& end) {
+void KeepReport(const RunArguments& arguments, const ThumbnailCollector& thumbnails, Progress& progress, RunEnd& end) {
   std::error_code none;
   for (const char* needed : {"trajectory.csv", "summary.json"})
     if (!fs::is_regular_file(arguments.out / needed, none)) return;
   Attempts attempts;
   attempts.Try([&] { WriteThumbnails(arguments.out, thumbnails.thumbnails()); });
-  attempts.Try([&] { WriteRunPage(arguments.out, arguments.truth); });
+  attempts.Try([&] {
+    const std::string warning = WriteRunPage(arguments.out, arguments.truth);
+    if (!warning.empty()) progress.Warn(warning);
+  });
   // A truth that does not fit the drive is no reason to have no page.
   if (!attempts.failures().empty() && !arguments.truth.truth.empty())
     attempts.Try([&] { WriteRunPage(arguments.out, {}); });
@@ -160,7 +163,7 @@ RunEnd ExecuteRun(const RunArguments& arguments, const RunHooks& hooks) {
                             watch,
                             [&] { hooks.phase("final adjustment"); }};
   RunEnd end = RunDrive(drive, odometry, progress);
-  if (!arguments.no_report) KeepReport(arguments, thumbnails, end);
+  if (!arguments.no_report) KeepReport(arguments, thumbnails, progress, end);
   return end;
 }
 

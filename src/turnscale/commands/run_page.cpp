@@ -16,15 +16,18 @@ void CheckTruthFiles(const TruthFiles& files) {
   if (!files.floor_plan.empty()) ReadFloorPlan(files.floor_plan);
 }
 
-void WriteRunPage(const std::filesystem::path& folder, const TruthFiles& files) {
+std::string WriteRunPage(const std::filesystem::path& folder, const TruthFiles& files) {
   RunReportExtras extras;
+  std::string warning;
   if (!files.truth.empty()) {
     const Comparison comparison = Compare({folder / "trajectory.tum", files.truth, {}, {}});
     extras.truth = comparison.pairs;
+    if (!comparison.sources.warning.empty()) warning = files.truth.string() + ": " + comparison.sources.warning;
     extras.evaluation = ComparisonJson(comparison);
     if (!files.floor_plan.empty()) extras.outlines = ReadFloorPlan(files.floor_plan);
   }
   WriteRunReport(folder, extras);
+  return warning;
 }
 
 }  // namespace turnscale

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 namespace turnscale {
 
@@ -16,7 +17,8 @@ struct TruthFiles {
 void CheckTruthFiles(const TruthFiles& files);
 
 /// Makes report.html in the folder of a run, with the comparison if there is a truth; that of an earlier page of the
-/// folder is kept if there is none. Throws InputError, OutputError.
-void WriteRunPage(const std::filesystem::path& folder, const TruthFiles& files);
+/// folder is kept if there is none. Returns what makes the comparison doubtful, one line, empty if nothing does. Throws
+/// InputError, OutputError.
+std::string WriteRunPage(const std::filesystem::path& folder, const TruthFiles& files);
 
 }  // namespace turnscale

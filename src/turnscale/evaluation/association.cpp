@@ -76,6 +76,18 @@ PosePairs AssociateByTime(const Trajectory& estimate, const Trajectory& truth, c
   return pairs;
 }
 
+CommonPoses PosesInCommonTime(const Trajectory& estimate, const Trajectory& truth) {
+  if (estimate.empty() || truth.empty()) return {};
+  const double from = std::max(estimate.front().time, truth.front().time);
+  const double to = std::min(estimate.back().time, truth.back().time);
+  const auto count = [&](const Trajectory& trajectory) {
+    return static_cast<int>(std::count_if(trajectory.begin(), trajectory.end(), [&](const StampedPose& pose) {
+      return pose.time >= from && pose.time <= to;
+    }));
+  };
+  return {count(estimate), count(truth)};
+}
+
 PosePairs AssociateByFrame(const Trajectory& estimate, const Trajectory& truth) {
   CheckNotEmpty(estimate, "estimate");
   CheckNotEmpty(truth, "ground truth");

@@ -30,6 +30,14 @@ struct AssociationOptions {
 /// Throws InputError when a trajectory is empty or its times go back, or when nothing pairs.
 PosePairs AssociateByTime(const Trajectory& estimate, const Trajectory& truth, const AssociationOptions& options = {});
 
+/// How many poses each of two trajectories has in the span of time that both cover.
+struct CommonPoses {
+  int estimated = 0;
+  int in_truth = 0;
+};
+/// The times must not decrease.
+CommonPoses PosesInCommonTime(const Trajectory& estimate, const Trajectory& truth);
+
 /// Pairs the poses one by one, for trajectories of which one has no times.
 /// Throws InputError when a trajectory is empty or their lengths differ.
 PosePairs AssociateByFrame(const Trajectory& estimate, const Trajectory& truth);

@@ -35,6 +35,14 @@ TEST(AssociateByTime, DefaultToleranceIsHalfTheIntervalOfADenseTruth) {
   EXPECT_EQ(Indices(AssociateByTime(At({0.0, 0.016}), At({0.0, 0.01}), {0.006})), (Expected{{0, 0}, {1, 1}}));
 }
 
+TEST(PosesInCommonTime, AreThoseBetweenTheLaterStartAndTheEarlierEnd) {
+  const CommonPoses common = PosesInCommonTime(At({0.0, 1.0, 2.0, 3.0}), At({0.5, 1.0, 1.5, 2.0}));
+  EXPECT_EQ(common.estimated, 2);
+  EXPECT_EQ(common.in_truth, 4);
+  EXPECT_EQ(PosesInCommonTime(At({0.0}), At({1.0})).estimated, 0);
+  EXPECT_EQ(PosesInCommonTime({}, At({1.0})).in_truth, 0);
+}
+
 TEST(AssociateByTime, UsesATruePoseOnceAndForTheNearest) {
   EXPECT_EQ(Indices(AssociateByTime(At({0.095, 0.101, 0.108}), At({0.0, 0.1, 0.2}))), (Expected{{1, 1}}));
 }
