@@ -14,7 +14,16 @@ cv::Mat ReadMask(const std::filesystem::path& path) {
   if (!std::filesystem::exists(path, error)) throw InputError(path.string() + ": no such mask");
   const cv::Mat mask = std::filesystem::is_directory(path, error) ? cv::Mat() : ReadGrayImage(path).gray;
   if (mask.empty()) throw InputError(path.string() + ": cannot be read as an image");
-  if (cv::countNonZero(mask) == 0) throw InputError(path.string() + ": is black, which leaves out the whole image");
+  if (cv::countNonZero(mask) == 0)
+    throw InputError(path.string() + ": is black, which leaves out the whole image; paint what is to be kept white");
+  double darkest = 0;
+  cv::minMaxLoc(mask, &darkest);
+  if (darkest > 0)
+    throw InputError(
+        fmt::format("{}: leaves nothing out: its darkest pixel has the gray level {:.0f}; paint what is to be left out "
+                    "black (0), the "
+                    "rest white, and store it as PNG",
+                    path.string(), darkest));
   return mask;
 }
 

@@ -44,5 +44,16 @@ TEST(MaskFile, WhatIsNoMaskIsRefused) {
   EXPECT_NE(Complaint(black).find("leaves out the whole image"), std::string::npos);
 }
 
+TEST(MaskFile, OneThatLeavesNothingOutIsRefused) {
+  const std::filesystem::path path = ScratchPath("mask.png");
+  for (const cv::Scalar& colour : {cv::Scalar(0, 0, 255), cv::Scalar(3, 3, 3)}) {
+    cv::Mat mask(20, 30, CV_8UC3, cv::Scalar::all(255));
+    mask.rowRange(15, 20).setTo(colour);
+    cv::imwrite(path.string(), mask);
+    EXPECT_NE(Complaint(path).find("leaves nothing out: its darkest pixel has the gray level "), std::string::npos);
+  }
+  EXPECT_NE(Complaint(path).find("level 3; paint what is to be left out black (0)"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace turnscale
