@@ -471,6 +471,16 @@ TEST_F(ErrorsTest, PlacesThatCannotBeWritten) {
                   {"/proc/turnscale: cannot be made"});
 }
 
+// Not after the images have been read to estimate the camera.
+TEST_F(ErrorsTest, APlaceThatCannotBeWrittenIsNoticedBeforeTheCameraIsEstimated) {
+  fs::remove(Image(12));
+  ASSERT_EQ(mkfifo(Image(12).c_str(), 0600), 0);  // reading on would hang
+  Text("out", "a file in the way");
+  ExpectComplaint(Run({"--fov", "75"}), 2, {"out: is a file"});
+  fs::remove(Out());
+  ExpectComplaint(Run({"--fov", "75", "--frame", "vehicle"}), 2, {"--frame vehicle", "--lever-arm"});
+}
+
 TEST_F(ErrorsTest, FullDisk) {
   for (const char* name :
        {"live.tum", "trajectory.tum", "settings.yaml", "trajectory.csv", "turns.csv", "map.ply", "summary.json"}) {

@@ -125,6 +125,9 @@ RunEnd ExecuteRun(const RunArguments& arguments, const RunHooks& hooks) {
   CheckTruthFiles(arguments.truth);
   DriveImages images(arguments.images, options.images.max_width);
   CheckFolder(arguments, images);
+  const PoseFrame shown = arguments.frame == "vehicle" ? PoseFrame::kVehicle : PoseFrame::kCamera;
+  const RunWriterOptions output = {arguments.out, shown, options.vehicle};
+  CheckRunOutput(output);
   hooks.opened(images.expected);
   const CameraEstimate estimate = EstimateCamera(arguments.images, images, options, hooks, [&](int pass) {
     hooks.phase(fmt::format("estimating the camera, pass {}", pass));
@@ -146,7 +149,6 @@ RunEnd ExecuteRun(const RunArguments& arguments, const RunHooks& hooks) {
     if (const std::string doubt = DoubtOf(images); !doubt.empty()) progress.Warn(doubt);
     return frame;
   };
-  const PoseFrame shown = arguments.frame == "vehicle" ? PoseFrame::kVehicle : PoseFrame::kCamera;
   ThumbnailCollector thumbnails;
   const auto watch = [&](const SourceFrame& frame, const FrameResult& result, const Odometry& so_far) {
     if (!arguments.no_report) thumbnails.Add(frame.gray, result, so_far);
@@ -158,7 +160,7 @@ RunEnd ExecuteRun(const RunArguments& arguments, const RunHooks& hooks) {
                             [&] { return images.source.clips(); },
                             arguments.images.max_frames,
                             images.reduction,
-                            {arguments.out, shown, options.vehicle},
+                            output,
                             BeforeTheDrive(arguments, options, images, estimate),
                             watch,
                             [&] { hooks.phase("final adjustment"); }};

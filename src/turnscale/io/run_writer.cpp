@@ -4,12 +4,16 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cerrno>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <cstdlib>
 #include <system_error>
+#include <vector>
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include "turnscale/base/error.h"
 #include "turnscale/geometry/rotation.h"
@@ -69,6 +73,33 @@ void MakeFolder(const fs::path& folder) {
   }
   fs::create_directories(folder, error);
   if (error) throw InputError(folder.string() + ": cannot be made: " + error.message() + "; choose another --out");
+}
+
+// The folder and those above it that are not there yet, from the innermost outwards.
+std::vector<fs::path> MissingFolders(const fs::path& folder) {
+  std::vector<fs::path> missing;
+  std::error_code none;
+  for (fs::path at = fs::absolute(folder).lexically_normal(); !fs::exists(at, none) && at.has_relative_path();
+       at = at.parent_path())
+    missing.push_back(at);
+  return missing;
+}
+
+// Permissions alone do not tell: only a file that has been made does.
+void TryFile(const fs::path& folder) {
+  std::string name = (folder / ".turnscale-XXXXXX").string();
+  const int descriptor = mkstemp(name.data());
+  if (descriptor < 0) {
+    const std::string why = std::generic_category().message(errno);
+    throw InputError(folder.string() + ": no file can be made in it: " + why + "; choose another --out");
+  }
+  close(descriptor);
+  unlink(name.c_str());
+}
+
+void CheckFrame(const RunWriterOptions& options) {
+  if (options.frame == PoseFrame::kVehicle && !options.vehicle.lever_arm)
+    throw InputError("--frame vehicle: needs the position of the rear axle; give --lever-arm");
 }
 
 }  // namespace
@@ -179,10 +210,21 @@ void WriteMap(const std::filesystem::path& path, const MapPoints& points, const 
   }
 }
 
+void CheckRunOutput(const RunWriterOptions& options) {
+  CheckFrame(options);
+  const std::vector<fs::path> missing = MissingFolders(options.folder);
+  Attempts attempts;
+  attempts.Try([&] {
+    MakeFolder(options.folder);
+    TryFile(options.folder);
+  });
+  std::error_code none;
+  for (const fs::path& made : missing) fs::remove(made, none);
+  attempts.RethrowFirst();
+}
+
 RunWriter::RunWriter(const RunWriterOptions& options) : options_(options) {
-  if (options_.frame == PoseFrame::kVehicle && !options_.vehicle.lever_arm) {
-    throw InputError("--frame vehicle: needs the position of the rear axle; give --lever-arm");
-  }
+  CheckFrame(options_);
   MakeFolder(options_.folder);
   // The summary first: it says that the others are of one run.
   for (const char* name : {kReportFile, kSummary, kSettings, kTurns, kSpeed, kScale, kRotation, kCar, kCamera, kMap,

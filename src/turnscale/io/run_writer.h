@@ -72,13 +72,17 @@ struct RunWriterOptions {
   VehicleOptions vehicle = {};
 };
 
+/// Throws InputError where results could not be written to the folder, or not of this frame: before a run, which may
+/// take hours. Leaves nothing behind.
+void CheckRunOutput(const RunWriterOptions& options);
+
 /// Writes the results of a run to its folder: live.tum.part grows by one line per frame and becomes live.tum at the
 /// end; all other files are written as a whole. Every function throws OutputError if the system refuses to write, after
 /// trying the other files.
 class RunWriter {
  public:
-  /// Makes the folder and begins the files anew; results of an earlier run in it are taken away. Throws InputError
-  /// where the folder or a file cannot be made.
+  /// Makes the folder and begins the files anew; results of an earlier run in it are taken away. Throws as
+  /// CheckRunOutput, and InputError where a file cannot be made.
   explicit RunWriter(const RunWriterOptions& options);
 
   /// Writes the result of the newest frame to live.tum.part.

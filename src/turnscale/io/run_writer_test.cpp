@@ -112,6 +112,21 @@ TEST_F(RunWriterTest, PlacesThatCannotBeWritten) {
   EXPECT_THROW(RunWriter({"/proc/turnscale"}), InputError);
 }
 
+TEST_F(RunWriterTest, TheCheckOfTheFolderLeavesNothingBehind) {
+  CheckRunOutput({folder_ / "deep" / "deeper"});
+  EXPECT_FALSE(fs::exists(folder_));
+  fs::create_directories(folder_);
+  CheckRunOutput({folder_});
+  CheckRunOutput({folder_ / "deep" / ""});
+  EXPECT_TRUE(fs::is_empty(folder_));
+  EXPECT_THROW(CheckRunOutput({"/proc/turnscale"}), InputError);
+  EXPECT_THROW(CheckRunOutput({"/proc"}), InputError) << "it is there, but no file can be made in it";
+  std::ofstream(folder_ / "file") << "in the way";
+  EXPECT_THROW(CheckRunOutput({folder_ / "file"}), InputError);
+  EXPECT_THROW(CheckRunOutput({folder_ / "file" / "below"}), InputError);
+  EXPECT_THROW(CheckRunOutput({folder_, PoseFrame::kVehicle, {}}), InputError) << "no lever arm";
+}
+
 TEST_F(RunWriterTest, FullDiskIsNoticedAtTheFirstFrame) {
   fs::create_directories(folder_);
   fs::create_symlink("/dev/full", folder_ / "live.tum");
