@@ -512,6 +512,23 @@ TEST_F(ErrorsTest, InterruptKeepsWhatWasComputed) {
   }
 }
 
+TEST_F(ErrorsTest, AnInterruptedEstimateOfTheCameraSaysSo) {
+  for (const std::string command_name : {"run", "calibrate"}) {
+    fs::remove(Image(12));
+    ASSERT_EQ(mkfifo(Image(12).c_str(), 0600), 0);
+    const fs::path out = folder_ / "nothing";
+    Command command({command_name, Drive().string(), "--fov", "75", "--out", out.string()}, folder_);
+    // The command reads ahead.
+    const std::ofstream opened(Image(12));
+    command.Signal(SIGINT);
+    { const std::ofstream opened_and_closed(Image(12)); }
+    const CommandResult result = command.Wait();
+    EXPECT_EQ(result.exit_code, 130);
+    EXPECT_EQ(result.err, "turnscale: interrupted while the camera was estimated; nothing is written\n");
+    EXPECT_FALSE(fs::exists(out));
+  }
+}
+
 TEST_F(ErrorsTest, AnInterruptedCalibrationSaysSo) {
   fs::remove(Image(12));
   ASSERT_EQ(mkfifo(Image(12).c_str(), 0600), 0);

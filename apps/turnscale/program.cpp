@@ -12,6 +12,7 @@
 
 #include "build_commit.h"
 #include "turnscale/base/error.h"
+#include "turnscale/commands/command_hooks.h"
 #include "turnscale/commands/version.h"
 #include "turnscale/io/run_summary.h"
 #include "turnscale/io/terminal.h"
@@ -75,6 +76,8 @@ std::string VersionWithCommit() {
 int RunProgram(int argc, char** argv, void (*add_commands)(CLI::App&)) {
   try {
     return Main(argc, argv, add_commands);
+  } catch (const Interruption&) {
+    return Report({kInterruptedExitCode, Interruption::kMessage});
   } catch (...) {
     return Report(FailureOf(std::current_exception()));
   }

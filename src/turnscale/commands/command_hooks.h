@@ -15,7 +15,7 @@ constexpr int kInterruptedExitCode = 130;
 struct CommandHooks {
   /// Asked before every frame: whether to stop. Once it has said so, it has to go on saying so.
   std::function<bool()> interrupted = [] { return false; };
-  /// Called before the first frame: from here on an interrupted command keeps its results so far.
+  /// Called before the images are read: from here on an interrupted command keeps its results so far, if it has any.
   std::function<void()> begun = [] {};
   /// Receives each warning, one line.
   std::function<void(const std::string&)> warn = {};
@@ -23,8 +23,10 @@ struct CommandHooks {
   bool print_warnings = true;
 };
 
-/// Thrown where a command is interrupted before it has results.
-struct Interruption {};
+/// Thrown where a command is interrupted before it has results: while the camera is estimated.
+struct Interruption {
+  static constexpr const char* kMessage = "interrupted while the camera was estimated; nothing is written";
+};
 
 inline void Warn(const CommandHooks& hooks, const std::string& warning) {
   if (hooks.print_warnings) PrintMessage("warning: " + warning);

@@ -28,25 +28,26 @@ double ViewOf(const ImageArguments& arguments) {
 // The drive's images. What is wrong with one of them the run itself says, when it comes to it.
 // `last`: time of the last one that the arguments allow, once it is known.
 ImageStream Images(const ImageArguments& arguments, const DriveImages& images, const CommandHooks& hooks, int max_width,
-                   std::optional<double> from, int pass, std::optional<double>& last) {
+                   std::optional<double> from, bool is_first, const std::string& work, std::optional<double>& last) {
   ImageSourceOptions options = SourceOptions(arguments, images.given, max_width);
   if (from) options.start += *from;
   auto source = std::make_shared<ImageSource>(images.drive, options);
   auto progress = std::make_shared<Progress>(0, arguments.quiet);
-  return [&arguments, &hooks, &last, pass, source, progress, read = 0]() mutable -> std::optional<TimedImage> {
-    if (hooks.interrupted()) throw Interruption();
-    if (arguments.max_frames && read == *arguments.max_frames) return std::nullopt;
-    try {
-      std::optional<SourceFrame> frame = source->Next();
-      if (!frame) return std::nullopt;
-      if (last && frame->time > *last) return std::nullopt;
-      progress->Update(++read, fmt::format("estimating the camera, pass {}", pass));
-      if (pass == 1 && arguments.max_frames && read == *arguments.max_frames) last = frame->time;
-      return TimedImage{std::move(frame->gray), frame->time};
-    } catch (const InputError&) {
-      return std::nullopt;
-    }
-  };
+  return
+      [&arguments, &hooks, &last, is_first, work, source, progress, read = 0]() mutable -> std::optional<TimedImage> {
+        if (hooks.interrupted()) throw Interruption();
+        if (arguments.max_frames && read == *arguments.max_frames) return std::nullopt;
+        try {
+          std::optional<SourceFrame> frame = source->Next();
+          if (!frame) return std::nullopt;
+          if (last && frame->time > *last) return std::nullopt;
+          progress->Update(++read, work);
+          if (is_first && arguments.max_frames && read == *arguments.max_frames) last = frame->time;
+          return TimedImage{std::move(frame->gray), frame->time};
+        } catch (const InputError&) {
+          return std::nullopt;
+        }
+      };
 }
 
 std::string NoTurn(const ImageArguments& arguments, double view, bool assumed) {
@@ -59,7 +60,7 @@ std::string NoTurn(const ImageArguments& arguments, double view, bool assumed) {
 }  // namespace
 
 CameraEstimate EstimateCamera(const ImageArguments& arguments, DriveImages& images, const OdometryOptions& options,
-                              const CommandHooks& hooks, const std::function<void(int)>& on_pass) {
+                              const CommandHooks& hooks, const std::function<void(const std::string&)>& on_pass) {
   const bool assumed = images.given.name.empty();
   if (!assumed && !arguments.refine_camera) return {};
   if (assumed && arguments.refine_camera)
@@ -72,13 +73,15 @@ CameraEstimate EstimateCamera(const ImageArguments& arguments, DriveImages& imag
   images.camera.width = size.width;
   images.camera.height = size.height;
   if (assumed) images.camera.focal_sigma = kAssumedSigma * images.camera.pinhole.fx;
+  const int most_passes = MostPasses(options.self_calibration, assumed);
   int pass = 0;
   std::optional<double> last;
   const std::optional<FoundCamera> found = CalibrateFromDrive(
       options, {images.camera, assumed},
       [&](std::optional<double> from) {
-        on_pass(++pass);
-        return Images(arguments, images, hooks, options.images.max_width, from, pass, last);
+        const std::string work = fmt::format("estimating the camera, pass {} of at most {}", ++pass, most_passes);
+        on_pass(work);
+        return Images(arguments, images, hooks, options.images.max_width, from, pass == 1, work, last);
       },
       images.mask);
   if (!found) return {std::nullopt, NoTurn(arguments, view, assumed)};

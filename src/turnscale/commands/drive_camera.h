@@ -22,10 +22,10 @@ struct CameraEstimate {
 };
 
 /// Estimates the camera from the images where it is not given or is to be refined (`--camera-refine`), and puts it
-/// into `images`. Where the drive does not determine it, an assumed one. `on_pass` is called before each pass over the
-/// images, with its number from 1. Throws InputError where there is nothing to refine, Interruption.
+/// into `images`. Where the drive does not determine it, an assumed one. `on_pass` is told what is done before each
+/// pass over the images, with its number. Throws InputError where there is nothing to refine, Interruption.
 CameraEstimate EstimateCamera(
     const ImageArguments& arguments, DriveImages& images, const OdometryOptions& options, const CommandHooks& hooks,
-    const std::function<void(int)>& on_pass = [](int) {});
+    const std::function<void(const std::string&)>& on_pass = [](const std::string&) {});
 
 }  // namespace turnscale

@@ -176,10 +176,10 @@ DriveMotion MotionFromImages(const ImageArguments& arguments, const CommandHooks
   options.Check();
   DriveImages images(arguments, options.images.max_width);
   cv::setNumThreads(kImageThreads);
+  hooks.begun();
   const CameraEstimate estimate = EstimateCamera(arguments, images, options, hooks);
   Odometry odometry(options, images.camera);
   if (!images.mask.empty()) odometry.SetMask(images.mask);
-  hooks.begun();
   Progress progress(images.expected, arguments.quiet);
   SendWarnings(progress, hooks);
   for (const std::string& warning : images.source.left_out()) progress.Warn(warning);

@@ -129,9 +129,8 @@ RunEnd ExecuteRun(const RunArguments& arguments, const RunHooks& hooks) {
   const RunWriterOptions output = {arguments.out, shown, options.vehicle};
   CheckRunOutput(output);
   hooks.opened(images.expected);
-  const CameraEstimate estimate = EstimateCamera(arguments.images, images, options, hooks, [&](int pass) {
-    hooks.phase(fmt::format("estimating the camera, pass {}", pass));
-  });
+  hooks.begun();
+  const CameraEstimate estimate = EstimateCamera(arguments.images, images, options, hooks, hooks.phase);
   hooks.phase("");
   Odometry odometry(options, images.camera);
   if (!images.mask.empty()) odometry.SetMask(images.mask);
@@ -143,8 +142,6 @@ RunEnd ExecuteRun(const RunArguments& arguments, const RunHooks& hooks) {
     std::optional<SourceFrame> frame = images.source.Next();
     if (begun) return frame;
     begun = true;
-    // From here on there is something to keep.
-    hooks.begun();
     if (frame) RemoveThumbnails(arguments.out);
     if (const std::string doubt = DoubtOf(images); !doubt.empty()) progress.Warn(doubt);
     return frame;

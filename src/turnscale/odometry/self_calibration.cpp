@@ -180,6 +180,10 @@ std::optional<FoundCamera> CalibrateFromDrive(const OdometryOptions& options, co
   }
 }
 
+int MostPasses(const SelfCalibrationOptions& options, bool assumed) {
+  return options.max_passes + (assumed ? static_cast<int>(kOtherViews.size()) : 0);
+}
+
 CameraModel CameraOfView(double field_of_view_deg, int width, int height) {
   const double focal = 0.5 * width / std::tan(0.5 * field_of_view_deg / kDegreesPerRadian);
   return {{focal, focal, 0.5 * (width - 1), 0.5 * (height - 1)}, LensModel::kPinhole, {0, 0, 0, 0, 0}, width, height};

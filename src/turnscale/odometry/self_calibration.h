@@ -50,6 +50,9 @@ struct FoundCamera {
 std::optional<FoundCamera> CalibrateFromDrive(const OdometryOptions& options, const StartCamera& start,
                                               const OpenDrive& open, const cv::Mat& mask = {});
 
+/// How often CalibrateFromDrive opens the drive at most.
+int MostPasses(const SelfCalibrationOptions& options, bool assumed);
+
 /// A camera of this image size (pixels) and horizontal field of view (degrees), without distortion.
 CameraModel CameraOfView(double field_of_view_deg, int width, int height);
 
