@@ -2,6 +2,7 @@
 #include <chrono>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <string>
 #include <thread>
 #include <utility>
@@ -204,8 +205,40 @@ TEST_F(ErrorsTest, APartOfTheDrive) {
   ExpectComplaint(Run({"--start", "1", "--end", "0.5"}), 2, {"--end 0.5 s: has to be after --start 1 s"});
 }
 
-TEST_F(ErrorsTest, ADriveOfWhichNothingCanBeTracked) {
+TEST_F(ErrorsTest, ARunWithoutAPoseLeavesEarlierResultsAsTheyAre) {
   ASSERT_EQ(Run({"--quiet"}).exit_code, 0);
+  std::ofstream(Out() / "path.gpx") << "exported";
+  const auto contents = [&] {
+    std::map<std::string, std::string> texts;
+    for (const auto& entry : fs::recursive_directory_iterator(Out()))
+      if (entry.is_regular_file()) texts[entry.path().string()] = TextOf(entry.path());
+    return texts;
+  };
+  const auto before = contents();
+  const auto expect_kept = [&](const CommandResult& result, int exit_code, const std::string& why) {
+    EXPECT_EQ(result.exit_code, exit_code);
+    EXPECT_NE(result.err.find(Out().string() + " keeps those of an earlier run\n"), std::string::npos) << result.err;
+    EXPECT_NE(result.err.find(why), std::string::npos) << result.err;
+    EXPECT_EQ(result.err.find("the results so far are in"), std::string::npos) << result.err;
+    EXPECT_EQ(contents(), before);
+  };
+  expect_kept(Run({"--quiet", "--max-frames", "1"}), 0, "");
+  for (int i = 0; i < kRoomFrames; ++i)
+    cv::imwrite(Image(i).string(), cv::Mat(kRoomHeight, kRoomWidth, CV_8UC1, cv::Scalar(5)));
+  expect_kept(Run({"--quiet"}), 2, "nothing could be tracked in 20 images");
+  for (int i = 0; i < kRoomFrames; ++i) Text("drive/image_0/" + Image(i).filename().string(), "no image");
+  expect_kept(Run({"--quiet"}), 2, "not one of 20 frames could be read");
+}
+
+TEST_F(ErrorsTest, ExportsOfAnEarlierPathAreNamed) {
+  ASSERT_EQ(Run({"--quiet"}).exit_code, 0);
+  for (const char* name : {"path.gpx", "path.gltf"}) std::ofstream(Out() / name) << "exported";
+  EXPECT_EQ(Run({"--quiet"}).err, "warning: " + Out().string() +
+                                      ": path.gpx, path.gltf: not of this run; make the exports of the new path with "
+                                      "turnscale export\n");
+}
+
+TEST_F(ErrorsTest, ADriveOfWhichNothingCanBeTracked) {
   for (int i = 0; i < kRoomFrames; ++i)
     cv::imwrite(Image(i).string(), cv::Mat(kRoomHeight, kRoomWidth, CV_8UC1, cv::Scalar(5)));
   ExpectComplaint(Run({"--quiet"}), 2,
@@ -331,7 +364,7 @@ TEST_F(ErrorsTest, WideImagesAreProcessedSmallerAndResultsAreAtFullSize) {
 
 TEST_F(ErrorsTest, AMaskThatDoesNotFit) {
   const std::string path = (folder_ / "mask.png").string();
-  cv::imwrite(path, cv::Mat(20, 30, CV_8UC1, cv::Scalar(255)));
+  cv::imwrite(path, cv::Mat::eye(20, 30, CV_8UC1));
   ExpectComplaint(Run({"--mask", path}), 2, {"mask.png: is 30x20 pixels, but the images are 320x240"});
   EXPECT_FALSE(fs::exists(Out())) << "nothing was computed";
   ExpectComplaint(Run({"--mask", (folder_ / "none.png").string()}), 2, {"none.png: no such mask"});
@@ -518,10 +551,11 @@ TEST_F(ErrorsTest, AnInterruptedEstimateOfTheCameraSaysSo) {
     ASSERT_EQ(mkfifo(Image(12).c_str(), 0600), 0);
     const fs::path out = folder_ / "nothing";
     Command command({command_name, Drive().string(), "--fov", "75", "--out", out.string()}, folder_);
-    // The command reads ahead.
-    const std::ofstream opened(Image(12));
-    command.Signal(SIGINT);
-    { const std::ofstream opened_and_closed(Image(12)); }
+    {
+      // Opens as soon as the command does, which waits there for the end of the file.
+      const std::ofstream opened(Image(12));
+      command.Signal(SIGINT);
+    }
     const CommandResult result = command.Wait();
     EXPECT_EQ(result.exit_code, 130);
     EXPECT_EQ(result.err, "turnscale: interrupted while the camera was estimated; nothing is written\n");

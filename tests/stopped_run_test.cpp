@@ -47,7 +47,8 @@ TEST_F(StoppedRunTest, AKillAtAnyMomentLeavesWholeFilesOrNone) {
     ASSERT_TRUE(command.WaitForError(moment));
     command.Signal(SIGKILL);
     command.Wait();
-    ExpectWholeFiles(Out());
+    // There is no folder before the first pose.
+    if (fs::exists(Out())) ExpectWholeFiles(Out());
   }
   // What such a run leaves is in nobody's way.
   ASSERT_EQ(RunCommand(Arguments({"--quiet"}), folder_).exit_code, 0);

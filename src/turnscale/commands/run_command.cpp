@@ -75,6 +75,17 @@ void KeepReport(const RunArguments& arguments, const ThumbnailCollector& thumbna
   end.failures.insert(end.failures.end(), attempts.failures().begin(), attempts.failures().end());
 }
 
+// Of an earlier path, as `export` writes it; they may be the user's own, so they stay. One line, empty without any.
+std::string OlderExports(const fs::path& folder) {
+  std::string names;
+  std::error_code none;
+  for (const char* name : {"path.gpx", "path.kml", "path.geojson", "path.gltf"})
+    if (fs::exists(folder / name, none)) names += (names.empty() ? "" : ", ") + std::string(name);
+  if (names.empty()) return {};
+  return fmt::format("{}: {}: not of this run; make the exports of the new path with turnscale export", folder.string(),
+                     names);
+}
+
 }  // namespace
 
 OdometryOptions OptionsFrom(const CarArguments& car, const std::optional<fs::path>& settings) {
@@ -142,7 +153,6 @@ RunEnd ExecuteRun(const RunArguments& arguments, const RunHooks& hooks) {
     std::optional<SourceFrame> frame = images.source.Next();
     if (begun) return frame;
     begun = true;
-    if (frame) RemoveThumbnails(arguments.out);
     if (const std::string doubt = DoubtOf(images); !doubt.empty()) progress.Warn(doubt);
     return frame;
   };
@@ -160,18 +170,21 @@ RunEnd ExecuteRun(const RunArguments& arguments, const RunHooks& hooks) {
                             output,
                             BeforeTheDrive(arguments, options, images, estimate),
                             watch,
-                            [&] { hooks.phase("final adjustment"); }};
+                            [&] { hooks.phase("final adjustment"); },
+                            [&] { RemoveThumbnails(arguments.out); }};
   RunEnd end = RunDrive(drive, odometry, progress);
-  if (!arguments.no_report) KeepReport(arguments, thumbnails, progress, end);
+  if (end.written && !arguments.no_report) KeepReport(arguments, thumbnails, progress, end);
+  if (const std::string stale = end.written ? OlderExports(arguments.out) : ""; !stale.empty()) progress.Warn(stale);
   return end;
 }
 
 std::optional<RunFailure> FailureOfRun(const RunEnd& end) {
   if (!end.nothing_tracked.empty())
     return RunFailure{{2, end.summary.input + ": " + end.nothing_tracked}, {}, /*kept=*/false};
-  if (end.failures.empty() && end.interrupted) return RunFailure{{kInterruptedExitCode, end.summary.stopped}, {}};
+  if (end.failures.empty() && end.interrupted)
+    return RunFailure{{kInterruptedExitCode, end.summary.stopped}, {}, end.written};
   if (end.failures.empty()) return std::nullopt;
-  RunFailure failure = {FailureOf(end.failures.front()), {}};
+  RunFailure failure = {FailureOf(end.failures.front()), {}, end.written};
   std::set<std::string> messages = {failure.first.message};
   for (const std::exception_ptr& thrown : end.failures) {
     const std::string message = FailureOf(thrown).message;

@@ -3,7 +3,10 @@
 
 #include <algorithm>
 #include <chrono>
+#include <exception>
+#include <filesystem>
 #include <string>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -27,6 +30,11 @@ struct RunResults {
   ScaleState scale_state = ScaleState::kPending;
 };
 
+bool HasResults(const std::filesystem::path& folder) {
+  std::error_code none;
+  return std::filesystem::is_regular_file(folder / "trajectory.csv", none);
+}
+
 RunResults ResultsOf(const Odometry& odometry) {
   RefinedScale scale = odometry.Refined();
   std::vector<FrameResult> frames = odometry.RefinedFrames(scale);
@@ -36,25 +44,32 @@ RunResults ResultsOf(const Odometry& odometry) {
 class Run {
  public:
   Run(const DriveToRun& drive, Odometry& odometry, Progress& progress)
-      : drive_(drive), odometry_(odometry), progress_(progress), frame_(drive.next()), writer_(drive.output) {
+      : drive_(drive), odometry_(odometry), progress_(progress), frame_(drive.next()) {
+    CheckRunOutput(drive.output);
     end_.summary = drive.summary;
     for (const std::string& warning : drive.summary.warnings) progress_.Warn(warning);
     printed_ = drive.summary.warnings.size();
-    writer_.WriteText("settings.yaml", SettingsText(odometry.options()));
-    if (drive.summary.found_camera) writer_.WriteText("camera.yaml", FoundCameraText(*drive.summary.found_camera));
   }
 
   RunEnd Go() {
     if (!attempts_.Try([&] { Drive(); })) end_.summary.stopped = FailureOf(attempts_.failures().front()).message;
     progress_.Finish();
-    attempts_.Try([&] { writer_.EndLive(); });
+    if (refused_) std::rethrow_exception(refused_);
+    if (writer_) attempts_.Try([&] { writer_->EndLive(); });
     attempts_.Try(drive_.concluding);
     Conclude();
     if (!tracks_ && !end_.interrupted && !Enough() && attempts_.failures().empty()) {
       end_.nothing_tracked = seen_.Explanation();
       end_.summary.stopped = end_.nothing_tracked;
     }
+    if (!tracks_ && HasResults(drive_.output.folder)) {
+      progress_.Warn(
+          fmt::format("there are no results; {} keeps those of an earlier run", drive_.output.folder.string()));
+    } else if (!writer_) {
+      attempts_.Try([&] { Begin(); });
+    }
     attempts_.Try([&] { Summarize(); });
+    end_.written = writer_.has_value();
     end_.failures = attempts_.failures();
     return end_;
   }
@@ -66,6 +81,24 @@ class Run {
     end_.summary.stopped = drive_.ends_early();
     if (!end_.summary.stopped.empty())
       progress_.Warn(fmt::format("{}: {}", drive_.summary.input, end_.summary.stopped));
+  }
+
+  // Takes earlier results away and begins new ones.
+  void Begin() {
+    drive_.replacing();
+    writer_.emplace(drive_.output);
+    writer_->WriteText("settings.yaml", SettingsText(odometry_.options()));
+    const std::optional<FoundCamera>& found = drive_.summary.found_camera;
+    if (found) writer_->WriteText("camera.yaml", FoundCameraText(*found));
+  }
+
+  void BeginWithFirstPose() {
+    try {
+      Begin();
+    } catch (...) {
+      refused_ = std::current_exception();
+      throw;
+    }
   }
 
   bool Enough() const { return drive_.max_frames && processed_ >= *drive_.max_frames; }
@@ -103,8 +136,11 @@ class Run {
     ++processed_;
     tracks_ = tracks_ || result.world_from_camera;
     if (!tracks_ && !frame.gray.empty()) seen_.Add(frame.gray, frame.time, result.tracked);
-    writer_.SetFirstCameraRotation(odometry_.mount().At(0));
-    writer_.Add(result);
+    if (tracks_ && !writer_) BeginWithFirstPose();
+    if (writer_) {
+      writer_->SetFirstCameraRotation(odometry_.mount().At(0));
+      writer_->Add(result);
+    }
     if (drive_.watch) drive_.watch(frame, result, odometry_);
     RecordRotation(result, odometry_.mount().current(), rotations_);
     if (const int moves = odometry_.mount().moves(); moves > moves_) {
@@ -128,26 +164,25 @@ class Run {
   void Keep(Durability durability) {
     RunResults results;
     if (!attempts_.Try([&] { results = ResultsOf(odometry_); })) return;
-    if (!tracks_) {
-      attempts_.Try([&] { writer_.Discard(); });
+    if (!writer_) {
       results_ = std::move(results);
       return;
     }
-    writer_.SetFirstCameraRotation(odometry_.mount().At(0));
-    attempts_.Try([&] { writer_.WriteTrajectory(results.frames, results.scale_state, durability); });
-    attempts_.Try([&] { writer_.WriteTurns(results.scale.turns, durability); });
+    writer_->SetFirstCameraRotation(odometry_.mount().At(0));
+    attempts_.Try([&] { writer_->WriteTrajectory(results.frames, results.scale_state, durability); });
+    attempts_.Try([&] { writer_->WriteTurns(results.scale.turns, durability); });
     attempts_.Try([&] {
-      writer_.WriteSpeeds(SpeedsOf(results.frames, odometry_.options().vehicle.lever_arm.value_or(0.0)), durability);
+      writer_->WriteSpeeds(SpeedsOf(results.frames, odometry_.options().vehicle.lever_arm.value_or(0.0)), durability);
     });
-    attempts_.Try([&] { writer_.WriteScale(odometry_.map(), results.scale, durability); });
-    attempts_.Try([&] { writer_.WriteRotations(rotations_, durability); });
+    attempts_.Try([&] { writer_->WriteScale(odometry_.map(), results.scale, durability); });
+    attempts_.Try([&] { writer_->WriteRotations(rotations_, durability); });
     attempts_.Try([&] {
-      writer_.WriteText("car.yaml",
-                        VehicleFileText(odometry_.options().vehicle, odometry_.mount().current(), results.scale),
-                        durability);
+      writer_->WriteText("car.yaml",
+                         VehicleFileText(odometry_.options().vehicle, odometry_.mount().current(), results.scale),
+                         durability);
     });
-    attempts_.Try([&] { writer_.WriteMask(drive_.reduction.FullMask(odometry_.mask()), durability); });
-    attempts_.Try([&] { writer_.WriteMap(odometry_.RefinedMap(results.scale), results.scale_state, durability); });
+    attempts_.Try([&] { writer_->WriteMask(drive_.reduction.FullMask(odometry_.mask()), durability); });
+    attempts_.Try([&] { writer_->WriteMap(odometry_.RefinedMap(results.scale), results.scale_state, durability); });
     for (ParameterEstimate& estimate : results.scale.contradicted_calibration)
       estimate = drive_.reduction.Full(estimate);
     results_ = std::move(results);
@@ -173,15 +208,16 @@ class Run {
     summary.cost.latency = LatencyOf(latencies_);
     if (summary.stopped.empty() && !attempts_.failures().empty())
       summary.stopped = FailureOf(attempts_.failures().front()).message;
-    writer_.WriteText("summary.json", SummaryJson(summary));
+    if (writer_) writer_->WriteText("summary.json", SummaryJson(summary));
   }
 
   const DriveToRun& drive_;
   Odometry& odometry_;
   Progress& progress_;
   std::optional<SourceFrame> frame_;
-  RunWriter writer_;
-  RunResults results_;  // the latest that could be computed
+  std::optional<RunWriter> writer_;  // once there is something to write
+  std::exception_ptr refused_;       // what kept the results from being begun
+  RunResults results_;               // the latest that could be computed
   Attempts attempts_;
   RunEnd end_;
   std::vector<RotationRecord> rotations_;  // as they came into use

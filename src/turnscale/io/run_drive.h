@@ -32,12 +32,15 @@ struct DriveToRun {
   std::function<void(const SourceFrame&, const FrameResult&, const Odometry&)> watch = {};
   /// Called when no frame follows, before the final adjustment, which may take minutes.
   std::function<void()> concluding = [] {};
+  /// Called before the first result is written, when those of an earlier run are taken away.
+  std::function<void()> replacing = [] {};
 };
 
 /// How a run ended.
 struct RunEnd {
   RunSummary summary;
   bool interrupted = false;
+  bool written = false;  ///< the folder has what this run computed, and nothing of an earlier one
   /// Why nothing could be tracked from the first frame of the drive to the last, and what to try; empty if a map began.
   std::string nothing_tracked;
   /// What ended the run before the drive did or kept a result from being computed or written, in the order of time;
@@ -47,8 +50,8 @@ struct RunEnd {
 
 /// Runs the odometry from the first frame to the files of the results. Whatever ends it, all that was computed is
 /// written as at a normal end, each file whether or not the others can be, and summary.json says why it is incomplete.
-/// Throws what the first frame, the folder and settings.yaml throw, as then nothing is computed yet: the folder is made
-/// when there is a first frame.
+/// Results of an earlier run are replaced when there is a first pose; a run without one leaves them as they are. Throws
+/// what the first frame, the folder and settings.yaml throw, as then there is no result yet.
 RunEnd RunDrive(const DriveToRun& drive, Odometry& odometry, Progress& progress);
 
 }  // namespace turnscale

@@ -230,18 +230,16 @@ RunWriter::RunWriter(const RunWriterOptions& options) : options_(options) {
   for (const char* name : {kReportFile, kSummary, kSettings, kTurns, kSpeed, kScale, kRotation, kCar, kCamera, kMap,
                            kMask, kTum, kKitti, kTable, kLive})
     RemoveOldFile(PathOf(name));
-  live_.emplace(PathOf(kLive));
 }
 
 void RunWriter::Add(const FrameResult& live) {
-  if (live.world_from_camera) live_->Write(TumLine({live.time, Shown(live, live.scale_state)}));
+  if (!live.world_from_camera) return;
+  if (!live_) live_.emplace(PathOf(kLive));
+  live_->Write(TumLine({live.time, Shown(live, live.scale_state)}));
 }
 
-void RunWriter::EndLive() { live_->Finish(); }
-
-void RunWriter::Discard() {
-  for (const char* name : {kTurns, kSpeed, kScale, kRotation, kCar, kMap, kTum, kKitti, kTable, kLive})
-    RemoveOldFile(PathOf(name));
+void RunWriter::EndLive() {
+  if (live_) live_->Finish();
 }
 
 void RunWriter::WriteTrajectory(const std::vector<FrameResult>& refined, ScaleState scale_state,

@@ -76,25 +76,22 @@ struct RunWriterOptions {
 /// take hours. Leaves nothing behind.
 void CheckRunOutput(const RunWriterOptions& options);
 
-/// Writes the results of a run to its folder: live.tum.part grows by one line per frame and becomes live.tum at the
+/// Writes the results of a run to its folder: live.tum.part grows by one line per pose and becomes live.tum at the
 /// end; all other files are written as a whole. Every function throws OutputError if the system refuses to write, after
 /// trying the other files.
 class RunWriter {
  public:
-  /// Makes the folder and begins the files anew; results of an earlier run in it are taken away. Throws as
+  /// Makes the folder; results of an earlier run in it are taken away. Throws as
   /// CheckRunOutput, and InputError where a file cannot be made.
   explicit RunWriter(const RunWriterOptions& options);
 
-  /// Writes the result of the newest frame to live.tum.part.
+  /// Writes the result of the newest frame to live.tum.part, if it has a pose.
   void Add(const FrameResult& live);
 
   /// Writes the refined trajectory. Frames are left out of the trajectory files only while there is no map at all; the
   /// table has every frame.
   void WriteTrajectory(const std::vector<FrameResult>& refined, ScaleState scale_state,
                        Durability durability = Durability::kPowerCut);
-
-  /// Takes away what was written of the trajectory, turns and map: there is no path.
-  void Discard();
 
   /// No frame comes any more: live.tum gets its name.
   void EndLive();

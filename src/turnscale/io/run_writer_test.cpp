@@ -50,7 +50,7 @@ TEST_F(RunWriterTest, LiveGrowsAndTheTrajectoryIsWrittenAsAWhole) {
   RunWriter writer({folder_ / "deep"});
   folder_ /= "deep";
   for (int i = 0; i < 3; ++i) writer.Add(Frame(i, 1, false));
-  EXPECT_EQ(TextOf(folder_ / "live.tum.part"), "") << "no pose yet";
+  EXPECT_FALSE(fs::exists(folder_ / "live.tum.part")) << "no pose yet";
   for (int i = 3; i < 5; ++i) writer.Add(Frame(i));
   EXPECT_EQ(ReadTrajectory(folder_ / "live.tum.part").size(), 2u) << "on disk at once";
   EXPECT_FALSE(fs::exists(folder_ / "trajectory.tum"));
@@ -162,6 +162,7 @@ TEST_F(RunWriterTest, OneFileThatCannotBeWrittenKeepsNoOther) {
 
 TEST_F(RunWriterTest, AFolderThatVanishesIsNoFaultOfTheUsers) {
   RunWriter writer({folder_});
+  writer.Add(Frame(0));
   fs::remove_all(folder_);
   EXPECT_THROW(writer.WriteTrajectory(Frames(2, 1), ScaleState::kPending), OutputError);
   EXPECT_THROW(writer.EndLive(), OutputError);
@@ -175,11 +176,7 @@ TEST_F(RunWriterTest, EarlierResultsAreTakenAway) {
   }
   std::ofstream(folder_ / "notes.txt") << "not ours";
   const RunWriter writer({folder_});
-  for (const auto& entry : fs::directory_iterator(folder_)) {
-    if (entry.path().filename() == "notes.txt") continue;
-    EXPECT_EQ(entry.path().filename(), "live.tum.part");
-    EXPECT_EQ(TextOf(entry.path()), "");
-  }
+  for (const auto& entry : fs::directory_iterator(folder_)) EXPECT_EQ(entry.path().filename(), "notes.txt");
   EXPECT_TRUE(fs::exists(folder_ / "notes.txt"));
 }
 
