@@ -215,6 +215,17 @@ CameraModel KalibrCamera(const YamlMap& cam) {
   return camera;
 }
 
+bool IsKeyOfCamera(const std::string& key) {
+  return key == "cam0" || key == "camera_matrix" || key == "P0" || key.starts_with("Camera");
+}
+
+// A run writes car.yaml beside camera.yaml.
+void RefuseCarFile(const YamlMap& file) {
+  for (const char* key : {"lever_arm", "side_slip", "yaw_deg", "height"})
+    if (file.Has(key))
+      file.Reject(key, "is of a car's file, which --vehicle takes; give --camera a camera's, such as camera.yaml");
+}
+
 // For a file that may not be meant as a camera at all.
 template <class Read>
 auto OrSayWhatIsOne(const Read& read) {
@@ -234,6 +245,7 @@ CameraModel CameraFromYaml(const YamlMap& file) {
   if (std::any_of(keys.begin(), keys.end(), [](const auto& key) { return key.starts_with("Camera"); })) {
     return OrbSlamCamera(file);
   }
+  RefuseCarFile(file);
   return OrSayWhatIsOne([&]() -> CameraModel {
     file.AllowOnly(Names{"cam0", "camera_matrix", "distortion_coefficients", "image_width", "image_height", "Camera.fx",
                          "Camera.fy", "Camera.cx", "Camera.cy", "Camera.type"});
@@ -302,6 +314,12 @@ CameraModel ReadCameraFile(const std::filesystem::path& path) {
   const ProjectionLine line = FindProjection(path);
   if (line.number > 0) return CameraFromProjection(path.string() + ":" + std::to_string(line.number), line.text);
   return CameraFromYaml(OrSayWhatIsOne([&] { return YamlMap(path); }));
+}
+
+void RefuseCameraFile(const YamlMap& file) {
+  for (const std::string& key : file.Keys())
+    if (IsKeyOfCamera(key))
+      file.Reject(key, "is of a camera's file, which --camera takes; give a car's file here, such as car.yaml");
 }
 
 std::string CameraFileText(const CameraModel& camera) {

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "turnscale/camera/camera_model.h"
+#include "turnscale/config/yaml_map.h"
 
 namespace turnscale {
 
@@ -13,6 +14,9 @@ namespace turnscale {
 /// Throws InputError that names file, key and value where the camera is incomplete, makes no sense, or has a lens that
 /// CameraModel does not know.
 CameraModel ReadCameraFile(const std::filesystem::path& path);
+
+/// Throws InputError where a file that is to describe a car is a camera's: files of both kinds lie side by side.
+void RefuseCameraFile(const YamlMap& file);
 
 /// The calibration as YAML of ROS's camera_info, which OpenCV reads too and ReadCameraFile gives back to the same bits.
 /// `focal_length_sigma` (pixels) is added where the camera has one.

@@ -239,5 +239,12 @@ TEST(CameraFile, KittiCalibrationReadsBackToTheSameBits) {
   EXPECT_EQ(read.lens, LensModel::kPinhole);
 }
 
+TEST(CameraFile, ACarsFileIsNamedAsOne) {
+  for (const char* car : {"# A car\nyaw_deg: 1\npitch_deg: 0\nroll_deg: 0\n", "# A car\nlever_arm: 1.45\n"})
+    EXPECT_NE(Complaint(car).find("is of a car's file, which --vehicle takes; give --camera a camera's"),
+              std::string::npos)
+        << Complaint(car);
+}
+
 }  // namespace
 }  // namespace turnscale

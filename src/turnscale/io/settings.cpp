@@ -9,6 +9,7 @@
 
 #include "turnscale/base/error.h"
 #include "turnscale/base/number_text.h"
+#include "turnscale/camera/camera_file.h"
 #include "turnscale/config/yaml_map.h"
 #include "turnscale/geometry/rotation.h"
 #include "turnscale/io/vehicle_file.h"
@@ -334,6 +335,7 @@ Eigen::Quaterniond ReadCameraRotation(const std::string& angles_or_file) {
                       angles_or_file));
     }
     const YamlMap map{std::filesystem::path(angles_or_file)};
+    RefuseCameraFile(map);
     // Such files say more of the car than its rotation.
     map.AllowOnly(VehicleFileKeys());
     angles = YawPitchRoll{map.Number("yaw_deg") / kDegreesPerRadian, map.Number("pitch_deg") / kDegreesPerRadian,

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "turnscale/camera/camera_file.h"
 #include "turnscale/config/yaml_map.h"
 #include "turnscale/geometry/rotation.h"
 
@@ -93,6 +94,7 @@ std::string VehicleFileText(const VehicleOptions& vehicle, const Mount& mount, c
 
 void ReadVehicleFile(const std::filesystem::path& path, VehicleOptions& vehicle) {
   const YamlMap map(path);
+  RefuseCameraFile(map);
   map.AllowOnly(VehicleFileKeys());
   const auto not_negative = [&](const char* key, double otherwise) {
     if (!map.Has(key)) return otherwise;

@@ -113,6 +113,11 @@ TEST(VehicleFile, SenselessValuesAreRefused) {
   EXPECT_NE(Refused("height: 1\nheight_sigma: -0.1\n").find("height_sigma"), std::string::npos);
   EXPECT_NE(Refused("yaw_deg: 270\npitch_deg: 0\nroll_deg: 0\n").find("yaw_deg"), std::string::npos);
   EXPECT_NE(Refused("hight: 1\n").find("height"), std::string::npos) << "the nearest known key";
+  for (const char* camera : {"image_width: 640\ncamera_matrix: [1, 0, 0, 0, 1, 0, 0, 0, 1]\n", "Camera.fx: 200\n",
+                             "P0: 1 0 0 0 0 1 0 0 0 0 1 0\n", "cam0:\n  camera_model: pinhole\n"})
+    EXPECT_NE(Refused(camera).find("is of a camera's file, which --camera takes; give a car's file here"),
+              std::string::npos)
+        << Refused(camera);
 }
 
 }  // namespace
