@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <memory>
+#include <string>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -8,6 +9,7 @@
 #include "turnscale/commands/rescale_command.h"
 #include "turnscale/commands/rescale_report.h"
 #include "turnscale/io/height_file.h"
+#include "turnscale/io/run_writer.h"
 #include "turnscale/io/terminal.h"
 
 namespace turnscale {
@@ -15,7 +17,11 @@ namespace {
 
 void Rescale(const RescaleArguments& arguments) {
   const RescaleResult result = ExecuteRescale(arguments, {});
-  if (!arguments.quiet) PrintText(RescaleText(result));
+  if (arguments.quiet) return;
+  std::string text = RescaleText(result);
+  if (!arguments.out.empty()) text += fmt::format("{:<14}{}\n", "file", arguments.out.string());
+  if (arguments.report) text += fmt::format("{:<14}{}\n", "report", (*arguments.report / kReportFile).string());
+  PrintText(text);
 }
 
 }  // namespace
