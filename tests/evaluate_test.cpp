@@ -208,6 +208,16 @@ TEST_F(EvaluateTest, KeyframesFindTheirFramesInNumberedFiles) {
   }
 }
 
+TEST_F(EvaluateTest, TheFolderOfARunStandsForItsTrajectory) {
+  ExpectComplaint({"estimate", "truth/drive.tum"}, "estimate: is a folder without the trajectory.tum of a run");
+  fs::rename(folder_ / "estimate/drive.tum", folder_ / "estimate/trajectory.tum");
+  Text("estimate/trajectory.csv", Keyframes());
+  const Json score = Scored({"estimate", "truth/drive.tum"});
+  EXPECT_EQ(score["estimate"], (folder_ / "estimate/trajectory.tum").string());
+  EXPECT_EQ(score["poses"]["paired"], kPoses);
+  EXPECT_EQ(score["steps"], "between the keyframes of " + (folder_ / "estimate/trajectory.csv").string());
+}
+
 TEST_F(EvaluateTest, TimesThatAreOfNoUseAreRefused) {
   ExpectComplaint({"estimate/drive.tum", "truth/drive.tum", "--timestamps", "truth/times.txt"},
                   "both files have timestamps");

@@ -26,9 +26,11 @@ void RunEvaluate(const EvaluateArguments& arguments) {
 void AddEvaluateCommand(CLI::App& app) {
   auto* command = app.add_subcommand("evaluate", "Evaluate a trajectory against ground truth.");
   const auto arguments = std::make_shared<EvaluateArguments>();
-  command->add_option("ESTIMATE", arguments->estimate, "Estimated trajectory: TUM, EuRoC or KITTI file")->required();
-  command->add_option("GROUND_TRUTH", arguments->ground_truth, "Ground-truth trajectory: TUM, EuRoC or KITTI file")
+  command
+      ->add_option("ESTIMATE", arguments->estimate,
+                   "Estimated trajectory: TUM, EuRoC or KITTI file, or the folder of a run")
       ->required();
+  command->add_option("GROUND_TRUTH", arguments->ground_truth, "Ground-truth trajectory: likewise")->required();
   command->add_option(
       "--timestamps", arguments->timestamps,
       "Times of the KITTI file in seconds, one per line, if the other file has timestamps [times.txt beside it]");

@@ -33,7 +33,8 @@ void AddRescaleCommand(CLI::App& app) {
   const CarPrior car;
   command
       ->add_option("FILE", arguments->input,
-                   "Up-to-scale trajectory: TUM, KITTI (12 numbers per line, or 13 with the frame number) or EuRoC CSV")
+                   "Up-to-scale trajectory: TUM, KITTI (12 numbers per line, or 13 with the frame number) or EuRoC "
+                   "CSV; or the folder of a run")
       ->required();
   command->add_option(
       "--lever-arm", arguments->lever_arm,

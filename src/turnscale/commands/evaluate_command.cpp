@@ -9,6 +9,7 @@
 #include "turnscale/io/floor_plan_file.h"
 #include "turnscale/io/output_file.h"
 #include "turnscale/io/settings.h"
+#include "turnscale/io/trajectory_file.h"
 #include "turnscale/report/report_data.h"
 #include "turnscale/report/report_page.h"
 #include "turnscale/report/run_report.h"
@@ -55,7 +56,10 @@ void WriteReport(const EvaluateArguments& arguments, const Comparison& compariso
 
 }  // namespace
 
-Comparison ExecuteEvaluate(const EvaluateArguments& arguments, const CommandHooks& hooks) {
+Comparison ExecuteEvaluate(const EvaluateArguments& given, const CommandHooks& hooks) {
+  EvaluateArguments arguments = given;
+  arguments.estimate = TrajectoryOf(given.estimate);
+  arguments.ground_truth = TrajectoryOf(given.ground_truth);
   RequireFor({"--floor-plan", !arguments.floor_plan.empty()}, !arguments.picture.empty() || !arguments.report.empty(),
              "--picture or --report");
   const auto read = {arguments.estimate, arguments.ground_truth, arguments.timestamps, arguments.keyframes,

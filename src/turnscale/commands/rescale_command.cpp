@@ -87,7 +87,9 @@ void WriteReport(const fs::path& folder, const RescaleResult& result, const std:
 
 }  // namespace
 
-RescaleResult ExecuteRescale(const RescaleArguments& arguments, const CommandHooks& hooks) {
+RescaleResult ExecuteRescale(const RescaleArguments& given, const CommandHooks& hooks) {
+  RescaleArguments arguments = given;
+  arguments.input = TrajectoryOf(given.input);
   CheckArguments(arguments);
   const TimedTrajectory trajectory = ReadTimedTrajectory(arguments.input, arguments.timestamps, arguments.fps);
   const std::string input = arguments.input.string();

@@ -141,11 +141,22 @@ class Parser {
 
 }  // namespace
 
+std::filesystem::path TrajectoryOf(const std::filesystem::path& named) {
+  std::error_code none;
+  if (!std::filesystem::is_directory(named, none)) return named;
+  std::filesystem::path file = named / "trajectory.tum";
+  if (std::filesystem::is_regular_file(file, none)) return file;
+  throw InputError(named.string() +
+                   ": is a folder without the trajectory.tum of a run; give the file of the trajectory");
+}
+
 TrajectoryFile ReadTrajectoryFile(const std::filesystem::path& path, const std::optional<std::vector<double>>& times) {
   std::error_code error;
   if (!std::filesystem::exists(path, error)) throw InputError(path.string() + ": no such trajectory file");
   std::ifstream stream(path);
-  if (!stream || std::filesystem::is_directory(path, error)) throw InputError(path.string() + ": cannot be read");
+  if (std::filesystem::is_directory(path, error))
+    throw InputError(path.string() + ": is a folder; give the file of the trajectory");
+  if (!stream) throw InputError(path.string() + ": cannot be read");
   Parser parser(path.string(), times);
   std::string line;
   for (int number = 1; std::getline(stream, line); ++number) parser.Line(line, number);

@@ -31,6 +31,10 @@ struct TrajectoryFile {
 TrajectoryFile ReadTrajectoryFile(const std::filesystem::path& path,
                                   const std::optional<std::vector<double>>& times = std::nullopt);
 
+/// The trajectory of a path that a user names: a file, or the folder of a run, which stands for its trajectory.tum.
+/// Throws InputError where a folder has none.
+std::filesystem::path TrajectoryOf(const std::filesystem::path& named);
+
 /// The poses of ReadTrajectoryFile.
 Trajectory ReadTrajectory(const std::filesystem::path& path,
                           const std::optional<std::vector<double>>& times = std::nullopt);
