@@ -14,6 +14,7 @@
 #include "turnscale/base/error.h"
 #include "turnscale/commands/command_hooks.h"
 #include "turnscale/commands/version.h"
+#include "turnscale/config/yaml_map.h"
 #include "turnscale/io/run_summary.h"
 #include "turnscale/io/terminal.h"
 
@@ -39,6 +40,19 @@ std::string Reason(const CLI::ParseError& error) {
   return option + ": '" + value + "' is not a value that it takes";
 }
 
+// A command that does not exist is to CLI11 one that is missing. Empty where none is named.
+std::string UnknownCommand(const CLI::App& app, int argc, char** argv) {
+  if (argc < 2 || std::string_view(argv[1]).starts_with('-') || !app.get_subcommands().empty()) return {};
+  const std::string name = argv[1];
+  std::vector<std::string> commands;
+  for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; }))
+    commands.push_back(command->get_name());
+  constexpr size_t kTypos = 2;
+  const std::string nearest = NearestName(name, commands);
+  const bool mistyped = !nearest.empty() && EditDistance(name, nearest) <= kTypos;
+  return name + ": unknown command" + (mistyped ? "; did you mean '" + nearest + "'?" : "");
+}
+
 int Main(int argc, char** argv, void (*add_commands)(CLI::App&)) {
   MeasureCost();
   SilenceLibraries();
@@ -60,6 +74,8 @@ int Main(int argc, char** argv, void (*add_commands)(CLI::App&)) {
     return app.exit(help);
   } catch (const CLI::ParseError& error) {
     const std::vector<CLI::App*> commands = app.get_subcommands();
+    if (const std::string unknown = UnknownCommand(app, argc, argv); !unknown.empty())
+      throw InputError(unknown + "; see turnscale --help");
     const std::string command = commands.empty() ? "" : commands.front()->get_name() + " ";
     throw InputError(Reason(error) + "; see turnscale " + command + "--help");
   }
