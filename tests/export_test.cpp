@@ -185,6 +185,11 @@ TEST_F(ExportTest, FixesPlaceThePath) {
 TEST_F(ExportTest, SaysWhatIsMissing) {
   ExpectComplaint(Export({}), 2, {"nothing to write; give --gpx"});
   ExpectComplaint(Export({"--gpx"}), 2, {"the place on Earth is needed; give --origin"});
+  for (const char* heading : {"1000", "-361", "nan"})
+    ExpectComplaint(Export({"--gpx", "--origin", "49,8", "--heading", heading}), 2,
+                    {std::string("--heading ") + heading + ": give degrees clockwise from north, from -360 to 360"});
+  ExpectComplaint(Export({"--gpx", "--origin", "49,8"}), 2,
+                  {"--origin 49,8: needs the direction of the car there", "give --heading DEGREES"});
   ExpectComplaint(Export({"--gpx", "--origin", "49", "--heading", "1"}), 2, {"--origin 49: give LATITUDE,LONGITUDE"});
   ExpectComplaint(Export({"--gpx", "--origin", "49,8", "--heading", "1", "--start-time", "noon"}), 2,
                   {"--start-time noon: give date, time and offset"});

@@ -81,12 +81,19 @@ Placement PlacementFrom(const ExportArguments& arguments, const std::vector<Leve
     has_height = placed.has_height;
     return placed.placement;
   }
+  if (!arguments.origin.empty() && !arguments.heading) {
+    throw InputError("--origin " + arguments.origin +
+                     ": needs the direction of the car there, since none is assumed; give --heading DEGREES, clockwise "
+                     "from north, or --fixes FILE instead");
+  }
   if (arguments.origin.empty() || !arguments.heading) {
     throw InputError(
         "export: the place on Earth is needed; give --origin LATITUDE,LONGITUDE and --heading DEGREES, or --fixes "
         "FILE");
   }
-  if (!std::isfinite(*arguments.heading)) throw InputError("--heading: give degrees");
+  if (!(std::abs(*arguments.heading) <= 360))
+    throw InputError(
+        fmt::format("--heading {}: give degrees clockwise from north, from -360 to 360", *arguments.heading));
   return {ParseOrigin(arguments.origin, has_height), *arguments.heading / kDegreesPerRadian};
 }
 
