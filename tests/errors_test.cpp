@@ -193,6 +193,21 @@ TEST_F(ErrorsTest, ClipsAreOneDrive) {
   ExpectComplaint(run({first, first}, camera), 2, {"is given twice"});
 }
 
+TEST_F(ErrorsTest, AClipThatEndsTooEarlyIsNamed) {
+  const fs::path first = folder_ / "first.avi";
+  const fs::path second = folder_ / "second.avi";
+  Video(first, 0, 10);
+  fs::resize_file(second, Video(second) * 6 / 10);
+  const CommandResult result = RunCommand({"run", first.string(), second.string(), "--camera",
+                                           (Drive() / "calib.txt").string(), "--out", Out().string(), "--quiet"},
+                                          folder_);
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_TRUE(result.err.starts_with("warning: second.avi: the video ends after ")) << result.err;
+  EXPECT_TRUE(Summary()["stopped"].get<std::string>().starts_with("second.avi: the video ends after "));
+  ASSERT_EQ(Summary()["warnings"].size(), 1u);
+  EXPECT_EQ(Summary()["warnings"][0], Summary()["stopped"]);
+}
+
 TEST_F(ErrorsTest, APartOfTheDrive) {
   EXPECT_EQ(Run({"--start", "0:00.5", "--end", "1.5", "--quiet"}).exit_code, 0);
   EXPECT_EQ(Summary()["frames"]["total"], 10);

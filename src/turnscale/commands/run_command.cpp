@@ -50,6 +50,7 @@ RunSummary BeforeTheDrive(const RunArguments& arguments, const OdometryOptions& 
   if (arguments.images.mask) summary.mask = arguments.images.mask->string();
   summary.warnings = images.source.left_out();
   if (!estimate.warning.empty()) summary.warnings.push_back(estimate.warning);
+  if (const std::string doubt = DoubtOf(images); !doubt.empty()) summary.warnings.push_back(doubt);
   summary.pose_frame = arguments.frame;
   summary.folder = arguments.out.string();
   summary.start = arguments.images.start;
@@ -147,14 +148,9 @@ RunEnd ExecuteRun(const RunArguments& arguments, const RunHooks& hooks) {
   if (!images.mask.empty()) odometry.SetMask(images.mask);
   Progress progress(images.expected, arguments.images.quiet);
   SendWarnings(progress, hooks);
-  bool begun = false;
   const auto next = [&] {
     hooks.before_frame();
-    std::optional<SourceFrame> frame = images.source.Next();
-    if (begun) return frame;
-    begun = true;
-    if (const std::string doubt = DoubtOf(images); !doubt.empty()) progress.Warn(doubt);
-    return frame;
+    return images.source.Next();
   };
   ThumbnailCollector thumbnails;
   const auto watch = [&](const SourceFrame& frame, const FrameResult& result, const Odometry& so_far) {

@@ -152,10 +152,11 @@ void ClipReader::Close() {
   double seconds = frames_ > 0 ? clock_.time() + clock_.Interval() : 0;
   // By other times than the video's own, only a count can tell.
   const bool comparable = header.counted || (options_.timed && !options_.fps);
-  ends_early_ = comparable ? EndsTooEarly(header, frames_, seconds) : std::string();
+  const std::string why = comparable ? EndsTooEarly(header, frames_, seconds) : std::string();
+  const std::string before = NameOf(clips_[clip_]);
+  ends_early_ = why.empty() ? std::string() : before + ": " + why;
   if (++clip_ == clips_.size()) return;
-  const std::string before = NameOf(clips_[clip_ - 1]);
-  if (!ends_early_.empty()) AddSentence(notice_, before + ": " + ends_early_);
+  if (!ends_early_.empty()) AddSentence(notice_, ends_early_);
   if (!options_.timed) return;
   double gap = recorded_->GapAfter(clip_ - 1, seconds);
   // What is missing of a damaged clip is a gap, too.

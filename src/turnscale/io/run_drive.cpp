@@ -79,8 +79,18 @@ class Run {
     for (; frame_ && !Stops(); frame_ = drive_.next()) Process(*frame_);
     if (frame_ || Enough()) return;
     end_.summary.stopped = drive_.ends_early();
-    if (!end_.summary.stopped.empty())
-      progress_.Warn(fmt::format("{}: {}", drive_.summary.input, end_.summary.stopped));
+    if (!end_.summary.stopped.empty()) Warn(end_.summary.stopped);
+  }
+
+  void Warn(const std::string& warning) {
+    progress_.Warn(warning);
+    Record(warning);
+  }
+
+  // What has been printed belongs in the summary, too.
+  void Record(const std::string& warning) {
+    end_.summary.warnings.push_back(warning);
+    printed_ = end_.summary.warnings.size();
   }
 
   // Takes earlier results away and begins new ones.
@@ -116,11 +126,7 @@ class Run {
   void Process(const SourceFrame& frame) {
     using Clock = std::chrono::steady_clock;
     FrameResult result;
-    if (!frame.notice.empty()) {
-      progress_.Warn(frame.notice);
-      end_.summary.warnings.push_back(frame.notice);
-      printed_ = end_.summary.warnings.size();
-    }
+    if (!frame.notice.empty()) Warn(frame.notice);
     if (frame.gray.empty()) {
       progress_.Warn(fmt::format("frame {}: {}; skipped", frame.index, frame.problem));
       end_.summary.unreadable.push_back({frame.index, frame.problem});
@@ -145,7 +151,7 @@ class Run {
     RecordRotation(result, odometry_.mount().current(), rotations_);
     if (const int moves = odometry_.mount().moves(); moves > moves_) {
       moves_ = moves;
-      progress_.Warn(fmt::format(
+      Warn(fmt::format(
           "frame {}: the camera was moved since the last turn; re-estimating the camera-to-vehicle rotation",
           frame.index));
     }
@@ -192,6 +198,7 @@ class Run {
     RunSummary& summary = end_.summary;
     const OdometryOptions& options = odometry_.options();
     summary.clips = drive_.clips();
+    if (!summary.unreadable.empty()) Record(UnreadableText(summary.unreadable));
     summary.scale_state = results_.scale_state;
     summary.pinhole = drive_.reduction.Full(odometry_.camera()).pinhole;
     summary.lens_model = odometry_.camera().lens;

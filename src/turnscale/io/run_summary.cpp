@@ -237,6 +237,16 @@ RunCost MeasureCost() {
   return cost;
 }
 
+std::string UnreadableText(const std::vector<UnreadableFrame>& frames) {
+  constexpr size_t kNamed = 5;
+  std::string numbers;
+  for (size_t i = 0; i < std::min(frames.size(), kNamed); ++i)
+    numbers += fmt::format("{}{}", i == 0 ? "" : ", ", frames[i].frame);
+  if (frames.size() > kNamed) numbers += fmt::format(" and {} more", frames.size() - kNamed);
+  return fmt::format("{} image{} cannot be used: frame{} {} (the first: {})", frames.size(),
+                     frames.size() == 1 ? "" : "s", frames.size() == 1 ? "" : "s", numbers, frames.front().problem);
+}
+
 const char* LensModelName(LensModel lens) {
   switch (lens) {
     case LensModel::kPinhole:

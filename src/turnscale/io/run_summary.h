@@ -58,6 +58,9 @@ struct MountSummary {
   int moves = 0;        ///< how often the camera was moved during the drive
 };
 
+/// One line that names the first of them; there has to be one.
+std::string UnreadableText(const std::vector<UnreadableFrame>& frames);
+
 /// Results of a run, for summary.json and for the screen.
 struct RunSummary {
   std::string version;
@@ -100,7 +103,7 @@ struct RunSummary {
   std::optional<HeightConflict> height_conflict;  ///< lever arm and camera height disagree
   TurnTest turn_test;                             ///< consistency of the turns
   std::string pending_reason;                     ///< why there is no scale; empty where there is
-  std::vector<std::string> warnings;              ///< about gaps and the metric scale, one line each
+  std::vector<std::string> warnings;              ///< all that were printed, one line each
   std::string stopped;                            ///< why the run ended before the drive did; empty if it did not
   RunCost cost;
 };
