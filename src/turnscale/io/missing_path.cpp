@@ -50,6 +50,12 @@ double TotalSeconds(const std::vector<MissingPart>& parts) {
   return seconds;
 }
 
+bool IsMissing(const std::vector<MissingPart>& parts, double from, double to) {
+  const double middle = 0.5 * (from + to);
+  return std::any_of(parts.begin(), parts.end(),
+                     [&](const MissingPart& part) { return middle > part.from && middle < part.to; });
+}
+
 const char* MissingReasonName(MissingReason reason) {
   switch (reason) {
     case MissingReason::kNotBegun:

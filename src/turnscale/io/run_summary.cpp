@@ -26,6 +26,8 @@ double Seconds(const timeval& time) {
   return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
 }
 
+bool IsMetric(const RunSummary& summary) { return summary.scale_state != ScaleState::kPending; }
+
 nlohmann::ordered_json CostJson(const RunSummary& summary) {
   const RunCost& cost = summary.cost;
   const int frames = std::max(summary.frames, 1);
@@ -63,6 +65,7 @@ nlohmann::ordered_json MissingJson(const RunSummary& summary) {
   }
   return {{"seconds", TotalSeconds(summary.missing)},
           {"of_s", summary.seconds},
+          {"distance_m", IsMetric(summary) ? nlohmann::ordered_json(summary.missing_distance) : nullptr},
           {"parts", summary.missing.size()},
           {"longest", parts}};
 }
@@ -180,20 +183,34 @@ nlohmann::ordered_json EvidenceJson(const std::optional<CarEvidence>& evidence) 
           {"inflation", evidence->inflation}};
 }
 
-// Empty without an estimate.
-std::string CarText(const std::optional<CarRefinement>& car) {
+// Length and frames of the path.
+std::string PathText(const RunSummary& summary) {
+  constexpr double kLittle = 0.01;
+  const char* unit = IsMetric(summary) ? "m" : "units";
+  std::string text = fmt::format("path    {:.2f} {} in {} frames, {} keyframes", summary.distance, unit, summary.frames,
+                                 summary.keyframes);
+  if (summary.missing_distance > kLittle * summary.distance)
+    text += fmt::format("; {:.2f} {} of it not measured", summary.missing_distance, unit);
+  return text + "\n";
+}
+
+std::string HeightText(const CarRefinement& car) {
+  if (!(car.camera_height > 0)) return {};
+  return fmt::format("height  camera {:.3f} +-{:.3f} m above the road\n", car.camera_height, car.camera_height_sigma);
+}
+
+// Empty without an estimate. Without a turn only the height is one.
+std::string CarText(const std::optional<CarRefinement>& car, int turns_used) {
   if (!car) return {};
+  if (turns_used == 0) return HeightText(*car);
   std::string slip;
   if (car->side_slip_at_bound) {
     slip = "side slip 0, since the estimate would be negative: check lever arm and timestamps; ";
   } else if (car->side_slip_sigma > 0) {
     slip = fmt::format("side slip {:.4f} +-{:.4f} s^2/m, ", car->side_slip, car->side_slip_sigma);
   }
-  const std::string height = car->camera_height > 0 ? fmt::format("height  camera {:.3f} +-{:.3f} m above the road\n",
-                                                                  car->camera_height, car->camera_height_sigma)
-                                                    : "";
   return fmt::format("car     {}remaining yaw error of the camera {:+.2f} +-{:.2f} deg, from all turns\n{}", slip,
-                     car->yaw_error * kDegreesPerRadian, car->yaw_error_sigma * kDegreesPerRadian, height);
+                     car->yaw_error * kDegreesPerRadian, car->yaw_error_sigma * kDegreesPerRadian, HeightText(*car));
 }
 
 std::string CalibrationWarning(const ParameterEstimate& estimate, double scale_sigma) {
@@ -215,8 +232,6 @@ std::string CalibrationWarning(const ParameterEstimate& estimate, double scale_s
       name, estimate.found, estimate.sigma, unit, estimate.given,
       std::isfinite(scale_sigma) ? fmt::format("; the scale may be off by {:.0f} % or more", 100 * scale_sigma) : "");
 }
-
-bool IsMetric(const RunSummary& summary) { return summary.scale_state != ScaleState::kPending; }
 
 }  // namespace
 
@@ -262,6 +277,7 @@ const char* LensModelName(LensModel lens) {
 void Summarize(const std::vector<FrameResult>& refined, const RefinedScale& scale, RunSummary& summary) {
   const std::vector<TurnResult>& turns = scale.turns;
   summary.frames = static_cast<int>(refined.size());
+  summary.missing = FindMissingParts(refined);
   const FrameResult* last = nullptr;
   for (const FrameResult& frame : refined) {
     summary.tracked += frame.state == TrackingState::kTracked ? 1 : 0;
@@ -270,14 +286,17 @@ void Summarize(const std::vector<FrameResult>& refined, const RefinedScale& scal
     summary.initializing += frame.state == TrackingState::kInitializing ? 1 : 0;
     summary.keyframes += frame.keyframe ? 1 : 0;
     if (!frame.world_from_camera) continue;
-    if (last) summary.distance += (frame.world_from_camera->translation - last->world_from_camera->translation).norm();
+    if (last) {
+      const double step = (frame.world_from_camera->translation - last->world_from_camera->translation).norm();
+      summary.distance += step;
+      if (IsMissing(summary.missing, last->time, frame.time)) summary.missing_distance += step;
+    }
     last = &frame;
     if (summary.worst_sigma >= frame.scale_sigma) continue;
     summary.worst_sigma = frame.scale_sigma;
     summary.worst_sigma_time = frame.time;
   }
   if (!refined.empty()) summary.seconds = refined.back().time - refined.front().time;
-  summary.missing = FindMissingParts(refined);
   const double scale_sigma = scale.estimate ? scale.estimate->length_sigma : INFINITY;
   summary.path_sigma = std::hypot(scale_sigma, scale.gap_sigma / std::max(summary.distance, 1e-9));
   if (scale.estimate) {
@@ -386,7 +405,7 @@ std::string SummaryText(const RunSummary& summary) {
   const RunCost& cost = summary.cost;
   return fmt::format(
       "{}"
-      "path    {:.2f} {} in {} frames, {} keyframes\n"
+      "{}"
       "scale   {}\n"
       "{}"
       "{}"
@@ -396,11 +415,11 @@ std::string SummaryText(const RunSummary& summary) {
       "{}"
       "speed   {:.1f} frames/s, {:.1f} ms of CPU time per frame over the whole run, {:.0f} MB of memory\n"
       "files   {}\n",
-      ClipsText(summary.clips), summary.distance, IsMetric(summary) ? "m" : "units", summary.frames, summary.keyframes,
-      scale, IntrinsicsText(summary.found_camera, summary.folder), MountText(summary.mount), CarText(summary.car),
-      summary.turns_found, summary.turns_used, summary.bridged, summary.unreadable.size(), summary.repeated,
-      summary.initializing, MissingText(summary), summary.frames / std::max(cost.wall_seconds, 1e-9),
-      1e3 * cost.cpu_seconds / std::max(summary.frames, 1), cost.peak_memory_mb, summary.folder);
+      ClipsText(summary.clips), PathText(summary), scale, IntrinsicsText(summary.found_camera, summary.folder),
+      MountText(summary.mount), CarText(summary.car, summary.turns_used), summary.turns_found, summary.turns_used,
+      summary.bridged, summary.unreadable.size(), summary.repeated, summary.initializing, MissingText(summary),
+      summary.frames / std::max(cost.wall_seconds, 1e-9), 1e3 * cost.cpu_seconds / std::max(summary.frames, 1),
+      cost.peak_memory_mb, summary.folder);
 }
 
 }  // namespace turnscale

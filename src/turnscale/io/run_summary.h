@@ -88,6 +88,7 @@ struct RunSummary {
   std::vector<UnreadableFrame> unreadable;
   double seconds = 0;                ///< from the first frame to the last
   std::vector<MissingPart> missing;  ///< where the path is not measured
+  double missing_distance = 0;       ///< part of `distance` that lies there, interpolated or extrapolated
   double distance = 0;               ///< metres where the scale is known, else in the arbitrary unit
   ScaleState scale_state = ScaleState::kPending;
   double path_sigma = 0;              ///< relative, of the path length in metres

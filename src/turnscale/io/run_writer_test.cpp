@@ -395,5 +395,32 @@ TEST(RunSummary, LatencyIsThatOfTheMiddleAndOfTheSlowestFrames) {
   EXPECT_DOUBLE_EQ(latency->largest, 500);
 }
 
+TEST(RunSummary, APathAcrossAGapIsNotMeasuredThere) {
+  std::vector<FrameResult> frames = Frames(4, 1);
+  // A minute that is not recorded.
+  for (FrameResult& frame : frames) frame.time += frame.frame >= 2 ? 60 : 0;
+  frames[2].world_from_camera->translation.z() += 100;
+  frames[3].world_from_camera->translation.z() += 100;
+  RunSummary summary;
+  summary.scale_state = ScaleState::kHeld;
+  Summarize(frames, {}, summary);
+  EXPECT_DOUBLE_EQ(summary.distance, 103);
+  EXPECT_DOUBLE_EQ(summary.missing_distance, 101);
+  EXPECT_NE(SummaryText(summary).find("path    103.00 m in 4 frames, 0 keyframes; 101.00 m of it not measured\n"),
+            std::string::npos)
+      << SummaryText(summary);
+  EXPECT_EQ(nlohmann::json::parse(SummaryJson(summary))["missing"]["distance_m"], 101);
+}
+
+TEST(RunSummary, WithoutATurnNothingIsSaidToBeFromTurns) {
+  RunSummary summary;
+  summary.car = CarRefinement{};
+  summary.car->camera_height = 1.3;
+  EXPECT_EQ(SummaryText(summary).find("from all turns"), std::string::npos);
+  EXPECT_NE(SummaryText(summary).find("height  camera 1.300"), std::string::npos);
+  summary.turns_used = 1;
+  EXPECT_NE(SummaryText(summary).find("from all turns"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace turnscale

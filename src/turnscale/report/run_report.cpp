@@ -148,7 +148,8 @@ std::vector<std::string> NotesOf(const Summary& summary) {
   std::vector<std::string> notes;
   if (const double arm = NumberAt(summary, "/lever_arm_m"); std::isfinite(arm))
     notes.push_back(fmt::format("Lever arm {:g} m", arm));
-  if (const double slip = NumberAt(summary, "/by_all_turns/side_slip_s2_per_m"); std::isfinite(slip))
+  if (const double slip = NumberAt(summary, "/by_all_turns/side_slip_s2_per_m");
+      std::isfinite(slip) && NumberAt(summary, "/turns/used") > 0)
     notes.push_back(fmt::format("Side slip {:.4f} s\u00b2/m, from all turns", slip));
   notes.push_back("Intrinsics " + TextAt(summary, "/intrinsics/source"));
   notes.push_back(TextAt(summary, "/pose_frame") == "vehicle" ? "Path of the rear axle" : "Path of the camera");
