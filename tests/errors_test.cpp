@@ -266,6 +266,17 @@ TEST_F(ErrorsTest, ADriveOfWhichNothingCanBeTracked) {
   EXPECT_EQ(Summary()["missing"]["longest"][0]["reason"], "before the path begins");
 }
 
+TEST_F(ErrorsTest, AMapThatStartsLateIsExplained) {
+  constexpr int kDark = 13;
+  for (int i = 0; i < kDark; ++i)
+    cv::imwrite(Image(i).string(), cv::Mat(kRoomHeight, kRoomWidth, CV_8UC1, cv::Scalar(5)));
+  const CommandResult result = Run({"--fps", "5", "--lever-arm", "1.5"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_NE(result.err.find("warning: no map could be started before 2."), std::string::npos) << result.err;
+  EXPECT_NE(result.err.find("of 20 frames): the images are dark; check the exposure"), std::string::npos) << result.err;
+  EXPECT_NE(result.out.find("the path begins only at 2."), std::string::npos) << result.out;
+}
+
 TEST_F(ErrorsTest, MaxFramesStopsEarlyAndSaysSo) {
   EXPECT_EQ(Run({"--max-frames", "5"}).exit_code, 0);
   EXPECT_EQ(Summary()["frames"]["total"], 5);

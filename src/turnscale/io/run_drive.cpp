@@ -194,6 +194,21 @@ class Run {
     results_ = std::move(results);
   }
 
+  // A path that begins late has few turns for that reason.
+  void SayIfLate() {
+    constexpr double kShort = 2;  // s
+    constexpr double kMost = 0.5;
+    RunSummary& summary = end_.summary;
+    if (summary.missing.empty() || summary.missing.front().reason != MissingReason::kNotBegun) return;
+    const MissingPart& before = summary.missing.front();
+    const double seconds = before.to - before.from;
+    if (seconds < kShort || seconds < kMost * summary.seconds) return;
+    summary.warnings.push_back(fmt::format("no map could be started before {:.1f} s ({} of {} frames): {}", before.to,
+                                           before.frames, summary.frames, seen_.Cause()));
+    if (!summary.pending_reason.empty())
+      summary.pending_reason = fmt::format("the path begins only at {:.1f} s; {}", before.to, summary.pending_reason);
+  }
+
   void Summarize() {
     RunSummary& summary = end_.summary;
     const OdometryOptions& options = odometry_.options();
@@ -209,6 +224,7 @@ class Run {
                        odometry_.mount().moves()};
     }
     turnscale::Summarize(results_.frames, results_.scale, summary);
+    if (tracks_) SayIfLate();
     summary.frames = std::max(summary.frames, processed_);
     for (size_t i = printed_; i < summary.warnings.size(); ++i) progress_.Warn(summary.warnings[i]);
     summary.cost = MeasureCost();

@@ -39,23 +39,23 @@ void SeenImages::Add(const cv::Mat& gray, double time, int tracked) {
 }
 
 std::string SeenImages::Explanation() const {
-  const std::string nothing = fmt::format("nothing could be tracked in {} image{} ({:.1f} s): ", brightness_.size(),
-                                          brightness_.size() == 1 ? "" : "s", last_time_ - first_time_);
-  if (Median(brightness_) < kDark)
-    return nothing + "the images are dark; check the exposure and whether the lens is covered";
+  return fmt::format("nothing could be tracked in {} image{} ({:.1f} s): {}", brightness_.size(),
+                     brightness_.size() == 1 ? "" : "s", last_time_ - first_time_, Cause());
+}
+
+std::string SeenImages::Cause() const {
+  if (Median(brightness_) < kDark) return "the images are dark; check the exposure and whether the lens is covered";
   if (Median(contrast_) < kFlat)
-    return nothing + "the images show hardly any detail; check whether the lens is covered, dirty or out of focus";
+    return "the images show hardly any detail; check whether the lens is covered, dirty or out of focus";
   if (!changes_.empty() && Median(changes_) < kStill)
-    return nothing + "the images hardly change, as if the car stood still all along; give a part in which it drives";
-  if (last_time_ - first_time_ < kShort) return nothing + "the drive is too short; give a longer one";
+    return "the images hardly change, as if the car stood still all along; give a part in which it drives";
+  if (last_time_ - first_time_ < kShort) return "the drive is too short; give a longer one";
   if (Median(tracked_) < kFewTracked)
-    return nothing +
-           fmt::format(
-               "only about {:.0f} points can be followed from image to image; check for blur and rain, and that "
-               "no frames are left out",
-               Median(tracked_));
-  return nothing +
-         "the points that are seen do not move as they do from a car that drives; check that the camera looks ahead, "
+    return fmt::format(
+        "only about {:.0f} points can be followed from image to image; check for blur and rain, and that "
+        "no frames are left out",
+        Median(tracked_));
+  return "the points that are seen do not move as they do from a car that drives; check that the camera looks ahead, "
          "that its calibration is the right one, and that the car drives";
 }
 

@@ -17,6 +17,9 @@ class SeenImages {
   /// Why nothing could be tracked, and what to try: one sentence.
   std::string Explanation() const;
 
+  /// The same without the number of images.
+  std::string Cause() const;
+
  private:
   std::vector<double> brightness_;  // mean gray of each image
   std::vector<double> contrast_;    // standard deviation of gray
