@@ -318,6 +318,8 @@ TEST_F(ErrorsTest, DamagedImagesAreNamedAndSkipped) {
     EXPECT_EQ(summary["frames"]["total"], kRoomFrames);
     ASSERT_EQ(summary["unreadable"].size(), 1u);
     EXPECT_EQ(summary["unreadable"][0]["frame"], damaged);
+    EXPECT_EQ(summary["warnings"][0],
+              "1 image cannot be used: frame " + std::to_string(damaged) + " (the first: " + name + ": is truncated)");
   }
 }
 
@@ -543,6 +545,9 @@ TEST_F(ErrorsTest, APlaceThatCannotBeWrittenIsNoticedBeforeTheCameraIsEstimated)
   ExpectComplaint(Run({"--fov", "75"}), 2, {"out: is a file"});
   fs::remove(Out());
   ExpectComplaint(Run({"--fov", "75", "--frame", "vehicle"}), 2, {"--frame vehicle", "--lever-arm"});
+  const std::string nowhere = (folder_ / "nowhere" / "calibration.yaml").string();
+  ExpectComplaint(RunCommand({"calibrate", Drive().string(), "--out", nowhere}, folder_), 2,
+                  {nowhere + ": cannot be written: No such file or directory; choose another place"});
 }
 
 TEST_F(ErrorsTest, FullDisk) {

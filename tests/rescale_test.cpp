@@ -112,6 +112,8 @@ TEST_F(RescaleCommandTest, TakesHeightsWithAndWithoutALeverArm) {
   const CommandResult with = run({"--lever-arm", "1.2"});
   ASSERT_EQ(with.exit_code, 0) << with.err;
   EXPECT_NE(with.out.find("height        camera 1."), std::string::npos) << with.out;
+  EXPECT_NE(with.out.find("\nfile          "), std::string::npos) << with.out;
+  EXPECT_NE(with.out.find("\nreport        " + Path("report") + "/report.html\n"), std::string::npos) << with.out;
   const auto learned = nlohmann::json::parse(TextOf(folder_ / "report" / "summary.json"));
   EXPECT_NEAR(learned["camera_height_m"], kHeight, 0.015);
 

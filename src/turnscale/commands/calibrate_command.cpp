@@ -236,6 +236,8 @@ CalibrationReport CalibrateMotion(const CalibrateArguments& arguments, const std
 CalibrateOutcome ExecuteCalibrate(const CalibrateArguments& arguments, const CommandHooks& hooks) {
   Check(arguments);
   // Before the images, which may take hours.
+  if (!arguments.out.empty()) CheckOutputFile(arguments.out);
+  if (arguments.history) CheckOutputFile(*arguments.history);
   const std::optional<SpeedLog> speeds =
       arguments.speed ? std::optional(ReadSpeedFile(*arguments.speed)) : std::nullopt;
   const DriveMotion motion = ReadMotion(arguments, hooks);

@@ -95,6 +95,13 @@ void ReplaceFile(const fs::path& path, std::string_view contents, Durability dur
   }
 }
 
+void CheckOutputFile(const fs::path& path) {
+  std::error_code none;
+  // Opening a pipe would wait for its reader.
+  const bool is_ordinary = !fs::exists(path, none) || fs::is_regular_file(path, none) || fs::is_directory(path, none);
+  if (is_ordinary) OutputFile(path).Discard();
+}
+
 void RemoveOldFile(const fs::path& path) {
   for (const fs::path& old : {path, PartOf(path)}) {
     std::error_code error;

@@ -52,6 +52,9 @@ class OutputFile {
 void ReplaceFile(const std::filesystem::path& path, std::string_view contents,
                  Durability durability = Durability::kPowerCut);
 
+/// Throws as OutputFile does where the file could not be made, and leaves nothing behind: before work that takes long.
+void CheckOutputFile(const std::filesystem::path& path);
+
 /// Takes away an older file and its part, so that it is not found beside newer ones; devices, pipes and folders stay.
 /// Throws InputError where it cannot be taken away.
 void RemoveOldFile(const std::filesystem::path& path);

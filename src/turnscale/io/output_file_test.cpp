@@ -67,6 +67,7 @@ TEST(OutputFile, KeepsItsPartWhereItIsNotFinished) {
   EXPECT_EQ(TextOf(path), "old");
   EXPECT_EQ(TextOf(PartOf(path)), "new\n");
   OutputFile(path).Discard();
+  CheckOutputFile(path);
   EXPECT_FALSE(fs::exists(PartOf(path)));
 }
 
