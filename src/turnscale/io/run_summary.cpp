@@ -300,7 +300,7 @@ void Summarize(const std::vector<FrameResult>& refined, const RefinedScale& scal
   const double scale_sigma = scale.estimate ? scale.estimate->length_sigma : INFINITY;
   summary.path_sigma = std::hypot(scale_sigma, scale.gap_sigma / std::max(summary.distance, 1e-9));
   if (scale.estimate) {
-    summary.car = scale.estimate->car;
+    if (!scale.estimate->fell_back) summary.car = scale.estimate->car;
     summary.turn_test = scale.estimate->test;
     summary.height_conflict = scale.estimate->height_conflict;
     if (!scale.estimate->fell_back && !scale.estimate->height_conflict)

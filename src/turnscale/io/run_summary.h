@@ -96,8 +96,9 @@ struct RunSummary {
   double worst_sigma_time = 0;        ///< seconds, where that is
   std::optional<LensSummary> lens;    ///< empty where it was not looked for
   std::optional<MountSummary> mount;  ///< empty where it was given
-  std::optional<CarRefinement> car;   ///< empty while the scale is pending
-  /// What the drive tells of the car; empty while the scale is pending, or where the trajectory does not use it.
+  /// Empty while the scale is pending, or where the trajectory does not use it: single-turn scales.
+  std::optional<CarRefinement> car;
+  /// What the drive tells of the car; empty likewise, and where lever arm and camera height disagree.
   std::optional<CarEvidence> car_evidence;
   int turns_found = 0;
   int turns_used = 0;

@@ -55,6 +55,11 @@ std::string VehicleFileText(const VehicleOptions& vehicle, const Mount& mount, c
   // Where the measures contradict each other, or the trajectory does not use what was refined, all is as given.
   const bool refined = scale.estimate && !scale.estimate->fell_back && !scale.estimate->height_conflict;
   const CarRefinement* car = refined ? &scale.estimate->car : nullptr;
+  // One of the two lengths is wrong, by as much as they disagree.
+  const double conflict =
+      scale.estimate && scale.estimate->height_conflict
+          ? std::log(scale.estimate->height_conflict->found / scale.estimate->height_conflict->given)
+          : 0.0;
   if (!vehicle.calibrate_camera || vehicle.camera_known || mount.found) {
     YawPitchRoll angles = YawPitchRollFromRotation(mount.vehicle_from_camera);
     double yaw_sigma = mount.found ? std::max(mount.sigma.yaw, vehicle.yaw_sigma) : vehicle.yaw_sigma;
@@ -76,7 +81,8 @@ std::string VehicleFileText(const VehicleOptions& vehicle, const Mount& mount, c
     const bool known = car && car->lever_arm > 0;
     text += Line("lever_arm", known ? car->lever_arm : *vehicle.lever_arm,
                  "metres from the rear axle forward to the camera");
-    text += Line("lever_arm_sigma", known ? car->lever_arm_sigma : vehicle.lever_arm_sigma);
+    text += Line("lever_arm_sigma",
+                 known ? car->lever_arm_sigma : std::hypot(vehicle.lever_arm_sigma, conflict * *vehicle.lever_arm));
   }
   text += Line("side_slip", car ? car->side_slip : vehicle.side_slip, "c in L_eff = L - c v^2, s^2/m");
   text += Line("side_slip_sigma", car ? car->side_slip_sigma : vehicle.side_slip_sigma);
@@ -87,7 +93,7 @@ std::string VehicleFileText(const VehicleOptions& vehicle, const Mount& mount, c
       text += Line("height_correlation", car->height_correlation, "of the errors of the height and of the lever arm");
   } else if (vehicle.camera_height) {
     text += Line("height", *vehicle.camera_height, "of the camera above the road, metres");
-    text += Line("height_sigma", vehicle.HeightSigma());
+    text += Line("height_sigma", std::hypot(vehicle.HeightSigma(), conflict * *vehicle.camera_height));
   }
   return text;
 }

@@ -80,6 +80,19 @@ TEST(VehicleFile, CorrelationsOfTheHeightShrinkByWhatChangesBetweenDrives) {
             std::string::npos);
 }
 
+TEST(VehicleFile, LengthsThatDisagreeAreNoBetterKnownThanThat) {
+  VehicleOptions vehicle;
+  vehicle.lever_arm = 1.5;
+  vehicle.camera_height = 1.4;
+  RefinedScale scale = LearnedScale();
+  scale.estimate->height_conflict = HeightConflict{1.4, 0.014, 1.26, 0.02, false};
+  const VehicleOptions next = ReadText(VehicleFileText(vehicle, {}, scale));
+  EXPECT_NEAR(next.lever_arm.value(), 1.5, 1e-9);
+  EXPECT_NEAR(next.lever_arm_sigma, std::hypot(vehicle.lever_arm_sigma, 0.105 * 1.5), 1e-3);
+  EXPECT_NEAR(next.camera_height.value(), 1.4, 1e-9);
+  EXPECT_NEAR(next.HeightSigma(), 0.105 * 1.4, 2e-3);
+}
+
 TEST(VehicleFile, WhatIsNotKnownIsLeftOut) {
   const std::string text = VehicleFileText({}, {}, {});
   EXPECT_EQ(text.find("lever_arm:"), std::string::npos) << text;
