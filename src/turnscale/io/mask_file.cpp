@@ -21,8 +21,7 @@ cv::Mat ReadMask(const std::filesystem::path& path) {
   if (darkest > 0)
     throw InputError(
         fmt::format("{}: leaves nothing out: its darkest pixel has the gray level {:.0f}; paint what is to be left out "
-                    "black (0), the "
-                    "rest white, and store it as PNG",
+                    "black (0), the rest white, and store it as PNG",
                     path.string(), darkest));
   return mask;
 }
