@@ -81,15 +81,15 @@ Placement PlacementFrom(const ExportArguments& arguments, const std::vector<Leve
     has_height = placed.has_height;
     return placed.placement;
   }
-  if (!arguments.origin.empty() && !arguments.heading) {
-    throw InputError("--origin " + arguments.origin +
-                     ": needs the direction of the car there, since none is assumed; give --heading DEGREES, clockwise "
-                     "from north, or --fixes FILE instead");
-  }
-  if (arguments.origin.empty() || !arguments.heading) {
+  if (arguments.origin.empty()) {
     throw InputError(
         "export: the place on Earth is needed; give --origin LATITUDE,LONGITUDE and --heading DEGREES, or --fixes "
         "FILE");
+  }
+  if (!arguments.heading) {
+    throw InputError("--origin " + arguments.origin +
+                     ": needs the direction of the car there; give --heading DEGREES, clockwise from north, or --fixes "
+                     "FILE instead");
   }
   if (!(std::abs(*arguments.heading) <= 360))
     throw InputError(

@@ -69,11 +69,11 @@ Paired PairPoses(const ComparisonFiles& arguments, TrajectoryFile& estimate, Tra
 
 // Where both files have poses all along but few of them pair, their times are of different clocks.
 std::string UnpairedWarning(const Paired& paired, const Trajectory& estimate, const Trajectory& truth) {
-  constexpr double kMostArePaired = 0.8;
+  constexpr double kLeastPaired = 0.8;
   if (std::string_view(paired.by) != "time") return {};
   const CommonPoses common = PosesInCommonTime(estimate, truth);
   const int paired_poses = static_cast<int>(paired.pairs.size());
-  if (paired_poses >= kMostArePaired * std::min(common.estimated, common.in_truth)) return {};
+  if (paired_poses >= kLeastPaired * std::min(common.estimated, common.in_truth)) return {};
   return fmt::format(
       "only {} poses are paired, though the files have {} (estimate) and {} (ground truth) in the time that both "
       "cover: the errors may be wrong; check that both have the times of one clock, or give a larger --time-tolerance",

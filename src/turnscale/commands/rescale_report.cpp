@@ -255,14 +255,14 @@ std::string RescaleText(const RescaleResult& result) {
   if (high > low) text = fmt::format("scale         {:.5g} ... {:.5g} m per unit", low, high);
   text += worst - best > 0.0005 ? fmt::format(", +- {:.1f} ... {:.1f} %\n", 100 * best, 100 * worst)
                                 : fmt::format(", +- {:.1f} %\n", 100 * best);
+  CarRefinement car = result.estimate->car;
   // Single-turn scales do not use the refined car.
-  const CarRefinement car = result.estimate->fell_back ? CarRefinement{} : result.estimate->car;
+  if (result.estimate->fell_back) car = {.yaw_error_sigma = result.yaw_sigma};
   text += fmt::format("path          {:.1f} m +- {:.1f} %, {} turns used of {}\n", result.length,
                       100 * result.estimate->length_sigma, UsedTurns(result), TurnsOf(result).size());
   const YawPitchRoll camera = YawPitchRollFromRotation(result.vehicle_from_camera);
-  const double yaw_sigma = result.estimate->fell_back ? result.yaw_sigma : car.yaw_error_sigma;
   text += fmt::format("camera        yaw {:+.2f} +- {:.2f}, pitch {:+.2f}, roll {:+.2f} deg\n",
-                      (camera.yaw + car.yaw_error) * kDegreesPerRadian, yaw_sigma * kDegreesPerRadian,
+                      (camera.yaw + car.yaw_error) * kDegreesPerRadian, car.yaw_error_sigma * kDegreesPerRadian,
                       camera.pitch * kDegreesPerRadian, camera.roll * kDegreesPerRadian);
   if (car.side_slip_at_bound) {
     text += "side slip     0: the estimate would be negative; check the lever arm and the timestamps\n";

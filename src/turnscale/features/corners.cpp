@@ -44,7 +44,7 @@ double SmallerEigenvalue(const cv::Mat& gray, const cv::Point& at) {
 
 constexpr int kLeastThreshold = 4;  // below is noise
 
-// In fog, corners are as faint as the whole image. Smoothing makes them fainter.
+// In fog, corners are as faint as the whole image. The smoothing of a dark image makes its corners fainter, too.
 int ThresholdFor(const CornerOptions& options, const cv::Mat& gray, bool dark) {
   constexpr double kUsualContrast = 18;  // standard deviation of the gray levels; that of most drives is above 25
   constexpr double kDarkShare = 0.5;

@@ -53,9 +53,10 @@ cv::Mat WithBorder(const cv::Mat& gray) {
   return whole(cv::Rect(kFlowBorder, kFlowBorder, gray.cols, gray.rows));
 }
 
-FlowImage WithPyramid(const FlowOptions& options, const cv::Mat& gray) {
+FlowImage WithPyramid(const FlowOptions& options, const cv::Mat& gray, bool dark) {
   FlowImage image;
   image.gray = gray;
+  image.dark = dark;
   const int levels = LevelsOf(options, gray.cols);
   cv::Mat halved = gray;
   for (int level = 0;; ++level) {
@@ -164,13 +165,9 @@ void FlowOptions::Check() const {
 }
 
 FlowImage BuildFlowImage(const FlowOptions& options, const cv::Mat& gray) {
-  if (cv::mean(gray)[0] < options.min_brightness) {
-    FlowImage image = WithPyramid(options, Brightened(gray));
-    image.dark = true;
-    return image;
-  }
+  const bool dark = cv::mean(gray)[0] < options.min_brightness;
   // Tracks keep images as references; the caller may read the next one into the same memory.
-  return WithPyramid(options, gray.clone());
+  return WithPyramid(options, dark ? Brightened(gray) : gray.clone(), dark);
 }
 
 FlowImage MatchBrightness(const FlowOptions& options, const FlowImage& first, const FlowImage& second) {
@@ -180,9 +177,7 @@ FlowImage MatchBrightness(const FlowOptions& options, const FlowImage& first, co
   if (std::abs(gain - 1) <= options.max_brightness_change || gain > kMostGain || gain * kMostGain < 1) return first;
   cv::Mat gray;
   first.gray.convertTo(gray, CV_8U, gain);
-  FlowImage matched = WithPyramid(options, gray);
-  matched.dark = first.dark;
-  return matched;
+  return WithPyramid(options, gray, first.dark);
 }
 
 FlowResult TrackPoints(const FlowOptions& options, const FlowImage& first, const FlowImage& second,

@@ -52,8 +52,9 @@ double TotalSeconds(const std::vector<MissingPart>& parts) {
 
 bool IsMissing(const std::vector<MissingPart>& parts, double from, double to) {
   const double middle = 0.5 * (from + to);
-  return std::any_of(parts.begin(), parts.end(),
-                     [&](const MissingPart& part) { return middle > part.from && middle < part.to; });
+  const auto part = std::partition_point(parts.begin(), parts.end(),
+                                         [&](const MissingPart& earlier) { return earlier.to <= middle; });
+  return part != parts.end() && middle > part->from;
 }
 
 const char* MissingReasonName(MissingReason reason) {

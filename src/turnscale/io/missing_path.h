@@ -33,7 +33,8 @@ std::vector<MissingPart> LongestParts(const std::vector<MissingPart>& parts, siz
 /// Sum of their lengths, seconds.
 double TotalSeconds(const std::vector<MissingPart>& parts);
 
-/// Whether the path between two frames that follow one another, by their times, is in one of the parts.
+/// Whether the path between two frames that follow one another, by their times, is in one of the parts, which are in
+/// the order of time.
 bool IsMissing(const std::vector<MissingPart>& parts, double from, double to);
 
 /// "before the path begins", "tracking lost" or "not recorded".

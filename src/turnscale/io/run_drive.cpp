@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <exception>
 #include <filesystem>
 #include <string>
 #include <system_error>
@@ -45,7 +44,6 @@ class Run {
  public:
   Run(const DriveToRun& drive, Odometry& odometry, Progress& progress)
       : drive_(drive), odometry_(odometry), progress_(progress), frame_(drive.next()) {
-    CheckRunOutput(drive.output);
     end_.summary = drive.summary;
     for (const std::string& warning : drive.summary.warnings) progress_.Warn(warning);
     printed_ = drive.summary.warnings.size();
@@ -54,7 +52,7 @@ class Run {
   RunEnd Go() {
     if (!attempts_.Try([&] { Drive(); })) end_.summary.stopped = FailureOf(attempts_.failures().front()).message;
     progress_.Finish();
-    if (refused_) std::rethrow_exception(refused_);
+    if (tracks_ && !begun_) attempts_.RethrowFirst();
     if (writer_) attempts_.Try([&] { writer_->EndLive(); });
     attempts_.Try(drive_.concluding);
     Conclude();
@@ -100,15 +98,7 @@ class Run {
     writer_->WriteText("settings.yaml", SettingsText(odometry_.options()));
     const std::optional<FoundCamera>& found = drive_.summary.found_camera;
     if (found) writer_->WriteText("camera.yaml", FoundCameraText(*found));
-  }
-
-  void BeginWithFirstPose() {
-    try {
-      Begin();
-    } catch (...) {
-      refused_ = std::current_exception();
-      throw;
-    }
+    begun_ = true;
   }
 
   bool Enough() const { return drive_.max_frames && processed_ >= *drive_.max_frames; }
@@ -142,7 +132,7 @@ class Run {
     ++processed_;
     tracks_ = tracks_ || result.world_from_camera;
     if (!tracks_ && !frame.gray.empty()) seen_.Add(frame.gray, frame.time, result.tracked);
-    if (tracks_ && !writer_) BeginWithFirstPose();
+    if (tracks_ && !begun_) Begin();
     if (writer_) {
       writer_->SetFirstCameraRotation(odometry_.mount().At(0));
       writer_->Add(result);
@@ -239,7 +229,7 @@ class Run {
   Progress& progress_;
   std::optional<SourceFrame> frame_;
   std::optional<RunWriter> writer_;  // once there is something to write
-  std::exception_ptr refused_;       // what kept the results from being begun
+  bool begun_ = false;               // and its first files are
   RunResults results_;               // the latest that could be computed
   Attempts attempts_;
   RunEnd end_;

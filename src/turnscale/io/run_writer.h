@@ -81,8 +81,8 @@ void CheckRunOutput(const RunWriterOptions& options);
 /// trying the other files.
 class RunWriter {
  public:
-  /// Makes the folder; results of an earlier run in it are taken away. Throws as
-  /// CheckRunOutput, and InputError where a file cannot be made.
+  /// Makes the folder; results of an earlier run in it are taken away. Throws as CheckRunOutput, and InputError where a
+  /// file cannot be made.
   explicit RunWriter(const RunWriterOptions& options);
 
   /// Writes the result of the newest frame to live.tum.part, if it has a pose.

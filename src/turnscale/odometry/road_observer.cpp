@@ -12,8 +12,8 @@ namespace turnscale {
 namespace {
 
 constexpr std::size_t kViews = 9;
-// Keyframes in a row without the road at the last height, after which it is searched for at any height: at so many
-// keyframes, then at one of so many.
+// Keyframes in a row without the road at the last height, after which it is searched for at any height: at each of the
+// next kFailures keyframes, then at every kFailures-th.
 constexpr int kFailures = 5;
 // Bounds of that search, in distances between two keyframes.
 constexpr double kLeastRatio = 0.2;
