@@ -27,15 +27,16 @@ std::vector<int> DropObservationsBefore(int last, Map& map) {
   int kept = 0;
   for (size_t i = 0; i < map.landmarks.size(); ++i) {
     Landmark& landmark = map.landmarks[i];
-    std::erase_if(landmark.observations, [&](const LandmarkObservation& seen) { return seen.keyframe < last; });
+    if (!landmark.observations.empty() && landmark.observations.front().keyframe < last) {
+      std::erase_if(landmark.observations, [&](const LandmarkObservation& seen) { return seen.keyframe < last; });
+      landmark.observations.shrink_to_fit();
+    }
     if (landmark.observations.empty()) continue;
-    landmark.observations.shrink_to_fit();
     new_index[i] = kept;
     if (kept != static_cast<int>(i)) map.landmarks[kept] = std::move(landmark);
     ++kept;
   }
   map.landmarks.resize(kept);
-  map.landmarks.shrink_to_fit();
   return new_index;
 }
 

@@ -37,6 +37,9 @@ constexpr double kNearQuarter = 0.25;
 constexpr double kStaleLensChange = 2e-3;
 // Keyframes that go to the archive together, at least.
 constexpr int kLeastArchived = 20;
+// Landmarks of a few hundred keyframes, which is about what the map holds before it is archived. To move that many
+// takes longer than a frame.
+constexpr int kUsualLandmarks = 1 << 17;
 
 // A turn in which static features show in several keyframes, degrees: if they were none, what stood still before was
 // far away.
@@ -106,6 +109,7 @@ Odometry::Odometry(const OdometryOptions& options, const CameraModel& camera)
       road_(options_.road),
       scale_(options) {
   map_.pinhole = camera.pinhole;
+  map_.landmarks.reserve(kUsualLandmarks);
   calibration_sigma_ = CalibrationSigma({}, camera_);
 }
 
@@ -466,15 +470,18 @@ void Odometry::CorrectLens(double correction) {
   const auto corrected = [&](const Eigen::Vector2d& pixel) {
     return CorrectRadially(map_.pinhole, correction, UndoRadialCorrection(map_.pinhole, applied, pixel));
   };
-  cv::parallel_for_(cv::Range(0, static_cast<int>(map_.landmarks.size())), [&](const cv::Range& range) {
-    for (int i = range.start; i < range.end; ++i)
-      for (LandmarkObservation& seen : map_.landmarks[i].observations) seen.pixel = corrected(seen.pixel);
-  });
-  // Each observation stands on both sides. To correct it twice is faster than to find it.
-  cv::parallel_for_(cv::Range(archive_.end(), static_cast<int>(map_.keyframes.size())), [&](const cv::Range& range) {
+  const int first = archive_.end();
+  const int end = static_cast<int>(map_.keyframes.size());
+  cv::parallel_for_(cv::Range(first, end), [&](const cv::Range& range) {
     for (int k = range.start; k < range.end; ++k)
       for (KeyframeObservation& seen : map_.keyframes[k].observations) seen.pixel = corrected(seen.pixel);
   });
+  // Each observation stands on both sides, a landmark's in the order of the keyframes.
+  std::vector<int> done(map_.landmarks.size(), 0);
+  for (int k = first; k < end; ++k) {
+    for (const KeyframeObservation& seen : map_.keyframes[k].observations)
+      map_.landmarks[seen.landmark].observations[done[seen.landmark]++].pixel = seen.pixel;
+  }
   tracker_.Correct(corrected);
 }
 
