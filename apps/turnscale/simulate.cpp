@@ -132,9 +132,8 @@ int Simulate(const SimulateArguments& arguments) {
   const int threads = arguments.threads.value_or(static_cast<int>(std::max(1U, std::thread::hardware_concurrency())));
   cv::setNumThreads(threads);
   World world = MakeWorld(arguments, rig);
-  for (Texture& texture : world.scene.textures) {
-    if (arguments.texture_contrast < 1) texture = texture.WithContrast(static_cast<float>(arguments.texture_contrast));
-  }
+  for (RepeatedPattern& pattern : world.scene.patterns)
+    pattern.contrast = static_cast<float>(arguments.texture_contrast);
   CatchInterrupts();
   bool lighting = false;
   std::optional<Progress> progress;

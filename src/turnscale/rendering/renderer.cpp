@@ -21,8 +21,8 @@ void CheckScene(const Scene& scene) {
   CheckMesh(scene.fixed, materials);
   for (const Mesh& mesh : scene.movable) CheckMesh(mesh, materials);
   for (const Material& material : scene.materials)
-    if (material.texture < 0 || static_cast<size_t>(material.texture) >= scene.textures.size())
-      throw InternalError("a material has no such texture");
+    if (material.pattern < 0 || static_cast<size_t>(material.pattern) >= scene.patterns.size())
+      throw InternalError("a material has no such pattern");
 }
 
 Scene Baked(const RayScene& rays, int threads, Scene scene) {
@@ -34,7 +34,7 @@ Scene Baked(const RayScene& rays, int threads, Scene scene) {
 
 struct Renderer::State {
   State(const RenderOptions& given, Scene scene)
-      : options(given), rays(scene), lit(Baked(rays, given.threads, std::move(scene))) {}
+      : options(given), rays(scene), lit(Baked(rays, given.threads, std::move(scene)), given.threads) {}
 
   Tracer TracerFor(const View& view) const {
     if (view.world_from_movable.size() != lit.scene.movable.size())

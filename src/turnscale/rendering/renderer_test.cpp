@@ -29,7 +29,7 @@ Scene BusyScene() {
   Scene scene = EmptyScene();
   PatternOptions options;
   options.side = 256;
-  scene.textures.emplace_back(PavementPattern(options), 4);
+  scene.patterns.push_back({[options] { return PavementPattern(options); }, 4});
   scene.materials.push_back({2, 1, 0.05F, 0});
   AddRectangle({5, 1, {0, 0}}, {-20, 0, -5}, {40, 0, 0}, {0, 0, 50}, scene.fixed);
   for (int i = 0; i < 12; ++i) {
@@ -257,7 +257,7 @@ TEST(Renderer, RefusesScenesThatDoNotFitTogether) {
     change(scene);
     EXPECT_THROW(Renderer({}, std::move(scene)), InternalError);
   };
-  refused([](Scene& scene) { scene.materials[0].texture = 9; });
+  refused([](Scene& scene) { scene.materials[0].pattern = 9; });
   refused([](Scene& scene) { scene.fixed.triangles[0].material = 99; });
   refused([](Scene& scene) { scene.fixed.triangles[0].vertices[1] = -1; });
   refused([](Scene& scene) { scene.movable[0].triangles[0].frame = 77; });

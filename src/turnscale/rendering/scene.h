@@ -1,19 +1,28 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <vector>
 
 #include <Eigen/Core>
+#include <opencv2/core.hpp>
 
 #include "turnscale/rendering/mesh.h"
-#include "turnscale/rendering/texture.h"
 
 namespace turnscale {
 
+/// A pattern that repeats over surfaces. It is drawn when a renderer is made: what only asks for shapes and places need
+/// not wait for it.
+struct RepeatedPattern {
+  std::function<cv::Mat()> draw;  ///< see Texture; called from any thread
+  double size = 1;                ///< side of the square that repeats, metres
+  float contrast = 1;             ///< factor on differences from its mean
+};
+
 struct Material {
-  int texture = 0;   ///< index into Scene::textures
-  float tint = 1;    ///< factor on the texture's reflectance
+  int pattern = 0;   ///< index into Scene::patterns
+  float tint = 1;    ///< factor on the pattern's reflectance
   float mirror = 0;  ///< polish: reflectance seen from straight above, 0...1; grows towards grazing (Schlick 1994)
   float glow = 0;    ///< light that the surface gives by itself, in units of a white surface in full light
 };
@@ -34,7 +43,7 @@ struct Lamp {
 
 /// What there is to see. Everything in metres, the world's axes x right, y down, z forward.
 struct Scene {
-  std::vector<Texture> textures;
+  std::vector<RepeatedPattern> patterns;
   std::vector<Material> materials;
   Mesh fixed;
   std::vector<Mesh> movable;  ///< in frames of their own; a view says where they are

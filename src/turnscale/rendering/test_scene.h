@@ -24,8 +24,8 @@ inline Scene EmptyScene() {
   cv::Mat checker(512, 512, CV_32F, cv::Scalar(0));
   checker(cv::Rect(0, 0, 256, 256)) = 1;
   checker(cv::Rect(256, 256, 256, 256)) = 1;
-  scene.textures.emplace_back(cv::Mat(1, 1, CV_32F, cv::Scalar(1)), 1);
-  scene.textures.emplace_back(checker, 2 * kField);
+  scene.patterns.push_back({[] { return cv::Mat(1, 1, CV_32F, cv::Scalar(1)); }, 1});
+  scene.patterns.push_back({[checker] { return checker; }, 2 * kField});
   scene.materials = {{0, 1, 0, 0}, {0, 0, 0, 0}, {0, 0, 0, 1}, {0, 0, 1, 0}, {1, 1, 0, 0}};
   scene.ambient = 1;
   return scene;

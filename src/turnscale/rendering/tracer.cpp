@@ -4,10 +4,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include <Eigen/Geometry>
 
+#include "turnscale/base/parallel.h"
 #include "turnscale/base/random.h"
 
 namespace turnscale {
@@ -35,9 +37,22 @@ float Power5(float x) {
   return square * square * x;
 }
 
+std::vector<Texture> Drawn(const std::vector<RepeatedPattern>& patterns, int threads) {
+  std::vector<std::optional<Texture>> drawn(patterns.size());
+  ForEachIndex(static_cast<int>(patterns.size()), threads, [&](int i) {
+    const RepeatedPattern& pattern = patterns[i];
+    drawn[i].emplace(pattern.draw(), pattern.size);
+    if (pattern.contrast != 1) drawn[i] = drawn[i]->WithContrast(pattern.contrast);
+  });
+  std::vector<Texture> textures;
+  for (std::optional<Texture>& texture : drawn) textures.push_back(std::move(*texture));
+  return textures;
+}
+
 }  // namespace
 
-LitScene::LitScene(Scene given) : scene(std::move(given)), sky(scene.sky) {
+LitScene::LitScene(Scene given, int threads)
+    : scene(std::move(given)), textures(Drawn(scene.patterns, threads)), sky(scene.sky) {
   looks.push_back(MakeLooks(scene.fixed));
   for (const Mesh& movable : scene.movable) looks.push_back(MakeLooks(movable));
 }
@@ -88,7 +103,7 @@ Tracer::Spot Tracer::SpotAt(const Ray& ray, const Hit& hit, float before) const 
   Eigen::Vector2f major(stretch * along.dot(frame.u), stretch * along.dot(frame.v));
   if (mirrored && spot.cosine * kMirrorBlur > 1) major *= kMirrorBlur * spot.cosine;
   const Eigen::Vector2f at = look.texture_at_first + hit.u * look.texture_by_u + hit.v * look.texture_by_v;
-  spot.reflectance = material.tint * lit_->scene.textures[material.texture].Sample(at, major, minor);
+  spot.reflectance = material.tint * lit_->textures[material.pattern].Sample(at, major, minor);
   spot.light = look.light_at_first + hit.u * look.light_by_u + hit.v * look.light_by_v;
   spot.glow = material.glow;
   if (material.mirror > 0)

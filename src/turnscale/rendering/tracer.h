@@ -11,6 +11,7 @@
 #include "turnscale/rendering/mesh.h"
 #include "turnscale/rendering/ray_scene.h"
 #include "turnscale/rendering/scene.h"
+#include "turnscale/rendering/texture.h"
 
 namespace turnscale {
 
@@ -24,9 +25,11 @@ struct Seen {
 
 /// A scene with light and looks, ready to be seen.
 struct LitScene {
-  explicit LitScene(Scene scene);
+  /// Draws the patterns, on so many threads.
+  LitScene(Scene scene, int threads);
 
   Scene scene;
+  std::vector<Texture> textures;                 ///< of Scene::patterns
   std::vector<std::vector<TriangleLook>> looks;  ///< of the fixed mesh, then of the movable ones
   Sky sky;
 

@@ -40,11 +40,11 @@ struct GarageLooks {
 
 GarageLooks AddGarageLooks(Random& random, Scene& scene) {
   const auto seed = [&] { return static_cast<std::uint64_t>(random.Uniform() * 0x1.0p53); };
-  const int concrete = AddTexture(PavementPattern({2048, seed(), 0.5F, 0.13F}), 7.3, scene);
-  const int plaster = AddTexture(PavementPattern({1024, seed(), 0.6F, 0.1F}), 4.1, scene);
-  const int boards = AddTexture(BrickPattern({1024, seed(), 0.55F, 0.1F}, 6), 5.7, scene);
-  const int paint = AddTexture(PavementPattern({512, seed(), 0.6F, 0.1F}), 2.3, scene);
-  const int letters = AddTexture(FacadePattern({512, seed(), 0.5F, 0.3F}, 3, 9), 1.6, scene);
+  const int concrete = AddPattern(Drawing(PavementPattern, {2048, seed(), 0.5F, 0.13F}), 7.3, scene);
+  const int plaster = AddPattern(Drawing(PavementPattern, {1024, seed(), 0.6F, 0.1F}), 4.1, scene);
+  const int boards = AddPattern(Drawing(BrickPattern, {1024, seed(), 0.55F, 0.1F}, 6), 5.7, scene);
+  const int paint = AddPattern(Drawing(PavementPattern, {512, seed(), 0.6F, 0.1F}), 2.3, scene);
+  const int letters = AddPattern(Drawing(FacadePattern, {512, seed(), 0.5F, 0.3F}, 3, 9), 1.6, scene);
   GarageLooks looks;
   looks.floor = AddMaterial({concrete, 0.75F, 0.04F, 0}, scene);
   looks.wall = AddMaterial({plaster, 1.1F, 0, 0}, scene);

@@ -111,9 +111,9 @@ Mesh MakePerson(int clothes, int skin, Random& random) {
   return person;
 }
 
-int AddTexture(const cv::Mat& pattern, double size, Scene& scene) {
-  scene.textures.emplace_back(pattern, size);
-  return static_cast<int>(scene.textures.size()) - 1;
+int AddPattern(std::function<cv::Mat()> draw, double size, Scene& scene) {
+  scene.patterns.push_back({std::move(draw), size});
+  return static_cast<int>(scene.patterns.size()) - 1;
 }
 
 int AddMaterial(const Material& material, Scene& scene) {
@@ -123,10 +123,10 @@ int AddMaterial(const Material& material, Scene& scene) {
 
 TrafficLooks AddTrafficLooks(Random& random, Scene& scene) {
   // Paint is nearly even; dust and reflections leave a little to hold on to.
-  const int paint = AddTexture(CloudPattern({256, Seed(random), 0.5F, 0.05F}), 2.0, scene);
-  const int cloth = AddTexture(CloudPattern({256, Seed(random), 0.5F, 0.12F}), 0.8, scene);
-  const int plate = AddTexture(FacadePattern({256, Seed(random), 0.5F, 0.25F}, 2, 8), 0.55, scene);
-  const int rubber = AddTexture(CloudPattern({256, Seed(random), 0.5F, 0.1F}), 0.5, scene);
+  const int paint = AddPattern(Drawing(CloudPattern, {256, Seed(random), 0.5F, 0.05F}, 1.0), 2.0, scene);
+  const int cloth = AddPattern(Drawing(CloudPattern, {256, Seed(random), 0.5F, 0.12F}, 1.0), 0.8, scene);
+  const int plate = AddPattern(Drawing(FacadePattern, {256, Seed(random), 0.5F, 0.25F}, 2, 8), 0.55, scene);
+  const int rubber = AddPattern(Drawing(CloudPattern, {256, Seed(random), 0.5F, 0.1F}, 1.0), 0.5, scene);
   TrafficLooks looks;
   CarMaterials car;
   car.glass = AddMaterial({paint, 0.12F, 0.12F, 0}, scene);

@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <functional>
+#include <type_traits>
 #include <vector>
 
 #include <opencv2/core.hpp>
 
 #include "turnscale/base/random.h"
 #include "turnscale/rendering/mesh.h"
+#include "turnscale/rendering/pattern.h"
 #include "turnscale/rendering/scene.h"
 
 namespace turnscale {
@@ -28,8 +31,15 @@ Mesh MakeCar(const CarMaterials& materials, Random& random);
 /// A walking person's size and outline, standing at the origin.
 Mesh MakePerson(int clothes, int skin, Random& random);
 
+/// What draws a pattern, when it is needed.
+template <typename... More>
+std::function<cv::Mat()> Drawing(cv::Mat (*pattern)(const PatternOptions&, More...), const PatternOptions& options,
+                                 std::type_identity_t<More>... more) {
+  return [=] { return pattern(options, more...); };
+}
+
 /// Puts a pattern that covers `size` x `size` metres into a scene; gives its index.
-int AddTexture(const cv::Mat& pattern, double size, Scene& scene);
+int AddPattern(std::function<cv::Mat()> draw, double size, Scene& scene);
 
 /// Puts a material into a scene; gives its index.
 int AddMaterial(const Material& material, Scene& scene);

@@ -38,23 +38,26 @@ struct StreetLooks {
 StreetLooks AddStreetLooks(Random& random, Scene& scene) {
   const auto seed = [&] { return static_cast<std::uint64_t>(random.Uniform() * 0x1.0p53); };
   StreetLooks looks;
-  looks.asphalt = AddMaterial({AddTexture(PavementPattern({2048, seed(), 0.35F, 0.08F}), 9.1, scene), 1, 0, 0}, scene);
-  looks.slabs = AddMaterial({AddTexture(BrickPattern({1024, seed(), 0.5F, 0.1F}, 8), 3.7, scene), 1, 0, 0}, scene);
-  const int leaves = AddTexture(FoliagePattern({1024, seed(), 0.3F, 0.14F}), 3.1, scene);
-  const int lawn = AddTexture(FoliagePattern({1024, seed(), 0.32F, 0.1F}), 4.7, scene);
-  const int bark = AddTexture(CloudPattern({512, seed(), 0.3F, 0.12F}), 1.3, scene);
-  const int paint = AddTexture(PavementPattern({512, seed(), 0.7F, 0.1F}), 2.3, scene);
-  const int tiles = AddTexture(BrickPattern({1024, seed(), 0.35F, 0.1F}, 24), 6.3, scene);
+  looks.asphalt =
+      AddMaterial({AddPattern(Drawing(PavementPattern, {2048, seed(), 0.35F, 0.08F}), 9.1, scene), 1, 0, 0}, scene);
+  looks.slabs =
+      AddMaterial({AddPattern(Drawing(BrickPattern, {1024, seed(), 0.5F, 0.1F}, 8), 3.7, scene), 1, 0, 0}, scene);
+  const int leaves = AddPattern(Drawing(FoliagePattern, {1024, seed(), 0.3F, 0.14F}), 3.1, scene);
+  const int lawn = AddPattern(Drawing(FoliagePattern, {1024, seed(), 0.32F, 0.1F}), 4.7, scene);
+  const int bark = AddPattern(Drawing(CloudPattern, {512, seed(), 0.3F, 0.12F}, 1.0), 1.3, scene);
+  const int paint = AddPattern(Drawing(PavementPattern, {512, seed(), 0.7F, 0.1F}), 2.3, scene);
+  const int tiles = AddPattern(Drawing(BrickPattern, {1024, seed(), 0.35F, 0.1F}, 24), 6.3, scene);
   looks.grass = AddMaterial({lawn, 1, 0, 0}, scene);
   looks.line = AddMaterial({paint, 1.1F, 0, 0}, scene);
   looks.bark = AddMaterial({bark, 0.8F, 0, 0}, scene);
   looks.hedge = AddMaterial({leaves, 0.9F, 0, 0}, scene);
   looks.post = AddMaterial({bark, 1.3F, 0, 0}, scene);
-  looks.sign = AddMaterial({AddTexture(FacadePattern({256, seed(), 0.5F, 0.3F}, 2, 3), 0.6, scene), 1.5F, 0, 0}, scene);
+  looks.sign =
+      AddMaterial({AddPattern(Drawing(FacadePattern, {256, seed(), 0.5F, 0.3F}, 2, 3), 0.6, scene), 1.5F, 0, 0}, scene);
   looks.tree_line =
-      AddMaterial({AddTexture(FoliagePattern({1024, seed(), 0.35F, 0.12F}), 14, scene), 0.8F, 0, 0}, scene);
+      AddMaterial({AddPattern(Drawing(FoliagePattern, {1024, seed(), 0.35F, 0.12F}), 14, scene), 0.8F, 0, 0}, scene);
   for (int i = 0; i < 5; ++i) {
-    const int facade = AddTexture(FacadePattern({1024, seed(), 0.55F, 0.14F}, 3, 4), 3 * kHouseStorey, scene);
+    const int facade = AddPattern(Drawing(FacadePattern, {1024, seed(), 0.55F, 0.14F}, 3, 4), 3 * kHouseStorey, scene);
     looks.facades.push_back(AddMaterial({facade, static_cast<float>(random.Uniform(0.75, 1.3)), 0, 0}, scene));
   }
   for (const float tint : {0.8F, 1.1F, 1.5F}) {

@@ -26,12 +26,12 @@ inline const Eigen::Vector3d kTestCarBoard = {0, -2, 0};
 inline World MakeTestWorld(double seconds) {
   World world;
   Scene& scene = world.scene;
-  scene.textures.emplace_back(PavementPattern({.side = 512, .seed = 1}), 4.0);
-  scene.textures.emplace_back(CloudPattern({.side = 512, .seed = 2, .contrast = 0.2F}), 3.0);
+  scene.patterns.push_back({[] { return PavementPattern({.side = 512, .seed = 1}); }, 4.0});
+  scene.patterns.push_back({[] { return CloudPattern({.side = 512, .seed = 2, .contrast = 0.2F}); }, 3.0});
   constexpr int kFloor = 0;
   constexpr int kWall = 1;
   constexpr int kGlowing = 2;
-  scene.materials = {{.texture = 0}, {.texture = 1}, {.texture = 1, .tint = 0, .glow = kTestGlow}};
+  scene.materials = {{.pattern = 0}, {.pattern = 1}, {.pattern = 1, .tint = 0, .glow = kTestGlow}};
   scene.sky = 0.6F;
   scene.ambient = 0.8F;
   AddRectangle({.material = kFloor, .light_step = 4}, {-40, 0, -20}, {0, 0, 80}, {80, 0, 0}, scene.fixed);
