@@ -44,29 +44,41 @@ function(turnscale_module module)
   set_property(GLOBAL APPEND PROPERTY TURNSCALE_MODULES_OF_${TURNSCALE_PART} ${target})
 endfunction()
 
-# turnscale_tests(<module> SOURCES <test files> [USES <extra libraries>] [LABELS <ctest labels>]): one GoogleTest
-# program. Without labels these are unit tests: the target unit_tests builds them, and CTest runs them in one process,
-# since loading the libraries takes longer than most of the tests. With labels, CTest runs each test by itself.
+# turnscale_tests(<module> SOURCES <test files> [USES <extra libraries>] [LABELS <ctest labels> [SHARDS <number>]]): one
+# GoogleTest program. Without labels these are unit tests: the target unit_tests builds them. CTest runs the tests of a
+# program in one process, or in as many as there are shards, since loading the libraries takes longer than most of the
+# tests.
 function(turnscale_tests module)
   if(NOT TURNSCALE_BUILD_TESTS)
     return()
   endif()
-  cmake_parse_arguments(TESTS "" "" "SOURCES;USES;LABELS" ${ARGN})
+  cmake_parse_arguments(TESTS "" "" "SOURCES;USES;LABELS;SHARDS" ${ARGN})
   set(target ${module}_test)
   add_executable(${target} ${TESTS_SOURCES})
   if(TARGET turnscale_${module})
     target_link_libraries(${target} PRIVATE turnscale::${module})
   endif()
   target_link_libraries(${target} PRIVATE ${TESTS_USES} GTest::gtest_main turnscale_build_flags)
+  if(TESTS_SHARDS)
+    math(EXPR last "${TESTS_SHARDS} - 1")
+    foreach(shard RANGE ${last})
+      add_test(NAME ${target}.${shard} COMMAND ${target})
+      set_tests_properties(
+        ${target}.${shard}
+        PROPERTIES LABELS "${TESTS_LABELS}" TIMEOUT 900
+                   ENVIRONMENT "GTEST_TOTAL_SHARDS=${TESTS_SHARDS};GTEST_SHARD_INDEX=${shard}")
+    endforeach()
+    return()
+  endif()
+  add_test(NAME ${target} COMMAND ${target})
   if(TESTS_LABELS)
-    gtest_discover_tests(${target} DISCOVERY_TIMEOUT 60 PROPERTIES LABELS "${TESTS_LABELS}" TIMEOUT 300)
+    set_tests_properties(${target} PROPERTIES LABELS "${TESTS_LABELS}" TIMEOUT 900)
     return()
   endif()
   if(NOT TARGET unit_tests)
     add_custom_target(unit_tests)
   endif()
   add_dependencies(unit_tests ${target})
-  add_test(NAME ${target} COMMAND ${target})
   set_tests_properties(${target} PROPERTIES LABELS unit TIMEOUT 900)
 endfunction()
 
