@@ -16,19 +16,19 @@ struct CalibrationOptions {
   RefinementOptions refinement;
   /// Least turning, right and left together, before the roll and the split of the camera's heading into yaw and pitch
   /// are believed, rad (30 deg).
-  double min_turn = 30 / 57.295779513082320877;
+  double min_turn = 30 / kDegreesPerRadian;
   /// The linear solution counts as unique from this ratio of its two smallest singular values on. The noise of a
   /// straight drive alone gives 1.9 in the median and up to 2.6 over 100 frames, one right angle gives 3.5 and more.
   double min_confidence = 2.6;
   /// Turns that are counted for the report begin here, rad (15 deg in one direction).
-  double counted_turn = 15 / 57.295779513082320877;
+  double counted_turn = 15 / kDegreesPerRadian;
 
   /// Compensate the roll of the body in turns. The paper's car is rigid.
   bool body_lean = true;
   /// Standard deviation of what a drive's own motion may be off by from begin to end, rad (0.15 deg): the lens and its
   /// mounting for an odometry, a heading for an inertial one, the road's camber. Yaw and pitch of one drive do not
   /// show it; on KITTI, ground truth and stereo odometry differ by 0.1 to 0.3 deg.
-  double motion_bias = 0.15 / 57.295779513082320877;
+  double motion_bias = 0.15 / kDegreesPerRadian;
 
   /// Throws InputError that names the field when a value makes no sense.
   void Check() const;

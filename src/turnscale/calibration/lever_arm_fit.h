@@ -6,6 +6,7 @@
 #include <Eigen/Geometry>
 
 #include "turnscale/calibration/camera_step.h"
+#include "turnscale/geometry/angle.h"
 #include "turnscale/kinematics/ackermann.h"
 
 namespace turnscale {
@@ -18,7 +19,7 @@ struct LeverArmFitOptions {
   /// This share of the turning steps' residuals is below the robust weight's threshold.
   double huber_share = 0.6;
   /// Least turning of all drives together, rad (30 deg).
-  double min_turn = 30 / 57.295779513082320877;
+  double min_turn = 30 / kDegreesPerRadian;
   /// Least standard deviation of v^2 over the turning steps, over their mean: for side_slip.
   double min_speed_spread = 0.25;
   /// A lever arm with a larger relative sigma is rejected.

@@ -7,6 +7,7 @@
 
 #include "turnscale/calibration/calibration.h"
 #include "turnscale/calibration/linear_calibration.h"
+#include "turnscale/geometry/angle.h"
 
 namespace turnscale {
 
@@ -21,21 +22,21 @@ struct OnlineCalibrationOptions {
   int retired_together = 20;
   /// The drift of a mount and of a car's load that old knowledge is allowed, rad for each time steps are handed over
   /// (0.02 deg).
-  double drift = 0.02 / 57.295779513082320877;
+  double drift = 0.02 / kDegreesPerRadian;
   /// The latest steps are held against all before them over this many steps: 8 s and 20 s of driving.
   int short_memory = 12;
   int long_memory = 30;
   /// Braking, load and the grade of the road move yaw and pitch by this much over such times, rad (0.4 deg).
-  double sway = 0.4 / 57.295779513082320877;
+  double sway = 0.4 / kDegreesPerRadian;
   /// A camera was moved when the yaw and pitch of the latest steps disagree by so many standard deviations, several
   /// times in a row.
   double moved_sigmas = 4;
   /// And by at least this angle, rad (1.2 deg).
-  double moved_angle = 1.2 / 57.295779513082320877;
+  double moved_angle = 1.2 / kDegreesPerRadian;
   int moved_confirmations = 3;
   /// Q is used below this standard deviation of its yaw, rad (0.3 deg, CalibrationOptions::motion_bias included:
   /// the scale is then right within some per cent).
-  double usable_yaw_sigma = 0.3 / 57.295779513082320877;
+  double usable_yaw_sigma = 0.3 / kDegreesPerRadian;
 
   /// Throws InputError that names the field when a value makes no sense.
   void Check() const;

@@ -9,6 +9,7 @@
 
 #include "turnscale/calibration/camera_step.h"
 #include "turnscale/calibration/step_residual.h"
+#include "turnscale/geometry/angle.h"
 
 namespace turnscale {
 
@@ -24,9 +25,9 @@ enum class TravelModel {
 
 /// Standard deviations of a step's measurements, radians: for the weights of the residuals.
 struct StepNoise {
-  double rotation = 0.1 / 57.295779513082320877;    ///< off the turning axis; odometry and the body on its springs
-  double vertical = 0.5 / 57.295779513082320877;    ///< direction of travel, up and down
-  double horizontal = 0.5 / 57.295779513082320877;  ///< direction of travel, left and right
+  double rotation = 0.1 / kDegreesPerRadian;    ///< off the turning axis; odometry and the body on its springs
+  double vertical = 0.5 / kDegreesPerRadian;    ///< direction of travel, up and down
+  double horizontal = 0.5 / kDegreesPerRadian;  ///< direction of travel, left and right
 };
 
 struct RefinementOptions {
@@ -36,11 +37,11 @@ struct RefinementOptions {
   /// Weight rotations and directions by their observed spread; otherwise both count alike, as in (15).
   bool weigh_by_spread = true;
   /// A piece of the drive gets a lever arm of its own once its heading has swept so much, rad (60 deg).
-  double turn_per_lever_arm = 60 / 57.295779513082320877;
+  double turn_per_lever_arm = 60 / kDegreesPerRadian;
   /// Standard deviation of the road's bank and the body's lean in a turn, rad (1.5 deg). It tilts the turning axis for
   /// all of a turn, so the spread of single steps does not show it; it goes into the covariance of the roll alone.
   /// The roll that KITTI's turns show scatters by as much; 0 is a flat world.
-  double road_bank = 1.5 / 57.295779513082320877;
+  double road_bank = 1.5 / kDegreesPerRadian;
   int max_iterations = 100;
   double tolerance = 1e-6;  ///< rad; the last update of the rotation
 

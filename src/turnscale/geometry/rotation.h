@@ -6,10 +6,9 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
-namespace turnscale {
+#include "turnscale/geometry/angle.h"
 
-constexpr double kDegreesPerRadian = 57.295779513082320877;
-constexpr double InDegrees(double radians) { return radians * kDegreesPerRadian; }
+namespace turnscale {
 
 /// Matrix of the cross product: Skew(a) * b = a x b.
 Eigen::Matrix3d Skew(const Eigen::Vector3d& v);

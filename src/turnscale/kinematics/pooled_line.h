@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "turnscale/geometry/angle.h"
 #include "turnscale/kinematics/ackermann.h"
 #include "turnscale/kinematics/vehicle_step.h"
 
@@ -32,14 +33,14 @@ RobustLine FitRobustLine(const std::vector<LinePoint>& points, double noise_floo
 struct PooledLineOptions {
   /// Standard deviation of a step's direction of travel, rad: a lower bound of the noise, however well few
   /// steps agree with each other (0.25 deg, half of what monocular odometry shows over steps of 3 deg).
-  double sigma_theta = 0.25 / 57.295779513082320877;
+  double sigma_theta = 0.25 / kDegreesPerRadian;
   /// Residuals beyond this many robust standard deviations get no weight (Tukey's biweight). Wide, because a lateral
   /// error of a camera centre enters two steps with opposite sign: rejecting only one of them would bias the line.
   double robust_threshold = 6.0;
   /// Least number of inlier steps.
   int min_inliers = 3;
   /// Least sum of |psi| of the inlier steps, rad (10 deg).
-  double min_angle = 10.0 / 57.295779513082320877;
+  double min_angle = 10.0 / kDegreesPerRadian;
 
   /// Throws InputError that names the field when a value makes no sense.
   void Check() const;

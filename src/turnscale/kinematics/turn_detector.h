@@ -3,17 +3,19 @@
 
 #include <optional>
 
+#include "turnscale/geometry/angle.h"
+
 namespace turnscale {
 
 struct TurnDetectorOptions {
   /// psi_th of Algorithm 1: least turning angle of a keyframe step, rad (1.5 deg). High enough to leave out the bends
   /// of a straight road, low enough for the gentle turns of a car whose keyframes are 0.1 s apart.
-  double min_step_angle = 1.5 / 57.295779513082320877;
+  double min_step_angle = 1.5 / kDegreesPerRadian;
   /// n_th: least number of such steps in a region.
   int min_steps = 4;
   /// Least angle of the whole region, rad (15 deg): less than that is a bend of the road, which has little
   /// information for the line fit.
-  double min_region_angle = 15.0 / 57.295779513082320877;
+  double min_region_angle = 15.0 / kDegreesPerRadian;
   /// A turn continues over this many consecutive weaker steps. The paper has 0: one weak step between strong ones then
   /// divides a street corner in two.
   int max_weak_steps = 1;

@@ -6,6 +6,7 @@
 
 #include <Eigen/Geometry>
 
+#include "turnscale/geometry/angle.h"
 #include "turnscale/geometry/rigid_transform.h"
 #include "turnscale/kinematics/ackermann.h"
 
@@ -52,7 +53,7 @@ struct VehicleStepOptions {
   /// A step ends at the first pose by which the camera has turned by this much, rad (2.5 deg). Shorter steps carry more
   /// noise than signal; within longer ones the curvature changes, which the circle of (1) does not model. 0: a step
   /// from each pose to the next.
-  double angle = 2.5 / 57.295779513082320877;
+  double angle = 2.5 / kDegreesPerRadian;
   /// Or after this time, s: on straights.
   double max_duration = 0.6;
   /// Or after this many poses, where times are unknown.
@@ -60,7 +61,7 @@ struct VehicleStepOptions {
   /// A step this many times as fast as four of five of the ten around it is a jump of the odometry.
   double max_speed_ratio = 3;
   /// A step that goes further off straight ahead or straight back than this is a jump, rad (60 deg).
-  double max_direction = 60.0 / 57.295779513082320877;
+  double max_direction = 60.0 / kDegreesPerRadian;
 
   /// Throws InputError that names the field when a value makes no sense.
   void Check() const;

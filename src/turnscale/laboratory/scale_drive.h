@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "turnscale/geometry/angle.h"
 #include "turnscale/laboratory/paper_drive.h"
 #include "turnscale/mapping/map.h"
 
@@ -30,8 +31,8 @@ struct ScaleDriveOptions {
   int keyframe_frames = 9;
   /// And every so many where the car turns, since the observer takes a step for an arc of a circle.
   int turning_keyframe_frames = 3;
-  double pixel_noise = 1;                               ///< standard deviation of each pixel coordinate
-  double rotation_noise = 0.5 / 57.295779513082320877;  ///< of the odometry's rotation about each axis, rad a step
+  double pixel_noise = 1;                           ///< standard deviation of each pixel coordinate
+  double rotation_noise = 0.5 / kDegreesPerRadian;  ///< of the odometry's rotation about each axis, rad a step
   /// Share of its length that the odometry's unit loses every `scale_loss_frames` frames: 32 % over the drive. The
   /// paper has "0.1 % per frame" and "33 %" in all, which agree only if a frame is a step of about 3.1 m.
   double scale_loss = 0.001;

@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "turnscale/geometry/angle.h"
 #include "turnscale/kinematics/turn_detector.h"
 #include "turnscale/laboratory/parallel_runs.h"
 #include "turnscale/laboratory/scale_drive.h"
@@ -15,7 +16,7 @@
 namespace turnscale {
 
 /// The paper's psi_th for its synthetic drive, rad (2.5 deg).
-constexpr double kTurningAngle = 2.5 / 57.295779513082320877;
+constexpr double kTurningAngle = 2.5 / kDegreesPerRadian;
 
 /// The car of the synthetic drive, known exactly, its pixels, whose errors are independent, and the paper's psi_th. All
 /// else as `turnscale run` has it.

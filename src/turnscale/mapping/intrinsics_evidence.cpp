@@ -169,6 +169,30 @@ struct EliminatedPoint {
   std::vector<Edge> edges;
 };
 
+// The row of a landmark at `x` in the camera's frame. Residuals are those of the distorted image: the correction does
+// not scale their noise. Derivatives are taken at the predicted pixel: those at the measured one are correlated with
+// its noise, which biases the correction.
+Row MakeRow(const Pinhole& pinhole, const Eigen::Matrix3d& rotation, const Eigen::Vector3d& x,
+            const Prediction& predicted, const Eigen::Vector2d& distorted, double pixel_sigma, double huber_threshold) {
+  const double weight = 1 / pixel_sigma;
+  Row row;
+  row.residual = weight * (predicted.distorted - distorted);
+  const double length = row.residual.norm();
+  const double root_weight =
+      huber_threshold > 0 && length > huber_threshold ? std::sqrt(huber_threshold / length) : 1.0;
+  Eigen::Matrix<double, 2, 3> by_x;
+  by_x << pinhole.fx / x.z(), 0, -pinhole.fx * x.x() / (x.z() * x.z()),  //
+      0, pinhole.fy / x.z(), -pinhole.fy * x.y() / (x.z() * x.z());
+  row.pose << -by_x * Skew(x), by_x * rotation;
+  const Eigen::Vector2d distorted_point = pinhole.Ray(predicted.distorted).head<2>();
+  row.intrinsics = IntrinsicsJacobian(pinhole, x, distorted_point, predicted.corrected);
+  row.residual *= root_weight;
+  const Eigen::Matrix2d by_ideal = root_weight * weight * predicted.jacobian;
+  row.pose = by_ideal * row.pose;
+  row.intrinsics = by_ideal * row.intrinsics;
+  return row;
+}
+
 // Adds the rows of one point to the system and takes the point out. Nothing where they do not determine it.
 std::optional<EliminatedPoint> Eliminate(const std::vector<Row>& rows, ReducedSystem& system) {
   if (rows.size() < kFewestInTrack) return std::nullopt;
@@ -376,28 +400,12 @@ std::optional<IntrinsicsEvidence> IntrinsicsProblem::Evidence() {
       const BundleObservation& seen = bundle_.observations[i];
       const Eigen::Vector3d x = bundle_.camera_from_world[seen.camera] * bundle_.points[p];
       if (!IsInFront(x) || !corrected_[i]) continue;
-      // Residuals in the distorted image: the correction does not scale their noise. Derivatives at the predicted
-      // pixel: those at the measured one are correlated with its noise, which biases the correction.
       const std::optional<Prediction> predicted =
           Predict(given_, change_, bundle_.pinhole, bundle_.pinhole.Project(x), distorted_[i], *corrected_[i]);
       if (!predicted) continue;
-      const double weight = 1 / pixel_sigma_;
-      Row& row = rows.emplace_back();
-      row.column = kPoseDof * (seen.camera - 1);
-      row.residual = weight * (predicted->distorted - distorted_[i]);
-      const double length = row.residual.norm();
-      const double root_weight =
-          huber_threshold_ > 0 && length > huber_threshold_ ? std::sqrt(huber_threshold_ / length) : 1.0;
-      Eigen::Matrix<double, 2, 3> by_x;
-      by_x << bundle_.pinhole.fx / x.z(), 0, -bundle_.pinhole.fx * x.x() / (x.z() * x.z()),  //
-          0, bundle_.pinhole.fy / x.z(), -bundle_.pinhole.fy * x.y() / (x.z() * x.z());
-      row.pose << -by_x * Skew(x), by_x * rotations[seen.camera];
-      const Eigen::Vector2d distorted_point = bundle_.pinhole.Ray(predicted->distorted).head<2>();
-      row.intrinsics = IntrinsicsJacobian(bundle_.pinhole, x, distorted_point, predicted->corrected);
-      row.residual *= root_weight;
-      const Eigen::Matrix2d by_ideal = root_weight * weight * predicted->jacobian;
-      row.pose = by_ideal * row.pose;
-      row.intrinsics = by_ideal * row.intrinsics;
+      rows.push_back(MakeRow(bundle_.pinhole, rotations[seen.camera], x, *predicted, distorted_[i], pixel_sigma_,
+                             huber_threshold_));
+      rows.back().column = kPoseDof * (seen.camera - 1);
     }
   };
   // Rows are filled on several threads, and added up in the order of the points.

@@ -8,6 +8,7 @@
 #include "turnscale/features/corners.h"
 #include "turnscale/features/optical_flow.h"
 #include "turnscale/features/patch_alignment.h"
+#include "turnscale/geometry/angle.h"
 #include "turnscale/kinematics/ackermann.h"
 #include "turnscale/kinematics/vehicle_step.h"
 #include "turnscale/mapping/absolute_scale_recovery.h"
@@ -43,7 +44,7 @@ struct VehicleOptions {
   /// Estimate Q from the drive.
   bool calibrate_camera = true;
   /// Standard deviation of the yaw of Q, given or estimated, rad (0.3 deg: at which the calibration is first used).
-  double yaw_sigma = 0.3 / 57.295779513082320877;
+  double yaw_sigma = 0.3 / kDegreesPerRadian;
   /// Height of the camera above the road, metres. Estimated in turns if not given.
   std::optional<double> camera_height;
   std::optional<double> camera_height_sigma;  ///< its standard deviation, metres; 1 % of it if not given

@@ -9,6 +9,7 @@
 
 #include "turnscale/camera/camera_model.h"
 #include "turnscale/features/optical_flow.h"
+#include "turnscale/geometry/angle.h"
 #include "turnscale/mapping/map.h"
 #include "turnscale/odometry/road_heights.h"
 #include "turnscale/road/road_plane.h"
@@ -22,7 +23,7 @@ struct RoadObserverOptions {
   double baseline = 0.5;
   double min_baseline = 0.1;  ///< heights
   /// Turn between the two keyframes beyond which the road is not observed, rad (6 deg): the body leans.
-  double max_turn = 6.0 / 57.295779513082320877;
+  double max_turn = 6.0 / kDegreesPerRadian;
 
   /// Throws InputError that names the field when a value makes no sense.
   void Check() const;

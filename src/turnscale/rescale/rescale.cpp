@@ -9,6 +9,7 @@
 #include "turnscale/calibration/calibration.h"
 #include "turnscale/calibration/camera_axes.h"
 #include "turnscale/calibration/camera_step.h"
+#include "turnscale/geometry/angle.h"
 #include "turnscale/scale/live_scale.h"
 #include "turnscale/scale/scale_track.h"
 
@@ -117,7 +118,7 @@ bool FindMount(const RescaleOptions& options, const Trajectory& trajectory, cons
   }
   try {
     // Of the mean direction of travel, which is off in a drive that turns one way (5 deg).
-    constexpr double kUnobservedYawSigma = 5.0 / 57.295779513082320877;
+    constexpr double kUnobservedYawSigma = 5.0 / kDegreesPerRadian;
     const MountFromPath mount = FindCameraMount(trajectory, options.timed, first_poses);
     result.vehicle_from_camera = mount.vehicle_from_camera;
     if (!mount.observed) result.yaw_sigma = std::max(result.yaw_sigma, kUnobservedYawSigma);

@@ -5,21 +5,22 @@
 
 #include <Eigen/Core>
 
+#include "turnscale/geometry/angle.h"
 #include "turnscale/road/road_patches.h"
 
 namespace turnscale {
 
 struct RoadPlaneOptions {
   RoadPatchOptions patches;
-  double pitch_sigma = 0.25 / 57.295779513082320877;  ///< of the road against the direction of travel, rad
-  double roll_sigma = 3.0 / 57.295779513082320877;    ///< of the road against the vehicle's axes, rad
-  double vertical_curvature_sigma = 0.003;            ///< curvature of the road along the way, rad per height
-  double unevenness = 0.01;                           ///< of the road about its plane, heights
-  double max_deviation = 4;                           ///< of pitch and roll, in their sigmas; else rejected
-  double min_correlation = 0.7;                       ///< of a patch with the earlier image
-  int min_patches = 20;                               ///< inliers
-  double min_share = 0.5;                             ///< of inliers in the patches that match
-  double max_sigma = 0.1;                             ///< relative, of a height
+  double pitch_sigma = 0.25 / kDegreesPerRadian;  ///< of the road against the direction of travel, rad
+  double roll_sigma = 3.0 / kDegreesPerRadian;    ///< of the road against the vehicle's axes, rad
+  double vertical_curvature_sigma = 0.003;        ///< curvature of the road along the way, rad per height
+  double unevenness = 0.01;                       ///< of the road about its plane, heights
+  double max_deviation = 4;                       ///< of pitch and roll, in their sigmas; else rejected
+  double min_correlation = 0.7;                   ///< of a patch with the earlier image
+  int min_patches = 20;                           ///< inliers
+  double min_share = 0.5;                         ///< of inliers in the patches that match
+  double max_sigma = 0.1;                         ///< relative, of a height
 
   /// Throws InputError that names the field when a value makes no sense.
   void Check() const;

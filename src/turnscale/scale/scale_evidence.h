@@ -7,6 +7,7 @@
 
 #include <Eigen/Core>
 
+#include "turnscale/geometry/angle.h"
 #include "turnscale/kinematics/ackermann.h"
 #include "turnscale/kinematics/pooled_line.h"
 #include "turnscale/scale/path_segment.h"
@@ -25,7 +26,7 @@ struct CarPrior {
   double side_slip = kUsualSideSlip;             ///< c, s^2/m
   double side_slip_sigma = kUsualSideSlipSigma;  ///< 0 where c is known exactly
   /// Of the yaw error of Q, rad (0.3 deg: at which the calibration from the camera's motion is first used).
-  double yaw_sigma = 0.3 / 57.295779513082320877;
+  double yaw_sigma = 0.3 / kDegreesPerRadian;
   double roll_height = kUsualRollHeight;             ///< h: above the axis about which the body rolls, metres
   double roll_height_sigma = kUsualRollHeightSigma;  ///< metres
   /// H: height of the camera above the road, metres. 0: not known; estimated in turns.
@@ -88,9 +89,9 @@ struct EvidenceOptions {
   double slip_sigma = 0.2;
   /// Direction of travel in a turn, rad (0.05 deg): road bank. Gravity loads the tyres by it, so a bank of 1.1 deg
   /// changes the slip angle by this much.
-  double turn_direction_sigma = 0.05 / 57.295779513082320877;
+  double turn_direction_sigma = 0.05 / kDegreesPerRadian;
   /// Direction of travel on a straight segment, rad (0.1 deg): crown of the road, side wind, lane changes.
-  double straight_direction_sigma = 0.1 / 57.295779513082320877;
+  double straight_direction_sigma = 0.1 / kDegreesPerRadian;
   /// Least ratio of effective to measured lever arm in a turn. In faster turns the scale depends on the slip rather
   /// than on the measured lever arm.
   double min_lever_arm_ratio = 0.25;
