@@ -55,6 +55,8 @@ function(turnscale_tests module)
   cmake_parse_arguments(TESTS "" "" "SOURCES;USES;LABELS;SHARDS" ${ARGN})
   set(target ${module}_test)
   add_executable(${target} ${TESTS_SOURCES})
+  # Compiles a fifth faster. The libraries that are tested keep their own level.
+  target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
   if(TARGET turnscale_${module})
     target_link_libraries(${target} PRIVATE turnscale::${module})
   endif()
