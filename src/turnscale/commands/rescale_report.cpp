@@ -17,6 +17,8 @@
 namespace turnscale {
 namespace {
 
+using Json = nlohmann::ordered_json;
+
 std::string PositiveCell(double value) { return value > 0 ? fmt::format("{:.6g}", value) : std::string(); }
 
 // Lowest and highest of the drive.
@@ -206,33 +208,33 @@ std::string RescaleJson(const RescaleResult& result, const std::string& input) {
   const YawPitchRoll camera = YawPitchRollFromRotation(result.vehicle_from_camera);
   const ScaleEstimate& estimate = *result.estimate;
   const CarRefinement& car = estimate.car;
-  const auto known = [](double metres) {
-    return metres > 0 ? nlohmann::ordered_json(metres) : nlohmann::ordered_json(nullptr);
-  };
-  const nlohmann::ordered_json json = {{"input", input},
-                                       {"poses", result.poses.size()},
-                                       {"length_m", result.length},
-                                       {"length_sigma", estimate.length_sigma},
-                                       {"metres_per_unit", {{"min", low}, {"max", high}}},
-                                       {"sigma_relative", {{"min", best}, {"max", worst}}},
-                                       {"turns", {{"found", TurnsOf(result).size()}, {"used", UsedTurns(result)}}},
-                                       {"converged", estimate.converged},
-                                       {"contradicted", estimate.test.contradicted},
-                                       {"follows_single_turns", estimate.fell_back},
-                                       {"camera_rotation",
-                                        {{"yaw_deg", camera.yaw * kDegreesPerRadian},
-                                         {"pitch_deg", camera.pitch * kDegreesPerRadian},
-                                         {"roll_deg", camera.roll * kDegreesPerRadian}}},
-                                       {"yaw_error_deg", car.yaw_error * kDegreesPerRadian},
-                                       {"yaw_error_sigma_deg", car.yaw_error_sigma * kDegreesPerRadian},
-                                       {"side_slip_s2pm", car.side_slip},
-                                       {"side_slip_sigma_s2pm", car.side_slip_sigma},
-                                       {"side_slip_at_bound", car.side_slip_at_bound},
-                                       {"roll_height_m", car.roll_height},
-                                       {"roll_height_sigma_m", car.roll_height_sigma},
-                                       {"camera_height_m", known(car.camera_height)},
-                                       {"camera_height_sigma_m", known(car.camera_height_sigma)}};
-  return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+  const auto known = [&](double metres) { return metres > 0 ? Json(metres) : Json(nullptr); };
+  // Single-turn scales do not use the refined car.
+  const auto refined = [&](const auto& value) { return estimate.fell_back ? Json(nullptr) : Json(value); };
+  const Json json = {{"input", input},
+                     {"poses", result.poses.size()},
+                     {"length_m", result.length},
+                     {"length_sigma", estimate.length_sigma},
+                     {"metres_per_unit", {{"min", low}, {"max", high}}},
+                     {"sigma_relative", {{"min", best}, {"max", worst}}},
+                     {"turns", {{"found", TurnsOf(result).size()}, {"used", UsedTurns(result)}}},
+                     {"converged", estimate.converged},
+                     {"contradicted", estimate.test.contradicted},
+                     {"follows_single_turns", estimate.fell_back},
+                     {"camera_rotation",
+                      {{"yaw_deg", camera.yaw * kDegreesPerRadian},
+                       {"pitch_deg", camera.pitch * kDegreesPerRadian},
+                       {"roll_deg", camera.roll * kDegreesPerRadian}}},
+                     {"yaw_error_deg", refined(car.yaw_error * kDegreesPerRadian)},
+                     {"yaw_error_sigma_deg", refined(car.yaw_error_sigma * kDegreesPerRadian)},
+                     {"side_slip_s2pm", refined(car.side_slip)},
+                     {"side_slip_sigma_s2pm", refined(car.side_slip_sigma)},
+                     {"side_slip_at_bound", refined(car.side_slip_at_bound)},
+                     {"roll_height_m", refined(car.roll_height)},
+                     {"roll_height_sigma_m", refined(car.roll_height_sigma)},
+                     {"camera_height_m", refined(known(car.camera_height))},
+                     {"camera_height_sigma_m", refined(known(car.camera_height_sigma))}};
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
 std::vector<std::string> RescaleWarnings(const RescaleResult& result, const CarPrior& car) {
@@ -244,7 +246,9 @@ std::vector<std::string> RescaleWarnings(const RescaleResult& result, const CarP
   const std::string of_turns = TurnWarning(*result.estimate, poses_of, "the timestamps and the lever arm");
   if (!of_turns.empty()) warnings.push_back(of_turns);
   if (result.estimate->height_conflict)
-    warnings.push_back(HeightWarning(*result.estimate->height_conflict, car.lever_arm));
+    warnings.push_back(HeightWarning(*result.estimate->height_conflict, car.lever_arm, "measure both again"));
+  if (result.estimate->yaw_conflict)
+    warnings.push_back(YawWarning(*result.estimate->yaw_conflict, "check --camera-rotation"));
   return warnings;
 }
 
@@ -255,15 +259,18 @@ std::string RescaleText(const RescaleResult& result) {
   if (high > low) text = fmt::format("scale         {:.5g} ... {:.5g} m per unit", low, high);
   text += worst - best > 0.0005 ? fmt::format(", +- {:.1f} ... {:.1f} %\n", 100 * best, 100 * worst)
                                 : fmt::format(", +- {:.1f} %\n", 100 * best);
-  CarRefinement car = result.estimate->car;
+  const CarRefinement& car = result.estimate->car;
   // Single-turn scales do not use the refined car.
-  if (result.estimate->fell_back) car = {.yaw_error_sigma = result.yaw_sigma};
-  text += fmt::format("path          {:.1f} m +- {:.1f} %, {} turns used of {}\n", result.length,
+  const bool refined = !result.estimate->fell_back;
+  const double yaw_error = refined ? car.yaw_error : 0.0;
+  const double yaw_sigma = refined ? car.yaw_error_sigma : result.yaw_sigma;
+  text += fmt::format("path          {:.1f} m +- {:.1f} %, {} of {} turns used\n", result.length,
                       100 * result.estimate->length_sigma, UsedTurns(result), TurnsOf(result).size());
   const YawPitchRoll camera = YawPitchRollFromRotation(result.vehicle_from_camera);
   text += fmt::format("camera        yaw {:+.2f} +- {:.2f}, pitch {:+.2f}, roll {:+.2f} deg\n",
-                      (camera.yaw + car.yaw_error) * kDegreesPerRadian, car.yaw_error_sigma * kDegreesPerRadian,
+                      (camera.yaw + yaw_error) * kDegreesPerRadian, yaw_sigma * kDegreesPerRadian,
                       camera.pitch * kDegreesPerRadian, camera.roll * kDegreesPerRadian);
+  if (!refined) return text;
   if (car.side_slip_at_bound) {
     text += "side slip     0: the estimate would be negative; check the lever arm and the timestamps\n";
   } else if (car.side_slip_sigma > 0) {

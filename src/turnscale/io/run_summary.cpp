@@ -233,6 +233,27 @@ std::string CalibrationWarning(const ParameterEstimate& estimate, double scale_s
       std::isfinite(scale_sigma) ? fmt::format("; the scale may be off by {:.0f} % or more", 100 * scale_sigma) : "");
 }
 
+constexpr auto kCheckVehicle = "check that the file of --vehicle is of this car and camera";
+
+// A wrong lever arm shows in the height that the turns give. One line; empty for a usual height.
+std::string UnusualHeight(const CarRefinement& car) {
+  constexpr double kLeast = 0.6;  // m
+  constexpr double kMost = 2.4;   // m
+  const double reach = 2 * car.camera_height_sigma;
+  if (car.camera_height + reach >= kLeast && car.camera_height - reach <= kMost) return {};
+  return fmt::format(
+      "the turns give a camera {:.2f} +-{:.2f} m above the road, which is unusual for a car: check --lever-arm; height "
+      "and scale are proportional to it",
+      car.camera_height, car.camera_height_sigma);
+}
+
+// What to do about a camera-to-vehicle rotation that is wrong.
+std::string RotationRemedy(const VehicleOptions& vehicle) {
+  if (!vehicle.calibrate_camera) return "correct --camera-rotation, or leave it out to have it estimated";
+  if (vehicle.camera_known) return kCheckVehicle;
+  return "check whether the camera was moved";
+}
+
 }  // namespace
 
 std::optional<FrameLatency> LatencyOf(const std::vector<double>& seconds) {
@@ -317,7 +338,14 @@ void Summarize(const std::vector<FrameResult>& refined, const RefinedScale& scal
                      : "";
   if (!warning.empty()) summary.warnings.push_back(warning);
   if (summary.height_conflict)
-    summary.warnings.push_back(HeightWarning(*summary.height_conflict, summary.vehicle.lever_arm.value_or(0)));
+    summary.warnings.push_back(HeightWarning(*summary.height_conflict, summary.vehicle.lever_arm.value_or(0),
+                                             summary.vehicle.camera_known ? kCheckVehicle : "measure both again"));
+  if (summary.car && summary.car->camera_height > 0 && !summary.vehicle.camera_height) {
+    const std::string unusual = UnusualHeight(*summary.car);
+    if (!unusual.empty()) summary.warnings.push_back(unusual);
+  }
+  if (scale.estimate && scale.estimate->yaw_conflict)
+    summary.warnings.push_back(YawWarning(*scale.estimate->yaw_conflict, RotationRemedy(summary.vehicle)));
   summary.turns_found = static_cast<int>(turns.size());
   if (!scale.estimate) summary.pending_reason = scale.reason;
   summary.turns_used =
@@ -399,7 +427,9 @@ std::string SummaryText(const RunSummary& summary) {
   if (!IsMetric(summary)) {
     const bool given = summary.vehicle.lever_arm || summary.vehicle.camera_height;
     scale += given ? ", the trajectory is up to scale"
-                   : ": without --lever-arm or --camera-height the trajectory is up to scale";
+                   : ": without --lever-arm or --camera-height the trajectory is up to scale; with a lever arm, "
+                     "turnscale rescale " +
+                         summary.folder + " converts it";
     if (given && !summary.pending_reason.empty()) scale += ": " + summary.pending_reason;
   }
   const RunCost& cost = summary.cost;

@@ -105,7 +105,7 @@ struct RunSummary {
   std::optional<HeightConflict> height_conflict;  ///< lever arm and camera height disagree
   TurnTest turn_test;                             ///< consistency of the turns
   std::string pending_reason;                     ///< why there is no scale; empty where there is
-  std::vector<std::string> warnings;              ///< all that were printed, one line each
+  std::vector<std::string> warnings;              ///< all of the run, one line each
   std::string stopped;                            ///< why the run ended before the drive did; empty if it did not
   RunCost cost;
 };

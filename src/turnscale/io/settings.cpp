@@ -28,6 +28,8 @@ void VisitScaleSettings(Visitor& visitor, ScaleOptions& options) {
   visitor.Field("max_straight_steps", options.estimator.segments.max_straight_steps);
   visitor.Field("max_sigma_ratio", options.estimator.max_sigma_ratio);
   visitor.Field("max_height_deviation", options.estimator.max_height_deviation);
+  visitor.Field("max_yaw_deviation", options.estimator.max_yaw_deviation);
+  visitor.Degrees("contradicted_yaw_sigma_deg", options.estimator.contradicted_yaw_sigma);
   visitor.Group("turns", [&] {
     auto& o = options.estimator.segments.turns;
     visitor.Degrees("min_step_angle_deg", o.min_step_angle);

@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "turnscale/geometry/angle.h"
+
 namespace turnscale {
 
 std::string TurnWarning(const ScaleEstimate& estimate, const std::function<std::string(int)>& name_of,
@@ -14,10 +16,8 @@ std::string TurnWarning(const ScaleEstimate& estimate, const std::function<std::
   // Else they are used because of the calibration, which has its own warning, or by choice.
   if (!estimate.fell_back || (!contradicted && estimate.converged)) return {};
   if (contradicted && estimate.height_conflict && estimate.height_conflict->contradicts_turns)
-    return fmt::format(
-        "the turns are inconsistent with the given camera height, by {:.0f} % of scale, and consistent without it: the "
-        "trajectory uses single-turn scales; check the camera height and the lever arm",
-        100 * test.disagreement);
+    return "the trajectory uses single-turn scales: the turns agree with each other, but not with the given camera "
+           "height";
   const std::string problem =
       contradicted ? fmt::format("the turns are inconsistent by {:.0f} % of scale, most of all the one at {}",
                                  100 * test.disagreement, name_of(test.worst_turn))
@@ -25,12 +25,21 @@ std::string TurnWarning(const ScaleEstimate& estimate, const std::function<std::
   return fmt::format("{}: the trajectory uses single-turn scales; check {}", problem, suspects);
 }
 
-std::string HeightWarning(const HeightConflict& conflict, double lever_arm) {
+std::string HeightWarning(const HeightConflict& conflict, double lever_arm, const std::string& remedy) {
   const double ratio = conflict.given / conflict.found;
   return fmt::format(
       "lever arm and camera height disagree by {:.0f} %: with the lever arm {:.2f} m the turns give a height of {:.2f} "
-      "+-{:.2f} m, not {:.2f} m; the given height implies a lever arm of {:.2f} m: measure both again",
-      100 * std::abs(ratio - 1), lever_arm, conflict.found, conflict.found_sigma, conflict.given, ratio * lever_arm);
+      "+-{:.2f} m, not {:.2f} m; the given height implies a lever arm of {:.2f} m: {}",
+      100 * std::abs(ratio - 1), lever_arm, conflict.found, conflict.found_sigma, conflict.given, ratio * lever_arm,
+      remedy);
+}
+
+std::string YawWarning(const YawConflict& conflict, const std::string& remedy) {
+  return fmt::format(
+      "according to the drive the camera looks {:.1f} +-{:.1f} deg further to the {} than by its camera-to-vehicle "
+      "rotation, which is known to {:.1f} deg; the trajectory follows the drive: {}",
+      InDegrees(std::abs(conflict.found)), InDegrees(conflict.found_sigma), conflict.found > 0 ? "right" : "left",
+      InDegrees(conflict.given_sigma), remedy);
 }
 
 }  // namespace turnscale

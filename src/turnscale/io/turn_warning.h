@@ -15,7 +15,11 @@ std::string TurnWarning(const ScaleEstimate& estimate, const std::function<std::
                         const std::string& suspects);
 
 /// One line: by how much the given lever arm and camera height disagree, and the value of each that the other one
-/// implies.
-std::string HeightWarning(const HeightConflict& conflict, double lever_arm);
+/// implies. `remedy` is what the user should do.
+std::string HeightWarning(const HeightConflict& conflict, double lever_arm, const std::string& remedy);
+
+/// One line: by how much the camera's yaw differs from the one that was given or estimated in turns. `remedy` is what
+/// the user should do.
+std::string YawWarning(const YawConflict& conflict, const std::string& remedy);
 
 }  // namespace turnscale

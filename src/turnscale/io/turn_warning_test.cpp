@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include "turnscale/geometry/angle.h"
+
 namespace turnscale {
 namespace {
 
@@ -44,14 +46,20 @@ TEST(TurnWarning, NamesTheCameraHeightWhereTheTurnsAgreeWithoutIt) {
   EXPECT_NE(Warning(estimate).find("turn 3"), std::string::npos) << "they disagree with or without the height";
   estimate.height_conflict->contradicts_turns = true;
   EXPECT_EQ(Warning(estimate),
-            "the turns are inconsistent with the given camera height, by 12 % of scale, and consistent without it: the "
-            "trajectory uses single-turn scales; check the camera height and the lever arm");
+            "the trajectory uses single-turn scales: the turns agree with each other, but not with the given camera "
+            "height");
 }
 
 TEST(HeightWarning, GivesBothLengthsAsTheOtherOneImpliesThem) {
-  EXPECT_EQ(HeightWarning({1.3, 0.013, 1.62, 0.08}, 0.95),
+  EXPECT_EQ(HeightWarning({1.3, 0.013, 1.62, 0.08}, 0.95, "measure both again"),
             "lever arm and camera height disagree by 20 %: with the lever arm 0.95 m the turns give a height of 1.62 "
             "+-0.08 m, not 1.30 m; the given height implies a lever arm of 0.76 m: measure both again");
+}
+
+TEST(YawWarning, SaysToWhichSide) {
+  EXPECT_EQ(YawWarning({0.3 / kDegreesPerRadian, -2.7 / kDegreesPerRadian, 0.12 / kDegreesPerRadian}, "look"),
+            "according to the drive the camera looks 2.7 +-0.1 deg further to the left than by its camera-to-vehicle "
+            "rotation, which is known to 0.3 deg; the trajectory follows the drive: look");
 }
 
 TEST(TurnWarning, TellsThatTheEstimateDidNotConverge) {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "turnscale/geometry/angle.h"
 #include "turnscale/scale/scale_track.h"
 
 namespace turnscale {
@@ -24,7 +25,7 @@ constexpr double kScalePerAngle = 3;
 constexpr double kScalePerCorrection = 15;
 
 // Of the yaw of a camera whose rotation is assumed until it is estimated: people mount cameras by eye (3 deg).
-constexpr double kAssumedYawSigma = 3.0 / 57.295779513082320877;
+constexpr double kAssumedYawSigma = 3.0 / kDegreesPerRadian;
 
 double YawSigma(const VehicleOptions& vehicle, const Mount& mount) {
   if (!vehicle.calibrate_camera) return vehicle.yaw_sigma;

@@ -253,6 +253,13 @@ std::optional<HeightConflict> CompareHeight(const ScaleBelief& posterior, const 
   return HeightConflict{car.camera_height, car.camera_height_sigma, found, without.Sigma(kLogHeight) * found};
 }
 
+// Whether the prior of the yaw contradicts the drive, which alone has the posterior's information less the prior's.
+bool ContradictsYaw(const ScaleBelief& posterior, double prior_sigma, double max_deviation) {
+  const double difference = posterior.mean[kDirection];
+  const double variance = prior_sigma * prior_sigma - posterior.covariance(kDirection, kDirection);
+  return variance > 0 && difference * difference > max_deviation * max_deviation * variance;
+}
+
 // One of the two lengths is wrong: the scale is between those that they imply.
 void WidenForConflict(const HeightConflict& conflict, ScaleEstimate& estimate) {
   const double half = 0.5 * std::log(conflict.found / conflict.given);
@@ -403,6 +410,8 @@ void ScaleEstimatorOptions::Check() const {
   if (!(max_sigma_ratio >= 1)) throw InputError("scale.max_sigma_ratio: has to be at least 1");
   if (!(huber > 0)) throw InputError("scale.huber: has to be positive");
   if (!(max_height_deviation > 0)) throw InputError("scale.max_height_deviation: has to be positive");
+  if (!(max_yaw_deviation > 0)) throw InputError("scale.max_yaw_deviation: has to be positive");
+  if (!(contradicted_yaw_sigma > 0)) throw InputError("scale.contradicted_yaw_sigma: has to be positive");
   if (!(max_sigma > 0)) throw InputError("scale.max_sigma: has to be positive");
 }
 
@@ -427,6 +436,17 @@ ScaleEstimateResult EstimateScale(const std::vector<VehicleStep>& steps, const C
     return result;
   }
   const Answer answer = SmoothDrive(problem, gathered, car, options, selection);
+  if (car.yaw_sigma < options.contradicted_yaw_sigma &&
+      ContradictsYaw(answer.car, car.yaw_sigma, options.max_yaw_deviation)) {
+    CarPrior freed = car;
+    freed.yaw_sigma = options.contradicted_yaw_sigma;
+    result = EstimateScale(steps, freed, options);
+    if (result.estimate) {
+      const CarRefinement& found = result.estimate->car;
+      result.estimate->yaw_conflict = YawConflict{car.yaw_sigma, found.yaw_error, found.yaw_error_sigma};
+    }
+    return result;
+  }
   result.turns = DescribeTurns(answer.smoothing.problem(), car);
 
   ScaleEstimate estimate;

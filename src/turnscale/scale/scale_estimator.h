@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "turnscale/geometry/angle.h"
 #include "turnscale/scale/scale_evidence.h"
 #include "turnscale/scale/scale_filter.h"
 #include "turnscale/scale/turn_test.h"
@@ -22,6 +23,11 @@ struct ScaleEstimatorOptions {
   double max_sigma = 0.15;
   /// Height and lever arm are in conflict if they differ by more than this many standard deviations.
   double max_height_deviation = 3;
+  /// The prior of the yaw is in conflict with the drive if they differ by more than this many standard deviations.
+  double max_yaw_deviation = 4;
+  /// Standard deviation of the yaw error of Q, rad (3 deg), that then takes the place of the prior's: cameras are
+  /// mounted by eye.
+  double contradicted_yaw_sigma = 3.0 / kDegreesPerRadian;
   /// With single-turn scales, turns whose sigma exceeds the smallest one's by this factor are not used.
   double max_sigma_ratio = 3;
   /// Use single-turn scales, as if the turns were inconsistent: for steps with known errors beyond their noise, as from
@@ -96,6 +102,13 @@ struct HeightConflict {
   bool contradicts_turns = false;
 };
 
+/// The yaw of Q differs from the one that straights and turns show: Q is not that of this camera on this car.
+struct YawConflict {
+  double given_sigma = 0;  ///< of the yaw error according to the prior, rad
+  double found = 0;        ///< yaw error without that prior, rad; as CarRefinement::yaw_error
+  double found_sigma = 0;
+};
+
 /// The scale of a drive, segment by segment.
 struct ScaleEstimate {
   std::vector<PathSegment> segments;
@@ -104,6 +117,8 @@ struct ScaleEstimate {
   CarRefinement car;
   CarEvidence car_evidence;
   std::optional<HeightConflict> height_conflict;
+  /// The estimate is made without the prior of the yaw, which contradicts the drive.
+  std::optional<YawConflict> yaw_conflict;
   std::vector<char> from_road;  ///< one per segment: no turn, and the road shows its scale
   std::vector<TurnEstimate> turns;
   TurnTest test;  ///< do the turns agree with the estimate? `worst_turn` is a place in `turns`

@@ -585,6 +585,21 @@ TEST(ScaleEstimator, TurnsAreNotUsedWithoutALeverArm) {
   }
 }
 
+TEST(ScaleEstimator, AYawThatContradictsTheDriveIsEstimatedWithoutItsPrior) {
+  for (const double degrees : {-3.0, -0.5, 0.5, 3.0}) {
+    SCOPED_TRACE(degrees);
+    const SyntheticSteps drive = MakeSteps(TownRoad(3, 2), kCar, degrees * kDegree, kUnit, kNoise, 3);
+    const ScaleEstimate estimate = EstimateOf(drive, PriorOf(kCar));
+    ASSERT_EQ(estimate.yaw_conflict.has_value(), std::abs(degrees) > 1);
+    EXPECT_NEAR(Metres(estimate) / drive.metres, 1, 0.03);
+    EXPECT_FALSE(estimate.fell_back);
+    if (!estimate.yaw_conflict) continue;
+    EXPECT_NEAR(estimate.yaw_conflict->found, -degrees * kDegree, 0.2 * kDegree);
+    EXPECT_LT(estimate.yaw_conflict->found_sigma, 0.2 * kDegree);
+    EXPECT_EQ(estimate.yaw_conflict->given_sigma, PriorOf(kCar).yaw_sigma);
+  }
+}
+
 TEST(ScaleEstimator, AWrongLeverArmShowsInTheHeight) {
   SyntheticSteps drive = MakeSteps(TownRoad(8, 4), kCar, 0, kUnit, kNoise, 4);
   ShowRoad(1.4, {.step = 0.01, .road = 0.01}, 5, drive);
