@@ -237,7 +237,7 @@ TEST_F(ErrorsTest, ARunWithoutAPoseLeavesEarlierResultsAsTheyAre) {
     EXPECT_EQ(result.err.find("the results so far are in"), std::string::npos) << result.err;
     EXPECT_EQ(contents(), before);
   };
-  expect_kept(Run({"--quiet", "--max-frames", "1"}), 0, "");
+  expect_kept(Run({"--quiet", "--max-frames", "1"}), 2, "nothing could be tracked in 1 image ");
   for (int i = 0; i < kRoomFrames; ++i)
     cv::imwrite(Image(i).string(), cv::Mat(kRoomHeight, kRoomWidth, CV_8UC1, cv::Scalar(5)));
   expect_kept(Run({"--quiet"}), 2, "nothing could be tracked in 20 images");
@@ -248,9 +248,27 @@ TEST_F(ErrorsTest, ARunWithoutAPoseLeavesEarlierResultsAsTheyAre) {
 TEST_F(ErrorsTest, ExportsOfAnEarlierPathAreNamed) {
   ASSERT_EQ(Run({"--quiet"}).exit_code, 0);
   for (const char* name : {"path.gpx", "path.gltf"}) std::ofstream(Out() / name) << "exported";
-  EXPECT_EQ(Run({"--quiet"}).err, "warning: " + Out().string() +
-                                      ": path.gpx, path.gltf: not of this run; make the exports of the new path with "
-                                      "turnscale export\n");
+  EXPECT_EQ(Run({"--quiet"}).err,
+            "warning: " + Out().string() + ": path.gpx, path.gltf show an earlier path; run turnscale export again\n");
+  EXPECT_EQ(Summary()["warnings"].size(), 1u);
+}
+
+TEST_F(ErrorsTest, WhatAKilledRunLeftIsKept) {
+  fs::create_directories(Out());
+  std::ofstream(Out() / "live.tum.part") << "0 0 0 0 0 0 0 1\n";
+  EXPECT_EQ(Run({"--quiet", "--max-frames", "1"}).exit_code, 2);
+  EXPECT_TRUE(fs::exists(Out() / "live.tum.part"));
+  EXPECT_FALSE(fs::exists(Out() / "summary.json"));
+}
+
+TEST_F(ErrorsTest, AResultFolderThatIsALinkToNowhereStays) {
+  const fs::path link = folder_ / "link";
+  fs::create_directory_symlink(folder_ / "unmounted", link);
+  for (const fs::path& out : {link, link / "drive"}) {
+    ExpectComplaint(RunCommand({"run", Drive().string(), "--fps", "10", "--quiet", "--out", out.string()}, folder_), 2,
+                    {link.string() + ": is a link to a place that is not there; choose another --out"});
+    EXPECT_TRUE(fs::is_symlink(link));
+  }
 }
 
 TEST_F(ErrorsTest, ADriveOfWhichNothingCanBeTracked) {
@@ -509,8 +527,14 @@ TEST_F(ErrorsTest, SenselessOptions) {
   for (const char* value : {"0", "-1.2", "nan", "inf"}) {
     ExpectComplaint(Run({"--lever-arm", value}), 2, {std::string("--lever-arm ") + value, "above 0"});
   }
-  ExpectComplaint(Run({"--lever-arm", "long"}), 2,
-                  {"--lever-arm: 'long' is not a value that it takes; see turnscale run --help"});
+  ExpectComplaint(
+      Run({"--lever-arm", "long"}), 2,
+      {"--lever-arm: 'long' is not a value that it takes; give a number with a decimal point, without a unit; see "
+       "turnscale run --help"});
+  ExpectComplaint(Run({"--Lever_arm", "1"}), 2, {"--Lever_arm: unknown option; did you mean '--lever-arm'?; see"});
+  ExpectComplaint(Run({"--lever-arm", "1", "--lever-arm", "2"}), 2, {"--lever-arm: is given more than once; see"});
+  ExpectComplaint(RunCommand({Drive().string()}, folder_), 2,
+                  {Drive().string() + ": unknown command; did you mean 'turnscale run " + Drive().string() + "'?"});
   ExpectComplaint(Run({"--lever-arm"}), 2, {"--lever-arm: its value is missing; see turnscale run --help"});
   ExpectComplaint(Run({"--lever-arm", "--quiet"}), 2, {"--lever-arm: its value is missing"});
   ExpectComplaint(Run({"--side-slip", "-0.1"}), 2, {"--side-slip -0.1"});

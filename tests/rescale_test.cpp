@@ -151,6 +151,15 @@ TEST_F(RescaleCommandTest, RefusesHeightsThatDoNotFit) {
   EXPECT_FALSE(fs::exists(folder_ / "metric.tum"));
 }
 
+TEST_F(RescaleCommandTest, DoesNotReplaceFilesOfARun) {
+  fs::create_directories(folder_ / "drive");
+  std::ofstream(folder_ / "drive" / "trajectory.csv") << "frame\n";
+  const CommandResult result = Run({Tum(), "--lever-arm", "1.2", "--report", Path("drive")});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_NE(result.err.find("drive: has the results of a run"), std::string::npos) << result.err;
+  EXPECT_FALSE(fs::exists(folder_ / "drive" / "summary.json"));
+}
+
 TEST_F(RescaleCommandTest, WritesTheReport) {
   const CommandResult result = Run({Tum(), "--lever-arm", "1.2", "--report", Path("report")});
   ASSERT_EQ(result.exit_code, 0) << result.err;

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "program.h"
 
+#include <cctype>
 #include <cstdlib>
 #include <exception>
+#include <filesystem>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <vector>
 
 #include <CLI/CLI.hpp>
@@ -24,11 +27,42 @@ namespace {
 // The libraries print errors themselves; turnscale's name the file and the remedy.
 void SilenceLibraries() { cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT); }
 
-// CLI11's words for a value that is missing or of the wrong kind name types of C++.
-std::string Reason(const CLI::ParseError& error) {
+constexpr size_t kTypos = 2;
+
+// "; did you mean ...?" where a name is nearly one of those that are known.
+std::string Suggestion(const std::string& name, const std::vector<std::string>& known) {
+  const std::string nearest = NearestName(name, known);
+  if (nearest.empty() || EditDistance(name, nearest) > kTypos) return {};
+  return "; did you mean '" + nearest + "'?";
+}
+
+// An option that the command does not have, such as --lever_arm or --Lever-Arm.
+std::string UnknownOption(const CLI::App* command, const std::string& text) {
+  std::string name = text.substr(text.rfind(": ") + 2);
+  name = name.substr(0, name.find_first_of(" ="));
+  if (command == nullptr || !name.starts_with("--")) return text;
+  std::string usual;
+  for (const char letter : name) usual += letter == '_' ? '-' : static_cast<char>(std::tolower(letter));
+  std::vector<std::string> known;
+  for (const CLI::Option* option : command->get_options())
+    for (const std::string& long_name : option->get_lnames()) known.push_back("--" + long_name);
+  return name + ": unknown option" + Suggestion(usual, known);
+}
+
+bool IsNumber(const CLI::App* command, const std::string& name) {
+  const CLI::Option* option = command != nullptr ? command->get_option_no_throw(name) : nullptr;
+  return option != nullptr && option->get_type_name() == "FLOAT";
+}
+
+// CLI11's words for a value that is missing or of the wrong kind name types of C++. `command` may be null.
+std::string Reason(const CLI::ParseError& error, const CLI::App* command) {
   constexpr std::string_view kMissing = ": its value is missing";
   constexpr std::string_view kConversion = "Could not convert: ";
+  constexpr std::string_view kRepeated = ": At Most 1 required but received ";
   const std::string text = error.what();
+  if (dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr) return UnknownOption(command, text);
+  if (const size_t at = text.find(kRepeated); at != std::string::npos)
+    return text.substr(0, at) + ": is given more than once";
   if (dynamic_cast<const CLI::ArgumentMismatch*>(&error) != nullptr && text.ends_with(" missing"))
     return text.substr(0, text.find(':')).append(kMissing);
   if (!text.starts_with(kConversion)) return text;
@@ -37,7 +71,8 @@ std::string Reason(const CLI::ParseError& error) {
   const std::string value = equals == std::string::npos ? "" : text.substr(equals + 3);
   // The next option was taken for the value.
   if (value.starts_with("--")) return option + std::string(kMissing);
-  return option + ": '" + value + "' is not a value that it takes";
+  return option + ": '" + value + "' is not a value that it takes" +
+         (IsNumber(command, option) ? "; give a number with a decimal point, without a unit" : "");
 }
 
 // A command that does not exist is to CLI11 one that is missing. Empty where none is named.
@@ -47,10 +82,10 @@ std::string UnknownCommand(const CLI::App& app, int argc, char** argv) {
   std::vector<std::string> commands;
   for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; }))
     commands.push_back(command->get_name());
-  constexpr size_t kTypos = 2;
-  const std::string nearest = NearestName(name, commands);
-  const bool mistyped = !nearest.empty() && EditDistance(name, nearest) <= kTypos;
-  return name + ": unknown command" + (mistyped ? "; did you mean '" + nearest + "'?" : "");
+  std::error_code none;
+  if (std::filesystem::exists(name, none))
+    return name + ": unknown command; did you mean 'turnscale run " + name + "'?";
+  return name + ": unknown command" + Suggestion(name, commands);
 }
 
 int Main(int argc, char** argv, void (*add_commands)(CLI::App&)) {
@@ -77,7 +112,8 @@ int Main(int argc, char** argv, void (*add_commands)(CLI::App&)) {
     if (const std::string unknown = UnknownCommand(app, argc, argv); !unknown.empty())
       throw InputError(unknown + "; see turnscale --help");
     const std::string command = commands.empty() ? "" : commands.front()->get_name() + " ";
-    throw InputError(Reason(error) + "; see turnscale " + command + "--help");
+    throw InputError(Reason(error, commands.empty() ? nullptr : commands.front()) + "; see turnscale " + command +
+                     "--help");
   }
   return 0;
 }

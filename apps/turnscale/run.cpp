@@ -79,9 +79,9 @@ int RunImages(const RunArguments& arguments, const LiveArguments& live_arguments
     };
   }
   const RunEnd end = ExecuteRun(arguments, hooks);
-  if (live) live->Finish(arguments.out / kReportFile, end.interrupted);
-  if (end.failures.empty() && end.nothing_tracked.empty() && !arguments.images.quiet)
-    PrintText(SummaryText(end.summary));
+  if (live) live->Finish(end.written ? arguments.out / kReportFile : fs::path(), end.interrupted);
+  const bool has_nothing = !end.nothing_tracked.empty() || (end.interrupted && !end.begun);
+  if (end.failures.empty() && !has_nothing && !arguments.images.quiet) PrintText(SummaryText(end.summary));
   return ReportEnd(end);
 }
 

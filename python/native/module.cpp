@@ -180,7 +180,7 @@ py::dict RescaleFor(const py::dict& given) {
     for (const StampedPose& pose : rescaled.metric) tum += TumLine(pose);
     scale = PoseScaleTable(rescaled);
     turns = TurnScaleTable(rescaled);
-    summary = RescaleJson(rescaled, arguments.input.string());
+    summary = RescaleJson(rescaled, TrajectoryOf(arguments.input).string());
   });
   result["tum"] = tum;
   result["scale"] = scale;

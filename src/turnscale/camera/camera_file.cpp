@@ -221,7 +221,7 @@ bool IsKeyOfCamera(const std::string& key) {
 
 // A run writes car.yaml beside camera.yaml.
 void RefuseCarFile(const YamlMap& file) {
-  for (const char* key : {"lever_arm", "side_slip", "yaw_deg", "height"})
+  for (const char* key : {"lever_arm", "side_slip", "yaw_deg"})
     if (file.Has(key))
       file.Reject(key, "is of a car's file, which --vehicle takes; give --camera a camera's, such as camera.yaml");
 }

@@ -244,6 +244,9 @@ TEST(CameraFile, ACarsFileIsNamedAsOne) {
     EXPECT_NE(Complaint(car).find("is of a car's file, which --vehicle takes; give --camera a camera's"),
               std::string::npos)
         << Complaint(car);
+  // As rostopic prints a CameraInfo.
+  EXPECT_EQ(Complaint("height: 480\nwidth: 640\nK: [500, 0, 320, 0, 500, 240, 0, 0, 1]\n").find("of a car's file"),
+            std::string::npos);
 }
 
 }  // namespace

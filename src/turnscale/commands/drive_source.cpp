@@ -125,6 +125,19 @@ std::string DoubtOf(const DriveImages& images) {
       images.given.name, pinhole.cx, pinhole.cy, size.width, size.height);
 }
 
+std::string UnusedCamera(const ImageArguments& arguments, const GivenCamera& given) {
+  std::error_code none;
+  const bool chosen = !given.name.empty() || arguments.field_of_view;
+  if (chosen || !fs::is_regular_file(arguments.inputs.front(), none)) return {};
+  for (const char* name : {"calib.txt", "camera.yaml"}) {
+    const fs::path file = arguments.inputs.front().parent_path() / name;
+    if (fs::is_regular_file(file, none))
+      return fmt::format("{}: is not used; give --camera {} if it is this camera's, or the folder as the input",
+                         file.string(), file.string());
+  }
+  return {};
+}
+
 TimedTrajectory ReadTimedTrajectory(const std::filesystem::path& path,
                                     const std::optional<std::filesystem::path>& timestamps, std::optional<double> fps) {
   if (fps && !(std::isfinite(*fps) && *fps > 0)) {

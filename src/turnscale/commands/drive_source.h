@@ -74,6 +74,9 @@ struct DriveImages {
 /// checked by the image source.
 std::string DoubtOf(const DriveImages& images);
 
+/// One line where a video is read without a calibration though a file of one lies beside it; else empty.
+std::string UnusedCamera(const ImageArguments& arguments, const GivenCamera& given);
+
 struct TimedTrajectory {
   Trajectory poses;
   bool timed = true;  ///< else the poses carry their frames' numbers as times

@@ -55,6 +55,10 @@ void CheckArguments(const RescaleArguments& arguments) {
              "--lever-arm");
   if (!arguments.lever_arm && !arguments.camera_height)
     throw InputError("--lever-arm: is missing; give it, or --camera-height with --heights");
+  std::error_code none;
+  if (arguments.report && fs::exists(*arguments.report / "trajectory.csv", none))
+    throw InputError("--report: " + arguments.report->string() +
+                     ": has the results of a run, some of which would be replaced; name another folder");
   RefuseToOverwrite("--out", arguments.out,
                     {arguments.input, arguments.timestamps.value_or(""), arguments.heights.value_or("")});
 }

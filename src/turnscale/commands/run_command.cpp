@@ -50,6 +50,8 @@ RunSummary BeforeTheDrive(const RunArguments& arguments, const OdometryOptions& 
   if (arguments.images.mask) summary.mask = arguments.images.mask->string();
   summary.warnings = images.source.left_out();
   if (!estimate.warning.empty()) summary.warnings.push_back(estimate.warning);
+  if (const std::string unused = UnusedCamera(arguments.images, images.given); !unused.empty())
+    summary.warnings.push_back(unused);
   if (const std::string doubt = DoubtOf(images); !doubt.empty()) summary.warnings.push_back(doubt);
   summary.pose_frame = arguments.frame;
   summary.folder = arguments.out.string();
@@ -83,8 +85,7 @@ std::string OlderExports(const fs::path& folder) {
   for (const char* name : {"path.gpx", "path.kml", "path.geojson", "path.gltf"})
     if (fs::exists(folder / name, none)) names += (names.empty() ? "" : ", ") + std::string(name);
   if (names.empty()) return {};
-  return fmt::format("{}: {}: not of this run; make the exports of the new path with turnscale export", folder.string(),
-                     names);
+  return fmt::format("{}: {} show an earlier path; run turnscale export again", folder.string(), names);
 }
 
 }  // namespace
@@ -167,18 +168,25 @@ RunEnd ExecuteRun(const RunArguments& arguments, const RunHooks& hooks) {
                             BeforeTheDrive(arguments, options, images, estimate),
                             watch,
                             [&] { hooks.phase("final adjustment"); },
-                            [&] { RemoveThumbnails(arguments.out); }};
+                            [&] {
+                              RemoveThumbnails(arguments.out);
+                              return OlderExports(arguments.out);
+                            }};
   RunEnd end = RunDrive(drive, odometry, progress);
   if (end.written && !arguments.no_report) KeepReport(arguments, thumbnails, progress, end);
-  if (const std::string stale = end.written ? OlderExports(arguments.out) : ""; !stale.empty()) progress.Warn(stale);
   return end;
 }
 
 std::optional<RunFailure> FailureOfRun(const RunEnd& end) {
-  if (!end.nothing_tracked.empty())
-    return RunFailure{{2, end.summary.input + ": " + end.nothing_tracked}, {}, /*kept=*/false};
+  if (!end.nothing_tracked.empty()) {
+    RunFailure failure = {{2, end.summary.input + ": " + end.nothing_tracked}, {}, /*kept=*/false};
+    for (const std::exception_ptr& thrown : end.failures) failure.others.push_back(FailureOf(thrown).message);
+    return failure;
+  }
   if (end.failures.empty() && end.interrupted)
-    return RunFailure{{kInterruptedExitCode, end.summary.stopped}, {}, end.written};
+    return RunFailure{{kInterruptedExitCode, end.summary.stopped + (end.begun ? "" : ", before the first pose")},
+                      {},
+                      end.begun && end.written};
   if (end.failures.empty()) return std::nullopt;
   RunFailure failure = {FailureOf(end.failures.front()), {}, end.written};
   std::set<std::string> messages = {failure.first.message};

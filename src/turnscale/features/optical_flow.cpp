@@ -58,10 +58,11 @@ FlowImage WithPyramid(const FlowOptions& options, const cv::Mat& gray, bool dark
   image.gray = gray;
   image.dark = dark;
   const int levels = LevelsOf(options, gray.cols);
+  const int window = dark ? options.dark_window : options.window;
   cv::Mat halved = gray;
   for (int level = 0;; ++level) {
     image.pyramid.push_back(WithBorder(halved));
-    if (level == levels || std::min(halved.cols, halved.rows) / 2 <= options.window) break;
+    if (level == levels || std::min(halved.cols, halved.rows) / 2 <= window) break;
     cv::Mat half;
     cv::pyrDown(halved, half);
     halved = half;

@@ -53,7 +53,7 @@ ClipReader::ClipReader(const std::vector<std::filesystem::path>& clips, const Cl
   const bool known =
       std::all_of(headers_.begin(), headers_.end(), [](const auto& header) { return header.frames > 0; });
   for (const VideoHeader& header : headers_) count_ += known ? header.frames : 0;
-  if (recorded_) recorded_->RefuseOverlaps();
+  if (recorded_) recorded_->CheckContinuity();
 }
 
 void ClipReader::ReadHeaders(const std::vector<std::filesystem::path>& clips) {

@@ -15,6 +15,8 @@ namespace {
 
 // Both ends of a pause are known to the second, rounded down.
 constexpr double kResolution = 1.5;  // s
+// A path across a longer one would be a guess.
+constexpr double kLongestPause = 600;  // s
 
 bool IsDigit(char c) { return c >= '0' && c <= '9'; }
 
@@ -74,15 +76,21 @@ double RecordingTimes::PauseAfter(size_t clip, double duration) const {
   return by_ends ? 0.0 : pause;
 }
 
-void RecordingTimes::RefuseOverlaps() const {
+void RecordingTimes::CheckContinuity() const {
+  const char* times = by_name_ ? "in their names" : "at which the files were made (creation_time)";
   for (size_t i = 0; i + 1 < starts_.size(); ++i) {
     const double pause = PauseAfter(i, durations_[i]);
-    if (pause >= -kResolution) continue;
-    throw InputError(
-        fmt::format("{}: begins {:.1f} s before {} ends, by the times {}; give the clips of one camera (front or "
-                    "rear), in the order of time",
-                    clips_[i + 1].string(), -pause, clips_[i].filename().string(),
-                    by_name_ ? "in their names" : "at which the files were made (creation_time)"));
+    const std::string before = clips_[i].filename().string();
+    if (pause < -kResolution)
+      throw InputError(
+          fmt::format("{}: begins {:.1f} s before {} ends, by the times {}; give the clips of one camera (front or "
+                      "rear), in the order of time",
+                      clips_[i + 1].string(), -pause, before, times));
+    if (pause > kLongestPause)
+      throw InputError(
+          fmt::format("{}: begins {:.0f} minutes after {} ends, by the times {}: another drive; name the "
+                      "clips of one drive instead",
+                      clips_[i + 1].string(), pause / 60, before, times));
   }
 }
 

@@ -24,8 +24,8 @@ class RecordingTimes {
   /// The names tell when each clip began; creation times may be those of the end.
   bool AreInNames() const { return by_name_; }
 
-  /// Throws InputError if a clip begins before the one before it ends.
-  void RefuseOverlaps() const;
+  /// Throws InputError if a clip begins before the one before it ends, or so long after it that it is of another drive.
+  void CheckContinuity() const;
 
   /// Seconds between the end of a clip of that duration and the start of the next; 0 if they continue one another or
   /// nothing tells.

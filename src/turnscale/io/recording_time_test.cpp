@@ -22,7 +22,7 @@ VideoHeader Header(double duration, std::optional<double> created = {}) {
 
 std::string Complaint(const RecordingTimes& times) {
   try {
-    times.RefuseOverlaps();
+    times.CheckContinuity();
   } catch (const InputError& error) {
     return error.what();
   }
@@ -50,6 +50,16 @@ TEST(RecordingTimes, AGapIsLongerThanTheResolutionOfTheNames) {
   EXPECT_EQ(times.GapAfter(0, 59.2), 0);
   EXPECT_DOUBLE_EQ(times.GapAfter(1, 60), 3);
   EXPECT_EQ(times.GapAfter(2, 60), 0);
+}
+
+TEST(RecordingTimes, ClipsOfAnotherDriveAreRefused) {
+  EXPECT_EQ(Complaint({{"d/20230501_120000.mp4", "d/20230501_120500.mp4"}, {Header(60), Header(60)}}), "");
+  const std::string complaint =
+      Complaint({{"d/20230501_120000.mp4", "d/20230501_130100.mp4"}, {Header(60), Header(60)}});
+  EXPECT_NE(complaint.find("d/20230501_130100.mp4: begins 60 minutes after 20230501_120000.mp4 ends, by the times in "
+                           "their names: another drive; name the clips of one drive instead"),
+            std::string::npos)
+      << complaint;
 }
 
 TEST(RecordingTimes, OverlappingNamesAreRefused) {

@@ -2,6 +2,7 @@
 #include "turnscale/io/run_drive.h"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <filesystem>
 #include <string>
@@ -29,9 +30,11 @@ struct RunResults {
   ScaleState scale_state = ScaleState::kPending;
 };
 
+// A killed run leaves its live poses only.
 bool HasResults(const std::filesystem::path& folder) {
   std::error_code none;
-  return std::filesystem::is_regular_file(folder / "trajectory.csv", none);
+  return std::ranges::any_of(std::array{"trajectory.csv", "live.tum", "live.tum.part"},
+                             [&](const char* name) { return std::filesystem::is_regular_file(folder / name, none); });
 }
 
 RunResults ResultsOf(const Odometry& odometry) {
@@ -56,17 +59,19 @@ class Run {
     if (writer_) attempts_.Try([&] { writer_->EndLive(); });
     attempts_.Try(drive_.concluding);
     Conclude();
-    if (!tracks_ && !end_.interrupted && !Enough() && attempts_.failures().empty()) {
+    const bool keeps_earlier = !tracks_ && HasResults(drive_.output.folder);
+    if (!tracks_ && !end_.interrupted && (!Enough() || keeps_earlier) && attempts_.failures().empty()) {
       end_.nothing_tracked = seen_.Explanation();
       end_.summary.stopped = end_.nothing_tracked;
     }
-    if (!tracks_ && HasResults(drive_.output.folder)) {
+    if (keeps_earlier) {
       progress_.Warn(
           fmt::format("there are no results; {} keeps those of an earlier run", drive_.output.folder.string()));
     } else if (!writer_) {
       attempts_.Try([&] { Begin(); });
     }
     attempts_.Try([&] { Summarize(); });
+    end_.begun = tracks_;
     end_.written = writer_.has_value();
     end_.failures = attempts_.failures();
     return end_;
@@ -93,7 +98,7 @@ class Run {
 
   // Takes earlier results away and begins new ones.
   void Begin() {
-    drive_.replacing();
+    stale_ = drive_.replacing();
     writer_.emplace(drive_.output);
     writer_->WriteText("settings.yaml", SettingsText(odometry_.options()));
     const std::optional<FoundCamera>& found = drive_.summary.found_camera;
@@ -187,14 +192,16 @@ class Run {
   // A path that begins late has few turns for that reason.
   void SayIfLate() {
     constexpr double kShort = 2;  // s
-    constexpr double kMost = 0.5;
+    constexpr double kLeastShare = 0.5;
     RunSummary& summary = end_.summary;
     if (summary.missing.empty() || summary.missing.front().reason != MissingReason::kNotBegun) return;
     const MissingPart& before = summary.missing.front();
     const double seconds = before.to - before.from;
-    if (seconds < kShort || seconds < kMost * summary.seconds) return;
-    summary.warnings.push_back(fmt::format("no map could be started before {:.1f} s ({} of {} frames): {}", before.to,
-                                           before.frames, summary.frames, seen_.Cause()));
+    if (seconds < kShort || seconds < kLeastShare * summary.seconds) return;
+    // A car that waits is no fault.
+    if (!seen_.Still())
+      summary.warnings.push_back(fmt::format("no map could be started before {:.1f} s ({} of {} frames): {}", before.to,
+                                             before.frames, summary.frames, seen_.Cause()));
     if (!summary.pending_reason.empty())
       summary.pending_reason = fmt::format("the path begins only at {:.1f} s; {}", before.to, summary.pending_reason);
   }
@@ -215,6 +222,7 @@ class Run {
     }
     turnscale::Summarize(results_.frames, results_.scale, summary);
     if (tracks_) SayIfLate();
+    if (!stale_.empty()) summary.warnings.push_back(stale_);
     summary.frames = std::max(summary.frames, processed_);
     for (size_t i = printed_; i < summary.warnings.size(); ++i) progress_.Warn(summary.warnings[i]);
     summary.cost = MeasureCost();
@@ -240,6 +248,7 @@ class Run {
   SeenImages seen_;                // before there is one
   size_t printed_ = 0;             // warnings that have been printed
   int moves_ = 0;                  // of the camera on the car, reported so far
+  std::string stale_;              // what stays of an earlier run
 };
 
 }  // namespace

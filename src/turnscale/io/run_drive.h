@@ -32,16 +32,19 @@ struct DriveToRun {
   std::function<void(const SourceFrame&, const FrameResult&, const Odometry&)> watch = {};
   /// Called when no frame follows, before the final adjustment, which may take minutes.
   std::function<void()> concluding = [] {};
-  /// Called before the first result is written, when those of an earlier run are taken away.
-  std::function<void()> replacing = [] {};
+  /// Called before the first result is written, when those of an earlier run are taken away. Says which of its files
+  /// stay, in one line for the summary; empty where none do.
+  std::function<std::string()> replacing = [] { return std::string(); };
 };
 
 /// How a run ended.
 struct RunEnd {
   RunSummary summary;
   bool interrupted = false;
+  bool begun = false;    ///< there is a pose
   bool written = false;  ///< the folder has what this run computed, and nothing of an earlier one
-  /// Why nothing could be tracked from the first frame of the drive to the last, and what to try; empty if a map began.
+  /// Why nothing could be tracked from the first frame to the last, and what to try; empty if a map began, or if the
+  /// run stopped early as asked and wrote its summary.
   std::string nothing_tracked;
   /// What ended the run before the drive did or kept a result from being computed or written, in the order of time;
   /// empty where all went well.

@@ -75,23 +75,22 @@ void MakeFolder(const fs::path& folder) {
   if (error) throw InputError(folder.string() + ": cannot be made: " + error.message() + "; choose another --out");
 }
 
-// The folder and those above it that are not there yet, from the innermost outwards.
-std::vector<fs::path> MissingFolders(const fs::path& folder) {
-  std::vector<fs::path> missing;
+// The folder, or the nearest one above it that is there. A link is there even if it leads nowhere.
+fs::path NearestExisting(fs::path folder) {
   std::error_code none;
-  for (fs::path at = fs::absolute(folder).lexically_normal(); !fs::exists(at, none) && at.has_relative_path();
-       at = at.parent_path())
-    missing.push_back(at);
-  return missing;
+  while (!folder.empty() && !fs::exists(fs::symlink_status(folder, none))) folder = folder.parent_path();
+  return folder.empty() ? "." : folder;
 }
 
-// Permissions alone do not tell: only a file that has been made does.
-void TryFile(const fs::path& folder) {
-  std::string name = (folder / ".turnscale-XXXXXX").string();
+// Whether `folder` can be made in the nearest one that is there, or a file in it if that is the same. Permissions alone
+// do not tell: only a file that has been made does.
+void TryFile(const fs::path& folder, const fs::path& nearest) {
+  std::string name = (nearest / ".turnscale-XXXXXX").string();
   const int descriptor = mkstemp(name.data());
   if (descriptor < 0) {
     const std::string why = std::generic_category().message(errno);
-    throw InputError(folder.string() + ": no file can be made in it: " + why + "; choose another --out");
+    throw InputError(folder.string() + (nearest == folder ? ": no file can be made in it: " : ": cannot be made: ") +
+                     why + "; choose another --out");
   }
   close(descriptor);
   unlink(name.c_str());
@@ -212,15 +211,13 @@ void WriteMap(const std::filesystem::path& path, const MapPoints& points, const 
 
 void CheckRunOutput(const RunWriterOptions& options) {
   CheckFrame(options);
-  const std::vector<fs::path> missing = MissingFolders(options.folder);
-  Attempts attempts;
-  attempts.Try([&] {
-    MakeFolder(options.folder);
-    TryFile(options.folder);
-  });
+  const fs::path nearest = NearestExisting(options.folder);
   std::error_code none;
-  for (const fs::path& made : missing) fs::remove(made, none);
-  attempts.RethrowFirst();
+  if (fs::is_symlink(nearest, none) && !fs::exists(nearest, none))
+    throw InputError(nearest.string() + ": is a link to a place that is not there; choose another --out");
+  if (!fs::is_directory(nearest, none))
+    throw InputError(nearest.string() + ": is a file, but the results need a folder; choose another --out");
+  TryFile(options.folder, nearest);
 }
 
 RunWriter::RunWriter(const RunWriterOptions& options) : options_(options) {

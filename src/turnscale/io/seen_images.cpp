@@ -47,8 +47,7 @@ std::string SeenImages::Cause() const {
   if (Median(brightness_) < kDark) return "the images are dark; check the exposure and whether the lens is covered";
   if (Median(contrast_) < kFlat)
     return "the images show hardly any detail; check whether the lens is covered, dirty or out of focus";
-  if (!changes_.empty() && Median(changes_) < kStill)
-    return "the images hardly change, as if the car stood still all along; give a part in which it drives";
+  if (Still()) return "the images hardly change, as if the car stood still all along; give a part in which it drives";
   if (last_time_ - first_time_ < kShort) return "the drive is too short; give a longer one";
   if (Median(tracked_) < kFewTracked)
     return fmt::format(
@@ -57,6 +56,10 @@ std::string SeenImages::Cause() const {
         Median(tracked_));
   return "the points that are seen do not move as they do from a car that drives; check that the camera looks ahead, "
          "that its calibration is the right one, and that the car drives";
+}
+
+bool SeenImages::Still() const {
+  return !changes_.empty() && Median(changes_) < kStill && Median(brightness_) >= kDark && Median(contrast_) >= kFlat;
 }
 
 }  // namespace turnscale

@@ -20,6 +20,9 @@ class SeenImages {
   /// The same without the number of images.
   std::string Cause() const;
 
+  /// Whether the images show something that hardly changes: the car waits.
+  bool Still() const;
+
  private:
   std::vector<double> brightness_;  // mean gray of each image
   std::vector<double> contrast_;    // standard deviation of gray

@@ -67,6 +67,7 @@ std::optional<MeasuredHeight> RoadObserver::Observe(const Map& map, const Camera
     if (!map.keyframes[k].after_gap) continue;
     views_.clear();
     height_.reset();
+    failures_ = 0;
   }
   views_.push_back({latest, {image.gray, image.pyramid[1]}});
   if (views_.size() > kViews) views_.pop_front();
