@@ -133,14 +133,20 @@ std::string IntrinsicsText(const std::optional<FoundCamera>& found, const std::s
 }
 
 // One line, empty where the rotation was given.
-std::string MountText(const std::optional<MountSummary>& mount) {
-  if (!mount) return {};
-  if (!mount->found && mount->moves > 0)
+// The camera-to-vehicle rotation in use.
+std::string MountText(const RunSummary& summary) {
+  const std::optional<MountSummary>& mount = summary.mount;
+  if (mount && !mount->found && mount->moves > 0)
     return fmt::format("camera  moved {} times; no turn since, so the rotation from before the move is used\n",
                        mount->moves);
-  if (!mount->found)
-    return "camera  rotation not estimated (no suitable turn): the camera is taken to point straight ahead, or as the "
-           "settings say\n";
+  if (!mount || !mount->found) {
+    const YawPitchRoll angles = mount ? mount->angles : YawPitchRollFromRotation(summary.vehicle.vehicle_from_camera);
+    // Rounded first: else it may say -0.00.
+    const auto degrees = [](double angle) { return std::round(100 * InDegrees(angle)) / 100 + 0.0; };
+    return fmt::format("camera  yaw {:+.2f}, pitch {:+.2f}, roll {:+.2f} deg, {}\n", degrees(angles.yaw),
+                       degrees(angles.pitch), degrees(angles.roll),
+                       mount ? "assumed, since no turn is suited to estimate it" : "as given");
+  }
   const auto degrees = [](double angle) { return angle * kDegreesPerRadian; };
   std::string text = fmt::format(
       "camera  yaw {:+.2f} +-{:.2f}, pitch {:+.2f} +-{:.2f}, roll {:+.1f} +-{:.1f} deg, estimated from the drive",
@@ -446,7 +452,7 @@ std::string SummaryText(const RunSummary& summary) {
       "speed   {:.1f} frames/s, {:.1f} ms of CPU time per frame over the whole run, {:.0f} MB of memory\n"
       "files   {}\n",
       ClipsText(summary.clips), PathText(summary), scale, IntrinsicsText(summary.found_camera, summary.folder),
-      MountText(summary.mount), CarText(summary.car, summary.turns_used), summary.turns_found, summary.turns_used,
+      MountText(summary), CarText(summary.car, summary.turns_used), summary.turns_found, summary.turns_used,
       summary.bridged, summary.unreadable.size(), summary.repeated, summary.initializing, MissingText(summary),
       summary.frames / std::max(cost.wall_seconds, 1e-9), 1e3 * cost.cpu_seconds / std::max(summary.frames, 1),
       cost.peak_memory_mb, summary.folder);

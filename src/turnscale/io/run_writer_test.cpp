@@ -430,6 +430,15 @@ TEST(RunSummary, APathAcrossAGapIsNotMeasuredThere) {
   EXPECT_EQ(nlohmann::json::parse(SummaryJson(summary))["missing"]["distance_m"], 101);
 }
 
+TEST(RunSummary, SaysWhichCameraRotationIsUsed) {
+  RunSummary summary;
+  summary.vehicle.vehicle_from_camera = RotationFromYawPitchRoll({3 / kDegreesPerRadian, 0, 0});
+  EXPECT_NE(SummaryText(summary).find("camera  yaw +3.00, pitch +0.00, roll +0.00 deg, as given\n"), std::string::npos);
+  summary.mount = MountSummary{};
+  EXPECT_NE(SummaryText(summary).find("camera  yaw +0.00, pitch +0.00, roll +0.00 deg, assumed, since no turn"),
+            std::string::npos);
+}
+
 TEST(RunSummary, WithoutATurnNothingIsSaidToBeFromTurns) {
   RunSummary summary;
   summary.car = CarRefinement{};
