@@ -268,7 +268,7 @@ def rescale(path: Path, *, lever_arm: float | None = None, lever_arm_sigma: floa
             report: Path | None = None) -> Rescaled:
     """Converts an up-to-scale trajectory of any monocular SLAM to metres, as `turnscale rescale` does.
 
-    path: TUM, KITTI or EuRoC file.
+    path: TUM, KITTI or EuRoC file, or the folder of a run.
     lever_arm, lever_arm_sigma: distance from the rear axle forward to the camera, m.
     heights: CSV file with heights of the camera above the road: time (s), height and optionally sigma, both in
         the trajectory's unit of length; the trajectory must have times.
@@ -295,7 +295,8 @@ def evaluate(estimate: Path, ground_truth: Path, *, timestamps: Path | None = No
              picture: Path | None = None, report: Path | None = None, floor_plan: Path | None = None) -> dict[str, Any]:
     """Errors of a trajectory against ground truth, as `turnscale evaluate` computes them.
 
-    estimate, ground_truth: TUM, EuRoC or KITTI files. timestamps: times of the KITTI file, s.
+    estimate, ground_truth: TUM, EuRoC or KITTI files; estimate also the folder of a run. timestamps: times of the
+    KITTI file, s.
     time_tolerance: of poses that belong together, s. keyframes: trajectory.csv of the run.
     camera_rotation: (yaw, pitch, roll) in degrees, or a YAML file.
     json, picture, report: files to write; floor_plan is drawn in them.
