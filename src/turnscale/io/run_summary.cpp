@@ -143,9 +143,10 @@ std::string MountText(const RunSummary& summary) {
     const YawPitchRoll angles = mount ? mount->angles : YawPitchRollFromRotation(summary.vehicle.vehicle_from_camera);
     // Rounded first: else it may say -0.00.
     const auto degrees = [](double angle) { return std::round(100 * InDegrees(angle)) / 100 + 0.0; };
-    return fmt::format("camera  yaw {:+.2f}, pitch {:+.2f}, roll {:+.2f} deg, {}\n", degrees(angles.yaw),
-                       degrees(angles.pitch), degrees(angles.roll),
-                       mount ? "assumed, since no turn is suited to estimate it" : "as given");
+    return fmt::format(
+        "camera  yaw {:+.2f}, pitch {:+.2f}, roll {:+.2f} deg, {}\n", degrees(angles.yaw), degrees(angles.pitch),
+        degrees(angles.roll),
+        mount && !summary.vehicle.camera_known ? "assumed, since no turn is suited to estimate it" : "as given");
   }
   const auto degrees = [](double angle) { return angle * kDegreesPerRadian; };
   std::string text = fmt::format(

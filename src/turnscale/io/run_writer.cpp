@@ -66,11 +66,15 @@ constexpr auto kCamera = "camera.yaml";
 constexpr auto kSummary = "summary.json";
 constexpr auto kSettings = "settings.yaml";
 
+void RefuseFile(const fs::path& place) {
+  std::error_code none;
+  if (fs::exists(place, none) && !fs::is_directory(place, none))
+    throw InputError(place.string() + ": is a file, but the results need a folder; choose another --out");
+}
+
 void MakeFolder(const fs::path& folder) {
+  RefuseFile(folder);
   std::error_code error;
-  if (fs::exists(folder, error) && !fs::is_directory(folder, error)) {
-    throw InputError(folder.string() + ": is a file, but the results need a folder; choose another --out");
-  }
   fs::create_directories(folder, error);
   if (error) throw InputError(folder.string() + ": cannot be made: " + error.message() + "; choose another --out");
 }
@@ -215,8 +219,7 @@ void CheckRunOutput(const RunWriterOptions& options) {
   std::error_code none;
   if (fs::is_symlink(nearest, none) && !fs::exists(nearest, none))
     throw InputError(nearest.string() + ": is a link to a place that is not there; choose another --out");
-  if (!fs::is_directory(nearest, none))
-    throw InputError(nearest.string() + ": is a file, but the results need a folder; choose another --out");
+  RefuseFile(nearest);
   TryFile(options.folder, nearest);
 }
 
