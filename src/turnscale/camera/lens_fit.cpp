@@ -24,7 +24,7 @@ struct RadiusPair {
 
 struct Fit {
   CameraModel camera;
-  double error = 0;  ///< largest over the image, pixels
+  double error = 0;  ///< largest over the pixels that count, pixels
 };
 
 std::vector<Eigen::Vector2d> GridOver(int width, int height) {
@@ -55,14 +55,20 @@ std::array<double, 5> FitSeries(const std::vector<RadiusPair>& pairs, int terms,
 
 }  // namespace
 
-std::optional<CameraModel> FitLens(const Pinhole& pinhole, int width, int height, const RayOfPixel& ray_of) {
+std::optional<CameraModel> FitLens(const Pinhole& pinhole, int width, int height, const RayOfPixel& ray_of,
+                                   double radius) {
   const double focal = std::sqrt(pinhole.fx * pinhole.fy);
   std::vector<RadiusPair> pairs;
   const std::vector<Eigen::Vector2d> grid = GridOver(width, height);
-  for (const Eigen::Vector2d& pixel : grid)
-    if (const std::optional<Eigen::Vector2d> ray = ray_of(pixel); ray && ray->allFinite())
+  size_t rays = 0;
+  for (const Eigen::Vector2d& pixel : grid) {
+    const std::optional<Eigen::Vector2d> ray = ray_of(pixel);
+    if (!ray || !ray->allFinite()) continue;
+    ++rays;
+    if ((pixel - Eigen::Vector2d(pinhole.cx, pinhole.cy)).norm() <= radius)
       pairs.push_back({pinhole.Ray(pixel).head<2>().norm(), ray->norm()});
-  if (pairs.size() < grid.size() / 2) return std::nullopt;
+  }
+  if (rays < grid.size() / 2 || pairs.empty()) return std::nullopt;
   const double largest = std::ranges::max(pairs, {}, &RadiusPair::ray).ray;
 
   const auto error_of = [&](const auto& shown_of_ray) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cmath>
 #include <functional>
 #include <optional>
 
@@ -13,11 +14,12 @@ namespace turnscale {
 /// Where the ray of a distorted pixel meets the plane z = 1; nothing where the pixel has no ray.
 using RayOfPixel = std::function<std::optional<Eigen::Vector2d>(const Eigen::Vector2d&)>;
 
-/// The camera with these intrinsics and this image size (pixels) whose lens comes closest, over the whole image, to
-/// rays that are distorted along the radius. The lens is a pinhole where that is exact to 0.1 pixel, else the
-/// radial-tangential model with two coefficients where that is exact to 0.3 pixel, else that or the equidistant one
-/// with three, whichever is closer. Nothing where neither has a single ray for every pixel, or less than half of the
-/// pixels have a ray.
-std::optional<CameraModel> FitLens(const Pinhole& pinhole, int width, int height, const RayOfPixel& ray_of);
+/// The camera with these intrinsics and this image size (pixels) whose lens comes closest to rays that are distorted
+/// along the radius, over the pixels within `radius` (pixels) of the principal point. The lens is a pinhole where that
+/// is exact to 0.1 pixel, else the radial-tangential model with two coefficients where that is exact to 0.3 pixel, else
+/// that or the equidistant one with three, whichever is closer. Nothing where neither has a single ray for every pixel
+/// within the radius, or less than half of all pixels have a ray.
+std::optional<CameraModel> FitLens(const Pinhole& pinhole, int width, int height, const RayOfPixel& ray_of,
+                                   double radius = HUGE_VAL);
 
 }  // namespace turnscale

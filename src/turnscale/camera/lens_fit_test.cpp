@@ -53,6 +53,23 @@ TEST(FitLens, ComesCloseWithALensThatIsNeither) {
   EXPECT_LT(LargestPixelError(*fit, truth), 1);
 }
 
+TEST(FitLens, FindsALensThatFoldsBackOutsideOfThePicture) {
+  // Images that were given this distortion by a program are black beyond the fold.
+  const double radius = 600;
+  const CameraModel truth = MadeCamera(LensModel::kRadialTangential, 900, {-0.25, 0, 0, 0, 0});
+  const auto rays = [&](const Eigen::Vector2d& pixel) -> std::optional<Eigen::Vector2d> {
+    const Eigen::Vector2d point = truth.pinhole.Ray(pixel).head<2>();
+    if (const std::optional<Eigen::Vector2d> ray = RaysOf(truth)(pixel)) return ray;
+    return 1.5 * point;
+  };
+  ASSERT_FALSE(truth.Undistort({kWidth - 1, kHeight - 1}));
+  const std::optional<CameraModel> fit = FitLens(truth.pinhole, kWidth, kHeight, rays, radius);
+  ASSERT_TRUE(fit);
+  EXPECT_EQ(fit->lens, LensModel::kRadialTangential);
+  EXPECT_NEAR(fit->distortion[0], truth.distortion[0], 1e-6);
+  EXPECT_NEAR(fit->distortion[1], 0, 1e-6);
+}
+
 TEST(FitLens, RefusesRaysThatFoldBack) {
   const Pinhole pinhole{600, 600, 640, 360};
   const RayOfPixel folding = [&](const Eigen::Vector2d& pixel) -> std::optional<Eigen::Vector2d> {

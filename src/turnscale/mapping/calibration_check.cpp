@@ -110,13 +110,14 @@ CalibrationCheck::CalibrationCheck(const CalibrationCheckOptions& options)
     : options_(options), next_keyframe_(options.window - 1) {}
 
 CalibrationCheck::CalibrationCheck(const CalibrationCheckOptions& options, const CameraModel& given,
-                                   const IntrinsicsChange::Vector& start)
+                                   const IntrinsicsChange::Vector& expected)
     : CalibrationCheck(options) {
-  reference_ = {given, start};
+  reference_ = given;
+  expected_ = expected;
 }
 
 std::optional<IntrinsicsProblem> CalibrationCheck::Window(const Map& map, const CameraModel& camera) {
-  given_ = reference_ ? reference_->given.pinhole : camera.pinhole;
+  given_ = reference_ ? reference_->pinhole : camera.pinhole;
   const int latest = static_cast<int>(map.keyframes.size()) - 1;
   if (!options_.enabled || IsComplete() || latest < next_keyframe_) return std::nullopt;
   const int first = StartOfMap(map, std::max(0, latest - options_.window + 1));
@@ -129,14 +130,17 @@ std::optional<IntrinsicsProblem> CalibrationCheck::Window(const Map& map, const 
   window.last = latest;
   window.max_landmarks = options_.max_landmarks;
   window.huber_threshold = options_.huber_threshold;
-  IntrinsicsProblem problem(map, camera, reference_ ? reference_->given : camera, window, options_.pixel_sigma);
+  IntrinsicsProblem problem(map, camera, reference_.value_or(camera), window, options_.pixel_sigma);
   if (problem.landmarks() == 0) return std::nullopt;
   return problem;
 }
 
 bool CalibrationCheck::Read(IntrinsicsProblem& window) {
   const std::optional<Reading> reading = ReadingOf(window);
-  if (reading) windows_.push_back(*reading);
+  if (reading) {
+    windows_.push_back(*reading);
+    radius_ = std::max(radius_, window.Radius());
+  }
   return reading.has_value();
 }
 
@@ -169,7 +173,7 @@ std::optional<CalibrationCheck::Reading> CalibrationCheck::ReadingOf(IntrinsicsP
   if (!windows_.empty()) {
     window.Change(known.change);
   } else if (reference_) {
-    window.Change(reference_->start);
+    window.Change(Vector::Zero());
   }
   const double deflation = 1.0 / (options_.pixel_sigma_inflation * options_.pixel_sigma_inflation);
   for (int round = 1;; ++round) {
@@ -195,6 +199,7 @@ IntrinsicsEstimate CalibrationCheck::Estimate() const {
                  options_.higher_prior_sigma > 0 ? options_.higher_prior_sigma : 1.0);
   const Matrix prior = prior_covariance.inverse();
   IntrinsicsEstimate estimate;
+  estimate.change = expected_;
   estimate.covariance = prior_covariance;
   if (windows_.empty()) return estimate;
   const double entries = IntrinsicsChange::kEntries - (options_.higher_prior_sigma == 0 ? kHigherTermsOfLens : 0);
@@ -202,7 +207,7 @@ IntrinsicsEstimate CalibrationCheck::Estimate() const {
   double scatter = 1;
   for (int round = 0; round < kReweightings; ++round) {
     Matrix information = prior;
-    Vector weighted = Vector::Zero();
+    Vector weighted = prior * expected_;
     for (size_t i = 0; i < windows_.size(); ++i) {
       information += weights[i] * windows_[i].information;
       weighted += weights[i] * windows_[i].weighted_minimum;

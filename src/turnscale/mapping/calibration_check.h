@@ -90,9 +90,10 @@ class CalibrationCheck {
  public:
   explicit CalibrationCheck(const CalibrationCheckOptions& options);
 
-  /// Estimates changes of `given` rather than of the camera that the map is made with; the search begins at `start`.
+  /// Estimates changes of `given` rather than of the camera that the map is made with. The search begins at `given`;
+  /// the prior has its mean at `expected`.
   CalibrationCheck(const CalibrationCheckOptions& options, const CameraModel& given,
-                   const IntrinsicsChange::Vector& start);
+                   const IntrinsicsChange::Vector& expected);
 
   /// A copy of the window that ends at the latest keyframe; nothing if none is due, or the camera turns too little in
   /// it. The map's pixels are undistorted by `camera`. Call it when a keyframe has come.
@@ -104,6 +105,8 @@ class CalibrationCheck {
 
   /// Windows that were read.
   int windows() const { return static_cast<int>(windows_.size()); }
+  /// Distance from the principal point up to which the windows show the lens, pixels; 0 of none.
+  double radius() const { return radius_; }
   /// Whether as many windows were read as there may be: no more are.
   bool IsComplete() const { return windows() >= options_.max_windows; }
   /// The estimate from drive and prior; sigmas include the scatter of windows and their common error.
@@ -119,12 +122,6 @@ class CalibrationCheck {
     IntrinsicsChange::Matrix information;
     IntrinsicsChange::Vector weighted_minimum;
   };
-  /// The camera whose changes are estimated, and the change that the search begins with.
-  struct Reference {
-    CameraModel given;
-    IntrinsicsChange::Vector start;
-  };
-
   IntrinsicsChange::Matrix Covariance(double focal_sigma, double centre_sigma_deg, double correction_sigma,
                                       double higher_sigma) const;
   /// With what one window gets wrong beyond its noise.
@@ -132,9 +129,11 @@ class CalibrationCheck {
   std::optional<Reading> ReadingOf(IntrinsicsProblem& window) const;
 
   CalibrationCheckOptions options_;
-  std::optional<Reference> reference_;  ///< nothing: the camera of the map, with the correction that is applied
+  std::optional<CameraModel> reference_;  ///< nothing: the camera of the map, with the correction that is applied
+  IntrinsicsChange::Vector expected_ = IntrinsicsChange::Vector::Zero();
   Pinhole given_;
   std::vector<Reading> windows_;
+  double radius_ = 0;
   int next_keyframe_ = 0;
 };
 

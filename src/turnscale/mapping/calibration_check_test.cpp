@@ -193,6 +193,21 @@ TEST(CalibrationCheck, ANumberThatIsNoneTellsNothing) {
   EXPECT_EQ(check.windows(), 0);
 }
 
+TEST(CalibrationCheck, ThePriorHasItsMeanAtTheExpectedChange) {
+  const Map map = WrongMap(kRightAndLeft, Vector::Zero(), 0.3, 1);
+  const Vector expected = Change(0.05, 4, -3, 0);
+  CalibrationCheckOptions options;
+  EXPECT_EQ(CalibrationCheck(options, CameraOf(map), expected).Estimate().change, expected) << "nothing was read";
+  // So sure of the focal length that the images do not count.
+  options.focal_prior_sigma = 1e-5;
+  CalibrationCheck check(options, CameraOf(map), expected);
+  for (int keyframes = 1; keyframes <= static_cast<int>(map.keyframes.size()); ++keyframes)
+    check.Observe(MapUpTo(keyframes, map), CameraOf(map));
+  ASSERT_GT(check.windows(), 0);
+  EXPECT_NEAR(check.Estimate().change[IntrinsicsChange::kLogFocal], 0.05, 1e-3);
+  EXPECT_GT(check.radius(), map.pinhole.cx / 2);
+}
+
 TEST(CalibrationCheck, CanBeSwitchedOff) {
   CalibrationCheckOptions options;
   options.enabled = false;

@@ -343,6 +343,14 @@ IntrinsicsProblem::IntrinsicsProblem(const Map& map, const CameraModel& camera, 
   Change(change);
 }
 
+double IntrinsicsProblem::Radius() const {
+  constexpr double kNearlyAll = 0.99;
+  std::vector<double> radii;
+  for (const Eigen::Vector2d& pixel : distorted_)
+    radii.push_back((pixel - Eigen::Vector2d(bundle_.pinhole.cx, bundle_.pinhole.cy)).norm());
+  return Quantile(std::move(radii), kNearlyAll);
+}
+
 void IntrinsicsProblem::Change(const Vector& change) {
   change_ = change;
   bundle_.pinhole = ChangedPinhole(given_.pinhole, change);

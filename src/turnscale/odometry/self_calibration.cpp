@@ -29,6 +29,7 @@ constexpr int kMaxLandmarks = 600;
 // Result of one pass over the images.
 struct Reading {
   IntrinsicsEstimate estimate;
+  double radius = 0;  ///< from the principal point, up to which the windows show the lens, pixels
   int windows = 0;
   double begin = 0;       ///< time of the first image, seconds
   double first_time = 0;  ///< of the first window, seconds
@@ -91,34 +92,49 @@ Reading ReadTurns(const OdometryOptions& options, const CameraModel& camera, Cal
   }
   reading.windows = check.windows();
   reading.estimate = check.Estimate();
+  reading.radius = check.radius();
   return reading;
 }
 
-// The camera after a change of its intrinsics.
-std::optional<CameraModel> Changed(const CameraModel& camera, const IntrinsicsChange::Vector& change) {
+// The camera after a change of its intrinsics that was read within a radius (pixels) of the principal point: beyond it,
+// the series of the change is not that of the lens.
+std::optional<CameraModel> Changed(const CameraModel& camera, const IntrinsicsChange::Vector& change, double radius) {
   const Pinhole pinhole = ChangedPinhole(camera.pinhole, change);
-  return FitLens(pinhole, camera.width, camera.height,
-                 [&](const Eigen::Vector2d& pixel) -> std::optional<Eigen::Vector2d> {
-                   const std::optional<CorrectedPixel> corrected = Correct(camera, change, pixel);
-                   if (!corrected) return std::nullopt;
-                   return pinhole.Ray(corrected->pixel).head<2>();
-                 });
+  return FitLens(
+      pinhole, camera.width, camera.height,
+      [&](const Eigen::Vector2d& pixel) -> std::optional<Eigen::Vector2d> {
+        const std::optional<CorrectedPixel> corrected = Correct(camera, change, pixel);
+        if (!corrected) return std::nullopt;
+        return pinhole.Ray(corrected->pixel).head<2>();
+      },
+      radius);
+}
+
+// The change of focal length and principal point that leads back to the pinhole at the start.
+IntrinsicsChange::Vector ChangeBack(const Pinhole& pinhole, const Pinhole& start) {
+  IntrinsicsChange::Vector change = IntrinsicsChange::Vector::Zero();
+  change[IntrinsicsChange::kLogFocal] = std::log(start.fx / pinhole.fx);
+  change[IntrinsicsChange::kCentreX] = start.cx - pinhole.cx;
+  change[IntrinsicsChange::kCentreY] = start.cy - pinhole.cy;
+  return change;
 }
 
 // Largest change of focal length and principal point, in standard deviations.
-double LargestStep(const IntrinsicsChange::Vector& before, const IntrinsicsChange::Vector& now,
-                   const IntrinsicsChange::Vector& sigmas) {
-  const IntrinsicsChange::Vector steps = (now - before).cwiseQuotient(sigmas).cwiseAbs();
+double LargestStep(const IntrinsicsChange::Vector& change, const IntrinsicsChange::Vector& sigmas) {
+  const IntrinsicsChange::Vector steps = change.cwiseQuotient(sigmas).cwiseAbs();
   return std::max(
       {steps[IntrinsicsChange::kLogFocal], steps[IntrinsicsChange::kCentreX], steps[IntrinsicsChange::kCentreY]});
 }
 
-// Largest change of a pixel's ray.
-double Difference(const CameraModel& camera, const CameraModel& other) {
+// Largest change of the ray of a pixel within a radius (pixels) of the principal point.
+double Difference(const CameraModel& camera, const CameraModel& other, double radius) {
+  const Eigen::Vector2d centre(camera.pinhole.cx, camera.pinhole.cy);
   double largest = 0;
   for (const double x : {0.0, 0.25, 0.5, 0.75, 1.0})
     for (const double y : {0.0, 0.5, 1.0}) {
-      const Eigen::Vector2d pixel(x * (camera.width - 1), y * (camera.height - 1));
+      const Eigen::Vector2d place(x * (camera.width - 1), y * (camera.height - 1));
+      const double share = std::min(1.0, radius / std::max(1.0, (place - centre).norm()));
+      const Eigen::Vector2d pixel = centre + share * (place - centre);
       const auto one = camera.Undistort(pixel);
       const auto two = other.Undistort(pixel);
       if (!one || !two) return HUGE_VAL;
@@ -134,46 +150,50 @@ std::optional<FoundCamera> CalibrateFromDrive(const OdometryOptions& options, co
                                               const OpenDrive& open, const cv::Mat& mask) {
   options.Check();
   const SelfCalibrationOptions& calibration = options.self_calibration;
-  CameraModel given = start.camera;
-  IntrinsicsChange::Vector change = IntrinsicsChange::Vector::Zero();
-  const auto read = [&](const CameraModel& camera, int pass, std::optional<double> from) {
-    const CalibrationCheck check(CheckForReading(options, pass), given, change);
+  CameraModel camera = start.camera;
+  Pinhole assumed = camera.pinhole;
+  // Every pass estimates how the lens of the pass before has to change: the polynomial of the change is close to any
+  // lens where it is small, and its prior draws towards a lens that is near.
+  const auto read = [&](int pass, std::optional<double> from) {
+    const CalibrationCheck check(CheckForReading(options, pass), camera, ChangeBack(camera.pinhole, assumed));
     return ReadTurns(OptionsForReading(options, pass), camera, check, open(from), mask);
   };
-  Reading reading = read(given, 0, std::nullopt);
+  Reading reading = read(0, std::nullopt);
   for (const double view : kOtherViews) {
     if (reading.windows > 0 || !start.assumed || reading.tracked > kTracksWell * reading.frames) break;
-    given = CameraOfView(view, start.camera.width, start.camera.height);
-    reading = read(given, 0, std::nullopt);
+    camera = CameraOfView(view, start.camera.width, start.camera.height);
+    assumed = camera.pinhole;
+    reading = read(0, std::nullopt);
   }
   if (reading.windows == 0) return std::nullopt;
   const double begin = reading.begin;
 
-  CameraModel camera = given;
   FoundCamera found;
   for (int pass = 1;; ++pass) {
-    const IntrinsicsChange::Vector before = std::exchange(change, reading.estimate.change);
-    const std::optional<CameraModel> next = Changed(given, change);
+    const IntrinsicsChange::Vector& change = reading.estimate.change;
+    const std::optional<CameraModel> next = Changed(camera, change, reading.radius);
     // A distortion that folds back.
     if (!next) return pass > 1 ? std::optional(found) : std::nullopt;
     const IntrinsicsChange::Vector sigmas = reading.estimate.covariance.diagonal().cwiseSqrt();
-    found.camera = *next;
-    found.camera.focal_sigma = sigmas[IntrinsicsChange::kLogFocal] * next->pinhole.fx;
+    const double step = LargestStep(change, sigmas);
+    // Observations that only wide thresholds let in bias the camera by a few tenths of a per cent.
+    const bool is_strict = LooseBy(pass - 1) == 1;
+    const bool settled = is_strict && (Difference(camera, *next, reading.radius) < calibration.converged ||
+                                       step < calibration.converged_sigmas);
+    const bool is_last = settled || pass == calibration.max_passes;
+    // Features are tracked a little differently with each lens: in the end passes go to and fro about the optimum.
+    const std::optional<CameraModel> middle = settled ? Changed(camera, 0.5 * change, reading.radius) : std::nullopt;
+    found.camera = middle.value_or(*next);
+    found.camera.focal_sigma = sigmas[IntrinsicsChange::kLogFocal] * found.camera.pinhole.fx;
     found.centre_sigma = sigmas[IntrinsicsChange::kCentreX];
     found.windows = reading.windows;
-    const double step = LargestStep(before, change, sigmas);
-    // With wide thresholds, observations come and go from pass to pass.
-    const bool is_strict = LooseBy(pass - 1) == 1;
-    const bool settled = pass > 1 && (Difference(camera, *next) < calibration.converged ||
-                                      (is_strict && step < calibration.converged_sigmas));
-    const bool is_last = settled || pass == calibration.max_passes;
     found.converged = settled || (is_last && pass > 1 && step < 1);
     if (is_last) return found;
     camera = *next;
     // With the camera as assumed, an earlier turn may have gone unnoticed.
     const auto from =
         pass == 1 ? std::nullopt : std::optional(std::max(0.0, reading.first_time - begin - kLeadSeconds));
-    const Reading again = read(camera, pass, from);
+    const Reading again = read(pass, from);
     // With the better camera no part of the drive turns enough to rely on.
     if (again.windows == 0) return pass > 1 ? std::optional(found) : std::nullopt;
     reading = again;
