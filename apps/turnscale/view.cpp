@@ -16,6 +16,7 @@
 #include "turnscale/base/file_text.h"
 #include "turnscale/commands/run_page.h"
 #include "turnscale/io/output_file.h"
+#include "turnscale/io/run_files.h"
 #include "turnscale/io/run_writer.h"
 #include "turnscale/io/terminal.h"
 #include "turnscale/report/report_page.h"
@@ -55,7 +56,7 @@ void RunView(const ViewArguments& arguments) {
   std::error_code none;
   fs::path page = fs::absolute(arguments.results);
   if (fs::is_directory(page, none)) page /= kReportFile;
-  if (fs::exists(page.parent_path() / "trajectory.csv", none) && page.filename() == kReportFile) {
+  if (HasResultsOfRun(page.parent_path()) && page.filename() == kReportFile) {
     const std::string warning = WriteRunPage(page.parent_path(), arguments.truth);
     if (!warning.empty()) PrintMessage("warning: " + warning);
   } else if (fs::exists(page, none)) {

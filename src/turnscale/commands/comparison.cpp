@@ -11,6 +11,7 @@
 
 #include "turnscale/base/error.h"
 #include "turnscale/io/drive_input.h"
+#include "turnscale/io/run_files.h"
 #include "turnscale/io/settings.h"
 #include "turnscale/io/trajectory_file.h"
 
@@ -93,7 +94,7 @@ std::vector<Step> ReadKeyframeSteps(const fs::path& path, const Paired& paired) 
 std::vector<Step> FindSteps(const ComparisonFiles& arguments, const Paired& paired, const StepErrorOptions& options,
                             std::string& description) {
   const bool asked = !arguments.keyframes.empty();
-  const fs::path path = asked ? arguments.keyframes : arguments.estimate.parent_path() / "trajectory.csv";
+  const fs::path path = asked ? arguments.keyframes : arguments.estimate.parent_path() / RunFiles::kTable;
   if (asked || fs::exists(path)) {
     try {
       auto steps = ReadKeyframeSteps(path, paired);

@@ -14,6 +14,7 @@
 #include "turnscale/geometry/rotation.h"
 #include "turnscale/io/height_file.h"
 #include "turnscale/io/output_file.h"
+#include "turnscale/io/run_files.h"
 #include "turnscale/io/run_writer.h"
 #include "turnscale/io/settings.h"
 #include "turnscale/io/trajectory_file.h"
@@ -55,8 +56,7 @@ void CheckArguments(const RescaleArguments& arguments) {
              "--lever-arm");
   if (!arguments.lever_arm && !arguments.camera_height)
     throw InputError("--lever-arm: is missing; give it, or --camera-height with --heights");
-  std::error_code none;
-  if (arguments.report && fs::exists(*arguments.report / "trajectory.csv", none))
+  if (arguments.report && HasPosesOfRun(*arguments.report))
     throw InputError("--report: " + arguments.report->string() +
                      ": has the results of a run, some of which would be replaced; name another folder");
   RefuseToOverwrite("--out", arguments.out,

@@ -13,6 +13,7 @@
 #include "turnscale/commands/argument_checks.h"
 #include "turnscale/commands/drive_camera.h"
 #include "turnscale/commands/version.h"
+#include "turnscale/io/run_files.h"
 #include "turnscale/io/settings.h"
 #include "turnscale/io/vehicle_file.h"
 #include "turnscale/odometry/odometry.h"
@@ -35,8 +36,8 @@ void CheckFolder(const RunArguments& arguments, const DriveImages& images) {
     refuse_folder(fs::is_directory(input, none) ? input : input.parent_path());
   refuse_folder(fs::is_directory(images.drive.path, none) ? images.drive.path : images.drive.path.parent_path());
   RefuseToOverwrite("--out", arguments.out / "mask.png", {arguments.images.mask.value_or("")});
-  RefuseToOverwrite("--out", arguments.out / "car.yaml", {arguments.car.vehicle.value_or("")});
-  RefuseToOverwrite("--out", arguments.out / "camera.yaml", {images.given.name});
+  RefuseToOverwrite("--out", arguments.out / RunFiles::kCar, {arguments.car.vehicle.value_or("")});
+  RefuseToOverwrite("--out", arguments.out / RunFiles::kCamera, {images.given.name});
 }
 
 RunSummary BeforeTheDrive(const RunArguments& arguments, const OdometryOptions& options, const DriveImages& images,
@@ -63,9 +64,7 @@ RunSummary BeforeTheDrive(const RunArguments& arguments, const OdometryOptions& 
 
 // The page that shows the results; whatever becomes of it, they are on disk already.
 void KeepReport(const RunArguments& arguments, const ThumbnailCollector& thumbnails, Progress& progress, RunEnd& end) {
-  std::error_code none;
-  for (const char* needed : {"trajectory.csv", "summary.json"})
-    if (!fs::is_regular_file(arguments.out / needed, none)) return;
+  if (!HasResultsOfRun(arguments.out)) return;
   Attempts attempts;
   attempts.Try([&] { WriteThumbnails(arguments.out, thumbnails.thumbnails()); });
   attempts.Try([&] {

@@ -4,6 +4,7 @@
 #include "turnscale/base/error.h"
 #include "turnscale/commands/comparison.h"
 #include "turnscale/io/floor_plan_file.h"
+#include "turnscale/io/run_files.h"
 #include "turnscale/io/trajectory_file.h"
 #include "turnscale/report/run_report.h"
 
@@ -20,7 +21,7 @@ std::string WriteRunPage(const std::filesystem::path& folder, const TruthFiles& 
   RunReportExtras extras;
   std::string warning;
   if (!files.truth.empty()) {
-    const Comparison comparison = Compare({folder / "trajectory.tum", files.truth, {}, {}});
+    const Comparison comparison = Compare({folder / RunFiles::kTum, files.truth, {}, {}});
     extras.truth = comparison.pairs;
     if (!comparison.sources.warning.empty()) warning = files.truth.string() + ": " + comparison.sources.warning;
     extras.evaluation = ComparisonJson(comparison);

@@ -16,6 +16,7 @@
 #include "turnscale/base/error.h"
 #include "turnscale/base/file_text.h"
 #include "turnscale/camera/camera_model.h"
+#include "turnscale/io/run_files.h"
 #include "turnscale/io/run_summary.h"
 #include "turnscale/io/terminal.h"
 
@@ -191,25 +192,25 @@ Trajectory ResultFolder::Poses() const {
 ResultFolder ReadResultFolder(const fs::path& folder) {
   std::error_code none;
   if (!fs::is_directory(folder, none)) throw InputError(folder.string() + ": is not a folder with results of a run");
-  for (const char* name : {"summary.json", "trajectory.csv"})
+  for (const char* name : {RunFiles::kSummary, RunFiles::kTable})
     if (!fs::exists(folder / name, none))
       throw InputError((folder / name).string() + ": no such file; give the --out folder of turnscale run");
   ResultFolder results;
-  ReadSummary(folder / "summary.json", results);
-  results.settings = FileText(folder / "settings.yaml").value_or("");
-  results.frames = ReadFrames(folder / "trajectory.csv");
-  results.turns = ReadTurns(folder / "turns.csv");
-  ReadTable(folder / "speed.csv", [&](CsvTable& table) {
+  ReadSummary(folder / RunFiles::kSummary, results);
+  results.settings = FileText(folder / RunFiles::kSettings).value_or("");
+  results.frames = ReadFrames(folder / RunFiles::kTable);
+  results.turns = ReadTurns(folder / RunFiles::kTurns);
+  ReadTable(folder / RunFiles::kSpeed, [&](CsvTable& table) {
     results.speeds.push_back({table.Value<double>(table.Column("time")), table.Value<double>(table.Column("speed_mps")),
                               table.Value<double>(table.Column("sigma_mps"))});
   });
-  ReadTable(folder / "scale.csv", [&](CsvTable& table) {
+  ReadTable(folder / RunFiles::kScale, [&](CsvTable& table) {
     results.scale.push_back({table.Value<int>(table.Column("frame")), table.Value<double>(table.Column("time")),
                              table.Value<double>(table.Column("metres_per_unit")),
                              table.Value<double>(table.Column("sigma"))});
   });
-  results.rotations = ReadRotations(folder / "camera_rotation.csv");
-  results.landmarks = ReadLandmarks(folder / "map.ply");
+  results.rotations = ReadRotations(folder / RunFiles::kRotation);
+  results.landmarks = ReadLandmarks(folder / RunFiles::kMap);
   return results;
 }
 

@@ -2,7 +2,6 @@
 #include "turnscale/io/run_drive.h"
 
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <filesystem>
 #include <string>
@@ -14,6 +13,7 @@
 
 #include "turnscale/base/error.h"
 #include "turnscale/geometry/rotation.h"
+#include "turnscale/io/run_files.h"
 #include "turnscale/io/seen_images.h"
 #include "turnscale/io/settings.h"
 #include "turnscale/io/terminal.h"
@@ -29,13 +29,6 @@ struct RunResults {
   RefinedScale scale;
   ScaleState scale_state = ScaleState::kPending;
 };
-
-// A killed run leaves its live poses only.
-bool HasResults(const std::filesystem::path& folder) {
-  std::error_code none;
-  return std::ranges::any_of(std::array{"trajectory.csv", "live.tum", "live.tum.part"},
-                             [&](const char* name) { return std::filesystem::is_regular_file(folder / name, none); });
-}
 
 RunResults ResultsOf(const Odometry& odometry) {
   RefinedScale scale = odometry.Refined();
@@ -59,7 +52,7 @@ class Run {
     if (writer_) attempts_.Try([&] { writer_->EndLive(); });
     attempts_.Try(drive_.concluding);
     Conclude();
-    const bool keeps_earlier = !tracks_ && HasResults(drive_.output.folder);
+    const bool keeps_earlier = !tracks_ && HasPosesOfRun(drive_.output.folder);
     if (!tracks_ && !end_.interrupted && (!Enough() || keeps_earlier) && attempts_.failures().empty()) {
       end_.nothing_tracked = seen_.Explanation();
       end_.summary.stopped = end_.nothing_tracked;
@@ -102,7 +95,7 @@ class Run {
     writer_.emplace(drive_.output);
     writer_->WriteText("settings.yaml", SettingsText(odometry_.options()));
     const std::optional<FoundCamera>& found = drive_.summary.found_camera;
-    if (found) writer_->WriteText("camera.yaml", FoundCameraText(*found));
+    if (found) writer_->WriteText(RunFiles::kCamera, FoundCameraText(*found));
     begun_ = true;
   }
 
@@ -178,7 +171,7 @@ class Run {
     attempts_.Try([&] { writer_->WriteScale(odometry_.map(), results.scale, durability); });
     attempts_.Try([&] { writer_->WriteRotations(rotations_, durability); });
     attempts_.Try([&] {
-      writer_->WriteText("car.yaml",
+      writer_->WriteText(RunFiles::kCar,
                          VehicleFileText(odometry_.options().vehicle, odometry_.mount().current(), results.scale),
                          durability);
     });
@@ -229,7 +222,7 @@ class Run {
     summary.cost.latency = LatencyOf(latencies_);
     if (summary.stopped.empty() && !attempts_.failures().empty())
       summary.stopped = FailureOf(attempts_.failures().front()).message;
-    if (writer_) writer_->WriteText("summary.json", SummaryJson(summary));
+    if (writer_) writer_->WriteText(RunFiles::kSummary, SummaryJson(summary));
   }
 
   const DriveToRun& drive_;

@@ -14,6 +14,7 @@
 #include "turnscale/base/quantiles.h"
 #include "turnscale/camera/camera_file.h"
 #include "turnscale/geometry/rotation.h"
+#include "turnscale/io/run_files.h"
 #include "turnscale/io/terminal.h"
 #include "turnscale/io/turn_warning.h"
 
@@ -129,7 +130,7 @@ std::string IntrinsicsText(const std::optional<FoundCamera>& found, const std::s
       "lens    focal length {:.1f} +-{:.1f}, principal point ({:.1f}, {:.1f}) +-{:.1f} pixels, estimated; for the "
       "next drive: --camera {}\n",
       pinhole.fx, found->camera.focal_sigma, pinhole.cx, pinhole.cy, found->centre_sigma,
-      (std::filesystem::path(folder) / "camera.yaml").string());
+      (std::filesystem::path(folder) / RunFiles::kCamera).string());
 }
 
 // One line, empty where the rotation was given.

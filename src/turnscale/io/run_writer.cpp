@@ -18,6 +18,7 @@
 #include "turnscale/base/error.h"
 #include "turnscale/geometry/rotation.h"
 #include "turnscale/image_file/image_encoder.h"
+#include "turnscale/io/run_files.h"
 #include "turnscale/io/terminal.h"
 #include "turnscale/io/trajectory_file.h"
 
@@ -50,21 +51,6 @@ void AddVertex(std::string& vertices, const Eigen::Vector3d& position, const Col
 }
 
 namespace fs = std::filesystem;
-
-constexpr auto kTum = "trajectory.tum";
-constexpr auto kKitti = "trajectory.kitti.txt";
-constexpr auto kTable = "trajectory.csv";
-constexpr auto kLive = "live.tum";
-constexpr auto kTurns = "turns.csv";
-constexpr auto kSpeed = "speed.csv";
-constexpr auto kScale = "scale.csv";
-constexpr auto kRotation = "camera_rotation.csv";
-constexpr auto kCar = "car.yaml";
-constexpr auto kMap = "map.ply";
-constexpr auto kMask = "mask.png";
-constexpr auto kCamera = "camera.yaml";
-constexpr auto kSummary = "summary.json";
-constexpr auto kSettings = "settings.yaml";
 
 void RefuseFile(const fs::path& place) {
   std::error_code none;
@@ -227,14 +213,15 @@ RunWriter::RunWriter(const RunWriterOptions& options) : options_(options) {
   CheckFrame(options_);
   MakeFolder(options_.folder);
   // The summary first: it says that the others are of one run.
-  for (const char* name : {kReportFile, kSummary, kSettings, kTurns, kSpeed, kScale, kRotation, kCar, kCamera, kMap,
-                           kMask, kTum, kKitti, kTable, kLive})
+  for (const char* name : {kReportFile, RunFiles::kSummary, RunFiles::kSettings, RunFiles::kTurns, RunFiles::kSpeed,
+                           RunFiles::kScale, RunFiles::kRotation, RunFiles::kCar, RunFiles::kCamera, RunFiles::kMap,
+                           RunFiles::kMask, RunFiles::kTum, RunFiles::kKitti, RunFiles::kTable, RunFiles::kLive})
     RemoveOldFile(PathOf(name));
 }
 
 void RunWriter::Add(const FrameResult& live) {
   if (!live.world_from_camera) return;
-  if (!live_) live_.emplace(PathOf(kLive));
+  if (!live_) live_.emplace(PathOf(RunFiles::kLive));
   live_->Write(TumLine({live.time, Shown(live, live.scale_state)}));
 }
 
@@ -257,9 +244,9 @@ void RunWriter::WriteTrajectory(const std::vector<FrameResult>& refined, ScaleSt
     table += FrameTableLine(frame, pose);
   }
   Attempts attempts;
-  attempts.Try([&] { WriteText(kTum, tum, durability); });
-  attempts.Try([&] { WriteText(kKitti, kitti, durability); });
-  attempts.Try([&] { WriteText(kTable, table, durability); });
+  attempts.Try([&] { WriteText(RunFiles::kTum, tum, durability); });
+  attempts.Try([&] { WriteText(RunFiles::kKitti, kitti, durability); });
+  attempts.Try([&] { WriteText(RunFiles::kTable, table, durability); });
   attempts.RethrowFirst();
 }
 
@@ -273,32 +260,32 @@ void RunWriter::WriteText(const std::string& name, const std::string& text, Dura
 }
 
 void RunWriter::WriteTurns(const std::vector<TurnResult>& turns, Durability durability) {
-  WriteText(kTurns, TurnTable(turns), durability);
+  WriteText(RunFiles::kTurns, TurnTable(turns), durability);
 }
 
 void RunWriter::WriteSpeeds(const std::vector<SpeedReading>& speeds, Durability durability) {
   if (speeds.empty()) {
-    RemoveOldFile(PathOf(kSpeed));
+    RemoveOldFile(PathOf(RunFiles::kSpeed));
   } else {
-    WriteText(kSpeed, SpeedTable(speeds), durability);
+    WriteText(RunFiles::kSpeed, SpeedTable(speeds), durability);
   }
 }
 
 void RunWriter::WriteScale(const Map& map, const RefinedScale& scale, Durability durability) {
   if (scale.estimate) {
-    WriteText(kScale, ScaleTable(map, scale), durability);
+    WriteText(RunFiles::kScale, ScaleTable(map, scale), durability);
   } else {
-    RemoveOldFile(PathOf(kScale));
+    RemoveOldFile(PathOf(RunFiles::kScale));
   }
 }
 
 void RunWriter::WriteRotations(const std::vector<RotationRecord>& records, Durability durability) {
-  WriteText(kRotation, RotationTable(records), durability);
+  WriteText(RunFiles::kRotation, RotationTable(records), durability);
 }
 
 void RunWriter::WriteMask(const cv::Mat& mask, Durability durability) {
   if (mask.empty()) return;
-  WriteText(kMask, EncodePng(mask), durability);
+  WriteText(RunFiles::kMask, EncodePng(mask), durability);
 }
 
 void RunWriter::WriteMap(const MapPoints& points, ScaleState scale_state, Durability durability) {
@@ -306,7 +293,7 @@ void RunWriter::WriteMap(const MapPoints& points, ScaleState scale_state, Durabi
   const RigidTransform shown_from_world =
       of_camera ? RigidTransform{} : VehicleFromCamera(options_.vehicle.vehicle_from_camera, scale_state);
   try {
-    turnscale::WriteMap(PathOf(kMap), points, shown_from_world, durability);
+    turnscale::WriteMap(PathOf(RunFiles::kMap), points, shown_from_world, durability);
   } catch (const InputError& error) {
     throw OutputError(error.what());
   }

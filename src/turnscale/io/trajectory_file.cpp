@@ -14,6 +14,7 @@
 
 #include "turnscale/base/error.h"
 #include "turnscale/base/number_text.h"
+#include "turnscale/io/run_files.h"
 
 namespace turnscale {
 namespace {
@@ -144,7 +145,7 @@ class Parser {
 std::filesystem::path TrajectoryOf(const std::filesystem::path& named) {
   std::error_code none;
   if (!std::filesystem::is_directory(named, none)) return named;
-  std::filesystem::path file = named / "trajectory.tum";
+  std::filesystem::path file = named / RunFiles::kTum;
   if (std::filesystem::is_regular_file(file, none)) return file;
   throw InputError(named.string() +
                    ": is a folder without the trajectory.tum of a run; give the file of the trajectory");

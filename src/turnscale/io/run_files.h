@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+
+namespace turnscale {
+
+/// Names of the files in a folder with the results of a run.
+struct RunFiles {
+  static constexpr auto kTum = "trajectory.tum";
+  static constexpr auto kKitti = "trajectory.kitti.txt";
+  static constexpr auto kTable = "trajectory.csv";
+  static constexpr auto kLive = "live.tum";
+  static constexpr auto kLivePart = "live.tum.part";  ///< what a killed run leaves
+  static constexpr auto kTurns = "turns.csv";
+  static constexpr auto kSpeed = "speed.csv";
+  static constexpr auto kScale = "scale.csv";
+  static constexpr auto kRotation = "camera_rotation.csv";
+  static constexpr auto kCar = "car.yaml";
+  static constexpr auto kMap = "map.ply";
+  static constexpr auto kMask = "mask.png";
+  static constexpr auto kCamera = "camera.yaml";
+  static constexpr auto kSummary = "summary.json";
+  static constexpr auto kSettings = "settings.yaml";
+};
+
+/// Whether a folder has poses of a run, if only the live ones of a run that was killed.
+bool HasPosesOfRun(const std::filesystem::path& folder);
+
+/// Whether a folder has the results of a run that came to its end.
+bool HasResultsOfRun(const std::filesystem::path& folder);
+
+}  // namespace turnscale
