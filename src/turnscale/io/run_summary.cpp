@@ -243,15 +243,16 @@ std::string CalibrationWarning(const ParameterEstimate& estimate, double scale_s
 
 constexpr auto kCheckVehicle = "check that the file of --vehicle is of this car and camera";
 
-// A wrong lever arm shows in the height that the turns give. One line; empty for a usual height.
+// A wrong lever arm shows in the height that the turns give, and so does an image that is turned with a delay, by
+// stabilisation. One line; empty for a usual height.
 std::string UnusualHeight(const CarRefinement& car) {
-  constexpr double kLeast = 0.6;  // m
-  constexpr double kMost = 2.4;   // m
+  constexpr double kLeast = 0.9;  // m: a sports car's windscreen
+  constexpr double kMost = 2.4;   // m: a van's
   const double reach = 2 * car.camera_height_sigma;
   if (car.camera_height + reach >= kLeast && car.camera_height - reach <= kMost) return {};
   return fmt::format(
-      "the turns give a camera {:.2f} +-{:.2f} m above the road, which is unusual for a car: check --lever-arm; height "
-      "and scale are proportional to it",
+      "the turns give a camera {:.2f} +-{:.2f} m above the road, which is unusual for a car: check --lever-arm, and "
+      "that the video is not stabilised; if the height is right, give it as --camera-height",
       car.camera_height, car.camera_height_sigma);
 }
 

@@ -353,7 +353,7 @@ TEST(RunSummary, SaysHowWellTheLengthIsKnownAndWhereLeast) {
       << SummaryText(summary);
 }
 
-TEST(RunSummary, WarnsOfACameraFarAboveTheRoad) {
+TEST(RunSummary, WarnsOfACameraTooLowOrTooHighForACar) {
   RefinedScale scale;
   scale.estimate.emplace();
   const auto warnings = [&](double height, std::optional<double> given = {}) {
@@ -364,8 +364,8 @@ TEST(RunSummary, WarnsOfACameraFarAboveTheRoad) {
     Summarize(Frames(5, 1), scale, summary);
     return summary.warnings;
   };
-  for (const double usual : {0.5, 1.3, 2.5}) EXPECT_TRUE(warnings(usual).empty()) << usual;
-  for (const double unusual : {0.3, 2.8}) ASSERT_EQ(warnings(unusual).size(), 1u) << unusual;
+  for (const double usual : {0.75, 1.3, 2.5}) EXPECT_TRUE(warnings(usual).empty()) << usual;
+  for (const double unusual : {0.65, 2.8}) ASSERT_EQ(warnings(unusual).size(), 1u) << unusual;
   EXPECT_NE(warnings(2.8)[0].find("a camera 2.80 +-0.10 m above the road, which is unusual for a car"),
             std::string::npos);
   EXPECT_TRUE(warnings(2.8, 2.8).empty()) << "a lorry's";
