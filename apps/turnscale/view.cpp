@@ -56,7 +56,7 @@ void RunView(const ViewArguments& arguments) {
   std::error_code none;
   fs::path page = fs::absolute(arguments.results);
   if (fs::is_directory(page, none)) page /= kReportFile;
-  if (HasResultsOfRun(page.parent_path()) && page.filename() == kReportFile) {
+  if (fs::exists(page.parent_path() / RunFiles::kTrajectoryTable, none) && page.filename() == kReportFile) {
     const std::string warning = WriteRunPage(page.parent_path(), arguments.truth);
     if (!warning.empty()) PrintMessage("warning: " + warning);
   } else if (fs::exists(page, none)) {

@@ -15,6 +15,8 @@ constexpr double kNoDistortion = 0.1;
 constexpr double kSmallError = 0.3;
 constexpr int kColumns = 24;
 constexpr int kRows = 16;
+// Five times the coefficients of a radial-tangential lens.
+constexpr size_t kFewestPairs = 10;
 
 // A pixel's distance from the principal point in the image and that of its ray on the plane z = 1.
 struct RadiusPair {
@@ -24,7 +26,8 @@ struct RadiusPair {
 
 struct Fit {
   CameraModel camera;
-  double error = 0;  ///< largest over the pixels that count, pixels
+  double error = 0;           ///< largest within the radius, pixels
+  bool covers_image = false;  ///< has a ray for every pixel
 };
 
 std::vector<Eigen::Vector2d> GridOver(int width, int height) {
@@ -58,17 +61,16 @@ std::array<double, 5> FitSeries(const std::vector<RadiusPair>& pairs, int terms,
 std::optional<CameraModel> FitLens(const Pinhole& pinhole, int width, int height, const RayOfPixel& ray_of,
                                    double radius) {
   const double focal = std::sqrt(pinhole.fx * pinhole.fy);
+  const Eigen::Vector2d centre(pinhole.cx, pinhole.cy);
   std::vector<RadiusPair> pairs;
-  const std::vector<Eigen::Vector2d> grid = GridOver(width, height);
-  size_t rays = 0;
-  for (const Eigen::Vector2d& pixel : grid) {
-    const std::optional<Eigen::Vector2d> ray = ray_of(pixel);
-    if (!ray || !ray->allFinite()) continue;
-    ++rays;
-    if ((pixel - Eigen::Vector2d(pinhole.cx, pinhole.cy)).norm() <= radius)
+  std::vector<Eigen::Vector2d> grid = GridOver(width, height);
+  const Eigen::Vector2d farthest =
+      *std::ranges::max_element(grid, {}, [&](const Eigen::Vector2d& pixel) { return (pixel - centre).norm(); });
+  std::erase_if(grid, [&](const Eigen::Vector2d& pixel) { return (pixel - centre).norm() > radius; });
+  for (const Eigen::Vector2d& pixel : grid)
+    if (const std::optional<Eigen::Vector2d> ray = ray_of(pixel); ray && ray->allFinite())
       pairs.push_back({pinhole.Ray(pixel).head<2>().norm(), ray->norm()});
-  }
-  if (rays < grid.size() / 2 || pairs.empty()) return std::nullopt;
+  if (pairs.size() < std::max(kFewestPairs, grid.size() / 2)) return std::nullopt;
   const double largest = std::ranges::max(pairs, {}, &RadiusPair::ray).ray;
 
   const auto error_of = [&](const auto& shown_of_ray) {
@@ -79,13 +81,18 @@ std::optional<CameraModel> FitLens(const Pinhole& pinhole, int width, int height
   const CameraModel plain{pinhole, LensModel::kPinhole, {0, 0, 0, 0, 0}, width, height};
   if (error_of([](double ray) { return ray; }) < kNoDistortion) return plain;
 
+  // A fold within the image is only believed where no other model is as good.
+  const auto is_better = [](const Fit& one, const Fit& other) {
+    const bool both_exact = std::max(one.error, other.error) < kSmallError;
+    return both_exact && one.covers_image != other.covers_image ? one.covers_image : one.error < other.error;
+  };
   std::optional<Fit> best;
   const auto consider = [&](LensModel lens, const std::array<double, 5>& k, const auto& shown_of_ray) {
-    const double error = error_of(shown_of_ray);
-    if (best && best->error <= error) return;
-    best = {plain, error};
-    best->camera.lens = lens;
-    best->camera.distortion = k;
+    Fit fit{plain, error_of(shown_of_ray)};
+    fit.camera.lens = lens;
+    fit.camera.distortion = k;
+    fit.covers_image = fit.camera.Undistort(farthest).has_value();
+    if (!best || is_better(fit, *best)) best = fit;
   };
   const std::array<double, 5> radial = FitSeries(pairs, 2, [](double ray) { return ray; });
   if (RadialRisesUpTo(radial, largest))
@@ -93,7 +100,7 @@ std::optional<CameraModel> FitLens(const Pinhole& pinhole, int width, int height
       return DistortRadialTangential(radial, {ray, 0}).point.x();
     });
   // Two coefficients that all programs know are preferred to a fit that no image can tell from theirs.
-  if (best && best->error < kSmallError) return best->camera;
+  if (best && best->error < kSmallError && best->covers_image) return best->camera;
   const std::array<double, 5> fisheye = FitSeries(pairs, 3, [](double ray) { return std::atan(ray); });
   if (AngleRisesUpTo(fisheye, std::atan(largest)))
     consider(LensModel::kEquidistant, fisheye, [&](double ray) { return DistortAngle(fisheye, std::atan(ray)); });

@@ -17,8 +17,10 @@ using RayOfPixel = std::function<std::optional<Eigen::Vector2d>(const Eigen::Vec
 /// The camera with these intrinsics and this image size (pixels) whose lens comes closest to rays that are distorted
 /// along the radius, over the pixels within `radius` (pixels) of the principal point. The lens is a pinhole where that
 /// is exact to 0.1 pixel, else the radial-tangential model with two coefficients where that is exact to 0.3 pixel, else
-/// that or the equidistant one with three, whichever is closer. Nothing where neither has a single ray for every pixel
-/// within the radius, or less than half of all pixels have a ray.
+/// that or the equidistant one with three, whichever is closer; of two that are exact to 0.3 pixel, one that has a ray
+/// for every pixel is preferred. Beyond the radius the model extrapolates, and may have no ray. Nothing where neither
+/// has a single ray for every pixel within the radius, or fewer than half of these pixels, or of a grid fewer than ten,
+/// have a ray.
 std::optional<CameraModel> FitLens(const Pinhole& pinhole, int width, int height, const RayOfPixel& ray_of,
                                    double radius = HUGE_VAL);
 

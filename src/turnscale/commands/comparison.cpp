@@ -94,7 +94,7 @@ std::vector<Step> ReadKeyframeSteps(const fs::path& path, const Paired& paired) 
 std::vector<Step> FindSteps(const ComparisonFiles& arguments, const Paired& paired, const StepErrorOptions& options,
                             std::string& description) {
   const bool asked = !arguments.keyframes.empty();
-  const fs::path path = asked ? arguments.keyframes : arguments.estimate.parent_path() / RunFiles::kTable;
+  const fs::path path = asked ? arguments.keyframes : arguments.estimate.parent_path() / RunFiles::kTrajectoryTable;
   if (asked || fs::exists(path)) {
     try {
       auto steps = ReadKeyframeSteps(path, paired);

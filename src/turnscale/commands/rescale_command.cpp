@@ -56,7 +56,8 @@ void CheckArguments(const RescaleArguments& arguments) {
              "--lever-arm");
   if (!arguments.lever_arm && !arguments.camera_height)
     throw InputError("--lever-arm: is missing; give it, or --camera-height with --heights");
-  if (arguments.report && HasPosesOfRun(*arguments.report))
+  std::error_code none;
+  if (arguments.report && fs::exists(*arguments.report / RunFiles::kTrajectoryTable, none))
     throw InputError("--report: " + arguments.report->string() +
                      ": has the results of a run, some of which would be replaced; name another folder");
   RefuseToOverwrite("--out", arguments.out,

@@ -35,7 +35,7 @@ void CheckFolder(const RunArguments& arguments, const DriveImages& images) {
   for (const fs::path& input : arguments.images.inputs)
     refuse_folder(fs::is_directory(input, none) ? input : input.parent_path());
   refuse_folder(fs::is_directory(images.drive.path, none) ? images.drive.path : images.drive.path.parent_path());
-  RefuseToOverwrite("--out", arguments.out / "mask.png", {arguments.images.mask.value_or("")});
+  RefuseToOverwrite("--out", arguments.out / RunFiles::kMask, {arguments.images.mask.value_or("")});
   RefuseToOverwrite("--out", arguments.out / RunFiles::kCar, {arguments.car.vehicle.value_or("")});
   RefuseToOverwrite("--out", arguments.out / RunFiles::kCamera, {images.given.name});
 }

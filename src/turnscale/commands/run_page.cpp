@@ -21,7 +21,7 @@ std::string WriteRunPage(const std::filesystem::path& folder, const TruthFiles& 
   RunReportExtras extras;
   std::string warning;
   if (!files.truth.empty()) {
-    const Comparison comparison = Compare({folder / RunFiles::kTum, files.truth, {}, {}});
+    const Comparison comparison = Compare({folder / RunFiles::kTrajectoryTum, files.truth, {}, {}});
     extras.truth = comparison.pairs;
     if (!comparison.sources.warning.empty()) warning = files.truth.string() + ": " + comparison.sources.warning;
     extras.evaluation = ComparisonJson(comparison);

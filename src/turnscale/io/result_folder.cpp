@@ -192,13 +192,13 @@ Trajectory ResultFolder::Poses() const {
 ResultFolder ReadResultFolder(const fs::path& folder) {
   std::error_code none;
   if (!fs::is_directory(folder, none)) throw InputError(folder.string() + ": is not a folder with results of a run");
-  for (const char* name : {RunFiles::kSummary, RunFiles::kTable})
+  for (const char* name : {RunFiles::kSummary, RunFiles::kTrajectoryTable})
     if (!fs::exists(folder / name, none))
       throw InputError((folder / name).string() + ": no such file; give the --out folder of turnscale run");
   ResultFolder results;
   ReadSummary(folder / RunFiles::kSummary, results);
   results.settings = FileText(folder / RunFiles::kSettings).value_or("");
-  results.frames = ReadFrames(folder / RunFiles::kTable);
+  results.frames = ReadFrames(folder / RunFiles::kTrajectoryTable);
   results.turns = ReadTurns(folder / RunFiles::kTurns);
   ReadTable(folder / RunFiles::kSpeed, [&](CsvTable& table) {
     results.speeds.push_back({table.Value<double>(table.Column("time")), table.Value<double>(table.Column("speed_mps")),

@@ -93,7 +93,7 @@ class Run {
   void Begin() {
     stale_ = drive_.replacing();
     writer_.emplace(drive_.output);
-    writer_->WriteText("settings.yaml", SettingsText(odometry_.options()));
+    writer_->WriteText(RunFiles::kSettings, SettingsText(odometry_.options()));
     const std::optional<FoundCamera>& found = drive_.summary.found_camera;
     if (found) writer_->WriteText(RunFiles::kCamera, FoundCameraText(*found));
     begun_ = true;

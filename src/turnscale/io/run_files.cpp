@@ -16,12 +16,12 @@ bool HasFile(const std::filesystem::path& folder, const char* name) {
 }  // namespace
 
 bool HasPosesOfRun(const std::filesystem::path& folder) {
-  return std::ranges::any_of(std::array{RunFiles::kTable, RunFiles::kLive, RunFiles::kLivePart},
+  return std::ranges::any_of(std::array{RunFiles::kTrajectoryTable, RunFiles::kLiveTum, RunFiles::kLiveTumPart},
                              [&](const char* name) { return HasFile(folder, name); });
 }
 
 bool HasResultsOfRun(const std::filesystem::path& folder) {
-  return HasFile(folder, RunFiles::kTable) && HasFile(folder, RunFiles::kSummary);
+  return HasFile(folder, RunFiles::kTrajectoryTable) && HasFile(folder, RunFiles::kSummary);
 }
 
 }  // namespace turnscale

@@ -7,11 +7,11 @@ namespace turnscale {
 
 /// Names of the files in a folder with the results of a run.
 struct RunFiles {
-  static constexpr auto kTum = "trajectory.tum";
-  static constexpr auto kKitti = "trajectory.kitti.txt";
-  static constexpr auto kTable = "trajectory.csv";
-  static constexpr auto kLive = "live.tum";
-  static constexpr auto kLivePart = "live.tum.part";  ///< what a killed run leaves
+  static constexpr auto kTrajectoryTum = "trajectory.tum";
+  static constexpr auto kTrajectoryKitti = "trajectory.kitti.txt";
+  static constexpr auto kTrajectoryTable = "trajectory.csv";
+  static constexpr auto kLiveTum = "live.tum";
+  static constexpr auto kLiveTumPart = "live.tum.part";  ///< what a killed run leaves
   static constexpr auto kTurns = "turns.csv";
   static constexpr auto kSpeed = "speed.csv";
   static constexpr auto kScale = "scale.csv";
@@ -24,10 +24,10 @@ struct RunFiles {
   static constexpr auto kSettings = "settings.yaml";
 };
 
-/// Whether a folder has poses of a run, if only the live ones of a run that was killed.
+/// Whether a folder has poses of a run, also if only the live ones, as after a killed run.
 bool HasPosesOfRun(const std::filesystem::path& folder);
 
-/// Whether a folder has the results of a run that came to its end.
+/// Whether a folder has the trajectory table and the summary of a run, complete or interrupted.
 bool HasResultsOfRun(const std::filesystem::path& folder);
 
 }  // namespace turnscale

@@ -243,17 +243,19 @@ std::string CalibrationWarning(const ParameterEstimate& estimate, double scale_s
 
 constexpr auto kCheckVehicle = "check that the file of --vehicle is of this car and camera";
 
-// A wrong lever arm shows in the height that the turns give, and so does an image that is turned with a delay, by
-// stabilisation. One line; empty for a usual height.
+// The estimated height is proportional to the scale, so that a wrong lever arm shows in it, and an image that
+// stabilisation turns with a delay (too low). One line; empty for a usual height.
 std::string UnusualHeight(const CarRefinement& car) {
-  constexpr double kLeast = 0.9;  // m: a sports car's windscreen
-  constexpr double kMost = 2.4;   // m: a van's
+  constexpr double kLeast = 0.9;  // m; sports cars and up
+  constexpr double kMost = 2.4;   // m; vans
   const double reach = 2 * car.camera_height_sigma;
   if (car.camera_height + reach >= kLeast && car.camera_height - reach <= kMost) return {};
   return fmt::format(
-      "the turns give a camera {:.2f} +-{:.2f} m above the road, which is unusual for a car: check --lever-arm, and "
-      "that the video is not stabilised; if the height is right, give it as --camera-height",
-      car.camera_height, car.camera_height_sigma);
+      "the turns give a camera {:.2f} +-{:.2f} m above the road, which is unusual for a car; if it is wrong, the scale "
+      "is "
+      "wrong by the same factor: check --lever-arm{}, or give the measured --camera-height",
+      car.camera_height, car.camera_height_sigma,
+      car.camera_height < kLeast ? " and that the video is not stabilised" : "");
 }
 
 // What to do about a camera-to-vehicle rotation that is wrong.

@@ -213,15 +213,16 @@ RunWriter::RunWriter(const RunWriterOptions& options) : options_(options) {
   CheckFrame(options_);
   MakeFolder(options_.folder);
   // The summary first: it says that the others are of one run.
-  for (const char* name : {kReportFile, RunFiles::kSummary, RunFiles::kSettings, RunFiles::kTurns, RunFiles::kSpeed,
-                           RunFiles::kScale, RunFiles::kRotation, RunFiles::kCar, RunFiles::kCamera, RunFiles::kMap,
-                           RunFiles::kMask, RunFiles::kTum, RunFiles::kKitti, RunFiles::kTable, RunFiles::kLive})
+  for (const char* name :
+       {kReportFile, RunFiles::kSummary, RunFiles::kSettings, RunFiles::kTurns, RunFiles::kSpeed, RunFiles::kScale,
+        RunFiles::kRotation, RunFiles::kCar, RunFiles::kCamera, RunFiles::kMap, RunFiles::kMask,
+        RunFiles::kTrajectoryTum, RunFiles::kTrajectoryKitti, RunFiles::kTrajectoryTable, RunFiles::kLiveTum})
     RemoveOldFile(PathOf(name));
 }
 
 void RunWriter::Add(const FrameResult& live) {
   if (!live.world_from_camera) return;
-  if (!live_) live_.emplace(PathOf(RunFiles::kLive));
+  if (!live_) live_.emplace(PathOf(RunFiles::kLiveTum));
   live_->Write(TumLine({live.time, Shown(live, live.scale_state)}));
 }
 
@@ -244,9 +245,9 @@ void RunWriter::WriteTrajectory(const std::vector<FrameResult>& refined, ScaleSt
     table += FrameTableLine(frame, pose);
   }
   Attempts attempts;
-  attempts.Try([&] { WriteText(RunFiles::kTum, tum, durability); });
-  attempts.Try([&] { WriteText(RunFiles::kKitti, kitti, durability); });
-  attempts.Try([&] { WriteText(RunFiles::kTable, table, durability); });
+  attempts.Try([&] { WriteText(RunFiles::kTrajectoryTum, tum, durability); });
+  attempts.Try([&] { WriteText(RunFiles::kTrajectoryKitti, kitti, durability); });
+  attempts.Try([&] { WriteText(RunFiles::kTrajectoryTable, table, durability); });
   attempts.RethrowFirst();
 }
 

@@ -368,6 +368,8 @@ TEST(RunSummary, WarnsOfACameraTooLowOrTooHighForACar) {
   for (const double unusual : {0.65, 2.8}) ASSERT_EQ(warnings(unusual).size(), 1u) << unusual;
   EXPECT_NE(warnings(2.8)[0].find("a camera 2.80 +-0.10 m above the road, which is unusual for a car"),
             std::string::npos);
+  EXPECT_EQ(warnings(2.8)[0].find("stabilised"), std::string::npos);
+  EXPECT_NE(warnings(0.65)[0].find("check --lever-arm and that the video is not stabilised"), std::string::npos);
   EXPECT_TRUE(warnings(2.8, 2.8).empty()) << "a lorry's";
 }
 

@@ -145,7 +145,7 @@ class Parser {
 std::filesystem::path TrajectoryOf(const std::filesystem::path& named) {
   std::error_code none;
   if (!std::filesystem::is_directory(named, none)) return named;
-  std::filesystem::path file = named / RunFiles::kTum;
+  std::filesystem::path file = named / RunFiles::kTrajectoryTum;
   if (std::filesystem::is_regular_file(file, none)) return file;
   throw InputError(named.string() +
                    ": is a folder without the trajectory.tum of a run; give the file of the trajectory");

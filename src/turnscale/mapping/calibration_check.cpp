@@ -113,6 +113,7 @@ CalibrationCheck::CalibrationCheck(const CalibrationCheckOptions& options, const
                                    const IntrinsicsChange::Vector& expected)
     : CalibrationCheck(options) {
   reference_ = given;
+  given_ = given.pinhole;
   expected_ = expected;
 }
 
@@ -139,7 +140,7 @@ bool CalibrationCheck::Read(IntrinsicsProblem& window) {
   const std::optional<Reading> reading = ReadingOf(window);
   if (reading) {
     windows_.push_back(*reading);
-    radius_ = std::max(radius_, window.Radius());
+    observed_radius_ = std::max(observed_radius_, window.ObservedRadius());
   }
   return reading.has_value();
 }

@@ -105,13 +105,13 @@ class CalibrationCheck {
 
   /// Windows that were read.
   int windows() const { return static_cast<int>(windows_.size()); }
-  /// Distance from the principal point up to which the windows show the lens, pixels; 0 of none.
-  double radius() const { return radius_; }
+  /// Largest IntrinsicsProblem::ObservedRadius of the windows, pixels; 0 before the first.
+  double observed_radius() const { return observed_radius_; }
   /// Whether as many windows were read as there may be: no more are.
   bool IsComplete() const { return windows() >= options_.max_windows; }
   /// The estimate from drive and prior; sigmas include the scatter of windows and their common error.
   IntrinsicsEstimate Estimate() const;
-  /// All parameters, in the order of IntrinsicsParameter. Where nothing was read, as given, with the prior's sigma.
+  /// All parameters, in the order of IntrinsicsParameter. Where nothing was read, those of the prior.
   std::vector<ParameterEstimate> Parameters() const;
   /// Those inconsistent with the given ones; empty if the drive agrees or does not determine them.
   std::vector<ParameterEstimate> Contradictions() const;
@@ -133,7 +133,7 @@ class CalibrationCheck {
   IntrinsicsChange::Vector expected_ = IntrinsicsChange::Vector::Zero();
   Pinhole given_;
   std::vector<Reading> windows_;
-  double radius_ = 0;
+  double observed_radius_ = 0;
   int next_keyframe_ = 0;
 };
 

@@ -197,7 +197,10 @@ TEST(CalibrationCheck, ThePriorHasItsMeanAtTheExpectedChange) {
   const Map map = WrongMap(kRightAndLeft, Vector::Zero(), 0.3, 1);
   const Vector expected = Change(0.05, 4, -3, 0);
   CalibrationCheckOptions options;
-  EXPECT_EQ(CalibrationCheck(options, CameraOf(map), expected).Estimate().change, expected) << "nothing was read";
+  const CalibrationCheck unread(options, CameraOf(map), expected);
+  EXPECT_EQ(unread.Estimate().change, expected);
+  EXPECT_NEAR(unread.Parameters()[0].found, std::exp(0.05) * map.pinhole.fx, 1e-9);
+  EXPECT_EQ(unread.observed_radius(), 0);
   // So sure of the focal length that the images do not count.
   options.focal_prior_sigma = 1e-5;
   CalibrationCheck check(options, CameraOf(map), expected);
@@ -205,7 +208,8 @@ TEST(CalibrationCheck, ThePriorHasItsMeanAtTheExpectedChange) {
     check.Observe(MapUpTo(keyframes, map), CameraOf(map));
   ASSERT_GT(check.windows(), 0);
   EXPECT_NEAR(check.Estimate().change[IntrinsicsChange::kLogFocal], 0.05, 1e-3);
-  EXPECT_GT(check.radius(), map.pinhole.cx / 2);
+  EXPECT_GT(check.observed_radius(), map.pinhole.cx / 2);
+  EXPECT_LT(check.observed_radius(), std::hypot(map.pinhole.cx, map.pinhole.cy) + 20);
 }
 
 TEST(CalibrationCheck, CanBeSwitchedOff) {

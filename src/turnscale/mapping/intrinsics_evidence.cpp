@@ -343,11 +343,12 @@ IntrinsicsProblem::IntrinsicsProblem(const Map& map, const CameraModel& camera, 
   Change(change);
 }
 
-double IntrinsicsProblem::Radius() const {
+double IntrinsicsProblem::ObservedRadius() const {
   constexpr double kNearlyAll = 0.99;
+  const Eigen::Vector2d centre(bundle_.pinhole.cx, bundle_.pinhole.cy);
   std::vector<double> radii;
-  for (const Eigen::Vector2d& pixel : distorted_)
-    radii.push_back((pixel - Eigen::Vector2d(bundle_.pinhole.cx, bundle_.pinhole.cy)).norm());
+  for (size_t i = 0; i < distorted_.size(); ++i)
+    if (corrected_[i]) radii.push_back((distorted_[i] - centre).norm());
   return Quantile(std::move(radii), kNearlyAll);
 }
 

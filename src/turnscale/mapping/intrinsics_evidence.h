@@ -80,8 +80,9 @@ class IntrinsicsProblem {
   int landmarks() const { return static_cast<int>(bundle_.points.size()); }
   const IntrinsicsChange::Vector& change() const { return change_; }
   const BundleProblem& bundle() const { return bundle_; }
-  /// Distance from the principal point within which all observations but one in a hundred lie, pixels of the image.
-  double Radius() const;
+  /// Distance from the present principal point within which all but one in a hundred observations lie, pixels of the
+  /// image.
+  double ObservedRadius() const;
 
   /// Takes another camera; poses and points stay.
   void Change(const IntrinsicsChange::Vector& change);

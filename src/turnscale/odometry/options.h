@@ -101,11 +101,13 @@ struct SelfCalibrationOptions {
   /// Least turn in a window of the first reading, degrees. Small: with a focal length that is much too long, rotations
   /// come out too small.
   double first_min_turn_deg = 10.0;
-  /// Most times that the images are read.
+  /// Most times that the images are read. The first three have wider thresholds and are not the last, unless this is
+  /// reached.
   int max_passes = 6;
   /// Images that come sooner after the one before, seconds, are skipped: they add little information on the camera.
   double min_interval = 0.045;
-  /// The camera is found when a pass changes the ray of no pixel by more than this (on the plane z = 1).
+  /// The camera is found when a pass changes no ray, as far as the windows show the lens, by more than this (on the
+  /// plane z = 1). Half of the last change is applied.
   double converged = 0.003;
   /// It is also found when a pass changes focal length and principal point by fewer standard deviations than this.
   double converged_sigmas = 0.5;

@@ -92,12 +92,12 @@ Reading ReadTurns(const OdometryOptions& options, const CameraModel& camera, Cal
   }
   reading.windows = check.windows();
   reading.estimate = check.Estimate();
-  reading.radius = check.radius();
+  reading.radius = check.observed_radius();
   return reading;
 }
 
 // The camera after a change of its intrinsics that was read within a radius (pixels) of the principal point: beyond it,
-// the series of the change is not that of the lens.
+// the series of the change is an extrapolation.
 std::optional<CameraModel> Changed(const CameraModel& camera, const IntrinsicsChange::Vector& change, double radius) {
   const Pinhole pinhole = ChangedPinhole(camera.pinhole, change);
   return FitLens(
@@ -110,12 +110,13 @@ std::optional<CameraModel> Changed(const CameraModel& camera, const IntrinsicsCh
       radius);
 }
 
-// The change of focal length and principal point that leads back to the pinhole at the start.
-IntrinsicsChange::Vector ChangeBack(const Pinhole& pinhole, const Pinhole& start) {
+// The change of focal length and principal point that leads from one pinhole to another; the ratio of the focal lengths
+// is that of both axes.
+IntrinsicsChange::Vector ChangeBetween(const Pinhole& from, const Pinhole& to) {
   IntrinsicsChange::Vector change = IntrinsicsChange::Vector::Zero();
-  change[IntrinsicsChange::kLogFocal] = std::log(start.fx / pinhole.fx);
-  change[IntrinsicsChange::kCentreX] = start.cx - pinhole.cx;
-  change[IntrinsicsChange::kCentreY] = start.cy - pinhole.cy;
+  change[IntrinsicsChange::kLogFocal] = std::log(to.fx / from.fx);
+  change[IntrinsicsChange::kCentreX] = to.cx - from.cx;
+  change[IntrinsicsChange::kCentreY] = to.cy - from.cy;
   return change;
 }
 
@@ -151,18 +152,19 @@ std::optional<FoundCamera> CalibrateFromDrive(const OdometryOptions& options, co
   options.Check();
   const SelfCalibrationOptions& calibration = options.self_calibration;
   CameraModel camera = start.camera;
-  Pinhole assumed = camera.pinhole;
-  // Every pass estimates how the lens of the pass before has to change: the polynomial of the change is close to any
-  // lens where it is small, and its prior draws towards a lens that is near.
+  Pinhole expected = camera.pinhole;
+  // Each pass estimates a change of the previous pass's camera, since the series is close to any lens only where the
+  // change is small. The prior of the pinhole stays at the start; that of the distortion is no change, and keeps what
+  // the windows do not determine.
   const auto read = [&](int pass, std::optional<double> from) {
-    const CalibrationCheck check(CheckForReading(options, pass), camera, ChangeBack(camera.pinhole, assumed));
+    const CalibrationCheck check(CheckForReading(options, pass), camera, ChangeBetween(camera.pinhole, expected));
     return ReadTurns(OptionsForReading(options, pass), camera, check, open(from), mask);
   };
   Reading reading = read(0, std::nullopt);
   for (const double view : kOtherViews) {
     if (reading.windows > 0 || !start.assumed || reading.tracked > kTracksWell * reading.frames) break;
     camera = CameraOfView(view, start.camera.width, start.camera.height);
-    assumed = camera.pinhole;
+    expected = camera.pinhole;
     reading = read(0, std::nullopt);
   }
   if (reading.windows == 0) return std::nullopt;
@@ -172,22 +174,24 @@ std::optional<FoundCamera> CalibrateFromDrive(const OdometryOptions& options, co
   for (int pass = 1;; ++pass) {
     const IntrinsicsChange::Vector& change = reading.estimate.change;
     const std::optional<CameraModel> next = Changed(camera, change, reading.radius);
-    // A distortion that folds back.
+    // A distortion that folds back, or windows that show hardly anything of the lens.
     if (!next) return pass > 1 ? std::optional(found) : std::nullopt;
     const IntrinsicsChange::Vector sigmas = reading.estimate.covariance.diagonal().cwiseSqrt();
-    const double step = LargestStep(change, sigmas);
-    // Observations that only wide thresholds let in bias the camera by a few tenths of a per cent.
+    const double step_sigmas = LargestStep(change, sigmas);
+    // Observations that only wide thresholds let in bias the camera by a few tenths of a per cent: passes with such
+    // thresholds are never the last.
     const bool is_strict = LooseBy(pass - 1) == 1;
     const bool settled = is_strict && (Difference(camera, *next, reading.radius) < calibration.converged ||
-                                       step < calibration.converged_sigmas);
+                                       step_sigmas < calibration.converged_sigmas);
     const bool is_last = settled || pass == calibration.max_passes;
-    // Features are tracked a little differently with each lens: in the end passes go to and fro about the optimum.
+    // Features are tracked a little differently with each lens, so that successive passes end up alternating about the
+    // optimum.
     const std::optional<CameraModel> middle = settled ? Changed(camera, 0.5 * change, reading.radius) : std::nullopt;
     found.camera = middle.value_or(*next);
     found.camera.focal_sigma = sigmas[IntrinsicsChange::kLogFocal] * found.camera.pinhole.fx;
     found.centre_sigma = sigmas[IntrinsicsChange::kCentreX];
     found.windows = reading.windows;
-    found.converged = settled || (is_last && pass > 1 && step < 1);
+    found.converged = settled || (is_last && pass > 1 && step_sigmas < 1);
     if (is_last) return found;
     camera = *next;
     // With the camera as assumed, an earlier turn may have gone unnoticed.

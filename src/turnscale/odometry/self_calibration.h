@@ -42,7 +42,8 @@ struct FoundCamera {
 /// Estimates focal length, principal point and radial distortion from the first turns of a drive.
 ///
 /// The odometry runs over the images with the camera as assumed; windows of keyframes in turns show how it differs
-/// from the true one (CalibrationCheck); the images are read again with the new camera, until it changes little.
+/// from the true one (CalibrationCheck); the images are read again with the new camera, at least four times, until it
+/// changes little. Where the windows show nothing of the lens, towards the corners, its model extrapolates (FitLens).
 /// `start` needs image size and focal length only: half or twice the true one is near enough; where it is assumed
 /// rather than given, other fields of view are tried if the odometry fails with it. Both focal lengths are changed by
 /// the same factor. Pixels that are 0 in `mask` (8 bit, of the images' size) are left out, unless it is empty. Nothing
