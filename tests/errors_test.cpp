@@ -197,7 +197,7 @@ TEST_F(ErrorsTest, AClipThatEndsTooEarlyIsNamed) {
   const fs::path first = folder_ / "first.avi";
   const fs::path second = folder_ / "second.avi";
   Video(first, 0, 10);
-  fs::resize_file(second, Video(second) * 6 / 10);
+  fs::resize_file(second, Video(second, 10) * 6 / 10);
   const CommandResult result = RunCommand({"run", first.string(), second.string(), "--camera",
                                            (Drive() / "calib.txt").string(), "--out", Out().string(), "--quiet"},
                                           folder_);

@@ -37,6 +37,16 @@ std::string EndsTooEarly(const VideoHeader& header, int frames, double seconds) 
 
 void AddSentence(std::string& text, const std::string& sentence) { text += (text.empty() ? "" : "; ") + sentence; }
 
+// What is said where --fps goes before a rate of the video's own that is not the same. The header's is a mean, which a
+// few missing frames change.
+std::string OtherRate(const std::optional<double>& fps, const VideoHeader& header) {
+  constexpr double kSame = 0.1;
+  if (!fps || header.rate <= 0 || std::abs(*fps / header.rate - 1) < kSame) return {};
+  return fmt::format(
+      "--fps {:g} goes before the video's own times, of {:.4g} frames/s: leave it out unless those are wrong", *fps,
+      header.rate);
+}
+
 }  // namespace
 
 ClipReader::ClipReader(const std::vector<std::filesystem::path>& clips, const ClipOptions& options)
@@ -192,6 +202,8 @@ std::optional<DriveImage> ClipReader::Read() {
     if (!first) image.gap = gap_;
     // Before the first image: of clips of which no frame could be decoded.
     if (!first || passed_ == 1) image.notice = notice_;
+    if (const std::string other = OtherRate(options_.fps, headers_.front()); first && !other.empty())
+      AddSentence(image.notice, other);
     gap_ = 0;
     notice_.clear();
     return image;

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cmath>
 #include <filesystem>
+#include <iterator>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -243,6 +244,26 @@ std::string CalibrationWarning(const ParameterEstimate& estimate, double scale_s
 
 constexpr auto kCheckVehicle = "check that the file of --vehicle is of this car and camera";
 
+// Where tracking is lost at the first image of a clip though no time is missing before it, the clip is not the one that
+// follows, or the car was filmed from elsewhere.
+std::vector<std::string> SeamWarnings(const RunSummary& summary) {
+  constexpr double kAtOnce = 0.15;  // s
+  std::vector<std::string> warnings;
+  for (size_t i = 1; i < summary.clips.size(); ++i) {
+    const ClipPart& clip = summary.clips[i];
+    const bool lost = std::ranges::any_of(summary.missing, [&](const MissingPart& part) {
+      return part.reason == MissingReason::kLost && std::abs(part.from - clip.start) < kAtOnce;
+    });
+    if (!lost || clip.gap_before > 0) continue;
+    const auto name = [](const ClipPart& part) { return std::filesystem::path(part.file).filename().string(); };
+    warnings.push_back(
+        fmt::format("tracking is lost where {} ends and {} begins (at {:.1f} s): check that the clips are in order and "
+                    "none is missing",
+                    name(summary.clips[i - 1]), name(clip), clip.start));
+  }
+  return warnings;
+}
+
 // The estimated height is proportional to the scale, so that a wrong lever arm shows in it, and an image that
 // stabilisation turns with a delay (too low). One line; empty for a usual height.
 std::string UnusualHeight(const CarRefinement& car) {
@@ -357,6 +378,7 @@ void Summarize(const std::vector<FrameResult>& refined, const RefinedScale& scal
   }
   if (scale.estimate && scale.estimate->yaw_conflict)
     summary.warnings.push_back(YawWarning(*scale.estimate->yaw_conflict, RotationRemedy(summary.vehicle)));
+  std::ranges::move(SeamWarnings(summary), std::back_inserter(summary.warnings));
   summary.turns_found = static_cast<int>(turns.size());
   if (!scale.estimate) summary.pending_reason = scale.reason;
   summary.turns_used =

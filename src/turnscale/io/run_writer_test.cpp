@@ -432,6 +432,22 @@ TEST(RunSummary, APathAcrossAGapIsNotMeasuredThere) {
   EXPECT_EQ(nlohmann::json::parse(SummaryJson(summary))["missing"]["distance_m"], 101);
 }
 
+TEST(RunSummary, WarnsOfClipsThatDoNotFollowOneAnother) {
+  std::vector<FrameResult> frames = Frames(8, 1);
+  frames[4].state = TrackingState::kBridged;
+  const auto warnings = [&](double start, double gap) {
+    RunSummary summary;
+    summary.clips = {{"card/a.mp4", 0, start, 4, 0}, {"card/b.mp4", start, 8, 4, gap}};
+    Summarize(frames, {}, summary);
+    return summary.warnings;
+  };
+  const double seam = frames[4].time;
+  ASSERT_EQ(warnings(seam, 0).size(), 1u);
+  EXPECT_NE(warnings(seam, 0)[0].find("where a.mp4 ends and b.mp4 begins"), std::string::npos);
+  EXPECT_TRUE(warnings(seam, 2).empty()) << "the gap is named already";
+  EXPECT_TRUE(warnings(frames[6].time, 0).empty()) << "lost elsewhere";
+}
+
 TEST(RunSummary, SaysWhichCameraRotationIsUsed) {
   RunSummary summary;
   summary.vehicle.vehicle_from_camera = RotationFromYawPitchRoll({3 / kDegreesPerRadian, 0, 0});
