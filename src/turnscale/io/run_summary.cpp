@@ -222,7 +222,7 @@ std::string CarText(const std::optional<CarRefinement>& car, int turns_used) {
                      car->yaw_error * kDegreesPerRadian, car->yaw_error_sigma * kDegreesPerRadian, HeightText(*car));
 }
 
-std::string CalibrationWarning(const ParameterEstimate& estimate, double scale_sigma) {
+std::string CalibrationWarning(const ParameterEstimate& estimate, bool refined, double scale_sigma) {
   const auto [name, unit] = [&]() -> std::pair<const char*, const char*> {
     switch (estimate.parameter) {
       case IntrinsicsParameter::kFocalLength:
@@ -237,8 +237,10 @@ std::string CalibrationWarning(const ParameterEstimate& estimate, double scale_s
     return {"", ""};
   }();
   return fmt::format(
-      "the images of turns give a {} of {:.4g} +- {:.2g}{}, the calibration {:.4g}: check that it is this camera's{}",
+      "the images of turns give a {} of {:.4g} +- {:.2g}{}, the calibration {:.4g}: check that it is this "
+      "camera's{}{}",
       name, estimate.found, estimate.sigma, unit, estimate.given,
+      refined ? "" : ", or have it estimated with --camera-refine",
       std::isfinite(scale_sigma) ? fmt::format("; the scale may be off by {:.0f} % or more", 100 * scale_sigma) : "");
 }
 
@@ -360,7 +362,7 @@ void Summarize(const std::vector<FrameResult>& refined, const RefinedScale& scal
       summary.car_evidence = scale.estimate->car_evidence;
   }
   for (const ParameterEstimate& estimate : scale.contradicted_calibration)
-    summary.warnings.push_back(CalibrationWarning(estimate, scale_sigma));
+    summary.warnings.push_back(CalibrationWarning(estimate, summary.found_camera.has_value(), scale_sigma));
   const auto frames_of = [&](int turn) {
     return fmt::format("frames {}-{}", turns[turn].first_frame, turns[turn].last_frame);
   };
