@@ -19,8 +19,8 @@ using RayOfPixel = std::function<std::optional<Eigen::Vector2d>(const Eigen::Vec
 /// is exact to 0.1 pixel, else the radial-tangential model with two coefficients where that is exact to 0.3 pixel, else
 /// that or the equidistant one with three, whichever is closer; of two that are exact to 0.3 pixel, one that has a ray
 /// for every pixel is preferred. Beyond the radius the model extrapolates, and may have no ray. Nothing where neither
-/// has a single ray for every pixel within the radius, or fewer than half of these pixels, or of a grid fewer than ten,
-/// have a ray.
+/// has a single ray for every pixel within the radius. Nothing, too, where fewer than half of these pixels have a ray,
+/// or fewer than ten of the 425 that are sampled over the image.
 std::optional<CameraModel> FitLens(const Pinhole& pinhole, int width, int height, const RayOfPixel& ray_of,
                                    double radius = HUGE_VAL);
 

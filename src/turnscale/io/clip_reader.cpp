@@ -35,10 +35,13 @@ std::string EndsTooEarly(const VideoHeader& header, int frames, double seconds) 
   return fmt::format("the video ends after {:.1f} of {:.1f} s", seconds, header.duration);
 }
 
-void AddSentence(std::string& text, const std::string& sentence) { text += (text.empty() ? "" : "; ") + sentence; }
+// Nothing for an empty sentence.
+void AddSentence(std::string& text, const std::string& sentence) {
+  if (!sentence.empty()) text += (text.empty() ? "" : "; ") + sentence;
+}
 
-// What is said where --fps goes before a rate of the video's own that is not the same. The header's is a mean, which a
-// few missing frames change.
+// The notice where --fps differs from the video's own rate; empty if it does not. The header's rate is a mean, which
+// missing frames change.
 std::string OtherRate(const std::optional<double>& fps, const VideoHeader& header) {
   constexpr double kSame = 0.1;
   if (!fps || header.rate <= 0 || std::abs(*fps / header.rate - 1) < kSame) return {};
@@ -166,7 +169,7 @@ void ClipReader::Close() {
   const std::string before = NameOf(clips_[clip_]);
   ends_early_ = why.empty() ? std::string() : before + ": " + why;
   if (++clip_ == clips_.size()) return;
-  if (!ends_early_.empty()) AddSentence(notice_, ends_early_);
+  AddSentence(notice_, ends_early_);
   if (!options_.timed) return;
   double gap = recorded_->GapAfter(clip_ - 1, seconds);
   // What is missing of a damaged clip is a gap, too.
@@ -202,8 +205,7 @@ std::optional<DriveImage> ClipReader::Read() {
     if (!first) image.gap = gap_;
     // Before the first image: of clips of which no frame could be decoded.
     if (!first || passed_ == 1) image.notice = notice_;
-    if (const std::string other = OtherRate(options_.fps, headers_.front()); first && !other.empty())
-      AddSentence(image.notice, other);
+    if (first) AddSentence(image.notice, OtherRate(options_.fps, headers_.front()));
     gap_ = 0;
     notice_.clear();
     return image;

@@ -246,8 +246,8 @@ std::string CalibrationWarning(const ParameterEstimate& estimate, bool refined, 
 
 constexpr auto kCheckVehicle = "check that the file of --vehicle is of this car and camera";
 
-// Where tracking is lost at the first image of a clip though no time is missing before it, the clip is not the one that
-// follows, or the car was filmed from elsewhere.
+// Tracking that is lost at the first image of a clip, though no time is missing before it, is a sign of clips that do
+// not follow one another.
 std::vector<std::string> SeamWarnings(const RunSummary& summary) {
   constexpr double kAtOnce = 0.15;  // s
   std::vector<std::string> warnings;
