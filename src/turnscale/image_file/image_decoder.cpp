@@ -3,14 +3,12 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <climits>
 #include <cstring>
 #include <memory>
 #include <new>
 #include <optional>
 #include <string_view>
-#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -19,6 +17,7 @@
 
 #include "turnscale/image_file/codec_pointers.h"
 #include "turnscale/image_file/gray_png.h"
+#include "turnscale/image_file/netpbm.h"
 #include "turnscale/image_file/png_chunks.h"
 
 extern "C" {
@@ -41,39 +40,10 @@ AVCodecID CodecOf(Bytes bytes) {
       {"BM", AV_CODEC_ID_BMP},          {"II*\0"sv, AV_CODEC_ID_TIFF},
       {"MM\0*"sv, AV_CODEC_ID_TIFF},    {"P1", AV_CODEC_ID_PBM},
       {"P4", AV_CODEC_ID_PBM},          {"P2", AV_CODEC_ID_PGM},
-      {"P5", AV_CODEC_ID_PGM},          {"P3", AV_CODEC_ID_PPM},
-      {"P6", AV_CODEC_ID_PPM}};
+      {"P3", AV_CODEC_ID_PPM}};
   for (const auto& [magic, codec] : kCodecs)
     if (StartsWith(bytes, magic)) return codec;
   return AV_CODEC_ID_NONE;
-}
-
-// The greatest level of a binary PGM or PPM, and where its digits are.
-struct GreatestLevel {
-  size_t begin = 0;
-  size_t end = 0;
-  unsigned level = 0;
-};
-
-// Nothing if the header has none.
-std::optional<GreatestLevel> GreatestLevelOf(Bytes netpbm) {
-  constexpr int kWordsBefore = 3;  // magic, width and height
-  const auto is_space = [](uint8_t c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; };
-  auto at = netpbm.begin();
-  for (int i = 0; i < kWordsBefore; ++i) {
-    at = std::find_if(at, netpbm.end(), is_space);
-    at = std::find_if_not(at, netpbm.end(), is_space);
-    while (at != netpbm.end() && *at == '#')
-      at = std::find_if_not(std::find(at, netpbm.end(), '\n'), netpbm.end(), is_space);
-  }
-  GreatestLevel greatest;
-  greatest.begin = static_cast<size_t>(at - netpbm.begin());
-  const std::string_view rest(reinterpret_cast<const char*>(netpbm.data()) + greatest.begin,
-                              netpbm.size() - greatest.begin);
-  const auto [end, error] = std::from_chars(rest.data(), rest.data() + rest.size(), greatest.level);
-  if (error != std::errc() || greatest.level == 0 || greatest.level > 0xFFFF) return std::nullopt;
-  greatest.end = greatest.begin + static_cast<size_t>(end - rest.data());
-  return greatest;
 }
 
 // The parts of a PNG to decode; none if its header and the types of its chunks do not make an image.
@@ -289,28 +259,13 @@ ImagePixels DecodePng(Bytes png, int64_t most_pixels) {
   return DecodeParts(AV_CODEC_ID_PNG, PartsOfPng(png, *header, std::move(chunks)), most_pixels);
 }
 
-// The library stretches levels with rounding errors: 254 of 254 becomes 0. So its header says that they are stretched
-// already.
-ImagePixels DecodeBinaryNetpbm(AVCodecID id, Bytes netpbm, int64_t most_pixels) {
-  const std::optional<GreatestLevel> greatest = GreatestLevelOf(netpbm);
-  if (!greatest) return {};
-  const std::string_view whole_range = greatest->level > 0xFF ? "65535" : "255";
-  const unsigned levels = greatest->level > 0xFF ? 0xFFFF : 0xFF;
-  const Bytes digits(reinterpret_cast<const uint8_t*>(whole_range.data()), whole_range.size());
-  ImagePixels pixels =
-      DecodeParts(id, {netpbm.first(greatest->begin), digits, netpbm.subspan(greatest->end)}, most_pixels);
-  if (!pixels.gray.empty() && greatest->level != levels)
-    pixels.gray.convertTo(pixels.gray, -1, static_cast<double>(levels) / greatest->level);
-  return pixels;
-}
-
 }  // namespace
 
 ImagePixels DecodePixels(Bytes bytes, int64_t most_pixels) {
+  if (IsBinaryNetpbm(bytes)) return DecodeBinaryNetpbm(bytes, most_pixels);
   const AVCodecID id = CodecOf(bytes);
   if (id == AV_CODEC_ID_NONE) return {};
   if (id == AV_CODEC_ID_PNG) return DecodePng(bytes, most_pixels);
-  if (StartsWith(bytes, "P5") || StartsWith(bytes, "P6")) return DecodeBinaryNetpbm(id, bytes, most_pixels);
   return DecodeParts(id, {bytes}, most_pixels);
 }
 

@@ -60,10 +60,10 @@ GrayImage ReadGrayImage(const std::filesystem::path& path) {
   stream.seekg(0, std::ios::end);
   const std::streamoff size = stream.tellg();
   if (size <= 0) return {{}, name + ": is empty"};
-  std::vector<uint8_t> bytes(static_cast<size_t>(size));
+  const auto bytes = std::make_unique_for_overwrite<uint8_t[]>(static_cast<size_t>(size));
   stream.seekg(0);
-  if (!stream.read(reinterpret_cast<char*>(bytes.data()), size)) return {{}, name + ": cannot be read"};
-  const DecodedImage decoded = DecodeImage(bytes);
+  if (!stream.read(reinterpret_cast<char*>(bytes.get()), size)) return {{}, name + ": cannot be read"};
+  const DecodedImage decoded = DecodeImage({bytes.get(), static_cast<size_t>(size)});
   if (!decoded.problem.empty()) return {{}, name + ": " + decoded.problem};
   const cv::Mat gray = ToGray8(decoded.pixels);
   return {gray, gray.empty() ? name + ": is not a readable image" : ""};

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
-#include <array>
-#include <cctype>
 #include <string_view>
 
+#include "turnscale/image_file/netpbm.h"
 #include "turnscale/image_file/png_chunks.h"
 #include "turnscale/io/frame_reader.h"
 
@@ -58,22 +57,9 @@ bool BmpEndsEarly(Bytes bytes) {
   return bytes.size() < size;
 }
 
-// Binary PGM and PPM: magic, width, height and greatest value in words, one blank, then the samples.
 bool NetpbmEndsEarly(Bytes bytes) {
-  size_t at = 2;
-  std::array<size_t, 3> header{};
-  for (size_t& value : header) {
-    while (at < bytes.size() && (std::isspace(bytes[at]) || bytes[at] == '#')) {
-      if (bytes[at] == '#') at = std::find(bytes.begin() + at, bytes.end(), '\n') - bytes.begin();
-      if (at < bytes.size()) ++at;
-    }
-    // Six digits are beyond any image, and keep the product below from running over.
-    for (int i = 0; i < 6 && at < bytes.size() && std::isdigit(bytes[at]); ++i)
-      value = value * 10 + (bytes[at++] - '0');
-  }
-  const size_t channels = bytes[1] == '6' ? 3 : 1;
-  const size_t sample_bytes = header[2] > 255 ? 2 : 1;
-  return bytes.size() < at + 1 + header[0] * header[1] * channels * sample_bytes;
+  const std::optional<NetpbmHeader> header = HeaderOfNetpbm(bytes);
+  return !header || bytes.size() < header->pixels_begin + header->pixels_size();
 }
 
 // Height and width of the frame header, the first segment of its kind.
@@ -104,7 +90,7 @@ bool EndsEarly(Bytes bytes) {
   if (StartsWith(bytes, kPngSignature)) return PngEndsEarly(bytes);
   if (StartsWith(bytes, "\xFF\xD8\xFF")) return JpegEndsEarly(bytes);
   if (StartsWith(bytes, "BM")) return BmpEndsEarly(bytes);
-  if (StartsWith(bytes, "P5") || StartsWith(bytes, "P6")) return NetpbmEndsEarly(bytes);
+  if (IsBinaryNetpbm(bytes)) return NetpbmEndsEarly(bytes);
   return false;
 }
 
