@@ -218,6 +218,19 @@ TEST_F(EvaluateTest, TheFolderOfARunStandsForItsTrajectory) {
   EXPECT_EQ(score["steps"], "between the keyframes of " + (folder_ / "estimate/trajectory.csv").string());
 }
 
+TEST_F(EvaluateTest, RunsThatAreUpToScaleAndRunsAsTruthAreNamed) {
+  fs::rename(folder_ / "estimate/drive.tum", folder_ / "estimate/trajectory.tum");
+  Text("estimate/summary.json", R"({"scale": {"state": "observed"}})");
+  EXPECT_EQ(Run({"estimate", "truth/drive.tum"}).err, "");
+  Text("estimate/summary.json", R"({"scale": {"state": "pending"}})");
+  const CommandResult pending = Run({"estimate", "truth/drive.tum"});
+  EXPECT_EQ(pending.exit_code, 0);
+  EXPECT_NE(pending.err.find("trajectory.tum: is up to scale"), std::string::npos) << pending.err;
+  const CommandResult swapped = Run({"truth/drive.tum", "estimate"});
+  EXPECT_NE(swapped.err.find("trajectory.tum: is the result of a run, not ground truth"), std::string::npos)
+      << swapped.err;
+}
+
 TEST_F(EvaluateTest, TimesThatAreOfNoUseAreRefused) {
   ExpectComplaint({"estimate/drive.tum", "truth/drive.tum", "--timestamps", "truth/times.txt"},
                   "both files have timestamps");
@@ -225,7 +238,7 @@ TEST_F(EvaluateTest, TimesThatAreOfNoUseAreRefused) {
 }
 
 TEST_F(EvaluateTest, ClocksThatDifferAreDoubted) {
-  EXPECT_TRUE(Scored({"estimate/drive.tum", "truth/drive.tum"})["warning"].is_null());
+  EXPECT_TRUE(Scored({"estimate/drive.tum", "truth/drive.tum"})["warnings"].empty());
   // A truth of fewer poses, at the same times.
   Text("sparse.tum", Head("truth/drive.tum", kPoses, false, 10));
   EXPECT_EQ(Run({"estimate/drive.tum", "sparse.tum"}).err, "");
@@ -240,7 +253,9 @@ TEST_F(EvaluateTest, ClocksThatDifferAreDoubted) {
   EXPECT_EQ(slow.exit_code, 0);
   EXPECT_NE(slow.err.find("slow.tum: only "), std::string::npos) << slow.err;
   EXPECT_NE(slow.err.find("300 (estimate) and 291 (ground truth)"), std::string::npos) << slow.err;
-  EXPECT_TRUE(Scored({"slow.tum", "truth/drive.tum"})["warning"].get<std::string>().starts_with("only "));
+  const Json warnings = Scored({"slow.tum", "truth/drive.tum"})["warnings"];
+  ASSERT_EQ(warnings.size(), 1);
+  EXPECT_NE(warnings[0].get<std::string>().find("slow.tum: only "), std::string::npos) << warnings;
 }
 
 TEST_F(EvaluateTest, TheCamerasMountingTurnsTheTurningAngle) {

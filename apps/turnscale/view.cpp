@@ -57,8 +57,8 @@ void RunView(const ViewArguments& arguments) {
   fs::path page = fs::absolute(arguments.results);
   if (fs::is_directory(page, none)) page /= kReportFile;
   if (fs::exists(page.parent_path() / RunFiles::kTrajectoryTable, none) && page.filename() == kReportFile) {
-    const std::string warning = WriteRunPage(page.parent_path(), arguments.truth);
-    if (!warning.empty()) PrintMessage("warning: " + warning);
+    for (const std::string& warning : WriteRunPage(page.parent_path(), arguments.truth))
+      PrintMessage("warning: " + warning);
   } else if (fs::exists(page, none)) {
     if (!arguments.truth.truth.empty()) {
       throw InputError("--truth " + arguments.truth.truth.string() +

@@ -68,6 +68,16 @@ Paired PairPoses(const ComparisonFiles& arguments, TrajectoryFile& estimate, Tra
   return {AssociateByTime(estimate.poses, truth.poses, {arguments.time_tolerance}), KeyframeKey::kTime, "time"};
 }
 
+// The summary of the run that a trajectory is a result of; null if it is of none.
+nlohmann::json SummaryOfRun(const fs::path& trajectory) {
+  const fs::path name = trajectory.filename();
+  if (name != RunFiles::kTrajectoryTum && name != RunFiles::kTrajectoryKitti && name != RunFiles::kLiveTum)
+    return nullptr;
+  std::ifstream file(trajectory.parent_path() / RunFiles::kSummary);
+  nlohmann::json summary = nlohmann::json::parse(file, nullptr, false);
+  return summary.is_object() ? summary : nullptr;
+}
+
 // Where both files have poses all along but few of them pair, their times are of different clocks.
 std::string UnpairedWarning(const Paired& paired, const Trajectory& estimate, const Trajectory& truth) {
   constexpr double kLeastPaired = 0.8;
@@ -79,6 +89,23 @@ std::string UnpairedWarning(const Paired& paired, const Trajectory& estimate, co
       "only {} poses are paired, though the files have {} (estimate) and {} (ground truth) in the time that both "
       "cover: the errors may be wrong; check that both have the times of one clock, or give a larger --time-tolerance",
       paired_poses, common.estimated, common.in_truth);
+}
+
+std::vector<std::string> Warnings(const ComparisonFiles& files, const Paired& paired, const Trajectory& estimate,
+                                  const Trajectory& truth) {
+  const std::string estimated = files.estimate.string() + ": ";
+  std::vector<std::string> warnings;
+  if (const std::string unpaired = UnpairedWarning(paired, estimate, truth); !unpaired.empty())
+    warnings.push_back(estimated + unpaired);
+  const nlohmann::json::json_pointer scale_state("/scale/state");
+  const nlohmann::json summary = SummaryOfRun(files.estimate);
+  if (summary.contains(scale_state) && summary.at(scale_state) == "pending")
+    warnings.push_back(estimated +
+                       "is up to scale (pending): only errors of the scaled trajectory and after Sim(3) alignment are "
+                       "meaningful");
+  if (!SummaryOfRun(files.ground_truth).is_null())
+    warnings.push_back(files.ground_truth.string() + ": is the result of a run, not ground truth");
+  return warnings;
 }
 
 std::vector<Step> ReadKeyframeSteps(const fs::path& path, const Paired& paired) {
@@ -126,7 +153,7 @@ Comparison Compare(const ComparisonFiles& arguments) {
   comparison.sources.estimated_poses = static_cast<int>(estimate.poses.size());
   comparison.sources.true_poses = static_cast<int>(truth.poses.size());
   comparison.sources.pairing = paired.by;
-  comparison.sources.warning = UnpairedWarning(paired, estimate.poses, truth.poses);
+  comparison.sources.warnings = Warnings(arguments, paired, estimate.poses, truth.poses);
   const std::vector<Step> steps = FindSteps(arguments, paired, options.steps, comparison.sources.steps);
   comparison.evaluation = Evaluate(paired.pairs, steps, options);
   comparison.pairs = paired.pairs;

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "turnscale/commands/evaluate_command.h"
 
-#include <fmt/format.h>
-
 #include "turnscale/commands/argument_checks.h"
 #include "turnscale/commands/version.h"
 #include "turnscale/evaluation/path_picture.h"
@@ -68,8 +66,7 @@ Comparison ExecuteEvaluate(const EvaluateArguments& given, const CommandHooks& h
   RefuseToOverwrite("--picture", arguments.picture, read);
   RefuseToOverwrite("--report", arguments.report, read);
   const Comparison comparison = Compare(arguments);
-  const std::string& warning = comparison.sources.warning;
-  if (!warning.empty()) Warn(hooks, fmt::format("{}: {}", arguments.estimate.string(), warning));
+  for (const std::string& warning : comparison.sources.warnings) Warn(hooks, warning);
   if (!arguments.picture.empty()) DrawPath(arguments, comparison);
   if (!arguments.report.empty()) WriteReport(arguments, comparison);
   if (!arguments.json.empty() && arguments.json != "-") ReplaceFile(arguments.json, ComparisonJson(comparison));

@@ -127,7 +127,7 @@ Json EvaluationJson(const Evaluation& evaluation, const EvaluationSources& sourc
         {"se3", evaluation.rigid ? PositionJson(*evaluation.rigid) : none},
         {"sim3", evaluation.similarity ? PositionJson(*evaluation.similarity) : none}}},
       {"alignment_problem", evaluation.alignment_problem.empty() ? none : Json(evaluation.alignment_problem)},
-      {"warning", sources.warning.empty() ? none : Json(sources.warning)}};
+      {"warnings", sources.warnings}};
 }
 
 }  // namespace turnscale

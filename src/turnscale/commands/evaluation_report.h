@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include <nlohmann/json_fwd.hpp>
 
@@ -15,9 +16,9 @@ struct EvaluationSources {
   std::string ground_truth;  ///< file
   int estimated_poses = 0;
   int true_poses = 0;
-  std::string pairing;  ///< "time" or "frame"
-  std::string steps;    ///< what the steps of the scale error ratio are
-  std::string warning;  ///< what makes the numbers doubtful, one line; may be empty
+  std::string pairing;                ///< "time" or "frame"
+  std::string steps;                  ///< what the steps of the scale error ratio are
+  std::vector<std::string> warnings;  ///< what makes the numbers doubtful, a line each
 };
 
 /// Aligned lines for the screen, in metres, per cent and degrees.

@@ -68,8 +68,7 @@ void KeepReport(const RunArguments& arguments, const ThumbnailCollector& thumbna
   Attempts attempts;
   attempts.Try([&] { WriteThumbnails(arguments.out, thumbnails.thumbnails()); });
   attempts.Try([&] {
-    const std::string warning = WriteRunPage(arguments.out, arguments.truth);
-    if (!warning.empty()) progress.Warn(warning);
+    for (const std::string& warning : WriteRunPage(arguments.out, arguments.truth)) progress.Warn(warning);
   });
   // A truth that does not fit the drive is no reason to have no page.
   if (!attempts.failures().empty() && !arguments.truth.truth.empty())

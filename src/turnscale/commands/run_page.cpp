@@ -17,18 +17,18 @@ void CheckTruthFiles(const TruthFiles& files) {
   if (!files.floor_plan.empty()) ReadFloorPlan(files.floor_plan);
 }
 
-std::string WriteRunPage(const std::filesystem::path& folder, const TruthFiles& files) {
+std::vector<std::string> WriteRunPage(const std::filesystem::path& folder, const TruthFiles& files) {
   RunReportExtras extras;
-  std::string warning;
+  std::vector<std::string> warnings;
   if (!files.truth.empty()) {
     const Comparison comparison = Compare({folder / RunFiles::kTrajectoryTum, files.truth, {}, {}});
     extras.truth = comparison.pairs;
-    if (!comparison.sources.warning.empty()) warning = files.truth.string() + ": " + comparison.sources.warning;
+    warnings = comparison.sources.warnings;
     extras.evaluation = ComparisonJson(comparison);
     if (!files.floor_plan.empty()) extras.outlines = ReadFloorPlan(files.floor_plan);
   }
   WriteRunReport(folder, extras);
-  return warning;
+  return warnings;
 }
 
 }  // namespace turnscale

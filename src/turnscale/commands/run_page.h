@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 namespace turnscale {
 
@@ -17,8 +18,8 @@ struct TruthFiles {
 void CheckTruthFiles(const TruthFiles& files);
 
 /// Makes report.html in the folder of a run, with the comparison if there is a truth; that of an earlier page of the
-/// folder is kept if there is none. Returns what makes the comparison doubtful, one line, empty if nothing does. Throws
-/// InputError, OutputError.
-std::string WriteRunPage(const std::filesystem::path& folder, const TruthFiles& files);
+/// folder is kept if there is none. Returns what makes the comparison doubtful, a line each. Throws InputError,
+/// OutputError.
+std::vector<std::string> WriteRunPage(const std::filesystem::path& folder, const TruthFiles& files);
 
 }  // namespace turnscale

@@ -50,6 +50,17 @@ std::optional<NetpbmHeader> HeaderOfNetpbm(Bytes bytes) {
   return header;
 }
 
+cv::Mat PgmInPlace(const cv::Mat& file) {
+  const Bytes bytes(file.data, file.total());
+  const std::optional<NetpbmHeader> header = IsBinaryNetpbm(bytes) ? HeaderOfNetpbm(bytes) : std::nullopt;
+  if (!header || header->channels != 1 || header->greatest_level != 0xFF ||
+      bytes.size() - header->pixels_begin < header->pixels_size()) {
+    return {};
+  }
+  const auto begin = static_cast<int>(header->pixels_begin);
+  return file.colRange(begin, begin + static_cast<int>(header->pixels_size())).reshape(1, header->height);
+}
+
 ImagePixels DecodeBinaryNetpbm(Bytes bytes, int64_t most_pixels) {
   const std::optional<NetpbmHeader> header = HeaderOfNetpbm(bytes);
   if (!header || int64_t{header->width} * header->height > most_pixels ||

@@ -34,4 +34,8 @@ std::optional<NetpbmHeader> HeaderOfNetpbm(std::span<const uint8_t> bytes);
 /// if the header is damaged or the pixels are incomplete.
 ImagePixels DecodeBinaryNetpbm(std::span<const uint8_t> bytes, int64_t most_pixels);
 
+/// The pixels of a whole PGM whose levels fill 8 bits, without a copy: the image shares the memory of `file` (a row of
+/// CV_8U). A new copy of a large image costs more than its tracking. Empty if the file is of another kind or damaged.
+cv::Mat PgmInPlace(const cv::Mat& file);
+
 }  // namespace turnscale

@@ -9,6 +9,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "turnscale/image_file/image_decoder.h"
+#include "turnscale/image_file/netpbm.h"
 
 namespace turnscale {
 namespace {
@@ -60,10 +61,12 @@ GrayImage ReadGrayImage(const std::filesystem::path& path) {
   stream.seekg(0, std::ios::end);
   const std::streamoff size = stream.tellg();
   if (size <= 0) return {{}, name + ": is empty"};
-  const auto bytes = std::make_unique_for_overwrite<uint8_t[]>(static_cast<size_t>(size));
+  if (size > INT_MAX) return {{}, name + ": is not a readable image"};
+  const cv::Mat bytes(1, static_cast<int>(size), CV_8U);
   stream.seekg(0);
-  if (!stream.read(reinterpret_cast<char*>(bytes.get()), size)) return {{}, name + ": cannot be read"};
-  const DecodedImage decoded = DecodeImage({bytes.get(), static_cast<size_t>(size)});
+  if (!stream.read(reinterpret_cast<char*>(bytes.data), size)) return {{}, name + ": cannot be read"};
+  if (const cv::Mat gray = PgmInPlace(bytes); !gray.empty()) return {gray, ""};
+  const DecodedImage decoded = DecodeImage({bytes.data, bytes.total()});
   if (!decoded.problem.empty()) return {{}, name + ": " + decoded.problem};
   const cv::Mat gray = ToGray8(decoded.pixels);
   return {gray, gray.empty() ? name + ": is not a readable image" : ""};

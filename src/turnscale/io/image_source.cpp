@@ -144,7 +144,8 @@ struct ImageSource::State {
 
   [[noreturn]] void RefusePart(double drive_end) const {
     if (start > drive_end)
-      throw InputError(fmt::format("--start {:g} s: the drive ends at {:.1f} s", start, drive_end));
+      throw InputError(fmt::format("--start {:g} s: the drive ends at {:.1f} s; give the time since the drive's start",
+                                   start, drive_end));
     throw InputError(fmt::format("--start {:g} s, --end {:g} s: the drive has no frame between them", start, *end));
   }
 

@@ -24,6 +24,9 @@ namespace {
 
 constexpr size_t kShownParts = 5;  // of the missing path
 
+// Relative sigma of the path length beyond which the scale is not called known.
+constexpr double kMostKnown = 0.15;
+
 double Seconds(const timeval& time) {
   return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
 }
@@ -145,10 +148,11 @@ std::string MountText(const RunSummary& summary) {
     const YawPitchRoll angles = mount ? mount->angles : YawPitchRollFromRotation(summary.vehicle.vehicle_from_camera);
     // Rounded first: else it may say -0.00.
     const auto degrees = [](double angle) { return std::round(100 * InDegrees(angle)) / 100 + 0.0; };
-    return fmt::format(
-        "camera  yaw {:+.2f}, pitch {:+.2f}, roll {:+.2f} deg, {}\n", degrees(angles.yaw), degrees(angles.pitch),
-        degrees(angles.roll),
-        mount && !summary.vehicle.camera_known ? "assumed, since no turn is suited to estimate it" : "as given");
+    return fmt::format("camera  yaw {:+.2f}, pitch {:+.2f}, roll {:+.2f} deg, {}\n", degrees(angles.yaw),
+                       degrees(angles.pitch), degrees(angles.roll),
+                       mount && !summary.vehicle.camera_known ? "assumed, since no turn is suited to estimate it"
+                       : summary.contradicts_mount            ? "as given, contradicted by the drive"
+                                                              : "as given");
   }
   const auto degrees = [](double angle) { return angle * kDegreesPerRadian; };
   std::string text = fmt::format(
@@ -378,11 +382,17 @@ void Summarize(const std::vector<FrameResult>& refined, const RefinedScale& scal
     const std::string unusual = UnusualHeight(*summary.car);
     if (!unusual.empty()) summary.warnings.push_back(unusual);
   }
-  if (scale.estimate && scale.estimate->yaw_conflict)
+  if (scale.estimate && scale.estimate->yaw_conflict) {
+    summary.contradicts_mount = true;
     summary.warnings.push_back(YawWarning(*scale.estimate->yaw_conflict, RotationRemedy(summary.vehicle)));
+  }
   std::ranges::move(SeamWarnings(summary), std::back_inserter(summary.warnings));
   summary.turns_found = static_cast<int>(turns.size());
-  if (!scale.estimate) summary.pending_reason = scale.reason;
+  if (!scale.estimate) {
+    summary.pending_reason = scale.reason;
+    if (!scale.contradicted_calibration.empty())
+      summary.pending_reason += "; the images contradict the calibration, which may be the cause";
+  }
   summary.turns_used =
       static_cast<int>(std::count_if(turns.begin(), turns.end(), [](const auto& t) { return t.used; }));
 }
@@ -455,7 +465,8 @@ std::string SummaryJson(const RunSummary& summary) {
 }
 
 std::string SummaryText(const RunSummary& summary) {
-  std::string scale = IsMetric(summary) ? "known" : ScaleStateName(summary.scale_state);
+  std::string scale = ScaleStateName(summary.scale_state);
+  if (IsMetric(summary)) scale = summary.path_sigma <= kMostKnown ? "known" : "uncertain";
   if (IsMetric(summary))
     scale += fmt::format(", path length +-{:.1f} % (1 sigma), along the drive at most +-{:.1f} % (at {:.1f} s)",
                          100 * summary.path_sigma, 100 * summary.worst_sigma, summary.worst_sigma_time);

@@ -96,6 +96,7 @@ struct RunSummary {
   double worst_sigma_time = 0;        ///< seconds, where that is
   std::optional<LensSummary> lens;    ///< empty where it was not looked for
   std::optional<MountSummary> mount;  ///< empty where it was given
+  bool contradicts_mount = false;     ///< the drive shows another yaw than the rotation that was given
   /// Empty while the scale is pending, or where the trajectory does not use it: single-turn scales.
   std::optional<CarRefinement> car;
   /// What the drive tells of the car; empty likewise, and where lever arm and camera height disagree.
