@@ -17,6 +17,7 @@
 #include "turnscale/geometry/rotation.h"
 #include "turnscale/io/run_files.h"
 #include "turnscale/io/terminal.h"
+#include "turnscale/io/time_check.h"
 #include "turnscale/io/turn_warning.h"
 
 namespace turnscale {
@@ -386,6 +387,7 @@ void Summarize(const std::vector<FrameResult>& refined, const RefinedScale& scal
     summary.contradicts_mount = true;
     summary.warnings.push_back(YawWarning(*scale.estimate->yaw_conflict, RotationRemedy(summary.vehicle)));
   }
+  std::ranges::move(TimeWarnings(refined, turns), std::back_inserter(summary.warnings));
   std::ranges::move(SeamWarnings(summary), std::back_inserter(summary.warnings));
   summary.turns_found = static_cast<int>(turns.size());
   if (!scale.estimate) {
