@@ -49,9 +49,8 @@ void AddRescaleCommand(CLI::App& app) {
                   car.side_slip));
   command->add_option(
       "--side-slip-sigma", arguments->side_slip_sigma,
-      fmt::format(
-          "Standard deviation of c, s^2/m; 0: c is not refined [{}, or {:.0f} % of --side-slip if that is given]",
-          car.side_slip_sigma, 100 * kGivenSideSlipSigma));
+      fmt::format("Standard deviation of c, s^2/m; 0: c is not refined [{}, or {:.0f} % of a --side-slip above 0]",
+                  car.side_slip_sigma, 100 * kGivenSideSlipSigma));
   CLI::Option* heights = command->add_option(
       "--heights", arguments->heights,
       fmt::format(

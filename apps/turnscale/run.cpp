@@ -122,9 +122,8 @@ void AddRunCommand(CLI::App& app) {
                               kUsualSideSlip));
   run->add_option(
       "--side-slip-sigma", arguments->car.side_slip_sigma,
-      fmt::format(
-          "Standard deviation of c, s^2/m; 0: c is not refined [{}, or {:.0f} % of --side-slip if that is given]",
-          kUsualSideSlipSigma, 100 * kGivenSideSlipSigma));
+      fmt::format("Standard deviation of c, s^2/m; 0: c is not refined [{}, or {:.0f} % of a --side-slip above 0]",
+                  kUsualSideSlipSigma, 100 * kGivenSideSlipSigma));
   run->add_option(
       "--camera-rotation", arguments->car.camera_rotation,
       "Camera-to-vehicle rotation: yaw,pitch,roll in degrees, positive to the right, up, to the right; a YAML file "

@@ -34,7 +34,7 @@ RescaleOptions OptionsFrom(const RescaleArguments& arguments, bool timed) {
   }
   if (arguments.side_slip) {
     options.car.side_slip = CheckedSideSlip(*arguments.side_slip);
-    options.car.side_slip_sigma = kGivenSideSlipSigma * options.car.side_slip;
+    options.car.side_slip_sigma = SigmaOfGivenSideSlip(options.car.side_slip);
   }
   if (arguments.lever_arm_sigma) options.car.lever_arm_sigma = CheckedLeverArmSigma(*arguments.lever_arm_sigma);
   if (arguments.side_slip_sigma) options.car.side_slip_sigma = CheckedSideSlipSigma(*arguments.side_slip_sigma);

@@ -105,7 +105,7 @@ OdometryOptions OptionsFrom(const CarArguments& car, const std::optional<fs::pat
   }
   if (car.side_slip) {
     options.vehicle.side_slip = CheckedSideSlip(*car.side_slip);
-    options.vehicle.side_slip_sigma = kGivenSideSlipSigma * *car.side_slip;
+    options.vehicle.side_slip_sigma = SigmaOfGivenSideSlip(*car.side_slip);
     options.vehicle.height_slip_correlation = 0;
   }
   if (car.side_slip_sigma) options.vehicle.side_slip_sigma = CheckedSideSlipSigma(*car.side_slip_sigma);

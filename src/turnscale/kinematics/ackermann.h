@@ -15,6 +15,11 @@ constexpr double kUsualSideSlip = 0.0045;
 constexpr double kUsualSideSlipSigma = 0.002;
 /// Relative standard deviation of a measured c: load and tyre pressure change.
 constexpr double kGivenSideSlipSigma = 0.12;
+/// Standard deviation of a c that was given without one, s^2/m. Zero is not measured but assumed: no tyre is that
+/// stiff.
+constexpr double SigmaOfGivenSideSlip(double side_slip) {
+  return side_slip > 0 ? kGivenSideSlipSigma * side_slip : kUsualSideSlipSigma;
+}
 /// Standard deviation of a lever arm measured with a tape, metres.
 constexpr double kTapeSigma = 0.03;
 /// Height of a car's camera above the axis about which its body rolls, metres: cameras are 1.2 to 1.7 m above the road,

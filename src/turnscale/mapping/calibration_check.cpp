@@ -109,16 +109,13 @@ void CalibrationCheckOptions::Check() const {
 CalibrationCheck::CalibrationCheck(const CalibrationCheckOptions& options)
     : options_(options), next_keyframe_(options.window - 1) {}
 
-CalibrationCheck::CalibrationCheck(const CalibrationCheckOptions& options, const CameraModel& given,
-                                   const IntrinsicsChange::Vector& expected)
+CalibrationCheck::CalibrationCheck(const CalibrationCheckOptions& options, const IntrinsicsChange::Vector& expected)
     : CalibrationCheck(options) {
-  reference_ = given;
-  given_ = given.pinhole;
   expected_ = expected;
 }
 
 std::optional<IntrinsicsProblem> CalibrationCheck::Window(const Map& map, const CameraModel& camera) {
-  given_ = reference_ ? reference_->pinhole : camera.pinhole;
+  given_ = camera.pinhole;
   const int latest = static_cast<int>(map.keyframes.size()) - 1;
   if (!options_.enabled || IsComplete() || latest < next_keyframe_) return std::nullopt;
   const int first = StartOfMap(map, std::max(0, latest - options_.window + 1));
@@ -131,7 +128,7 @@ std::optional<IntrinsicsProblem> CalibrationCheck::Window(const Map& map, const 
   window.last = latest;
   window.max_landmarks = options_.max_landmarks;
   window.huber_threshold = options_.huber_threshold;
-  IntrinsicsProblem problem(map, camera, reference_.value_or(camera), window, options_.pixel_sigma);
+  IntrinsicsProblem problem(map, camera, window, options_.pixel_sigma);
   if (problem.landmarks() == 0) return std::nullopt;
   return problem;
 }
@@ -170,12 +167,8 @@ std::optional<CalibrationCheck::Reading> CalibrationCheck::ReadingOf(IntrinsicsP
   // What is known without this window guides the way, and is taken off again.
   const IntrinsicsEstimate known = Estimate();
   const Matrix known_information = known.covariance.inverse();
-  // The first window of a test begins with the correction that is applied.
-  if (!windows_.empty()) {
-    window.Change(known.change);
-  } else if (reference_) {
-    window.Change(Vector::Zero());
-  }
+  // The first window begins with the correction that is applied.
+  if (!windows_.empty()) window.Change(known.change);
   const double deflation = 1.0 / (options_.pixel_sigma_inflation * options_.pixel_sigma_inflation);
   for (int round = 1;; ++round) {
     if (!window.Adjust(round == 1 ? kIterationsAtFirst : kIterationsAfterAStep)) return std::nullopt;

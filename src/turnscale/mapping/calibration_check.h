@@ -90,10 +90,8 @@ class CalibrationCheck {
  public:
   explicit CalibrationCheck(const CalibrationCheckOptions& options);
 
-  /// Estimates changes of `given` rather than of the camera that the map is made with. The search begins at `given`;
-  /// the prior has its mean at `expected`.
-  CalibrationCheck(const CalibrationCheckOptions& options, const CameraModel& given,
-                   const IntrinsicsChange::Vector& expected);
+  /// With a prior of the change whose mean is `expected` rather than zero.
+  CalibrationCheck(const CalibrationCheckOptions& options, const IntrinsicsChange::Vector& expected);
 
   /// A copy of the window that ends at the latest keyframe; nothing if none is due, or the camera turns too little in
   /// it. The map's pixels are undistorted by `camera`. Call it when a keyframe has come.
@@ -129,9 +127,8 @@ class CalibrationCheck {
   std::optional<Reading> ReadingOf(IntrinsicsProblem& window) const;
 
   CalibrationCheckOptions options_;
-  std::optional<CameraModel> reference_;  ///< nothing: the camera of the map, with the correction that is applied
   IntrinsicsChange::Vector expected_ = IntrinsicsChange::Vector::Zero();
-  Pinhole given_;
+  Pinhole given_;  ///< that of the map
   std::vector<Reading> windows_;
   double observed_radius_ = 0;
   int next_keyframe_ = 0;

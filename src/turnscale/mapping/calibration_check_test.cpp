@@ -197,13 +197,14 @@ TEST(CalibrationCheck, ThePriorHasItsMeanAtTheExpectedChange) {
   const Map map = WrongMap(kRightAndLeft, Vector::Zero(), 0.3, 1);
   const Vector expected = Change(0.05, 4, -3, 0);
   CalibrationCheckOptions options;
-  const CalibrationCheck unread(options, CameraOf(map), expected);
+  CalibrationCheck unread(options, expected);
+  EXPECT_FALSE(unread.Observe(MapUpTo(1, map), CameraOf(map)));
   EXPECT_EQ(unread.Estimate().change, expected);
   EXPECT_NEAR(unread.Parameters()[0].found, std::exp(0.05) * map.pinhole.fx, 1e-9);
   EXPECT_EQ(unread.observed_radius(), 0);
   // So sure of the focal length that the images do not count.
   options.focal_prior_sigma = 1e-5;
-  CalibrationCheck check(options, CameraOf(map), expected);
+  CalibrationCheck check(options, expected);
   for (int keyframes = 1; keyframes <= static_cast<int>(map.keyframes.size()); ++keyframes)
     check.Observe(MapUpTo(keyframes, map), CameraOf(map));
   ASSERT_GT(check.windows(), 0);

@@ -316,9 +316,9 @@ Eigen::Matrix<double, 2, kEntries> IntrinsicsJacobian(const Pinhole& pinhole, co
   return J;
 }
 
-IntrinsicsProblem::IntrinsicsProblem(const Map& map, const CameraModel& camera, const CameraModel& given,
-                                     const IntrinsicsWindow& window, double pixel_sigma)
-    : given_(given), huber_threshold_(window.huber_threshold), pixel_sigma_(pixel_sigma) {
+IntrinsicsProblem::IntrinsicsProblem(const Map& map, const CameraModel& camera, const IntrinsicsWindow& window,
+                                     double pixel_sigma)
+    : camera_(camera), huber_threshold_(window.huber_threshold), pixel_sigma_(pixel_sigma) {
   const std::vector<Track> tracks = ChooseTracks(map, camera, window);
 
   for (int k = window.first; k <= window.last; ++k) {
@@ -354,11 +354,11 @@ double IntrinsicsProblem::ObservedRadius() const {
 
 void IntrinsicsProblem::Change(const Vector& change) {
   change_ = change;
-  bundle_.pinhole = ChangedPinhole(given_.pinhole, change);
+  bundle_.pinhole = ChangedPinhole(camera_.pinhole, change);
   corrected_.resize(distorted_.size());
   ForEachPart(PartsOf(distorted_.size()), [&](size_t, size_t first, size_t last) {
     for (size_t i = first; i < last; ++i) {
-      const std::optional<CorrectedPixel>& corrected = corrected_[i] = Correct(given_, change, distorted_[i]);
+      const std::optional<CorrectedPixel>& corrected = corrected_[i] = Correct(camera_, change, distorted_[i]);
       // A pixel that this lens cannot show stays distorted: bundle adjustment gives it little weight.
       bundle_.observations[i].pixel = corrected ? corrected->pixel : distorted_[i];
       // Root mean square over all directions.
@@ -410,7 +410,7 @@ std::optional<IntrinsicsEvidence> IntrinsicsProblem::Evidence() {
       const Eigen::Vector3d x = bundle_.camera_from_world[seen.camera] * bundle_.points[p];
       if (!IsInFront(x) || !corrected_[i]) continue;
       const std::optional<Prediction> predicted =
-          Predict(given_, change_, bundle_.pinhole, bundle_.pinhole.Project(x), distorted_[i], *corrected_[i]);
+          Predict(camera_, change_, bundle_.pinhole, bundle_.pinhole.Project(x), distorted_[i], *corrected_[i]);
       if (!predicted) continue;
       rows.push_back(MakeRow(bundle_.pinhole, rotations[seen.camera], x, *predicted, distorted_[i], pixel_sigma_,
                              huber_threshold_));

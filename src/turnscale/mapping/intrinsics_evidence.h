@@ -70,11 +70,10 @@ struct IntrinsicsWindow {
 /// A window of keyframes whose camera can be changed, with poses and points that follow. The map stays as it is.
 class IntrinsicsProblem {
  public:
-  /// `camera` is the one by which the map's pixels are undistorted, `given` the one that intrinsics are changes of
-  /// (Correct), `pixel_sigma` the standard deviation of a pixel (pixels) until it is estimated from the residuals.
-  /// Begins with the pinhole of `given` and the radial correction of `camera`.
-  IntrinsicsProblem(const Map& map, const CameraModel& camera, const CameraModel& given, const IntrinsicsWindow& window,
-                    double pixel_sigma);
+  /// `camera` is the one by which the map's pixels are undistorted, and that intrinsics are changes of (Correct); the
+  /// problem begins with its radial correction. `pixel_sigma`: standard deviation of a pixel (pixels) until it is
+  /// estimated from the residuals.
+  IntrinsicsProblem(const Map& map, const CameraModel& camera, const IntrinsicsWindow& window, double pixel_sigma);
 
   /// Landmarks that take part; none where the window has none that three of its keyframes see.
   int landmarks() const { return static_cast<int>(bundle_.points.size()); }
@@ -100,7 +99,7 @@ class IntrinsicsProblem {
 
  private:
   BundleProblem bundle_;
-  CameraModel given_;
+  CameraModel camera_;
   // As bundle_.observations:
   std::vector<Eigen::Vector2d> distorted_;                ///< pixels of the image
   std::vector<double> stretch_;                           ///< by which correction enlarges an error there

@@ -117,7 +117,7 @@ void ExpectTheFullNormalEquations(LensModel lens, double correction) {
   camera.lens = lens;
   if (lens != LensModel::kPinhole) camera.distortion = {-0.1, 0.02, 0.001, -0.001, 0};
   constexpr double kSigma = 0.5;
-  IntrinsicsProblem problem(map, camera, camera, window, kSigma);
+  IntrinsicsProblem problem(map, camera, window, kSigma);
   const Vector change = Change(0.02, 3, -2, correction);
   const BundleProblem& bundle = problem.bundle();
   std::vector<Eigen::Vector2d> raw;
@@ -161,7 +161,7 @@ TEST(IntrinsicsEvidence, DoesNotDependOnTheUnitOfLength) {
   std::vector<IntrinsicsEvidence> evidence;
   for (const double unit : {1.0, 100.0}) {
     const Map map = CornerMap(10, 0.3, 3, unit);
-    IntrinsicsProblem problem(map, CameraOf(map), CameraOf(map), Whole(map), 0.5);
+    IntrinsicsProblem problem(map, CameraOf(map), Whole(map), 0.5);
     ASSERT_TRUE(problem.Adjust(20));
     const std::optional<IntrinsicsEvidence> found = problem.Evidence();
     ASSERT_TRUE(found);
@@ -189,7 +189,7 @@ TEST(IntrinsicsEvidence, LandmarksAreTakenFromAllOverTheView) {
     }
   IntrinsicsWindow window = Whole(map);
   window.max_landmarks = 100;
-  const IntrinsicsProblem problem(map, CameraOf(map), CameraOf(map), window, 0.3);
+  const IntrinsicsProblem problem(map, CameraOf(map), window, 0.3);
   EXPECT_EQ(problem.landmarks(), 100);
   const auto& taken = problem.bundle().observations;
   const auto taken_outer = std::ranges::count_if(taken, [&](const auto& seen) { return is_outer(seen.pixel); });
@@ -205,7 +205,7 @@ TEST(IntrinsicsEvidence, FollowingAndLookingAgainLeadsToTheTruth) {
     for (Landmark& landmark : map.landmarks)
       for (LandmarkObservation& seen : landmark.observations)
         seen.pixel = UndoRadialCorrection(truth.pinhole, error[IntrinsicsChange::kCorrection], seen.pixel);
-    IntrinsicsProblem problem(map, CameraOf(map), CameraOf(map), Whole(map), 0.5);
+    IntrinsicsProblem problem(map, CameraOf(map), Whole(map), 0.5);
     ASSERT_TRUE(problem.Adjust(20));
     for (int round = 0; round < 8; ++round) {
       const std::optional<IntrinsicsEvidence> evidence = problem.Evidence();

@@ -84,7 +84,7 @@ std::optional<IntrinsicsProblem> LensRefinement::Window(const Map& map, double a
   window.first = first;
   window.last = latest;
   window.max_landmarks = options_.max_landmarks;
-  IntrinsicsProblem problem(map, camera, camera, window, options_.pixel_sigma);
+  IntrinsicsProblem problem(map, camera, window, options_.pixel_sigma);
   if (problem.landmarks() == 0) return std::nullopt;
   return problem;
 }

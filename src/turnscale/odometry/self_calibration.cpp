@@ -157,7 +157,7 @@ std::optional<FoundCamera> CalibrateFromDrive(const OdometryOptions& options, co
   // change is small. The prior of the pinhole stays at the start; that of the distortion is no change, and keeps what
   // the windows do not determine.
   const auto read = [&](int pass, std::optional<double> from) {
-    const CalibrationCheck check(CheckForReading(options, pass), camera, ChangeBetween(camera.pinhole, expected));
+    const CalibrationCheck check(CheckForReading(options, pass), ChangeBetween(camera.pinhole, expected));
     return ReadTurns(OptionsForReading(options, pass), camera, check, open(from), mask);
   };
   Reading reading = read(0, std::nullopt);
