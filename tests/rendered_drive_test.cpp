@@ -118,6 +118,21 @@ class RenderedDriveTest : public ::testing::Test {
     EXPECT_EQ(Read(folder_ / "next" / "summary.json")["intrinsics"]["source"], "given");
   }
 
+  // Its first part, which has no turn, as the next drive of the car that is known from the whole one.
+  void ExpectMetresWithoutATurn() const {
+    const std::string drive = (folder_ / "drive").string();
+    const fs::path out = folder_ / "straight";
+    ASSERT_NO_FATAL_FAILURE(Run("run", {drive, "--vehicle", (folder_ / "out" / "car.yaml").string(), "--max-frames",
+                                        "80", "--out", out.string(), "--quiet"}));
+    const Json summary = Read(out / "summary.json");
+    EXPECT_EQ(summary["turns"]["used"], 0);
+    EXPECT_EQ(summary["scale"]["state"], "road");
+    EXPECT_LT(summary["path_sigma"], 0.06);
+    ASSERT_NO_FATAL_FAILURE(
+        Run("evaluate", {(out / "trajectory.tum").string(), drive + "/poses.txt", "--json", Score().string()}));
+    EXPECT_NEAR(Read(Score())["as_given"]["path_length_error_percent"], 0, 5);
+  }
+
   fs::path Score() const { return folder_ / "score.json"; }
   static Json Read(const fs::path& path) { return Json::parse(std::ifstream(path)); }
 
@@ -157,6 +172,7 @@ TEST_F(RenderedDriveTest, StreetComesOutInMetres) {
   EXPECT_LT(score["as_given"]["scale_error_ratio"]["all"]["rmse_percent"], 4.2);
   EXPECT_LT(score["position_error"]["sim3"]["rmse_m"], 0.35);
   EXPECT_LT(score["turning_angle"]["turning"]["rmse_deg"], 0.012);
+  ExpectMetresWithoutATurn();
 }
 
 }  // namespace
