@@ -12,6 +12,7 @@
 #include "turnscale/bag/bag_reader.h"
 #include "turnscale/base/error.h"
 #include "turnscale/base/number_text.h"
+#include "turnscale/io/run_files.h"
 
 namespace turnscale {
 namespace {
@@ -135,6 +136,8 @@ DriveInput FindInFolder(const fs::path& folder, const std::string& topic) {
     drive.bags = FindBagDrive(bags, topic);
     return drive;
   }
+  if (HasPosesOfRun(folder))
+    throw InputError(folder.string() + ": holds the results of a run; give the images or videos of a drive");
   throw InputError(
       drive.path.string() +
       ": holds no images or videos, nor do its subfolders hold videos; give a folder of png, jpg, bmp, pgm or "

@@ -71,7 +71,7 @@ struct ImageSource::State {
       UseVideos(drive, options.fps);
     }
     size = {options.width, options.height};
-    size_from = options.camera_file;
+    size_from = camera_file = options.camera_file;
     max_width = options.max_width;
     thread = std::jthread([this](std::stop_token stop) { Prefetch(stop); });
   }
@@ -219,8 +219,11 @@ struct ImageSource::State {
       size_from = name;
     }
     if (image.size() == size) return;
-    throw InputError(fmt::format("{}: is {}x{} pixels, but {} says {}x{}; all frames need the camera's size", name,
-                                 image.cols, image.rows, size_from, size.width, size.height));
+    throw InputError(fmt::format("{}: is {}x{} pixels, but {} says {}x{}; {}", name, image.cols, image.rows, size_from,
+                                 size.width, size.height,
+                                 size_from == camera_file
+                                     ? "give a calibration for images of this size, or have it estimated without one"
+                                     : "all images of a drive need the same size"));
   }
 
   void CountIn(const DriveImage& image, double time) {
@@ -244,7 +247,8 @@ struct ImageSource::State {
   double origin = 0;  // time of the drive's first frame, where images bring their times
   int offset = 0;     // number in the drive of the first frame that is read
   cv::Size size;
-  std::string size_from;
+  std::string camera_file;
+  std::string size_from;  // the file that it is from, also an image
   int max_width = 0;
   int next = 0;
   int readable = 0;
