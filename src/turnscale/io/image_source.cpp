@@ -219,11 +219,10 @@ struct ImageSource::State {
       size_from = name;
     }
     if (image.size() == size) return;
-    throw InputError(fmt::format("{}: is {}x{} pixels, but {} says {}x{}; {}", name, image.cols, image.rows, size_from,
-                                 size.width, size.height,
-                                 size_from == camera_file
-                                     ? "give a calibration for images of this size, or have it estimated without one"
-                                     : "all images of a drive need the same size"));
+    throw InputError(fmt::format(
+        "{}: is {}x{} pixels, but {} says {}x{}; {}", name, image.cols, image.rows, size_from, size.width, size.height,
+        size_from == camera_file ? "give a calibration for images of this size, or have it estimated without one"
+                                 : "all images of a drive need the same size"));
   }
 
   void CountIn(const DriveImage& image, double time) {
