@@ -31,6 +31,7 @@ const char* SkipSpace(const char* at, const char* end) {
 bool IsBinaryNetpbm(Bytes bytes) { return bytes.size() > 2 && bytes[0] == 'P' && (bytes[1] == '5' || bytes[1] == '6'); }
 
 std::optional<NetpbmHeader> HeaderOfNetpbm(Bytes bytes) {
+  if (!IsBinaryNetpbm(bytes)) return std::nullopt;
   NetpbmHeader header;
   header.channels = bytes[1] == '6' ? 3 : 1;
   const char* const begin = reinterpret_cast<const char*>(bytes.data());
@@ -52,15 +53,22 @@ std::optional<NetpbmHeader> HeaderOfNetpbm(Bytes bytes) {
 
 cv::Mat PgmInPlace(const cv::Mat& file) {
   const Bytes bytes(file.data, file.total());
-  const std::optional<NetpbmHeader> header = IsBinaryNetpbm(bytes) ? HeaderOfNetpbm(bytes) : std::nullopt;
+  const std::optional<NetpbmHeader> header = HeaderOfNetpbm(bytes);
   if (!header || header->channels != 1 || header->greatest_level != 0xFF ||
       bytes.size() - header->pixels_begin < header->pixels_size()) {
     return {};
   }
   const auto begin = static_cast<int>(header->pixels_begin);
-  return file.colRange(begin, begin + static_cast<int>(header->pixels_size())).reshape(1, header->height);
+  cv::Mat image = file.colRange(begin, begin + static_cast<int>(header->pixels_size())).reshape(1, header->height);
+  // An image of its own: filters would take the rest of the file for pixels beyond the border.
+  image.flags &= ~cv::Mat::SUBMATRIX_FLAG;
+  image.datastart = image.data;
+  image.dataend = image.datalimit = image.data + image.total();
+  return image;
 }
 
+// Without libavcodec, which copies such images twice more, and stretches levels with rounding errors: 254 of 254
+// becomes 0.
 ImagePixels DecodeBinaryNetpbm(Bytes bytes, int64_t most_pixels) {
   const std::optional<NetpbmHeader> header = HeaderOfNetpbm(bytes);
   if (!header || int64_t{header->width} * header->height > most_pixels ||

@@ -26,16 +26,15 @@ struct NetpbmHeader {
 /// Whether the bytes begin as a binary PGM or PPM.
 bool IsBinaryNetpbm(std::span<const uint8_t> bytes);
 
-/// The header of bytes that begin so; nothing if it is damaged or incomplete.
+/// Nothing if the bytes are of another kind, or the header is damaged or incomplete.
 std::optional<NetpbmHeader> HeaderOfNetpbm(std::span<const uint8_t> bytes);
 
-/// Decodes a binary PGM or PPM of at most `most_pixels` pixels, the pixels of the first image if there are several.
-/// libavcodec copies such images twice more, and stretches levels with rounding errors: 254 of 254 becomes 0. No pixels
-/// if the header is damaged or the pixels are incomplete.
+/// Decodes a binary PGM or PPM of at most `most_pixels` pixels; the first image if there are several. No pixels if the
+/// header is damaged or pixels are missing.
 ImagePixels DecodeBinaryNetpbm(std::span<const uint8_t> bytes, int64_t most_pixels);
 
-/// The pixels of a whole PGM whose levels fill 8 bits, without a copy: the image shares the memory of `file` (a row of
-/// CV_8U). A new copy of a large image costs more than its tracking. Empty if the file is of another kind or damaged.
+/// The pixels of a complete PGM with 8 bits in full range (greatest level 255), without a copy: the image shares the
+/// memory of `file`, a row of CV_8U. Empty for all other files.
 cv::Mat PgmInPlace(const cv::Mat& file);
 
 }  // namespace turnscale

@@ -61,10 +61,11 @@ GrayImage ReadGrayImage(const std::filesystem::path& path) {
   stream.seekg(0, std::ios::end);
   const std::streamoff size = stream.tellg();
   if (size <= 0) return {{}, name + ": is empty"};
-  if (size > INT_MAX) return {{}, name + ": is not a readable image"};
+  if (size > INT_MAX) return {{}, name + ": is larger than 2 GB"};
   const cv::Mat bytes(1, static_cast<int>(size), CV_8U);
   stream.seekg(0);
   if (!stream.read(reinterpret_cast<char*>(bytes.data), size)) return {{}, name + ": cannot be read"};
+  // The copy of a large image would take as long as its tracking.
   if (const cv::Mat gray = PgmInPlace(bytes); !gray.empty()) return {gray, ""};
   const DecodedImage decoded = DecodeImage({bytes.data, bytes.total()});
   if (!decoded.problem.empty()) return {{}, name + ": " + decoded.problem};

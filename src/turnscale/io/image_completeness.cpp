@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
+#include <optional>
+#include <span>
 #include <string_view>
 
 #include "turnscale/image_file/netpbm.h"
@@ -59,7 +61,7 @@ bool BmpEndsEarly(Bytes bytes) {
 
 bool NetpbmEndsEarly(Bytes bytes) {
   const std::optional<NetpbmHeader> header = HeaderOfNetpbm(bytes);
-  return !header || bytes.size() < header->pixels_begin + header->pixels_size();
+  return header && bytes.size() < header->pixels_begin + header->pixels_size();
 }
 
 // Height and width of the frame header, the first segment of its kind.

@@ -71,7 +71,7 @@ struct ImageSource::State {
       UseVideos(drive, options.fps);
     }
     size = {options.width, options.height};
-    size_from = camera_file = options.camera_file;
+    size_from = options.camera_file;
     max_width = options.max_width;
     thread = std::jthread([this](std::stop_token stop) { Prefetch(stop); });
   }
@@ -221,8 +221,8 @@ struct ImageSource::State {
     if (image.size() == size) return;
     throw InputError(fmt::format(
         "{}: is {}x{} pixels, but {} says {}x{}; {}", name, image.cols, image.rows, size_from, size.width, size.height,
-        size_from == camera_file ? "give a calibration for images of this size, or have it estimated without one"
-                                 : "all images of a drive need the same size"));
+        readable == 0 ? "all images need the calibration's size: give one for this size, or none to have it estimated"
+                      : "all images of a drive need the same size"));
   }
 
   void CountIn(const DriveImage& image, double time) {
@@ -246,8 +246,7 @@ struct ImageSource::State {
   double origin = 0;  // time of the drive's first frame, where images bring their times
   int offset = 0;     // number in the drive of the first frame that is read
   cv::Size size;
-  std::string camera_file;
-  std::string size_from;  // the file that it is from, also an image
+  std::string size_from;  // file of the camera, or of the first image
   int max_width = 0;
   int next = 0;
   int readable = 0;

@@ -8,223 +8,20 @@
 #include <iterator>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 #include <sys/resource.h>
 
 #include "turnscale/base/number_text.h"
 #include "turnscale/base/quantiles.h"
 #include "turnscale/camera/camera_file.h"
 #include "turnscale/geometry/rotation.h"
-#include "turnscale/io/run_files.h"
-#include "turnscale/io/terminal.h"
 #include "turnscale/io/time_check.h"
 #include "turnscale/io/turn_warning.h"
 
 namespace turnscale {
 namespace {
 
-constexpr size_t kShownParts = 5;  // of the missing path
-
-// Relative sigma of the path length beyond which the scale is not called known.
-constexpr double kMostKnown = 0.15;
-
 double Seconds(const timeval& time) {
   return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
-}
-
-bool IsMetric(const RunSummary& summary) { return summary.scale_state != ScaleState::kPending; }
-
-nlohmann::ordered_json CostJson(const RunSummary& summary) {
-  const RunCost& cost = summary.cost;
-  const int frames = std::max(summary.frames, 1);
-  nlohmann::ordered_json json = {{"wall_s", cost.wall_seconds},
-                                 {"cpu_s", cost.cpu_seconds},
-                                 {"frames_per_s", summary.frames / std::max(cost.wall_seconds, 1e-9)},
-                                 {"cpu_ms_per_frame", 1e3 * cost.cpu_seconds / frames},
-                                 {"peak_memory_mb", cost.peak_memory_mb}};
-  if (cost.latency)
-    json["latency_ms"] = {{"median", cost.latency->median},
-                          {"percentile_99", cost.latency->percentile_99},
-                          {"largest", cost.latency->largest}};
-  return json;
-}
-
-nlohmann::ordered_json ClipsJson(const std::vector<ClipPart>& clips) {
-  auto json = nlohmann::ordered_json::array();
-  for (const ClipPart& clip : clips) {
-    json.push_back({{"file", clip.file},
-                    {"start_s", clip.start},
-                    {"end_s", clip.end},
-                    {"frames", clip.frames},
-                    {"gap_before_s", clip.gap_before}});
-  }
-  return json;
-}
-
-nlohmann::ordered_json MissingJson(const RunSummary& summary) {
-  auto parts = nlohmann::ordered_json::array();
-  for (const MissingPart& part : LongestParts(summary.missing, kShownParts)) {
-    parts.push_back({{"reason", MissingReasonName(part.reason)},
-                     {"from_s", part.from},
-                     {"to_s", part.to},
-                     {"frames", part.frames}});
-  }
-  return {{"seconds", TotalSeconds(summary.missing)},
-          {"of_s", summary.seconds},
-          {"distance_m", IsMetric(summary) ? nlohmann::ordered_json(summary.missing_distance) : nullptr},
-          {"parts", summary.missing.size()},
-          {"longest", parts}};
-}
-
-// Empty where the whole path is measured.
-std::string MissingText(const RunSummary& summary) {
-  if (summary.missing.empty()) return {};
-  std::string text = fmt::format("missing {:.1f} s of {:.1f} s", TotalSeconds(summary.missing), summary.seconds);
-  const std::vector<MissingPart> longest = LongestParts(summary.missing, kShownParts);
-  for (size_t i = 0; i < longest.size(); ++i) text += (i == 0 ? ": " : "; ") + MissingPartText(longest[i]);
-  if (const size_t more = summary.missing.size() - longest.size(); more > 0)
-    text += fmt::format("; and {} shorter part{}", more, more == 1 ? "" : "s");
-  return text + "\n";
-}
-
-nlohmann::ordered_json MountJson(const std::optional<MountSummary>& mount) {
-  if (!mount) return {{"source", "given"}};
-  if (!mount->found) return {{"source", mount->moves > 0 ? "before the move" : "assumed"}, {"moves", mount->moves}};
-  return {{"source", "found"},
-          {"sigma_yaw_pitch_roll_deg",
-           {mount->sigma.yaw * kDegreesPerRadian, mount->sigma.pitch * kDegreesPerRadian,
-            mount->sigma.roll * kDegreesPerRadian}},
-          {"moves", mount->moves}};
-}
-
-// One line, empty unless there are several.
-std::string ClipsText(const std::vector<ClipPart>& clips) {
-  if (clips.size() < 2) return {};
-  return fmt::format("clips   {}, from {} to {}\n", clips.size(), clips.front().file, clips.back().file);
-}
-
-const char* IntrinsicsSource(const RunSummary& summary) {
-  if (!summary.found_camera) return summary.camera.empty() ? "assumed" : "given";
-  return summary.camera.empty() ? "estimated" : "refined";
-}
-
-nlohmann::ordered_json IntrinsicsJson(const RunSummary& summary) {
-  const std::optional<FoundCamera>& found = summary.found_camera;
-  const std::optional<Pinhole> pinhole = found ? found->camera.pinhole : summary.pinhole;
-  nlohmann::ordered_json json = {{"source", IntrinsicsSource(summary)}};
-  if (summary.image_width > 0) json["image_size"] = {summary.image_width, summary.image_height};
-  if (pinhole) {
-    json["focal_length"] = {pinhole->fx, pinhole->fy};
-    json["principal_point"] = {pinhole->cx, pinhole->cy};
-  }
-  const std::optional<LensModel> lens = found ? found->camera.lens : summary.lens_model;
-  if (lens) json["lens_model"] = LensModelName(*lens);
-  if (!found) return json;
-  json["focal_length_sigma"] = found->camera.focal_sigma;
-  json["principal_point_sigma"] = found->centre_sigma;
-  json["windows"] = found->windows;
-  json["converged"] = found->converged;
-  return json;
-}
-
-// One line, empty where the intrinsics were given.
-std::string IntrinsicsText(const std::optional<FoundCamera>& found, const std::string& folder) {
-  if (!found) return {};
-  const Pinhole& pinhole = found->camera.pinhole;
-  return fmt::format(
-      "lens    focal length {:.1f} +-{:.1f}, principal point ({:.1f}, {:.1f}) +-{:.1f} pixels, estimated; for the "
-      "next drive: --camera {}\n",
-      pinhole.fx, found->camera.focal_sigma, pinhole.cx, pinhole.cy, found->centre_sigma,
-      (std::filesystem::path(folder) / RunFiles::kCamera).string());
-}
-
-// One line, empty where the rotation was given.
-// The camera-to-vehicle rotation in use.
-std::string MountText(const RunSummary& summary) {
-  const std::optional<MountSummary>& mount = summary.mount;
-  if (mount && !mount->found && mount->moves > 0)
-    return fmt::format("camera  moved {} times; no turn since, so the rotation from before the move is used\n",
-                       mount->moves);
-  if (!mount || !mount->found) {
-    const YawPitchRoll angles = mount ? mount->angles : YawPitchRollFromRotation(summary.vehicle.vehicle_from_camera);
-    // Rounded first: else it may say -0.00.
-    const auto degrees = [](double angle) { return std::round(100 * InDegrees(angle)) / 100 + 0.0; };
-    return fmt::format("camera  yaw {:+.2f}, pitch {:+.2f}, roll {:+.2f} deg, {}\n", degrees(angles.yaw),
-                       degrees(angles.pitch), degrees(angles.roll),
-                       mount && !summary.vehicle.camera_known ? "assumed, since no turn is suited to estimate it"
-                       : summary.contradicts_mount            ? "as given, contradicted by the drive"
-                                                              : "as given");
-  }
-  const auto degrees = [](double angle) { return angle * kDegreesPerRadian; };
-  std::string text = fmt::format(
-      "camera  yaw {:+.2f} +-{:.2f}, pitch {:+.2f} +-{:.2f}, roll {:+.1f} +-{:.1f} deg, estimated from the drive",
-      degrees(mount->angles.yaw), degrees(mount->sigma.yaw), degrees(mount->angles.pitch), degrees(mount->sigma.pitch),
-      degrees(mount->angles.roll), degrees(mount->sigma.roll));
-  if (mount->moves > 0) text += fmt::format("; moved {} times", mount->moves);
-  return text + "\n";
-}
-
-nlohmann::ordered_json CarJson(const std::optional<CarRefinement>& car) {
-  if (!car) return nullptr;
-  const auto known = [](double value) {
-    return value > 0 ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr);
-  };
-  return {{"side_slip_s2_per_m", car->side_slip},
-          {"side_slip_sigma_s2_per_m", car->side_slip_sigma},
-          {"side_slip_at_bound", car->side_slip_at_bound},
-          {"yaw_error_deg", car->yaw_error * kDegreesPerRadian},
-          {"yaw_error_sigma_deg", car->yaw_error_sigma * kDegreesPerRadian},
-          {"lever_arm_m", known(car->lever_arm)},
-          {"lever_arm_sigma_m", known(car->lever_arm_sigma)},
-          {"camera_height_m", known(car->camera_height)},
-          {"camera_height_sigma_m", known(car->camera_height_sigma)}};
-}
-
-nlohmann::ordered_json BeliefJson(const CarBelief& belief) {
-  nlohmann::ordered_json covariance = nlohmann::ordered_json::array();
-  for (int row = 0; row < 4; ++row) {
-    const Eigen::RowVector4d cells = belief.covariance.row(row);
-    covariance.push_back({cells[0], cells[1], cells[2], cells[3]});
-  }
-  return {{"mean", {belief.mean[0] + 0.0, belief.mean[1], belief.mean[2], belief.mean[3]}}, {"covariance", covariance}};
-}
-
-nlohmann::ordered_json EvidenceJson(const std::optional<CarEvidence>& evidence) {
-  if (!evidence) return nullptr;
-  return {{"unknowns", {"yaw_error_rad", "side_slip_s2_per_m", "log_lever_arm", "log_camera_height"}},
-          {"prior", BeliefJson(evidence->prior)},
-          {"posterior", BeliefJson(evidence->posterior)},
-          {"inflation", evidence->inflation}};
-}
-
-// Length and frames of the path.
-std::string PathText(const RunSummary& summary) {
-  constexpr double kLittle = 0.01;
-  const char* unit = IsMetric(summary) ? "m" : "units";
-  std::string text = fmt::format("path    {:.2f} {} in {} frames, {} keyframes", summary.distance, unit, summary.frames,
-                                 summary.keyframes);
-  if (summary.missing_distance > kLittle * summary.distance)
-    text += fmt::format("; {:.2f} {} of it not measured", summary.missing_distance, unit);
-  return text + "\n";
-}
-
-std::string HeightText(const CarRefinement& car) {
-  if (!(car.camera_height > 0)) return {};
-  return fmt::format("height  camera {:.3f} +-{:.3f} m above the road\n", car.camera_height, car.camera_height_sigma);
-}
-
-// Empty without an estimate. Without a turn only the height is one.
-std::string CarText(const std::optional<CarRefinement>& car, int turns_used) {
-  if (!car) return {};
-  if (turns_used == 0) return HeightText(*car);
-  std::string slip;
-  if (car->side_slip_at_bound) {
-    slip = "side slip 0, since the estimate would be negative: check lever arm and timestamps; ";
-  } else if (car->side_slip_sigma > 0) {
-    slip = fmt::format("side slip {:.4f} +-{:.4f} s^2/m, ", car->side_slip, car->side_slip_sigma);
-  }
-  return fmt::format("car     {}remaining yaw error of the camera {:+.2f} +-{:.2f} deg, from all turns\n{}", slip,
-                     car->yaw_error * kDegreesPerRadian, car->yaw_error_sigma * kDegreesPerRadian, HeightText(*car));
 }
 
 std::string CalibrationWarning(const ParameterEstimate& estimate, bool refined, double scale_sigma) {
@@ -280,8 +77,7 @@ std::string UnusualHeight(const CarRefinement& car) {
   if (car.camera_height + reach >= kLeast && car.camera_height - reach <= kMost) return {};
   return fmt::format(
       "the turns give a camera {:.2f} +-{:.2f} m above the road, which is unusual for a car; if it is wrong, the scale "
-      "is "
-      "wrong by the same factor: check --lever-arm{}, or give the measured --camera-height",
+      "is wrong by the same factor: check --lever-arm{}, or give the measured --camera-height",
       car.camera_height, car.camera_height_sigma,
       car.camera_height < kLeast ? " and that the video is not stabilised" : "");
 }
@@ -384,7 +180,8 @@ void Summarize(const std::vector<FrameResult>& refined, const RefinedScale& scal
     if (!unusual.empty()) summary.warnings.push_back(unusual);
   }
   if (scale.estimate && scale.estimate->yaw_conflict) {
-    summary.contradicts_mount = true;
+    summary.contradicting_yaw =
+        YawPitchRollFromRotation(summary.vehicle.vehicle_from_camera).yaw + scale.estimate->car.yaw_error;
     summary.warnings.push_back(YawWarning(*scale.estimate->yaw_conflict, RotationRemedy(summary.vehicle)));
   }
   std::ranges::move(TimeWarnings(refined, turns), std::back_inserter(summary.warnings));
@@ -392,7 +189,7 @@ void Summarize(const std::vector<FrameResult>& refined, const RefinedScale& scal
   summary.turns_found = static_cast<int>(turns.size());
   if (!scale.estimate) {
     summary.pending_reason = scale.reason;
-    if (!scale.contradicted_calibration.empty())
+    if (summary.has_measure() && !scale.contradicted_calibration.empty())
       summary.pending_reason += "; the images contradict the calibration, which may be the cause";
   }
   summary.turns_used =
@@ -401,103 +198,6 @@ void Summarize(const std::vector<FrameResult>& refined, const RefinedScale& scal
 
 std::string FoundCameraText(const FoundCamera& found) {
   return CameraFileText(found.camera) + "principal_point_sigma: " + NumberText(found.centre_sigma) + "\n";
-}
-
-std::string SummaryJson(const RunSummary& summary) {
-  using Json = nlohmann::ordered_json;
-  const YawPitchRoll angles =
-      summary.mount ? summary.mount->angles : YawPitchRollFromRotation(summary.vehicle.vehicle_from_camera);
-  Json unreadable = Json::array();
-  for (const UnreadableFrame& frame : summary.unreadable) {
-    unreadable.push_back({{"frame", frame.frame}, {"problem", frame.problem}});
-  }
-  const auto or_null = [](double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); };
-  const Json json = {
-      {"version", summary.version},
-      {"input", summary.input},
-      {"topic", summary.topic.empty() ? Json(nullptr) : Json(summary.topic)},
-      {"part",
-       {{"start", summary.start.empty() ? Json(nullptr) : Json(summary.start)},
-        {"end", summary.end.empty() ? Json(nullptr) : Json(summary.end)}}},
-      {"clips", ClipsJson(summary.clips)},
-      {"camera", summary.camera.empty() ? Json(nullptr) : Json(summary.camera)},
-      {"intrinsics", IntrinsicsJson(summary)},
-      {"mask", summary.mask.empty() ? Json(nullptr) : Json(summary.mask)},
-      {"pose_frame", summary.pose_frame},
-      {"lever_arm_m", summary.vehicle.lever_arm ? Json(*summary.vehicle.lever_arm) : Json(nullptr)},
-      {"side_slip_s2_per_m", summary.vehicle.side_slip},
-      {"camera_height_m", summary.vehicle.camera_height ? Json(*summary.vehicle.camera_height) : Json(nullptr)},
-      {"camera_yaw_pitch_roll_deg",
-       {angles.yaw * kDegreesPerRadian + 0.0, angles.pitch * kDegreesPerRadian + 0.0,
-        angles.roll * kDegreesPerRadian + 0.0}},
-      {"camera_rotation", MountJson(summary.mount)},
-      {"by_all_turns", CarJson(summary.car)},
-      {"car_evidence", EvidenceJson(summary.car_evidence)},
-      {"complete", summary.stopped.empty()},
-      {"stopped", summary.stopped.empty() ? Json(nullptr) : Json(summary.stopped)},
-      {"frames",
-       {{"total", summary.frames},
-        {"tracked", summary.tracked},
-        {"repeated", summary.repeated},
-        {"bridged", summary.bridged},
-        {"initializing", summary.initializing},
-        {"unreadable", summary.unreadable.size()},
-        {"keyframes", summary.keyframes}}},
-      {"unreadable", unreadable},
-      {"missing", MissingJson(summary)},
-      {"distance_m", IsMetric(summary) ? Json(summary.distance) : Json(nullptr)},
-      {"distance_units", IsMetric(summary) ? Json(nullptr) : Json(summary.distance)},
-      {"path_sigma", or_null(summary.path_sigma)},
-      {"scale",
-       {{"state", ScaleStateName(summary.scale_state)},
-        {"pending_reason", summary.pending_reason.empty() ? Json(nullptr) : Json(summary.pending_reason)},
-        {"worst_relative_sigma", or_null(summary.worst_sigma)},
-        {"worst_at_s", summary.worst_sigma_time}}},
-      {"warnings", summary.warnings},
-      {"lens",
-       summary.lens ? Json{{"correction", summary.lens->correction}, {"sigma", summary.lens->sigma}} : Json(nullptr)},
-      {"turns",
-       {{"found", summary.turns_found},
-        {"used", summary.turns_used},
-        {"chi_squared", summary.turn_test.chi_squared},
-        {"degrees_of_freedom", summary.turn_test.degrees_of_freedom}}},
-      {"cost", CostJson(summary)}};
-  // Names of files may not be valid UTF-8.
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
-}
-
-std::string SummaryText(const RunSummary& summary) {
-  std::string scale = ScaleStateName(summary.scale_state);
-  if (IsMetric(summary)) scale = summary.path_sigma <= kMostKnown ? "known" : "uncertain";
-  if (IsMetric(summary))
-    scale += fmt::format(", path length +-{:.1f} % (1 sigma), along the drive at most +-{:.1f} % (at {:.1f} s)",
-                         100 * summary.path_sigma, 100 * summary.worst_sigma, summary.worst_sigma_time);
-  if (!IsMetric(summary)) {
-    const bool given = summary.vehicle.lever_arm || summary.vehicle.camera_height;
-    scale += given ? ", the trajectory is up to scale"
-                   : ": without --lever-arm or --camera-height the trajectory is up to scale; with a lever arm, "
-                     "turnscale rescale " +
-                         summary.folder + " converts it";
-    if (given && !summary.pending_reason.empty()) scale += ": " + summary.pending_reason;
-  }
-  const RunCost& cost = summary.cost;
-  return fmt::format(
-      "{}"
-      "{}"
-      "scale   {}\n"
-      "{}"
-      "{}"
-      "{}"
-      "turns   {} found, {} used\n"
-      "frames  {} bridged, {} unreadable, {} repeated; {} before initialisation\n"
-      "{}"
-      "speed   {:.1f} frames/s, {:.1f} ms of CPU time per frame over the whole run, {:.0f} MB of memory\n"
-      "files   {}\n",
-      ClipsText(summary.clips), PathText(summary), scale, IntrinsicsText(summary.found_camera, summary.folder),
-      MountText(summary), CarText(summary.car, summary.turns_used), summary.turns_found, summary.turns_used,
-      summary.bridged, summary.unreadable.size(), summary.repeated, summary.initializing, MissingText(summary),
-      summary.frames / std::max(cost.wall_seconds, 1e-9), 1e3 * cost.cpu_seconds / std::max(summary.frames, 1),
-      cost.peak_memory_mb, summary.folder);
 }
 
 }  // namespace turnscale

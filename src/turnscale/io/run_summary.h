@@ -96,7 +96,8 @@ struct RunSummary {
   double worst_sigma_time = 0;        ///< seconds, where that is
   std::optional<LensSummary> lens;    ///< empty where it was not looked for
   std::optional<MountSummary> mount;  ///< empty where it was given
-  bool contradicts_mount = false;     ///< the drive shows another yaw than the rotation that was given
+  /// Yaw of the camera that the drive shows and the trajectory uses, rad, where it contradicts what was given.
+  std::optional<double> contradicting_yaw;
   /// Empty while the scale is pending, or where the trajectory does not use it: single-turn scales.
   std::optional<CarRefinement> car;
   /// What the drive tells of the car; empty likewise, and where lever arm and camera height disagree.
@@ -109,7 +110,14 @@ struct RunSummary {
   std::vector<std::string> warnings;              ///< all of the run, one line each
   std::string stopped;                            ///< why the run ended before the drive did; empty if it did not
   RunCost cost;
+
+  bool is_metric() const { return scale_state != ScaleState::kPending; }
+  /// What metres follow from was given: a lever arm, or the height of the camera.
+  bool has_measure() const { return vehicle.lever_arm || vehicle.camera_height; }
 };
+
+/// The longest parts of the missing path, which a summary names.
+constexpr size_t kShownMissingParts = 5;
 
 /// "pinhole", "radial-tangential" or "equidistant".
 const char* LensModelName(LensModel lens);

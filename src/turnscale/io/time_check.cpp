@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -15,29 +16,32 @@ namespace {
 // A step over a missing image is twice as long as those beside it; over two, three times.
 constexpr double kLeastGrowth = 1.6;
 constexpr double kMostGrowth = 4;
-// Steps of a slow car are too short to compare, m/s^2.
-constexpr double kLeastJump = 15;
+// Beyond the noise of poses, metres.
+constexpr double kLeastExcess = 0.05;
+// Beyond what engines and brakes can do, m/s^2.
+constexpr double kLeastAcceleration = 15;
+// Intervals that differ by more are uneven: it is the times that make the speed jump then.
+constexpr double kEvenIntervals = 0.2;
 constexpr int kLeastSkips = 3;
 constexpr double kLeastShare = 0.01;
-// Nobody drives through a whole turn like this, m/s^2.
+// In the median over turns, each from its beginning to its end, m/s^2: tyres hold as much, but nobody drives so.
 constexpr double kMostSideways = 8;
 
 struct ImageStep {
-  double time = 0;     // of the image that it leads to
-  double seconds = 0;  // since the image before
-  double speed = 0;    // m/s
+  double time = 0;      // of the image that it leads to
+  double seconds = 0;   // since the image before
+  double distance = 0;  // metres
 };
 
-// Between tracked images that follow one another in the drive; a gap of other images ends a row of steps.
+// Between tracked images that follow one another in the drive; any other image between them ends a row of steps.
 std::vector<std::vector<ImageStep>> RowsOfSteps(const std::vector<FrameResult>& frames) {
   std::vector<std::vector<ImageStep>> rows(1);
   const FrameResult* last = nullptr;
   for (const FrameResult& frame : frames) {
     const bool is_measured = frame.state == TrackingState::kTracked && frame.world_from_camera;
     if (is_measured && last) {
-      const double seconds = frame.time - last->time;
-      const double distance = (frame.world_from_camera->translation - last->world_from_camera->translation).norm();
-      rows.back().push_back({frame.time, seconds, distance / seconds});
+      rows.back().push_back({frame.time, frame.time - last->time,
+                             (frame.world_from_camera->translation - last->world_from_camera->translation).norm()});
     } else if (!rows.back().empty()) {
       rows.emplace_back();
     }
@@ -46,26 +50,30 @@ std::vector<std::vector<ImageStep>> RowsOfSteps(const std::vector<FrameResult>& 
   return rows;
 }
 
+bool SkipsAnImage(const ImageStep& before, const ImageStep& step, const ImageStep& after) {
+  const auto [shorter, longer] = std::minmax(before.distance, after.distance);
+  const double excess = step.distance - longer;
+  const double uneven =
+      std::max(std::abs(before.seconds - step.seconds), std::abs(after.seconds - step.seconds)) / step.seconds;
+  return uneven < kEvenIntervals && step.distance > kLeastGrowth * longer && step.distance < kMostGrowth * shorter &&
+         excess > kLeastExcess && excess > kLeastAcceleration * step.seconds * step.seconds;
+}
+
 std::optional<std::string> SkippedImages(const std::vector<FrameResult>& frames) {
-  int steps = 0;
+  size_t steps = 0;
   std::vector<double> skips;  // times
   for (const std::vector<ImageStep>& row : RowsOfSteps(frames)) {
-    steps += static_cast<int>(row.size());
-    for (size_t i = 1; i + 1 < row.size(); ++i) {
-      const auto [slower, faster] = std::minmax(row[i - 1].speed, row[i + 1].speed);
-      const double speed = row[i].speed;
-      if (speed > kLeastGrowth * faster && speed < kMostGrowth * slower &&
-          (speed - faster) / row[i].seconds > kLeastJump)
-        skips.push_back(row[i].time);
-    }
+    steps += row.size();
+    for (size_t i = 1; i + 1 < row.size(); ++i)
+      if (SkipsAnImage(row[i - 1], row[i], row[i + 1])) skips.push_back(row[i].time);
   }
-  const int count = static_cast<int>(skips.size());
-  if (count < kLeastSkips || count < kLeastShare * steps) return std::nullopt;
+  if (skips.size() < kLeastSkips || static_cast<double>(skips.size()) < kLeastShare * static_cast<double>(steps))
+    return std::nullopt;
   return fmt::format(
-      "images seem to be missing at {} places at least (the first at {:.1f} s), where the car moves about twice as far "
-      "from one image to the next as before and after: speeds are wrong, and the scale may be; give the true times of "
-      "the images (--timestamps)",
-      count, skips.front());
+      "images seem to be missing in at least {} places (the first at {:.1f} s), as the car moves about twice as far "
+      "from one image to the next as before and after, at even times: speeds are wrong, and the scale may be; give the "
+      "true times of the images (--timestamps)",
+      skips.size(), skips.front());
 }
 
 double TimeOf(const std::vector<FrameResult>& frames, int number) {
@@ -83,8 +91,8 @@ std::optional<std::string> FastTurns(const std::vector<FrameResult>& frames, con
   const double median = Median(std::move(sideways));
   if (!(median > kMostSideways)) return std::nullopt;
   return fmt::format(
-      "the car would take its turns at {:.0f} m/s^2 sideways, which no road car does: speeds are wrong, and the scale "
-      "may be; check the times of the images (--fps, --timestamps)",
+      "the car would take its turns at {:.0f} m/s^2 sideways, which hardly any car does: check the times of the images "
+      "(--fps, --timestamps) and the lever arm",
       median);
 }
 

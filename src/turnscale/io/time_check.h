@@ -8,11 +8,11 @@
 
 namespace turnscale {
 
-/// Signs that the times of the images are wrong, since no car moves so: a warning each. Wrong times make speeds wrong,
-/// and with them the slip of the tyres and the scale.
+/// Warnings where no car moves as the poses and their times say, a line each. Wrong times make speeds wrong, and with
+/// them the slip of the tyres and the scale.
 ///
-/// * Images that are missing although the times say nothing of it: the car moves at least 1.6 times as fast from one
-///   image to the next as before and after, in at least 1 % of the steps and three times.
+/// * Images that are missing although the times are even: between two images the car moves 1.6 to 4 times as far as
+///   before and after, in at least three steps and 1 % of them.
 /// * Times that pass too slowly: more than 8 m/s^2 sideways in the median of the turns that were used.
 ///
 /// `frames`: poses in metres; nothing is said of a trajectory that is up to scale.

@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "turnscale/geometry/rotation.h"
+#include "turnscale/io/run_files.h"
+#include "turnscale/io/run_summary.h"
+#include "turnscale/io/terminal.h"
+
+namespace turnscale {
+namespace {
+
+// Relative sigma of the path length beyond which the scale is not called known.
+constexpr double kMostKnown = 0.15;
+
+// Empty where the whole path is measured.
+std::string MissingText(const RunSummary& summary) {
+  if (summary.missing.empty()) return {};
+  std::string text = fmt::format("missing {:.1f} s of {:.1f} s", TotalSeconds(summary.missing), summary.seconds);
+  const std::vector<MissingPart> longest = LongestParts(summary.missing, kShownMissingParts);
+  for (size_t i = 0; i < longest.size(); ++i) text += (i == 0 ? ": " : "; ") + MissingPartText(longest[i]);
+  if (const size_t more = summary.missing.size() - longest.size(); more > 0)
+    text += fmt::format("; and {} shorter part{}", more, more == 1 ? "" : "s");
+  return text + "\n";
+}
+
+// One line, empty unless there are several.
+std::string ClipsText(const std::vector<ClipPart>& clips) {
+  if (clips.size() < 2) return {};
+  return fmt::format("clips   {}, from {} to {}\n", clips.size(), clips.front().file, clips.back().file);
+}
+
+// One line, empty where the intrinsics were given.
+std::string IntrinsicsText(const std::optional<FoundCamera>& found, const std::string& folder) {
+  if (!found) return {};
+  const Pinhole& pinhole = found->camera.pinhole;
+  return fmt::format(
+      "lens    focal length {:.1f} +-{:.1f}, principal point ({:.1f}, {:.1f}) +-{:.1f} pixels, estimated; for the "
+      "next drive: --camera {}\n",
+      pinhole.fx, found->camera.focal_sigma, pinhole.cx, pinhole.cy, found->centre_sigma,
+      (std::filesystem::path(folder) / RunFiles::kCamera).string());
+}
+
+// Where a rotation comes from that the drive has not estimated.
+std::string SourceOfRotation(const RunSummary& summary) {
+  if (summary.mount && !summary.vehicle.camera_known) return "assumed, since no turn is suited to estimate it";
+  if (!summary.contradicting_yaw) return "as given";
+  return fmt::format("as given; the drive shows yaw {:+.2f} deg, which is used", InDegrees(*summary.contradicting_yaw));
+}
+
+// One line.
+std::string MountText(const RunSummary& summary) {
+  const std::optional<MountSummary>& mount = summary.mount;
+  if (mount && !mount->found && mount->moves > 0)
+    return fmt::format("camera  moved {} times; no turn since, so the rotation from before the move is used\n",
+                       mount->moves);
+  if (!mount || !mount->found) {
+    const YawPitchRoll angles = mount ? mount->angles : YawPitchRollFromRotation(summary.vehicle.vehicle_from_camera);
+    // Rounded first: else it may say -0.00.
+    const auto degrees = [](double angle) { return std::round(100 * InDegrees(angle)) / 100 + 0.0; };
+    return fmt::format("camera  yaw {:+.2f}, pitch {:+.2f}, roll {:+.2f} deg, {}\n", degrees(angles.yaw),
+                       degrees(angles.pitch), degrees(angles.roll), SourceOfRotation(summary));
+  }
+  const auto degrees = [](double angle) { return angle * kDegreesPerRadian; };
+  std::string text = fmt::format(
+      "camera  yaw {:+.2f} +-{:.2f}, pitch {:+.2f} +-{:.2f}, roll {:+.1f} +-{:.1f} deg, estimated from the drive",
+      degrees(mount->angles.yaw), degrees(mount->sigma.yaw), degrees(mount->angles.pitch), degrees(mount->sigma.pitch),
+      degrees(mount->angles.roll), degrees(mount->sigma.roll));
+  if (mount->moves > 0) text += fmt::format("; moved {} times", mount->moves);
+  return text + "\n";
+}
+
+// Length and frames of the path.
+std::string PathText(const RunSummary& summary) {
+  constexpr double kLittle = 0.01;
+  const char* unit = summary.is_metric() ? "m" : "units";
+  std::string text = fmt::format("path    {:.2f} {} in {} frames, {} keyframes", summary.distance, unit, summary.frames,
+                                 summary.keyframes);
+  if (summary.missing_distance > kLittle * summary.distance)
+    text += fmt::format("; {:.2f} {} of it not measured", summary.missing_distance, unit);
+  return text + "\n";
+}
+
+std::string HeightText(const CarRefinement& car) {
+  if (!(car.camera_height > 0)) return {};
+  return fmt::format("height  camera {:.3f} +-{:.3f} m above the road\n", car.camera_height, car.camera_height_sigma);
+}
+
+// Empty without an estimate. Without a turn only the height is one.
+std::string CarText(const RunSummary& summary) {
+  const std::optional<CarRefinement>& car = summary.car;
+  if (!car) return {};
+  if (summary.turns_used == 0) return HeightText(*car);
+  std::string slip;
+  if (car->side_slip_at_bound) {
+    slip = "side slip 0, since the estimate would be negative";
+    // Around a prior of 0, chance makes it negative.
+    slip += summary.vehicle.side_slip > 0 ? ": check lever arm and timestamps; " : "; ";
+  } else if (car->side_slip_sigma > 0) {
+    slip = fmt::format("side slip {:.4f} +-{:.4f} s^2/m, ", car->side_slip, car->side_slip_sigma);
+  }
+  return fmt::format("car     {}remaining yaw error of the camera {:+.2f} +-{:.2f} deg, from all turns\n{}", slip,
+                     car->yaw_error * kDegreesPerRadian, car->yaw_error_sigma * kDegreesPerRadian, HeightText(*car));
+}
+
+std::string ScaleText(const RunSummary& summary) {
+  if (summary.is_metric())
+    return fmt::format("{}, path length +-{:.1f} % (1 sigma), along the drive at most +-{:.1f} % (at {:.1f} s)",
+                       summary.path_sigma <= kMostKnown ? "known" : "uncertain", 100 * summary.path_sigma,
+                       100 * summary.worst_sigma, summary.worst_sigma_time);
+  const std::string pending = ScaleStateName(summary.scale_state);
+  if (!summary.has_measure())
+    return fmt::format(
+        "{}: without --lever-arm or --camera-height the trajectory is up to scale; with a lever arm, turnscale rescale "
+        "{} --lever-arm METRES converts it",
+        pending, summary.folder);
+  return pending + ", the trajectory is up to scale" +
+         (summary.pending_reason.empty() ? "" : ": " + summary.pending_reason);
+}
+
+}  // namespace
+
+std::string SummaryText(const RunSummary& summary) {
+  const RunCost& cost = summary.cost;
+  return fmt::format(
+      "{}"
+      "{}"
+      "scale   {}\n"
+      "{}"
+      "{}"
+      "{}"
+      "turns   {} found, {} used\n"
+      "frames  {} bridged, {} unreadable, {} repeated; {} before initialisation\n"
+      "{}"
+      "speed   {:.1f} frames/s, {:.1f} ms of CPU time per frame over the whole run, {:.0f} MB of memory\n"
+      "files   {}\n",
+      ClipsText(summary.clips), PathText(summary), ScaleText(summary),
+      IntrinsicsText(summary.found_camera, summary.folder), MountText(summary), CarText(summary), summary.turns_found,
+      summary.turns_used, summary.bridged, summary.unreadable.size(), summary.repeated, summary.initializing,
+      MissingText(summary), summary.frames / std::max(cost.wall_seconds, 1e-9),
+      1e3 * cost.cpu_seconds / std::max(summary.frames, 1), cost.peak_memory_mb, summary.folder);
+}
+
+}  // namespace turnscale
