@@ -115,14 +115,15 @@ void AddRunCommand(CLI::App& app) {
   run->add_option("--vehicle", arguments->car.vehicle,
                   "YAML file of the car: car.yaml of an earlier run, or calibration.yaml of calibrate. Lever arm, side "
                   "slip, camera rotation and camera height are taken from it and refined; other options override it");
-  run->add_option("--side-slip", arguments->car.side_slip,
-                  fmt::format("Slip-angle coefficient c in L_eff = L - c v^2: slip angle of the rear axle per lateral "
-                              "acceleration, rad per m/s^2 (= s^2/m); 0: no slip. Refined from the drive unless its "
-                              "sigma is 0 [{}]",
-                              kUsualSideSlip));
+  run->add_option(
+      "--side-slip", arguments->car.side_slip,
+      fmt::format("Slip-angle coefficient c in L_eff = L - c v^2: slip angle of the rear axle per lateral "
+                  "acceleration, rad per m/s^2 (= s^2/m); 0: none assumed. Refined from the drive unless its "
+                  "sigma is 0 [{}]",
+                  kUsualSideSlip));
   run->add_option(
       "--side-slip-sigma", arguments->car.side_slip_sigma,
-      fmt::format("Standard deviation of c, s^2/m; 0: c is not refined [{}, or {:.0f} % of a --side-slip above 0]",
+      fmt::format("Standard deviation of c, s^2/m; 0: c is not refined [{}; with --side-slip above 0, {:.0f} % of it]",
                   kUsualSideSlipSigma, 100 * kGivenSideSlipSigma));
   run->add_option(
       "--camera-rotation", arguments->car.camera_rotation,

@@ -68,14 +68,14 @@ Paired PairPoses(const ComparisonFiles& arguments, TrajectoryFile& estimate, Tra
   return {AssociateByTime(estimate.poses, truth.poses, {arguments.time_tolerance}), KeyframeKey::kTime, "time"};
 }
 
-// The summary of the run that a trajectory is a result of; null if it is of none.
-nlohmann::json SummaryOfRun(const fs::path& trajectory) {
+// State of the scale of the run that a trajectory is a result of; empty if it is of none.
+std::string ScaleStateOfRun(const fs::path& trajectory) {
   const fs::path name = trajectory.filename();
-  if (name != RunFiles::kTrajectoryTum && name != RunFiles::kTrajectoryKitti && name != RunFiles::kLiveTum)
-    return nullptr;
+  if (name != RunFiles::kTrajectoryTum && name != RunFiles::kTrajectoryKitti && name != RunFiles::kLiveTum) return {};
   std::ifstream file(trajectory.parent_path() / RunFiles::kSummary);
-  nlohmann::json summary = nlohmann::json::parse(file, nullptr, false);
-  return summary.is_object() ? summary : nullptr;
+  const nlohmann::json summary = nlohmann::json::parse(file, nullptr, false);
+  const nlohmann::json::json_pointer state("/scale/state");
+  return summary.contains(state) && summary.at(state).is_string() ? summary.at(state).get<std::string>() : "";
 }
 
 // Where both files have poses all along but few of them pair, their times are of different clocks.
@@ -97,14 +97,17 @@ std::vector<std::string> Warnings(const ComparisonFiles& files, const Paired& pa
   std::vector<std::string> warnings;
   if (const std::string unpaired = UnpairedWarning(paired, estimate, truth); !unpaired.empty())
     warnings.push_back(estimated + unpaired);
-  const nlohmann::json::json_pointer scale_state("/scale/state");
-  const nlohmann::json summary = SummaryOfRun(files.estimate);
-  if (summary.contains(scale_state) && summary.at(scale_state) == "pending")
+  const std::string state = ScaleStateOfRun(files.estimate);
+  if (state == "pending") {
     warnings.push_back(estimated +
                        "is up to scale (pending): only errors of the scaled trajectory and after Sim(3) alignment are "
                        "meaningful");
-  if (!SummaryOfRun(files.ground_truth).is_null())
-    warnings.push_back(files.ground_truth.string() + ": is the result of a run, not ground truth");
+  } else if (!state.empty() && files.estimate.filename() == RunFiles::kLiveTum) {
+    warnings.push_back(estimated + "poses from before the scale was known, if any, are up to scale");
+  }
+  if (!ScaleStateOfRun(files.ground_truth).empty())
+    warnings.push_back(files.ground_truth.string() +
+                       ": is the result of a run, not ground truth; give the estimate first, the ground truth second");
   return warnings;
 }
 

@@ -12,8 +12,9 @@
 namespace turnscale {
 namespace {
 
-// Of a focal length that is assumed, relative.
+// Of a focal length that is assumed, or that follows from the field of view that a camera's maker states, relative.
 constexpr double kAssumedSigma = 0.3;
+constexpr double kStatedSigma = 0.1;
 constexpr double kNarrowestView = 20;
 constexpr double kWidestView = 150;
 
@@ -53,8 +54,8 @@ ImageStream Images(const ImageArguments& arguments, const DriveImages& images, c
 std::string NoTurn(const ImageArguments& arguments, double view, bool assumed) {
   const std::string what = "no turn from which the camera's focal length can be estimated; ";
   if (!assumed) return what + "the intrinsics are used as given";
-  return what + fmt::format("a field of view of {:.0f} degrees is assumed: give --camera FILE{}", view,
-                            arguments.field_of_view ? "" : " or --fov DEGREES");
+  if (arguments.field_of_view) return what + fmt::format("--fov {:g} is used: a calibration is more accurate", view);
+  return what + fmt::format("a field of view of {:.0f} degrees is assumed: give --camera FILE or --fov DEGREES", view);
 }
 
 }  // namespace
@@ -72,7 +73,8 @@ CameraEstimate EstimateCamera(const ImageArguments& arguments, DriveImages& imag
   if (assumed) images.camera = CameraOfView(view, size.width, size.height);
   images.camera.width = size.width;
   images.camera.height = size.height;
-  if (assumed) images.camera.focal_sigma = kAssumedSigma * images.camera.pinhole.fx;
+  if (assumed)
+    images.camera.focal_sigma = (arguments.field_of_view ? kStatedSigma : kAssumedSigma) * images.camera.pinhole.fx;
   const int most_passes = MostPasses(options.self_calibration, assumed);
   int pass = 0;
   std::optional<double> last;

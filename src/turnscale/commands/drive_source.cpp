@@ -112,7 +112,7 @@ DriveImages::DriveImages(const ImageArguments& arguments, int max_width)
       expected(ExpectedFrames(source.count(), arguments.max_frames)) {}
 
 std::string DoubtOf(const DriveImages& images) {
-  constexpr double kFarOff = 0.15;  // of the image's width or height
+  constexpr double kFarOff = 0.08;  // of the image's width or height
   const Pinhole& pinhole = images.given.model.pinhole;
   const cv::Size& size = images.full_size;
   const bool named = images.given.model.width > 0 || images.given.name.empty();

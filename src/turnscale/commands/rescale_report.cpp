@@ -247,6 +247,7 @@ std::vector<std::string> RescaleWarnings(const RescaleResult& result, const CarP
   if (!of_turns.empty()) warnings.push_back(of_turns);
   if (result.estimate->height_conflict)
     warnings.push_back(HeightWarning(*result.estimate->height_conflict, car.lever_arm, "measure both again"));
+  if (result.estimate->slip_conflict) warnings.push_back(SlipWarning(*result.estimate->slip_conflict));
   if (result.estimate->yaw_conflict)
     warnings.push_back(YawWarning(*result.estimate->yaw_conflict, "check --camera-rotation"));
   return warnings;

@@ -41,14 +41,17 @@ void CheckFolder(const RunArguments& arguments, const DriveImages& images) {
 }
 
 // The camera-to-vehicle rotation of an earlier run belongs to that run's intrinsics: their principal point and its yaw
-// are correlated. One line, empty where they are used or there are none.
-std::string UnusedCameraOfVehicle(const RunArguments& arguments, const DriveImages& images) {
+// are correlated. One line, empty where another choice was made or there are none.
+std::string UnusedCameraOfVehicle(const RunArguments& arguments, const VehicleOptions& vehicle,
+                                  const DriveImages& images) {
   std::error_code none;
-  if (!arguments.car.vehicle || !images.given.name.empty()) return {};
-  const fs::path camera = fs::path(*arguments.car.vehicle).parent_path() / RunFiles::kCamera;
+  const bool chosen = !images.given.name.empty() || arguments.images.field_of_view;
+  if (!arguments.car.vehicle || !vehicle.camera_known || chosen) return {};
+  const fs::path& car = *arguments.car.vehicle;
+  const fs::path camera = car.parent_path() / RunFiles::kCamera;
   if (!fs::is_regular_file(camera, none)) return {};
   return fmt::format("{}: is not used; give --camera {}, as the camera rotation in {} belongs to it", camera.string(),
-                     camera.string(), fs::path(*arguments.car.vehicle).filename().string());
+                     camera.string(), car.filename().string());
 }
 
 RunSummary BeforeTheDrive(const RunArguments& arguments, const OdometryOptions& options, const DriveImages& images,
@@ -64,7 +67,7 @@ RunSummary BeforeTheDrive(const RunArguments& arguments, const OdometryOptions& 
   if (!estimate.warning.empty()) summary.warnings.push_back(estimate.warning);
   if (const std::string unused = UnusedCamera(arguments.images, images.given); !unused.empty())
     summary.warnings.push_back(unused);
-  if (const std::string unused = UnusedCameraOfVehicle(arguments, images); !unused.empty())
+  if (const std::string unused = UnusedCameraOfVehicle(arguments, options.vehicle, images); !unused.empty())
     summary.warnings.push_back(unused);
   if (const std::string doubt = DoubtOf(images); !doubt.empty()) summary.warnings.push_back(doubt);
   summary.pose_frame = arguments.frame;

@@ -46,7 +46,7 @@ std::string OtherRate(const std::optional<double>& fps, const VideoHeader& heade
   constexpr double kSame = 0.1;
   if (!fps || header.rate <= 0 || std::abs(*fps / header.rate - 1) < kSame) return {};
   return fmt::format(
-      "--fps {:g} goes before the video's own times, of {:.4g} frames/s: leave it out unless those are wrong", *fps,
+      "--fps {:g} replaces the video's own times, of {:.4g} frames/s: leave it out unless those are wrong", *fps,
       header.rate);
 }
 

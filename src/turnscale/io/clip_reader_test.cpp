@@ -79,7 +79,7 @@ TEST_F(ClipReaderTest, VariableRateAndTheRateGiven) {
   const auto even = ReadAll({clips, {.fps = 5}});
   for (int i = 0; i < 8; ++i) EXPECT_NEAR(*even[i].time, i / 5.0, 1e-9);
   EXPECT_EQ(images[0].notice, "");
-  EXPECT_NE(even[0].notice.find("--fps 5 goes before the video's own times"), std::string::npos) << even[0].notice;
+  EXPECT_NE(even[0].notice.find("--fps 5 replaces the video's own times"), std::string::npos) << even[0].notice;
   EXPECT_EQ(even[1].notice, "") << "once";
 }
 

@@ -212,9 +212,17 @@ TEST_F(ImageSourceTest, SizesMustAgree) {
   cv::imwrite((folder_ / "2.png").string(), Image(2, {60, 48}));
   const std::string complaint = Complaint();
   EXPECT_NE(complaint.find("2.png: is 60x48 pixels, but"), std::string::npos) << complaint;
-  EXPECT_NE(complaint.find("0.png says 64x48"), std::string::npos) << complaint;
+  EXPECT_NE(complaint.find("0.png says 64x48; all images of a drive"), std::string::npos) << complaint;
   const std::string camera = Complaint({.fps = 10, .width = 640, .height = 480, .camera_file = "cam.yaml"});
-  EXPECT_NE(camera.find("0.png: is 64x48 pixels, but cam.yaml says 640x480"), std::string::npos) << camera;
+  EXPECT_NE(camera.find("0.png: is 64x48 pixels, but cam.yaml says 640x480; all images need the calibration's size"),
+            std::string::npos)
+      << camera;
+}
+
+TEST_F(ImageSourceTest, TheResultsOfARunAreNoDrive) {
+  Text("trajectory.csv", "");
+  const std::string complaint = Complaint();
+  EXPECT_NE(complaint.find("holds the results of a run"), std::string::npos) << complaint;
 }
 
 TEST_F(ImageSourceTest, ComplaintsAboutTimesNameTheLine) {
@@ -359,7 +367,8 @@ TEST_F(ImageSourceTest, APartOfTheDriveKeepsItsTimes) {
   check(ReadAll({.fps = 10, .start = 0.5, .end = 1.0}), 0.1, 0);
   check(ReadAll({.timestamps = file, .start = 5, .end = 10}), 1, 1000);
   EXPECT_EQ(ReadAll({.fps = 10, .end = 100}).size(), 20u);
-  EXPECT_NE(Complaint({.fps = 10, .start = 3}).find("--start 3 s: the drive ends at 1.9 s"), std::string::npos);
+  EXPECT_NE(Complaint({.fps = 10, .start = 3}).find("--start 3 s: the drive ends at 1.9 s; give the time since"),
+            std::string::npos);
   EXPECT_NE(Complaint({.fps = 10, .start = 0.51, .end = 0.52}).find("has no frame between them"), std::string::npos);
   EXPECT_NE(Complaint({.fps = 10, .start = 2, .end = 2}).find("--end 2 s: has to be after --start 2 s"),
             std::string::npos);
@@ -378,7 +387,8 @@ TEST_F(ImageSourceTest, APartOfTheDriveKeepsItsTimes) {
     while (source.Next()) EXPECT_EQ(source.EndsEarly(), "");
     EXPECT_EQ(source.EndsEarly(), "");
   }
-  EXPECT_NE(Complaint({.start = 3}).find("--start 3 s: the drive ends at 1.9 s"), std::string::npos);
+  EXPECT_NE(Complaint({.start = 3}).find("--start 3 s: the drive ends at 1.9 s; give the time since"),
+            std::string::npos);
   EXPECT_NE(Complaint({.start = 0.51, .end = 0.52}).find("has no frame between them"), std::string::npos);
 }
 

@@ -79,7 +79,7 @@ std::string UnusualHeight(const CarRefinement& car) {
       "the turns give a camera {:.2f} +-{:.2f} m above the road, which is unusual for a car; if it is wrong, the scale "
       "is wrong by the same factor: check --lever-arm{}, or give the measured --camera-height",
       car.camera_height, car.camera_height_sigma,
-      car.camera_height < kLeast ? " and that the video is not stabilised" : "");
+      car.camera_height < kLeast ? ", the calibration and whether the video is stabilised" : " and the calibration");
 }
 
 // What to do about a camera-to-vehicle rotation that is wrong.
@@ -159,18 +159,21 @@ void Summarize(const std::vector<FrameResult>& refined, const RefinedScale& scal
     if (!scale.estimate->fell_back) summary.car = scale.estimate->car;
     summary.turn_test = scale.estimate->test;
     summary.height_conflict = scale.estimate->height_conflict;
-    if (!scale.estimate->fell_back && !scale.estimate->height_conflict)
+    if (!scale.estimate->fell_back && !scale.estimate->height_conflict && !scale.estimate->slip_conflict)
       summary.car_evidence = scale.estimate->car_evidence;
   }
+  summary.calibration_windows = scale.calibration_windows;
+  summary.calibration_agrees = scale.contradicted_calibration.empty();
   for (const ParameterEstimate& estimate : scale.contradicted_calibration)
     summary.warnings.push_back(CalibrationWarning(estimate, summary.found_camera.has_value(), scale_sigma));
   const auto frames_of = [&](int turn) {
     return fmt::format("frames {}-{}", turns[turn].first_frame, turns[turn].last_frame);
   };
   const std::string warning =
-      scale.estimate ? TurnWarning(*scale.estimate, frames_of,
-                                   "the camera's calibration and rotation, the timestamps and the lever arm")
-                     : "";
+      scale.estimate
+          ? TurnWarning(*scale.estimate, frames_of,
+                        "the camera's calibration and rotation, the timestamps, the lever arm and the side slip")
+          : "";
   if (!warning.empty()) summary.warnings.push_back(warning);
   if (summary.height_conflict)
     summary.warnings.push_back(HeightWarning(*summary.height_conflict, summary.vehicle.lever_arm.value_or(0),
@@ -179,6 +182,8 @@ void Summarize(const std::vector<FrameResult>& refined, const RefinedScale& scal
     const std::string unusual = UnusualHeight(*summary.car);
     if (!unusual.empty()) summary.warnings.push_back(unusual);
   }
+  if (scale.estimate && scale.estimate->slip_conflict)
+    summary.warnings.push_back(SlipWarning(*scale.estimate->slip_conflict));
   if (scale.estimate && scale.estimate->yaw_conflict) {
     summary.contradicting_yaw =
         YawPitchRollFromRotation(summary.vehicle.vehicle_from_camera).yaw + scale.estimate->car.yaw_error;

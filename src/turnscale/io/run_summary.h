@@ -96,6 +96,8 @@ struct RunSummary {
   double worst_sigma_time = 0;        ///< seconds, where that is
   std::optional<LensSummary> lens;    ///< empty where it was not looked for
   std::optional<MountSummary> mount;  ///< empty where it was given
+  int calibration_windows = 0;        ///< parts of turns in which the intrinsics were tested
+  bool calibration_agrees = true;     ///< with them, if there are any
   /// Yaw of the camera that the drive shows and the trajectory uses, rad, where it contradicts what was given.
   std::optional<double> contradicting_yaw;
   /// Empty while the scale is pending, or where the trajectory does not use it: single-turn scales.

@@ -85,7 +85,10 @@ nlohmann::ordered_json IntrinsicsJson(const RunSummary& summary) {
   }
   const std::optional<LensModel> lens = found ? found->camera.lens : summary.lens_model;
   if (lens) json["lens_model"] = LensModelName(*lens);
-  if (!found) return json;
+  if (!found) {
+    json["tested"] = summary.calibration_windows > 0;
+    return json;
+  }
   json["focal_length_sigma"] = found->camera.focal_sigma;
   json["principal_point_sigma"] = found->centre_sigma;
   json["windows"] = found->windows;

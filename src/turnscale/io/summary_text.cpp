@@ -16,6 +16,7 @@ namespace {
 
 // Relative sigma of the path length beyond which the scale is not called known.
 constexpr double kMostKnown = 0.15;
+constexpr double kKilometresPerHour = 3.6;  // per m/s
 
 // Empty where the whole path is measured.
 std::string MissingText(const RunSummary& summary) {
@@ -34,15 +35,24 @@ std::string ClipsText(const std::vector<ClipPart>& clips) {
   return fmt::format("clips   {}, from {} to {}\n", clips.size(), clips.front().file, clips.back().file);
 }
 
-// One line, empty where the intrinsics were given.
-std::string IntrinsicsText(const std::optional<FoundCamera>& found, const std::string& folder) {
-  if (!found) return {};
+const char* TestOfCalibration(const RunSummary& summary) {
+  if (summary.calibration_windows == 0) return "not tested, as the drive has no sharp turn";
+  return summary.calibration_agrees ? "consistent with the turns" : "contradicted by the turns";
+}
+
+// One line; empty where the intrinsics were assumed, which is a warning.
+std::string IntrinsicsText(const RunSummary& summary) {
+  const std::optional<FoundCamera>& found = summary.found_camera;
+  if (!found && summary.camera.empty()) return {};
+  if (!found)
+    return fmt::format("lens    calibration {}, {}\n", std::filesystem::path(summary.camera).filename().string(),
+                       TestOfCalibration(summary));
   const Pinhole& pinhole = found->camera.pinhole;
   return fmt::format(
       "lens    focal length {:.1f} +-{:.1f}, principal point ({:.1f}, {:.1f}) +-{:.1f} pixels, estimated; for the "
       "next drive: --camera {}\n",
       pinhole.fx, found->camera.focal_sigma, pinhole.cx, pinhole.cy, found->centre_sigma,
-      (std::filesystem::path(folder) / RunFiles::kCamera).string());
+      (std::filesystem::path(summary.folder) / RunFiles::kCamera).string());
 }
 
 // Where a rotation comes from that the drive has not estimated.
@@ -78,8 +88,10 @@ std::string MountText(const RunSummary& summary) {
 std::string PathText(const RunSummary& summary) {
   constexpr double kLittle = 0.01;
   const char* unit = summary.is_metric() ? "m" : "units";
-  std::string text = fmt::format("path    {:.2f} {} in {} frames, {} keyframes", summary.distance, unit, summary.frames,
-                                 summary.keyframes);
+  std::string text = fmt::format("path    {:.2f} {} in {:.1f} s", summary.distance, unit, summary.seconds);
+  if (summary.is_metric() && summary.seconds > 0)
+    text += fmt::format(" ({:.0f} km/h on average)", kKilometresPerHour * summary.distance / summary.seconds);
+  text += fmt::format(", {} frames, {} keyframes", summary.frames, summary.keyframes);
   if (summary.missing_distance > kLittle * summary.distance)
     text += fmt::format("; {:.2f} {} of it not measured", summary.missing_distance, unit);
   return text + "\n";
@@ -138,10 +150,9 @@ std::string SummaryText(const RunSummary& summary) {
       "{}"
       "speed   {:.1f} frames/s, {:.1f} ms of CPU time per frame over the whole run, {:.0f} MB of memory\n"
       "files   {}\n",
-      ClipsText(summary.clips), PathText(summary), ScaleText(summary),
-      IntrinsicsText(summary.found_camera, summary.folder), MountText(summary), CarText(summary), summary.turns_found,
-      summary.turns_used, summary.bridged, summary.unreadable.size(), summary.repeated, summary.initializing,
-      MissingText(summary), summary.frames / std::max(cost.wall_seconds, 1e-9),
+      ClipsText(summary.clips), PathText(summary), ScaleText(summary), IntrinsicsText(summary), MountText(summary),
+      CarText(summary), summary.turns_found, summary.turns_used, summary.bridged, summary.unreadable.size(),
+      summary.repeated, summary.initializing, MissingText(summary), summary.frames / std::max(cost.wall_seconds, 1e-9),
       1e3 * cost.cpu_seconds / std::max(summary.frames, 1), cost.peak_memory_mb, summary.folder);
 }
 

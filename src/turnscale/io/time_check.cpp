@@ -25,7 +25,7 @@ constexpr double kEvenIntervals = 0.2;
 constexpr int kLeastSkips = 3;
 constexpr double kLeastShare = 0.01;
 // In the median over turns, each from its beginning to its end, m/s^2: tyres hold as much, but nobody drives so.
-constexpr double kMostSideways = 8;
+constexpr double kMostSideways = 6;
 
 struct ImageStep {
   double time = 0;      // of the image that it leads to

@@ -101,7 +101,7 @@ TEST(TimeCheck, NeighboursThatAreNotTrackedDoNotCount) {
 
 TEST(TimeCheck, TurnsThatAreTooFastAreReported) {
   const auto frames = DriveWithLongSteps(200, {});
-  EXPECT_TRUE(TimeWarnings(frames, {Turn(10)}).empty());
+  EXPECT_TRUE(TimeWarnings(frames, {Turn(7)}).empty());
   const std::vector<std::string> warnings = TimeWarnings(frames, {Turn(12)});
   ASSERT_EQ(warnings.size(), 1U);
   EXPECT_NE(warnings[0].find("9 m/s^2 sideways"), std::string::npos) << warnings[0];

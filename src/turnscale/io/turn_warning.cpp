@@ -34,6 +34,14 @@ std::string HeightWarning(const HeightConflict& conflict, double lever_arm, cons
       remedy);
 }
 
+std::string SlipWarning(const SlipConflict& conflict) {
+  return fmt::format(
+      "the turns show a side slip of {:.4f} s^2/m, far from the expected {:.4f} +-{:.4f}: check the times of the "
+      "images "
+      "and the lever arm, as errors of both act like slip{}",
+      conflict.found, conflict.given, conflict.given_sigma, conflict.given == 0 ? ", and leave out --side-slip 0" : "");
+}
+
 std::string YawWarning(const YawConflict& conflict, const std::string& remedy) {
   return fmt::format(
       "according to the drive the camera looks {:.1f} +-{:.1f} deg further to the {} than by its camera-to-vehicle "

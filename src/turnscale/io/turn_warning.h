@@ -18,6 +18,9 @@ std::string TurnWarning(const ScaleEstimate& estimate, const std::function<std::
 /// implies. `remedy` is what the user should do.
 std::string HeightWarning(const HeightConflict& conflict, double lever_arm, const std::string& remedy);
 
+/// One line: the side slip that the turns show, beside the one that was expected.
+std::string SlipWarning(const SlipConflict& conflict);
+
 /// One line: by how much the camera's yaw differs from the one that was given or estimated in turns. `remedy` is what
 /// the user should do.
 std::string YawWarning(const YawConflict& conflict, const std::string& remedy);

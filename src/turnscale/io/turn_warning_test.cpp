@@ -50,6 +50,13 @@ TEST(TurnWarning, NamesTheCameraHeightWhereTheTurnsAgreeWithoutIt) {
             "height");
 }
 
+TEST(SlipWarning, GivesWhatWasFoundAndExpected) {
+  EXPECT_EQ(SlipWarning({0.0045, 0.002, 0.0104}),
+            "the turns show a side slip of 0.0104 s^2/m, far from the expected 0.0045 +-0.0020: check the times of the "
+            "images and the lever arm, as errors of both act like slip");
+  EXPECT_TRUE(SlipWarning({0, 0.002, 0.0058}).ends_with(", and leave out --side-slip 0"));
+}
+
 TEST(HeightWarning, GivesBothLengthsAsTheOtherOneImpliesThem) {
   EXPECT_EQ(HeightWarning({1.3, 0.013, 1.62, 0.08}, 0.95, "measure both again"),
             "lever arm and camera height disagree by 20 %: with the lever arm 0.95 m the turns give a height of 1.62 "

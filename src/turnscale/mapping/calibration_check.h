@@ -109,7 +109,8 @@ class CalibrationCheck {
   bool IsComplete() const { return windows() >= options_.max_windows; }
   /// The estimate from drive and prior; sigmas include the scatter of windows and their common error.
   IntrinsicsEstimate Estimate() const;
-  /// All parameters, in the order of IntrinsicsParameter. Where nothing was read, those of the prior.
+  /// All parameters, in the order of IntrinsicsParameter; those of the prior while no window was read. Call it, and
+  /// Contradictions, after Window only: that takes over the camera.
   std::vector<ParameterEstimate> Parameters() const;
   /// Those inconsistent with the given ones; empty if the drive agrees or does not determine them.
   std::vector<ParameterEstimate> Contradictions() const;

@@ -570,6 +570,7 @@ RefinedScale Odometry::Refined() const {
   const std::vector<ParameterEstimate> contradictions = calibration_check_.Contradictions();
   RefinedScale refined = scale_.Refine(map_, !contradictions.empty());
   WidenForCalibration(contradictions, camera_, refined);
+  refined.calibration_windows = calibration_check_.windows();
   BridgeGapsOf(refined);
   return refined;
 }

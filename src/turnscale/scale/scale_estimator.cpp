@@ -260,11 +260,21 @@ bool ContradictsYaw(const ScaleBelief& posterior, double prior_sigma, double max
   return variance > 0 && difference * difference > max_deviation * max_deviation * variance;
 }
 
+std::optional<SlipConflict> CompareSlip(double found, const CarPrior& car, double max_deviation) {
+  if (!(std::abs(found - car.side_slip) > max_deviation * car.side_slip_sigma) || car.side_slip_sigma == 0)
+    return std::nullopt;
+  return SlipConflict{car.side_slip, car.side_slip_sigma, found};
+}
+
+// Adds a standard deviation of ln(lambda) that all segments share.
+void Widen(double sigma, ScaleEstimate& estimate) {
+  for (ScaleBelief& belief : estimate.smoothed) belief.covariance(kLogScale, kLogScale) += sigma * sigma;
+  estimate.length_sigma = std::hypot(estimate.length_sigma, sigma);
+}
+
 // One of the two lengths is wrong: the scale is between those that they imply.
 void WidenForConflict(const HeightConflict& conflict, ScaleEstimate& estimate) {
-  const double half = 0.5 * std::log(conflict.found / conflict.given);
-  for (ScaleBelief& belief : estimate.smoothed) belief.covariance(kLogScale, kLogScale) += half * half;
-  estimate.length_sigma = std::hypot(estimate.length_sigma, half);
+  Widen(0.5 * std::log(conflict.found / conflict.given), estimate);
 }
 
 // Segments, other than used turns, in which the road shows the scale.
@@ -396,7 +406,10 @@ std::string Remedy(const ScaleEstimatorOptions& options, const std::vector<Segme
   const long degrees = std::lround(options.segments.turns.min_region_angle * 180 / M_PI);
   const bool road =
       std::ranges::any_of(evidence, [](const SegmentEvidence& segment) { return segment.road.has_value(); });
-  return "use a drive with a slow turn of " + std::to_string(degrees) + " degrees or more" +
+  const bool turns =
+      std::ranges::any_of(evidence, [](const SegmentEvidence& segment) { return segment.turn.has_value(); });
+  return (turns ? "use a drive with a sharper or slower turn"
+                : "use a drive with a slow turn of " + std::to_string(degrees) + " degrees or more") +
          (road ? ", or give the measured height of the camera above the road" : "");
 }
 
@@ -480,6 +493,10 @@ ScaleEstimateResult EstimateScale(const std::vector<VehicleStep>& steps, const C
     estimate.height_conflict->contradicts_turns =
         estimate.test.contradicted && AgreeWithoutHeight(problem, gathered, car, options);
   }
+  if (!estimate.test.contradicted)
+    estimate.slip_conflict = CompareSlip(answer.side_slip, car, options.test.max_prior_deviation);
+  // What the unusual slip explains may be something else.
+  if (estimate.slip_conflict) Widen(estimate.test.disagreement, estimate);
   if (options.follow_turns || estimate.test.contradicted || !estimate.converged)
     FollowTurns(options.max_sigma_ratio, estimate);
   estimate.from_road = estimate.fell_back ? std::vector<char>(estimate.segments.size(), 0)

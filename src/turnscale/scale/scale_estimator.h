@@ -109,6 +109,14 @@ struct YawConflict {
   double found_sigma = 0;
 };
 
+/// The turns show a side slip that is far from its prior, although they agree with each other: something else may act
+/// like slip, such as wrong times.
+struct SlipConflict {
+  double given = 0;  ///< c of the prior, s^2/m
+  double given_sigma = 0;
+  double found = 0;  ///< s^2/m; may be negative
+};
+
 /// The scale of a drive, segment by segment.
 struct ScaleEstimate {
   std::vector<PathSegment> segments;
@@ -119,6 +127,7 @@ struct ScaleEstimate {
   std::optional<HeightConflict> height_conflict;
   /// The estimate is made without the prior of the yaw, which contradicts the drive.
   std::optional<YawConflict> yaw_conflict;
+  std::optional<SlipConflict> slip_conflict;
   std::vector<char> from_road;  ///< one per segment: no turn, and the road shows its scale
   std::vector<TurnEstimate> turns;
   TurnTest test;  ///< do the turns agree with the estimate? `worst_turn` is a place in `turns`

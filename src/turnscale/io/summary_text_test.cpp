@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: MIT
+#include <string>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "turnscale/geometry/rotation.h"
+#include "turnscale/io/run_summary.h"
+
+namespace turnscale {
+namespace {
+
+bool Says(const RunSummary& summary, const std::string& part) {
+  return SummaryText(summary).find(part) != std::string::npos;
+}
+
+RunSummary InMetres(double sigma) {
+  RunSummary summary;
+  summary.scale_state = ScaleState::kHeld;
+  summary.vehicle.lever_arm = 1.5;
+  summary.path_sigma = sigma;
+  return summary;
+}
+
+TEST(SummaryText, AScaleIsKnownUpToASigmaOf15Percent) {
+  EXPECT_TRUE(Says(InMetres(0.14), "scale   known, path length +-14.0 % (1 sigma)"));
+  EXPECT_TRUE(Says(InMetres(0.16), "scale   uncertain, path length +-16.0 % (1 sigma)"));
+}
+
+TEST(SummaryText, APendingScaleHasAReasonOrARemedy) {
+  RunSummary summary;
+  summary.folder = "out";
+  EXPECT_TRUE(Says(summary, "turnscale rescale out --lever-arm METRES converts it"));
+  summary.vehicle.lever_arm = 1.5;
+  summary.pending_reason = "no turn";
+  EXPECT_TRUE(Says(summary, "scale   pending, the trajectory is up to scale: no turn\n"));
+}
+
+TEST(SummaryText, SaysWhetherAGivenCalibrationWasTested) {
+  RunSummary summary = InMetres(0.03);
+  EXPECT_FALSE(Says(summary, "lens    "));
+  summary.camera = "folder/cam.yaml";
+  EXPECT_TRUE(Says(summary, "lens    calibration cam.yaml, not tested, as the drive has no sharp turn\n"));
+  summary.calibration_windows = 2;
+  EXPECT_TRUE(Says(summary, "lens    calibration cam.yaml, consistent with the turns\n"));
+  summary.calibration_agrees = false;
+  EXPECT_TRUE(Says(summary, "lens    calibration cam.yaml, contradicted by the turns\n"));
+}
+
+TEST(SummaryText, AContradictedRotationIsShownWithWhatIsUsed) {
+  RunSummary summary = InMetres(0.03);
+  summary.vehicle.camera_known = true;
+  EXPECT_TRUE(Says(summary, "roll +0.00 deg, as given\n"));
+  EXPECT_FALSE(nlohmann::json::parse(SummaryJson(summary))["camera_rotation"].contains("contradicting_yaw_deg"));
+  summary.contradicting_yaw = 2 / kDegreesPerRadian;
+  EXPECT_TRUE(Says(summary, "as given; the drive shows yaw +2.00 deg, which is used"));
+  EXPECT_NEAR(nlohmann::json::parse(SummaryJson(summary))["camera_rotation"]["contradicting_yaw_deg"], 2, 1e-9);
+}
+
+TEST(SummaryText, ANegativeSlipIsDoubtfulUnlessNoneWasAssumed) {
+  RunSummary summary = InMetres(0.03);
+  summary.turns_used = 1;
+  summary.car = CarRefinement();
+  summary.car->side_slip_at_bound = true;
+  EXPECT_TRUE(Says(summary, "would be negative: check lever arm"));
+  summary.vehicle.side_slip = 0;
+  EXPECT_TRUE(Says(summary, "would be negative; remaining"));
+  EXPECT_FALSE(Says(summary, "check lever arm"));
+}
+
+TEST(Summarize, AContradictedCalibrationMayBeWhyTheScaleIsPending) {
+  RefinedScale scale;
+  scale.reason = "no turn";
+  scale.contradicted_calibration.emplace_back();
+  RunSummary without_measure;
+  Summarize({}, scale, without_measure);
+  EXPECT_EQ(without_measure.pending_reason, "no turn");
+  RunSummary summary;
+  summary.vehicle.lever_arm = 1.5;
+  Summarize({}, scale, summary);
+  EXPECT_TRUE(summary.pending_reason.starts_with("no turn; the images contradict the calibration"));
+}
+
+}  // namespace
+}  // namespace turnscale
