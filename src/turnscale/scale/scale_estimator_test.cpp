@@ -130,6 +130,24 @@ TEST(ScaleEstimator, FindsSlipAndYawThatWereGivenWrong) {
   EXPECT_GE(yaw_within, 0.85 * kDrives);
 }
 
+TEST(ScaleEstimator, ASlipUnlikeAnyTyresIsReportedAndWidensSigma) {
+  int usual = 0;
+  for (int seed = 0; seed < 20; ++seed) {
+    CarPrior prior = Exactly(kCar);
+    prior.side_slip = kUsualSideSlip;
+    prior.side_slip_sigma = kUsualSideSlipSigma;
+    usual += EstimateOf(MakeSteps(TownRoad(16, seed), kCar, 0, kUnit, kNoise, seed), prior).slip_conflict ? 1 : 0;
+    // As of a car that drives twice as fast as the times say.
+    const SyntheticSteps drive = MakeSteps(TownRoad(16, seed), {kCar.length, 0.018}, 0, kUnit, kNoise, seed);
+    const ScaleEstimate estimate = EstimateOf(drive, prior);
+    if (estimate.test.contradicted) continue;
+    ASSERT_TRUE(estimate.slip_conflict) << seed;
+    EXPECT_GT(estimate.slip_conflict->found, kUsualSideSlip + 2.5 * kUsualSideSlipSigma);
+    EXPECT_GE(estimate.length_sigma, estimate.test.disagreement);
+  }
+  EXPECT_LE(usual, 1);
+}
+
 TEST(ScaleEstimator, AnyUnitGivesTheSameMetres) {
   DriveErrors errors = kNoise;
   errors.per_100m = 0.01;
