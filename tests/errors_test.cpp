@@ -478,7 +478,7 @@ TEST_F(ErrorsTest, ADriveWithoutCalibrationAndTurnsAssumesAFieldOfView) {
   fs::remove(Drive() / "calib.txt");
   const CommandResult result = Run({"--fov", "75"});
   EXPECT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_NE(result.err.find("a field of view of 75 degrees is assumed"), std::string::npos) << result.err;
+  EXPECT_NE(result.err.find("--fov 75 is used"), std::string::npos) << result.err;
   EXPECT_TRUE(Summary()["camera"].is_null());
   EXPECT_EQ(Summary()["intrinsics"]["source"], "assumed");
   EXPECT_FALSE(fs::exists(Out() / "camera.yaml"));
