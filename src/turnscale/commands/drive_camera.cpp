@@ -12,9 +12,10 @@
 namespace turnscale {
 namespace {
 
-// Of a focal length that is assumed, or that follows from the field of view that a camera's maker states, relative.
+// Of a focal length that is assumed, or that follows from a given field of view, relative: makers round it, and often
+// state that of the diagonal.
 constexpr double kAssumedSigma = 0.3;
-constexpr double kStatedSigma = 0.1;
+constexpr double kStatedSigma = 0.15;
 constexpr double kNarrowestView = 20;
 constexpr double kWidestView = 150;
 
