@@ -83,7 +83,10 @@ TEST(TimeCheck, OnlyStepsOfAFewImages) {
 TEST(TimeCheck, UnevenTimesDoNotCount) {
   // Images that are missing in the times, too.
   auto frames = Drive(200, [](int i) { return i % 20 == 10 ? 2.0 : 1.0; });
-  for (FrameResult& frame : frames) frame.time += 0.1 * ((frame.frame / 2 + 10) / 20);
+  for (FrameResult& frame : frames) {
+    const int missing = (frame.frame / 2 + 10) / 20;
+    frame.time += 0.1 * missing;
+  }
   EXPECT_FALSE(HasWarning(frames));
   // Stamps that come late now and then, at a constant speed.
   frames = DriveWithLongSteps(200, {});
