@@ -54,8 +54,7 @@ std::optional<NetpbmHeader> HeaderOfNetpbm(Bytes bytes) {
 cv::Mat PgmInPlace(const cv::Mat& file) {
   const Bytes bytes(file.data, file.total());
   const std::optional<NetpbmHeader> header = HeaderOfNetpbm(bytes);
-  if (!header || header->channels != 1 || header->greatest_level != 0xFF ||
-      bytes.size() - header->pixels_begin < header->pixels_size()) {
+  if (!header || header->channels != 1 || header->greatest_level != 0xFF || bytes.size() < header->file_size()) {
     return {};
   }
   const auto begin = static_cast<int>(header->pixels_begin);
@@ -71,8 +70,7 @@ cv::Mat PgmInPlace(const cv::Mat& file) {
 // becomes 0.
 ImagePixels DecodeBinaryNetpbm(Bytes bytes, int64_t most_pixels) {
   const std::optional<NetpbmHeader> header = HeaderOfNetpbm(bytes);
-  if (!header || int64_t{header->width} * header->height > most_pixels ||
-      bytes.size() - header->pixels_begin < header->pixels_size()) {
+  if (!header || int64_t{header->width} * header->height > most_pixels || bytes.size() < header->file_size()) {
     return {};
   }
   const uint8_t* const stored = bytes.data() + header->pixels_begin;

@@ -19,6 +19,8 @@ struct NetpbmHeader {
   size_t pixels_begin = 0;  ///< bytes before the pixels
 
   bool is_deep() const { return greatest_level > 0xFF; }
+  /// Bytes of header and pixels; a shorter file is incomplete.
+  size_t file_size() const { return pixels_begin + pixels_size(); }
   /// Bytes of the pixels.
   size_t pixels_size() const { return size_t{1} * width * height * channels * (is_deep() ? 2 : 1); }
 };

@@ -61,7 +61,7 @@ bool BmpEndsEarly(Bytes bytes) {
 
 bool NetpbmEndsEarly(Bytes bytes) {
   const std::optional<NetpbmHeader> header = HeaderOfNetpbm(bytes);
-  return header && bytes.size() < header->pixels_begin + header->pixels_size();
+  return header && bytes.size() < header->file_size();
 }
 
 // Height and width of the frame header, the first segment of its kind.

@@ -159,8 +159,7 @@ void Summarize(const std::vector<FrameResult>& refined, const RefinedScale& scal
     if (!scale.estimate->fell_back) summary.car = scale.estimate->car;
     summary.turn_test = scale.estimate->test;
     summary.height_conflict = scale.estimate->height_conflict;
-    if (!scale.estimate->fell_back && !scale.estimate->height_conflict && !scale.estimate->slip_conflict)
-      summary.car_evidence = scale.estimate->car_evidence;
+    if (scale.estimate->has_reliable_car()) summary.car_evidence = scale.estimate->car_evidence;
   }
   summary.calibration_windows = scale.calibration_windows;
   summary.calibration_agrees = scale.contradicted_calibration.empty();

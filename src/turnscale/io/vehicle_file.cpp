@@ -53,8 +53,7 @@ std::string VehicleFileText(const VehicleOptions& vehicle, const Mount& mount, c
   std::string text =
       "# A car and its camera, with standard deviations, for run --vehicle. Axes x right, y down, z forward.\n";
   // Where the measures contradict each other, or the trajectory does not use what was refined, all is as given.
-  const bool refined = scale.estimate && !scale.estimate->fell_back && !scale.estimate->height_conflict &&
-                       !scale.estimate->slip_conflict;
+  const bool refined = scale.estimate && scale.estimate->has_reliable_car();
   const CarRefinement* car = refined ? &scale.estimate->car : nullptr;
   // One of the two lengths is wrong, by as much as they disagree.
   const double conflict =

@@ -260,12 +260,6 @@ bool ContradictsYaw(const ScaleBelief& posterior, double prior_sigma, double max
   return variance > 0 && difference * difference > max_deviation * max_deviation * variance;
 }
 
-std::optional<SlipConflict> CompareSlip(double found, const CarPrior& car, double max_deviation) {
-  if (!(std::abs(found - car.side_slip) > max_deviation * car.side_slip_sigma) || car.side_slip_sigma == 0)
-    return std::nullopt;
-  return SlipConflict{car.side_slip, car.side_slip_sigma, found};
-}
-
 // Adds a standard deviation of ln(lambda) that all segments share.
 void Widen(double sigma, ScaleEstimate& estimate) {
   for (ScaleBelief& belief : estimate.smoothed) belief.covariance(kLogScale, kLogScale) += sigma * sigma;
@@ -310,6 +304,8 @@ void CompareTurns(const Answer& answer, const CarPrior& car, const TurnTestOptio
   if (car.side_slip_sigma > 0) input.slip_deviation = (answer.side_slip - car.side_slip) / car.side_slip_sigma;
   estimate.test = TestTurns(input, options);
   if (estimate.test.worst_turn >= 0) estimate.test.worst_turn = tested[estimate.test.worst_turn];
+  if (!estimate.test.contradicted && std::abs(input.slip_deviation) > options.max_prior_deviation)
+    estimate.slip_conflict = SlipConflict{car.side_slip, car.side_slip_sigma, answer.side_slip};
 }
 
 // Whether the turns are consistent with each other if a given camera height is not used.
@@ -493,8 +489,6 @@ ScaleEstimateResult EstimateScale(const std::vector<VehicleStep>& steps, const C
     estimate.height_conflict->contradicts_turns =
         estimate.test.contradicted && AgreeWithoutHeight(problem, gathered, car, options);
   }
-  if (!estimate.test.contradicted)
-    estimate.slip_conflict = CompareSlip(answer.side_slip, car, options.test.max_prior_deviation);
   // What the unusual slip explains may be something else.
   if (estimate.slip_conflict) Widen(estimate.test.disagreement, estimate);
   if (options.follow_turns || estimate.test.contradicted || !estimate.converged)

@@ -134,6 +134,9 @@ struct ScaleEstimate {
   /// Single-turn scales are used: the test failed, the estimate did not converge, or `follow_turns`.
   bool fell_back = false;
   bool converged = false;
+
+  /// Whether the trajectory uses the refined constants of the car, and nothing contradicts them: another drive may.
+  bool has_reliable_car() const { return !fell_back && !height_conflict && !slip_conflict; }
 };
 
 /// The estimate, or in one line why there is none.
