@@ -279,7 +279,7 @@ std::vector<char> FromRoad(const ScaleProblem& problem, const CarRefinement& car
   return from_road;
 }
 
-// The single-turn scales, with the refined constants of the car, and their joint test.
+// The single-turn scales, with the refined constants of the car, their joint test, and that of the slip.
 void CompareTurns(const Answer& answer, const CarPrior& car, const TurnTestOptions& options, ScaleEstimate& estimate) {
   TurnTestInput input;
   input.chi_squared = answer.smoothed.chi_squared;
