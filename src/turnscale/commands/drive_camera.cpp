@@ -71,7 +71,7 @@ CameraEstimate EstimateCamera(const ImageArguments& arguments, DriveImages& imag
   // The run itself says what is wrong with such a drive.
   if (images.full_size.empty()) return {};
   const cv::Size size = images.full_size / images.reduction.factor();
-  if (assumed) images.camera = CameraOfView(view, size.width, size.height);
+  if (assumed) images.camera = CameraOfView(view, size.width, size.height, images.source.pixel_aspect());
   images.camera.width = size.width;
   images.camera.height = size.height;
   if (assumed)

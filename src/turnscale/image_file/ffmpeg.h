@@ -98,6 +98,7 @@ TURNSCALE_FFMPEG(kCodec, avcodec_send_frame);
 TURNSCALE_FFMPEG(kCodec, avcodec_send_packet);
 
 TURNSCALE_FFMPEG(kFormat, av_find_best_stream);
+TURNSCALE_FFMPEG(kFormat, av_guess_sample_aspect_ratio);
 TURNSCALE_FFMPEG(kFormat, av_interleaved_write_frame);
 TURNSCALE_FFMPEG(kFormat, av_read_frame);
 TURNSCALE_FFMPEG(kFormat, av_stream_get_side_data);

@@ -39,6 +39,9 @@ class ClipReader : public FrameReader {
   /// Why clips are left out, one line for each.
   const std::vector<std::string>& left_out() const { return left_out_; }
 
+  /// Width of a pixel over its height, as the first clip says.
+  double pixel_aspect() const { return headers_.front().pixel_aspect; }
+
   /// So many images at the beginning of the drive are not given.
   void Skip(size_t frames) { skip_ = frames; }
   double LatestTime() const override { return latest_; }

@@ -102,6 +102,7 @@ struct ImageSource::State {
     }
     for (const auto& video : clip_reader->clips()) clip_files.push_back(video.string());
     left_out = clip_reader->left_out();
+    pixel_aspect = clip_reader->pixel_aspect();
     reader = std::move(clip_reader);
   }
 
@@ -248,6 +249,7 @@ struct ImageSource::State {
   cv::Size size;
   std::string size_from;  // file of the camera, or of the first image
   int max_width = 0;
+  double pixel_aspect = 1;
   int next = 0;
   int readable = 0;
   bool past_end = false;
@@ -299,6 +301,8 @@ std::optional<SourceFrame> ImageSource::Next() {
 }
 
 std::optional<cv::Size> ImageSource::FullSize() { return state_->FullSize(); }
+
+double ImageSource::pixel_aspect() const { return state_->pixel_aspect; }
 
 int ImageSource::count() const { return state_->count; }
 

@@ -60,6 +60,9 @@ class ImageSource {
   /// Throws InputError where reading on is not possible.
   std::optional<cv::Size> FullSize();
 
+  /// Width of a pixel over its height, as a video's header says; 1 if unknown.
+  double pixel_aspect() const;
+
   /// The next frame; nothing at the end. Throws InputError where an image has another size than the camera file or the
   /// other images, and at the end where not one image could be read or the part of the drive has no frame.
   std::optional<SourceFrame> Next();

@@ -36,8 +36,19 @@ std::string ClipsText(const std::vector<ClipPart>& clips) {
 }
 
 const char* TestOfCalibration(const RunSummary& summary) {
+  if (summary.calibration_windows == 0 && summary.is_metric() && summary.turns_used == 0)
+    return "not tested, as the drive has no sharp turn; an error of its focal length is an error of the scale, too";
   if (summary.calibration_windows == 0) return "not tested, as the drive has no sharp turn";
   return summary.calibration_agrees ? "consistent with the turns" : "contradicted by the turns";
+}
+
+// Both where they differ, as those of pixels that are not square do.
+std::string FocalLengthText(const CameraModel& camera) {
+  constexpr double kSquare = 0.001;
+  const Pinhole& pinhole = camera.pinhole;
+  if (std::abs(pinhole.fy / pinhole.fx - 1) < kSquare)
+    return fmt::format("{:.1f} +-{:.1f}", pinhole.fx, camera.focal_sigma);
+  return fmt::format("{:.1f} (vertically {:.1f}) +-{:.1f}", pinhole.fx, pinhole.fy, camera.focal_sigma);
 }
 
 // One line; empty where the intrinsics were assumed, which is a warning.
@@ -49,9 +60,9 @@ std::string IntrinsicsText(const RunSummary& summary) {
                        TestOfCalibration(summary));
   const Pinhole& pinhole = found->camera.pinhole;
   return fmt::format(
-      "lens    focal length {:.1f} +-{:.1f}, principal point ({:.1f}, {:.1f}) +-{:.1f} pixels, estimated; for the "
+      "lens    focal length {}, principal point ({:.1f}, {:.1f}) +-{:.1f} pixels, estimated; for the "
       "next drive: --camera {}\n",
-      pinhole.fx, found->camera.focal_sigma, pinhole.cx, pinhole.cy, found->centre_sigma,
+      FocalLengthText(found->camera), pinhole.cx, pinhole.cy, found->centre_sigma,
       (std::filesystem::path(summary.folder) / RunFiles::kCamera).string());
 }
 
@@ -119,11 +130,16 @@ std::string CarText(const RunSummary& summary) {
                      car->yaw_error * kDegreesPerRadian, car->yaw_error_sigma * kDegreesPerRadian, HeightText(*car));
 }
 
+// Larger ones, which are standard deviations of the logarithm, say nothing as a percentage.
+std::string SigmaText(double sigma) {
+  return sigma > 1 ? std::string("beyond +-100 %") : fmt::format("+-{:.1f} %", 100 * sigma);
+}
+
 std::string ScaleText(const RunSummary& summary) {
   if (summary.is_metric())
-    return fmt::format("{}, path length +-{:.1f} % (1 sigma), along the drive at most +-{:.1f} % (at {:.1f} s)",
-                       summary.path_sigma <= kMostKnown ? "known" : "uncertain", 100 * summary.path_sigma,
-                       100 * summary.worst_sigma, summary.worst_sigma_time);
+    return fmt::format("{}, path length {} (1 sigma), along the drive at most {} (at {:.1f} s)",
+                       summary.path_sigma <= kMostKnown ? "known" : "uncertain", SigmaText(summary.path_sigma),
+                       SigmaText(summary.worst_sigma), summary.worst_sigma_time);
   const std::string pending = ScaleStateName(summary.scale_state);
   if (!summary.has_measure())
     return fmt::format(

@@ -25,6 +25,7 @@ RunSummary InMetres(double sigma) {
 TEST(SummaryText, AScaleIsKnownUpToASigmaOf15Percent) {
   EXPECT_TRUE(Says(InMetres(0.14), "scale   known, path length +-14.0 % (1 sigma)"));
   EXPECT_TRUE(Says(InMetres(0.16), "scale   uncertain, path length +-16.0 % (1 sigma)"));
+  EXPECT_TRUE(Says(InMetres(6.6), "scale   uncertain, path length beyond +-100 % (1 sigma)"));
 }
 
 TEST(SummaryText, APendingScaleHasAReasonOrARemedy) {
@@ -40,11 +41,22 @@ TEST(SummaryText, SaysWhetherAGivenCalibrationWasTested) {
   RunSummary summary = InMetres(0.03);
   EXPECT_FALSE(Says(summary, "lens    "));
   summary.camera = "folder/cam.yaml";
+  EXPECT_TRUE(Says(summary, "not tested, as the drive has no sharp turn; an error of its focal length is"));
+  summary.turns_used = 1;
   EXPECT_TRUE(Says(summary, "lens    calibration cam.yaml, not tested, as the drive has no sharp turn\n"));
   summary.calibration_windows = 2;
   EXPECT_TRUE(Says(summary, "lens    calibration cam.yaml, consistent with the turns\n"));
   summary.calibration_agrees = false;
   EXPECT_TRUE(Says(summary, "lens    calibration cam.yaml, contradicted by the turns\n"));
+}
+
+TEST(SummaryText, BothFocalLengthsAreShownWherePixelsAreNotSquare) {
+  RunSummary summary = InMetres(0.03);
+  summary.found_camera = FoundCamera{{{600, 600, 320, 180}}, 2, 5, true};
+  summary.found_camera->camera.focal_sigma = 6;
+  EXPECT_TRUE(Says(summary, "lens    focal length 600.0 +-6.0, principal point (320.0, 180.0) +-2.0 pixels"));
+  summary.found_camera->camera.pinhole.fy = 800;
+  EXPECT_TRUE(Says(summary, "lens    focal length 600.0 (vertically 800.0) +-6.0, principal point"));
 }
 
 TEST(SummaryText, AContradictedRotationIsShownWithWhatIsUsed) {

@@ -35,6 +35,7 @@ class Writer {
                         : video.codec == "mjpeg" ? AV_PIX_FMT_YUVJ420P
                                                  : AV_PIX_FMT_YUV420P;
     encoder_->color_range = video.full_range || video.codec == "mjpeg" ? AVCOL_RANGE_JPEG : AVCOL_RANGE_MPEG;
+    if (video.pixel_aspect != 1) encoder_->sample_aspect_ratio = av_d2q(video.pixel_aspect, 255);
     encoder_->gop_size = video.key_interval;
     encoder_->max_b_frames = video.b_frames;
     encoder_->strict_std_compliance = FF_COMPLIANCE_UNOFFICIAL;
@@ -46,6 +47,7 @@ class Writer {
     Checked(avcodec_open2(encoder_, codec, nullptr), "encoder");
     stream_ = avformat_new_stream(output_, nullptr);
     stream_->time_base = encoder_->time_base;
+    stream_->sample_aspect_ratio = encoder_->sample_aspect_ratio;
     stream_->avg_frame_rate = encoder_->framerate;
     Checked(avcodec_parameters_from_context(stream_->codecpar, encoder_), "parameters");
     if (video.quarter_turns != 0 || video.mirrored) {

@@ -21,6 +21,7 @@ struct TestVideo {
   bool full_range = false;           ///< of luma, rather than 16 to 235
   int quarter_turns = 0;             ///< clockwise, by which a player is to rotate the images
   bool mirrored = false;             ///< a player is to mirror the images left to right, after rotating them
+  double pixel_aspect = 1;           ///< width of a pixel over its height
   bool interlaced = false;
   std::string created = {};  ///< ISO 8601
 };

@@ -49,6 +49,14 @@ bool IsIdentity(const std::array<uint8_t, kLevels>& table) {
 
 double Seconds(const AVRational& time_base) { return av_q2d(time_base); }
 
+// 1 where the file says nothing or nonsense.
+double PixelAspect(AVFormatContext& input, AVStream& stream) {
+  constexpr double kWidest = 3;
+  const AVRational ratio = ffmpeg::av_guess_sample_aspect_ratio(&input, &stream, nullptr);
+  const double aspect = ratio.num > 0 && ratio.den > 0 ? av_q2d(ratio) : 1.0;
+  return aspect < kWidest && aspect > 1 / kWidest ? aspect : 1.0;
+}
+
 // Years before are clocks that were never set.
 std::optional<double> CreationTime(const AVFormatContext& input, const AVStream& stream) {
   constexpr int64_t kYear2000 = 946684800;
@@ -131,7 +139,11 @@ struct VideoFile::State {
   void ReadHeader() {
     const AVCodecParameters& codec = *stream->codecpar;
     header.size = {codec.width, codec.height};
-    if (orientation.transpose) std::swap(header.size.width, header.size.height);
+    header.pixel_aspect = PixelAspect(*input, *stream);
+    if (orientation.transpose) {
+      std::swap(header.size.width, header.size.height);
+      header.pixel_aspect = 1 / header.pixel_aspect;
+    }
     header.tick = Seconds(stream->time_base);
     // Containers without a rate have zero, or their clock's ticks.
     for (const AVRational& rate : {stream->avg_frame_rate, stream->r_frame_rate}) {

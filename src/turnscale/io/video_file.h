@@ -16,6 +16,7 @@ namespace turnscale {
 /// What a video's header says.
 struct VideoHeader {
   cv::Size size;                  ///< of the images, rotated as the video asks for
+  double pixel_aspect = 1;        ///< width of one of their pixels over its height; 1 if unknown
   double rate = 0;                ///< frames per second on average; 0 if unknown
   double tick = 0;                ///< resolution of the stamps, seconds
   double duration = 0;            ///< seconds; 0 if unknown

@@ -166,6 +166,14 @@ TEST_F(VideoFileTest, RotationAndMirrorOfTheMetadataAreApplied) {
   }
 }
 
+TEST_F(VideoFileTest, HeaderHasTheShapeOfPixels) {
+  EXPECT_EQ(VideoFile(Write("v.mp4", {})).header().pixel_aspect, 1);
+  EXPECT_NEAR(VideoFile(Write("v.mp4", {.pixel_aspect = 1.5})).header().pixel_aspect, 1.5, 1e-9);
+  const TestVideo sideways{.quarter_turns = 1, .pixel_aspect = 1.5};
+  EXPECT_NEAR(VideoFile(Write("v.mp4", sideways)).header().pixel_aspect, 1 / 1.5, 1e-9);
+  EXPECT_EQ(VideoFile(Write("v.mp4", {.pixel_aspect = 20})).header().pixel_aspect, 1) << "nonsense";
+}
+
 TEST_F(VideoFileTest, InterlacedVideoIsRefused) {
   for (const std::string name : {"v.mp4", "v.mkv", "v.ts"}) {
     const std::string complaint = Complaint(Write(name, {.codec = "mpeg2video", .interlaced = true}));

@@ -163,7 +163,8 @@ std::optional<FoundCamera> CalibrateFromDrive(const OdometryOptions& options, co
   Reading reading = read(0, std::nullopt);
   for (const double view : kOtherViews) {
     if (reading.windows > 0 || !start.assumed || reading.tracked > kTracksWell * reading.frames) break;
-    camera = CameraOfView(view, start.camera.width, start.camera.height);
+    camera =
+        CameraOfView(view, start.camera.width, start.camera.height, start.camera.pinhole.fy / start.camera.pinhole.fx);
     expected = camera.pinhole;
     reading = read(0, std::nullopt);
   }
@@ -208,9 +209,13 @@ int MostPasses(const SelfCalibrationOptions& options, bool assumed) {
   return options.max_passes + (assumed ? static_cast<int>(kOtherViews.size()) : 0);
 }
 
-CameraModel CameraOfView(double field_of_view_deg, int width, int height) {
+CameraModel CameraOfView(double field_of_view_deg, int width, int height, double pixel_aspect) {
   const double focal = 0.5 * width / std::tan(0.5 * field_of_view_deg / kDegreesPerRadian);
-  return {{focal, focal, 0.5 * (width - 1), 0.5 * (height - 1)}, LensModel::kPinhole, {0, 0, 0, 0, 0}, width, height};
+  return {{focal, pixel_aspect * focal, 0.5 * (width - 1), 0.5 * (height - 1)},
+          LensModel::kPinhole,
+          {0, 0, 0, 0, 0},
+          width,
+          height};
 }
 
 }  // namespace turnscale

@@ -54,7 +54,8 @@ std::optional<FoundCamera> CalibrateFromDrive(const OdometryOptions& options, co
 /// How often CalibrateFromDrive opens the drive at most.
 int MostPasses(const SelfCalibrationOptions& options, bool assumed);
 
-/// A camera of this image size (pixels) and horizontal field of view (degrees), without distortion.
-CameraModel CameraOfView(double field_of_view_deg, int width, int height);
+/// A camera of this image size (pixels) and horizontal field of view (degrees), without distortion. `pixel_aspect`:
+/// width of a pixel over its height.
+CameraModel CameraOfView(double field_of_view_deg, int width, int height, double pixel_aspect = 1);
 
 }  // namespace turnscale
