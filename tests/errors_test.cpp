@@ -390,6 +390,18 @@ TEST_F(ErrorsTest, TheCameraOfAnEarlierRunIsTakenAwayUnlessItIsGiven) {
   EXPECT_FALSE(fs::exists(camera));
 }
 
+TEST_F(ErrorsTest, ImagesTooSmallForAPathAreNamed) {
+  fs::create_directories(folder_ / "small");
+  for (int i = 0; i < 8; ++i)
+    cv::imwrite((folder_ / "small" / (std::to_string(i) + ".png")).string(),
+                cv::Mat(80, 160, CV_8UC1, cv::Scalar(9 * i)));
+  const CommandResult result = RunCommand(
+      {"run", (folder_ / "small").string(), "--fps", "10", "--fov", "70", "--out", Out().string(), "--no-report"},
+      folder_);
+  EXPECT_EQ(result.exit_code, 2) << "nothing to track";
+  EXPECT_NE(result.err.find("the images are 160x80 pixels, too small"), std::string::npos) << result.err;
+}
+
 TEST_F(ErrorsTest, WideImagesAreProcessedSmallerAndResultsAreAtFullSize) {
   const std::string path = (folder_ / "mask.png").string();
   cv::Mat mask(kRoomHeight, kRoomWidth, CV_8UC1, cv::Scalar(255));

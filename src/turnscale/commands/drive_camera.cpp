@@ -29,9 +29,10 @@ double ViewOf(const ImageArguments& arguments) {
 
 // The drive's images. What is wrong with one of them the run itself says, when it comes to it.
 // `last`: time of the last one that the arguments allow, once it is known.
-ImageStream Images(const ImageArguments& arguments, const DriveImages& images, const CommandHooks& hooks, int max_width,
-                   std::optional<double> from, bool is_first, const std::string& work, std::optional<double>& last) {
-  ImageSourceOptions options = SourceOptions(arguments, images.given, max_width);
+ImageStream Images(const ImageArguments& arguments, const DriveImages& images, const CommandHooks& hooks,
+                   const ImageOptions& image_options, std::optional<double> from, bool is_first,
+                   const std::string& work, std::optional<double>& last) {
+  ImageSourceOptions options = SourceOptions(arguments, images.given, image_options);
   if (from) options.start += *from;
   auto source = std::make_shared<ImageSource>(images.drive, options);
   auto progress = std::make_shared<Progress>(0, arguments.quiet);
@@ -70,7 +71,7 @@ CameraEstimate EstimateCamera(const ImageArguments& arguments, DriveImages& imag
   const double view = ViewOf(arguments);
   // The run itself says what is wrong with such a drive.
   if (images.full_size.empty()) return {};
-  const cv::Size size = images.full_size / images.reduction.factor();
+  const cv::Size size = images.scaling.Scaled(images.full_size);
   if (assumed) images.camera = CameraOfView(view, size.width, size.height, images.source.pixel_aspect());
   images.camera.width = size.width;
   images.camera.height = size.height;
@@ -84,13 +85,13 @@ CameraEstimate EstimateCamera(const ImageArguments& arguments, DriveImages& imag
       [&](std::optional<double> from) {
         const std::string work = fmt::format("estimating the camera, pass {} of at most {}", ++pass, most_passes);
         on_pass(work);
-        return Images(arguments, images, hooks, options.images.max_width, from, pass == 1, work, last);
+        return Images(arguments, images, hooks, options.images, from, pass == 1, work, last);
       },
       images.mask);
   if (!found) return {std::nullopt, NoTurn(arguments, view, assumed)};
   images.camera = found->camera;
   return {
-      images.reduction.Full(*found),
+      images.scaling.Full(*found),
       found->converged ? "" : "the estimate of the camera did not converge; its standard deviation may be too small"};
 }
 

@@ -75,7 +75,8 @@ std::vector<Trajectory> Stretches(const std::vector<FrameResult>& frames) {
 
 }  // namespace
 
-ImageSourceOptions SourceOptions(const ImageArguments& arguments, const GivenCamera& given, int max_width) {
+ImageSourceOptions SourceOptions(const ImageArguments& arguments, const GivenCamera& given,
+                                 const ImageOptions& image_options) {
   ImageSourceOptions options;
   options.timestamps = arguments.timestamps;
   options.fps = arguments.fps;
@@ -84,7 +85,7 @@ ImageSourceOptions SourceOptions(const ImageArguments& arguments, const GivenCam
   options.width = given.model.width;
   options.height = given.model.height;
   options.camera_file = given.name;
-  options.max_width = max_width;
+  options.images = image_options;
   return options;
 }
 
@@ -101,28 +102,36 @@ void CheckImageArguments(const ImageArguments& arguments) {
     throw InputError(fmt::format("--max-frames {}: give at least 1", *arguments.max_frames));
 }
 
-DriveImages::DriveImages(const ImageArguments& arguments, int max_width)
+DriveImages::DriveImages(const ImageArguments& arguments, const ImageOptions& options)
     : drive(FindDrive(arguments.inputs, arguments.topic)),
       given(CameraFor(arguments, drive)),
-      source(drive, SourceOptions(arguments, given, max_width)),
+      source(drive, SourceOptions(arguments, given, options)),
       full_size(source.FullSize().value_or(cv::Size())),
-      reduction(full_size, max_width),
-      camera(reduction.Reduced(given.model)),
-      mask(reduction.ReducedMask(GivenMask(arguments.mask, full_size))),
+      scaling(full_size, options),
+      camera(scaling.Scaled(given.model)),
+      mask(scaling.ScaledMask(GivenMask(arguments.mask, full_size))),
       expected(ExpectedFrames(source.count(), arguments.max_frames)) {}
 
-std::string DoubtOf(const DriveImages& images) {
+std::vector<std::string> DoubtsOf(const DriveImages& images) {
   constexpr double kFarOff = 0.08;  // of the image's width or height
-  const Pinhole& pinhole = images.given.model.pinhole;
+  constexpr int kFewest = 240;
   const cv::Size& size = images.full_size;
-  const bool named = images.given.model.width > 0 || images.given.name.empty();
-  const bool central =
-      std::abs(pinhole.cx / size.width - 0.5) < kFarOff && std::abs(pinhole.cy / size.height - 0.5) < kFarOff;
-  if (size.empty() || named || central) return {};
-  return fmt::format(
-      "{}: the principal point ({:.0f}, {:.0f}) is far from the centre of {}x{} images; check that this is the right "
-      "camera",
-      images.given.name, pinhole.cx, pinhole.cy, size.width, size.height);
+  if (size.empty()) return {};
+  std::vector<std::string> doubts;
+  if (size.width < kFewest)
+    doubts.push_back(
+        fmt::format("the images are {}x{} pixels, too small for a reliable path: give images at least {} pixels wide",
+                    size.width, size.height, kFewest));
+  const CameraModel& given = images.given.model;
+  const bool central = std::abs(given.pinhole.cx / size.width - 0.5) < kFarOff &&
+                       std::abs(given.pinhole.cy / size.height - 0.5) < kFarOff;
+  const bool named = given.width > 0 || images.given.name.empty();
+  if (!named && !central)
+    doubts.push_back(fmt::format(
+        "{}: the principal point ({:.0f}, {:.0f}) is far from the centre of {}x{} images; check that this is the right "
+        "camera",
+        images.given.name, given.pinhole.cx, given.pinhole.cy, size.width, size.height));
+  return doubts;
 }
 
 std::string UnusedCamera(const ImageArguments& arguments, const GivenCamera& given) {
@@ -187,7 +196,7 @@ DriveMotion MotionFromImages(const ImageArguments& arguments, const CommandHooks
   OdometryOptions options = arguments.settings ? ReadSettings(*arguments.settings) : OdometryOptions();
   options.vehicle.lever_arm.reset();
   options.Check();
-  DriveImages images(arguments, options.images.max_width);
+  DriveImages images(arguments, options.images);
   cv::setNumThreads(kImageThreads);
   hooks.begun();
   const CameraEstimate estimate = EstimateCamera(arguments, images, options, hooks);
@@ -197,7 +206,7 @@ DriveMotion MotionFromImages(const ImageArguments& arguments, const CommandHooks
   SendWarnings(progress, hooks);
   for (const std::string& warning : images.source.left_out()) progress.Warn(warning);
   if (!estimate.warning.empty()) progress.Warn(estimate.warning);
-  if (const std::string doubt = DoubtOf(images); !doubt.empty()) progress.Warn(doubt);
+  for (const std::string& doubt : DoubtsOf(images)) progress.Warn(doubt);
   int processed = 0;
   const auto drive = [&] {
     while (!(arguments.max_frames && processed >= *arguments.max_frames)) {

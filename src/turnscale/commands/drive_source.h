@@ -13,7 +13,7 @@
 #include "turnscale/commands/command_hooks.h"
 #include "turnscale/geometry/rigid_transform.h"
 #include "turnscale/io/drive_input.h"
-#include "turnscale/io/image_reduction.h"
+#include "turnscale/io/image_scaling.h"
 #include "turnscale/io/image_source.h"
 #include "turnscale/io/terminal.h"
 
@@ -51,28 +51,29 @@ struct GivenCamera {
   CameraModel model;
 };
 
-/// Where the images of a drive are read from, as the arguments have it. `max_width`: ImageSourceOptions.
-ImageSourceOptions SourceOptions(const ImageArguments& arguments, const GivenCamera& given, int max_width);
+/// Where the images of a drive are read from, as the arguments have it.
+ImageSourceOptions SourceOptions(const ImageArguments& arguments, const GivenCamera& given,
+                                 const ImageOptions& options);
 
 /// The images of a drive and their camera.
 struct DriveImages {
-  /// Images are reduced if they are wider than `max_width`, pixels; 0: none are. Throws InputError where there are no
+  /// Throws InputError where there are no
   /// images or no times, or the mask cannot be read or is not of their size.
-  explicit DriveImages(const ImageArguments& arguments, int max_width = 0);
+  DriveImages(const ImageArguments& arguments, const ImageOptions& options);
 
   DriveInput drive;
   GivenCamera given;  ///< at full size
   ImageSource source;
-  cv::Size full_size;        ///< of the images; empty where not one can be read
-  ImageReduction reduction;  ///< of the images, the mask and the camera
-  CameraModel camera;        ///< that is given, later the estimated one
-  cv::Mat mask;              ///< pixels to leave out are 0 (ReadMask); empty where none is given
-  int expected = 0;          ///< number of frames, limited by `max_frames`; 0 if unknown
+  cv::Size full_size;    ///< of the images; empty where not one can be read
+  ImageScaling scaling;  ///< of the images, the mask and the camera
+  CameraModel camera;    ///< that is given, later the estimated one
+  cv::Mat mask;          ///< pixels to leave out are 0 (ReadMask); empty where none is given
+  int expected = 0;      ///< number of frames, limited by `max_frames`; 0 if unknown
 };
 
-/// Why the given intrinsics are implausible for images of this size; empty if plausible. An image size in the file is
-/// checked by the image source.
-std::string DoubtOf(const DriveImages& images);
+/// Why the path may be wrong, one line each: given intrinsics that are implausible for images of this size (a size in
+/// the file is checked by the image source), images that are too small.
+std::vector<std::string> DoubtsOf(const DriveImages& images);
 
 /// One line where a video is read without a calibration though a file of one lies beside it; else empty.
 std::string UnusedCamera(const ImageArguments& arguments, const GivenCamera& given);

@@ -69,7 +69,7 @@ RunSummary BeforeTheDrive(const RunArguments& arguments, const OdometryOptions& 
     summary.warnings.push_back(unused);
   if (const std::string unused = UnusedCameraOfVehicle(arguments, options.vehicle, images); !unused.empty())
     summary.warnings.push_back(unused);
-  if (const std::string doubt = DoubtOf(images); !doubt.empty()) summary.warnings.push_back(doubt);
+  for (std::string& doubt : DoubtsOf(images)) summary.warnings.push_back(std::move(doubt));
   summary.pose_frame = arguments.frame;
   summary.folder = arguments.out.string();
   summary.start = arguments.images.start;
@@ -150,7 +150,7 @@ RunEnd ExecuteRun(const RunArguments& arguments, const RunHooks& hooks) {
   CheckThreads(arguments.threads);
   cv::setNumThreads(arguments.threads);
   CheckTruthFiles(arguments.truth);
-  DriveImages images(arguments.images, options.images.max_width);
+  DriveImages images(arguments.images, options.images);
   CheckFolder(arguments, images);
   const PoseFrame shown = arguments.frame == "vehicle" ? PoseFrame::kVehicle : PoseFrame::kCamera;
   const RunWriterOptions output = {arguments.out, shown, options.vehicle};
@@ -177,7 +177,7 @@ RunEnd ExecuteRun(const RunArguments& arguments, const RunHooks& hooks) {
                             [&] { return images.source.EndsEarly(); },
                             [&] { return images.source.clips(); },
                             arguments.images.max_frames,
-                            images.reduction,
+                            images.scaling,
                             output,
                             BeforeTheDrive(arguments, options, images, estimate),
                             watch,

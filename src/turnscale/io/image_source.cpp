@@ -18,7 +18,7 @@
 #include "turnscale/io/clip_reader.h"
 #include "turnscale/io/drive_input.h"
 #include "turnscale/io/frame_reader.h"
-#include "turnscale/io/image_reduction.h"
+#include "turnscale/io/image_scaling.h"
 #include "turnscale/io/video_file.h"
 
 namespace turnscale {
@@ -72,7 +72,7 @@ struct ImageSource::State {
     }
     size = {options.width, options.height};
     size_from = options.camera_file;
-    max_width = options.max_width;
+    image_options = options.images;
     thread = std::jthread([this](std::stop_token stop) { Prefetch(stop); });
   }
 
@@ -248,7 +248,7 @@ struct ImageSource::State {
   int offset = 0;     // number in the drive of the first frame that is read
   cv::Size size;
   std::string size_from;  // file of the camera, or of the first image
-  int max_width = 0;
+  ImageOptions image_options;
   double pixel_aspect = 1;
   int next = 0;
   int readable = 0;
@@ -292,7 +292,7 @@ std::optional<SourceFrame> ImageSource::Next() {
   }
   if (!image->image.gray.empty()) {
     state.CheckSize(image->image.gray, image->name);
-    image->image.gray = ImageReduction(state.size, state.max_width).Reduced(image->image.gray);
+    image->image.gray = ImageScaling(state.size, state.image_options).Scaled(image->image.gray);
     ++state.readable;
   }
   state.CountIn(*image, time);

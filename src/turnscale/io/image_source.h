@@ -10,6 +10,7 @@
 #include <opencv2/core/mat.hpp>
 
 #include "turnscale/io/drive_input.h"
+#include "turnscale/odometry/options.h"
 
 namespace turnscale {
 
@@ -43,7 +44,7 @@ struct ImageSourceOptions {
   int width = 0;                 ///< that every image must have, pixels; 0 takes the first image's
   int height = 0;                ///< that every image must have, pixels; 0 takes the first image's
   std::string camera_file = {};  ///< what asks for that size, for messages
-  int max_width = 0;             ///< wider images are reduced (ImageReduction); 0: none are
+  ImageOptions images = {.max_width = 0, .min_width = 0};  ///< how they are scaled (ImageScaling); by default, not
 };
 
 /// The frames of a drive in order. Images are decoded ahead on a thread of their own.
@@ -56,7 +57,7 @@ class ImageSource {
   ImageSource(const ImageSource&) = delete;
   ImageSource& operator=(const ImageSource&) = delete;
 
-  /// Size of the first readable image from here on, before it is reduced; nothing where there is none. Waits for it.
+  /// Size of the first readable image from here on, before it is scaled; nothing where there is none. Waits for it.
   /// Throws InputError where reading on is not possible.
   std::optional<cv::Size> FullSize();
 

@@ -96,16 +96,20 @@ TEST_F(ImageSourceTest, FolderOfImagesInNaturalOrderWithAnyStartAndGaps) {
   }
 }
 
-TEST_F(ImageSourceTest, WideImagesAreReduced) {
+TEST_F(ImageSourceTest, WideImagesAreReducedAndNarrowOnesEnlarged) {
   Images(folder_, 0, 2);
   ImageSource plain(FindDrive(folder_), {.fps = 10});
   const cv::Size size = plain.FullSize().value();
-  ImageSource source(FindDrive(folder_),
-                     {.fps = 10, .width = size.width, .height = size.height, .max_width = size.width - 1});
+  ImageSource source(
+      FindDrive(folder_),
+      {.fps = 10, .width = size.width, .height = size.height, .images = {.max_width = size.width - 1, .min_width = 0}});
   EXPECT_EQ(source.FullSize(), size) << "asked before the first image";
   int frames = 0;
   for (; const auto frame = source.Next(); ++frames) EXPECT_EQ(frame->gray.size(), size / 2);
   EXPECT_EQ(frames, 2) << "none is missing";
+  ImageSource enlarged(FindDrive(folder_), {.fps = 10, .images = {.max_width = 0, .min_width = size.width + 1}});
+  EXPECT_EQ(enlarged.FullSize(), size);
+  EXPECT_EQ(enlarged.Next()->gray.size(), size * 2);
 }
 
 TEST_F(ImageSourceTest, TheSizeIsThatOfTheFirstReadableImage) {

@@ -123,7 +123,7 @@ class Run {
       const Clock::time_point start = Clock::now();
       result = odometry_.Process(frame.gray, frame.time);
       latencies_.push_back(std::chrono::duration<double>(Clock::now() - start).count());
-      const cv::Size full = drive_.reduction.Full(frame.gray.size());
+      const cv::Size full = drive_.scaling.Full(frame.gray.size());
       end_.summary.image_width = full.width;
       end_.summary.image_height = full.height;
     }
@@ -175,10 +175,9 @@ class Run {
                          VehicleFileText(odometry_.options().vehicle, odometry_.mount().current(), results.scale),
                          durability);
     });
-    attempts_.Try([&] { writer_->WriteMask(drive_.reduction.FullMask(odometry_.mask()), durability); });
+    attempts_.Try([&] { writer_->WriteMask(drive_.scaling.FullMask(odometry_.mask()), durability); });
     attempts_.Try([&] { writer_->WriteMap(odometry_.RefinedMap(results.scale), results.scale_state, durability); });
-    for (ParameterEstimate& estimate : results.scale.contradicted_calibration)
-      estimate = drive_.reduction.Full(estimate);
+    for (ParameterEstimate& estimate : results.scale.contradicted_calibration) estimate = drive_.scaling.Full(estimate);
     results_ = std::move(results);
   }
 
@@ -205,7 +204,7 @@ class Run {
     summary.clips = drive_.clips();
     if (!summary.unreadable.empty()) Record(UnreadableText(summary.unreadable));
     summary.scale_state = results_.scale_state;
-    summary.pinhole = drive_.reduction.Full(odometry_.camera()).pinhole;
+    summary.pinhole = drive_.scaling.Full(odometry_.camera()).pinhole;
     summary.lens_model = odometry_.camera().lens;
     if (options.lens.enabled) summary.lens = {odometry_.lens().correction(), odometry_.lens().sigma()};
     if (options.vehicle.calibrate_camera) {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "turnscale/io/image_reduction.h"
+#include "turnscale/io/image_scaling.h"
 #include "turnscale/io/image_source.h"
 #include "turnscale/io/run_summary.h"
 #include "turnscale/io/run_writer.h"
@@ -25,7 +25,7 @@ struct DriveToRun {
   /// Asked at the end: the videos of the drive; empty for images.
   std::function<std::vector<ClipPart>()> clips = [] { return std::vector<ClipPart>(); };
   std::optional<int> max_frames = {};  ///< where to stop early
-  ImageReduction reduction = {};       ///< how the frames are reduced; results are at full size
+  ImageScaling scaling = {};           ///< of the frames; results are at full size
   RunWriterOptions output;             ///< where the results go
   RunSummary summary;                  ///< what is known of it beforehand
   /// Called after every frame with its result. What it throws ends the run.

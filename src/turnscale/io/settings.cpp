@@ -99,7 +99,10 @@ void VisitSettings(Visitor& visitor, OdometryOptions& options) {
     visitor.Field("roll_height", o.roll_height);
     visitor.Field("roll_height_sigma", o.roll_height_sigma);
   });
-  visitor.Group("images", [&] { visitor.Field("max_width", options.images.max_width); });
+  visitor.Group("images", [&] {
+    visitor.Field("max_width", options.images.max_width);
+    visitor.Field("min_width", options.images.min_width);
+  });
   visitor.Group("corners", [&] {
     auto& o = options.corners;
     visitor.Field("target", o.target);

@@ -45,6 +45,7 @@ void KeyframeOptions::Check() const {
 
 void ImageOptions::Check() const {
   if (max_width < 0) throw InputError("images.max_width: must not be negative");
+  if (min_width < 0) throw InputError("images.min_width: must not be negative");
 }
 
 void TrackingOptions::Check() const {

@@ -82,11 +82,14 @@ struct KeyframeOptions {
   void Check() const;
 };
 
-/// How the images of a drive are read.
+/// How the images of a drive are scaled when they are read. The odometry itself takes images as they are.
 struct ImageOptions {
   /// Images wider than this, pixels, are halved until they are not: twice the pixels a side cost four times the time,
-  /// and add little. 0: none are. The odometry itself takes images as they are.
+  /// and add little. 0: none are.
   int max_width = 2048;
+  /// Images narrower than this, pixels, are doubled until they are not: a patch of a feature, which has a fixed number
+  /// of pixels, would show too much of the scene. Never beyond `max_width`. 0: none are.
+  int min_width = 480;
 
   /// Throws InputError that names the field when a value makes no sense.
   void Check() const;
