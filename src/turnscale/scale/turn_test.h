@@ -7,7 +7,7 @@ namespace turnscale {
 
 struct TurnTestOptions {
   /// Significance level: the turns are inconsistent if chi-squared is less probable than this.
-  double min_probability = 0.001;
+  double min_probability = 0.01;
   /// Or if the side slip deviates from its prior by more than this many standard deviations. (The yaw may deviate:
   /// it is observed on straights.)
   double max_prior_deviation = 2.5;
