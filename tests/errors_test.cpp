@@ -390,7 +390,7 @@ TEST_F(ErrorsTest, TheCameraOfAnEarlierRunIsTakenAwayUnlessItIsGiven) {
   EXPECT_FALSE(fs::exists(camera));
 }
 
-TEST_F(ErrorsTest, ImagesTooSmallForAPathAreNamed) {
+TEST_F(ErrorsTest, NarrowImagesGiveAWarning) {
   fs::create_directories(folder_ / "small");
   for (int i = 0; i < 8; ++i)
     cv::imwrite((folder_ / "small" / (std::to_string(i) + ".png")).string(),

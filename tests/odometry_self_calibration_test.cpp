@@ -41,6 +41,13 @@ TEST(OdometrySelfCalibration, FindsTheFocalLengthFromANarrowAndAWideStart) {
   }
 }
 
+TEST(OdometrySelfCalibration, StartsWithTheShapeOfThePixels) {
+  const CameraModel camera = CameraOfView(90, 640, 360, 1.25);
+  EXPECT_NEAR(camera.pinhole.fx, 320, 1e-9);
+  EXPECT_NEAR(camera.pinhole.fy, 400, 1e-9);
+  EXPECT_EQ(camera.pinhole.cx, 319.5);
+}
+
 TEST(OdometrySelfCalibration, DoesNotDependOnWhenTheClockStarted) {
   StreetDrive drive = PlainStreetDrive();
   const std::optional<FoundCamera> at_zero = Found(drive, 70);

@@ -51,28 +51,28 @@ struct GivenCamera {
   CameraModel model;
 };
 
-/// Where the images of a drive are read from, as the arguments have it.
+/// How the images of a drive are read, as the arguments have it.
 ImageSourceOptions SourceOptions(const ImageArguments& arguments, const GivenCamera& given,
-                                 const ImageOptions& options);
+                                 const ImageOptions& image_options);
 
 /// The images of a drive and their camera.
 struct DriveImages {
-  /// Throws InputError where there are no
-  /// images or no times, or the mask cannot be read or is not of their size.
-  DriveImages(const ImageArguments& arguments, const ImageOptions& options);
+  /// `image_options`: how the images are scaled. Throws InputError where there are no images or no times, or the mask
+  /// cannot be read or is not of their size.
+  DriveImages(const ImageArguments& arguments, const ImageOptions& image_options);
 
   DriveInput drive;
   GivenCamera given;  ///< at full size
   ImageSource source;
   cv::Size full_size;    ///< of the images; empty where not one can be read
   ImageScaling scaling;  ///< of the images, the mask and the camera
-  CameraModel camera;    ///< that is given, later the estimated one
-  cv::Mat mask;          ///< pixels to leave out are 0 (ReadMask); empty where none is given
+  CameraModel camera;    ///< that is given, later the estimated one; at the size that is processed
+  cv::Mat mask;          ///< at the same size; pixels to leave out are 0 (ReadMask); empty where none is given
   int expected = 0;      ///< number of frames, limited by `max_frames`; 0 if unknown
 };
 
-/// Why the path may be wrong, one line each: given intrinsics that are implausible for images of this size (a size in
-/// the file is checked by the image source), images that are too small.
+/// Warnings, one line each: images that are too small, and a principal point far from their centre where the
+/// calibration has no image size to check.
 std::vector<std::string> DoubtsOf(const DriveImages& images);
 
 /// One line where a video is read without a calibration though a file of one lies beside it; else empty.

@@ -28,59 +28,50 @@ cv::Mat EnlargedMask(const cv::Mat& mask, int side) {
   return enlarged;
 }
 
-// Side of the square of full pixels that one processed pixel stands for.
-int Reduction(double pixel_width) { return static_cast<int>(std::lround(pixel_width)); }
-// Side of the square of processed pixels that one full pixel becomes.
-int Enlargement(double pixel_width) { return static_cast<int>(std::lround(1 / pixel_width)); }
-
 }  // namespace
 
 ImageScaling::ImageScaling(const cv::Size& size, const ImageOptions& options) : size_(size) {
   if (size.empty()) return;
   const double widest = options.max_width > 0 ? options.max_width : HUGE_VAL;
-  while (Scaled(size).width > widest && size.height >= 2 * pixel_width_) pixel_width_ *= 2;
-  while (Scaled(size).width < options.min_width && 2 * Scaled(size).width <= widest) pixel_width_ /= 2;
+  while (size.width / reduction_ > widest && size.height >= 2 * reduction_) reduction_ *= 2;
+  if (reduction_ > 1) return;
+  while (size.width * enlargement_ < options.min_width && 2 * size.width * enlargement_ <= widest) enlargement_ *= 2;
 }
 
 cv::Mat ImageScaling::Scaled(const cv::Mat& gray) const {
-  if (pixel_width_ == 1) return gray;
-  cv::Mat scaled;
-  if (pixel_width_ < 1) {
-    cv::resize(gray, scaled, Scaled(gray.size()), 0, 0, cv::INTER_CUBIC);
-    return scaled;
-  }
+  if (changes_nothing()) return gray;
   const cv::Size size = Scaled(gray.size());
-  cv::resize(gray(cv::Rect({}, size * Reduction(pixel_width_))), scaled, size, 0, 0, cv::INTER_AREA);
+  const cv::Rect whole_squares({}, size * reduction_ / enlargement_);
+  cv::Mat scaled;
+  cv::resize(gray(whole_squares), scaled, size, 0, 0, reduction_ > 1 ? cv::INTER_AREA : cv::INTER_CUBIC);
   return scaled;
 }
 
 cv::Mat ImageScaling::ScaledMask(const cv::Mat& mask) const {
-  if (pixel_width_ == 1 || mask.empty()) return mask;
-  return pixel_width_ > 1 ? ReducedMask(mask, Reduction(pixel_width_)) : EnlargedMask(mask, Enlargement(pixel_width_));
+  if (changes_nothing() || mask.empty()) return mask;
+  return reduction_ > 1 ? ReducedMask(mask, reduction_) : EnlargedMask(mask, enlargement_);
 }
 
-cv::Size ImageScaling::Scaled(const cv::Size& size) const {
-  return pixel_width_ < 1 ? size * Enlargement(pixel_width_) : size / Reduction(pixel_width_);
-}
+cv::Size ImageScaling::Scaled(const cv::Size& size) const { return size * enlargement_ / reduction_; }
 
 CameraModel ImageScaling::Scaled(CameraModel camera) const {
-  if (pixel_width_ == 1) return camera;
+  if (changes_nothing()) return camera;
   Pinhole& pinhole = camera.pinhole;
-  pinhole = {pinhole.fx / pixel_width_, pinhole.fy / pixel_width_, ScaledPlace(pinhole.cx, pixel_width_),
-             ScaledPlace(pinhole.cy, pixel_width_)};
-  camera.focal_sigma /= pixel_width_;
+  pinhole = {pinhole.fx / pixel_width(), pinhole.fy / pixel_width(), ScaledPlace(pinhole.cx, pixel_width()),
+             ScaledPlace(pinhole.cy, pixel_width())};
+  camera.focal_sigma /= pixel_width();
   const cv::Size size = Scaled(cv::Size(camera.width, camera.height));
   camera.width = size.width;
   camera.height = size.height;
   return camera;
 }
 
-cv::Size ImageScaling::Full(const cv::Size& size) const { return pixel_width_ == 1 ? size : size_; }
+cv::Size ImageScaling::Full(const cv::Size& size) const { return changes_nothing() ? size : size_; }
 
 cv::Mat ImageScaling::FullMask(const cv::Mat& mask) const {
-  if (pixel_width_ == 1 || mask.empty()) return mask;
-  if (pixel_width_ < 1) return ReducedMask(mask, Enlargement(pixel_width_));
-  const cv::Mat squares = EnlargedMask(mask, Reduction(pixel_width_));
+  if (changes_nothing() || mask.empty()) return mask;
+  if (enlargement_ > 1) return ReducedMask(mask, enlargement_);
+  const cv::Mat squares = EnlargedMask(mask, reduction_);
   cv::Mat full;
   cv::copyMakeBorder(squares, full, 0, size_.height - squares.rows, 0, size_.width - squares.cols,
                      cv::BORDER_REPLICATE);
@@ -88,11 +79,11 @@ cv::Mat ImageScaling::FullMask(const cv::Mat& mask) const {
 }
 
 CameraModel ImageScaling::Full(CameraModel camera) const {
-  if (pixel_width_ == 1) return camera;
+  if (changes_nothing()) return camera;
   Pinhole& pinhole = camera.pinhole;
-  pinhole = {pinhole.fx * pixel_width_, pinhole.fy * pixel_width_, FullPlace(pinhole.cx, pixel_width_),
-             FullPlace(pinhole.cy, pixel_width_)};
-  camera.focal_sigma *= pixel_width_;
+  pinhole = {pinhole.fx * pixel_width(), pinhole.fy * pixel_width(), FullPlace(pinhole.cx, pixel_width()),
+             FullPlace(pinhole.cy, pixel_width())};
+  camera.focal_sigma *= pixel_width();
   camera.width = size_.width;
   camera.height = size_.height;
   return camera;
@@ -100,25 +91,25 @@ CameraModel ImageScaling::Full(CameraModel camera) const {
 
 FoundCamera ImageScaling::Full(FoundCamera found) const {
   found.camera = Full(found.camera);
-  found.centre_sigma *= pixel_width_;
+  found.centre_sigma *= pixel_width();
   return found;
 }
 
 ParameterEstimate ImageScaling::Full(ParameterEstimate estimate) const {
   switch (estimate.parameter) {
     case IntrinsicsParameter::kFocalLength:
-      estimate.given *= pixel_width_;
-      estimate.found *= pixel_width_;
+      estimate.given *= pixel_width();
+      estimate.found *= pixel_width();
       break;
     case IntrinsicsParameter::kCentreX:
     case IntrinsicsParameter::kCentreY:
-      estimate.given = FullPlace(estimate.given, pixel_width_);
-      estimate.found = FullPlace(estimate.found, pixel_width_);
+      estimate.given = FullPlace(estimate.given, pixel_width());
+      estimate.found = FullPlace(estimate.found, pixel_width());
       break;
     case IntrinsicsParameter::kDistortion:
       return estimate;
   }
-  estimate.sigma *= pixel_width_;
+  estimate.sigma *= pixel_width();
   return estimate;
 }
 

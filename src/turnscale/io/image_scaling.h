@@ -10,8 +10,8 @@
 
 namespace turnscale {
 
-/// How the images of a drive are scaled before they are processed, and what follows for all that is in pixels. In
-/// reduced images, each pixel is the mean of a square of pixels; those at the right and lower edge that fill no square
+/// How the images of a drive are scaled before they are processed, and what follows for all that is in pixels. In a
+/// reduced image, each pixel is the mean of a square of pixels; those at the right and lower edge that fill no square
 /// are left out. Images are enlarged by cubic interpolation.
 class ImageScaling {
  public:
@@ -22,25 +22,32 @@ class ImageScaling {
 
   /// Width of a processed pixel in pixels of the full image, a power of two: above 1 for reduced, below 1 for enlarged
   /// images.
-  double pixel_width() const { return pixel_width_; }
+  double pixel_width() const { return static_cast<double>(reduction_) / enlargement_; }
 
   /// From full size to the size that is processed.
   cv::Mat Scaled(const cv::Mat& gray) const;
-  /// A pixel of a reduced mask is 0 if one of its square is.
+  /// In a reduced mask, a pixel is 0 if any pixel of its square is. Enlarged pixels beside a masked one are not masked,
+  /// although they are interpolated from it, too.
   cv::Mat ScaledMask(const cv::Mat& mask) const;
   cv::Size Scaled(const cv::Size& size) const;
+  /// An image size of 0, unknown, stays 0.
   CameraModel Scaled(CameraModel camera) const;
 
-  /// From the size that is processed to full size. A pixel of the mask is 0 if one of those it was enlarged to is.
+  /// From the size that is processed to full size. `size` is that of the images that are processed.
   cv::Size Full(const cv::Size& size) const;
+  /// Where images are enlarged, a pixel is 0 if any of its enlarged pixels is.
   cv::Mat FullMask(const cv::Mat& mask) const;
   CameraModel Full(CameraModel camera) const;
   FoundCamera Full(FoundCamera found) const;
   ParameterEstimate Full(ParameterEstimate estimate) const;
 
  private:
+  bool changes_nothing() const { return reduction_ == enlargement_; }
+
   cv::Size size_;  // at full size; empty if not known
-  double pixel_width_ = 1;
+  // Sides of the squares, of which one is a single pixel: of full pixels that become one, and of what one becomes.
+  int reduction_ = 1;
+  int enlargement_ = 1;
 };
 
 }  // namespace turnscale

@@ -33,6 +33,8 @@ TEST(ImageScaling, HalvesUntilTheWidthFits) {
   EXPECT_EQ(PixelWidth({7680, 4320}, 2048, 480), 4);
   EXPECT_EQ(PixelWidth({7680, 4320}, 0, 480), 1);
   EXPECT_EQ(PixelWidth({}, 2048, 480), 1);
+  EXPECT_EQ(PixelWidth({601, 400}, 600, 480), 2) << "not enlarged again";
+  EXPECT_EQ(PixelWidth({640, 1}, 100, 480), 1) << "no row would be left";
 }
 
 TEST(ImageScaling, DoublesUntilTheWidthIsEnough) {
@@ -41,6 +43,7 @@ TEST(ImageScaling, DoublesUntilTheWidthIsEnough) {
   EXPECT_EQ(PixelWidth({160, 120}, 2048, 480), 0.25);
   EXPECT_EQ(PixelWidth({320, 240}, 2048, 0), 1);
   EXPECT_EQ(PixelWidth({320, 240}, 600, 480), 1) << "would be wider than allowed";
+  EXPECT_EQ(PixelWidth({1, 1}, 0, 4096), 1.0 / 4096);
   EXPECT_EQ(PixelWidth({320, 240}, 0, 480), 0.5);
 }
 
@@ -112,6 +115,7 @@ TEST(ImageScaling, EnlargedImagesShowARayAtTheSamePlace) {
   const Eigen::Vector3d ray(0.03, -0.02, 1);
   EXPECT_NEAR(4 * (camera.Project(ray)->x() + 0.5), enlarged.Project(ray)->x() + 0.5, 1e-9);
   EXPECT_EQ(enlargement.Full(enlarged), camera);
+  EXPECT_EQ(enlargement.Scaled(Camera(0, 0)).width, 0) << "unknown";
   EXPECT_EQ(enlargement.Full(FoundCamera{enlarged, 8, 3, true}).centre_sigma, 2);
 
   // A slope of one level a pixel: interpolation meets it where the calibration says.

@@ -41,10 +41,10 @@ struct ImageSourceOptions {
   /// the whole drive.
   double start = 0;
   std::optional<double> end = {};
-  int width = 0;                 ///< that every image must have, pixels; 0 takes the first image's
-  int height = 0;                ///< that every image must have, pixels; 0 takes the first image's
-  std::string camera_file = {};  ///< what asks for that size, for messages
-  ImageOptions images = {.max_width = 0, .min_width = 0};  ///< how they are scaled (ImageScaling); by default, not
+  int width = 0;                    ///< that every image must have, pixels; 0 takes the first image's
+  int height = 0;                   ///< that every image must have, pixels; 0 takes the first image's
+  std::string camera_file = {};     ///< what asks for that size, for messages
+  ImageOptions images = kUnscaled;  ///< how they are scaled (ImageScaling)
 };
 
 /// The frames of a drive in order. Images are decoded ahead on a thread of their own.
@@ -61,7 +61,7 @@ class ImageSource {
   /// Throws InputError where reading on is not possible.
   std::optional<cv::Size> FullSize();
 
-  /// Width of a pixel over its height, as a video's header says; 1 if unknown.
+  /// Width of a pixel over its height, as the header of a video says, of several that of the first; 1 if unknown.
   double pixel_aspect() const;
 
   /// The next frame; nothing at the end. Throws InputError where an image has another size than the camera file or the

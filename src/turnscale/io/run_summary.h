@@ -136,4 +136,8 @@ std::string SummaryJson(const RunSummary& summary);
 /// The summary for people, a few lines.
 std::string SummaryText(const RunSummary& summary);
 
+/// The focal length of an estimated camera with its standard deviation, pixels: "600.0 +-6.0"; both focal lengths where
+/// they differ, as those of pixels that are not square do.
+std::string FocalLengthText(const CameraModel& camera);
+
 }  // namespace turnscale

@@ -35,20 +35,13 @@ std::string ClipsText(const std::vector<ClipPart>& clips) {
   return fmt::format("clips   {}, from {} to {}\n", clips.size(), clips.front().file, clips.back().file);
 }
 
-const char* TestOfCalibration(const RunSummary& summary) {
-  if (summary.calibration_windows == 0 && summary.is_metric() && summary.turns_used == 0)
-    return "not tested, as the drive has no sharp turn; an error of its focal length is an error of the scale, too";
-  if (summary.calibration_windows == 0) return "not tested, as the drive has no sharp turn";
-  return summary.calibration_agrees ? "consistent with the turns" : "contradicted by the turns";
-}
-
-// Both where they differ, as those of pixels that are not square do.
-std::string FocalLengthText(const CameraModel& camera) {
-  constexpr double kSquare = 0.001;
-  const Pinhole& pinhole = camera.pinhole;
-  if (std::abs(pinhole.fy / pinhole.fx - 1) < kSquare)
-    return fmt::format("{:.1f} +-{:.1f}", pinhole.fx, camera.focal_sigma);
-  return fmt::format("{:.1f} (vertically {:.1f}) +-{:.1f}", pinhole.fx, pinhole.fy, camera.focal_sigma);
+std::string TestOfCalibration(const RunSummary& summary) {
+  if (summary.calibration_windows > 0)
+    return summary.calibration_agrees ? "consistent with the turns" : "contradicted by the turns";
+  std::string text = "not tested, as the drive has no sharp turn";
+  // The height of the camera scales with the focal length.
+  if (summary.is_metric() && summary.turns_used == 0) text += "; an error of its focal length changes the scale";
+  return text;
 }
 
 // One line; empty where the intrinsics were assumed, which is a warning.
@@ -130,7 +123,7 @@ std::string CarText(const RunSummary& summary) {
                      car->yaw_error * kDegreesPerRadian, car->yaw_error_sigma * kDegreesPerRadian, HeightText(*car));
 }
 
-// Larger ones, which are standard deviations of the logarithm, say nothing as a percentage.
+// A sigma is one of the logarithm of the scale: above 1, it means nothing as a percentage.
 std::string SigmaText(double sigma) {
   return sigma > 1 ? std::string("beyond +-100 %") : fmt::format("+-{:.1f} %", 100 * sigma);
 }
@@ -151,6 +144,14 @@ std::string ScaleText(const RunSummary& summary) {
 }
 
 }  // namespace
+
+std::string FocalLengthText(const CameraModel& camera) {
+  constexpr double kSquare = 0.001;
+  const Pinhole& pinhole = camera.pinhole;
+  if (std::abs(pinhole.fy / pinhole.fx - 1) < kSquare)
+    return fmt::format("{:.1f} +-{:.1f}", pinhole.fx, camera.focal_sigma);
+  return fmt::format("{:.1f} (vertically {:.1f}) +-{:.1f}", pinhole.fx, pinhole.fy, camera.focal_sigma);
+}
 
 std::string SummaryText(const RunSummary& summary) {
   const RunCost& cost = summary.cost;

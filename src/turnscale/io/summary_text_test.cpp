@@ -41,7 +41,8 @@ TEST(SummaryText, SaysWhetherAGivenCalibrationWasTested) {
   RunSummary summary = InMetres(0.03);
   EXPECT_FALSE(Says(summary, "lens    "));
   summary.camera = "folder/cam.yaml";
-  EXPECT_TRUE(Says(summary, "not tested, as the drive has no sharp turn; an error of its focal length is"));
+  EXPECT_TRUE(
+      Says(summary, "not tested, as the drive has no sharp turn; an error of its focal length changes the scale\n"));
   summary.turns_used = 1;
   EXPECT_TRUE(Says(summary, "lens    calibration cam.yaml, not tested, as the drive has no sharp turn\n"));
   summary.calibration_windows = 2;

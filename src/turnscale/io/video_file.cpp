@@ -49,12 +49,12 @@ bool IsIdentity(const std::array<uint8_t, kLevels>& table) {
 
 double Seconds(const AVRational& time_base) { return av_q2d(time_base); }
 
-// 1 where the file says nothing or nonsense.
+// 1 where the file has no ratio, or an implausible one.
 double PixelAspect(AVFormatContext& input, AVStream& stream) {
-  constexpr double kWidest = 3;
+  constexpr double kMostAspect = 3;
   const AVRational ratio = ffmpeg::av_guess_sample_aspect_ratio(&input, &stream, nullptr);
   const double aspect = ratio.num > 0 && ratio.den > 0 ? av_q2d(ratio) : 1.0;
-  return aspect < kWidest && aspect > 1 / kWidest ? aspect : 1.0;
+  return aspect < kMostAspect && aspect > 1 / kMostAspect ? aspect : 1.0;
 }
 
 // Years before are clocks that were never set.

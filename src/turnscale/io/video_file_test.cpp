@@ -171,7 +171,7 @@ TEST_F(VideoFileTest, HeaderHasTheShapeOfPixels) {
   EXPECT_NEAR(VideoFile(Write("v.mp4", {.pixel_aspect = 1.5})).header().pixel_aspect, 1.5, 1e-9);
   const TestVideo sideways{.quarter_turns = 1, .pixel_aspect = 1.5};
   EXPECT_NEAR(VideoFile(Write("v.mp4", sideways)).header().pixel_aspect, 1 / 1.5, 1e-9);
-  EXPECT_EQ(VideoFile(Write("v.mp4", {.pixel_aspect = 20})).header().pixel_aspect, 1) << "nonsense";
+  EXPECT_EQ(VideoFile(Write("v.mp4", {.pixel_aspect = 20})).header().pixel_aspect, 1) << "implausible";
 }
 
 TEST_F(VideoFileTest, InterlacedVideoIsRefused) {

@@ -45,7 +45,8 @@ void KeyframeOptions::Check() const {
 
 void ImageOptions::Check() const {
   if (max_width < 0) throw InputError("images.max_width: must not be negative");
-  if (min_width < 0) throw InputError("images.min_width: must not be negative");
+  constexpr int kWidest = 4096;  // pixels: enlarged further, images take memory and show nothing more
+  if (min_width < 0 || min_width > kWidest) throw InputError("images.min_width: has to be in 0...4096");
 }
 
 void TrackingOptions::Check() const {

@@ -87,13 +87,16 @@ struct ImageOptions {
   /// Images wider than this, pixels, are halved until they are not: twice the pixels a side cost four times the time,
   /// and add little. 0: none are.
   int max_width = 2048;
-  /// Images narrower than this, pixels, are doubled until they are not: a patch of a feature, which has a fixed number
-  /// of pixels, would show too much of the scene. Never beyond `max_width`. 0: none are.
+  /// Images narrower than this, pixels, are doubled until they are not, but never beyond `max_width`: patches of
+  /// features have a fixed number of pixels and cover too large a part of a small image. 0: none are.
   int min_width = 480;
 
   /// Throws InputError that names the field when a value makes no sense.
   void Check() const;
 };
+
+/// Images are taken as they are.
+inline constexpr ImageOptions kUnscaled{.max_width = 0, .min_width = 0};
 
 /// Estimation of the intrinsics from the images of a drive.
 struct SelfCalibrationOptions {

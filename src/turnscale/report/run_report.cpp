@@ -34,8 +34,12 @@ std::string TextAt(const Summary& json, const char* pointer) {
   return json.contains(place) && json.at(place).is_string() ? json.at(place).get<std::string>() : "";
 }
 
+// Standard deviations of the logarithm that are larger than this mean nothing as a share.
+constexpr double kLargestShare = 1;
+
 // Empty where the number is not known.
 std::string Percent(double share, const char* more = "") {
+  if (share > kLargestShare) return fmt::format("beyond \u00b1100 %{}", more);
   return std::isfinite(share) ? fmt::format("\u00b1{:.{}f} %{}", 100 * share, share < 0.1 ? 1 : 0, more) : "";
 }
 
@@ -74,7 +78,8 @@ std::vector<ReportFact> FactsOf(const Summary& summary, const ResultFolder& resu
   if (metric) {
     const double length = NumberAt(summary, "/distance_m");
     const double sigma = NumberAt(summary, "/path_sigma");
-    facts.push_back({"Path length", Metres(length, sigma * length), Percent(sigma, " (1 sigma)")});
+    facts.push_back(
+        {"Path length", Metres(length, sigma > kLargestShare ? NAN : sigma * length), Percent(sigma, " (1 sigma)")});
   } else {
     const double length = NumberAt(summary, "/distance_units");
     if (std::isfinite(length)) facts.push_back({"Path length", fmt::format("{:.2f} units", length), "up to scale"});

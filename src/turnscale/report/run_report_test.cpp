@@ -97,6 +97,18 @@ TEST_F(RunReportTest, TheLargestSigmaIsGivenWhereItSaysMoreThanThatOfThePath) {
   }
 }
 
+TEST_F(RunReportTest, ASigmaBeyondTheValueItselfIsNotANumber) {
+  RunSummary summary;
+  summary.scale_state = ScaleState::kHeld;
+  WriteRun(summary);
+  nlohmann::json json = nlohmann::json::parse(TextOf(folder_ / "summary.json"));
+  json["path_sigma"] = 6.6;
+  std::ofstream(folder_ / "summary.json") << json;
+  WriteRunReport(folder_);
+  EXPECT_EQ(Data()["facts"][0]["value"], "29.0 m");
+  EXPECT_EQ(Data()["facts"][0]["note"], "beyond \u00b1100 % (1 sigma)");
+}
+
 TEST_F(RunReportTest, APathUpToScaleSaysWhy) {
   RunSummary summary;
   WriteRun(summary);

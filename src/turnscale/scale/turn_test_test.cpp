@@ -48,6 +48,11 @@ TEST(TurnTest, ContradictionIsWhatChanceRarelyGives) {
   }
 }
 
+TEST(TurnTest, TheDefaultLevelIsOnePercent) {
+  EXPECT_FALSE(TestTurns(Alike(21, 0.98 * 37.566), {}).contradicted);
+  EXPECT_TRUE(TestTurns(Alike(21, 1.02 * 37.566), {}).contradicted);
+}
+
 TEST(TurnTest, ChanceIsCalledAContradictionAsOftenAsItMay) {
   Random random(3);
   TurnTestOptions options;
