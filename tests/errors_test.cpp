@@ -57,10 +57,10 @@ class ErrorsTest : public ::testing::Test {
   CommandResult Run(const std::vector<std::string>& more = {}) const { return RunCommand(Arguments(more), folder_); }
 
   // The drive's images as a video; gives the size of the file.
-  uintmax_t Video(const fs::path& path, int first = 0, int last = kRoomFrames) const {
+  uintmax_t Video(const fs::path& path, int first = 0, int last = kRoomFrames, double pixel_aspect = 1) const {
     std::vector<cv::Mat> images;
     for (int i = first; i < last; ++i) images.push_back(cv::imread(Image(i).string(), cv::IMREAD_GRAYSCALE));
-    WriteTestVideo(path, images, {.codec = "mjpeg", .ticks_per_second = 10});
+    WriteTestVideo(path, images, {.codec = "mjpeg", .ticks_per_second = 10, .pixel_aspect = pixel_aspect});
     return fs::file_size(path);
   }
 
@@ -144,6 +144,20 @@ TEST_F(ErrorsTest, AVideoThatEndsFarTooEarlyIsIncomplete) {
   EXPECT_EQ(nearly_whole.err, "");
   EXPECT_LT(Summary()["frames"]["total"], kRoomFrames);
   EXPECT_TRUE(Summary()["complete"].get<bool>());
+}
+
+TEST_F(ErrorsTest, ACalibrationForPixelsOfAnotherShapeIsNamed) {
+  const auto err = [&](double pixel_aspect) {
+    const fs::path video = folder_ / "drive.mkv";
+    Video(video, 0, kRoomFrames, pixel_aspect);
+    return RunCommand({"run", video.string(), "--camera", (Drive() / "calib.txt").string(), "--out", Out().string(),
+                       "--quiet", "--no-report"},
+                      folder_)
+        .err;
+  };
+  EXPECT_EQ(err(1), "");
+  EXPECT_NE(err(1.25).find("fy is 1.000 times fx, but the video says that its pixels are 1.250 times as wide as high"),
+            std::string::npos);
 }
 
 TEST_F(ErrorsTest, ClipsAreOneDrive) {

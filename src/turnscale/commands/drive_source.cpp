@@ -115,6 +115,7 @@ DriveImages::DriveImages(const ImageArguments& arguments, const ImageOptions& im
 
 std::vector<std::string> DoubtsOf(const DriveImages& images) {
   constexpr double kFarOff = 0.08;  // of the image's width or height
+  constexpr double kOtherShape = 0.02;
   constexpr int kLeastWidth = 240;  // pixels; at 160, recorded drives came out up to 48 % too long
   const cv::Size& size = images.full_size;
   if (size.empty()) return {};
@@ -132,6 +133,14 @@ std::vector<std::string> DoubtsOf(const DriveImages& images) {
         "{}: the principal point ({:.0f}, {:.0f}) is far from the centre of {}x{} images; check that this is the right "
         "camera",
         images.given.name, given.pinhole.cx, given.pinhole.cy, size.width, size.height));
+  // Only where the video says that its pixels are not square: most say nothing.
+  const double shape = given.pinhole.fy / given.pinhole.fx;
+  const double aspect = images.source.pixel_aspect();
+  if (!images.given.name.empty() && aspect != 1 && std::abs(shape / aspect - 1) > kOtherShape)
+    doubts.push_back(fmt::format(
+        "{}: fy is {:.3f} times fx, but the video says that its pixels are {:.3f} times as wide as high, which makes "
+        "fy so many times fx; check that it is a calibration for these images",
+        images.given.name, shape, aspect));
   return doubts;
 }
 

@@ -44,10 +44,11 @@ std::string TestOfCalibration(const RunSummary& summary) {
   return text;
 }
 
-// One line; empty where the intrinsics were assumed, which is a warning.
+// One line; empty before the first image.
 std::string IntrinsicsText(const RunSummary& summary) {
   const std::optional<FoundCamera>& found = summary.found_camera;
-  if (!found && summary.camera.empty()) return {};
+  if (!found && summary.camera.empty())
+    return summary.pinhole ? fmt::format("lens    focal length {:.1f} pixels, assumed\n", summary.pinhole->fx) : "";
   if (!found)
     return fmt::format("lens    calibration {}, {}\n", std::filesystem::path(summary.camera).filename().string(),
                        TestOfCalibration(summary));
@@ -147,10 +148,11 @@ std::string ScaleText(const RunSummary& summary) {
 
 std::string FocalLengthText(const CameraModel& camera) {
   constexpr double kSquare = 0.001;
-  const Pinhole& pinhole = camera.pinhole;
-  if (std::abs(pinhole.fy / pinhole.fx - 1) < kSquare)
-    return fmt::format("{:.1f} +-{:.1f}", pinhole.fx, camera.focal_sigma);
-  return fmt::format("{:.1f} (vertically {:.1f}) +-{:.1f}", pinhole.fx, pinhole.fy, camera.focal_sigma);
+  const double aspect = camera.pinhole.fy / camera.pinhole.fx;
+  std::string text = fmt::format("{:.1f} +-{:.1f}", camera.pinhole.fx, camera.focal_sigma);
+  if (std::abs(aspect - 1) > kSquare)
+    text += fmt::format(" (vertically {:.1f}, as pixels are {:.3g} times as wide as high)", camera.pinhole.fy, aspect);
+  return text;
 }
 
 std::string SummaryText(const RunSummary& summary) {

@@ -40,6 +40,8 @@ TEST(SummaryText, APendingScaleHasAReasonOrARemedy) {
 TEST(SummaryText, SaysWhetherAGivenCalibrationWasTested) {
   RunSummary summary = InMetres(0.03);
   EXPECT_FALSE(Says(summary, "lens    "));
+  summary.pinhole = Pinhole{600, 600, 320, 180};
+  EXPECT_TRUE(Says(summary, "lens    focal length 600.0 pixels, assumed\n"));
   summary.camera = "folder/cam.yaml";
   EXPECT_TRUE(
       Says(summary, "not tested, as the drive has no sharp turn; an error of its focal length changes the scale\n"));
@@ -57,7 +59,9 @@ TEST(SummaryText, BothFocalLengthsAreShownWherePixelsAreNotSquare) {
   summary.found_camera->camera.focal_sigma = 6;
   EXPECT_TRUE(Says(summary, "lens    focal length 600.0 +-6.0, principal point (320.0, 180.0) +-2.0 pixels"));
   summary.found_camera->camera.pinhole.fy = 800;
-  EXPECT_TRUE(Says(summary, "lens    focal length 600.0 (vertically 800.0) +-6.0, principal point"));
+  EXPECT_TRUE(Says(summary,
+                   "lens    focal length 600.0 +-6.0 (vertically 800.0, as pixels are 1.33 times as wide "
+                   "as high), principal point"));
 }
 
 TEST(SummaryText, AContradictedRotationIsShownWithWhatIsUsed) {
