@@ -53,8 +53,9 @@ ImageStream Images(const ImageArguments& arguments, const DriveImages& images, c
       };
 }
 
-std::string NoTurn(const ImageArguments& arguments, double view, bool assumed) {
-  const std::string what = "no turn from which the camera's focal length can be estimated; ";
+std::string NoTurn(const ImageArguments& arguments, double least_turn_deg, double view, bool assumed) {
+  const std::string what = fmt::format(
+      "no turn of at least {:.0f} degrees, from which the camera's focal length could be estimated; ", least_turn_deg);
   if (!assumed) return what + "the intrinsics are used as given";
   if (arguments.field_of_view) return what + fmt::format("--fov {:g} is used: a calibration is more accurate", view);
   return what + fmt::format("a field of view of {:.0f} degrees is assumed: give --camera FILE or --fov DEGREES", view);
@@ -88,7 +89,7 @@ CameraEstimate EstimateCamera(const ImageArguments& arguments, DriveImages& imag
         return Images(arguments, images, hooks, options.images, from, pass == 1, work, last);
       },
       images.mask);
-  if (!found) return {std::nullopt, NoTurn(arguments, view, assumed)};
+  if (!found) return {std::nullopt, NoTurn(arguments, options.calibration_check.min_turn_deg, view, assumed)};
   images.camera = found->camera;
   return {
       images.scaling.Full(*found),
