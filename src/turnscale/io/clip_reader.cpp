@@ -50,6 +50,15 @@ std::string OtherRate(const std::optional<double>& fps, const VideoHeader& heade
       header.rate);
 }
 
+// The notice where a clip says another shape of its pixels than the first one, whose is used; empty if it does not.
+std::string OtherPixels(const std::string& name, double aspect, const std::string& first_name, double first_aspect) {
+  constexpr double kSame = 0.01;
+  if (std::abs(aspect / first_aspect - 1) < kSame) return {};
+  return fmt::format(
+      "{}: its pixels are {:.3g} times as wide as high, those of {} {:.3g} times, which is used for both", name, aspect,
+      first_name, first_aspect);
+}
+
 }  // namespace
 
 ClipReader::ClipReader(const std::vector<std::filesystem::path>& clips, const ClipOptions& options)
@@ -118,6 +127,7 @@ void ClipReader::Open() {
   open_ = true;
   if (!video_) video_ = std::make_unique<VideoFile>(clips_[clip_]);
   const VideoHeader& header = headers_[clip_];
+  AddSentence(notice_, OtherPixels(NameOf(clips_[clip_]), header.pixel_aspect, NameOf(clips_.front()), pixel_aspect()));
   clock_ = VideoClock(options_.fps.value_or(header.rate), header.tick);
   frames_ = 0;
   if (options_.timed && !options_.fps && begin_ < options_.start) PassOverStart();

@@ -83,6 +83,15 @@ TEST_F(ClipReaderTest, VariableRateAndTheRateGiven) {
   EXPECT_EQ(even[1].notice, "") << "once";
 }
 
+TEST_F(ClipReaderTest, PixelsOfAnotherShapeAreNamed) {
+  const TestVideo anamorphic{.ticks_per_second = kRate, .pixel_aspect = 1.5};
+  const auto images = ReadAll({{Write("a.mp4", 0, 20, anamorphic), Write("b.mp4", 20, 20)}, {}});
+  ASSERT_EQ(images.size(), 40u);
+  EXPECT_EQ(images[0].notice, "");
+  EXPECT_EQ(images[20].notice,
+            "b.mp4: its pixels are 1 times as wide as high, those of a.mp4 1.5 times, which is used for both");
+}
+
 TEST_F(ClipReaderTest, GapsAreNamedAndCounted) {
   const auto images = ReadAll({{Write("20230501_120000.mp4", 0, 20), Write("20230501_120002.mp4", 20, 20),
                                 Write("20230501_120007.mp4", 40, 20)},
