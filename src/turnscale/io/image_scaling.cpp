@@ -33,7 +33,7 @@ cv::Mat EnlargedMask(const cv::Mat& mask, int side) {
 ImageScaling::ImageScaling(const cv::Size& size, const ImageOptions& options) : size_(size) {
   if (size.empty()) return;
   const double widest = options.max_width > 0 ? options.max_width : HUGE_VAL;
-  while (size.width / reduction_ > widest && size.height >= 2 * reduction_) reduction_ *= 2;
+  while (Scaled(size).width > widest && size.height >= 2 * reduction_) reduction_ *= 2;
   if (reduction_ > 1) return;
   while (size.width * enlargement_ < options.min_width && 2 * size.width * enlargement_ <= widest) enlargement_ *= 2;
 }
