@@ -124,11 +124,11 @@ std::vector<std::string> DoubtsOf(const DriveImages& images) {
     doubts.push_back(
         fmt::format("the images are {}x{} pixels, too small for a reliable path: give images at least {} pixels wide",
                     size.width, size.height, kLeastWidth));
+  if (images.given.name.empty()) return doubts;
   const CameraModel& given = images.given.model;
   const bool central = std::abs(given.pinhole.cx / size.width - 0.5) < kFarOff &&
                        std::abs(given.pinhole.cy / size.height - 0.5) < kFarOff;
-  const bool size_unchecked = !images.given.name.empty() && given.width == 0;
-  if (size_unchecked && !central)
+  if (given.width == 0 && !central)
     doubts.push_back(fmt::format(
         "{}: the principal point ({:.0f}, {:.0f}) is far from the centre of {}x{} images; check that this is the right "
         "camera",
@@ -136,7 +136,7 @@ std::vector<std::string> DoubtsOf(const DriveImages& images) {
   // Only where the video says that its pixels are not square: most say nothing.
   const double shape = given.pinhole.fy / given.pinhole.fx;
   const double aspect = images.source.pixel_aspect();
-  if (!images.given.name.empty() && aspect != 1 && std::abs(shape / aspect - 1) > kOtherShape)
+  if (aspect != 1 && std::abs(shape / aspect - 1) > kOtherShape)
     doubts.push_back(fmt::format(
         "{}: fy is {:.3f} times fx, but the video says that its pixels are {:.3f} times as wide as high, which makes "
         "fy so many times fx; check that it is a calibration for these images",

@@ -26,8 +26,8 @@ class ImageScaling {
 
   /// From full size to the size that is processed.
   cv::Mat Scaled(const cv::Mat& gray) const;
-  /// In a reduced mask, a pixel is 0 if any pixel of its square is. Enlarged pixels beside a masked one are not masked,
-  /// although they are interpolated from it, too.
+  /// In a reduced mask, a pixel is 0 if any pixel of its square is. Where images are enlarged, pixels beside a masked
+  /// one are not masked, although masked pixels take part in their interpolation.
   cv::Mat ScaledMask(const cv::Mat& mask) const;
   cv::Size Scaled(const cv::Size& size) const;
   /// An image size of 0, unknown, stays 0.

@@ -136,6 +136,10 @@ std::string SummaryJson(const RunSummary& summary);
 /// The summary for people, a few lines.
 std::string SummaryText(const RunSummary& summary);
 
+/// Largest relative standard deviation that is shown as a percentage. It is one of the logarithm of the scale: above
+/// this it means nothing as a share.
+inline constexpr double kLargestShownSigma = 1;
+
 /// The focal length of an estimated camera with its standard deviation, pixels: "600.0 +-6.0"; both focal lengths where
 /// they differ, as those of pixels that are not square do.
 std::string FocalLengthText(const CameraModel& camera);

@@ -124,9 +124,8 @@ std::string CarText(const RunSummary& summary) {
                      car->yaw_error * kDegreesPerRadian, car->yaw_error_sigma * kDegreesPerRadian, HeightText(*car));
 }
 
-// A sigma is one of the logarithm of the scale: above 1, it means nothing as a percentage.
 std::string SigmaText(double sigma) {
-  return sigma > 1 ? std::string("beyond +-100 %") : fmt::format("+-{:.1f} %", 100 * sigma);
+  return sigma > kLargestShownSigma ? std::string("beyond +-100 %") : fmt::format("+-{:.1f} %", 100 * sigma);
 }
 
 std::string ScaleText(const RunSummary& summary) {

@@ -12,6 +12,7 @@
 #include "turnscale/base/error.h"
 #include "turnscale/base/file_text.h"
 #include "turnscale/io/output_file.h"
+#include "turnscale/io/run_summary.h"
 #include "turnscale/io/run_writer.h"
 #include "turnscale/report/report_page.h"
 
@@ -34,12 +35,9 @@ std::string TextAt(const Summary& json, const char* pointer) {
   return json.contains(place) && json.at(place).is_string() ? json.at(place).get<std::string>() : "";
 }
 
-// Standard deviations of the logarithm that are larger than this mean nothing as a share.
-constexpr double kLargestShare = 1;
-
 // Empty where the number is not known.
 std::string Percent(double share, const char* more = "") {
-  if (share > kLargestShare) return fmt::format("beyond \u00b1100 %{}", more);
+  if (share > kLargestShownSigma) return fmt::format("beyond \u00b1100 %{}", more);
   return std::isfinite(share) ? fmt::format("\u00b1{:.{}f} %{}", 100 * share, share < 0.1 ? 1 : 0, more) : "";
 }
 
@@ -78,8 +76,8 @@ std::vector<ReportFact> FactsOf(const Summary& summary, const ResultFolder& resu
   if (metric) {
     const double length = NumberAt(summary, "/distance_m");
     const double sigma = NumberAt(summary, "/path_sigma");
-    facts.push_back(
-        {"Path length", Metres(length, sigma > kLargestShare ? NAN : sigma * length), Percent(sigma, " (1 sigma)")});
+    facts.push_back({"Path length", Metres(length, sigma > kLargestShownSigma ? NAN : sigma * length),
+                     Percent(sigma, " (1 sigma)")});
   } else {
     const double length = NumberAt(summary, "/distance_units");
     if (std::isfinite(length)) facts.push_back({"Path length", fmt::format("{:.2f} units", length), "up to scale"});
