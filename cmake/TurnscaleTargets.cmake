@@ -41,13 +41,14 @@ function(turnscale_module module)
   target_compile_features(${target} PUBLIC cxx_std_20)
   target_link_libraries(${target} PUBLIC ${MODULE_USES} PRIVATE ${MODULE_USES_PRIVATELY}
                                                               $<BUILD_INTERFACE:turnscale_build_flags>)
+  turnscale_reuse(${target} turnscale_precompiled)
   set_property(GLOBAL APPEND PROPERTY TURNSCALE_MODULES_OF_${TURNSCALE_PART} ${target})
 endfunction()
 
 # turnscale_tests(<module> SOURCES <test files> [USES <extra libraries>] [LABELS <ctest labels> [SHARDS <number>]]): one
 # GoogleTest program. Without labels these are unit tests: the target unit_tests builds them. CTest runs the tests of a
 # program in one process, or in as many as there are shards, since loading the libraries takes longer than most of the
-# tests.
+# tests. Shards have the longest tests: they start first, so that none is left to run alone.
 function(turnscale_tests module)
   if(NOT TURNSCALE_BUILD_TESTS)
     return()
@@ -61,13 +62,14 @@ function(turnscale_tests module)
     target_link_libraries(${target} PRIVATE turnscale::${module})
   endif()
   target_link_libraries(${target} PRIVATE ${TESTS_USES} GTest::gtest_main turnscale_build_flags)
+  turnscale_reuse(${target} turnscale_precompiled_tests)
   if(TESTS_SHARDS)
     math(EXPR last "${TESTS_SHARDS} - 1")
     foreach(shard RANGE ${last})
       add_test(NAME ${target}.${shard} COMMAND ${target})
       set_tests_properties(
         ${target}.${shard}
-        PROPERTIES LABELS "${TESTS_LABELS}" TIMEOUT 900
+        PROPERTIES LABELS "${TESTS_LABELS}" TIMEOUT 900 COST 100
                    ENVIRONMENT "GTEST_TOTAL_SHARDS=${TESTS_SHARDS};GTEST_SHARD_INDEX=${shard}")
     endforeach()
     return()

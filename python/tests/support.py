@@ -34,11 +34,12 @@ def program(*arguments):
 
 @functools.lru_cache(maxsize=None)
 def rendered_drive():
-    """Twenty seconds in a garage, with turns."""
+    """Twelve seconds in a garage, with a turn."""
     folder = scratch() / "drive"
     rig = scratch() / "rig.yaml"
     rig.write_text("preset: paper\ncamera: {width: 320, height: 240, fx: 190, fy: 190, cx: 159.5, cy: 119.5}\n")
-    said, code, _ = program("simulate", "garage", "--seed", 1, "--seconds", 20, "--rig", rig, "--out", folder, "--quiet")
+    said, code, _ = program("simulate", "garage", "--seed", 1, "--seconds", 20, "--max-frames", 120, "--rig", rig,
+                            "--out", folder, "--quiet")
     if "has no" in said:
         raise unittest.SkipTest("the program was built without the simulation")
     assert code == 0, said

@@ -89,13 +89,13 @@ class RenderedDrive(unittest.TestCase):
         # Twice, as text and as values.
         arguments = ["--lever-arm", "1.4", "--lever-arm-sigma", "0.02", "--camera-height", "1.5,0.1", "--side-slip", "0.003",
                      "--side-slip-sigma", "0.001", "--camera-rotation", "0.5,-1,0.25", "--method", "turns", "--frame",
-                     "vehicle", "--threads", "1", "--start", "0:01", "--end", "18.5", "--max-frames", "170"]
+                     "vehicle", "--threads", "1", "--start", "0:01", "--end", "11.5", "--max-frames", "95"]
         folder = support.run_of_program(self.drive, *arguments)
         drive = turnscale.run(self.drive, lever_arm=1.4, lever_arm_sigma=0.02, camera_height=(1.5, 0.1), side_slip=0.003,
                               side_slip_sigma=0.001, camera_rotation=[0.5, -1, 0.25], method="turns", frame="vehicle",
-                              threads=1, start="0:01", end=18.5, max_frames=170)
+                              threads=1, start="0:01", end=11.5, max_frames=95)
         support.compare_with_folder(self, drive, folder)
-        self.assertEqual(drive.summary["frames"]["total"], 170)
+        self.assertEqual(drive.summary["frames"]["total"], 95)
 
     def test_settings_are_a_file_or_a_mapping(self):
         file = support.scratch() / "settings.yaml"

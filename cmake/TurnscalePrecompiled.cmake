@@ -1,0 +1,48 @@
+# SPDX-License-Identifier: MIT
+# Headers that most sources read, compiled once for all libraries and once for all test programs. Sources include what
+# they use all the same: presets without this option compile them.
+
+set(TURNSCALE_PRECOMPILED
+    <algorithm>
+    <cmath>
+    <filesystem>
+    <fstream>
+    <functional>
+    <map>
+    <memory>
+    <optional>
+    <sstream>
+    <string>
+    <unordered_map>
+    <vector>
+    <Eigen/Dense>
+    <opencv2/core.hpp>)
+
+# turnscale_precompile(<target> HEADERS <header>... LINKS <library>...): the target whose precompiled headers others use.
+function(turnscale_precompile target)
+  cmake_parse_arguments(PCH "" "" "HEADERS;LINKS" ${ARGN})
+  file(GENERATE OUTPUT ${CMAKE_CURRENT_BINARY_DIR}/${target}.cpp CONTENT "// The sources of other targets follow.\n")
+  add_library(${target} OBJECT ${CMAKE_CURRENT_BINARY_DIR}/${target}.cpp)
+  target_link_libraries(${target} PRIVATE ${PCH_LINKS} turnscale_build_flags)
+  target_precompile_headers(${target} PRIVATE ${PCH_HEADERS})
+endfunction()
+
+# turnscale_reuse(<target> <precompiled>): the sources of the target begin with the precompiled headers.
+function(turnscale_reuse target precompiled)
+  if(NOT TARGET ${precompiled})
+    return()
+  endif()
+  target_precompile_headers(${target} REUSE_FROM ${precompiled})
+  # A compiler cache reads the headers themselves.
+  target_include_directories(${target} SYSTEM PRIVATE $<TARGET_PROPERTY:${precompiled},INCLUDE_DIRECTORIES>)
+endfunction()
+
+if(TURNSCALE_PRECOMPILE)
+  turnscale_precompile(turnscale_precompiled HEADERS ${TURNSCALE_PRECOMPILED} LINKS Eigen3::Eigen OpenCVModules::core)
+  set_target_properties(turnscale_precompiled PROPERTIES POSITION_INDEPENDENT_CODE ON)
+  if(TURNSCALE_BUILD_TESTS)
+    turnscale_precompile(turnscale_precompiled_tests HEADERS ${TURNSCALE_PRECOMPILED} <gtest/gtest.h> LINKS
+                         Eigen3::Eigen OpenCVModules::core GTest::gtest_main)
+    target_compile_options(turnscale_precompiled_tests PRIVATE $<$<CONFIG:Release>:-O1>)
+  endif()
+endif()
