@@ -8,15 +8,20 @@ set(TURNSCALE_PRECOMPILED
     <filesystem>
     <fstream>
     <functional>
+    <iostream>
     <map>
     <memory>
     <optional>
+    <random>
+    <set>
     <sstream>
     <string>
+    <thread>
     <unordered_map>
     <vector>
     <Eigen/Dense>
     <opencv2/core.hpp>)
+set(TURNSCALE_PRECOMPILED_LINKS Eigen3::Eigen OpenCVModules::core)
 
 # turnscale_precompile(<target> HEADERS <header>... LINKS <library>...): the target whose precompiled headers others use.
 function(turnscale_precompile target)
@@ -38,11 +43,11 @@ function(turnscale_reuse target precompiled)
 endfunction()
 
 if(TURNSCALE_PRECOMPILE)
-  turnscale_precompile(turnscale_precompiled HEADERS ${TURNSCALE_PRECOMPILED} LINKS Eigen3::Eigen OpenCVModules::core)
+  turnscale_precompile(turnscale_precompiled HEADERS ${TURNSCALE_PRECOMPILED} LINKS ${TURNSCALE_PRECOMPILED_LINKS})
   set_target_properties(turnscale_precompiled PROPERTIES POSITION_INDEPENDENT_CODE ON)
   if(TURNSCALE_BUILD_TESTS)
     turnscale_precompile(turnscale_precompiled_tests HEADERS ${TURNSCALE_PRECOMPILED} <gtest/gtest.h> LINKS
-                         Eigen3::Eigen OpenCVModules::core GTest::gtest_main)
+                         ${TURNSCALE_PRECOMPILED_LINKS} GTest::gtest_main)
     target_compile_options(turnscale_precompiled_tests PRIVATE $<$<CONFIG:Release>:-O1>)
   endif()
 endif()

@@ -100,11 +100,7 @@ TEST(OdometryMetres, TheLivePathGoesOnInMetresAfterATurn) {
   double squares = 0;
   double worst = 0;
   int ways = 0;
-  for (const unsigned noise : {StreetDriveOptions{}.noise, 1U, 2U, 3U, 4U}) {
-    StreetDriveOptions options;
-    options.frames = 80;
-    options.noise = noise;
-    const StreetDrive drive = RenderStreetDrive(options);
+  for (const StreetDrive& drive : RenderStreetDrives({.frames = 80}, {42, 1, 2, 3, 4})) {
     const OdometryRun run = RunOdometry(StreetOptions(), drive);
     ASSERT_FALSE(run.turns.empty());
     for (int frame = run.turns[0].last_frame + 10; frame < static_cast<int>(run.live.size()); ++frame, ++ways) {

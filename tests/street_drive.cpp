@@ -120,22 +120,29 @@ StreetDrive StreetDriveWithoutImages(const StreetDriveOptions& options) {
 }
 
 StreetDrive RenderStreetDrive(const StreetDriveOptions& options) {
-  StreetDrive drive = StreetDriveWithoutImages(options);
+  return RenderStreetDrives(options, {options.noise}).front();
+}
+
+std::vector<StreetDrive> RenderStreetDrives(const StreetDriveOptions& options, const std::vector<unsigned>& noises) {
+  const StreetDrive plan = StreetDriveWithoutImages(options);
   const StreetWorld world(Streets());
-  const std::vector<Eigen::Vector3d> rays = PixelRays(drive.camera);
-  cv::RNG random(options.noise);
+  const std::vector<Eigen::Vector3d> rays = PixelRays(plan.camera);
+  std::vector<cv::RNG> random(noises.begin(), noises.end());
+  std::vector<StreetDrive> drives(noises.size(), plan);
   cv::Mat ideal;
-  for (size_t frame = 0; frame < drive.times.size(); ++frame) {
-    const RigidTransform& pose = drive.world_from_camera[frame];
-    const bool stands = frame > 0 && pose.translation == drive.world_from_camera[frame - 1].translation;
-    if (!stands) ideal = world.Render(drive.camera, rays, pose);
-    cv::Mat noise(ideal.size(), CV_16S);
-    random.fill(noise, cv::RNG::NORMAL, 0, kNoise);
-    cv::Mat image;
-    cv::add(ideal, noise, image, cv::noArray(), CV_8U);
-    drive.images.push_back(image);
+  for (size_t frame = 0; frame < plan.times.size(); ++frame) {
+    const RigidTransform& pose = plan.world_from_camera[frame];
+    const bool stands = frame > 0 && pose.translation == plan.world_from_camera[frame - 1].translation;
+    if (!stands) ideal = world.Render(plan.camera, rays, pose);
+    for (size_t i = 0; i < drives.size(); ++i) {
+      cv::Mat noise(ideal.size(), CV_16S);
+      random[i].fill(noise, cv::RNG::NORMAL, 0, kNoise);
+      cv::Mat image;
+      cv::add(ideal, noise, image, cv::noArray(), CV_8U);
+      drives[i].images.push_back(image);
+    }
   }
-  return drive;
+  return drives;
 }
 
 }  // namespace turnscale

@@ -47,6 +47,8 @@ constexpr int kStreetFrames = 140;       ///< of a drive without standing or bra
 
 /// Renders the drive. The same options give the same images.
 StreetDrive RenderStreetDrive(const StreetDriveOptions& options);
+/// One drive for each seed of the noise, in place of that of the options. Quicker than one by one.
+std::vector<StreetDrive> RenderStreetDrives(const StreetDriveOptions& options, const std::vector<unsigned>& noises);
 /// The same, with no images.
 StreetDrive StreetDriveWithoutImages(const StreetDriveOptions& options);
 

@@ -46,6 +46,7 @@ std::string CalibrationWarning(const ParameterEstimate& estimate, bool refined, 
       std::isfinite(scale_sigma) ? fmt::format("; the scale may be off by {:.0f} % or more", 100 * scale_sigma) : "");
 }
 
+constexpr auto kMeasureAgain = "measure both again, and check that the images are not stretched in one direction";
 constexpr auto kCheckVehicle = "check that the file of --vehicle is of this car and camera";
 
 // Tracking that is lost at the first image of a clip, though no time is missing before it, is a sign of clips that do
@@ -176,7 +177,7 @@ void Summarize(const std::vector<FrameResult>& refined, const RefinedScale& scal
   if (!warning.empty()) summary.warnings.push_back(warning);
   if (summary.height_conflict)
     summary.warnings.push_back(HeightWarning(*summary.height_conflict, summary.vehicle.lever_arm.value_or(0),
-                                             summary.vehicle.camera_known ? kCheckVehicle : "measure both again"));
+                                             summary.vehicle.camera_known ? kCheckVehicle : kMeasureAgain));
   if (summary.car && summary.car->camera_height > 0 && !summary.vehicle.camera_height) {
     const std::string unusual = UnusualHeight(*summary.car);
     if (!unusual.empty()) summary.warnings.push_back(unusual);

@@ -37,8 +37,7 @@ std::string HeightWarning(const HeightConflict& conflict, double lever_arm, cons
 std::string SlipWarning(const SlipConflict& conflict) {
   return fmt::format(
       "the turns show a side slip of {:.4f} s^2/m, far from the expected {:.4f} +-{:.4f}: check the times of the "
-      "images "
-      "and the lever arm, as errors of both act like slip{}",
+      "images and the lever arm, as errors of both act like slip{}",
       conflict.found, conflict.given, conflict.given_sigma, conflict.given == 0 ? ", and leave out --side-slip 0" : "");
 }
 

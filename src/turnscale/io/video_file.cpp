@@ -120,7 +120,7 @@ struct VideoFile::State {
   }
 
   [[noreturn]] void Refuse() const {
-    throw UnreadableVideo(path + ": cannot be opened as a video; leave it out or repair it");
+    throw UnreadableVideo(path + ": cannot be opened as a video: it is none, or damaged; leave it out or repair it");
   }
 
   // Whether the file is a stream without a container. The library's readers of such have an option for the rate.
