@@ -133,7 +133,7 @@ def run_and_score(program, images, truth, out, options):
 
 def calibration_reports(score):
     """The warnings of a run that the images contradict its calibration."""
-    return [warning for warning in score.get("warnings", []) if warning.startswith("the images of turns give a ")]
+    return [warning for warning in score.get("warnings", []) if warning.startswith("the images taken in turns give a ")]
 
 
 def percent_tracked(score):

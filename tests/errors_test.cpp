@@ -88,7 +88,8 @@ TEST_F(ErrorsTest, QuietPrintsNothing) {
 }
 
 TEST_F(ErrorsTest, WithoutLeverArmTheRunSaysItIsUpToScale) {
-  EXPECT_NE(Run().out.find("without --lever-arm or --camera-height the trajectory is up to scale"), std::string::npos);
+  EXPECT_NE(Run().out.find("without --lever-arm, --camera-height or --vehicle the trajectory is up to scale"),
+            std::string::npos);
 }
 
 TEST_F(ErrorsTest, SettingsAreThoseInEffect) {
@@ -295,7 +296,7 @@ TEST_F(ErrorsTest, ADriveOfWhichNothingCanBeTracked) {
     EXPECT_FALSE(fs::exists(Out() / name)) << name;
   }
   EXPECT_FALSE(Summary()["complete"].get<bool>());
-  EXPECT_EQ(Summary()["missing"]["longest"][0]["reason"], "before the path begins");
+  EXPECT_EQ(Summary()["missing"]["longest"][0]["reason"], "before initialisation");
 }
 
 TEST_F(ErrorsTest, AMapThatStartsLateIsExplained) {
@@ -553,10 +554,9 @@ TEST_F(ErrorsTest, SenselessOptions) {
   for (const char* value : {"0", "-1.2", "nan", "inf"}) {
     ExpectComplaint(Run({"--lever-arm", value}), 2, {std::string("--lever-arm ") + value, "above 0"});
   }
-  ExpectComplaint(
-      Run({"--lever-arm", "long"}), 2,
-      {"--lever-arm: 'long' is not a value that it takes; give a number with a decimal point, without a unit; see "
-       "turnscale run --help"});
+  ExpectComplaint(Run({"--lever-arm", "long"}), 2,
+                  {"--lever-arm: 'long' is not a valid value; give a number with a decimal point, without a unit; see "
+                   "turnscale run --help"});
   ExpectComplaint(Run({"--Lever_arm", "1"}), 2, {"--Lever_arm: unknown option; did you mean '--lever-arm'?; see"});
   ExpectComplaint(Run({"--lever-arm", "1", "--lever-arm", "2"}), 2, {"--lever-arm: is given more than once; see"});
   ExpectComplaint(RunCommand({Drive().string()}, folder_), 2,
@@ -572,7 +572,7 @@ TEST_F(ErrorsTest, SenselessOptions) {
   ExpectComplaint(Run({"--frame", "wheel"}), 2, {"--frame", "wheel"});
   ExpectComplaint(Run({"--threads", "0"}), 2, {"--threads 0"});
   ExpectComplaint(Run({"--no-such-option"}), 2, {"--no-such-option"});
-  ExpectComplaint(RunCommand({}, folder_), 2, {"a command is missing"});
+  ExpectComplaint(RunCommand({}, folder_), 2, {"no command given"});
   ExpectComplaint(RunCommand({"runn"}, folder_), 2,
                   {"turnscale: runn: unknown command; did you mean 'run'?; see turnscale --help"});
   ExpectComplaint(RunCommand({"drive.mp4", "--lever-arm", "1.5"}, folder_), 2,

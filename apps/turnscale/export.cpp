@@ -197,7 +197,7 @@ void AddExportCommand(CLI::App& app) {
       "--start-time", arguments->start_time,
       "UTC time of the drive's time 0, such as 2026-03-22T07:14:05+01:00; without it the files have no times "
       "of day, unless the drive's times are seconds since 1970");
-  command->add_option("--interval", arguments->interval, "Least time between two points, seconds; 0: every frame")
+  command->add_option("--interval", arguments->interval, "Minimum time between two points, seconds; 0: every frame")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   command
@@ -207,7 +207,7 @@ void AddExportCommand(CLI::App& app) {
   command
       ->add_option("--aspect", arguments->aspect, "Width over height of the camera's image in --gltf [that of the run]")
       ->check(CLI::PositiveNumber);
-  command->add_option("--out", arguments->out, "Names of the files, without their endings [path, in the folder]");
+  command->add_option("--out", arguments->out, "Path of the files, without extension [path, in the folder]");
   command->footer(
       "Examples:\n  turnscale export out/drive --gpx --kml --origin 49.0112,8.4225 --heading 87.5\n"
       "  turnscale export out/drive --gpx --fixes gps.csv --start-time 2026-03-22T07:14:05+01:00");

@@ -71,7 +71,7 @@ std::string Reason(const CLI::ParseError& error, const CLI::App* command) {
   const std::string value = equals == std::string::npos ? "" : text.substr(equals + 3);
   // The next option was taken for the value.
   if (value.starts_with("--")) return option + std::string(kMissing);
-  return option + ": '" + value + "' is not a value that it takes" +
+  return option + ": '" + value + "' is not a valid value" +
          (IsNumber(command, option) ? "; give a number with a decimal point, without a unit" : "");
 }
 
@@ -108,7 +108,7 @@ int Main(int argc, char** argv, void (*add_commands)(CLI::App&)) {
   } catch (const CLI::Success& help) {
     return app.exit(help);
   } catch (const CLI::ParseError& error) {
-    if (argc < 2) throw InputError("a command is missing, such as run; see turnscale --help");
+    if (argc < 2) throw InputError("no command given, such as 'turnscale run drive.mp4'; see turnscale --help");
     const std::vector<CLI::App*> commands = app.get_subcommands();
     if (const std::string unknown = UnknownCommand(app, argc, argv); !unknown.empty())
       throw InputError(unknown + "; see turnscale --help");

@@ -59,11 +59,13 @@ void AddRescaleCommand(CLI::App& app) {
           "deviation [{:.0f} %], both in the trajectory's unit of length",
           100 * kUsualHeightSigma));
   command
-      ->add_option("--camera-height", arguments->camera_height,
-                   fmt::format("Height of the camera above the road, metres, or H,SIGMA with its standard deviation "
-                               "[{:.0f} %]; without a turn, --heights show the scale by it. Estimated in turns if not "
-                               "given",
-                               100 * kGivenHeightSigma))
+      ->add_option(
+          "--camera-height", arguments->camera_height,
+          fmt::format(
+              "Height of the camera above the road, metres, or H,SIGMA with its standard deviation "
+              "[{:.0f} %]; with --heights, it determines the scale even without a turn. Estimated in turns if not "
+              "given",
+              100 * kGivenHeightSigma))
       ->needs(heights);
   command->add_option("--camera-rotation", arguments->camera_rotation,
                       "Camera-to-vehicle rotation: auto (estimated from the trajectory); identity; yaw,pitch,roll in "

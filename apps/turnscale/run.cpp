@@ -132,8 +132,8 @@ void AddRunCommand(CLI::App& app) {
   run->add_option(
          "--method", arguments->car.method,
          "How metric scale is obtained. smoothed: one estimate along the drive, from all turns; turns: each turn's "
-         "scale from this turn alone, held by a final bundle adjustment; paper: the same for each pair of consecutive "
-         "keyframes in a turn (equation (22) of the paper by Kim et al.) [smoothed]")
+         "scale from this turn alone, to which a final bundle adjustment constrains it; paper: the same for each pair "
+         "of consecutive keyframes in a turn (equation (22) of the paper by Kim et al.) [smoothed]")
       ->check(CLI::IsMember({"smoothed", "turns", "paper"}));
   run->add_option("--frame", arguments->frame, "Write poses of the camera or of the vehicle (rear axle)")
       ->check(CLI::IsMember({"camera", "vehicle"}))

@@ -78,7 +78,7 @@ void RunView(const ViewArguments& arguments) {
 }  // namespace
 
 void AddViewCommand(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("view", "Make the page of earlier results again, as this version shows them.");
+  CLI::App* command = app.add_subcommand("view", "Make report.html of an earlier run again, with this version.");
   const auto arguments = std::make_shared<ViewArguments>();
   command
       ->add_option("results", arguments->results,

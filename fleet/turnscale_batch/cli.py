@@ -63,7 +63,7 @@ def _parser():
     parser.add_argument("--workers", type=_count, metavar="N", help="Drives at a time on this machine [its cores]")
     parser.add_argument("--threads", type=_count, default=1, metavar="N", help="Threads of each run; does not affect "
                                                                                "the result [1]")
-    parser.add_argument("--timeout", type=_seconds, metavar="S", help="End a run after so many seconds: it has failed")
+    parser.add_argument("--timeout", type=_seconds, metavar="S", help="Kill a run after S seconds and count it as failed")
     parser.add_argument("--redo-failed", action="store_true", help="Run drives again that have failed before")
     parser.add_argument("--no-second-pass", action="store_true",
                         help="Do not run drives again with the joint estimates of their vehicle; keep the results of "

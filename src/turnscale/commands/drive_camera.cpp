@@ -84,7 +84,7 @@ CameraEstimate EstimateCamera(const ImageArguments& arguments, DriveImages& imag
   const std::optional<FoundCamera> found = CalibrateFromDrive(
       options, {images.camera, assumed},
       [&](std::optional<double> from) {
-        const std::string work = fmt::format("estimating the camera, pass {} of at most {}", ++pass, most_passes);
+        const std::string work = fmt::format("estimating the intrinsics, pass {} of at most {}", ++pass, most_passes);
         on_pass(work);
         return Images(arguments, images, hooks, options.images, from, pass == 1, work, last);
       },
@@ -93,7 +93,9 @@ CameraEstimate EstimateCamera(const ImageArguments& arguments, DriveImages& imag
   images.camera = found->camera;
   return {
       images.scaling.Full(*found),
-      found->converged ? "" : "the estimate of the camera did not converge; its standard deviation may be too small"};
+      found->converged
+          ? ""
+          : "the estimate of the intrinsics did not converge; the stated sigma of the focal length may be too small"};
 }
 
 }  // namespace turnscale

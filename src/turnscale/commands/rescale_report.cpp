@@ -258,27 +258,27 @@ std::string RescaleText(const RescaleResult& result) {
   const auto [best, worst] = SigmaRange(result);
   std::string text = fmt::format("scale         {:.5g} m per unit", low);
   if (high > low) text = fmt::format("scale         {:.5g} ... {:.5g} m per unit", low, high);
-  text += worst - best > 0.0005 ? fmt::format(", +- {:.1f} ... {:.1f} %\n", 100 * best, 100 * worst)
-                                : fmt::format(", +- {:.1f} %\n", 100 * best);
+  text += worst - best > 0.0005 ? fmt::format(", +-{:.1f} ... {:.1f} %\n", 100 * best, 100 * worst)
+                                : fmt::format(", +-{:.1f} %\n", 100 * best);
   const CarRefinement& car = result.estimate->car;
   // Single-turn scales do not use the refined car.
   const bool refined = !result.estimate->fell_back;
   const double yaw_error = refined ? car.yaw_error : 0.0;
   const double yaw_sigma = refined ? car.yaw_error_sigma : result.yaw_sigma;
-  text += fmt::format("path          {:.1f} m +- {:.1f} %, {} of {} turns used\n", result.length,
+  text += fmt::format("path          {:.1f} m +-{:.1f} %, {} of {} turns used\n", result.length,
                       100 * result.estimate->length_sigma, UsedTurns(result), TurnsOf(result).size());
   const YawPitchRoll camera = YawPitchRollFromRotation(result.vehicle_from_camera);
-  text += fmt::format("camera        yaw {:+.2f} +- {:.2f}, pitch {:+.2f}, roll {:+.2f} deg\n",
+  text += fmt::format("camera        yaw {:+.2f} +-{:.2f}, pitch {:+.2f}, roll {:+.2f} deg\n",
                       (camera.yaw + yaw_error) * kDegreesPerRadian, yaw_sigma * kDegreesPerRadian,
                       camera.pitch * kDegreesPerRadian, camera.roll * kDegreesPerRadian);
   if (!refined) return text;
   if (car.side_slip_at_bound) {
     text += "side slip     0: the estimate would be negative; check the lever arm and the timestamps\n";
   } else if (car.side_slip_sigma > 0) {
-    text += fmt::format("side slip     {:.4f} +- {:.4f} s^2/m\n", car.side_slip, car.side_slip_sigma);
+    text += fmt::format("side slip     {:.4f} +-{:.4f} s^2/m\n", car.side_slip, car.side_slip_sigma);
   }
   if (car.camera_height > 0)
-    text += fmt::format("height        camera {:.3f} +- {:.3f} m above the road\n", car.camera_height,
+    text += fmt::format("height        camera {:.3f} +-{:.3f} m above the road\n", car.camera_height,
                         car.camera_height_sigma);
   return text;
 }

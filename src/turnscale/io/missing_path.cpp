@@ -60,7 +60,7 @@ bool IsMissing(const std::vector<MissingPart>& parts, double from, double to) {
 const char* MissingReasonName(MissingReason reason) {
   switch (reason) {
     case MissingReason::kNotBegun:
-      return "before the path begins";
+      return "before initialisation";
     case MissingReason::kNotRecorded:
       return "not recorded";
     default:

@@ -37,7 +37,7 @@ double TotalSeconds(const std::vector<MissingPart>& parts);
 /// the order of time.
 bool IsMissing(const std::vector<MissingPart>& parts, double from, double to);
 
-/// "before the path begins", "tracking lost" or "not recorded".
+/// "before initialisation", "tracking lost" or "not recorded".
 const char* MissingReasonName(MissingReason reason);
 
 /// Such as "tracking lost from 12.3 s to 15.1 s (28 frames)".

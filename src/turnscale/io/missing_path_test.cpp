@@ -40,7 +40,7 @@ TEST(MissingPath, NothingIsMissing) {
 TEST(MissingPath, PartsBeforeTheMapWithinAndAtTheEnd) {
   const auto parts = FindMissingParts(Frames("iiitttbburbtttbb"));
   ASSERT_EQ(parts.size(), 3u);
-  EXPECT_EQ(MissingPartText(parts[0]), "before the path begins from 0.0 s to 0.3 s (3 frames)");
+  EXPECT_EQ(MissingPartText(parts[0]), "before initialisation from 0.0 s to 0.3 s (3 frames)");
   EXPECT_EQ(MissingPartText(parts[1]), "tracking lost from 0.6 s to 1.1 s (5 frames)");
   EXPECT_EQ(MissingPartText(parts[2]), "tracking lost from 1.4 s to 1.5 s (2 frames)");
   EXPECT_NEAR(TotalSeconds(parts), 0.9, 1e-9);

@@ -39,14 +39,14 @@ std::string CalibrationWarning(const ParameterEstimate& estimate, bool refined, 
     return {"", ""};
   }();
   return fmt::format(
-      "the images of turns give a {} of {:.4g} +- {:.2g}{}, the calibration {:.4g}: check that it is this "
-      "camera's{}{}",
+      "the images taken in turns give a {} of {:.4g} +-{:.2g}{}, but the calibration has {:.4g}: check that the "
+      "calibration belongs to this camera{}{}",
       name, estimate.found, estimate.sigma, unit, estimate.given,
       refined ? "" : ", or have it estimated with --camera-refine",
       std::isfinite(scale_sigma) ? fmt::format("; the scale may be off by {:.0f} % or more", 100 * scale_sigma) : "");
 }
 
-constexpr auto kMeasureAgain = "measure both again, and check that the images are not stretched in one direction";
+constexpr auto kMeasureAgain = "measure both again, and check fx and fy (pixels may not be square)";
 constexpr auto kCheckVehicle = "check that the file of --vehicle is of this car and camera";
 
 // Tracking that is lost at the first image of a clip, though no time is missing before it, is a sign of clips that do

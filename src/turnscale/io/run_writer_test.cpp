@@ -324,8 +324,9 @@ TEST(RunSummary, HasWhatTheDriveTellsOfTheCar) {
 TEST(RunSummary, UpToScaleSaysSo) {
   RunSummary summary;
   Summarize(Frames(3, 1), {}, summary);
-  EXPECT_NE(SummaryText(summary).find("without --lever-arm or --camera-height the trajectory is up to scale"),
-            std::string::npos);
+  EXPECT_NE(
+      SummaryText(summary).find("without --lever-arm, --camera-height or --vehicle the trajectory is up to scale"),
+      std::string::npos);
   const auto json = nlohmann::json::parse(SummaryJson(summary));
   EXPECT_TRUE(json["distance_m"].is_null());
   EXPECT_TRUE(json["scale"]["worst_relative_sigma"].is_null());
@@ -391,7 +392,7 @@ TEST(RunSummary, NamesTheTurnThatContradicts) {
   RunSummary summary;
   Summarize(Frames(5, 1), scale, summary);
   ASSERT_EQ(summary.warnings.size(), 1u);
-  EXPECT_NE(summary.warnings[0].find("by 17 % of scale"), std::string::npos) << summary.warnings[0];
+  EXPECT_NE(summary.warnings[0].find("on the scale by 17 %"), std::string::npos) << summary.warnings[0];
   EXPECT_NE(summary.warnings[0].find("frames 90-110"), std::string::npos) << summary.warnings[0];
   EXPECT_NE(summary.warnings[0].find("check the camera's calibration"), std::string::npos) << summary.warnings[0];
   const auto json = nlohmann::json::parse(SummaryJson(summary));
@@ -455,7 +456,7 @@ TEST(RunSummary, SaysWhichCameraRotationIsUsed) {
   summary.vehicle.vehicle_from_camera = RotationFromYawPitchRoll({3 / kDegreesPerRadian, 0, 0});
   EXPECT_NE(SummaryText(summary).find("camera  yaw +3.00, pitch +0.00, roll +0.00 deg, as given\n"), std::string::npos);
   summary.mount = MountSummary{};
-  EXPECT_NE(SummaryText(summary).find("camera  yaw +0.00, pitch +0.00, roll +0.00 deg, assumed, since no turn"),
+  EXPECT_NE(SummaryText(summary).find("camera  yaw +0.00, pitch +0.00, roll +0.00 deg, assumed; no turn"),
             std::string::npos);
 }
 

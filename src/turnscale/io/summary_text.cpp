@@ -62,17 +62,19 @@ std::string IntrinsicsText(const RunSummary& summary) {
 
 // Where a rotation comes from that the drive has not estimated.
 std::string SourceOfRotation(const RunSummary& summary) {
-  if (summary.mount && !summary.vehicle.camera_known) return "assumed, since no turn is suited to estimate it";
+  if (summary.mount && !summary.vehicle.camera_known) return "assumed; no turn was suitable for estimating it";
   if (!summary.contradicting_yaw) return "as given";
   return fmt::format("as given; the drive shows yaw {:+.2f} deg, which is used", InDegrees(*summary.contradicting_yaw));
 }
+
+std::string Times(int count) { return count == 1 ? "once" : fmt::format("{} times", count); }
 
 // One line.
 std::string MountText(const RunSummary& summary) {
   const std::optional<MountSummary>& mount = summary.mount;
   if (mount && !mount->found && mount->moves > 0)
-    return fmt::format("camera  moved {} times; no turn since, so the rotation from before the move is used\n",
-                       mount->moves);
+    return fmt::format("camera  moved {}; no turn since, so the rotation from before the move is used\n",
+                       Times(mount->moves));
   if (!mount || !mount->found) {
     const YawPitchRoll angles = mount ? mount->angles : YawPitchRollFromRotation(summary.vehicle.vehicle_from_camera);
     // Rounded first: else it may say -0.00.
@@ -85,7 +87,7 @@ std::string MountText(const RunSummary& summary) {
       "camera  yaw {:+.2f} +-{:.2f}, pitch {:+.2f} +-{:.2f}, roll {:+.1f} +-{:.1f} deg, estimated from the drive",
       degrees(mount->angles.yaw), degrees(mount->sigma.yaw), degrees(mount->angles.pitch), degrees(mount->sigma.pitch),
       degrees(mount->angles.roll), degrees(mount->sigma.roll));
-  if (mount->moves > 0) text += fmt::format("; moved {} times", mount->moves);
+  if (mount->moves > 0) text += "; moved " + Times(mount->moves);
   return text + "\n";
 }
 
@@ -136,8 +138,8 @@ std::string ScaleText(const RunSummary& summary) {
   const std::string pending = ScaleStateName(summary.scale_state);
   if (!summary.has_measure())
     return fmt::format(
-        "{}: without --lever-arm or --camera-height the trajectory is up to scale; with a lever arm, turnscale rescale "
-        "{} --lever-arm METRES converts it",
+        "{}: without --lever-arm, --camera-height or --vehicle the trajectory is up to scale; turnscale rescale "
+        "{} --lever-arm METRES converts it to metres",
         pending, summary.folder);
   return pending + ", the trajectory is up to scale" +
          (summary.pending_reason.empty() ? "" : ": " + summary.pending_reason);
@@ -166,7 +168,7 @@ std::string SummaryText(const RunSummary& summary) {
       "turns   {} found, {} used\n"
       "frames  {} bridged, {} unreadable, {} repeated; {} before initialisation\n"
       "{}"
-      "speed   {:.1f} frames/s, {:.1f} ms of CPU time per frame over the whole run, {:.0f} MB of memory\n"
+      "time    {:.1f} frames/s, {:.1f} ms of CPU time per frame over the whole run, {:.0f} MB of memory\n"
       "files   {}\n",
       ClipsText(summary.clips), PathText(summary), ScaleText(summary), IntrinsicsText(summary), MountText(summary),
       CarText(summary), summary.turns_found, summary.turns_used, summary.bridged, summary.unreadable.size(),

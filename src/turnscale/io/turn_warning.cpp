@@ -16,13 +16,15 @@ std::string TurnWarning(const ScaleEstimate& estimate, const std::function<std::
   // Else they are used because of the calibration, which has its own warning, or by choice.
   if (!estimate.fell_back || (!contradicted && estimate.converged)) return {};
   if (contradicted && estimate.height_conflict && estimate.height_conflict->contradicts_turns)
-    return "the trajectory uses single-turn scales: the turns agree with each other, but not with the given camera "
-           "height";
-  const std::string problem =
-      contradicted ? fmt::format("the turns are inconsistent by {:.0f} % of scale, most of all the one at {}",
-                                 100 * test.disagreement, name_of(test.worst_turn))
-                   : "the scale estimate did not converge";
-  return fmt::format("{}: the trajectory uses single-turn scales; check {}", problem, suspects);
+    return "the turns agree with each other, but not with the given camera height: the trajectory uses the scale of "
+           "each "
+           "turn";
+  const std::string problem = contradicted
+                                  ? fmt::format("the turns disagree on the scale by {:.0f} % on average, most at {}",
+                                                100 * test.disagreement, name_of(test.worst_turn))
+                                  : "the scale estimate did not converge";
+  return fmt::format("{}; the trajectory uses the scale of each turn instead of the joint estimate: check {}", problem,
+                     suspects);
 }
 
 std::string HeightWarning(const HeightConflict& conflict, double lever_arm, const std::string& remedy) {
@@ -43,8 +45,8 @@ std::string SlipWarning(const SlipConflict& conflict) {
 
 std::string YawWarning(const YawConflict& conflict, const std::string& remedy) {
   return fmt::format(
-      "according to the drive the camera looks {:.1f} +-{:.1f} deg further to the {} than by its camera-to-vehicle "
-      "rotation, which is known to {:.1f} deg; the trajectory follows the drive: {}",
+      "the drive gives a camera yaw {:.1f} +-{:.1f} deg further {} than the given camera-to-vehicle rotation, whose "
+      "sigma is {:.1f} deg; the trajectory uses the yaw from the drive: {}",
       InDegrees(std::abs(conflict.found)), InDegrees(conflict.found_sigma), conflict.found > 0 ? "right" : "left",
       InDegrees(conflict.given_sigma), remedy);
 }

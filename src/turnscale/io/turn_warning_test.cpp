@@ -33,8 +33,8 @@ TEST(TurnWarning, NamesTheTurnThatDeviatesMost) {
   estimate.test.disagreement = 0.12;
   estimate.test.worst_turn = 3;
   EXPECT_EQ(Warning(estimate),
-            "the turns are inconsistent by 12 % of scale, most of all the one at turn 3: the trajectory uses "
-            "single-turn scales; check the lever arm");
+            "the turns disagree on the scale by 12 % on average, most at turn 3; the trajectory uses the scale of each "
+            "turn instead of the joint estimate: check the lever arm");
 }
 
 TEST(TurnWarning, NamesTheCameraHeightWhereTheTurnsAgreeWithoutIt) {
@@ -45,9 +45,10 @@ TEST(TurnWarning, NamesTheCameraHeightWhereTheTurnsAgreeWithoutIt) {
   estimate.height_conflict = HeightConflict{1.4, 0.014, 1.6, 0.03, false};
   EXPECT_NE(Warning(estimate).find("turn 3"), std::string::npos) << "they disagree with or without the height";
   estimate.height_conflict->contradicts_turns = true;
-  EXPECT_EQ(Warning(estimate),
-            "the trajectory uses single-turn scales: the turns agree with each other, but not with the given camera "
-            "height");
+  EXPECT_EQ(
+      Warning(estimate),
+      "the turns agree with each other, but not with the given camera height: the trajectory uses the scale of each "
+      "turn");
 }
 
 TEST(SlipWarning, GivesWhatWasFoundAndExpected) {
@@ -65,15 +66,16 @@ TEST(HeightWarning, GivesBothLengthsAsTheOtherOneImpliesThem) {
 
 TEST(YawWarning, SaysToWhichSide) {
   EXPECT_EQ(YawWarning({0.3 / kDegreesPerRadian, -2.7 / kDegreesPerRadian, 0.12 / kDegreesPerRadian}, "look"),
-            "according to the drive the camera looks 2.7 +-0.1 deg further to the left than by its camera-to-vehicle "
-            "rotation, which is known to 0.3 deg; the trajectory follows the drive: look");
+            "the drive gives a camera yaw 2.7 +-0.1 deg further left than the given camera-to-vehicle rotation, whose "
+            "sigma is 0.3 deg; the trajectory uses the yaw from the drive: look");
 }
 
 TEST(TurnWarning, TellsThatTheEstimateDidNotConverge) {
   ScaleEstimate estimate = Fallback();
   estimate.converged = false;
   EXPECT_EQ(Warning(estimate),
-            "the scale estimate did not converge: the trajectory uses single-turn scales; check the lever arm");
+            "the scale estimate did not converge; the trajectory uses the scale of each turn instead of the joint "
+            "estimate: check the lever arm");
 }
 
 }  // namespace
