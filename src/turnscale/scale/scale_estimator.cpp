@@ -409,6 +409,70 @@ std::string Remedy(const ScaleEstimatorOptions& options, const std::vector<Segme
          (road ? ", or give the measured height of the camera above the road" : "");
 }
 
+// No turn and no height gives a first value of the scale.
+ScaleEstimateResult WithoutAStart(const ScaleProblem& problem, const std::vector<SegmentEvidence>& gathered,
+                                  const CarPrior& car, const ScaleEstimatorOptions& options) {
+  ScaleEstimateResult result;
+  result.turns = DescribeTurns(problem, car);
+  if (car.knows_height() && !car.knows_lever_arm()) {
+    result.reason = "the images do not show the road";
+    return result;
+  }
+  result.reason = result.turns.empty() ? "no turn; " : "no sufficiently slow turn shows the expected lateral motion; ";
+  result.reason += Remedy(options, gathered);
+  return result;
+}
+
+// Metres are not claimed where even the best of the scale is as uncertain as that.
+ScaleEstimateResult TooUncertain(double sigma, std::vector<TurnEstimate> turns, const ScaleEstimatorOptions& options,
+                                 const std::vector<SegmentEvidence>& gathered) {
+  ScaleEstimateResult result;
+  result.turns = std::move(turns);
+  result.reason = "the drive leaves the scale uncertain by " + std::to_string(std::lround(100 * sigma)) +
+                  " %, more than " + std::to_string(std::lround(100 * options.max_sigma)) + " %; " +
+                  Remedy(options, gathered);
+  for (TurnEstimate& turn : result.turns) {
+    if (!turn.used) continue;
+    turn.used = false;
+    turn.reason = "its scale is too uncertain";
+  }
+  return result;
+}
+
+// With a yaw that its prior does not hold, as the drive contradicts it.
+ScaleEstimateResult EstimateWithFreeYaw(const std::vector<VehicleStep>& steps, const CarPrior& car,
+                                        const ScaleEstimatorOptions& options) {
+  CarPrior freed = car;
+  freed.yaw_sigma = options.contradicted_yaw_sigma;
+  ScaleEstimateResult result = EstimateScale(steps, freed, options);
+  if (result.estimate) {
+    const CarRefinement& found = result.estimate->car;
+    result.estimate->yaw_conflict = YawConflict{car.yaw_sigma, found.yaw_error, found.yaw_error_sigma};
+  }
+  return result;
+}
+
+// The smoothed scale and the turns, before they are tested.
+ScaleEstimate EstimateOf(const Answer& answer, const CarPrior& car) {
+  const ScaleProblem& problem = answer.smoothing.problem();
+  ScaleEstimate estimate;
+  estimate.segments = problem.segments;
+  estimate.smoothed = answer.smoothed.segments;
+  estimate.length_sigma = LengthSigma(answer.smoothed, problem.segments);
+  estimate.converged = answer.smoothing.converged();
+  estimate.turns = DescribeTurns(problem, car);
+  return estimate;
+}
+
+// Sigma covers the scatter of the turns, and the car is described with it.
+void InflateAndDescribe(const Answer& answer, const CarPrior& car, ScaleEstimate& estimate) {
+  const double inflation = estimate.test.inflation;
+  for (ScaleBelief& belief : estimate.smoothed) belief.covariance *= inflation * inflation;
+  estimate.length_sigma *= inflation;
+  estimate.car = DescribeCar(estimate.smoothed.back(), car, car.side_slip_sigma > 0 && answer.side_slip < 0);
+  estimate.car_evidence = {CarBeliefOf(PriorBelief(car, 0)), CarBeliefOf(answer.car), inflation};
+}
+
 }  // namespace
 
 void ScaleEstimatorOptions::Check() const {
@@ -433,55 +497,21 @@ ScaleEstimateResult EstimateScale(const std::vector<VehicleStep>& steps, const C
   problem.options = options.evidence;
   problem.drift = options.drift;
   const std::vector<SegmentEvidence> gathered = GatherEvidence(steps, problem.segments, options.evidence);
-  ScaleEstimateResult result;
-  Selection selection = SelectTurns(gathered, car, PriorState(car, 0), options.evidence);
+  const Selection selection = SelectTurns(gathered, car, PriorState(car, 0), options.evidence);
   problem.evidence = selection.evidence;
-  result.turns = DescribeTurns(problem, car);
-  if (!StartingLogScale(selection, car)) {
-    const char* problem_of_turns =
-        result.turns.empty() ? "no turn; " : "no sufficiently slow turn shows the expected lateral motion; ";
-    result.reason = car.knows_height() && !car.knows_lever_arm() ? "the images do not show the road"
-                                                                 : problem_of_turns + Remedy(options, gathered);
-    return result;
-  }
+  if (!StartingLogScale(selection, car)) return WithoutAStart(problem, gathered, car, options);
   const Answer answer = SmoothDrive(problem, gathered, car, options, selection);
   if (car.yaw_sigma < options.contradicted_yaw_sigma &&
-      ContradictsYaw(answer.car, car.yaw_sigma, options.max_yaw_deviation)) {
-    CarPrior freed = car;
-    freed.yaw_sigma = options.contradicted_yaw_sigma;
-    result = EstimateScale(steps, freed, options);
-    if (result.estimate) {
-      const CarRefinement& found = result.estimate->car;
-      result.estimate->yaw_conflict = YawConflict{car.yaw_sigma, found.yaw_error, found.yaw_error_sigma};
-    }
-    return result;
-  }
-  result.turns = DescribeTurns(answer.smoothing.problem(), car);
+      ContradictsYaw(answer.car, car.yaw_sigma, options.max_yaw_deviation))
+    return EstimateWithFreeYaw(steps, car, options);
 
-  ScaleEstimate estimate;
-  estimate.segments = problem.segments;
-  estimate.smoothed = answer.smoothed.segments;
-  estimate.length_sigma = LengthSigma(answer.smoothed, problem.segments);
-  estimate.converged = answer.smoothing.converged();
+  ScaleEstimate estimate = EstimateOf(answer, car);
   const auto best = std::ranges::min_element(estimate.smoothed, {}, [](const ScaleBelief& b) { return b.sigma(); });
-  if (!(best->sigma() <= options.max_sigma)) {
-    result.reason = "the drive leaves the scale uncertain by " + std::to_string(std::lround(100 * best->sigma())) +
-                    " %, more than " + std::to_string(std::lround(100 * options.max_sigma)) + " %; " +
-                    Remedy(options, gathered);
-    for (TurnEstimate& turn : result.turns) {
-      if (!turn.used) continue;
-      turn.used = false;
-      turn.reason = "its scale is too uncertain";
-    }
-    return result;
-  }
-  estimate.turns = result.turns;
+  if (!(best->sigma() <= options.max_sigma))
+    return TooUncertain(best->sigma(), std::move(estimate.turns), options, gathered);
+  // The turns are tested against the estimate as it is; only then is it widened.
   CompareTurns(answer, car, options.test, estimate);
-  const double inflation = estimate.test.inflation;
-  for (ScaleBelief& belief : estimate.smoothed) belief.covariance *= inflation * inflation;
-  estimate.length_sigma *= inflation;
-  estimate.car = DescribeCar(estimate.smoothed.back(), car, car.side_slip_sigma > 0 && answer.side_slip < 0);
-  estimate.car_evidence = {CarBeliefOf(PriorBelief(car, 0)), CarBeliefOf(answer.car), inflation};
+  InflateAndDescribe(answer, car, estimate);
   // With c unbounded: a wrong height may be what makes it negative.
   estimate.height_conflict = CompareHeight(answer.car, car, options.max_height_deviation);
   if (estimate.height_conflict) {
@@ -496,8 +526,7 @@ ScaleEstimateResult EstimateScale(const std::vector<VehicleStep>& steps, const C
   estimate.from_road = estimate.fell_back ? std::vector<char>(estimate.segments.size(), 0)
                                           : FromRoad(answer.smoothing.problem(), estimate.car);
   DescribeScaleAtTurns(estimate);
-  result.estimate = std::move(estimate);
-  return result;
+  return {.estimate = std::move(estimate), .reason = {}, .turns = {}};
 }
 
 }  // namespace turnscale
