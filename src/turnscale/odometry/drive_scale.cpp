@@ -292,6 +292,12 @@ RefinedScale DriveScale::Refine(const Map& map, bool follow_turns) const {
   return refined;
 }
 
+ScaleState StateAt(const RefinedScale& refined, int keyframe) {
+  if (!refined.estimate) return ScaleState::kPending;
+  if (refined.in_used_turn[keyframe] != 0) return ScaleState::kObserved;
+  return refined.from_road[keyframe] != 0 ? ScaleState::kFromRoad : ScaleState::kHeld;
+}
+
 double CalibrationSigma(const std::vector<ParameterEstimate>& contradictions, const CameraModel& camera) {
   const double focal_length = camera.pinhole.fx;
   double variance = std::pow(kScalePerFocalLength * (camera.focal_sigma / focal_length), 2);

@@ -567,9 +567,7 @@ FrameResult Odometry::MetricResult(FrameResult result, int keyframe, const Rigid
 }
 
 ScaleState Odometry::scale_state() const {
-  if (!refined_) return scale_.state();
-  if (!refined_->estimate) return ScaleState::kPending;
-  return refined_->from_road.back() != 0 ? ScaleState::kFromRoad : ScaleState::kHeld;
+  return refined_ ? StateAt(*refined_, static_cast<int>(map_.keyframes.size()) - 1) : scale_.state();
 }
 
 RefinedScale Odometry::Refined() const {
@@ -595,10 +593,7 @@ std::vector<FrameResult> Odometry::RefinedFrames(const RefinedScale& refined) co
     frame.vehicle_from_camera = mount().At(keyframe);
     frame.turning = refined.turning[keyframe] != 0;
     frame.scale_sigma = refined.sigmas[keyframe];
-    frame.scale_state = !refined.estimate                     ? ScaleState::kPending
-                        : refined.in_used_turn[keyframe] != 0 ? ScaleState::kObserved
-                        : refined.from_road[keyframe] != 0    ? ScaleState::kFromRoad
-                                                              : ScaleState::kHeld;
+    frame.scale_state = StateAt(refined, keyframe);
     if (!frame.keyframe || keyframe == 0 || map_.keyframes[keyframe].after_gap) continue;
     const TurningMotion motion = StepMotion(map_, keyframe - 1, mount());
     frame.psi = motion.psi;

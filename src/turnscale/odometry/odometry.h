@@ -98,6 +98,7 @@ class Odometry {
     AwaitCameraWork();
     return calibration_check_;
   }
+  /// At the latest keyframe: of the online estimate, after Finish of the refined one.
   ScaleState scale_state() const;
   /// The camera-to-vehicle rotation, as given or found.
   const MountCalibration& mount() const { return scale_.mount(); }
