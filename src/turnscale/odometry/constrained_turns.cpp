@@ -86,6 +86,7 @@ std::vector<double> ConstrainTurns(const OdometryOptions& options, const MountCa
       if (turn.used && around && !range.adjusted) turn.unadjusted = range.reason;
     }
   }
+  refined.constrained = true;
   refined.path = {KeyframeCentres(map), std::vector<double>(map.keyframes.size(), 1.0)};
   return recovered.factors;
 }

@@ -32,6 +32,8 @@ struct RefinedScale {
   std::vector<TurnResult> turns;
   std::optional<ScaleEstimate> estimate;  ///< empty while the scale is pending
   std::string reason;                     ///< why it is empty
+  /// The map was adjusted with the lengths of turns constrained (ConstrainTurns): `path` is that of the adjusted map.
+  bool constrained = false;
   double gap_sigma = 0;  ///< standard deviation of the path's length due to parts that are not measured, metres
   /// Intrinsics that are inconsistent with the images of turns; sigmas include their effect on the scale.
   std::vector<ParameterEstimate> contradicted_calibration;
