@@ -58,10 +58,6 @@ double DirectionUnder(const Eigen::Quaterniond& now, const Eigen::Quaterniond& b
   return std::atan2(forward.x(), forward.z());
 }
 
-bool IsFinite(const StampedPose& pose) {
-  return pose.world_from_camera.translation.allFinite() && pose.world_from_camera.rotation.coeffs().allFinite();
-}
-
 // Position of the camera in the vehicle's axes, which may change on the way where the camera was moved.
 StampedPose VehiclePose(const Map& map, const MountCalibration& mount, int keyframe) {
   const RigidTransform pose = map.keyframes[keyframe].camera_from_world.inverse();
@@ -89,7 +85,7 @@ std::vector<VehicleStep> StepsAlong(const Map& map, const MountCalibration& moun
   for (int k = 0; k < static_cast<int>(map.keyframes.size()); ++k) {
     path.push_back(VehiclePose(map, mount, k));
     // The steps need every pose.
-    if (!IsFinite(path.back())) return {};
+    if (!path.back().world_from_camera.IsFinite()) return {};
     if (const auto gap = GapBefore(map, k)) gaps.push_back(*gap);
   }
   std::vector<VehicleStep> steps = CutIntoSteps(path, gaps, true, options);
@@ -173,13 +169,14 @@ void DriveScale::Reread(const Map& map, MountCalibration mount, int first, int e
 
 bool DriveScale::Feed(const Map& map, int keyframe) {
   const StampedPose pose = VehiclePose(map, mount_, keyframe);
-  if (!IsFinite(pose)) {
+  if (!pose.world_from_camera.IsFinite()) {
     builder_.Skip();
     return false;
   }
   // The path continues from the last known pose, unless tracking was lost since then.
   std::optional<PathGap> gap = GapBefore(map, keyframe);
-  for (int k = keyframe - 1; !gap && k > 0 && !IsFinite(VehiclePose(map, mount_, k)); --k) gap = GapBefore(map, k);
+  for (int k = keyframe - 1; !gap && k > 0 && !VehiclePose(map, mount_, k).world_from_camera.IsFinite(); --k)
+    gap = GapBefore(map, k);
   bool turn_ended = false;
   for (VehicleStep& step : builder_.Add(pose, gap ? &*gap : nullptr)) {
     SetStepHeight(map, heights_, step);
