@@ -196,6 +196,17 @@ TEST(ConstrainedTurns, WithoutATurnTheMapStaysAsItIs) {
   EXPECT_FALSE(refined.constrained);
 }
 
+TEST(ConstrainedTurns, AMapWithAPoseThatIsNotFiniteStaysAsItIs) {
+  const OdometryOptions options = Holding(ScaleMethod::kTurns);
+  FinishedMap finished = DriftingMap(options, kTwoCorners, 0.2);
+  finished.map.keyframes[5].camera_from_world.translation.x() = std::nan("");
+  RefinedScale refined = RefinedOf(options, finished.map);
+  ASSERT_TRUE(refined.estimate) << refined.reason;
+  EXPECT_TRUE(ConstrainTurns(options, MountCalibration(options.vehicle), finished.map, refined).empty());
+  EXPECT_FALSE(refined.constrained);
+  for (const Eigen::Vector3d& centre : refined.path.centres) EXPECT_TRUE(centre.allFinite());
+}
+
 TEST(ConstrainedTurns, WhereAllTurnsAreLeftOutThePathStays) {
   const OdometryOptions options = Holding(ScaleMethod::kTurns);
   FinishedMap finished = DriftingMap(options, kTwoCorners, 0.2);

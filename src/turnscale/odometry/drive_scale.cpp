@@ -84,8 +84,6 @@ std::vector<VehicleStep> StepsAlong(const Map& map, const MountCalibration& moun
   std::vector<PathGap> gaps;
   for (int k = 0; k < static_cast<int>(map.keyframes.size()); ++k) {
     path.push_back(VehiclePose(map, mount, k));
-    // The steps need every pose.
-    if (!path.back().world_from_camera.IsFinite()) return {};
     if (const auto gap = GapBefore(map, k)) gaps.push_back(*gap);
   }
   std::vector<VehicleStep> steps = CutIntoSteps(path, gaps, true, options);
@@ -114,7 +112,12 @@ TurnResult Describe(const TurnEstimate& turn, const std::vector<VehicleStep>& st
   return result;
 }
 
-MetricPath InOwnUnit(const Map& map) { return {KeyframeCentres(map), std::vector<double>(map.keyframes.size(), 1.0)}; }
+MetricPath InOwnUnit(const Map& map) {
+  MetricPath path;
+  for (int k = 0; k < static_cast<int>(map.keyframes.size()); ++k) path.centres.push_back(KnownCentre(map, k));
+  path.metres_per_unit.assign(map.keyframes.size(), 1.0);
+  return path;
+}
 
 }  // namespace
 
@@ -168,17 +171,9 @@ void DriveScale::Reread(const Map& map, MountCalibration mount, int first, int e
 }
 
 bool DriveScale::Feed(const Map& map, int keyframe) {
-  const StampedPose pose = VehiclePose(map, mount_, keyframe);
-  if (!pose.world_from_camera.IsFinite()) {
-    builder_.Skip();
-    return false;
-  }
-  // The path continues from the last known pose, unless tracking was lost since then.
-  std::optional<PathGap> gap = GapBefore(map, keyframe);
-  for (int k = keyframe - 1; !gap && k > 0 && !VehiclePose(map, mount_, k).world_from_camera.IsFinite(); --k)
-    gap = GapBefore(map, k);
+  const std::optional<PathGap> gap = GapBefore(map, keyframe);
   bool turn_ended = false;
-  for (VehicleStep& step : builder_.Add(pose, gap ? &*gap : nullptr)) {
+  for (VehicleStep& step : builder_.Add(VehiclePose(map, mount_, keyframe), gap ? &*gap : nullptr)) {
     SetStepHeight(map, heights_, step);
     turn_ended = live_.Add(step) || turn_ended;
   }

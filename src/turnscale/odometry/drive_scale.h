@@ -56,7 +56,7 @@ void WidenForCalibration(const std::vector<ParameterEstimate>& contradictions, c
 /// Estimates the scale beside the map, which it never changes: keyframes in, metric trajectory out.
 ///
 /// Online: a filter over the steps so far, including the current turn. Refined: the smoother over the whole drive
-/// (EstimateScale).
+/// (EstimateScale). Both pass over a keyframe whose pose is not finite, which stays where the one before it is.
 class DriveScale {
  public:
   explicit DriveScale(const OdometryOptions& options);
