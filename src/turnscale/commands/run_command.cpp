@@ -113,7 +113,8 @@ OdometryOptions OptionsFrom(const CarArguments& car, const std::optional<fs::pat
     if (car.vehicle) options.vehicle.lever_arm_sigma = kTapeSigma;
     options.vehicle.height_correlation = 0;
   }
-  if (car.lever_arm_sigma) options.vehicle.lever_arm_sigma = CheckedLeverArmSigma(*car.lever_arm_sigma);
+  if (car.lever_arm_sigma)
+    options.vehicle.lever_arm_sigma = CheckedLeverArmSigma(*car.lever_arm_sigma, options.vehicle.lever_arm);
   if (car.camera_height) {
     const CameraHeight height = ParseCameraHeight(*car.camera_height);
     options.vehicle.camera_height = height.metres;
