@@ -569,6 +569,9 @@ TEST_F(ErrorsTest, SenselessOptions) {
                     {std::string("--camera-height ") + value + ": give", "H,SIGMA"});
   ExpectComplaint(Run({"--camera-rotation", "1,2"}), 2, {"--camera-rotation '1,2'"});
   ExpectComplaint(Run({"--frame", "vehicle"}), 2, {"--frame vehicle", "--lever-arm"});
+  for (const char* method : {"turns", "paper"})
+    ExpectComplaint(Run({"--method", method, "--camera-height", "1.5"}), 2,
+                    {std::string("--method ") + method + ": constrains turns by the lever arm", "give --lever-arm"});
   ExpectComplaint(Run({"--frame", "wheel"}), 2, {"--frame", "wheel"});
   ExpectComplaint(Run({"--threads", "0"}), 2, {"--threads 0"});
   ExpectComplaint(Run({"--no-such-option"}), 2, {"--no-such-option"});

@@ -210,6 +210,21 @@ TEST(OdometryMetres, SurviveALensThatTheCalibrationDoesNotKnow) {
   ExpectMetres(run, drive);
 }
 
+TEST(OdometryMetres, HaveOneStateAtTheEndOfADriveWhereverItEnds) {
+  const auto state_after = [](int frames) {
+    const StreetDrive drive = PlainStreetDrive(frames);
+    Odometry odometry(StreetOptions(), drive.camera);
+    for (size_t i = 0; i < drive.images.size(); ++i) odometry.Process(drive.images[i], drive.times[i]);
+    odometry.Finish();
+    const std::vector<FrameResult> refined = odometry.RefinedFrames();
+    EXPECT_EQ(odometry.scale_state(), refined.back().scale_state) << frames;
+    return odometry.scale_state();
+  };
+  EXPECT_EQ(state_after(kStreetFirstTurn - 5), ScaleState::kPending);
+  EXPECT_EQ(state_after(kStreetFirstTurn + kStreetTurnFrames - 3), ScaleState::kObserved) << "in its first turn";
+  EXPECT_NE(state_after(kStreetSecondTurn - 3), ScaleState::kObserved) << "on the street after it";
+}
+
 TEST(OdometryMetres, FollowTheTurnsWhereTheImagesContradictTheCalibration) {
   StreetDrive drive = PlainStreetDrive();
   drive.camera.pinhole.fx *= 1.15;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 #include <cmath>
+#include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -309,6 +310,34 @@ TEST(OdometryTrouble, ACarThatNeverMovesHasNoMap) {
       EXPECT_FALSE(frame.world_from_camera) << "frame " << frame.frame;
       EXPECT_EQ(frame.state, frame.frame == 10 ? TrackingState::kUnreadable : TrackingState::kInitializing);
     }
+}
+
+std::string Complaint(Odometry& odometry, const cv::Mat& image, double time) {
+  try {
+    odometry.Process(image, time);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return {};
+}
+
+TEST(OdometryTrouble, WhatIsNoFrameIsRefusedAndLeavesNoTrace) {
+  const StreetDrive drive = PlainStreetDrive(3);
+  CameraModel camera = drive.camera;
+  camera.width = camera.height = 0;
+  Odometry odometry(StreetOptions(), camera);
+  EXPECT_NE(Complaint(odometry, {}, 0).find("image: is empty"), std::string::npos)
+      << "its type is that of a gray image";
+  const cv::Mat small(100, 200, CV_8UC1, cv::Scalar(0));
+  for (const double time : {HUGE_VAL, -HUGE_VAL, std::nan("")}) {
+    EXPECT_NE(Complaint(odometry, small, time).find("s: has to be a finite number"), std::string::npos) << time;
+    EXPECT_THROW(odometry.ProcessUnreadable(time), InputError);
+  }
+  EXPECT_EQ(odometry.camera().width, 0);
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(Complaint(odometry, drive.images[i], drive.times[i]), "") << i;
+  EXPECT_EQ(odometry.camera().width, drive.images[0].cols);
+  EXPECT_NE(Complaint(odometry, drive.images[0], drive.times[2]).find("after the frame before"), std::string::npos);
+  EXPECT_NE(Complaint(odometry, small, drive.times[2] + 1).find("200x100"), std::string::npos);
 }
 
 TEST(OdometryTrouble, ACameraWithHalfASizeIsRefused) {

@@ -281,6 +281,10 @@ TEST_F(RescaleCommandTest, ComplaintsSayWhatToDo) {
   ExpectComplaint(Run({tum, "--lever-arm", "105"}), 2, {"--lever-arm 105", "up to 20"});
   ExpectComplaint(Run({tum, "--lever-arm", "1", "--side-slip", "2"}), 2, {"--side-slip 2", "s^2/m"});
   ExpectComplaint(Run({tum, "--lever-arm", "1", "--lever-arm-sigma", "3"}), 2, {"--lever-arm-sigma 3", "metres"});
+  ExpectComplaint(Run({tum, "--lever-arm", "0.5", "--lever-arm-sigma", "0.5"}), 2,
+                  {"--lever-arm-sigma 0.5: has to be below the lever arm, 0.5 m"});
+  EXPECT_EQ(Run({tum, "--lever-arm", "0.02"}).err.find("sigma"), std::string::npos)
+      << "the default sigma is no reason to refuse a short lever arm";
   ExpectComplaint(Run({tum, "--lever-arm", "1", "--side-slip-sigma", "-1"}), 2, {"--side-slip-sigma -1", "s^2/m"});
   ExpectComplaint(Run({tum, "--lever-arm", "1", "--fps", "10"}), 2, {"has timestamps", "leave out --fps"});
   ExpectComplaint(Run({tum, "--lever-arm", "1", "--drift", "some"}), 2, {"--drift"});

@@ -7,9 +7,9 @@
 #include "turnscale/base/error.h"
 #include "turnscale/commands/argument_checks.h"
 #include "turnscale/io/mask_file.h"
-#include "turnscale/io/terminal.h"
 #include "turnscale/io/trajectory_file.h"
 #include "turnscale/odometry/drive_speed.h"
+#include "turnscale/odometry/results.h"
 
 namespace py = pybind11;
 

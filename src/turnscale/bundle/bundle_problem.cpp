@@ -38,7 +38,7 @@ void CheckCameras(const BundleProblem& problem) {
           "camera_is_fixed fixes no camera; at least one has to be");
   for (std::size_t i = 0; i < problem.camera_from_world.size(); ++i) {
     const RigidTransform& pose = problem.camera_from_world[i];
-    if (!pose.rotation.coeffs().allFinite() || !pose.translation.allFinite()) {
+    if (!pose.IsFinite()) {
       RequireNumber(false, At("camera_from_world", i) + " is not a number");
     }
     if (std::abs(pose.rotation.norm() - 1.0) > 1e-6) {

@@ -13,10 +13,7 @@ namespace {
 // Speeds within 5 % are counted together.
 constexpr double kSame = 0.05;
 
-bool Finite(const StampedPose& pose) {
-  return std::isfinite(pose.time) && pose.world_from_camera.translation.allFinite() &&
-         pose.world_from_camera.rotation.coeffs().allFinite();
-}
+bool Finite(const StampedPose& pose) { return std::isfinite(pose.time) && pose.world_from_camera.IsFinite(); }
 
 void CheckPose(const std::optional<StampedPose>& last, const StampedPose& pose) {
   if (!Finite(pose)) throw InputError("the pose at time " + std::to_string(pose.time) + " s is not finite");

@@ -37,10 +37,13 @@ inline double CheckedLeverArm(double lever_arm) {
       lever_arm, kLongest));
 }
 
-/// Value of --lever-arm-sigma, metres.
-inline double CheckedLeverArmSigma(double sigma) {
-  if (sigma >= 0 && sigma <= 1) return sigma;
-  throw InputError(fmt::format("--lever-arm-sigma {}: give metres, from 0 (known exactly) to 1", sigma));
+/// Value of --lever-arm-sigma, metres, of a lever arm where one is known.
+inline double CheckedLeverArmSigma(double sigma, const std::optional<double>& lever_arm) {
+  if (!(sigma >= 0 && sigma <= 1))
+    throw InputError(fmt::format("--lever-arm-sigma {}: give metres, from 0 (known exactly) to 1", sigma));
+  if (lever_arm && sigma >= *lever_arm)
+    throw InputError(fmt::format("--lever-arm-sigma {}: has to be below the lever arm, {} m", sigma, *lever_arm));
+  return sigma;
 }
 
 /// Value of --camera-height: metres, with a standard deviation in metres where one is given.

@@ -36,6 +36,13 @@ TEST(ArgumentChecks, AChoiceNamesWhatThereIs) {
   EXPECT_EQ(Complaint([] { CheckChoice("--drift", "none", {"auto", "none"}); }), "");
 }
 
+TEST(ArgumentChecks, ASigmaIsBelowItsLeverArm) {
+  EXPECT_EQ(CheckedLeverArmSigma(0.4, 0.5), 0.4);
+  EXPECT_EQ(CheckedLeverArmSigma(0.9, {}), 0.9);
+  EXPECT_EQ(Complaint([] { CheckedLeverArmSigma(0.03, 0.02); }),
+            "--lever-arm-sigma 0.03: has to be below the lever arm, 0.02 m");
+}
+
 TEST(ArgumentChecks, AHeightMayHaveASigma) {
   EXPECT_EQ(ParseCameraHeight("1.5").metres, 1.5);
   EXPECT_FALSE(ParseCameraHeight("1.5").sigma);

@@ -26,7 +26,10 @@ namespace fs = std::filesystem;
 
 RescaleOptions OptionsFrom(const RescaleArguments& arguments, bool timed) {
   RescaleOptions options;
-  if (arguments.lever_arm) options.car.lever_arm = CheckedLeverArm(*arguments.lever_arm);
+  if (arguments.lever_arm) {
+    options.car.lever_arm = CheckedLeverArm(*arguments.lever_arm);
+    options.car.lever_arm_sigma = LeverArmSigma(options.car.lever_arm);
+  }
   if (arguments.camera_height) {
     const CameraHeight height = ParseCameraHeight(*arguments.camera_height);
     options.car.camera_height = height.metres;
@@ -36,7 +39,8 @@ RescaleOptions OptionsFrom(const RescaleArguments& arguments, bool timed) {
     options.car.side_slip = CheckedSideSlip(*arguments.side_slip);
     options.car.side_slip_sigma = SigmaOfGivenSideSlip(options.car.side_slip);
   }
-  if (arguments.lever_arm_sigma) options.car.lever_arm_sigma = CheckedLeverArmSigma(*arguments.lever_arm_sigma);
+  if (arguments.lever_arm_sigma)
+    options.car.lever_arm_sigma = CheckedLeverArmSigma(*arguments.lever_arm_sigma, arguments.lever_arm);
   if (arguments.side_slip_sigma) options.car.side_slip_sigma = CheckedSideSlipSigma(*arguments.side_slip_sigma);
   if (arguments.camera_rotation == "identity") {
     options.vehicle_from_camera = Eigen::Quaterniond::Identity();

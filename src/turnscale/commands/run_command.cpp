@@ -75,6 +75,7 @@ RunSummary BeforeTheDrive(const RunArguments& arguments, const OdometryOptions& 
   summary.start = arguments.images.start;
   summary.end = arguments.images.end;
   summary.vehicle = options.vehicle;
+  summary.method = options.scale.method;
   return summary;
 }
 
@@ -112,7 +113,8 @@ OdometryOptions OptionsFrom(const CarArguments& car, const std::optional<fs::pat
     if (car.vehicle) options.vehicle.lever_arm_sigma = kTapeSigma;
     options.vehicle.height_correlation = 0;
   }
-  if (car.lever_arm_sigma) options.vehicle.lever_arm_sigma = CheckedLeverArmSigma(*car.lever_arm_sigma);
+  if (car.lever_arm_sigma)
+    options.vehicle.lever_arm_sigma = CheckedLeverArmSigma(*car.lever_arm_sigma, options.vehicle.lever_arm);
   if (car.camera_height) {
     const CameraHeight height = ParseCameraHeight(*car.camera_height);
     options.vehicle.camera_height = height.metres;
@@ -139,6 +141,9 @@ OdometryOptions OptionsFrom(const CarArguments& car, const std::optional<fs::pat
     options.scale.method = *car.method == "paper"   ? ScaleMethod::kPaper
                            : *car.method == "turns" ? ScaleMethod::kTurns
                                                     : ScaleMethod::kSmoothed;
+  if (options.scale.method != ScaleMethod::kSmoothed && !options.vehicle.lever_arm)
+    throw InputError(fmt::format("{}: constrains turns by the lever arm, which is missing; give --lever-arm",
+                                 car.method ? "--method " + *car.method : "settings: scale.method"));
   options.Check();
   return options;
 }

@@ -18,6 +18,8 @@ struct RigidTransform {
     const Eigen::Quaterniond back = rotation.conjugate();
     return {back, -(back * translation)};
   }
+  /// Neither infinite nor NaN in any component.
+  bool IsFinite() const { return rotation.coeffs().allFinite() && translation.allFinite(); }
 };
 
 inline Eigen::Vector3d operator*(const RigidTransform& target_from_source, const Eigen::Vector3d& x_in_source) {

@@ -8,7 +8,9 @@
 #include <cstdint>
 #include <fstream>
 #include <functional>
+#include <optional>
 #include <sstream>
+#include <string_view>
 
 #include <nlohmann/json.hpp>
 
@@ -18,7 +20,7 @@
 #include "turnscale/camera/camera_model.h"
 #include "turnscale/io/run_files.h"
 #include "turnscale/io/run_summary.h"
-#include "turnscale/io/terminal.h"
+#include "turnscale/odometry/results.h"
 
 namespace turnscale {
 namespace {
@@ -34,10 +36,9 @@ void ReadTable(const fs::path& path, const std::function<void(CsvTable&)>& read)
   while (table.Next()) read(table);
 }
 
-template <class Value>
-Value Named(const CsvTable& table, size_t column, std::initializer_list<Value> values, const char* (*name)(Value)) {
-  for (const Value value : values)
-    if (table.Text(column) == name(value)) return value;
+template <class State>
+State StateIn(const CsvTable& table, size_t column, std::optional<State> (*named)(std::string_view)) {
+  if (const std::optional<State> state = named(table.Text(column))) return *state;
   throw InputError(table.Where() + ": '" + table.Text(column) + "' is not a valid state");
 }
 
@@ -48,10 +49,7 @@ std::vector<FrameResult> ReadFrames(const fs::path& path) {
     size_t next = table.Column("frame");
     frame.frame = table.Value<int>(next++);
     frame.time = table.Value<double>(next++);
-    frame.state = Named<TrackingState>(table, next++,
-                                       {TrackingState::kInitializing, TrackingState::kTracked, TrackingState::kRepeated,
-                                        TrackingState::kBridged, TrackingState::kUnreadable},
-                                       TrackingStateName);
+    frame.state = StateIn(table, next++, TrackingStateNamed);
     if (!table.Text(next).empty()) {
       std::array<double, 7> v{};
       for (double& value : v) value = table.Value<double>(next++);
@@ -59,9 +57,7 @@ std::vector<FrameResult> ReadFrames(const fs::path& path) {
           RigidTransform{Eigen::Quaterniond(v[6], v[3], v[4], v[5]).normalized(), {v[0], v[1], v[2]}};
     }
     const size_t state = table.Column("scale_state");
-    frame.scale_state = Named<ScaleState>(
-        table, state, {ScaleState::kPending, ScaleState::kObserved, ScaleState::kHeld, ScaleState::kFromRoad},
-        ScaleStateName);
+    frame.scale_state = StateIn(table, state, ScaleStateNamed);
     frame.scale_sigma = table.Value<double>(state + 1);
     frame.inliers = table.Value<int>(state + 2);
     frame.tracked = table.Value<int>(state + 3);

@@ -83,6 +83,16 @@ std::string UnusualHeight(const CarRefinement& car) {
       car.camera_height < kLeast ? ", the calibration and whether the video is stabilised" : " and the calibration");
 }
 
+// A method that was asked for and has changed nothing. One line; empty where it was applied, or there is no scale.
+std::string MethodWarning(ScaleMethod method, const RefinedScale& scale) {
+  if (method == ScaleMethod::kSmoothed || scale.constrained || !scale.estimate) return {};
+  return fmt::format(
+      "--method {} was not applied: no turn could be constrained (turns.csv has the reasons); the trajectory is that "
+      "of "
+      "the scale along the drive",
+      method == ScaleMethod::kPaper ? "paper" : "turns");
+}
+
 // What to do about a camera-to-vehicle rotation that is wrong.
 std::string RotationRemedy(const VehicleOptions& vehicle) {
   if (!vehicle.calibrate_camera) return "correct --camera-rotation, or leave it out to have it estimated";
@@ -175,6 +185,8 @@ void Summarize(const std::vector<FrameResult>& refined, const RefinedScale& scal
                         "the camera's calibration and rotation, the timestamps, the lever arm and the side slip")
           : "";
   if (!warning.empty()) summary.warnings.push_back(warning);
+  const std::string unapplied = MethodWarning(summary.method, scale);
+  if (!unapplied.empty()) summary.warnings.push_back(unapplied);
   if (summary.height_conflict)
     summary.warnings.push_back(HeightWarning(*summary.height_conflict, summary.vehicle.lever_arm.value_or(0),
                                              summary.vehicle.camera_known ? kCheckVehicle : kMeasureAgain));

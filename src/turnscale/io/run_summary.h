@@ -79,6 +79,7 @@ struct RunSummary {
   std::string end;              ///< of the part; empty: the drive's
   std::vector<ClipPart> clips;  ///< the videos that were read; empty for images
   VehicleOptions vehicle;
+  ScaleMethod method = ScaleMethod::kSmoothed;  ///< as asked for
   int frames = 0;
   int tracked = 0;
   int repeated = 0;

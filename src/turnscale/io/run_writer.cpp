@@ -19,8 +19,8 @@
 #include "turnscale/geometry/rotation.h"
 #include "turnscale/image_file/image_encoder.h"
 #include "turnscale/io/run_files.h"
-#include "turnscale/io/terminal.h"
 #include "turnscale/io/trajectory_file.h"
+#include "turnscale/odometry/results.h"
 
 namespace turnscale {
 namespace {

@@ -9,7 +9,7 @@
 #include "turnscale/geometry/rotation.h"
 #include "turnscale/io/run_files.h"
 #include "turnscale/io/run_summary.h"
-#include "turnscale/io/terminal.h"
+#include "turnscale/odometry/results.h"
 
 namespace turnscale {
 namespace {

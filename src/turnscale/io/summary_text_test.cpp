@@ -98,5 +98,22 @@ TEST(Summarize, AContradictedCalibrationMayBeWhyTheScaleIsPending) {
   EXPECT_TRUE(summary.pending_reason.starts_with("no turn; the images contradict the calibration"));
 }
 
+TEST(Summarize, AMethodThatCouldNotBeAppliedIsNamed) {
+  RefinedScale scale;
+  scale.estimate.emplace();
+  const auto warnings = [&](ScaleMethod method) {
+    RunSummary summary;
+    summary.method = method;
+    Summarize({}, scale, summary);
+    return summary.warnings;
+  };
+  EXPECT_TRUE(warnings(ScaleMethod::kSmoothed).empty());
+  ASSERT_EQ(warnings(ScaleMethod::kTurns).size(), 1U);
+  EXPECT_TRUE(warnings(ScaleMethod::kTurns)[0].starts_with("--method turns was not applied"));
+  EXPECT_TRUE(warnings(ScaleMethod::kPaper)[0].starts_with("--method paper was not applied"));
+  scale.constrained = true;
+  EXPECT_TRUE(warnings(ScaleMethod::kTurns).empty());
+}
+
 }  // namespace
 }  // namespace turnscale

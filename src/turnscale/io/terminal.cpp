@@ -137,34 +137,4 @@ void Progress::Finish() {
   line_open_ = false;
 }
 
-const char* ScaleStateName(ScaleState state) {
-  switch (state) {
-    case ScaleState::kPending:
-      return "pending";
-    case ScaleState::kObserved:
-      return "observed";
-    case ScaleState::kHeld:
-      return "held";
-    case ScaleState::kFromRoad:
-      return "road";
-  }
-  return "unknown";
-}
-
-const char* TrackingStateName(TrackingState state) {
-  switch (state) {
-    case TrackingState::kInitializing:
-      return "initializing";
-    case TrackingState::kTracked:
-      return "tracked";
-    case TrackingState::kRepeated:
-      return "repeated";
-    case TrackingState::kBridged:
-      return "bridged";
-    case TrackingState::kUnreadable:
-      return "unreadable";
-  }
-  return "unknown";
-}
-
 }  // namespace turnscale

@@ -8,8 +8,6 @@
 #include <string_view>
 #include <utility>
 
-#include "turnscale/odometry/results.h"
-
 namespace turnscale {
 
 /// Prints a line on standard error. Control characters, which the names and contents of bad files may hold, are escaped
@@ -72,11 +70,5 @@ class Progress {
   Clock::time_point shown_ = start_;
   int shown_tenths_ = 0;
 };
-
-/// "pending", "observed" or "held".
-const char* ScaleStateName(ScaleState state);
-
-/// "initializing", "tracked", "repeated", "bridged" or "unreadable".
-const char* TrackingStateName(TrackingState state);
 
 }  // namespace turnscale

@@ -77,12 +77,18 @@ std::string VehicleFileText(const VehicleOptions& vehicle, const Mount& mount, c
       text += Line("roll_sigma_deg", InDegrees(mount.sigma.roll));
     }
   }
+  // However much they disagree, the file is one that can be read again.
+  const auto sigma_of = [&](double length, double sigma) {
+    constexpr double kMost = 0.9;  // relative
+    return std::min(std::hypot(sigma, conflict * length), std::max(kMost * length, sigma));
+  };
   if (vehicle.lever_arm) {
     const bool known = car && car->lever_arm > 0;
     text += Line("lever_arm", known ? car->lever_arm : *vehicle.lever_arm,
                  "metres from the rear axle forward to the camera");
     text += Line("lever_arm_sigma",
-                 known ? car->lever_arm_sigma : std::hypot(vehicle.lever_arm_sigma, conflict * *vehicle.lever_arm));
+                 known ? car->lever_arm_sigma
+                       : sigma_of(*vehicle.lever_arm, LeverArmSigma(*vehicle.lever_arm, vehicle.lever_arm_sigma)));
   }
   text += Line("side_slip", car ? car->side_slip : vehicle.side_slip, "c in L_eff = L - c v^2, s^2/m");
   text += Line("side_slip_sigma", car ? car->side_slip_sigma : vehicle.side_slip_sigma);
@@ -93,7 +99,7 @@ std::string VehicleFileText(const VehicleOptions& vehicle, const Mount& mount, c
       text += Line("height_correlation", car->height_correlation, "of the errors of the height and of the lever arm");
   } else if (vehicle.camera_height) {
     text += Line("height", *vehicle.camera_height, "of the camera above the road, metres");
-    text += Line("height_sigma", std::hypot(vehicle.HeightSigma(), conflict * *vehicle.camera_height));
+    text += Line("height_sigma", sigma_of(*vehicle.camera_height, vehicle.HeightSigma()));
   }
   return text;
 }

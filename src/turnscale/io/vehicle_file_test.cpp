@@ -91,6 +91,10 @@ TEST(VehicleFile, LengthsThatDisagreeAreNoBetterKnownThanThat) {
   EXPECT_NEAR(next.lever_arm_sigma, std::hypot(vehicle.lever_arm_sigma, 0.105 * 1.5), 1e-3);
   EXPECT_NEAR(next.camera_height.value(), 1.4, 1e-9);
   EXPECT_NEAR(next.HeightSigma(), 0.105 * 1.4, 2e-3);
+  scale.estimate->height_conflict = HeightConflict{1.4, 0.014, 0.4, 0.02, false};
+  const VehicleOptions doubtful = ReadText(VehicleFileText(vehicle, {}, scale));
+  EXPECT_LT(doubtful.lever_arm_sigma, 1.5) << "below the lever arm, or it could not be read";
+  EXPECT_LT(doubtful.HeightSigma(), 1.4);
 }
 
 TEST(VehicleFile, WhatIsNotKnownIsLeftOut) {

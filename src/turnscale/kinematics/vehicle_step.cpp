@@ -74,16 +74,21 @@ VehicleStep LevelStep(const RigidTransform& previous_from_current, const Eigen::
 std::vector<VehicleStep> StepBuilder::Add(const StampedPose& pose, const PathGap* gap) {
   std::vector<VehicleStep> ended;
   const int index = poses_;
+  if (gap != nullptr) gap_ = *gap;
+  if (!pose.world_from_camera.IsFinite()) {
+    ++poses_;
+    return ended;
+  }
   if (!started_) {
     StartAt(pose, index);
-  } else if (gap != nullptr) {
+  } else if (gap_) {
     if (const std::optional<VehicleStep> rest = Finish()) ended.push_back(*rest);
     VehicleStep across;
     across.first = index - 1;
     across.last = index;
     across.usable = false;
     across.after_gap = true;
-    across.gap_sigma = gap->sigma;
+    across.gap_sigma = gap_->sigma;
     if (timed_) across.duration = pose.time - last_pose_.time;
     ended.push_back(across);
     StartAt(pose, index);
@@ -100,6 +105,7 @@ std::vector<VehicleStep> StepBuilder::Add(const StampedPose& pose, const PathGap
     }
   }
   last_pose_ = pose;
+  gap_.reset();
   ++poses_;
   return ended;
 }

@@ -81,12 +81,10 @@ class StepBuilder {
   StepBuilder(const VehicleStepOptions& options, bool timed) : options_(options), timed_(timed) {}
 
   /// Takes the next pose, in vehicle axes: world_from_camera * camera_from_vehicle's rotation. Gives the steps that it
-  /// ends: one at most, two where a gap cuts a step short.
-  std::vector<VehicleStep> Add(const StampedPose& pose, const PathGap* gap = nullptr);
-
-  /// The next pose is unknown: the step leads past it. A step that ends at a gap counts the poses skipped before it as
+  /// ends: one at most, two where a gap cuts a step short. The step leads past a pose that is not finite; a gap before
+  /// such a pose is one before the next pose that is. A step that ends at a gap counts the poses passed before it as
   /// its own.
-  void Skip() { ++poses_; }
+  std::vector<VehicleStep> Add(const StampedPose& pose, const PathGap* gap = nullptr);
 
   /// The path ends: what remains of it is a step, unless it has no length.
   std::optional<VehicleStep> Finish();
@@ -102,7 +100,8 @@ class StepBuilder {
   bool started_ = false;  ///< with the first pose that is known
   int key_ = 0;           ///< where the step under way begins
   StampedPose key_pose_;
-  StampedPose last_pose_;
+  StampedPose last_pose_;       ///< that is finite
+  std::optional<PathGap> gap_;  ///< since then
   // Of the step under way, from its start to `last_pose_`: change of heading (rad), distance, integral of that change
   // over the distance.
   double heading_ = 0;
@@ -112,7 +111,8 @@ class StepBuilder {
   double square_speed_integral_ = 0;
 };
 
-/// All steps of a path whose poses are in vehicle axes, jumps marked as not usable. Gaps in their order.
+/// All steps of a path whose poses are in vehicle axes, jumps marked as not usable. Gaps in their order. Poses that are
+/// not finite are passed over, as StepBuilder does.
 std::vector<VehicleStep> CutIntoSteps(const Trajectory& path, const std::vector<PathGap>& gaps, bool timed,
                                       const VehicleStepOptions& options);
 

@@ -310,26 +310,32 @@ TEST(StepBuilder, PoseByPoseIsTheWholePath) {
   }
 }
 
-TEST(StepBuilder, StepsLeadPastAnUnknownPose) {
-  const Trajectory path = Timed({{6, 0.8, 0}, {12, 0.4, 1 * kDegree}});
+TEST(CutIntoSteps, StepsLeadPastAPoseThatIsNotFinite) {
+  Trajectory path = Timed({{6, 0.8, 0}, {12, 0.4, 1 * kDegree}});
   const std::vector<VehicleStep> all = CutIntoSteps(path, {}, true, {});
   ASSERT_EQ(LastPoses(all), (std::vector<int>{6, 9, 12, 15, 18}));
-  StepBuilder builder({}, true);
-  std::vector<VehicleStep> steps;
-  for (int i = 0; i < static_cast<int>(path.size()); ++i) {
-    if (i == 0 || i == 3 || i == 8)
-      builder.Skip();
-    else
-      std::ranges::copy(builder.Add(path[i]), std::back_inserter(steps));
-  }
-  ASSERT_EQ(LastPoses(steps), (std::vector<int>{7, 10, 13, 16}));
+  for (const int i : {0, 3}) path[i].world_from_camera.translation.x() = std::nan("");
+  path[8].world_from_camera.rotation.w() = HUGE_VAL;
+  const std::vector<VehicleStep> steps = CutIntoSteps(path, {}, true, {});
+  ASSERT_EQ(LastPoses(steps), (std::vector<int>{7, 10, 13, 16, 18}));
   EXPECT_EQ(steps.front().first, 1);
-  for (std::size_t i = 1; i < steps.size(); ++i) {
+  for (std::size_t i = 1; i + 1 < steps.size(); ++i) {
     EXPECT_EQ(steps[i].first, steps[i - 1].last);
     EXPECT_NEAR(steps[i].motion.psi, all[i].motion.psi, 1e-12);
     EXPECT_NEAR(steps[i].lateral(), all[i].lateral(), 1e-6);
     EXPECT_NEAR(steps[i].duration, all[i].duration, 1e-12);
     EXPECT_NEAR(steps[i].square_speed_ratio, all[i].square_speed_ratio, 1e-3);
+  }
+}
+
+TEST(CutIntoSteps, AGapBeforeAPoseThatIsNotFiniteIsOneBeforeTheNext) {
+  Trajectory path = Straight(14);
+  for (const int i : {8, 9}) path[i].world_from_camera.translation.x() = std::nan("");
+  const std::vector<VehicleStep> steps = CutIntoSteps(path, {{8, 0.3}}, true, {});
+  ASSERT_EQ(LastPoses(steps), (std::vector<int>{6, 9, 10, 13}));
+  for (const VehicleStep& step : steps) {
+    EXPECT_EQ(step.after_gap, step.last == 10);
+    EXPECT_EQ(step.gap_sigma, step.last == 10 ? 0.3 : 0);
   }
 }
 

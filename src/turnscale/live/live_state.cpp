@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "turnscale/image_file/image_encoder.h"
-#include "turnscale/io/terminal.h"
+#include "turnscale/odometry/results.h"
 #include "turnscale/report/report_data.h"
 
 namespace turnscale {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -12,6 +13,9 @@
 
 namespace turnscale {
 namespace {
+
+// Of a window, and of its anchors: far more than can be adjusted together, and the sum of the two is a number.
+constexpr int kMostKeyframes = 10'000;
 
 // Moves keyframes after `last`, and the landmarks that they see but for `others`, which are in ascending order.
 void Move(const Similarity& new_from_old, int last, const std::vector<int>& others, Map& map) {
@@ -87,8 +91,10 @@ void WriteBack(const WindowProblem& problem, Map& map) {
 }
 
 void LocalBundleOptions::Check() const {
-  if (window < 2) throw InputError("local_bundle.window: has to be at least 2 keyframes");
-  if (anchors < 1) throw InputError("local_bundle.anchors: has to be at least 1 keyframe");
+  if (window < 2 || window > kMostKeyframes)
+    throw InputError("local_bundle.window: has to be from 2 to " + std::to_string(kMostKeyframes) + " keyframes");
+  if (anchors < 1 || anchors > kMostKeyframes)
+    throw InputError("local_bundle.anchors: has to be from 1 to " + std::to_string(kMostKeyframes) + " keyframes");
   if (!(pixel_sigma > 0)) throw InputError("local_bundle.pixel_sigma: has to be positive");
   if (!(relative_cost_tolerance > 0)) throw InputError("local_bundle.relative_cost_tolerance: has to be positive");
   if (!(initial_damping >= 0)) throw InputError("local_bundle.initial_damping: is negative or not a number");

@@ -35,9 +35,9 @@ WindowProblem MakeWindowProblem(const Map& map, const Window& window, double pix
 void WriteBack(const WindowProblem& problem, Map& map);
 
 struct LocalBundleOptions {
-  /// Latest keyframes that move.
+  /// Latest keyframes that move; at most 10000.
   int window = 10;
-  /// Earlier keyframes that see the window's landmarks and stand still; they hold the scale.
+  /// Earlier keyframes that see the window's landmarks and stand still; they hold the scale. At most 10000.
   int anchors = 10;
   /// Standard deviation of a tracked pixel, pixels.
   double pixel_sigma = 0.5;

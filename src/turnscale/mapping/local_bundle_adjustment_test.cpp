@@ -241,6 +241,9 @@ TEST(LocalBundleAdjustment, OptionsNameTheFieldThatMakesNoSense) {
   EXPECT_EQ(RefusedField<Options>([](auto&) {}), "");
   EXPECT_EQ(RefusedField<Options>([](auto& o) { o.window = 1; }), "local_bundle.window");
   EXPECT_EQ(RefusedField<Options>([](auto& o) { o.anchors = 0; }), "local_bundle.anchors");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.window = o.anchors = 10'000; }), "");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.window = 10'001; }), "local_bundle.window");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.anchors = 10'001; }), "local_bundle.anchors");
   EXPECT_EQ(RefusedField<Options>([](auto& o) { o.pixel_sigma = 0; }), "local_bundle.pixel_sigma");
   EXPECT_EQ(RefusedField<Options>([](auto& o) { o.max_iterations = 0; }), "local_bundle.max_iterations");
 }

@@ -77,6 +77,8 @@ std::vector<TurnScale> TurnsToConstrain(const Map& map, const MountCalibration& 
 std::vector<double> ConstrainTurns(const OdometryOptions& options, const MountCalibration& mount, Map& map,
                                    RefinedScale& refined) {
   if (!refined.estimate) return {};
+  // One pose that is none would spoil the lengths of the whole map.
+  if (!std::ranges::all_of(map.keyframes, [](const Keyframe& k) { return k.camera_from_world.IsFinite(); })) return {};
   const std::vector<TurnScale> held = TurnsToConstrain(map, mount, options, refined.turns);
   if (held.empty()) return {};
   const ScaleRecoveryResult recovered = RecoverAbsoluteScale(options.scale.recovery, held, 0, map);
@@ -86,6 +88,7 @@ std::vector<double> ConstrainTurns(const OdometryOptions& options, const MountCa
       if (turn.used && around && !range.adjusted) turn.unadjusted = range.reason;
     }
   }
+  refined.constrained = true;
   refined.path = {KeyframeCentres(map), std::vector<double>(map.keyframes.size(), 1.0)};
   return recovered.factors;
 }

@@ -16,7 +16,8 @@ std::vector<TurnScale> TurnsToConstrain(const Map& map, const MountCalibration& 
 /// Scales the finished map to metres, with the length of each turn constrained to its single-turn scale (`turns`, and
 /// the fallback of `smoothed`), or of each of its steps to the length from its own angles (`paper`). `refined` has the
 /// turns and sigmas of the drive, and gets the trajectory of the recovered map. Returns the factors by which lengths at
-/// each keyframe have changed; empty if no turn gives the scale.
+/// each keyframe have changed; empty, with `refined.constrained` false and its path as it was, if no turn gives the
+/// scale.
 std::vector<double> ConstrainTurns(const OdometryOptions& options, const MountCalibration& mount, Map& map,
                                    RefinedScale& refined);
 

@@ -53,6 +53,7 @@ TEST(ConstrainedTurns, BringTheMapToMetres) {
   const std::vector<double> factors = ConstrainTurns(options, MountCalibration(options.vehicle), finished.map, refined);
   const int count = static_cast<int>(finished.map.keyframes.size());
   ASSERT_EQ(factors.size(), finished.map.keyframes.size());
+  EXPECT_TRUE(refined.constrained);
   for (int k = 1; k < count; ++k) {
     EXPECT_NEAR(StepOf(finished.map, k) / StepOf(finished.truth, k), 1, 0.05) << k;
     EXPECT_NEAR(factors[k] * StepOf(before, k) / StepOf(finished.truth, k), 1, 0.022) << k;
@@ -192,6 +193,30 @@ TEST(ConstrainedTurns, WithoutATurnTheMapStaysAsItIs) {
   RefinedScale refined = RefinedOf(options, finished.map);
   EXPECT_TRUE(ConstrainTurns(options, MountCalibration(options.vehicle), finished.map, refined).empty());
   EXPECT_EQ(KeyframeCentres(finished.map), before);
+  EXPECT_FALSE(refined.constrained);
+}
+
+TEST(ConstrainedTurns, AMapWithAPoseThatIsNotFiniteStaysAsItIs) {
+  const OdometryOptions options = Holding(ScaleMethod::kTurns);
+  FinishedMap finished = DriftingMap(options, kTwoCorners, 0.2);
+  finished.map.keyframes[5].camera_from_world.translation.x() = std::nan("");
+  RefinedScale refined = RefinedOf(options, finished.map);
+  ASSERT_TRUE(refined.estimate) << refined.reason;
+  EXPECT_TRUE(ConstrainTurns(options, MountCalibration(options.vehicle), finished.map, refined).empty());
+  EXPECT_FALSE(refined.constrained);
+  for (const Eigen::Vector3d& centre : refined.path.centres) EXPECT_TRUE(centre.allFinite());
+}
+
+TEST(ConstrainedTurns, WhereAllTurnsAreLeftOutThePathStays) {
+  const OdometryOptions options = Holding(ScaleMethod::kTurns);
+  FinishedMap finished = DriftingMap(options, kTwoCorners, 0.2);
+  RefinedScale refined = RefinedOf(options, finished.map);
+  for (TurnResult& turn : refined.turns) turn.followed = false;
+  const MetricPath before = refined.path;
+  EXPECT_TRUE(ConstrainTurns(options, MountCalibration(options.vehicle), finished.map, refined).empty());
+  EXPECT_FALSE(refined.constrained);
+  EXPECT_EQ(refined.path.centres, before.centres);
+  for (const TurnResult& turn : refined.turns) EXPECT_NE(turn.reason, "");
 }
 
 }  // namespace

@@ -37,7 +37,7 @@ double YawSigma(const VehicleOptions& vehicle, const Mount& mount) {
 CarPrior PriorOf(const VehicleOptions& vehicle, const Mount& mount) {
   CarPrior car;
   car.lever_arm = vehicle.lever_arm.value_or(vehicle.camera_height ? 0.0 : 1.0);
-  car.lever_arm_sigma = std::min(vehicle.lever_arm_sigma, 0.5 * car.lever_arm);
+  car.lever_arm_sigma = LeverArmSigma(car.lever_arm, vehicle.lever_arm ? vehicle.lever_arm_sigma : kTapeSigma);
   if (vehicle.camera_height) {
     car.camera_height = *vehicle.camera_height;
     car.camera_height_sigma = vehicle.HeightSigma();
@@ -56,10 +56,6 @@ CarPrior PriorOf(const VehicleOptions& vehicle, const Mount& mount) {
 double DirectionUnder(const Eigen::Quaterniond& now, const Eigen::Quaterniond& before) {
   const Eigen::Vector3d forward = now * (before.conjugate() * Eigen::Vector3d::UnitZ());
   return std::atan2(forward.x(), forward.z());
-}
-
-bool IsFinite(const StampedPose& pose) {
-  return pose.world_from_camera.translation.allFinite() && pose.world_from_camera.rotation.coeffs().allFinite();
 }
 
 // Position of the camera in the vehicle's axes, which may change on the way where the camera was moved.
@@ -88,8 +84,6 @@ std::vector<VehicleStep> StepsAlong(const Map& map, const MountCalibration& moun
   std::vector<PathGap> gaps;
   for (int k = 0; k < static_cast<int>(map.keyframes.size()); ++k) {
     path.push_back(VehiclePose(map, mount, k));
-    // The steps need every pose.
-    if (!IsFinite(path.back())) return {};
     if (const auto gap = GapBefore(map, k)) gaps.push_back(*gap);
   }
   std::vector<VehicleStep> steps = CutIntoSteps(path, gaps, true, options);
@@ -118,7 +112,12 @@ TurnResult Describe(const TurnEstimate& turn, const std::vector<VehicleStep>& st
   return result;
 }
 
-MetricPath InOwnUnit(const Map& map) { return {KeyframeCentres(map), std::vector<double>(map.keyframes.size(), 1.0)}; }
+MetricPath InOwnUnit(const Map& map) {
+  MetricPath path;
+  for (int k = 0; k < static_cast<int>(map.keyframes.size()); ++k) path.centres.push_back(KnownCentre(map, k));
+  path.metres_per_unit.assign(map.keyframes.size(), 1.0);
+  return path;
+}
 
 }  // namespace
 
@@ -172,16 +171,9 @@ void DriveScale::Reread(const Map& map, MountCalibration mount, int first, int e
 }
 
 bool DriveScale::Feed(const Map& map, int keyframe) {
-  const StampedPose pose = VehiclePose(map, mount_, keyframe);
-  if (!IsFinite(pose)) {
-    builder_.Skip();
-    return false;
-  }
-  // The path continues from the last known pose, unless tracking was lost since then.
-  std::optional<PathGap> gap = GapBefore(map, keyframe);
-  for (int k = keyframe - 1; !gap && k > 0 && !IsFinite(VehiclePose(map, mount_, k)); --k) gap = GapBefore(map, k);
+  const std::optional<PathGap> gap = GapBefore(map, keyframe);
   bool turn_ended = false;
-  for (VehicleStep& step : builder_.Add(pose, gap ? &*gap : nullptr)) {
+  for (VehicleStep& step : builder_.Add(VehiclePose(map, mount_, keyframe), gap ? &*gap : nullptr)) {
     SetStepHeight(map, heights_, step);
     turn_ended = live_.Add(step) || turn_ended;
   }
@@ -290,6 +282,12 @@ RefinedScale DriveScale::Refine(const Map& map, bool follow_turns) const {
   }
   refined.estimate = std::move(result.estimate);
   return refined;
+}
+
+ScaleState StateAt(const RefinedScale& refined, int keyframe) {
+  if (!refined.estimate) return ScaleState::kPending;
+  if (refined.in_used_turn[keyframe] != 0) return ScaleState::kObserved;
+  return refined.from_road[keyframe] != 0 ? ScaleState::kFromRoad : ScaleState::kHeld;
 }
 
 double CalibrationSigma(const std::vector<ParameterEstimate>& contradictions, const CameraModel& camera) {

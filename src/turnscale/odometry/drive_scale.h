@@ -32,11 +32,16 @@ struct RefinedScale {
   std::vector<TurnResult> turns;
   std::optional<ScaleEstimate> estimate;  ///< empty while the scale is pending
   std::string reason;                     ///< why it is empty
+  /// The map was adjusted with the lengths of turns constrained (ConstrainTurns): `path` is that of the adjusted map.
+  bool constrained = false;
   double gap_sigma = 0;  ///< standard deviation of the path's length due to parts that are not measured, metres
   /// Intrinsics that are inconsistent with the images of turns; sigmas include their effect on the scale.
   std::vector<ParameterEstimate> contradicted_calibration;
   int calibration_windows = 0;  ///< parts of turns in which the intrinsics were tested
 };
+
+/// State of the scale at a keyframe: as the trajectory has it at its frames.
+ScaleState StateAt(const RefinedScale& refined, int keyframe);
 
 /// Relative standard deviation of the scale due to the estimated errors of the calibration: the error of the direction
 /// of travel over the lever arm's contribution to it. A coarse bound (benchmarks/variants): the scale from such a
@@ -51,7 +56,7 @@ void WidenForCalibration(const std::vector<ParameterEstimate>& contradictions, c
 /// Estimates the scale beside the map, which it never changes: keyframes in, metric trajectory out.
 ///
 /// Online: a filter over the steps so far, including the current turn. Refined: the smoother over the whole drive
-/// (EstimateScale).
+/// (EstimateScale). Both pass over a keyframe whose pose is not finite, which stays where the one before it is.
 class DriveScale {
  public:
   explicit DriveScale(const OdometryOptions& options);

@@ -93,7 +93,9 @@ RigidTransform MotionModel::PredictOtherwise(double time, double turn, double sp
 void MotionModel::Update(double time, const RigidTransform& camera_from_world) {
   if (started_ && time > time_) {
     const Step step{camera_from_world * camera_from_world_.inverse(), time - time_};
-    if (step_ && step.speed() < kBreak * step_->speed() &&
+    // After a restart, the step is one from before it: what it was compared with would be a change across the gap, and
+    // speed() is 0, as no speed of the new map is known yet.
+    if (step_ && !recent_.empty() && step.speed() < kBreak * step_->speed() &&
         !(broken_off_ && step_->speed() < kNoise * broken_off_->past.speed))
       broken_off_ = {*step_, {speed(), time_}};
     step_ = step;

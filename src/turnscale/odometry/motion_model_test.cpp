@@ -200,6 +200,18 @@ TEST(MotionModel, AfterARestartEarlierSpeedsCountNoLonger) {
   ExpectNear(motion.Predict(3.2), kStep * kStep * kStart);
 }
 
+TEST(MotionModel, ASlowStartAfterARestartIsNoBreak) {
+  MotionModel motion;
+  motion.Update(1.0, kStart);
+  motion.Update(1.1, kStep * kStart);
+  motion.Restart(3.0, kStart);
+  motion.Update(3.1, {kStart.rotation, kStart.translation + 0.3 * kStep.translation});
+  ASSERT_EQ(motion.PastSpeeds().size(), 1U) << "there is no speed before the restart";
+  EXPECT_NEAR(motion.PastSpeeds()[0].speed, 0.3 * kStep.translation.norm() / 0.1, 1e-9);
+  EXPECT_TRUE(std::isfinite(motion.SpeedSigma(motion.PastSpeeds()[0], 3.2, 0)));
+  EXPECT_EQ(motion.OtherPredictions(3.2).size(), 1U + kTurningRates);
+}
+
 TEST(MotionModel, TheSpeedIsAMeanOverShortSteps) {
   MotionModel motion;
   const double lengths[] = {9, 1, 3, 1, 3, 1, 3};

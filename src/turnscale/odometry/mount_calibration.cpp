@@ -64,7 +64,7 @@ void MountCalibration::Learn(std::span<const Keyframe> next) {
     if (!calibrates_) continue;
     if (keyframe.after_gap) gatherer_.Break();
     const RigidTransform pose = keyframe.camera_from_world.inverse();
-    if (!pose.translation.allFinite() || !pose.rotation.coeffs().allFinite()) {
+    if (!pose.IsFinite()) {
       gatherer_.Break();
       continue;
     }

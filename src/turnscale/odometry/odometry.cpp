@@ -115,6 +115,7 @@ Odometry::Odometry(const OdometryOptions& options, const CameraModel& camera)
 
 FrameResult Odometry::Process(const cv::Mat& gray, double time) {
   Ensure(!finished_, "no frame follows Finish");
+  CheckTime(time);
   CheckImage(gray);
   FrameResult result = NewFrame(time, TrackingState::kInitializing);
   const FlowImage image = BuildFlowImage(options_.flow, gray);
@@ -143,7 +144,14 @@ FrameResult Odometry::Process(const cv::Mat& gray, double time) {
   return MetricResult(result, map_.keyframes.back().camera_from_world);
 }
 
+void Odometry::CheckTime(double time) const {
+  if (!std::isfinite(time)) throw InputError("time " + std::to_string(time) + " s: has to be a finite number");
+  if (!(time > last_time_)) throw InputError("time " + std::to_string(time) + " s: has to be after the frame before");
+}
+
 void Odometry::CheckImage(const cv::Mat& gray) {
+  // One that could not be read has the type of a gray one, and no size for the camera.
+  if (gray.empty()) throw InputError("image: is empty; where an image cannot be read, call ProcessUnreadable");
   if (gray.type() != CV_8UC1) throw InputError("image: has to be 8-bit gray");
   // Not every camera file has the image size; the first image has it.
   if (camera_.width == 0) {
@@ -167,13 +175,13 @@ void Odometry::WaitForMap() {
 }
 
 FrameResult Odometry::NewFrame(double time, TrackingState state) {
-  if (!(time > last_time_)) throw InputError("time " + std::to_string(time) + " s: has to be after the frame before");
   last_time_ = time;
   return NewResult(frames_++, time, state);
 }
 
 FrameResult Odometry::ProcessUnreadable(double time) {
   Ensure(!finished_, "no frame follows Finish");
+  CheckTime(time);
   const FrameResult result = NewFrame(time, TrackingState::kUnreadable);
   if (map_.keyframes.empty()) {
     history_.AddWithoutPose(result);
@@ -559,9 +567,7 @@ FrameResult Odometry::MetricResult(FrameResult result, int keyframe, const Rigid
 }
 
 ScaleState Odometry::scale_state() const {
-  if (!refined_) return scale_.state();
-  if (!refined_->estimate) return ScaleState::kPending;
-  return refined_->from_road.back() != 0 ? ScaleState::kFromRoad : ScaleState::kHeld;
+  return refined_ ? StateAt(*refined_, static_cast<int>(map_.keyframes.size()) - 1) : scale_.state();
 }
 
 RefinedScale Odometry::Refined() const {
@@ -587,10 +593,7 @@ std::vector<FrameResult> Odometry::RefinedFrames(const RefinedScale& refined) co
     frame.vehicle_from_camera = mount().At(keyframe);
     frame.turning = refined.turning[keyframe] != 0;
     frame.scale_sigma = refined.sigmas[keyframe];
-    frame.scale_state = !refined.estimate                     ? ScaleState::kPending
-                        : refined.in_used_turn[keyframe] != 0 ? ScaleState::kObserved
-                        : refined.from_road[keyframe] != 0    ? ScaleState::kFromRoad
-                                                              : ScaleState::kHeld;
+    frame.scale_state = StateAt(refined, keyframe);
     if (!frame.keyframe || keyframe == 0 || map_.keyframes[keyframe].after_gap) continue;
     const TurningMotion motion = StepMotion(map_, keyframe - 1, mount());
     frame.psi = motion.psi;

@@ -50,11 +50,12 @@ class Odometry {
   void SetMask(const cv::Mat& mask) { mask_.SetGiven(mask); }
 
   /// Processes the next image (8-bit gray), taken at `time` seconds, and returns the online estimate of its pose.
-  /// Throws InputError when its size is not the camera's (or the first image's, if the camera has none), or when the
-  /// time is not after that of the previous frame.
+  /// Throws InputError, and changes nothing, when it is empty or its size is not the camera's (or the first image's, if
+  /// the camera has none), or when the time is not finite or not after that of the previous frame.
   FrameResult Process(const cv::Mat& gray, double time);
 
-  /// The next frame has no usable image: its pose is predicted and flagged.
+  /// The next frame has no usable image: its pose is predicted and flagged. Throws InputError as
+  /// Process does for the time.
   FrameResult ProcessUnreadable(double time);
 
   /// Ends the drive: closes a turn in progress, adjusts all keyframes, and computes the scale of the whole drive. No
@@ -97,11 +98,13 @@ class Odometry {
     AwaitCameraWork();
     return calibration_check_;
   }
+  /// At the latest keyframe: of the online estimate, after Finish of the refined one.
   ScaleState scale_state() const;
   /// The camera-to-vehicle rotation, as given or found.
   const MountCalibration& mount() const { return scale_.mount(); }
 
  private:
+  void CheckTime(double time) const;
   void CheckImage(const cv::Mat& gray);
   void ApplyMask();
   void WaitForMap();

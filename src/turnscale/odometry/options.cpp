@@ -13,6 +13,8 @@ void VehicleOptions::Check() const {
     throw InputError("vehicle.lever_arm: has to be a positive number of metres");
   if (!(lever_arm_sigma >= 0 && std::isfinite(lever_arm_sigma)))
     throw InputError("vehicle.lever_arm_sigma: has to be a number of metres, 0 or more");
+  if (lever_arm && !(LeverArmSigma(*lever_arm, lever_arm_sigma) < *lever_arm))
+    throw InputError("vehicle.lever_arm_sigma: has to be below the lever arm, metres");
   if (camera_height && !(*camera_height > 0 && std::isfinite(*camera_height)))
     throw InputError("vehicle.camera_height: has to be a positive number of metres");
   if (camera_height_sigma && !(*camera_height_sigma >= 0 && *camera_height_sigma < camera_height.value_or(HUGE_VAL)))

@@ -30,7 +30,8 @@ namespace turnscale {
 struct VehicleOptions {
   /// Distance from the rear axle forward to the camera, metres. Without it the trajectory is up to scale.
   std::optional<double> lever_arm;
-  /// Its standard deviation, metres: a tape held from the camera to above the centre of the rear wheel.
+  /// Its standard deviation, metres: a tape held from the camera to above the centre of the rear wheel. Has to be below
+  /// the lever arm, but for the default, which LeverArmSigma shrinks for a very short one.
   double lever_arm_sigma = kTapeSigma;
   /// c in L_eff = L - c v^2, s^2/m: the rear axle's slip angle per lateral acceleration. With a sigma of 0, 0 is the
   /// paper's rigid car.

@@ -41,6 +41,8 @@ TEST(OdometryOptions, NameTheFieldThatMakesNoSense) {
   EXPECT_EQ(Refused([](auto& o) { o.tracking.min_lost_frames = 0; }), "tracking.min_lost_frames");
   EXPECT_EQ(Refused([](auto& o) { o.tracking.depth_sigma = 0; }), "tracking.depth_sigma");
   EXPECT_EQ(Refused([](auto& o) { o.vehicle.lever_arm_sigma = -1; }), "vehicle.lever_arm_sigma");
+  EXPECT_EQ(Refused([](auto& o) { o.vehicle.lever_arm = o.vehicle.lever_arm_sigma = 0.5; }), "vehicle.lever_arm_sigma");
+  EXPECT_EQ(Refused([](auto& o) { o.vehicle.lever_arm = 0.02; }), "") << "the default adapts";
   EXPECT_EQ(Refused([](auto& o) { o.vehicle.side_slip_sigma = 1; }), "vehicle.side_slip_sigma");
   EXPECT_EQ(Refused([](auto& o) { o.vehicle.yaw_sigma = 0; }), "vehicle.yaw_sigma");
   EXPECT_EQ(Refused([](auto& o) { o.scale.estimator.max_sigma_ratio = 0; }), "scale.max_sigma_ratio");

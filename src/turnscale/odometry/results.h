@@ -4,6 +4,7 @@
 #include <limits>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <Eigen/Core>
@@ -28,6 +29,14 @@ enum class TrackingState {
   kBridged,       ///< tracking failed in the image; pose not measured
   kUnreadable,    ///< no readable image; pose not measured
 };
+
+/// The name of a state in tables and summaries: "pending", "observed", "held" or "road".
+const char* ScaleStateName(ScaleState state);
+/// Likewise: "initializing", "tracked", "repeated", "bridged" or "unreadable".
+const char* TrackingStateName(TrackingState state);
+/// The state of that name; empty if there is none.
+std::optional<ScaleState> ScaleStateNamed(std::string_view name);
+std::optional<TrackingState> TrackingStateNamed(std::string_view name);
 
 /// Result of one frame.
 struct FrameResult {

@@ -45,10 +45,7 @@ Eigen::Quaterniond Upright(const std::vector<CameraStep>& steps) {
 void CheckTrajectory(const Trajectory& trajectory, bool timed, const std::vector<PathGap>& gaps) {
   if (trajectory.size() < 2) throw InputError("the trajectory has fewer than two poses");
   for (std::size_t i = 0; i < trajectory.size(); ++i) {
-    const RigidTransform& pose = trajectory[i].world_from_camera;
-    if (!pose.translation.allFinite() || !pose.rotation.coeffs().allFinite()) {
-      throw InputError("pose " + std::to_string(i) + " is not finite");
-    }
+    if (!trajectory[i].world_from_camera.IsFinite()) throw InputError("pose " + std::to_string(i) + " is not finite");
     if (timed && i > 0 && !(trajectory[i].time > trajectory[i - 1].time)) {
       throw InputError("the time of pose " + std::to_string(i) + " does not come after the one before");
     }

@@ -10,7 +10,8 @@
 namespace turnscale {
 
 /// Online scale: an iterated extended Kalman filter over the completed segments and the current turn.
-/// Work per step does not depend on the length of the drive.
+/// Work per step is linear in the steps of no segment yet: those of the turn under way, or of a straight up to its
+/// longest segment; it does not depend on the length of the drive before them.
 class LiveScale {
  public:
   LiveScale(const CarPrior& car, const ScaleEstimatorOptions& options);

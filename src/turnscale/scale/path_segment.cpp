@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "turnscale/scale/path_segment.h"
 
+#include <cstdint>
 #include <optional>
 #include <span>
 
@@ -32,10 +33,9 @@ class Splitter {
     const int count = last - first + 1;
     if (count <= 0) return;
     max_steps = MostStraightSteps(std::span(steps_).subspan(first, count), max_steps);
-    const int parts = (count + max_steps - 1) / max_steps;
-    for (int part = 0; part < parts; ++part) {
-      Add(first + count * part / parts, first + count * (part + 1) / parts - 1, false);
-    }
+    const int parts = (count - 1) / max_steps + 1;
+    const auto begin = [&](std::int64_t part) { return first + static_cast<int>(count * part / parts); };
+    for (int part = 0; part < parts; ++part) Add(begin(part), begin(part + 1) - 1, false);
   }
 
   void Add(int first, int last, bool turning) {

@@ -2,6 +2,7 @@
 #include "turnscale/scale/path_segment.h"
 
 #include <cmath>
+#include <limits>
 
 #include <gtest/gtest.h>
 
@@ -46,6 +47,20 @@ TEST(PathSegments, CoverEveryStepOnce) {
     }
     EXPECT_EQ(next, static_cast<int>(steps.size()));
     EXPECT_GE(turns, 6);
+  }
+}
+
+TEST(PathSegments, AStraightMayBeCutAtEachStepOrNever) {
+  const std::vector<VehicleStep> steps(50'000, VehicleStep{.motion = {.step = 1}});
+  PathSegmentOptions options;
+  options.max_straight_steps = std::numeric_limits<int>::max();
+  ASSERT_EQ(SplitIntoSegments(steps, options).size(), 1u);
+  options.max_straight_steps = 1;
+  const std::vector<PathSegment> single = SplitIntoSegments(steps, options);
+  ASSERT_EQ(single.size(), steps.size());
+  for (int i = 0; i < static_cast<int>(single.size()); ++i) {
+    ASSERT_EQ(single[i].first, i);
+    ASSERT_EQ(single[i].last, i);
   }
 }
 
