@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <fstream>
 #include <iterator>
 #include <span>
@@ -100,6 +101,12 @@ class Parser {
     }
     columns_ = words.size();
     const std::vector<double> v = NumbersOf({words.begin(), words.begin() + kEurocColumns}, where);
+    if (!ParseNumber<int64_t>(words[0]) && !(v[0] > kLatestSeconds)) {
+      throw InputError(
+          fmt::format("{}: time {}, but those of a EuRoC file are whole nanoseconds; give a TUM file with blanks, not "
+                      "commas, between its columns",
+                      where, words[0]));
+    }
     AddTum(std::array{v[0] * kSecondsPerNanosecond, v[1], v[2], v[3], v[5], v[6], v[7], v[4]}, where);
   }
 
