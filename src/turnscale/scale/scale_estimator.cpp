@@ -220,8 +220,11 @@ CarRefinement DescribeCar(const ScaleBelief& belief, const CarPrior& car, bool s
   if (belief.Sigma(kLogHeight) <= kLeastKnownHeight) {
     refinement.camera_height = std::exp(belief.mean[kLogHeight]);
     refinement.camera_height_sigma = belief.Sigma(kLogHeight) * refinement.camera_height;
-    refinement.height_correlation =
-        belief.covariance(kLogLeverArm, kLogHeight) / (belief.Sigma(kLogLeverArm) * belief.Sigma(kLogHeight));
+    const auto correlation = [&](DriveUnknown unknown) {
+      return belief.covariance(unknown, kLogHeight) / (belief.Sigma(unknown) * belief.Sigma(kLogHeight));
+    };
+    refinement.height_correlation = correlation(kLogLeverArm);
+    if (car.side_slip_sigma > 0) refinement.height_slip_correlation = correlation(kSlip);
   }
   return refinement;
 }
