@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "turnscale/base/error_prefix.h"
 #include "turnscale/camera/camera_file.h"
 #include "turnscale/config/yaml_map.h"
 #include "turnscale/geometry/rotation.h"
@@ -149,7 +150,7 @@ void ReadVehicleFile(const std::filesystem::path& path, VehicleOptions& vehicle)
     vehicle.height_correlation = correlation("height_correlation");
     vehicle.height_slip_correlation = correlation("height_slip_correlation");
   }
-  vehicle.Check();
+  CheckPart(path.string() + ": ", vehicle);
 }
 
 }  // namespace turnscale

@@ -10,6 +10,7 @@
 #include <Eigen/Cholesky>
 
 #include "turnscale/base/error.h"
+#include "turnscale/base/error_prefix.h"
 #include "turnscale/base/quantiles.h"
 #include "turnscale/base/robust_weights.h"
 
@@ -417,14 +418,14 @@ std::string Remedy(const ScaleEstimatorOptions& options, const std::vector<Segme
 void ScaleEstimatorOptions::Check() const {
   segments.Check();
   evidence.Check();
-  drift.Check();
-  test.Check();
-  if (!(max_sigma_ratio >= 1)) throw InputError("scale.max_sigma_ratio: has to be at least 1");
-  if (!(huber > 0)) throw InputError("scale.huber: has to be positive");
-  if (!(max_height_deviation > 0)) throw InputError("scale.max_height_deviation: has to be positive");
-  if (!(max_yaw_deviation > 0)) throw InputError("scale.max_yaw_deviation: has to be positive");
-  if (!(contradicted_yaw_sigma > 0)) throw InputError("scale.contradicted_yaw_sigma: has to be positive");
-  if (!(max_sigma > 0)) throw InputError("scale.max_sigma: has to be positive");
+  CheckPart("drift.", drift);
+  CheckPart("test.", test);
+  if (!(max_sigma_ratio >= 1)) throw InputError("max_sigma_ratio: has to be at least 1");
+  if (!(huber > 0)) throw InputError("huber: has to be positive");
+  if (!(max_height_deviation > 0)) throw InputError("max_height_deviation: has to be positive");
+  if (!(max_yaw_deviation > 0)) throw InputError("max_yaw_deviation: has to be positive");
+  if (!(contradicted_yaw_sigma > 0)) throw InputError("contradicted_yaw_sigma_deg: has to be positive");
+  if (!(max_sigma > 0)) throw InputError("max_sigma: has to be positive");
 }
 
 ScaleEstimateResult EstimateScale(const std::vector<VehicleStep>& steps, const CarPrior& car,

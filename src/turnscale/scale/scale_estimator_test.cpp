@@ -780,13 +780,13 @@ TEST(ScaleEstimator, WhatADriveTellsOfTheCarMayBeANegativeSlip) {
 TEST(ScaleEstimatorOptions, RefusesSenselessValues) {
   const auto refused = [](auto change) { return RefusedField<ScaleEstimatorOptions>(change); };
   EXPECT_EQ(refused([](auto&) {}), "");
-  EXPECT_EQ(refused([](auto& o) { o.huber = 0; }), "scale.huber");
-  EXPECT_EQ(refused([](auto& o) { o.max_sigma = 0; }), "scale.max_sigma");
-  EXPECT_EQ(refused([](auto& o) { o.segments.max_straight_steps = 0; }), "segments.max_straight_steps");
+  EXPECT_EQ(refused([](auto& o) { o.huber = 0; }), "huber");
+  EXPECT_EQ(refused([](auto& o) { o.max_sigma = 0; }), "max_sigma");
+  EXPECT_EQ(refused([](auto& o) { o.segments.max_straight_steps = 0; }), "max_straight_steps");
   EXPECT_EQ(refused([](auto& o) { o.evidence.turn_sigma = 0; }), "evidence.turn_sigma");
   EXPECT_EQ(refused([](auto& o) { o.drift.per_100m = -1; }), "drift.per_100m");
   EXPECT_EQ(refused([](auto& o) { o.test.min_probability = 0; }), "test.min_probability");
-  EXPECT_EQ(refused([](auto& o) { o.segments.turns.min_steps = 0; }), "turn detector");
+  EXPECT_EQ(refused([](auto& o) { o.segments.turns.min_steps = 0; }), "turns.min_steps");
 }
 
 }  // namespace
