@@ -16,12 +16,12 @@
 namespace turnscale {
 
 /// A comma-separated table with a heading, read line by line. Cells may be quoted; a quoted cell ends in its line.
+/// Blanks around a cell, empty lines, and the byte-order mark with which spreadsheets begin a file are passed over.
 class CsvTable {
  public:
   /// `name` stands for the table in messages.
   CsvTable(std::istream& stream, std::string name) : stream_(stream), name_(std::move(name)) {
-    std::getline(stream_, line_);
-    Split();
+    if (ReadLine()) Split();
     columns_ = cells_;
   }
 
@@ -38,8 +38,7 @@ class CsvTable {
 
   /// Goes to the next line; false at the end. Throws InputError if it has more or fewer cells than the heading.
   bool Next() {
-    if (!std::getline(stream_, line_)) return false;
-    ++number_;
+    if (!ReadLine()) return false;
     Split();
     if (cells_.size() != columns_.size()) {
       throw InputError(Where() + ": has " + std::to_string(cells_.size()) + " values, the first line has " +
@@ -68,22 +67,42 @@ class CsvTable {
   std::string Where() const { return name_ + ":" + std::to_string(number_); }
 
  private:
+  static bool IsBlank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
+
+  // The next line that is not empty; false at the end.
+  bool ReadLine() {
+    constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+    while (std::getline(stream_, line_)) {
+      if (++number_ == 1 && line_.starts_with(kByteOrderMark)) line_.erase(0, kByteOrderMark.size());
+      if (!std::all_of(line_.begin(), line_.end(), IsBlank)) return true;
+    }
+    return false;
+  }
+
   void Split() {
-    if (line_.ends_with('\r')) line_.pop_back();
     cells_.assign(1, {});
     bool quoted = false;
+    std::size_t length = 0;  // of the cell without the blanks that may be its last
     for (std::size_t i = 0; i < line_.size(); ++i) {
-      const bool doubled = quoted && line_[i] == '"' && i + 1 < line_.size() && line_[i + 1] == '"';
-      if (doubled) {
-        cells_.back() += line_[++i];
-      } else if (line_[i] == '"') {
-        quoted = !quoted;
-      } else if (line_[i] == ',' && !quoted) {
+      std::string& cell = cells_.back();
+      if (line_[i] == ',' && !quoted) {
+        cell.resize(length);
+        length = 0;
         cells_.emplace_back();
+      } else if (IsBlank(line_[i]) && !quoted) {
+        if (!cell.empty()) cell += line_[i];
       } else {
-        cells_.back() += line_[i];
+        const bool doubled = quoted && line_.compare(i, 2, "\"\"") == 0;
+        if (doubled || line_[i] != '"') {
+          cell += line_[i];
+          i += doubled ? 1 : 0;
+        } else {
+          quoted = !quoted;
+        }
+        length = cell.size();
       }
     }
+    cells_.back().resize(length);
   }
 
   std::istream& stream_;
@@ -91,7 +110,7 @@ class CsvTable {
   std::string line_;
   std::vector<std::string> columns_;
   std::vector<std::string> cells_;
-  int number_ = 1;
+  int number_ = 0;  // of the line, from 1
 };
 
 }  // namespace turnscale

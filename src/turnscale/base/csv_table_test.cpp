@@ -23,6 +23,25 @@ TEST(CsvTable, FindsColumnsAndQuotedCells) {
   EXPECT_FALSE(table.Next());
 }
 
+TEST(CsvTable, ReadsWhatPeopleAndSpreadsheetsWrite) {
+  std::istringstream stream("\xEF\xBB\xBFtime, height ,note\r\n\r\n1 ,\t0.5, \" quoted, \" \n  \n2,, two words \n\n");
+  CsvTable table(stream, "t.csv");
+  ASSERT_TRUE(table.Next());
+  EXPECT_EQ(table.Where(), "t.csv:3");
+  EXPECT_EQ(table.Value<int>(table.Column("time")), 1);
+  EXPECT_EQ(table.Value<double>(table.Column("height")), 0.5);
+  EXPECT_EQ(table.Text(table.Column("note")), " quoted, ");
+  ASSERT_TRUE(table.Next());
+  EXPECT_EQ(table.Where(), "t.csv:5");
+  EXPECT_FALSE(table.ValueOrNone<double>(1));
+  EXPECT_EQ(table.Text(2), "two words");
+  EXPECT_FALSE(table.Next());
+  std::istringstream nothing("\n\n");
+  CsvTable empty(nothing, "t.csv");
+  EXPECT_FALSE(empty.HasColumn("time"));
+  EXPECT_FALSE(empty.Next());
+}
+
 TEST(CsvTable, NamesWhatIsWrong) {
   std::istringstream stream("a,b\n1\nx,2\n");
   CsvTable table(stream, "t.csv");

@@ -179,7 +179,7 @@ std::string Fixed(double value, int digits) {
   return text.str();
 }
 
-// Why the fit is not valid, one line; empty where it is.
+// Throws InputError where the fit is not valid.
 void CheckFit(const LeverArmFit& fit, const LeverArmFitOptions& options) {
   const double length = fit.lever_arm.length;
   if (!(length > 0)) {

@@ -30,11 +30,10 @@ inline double CheckedSideSlip(double side_slip) {
 
 /// Value of --lever-arm, metres. Throws InputError if it is out of range.
 inline double CheckedLeverArm(double lever_arm) {
-  constexpr double kLongest = 20;  // more is a wrong unit
-  if (lever_arm > 0 && lever_arm <= kLongest) return lever_arm;
+  if (lever_arm > 0 && lever_arm <= kLongestLeverArm) return lever_arm;
   throw InputError(fmt::format(
       "--lever-arm {}: give the distance from the rear axle forward to the camera in metres, above 0 and up to {}",
-      lever_arm, kLongest));
+      lever_arm, kLongestLeverArm));
 }
 
 /// Value of --lever-arm-sigma, metres, of a lever arm where one is known.
@@ -56,14 +55,13 @@ inline CameraHeight ParseCameraHeight(const std::string& text) {
   const std::optional<double> metres = ParseNumber<double>(std::string_view(text).substr(0, comma));
   std::optional<double> sigma;
   if (comma != std::string::npos) sigma = ParseNumber<double>(std::string_view(text).substr(comma + 1));
-  constexpr double kHighest = 10;  // more is a wrong unit
-  if (metres && *metres > 0 && *metres <= kHighest &&
+  if (metres && *metres > 0 && *metres <= kHighestCamera &&
       (comma == std::string::npos || (sigma && *sigma > 0 && *sigma < *metres)))
     return {*metres, sigma};
   throw InputError(
       fmt::format("--camera-height {}: give the height of the camera above the road in metres, above 0 and up to {}, "
                   "or H,SIGMA with its standard deviation in metres, above 0 and below H",
-                  text, kHighest));
+                  text, kHighestCamera));
 }
 
 /// Value of --side-slip-sigma, s^2/m.

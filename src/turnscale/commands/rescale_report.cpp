@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "turnscale/base/csv_cells.h"
 #include "turnscale/figure/figure.h"
 #include "turnscale/geometry/rotation.h"
 #include "turnscale/io/turn_warning.h"
@@ -18,8 +19,6 @@ namespace turnscale {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-std::string PositiveCell(double value) { return value > 0 ? fmt::format("{:.6g}", value) : std::string(); }
 
 // Lowest and highest of the drive.
 std::pair<double, double> ScaleRange(const RescaleResult& result) {
@@ -197,7 +196,7 @@ std::string TurnScaleTable(const RescaleResult& result) {
                    turn.angle * kDegreesPerRadian, PositiveCell(turn.speed_units * turn.smoothed),
                    PositiveCell(turn.own), PositiveCell(turn.own_sigma), turn.smoothed, turn.smoothed_sigma,
                    turn.deviation, PositiveCell(turn.lever_arm_units * turn.smoothed), turn.used ? 1 : 0, turn.weight,
-                   turn.reason.empty() ? "" : "\"" + turn.reason + "\"");
+                   QuotedCell(turn.reason));
   }
   return table;
 }

@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "turnscale/base/csv_cells.h"
 #include "turnscale/base/error.h"
 #include "turnscale/calibration/online_calibration.h"
 #include "turnscale/figure/figure.h"
@@ -31,9 +32,6 @@ std::string SlipSource(const LeverArmFit& arm) {
   if (arm.slip_at_bound) return "estimated, at its bound";
   return arm.sigma_side_slip > 0 ? fmt::format("+- {:.4f}", arm.sigma_side_slip) : "assumed";
 }
-
-// Cells of what is not known yet are empty.
-std::string Cell(double value) { return std::isfinite(value) ? fmt::format("{:.6g}", value) : ""; }
 
 constexpr const char* kColors[] = {"#c2185b", "#1565c0", "#2e7d32"};
 constexpr const char* kAngleNames[] = {"yaw", "pitch", "roll"};
@@ -192,11 +190,11 @@ std::string HistoryCsv(const std::vector<CalibrationMoment>& history) {
       "roll_deg,yaw_sigma_deg,pitch_sigma_deg,roll_sigma_deg,moved\n";
   for (const CalibrationMoment& moment : history) {
     const Eigen::Vector4d& s = moment.singular_values;
-    text +=
-        fmt::format("{:.6f},{},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{},{},{},{}\n", moment.time,
-                    moment.frames, InDegrees(moment.psi), s[0], s[1], s[2], s[3], InDegrees(moment.angles.yaw),
-                    InDegrees(moment.angles.pitch), InDegrees(moment.angles.roll), Cell(InDegrees(moment.sigma.yaw)),
-                    Cell(InDegrees(moment.sigma.pitch)), Cell(InDegrees(moment.sigma.roll)), moment.moved ? 1 : 0);
+    text += fmt::format("{:.6f},{},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{},{},{},{}\n", moment.time,
+                        moment.frames, InDegrees(moment.psi), s[0], s[1], s[2], s[3], InDegrees(moment.angles.yaw),
+                        InDegrees(moment.angles.pitch), InDegrees(moment.angles.roll),
+                        PositiveCell(InDegrees(moment.sigma.yaw)), PositiveCell(InDegrees(moment.sigma.pitch)),
+                        PositiveCell(InDegrees(moment.sigma.roll)), moment.moved ? 1 : 0);
   }
   return text;
 }

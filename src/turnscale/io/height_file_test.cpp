@@ -41,6 +41,15 @@ TEST(HeightFile, ReadsHeightsWithAndWithoutSigma) {
   EXPECT_EQ(without[0].sigma, kUsualHeightSigma);
 }
 
+TEST(HeightFile, ReadsFilesMadeByHandOrBySpreadsheets) {
+  const std::vector<PathHeight> heights =
+      Read("\xEF\xBB\xBFtime, height, sigma\r\n1.5, 0.5, 0.01\r\n\r\n2, 0.25, 0.01\r\n\r\n");
+  ASSERT_EQ(heights.size(), 2u);
+  EXPECT_EQ(heights[0].time, 1.5);
+  EXPECT_EQ(heights[0].height, 0.5);
+  EXPECT_EQ(heights[1].sigma, 0.04);
+}
+
 TEST(HeightFile, RefusesWhatMakesNoSense) {
   EXPECT_EQ(ErrorOf("time,heights\n1,2\n"), ": has no column 'height'");
   EXPECT_EQ(ErrorOf("time,height\n"), ": holds no heights");

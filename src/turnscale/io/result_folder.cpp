@@ -2,7 +2,6 @@
 #include "turnscale/io/result_folder.h"
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <cmath>
 #include <cstdint>
@@ -20,6 +19,7 @@
 #include "turnscale/camera/camera_model.h"
 #include "turnscale/io/run_files.h"
 #include "turnscale/io/run_summary.h"
+#include "turnscale/io/trajectory_file.h"
 #include "turnscale/odometry/results.h"
 
 namespace turnscale {
@@ -45,24 +45,23 @@ State StateIn(const CsvTable& table, size_t column, std::optional<State> (*named
 std::vector<FrameResult> ReadFrames(const fs::path& path) {
   std::vector<FrameResult> frames;
   ReadTable(path, [&](CsvTable& table) {
+    const auto whole = [&](const char* column) { return table.Value<int>(table.Column(column)); };
+    const auto number = [&](const char* column) { return table.Value<double>(table.Column(column)); };
     FrameResult frame;
-    size_t next = table.Column("frame");
-    frame.frame = table.Value<int>(next++);
-    frame.time = table.Value<double>(next++);
-    frame.state = StateIn(table, next++, TrackingStateNamed);
-    if (!table.Text(next).empty()) {
-      std::array<double, 7> v{};
-      for (double& value : v) value = table.Value<double>(next++);
-      frame.world_from_camera =
-          RigidTransform{Eigen::Quaterniond(v[6], v[3], v[4], v[5]).normalized(), {v[0], v[1], v[2]}};
+    frame.frame = whole("frame");
+    frame.time = number("time");
+    frame.state = StateIn(table, table.Column("state"), TrackingStateNamed);
+    if (!table.Text(table.Column("x")).empty()) {
+      const Eigen::Quaterniond rotation(number("qw"), number("qx"), number("qy"), number("qz"));
+      frame.world_from_camera = RigidTransform{RotationFromFile(rotation, table.Where(), "qx,qy,qz,qw"),
+                                               {number("x"), number("y"), number("z")}};
     }
-    const size_t state = table.Column("scale_state");
-    frame.scale_state = StateIn(table, state, ScaleStateNamed);
-    frame.scale_sigma = table.Value<double>(state + 1);
-    frame.inliers = table.Value<int>(state + 2);
-    frame.tracked = table.Value<int>(state + 3);
-    frame.keyframe = table.Value<int>(state + 4) != 0;
-    frame.turning = table.Value<int>(table.Column("turning")) != 0;
+    frame.scale_state = StateIn(table, table.Column("scale_state"), ScaleStateNamed);
+    frame.scale_sigma = number("scale_sigma");
+    frame.inliers = whole("inliers");
+    frame.tracked = whole("tracked");
+    frame.keyframe = whole("keyframe") != 0;
+    frame.turning = whole("turning") != 0;
     frames.push_back(frame);
   });
   return frames;
@@ -93,17 +92,15 @@ std::vector<TurnResult> ReadTurns(const fs::path& path) {
 std::vector<RotationRow> ReadRotations(const fs::path& path) {
   std::vector<RotationRow> rows;
   ReadTable(path, [&](CsvTable& table) {
-    const auto angles = [&](size_t first) {
-      return YawPitchRoll{table.Value<double>(first) / kDegreesPerRadian,
-                          table.Value<double>(first + 1) / kDegreesPerRadian,
-                          table.Value<double>(first + 2) / kDegreesPerRadian};
+    const auto radians = [&](const char* column) {
+      return table.Value<double>(table.Column(column)) / kDegreesPerRadian;
     };
     RotationRow row;
     row.frame = table.Value<int>(table.Column("frame"));
     row.time = table.Value<double>(table.Column("time"));
-    row.angles = angles(table.Column("yaw_deg"));
-    const size_t sigma = table.Column("yaw_sigma_deg");
-    if (!table.Text(sigma).empty()) row.sigma = angles(sigma);
+    row.angles = {radians("yaw_deg"), radians("pitch_deg"), radians("roll_deg")};
+    if (!table.Text(table.Column("yaw_sigma_deg")).empty())
+      row.sigma = YawPitchRoll{radians("yaw_sigma_deg"), radians("pitch_sigma_deg"), radians("roll_sigma_deg")};
     rows.push_back(row);
   });
   return rows;

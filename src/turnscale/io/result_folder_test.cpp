@@ -87,6 +87,44 @@ TEST_F(ResultFolderTest, ReadsWhatARunHasWritten) {
   EXPECT_LT(read.vehicle_from_body.angularDistance(summary.vehicle.vehicle_from_camera), 1e-9);
 }
 
+TEST_F(ResultFolderTest, ColumnsAreFoundByTheirNames) {
+  RunWriter writer({folder_});
+  writer.WriteText("summary.json", SummaryJson({}));
+  writer.WriteText("trajectory.csv",
+                   "turning,keyframe,tracked,inliers,scale_sigma,scale_state,qw,qz,qy,qx,z,y,x,state,time,frame\n"
+                   "1,0,30,20,0.25,observed,0,0,0,1,3,2,1,tracked,0.5,7\n");
+  writer.WriteText("camera_rotation.csv",
+                   "roll_sigma_deg,pitch_sigma_deg,yaw_sigma_deg,roll_deg,pitch_deg,yaw_deg,time,frame\n"
+                   "0.3,0.2,0.1,3,2,1,0.5,7\n");
+  const ResultFolder read = ReadResultFolder(folder_);
+  ASSERT_EQ(read.frames.size(), 1u);
+  EXPECT_EQ(read.frames[0].frame, 7);
+  EXPECT_EQ(read.frames[0].inliers, 20);
+  EXPECT_EQ(read.frames[0].scale_sigma, 0.25);
+  EXPECT_TRUE(read.frames[0].turning);
+  ASSERT_TRUE(read.frames[0].world_from_camera);
+  EXPECT_EQ(read.frames[0].world_from_camera->translation, Eigen::Vector3d(1, 2, 3));
+  EXPECT_EQ(read.frames[0].world_from_camera->rotation.x(), 1);
+  ASSERT_EQ(read.rotations.size(), 1u);
+  EXPECT_NEAR(read.rotations[0].angles.roll, 3 / kDegreesPerRadian, 1e-12);
+  ASSERT_TRUE(read.rotations[0].sigma);
+  EXPECT_NEAR(read.rotations[0].sigma->yaw, 0.1 / kDegreesPerRadian, 1e-12);
+}
+
+TEST_F(ResultFolderTest, SaysWhatATableLacks) {
+  RunWriter writer({folder_});
+  writer.WriteText("summary.json", SummaryJson({}));
+  writer.WriteText("trajectory.csv", "frame,time\n0,0\n");
+  EXPECT_NE(Refusal().find("trajectory.csv: has no column 'state'"), std::string::npos) << Refusal();
+  const std::string heading = FrameTableHeader();
+  writer.WriteText("trajectory.csv", heading + "0,0,tracked,1,2,3,0,0,0,0,held,0.01,20,30,1,,,0\n");
+  EXPECT_NE(Refusal().find("trajectory.csv:2: quaternion has norm 0, not 1; expected 'qx,qy,qz,qw'"), std::string::npos)
+      << Refusal();
+  writer.WriteText("trajectory.csv", heading);
+  writer.WriteText("camera_rotation.csv", "frame,time,yaw_deg\n0,0,1\n");
+  EXPECT_NE(Refusal().find("camera_rotation.csv: has no column 'pitch_deg'"), std::string::npos) << Refusal();
+}
+
 TEST_F(ResultFolderTest, SaysWhatIsNoResult) {
   EXPECT_NE(Refusal().find("is not a folder with results of a run"), std::string::npos);
   fs::create_directories(folder_);

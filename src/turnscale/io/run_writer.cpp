@@ -15,6 +15,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "turnscale/base/csv_cells.h"
 #include "turnscale/base/error.h"
 #include "turnscale/geometry/rotation.h"
 #include "turnscale/image_file/image_encoder.h"
@@ -27,14 +28,6 @@ namespace {
 
 std::string DegreesCell(double radians) {
   return std::isnan(radians) ? std::string() : fmt::format("{:.6f}", radians * kDegreesPerRadian);
-}
-
-// Reasons are free text: quoted, as commas would part them.
-std::string QuotedCell(const std::string& text) {
-  if (text.empty()) return {};
-  std::string quoted(1, '"');
-  for (const char c : text) quoted.append(c == '"' ? 2 : 1, c);
-  return quoted.append(1, '"');
 }
 
 using Colour = std::array<uint8_t, 3>;
@@ -117,16 +110,13 @@ std::string TurnTable(const std::vector<TurnResult>& turns) {
       "first_frame,last_frame,keyframes,angle_deg,speed_mps,metres_per_unit,sigma,smoothed_metres_per_unit,"
       "smoothed_sigma,deviation_sigmas,effective_lever_arm_m,used,reason,unadjusted\n";
   for (const TurnResult& turn : turns) {
-    // A turn that says nothing leaves its cells empty.
-    const auto positive = [](double value, int digits) {
-      return value > 0 ? fmt::format("{:.{}g}", value, digits) : std::string();
-    };
     table += fmt::format(
         "{},{},{},{:.4f},{},{},{},{},{},{},{},{},{},{}\n", turn.first_frame, turn.last_frame,
-        turn.last_keyframe - turn.first_keyframe + 1, turn.angle * kDegreesPerRadian, positive(turn.speed, 5),
-        positive(turn.metres_per_unit, 9), positive(turn.sigma, 6), positive(turn.smoothed, 9),
-        positive(turn.smoothed_sigma, 6), turn.used ? fmt::format("{:.3f}", turn.deviation) : std::string(),
-        positive(turn.effective_lever_arm, 6), turn.used ? 1 : 0, QuotedCell(turn.reason), QuotedCell(turn.unadjusted));
+        turn.last_keyframe - turn.first_keyframe + 1, turn.angle * kDegreesPerRadian, PositiveCell(turn.speed, 5),
+        PositiveCell(turn.metres_per_unit, 9), PositiveCell(turn.sigma, 6), PositiveCell(turn.smoothed, 9),
+        PositiveCell(turn.smoothed_sigma, 6), turn.used ? fmt::format("{:.3f}", turn.deviation) : std::string(),
+        PositiveCell(turn.effective_lever_arm, 6), turn.used ? 1 : 0, QuotedCell(turn.reason),
+        QuotedCell(turn.unadjusted));
   }
   return table;
 }

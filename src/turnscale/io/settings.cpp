@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "turnscale/base/error.h"
+#include "turnscale/base/error_prefix.h"
 #include "turnscale/base/number_text.h"
 #include "turnscale/camera/camera_file.h"
 #include "turnscale/config/yaml_map.h"
@@ -321,11 +322,7 @@ OdometryOptions ReadSettings(const std::filesystem::path& path) {
   FieldReader reader{YamlMap(path)};
   VisitSettings(reader, options);
   reader.AllowOnlyKnown();
-  try {
-    options.Check();
-  } catch (const InputError& error) {
-    throw InputError(path.string() + ": " + error.what());
-  }
+  CheckPart(path.string() + ": ", options);
   return options;
 }
 

@@ -3,6 +3,9 @@
 
 #include <cmath>
 #include <fstream>
+#include <sstream>
+#include <utility>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -100,6 +103,59 @@ TEST(Settings, ComplaintsNameLineKeyAndNearestKey) {
   const std::string senseless = SettingsComplaint("vehicle:\n  lever_arm: -1\n");
   EXPECT_NE(senseless.find("settings_test.yaml: "), std::string::npos) << senseless;
   EXPECT_NE(senseless.find("lever_arm"), std::string::npos) << senseless;
+}
+
+/// The settings with -1e9 in one line, and the dotted key of that line; empty where its value is no number.
+std::pair<std::string, std::string> WithSenselessLine(const std::vector<std::string>& lines, size_t changed) {
+  std::vector<std::string> groups;
+  std::pair<std::string, std::string> result;
+  for (size_t i = 0; i < lines.size(); ++i) {
+    const size_t depth = lines[i].find_first_not_of(' ') / 2;
+    const std::string key = lines[i].substr(2 * depth, lines[i].find(':') - 2 * depth);
+    const std::string value = lines[i].substr(lines[i].find(':') + 1);
+    groups.resize(depth);
+    const bool number = value == " none" || value.find_first_of("0123456789") != std::string::npos;
+    if (i == changed && number) {
+      for (const std::string& group : groups) result.second += group + ".";
+      result.second += key;
+    }
+    result.first += i == changed && number ? std::string(2 * depth, ' ') + key + ": -1000000000\n" : lines[i] + "\n";
+    groups.push_back(key);
+  }
+  return result;
+}
+
+TEST(Settings, ComplaintsNameTheKeyThatMakesNoSense) {
+  std::vector<std::string> lines;
+  std::istringstream text(SettingsText({}));
+  for (std::string line; std::getline(text, line);) lines.push_back(line);
+  int refused = 0;
+  for (size_t i = 0; i < lines.size(); ++i) {
+    const auto [settings, key] = WithSenselessLine(lines, i);
+    if (key.empty()) continue;
+    const std::string complaint = SettingsComplaint(settings);
+    if (complaint == "no error") continue;
+    ++refused;
+    EXPECT_NE(complaint.find("settings_test.yaml: " + key + ": "), std::string::npos) << key << "\n" << complaint;
+  }
+  EXPECT_GT(refused, 150);
+}
+
+TEST(Settings, AnglesAreRefusedInTheUnitOfTheKey) {
+  EXPECT_NE(SettingsComplaint("steps:\n  angle_deg: 30\n").find("steps.angle_deg: has to be from 0 to below 28.6"),
+            std::string::npos);
+  EXPECT_NE(SettingsComplaint("vehicle:\n  yaw_sigma_deg: 60\n")
+                .find("vehicle.yaw_sigma_deg: has to be above 0 and below 57.3"),
+            std::string::npos);
+}
+
+TEST(Settings, LengthsInAWrongUnitAreRefused) {
+  EXPECT_NE(SettingsComplaint("vehicle:\n  lever_arm: 145\n")
+                .find("vehicle.lever_arm: has to be the distance from the "
+                      "rear axle forward to the camera in metres, above 0 "
+                      "and up to 20"),
+            std::string::npos);
+  EXPECT_NE(SettingsComplaint("vehicle:\n  camera_height: 150\n").find("above 0 and up to 10"), std::string::npos);
 }
 
 TEST(CameraRotation, FromAnglesOrFile) {

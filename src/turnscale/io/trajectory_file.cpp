@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <fstream>
 #include <iterator>
 #include <span>
@@ -26,12 +27,8 @@ constexpr double kLatestSeconds = 1e14;  // three million years
 constexpr std::size_t kEurocColumns = 8;
 
 RigidTransform PoseFromTum(std::span<const double> values, const std::string& where) {
-  const Eigen::Quaterniond rotation(values[6], values[3], values[4], values[5]);
-  if (std::abs(rotation.norm() - 1) > kRotationTolerance) {
-    throw InputError(fmt::format("{}: quaternion has norm {:.4g}, not 1; expected 'time tx ty tz qx qy qz qw'", where,
-                                 rotation.norm()));
-  }
-  return {rotation.normalized(), {values[0], values[1], values[2]}};
+  const Eigen::Quaterniond read(values[6], values[3], values[4], values[5]);
+  return {RotationFromFile(read, where, "time tx ty tz qx qy qz qw"), {values[0], values[1], values[2]}};
 }
 
 RigidTransform PoseFromKitti(std::span<const double> values, const std::string& where) {
@@ -100,6 +97,12 @@ class Parser {
     }
     columns_ = words.size();
     const std::vector<double> v = NumbersOf({words.begin(), words.begin() + kEurocColumns}, where);
+    if (!ParseNumber<int64_t>(words[0]) && !(v[0] > kLatestSeconds)) {
+      throw InputError(
+          fmt::format("{}: time {}, but those of a EuRoC file are whole nanoseconds; give a TUM file with blanks, not "
+                      "commas, between its columns",
+                      where, words[0]));
+    }
     AddTum(std::array{v[0] * kSecondsPerNanosecond, v[1], v[2], v[3], v[5], v[6], v[7], v[4]}, where);
   }
 
@@ -175,6 +178,14 @@ std::filesystem::path FindPoseTimes(const std::filesystem::path& kitti_poses) {
   fs::path benchmark =
       fs::absolute(kitti_poses).parent_path().parent_path() / "sequences" / kitti_poses.stem() / "times.txt";
   return fs::exists(benchmark) ? benchmark : fs::path();
+}
+
+Eigen::Quaterniond RotationFromFile(const Eigen::Quaterniond& read, const std::string& where,
+                                    std::string_view columns) {
+  const double norm = read.norm();
+  if (!(std::abs(norm - 1) <= kRotationTolerance))
+    throw InputError(fmt::format("{}: quaternion has norm {:.4g}, not 1; expected '{}'", where, norm, columns));
+  return read.normalized();
 }
 
 std::string TumLine(const StampedPose& pose) {

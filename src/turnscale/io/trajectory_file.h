@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "turnscale/geometry/rigid_transform.h"
@@ -42,6 +43,10 @@ Trajectory ReadTrajectory(const std::filesystem::path& path,
 /// Where the times of KITTI poses stand: `times.txt` beside them, or where the benchmark keeps them (`poses/07.txt`,
 /// `sequences/07/times.txt`). Empty where there is neither.
 std::filesystem::path FindPoseTimes(const std::filesystem::path& kitti_poses);
+
+/// The rotation that a quaternion of a file stands for, whose digits are few. Throws InputError that begins with
+/// `where` and names the expected columns if its norm is far from 1.
+Eigen::Quaterniond RotationFromFile(const Eigen::Quaterniond& read, const std::string& where, std::string_view columns);
 
 /// One line of a file, with its line end; 17 digits give back every bit.
 std::string TumLine(const StampedPose& pose);

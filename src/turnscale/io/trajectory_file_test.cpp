@@ -77,6 +77,14 @@ TEST(TrajectoryFile, ReadsEurocCsv) {
             std::string::npos);
 }
 
+TEST(TrajectoryFile, EurocTimesAreWholeNanoseconds) {
+  EXPECT_EQ(TrajectoryComplaint("0.1,1,2,3,0,0,0,1\n0.2,1,2,3,0,0,0,1\n"),
+            "bad.txt:1: time 0.1, but those of a EuRoC file are whole nanoseconds; give a TUM file with blanks, not "
+            "commas, between its columns");
+  EXPECT_TRUE(TrajectoryComplaint("0,1,2,3,1,0,0,0\n0.1,1,2,3,1,0,0,0\n").starts_with("bad.txt:2: time 0.1, but"));
+  EXPECT_EQ(TrajectoryComplaint("1403636580838555648.0,1,2,3,1,0,0,0\n"), "no error") << "no clock counts such seconds";
+}
+
 TEST(TrajectoryFile, TumTimesMayBeNanoseconds) {
   std::ofstream(Path("ns.tum")) << "1403636580838555648 0 0 0 0 0 0 1\n1403636580888555520 0 0 1 0 0 0 1\n";
   const Trajectory poses = ReadTrajectory(Path("ns.tum"));

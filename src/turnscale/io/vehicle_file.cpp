@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "turnscale/base/error_prefix.h"
 #include "turnscale/camera/camera_file.h"
 #include "turnscale/config/yaml_map.h"
 #include "turnscale/geometry/rotation.h"
@@ -95,8 +96,16 @@ std::string VehicleFileText(const VehicleOptions& vehicle, const Mount& mount, c
   if (car && car->camera_height > 0) {
     text += Line("height", car->camera_height, "of the camera above the road, metres");
     text += Line("height_sigma", car->camera_height_sigma);
+    const double of_arm = car->lever_arm > 0 ? car->height_correlation : 0.0;
+    // Whoever reads them takes the errors of lever arm and slip as independent: that of the height cannot be both.
+    constexpr double kMostCorrelation = 0.98;
+    const double shrink =
+        kMostCorrelation / std::max(std::hypot(of_arm, car->height_slip_correlation), kMostCorrelation);
     if (car->lever_arm > 0)
-      text += Line("height_correlation", car->height_correlation, "of the errors of the height and of the lever arm");
+      text += Line("height_correlation", shrink * of_arm, "of the errors of the height and of the lever arm");
+    if (car->side_slip_sigma > 0)
+      text += Line("height_slip_correlation", shrink * car->height_slip_correlation,
+                   "of the errors of the height and of the side slip");
   } else if (vehicle.camera_height) {
     text += Line("height", *vehicle.camera_height, "of the camera above the road, metres");
     text += Line("height_sigma", sigma_of(*vehicle.camera_height, vehicle.HeightSigma()));
@@ -147,7 +156,7 @@ void ReadVehicleFile(const std::filesystem::path& path, VehicleOptions& vehicle)
     vehicle.height_correlation = correlation("height_correlation");
     vehicle.height_slip_correlation = correlation("height_slip_correlation");
   }
-  vehicle.Check();
+  CheckPart(path.string() + ": ", vehicle);
 }
 
 }  // namespace turnscale

@@ -68,6 +68,29 @@ TEST(VehicleFile, TheNextDriveKnowsWhatThisOneHasLearned) {
   EXPECT_LT(next.yaw_sigma, 0.003);
 }
 
+TEST(VehicleFile, TheNextDriveKnowsHowTheErrorsCorrelate) {
+  VehicleOptions vehicle;
+  vehicle.lever_arm = 1.45;
+  RefinedScale scale = LearnedScale();
+  CarRefinement& car = scale.estimate->car;
+  const auto next = [&] { return ReadText(VehicleFileText(vehicle, {}, scale)); };
+  const double between_drives = 0.02 / std::hypot(0.02, 0.0131);
+  car.height_correlation = 0.6;
+  car.height_slip_correlation = -0.7;
+  EXPECT_NEAR(next().height_correlation, 0.6 * between_drives, 1e-5);
+  EXPECT_NEAR(next().height_slip_correlation, -0.7 * between_drives, 1e-5);
+  // Those of lever arm and slip correlate as well, so that both may be large.
+  car.height_correlation = 0.9;
+  car.height_slip_correlation = -0.9;
+  EXPECT_NEAR(next().height_correlation, 0.98 / std::sqrt(2) * between_drives, 1e-5);
+  EXPECT_NEAR(next().height_slip_correlation, -0.98 / std::sqrt(2) * between_drives, 1e-5);
+  car.lever_arm = 0;
+  EXPECT_EQ(next().height_correlation, 0);
+  EXPECT_NEAR(next().height_slip_correlation, -0.9 * between_drives, 1e-5);
+  car.side_slip_sigma = 0;
+  EXPECT_EQ(next().height_slip_correlation, 0) << "known exactly";
+}
+
 TEST(VehicleFile, CorrelationsOfTheHeightShrinkByWhatChangesBetweenDrives) {
   const VehicleOptions next = ReadText(
       "lever_arm: 1.5\nside_slip: 0.005\nheight: 1.4\nheight_sigma: 0.014\nheight_correlation: 0.6\n"
@@ -129,6 +152,10 @@ TEST(VehicleFile, SenselessValuesAreRefused) {
   EXPECT_NE(Refused("lever_arm: 0\n").find("lever_arm"), std::string::npos);
   EXPECT_NE(Refused("height: 1\nheight_sigma: -0.1\n").find("height_sigma"), std::string::npos);
   EXPECT_NE(Refused("yaw_deg: 270\npitch_deg: 0\nroll_deg: 0\n").find("yaw_deg"), std::string::npos);
+  EXPECT_NE(Refused("side_slip: 2\n").find("car.yaml: side_slip: has to be in 0...1"), std::string::npos);
+  EXPECT_NE(Refused("lever_arm: 145\n").find("car.yaml: lever_arm: has to be the distance from the rear axle forward"),
+            std::string::npos);
+  EXPECT_NE(Refused("height: 150\n").find("car.yaml: camera_height: has to be"), std::string::npos);
   EXPECT_NE(Refused("hight: 1\n").find("height"), std::string::npos) << "the nearest known key";
   for (const char* camera : {"image_width: 640\ncamera_matrix: [1, 0, 0, 0, 1, 0, 0, 0, 1]\n", "Camera.fx: 200\n",
                              "P0: 1 0 0 0 0 1 0 0 0 0 1 0\n", "cam0:\n  camera_model: pinhole\n"})

@@ -22,6 +22,9 @@ constexpr double SigmaOfGivenSideSlip(double side_slip) {
 }
 /// Standard deviation of a lever arm measured with a tape, metres.
 constexpr double kTapeSigma = 0.03;
+/// Longest lever arm and largest height of a camera above the road that make sense, metres: more is a wrong unit.
+constexpr double kLongestLeverArm = 20;
+constexpr double kHighestCamera = 10;
 /// Height of a car's camera above the axis about which its body rolls, metres: cameras are 1.2 to 1.7 m above the road,
 /// the axis is near the road.
 constexpr double kUsualRollHeight = 1.1;

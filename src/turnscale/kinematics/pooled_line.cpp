@@ -163,13 +163,13 @@ RobustLine FitRobustLine(const std::vector<LinePoint>& points, double noise_floo
 }
 
 void PooledLineOptions::Check() const {
-  const auto require = [](bool good, const std::string& what) {
-    if (!good) throw InputError("pooled line: " + what);
+  const auto require = [](bool good, const char* what) {
+    if (!good) throw InputError(what);
   };
-  require(std::isfinite(sigma_theta) && sigma_theta > 0, "sigma_theta must be positive");
-  require(std::isfinite(robust_threshold) && robust_threshold > 0, "robust_threshold must be positive");
-  require(min_inliers >= 1, "min_inliers must be at least 1");
-  require(std::isfinite(min_angle) && min_angle >= 0, "min_angle must not be negative");
+  require(std::isfinite(sigma_theta) && sigma_theta > 0, "sigma_theta_deg: has to be positive");
+  require(std::isfinite(robust_threshold) && robust_threshold > 0, "robust_threshold: has to be positive");
+  require(min_inliers >= 1, "min_inliers: has to be at least 1");
+  require(std::isfinite(min_angle) && min_angle >= 0, "min_angle_deg: must not be negative");
 }
 
 PooledLineResult PoolTurn(const std::vector<VehicleStep>& all_steps, const PooledLineOptions& options) {

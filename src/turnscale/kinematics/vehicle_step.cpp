@@ -46,11 +46,11 @@ double VehicleStep::lateral() const { return motion.step * std::sin(motion.theta
 double VehicleStep::forward() const { return motion.step * std::cos(motion.theta - 0.5 * motion.psi); }
 
 void VehicleStepOptions::Check() const {
-  if (!(angle >= 0 && angle < 0.5)) throw InputError("steps.angle: has to be from 0 to below 0.5 rad");
+  if (!(angle >= 0 && angle < 0.5)) throw InputError("steps.angle_deg: has to be from 0 to below 28.6");
   if (!(max_duration > 0)) throw InputError("steps.max_duration: has to be positive");
   if (max_poses < 1) throw InputError("steps.max_poses: has to be at least 1");
   if (!(max_speed_ratio > 1)) throw InputError("steps.max_speed_ratio: has to be above 1");
-  if (!(max_direction > 0)) throw InputError("steps.max_direction: has to be positive");
+  if (!(max_direction > 0)) throw InputError("steps.max_direction_deg: has to be positive");
 }
 
 VehicleStep LevelStep(const RigidTransform& previous_from_current, const Eigen::Quaterniond& vehicle_from_camera,

@@ -158,15 +158,15 @@ RangeRecovery AdjustRange(const ScaleRecoveryOptions& options, const std::vector
 }  // namespace
 
 void ScaleRecoveryOptions::Check() const {
-  const auto require = [](bool good, const std::string& what) {
-    if (!good) throw InputError("scale recovery: " + what);
+  const auto require = [](bool good, const char* what) {
+    if (!good) throw InputError(what);
   };
-  require(std::isfinite(pixel_sigma) && pixel_sigma > 0, "pixel_sigma must be positive");
+  require(std::isfinite(pixel_sigma) && pixel_sigma > 0, "pixel_sigma: has to be positive");
   require(std::isfinite(pixel_sigma_inflation) && pixel_sigma_inflation >= 1,
-          "pixel_sigma_inflation must be at least 1");
-  require(max_iterations >= 1, "max_iterations must be at least 1");
-  require(std::isfinite(huber_threshold) && huber_threshold >= 0, "huber_threshold must not be negative");
-  require(max_stretch > 1, "max_stretch must be more than 1");
+          "pixel_sigma_inflation: has to be at least 1");
+  require(max_iterations >= 1, "max_iterations: has to be at least 1");
+  require(std::isfinite(huber_threshold) && huber_threshold >= 0, "huber_threshold: must not be negative");
+  require(max_stretch > 1, "max_stretch: has to be above 1");
 }
 
 ScaleRecoveryResult RecoverAbsoluteScale(const ScaleRecoveryOptions& options, const std::vector<TurnScale>& turns,

@@ -92,13 +92,13 @@ void WriteBack(const WindowProblem& problem, Map& map) {
 
 void LocalBundleOptions::Check() const {
   if (window < 2 || window > kMostKeyframes)
-    throw InputError("local_bundle.window: has to be from 2 to " + std::to_string(kMostKeyframes) + " keyframes");
+    throw InputError("window: has to be from 2 to " + std::to_string(kMostKeyframes) + " keyframes");
   if (anchors < 1 || anchors > kMostKeyframes)
-    throw InputError("local_bundle.anchors: has to be from 1 to " + std::to_string(kMostKeyframes) + " keyframes");
-  if (!(pixel_sigma > 0)) throw InputError("local_bundle.pixel_sigma: has to be positive");
-  if (!(relative_cost_tolerance > 0)) throw InputError("local_bundle.relative_cost_tolerance: has to be positive");
-  if (!(initial_damping >= 0)) throw InputError("local_bundle.initial_damping: is negative or not a number");
-  if (max_iterations < 1) throw InputError("local_bundle.max_iterations: has to be at least 1");
+    throw InputError("anchors: has to be from 1 to " + std::to_string(kMostKeyframes) + " keyframes");
+  if (!(pixel_sigma > 0)) throw InputError("pixel_sigma: has to be positive");
+  if (!(relative_cost_tolerance > 0)) throw InputError("relative_cost_tolerance: has to be positive");
+  if (!(initial_damping >= 0)) throw InputError("initial_damping: is negative or not a number");
+  if (max_iterations < 1) throw InputError("max_iterations: has to be at least 1");
 }
 
 LocalBundleResult AdjustLocalWindow(const LocalBundleOptions& options, Map& map) {

@@ -239,13 +239,13 @@ TEST(LocalBundleAdjustment, ANumberThatIsNoneLeavesTheMapAsItIs) {
 TEST(LocalBundleAdjustment, OptionsNameTheFieldThatMakesNoSense) {
   using Options = LocalBundleOptions;
   EXPECT_EQ(RefusedField<Options>([](auto&) {}), "");
-  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.window = 1; }), "local_bundle.window");
-  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.anchors = 0; }), "local_bundle.anchors");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.window = 1; }), "window");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.anchors = 0; }), "anchors");
   EXPECT_EQ(RefusedField<Options>([](auto& o) { o.window = o.anchors = 10'000; }), "");
-  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.window = 10'001; }), "local_bundle.window");
-  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.anchors = 10'001; }), "local_bundle.anchors");
-  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.pixel_sigma = 0; }), "local_bundle.pixel_sigma");
-  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.max_iterations = 0; }), "local_bundle.max_iterations");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.window = 10'001; }), "window");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.anchors = 10'001; }), "anchors");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.pixel_sigma = 0; }), "pixel_sigma");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.max_iterations = 0; }), "max_iterations");
 }
 
 }  // namespace

@@ -5,33 +5,35 @@
 #include <string>
 
 #include "turnscale/base/error.h"
+#include "turnscale/base/error_prefix.h"
+#include "turnscale/base/number_text.h"
 
 namespace turnscale {
 
 void VehicleOptions::Check() const {
-  if (lever_arm && !(*lever_arm > 0 && std::isfinite(*lever_arm)))
-    throw InputError("vehicle.lever_arm: has to be a positive number of metres");
-  if (!(lever_arm_sigma >= 0 && std::isfinite(lever_arm_sigma)))
-    throw InputError("vehicle.lever_arm_sigma: has to be a number of metres, 0 or more");
-  if (lever_arm && !(LeverArmSigma(*lever_arm, lever_arm_sigma) < *lever_arm))
-    throw InputError("vehicle.lever_arm_sigma: has to be below the lever arm, metres");
-  if (camera_height && !(*camera_height > 0 && std::isfinite(*camera_height)))
-    throw InputError("vehicle.camera_height: has to be a positive number of metres");
-  if (camera_height_sigma && !(*camera_height_sigma >= 0 && *camera_height_sigma < camera_height.value_or(HUGE_VAL)))
-    throw InputError("vehicle.camera_height_sigma: has to be from 0 to below the height, metres");
-  if (!(std::abs(height_correlation) < 1)) throw InputError("vehicle.height_correlation: has to be between -1 and 1");
-  if (!(std::hypot(height_correlation, height_slip_correlation) < 1))
+  if (lever_arm && !(*lever_arm > 0 && *lever_arm <= kLongestLeverArm))
     throw InputError(
-        "vehicle.height_slip_correlation: the sum of its square and that of height_correlation has to be below 1");
-  if (!(side_slip >= 0 && side_slip < 1)) throw InputError("vehicle.side_slip: has to be in 0...1 s^2/m");
-  if (!(side_slip_sigma >= 0 && side_slip_sigma < 1))
-    throw InputError("vehicle.side_slip_sigma: has to be in 0...1 s^2/m");
-  if (!(yaw_sigma > 0 && yaw_sigma < 1)) throw InputError("vehicle.yaw_sigma: has to be above 0 and below 1 rad");
-  if (!(roll_height >= 0 && roll_height < 10)) throw InputError("vehicle.roll_height: has to be from 0 to below 10 m");
+        "lever_arm: has to be the distance from the rear axle forward to the camera in metres, above 0 and up to " +
+        NumberText(kLongestLeverArm));
+  if (!(lever_arm_sigma >= 0 && std::isfinite(lever_arm_sigma)))
+    throw InputError("lever_arm_sigma: has to be a number of metres, 0 or more");
+  if (lever_arm && !(LeverArmSigma(*lever_arm, lever_arm_sigma) < *lever_arm))
+    throw InputError("lever_arm_sigma: has to be below the lever arm, metres");
+  if (camera_height && !(*camera_height > 0 && *camera_height <= kHighestCamera))
+    throw InputError("camera_height: has to be the height of the camera above the road in metres, above 0 and up to " +
+                     NumberText(kHighestCamera));
+  if (camera_height_sigma && !(*camera_height_sigma >= 0 && *camera_height_sigma < camera_height.value_or(HUGE_VAL)))
+    throw InputError("camera_height_sigma: has to be from 0 to below the height, metres");
+  if (!(std::abs(height_correlation) < 1)) throw InputError("height_correlation: has to be between -1 and 1");
+  if (!(std::hypot(height_correlation, height_slip_correlation) < 1))
+    throw InputError("height_slip_correlation: the sum of its square and that of height_correlation has to be below 1");
+  if (!(side_slip >= 0 && side_slip < 1)) throw InputError("side_slip: has to be in 0...1 s^2/m");
+  if (!(side_slip_sigma >= 0 && side_slip_sigma < 1)) throw InputError("side_slip_sigma: has to be in 0...1 s^2/m");
+  if (!(yaw_sigma > 0 && yaw_sigma < 1)) throw InputError("yaw_sigma_deg: has to be above 0 and below 57.3");
+  if (!(roll_height >= 0 && roll_height < 10)) throw InputError("roll_height: has to be from 0 to below 10 m");
   if (!(roll_height_sigma >= 0 && roll_height_sigma < 10))
-    throw InputError("vehicle.roll_height_sigma: has to be from 0 to below 10 m");
-  if (!(std::abs(vehicle_from_camera.norm() - 1) < 1e-6))
-    throw InputError("vehicle.vehicle_from_camera: has to be a rotation");
+    throw InputError("roll_height_sigma: has to be from 0 to below 10 m");
+  if (!(std::abs(vehicle_from_camera.norm() - 1) < 1e-6)) throw InputError("vehicle_from_camera: has to be a rotation");
 }
 
 void KeyframeOptions::Check() const {
@@ -78,12 +80,12 @@ void SelfCalibrationOptions::Check() const {
 }
 
 void ScaleOptions::Check() const {
-  estimator.Check();
-  recovery.Check();
+  CheckPart("scale.", estimator);
+  CheckPart("scale.recovery.", recovery);
 }
 
 void OdometryOptions::Check() const {
-  vehicle.Check();
+  CheckPart("vehicle.", vehicle);
   images.Check();
   corners.Check();
   flow.Check();
@@ -92,9 +94,9 @@ void OdometryOptions::Check() const {
   pose.Check();
   keyframes.Check();
   landmarks.Check();
-  local_bundle.Check();
-  turn_bundle.Check();
-  final_bundle.Check();
+  CheckPart("local_bundle.", local_bundle);
+  CheckPart("turn_bundle.", turn_bundle);
+  CheckPart("final_bundle.", final_bundle);
   lens.Check();
   calibration_check.Check();
   self_calibration.Check();

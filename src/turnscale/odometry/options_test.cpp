@@ -24,6 +24,11 @@ TEST(OdometryOptions, NameTheFieldThatMakesNoSense) {
   EXPECT_EQ(Refused([](auto& o) { o.vehicle.lever_arm = 0; }), "vehicle.lever_arm");
   EXPECT_EQ(Refused([](auto& o) { o.vehicle.lever_arm = std::nan(""); }), "vehicle.lever_arm");
   EXPECT_EQ(Refused([](auto& o) { o.vehicle.lever_arm = HUGE_VAL; }), "vehicle.lever_arm");
+  EXPECT_EQ(Refused([](auto& o) { o.vehicle.lever_arm = 145; }), "vehicle.lever_arm") << "centimetres";
+  EXPECT_EQ(Refused([](auto& o) { o.vehicle.camera_height = 150; }), "vehicle.camera_height");
+  EXPECT_EQ(Refused([](auto& o) { o.turn_bundle.window = 1; }), "turn_bundle.window");
+  EXPECT_EQ(Refused([](auto& o) { o.final_bundle.anchors = 0; }), "final_bundle.anchors");
+  EXPECT_EQ(Refused([](auto& o) { o.scale.recovery.max_iterations = 0; }), "scale.recovery.max_iterations");
   EXPECT_EQ(Refused([](auto& o) { o.vehicle.side_slip = -0.1; }), "vehicle.side_slip");
   EXPECT_EQ(Refused([](auto& o) { o.vehicle.vehicle_from_camera.coeffs() *= 2; }), "vehicle.vehicle_from_camera");
   EXPECT_EQ(Refused([](auto& o) { o.images.max_width = -1; }), "images.max_width");
@@ -44,7 +49,7 @@ TEST(OdometryOptions, NameTheFieldThatMakesNoSense) {
   EXPECT_EQ(Refused([](auto& o) { o.vehicle.lever_arm = o.vehicle.lever_arm_sigma = 0.5; }), "vehicle.lever_arm_sigma");
   EXPECT_EQ(Refused([](auto& o) { o.vehicle.lever_arm = 0.02; }), "") << "the default adapts";
   EXPECT_EQ(Refused([](auto& o) { o.vehicle.side_slip_sigma = 1; }), "vehicle.side_slip_sigma");
-  EXPECT_EQ(Refused([](auto& o) { o.vehicle.yaw_sigma = 0; }), "vehicle.yaw_sigma");
+  EXPECT_EQ(Refused([](auto& o) { o.vehicle.yaw_sigma = 0; }), "vehicle.yaw_sigma_deg");
   EXPECT_EQ(Refused([](auto& o) { o.scale.estimator.max_sigma_ratio = 0; }), "scale.max_sigma_ratio");
 }
 

@@ -40,9 +40,9 @@ RoadRegion RegionAhead(const RigidTransform& current_from_earlier, const Eigen::
 
 void RoadObserverOptions::Check() const {
   plane.Check();
-  if (!(min_baseline > 0 && baseline >= min_baseline))
-    throw InputError("road.baseline: has to be at least `min_baseline`, which has to be positive");
-  if (!(max_turn > 0 && max_turn < 1)) throw InputError("road.max_turn: has to be above 0 and below 1 rad");
+  if (!(min_baseline > 0)) throw InputError("road.min_baseline: has to be positive");
+  if (!(baseline >= min_baseline)) throw InputError("road.baseline: has to be at least road.min_baseline");
+  if (!(max_turn > 0 && max_turn < 1)) throw InputError("road.max_turn_deg: has to be above 0 and below 57.3");
 }
 
 const RoadObserver::View* RoadObserver::Reference(const Map& map, double height) const {

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "turnscale/base/error.h"
+#include "turnscale/base/error_prefix.h"
 #include "turnscale/calibration/calibration.h"
 #include "turnscale/calibration/camera_axes.h"
 #include "turnscale/calibration/camera_step.h"
@@ -175,7 +176,7 @@ MountFromPath FindCameraMount(const Trajectory& trajectory, bool timed, const st
 void RescaleOptions::Check() const {
   car.Check();
   steps.Check();
-  estimator.Check();
+  CheckPart("estimator.", estimator);
 }
 
 RescaleResult RescaleTrajectory(const RescaleOptions& options, const Trajectory& trajectory,

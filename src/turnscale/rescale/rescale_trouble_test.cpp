@@ -163,10 +163,10 @@ TEST(Rescale, ChecksItsOptions) {
   EXPECT_EQ(refused([](auto& o) { o.car.yaw_sigma = 0; }), "car.yaw_sigma");
   EXPECT_EQ(refused([](auto& o) { o.car.lever_arm_sigma = -1; }), "car.lever_arm_sigma");
   EXPECT_EQ(refused([](auto& o) { o.steps.max_poses = 0; }), "steps.max_poses");
-  EXPECT_EQ(refused([](auto& o) { o.estimator.segments.max_straight_steps = 0; }), "segments.max_straight_steps");
-  EXPECT_EQ(refused([](auto& o) { o.estimator.evidence.turn_sigma = 0; }), "evidence.turn_sigma");
-  EXPECT_EQ(refused([](auto& o) { o.estimator.drift.per_90deg = 1; }), "drift.per_90deg");
-  EXPECT_EQ(refused([](auto& o) { o.estimator.huber = 0; }), "scale.huber");
+  EXPECT_EQ(refused([](auto& o) { o.estimator.segments.max_straight_steps = 0; }), "estimator.max_straight_steps");
+  EXPECT_EQ(refused([](auto& o) { o.estimator.evidence.turn_sigma = 0; }), "estimator.evidence.turn_sigma");
+  EXPECT_EQ(refused([](auto& o) { o.estimator.drift.per_90deg = 1; }), "estimator.drift.per_90deg");
+  EXPECT_EQ(refused([](auto& o) { o.estimator.huber = 0; }), "estimator.huber");
 }
 
 }  // namespace

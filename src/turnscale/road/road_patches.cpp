@@ -139,14 +139,15 @@ void RoadPatchOptions::Check() const {
   const auto require = [](bool good, const char* what) {
     if (!good) throw InputError(what);
   };
-  require(half_width > 0, "road.patches.half_width: has to be positive");
-  require(nearest > 0, "road.patches.nearest: has to be positive");
-  require(farthest > nearest, "road.patches.farthest: has to be above `nearest`");
-  require(rows > 0 && columns > 0, "road.patches.rows, columns: have to be at least 1");
-  require(half_size >= 2 && half_size <= 20, "road.patches.half_size: has to be in 2...20 pixels");
-  require(least_contrast > 0, "road.patches.least_contrast: has to be positive");
-  require(image_noise > 0, "road.patches.image_noise: has to be positive");
-  require(least_pixel_sigma > 0, "road.patches.least_pixel_sigma: has to be positive");
+  require(half_width > 0, "road.half_width: has to be positive");
+  require(nearest > 0, "road.nearest: has to be positive");
+  require(farthest > nearest, "road.farthest: has to be above `nearest`");
+  require(rows > 0, "road.rows: has to be at least 1");
+  require(columns > 0, "road.columns: has to be at least 1");
+  require(half_size >= 2 && half_size <= 20, "road.half_size: has to be in 2...20 pixels");
+  require(least_contrast > 0, "road.least_contrast: has to be positive");
+  require(image_noise > 0, "road.image_noise: has to be positive");
+  require(least_pixel_sigma > 0, "road.least_pixel_sigma: has to be positive");
 }
 
 std::vector<RoadPatch> SelectRoadPatches(const RoadPatchOptions& options, const RoadPair& pair,

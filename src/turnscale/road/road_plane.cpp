@@ -169,8 +169,8 @@ void RoadPlaneOptions::Check() const {
   const auto require = [](bool good, const char* what) {
     if (!good) throw InputError(what);
   };
-  require(pitch_sigma > 0 && pitch_sigma < 1, "road.pitch_sigma: has to be above 0 and below 1 rad");
-  require(roll_sigma > 0 && roll_sigma < 1, "road.roll_sigma: has to be above 0 and below 1 rad");
+  require(pitch_sigma > 0 && pitch_sigma < 1, "road.pitch_sigma_deg: has to be above 0 and below 57.3");
+  require(roll_sigma > 0 && roll_sigma < 1, "road.roll_sigma_deg: has to be above 0 and below 57.3");
   require(vertical_curvature_sigma > 0, "road.vertical_curvature_sigma: has to be positive");
   require(unevenness >= 0, "road.unevenness: must not be negative");
   require(max_deviation > 0, "road.max_deviation: has to be positive");

@@ -6,6 +6,7 @@
 #include <span>
 
 #include "turnscale/base/error.h"
+#include "turnscale/base/error_prefix.h"
 #include "turnscale/scale/road_parts.h"
 
 namespace turnscale {
@@ -57,8 +58,8 @@ class Splitter {
 }  // namespace
 
 void PathSegmentOptions::Check() const {
-  turns.Check();
-  if (max_straight_steps < 1) throw InputError("segments.max_straight_steps: has to be at least 1");
+  CheckPart("turns.", turns);
+  if (max_straight_steps < 1) throw InputError("max_straight_steps: has to be at least 1");
 }
 
 std::vector<TurningRegion> FindTurns(const std::vector<VehicleStep>& steps, const TurnDetectorOptions& options) {

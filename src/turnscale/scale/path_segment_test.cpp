@@ -136,8 +136,8 @@ TEST(PathSegment, StraightsThatShowTheRoadAreCutFiner) {
 TEST(PathSegmentOptions, RefusesSenselessValues) {
   const auto refused = [](auto change) { return RefusedField<PathSegmentOptions>(change); };
   EXPECT_EQ(refused([](auto&) {}), "");
-  EXPECT_EQ(refused([](auto& o) { o.max_straight_steps = 0; }), "segments.max_straight_steps");
-  EXPECT_EQ(refused([](auto& o) { o.turns.min_steps = 0; }), "turn detector");
+  EXPECT_EQ(refused([](auto& o) { o.max_straight_steps = 0; }), "max_straight_steps");
+  EXPECT_EQ(refused([](auto& o) { o.turns.min_steps = 0; }), "turns.min_steps");
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include <Eigen/Cholesky>
 
 #include "turnscale/base/error.h"
+#include "turnscale/base/error_prefix.h"
 #include "turnscale/base/quantiles.h"
 #include "turnscale/base/robust_weights.h"
 
@@ -220,8 +221,11 @@ CarRefinement DescribeCar(const ScaleBelief& belief, const CarPrior& car, bool s
   if (belief.Sigma(kLogHeight) <= kLeastKnownHeight) {
     refinement.camera_height = std::exp(belief.mean[kLogHeight]);
     refinement.camera_height_sigma = belief.Sigma(kLogHeight) * refinement.camera_height;
-    refinement.height_correlation =
-        belief.covariance(kLogLeverArm, kLogHeight) / (belief.Sigma(kLogLeverArm) * belief.Sigma(kLogHeight));
+    const auto correlation = [&](DriveUnknown unknown) {
+      return belief.covariance(unknown, kLogHeight) / (belief.Sigma(unknown) * belief.Sigma(kLogHeight));
+    };
+    refinement.height_correlation = correlation(kLogLeverArm);
+    if (car.side_slip_sigma > 0) refinement.height_slip_correlation = correlation(kSlip);
   }
   return refinement;
 }
@@ -478,14 +482,14 @@ void InflateAndDescribe(const Answer& answer, const CarPrior& car, ScaleEstimate
 void ScaleEstimatorOptions::Check() const {
   segments.Check();
   evidence.Check();
-  drift.Check();
-  test.Check();
-  if (!(max_sigma_ratio >= 1)) throw InputError("scale.max_sigma_ratio: has to be at least 1");
-  if (!(huber > 0)) throw InputError("scale.huber: has to be positive");
-  if (!(max_height_deviation > 0)) throw InputError("scale.max_height_deviation: has to be positive");
-  if (!(max_yaw_deviation > 0)) throw InputError("scale.max_yaw_deviation: has to be positive");
-  if (!(contradicted_yaw_sigma > 0)) throw InputError("scale.contradicted_yaw_sigma: has to be positive");
-  if (!(max_sigma > 0)) throw InputError("scale.max_sigma: has to be positive");
+  CheckPart("drift.", drift);
+  CheckPart("test.", test);
+  if (!(max_sigma_ratio >= 1)) throw InputError("max_sigma_ratio: has to be at least 1");
+  if (!(huber > 0)) throw InputError("huber: has to be positive");
+  if (!(max_height_deviation > 0)) throw InputError("max_height_deviation: has to be positive");
+  if (!(max_yaw_deviation > 0)) throw InputError("max_yaw_deviation: has to be positive");
+  if (!(contradicted_yaw_sigma > 0)) throw InputError("contradicted_yaw_sigma_deg: has to be positive");
+  if (!(max_sigma > 0)) throw InputError("max_sigma: has to be positive");
 }
 
 ScaleEstimateResult EstimateScale(const std::vector<VehicleStep>& steps, const CarPrior& car,

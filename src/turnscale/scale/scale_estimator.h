@@ -74,7 +74,8 @@ struct CarRefinement {
   double roll_height_sigma = 0;
   double camera_height = 0;  ///< metres; 0 if neither given nor estimated
   double camera_height_sigma = 0;
-  double height_correlation = 0;  ///< of the errors of camera height and lever arm
+  double height_correlation = 0;       ///< of the errors of camera height and lever arm
+  double height_slip_correlation = 0;  ///< of the errors of camera height and c; 0 where c was given as known exactly
 };
 
 /// Mean and covariance of the car's constants: yaw error of Q (rad), c (s^2/m), ln(L), ln(H).

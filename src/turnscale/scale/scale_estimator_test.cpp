@@ -754,6 +754,21 @@ TEST(ScaleEstimator, WhatADriveTellsOfTheCarDoesNotDependOnThePrior) {
   EXPECT_LT((of_wide - of_narrow).norm(), 0.02 * of_wide.norm()) << of_wide << "\n\n" << of_narrow;
 }
 
+TEST(ScaleEstimator, TheCarTellsHowTheErrorsOfTheHeightCorrelate) {
+  SyntheticSteps drive = MakeSteps(TownRoad(6, 4), kCar, 0, kUnit, {}, 4);
+  ShowRoad(1.4, {}, 5, drive);
+  CarPrior prior = PriorOf(kCar);
+  const ScaleEstimate estimate = EstimateOf(drive, prior);
+  ASSERT_GT(estimate.car.camera_height, 0);
+  const Eigen::Matrix4d& covariance = estimate.car_evidence.posterior.covariance;
+  const auto correlation = [&](int i) { return covariance(i, 3) / std::sqrt(covariance(i, i) * covariance(3, 3)); };
+  EXPECT_NEAR(estimate.car.height_slip_correlation, correlation(1), 1e-9);
+  EXPECT_NEAR(estimate.car.height_correlation, correlation(2), 1e-9);
+  EXPECT_LT(estimate.car.height_slip_correlation, -0.05) << "more slip is less height";
+  prior.side_slip_sigma = 0;
+  EXPECT_EQ(EstimateOf(drive, prior).car.height_slip_correlation, 0);
+}
+
 TEST(ScaleEstimator, WhatADriveTellsOfTheCarMayBeANegativeSlip) {
   const SyntheticSteps drive = MakeSteps(TownRoad(8, 4), {kCar.length, -0.004}, 0, kUnit, {}, 4);
   const ScaleEstimate estimate = EstimateOf(drive, PriorOf({kCar.length, 0.001}));
@@ -765,13 +780,13 @@ TEST(ScaleEstimator, WhatADriveTellsOfTheCarMayBeANegativeSlip) {
 TEST(ScaleEstimatorOptions, RefusesSenselessValues) {
   const auto refused = [](auto change) { return RefusedField<ScaleEstimatorOptions>(change); };
   EXPECT_EQ(refused([](auto&) {}), "");
-  EXPECT_EQ(refused([](auto& o) { o.huber = 0; }), "scale.huber");
-  EXPECT_EQ(refused([](auto& o) { o.max_sigma = 0; }), "scale.max_sigma");
-  EXPECT_EQ(refused([](auto& o) { o.segments.max_straight_steps = 0; }), "segments.max_straight_steps");
+  EXPECT_EQ(refused([](auto& o) { o.huber = 0; }), "huber");
+  EXPECT_EQ(refused([](auto& o) { o.max_sigma = 0; }), "max_sigma");
+  EXPECT_EQ(refused([](auto& o) { o.segments.max_straight_steps = 0; }), "max_straight_steps");
   EXPECT_EQ(refused([](auto& o) { o.evidence.turn_sigma = 0; }), "evidence.turn_sigma");
   EXPECT_EQ(refused([](auto& o) { o.drift.per_100m = -1; }), "drift.per_100m");
   EXPECT_EQ(refused([](auto& o) { o.test.min_probability = 0; }), "test.min_probability");
-  EXPECT_EQ(refused([](auto& o) { o.segments.turns.min_steps = 0; }), "turn detector");
+  EXPECT_EQ(refused([](auto& o) { o.segments.turns.min_steps = 0; }), "turns.min_steps");
 }
 
 }  // namespace

@@ -7,6 +7,8 @@
 #include <utility>
 
 #include "turnscale/base/error.h"
+#include "turnscale/base/error_prefix.h"
+#include "turnscale/base/number_text.h"
 #include "turnscale/base/quantiles.h"
 #include "turnscale/base/robust_weights.h"
 #include "turnscale/kinematics/pooled_line.h"
@@ -56,15 +58,18 @@ double MeanErrorSigma(double lengths) {
 }  // namespace
 
 void CarPrior::Check() const {
-  const auto require = [](bool good, const char* what) {
+  const auto require = [](bool good, const std::string& what) {
     if (!good) throw InputError(what);
   };
-  require(std::isfinite(lever_arm) && (lever_arm > 0 || (lever_arm == 0 && knows_height())),
-          "car.lever_arm: has to be a positive number of metres");
+  require(
+      lever_arm <= kLongestLeverArm && (lever_arm > 0 || (lever_arm == 0 && knows_height())),
+      "car.lever_arm: has to be the distance from the rear axle forward to the camera in metres, above 0 and up to " +
+          NumberText(kLongestLeverArm));
   require(!knows_lever_arm() || (lever_arm_sigma >= 0 && lever_arm_sigma < lever_arm),
           "car.lever_arm_sigma: has to be from 0 to below the lever arm, metres");
-  require(std::isfinite(camera_height) && camera_height >= 0,
-          "car.camera_height: has to be a positive number of metres, or 0 if it is not known");
+  require(camera_height >= 0 && camera_height <= kHighestCamera,
+          "car.camera_height: has to be the height of the camera above the road in metres, up to " +
+              NumberText(kHighestCamera) + ", or 0 if it is not known");
   require(!knows_height() || (camera_height_sigma >= 0 && camera_height_sigma < camera_height),
           "car.camera_height_sigma: has to be from 0 to below the height, metres");
   require(side_slip >= 0 && side_slip < 1, "car.side_slip: has to be from 0 to below 1 s^2/m");
@@ -80,24 +85,24 @@ void RoadEvidenceOptions::Check() const {
   const auto require = [](bool good, const char* what) {
     if (!good) throw InputError(what);
   };
-  require(sigma > 0 && sigma < 1, "evidence.road.sigma: has to be above 0 and below 1");
-  require(correlation_length > 0, "evidence.road.correlation_length: has to be a positive number of metres");
-  require(step_sigma > 0 && step_sigma < 1, "evidence.road.step_sigma: has to be above 0 and below 1");
-  require(min_steps >= 1, "evidence.road.min_steps: has to be at least 1");
+  require(sigma > 0 && sigma < 1, "sigma: has to be above 0 and below 1");
+  require(correlation_length > 0, "correlation_length: has to be a positive number of metres");
+  require(step_sigma > 0 && step_sigma < 1, "step_sigma: has to be above 0 and below 1");
+  require(min_steps >= 1, "min_steps: has to be at least 1");
 }
 
 void EvidenceOptions::Check() const {
-  line.Check();
-  road.Check();
+  CheckPart("line.", line);
+  CheckPart("evidence.road_", road);
   const auto require = [](bool good, const char* what) {
     if (!good) throw InputError(what);
   };
   require(turn_sigma > 0 && turn_sigma < 1, "evidence.turn_sigma: has to be above 0 and below 1");
   require(slip_sigma >= 0 && slip_sigma < 10, "evidence.slip_sigma: has to be from 0 to below 10");
   require(turn_direction_sigma >= 0 && turn_direction_sigma < 1,
-          "evidence.turn_direction_sigma: has to be from 0 to below 1 rad");
+          "evidence.turn_direction_sigma_deg: has to be from 0 to below 57.3");
   require(straight_direction_sigma > 0 && straight_direction_sigma < 1,
-          "evidence.straight_direction_sigma: has to be above 0 and below 1 rad");
+          "evidence.straight_direction_sigma_deg: has to be above 0 and below 57.3");
   require(min_lever_arm_ratio >= 0 && min_lever_arm_ratio < 1,
           "evidence.min_lever_arm_ratio: has to be from 0 to below 1");
 }

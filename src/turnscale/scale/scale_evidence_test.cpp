@@ -268,14 +268,14 @@ TEST(EvidenceOptions, RefusesSenselessValues) {
   EXPECT_EQ(refused([](auto&) {}), "");
   EXPECT_EQ(refused([](auto& o) { o.turn_sigma = 0; }), "evidence.turn_sigma");
   EXPECT_EQ(refused([](auto& o) { o.slip_sigma = -1; }), "evidence.slip_sigma");
-  EXPECT_EQ(refused([](auto& o) { o.turn_direction_sigma = -1; }), "evidence.turn_direction_sigma");
-  EXPECT_EQ(refused([](auto& o) { o.straight_direction_sigma = 0; }), "evidence.straight_direction_sigma");
+  EXPECT_EQ(refused([](auto& o) { o.turn_direction_sigma = -1; }), "evidence.turn_direction_sigma_deg");
+  EXPECT_EQ(refused([](auto& o) { o.straight_direction_sigma = 0; }), "evidence.straight_direction_sigma_deg");
   EXPECT_EQ(refused([](auto& o) { o.min_lever_arm_ratio = 1; }), "evidence.min_lever_arm_ratio");
-  EXPECT_EQ(refused([](auto& o) { o.line.min_inliers = 0; }), "pooled line");
-  EXPECT_EQ(refused([](auto& o) { o.road.sigma = 0; }), "evidence.road.sigma");
-  EXPECT_EQ(refused([](auto& o) { o.road.correlation_length = 0; }), "evidence.road.correlation_length");
-  EXPECT_EQ(refused([](auto& o) { o.road.step_sigma = 1; }), "evidence.road.step_sigma");
-  EXPECT_EQ(refused([](auto& o) { o.road.min_steps = 0; }), "evidence.road.min_steps");
+  EXPECT_EQ(refused([](auto& o) { o.line.min_inliers = 0; }), "line.min_inliers");
+  EXPECT_EQ(refused([](auto& o) { o.road.sigma = 0; }), "evidence.road_sigma");
+  EXPECT_EQ(refused([](auto& o) { o.road.correlation_length = 0; }), "evidence.road_correlation_length");
+  EXPECT_EQ(refused([](auto& o) { o.road.step_sigma = 1; }), "evidence.road_step_sigma");
+  EXPECT_EQ(refused([](auto& o) { o.road.min_steps = 0; }), "evidence.road_min_steps");
 }
 
 TEST(CarPrior, RefusesSenselessValues) {
@@ -288,6 +288,8 @@ TEST(CarPrior, RefusesSenselessValues) {
   EXPECT_EQ(refused([](auto&) {}), "");
   EXPECT_EQ(refused([](auto& c) { c.lever_arm = 0; }), "car.lever_arm");
   EXPECT_EQ(refused([](auto& c) { c.lever_arm = std::nan(""); }), "car.lever_arm");
+  EXPECT_EQ(refused([](auto& c) { c.lever_arm = 145; }), "car.lever_arm") << "centimetres";
+  EXPECT_EQ(refused([](auto& c) { c.camera_height = 150; }), "car.camera_height");
   EXPECT_EQ(refused([](auto& c) { c.lever_arm_sigma = 1; }), "car.lever_arm_sigma");
   EXPECT_EQ(refused([](auto& c) { c.lever_arm_sigma = LeverArmSigma(c.lever_arm = 0.02); }), "");
   EXPECT_EQ(refused([](auto& c) { c.lever_arm_sigma = -0.1; }), "car.lever_arm_sigma");

@@ -68,8 +68,8 @@ class TurnSum {
 }  // namespace
 
 void DriftOptions::Check() const {
-  if (!(per_100m >= 0 && per_100m < 1)) throw InputError("drift.per_100m: has to be from 0 to below 1");
-  if (!(per_90deg >= 0 && per_90deg < 1)) throw InputError("drift.per_90deg: has to be from 0 to below 1");
+  if (!(per_100m >= 0 && per_100m < 1)) throw InputError("per_100m: has to be from 0 to below 1");
+  if (!(per_90deg >= 0 && per_90deg < 1)) throw InputError("per_90deg: has to be from 0 to below 1");
 }
 
 double ScaleBelief::metres_per_unit() const { return std::exp(mean[kLogScale]); }

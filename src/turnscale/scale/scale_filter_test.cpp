@@ -252,8 +252,8 @@ TEST(Drift, GathersOverDistanceTurningAndGaps) {
 TEST(Drift, RefusesSenselessValues) {
   const auto refused = [](auto change) { return RefusedField<DriftOptions>(change); };
   EXPECT_EQ(refused([](auto&) {}), "");
-  EXPECT_EQ(refused([](auto& o) { o.per_100m = -0.1; }), "drift.per_100m");
-  EXPECT_EQ(refused([](auto& o) { o.per_90deg = 1; }), "drift.per_90deg");
+  EXPECT_EQ(refused([](auto& o) { o.per_100m = -0.1; }), "per_100m");
+  EXPECT_EQ(refused([](auto& o) { o.per_90deg = 1; }), "per_90deg");
 }
 
 }  // namespace

@@ -27,9 +27,9 @@ double ChiSquaredLimit(double p, int k) {
 
 void TurnTestOptions::Check() const {
   if (!(min_probability > 0 && min_probability < 0.5))
-    throw InputError("test.min_probability: has to be above 0 and below 0.5");
-  if (!(max_prior_deviation > 0)) throw InputError("test.max_prior_deviation: has to be positive");
-  if (!(min_disagreement >= 0)) throw InputError("test.min_disagreement: must not be negative");
+    throw InputError("min_probability: has to be above 0 and below 0.5");
+  if (!(max_prior_deviation > 0)) throw InputError("max_prior_deviation: has to be positive");
+  if (!(min_disagreement >= 0)) throw InputError("min_disagreement: must not be negative");
 }
 
 TurnTest TestTurns(const TurnTestInput& input, const TurnTestOptions& options) {

@@ -121,9 +121,9 @@ TEST(TurnTest, NamesTheTurnThatDeviatesMost) {
 TEST(TurnTest, RefusesSenselessOptions) {
   const auto refused = [](auto change) { return RefusedField<TurnTestOptions>(change); };
   EXPECT_EQ(refused([](auto&) {}), "");
-  EXPECT_EQ(refused([](auto& o) { o.min_probability = 0; }), "test.min_probability");
-  EXPECT_EQ(refused([](auto& o) { o.max_prior_deviation = 0; }), "test.max_prior_deviation");
-  EXPECT_EQ(refused([](auto& o) { o.min_disagreement = -1; }), "test.min_disagreement");
+  EXPECT_EQ(refused([](auto& o) { o.min_probability = 0; }), "min_probability");
+  EXPECT_EQ(refused([](auto& o) { o.max_prior_deviation = 0; }), "max_prior_deviation");
+  EXPECT_EQ(refused([](auto& o) { o.min_disagreement = -1; }), "min_disagreement");
 }
 
 }  // namespace
