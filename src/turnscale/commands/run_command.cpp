@@ -83,12 +83,11 @@ void KeepReport(const RunArguments& arguments, const ThumbnailCollector& thumbna
   if (!HasResultsOfRun(arguments.out)) return;
   Attempts attempts;
   attempts.Try([&] { WriteThumbnails(arguments.out, thumbnails.thumbnails()); });
-  attempts.Try([&] {
+  const bool has_page = attempts.Try([&] {
     for (const std::string& warning : WriteRunPage(arguments.out, arguments.truth)) progress.Warn(warning);
   });
   // A truth that does not fit the drive is no reason to have no page.
-  if (!attempts.failures().empty() && !arguments.truth.truth.empty())
-    attempts.Try([&] { WriteRunPage(arguments.out, {}); });
+  if (!has_page && !arguments.truth.truth.empty()) attempts.Try([&] { WriteRunPage(arguments.out, {}); });
   end.failures.insert(end.failures.end(), attempts.failures().begin(), attempts.failures().end());
 }
 
