@@ -203,8 +203,8 @@ DriveMotion MotionFromTrajectory(const fs::path& path, const std::optional<fs::p
 
 DriveMotion MotionFromImages(const ImageArguments& arguments, const CommandHooks& hooks) {
   CheckImageArguments(arguments);
-  OdometryOptions options = arguments.settings ? ReadSettings(*arguments.settings) : OdometryOptions();
-  options.vehicle.lever_arm.reset();
+  const OdometryOptions options =
+      WithoutMetres(arguments.settings ? ReadSettings(*arguments.settings) : OdometryOptions());
   options.Check();
   DriveImages images(arguments, options.images);
   cv::setNumThreads(kImageThreads);
