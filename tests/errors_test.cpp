@@ -394,6 +394,44 @@ TEST_F(ErrorsTest, AMaskLeavesPixelsOutAndStaysWhatItIs) {
   EXPECT_FALSE(fs::exists(Out() / "mask.png")) << "nothing stands still in this drive";
 }
 
+TEST_F(ErrorsTest, ARunTakesNoFileAwayThatItReads) {
+  fs::create_directories(Out());
+  const auto refuses = [&](const std::string& option, const char* name, const std::string& text) {
+    const fs::path file = Out() / name;
+    std::ofstream(file) << text;
+    ExpectComplaint(Run({option, file.string()}), 2, {"--out " + file.string() + ": is also an input file"});
+    EXPECT_EQ(TextOf(file), text) << option;
+    fs::remove(file);
+  };
+  std::string times;
+  std::string poses;
+  for (int i = 0; i < kRoomFrames; ++i) {
+    times += std::to_string(0.1 * i) + "\n";
+    poses += TumLine({0.1 * i, {Eigen::Quaterniond::Identity(), {0, 0, 0.1 * i}}});
+  }
+  const std::string rotation = "yaw_deg: 1\npitch_deg: 2\nroll_deg: 3\n";
+  refuses("--settings", "settings.yaml", "corners:\n  min_distance: 5\n");
+  refuses("--camera-rotation", "car.yaml", rotation);
+  refuses("--vehicle", "car.yaml", rotation);
+  refuses("--truth", "trajectory.tum", poses);
+  refuses("--truth", "live.tum.part", poses);
+  refuses("--timestamps", "speed.csv", times);
+}
+
+TEST_F(ErrorsTest, ACalibrationReplacesNoFileThatItReads) {
+  const auto refuses = [&](std::vector<std::string> more, const fs::path& file) {
+    const std::string text = TextOf(file);
+    more.insert(more.begin(), {"calibrate", Drive().string()});
+    ExpectComplaint(RunCommand(more, folder_), 2, {file.string() + ": is also an input file"});
+    EXPECT_EQ(TextOf(file), text);
+  };
+  const fs::path settings = Text("s.yaml", "corners:\n  min_distance: 5\n");
+  refuses({"--settings", settings.string(), "--out", settings.string()}, settings);
+  refuses({"--out", (Drive() / "calib.txt").string()}, Drive() / "calib.txt");
+  const fs::path speeds = Text("history.svg", "0 8\n1000 8\n");
+  refuses({"--speed", speeds.string(), "--history", (folder_ / "history.csv").string()}, speeds);
+}
+
 TEST_F(ErrorsTest, TheCameraOfAnEarlierRunIsTakenAwayUnlessItIsGiven) {
   fs::create_directories(Out());
   const fs::path camera = Out() / "camera.yaml";

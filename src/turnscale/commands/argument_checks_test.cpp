@@ -1,7 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "turnscale/commands/argument_checks.h"
 
+#include <filesystem>
+#include <fstream>
+#include <string>
+
 #include <gtest/gtest.h>
+
+#include "turnscale/base/test_files.h"
 
 namespace turnscale {
 namespace {
@@ -34,6 +40,22 @@ TEST(ArgumentChecks, AChoiceNamesWhatThereIs) {
             }),
             "--drift some: give one of auto, none");
   EXPECT_EQ(Complaint([] { CheckChoice("--drift", "none", {"auto", "none"}); }), "");
+}
+
+TEST(ArgumentChecks, AnOutputFileIsNoInputFile) {
+  const std::filesystem::path folder = ScratchPath("overwrite");
+  std::filesystem::create_directories(folder);
+  const std::filesystem::path input = folder / "a.csv.part";
+  std::ofstream(input) << "1";
+  const auto complaint = [&](const char* output) {
+    return Complaint([&] { RefuseToOverwrite("--out", folder / output, {"", folder / "none", input}); });
+  };
+  const std::string refused = "--out " + input.string() + ": is also an input file; name another one";
+  EXPECT_EQ(complaint("a.csv.part"), refused);
+  EXPECT_EQ(complaint("a.csv"), refused) << "its name while it is being written";
+  EXPECT_EQ(complaint("b.csv"), "");
+  EXPECT_EQ(Complaint([&] { RefuseToOverwrite("--out", "", {input}); }), "");
+  std::filesystem::remove_all(folder);
 }
 
 TEST(ArgumentChecks, AHeightMayHaveASigma) {
