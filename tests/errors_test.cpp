@@ -494,6 +494,45 @@ TEST_F(ErrorsTest, ImageSizeThatChangesEndsACalibrationWithWhatItSaw) {
   ExpectComplaint(result, 2, {"000012.png: is 100x100 pixels, but", "; " + Drive().string() + ": ", "steps"});
 }
 
+TEST_F(ErrorsTest, ADistanceIsOfTheWholeDrive) {
+  const std::string camera = (Drive() / "calib.txt").string();
+  const auto calibrate = [&](const fs::path& input, const std::vector<std::string>& more = {}) {
+    std::vector<std::string> arguments = {"calibrate",  input.string(),
+                                          "--camera",   camera,
+                                          "--distance", "7",
+                                          "--out",      (folder_ / "calibration.yaml").string(),
+                                          "--quiet"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const CommandResult result = RunCommand(arguments, folder_);
+    EXPECT_EQ(result.exit_code, 2) << result.err;
+    return result.Complaints().empty() ? std::string() : result.Complaints().front();
+  };
+  const std::string whole = calibrate(Drive());
+  EXPECT_EQ(whole.find("--distance"), std::string::npos) << "the drive has no turn: " << whole;
+
+  const fs::path video = folder_ / "drive.avi";
+  fs::resize_file(video, Video(video) * 6 / 10);
+  const std::string cut = calibrate(video);
+  EXPECT_NE(cut.find("--distance: cannot be applied to " + video.string() + ": drive.avi: the video ends after"),
+            std::string::npos)
+      << cut;
+
+  const fs::path clips = folder_ / "DCIM";
+  fs::create_directories(clips);
+  Video(clips / "20230501_120000.avi");
+  std::ofstream(clips / "20230501_120002.avi") << "this is no video";
+  const std::string left_out = calibrate(clips);
+  EXPECT_NE(left_out.find("20230501_120002.avi: cannot be opened as a video; the clip is left out; give --speed"),
+            std::string::npos)
+      << left_out;
+
+  for (int i = 0; i < 13; ++i) cv::imwrite(Image(i).string(), cv::Mat(kRoomHeight, kRoomWidth, CV_8UC1, cv::Scalar(5)));
+  const std::string late = calibrate(Drive(), {"--fps", "5"});
+  EXPECT_NE(late.find("--distance: cannot be applied to " + Drive().string() + ": no map could be started before 2."),
+            std::string::npos)
+      << late;
+}
+
 TEST_F(ErrorsTest, MissingAndSenselessTimes) {
   const auto times = [&](const std::string& text) {
     return std::vector<std::string>{"--timestamps", Text("t.txt", text).string()};
