@@ -395,6 +395,44 @@ TEST_F(ErrorsTest, AMaskLeavesPixelsOutAndStaysWhatItIs) {
   EXPECT_FALSE(fs::exists(Out() / "mask.png")) << "nothing stands still in this drive";
 }
 
+TEST_F(ErrorsTest, ARunTakesNoFileAwayThatItReads) {
+  fs::create_directories(Out());
+  const auto refuses = [&](const std::string& option, const char* name, const std::string& text) {
+    const fs::path file = Out() / name;
+    std::ofstream(file) << text;
+    ExpectComplaint(Run({option, file.string()}), 2, {"--out " + file.string() + ": is also an input file"});
+    EXPECT_EQ(TextOf(file), text) << option;
+    fs::remove(file);
+  };
+  std::string times;
+  std::string poses;
+  for (int i = 0; i < kRoomFrames; ++i) {
+    times += std::to_string(0.1 * i) + "\n";
+    poses += TumLine({0.1 * i, {Eigen::Quaterniond::Identity(), {0, 0, 0.1 * i}}});
+  }
+  const std::string rotation = "yaw_deg: 1\npitch_deg: 2\nroll_deg: 3\n";
+  refuses("--settings", "settings.yaml", "corners:\n  min_distance: 5\n");
+  refuses("--camera-rotation", "car.yaml", rotation);
+  refuses("--vehicle", "car.yaml", rotation);
+  refuses("--truth", "trajectory.tum", poses);
+  refuses("--truth", "live.tum.part", poses);
+  refuses("--timestamps", "speed.csv", times);
+}
+
+TEST_F(ErrorsTest, ACalibrationReplacesNoFileThatItReads) {
+  const auto refuses = [&](std::vector<std::string> more, const fs::path& file) {
+    const std::string text = TextOf(file);
+    more.insert(more.begin(), {"calibrate", Drive().string()});
+    ExpectComplaint(RunCommand(more, folder_), 2, {file.string() + ": is also an input file"});
+    EXPECT_EQ(TextOf(file), text);
+  };
+  const fs::path settings = Text("s.yaml", "corners:\n  min_distance: 5\n");
+  refuses({"--settings", settings.string(), "--out", settings.string()}, settings);
+  refuses({"--out", (Drive() / "calib.txt").string()}, Drive() / "calib.txt");
+  const fs::path speeds = Text("history.svg", "0 8\n1000 8\n");
+  refuses({"--speed", speeds.string(), "--history", (folder_ / "history.csv").string()}, speeds);
+}
+
 TEST_F(ErrorsTest, TheCameraOfAnEarlierRunIsTakenAwayUnlessItIsGiven) {
   fs::create_directories(Out());
   const fs::path camera = Out() / "camera.yaml";
@@ -455,6 +493,45 @@ TEST_F(ErrorsTest, ImageSizeThatChangesEndsACalibrationWithWhatItSaw) {
   const std::string out = (folder_ / "calibration.yaml").string();
   const CommandResult result = RunCommand({"calibrate", Drive().string(), "--out", out, "--quiet"}, folder_);
   ExpectComplaint(result, 2, {"000012.png: is 100x100 pixels, but", "; " + Drive().string() + ": ", "steps"});
+}
+
+TEST_F(ErrorsTest, ADistanceIsOfTheWholeDrive) {
+  const std::string camera = (Drive() / "calib.txt").string();
+  const auto calibrate = [&](const fs::path& input, const std::vector<std::string>& more = {}) {
+    std::vector<std::string> arguments = {"calibrate",  input.string(),
+                                          "--camera",   camera,
+                                          "--distance", "7",
+                                          "--out",      (folder_ / "calibration.yaml").string(),
+                                          "--quiet"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const CommandResult result = RunCommand(arguments, folder_);
+    EXPECT_EQ(result.exit_code, 2) << result.err;
+    return result.Complaints().empty() ? std::string() : result.Complaints().front();
+  };
+  const std::string whole = calibrate(Drive());
+  EXPECT_EQ(whole.find("--distance"), std::string::npos) << "the drive has no turn: " << whole;
+
+  const fs::path video = folder_ / "drive.avi";
+  fs::resize_file(video, Video(video) * 6 / 10);
+  const std::string cut = calibrate(video);
+  EXPECT_NE(cut.find("--distance: cannot be applied to " + video.string() + ": drive.avi: the video ends after"),
+            std::string::npos)
+      << cut;
+
+  const fs::path clips = folder_ / "DCIM";
+  fs::create_directories(clips);
+  Video(clips / "20230501_120000.avi");
+  std::ofstream(clips / "20230501_120002.avi") << "this is no video";
+  const std::string left_out = calibrate(clips);
+  EXPECT_NE(left_out.find("20230501_120002.avi: cannot be opened as a video; the clip is left out; give --speed"),
+            std::string::npos)
+      << left_out;
+
+  for (int i = 0; i < 13; ++i) cv::imwrite(Image(i).string(), cv::Mat(kRoomHeight, kRoomWidth, CV_8UC1, cv::Scalar(5)));
+  const std::string late = calibrate(Drive(), {"--fps", "5"});
+  EXPECT_NE(late.find("--distance: cannot be applied to " + Drive().string() + ": no map could be started before 2."),
+            std::string::npos)
+      << late;
 }
 
 TEST_F(ErrorsTest, MissingAndSenselessTimes) {

@@ -160,6 +160,18 @@ TEST_F(RescaleCommandTest, DoesNotReplaceFilesOfARun) {
   EXPECT_FALSE(fs::exists(folder_ / "drive" / "summary.json"));
 }
 
+TEST_F(RescaleCommandTest, ReplacesNoFileThatItReads) {
+  fs::create_directories(folder_ / "report");
+  const std::string heights = Text("report/scale.csv", "time,height\n1,0.1\n");
+  ExpectComplaint(Run({Tum(), "--lever-arm", "1.2", "--heights", heights, "--report", Path("report")}), 2,
+                  {"--report " + heights + ": is also an input file"});
+  EXPECT_TRUE(fs::exists(heights));
+  const std::string rotation = Text("metric.tum", "yaw_deg: 1\npitch_deg: 2\nroll_deg: 3\n");
+  ExpectComplaint(Run({Tum(), "--lever-arm", "1.2", "--camera-rotation", rotation}), 2,
+                  {"--out " + rotation + ": is also an input file"});
+  EXPECT_EQ(TextOf(rotation).find("yaw_deg"), 0u);
+}
+
 TEST_F(RescaleCommandTest, WritesTheReport) {
   const CommandResult result = Run({Tum(), "--lever-arm", "1.2", "--report", Path("report")});
   ASSERT_EQ(result.exit_code, 0) << result.err;

@@ -16,6 +16,7 @@
 
 #include "turnscale/base/error.h"
 #include "turnscale/base/number_text.h"
+#include "turnscale/io/output_file.h"
 #include "turnscale/kinematics/ackermann.h"
 
 namespace turnscale {
@@ -97,14 +98,17 @@ inline void CheckChoice(const char* option, std::string_view value, std::initial
   throw InputError(fmt::format("{} {}: give one of {}", option, value, fmt::join(choices, ", ")));
 }
 
-/// Throws InputError if the output file is also an input file; empty paths are ignored.
+/// Throws InputError if the output file, or its name while it is being written, is also an input file; empty paths are
+/// ignored.
 inline void RefuseToOverwrite(const char* option, const std::filesystem::path& output,
                               const std::vector<std::filesystem::path>& inputs) {
-  for (const std::filesystem::path& input : inputs) {
-    std::error_code none;
-    if (output.empty() || input.empty() || !std::filesystem::equivalent(output, input, none)) continue;
-    throw InputError(std::string(option) + " " + output.string() + ": is also an input file; name another one");
-  }
+  if (output.empty()) return;
+  for (const std::filesystem::path& replaced : {output, PartOf(output)})
+    for (const std::filesystem::path& input : inputs) {
+      std::error_code none;
+      if (input.empty() || !std::filesystem::equivalent(replaced, input, none)) continue;
+      throw InputError(fmt::format("{} {}: is also an input file; name another one", option, replaced.string()));
+    }
 }
 
 }  // namespace turnscale

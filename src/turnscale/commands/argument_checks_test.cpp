@@ -1,7 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "turnscale/commands/argument_checks.h"
 
+#include <filesystem>
+#include <fstream>
+#include <string>
+
 #include <gtest/gtest.h>
+
+#include "turnscale/base/test_files.h"
 
 namespace turnscale {
 namespace {
@@ -41,6 +47,22 @@ TEST(ArgumentChecks, ASigmaIsBelowItsLeverArm) {
   EXPECT_EQ(CheckedLeverArmSigma(0.9, {}), 0.9);
   EXPECT_EQ(Complaint([] { CheckedLeverArmSigma(0.03, 0.02); }),
             "--lever-arm-sigma 0.03: has to be below the lever arm, 0.02 m");
+}
+
+TEST(ArgumentChecks, AnOutputFileIsNoInputFile) {
+  const std::filesystem::path folder = ScratchPath("overwrite");
+  std::filesystem::create_directories(folder);
+  const std::filesystem::path input = folder / "a.csv.part";
+  std::ofstream(input) << "1";
+  const auto complaint = [&](const char* output) {
+    return Complaint([&] { RefuseToOverwrite("--out", folder / output, {"", folder / "none", input}); });
+  };
+  const std::string refused = "--out " + input.string() + ": is also an input file; name another one";
+  EXPECT_EQ(complaint("a.csv.part"), refused);
+  EXPECT_EQ(complaint("a.csv"), refused) << "its name while it is being written";
+  EXPECT_EQ(complaint("b.csv"), "");
+  EXPECT_EQ(Complaint([&] { RefuseToOverwrite("--out", "", {input}); }), "");
+  std::filesystem::remove_all(folder);
 }
 
 TEST(ArgumentChecks, AHeightMayHaveASigma) {

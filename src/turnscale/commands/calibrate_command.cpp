@@ -3,7 +3,9 @@
 
 #include <cmath>
 #include <initializer_list>
+#include <optional>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -12,6 +14,7 @@
 #include "turnscale/commands/argument_checks.h"
 #include "turnscale/io/output_file.h"
 #include "turnscale/io/speed_file.h"
+#include "turnscale/io/trajectory_file.h"
 #include "turnscale/odometry/options.h"
 
 namespace turnscale {
@@ -49,6 +52,22 @@ void CheckTogether(const CalibrateArguments& arguments) {
   RefuseBoth({"--side-slip", arguments.side_slip.has_value()}, {"--fit-side-slip", arguments.fit_side_slip});
 }
 
+// What is read besides the images, also what FindDrive and FindPoseTimes may find by themselves.
+std::vector<fs::path> FilesRead(const CalibrateArguments& arguments) {
+  const ImageArguments& images = arguments.images;
+  std::vector<fs::path> files = images.inputs;
+  for (const std::optional<fs::path>& file :
+       {arguments.trajectory, arguments.speed, images.camera, images.timestamps, images.settings, images.mask})
+    files.push_back(file.value_or(""));
+  for (const fs::path& input : images.inputs)
+    for (const char* name : {"calib.txt", "camera.yaml", "times.txt"}) files.push_back(input / name);
+  if (arguments.trajectory) files.push_back(FindPoseTimes(*arguments.trajectory));
+  return files;
+}
+
+// The plot beside the history.
+fs::path PictureOf(fs::path history) { return history.replace_extension(".svg"); }
+
 void Check(const CalibrateArguments& arguments) {
   CheckTogether(arguments);
   if (arguments.images.inputs.empty() && !arguments.trajectory) {
@@ -60,13 +79,11 @@ void Check(const CalibrateArguments& arguments) {
   };
   positive("--distance", arguments.distance);
   if (arguments.lever_arm) CheckedLeverArm(*arguments.lever_arm);
-  std::vector<fs::path> read = arguments.images.inputs;
-  for (const auto& file : {arguments.trajectory, arguments.speed, arguments.images.camera, arguments.images.timestamps,
-                           arguments.images.mask}) {
-    read.push_back(file.value_or(""));
-  }
+  const std::vector<fs::path> read = FilesRead(arguments);
   RefuseToOverwrite("--out", arguments.out, read);
-  RefuseToOverwrite("--history", arguments.history.value_or(""), read);
+  if (arguments.history)
+    for (const fs::path& file : {*arguments.history, PictureOf(*arguments.history)})
+      RefuseToOverwrite("--history", file, read);
   if (arguments.side_slip) CheckedSideSlip(*arguments.side_slip);
   if (arguments.fit_side_slip && !arguments.in_metres()) {
     throw InputError("--fit-side-slip: needs metres; give --speed, --distance or --metric");
@@ -172,8 +189,7 @@ std::optional<LeverArmFit> FindLeverArm(const CalibrateArguments& arguments, con
 }
 
 void WriteHistory(const fs::path& path, const std::vector<CalibrationMoment>& history, const std::string& title) {
-  fs::path picture = path;
-  picture.replace_extension(".svg");
+  const fs::path picture = PictureOf(path);
   ReplaceFile(path, HistoryCsv(history));
   if (picture != path) ReplaceFile(picture, HistorySvg(history, title));
 }

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "turnscale/commands/drive_camera.h"
 
+#include <algorithm>
 #include <memory>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -28,29 +30,30 @@ double ViewOf(const ImageArguments& arguments) {
 }
 
 // The drive's images. What is wrong with one of them the run itself says, when it comes to it.
-// `last`: time of the last one that the arguments allow, once it is known.
+// `times`: of all images that were read so far, from the drive's first one on. A pass that begins later begins among
+// them, and counts those before it, too.
 ImageStream Images(const ImageArguments& arguments, const DriveImages& images, const CommandHooks& hooks,
-                   const ImageOptions& image_options, std::optional<double> from, bool is_first,
-                   const std::string& work, std::optional<double>& last) {
+                   const ImageOptions& image_options, std::optional<double> from, const std::string& work,
+                   std::vector<double>& times) {
   ImageSourceOptions options = SourceOptions(arguments, images.given, image_options);
   if (from) options.start += *from;
   auto source = std::make_shared<ImageSource>(images.drive, options);
   auto progress = std::make_shared<Progress>(0, arguments.quiet);
-  return
-      [&arguments, &hooks, &last, is_first, work, source, progress, read = 0]() mutable -> std::optional<TimedImage> {
-        if (hooks.interrupted()) throw Interruption();
-        if (arguments.max_frames && read == *arguments.max_frames) return std::nullopt;
-        try {
-          std::optional<SourceFrame> frame = source->Next();
-          if (!frame) return std::nullopt;
-          if (last && frame->time > *last) return std::nullopt;
-          progress->Update(++read, work);
-          if (is_first && arguments.max_frames && read == *arguments.max_frames) last = frame->time;
-          return TimedImage{std::move(frame->gray), frame->time};
-        } catch (const InputError&) {
-          return std::nullopt;
-        }
-      };
+  return [&arguments, &hooks, &times, work, source, progress, read = 0,
+          passed = 0]() mutable -> std::optional<TimedImage> {
+    if (hooks.interrupted()) throw Interruption();
+    if (arguments.max_frames && passed + read >= *arguments.max_frames) return std::nullopt;
+    try {
+      std::optional<SourceFrame> frame = source->Next();
+      if (!frame) return std::nullopt;
+      if (read == 0) passed = static_cast<int>(std::ranges::lower_bound(times, frame->time) - times.begin());
+      if (times.empty() || frame->time > times.back()) times.push_back(frame->time);
+      progress->Update(++read, work);
+      return TimedImage{std::move(frame->gray), frame->time};
+    } catch (const InputError&) {
+      return std::nullopt;
+    }
+  };
 }
 
 std::string NoTurn(const ImageArguments& arguments, double least_turn_deg, double view, bool assumed) {
@@ -80,13 +83,13 @@ CameraEstimate EstimateCamera(const ImageArguments& arguments, DriveImages& imag
     images.camera.focal_sigma = (arguments.field_of_view ? kStatedSigma : kAssumedSigma) * images.camera.pinhole.fx;
   const int most_passes = MostPasses(options.self_calibration, assumed);
   int pass = 0;
-  std::optional<double> last;
+  std::vector<double> times;
   const std::optional<FoundCamera> found = CalibrateFromDrive(
       options, {images.camera, assumed},
       [&](std::optional<double> from) {
         const std::string work = fmt::format("estimating the intrinsics, pass {} of at most {}", ++pass, most_passes);
         on_pass(work);
-        return Images(arguments, images, hooks, options.images, from, pass == 1, work, last);
+        return Images(arguments, images, hooks, options.images, from, work, times);
       },
       images.mask);
   if (!found) return {std::nullopt, NoTurn(arguments, options.calibration_check.min_turn_deg, view, assumed)};

@@ -14,7 +14,9 @@
 #include "turnscale/commands/argument_checks.h"
 #include "turnscale/commands/drive_camera.h"
 #include "turnscale/io/mask_file.h"
+#include "turnscale/io/missing_path.h"
 #include "turnscale/io/run_summary.h"
+#include "turnscale/io/seen_images.h"
 #include "turnscale/io/settings.h"
 #include "turnscale/io/terminal.h"
 #include "turnscale/io/trajectory_file.h"
@@ -72,6 +74,19 @@ std::vector<Trajectory> Stretches(const std::vector<FrameResult>& frames) {
     open = tracked;
   }
   return stretches;
+}
+
+// Why the stretches are not the whole path of the drive; empty if they are. `before`: the images before the map.
+std::string WhyIncomplete(const std::vector<FrameResult>& frames, const ImageSource& source, const SeenImages& before) {
+  // A way that is missing makes a lever arm from the distance too long by the same share; a tape is no better than
+  // this.
+  constexpr double kLeastShare = 0.02;
+  if (!source.left_out().empty()) return source.left_out().front();
+  const double seconds = frames.back().time - frames.front().time;
+  if (const auto late = LateBeginning(FindMissingParts(frames), seconds, kLeastShare))
+    if (std::string why = LateBeginningText(*late, static_cast<int>(frames.size()), before); !why.empty()) return why;
+  if (const auto lost = FirstLost(frames)) return fmt::format("tracking was lost at frame {}", *lost);
+  return source.EndsEarly();
 }
 
 }  // namespace
@@ -203,8 +218,8 @@ DriveMotion MotionFromTrajectory(const fs::path& path, const std::optional<fs::p
 
 DriveMotion MotionFromImages(const ImageArguments& arguments, const CommandHooks& hooks) {
   CheckImageArguments(arguments);
-  OdometryOptions options = arguments.settings ? ReadSettings(*arguments.settings) : OdometryOptions();
-  options.vehicle.lever_arm.reset();
+  const OdometryOptions options =
+      WithoutMetres(arguments.settings ? ReadSettings(*arguments.settings) : OdometryOptions());
   options.Check();
   DriveImages images(arguments, options.images);
   cv::setNumThreads(kImageThreads);
@@ -218,16 +233,24 @@ DriveMotion MotionFromImages(const ImageArguments& arguments, const CommandHooks
   if (!estimate.warning.empty()) progress.Warn(estimate.warning);
   for (const std::string& doubt : DoubtsOf(images)) progress.Warn(doubt);
   int processed = 0;
+  SeenImages before;  // there is a map
+  bool tracks = false;
   const auto drive = [&] {
     while (!(arguments.max_frames && processed >= *arguments.max_frames)) {
       const std::optional<SourceFrame> frame = images.source.Next();
-      if (!frame || hooks.interrupted()) break;
+      if (hooks.interrupted()) break;
+      if (!frame) {
+        if (const std::string why = images.source.EndsEarly(); !why.empty()) progress.Warn(why);
+        break;
+      }
       if (!frame->notice.empty()) progress.Warn(frame->notice);
       if (frame->gray.empty()) {
         progress.Warn(fmt::format("frame {}: {}; skipped", frame->index, frame->problem));
         odometry.ProcessUnreadable(frame->time);
       } else {
-        odometry.Process(frame->gray, frame->time);
+        const FrameResult result = odometry.Process(frame->gray, frame->time);
+        tracks = tracks || result.world_from_camera;
+        if (!tracks) before.Add(frame->gray, frame->time, result.tracked);
       }
       progress.Update(++processed, fmt::format("{} keyframes", odometry.map().keyframes.size()));
     }
@@ -244,7 +267,7 @@ DriveMotion MotionFromImages(const ImageArguments& arguments, const CommandHooks
   const std::vector<FrameResult> frames = odometry.RefinedFrames();
   motion.stretches = Stretches(frames);
   if (motion.stretches.empty()) attempts.RethrowFirst();
-  if (const auto lost = FirstLost(frames)) motion.incomplete = fmt::format("tracking was lost at frame {}", *lost);
+  if (!motion.stretches.empty()) motion.incomplete = WhyIncomplete(frames, images.source, before);
   if (hooks.interrupted())
     motion.stopped = {kInterruptedExitCode, fmt::format("interrupted after {} frames", processed)};
   if (!attempts.failures().empty()) motion.stopped = FailureOf(attempts.failures().front());

@@ -105,9 +105,9 @@ DriveMotion MotionFromTrajectory(const std::filesystem::path& path,
                                  const std::optional<std::filesystem::path>& timestamps, std::optional<double> fps,
                                  std::optional<AxisConvention> axes);
 
-/// Runs the odometry on the images, without a lever arm: the result is up to scale. An interrupt or an exception ends
-/// the drive there; the exception is thrown on if there is no motion yet. Throws Interruption while the camera is
-/// estimated.
+/// Runs the odometry on the images, without lever arm and camera height: the result is up to scale. An interrupt or an
+/// exception ends the drive there; the exception is thrown on if there is no motion yet. Throws Interruption while the
+/// camera is estimated.
 DriveMotion MotionFromImages(const ImageArguments& arguments, const CommandHooks& hooks);
 
 }  // namespace turnscale

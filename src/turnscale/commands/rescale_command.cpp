@@ -2,6 +2,7 @@
 #include "turnscale/commands/rescale_command.h"
 
 #include <algorithm>
+#include <array>
 #include <vector>
 
 #include <fmt/format.h>
@@ -52,6 +53,15 @@ RescaleOptions OptionsFrom(const RescaleArguments& arguments, bool timed) {
   return options;
 }
 
+// The files of --report, in the order in which old ones are taken away.
+constexpr std::array kReportFiles = {"summary.json", "scale.csv", "turns.csv", "rescale.svg", kReportFile};
+
+// Also the times that ReadTimedTrajectory may find by itself; a rotation in degrees names no file.
+std::vector<fs::path> FilesRead(const RescaleArguments& arguments) {
+  return {arguments.input, arguments.timestamps.value_or(FindPoseTimes(arguments.input)),
+          arguments.heights.value_or(""), arguments.camera_rotation};
+}
+
 void CheckArguments(const RescaleArguments& arguments) {
   RefuseBoth({"--timestamps", arguments.timestamps.has_value()}, {"--fps", arguments.fps.has_value()});
   CheckChoice("--drift", arguments.drift, {"auto", "none"});
@@ -64,8 +74,10 @@ void CheckArguments(const RescaleArguments& arguments) {
   if (arguments.report && fs::exists(*arguments.report / RunFiles::kTrajectoryTable, none))
     throw InputError("--report: " + arguments.report->string() +
                      ": has the results of a run, some of which would be replaced; name another folder");
-  RefuseToOverwrite("--out", arguments.out,
-                    {arguments.input, arguments.timestamps.value_or(""), arguments.heights.value_or("")});
+  const std::vector<fs::path> read = FilesRead(arguments);
+  RefuseToOverwrite("--out", arguments.out, read);
+  if (!arguments.report) return;
+  for (const char* name : kReportFiles) RefuseToOverwrite("--report", *arguments.report / name, read);
 }
 
 std::vector<PathHeight> HeightsAlong(const Trajectory& poses, const std::optional<fs::path>& path) {
@@ -84,9 +96,8 @@ void WriteReport(const fs::path& folder, const RescaleResult& result, const std:
   std::error_code error;
   fs::create_directories(folder, error);
   if (error) throw InputError(folder.string() + ": cannot be made: " + error.message());
-  // The summary comes last: where it is, the others are of the same drive.
-  for (const char* name : {"summary.json", "scale.csv", "turns.csv", "rescale.svg", kReportFile})
-    RemoveOldFile(folder / name);
+  // The summary goes first and comes last: where it is, the others are of the same drive.
+  for (const char* name : kReportFiles) RemoveOldFile(folder / name);
   ReplaceFile(folder / "scale.csv", PoseScaleTable(result));
   ReplaceFile(folder / "turns.csv", TurnScaleTable(result));
   ReplaceFile(folder / "rescale.svg", RescaleSvg(result, fs::path(input).filename().string(), timed));

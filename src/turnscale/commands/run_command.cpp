@@ -25,6 +25,18 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// What a run reads besides the images; a rotation in degrees names no file.
+std::vector<fs::path> FilesRead(const RunArguments& arguments, const DriveImages& images) {
+  std::vector<fs::path> files = arguments.images.inputs;
+  for (const std::optional<fs::path>& file : {arguments.images.timestamps, arguments.images.settings,
+                                              arguments.images.mask, arguments.car.vehicle, images.drive.times_file})
+    files.push_back(file.value_or(""));
+  for (const fs::path& file : {fs::path(images.given.name), fs::path(arguments.car.camera_rotation),
+                               arguments.truth.truth, arguments.truth.floor_plan})
+    files.push_back(file);
+  return files;
+}
+
 // Throws InputError where the results would come to lie among the images or clips, or replace what is read.
 void CheckFolder(const RunArguments& arguments, const DriveImages& images) {
   std::error_code none;
@@ -35,9 +47,8 @@ void CheckFolder(const RunArguments& arguments, const DriveImages& images) {
   for (const fs::path& input : arguments.images.inputs)
     refuse_folder(fs::is_directory(input, none) ? input : input.parent_path());
   refuse_folder(fs::is_directory(images.drive.path, none) ? images.drive.path : images.drive.path.parent_path());
-  RefuseToOverwrite("--out", arguments.out / RunFiles::kMask, {arguments.images.mask.value_or("")});
-  RefuseToOverwrite("--out", arguments.out / RunFiles::kCar, {arguments.car.vehicle.value_or("")});
-  RefuseToOverwrite("--out", arguments.out / RunFiles::kCamera, {images.given.name});
+  const std::vector<fs::path> read = FilesRead(arguments, images);
+  for (const char* name : RunFiles::kAll) RefuseToOverwrite("--out", arguments.out / name, read);
 }
 
 // The camera-to-vehicle rotation of an earlier run belongs to that run's intrinsics: their principal point and its yaw
@@ -84,12 +95,11 @@ void KeepReport(const RunArguments& arguments, const ThumbnailCollector& thumbna
   if (!HasResultsOfRun(arguments.out)) return;
   Attempts attempts;
   attempts.Try([&] { WriteThumbnails(arguments.out, thumbnails.thumbnails()); });
-  attempts.Try([&] {
+  const bool has_page = attempts.Try([&] {
     for (const std::string& warning : WriteRunPage(arguments.out, arguments.truth)) progress.Warn(warning);
   });
   // A truth that does not fit the drive is no reason to have no page.
-  if (!attempts.failures().empty() && !arguments.truth.truth.empty())
-    attempts.Try([&] { WriteRunPage(arguments.out, {}); });
+  if (!has_page && !arguments.truth.truth.empty()) attempts.Try([&] { WriteRunPage(arguments.out, {}); });
   end.failures.insert(end.failures.end(), attempts.failures().begin(), attempts.failures().end());
 }
 

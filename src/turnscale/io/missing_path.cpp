@@ -50,6 +50,20 @@ double TotalSeconds(const std::vector<MissingPart>& parts) {
   return seconds;
 }
 
+std::optional<MissingPart> LateBeginning(const std::vector<MissingPart>& parts, double seconds, double least_share) {
+  constexpr double kShort = 2;  // s
+  if (parts.empty() || parts.front().reason != MissingReason::kNotBegun) return std::nullopt;
+  const double missing = parts.front().to - parts.front().from;
+  if (missing < kShort || missing < least_share * seconds) return std::nullopt;
+  return parts.front();
+}
+
+std::string LateBeginningText(const MissingPart& before, int frames, const SeenImages& seen) {
+  if (seen.Still()) return {};
+  return fmt::format("no map could be started before {:.1f} s ({} of {} frames): {}", before.to, before.frames, frames,
+                     seen.Cause());
+}
+
 bool IsMissing(const std::vector<MissingPart>& parts, double from, double to) {
   const double middle = 0.5 * (from + to);
   const auto part = std::partition_point(parts.begin(), parts.end(),

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "turnscale/io/seen_images.h"
 #include "turnscale/odometry/results.h"
 
 namespace turnscale {
@@ -32,6 +34,14 @@ std::vector<MissingPart> LongestParts(const std::vector<MissingPart>& parts, siz
 
 /// Sum of their lengths, seconds.
 double TotalSeconds(const std::vector<MissingPart>& parts);
+
+/// The part before the map begins; nothing if it is shorter than 2 s, or than that share of a drive of so many
+/// seconds: a map needs a moment to begin.
+std::optional<MissingPart> LateBeginning(const std::vector<MissingPart>& parts, double seconds, double least_share);
+
+/// One line: until when there is no map, and why. Empty if the images until then, `seen`, say that the car waits, which
+/// is no fault. `frames`: of the whole drive.
+std::string LateBeginningText(const MissingPart& before, int frames, const SeenImages& seen);
 
 /// Whether the path between two frames that follow one another, by their times, is in one of the parts, which are in
 /// the order of time.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "turnscale/io/missing_path.h"
 
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -59,6 +60,34 @@ TEST(MissingPath, APauseOfTheRecorderIsNotTakenForLostTracking) {
   EXPECT_EQ(MissingPartText(before[0]), "tracking lost from 0.1 s to 0.2 s (2 frames)");
   EXPECT_EQ(MissingPartText(before[1]), "not recorded from 0.2 s to 2.3 s");
   EXPECT_EQ(MissingPartText(before[2]), "tracking lost from 2.3 s to 2.4 s (1 frame)");
+}
+
+TEST(MissingPath, ALateBeginningIsLongAndNoSmallPartOfTheDrive) {
+  const auto before = [](int initializing, int tracked, double least_share) {
+    const auto frames = Frames(std::string(initializing, 'i') + std::string(tracked, 't'));
+    return LateBeginning(FindMissingParts(frames), frames.back().time, least_share);
+  };
+  EXPECT_FALSE(before(0, 40, 0));
+  EXPECT_FALSE(before(19, 20, 0));
+  EXPECT_FALSE(before(25, 40, 0.5));
+  ASSERT_TRUE(before(25, 40, 0.3));
+  EXPECT_EQ(before(25, 40, 0.3)->frames, 25);
+  EXPECT_FALSE(LateBeginning(FindMissingParts(Frames("tttbbbbbbbbbbbbbbbbbbbbbbbbbbbbt")), 3.2, 0)) << "lost";
+}
+
+TEST(MissingPath, ACarThatWaitsIsNoFault) {
+  const auto text = [](int step) {
+    SeenImages seen;
+    for (int i = 0; i < 40; ++i) {
+      cv::Mat image(96, 128, CV_8UC1);
+      for (int y = 0; y < image.rows; ++y)
+        for (int x = 0; x < image.cols; ++x) image.at<uint8_t>(y, x) = (x + step * i) / 16 % 2 == 0 ? 60 : 160;
+      seen.Add(image, 0.1 * i, 300);
+    }
+    return LateBeginningText({MissingReason::kNotBegun, 0, 4, 40}, 100, seen);
+  };
+  EXPECT_EQ(text(0), "");
+  EXPECT_EQ(text(3).find("no map could be started before 4.0 s (40 of 100 frames): the points"), 0u) << text(3);
 }
 
 TEST(MissingPath, TheLongestInTheOrderOfTime) {

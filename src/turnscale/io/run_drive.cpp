@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -13,6 +14,7 @@
 
 #include "turnscale/base/error.h"
 #include "turnscale/geometry/rotation.h"
+#include "turnscale/io/missing_path.h"
 #include "turnscale/io/run_files.h"
 #include "turnscale/io/seen_images.h"
 #include "turnscale/io/settings.h"
@@ -183,19 +185,14 @@ class Run {
 
   // A path that begins late has few turns for that reason.
   void SayIfLate() {
-    constexpr double kShort = 2;  // s
     constexpr double kLeastShare = 0.5;
     RunSummary& summary = end_.summary;
-    if (summary.missing.empty() || summary.missing.front().reason != MissingReason::kNotBegun) return;
-    const MissingPart& before = summary.missing.front();
-    const double seconds = before.to - before.from;
-    if (seconds < kShort || seconds < kLeastShare * summary.seconds) return;
-    // A car that waits is no fault.
-    if (!seen_.Still())
-      summary.warnings.push_back(fmt::format("no map could be started before {:.1f} s ({} of {} frames): {}", before.to,
-                                             before.frames, summary.frames, seen_.Cause()));
+    const std::optional<MissingPart> before = LateBeginning(summary.missing, summary.seconds, kLeastShare);
+    if (!before) return;
+    if (std::string why = LateBeginningText(*before, summary.frames, seen_); !why.empty())
+      summary.warnings.push_back(std::move(why));
     if (!summary.pending_reason.empty())
-      summary.pending_reason = fmt::format("the path begins only at {:.1f} s; {}", before.to, summary.pending_reason);
+      summary.pending_reason = fmt::format("the path begins only at {:.1f} s; {}", before->to, summary.pending_reason);
   }
 
   void Summarize() {

@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <array>
 #include <filesystem>
 
 namespace turnscale {
+
+/// Name of the page in the folder of the results, which the module report makes from the other files.
+constexpr auto kReportFile = "report.html";
 
 /// Names of the files in a folder with the results of a run.
 struct RunFiles {
@@ -22,6 +26,12 @@ struct RunFiles {
   static constexpr auto kCamera = "camera.yaml";
   static constexpr auto kSummary = "summary.json";
   static constexpr auto kSettings = "settings.yaml";
+
+  /// All that a run replaces or takes away, in this order: the summary first, as it says that the others are of one
+  /// run. What is left of a file that was being written (PartOf) goes with the file.
+  static constexpr std::array kAll = {
+      kReportFile, kSummary, kSettings, kTurns,         kSpeed,           kScale,           kRotation, kCar,
+      kCamera,     kMap,     kMask,     kTrajectoryTum, kTrajectoryKitti, kTrajectoryTable, kLiveTum};
 };
 
 /// Whether a folder has poses of a run, also if only the live ones, as after a killed run.

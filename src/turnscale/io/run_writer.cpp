@@ -202,12 +202,7 @@ void CheckRunOutput(const RunWriterOptions& options) {
 RunWriter::RunWriter(const RunWriterOptions& options) : options_(options) {
   CheckFrame(options_);
   MakeFolder(options_.folder);
-  // The summary first: it says that the others are of one run.
-  for (const char* name :
-       {kReportFile, RunFiles::kSummary, RunFiles::kSettings, RunFiles::kTurns, RunFiles::kSpeed, RunFiles::kScale,
-        RunFiles::kRotation, RunFiles::kCar, RunFiles::kCamera, RunFiles::kMap, RunFiles::kMask,
-        RunFiles::kTrajectoryTum, RunFiles::kTrajectoryKitti, RunFiles::kTrajectoryTable, RunFiles::kLiveTum})
-    RemoveOldFile(PathOf(name));
+  for (const char* name : RunFiles::kAll) RemoveOldFile(PathOf(name));
 }
 
 void RunWriter::Add(const FrameResult& live) {

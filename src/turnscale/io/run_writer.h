@@ -10,6 +10,7 @@
 
 #include "turnscale/geometry/rigid_transform.h"
 #include "turnscale/io/output_file.h"
+#include "turnscale/io/run_files.h"
 #include "turnscale/kinematics/speed_smoother.h"
 #include "turnscale/mapping/map.h"
 #include "turnscale/odometry/drive_scale.h"
@@ -17,9 +18,6 @@
 #include "turnscale/odometry/results.h"
 
 namespace turnscale {
-
-/// Name of the page in the folder of the results, which the module report makes from the other files.
-constexpr auto kReportFile = "report.html";
 
 /// First line of trajectory.csv.
 std::string FrameTableHeader();

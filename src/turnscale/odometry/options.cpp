@@ -109,4 +109,10 @@ void OdometryOptions::Check() const {
   scale.Check();
 }
 
+OdometryOptions WithoutMetres(OdometryOptions options) {
+  options.vehicle.lever_arm.reset();
+  options.vehicle.camera_height.reset();
+  return options;
+}
+
 }  // namespace turnscale

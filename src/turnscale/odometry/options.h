@@ -199,4 +199,7 @@ struct OdometryOptions {
   void Check() const;
 };
 
+/// The same without what gives the trajectory metres (lever arm and camera height): it is up to scale.
+OdometryOptions WithoutMetres(OdometryOptions options);
+
 }  // namespace turnscale

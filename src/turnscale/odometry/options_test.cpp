@@ -20,6 +20,17 @@ TEST(OdometryOptions, DefaultsAreGood) {
   EXPECT_EQ(Refused([](auto& o) { o.vehicle.lever_arm = 1.2; }), "");
 }
 
+TEST(OdometryOptions, WithoutMetresNothingOfTheCarGivesTheScale) {
+  OdometryOptions options;
+  options.vehicle.lever_arm = 1.2;
+  options.vehicle.camera_height = 1.5;
+  options.vehicle.camera_height_sigma = 0.02;
+  const OdometryOptions free = WithoutMetres(options);
+  EXPECT_FALSE(free.vehicle.lever_arm);
+  EXPECT_FALSE(free.vehicle.camera_height);
+  EXPECT_NO_THROW(free.Check());
+}
+
 TEST(OdometryOptions, NameTheFieldThatMakesNoSense) {
   EXPECT_EQ(Refused([](auto& o) { o.vehicle.lever_arm = 0; }), "vehicle.lever_arm");
   EXPECT_EQ(Refused([](auto& o) { o.vehicle.lever_arm = std::nan(""); }), "vehicle.lever_arm");

@@ -40,9 +40,8 @@ struct Reading {
 // Thresholds in pixels are wider at first: with a wrong lens, points near the edge, which show most of it, fit worst.
 double LooseBy(int pass) { return std::max(1.0, kLooseAtFirst * std::pow(kTightening, pass)); }
 
-OdometryOptions OptionsForReading(OdometryOptions options, int pass) {
-  options.vehicle.lever_arm.reset();
-  options.vehicle.camera_height.reset();
+OdometryOptions OptionsForReading(const OdometryOptions& given, int pass) {
+  OdometryOptions options = WithoutMetres(given);
   options.road.enabled = false;
   options.calibration_check.enabled = false;
   // The camera is not known yet.
