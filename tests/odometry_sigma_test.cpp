@@ -117,7 +117,7 @@ TEST(OdometrySigma, CoversTurnsThatContradictEachOther) {
   RunSummary summary;
   Summarize(run.refined, run.scale, summary);
   EXPECT_TRUE(std::ranges::any_of(
-      summary.warnings, [](const std::string& warning) { return warning.starts_with("the turns are inconsistent"); }));
+      summary.warnings, [](const std::string& warning) { return warning.starts_with("the turns disagree"); }));
   ASSERT_TRUE(AllPosed(run.refined));
   const double error = MeasureRun(run.refined, drive.world_from_camera).path_length;
   EXPECT_LT(std::abs(error), run.scale.estimate->length_sigma);

@@ -513,6 +513,8 @@ ScaleEstimateResult EstimateScale(const std::vector<VehicleStep>& steps, const C
   const auto best = std::ranges::min_element(estimate.smoothed, {}, [](const ScaleBelief& b) { return b.sigma(); });
   if (!(best->sigma() <= options.max_sigma))
     return TooUncertain(best->sigma(), std::move(estimate.turns), options, gathered);
+  ScaleEstimateResult result;
+  result.turns = estimate.turns;
   // The turns are tested against the estimate as it is; only then is it widened.
   CompareTurns(answer, car, options.test, estimate);
   InflateAndDescribe(answer, car, estimate);
@@ -530,7 +532,8 @@ ScaleEstimateResult EstimateScale(const std::vector<VehicleStep>& steps, const C
   estimate.from_road = estimate.fell_back ? std::vector<char>(estimate.segments.size(), 0)
                                           : FromRoad(answer.smoothing.problem(), estimate.car);
   DescribeScaleAtTurns(estimate);
-  return {.estimate = std::move(estimate), .reason = {}, .turns = {}};
+  result.estimate = std::move(estimate);
+  return result;
 }
 
 }  // namespace turnscale

@@ -144,7 +144,8 @@ struct ScaleEstimate {
 struct ScaleEstimateResult {
   std::optional<ScaleEstimate> estimate;
   std::string reason;
-  std::vector<TurnEstimate> turns;  ///< detected turns, if there is no estimate
+  /// Detected turns, without what the estimate says of them (ScaleEstimate::turns has that).
+  std::vector<TurnEstimate> turns;
 };
 
 /// Maximum a posteriori scale of a drive from its steps. Each turn is one measurement: its effective
