@@ -652,7 +652,7 @@ TEST_F(ErrorsTest, SenselessOptions) {
   ExpectComplaint(Run({"--frame", "wheel"}), 2, {"--frame", "wheel"});
   ExpectComplaint(Run({"--threads", "0"}), 2, {"--threads 0"});
   ExpectComplaint(Run({"--no-such-option"}), 2, {"--no-such-option"});
-  ExpectComplaint(RunCommand({}, folder_), 2, {"no command given"});
+  ExpectComplaint(RunCommand({}, folder_), 2, {"no command; give one"});
   ExpectComplaint(RunCommand({"runn"}, folder_), 2,
                   {"turnscale: runn: unknown command; did you mean 'run'?; see turnscale --help"});
   ExpectComplaint(RunCommand({"drive.mp4", "--lever-arm", "1.5"}, folder_), 2,

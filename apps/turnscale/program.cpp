@@ -108,7 +108,7 @@ int Main(int argc, char** argv, void (*add_commands)(CLI::App&)) {
   } catch (const CLI::Success& help) {
     return app.exit(help);
   } catch (const CLI::ParseError& error) {
-    if (argc < 2) throw InputError("no command given, such as 'turnscale run drive.mp4'; see turnscale --help");
+    if (argc < 2) throw InputError("no command; give one, as in 'turnscale run drive.mp4'; see turnscale --help");
     const std::vector<CLI::App*> commands = app.get_subcommands();
     if (const std::string unknown = UnknownCommand(app, argc, argv); !unknown.empty())
       throw InputError(unknown + "; see turnscale --help");

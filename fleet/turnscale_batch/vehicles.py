@@ -16,6 +16,7 @@ COLUMNS = ("vehicle", "position", "first_drive", "last_drive", "drives", "side_s
            "lever_arm_sigma", "height", "height_sigma", "focal_length", "focal_length_sigma", "outliers")
 MOST_YAW_SIGMA = math.radians(1)  # beyond which a rotation is not handed on
 MOST_HEIGHT_SIGMA = 0.15  # relative, likewise
+MOST_ARM_SIGMA = 0.9  # relative, at most: run refuses a sigma as large as the lever arm
 MOST_CORRELATION = 0.98
 # What the joint files hold instead.
 OPTIONS_OF_SLIP = ("--side-slip", "--side-slip-sigma")
@@ -122,7 +123,7 @@ class Vehicle:
             text += _line("roll_sigma_deg", math.degrees(roll_sigma))
         if own.has_arm:
             arm = math.exp(joint.mean[ARM])
-            text += _line("lever_arm", arm) + _line("lever_arm_sigma", joint.sigma(ARM) * arm)
+            text += _line("lever_arm", arm) + _line("lever_arm_sigma", min(joint.sigma(ARM), MOST_ARM_SIGMA) * arm)
         if joint.sigma(HEIGHT) < MOST_HEIGHT_SIGMA and not own.moved:
             height = math.exp(joint.mean[HEIGHT])
             text += _line("height", height) + _line("height_sigma", joint.sigma(HEIGHT) * height)

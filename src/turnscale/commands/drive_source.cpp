@@ -78,8 +78,8 @@ std::vector<Trajectory> Stretches(const std::vector<FrameResult>& frames) {
 
 // Why the stretches are not the whole path of the drive; empty if they are. `before`: the images before the map.
 std::string WhyIncomplete(const std::vector<FrameResult>& frames, const ImageSource& source, const SeenImages& before) {
-  // A way that is missing makes a lever arm from the distance too long by the same share; a tape is no better than
-  // this.
+  // A way that is missing makes a lever arm from the distance too long by the same share; a tape is hardly better than
+  // this. A map needs some images to begin, so that the first two seconds do not count (LateBeginning).
   constexpr double kLeastShare = 0.02;
   if (!source.left_out().empty()) return source.left_out().front();
   const double seconds = frames.back().time - frames.front().time;

@@ -152,8 +152,10 @@ OdometryOptions OptionsFrom(const CarArguments& car, const std::optional<fs::pat
                            : *car.method == "turns" ? ScaleMethod::kTurns
                                                     : ScaleMethod::kSmoothed;
   if (options.scale.method != ScaleMethod::kSmoothed && !options.vehicle.lever_arm)
-    throw InputError(fmt::format("{}: constrains turns by the lever arm, which is missing; give --lever-arm",
-                                 car.method ? "--method " + *car.method : "settings: scale.method"));
+    throw InputError(
+        fmt::format("{}: constrains turns by the lever arm, which is missing; give --lever-arm, or a "
+                    "--vehicle file with one",
+                    car.method ? "--method " + *car.method : settings->string() + ": scale.method"));
   options.Check();
   return options;
 }

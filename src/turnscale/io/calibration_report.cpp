@@ -30,7 +30,7 @@ std::string Quoted(const std::string& text) {
 
 std::string SlipSource(const LeverArmFit& arm) {
   if (arm.slip_at_bound) return "estimated, at its bound";
-  return arm.sigma_side_slip > 0 ? fmt::format("+- {:.4f}", arm.sigma_side_slip) : "assumed";
+  return arm.sigma_side_slip > 0 ? fmt::format("+-{:.4f}", arm.sigma_side_slip) : "assumed";
 }
 
 constexpr const char* kColors[] = {"#c2185b", "#1565c0", "#2e7d32"};
@@ -151,7 +151,7 @@ std::string CalibrationYaml(const CalibrationReport& report) {
 std::string CalibrationText(const CalibrationReport& report) {
   const Calibration& found = report.calibration;
   const auto angle = [](const char* name, double value, double sigma, const char* sense) {
-    return fmt::format("{:<12}{:>8.2f} +- {:.2f} deg  {}\n", name, InDegrees(value), InDegrees(sigma), sense);
+    return fmt::format("{:<12}{:>8.2f} +-{:.2f} deg  {}\n", name, InDegrees(value), InDegrees(sigma), sense);
   };
   std::string text = angle("yaw", found.angles.yaw, found.sigma.yaw, "to the right");
   text += angle("pitch", found.angles.pitch, found.sigma.pitch, "up");
@@ -160,7 +160,7 @@ std::string CalibrationText(const CalibrationReport& report) {
     const LeverArmFit& arm = *report.lever_arm;
     const bool measured = arm.turning_steps > 0;
     text += fmt::format("{:<12}{:>8.3f}{} m, with side slip {:.4f} s^2/m ({})\n", "lever arm", arm.lever_arm.length,
-                        measured ? fmt::format(" +- {:.3f}", arm.sigma_length) : "", arm.lever_arm.side_slip,
+                        measured ? fmt::format(" +-{:.3f}", arm.sigma_length) : "", arm.lever_arm.side_slip,
                         SlipSource(arm));
   }
   text += fmt::format("{:<12}{} frames in {} steps, {} turns of {:.0f} deg in all{}\n", "data", report.frames,

@@ -87,10 +87,10 @@ std::string UnusualHeight(const CarRefinement& car) {
 std::string MethodWarning(ScaleMethod method, const RefinedScale& scale) {
   if (method == ScaleMethod::kSmoothed || scale.constrained || !scale.estimate) return {};
   return fmt::format(
-      "--method {} was not applied: no turn could be constrained (turns.csv has the reasons); the trajectory is that "
-      "of "
-      "the scale along the drive",
-      method == ScaleMethod::kPaper ? "paper" : "turns");
+      "the method {} was not applied: no turn could be constrained (turns.csv has the reasons); the "
+      "trajectory uses {}",
+      method == ScaleMethod::kPaper ? "paper" : "turns",
+      scale.estimate->fell_back ? "the scales of single turns, interpolated" : "the joint estimate");
 }
 
 // What to do about a camera-to-vehicle rotation that is wrong.

@@ -100,7 +100,7 @@ TEST(Summarize, AContradictedCalibrationMayBeWhyTheScaleIsPending) {
 
 TEST(Summarize, AMethodThatCouldNotBeAppliedIsNamed) {
   RefinedScale scale;
-  scale.estimate.emplace();
+  scale.estimate.emplace().converged = true;
   const auto warnings = [&](ScaleMethod method) {
     RunSummary summary;
     summary.method = method;
@@ -109,8 +109,11 @@ TEST(Summarize, AMethodThatCouldNotBeAppliedIsNamed) {
   };
   EXPECT_TRUE(warnings(ScaleMethod::kSmoothed).empty());
   ASSERT_EQ(warnings(ScaleMethod::kTurns).size(), 1U);
-  EXPECT_TRUE(warnings(ScaleMethod::kTurns)[0].starts_with("--method turns was not applied"));
-  EXPECT_TRUE(warnings(ScaleMethod::kPaper)[0].starts_with("--method paper was not applied"));
+  EXPECT_TRUE(warnings(ScaleMethod::kTurns)[0].starts_with("the method turns was not applied"));
+  EXPECT_TRUE(warnings(ScaleMethod::kTurns)[0].ends_with("uses the joint estimate"));
+  EXPECT_TRUE(warnings(ScaleMethod::kPaper)[0].starts_with("the method paper was not applied"));
+  scale.estimate->fell_back = true;
+  EXPECT_TRUE(warnings(ScaleMethod::kTurns)[0].ends_with("uses the scales of single turns, interpolated"));
   scale.constrained = true;
   EXPECT_TRUE(warnings(ScaleMethod::kTurns).empty());
 }

@@ -17,8 +17,7 @@ std::string TurnWarning(const ScaleEstimate& estimate, const std::function<std::
   if (!estimate.fell_back || (!contradicted && estimate.converged)) return {};
   if (contradicted && estimate.height_conflict && estimate.height_conflict->contradicts_turns)
     return "the turns agree with each other, but not with the given camera height: the trajectory uses the scale of "
-           "each "
-           "turn";
+           "each turn";
   const std::string problem = contradicted
                                   ? fmt::format("the turns disagree on the scale by {:.0f} % on average, most at {}",
                                                 100 * test.disagreement, name_of(test.worst_turn))

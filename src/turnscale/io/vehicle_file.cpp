@@ -78,17 +78,17 @@ std::string VehicleFileText(const VehicleOptions& vehicle, const Mount& mount, c
       text += Line("roll_sigma_deg", InDegrees(mount.sigma.roll));
     }
   }
-  // However much they disagree, the file is one that can be read again.
+  // However uncertain a length is, and however much the two disagree, the file is one that can be read again.
+  constexpr double kMostSigma = 0.9;  // relative
   const auto sigma_of = [&](double length, double sigma) {
-    constexpr double kMost = 0.9;  // relative
-    return std::min(std::hypot(sigma, conflict * length), std::max(kMost * length, sigma));
+    return std::min(std::hypot(sigma, conflict * length), std::max(kMostSigma * length, sigma));
   };
   if (vehicle.lever_arm) {
     const bool known = car && car->lever_arm > 0;
     text += Line("lever_arm", known ? car->lever_arm : *vehicle.lever_arm,
                  "metres from the rear axle forward to the camera");
     text += Line("lever_arm_sigma",
-                 known ? car->lever_arm_sigma
+                 known ? std::min(car->lever_arm_sigma, kMostSigma * car->lever_arm)
                        : sigma_of(*vehicle.lever_arm, LeverArmSigma(*vehicle.lever_arm, vehicle.lever_arm_sigma)));
   }
   text += Line("side_slip", car ? car->side_slip : vehicle.side_slip, "c in L_eff = L - c v^2, s^2/m");
@@ -144,8 +144,12 @@ void ReadVehicleFile(const std::filesystem::path& path, VehicleOptions& vehicle)
   }
   if (map.Has("height")) {
     vehicle.camera_height = map.Positive("height");
+    if (*vehicle.camera_height > kHighestCamera)
+      map.Reject("height", fmt::format("has to be the height of the camera in metres, up to {}", kHighestCamera));
     vehicle.camera_height_sigma =
         std::hypot(not_negative("height_sigma", 0), kHeightBetweenDrives * *vehicle.camera_height);
+    if (*vehicle.camera_height_sigma >= *vehicle.camera_height)
+      map.Reject("height_sigma", "has to be below the height");
     const auto correlation = [&](const char* key) {
       if (!map.Has(key)) return 0.0;
       const double value = map.Number(key);

@@ -155,7 +155,9 @@ TEST(VehicleFile, SenselessValuesAreRefused) {
   EXPECT_NE(Refused("side_slip: 2\n").find("car.yaml: side_slip: has to be in 0...1"), std::string::npos);
   EXPECT_NE(Refused("lever_arm: 145\n").find("car.yaml: lever_arm: has to be the distance from the rear axle forward"),
             std::string::npos);
-  EXPECT_NE(Refused("height: 150\n").find("car.yaml: camera_height: has to be"), std::string::npos);
+  EXPECT_NE(Refused("height: 150\n").find("car.yaml:1: height: has to be"), std::string::npos)
+      << Refused("height: 150\n");
+  EXPECT_NE(Refused("height: 1\nheight_sigma: 1\n").find("height_sigma: has to be below"), std::string::npos);
   EXPECT_NE(Refused("hight: 1\n").find("height"), std::string::npos) << "the nearest known key";
   for (const char* camera : {"image_width: 640\ncamera_matrix: [1, 0, 0, 0, 1, 0, 0, 0, 1]\n", "Camera.fx: 200\n",
                              "P0: 1 0 0 0 0 1 0 0 0 0 1 0\n", "cam0:\n  camera_model: pinhole\n"})

@@ -78,7 +78,11 @@ std::vector<double> ConstrainTurns(const OdometryOptions& options, const MountCa
                                    RefinedScale& refined) {
   if (!refined.estimate) return {};
   // One pose that is none would spoil the lengths of the whole map.
-  if (!std::ranges::all_of(map.keyframes, [](const Keyframe& k) { return k.camera_from_world.IsFinite(); })) return {};
+  if (!std::ranges::all_of(map.keyframes, [](const Keyframe& k) { return k.camera_from_world.IsFinite(); })) {
+    for (TurnResult& turn : refined.turns)
+      if (turn.used) turn.unadjusted = "a pose of the map is not finite";
+    return {};
+  }
   const std::vector<TurnScale> held = TurnsToConstrain(map, mount, options, refined.turns);
   if (held.empty()) return {};
   const ScaleRecoveryResult recovered = RecoverAbsoluteScale(options.scale.recovery, held, 0, map);

@@ -17,7 +17,7 @@ std::vector<TurnScale> TurnsToConstrain(const Map& map, const MountCalibration& 
 /// the fallback of `smoothed`), or of each of its steps to the length from its own angles (`paper`). `refined` has the
 /// turns and sigmas of the drive, and gets the trajectory of the recovered map. Returns the factors by which lengths at
 /// each keyframe have changed; empty, with `refined.constrained` false and its path as it was, if no turn gives the
-/// scale.
+/// scale, or a pose of the map is not finite.
 std::vector<double> ConstrainTurns(const OdometryOptions& options, const MountCalibration& mount, Map& map,
                                    RefinedScale& refined);
 

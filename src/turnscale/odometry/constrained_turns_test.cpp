@@ -204,6 +204,7 @@ TEST(ConstrainedTurns, AMapWithAPoseThatIsNotFiniteStaysAsItIs) {
   ASSERT_TRUE(refined.estimate) << refined.reason;
   EXPECT_TRUE(ConstrainTurns(options, MountCalibration(options.vehicle), finished.map, refined).empty());
   EXPECT_FALSE(refined.constrained);
+  for (const TurnResult& turn : refined.turns) EXPECT_EQ(turn.unadjusted.empty(), !turn.used);
   for (const Eigen::Vector3d& centre : refined.path.centres) EXPECT_TRUE(centre.allFinite());
 }
 

@@ -18,8 +18,8 @@ namespace turnscale {
 /// Relative standard deviation of a given camera height: measured with a tape; load and tyre pressure change.
 constexpr double kGivenHeightSigma = 0.01;
 
-/// Standard deviation of a lever arm, metres, where `sigma` is as given, or the default kTapeSigma. The default counts
-/// as half of the lever arm where that is less; one that is given counts as it is, and has to be below the lever arm.
+/// Standard deviation of a lever arm, metres. Of lever arms below twice kTapeSigma, a `sigma` of kTapeSigma, the
+/// default, counts as half of the lever arm. Any other has to be below the lever arm.
 inline double LeverArmSigma(double lever_arm, double sigma = kTapeSigma) {
   return sigma == kTapeSigma ? std::min(kTapeSigma, 0.5 * lever_arm) : sigma;
 }
