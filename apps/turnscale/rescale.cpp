@@ -62,9 +62,8 @@ void AddRescaleCommand(CLI::App& app) {
       ->add_option(
           "--camera-height", arguments->camera_height,
           fmt::format(
-              "Height of the camera above the road, metres, or H,SIGMA with its standard deviation "
-              "[{:.0f} %]; with --heights, it determines the scale even without a turn. Estimated in turns if not "
-              "given",
+              "Height of the camera above the road, metres, or H,SIGMA with its standard deviation [{:.0f} %]; with "
+              "--heights, it determines the scale even without a turn. Estimated in turns if not given",
               100 * kGivenHeightSigma))
       ->needs(heights);
   command->add_option("--camera-rotation", arguments->camera_rotation,

@@ -233,7 +233,7 @@ DriveMotion MotionFromImages(const ImageArguments& arguments, const CommandHooks
   if (!estimate.warning.empty()) progress.Warn(estimate.warning);
   for (const std::string& doubt : DoubtsOf(images)) progress.Warn(doubt);
   int processed = 0;
-  SeenImages before;  // there is a map
+  SeenImages before;  // the images from before the map
   bool tracks = false;
   const auto drive = [&] {
     while (!(arguments.max_frames && processed >= *arguments.max_frames)) {

@@ -54,8 +54,8 @@ class Odometry {
   /// the camera has none), or when the time is not finite or not after that of the previous frame.
   FrameResult Process(const cv::Mat& gray, double time);
 
-  /// The next frame has no usable image: its pose is predicted and flagged. Throws InputError as
-  /// Process does for the time.
+  /// The next frame has no usable image: its pose is predicted and flagged. Throws InputError for the time as Process
+  /// does.
   FrameResult ProcessUnreadable(double time);
 
   /// Ends the drive: closes a turn in progress, adjusts all keyframes, and computes the scale of the whole drive. No
