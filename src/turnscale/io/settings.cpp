@@ -7,8 +7,8 @@
 
 #include <fmt/format.h>
 
+#include "turnscale/base/check_part.h"
 #include "turnscale/base/error.h"
-#include "turnscale/base/error_prefix.h"
 #include "turnscale/base/number_text.h"
 #include "turnscale/camera/camera_file.h"
 #include "turnscale/config/yaml_map.h"

@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "turnscale/base/error_prefix.h"
+#include "turnscale/base/check_part.h"
 #include "turnscale/camera/camera_file.h"
 #include "turnscale/config/yaml_map.h"
 #include "turnscale/geometry/rotation.h"

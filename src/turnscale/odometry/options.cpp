@@ -4,8 +4,8 @@
 #include <cmath>
 #include <string>
 
+#include "turnscale/base/check_part.h"
 #include "turnscale/base/error.h"
-#include "turnscale/base/error_prefix.h"
 #include "turnscale/base/number_text.h"
 
 namespace turnscale {

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include "turnscale/base/check_part.h"
 #include "turnscale/base/error.h"
-#include "turnscale/base/error_prefix.h"
 #include "turnscale/calibration/calibration.h"
 #include "turnscale/calibration/camera_axes.h"
 #include "turnscale/calibration/camera_step.h"

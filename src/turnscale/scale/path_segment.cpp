@@ -5,8 +5,8 @@
 #include <optional>
 #include <span>
 
+#include "turnscale/base/check_part.h"
 #include "turnscale/base/error.h"
-#include "turnscale/base/error_prefix.h"
 #include "turnscale/scale/road_parts.h"
 
 namespace turnscale {

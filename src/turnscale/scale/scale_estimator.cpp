@@ -9,8 +9,8 @@
 
 #include <Eigen/Cholesky>
 
+#include "turnscale/base/check_part.h"
 #include "turnscale/base/error.h"
-#include "turnscale/base/error_prefix.h"
 #include "turnscale/base/quantiles.h"
 #include "turnscale/base/robust_weights.h"
 

@@ -6,8 +6,8 @@
 #include <limits>
 #include <utility>
 
+#include "turnscale/base/check_part.h"
 #include "turnscale/base/error.h"
-#include "turnscale/base/error_prefix.h"
 #include "turnscale/base/number_text.h"
 #include "turnscale/base/quantiles.h"
 #include "turnscale/base/robust_weights.h"
