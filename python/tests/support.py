@@ -34,11 +34,11 @@ def program(*arguments):
 
 @functools.lru_cache(maxsize=None)
 def rendered_drive():
-    """Twelve seconds in a garage, with a turn."""
+    """Sixteen seconds in a garage: parking, then a turn."""
     folder = scratch() / "drive"
     rig = scratch() / "rig.yaml"
     rig.write_text("preset: paper\ncamera: {width: 320, height: 240, fx: 190, fy: 190, cx: 159.5, cy: 119.5}\n")
-    said, code, _ = program("simulate", "garage", "--seed", 1, "--seconds", 20, "--max-frames", 120, "--rig", rig,
+    said, code, _ = program("simulate", "garage", "--seed", 1, "--seconds", 20, "--max-frames", 160, "--rig", rig,
                             "--out", folder, "--quiet")
     if "has no" in said:
         raise unittest.SkipTest("the program was built without the simulation")
@@ -91,6 +91,24 @@ def compare_with_tum(test, table, path):
     lines = [tuple(map(float, line.split())) for line in path.read_text().splitlines()]
     test.assertGreater(len(lines), 0)
     test.assertEqual([tuple(row) for row in table.tolist()], lines)
+
+
+def compare_numbers(test, found, expected):
+    """Holds what is read from JSON against the same, numbers to nine digits."""
+    test.assertIs(type(found), type(expected))
+    if isinstance(expected, dict):
+        test.assertEqual(list(found), list(expected))
+        for key, value in expected.items():
+            with test.subTest(key=key):
+                compare_numbers(test, found[key], value)
+    elif isinstance(expected, list):
+        test.assertEqual(len(found), len(expected))
+        for one, other in zip(found, expected):
+            compare_numbers(test, one, other)
+    elif isinstance(expected, float):
+        test.assertAlmostEqual(found, expected, delta=1e-9 * max(abs(expected), 1))
+    else:
+        test.assertEqual(found, expected)
 
 
 TABLES = ("trajectory", "turns", "speed", "scale", "camera_rotation")

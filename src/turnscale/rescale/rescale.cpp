@@ -127,10 +127,17 @@ bool FindMount(const RescaleOptions& options, const Trajectory& trajectory, cons
   }
 }
 
+// Most steps go along the car's axis, and most of their way is forward: a car reverses slowly, in many short steps.
 bool GoesForward(const std::vector<VehicleStep>& steps) {
-  const auto forward = std::ranges::count_if(
-      steps, [](const VehicleStep& step) { return step.usable && !std::signbit(step.forward()); });
-  return 2 * forward >= static_cast<std::ptrdiff_t>(steps.size());
+  std::ptrdiff_t along = 0;
+  double forward = 0, length = 0;
+  for (const VehicleStep& step : steps) {
+    if (!step.usable) continue;
+    ++along;
+    forward += std::max(step.forward(), 0.0);
+    length += step.motion.step;
+  }
+  return 2 * along >= std::ssize(steps) && 2 * forward >= length;
 }
 
 // What the filter knew at each pose.
@@ -194,9 +201,11 @@ RescaleResult RescaleTrajectory(const RescaleOptions& options, const Trajectory&
   result.steps = CutIntoSteps(path, gaps, options.timed, options.steps);
   SetHeights(heights, trajectory, result.steps);
   if (!GoesForward(result.steps)) {
-    result.reason =
-        "with this camera rotation most steps go sideways, up, down or backwards; let the rotation be estimated "
-        "(--camera-rotation auto)";
+    result.reason = options.vehicle_from_camera
+                        ? "with this camera rotation most of the path goes sideways, up, down or backwards; let the "
+                          "rotation be estimated (--camera-rotation auto)"
+                        : "most of the path goes sideways, up, down or backwards; give the camera's rotation on the "
+                          "car (--camera-rotation)";
     return result;
   }
   ScaleEstimateResult estimate = EstimateScale(result.steps, CarFor(options, result.yaw_sigma), EstimatorFor(options));

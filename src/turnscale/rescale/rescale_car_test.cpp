@@ -64,6 +64,16 @@ TEST(Rescale, PitchOfTheCameraDoesNotBendTheScaleInReverse) {
   }
 }
 
+TEST(Rescale, ADriveMayReverseLongerThanItGoesForwardIfItIsSlow) {
+  std::vector<DriveSegment> route{{200, -0.12, 0.03}, {20, 0.9, 0}};
+  route.push_back({30, 0.4, -(M_PI / 2) / 30});
+  route.push_back({20, 0.9, 0});
+  const ScaledDrive drive = MakeScaledDrive(route, kCar, kIdentity, kUnit);
+  const RescaleResult result = RescaleTrajectory(OptionsFor(kCar), drive.trajectory);
+  ASSERT_TRUE(result.observable) << result.reason;
+  EXPECT_LT(WorstLogError(result, drive), 0.004);
+}
+
 TEST(Rescale, FindsHowTheCameraIsTurned) {
   const YawPitchRoll angles{12 / kDegreesPerRadian, -8 / kDegreesPerRadian, 5 / kDegreesPerRadian};
   Eigen::Matrix3d vehicle_axes;  // x forward, y left, z up
