@@ -157,7 +157,7 @@ TEST_F(ErrorsTest, ACalibrationForPixelsOfAnotherShapeIsNamed) {
         .err;
   };
   EXPECT_EQ(err(1), "");
-  EXPECT_NE(err(1.25).find("fy is 1.000 times fx, but the video says that its pixels are 1.250 times as wide as high"),
+  EXPECT_NE(err(1.25).find("fy / fx is 1.000, but it is 1.250 by the pixel aspect ratio that the video states"),
             std::string::npos);
 }
 

@@ -89,6 +89,35 @@ std::string WhyIncomplete(const std::vector<FrameResult>& frames, const ImageSou
   return source.EndsEarly();
 }
 
+struct FramesProcessed {
+  int count = 0;
+  SeenImages before_map;
+};
+
+// Until the drive, its part or an interrupt ends it. `done` also says how far it came where this throws.
+void ProcessFrames(const ImageArguments& arguments, ImageSource& source, const CommandHooks& hooks, Odometry& odometry,
+                   Progress& progress, FramesProcessed& done) {
+  bool tracks = false;
+  while (!(arguments.max_frames && done.count >= *arguments.max_frames)) {
+    const std::optional<SourceFrame> frame = source.Next();
+    if (hooks.interrupted()) return;
+    if (!frame) {
+      if (const std::string why = source.EndsEarly(); !why.empty()) progress.Warn(why);
+      return;
+    }
+    if (!frame->notice.empty()) progress.Warn(frame->notice);
+    if (frame->gray.empty()) {
+      progress.Warn(fmt::format("frame {}: {}; skipped", frame->index, frame->problem));
+      odometry.ProcessUnreadable(frame->time);
+    } else {
+      const FrameResult result = odometry.Process(frame->gray, frame->time);
+      tracks = tracks || result.world_from_camera;
+      if (!tracks) done.before_map.Add(frame->gray, frame->time, result.tracked);
+    }
+    progress.Update(++done.count, fmt::format("{} keyframes", odometry.map().keyframes.size()));
+  }
+}
+
 }  // namespace
 
 ImageSourceOptions SourceOptions(const ImageArguments& arguments, const GivenCamera& given,
@@ -153,8 +182,8 @@ std::vector<std::string> DoubtsOf(const DriveImages& images) {
   const double aspect = images.source.pixel_aspect();
   if (aspect != 1 && std::abs(shape / aspect - 1) > kOtherShape)
     doubts.push_back(fmt::format(
-        "{}: fy is {:.3f} times fx, but the video says that its pixels are {:.3f} times as wide as high, which makes "
-        "fy so many times fx; check that it is a calibration for these images",
+        "{}: fy / fx is {:.3f}, but it is {:.3f} by the pixel aspect ratio that the video states; check that the "
+        "calibration is for these images",
         images.given.name, shape, aspect));
   return doubts;
 }
@@ -232,31 +261,9 @@ DriveMotion MotionFromImages(const ImageArguments& arguments, const CommandHooks
   for (const std::string& warning : images.source.left_out()) progress.Warn(warning);
   if (!estimate.warning.empty()) progress.Warn(estimate.warning);
   for (const std::string& doubt : DoubtsOf(images)) progress.Warn(doubt);
-  int processed = 0;
-  SeenImages before;  // the images from before the map
-  bool tracks = false;
-  const auto drive = [&] {
-    while (!(arguments.max_frames && processed >= *arguments.max_frames)) {
-      const std::optional<SourceFrame> frame = images.source.Next();
-      if (hooks.interrupted()) break;
-      if (!frame) {
-        if (const std::string why = images.source.EndsEarly(); !why.empty()) progress.Warn(why);
-        break;
-      }
-      if (!frame->notice.empty()) progress.Warn(frame->notice);
-      if (frame->gray.empty()) {
-        progress.Warn(fmt::format("frame {}: {}; skipped", frame->index, frame->problem));
-        odometry.ProcessUnreadable(frame->time);
-      } else {
-        const FrameResult result = odometry.Process(frame->gray, frame->time);
-        tracks = tracks || result.world_from_camera;
-        if (!tracks) before.Add(frame->gray, frame->time, result.tracked);
-      }
-      progress.Update(++processed, fmt::format("{} keyframes", odometry.map().keyframes.size()));
-    }
-  };
+  FramesProcessed done;
   Attempts attempts;
-  attempts.Try(drive);
+  attempts.Try([&] { ProcessFrames(arguments, images.source, hooks, odometry, progress, done); });
   progress.Finish();
   attempts.Try([&] { odometry.Finish(); });
   DriveMotion motion;
@@ -267,9 +274,9 @@ DriveMotion MotionFromImages(const ImageArguments& arguments, const CommandHooks
   const std::vector<FrameResult> frames = odometry.RefinedFrames();
   motion.stretches = Stretches(frames);
   if (motion.stretches.empty()) attempts.RethrowFirst();
-  if (!motion.stretches.empty()) motion.incomplete = WhyIncomplete(frames, images.source, before);
+  if (!motion.stretches.empty()) motion.incomplete = WhyIncomplete(frames, images.source, done.before_map);
   if (hooks.interrupted())
-    motion.stopped = {kInterruptedExitCode, fmt::format("interrupted after {} frames", processed)};
+    motion.stopped = {kInterruptedExitCode, fmt::format("interrupted after {} frames", done.count)};
   if (!attempts.failures().empty()) motion.stopped = FailureOf(attempts.failures().front());
   if (motion.stopped) motion.incomplete = motion.stopped->message;
   return motion;

@@ -5,7 +5,7 @@
 #include <chrono>
 #include <cmath>
 #include <filesystem>
-#include <iterator>
+#include <utility>
 
 #include <fmt/format.h>
 #include <sys/resource.h>
@@ -100,6 +100,92 @@ std::string RotationRemedy(const VehicleOptions& vehicle) {
   return "check whether the camera was moved";
 }
 
+double LengthSigma(const RefinedScale& scale) { return scale.estimate ? scale.estimate->length_sigma : INFINITY; }
+
+void SummarizePath(const std::vector<FrameResult>& refined, RunSummary& summary) {
+  summary.frames = static_cast<int>(refined.size());
+  summary.missing = FindMissingParts(refined);
+  const FrameResult* last = nullptr;
+  for (const FrameResult& frame : refined) {
+    summary.tracked += frame.state == TrackingState::kTracked ? 1 : 0;
+    summary.repeated += frame.state == TrackingState::kRepeated ? 1 : 0;
+    summary.bridged += frame.state == TrackingState::kBridged ? 1 : 0;
+    summary.initializing += frame.state == TrackingState::kInitializing ? 1 : 0;
+    summary.keyframes += frame.keyframe ? 1 : 0;
+    if (!frame.world_from_camera) continue;
+    if (last) {
+      const double step = (frame.world_from_camera->translation - last->world_from_camera->translation).norm();
+      summary.distance += step;
+      if (IsMissing(summary.missing, last->time, frame.time)) summary.missing_distance += step;
+    }
+    last = &frame;
+    if (summary.worst_sigma >= frame.scale_sigma) continue;
+    summary.worst_sigma = frame.scale_sigma;
+    summary.worst_sigma_time = frame.time;
+  }
+  if (!refined.empty()) summary.seconds = refined.back().time - refined.front().time;
+}
+
+// After the path, on whose length the share of the gaps depends.
+void SummarizeScale(const RefinedScale& scale, RunSummary& summary) {
+  summary.path_sigma = std::hypot(LengthSigma(scale), scale.gap_sigma / std::max(summary.distance, 1e-9));
+  summary.turns_found = static_cast<int>(scale.turns.size());
+  summary.turns_used = static_cast<int>(std::ranges::count_if(scale.turns, &TurnResult::used));
+  summary.calibration_windows = scale.calibration_windows;
+  summary.calibration_agrees = scale.contradicted_calibration.empty();
+  if (!scale.estimate) {
+    summary.pending_reason = scale.reason;
+    if (summary.has_measure() && !summary.calibration_agrees)
+      summary.pending_reason += "; the images contradict the calibration, which may be the cause";
+    return;
+  }
+  const ScaleEstimate& estimate = *scale.estimate;
+  if (!estimate.fell_back) summary.car = estimate.car;
+  if (estimate.has_reliable_car()) summary.car_evidence = estimate.car_evidence;
+  summary.turn_test = estimate.test;
+  summary.height_conflict = estimate.height_conflict;
+  if (estimate.yaw_conflict)
+    summary.contradicting_yaw =
+        YawPitchRollFromRotation(summary.vehicle.vehicle_from_camera).yaw + estimate.car.yaw_error;
+}
+
+std::string TurnsWarning(const RefinedScale& scale) {
+  if (!scale.estimate) return "";
+  const auto frames_of = [&](int turn) {
+    return fmt::format("frames {}-{}", scale.turns[turn].first_frame, scale.turns[turn].last_frame);
+  };
+  return TurnWarning(*scale.estimate, frames_of,
+                     "the camera's calibration and rotation, the timestamps, the lever arm and the side slip");
+}
+
+// What the drive says of the car against what was given or is usual.
+std::vector<std::string> CarWarnings(const RefinedScale& scale, const RunSummary& summary) {
+  std::vector<std::string> warnings;
+  const VehicleOptions& vehicle = summary.vehicle;
+  if (summary.height_conflict)
+    warnings.push_back(HeightWarning(*summary.height_conflict, vehicle.lever_arm.value_or(0),
+                                     vehicle.camera_known ? kCheckVehicle : kMeasureAgain));
+  if (summary.car && summary.car->camera_height > 0 && !vehicle.camera_height)
+    warnings.push_back(UnusualHeight(*summary.car));
+  if (scale.estimate && scale.estimate->slip_conflict) warnings.push_back(SlipWarning(*scale.estimate->slip_conflict));
+  if (scale.estimate && scale.estimate->yaw_conflict)
+    warnings.push_back(YawWarning(*scale.estimate->yaw_conflict, RotationRemedy(vehicle)));
+  return warnings;
+}
+
+void AddWarnings(const std::vector<FrameResult>& refined, const RefinedScale& scale, RunSummary& summary) {
+  const auto add = [&](std::string warning) {
+    if (!warning.empty()) summary.warnings.push_back(std::move(warning));
+  };
+  for (const ParameterEstimate& estimate : scale.contradicted_calibration)
+    add(CalibrationWarning(estimate, summary.found_camera.has_value(), LengthSigma(scale)));
+  add(TurnsWarning(scale));
+  add(MethodWarning(summary.method, scale));
+  for (std::string& warning : CarWarnings(scale, summary)) add(std::move(warning));
+  for (std::string& warning : TimeWarnings(refined, scale.turns)) add(std::move(warning));
+  for (std::string& warning : SeamWarnings(summary)) add(std::move(warning));
+}
+
 }  // namespace
 
 std::optional<FrameLatency> LatencyOf(const std::vector<double>& seconds) {
@@ -142,75 +228,9 @@ const char* LensModelName(LensModel lens) {
 }
 
 void Summarize(const std::vector<FrameResult>& refined, const RefinedScale& scale, RunSummary& summary) {
-  const std::vector<TurnResult>& turns = scale.turns;
-  summary.frames = static_cast<int>(refined.size());
-  summary.missing = FindMissingParts(refined);
-  const FrameResult* last = nullptr;
-  for (const FrameResult& frame : refined) {
-    summary.tracked += frame.state == TrackingState::kTracked ? 1 : 0;
-    summary.repeated += frame.state == TrackingState::kRepeated ? 1 : 0;
-    summary.bridged += frame.state == TrackingState::kBridged ? 1 : 0;
-    summary.initializing += frame.state == TrackingState::kInitializing ? 1 : 0;
-    summary.keyframes += frame.keyframe ? 1 : 0;
-    if (!frame.world_from_camera) continue;
-    if (last) {
-      const double step = (frame.world_from_camera->translation - last->world_from_camera->translation).norm();
-      summary.distance += step;
-      if (IsMissing(summary.missing, last->time, frame.time)) summary.missing_distance += step;
-    }
-    last = &frame;
-    if (summary.worst_sigma >= frame.scale_sigma) continue;
-    summary.worst_sigma = frame.scale_sigma;
-    summary.worst_sigma_time = frame.time;
-  }
-  if (!refined.empty()) summary.seconds = refined.back().time - refined.front().time;
-  const double scale_sigma = scale.estimate ? scale.estimate->length_sigma : INFINITY;
-  summary.path_sigma = std::hypot(scale_sigma, scale.gap_sigma / std::max(summary.distance, 1e-9));
-  if (scale.estimate) {
-    if (!scale.estimate->fell_back) summary.car = scale.estimate->car;
-    summary.turn_test = scale.estimate->test;
-    summary.height_conflict = scale.estimate->height_conflict;
-    if (scale.estimate->has_reliable_car()) summary.car_evidence = scale.estimate->car_evidence;
-  }
-  summary.calibration_windows = scale.calibration_windows;
-  summary.calibration_agrees = scale.contradicted_calibration.empty();
-  for (const ParameterEstimate& estimate : scale.contradicted_calibration)
-    summary.warnings.push_back(CalibrationWarning(estimate, summary.found_camera.has_value(), scale_sigma));
-  const auto frames_of = [&](int turn) {
-    return fmt::format("frames {}-{}", turns[turn].first_frame, turns[turn].last_frame);
-  };
-  const std::string warning =
-      scale.estimate
-          ? TurnWarning(*scale.estimate, frames_of,
-                        "the camera's calibration and rotation, the timestamps, the lever arm and the side slip")
-          : "";
-  if (!warning.empty()) summary.warnings.push_back(warning);
-  const std::string unapplied = MethodWarning(summary.method, scale);
-  if (!unapplied.empty()) summary.warnings.push_back(unapplied);
-  if (summary.height_conflict)
-    summary.warnings.push_back(HeightWarning(*summary.height_conflict, summary.vehicle.lever_arm.value_or(0),
-                                             summary.vehicle.camera_known ? kCheckVehicle : kMeasureAgain));
-  if (summary.car && summary.car->camera_height > 0 && !summary.vehicle.camera_height) {
-    const std::string unusual = UnusualHeight(*summary.car);
-    if (!unusual.empty()) summary.warnings.push_back(unusual);
-  }
-  if (scale.estimate && scale.estimate->slip_conflict)
-    summary.warnings.push_back(SlipWarning(*scale.estimate->slip_conflict));
-  if (scale.estimate && scale.estimate->yaw_conflict) {
-    summary.contradicting_yaw =
-        YawPitchRollFromRotation(summary.vehicle.vehicle_from_camera).yaw + scale.estimate->car.yaw_error;
-    summary.warnings.push_back(YawWarning(*scale.estimate->yaw_conflict, RotationRemedy(summary.vehicle)));
-  }
-  std::ranges::move(TimeWarnings(refined, turns), std::back_inserter(summary.warnings));
-  std::ranges::move(SeamWarnings(summary), std::back_inserter(summary.warnings));
-  summary.turns_found = static_cast<int>(turns.size());
-  if (!scale.estimate) {
-    summary.pending_reason = scale.reason;
-    if (summary.has_measure() && !scale.contradicted_calibration.empty())
-      summary.pending_reason += "; the images contradict the calibration, which may be the cause";
-  }
-  summary.turns_used =
-      static_cast<int>(std::count_if(turns.begin(), turns.end(), [](const auto& t) { return t.used; }));
+  SummarizePath(refined, summary);
+  SummarizeScale(scale, summary);
+  AddWarnings(refined, scale, summary);
 }
 
 std::string FoundCameraText(const FoundCamera& found) {
