@@ -11,41 +11,13 @@
 #include "turnscale/commands/rescale_report.h"
 #include "turnscale/commands/version.h"
 #include "turnscale/geometry/rotation.h"
+#include "turnscale/odometry/drive_scale.h"
 #include "turnscale/odometry/drive_speed.h"
 #include "turnscale/report/report_data.h"
 #include "turnscale/report/report_page.h"
 
 namespace turnscale {
 namespace {
-
-TurnResult TurnOfPage(const TurnEstimate& turn, const RescaleResult& result) {
-  TurnResult shown;
-  shown.first_frame = result.steps[turn.first_step].first;
-  shown.last_frame = result.steps[turn.last_step].last;
-  shown.angle = turn.angle;
-  shown.metres_per_unit = turn.own;
-  shown.sigma = turn.own * turn.own_sigma;
-  shown.smoothed = turn.smoothed;
-  shown.smoothed_sigma = turn.smoothed * turn.smoothed_sigma;
-  shown.effective_lever_arm = turn.lever_arm_units * turn.smoothed;
-  shown.deviation = turn.deviation;
-  shown.used = turn.used;
-  shown.reason = turn.reason;
-  return shown;
-}
-
-// Whether the road shows the scale at each pose.
-std::vector<char> PosesFromRoad(const RescaleResult& result) {
-  const ScaleEstimate& estimate = *result.estimate;
-  std::vector<char> from_road(result.metric.size(), 0);
-  for (size_t i = 0; i < estimate.segments.size(); ++i) {
-    if (!estimate.from_road[i]) continue;
-    const int first = result.steps[estimate.segments[i].first].first;
-    const int last = result.steps[estimate.segments[i].last].last;
-    std::fill(from_road.begin() + first + 1, from_road.begin() + last + 1, 1);
-  }
-  return from_road;
-}
 
 std::string ScaleNote(const RescaleResult& result, const CarPrior& car) {
   const bool road =
@@ -70,8 +42,8 @@ std::string RescalePage(const RescaleResult& result, const std::string& input, c
   data.timed = timed;
   data.has_tracking = false;
   data.vehicle_from_body = result.vehicle_from_camera;
-  for (const TurnEstimate& turn : result.estimate->turns) data.turns.push_back(TurnOfPage(turn, result));
-  const std::vector<char> from_road = PosesFromRoad(result);
+  for (const TurnEstimate& turn : result.estimate->turns)
+    data.turns.push_back(DescribeTurn(turn, result.steps, [](int pose) { return pose; }));
   for (size_t i = 0; i < result.metric.size(); ++i) {
     const int pose = static_cast<int>(i);
     FrameResult frame;
@@ -84,7 +56,9 @@ std::string RescalePage(const RescaleResult& result, const std::string& input, c
     const bool in_turn = std::any_of(data.turns.begin(), data.turns.end(), [&](const TurnResult& turn) {
       return turn.used && pose >= turn.first_frame && pose <= turn.last_frame;
     });
-    frame.scale_state = in_turn ? ScaleState::kObserved : from_road[i] ? ScaleState::kFromRoad : ScaleState::kHeld;
+    frame.scale_state = in_turn                     ? ScaleState::kObserved
+                        : result.poses[i].from_road ? ScaleState::kFromRoad
+                                                    : ScaleState::kHeld;
     data.frames.push_back(frame);
     data.scale.push_back({pose, frame.time, result.poses[i].metres_per_unit, result.poses[i].sigma});
   }

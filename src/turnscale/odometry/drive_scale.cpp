@@ -91,12 +91,22 @@ std::vector<VehicleStep> StepsAlong(const Map& map, const MountCalibration& moun
   return steps;
 }
 
-TurnResult Describe(const TurnEstimate& turn, const std::vector<VehicleStep>& steps, const Map& map) {
+MetricPath InOwnUnit(const Map& map) {
+  MetricPath path;
+  for (int k = 0; k < static_cast<int>(map.keyframes.size()); ++k) path.centres.push_back(KnownCentre(map, k));
+  path.metres_per_unit.assign(map.keyframes.size(), 1.0);
+  return path;
+}
+
+}  // namespace
+
+TurnResult DescribeTurn(const TurnEstimate& turn, const std::vector<VehicleStep>& steps,
+                        const std::function<int(int keyframe)>& frame_of) {
   TurnResult result;
   result.first_keyframe = steps[turn.first_step].first;
   result.last_keyframe = steps[turn.last_step].last;
-  result.first_frame = map.keyframes[result.first_keyframe].frame;
-  result.last_frame = map.keyframes[result.last_keyframe].frame;
+  result.first_frame = frame_of(result.first_keyframe);
+  result.last_frame = frame_of(result.last_keyframe);
   result.angle = turn.angle;
   result.used = turn.used;
   result.reason = turn.reason;
@@ -111,15 +121,6 @@ TurnResult Describe(const TurnEstimate& turn, const std::vector<VehicleStep>& st
   result.effective_lever_arm = turn.lever_arm_units * turn.smoothed;
   return result;
 }
-
-MetricPath InOwnUnit(const Map& map) {
-  MetricPath path;
-  for (int k = 0; k < static_cast<int>(map.keyframes.size()); ++k) path.centres.push_back(KnownCentre(map, k));
-  path.metres_per_unit.assign(map.keyframes.size(), 1.0);
-  return path;
-}
-
-}  // namespace
 
 DriveScale::DriveScale(const OdometryOptions& options)
     : options_(options),
@@ -259,8 +260,9 @@ RefinedScale DriveScale::Refine(const Map& map, bool follow_turns) const {
       turn.own = turn.own_sigma = turn.as_given = 0;
     }
   }
+  const auto frame_of = [&](int keyframe) { return map.keyframes[keyframe].frame; };
   for (const TurnEstimate& turn : result.estimate ? result.estimate->turns : result.turns) {
-    const TurnResult& described = refined.turns.emplace_back(Describe(turn, steps, map));
+    const TurnResult& described = refined.turns.emplace_back(DescribeTurn(turn, steps, frame_of));
     for (int k = described.first_keyframe; k <= described.last_keyframe; ++k) {
       if (result.estimate && turn.used) refined.in_used_turn[k] = 1;
       if (k > described.first_keyframe) refined.turning[k] = 1;
@@ -268,17 +270,12 @@ RefinedScale DriveScale::Refine(const Map& map, bool follow_turns) const {
   }
   refined.reason = result.reason;
   if (!result.estimate) return refined;
-  for (std::size_t i = 0; i < result.estimate->segments.size(); ++i) {
-    if (result.estimate->from_road[i] == 0) continue;
-    const PathSegment& segment = result.estimate->segments[i];
-    std::fill(refined.from_road.begin() + steps[segment.first].first + 1,
-              refined.from_road.begin() + steps[segment.last].last + 1, 1);
-  }
   const std::vector<PoseScale> scales = ScaleTrack(count, steps, *result.estimate);
   refined.path.centres = MetricPositions(refined.path.centres, scales);
   for (int k = 0; k < count; ++k) {
     refined.path.metres_per_unit[k] = scales[k].metres_per_unit;
     refined.sigmas[k] = scales[k].sigma;
+    refined.from_road[k] = scales[k].from_road ? 1 : 0;
   }
   refined.estimate = std::move(result.estimate);
   return refined;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <functional>
 #include <limits>
 #include <optional>
 #include <string>
@@ -39,6 +40,10 @@ struct RefinedScale {
   std::vector<ParameterEstimate> contradicted_calibration;
   int calibration_windows = 0;  ///< parts of turns in which the intrinsics were tested
 };
+
+/// A turn as results list it. `steps` are those of the estimate, along the keyframes; `frame_of` has their frames.
+TurnResult DescribeTurn(const TurnEstimate& turn, const std::vector<VehicleStep>& steps,
+                        const std::function<int(int keyframe)>& frame_of);
 
 /// State of the scale at a keyframe: as the trajectory has it at its frames.
 ScaleState StateAt(const RefinedScale& refined, int keyframe);

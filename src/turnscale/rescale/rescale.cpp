@@ -161,7 +161,7 @@ void BringToMetres(const Trajectory& trajectory, RescaleResult& result) {
   result.metric = trajectory;
   for (std::size_t i = 0; i < trajectory.size(); ++i) {
     result.metric[i].world_from_camera.translation = positions[i];
-    result.poses.push_back({scales[i].metres_per_unit, scales[i].sigma});
+    result.poses.push_back({scales[i].metres_per_unit, scales[i].sigma, 0, 0, scales[i].from_road});
   }
   for (const VehicleStep& step : result.steps)
     if (step.usable) result.length += step.motion.step * scales[step.last].metres_per_unit;

@@ -50,6 +50,7 @@ struct RescaledPose {
   /// From the steps up to the pose; 0 until the scale is known.
   double filtered_metres_per_unit = 0;
   double filtered_sigma = 0;
+  bool from_road = false;  ///< no turn, and the heights show the scale of the step that leads to the pose
 };
 
 struct RescaleResult {

@@ -48,6 +48,9 @@ std::vector<PoseScale> ScaleTrack(int poses, const std::vector<VehicleStep>& ste
   }
   for (const VehicleStep& step : steps)
     if (step.after_gap) scales[step.last].after_gap = true;
+  for (std::size_t k = 0; k < segments.size(); ++k)
+    for (int i = steps[segments[k].first].first + 1; i <= steps[segments[k].last].last; ++i)
+      scales[i].from_road = estimate.from_road[k] != 0;
   return scales;
 }
 

@@ -37,6 +37,7 @@ Track ThreeSegments() {
   for (int i = 0; i < 3; ++i)
     track.estimate.segments.push_back({.first = 2 * i, .last = 2 * i + 1, .length = 6, .middle = 6.0 * i + 3});
   track.estimate.smoothed = {Belief(2, 0.1), Belief(8, 0.02), Belief(4, 0.05)};
+  track.estimate.from_road = {0, 1, 0};
   return track;
 }
 
@@ -57,6 +58,12 @@ TEST(ScaleTrack, GoesThroughTheMiddlesOfTheSegments) {
   EXPECT_NEAR(scales[5].metres_per_unit, 2 * std::pow(4, 1.0 / 3), 1e-12);
   EXPECT_NEAR(scales[12].metres_per_unit, std::sqrt(32.0), 1e-12);
   EXPECT_NEAR(scales[6].sigma, 0.06, 1e-12);
+}
+
+TEST(ScaleTrack, SaysWhereTheRoadShowsTheScale) {
+  const Track track = ThreeSegments();
+  const std::vector<PoseScale> scales = ScaleTrack(kPoses, track.steps, track.estimate);
+  for (int i = 0; i < kPoses; ++i) EXPECT_EQ(scales[i].from_road, i > 6 && i <= 12) << i;
 }
 
 TEST(ScaleTrack, StepsOfAnyLengthCountByTheirLength) {
