@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <filesystem>
 #include <initializer_list>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -98,17 +99,30 @@ inline void CheckChoice(const char* option, std::string_view value, std::initial
   throw InputError(fmt::format("{} {}: give one of {}", option, value, fmt::join(choices, ", ")));
 }
 
-/// Throws InputError if the output file, or its name while it is being written, is also an input file; empty paths are
-/// ignored.
-inline void RefuseToOverwrite(const char* option, const std::filesystem::path& output,
-                              const std::vector<std::filesystem::path>& inputs) {
-  if (output.empty()) return;
-  for (const std::filesystem::path& replaced : {output, PartOf(output)})
-    for (const std::filesystem::path& input : inputs) {
-      std::error_code none;
-      if (input.empty() || !std::filesystem::equivalent(replaced, input, none)) continue;
-      throw InputError(fmt::format("{} {}: is also an input file; name another one", option, replaced.string()));
-    }
+/// A file that a command writes, and the option that names it.
+struct NamedOutput {
+  const char* option;
+  std::filesystem::path file;  ///< empty: not written
+};
+
+/// Throws InputError if an output file, or its name while it is being written, is also an input file, or if two outputs
+/// are one file. Empty paths are ignored.
+inline void CheckOutputs(const std::vector<NamedOutput>& outputs, const std::vector<std::filesystem::path>& inputs) {
+  const auto refuse = [](const NamedOutput& output, const std::filesystem::path& file, const std::string& why) {
+    throw InputError(fmt::format("{} {}: {}; name another one", output.option, file.string(), why));
+  };
+  std::map<std::filesystem::path, const char*> options;
+  for (const NamedOutput& output : outputs) {
+    if (output.file.empty()) continue;
+    std::error_code none;
+    for (const std::filesystem::path& replaced : {output.file, PartOf(output.file)})
+      for (const std::filesystem::path& input : inputs)
+        if (!input.empty() && std::filesystem::equivalent(replaced, input, none))
+          refuse(output, replaced, "is also an input file");
+    const std::filesystem::path absolute = std::filesystem::absolute(output.file, none);
+    const auto [other, first] = options.try_emplace(std::filesystem::weakly_canonical(absolute, none), output.option);
+    if (!first) refuse(output, output.file, fmt::format("is also the file of {}", other->second));
+  }
 }
 
 }  // namespace turnscale

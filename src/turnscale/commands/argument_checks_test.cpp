@@ -55,14 +55,24 @@ TEST(ArgumentChecks, AnOutputFileIsNoInputFile) {
   const std::filesystem::path input = folder / "a.csv.part";
   std::ofstream(input) << "1";
   const auto complaint = [&](const char* output) {
-    return Complaint([&] { RefuseToOverwrite("--out", folder / output, {"", folder / "none", input}); });
+    return Complaint([&] { CheckOutputs({{"--out", folder / output}}, {"", folder / "none", input}); });
   };
   const std::string refused = "--out " + input.string() + ": is also an input file; name another one";
   EXPECT_EQ(complaint("a.csv.part"), refused);
   EXPECT_EQ(complaint("a.csv"), refused) << "its name while it is being written";
   EXPECT_EQ(complaint("b.csv"), "");
-  EXPECT_EQ(Complaint([&] { RefuseToOverwrite("--out", "", {input}); }), "");
+  EXPECT_EQ(Complaint([&] { CheckOutputs({{"--out", ""}}, {input}); }), "");
   std::filesystem::remove_all(folder);
+}
+
+TEST(ArgumentChecks, TwoOutputsAreTwoFiles) {
+  const auto complaint = [](const char* json, const char* picture) {
+    return Complaint([&] { CheckOutputs({{"--json", json}, {"--picture", picture}}, {}); });
+  };
+  EXPECT_EQ(complaint("out/a", "out/../out/./a"),
+            "--picture out/../out/./a: is also the file of --json; name another one");
+  EXPECT_EQ(complaint("out/a", "a"), "");
+  EXPECT_EQ(complaint("", ""), "");
 }
 
 TEST(ArgumentChecks, AHeightMayHaveASigma) {

@@ -79,11 +79,6 @@ void Check(const CalibrateArguments& arguments) {
   };
   positive("--distance", arguments.distance);
   if (arguments.lever_arm) CheckedLeverArm(*arguments.lever_arm);
-  const std::vector<fs::path> read = FilesRead(arguments);
-  RefuseToOverwrite("--out", arguments.out, read);
-  if (arguments.history)
-    for (const fs::path& file : {*arguments.history, PictureOf(*arguments.history)})
-      RefuseToOverwrite("--history", file, read);
   if (arguments.side_slip) CheckedSideSlip(*arguments.side_slip);
   if (arguments.fit_side_slip && !arguments.in_metres()) {
     throw InputError("--fit-side-slip: needs metres; give --speed, --distance or --metric");
@@ -95,6 +90,12 @@ void Check(const CalibrateArguments& arguments) {
     throw InputError(fmt::format("--history {}: name a CSV file; the plot (.svg) is written beside it",
                                  arguments.history->string()));
   }
+  std::vector<NamedOutput> outputs{{"--out", arguments.out}};
+  if (arguments.history) {
+    outputs.push_back({"--history", *arguments.history});
+    outputs.push_back({"--history", PictureOf(*arguments.history)});
+  }
+  CheckOutputs(outputs, FilesRead(arguments));
 }
 
 double PathLength(const std::vector<Trajectory>& stretches) {

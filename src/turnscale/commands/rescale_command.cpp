@@ -74,10 +74,10 @@ void CheckArguments(const RescaleArguments& arguments) {
   if (arguments.report && fs::exists(*arguments.report / RunFiles::kTrajectoryTable, none))
     throw InputError("--report: " + arguments.report->string() +
                      ": has the results of a run, some of which would be replaced; name another folder");
-  const std::vector<fs::path> read = FilesRead(arguments);
-  RefuseToOverwrite("--out", arguments.out, read);
-  if (!arguments.report) return;
-  for (const char* name : kReportFiles) RefuseToOverwrite("--report", *arguments.report / name, read);
+  std::vector<NamedOutput> outputs{{"--out", arguments.out}};
+  if (arguments.report)
+    for (const char* name : kReportFiles) outputs.push_back({"--report", *arguments.report / name});
+  CheckOutputs(outputs, FilesRead(arguments));
 }
 
 std::vector<PathHeight> HeightsAlong(const Trajectory& poses, const std::optional<fs::path>& path) {

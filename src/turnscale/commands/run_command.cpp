@@ -47,8 +47,9 @@ void CheckFolder(const RunArguments& arguments, const DriveImages& images) {
   for (const fs::path& input : arguments.images.inputs)
     refuse_folder(fs::is_directory(input, none) ? input : input.parent_path());
   refuse_folder(fs::is_directory(images.drive.path, none) ? images.drive.path : images.drive.path.parent_path());
-  const std::vector<fs::path> read = FilesRead(arguments, images);
-  for (const char* name : RunFiles::kAll) RefuseToOverwrite("--out", arguments.out / name, read);
+  std::vector<NamedOutput> outputs;
+  for (const char* name : RunFiles::kAll) outputs.push_back({"--out", arguments.out / name});
+  CheckOutputs(outputs, FilesRead(arguments, images));
 }
 
 // The camera-to-vehicle rotation of an earlier run belongs to that run's intrinsics: their principal point and its yaw
