@@ -5,17 +5,13 @@
 #include <cmath>
 #include <future>
 #include <limits>
-#include <memory>
 #include <optional>
 #include <string>
-#include <system_error>
-#include <type_traits>
 #include <utility>
 
 #include <opencv2/core/utility.hpp>
 
 #include "turnscale/base/error.h"
-#include "turnscale/base/quantiles.h"
 #include "turnscale/camera/camera_model.h"
 #include "turnscale/features/corners.h"
 #include "turnscale/geometry/rotation.h"
@@ -24,14 +20,15 @@
 #include "turnscale/mapping/map_scaling.h"
 #include "turnscale/mapping/section_adjustment.h"
 #include "turnscale/odometry/constrained_turns.h"
+#include "turnscale/odometry/map_start.h"
 #include "turnscale/odometry/path_gaps.h"
+#include "turnscale/odometry/refined_drive.h"
 
 namespace turnscale {
 namespace {
 
 // A correction that moves the pixels at a wide image's edge by a fortieth of a pixel. Applying one takes up to 10 ms.
 constexpr double kLeastLensChange = 5e-5;
-constexpr double kNearQuarter = 0.25;
 // A change of the lens correction by which a turn's scale changes by some per cent: poses adjusted under another one
 // are adjusted anew when the next turn ends.
 constexpr double kStaleLensChange = 2e-3;
@@ -50,22 +47,6 @@ constexpr double kDecidingTurn = 10;
 constexpr int kKeyframesOfCameraWork = 4;
 constexpr int kKeyframesOfSettling = 6;
 
-// Calls `work` on a thread of its own, or where there is none, when its result is asked for. `work` is shared:
-// where no thread can be started, it is needed again.
-template <typename Work>
-std::future<std::invoke_result_t<Work&>> InBackground(Work work) {
-  const auto shared = std::make_shared<Work>(std::move(work));
-  const auto call = [shared] { return (*shared)(); };
-  if (cv::getNumThreads() > 1) {
-    try {
-      return std::async(std::launch::async, call);
-    } catch (const std::system_error&) {
-      // No thread can be had.
-    }
-  }
-  return std::async(std::launch::deferred, call);
-}
-
 OdometryOptions Checked(OdometryOptions options, const CameraModel& camera) {
   options.Check();
   if ((camera.width == 0) != (camera.height == 0))
@@ -83,16 +64,6 @@ FrameResult NewResult(int frame, double time, TrackingState state) {
   result.time = time;
   result.state = state;
   return result;
-}
-
-// What a frame that waited for the map sees of its landmarks.
-std::vector<PointSighting> SightingsIn(const Map& map, const WaitingFrame& frame, int first_landmark) {
-  std::vector<PointSighting> sightings;
-  for (size_t i = 0; i < frame.features.size(); ++i) {
-    const Landmark& landmark = map.landmarks[first_landmark + frame.features[i]];
-    if (landmark.valid) sightings.push_back({landmark.position, frame.pixels[i]});
-  }
-  return sightings;
 }
 
 }  // namespace
@@ -215,107 +186,24 @@ FrameResult Odometry::Initialize(const FlowImage& image, FrameResult result) {
 }
 
 void Odometry::StartMap(const FlowImage& image, const InitialMap& start) {
-  const WaitingFrame& first = start.frames.front();
-  const WaitingFrame& second = start.frames.back();
   const bool continues = !map_.keyframes.empty();
   // No turn reaches across the gap: one that was under way is read from the map it belongs to.
   if (continues) Settle();
-  const RigidTransform first_from_world = continues ? motion_.Predict(first.time) : RigidTransform{};
-  const auto [unit, gap_sigma] = continues ? UnitAfterGap(start) : UnitGuess{1.0, 0.0};
-  RigidTransform second_from_first = start.second_from_first;
-  second_from_first.translation *= unit;
-
-  const int first_landmark = static_cast<int>(map_.landmarks.size());
-  const int keyframe = static_cast<int>(map_.keyframes.size());
-  map_.keyframes.push_back({first.frame, first.time, first_from_world, {}, continues, gap_sigma});
-  map_.keyframes.push_back({second.frame, second.time, second_from_first * first_from_world, {}, false});
-  for (size_t i = 0; i < first.features.size(); ++i) {
-    map_.landmarks.push_back({first_from_world.inverse() * (unit * start.points[i]), start.has_point[i] != 0, {}});
-    AddObservation(map_, keyframe, first_landmark + static_cast<int>(i), first.pixels[i]);
+  StartPlace place{.first_from_world = {}, .unit = {1.0, 0.0}, .after_gap = continues};
+  if (continues) {
+    place.first_from_world = motion_.Predict(start.frames.front().time);
+    place.unit = UnitAfterGap(options_.tracking, map_, motion_, start);
   }
-  const auto reference = std::make_shared<const cv::Mat>(start.first_image);
-  std::vector<FeatureTrack> tracks;
-  for (size_t i = 0; i < second.features.size(); ++i) {
-    const int landmark = first_landmark + second.features[i];
-    AddObservation(map_, keyframe + 1, landmark, second.pixels[i]);
-    tracks.push_back({landmark, start.second_pixels[i], second.pixels[i], second.pixels[i], reference,
-                      start.first_pixels[second.features[i]], keyframe, keyframe + 1});
-  }
-  tracker_.Start(image, std::move(tracks), start.CountPoints());
+  AddedStart added = AddStart(start, place, map_);
+  tracker_.Start(image, std::move(added.tracks), start.CountPoints());
   mask_.LeaveOut(start.motion);
-  if (start.has_still_features) start_in_doubt_ = keyframe;
+  if (start.has_still_features) start_in_doubt_ = added.keyframe;
   ApplyMask();
   mapping_ = true;
   lost_frames_ = 0;
   scale_.Add(map_);
-  LocateWaitingFrames(start, first_landmark, keyframe);
-}
-
-UnitGuess Odometry::UnitAfterGap(const InitialMap& start) const {
-  // A map that has just started knows the depth of near points only. What has none is farther than the nearest quarter.
-  std::vector<double> depths;
-  for (const KeyframeObservation& seen : map_.keyframes.back().observations) {
-    const Landmark& landmark = map_.landmarks[seen.landmark];
-    depths.push_back(landmark.valid ? (map_.keyframes.back().camera_from_world * landmark.position).z() : HUGE_VAL);
-  }
-  std::vector<double> new_depths;
-  for (const int feature : start.frames.back().features)
-    new_depths.push_back(start.has_point[feature] != 0 ? start.points[feature].z() : HUGE_VAL);
-  const double depth = depths.empty() ? HUGE_VAL : Quantile(std::move(depths), kNearQuarter);
-  const double new_depth = Quantile(std::move(new_depths), kNearQuarter);
-  UnitGuess from_depth;
-  if (std::isfinite(depth) && std::isfinite(new_depth)) from_depth = {depth / new_depth, options_.tracking.depth_sigma};
-  const double first = start.frames.front().time;
-  const double second = start.frames.back().time;
-  UnitGuess from_speed;
-  for (const PastSpeed& past : motion_.PastSpeeds()) {
-    const double sigma = motion_.SpeedSigma(past, 0.5 * (first + second), std::isfinite(depth) ? depth : 0.0);
-    if (!(sigma < from_speed.sigma)) continue;
-    from_speed = {past.speed * (second - first) / start.second_from_first.translation.norm(), sigma};
-  }
-  return Combine(from_depth, from_speed);
-}
-
-void Odometry::LocateWaitingFrames(const InitialMap& start, int first_landmark, int keyframe) {
-  const WaitingFrame* moved = nullptr;
-  for (const WaitingFrame& waiting : start.frames) {
-    const bool is_second = &waiting == &start.frames.back();
-    FrameResult result = NewResult(waiting.frame, waiting.time, TrackingState::kRepeated);
-    result.tracked = static_cast<int>(waiting.features.size());
-    if (moved && Repeats(*moved, waiting, first_landmark)) {
-      if (!is_second) MetricResult(result, keyframe, motion_.Predict(waiting.time));
-      continue;
-    }
-    const RigidTransform& last = moved ? motion_.last() : map_.keyframes[keyframe].camera_from_world;
-    const PoseEstimate estimate =
-        EstimatePose(options_.pose, camera_.pinhole, SightingsIn(map_, waiting, first_landmark), last);
-    const RigidTransform pose = is_second ? map_.keyframes.back().camera_from_world : estimate.camera_from_world;
-    if (moved)
-      motion_.Update(waiting.time, pose);
-    else
-      motion_.Restart(waiting.time, pose);
-    result.keyframe = !moved;
-    moved = &waiting;
-    if (is_second) break;
-    result.state = IsBelievable(options_.tracking, estimate) ? TrackingState::kTracked : TrackingState::kBridged;
-    result.inliers = estimate.inliers;
-    MetricResult(result, keyframe, result.keyframe ? map_.keyframes[keyframe].camera_from_world : pose);
-  }
-}
-
-bool Odometry::Repeats(const WaitingFrame& before, const WaitingFrame& waiting, int first_landmark) const {
-  if (waiting.time - before.time > options_.repeats.max_seconds) return false;
-  const RigidTransform predicted = motion_.Predict(waiting.time);
-  std::vector<LandmarkMotion> motion;
-  size_t i = 0;
-  for (size_t k = 0; k < waiting.features.size(); ++k) {
-    // The features of `waiting` are among those of `before`, in the same order.
-    while (before.features[i] != waiting.features[k]) ++i;
-    const Landmark& landmark = map_.landmarks[first_landmark + waiting.features[k]];
-    const Eigen::Vector3d x = predicted * landmark.position;
-    if (landmark.valid && x.z() > 0) motion.push_back({before.pixels[i], map_.pinhole.Project(x), waiting.pixels[k]});
-  }
-  return IsRepeated(options_.repeats, MedianMotion(motion));
+  for (const LocatedFrame& frame : LocateWaitingFrames(options_, camera_, start, added, map_, motion_))
+    MetricResult(frame.result, added.keyframe, frame.camera_from_world);
 }
 
 TrackedFrame Odometry::Track(const FlowImage& image, const RigidTransform& predicted, FrameResult& result) {
@@ -373,44 +261,43 @@ void Odometry::ObserveScale(const std::optional<MeasuredHeight>& height, FrameRe
   result.theta = motion.theta;
   const bool turn_ended = scale_.Add(map_);
   const int unsettled = static_cast<int>(map_.keyframes.size() - lens_of_keyframe_.size());
-  const bool many = !settling_.valid() && unsettled >= options_.turn_bundle.window / 2;
+  const bool many = !settling_.pending() && unsettled >= options_.turn_bundle.window / 2;
   settling_is_due_ = settling_is_due_ || turn_ended || many;
 }
 
 void Odometry::StartSettling() {
   // The archive takes its keyframes first: it renumbers the landmarks, by whose numbers the window is written back.
-  if (!settling_is_due_ || settling_.valid() || archive_due_ > archive_.end()) return;
+  if (!settling_is_due_ || settling_.pending() || archive_due_ > archive_.end()) return;
   settling_is_due_ = false;
-  settled_window_due_ = static_cast<int>(map_.keyframes.size()) + kKeyframesOfSettling;
-  settling_ = InBackground(
-      [options = options_.turn_bundle, work = WorkToSettle()]() mutable { return Adjusted(options, std::move(work)); });
+  settling_.Start(
+      static_cast<int>(map_.keyframes.size()) + kKeyframesOfSettling,
+      [options = options_.turn_bundle, work = UnsettledWork()]() mutable { return Settled(options, std::move(work)); });
 }
 
 void Odometry::StartCameraWork() {
-  if (camera_work_.valid()) return;
+  if (camera_work_.pending()) return;
   std::optional<IntrinsicsProblem> refined = lens_.Window(map_, camera_.radial_correction);
   std::optional<IntrinsicsProblem> tested = calibration_check_.Window(map_, camera_);
   if (!refined && !tested) return;
-  camera_work_due_ = static_cast<int>(map_.keyframes.size()) + kKeyframesOfCameraWork;
-  camera_work_ =
-      InBackground([this, refined = std::move(refined), tested = std::move(tested), camera = camera_]() mutable {
-        CameraWork work;
-        if (refined && lens_.Read(*refined)) work.lens_correction = lens_.correction();
-        if (tested && calibration_check_.Read(*tested))
-          work.calibration_sigma = CalibrationSigma(calibration_check_.Contradictions(), camera);
-        return work;
-      });
+  camera_work_.Start(static_cast<int>(map_.keyframes.size()) + kKeyframesOfCameraWork,
+                     [this, refined = std::move(refined), tested = std::move(tested), camera = camera_]() mutable {
+                       CameraWork work;
+                       if (refined && lens_.Read(*refined)) work.lens_correction = lens_.correction();
+                       if (tested && calibration_check_.Read(*tested))
+                         work.calibration_sigma = CalibrationSigma(calibration_check_.Contradictions(), camera);
+                       return work;
+                     });
 }
 
 void Odometry::ApplyBackgroundWork() {
   const int keyframes = static_cast<int>(map_.keyframes.size());
   ArchiveNextPart();
-  if (settling_.valid() && keyframes >= settled_window_due_) ApplySettled(settling_.get());
-  if (!camera_work_.valid() || keyframes < camera_work_due_) return;
-  const CameraWork work = camera_work_.get();
-  if (work.calibration_sigma) calibration_sigma_ = *work.calibration_sigma;
-  if (work.lens_correction && std::abs(*work.lens_correction - camera_.radial_correction) >= kLeastLensChange)
-    CorrectLens(*work.lens_correction);
+  if (std::optional<SettlingWork> settled = settling_.TakeIfDue(keyframes)) ApplySettled(*std::move(settled));
+  const std::optional<CameraWork> work = camera_work_.TakeIfDue(keyframes);
+  if (!work) return;
+  if (work->calibration_sigma) calibration_sigma_ = *work->calibration_sigma;
+  if (work->lens_correction && std::abs(*work->lens_correction - camera_.radial_correction) >= kLeastLensChange)
+    CorrectLens(*work->lens_correction);
 }
 
 int Odometry::FirstToSettle() const {
@@ -425,33 +312,8 @@ int Odometry::FirstToSettle() const {
   return static_cast<int>(first - lens_of_keyframe_.begin());
 }
 
-Odometry::SettlingWork Odometry::WorkToSettle() const {
-  const int first = FirstToSettle();
-  SettlingWork work{.applied_correction = camera_.radial_correction,
-                    .first = first,
-                    .end = static_cast<int>(map_.keyframes.size()),
-                    .window = MakeLocalWindow(options_.turn_bundle, first, map_),
-                    .mount = mount(),
-                    .unlearned = {}};
-  for (int k = work.mount.next_keyframe(); k < work.end; ++k) {
-    const Keyframe& keyframe = map_.keyframes[k];
-    work.unlearned.push_back(
-        {keyframe.frame, keyframe.time, keyframe.camera_from_world, {}, keyframe.after_gap, keyframe.gap_sigma});
-  }
-  return work;
-}
-
-Odometry::SettlingWork Odometry::Adjusted(const LocalBundleOptions& options, SettlingWork work) {
-  if (AdjustWindow(options, work.window)) {
-    const int first_adjusted = work.window.window.first;
-    const int first_unlearned = work.mount.next_keyframe();
-    for (int k = std::max(first_adjusted, first_unlearned); k < work.end; ++k)
-      work.unlearned[k - first_unlearned].camera_from_world = work.window.bundle.camera_from_world[k - first_adjusted];
-  } else {
-    work.window.landmarks.clear();
-  }
-  work.mount.Learn(work.unlearned);
-  return work;
+SettlingWork Odometry::UnsettledWork() const {
+  return WorkToSettle(options_.turn_bundle, map_, mount(), camera_.radial_correction, FirstToSettle());
 }
 
 void Odometry::ApplySettled(SettlingWork work) {
@@ -495,10 +357,10 @@ void Odometry::CorrectLens(double correction) {
 
 void Odometry::Settle() {
   settling_is_due_ = false;
-  settled_window_due_ = 0;
-  camera_work_due_ = 0;
+  settling_.Hurry();
+  camera_work_.Hurry();
   ApplyBackgroundWork();
-  ApplySettled(Adjusted(options_.turn_bundle, WorkToSettle()));
+  ApplySettled(Settled(options_.turn_bundle, UnsettledWork()));
 }
 
 void Odometry::ArchiveNextPart() {
@@ -509,7 +371,7 @@ void Odometry::ArchiveNextPart() {
 }
 
 void Odometry::Archive(int last) {
-  Ensure(!settling_.valid(), "landmarks are renumbered while a window is adjusted");
+  Ensure(!settling_.pending(), "landmarks are renumbered while a window is adjusted");
   tracker_.Reindex(archive_.Retire(last, camera_.radial_correction, map_));
 }
 
@@ -572,7 +434,7 @@ ScaleState Odometry::scale_state() const {
 
 RefinedScale Odometry::Refined() const {
   if (refined_) return *refined_;
-  AwaitCameraWork();
+  camera_work_.Await();
   const std::vector<ParameterEstimate> contradictions = calibration_check_.Contradictions();
   RefinedScale refined = scale_.Refine(map_, !contradictions.empty());
   WidenForCalibration(contradictions, camera_, refined);
@@ -582,49 +444,11 @@ RefinedScale Odometry::Refined() const {
 }
 
 std::vector<FrameResult> Odometry::RefinedFrames(const RefinedScale& refined) const {
-  std::vector<FrameResult> frames = history_.Refined(map_, refined.path);
-  const std::vector<int> keyframes = history_.Keyframes();
-  int keyframe = -1;
-  for (size_t i = frames.size(); i-- > 0;) {
-    // From the end, since frames before the first keyframe go with it.
-    FrameResult& frame = frames[i];
-    if (keyframes[i] >= 0) keyframe = keyframes[i];
-    if (keyframe < 0) continue;
-    frame.vehicle_from_camera = mount().At(keyframe);
-    frame.turning = refined.turning[keyframe] != 0;
-    frame.scale_sigma = refined.sigmas[keyframe];
-    frame.scale_state = StateAt(refined, keyframe);
-    if (!frame.keyframe || keyframe == 0 || map_.keyframes[keyframe].after_gap) continue;
-    const TurningMotion motion = StepMotion(map_, keyframe - 1, mount());
-    frame.psi = motion.psi;
-    frame.theta = motion.theta;
-  }
-  return frames;
+  return RefinedFramesOf(history_, map_, mount(), refined);
 }
 
 MapPoints Odometry::RefinedMap(const RefinedScale& refined) const {
-  const MetricPath& path = refined.path;
-  MapPoints points;
-  points.cameras = path.centres;
-  points.landmarks.reserve(archive_.landmarks());
-  std::vector<char> done(archive_.landmarks(), 0);
-  const auto add = [&](const Map& map, int first_keyframe) {
-    const std::vector<Eigen::Vector3d> centres = KeyframeCentres(map);
-    for (const Landmark& landmark : map.landmarks) {
-      if (!landmark.valid || landmark.observations.empty()) continue;
-      if (landmark.archived_as >= 0 && std::exchange(done[landmark.archived_as], 1) != 0) continue;
-      const int keyframe = first_keyframe + ClosestObserver(landmark, centres);
-      points.landmarks.push_back(path.InMetres(map_, keyframe, landmark.position).cast<float>());
-    }
-  };
-  // From the end: of a landmark's places in several blocks the latest counts.
-  add(map_, 0);
-  std::vector<int> ends = archive_.BlockEnds();
-  for (; !ends.empty(); ends.pop_back()) {
-    const int first = ends.size() > 1 ? ends[ends.size() - 2] : 0;
-    add(archive_.Load(first, ends.back(), camera_.radial_correction, map_).map, first);
-  }
-  return points;
+  return RefinedPointsOf(archive_, map_, camera_.radial_correction, refined.path);
 }
 
 }  // namespace turnscale

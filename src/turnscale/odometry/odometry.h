@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <future>
 #include <limits>
 #include <optional>
 #include <vector>
@@ -12,9 +11,9 @@
 #include "turnscale/features/optical_flow.h"
 #include "turnscale/mapping/calibration_check.h"
 #include "turnscale/mapping/lens_refinement.h"
-#include "turnscale/mapping/local_bundle_adjustment.h"
 #include "turnscale/mapping/map.h"
 #include "turnscale/mapping/map_archive.h"
+#include "turnscale/odometry/background.h"
 #include "turnscale/odometry/drive_scale.h"
 #include "turnscale/odometry/frame_history.h"
 #include "turnscale/odometry/frame_tracker.h"
@@ -24,7 +23,7 @@
 #include "turnscale/odometry/options.h"
 #include "turnscale/odometry/results.h"
 #include "turnscale/odometry/road_observer.h"
-#include "turnscale/odometry/unit_guess.h"
+#include "turnscale/odometry/settling.h"
 
 namespace turnscale {
 
@@ -90,12 +89,12 @@ class Odometry {
   const cv::Mat& mask() const { return mask_.pixels(); }
   /// The correction of the lens calibration estimated from the drive.
   const LensRefinement& lens() const {
-    AwaitCameraWork();
+    camera_work_.Await();
     return lens_;
   }
   /// The consistency test of the given calibration.
   const CalibrationCheck& calibration_check() const {
-    AwaitCameraWork();
+    camera_work_.Await();
     return calibration_check_;
   }
   /// At the latest keyframe: of the online estimate, after Finish of the refined one.
@@ -111,21 +110,9 @@ class Odometry {
   FrameResult NewFrame(double time, TrackingState state);
   FrameResult Initialize(const FlowImage& image, FrameResult result);
   void StartMap(const FlowImage& image, const InitialMap& start);
-  UnitGuess UnitAfterGap(const InitialMap& start) const;
-  void LocateWaitingFrames(const InitialMap& start, int first_landmark, int keyframe);
-  bool Repeats(const WaitingFrame& before, const WaitingFrame& waiting, int first_landmark) const;
   TrackedFrame Track(const FlowImage& image, const RigidTransform& predicted, FrameResult& result);
   FrameResult Bridge(const RigidTransform& predicted, FrameResult result);
 
-  /// A window that is adjusted while the frames up to a later keyframe are processed.
-  struct SettlingWork {
-    double applied_correction = 0;    ///< radial correction of the window's pixels
-    int first = 0;                    ///< first keyframe to settle
-    int end = 0;                      ///< the one after the last
-    WindowProblem window;             ///< adjusted; no landmarks if it contains NaN
-    MountCalibration mount;           ///< has learned from the keyframes before `end`
-    std::vector<Keyframe> unlearned;  ///< that it learns from, without observations
-  };
   /// Results of lens refinement and calibration check, computed while the frames up to a later keyframe are processed.
   struct CameraWork {
     std::optional<double> lens_correction;    ///< if the estimate has changed
@@ -140,14 +127,11 @@ class Odometry {
   /// ended a turn, or many keyframes have not been settled yet.
   void ObserveScale(const std::optional<MeasuredHeight>& height, FrameResult& result);
   /// Starts to adjust a copy of the keyframes that are not settled, if that is due, no copy is being adjusted and no
-  /// keyframe waits to be archived. Local windows had fewer observations and a less accurate lens correction.
+  /// keyframe waits to be archived.
   void StartSettling();
   /// Starts to read copies of the windows that are due for lens refinement and calibration check, if there are any.
   /// Does nothing while results of earlier ones are not applied.
   void StartCameraWork();
-  void AwaitCameraWork() const {
-    if (camera_work_.valid()) camera_work_.wait();
-  }
   /// Waits for the work that is due at this keyframe, and moves map, tracks and motion model to its results. When it
   /// is due does not depend on how long it takes.
   void ApplyBackgroundWork();
@@ -157,9 +141,7 @@ class Odometry {
   /// that is out of date.
   int FirstToSettle() const;
   /// The keyframes from there on, to be adjusted.
-  SettlingWork WorkToSettle() const;
-  /// The work with its window adjusted and the camera-to-vehicle rotation updated.
-  static SettlingWork Adjusted(const LocalBundleOptions& options, SettlingWork work);
+  SettlingWork UnsettledWork() const;
   /// Writes the adjusted window to the map, re-evaluates its steps, and has old keyframes archived.
   void ApplySettled(SettlingWork work);
   /// Replaces the radial correction of all pixels of map and tracks.
@@ -207,12 +189,10 @@ class Odometry {
   double last_time_ = -std::numeric_limits<double>::infinity();
   int frames_ = 0;
   bool settling_is_due_ = false;
-  int settled_window_due_ = 0;  ///< number of keyframes at which the window is applied
-  int camera_work_due_ = 0;     ///< the same for camera work
-  int archive_due_ = 0;         ///< keyframes before this one go to the archive, part by part
+  int archive_due_ = 0;  ///< keyframes before this one go to the archive, part by part
   // Declared last, so that they are waited for before the members that they use are destroyed.
-  std::future<SettlingWork> settling_;
-  std::future<CameraWork> camera_work_;
+  DueResult<SettlingWork> settling_;
+  DueResult<CameraWork> camera_work_;
 };
 
 }  // namespace turnscale

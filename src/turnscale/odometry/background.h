@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <future>
+#include <memory>
+#include <optional>
+#include <system_error>
+#include <type_traits>
+#include <utility>
+
+#include <opencv2/core/utility.hpp>
+
+namespace turnscale {
+
+/// Calls `work` on a thread of its own if OpenCV may use more than one, else when its result is asked for.
+template <typename Work>
+std::future<std::invoke_result_t<Work&>> InBackground(Work work) {
+  // Shared: where no thread can be started, it is needed again.
+  const auto shared = std::make_shared<Work>(std::move(work));
+  const auto call = [shared] { return (*shared)(); };
+  if (cv::getNumThreads() > 1) {
+    try {
+      return std::async(std::launch::async, call);
+    } catch (const std::system_error&) {
+      // No thread can be had.
+    }
+  }
+  return std::async(std::launch::deferred, call);
+}
+
+/// A result that is computed in the background and taken at a keyframe that is named when the work starts. So what
+/// follows from it does not depend on how long the work takes, nor on the number of threads.
+template <typename Result>
+class DueResult {
+ public:
+  /// Starts work whose result is due once there are `keyframes` keyframes.
+  template <typename Work>
+  void Start(int keyframes, Work work) {
+    due_ = keyframes;
+    result_ = InBackground(std::move(work));
+  }
+
+  /// Work was started, and its result has not been taken yet.
+  bool pending() const { return result_.valid(); }
+
+  /// The result is due now.
+  void Hurry() { due_ = 0; }
+
+  /// The result if one is pending and due; waits for it.
+  std::optional<Result> TakeIfDue(int keyframes) {
+    if (!pending() || keyframes < due_) return std::nullopt;
+    return result_.get();
+  }
+
+  /// Waits for pending work, whose result stays to be taken.
+  void Await() const {
+    if (pending()) result_.wait();
+  }
+
+ private:
+  int due_ = 0;
+  std::future<Result> result_;
+};
+
+}  // namespace turnscale

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <vector>
+
+#include "turnscale/camera/camera_model.h"
+#include "turnscale/geometry/rigid_transform.h"
+#include "turnscale/mapping/map.h"
+#include "turnscale/odometry/feature_tracks.h"
+#include "turnscale/odometry/map_initializer.h"
+#include "turnscale/odometry/motion_model.h"
+#include "turnscale/odometry/options.h"
+#include "turnscale/odometry/results.h"
+#include "turnscale/odometry/unit_guess.h"
+
+namespace turnscale {
+
+/// The unit of a start in that of the map before a gap: from the depths of the nearest quarter of the scene on both
+/// sides, and from the speed before the gap.
+UnitGuess UnitAfterGap(const TrackingOptions& options, const Map& map, const MotionModel& motion,
+                       const InitialMap& start);
+
+/// Where a start is put in the map.
+struct StartPlace {
+  RigidTransform first_from_world;  ///< of its first view
+  UnitGuess unit;                   ///< its unit of length in that of the map
+  bool after_gap = false;           ///< the map has keyframes from before
+};
+
+/// What a start has become in the map.
+struct AddedStart {
+  int keyframe = 0;                  ///< of the first view; that of the second view is the next
+  int landmark = 0;                  ///< of the first feature; the others follow in order
+  std::vector<FeatureTrack> tracks;  ///< of the second view
+};
+
+/// Adds the two views of a start as keyframes, and its features as landmarks.
+AddedStart AddStart(const InitialMap& start, const StartPlace& place, Map& map);
+
+/// A frame from before the map, and its pose.
+struct LocatedFrame {
+  FrameResult result;
+  RigidTransform camera_from_world;
+};
+
+/// The poses of the frames that waited for the map, but for that of the second view, which is a keyframe. The motion
+/// model goes along to the second view.
+std::vector<LocatedFrame> LocateWaitingFrames(const OdometryOptions& options, const CameraModel& camera,
+                                              const InitialMap& start, const AddedStart& added, const Map& map,
+                                              MotionModel& motion);
+
+}  // namespace turnscale

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/odometry/map_start.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "turnscale/geometry/rotation.h"
+
+namespace turnscale {
+namespace {
+
+const CameraModel kCamera{.pinhole = {400, 400, 320, 240}, .width = 640, .height = 480};
+
+/// A camera that goes straight ahead by `speed` a second, ten frames a second, sees a wall of points. The first and the
+/// last of four frames give the map.
+struct Start {
+  InitialMap map;
+  std::vector<RigidTransform> poses;  ///< of the frames, from the first view
+};
+
+Start GoingAhead(double first_time, double speed, double depth) {
+  Start start;
+  constexpr int kFrames = 4;
+  for (int row = 0; row < 8; ++row)
+    for (int column = 0; column < 10; ++column)
+      start.map.points.emplace_back(0.12 * depth * (column - 4.5), 0.12 * depth * (row - 3.5), depth + 0.1 * (row % 3));
+  start.map.has_point.assign(start.map.points.size(), 1);
+  start.map.first_image = cv::Mat::zeros(480, 640, CV_8UC1);
+  for (int i = 0; i < kFrames; ++i) {
+    const RigidTransform pose{Eigen::Quaterniond::Identity(), Eigen::Vector3d(0, 0, -0.1 * speed * i)};
+    WaitingFrame frame{.frame = 20 + i, .time = first_time + 0.1 * i, .features = {}, .pixels = {}};
+    for (std::size_t k = 0; k < start.map.points.size(); ++k) {
+      frame.features.push_back(static_cast<int>(k));
+      frame.pixels.push_back(kCamera.pinhole.Project(pose * start.map.points[k]));
+      if (i == 0) start.map.first_pixels.emplace_back(frame.pixels.back().x(), frame.pixels.back().y());
+      if (i == kFrames - 1) start.map.second_pixels.emplace_back(frame.pixels.back().x(), frame.pixels.back().y());
+    }
+    start.map.frames.push_back(frame);
+    start.poses.push_back(pose);
+  }
+  start.map.second_from_first = start.poses.back();
+  return start;
+}
+
+Map EmptyMap() {
+  Map map;
+  map.pinhole = kCamera.pinhole;
+  return map;
+}
+
+TEST(MapStart, IsAddedWithItsUnit) {
+  const Start start = GoingAhead(5, 2, 10);
+  Map map = EmptyMap();
+  AddStart(start.map, {}, map);
+  const RigidTransform place{RotationFromVector({0, 0.3, 0}), {1, 0, 2}};
+  const AddedStart added = AddStart(start.map, {place, {3, 0.2}, true}, map);
+  EXPECT_EQ(added.keyframe, 2);
+  EXPECT_EQ(added.landmark, static_cast<int>(start.map.points.size()));
+  ASSERT_EQ(map.keyframes.size(), 4U);
+  EXPECT_TRUE(map.keyframes[2].after_gap);
+  EXPECT_EQ(map.keyframes[2].gap_sigma, 0.2);
+  EXPECT_FALSE(map.keyframes[3].after_gap);
+  EXPECT_NEAR((Centre(map.keyframes[3]) - Centre(map.keyframes[2])).norm(), 3 * 0.6, 1e-12);
+  ASSERT_EQ(added.tracks.size(), start.map.points.size());
+  for (const FeatureTrack& track : added.tracks) {
+    const Eigen::Vector3d& position = map.landmarks[track.landmark].position;
+    EXPECT_LT((map.pinhole.Project(map.keyframes[3].camera_from_world * position) - track.undistorted).norm(), 1e-9);
+    EXPECT_EQ(map.landmarks[track.landmark].observations.size(), 2U);
+    EXPECT_EQ(track.last_keyframe, 3);
+  }
+}
+
+TEST(MapStart, FramesInBetweenAreLocated) {
+  Start start = GoingAhead(5, 2, 10);
+  // The third image is the second one once more.
+  start.map.frames[2].pixels = start.map.frames[1].pixels;
+  Map map = EmptyMap();
+  const AddedStart added = AddStart(start.map, {}, map);
+  MotionModel motion;
+  const std::vector<LocatedFrame> located = LocateWaitingFrames({}, kCamera, start.map, added, map, motion);
+  ASSERT_EQ(located.size(), 3U) << "the second view is a keyframe";
+  for (int i = 0; i < 2; ++i) {
+    EXPECT_EQ(located[i].result.frame, 20 + i);
+    EXPECT_EQ(located[i].result.state, TrackingState::kTracked);
+    EXPECT_EQ(located[i].result.keyframe, i == 0);
+    EXPECT_LT((located[i].camera_from_world.translation - start.poses[i].translation).norm(), 1e-6);
+  }
+  EXPECT_EQ(located[2].result.state, TrackingState::kRepeated);
+  EXPECT_LT((located[2].camera_from_world.translation - start.poses[2].translation).norm(), 1e-3) << "predicted";
+  EXPECT_EQ(motion.time(), start.map.frames.back().time);
+}
+
+TEST(MapStart, TheUnitAfterAGapFollowsFromDepthAndSpeed) {
+  // The same speed in a unit that is twice as long; the last keyframe is 19.4 ahead of the wall.
+  const Start before = GoingAhead(5, 2, 20);
+  Map map = EmptyMap();
+  const AddedStart added = AddStart(before.map, {}, map);
+  MotionModel motion;
+  LocateWaitingFrames({}, kCamera, before.map, added, map, motion);
+  const TrackingOptions options;
+  const UnitGuess both = UnitAfterGap(options, map, motion, GoingAhead(6, 1, 9.7).map);
+  EXPECT_NEAR(both.unit, 2, 0.01);
+  EXPECT_LT(both.sigma, options.depth_sigma);
+  // Three times as fast after the gap: speed and depth contradict each other.
+  const UnitGuess faster = UnitAfterGap(options, map, motion, GoingAhead(6, 3, 9.7).map);
+  EXPECT_LT(faster.unit, 1.9);
+  EXPECT_GT(faster.unit, 2.0 / 3);
+  EXPECT_GT(faster.sigma, both.sigma);
+}
+
+}  // namespace
+}  // namespace turnscale

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/odometry/settling.h"
+
+#include <algorithm>
+
+namespace turnscale {
+
+SettlingWork WorkToSettle(const LocalBundleOptions& options, const Map& map, const MountCalibration& mount,
+                          double correction, int first) {
+  SettlingWork work{.applied_correction = correction,
+                    .first = first,
+                    .end = static_cast<int>(map.keyframes.size()),
+                    .window = MakeLocalWindow(options, first, map),
+                    .mount = mount,
+                    .unlearned = {}};
+  for (int k = mount.next_keyframe(); k < work.end; ++k) {
+    const Keyframe& keyframe = map.keyframes[k];
+    work.unlearned.push_back(
+        {keyframe.frame, keyframe.time, keyframe.camera_from_world, {}, keyframe.after_gap, keyframe.gap_sigma});
+  }
+  return work;
+}
+
+SettlingWork Settled(const LocalBundleOptions& options, SettlingWork work) {
+  if (AdjustWindow(options, work.window)) {
+    const int first_adjusted = work.window.window.first;
+    const int first_unlearned = work.mount.next_keyframe();
+    for (int k = std::max(first_adjusted, first_unlearned); k < work.end; ++k)
+      work.unlearned[k - first_unlearned].camera_from_world = work.window.bundle.camera_from_world[k - first_adjusted];
+  } else {
+    work.window.landmarks.clear();
+  }
+  work.mount.Learn(work.unlearned);
+  return work;
+}
+
+}  // namespace turnscale

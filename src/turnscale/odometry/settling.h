@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <vector>
+
+#include "turnscale/mapping/local_bundle_adjustment.h"
+#include "turnscale/mapping/map.h"
+#include "turnscale/odometry/mount_calibration.h"
+
+namespace turnscale {
+
+/// A copy of the latest part of a map, to be adjusted in one large window while tracking goes on: during the drive,
+/// local windows had fewer observations and a less accurate lens correction.
+struct SettlingWork {
+  double applied_correction = 0;    ///< radial correction of the window's pixels
+  int first = 0;                    ///< first keyframe to settle
+  int end = 0;                      ///< the one after the last
+  WindowProblem window;             ///< once settled: adjusted; no landmarks if it contains NaN
+  MountCalibration mount;           ///< once settled: has learned from the keyframes before `end`
+  std::vector<Keyframe> unlearned;  ///< that it learns from, without observations
+};
+
+/// The keyframes of the map from `first` on. `correction` is the radial correction of its pixels.
+SettlingWork WorkToSettle(const LocalBundleOptions& options, const Map& map, const MountCalibration& mount,
+                          double correction, int first);
+
+/// The work with its window adjusted and the camera-to-vehicle rotation updated.
+SettlingWork Settled(const LocalBundleOptions& options, SettlingWork work);
+
+}  // namespace turnscale
