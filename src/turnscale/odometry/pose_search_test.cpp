@@ -151,7 +151,8 @@ TEST_F(PoseSearch, TrackingGoesOnAfterAGapInATurn) {
   FrameTracker tracker(options_);
   tracker.Start(first_, tracks_, static_cast<int>(tracks_.size()));
   const RigidTransform truth = Pose(0.25, 2);
-  const TrackedFrame frame = tracker.Track(map_, camera_, Seen(truth), motion_, motion_.Predict(kSecondsWithout), kSecondsWithout);
+  const TrackedFrame frame =
+      tracker.Track(map_, camera_, Seen(truth), motion_, motion_.Predict(kSecondsWithout), kSecondsWithout);
   ASSERT_TRUE(frame.camera_from_world);
   EXPECT_LT(PixelError(camera_, truth, *frame.camera_from_world), 0.3);
   size_t in_sight = 0;
@@ -165,7 +166,8 @@ TEST_F(PoseSearch, TrackingGoesOnAfterAGapInImagesOfASingleSize) {
   FrameTracker tracker(options_);
   tracker.Start(first_, tracks_, static_cast<int>(tracks_.size()));
   const RigidTransform truth = Pose(0.1, 3);
-  const TrackedFrame frame = tracker.Track(map_, camera_, Seen(truth), motion_, motion_.Predict(kSecondsWithout), kSecondsWithout);
+  const TrackedFrame frame =
+      tracker.Track(map_, camera_, Seen(truth), motion_, motion_.Predict(kSecondsWithout), kSecondsWithout);
   ASSERT_TRUE(frame.camera_from_world);
   EXPECT_LT(PixelError(camera_, truth, *frame.camera_from_world), 0.3);
 }
