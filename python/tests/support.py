@@ -94,7 +94,7 @@ def compare_with_tum(test, table, path):
 
 
 def compare_numbers(test, found, expected):
-    """Holds what is read from JSON against the same, numbers to nine digits."""
+    """Holds what is read from JSON against the same, numbers to nine digits or 1e-12."""
     test.assertIs(type(found), type(expected))
     if isinstance(expected, dict):
         test.assertEqual(list(found), list(expected))
@@ -106,7 +106,7 @@ def compare_numbers(test, found, expected):
         for one, other in zip(found, expected):
             compare_numbers(test, one, other)
     elif isinstance(expected, float):
-        test.assertAlmostEqual(found, expected, delta=1e-9 * max(abs(expected), 1))
+        test.assertAlmostEqual(found, expected, delta=max(1e-9 * abs(expected), 1e-12))
     else:
         test.assertEqual(found, expected)
 

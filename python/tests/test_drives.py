@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Drives: the same bits as the program's files, whole and frame by frame."""
+"""Drives: the same bits as the program's files, whole and frame by frame (evaluate: nine digits)."""
 import json
 import unittest
 
@@ -134,7 +134,7 @@ class RenderedDrive(unittest.TestCase):
         self.assertEqual(code, 0, said)
         file = support.scratch() / "errors.json"
         errors = turnscale.evaluate(self.folder / "trajectory.tum", self.drive / "poses.txt", json=file)
-        # Not to the bit: the sums of an alignment are rounded differently by another compiler.
+        # Not to the bit: where another compiler made the package, the sums of the alignment are rounded differently.
         support.compare_numbers(self, json.loads(file.read_text()), json.loads(text))
         self.assertGreater(errors["poses"]["paired"], 100)
 

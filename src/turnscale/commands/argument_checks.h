@@ -105,8 +105,8 @@ struct NamedOutput {
   std::filesystem::path file;  ///< empty: not written
 };
 
-/// Throws InputError if an output file, or its name while it is being written, is also an input file, or if two outputs
-/// are one file. Empty paths are ignored.
+/// Throws InputError if an output file, or its name while it is being written, is also an input file or another output.
+/// Empty paths are ignored, and among outputs devices, pipes and what cannot be examined: writing to it says why.
 inline void CheckOutputs(const std::vector<NamedOutput>& outputs, const std::vector<std::filesystem::path>& inputs) {
   const auto refuse = [](const NamedOutput& output, const std::filesystem::path& file, const std::string& why) {
     throw InputError(fmt::format("{} {}: {}; name another one", output.option, file.string(), why));
@@ -119,9 +119,13 @@ inline void CheckOutputs(const std::vector<NamedOutput>& outputs, const std::vec
       for (const std::filesystem::path& input : inputs)
         if (!input.empty() && std::filesystem::equivalent(replaced, input, none))
           refuse(output, replaced, "is also an input file");
-    const std::filesystem::path absolute = std::filesystem::absolute(output.file, none);
-    const auto [other, first] = options.try_emplace(std::filesystem::weakly_canonical(absolute, none), output.option);
-    if (!first) refuse(output, output.file, fmt::format("is also the file of {}", other->second));
+    if (exists(output.file, none) && !is_regular_file(output.file, none)) continue;
+    for (const std::filesystem::path& written : {output.file, PartOf(output.file)}) {
+      const std::filesystem::path place = std::filesystem::weakly_canonical(std::filesystem::absolute(written), none);
+      if (none || place.empty()) continue;
+      const auto [other, first] = options.try_emplace(place, output.option);
+      if (!first) refuse(output, written, fmt::format("is also a file of {}", other->second));
+    }
   }
 }
 

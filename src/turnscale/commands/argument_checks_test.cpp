@@ -70,8 +70,12 @@ TEST(ArgumentChecks, TwoOutputsAreTwoFiles) {
     return Complaint([&] { CheckOutputs({{"--json", json}, {"--picture", picture}}, {}); });
   };
   EXPECT_EQ(complaint("out/a", "out/../out/./a"),
-            "--picture out/../out/./a: is also the file of --json; name another one");
+            "--picture out/../out/./a: is also a file of --json; name another one");
+  EXPECT_EQ(complaint("a", "a.part"), "--picture a.part: is also a file of --json; name another one");
   EXPECT_EQ(complaint("out/a", "a"), "");
+  EXPECT_EQ(complaint("/dev/null", "/dev/null"), "");
+  const std::string nowhere(300, 'x');
+  EXPECT_EQ(complaint((nowhere + "/a").c_str(), (nowhere + "/b").c_str()), "") << "writing says why";
   EXPECT_EQ(complaint("", ""), "");
 }
 

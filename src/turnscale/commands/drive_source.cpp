@@ -94,7 +94,8 @@ struct FramesProcessed {
   SeenImages before_map;
 };
 
-// Until the drive, its part or an interrupt ends it. `done` also says how far it came where this throws.
+// Processes the frames up to the end of the drive or of the part that was asked for, or to an interrupt. `done` is
+// valid also if this throws.
 void ProcessFrames(const ImageArguments& arguments, ImageSource& source, const CommandHooks& hooks, Odometry& odometry,
                    Progress& progress, FramesProcessed& done) {
   bool tracks = false;

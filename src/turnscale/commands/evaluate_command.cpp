@@ -62,7 +62,10 @@ Comparison ExecuteEvaluate(const EvaluateArguments& given, const CommandHooks& h
              "--picture or --report");
   const auto read = {arguments.estimate, arguments.ground_truth, arguments.timestamps, arguments.keyframes,
                      arguments.floor_plan};
-  CheckOutputs({{"--json", arguments.json}, {"--picture", arguments.picture}, {"--report", arguments.report}}, read);
+  CheckOutputs({{"--json", arguments.json == "-" ? "" : arguments.json},
+                {"--picture", arguments.picture},
+                {"--report", arguments.report}},
+               read);
   const Comparison comparison = Compare(arguments);
   for (const std::string& warning : comparison.sources.warnings) Warn(hooks, warning);
   if (!arguments.picture.empty()) DrawPath(arguments, comparison);

@@ -10,9 +10,12 @@
 
 #include <opencv2/core/utility.hpp>
 
+#include "turnscale/base/error.h"
+
 namespace turnscale {
 
-/// Calls `work` on a thread of its own if OpenCV may use more than one, else when its result is asked for.
+/// Calls `work` on a thread of its own if OpenCV may use more than one and one can be started, else when its result is
+/// asked for.
 template <typename Work>
 std::future<std::invoke_result_t<Work&>> InBackground(Work work) {
   // Shared: where no thread can be started, it is needed again.
@@ -33,9 +36,10 @@ std::future<std::invoke_result_t<Work&>> InBackground(Work work) {
 template <typename Result>
 class DueResult {
  public:
-  /// Starts work whose result is due once there are `keyframes` keyframes.
+  /// Starts work whose result is due once there are `keyframes` keyframes. None may be pending.
   template <typename Work>
   void Start(int keyframes, Work work) {
+    Ensure(!pending(), "the result of earlier work has not been taken");
     due_ = keyframes;
     result_ = InBackground(std::move(work));
   }
@@ -43,10 +47,10 @@ class DueResult {
   /// Work was started, and its result has not been taken yet.
   bool pending() const { return result_.valid(); }
 
-  /// The result is due now.
+  /// Pending work is due now.
   void Hurry() { due_ = 0; }
 
-  /// The result if one is pending and due; waits for it.
+  /// The result if one is pending and due; waits for it. Throws what the work threw.
   std::optional<Result> TakeIfDue(int keyframes) {
     if (!pending() || keyframes < due_) return std::nullopt;
     return result_.get();

@@ -41,7 +41,8 @@ struct RefinedScale {
   int calibration_windows = 0;  ///< parts of turns in which the intrinsics were tested
 };
 
-/// A turn as results list it. `steps` are those of the estimate, along the keyframes; `frame_of` has their frames.
+/// A turn as results list it. `steps` are those of the estimate, along keyframes or other poses; `frame_of` gives the
+/// frame of each.
 TurnResult DescribeTurn(const TurnEstimate& turn, const std::vector<VehicleStep>& steps,
                         const std::function<int(int keyframe)>& frame_of);
 

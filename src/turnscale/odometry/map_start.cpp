@@ -85,11 +85,11 @@ AddedStart AddStart(const InitialMap& start, const StartPlace& place, Map& map) 
   const RigidTransform world_from_first = place.first_from_world.inverse();
   for (std::size_t i = 0; i < first.features.size(); ++i) {
     map.landmarks.push_back({world_from_first * (unit * start.points[i]), start.has_point[i] != 0, {}});
-    AddObservation(map, added.keyframe, added.landmark + static_cast<int>(i), first.pixels[i]);
+    AddObservation(map, added.keyframe, added.first_landmark + static_cast<int>(i), first.pixels[i]);
   }
   const auto reference = std::make_shared<const cv::Mat>(start.first_image);
   for (std::size_t i = 0; i < second.features.size(); ++i) {
-    const int landmark = added.landmark + second.features[i];
+    const int landmark = added.first_landmark + second.features[i];
     AddObservation(map, added.keyframe + 1, landmark, second.pixels[i]);
     added.tracks.push_back({landmark, start.second_pixels[i], second.pixels[i], second.pixels[i], reference,
                             start.first_pixels[second.features[i]], added.keyframe, added.keyframe + 1});
@@ -98,11 +98,11 @@ AddedStart AddStart(const InitialMap& start, const StartPlace& place, Map& map) 
 }
 
 std::vector<LocatedFrame> LocateWaitingFrames(const OdometryOptions& options, const CameraModel& camera,
-                                              const InitialMap& start, const AddedStart& added, const Map& map,
+                                              const InitialMap& start, const Map& map, int keyframe, int first_landmark,
                                               MotionModel& motion) {
   const WaitingFrame& second = start.frames.back();
-  const RigidTransform& first_pose = map.keyframes[added.keyframe].camera_from_world;
-  const RigidTransform& second_pose = map.keyframes[added.keyframe + 1].camera_from_world;
+  const RigidTransform& first_pose = map.keyframes[keyframe].camera_from_world;
+  const RigidTransform& second_pose = map.keyframes[keyframe + 1].camera_from_world;
   std::vector<LocatedFrame> located;
   const WaitingFrame* moved = nullptr;  // the latest that is no repeat
   for (const WaitingFrame& waiting : start.frames) {
@@ -112,11 +112,11 @@ std::vector<LocatedFrame> LocateWaitingFrames(const OdometryOptions& options, co
     result.time = waiting.time;
     result.state = TrackingState::kRepeated;
     result.tracked = static_cast<int>(waiting.features.size());
-    if (moved && Repeats(options.repeats, motion, map, *moved, waiting, added.landmark)) {
+    if (moved && Repeats(options.repeats, motion, map, *moved, waiting, first_landmark)) {
       if (!is_second) located.push_back({result, motion.Predict(waiting.time)});
       continue;
     }
-    const PoseEstimate estimate = EstimatePose(options.pose, camera.pinhole, SightingsIn(map, waiting, added.landmark),
+    const PoseEstimate estimate = EstimatePose(options.pose, camera.pinhole, SightingsIn(map, waiting, first_landmark),
                                                moved ? motion.last() : first_pose);
     const RigidTransform pose = is_second ? second_pose : estimate.camera_from_world;
     if (moved)

@@ -23,14 +23,14 @@ UnitGuess UnitAfterGap(const TrackingOptions& options, const Map& map, const Mot
 /// Where a start is put in the map.
 struct StartPlace {
   RigidTransform first_from_world;  ///< of its first view
-  UnitGuess unit;                   ///< its unit of length in that of the map
+  UnitGuess unit{1, 0};             ///< its unit of length in that of the map
   bool after_gap = false;           ///< the map has keyframes from before
 };
 
 /// What a start has become in the map.
 struct AddedStart {
   int keyframe = 0;                  ///< of the first view; that of the second view is the next
-  int landmark = 0;                  ///< of the first feature; the others follow in order
+  int first_landmark = 0;            ///< of the first feature; the others follow in order
   std::vector<FeatureTrack> tracks;  ///< of the second view
 };
 
@@ -43,10 +43,10 @@ struct LocatedFrame {
   RigidTransform camera_from_world;
 };
 
-/// The poses of the frames that waited for the map, but for that of the second view, which is a keyframe. The motion
-/// model goes along to the second view.
+/// The poses of the frames that waited for the map, except that of the second view, which is a keyframe. `keyframe` and
+/// `first_landmark` are those of AddStart. The motion model goes along to the second view.
 std::vector<LocatedFrame> LocateWaitingFrames(const OdometryOptions& options, const CameraModel& camera,
-                                              const InitialMap& start, const AddedStart& added, const Map& map,
+                                              const InitialMap& start, const Map& map, int keyframe, int first_landmark,
                                               MotionModel& motion);
 
 }  // namespace turnscale

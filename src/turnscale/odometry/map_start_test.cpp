@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "turnscale/odometry/map_start.h"
 
-#include <cmath>
+#include <cstddef>
 
 #include <gtest/gtest.h>
 
@@ -53,10 +53,12 @@ TEST(MapStart, IsAddedWithItsUnit) {
   const Start start = GoingAhead(5, 2, 10);
   Map map = EmptyMap();
   AddStart(start.map, {}, map);
+  EXPECT_FALSE(map.keyframes[0].after_gap);
+  EXPECT_EQ(map.keyframes[0].gap_sigma, 0);
   const RigidTransform place{RotationFromVector({0, 0.3, 0}), {1, 0, 2}};
   const AddedStart added = AddStart(start.map, {place, {3, 0.2}, true}, map);
   EXPECT_EQ(added.keyframe, 2);
-  EXPECT_EQ(added.landmark, static_cast<int>(start.map.points.size()));
+  EXPECT_EQ(added.first_landmark, static_cast<int>(start.map.points.size()));
   ASSERT_EQ(map.keyframes.size(), 4U);
   EXPECT_TRUE(map.keyframes[2].after_gap);
   EXPECT_EQ(map.keyframes[2].gap_sigma, 0.2);
@@ -78,7 +80,8 @@ TEST(MapStart, FramesInBetweenAreLocated) {
   Map map = EmptyMap();
   const AddedStart added = AddStart(start.map, {}, map);
   MotionModel motion;
-  const std::vector<LocatedFrame> located = LocateWaitingFrames({}, kCamera, start.map, added, map, motion);
+  const std::vector<LocatedFrame> located =
+      LocateWaitingFrames({}, kCamera, start.map, map, added.keyframe, added.first_landmark, motion);
   ASSERT_EQ(located.size(), 3U) << "the second view is a keyframe";
   for (int i = 0; i < 2; ++i) {
     EXPECT_EQ(located[i].result.frame, 20 + i);
@@ -97,7 +100,7 @@ TEST(MapStart, TheUnitAfterAGapFollowsFromDepthAndSpeed) {
   Map map = EmptyMap();
   const AddedStart added = AddStart(before.map, {}, map);
   MotionModel motion;
-  LocateWaitingFrames({}, kCamera, before.map, added, map, motion);
+  LocateWaitingFrames({}, kCamera, before.map, map, added.keyframe, added.first_landmark, motion);
   const TrackingOptions options;
   const UnitGuess both = UnitAfterGap(options, map, motion, GoingAhead(6, 1, 9.7).map);
   EXPECT_NEAR(both.unit, 2, 0.01);

@@ -189,7 +189,8 @@ void Odometry::StartMap(const FlowImage& image, const InitialMap& start) {
   const bool continues = !map_.keyframes.empty();
   // No turn reaches across the gap: one that was under way is read from the map it belongs to.
   if (continues) Settle();
-  StartPlace place{.first_from_world = {}, .unit = {1.0, 0.0}, .after_gap = continues};
+  StartPlace place;
+  place.after_gap = continues;
   if (continues) {
     place.first_from_world = motion_.Predict(start.frames.front().time);
     place.unit = UnitAfterGap(options_.tracking, map_, motion_, start);
@@ -202,7 +203,8 @@ void Odometry::StartMap(const FlowImage& image, const InitialMap& start) {
   mapping_ = true;
   lost_frames_ = 0;
   scale_.Add(map_);
-  for (const LocatedFrame& frame : LocateWaitingFrames(options_, camera_, start, added, map_, motion_))
+  for (const LocatedFrame& frame :
+       LocateWaitingFrames(options_, camera_, start, map_, added.keyframe, added.first_landmark, motion_))
     MetricResult(frame.result, added.keyframe, frame.camera_from_world);
 }
 

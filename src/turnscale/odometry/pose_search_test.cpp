@@ -17,7 +17,7 @@ namespace turnscale {
 namespace {
 
 constexpr double kInterval = 0.1;  // seconds
-constexpr double kSecondsWithout = 0.5;
+constexpr double kSecondsWithoutImage = 0.5;
 constexpr double kSpeed = 0.4;  // metres per interval
 
 // A yard with three textured walls: 12 m ahead, 5 m to the left and 7 m to the right. The landmarks are on what the
@@ -89,7 +89,7 @@ class PoseSearch : public testing::Test {
   }
 
   std::optional<RigidTransform> Search(const FlowImage& image) const {
-    return SearchPose(map_, camera_, first_, image, tracks_, motion_, kSecondsWithout);
+    return SearchPose(map_, camera_, first_, image, tracks_, motion_, kSecondsWithoutImage);
   }
 
   OdometryOptions options_;
@@ -152,7 +152,7 @@ TEST_F(PoseSearch, TrackingGoesOnAfterAGapInATurn) {
   tracker.Start(first_, tracks_, static_cast<int>(tracks_.size()));
   const RigidTransform truth = Pose(0.25, 2);
   const TrackedFrame frame =
-      tracker.Track(map_, camera_, Seen(truth), motion_, motion_.Predict(kSecondsWithout), kSecondsWithout);
+      tracker.Track(map_, camera_, Seen(truth), motion_, motion_.Predict(kSecondsWithoutImage), kSecondsWithoutImage);
   ASSERT_TRUE(frame.camera_from_world);
   EXPECT_LT(PixelError(camera_, truth, *frame.camera_from_world), 0.3);
   size_t in_sight = 0;
@@ -167,7 +167,7 @@ TEST_F(PoseSearch, TrackingGoesOnAfterAGapInImagesOfASingleSize) {
   tracker.Start(first_, tracks_, static_cast<int>(tracks_.size()));
   const RigidTransform truth = Pose(0.1, 3);
   const TrackedFrame frame =
-      tracker.Track(map_, camera_, Seen(truth), motion_, motion_.Predict(kSecondsWithout), kSecondsWithout);
+      tracker.Track(map_, camera_, Seen(truth), motion_, motion_.Predict(kSecondsWithoutImage), kSecondsWithoutImage);
   ASSERT_TRUE(frame.camera_from_world);
   EXPECT_LT(PixelError(camera_, truth, *frame.camera_from_world), 0.3);
 }

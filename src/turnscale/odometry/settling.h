@@ -9,8 +9,8 @@
 
 namespace turnscale {
 
-/// A copy of the latest part of a map, to be adjusted in one large window while tracking goes on: during the drive,
-/// local windows had fewer observations and a less accurate lens correction.
+/// A copy of the latest part of a map, which is adjusted in one large window, usually in the background. The local
+/// windows during the drive had fewer observations and a less accurate lens correction.
 struct SettlingWork {
   double applied_correction = 0;    ///< radial correction of the window's pixels
   int first = 0;                    ///< first keyframe to settle
@@ -20,7 +20,8 @@ struct SettlingWork {
   std::vector<Keyframe> unlearned;  ///< that it learns from, without observations
 };
 
-/// The keyframes of the map from `first` on. `correction` is the radial correction of its pixels.
+/// The keyframes of the map from `first` on. `correction` is the radial correction of the map's pixels, `mount` the
+/// camera-to-vehicle rotation so far.
 SettlingWork WorkToSettle(const LocalBundleOptions& options, const Map& map, const MountCalibration& mount,
                           double correction, int first);
 

@@ -127,17 +127,20 @@ bool FindMount(const RescaleOptions& options, const Trajectory& trajectory, cons
   }
 }
 
-// Most steps go along the car's axis, and most of their way is forward: a car reverses slowly, in many short steps.
+// Most of the steps that move go along the car's axis, and they lead forward in all: a car reverses slowly, in many
+// short steps.
 bool GoesForward(const std::vector<VehicleStep>& steps) {
-  std::ptrdiff_t along = 0;
-  double forward = 0, length = 0;
+  int moving = 0;
+  int along = 0;
+  double way = 0;
   for (const VehicleStep& step : steps) {
+    if (step.after_gap || !(step.motion.step > 0)) continue;
+    ++moving;
     if (!step.usable) continue;
     ++along;
-    forward += std::max(step.forward(), 0.0);
-    length += step.motion.step;
+    way += step.forward();
   }
-  return 2 * along >= std::ssize(steps) && 2 * forward >= length;
+  return 2 * along >= moving && way >= 0;
 }
 
 // What the filter knew at each pose.
@@ -201,11 +204,10 @@ RescaleResult RescaleTrajectory(const RescaleOptions& options, const Trajectory&
   result.steps = CutIntoSteps(path, gaps, options.timed, options.steps);
   SetHeights(heights, trajectory, result.steps);
   if (!GoesForward(result.steps)) {
-    result.reason = options.vehicle_from_camera
-                        ? "with this camera rotation most of the path goes sideways, up, down or backwards; let the "
-                          "rotation be estimated (--camera-rotation auto)"
-                        : "most of the path goes sideways, up, down or backwards; give the camera's rotation on the "
-                          "car (--camera-rotation)";
+    result.reason =
+        "with this camera rotation most of the path goes sideways, up, down or backwards; let the rotation be "
+        "estimated "
+        "(--camera-rotation auto)";
     return result;
   }
   ScaleEstimateResult estimate = EstimateScale(result.steps, CarFor(options, result.yaw_sigma), EstimatorFor(options));

@@ -100,6 +100,23 @@ TEST(Rescale, SaysWhenTheAxesAreNotACameras) {
   EXPECT_NE(result.reason.find("sideways"), std::string::npos) << result.reason;
 }
 
+TEST(Rescale, SaysWhenTheWayIsNotForward) {
+  const ScaledDrive drive = MakeScaledDrive(CityRoute(4), kCar, kIdentity, kUnit);
+  RescaleOptions options = OptionsFor(kCar);
+  options.vehicle_from_camera = RotationFromYawPitchRoll({M_PI, 0, 0});
+  const RescaleResult result = RescaleTrajectory(options, drive.trajectory);
+  EXPECT_NE(result.reason.find("backwards; let the rotation be estimated"), std::string::npos) << result.reason;
+}
+
+TEST(Rescale, StandingStillIsNoDirection) {
+  std::vector<DriveSegment> route = CityRoute(4);
+  route.push_back({3000, 0, 0});
+  const ScaledDrive drive = MakeScaledDrive(route, kCar, kIdentity, kUnit);
+  const RescaleResult result = RescaleTrajectory(OptionsFor(kCar), drive.trajectory);
+  ASSERT_TRUE(result.observable) << result.reason;
+  EXPECT_LT(WorstLogError(result, drive), 0.004);
+}
+
 // A body that leans outwards by 6 degrees per g moves the camera sideways where turns begin and end: the term h b of
 // the model, not slip. Here h is not the usual height, and few turns determine it; even so, the scale is hardly
 // affected, however the camera is pitched.

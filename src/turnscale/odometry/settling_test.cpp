@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/odometry/settling.h"
+
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include "turnscale/mapping/synthetic_map.h"
+#include "turnscale/odometry/options.h"
+
+namespace turnscale {
+namespace {
+
+constexpr LocalBundleOptions kWindow{.window = 30, .anchors = 10};
+
+/// A map of a car that turns, the latest of whose keyframes are off their places.
+Map MapOfTurns() {
+  Map map = MakeMap(MakeCarDrive(kRightAndLeft, kStepInterval, {1.5, 0}, Eigen::Quaterniond::Identity()), {});
+  for (std::size_t k = map.keyframes.size() - 20; k < map.keyframes.size(); ++k)
+    map.keyframes[k].camera_from_world.translation.x() += 0.05;
+  return map;
+}
+
+/// The mount that has learned from the keyframes of `map` as they come out of the adjusted window.
+MountCalibration LearnedFromWindow(const Map& map, MountCalibration mount, int first) {
+  WindowProblem window = MakeLocalWindow(kWindow, first, map);
+  EXPECT_TRUE(AdjustWindow(kWindow, window));
+  Map adjusted = map;
+  for (int k = window.window.first; k < static_cast<int>(map.keyframes.size()); ++k)
+    adjusted.keyframes[k].camera_from_world = window.bundle.camera_from_world[k - window.window.first];
+  mount.Learn(adjusted, static_cast<int>(map.keyframes.size()) - 1);
+  return mount;
+}
+
+TEST(Settling, TheMountLearnsFromAdjustedKeyframesWhereverItStands) {
+  const Map map = MapOfTurns();
+  const int keyframes = static_cast<int>(map.keyframes.size());
+  const int first = keyframes - 20;
+  // The window reaches back beyond what the mount knows, or begins after it.
+  for (const int learned : {0, keyframes - 45, keyframes - 5}) {
+    MountCalibration mount{VehicleOptions()};
+    if (learned > 0) mount.Learn(map, learned - 1);
+    const int next = mount.next_keyframe();
+    const SettlingWork work = WorkToSettle(kWindow, map, mount, 0.01, first);
+    EXPECT_EQ(work.applied_correction, 0.01);
+    EXPECT_EQ(work.first, first);
+    EXPECT_EQ(work.end, keyframes);
+    ASSERT_EQ(static_cast<int>(work.unlearned.size()), keyframes - next);
+    const SettlingWork settled = Settled(kWindow, work);
+    EXPECT_FALSE(settled.window.landmarks.empty());
+    EXPECT_EQ(settled.mount.next_keyframe(), keyframes);
+    const MountCalibration expected = LearnedFromWindow(map, mount, first);
+    EXPECT_EQ(settled.mount.current().vehicle_from_camera.coeffs(), expected.current().vehicle_from_camera.coeffs());
+    const Eigen::Vector3d off =
+        settled.unlearned.back().camera_from_world.translation - map.keyframes.back().camera_from_world.translation;
+    EXPECT_GT(off.norm(), 0.03) << "the last keyframe is back at its place";
+  }
+}
+
+TEST(Settling, AWindowOfNoNumbersIsLeftOut) {
+  Map map = MapOfTurns();
+  map.keyframes.back().camera_from_world.translation.x() = std::numeric_limits<double>::quiet_NaN();
+  const int keyframes = static_cast<int>(map.keyframes.size());
+  const SettlingWork settled =
+      Settled(kWindow, WorkToSettle(kWindow, map, MountCalibration{VehicleOptions()}, 0, keyframes - 20));
+  EXPECT_TRUE(settled.window.landmarks.empty());
+  EXPECT_EQ(settled.mount.next_keyframe(), keyframes);
+}
+
+}  // namespace
+}  // namespace turnscale
