@@ -115,14 +115,14 @@ inline void CheckOutputs(const std::vector<NamedOutput>& outputs, const std::vec
   for (const NamedOutput& output : outputs) {
     if (output.file.empty()) continue;
     std::error_code none;
-    for (const std::filesystem::path& replaced : {output.file, PartOf(output.file)})
-      for (const std::filesystem::path& input : inputs)
-        if (!input.empty() && std::filesystem::equivalent(replaced, input, none))
-          refuse(output, replaced, "is also an input file");
-    if (exists(output.file, none) && !is_regular_file(output.file, none)) continue;
+    const bool is_special = exists(output.file, none) && !is_regular_file(output.file, none);
     for (const std::filesystem::path& written : {output.file, PartOf(output.file)}) {
-      const std::filesystem::path place = std::filesystem::weakly_canonical(std::filesystem::absolute(written), none);
-      if (none || place.empty()) continue;
+      for (const std::filesystem::path& input : inputs)
+        if (!input.empty() && std::filesystem::equivalent(written, input, none))
+          refuse(output, written, "is also an input file");
+      const std::filesystem::path place =
+          std::filesystem::weakly_canonical(std::filesystem::absolute(written, none), none);
+      if (is_special || none || place.empty()) continue;
       const auto [other, first] = options.try_emplace(place, output.option);
       if (!first) refuse(output, written, fmt::format("is also a file of {}", other->second));
     }

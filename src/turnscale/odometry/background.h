@@ -25,14 +25,14 @@ std::future<std::invoke_result_t<Work&>> InBackground(Work work) {
     try {
       return std::async(std::launch::async, call);
     } catch (const std::system_error&) {
-      // No thread can be had.
+      // No thread can be started.
     }
   }
   return std::async(std::launch::deferred, call);
 }
 
-/// A result that is computed in the background and taken at a keyframe that is named when the work starts. So what
-/// follows from it does not depend on how long the work takes, nor on the number of threads.
+/// A result that is computed in the background and taken at a keyframe that is fixed when the work starts, so that what
+/// follows from it depends neither on how long the work takes nor on the number of threads.
 template <typename Result>
 class DueResult {
  public:

@@ -58,14 +58,6 @@ OdometryOptions Checked(OdometryOptions options, const CameraModel& camera) {
   return options;
 }
 
-FrameResult NewResult(int frame, double time, TrackingState state) {
-  FrameResult result;
-  result.frame = frame;
-  result.time = time;
-  result.state = state;
-  return result;
-}
-
 }  // namespace
 
 Odometry::Odometry(const OdometryOptions& options, const CameraModel& camera)
@@ -147,7 +139,11 @@ void Odometry::WaitForMap() {
 
 FrameResult Odometry::NewFrame(double time, TrackingState state) {
   last_time_ = time;
-  return NewResult(frames_++, time, state);
+  FrameResult result;
+  result.frame = frames_++;
+  result.time = time;
+  result.state = state;
+  return result;
 }
 
 FrameResult Odometry::ProcessUnreadable(double time) {

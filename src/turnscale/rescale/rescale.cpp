@@ -164,7 +164,7 @@ void BringToMetres(const Trajectory& trajectory, RescaleResult& result) {
   result.metric = trajectory;
   for (std::size_t i = 0; i < trajectory.size(); ++i) {
     result.metric[i].world_from_camera.translation = positions[i];
-    result.poses.push_back({scales[i].metres_per_unit, scales[i].sigma, 0, 0, scales[i].from_road});
+    result.poses.push_back({scales[i].metres_per_unit, scales[i].sigma, scales[i].from_road});
   }
   for (const VehicleStep& step : result.steps)
     if (step.usable) result.length += step.motion.step * scales[step.last].metres_per_unit;
@@ -206,8 +206,7 @@ RescaleResult RescaleTrajectory(const RescaleOptions& options, const Trajectory&
   if (!GoesForward(result.steps)) {
     result.reason =
         "with this camera rotation most of the path goes sideways, up, down or backwards; let the rotation be "
-        "estimated "
-        "(--camera-rotation auto)";
+        "estimated (--camera-rotation auto)";
     return result;
   }
   ScaleEstimateResult estimate = EstimateScale(result.steps, CarFor(options, result.yaw_sigma), EstimatorFor(options));

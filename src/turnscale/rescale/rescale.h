@@ -47,10 +47,10 @@ struct RescaleOptions {
 struct RescaledPose {
   double metres_per_unit = 0;  ///< from the whole drive (smoothed)
   double sigma = 0;            ///< relative
+  bool from_road = false;      ///< no turn, and the heights show the scale of the step that leads to the pose
   /// From the steps up to the pose; 0 until the scale is known.
   double filtered_metres_per_unit = 0;
   double filtered_sigma = 0;
-  bool from_road = false;  ///< no turn, and the heights show the scale of the step that leads to the pose
 };
 
 struct RescaleResult {
