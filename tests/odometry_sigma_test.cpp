@@ -25,7 +25,7 @@ constexpr double kCarLength = kStreetLeverArm + kCarSlip * kSpeedInTurns * kSpee
 // What is told of the car, wrong by so many standard deviations of what is stated of each.
 VehicleOptions ToldWrong(double lever_arm, double side_slip, double yaw, const Eigen::Quaterniond& mount) {
   VehicleOptions vehicle;
-  vehicle.lever_arm = kCarLength + lever_arm * vehicle.lever_arm_sigma;
+  vehicle.lever_arm = kCarLength + lever_arm * kTapeSigma;
   vehicle.side_slip = kCarSlip + side_slip * vehicle.side_slip_sigma;
   vehicle.vehicle_from_camera = RotationFromYawPitchRoll({yaw * vehicle.yaw_sigma, 0, 0}) * mount;
   vehicle.calibrate_camera = false;

@@ -29,7 +29,7 @@ RescaleOptions OptionsFrom(const RescaleArguments& arguments, bool timed) {
   RescaleOptions options;
   if (arguments.lever_arm) {
     options.car.lever_arm = CheckedLeverArm(*arguments.lever_arm);
-    options.car.lever_arm_sigma = LeverArmSigma(options.car.lever_arm);
+    options.car.lever_arm_sigma = TapeSigma(options.car.lever_arm);
   }
   if (arguments.camera_height) {
     const CameraHeight height = ParseCameraHeight(*arguments.camera_height);

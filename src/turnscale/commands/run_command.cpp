@@ -121,7 +121,7 @@ OdometryOptions OptionsFrom(const CarArguments& car, const std::optional<fs::pat
   if (car.vehicle) ReadVehicleFile(*car.vehicle, options.vehicle);
   if (car.lever_arm) {
     options.vehicle.lever_arm = CheckedLeverArm(*car.lever_arm);
-    if (car.vehicle) options.vehicle.lever_arm_sigma = kTapeSigma;
+    if (car.vehicle) options.vehicle.lever_arm_sigma.reset();
     options.vehicle.height_correlation = 0;
   }
   if (car.lever_arm_sigma)

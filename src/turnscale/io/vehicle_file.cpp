@@ -87,9 +87,8 @@ std::string VehicleFileText(const VehicleOptions& vehicle, const Mount& mount, c
     const bool known = car && car->lever_arm > 0;
     text += Line("lever_arm", known ? car->lever_arm : *vehicle.lever_arm,
                  "metres from the rear axle forward to the camera");
-    text += Line("lever_arm_sigma",
-                 known ? std::min(car->lever_arm_sigma, kMostSigma * car->lever_arm)
-                       : sigma_of(*vehicle.lever_arm, LeverArmSigma(*vehicle.lever_arm, vehicle.lever_arm_sigma)));
+    text += Line("lever_arm_sigma", known ? std::min(car->lever_arm_sigma, kMostSigma * car->lever_arm)
+                                          : sigma_of(*vehicle.lever_arm, vehicle.LeverArmSigma()));
   }
   text += Line("side_slip", car ? car->side_slip : vehicle.side_slip, "c in L_eff = L - c v^2, s^2/m");
   text += Line("side_slip_sigma", car ? car->side_slip_sigma : vehicle.side_slip_sigma);
@@ -136,7 +135,8 @@ void ReadVehicleFile(const std::filesystem::path& path, VehicleOptions& vehicle)
   }
   if (map.Has("lever_arm")) {
     vehicle.lever_arm = map.Positive("lever_arm");
-    vehicle.lever_arm_sigma = not_negative("lever_arm_sigma", kTapeSigma);
+    vehicle.lever_arm_sigma.reset();
+    if (map.Has("lever_arm_sigma")) vehicle.lever_arm_sigma = not_negative("lever_arm_sigma", 0);
   }
   if (map.Has("side_slip")) {
     vehicle.side_slip = not_negative("side_slip", 0);

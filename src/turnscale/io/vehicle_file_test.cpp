@@ -53,7 +53,7 @@ TEST(VehicleFile, TheNextDriveKnowsWhatThisOneHasLearned) {
                     .sigma = {0.004, 0.002, 0.01}};
   const VehicleOptions next = ReadText(VehicleFileText(vehicle, mount, LearnedScale()));
   EXPECT_NEAR(next.lever_arm.value(), 1.47, 1e-6);
-  EXPECT_NEAR(next.lever_arm_sigma, 0.02, 1e-6);
+  EXPECT_NEAR(next.LeverArmSigma(), 0.02, 1e-6);
   EXPECT_NEAR(next.side_slip, 0.0051, 1e-8);
   EXPECT_NEAR(next.side_slip_sigma, 0.0007, 1e-8);
   EXPECT_NEAR(next.camera_height.value(), 1.31, 1e-6);
@@ -111,12 +111,12 @@ TEST(VehicleFile, LengthsThatDisagreeAreNoBetterKnownThanThat) {
   scale.estimate->height_conflict = HeightConflict{1.4, 0.014, 1.26, 0.02, false};
   const VehicleOptions next = ReadText(VehicleFileText(vehicle, {}, scale));
   EXPECT_NEAR(next.lever_arm.value(), 1.5, 1e-9);
-  EXPECT_NEAR(next.lever_arm_sigma, std::hypot(vehicle.lever_arm_sigma, 0.105 * 1.5), 1e-3);
+  EXPECT_NEAR(next.LeverArmSigma(), std::hypot(vehicle.LeverArmSigma(), 0.105 * 1.5), 1e-3);
   EXPECT_NEAR(next.camera_height.value(), 1.4, 1e-9);
   EXPECT_NEAR(next.HeightSigma(), 0.105 * 1.4, 2e-3);
   scale.estimate->height_conflict = HeightConflict{1.4, 0.014, 0.4, 0.02, false};
   const VehicleOptions doubtful = ReadText(VehicleFileText(vehicle, {}, scale));
-  EXPECT_LT(doubtful.lever_arm_sigma, 1.5) << "below the lever arm, or it could not be read";
+  EXPECT_LT(doubtful.LeverArmSigma(), 1.5) << "below the lever arm, or it could not be read";
   EXPECT_LT(doubtful.HeightSigma(), 1.4);
 }
 
@@ -142,9 +142,14 @@ TEST(VehicleFile, ReadsWhatSimulateWrites) {
   const VehicleOptions vehicle = ReadText(
       "yaw_deg: 2\npitch_deg: -3\nroll_deg: 0.5\nlever_arm: 1.4\nlateral_offset: 0.2\nheight: 1.3\nside_slip: 0.005\n");
   EXPECT_EQ(vehicle.lever_arm, 1.4);
-  EXPECT_EQ(vehicle.lever_arm_sigma, kTapeSigma);
+  EXPECT_EQ(vehicle.LeverArmSigma(), kTapeSigma);
   EXPECT_EQ(vehicle.side_slip_sigma, kUsualSideSlipSigma);
   EXPECT_EQ(vehicle.camera_height, 1.3);
+}
+
+TEST(VehicleFile, AStatedSigmaOfAShortLeverArmIsKept) {
+  EXPECT_EQ(ReadText("lever_arm: 0.05\nlever_arm_sigma: 0.03\n").LeverArmSigma(), 0.03);
+  EXPECT_EQ(ReadText("lever_arm: 0.05\n").LeverArmSigma(), 0.025) << "measured with a tape";
 }
 
 TEST(VehicleFile, SenselessValuesAreRefused) {

@@ -37,7 +37,7 @@ double YawSigma(const VehicleOptions& vehicle, const Mount& mount) {
 CarPrior PriorOf(const VehicleOptions& vehicle, const Mount& mount) {
   CarPrior car;
   car.lever_arm = vehicle.lever_arm.value_or(vehicle.camera_height ? 0.0 : 1.0);
-  car.lever_arm_sigma = LeverArmSigma(car.lever_arm, vehicle.lever_arm ? vehicle.lever_arm_sigma : kTapeSigma);
+  car.lever_arm_sigma = vehicle.lever_arm ? vehicle.LeverArmSigma() : TapeSigma(car.lever_arm);
   if (vehicle.camera_height) {
     car.camera_height = *vehicle.camera_height;
     car.camera_height_sigma = vehicle.HeightSigma();

@@ -15,10 +15,10 @@ void VehicleOptions::Check() const {
     throw InputError(
         "lever_arm: has to be the distance from the rear axle forward to the camera in metres, above 0 and up to " +
         NumberText(kLongestLeverArm));
-  if (!(lever_arm_sigma >= 0 && std::isfinite(lever_arm_sigma)))
+  if (lever_arm_sigma && !(*lever_arm_sigma >= 0 && std::isfinite(*lever_arm_sigma)))
     throw InputError("lever_arm_sigma: has to be a number of metres, 0 or more");
-  if (lever_arm && !(LeverArmSigma(*lever_arm, lever_arm_sigma) < *lever_arm))
-    throw InputError("lever_arm_sigma: " + NumberText(lever_arm_sigma) + " has to be below the lever arm, " +
+  if (lever_arm && lever_arm_sigma && !(*lever_arm_sigma < *lever_arm))
+    throw InputError("lever_arm_sigma: " + NumberText(*lever_arm_sigma) + " has to be below the lever arm, " +
                      NumberText(*lever_arm) + " m");
   if (camera_height && !(*camera_height > 0 && *camera_height <= kHighestCamera))
     throw InputError("camera_height: has to be the height of the camera above the road in metres, above 0 and up to " +

@@ -30,9 +30,9 @@ namespace turnscale {
 struct VehicleOptions {
   /// Distance from the rear axle forward to the camera, metres. Without it the trajectory is up to scale.
   std::optional<double> lever_arm;
-  /// Its standard deviation, metres: a tape held from the camera to above the centre of the rear wheel. Has to be below
-  /// the lever arm, but for the default, which LeverArmSigma shrinks for a very short one.
-  double lever_arm_sigma = kTapeSigma;
+  /// Its standard deviation, metres, below the lever arm. TapeSigma of it if not given: a tape held from the camera to
+  /// above the centre of the rear wheel.
+  std::optional<double> lever_arm_sigma;
   /// c in L_eff = L - c v^2, s^2/m: the rear axle's slip angle per lateral acceleration. With a sigma of 0, 0 is the
   /// paper's rigid car.
   double side_slip = kUsualSideSlip;
@@ -55,7 +55,10 @@ struct VehicleOptions {
                                           ///< (`calibrate` assumes the default)
   double roll_height_sigma = kUsualRollHeightSigma;  ///< its standard deviation, metres
 
-  /// Standard deviation of the height, metres.
+  /// Standard deviation of the lever arm, metres. 0 without one.
+  double LeverArmSigma() const { return lever_arm_sigma.value_or(TapeSigma(lever_arm.value_or(0))); }
+
+  /// Standard deviation of the height, metres. 0 without one.
   double HeightSigma() const { return camera_height_sigma.value_or(kGivenHeightSigma * camera_height.value_or(0)); }
 
   /// Throws InputError that names the field when a value makes no sense.

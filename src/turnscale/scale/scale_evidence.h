@@ -18,18 +18,15 @@ namespace turnscale {
 /// Relative standard deviation of a given camera height: measured with a tape; load and tyre pressure change.
 constexpr double kGivenHeightSigma = 0.01;
 
-/// Standard deviation of a lever arm, metres. Of lever arms below twice kTapeSigma, a `sigma` of kTapeSigma, the
-/// default, counts as half of the lever arm. Any other has to be below the lever arm.
-inline double LeverArmSigma(double lever_arm, double sigma = kTapeSigma) {
-  return sigma == kTapeSigma ? std::min(kTapeSigma, 0.5 * lever_arm) : sigma;
-}
+/// Standard deviation of a lever arm measured with a tape, metres: kTapeSigma, but at most half of the lever arm.
+inline double TapeSigma(double lever_arm) { return std::min(kTapeSigma, 0.5 * lever_arm); }
 
 /// Prior knowledge of the car and its camera.
 struct CarPrior {
   /// L: from the rear axle forward to the camera, metres. 0: not known; turns then show no scale.
   double lever_arm = 0;
-  /// Standard deviation of L, metres, below L (LeverArmSigma): a tape held from the camera to above the centre of the
-  /// rear wheel.
+  /// Standard deviation of L, metres, below L: a tape held from the camera to above the centre of the rear wheel
+  /// (TapeSigma).
   double lever_arm_sigma = kTapeSigma;
   double side_slip = kUsualSideSlip;             ///< c, s^2/m
   double side_slip_sigma = kUsualSideSlipSigma;  ///< 0 where c is known exactly

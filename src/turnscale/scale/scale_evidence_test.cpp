@@ -291,7 +291,7 @@ TEST(CarPrior, RefusesSenselessValues) {
   EXPECT_EQ(refused([](auto& c) { c.lever_arm = 145; }), "car.lever_arm") << "centimetres";
   EXPECT_EQ(refused([](auto& c) { c.camera_height = 150; }), "car.camera_height");
   EXPECT_EQ(refused([](auto& c) { c.lever_arm_sigma = 1; }), "car.lever_arm_sigma");
-  EXPECT_EQ(refused([](auto& c) { c.lever_arm_sigma = LeverArmSigma(c.lever_arm = 0.02); }), "");
+  EXPECT_EQ(refused([](auto& c) { c.lever_arm_sigma = TapeSigma(c.lever_arm = 0.02); }), "");
   EXPECT_EQ(refused([](auto& c) { c.lever_arm_sigma = -0.1; }), "car.lever_arm_sigma");
   EXPECT_EQ(refused([](auto& c) { c.side_slip = -0.001; }), "car.side_slip");
   EXPECT_EQ(refused([](auto& c) { c.side_slip_sigma = -1; }), "car.side_slip_sigma");
