@@ -51,6 +51,7 @@ void VisitScaleSettings(Visitor& visitor, ScaleOptions& options) {
     visitor.Field("slip_sigma", o.slip_sigma);
     visitor.Degrees("turn_direction_sigma_deg", o.turn_direction_sigma);
     visitor.Degrees("straight_direction_sigma_deg", o.straight_direction_sigma);
+    visitor.Field("bend_sigma", o.bend_sigma);
     visitor.Field("min_lever_arm_ratio", o.min_lever_arm_ratio);
     visitor.Field("road_sigma", o.road.sigma);
     visitor.Field("road_correlation_length", o.road.correlation_length);

@@ -13,8 +13,9 @@ std::string TurnWarning(const ScaleEstimate& estimate, const std::function<std::
                         const std::string& suspects) {
   const TurnTest& test = estimate.test;
   const bool contradicted = test.contradicted && test.worst_turn >= 0;
-  // Else they are used because of the calibration, which has its own warning, or by choice.
-  if (!estimate.fell_back || (!contradicted && estimate.converged)) return {};
+  // Turns may also be followed because of the calibration, which has its own warning, or by choice.
+  if (!contradicted && estimate.converged) return {};
+  if (!estimate.fell_back) return fmt::format("the scale estimate did not converge: check {}", suspects);
   if (contradicted && estimate.height_conflict && estimate.height_conflict->contradicts_turns)
     return "the turns agree with each other, but not with the given camera height: the trajectory uses the scale of "
            "each turn";

@@ -76,6 +76,8 @@ TEST(TurnWarning, TellsThatTheEstimateDidNotConverge) {
   EXPECT_EQ(Warning(estimate),
             "the scale estimate did not converge; the trajectory uses the scale of each turn instead of the joint "
             "estimate: check the lever arm");
+  estimate.fell_back = false;
+  EXPECT_EQ(Warning(estimate), "the scale estimate did not converge: check the lever arm") << "no turn to go by";
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdio>
+#include <iterator>
 #include <utility>
 
 #include "turnscale/base/error.h"
@@ -63,13 +64,6 @@ std::string Text(const char* format, double a, double b) {
   return text;
 }
 
-double HalfTurn(const VehicleStep& step) { return 2.0 * std::sin(0.5 * step.motion.psi); }
-
-// Negative in reverse, where the slip of the tyres has the opposite sign relative to psi.
-double SignedSquareSpeed(const VehicleStep& step) {
-  return std::copysign(step.speed() * step.speed() * step.square_speed_ratio, step.forward());
-}
-
 // Least length that acts in a turn, over the lever arm.
 constexpr double kLeastLength = 0.1;
 // Greatest height above the axis of roll, over the lever arm.
@@ -86,16 +80,10 @@ bool IsFinite(const VehicleStep& step) {
          std::isfinite(step.square_speed_ratio) && motion.step >= 0;
 }
 
-std::vector<VehicleStep> Usable(std::vector<VehicleStep> steps) {
-  std::erase_if(steps, [](const VehicleStep& step) { return !step.usable; });
-  return steps;
-}
-
-/// Lateral noise (units) that the direction's noise makes in a step of ordinary length.
-double NoiseFloor(const std::vector<VehicleStep>& steps, double sigma_theta) {
-  double sum = 0;
-  for (const VehicleStep& step : steps) sum += step.motion.step * step.motion.step;
-  return sigma_theta * std::sqrt(sum / static_cast<double>(steps.size()));
+std::vector<VehicleStep> Usable(std::span<const VehicleStep> steps) {
+  std::vector<VehicleStep> usable;
+  std::ranges::copy_if(steps, std::back_inserter(usable), &VehicleStep::usable);
+  return usable;
 }
 
 // Height above the axis of roll (odometry units) that fits the residuals of the line best.
@@ -123,11 +111,11 @@ PooledLine Describe(const std::vector<VehicleStep>& steps, const RobustLine& fit
   line.steps = static_cast<int>(steps.size());
   double xx = 0;
   for (std::size_t i = 0; i < steps.size(); ++i) {
-    const double x = HalfTurn(steps[i]);
+    const double x = steps[i].swing();
     xx += fit.weight[i] * x * x;
     line.by_direction += fit.weight[i] * x * steps[i].forward();
     line.by_roll_height += fit.weight[i] * x * steps[i].roll;
-    line.mean_square_speed += fit.weight[i] * x * x * SignedSquareSpeed(steps[i]);
+    line.mean_square_speed += fit.weight[i] * x * x * steps[i].signed_square_speed();
     line.angle += steps[i].motion.psi;
     if (fit.weight[i] >= kInlierWeight) ++line.inliers;
   }
@@ -172,16 +160,22 @@ void PooledLineOptions::Check() const {
   require(std::isfinite(min_angle) && min_angle >= 0, "min_angle_deg: must not be negative");
 }
 
-PooledLineResult PoolTurn(const std::vector<VehicleStep>& all_steps, const PooledLineOptions& options) {
+double LateralNoise(std::span<const VehicleStep> steps, double sigma_theta) {
+  double sum = 0;
+  for (const VehicleStep& step : steps) sum += step.motion.step * step.motion.step;
+  return sigma_theta * std::sqrt(sum / static_cast<double>(steps.size()));
+}
+
+PooledLineResult PoolTurn(std::span<const VehicleStep> all_steps, const PooledLineOptions& options) {
   options.Check();
   if (!std::ranges::all_of(all_steps, IsFinite)) return NoLine("a step is not a number");
   const std::vector<VehicleStep> steps = Usable(all_steps);
   if (steps.empty()) return NoLine("no steps");
-  const double noise_floor = NoiseFloor(steps, options.sigma_theta);
+  const double noise_floor = LateralNoise(steps, options.sigma_theta);
   if (noise_floor == 0) return NoLine("the camera stands still");
   std::vector<LinePoint> points;
   points.reserve(steps.size());
-  for (const VehicleStep& step : steps) points.push_back({HalfTurn(step), step.lateral()});
+  for (const VehicleStep& step : steps) points.push_back({step.swing(), step.lateral()});
   if (std::ranges::all_of(points, [](const LinePoint& point) { return point.x == 0; })) return NoLine("no turning");
   RobustLine fit = FitRobustLine(points, noise_floor, options.robust_threshold);
   if (!std::isfinite(fit.slope)) return NoLine("the steps are inconsistent");
@@ -222,8 +216,8 @@ double LeverArmRatio(const PooledLine& line, const LeverArm& lever_arm, double m
 MedianScale MedianOfSteps(const std::vector<VehicleStep>& steps, const LeverArm& lever_arm) {
   std::vector<std::pair<double, double>> inverse_scales;
   for (const VehicleStep& step : steps) {
-    if (!step.usable || HalfTurn(step) == 0) continue;
-    const PooledLine alone{.lever_arm = step.lateral() / HalfTurn(step), .mean_square_speed = SignedSquareSpeed(step)};
+    if (!step.usable || step.swing() == 0) continue;
+    const PooledLine alone{.lever_arm = step.lateral() / step.swing(), .mean_square_speed = step.signed_square_speed()};
     inverse_scales.emplace_back(1.0 / MetresPerUnit(alone, lever_arm), 1.0);
   }
   MedianScale scale;

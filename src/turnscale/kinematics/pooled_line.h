@@ -3,6 +3,7 @@
 
 #include <limits>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -29,6 +30,10 @@ struct RobustLine {
 /// `noise_floor` is a lower bound of the standard deviation of y, in the unit of y; must be positive.
 /// Residuals beyond `threshold` robust standard deviations have no weight. At least one x has to differ from 0.
 RobustLine FitRobustLine(const std::vector<LinePoint>& points, double noise_floor, double threshold);
+
+/// Lateral noise that a standard deviation of the direction of travel (rad) makes in a step of ordinary length,
+/// odometry units. There has to be a step.
+double LateralNoise(std::span<const VehicleStep> steps, double sigma_theta);
 
 struct PooledLineOptions {
   /// Standard deviation of a step's direction of travel, rad: a lower bound of the noise, however well few
@@ -77,7 +82,7 @@ struct PooledLineResult {
 /// independently, since a centre's error enters two steps with opposite sign; it does not cover what all steps share:
 /// the camera's yaw, the slip of the tyres. The part of the residuals that is proportional to the roll does not count
 /// as noise; `lever_arm` is the slope with this part left in y.
-PooledLineResult PoolTurn(const std::vector<VehicleStep>& steps, const PooledLineOptions& options);
+PooledLineResult PoolTurn(std::span<const VehicleStep> steps, const PooledLineOptions& options);
 
 /// The scale (metres per unit) lambda that gives this lever arm: the positive root, in reverse the smaller of two, of
 ///   lambda (lever_arm - direction by_direction) + c lambda^2 mean_square_speed = L + roll_height by_roll_height.

@@ -43,7 +43,13 @@ void MarkJumps(std::span<VehicleStep> steps, double max_speed_ratio) {
 
 double VehicleStep::lateral() const { return motion.step * std::sin(motion.theta - 0.5 * motion.psi - heading_offset); }
 
-double VehicleStep::forward() const { return motion.step * std::cos(motion.theta - 0.5 * motion.psi); }
+double VehicleStep::forward() const { return motion.step * std::cos(motion.theta - 0.5 * motion.psi - heading_offset); }
+
+double VehicleStep::swing() const { return 2.0 * std::sin(0.5 * motion.psi); }
+
+double VehicleStep::signed_square_speed() const {
+  return std::copysign(speed() * speed() * square_speed_ratio, forward());
+}
 
 void VehicleStepOptions::Check() const {
   if (!(angle >= 0 && angle < 0.5)) throw InputError("steps.angle_deg: has to be from 0 to below 28.6");

@@ -18,7 +18,9 @@ struct VehicleStep {
   double duration = 0;   ///< seconds; 0 where times are unknown
   int first = 0;         ///< poses that the step leads from and to
   int last = 0;
-  bool usable = true;      ///< false if the step goes sideways, or is a jump: it is not evaluated
+  /// False if the step is not evaluated: its motion is unknown (across a loss of tracking), it goes sideways, is a jump
+  /// or has no length.
+  bool usable = true;
   bool after_gap = false;  ///< across a loss of tracking: its motion is unknown
   /// Relative standard deviation by which the unit of length may have changed across the gap.
   double gap_sigma = 0;
@@ -37,10 +39,19 @@ struct VehicleStep {
   /// y = length sin(theta - psi/2 - heading_offset): lateral displacement in the axes of the mean heading, odometry
   /// units. The rear axle does not move sideways there, whatever way the curvature changes within the step.
   double lateral() const;
-  /// length cos(theta - psi/2): distance ahead, odometry units; negative in reverse.
+  /// length cos(theta - psi/2 - heading_offset): distance ahead in those axes, odometry units; negative in reverse.
   double forward() const;
+  /// Distance driven, odometry units: 0 where it is not known, as in a jump.
+  double driven() const { return usable ? motion.step : 0.0; }
+  /// Angle turned, rad, positive to the right: 0 where it is not known.
+  double turned() const { return usable ? motion.psi : 0.0; }
+  /// 2 sin(psi/2): the lateral displacement of a camera per metre of the lever arm (22).
+  double swing() const;
   /// Odometry units per second; 0 where times are unknown.
   double speed() const { return duration > 0 ? motion.step / duration : 0.0; }
+  /// Square of the speed where the step turns, (units/s)^2: negative in reverse, where the slip of the tyres has the
+  /// opposite sign relative to psi.
+  double signed_square_speed() const;
 };
 
 /// A loss of tracking on a path.

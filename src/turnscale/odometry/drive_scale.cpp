@@ -24,14 +24,11 @@ constexpr double kScalePerFocalLength = 2;
 constexpr double kScalePerAngle = 3;
 constexpr double kScalePerCorrection = 15;
 
-// Of the yaw of a camera whose rotation is assumed until it is estimated: people mount cameras by eye (3 deg).
-constexpr double kAssumedYawSigma = 3.0 / kDegreesPerRadian;
-
 double YawSigma(const VehicleOptions& vehicle, const Mount& mount) {
   if (!vehicle.calibrate_camera) return vehicle.yaw_sigma;
   if (mount.found) return std::max(vehicle.yaw_sigma, mount.sigma.yaw);
   const bool as_given = vehicle.camera_known && mount.first_keyframe == 0;
-  return as_given ? vehicle.yaw_sigma : std::max(vehicle.yaw_sigma, kAssumedYawSigma);
+  return as_given ? vehicle.yaw_sigma : std::max(vehicle.yaw_sigma, kYawSigmaByEye);
 }
 
 CarPrior PriorOf(const VehicleOptions& vehicle, const Mount& mount) {

@@ -280,8 +280,9 @@ TEST(DriveScale, FindsTheMountAndReadsTheTurnsBeforeAgain) {
   options.vehicle.vehicle_from_camera = Eigen::Quaterniond::Identity();
   Live assumed(options, TrueDrive(kTwoCorners), kUnits);
   assumed.Drive();
-  const std::vector<TurnResult> off = assumed.scale.Refine(assumed.map).turns;
-  EXPECT_GT(std::abs(off[0].as_given * kUnits - 1), 0.1) << "1.7 deg of yaw matter";
+  const RefinedScale off = assumed.scale.Refine(assumed.map);
+  ASSERT_TRUE(off.estimate->yaw_conflict) << "1.7 deg";
+  EXPECT_NEAR(off.turns[0].as_given * kUnits, 1, 0.01) << "single-turn scales have the yaw of the drive then";
 
   options.vehicle.calibrate_camera = true;
   Live live(options, TrueDrive(kTwoCorners), kUnits);

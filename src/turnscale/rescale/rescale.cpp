@@ -86,13 +86,12 @@ void SetHeights(const std::vector<PathHeight>& heights, const Trajectory& trajec
 }
 
 CarPrior CarFor(const RescaleOptions& options, double yaw_sigma) {
-  // Part of the lever arm that slip takes in turns of unknown speed, as in most drives of KITTI.
-  constexpr double kUnknownSlip = 0.12;
   CarPrior car = options.car;
   car.yaw_sigma = yaw_sigma;
   if (options.timed) return car;
   car.side_slip = car.side_slip_sigma = 0;
-  car.lever_arm_sigma = std::hypot(car.lever_arm_sigma, kUnknownSlip * car.lever_arm);
+  car.lever_arm *= 1 - options.untimed_slip;
+  car.lever_arm_sigma = std::hypot(car.lever_arm_sigma, options.untimed_slip_sigma * options.car.lever_arm);
   return car;
 }
 
@@ -115,11 +114,9 @@ bool FindMount(const RescaleOptions& options, const Trajectory& trajectory, cons
     return true;
   }
   try {
-    // Of the mean direction of travel, which is off in a drive that turns one way (5 deg).
-    constexpr double kUnobservedYawSigma = 5.0 / kDegreesPerRadian;
     const MountFromPath mount = FindCameraMount(trajectory, options.timed, first_poses);
     result.vehicle_from_camera = mount.vehicle_from_camera;
-    if (!mount.observed) result.yaw_sigma = std::max(result.yaw_sigma, kUnobservedYawSigma);
+    if (!mount.observed) result.yaw_sigma = std::max(result.yaw_sigma, options.unobserved_yaw_sigma);
     return true;
   } catch (const InputError& error) {
     result.reason = error.what();
@@ -166,8 +163,7 @@ void BringToMetres(const Trajectory& trajectory, RescaleResult& result) {
     result.metric[i].world_from_camera.translation = positions[i];
     result.poses.push_back({scales[i].metres_per_unit, scales[i].sigma, scales[i].from_road});
   }
-  for (const VehicleStep& step : result.steps)
-    if (step.usable) result.length += step.motion.step * scales[step.last].metres_per_unit;
+  for (const VehicleStep& step : result.steps) result.length += step.driven() * scales[step.last].metres_per_unit;
 }
 
 }  // namespace
@@ -187,6 +183,11 @@ void RescaleOptions::Check() const {
   car.Check();
   steps.Check();
   CheckPart("estimator.", estimator);
+  if (!(untimed_slip >= 0 && untimed_slip < 1)) throw InputError("untimed_slip: has to be from 0 to below 1");
+  if (!(untimed_slip_sigma >= 0 && untimed_slip_sigma < 1))
+    throw InputError("untimed_slip_sigma: has to be from 0 to below 1");
+  if (!(unobserved_yaw_sigma > 0 && unobserved_yaw_sigma < 1))
+    throw InputError("unobserved_yaw_sigma: has to be above 0 and below 1 rad");
 }
 
 RescaleResult RescaleTrajectory(const RescaleOptions& options, const Trajectory& trajectory,
@@ -210,8 +211,7 @@ RescaleResult RescaleTrajectory(const RescaleOptions& options, const Trajectory&
     return result;
   }
   ScaleEstimateResult estimate = EstimateScale(result.steps, CarFor(options, result.yaw_sigma), EstimatorFor(options));
-  result.reason =
-      options.car.knows_lever_arm() || estimate.estimate ? estimate.reason : "too few heights above the road";
+  result.reason = estimate.reason;
   result.estimate = std::move(estimate.estimate);
   result.observable = result.estimate.has_value();
   if (!result.observable) return result;

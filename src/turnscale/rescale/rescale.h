@@ -32,8 +32,15 @@ struct RescaleOptions {
   /// The paper's Q; estimated from the trajectory (FindCameraMount) if not given. Its yaw error is estimated in either
   /// case; its pitch does not matter (LevelStep), and some degrees of roll have little effect.
   std::optional<Eigen::Quaterniond> vehicle_from_camera;
-  /// The poses' times are seconds. Without times there is no speed, and slip is neglected.
+  /// The poses' times are seconds. Without times there is no speed, and slip takes `untimed_slip` of the lever arm.
   bool timed = true;
+  /// Share of the lever arm that slip takes in turns of unknown speed, and its standard deviation: 6 to 24 % in streets
+  /// (KITTI), next to nothing in a garage.
+  double untimed_slip = 0.1;
+  double untimed_slip_sigma = 0.08;
+  /// Standard deviation of the yaw of a Q that is only the mean direction of travel, which is off in a drive that turns
+  /// one way, rad (5 deg).
+  double unobserved_yaw_sigma = 5.0 / kDegreesPerRadian;
   /// The scale drifts along the drive; false for loop-closed inputs, whose scale is constant.
   bool drifting = true;
   VehicleStepOptions steps;
@@ -47,7 +54,7 @@ struct RescaleOptions {
 struct RescaledPose {
   double metres_per_unit = 0;  ///< from the whole drive (smoothed)
   double sigma = 0;            ///< relative
-  bool from_road = false;      ///< no turn, and the heights show the scale of the step that leads to the pose
+  bool from_road = false;  ///< no turn that is used, and the heights show the scale of the step that leads to the pose
   /// From the steps up to the pose; 0 until the scale is known.
   double filtered_metres_per_unit = 0;
   double filtered_sigma = 0;

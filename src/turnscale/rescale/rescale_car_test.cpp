@@ -153,18 +153,20 @@ TEST(Rescale, TyresDoNotSlipInwards) {
   EXPECT_TRUE(result.estimate->car.side_slip_at_bound);
 }
 
-TEST(Rescale, WithoutTimesTheTyresDoNotSlip) {
-  const LeverArm rigid{1.2, 0};
-  ScaledDrive drive = MakeScaledDrive(CityRoute(5), rigid, kIdentity, kUnit);
-  for (StampedPose& pose : drive.trajectory) pose.time = 0;
-  RescaleOptions options = OptionsFor({rigid.length, 0.0045});
-  EXPECT_THROW(RescaleTrajectory(options, drive.trajectory), InputError);
-  options.timed = false;
-  const RescaleResult result = RescaleTrajectory(options, drive.trajectory);
-  ASSERT_TRUE(result.observable) << result.reason;
-  EXPECT_LT(WorstLogError(result, drive), 0.008) << "steps across the ends of a turn are no single circle";
-  EXPECT_EQ(result.estimate->car.side_slip_sigma, 0);
-  EXPECT_GT(result.estimate->length_sigma, 0.1) << "what slip there is stays unknown";
+TEST(Rescale, WithoutTimesSlipTakesItsUsualShareOfTheLeverArm) {
+  for (const double share : {0.0, 0.1, 0.2}) {
+    ScaledDrive drive = MakeScaledDrive(CityRoute(5), {1.2 * (1 - share), 0}, kIdentity, kUnit);
+    for (StampedPose& pose : drive.trajectory) pose.time = 0;
+    RescaleOptions options = OptionsFor({1.2, 0.0045});
+    EXPECT_THROW(RescaleTrajectory(options, drive.trajectory), InputError);
+    options.timed = false;
+    const RescaleResult result = RescaleTrajectory(options, drive.trajectory);
+    ASSERT_TRUE(result.observable) << result.reason;
+    const double bias = std::log((1 - options.untimed_slip) / (1 - share));
+    EXPECT_NEAR(WorstLogError(result, drive), std::abs(bias), 0.008) << "steps across the ends of a turn are no circle";
+    EXPECT_EQ(result.estimate->car.side_slip_sigma, 0);
+    EXPECT_LT(std::abs(bias), 1.5 * result.estimate->length_sigma) << share;
+  }
 }
 
 }  // namespace

@@ -68,7 +68,14 @@ TEST(RescaleHeights, AKnownHeightNeedsNoTurnAndNoLeverArm) {
 
   const RescaleResult none = RescaleTrajectory(options, drive.trajectory);
   EXPECT_FALSE(none.observable);
-  EXPECT_EQ(none.reason, "too few heights above the road");
+  EXPECT_EQ(none.reason, "too few steps show the height above the road");
+
+  options.car.camera_height_sigma = 0.3;
+  const RescaleResult vague = RescaleTrajectory(options, drive.trajectory, {}, HeightsOf(drive));
+  EXPECT_FALSE(vague.observable);
+  EXPECT_EQ(vague.reason,
+            "the drive leaves the scale uncertain by 21 %, more than 15 %; give the lever arm, or the height of the "
+            "camera more exactly");
 }
 
 TEST(RescaleHeights, AWrongLengthIsReported) {

@@ -17,7 +17,7 @@ constexpr double kUsualSpeed = 6;
 constexpr double kUnknownScale = 1;
 
 // A guess from the usual speed; empty if the steps have no length or no duration.
-std::optional<double> UsualMetresPerUnit(const std::vector<VehicleStep>& steps) {
+std::optional<double> UsualMetresPerUnit(std::span<const VehicleStep> steps) {
   double length = 0;
   double duration = 0;
   for (const VehicleStep& step : steps) {
@@ -46,11 +46,16 @@ bool LiveScale::Add(const VehicleStep& step) {
   ++steps_;
   const auto closed = step.usable ? detector_.Add(step.motion.psi) : detector_.AddUnmeasured();
   if (closed) {
-    Commit(closed->first - 1, false);
-    Commit(closed->last, true);
-  } else if (static_cast<int>(pending_.size()) > MostStraightSteps(pending_, options_.segments.max_straight_steps)) {
+    Commit(closed->first - 1, End::kStraight);
+    Commit(closed->last, End::kTurn);
+  }
+  if (step.after_gap) {
+    // The unit of length changes.
+    Commit(steps_ - 2, End::kStraight);
+  } else if (!closed &&
+             static_cast<int>(pending_.size()) > MostStraightSteps(pending_, options_.segments.max_straight_steps)) {
     // All but a turn that may have begun.
-    Commit(detector_.first_undecided() - 1, false);
+    Commit(detector_.first_undecided() - 1, End::kPartOfStraight);
   }
   now_ = belief_;
   Advance(pending_, now_);
@@ -60,7 +65,7 @@ bool LiveScale::Add(const VehicleStep& step) {
   turning_ = false;
   if (const auto open = detector_.open()) {
     const int begin = open->first - (steps_ - static_cast<int>(pending_.size()));
-    TakeDirection(StepsOf(pending_, 0, begin - 1), now_);
+    TakeDirection(StepsOf(pending_, 0, begin - 1), cut_, now_);
     if (const auto with = WithTurn(now_, StepsOf(pending_, begin, begin + open->last - open->first))) {
       now_ = *with;
       turning_ = true;
@@ -77,17 +82,18 @@ void LiveScale::TurnCamera(double angle) {
 
 std::optional<ScaleBelief> LiveScale::Now() const { return known_ ? std::optional(now_) : std::nullopt; }
 
-// The pending steps up to `last` become a segment.
-void LiveScale::Commit(int last, bool turning) {
+void LiveScale::Commit(int last, End end) {
   const int first = steps_ - static_cast<int>(pending_.size());
+  const bool part = cut_ || end == End::kPartOfStraight;
+  if (last >= first || end != End::kPartOfStraight) cut_ = end == End::kPartOfStraight;
   if (last < first) return;
-  const auto end = pending_.begin() + (last - first + 1);
-  const std::vector<VehicleStep> steps(pending_.begin(), end);
-  pending_.erase(pending_.begin(), end);
+  const auto after = pending_.begin() + (last - first + 1);
+  const std::vector<VehicleStep> steps(pending_.begin(), after);
+  pending_.erase(pending_.begin(), after);
   Advance(steps, belief_);
   if (TakeRoad(steps, belief_) && KnowsHeight(belief_)) started_ = true;
-  if (!turning) {
-    TakeDirection(steps, belief_);
+  if (end != End::kTurn) {
+    TakeDirection(steps, part, belief_);
     return;
   }
   if (const auto with = WithTurn(belief_, steps)) {
@@ -97,12 +103,12 @@ void LiveScale::Commit(int last, bool turning) {
 }
 
 // A straight that has ended shows the direction of travel. Its bends are taken out with the lever arm in units.
-void LiveScale::TakeDirection(const std::vector<VehicleStep>& steps, ScaleBelief& belief) const {
+void LiveScale::TakeDirection(std::span<const VehicleStep> steps, bool part, ScaleBelief& belief) const {
   const std::optional<double> metres_per_unit = MetresPerUnit(steps, belief);
   if (!metres_per_unit) return;
   const double lever_arm = std::exp(belief.mean[kLogLeverArm]) / *metres_per_unit;
   SegmentEvidence evidence = EvidenceOfStraight(steps, lever_arm, options_.evidence);
-  if (ShowsRoad(steps)) ShareDirection(options_.evidence, evidence);
+  if (part && ShowsRoad(steps)) ShareDirection(options_.evidence, evidence);
   DriveState at = belief.mean;
   at[kLogScale] = std::log(*metres_per_unit);
   const auto measurement = Linearize(evidence, at, options_.evidence);
@@ -111,17 +117,17 @@ void LiveScale::TakeDirection(const std::vector<VehicleStep>& steps, ScaleBelief
   belief = Updated(belief, *measurement, HuberWeight(deviation, options_.huber), at);
 }
 
-void LiveScale::Advance(const std::vector<VehicleStep>& steps, ScaleBelief& belief) const {
+void LiveScale::Advance(std::span<const VehicleStep> steps, ScaleBelief& belief) const {
   const std::optional<double> metres_per_unit = MetresPerUnit(steps, belief);
   if (!metres_per_unit) return;
   for (const VehicleStep& step : steps) {
     const double variance =
-        DriftVariance(options_.drift, step.motion.step, *metres_per_unit, std::abs(step.motion.psi), step.gap_sigma);
-    belief = Advanced(belief, variance, step.motion.step, *metres_per_unit, options_.evidence.road);
+        DriftVariance(options_.drift, step.driven(), *metres_per_unit, std::abs(step.turned()), step.gap_sigma);
+    belief = Advanced(belief, variance, step.driven(), *metres_per_unit, options_.evidence.road);
   }
 }
 
-std::optional<double> LiveScale::MetresPerUnit(const std::vector<VehicleStep>& steps, const ScaleBelief& belief) const {
+std::optional<double> LiveScale::MetresPerUnit(std::span<const VehicleStep> steps, const ScaleBelief& belief) const {
   return started_ ? belief.metres_per_unit() : UsualMetresPerUnit(steps);
 }
 
@@ -129,10 +135,8 @@ bool LiveScale::KnowsHeight(const ScaleBelief& belief) const {
   return belief.Sigma(kLogHeight) <= options_.max_sigma && belief.sigma() <= options_.max_sigma;
 }
 
-bool LiveScale::TakeRoad(const std::vector<VehicleStep>& steps, ScaleBelief& belief) const {
-  // Across a loss of tracking the unit of length changes.
-  const auto gap = std::find_if(steps.rbegin(), steps.rend(), [](const VehicleStep& step) { return step.after_gap; });
-  const std::optional<RoadEvidence> road = EvidenceOfRoad({gap.base(), steps.end()}, options_.evidence.road);
+bool LiveScale::TakeRoad(std::span<const VehicleStep> steps, ScaleBelief& belief) const {
+  const std::optional<RoadEvidence> road = EvidenceOfRoad(steps, options_.evidence.road);
   if (!road) return false;
   DriveState at = belief.mean;
   if (!started_) at[kLogScale] = at[kLogHeight] - road->log_height;
@@ -142,17 +146,17 @@ bool LiveScale::TakeRoad(const std::vector<VehicleStep>& steps, ScaleBelief& bel
   return true;
 }
 
-std::optional<ScaleBelief> LiveScale::WithTurn(const ScaleBelief& belief, const std::vector<VehicleStep>& steps) const {
+std::optional<ScaleBelief> LiveScale::WithTurn(const ScaleBelief& belief, std::span<const VehicleStep> steps) const {
   if (!car_.knows_lever_arm()) return std::nullopt;
   const SegmentEvidence evidence = EvidenceOfTurn(steps, options_.evidence);
   if (!evidence.turn) return std::nullopt;
   ScaleBelief start = belief;
   if (!WhyUnusable(*evidence.turn, belief.mean, options_.evidence).empty()) return std::nullopt;
   if (!started_ && belief.sigma() > kUnknownScale) {
+    // The prior of the scale is arbitrary. What has been related to it moves along: the height, if the road was seen.
     const double log_scale = std::log(OwnScale(evidence, belief.mean));
-    // The road has shown the ratio of height and scale so far. A height that is given stays.
-    if (!car_.knows_height()) start.mean[kLogHeight] += log_scale - start.mean[kLogScale];
-    start.mean[kLogScale] = log_scale;
+    start.mean +=
+        start.covariance.col(kLogScale) / start.covariance(kLogScale, kLogScale) * (log_scale - start.mean[kLogScale]);
   }
   ScaleBelief updated = start;
   double weight = 1;

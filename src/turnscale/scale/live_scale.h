@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "turnscale/kinematics/turn_detector.h"
@@ -33,22 +34,26 @@ class LiveScale {
   bool on_road() const { return on_road_; }
 
  private:
-  void Commit(int last, bool turning);
-  void TakeDirection(const std::vector<VehicleStep>& steps, ScaleBelief& belief) const;
-  void Advance(const std::vector<VehicleStep>& steps, ScaleBelief& belief) const;
+  enum class End { kTurn, kStraight, kPartOfStraight };
+  /// The pending steps up to `last` become a segment.
+  void Commit(int last, End end);
+  /// `part`: of a straight that is cut into several segments.
+  void TakeDirection(std::span<const VehicleStep> steps, bool part, ScaleBelief& belief) const;
+  void Advance(std::span<const VehicleStep> steps, ScaleBelief& belief) const;
   /// Of the belief, or a guess before it knows them; empty if the steps have no length or no duration.
-  std::optional<double> MetresPerUnit(const std::vector<VehicleStep>& steps, const ScaleBelief& belief) const;
+  std::optional<double> MetresPerUnit(std::span<const VehicleStep> steps, const ScaleBelief& belief) const;
   /// With the height above the road. Returns whether the steps show it.
-  bool TakeRoad(const std::vector<VehicleStep>& steps, ScaleBelief& belief) const;
+  bool TakeRoad(std::span<const VehicleStep> steps, ScaleBelief& belief) const;
   bool KnowsHeight(const ScaleBelief& belief) const;
   /// With the turn's evidence; empty if it has none.
-  std::optional<ScaleBelief> WithTurn(const ScaleBelief& belief, const std::vector<VehicleStep>& steps) const;
+  std::optional<ScaleBelief> WithTurn(const ScaleBelief& belief, std::span<const VehicleStep> steps) const;
 
   CarPrior car_;
   ScaleEstimatorOptions options_;
   TurnDetector detector_;
   int steps_ = 0;                     ///< taken so far
   std::vector<VehicleStep> pending_;  ///< those of no segment yet
+  bool cut_ = false;                  ///< the pending steps continue a straight that has been cut
   ScaleBelief belief_;                ///< at the end of the last segment
   bool started_ = false;              ///< a turn, or the road with a known height, has given the scale
   ScaleBelief now_;

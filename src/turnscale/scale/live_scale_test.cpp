@@ -131,6 +131,22 @@ TEST(LiveScale, AKnownHeightAndATurnAreMoreThanEither) {
   }
 }
 
+// Before the road is seen, the unit of the map says nothing of the height.
+TEST(LiveScale, ARoadThatIsSeenAfterTheFirstTurnGivesTheSameMetresInAnyUnit) {
+  const auto last = [](double unit) {
+    SyntheticSteps drive = MakeSteps({{20, 0, 5, 9}, {30, 3 * kDegree, 0.4, 5}, {60, 0, 5, 9}}, kCar, 0, unit, kNoise);
+    ShowRoad(1.3, {.step = 0.01}, 4, drive);
+    for (int i = 0; i < 52; ++i) drive.steps[i].height = 0;
+    return Live(drive.steps).back().value();
+  };
+  const ScaleBelief one = last(1);
+  for (const double unit : {0.01, 12.0, 5000.0}) {
+    const ScaleBelief belief = last(unit);
+    EXPECT_NEAR(belief.metres_per_unit() / unit, one.metres_per_unit(), 1e-6) << unit;
+    EXPECT_NEAR(belief.mean[kLogHeight], one.mean[kLogHeight], 1e-6) << unit;
+  }
+}
+
 TEST(LiveScale, AnUnknownHeightIsNoScale) {
   SyntheticSteps drive = MakeSteps({{200, 0, 5, 9}}, kCar, 0, kUnit);
   ShowRoad(1.5, {}, 3, drive);
@@ -186,8 +202,9 @@ TEST(LiveScale, AGapWidensSigma) {
   steps[60].gap_sigma = 0.1;
   const auto beliefs = Live(steps);
   ASSERT_TRUE(beliefs[59] && beliefs[60]);
-  EXPECT_NEAR(std::pow(beliefs[60]->sigma(), 2) - std::pow(beliefs[59]->sigma(), 2), 0.01, 1e-9);
-  EXPECT_NEAR(beliefs[60]->metres_per_unit(), beliefs[59]->metres_per_unit(), 1e-9);
+  // The straight before the gap ends there, and shows the direction of travel.
+  EXPECT_NEAR(std::pow(beliefs[60]->sigma(), 2) - std::pow(beliefs[59]->sigma(), 2), 0.01, 1e-4);
+  EXPECT_NEAR(beliefs[60]->metres_per_unit(), beliefs[59]->metres_per_unit(), 1e-4);
   steps[60].gap_sigma = 0.5;
   const auto lost = Live(steps);
   ASSERT_TRUE(lost[60]) << "metres stay metres, however coarse";
@@ -207,13 +224,24 @@ TEST(LiveScale, ATurnAfterAGapSaysItsOwnScale) {
   EXPECT_NEAR(beliefs.back()->metres_per_unit() / 20, 1, 0.002);
 }
 
+/// A town in which tracking is lost on a straight, and the road is seen or not.
+std::vector<VehicleStep> TownWithAGap(int seed, bool road) {
+  DriveErrors errors = kNoise;
+  errors.per_100m = 0.01;
+  errors.per_90deg = 0.005;
+  errors.lever_arm = EvidenceOptions().turn_sigma;
+  SyntheticSteps drive = MakeSteps(TownRoad(8, seed), kCar, 0.003, kUnit, errors, seed);
+  if (road) ShowRoad(1.3, {.step = 0.01, .road = 0.005}, seed, drive);
+  const std::vector<TurningRegion> turns = FindTurns(drive.steps, {});
+  VehicleStep& gap = drive.steps[(turns[3].last + turns[4].first) / 2];
+  gap = {.first = gap.first, .last = gap.last, .usable = false, .after_gap = true, .gap_sigma = 0.1};
+  return drive.steps;
+}
+
 TEST(LiveScale, AgreesWithTheSmootherAtTheEndOfEachTurn) {
-  for (int seed = 0; seed < 10; ++seed) {
-    DriveErrors errors = kNoise;
-    errors.per_100m = 0.01;
-    errors.per_90deg = 0.005;
-    errors.lever_arm = EvidenceOptions().turn_sigma;
-    const std::vector<VehicleStep> steps = MakeSteps(TownRoad(8, seed), kCar, 0.003, kUnit, errors, seed).steps;
+  for (int drive = 0; drive < 20; ++drive) {
+    const int seed = drive / 2;
+    const std::vector<VehicleStep> steps = TownWithAGap(seed, drive % 2 == 1);
     LiveScale live(Prior(), {});
     int turns = 0;
     for (std::size_t i = 0; i < steps.size(); ++i) {
@@ -227,7 +255,7 @@ TEST(LiveScale, AgreesWithTheSmootherAtTheEndOfEachTurn) {
       // The smoother's grows with the scatter of the turns, which the filter does not look at.
       const double sigma = last.sigma() / smoothed.estimate->test.inflation;
       EXPECT_GT(live.Now()->sigma(), 0.95 * sigma);
-      EXPECT_LT(live.Now()->sigma(), 1.03 * sigma);
+      EXPECT_LT(live.Now()->sigma(), 1.12 * sigma);
     }
     EXPECT_EQ(turns, 8);
   }

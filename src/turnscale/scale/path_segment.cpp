@@ -42,8 +42,9 @@ class Splitter {
   void Add(int first, int last, bool turning) {
     PathSegment segment{.first = first, .last = last, .turning = turning, .gap_sigma = steps_[first].gap_sigma};
     for (int i = first; i <= last; ++i) {
-      segment.angle += steps_[i].motion.psi;
-      segment.length += steps_[i].motion.step;
+      segment.angle += steps_[i].turned();
+      segment.turned += std::abs(steps_[i].turned());
+      segment.length += steps_[i].driven();
     }
     segment.middle = length_ + 0.5 * segment.length;
     length_ += segment.length;
@@ -84,10 +85,6 @@ std::vector<PathSegment> SplitIntoSegments(const std::vector<VehicleStep>& steps
   }
   splitter.Straight(next, static_cast<int>(steps.size()) - 1, options.max_straight_steps);
   return std::move(splitter).Finish();
-}
-
-std::vector<VehicleStep> StepsOf(const std::vector<VehicleStep>& steps, int first, int last) {
-  return {steps.begin() + first, steps.begin() + last + 1};
 }
 
 }  // namespace turnscale

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "turnscale/kinematics/turn_detector.h"
@@ -15,7 +16,8 @@ struct PathSegment {
   bool turning = false;
   double gap_sigma = 0;  ///< relative, by which the unit may have changed since the segment before; 0 without a gap
   double angle = 0;      ///< sum of psi, rad, positive to the right
-  double length = 0;     ///< odometry units
+  double turned = 0;     ///< sum of |psi|, rad
+  double length = 0;     ///< odometry units, without jumps
   double middle = 0;     ///< length of the path up to the middle of the segment, odometry units
 };
 
@@ -36,6 +38,8 @@ std::vector<TurningRegion> FindTurns(const std::vector<VehicleStep>& steps, cons
 std::vector<PathSegment> SplitIntoSegments(const std::vector<VehicleStep>& steps, const PathSegmentOptions& options);
 
 /// The steps of a segment.
-std::vector<VehicleStep> StepsOf(const std::vector<VehicleStep>& steps, int first, int last);
+inline std::span<const VehicleStep> StepsOf(std::span<const VehicleStep> steps, int first, int last) {
+  return steps.subspan(first, last - first + 1);
+}
 
 }  // namespace turnscale

@@ -115,9 +115,28 @@ TEST(PathSegments, WhatIsNotUsableEndsATurn) {
   EXPECT_EQ(turns[1].first, 10);
 }
 
+TEST(PathSegments, AJumpIsNoWay) {
+  std::vector<VehicleStep> steps = MakeSteps({{20, 0.01, 5, 9}}, kCar, 0, 5).steps;
+  const PathSegment smooth = SplitIntoSegments(steps, {}).at(0);
+  steps[7].usable = false;
+  const double length = steps[7].motion.step;
+  steps[7].motion.step = 50;
+  const PathSegment segment = SplitIntoSegments(steps, {}).at(0);
+  EXPECT_NEAR(segment.length, smooth.length - length, 1e-12);
+  EXPECT_NEAR(segment.middle, 0.5 * segment.length, 1e-12);
+  EXPECT_NEAR(segment.angle, 0.19, 1e-12);
+}
+
+TEST(PathSegments, TurnsToEitherSideAddUp) {
+  const PathSegment weave =
+      SplitIntoSegments(MakeSteps({{5, 0.01, 5, 9}, {5, -0.01, 5, 9}}, kCar, 0, 5).steps, {}).at(0);
+  EXPECT_NEAR(weave.angle, 0, 1e-12);
+  EXPECT_NEAR(weave.turned, 0.1, 1e-12);
+}
+
 TEST(PathSegments, StepsOfOneAreItsSteps) {
   const std::vector<VehicleStep> steps = MakeSteps({{20, 0, 5, 9}}, kCar, 0, 5).steps;
-  const std::vector<VehicleStep> some = StepsOf(steps, 4, 9);
+  const std::span<const VehicleStep> some = StepsOf(steps, 4, 9);
   ASSERT_EQ(some.size(), 6u);
   EXPECT_EQ(some.front().first, steps[4].first);
   EXPECT_EQ(some.back().last, steps[9].last);

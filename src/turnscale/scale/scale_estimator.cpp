@@ -4,15 +4,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <utility>
-
-#include <Eigen/Cholesky>
 
 #include "turnscale/base/check_part.h"
 #include "turnscale/base/error.h"
 #include "turnscale/base/quantiles.h"
 #include "turnscale/base/robust_weights.h"
+#include "turnscale/scale/follow_turns.h"
 
 namespace turnscale {
 namespace {
@@ -21,9 +19,6 @@ constexpr int kMostIterations = 40;
 constexpr int kMostSelections = 3;
 constexpr double kConverged = 1e-6;       // change of a log-scale in an iteration
 constexpr double kMaxLogScaleStep = 0.3;  // of a Gauss-Newton step
-
-// Of ln(H), beyond which the height counts as unknown.
-constexpr double kLeastKnownHeight = 0.15;
 
 DriveState PriorState(const CarPrior& car, double log_scale) { return PriorBelief(car, log_scale).mean; }
 
@@ -169,7 +164,15 @@ Answer SmoothDrive(ScaleProblem problem, const std::vector<SegmentEvidence>& gat
   return answer;
 }
 
-TurnEstimate DescribeTurn(const ScaleProblem& problem, int place, const CarPrior& car) {
+// The car's constants as given, by which single-turn scales are taken. A yaw with a wide prior was not: it is the
+// drive's.
+DriveState StateAsGiven(const CarPrior& car, const SmoothedScale& smoothed, const ScaleEstimatorOptions& options) {
+  DriveState state = PriorState(car, 0);
+  if (car.yaw_sigma >= options.contradicted_yaw_sigma) state[kDirection] = smoothed.segments.back().mean[kDirection];
+  return state;
+}
+
+TurnEstimate DescribeTurn(const ScaleProblem& problem, int place, const DriveState& as_given) {
   const PathSegment& segment = problem.segments[place];
   const SegmentEvidence& evidence = problem.evidence[place];
   TurnEstimate turn;
@@ -182,17 +185,21 @@ TurnEstimate DescribeTurn(const ScaleProblem& problem, int place, const CarPrior
   if (!turn.used) return turn;
   turn.lever_arm_units = evidence.turn->lever_arm;
   turn.speed_units = std::sqrt(std::abs(evidence.turn->mean_square_speed));
-  turn.own = turn.as_given = OwnScale(evidence, PriorState(car, 0));
+  turn.as_given = OwnScale(evidence, as_given);
   if (!std::isfinite(turn.as_given)) return turn;
-  const Measurement measurement = *Linearize(evidence, PriorState(car, std::log(turn.as_given)), problem.options);
-  turn.own_sigma = turn.as_given_sigma = std::sqrt(measurement.variance) / std::abs(measurement.by_state[kLogScale]);
+  DriveState at = as_given;
+  at[kLogScale] = std::log(turn.as_given);
+  const Measurement measurement = *Linearize(evidence, at, problem.options);
+  turn.as_given_sigma = std::sqrt(measurement.variance) / std::abs(measurement.by_state[kLogScale]);
+  turn.own = turn.as_given;
+  turn.own_sigma = turn.as_given_sigma;
   return turn;
 }
 
-std::vector<TurnEstimate> DescribeTurns(const ScaleProblem& problem, const CarPrior& car) {
+std::vector<TurnEstimate> DescribeTurns(const ScaleProblem& problem, const DriveState& as_given) {
   std::vector<TurnEstimate> turns;
   for (int i = 0; i < static_cast<int>(problem.segments.size()); ++i)
-    if (problem.segments[i].turning) turns.push_back(DescribeTurn(problem, i, car));
+    if (problem.segments[i].turning) turns.push_back(DescribeTurn(problem, i, as_given));
   return turns;
 }
 
@@ -209,7 +216,8 @@ CarBelief CarBeliefOf(const ScaleBelief& belief) {
   return car;
 }
 
-CarRefinement DescribeCar(const ScaleBelief& belief, const CarPrior& car, bool slip_at_bound) {
+// A height that is less certain than `max_height_sigma` (relative) counts as unknown.
+CarRefinement DescribeCar(const ScaleBelief& belief, const CarPrior& car, bool slip_at_bound, double max_height_sigma) {
   CarRefinement refinement{-belief.mean[kDirection], belief.Sigma(kDirection), std::max(belief.mean[kSlip], 0.0),
                            car.side_slip_sigma > 0 ? belief.Sigma(kSlip) : 0.0, slip_at_bound};
   refinement.roll_height = belief.mean[kRollHeight];
@@ -218,7 +226,7 @@ CarRefinement DescribeCar(const ScaleBelief& belief, const CarPrior& car, bool s
     refinement.lever_arm = std::exp(belief.mean[kLogLeverArm]);
     refinement.lever_arm_sigma = belief.Sigma(kLogLeverArm) * refinement.lever_arm;
   }
-  if (belief.Sigma(kLogHeight) <= kLeastKnownHeight) {
+  if (belief.Sigma(kLogHeight) <= max_height_sigma) {
     refinement.camera_height = std::exp(belief.mean[kLogHeight]);
     refinement.camera_height_sigma = belief.Sigma(kLogHeight) * refinement.camera_height;
     const auto correlation = [&](DriveUnknown unknown) {
@@ -228,40 +236,6 @@ CarRefinement DescribeCar(const ScaleBelief& belief, const CarPrior& car, bool s
     if (car.side_slip_sigma > 0) refinement.height_slip_correlation = correlation(kSlip);
   }
   return refinement;
-}
-
-// The given height as a measurement: the part of ln(H) that is independent of the other unknowns in the prior. With
-// their own prior, it is the joint prior.
-Measurement GivenHeight(const ScaleBelief& prior) {
-  const DriveState information = prior.covariance.llt().solve(DriveState::Unit(kLogHeight));
-  Measurement given;
-  given.variance = 1 / information[kLogHeight];
-  given.by_state = given.variance * information.transpose();
-  return given;
-}
-
-// The height that the turns give with the lever arm: the given height is taken out of the posterior, an update with
-// minus its variance. Errors that it shares with L and c in the prior do not count as a difference.
-std::optional<HeightConflict> CompareHeight(const ScaleBelief& posterior, const CarPrior& car, double max_deviation) {
-  if (!car.knows_height() || !(car.camera_height_sigma > 0)) return std::nullopt;
-  const ScaleBelief prior = PriorBelief(car, 0);
-  const Measurement given = GivenHeight(prior);
-  const double variance = given.by_state.dot(posterior.covariance * given.by_state.transpose());
-  constexpr double kLeastShare = 1e-3;  // of the information, below which what the drive adds is rounding
-  if (!((1 + kLeastShare) * variance < given.variance)) return std::nullopt;
-  Measurement taken_out = given;
-  taken_out.variance = -given.variance;
-  const ScaleBelief without = Updated(posterior, taken_out, 1, prior.mean);
-  if (!(NormalizedInnovation(without, given, 1, prior.mean) > max_deviation * max_deviation)) return std::nullopt;
-  const double found = std::exp(without.mean[kLogHeight]);
-  return HeightConflict{car.camera_height, car.camera_height_sigma, found, without.Sigma(kLogHeight) * found};
-}
-
-// Whether the prior of the yaw contradicts the drive, which alone has the posterior's information less the prior's.
-bool ContradictsYaw(const ScaleBelief& posterior, double prior_sigma, double max_deviation) {
-  const double difference = posterior.mean[kDirection];
-  const double variance = prior_sigma * prior_sigma - posterior.covariance(kDirection, kDirection);
-  return variance > 0 && difference * difference > max_deviation * max_deviation * variance;
 }
 
 // Adds a standard deviation of ln(lambda) that all segments share.
@@ -292,8 +266,7 @@ void CompareTurns(const Answer& answer, const CarPrior& car, const TurnTestOptio
   const ScaleProblem& problem = answer.smoothing.problem();
   for (int i = 0; i < static_cast<int>(estimate.turns.size()); ++i) {
     TurnEstimate& turn = estimate.turns[i];
-    if (!turn.used || !std::isfinite(turn.as_given)) continue;
-    tested.push_back(i);
+    if (!turn.used) continue;
     const SegmentEvidence& evidence = problem.evidence[turn.segment];
     const ScaleBelief& belief = estimate.smoothed[turn.segment];
     const Measurement measurement = *Linearize(evidence, belief.mean, problem.options);
@@ -301,6 +274,8 @@ void CompareTurns(const Answer& answer, const CarPrior& car, const TurnTestOptio
     turn.own_sigma = std::sqrt(measurement.variance) / std::abs(measurement.by_state[kLogScale]);
     turn.weight = evidence.weight;
     turn.deviation = measurement.innovation / std::sqrt(measurement.variance);
+    if (!std::isfinite(turn.as_given)) continue;
+    tested.push_back(i);
     input.deviations.push_back(turn.deviation);
     input.differences.push_back(std::log(belief.metres_per_unit() / turn.as_given));
     input.weights.push_back(std::abs(turn.angle));
@@ -321,7 +296,7 @@ bool AgreeWithoutHeight(const ScaleProblem& problem, const std::vector<SegmentEv
   const Answer answer = SmoothDrive(problem, gathered, car, options, selection);
   ScaleEstimate estimate;
   estimate.smoothed = answer.smoothed.segments;
-  estimate.turns = DescribeTurns(answer.smoothing.problem(), car);
+  estimate.turns = DescribeTurns(answer.smoothing.problem(), StateAsGiven(car, answer.smoothed, options));
   CompareTurns(answer, car, options.test, estimate);
   return answer.smoothing.converged() && !estimate.test.contradicted;
 }
@@ -334,75 +309,10 @@ void DescribeScaleAtTurns(ScaleEstimate& estimate) {
   }
 }
 
-// Marks the turns that are used with single-turn scales: not those whose sigma is much larger than the smallest.
-void MarkFollowed(double max_sigma_ratio, std::vector<TurnEstimate>& turns) {
-  const auto has_scale = [](const TurnEstimate& turn) { return turn.used && std::isfinite(turn.as_given); };
-  double best_sigma = std::numeric_limits<double>::infinity();
-  for (const TurnEstimate& turn : turns)
-    if (has_scale(turn)) best_sigma = std::min(best_sigma, turn.as_given_sigma);
-  for (TurnEstimate& turn : turns)
-    turn.followed = has_scale(turn) && turn.as_given_sigma <= max_sigma_ratio * best_sigma;
-}
-
-// A turn that is followed.
-struct Node {
-  std::size_t piece;  // of the drive, between losses of tracking
-  double place;       // along the path
-  double difference;  // ln(as given / smoothed)
-};
-
-// Between nodes of the same piece in proportion to the way, beyond them as at the next one; 0 in a piece without any.
-double DifferenceAt(const std::vector<Node>& nodes, std::size_t piece, double place) {
-  const auto after = std::ranges::lower_bound(nodes, std::pair(piece, place), {},
-                                              [](const Node& node) { return std::pair(node.piece, node.place); });
-  const bool has_after = after != nodes.end() && after->piece == piece;
-  const bool has_before = after != nodes.begin() && (after - 1)->piece == piece;
-  if (!has_after) return has_before ? (after - 1)->difference : 0.0;
-  if (!has_before) return after->difference;
-  const Node& before = *(after - 1);
-  const double share = (place - before.place) / (after->place - before.place);
-  return (1 - share) * before.difference + share * after->difference;
-}
-
-double SpreadAbout(double centre, const std::vector<std::pair<double, double>>& weighted) {
-  double squares = 0;
-  double weights = 0;
-  for (const auto& [value, weight] : weighted) {
-    squares += weight * (value - centre) * (value - centre);
-    weights += weight;
-  }
-  return std::sqrt(squares / weights);
-}
-
-// The scale passes through the single-turn scales, with the car's constants as given; sigma covers their differences
-// from the estimate and from each other. Between two losses of tracking without a turn, the estimate stays.
-void FollowTurns(double max_sigma_ratio, ScaleEstimate& estimate) {
-  MarkFollowed(max_sigma_ratio, estimate.turns);
-  std::vector<std::size_t> pieces;
-  for (const PathSegment& segment : estimate.segments)
-    pieces.push_back((pieces.empty() ? 0 : pieces.back()) + (segment.gap_sigma > 0 ? 1 : 0));
-  std::vector<Node> nodes;
-  std::vector<std::pair<double, double>> differences;
-  for (const TurnEstimate& turn : estimate.turns) {
-    if (!turn.followed) continue;
-    const double difference = std::log(turn.as_given) - estimate.smoothed[turn.segment].mean[kLogScale];
-    nodes.push_back({pieces[turn.segment], estimate.segments[turn.segment].middle, difference});
-    differences.emplace_back(difference, std::abs(turn.angle));
-  }
-  if (nodes.empty()) return;
-  estimate.fell_back = true;
-  const double centre = WeightedMedian(differences);
-  const double spread = std::hypot(SpreadAbout(centre, differences), estimate.test.disagreement);
-  for (std::size_t i = 0; i < estimate.segments.size(); ++i) {
-    const double difference = DifferenceAt(nodes, pieces[i], estimate.segments[i].middle);
-    const double sigma = std::max(spread, std::abs(difference - centre));
-    estimate.smoothed[i].mean[kLogScale] += difference;
-    estimate.smoothed[i].covariance(kLogScale, kLogScale) += sigma * sigma;
-  }
-  estimate.length_sigma = std::hypot(estimate.length_sigma, spread);
-}
-
-std::string Remedy(const ScaleEstimatorOptions& options, const std::vector<SegmentEvidence>& evidence) {
+// What would make the scale known.
+std::string Remedy(const CarPrior& car, const ScaleEstimatorOptions& options,
+                   const std::vector<SegmentEvidence>& evidence) {
+  if (!car.knows_lever_arm()) return "give the lever arm, or the height of the camera more exactly";
   const long degrees = std::lround(options.segments.turns.min_region_angle * 180 / M_PI);
   const bool road =
       std::ranges::any_of(evidence, [](const SegmentEvidence& segment) { return segment.road.has_value(); });
@@ -410,31 +320,31 @@ std::string Remedy(const ScaleEstimatorOptions& options, const std::vector<Segme
       std::ranges::any_of(evidence, [](const SegmentEvidence& segment) { return segment.turn.has_value(); });
   return (turns ? "use a drive with a sharper or slower turn"
                 : "use a drive with a slow turn of " + std::to_string(degrees) + " degrees or more") +
-         (road ? ", or give the measured height of the camera above the road" : "");
+         (road && !car.knows_height() ? ", or give the measured height of the camera above the road" : "");
 }
 
 // No turn and no height gives a first value of the scale.
 ScaleEstimateResult WithoutAStart(const ScaleProblem& problem, const std::vector<SegmentEvidence>& gathered,
                                   const CarPrior& car, const ScaleEstimatorOptions& options) {
   ScaleEstimateResult result;
-  result.turns = DescribeTurns(problem, car);
-  if (car.knows_height() && !car.knows_lever_arm()) {
-    result.reason = "the images do not show the road";
+  result.turns = DescribeTurns(problem, PriorState(car, 0));
+  if (!car.knows_lever_arm()) {
+    result.reason = "too few steps show the height above the road";
     return result;
   }
   result.reason = result.turns.empty() ? "no turn; " : "no sufficiently slow turn shows the expected lateral motion; ";
-  result.reason += Remedy(options, gathered);
+  result.reason += Remedy(car, options, gathered);
   return result;
 }
 
 // Metres are not claimed where even the best of the scale is as uncertain as that.
-ScaleEstimateResult TooUncertain(double sigma, std::vector<TurnEstimate> turns, const ScaleEstimatorOptions& options,
-                                 const std::vector<SegmentEvidence>& gathered) {
+ScaleEstimateResult TooUncertain(double sigma, std::vector<TurnEstimate> turns, const CarPrior& car,
+                                 const ScaleEstimatorOptions& options, const std::vector<SegmentEvidence>& gathered) {
   ScaleEstimateResult result;
   result.turns = std::move(turns);
   result.reason = "the drive leaves the scale uncertain by " + std::to_string(std::lround(100 * sigma)) +
                   " %, more than " + std::to_string(std::lround(100 * options.max_sigma)) + " %; " +
-                  Remedy(options, gathered);
+                  Remedy(car, options, gathered);
   for (TurnEstimate& turn : result.turns) {
     if (!turn.used) continue;
     turn.used = false;
@@ -457,23 +367,24 @@ ScaleEstimateResult EstimateWithFreeYaw(const std::vector<VehicleStep>& steps, c
 }
 
 // The smoothed scale and the turns, before they are tested.
-ScaleEstimate EstimateOf(const Answer& answer, const CarPrior& car) {
+ScaleEstimate EstimateOf(const Answer& answer, const CarPrior& car, const ScaleEstimatorOptions& options) {
   const ScaleProblem& problem = answer.smoothing.problem();
   ScaleEstimate estimate;
   estimate.segments = problem.segments;
   estimate.smoothed = answer.smoothed.segments;
   estimate.length_sigma = LengthSigma(answer.smoothed, problem.segments);
   estimate.converged = answer.smoothing.converged();
-  estimate.turns = DescribeTurns(problem, car);
+  estimate.turns = DescribeTurns(problem, StateAsGiven(car, answer.smoothed, options));
   return estimate;
 }
 
 // Sigma covers the scatter of the turns, and the car is described with it.
-void InflateAndDescribe(const Answer& answer, const CarPrior& car, ScaleEstimate& estimate) {
+void InflateAndDescribe(const Answer& answer, const CarPrior& car, double max_height_sigma, ScaleEstimate& estimate) {
   const double inflation = estimate.test.inflation;
   for (ScaleBelief& belief : estimate.smoothed) belief.covariance *= inflation * inflation;
   estimate.length_sigma *= inflation;
-  estimate.car = DescribeCar(estimate.smoothed.back(), car, car.side_slip_sigma > 0 && answer.side_slip < 0);
+  const bool slip_at_bound = car.side_slip_sigma > 0 && answer.side_slip < 0;
+  estimate.car = DescribeCar(estimate.smoothed.back(), car, slip_at_bound, max_height_sigma);
   estimate.car_evidence = {CarBeliefOf(PriorBelief(car, 0)), CarBeliefOf(answer.car), inflation};
 }
 
@@ -509,15 +420,15 @@ ScaleEstimateResult EstimateScale(const std::vector<VehicleStep>& steps, const C
       ContradictsYaw(answer.car, car.yaw_sigma, options.max_yaw_deviation))
     return EstimateWithFreeYaw(steps, car, options);
 
-  ScaleEstimate estimate = EstimateOf(answer, car);
+  ScaleEstimate estimate = EstimateOf(answer, car, options);
   const auto best = std::ranges::min_element(estimate.smoothed, {}, [](const ScaleBelief& b) { return b.sigma(); });
   if (!(best->sigma() <= options.max_sigma))
-    return TooUncertain(best->sigma(), std::move(estimate.turns), options, gathered);
+    return TooUncertain(best->sigma(), std::move(estimate.turns), car, options, gathered);
   ScaleEstimateResult result;
   result.turns = estimate.turns;
   // The turns are tested against the estimate as it is; only then is it widened.
   CompareTurns(answer, car, options.test, estimate);
-  InflateAndDescribe(answer, car, estimate);
+  InflateAndDescribe(answer, car, options.max_sigma, estimate);
   // With c unbounded: a wrong height may be what makes it negative.
   estimate.height_conflict = CompareHeight(answer.car, car, options.max_height_deviation);
   if (estimate.height_conflict) {
@@ -525,10 +436,10 @@ ScaleEstimateResult EstimateScale(const std::vector<VehicleStep>& steps, const C
     estimate.height_conflict->contradicts_turns =
         estimate.test.contradicted && AgreeWithoutHeight(problem, gathered, car, options);
   }
-  // What the unusual slip explains may be something else.
-  if (estimate.slip_conflict) Widen(estimate.test.disagreement, estimate);
   if (options.follow_turns || estimate.test.contradicted || !estimate.converged)
-    FollowTurns(options.max_sigma_ratio, estimate);
+    estimate.fell_back = FollowTurns(options.max_sigma_ratio, estimate);
+  // What the unusual slip explains may be something else.
+  if (estimate.slip_conflict && !estimate.fell_back) Widen(estimate.test.disagreement, estimate);
   estimate.from_road = estimate.fell_back ? std::vector<char>(estimate.segments.size(), 0)
                                           : FromRoad(answer.smoothing.problem(), estimate.car);
   DescribeScaleAtTurns(estimate);

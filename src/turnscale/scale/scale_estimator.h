@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "turnscale/geometry/angle.h"
+#include "turnscale/scale/car_conflicts.h"
 #include "turnscale/scale/scale_evidence.h"
 #include "turnscale/scale/scale_filter.h"
 #include "turnscale/scale/turn_test.h"
@@ -19,15 +20,16 @@ struct ScaleEstimatorOptions {
   TurnTestOptions test;
   /// A segment with a residual of more than this many sigmas is down-weighted (Huber).
   double huber = 1.5;
-  /// There is no estimate if the smallest relative sigma of the scale exceeds this.
+  /// There is no estimate if the smallest relative sigma of the scale exceeds this. Nor does a height with a larger one
+  /// count as known.
   double max_sigma = 0.15;
   /// Height and lever arm are in conflict if they differ by more than this many standard deviations.
   double max_height_deviation = 3;
   /// The prior of the yaw is in conflict with the drive if they differ by more than this many standard deviations.
   double max_yaw_deviation = 4;
-  /// Standard deviation of the yaw error of Q, rad (3 deg), that then takes the place of the prior's: cameras are
-  /// mounted by eye.
-  double contradicted_yaw_sigma = 3.0 / kDegreesPerRadian;
+  /// Standard deviation of the yaw error of Q, rad, that then takes the place of the prior's. Single-turn scales are
+  /// taken with the drive's yaw where the prior is as wide.
+  double contradicted_yaw_sigma = kYawSigmaByEye;
   /// With single-turn scales, turns whose sigma exceeds the smallest one's by this factor are not used.
   double max_sigma_ratio = 3;
   /// Use single-turn scales, as if the turns were inconsistent: for steps with known errors beyond their noise, as from
@@ -48,7 +50,7 @@ struct TurnEstimate {
   std::string reason;          ///< why it was not used; empty if it was
   double own = 0;              ///< single-turn scale, metres per unit; 0 if there is none
   double own_sigma = 0;        ///< relative
-  double as_given = 0;         ///< as `own`, with the car's constants as given; may be infinite
+  double as_given = 0;         ///< as `own`, with the car's constants as given (FollowTurns); may be infinite
   double as_given_sigma = 0;   ///< relative
   bool followed = false;       ///< with single-turn scales: this turn is used, at `as_given`
   double smoothed = 0;         ///< smoothed scale there, metres per unit
@@ -92,32 +94,6 @@ struct CarEvidence {
   double inflation = 1;  ///< of the standard deviations, by the test of the turns
 };
 
-/// The given camera height differs from the one that the turns of the drive show with the given lever arm: one of the
-/// two lengths is wrong.
-struct HeightConflict {
-  double given = 0;  ///< metres
-  double given_sigma = 0;
-  double found = 0;  ///< from the turns, without the given height, metres
-  double found_sigma = 0;
-  /// The turns are inconsistent (TurnTest::contradicted), and consistent if the given height is not used.
-  bool contradicts_turns = false;
-};
-
-/// The yaw of Q differs from the one that straights and turns show: Q is not that of this camera on this car.
-struct YawConflict {
-  double given_sigma = 0;  ///< of the yaw error according to the prior, rad
-  double found = 0;        ///< yaw error without that prior, rad; as CarRefinement::yaw_error
-  double found_sigma = 0;
-};
-
-/// The turns show a side slip that is far from its prior, although they agree with each other: something else may act
-/// like slip, such as wrong times.
-struct SlipConflict {
-  double given = 0;  ///< c of the prior, s^2/m
-  double given_sigma = 0;
-  double found = 0;  ///< s^2/m; may be negative
-};
-
 /// The scale of a drive, segment by segment.
 struct ScaleEstimate {
   std::vector<PathSegment> segments;
@@ -129,10 +105,11 @@ struct ScaleEstimate {
   /// The estimate is made without the prior of the yaw, which contradicts the drive.
   std::optional<YawConflict> yaw_conflict;
   std::optional<SlipConflict> slip_conflict;
-  std::vector<char> from_road;  ///< one per segment: no turn, and the road shows its scale
+  std::vector<char> from_road;  ///< one per segment: no turn that is used, and the road shows its scale
   std::vector<TurnEstimate> turns;
   TurnTest test;  ///< do the turns agree with the estimate? `worst_turn` is a place in `turns`
-  /// Single-turn scales are used: the test failed, the estimate did not converge, or `follow_turns`.
+  /// Single-turn scales are used: the test failed, the estimate did not converge, or `follow_turns`; and a turn has
+  /// one.
   bool fell_back = false;
   bool converged = false;
 

@@ -2,6 +2,7 @@
 #include "turnscale/scale/scale_estimator.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -349,6 +350,45 @@ TEST(ScaleEstimator, FollowsTurnsThatAgreeWhereItIsToldTo) {
   EXPECT_FALSE(followed.test.contradicted);
   EXPECT_GT(followed.length_sigma, smoothed.length_sigma);
   ExpectGoesThroughItsTurns(followed);
+}
+
+TEST(ScaleEstimator, FollowsTurnsWithTheDrivesYawWhereThatOfThePriorIsWrong) {
+  const SyntheticSteps drive = MakeSteps(TownRoad(9, 61), kCar, 3 * kDegree, kUnit, kNoise, 61);
+  ScaleEstimatorOptions options;
+  options.follow_turns = true;
+  const ScaleEstimate followed = EstimateOf(drive, PriorOf(kCar), options);
+  EXPECT_TRUE(followed.fell_back);
+  EXPECT_TRUE(followed.yaw_conflict);
+  EXPECT_FALSE(followed.test.contradicted);
+  EXPECT_LT(followed.test.disagreement, 0.05);
+  EXPECT_NEAR(std::log(Metres(followed) / drive.metres), 0, 0.03);
+}
+
+TEST(ScaleEstimator, BetweenLossesOfTrackingWithoutATurnFollowsTheEstimate) {
+  SyntheticSteps drive = MakeSteps(TownRoad(6, 61), kCar, 0, kUnit, kNoise, 61);
+  const std::vector<TurningRegion> turns = FindTurns(drive.steps, {});
+  // Two on one straight, and what is between them in another unit.
+  const int straight = turns[2].last + 1;
+  const int length = turns[3].first - straight;
+  const std::array<int, 2> gaps{straight + length / 4, straight + 3 * length / 4};
+  for (int i = gaps[0]; i < gaps[1]; ++i) drive.steps[i].motion.step *= 0.5;
+  for (const int gap : gaps) {
+    VehicleStep& step = drive.steps[gap];
+    step = {.first = step.first, .last = step.last, .usable = false, .after_gap = true, .gap_sigma = 0.3};
+  }
+  ScaleEstimatorOptions options;
+  const ScaleEstimate smoothed = EstimateOf(drive, PriorOf(kCar), options);
+  options.follow_turns = true;
+  const ScaleEstimate followed = EstimateOf(drive, PriorOf(kCar), options);
+  EXPECT_TRUE(followed.fell_back);
+  for (std::size_t i = 0; i < followed.segments.size(); ++i) {
+    const int first = followed.segments[i].first;
+    if (first < gaps[0] || first >= gaps[1]) continue;
+    EXPECT_EQ(followed.smoothed[i].mean[kLogScale], smoothed.smoothed[i].mean[kLogScale]);
+    EXPECT_GT(followed.smoothed[i].sigma(), smoothed.smoothed[i].sigma());
+  }
+  for (const TurnEstimate& turn : followed.turns)
+    EXPECT_NEAR(followed.smoothed[turn.segment].metres_per_unit() / turn.as_given, 1, 1e-9);
 }
 
 TEST(ScaleEstimator, AGapMayChangeTheUnit) {

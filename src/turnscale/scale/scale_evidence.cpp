@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <utility>
 
@@ -20,9 +21,8 @@ namespace {
 // Fewer steps of a straight show no direction of travel.
 constexpr int kFewestStraightSteps = 3;
 // The lever arm with which the bends of a straight are taken out before the scale is known, over that of the turns:
-// faster bends slip more. The standard deviation is that of the lever arm and of the slip: roads are banked.
+// faster bends slip more.
 constexpr double kBendRatio = 0.9;
-constexpr double kBendRatioSigma = 0.4;
 // Of the steps of a segment that show the road.
 constexpr int kRoadReweightings = 5;
 constexpr double kRoadHuber = 1.5;
@@ -46,9 +46,9 @@ double MedianLeverArm(const std::vector<SegmentEvidence>& evidence) {
   return lever_arms.empty() ? 0.0 : std::max(WeightedMedian(std::move(lever_arms)), 0.0);
 }
 
-// Standard deviation of the mean of an exponentially correlated error of 1 over so many correlation lengths, as one
-// value at the middle of a segment whose neighbours are as long: means of neighbours correlate more than the values at
-// their middles, so that it takes a larger one for the mean over all segments to vary as the error does (2 / lengths).
+// Standard deviation of the mean of an exponentially correlated error of 1 over so many correlation lengths. Chosen so
+// that the mean over many equal segments, each with one such value and correlated by the distance of their middles, has
+// the variance of the mean of the error itself.
 double MeanErrorSigma(double lengths) {
   if (!(lengths > 1e-3)) return 1;
   const double persistence = std::exp(-lengths);
@@ -103,11 +103,12 @@ void EvidenceOptions::Check() const {
           "evidence.turn_direction_sigma_deg: has to be from 0 to below 57.3");
   require(straight_direction_sigma > 0 && straight_direction_sigma < 1,
           "evidence.straight_direction_sigma_deg: has to be above 0 and below 57.3");
+  require(bend_sigma >= 0 && bend_sigma < 10, "evidence.bend_sigma: has to be from 0 to below 10");
   require(min_lever_arm_ratio >= 0 && min_lever_arm_ratio < 1,
           "evidence.min_lever_arm_ratio: has to be from 0 to below 1");
 }
 
-SegmentEvidence EvidenceOfTurn(const std::vector<VehicleStep>& steps, const EvidenceOptions& options) {
+SegmentEvidence EvidenceOfTurn(std::span<const VehicleStep> steps, const EvidenceOptions& options) {
   SegmentEvidence evidence;
   evidence.turning = true;
   PooledLineResult pooled = PoolTurn(steps, options.line);
@@ -116,47 +117,39 @@ SegmentEvidence EvidenceOfTurn(const std::vector<VehicleStep>& steps, const Evid
   return evidence;
 }
 
-SegmentEvidence EvidenceOfStraight(const std::vector<VehicleStep>& steps, double lever_arm,
+SegmentEvidence EvidenceOfStraight(std::span<const VehicleStep> steps, double lever_arm,
                                    const EvidenceOptions& options) {
   SegmentEvidence evidence;
   evidence.direction_sigma = std::numeric_limits<double>::infinity();
   evidence.bend_lever_arm = kBendRatio * lever_arm;
+  std::vector<VehicleStep> used;
+  std::ranges::copy_if(steps, std::back_inserter(used), [](const VehicleStep& step) {
+    return step.usable && std::isfinite(step.lateral()) && std::isfinite(step.signed_square_speed());
+  });
+  if (static_cast<int>(used.size()) < kFewestStraightSteps) return evidence;
+  const double noise = LateralNoise(used, options.line.sigma_theta);
+  if (!(noise > 0)) return evidence;
   std::vector<LinePoint> points;
-  std::vector<double> turns;
-  std::vector<double> square_speeds;
-  double angle = 0;
-  double length = 0;
-  double squares = 0;
-  for (const VehicleStep& step : steps) {
-    const TurningMotion& motion = step.motion;
-    if (!step.usable || !std::isfinite(step.lateral())) continue;
-    const double turn = 2.0 * std::sin(0.5 * motion.psi);
-    points.push_back({step.forward(), step.lateral() - evidence.bend_lever_arm * turn});
-    turns.push_back(turn);
-    angle += motion.psi;
-    length += motion.step;
-    squares += motion.step * motion.step;
-    square_speeds.push_back(std::copysign(step.speed() * step.speed(), step.forward()));
-  }
-  if (static_cast<int>(points.size()) < kFewestStraightSteps || !(length > 0)) return evidence;
-  const double floor = options.line.sigma_theta * std::sqrt(squares / static_cast<double>(points.size()));
-  const RobustLine line = FitRobustLine(points, floor, options.line.robust_threshold);
+  points.reserve(used.size());
+  for (const VehicleStep& step : used)
+    points.push_back({step.forward(), step.lateral() - evidence.bend_lever_arm * step.swing()});
+  const RobustLine line = FitRobustLine(points, noise, options.line.robust_threshold);
   if (!std::isfinite(line.slope)) return evidence;
   evidence.direction = line.slope;
   double weights = 0;
-  for (std::size_t i = 0; i < points.size(); ++i) {
+  for (std::size_t i = 0; i < used.size(); ++i) {
     const double weight = line.weight[i] * points[i].x;
     weights += weight * points[i].x;
-    evidence.bend += weight * turns[i];
-    evidence.bend_square_speed += weight * turns[i] * square_speeds[i];
+    evidence.bend += weight * used[i].swing();
+    evidence.bend_square_speed += weight * used[i].swing() * used[i].signed_square_speed();
   }
   evidence.bend /= weights;
   evidence.bend_square_speed /= weights;
-  evidence.direction_sigma = std::hypot(line.sigma, kBendRatioSigma * lever_arm * angle / length);
+  evidence.direction_sigma = std::hypot(line.sigma, options.bend_sigma * lever_arm * evidence.bend);
   return evidence;
 }
 
-std::vector<SegmentEvidence> GatherEvidence(const std::vector<VehicleStep>& steps,
+std::vector<SegmentEvidence> GatherEvidence(std::span<const VehicleStep> steps,
                                             const std::vector<PathSegment>& segments, const EvidenceOptions& options) {
   std::vector<SegmentEvidence> evidence;
   for (const PathSegment& segment : segments)
@@ -164,7 +157,7 @@ std::vector<SegmentEvidence> GatherEvidence(const std::vector<VehicleStep>& step
                                        : SegmentEvidence{});
   const double lever_arm = MedianLeverArm(evidence);
   for (std::size_t i = 0; i < segments.size(); ++i) {
-    const std::vector<VehicleStep> of_segment = StepsOf(steps, segments[i].first, segments[i].last);
+    const std::span<const VehicleStep> of_segment = StepsOf(steps, segments[i].first, segments[i].last);
     if (!segments[i].turning) evidence[i] = EvidenceOfStraight(of_segment, lever_arm, options);
     evidence[i].road = EvidenceOfRoad(of_segment, options.road);
     if (IsPart(segments, i) && ShowsRoad(of_segment)) ShareDirection(options, evidence[i]);
@@ -172,7 +165,7 @@ std::vector<SegmentEvidence> GatherEvidence(const std::vector<VehicleStep>& step
   return evidence;
 }
 
-std::optional<RoadEvidence> EvidenceOfRoad(const std::vector<VehicleStep>& steps, const RoadEvidenceOptions& options) {
+std::optional<RoadEvidence> EvidenceOfRoad(std::span<const VehicleStep> steps, const RoadEvidenceOptions& options) {
   RoadEvidence road;
   std::vector<double> log_heights;
   std::vector<double> sigmas;
@@ -228,7 +221,7 @@ std::optional<Measurement> Linearize(const SegmentEvidence& evidence, const Driv
     measurement.innovation = evidence.direction - (state[kDirection] + swing - slip);
     measurement.by_state[kDirection] = 1;
     measurement.variance =
-        square(evidence.direction_sigma) + square(options.straight_direction_sigma) + square(kBendRatioSigma * slip);
+        square(evidence.direction_sigma) + square(options.straight_direction_sigma) + square(options.bend_sigma * slip);
     return measurement;
   }
   if (!evidence.turn) return std::nullopt;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,9 @@ namespace turnscale {
 
 /// Relative standard deviation of a given camera height: measured with a tape; load and tyre pressure change.
 constexpr double kGivenHeightSigma = 0.01;
+
+/// Standard deviation of the yaw of a camera that was mounted by eye, rad (3 deg).
+constexpr double kYawSigmaByEye = 3.0 / kDegreesPerRadian;
 
 /// Standard deviation of a lever arm measured with a tape, metres: kTapeSigma, but at most half of the lever arm.
 inline double TapeSigma(double lever_arm) { return std::min(kTapeSigma, 0.5 * lever_arm); }
@@ -87,8 +91,7 @@ struct RoadEvidenceOptions {
 struct EvidenceOptions {
   PooledLineOptions line;
   /// Effective lever arm of a turn, relative: effects not modelled (road bank, transients of the tyres, drift of the
-  /// odometry within the turn). Turns of simulated cars with sprung
-  /// bodies scatter by 0.3 to 0.8 %.
+  /// odometry within the turn). Turns of simulated cars with sprung bodies scatter by 0.3 to 0.8 %.
   double turn_sigma = 0.0075;
   /// Side slip of a turn, relative: grip and load differ from turn to turn.
   double slip_sigma = 0.2;
@@ -97,6 +100,9 @@ struct EvidenceOptions {
   double turn_direction_sigma = 0.05 / kDegreesPerRadian;
   /// Direction of travel on a straight segment, rad (0.1 deg): crown of the road, side wind, lane changes.
   double straight_direction_sigma = 0.1 / kDegreesPerRadian;
+  /// What lever arm and slip change in the direction of travel in the bends of a straight, relative: roads are banked,
+  /// and before the scale is known, so is the lever arm in units.
+  double bend_sigma = 0.4;
   /// Least ratio of effective to measured lever arm in a turn. In faster turns the scale depends on the slip rather
   /// than on the measured lever arm.
   double min_lever_arm_ratio = 0.25;
@@ -134,18 +140,18 @@ struct SegmentEvidence {
 
 /// Evidence of each segment, in order. Bends of straights are compensated with the median lever arm of the turns
 /// (odometry units).
-std::vector<SegmentEvidence> GatherEvidence(const std::vector<VehicleStep>& steps,
+std::vector<SegmentEvidence> GatherEvidence(std::span<const VehicleStep> steps,
                                             const std::vector<PathSegment>& segments, const EvidenceOptions& options);
 
 /// Evidence of a single straight, its bends compensated with a lever arm in odometry units.
-SegmentEvidence EvidenceOfStraight(const std::vector<VehicleStep>& steps, double lever_arm,
+SegmentEvidence EvidenceOfStraight(std::span<const VehicleStep> steps, double lever_arm,
                                    const EvidenceOptions& options);
 
 /// Evidence of a single turn.
-SegmentEvidence EvidenceOfTurn(const std::vector<VehicleStep>& steps, const EvidenceOptions& options);
+SegmentEvidence EvidenceOfTurn(std::span<const VehicleStep> steps, const EvidenceOptions& options);
 
 /// The height above the road as these steps show it: the robust mean of their log-heights. Empty where too few do.
-std::optional<RoadEvidence> EvidenceOfRoad(const std::vector<VehicleStep>& steps, const RoadEvidenceOptions& options);
+std::optional<RoadEvidence> EvidenceOfRoad(std::span<const VehicleStep> steps, const RoadEvidenceOptions& options);
 
 /// A scalar measurement, linearised at a state: innovation = measured - expected, by_state = d expected / d state.
 struct Measurement {

@@ -33,8 +33,8 @@ ScaleBelief AdvancedTo(const ScaleProblem& problem, std::size_t i, double metres
   const PathSegment& before = problem.segments[i - 1];
   const PathSegment& after = problem.segments[i];
   const double length = after.middle - before.middle;
-  const double variance = DriftVariance(problem.drift, length, metres_per_unit,
-                                        0.5 * (std::abs(before.angle) + std::abs(after.angle)), after.gap_sigma);
+  const double variance =
+      DriftVariance(problem.drift, length, metres_per_unit, 0.5 * (before.turned + after.turned), after.gap_sigma);
   return Advanced(belief, variance, length, metres_per_unit, problem.options.road);
 }
 

@@ -27,6 +27,7 @@ ScaleProblem RandomProblem(int segments, std::uint64_t seed = 5) {
     const double length = random.Uniform(0.5, 8);
     PathSegment segment{.turning = i % 3 != 1, .length = length, .middle = middle + 0.5 * length};
     segment.angle = segment.turning ? random.Uniform(-2, 2) : random.Uniform(-0.1, 0.1);
+    segment.turned = std::abs(segment.angle);
     middle += length;
     SegmentEvidence evidence;
     evidence.turning = segment.turning;
@@ -95,7 +96,7 @@ Dense SolveDense(const ScaleProblem& problem, const std::vector<DriveState>& at,
     const PathSegment& a = problem.segments[i - 1];
     const PathSegment& b = problem.segments[i];
     const double metres = (b.middle - a.middle) * std::exp(at[i][0]);
-    const double turned = 0.5 * (std::abs(a.angle) + std::abs(b.angle)) * 180 / std::numbers::pi;
+    const double turned = 0.5 * (a.turned + b.turned) * 180 / std::numbers::pi;
     const double sigma = std::sqrt(std::pow(problem.drift.per_100m, 2) * metres / 100 +
                                    std::pow(problem.drift.per_90deg, 2) * turned / 90 + std::pow(b.gap_sigma, 2));
     rows(row, i) = 1 / sigma;

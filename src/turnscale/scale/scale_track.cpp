@@ -14,8 +14,8 @@ std::vector<double> LengthsUpTo(int poses, const std::vector<VehicleStep>& steps
   double length = 0;
   for (const VehicleStep& step : steps) {
     for (int i = step.first + 1; i <= step.last; ++i)
-      lengths[i] = length + step.motion.step * (i - step.first) / (step.last - step.first);
-    length += step.motion.step;
+      lengths[i] = length + step.driven() * (i - step.first) / (step.last - step.first);
+    length += step.driven();
   }
   for (int i = steps.back().last + 1; i < poses; ++i) lengths[i] = length;
   return lengths;

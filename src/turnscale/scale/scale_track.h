@@ -14,7 +14,7 @@ struct PoseScale {
   double metres_per_unit = 0;
   double sigma = 0;        ///< relative
   bool after_gap = false;  ///< reached across a loss of tracking
-  bool from_road = false;  ///< no turn, and the road shows the scale of the step that leads to the pose
+  bool from_road = false;  ///< no turn that is used, and the road shows the scale of the step that leads to the pose
 };
 
 /// The scale along a path, one entry per pose: interpolated along the length between the middles of segments, but not

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/scale/car_conflicts.h"
+
+#include <cmath>
+
+#include <Eigen/Cholesky>
+
+namespace turnscale {
+namespace {
+
+// The given height as a measurement: the part of ln(H) that is independent of the other unknowns in the prior. With
+// their own prior, it is the joint prior.
+Measurement GivenHeight(const ScaleBelief& prior) {
+  const DriveState information = prior.covariance.llt().solve(DriveState::Unit(kLogHeight));
+  Measurement given;
+  given.variance = 1 / information[kLogHeight];
+  given.by_state = given.variance * information.transpose();
+  return given;
+}
+
+}  // namespace
+
+std::optional<HeightConflict> CompareHeight(const ScaleBelief& posterior, const CarPrior& car, double max_deviation) {
+  if (!car.knows_height() || !(car.camera_height_sigma > 0)) return std::nullopt;
+  const ScaleBelief prior = PriorBelief(car, 0);
+  const Measurement given = GivenHeight(prior);
+  const double variance = given.by_state.dot(posterior.covariance * given.by_state.transpose());
+  constexpr double kLeastShare = 1e-3;  // of the information, below which what the drive adds is rounding
+  if (!((1 + kLeastShare) * variance < given.variance)) return std::nullopt;
+  Measurement taken_out = given;
+  taken_out.variance = -given.variance;
+  const ScaleBelief without = Updated(posterior, taken_out, 1, prior.mean);
+  if (!(NormalizedInnovation(without, given, 1, prior.mean) > max_deviation * max_deviation)) return std::nullopt;
+  const double found = std::exp(without.mean[kLogHeight]);
+  return HeightConflict{car.camera_height, car.camera_height_sigma, found, without.Sigma(kLogHeight) * found};
+}
+
+bool ContradictsYaw(const ScaleBelief& posterior, double prior_sigma, double max_deviation) {
+  const double difference = posterior.mean[kDirection];
+  const double variance = prior_sigma * prior_sigma - posterior.covariance(kDirection, kDirection);
+  return variance > 0 && difference * difference > max_deviation * max_deviation * variance;
+}
+
+}  // namespace turnscale

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <optional>
+
+#include "turnscale/scale/scale_evidence.h"
+#include "turnscale/scale/scale_filter.h"
+
+namespace turnscale {
+
+/// The given camera height differs from the one that the turns of the drive show with the given lever arm: one of the
+/// two lengths is wrong.
+struct HeightConflict {
+  double given = 0;  ///< metres
+  double given_sigma = 0;
+  double found = 0;  ///< from the turns, without the given height, metres
+  double found_sigma = 0;
+  /// The turns are inconsistent (TurnTest::contradicted), and consistent if the given height is not used.
+  bool contradicts_turns = false;
+};
+
+/// The yaw of Q differs from the one that straights and turns show: Q is not that of this camera on this car.
+struct YawConflict {
+  double given_sigma = 0;  ///< of the yaw error according to the prior, rad
+  double found = 0;        ///< yaw error without that prior, rad; as CarRefinement::yaw_error
+  double found_sigma = 0;
+};
+
+/// The turns show a side slip that is far from its prior, although they agree with each other: something else may act
+/// like slip, such as wrong times.
+struct SlipConflict {
+  double given = 0;  ///< c of the prior, s^2/m
+  double given_sigma = 0;
+  double found = 0;  ///< s^2/m; may be negative
+};
+
+/// Whether the height that the turns give with the lever arm differs from the given one by more than `max_deviation`
+/// standard deviations. `posterior` is the belief at the end of the drive. The given height is taken out of it, an
+/// update with minus its variance; errors that it shares with L and c in the prior do not count as a difference.
+/// `contradicts_turns` is left to the caller.
+std::optional<HeightConflict> CompareHeight(const ScaleBelief& posterior, const CarPrior& car, double max_deviation);
+
+/// Whether the prior of the yaw contradicts the drive, which alone has the posterior's information less the prior's.
+bool ContradictsYaw(const ScaleBelief& posterior, double prior_sigma, double max_deviation);
+
+}  // namespace turnscale
