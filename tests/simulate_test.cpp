@@ -77,14 +77,13 @@ TEST_F(SimulateTest, DashcamAndVideoAreVideos) {
   EXPECT_EQ(plain.exit_code, 0) << plain.err;
   EXPECT_NE(plain.out.find("turnscale run " + (Out() / "video.mp4").string()), std::string::npos) << plain.out;
   EXPECT_EQ(FindDrive(Out()).videos.size(), 1u);
-  const CommandResult made = Simulate({"garage", "--rig", "dashcam", "--seconds", "5", "--max-frames", "2", "--quiet"});
+  const CommandResult made = Simulate({"garage", "--rig", "dashcam", "--seconds", "5", "--max-frames", "1", "--quiet"});
   EXPECT_EQ(made.exit_code, 0) << made.err;
   EXPECT_EQ(made.out + made.err, "");
   EXPECT_EQ(YamlMap(Out() / "rig.yaml").Text("preset"), "dashcam");
   VideoFile video(Out() / "video.mp4");
   ASSERT_TRUE(video.Advance());
   EXPECT_EQ(video.Gray().size(), cv::Size(1920, 1080));
-  EXPECT_TRUE(video.Advance());
   EXPECT_FALSE(video.Advance());
 }
 
