@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <filesystem>
 #include <istream>
 #include <optional>
 #include <string>
@@ -11,24 +12,26 @@
 #include <vector>
 
 #include "turnscale/base/error.h"
+#include "turnscale/base/escaped_text.h"
 #include "turnscale/base/number_text.h"
+#include "turnscale/base/text_lines.h"
 
 namespace turnscale {
 
 /// A comma-separated table with a heading, read line by line. Cells may be quoted; a quoted cell ends in its line.
-/// Blanks around a cell, empty lines, and the byte-order mark with which spreadsheets begin a file are passed over.
+/// Blanks around a cell and empty lines are passed over.
 class CsvTable {
  public:
   /// `name` stands for the table in messages.
-  CsvTable(std::istream& stream, std::string name) : stream_(stream), name_(std::move(name)) {
-    if (ReadLine()) Split();
-    columns_ = cells_;
-  }
+  CsvTable(std::istream& stream, std::string name) : lines_(stream, std::move(name)) { ReadHeading(); }
+
+  /// Throws InputError where the file cannot be opened. `kind` says what it should be, such as "file of heights".
+  CsvTable(const std::filesystem::path& path, std::string_view kind) : lines_(path, kind) { ReadHeading(); }
 
   /// The column's place. Throws InputError if there is none of that name.
   std::size_t Column(std::string_view column) const {
     const auto found = std::find(columns_.begin(), columns_.end(), column);
-    if (found == columns_.end()) throw InputError(name_ + ": has no column '" + std::string(column) + "'");
+    if (found == columns_.end()) throw InputError(lines_.Name() + ": has no column '" + std::string(column) + "'");
     return static_cast<std::size_t>(found - columns_.begin());
   }
 
@@ -53,7 +56,7 @@ class CsvTable {
   template <typename Number>
   Number Value(std::size_t column) const {
     const auto value = ParseNumber<Number>(cells_[column]);
-    if (!value) throw InputError(Where() + ": '" + cells_[column] + "' is not a number");
+    if (!value) throw InputError(Where() + ": '" + Excerpt(cells_[column]) + "' is not a number");
     return *value;
   }
 
@@ -64,37 +67,40 @@ class CsvTable {
   }
 
   /// "name:line" of the current line.
-  std::string Where() const { return name_ + ":" + std::to_string(number_); }
+  std::string Where() const { return lines_.Where(); }
 
  private:
   static bool IsBlank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
 
+  void ReadHeading() {
+    if (ReadLine()) Split();
+    columns_ = cells_;
+  }
+
   // The next line that is not empty; false at the end.
   bool ReadLine() {
-    constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
-    while (std::getline(stream_, line_)) {
-      if (++number_ == 1 && line_.starts_with(kByteOrderMark)) line_.erase(0, kByteOrderMark.size());
-      if (!std::all_of(line_.begin(), line_.end(), IsBlank)) return true;
-    }
+    while (lines_.Next())
+      if (!std::all_of(lines_.Line().begin(), lines_.Line().end(), IsBlank)) return true;
     return false;
   }
 
   void Split() {
+    const std::string& line = lines_.Line();
     cells_.assign(1, {});
     bool quoted = false;
     std::size_t length = 0;  // of the cell without the blanks that may be its last
-    for (std::size_t i = 0; i < line_.size(); ++i) {
+    for (std::size_t i = 0; i < line.size(); ++i) {
       std::string& cell = cells_.back();
-      if (line_[i] == ',' && !quoted) {
+      if (line[i] == ',' && !quoted) {
         cell.resize(length);
         length = 0;
         cells_.emplace_back();
-      } else if (IsBlank(line_[i]) && !quoted) {
-        if (!cell.empty()) cell += line_[i];
+      } else if (IsBlank(line[i]) && !quoted) {
+        if (!cell.empty()) cell += line[i];
       } else {
-        const bool doubled = quoted && line_.compare(i, 2, "\"\"") == 0;
-        if (doubled || line_[i] != '"') {
-          cell += line_[i];
+        const bool doubled = quoted && line.compare(i, 2, "\"\"") == 0;
+        if (doubled || line[i] != '"') {
+          cell += line[i];
           i += doubled ? 1 : 0;
         } else {
           quoted = !quoted;
@@ -105,12 +111,9 @@ class CsvTable {
     cells_.back().resize(length);
   }
 
-  std::istream& stream_;
-  std::string name_;
-  std::string line_;
+  TextLines lines_;
   std::vector<std::string> columns_;
   std::vector<std::string> cells_;
-  int number_ = 0;  // of the line, from 1
 };
 
 }  // namespace turnscale

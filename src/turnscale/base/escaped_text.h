@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <algorithm>
 #include <string>
 #include <string_view>
 
@@ -47,6 +48,19 @@ inline std::string Printable(std::string_view text, std::string_view kept = "") 
     text.remove_prefix(length == 0 ? 1 : length);
   }
   return printable;
+}
+
+/// What a user wrote, as a message may quote it: printable, and cut after some 40 characters.
+inline std::string Excerpt(std::string_view text) {
+  constexpr size_t kMost = 40;
+  std::string excerpt;
+  while (!text.empty()) {
+    if (excerpt.size() >= kMost) return excerpt + "...";
+    const size_t length = std::max<size_t>(Utf8Length(text), 1);
+    excerpt += Printable(text.substr(0, length));
+    text.remove_prefix(length);
+  }
+  return excerpt;
 }
 
 /// A text as it stands between the tags of XML or HTML. What XML cannot hold (control characters, bytes that are not

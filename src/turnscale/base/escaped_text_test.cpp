@@ -37,6 +37,14 @@ TEST(Printable, EscapesWhatIsNoUtf8) {
   EXPECT_EQ(Printable("\xf4\x90\x80\x80\xf5"), "\\xf4\\x90\\x80\\x80\\xf5") << "beyond Unicode";
 }
 
+TEST(Excerpt, IsPrintableAndShort) {
+  EXPECT_EQ(Excerpt("1.5\x1b"), "1.5\\x1b");
+  EXPECT_EQ(Excerpt(std::string(40, 'a')), std::string(40, 'a'));
+  EXPECT_EQ(Excerpt(std::string(41, 'a')), std::string(40, 'a') + "...");
+  EXPECT_EQ(Excerpt(std::string(39, 'a') + "\xe2\x82\xac" + "b"), std::string(39, 'a') + "\xe2\x82\xac...")
+      << "no character is cut";
+}
+
 TEST(EscapedXml, HoldsOnlyWhatXmlCan) {
   EXPECT_EQ(EscapedXml("a < b & c ]]> caf\xc3\xa9"), "a &lt; b &amp; c ]]&gt; caf\xc3\xa9");
   EXPECT_EQ(EscapedXml("\x1b[2J\xff"), "\\x1b[2J\\xff");

@@ -4,13 +4,15 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <fstream>
+#include <optional>
 #include <span>
 #include <string_view>
 #include <vector>
 
 #include "turnscale/base/error.h"
+#include "turnscale/base/escaped_text.h"
 #include "turnscale/base/number_text.h"
+#include "turnscale/base/text_lines.h"
 #include "turnscale/config/yaml_map.h"
 
 namespace turnscale {
@@ -263,13 +265,13 @@ CameraModel CameraFromProjection(const std::string& where, std::string_view line
   for (size_t i = 0; i < p.size(); ++i) {
     const auto value = ParseNumber<double>(words[i + 1]);
     if (!value || !std::isfinite(*value)) {
-      throw InputError(where + ": P0: '" + std::string(words[i + 1]) + "' at position " + std::to_string(i + 1) +
+      throw InputError(where + ": P0: '" + Excerpt(words[i + 1]) + "' at position " + std::to_string(i + 1) +
                        " is not a finite number");
     }
     p[i] = *value;
   }
   if (!(p[0] > 0) || !(p[5] > 0)) {
-    throw InputError(where + ": P0: focal length " + std::string(words[1]) + " x " + std::string(words[6]) +
+    throw InputError(where + ": P0: focal length " + Excerpt(words[1]) + " x " + Excerpt(words[6]) +
                      " is not above 0; correct the first and sixth number");
   }
   if (p[1] != 0 || p[4] != 0 || p[8] != 0 || p[9] != 0 || p[10] != 1) {
@@ -280,23 +282,16 @@ CameraModel CameraFromProjection(const std::string& where, std::string_view line
   return camera;
 }
 
-struct ProjectionLine {
-  int number = 0;
-  std::string text;
-};
-
-// The file's "P0:" line. Number 0 where the file is no KITTI calibration at all.
-ProjectionLine FindProjection(const std::filesystem::path& path) {
-  std::ifstream stream(path);
-  if (!stream) throw InputError(path.string() + ": cannot be read; check the name and the permissions");
+// The camera of the file's "P0:" line; nothing where the file is no KITTI calibration at all.
+std::optional<CameraModel> FindProjection(const std::filesystem::path& path) {
   bool has_other_cameras = false;
-  std::string line;
-  for (int number = 1; std::getline(stream, line); ++number) {
-    if (line.starts_with("P0:")) return {number, line};
+  for (TextLines lines(path, "camera file"); lines.Next();) {
+    const std::string& line = lines.Line();
+    if (line.starts_with("P0:")) return CameraFromProjection(lines.Where(), line);
     has_other_cameras |= line.starts_with("P1:") || line.starts_with("P2:") || line.starts_with("P3:");
   }
   if (has_other_cameras) throw InputError(path.string() + ": P0 is missing; add the line 'P0:' with 12 numbers");
-  return {};
+  return std::nullopt;
 }
 
 std::string Joined(std::span<const double> numbers, const char* separator) {
@@ -308,11 +303,7 @@ std::string Joined(std::span<const double> numbers, const char* separator) {
 }  // namespace
 
 CameraModel ReadCameraFile(const std::filesystem::path& path) {
-  std::error_code error;
-  if (!std::filesystem::exists(path, error)) throw InputError(path.string() + ": no such camera file");
-  if (std::filesystem::is_directory(path, error)) throw InputError(path.string() + ": is a folder, not a camera file");
-  const ProjectionLine line = FindProjection(path);
-  if (line.number > 0) return CameraFromProjection(path.string() + ":" + std::to_string(line.number), line.text);
+  if (const std::optional<CameraModel> camera = FindProjection(path)) return *camera;
   return CameraFromYaml(OrSayWhatIsOne([&] { return YamlMap(path); }));
 }
 

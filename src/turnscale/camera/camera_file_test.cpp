@@ -249,5 +249,16 @@ TEST(CameraFile, ACarsFileIsNamedAsOne) {
             std::string::npos);
 }
 
+TEST(CameraFile, MayBeginWithAByteOrderMark) {
+  EXPECT_EQ(Read(std::string("\xEF\xBB\xBF") + kKitti).pinhole.fx, 720);
+  EXPECT_EQ(Read("\xEF\xBB\xBF" + kOrbSlam2).pinhole.fx, 458.654);
+}
+
+TEST(CameraFile, InUtf16IsNamedSo) {
+  std::string wide = "\xFF\xFE";
+  for (const char c : std::string(kKitti)) wide += {c, '\0'};
+  EXPECT_NE(Complaint(wide).find("is text in UTF-16; save it as UTF-8"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace turnscale

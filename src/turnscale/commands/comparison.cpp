@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "turnscale/base/error.h"
+#include "turnscale/base/input_file.h"
 #include "turnscale/io/drive_input.h"
 #include "turnscale/io/run_files.h"
 #include "turnscale/io/settings.h"
@@ -112,8 +113,7 @@ std::vector<std::string> Warnings(const ComparisonFiles& files, const Paired& pa
 }
 
 std::vector<Step> ReadKeyframeSteps(const fs::path& path, const Paired& paired) {
-  std::ifstream stream(path);
-  if (!stream || fs::is_directory(path)) throw InputError(path.string() + ": cannot be read");
+  std::ifstream stream = OpenInputFile(path, "table of keyframes");
   auto steps = StepsBetweenKeyframes(paired.pairs, ReadKeyframes(stream, path.string()), paired.key);
   if (steps.empty()) {
     throw InputError(path.string() + ": fewer than two of its keyframes have a pose in both trajectories");

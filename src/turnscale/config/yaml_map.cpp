@@ -4,28 +4,35 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <fstream>
+#include <iterator>
 #include <limits>
 #include <numeric>
 #include <optional>
 
 #include "turnscale/base/error.h"
-#include "turnscale/base/file_text.h"
+#include "turnscale/base/escaped_text.h"
+#include "turnscale/base/input_file.h"
 #include "turnscale/base/number_text.h"
+#include "turnscale/base/text_lines.h"
 
 namespace turnscale {
 namespace {
 
 std::string ReadText(const std::filesystem::path& path) {
-  std::error_code error;
-  if (!std::filesystem::exists(path, error)) throw InputError(path.string() + ": no such file");
-  std::optional<std::string> text = FileText(path);
-  if (!text) throw InputError(path.string() + ": cannot be read as a YAML file");
-  return *std::move(text);
+  CheckInputFile(path, "file");
+  std::error_code none;
+  // Reading a device or a pipe may not end.
+  if (!std::filesystem::is_regular_file(path, none))
+    throw InputError(path.string() + ": cannot be read as a YAML file");
+  std::ifstream stream = OpenInputFile(path, "file");
+  return {std::istreambuf_iterator<char>(stream), {}};
 }
 
 // OpenCV heads its files with "%YAML:1.0", which is no YAML directive; as a comment it keeps the line numbers.
 YAML::Node Parse(const std::filesystem::path& path) {
   std::string text = ReadText(path);
+  if (text.starts_with(kByteOrderMark)) text.erase(0, kByteOrderMark.size());
   if (text.starts_with("%YAML:")) text[0] = '#';
   try {
     return YAML::Load(text);
@@ -94,21 +101,21 @@ std::string YamlMap::Text(const std::string& key) const { return Scalar(key, "a 
 double YamlMap::Number(const std::string& key) const {
   const std::string text = Scalar(key, "a number");
   const std::optional<double> value = NumberOf(text);
-  if (!value || !std::isfinite(*value)) Reject(key, "is '" + text + "'; give a finite number");
+  if (!value || !std::isfinite(*value)) Reject(key, "is '" + Excerpt(text) + "'; give a finite number");
   return *value;
 }
 
 int YamlMap::Integer(const std::string& key) const {
   const double value = Number(key);
   if (value != std::floor(value) || std::abs(value) > std::numeric_limits<int>::max()) {
-    Reject(key, std::string("is '") + Text(key) + "'; give a whole number");
+    Reject(key, "is '" + Excerpt(Text(key)) + "'; give a whole number");
   }
   return static_cast<int>(value);
 }
 
 bool YamlMap::Bool(const std::string& key) const {
   const std::string text = Scalar(key, "true or false");
-  if (text != "true" && text != "false") Reject(key, "is '" + text + "'; give true or false");
+  if (text != "true" && text != "false") Reject(key, "is '" + Excerpt(text) + "'; give true or false");
   return text == "true";
 }
 
@@ -119,7 +126,7 @@ std::vector<double> YamlMap::Numbers(const std::string& key) const {
   for (const YAML::Node& item : value) {
     const std::optional<double> number = item.IsScalar() ? NumberOf(item.Scalar()) : std::nullopt;
     if (!number || !std::isfinite(*number)) {
-      Reject(key, std::string("has '") + (item.IsScalar() ? item.Scalar() : "?") + "' at position " +
+      Reject(key, std::string("has '") + (item.IsScalar() ? Excerpt(item.Scalar()) : "?") + "' at position " +
                       std::to_string(numbers.size() + 1) + "; give finite numbers");
     }
     numbers.push_back(*number);

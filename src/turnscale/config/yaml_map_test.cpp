@@ -48,6 +48,7 @@ TEST(YamlMap, ReadsValuesOfEveryKind) {
   EXPECT_EQ(map.Map("f").Positive("g"), 2);
   EXPECT_EQ(map.Keys(), (std::vector<std::string>{"a", "b", "c", "d", "e", "f"}));
   EXPECT_FALSE(map.Has("z"));
+  EXPECT_EQ(MapOf("\xEF\xBB\xBF%YAML:1.0\n---\na: 1.5\n").Number("a"), 1.5) << "after a byte-order mark";
 }
 
 TEST(YamlMap, ComplaintsNameLineKeyAndValue) {
@@ -59,6 +60,8 @@ TEST(YamlMap, ComplaintsNameLineKeyAndValue) {
   EXPECT_NE(MessageOf([&] { map.Numbers("b"); }).find("is not a list"), std::string::npos);
   EXPECT_NE(MessageOf([&] { map.Map("f").Positive("g"); }).find(":8: f.g: is -2"), std::string::npos);
   EXPECT_NE(MessageOf([&] { map.Text("z"); }).find("z: is missing"), std::string::npos);
+  EXPECT_EQ(MessageOf([&] { MapOf("a: " + std::string(99, 'x')).Number("a"); }).find(std::string(41, 'x')),
+            std::string::npos);
   EXPECT_NE(MessageOf([&] { map.Number("f"); }).find("is not a scalar"), std::string::npos);
 }
 
@@ -76,7 +79,7 @@ TEST(YamlMap, RejectsWhatIsNoYamlMap) {
   EXPECT_NE(MessageOf([] { MapOf("- 1\n- 2\n"); }).find("has no keys"), std::string::npos);
   EXPECT_NE(MessageOf([] { MapOf(""); }).find("has no keys"), std::string::npos);
   EXPECT_NE(MessageOf([] { YamlMap{"/nonexistent/cam.yaml"}; }).find("no such file"), std::string::npos);
-  EXPECT_NE(MessageOf([] { YamlMap{::testing::TempDir()}; }).find("cannot be read"), std::string::npos);
+  EXPECT_NE(MessageOf([] { YamlMap{::testing::TempDir()}; }).find("is a folder"), std::string::npos);
 }
 
 }  // namespace

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <limits>
 #include <string>
 
@@ -11,6 +10,7 @@
 
 #include "turnscale/base/csv_table.h"
 #include "turnscale/base/error.h"
+#include "turnscale/base/escaped_text.h"
 #include "turnscale/base/quantiles.h"
 #include "turnscale/base/robust_weights.h"
 #include "turnscale/export/utc_time.h"
@@ -181,10 +181,7 @@ std::optional<Eigen::Vector3d> PathAt(const std::vector<LevelPlace>& path, doubl
 }  // namespace
 
 std::vector<GpsFix> ReadGpsFixes(const std::filesystem::path& path, std::optional<double> start_time) {
-  std::ifstream stream(path);
-  std::error_code none;
-  if (!stream || std::filesystem::is_directory(path, none)) throw InputError(path.string() + ": cannot be read");
-  CsvTable table(stream, path.string());
+  CsvTable table(path, "file of GPS fixes");
   const size_t time = table.Column("time");
   const size_t latitude = table.Column("latitude");
   const size_t longitude = table.Column("longitude");
@@ -199,7 +196,7 @@ std::vector<GpsFix> ReadGpsFixes(const std::filesystem::path& path, std::optiona
       if (!start_time) throw InputError(table.Where() + ": has a time of day; give --start-time too");
       fix.time = *moment - *start_time;
     } else {
-      throw InputError(table.Where() + ": '" + table.Text(time) +
+      throw InputError(table.Where() + ": '" + Excerpt(table.Text(time)) +
                        "' is not a time; give seconds of the drive, or 2026-03-22T07:14:05+01:00");
     }
     fix.point.latitude = table.Value<double>(latitude);

@@ -4,14 +4,15 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
-#include <fstream>
 #include <string_view>
 
 #include <fmt/format.h>
 
 #include "turnscale/bag/bag_reader.h"
 #include "turnscale/base/error.h"
+#include "turnscale/base/escaped_text.h"
 #include "turnscale/base/number_text.h"
+#include "turnscale/base/text_lines.h"
 #include "turnscale/io/run_files.h"
 
 namespace turnscale {
@@ -147,27 +148,21 @@ DriveInput FindInFolder(const fs::path& folder, const std::string& topic) {
 }  // namespace
 
 FrameTimes ReadFrameTimes(const std::filesystem::path& path) {
-  std::error_code error;
-  std::ifstream stream(path);
-  if (!std::filesystem::exists(path, error)) throw InputError(path.string() + ": no such file of frame times");
-  if (!stream || std::filesystem::is_directory(path, error)) throw InputError(path.string() + ": cannot be read");
   FrameTimes result;
-  std::string line;
-  for (int number = 1; std::getline(stream, line); ++number) {
-    const auto words = SplitWords(line);
+  for (TextLines lines(path, "file of frame times"); lines.Next();) {
+    const auto words = SplitWords(lines.Line());
     if (words.empty() || words[0].starts_with('#')) continue;
     const auto time = ParseNumber<double>(words[0]);
     if (words.size() != 1 || !time || !std::isfinite(*time)) {
-      throw InputError(fmt::format("{}:{}: '{}' is not a time; give one number per line, in seconds", path.string(),
-                                   number, fmt::join(words, " ")));
+      throw InputError(fmt::format("{}: '{}' is not a time; give one number per line, in seconds", lines.Where(),
+                                   Excerpt(fmt::format("{}", fmt::join(words, " ")))));
     }
     if (!result.times.empty() && *time <= result.times.back()) {
-      throw InputError(fmt::format("{}:{}: time {} {} the time before, {}; times must increase", path.string(), number,
-                                   *time, *time < result.times.back() ? "goes back from" : "repeats",
-                                   result.times.back()));
+      throw InputError(fmt::format("{}: time {} {} the time before, {}; times must increase", lines.Where(), *time,
+                                   *time < result.times.back() ? "goes back from" : "repeats", result.times.back()));
     }
     result.times.push_back(*time);
-    result.lines.push_back(number);
+    result.lines.push_back(lines.Number());
   }
   if (result.times.empty()) throw InputError(path.string() + ": has no times; give one number per line, in seconds");
   return result;

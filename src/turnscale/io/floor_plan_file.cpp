@@ -3,13 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <optional>
 
 #include <fmt/format.h>
 
 #include "turnscale/base/error.h"
+#include "turnscale/base/escaped_text.h"
 #include "turnscale/base/number_text.h"
+#include "turnscale/base/text_lines.h"
 
 namespace turnscale {
 namespace {
@@ -43,19 +44,16 @@ std::string FloorPlanText(const FloorPlan& plan) {
 }
 
 FloorPlan ReadFloorPlan(const std::filesystem::path& path) {
-  std::error_code error;
-  if (!std::filesystem::exists(path, error)) throw InputError(path.string() + ": no such floor plan");
-  std::ifstream stream(path);
-  std::string line;
-  if (std::filesystem::is_directory(path, error) || !std::getline(stream, line) || !line.starts_with(kHeader)) {
+  TextLines lines(path, "floor plan");
+  if (!lines.Next() || !lines.Line().starts_with(kHeader))
     throw InputError(fmt::format("{}: is not a floor plan, which begins with the line {}", path.string(), kHeader));
-  }
   FloorPlan plan;
   std::optional<int> outline;
-  for (int number = 2; std::getline(stream, line); ++number) {
-    const std::optional<Corner> corner = ParseCorner(line);
+  while (lines.Next()) {
+    const std::optional<Corner> corner = ParseCorner(lines.Line());
     if (!corner) {
-      throw InputError(fmt::format("{}:{}: '{}' is not a corner; expected {}", path.string(), number, line, kHeader));
+      throw InputError(
+          fmt::format("{}: '{}' is not a corner; expected {}", lines.Where(), Excerpt(lines.Line()), kHeader));
     }
     if (outline != corner->outline) plan.emplace_back();
     outline = corner->outline;

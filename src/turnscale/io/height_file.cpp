@@ -2,21 +2,17 @@
 #include "turnscale/io/height_file.h"
 
 #include <cmath>
-#include <fstream>
-#include <system_error>
 
 #include <fmt/format.h>
 
 #include "turnscale/base/csv_table.h"
 #include "turnscale/base/error.h"
+#include "turnscale/base/escaped_text.h"
 
 namespace turnscale {
 
 std::vector<PathHeight> ReadHeightFile(const std::filesystem::path& path) {
-  std::ifstream stream(path);
-  std::error_code error;
-  if (!stream || std::filesystem::is_directory(path, error)) throw InputError(path.string() + ": cannot be read");
-  CsvTable table(stream, path.string());
+  CsvTable table(path, "file of heights");
   const std::size_t time = table.Column("time");
   const std::size_t height = table.Column("height");
   const bool has_sigma = table.HasColumn("sigma");
@@ -25,11 +21,11 @@ std::vector<PathHeight> ReadHeightFile(const std::filesystem::path& path) {
   while (table.Next()) {
     PathHeight row = {table.Value<double>(time), table.Value<double>(height), kUsualHeightSigma};
     if (!std::isfinite(row.time) || !(row.height > 0 && std::isfinite(row.height)))
-      throw InputError(
-          fmt::format("{}: '{}, {}' is not a time and a height", table.Where(), table.Text(time), table.Text(height)));
+      throw InputError(fmt::format("{}: '{}, {}' is not a time and a height", table.Where(), Excerpt(table.Text(time)),
+                                   Excerpt(table.Text(height))));
     if (has_sigma) row.sigma = table.Value<double>(sigma) / row.height;
     if (!(row.sigma > 0 && std::isfinite(row.sigma)))
-      throw InputError(fmt::format("{}: sigma {} has to be positive", table.Where(), table.Text(sigma)));
+      throw InputError(fmt::format("{}: sigma {} has to be positive", table.Where(), Excerpt(table.Text(sigma))));
     if (!heights.empty() && row.time <= heights.back().time)
       throw InputError(fmt::format("{}: time {} does not come after {}", table.Where(), row.time, heights.back().time));
     heights.push_back(row);

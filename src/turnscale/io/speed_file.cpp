@@ -3,13 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <string>
 
 #include <fmt/format.h>
 
 #include "turnscale/base/error.h"
+#include "turnscale/base/escaped_text.h"
 #include "turnscale/base/number_text.h"
+#include "turnscale/base/text_lines.h"
 
 namespace turnscale {
 namespace {
@@ -42,23 +43,21 @@ std::optional<double> SpeedLog::Distance(double begin, double end) const {
 }
 
 SpeedLog ReadSpeedFile(const std::filesystem::path& path) {
-  std::ifstream stream(path);
-  std::error_code error;
-  if (!stream || std::filesystem::is_directory(path, error)) throw InputError(path.string() + ": cannot be read");
   SpeedLog log;
-  std::string line;
-  for (int number = 1; std::getline(stream, line); ++number) {
+  for (TextLines lines(path, "file of speeds"); lines.Next();) {
+    std::string line = lines.Line();
     std::replace(line.begin(), line.end(), ',', ' ');
     const auto words = SplitWords(line);
     if (words.empty() || words[0].starts_with('#')) continue;
-    const std::string where = fmt::format("{}:{}", path.string(), number);
+    const std::string where = lines.Where();
     if (words.size() < 2) throw InputError(where + ": expected 'time, speed' in s and m/s");
     const auto time = ParseNumber<double>(words[0]);
     const auto speed = ParseNumber<double>(words[1]);
     const bool heading = log.times.empty() && !time && !speed;
     if (heading) continue;
     if (!time || !speed || !std::isfinite(*time) || !std::isfinite(*speed) || *speed < 0) {
-      throw InputError(fmt::format("{}: '{}, {}' is not a time and a speed", where, words[0], words[1]));
+      throw InputError(
+          fmt::format("{}: '{}, {}' is not a time and a speed", where, Excerpt(words[0]), Excerpt(words[1])));
     }
     if (!log.times.empty() && *time <= log.times.back()) {
       throw InputError(fmt::format("{}: time {} does not come after {}", where, *time, log.times.back()));

@@ -5,7 +5,6 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <fstream>
 #include <iterator>
 #include <span>
 
@@ -14,7 +13,9 @@
 #include <fmt/format.h>
 
 #include "turnscale/base/error.h"
+#include "turnscale/base/escaped_text.h"
 #include "turnscale/base/number_text.h"
+#include "turnscale/base/text_lines.h"
 #include "turnscale/io/run_files.h"
 
 namespace turnscale {
@@ -48,7 +49,8 @@ std::vector<double> NumbersOf(const std::vector<std::string_view>& words, const 
   std::vector<double> values;
   for (const std::string_view word : words) {
     const auto value = ParseNumber<double>(word);
-    if (!value || !std::isfinite(*value)) throw InputError(fmt::format("{}: '{}' is not a finite number", where, word));
+    if (!value || !std::isfinite(*value))
+      throw InputError(fmt::format("{}: '{}' is not a finite number", where, Excerpt(word)));
     values.push_back(*value);
   }
   return values;
@@ -58,13 +60,11 @@ class Parser {
  public:
   Parser(std::string path, const std::optional<std::vector<double>>& times) : path_(std::move(path)), times_(times) {}
 
-  void Line(const std::string& line, int number) {
-    std::string text = line;
+  void Line(std::string text, const std::string& where) {
     const bool commas = text.find(',') != std::string::npos;
     std::replace(text.begin(), text.end(), ',', ' ');
     const auto words = SplitWords(text);
     if (words.empty() || words[0].starts_with('#')) return;
-    const std::string where = fmt::format("{}:{}", path_, number);
     if (commas) return AddEuroc(words, where);
     if (columns_ == 0) columns_ = words.size();
     if (columns_ != 8 && columns_ != 12 && columns_ != 13) {
@@ -155,15 +155,9 @@ std::filesystem::path TrajectoryOf(const std::filesystem::path& named) {
 }
 
 TrajectoryFile ReadTrajectoryFile(const std::filesystem::path& path, const std::optional<std::vector<double>>& times) {
-  std::error_code error;
-  if (!std::filesystem::exists(path, error)) throw InputError(path.string() + ": no such trajectory file");
-  std::ifstream stream(path);
-  if (std::filesystem::is_directory(path, error))
-    throw InputError(path.string() + ": is a folder; give the file of the trajectory");
-  if (!stream) throw InputError(path.string() + ": cannot be read");
+  TextLines lines(path, "trajectory file");
   Parser parser(path.string(), times);
-  std::string line;
-  for (int number = 1; std::getline(stream, line); ++number) parser.Line(line, number);
+  while (lines.Next()) parser.Line(lines.Line(), lines.Where());
   return std::move(parser).Finish();
 }
 
