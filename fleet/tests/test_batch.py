@@ -172,6 +172,29 @@ class Batches(unittest.TestCase):
             self.assertEqual(process.wait(PATIENCE), 130)
         wait_until(lambda: not processes_with(str(self.out)))
 
+    def test_repeated_requests_to_end_do_not_stop_the_saving(self):
+        names = ["sleep-0-a", "sleep-30-b"]
+        self.manifest(names)
+        with subprocess.Popen(self.command(), stderr=subprocess.PIPE, text=True) as process:
+            wait_until(lambda: self.starts(names[1]) and (self.out / names[0]).exists())
+            while process.poll() is None:
+                process.send_signal(signal.SIGTERM)
+                time.sleep(0.05)
+            said = process.stderr.read()
+        self.assertEqual(process.returncode, 130, said)
+        self.assertIn("a second call does what is left", said)
+        self.assertEqual(self.table()[names[0]]["exit_code"], "0")
+        wait_until(lambda: not processes_with(str(self.out)))
+
+    def test_help_needs_no_packages(self):
+        for words, code in ((["--help"], 0), (["--no-such-option"], 2)):
+            # Python without its packages.
+            result = subprocess.run([sys.executable, "-S", *BATCH[1:], *words], capture_output=True, text=True,
+                                    timeout=PATIENCE, check=False)
+            self.assertEqual(result.returncode, code, result.stderr)
+            self.assertIn("turnscale batch", result.stdout + result.stderr)
+            self.assertNotIn("Dask;", result.stderr)
+
     def test_a_changed_row_is_run_again(self):
         self.manifest(["sleep-0-a", "sleep-0-b"], lever_arm="1.2")
         self.batch()

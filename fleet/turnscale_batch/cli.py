@@ -10,13 +10,11 @@ import signal
 import sys
 import time
 
-from .batch import Batch, BatchOptions
 from .dask_log import stderr_in_file
 from .errors import BatchError, InputError
 from .manifest import COLUMNS, read_manifest
 from .progress import Progress
 from .store import Store
-from .vehicles import write_vehicles
 
 INTERRUPTED = 130
 SAVE_INTERVAL = 10  # seconds between tables, at least
@@ -88,8 +86,9 @@ def _cores():
 
 
 def _interrupt(_signal, _frame):
-    # The next one does not wait for anything.
+    # The next Ctrl-C does not wait for anything. A service manager may repeat SIGTERM while results are being saved.
     signal.signal(signal.SIGINT, signal.SIG_DFL)
+    signal.signal(signal.SIGTERM, signal.SIG_IGN)
     raise KeyboardInterrupt
 
 
@@ -147,6 +146,9 @@ def _run(batch, tasks, store, arguments, messages):
 
 
 def run_batch(arguments):
+    # They need numpy and yaml.
+    from .batch import Batch, BatchOptions
+    from .vehicles import write_vehicles
     drives = read_manifest(arguments.manifest)
     options = BatchOptions(_program(arguments.program), str(arguments.threads), arguments.timeout,
                            not arguments.no_second_pass, arguments.attempts)
@@ -191,11 +193,14 @@ def _manifest_name(words):
     return words[0] if words else "batch"
 
 
-def main(words):
+def main(words, require_modules):
+    """Returns the exit code. `require_modules()` is called once the arguments are known to be good."""
     signal.signal(signal.SIGINT, _interrupt)
     signal.signal(signal.SIGTERM, _interrupt)
     try:
-        return run_batch(_parser().parse_args(words))
+        arguments = _parser().parse_args(words)
+        require_modules()
+        return run_batch(arguments)
     except BatchError as error:
         print("turnscale: " + " ".join(str(error).split()), file=sys.stderr)
         return error.exit_code
