@@ -33,6 +33,11 @@ class DurationsTest(unittest.TestCase):
             file.truncate(size)
         return str(path)
 
+    def test_images_of_all_kinds_count_as_frames(self):
+        # Those of io/drive_input.cpp.
+        for extension in ("png", "jpg", "jpeg", "bmp", "pgm", "ppm", "pnm", "tif", "tiff", "PNG"):
+            self.assertEqual(frames(self.video(f"images.{extension}/0.{extension}", 3_000_000)), 1, extension)
+
     def test_longer_inputs_have_more_frames(self):
         short, long = self.video("short.mp4", 3_000_000), self.video("long.mp4", 30_000_000)
         self.assertAlmostEqual(frames(long), 10 * frames(short))

@@ -2,7 +2,7 @@
 """How long runs take, as far as that can be told before: for their order, and for the estimate of the end."""
 import os
 
-IMAGES = (".png", ".jpg", ".jpeg", ".bmp", ".pgm", ".tif", ".tiff")
+IMAGES = (".png", ".jpg", ".jpeg", ".bmp", ".pgm", ".ppm", ".pnm", ".tif", ".tiff")
 BAGS = (".bag", ".mcap", ".db3")
 BYTES_OF_FRAME = {"video": 30e3, "bag": 300e3}
 SECONDS_OF_FRAME = 0.03  # until a run has ended
