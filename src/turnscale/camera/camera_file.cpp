@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <span>
 #include <string_view>
@@ -200,8 +201,11 @@ CameraModel KalibrCamera(const YamlMap& cam) {
   CameraModel camera;
   camera.pinhole = {k[0], k[1], k[2], k[3]};
   const std::vector<double> size = cam.Numbers("resolution");
-  if (size.size() != 2 || !(size[0] >= 1) || !(size[1] >= 1))
-    cam.Reject("resolution", "give [width, height] in pixels");
+  const auto is_side = [](double side) {
+    return side >= 1 && side <= std::numeric_limits<int>::max() && side == std::floor(side);
+  };
+  if (size.size() != 2 || !is_side(size[0]) || !is_side(size[1]))
+    cam.Reject("resolution", "give [width, height] in whole pixels");
   camera.width = static_cast<int>(size[0]);
   camera.height = static_cast<int>(size[1]);
   const std::string model = cam.Text("distortion_model");

@@ -187,6 +187,8 @@ TEST(CameraFile, ComplaintsNameKeyValueAndRemedy) {
       {Replaced(kKalibr, "461.6, ", ""), "cam0.intrinsics: holds 3 numbers"},
       {Replaced(kKalibr, "  intrinsics", "  intrinsic"), "did you mean 'cam0.intrinsics'?"},
       {Replaced(kKalibr, "[752, 480]", "[752]"), "cam0.resolution"},
+      {Replaced(kKalibr, "[752, 480]", "[752.7, 480]"), "cam0.resolution: give [width, height] in whole pixels"},
+      {Replaced(kKalibr, "[752, 480]", "[752, 1e12]"), "cam0.resolution: give [width, height] in whole pixels"},
       {"camera_matrx: 3\n", "did you mean 'camera_matrix'?"},
       {"just words\n", "has no keys"},
   };
