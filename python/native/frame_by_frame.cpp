@@ -28,7 +28,7 @@ std::string ShapeOf(const py::array& image) {
 
 }  // namespace
 
-cv::Mat GrayImage(const py::array& image) {
+cv::Mat GrayView(const py::array& image) {
   if (!image.dtype().equal(py::dtype::of<uint8_t>()) || image.ndim() != 2 || image.size() == 0)
     throw InputError("image: is " + ShapeOf(image) + "; give gray pixels: uint8 of shape (height, width)");
   const bool dense = image.shape(1) == 1 || image.strides(1) == 1;
@@ -70,7 +70,7 @@ void FrameByFrame::RefuseAfterEnd() const {
 }
 
 void FrameByFrame::SetMask(const py::array& mask) {
-  const cv::Mat pixels = GrayImage(mask).clone();
+  const cv::Mat pixels = GrayView(mask).clone();
   WithoutLock([&] {
     if (frames_ > 0) throw InputError("mask: has to be set before the first image");
     odometry_.SetMask(pixels);
@@ -90,7 +90,7 @@ LiveFrame FrameByFrame::Keep(const FrameResult& result) {
 }
 
 LiveFrame FrameByFrame::Process(const py::array& image, double time) {
-  const cv::Mat gray = GrayImage(image);
+  const cv::Mat gray = GrayView(image);
   return WithoutLock([&] {
     RefuseAfterEnd();
     return Keep(odometry_.Process(gray, time));

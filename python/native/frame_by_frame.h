@@ -34,7 +34,7 @@ struct DriveTables {
 };
 
 /// An image of numpy without a copy. Throws InputError unless it is 8-bit gray with the pixels of a row side by side.
-cv::Mat GrayImage(const pybind11::array& image);
+cv::Mat GrayView(const pybind11::array& image);
 
 /// The odometry, one image after the other. Works without Python's lock, on one thread at a time.
 class FrameByFrame {

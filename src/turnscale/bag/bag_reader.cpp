@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <exception>
 #include <fstream>
 #include <utility>
@@ -12,6 +11,7 @@
 #include "turnscale/bag/mcap.h"
 #include "turnscale/bag/ros1_bag.h"
 #include "turnscale/base/error.h"
+#include "turnscale/base/file_extension.h"
 
 namespace turnscale {
 namespace {
@@ -28,17 +28,10 @@ std::string FirstBytes(const std::filesystem::path& path) {
 
 bool IsDatabase(const std::string& first) { return first == std::string_view("SQLite format 3\0", 16); }
 
-std::string ExtensionOf(const std::filesystem::path& path) {
-  std::string extension = path.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return extension;
-}
-
 }  // namespace
 
 bool IsBag(const std::filesystem::path& path) {
-  const std::string extension = ExtensionOf(path);
+  const std::string extension = LowerExtension(path);
   if (extension == ".bag" || extension == ".mcap" || extension == ".db3") return true;
   const std::string first = FirstBytes(path);
   return first.starts_with(kRos1Magic.substr(0, 8)) || first.starts_with(kMcapMagic);

@@ -16,6 +16,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "turnscale/image_file/codec_pointers.h"
+#include "turnscale/image_file/first_bytes.h"
 #include "turnscale/image_file/gray_png.h"
 #include "turnscale/image_file/netpbm.h"
 #include "turnscale/image_file/png_chunks.h"
@@ -28,10 +29,6 @@ namespace turnscale {
 namespace {
 
 using Bytes = std::span<const uint8_t>;
-
-bool StartsWith(Bytes bytes, std::string_view magic) {
-  return bytes.size() >= magic.size() && std::memcmp(bytes.data(), magic.data(), magic.size()) == 0;
-}
 
 AVCodecID CodecOf(Bytes bytes) {
   using namespace std::string_view_literals;

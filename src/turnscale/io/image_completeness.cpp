@@ -4,6 +4,7 @@
 #include <span>
 #include <string_view>
 
+#include "turnscale/image_file/first_bytes.h"
 #include "turnscale/image_file/netpbm.h"
 #include "turnscale/image_file/png_chunks.h"
 #include "turnscale/io/frame_reader.h"
@@ -12,11 +13,6 @@ namespace turnscale {
 namespace {
 
 using Bytes = std::span<const uint8_t>;
-
-bool StartsWith(Bytes bytes, std::string_view magic) {
-  return bytes.size() >= magic.size() && std::equal(magic.begin(), magic.end(), bytes.begin(),
-                                                    [](char a, uint8_t b) { return static_cast<uint8_t>(a) == b; });
-}
 
 size_t BigEndian(Bytes bytes, size_t at, int count) {
   size_t value = 0;
