@@ -63,22 +63,32 @@ inline std::string Excerpt(std::string_view text) {
   return excerpt;
 }
 
-/// A text as it stands between the tags of XML or HTML. What XML cannot hold (control characters, bytes that are not
-/// UTF-8, U+FFFE and U+FFFF) becomes \xNN.
+/// Printable, and without the other characters that neither XML nor YAML can hold: U+FFFE and U+FFFF.
+inline std::string PrintableInFiles(std::string_view text) {
+  std::string printable = Printable(text);
+  for (size_t at = 0; (at = printable.find("\xEF\xBF", at)) != std::string::npos; ++at) {
+    if (printable[at + 2] == '\xBE') printable.replace(at, 3, "\\xef\\xbf\\xbe");
+    if (printable[at + 2] == '\xBF') printable.replace(at, 3, "\\xef\\xbf\\xbf");
+  }
+  return printable;
+}
+
+/// A text as it stands between the tags of XML or HTML. What XML cannot hold becomes \xNN.
 inline std::string EscapedXml(std::string_view text) {
   std::string escaped;
-  const std::string printable = Printable(text);
-  for (size_t i = 0; i < printable.size(); ++i) {
-    const char c = printable[i];
-    const std::string_view character = std::string_view(printable).substr(i, 3);
-    if (character == "\xEF\xBF\xBE" || character == "\xEF\xBF\xBF") {
-      escaped += character == "\xEF\xBF\xBE" ? "\\xef\\xbf\\xbe" : "\\xef\\xbf\\xbf";
-      i += 2;
-    } else {
-      escaped += c == '<' ? "&lt;" : c == '>' ? "&gt;" : c == '&' ? "&amp;" : std::string(1, c);
-    }
-  }
+  for (const char c : PrintableInFiles(text))
+    escaped += c == '<' ? "&lt;" : c == '>' ? "&gt;" : c == '&' ? "&amp;" : std::string(1, c);
   return escaped;
+}
+
+/// A text as a scalar of YAML in double quotes. What YAML cannot hold is read back as \xNN.
+inline std::string QuotedYaml(std::string_view text) {
+  std::string quoted(1, '"');
+  for (const char c : PrintableInFiles(text)) {
+    if (c == '"' || c == '\\') quoted += '\\';
+    quoted += c;
+  }
+  return quoted + '"';
 }
 
 }  // namespace turnscale

@@ -51,5 +51,10 @@ TEST(EscapedXml, HoldsOnlyWhatXmlCan) {
   EXPECT_EQ(EscapedXml("\xef\xbf\xbe \xef\xbf\xbf \xef\xbf\xbd"), "\\xef\\xbf\\xbe \\xef\\xbf\\xbf \xef\xbf\xbd");
 }
 
+TEST(QuotedYaml, HoldsOnlyWhatYamlCan) {
+  EXPECT_EQ(QuotedYaml("C:\\a \"drive\": caf\xc3\xa9"), "\"C:\\\\a \\\"drive\\\": caf\xc3\xa9\"");
+  EXPECT_EQ(QuotedYaml("caf\xe9\n\x1b\xef\xbf\xbf"), "\"caf\\\\xe9\\\\x0a\\\\x1b\\\\xef\\\\xbf\\\\xbf\"");
+}
+
 }  // namespace
 }  // namespace turnscale

@@ -11,22 +11,13 @@
 
 #include "turnscale/base/csv_cells.h"
 #include "turnscale/base/error.h"
+#include "turnscale/base/escaped_text.h"
 #include "turnscale/calibration/online_calibration.h"
 #include "turnscale/figure/figure.h"
 #include "turnscale/kinematics/ackermann.h"
 
 namespace turnscale {
 namespace {
-
-// A name may hold what means something in YAML.
-std::string Quoted(const std::string& text) {
-  std::string quoted = "\"";
-  for (const char c : text) {
-    if (c == '"' || c == '\\') quoted += '\\';
-    quoted += c;
-  }
-  return quoted + "\"";
-}
 
 std::string SlipSource(const LeverArmFit& arm) {
   if (arm.slip_at_bound) return "estimated, at its bound";
@@ -145,7 +136,7 @@ std::string CalibrationYaml(const CalibrationReport& report) {
                     "confidence: {:.4g}  # ratio of the two smallest singular values\n"
                     "frames: {}\nsteps: {}\nturns: {}\nturning_deg: {:.1f}\ninput: {}\n",
                     found.linear.confidence, report.frames, found.steps, found.turns, InDegrees(found.turning),
-                    Quoted(report.input));
+                    QuotedYaml(report.input));
 }
 
 std::string CalibrationText(const CalibrationReport& report) {

@@ -9,6 +9,7 @@
 #include "turnscale/base/test_files.h"
 #include "turnscale/calibration/camera_step.h"
 #include "turnscale/calibration/test_drive.h"
+#include "turnscale/config/yaml_map.h"
 #include "turnscale/io/settings.h"
 
 namespace turnscale {
@@ -25,6 +26,13 @@ TEST(CalibrationYaml, IsReadAsACameraRotation) {
   std::ofstream(path) << CalibrationYaml(report);
   EXPECT_LT(DegreesBetween(ReadCameraRotation(path), report.calibration.vehicle_from_camera), 1e-5);
   std::filesystem::remove(path);
+}
+
+TEST(CalibrationYaml, NamesOfAnyBytesAreValidYaml) {
+  const CalibrationReport report{"caf\xe9 \"\x1b.mp4", 301, Calibrate(Steps()), std::nullopt};
+  const std::string path = ScratchPath("calibration.yaml");
+  std::ofstream(path) << CalibrationYaml(report);
+  EXPECT_EQ(YamlMap(std::filesystem::path(path)).Text("input"), "caf\\xe9 \"\\x1b.mp4");
 }
 
 TEST(CalibrationHistory, TellsWhenTheFirstTurnCame) {

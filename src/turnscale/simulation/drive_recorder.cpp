@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "turnscale/base/error.h"
+#include "turnscale/base/escaped_text.h"
 #include "turnscale/camera/camera_file.h"
 #include "turnscale/io/output_file.h"
 #include "turnscale/rendering/renderer.h"
@@ -77,15 +78,6 @@ void RemoveDrive(const fs::path& folder) {
   }
 }
 
-std::string Quoted(const std::string& text) {
-  std::string quoted(1, '"');
-  for (const char c : text) {
-    if (c == '"' || c == '\\') quoted += '\\';
-    quoted += c;
-  }
-  return quoted + '"';
-}
-
 void BeginFolder(const RecordOptions& options, const Rig& rig, unsigned seed, const FloorPlan& floor_plan) {
   const fs::path& folder = options.folder;
   PrepareDriveFolder(folder, !rig.recorder.video);
@@ -150,9 +142,9 @@ void Summarize(const std::vector<DriveFrame>& frames, Recording& recording) {
 
 std::string DriveText(const DriveOrigin& origin, unsigned seed) {
   std::string text = std::string(kMarker) + "\n";
-  text += fmt::format("version: {}\nworld: {}\nseed: {}\n", Quoted(origin.version), Quoted(origin.world), seed);
+  text += fmt::format("version: {}\nworld: {}\nseed: {}\n", QuotedYaml(origin.version), QuotedYaml(origin.world), seed);
   if (origin.seconds) text += fmt::format("seconds: {}\n", *origin.seconds);
-  if (origin.follow) text += fmt::format("follow: {}\n", Quoted(origin.follow->string()));
+  if (origin.follow) text += fmt::format("follow: {}\n", QuotedYaml(origin.follow->string()));
   return text + fmt::format("texture_contrast: {}\n", origin.texture_contrast);
 }
 
