@@ -48,6 +48,10 @@ class Manifest(unittest.TestCase):
         said = self.refused("drive,input,lever_am\none,a,1\n")
         self.assertIn("drives.csv:1: column 3: unknown column 'lever_am'; did you mean 'lever_arm'?", said)
 
+    def test_columns_of_spreadsheets_that_are_parted_by_semicolons(self):
+        said = self.refused("drive;input;lever_arm\none;a;1,2\n")
+        self.assertIn("drives.csv:1: the only column is 'drive;input;lever_arm'; separate columns by commas", said)
+
     def test_columns_that_are_missing_or_twice(self):
         self.assertIn("no column 'input'", self.refused("drive\none\n"))
         self.assertIn("column 3: 'drive' is there twice", self.refused("drive,input,drive\na,b,c\n"))

@@ -129,6 +129,9 @@ def _inputs(row):
 
 
 def _check_header(path, header):
+    if len(header) == 1 and SEPARATOR in header[0]:
+        raise InputError(f"{path}:1: the only column is '{header[0][:40]}'; separate columns by commas, not by "
+                         f"'{SEPARATOR}'")
     for place, column in enumerate(header, start=1):
         if column not in COLUMNS:
             close = difflib.get_close_matches(column, COLUMNS, 1)

@@ -31,7 +31,14 @@ class CsvTable {
   /// The column's place. Throws InputError if there is none of that name.
   std::size_t Column(std::string_view column) const {
     const auto found = std::find(columns_.begin(), columns_.end(), column);
-    if (found == columns_.end()) throw InputError(lines_.Name() + ": has no column '" + std::string(column) + "'");
+    if (found == columns_.end()) {
+      // As spreadsheets write tables where the comma is the decimal point.
+      const bool parted = columns_.size() == 1 && columns_[0].find_first_of(";\t") != std::string::npos;
+      throw InputError(
+          lines_.Name() + ": has no column '" + std::string(column) + "'" +
+          (parted ? ", but '" + Excerpt(columns_[0]) + "'; separate columns by commas, and write decimal points"
+                  : std::string()));
+    }
     return static_cast<std::size_t>(found - columns_.begin());
   }
 

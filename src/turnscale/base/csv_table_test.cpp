@@ -55,6 +55,9 @@ TEST(CsvTable, NamesWhatIsWrong) {
   };
   EXPECT_EQ(message([&] { table.Column("c"); }), "t.csv: has no column 'c'");
   EXPECT_EQ(message([&] { table.Next(); }), "t.csv:2: has 1 values, the first line has 2");
+  std::istringstream semicolons("time;height\n1;0,5\n");
+  EXPECT_EQ(message([&] { CsvTable(semicolons, "t.csv").Column("time"); }),
+            "t.csv: has no column 'time', but 'time;height'; separate columns by commas, and write decimal points");
   EXPECT_TRUE(table.Next());
   EXPECT_EQ(message([&] { table.Value<double>(0); }), "t.csv:3: 'x' is not a number");
 }
