@@ -92,7 +92,7 @@ std::vector<std::string> YamlMap::Keys() const {
 
 YamlMap YamlMap::Map(const std::string& key) const {
   const YAML::Node value = Value(key);
-  if (!value.IsMap()) Reject(key, "is a map; give its keys on indented lines below it");
+  if (!value.IsMap()) Reject(key, "is not a map; give its keys on indented lines below it");
   return {path_, prefix_ + key + ".", value};
 }
 
@@ -103,6 +103,12 @@ double YamlMap::Number(const std::string& key) const {
   const std::optional<double> value = NumberOf(text);
   if (!value || !std::isfinite(*value)) Reject(key, "is '" + Excerpt(text) + "'; give a finite number");
   return *value;
+}
+
+std::optional<double> YamlMap::NumberOrNone(const std::string& key) const {
+  if (Value(key).IsNull() || Scalar(key, "a number or none") == "none") return std::nullopt;
+  if (!NumberOf(Text(key))) Reject(key, "is '" + Excerpt(Text(key)) + "'; give a number or none");
+  return Number(key);
 }
 
 int YamlMap::Integer(const std::string& key) const {

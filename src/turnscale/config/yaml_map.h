@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -36,6 +37,8 @@ class YamlMap {
   /// Values; all throw where the key is missing or the value is of another kind. Numbers are finite.
   std::string Text(const std::string& key) const;
   double Number(const std::string& key) const;
+  /// Nothing for `none`, or for YAML's null.
+  std::optional<double> NumberOrNone(const std::string& key) const;
   int Integer(const std::string& key) const;
   bool Bool(const std::string& key) const;
   std::vector<double> Numbers(const std::string& key) const;

@@ -51,6 +51,18 @@ TEST(YamlMap, ReadsValuesOfEveryKind) {
   EXPECT_EQ(MapOf("\xEF\xBB\xBF%YAML:1.0\n---\na: 1.5\n").Number("a"), 1.5) << "after a byte-order mark";
 }
 
+TEST(YamlMap, ANumberMayBeNone) {
+  const YamlMap map = MapOf("a: none\nb: null\nc: ~\nd:\ne: 1.5\nf: some\ng: [1]\nh: .nan\n");
+  for (const char* key : {"a", "b", "c", "d"}) EXPECT_EQ(map.NumberOrNone(key), std::nullopt) << key;
+  EXPECT_EQ(map.NumberOrNone("e"), 1.5);
+  EXPECT_NE(MessageOf([&] { map.NumberOrNone("f"); }).find(":6: f: is 'some'; give a number or none"),
+            std::string::npos);
+  EXPECT_NE(MessageOf([&] { map.NumberOrNone("g"); }).find("g: is not a scalar; give a number or none"),
+            std::string::npos);
+  EXPECT_NE(MessageOf([&] { map.NumberOrNone("h"); }).find("give a finite number"), std::string::npos);
+  EXPECT_NE(MessageOf([&] { map.NumberOrNone("z"); }).find("z: is missing"), std::string::npos);
+}
+
 TEST(YamlMap, ComplaintsNameLineKeyAndValue) {
   const YamlMap map = MapOf("%YAML:1.0\n---\na: .nan\nb: 1.5\nc: maybe\nd: [1, x]\nf:\n  g: -2\n");
   EXPECT_NE(MessageOf([&] { map.Number("a"); }).find("yaml_map_test.yaml:3: a: is '.nan'"), std::string::npos);

@@ -95,9 +95,12 @@ TEST(Settings, ComplaintsNameLineKeyAndNearestKey) {
   EXPECT_NE(SettingsComplaint("corners:\n  target: two\n").find(":2: corners.target: is 'two'; give a finite number"),
             std::string::npos);
   EXPECT_NE(SettingsComplaint("corners:\n  target: 1.5\n").find("give a whole number"), std::string::npos);
-  EXPECT_NE(SettingsComplaint("vehicle: 3\n").find("vehicle: is a map"), std::string::npos);
+  EXPECT_NE(SettingsComplaint("vehicle: 3\n").find("vehicle: is not a map"), std::string::npos);
   EXPECT_NE(SettingsComplaint("vehicle:\n  side_slip: [1]\n").find("vehicle.side_slip: is not a scalar"),
             std::string::npos);
+  EXPECT_NE(SettingsComplaint("vehicle:\n  lever_arm: [1]\n").find("is not a scalar; give a number or none"),
+            std::string::npos);
+  EXPECT_EQ(SettingsFrom("vehicle:\n  lever_arm: null\n").vehicle.lever_arm, std::nullopt);
   EXPECT_NE(SettingsComplaint("scale:\n  method: magic\n").find("is 'magic'; give smoothed or turns or paper"),
             std::string::npos);
   const std::string senseless = SettingsComplaint("vehicle:\n  lever_arm: -1\n");

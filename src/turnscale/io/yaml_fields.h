@@ -46,8 +46,7 @@ class FieldReader {
     if (Known(name)) value = Map().Bool(name);
   }
   void Field(const std::string& name, std::optional<double>& value) {
-    if (!Known(name)) return;
-    value = Map().Text(name) == "none" ? std::nullopt : std::optional(Map().Number(name));
+    if (Known(name)) value = Map().NumberOrNone(name);
   }
 
   /// A shorter list leaves the rest at zero.
