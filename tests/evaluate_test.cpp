@@ -70,7 +70,7 @@ class EvaluateTest : public ::testing::Test {
   CommandResult Run(std::vector<std::string> arguments) const {
     arguments.insert(arguments.begin(), "evaluate");
     for (std::string& argument : arguments)
-      if (fs::exists(folder_ / argument)) argument = (folder_ / argument).string();
+      if (std::error_code none; fs::exists(folder_ / argument, none)) argument = (folder_ / argument).string();
     return RunCommand(arguments, folder_);
   }
 
@@ -301,6 +301,11 @@ TEST_F(EvaluateTest, NamesThatAreNoUtf8) {
 TEST_F(EvaluateTest, BadInputEndsWithCode2) {
   ExpectComplaint({"nowhere.tum", "truth/drive.tum"}, "nowhere.tum: no such trajectory file");
   ExpectComplaint({"estimate/drive.tum", "nowhere.tum"}, "nowhere.tum: no such trajectory file");
+  fs::create_symlink("loop", folder_ / "loop");
+  const std::string looped = (folder_ / "loop/a.tum").string();
+  ExpectComplaint({looped, "truth/drive.tum"}, looped + ": cannot be read: Too many levels of symbolic links");
+  ExpectComplaint({"estimate/drive.tum", "truth/drive.tum", "--keyframes", "nowhere.csv"},
+                  "nowhere.csv: no such table of keyframes");
   ExpectComplaint({"estimate/drive.tum"}, "GROUND_TRUTH");
   const std::string estimate = (folder_ / "estimate/drive.tum").string();
   for (const char* option : {"--json", "--picture"})

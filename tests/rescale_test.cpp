@@ -302,6 +302,8 @@ TEST_F(RescaleCommandTest, ComplaintsSayWhatToDo) {
   ExpectComplaint(Run({tum, "--lever-arm", "1", "--drift", "some"}), 2, {"--drift"});
   ExpectComplaint(Run({tum, "--lever-arm", "1", "--camera-rotation", "nowhere.yaml"}), 2, {"--camera-rotation"});
   ExpectComplaint(Run({Path("missing.tum"), "--lever-arm", "1"}), 2, {"missing.tum: no such trajectory file"});
+  fs::create_symlink("loop", folder_ / "loop");
+  ExpectComplaint(Run({Path("loop/a.tum"), "--lever-arm", "1"}), 2, {"loop/a.tum: cannot be read: Too many levels"});
   ExpectComplaint(Run({Text("one.tum", "0 0 0 0 0 0 0 1\n"), "--lever-arm", "1"}), 2,
                   {"one.tum: has fewer than two poses"});
 }

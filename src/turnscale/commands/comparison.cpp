@@ -125,7 +125,8 @@ std::vector<Step> FindSteps(const ComparisonFiles& arguments, const Paired& pair
                             std::string& description) {
   const bool asked = !arguments.keyframes.empty();
   const fs::path path = asked ? arguments.keyframes : arguments.estimate.parent_path() / RunFiles::kTrajectoryTable;
-  if (asked || fs::exists(path)) {
+  std::error_code none;
+  if (asked || fs::exists(path, none)) {
     try {
       auto steps = ReadKeyframeSteps(path, paired);
       description = "between the keyframes of " + path.string();

@@ -5,15 +5,16 @@
 #include <opencv2/core.hpp>
 
 #include "turnscale/base/error.h"
+#include "turnscale/base/input_file.h"
 #include "turnscale/io/frame_reader.h"
 
 namespace turnscale {
 
 cv::Mat ReadMask(const std::filesystem::path& path) {
-  std::error_code error;
-  if (!std::filesystem::exists(path, error)) throw InputError(path.string() + ": no such mask");
-  const cv::Mat mask = std::filesystem::is_directory(path, error) ? cv::Mat() : ReadGrayImage(path).gray;
-  if (mask.empty()) throw InputError(path.string() + ": cannot be read as an image");
+  OpenInputFile(path, "mask");
+  const auto [mask, problem] = ReadGrayImage(path);
+  // It begins with the name without the folder.
+  if (mask.empty()) throw InputError((path.parent_path() / problem).string());
   if (cv::countNonZero(mask) == 0)
     throw InputError(path.string() + ": is black, which leaves out the whole image; paint what is to be kept white");
   double darkest = 0;

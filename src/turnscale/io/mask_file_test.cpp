@@ -35,13 +35,22 @@ TEST(MaskFile, IsReadAsGray) {
 
 TEST(MaskFile, WhatIsNoMaskIsRefused) {
   EXPECT_NE(Complaint("/nonexistent/mask.png").find("no such mask"), std::string::npos);
-  EXPECT_NE(Complaint(::testing::TempDir()).find("cannot be read as an image"), std::string::npos);
+  EXPECT_NE(Complaint(::testing::TempDir()).find("is a folder, not a mask"), std::string::npos);
   const std::filesystem::path text = ScratchPath("text.png");
   std::ofstream(text) << "no image";
-  EXPECT_NE(Complaint(text).find("cannot be read as an image"), std::string::npos);
+  EXPECT_EQ(Complaint(text), text.string() + ": is not a readable image");
   const std::filesystem::path black = ScratchPath("black.png");
   cv::imwrite(black.string(), cv::Mat::zeros(20, 30, CV_8U));
   EXPECT_NE(Complaint(black).find("leaves out the whole image"), std::string::npos);
+}
+
+TEST(MaskFile, OneThatIsIncompleteIsNamedSo) {
+  const std::filesystem::path path = ScratchPath("mask.png");
+  cv::imwrite(path.string(), cv::Mat::zeros(20, 30, CV_8U));
+  std::filesystem::resize_file(path, std::filesystem::file_size(path) - 20);
+  EXPECT_EQ(Complaint(path), path.string() + ": is truncated");
+  std::ofstream(path).flush();
+  EXPECT_EQ(Complaint(path), path.string() + ": is empty");
 }
 
 TEST(MaskFile, OneThatLeavesNothingOutIsRefused) {

@@ -330,8 +330,8 @@ OdometryOptions ReadSettings(const std::filesystem::path& path) {
 Eigen::Quaterniond ReadCameraRotation(const std::string& angles_or_file) {
   std::optional<YawPitchRoll> angles = ParseAngles(angles_or_file);
   if (!angles) {
-    std::error_code error;
-    if (!std::filesystem::exists(angles_or_file, error)) {
+    std::error_code none;
+    if (std::filesystem::status(angles_or_file, none).type() == std::filesystem::file_type::not_found) {
       throw InputError(
           fmt::format("--camera-rotation '{}': is not a file; give yaw,pitch,roll in degrees, or a YAML file with "
                       "yaw_deg, pitch_deg, roll_deg",

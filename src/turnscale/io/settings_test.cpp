@@ -185,6 +185,10 @@ TEST(CameraRotation, ComplaintsSayWhatToGive) {
   EXPECT_NE(ComplaintOf([] { ReadCameraRotation("200,0,0"); }).find("between -180 and 180"), std::string::npos);
   EXPECT_NE(ComplaintOf([] { ReadCameraRotation(Write("yaw: 1\n")); }).find("did you mean 'yaw_deg'?"),
             std::string::npos);
+  const std::string loop = ScratchPath("loop");
+  std::filesystem::create_symlink(loop, loop);
+  EXPECT_EQ(ComplaintOf([&] { ReadCameraRotation(loop); }),
+            loop + ": cannot be read: Too many levels of symbolic links");
 }
 
 }  // namespace

@@ -167,11 +167,13 @@ Trajectory ReadTrajectory(const std::filesystem::path& path, const std::optional
 
 std::filesystem::path FindPoseTimes(const std::filesystem::path& kitti_poses) {
   namespace fs = std::filesystem;
+  // Where a folder may not be examined, reading the poses says so.
+  std::error_code error;
   fs::path beside = kitti_poses.parent_path() / "times.txt";
-  if (fs::exists(beside)) return beside;
+  if (fs::exists(beside, error)) return beside;
   fs::path benchmark =
-      fs::absolute(kitti_poses).parent_path().parent_path() / "sequences" / kitti_poses.stem() / "times.txt";
-  return fs::exists(benchmark) ? benchmark : fs::path();
+      fs::absolute(kitti_poses, error).parent_path().parent_path() / "sequences" / kitti_poses.stem() / "times.txt";
+  return fs::exists(benchmark, error) ? benchmark : fs::path();
 }
 
 Eigen::Quaterniond RotationFromFile(const Eigen::Quaterniond& read, const std::string& where,

@@ -126,6 +126,16 @@ TEST(TrajectoryFile, LinesAreAsTheFormatsSay) {
   EXPECT_EQ(KittiLine(pose), "1 0 0 1.5 0 1 0 -2 0 0 1 0.333333333\n");
 }
 
+TEST(TrajectoryFile, TimesAreFoundOnlyWhereTheyCanBeExamined) {
+  const fs::path loop = Path("loop");
+  fs::create_symlink(loop, loop);
+  EXPECT_EQ(FindPoseTimes(loop / "poses.txt"), fs::path());
+  const fs::path folder = Path("folder");
+  fs::create_directory(folder);
+  std::ofstream(folder / "times.txt") << "0\n";
+  EXPECT_EQ(FindPoseTimes(folder / "poses.txt"), folder / "times.txt");
+}
+
 TEST(TrajectoryFile, ComplaintsNameTheLine) {
   const std::string tum = "0 1 2 3 0 0 0 1\n";
   const std::string kitti = "1 0 0 5 0 1 0 0 0 0 1 0\n";
