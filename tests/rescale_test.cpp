@@ -97,6 +97,9 @@ TEST_F(RescaleCommandTest, ReadsEveryFormat) {
   std::string times;
   for (int i = 0; i < poses_; ++i) times += fmt::format("{}\n", i / kFps);
   ExpectMetres({Path("12.txt"), "--timestamps", Text("stamps.txt", times)}, poses_);
+  std::string stamps_in_milliseconds;
+  for (int i = 0; i < poses_; ++i) stamps_in_milliseconds += fmt::format("{}\n", 1'400'000'000'000 + i * 100);
+  ExpectMetres({Path("12.txt"), "--timestamps", Text("stamps.txt", stamps_in_milliseconds)}, poses_);
 }
 
 TEST_F(RescaleCommandTest, TakesHeightsWithAndWithoutALeverArm) {

@@ -5,15 +5,18 @@
 #include <cctype>
 #include <cmath>
 #include <string_view>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "turnscale/bag/bag_reader.h"
 #include "turnscale/base/error.h"
 #include "turnscale/base/escaped_text.h"
+#include "turnscale/base/file_extension.h"
 #include "turnscale/base/number_text.h"
 #include "turnscale/base/text_lines.h"
 #include "turnscale/io/run_files.h"
+#include "turnscale/io/time_unit.h"
 
 namespace turnscale {
 namespace {
@@ -21,10 +24,7 @@ namespace {
 namespace fs = std::filesystem;
 
 bool HasExtension(const fs::path& path, std::initializer_list<std::string_view> extensions) {
-  std::string extension = path.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return std::find(extensions.begin(), extensions.end(), extension) != extensions.end();
+  return std::find(extensions.begin(), extensions.end(), LowerExtension(path)) != extensions.end();
 }
 
 bool IsImageName(const fs::path& path) {
@@ -165,6 +165,7 @@ FrameTimes ReadFrameTimes(const std::filesystem::path& path) {
     result.lines.push_back(lines.Number());
   }
   if (result.times.empty()) throw InputError(path.string() + ": has no times; give one number per line, in seconds");
+  result.times = InSeconds(std::move(result.times));
   return result;
 }
 

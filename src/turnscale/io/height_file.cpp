@@ -8,6 +8,7 @@
 #include "turnscale/base/csv_table.h"
 #include "turnscale/base/error.h"
 #include "turnscale/base/escaped_text.h"
+#include "turnscale/io/time_unit.h"
 
 namespace turnscale {
 
@@ -31,6 +32,10 @@ std::vector<PathHeight> ReadHeightFile(const std::filesystem::path& path) {
     heights.push_back(row);
   }
   if (heights.empty()) throw InputError(path.string() + ": holds no heights");
+  std::vector<double> times;
+  for (const PathHeight& row : heights) times.push_back(row.time);
+  const double unit = SecondsPerUnit(times);
+  for (PathHeight& row : heights) row.time *= unit;
   return heights;
 }
 

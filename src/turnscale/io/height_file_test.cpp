@@ -50,6 +50,10 @@ TEST(HeightFile, ReadsFilesMadeByHandOrBySpreadsheets) {
   EXPECT_EQ(heights[1].sigma, 0.04);
 }
 
+TEST(HeightFile, TimesMayBeMicroseconds) {
+  EXPECT_EQ(Read("time,height\n1403636580000000,1\n1403636580100000,1\n")[0].time, 1403636580);
+}
+
 TEST(HeightFile, RefusesWhatMakesNoSense) {
   EXPECT_EQ(ErrorOf("time,heights\n1,2\n"), ": has no column 'height'");
   EXPECT_EQ(ErrorOf("time,height\n"), ": holds no heights");

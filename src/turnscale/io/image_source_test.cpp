@@ -229,6 +229,14 @@ TEST_F(ImageSourceTest, TheResultsOfARunAreNoDrive) {
   EXPECT_NE(complaint.find("holds the results of a run"), std::string::npos) << complaint;
 }
 
+TEST_F(ImageSourceTest, TimesMayBeOfAnyUnit) {
+  const std::vector<double> times =
+      ReadFrameTimes(Text("t.txt", "1403636580000000\n1403636580100000\n1403636580200000\n")).times;
+  EXPECT_EQ(times[0], 1403636580);
+  EXPECT_NEAR(times[2] - times[0], 0.2, 1e-6);
+  EXPECT_EQ(ReadFrameTimes(Text("t.txt", "1403636580\n1403636581\n")).times[1], 1403636581);
+}
+
 TEST_F(ImageSourceTest, ComplaintsAboutTimesNameTheLine) {
   Images(folder_, 0, 3);
   const auto complaint = [&](const std::string& text) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -11,6 +12,7 @@
 #include "turnscale/base/escaped_text.h"
 #include "turnscale/base/number_text.h"
 #include "turnscale/base/text_lines.h"
+#include "turnscale/io/time_unit.h"
 
 namespace turnscale {
 namespace {
@@ -66,6 +68,7 @@ SpeedLog ReadSpeedFile(const std::filesystem::path& path) {
     log.speeds.push_back(*speed);
   }
   if (log.times.size() < 2) throw InputError(path.string() + ": holds fewer than two speeds");
+  log.times = InSeconds(std::move(log.times));
   return log;
 }
 

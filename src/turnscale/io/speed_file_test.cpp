@@ -31,6 +31,11 @@ TEST(SpeedFile, GivesDistances) {
   EXPECT_FALSE(log.Distance(-0.1, 1));
 }
 
+TEST(SpeedFile, TimesMayBeMicroseconds) {
+  EXPECT_NEAR(SpeedsFrom("1403636580000000,1\n1403636580100000,3\n").Distance(1403636580, 1403636580.1).value(), 0.2,
+              1e-6);
+}
+
 TEST(SpeedFile, NamesTheLineItCannotRead) {
   for (const char* text : {"0,1\n1,x\n", "0,1\n1,nan\n", "0,1\n0,2\n", "0,1\n1,-2\n", "0,1\n2\n"}) {
     try {

@@ -17,14 +17,14 @@
 #include "turnscale/base/number_text.h"
 #include "turnscale/base/text_lines.h"
 #include "turnscale/io/run_files.h"
+#include "turnscale/io/time_unit.h"
 
 namespace turnscale {
 namespace {
 
 // Published files carry as few as four digits.
 constexpr double kRotationTolerance = 1e-2;
-constexpr double kSecondsPerNanosecond = 1e-9;
-constexpr double kLatestSeconds = 1e14;  // three million years
+constexpr double kLeastNanoseconds = 1e14;  // without being an integer; no clock counts such seconds
 constexpr std::size_t kEurocColumns = 8;
 
 RigidTransform PoseFromTum(std::span<const double> values, const std::string& where) {
@@ -84,10 +84,27 @@ class Parser {
       throw InputError(fmt::format("{}: {} poses, but {} times were given; give one time per pose", path_,
                                    file_.poses.size(), times_->size()));
     }
+    if (file_.format != TrajectoryFormat::kKitti) ConvertTimes();
     return std::move(file_);
   }
 
  private:
+  void ConvertTimes() {
+    constexpr double kNanosecond = 1e-9;
+    std::vector<double> times;
+    for (const StampedPose& pose : file_.poses) times.push_back(pose.time);
+    double unit = SecondsPerUnit(times);
+    if (file_.format == TrajectoryFormat::kEuroc && unit == 1) {
+      if (times.size() > 1)
+        throw InputError(
+            fmt::format("{}: times {} and {} are too close for a EuRoC file, whose times are nanoseconds; give a TUM "
+                        "file with blanks, not commas, between its columns",
+                        path_, times[0], times[1]));
+      unit = kNanosecond;
+    }
+    for (StampedPose& pose : file_.poses) pose.time *= unit;
+  }
+
   void AddEuroc(const std::vector<std::string_view>& words, const std::string& where) {
     file_.format = TrajectoryFormat::kEuroc;
     if (words.size() < kEurocColumns || (columns_ != 0 && words.size() != columns_)) {
@@ -97,17 +114,17 @@ class Parser {
     }
     columns_ = words.size();
     const std::vector<double> v = NumbersOf({words.begin(), words.begin() + kEurocColumns}, where);
-    if (!ParseNumber<int64_t>(words[0]) && !(v[0] > kLatestSeconds)) {
+    if (!ParseNumber<int64_t>(words[0]) && !(v[0] > kLeastNanoseconds)) {
       throw InputError(
           fmt::format("{}: time {}, but those of a EuRoC file are whole nanoseconds; give a TUM file with blanks, not "
                       "commas, between its columns",
                       where, words[0]));
     }
-    AddTum(std::array{v[0] * kSecondsPerNanosecond, v[1], v[2], v[3], v[5], v[6], v[7], v[4]}, where);
+    AddTum(std::array{v[0], v[1], v[2], v[3], v[5], v[6], v[7], v[4]}, where);
   }
 
   void AddTum(std::span<const double> values, const std::string& where) {
-    const double time = values[0] > kLatestSeconds ? values[0] * kSecondsPerNanosecond : values[0];
+    const double time = values[0];
     if (!file_.poses.empty() && time <= file_.poses.back().time) {
       throw InputError(
           fmt::format("{}: time {} does not come after {}; sort the file", where, time, file_.poses.back().time));

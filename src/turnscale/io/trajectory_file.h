@@ -25,8 +25,8 @@ struct TrajectoryFile {
   std::vector<int> frames;
 };
 
-/// Reads a trajectory whose format is found from its columns; # begins a comment. TUM times beyond any clock's seconds
-/// are taken for nanoseconds, which some SLAM systems write. `times` (seconds, by frame number)
+/// Reads a trajectory whose format is found from its columns; # begins a comment. Times that cannot be
+/// seconds are converted from the unit that they fit (SecondsPerUnit). `times` (seconds, by frame number)
 /// are given to KITTI poses. Throws InputError that names file and line where a number is missing or NaN, a rotation is
 /// none, times or frames do not increase, or `times` do not fit.
 TrajectoryFile ReadTrajectoryFile(const std::filesystem::path& path,

@@ -5,6 +5,7 @@
 #include <fstream>
 #include <random>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "turnscale/base/error.h"
@@ -82,13 +83,28 @@ TEST(TrajectoryFile, EurocTimesAreWholeNanoseconds) {
             "bad.txt:1: time 0.1, but those of a EuRoC file are whole nanoseconds; give a TUM file with blanks, not "
             "commas, between its columns");
   EXPECT_TRUE(TrajectoryComplaint("0,1,2,3,1,0,0,0\n0.1,1,2,3,1,0,0,0\n").starts_with("bad.txt:2: time 0.1, but"));
+  EXPECT_TRUE(TrajectoryComplaint("0,1,2,3,1,0,0,0\n1,1,2,3,1,0,0,0\n").starts_with("bad.txt: times 0 and 1 are too "));
   EXPECT_EQ(TrajectoryComplaint("1403636580838555648.0,1,2,3,1,0,0,0\n"), "no error") << "no clock counts such seconds";
 }
 
-TEST(TrajectoryFile, TumTimesMayBeNanoseconds) {
-  std::ofstream(Path("ns.tum")) << "1403636580838555648 0 0 0 0 0 0 1\n1403636580888555520 0 0 1 0 0 0 1\n";
-  const Trajectory poses = ReadTrajectory(Path("ns.tum"));
-  EXPECT_NEAR(poses[1].time - poses[0].time, 0.05, 1e-6);
+TEST(TrajectoryFile, TimesMayBeOfAnyUnit) {
+  for (const double unit : {1.0, 1e-3, 1e-6, 1e-9}) {
+    std::ofstream tum(Path("a.tum"));
+    std::ofstream euroc(Path("a.csv"));
+    for (int i = 0; i < 5; ++i) {
+      const double time = (1403636580 + 0.05 * i) / unit;
+      tum << fmt::format("{:.2f} 0 0 {} 0 0 0 1\n", time, i);
+      euroc << fmt::format("{:.0f},0,0,{},1,0,0,0\n", time, i);
+    }
+    tum.close();
+    euroc.close();
+    for (const fs::path& path : {Path("a.tum"), Path("a.csv")}) {
+      if (unit == 1 && path.extension() == ".csv") continue;
+      const Trajectory poses = ReadTrajectory(path);
+      EXPECT_NEAR(poses[0].time, 1403636580, 1e-3) << path << " " << unit;
+      EXPECT_NEAR(poses[4].time - poses[0].time, 0.2, 1e-3) << path << " " << unit;
+    }
+  }
 }
 
 TEST(TrajectoryFile, TumRoundTrip) {
