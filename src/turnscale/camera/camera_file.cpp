@@ -100,7 +100,7 @@ CameraModel OrbSlamCamera(const YamlMap& file) {
     SetDistortion(camera, LensModel::kEquidistant,
                   {coefficient("k1", true), coefficient("k2", true), coefficient("k3", true), coefficient("k4", true)});
   } else {
-    file.Reject("Camera.type", "'" + type + "' is not supported; use PinHole or KannalaBrandt8");
+    file.Reject("Camera.type", "'" + Excerpt(type) + "' is not supported; use PinHole or KannalaBrandt8");
   }
   return camera;
 }
@@ -124,7 +124,7 @@ void SetOpenCvDistortion(const YamlMap& file, CameraModel& camera) {
   }
   static const Names radial_models = {"", "plumb_bob", "radtan", "rational_polynomial"};
   if (std::find(radial_models.begin(), radial_models.end(), model) == radial_models.end()) {
-    file.Reject("distortion_model", "'" + model + "' is not supported; use plumb_bob or equidistant");
+    file.Reject("distortion_model", "'" + Excerpt(model) + "' is not supported; use plumb_bob or equidistant");
   }
   if (k.size() < 4 ||
       std::any_of(k.begin() + std::min<size_t>(k.size(), 5), k.end(), [](double x) { return x != 0; })) {
@@ -191,7 +191,7 @@ CameraModel KalibrCamera(const YamlMap& cam) {
                               "line_delay"};
   cam.AllowOnly(known);
   if (const std::string model = cam.Text("camera_model"); model != "pinhole") {
-    cam.Reject("camera_model", "'" + model + "' is not supported; calibrate with 'pinhole'");
+    cam.Reject("camera_model", "'" + Excerpt(model) + "' is not supported; calibrate with 'pinhole'");
   }
   const std::vector<double> k = cam.Numbers("intrinsics");
   if (k.size() != 4) cam.Reject("intrinsics", HoldsNumbers(k) + "; give [fx, fy, cx, cy]");
@@ -211,7 +211,7 @@ CameraModel KalibrCamera(const YamlMap& cam) {
   const std::string model = cam.Text("distortion_model");
   if (model == "none") return camera;
   if (model != "radtan" && model != "equidistant") {
-    cam.Reject("distortion_model", "'" + model + "' is not supported; use radtan, equidistant or none");
+    cam.Reject("distortion_model", "'" + Excerpt(model) + "' is not supported; use radtan, equidistant or none");
   }
   const std::vector<double> coefficients = cam.Numbers("distortion_coeffs");
   if (coefficients.size() != 4) {

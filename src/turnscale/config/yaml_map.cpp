@@ -159,7 +159,7 @@ void YamlMap::Reject(const std::string& key, std::string_view why) const {
     if (entry.first.IsScalar() && entry.first.Scalar() == key) line = entry.first.Mark().line + 1;
   }
   const std::string place = line > 0 ? path_ + ":" + std::to_string(line) : path_;
-  throw InputError(place + ": " + prefix_ + key + ": " + std::string(why));
+  throw InputError(place + ": " + prefix_ + Excerpt(key) + ": " + std::string(why));
 }
 
 YAML::Node YamlMap::Value(const std::string& key) const {

@@ -83,6 +83,10 @@ TEST(YamlMap, UnknownKeyNamesTheNearestKnown) {
               MapOf("alpha: 1\nbeat: 2\n").AllowOnly(known);
             }).find(":2: beat: unknown key; did you mean 'beta'?"),
             std::string::npos);
+  EXPECT_NE(MessageOf([&] {
+              MapOf(std::string(99, 'x') + ": 1\n").AllowOnly(known);
+            }).find(": " + std::string(40, 'x') + "...: unknown key"),
+            std::string::npos);
   EXPECT_NO_THROW(MapOf("beta: 1\n").AllowOnly(known));
 }
 

@@ -118,7 +118,7 @@ class Parser {
       throw InputError(
           fmt::format("{}: time {}, but those of a EuRoC file are whole nanoseconds; give a TUM file with blanks, not "
                       "commas, between its columns",
-                      where, words[0]));
+                      where, Excerpt(words[0])));
     }
     AddTum(std::array{v[0], v[1], v[2], v[3], v[5], v[6], v[7], v[4]}, where);
   }

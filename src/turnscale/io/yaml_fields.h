@@ -12,6 +12,7 @@
 
 #include <fmt/format.h>
 
+#include "turnscale/base/escaped_text.h"
 #include "turnscale/config/yaml_map.h"
 #include "turnscale/geometry/rotation.h"
 
@@ -76,7 +77,7 @@ class FieldReader {
       }
       all += (all.empty() ? "" : " or ") + std::string(choice_text);
     }
-    Map().Reject(name, fmt::format("is '{}'; give {}", text, all));
+    Map().Reject(name, fmt::format("is '{}'; give {}", Excerpt(text), all));
   }
 
   void Rotation(const std::string& prefix, Eigen::Quaterniond& rotation) {
