@@ -40,9 +40,6 @@ struct LeverArm {
   /// The effective lever arm at a speed (m/s, negative in reverse): L - c v |v|. The rear tyres slip outwards in a
   /// turn: the point without lateral velocity moves forward, in reverse backward. Negative beyond v = sqrt(L/c).
   double At(double speed) const { return length - side_slip * speed * std::abs(speed); }
-
-  /// Throws InputError when the length is not positive or the slip is negative.
-  void Check() const;
 };
 
 /// Motion of a car without slip between two poses (1).

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <utility>
 
 #include <Eigen/Core>
 #include <Eigen/LU>
@@ -24,7 +25,7 @@ struct CarState {
 
 // Standard deviations of a position that are tried, metres: from an ideal simulator to a poor camera.
 constexpr std::array kNoises = {0.0005, 0.001, 0.002, 0.004, 0.008, 0.016, 0.032, 0.064, 0.128};
-constexpr double kHuber = 3;  // standard deviations
+constexpr double kOutlier = 3;  // standard deviations
 // Before the first reading: any speed and acceleration of a car.
 constexpr double kFirstSpeedSigma = 30;
 constexpr double kFirstAccelerationSigma = 3;
@@ -37,11 +38,13 @@ Matrix3d Transition(double seconds) {
 }
 
 Matrix3d WalkOf(double acceleration_walk, double t) {
+  const double t2 = t * t;
+  const double t3 = t2 * t;
   Matrix3d walk;
-  walk << t * t * t / 20, t * t / 8, t / 6,  //
-      t * t / 8, t / 3, 0.5,                 //
-      t / 6, 0.5, 1 / t;
-  return acceleration_walk * acceleration_walk * t * t * walk;
+  walk << t3 * t2 / 20, t2 * t2 / 8, t3 / 6,  //
+      t2 * t2 / 8, t3 / 3, t2 / 2,            //
+      t3 / 6, t2 / 2, t;
+  return acceleration_walk * acceleration_walk * walk;
 }
 
 class Filter {
@@ -54,8 +57,18 @@ class Filter {
     CarState state;
     double likelihood = 0;
     bool begun = false;
+    double unmeasured = 0;  // metres since the last measured reading
     for (size_t i = 0; i < readings_.size(); ++i) {
-      if (i > 0) Predict(readings_[i].time - readings_[i - 1].time, begun && !readings_[i - 1].measured, state);
+      if (i > 0) {
+        const double seconds = readings_[i].time - readings_[i - 1].time;
+        if (begun && !(readings_[i - 1].measured && readings_[i].measured)) unmeasured += state.mean[1] * seconds;
+        Predict(seconds, state);
+      }
+      // The error of a gap is one for the whole of it.
+      if (readings_[i].measured) {
+        const double gap_sigma = options_.gap_sigma * std::exchange(unmeasured, 0.0);
+        state.covariance(0, 0) += gap_sigma * gap_sigma;
+      }
       if (!begun) {
         // Readings before the first measured one get its position, and any speed.
         state.mean = {FirstPosition(), 0, 0};
@@ -76,14 +89,11 @@ class Filter {
     return std::find_if(readings_.begin(), readings_.end(), [](const auto& r) { return r.measured; })->position;
   }
 
-  void Predict(double seconds, bool across_gap, CarState& state) const {
+  void Predict(double seconds, CarState& state) const {
     const Matrix3d transition = Transition(seconds);
     state.mean = transition * state.mean;
     state.covariance =
         transition * state.covariance * transition.transpose() + WalkOf(options_.acceleration_walk, seconds);
-    if (!across_gap) return;
-    const double distance = state.mean[1] * seconds;
-    state.covariance(0, 0) += std::pow(options_.gap_sigma * distance, 2);
   }
 
   double Update(double position, CarState& state) const {
@@ -91,8 +101,9 @@ class Filter {
     double variance = state.covariance(0, 0) + variance_;
     const double deviation = std::abs(innovation) / std::sqrt(variance);
     const double likelihood =
-        -0.5 * (std::min(deviation * deviation, 2 * kHuber * deviation - kHuber * kHuber) + std::log(variance));
-    if (deviation > kHuber) variance += variance_ * (std::pow(deviation / kHuber, 2) - 1);
+        -0.5 * (std::min(deviation * deviation, 2 * kOutlier * deviation - kOutlier * kOutlier) + std::log(variance));
+    // Down-weighted more than Huber's function does: a jump of the path is no speed.
+    if (deviation > kOutlier) variance += variance_ * (std::pow(deviation / kOutlier, 2) - 1);
     const Vector3d gain = state.covariance.col(0) / variance;
     state.mean += gain * innovation;
     state.covariance -= gain * state.covariance.row(0);

@@ -77,6 +77,25 @@ TEST(SpeedSmoother, TheSigmaGrowsWhereNothingIsMeasured) {
   EXPECT_NEAR(speeds[320].speed, drive.speeds[320], 4 * speeds[320].sigma);
 }
 
+TEST(SpeedSmoother, AGapIsAsUncertainWithFewReadingsAsWithMany) {
+  const auto sigma_within = [](int every) {
+    NoisyDrive drive = DriveWithNoise(0.01, 5);
+    std::vector<PathReading> readings;
+    for (int i = 0; i <= 600; ++i) {
+      PathReading reading = drive.readings[i];
+      reading.measured = i < 250 || i > 290;
+      if (reading.measured || i % every == 0) readings.push_back(reading);
+    }
+    return SpeedAt(SmoothSpeed(readings), drive.readings[270].time).value().sigma;
+  };
+  EXPECT_NEAR(sigma_within(1) / sigma_within(10), 1, 0.02);
+}
+
+TEST(SpeedSmoother, ReadingsOfOneTimeAreNoFault) {
+  for (const SpeedReading& reading : SmoothSpeed({{0, 0, true}, {1, 1, true}, {1, 1, true}, {2, 2, true}}))
+    EXPECT_NEAR(reading.speed, 1, 0.2);
+}
+
 TEST(SpeedSmoother, TooFewReadings) {
   EXPECT_TRUE(SmoothSpeed({}).empty());
   EXPECT_TRUE(SmoothSpeed({{0, 0, true}, {1, 1, true}}).empty());

@@ -121,7 +121,7 @@ std::optional<VehicleStep> StepBuilder::Finish() {
   if (!started_ || last <= key_) return std::nullopt;
   const VehicleStep step = StepTo(last_pose_, last);
   StartAt(last_pose_, last);
-  return step.motion.step > 0 ? std::optional(step) : std::nullopt;
+  return step;
 }
 
 void StepBuilder::StartAt(const StampedPose& pose, int index) {

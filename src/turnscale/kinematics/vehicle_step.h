@@ -97,7 +97,7 @@ class StepBuilder {
   /// its own.
   std::vector<VehicleStep> Add(const StampedPose& pose, const PathGap* gap = nullptr);
 
-  /// The path ends: what remains of it is a step, unless it has no length.
+  /// The path ends: what remains of it is a step, which is not usable if the car has stood still since the last one.
   std::optional<VehicleStep> Finish();
 
  private:

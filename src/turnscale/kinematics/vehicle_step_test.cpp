@@ -223,11 +223,14 @@ TEST(CutIntoSteps, WithoutTimesPosesAreCounted) {
   for (const VehicleStep& step : steps) EXPECT_EQ(step.duration, 0);
 }
 
-TEST(CutIntoSteps, WhatRemainsIsAStepUnlessItStandsStill) {
+TEST(CutIntoSteps, WhatRemainsIsAStep) {
   Trajectory path = Straight(9);
   EXPECT_EQ(LastPoses(CutIntoSteps(path, {}, true, {})), (std::vector<int>{6, 8}));
   path[7].world_from_camera = path[8].world_from_camera = path[6].world_from_camera;
-  EXPECT_EQ(LastPoses(CutIntoSteps(path, {}, true, {})), (std::vector<int>{6}));
+  const std::vector<VehicleStep> stands = CutIntoSteps(path, {}, true, {});
+  EXPECT_EQ(LastPoses(stands), (std::vector<int>{6, 8})) << "every pose belongs to a step";
+  EXPECT_TRUE(stands[0].usable);
+  EXPECT_FALSE(stands[1].usable);
   EXPECT_TRUE(CutIntoSteps({path[0]}, {}, true, {}).empty());
   EXPECT_TRUE(CutIntoSteps({}, {}, true, {}).empty());
 }
