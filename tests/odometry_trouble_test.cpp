@@ -130,6 +130,36 @@ TEST(OdometryTrouble, TrackingRestartsAfterALongGap) {
   EXPECT_LT(std::abs(MeasureRun(run.refined, drive.world_from_camera).path_length), 0.01);
 }
 
+TEST(OdometryTrouble, ARestartHasThePixelsOfTheLensCorrectionLearnedUpToTheGap) {
+  constexpr int kFirst = 36;
+  constexpr int kCount = 12;
+  StreetDrive drive = RenderStreetDrive({.frames = 60, .k1 = 0.01});
+  SpoilImages(drive, kFirst, kCount, Black);
+  drive.camera.lens = LensModel::kPinhole;
+  drive.camera.distortion = {};
+  Odometry odometry(StreetOptions(), drive.camera);
+  int i = 0;
+  for (; i < kFirst; ++i) odometry.Process(drive.images[i], drive.times[i]);
+  const double before = odometry.camera().radial_correction;
+  const size_t keyframes = odometry.map().keyframes.size();
+  for (; i < static_cast<int>(drive.images.size()) && odometry.map().keyframes.size() == keyframes; ++i)
+    odometry.Process(drive.images[i], drive.times[i]);
+  ASSERT_EQ(odometry.map().keyframes.size(), keyframes + 2);
+  ASSERT_TRUE(odometry.map().keyframes[keyframes].after_gap);
+  EXPECT_NE(odometry.camera().radial_correction, before) << "the gap ends no work that changes it";
+  const auto expect_pixel = [&](const LandmarkObservation& seen, const cv::Point2f& raw) {
+    const std::optional<Eigen::Vector2d> pixel = odometry.camera().Undistort({raw.x, raw.y});
+    ASSERT_TRUE(pixel);
+    EXPECT_EQ(seen.pixel, *pixel);
+  };
+  for (const FeatureTrack& track : odometry.tracks()) {
+    const Landmark& landmark = odometry.map().landmarks[track.landmark];
+    ASSERT_EQ(landmark.observations.size(), 2U);
+    expect_pixel(landmark.observations[0], track.reference_pixel);
+    expect_pixel(landmark.observations[1], track.pixel);
+  }
+}
+
 TEST(OdometryTrouble, ADriveThatStartsInTheDarkIsFollowedFromTheFirstLight) {
   constexpr int kDark = 8;
   StreetDrive drive = PlainStreetDrive(40);
@@ -334,10 +364,14 @@ TEST(OdometryTrouble, WhatIsNoFrameIsRefusedAndLeavesNoTrace) {
     EXPECT_THROW(odometry.ProcessUnreadable(time), InputError);
   }
   EXPECT_EQ(odometry.camera().width, 0);
+  odometry.SetMask(cv::Mat(drive.images[0].size(), CV_8UC1, cv::Scalar(255)));
+  EXPECT_NE(Complaint(odometry, small, 0).find("mask: is 480x192, the images are 200x100"), std::string::npos);
+  EXPECT_EQ(odometry.camera().width, 0);
   for (int i = 0; i < 3; ++i) EXPECT_EQ(Complaint(odometry, drive.images[i], drive.times[i]), "") << i;
   EXPECT_EQ(odometry.camera().width, drive.images[0].cols);
   EXPECT_NE(Complaint(odometry, drive.images[0], drive.times[2]).find("after the frame before"), std::string::npos);
   EXPECT_NE(Complaint(odometry, small, drive.times[2] + 1).find("200x100"), std::string::npos);
+  EXPECT_THROW(odometry.SetMask(small), InternalError) << "it comes too late";
 }
 
 TEST(OdometryTrouble, ACameraWithHalfASizeIsRefused) {

@@ -187,6 +187,7 @@ std::optional<InitialMap> MapInitializer::TryTwoViews() const {
   map.first_image = first_image_;
   map.first_pixels = first_pixels_;
   map.second_pixels = pixels_;
+  map.radial_correction = camera_.radial_correction;
   map.second_from_first = views.second_from_first;
   const WaitingFrame& first = frames_.front();
   const WaitingFrame& second = frames_.back();

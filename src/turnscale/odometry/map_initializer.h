@@ -29,6 +29,7 @@ struct InitialMap {
   cv::Mat first_image;
   std::vector<cv::Point2f> first_pixels;   ///< in the first image as it came, one per feature
   std::vector<cv::Point2f> second_pixels;  ///< in the second image as it came, one per feature the second view saw
+  double radial_correction = 0;            ///< under which the pixels of the frames are undistorted
   RigidTransform second_from_first;
   std::vector<char> has_point;          ///< one flag per feature
   std::vector<Eigen::Vector3d> points;  ///< one per feature

@@ -116,18 +116,21 @@ void Odometry::CheckImage(const cv::Mat& gray) {
   // One that could not be read has the type of a gray one, and no size for the camera.
   if (gray.empty()) throw InputError("image: is empty; where an image cannot be read, call ProcessUnreadable");
   if (gray.type() != CV_8UC1) throw InputError("image: has to be 8-bit gray");
-  // Not every camera file has the image size; the first image has it.
-  if (camera_.width == 0) {
-    camera_.width = gray.cols;
-    camera_.height = gray.rows;
-  }
-  if (gray.cols != camera_.width || gray.rows != camera_.height)
+  if (camera_.width != 0 && gray.size() != cv::Size(camera_.width, camera_.height))
     throw InputError("image: is " + std::to_string(gray.cols) + "x" + std::to_string(gray.rows) + ", the camera has " +
                      std::to_string(camera_.width) + "x" + std::to_string(camera_.height));
   if (mask_.size() == gray.size()) return;
   mask_.SetSize(gray.size());
+  // Not every camera file has the image size; the first image that fits the mask has it.
+  camera_.width = gray.cols;
+  camera_.height = gray.rows;
   ApplyMask();
   WaitForMap();
+}
+
+void Odometry::SetMask(const cv::Mat& mask) {
+  Ensure(mask_.size().empty(), "a mask is set before the first image");
+  mask_.SetGiven(mask);
 }
 
 void Odometry::ApplyMask() { tracker_.SetMask(mask_.pixels()); }
@@ -183,8 +186,7 @@ FrameResult Odometry::Initialize(const FlowImage& image, FrameResult result) {
 
 void Odometry::StartMap(const FlowImage& image, const InitialMap& start) {
   const bool continues = !map_.keyframes.empty();
-  // No turn reaches across the gap: one that was under way is read from the map it belongs to.
-  if (continues) Settle();
+  Ensure(start.radial_correction == camera_.radial_correction, "a start has the radial correction of the map");
   StartPlace place;
   place.after_gap = continues;
   if (continues) {
@@ -215,10 +217,14 @@ TrackedFrame Odometry::Track(const FlowImage& image, const RigidTransform& predi
   return tracked;
 }
 
-FrameResult Odometry::Bridge(const RigidTransform& predicted, FrameResult result) {
+FrameResult Odometry::Bridge(RigidTransform predicted, FrameResult result) {
   if (result.state != TrackingState::kUnreadable) result.state = TrackingState::kBridged;
   const TrackingOptions& limits = options_.tracking;
   if (mapping_ && ++lost_frames_ >= limits.min_lost_frames && result.time - motion_.time() > limits.max_lost_seconds) {
+    // No turn reaches across the gap: one that was under way is read from the map it belongs to. What is pending may
+    // change the radial correction, under which the pixels that wait for the next map are undistorted.
+    Settle();
+    predicted = motion_.Predict(result.time);
     WaitForMap();
   }
   return MetricResult(result, predicted);

@@ -46,7 +46,7 @@ class Odometry {
   Odometry& operator=(const Odometry&) = delete;
 
   /// Leaves out the pixels of all images that are 0 in an 8-bit image of their size. Before the first image.
-  void SetMask(const cv::Mat& mask) { mask_.SetGiven(mask); }
+  void SetMask(const cv::Mat& mask);
 
   /// Processes the next image (8-bit gray), taken at `time` seconds, and returns the online estimate of its pose.
   /// Throws InputError, and changes nothing, when it is empty or its size is not the camera's (or the first image's, if
@@ -111,7 +111,7 @@ class Odometry {
   FrameResult Initialize(const FlowImage& image, FrameResult result);
   void StartMap(const FlowImage& image, const InitialMap& start);
   TrackedFrame Track(const FlowImage& image, const RigidTransform& predicted, FrameResult& result);
-  FrameResult Bridge(const RigidTransform& predicted, FrameResult result);
+  FrameResult Bridge(RigidTransform predicted, FrameResult result);
 
   /// Results of lens refinement and calibration check, computed while the frames up to a later keyframe are processed.
   struct CameraWork {
