@@ -146,6 +146,11 @@ void DriveScale::Reread(const Map& map, MountCalibration mount, int first, int e
   const auto knowledge = [&] { return std::pair(mount_.moves(), mount_.current().found); };
   const auto before = knowledge();
   mount_ = std::move(mount);
+  // A move is found many keyframes after it.
+  if (mount_.moves() > 0)
+    std::erase_if(heights_, [moved = mount_.mounts()[1].first_keyframe](const MeasuredHeight& height) {
+      return height.keyframe >= moved;
+    });
   // Another prior of the yaw counts from the start on.
   if (knowledge() != before) settled_.reset();
   if (settled_) {

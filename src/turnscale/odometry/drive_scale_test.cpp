@@ -322,7 +322,13 @@ TEST(DriveScale, ATurnThatOnlyTheMountExplainsIsUsedOnceItIsKnown) {
   }
 }
 
-TEST(DriveScale, EachStepIsReadAsTheCameraWasTurnedThen) {
+// Five corners, after which the camera is turned, and five more. `at`: the last keyframe before the move.
+struct MovedDrive {
+  std::vector<RigidTransform> drive;
+  int at = 0;
+};
+
+MovedDrive DriveWithMovedCamera() {
   std::vector<DriveSegment> blocks = {{40, 0.8, 0}};
   for (int i = 0; i < 5; ++i) {
     blocks.push_back({30, 0.6, i % 2 == 0 ? M_PI / 60 : -M_PI / 60});
@@ -337,6 +343,11 @@ TEST(DriveScale, EachStepIsReadAsTheCameraWasTurnedThen) {
     const RigidTransform turned{pose.rotation * kMounting.conjugate() * moved, pose.translation};
     if (next.translation.norm() > 0) drive.push_back(turned * next);
   }
+  return {drive, at};
+}
+
+TEST(DriveScale, EachStepIsReadAsTheCameraWasTurnedThen) {
+  const auto [drive, at] = DriveWithMovedCamera();
   OdometryOptions options = KnownCar();
   options.vehicle.calibrate_camera = true;
   Live live(options, drive, kUnits);
@@ -350,6 +361,38 @@ TEST(DriveScale, EachStepIsReadAsTheCameraWasTurnedThen) {
     EXPECT_TRUE(turn.used) << turn.reason;
     EXPECT_NEAR(turn.metres_per_unit * kUnits, 1, 7e-4) << turn.first_keyframe - at;
   }
+}
+
+TEST(DriveScale, HeightsFromAfterAMoveOfTheCameraAreNotUsed) {
+  const std::vector<RigidTransform> drive = DriveWithMovedCamera().drive;
+  OdometryOptions options = KnownCar();
+  options.vehicle.calibrate_camera = true;
+  // The camera is lower after the move, from keyframe `moved` on; heights are measured before `end`.
+  const auto driven = [&](int moved, int end) {
+    Live live(options, drive, kUnits);
+    while (live.map.keyframes.size() < drive.size()) {
+      const int k = static_cast<int>(live.map.keyframes.size());
+      if (k > 0 && k < end) {
+        RigidTransform step = drive[k - 1].inverse() * drive[k];
+        step.translation *= kUnits;
+        const double height = (k < moved ? 1.5 : 1.2) * kUnits;
+        live.scale.AddHeight({k, k - 1, height / step.translation.norm(), 0.02, step, {}, {}});
+      }
+      live.Next();
+    }
+    return live;
+  };
+  const int all = static_cast<int>(drive.size());
+  const Live without = driven(all, 0);
+  ASSERT_EQ(without.scale.mount().moves(), 1);
+  const int moved = without.scale.mount().mounts()[1].first_keyframe;
+  const Live before = driven(moved, moved);
+  const Live both = driven(moved, all);
+  const RefinedScale of_before = before.scale.Refine(before.map);
+  const RefinedScale of_both = both.scale.Refine(both.map);
+  EXPECT_NE(without.scale.Refine(without.map).path.metres_per_unit, of_before.path.metres_per_unit);
+  EXPECT_EQ(of_both.path.metres_per_unit, of_before.path.metres_per_unit);
+  EXPECT_EQ(of_both.sigmas, of_before.sigmas);
 }
 
 TEST(DriveScale, AllTurnsTogetherTellWhatTheYawHasWrong) {
