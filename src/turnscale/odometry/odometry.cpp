@@ -415,6 +415,7 @@ RigidTransform Odometry::LastFromKeyframe() const {
 void Odometry::FollowMap(int first, const std::vector<double>& factors, RigidTransform last_from_keyframe) {
   if (factors.empty()) return;
   history_.Rescale(first, factors);
+  road_.Rescale(factors.back());
   last_from_keyframe.translation *= factors.back();
   motion_.Correct(last_from_keyframe * map_.keyframes.back().camera_from_world, factors.back());
 }

@@ -40,6 +40,11 @@ class RoadObserver {
                                         const Eigen::Quaterniond& vehicle_from_camera, const FlowImage& image,
                                         const cv::Mat& mask);
 
+  /// The unit of the map's latest keyframes has changed: a length there is `factor` times what it was.
+  void Rescale(double factor) {
+    if (height_) *height_ *= factor;
+  }
+
  private:
   struct View {
     int keyframe;

@@ -15,6 +15,7 @@ namespace {
 
 constexpr double kMetresPerUnit = 8;
 constexpr double kStep = 0.6;  // metres from keyframe to keyframe
+constexpr int kRescaled = 4;
 
 CameraModel RoadCamera() {
   CameraModel camera;
@@ -31,8 +32,9 @@ struct Observed {
 };
 
 /// `rise`: by which each keyframe is too high while it is the latest one, metres. `blank`: first keyframes without
-/// texture.
-Observed ObserveMap(const SyntheticRoad& road, int keyframes, int gap = -1, double rise = 0, int blank = 0) {
+/// texture. `factor`: by which the map's unit changes before keyframe kRescaled.
+Observed ObserveMap(const SyntheticRoad& road, int keyframes, int gap = -1, double rise = 0, int blank = 0,
+                    double factor = 1) {
   const CameraModel camera = RoadCamera();
   RoadObserver observer{RoadObserverOptions{}};
   Observed observed;
@@ -43,7 +45,11 @@ Observed ObserveMap(const SyntheticRoad& road, int keyframes, int gap = -1, doub
     SyntheticRoad shown = road;
     if (k < blank) shown.contrast = 0;
     const RoadImage image = RenderRoad(shown, camera, world_from_camera);
-    world_from_camera.translation /= kMetresPerUnit;
+    world_from_camera.translation *= (k < kRescaled ? 1 : factor) / kMetresPerUnit;
+    if (k == kRescaled) {
+      for (Keyframe& keyframe : map.keyframes) keyframe.camera_from_world.translation *= factor;
+      observer.Rescale(factor);
+    }
     map.keyframes.push_back({k, 0.1 * k, world_from_camera.inverse(), {}, k == gap});
     FlowImage flow;
     flow.gray = image.gray;
@@ -99,6 +105,16 @@ TEST(RoadObserver, HeightsFollowTheAdjustedMotion) {
   EXPECT_GE(compared, 4);
   EXPECT_GT(std::sqrt(before / compared), 0.005);
   EXPECT_LT(std::sqrt(after / before), 0.4);
+}
+
+TEST(RoadObserver, GoesOnWhereTheUnitOfTheMapChanges) {
+  const auto plain = ObserveMap({}, 8).heights;
+  const auto rescaled = ObserveMap({}, 8, -1, 0, 0, 1.5).heights;
+  ASSERT_TRUE(plain[kRescaled]);
+  for (int k = 0; k < 8; ++k) {
+    ASSERT_EQ(rescaled[k].has_value(), plain[k].has_value()) << k;
+    if (plain[k]) EXPECT_NEAR(rescaled[k]->ratio / plain[k]->ratio, 1, 1e-6) << k;
+  }
 }
 
 TEST(RoadObserver, NoRoadNoHeight) {
