@@ -178,6 +178,23 @@ TEST(OdometryMetres, AreTheSameBitsInEveryRunAndForAnyThreads) {
   }
 }
 
+TEST(OdometryMetres, AreTheSameBitsForAnyThreadsWhereATurnIsLostWhileTheLensIsRefined) {
+  StreetDrive drive = RenderStreetDrive({.frames = 66, .k1 = 0.01});
+  drive.camera.lens = LensModel::kPinhole;
+  drive.camera.distortion = {};
+  for (int i = 36; i < 48; ++i) drive.images[i].setTo(0);
+  std::vector<OdometryRun> runs;
+  for (const int threads : {1, 2}) {
+    cv::setNumThreads(threads);
+    runs.push_back(RunOdometry(StreetOptions(), drive));
+  }
+  EXPECT_EQ(std::ranges::count_if(runs[0].map.keyframes, &Keyframe::after_gap), 1);
+  EXPECT_NE(runs[0].lens_correction, 0);
+  EXPECT_EQ(runs[0].lens_correction, runs[1].lens_correction);
+  ExpectSameBits(runs[0].live, runs[1].live);
+  ExpectSameBits(runs[0].refined, runs[1].refined);
+}
+
 TEST(OdometryMetres, StayUnknownWithoutALeverArm) {
   const StreetDrive drive = PlainStreetDrive();
   OdometryOptions options = StreetOptions();
