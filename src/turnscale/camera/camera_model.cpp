@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "turnscale/camera/camera_model.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -13,8 +14,17 @@ constexpr int kMaxNewtonSteps = 50;
 // On the plane z = 1: far below 1e-9 pixels for any real focal length.
 constexpr double kConverged = 1e-13;
 
+// A slope that is far above its rounding errors.
+constexpr double kClearSlope = 1e-9;
+
 // d/dr of r (1 + a0 r^2 + a1 r^4 + a2 r^6 + a3 r^8), looked at in steps fine enough for lens polynomials.
 bool RisesUpTo(const std::array<double, 4>& a, double r) {
+  // Least where only what falls counts: above rounding, no step can find a fall. So it is for nearly every pixel.
+  const double end = r * r;
+  const auto falling = [](double coefficient) { return std::min(coefficient, 0.0); };
+  const double least =
+      1 + end * (3 * falling(a[0]) + end * (5 * falling(a[1]) + end * (7 * falling(a[2]) + end * 9 * falling(a[3]))));
+  if (least > kClearSlope) return true;
   constexpr int kSteps = 32;
   for (int i = 1; i <= kSteps; ++i) {
     const double u = r * r * i / kSteps;
@@ -26,6 +36,11 @@ bool RisesUpTo(const std::array<double, 4>& a, double r) {
 double AngleSlope(const std::array<double, 5>& k, double theta) {
   const double u = theta * theta;
   return 1 + u * (3 * k[0] + u * (5 * k[1] + u * (7 * k[2] + u * 9 * k[3])));
+}
+
+// Whether radius (1 + correction radius^2) reaches so far: where the correction is negative, it falls beyond a maximum.
+bool CorrectionReaches(double correction, double corrected_radius) {
+  return !(-27 * correction * corrected_radius * corrected_radius > 4);
 }
 
 constexpr int kNewtonSteps = 8;
@@ -136,9 +151,9 @@ std::optional<Eigen::Vector2d> UndistortRadialTangential(const std::array<double
   for (int i = 0; i < kMaxNewtonSteps && error.norm() > 0; ++i) {
     Eigen::Vector2d step = shown.jacobian.inverse() * error;
     if (!step.allFinite()) return std::nullopt;
-    // Halved until it helps: near the fold the full step leaps to the far side.
+    // Halved until it helps: near the fold the full step leaps to the far side. One that rounds to none never helps.
     DistortedPoint next = DistortRadialTangential(k, point - step);
-    for (int half = 0; half < 10 && (next.point - distorted).norm() >= error.norm(); ++half) {
+    for (int half = 0; half < 10 && (next.point - distorted).norm() >= error.norm() && point - step != point; ++half) {
       step *= 0.5;
       next = DistortRadialTangential(k, point - step);
     }
@@ -165,7 +180,7 @@ std::optional<double> UndistortAngle(const std::array<double, 5>& k, double dist
     double step = error / AngleSlope(k, theta);
     if (!std::isfinite(step)) return std::nullopt;
     const auto error_after = [&] { return std::abs(DistortAngle(k, theta - step) - distorted); };
-    for (int half = 0; half < 10 && error_after() >= std::abs(error); ++half) step *= 0.5;
+    for (int half = 0; half < 10 && error_after() >= std::abs(error) && theta - step != theta; ++half) step *= 0.5;
     if (error_after() >= std::abs(error)) break;
     theta -= step;
     error = DistortAngle(k, theta) - distorted;
@@ -200,6 +215,7 @@ Eigen::Vector2d UndoRadialCorrection(const Pinhole& pinhole, double correction, 
 
 std::optional<Eigen::Vector2d> CameraModel::Project(const Eigen::Vector3d& x_in_camera) const {
   if (radial_correction == 0 || !(x_in_camera.z() > 0)) return ProjectCalibrated(*this, x_in_camera);
+  if (!CorrectionReaches(radial_correction, x_in_camera.head<2>().norm() / x_in_camera.z())) return std::nullopt;
   const Eigen::Vector2d ideal = UndoRadialCorrection(pinhole, radial_correction, pinhole.Project(x_in_camera));
   return ProjectCalibrated(*this, pinhole.Ray(ideal));
 }

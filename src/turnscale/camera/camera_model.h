@@ -80,7 +80,8 @@ bool AngleRisesUpTo(const std::array<double, 5>& k, double theta);
 /// being its distance from the principal point in focal lengths: what a calibration has left of the lens's distortion.
 Eigen::Vector2d CorrectRadially(const Pinhole& pinhole, double correction, const Eigen::Vector2d& pixel);
 
-/// The pixel that CorrectRadially moves to this one. Exact to rounding for corrections of a few per cent.
+/// The pixel that CorrectRadially moves to this one. Exact to rounding for corrections of a few per cent. A negative
+/// correction moves no pixel beyond (2/3) / sqrt(3 |correction|) focal lengths: what is asked for there has no meaning.
 Eigen::Vector2d UndoRadialCorrection(const Pinhole& pinhole, double correction, const Eigen::Vector2d& pixel);
 
 }  // namespace turnscale

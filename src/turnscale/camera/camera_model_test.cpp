@@ -45,6 +45,23 @@ TEST(RadialCorrection, OfACameraInvertsWithItsLens) {
   EXPECT_LT((*back - pixel).norm(), 1e-8);
 }
 
+TEST(RadialCorrection, ShowsNothingBeyondItsFold) {
+  CameraModel camera;
+  camera.pinhole = kPinhole;
+  camera.radial_correction = -0.03;
+  const double farthest = 2.0 / 3.0 / std::sqrt(3 * 0.03);
+  for (const double share : {0.5, 0.9, 0.999}) {
+    const Eigen::Vector3d ray = Eigen::Vector3d(0.8, -0.6, 1 / (share * farthest));
+    const std::optional<Eigen::Vector2d> pixel = camera.Project(ray);
+    ASSERT_TRUE(pixel) << share;
+    EXPECT_LT((*camera.Undistort(*pixel) - kPinhole.Project(ray)).norm(), 1e-6) << share;
+  }
+  for (const double share : {1.001, 1.5, 10.0})
+    EXPECT_FALSE(camera.Project({0.8, -0.6, 1 / (share * farthest)})) << share;
+  camera.radial_correction = 0.03;
+  EXPECT_TRUE(camera.Project({0.8, -0.6, 1 / (10 * farthest)}));
+}
+
 CameraModel Camera(LensModel lens, std::array<double, 5> distortion, double focal_length = 458.654) {
   CameraModel camera;
   camera.pinhole = {focal_length, 0.997 * focal_length, 367.215, 248.375};
@@ -153,6 +170,22 @@ TEST(CameraModel, RadialTangentialJacobianAgreesWithOpenCv) {
 TEST(CameraModel, PinholeUndistortsNothing) {
   const Eigen::Vector2d pixel(12.25, -3.5);
   EXPECT_EQ(*Camera(LensModel::kPinhole, {}).Undistort(pixel), pixel);
+}
+
+// Slopes whose falling terms alone tell that the model rises, and others, as the steps of RisesUpTo find them.
+TEST(CameraModel, RisesAsItsSlopeDoes) {
+  for (const double k1 : {-0.5, -0.3, 0.0, 0.2})
+    for (const double k2 : {-0.2, 0.0, 0.1, 0.9})
+      for (const double k3 : {-0.1, 0.0, 0.3})
+        for (double radius = 0; radius < 2; radius += 0.05) {
+          bool rises = true;
+          for (int i = 1; i <= 1000; ++i) {
+            const double u = radius * radius * i / 1000;
+            rises = rises && 1 + u * (3 * k1 + u * (5 * k2 + u * 7 * k3)) > 0;
+          }
+          EXPECT_EQ(RadialRisesUpTo({k1, k2, 0, 0, k3}, radius), rises)
+              << k1 << ' ' << k2 << ' ' << k3 << ' ' << radius;
+        }
 }
 
 TEST(CameraModel, NothingBehindTheCameraOrBeyondTheFold) {
