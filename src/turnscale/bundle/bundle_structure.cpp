@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <span>
 
 #include "turnscale/bundle/reprojection.h"
 
@@ -43,9 +44,11 @@ void SortObservations(const BundleProblem& problem, const BundleState& state, Bu
     structure.observations[next[seen.point]++] = {seen.pixel, 1.0 / seen.sigma, seen.camera, -1};
   }
   for (std::size_t i = 0; i < points; ++i) {
-    std::stable_sort(structure.observations.begin() + structure.first_observation[i],
-                     structure.observations.begin() + structure.first_observation[i + 1],
-                     [](const SolverObservation& a, const SolverObservation& b) { return a.camera < b.camera; });
+    const std::span track(structure.observations.begin() + structure.first_observation[i],
+                          structure.observations.begin() + structure.first_observation[i + 1]);
+    // Those of a map are sorted, and sorting takes memory.
+    if (!std::ranges::is_sorted(track, {}, &SolverObservation::camera))
+      std::ranges::stable_sort(track, {}, &SolverObservation::camera);
   }
 }
 
