@@ -56,7 +56,7 @@ struct Iterate {
   HessianKind kind = HessianKind::kGaussNewton;
   NormalEquations<kDof> equations;
   std::vector<LinearizedDistance> constraints;
-  Eigen::MatrixXd constraint_gradients;
+  ConstraintMatrix constraint_gradients;
   Eigen::VectorXd multipliers;
 };
 
@@ -90,7 +90,8 @@ BundleSummary Adjust(const BundleOptions& options, BundleProblem& problem) {
   const BundleStructure structure = MakeStructure(problem, at.state);
   Linearize(options, problem, structure, at);
 
-  CameraSolver<kDof> solver(static_cast<int>(structure.camera_of_column.size()), structure.blocks);
+  CameraSolver<kDof> solver(static_cast<int>(structure.camera_of_column.size()), structure.blocks,
+                            at.constraint_gradients);
   SchurSystem<kDof> system;
   KktStep step;
   BundleState trial;

@@ -19,14 +19,13 @@ struct KktStep {
   Eigen::VectorXd cameras;  ///< by column, (phi, delta) or delta
   std::vector<Eigen::Vector3d> points;
   Eigen::VectorXd multipliers;    ///< one per constraint
-  double slope = 0;               ///< change of the cost to first order
   double predicted_decrease = 0;  ///< of the cost by the undamped model
 };
 
 /// Constraint gradients, one column each, by the camera unknowns.
 template <int kDof>
-Eigen::MatrixXd ConstraintGradients(const BundleProblem& problem, const BundleStructure& structure,
-                                    const std::vector<LinearizedDistance>& constraints);
+ConstraintMatrix ConstraintGradients(const BundleProblem& problem, const BundleStructure& structure,
+                                     const std::vector<LinearizedDistance>& constraints);
 
 /// Adds the constraints' share of the Lagrangian's Hessian (29) to a Schur system.
 template <int kDof>
@@ -38,14 +37,14 @@ void AddConstraintCurvature(const BundleProblem& problem, const BundleStructure&
 /// that share of the constraints' error. False where the reduced matrix is not positive definite along the constraints.
 template <int kDof>
 bool SolveKkt(const BundleProblem& problem, const BundleStructure& structure, const NormalEquations<kDof>& equations,
-              const std::vector<LinearizedDistance>& constraints, const Eigen::MatrixXd& constraint_gradients,
+              const std::vector<LinearizedDistance>& constraints, const ConstraintMatrix& constraint_gradients,
               double share, SchurSystem<kDof>& system, CameraSolver<kDof>& solver, KktStep& step);
 
 /// Largest entry of the Lagrangian's gradient, each over the square root of its Hessian's diagonal entry: how far one
 /// unknown is from its best value, the others held, in units of its own standard deviation. Residuals are in sigmas, so
 /// the number has no unit; it changes neither with the unit of length nor with the number of observations.
 template <int kDof>
-double KktResidual(const NormalEquations<kDof>& equations, const Eigen::MatrixXd& constraint_gradients,
+double KktResidual(const NormalEquations<kDof>& equations, const ConstraintMatrix& constraint_gradients,
                    const Eigen::VectorXd& multipliers);
 
 /// Takes a step from `state` to `trial` and returns the observations' cost there.

@@ -85,8 +85,8 @@ void ExpectStepOfDenseSystem(bool constrained, double damping, HessianKind kind)
   for (const DistanceConstraint& held : problem.distances) {
     constraints.push_back(LinearizeDistance(held, state.centres));
   }
-  const Eigen::MatrixXd D = ConstraintGradients<kDof>(problem, structure, constraints);
-  CameraSolver<kDof> solver(static_cast<int>(structure.camera_of_column.size()), structure.blocks);
+  const ConstraintMatrix D = ConstraintGradients<kDof>(problem, structure, constraints);
+  CameraSolver<kDof> solver(static_cast<int>(structure.camera_of_column.size()), structure.blocks, D);
   SchurSystem<kDof> system;
   Eliminate(structure, equations, damping, system);
   const Eigen::VectorXd old_multipliers = 10.0 * Eigen::VectorXd::Ones(constraints.size());
@@ -104,8 +104,8 @@ void ExpectStepOfDenseSystem(bool constrained, double damping, HessianKind kind)
   for (Eigen::Index i = 0; i < count; ++i) {
     const DistanceConstraint& held = problem.distances[i];
     right_hand_side[size + i] = -kShare * constraints[i].value;
-    kkt.block(0, size + i, D.rows(), 1) = D.col(i);
-    kkt.block(size + i, 0, 1, D.rows()) = D.col(i).transpose();
+    kkt.block(0, size + i, D.rows(), 1) = Eigen::VectorXd(D.col(i));
+    kkt.block(size + i, 0, 1, D.rows()) = Eigen::VectorXd(D.col(i)).transpose();
     for (const int row : {held.camera_a, held.camera_b}) {
       for (const int column : {held.camera_a, held.camera_b}) {
         const int r = structure.column_of_camera[row];
@@ -128,9 +128,9 @@ void ExpectStepOfDenseSystem(bool constrained, double damping, HessianKind kind)
   }
   EXPECT_LT((actual - expected_step).norm(), 1e-9 * expected_step.norm());
   EXPECT_LT((step.multipliers - expected.tail(count)).norm(), 1e-8 * (1 + expected.tail(count).norm()));
-  EXPECT_NEAR(step.slope, dense.gradient.dot(expected_step), 1e-9 * std::abs(step.slope));
-  const double decrease = -dense.gradient.dot(expected_step) - 0.5 * expected_step.dot(undamped * expected_step);
-  EXPECT_NEAR(step.predicted_decrease, decrease, 1e-8 * std::abs(step.slope));
+  const double slope = dense.gradient.dot(expected_step);
+  const double decrease = -slope - 0.5 * expected_step.dot(undamped * expected_step);
+  EXPECT_NEAR(step.predicted_decrease, decrease, 1e-8 * std::abs(slope));
 
   Eigen::VectorXd lagrangian = dense.gradient;
   lagrangian.head(D.rows()) += D * step.multipliers;
@@ -163,8 +163,8 @@ TEST(KktStep, ConstraintsAloneMayHoldTheScale) {
   NormalEquations<3> equations;
   Linearize(problem.pinhole, structure, state, kHuberThreshold, HessianKind::kGaussNewton, equations);
   const std::vector<LinearizedDistance> constraints = {LinearizeDistance(problem.distances[0], state.centres)};
-  const Eigen::MatrixXd D = ConstraintGradients<3>(problem, structure, constraints);
-  CameraSolver<3> solver(4, structure.blocks);
+  const ConstraintMatrix D = ConstraintGradients<3>(problem, structure, constraints);
+  CameraSolver<3> solver(4, structure.blocks, D);
   SchurSystem<3> system;
   Eliminate(structure, equations, 1e-14, system);
   KktStep step;
