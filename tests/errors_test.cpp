@@ -433,8 +433,17 @@ TEST_F(ErrorsTest, ACalibrationReplacesNoFileThatItReads) {
   refuses({"--speed", speeds.string(), "--history", (folder_ / "history.csv").string()}, speeds);
 }
 
-TEST_F(ErrorsTest, TheCameraOfAnEarlierRunIsTakenAwayUnlessItIsGiven) {
+TEST_F(ErrorsTest, FilesOfTheUsersAreNotReplaced) {
   fs::create_directories(Out());
+  const fs::path camera = Out() / "camera.yaml";
+  fs::copy_file(Drive() / "calib.txt", camera);
+  ExpectComplaint(Run(), 2, {camera.string() + ": would be replaced, but is not of an earlier run; choose another"});
+  EXPECT_EQ(TextOf(camera), TextOf(Drive() / "calib.txt"));
+  EXPECT_EQ(std::distance(fs::directory_iterator(Out()), {}), 1);
+}
+
+TEST_F(ErrorsTest, TheCameraOfAnEarlierRunIsTakenAwayUnlessItIsGiven) {
+  ASSERT_EQ(Run().exit_code, 0);
   const fs::path camera = Out() / "camera.yaml";
   fs::copy_file(Drive() / "calib.txt", camera);
   ExpectComplaint(Run({"--camera", camera.string()}), 2, {"camera.yaml: is also an input file"});

@@ -163,6 +163,22 @@ TEST_F(RescaleCommandTest, DoesNotReplaceFilesOfARun) {
   EXPECT_FALSE(fs::exists(folder_ / "drive" / "summary.json"));
 }
 
+TEST_F(RescaleCommandTest, ReplacesNoFileThatItHasNotWritten) {
+  fs::create_directories(folder_ / "report");
+  const std::string table = Text("report/turns.csv", "mine\n");
+  const std::vector<std::string> arguments = {Tum(), "--lever-arm", "1.2", "--report", Path("report")};
+  ExpectComplaint(Run(arguments), 2, {table + ": would be replaced, but is not of an earlier rescale"});
+  EXPECT_EQ(TextOf(table), "mine\n");
+  EXPECT_FALSE(fs::exists(folder_ / "report" / "summary.json"));
+  fs::remove(table);
+  ASSERT_EQ(Run(arguments).exit_code, 0);
+  EXPECT_EQ(Run(arguments).exit_code, 0) << "its own files";
+  // Killed while the files were written.
+  fs::rename(Path("report/summary.json"), Path("report/summary.json.part"));
+  EXPECT_EQ(Run(arguments).exit_code, 0);
+  EXPECT_FALSE(fs::exists(folder_ / "report" / "summary.json.part"));
+}
+
 TEST_F(RescaleCommandTest, ReplacesNoFileThatItReads) {
   fs::create_directories(folder_ / "report");
   const std::string heights = Text("report/scale.csv", "time,height\n1,0.1\n");

@@ -6,8 +6,10 @@
 #include <vector>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "turnscale/base/error.h"
+#include "turnscale/base/file_text.h"
 #include "turnscale/commands/argument_checks.h"
 #include "turnscale/commands/drive_source.h"
 #include "turnscale/commands/rescale_page.h"
@@ -54,7 +56,31 @@ RescaleOptions OptionsFrom(const RescaleArguments& arguments, bool timed) {
 }
 
 // The files of --report, in the order in which old ones are taken away.
-constexpr std::array kReportFiles = {"summary.json", "scale.csv", "turns.csv", "rescale.svg", kReportFile};
+constexpr std::array kReportFiles = {"scale.csv", "turns.csv", "rescale.svg", kReportFile, RunFiles::kSummary};
+
+// Whether the folder has the results of an earlier rescale. One that was killed leaves a part of the summary, which is
+// there before the other files.
+bool IsRescaleFolder(const fs::path& folder) {
+  std::error_code none;
+  const fs::path summary = folder / RunFiles::kSummary;
+  if (fs::is_regular_file(PartOf(summary), none)) return true;
+  if (!fs::is_regular_file(summary, none)) return false;
+  const auto json = nlohmann::json::parse(FileText(summary).value_or(""), nullptr, false);
+  return json.is_object() && json.contains("metres_per_unit") && json.contains("follows_single_turns");
+}
+
+// Throws InputError where --report would replace files that are not of an earlier rescale.
+void CheckReportFolder(const fs::path& folder) {
+  std::error_code none;
+  if (fs::exists(folder / RunFiles::kTrajectoryTable, none))
+    throw InputError("--report: " + folder.string() +
+                     ": has the results of a run, some of which would be replaced; name another folder");
+  if (IsRescaleFolder(folder)) return;
+  for (const char* name : kReportFiles)
+    if (fs::is_regular_file(folder / name, none))
+      throw InputError("--report: " + (folder / name).string() +
+                       ": would be replaced, but is not of an earlier rescale; name another folder");
+}
 
 // Also the times that ReadTimedTrajectory may find by itself; a rotation in degrees names no file.
 std::vector<fs::path> FilesRead(const RescaleArguments& arguments) {
@@ -70,14 +96,11 @@ void CheckArguments(const RescaleArguments& arguments) {
              "--lever-arm");
   if (!arguments.lever_arm && !arguments.camera_height)
     throw InputError("--lever-arm: is missing; give it, or --camera-height with --heights");
-  std::error_code none;
-  if (arguments.report && fs::exists(*arguments.report / RunFiles::kTrajectoryTable, none))
-    throw InputError("--report: " + arguments.report->string() +
-                     ": has the results of a run, some of which would be replaced; name another folder");
   std::vector<NamedOutput> outputs{{"--out", arguments.out}};
   if (arguments.report)
     for (const char* name : kReportFiles) outputs.push_back({"--report", *arguments.report / name});
   CheckOutputs(outputs, FilesRead(arguments));
+  if (arguments.report) CheckReportFolder(*arguments.report);
 }
 
 std::vector<PathHeight> HeightsAlong(const Trajectory& poses, const std::optional<fs::path>& path) {
@@ -96,13 +119,15 @@ void WriteReport(const fs::path& folder, const RescaleResult& result, const std:
   std::error_code error;
   fs::create_directories(folder, error);
   if (error) throw InputError(folder.string() + ": cannot be made: " + error.message());
-  // The summary goes first and comes last: where it is, the others are of the same drive.
   for (const char* name : kReportFiles) RemoveOldFile(folder / name);
+  // Its part marks the folder; it gets its name last: where it is, the others are of the same drive.
+  OutputFile summary(folder / RunFiles::kSummary);
   ReplaceFile(folder / "scale.csv", PoseScaleTable(result));
   ReplaceFile(folder / "turns.csv", TurnScaleTable(result));
   ReplaceFile(folder / "rescale.svg", RescaleSvg(result, fs::path(input).filename().string(), timed));
   ReplaceFile(folder / kReportFile, RescalePage(result, input, car, timed));
-  ReplaceFile(folder / "summary.json", RescaleJson(result, input));
+  summary.Write(RescaleJson(result, input));
+  summary.Finish();
 }
 
 }  // namespace

@@ -93,8 +93,8 @@ class Run {
 
   // Takes earlier results away and begins new ones.
   void Begin() {
-    stale_ = drive_.replacing();
     writer_.emplace(drive_.output);
+    stale_ = drive_.replacing();
     writer_->WriteText(RunFiles::kSettings, SettingsText(odometry_.options()));
     const std::optional<FoundCamera>& found = drive_.summary.found_camera;
     if (found) writer_->WriteText(RunFiles::kCamera, FoundCameraText(*found));
@@ -218,7 +218,10 @@ class Run {
     summary.cost.latency = LatencyOf(latencies_);
     if (summary.stopped.empty() && !attempts_.failures().empty())
       summary.stopped = FailureOf(attempts_.failures().front()).message;
-    if (writer_) writer_->WriteText(RunFiles::kSummary, SummaryJson(summary));
+    if (!writer_) return;
+    writer_->WriteText(RunFiles::kSummary, SummaryJson(summary));
+    // Of a run without a pose, whose folder was known by it until here.
+    writer_->EndLive();
   }
 
   const DriveToRun& drive_;

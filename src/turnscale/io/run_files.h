@@ -15,7 +15,9 @@ struct RunFiles {
   static constexpr auto kTrajectoryKitti = "trajectory.kitti.txt";
   static constexpr auto kTrajectoryTable = "trajectory.csv";
   static constexpr auto kLiveTum = "live.tum";
-  static constexpr auto kLiveTumPart = "live.tum.part";  ///< what a killed run leaves
+  /// The first file that a run makes and the last of an earlier one that it takes away: a folder that has it is of a
+  /// run, whenever that was killed.
+  static constexpr auto kLiveTumPart = "live.tum.part";
   static constexpr auto kTurns = "turns.csv";
   static constexpr auto kSpeed = "speed.csv";
   static constexpr auto kScale = "scale.csv";
@@ -36,6 +38,10 @@ struct RunFiles {
 
 /// Whether a folder has poses of a run, also if only the live ones, as after a killed run.
 bool HasPosesOfRun(const std::filesystem::path& folder);
+
+/// A file that a run would replace or take away though nothing in its folder is of a run, complete or killed; empty if
+/// there is none.
+std::filesystem::path ForeignFile(const std::filesystem::path& folder);
 
 /// Whether a folder has the trajectory table and the summary of a run, complete or interrupted.
 bool HasResultsOfRun(const std::filesystem::path& folder);

@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
+#include <fstream>
 #include <system_error>
 #include <vector>
 
@@ -78,6 +79,14 @@ void TryFile(const fs::path& folder, const fs::path& nearest) {
   close(descriptor);
   unlink(name.c_str());
 }
+
+void RefuseForeign(const fs::path& folder) {
+  if (const fs::path file = ForeignFile(folder); !file.empty())
+    throw InputError(file.string() + ": would be replaced, but is not of an earlier run; choose another --out");
+}
+
+// Marks the folder as one of a run while older results are taken away. Where it cannot be made, neither can live.tum.
+void MakeMarker(const fs::path& folder) { std::ofstream(folder / RunFiles::kLiveTumPart, std::ios::app); }
 
 void CheckFrame(const RunWriterOptions& options) {
   if (options.frame == PoseFrame::kVehicle && !options.vehicle.lever_arm)
@@ -196,23 +205,32 @@ void CheckRunOutput(const RunWriterOptions& options) {
   if (fs::is_symlink(nearest, none) && !fs::exists(nearest, none))
     throw InputError(nearest.string() + ": is a link to a place that is not there; choose another --out");
   RefuseFile(nearest);
+  RefuseForeign(options.folder);
   TryFile(options.folder, nearest);
 }
 
 RunWriter::RunWriter(const RunWriterOptions& options) : options_(options) {
   CheckFrame(options_);
   MakeFolder(options_.folder);
+  RefuseForeign(options_.folder);
+  MakeMarker(options_.folder);
   for (const char* name : RunFiles::kAll) RemoveOldFile(PathOf(name));
+  live_.emplace(PathOf(RunFiles::kLiveTum));
 }
 
 void RunWriter::Add(const FrameResult& live) {
   if (!live.world_from_camera) return;
-  if (!live_) live_.emplace(PathOf(RunFiles::kLiveTum));
+  has_pose_ = true;
   live_->Write(TumLine({live.time, Shown(live, live.scale_state)}));
 }
 
 void RunWriter::EndLive() {
-  if (live_) live_->Finish();
+  if (!live_) return;
+  if (has_pose_)
+    live_->Finish();
+  else
+    live_->Discard();
+  live_.reset();
 }
 
 void RunWriter::WriteTrajectory(const std::vector<FrameResult>& refined, ScaleState scale_state,

@@ -70,13 +70,13 @@ struct RunWriterOptions {
   VehicleOptions vehicle = {};
 };
 
-/// Throws InputError where results could not be written to the folder, or not of this frame: before a run, which may
-/// take hours. Leaves nothing behind.
+/// Throws InputError where results could not be written to the folder, would replace files there that are not of a run
+/// (ForeignFile), or cannot be of this frame: before a run, which may take hours. Leaves nothing behind.
 void CheckRunOutput(const RunWriterOptions& options);
 
-/// Writes the results of a run to its folder: live.tum.part grows by one line per pose and becomes live.tum at the
-/// end; all other files are written as a whole. Every function throws OutputError if the system refuses to write, after
-/// trying the other files.
+/// Writes the results of a run to its folder: live.tum.part is made first, grows by one line per pose and becomes
+/// live.tum at the end; all other files are written as a whole. Every function throws OutputError if the system refuses
+/// to write, after trying the other files.
 class RunWriter {
  public:
   /// Makes the folder; results of an earlier run in it are taken away. Throws as CheckRunOutput, and InputError where a
@@ -91,7 +91,7 @@ class RunWriter {
   void WriteTrajectory(const std::vector<FrameResult>& refined, ScaleState scale_state,
                        Durability durability = Durability::kPowerCut);
 
-  /// No frame comes any more: live.tum gets its name.
+  /// No frame comes any more: live.tum gets its name; without a pose there is none, and its part is taken away.
   void EndLive();
 
   /// Writes speed.csv; takes away that of an earlier state of the run if there are no speeds.
@@ -119,7 +119,8 @@ class RunWriter {
   RigidTransform VehicleFromCamera(const Eigen::Quaterniond& rotation, ScaleState scale_state) const;
 
   RunWriterOptions options_;
-  std::optional<OutputFile> live_;
+  std::optional<OutputFile> live_;  // until its end
+  bool has_pose_ = false;
 };
 
 }  // namespace turnscale

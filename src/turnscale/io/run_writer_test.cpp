@@ -50,7 +50,7 @@ TEST_F(RunWriterTest, LiveGrowsAndTheTrajectoryIsWrittenAsAWhole) {
   RunWriter writer({folder_ / "deep"});
   folder_ /= "deep";
   for (int i = 0; i < 3; ++i) writer.Add(Frame(i, 1, false));
-  EXPECT_FALSE(fs::exists(folder_ / "live.tum.part")) << "no pose yet";
+  EXPECT_EQ(TextOf(folder_ / "live.tum.part"), "") << "no pose yet";
   for (int i = 3; i < 5; ++i) writer.Add(Frame(i));
   EXPECT_EQ(ReadTrajectory(folder_ / "live.tum.part").size(), 2u) << "on disk at once";
   EXPECT_FALSE(fs::exists(folder_ / "trajectory.tum"));
@@ -175,9 +175,66 @@ TEST_F(RunWriterTest, EarlierResultsAreTakenAway) {
     std::ofstream(folder_ / name) << "old";
   }
   std::ofstream(folder_ / "notes.txt") << "not ours";
-  const RunWriter writer({folder_});
+  RunWriter writer({folder_});
+  writer.EndLive();
   for (const auto& entry : fs::directory_iterator(folder_)) EXPECT_EQ(entry.path().filename(), "notes.txt");
   EXPECT_TRUE(fs::exists(folder_ / "notes.txt"));
+}
+
+TEST_F(RunWriterTest, FilesOfNoRunAreRefusedAndStay) {
+  fs::create_directories(folder_);
+  for (const char* name : {"camera.yaml", "mask.png", "map.ply", "turns.csv", "report.html", "settings.yaml",
+                           "trajectory.csv", "summary.json"}) {
+    const std::string text = std::string(name) == "summary.json" ? R"({"frames": 3})" : "time,x,y\n";
+    std::ofstream(folder_ / name) << text;
+    const auto refuses = [&](const auto& make) {
+      try {
+        make();
+      } catch (const InputError& error) {
+        return std::string(error.what()) == (folder_ / name).string() +
+                                                ": would be replaced, but is not of an earlier run; choose another "
+                                                "--out";
+      }
+      return false;
+    };
+    EXPECT_TRUE(refuses([&] { CheckRunOutput({folder_}); })) << name;
+    EXPECT_TRUE(refuses([&] { RunWriter{{folder_}}; })) << name;
+    EXPECT_EQ(TextOf(folder_ / name), text);
+    fs::remove(folder_ / name);
+    EXPECT_TRUE(fs::is_empty(folder_)) << name;
+  }
+}
+
+TEST_F(RunWriterTest, AFolderOfARunStaysOneWheneverTheRunIsKilled) {
+  const auto write_all = [&](int files) {
+    RunWriter writer({folder_});
+    if (files > 0) writer.WriteText("settings.yaml", "");
+    if (files > 1) writer.WriteText("camera.yaml", "");
+    if (files > 2) writer.Add(Frame(0));
+    if (files > 3) writer.EndLive();
+    if (files > 4) writer.WriteTrajectory(Frames(2, 1), ScaleState::kPending);
+  };
+  for (int files = 0; files <= 5; ++files) {
+    EXPECT_NO_THROW(write_all(files)) << files;
+    EXPECT_NO_THROW(CheckRunOutput({folder_})) << files;
+  }
+  // Killed while its files were taken away, of which live.tum is the last.
+  for (const char* name : {"trajectory.tum", "trajectory.kitti.txt", "trajectory.csv"}) fs::remove(folder_ / name);
+  EXPECT_NO_THROW(CheckRunOutput({folder_}));
+  // A run without a pose has neither trajectory.
+  fs::remove(folder_ / "live.tum");
+  EXPECT_THROW(CheckRunOutput({folder_}), InputError);
+  std::ofstream(folder_ / "summary.json") << SummaryJson({});
+  EXPECT_NO_THROW(CheckRunOutput({folder_}));
+}
+
+TEST_F(RunWriterTest, WithoutAPoseThereIsNoLiveTrajectory) {
+  RunWriter writer({folder_});
+  EXPECT_TRUE(fs::exists(folder_ / "live.tum.part"));
+  EXPECT_FALSE(HasPosesOfRun(folder_));
+  writer.EndLive();
+  writer.EndLive();
+  EXPECT_TRUE(fs::is_empty(folder_));
 }
 
 TEST_F(RunWriterTest, MapHoldsLandmarksAndCameras) {
