@@ -226,9 +226,36 @@ TEST_F(EvaluateTest, RunsThatAreUpToScaleAndRunsAsTruthAreNamed) {
   const CommandResult pending = Run({"estimate", "truth/drive.tum"});
   EXPECT_EQ(pending.exit_code, 0);
   EXPECT_NE(pending.err.find("trajectory.tum: is up to scale"), std::string::npos) << pending.err;
+  const std::string page = (folder_ / "page.html").string();
+  ASSERT_EQ(Run({"estimate", "truth/drive.tum", "--report", page}).exit_code, 0);
+  EXPECT_NE(TextOf(page).find("is up to scale (pending)"), std::string::npos);
+  EXPECT_NE(TextOf(page).find(R"("unit":"units")"), std::string::npos);
+  EXPECT_NE(TextOf(page).find("Metres per unit"), std::string::npos);
   const CommandResult swapped = Run({"truth/drive.tum", "estimate"});
   EXPECT_NE(swapped.err.find("trajectory.tum: is the result of a run, not ground truth"), std::string::npos)
       << swapped.err;
+}
+
+TEST_F(EvaluateTest, NoFileThatIsReadAndNoResultOfARunIsReplaced) {
+  const auto refuses = [&](std::vector<std::string> arguments, const fs::path& file, const std::string& why) {
+    const std::string text = TextOf(file);
+    arguments.push_back(file.string());
+    ExpectComplaint(arguments, file.string() + ": " + why);
+    EXPECT_EQ(TextOf(file), text);
+  };
+  const std::string read = "is also an input file";
+  const std::string rotation = Text("car.yaml", "yaw_deg: 1\npitch_deg: 2\nroll_deg: 3\n");
+  refuses({"estimate/drive.tum", "truth/drive.tum", "--camera-rotation", rotation, "--json"}, rotation, read);
+  refuses({"estimate/07.txt", "truth/drive.tum", "--json"}, folder_ / "estimate/times.txt", read);
+  refuses({"estimate/drive.tum", "truth/07.txt", "--picture"}, folder_ / "truth/times.txt", read);
+  Text("estimate/trajectory.csv", Keyframes());
+  refuses({"estimate/drive.tum", "truth/drive.tum", "--report"}, folder_ / "estimate/trajectory.csv", read);
+  const std::string result = "is a file of the results of a run";
+  fs::rename(folder_ / "estimate/drive.tum", folder_ / "estimate/live.tum");
+  for (const char* name : {"summary.json", "map.ply", "report.html"})
+    refuses({"truth/drive.tum", "truth/drive.csv", "--json"}, Text(fs::path("estimate") / name, "old"), result);
+  Text("truth/summary.json", "of an evaluation");
+  EXPECT_EQ(Run({"truth/drive.tum", "truth/drive.csv", "--json", "truth/summary.json"}).exit_code, 0) << "of no run";
 }
 
 TEST_F(EvaluateTest, TimesThatAreOfNoUseAreRefused) {

@@ -18,6 +18,7 @@
 #include "turnscale/base/error.h"
 #include "turnscale/base/number_text.h"
 #include "turnscale/io/output_file.h"
+#include "turnscale/io/run_files.h"
 #include "turnscale/kinematics/ackermann.h"
 
 namespace turnscale {
@@ -126,6 +127,21 @@ inline void CheckOutputs(const std::vector<NamedOutput>& outputs, const std::vec
       const auto [other, first] = options.try_emplace(place, output.option);
       if (!first) refuse(output, written, fmt::format("is also a file of {}", other->second));
     }
+  }
+}
+
+/// Throws InputError if an output file is a result of a run, which is not to be replaced by another command's.
+inline void RefuseResultsOfRun(const std::vector<NamedOutput>& outputs) {
+  for (const NamedOutput& output : outputs) {
+    std::error_code none;
+    const std::filesystem::path place =
+        std::filesystem::weakly_canonical(std::filesystem::absolute(output.file, none), none);
+    if (output.file.empty() || place.empty()) continue;
+    const bool has_name =
+        std::ranges::any_of(RunFiles::kAll, [&](const char* name) { return place.filename() == name; });
+    if (has_name && IsFolderOfRun(place.parent_path()))
+      throw InputError(fmt::format("{} {}: is a file of the results of a run; name another one", output.option,
+                                   output.file.string()));
   }
 }
 

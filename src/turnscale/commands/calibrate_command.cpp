@@ -96,6 +96,7 @@ void Check(const CalibrateArguments& arguments) {
     outputs.push_back({"--history", PictureOf(*arguments.history)});
   }
   CheckOutputs(outputs, FilesRead(arguments));
+  RefuseResultsOfRun(outputs);
 }
 
 double PathLength(const std::vector<Trajectory>& stretches) {

@@ -69,6 +69,8 @@ Paired PairPoses(const ComparisonFiles& arguments, TrajectoryFile& estimate, Tra
   return {AssociateByTime(estimate.poses, truth.poses, {arguments.time_tolerance}), KeyframeKey::kTime, "time"};
 }
 
+constexpr std::string_view kPendingScale = "pending";
+
 // State of the scale of the run that a trajectory is a result of; empty if it is of none.
 std::string ScaleStateOfRun(const fs::path& trajectory) {
   const fs::path name = trajectory.filename();
@@ -99,7 +101,7 @@ std::vector<std::string> Warnings(const ComparisonFiles& files, const Paired& pa
   if (const std::string unpaired = UnpairedWarning(paired, estimate, truth); !unpaired.empty())
     warnings.push_back(estimated + unpaired);
   const std::string state = ScaleStateOfRun(files.estimate);
-  if (state == "pending") {
+  if (state == kPendingScale) {
     warnings.push_back(estimated +
                        "is up to scale (pending): only errors of the scaled trajectory and after Sim(3) alignment are "
                        "meaningful");
@@ -142,6 +144,18 @@ std::vector<Step> FindSteps(const ComparisonFiles& arguments, const Paired& pair
 
 }  // namespace
 
+std::vector<fs::path> FilesRead(const ComparisonFiles& arguments) {
+  std::vector<fs::path> files = {arguments.estimate, arguments.ground_truth, arguments.keyframes,
+                                 arguments.camera_rotation.value_or("")};
+  if (arguments.keyframes.empty()) files.push_back(arguments.estimate.parent_path() / RunFiles::kTrajectoryTable);
+  if (!arguments.timestamps.empty()) {
+    files.push_back(arguments.timestamps);
+  } else {
+    for (const fs::path& poses : {arguments.estimate, arguments.ground_truth}) files.push_back(FindPoseTimes(poses));
+  }
+  return files;
+}
+
 Comparison Compare(const ComparisonFiles& arguments) {
   if (arguments.time_tolerance && !(*arguments.time_tolerance >= 0)) {
     throw InputError(fmt::format("--time-tolerance {}: give seconds, 0 or more", *arguments.time_tolerance));
@@ -161,6 +175,7 @@ Comparison Compare(const ComparisonFiles& arguments) {
   const std::vector<Step> steps = FindSteps(arguments, paired, options.steps, comparison.sources.steps);
   comparison.evaluation = Evaluate(paired.pairs, steps, options);
   comparison.pairs = paired.pairs;
+  comparison.metric = ScaleStateOfRun(arguments.estimate) != kPendingScale;
   comparison.timed = paired.key == KeyframeKey::kTime;
   return comparison;
 }

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "turnscale/commands/evaluation_report.h"
 #include "turnscale/evaluation/evaluation.h"
@@ -23,10 +24,14 @@ struct ComparisonFiles {
 /// An estimated trajectory with the true one, pose by pose.
 struct Comparison {
   PosePairs pairs;
-  bool timed = true;  ///< else the pairs carry the numbers of their poses as times
+  bool timed = true;   ///< else the pairs carry the numbers of their poses as times
+  bool metric = true;  ///< else the estimate is of a run that is up to scale
   Evaluation evaluation;
   EvaluationSources sources;
 };
+
+/// All files that a comparison reads, also those that it finds by itself; summaries of runs are not among them.
+std::vector<std::filesystem::path> FilesRead(const ComparisonFiles& arguments);
 
 /// Reads both trajectories, pairs their poses and computes the errors. Throws InputError that names file and line, or
 /// says why they do not fit.

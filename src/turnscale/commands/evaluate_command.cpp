@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "turnscale/commands/evaluate_command.h"
 
+#include <string>
+#include <vector>
+
 #include "turnscale/commands/argument_checks.h"
 #include "turnscale/commands/version.h"
 #include "turnscale/evaluation/path_picture.h"
@@ -33,11 +36,12 @@ void WriteReport(const EvaluateArguments& arguments, const Comparison& compariso
   ReportData data;
   data.title = arguments.estimate.string();
   data.version = Version();
-  data.metric = true;
+  data.metric = comparison.metric;
   data.timed = comparison.timed;
   data.has_tracking = false;
   data.has_scale_state = false;
   if (arguments.camera_rotation) data.vehicle_from_body = ReadCameraRotation(*arguments.camera_rotation);
+  data.warnings = comparison.sources.warnings;
   data.notes = {"Compared with " + ShortPath(arguments.ground_truth.string())};
   for (const PosePair& pair : comparison.pairs) {
     FrameResult frame;
@@ -47,7 +51,7 @@ void WriteReport(const EvaluateArguments& arguments, const Comparison& compariso
     data.frames.push_back(frame);
   }
   data.truth = comparison.pairs;
-  data.errors = ErrorFacts(ComparisonJson(comparison));
+  data.errors = ErrorFacts(ComparisonJson(comparison), data.metric);
   if (!arguments.floor_plan.empty()) data.outlines = ReadFloorPlan(arguments.floor_plan);
   ReplaceFile(arguments.report, ReportPage(arguments.estimate.filename().string(), ReportJson(data)));
 }
@@ -60,12 +64,13 @@ Comparison ExecuteEvaluate(const EvaluateArguments& given, const CommandHooks& h
   arguments.ground_truth = TrajectoryOf(given.ground_truth);
   RequireFor({"--floor-plan", !arguments.floor_plan.empty()}, !arguments.picture.empty() || !arguments.report.empty(),
              "--picture or --report");
-  const auto read = {arguments.estimate, arguments.ground_truth, arguments.timestamps, arguments.keyframes,
-                     arguments.floor_plan};
-  CheckOutputs({{"--json", arguments.json == "-" ? "" : arguments.json},
-                {"--picture", arguments.picture},
-                {"--report", arguments.report}},
-               read);
+  std::vector<std::filesystem::path> read = FilesRead(arguments);
+  read.push_back(arguments.floor_plan);
+  const std::vector<NamedOutput> outputs = {{"--json", arguments.json == "-" ? "" : arguments.json},
+                                            {"--picture", arguments.picture},
+                                            {"--report", arguments.report}};
+  CheckOutputs(outputs, read);
+  RefuseResultsOfRun(outputs);
   const Comparison comparison = Compare(arguments);
   for (const std::string& warning : comparison.sources.warnings) Warn(hooks, warning);
   if (!arguments.picture.empty()) DrawPath(arguments, comparison);

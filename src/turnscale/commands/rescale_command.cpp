@@ -72,7 +72,7 @@ bool IsRescaleFolder(const fs::path& folder) {
 // Throws InputError where --report would replace files that are not of an earlier rescale.
 void CheckReportFolder(const fs::path& folder) {
   std::error_code none;
-  if (fs::exists(folder / RunFiles::kTrajectoryTable, none))
+  if (IsFolderOfRun(folder) || fs::exists(folder / RunFiles::kTrajectoryTable, none))
     throw InputError("--report: " + folder.string() +
                      ": has the results of a run, some of which would be replaced; name another folder");
   if (IsRescaleFolder(folder)) return;
@@ -100,6 +100,7 @@ void CheckArguments(const RescaleArguments& arguments) {
   if (arguments.report)
     for (const char* name : kReportFiles) outputs.push_back({"--report", *arguments.report / name});
   CheckOutputs(outputs, FilesRead(arguments));
+  RefuseResultsOfRun({{"--out", arguments.out}});
   if (arguments.report) CheckReportFolder(*arguments.report);
 }
 

@@ -38,16 +38,16 @@ bool HasTableOfRun(const std::filesystem::path& folder) {
   return std::getline(stream, header) && header.starts_with("frame,time,state,");
 }
 
-bool IsFolderOfRun(const std::filesystem::path& folder) {
-  return HasFile(folder, RunFiles::kLiveTumPart) || HasFile(folder, RunFiles::kLiveTum) || HasTableOfRun(folder) ||
-         HasSummaryOfRun(folder);
-}
-
 }  // namespace
 
 bool HasPosesOfRun(const std::filesystem::path& folder) {
   return HasFile(folder, RunFiles::kTrajectoryTable) || HasText(folder, RunFiles::kLiveTum) ||
          HasText(folder, RunFiles::kLiveTumPart);
+}
+
+bool IsFolderOfRun(const std::filesystem::path& folder) {
+  return HasFile(folder, RunFiles::kLiveTumPart) || HasFile(folder, RunFiles::kLiveTum) || HasTableOfRun(folder) ||
+         HasSummaryOfRun(folder);
 }
 
 std::filesystem::path ForeignFile(const std::filesystem::path& folder) {

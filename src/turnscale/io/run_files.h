@@ -39,8 +39,10 @@ struct RunFiles {
 /// Whether a folder has poses of a run, also if only the live ones, as after a killed run.
 bool HasPosesOfRun(const std::filesystem::path& folder);
 
-/// A file that a run would replace or take away though nothing in its folder is of a run, complete or killed; empty if
-/// there is none.
+/// Whether a folder has files of a run, complete, stopped or killed.
+bool IsFolderOfRun(const std::filesystem::path& folder);
+
+/// A file that a run would replace or take away though its folder is none of a run; empty if there is none.
 std::filesystem::path ForeignFile(const std::filesystem::path& folder);
 
 /// Whether a folder has the trajectory table and the summary of a run, complete or interrupted.
