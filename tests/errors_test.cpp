@@ -741,14 +741,17 @@ TEST_F(ErrorsTest, AnInterruptedEstimateOfTheCameraSaysSo) {
 TEST_F(ErrorsTest, AnInterruptedCalibrationSaysSo) {
   fs::remove(Image(12));
   ASSERT_EQ(mkfifo(Image(12).c_str(), 0600), 0);
-  Command command({"calibrate", Drive().string(), "--out", (folder_ / "calibration.yaml").string()}, folder_);
+  const std::string out = (folder_ / "calibration.yaml").string();
+  Command command({"calibrate", Drive().string(), "--distance", "7", "--out", out}, folder_);
   ASSERT_TRUE(command.WaitForError("frame 12/20"));
   command.Signal(SIGINT);
   { const std::ofstream opened_and_closed(Image(12)); }
   const CommandResult result = command.Wait();
   EXPECT_EQ(result.exit_code, 130);
   ASSERT_EQ(result.Complaints().size(), 1u) << result.err;
-  EXPECT_NE(result.Complaints()[0].find("interrupted after 12 frames; "), std::string::npos);
+  const std::string complaint = result.Complaints()[0];
+  EXPECT_NE(complaint.find("interrupted after 12 frames; "), std::string::npos);
+  EXPECT_EQ(complaint.find("interrupted"), complaint.rfind("interrupted")) << complaint;
 }
 
 TEST_F(ErrorsTest, ASecondSignalOfEitherKindEndsARunThatHangs) {

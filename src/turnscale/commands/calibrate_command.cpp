@@ -139,12 +139,15 @@ std::vector<CameraStep> AtMeasuredSpeed(const std::vector<CameraStep>& steps, co
   return metric;
 }
 
-// Checks the source of metric scale before it is used.
+// The distance is that of the whole path. Why a drive was stopped is said elsewhere.
+void CheckDistance(const CalibrateArguments& arguments, const DriveMotion& motion) {
+  if (!arguments.distance || motion.incomplete.empty() || motion.stopped) return;
+  throw InputError(fmt::format("--distance: cannot be applied to {}: {}; give --speed, or a drive without gaps",
+                               motion.input, motion.incomplete));
+}
+
+// Checks the times that the source of metric scale needs, before it is used.
 void CheckMetres(const CalibrateArguments& arguments, const DriveMotion& motion) {
-  if (arguments.distance && !motion.incomplete.empty()) {
-    throw InputError(fmt::format("--distance: cannot be applied to {}: {}; give --speed, or a drive without gaps",
-                                 motion.input, motion.incomplete));
-  }
   if (motion.timed) return;
   const auto refuse = [&](const char* option) {
     throw InputError(fmt::format("{}: {} has no timestamps; give --fps or --timestamps", option, motion.input));
@@ -169,6 +172,9 @@ std::optional<LeverArmFit> FindLeverArm(const CalibrateArguments& arguments, con
     given.lever_arm = {*arguments.lever_arm, slip};
     return given;
   }
+  CheckDistance(arguments, motion);
+  if (arguments.distance && motion.stopped)
+    throw InputError("--distance: needs the whole drive; no lever arm is estimated");
   MetricDrive drive;
   drive.vehicle_from_camera = found.vehicle_from_camera;
   if (speeds) {
@@ -206,11 +212,14 @@ DriveMotion ReadMotion(const CalibrateArguments& arguments, const CommandHooks& 
   return MotionFromTrajectory(*arguments.trajectory, images.timestamps, images.fps, axes);
 }
 
-Calibration CalibrateDrive(const std::vector<CameraStep>& steps, const std::string& input) {
+Calibration CalibrateDrive(const CalibrateArguments& arguments, const DriveMotion& motion,
+                           const std::vector<CameraStep>& steps) {
   try {
     return Calibrate(steps);
   } catch (const InputError& error) {
-    throw InputError(input + ": " + error.what());
+    // What is missing of the drive may be its motion.
+    CheckDistance(arguments, motion);
+    throw InputError(motion.input + ": " + error.what());
   }
 }
 
@@ -221,7 +230,7 @@ CalibrationReport CalibrateMotion(const CalibrateArguments& arguments, const std
   CalibrationReport report;
   report.input = motion.input;
   for (const Trajectory& path : motion.stretches) report.frames += static_cast<int>(path.size());
-  report.calibration = CalibrateDrive(steps, motion.input);
+  report.calibration = CalibrateDrive(arguments, motion, steps);
   Attempts attempts;
   // Written even if the drive does not suffice: it shows the estimate over time.
   attempts.Try([&] {
@@ -229,6 +238,8 @@ CalibrationReport CalibrateMotion(const CalibrateArguments& arguments, const std
     if (arguments.history) WriteHistory(*arguments.history, history, motion.input);
   });
   if (!report.calibration.observable) {
+    // What is missing of the drive may be its turns.
+    CheckDistance(arguments, motion);
     throw InputError(fmt::format("{}: {} ({} steps, {:.0f} deg of turning); use a drive with a street corner",
                                  motion.input, report.calibration.problem, report.calibration.steps,
                                  report.calibration.turning * kDegreesPerRadian));
