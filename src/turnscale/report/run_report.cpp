@@ -125,8 +125,9 @@ std::vector<std::string> WarningsOf(const Summary& summary, double origin, bool 
     warnings.push_back("The run ended early: " + stopped);
   if (!metric) {
     const std::string reason = TextAt(summary, "/scale/pending_reason");
-    const bool has_arm = std::isfinite(NumberAt(summary, "/lever_arm_m"));
-    warnings.push_back("The path is not in metres: " + (!has_arm         ? "no lever arm was given (--lever-arm)"
+    const bool has_measure =
+        std::isfinite(NumberAt(summary, "/lever_arm_m")) || std::isfinite(NumberAt(summary, "/camera_height_m"));
+    warnings.push_back("The path is not in metres: " + (!has_measure     ? "no lever arm was given (--lever-arm)"
                                                         : reason.empty() ? "no turn has determined the scale"
                                                                          : reason));
   }

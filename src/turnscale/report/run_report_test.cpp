@@ -115,10 +115,15 @@ TEST_F(RunReportTest, APathUpToScaleSaysWhy) {
   WriteRunReport(folder_);
   EXPECT_EQ(Data()["unit"], "units");
   EXPECT_EQ(Data()["warnings"][0], "The path is not in metres: no lever arm was given (--lever-arm)");
-  summary.vehicle.lever_arm = 1.5;
-  WriteRun(summary);
-  WriteRunReport(folder_);
-  EXPECT_EQ(Data()["warnings"][0], "The path is not in metres: no turn was found");
+  RunSummary with_arm;
+  with_arm.vehicle.lever_arm = 1.5;
+  RunSummary with_height;
+  with_height.vehicle.camera_height = 1.3;
+  for (const RunSummary& given : {with_arm, with_height}) {
+    WriteRun(given);
+    WriteRunReport(folder_);
+    EXPECT_EQ(Data()["warnings"][0], "The path is not in metres: no turn was found");
+  }
 }
 
 TEST_F(RunReportTest, NeedsResults) {
