@@ -38,12 +38,13 @@ std::optional<std::pair<int, ThumbnailReason>> ParseName(const fs::path& path) {
   return std::nullopt;
 }
 
+// In the order of the frames, whose numbers need not have the same number of digits.
 std::vector<fs::path> ThumbnailFiles(const fs::path& folder) {
   std::vector<fs::path> files;
   std::error_code none;
   for (fs::directory_iterator entry(folder / kFolder, none), end; entry != end; entry.increment(none))
     if (ParseName(entry->path())) files.push_back(entry->path());
-  std::sort(files.begin(), files.end());
+  std::ranges::sort(files, {}, [](const fs::path& file) { return std::pair(ParseName(file), file); });
   return files;
 }
 

@@ -124,6 +124,17 @@ TEST_F(ThumbnailsTest, FilesReplaceThoseOfAnEarlierRun) {
   EXPECT_TRUE(fs::exists(folder_ / "thumbnails" / "mine.jpg"));
 }
 
+TEST_F(ThumbnailsTest, AreReadInTheOrderOfTheFrames) {
+  fs::create_directories(folder_ / "thumbnails");
+  // Beyond 999999 frames numbers have more digits.
+  for (const char* name : {"000010-turn.jpg", "2-drive.jpg", "000003-drive.jpg"})
+    std::ofstream(folder_ / "thumbnails" / name) << name;
+  std::vector<int> numbers;
+  for (const Thumbnail& thumbnail : ReadThumbnails(folder_, std::vector<FrameResult>(20)))
+    numbers.push_back(thumbnail.frame);
+  EXPECT_EQ(numbers, (std::vector{2, 3, 10}));
+}
+
 // The bytes of a comment of a JPEG file, behind its name; they end where the picture does not need them.
 std::string CommentOf(const std::string& jpeg, const std::string& name) {
   const auto byte = [&](size_t place) -> size_t { return static_cast<unsigned char>(jpeg.at(place)); };
