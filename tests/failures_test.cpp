@@ -4,15 +4,18 @@
 #include <filesystem>
 #include <fstream>
 #include <functional>
+#include <future>
 #include <new>
 #include <optional>
 #include <stdexcept>
 #include <string>
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "failing_memory.h"
@@ -23,6 +26,7 @@
 #include "turnscale/camera/camera_file.h"
 #include "turnscale/io/drive_input.h"
 #include "turnscale/io/output_file.h"
+#include "turnscale/io/result_folder.h"
 #include "turnscale/io/run_drive.h"
 #include "turnscale/io/terminal.h"
 #include "turnscale/io/trajectory_file.h"
@@ -142,8 +146,8 @@ TEST_F(FailuresTest, MemoryThatRunsOutInTheFinalAdjustment) {
   for (const int which : {1, 5, 25, 125}) {
     fs::remove_all(Out());
     const RunEnd end = Run(Out(), [&](int next) {
-      // The map is the last that is written before.
-      if (next == kFrames) RefuseAllocation(which, Out() / "map.ply");
+      // The summary is the last that is written before.
+      if (next == kFrames) RefuseAllocation(which, Out() / "summary.json");
     });
     ASSERT_TRUE(AllocationWasRefused());
     // Some algorithms do without.
@@ -157,6 +161,29 @@ TEST_F(FailuresTest, MemoryThatRunsOutInTheFinalAdjustment) {
     EXPECT_TRUE(Summary()["stopped"].get<std::string>().starts_with("out of memory"));
   }
   EXPECT_GE(failures, 2);
+}
+
+TEST_F(FailuresTest, AKillInTheFinalAdjustmentLeavesResultsThatCanBeRead) {
+  fs::create_directories(Out());
+  const fs::path summary = Out() / "summary.json";
+  ASSERT_EQ(mkfifo(summary.c_str(), 0600), 0);
+  std::future<std::string> before = std::async(std::launch::async, [&] {
+    const std::string text = TextOf(summary);
+    TextOf(summary);
+    return text;
+  });
+  const RunEnd end = Run(Out(), [](int) {});
+  // Lets the reader go if there was no second summary.
+  close(open(summary.c_str(), O_RDWR | O_NONBLOCK));
+  const std::string text = before.get();
+  EXPECT_EQ(end.summary.stopped, "");
+  const auto json = nlohmann::json::parse(text);
+  EXPECT_EQ(json["stopped"], "the final adjustment was not finished");
+  EXPECT_FALSE(json["complete"].get<bool>());
+  EXPECT_EQ(json["frames"]["total"], kFrames);
+  fs::remove(summary);
+  std::ofstream(summary) << text;
+  EXPECT_EQ(ReadResultFolder(Out()).frames.size(), static_cast<size_t>(kFrames));
 }
 
 TEST_F(FailuresTest, ADiskThatFillsUpOnTheWay) {

@@ -149,11 +149,17 @@ class Run {
                                              ScaleStateName(odometry_.scale_state())));
   }
 
-  // The final adjustment may take minutes, or fail: the results are written without it first.
+  // The final adjustment may take minutes, or fail: the results are written without it first, with a summary, so that
+  // they can be read if the process is killed meanwhile.
   void Conclude() {
     Keep(Durability::kProcess);
-    if (!attempts_.Try([&] { odometry_.Finish(); })) return;
-    Keep(Durability::kPowerCut);
+    if (writer_) attempts_.Try([&] { SummarizeSoFar(); });
+    const bool finished = attempts_.Try([&] {
+      if (writer_) progress_.Say("final adjustment");
+      odometry_.Finish();
+    });
+    progress_.Say("");
+    if (finished) Keep(Durability::kPowerCut);
   }
 
   // Writes the results, as far as there are any.
@@ -184,9 +190,8 @@ class Run {
   }
 
   // A path that begins late has few turns for that reason.
-  void SayIfLate() {
+  void SayIfLate(RunSummary& summary) const {
     constexpr double kLeastShare = 0.5;
-    RunSummary& summary = end_.summary;
     const std::optional<MissingPart> before = LateBeginning(summary.missing, summary.seconds, kLeastShare);
     if (!before) return;
     if (std::string why = LateBeginningText(*before, summary.frames, seen_); !why.empty())
@@ -195,11 +200,10 @@ class Run {
       summary.pending_reason = fmt::format("the path begins only at {:.1f} s; {}", before->to, summary.pending_reason);
   }
 
-  void Summarize() {
-    RunSummary& summary = end_.summary;
+  // What the drive and the odometry say.
+  void Fill(RunSummary& summary) const {
     const OdometryOptions& options = odometry_.options();
     summary.clips = drive_.clips();
-    if (!summary.unreadable.empty()) Record(UnreadableText(summary.unreadable));
     summary.scale_state = results_.scale_state;
     summary.pinhole = drive_.scaling.Full(odometry_.camera()).pinhole;
     summary.lens_model = odometry_.camera().lens;
@@ -210,12 +214,26 @@ class Run {
                        odometry_.mount().moves()};
     }
     turnscale::Summarize(results_.frames, results_.scale, summary);
-    if (tracks_) SayIfLate();
+    if (tracks_) SayIfLate(summary);
     if (!stale_.empty()) summary.warnings.push_back(stale_);
     summary.frames = std::max(summary.frames, processed_);
-    for (size_t i = printed_; i < summary.warnings.size(); ++i) progress_.Warn(summary.warnings[i]);
     summary.cost = MeasureCost();
     summary.cost.latency = LatencyOf(latencies_);
+  }
+
+  void SummarizeSoFar() {
+    RunSummary summary = end_.summary;
+    if (!summary.unreadable.empty()) summary.warnings.push_back(UnreadableText(summary.unreadable));
+    Fill(summary);
+    summary.stopped += (summary.stopped.empty() ? "" : "; ") + std::string("the final adjustment was not finished");
+    writer_->WriteText(RunFiles::kSummary, SummaryJson(summary), Durability::kProcess);
+  }
+
+  void Summarize() {
+    RunSummary& summary = end_.summary;
+    if (!summary.unreadable.empty()) Record(UnreadableText(summary.unreadable));
+    Fill(summary);
+    for (size_t i = printed_; i < summary.warnings.size(); ++i) progress_.Warn(summary.warnings[i]);
     if (summary.stopped.empty() && !attempts_.failures().empty())
       summary.stopped = FailureOf(attempts_.failures().front()).message;
     if (!writer_) return;

@@ -123,6 +123,16 @@ void Progress::Update(int frames_done, const std::string& more) {
   }
 }
 
+void Progress::Say(const std::string& what) {
+  if (quiet_) return;
+  if (on_terminal_) {
+    if (!what.empty() || line_open_) Show(kClearLine + what);
+    line_open_ = !what.empty();
+  } else if (!what.empty() && Clock::now() - start_ >= kLineInterval) {
+    Show(what + "\n");
+  }
+}
+
 void Progress::Warn(const std::string& message) {
   if (prints_warnings_) {
     if (line_open_) Show(kClearLine);

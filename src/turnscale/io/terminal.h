@@ -46,6 +46,9 @@ class Progress {
 
   /// `more` is said after the rate.
   void Update(int frames_done, const std::string& more = "");
+  /// What goes on after the frames, which may take a while; empty: it is over. On a terminal it is shown meanwhile,
+  /// else as a line, unless the frames were a matter of seconds.
+  void Say(const std::string& what);
   /// A line of its own, shown even when quiet.
   void Warn(const std::string& message);
   /// From now on each warning is given to `observer`, if there is one, and printed only where `printed` says so.

@@ -116,5 +116,26 @@ TEST(Progress, TheLineEndsWhenARunFails) {
   EXPECT_TRUE(shown.ends_with("scale pending\r\nfailed")) << shown;
 }
 
+TEST(Progress, WhatFollowsTheFramesIsShownWhileItLasts) {
+  const Terminal terminal;
+  Progress progress(3, false);
+  progress.Update(3);
+  progress.Finish();
+  progress.Say("final adjustment");
+  EXPECT_TRUE(terminal.ShownUpTo("final adjustment").ends_with("\r\x1b[Kfinal adjustment"));
+  progress.Say("");
+  progress.Finish();
+  std::fprintf(stderr, "over");
+  EXPECT_EQ(terminal.ShownUpTo("over"), "\r\x1b[Kover");
+}
+
+TEST(Progress, AShortRunPrintsNoLineOfWhatFollows) {
+  ::testing::internal::CaptureStderr();
+  Progress progress(3, false);
+  progress.Say("final adjustment");
+  progress.Say("");
+  EXPECT_EQ(::testing::internal::GetCapturedStderr(), "");
+}
+
 }  // namespace
 }  // namespace turnscale
