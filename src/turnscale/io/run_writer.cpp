@@ -205,6 +205,8 @@ void CheckRunOutput(const RunWriterOptions& options) {
   if (fs::is_symlink(nearest, none) && !fs::exists(nearest, none))
     throw InputError(nearest.string() + ": is a link to a place that is not there; choose another --out");
   RefuseFile(nearest);
+  // Of a folder that is there already.
+  const FolderLock lock(options.folder);
   RefuseForeign(options.folder);
   TryFile(options.folder, nearest);
 }
@@ -212,6 +214,7 @@ void CheckRunOutput(const RunWriterOptions& options) {
 RunWriter::RunWriter(const RunWriterOptions& options) : options_(options) {
   CheckFrame(options_);
   MakeFolder(options_.folder);
+  lock_.emplace(options_.folder);
   RefuseForeign(options_.folder);
   MakeMarker(options_.folder);
   for (const char* name : RunFiles::kAll) RemoveOldFile(PathOf(name));

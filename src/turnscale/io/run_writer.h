@@ -9,6 +9,7 @@
 #include <opencv2/core/mat.hpp>
 
 #include "turnscale/geometry/rigid_transform.h"
+#include "turnscale/io/folder_lock.h"
 #include "turnscale/io/output_file.h"
 #include "turnscale/io/run_files.h"
 #include "turnscale/kinematics/speed_smoother.h"
@@ -71,7 +72,8 @@ struct RunWriterOptions {
 };
 
 /// Throws InputError where results could not be written to the folder, would replace files there that are not of a run
-/// (ForeignFile), or cannot be of this frame: before a run, which may take hours. Leaves nothing behind.
+/// (ForeignFile) or those that another run is writing, or cannot be of this frame: before a run, which may take hours.
+/// Leaves nothing behind.
 void CheckRunOutput(const RunWriterOptions& options);
 
 /// Writes the results of a run to its folder: live.tum.part is made first, grows by one line per pose and becomes
@@ -79,8 +81,8 @@ void CheckRunOutput(const RunWriterOptions& options);
 /// to write, after trying the other files.
 class RunWriter {
  public:
-  /// Makes the folder; results of an earlier run in it are taken away. Throws as CheckRunOutput, and InputError where a
-  /// file cannot be made.
+  /// Makes the folder and keeps other runs out of it (FolderLock); results of an earlier run are taken away. Throws as
+  /// CheckRunOutput, and InputError where a file cannot be made.
   explicit RunWriter(const RunWriterOptions& options);
 
   /// Writes the result of the newest frame to live.tum.part, if it has a pose.
@@ -119,6 +121,7 @@ class RunWriter {
   RigidTransform VehicleFromCamera(const Eigen::Quaterniond& rotation, ScaleState scale_state) const;
 
   RunWriterOptions options_;
+  std::optional<FolderLock> lock_;
   std::optional<OutputFile> live_;  // until its end
   bool has_pose_ = false;
 };

@@ -228,6 +228,26 @@ TEST_F(RunWriterTest, AFolderOfARunStaysOneWheneverTheRunIsKilled) {
   EXPECT_NO_THROW(CheckRunOutput({folder_}));
 }
 
+TEST_F(RunWriterTest, TwoRunsDoNotWriteToOneFolder) {
+  const auto refused = [&](const auto& make) {
+    try {
+      make();
+    } catch (const InputError& error) {
+      return std::string(error.what()) == folder_.string() + ": another run is writing there; choose another --out";
+    }
+    return false;
+  };
+  {
+    RunWriter writer({folder_});
+    writer.Add(Frame(0));
+    EXPECT_TRUE(refused([&] { CheckRunOutput({folder_}); }));
+    EXPECT_TRUE(refused([&] { RunWriter{{folder_}}; }));
+    EXPECT_EQ(ReadTrajectory(folder_ / "live.tum.part").size(), 1u) << "nothing is taken away";
+  }
+  EXPECT_NO_THROW(CheckRunOutput({folder_}));
+  EXPECT_NO_THROW(RunWriter{{folder_}});
+}
+
 TEST_F(RunWriterTest, WithoutAPoseThereIsNoLiveTrajectory) {
   RunWriter writer({folder_});
   EXPECT_TRUE(fs::exists(folder_ / "live.tum.part"));
