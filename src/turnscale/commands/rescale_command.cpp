@@ -142,13 +142,13 @@ RescaleResult ExecuteRescale(const RescaleArguments& given, const CommandHooks& 
   if (!trajectory.timed && arguments.heights) {
     throw InputError(input + ": no timestamps, by which --heights finds its poses; give --fps or --timestamps");
   }
+  const RescaleOptions options = OptionsFrom(arguments, trajectory.timed);
   if (!trajectory.timed && arguments.lever_arm && !arguments.quiet) {
-    Warn(hooks, input +
-                    ": no timestamps, so tyre slip is neglected: the scale may be off by up to 40 %; give --fps or "
-                    "--timestamps");
+    Warn(hooks, fmt::format("{}: no timestamps: side slip is unknown, and taken as {:.0f} +-{:.0f} % of the lever arm; "
+                            "give --fps or --timestamps",
+                            input, 100 * options.untimed_slip, 100 * options.untimed_slip_sigma));
   }
   if (trajectory.poses.size() < 2) throw InputError(input + ": has fewer than two poses");
-  const RescaleOptions options = OptionsFrom(arguments, trajectory.timed);
   const RescaleResult result =
       RescaleTrajectory(options, trajectory.poses, {}, HeightsAlong(trajectory.poses, arguments.heights));
   if (!result.observable) {

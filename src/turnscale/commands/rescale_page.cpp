@@ -38,7 +38,7 @@ std::string RescalePage(const RescaleResult& result, const std::string& input, c
   if (car.knows_height()) data.notes.push_back(fmt::format("Camera {:g} m above the road", car.camera_height));
   data.notes.push_back(ScaleNote(result, car));
   data.warnings = RescaleWarnings(result, car);
-  if (!timed) data.warnings.push_back("The trajectory has no times: tyre slip is neglected, and there is no speed");
+  if (!timed) data.warnings.push_back("The trajectory has no times: side slip is unknown, and there is no speed");
   data.timed = timed;
   data.has_tracking = false;
   data.vehicle_from_body = result.vehicle_from_camera;
