@@ -46,26 +46,28 @@ cv::Mat Brightened(const cv::Mat& gray) {
   return bright;
 }
 
-// A part of a larger image, in which the border repeats what is inside.
+// A copy that is part of a larger image, in which the border repeats what is inside, even if `gray` is part of one,
+// too.
 cv::Mat WithBorder(const cv::Mat& gray) {
   cv::Mat whole;
-  cv::copyMakeBorder(gray, whole, kFlowBorder, kFlowBorder, kFlowBorder, kFlowBorder, cv::BORDER_REFLECT_101);
+  cv::copyMakeBorder(gray, whole, kFlowBorder, kFlowBorder, kFlowBorder, kFlowBorder,
+                     cv::BORDER_REFLECT_101 | cv::BORDER_ISOLATED);
   return whole(cv::Rect(kFlowBorder, kFlowBorder, gray.cols, gray.rows));
 }
 
 FlowImage WithPyramid(const FlowOptions& options, const cv::Mat& gray, bool dark) {
   FlowImage image;
-  image.gray = gray;
+  image.gray = WithBorder(gray);
   image.dark = dark;
   const int levels = LevelsOf(options, gray.cols);
   const int window = dark ? options.dark_window : options.window;
-  cv::Mat halved = gray;
-  for (int level = 0;; ++level) {
-    image.pyramid.push_back(WithBorder(halved));
-    if (level == levels || std::min(halved.cols, halved.rows) / 2 <= window) break;
+  image.pyramid.push_back(image.gray);
+  for (int level = 0; level < levels; ++level) {
+    const cv::Mat& halved = image.pyramid.back();
+    if (std::min(halved.cols, halved.rows) / 2 <= window) break;
     cv::Mat half;
     cv::pyrDown(halved, half);
-    halved = half;
+    image.pyramid.push_back(WithBorder(half));
   }
   return image;
 }
@@ -167,8 +169,8 @@ void FlowOptions::Check() const {
 
 FlowImage BuildFlowImage(const FlowOptions& options, const cv::Mat& gray) {
   const bool dark = cv::mean(gray)[0] < options.min_brightness;
-  // Tracks keep images as references; the caller may read the next one into the same memory.
-  return WithPyramid(options, dark ? Brightened(gray) : gray.clone(), dark);
+  // Tracks keep images as references, which are copies: the caller may read the next one into the same memory.
+  return WithPyramid(options, dark ? Brightened(gray) : gray, dark);
 }
 
 FlowImage MatchBrightness(const FlowOptions& options, const FlowImage& first, const FlowImage& second) {

@@ -29,7 +29,7 @@ struct FlowOptions {
 
 /// An image with what optical flow needs of it, built once a frame.
 struct FlowImage {
-  cv::Mat gray;                  ///< 8 bit, full size; brightened if it was dark
+  cv::Mat gray;                  ///< 8 bit, full size, a copy with a border around it; brightened if it was dark
   bool dark = false;             ///< its mean gray level was below FlowOptions::min_brightness
   std::vector<cv::Mat> pyramid;  ///< 8 bit, with a border; the first one is `gray`
 };

@@ -30,6 +30,24 @@ std::vector<cv::Point2f> Grid(int margin, int spacing) {
 
 int Found(const FlowResult& flow) { return static_cast<int>(std::ranges::count(flow.found, 1)); }
 
+TEST(OpticalFlow, HoldsOneCopyOfTheImage) {
+  const cv::Mat gray = MakeImage(kFlowImageSize, [texture = SyntheticTexture(1, 8, 100)](const Eigen::Vector2d& pixel) {
+    return texture.At(pixel);
+  });
+  const FlowImage image = BuildFlowImage({}, gray);
+  EXPECT_NE(image.gray.data, gray.data);
+  EXPECT_EQ(image.gray.data, image.pyramid[0].data);
+  EXPECT_EQ(cv::norm(image.gray, gray, cv::NORM_INF), 0);
+
+  // A part of an image is an image.
+  const cv::Mat part = gray(cv::Rect(100, 80, 200, 150));
+  cv::Mat of_part = BuildFlowImage({}, part).gray;
+  cv::Mat of_copy = BuildFlowImage({}, part.clone()).gray;
+  for (cv::Mat* whole : {&of_part, &of_copy}) whole->adjustROI(8, 8, 8, 8);
+  EXPECT_EQ(of_part.size(), cv::Size(216, 166));
+  EXPECT_EQ(cv::norm(of_part, of_copy, cv::NORM_INF), 0);
+}
+
 TEST(OpticalFlow, FindsASubPixelShift) {
   const SyntheticTexture texture(1, 8, 100);
   const FlowImage first = Shifted(texture, {0, 0});
