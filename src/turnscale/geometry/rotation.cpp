@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <Eigen/SVD>
 
@@ -63,12 +64,13 @@ YawPitchRoll YawPitchRollFromRotation(const Eigen::Quaterniond& rotation) {
 }
 
 Eigen::Quaterniond FitRotation(const std::vector<Eigen::Vector3d>& first, const std::vector<Eigen::Vector3d>& second) {
+  std::vector<std::pair<Eigen::Vector3d, Eigen::Vector3d>> directions;
+  directions.reserve(first.size());
+  for (size_t i = 0; i < first.size(); ++i) directions.emplace_back(first[i].normalized(), second[i].normalized());
   Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
   for (int round = 0; round < kReweightings; ++round) {
     Eigen::Matrix3d correlation = Eigen::Matrix3d::Zero();
-    for (size_t i = 0; i < first.size(); ++i) {
-      const Eigen::Vector3d a = first[i].normalized();
-      const Eigen::Vector3d b = second[i].normalized();
+    for (const auto& [a, b] : directions) {
       const double weight = round == 0 ? 1.0 : 1.0 / std::max(kSmallestAngle, (R * a - b).norm());
       correlation += weight * b * a.transpose();
     }

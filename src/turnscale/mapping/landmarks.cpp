@@ -38,9 +38,15 @@ void LandmarkOptions::Check() const {
   if (!(max_reprojection_error > 0)) throw InputError("landmarks.max_reprojection_error: has to be positive");
 }
 
+double ReprojectionError(const Pinhole& pinhole, const RigidTransform& camera_from_world, const Eigen::Vector3d& point,
+                         const Eigen::Vector2d& pixel) {
+  const Eigen::Vector3d x = camera_from_world * point;
+  return x.z() > 0 ? (pinhole.Project(x) - pixel).norm() : HUGE_VAL;
+}
+
 double ReprojectionError(const Map& map, int landmark, const LandmarkObservation& seen) {
-  const Eigen::Vector3d x = map.keyframes[seen.keyframe].camera_from_world * map.landmarks[landmark].position;
-  return x.z() > 0 ? (map.pinhole.Project(x) - seen.pixel).norm() : HUGE_VAL;
+  return ReprojectionError(map.pinhole, map.keyframes[seen.keyframe].camera_from_world,
+                           map.landmarks[landmark].position, seen.pixel);
 }
 
 void TriangulateLandmarks(const LandmarkOptions& options, const std::vector<int>& landmarks, Map& map) {

@@ -20,7 +20,11 @@ struct LandmarkOptions {
 /// Gives a depth to those of the landmarks that have none yet and are seen by now under enough parallax.
 void TriangulateLandmarks(const LandmarkOptions& options, const std::vector<int>& landmarks, Map& map);
 
-/// Reprojection error in pixels of a landmark in a keyframe; infinite where it lies behind the camera.
+/// Reprojection error of a point in an image, pixels; infinite where it lies behind the camera.
+double ReprojectionError(const Pinhole& pinhole, const RigidTransform& camera_from_world, const Eigen::Vector3d& point,
+                         const Eigen::Vector2d& pixel);
+
+/// The same of a landmark in a keyframe.
 double ReprojectionError(const Map& map, int landmark, const LandmarkObservation& seen);
 
 /// Removes observations that contradict the landmark's position, and landmarks that too few keyframes are left to see.

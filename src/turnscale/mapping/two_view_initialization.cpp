@@ -15,6 +15,7 @@
 #include "turnscale/bundle/bundle_adjustment.h"
 #include "turnscale/geometry/rotation.h"
 #include "turnscale/geometry/triangulation.h"
+#include "turnscale/mapping/landmarks.h"
 
 namespace turnscale {
 namespace {
@@ -30,19 +31,24 @@ std::vector<Eigen::Vector3d> Rays(const Pinhole& pinhole, const std::vector<Eige
   return rays;
 }
 
-void MeasureMotion(const Pinhole& pinhole, const std::vector<Eigen::Vector2d>& first,
-                   const std::vector<Eigen::Vector2d>& second, TwoViewResult& result) {
-  const std::vector<Eigen::Vector3d> rays = Rays(pinhole, first);
-  const Eigen::Quaterniond rotation = FitRotation(rays, Rays(pinhole, second));
+// Of the pixels, in the image.
+double MedianMotion(const std::vector<Eigen::Vector2d>& first, const std::vector<Eigen::Vector2d>& second) {
   std::vector<double> motion;
+  motion.reserve(first.size());
+  for (size_t i = 0; i < first.size(); ++i) motion.push_back((second[i] - first[i]).norm());
+  return Quantile(std::move(motion), 0.5);
+}
+
+// What no rotation explains.
+double ParallaxOf(const Pinhole& pinhole, const std::vector<Eigen::Vector3d>& first_rays,
+                  const std::vector<Eigen::Vector3d>& second_rays, const std::vector<Eigen::Vector2d>& second) {
+  const Eigen::Quaterniond rotation = FitRotation(first_rays, second_rays);
   std::vector<double> parallax;
-  for (size_t i = 0; i < first.size(); ++i) {
-    motion.push_back((second[i] - first[i]).norm());
-    const Eigen::Vector3d rotated = rotation * rays[i];
+  for (size_t i = 0; i < second.size(); ++i) {
+    const Eigen::Vector3d rotated = rotation * first_rays[i];
     if (rotated.z() > 0) parallax.push_back((second[i] - pinhole.Project(rotated)).norm());
   }
-  result.motion = Quantile(std::move(motion), 0.5);
-  result.parallax = parallax.empty() ? 0.0 : Quantile(std::move(parallax), 0.75);
+  return parallax.empty() ? 0.0 : Quantile(std::move(parallax), 0.75);
 }
 
 struct EssentialMotion {
@@ -76,12 +82,6 @@ EssentialMotion FindMotion(const TwoViewOptions& options, const Pinhole& pinhole
                                           translation.at<double>(2)};
   motion.inlier.assign(mask.begin<uchar>(), mask.end<uchar>());
   return motion;
-}
-
-double ReprojectionError(const Pinhole& pinhole, const RigidTransform& camera_from_first, const Eigen::Vector3d& x,
-                         const Eigen::Vector2d& pixel) {
-  const Eigen::Vector3d in_camera = camera_from_first * x;
-  return in_camera.z() > 0 ? (pinhole.Project(in_camera) - pixel).norm() : HUGE_VAL;
 }
 
 // Pixels: the larger of the two bounds.
@@ -120,17 +120,18 @@ TwoViewResult InitializeFromTwoViews(const TwoViewOptions& options, const Pinhol
                                      const std::vector<Eigen::Vector2d>& second) {
   TwoViewResult result;
   if (static_cast<int>(first.size()) < options.min_landmarks) return result;
-  MeasureMotion(pinhole, first, second, result);
+  result.motion = MedianMotion(first, second);
   if (result.motion < options.min_motion) {
     result.status = TwoViewStatus::kStandstill;
     return result;
   }
+  const std::vector<Eigen::Vector3d> first_rays = Rays(pinhole, first);
+  const std::vector<Eigen::Vector3d> second_rays = Rays(pinhole, second);
+  result.parallax = ParallaxOf(pinhole, first_rays, second_rays, second);
   if (result.parallax < LeastParallax(options, pinhole)) {
     result.status = TwoViewStatus::kLowParallax;
     return result;
   }
-  const std::vector<Eigen::Vector3d> first_rays = Rays(pinhole, first);
-  const std::vector<Eigen::Vector3d> second_rays = Rays(pinhole, second);
   const EssentialMotion motion = FindMotion(options, pinhole, first_rays, second_rays);
   if (motion.inlier.empty()) return result;
 

@@ -47,7 +47,7 @@ enum class TwoViewStatus { kStandstill, kLowParallax, kFailed, kInitialized };
 struct TwoViewResult {
   TwoViewStatus status = TwoViewStatus::kFailed;
   double motion = 0;    ///< median motion of the features, pixels
-  double parallax = 0;  ///< motion that a quarter of them exceed after the best pure rotation, pixels
+  double parallax = 0;  ///< motion that a quarter exceed after the best pure rotation, pixels; 0 at standstill
   RigidTransform second_from_first;
   std::vector<char> triangulated;       ///< one flag per match
   std::vector<Eigen::Vector3d> points;  ///< in the first camera, where triangulated

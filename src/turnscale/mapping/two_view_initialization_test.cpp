@@ -62,7 +62,9 @@ TEST(TwoViewInitialization, RecoversAForwardMotionThatTurns) {
 
 TEST(TwoViewInitialization, NoticesStandstill) {
   const Views views = MakeViews({}, 0.3, 2);
-  EXPECT_EQ(InitializeFromTwoViews({}, kTestPinhole, views.first, views.second).status, TwoViewStatus::kStandstill);
+  const TwoViewResult result = InitializeFromTwoViews({}, kTestPinhole, views.first, views.second);
+  EXPECT_EQ(result.status, TwoViewStatus::kStandstill);
+  EXPECT_EQ(result.parallax, 0) << "it is not measured";
 }
 
 TEST(TwoViewInitialization, NoticesPureRotation) {
