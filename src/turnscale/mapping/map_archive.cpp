@@ -2,7 +2,14 @@
 #include "turnscale/mapping/map_archive.h"
 
 #include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+#include <system_error>
 #include <utility>
+
+#include <fcntl.h>
+#include <unistd.h>
 
 #include "turnscale/base/error.h"
 #include "turnscale/camera/camera_model.h"
@@ -19,6 +26,21 @@ bool WriteAll(const std::vector<T>& values, std::FILE* file) {
 template <typename T>
 bool ReadAll(std::vector<T>& values, std::FILE* file) {
   return values.empty() || std::fread(values.data(), sizeof(T), values.size(), file) == values.size();
+}
+
+// Without a name, so that it goes with the process. std::tmpfile ignores TMPDIR, and /tmp may be in memory. Null where
+// none can be made.
+std::FILE* TemporaryFile() {
+  std::error_code error;
+  const std::filesystem::path folder = std::filesystem::temp_directory_path(error);
+  if (error) return nullptr;
+  std::string name = (folder / "turnscale-map-XXXXXX").string();
+  const int descriptor = mkostemp(name.data(), O_CLOEXEC);
+  if (descriptor < 0) return nullptr;
+  unlink(name.c_str());
+  std::FILE* file = fdopen(descriptor, "w+b");
+  if (file == nullptr) close(descriptor);
+  return file;
 }
 
 // Takes the observations of keyframes before `last` from the landmarks, and drops landmarks without observations.
@@ -154,7 +176,7 @@ void MapArchive::Store(const ArchivedPart& part) {
 }
 
 bool MapArchive::WriteToFile(const Contents& contents, long offset) {
-  if (!file_ && !file_failed_) file_.reset(std::tmpfile());
+  if (!file_ && !file_failed_) file_.reset(TemporaryFile());
   file_failed_ = file_failed_ || !file_ || std::fseek(file_.get(), offset, SEEK_SET) != 0 ||
                  !WriteAll(contents.observation_counts, file_.get()) || !WriteAll(contents.observations, file_.get()) ||
                  !WriteAll(contents.numbers, file_.get()) || !WriteAll(contents.positions, file_.get()) ||

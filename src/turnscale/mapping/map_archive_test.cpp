@@ -1,7 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "turnscale/mapping/map_archive.h"
 
+#include <cstdlib>
+#include <filesystem>
+#include <optional>
 #include <set>
+#include <string>
+#include <system_error>
 
 #include <gtest/gtest.h>
 
@@ -42,6 +47,44 @@ TEST(MapArchive, GivesBackWhatItTook) {
       EXPECT_EQ(all.map.landmarks[seen[i].landmark].position, whole.landmarks[wanted[i].landmark].position);
     }
   }
+}
+
+// The open files of this process in a folder, by their links.
+int OpenFilesIn(const std::filesystem::path& folder) {
+  int files = 0;
+  for (const auto& entry : std::filesystem::directory_iterator("/proc/self/fd")) {
+    std::error_code error;
+    const std::filesystem::path file = std::filesystem::read_symlink(entry.path(), error);
+    if (!error && file.parent_path() == folder) ++files;
+  }
+  return files;
+}
+
+TEST(MapArchive, UsesTheFolderForTemporaryFiles) {
+  const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / "map_archive_test";
+  std::filesystem::create_directories(folder);
+  const char* given = std::getenv("TMPDIR");
+  const std::optional<std::string> before = given ? std::optional<std::string>(given) : std::nullopt;
+  Map map = StreetMap();
+  const auto retire = [&](const std::filesystem::path& temporary, MapArchive& archive, int last) {
+    setenv("TMPDIR", temporary.c_str(), 1);
+    archive.Retire(last, 0, map);
+  };
+  MapArchive archive;
+  retire(folder, archive, 60);
+  EXPECT_EQ(OpenFilesIn(std::filesystem::canonical(folder)), 1);
+  EXPECT_TRUE(std::filesystem::is_empty(folder)) << "it has no name";
+
+  map = StreetMap();
+  MapArchive in_memory;
+  retire(folder / "missing", in_memory, 60);
+  EXPECT_EQ(in_memory.Load(0, 60, 0, map).map.landmarks.size(), archive.Load(0, 60, 0, map).map.landmarks.size());
+  if (before) {
+    setenv("TMPDIR", before->c_str(), 1);
+  } else {
+    unsetenv("TMPDIR");
+  }
+  std::filesystem::remove_all(folder);
 }
 
 TEST(MapArchive, LandmarksThatLaterKeyframesSeeStay) {
