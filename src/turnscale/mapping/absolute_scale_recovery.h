@@ -14,9 +14,9 @@ namespace turnscale {
 struct ScaleRecoveryOptions {
   /// Standard deviation of a tracked pixel, pixels.
   double pixel_sigma = 0.5;
-  /// With measured turns (TurnScale::sigma), the pixel sigma is multiplied by this: pixel errors of a track
-  /// are correlated, since all its views are aligned to one patch, so that ten views carry about as much information as
-  /// one. 1: independent errors.
+  /// With measured turns (TurnScale::sigma), which only the laboratory has, the pixel sigma is multiplied by this:
+  /// pixel errors of a track are correlated, since all its views are aligned to one patch, so that ten views carry
+  /// about as much information as one. 1: independent errors.
   double pixel_sigma_inflation = 3;
   int max_iterations = 30;
   /// Residuals (in sigmas) beyond this are weighted linearly (Huber).

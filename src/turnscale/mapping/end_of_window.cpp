@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "turnscale/mapping/end_of_window.h"
 
+#include <algorithm>
+
 namespace turnscale {
 namespace {
 
@@ -42,6 +44,16 @@ RigidTransform Moved(const RigidTransform& camera_from_world, const Similarity& 
   const Eigen::Vector3d centre = new_from_old * camera_from_world.inverse().translation;
   moved.translation = -(moved.rotation * centre);
   return moved;
+}
+
+void MoveFrom(int first, const Similarity& new_from_old, const std::vector<int>& others, Map& map) {
+  const int keyframes = static_cast<int>(map.keyframes.size());
+  for (const int index : LandmarksSeen(map, first, keyframes - 1)) {
+    Eigen::Vector3d& position = map.landmarks[index].position;
+    if (!std::ranges::binary_search(others, index)) position = new_from_old * position;
+  }
+  for (int k = first; k < keyframes; ++k)
+    map.keyframes[k].camera_from_world = Moved(map.keyframes[k].camera_from_world, new_from_old);
 }
 
 }  // namespace turnscale

@@ -8,6 +8,7 @@
 
 #include "turnscale/geometry/rigid_transform.h"
 #include "turnscale/geometry/similarity.h"
+#include "turnscale/mapping/map.h"
 
 namespace turnscale {
 
@@ -21,5 +22,9 @@ Similarity MoveOfEnd(const RigidTransform& old_camera, const RigidTransform& new
 
 /// The pose of a camera that moves with the world.
 RigidTransform Moved(const RigidTransform& camera_from_world, const Similarity& new_from_old);
+
+/// Moves keyframes from `first` on, and the valid landmarks that they see but for `others`, which are in ascending
+/// order.
+void MoveFrom(int first, const Similarity& new_from_old, const std::vector<int>& others, Map& map);
 
 }  // namespace turnscale

@@ -17,17 +17,6 @@ namespace {
 // Of a window, and of its anchors: far more than can be adjusted together, and the sum of the two is a number.
 constexpr int kMostKeyframes = 10'000;
 
-// Moves keyframes after `last`, and the landmarks that they see but for `others`, which are in ascending order.
-void Move(const Similarity& new_from_old, int last, const std::vector<int>& others, Map& map) {
-  const int keyframes = static_cast<int>(map.keyframes.size());
-  for (const int index : LandmarksSeen(map, last + 1, keyframes - 1)) {
-    Eigen::Vector3d& position = map.landmarks[index].position;
-    if (!std::ranges::binary_search(others, index)) position = new_from_old * position;
-  }
-  for (int k = last + 1; k < keyframes; ++k)
-    map.keyframes[k].camera_from_world = Moved(map.keyframes[k].camera_from_world, new_from_old);
-}
-
 std::vector<Eigen::Vector3d> CentresOf(const WindowProblem& problem, const Map& map) {
   std::vector<Eigen::Vector3d> centres = KeyframeCentres(map, problem.window.first);
   centres.resize(problem.bundle.camera_from_world.size());
@@ -84,7 +73,7 @@ void WriteBack(const WindowProblem& problem, Map& map) {
       map.keyframes[problem.window.first + i].camera_from_world = problem.bundle.camera_from_world[i];
   if (has_later) {
     const double scale = ScaleOfEnd(before, CentresOf(problem, map)).value_or(1.0);
-    Move(MoveOfEnd(old_camera, map.keyframes[last].camera_from_world, scale), last, problem.landmarks, map);
+    MoveFrom(last + 1, MoveOfEnd(old_camera, map.keyframes[last].camera_from_world, scale), problem.landmarks, map);
   }
   for (size_t i = 0; i < problem.landmarks.size(); ++i)
     map.landmarks[problem.landmarks[i]].position = problem.bundle.points[i];

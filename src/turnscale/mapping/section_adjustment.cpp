@@ -50,18 +50,10 @@ std::vector<Section> Sections(const MapArchive& archive, const Map& map, int sec
   return sections;
 }
 
-void Move(const Similarity& new_from_old, int first, Map& map) {
-  for (size_t k = first; k < map.keyframes.size(); ++k)
-    map.keyframes[k].camera_from_world = Moved(map.keyframes[k].camera_from_world, new_from_old);
-  for (Landmark& landmark : map.landmarks)
-    if (!landmark.observations.empty() && landmark.observations.back().keyframe >= first)
-      landmark.position = new_from_old * landmark.position;
-}
-
 }  // namespace
 
 void AdjustSections(const LocalBundleOptions& options, double correction, MapArchive& archive, Map& map) {
-  // All or none: an exception on the way leaves the poses as they were.
+  // An exception on the way leaves all poses as they were. Landmarks of finished sections stay where they were moved.
   Map adjusted{map.pinhole, map.keyframes, {}};
   Similarity new_from_old;
   for (const Section& section : Sections(archive, map, options.window, options.anchors)) {
@@ -70,7 +62,7 @@ void AdjustSections(const LocalBundleOptions& options, double correction, MapArc
     const int first = section.first - section.first_fixed;
     const RigidTransform old_end = part.map.keyframes.back().camera_from_world;
     const std::vector<Eigen::Vector3d> before = KeyframeCentres(part.map, first);
-    Move(new_from_old, first, part.map);
+    MoveFrom(first, new_from_old, {}, part.map);
     AdjustFrom(options, first, part.map);
     for (size_t k = first; k < part.map.keyframes.size(); ++k)
       adjusted.keyframes[section.first_fixed + k].camera_from_world = part.map.keyframes[k].camera_from_world;

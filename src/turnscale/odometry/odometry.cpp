@@ -64,13 +64,13 @@ Odometry::Odometry(const OdometryOptions& options, const CameraModel& camera)
     : options_(Checked(options, camera)),
       camera_(camera),
       mask_(options_.static_regions),
-      initializer_(options, camera),
+      initializer_(options_, camera_),
       tracker_(options_),
-      motion_(options.motion),
+      motion_(options_.motion),
       lens_(options_.lens),
       calibration_check_(options_.calibration_check),
       road_(options_.road),
-      scale_(options) {
+      scale_(options_) {
   map_.pinhole = camera.pinhole;
   map_.landmarks.reserve(kUsualLandmarks);
   calibration_sigma_ = CalibrationSigma({}, camera_);
