@@ -119,6 +119,52 @@ void ProcessFrames(const ImageArguments& arguments, ImageSource& source, const C
   }
 }
 
+// Images that are too small, and a calibration that may be of others.
+std::vector<std::string> DoubtsOf(const DriveImages& images) {
+  constexpr double kFarOff = 0.08;  // of the image's width or height
+  constexpr double kOtherShape = 0.02;
+  constexpr int kLeastWidth = 240;  // pixels; at 160, recorded drives came out up to 48 % too long
+  const cv::Size& size = images.full_size;
+  if (size.empty()) return {};
+  std::vector<std::string> doubts;
+  if (size.width < kLeastWidth)
+    doubts.push_back(
+        fmt::format("the images are {}x{} pixels, too small for a reliable path: give images at least {} pixels wide",
+                    size.width, size.height, kLeastWidth));
+  if (images.given.name.empty()) return doubts;
+  const CameraModel& given = images.given.model;
+  const bool central = std::abs(given.pinhole.cx / size.width - 0.5) < kFarOff &&
+                       std::abs(given.pinhole.cy / size.height - 0.5) < kFarOff;
+  if (given.width == 0 && !central)
+    doubts.push_back(fmt::format(
+        "{}: the principal point ({:.0f}, {:.0f}) is far from the centre of {}x{} images; check that this is the right "
+        "camera",
+        images.given.name, given.pinhole.cx, given.pinhole.cy, size.width, size.height));
+  // Only where the video says that its pixels are not square: most say nothing.
+  const double shape = given.pinhole.fy / given.pinhole.fx;
+  const double aspect = images.source.pixel_aspect();
+  if (aspect != 1 && std::abs(shape / aspect - 1) > kOtherShape)
+    doubts.push_back(fmt::format(
+        "{}: fy / fx is {:.3f}, but it is {:.3f} by the pixel aspect ratio that the video states; check that the "
+        "calibration is for these images",
+        images.given.name, shape, aspect));
+  return doubts;
+}
+
+// One line where a video is read without a calibration though a file of one lies beside it; else empty.
+std::string UnusedCamera(const ImageArguments& arguments, const GivenCamera& given) {
+  std::error_code none;
+  const bool chosen = !given.name.empty() || arguments.field_of_view;
+  if (chosen || !fs::is_regular_file(arguments.inputs.front(), none)) return {};
+  for (const char* name : {"calib.txt", "camera.yaml"}) {
+    const fs::path file = arguments.inputs.front().parent_path() / name;
+    if (fs::is_regular_file(file, none))
+      return fmt::format("{}: is not used; give --camera {} if it is this camera's, or the folder as the input",
+                         file.string(), file.string());
+  }
+  return {};
+}
+
 }  // namespace
 
 ImageSourceOptions SourceOptions(const ImageArguments& arguments, const GivenCamera& given,
@@ -158,48 +204,12 @@ DriveImages::DriveImages(const ImageArguments& arguments, const ImageOptions& im
       mask(scaling.ScaledMask(GivenMask(arguments.mask, full_size))),
       expected(ExpectedFrames(source.count(), arguments.max_frames)) {}
 
-std::vector<std::string> DoubtsOf(const DriveImages& images) {
-  constexpr double kFarOff = 0.08;  // of the image's width or height
-  constexpr double kOtherShape = 0.02;
-  constexpr int kLeastWidth = 240;  // pixels; at 160, recorded drives came out up to 48 % too long
-  const cv::Size& size = images.full_size;
-  if (size.empty()) return {};
-  std::vector<std::string> doubts;
-  if (size.width < kLeastWidth)
-    doubts.push_back(
-        fmt::format("the images are {}x{} pixels, too small for a reliable path: give images at least {} pixels wide",
-                    size.width, size.height, kLeastWidth));
-  if (images.given.name.empty()) return doubts;
-  const CameraModel& given = images.given.model;
-  const bool central = std::abs(given.pinhole.cx / size.width - 0.5) < kFarOff &&
-                       std::abs(given.pinhole.cy / size.height - 0.5) < kFarOff;
-  if (given.width == 0 && !central)
-    doubts.push_back(fmt::format(
-        "{}: the principal point ({:.0f}, {:.0f}) is far from the centre of {}x{} images; check that this is the right "
-        "camera",
-        images.given.name, given.pinhole.cx, given.pinhole.cy, size.width, size.height));
-  // Only where the video says that its pixels are not square: most say nothing.
-  const double shape = given.pinhole.fy / given.pinhole.fx;
-  const double aspect = images.source.pixel_aspect();
-  if (aspect != 1 && std::abs(shape / aspect - 1) > kOtherShape)
-    doubts.push_back(fmt::format(
-        "{}: fy / fx is {:.3f}, but it is {:.3f} by the pixel aspect ratio that the video states; check that the "
-        "calibration is for these images",
-        images.given.name, shape, aspect));
-  return doubts;
-}
-
-std::string UnusedCamera(const ImageArguments& arguments, const GivenCamera& given) {
-  std::error_code none;
-  const bool chosen = !given.name.empty() || arguments.field_of_view;
-  if (chosen || !fs::is_regular_file(arguments.inputs.front(), none)) return {};
-  for (const char* name : {"calib.txt", "camera.yaml"}) {
-    const fs::path file = arguments.inputs.front().parent_path() / name;
-    if (fs::is_regular_file(file, none))
-      return fmt::format("{}: is not used; give --camera {} if it is this camera's, or the folder as the input",
-                         file.string(), file.string());
-  }
-  return {};
+std::vector<std::string> WarningsOf(const ImageArguments& arguments, const DriveImages& images) {
+  std::vector<std::string> warnings = images.source.left_out();
+  if (std::string unused = UnusedCamera(arguments, images.given); !unused.empty())
+    warnings.push_back(std::move(unused));
+  for (std::string& doubt : DoubtsOf(images)) warnings.push_back(std::move(doubt));
+  return warnings;
 }
 
 TimedTrajectory ReadTimedTrajectory(const std::filesystem::path& path,
@@ -259,9 +269,8 @@ DriveMotion MotionFromImages(const ImageArguments& arguments, const CommandHooks
   if (!images.mask.empty()) odometry.SetMask(images.mask);
   Progress progress(images.expected, arguments.quiet);
   SendWarnings(progress, hooks);
-  for (const std::string& warning : images.source.left_out()) progress.Warn(warning);
+  for (const std::string& warning : WarningsOf(arguments, images)) progress.Warn(warning);
   if (!estimate.warning.empty()) progress.Warn(estimate.warning);
-  for (const std::string& doubt : DoubtsOf(images)) progress.Warn(doubt);
   FramesProcessed done;
   Attempts attempts;
   attempts.Try([&] { ProcessFrames(arguments, images.source, hooks, odometry, progress, done); });

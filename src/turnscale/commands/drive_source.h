@@ -71,12 +71,10 @@ struct DriveImages {
   int expected = 0;      ///< number of frames, limited by `max_frames`; 0 if unknown
 };
 
-/// Warnings, one line each: images that are too small; a principal point far from their centre where the calibration
-/// has no image size to check; pixels of another shape than the video says.
-std::vector<std::string> DoubtsOf(const DriveImages& images);
-
-/// One line where a video is read without a calibration though a file of one lies beside it; else empty.
-std::string UnusedCamera(const ImageArguments& arguments, const GivenCamera& given);
+/// Warnings before the first frame, one line each: clips that are left out; a calibration beside a video that is not
+/// used; images that are too small; a principal point far from their centre where the calibration has no image size to
+/// check; pixels of another shape than the video says.
+std::vector<std::string> WarningsOf(const ImageArguments& arguments, const DriveImages& images);
 
 struct TimedTrajectory {
   Trajectory poses;

@@ -75,13 +75,10 @@ RunSummary BeforeTheDrive(const RunArguments& arguments, const OdometryOptions& 
   summary.camera = images.given.name;
   summary.found_camera = estimate.found;
   if (arguments.images.mask) summary.mask = arguments.images.mask->string();
-  summary.warnings = images.source.left_out();
+  summary.warnings = WarningsOf(arguments.images, images);
   if (!estimate.warning.empty()) summary.warnings.push_back(estimate.warning);
-  if (const std::string unused = UnusedCamera(arguments.images, images.given); !unused.empty())
-    summary.warnings.push_back(unused);
   if (const std::string unused = UnusedCameraOfVehicle(arguments, options.vehicle, images); !unused.empty())
     summary.warnings.push_back(unused);
-  for (std::string& doubt : DoubtsOf(images)) summary.warnings.push_back(std::move(doubt));
   summary.pose_frame = arguments.frame;
   summary.folder = arguments.out.string();
   summary.start = arguments.images.start;
