@@ -34,7 +34,7 @@ std::vector<std::string> CommandResult::Complaints() const {
 }
 
 Command::Command(const std::vector<std::string>& arguments, const std::filesystem::path& folder,
-                 const std::filesystem::path& out, std::optional<unsigned> largest_file)
+                 const std::filesystem::path& out, std::optional<unsigned> largest_file, bool nohup)
     : out_(folder / "stdout.txt"), err_(folder / "stderr.txt") {
   std::vector<std::string> words = {TURNSCALE_COMMAND};
   words.insert(words.end(), arguments.begin(), arguments.end());
@@ -50,7 +50,7 @@ Command::Command(const std::vector<std::string>& arguments, const std::filesyste
   Redirect(STDOUT_FILENO, out.empty() ? out_.c_str() : out.c_str());
   Redirect(STDERR_FILENO, err_.c_str());
   // The test itself may be run by nohup.
-  signal(SIGHUP, SIG_DFL);
+  signal(SIGHUP, nohup ? SIG_IGN : SIG_DFL);
   if (largest_file) {
     const rlimit limit = {*largest_file, *largest_file};
     setrlimit(RLIMIT_FSIZE, &limit);

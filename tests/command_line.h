@@ -24,9 +24,9 @@ struct CommandResult {
 class Command {
  public:
   /// Keeps what it prints in files below `folder`; where `out` is given, standard output goes there and is not kept.
-  /// No file of it grows beyond `largest_file` bytes, as if the disk were full then.
+  /// No file of it grows beyond `largest_file` bytes, as if the disk were full then. `nohup`: it ignores SIGHUP.
   Command(const std::vector<std::string>& arguments, const std::filesystem::path& folder,
-          const std::filesystem::path& out = {}, std::optional<unsigned> largest_file = {});
+          const std::filesystem::path& out = {}, std::optional<unsigned> largest_file = {}, bool nohup = false);
   Command(const Command&) = delete;
   Command& operator=(const Command&) = delete;
   ~Command();

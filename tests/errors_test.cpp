@@ -452,6 +452,20 @@ TEST_F(ErrorsTest, TheCameraOfAnEarlierRunIsTakenAwayUnlessItIsGiven) {
   EXPECT_FALSE(fs::exists(camera));
 }
 
+TEST_F(ErrorsTest, ACalibrationBesideAVideoThatIsNotUsedIsNamed) {
+  const fs::path video = folder_ / "drive.avi";
+  Video(video);
+  const fs::path camera = folder_ / "calib.txt";
+  fs::copy_file(Drive() / "calib.txt", camera);
+  for (const std::string command : {"run", "calibrate"}) {
+    const std::string out = (folder_ / ("of_" + command)).string();
+    const CommandResult result =
+        RunCommand({command, video.string(), "--out", out, "--max-frames", "4", "--quiet"}, folder_);
+    EXPECT_NE(result.err.find("warning: " + camera.string() + ": is not used; give --camera"), std::string::npos)
+        << result.err;
+  }
+}
+
 TEST_F(ErrorsTest, NarrowImagesGiveAWarning) {
   fs::create_directories(folder_ / "small");
   for (int i = 0; i < 8; ++i)
@@ -766,6 +780,19 @@ TEST_F(ErrorsTest, ASecondSignalOfEitherKindEndsARunThatHangs) {
     command.Signal(second);
     EXPECT_EQ(command.Wait().exit_code, -1) << "ended by the signal";
   }
+}
+
+TEST_F(ErrorsTest, AnotherSignalDoesNotUndoNohup) {
+  fs::remove(Image(12));
+  ASSERT_EQ(mkfifo(Image(12).c_str(), 0600), 0);
+  Command command(Arguments({}), folder_, {}, {}, /*nohup=*/true);
+  ASSERT_TRUE(command.WaitForError("frame 12/20"));
+  command.Signal(SIGHUP);
+  command.Signal(SIGINT);
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  command.Signal(SIGHUP);
+  { const std::ofstream opened_and_closed(Image(12)); }
+  EXPECT_EQ(command.Wait().exit_code, 130);
 }
 
 TEST_F(ErrorsTest, FilesAreValidWhileTheRunGoesOn) {

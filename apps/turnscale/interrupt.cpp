@@ -3,12 +3,17 @@
 
 #include <atomic>
 #include <csignal>
+#include <cstddef>
+#include <iterator>
 
 namespace turnscale {
 namespace {
 
 // The last one comes when a terminal is closed.
 constexpr int kStops[] = {SIGINT, SIGTERM, SIGHUP};
+
+// Which of them CatchInterrupts has changed; the others stay ignored. Set before a handler can run.
+bool installed[std::size(kStops)] = {};
 
 // The handler may run on any thread.
 std::atomic<bool> caught = false;
@@ -17,7 +22,8 @@ static_assert(std::atomic<bool>::is_always_lock_free);
 void OnSignal(int /*signal*/) {
   caught = true;
   // A second signal, of whichever kind, meets the default and ends a run that hangs.
-  for (const int stop : kStops) std::signal(stop, SIG_DFL);
+  for (size_t i = 0; i < std::size(kStops); ++i)
+    if (installed[i]) std::signal(kStops[i], SIG_DFL);
 }
 
 }  // namespace
@@ -27,13 +33,14 @@ void CatchInterrupts() {
   action.sa_handler = OnSignal;
   action.sa_flags = SA_RESTART;
   sigemptyset(&action.sa_mask);
-  for (const int stop : kStops) {
+  for (size_t i = 0; i < std::size(kStops); ++i) {
     struct sigaction before = {};
-    sigaction(stop, nullptr, &before);
+    sigaction(kStops[i], nullptr, &before);
     // nohup wants it to go on. Shells that start it in the background ignore SIGINT for it, which is not meant so.
-    if (stop == SIGHUP && before.sa_handler == SIG_IGN) continue;
-    sigaction(stop, &action, nullptr);
+    installed[i] = kStops[i] != SIGHUP || before.sa_handler != SIG_IGN;
   }
+  for (size_t i = 0; i < std::size(kStops); ++i)
+    if (installed[i]) sigaction(kStops[i], &action, nullptr);
   // A reader that is gone and a limit on the size of files are found out where something is written.
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);
