@@ -103,6 +103,28 @@ void ExpectGpsbabelReads(const std::string& format, const std::string& file) {
   ExpectCircle(places);
 }
 
+TEST_F(ExportTest, OutNamesTheFilesOrTheirFolder) {
+  const fs::path maps = folder_ / "maps";
+  fs::create_directories(maps);
+  const auto exports = [&](const std::string& out, const fs::path& file) {
+    const CommandResult result = Export({"--gpx", "--origin", "49.0112,8.4225", "--heading", "90", "--out", out});
+    EXPECT_EQ(result.out, "wrote    " + file.string() + "\n") << out;
+    EXPECT_TRUE(fs::remove(file)) << out;
+  };
+  exports(maps.string(), maps / "path.gpx");
+  exports(maps.string() + "/", maps / "path.gpx");
+  exports((maps / "track").string(), maps / "track.gpx");
+  exports((maps / "track.gpx").string(), maps / "track.gpx");
+  exports((maps / "2026.03").string(), maps / "2026.03.gpx");
+  EXPECT_TRUE(fs::is_empty(maps));
+}
+
+TEST_F(ExportTest, NumbersAreFinite) {
+  for (const char* option : {"--interval", "--aspect", "--fov"})
+    ExpectComplaint(Export({"--gltf", option, "nan"}), 2, {option, "nan: give a number"});
+  EXPECT_FALSE(fs::exists(Path(".gltf")));
+}
+
 TEST_F(ExportTest, GpsbabelReadsGpx) {
   ASSERT_EQ(ExportAll().exit_code, 0);
   ExpectGpsbabelReads("gpx", Path(".gpx"));

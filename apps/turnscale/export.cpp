@@ -155,11 +155,30 @@ void ExportEarth(const ExportArguments& arguments, const ResultFolder& results, 
   write(arguments.geojson, ".geojson", GeoJsonText);
 }
 
+// The files without their extensions: --out may name a folder, or one of the files.
+fs::path StemOf(const ExportArguments& arguments) {
+  constexpr auto kName = "path";
+  std::error_code none;
+  if (arguments.out.empty()) return arguments.folder / kName;
+  if (!arguments.out.has_filename() || fs::is_directory(arguments.out, none)) return arguments.out / kName;
+  const fs::path extension = arguments.out.extension();
+  for (const char* ours : {".gpx", ".kml", ".geojson", ".gltf"})
+    if (extension == ours) return fs::path(arguments.out).replace_extension();
+  return arguments.out;
+}
+
+void CheckFinite(const char* option, double value) {
+  if (!std::isfinite(value)) throw InputError(fmt::format("{} {}: give a number", option, value));
+}
+
 void RunExport(const ExportArguments& arguments) {
   if (!arguments.gpx && !arguments.kml && !arguments.geojson && !arguments.gltf)
     throw InputError("export: nothing to write; give --gpx, --kml, --geojson or --gltf");
+  CheckFinite("--interval", arguments.interval);
+  if (arguments.fov) CheckFinite("--fov", *arguments.fov);
+  if (arguments.aspect) CheckFinite("--aspect", *arguments.aspect);
   const ResultFolder results = ReadResultFolder(arguments.folder);
-  const std::string stem = (arguments.out.empty() ? arguments.folder / "path" : arguments.out).string();
+  const std::string stem = StemOf(arguments).string();
   std::string messages;
   if (arguments.gpx || arguments.kml || arguments.geojson) ExportEarth(arguments, results, stem, messages);
   if (arguments.gltf) {
@@ -207,7 +226,8 @@ void AddExportCommand(CLI::App& app) {
   command
       ->add_option("--aspect", arguments->aspect, "Width over height of the camera's image in --gltf [that of the run]")
       ->check(CLI::PositiveNumber);
-  command->add_option("--out", arguments->out, "Path of the files, without extension [path, in the folder]");
+  command->add_option("--out", arguments->out,
+                      "Path of the files, without extension, or a folder for them [path, in the folder]");
   command->footer(
       "Examples:\n  turnscale export out/drive --gpx --kml --origin 49.0112,8.4225 --heading 87.5\n"
       "  turnscale export out/drive --gpx --fixes gps.csv --start-time 2026-03-22T07:14:05+01:00");
