@@ -82,7 +82,7 @@ void AddRescaleCommand(CLI::App& app) {
   command->add_option("--out", arguments->out, "File for the trajectory in metres, TUM [metric.tum]");
   command->add_option("--report", arguments->report,
                       "Folder for report.html, scale.csv, turns.csv, summary.json and rescale.svg");
-  command->add_flag("--quiet", arguments->quiet, "Print only errors, and a warning if single-turn scales are used");
+  command->add_flag("--quiet", arguments->quiet, "Print warnings and errors only");
   command->footer(
       "Example:\n  turnscale rescale orbslam.tum --lever-arm 1.05 --out metric.tum --report out/\n\n"
       "Without a sufficiently slow turn, or heights above the road with --camera-height, the scale is not observable: "
