@@ -56,7 +56,9 @@ void AddCalibrateCommand(CLI::App& app) {
   CLI::Option* timestamps = calibrate->add_option(
       "--timestamps", images.timestamps,
       "Times of the frames in seconds, one per line [times.txt in the input folder, or beside the trajectory]");
-  calibrate->add_option("--fps", images.fps, "Frames per second; overrides times.txt and a video's own time stamps")
+  calibrate
+      ->add_option("--fps", images.fps,
+                   "Frames per second; overrides times.txt, a video's own time stamps and the header stamps of a bag")
       ->excludes(timestamps);
   calibrate->add_option("--settings", images.settings, "YAML file with settings, as for run")->excludes(trajectory);
   AddPartOptions(*calibrate, images);

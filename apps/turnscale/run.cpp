@@ -101,11 +101,11 @@ void AddRunCommand(CLI::App& app) {
       run->add_option("--timestamps", arguments->images.timestamps,
                       "Times of the frames in seconds, one per line [times.txt in the input folder]");
   run->add_option("--fps", arguments->images.fps,
-                  "Frames per second; overrides times.txt and a video's own time stamps")
+                  "Frames per second; overrides times.txt, a video's own time stamps and the header stamps of a bag")
       ->excludes(timestamps);
   run->add_option("--lever-arm", arguments->car.lever_arm,
-                  "Horizontal distance from the rear axle forward to the camera, metres; without it and without "
-                  "--camera-height the trajectory is up to scale");
+                  "Horizontal distance from the rear axle forward to the camera, metres; without it, --camera-height "
+                  "and --vehicle the trajectory is up to scale");
   run->add_option("--lever-arm-sigma", arguments->car.lever_arm_sigma,
                   fmt::format("Standard deviation of --lever-arm, metres [{}]", kTapeSigma));
   run->add_option(
@@ -128,7 +128,9 @@ void AddRunCommand(CLI::App& app) {
   run->add_option(
       "--camera-rotation", arguments->car.camera_rotation,
       "Camera-to-vehicle rotation: yaw,pitch,roll in degrees, positive to the right, up, to the right; a YAML file "
-      "with yaw_deg, pitch_deg, roll_deg, such as calibrate writes; or auto: estimated during the drive [auto]");
+      "with yaw_deg, pitch_deg, roll_deg, such as calibrate writes; or auto: estimated during the drive [that of "
+      "--vehicle or "
+      "--settings, else auto]");
   run->add_option(
          "--method", arguments->car.method,
          "How metric scale is obtained. smoothed: one estimate along the drive, from all turns; turns: each turn's "
