@@ -66,7 +66,7 @@ bool IsRescaleFolder(const fs::path& folder) {
   if (fs::is_regular_file(PartOf(summary), none)) return true;
   if (!fs::is_regular_file(summary, none)) return false;
   const auto json = nlohmann::json::parse(FileText(summary).value_or(""), nullptr, false);
-  return json.is_object() && json.contains("metres_per_unit") && json.contains("follows_single_turns");
+  return json.is_object() && json.contains("metres_per_unit") && json.contains("sigma_relative");
 }
 
 // Throws InputError where --report would replace files that are not of an earlier rescale.
