@@ -144,7 +144,7 @@ TEST_F(RescaleCommandTest, RefusesHeightsThatDoNotFit) {
   Text("frames.txt", kitti);
   const CommandResult quiet = Run({Path("frames.txt"), "--lever-arm", "1.2", "--quiet"});
   EXPECT_EQ(quiet.out, "");
-  EXPECT_NE(quiet.err.find("frames.txt: no timestamps, so tyre slip is neglected"), std::string::npos) << quiet.err;
+  EXPECT_NE(quiet.err.find("frames.txt: no timestamps: side slip is unknown"), std::string::npos) << quiet.err;
   fs::remove(folder_ / "metric.tum");
   // The index of a pose is not its time.
   Text("seconds.csv", "time,height\n1,0.1\n2,0.1\n");

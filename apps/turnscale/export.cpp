@@ -13,6 +13,7 @@
 
 #include "commands.h"
 #include "turnscale/base/error.h"
+#include "turnscale/base/file_extension.h"
 #include "turnscale/base/number_text.h"
 #include "turnscale/export/blender_scene.h"
 #include "turnscale/export/geo_files.h"
@@ -161,7 +162,7 @@ fs::path StemOf(const ExportArguments& arguments) {
   std::error_code none;
   if (arguments.out.empty()) return arguments.folder / kName;
   if (!arguments.out.has_filename() || fs::is_directory(arguments.out, none)) return arguments.out / kName;
-  const fs::path extension = arguments.out.extension();
+  const std::string extension = LowerExtension(arguments.out);
   for (const char* ours : {".gpx", ".kml", ".geojson", ".gltf"})
     if (extension == ours) return fs::path(arguments.out).replace_extension();
   return arguments.out;

@@ -113,7 +113,7 @@ bool CameraSolver<kDof>::FactorizeDense(const std::vector<Block>& blocks, const 
   if (!is_constrained_) return true;
   reaction_ = dense_.matrixL().solve(Eigen::MatrixXd(constraints));
   coupling_.compute(reaction_.transpose() * reaction_);
-  return true;
+  return coupling_.info() == Eigen::Success && (coupling_.vectorD().array() > 0).all();
 }
 
 template <int kDof>

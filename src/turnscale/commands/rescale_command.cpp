@@ -143,7 +143,7 @@ RescaleResult ExecuteRescale(const RescaleArguments& given, const CommandHooks& 
     throw InputError(input + ": no timestamps, by which --heights finds its poses; give --fps or --timestamps");
   }
   const RescaleOptions options = OptionsFrom(arguments, trajectory.timed);
-  if (!trajectory.timed && arguments.lever_arm) {
+  if (!trajectory.timed && arguments.lever_arm && !options.car.is_rigid()) {
     Warn(hooks, fmt::format("{}: no timestamps: side slip is unknown, and taken as {:.0f} +-{:.0f} % of the lever arm; "
                             "give --fps or --timestamps",
                             input, 100 * options.untimed_slip, 100 * options.untimed_slip_sigma));

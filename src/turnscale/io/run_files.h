@@ -30,7 +30,8 @@ struct RunFiles {
   static constexpr auto kSettings = "settings.yaml";
 
   /// All that a run replaces or takes away, in this order: the summary first, as it says that the others are of one
-  /// run. What is left of a file that was being written (PartOf) goes with the file.
+  /// run, and live.tum last, as its part marks the folder. What is left of a file that was being written (PartOf) goes
+  /// with the file.
   static constexpr std::array kAll = {
       kReportFile, kSummary, kSettings, kTurns,         kSpeed,           kScale,           kRotation, kCar,
       kCamera,     kMap,     kMask,     kTrajectoryTum, kTrajectoryKitti, kTrajectoryTable, kLiveTum};

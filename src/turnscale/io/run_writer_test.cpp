@@ -380,7 +380,7 @@ TEST(RunSummary, CountsAndMeasures) {
 
 TEST(RunSummary, HasWhatTheDriveTellsOfTheCar) {
   RefinedScale scale;
-  scale.estimate.emplace();
+  scale.estimate.emplace().converged = true;
   scale.estimate->car_evidence.prior.covariance.setIdentity();
   scale.estimate->car_evidence.posterior.mean[1] = 0.005;
   scale.estimate->car_evidence.posterior.covariance(1, 3) = -0.25;
@@ -416,7 +416,7 @@ TEST(RunSummary, SaysHowWellTheLengthIsKnownAndWhereLeast) {
   for (FrameResult& frame : frames) frame.scale_sigma = 0.02;
   frames[3].scale_sigma = 0.09;
   RefinedScale scale;
-  scale.estimate.emplace();
+  scale.estimate.emplace().converged = true;
   scale.estimate->length_sigma = 0.034;
   RunSummary summary;
   summary.scale_state = ScaleState::kHeld;
@@ -433,7 +433,7 @@ TEST(RunSummary, SaysHowWellTheLengthIsKnownAndWhereLeast) {
 
 TEST(RunSummary, WarnsOfACameraTooLowOrTooHighForACar) {
   RefinedScale scale;
-  scale.estimate.emplace();
+  scale.estimate.emplace().converged = true;
   const auto warnings = [&](double height, std::optional<double> given = {}) {
     scale.estimate->car.camera_height = height;
     scale.estimate->car.camera_height_sigma = 0.1;
@@ -461,7 +461,7 @@ TEST(RunSummary, NamesTheTurnThatContradicts) {
     turn.last_frame = first + 20;
     scale.turns.push_back(turn);
   }
-  scale.estimate.emplace();
+  scale.estimate.emplace().converged = true;
   scale.estimate->fell_back = true;
   scale.estimate->test.contradicted = true;
   scale.estimate->test.worst_turn = 2;

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <utility>
 
 #include "turnscale/base/quantiles.h"
 
@@ -25,16 +26,19 @@ double MedianStep(const std::vector<double>& times) {
 // Since 1970, as most clocks count.
 bool IsOfThisCentury(double seconds) { return seconds > 9.4e8 && seconds < 4.2e9; }
 
+// Between images, and poses of keyframes.
+bool IsUsualStep(double seconds) { return seconds > 5e-4 && seconds < 1.5; }
+
 }  // namespace
 
 double SecondsPerUnit(const std::vector<double>& times) {
   const double step = MedianStep(times);
   if (times.empty() || (times.back() <= kLatestSeconds && step <= kLongestSeconds)) return 1;
-  // A clock that counts nanoseconds since its start may show microseconds of this century; the step tells.
-  for (const double unit : kUnits)
-    if (IsOfThisCentury(unit * times.back()) && unit * step <= 10) return unit;
-  const auto distance = [&](double unit) { return std::abs(std::log10(unit * step / 0.1)); };
-  return *std::min_element(kUnits.begin(), kUnits.end(), [&](double a, double b) { return distance(a) < distance(b); });
+  const auto rank = [&](double unit) {
+    return 2 * (step == 0 || IsUsualStep(unit * step)) + IsOfThisCentury(unit * times.back());
+  };
+  const auto distance = [&](double unit) { return step > 0 ? std::abs(std::log10(unit * step / 0.1)) : 0.0; };
+  return *std::ranges::max_element(kUnits, {}, [&](double unit) { return std::pair(rank(unit), -distance(unit)); });
 }
 
 std::vector<double> InSeconds(std::vector<double> times) {
@@ -42,5 +46,7 @@ std::vector<double> InSeconds(std::vector<double> times) {
   for (double& time : times) time *= unit;
   return times;
 }
+
+bool AreNanoseconds(const std::vector<double>& times) { return times.size() < 2 || 1e-9 * MedianStep(times) > 1e-4; }
 
 }  // namespace turnscale

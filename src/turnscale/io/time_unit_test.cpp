@@ -24,7 +24,7 @@ TEST(TimeUnit, SecondsStaySeconds) {
 
 TEST(TimeUnit, ClocksSince1970) {
   for (const double unit : {1e-3, 1e-6, 1e-9}) {
-    for (const double step : {0.005, 0.1, 5.0})
+    for (const double step : {0.005, 0.1, 1.0})
       EXPECT_EQ(SecondsPerUnit(Times(unit, 1.4e9, step)), unit) << unit << " " << step;
     EXPECT_EQ(SecondsPerUnit({1.4e9 / unit}), unit) << unit;
   }
@@ -34,9 +34,20 @@ TEST(TimeUnit, ClocksSinceTheirStart) {
   for (const double begin : {3600.0, 2e5, 2e6}) {
     EXPECT_EQ(SecondsPerUnit(Times(1e-9, begin, 1.0 / 30)), 1e-9) << begin;
     EXPECT_EQ(SecondsPerUnit(Times(1e-6, begin, 1.0 / 30)), 1e-6) << begin;
+    for (const double rate : {100.0, 200.0, 400.0, 600.0}) {
+      EXPECT_EQ(SecondsPerUnit(Times(1e-9, begin, 1 / rate)), 1e-9) << begin << " " << rate;
+      EXPECT_TRUE(AreNanoseconds(Times(1e-9, begin, 1 / rate)));
+    }
   }
   EXPECT_EQ(SecondsPerUnit(Times(1e-9, 0, 0.1)), 1e-9);
   EXPECT_EQ(SecondsPerUnit(Times(1e-6, 0, 0.1)), 1e-6);
+}
+
+TEST(TimeUnit, NanosecondsOfAFormatAreTold) {
+  EXPECT_TRUE(AreNanoseconds(Times(1e-9, 0, 0.001)));
+  EXPECT_TRUE(AreNanoseconds({5}));
+  EXPECT_FALSE(AreNanoseconds(Times(1e-6, 0, 0.033)));
+  EXPECT_FALSE(AreNanoseconds(Times(1e-3, 1.4e9, 0.1)));
 }
 
 TEST(TimeUnit, AllTimesAreConverted) {

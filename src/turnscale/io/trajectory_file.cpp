@@ -93,15 +93,13 @@ class Parser {
     constexpr double kNanosecond = 1e-9;
     std::vector<double> times;
     for (const StampedPose& pose : file_.poses) times.push_back(pose.time);
-    double unit = SecondsPerUnit(times);
-    if (file_.format == TrajectoryFormat::kEuroc && unit == 1) {
-      if (times.size() > 1)
-        throw InputError(
-            fmt::format("{}: times {} and {} are too close for a EuRoC file, whose times are nanoseconds; give a TUM "
-                        "file with blanks, not commas, between its columns",
-                        path_, times[0], times[1]));
-      unit = kNanosecond;
-    }
+    const bool nanoseconds = file_.format == TrajectoryFormat::kEuroc && AreNanoseconds(times);
+    const double unit = nanoseconds ? kNanosecond : SecondsPerUnit(times);
+    if (file_.format == TrajectoryFormat::kEuroc && unit == 1)
+      throw InputError(
+          fmt::format("{}: times {} and {} are too close for a EuRoC file, whose times are nanoseconds; give a TUM "
+                      "file with blanks, not commas, between its columns",
+                      path_, times[0], times[1]));
     for (StampedPose& pose : file_.poses) pose.time *= unit;
   }
 

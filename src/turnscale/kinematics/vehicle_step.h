@@ -41,9 +41,9 @@ struct VehicleStep {
   double lateral() const;
   /// length cos(theta - psi/2 - heading_offset): distance ahead in those axes, odometry units; negative in reverse.
   double forward() const;
-  /// Distance driven, odometry units: 0 where it is not known, as in a jump.
+  /// Distance driven, odometry units: 0 where the step is not usable.
   double driven() const { return usable ? motion.step : 0.0; }
-  /// Angle turned, rad, positive to the right: 0 where it is not known.
+  /// Angle turned, rad, positive to the right: 0 where the step is not usable.
   double turned() const { return usable ? motion.psi : 0.0; }
   /// 2 sin(psi/2): the lateral displacement of a camera per metre of the lever arm (22).
   double swing() const;

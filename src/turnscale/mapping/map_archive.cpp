@@ -32,8 +32,8 @@ bool ReadAll(std::vector<T>& values, std::FILE* file) {
 // none can be made.
 std::FILE* TemporaryFile() {
   std::error_code error;
-  const std::filesystem::path folder = std::filesystem::temp_directory_path(error);
-  if (error) return nullptr;
+  std::filesystem::path folder = std::filesystem::temp_directory_path(error);
+  if (error) folder = "/tmp";
   std::string name = (folder / "turnscale-map-XXXXXX").string();
   const int descriptor = mkostemp(name.data(), O_CLOEXEC);
   if (descriptor < 0) return nullptr;

@@ -76,9 +76,9 @@ TEST(MapArchive, UsesTheFolderForTemporaryFiles) {
   EXPECT_TRUE(std::filesystem::is_empty(folder)) << "it has no name";
 
   map = StreetMap();
-  MapArchive in_memory;
-  retire(folder / "missing", in_memory, 60);
-  EXPECT_EQ(in_memory.Load(0, 60, 0, map).map.landmarks.size(), archive.Load(0, 60, 0, map).map.landmarks.size());
+  MapArchive elsewhere;
+  retire(folder / "missing", elsewhere, 60);
+  EXPECT_EQ(elsewhere.Load(0, 60, 0, map).map.landmarks.size(), archive.Load(0, 60, 0, map).map.landmarks.size());
   if (before) {
     setenv("TMPDIR", before->c_str(), 1);
   } else {

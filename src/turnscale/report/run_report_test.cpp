@@ -34,7 +34,10 @@ class RunReportTest : public ::testing::Test {
       frames[i].scale_sigma = 0.02;
     }
     RefinedScale scale;
-    if (summary.scale_state != ScaleState::kPending) scale.estimate.emplace().length_sigma = 0.034;
+    if (summary.scale_state != ScaleState::kPending) {
+      scale.estimate.emplace().converged = true;
+      scale.estimate->length_sigma = 0.034;
+    }
     scale.reason = "no turn was found";
     Summarize(frames, scale, summary);
     RunWriter writer({folder_});

@@ -32,7 +32,8 @@ struct RescaleOptions {
   /// The paper's Q; estimated from the trajectory (FindCameraMount) if not given. Its yaw error is estimated in either
   /// case; its pitch does not matter (LevelStep), and some degrees of roll have little effect.
   std::optional<Eigen::Quaterniond> vehicle_from_camera;
-  /// The poses' times are seconds. Without times there is no speed, and slip takes `untimed_slip` of the lever arm.
+  /// The poses' times are seconds. Without times there is no speed, and slip takes `untimed_slip` of the lever arm,
+  /// whatever c the car has, unless it is rigid (CarPrior::is_rigid).
   bool timed = true;
   /// Share of the lever arm that slip takes in turns of unknown speed, and its standard deviation: 6 to 24 % in streets
   /// (KITTI), next to nothing in a garage.

@@ -169,5 +169,17 @@ TEST(Rescale, WithoutTimesSlipTakesItsUsualShareOfTheLeverArm) {
   }
 }
 
+TEST(Rescale, WithoutTimesARigidCarStaysRigid) {
+  ScaledDrive drive = MakeScaledDrive(CityRoute(5), {1.2, 0}, kIdentity, kUnit);
+  for (StampedPose& pose : drive.trajectory) pose.time = 0;
+  RescaleOptions options = OptionsFor({1.2, 0});
+  options.car.side_slip_sigma = 0;
+  options.timed = false;
+  const RescaleResult result = RescaleTrajectory(options, drive.trajectory);
+  ASSERT_TRUE(result.observable) << result.reason;
+  EXPECT_LT(WorstLogError(result, drive), 0.008);
+  EXPECT_LT(result.estimate->length_sigma, 0.05);
+}
+
 }  // namespace
 }  // namespace turnscale

@@ -203,7 +203,7 @@ TEST(RoadPlane, SigmaIsThatOfNoisyImages) {
   double squares = 0;
   for (const double deviation : deviations) squares += deviation * deviation / static_cast<double>(deviations.size());
   EXPECT_LT(std::sqrt(squares), 1.6);
-  EXPECT_GT(std::sqrt(squares), 0.4);
+  EXPECT_GT(std::sqrt(squares), 0.3);
 }
 
 TEST(RoadPlaneOptions, RefusesSenselessValues) {

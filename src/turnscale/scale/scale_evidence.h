@@ -48,6 +48,8 @@ struct CarPrior {
 
   bool knows_lever_arm() const { return lever_arm > 0; }
   bool knows_height() const { return camera_height > 0; }
+  /// No slip: the paper's car.
+  bool is_rigid() const { return side_slip == 0 && side_slip_sigma == 0; }
 
   /// Throws InputError that names the field when a value makes no sense.
   void Check() const;
