@@ -161,6 +161,7 @@ fs::path StemOf(const ExportArguments& arguments) {
   constexpr auto kName = "path";
   std::error_code none;
   if (arguments.out.empty()) return arguments.folder / kName;
+  if (!arguments.out.has_filename()) fs::create_directories(arguments.out, none);
   if (!arguments.out.has_filename() || fs::is_directory(arguments.out, none)) return arguments.out / kName;
   const std::string extension = LowerExtension(arguments.out);
   for (const char* ours : {".gpx", ".kml", ".geojson", ".gltf"})
@@ -213,10 +214,10 @@ void AddExportCommand(CLI::App& app) {
           "and sigma, both in metres [5]). The path is rotated and shifted, but not scaled")
       ->excludes(origin)
       ->excludes(heading);
-  command->add_option(
-      "--start-time", arguments->start_time,
-      "UTC time of the drive's time 0, such as 2026-03-22T07:14:05+01:00; without it the files have no times "
-      "of day, unless the drive's times are seconds since 1970");
+  command->add_option("--start-time", arguments->start_time,
+                      "Date and time of the drive's time 0, with its offset from UTC, such as "
+                      "2026-03-22T07:14:05+01:00; without it the files have no times "
+                      "of day, unless the drive's times are seconds since 1970");
   command->add_option("--interval", arguments->interval, "Minimum time between two points, seconds; 0: every frame")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();

@@ -44,8 +44,7 @@ void AddRescaleCommand(CLI::App& app) {
   command->add_option(
       "--side-slip", arguments->side_slip,
       fmt::format("Slip-angle coefficient c in L_eff = L - c v^2: slip angle of the rear axle per lateral "
-                  "acceleration, rad per m/s^2 (= s^2/m); 0: none assumed. Refined from the drive unless its "
-                  "sigma is 0 [{}]",
+                  "acceleration, rad per m/s^2 (= s^2/m). Refined from the drive unless its sigma is 0 [{}]",
                   car.side_slip));
   command->add_option(
       "--side-slip-sigma", arguments->side_slip_sigma,
@@ -84,7 +83,7 @@ void AddRescaleCommand(CLI::App& app) {
                       "Folder for report.html, scale.csv, turns.csv, summary.json and rescale.svg");
   command->add_flag("--quiet", arguments->quiet, "Print warnings and errors only");
   command->footer(
-      "Example:\n  turnscale rescale orbslam.tum --lever-arm 1.05 --out metric.tum --report out/\n\n"
+      "Example:\n  turnscale rescale orbslam.tum --lever-arm 1.05 --out metric.tum --report rescaled/\n\n"
       "Without a sufficiently slow turn, or heights above the road with --camera-height, the scale is not observable: "
       "nothing\nis written, and the exit code is 2.");
   command->callback([arguments] { Rescale(*arguments); });

@@ -118,8 +118,7 @@ void AddRunCommand(CLI::App& app) {
   run->add_option(
       "--side-slip", arguments->car.side_slip,
       fmt::format("Slip-angle coefficient c in L_eff = L - c v^2: slip angle of the rear axle per lateral "
-                  "acceleration, rad per m/s^2 (= s^2/m); 0: none assumed. Refined from the drive unless its "
-                  "sigma is 0 [{}]",
+                  "acceleration, rad per m/s^2 (= s^2/m). Refined from the drive unless its sigma is 0 [{}]",
                   kUsualSideSlip));
   run->add_option(
       "--side-slip-sigma", arguments->car.side_slip_sigma,

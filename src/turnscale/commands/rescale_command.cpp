@@ -20,6 +20,7 @@
 #include "turnscale/io/run_files.h"
 #include "turnscale/io/run_writer.h"
 #include "turnscale/io/settings.h"
+#include "turnscale/io/time_unit.h"
 #include "turnscale/io/trajectory_file.h"
 
 namespace turnscale {
@@ -131,6 +132,12 @@ void WriteReport(const fs::path& folder, const RescaleResult& result, const std:
   summary.Finish();
 }
 
+std::vector<double> TimesOf(const Trajectory& trajectory) {
+  std::vector<double> times;
+  for (const StampedPose& pose : trajectory) times.push_back(pose.time);
+  return times;
+}
+
 }  // namespace
 
 RescaleResult ExecuteRescale(const RescaleArguments& given, const CommandHooks& hooks) {
@@ -142,6 +149,7 @@ RescaleResult ExecuteRescale(const RescaleArguments& given, const CommandHooks& 
   if (!trajectory.timed && arguments.heights) {
     throw InputError(input + ": no timestamps, by which --heights finds its poses; give --fps or --timestamps");
   }
+  if (trajectory.timed) RefuseSparseTimes(input, TimesOf(trajectory.poses));
   const RescaleOptions options = OptionsFrom(arguments, trajectory.timed);
   if (!trajectory.timed && arguments.lever_arm && !options.car.is_rigid()) {
     Warn(hooks, fmt::format("{}: no timestamps: side slip is unknown, and taken as {:.0f} +-{:.0f} % of the lever arm; "

@@ -166,6 +166,7 @@ FrameTimes ReadFrameTimes(const std::filesystem::path& path) {
   }
   if (result.times.empty()) throw InputError(path.string() + ": has no times; give one number per line, in seconds");
   result.times = InSeconds(std::move(result.times));
+  RefuseSparseTimes(path.string(), result.times);
   return result;
 }
 

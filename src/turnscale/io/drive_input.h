@@ -18,8 +18,8 @@ struct FrameTimes {
   std::vector<int> lines;  ///< where each stands in the file, from 1
 };
 
-/// Times that cannot be seconds are converted (SecondsPerUnit). Throws InputError that names the line where a time is
-/// no number, is NaN, goes back or repeats.
+/// Times that cannot be seconds are converted (SecondsPerUnit). Throws as RefuseSparseTimes, and InputError that names
+/// the line where a time is no number, is NaN, goes back or repeats.
 FrameTimes ReadFrameTimes(const std::filesystem::path& path);
 
 /// Throws InputError that names the line where the file has fewer or more times than there are frames.

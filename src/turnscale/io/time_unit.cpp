@@ -7,6 +7,9 @@
 #include <cstddef>
 #include <utility>
 
+#include <fmt/format.h>
+
+#include "turnscale/base/error.h"
 #include "turnscale/base/quantiles.h"
 
 namespace turnscale {
@@ -45,6 +48,14 @@ std::vector<double> InSeconds(std::vector<double> times) {
   const double unit = SecondsPerUnit(times);
   for (double& time : times) time *= unit;
   return times;
+}
+
+void RefuseSparseTimes(const std::string& name, const std::vector<double>& seconds) {
+  constexpr double kLongest = 10;
+  const double step = MedianStep(seconds);
+  if (step > kLongest)
+    throw InputError(fmt::format(
+        "{}: half of the times are {:.0f} s apart or more; are they milliseconds? Give seconds", name, step));
 }
 
 bool AreNanoseconds(const std::vector<double>& times) { return times.size() < 2 || 1e-9 * MedianStep(times) > 1e-4; }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <string>
 #include <vector>
 
 namespace turnscale {
@@ -13,6 +14,10 @@ double SecondsPerUnit(const std::vector<double>& times);
 
 /// The same times in seconds.
 std::vector<double> InSeconds(std::vector<double> times);
+
+/// Throws InputError where the median of the steps is above 10 s, as where times are milliseconds from a start of zero:
+/// no camera drives with such images. `name` is that of the file.
+void RefuseSparseTimes(const std::string& name, const std::vector<double>& seconds);
 
 /// Whether times that a format has in nanoseconds can be such: at most 10,000 per second.
 bool AreNanoseconds(const std::vector<double>& times);

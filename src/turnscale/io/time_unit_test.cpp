@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include "turnscale/base/error.h"
+
 namespace turnscale {
 namespace {
 
@@ -41,6 +43,18 @@ TEST(TimeUnit, ClocksSinceTheirStart) {
   }
   EXPECT_EQ(SecondsPerUnit(Times(1e-9, 0, 0.1)), 1e-9);
   EXPECT_EQ(SecondsPerUnit(Times(1e-6, 0, 0.1)), 1e-6);
+}
+
+TEST(TimeUnit, MillisecondsFromZeroAreRefused) {
+  EXPECT_NO_THROW(RefuseSparseTimes("a", Times(1, 0, 8)));
+  EXPECT_NO_THROW(RefuseSparseTimes("a", {}));
+  try {
+    RefuseSparseTimes("times.txt", Times(1e-3, 0, 0.1));
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_STREQ(error.what(),
+                 "times.txt: half of the times are 100 s apart or more; are they milliseconds? Give seconds");
+  }
 }
 
 TEST(TimeUnit, NanosecondsOfAFormatAreTold) {

@@ -234,8 +234,7 @@ std::vector<VehicleStep> Town(int seed, bool road, bool lost) {
   if (road) ShowRoad(1.3, {.step = 0.01, .road = 0.005}, seed, drive);
   if (!lost) return drive.steps;
   const std::vector<TurningRegion> turns = FindTurns(drive.steps, {});
-  VehicleStep& gap = drive.steps[(turns[3].last + turns[4].first) / 2];
-  gap = {.first = gap.first, .last = gap.last, .usable = false, .after_gap = true, .gap_sigma = 0.1};
+  LoseTracking(0.1, drive.steps[(turns[3].last + turns[4].first) / 2]);
   return drive.steps;
 }
 

@@ -372,10 +372,7 @@ TEST(ScaleEstimator, BetweenLossesOfTrackingWithoutATurnFollowsTheEstimate) {
   const int length = turns[3].first - straight;
   const std::array<int, 2> gaps{straight + length / 4, straight + 3 * length / 4};
   for (int i = gaps[0]; i < gaps[1]; ++i) drive.steps[i].motion.step *= 0.5;
-  for (const int gap : gaps) {
-    VehicleStep& step = drive.steps[gap];
-    step = {.first = step.first, .last = step.last, .usable = false, .after_gap = true, .gap_sigma = 0.3};
-  }
+  for (const int gap : gaps) LoseTracking(0.3, drive.steps[gap]);
   ScaleEstimatorOptions options;
   const ScaleEstimate smoothed = EstimateOf(drive, PriorOf(kCar), options);
   options.follow_turns = true;

@@ -88,6 +88,17 @@ inline SyntheticSteps MakeSteps(const std::vector<StretchOfRoad>& road, const Le
   return drive;
 }
 
+/// Tracking is lost in place of this step, across which the unit of length may change by `sigma` (relative).
+inline void LoseTracking(double sigma, VehicleStep& step) {
+  VehicleStep gap;
+  gap.first = step.first;
+  gap.last = step.last;
+  gap.usable = false;
+  gap.after_gap = true;
+  gap.gap_sigma = sigma;
+  step = gap;
+}
+
 /// How the road shows the height of the camera; standard deviations, relative.
 struct HeightErrors {
   double step = 0;     ///< of each step
