@@ -113,7 +113,9 @@ TEST(RoadObserver, GoesOnWhereTheUnitOfTheMapChanges) {
   ASSERT_TRUE(plain[kRescaled]);
   for (int k = 0; k < 8; ++k) {
     ASSERT_EQ(rescaled[k].has_value(), plain[k].has_value()) << k;
-    if (plain[k]) EXPECT_NEAR(rescaled[k]->ratio / plain[k]->ratio, 1, 1e-6) << k;
+    if (plain[k]) {
+      EXPECT_NEAR(rescaled[k]->ratio / plain[k]->ratio, 1, 1e-6) << k;
+    }
   }
 }
 
