@@ -106,12 +106,21 @@ struct NamedOutput {
   std::filesystem::path file;  ///< empty: not written
 };
 
+/// Throws the InputError on an output that cannot be written there.
+[[noreturn]] inline void RefuseOutput(const char* option, const std::filesystem::path& file, const std::string& why) {
+  throw InputError(fmt::format("{} {}: {}; name another one", option, file.string(), why));
+}
+
+/// The file whatever way its path leads to it; empty where that cannot be examined.
+inline std::filesystem::path PlaceOf(const std::filesystem::path& file) {
+  std::error_code error;
+  const std::filesystem::path place = std::filesystem::weakly_canonical(std::filesystem::absolute(file, error), error);
+  return error ? std::filesystem::path() : place;
+}
+
 /// Throws InputError if an output file, or its name while it is being written, is also an input file or another output.
 /// Empty paths are ignored, and among outputs devices, pipes and what cannot be examined: writing to it says why.
 inline void CheckOutputs(const std::vector<NamedOutput>& outputs, const std::vector<std::filesystem::path>& inputs) {
-  const auto refuse = [](const NamedOutput& output, const std::filesystem::path& file, const std::string& why) {
-    throw InputError(fmt::format("{} {}: {}; name another one", output.option, file.string(), why));
-  };
   std::map<std::filesystem::path, const char*> options;
   for (const NamedOutput& output : outputs) {
     if (output.file.empty()) continue;
@@ -120,12 +129,11 @@ inline void CheckOutputs(const std::vector<NamedOutput>& outputs, const std::vec
     for (const std::filesystem::path& written : {output.file, PartOf(output.file)}) {
       for (const std::filesystem::path& input : inputs)
         if (!input.empty() && std::filesystem::equivalent(written, input, none))
-          refuse(output, written, "is also an input file");
-      const std::filesystem::path place =
-          std::filesystem::weakly_canonical(std::filesystem::absolute(written, none), none);
-      if (is_special || none || place.empty()) continue;
+          RefuseOutput(output.option, written, "is also an input file");
+      const std::filesystem::path place = PlaceOf(written);
+      if (is_special || place.empty()) continue;
       const auto [other, first] = options.try_emplace(place, output.option);
-      if (!first) refuse(output, written, fmt::format("is also a file of {}", other->second));
+      if (!first) RefuseOutput(output.option, written, fmt::format("is also a file of {}", other->second));
     }
   }
 }
@@ -133,15 +141,12 @@ inline void CheckOutputs(const std::vector<NamedOutput>& outputs, const std::vec
 /// Throws InputError if an output file is a result of a run, which is not to be replaced by another command's.
 inline void RefuseResultsOfRun(const std::vector<NamedOutput>& outputs) {
   for (const NamedOutput& output : outputs) {
-    std::error_code none;
-    const std::filesystem::path place =
-        std::filesystem::weakly_canonical(std::filesystem::absolute(output.file, none), none);
+    const std::filesystem::path place = PlaceOf(output.file);
     if (output.file.empty() || place.empty()) continue;
     const bool has_name =
         std::ranges::any_of(RunFiles::kAll, [&](const char* name) { return place.filename() == name; });
     if (has_name && IsFolderOfRun(place.parent_path()))
-      throw InputError(fmt::format("{} {}: is a file of the results of a run; name another one", output.option,
-                                   output.file.string()));
+      RefuseOutput(output.option, output.file, "is a file of the results of a run");
   }
 }
 

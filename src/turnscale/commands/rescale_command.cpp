@@ -6,10 +6,8 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "turnscale/base/error.h"
-#include "turnscale/base/file_text.h"
 #include "turnscale/commands/argument_checks.h"
 #include "turnscale/commands/drive_source.h"
 #include "turnscale/commands/rescale_page.h"
@@ -63,11 +61,8 @@ constexpr std::array kReportFiles = {"scale.csv", "turns.csv", "rescale.svg", kR
 // there before the other files.
 bool IsRescaleFolder(const fs::path& folder) {
   std::error_code none;
-  const fs::path summary = folder / RunFiles::kSummary;
-  if (fs::is_regular_file(PartOf(summary), none)) return true;
-  if (!fs::is_regular_file(summary, none)) return false;
-  const auto json = nlohmann::json::parse(FileText(summary).value_or(""), nullptr, false);
-  return json.is_object() && json.contains("metres_per_unit") && json.contains("sigma_relative");
+  return fs::is_regular_file(PartOf(folder / RunFiles::kSummary), none) ||
+         SummaryHas(folder, {"metres_per_unit", "sigma_relative"});
 }
 
 // Throws InputError where --report would replace files that are not of an earlier rescale.

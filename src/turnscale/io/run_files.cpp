@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "turnscale/io/run_files.h"
 
+#include <algorithm>
 #include <fstream>
 #include <string>
 #include <system_error>
@@ -23,13 +24,6 @@ bool HasText(const std::filesystem::path& folder, const char* name) {
   return HasFile(folder, name) && std::filesystem::file_size(folder / name, error) > 0 && !error;
 }
 
-// A run without a pose leaves a summary, but no trajectory.
-bool HasSummaryOfRun(const std::filesystem::path& folder) {
-  if (!HasFile(folder, RunFiles::kSummary)) return false;
-  const auto json = nlohmann::json::parse(FileText(folder / RunFiles::kSummary).value_or(""), nullptr, false);
-  return json.is_object() && json.contains("camera_yaw_pitch_roll_deg") && json.contains("frames");
-}
-
 // A table of that name may be of another program.
 bool HasTableOfRun(const std::filesystem::path& folder) {
   if (!HasFile(folder, RunFiles::kTrajectoryTable)) return false;
@@ -45,9 +39,16 @@ bool HasPosesOfRun(const std::filesystem::path& folder) {
          HasText(folder, RunFiles::kLiveTumPart);
 }
 
+bool SummaryHas(const std::filesystem::path& folder, std::initializer_list<const char*> keys) {
+  if (!HasFile(folder, RunFiles::kSummary)) return false;
+  const auto json = nlohmann::json::parse(FileText(folder / RunFiles::kSummary).value_or(""), nullptr, false);
+  return json.is_object() && std::ranges::all_of(keys, [&](const char* key) { return json.contains(key); });
+}
+
 bool IsFolderOfRun(const std::filesystem::path& folder) {
+  // A run without a pose leaves a summary, but no trajectory.
   return HasFile(folder, RunFiles::kLiveTumPart) || HasFile(folder, RunFiles::kLiveTum) || HasTableOfRun(folder) ||
-         HasSummaryOfRun(folder);
+         SummaryHas(folder, {"camera_yaw_pitch_roll_deg", "frames"});
 }
 
 std::filesystem::path ForeignFile(const std::filesystem::path& folder) {

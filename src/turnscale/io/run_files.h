@@ -3,6 +3,7 @@
 
 #include <array>
 #include <filesystem>
+#include <initializer_list>
 
 namespace turnscale {
 
@@ -39,6 +40,9 @@ struct RunFiles {
 
 /// Whether a folder has poses of a run, also if only the live ones, as after a killed run.
 bool HasPosesOfRun(const std::filesystem::path& folder);
+
+/// Whether a folder has a summary.json with all of these keys.
+bool SummaryHas(const std::filesystem::path& folder, std::initializer_list<const char*> keys);
 
 /// Whether a folder has files of a run, complete, stopped or killed.
 bool IsFolderOfRun(const std::filesystem::path& folder);
