@@ -127,8 +127,9 @@ void CornerOptions::Check() const {
 }
 
 std::vector<cv::KeyPoint> FindCandidates(const CornerOptions& options, const cv::Mat& gray, bool dark) {
-  // Share of the cells. Most drives fill half of them, with fog before a bright sky less than a tenth.
-  constexpr double kFewest = 0.125;
+  // Share of the cells. Most drives fill half of them or more, bare streets and walls a fifth, and fog before a bright
+  // sky less than a tenth.
+  constexpr double kFewest = 0.25;
   const Grid grid = MakeGrid(options, gray);
   const int threshold = ThresholdFor(options, gray, dark);
   std::vector<cv::KeyPoint> candidates = FindFast(gray, threshold);

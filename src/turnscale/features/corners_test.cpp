@@ -121,6 +121,16 @@ TEST(Corners, AreFoundInFogBeforeABrightSky) {
   EXPECT_GT(DetectCorners(Options(), fog, {}).size(), 75U) << "half of the cells of the lower half";
 }
 
+TEST(Corners, AreFoundOnBareWallsBesideOthers) {
+  // A sixth of the image has texture that is strong, the rest is far too faint for the threshold.
+  cv::Mat bare;
+  UnevenImage().convertTo(bare, CV_8U, 0.12, 60);
+  const cv::Rect strong(0, 0, kCornerImageSize.width, kCornerImageSize.height / 6);
+  UnevenImage()(strong).copyTo(bare(strong));
+  const std::vector<cv::Point2f> corners = DetectCorners(Options(), bare, {});
+  EXPECT_GT(CountInside(corners, {0, 80, 600, 320}), 120) << "half of its cells";
+}
+
 TEST(Corners, StayInTheMask) {
   cv::Mat mask(kCornerImageSize, CV_8U, cv::Scalar(255));
   mask(cv::Rect(100, 100, 200, 150)).setTo(0);

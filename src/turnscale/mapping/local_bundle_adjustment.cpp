@@ -2,6 +2,7 @@
 #include "turnscale/mapping/local_bundle_adjustment.h"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <string>
 #include <utility>
@@ -21,6 +22,27 @@ std::vector<Eigen::Vector3d> CentresOf(const WindowProblem& problem, const Map& 
   std::vector<Eigen::Vector3d> centres = KeyframeCentres(map, problem.window.first);
   centres.resize(problem.bundle.camera_from_world.size());
   return centres;
+}
+
+double FirstStep(const BundleProblem& bundle) {
+  return (bundle.camera_from_world[1].inverse().translation - bundle.camera_from_world[0].inverse().translation).norm();
+}
+
+// Length of the first step of a window whose unit of length nothing holds: all cameras but the first one move.
+std::optional<double> FreeUnit(const BundleProblem& bundle) {
+  if (bundle.camera_from_world.size() < 2 || std::ranges::count(bundle.camera_is_fixed, 1) != 1) return {};
+  return FirstStep(bundle);
+}
+
+// Scales the window about its first camera until the first step is as long as it was. The images do not tell the unit,
+// and an adjustment that starts from noisy points shrinks it by up to a tenth.
+void HoldUnit(double first_step, BundleProblem& bundle) {
+  const double scale = first_step / FirstStep(bundle);
+  if (!std::isfinite(scale) || scale == 0) return;
+  const Eigen::Vector3d origin = bundle.camera_from_world[0].inverse().translation;
+  const Similarity new_from_old{scale, Eigen::Quaterniond::Identity(), (1 - scale) * origin};
+  for (RigidTransform& camera : bundle.camera_from_world) camera = Moved(camera, new_from_old);
+  for (Eigen::Vector3d& point : bundle.points) point = new_from_old * point;
 }
 
 }  // namespace
@@ -108,7 +130,10 @@ std::optional<BundleSummary> AdjustWindow(const LocalBundleOptions& options, Win
   bundle_options.relative_cost_tolerance = options.relative_cost_tolerance;
   bundle_options.initial_damping = options.initial_damping;
   bundle_options.use_exact_hessian = options.use_exact_hessian;
-  return TryAdjustBundle(bundle_options, window.bundle);
+  const std::optional<double> first_step = FreeUnit(window.bundle);
+  const std::optional<BundleSummary> summary = TryAdjustBundle(bundle_options, window.bundle);
+  if (first_step) HoldUnit(*first_step, window.bundle);
+  return summary;
 }
 
 LocalBundleResult AdjustFrom(const LocalBundleOptions& options, int first, Map& map) {

@@ -64,8 +64,9 @@ struct LocalBundleResult {
 /// hold still. The first keyframe of the map, or after a gap in the tracking, never moves.
 WindowProblem MakeLocalWindow(const LocalBundleOptions& options, int first, const Map& map);
 
-/// Adjusts a window without changing the map; WriteBack does that. Returns nothing and leaves the window unchanged if
-/// it contains NaN.
+/// Adjusts a window without changing the map; WriteBack does that. Where only one keyframe holds still, the first step
+/// keeps its length: the images leave the unit of length free. Returns nothing and leaves the window unchanged if it
+/// contains NaN.
 std::optional<BundleSummary> AdjustWindow(const LocalBundleOptions& options, WindowProblem& window);
 
 /// Adjusts the latest keyframes of the map and the landmarks they see. A window that contains NaN stays as it is,

@@ -192,18 +192,48 @@ TEST(LocalBundleAdjustment, AGapPartsTheMap) {
   const Map truth = TrueMap();
   Map map = truth;
   map.keyframes[22].after_gap = true;
-  Disturb(23, map);
+  Disturb(24, map);
   // What is before the gap would pull, were it asked.
   for (int k = 0; k < 22; ++k) map.keyframes[k].camera_from_world.translation.x() += 3;
   const Map before = map;
   AdjustLocalWindow({}, map);
   for (int k = 0; k <= 22; ++k) EXPECT_FALSE(Moved(map, before, k)) << k;
-  // One fixed keyframe holds no scale: directions and rotations come back, lengths as they were guessed.
+  // The first step after the gap is the true one, and it holds the scale.
   for (int k = 23; k < kKeyframes; ++k) {
     EXPECT_TRUE(Moved(map, before, k)) << k;
     EXPECT_LT(RotationError(map, truth, k), 0.045) << k;
     EXPECT_LT(PositionError(map, truth, k), 0.007) << k;
   }
+}
+
+TEST(LocalBundleAdjustment, TheFirstStepKeepsItsLengthWhereNothingElseHoldsTheScale) {
+  const auto first_step = [](const Map& map) {
+    return (map.keyframes[23].camera_from_world.inverse().translation -
+            map.keyframes[22].camera_from_world.inverse().translation)
+        .norm();
+  };
+  Map map = TrueMap();
+  map.keyframes[22].after_gap = true;
+  Disturb(23, map);
+  // The points are too near, as those of two noisy views are.
+  const Eigen::Vector3d start = map.keyframes[22].camera_from_world.inverse().translation;
+  for (Landmark& landmark : map.landmarks) landmark.position = start + 0.9 * (landmark.position - start);
+  const double before = first_step(map);
+  const LocalBundleResult result = AdjustLocalWindow({}, map);
+  EXPECT_LT(result.summary.final_cost, 0.1 * result.summary.initial_cost);
+  EXPECT_NEAR(first_step(map), before, 1e-9);
+  // The rest follows it: the map is the true one but for its unit.
+  const Map truth = TrueMap();
+  const double unit = before / first_step(truth);
+  const auto length = [](const Map& of) {
+    double sum = 0;
+    for (int k = 23; k < kKeyframes; ++k)
+      sum += (of.keyframes[k].camera_from_world.inverse().translation -
+              of.keyframes[k - 1].camera_from_world.inverse().translation)
+                 .norm();
+    return sum;
+  };
+  EXPECT_NEAR(length(map), unit * length(truth), 0.01 * unit * length(truth));
 }
 
 TEST(LocalBundleAdjustment, DoesNotDependOnTheUnitOfLength) {
