@@ -314,15 +314,15 @@ TEST(OdometryTrouble, ARestartTellsHowFarItsUnitMayBeOff) {
 TEST(OdometryTrouble, ARestartAfterAFreezeKeepsTheSpeedFromBefore) {
   // The image freezes for 0.8 s and is dark for as long before it goes on.
   StreetDrive drive = PlainStreetDrive();
-  for (int i = 65; i < 73; ++i) drive.images[i] = CompressedAnew(drive.images[64]);
-  SpoilImages(drive, 73, 8, Black);
+  for (int i = 60; i < 68; ++i) drive.images[i] = CompressedAnew(drive.images[59]);
+  SpoilImages(drive, 68, 8, Black);
   OdometryOptions options = StreetOptions();
   for (const double max_seconds : {0.5, options.repeats.max_seconds}) {
     options.repeats.max_seconds = max_seconds;
     const OdometryRun run = RunOdometry(options, drive);
     ASSERT_TRUE(AllPosed(run.refined));
-    const double before = Drift(run.refined, 54, 64);
-    EXPECT_NEAR(Drift(run.refined, 90, 100) / before, DriftOf(drive, 90, 100) / DriftOf(drive, 54, 64), 0.075)
+    const double before = Drift(run.refined, 50, 59);
+    EXPECT_NEAR(Drift(run.refined, 90, 100) / before, DriftOf(drive, 90, 100) / DriftOf(drive, 50, 59), 0.075)
         << max_seconds << " s";
   }
 }

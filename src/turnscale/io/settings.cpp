@@ -61,6 +61,7 @@ void VisitScaleSettings(Visitor& visitor, ScaleOptions& options) {
   visitor.Group("drift", [&] {
     visitor.Field("per_100m", options.estimator.drift.per_100m);
     visitor.Field("per_90deg", options.estimator.drift.per_90deg);
+    visitor.Field("unit_inflation", options.estimator.drift.unit_inflation);
   });
   visitor.Group("test", [&] {
     auto& o = options.estimator.test;
@@ -160,6 +161,7 @@ void VisitSettings(Visitor& visitor, OdometryOptions& options) {
   visitor.Group("landmarks", [&] {
     auto& o = options.landmarks;
     visitor.Field("min_parallax_deg", o.min_parallax_deg);
+    visitor.Field("min_parallax", o.min_parallax);
     visitor.Field("max_reprojection_error", o.max_reprojection_error);
   });
   for (const auto& [name, bundle] :
@@ -257,6 +259,7 @@ void VisitSettings(Visitor& visitor, OdometryOptions& options) {
     auto& o = options.repeats;
     visitor.Field("min_expected_motion", o.min_expected_motion);
     visitor.Field("max_motion_share", o.max_motion_share);
+    visitor.Field("max_motion", o.max_motion);
     visitor.Field("max_seconds", o.max_seconds);
   });
   visitor.Group("static_regions", [&] {

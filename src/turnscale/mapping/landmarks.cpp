@@ -27,7 +27,8 @@ std::optional<Eigen::Vector3d> TriangulateOne(const LandmarkOptions& options, co
   const std::optional<Eigen::Vector3d> x = Triangulate(rays);
   if (!x) return std::nullopt;
   const double angle = ParallaxAngle(rays[0].camera_from_world, rays[1].camera_from_world, *x);
-  if (angle * kDegreesPerRadian < options.min_parallax_deg) return std::nullopt;
+  const double least = std::max(options.min_parallax_deg / kDegreesPerRadian, options.min_parallax / map.pinhole.fx);
+  if (angle < least) return std::nullopt;
   return x;
 }
 
@@ -35,6 +36,7 @@ std::optional<Eigen::Vector3d> TriangulateOne(const LandmarkOptions& options, co
 
 void LandmarkOptions::Check() const {
   if (!(min_parallax_deg > 0)) throw InputError("landmarks.min_parallax_deg: has to be positive");
+  if (!(min_parallax >= 0)) throw InputError("landmarks.min_parallax: must not be negative");
   if (!(max_reprojection_error > 0)) throw InputError("landmarks.max_reprojection_error: has to be positive");
 }
 

@@ -48,6 +48,7 @@ TEST(Landmarks, GetADepthOnlyAboveTheParallax) {
     return ParallaxAngle(map.keyframes[0].camera_from_world, map.keyframes[2].camera_from_world, x) * kDegreesPerRadian;
   };
   LandmarkOptions options;
+  options.min_parallax = 0;
   ASSERT_GT(parallax(near), options.min_parallax_deg);
   ASSERT_LT(parallax(far), options.min_parallax_deg);
   TriangulateLandmarks(options, {near_one, far_one}, map);
@@ -62,6 +63,21 @@ TEST(Landmarks, GetADepthOnlyAboveTheParallax) {
   TriangulateLandmarks(options, {far_one}, map);
   EXPECT_TRUE(map.landmarks[far_one].valid);
   EXPECT_LT((map.landmarks[far_one].position - far).norm(), 1e-7);
+}
+
+TEST(Landmarks, AWideImageNeedsTheSamePixelsOfParallax) {
+  Map map = RowOfCameras(3);
+  const Eigen::Vector3d point(0.5, -0.3, 10);
+  const int landmark = AddSeen(point, false, map);
+  const double pixels =
+      map.pinhole.fx * ParallaxAngle(map.keyframes[0].camera_from_world, map.keyframes[2].camera_from_world, point);
+  LandmarkOptions options;
+  options.min_parallax = 1.001 * pixels;
+  TriangulateLandmarks(options, {landmark}, map);
+  EXPECT_FALSE(map.landmarks[landmark].valid);
+  options.min_parallax = 0.999 * pixels;
+  TriangulateLandmarks(options, {landmark}, map);
+  EXPECT_TRUE(map.landmarks[landmark].valid);
 }
 
 TEST(Landmarks, OnlyThoseAskedForAndWithoutADepth) {
@@ -147,6 +163,7 @@ TEST(Landmarks, ATrackThatEndedBeforeIsNotLostAgain) {
 TEST(Landmarks, OptionsNameTheFieldThatMakesNoSense) {
   EXPECT_EQ(RefusedField<LandmarkOptions>([](auto&) {}), "");
   EXPECT_EQ(RefusedField<LandmarkOptions>([](auto& o) { o.min_parallax_deg = 0; }), "landmarks.min_parallax_deg");
+  EXPECT_EQ(RefusedField<LandmarkOptions>([](auto& o) { o.min_parallax = -1; }), "landmarks.min_parallax");
   EXPECT_EQ(RefusedField<LandmarkOptions>([](auto& o) { o.max_reprojection_error = std::nan(""); }),
             "landmarks.max_reprojection_error");
 }

@@ -39,21 +39,32 @@ double MedianMotion(const std::vector<Eigen::Vector2d>& first, const std::vector
   return Quantile(std::move(motion), 0.5);
 }
 
-// What no rotation explains.
-double ParallaxOf(const Pinhole& pinhole, const std::vector<Eigen::Vector3d>& first_rays,
-                  const std::vector<Eigen::Vector3d>& second_rays, const std::vector<Eigen::Vector2d>& second) {
+// Motion of each match that no rotation explains, pixels.
+std::vector<double> Parallaxes(const Pinhole& pinhole, const std::vector<Eigen::Vector3d>& first_rays,
+                               const std::vector<Eigen::Vector3d>& second_rays,
+                               const std::vector<Eigen::Vector2d>& second) {
   const Eigen::Quaterniond rotation = FitRotation(first_rays, second_rays);
   std::vector<double> parallax;
   for (size_t i = 0; i < second.size(); ++i) {
     const Eigen::Vector3d rotated = rotation * first_rays[i];
     if (rotated.z() > 0) parallax.push_back((second[i] - pinhole.Project(rotated)).norm());
   }
-  return parallax.empty() ? 0.0 : Quantile(std::move(parallax), 0.75);
+  return parallax;
+}
+
+// Near features move most, and soon go out of sight. Where only far ones are left, their share of those that remain no
+// longer tells that the views suffice.
+bool HaveNearGone(const TwoViewOptions& options, const std::vector<double>& parallaxes, double least, int gone) {
+  constexpr double kLeastShare = 0.5;
+  const auto moved = std::ranges::count_if(parallaxes, [&](double parallax) { return parallax >= least; });
+  const auto all = static_cast<double>(parallaxes.size()) + gone;
+  return moved >= options.min_landmarks && static_cast<double>(moved) + gone >= kLeastShare * all;
 }
 
 struct EssentialMotion {
   RigidTransform second_from_first;  // unit translation
-  std::vector<char> inlier;
+  int agreeing = 0;                  // matches, far ones included
+  std::vector<char> inlier;          // and near enough for a depth
 };
 
 EssentialMotion FindMotion(const TwoViewOptions& options, const Pinhole& pinhole,
@@ -70,6 +81,7 @@ EssentialMotion FindMotion(const TwoViewOptions& options, const Pinhole& pinhole
   const cv::Mat essential = cv::findEssentialMat(a, b, identity, cv::RANSAC, kRansacConfidence, threshold, mask);
   EssentialMotion motion;
   if (essential.rows != 3) return motion;
+  motion.agreeing = cv::countNonZero(mask);
   cv::Mat rotation;
   cv::Mat translation;
   // Points farther than this many baselines do not decide which of the four motions is right.
@@ -117,7 +129,7 @@ void TwoViewOptions::Check() const {
 
 TwoViewResult InitializeFromTwoViews(const TwoViewOptions& options, const Pinhole& pinhole,
                                      const std::vector<Eigen::Vector2d>& first,
-                                     const std::vector<Eigen::Vector2d>& second) {
+                                     const std::vector<Eigen::Vector2d>& second, int gone) {
   TwoViewResult result;
   if (static_cast<int>(first.size()) < options.min_landmarks) return result;
   result.motion = MedianMotion(first, second);
@@ -127,8 +139,10 @@ TwoViewResult InitializeFromTwoViews(const TwoViewOptions& options, const Pinhol
   }
   const std::vector<Eigen::Vector3d> first_rays = Rays(pinhole, first);
   const std::vector<Eigen::Vector3d> second_rays = Rays(pinhole, second);
-  result.parallax = ParallaxOf(pinhole, first_rays, second_rays, second);
-  if (result.parallax < LeastParallax(options, pinhole)) {
+  const std::vector<double> parallaxes = Parallaxes(pinhole, first_rays, second_rays, second);
+  if (!parallaxes.empty()) result.parallax = Quantile(parallaxes, 0.75);
+  const double least = LeastParallax(options, pinhole);
+  if (result.parallax < least && !HaveNearGone(options, parallaxes, least, gone)) {
     result.status = TwoViewStatus::kLowParallax;
     return result;
   }
@@ -140,10 +154,8 @@ TwoViewResult InitializeFromTwoViews(const TwoViewOptions& options, const Pinhol
   problem.camera_from_world = {RigidTransform{}, motion.second_from_first};
   problem.camera_is_fixed = {1, 0};
   std::vector<size_t> match_of_point;
-  int inliers = 0;
   for (size_t i = 0; i < first.size(); ++i) {
     if (motion.inlier[i] == 0) continue;
-    ++inliers;
     const std::array<CameraRay, 2> rays = {CameraRay{problem.camera_from_world[0], first_rays[i]},
                                            CameraRay{problem.camera_from_world[1], second_rays[i]}};
     const std::optional<Eigen::Vector3d> x = Triangulate(rays);
@@ -154,7 +166,8 @@ TwoViewResult InitializeFromTwoViews(const TwoViewOptions& options, const Pinhol
     problem.observations.push_back({1, point, second[i], 1.0});
     match_of_point.push_back(i);
   }
-  if (inliers < options.min_inlier_share * static_cast<double>(first.size())) return result;
+  if (motion.agreeing < options.min_inlier_share * static_cast<double>(first.size())) return result;
+  if (problem.points.empty()) return result;
   BundleOptions bundle_options;
   if (!TryAdjustBundle(bundle_options, problem)) return result;
 

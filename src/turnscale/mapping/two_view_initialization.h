@@ -55,9 +55,10 @@ struct TwoViewResult {
 
 /// Relative pose and first landmarks from matched undistorted pixels of two views: five-point essential matrix with
 /// RANSAC, the one of its four motions that puts points in front of both cameras, two-view bundle adjustment. Says why
-/// not where the views do not suffice.
+/// not where the views do not suffice. `gone`: how many features of the first view have been seen after it, but not in
+/// the second view.
 TwoViewResult InitializeFromTwoViews(const TwoViewOptions& options, const Pinhole& pinhole,
                                      const std::vector<Eigen::Vector2d>& first,
-                                     const std::vector<Eigen::Vector2d>& second);
+                                     const std::vector<Eigen::Vector2d>& second, int gone = 0);
 
 }  // namespace turnscale

@@ -121,6 +121,23 @@ TEST(TwoViewInitialization, FewLandmarksSufficeWhereImagesHaveFewFeatures) {
   EXPECT_GT(sharper.parallax, 2 * strict.min_parallax);
 }
 
+TEST(TwoViewInitialization, NearFeaturesThatHaveGoneShowThatTheViewsSuffice) {
+  // A street below many clouds: between a fifth and a quarter of what remains in sight is near.
+  const RigidTransform motion{RotationFromVector({0, 0.02, 0}), {0.8, 0, -2.5}};
+  Views views = MakeViews(motion, 0.2, 5);
+  for (std::size_t i = 0; i < views.first.size(); ++i)
+    if (i % 9 >= 2) views.second[i] = kTestPinhole.Project(motion * (100 * views.points[i]));
+  const auto status = [&](int gone) {
+    return InitializeFromTwoViews({}, kTestPinhole, views.first, views.second, gone).status;
+  };
+  EXPECT_EQ(status(0), TwoViewStatus::kLowParallax);
+  EXPECT_EQ(status(100), TwoViewStatus::kLowParallax) << "there may be more to come";
+  EXPECT_EQ(status(400), TwoViewStatus::kInitialized);
+  views.first.resize(300);
+  views.second.resize(300);
+  EXPECT_EQ(status(400), TwoViewStatus::kLowParallax) << "too few near features are left";
+}
+
 TEST(TwoViewInitialization, FewMatchesSufficeIfMostBecomeLandmarks) {
   Views views = MakeViews({RotationFromVector({0, 0.02, 0}), {0.13, 0, -0.65}}, 0.2, 5);
   views.first.resize(90);

@@ -66,6 +66,16 @@ std::optional<PathGap> GapBefore(const Map& map, int keyframe) {
   return PathGap{keyframe, map.keyframes[keyframe].gap_sigma};
 }
 
+// The unit of length as the landmarks carry it along a step.
+void SetUnitVariance(const Map& map, const DriftOptions& drift, VehicleStep& step) {
+  if (step.after_gap) return;
+  double variance = 0;
+  for (int k = step.first + 1; k <= step.last; ++k) variance += map.keyframes[k].unit_variance;
+  // Nothing is known of a unit beyond the speed of a car.
+  constexpr double kMostVariance = 1;
+  step.unit_variance = std::min(drift.unit_inflation * drift.unit_inflation * variance, kMostVariance);
+}
+
 // Of the keyframe, or of the last one before it that is finite.
 Eigen::Vector3d KnownCentre(const Map& map, int keyframe) {
   while (keyframe > 0 && !Centre(map.keyframes[keyframe]).allFinite()) --keyframe;
@@ -76,15 +86,18 @@ Eigen::Vector3d KnownCentre(const Map& map, int keyframe) {
 bool HasMetres(const VehicleOptions& vehicle) { return vehicle.lever_arm || vehicle.camera_height; }
 
 std::vector<VehicleStep> StepsAlong(const Map& map, const MountCalibration& mount,
-                                    const std::vector<MeasuredHeight>& heights, const VehicleStepOptions& options) {
+                                    const std::vector<MeasuredHeight>& heights, const OdometryOptions& options) {
   Trajectory path;
   std::vector<PathGap> gaps;
   for (int k = 0; k < static_cast<int>(map.keyframes.size()); ++k) {
     path.push_back(VehiclePose(map, mount, k));
     if (const auto gap = GapBefore(map, k)) gaps.push_back(*gap);
   }
-  std::vector<VehicleStep> steps = CutIntoSteps(path, gaps, true, options);
-  for (VehicleStep& step : steps) SetStepHeight(map, heights, step);
+  std::vector<VehicleStep> steps = CutIntoSteps(path, gaps, true, options.steps);
+  for (VehicleStep& step : steps) {
+    SetStepHeight(map, heights, step);
+    SetUnitVariance(map, options.scale.estimator.drift, step);
+  }
   return steps;
 }
 
@@ -178,6 +191,7 @@ bool DriveScale::Feed(const Map& map, int keyframe) {
   bool turn_ended = false;
   for (VehicleStep& step : builder_.Add(VehiclePose(map, mount_, keyframe), gap ? &*gap : nullptr)) {
     SetStepHeight(map, heights_, step);
+    SetUnitVariance(map, options_.scale.estimator.drift, step);
     turn_ended = live_.Add(step) || turn_ended;
   }
   return turn_ended;
@@ -245,7 +259,7 @@ RefinedScale DriveScale::Refine(const Map& map, bool follow_turns) const {
   refined.turning.assign(count, 0);
   refined.in_used_turn.assign(count, 0);
   refined.from_road.assign(count, 0);
-  const std::vector<VehicleStep> steps = StepsAlong(map, mount_, heights_, options_.steps);
+  const std::vector<VehicleStep> steps = StepsAlong(map, mount_, heights_, options_);
   if (steps.empty()) {
     refined.reason = "the trajectory has no usable step";
     return refined;

@@ -138,7 +138,8 @@ TwoViewResult MapInitializer::MatchWithout(const std::vector<char>& left_out) co
     first.push_back(frames_.front().pixels[frames_.back().features[i]]);
     second.push_back(frames_.back().pixels[i]);
   }
-  TwoViewResult views = InitializeFromTwoViews(options_.initialization, camera_.pinhole, first, second);
+  const int gone = static_cast<int>(frames_[1].features.size() - frames_.back().features.size());
+  TwoViewResult views = InitializeFromTwoViews(options_.initialization, camera_.pinhole, first, second, gone);
   if (views.status != TwoViewStatus::kInitialized) return views;
   std::vector<char> triangulated(left_out.size(), 0);
   std::vector<Eigen::Vector3d> points(left_out.size(), Eigen::Vector3d::Zero());

@@ -19,6 +19,7 @@
 #include "turnscale/mapping/local_bundle_adjustment.h"
 #include "turnscale/mapping/map_scaling.h"
 #include "turnscale/mapping/section_adjustment.h"
+#include "turnscale/mapping/unit_variance.h"
 #include "turnscale/odometry/constrained_turns.h"
 #include "turnscale/odometry/map_start.h"
 #include "turnscale/odometry/path_gaps.h"
@@ -41,6 +42,9 @@ constexpr int kUsualLandmarks = 1 << 17;
 // A turn in which static features show in several keyframes, degrees: if they were none, what stood still before was
 // far away.
 constexpr double kDecidingTurn = 10;
+
+// Keyframes after one before it is judged how well landmarks carry the unit of length past it.
+constexpr int kKeyframesOfUnit = 10;
 
 // Keyframes that are added between the start of work and the use of its results. In a turn, where they are close to one
 // another, camera work takes about as long as two of them, a large window as four.
@@ -250,6 +254,8 @@ void Odometry::AddKeyframe(FrameResult& result) {
   TriangulateLandmarks(options_.landmarks, of_scene, map_);
   const LocalBundleResult adjusted = AdjustLocalWindow(options_.local_bundle, map_);
   tracker_.Drop(CullLandmarks(options_.landmarks, adjusted.landmarks, keyframe, map_));
+  if (const std::optional<double> variance = UnitVariance(map_, keyframe - kKeyframesOfUnit))
+    map_.keyframes[keyframe - kKeyframesOfUnit].unit_variance = *variance;
   motion_.Correct(map_.keyframes.back().camera_from_world, 1.0);
   result.keyframe = true;
 }

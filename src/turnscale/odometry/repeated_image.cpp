@@ -46,6 +46,7 @@ void RepeatOptions::Check() const {
   if (!(min_expected_motion > 0)) throw InputError("repeats.min_expected_motion: has to be positive");
   if (!(max_motion_share >= 0 && max_motion_share < 1))
     throw InputError("repeats.max_motion_share: has to be in 0...1");
+  if (!(max_motion > 0)) throw InputError("repeats.max_motion: has to be positive");
   if (!(max_seconds >= 0)) throw InputError("repeats.max_seconds: must not be negative");
 }
 
@@ -61,7 +62,8 @@ ImageMotion MedianMotion(const std::vector<LandmarkMotion>& landmarks) {
 }
 
 bool IsRepeated(const RepeatOptions& options, const ImageMotion& motion) {
-  return motion.expected >= options.min_expected_motion && motion.seen <= options.max_motion_share * motion.expected;
+  return motion.expected >= options.min_expected_motion &&
+         motion.seen <= std::min(options.max_motion, options.max_motion_share * motion.expected);
 }
 
 bool IsRepeated(const RepeatOptions& options, const PatchAlignmentOptions& alignment, const Map& map,

@@ -108,9 +108,10 @@ TEST_F(Wall, LandmarksWithoutADepthTellNothing) {
   EXPECT_FALSE(Repeated(Seen(0), 5));
 }
 
-TEST(RepeatedImage, AShareOfTheExpectedMotionCounts) {
-  EXPECT_TRUE(IsRepeated({}, ImageMotion{8, 1.9}));
-  EXPECT_FALSE(IsRepeated({}, ImageMotion{8, 2.1}));
+TEST(RepeatedImage, MovesByLittleAndByASmallShareOfWhatWasExpected) {
+  EXPECT_TRUE(IsRepeated({}, ImageMotion{8, 0.25}));
+  EXPECT_FALSE(IsRepeated({}, ImageMotion{8, 0.35})) << "the prediction is wrong";
+  EXPECT_FALSE(IsRepeated({.max_motion_share = 0.1}, ImageMotion{2, 0.25})) << "the car has slowed down";
   EXPECT_FALSE(IsRepeated({}, ImageMotion{1.4, 0}));
   EXPECT_FALSE(IsRepeated({}, ImageMotion{}));
 }
@@ -120,6 +121,7 @@ TEST(RepeatedImage, OptionsNameTheFieldThatMakesNoSense) {
   EXPECT_EQ(RefusedField<Options>([](auto&) {}), "");
   EXPECT_EQ(RefusedField<Options>([](auto& o) { o.min_expected_motion = 0; }), "repeats.min_expected_motion");
   EXPECT_EQ(RefusedField<Options>([](auto& o) { o.max_motion_share = 1; }), "repeats.max_motion_share");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.max_motion = 0; }), "repeats.max_motion");
   EXPECT_EQ(RefusedField<Options>([](auto& o) { o.max_seconds = -1; }), "repeats.max_seconds");
 }
 

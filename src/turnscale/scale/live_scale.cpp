@@ -121,8 +121,8 @@ void LiveScale::Advance(std::span<const VehicleStep> steps, ScaleBelief& belief)
   const std::optional<double> metres_per_unit = MetresPerUnit(steps, belief);
   if (!metres_per_unit) return;
   for (const VehicleStep& step : steps) {
-    const double variance =
-        DriftVariance(options_.drift, step.driven(), *metres_per_unit, std::abs(step.turned()), step.gap_sigma);
+    const double variance = DriftVariance(options_.drift, step.driven(), *metres_per_unit, std::abs(step.turned()),
+                                          step.unit_variance, step.gap_sigma);
     belief = Advanced(belief, variance, step.driven(), *metres_per_unit, options_.evidence.road);
   }
 }

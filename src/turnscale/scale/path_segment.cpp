@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "turnscale/scale/path_segment.h"
 
+#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -12,6 +13,12 @@
 namespace turnscale {
 namespace {
 
+// A step over which the unit of length may have changed by more than this (standard deviation of its logarithm) parts a
+// path as a loss of tracking does.
+constexpr double kBroken = 0.05;
+
+bool IsBroken(const VehicleStep& step) { return step.unit_variance > kBroken * kBroken; }
+
 class Splitter {
  public:
   explicit Splitter(const std::vector<VehicleStep>& steps) : steps_(steps) {}
@@ -20,7 +27,7 @@ class Splitter {
 
   void Straight(int first, int last, int max_steps) {
     for (int i = first + 1; i <= last; ++i) {
-      if (!steps_[i].after_gap) continue;
+      if (!steps_[i].after_gap && !IsBroken(steps_[i])) continue;
       Parts(first, i - 1, max_steps);
       first = i;
     }
@@ -41,10 +48,13 @@ class Splitter {
 
   void Add(int first, int last, bool turning) {
     PathSegment segment{.first = first, .last = last, .turning = turning, .gap_sigma = steps_[first].gap_sigma};
+    if (IsBroken(steps_[first]))
+      segment.gap_sigma = std::hypot(segment.gap_sigma, std::sqrt(steps_[first].unit_variance));
     for (int i = first; i <= last; ++i) {
       segment.angle += steps_[i].turned();
       segment.turned += std::abs(steps_[i].turned());
       segment.length += steps_[i].driven();
+      if (!IsBroken(steps_[i])) segment.unit_variance += steps_[i].unit_variance;
     }
     segment.middle = length_ + 0.5 * segment.length;
     length_ += segment.length;

@@ -14,11 +14,13 @@ struct PathSegment {
   int first = 0;  ///< steps first..last
   int last = 0;
   bool turning = false;
-  double gap_sigma = 0;  ///< relative, by which the unit may have changed since the segment before; 0 without a gap
-  double angle = 0;      ///< sum of psi, rad, positive to the right
-  double turned = 0;     ///< sum of |psi|, rad
-  double length = 0;     ///< odometry units, without jumps
-  double middle = 0;     ///< length of the path up to the middle of the segment, odometry units
+  double gap_sigma = 0;      ///< relative, by which the unit may have changed at the start: a gap, or a map that hangs
+                             ///< together by little; 0 elsewhere
+  double unit_variance = 0;  ///< of the logarithm of the unit along the segment, as the map has it; 0 if not known
+  double angle = 0;          ///< sum of psi, rad, positive to the right
+  double turned = 0;         ///< sum of |psi|, rad
+  double length = 0;         ///< odometry units, without jumps
+  double middle = 0;         ///< length of the path up to the middle of the segment, odometry units
 };
 
 struct PathSegmentOptions {

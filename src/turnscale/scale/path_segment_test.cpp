@@ -97,6 +97,19 @@ TEST(PathSegments, AGapIsWhereOneBegins) {
   }
 }
 
+TEST(PathSegments, AStraightPartsWhereTheMapHardlyHangsTogether) {
+  std::vector<VehicleStep> steps =
+      MakeSteps({{30, 0, 5, 9}, {20, 4 * kDegree, 0.5, 5}, {30, 0, 5, 9}}, kCar, 0, 5).steps;
+  for (VehicleStep& step : steps) step.unit_variance = 1e-6;
+  steps[14].unit_variance = 0.04;
+  double variance = 0;
+  for (const PathSegment& segment : SplitIntoSegments(steps, {})) {
+    EXPECT_NEAR(segment.gap_sigma, segment.first == 14 ? 0.2 : 0, 1e-12) << segment.first;
+    variance += segment.unit_variance;
+  }
+  EXPECT_NEAR(variance, 79e-6, 1e-12) << "each of the other steps counts once";
+}
+
 TEST(PathSegments, LongStraightsAreCutEvenly) {
   const std::vector<VehicleStep> steps = MakeSteps({{100, 0, 5, 9}}, kCar, 0, 5).steps;
   const std::vector<PathSegment> segments = SplitIntoSegments(steps, {});

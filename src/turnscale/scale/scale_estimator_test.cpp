@@ -388,6 +388,19 @@ TEST(ScaleEstimator, BetweenLossesOfTrackingWithoutATurnFollowsTheEstimate) {
     EXPECT_NEAR(followed.smoothed[turn.segment].metres_per_unit() / turn.as_given, 1, 1e-9);
 }
 
+TEST(ScaleEstimator, TheUnitMayChangeWhereTheMapHardlyHangsTogether) {
+  // A turn, a straight on which the unit changes by a half, and a turn.
+  SyntheticSteps drive =
+      MakeSteps({{20, 0, 5, 9}, {25, 4 * kDegree, 0.5, 5}, {40, 0, 5, 9}, {25, -4 * kDegree, 0.5, 5}}, kCar, 0, 5);
+  for (std::size_t i = 65; i < drive.steps.size(); ++i) drive.steps[i].motion.step /= 1.5;
+  const ScaleEstimate unaware = EstimateOf(drive, PriorOf(kCar));
+  EXPECT_GT(std::abs(std::log(Metres(unaware) / drive.metres)), 0.01);
+  drive.steps[65].unit_variance = 0.16;
+  const ScaleEstimate aware = EstimateOf(drive, PriorOf(kCar));
+  EXPECT_LT(std::abs(std::log(Metres(aware) / drive.metres)), 0.005);
+  EXPECT_FALSE(aware.fell_back);
+}
+
 TEST(ScaleEstimator, AGapMayChangeTheUnit) {
   SyntheticSteps drive = MakeSteps(TownRoad(10, 11), kCar, 0, kUnit, kNoise, 11);
   const std::size_t middle = drive.steps.size() / 2;

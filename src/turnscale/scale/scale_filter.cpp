@@ -33,8 +33,8 @@ ScaleBelief AdvancedTo(const ScaleProblem& problem, std::size_t i, double metres
   const PathSegment& before = problem.segments[i - 1];
   const PathSegment& after = problem.segments[i];
   const double length = after.middle - before.middle;
-  const double variance =
-      DriftVariance(problem.drift, length, metres_per_unit, 0.5 * (before.turned + after.turned), after.gap_sigma);
+  const double variance = DriftVariance(problem.drift, length, metres_per_unit, 0.5 * (before.turned + after.turned),
+                                        0.5 * (before.unit_variance + after.unit_variance), after.gap_sigma);
   return Advanced(belief, variance, length, metres_per_unit, problem.options.road);
 }
 
@@ -70,6 +70,7 @@ class TurnSum {
 void DriftOptions::Check() const {
   if (!(per_100m >= 0 && per_100m < 1)) throw InputError("per_100m: has to be from 0 to below 1");
   if (!(per_90deg >= 0 && per_90deg < 1)) throw InputError("per_90deg: has to be from 0 to below 1");
+  if (!(unit_inflation >= 0)) throw InputError("unit_inflation: must not be negative");
 }
 
 double ScaleBelief::metres_per_unit() const { return std::exp(mean[kLogScale]); }
@@ -101,9 +102,10 @@ ScaleBelief PriorBelief(const CarPrior& car, double log_scale) {
 }
 
 double DriftVariance(const DriftOptions& options, double length, double metres_per_unit, double angle,
-                     double gap_sigma) {
-  return options.per_100m * options.per_100m * length * metres_per_unit / kDistance +
-         options.per_90deg * options.per_90deg * angle / kAngle + gap_sigma * gap_sigma;
+                     double unit_variance, double gap_sigma) {
+  const double usual = options.per_100m * options.per_100m * length * metres_per_unit / kDistance +
+                       options.per_90deg * options.per_90deg * angle / kAngle;
+  return std::max(usual, unit_variance) + gap_sigma * gap_sigma;
 }
 
 ScaleBelief Advanced(const ScaleBelief& belief, double drift_variance, double length, double metres_per_unit,

@@ -240,7 +240,7 @@ TEST(ScaleFilter, UpdateIsTheSumOfInformation) {
 TEST(Drift, GathersOverDistanceTurningAndGaps) {
   const DriftOptions drift{0.02, 0.01};
   const auto sigma = [&](double length, double unit, double angle, double gap) {
-    return std::sqrt(DriftVariance(drift, length, unit, angle, gap));
+    return std::sqrt(DriftVariance(drift, length, unit, angle, 0, gap));
   };
   EXPECT_NEAR(sigma(100, 1, 0, 0), 0.02, 1e-12);
   EXPECT_NEAR(sigma(10, 10, 0, 0), 0.02, 1e-12);
@@ -250,11 +250,19 @@ TEST(Drift, GathersOverDistanceTurningAndGaps) {
   EXPECT_NEAR(sigma(100, 1, 2 * std::numbers::pi, 0.03), std::sqrt(0.0004 + 0.0004 + 0.0009), 1e-12);
 }
 
+TEST(Drift, IsThatOfTheMapWhereThatIsMore) {
+  const DriftOptions drift{0.02, 0.01};
+  EXPECT_NEAR(DriftVariance(drift, 100, 1, 0, 0.0003, 0), 0.0004, 1e-12);
+  EXPECT_NEAR(DriftVariance(drift, 100, 1, 0, 0.0009, 0), 0.0009, 1e-12);
+  EXPECT_NEAR(DriftVariance(drift, 100, 1, 0, 0.0009, 0.03), 0.0018, 1e-12);
+}
+
 TEST(Drift, RefusesSenselessValues) {
   const auto refused = [](auto change) { return RefusedField<DriftOptions>(change); };
   EXPECT_EQ(refused([](auto&) {}), "");
   EXPECT_EQ(refused([](auto& o) { o.per_100m = -0.1; }), "per_100m");
   EXPECT_EQ(refused([](auto& o) { o.per_90deg = 1; }), "per_90deg");
+  EXPECT_EQ(refused([](auto& o) { o.unit_inflation = -1; }), "unit_inflation");
 }
 
 }  // namespace
