@@ -312,7 +312,7 @@ TEST(OdometryTrouble, ARestartTellsHowFarItsUnitMayBeOff) {
 }
 
 TEST(OdometryTrouble, ARestartAfterAFreezeKeepsTheSpeedFromBefore) {
-  // The image freezes for 0.8 s and is dark for as long before it goes on.
+  // The image freezes for 0.8 s and is dark for as long before it goes on; the car keeps its speed meanwhile.
   StreetDrive drive = PlainStreetDrive();
   for (int i = 60; i < 68; ++i) drive.images[i] = CompressedAnew(drive.images[59]);
   SpoilImages(drive, 68, 8, Black);

@@ -90,7 +90,8 @@ std::string UnpairedWarning(const Paired& paired, const Trajectory& estimate, co
   if (paired_poses >= kLeastPaired * std::min(common.estimated, common.in_truth)) return {};
   return fmt::format(
       "only {} poses are paired, though the files have {} (estimate) and {} (ground truth) in the time that both "
-      "cover: the errors may be wrong; check that both have the times of one clock, or give a larger --time-tolerance",
+      "cover: the errors may be wrong; check that both are of the same drive, with the times of one clock, or give "
+      "turnscale evaluate a larger --time-tolerance",
       paired_poses, common.estimated, common.in_truth);
 }
 

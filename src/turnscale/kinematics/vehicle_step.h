@@ -24,7 +24,8 @@ struct VehicleStep {
   bool after_gap = false;  ///< across a loss of tracking: its motion is unknown
   /// Relative standard deviation by which the unit of length may have changed across the gap.
   double gap_sigma = 0;
-  /// Variance of the logarithm of the unit of length along the step, as the map has it; 0 where it is not known.
+  /// Variance of the logarithm of the unit of length along the step, due to the errors of the landmarks; at most 1, 0
+  /// where it is not known.
   double unit_variance = 0;
   /// Mean of the squared speed weighted by turning, over the square of `speed()`: slip acts where the car turns.
   double square_speed_ratio = 1;

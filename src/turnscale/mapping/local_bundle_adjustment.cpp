@@ -28,20 +28,15 @@ double FirstStep(const BundleProblem& bundle) {
   return (bundle.camera_from_world[1].inverse().translation - bundle.camera_from_world[0].inverse().translation).norm();
 }
 
-// Length of the first step of a window whose unit of length nothing holds: all cameras but the first one move.
-std::optional<double> FreeUnit(const BundleProblem& bundle) {
-  if (bundle.camera_from_world.size() < 2 || std::ranges::count(bundle.camera_is_fixed, 1) != 1) return {};
-  return FirstStep(bundle);
-}
-
 // Scales the window about its first camera until the first step is as long as it was. The images do not tell the unit,
-// and an adjustment that starts from noisy points shrinks it by up to a tenth.
+// and an adjustment of noisy points shrinks it.
 void HoldUnit(double first_step, BundleProblem& bundle) {
   const double scale = first_step / FirstStep(bundle);
   if (!std::isfinite(scale) || scale == 0) return;
   const Eigen::Vector3d origin = bundle.camera_from_world[0].inverse().translation;
   const Similarity new_from_old{scale, Eigen::Quaterniond::Identity(), (1 - scale) * origin};
-  for (RigidTransform& camera : bundle.camera_from_world) camera = Moved(camera, new_from_old);
+  for (size_t i = 1; i < bundle.camera_from_world.size(); ++i)
+    bundle.camera_from_world[i] = Moved(bundle.camera_from_world[i], new_from_old);
   for (Eigen::Vector3d& point : bundle.points) point = new_from_old * point;
 }
 
@@ -57,6 +52,8 @@ WindowProblem MakeWindowProblem(const Map& map, const Window& window, double pix
   const int keyframes = static_cast<int>(map.keyframes.size());
   WindowProblem problem;
   problem.window = window;
+  problem.starts_map =
+      window.first_free == window.first + 1 && (window.first == 0 || map.keyframes[window.first].after_gap);
   const auto in_window = [&](const LandmarkObservation& seen) { return seen.keyframe >= window.first; };
   size_t observations = 0;
   for (const int landmark : LandmarksSeen(map, window.first_free, keyframes - 1)) {
@@ -130,9 +127,10 @@ std::optional<BundleSummary> AdjustWindow(const LocalBundleOptions& options, Win
   bundle_options.relative_cost_tolerance = options.relative_cost_tolerance;
   bundle_options.initial_damping = options.initial_damping;
   bundle_options.use_exact_hessian = options.use_exact_hessian;
-  const std::optional<double> first_step = FreeUnit(window.bundle);
+  const bool holds_unit = window.starts_map && window.bundle.camera_from_world.size() > 1;
+  const double first_step = holds_unit ? FirstStep(window.bundle) : 0;
   const std::optional<BundleSummary> summary = TryAdjustBundle(bundle_options, window.bundle);
-  if (first_step) HoldUnit(*first_step, window.bundle);
+  if (summary && holds_unit) HoldUnit(first_step, window.bundle);
   return summary;
 }
 

@@ -21,6 +21,7 @@ struct WindowProblem {
   Window window;
   BundleProblem bundle;        ///< camera i is keyframe window.first + i, point i is landmark landmarks[i]
   std::vector<int> landmarks;  ///< seen by a free keyframe, and by two of the window; ascending
+  bool starts_map = false;     ///< only the first keyframe of the map, or after a gap, holds still
 };
 
 /// The first keyframe since tracking was lost last, but none before `earliest`: nothing before a loss shares a landmark
@@ -64,9 +65,9 @@ struct LocalBundleResult {
 /// hold still. The first keyframe of the map, or after a gap in the tracking, never moves.
 WindowProblem MakeLocalWindow(const LocalBundleOptions& options, int first, const Map& map);
 
-/// Adjusts a window without changing the map; WriteBack does that. Where only one keyframe holds still, the first step
-/// keeps its length: the images leave the unit of length free. Returns nothing and leaves the window unchanged if it
-/// contains NaN.
+/// Adjusts a window without changing the map; WriteBack does that. At the start of the map, the first step keeps its
+/// length: the images leave the unit of length free. Returns nothing and leaves the window unchanged if it contains
+/// NaN.
 std::optional<BundleSummary> AdjustWindow(const LocalBundleOptions& options, WindowProblem& window);
 
 /// Adjusts the latest keyframes of the map and the landmarks they see. A window that contains NaN stays as it is,

@@ -26,9 +26,9 @@ struct Keyframe {
   bool after_gap = false;
   /// Relative standard deviation by which the unit of length may have changed across that gap; 0 where there was none.
   double gap_sigma = 0;
-  /// Variance of the logarithm of the unit of length from the previous keyframe to this one (UnitVariance); 0 where it
-  /// is not known.
-  double unit_variance = 0;
+  /// Variance of the logarithm of the unit of length from the previous keyframe to this one for independent pixel
+  /// errors (UnitVariance), infinite if no landmark connects them; 0 while it is not known, as near the end of the map.
+  double pixel_unit_variance = 0;
 };
 
 /// One pixel of a landmark's history.

@@ -52,8 +52,8 @@ std::vector<double> Parallaxes(const Pinhole& pinhole, const std::vector<Eigen::
   return parallax;
 }
 
-// Near features move most, and soon go out of sight. Where only far ones are left, their share of those that remain no
-// longer tells that the views suffice.
+// Near features move most, and soon go out of view. Then the upper quartile of those that remain stays low, although
+// the baseline suffices.
 bool HaveNearGone(const TwoViewOptions& options, const std::vector<double>& parallaxes, double least, int gone) {
   constexpr double kLeastShare = 0.5;
   const auto moved = std::ranges::count_if(parallaxes, [&](double parallax) { return parallax >= least; });
@@ -142,7 +142,8 @@ TwoViewResult InitializeFromTwoViews(const TwoViewOptions& options, const Pinhol
   const std::vector<double> parallaxes = Parallaxes(pinhole, first_rays, second_rays, second);
   if (!parallaxes.empty()) result.parallax = Quantile(parallaxes, 0.75);
   const double least = LeastParallax(options, pinhole);
-  if (result.parallax < least && !HaveNearGone(options, parallaxes, least, gone)) {
+  const bool near_have_gone = result.parallax < least && HaveNearGone(options, parallaxes, least, gone);
+  if (result.parallax < least && !near_have_gone) {
     result.status = TwoViewStatus::kLowParallax;
     return result;
   }
@@ -166,7 +167,11 @@ TwoViewResult InitializeFromTwoViews(const TwoViewOptions& options, const Pinhol
     problem.observations.push_back({1, point, second[i], 1.0});
     match_of_point.push_back(i);
   }
-  if (motion.agreeing < options.min_inlier_share * static_cast<double>(first.size())) return result;
+  // Where most features are far away, too few of those that agree are near enough for a depth.
+  const int agreeing = near_have_gone
+                           ? motion.agreeing
+                           : static_cast<int>(std::ranges::count_if(motion.inlier, [](char c) { return c != 0; }));
+  if (agreeing < options.min_inlier_share * static_cast<double>(first.size())) return result;
   if (problem.points.empty()) return result;
   BundleOptions bundle_options;
   if (!TryAdjustBundle(bundle_options, problem)) return result;

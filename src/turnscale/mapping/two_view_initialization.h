@@ -16,8 +16,8 @@ struct TwoViewOptions {
   /// can look like, in any image.
   double min_motion = 1.0;
   /// Motion that a quarter of the features have to exceed after the best pure rotation has been taken out, pixels: less
-  /// is too noisy to tell depths (pure rotation, low parallax). A quarter, since on an open road most of what stays in
-  /// sight is far away.
+  /// is too noisy to tell depths (pure rotation, low parallax). A quarter, since on an open road most of what
+  /// stays in sight is far away; min_landmarks suffice where near features have gone out of view.
   double min_parallax = 12.0;
   /// The same as an angle at the image's centre, degrees: 12 pixels at a focal length of 707 pixels. In sharper images
   /// a baseline that is too short beside the depth of the scene already moves many pixels.

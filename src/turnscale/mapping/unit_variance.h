@@ -7,15 +7,17 @@
 
 namespace turnscale {
 
-/// How well the landmarks carry the map's unit of length past a keyframe: variance of the logarithm of the unit after
-/// it to that before it, as a share for one step of the random walk that it is along the path.
+/// How accurately the landmarks connect the parts of the map before and after a keyframe: variance of the logarithm of
+/// the ratio of their units of length, for independent pixel errors, as a share for one step of the random walk that
+/// the unit is along the path.
 ///
-/// A landmark whose rays meet under an angle of a pixels before the keyframe and of b pixels after it is as deep as
-/// either side says to s/a and s/b (relative standard deviations; s: of a pixel, from the reprojection errors), so that
-/// it tells the ratio of the units to hypot(s/a, s/b). Few landmarks, or far ones only, carry it badly: on bare streets
-/// the unit changes by tens of per cent within a map without a gap. Errors that all pixels of a landmark share are not
-/// included. Infinite where no landmark is seen from both sides; empty for the first keyframe of the map, or
-/// after a gap. Means little while few keyframes follow.
-std::optional<double> UnitVariance(const Map& map, int keyframe);
+/// A landmark whose rays meet under an angle of a pixels before the keyframe and of b pixels after it determines the
+/// ratio with a variance of 2 s^2 (1/a^2 + 1/b^2), as an angle has the errors of two pixels; s^2 is the variance of a
+/// pixel, from the reprojection errors. Inverse variances of landmarks add up. Each counts times the number of
+/// keyframes that the landmark spans: over all of them the unit changes by its variance once.
+///
+/// Infinite if no landmark is seen on both sides. Empty for the first keyframe of the map or after a gap, and if fewer
+/// than `following` keyframes follow before the next gap: landmarks have too few observations then.
+std::optional<double> UnitVariance(const Map& map, int keyframe, int following);
 
 }  // namespace turnscale

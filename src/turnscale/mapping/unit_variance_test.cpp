@@ -16,6 +16,7 @@ namespace turnscale {
 namespace {
 
 constexpr int kKeyframes = 30;
+constexpr int kFollowing = 10;
 
 Map StraightMap(double points_per_step, double pixel_noise, unsigned seed = 1) {
   const CarDrive drive = MakeCarDrive({{kKeyframes - 1, 0.8, 0}}, 0.1, {1.2, 0}, Eigen::Quaterniond::Identity());
@@ -23,42 +24,46 @@ Map StraightMap(double points_per_step, double pixel_noise, unsigned seed = 1) {
 }
 
 TEST(UnitVariance, GrowsWithTheNoiseAndFallsWithTheLandmarks) {
-  const double usual = UnitVariance(StraightMap(30, 0.3), 15).value();
+  const double usual = UnitVariance(StraightMap(30, 0.3), 15, kFollowing).value();
   EXPECT_GT(usual, 0);
-  EXPECT_NEAR(UnitVariance(StraightMap(30, 0.9), 15).value() / usual, 9, 1e-6)
+  EXPECT_NEAR(UnitVariance(StraightMap(30, 0.9), 15, kFollowing).value() / usual, 9, 1e-6)
       << "the same noise, three times as large";
-  EXPECT_NEAR(UnitVariance(StraightMap(120, 0.3), 15).value() / usual, 0.25, 0.1);
+  EXPECT_NEAR(UnitVariance(StraightMap(120, 0.3), 15, kFollowing).value() / usual, 0.25, 0.1);
 }
 
 TEST(UnitVariance, IsTheSameInAnyUnitOfLength) {
   Map map = StraightMap(30, 0.3);
-  const double metres = UnitVariance(map, 15).value();
+  const double metres = UnitVariance(map, 15, kFollowing).value();
   for (Keyframe& keyframe : map.keyframes) keyframe.camera_from_world.translation *= 7;
   for (Landmark& landmark : map.landmarks) landmark.position *= 7;
-  EXPECT_NEAR(UnitVariance(map, 15).value(), metres, 1e-9 * metres);
+  EXPECT_NEAR(UnitVariance(map, 15, kFollowing).value(), metres, 1e-9 * metres);
 }
 
 TEST(UnitVariance, IsInfiniteWhereNothingIsSeenFromBothSides) {
   Map map = StraightMap(30, 0.3);
-  for (std::size_t i = 0; i < map.landmarks.size(); ++i) {
-    const std::vector<LandmarkObservation>& seen = map.landmarks[i].observations;
-    if (seen.front().keyframe < 15 && seen.back().keyframe > 15) map.landmarks[i].valid = false;
+  for (Landmark& landmark : map.landmarks) {
+    const std::vector<LandmarkObservation>& seen = landmark.observations;
+    if (seen.front().keyframe < 15 && seen.back().keyframe > 15) landmark.valid = false;
   }
-  EXPECT_EQ(UnitVariance(map, 15), std::numeric_limits<double>::infinity());
-  EXPECT_LT(UnitVariance(map, 5).value(), 1);
+  EXPECT_EQ(UnitVariance(map, 15, kFollowing), std::numeric_limits<double>::infinity());
+  EXPECT_LT(UnitVariance(map, 5, kFollowing).value(), 1);
 }
 
-TEST(UnitVariance, NothingIsKnownAtAStart) {
+TEST(UnitVariance, IsNotKnownAtAStartOrShortlyBeforeAnEnd) {
   Map map = StraightMap(30, 0.3);
-  map.keyframes[12].after_gap = true;
-  EXPECT_FALSE(UnitVariance(map, -3));
-  EXPECT_FALSE(UnitVariance(map, 0));
-  EXPECT_FALSE(UnitVariance(map, 12));
-  EXPECT_TRUE(UnitVariance(map, 15));
+  EXPECT_FALSE(UnitVariance(map, -3, kFollowing));
+  EXPECT_FALSE(UnitVariance(map, 0, kFollowing));
+  EXPECT_TRUE(UnitVariance(map, 1, kFollowing));
+  EXPECT_TRUE(UnitVariance(map, 19, kFollowing));
+  EXPECT_FALSE(UnitVariance(map, 20, kFollowing));
+  map.keyframes[15].after_gap = true;
+  for (const int before_or_after : {5, 14, 15}) EXPECT_FALSE(UnitVariance(map, before_or_after, kFollowing));
+  for (const int within : {4, 16}) EXPECT_TRUE(UnitVariance(map, within, kFollowing)) << within;
 }
 
 TEST(UnitVariance, IsThatOfAdjustedMaps) {
-  // The first half of each map is held, the second one is adjusted: by how much its unit differs shows in the lengths.
+  // Only the first two keyframes are held. How the unit of a later part differs from that of an earlier one shows in
+  // the lengths of both.
   std::vector<double> changes;
   double expected = 0;
   constexpr int kMaps = 60;
@@ -86,12 +91,12 @@ TEST(UnitVariance, IsThatOfAdjustedMaps) {
     const double before = length(map, 8, 13) / length(truth, 8, 13);
     const double after = length(map, 17, 22) / length(truth, 17, 22);
     changes.push_back(std::log(after / before));
-    for (int k = 11; k <= 19; ++k) expected += UnitVariance(map, k).value() / kMaps;
+    for (int k = 11; k <= 19; ++k) expected += UnitVariance(map, k, kFollowing).value() / kMaps;
   }
   double variance = 0;
   for (const double change : changes) variance += change * change / kMaps;
-  EXPECT_GT(variance / expected, 0.25);
-  EXPECT_LT(variance / expected, 4);
+  // The number is that of docs/scale.md.
+  EXPECT_NEAR(std::sqrt(variance / expected), 1.6, 0.3);
 }
 
 }  // namespace

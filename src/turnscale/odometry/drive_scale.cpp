@@ -66,13 +66,14 @@ std::optional<PathGap> GapBefore(const Map& map, int keyframe) {
   return PathGap{keyframe, map.keyframes[keyframe].gap_sigma};
 }
 
-// The unit of length as the landmarks carry it along a step.
+// How well the landmarks determine the unit of length along a step.
 void SetUnitVariance(const Map& map, const DriftOptions& drift, VehicleStep& step) {
-  if (step.after_gap) return;
-  double variance = 0;
-  for (int k = step.first + 1; k <= step.last; ++k) variance += map.keyframes[k].unit_variance;
-  // Nothing is known of a unit beyond the speed of a car.
+  if (step.after_gap || drift.unit_inflation == 0) return;
+  // With a standard deviation of 1 of its logarithm, the unit is unknown.
   constexpr double kMostVariance = 1;
+  double variance = 0;
+  for (int k = step.first + 1; k <= step.last; ++k)
+    variance += std::min(map.keyframes[k].pixel_unit_variance, kMostVariance);
   step.unit_variance = std::min(drift.unit_inflation * drift.unit_inflation * variance, kMostVariance);
 }
 

@@ -532,6 +532,21 @@ TEST(DriveScale, BothSidesOfAGapHaveTheirOwnScale) {
   EXPECT_NEAR(live.scale.live_path().metres_per_unit.back() * kUnits * 1.6, 1, 0.015);
 }
 
+TEST(DriveScale, SigmaGrowsWhereLandmarksHardlyDetermineTheUnit) {
+  Live live(KnownCar(), TrueDrive(kTwoCorners), kUnits, 0.001);
+  live.Drive();
+  const int broken = kFirstCorner + 26;
+  const double usual = live.scale.Refine(live.map).sigmas[broken + 3];
+  EXPECT_LT(usual, 0.08);
+  live.map.keyframes[broken].pixel_unit_variance = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(live.scale.Refine(live.map).sigmas[broken - 8], live.scale.Refine(live.map).sigmas[broken - 9])
+      << "finite, and constant within the turn before";
+  for (Keyframe& keyframe : live.map.keyframes) keyframe.pixel_unit_variance = 1e-4;
+  const double weak = live.scale.Refine(live.map).sigmas[broken + 3];
+  EXPECT_GT(weak, 1.1 * usual);
+  EXPECT_LT(weak, 0.5);
+}
+
 TEST(DriveScale, MarksTheKeyframesOfTurns) {
   Live live(KnownCar(), TrueDrive(kTwoCorners), 1);
   live.Drive();

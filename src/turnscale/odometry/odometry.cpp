@@ -43,7 +43,7 @@ constexpr int kUsualLandmarks = 1 << 17;
 // far away.
 constexpr double kDecidingTurn = 10;
 
-// Keyframes after one before it is judged how well landmarks carry the unit of length past it.
+// Keyframes that follow one before it is judged how well landmarks determine the unit of length there.
 constexpr int kKeyframesOfUnit = 10;
 
 // Keyframes that are added between the start of work and the use of its results. In a turn, where they are close to one
@@ -254,8 +254,8 @@ void Odometry::AddKeyframe(FrameResult& result) {
   TriangulateLandmarks(options_.landmarks, of_scene, map_);
   const LocalBundleResult adjusted = AdjustLocalWindow(options_.local_bundle, map_);
   tracker_.Drop(CullLandmarks(options_.landmarks, adjusted.landmarks, keyframe, map_));
-  if (const std::optional<double> variance = UnitVariance(map_, keyframe - kKeyframesOfUnit))
-    map_.keyframes[keyframe - kKeyframesOfUnit].unit_variance = *variance;
+  for (; unit_judged_ + kKeyframesOfUnit <= keyframe; ++unit_judged_)
+    map_.keyframes[unit_judged_].pixel_unit_variance = UnitVariance(map_, unit_judged_, kKeyframesOfUnit).value_or(0.0);
   motion_.Correct(map_.keyframes.back().camera_from_world, 1.0);
   result.keyframe = true;
 }
@@ -340,7 +340,7 @@ void Odometry::ApplySettled(SettlingWork work) {
             last_from_keyframe);
   const auto reach = [](const LocalBundleOptions& window) { return window.window + window.anchors; };
   const int last = keyframes - std::max({reach(options_.turn_bundle), reach(options_.local_bundle),
-                                         options_.lens.window, options_.calibration_check.window});
+                                         options_.lens.window, options_.calibration_check.window, kKeyframesOfUnit});
   scale_.Reread(map_, std::move(work.mount), first, work.end, last);
   if (last - archive_.end() >= kLeastArchived) archive_due_ = last;
 }

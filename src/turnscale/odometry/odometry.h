@@ -189,6 +189,7 @@ class Odometry {
   double last_time_ = -std::numeric_limits<double>::infinity();
   int frames_ = 0;
   bool settling_is_due_ = false;
+  int unit_judged_ = 0;  ///< keyframes before this one have their pixel_unit_variance
   int archive_due_ = 0;  ///< keyframes before this one go to the archive, part by part
   // Declared last, so that they are waited for before the members that they use are destroyed.
   DueResult<SettlingWork> settling_;

@@ -24,7 +24,7 @@ struct RepeatOptions {
   double min_expected_motion = 1.5;
   /// The image repeats the one before if its landmarks have moved by less than this share of what was expected.
   double max_motion_share = 0.25;
-  /// And by less than this, pixels, which is tracking noise: where a prediction is wrong its share is large.
+  /// And by no more than this, pixels, which is tracking noise: where a prediction is wrong its share is large.
   double max_motion = 0.3;
   /// A car whose image has not moved for longer stands, seconds. Longer than most recorders hang; where the car stands
   /// after all, its refined path leads to the same place.

@@ -49,9 +49,9 @@ bool LiveScale::Add(const VehicleStep& step) {
     Commit(closed->first - 1, End::kStraight);
     Commit(closed->last, End::kTurn);
   }
-  if (step.after_gap) {
-    // The unit of length changes.
-    Commit(steps_ - 2, End::kStraight);
+  if (step.after_gap || IsUnitBroken(step)) {
+    // The unit of length changes. A turn under way stays whole.
+    Commit(std::min(steps_ - 2, detector_.first_undecided() - 1), End::kStraight);
   } else if (!closed &&
              static_cast<int>(pending_.size()) > MostStraightSteps(pending_, options_.segments.max_straight_steps)) {
     // All but a turn that may have begun.

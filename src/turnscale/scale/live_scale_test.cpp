@@ -211,6 +211,15 @@ TEST(LiveScale, AGapWidensSigma) {
   EXPECT_GT(lost[60]->sigma(), 0.5);
 }
 
+TEST(LiveScale, AStepOverWhichTheUnitMayChangeWidensSigma) {
+  std::vector<VehicleStep> steps = MakeSteps(OneCorner(), kCar, 0, kUnit).steps;
+  steps[60].unit_variance = 0.01;
+  const auto beliefs = Live(steps);
+  ASSERT_TRUE(beliefs[59] && beliefs[60]);
+  EXPECT_NEAR(std::pow(beliefs[60]->sigma(), 2) - std::pow(beliefs[59]->sigma(), 2), 0.01, 1e-4);
+  EXPECT_NEAR(beliefs[60]->metres_per_unit(), beliefs[59]->metres_per_unit(), 1e-4);
+}
+
 TEST(LiveScale, ATurnAfterAGapSaysItsOwnScale) {
   std::vector<VehicleStep> steps = MakeSteps(OneCorner(), kCar, 0, kUnit).steps;
   std::vector<VehicleStep> after = MakeSteps(OneCorner(), kCar, 0, 20).steps;

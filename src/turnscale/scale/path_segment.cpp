@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <utility>
 
 #include "turnscale/base/check_part.h"
 #include "turnscale/base/error.h"
@@ -12,12 +13,6 @@
 
 namespace turnscale {
 namespace {
-
-// A step over which the unit of length may have changed by more than this (standard deviation of its logarithm) parts a
-// path as a loss of tracking does.
-constexpr double kBroken = 0.05;
-
-bool IsBroken(const VehicleStep& step) { return step.unit_variance > kBroken * kBroken; }
 
 class Splitter {
  public:
@@ -27,7 +22,7 @@ class Splitter {
 
   void Straight(int first, int last, int max_steps) {
     for (int i = first + 1; i <= last; ++i) {
-      if (!steps_[i].after_gap && !IsBroken(steps_[i])) continue;
+      if (!steps_[i].after_gap && !IsUnitBroken(steps_[i])) continue;
       Parts(first, i - 1, max_steps);
       first = i;
     }
@@ -48,13 +43,13 @@ class Splitter {
 
   void Add(int first, int last, bool turning) {
     PathSegment segment{.first = first, .last = last, .turning = turning, .gap_sigma = steps_[first].gap_sigma};
-    if (IsBroken(steps_[first]))
+    if (IsUnitBroken(steps_[first]))
       segment.gap_sigma = std::hypot(segment.gap_sigma, std::sqrt(steps_[first].unit_variance));
     for (int i = first; i <= last; ++i) {
       segment.angle += steps_[i].turned();
       segment.turned += std::abs(steps_[i].turned());
       segment.length += steps_[i].driven();
-      if (!IsBroken(steps_[i])) segment.unit_variance += steps_[i].unit_variance;
+      if (i > first || !IsUnitBroken(steps_[i])) segment.unit_variance += steps_[i].unit_variance;
     }
     segment.middle = length_ + 0.5 * segment.length;
     length_ += segment.length;
@@ -71,6 +66,11 @@ class Splitter {
 void PathSegmentOptions::Check() const {
   CheckPart("turns.", turns);
   if (max_straight_steps < 1) throw InputError("max_straight_steps: has to be at least 1");
+}
+
+bool IsUnitBroken(const VehicleStep& step) {
+  constexpr double kMostSigma = 0.05;
+  return step.unit_variance > kMostSigma * kMostSigma;
 }
 
 std::vector<TurningRegion> FindTurns(const std::vector<VehicleStep>& steps, const TurnDetectorOptions& options) {

@@ -14,13 +14,15 @@ struct PathSegment {
   int first = 0;  ///< steps first..last
   int last = 0;
   bool turning = false;
-  double gap_sigma = 0;      ///< relative, by which the unit may have changed at the start: a gap, or a map that hangs
-                             ///< together by little; 0 elsewhere
-  double unit_variance = 0;  ///< of the logarithm of the unit along the segment, as the map has it; 0 if not known
-  double angle = 0;          ///< sum of psi, rad, positive to the right
-  double turned = 0;         ///< sum of |psi|, rad
-  double length = 0;         ///< odometry units, without jumps
-  double middle = 0;         ///< length of the path up to the middle of the segment, odometry units
+  /// Relative, by which the unit may have changed at the start of the segment, across a gap or along a step over which
+  /// the landmarks hardly determine it (IsUnitBroken); 0 elsewhere.
+  double gap_sigma = 0;
+  /// Sum of the steps' unit_variance, but for one that is part of gap_sigma.
+  double unit_variance = 0;
+  double angle = 0;   ///< sum of psi, rad, positive to the right
+  double turned = 0;  ///< sum of |psi|, rad
+  double length = 0;  ///< odometry units, without jumps
+  double middle = 0;  ///< length of the path up to the middle of the segment, odometry units
 };
 
 struct PathSegmentOptions {
@@ -32,6 +34,10 @@ struct PathSegmentOptions {
   /// Throws InputError that names the field when a value makes no sense.
   void Check() const;
 };
+
+/// Whether the landmarks determine the unit of length along the step so badly (sigma above 5 %) that it may be another
+/// one afterwards, as after a gap.
+bool IsUnitBroken(const VehicleStep& step);
 
 /// The turns among the steps (Algorithm 1), in their order.
 std::vector<TurningRegion> FindTurns(const std::vector<VehicleStep>& steps, const TurnDetectorOptions& options);

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -108,6 +109,18 @@ TEST(PathSegments, AStraightPartsWhereTheMapHardlyHangsTogether) {
     variance += segment.unit_variance;
   }
   EXPECT_NEAR(variance, 79e-6, 1e-12) << "each of the other steps counts once";
+
+  // A turn stays whole: its steps are one measurement.
+  std::swap(steps[14].unit_variance, steps[40].unit_variance);
+  int turns = 0;
+  variance = 0;
+  for (const PathSegment& segment : SplitIntoSegments(steps, {})) {
+    EXPECT_EQ(segment.gap_sigma, 0) << segment.first;
+    turns += segment.turning;
+    variance += segment.unit_variance;
+  }
+  EXPECT_EQ(turns, 1);
+  EXPECT_NEAR(variance, 0.04 + 79e-6, 1e-12);
 }
 
 TEST(PathSegments, LongStraightsAreCutEvenly) {

@@ -399,6 +399,16 @@ TEST(ScaleEstimator, TheUnitMayChangeWhereTheMapHardlyHangsTogether) {
   const ScaleEstimate aware = EstimateOf(drive, PriorOf(kCar));
   EXPECT_LT(std::abs(std::log(Metres(aware) / drive.metres)), 0.005);
   EXPECT_FALSE(aware.fell_back);
+  // Without the second turn nothing tells the unit after the change.
+  drive.steps.resize(85);
+  EXPECT_GT(EstimateOf(drive, PriorOf(kCar)).smoothed.back().sigma(), 0.35);
+  // Many small changes add up.
+  drive.steps[65].unit_variance = 0;
+  const double usual = EstimateOf(drive, PriorOf(kCar)).smoothed.back().sigma();
+  for (VehicleStep& step : drive.steps) step.unit_variance = 0.0004;
+  const double weak = EstimateOf(drive, PriorOf(kCar)).smoothed.back().sigma();
+  EXPECT_GT(weak, 1.5 * usual);
+  EXPECT_LT(weak, std::sqrt(0.0004 * 40) + usual);
 }
 
 TEST(ScaleEstimator, AGapMayChangeTheUnit) {

@@ -70,7 +70,8 @@ class TurnSum {
 void DriftOptions::Check() const {
   if (!(per_100m >= 0 && per_100m < 1)) throw InputError("per_100m: has to be from 0 to below 1");
   if (!(per_90deg >= 0 && per_90deg < 1)) throw InputError("per_90deg: has to be from 0 to below 1");
-  if (!(unit_inflation >= 0)) throw InputError("unit_inflation: must not be negative");
+  if (!(unit_inflation >= 0 && std::isfinite(unit_inflation)))
+    throw InputError("unit_inflation: has to be a number that is not negative");
 }
 
 double ScaleBelief::metres_per_unit() const { return std::exp(mean[kLogScale]); }

@@ -12,8 +12,9 @@ namespace turnscale {
 struct DriftOptions {
   double per_100m = 0.01;    ///< standard deviation over 100 m
   double per_90deg = 0.005;  ///< and over 90 degrees of turning: residual lens errors bias the scale in turns
-  /// Where the landmarks of the map carry its unit worse than that, their word counts, with a standard deviation this
-  /// many times that of independent pixel errors: the pixels of a landmark share those of its first patch.
+  /// Factor on the standard deviation of the unit that the errors of the landmarks cause (UnitVariance), which replaces
+  /// the two above where it is larger: UnitVariance assumes independent pixel errors, and all pixels of a landmark are
+  /// aligned with the same patch. 0: it is not used.
   double unit_inflation = 4;
 
   /// Throws InputError that names the field when a value makes no sense.
@@ -35,7 +36,8 @@ struct ScaleBelief {
 ScaleBelief PriorBelief(const CarPrior& car, double log_scale);
 
 /// Variance of the drift of the log-scale over `length` odometry units at `metres_per_unit`, turning by `angle`
-/// rad, with a gap of `gap_sigma` (0: none). `unit_variance`: as the map has it, where that is more.
+/// rad, with a gap of `gap_sigma` (0: none). `unit_variance`, due to the errors of the landmarks, replaces
+/// the usual drift, not the gap, where it is larger.
 double DriftVariance(const DriftOptions& options, double length, double metres_per_unit, double angle,
                      double unit_variance, double gap_sigma);
 

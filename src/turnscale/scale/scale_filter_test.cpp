@@ -2,6 +2,7 @@
 #include "turnscale/scale/scale_filter.h"
 
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <optional>
 
@@ -263,6 +264,8 @@ TEST(Drift, RefusesSenselessValues) {
   EXPECT_EQ(refused([](auto& o) { o.per_100m = -0.1; }), "per_100m");
   EXPECT_EQ(refused([](auto& o) { o.per_90deg = 1; }), "per_90deg");
   EXPECT_EQ(refused([](auto& o) { o.unit_inflation = -1; }), "unit_inflation");
+  EXPECT_EQ(refused([](auto& o) { o.unit_inflation = std::numeric_limits<double>::infinity(); }), "unit_inflation");
+  EXPECT_EQ(refused([](auto& o) { o.unit_inflation = 0; }), "");
 }
 
 }  // namespace
