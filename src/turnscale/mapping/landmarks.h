@@ -10,8 +10,8 @@ namespace turnscale {
 struct LandmarkOptions {
   /// Angle under which two keyframes have to see a landmark before it is given a depth, degrees.
   double min_parallax_deg = 0.5;
-  /// The same in pixels at the image's centre, where that is more: with a short focal length the errors of a few pixels
-  /// that rotations add up to would give clouds a depth.
+  /// The same in pixels at the image's centre, where that is more. With a short focal length, clouds would get a depth
+  /// from rotations that are wrong by a few pixels.
   double min_parallax = 4;
   /// Largest reprojection error of a landmark in any keyframe, pixels.
   double max_reprojection_error = 2.0;

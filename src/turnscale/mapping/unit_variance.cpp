@@ -9,6 +9,7 @@
 
 #include "turnscale/base/quantiles.h"
 #include "turnscale/geometry/triangulation.h"
+#include "turnscale/mapping/landmarks.h"
 
 namespace turnscale {
 namespace {
@@ -46,9 +47,8 @@ std::optional<double> UnitVariance(const Map& map, int keyframe, int following) 
     if (!(before > 0 && after > 0)) continue;
     information += (last - first) * 0.5 / (1 / (before * before) + 1 / (after * after));
     for (const LandmarkObservation& observation : landmark.observations) {
-      const Eigen::Vector3d x = map.keyframes[observation.keyframe].camera_from_world * landmark.position;
-      const double squared = (map.pinhole.Project(x) - observation.pixel).squaredNorm();
-      if (std::isfinite(squared)) squared_errors.push_back(squared);
+      const double error = ReprojectionError(map, seen.landmark, observation);
+      if (std::isfinite(error)) squared_errors.push_back(error * error);
     }
   }
   if (squared_errors.empty()) return std::numeric_limits<double>::infinity();

@@ -68,13 +68,20 @@ std::optional<PathGap> GapBefore(const Map& map, int keyframe) {
 
 // How well the landmarks determine the unit of length along a step.
 void SetUnitVariance(const Map& map, const DriftOptions& drift, VehicleStep& step) {
-  if (step.after_gap || drift.unit_inflation == 0) return;
+  if (step.after_gap) return;
   // With a standard deviation of 1 of its logarithm, the unit is unknown.
   constexpr double kMostVariance = 1;
   double variance = 0;
   for (int k = step.first + 1; k <= step.last; ++k)
     variance += std::min(map.keyframes[k].pixel_unit_variance, kMostVariance);
   step.unit_variance = std::min(drift.unit_inflation * drift.unit_inflation * variance, kMostVariance);
+}
+
+// What the map says of a step beside its motion, for the live and the refined scale alike.
+void CompleteStep(const Map& map, const std::vector<MeasuredHeight>& heights, const DriftOptions& drift,
+                  VehicleStep& step) {
+  SetStepHeight(map, heights, step);
+  SetUnitVariance(map, drift, step);
 }
 
 // Of the keyframe, or of the last one before it that is finite.
@@ -95,10 +102,7 @@ std::vector<VehicleStep> StepsAlong(const Map& map, const MountCalibration& moun
     if (const auto gap = GapBefore(map, k)) gaps.push_back(*gap);
   }
   std::vector<VehicleStep> steps = CutIntoSteps(path, gaps, true, options.steps);
-  for (VehicleStep& step : steps) {
-    SetStepHeight(map, heights, step);
-    SetUnitVariance(map, options.scale.estimator.drift, step);
-  }
+  for (VehicleStep& step : steps) CompleteStep(map, heights, options.scale.estimator.drift, step);
   return steps;
 }
 
@@ -191,8 +195,7 @@ bool DriveScale::Feed(const Map& map, int keyframe) {
   const std::optional<PathGap> gap = GapBefore(map, keyframe);
   bool turn_ended = false;
   for (VehicleStep& step : builder_.Add(VehiclePose(map, mount_, keyframe), gap ? &*gap : nullptr)) {
-    SetStepHeight(map, heights_, step);
-    SetUnitVariance(map, options_.scale.estimator.drift, step);
+    CompleteStep(map, heights_, options_.scale.estimator.drift, step);
     turn_ended = live_.Add(step) || turn_ended;
   }
   return turn_ended;

@@ -539,8 +539,10 @@ TEST(DriveScale, SigmaGrowsWhereLandmarksHardlyDetermineTheUnit) {
   const double usual = live.scale.Refine(live.map).sigmas[broken + 3];
   EXPECT_LT(usual, 0.08);
   live.map.keyframes[broken].pixel_unit_variance = std::numeric_limits<double>::infinity();
-  EXPECT_EQ(live.scale.Refine(live.map).sigmas[broken - 8], live.scale.Refine(live.map).sigmas[broken - 9])
-      << "finite, and constant within the turn before";
+  const RefinedScale parted = live.scale.Refine(live.map);
+  EXPECT_EQ(parted.sigmas[broken - 8], parted.sigmas[broken - 9]) << "only its own turn tells the part before";
+  EXPECT_GT(parted.sigmas[broken + 3], usual) << "the turn before tells nothing of the part after";
+  for (const double sigma : parted.sigmas) EXPECT_LT(sigma, 1) << "finite";
   for (Keyframe& keyframe : live.map.keyframes) keyframe.pixel_unit_variance = 1e-4;
   const double weak = live.scale.Refine(live.map).sigmas[broken + 3];
   EXPECT_GT(weak, 1.1 * usual);
