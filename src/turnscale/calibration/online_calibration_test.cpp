@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "turnscale/base/refused_field.h"
+#include "turnscale/base/test_seeds.h"
 #include "turnscale/calibration/camera_step.h"
 #include "turnscale/calibration/test_drive.h"
 
@@ -94,7 +95,7 @@ std::vector<CameraStep> PitchingSteps(int seed) {
 }
 
 TEST(OnlineCalibration, PitchingIsNotTakenForTurning) {
-  for (int seed = 1; seed <= 10; ++seed) {
+  for (int seed = 1; seed <= SeedsToTest(10); ++seed) {
     OnlineCalibration online;
     double largest_roll = 0;
     for (const CameraStep& step : PitchingSteps(seed)) {
@@ -133,7 +134,7 @@ std::vector<CameraStep> MotorwaySteps(int seed) {
 }
 
 TEST(OnlineCalibration, ALongBendIsNotTakenForAMovedCamera) {
-  for (int seed = 1; seed <= 4; ++seed) {
+  for (int seed = 1; seed <= SeedsToTest(4); ++seed) {
     OnlineCalibration online;
     for (const CameraStep& step : MotorwaySteps(seed)) online.Add(step);
     EXPECT_EQ(online.state().moves, 0) << seed;

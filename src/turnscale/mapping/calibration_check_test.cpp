@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "turnscale/base/refused_field.h"
+#include "turnscale/base/test_seeds.h"
 #include "turnscale/camera/camera_model.h"
 #include "turnscale/mapping/synthetic_map.h"
 #include "turnscale/mapping/test_intrinsics.h"
@@ -44,9 +45,9 @@ CalibrationCheck CheckAlong(const Map& whole, const CalibrationCheckOptions& opt
 
 TEST(CalibrationCheck, FindsAWrongFocalLength) {
   for (const double percent : {15.0, -15.0, 5.0, -5.0})
-    for (const unsigned seed : {1U, 2U}) {
+    for (int seed = 1; seed <= SeedsToTest(2); ++seed) {
       const Vector error = Change(std::log(1 + percent / 100), 0, 0, 0);
-      const CalibrationCheck check = CheckAlong(WrongMap(kRightAndLeft, error, 0.3, seed));
+      const CalibrationCheck check = CheckAlong(WrongMap(kRightAndLeft, error, 0.3, static_cast<unsigned>(seed)));
       const std::vector<ParameterEstimate> found = check.Contradictions();
       ASSERT_EQ(found.size(), 1U) << percent;
       EXPECT_EQ(found[0].parameter, IntrinsicsParameter::kFocalLength);
