@@ -133,16 +133,21 @@ void ClipReader::Open() {
   if (options_.timed && !options_.fps && begin_ < options_.start) PassOverStart();
 }
 
-// Without decoding, where the file tells the time of every frame: up to the last key frame that is not after the start.
+// Without decoding, where the file tells the time of every frame: up to the last key frame that is not after the start,
+// nor so late that the next clip may repeat what follows.
 void ClipReader::PassOverStart() {
   const std::vector<FrameStamp> stamps = VideoFile::ReadStamps(clips_[clip_]);
+  if (stamps.empty()) return;
+  const bool is_last = clip_ + 1 == clips_.size();
+  const double end = begin_ + stamps.back().seconds - stamps.front().seconds;
+  const double limit = is_last ? options_.start : std::min(options_.start, end - kLongestOverlap);
   size_t key = 0;
   VideoClock clock = clock_;
   VideoClock before_key = clock_;
   for (size_t i = 0; i < stamps.size(); ++i) {
     const VideoClock before = clock;
     const double time = begin_ + clock.Next(stamps[i].seconds);
-    if (time > options_.start) break;
+    if (time > limit) break;
     latest_ = time;
     if (!stamps[i].key) continue;
     key = i;
@@ -165,12 +170,14 @@ std::optional<double> ClipReader::TimeNext() {
     AddSentence(notice_, fmt::format("gap of {:.1f} s in {} (at {:.1f} s of the drive)", gap, NameOf(clips_[clip_]),
                                      begin_ + before + clock_.Interval()));
   }
-  return latest_ = begin_ + time;
+  latest_ = std::max(latest_, begin_ + time);
+  return begin_ + time;
 }
 
 void ClipReader::Close() {
   video_.reset();
   open_ = false;
+  repeated_ = 0;
   const VideoHeader& header = headers_[clip_];
   double seconds = frames_ > 0 ? clock_.time() + clock_.Interval() : 0;
   // By other times than the video's own, only a count can tell.
@@ -188,8 +195,35 @@ void ClipReader::Close() {
     gap_ += gap;
     AddSentence(notice_, fmt::format("gap of {:.1f} s between {} and {} (at {:.1f} s of the drive)", gap, before,
                                      NameOf(clips_[clip_]), begin_ + seconds));
+    begin_ += seconds + gap;
+  } else {
+    BeginNext(seconds);
   }
-  begin_ += seconds + gap;
+  tail_.Clear();
+}
+
+// Of the next clip, `seconds` being the duration of the one before: which of its images are new, and when it begins.
+void ClipReader::BeginNext(double seconds) {
+  VideoFile next(clips_[clip_]);
+  const auto overlap = tail_.RepeatedBy([&next] { return next.Advance() ? next.Gray() : cv::Mat(); });
+  const std::string before = NameOf(clips_[clip_ - 1]);
+  const double end = begin_ + seconds;
+  if (overlap) {
+    repeated_ = static_cast<int>(overlap->images);
+    begin_ = overlap->time;
+    if (std::exchange(overlap_named_, true)) return;
+    AddSentence(notice_, fmt::format("{} repeats the last {:.1f} s of {}: images that clips repeat are left out",
+                                     NameOf(clips_[clip_]), end - overlap->time, before));
+    return;
+  }
+  const double recorded = recorded_->OverlapAfter(clip_ - 1, seconds);
+  if (recorded > 0) {
+    AddSentence(notice_,
+                fmt::format("{} begins {:.1f} s before {} ends, by the times of recording, but does not repeat "
+                            "its images: is it of another camera?",
+                            NameOf(clips_[clip_]), recorded, before));
+  }
+  begin_ = end;
 }
 
 std::optional<DriveImage> ClipReader::Read() {
@@ -202,13 +236,15 @@ std::optional<DriveImage> ClipReader::Read() {
     DriveImage image;
     image.time = TimeNext();
     const int number = frames_++;
+    if (number < repeated_) continue;
+    if (image.time && clip_ + 1 < clips_.size()) tail_.Add(*image.time, image.image.gray = video_->Gray());
     if (passed_++ < skip_ || (image.time && *image.time < options_.start)) {
       // Nothing of the drive is before the first image that is given.
       gap_ = 0;
       notice_.clear();
       continue;
     }
-    image.image.gray = video_->Gray();
+    if (image.image.gray.empty()) image.image.gray = video_->Gray();
     image.name = fmt::format("{}: frame {}", clips_[clip_].string(), number);
     image.clip = static_cast<int>(clip_);
     const bool first = !std::exchange(begun_, true);

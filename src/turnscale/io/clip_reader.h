@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "turnscale/io/clip_overlap.h"
 #include "turnscale/io/frame_reader.h"
 #include "turnscale/io/recording_time.h"
 #include "turnscale/io/video_clock.h"
@@ -23,12 +24,13 @@ struct ClipOptions {
 
 /// Reads videos, one or several that continue one another, as one drive. A clip follows the end of the one before, one
 /// frame interval after its last frame; where it is known when they were recorded (RecordingTimes), the time between
-/// two clips is included.
+/// two clips is included. Images at the beginning of a clip that repeat the last ones of the clip before (ClipTail) are
+/// left out.
 class ClipReader : public FrameReader {
  public:
   /// A clip of several that cannot be decoded, as recorders leave them when the power goes, is left out where it is the
   /// first or the last one or the names tell how long it was (RecordingTimes). Throws InputError if there is no other,
-  /// if a video has another image size than the first, or begins before the one before it ends.
+  /// if a video has another image size than the first, or begins more than a few seconds before the one before it ends.
   ClipReader(const std::vector<std::filesystem::path>& clips, const ClipOptions& options);
 
   std::optional<DriveImage> Read() override;
@@ -59,6 +61,7 @@ class ClipReader : public FrameReader {
   void Close();
   void PassOverStart();
   std::optional<double> TimeNext();
+  void BeginNext(double seconds);
 
   std::vector<std::filesystem::path> clips_;
   ClipOptions options_;
@@ -72,11 +75,14 @@ class ClipReader : public FrameReader {
   VideoClock clock_{0, 0};
   double begin_ = 0;  // of the clip, in the drive
   int frames_ = 0;    // of the clip
+  int repeated_ = 0;  // of the clip: those at its beginning that the clip before has, too
+  ClipTail tail_;     // of the clip, by times of the drive
   size_t skip_ = 0;
   size_t passed_ = 0;  // of the drive
   double latest_ = 0;
   bool open_ = false;
   bool begun_ = false;  // an image has been given
+  bool overlap_named_ = false;
   double gap_ = 0;      // before the next image
   std::string notice_;  // before the next image
   std::string ends_early_;

@@ -38,6 +38,11 @@ class ClipReaderTest : public ::testing::Test {
     return folder_ / name;
   }
 
+  fs::path WriteMoving(const std::string& name, int first, int count) const {
+    WriteTestVideo(folder_ / name, MovingTestImages(first, count), {.ticks_per_second = kRate});
+    return folder_ / name;
+  }
+
   static std::vector<DriveImage> ReadAll(ClipReader reader) {
     std::vector<DriveImage> images;
     while (auto image = reader.Read()) images.push_back(*image);
@@ -103,6 +108,41 @@ TEST_F(ClipReaderTest, GapsAreNamedAndCounted) {
   EXPECT_NEAR(images[40].gap, 3, 1e-9);
   EXPECT_EQ(images[40].notice,
             "gap of 3.0 s between 20230501_120002.mp4 and 20230501_120007.mp4 (at 4.0 s of the drive)");
+}
+
+// Image i of the drive is image i of the moving texture.
+void ExpectMovingImages(const std::vector<DriveImage>& images, size_t count, int first = 0) {
+  ASSERT_EQ(images.size(), count);
+  const std::vector<cv::Mat> expected = MovingTestImages(first, static_cast<int>(count));
+  for (size_t i = 0; i < count; ++i) {
+    EXPECT_NEAR(*images[i].time, (first + static_cast<int>(i)) / 10.0, 1e-9) << i;
+    const double difference = cv::norm(images[i].image.gray, expected[i], cv::NORM_L1);
+    EXPECT_LT(difference, 4.0 * static_cast<double>(expected[i].total())) << i;
+  }
+}
+
+TEST_F(ClipReaderTest, ImagesThatClipsRepeatAreLeftOut) {
+  const std::vector<fs::path> clips = {WriteMoving("a.mp4", 0, 30), WriteMoving("b.mp4", 20, 30),
+                                       WriteMoving("c.mp4", 40, 20)};
+  const auto images = ReadAll({clips, {}});
+  ExpectMovingImages(images, 60);
+  EXPECT_EQ(images[30].notice, "b.mp4 repeats the last 1.0 s of a.mp4: images that clips repeat are left out");
+  EXPECT_EQ(images[30].clip, 1);
+  EXPECT_EQ(images[30].gap, 0);
+  EXPECT_EQ(images[50].notice, "") << "once";
+  ExpectMovingImages(ReadAll({clips, {.start = 3.5}}), 25, 35);
+  EXPECT_EQ(ReadAll({clips, {.timed = false}}).size(), 80u) << "each image has a time of its own elsewhere";
+}
+
+TEST_F(ClipReaderTest, OverlapsByTheNamesAreLookedFor) {
+  const fs::path first = WriteMoving("20230501_120000.mp4", 0, 40);
+  ExpectMovingImages(ReadAll({{first, WriteMoving("20230501_120001.mp4", 10, 40)}, {}}), 50);
+  const auto other = ReadAll({{first, WriteMoving("20230501_120002.mp4", 100, 40)}, {}});
+  ASSERT_EQ(other.size(), 80u);
+  EXPECT_EQ(other[40].notice,
+            "20230501_120002.mp4 begins 2.0 s before 20230501_120000.mp4 ends, by the times of recording, but does not "
+            "repeat its images: is it of another camera?");
+  EXPECT_NEAR(*other[40].time, 4, 1e-9);
 }
 
 TEST_F(ClipReaderTest, AGapWithinAVideoIsNamed) {

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "turnscale/base/error.h"
+#include "turnscale/io/clip_overlap.h"
 
 namespace turnscale {
 namespace {
@@ -81,7 +82,7 @@ void RecordingTimes::CheckContinuity() const {
   for (size_t i = 0; i + 1 < starts_.size(); ++i) {
     const double pause = PauseAfter(i, durations_[i]);
     const std::string before = clips_[i].filename().string();
-    if (pause < -kResolution)
+    if (pause < -kResolution - kLongestOverlap)
       throw InputError(
           fmt::format("{}: begins {:.1f} s before {} ends, by the times {}; give the clips of one camera (front or "
                       "rear), in the order of time",
@@ -98,6 +99,12 @@ double RecordingTimes::GapAfter(size_t clip, double duration) const {
   if (clip + 1 >= starts_.size()) return 0;
   const double pause = PauseAfter(clip, duration);
   return pause > kResolution ? pause : 0;
+}
+
+double RecordingTimes::OverlapAfter(size_t clip, double duration) const {
+  if (clip + 1 >= starts_.size()) return 0;
+  const double pause = PauseAfter(clip, duration);
+  return pause < -kResolution ? -pause : 0;
 }
 
 }  // namespace turnscale

@@ -24,12 +24,16 @@ class RecordingTimes {
   /// The names tell when each clip began; creation times may be those of the end.
   bool AreInNames() const { return by_name_; }
 
-  /// Throws InputError if a clip begins before the one before it ends, or so long after it that it is of another drive.
+  /// Throws InputError if a clip begins more than a few seconds before the one before it ends (kLongestOverlap), or so
+  /// long after it that it is of another drive.
   void CheckContinuity() const;
 
   /// Seconds between the end of a clip of that duration and the start of the next; 0 if they continue one another or
   /// nothing tells.
   double GapAfter(size_t clip, double duration) const;
+  /// Seconds by which the next clip begins before the end of a clip of that duration; 0 if it does not, or if nothing
+  /// tells.
+  double OverlapAfter(size_t clip, double duration) const;
 
  private:
   double PauseAfter(size_t clip, double duration) const;

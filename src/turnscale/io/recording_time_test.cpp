@@ -68,7 +68,17 @@ TEST(RecordingTimes, OverlappingNamesAreRefused) {
   EXPECT_NE(complaint.find("d/20230501_120000_R.mp4: begins 60.0 s before 20230501_120000_F.mp4 ends"),
             std::string::npos)
       << complaint;
-  EXPECT_EQ(Complaint({{"20230501_120000.mp4", "20230501_120059.mp4"}, {Header(60), Header(60)}}), "");
+  EXPECT_NE(Complaint({{"20230501_120000.mp4", "20230501_120050.mp4"}, {Header(60), Header(60)}}), "");
+}
+
+TEST(RecordingTimes, ShortOverlapsAreMeasured) {
+  const RecordingTimes overlapping({"20230501_120000.mp4", "20230501_120057.mp4"}, {Header(60), Header(60)});
+  EXPECT_EQ(Complaint(overlapping), "");
+  EXPECT_DOUBLE_EQ(overlapping.OverlapAfter(0, 60), 3);
+  EXPECT_EQ(overlapping.GapAfter(0, 60), 0);
+  const RecordingTimes rounded({"20230501_120000.mp4", "20230501_120059.mp4"}, {Header(60), Header(60)});
+  EXPECT_EQ(Complaint(rounded), "");
+  EXPECT_EQ(rounded.OverlapAfter(0, 60), 0);
 }
 
 TEST(RecordingTimes, CreationTimesStandInForNames) {

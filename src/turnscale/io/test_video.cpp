@@ -11,6 +11,9 @@ extern "C" {
 #include <libswscale/swscale.h>
 }
 
+#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
+
 namespace turnscale {
 namespace {
 
@@ -126,6 +129,20 @@ void WriteTestVideo(const std::filesystem::path& path, const std::vector<cv::Mat
   for (size_t i = 0; i < images.size(); ++i)
     writer.Add(images[i], video.stamps.empty() ? static_cast<int64_t>(i) : video.stamps.at(i));
   writer.Finish();
+}
+
+std::vector<cv::Mat> MovingTestImages(int first, int count) {
+  constexpr int kPixelsPerImage = 3;
+  constexpr int kMostImages = 200;
+  const cv::Size size(160, 90);
+  cv::Mat coarse(10, 80, CV_8UC1);
+  cv::RNG(1).fill(coarse, cv::RNG::UNIFORM, 0, 256);
+  cv::Mat texture;
+  cv::resize(coarse, texture, {size.width + kPixelsPerImage * kMostImages, size.height});
+  std::vector<cv::Mat> images;
+  for (int i = first; i < first + count; ++i)
+    images.push_back(texture(cv::Rect({kPixelsPerImage * i, 0}, size)).clone());
+  return images;
 }
 
 }  // namespace turnscale

@@ -29,4 +29,7 @@ struct TestVideo {
 /// Writes gray or BGR images of one size.
 void WriteTestVideo(const std::filesystem::path& path, const std::vector<cv::Mat>& images, const TestVideo& video = {});
 
+/// `count` images (160x90) of a texture that moves by the same distance from one to the next, from the `first` on.
+std::vector<cv::Mat> MovingTestImages(int first, int count);
+
 }  // namespace turnscale

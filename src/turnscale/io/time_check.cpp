@@ -6,6 +6,7 @@
 #include <optional>
 #include <utility>
 
+#include <Eigen/Core>
 #include <fmt/format.h>
 
 #include "turnscale/base/quantiles.h"
@@ -24,6 +25,8 @@ constexpr double kLeastAcceleration = 15;
 constexpr double kEvenIntervals = 0.2;
 constexpr int kLeastSkips = 3;
 constexpr double kLeastShare = 0.01;
+// A car that turns round stops between: a step back is no longer than those beside it.
+constexpr double kLeastJump = 3;
 // In the median over turns, each from its beginning to its end, m/s^2: tyres hold as much, but nobody drives so.
 constexpr double kMostSideways = 6;
 
@@ -31,6 +34,7 @@ struct ImageStep {
   double time = 0;      // of the image that it leads to
   double seconds = 0;   // since the image before
   double distance = 0;  // metres
+  Eigen::Vector3d motion = Eigen::Vector3d::Zero();
 };
 
 // Between tracked images that follow one another in the drive; any other image between them ends a row of steps.
@@ -40,8 +44,8 @@ std::vector<std::vector<ImageStep>> RowsOfSteps(const std::vector<FrameResult>& 
   for (const FrameResult& frame : frames) {
     const bool is_measured = frame.state == TrackingState::kTracked && frame.world_from_camera;
     if (is_measured && last) {
-      rows.back().push_back({frame.time, frame.time - last->time,
-                             (frame.world_from_camera->translation - last->world_from_camera->translation).norm()});
+      const Eigen::Vector3d motion = frame.world_from_camera->translation - last->world_from_camera->translation;
+      rows.back().push_back({frame.time, frame.time - last->time, motion.norm(), motion});
     } else if (!rows.back().empty()) {
       rows.emplace_back();
     }
@@ -76,6 +80,32 @@ std::optional<std::string> SkippedImages(const std::vector<FrameResult>& frames)
       skips.size(), skips.front());
 }
 
+bool JumpsBack(const ImageStep& before, const ImageStep& step, const ImageStep& after) {
+  const auto [shorter, longer] = std::minmax(before.distance, after.distance);
+  return before.motion.dot(step.motion) < 0 && after.motion.dot(step.motion) < 0 && shorter > kLeastExcess &&
+         step.distance > kLeastJump * longer &&
+         step.distance > kLeastExcess + kLeastAcceleration * step.seconds * step.seconds;
+}
+
+std::optional<std::string> JumpBack(const std::vector<FrameResult>& frames) {
+  const ImageStep* first = nullptr;
+  int jumps = 0;
+  const std::vector<std::vector<ImageStep>> rows = RowsOfSteps(frames);
+  for (const std::vector<ImageStep>& row : rows) {
+    for (size_t i = 1; i + 1 < row.size(); ++i) {
+      if (!JumpsBack(row[i - 1], row[i], row[i + 1])) continue;
+      if (jumps++ == 0) first = &row[i];
+    }
+  }
+  if (!first) return std::nullopt;
+  return fmt::format(
+      "the car seems to jump back by {:.1f} m from one image to the next at {:.1f} s{}: images are repeated there, and "
+      "the path is too long; were clips that overlap joined to one video? Give the clips themselves, or cut out what "
+      "is "
+      "repeated",
+      first->distance, first->time, jumps > 1 ? fmt::format(" (the first of {} such jumps)", jumps) : "");
+}
+
 double TimeOf(const std::vector<FrameResult>& frames, int number) {
   const auto found = std::ranges::lower_bound(frames, number, {}, &FrameResult::frame);
   return found == frames.end() ? frames.back().time : found->time;
@@ -102,6 +132,7 @@ std::vector<std::string> TimeWarnings(const std::vector<FrameResult>& frames, co
   std::vector<std::string> warnings;
   if (frames.empty() || frames.back().scale_state == ScaleState::kPending) return warnings;
   if (std::optional<std::string> skipped = SkippedImages(frames)) warnings.push_back(std::move(*skipped));
+  if (std::optional<std::string> jump = JumpBack(frames)) warnings.push_back(std::move(*jump));
   if (std::optional<std::string> fast = FastTurns(frames, turns)) warnings.push_back(std::move(*fast));
   return warnings;
 }

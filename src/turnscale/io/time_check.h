@@ -13,6 +13,8 @@ namespace turnscale {
 ///
 /// * Images that are missing although the times are even: between two images the car moves 1.6 to 4 times as far as
 ///   before and after, in at least three steps and 1 % of them.
+/// * Images that are repeated: from one image to the next, the moving car jumps against its direction of travel, at
+///   least three times as far as before and after.
 /// * Times that pass too slowly: more than 6 m/s^2 sideways in the median of the turns that were used.
 ///
 /// `frames`: poses in metres; nothing is said of a trajectory that is up to scale.

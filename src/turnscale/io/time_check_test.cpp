@@ -66,6 +66,18 @@ TEST(TimeCheck, MissingImagesAreReported) {
   EXPECT_FALSE(HasWarning(frames));
 }
 
+TEST(TimeCheck, AJumpBackIsReported) {
+  // At 10 m/s, images of one second are repeated, twice.
+  const auto jumping = Drive(200, [](int i) { return i == 80 || i == 140 ? -9.0 : 1.0; });
+  const std::vector<std::string> warnings = TimeWarnings(jumping, {});
+  ASSERT_EQ(warnings.size(), 1U);
+  EXPECT_NE(warnings[0].find("jump back by 9.0 m from one image to the next at 8.0 s (the first of 2 such jumps)"),
+            std::string::npos)
+      << warnings[0];
+  EXPECT_FALSE(HasWarning(Drive(200, [](int i) { return i < 100 ? 1.0 : -1.0; }))) << "turns round";
+  EXPECT_FALSE(HasWarning(Drive(200, [](int i) { return i == 80 ? -0.3 : 0.001; }))) << "stands";
+}
+
 TEST(TimeCheck, OnlyWhereThereAreSeveral) {
   EXPECT_TRUE(HasWarning(DriveWithLongSteps(300, {20, 90, 140})));
   EXPECT_FALSE(HasWarning(DriveWithLongSteps(300, {20, 90})));
