@@ -48,6 +48,57 @@ std::optional<double> NumberOf(std::string_view text) {
   return ParseNumber<double>(text);
 }
 
+bool Contains(std::span<const std::string> names, std::string_view name) {
+  return std::ranges::find(names, name) != names.end();
+}
+
+bool IsGroup(std::span<const std::string> names, const std::string& name) {
+  return std::ranges::any_of(names, [&](const std::string& other) { return other.starts_with(name + "."); });
+}
+
+// "'a'", "'a' and 'b'", "'a', 'b' and 'c'".
+std::string Enumeration(const std::vector<std::string>& names, const std::string& last) {
+  std::string text;
+  for (size_t i = 0; i < names.size(); ++i)
+    text += (i == 0 ? "" : i + 1 < names.size() ? ", " : " " + last + " ") + ("'" + names[i] + "'");
+  return text;
+}
+
+// A key of a nested map by its dotted name, which YAML takes for one long key.
+std::string NestingHint(const std::string& name) {
+  std::vector<std::string> lines;
+  for (size_t begin = 0; begin <= name.size();) {
+    const size_t end = std::min(name.find('.', begin), name.size());
+    lines.push_back(name.substr(begin, end - begin) + ":");
+    begin = end + 1;
+  }
+  return "write " + Enumeration(lines, "and") + " on separate lines, each indented below the one before";
+}
+
+// What may be meant by a key below `prefix` ("" or "scale.") that is not among all the dotted names.
+std::string HintFor(const std::string& prefix, const std::string& key, std::span<const std::string> known) {
+  if (key.find('.') != std::string::npos)
+    for (const std::string& name : {prefix + key, key})
+      if (Contains(known, name)) return NestingHint(name);
+  std::vector<std::string> groups;  // that have such a key
+  std::string nearest;
+  size_t least = std::string::npos;
+  for (const std::string& name : known) {
+    const size_t split = name.rfind('.') + 1;  // 0 at the top
+    const std::string parent = name.substr(0, split);
+    if (name == key) return "it belongs at the top level";
+    if (name.substr(split) == key) groups.push_back(name.substr(0, split - 1));
+    // Twice the edits, so that the one for another level only decides between equals.
+    const size_t distance = 2 * std::min(EditDistance(key, name.substr(split)), EditDistance(prefix + key, name)) +
+                            (parent == prefix ? 0 : 1);
+    if (distance >= least) continue;
+    least = distance;
+    nearest = name;
+  }
+  if (!groups.empty()) return "it belongs below " + Enumeration(groups, "or");
+  return "did you mean '" + nearest + "'?";
+}
+
 }  // namespace
 
 size_t EditDistance(std::string_view a, std::string_view b) {
@@ -148,9 +199,30 @@ double YamlMap::Positive(const std::string& key) const {
 
 void YamlMap::AllowOnly(std::span<const std::string> known) const {
   for (const std::string& key : Keys()) {
-    if (std::find(known.begin(), known.end(), key) != known.end()) continue;
+    if (Contains(known, key)) continue;
     Reject(key, "unknown key; did you mean '" + prefix_ + NearestName(key, known) + "'?");
   }
+}
+
+void YamlMap::AllowOnlyNested(std::span<const std::string> known) const {
+  for (const std::string& key : Keys()) {
+    const bool is_dotted = key.find('.') != std::string::npos;
+    if (is_dotted || !Contains(known, prefix_ + key)) Reject(key, "unknown key; " + HintFor(prefix_, key, known));
+    if (IsGroup(known, prefix_ + key) && IsMap(key)) Map(key).AllowOnlyNested(known);
+  }
+}
+
+void YamlMap::RejectRead(const std::string& complaint) const {
+  constexpr std::string_view kSeparator = ": ";
+  const size_t end = complaint.find(kSeparator);
+  const std::string name = complaint.substr(0, end);
+  const std::string key = name.substr(0, name.find('.'));
+  if (end == std::string::npos || !Has(key)) throw InputError(path_ + ": " + prefix_ + complaint);
+  if (key != name && IsMap(key)) Map(key).RejectRead(complaint.substr(key.size() + 1));
+  const std::string why = complaint.substr(end + kSeparator.size());
+  const bool lacks_value = why.starts_with("has to be ") || why.starts_with("must not be ");
+  if (lacks_value && node_[key].IsScalar()) Reject(key, "is " + Excerpt(Text(key)) + "; it " + why);
+  Reject(key, why);
 }
 
 void YamlMap::Reject(const std::string& key, std::string_view why) const {

@@ -10,6 +10,8 @@
 
 #include <yaml-cpp/yaml.h>
 
+#include "turnscale/base/error.h"
+
 namespace turnscale {
 
 /// Letters to insert, remove or replace to turn one name into the other, upper and lower case taken as equal.
@@ -47,6 +49,19 @@ class YamlMap {
 
   /// Throws for the first key that is not among `known`, and names the nearest that is.
   void AllowOnly(std::span<const std::string> known) const;
+  /// The same for the maps below, too: `known` has every key of a file, maps included, with those above it, such as
+  /// "scale" and "scale.drift". Says where a key belongs that is known elsewhere.
+  void AllowOnlyNested(std::span<const std::string> known) const;
+  /// Calls Check() of what was read from this map. A complaint "key: why", with the keys above, gets file, line and
+  /// value if the key is in the file, else the file.
+  template <class Options>
+  void CheckRead(const Options& options) const {
+    try {
+      options.Check();
+    } catch (const InputError& error) {
+      RejectRead(error.what());
+    }
+  }
   /// Throws InputError "file:line: key: why".
   [[noreturn]] void Reject(const std::string& key, std::string_view why) const;
 
@@ -54,6 +69,7 @@ class YamlMap {
   YamlMap(std::string path, std::string prefix, const YAML::Node& node);
   YAML::Node Value(const std::string& key) const;
   std::string Scalar(const std::string& key, std::string_view wanted) const;
+  [[noreturn]] void RejectRead(const std::string& complaint) const;
 
   std::string path_;
   std::string prefix_;  // of keys in messages, e.g. "cam0."

@@ -90,6 +90,47 @@ TEST(YamlMap, UnknownKeyNamesTheNearestKnown) {
   EXPECT_NO_THROW(MapOf("beta: 1\n").AllowOnly(known));
 }
 
+TEST(YamlMap, UnknownKeyNamesThePlaceOrTheNearestOfAllLevels) {
+  const std::vector<std::string> known = {"top", "a.b", "a", "a.size", "a.b.width", "a.wit", "c", "c.size", "c.length"};
+  const auto complaint = [&](const std::string& text) {
+    return MessageOf([&] { MapOf(text).AllowOnlyNested(known); });
+  };
+  const auto expect = [&](const std::string& text, const std::string& part) {
+    EXPECT_NE(complaint(text).find(part), std::string::npos) << complaint(text);
+  };
+  EXPECT_EQ(complaint("a:\n  b:\n    width: 1\n  size: 2\nc:\n"), "no error");
+  EXPECT_EQ(complaint("top:\n  more: 1\n"), "no error") << "a value, not a map: whoever reads it says so";
+  expect("top: 1\nb:\n  width: 1\n", ":2: b: unknown key; it belongs below 'a'");
+  expect("c:\n  width: 1\n", ":2: c.width: unknown key; it belongs below 'a.b'");
+  expect("c:\n  top: 1\n", ":2: c.top: unknown key; it belongs at the top level");
+  expect("size: 1\n", ":1: size: unknown key; it belongs below 'a' or 'c'");
+  expect("a.b.width: 1\n", "write 'a:', 'b:' and 'width:' on separate lines, each indented below the one before");
+  expect("a:\n  b.width: 1\n", ":2: a.b.width: unknown key; write 'a:', 'b:' and 'width:' on separate lines");
+  expect("c:\n  a.size: 1\n", ":2: c.a.size: unknown key; write 'a:' and 'size:' on separate lines");
+  expect("a.b.widht: 1\n", "did you mean 'a.b.width'?");
+  expect("lenght: 1\n", "did you mean 'c.length'?");
+  expect("c:\n  sizes: 1\n", "did you mean 'c.size'?");
+  expect("a:\n  widt: 1\n", "did you mean 'a.wit'?");
+}
+
+TEST(YamlMap, AComplaintOfACheckGetsLineAndValue) {
+  struct Part {
+    std::string complaint;
+    void Check() const { throw InputError(complaint); }
+  };
+  const YamlMap map = MapOf("a:\n  b: 1e3\n  c: [1]\nd: 2\n");
+  const auto complaint = [&](const std::string& text) {
+    const std::string message = MessageOf([&] { map.CheckRead(Part{text}); });
+    return message.substr(message.find("yaml_map_test.yaml") + std::string_view("yaml_map_test").size());
+  };
+  EXPECT_EQ(complaint("a.b: has to be below 1"), ".yaml:2: a.b: is 1e3; it has to be below 1");
+  EXPECT_EQ(complaint("d: must not be negative"), ".yaml:4: d: is 2; it must not be negative");
+  EXPECT_EQ(complaint("a.c: has to be short"), ".yaml:3: a.c: has to be short");
+  EXPECT_EQ(complaint("d: is 2; give 1"), ".yaml:4: d: is 2; give 1");
+  EXPECT_EQ(complaint("a.e: has to be below 1"), ".yaml: a.e: has to be below 1");
+  EXPECT_EQ(complaint("e.b: has to be below 1"), ".yaml: e.b: has to be below 1");
+}
+
 TEST(YamlMap, RejectsWhatIsNoYamlMap) {
   EXPECT_NE(MessageOf([] { MapOf("a: [1, 2\nb: 3\n"); }).find("not valid YAML"), std::string::npos);
   EXPECT_NE(MessageOf([] { MapOf("- 1\n- 2\n"); }).find("has no keys"), std::string::npos);

@@ -7,7 +7,6 @@
 
 #include <fmt/format.h>
 
-#include "turnscale/base/check_part.h"
 #include "turnscale/base/error.h"
 #include "turnscale/base/number_text.h"
 #include "turnscale/camera/camera_file.h"
@@ -79,10 +78,10 @@ void VisitScaleSettings(Visitor& visitor, ScaleOptions& options) {
   });
 }
 
-/// Shows a visitor every setting once, under the name it has in settings files; reading and writing both follow this
-/// list, so neither can forget a field. The visitor offers Group(name, fields), Field(name, value) for numbers, whole
-/// numbers, switches and optional numbers, Degrees(name_deg, radians), Choice(name, value, {{name, value}...}) and
-/// Rotation(prefix, quaternion), which stands as <prefix>_yaw_deg, _pitch_deg and _roll_deg.
+/// Shows a visitor every setting once, under the name it has in settings files; reading, writing and hints for unknown
+/// names all follow this list, so none can forget a field. The visitor offers Group(name, fields), Field(name, value)
+/// for numbers, whole numbers, switches and optional numbers, Degrees(name_deg, radians), Choice(name, value, {{name,
+/// value}...}) and Rotation(prefix, quaternion), which stands as <prefix>_yaw_deg, _pitch_deg and _roll_deg.
 template <class Visitor>
 void VisitSettings(Visitor& visitor, OdometryOptions& options) {
   visitor.Group("vehicle", [&] {
@@ -322,11 +321,14 @@ std::string SettingsText(const OdometryOptions& options) {
 }
 
 OdometryOptions ReadSettings(const std::filesystem::path& path) {
+  const YamlMap file(path);
   OdometryOptions options;
-  FieldReader reader{YamlMap(path)};
+  FieldNames known;
+  VisitSettings(known, options);
+  file.AllowOnlyNested(known.names);
+  FieldReader reader(file);
   VisitSettings(reader, options);
-  reader.AllowOnlyKnown();
-  CheckPart(path.string() + ": ", options);
+  file.CheckRead(options);
   return options;
 }
 

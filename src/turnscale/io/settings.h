@@ -12,7 +12,7 @@ namespace turnscale {
 std::string SettingsText(const OdometryOptions& options);
 
 /// Reads settings; what the file leaves out keeps its default. Throws InputError that names file, line and key for an
-/// unknown key (with the nearest known one), a value of another kind, or one that makes no sense.
+/// unknown key (with its place or the nearest known one), a value of another kind, or one that makes no sense.
 OdometryOptions ReadSettings(const std::filesystem::path& path);
 
 /// The paper's Q from "yaw,pitch,roll" in degrees, or from a YAML file with yaw_deg, pitch_deg and roll_deg. Throws

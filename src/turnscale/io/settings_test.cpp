@@ -103,9 +103,33 @@ TEST(Settings, ComplaintsNameLineKeyAndNearestKey) {
   EXPECT_EQ(SettingsFrom("vehicle:\n  lever_arm: null\n").vehicle.lever_arm, std::nullopt);
   EXPECT_NE(SettingsComplaint("scale:\n  method: magic\n").find("is 'magic'; give smoothed or turns or paper"),
             std::string::npos);
-  const std::string senseless = SettingsComplaint("vehicle:\n  lever_arm: -1\n");
-  EXPECT_NE(senseless.find("settings_test.yaml: "), std::string::npos) << senseless;
-  EXPECT_NE(senseless.find("lever_arm"), std::string::npos) << senseless;
+}
+
+TEST(Settings, AMisplacedKeyIsShownItsPlace) {
+  EXPECT_NE(SettingsComplaint("drift:\n  per_100m: 0.02\n").find(":1: drift: unknown key; it belongs below 'scale'"),
+            std::string::npos);
+  EXPECT_NE(SettingsComplaint("vehicle:\n  per_100m: 0.02\n")
+                .find(":2: vehicle.per_100m: unknown key; it belongs below 'scale.drift'"),
+            std::string::npos);
+  EXPECT_NE(
+      SettingsComplaint("scale.drift.per_100m: 2\n")
+          .find(":1: scale.drift.per_100m: unknown key; write 'scale:', 'drift:' and 'per_100m:' on separate lines"),
+      std::string::npos);
+  EXPECT_NE(SettingsComplaint("vehicle:\n  camera_yaw: 2\n").find("did you mean 'vehicle.camera_yaw_deg'?"),
+            std::string::npos);
+}
+
+TEST(Settings, AValueOutOfRangeIsNamedWithItsLine) {
+  EXPECT_NE(SettingsComplaint("scale:\n  drift:\n    per_100m: 2.0\n")
+                .find("settings_test.yaml:3: scale.drift.per_100m: is 2.0; it has to be from 0 to below 1"),
+            std::string::npos);
+  EXPECT_NE(SettingsComplaint("vehicle:\n  lever_arm: 1\n  lever_arm_sigma: 2\n")
+                .find("settings_test.yaml:3: vehicle.lever_arm_sigma: 2 has to be below the lever arm"),
+            std::string::npos);
+  EXPECT_NE(SettingsComplaint("initialization:\n  min_landmarks: 8\n")
+                .find("settings_test.yaml: initialization.fewest_landmarks: has to be"),
+            std::string::npos)
+      << "the file does not have the key";
 }
 
 /// The settings with -1e9 in one line, and the dotted key of that line; empty where its value is no number.
@@ -139,22 +163,24 @@ TEST(Settings, ComplaintsNameTheKeyThatMakesNoSense) {
     const std::string complaint = SettingsComplaint(settings);
     if (complaint == "no error") continue;
     ++refused;
-    EXPECT_NE(complaint.find("settings_test.yaml: " + key + ": "), std::string::npos) << key << "\n" << complaint;
+    const std::string place = "settings_test.yaml:" + std::to_string(i + 1) + ": " + key + ": ";
+    EXPECT_NE(complaint.find(place), std::string::npos) << place << "\n" << complaint;
   }
   EXPECT_GT(refused, 150);
 }
 
 TEST(Settings, AnglesAreRefusedInTheUnitOfTheKey) {
-  EXPECT_NE(SettingsComplaint("steps:\n  angle_deg: 30\n").find("steps.angle_deg: has to be from 0 to below 28.6"),
-            std::string::npos);
+  EXPECT_NE(
+      SettingsComplaint("steps:\n  angle_deg: 30\n").find("steps.angle_deg: is 30; it has to be from 0 to below 28.6"),
+      std::string::npos);
   EXPECT_NE(SettingsComplaint("vehicle:\n  yaw_sigma_deg: 60\n")
-                .find("vehicle.yaw_sigma_deg: has to be above 0 and below 57.3"),
+                .find("vehicle.yaw_sigma_deg: is 60; it has to be above 0 and below 57.3"),
             std::string::npos);
 }
 
 TEST(Settings, LengthsInAWrongUnitAreRefused) {
   EXPECT_NE(SettingsComplaint("vehicle:\n  lever_arm: 145\n")
-                .find("vehicle.lever_arm: has to be the distance from the "
+                .find("vehicle.lever_arm: is 145; it has to be the distance from the "
                       "rear axle forward to the camera in metres, above 0 "
                       "and up to 20"),
             std::string::npos);

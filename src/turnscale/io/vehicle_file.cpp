@@ -6,7 +6,6 @@
 
 #include <fmt/format.h>
 
-#include "turnscale/base/check_part.h"
 #include "turnscale/camera/camera_file.h"
 #include "turnscale/config/yaml_map.h"
 #include "turnscale/geometry/rotation.h"
@@ -160,7 +159,7 @@ void ReadVehicleFile(const std::filesystem::path& path, VehicleOptions& vehicle)
     vehicle.height_correlation = correlation("height_correlation");
     vehicle.height_slip_correlation = correlation("height_slip_correlation");
   }
-  CheckPart(path.string() + ": ", vehicle);
+  map.CheckRead(vehicle);
 }
 
 }  // namespace turnscale

@@ -157,8 +157,9 @@ TEST(VehicleFile, SenselessValuesAreRefused) {
   EXPECT_NE(Refused("lever_arm: 0\n").find("lever_arm"), std::string::npos);
   EXPECT_NE(Refused("height: 1\nheight_sigma: -0.1\n").find("height_sigma"), std::string::npos);
   EXPECT_NE(Refused("yaw_deg: 270\npitch_deg: 0\nroll_deg: 0\n").find("yaw_deg"), std::string::npos);
-  EXPECT_NE(Refused("side_slip: 2\n").find("car.yaml: side_slip: has to be in 0...1"), std::string::npos);
-  EXPECT_NE(Refused("lever_arm: 145\n").find("car.yaml: lever_arm: has to be the distance from the rear axle forward"),
+  EXPECT_NE(Refused("side_slip: 2\n").find("car.yaml:1: side_slip: is 2; it has to be in 0...1"), std::string::npos);
+  EXPECT_NE(Refused("lever_arm: 145\n")
+                .find("car.yaml:1: lever_arm: is 145; it has to be the distance from the rear axle forward"),
             std::string::npos);
   EXPECT_NE(Refused("height: 150\n").find("car.yaml:1: height: has to be"), std::string::npos)
       << Refused("height: 150\n");

@@ -26,34 +26,33 @@ using Choices = std::initializer_list<std::pair<const char*, Value>>;
 /// Throws InputError that names file, line and key for a value of another kind.
 class FieldReader {
  public:
-  explicit FieldReader(const YamlMap& file) { levels_.push_back({file, {}}); }
+  explicit FieldReader(const YamlMap& file) { levels_.push_back(file); }
 
   template <class Fields>
   void Group(const char* name, const Fields& fields) {
-    if (!Known(name)) return;
-    levels_.push_back({Map().Map(name), {}});
+    if (!Map().Has(name)) return;
+    levels_.push_back(Map().Map(name));
     fields();
-    AllowOnlyKnown();
     levels_.pop_back();
   }
 
   void Field(const std::string& name, double& value) {
-    if (Known(name)) value = Map().Number(name);
+    if (Map().Has(name)) value = Map().Number(name);
   }
   void Field(const std::string& name, int& value) {
-    if (Known(name)) value = Map().Integer(name);
+    if (Map().Has(name)) value = Map().Integer(name);
   }
   void Field(const std::string& name, bool& value) {
-    if (Known(name)) value = Map().Bool(name);
+    if (Map().Has(name)) value = Map().Bool(name);
   }
   void Field(const std::string& name, std::optional<double>& value) {
-    if (Known(name)) value = Map().NumberOrNone(name);
+    if (Map().Has(name)) value = Map().NumberOrNone(name);
   }
 
   /// A shorter list leaves the rest at zero.
   template <size_t kSize>
   void Field(const std::string& name, std::array<double, kSize>& values) {
-    if (!Known(name)) return;
+    if (!Map().Has(name)) return;
     const std::vector<double> numbers = Map().Numbers(name);
     if (numbers.size() > kSize)
       Map().Reject(name, fmt::format("holds {} numbers; give at most {}", numbers.size(), kSize));
@@ -62,12 +61,12 @@ class FieldReader {
   }
 
   void Degrees(const std::string& name, double& radians) {
-    if (Known(name)) radians = Map().Number(name) / kDegreesPerRadian;
+    if (Map().Has(name)) radians = Map().Number(name) / kDegreesPerRadian;
   }
 
   template <class Value>
   void Choice(const std::string& name, Value& value, Choices<std::type_identity_t<Value>> choices) {
-    if (!Known(name)) return;
+    if (!Map().Has(name)) return;
     const std::string text = Map().Text(name);
     std::string all;
     for (const auto& [choice_text, choice] : choices) {
@@ -88,22 +87,47 @@ class FieldReader {
     rotation = RotationFromYawPitchRoll(angles);
   }
 
-  /// Throws InputError for the first key that no field asked for; to be called after the last field.
-  void AllowOnlyKnown() const { Map().AllowOnly(levels_.back().known); }
-
  private:
-  struct Level {
-    YamlMap map;
-    std::vector<std::string> known;  // keys asked for so far
-  };
+  const YamlMap& Map() const { return levels_.back(); }
 
-  const YamlMap& Map() const { return levels_.back().map; }
-  bool Known(const std::string& name) {
-    levels_.back().known.push_back(name);
-    return Map().Has(name);
+  std::vector<YamlMap> levels_;
+};
+
+/// Collects the names of the fields and groups that a visitor function shows it, with those of the groups around them:
+/// "scale", "scale.drift", "scale.drift.per_100m".
+class FieldNames {
+ public:
+  template <class Fields>
+  void Group(const std::string& name, const Fields& fields) {
+    Add(name);
+    const std::string around = prefix_;
+    prefix_ += name + ".";
+    fields();
+    prefix_ = around;
   }
 
-  std::vector<Level> levels_;
+  template <class Value>
+  void Field(const std::string& name, const Value& /*value*/) {
+    Add(name);
+  }
+
+  void Degrees(const std::string& name, double /*radians*/) { Add(name); }
+
+  template <class Value>
+  void Choice(const std::string& name, Value /*value*/, Choices<std::type_identity_t<Value>> /*choices*/) {
+    Add(name);
+  }
+
+  void Rotation(const std::string& prefix, const Eigen::Quaterniond& /*rotation*/) {
+    for (const char* angle : {"_yaw_deg", "_pitch_deg", "_roll_deg"}) Add(prefix + angle);
+  }
+
+  std::vector<std::string> names;
+
+ private:
+  void Add(const std::string& name) { names.push_back(prefix_ + name); }
+
+  std::string prefix_;
 };
 
 /// Writes each field that a visitor function shows it as a line of YAML (as in settings.cpp).

@@ -105,7 +105,7 @@ void LocalBundleOptions::Check() const {
     throw InputError("anchors: has to be from 1 to " + std::to_string(kMostKeyframes) + " keyframes");
   if (!(pixel_sigma > 0)) throw InputError("pixel_sigma: has to be positive");
   if (!(relative_cost_tolerance > 0)) throw InputError("relative_cost_tolerance: has to be positive");
-  if (!(initial_damping >= 0)) throw InputError("initial_damping: is negative or not a number");
+  if (!(initial_damping >= 0)) throw InputError("initial_damping: must not be negative");
   if (max_iterations < 1) throw InputError("max_iterations: has to be at least 1");
 }
 

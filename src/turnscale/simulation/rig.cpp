@@ -243,14 +243,12 @@ Rig MakeRig(RigPreset preset) {
 Rig ReadRig(const std::filesystem::path& path, RigPreset fallback) {
   const YamlMap file(path);
   Rig rig = MakeRig(PresetOf(file, fallback));
+  FieldNames known;
+  VisitRig(known, rig);
+  file.AllowOnlyNested(known.names);
   FieldReader reader(file);
   VisitRig(reader, rig);
-  reader.AllowOnlyKnown();
-  try {
-    rig.Check();
-  } catch (const InputError& error) {
-    throw InputError(path.string() + ": " + error.what());
-  }
+  file.CheckRead(rig);
   return rig;
 }
 

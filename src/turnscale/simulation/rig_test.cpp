@@ -131,14 +131,17 @@ TEST(Rig, ComplaintsNameLineKeyAndNearestKey) {
             std::string::npos);
   EXPECT_NE(Complaint("sensors:\n  blur: 1\n").find(":1: sensors: unknown key; did you mean 'sensor'?"),
             std::string::npos);
+  EXPECT_NE(Complaint("lever_arm: 1\n").find(":1: lever_arm: unknown key; it belongs below 'mount'"),
+            std::string::npos);
   EXPECT_NE(Complaint("preset: kiti\n").find(":1: preset: is 'kiti'; give paper or kitti or dashcam"),
             std::string::npos);
-  EXPECT_NE(Complaint("mount:\n  lever_arm: -1\n").find("rig.yaml: mount.lever_arm: is -1"), std::string::npos);
-  EXPECT_NE(Complaint("camera:\n  width: 3\n").find("rig.yaml: camera.width"), std::string::npos);
+  EXPECT_NE(Complaint("mount:\n  lever_arm: -1\n").find("rig.yaml:2: mount.lever_arm: is -1;"), std::string::npos);
+  EXPECT_NE(Complaint("camera:\n  width: 3\n").find("rig.yaml:2: camera.width: is 3;"), std::string::npos);
   EXPECT_NE(Complaint("camera:\n  distortion: [0.1]\n").find("lens: radtan"), std::string::npos);
   EXPECT_NE(Complaint("camera:\n  distortion: [1,2,3,4,5,6]\n").find("holds 6 numbers"), std::string::npos);
   EXPECT_NE(Complaint("sensor:\n  exposure_ms: 150\n").find("longer than the 100 ms of a frame"), std::string::npos);
-  EXPECT_NE(Complaint("windscreen:\n  dashboard: 2\n").find("rig.yaml: windscreen.dashboard: is 2"), std::string::npos);
+  EXPECT_NE(Complaint("windscreen:\n  dashboard: 2\n").find("rig.yaml:2: windscreen.dashboard: is 2;"),
+            std::string::npos);
   EXPECT_NE(Complaint("recorder:\n  stalled_frames: 0\n").find("recorder.stalled_frames: is 0"), std::string::npos);
   EXPECT_NE(Complaint("preset: kitti\nrecorder:\n  video: true\n").find("even numbers of pixels, not 1241x376"),
             std::string::npos);
