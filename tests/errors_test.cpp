@@ -681,6 +681,10 @@ TEST_F(ErrorsTest, SenselessOptions) {
   ExpectComplaint(RunCommand({"drive.mp4", "--lever-arm", "1.5"}, folder_), 2,
                   {"turnscale: drive.mp4: unknown command; see turnscale --help"});
   ExpectComplaint(RunCommand({"run"}, folder_), 2, {"turnscale: input"});
+  ExpectComplaint(RunCommand({"run", "--Lever-Arm=1"}, folder_), 2,
+                  {"--Lever-Arm: unknown option; did you mean '--lever-arm'?; see turnscale run --help"});
+  ExpectComplaint(RunCommand({"evaluate", "a.tum", "-x"}, folder_), 2,
+                  {"-x: unknown option; see turnscale evaluate --help"});
 }
 
 TEST_F(ErrorsTest, PlacesThatCannotBeWritten) {

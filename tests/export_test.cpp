@@ -222,6 +222,8 @@ TEST_F(ExportTest, SaysWhatIsMissing) {
   ExpectComplaint(Export({"--gpx", "--origin", "49,8", "--heading", "1"}), 2, {"the path is not in metres"});
   ExpectComplaint(RunCommand({"export", folder_.string(), "--gpx"}, folder_), 2, {"summary.json: no such file"});
   ExpectComplaint(RunCommand({"view", folder_.string()}, folder_), 2, {"holds no results"});
+  ExpectComplaint(RunCommand({"view", (folder_ / "nowhere").string()}, folder_), 2,
+                  {"nowhere: no such file or folder"});
 }
 
 TEST_F(ExportTest, ViewKeepsTheTruthOfThePage) {

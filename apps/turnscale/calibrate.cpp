@@ -55,7 +55,7 @@ void AddCalibrateCommand(CLI::App& app) {
     calibrate->get_option(option)->excludes(trajectory);
   CLI::Option* timestamps = calibrate->add_option(
       "--timestamps", images.timestamps,
-      "Times of the frames in seconds, one per line [times.txt in the input folder, or beside the trajectory]");
+      fmt::format("Times of the frames, {} [times.txt in the input folder, or beside the trajectory]", kTimesPerLine));
   calibrate
       ->add_option("--fps", images.fps,
                    "Frames per second; overrides times.txt, a video's own time stamps and the header stamps of a bag")

@@ -10,6 +10,9 @@ class App;
 
 namespace turnscale {
 
+/// What a file of frame times may contain; the unit is detected.
+inline constexpr const char* kTimesPerLine = "one per line: seconds, milliseconds since 1970, or micro- or nanoseconds";
+
 /// Adds the options that name, assume or refine the camera.
 void AddCameraOptions(CLI::App& command, ImageArguments& arguments);
 

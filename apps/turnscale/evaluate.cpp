@@ -3,8 +3,10 @@
 #include <string>
 
 #include <CLI/CLI.hpp>
+#include <fmt/format.h>
 
 #include "commands.h"
+#include "common_options.h"
 #include "turnscale/commands/evaluate_command.h"
 #include "turnscale/commands/evaluation_report.h"
 #include "turnscale/io/terminal.h"
@@ -31,9 +33,9 @@ void AddEvaluateCommand(CLI::App& app) {
                    "Estimated trajectory: TUM, EuRoC or KITTI file, or the folder of a run")
       ->required();
   command->add_option("GROUND_TRUTH", arguments->ground_truth, "Ground-truth trajectory: likewise")->required();
-  command->add_option(
-      "--timestamps", arguments->timestamps,
-      "Times of the KITTI file in seconds, one per line, if the other file has timestamps [times.txt beside it]");
+  command->add_option("--timestamps", arguments->timestamps,
+                      fmt::format("Times of the KITTI file, if the other file has timestamps, {} [times.txt beside it]",
+                                  kTimesPerLine));
   command->add_option("--time-tolerance", arguments->time_tolerance,
                       "Largest time difference of associated poses, seconds [half the ground truth's interval, at most "
                       "0.02]");

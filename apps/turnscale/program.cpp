@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "program.h"
 
+#include <algorithm>
 #include <cctype>
 #include <cstdlib>
 #include <exception>
@@ -36,15 +37,17 @@ std::string Suggestion(const std::string& name, const std::vector<std::string>& 
   return "; did you mean '" + nearest + "'?";
 }
 
-// An option that the command does not have, such as --lever_arm or --Lever-Arm.
-std::string UnknownOption(const CLI::App* command, const std::string& text) {
-  std::string name = text.substr(text.rfind(": ") + 2);
-  name = name.substr(0, name.find_first_of(" ="));
-  if (command == nullptr || !name.starts_with("--")) return text;
+// An option that the command does not have, such as --lever_arm or --Lever-Arm. Empty where there is none.
+std::string UnknownOption(const CLI::App& command) {
+  const auto is_option = [](const std::string& word) { return word.size() > 1 && word.starts_with('-'); };
+  const std::vector<std::string> rest = command.remaining();
+  const auto unknown = std::ranges::find_if(rest, is_option);
+  if (unknown == rest.end()) return {};
+  const std::string name = unknown->substr(0, unknown->find('='));
   std::string usual;
   for (const char letter : name) usual += letter == '_' ? '-' : static_cast<char>(std::tolower(letter));
   std::vector<std::string> known;
-  for (const CLI::Option* option : command->get_options())
+  for (const CLI::Option* option : command.get_options())
     for (const std::string& long_name : option->get_lnames()) known.push_back("--" + long_name);
   return name + ": unknown option" + Suggestion(usual, known);
 }
@@ -60,7 +63,11 @@ std::string Reason(const CLI::ParseError& error, const CLI::App* command) {
   constexpr std::string_view kConversion = "Could not convert: ";
   constexpr std::string_view kRepeated = ": At Most 1 required but received ";
   const std::string text = error.what();
-  if (dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr) return UnknownOption(command, text);
+  // What is missing may stand behind the unknown option, or be what it was meant for.
+  if (command != nullptr && (dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr ||
+                             dynamic_cast<const CLI::RequiredError*>(&error) != nullptr)) {
+    if (const std::string unknown = UnknownOption(*command); !unknown.empty()) return unknown;
+  }
   if (const size_t at = text.find(kRepeated); at != std::string::npos)
     return text.substr(0, at) + ": is given more than once";
   if (dynamic_cast<const CLI::ArgumentMismatch*>(&error) != nullptr && text.ends_with(" missing"))

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "commands.h"
+#include "common_options.h"
 #include "turnscale/commands/rescale_command.h"
 #include "turnscale/commands/rescale_report.h"
 #include "turnscale/io/height_file.h"
@@ -71,7 +72,7 @@ void AddRescaleCommand(CLI::App& app) {
   CLI::Option* fps = command->add_option("--fps", arguments->fps, "Frames per second of a KITTI trajectory");
   command
       ->add_option("--timestamps", arguments->timestamps,
-                   "Times of a KITTI trajectory's frames in seconds, one per line [times.txt beside it]")
+                   fmt::format("Times of a KITTI trajectory's frames, {} [times.txt beside it]", kTimesPerLine))
       ->excludes(fps);
   command
       ->add_option("--drift", arguments->drift,

@@ -99,7 +99,7 @@ void AddRunCommand(CLI::App& app) {
   AddCameraOptions(*run, arguments->images);
   CLI::Option* timestamps =
       run->add_option("--timestamps", arguments->images.timestamps,
-                      "Times of the frames in seconds, one per line [times.txt in the input folder]");
+                      fmt::format("Times of the frames, {} [times.txt in the input folder]", kTimesPerLine));
   run->add_option("--fps", arguments->images.fps,
                   "Frames per second; overrides times.txt, a video's own time stamps and the header stamps of a bag")
       ->excludes(timestamps);

@@ -13,6 +13,7 @@
 #include <opencv2/core/utility.hpp>
 
 #include "commands.h"
+#include "common_options.h"
 #include "interrupt.h"
 #include "program.h"
 #include "turnscale/base/error.h"
@@ -194,7 +195,7 @@ void AddSimulateCommand(CLI::App& app) {
       "Build the street along a recorded metric trajectory: TUM or KITTI poses of a camera mounted like the rig's");
   simulate
       ->add_option("--times", arguments->times,
-                   "Times of the --follow poses in seconds, one per line [times.txt beside the --follow file]")
+                   fmt::format("Times of the --follow poses, {} [times.txt beside the --follow file]", kTimesPerLine))
       ->needs(follow);
   simulate
       ->add_option("--texture-contrast", arguments->texture_contrast,

@@ -54,6 +54,8 @@ void OpenInBrowser(const fs::path& page) {
 
 void RunView(const ViewArguments& arguments) {
   std::error_code none;
+  if (fs::status(arguments.results, none).type() == fs::file_type::not_found)
+    throw InputError(arguments.results.string() + ": no such file or folder");
   fs::path page = fs::absolute(arguments.results);
   if (fs::is_directory(page, none)) page /= kReportFile;
   if (fs::exists(page.parent_path() / RunFiles::kTrajectoryTable, none) && page.filename() == kReportFile) {
