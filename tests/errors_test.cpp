@@ -412,11 +412,24 @@ TEST_F(ErrorsTest, ARunTakesNoFileAwayThatItReads) {
   }
   const std::string rotation = "yaw_deg: 1\npitch_deg: 2\nroll_deg: 3\n";
   refuses("--settings", "settings.yaml", "corners:\n  min_distance: 5\n");
+  refuses("--settings", "turns.csv", "corners:\n  min_distance: 5\n");
   refuses("--camera-rotation", "car.yaml", rotation);
   refuses("--vehicle", "car.yaml", rotation);
   refuses("--truth", "trajectory.tum", poses);
   refuses("--truth", "live.tum.part", poses);
   refuses("--timestamps", "speed.csv", times);
+}
+
+TEST_F(ErrorsTest, ARunIsRepeatedWithItsOwnSettings) {
+  ASSERT_EQ(Run({"--quiet", "--lever-arm", "1.5"}).exit_code, 0);
+  const std::string settings = (Out() / "settings.yaml").string();
+  const std::string text = TextOf(settings);
+  const CommandResult again = Run({"--quiet", "--settings", settings});
+  EXPECT_EQ(again.exit_code, 0) << again.err;
+  EXPECT_EQ(TextOf(settings), text);
+  ExpectComplaint(Run({"--quiet", "--settings", settings, "--lever-arm", "1.6"}), 2,
+                  {"--out " + settings + ": is also an input file, and would change; give --settings a copy of it"});
+  EXPECT_EQ(TextOf(settings), text);
 }
 
 TEST_F(ErrorsTest, ACalibrationReplacesNoFileThatItReads) {

@@ -10,6 +10,7 @@
 #include <opencv2/core/utility.hpp>
 
 #include "turnscale/base/error.h"
+#include "turnscale/base/file_text.h"
 #include "turnscale/commands/argument_checks.h"
 #include "turnscale/commands/drive_camera.h"
 #include "turnscale/commands/version.h"
@@ -25,12 +26,27 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// What a run reads besides the images; a rotation in degrees names no file.
-std::vector<fs::path> FilesRead(const RunArguments& arguments, const DriveImages& images) {
+// Whether the settings are those of an earlier run in the same folder, which writes them again. Throws InputError where
+// the text would be another.
+bool RepeatsOwnSettings(const RunArguments& arguments, const OdometryOptions& options) {
+  const fs::path written = arguments.out / RunFiles::kSettings;
+  std::error_code none;
+  if (!arguments.images.settings || !fs::equivalent(*arguments.images.settings, written, none)) return false;
+  if (FileText(written) == SettingsText(options)) return true;
+  throw InputError(
+      fmt::format("--out {}: is also an input file, and would change; give --settings a copy of it, or name another "
+                  "--out",
+                  written.string()));
+}
+
+// What a run reads besides the images, and must not replace; a rotation in degrees names no file.
+std::vector<fs::path> FilesRead(const RunArguments& arguments, const DriveImages& images,
+                                const OdometryOptions& options) {
   std::vector<fs::path> files = arguments.images.inputs;
-  for (const std::optional<fs::path>& file : {arguments.images.timestamps, arguments.images.settings,
-                                              arguments.images.mask, arguments.car.vehicle, images.drive.times_file})
+  for (const std::optional<fs::path>& file :
+       {arguments.images.timestamps, arguments.images.mask, arguments.car.vehicle, images.drive.times_file})
     files.push_back(file.value_or(""));
+  if (!RepeatsOwnSettings(arguments, options)) files.push_back(arguments.images.settings.value_or(""));
   for (const fs::path& file : {fs::path(images.given.name), fs::path(arguments.car.camera_rotation),
                                arguments.truth.truth, arguments.truth.floor_plan})
     files.push_back(file);
@@ -38,7 +54,7 @@ std::vector<fs::path> FilesRead(const RunArguments& arguments, const DriveImages
 }
 
 // Throws InputError where the results would come to lie among the images or clips, or replace what is read.
-void CheckFolder(const RunArguments& arguments, const DriveImages& images) {
+void CheckFolder(const RunArguments& arguments, const DriveImages& images, const OdometryOptions& options) {
   std::error_code none;
   const auto refuse_folder = [&](const fs::path& folder) {
     if (fs::equivalent(arguments.out, folder.empty() ? "." : folder, none))
@@ -49,7 +65,7 @@ void CheckFolder(const RunArguments& arguments, const DriveImages& images) {
   refuse_folder(fs::is_directory(images.drive.path, none) ? images.drive.path : images.drive.path.parent_path());
   std::vector<NamedOutput> outputs;
   for (const char* name : RunFiles::kAll) outputs.push_back({"--out", arguments.out / name});
-  CheckOutputs(outputs, FilesRead(arguments, images));
+  CheckOutputs(outputs, FilesRead(arguments, images, options));
 }
 
 // The camera-to-vehicle rotation of an earlier run belongs to that run's intrinsics: their principal point and its yaw
@@ -166,7 +182,7 @@ RunEnd ExecuteRun(const RunArguments& arguments, const RunHooks& hooks) {
   cv::setNumThreads(arguments.threads);
   CheckTruthFiles(arguments.truth);
   DriveImages images(arguments.images, options.images);
-  CheckFolder(arguments, images);
+  CheckFolder(arguments, images, options);
   const PoseFrame shown = arguments.frame == "vehicle" ? PoseFrame::kVehicle : PoseFrame::kCamera;
   const RunWriterOptions output = {arguments.out, shown, options.vehicle};
   CheckRunOutput(output);
