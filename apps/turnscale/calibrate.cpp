@@ -17,6 +17,7 @@ namespace {
 
 // Returns the exit code.
 int RunCalibrate(const CalibrateArguments& arguments) {
+  EndOnInterrupts();
   CommandHooks hooks;
   hooks.interrupted = Interrupted;
   hooks.begun = CatchInterrupts;

@@ -5,6 +5,11 @@
 #include <csignal>
 #include <cstddef>
 #include <iterator>
+#include <string_view>
+
+#include <unistd.h>
+
+#include "turnscale/commands/command_hooks.h"
 
 namespace turnscale {
 namespace {
@@ -12,12 +17,19 @@ namespace {
 // The last one comes when a terminal is closed.
 constexpr int kStops[] = {SIGINT, SIGTERM, SIGHUP};
 
-// Which of them CatchInterrupts has changed; the others stay ignored. Set before a handler can run.
+// Which of them are handled; the others stay ignored. Set before a handler can run.
 bool installed[std::size(kStops)] = {};
 
 // The handler may run on any thread.
 std::atomic<bool> caught = false;
 static_assert(std::atomic<bool>::is_always_lock_free);
+
+// Calls only what a handler may call.
+void OnEarlySignal(int /*signal*/) {
+  constexpr std::string_view kMessage = "turnscale: interrupted before the first frame; nothing is written\n";
+  [[maybe_unused]] const ssize_t written = write(STDERR_FILENO, kMessage.data(), kMessage.size());
+  _exit(kInterruptedExitCode);
+}
 
 void OnSignal(int /*signal*/) {
   caught = true;
@@ -26,11 +38,9 @@ void OnSignal(int /*signal*/) {
     if (installed[i]) std::signal(kStops[i], SIG_DFL);
 }
 
-}  // namespace
-
-void CatchInterrupts() {
+void Handle(void (*handler)(int)) {
   struct sigaction action = {};
-  action.sa_handler = OnSignal;
+  action.sa_handler = handler;
   action.sa_flags = SA_RESTART;
   sigemptyset(&action.sa_mask);
   for (size_t i = 0; i < std::size(kStops); ++i) {
@@ -41,6 +51,14 @@ void CatchInterrupts() {
   }
   for (size_t i = 0; i < std::size(kStops); ++i)
     if (installed[i]) sigaction(kStops[i], &action, nullptr);
+}
+
+}  // namespace
+
+void EndOnInterrupts() { Handle(OnEarlySignal); }
+
+void CatchInterrupts() {
+  Handle(OnSignal);
   // A reader that is gone and a limit on the size of files are found out where something is written.
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);

@@ -65,6 +65,7 @@ int ReportEnd(const RunEnd& end) {
 
 // Returns the exit code.
 int RunImages(const RunArguments& arguments, const LiveArguments& live_arguments) {
+  EndOnInterrupts();
   std::optional<LiveView> live;
   RunHooks hooks;
   hooks.interrupted = Interrupted;

@@ -228,10 +228,10 @@ std::optional<RunFailure> FailureOfRun(const RunEnd& end) {
     for (const std::exception_ptr& thrown : end.failures) failure.others.push_back(FailureOf(thrown).message);
     return failure;
   }
-  if (end.failures.empty() && end.interrupted)
-    return RunFailure{{kInterruptedExitCode, end.summary.stopped + (end.begun ? "" : ", before the first pose")},
-                      {},
-                      end.begun && end.written};
+  if (end.failures.empty() && end.interrupted) {
+    const char* more = end.begun ? "" : end.summary.frames > 0 ? ", before the first pose" : "; nothing is written";
+    return RunFailure{{kInterruptedExitCode, end.summary.stopped + more}, {}, end.begun && end.written};
+  }
   if (end.failures.empty()) return std::nullopt;
   RunFailure failure = {FailureOf(end.failures.front()), {}, end.written};
   std::set<std::string> messages = {failure.first.message};

@@ -50,6 +50,7 @@ class Run {
   RunEnd Go() {
     if (!attempts_.Try([&] { Drive(); })) end_.summary.stopped = FailureOf(attempts_.failures().front()).message;
     progress_.Finish();
+    if (end_.interrupted && processed_ == 0) return end_;
     if (tracks_ && !begun_) attempts_.RethrowFirst();
     if (writer_) attempts_.Try([&] { writer_->EndLive(); });
     attempts_.Try(drive_.concluding);
@@ -106,7 +107,9 @@ class Run {
   bool Stops() {
     end_.interrupted = drive_.interrupted();
     if (end_.interrupted) {
-      end_.summary.stopped = fmt::format("interrupted after {} frames", processed_);
+      end_.summary.stopped = processed_ == 0
+                                 ? "interrupted before the first frame"
+                                 : fmt::format("interrupted after {} frame{}", processed_, processed_ == 1 ? "" : "s");
     } else if (Enough()) {
       end_.summary.stopped = fmt::format("--max-frames {}", *drive_.max_frames);
     }

@@ -53,8 +53,9 @@ struct RunEnd {
 
 /// Runs the odometry from the first frame to the files of the results. Whatever ends it, all that was computed is
 /// written as at a normal end, each file whether or not the others can be, and summary.json says why it is incomplete.
-/// Results of an earlier run are replaced when there is a first pose; a run without one leaves them as they are. Throws
-/// what the first frame, the folder and settings.yaml throw, as then there is no result yet.
+/// Results of an earlier run are replaced when there is a first pose; a run without one leaves them as they are. A run
+/// that is interrupted before the first frame writes nothing. Throws what the first frame, the folder and settings.yaml
+/// throw, as then there is no result yet.
 RunEnd RunDrive(const DriveToRun& drive, Odometry& odometry, Progress& progress);
 
 }  // namespace turnscale
