@@ -236,6 +236,22 @@ TEST_F(EvaluateTest, RunsThatAreUpToScaleAndRunsAsTruthAreNamed) {
       << swapped.err;
 }
 
+TEST_F(EvaluateTest, AnOnlineTrajectoryIsInMetresFromSomeTimeOn) {
+  fs::rename(folder_ / "estimate/drive.tum", folder_ / "estimate/live.tum");
+  const auto err = [&](const std::string& scale) {
+    Text("estimate/summary.json", R"({"scale": {"state": "observed")" + scale + "}}");
+    return Run({"estimate/live.tum", "truth/drive.tum"}).err;
+  };
+  const auto expect = [&](const std::string& scale, const std::string& warning) {
+    EXPECT_NE(err(scale).find("live.tum: " + warning), std::string::npos) << err(scale);
+  };
+  const double begin = estimate_.front().time;
+  EXPECT_EQ(err(R"(, "live_metres_from_s": )" + std::to_string(begin)), "");
+  expect(R"(, "live_metres_from_s": )" + std::to_string(begin + 1.25), "poses before ");
+  expect(R"(, "live_metres_from_s": null)", "is up to scale, as the scale was not known before the end");
+  expect("", "poses from before the scale was known, if any,");  // an older version's
+}
+
 TEST_F(EvaluateTest, NoFileThatIsReadAndNoResultOfARunIsReplaced) {
   const auto refuses = [&](std::vector<std::string> arguments, const fs::path& file, const std::string& why) {
     const std::string text = TextOf(file);

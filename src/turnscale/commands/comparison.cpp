@@ -71,14 +71,35 @@ Paired PairPoses(const ComparisonFiles& arguments, TrajectoryFile& estimate, Tra
 
 constexpr std::string_view kPendingScale = "pending";
 
-// State of the scale of the run that a trajectory is a result of; empty if it is of none.
-std::string ScaleStateOfRun(const fs::path& trajectory) {
+// The scale in the summary of the run that a trajectory is a result of; null if it is of none.
+nlohmann::json ScaleOfRun(const fs::path& trajectory) {
   const fs::path name = trajectory.filename();
   if (name != RunFiles::kTrajectoryTum && name != RunFiles::kTrajectoryKitti && name != RunFiles::kLiveTum) return {};
   std::ifstream file(trajectory.parent_path() / RunFiles::kSummary);
   const nlohmann::json summary = nlohmann::json::parse(file, nullptr, false);
-  const nlohmann::json::json_pointer state("/scale/state");
-  return summary.contains(state) && summary.at(state).is_string() ? summary.at(state).get<std::string>() : "";
+  const nlohmann::json::json_pointer scale("/scale");
+  return summary.contains(scale) ? summary.at(scale) : nlohmann::json();
+}
+
+// Its state; empty if there is none.
+std::string ScaleStateOfRun(const fs::path& trajectory) {
+  const nlohmann::json scale = ScaleOfRun(trajectory);
+  return scale.contains("state") && scale["state"].is_string() ? scale["state"].get<std::string>() : "";
+}
+
+constexpr auto kOnlyScaledErrors = "only errors of the scaled trajectory and after Sim(3) alignment are meaningful";
+
+// What is up to scale of the online trajectory of a run whose refined one is in metres. Empty if nothing is.
+std::string LiveWarning(const fs::path& file, const Trajectory& poses) {
+  const nlohmann::json scale = ScaleOfRun(file);
+  if (!scale.contains("live_metres_from_s")) return "poses from before the scale was known, if any, are up to scale";
+  const nlohmann::json& from = scale["live_metres_from_s"];
+  if (!from.is_number())
+    return fmt::format("is up to scale, as the scale was not known before the end of the drive: {}", kOnlyScaledErrors);
+  const auto seconds = from.get<double>();
+  if (poses.empty() || poses.front().time >= seconds) return {};
+  return fmt::format("poses before {:.1f} s are up to scale; there the scale became known, and the position jumps",
+                     seconds);
 }
 
 // Where both files have poses all along but few of them pair, their times are of different clocks.
@@ -103,11 +124,10 @@ std::vector<std::string> Warnings(const ComparisonFiles& files, const Paired& pa
     warnings.push_back(estimated + unpaired);
   const std::string state = ScaleStateOfRun(files.estimate);
   if (state == kPendingScale) {
-    warnings.push_back(estimated +
-                       "is up to scale (pending): only errors of the scaled trajectory and after Sim(3) alignment are "
-                       "meaningful");
+    warnings.push_back(estimated + fmt::format("is up to scale (pending): {}", kOnlyScaledErrors));
   } else if (!state.empty() && files.estimate.filename() == RunFiles::kLiveTum) {
-    warnings.push_back(estimated + "poses from before the scale was known, if any, are up to scale");
+    if (const std::string live = LiveWarning(files.estimate, estimate); !live.empty())
+      warnings.push_back(estimated + live);
   }
   if (!ScaleStateOfRun(files.ground_truth).empty())
     warnings.push_back(files.ground_truth.string() +

@@ -132,6 +132,8 @@ class Run {
       end_.summary.image_width = full.width;
       end_.summary.image_height = full.height;
     }
+    if (!end_.summary.live_metric_from && result.world_from_camera && result.scale_state != ScaleState::kPending)
+      end_.summary.live_metric_from = result.time;
     ++processed_;
     tracks_ = tracks_ || result.world_from_camera;
     if (!tracks_ && !frame.gray.empty()) seen_.Add(frame.gray, frame.time, result.tracked);

@@ -92,6 +92,8 @@ struct RunSummary {
   double missing_distance = 0;       ///< part of `distance` that lies there, interpolated or extrapolated
   double distance = 0;               ///< metres where the scale is known, else in the arbitrary unit
   ScaleState scale_state = ScaleState::kPending;
+  /// Time of the first online pose in metres, seconds, where the online path jumps; empty if there is none.
+  std::optional<double> live_metric_from;
   double path_sigma = 0;              ///< relative, of the path length in metres
   double worst_sigma = 0;             ///< relative, the largest of the scale along the path
   double worst_sigma_time = 0;        ///< seconds, where that is
