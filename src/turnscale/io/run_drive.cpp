@@ -205,6 +205,15 @@ class Run {
       summary.pending_reason = fmt::format("the path begins only at {:.1f} s; {}", before->to, summary.pending_reason);
   }
 
+  // What a part of the drive lacks, the rest may have.
+  void SayIfPart(RunSummary& summary) const {
+    const bool chosen = !summary.start.empty() || !summary.end.empty();
+    const bool cut = end_.interrupted || (Enough() && !end_.summary.stopped.empty());
+    if ((chosen || cut) && summary.has_measure() && !summary.pending_reason.empty())
+      summary.pending_reason =
+          fmt::format("in the part that was processed: {}; process more of the drive", summary.pending_reason);
+  }
+
   // What the drive and the odometry say.
   void Fill(RunSummary& summary) const {
     const OdometryOptions& options = odometry_.options();
@@ -220,6 +229,7 @@ class Run {
     }
     turnscale::Summarize(results_.frames, results_.scale, summary);
     if (tracks_) SayIfLate(summary);
+    if (tracks_) SayIfPart(summary);
     if (!stale_.empty()) summary.warnings.push_back(stale_);
     summary.frames = std::max(summary.frames, processed_);
     summary.cost = MeasureCost();

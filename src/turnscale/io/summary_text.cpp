@@ -126,6 +126,13 @@ std::string CarText(const RunSummary& summary) {
                      car->yaw_error * kDegreesPerRadian, car->yaw_error_sigma * kDegreesPerRadian, HeightText(*car));
 }
 
+// With the height of the camera alone, the scale may be known, but not from turns.
+std::string TurnsText(const RunSummary& summary) {
+  if (!summary.vehicle.lever_arm && summary.turns_found > 0)
+    return fmt::format("turns   {} found; not used without --lever-arm\n", summary.turns_found);
+  return fmt::format("turns   {} found, {} used\n", summary.turns_found, summary.turns_used);
+}
+
 std::string SigmaText(double sigma) {
   return sigma > kLargestShownSigma ? std::string("beyond +-100 %") : fmt::format("+-{:.1f} %", 100 * sigma);
 }
@@ -165,14 +172,14 @@ std::string SummaryText(const RunSummary& summary) {
       "{}"
       "{}"
       "{}"
-      "turns   {} found, {} used\n"
+      "{}"
       "frames  {} bridged, {} unreadable, {} repeated; {} before initialisation\n"
       "{}"
       "time    {:.1f} frames/s, {:.1f} ms of CPU time per frame over the whole run, {:.0f} MB of memory\n"
       "files   {}\n",
       ClipsText(summary.clips), PathText(summary), ScaleText(summary), IntrinsicsText(summary), MountText(summary),
-      CarText(summary), summary.turns_found, summary.turns_used, summary.bridged, summary.unreadable.size(),
-      summary.repeated, summary.initializing, MissingText(summary), summary.frames / std::max(cost.wall_seconds, 1e-9),
+      CarText(summary), TurnsText(summary), summary.bridged, summary.unreadable.size(), summary.repeated,
+      summary.initializing, MissingText(summary), summary.frames / std::max(cost.wall_seconds, 1e-9),
       1e3 * cost.cpu_seconds / std::max(summary.frames, 1), cost.peak_memory_mb, summary.folder);
 }
 

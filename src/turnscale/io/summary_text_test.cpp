@@ -37,6 +37,17 @@ TEST(SummaryText, APendingScaleHasAReasonOrARemedy) {
   EXPECT_TRUE(Says(summary, "scale   pending, the trajectory is up to scale: no turn\n"));
 }
 
+TEST(SummaryText, TurnsAreNotUsedWithoutALeverArm) {
+  RunSummary summary;
+  EXPECT_TRUE(Says(summary, "turns   0 found, 0 used\n"));
+  summary.turns_found = 2;
+  EXPECT_TRUE(Says(summary, "turns   2 found; not used without --lever-arm\n"));
+  summary.vehicle.camera_height = 1.5;
+  EXPECT_TRUE(Says(summary, "turns   2 found; not used without --lever-arm\n"));
+  summary.vehicle.lever_arm = 1.5;
+  EXPECT_TRUE(Says(summary, "turns   2 found, 0 used\n"));
+}
+
 TEST(SummaryText, SaysWhetherAGivenCalibrationWasTested) {
   RunSummary summary = InMetres(0.03);
   EXPECT_FALSE(Says(summary, "lens    "));

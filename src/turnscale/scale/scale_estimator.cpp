@@ -318,9 +318,9 @@ std::string Remedy(const CarPrior& car, const ScaleEstimatorOptions& options,
       std::ranges::any_of(evidence, [](const SegmentEvidence& segment) { return segment.road.has_value(); });
   const bool turns =
       std::ranges::any_of(evidence, [](const SegmentEvidence& segment) { return segment.turn.has_value(); });
-  return (turns ? "use a drive with a sharper or slower turn"
-                : "use a drive with a slow turn of " + std::to_string(degrees) + " degrees or more") +
-         (road && !car.knows_height() ? ", or give the measured height of the camera above the road" : "");
+  return (turns ? "a sharper or slower turn is needed"
+                : "a slow turn of " + std::to_string(degrees) + " degrees or more is needed") +
+         (road && !car.knows_height() ? ", or the measured height of the camera above the road" : "");
 }
 
 // No turn and no height gives a first value of the scale.
