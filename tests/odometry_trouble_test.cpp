@@ -327,6 +327,32 @@ TEST(OdometryTrouble, ARestartAfterAFreezeKeepsTheSpeedFromBefore) {
   }
 }
 
+// A wall of texture passes from the right to the left and hides all of the image but its upper edge.
+void PassBefore(StreetDrive& drive, int first, int count) {
+  const cv::Size size = drive.images[first].size();
+  cv::Mat coarse(size.height / 6, size.width / 2, CV_8UC1);
+  cv::RNG(5).fill(coarse, cv::RNG::UNIFORM, 40, 216);
+  cv::Mat wall;
+  cv::resize(coarse, wall, {3 * size.width, size.height});
+  for (int i = 0; i < count; ++i) {
+    const int left = size.width - 4 * size.width * (i + 1) / (count + 1);
+    const cv::Rect hidden = cv::Rect(left, size.height / 10, wall.cols, size.height) & cv::Rect({0, 0}, size);
+    if (hidden.empty()) continue;
+    drive.images[first + i] = drive.images[first + i].clone();
+    wall(hidden - cv::Point(left, hidden.y)).copyTo(drive.images[first + i](hidden));
+  }
+}
+
+TEST(OdometryTrouble, WhatPassesBeforeACarThatWaitsLeavesNoTrace) {
+  StreetDrive drive = RenderStreetDrive({.standing_at = 68, .standing_frames = 60, .braking_frames = 6});
+  PassBefore(drive, 90, 30);
+  const OdometryRun run = RunOdometry(StreetOptions(), drive);
+  EXPECT_LT(Drift(run.refined, 80, 120), 0.25) << "few landmarks are left in sight";
+  EXPECT_TRUE(std::ranges::none_of(run.map.keyframes, [](const Keyframe& keyframe) { return keyframe.after_gap; }));
+  for (size_t i = 124; i < run.refined.size(); ++i) EXPECT_EQ(run.refined[i].state, TrackingState::kTracked) << i;
+  ExpectGoodDrive(run, drive);
+}
+
 TEST(OdometryTrouble, ACarThatNeverMovesHasNoMap) {
   StreetDrive drive = RenderStreetDrive({.frames = 31, .standing_at = 0, .standing_frames = 30});
   SpoilImages(drive, 10, 1, Nothing);

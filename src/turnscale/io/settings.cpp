@@ -154,6 +154,7 @@ void VisitSettings(Visitor& visitor, OdometryOptions& options) {
     visitor.Field("min_parallax_deg", o.min_parallax_deg);
     visitor.Field("min_tracked_share", o.min_tracked_share);
     visitor.Field("min_followed_share", o.min_followed_share);
+    visitor.Field("min_motion", o.min_motion);
     visitor.Field("max_growth", o.max_growth);
     visitor.Field("max_reference_age", o.max_reference_age);
   });
@@ -232,6 +233,7 @@ void VisitSettings(Visitor& visitor, OdometryOptions& options) {
     visitor.Field("min_inliers", o.min_inliers);
     visitor.Field("min_inlier_share", o.min_inlier_share);
     visitor.Field("max_lost_seconds", o.max_lost_seconds);
+    visitor.Field("max_hidden_seconds", o.max_hidden_seconds);
     visitor.Field("min_lost_frames", o.min_lost_frames);
     visitor.Field("depth_sigma", o.depth_sigma);
     visitor.Field("memory_keyframes", o.memory_keyframes);

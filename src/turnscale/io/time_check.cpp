@@ -99,10 +99,9 @@ std::optional<std::string> JumpBack(const std::vector<FrameResult>& frames) {
   }
   if (!first) return std::nullopt;
   return fmt::format(
-      "the car seems to jump back by {:.1f} m from one image to the next at {:.1f} s{}: images are repeated there, and "
-      "the path is too long; were clips that overlap joined to one video? Give the clips themselves, or cut out what "
-      "is "
-      "repeated",
+      "the car seems to jump back by {:.1f} m from one image to the next at {:.1f} s{}: the path is wrong there; if "
+      "clips "
+      "that overlap were joined to this video, images are repeated in it: give the clips themselves",
       first->distance, first->time, jumps > 1 ? fmt::format(" (the first of {} such jumps)", jumps) : "");
 }
 

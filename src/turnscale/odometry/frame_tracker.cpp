@@ -97,6 +97,7 @@ void FrameTracker::Start(const FlowImage& image, std::vector<FeatureTrack> track
   last_image_ = image;
   tracks_ = std::move(tracks);
   lost_tracks_.clear();
+  stands_since_.reset();
   landmarks_in_keyframe_ = landmarks;
   features_in_keyframe_ = static_cast<int>(tracks_.size());
 }
@@ -117,6 +118,11 @@ TrackedFrame FrameTracker::Track(const Map& map, const CameraModel& camera, cons
       if (IsBelievable(options_.tracking, estimate)) break;
     }
   }
+  // What has passed before a camera that stands may have hidden nearly all that the last image showed.
+  if (!IsBelievable(options_.tracking, estimate) && HasStood(motion.time())) {
+    followed = FollowFrom(map, camera, before, image, motion.last(), motion.last());
+    estimate = EstimateFramePose(options_.pose, map, motion.last(), followed);
+  }
   std::optional<RigidTransform> searched;
   if (!IsBelievable(options_.tracking, estimate))
     searched = SearchPose(map, camera, last_image_, image, tracks_, motion, time);
@@ -135,6 +141,7 @@ TrackedFrame FrameTracker::Track(const Map& map, const CameraModel& camera, cons
   tracks_ = std::move(followed.found);
   lost_tracks_ = std::move(followed.lost);
   last_image_ = image;
+  NoticeStanding(map, estimate.inliers, time);
   frame.camera_from_world = estimate.camera_from_world;
   return frame;
 }
@@ -299,7 +306,31 @@ void FrameTracker::AlignWithMap(const Map& map, const CameraModel& camera, const
   tracks = std::move(aligned);
 }
 
+void FrameTracker::NoticeStanding(const Map& map, int inliers, double time) {
+  constexpr size_t kFewest = 10;
+  constexpr double kMost = 0.75;
+  constexpr double kClearly = 5;
+  const KeyframeOptions& limits = options_.keyframes;
+  std::vector<double> motion;
+  for (const FeatureTrack& track : tracks_)
+    if (track.in_keyframe && map.landmarks[track.landmark].valid)
+      motion.push_back((track.undistorted - *track.in_keyframe).norm());
+  const double most = motion.size() < kFewest ? HUGE_VAL : Quantile(std::move(motion), kMost);
+  if (most < limits.min_motion) {
+    if (!stands_since_) stands_since_ = time;
+  } else if (inliers >= limits.min_tracked_share * landmarks_in_keyframe_ || most > kClearly * limits.min_motion) {
+    // The few landmarks that what passes leaves in sight would show some motion where there is none.
+    stands_since_.reset();
+  }
+}
+
+bool FrameTracker::HasStood(double time) const {
+  constexpr double kLeastSeconds = 1;
+  return stands_since_ && time - *stands_since_ >= kLeastSeconds;
+}
+
 bool FrameTracker::NeedsKeyframe(const Map& map, const TrackedFrame& frame) const {
+  if (stands_since_) return false;
   const KeyframeOptions& limits = options_.keyframes;
   if (frame.inliers < limits.min_tracked_share * landmarks_in_keyframe_) return true;
   const Eigen::Quaterniond turn =

@@ -224,7 +224,10 @@ TrackedFrame Odometry::Track(const FlowImage& image, const RigidTransform& predi
 FrameResult Odometry::Bridge(RigidTransform predicted, FrameResult result) {
   if (result.state != TrackingState::kUnreadable) result.state = TrackingState::kBridged;
   const TrackingOptions& limits = options_.tracking;
-  if (mapping_ && ++lost_frames_ >= limits.min_lost_frames && result.time - motion_.time() > limits.max_lost_seconds) {
+  const bool stood = mapping_ && tracker_.HasStood(motion_.time());
+  if (stood) predicted = motion_.last();
+  const double patience = stood ? limits.max_hidden_seconds : limits.max_lost_seconds;
+  if (mapping_ && ++lost_frames_ >= limits.min_lost_frames && result.time - motion_.time() > patience) {
     // No turn reaches across the gap: one that was under way is read from the map it belongs to. What is pending may
     // change the radial correction, under which the pixels that wait for the next map are undistorted.
     Settle();

@@ -44,6 +44,7 @@ void KeyframeOptions::Check() const {
     throw InputError("keyframes.min_tracked_share: has to be in 0...1");
   if (!(min_followed_share >= 0 && min_followed_share <= 1))
     throw InputError("keyframes.min_followed_share: has to be in 0...1");
+  if (!(min_motion >= 0)) throw InputError("keyframes.min_motion: must not be negative");
   if (!(max_growth > 1)) throw InputError("keyframes.max_growth: has to be above 1");
   if (max_reference_age < 1) throw InputError("keyframes.max_reference_age: has to be at least 1 keyframe");
 }
@@ -60,6 +61,7 @@ void TrackingOptions::Check() const {
     throw InputError("tracking.min_inlier_share: has to be in 0...1");
   if (memory_keyframes < 1) throw InputError("tracking.memory_keyframes: has to be at least 1");
   if (!(max_lost_seconds >= 0)) throw InputError("tracking.max_lost_seconds: must not be negative");
+  if (!(max_hidden_seconds >= 0)) throw InputError("tracking.max_hidden_seconds: must not be negative");
   if (!(depth_sigma > 0 && depth_sigma < 1)) throw InputError("tracking.depth_sigma: has to be between 0 and 1");
   if (min_lost_frames < 1) throw InputError("tracking.min_lost_frames: has to be at least 1");
 }
