@@ -14,6 +14,7 @@
 #include "turnscale/base/quantiles.h"
 #include "turnscale/camera/camera_file.h"
 #include "turnscale/geometry/rotation.h"
+#include "turnscale/io/impossible_motion.h"
 #include "turnscale/io/time_check.h"
 #include "turnscale/io/turn_warning.h"
 
@@ -126,9 +127,10 @@ void SummarizePath(const std::vector<FrameResult>& refined, RunSummary& summary)
   if (!refined.empty()) summary.seconds = refined.back().time - refined.front().time;
 }
 
-// After the path, on whose length the share of the gaps depends.
-void SummarizeScale(const RefinedScale& scale, RunSummary& summary) {
-  summary.path_sigma = std::hypot(LengthSigma(scale), scale.gap_sigma / std::max(summary.distance, 1e-9));
+// After the path, on whose length the shares of gaps and of impossible motion depend.
+void SummarizeScale(const RefinedScale& scale, double impossible, RunSummary& summary) {
+  summary.path_sigma =
+      std::hypot(LengthSigma(scale), std::hypot(scale.gap_sigma, impossible) / std::max(summary.distance, 1e-9));
   summary.turns_found = static_cast<int>(scale.turns.size());
   summary.turns_used = static_cast<int>(std::ranges::count_if(scale.turns, &TurnResult::used));
   summary.calibration_windows = scale.calibration_windows;
@@ -229,8 +231,10 @@ const char* LensModelName(LensModel lens) {
 
 void Summarize(const std::vector<FrameResult>& refined, const RefinedScale& scale, RunSummary& summary) {
   SummarizePath(refined, summary);
-  SummarizeScale(scale, summary);
+  const std::vector<ImpossibleMotion> impossible = FindImpossibleMotion(refined);
+  SummarizeScale(scale, LengthErrorOf(impossible), summary);
   AddWarnings(refined, scale, summary);
+  if (!impossible.empty()) summary.warnings.push_back(ImpossibleMotionText(impossible));
 }
 
 std::string FoundCameraText(const FoundCamera& found) {
