@@ -158,7 +158,7 @@ TEST_F(SimulateTest, InterruptedDriveSaysSo) {
 TEST_F(SimulateTest, SenselessRigs) {
   ExpectComplaint(SimulateRig("mount:\n  lever_arn: 1\n"), 2,
                   {"rig.yaml:2: mount.lever_arn: unknown key; did you mean 'mount.lever_arm'?"});
-  ExpectComplaint(SimulateRig("mount:\n  lever_arm: -1\n"), 2, {"rig.yaml: mount.lever_arm: is -1"});
+  ExpectComplaint(SimulateRig("mount:\n  lever_arm: -1\n"), 2, {"rig.yaml:2: mount.lever_arm: is -1"});
   ExpectComplaint(SimulateRig("preset: lorry\n"), 2,
                   {"rig.yaml:1: preset: is 'lorry'; give paper or kitti or dashcam"});
   ExpectComplaint(SimulateRig("sensor:\n  read_noise: lots\n"), 2, {"rig.yaml:2: sensor.read_noise: is 'lots'"});

@@ -37,32 +37,42 @@ double Difference(const std::vector<uint8_t>& a, const std::vector<uint8_t>& b) 
 
 }  // namespace
 
-void ClipTail::Add(double time, const cv::Mat& gray) {
-  images_.push_back({time, Samples(gray)});
-  while (time - images_.front().time > kLongestOverlap) images_.pop_front();
+void ClipTail::Add(const ClipImage& image) {
+  images_.push_back({image.time, Samples(image.gray)});
+  while (image.time - images_.front().time > kLongestOverlap) images_.pop_front();
 }
 
-std::optional<ClipOverlap> ClipTail::RepeatedBy(const std::function<cv::Mat()>& next) const {
-  const cv::Mat first = next();
-  if (first.empty() || images_.empty()) return std::nullopt;
-  const std::vector<uint8_t> samples = Samples(first);
+bool ClipTail::IsMoving() const {
+  return !images_.empty() && images_.back().time - images_.front().time >= kApart &&
+         Difference(images_.front().samples, images_.back().samples) >= kLeastRatio * kLeastMotion;
+}
+
+std::optional<double> ClipTail::RepeatedBy(const std::function<std::optional<ClipImage>()>& next) const {
+  const std::optional<ClipImage> first = next();
+  if (!first || images_.empty()) return std::nullopt;
+  const std::vector<uint8_t> samples = Samples(first->gray);
   std::vector<double> differences;
   for (const Image& image : images_) differences.push_back(Difference(image.samples, samples));
   const auto least = std::ranges::min_element(differences);
-  const auto begin = static_cast<size_t>(least - differences.begin());
+  const double begin = images_[least - differences.begin()].time;
   // A clip that continues the one before is most like its last images.
-  if (images_.back().time - images_[begin].time < kApart) return std::nullopt;
+  if (images_.back().time - begin < kApart) return std::nullopt;
   double by_motion = std::numeric_limits<double>::infinity();
   for (size_t i = 0; i < images_.size(); ++i)
-    if (std::abs(images_[i].time - images_[begin].time) >= kApart) by_motion = std::min(by_motion, differences[i]);
+    if (std::abs(images_[i].time - begin) >= kApart) by_motion = std::min(by_motion, differences[i]);
   const double most = by_motion / kLeastRatio;
-  if (!std::isfinite(by_motion) || by_motion < kLeastMotion || *least > most) return std::nullopt;
+  if (by_motion < kLeastMotion || *least > most) return std::nullopt;
 
-  for (size_t i = begin + 1; i < images_.size(); ++i) {
-    const cv::Mat image = next();
-    if (image.empty() || Difference(images_[i].samples, Samples(image)) > most) return std::nullopt;
+  // Either clip may lack some of the images, so that they are compared by their times.
+  const auto distance = [&](const Image& image, double time) { return std::abs(image.time - time); };
+  for (auto nearest = images_.begin() + (least - differences.begin()); nearest + 1 != images_.end();) {
+    const std::optional<ClipImage> image = next();
+    if (!image) return std::nullopt;
+    const double time = begin + image->time - first->time;
+    while (nearest + 1 != images_.end() && distance(*(nearest + 1), time) <= distance(*nearest, time)) ++nearest;
+    if (Difference(nearest->samples, Samples(image->gray)) > most) return std::nullopt;
   }
-  return ClipOverlap{images_.size() - begin, images_[begin].time};
+  return begin;
 }
 
 }  // namespace turnscale

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 #include <deque>
 #include <functional>
@@ -15,24 +14,28 @@ namespace turnscale {
 /// Clips that overlap by more are not recognised, seconds.
 inline constexpr double kLongestOverlap = 5;
 
-/// What a clip has in common with the one before.
-struct ClipOverlap {
-  size_t images = 0;  ///< at the beginning of the clip
-  double time = 0;    ///< of the first of them, as it was added to the ClipTail
+/// An image of a clip.
+struct ClipImage {
+  double time = 0;  ///< seconds, by a clock of the clip
+  cv::Mat gray;
 };
 
 /// The last images of a clip. Many recorders begin the next file before they close one, so that a clip begins with the
 /// last images of the clip before. These are the same images, compressed once more.
 class ClipTail {
  public:
-  /// Images of one size, in the order of their times (seconds).
-  void Add(double time, const cv::Mat& gray);
+  /// Images of one size, in the order of their times.
+  void Add(const ClipImage& image);
   void Clear() { images_.clear(); }
 
+  /// Whether the images change by so much within the tail that a repetition would be recognised.
+  bool IsMoving() const;
+
   /// Whether the images of the next clip repeat the last ones added, from one of them to the end. `next` gives the
-  /// images of that clip from its beginning, empty ones after its end. Nothing if they do not, for less than 0.3 s, or
-  /// if too little moves to tell.
-  std::optional<ClipOverlap> RepeatedBy(const std::function<cv::Mat()>& next) const;
+  /// images of that clip from its beginning; nothing after its end. Returns the time of the first of the repeated
+  /// images by the clock of this clip: that of the beginning of the next. Nothing if they are no repetition, if it is
+  /// shorter than 0.3 s, or if too little moves to tell.
+  std::optional<double> RepeatedBy(const std::function<std::optional<ClipImage>()>& next) const;
 
  private:
   struct Image {

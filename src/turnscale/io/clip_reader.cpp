@@ -177,7 +177,7 @@ std::optional<double> ClipReader::TimeNext() {
 void ClipReader::Close() {
   video_.reset();
   open_ = false;
-  repeated_ = 0;
+  new_from_ = -std::numeric_limits<double>::infinity();
   const VideoHeader& header = headers_[clip_];
   double seconds = frames_ > 0 ? clock_.time() + clock_.Interval() : 0;
   // By other times than the video's own, only a count can tell.
@@ -197,33 +197,36 @@ void ClipReader::Close() {
                                      NameOf(clips_[clip_]), begin_ + seconds));
     begin_ += seconds + gap;
   } else {
-    BeginNext(seconds);
+    BeginNext(begin_ + seconds);
   }
   tail_.Clear();
 }
 
-// Of the next clip, `seconds` being the duration of the one before: which of its images are new, and when it begins.
-void ClipReader::BeginNext(double seconds) {
+// Of the next clip: when it begins, and which of its images are new. The one before ends at `end`.
+void ClipReader::BeginNext(double end) {
   VideoFile next(clips_[clip_]);
-  const auto overlap = tail_.RepeatedBy([&next] { return next.Advance() ? next.Gray() : cv::Mat(); });
+  VideoClock clock(options_.fps.value_or(next.header().rate), next.header().tick);
+  const std::optional<double> begin = tail_.RepeatedBy([&]() -> std::optional<ClipImage> {
+    if (!next.Advance()) return std::nullopt;
+    return ClipImage{clock.Next(options_.fps ? std::nullopt : next.Stamp()), next.Gray()};
+  });
+  begin_ = begin.value_or(end);
+  const std::string name = NameOf(clips_[clip_]);
   const std::string before = NameOf(clips_[clip_ - 1]);
-  const double end = begin_ + seconds;
-  if (overlap) {
-    repeated_ = static_cast<int>(overlap->images);
-    begin_ = overlap->time;
-    if (std::exchange(overlap_named_, true)) return;
-    AddSentence(notice_, fmt::format("{} repeats the last {:.1f} s of {}: images that clips repeat are left out",
-                                     NameOf(clips_[clip_]), end - overlap->time, before));
+  if (begin) {
+    // Stamps of the two clips may differ by their ticks.
+    new_from_ = end - 0.5 * clock_.Interval();
+    overlap_ = fmt::format("{} repeats the last {:.1f} s of {}: images that clips repeat are left out", name,
+                           end - *begin, before);
     return;
   }
-  const double recorded = recorded_->OverlapAfter(clip_ - 1, seconds);
-  if (recorded > 0) {
+  const double recorded = recorded_->OverlapAfter(clip_ - 1, clock_.time() + clock_.Interval());
+  if (recorded > 0 && recorded <= kLongestOverlap && tail_.IsMoving()) {
     AddSentence(notice_,
                 fmt::format("{} begins {:.1f} s before {} ends, by the times of recording, but does not repeat "
                             "its images: is it of another camera?",
-                            NameOf(clips_[clip_]), recorded, before));
+                            name, recorded, before));
   }
-  begin_ = end;
 }
 
 std::optional<DriveImage> ClipReader::Read() {
@@ -236,12 +239,13 @@ std::optional<DriveImage> ClipReader::Read() {
     DriveImage image;
     image.time = TimeNext();
     const int number = frames_++;
-    if (number < repeated_) continue;
-    if (image.time && clip_ + 1 < clips_.size()) tail_.Add(*image.time, image.image.gray = video_->Gray());
+    if (image.time && *image.time < new_from_) continue;
+    if (image.time && clip_ + 1 < clips_.size()) tail_.Add({*image.time, image.image.gray = video_->Gray()});
     if (passed_++ < skip_ || (image.time && *image.time < options_.start)) {
       // Nothing of the drive is before the first image that is given.
       gap_ = 0;
       notice_.clear();
+      overlap_.clear();
       continue;
     }
     if (image.image.gray.empty()) image.image.gray = video_->Gray();
@@ -251,6 +255,8 @@ std::optional<DriveImage> ClipReader::Read() {
     if (!first) image.gap = gap_;
     // Before the first image: of clips of which no frame could be decoded.
     if (!first || passed_ == 1) image.notice = notice_;
+    if (!first && !overlap_.empty() && !std::exchange(overlap_named_, true)) AddSentence(image.notice, overlap_);
+    overlap_.clear();
     if (first) AddSentence(image.notice, OtherRate(options_.fps, headers_.front()));
     gap_ = 0;
     notice_.clear();

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -61,7 +62,7 @@ class ClipReader : public FrameReader {
   void Close();
   void PassOverStart();
   std::optional<double> TimeNext();
-  void BeginNext(double seconds);
+  void BeginNext(double end);
 
   std::vector<std::filesystem::path> clips_;
   ClipOptions options_;
@@ -75,13 +76,15 @@ class ClipReader : public FrameReader {
   VideoClock clock_{0, 0};
   double begin_ = 0;  // of the clip, in the drive
   int frames_ = 0;    // of the clip
-  int repeated_ = 0;  // of the clip: those at its beginning that the clip before has, too
-  ClipTail tail_;     // of the clip, by times of the drive
+  double new_from_ =
+      -std::numeric_limits<double>::infinity();  // time of the drive: the clip before has what is earlier
+  ClipTail tail_;                                // of the clip, by times of the drive
   size_t skip_ = 0;
   size_t passed_ = 0;  // of the drive
   double latest_ = 0;
   bool open_ = false;
-  bool begun_ = false;  // an image has been given
+  bool begun_ = false;   // an image has been given
+  std::string overlap_;  // its notice, before the next image
   bool overlap_named_ = false;
   double gap_ = 0;      // before the next image
   std::string notice_;  // before the next image

@@ -130,13 +130,32 @@ TEST_F(ClipReaderTest, ImagesThatClipsRepeatAreLeftOut) {
   EXPECT_EQ(images[30].clip, 1);
   EXPECT_EQ(images[30].gap, 0);
   EXPECT_EQ(images[50].notice, "") << "once";
-  ExpectMovingImages(ReadAll({clips, {.start = 3.5}}), 25, 35);
+  const auto part = ReadAll({clips, {.start = 3.5}});
+  ExpectMovingImages(part, 25, 35);
+  EXPECT_EQ(part[15].notice.find("c.mp4 repeats the last 1.0 s of b.mp4"), 0u) << "the first in the part";
   EXPECT_EQ(ReadAll({clips, {.timed = false}}).size(), 80u) << "each image has a time of its own elsewhere";
+}
+
+TEST_F(ClipReaderTest, ClipsThatOverlapMayLackImages) {
+  std::vector<cv::Mat> images = MovingTestImages(0, 30);
+  images.erase(images.begin() + 25);
+  TestVideo lacking{.ticks_per_second = kRate};
+  for (int i = 0; i < 30; ++i)
+    if (i != 25) lacking.stamps.push_back(i);
+  WriteTestVideo(folder_ / "a.mkv", images, lacking);
+  const auto read = ReadAll({{folder_ / "a.mkv", WriteMoving("b.mkv", 20, 30)}, {}});
+  ASSERT_EQ(read.size(), 49u);
+  for (size_t i = 1; i < read.size(); ++i) EXPECT_GT(*read[i].time, *read[i - 1].time + 0.05) << i;
+}
+
+TEST_F(ClipReaderTest, AStartLongAfterAnOverlapKeepsTheTimes) {
+  const std::vector<fs::path> clips = {WriteMoving("a.mkv", 0, 100), WriteMoving("b.mkv", 90, 100)};
+  ExpectMovingImages(ReadAll({clips, {.start = 15}}), 40, 150);
 }
 
 TEST_F(ClipReaderTest, OverlapsByTheNamesAreLookedFor) {
   const fs::path first = WriteMoving("20230501_120000.mp4", 0, 40);
-  ExpectMovingImages(ReadAll({{first, WriteMoving("20230501_120001.mp4", 10, 40)}, {}}), 50);
+  ExpectMovingImages(ReadAll({{first, WriteMoving("20230501_120002.mp4", 20, 40)}, {}}), 60);
   const auto other = ReadAll({{first, WriteMoving("20230501_120002.mp4", 100, 40)}, {}});
   ASSERT_EQ(other.size(), 80u);
   EXPECT_EQ(other[40].notice,

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -14,48 +16,81 @@ namespace {
 constexpr double kWindow = 0.5;
 // More than tyres can transmit, m/s^2.
 constexpr double kMostAcceleration = 15;
-// Noise of a speed: share of it.
-constexpr double kSpeedNoise = 0.1;
+// Errors of a speed, by poses and time stamps: share of it.
+constexpr double kSpeedNoise = 0.25;
+// A step is longer than those before and after it by more than this factor where images are missing or repeated.
+constexpr double kLongStep = 3;
 // A slower car stands, m/s.
 constexpr double kStanding = 0.2;
-constexpr double kLongestBetween = 15;  // s, of two changes of speed around one part
 
 struct Window {
   double from = 0;
   double to = 0;
   double distance = 0;  // m, along a straight line
-  double begin = 0;     // m, of the path before it
 
-  double middle() const { return 0.5 * (from + to); }
   double speed() const { return distance / (to - from); }
 };
 
-// And the length of the whole path.
-std::pair<std::vector<Window>, double> Windows(const std::vector<FrameResult>& frames) {
+// Windows that follow one another, without an impossible change of speed.
+struct Stretch {
   std::vector<Window> windows;
-  double length = 0;
-  double length_at_first = 0;
-  const FrameResult* first = nullptr;  // of the window
-  const FrameResult* last = nullptr;
-  for (const FrameResult& frame : frames) {
-    if (frame.state != TrackingState::kTracked || !frame.world_from_camera) continue;
-    if (last) length += (frame.world_from_camera->translation - last->world_from_camera->translation).norm();
-    last = &frame;
-    if (first && frame.time - first->time < kWindow) continue;
-    if (first && frame.time - first->time < 2 * kWindow)
-      windows.push_back({first->time, frame.time,
-                         (frame.world_from_camera->translation - first->world_from_camera->translation).norm(),
-                         length_at_first});
-    first = &frame;
-    length_at_first = length;
+  bool follows = false;  // such a change is between it and the stretch before
+  bool is_wrong = false;
+
+  double seconds() const { return windows.back().to - windows.front().from; }
+  // Beside its ends: the window at the end may contain the change.
+  double first_speed() const { return windows[windows.size() > 1 ? 1 : 0].speed(); }
+  double last_speed() const { return windows[windows.size() - (windows.size() > 1 ? 2 : 1)].speed(); }
+};
+
+double DistanceBetween(const FrameResult& a, const FrameResult& b) {
+  return (a.world_from_camera->translation - b.world_from_camera->translation).norm();
+}
+
+// A window that cannot be judged is left out.
+std::vector<Window> Windows(const std::vector<FrameResult>& frames) {
+  std::vector<const FrameResult*> measured;
+  for (const FrameResult& frame : frames)
+    if (frame.state == TrackingState::kTracked && frame.world_from_camera) measured.push_back(&frame);
+  const auto step = [&](size_t i) { return DistanceBetween(*measured[i - 1], *measured[i]); };
+  const auto is_long = [&](size_t i) {
+    return i > 1 && i + 1 < measured.size() && step(i) > kLongStep * std::max(step(i - 1), step(i + 1));
+  };
+  std::vector<Window> windows;
+  size_t first = 0;
+  bool has_long_step = false;
+  for (size_t i = 1; i < measured.size(); ++i) {
+    has_long_step = has_long_step || is_long(i);
+    const double seconds = measured[i]->time - measured[first]->time;
+    if (seconds < kWindow) continue;
+    const double distance = DistanceBetween(*measured[first], *measured[i]);
+    if (seconds < 2 * kWindow && !has_long_step && distance > kStanding * seconds)
+      windows.push_back({measured[first]->time, measured[i]->time, distance});
+    first = i;
+    has_long_step = false;
   }
-  return {std::move(windows), length};
+  return windows;
 }
 
 bool IsImpossible(const Window& before, const Window& after) {
   const auto [slower, faster] = std::minmax(before.speed(), after.speed());
-  return slower > kStanding &&
-         (1 - kSpeedNoise) * faster - slower > kMostAcceleration * (after.middle() - before.middle());
+  const double seconds = 0.5 * (after.from + after.to - before.from - before.to);
+  return (1 - kSpeedNoise) * faster - slower > kMostAcceleration * seconds;
+}
+
+std::vector<Stretch> Stretches(const std::vector<Window>& windows) {
+  std::vector<Stretch> stretches;
+  for (size_t i = 0; i < windows.size(); ++i) {
+    const bool continues = i > 0 && windows[i].from == windows[i - 1].to;
+    const bool changes = continues && IsImpossible(windows[i - 1], windows[i]);
+    if (!continues || changes) stretches.push_back({{}, changes, false});
+    stretches.back().windows.push_back(windows[i]);
+  }
+  for (size_t i = 1; i < stretches.size(); ++i) {
+    if (!stretches[i].follows) continue;
+    (stretches[i].seconds() < stretches[i - 1].seconds() ? stretches[i] : stretches[i - 1]).is_wrong = true;
+  }
+  return stretches;
 }
 
 }  // namespace
@@ -63,29 +98,26 @@ bool IsImpossible(const Window& before, const Window& after) {
 std::vector<ImpossibleMotion> FindImpossibleMotion(const std::vector<FrameResult>& frames) {
   std::vector<ImpossibleMotion> parts;
   if (frames.empty() || frames.back().scale_state == ScaleState::kPending) return parts;
-  const auto [windows, length] = Windows(frames);
-  const size_t count = windows.size();
-  for (size_t i = 1; i < count; ++i) {
-    if (!IsImpossible(windows[i - 1], windows[i])) continue;
-    const size_t first = i;
-    size_t last = i;
-    for (size_t k = i + 1; k < count && windows[k].from - windows[last].from < kLongestBetween; ++k)
-      if (IsImpossible(windows[k - 1], windows[k])) last = k;
-    i = last;
-    const Window& before = windows[first - 1];
-    const Window& after = windows[last];
-    // The windows beside the change may contain it.
-    const double speed_before = windows[first > 1 ? first - 2 : 0].speed();
-    const double speed_after = windows[std::min(last + 1, count - 1)].speed();
-    if (last > first) {
-      const double speed = 0.5 * (speed_before + speed_after);
-      parts.push_back({before.to, after.from, after.begin - windows[first].begin, speed * (after.from - before.to)});
-    } else if (after.begin < length - after.begin) {
-      parts.push_back({windows.front().from, after.from, after.begin, after.begin * speed_after / speed_before});
-    } else {
-      const double rest = length - after.begin;
-      parts.push_back({after.from, windows.back().to, rest, rest * speed_before / speed_after});
+  const std::vector<Stretch> stretches = Stretches(Windows(frames));
+  for (size_t first = 0; first < stretches.size();) {
+    if (!stretches[first].is_wrong) {
+      ++first;
+      continue;
     }
+    size_t end = first + 1;
+    while (end < stretches.size() && stretches[end].is_wrong && stretches[end].follows) ++end;
+    ImpossibleMotion part{stretches[first].windows.front().from, stretches[end - 1].windows.back().to};
+    for (size_t i = first; i < end; ++i)
+      for (const Window& window : stretches[i].windows) part.distance += window.distance;
+    std::optional<double> before;
+    std::optional<double> after;
+    if (stretches[first].follows) before = stretches[first - 1].last_speed();
+    if (end < stretches.size() && stretches[end].follows) after = stretches[end].first_speed();
+    // There is one: of all stretches between two others, the longest is right.
+    const double speed = before && after ? 0.5 * (*before + *after) : before ? *before : after.value_or(0.0);
+    part.expected = speed * (part.to - part.from);
+    parts.push_back(part);
+    first = end;
   }
   return parts;
 }
@@ -95,10 +127,11 @@ std::string ImpossibleMotionText(const std::vector<ImpossibleMotion>& parts) {
   const auto largest = std::ranges::max_element(
       parts, {}, [](const ImpossibleMotion& part) { return std::abs(part.distance - part.expected); });
   return fmt::format(
-      "the speed changes by more than a car's can{}: the path from {:.1f} to {:.1f} s, of {:.0f} m, is wrong (about "
-      "{:.0f} m by the speed before and after); something that moved may have filled the image",
-      parts.size() > 1 ? fmt::format(" in {} parts of the drive, mostly", parts.size()) : "", largest->from,
-      largest->to, largest->distance, largest->expected);
+      "the speed changes faster than a car's can ({}from {:.1f} to {:.1f} s): the path there is {:.0f} m long, but "
+      "about "
+      "{:.0f} m by the speed before and after; a vehicle that moved may have filled the image",
+      parts.size() > 1 ? fmt::format("{} places; the worst ", parts.size()) : "", largest->from, largest->to,
+      largest->distance, largest->expected);
 }
 
 double LengthErrorOf(const std::vector<ImpossibleMotion>& parts) {

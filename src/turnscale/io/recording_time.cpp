@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "turnscale/io/recording_time.h"
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <cmath>
@@ -16,6 +17,8 @@ namespace {
 
 // Both ends of a pause are known to the second, rounded down.
 constexpr double kResolution = 1.5;  // s
+// Clips that overlap by a larger share of the shorter one are of two cameras.
+constexpr double kLargestShare = 0.5;
 // A path across a longer one would be a guess.
 constexpr double kLongestPause = 600;  // s
 
@@ -82,7 +85,8 @@ void RecordingTimes::CheckContinuity() const {
   for (size_t i = 0; i + 1 < starts_.size(); ++i) {
     const double pause = PauseAfter(i, durations_[i]);
     const std::string before = clips_[i].filename().string();
-    if (pause < -kResolution - kLongestOverlap)
+    const double shorter = std::min(durations_[i], durations_[i + 1]);
+    if (pause < -kResolution && (pause < -kResolution - kLongestOverlap || -pause > kLargestShare * shorter))
       throw InputError(
           fmt::format("{}: begins {:.1f} s before {} ends, by the times {}; give the clips of one camera (front or "
                       "rear), in the order of time",

@@ -69,6 +69,7 @@ TEST(RecordingTimes, OverlappingNamesAreRefused) {
             std::string::npos)
       << complaint;
   EXPECT_NE(Complaint({{"20230501_120000.mp4", "20230501_120050.mp4"}, {Header(60), Header(60)}}), "");
+  EXPECT_NE(Complaint({{"20230501_120000_F.mp4", "20230501_120000_R.mp4"}, {Header(5), Header(5)}}), "") << "short";
 }
 
 TEST(RecordingTimes, ShortOverlapsAreMeasured) {

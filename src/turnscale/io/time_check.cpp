@@ -37,6 +37,11 @@ struct ImageStep {
   Eigen::Vector3d motion = Eigen::Vector3d::Zero();
 };
 
+ImageStep StepBetween(const FrameResult& before, const FrameResult& after) {
+  const Eigen::Vector3d motion = after.world_from_camera->translation - before.world_from_camera->translation;
+  return {after.time, after.time - before.time, motion.norm(), motion};
+}
+
 // Between tracked images that follow one another in the drive; any other image between them ends a row of steps.
 std::vector<std::vector<ImageStep>> RowsOfSteps(const std::vector<FrameResult>& frames) {
   std::vector<std::vector<ImageStep>> rows(1);
@@ -44,8 +49,7 @@ std::vector<std::vector<ImageStep>> RowsOfSteps(const std::vector<FrameResult>& 
   for (const FrameResult& frame : frames) {
     const bool is_measured = frame.state == TrackingState::kTracked && frame.world_from_camera;
     if (is_measured && last) {
-      const Eigen::Vector3d motion = frame.world_from_camera->translation - last->world_from_camera->translation;
-      rows.back().push_back({frame.time, frame.time - last->time, motion.norm(), motion});
+      rows.back().push_back(StepBetween(*last, frame));
     } else if (!rows.back().empty()) {
       rows.emplace_back();
     }
@@ -87,21 +91,30 @@ bool JumpsBack(const ImageStep& before, const ImageStep& step, const ImageStep& 
          step.distance > kLeastExcess + kLeastAcceleration * step.seconds * step.seconds;
 }
 
+// Tracking may be lost for a moment at the jump.
+std::vector<ImageStep> StepsOverLosses(const std::vector<FrameResult>& frames) {
+  std::vector<ImageStep> steps;
+  const FrameResult* last = nullptr;
+  for (const FrameResult& frame : frames) {
+    if (frame.state != TrackingState::kTracked || !frame.world_from_camera) continue;
+    if (last) steps.push_back(StepBetween(*last, frame));
+    last = &frame;
+  }
+  return steps;
+}
+
 std::optional<std::string> JumpBack(const std::vector<FrameResult>& frames) {
+  const std::vector<ImageStep> steps = StepsOverLosses(frames);
   const ImageStep* first = nullptr;
   int jumps = 0;
-  const std::vector<std::vector<ImageStep>> rows = RowsOfSteps(frames);
-  for (const std::vector<ImageStep>& row : rows) {
-    for (size_t i = 1; i + 1 < row.size(); ++i) {
-      if (!JumpsBack(row[i - 1], row[i], row[i + 1])) continue;
-      if (jumps++ == 0) first = &row[i];
-    }
+  for (size_t i = 1; i + 1 < steps.size(); ++i) {
+    if (!JumpsBack(steps[i - 1], steps[i], steps[i + 1])) continue;
+    if (jumps++ == 0) first = &steps[i];
   }
   if (!first) return std::nullopt;
   return fmt::format(
-      "the car seems to jump back by {:.1f} m from one image to the next at {:.1f} s{}: the path is wrong there; if "
-      "clips "
-      "that overlap were joined to this video, images are repeated in it: give the clips themselves",
+      "the car seems to jump back by {:.1f} m at {:.1f} s{}, and the path is wrong there: if clips that overlap were "
+      "joined into this video, give the clips themselves",
       first->distance, first->time, jumps > 1 ? fmt::format(" (the first of {} such jumps)", jumps) : "");
 }
 

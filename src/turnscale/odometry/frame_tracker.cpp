@@ -119,7 +119,7 @@ TrackedFrame FrameTracker::Track(const Map& map, const CameraModel& camera, cons
     }
   }
   // What has passed before a camera that stands may have hidden nearly all that the last image showed.
-  if (!IsBelievable(options_.tracking, estimate) && HasStood(motion.time())) {
+  if (!IsBelievable(options_.tracking, estimate) && HasStood()) {
     followed = FollowFrom(map, camera, before, image, motion.last(), motion.last());
     estimate = EstimateFramePose(options_.pose, map, motion.last(), followed);
   }
@@ -307,30 +307,32 @@ void FrameTracker::AlignWithMap(const Map& map, const CameraModel& camera, const
 }
 
 void FrameTracker::NoticeStanding(const Map& map, int inliers, double time) {
-  constexpr size_t kFewest = 10;
+  // Most landmarks rather than half of them: those ahead of a car that drives hardly move.
   constexpr double kMost = 0.75;
+  constexpr size_t kFewest = 10;
+  // Of the least motion: what the few landmarks that something hides do not show by mistake.
   constexpr double kClearly = 5;
   const KeyframeOptions& limits = options_.keyframes;
+  last_time_ = time;
   std::vector<double> motion;
   for (const FeatureTrack& track : tracks_)
     if (track.in_keyframe && map.landmarks[track.landmark].valid)
       motion.push_back((track.undistorted - *track.in_keyframe).norm());
   const double most = motion.size() < kFewest ? HUGE_VAL : Quantile(std::move(motion), kMost);
-  if (most < limits.min_motion) {
-    if (!stands_since_) stands_since_ = time;
-  } else if (inliers >= limits.min_tracked_share * landmarks_in_keyframe_ || most > kClearly * limits.min_motion) {
-    // The few landmarks that what passes leaves in sight would show some motion where there is none.
+  const bool sees_enough = inliers >= limits.min_tracked_share * landmarks_in_keyframe_;
+  if (most >= kClearly * limits.min_motion || (sees_enough && most >= limits.min_motion))
     stands_since_.reset();
-  }
+  else if (sees_enough && !stands_since_)
+    stands_since_ = time;
 }
 
-bool FrameTracker::HasStood(double time) const {
+bool FrameTracker::HasStood() const {
   constexpr double kLeastSeconds = 1;
-  return stands_since_ && time - *stands_since_ >= kLeastSeconds;
+  return stands_since_ && last_time_ - *stands_since_ >= kLeastSeconds;
 }
 
 bool FrameTracker::NeedsKeyframe(const Map& map, const TrackedFrame& frame) const {
-  if (stands_since_) return false;
+  if (HasStood()) return false;
   const KeyframeOptions& limits = options_.keyframes;
   if (frame.inliers < limits.min_tracked_share * landmarks_in_keyframe_) return true;
   const Eigen::Quaterniond turn =

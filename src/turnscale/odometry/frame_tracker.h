@@ -49,8 +49,8 @@ class FrameTracker {
   TrackedFrame Track(const Map& map, const CameraModel& camera, const FlowImage& image, const MotionModel& motion,
                      const RigidTransform& predicted, double time);
 
-  /// Whether the camera had stood still for a second at least when the last image was tracked, at `time`.
-  bool HasStood(double time) const;
+  /// Whether the camera had stood still for a second at least when the last image was tracked.
+  bool HasStood() const;
 
   /// Whether the image that was tracked last has to become a keyframe.
   bool NeedsKeyframe(const Map& map, const TrackedFrame& frame) const;
@@ -83,7 +83,7 @@ class FrameTracker {
   std::pair<FollowedTracks, PoseEstimate> TrackFrom(const Map& map, const CameraModel& camera, const FlowImage& before,
                                                     const FlowImage& image, const RigidTransform& last,
                                                     const RigidTransform& predicted) const;
-  // Whether the camera stands since an image, which has been tracked, or has driven off.
+  // Updates `stands_since_` with the image tracked last.
   void NoticeStanding(const Map& map, int inliers, double time);
   // Whether an image so many seconds after the last one shows fewer landmarks than it should: what has come nearer in
   // the meantime looks too different for optical flow.
@@ -121,7 +121,8 @@ class FrameTracker {
   FlowImage last_image_;                   ///< the latest one whose pose was measured
   std::vector<FeatureTrack> tracks_;       ///< what it shows
   std::vector<FeatureTrack> lost_tracks_;  ///< recently seen landmarks that are not in it
-  std::optional<double> stands_since_;     ///< the time, seconds; empty: the camera moves
+  double last_time_ = 0;                   ///< of that image, seconds
+  std::optional<double> stands_since_;     ///< seconds; empty: the camera moves
   int landmarks_in_keyframe_ = 0;          ///< with a depth, when the last keyframe was made
   int features_in_keyframe_ = 0;           ///< with or without a depth
 };

@@ -224,7 +224,7 @@ TrackedFrame Odometry::Track(const FlowImage& image, const RigidTransform& predi
 FrameResult Odometry::Bridge(RigidTransform predicted, FrameResult result) {
   if (result.state != TrackingState::kUnreadable) result.state = TrackingState::kBridged;
   const TrackingOptions& limits = options_.tracking;
-  const bool stood = mapping_ && tracker_.HasStood(motion_.time());
+  const bool stood = mapping_ && tracker_.HasStood();
   if (stood) predicted = motion_.last();
   const double patience = stood ? limits.max_hidden_seconds : limits.max_lost_seconds;
   if (mapping_ && ++lost_frames_ >= limits.min_lost_frames && result.time - motion_.time() > patience) {

@@ -76,8 +76,9 @@ struct KeyframeOptions {
   /// Share of its features, with or without a depth, that are still tracked: where frames are few, most go out of sight
   /// before they get a depth.
   double min_followed_share = 0.4;
-  /// While three quarters of the landmarks have moved by less than this in the image, pixels, the camera stands, and
-  /// there is no new keyframe: from the same place, only what passes before the camera would seem to have a depth.
+  /// The camera stands while three quarters of the landmarks have moved by less than this since the last keyframe,
+  /// pixels. After a second there are no new keyframes: from the same place, only what passes in front of the camera
+  /// would seem to have a depth.
   double min_motion = 1;
   /// A landmark that has grown by more than this since its reference keyframe is looked up in the latest one from now
   /// on: an enlarged old view is too blurred to compare with.
@@ -143,8 +144,8 @@ struct TrackingOptions {
   /// Seconds since the last measured pose after which the map starts anew, at the predicted pose and speed: what the
   /// last image showed is then mostly out of sight.
   double max_lost_seconds = 0.45;
-  /// The same where the camera stood: what passes before it hides the scene, which is found again afterwards.
-  double max_hidden_seconds = 8;
+  /// The same where the camera stood: what passes in front of it hides the scene, which is found again afterwards.
+  double max_hidden_seconds = 5;
   /// At least so many frames in a row without a pose come before that, whatever the time between them.
   int min_lost_frames = 3;
   /// Relative standard deviation of a new map's unit of length where it is taken from the depth of the scene before and
