@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: MIT
+#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include "command_line.h"
 #include "turnscale/base/test_files.h"
@@ -71,6 +73,20 @@ TEST_F(CalibrateTest, WritesWhatRunReads) {
   EXPECT_NE(result.out.find("2 turns of"), std::string::npos) << result.out;
   EXPECT_TRUE(fs::exists(folder_ / "history.csv"));
   EXPECT_TRUE(fs::exists(folder_ / "history.svg"));
+}
+
+TEST_F(CalibrateTest, AnInterruptWhileFilesAreWrittenDoesNotSayThatThereAreNone) {
+  const fs::path history = folder_ / "history.csv";
+  for (const fs::path& pipe : {history, Out()}) ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  Command command(
+      {"calibrate", "--trajectory", Tum(drive_).string(), "--history", history.string(), "--out", Out().string()},
+      folder_);
+  // The history is written, and the calibration waits for a reader.
+  EXPECT_NE(TextOf(history), "");
+  command.Signal(SIGTERM);
+  const CommandResult result = command.Wait();
+  EXPECT_EQ(result.exit_code, -1) << "ended by the signal";
+  EXPECT_EQ(result.err, "");
 }
 
 TEST_F(CalibrateTest, SpeedsGiveTheLeverArm) {

@@ -236,7 +236,7 @@ TEST_F(ErrorsTest, APartOfTheDrive) {
     EXPECT_TRUE(reason.starts_with("in the part that was processed: no turn; ")) << reason;
     EXPECT_TRUE(reason.ends_with("; process more of the drive")) << reason;
   }
-  EXPECT_EQ(Run({"--lever-arm", "1.5", "--quiet"}).exit_code, 0);
+  EXPECT_EQ(Run({"--lever-arm", "1.5", "--start", "0", "--end", "1:00:00", "--quiet"}).exit_code, 0);
   EXPECT_TRUE(Summary()["scale"]["pending_reason"].get<std::string>().starts_with("no turn; ")) << "of all of it";
   ExpectComplaint(Run({"--start", "1:2:3:4"}), 2, {"--start 1:2:3:4: is not a time; give HH:MM:SS"});
   ExpectComplaint(Run({"--end", "soon"}), 2, {"--end soon: is not a time"});
@@ -438,6 +438,15 @@ TEST_F(ErrorsTest, ARunIsRepeatedWithItsOwnSettings) {
   EXPECT_EQ(TextOf(settings), text);
   ExpectComplaint(Run({"--quiet", "--settings", settings, "--lever-arm", "1.6"}), 2,
                   {"--out " + settings + ": is also an input file, and would change; give --settings a copy of it"});
+  EXPECT_EQ(TextOf(settings), text);
+  // As an earlier version wrote it, which did not have this setting.
+  const size_t lens = text.find("\nlens:\n");
+  const size_t line = text.find("\n  step:", lens);
+  ASSERT_NE(line, std::string::npos);
+  std::ofstream(settings) << text.substr(0, line) << text.substr(text.find('\n', line + 1));
+  ExpectComplaint(Run({"--quiet", "--settings", settings, "--lever-arm", "1.6"}), 2, {"and would change"});
+  const CommandResult older = Run({"--quiet", "--settings", settings});
+  EXPECT_EQ(older.exit_code, 0) << older.err;
   EXPECT_EQ(TextOf(settings), text);
 }
 
@@ -707,6 +716,10 @@ TEST_F(ErrorsTest, SenselessOptions) {
                   {"--Lever-Arm: unknown option; did you mean '--lever-arm'?; see turnscale run --help"});
   ExpectComplaint(RunCommand({"evaluate", "a.tum", "-x"}, folder_), 2,
                   {"-x: unknown option; see turnscale evaluate --help"});
+  for (const char* file : {"a.tum", "-x"})
+    ExpectComplaint(RunCommand({"evaluate", "--", file}, folder_), 2,
+                    {"turnscale: GROUND_TRUTH is required; see turnscale evaluate --help"});
+  ExpectComplaint(RunCommand({"evaluate", "-x", "--", "a.tum"}, folder_), 2, {"-x: unknown option"});
 }
 
 TEST_F(ErrorsTest, PlacesThatCannotBeWritten) {

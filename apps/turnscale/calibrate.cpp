@@ -17,7 +17,8 @@ namespace {
 
 // Returns the exit code.
 int RunCalibrate(const CalibrateArguments& arguments) {
-  EndOnInterrupts();
+  // A trajectory is read at once: what is interrupted may be the writing of files.
+  if (!arguments.trajectory) EndOnInterrupts();
   CommandHooks hooks;
   hooks.interrupted = Interrupted;
   hooks.begun = CatchInterrupts;

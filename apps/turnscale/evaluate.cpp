@@ -34,7 +34,8 @@ void AddEvaluateCommand(CLI::App& app) {
       ->required();
   command->add_option("GROUND_TRUTH", arguments->ground_truth, "Ground-truth trajectory: likewise")->required();
   command->add_option("--timestamps", arguments->timestamps,
-                      fmt::format("Times of the KITTI file, if the other file has timestamps, {} [times.txt beside it]",
+                      fmt::format("Times of a KITTI file, {}; only if the other file has timestamps [times.txt "
+                                  "beside the KITTI file]",
                                   kTimesPerLine));
   command->add_option("--time-tolerance", arguments->time_tolerance,
                       "Largest time difference of associated poses, seconds [half the ground truth's interval, at most "

@@ -41,8 +41,10 @@ std::string Suggestion(const std::string& name, const std::vector<std::string>& 
 std::string UnknownOption(const CLI::App& command) {
   const auto is_option = [](const std::string& word) { return word.size() > 1 && word.starts_with('-'); };
   const std::vector<std::string> rest = command.remaining();
-  const auto unknown = std::ranges::find_if(rest, is_option);
-  if (unknown == rest.end()) return {};
+  // What stands behind "--" is no option, and the separator itself is among the rest.
+  const auto end = std::ranges::find(rest, "--");
+  const auto unknown = std::find_if(rest.begin(), end, is_option);
+  if (unknown == end) return {};
   const std::string name = unknown->substr(0, unknown->find('='));
   std::string usual;
   for (const char letter : name) usual += letter == '_' ? '-' : static_cast<char>(std::tolower(letter));

@@ -98,7 +98,7 @@ std::string LiveWarning(const fs::path& file, const Trajectory& poses) {
     return fmt::format("is up to scale, as the scale was not known before the end of the drive: {}", kOnlyScaledErrors);
   const auto seconds = from.get<double>();
   if (poses.empty() || poses.front().time >= seconds) return {};
-  return fmt::format("poses before {:.1f} s are up to scale; there the scale became known, and the position jumps",
+  return fmt::format("poses before {:.1f} s are up to scale; then the scale became known, and the position jumps",
                      seconds);
 }
 

@@ -10,7 +10,6 @@
 #include <opencv2/core/utility.hpp>
 
 #include "turnscale/base/error.h"
-#include "turnscale/base/file_text.h"
 #include "turnscale/commands/argument_checks.h"
 #include "turnscale/commands/drive_camera.h"
 #include "turnscale/commands/version.h"
@@ -26,13 +25,18 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Whether the settings are those of an earlier run in the same folder, which writes them again. Throws InputError where
-// the text would be another.
-bool RepeatsOwnSettings(const RunArguments& arguments, const OdometryOptions& options) {
-  const fs::path written = arguments.out / RunFiles::kSettings;
+// Whether the settings are those that an earlier run left in the same folder, and this one writes again.
+bool SettingsAreOfEarlierRun(const RunArguments& arguments) {
   std::error_code none;
-  if (!arguments.images.settings || !fs::equivalent(*arguments.images.settings, written, none)) return false;
-  if (FileText(written) == SettingsText(options)) return true;
+  return arguments.images.settings && IsFolderOfRun(arguments.out) &&
+         fs::equivalent(*arguments.images.settings, arguments.out / RunFiles::kSettings, none);
+}
+
+// Throws InputError where other options change a setting of such a file. The text may change: that of an earlier
+// version lacks settings, which have their defaults.
+void CheckRepeatedSettings(const RunArguments& arguments, const OdometryOptions& options) {
+  const fs::path written = arguments.out / RunFiles::kSettings;
+  if (SettingsText(ReadSettings(written)) == SettingsText(options)) return;
   throw InputError(
       fmt::format("--out {}: is also an input file, and would change; give --settings a copy of it, or name another "
                   "--out",
@@ -40,13 +44,12 @@ bool RepeatsOwnSettings(const RunArguments& arguments, const OdometryOptions& op
 }
 
 // What a run reads besides the images, and must not replace; a rotation in degrees names no file.
-std::vector<fs::path> FilesRead(const RunArguments& arguments, const DriveImages& images,
-                                const OdometryOptions& options) {
+std::vector<fs::path> FilesRead(const RunArguments& arguments, const DriveImages& images) {
   std::vector<fs::path> files = arguments.images.inputs;
   for (const std::optional<fs::path>& file :
        {arguments.images.timestamps, arguments.images.mask, arguments.car.vehicle, images.drive.times_file})
     files.push_back(file.value_or(""));
-  if (!RepeatsOwnSettings(arguments, options)) files.push_back(arguments.images.settings.value_or(""));
+  if (!SettingsAreOfEarlierRun(arguments)) files.push_back(arguments.images.settings.value_or(""));
   for (const fs::path& file : {fs::path(images.given.name), fs::path(arguments.car.camera_rotation),
                                arguments.truth.truth, arguments.truth.floor_plan})
     files.push_back(file);
@@ -65,7 +68,8 @@ void CheckFolder(const RunArguments& arguments, const DriveImages& images, const
   refuse_folder(fs::is_directory(images.drive.path, none) ? images.drive.path : images.drive.path.parent_path());
   std::vector<NamedOutput> outputs;
   for (const char* name : RunFiles::kAll) outputs.push_back({"--out", arguments.out / name});
-  CheckOutputs(outputs, FilesRead(arguments, images, options));
+  if (SettingsAreOfEarlierRun(arguments)) CheckRepeatedSettings(arguments, options);
+  CheckOutputs(outputs, FilesRead(arguments, images));
 }
 
 // The camera-to-vehicle rotation of an earlier run belongs to that run's intrinsics: their principal point and its yaw
@@ -206,6 +210,7 @@ RunEnd ExecuteRun(const RunArguments& arguments, const RunHooks& hooks) {
   const DriveToRun drive = {next,
                             hooks.interrupted,
                             [&] { return images.source.EndsEarly(); },
+                            [&] { return images.source.LeavesOut(); },
                             [&] { return images.source.clips(); },
                             arguments.images.max_frames,
                             images.scaling,

@@ -2,6 +2,7 @@
 #include "turnscale/config/yaml_map.h"
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <cmath>
 #include <fstream>
@@ -75,11 +76,25 @@ std::string NestingHint(const std::string& name) {
   return "write " + Enumeration(lines, "and") + " on separate lines, each indented below the one before";
 }
 
+// Whether a complaint (base/check_part.h) says the value itself: "is 3; ...", "is 'red'; ...", "3 has to be ...".
+bool BeginsWithValue(std::string_view why) {
+  if (why.starts_with("is ")) why.remove_prefix(3);
+  return !why.empty() &&
+         (std::isdigit(static_cast<unsigned char>(why.front())) != 0 || why.front() == '-' || why.front() == '\'');
+}
+
+// Whether it goes on after "it".
+bool BeginsWithVerb(std::string_view why) {
+  return std::ranges::any_of(std::array{"has ", "must ", "is "},
+                             [&](const char* verb) { return why.starts_with(verb); });
+}
+
 // What may be meant by a key below `prefix` ("" or "scale.") that is not among all the dotted names.
 std::string HintFor(const std::string& prefix, const std::string& key, std::span<const std::string> known) {
-  if (key.find('.') != std::string::npos)
-    for (const std::string& name : {prefix + key, key})
-      if (Contains(known, name)) return NestingHint(name);
+  if (key.find('.') != std::string::npos) {
+    if (Contains(known, prefix + key)) return NestingHint(prefix + key);
+    if (Contains(known, key)) return "at the top level, " + NestingHint(key);
+  }
   std::vector<std::string> groups;  // that have such a key
   std::string nearest;
   size_t least = std::string::npos;
@@ -220,9 +235,8 @@ void YamlMap::RejectRead(const std::string& complaint) const {
   if (end == std::string::npos || !Has(key)) throw InputError(path_ + ": " + prefix_ + complaint);
   if (key != name && IsMap(key)) Map(key).RejectRead(complaint.substr(key.size() + 1));
   const std::string why = complaint.substr(end + kSeparator.size());
-  const bool lacks_value = why.starts_with("has to be ") || why.starts_with("must not be ");
-  if (lacks_value && node_[key].IsScalar()) Reject(key, "is " + Excerpt(Text(key)) + "; it " + why);
-  Reject(key, why);
+  if (BeginsWithValue(why) || !node_[key].IsScalar()) Reject(key, why);
+  Reject(key, "is " + Excerpt(Text(key)) + "; " + (BeginsWithVerb(why) ? "it " : "") + why);
 }
 
 void YamlMap::Reject(const std::string& key, std::string_view why) const {

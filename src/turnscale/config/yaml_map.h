@@ -52,8 +52,8 @@ class YamlMap {
   /// The same for the maps below, too: `known` has every key of a file, maps included, with those above it, such as
   /// "scale" and "scale.drift". Says where a key belongs that is known elsewhere.
   void AllowOnlyNested(std::span<const std::string> known) const;
-  /// Calls Check() of what was read from this map. A complaint "key: why", with the keys above, gets file, line and
-  /// value if the key is in the file, else the file.
+  /// Calls Check() of what was read from this map. A complaint "key: why" (base/check_part.h), with the keys above,
+  /// gets file, line and, where it does not begin with it, the value if the key is in the file, else the file.
   template <class Options>
   void CheckRead(const Options& options) const {
     try {

@@ -106,7 +106,7 @@ TEST(YamlMap, UnknownKeyNamesThePlaceOrTheNearestOfAllLevels) {
   expect("size: 1\n", ":1: size: unknown key; it belongs below 'a' or 'c'");
   expect("a.b.width: 1\n", "write 'a:', 'b:' and 'width:' on separate lines, each indented below the one before");
   expect("a:\n  b.width: 1\n", ":2: a.b.width: unknown key; write 'a:', 'b:' and 'width:' on separate lines");
-  expect("c:\n  a.size: 1\n", ":2: c.a.size: unknown key; write 'a:' and 'size:' on separate lines");
+  expect("c:\n  a.size: 1\n", ":2: c.a.size: unknown key; at the top level, write 'a:' and 'size:' on separate lines");
   expect("a.b.widht: 1\n", "did you mean 'a.b.width'?");
   expect("lenght: 1\n", "did you mean 'c.length'?");
   expect("c:\n  sizes: 1\n", "did you mean 'c.size'?");
@@ -125,6 +125,10 @@ TEST(YamlMap, AComplaintOfACheckGetsLineAndValue) {
   };
   EXPECT_EQ(complaint("a.b: has to be below 1"), ".yaml:2: a.b: is 1e3; it has to be below 1");
   EXPECT_EQ(complaint("d: must not be negative"), ".yaml:4: d: is 2; it must not be negative");
+  EXPECT_EQ(complaint("d: must be at least 3"), ".yaml:4: d: is 2; it must be at least 3");
+  EXPECT_EQ(complaint("d: is longer than e"), ".yaml:4: d: is 2; it is longer than e");
+  EXPECT_EQ(complaint("d: the sum of it and e is above 1"), ".yaml:4: d: is 2; the sum of it and e is above 1");
+  EXPECT_EQ(complaint("d: 2 has to be below e"), ".yaml:4: d: 2 has to be below e");
   EXPECT_EQ(complaint("a.c: has to be short"), ".yaml:3: a.c: has to be short");
   EXPECT_EQ(complaint("d: is 2; give 1"), ".yaml:4: d: is 2; give 1");
   EXPECT_EQ(complaint("a.e: has to be below 1"), ".yaml: a.e: has to be below 1");

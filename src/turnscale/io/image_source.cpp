@@ -57,7 +57,7 @@ int CheckedCount(const DriveInput& drive, int count, size_t times) {
 
 struct ImageSource::State {
   State(const DriveInput& drive, const ImageSourceOptions& options)
-      : path(drive.path.string()), start(options.start), end(options.end) {
+      : path(drive.path.string()), start(options.start), end(options.end), leaves_out(start > 0) {
     CheckRate(options.fps);
     if (end && *end <= start)
       throw InputError(fmt::format("--end {:g} s: has to be after --start {:g} s", *end, start));
@@ -133,13 +133,14 @@ struct ImageSource::State {
   }
 
   // Numbers of the first frame of the part and of the first one after it, where the times of all are known.
-  std::pair<int, int> FramesOfPart() const {
+  std::pair<int, int> FramesOfPart() {
     const auto since_start = [&](int index) { return clock.At(static_cast<size_t>(index)) - clock.At(0); };
     int first = 0;
     while (first < count && since_start(first) < start) ++first;
     int last = first;
     while (last < count && !(end && since_start(last) >= *end)) ++last;
     if (count > 0 && first == last) RefusePart(since_start(count - 1));
+    leaves_out = leaves_out || last < count;
     return {first, last};
   }
 
@@ -240,6 +241,7 @@ struct ImageSource::State {
   std::string path;
   double start;
   std::optional<double> end;
+  bool leaves_out;  // images of the drive, as far as is known: its first one is at 0 s
   std::optional<std::filesystem::path> times_file;
   std::unique_ptr<FrameReader> reader;
   FrameClock clock;
@@ -282,6 +284,7 @@ std::optional<SourceFrame> ImageSource::Next() {
   double time = 0;
   if (image) {
     state.past_end = image->time ? state.end && *image->time - state.origin >= *state.end : state.next == state.count;
+    state.leaves_out = state.leaves_out || state.past_end;
     if (!state.past_end) time = image->time ? *image->time : state.clock.At(index);
   }
   if (!image || state.past_end) {
@@ -307,6 +310,8 @@ double ImageSource::pixel_aspect() const { return state_->pixel_aspect; }
 int ImageSource::count() const { return state_->count; }
 
 std::string ImageSource::EndsEarly() const { return state_->ended ? state_->reader->EndsEarly() : std::string(); }
+
+bool ImageSource::LeavesOut() const { return state_->leaves_out; }
 
 const std::vector<std::string>& ImageSource::left_out() const { return state_->left_out; }
 

@@ -75,6 +75,9 @@ class ImageSource {
   /// At the end: why the drive ends before it should; empty if it does not.
   std::string EndsEarly() const;
 
+  /// At the end: whether the drive has images outside the part of it that was asked for.
+  bool LeavesOut() const;
+
   /// Why videos of the drive are left out, one line for each.
   const std::vector<std::string>& left_out() const;
 

@@ -404,6 +404,38 @@ TEST_F(ImageSourceTest, APartOfTheDriveKeepsItsTimes) {
   EXPECT_NE(Complaint({.start = 0.51, .end = 0.52}).find("has no frame between them"), std::string::npos);
 }
 
+TEST_F(ImageSourceTest, WhetherAPartLeavesImagesOut) {
+  const auto expect_left_out = [&](const ImageSourceOptions& options, bool expected) {
+    ImageSource source(FindDrive(folder_), options);
+    while (source.Next()) continue;
+    EXPECT_EQ(source.LeavesOut(), expected) << options.start << " to " << options.end.value_or(-1);
+  };
+  const auto expect_of_parts = [&](ImageSourceOptions options) {
+    expect_left_out(options, false);
+    options.end = 3600;
+    expect_left_out(options, false);
+    options.end = 1;
+    expect_left_out(options, true);
+    options.end.reset();
+    options.start = 1;
+    expect_left_out(options, true);
+  };
+  std::vector<cv::Mat> images;
+  std::string times;
+  for (int i = 0; i < 20; ++i) {
+    images.push_back(Image(i));
+    times += std::to_string(1000 + 0.1 * i) + "\n";
+  }
+  const fs::path file = Text("t.txt", times);
+  Images(folder_, 0, 20);
+  expect_of_parts({.fps = 10});
+  expect_of_parts({.timestamps = file});
+  for (int i = 0; i < 20; ++i) fs::remove(folder_ / (std::to_string(i) + ".png"));
+  WriteTestVideo(folder_ / "v.mkv", images, {.codec = "ffv1", .ticks_per_second = 10});
+  expect_of_parts({});
+  expect_of_parts({.timestamps = file});
+}
+
 TEST(DriveTime, HoursMinutesAndSeconds) {
   EXPECT_EQ(ParseDriveTime("--start", "0"), 0);
   EXPECT_EQ(ParseDriveTime("--start", "750.25"), 750.25);

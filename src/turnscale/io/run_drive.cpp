@@ -207,9 +207,8 @@ class Run {
 
   // What a part of the drive lacks, the rest may have.
   void SayIfPart(RunSummary& summary) const {
-    const bool chosen = !summary.start.empty() || !summary.end.empty();
     const bool cut = end_.interrupted || (Enough() && !end_.summary.stopped.empty());
-    if ((chosen || cut) && summary.has_measure() && !summary.pending_reason.empty())
+    if ((cut || drive_.leaves_out()) && summary.has_measure() && !summary.pending_reason.empty())
       summary.pending_reason =
           fmt::format("in the part that was processed: {}; process more of the drive", summary.pending_reason);
   }
