@@ -144,7 +144,18 @@ YamlMap::YamlMap(const std::filesystem::path& path) : YamlMap(path.string(), "",
 }
 
 YamlMap::YamlMap(std::string path, std::string prefix, const YAML::Node& node)
-    : path_(std::move(path)), prefix_(std::move(prefix)), node_(node) {}
+    : path_(std::move(path)), prefix_(std::move(prefix)), node_(node) {
+  RefuseRepeatedKeys();
+}
+
+// Of two values, one would be ignored.
+void YamlMap::RefuseRepeatedKeys() const {
+  if (!node_.IsMap()) return;
+  std::vector<std::string> keys = Keys();
+  std::ranges::sort(keys);
+  const auto repeated = std::ranges::adjacent_find(keys);
+  if (repeated != keys.end()) Reject(*repeated, "stands twice; leave one of them");
+}
 
 bool YamlMap::Has(const std::string& key) const { return static_cast<bool>(node_[key]); }
 

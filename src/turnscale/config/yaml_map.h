@@ -24,7 +24,7 @@ std::string NearestName(std::string_view name, std::span<const std::string> know
 class YamlMap {
  public:
   /// Reads a whole file, OpenCV's `%YAML:1.0` header included. Throws InputError where the file cannot be read, is no
-  /// YAML or is no map at its top.
+  /// YAML, is no map at its top or has a key twice.
   explicit YamlMap(const std::filesystem::path& path);
   YamlMap(const YamlMap&) = default;
   /// A YAML node that is assigned to changes the document it stands in.
@@ -67,6 +67,7 @@ class YamlMap {
 
  private:
   YamlMap(std::string path, std::string prefix, const YAML::Node& node);
+  void RefuseRepeatedKeys() const;
   YAML::Node Value(const std::string& key) const;
   std::string Scalar(const std::string& key, std::string_view wanted) const;
   [[noreturn]] void RejectRead(const std::string& complaint) const;

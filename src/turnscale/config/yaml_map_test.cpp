@@ -77,6 +77,12 @@ TEST(YamlMap, ComplaintsNameLineKeyAndValue) {
   EXPECT_NE(MessageOf([&] { map.Number("f"); }).find("is not a scalar"), std::string::npos);
 }
 
+TEST(YamlMap, AKeyThatStandsTwiceIsRefused) {
+  EXPECT_NE(MessageOf([] { MapOf("alpha: 1\nbeta: 2\nalpha: 3\n"); }).find(":3: alpha: stands twice"),
+            std::string::npos);
+  EXPECT_NE(MessageOf([] { MapOf("a:\n  b: 1\n  b: 2\n").Map("a"); }).find(":3: a.b: stands twice"), std::string::npos);
+}
+
 TEST(YamlMap, UnknownKeyNamesTheNearestKnown) {
   const std::vector<std::string> known = {"alpha", "beta"};
   EXPECT_NE(MessageOf([&] {

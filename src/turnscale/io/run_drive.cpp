@@ -209,8 +209,7 @@ class Run {
   void SayIfPart(RunSummary& summary) const {
     const bool cut = end_.interrupted || (Enough() && !end_.summary.stopped.empty());
     if ((cut || drive_.leaves_out()) && summary.has_measure() && !summary.pending_reason.empty())
-      summary.pending_reason =
-          fmt::format("in the part that was processed: {}; process more of the drive", summary.pending_reason);
+      summary.pending_reason += "; only a part of the drive was processed, process more of it";
   }
 
   // What the drive and the odometry say.

@@ -324,6 +324,8 @@ std::string SettingsText(const OdometryOptions& options) {
 
 OdometryOptions ReadSettings(const std::filesystem::path& path) {
   const YamlMap file(path);
+  if (file.Has("yaw_deg"))
+    throw InputError(path.string() + ": is the file of a car, not of settings; give it as --vehicle");
   OdometryOptions options;
   FieldNames known;
   VisitSettings(known, options);

@@ -105,6 +105,10 @@ TEST(Settings, ComplaintsNameLineKeyAndNearestKey) {
             std::string::npos);
 }
 
+TEST(Settings, AFileOfACarIsRecognised) {
+  EXPECT_NE(SettingsComplaint("yaw_deg: 1\npitch_deg: 0\n").find("give it as --vehicle"), std::string::npos);
+}
+
 TEST(Settings, AMisplacedKeyIsShownItsPlace) {
   EXPECT_NE(SettingsComplaint("drift:\n  per_100m: 0.02\n").find(":1: drift: unknown key; it belongs below 'scale'"),
             std::string::npos);

@@ -109,6 +109,26 @@ TEST(Summarize, AContradictedCalibrationMayBeWhyTheScaleIsPending) {
   EXPECT_TRUE(summary.pending_reason.starts_with("no turn; the images contradict the calibration"));
 }
 
+TEST(Summarize, ImpossibleMotionIsNamedAndPartOfSigma) {
+  std::vector<FrameResult> refined(600);
+  double place = 0;
+  for (size_t i = 0; i < refined.size(); ++i) {
+    place += i > 200 && i <= 300 ? 0.2 : 2;
+    refined[i].time = 0.1 * static_cast<double>(i);
+    refined[i].state = TrackingState::kTracked;
+    refined[i].scale_state = ScaleState::kHeld;
+    refined[i].world_from_camera = RigidTransform{Eigen::Quaterniond::Identity(), {0, 0, place}};
+  }
+  RefinedScale scale;
+  scale.estimate.emplace().converged = true;
+  scale.estimate->length_sigma = 0.02;
+  RunSummary summary;
+  Summarize(refined, scale, summary);
+  ASSERT_EQ(summary.warnings.size(), 1U);
+  EXPECT_NE(summary.warnings[0].find("faster than a car's can"), std::string::npos) << summary.warnings[0];
+  EXPECT_NEAR(summary.path_sigma, 0.18, 0.02) << "about 180 m of 1020 m";
+}
+
 TEST(Summarize, AMethodThatCouldNotBeAppliedIsNamed) {
   RefinedScale scale;
   scale.estimate.emplace().converged = true;

@@ -114,6 +114,8 @@ std::string VehicleFileText(const VehicleOptions& vehicle, const Mount& mount, c
 void ReadVehicleFile(const std::filesystem::path& path, VehicleOptions& vehicle) {
   const YamlMap map(path);
   RefuseCameraFile(map);
+  if (map.Has("vehicle"))
+    throw InputError(path.string() + ": is a file of settings, not of a car; give it as --settings");
   map.AllowOnly(VehicleFileKeys());
   const auto not_negative = [&](const char* key, double otherwise) {
     if (!map.Has(key)) return otherwise;
