@@ -73,7 +73,7 @@ std::vector<Window> Windows(const std::vector<FrameResult>& frames) {
 }
 
 bool IsImpossible(const Window& before, const Window& after) {
-  const auto [slower, faster] = std::minmax(before.speed(), after.speed());
+  const auto [slower, faster] = std::minmax({before.speed(), after.speed()});
   const double seconds = 0.5 * (after.from + after.to - before.from - before.to);
   return (1 - kSpeedNoise) * faster - slower > kMostAcceleration * seconds;
 }
