@@ -48,8 +48,9 @@ bool ClipTail::IsMoving() const {
 }
 
 std::optional<double> ClipTail::RepeatedBy(const std::function<std::optional<ClipImage>()>& next) const {
+  if (images_.empty()) return std::nullopt;
   const std::optional<ClipImage> first = next();
-  if (!first || images_.empty()) return std::nullopt;
+  if (!first) return std::nullopt;
   const std::vector<uint8_t> samples = Samples(first->gray);
   std::vector<double> differences;
   for (const Image& image : images_) differences.push_back(Difference(image.samples, samples));

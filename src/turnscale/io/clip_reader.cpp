@@ -197,19 +197,20 @@ void ClipReader::Close() {
                                      NameOf(clips_[clip_]), begin_ + seconds));
     begin_ += seconds + gap;
   } else {
-    BeginNext(begin_ + seconds);
+    BeginNext(seconds);
   }
   tail_.Clear();
 }
 
-// Of the next clip: when it begins, and which of its images are new. The one before ends at `end`.
-void ClipReader::BeginNext(double end) {
+// Of the next clip: when it begins, and which of its images are new. The one before lasts for `seconds`.
+void ClipReader::BeginNext(double seconds) {
   VideoFile next(clips_[clip_]);
   VideoClock clock(options_.fps.value_or(next.header().rate), next.header().tick);
   const std::optional<double> begin = tail_.RepeatedBy([&]() -> std::optional<ClipImage> {
     if (!next.Advance()) return std::nullopt;
     return ClipImage{clock.Next(options_.fps ? std::nullopt : next.Stamp()), next.Gray()};
   });
+  const double end = begin_ + seconds;
   begin_ = begin.value_or(end);
   const std::string name = NameOf(clips_[clip_]);
   const std::string before = NameOf(clips_[clip_ - 1]);
@@ -220,7 +221,7 @@ void ClipReader::BeginNext(double end) {
                            end - *begin, before);
     return;
   }
-  const double recorded = recorded_->OverlapAfter(clip_ - 1, clock_.time() + clock_.Interval());
+  const double recorded = recorded_->OverlapAfter(clip_ - 1, seconds);
   if (recorded > 0 && recorded <= kLongestOverlap && tail_.IsMoving()) {
     AddSentence(notice_,
                 fmt::format("{} begins {:.1f} s before {} ends, by the times of recording, but does not repeat "

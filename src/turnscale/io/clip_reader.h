@@ -62,7 +62,7 @@ class ClipReader : public FrameReader {
   void Close();
   void PassOverStart();
   std::optional<double> TimeNext();
-  void BeginNext(double end);
+  void BeginNext(double seconds);
 
   std::vector<std::filesystem::path> clips_;
   ClipOptions options_;

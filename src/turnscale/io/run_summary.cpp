@@ -175,7 +175,8 @@ std::vector<std::string> CarWarnings(const RefinedScale& scale, const RunSummary
   return warnings;
 }
 
-void AddWarnings(const std::vector<FrameResult>& refined, const RefinedScale& scale, RunSummary& summary) {
+void AddWarnings(const std::vector<FrameResult>& refined, const RefinedScale& scale,
+                 const std::vector<ImpossibleMotion>& impossible, RunSummary& summary) {
   const auto add = [&](std::string warning) {
     if (!warning.empty()) summary.warnings.push_back(std::move(warning));
   };
@@ -186,6 +187,7 @@ void AddWarnings(const std::vector<FrameResult>& refined, const RefinedScale& sc
   for (std::string& warning : CarWarnings(scale, summary)) add(std::move(warning));
   for (std::string& warning : TimeWarnings(refined, scale.turns)) add(std::move(warning));
   for (std::string& warning : SeamWarnings(summary)) add(std::move(warning));
+  add(ImpossibleMotionText(impossible));
 }
 
 }  // namespace
@@ -233,8 +235,7 @@ void Summarize(const std::vector<FrameResult>& refined, const RefinedScale& scal
   SummarizePath(refined, summary);
   const std::vector<ImpossibleMotion> impossible = FindImpossibleMotion(refined);
   SummarizeScale(scale, LengthErrorOf(impossible), summary);
-  AddWarnings(refined, scale, summary);
-  if (!impossible.empty()) summary.warnings.push_back(ImpossibleMotionText(impossible));
+  AddWarnings(refined, scale, impossible, summary);
 }
 
 std::string FoundCameraText(const FoundCamera& found) {

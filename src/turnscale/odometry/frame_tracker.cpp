@@ -118,7 +118,7 @@ TrackedFrame FrameTracker::Track(const Map& map, const CameraModel& camera, cons
       if (IsBelievable(options_.tracking, estimate)) break;
     }
   }
-  // What has passed before a camera that stands may have hidden nearly all that the last image showed.
+  // What passes in front of a camera that stands may have hidden nearly all that the last image showed.
   if (!IsBelievable(options_.tracking, estimate) && HasStood()) {
     followed = FollowFrom(map, camera, before, image, motion.last(), motion.last());
     estimate = EstimateFramePose(options_.pose, map, motion.last(), followed);
@@ -307,10 +307,10 @@ void FrameTracker::AlignWithMap(const Map& map, const CameraModel& camera, const
 }
 
 void FrameTracker::NoticeStanding(const Map& map, int inliers, double time) {
-  // Most landmarks rather than half of them: those ahead of a car that drives hardly move.
+  // A high quantile, as landmarks straight ahead of a moving car hardly move in the image.
   constexpr double kMost = 0.75;
   constexpr size_t kFewest = 10;
-  // Of the least motion: what the few landmarks that something hides do not show by mistake.
+  // So many times the least motion is more than the errors of the few landmarks that are left in sight.
   constexpr double kClearly = 5;
   const KeyframeOptions& limits = options_.keyframes;
   last_time_ = time;
