@@ -24,13 +24,19 @@ GARAGES, STREETS, OTHERS = 14, 14, 8
 
 
 @dataclasses.dataclass
+class Errors:
+    """Errors of what a run is given, in sigmas."""
+    lever_arm: float
+    side_slip: float | None  # None: not given
+    height: float
+
+
+@dataclasses.dataclass
 class Drive:
     name: str
     arguments: list  # of simulate
     rig: dict
-    lever_arm_draw: float  # in sigmas
-    side_slip_draw: float | None  # in sigmas; None: not given
-    height_draw: float  # in sigmas
+    errors: list  # Errors of each of its runs
 
 
 def spread(limits, count, draw):
@@ -46,7 +52,15 @@ def spread_normal(count, draw, normal=statistics.NormalDist()):
     return [normal.inv_cdf(share) for share in spread((0, 1), count, draw)]
 
 
-def make_drives():
+def draw_errors(given, draw):
+    """The errors of one run of each drive: of the lever arm, the side slip where it is given, and the height."""
+    lever_arms, heights = (spread_normal(len(given), draw) for _ in range(2))
+    side_slips = iter(spread_normal(sum(given), draw))
+    return [Errors(arm, next(side_slips) if slip_given else None, height)
+            for arm, height, slip_given in zip(lever_arms, heights, given)]
+
+
+def make_drives(runs=1):
     draw = random.Random(36)
     count = GARAGES + STREETS + OTHERS
     lever_arms, side_slips = spread(LEVER_ARMS, count, draw), spread(SIDE_SLIPS, count, draw)
@@ -57,6 +71,7 @@ def make_drives():
     side_slip_draws = iter(spread_normal(sum(given), draw))
     usual_side_slips = iter(spread_normal(count - sum(given), draw, USUAL_SIDE_SLIP))
     height_draws = spread_normal(count, draw)
+    later_errors = [draw_errors(given, random.Random(f"errors of run {run}")) for run in range(1, runs)]
     garage_seeds, street_seeds = iter(GARAGE_SEEDS), iter(STREET_SEEDS)
     drives = []
     for i in range(count):
@@ -73,5 +88,6 @@ def make_drives():
         drives.append(Drive(
             f"{world}_{seed}", [world, "--seed", seed, "--seconds", seconds],
             {"camera": HALF_SIZE_CAMERA, "mount": mount, "vehicle": vehicle},
-            lever_arm_draws[i], next(side_slip_draws) if given[i] else None, height_draws[i]))
+            [Errors(lever_arm_draws[i], next(side_slip_draws) if given[i] else None, height_draws[i]),
+             *(errors[i] for errors in later_errors)]))
     return drives
