@@ -68,7 +68,7 @@ std::vector<Trajectory> Stretches(const std::vector<FrameResult>& frames) {
   for (const FrameResult& frame : frames) {
     // The step continues to the next image that is not a duplicate.
     if (frame.state == TrackingState::kRepeated) continue;
-    const bool tracked = frame.state == TrackingState::kTracked && frame.world_from_camera;
+    const bool tracked = frame.is_measured();
     if (tracked && !open) stretches.emplace_back();
     if (tracked) stretches.back().push_back({frame.time, *frame.world_from_camera});
     open = tracked;

@@ -223,6 +223,12 @@ double YamlMap::Positive(const std::string& key) const {
   return value;
 }
 
+double YamlMap::Angle(const std::string& key) const {
+  const double degrees = Number(key);
+  if (!(std::abs(degrees) <= 180)) Reject(key, "is " + Text(key) + "; give an angle from -180 to 180 degrees");
+  return degrees;
+}
+
 void YamlMap::AllowOnly(std::span<const std::string> known) const {
   for (const std::string& key : Keys()) {
     if (Contains(known, key)) continue;

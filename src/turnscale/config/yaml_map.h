@@ -46,6 +46,8 @@ class YamlMap {
   std::vector<double> Numbers(const std::string& key) const;
   /// Number that is above zero, e.g. a focal length.
   double Positive(const std::string& key) const;
+  /// Number from -180 to 180, degrees.
+  double Angle(const std::string& key) const;
 
   /// Throws for the first key that is not among `known`, and names the nearest that is.
   void AllowOnly(std::span<const std::string> known) const;

@@ -51,7 +51,7 @@ double DistanceBetween(const FrameResult& a, const FrameResult& b) {
 std::vector<Window> Windows(const std::vector<FrameResult>& frames) {
   std::vector<const FrameResult*> measured;
   for (const FrameResult& frame : frames)
-    if (frame.state == TrackingState::kTracked && frame.world_from_camera) measured.push_back(&frame);
+    if (frame.is_measured()) measured.push_back(&frame);
   const auto step = [&](size_t i) { return DistanceBetween(*measured[i - 1], *measured[i]); };
   const auto is_long = [&](size_t i) {
     return i > 1 && i + 1 < measured.size() && step(i) > kLongStep * std::max(step(i - 1), step(i + 1));

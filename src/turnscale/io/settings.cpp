@@ -29,6 +29,7 @@ void VisitScaleSettings(Visitor& visitor, ScaleOptions& options) {
   visitor.Field("max_sigma_ratio", options.estimator.max_sigma_ratio);
   visitor.Field("max_height_deviation", options.estimator.max_height_deviation);
   visitor.Field("max_yaw_deviation", options.estimator.max_yaw_deviation);
+  visitor.Field("max_turn_yaw_deviation", options.estimator.max_turn_yaw_deviation);
   visitor.Degrees("contradicted_yaw_sigma_deg", options.estimator.contradicted_yaw_sigma);
   visitor.Group("turns", [&] {
     auto& o = options.estimator.segments.turns;
@@ -49,6 +50,7 @@ void VisitScaleSettings(Visitor& visitor, ScaleOptions& options) {
     visitor.Field("turn_sigma", o.turn_sigma);
     visitor.Field("slip_sigma", o.slip_sigma);
     visitor.Degrees("turn_direction_sigma_deg", o.turn_direction_sigma);
+    visitor.Degrees("direction_in_turn_sigma_deg", o.direction_in_turn_sigma);
     visitor.Degrees("straight_direction_sigma_deg", o.straight_direction_sigma);
     visitor.Field("bend_sigma", o.bend_sigma);
     visitor.Field("min_lever_arm_ratio", o.min_lever_arm_ratio);
@@ -350,8 +352,8 @@ Eigen::Quaterniond ReadCameraRotation(const std::string& angles_or_file) {
     RefuseCameraFile(map);
     // Such files say more of the car than its rotation.
     map.AllowOnly(VehicleFileKeys());
-    angles = YawPitchRoll{map.Number("yaw_deg") / kDegreesPerRadian, map.Number("pitch_deg") / kDegreesPerRadian,
-                          map.Number("roll_deg") / kDegreesPerRadian};
+    angles = YawPitchRoll{map.Angle("yaw_deg") / kDegreesPerRadian, map.Angle("pitch_deg") / kDegreesPerRadian,
+                          map.Angle("roll_deg") / kDegreesPerRadian};
   }
   for (const double angle : {angles->yaw, angles->pitch, angles->roll}) {
     if (!(std::abs(angle) * kDegreesPerRadian <= 180)) {

@@ -212,6 +212,7 @@ TEST(CameraRotation, ComplaintsSayWhatToGive) {
         << text;
   }
   EXPECT_NE(ComplaintOf([] { ReadCameraRotation("nan,0,0"); }).find("between -180 and 180"), std::string::npos);
+  EXPECT_NE(SettingsComplaint("vehicle:\n  camera_yaw_deg: 400\n").find("from -180 to 180"), std::string::npos);
   EXPECT_NE(ComplaintOf([] { ReadCameraRotation("200,0,0"); }).find("between -180 and 180"), std::string::npos);
   EXPECT_NE(ComplaintOf([] { ReadCameraRotation(Write("yaw: 1\n")); }).find("did you mean 'yaw_deg'?"),
             std::string::npos);

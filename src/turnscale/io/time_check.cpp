@@ -47,13 +47,12 @@ std::vector<std::vector<ImageStep>> RowsOfSteps(const std::vector<FrameResult>& 
   std::vector<std::vector<ImageStep>> rows(1);
   const FrameResult* last = nullptr;
   for (const FrameResult& frame : frames) {
-    const bool is_measured = frame.state == TrackingState::kTracked && frame.world_from_camera;
-    if (is_measured && last) {
+    if (frame.is_measured() && last) {
       rows.back().push_back(StepBetween(*last, frame));
     } else if (!rows.back().empty()) {
       rows.emplace_back();
     }
-    last = is_measured ? &frame : nullptr;
+    last = frame.is_measured() ? &frame : nullptr;
   }
   return rows;
 }
@@ -96,7 +95,7 @@ std::vector<ImageStep> StepsOverLosses(const std::vector<FrameResult>& frames) {
   std::vector<ImageStep> steps;
   const FrameResult* last = nullptr;
   for (const FrameResult& frame : frames) {
-    if (frame.state != TrackingState::kTracked || !frame.world_from_camera) continue;
+    if (!frame.is_measured()) continue;
     if (last) steps.push_back(StepBetween(*last, frame));
     last = &frame;
   }

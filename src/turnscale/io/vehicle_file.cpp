@@ -124,11 +124,7 @@ void ReadVehicleFile(const std::filesystem::path& path, VehicleOptions& vehicle)
     return value;
   };
   if (map.Has("yaw_deg")) {
-    const auto angle = [&](const char* key) {
-      const double degrees = map.Number(key);
-      if (std::abs(degrees) > 180) map.Reject(key, "has to be between -180 and 180 degrees");
-      return degrees / kDegreesPerRadian;
-    };
+    const auto angle = [&](const char* key) { return map.Angle(key) / kDegreesPerRadian; };
     vehicle.vehicle_from_camera = RotationFromYawPitchRoll({angle("yaw_deg"), angle("pitch_deg"), angle("roll_deg")});
     vehicle.camera_known = true;
     if (map.Has("yaw_sigma_deg"))

@@ -81,9 +81,12 @@ class FieldReader {
 
   void Rotation(const std::string& prefix, Eigen::Quaterniond& rotation) {
     YawPitchRoll angles = YawPitchRollFromRotation(rotation);
-    Degrees(prefix + "_yaw_deg", angles.yaw);
-    Degrees(prefix + "_pitch_deg", angles.pitch);
-    Degrees(prefix + "_roll_deg", angles.roll);
+    const auto read = [&](const char* name, double& radians) {
+      if (Map().Has(prefix + name)) radians = Map().Angle(prefix + name) / kDegreesPerRadian;
+    };
+    read("_yaw_deg", angles.yaw);
+    read("_pitch_deg", angles.pitch);
+    read("_roll_deg", angles.roll);
     rotation = RotationFromYawPitchRoll(angles);
   }
 

@@ -6,7 +6,10 @@
 #include <cstddef>
 #include <cstdio>
 #include <iterator>
+#include <numeric>
 #include <utility>
+
+#include <Eigen/Core>
 
 #include "turnscale/base/error.h"
 #include "turnscale/base/quantiles.h"
@@ -105,6 +108,38 @@ double RollHeight(const std::vector<VehicleStep>& steps, const std::vector<LineP
   return rr > 0 ? std::clamp(ry / rr, 0.0, kMostRollHeight * std::abs(fit.slope)) : 0.0;
 }
 
+// What of a vector is orthogonal to another.
+Eigen::VectorXd Orthogonal(const Eigen::VectorXd& vector, const Eigen::VectorXd& other) {
+  const double square = other.squaredNorm();
+  return square > 0 ? Eigen::VectorXd(vector - vector.dot(other) / square * other) : vector;
+}
+
+// Least squares with the weights of the line; what x and the roll explain is taken out of both sides.
+std::optional<DirectionInTurn> DirectionShownBy(const std::vector<VehicleStep>& steps, const RobustLine& fit,
+                                                double noise_floor) {
+  constexpr double kParameters = 3;     // lever arm, roll height, direction
+  constexpr double kLeastShare = 1e-6;  // of the way forward that the turning does not explain
+  const auto of_steps = [&](const auto& value) {
+    Eigen::VectorXd values(steps.size());
+    for (std::size_t i = 0; i < steps.size(); ++i) values[i] = std::sqrt(fit.weight[i]) * value(steps[i]);
+    return values;
+  };
+  const Eigen::VectorXd swing = of_steps([](const VehicleStep& step) { return step.swing(); });
+  const Eigen::VectorXd roll = Orthogonal(of_steps([](const VehicleStep& step) { return step.roll; }), swing);
+  const auto unexplained = [&](const auto& value) { return Orthogonal(Orthogonal(of_steps(value), swing), roll); };
+  const Eigen::VectorXd forward = unexplained([](const VehicleStep& step) { return step.forward(); });
+  const Eigen::VectorXd lateral = unexplained([](const VehicleStep& step) { return step.lateral(); });
+  const Eigen::VectorXd slip =
+      unexplained([](const VehicleStep& step) { return step.swing() * step.signed_square_speed(); });
+  const double square = forward.squaredNorm();
+  const double all = of_steps([](const VehicleStep& step) { return step.forward(); }).squaredNorm();
+  const double freedom = std::accumulate(fit.weight.begin(), fit.weight.end(), -kParameters);
+  if (!(freedom > 0 && square > kLeastShare * all)) return std::nullopt;
+  const double noise = Orthogonal(lateral, forward).norm() / std::sqrt(freedom);
+  return DirectionInTurn{forward.dot(lateral) / square, std::max(noise, noise_floor) / std::sqrt(square),
+                         forward.dot(slip) / square};
+}
+
 PooledLine Describe(const std::vector<VehicleStep>& steps, const RobustLine& fit, double roll_height) {
   PooledLine line;
   line.sigma = fit.sigma;
@@ -184,7 +219,8 @@ PooledLineResult PoolTurn(std::span<const VehicleStep> all_steps, const PooledLi
   fit = FitRobustLine(points, noise_floor, options.robust_threshold);
   if (!std::isfinite(fit.slope)) return NoLine("the steps are inconsistent");
 
-  const PooledLine line = Describe(steps, fit, roll_height);
+  PooledLine line = Describe(steps, fit, roll_height);
+  line.direction = DirectionShownBy(steps, fit, noise_floor);
   if (line.inliers < std::max(options.min_inliers, (line.steps + 1) / 2)) {
     return NoLine(Text("only %.0f of %.0f steps are inliers", line.inliers, line.steps));
   }

@@ -51,6 +51,15 @@ struct PooledLineOptions {
   void Check() const;
 };
 
+/// Direction of travel on straights, as a turn shows it by itself: the part of the lateral displacements of its steps
+/// that is proportional to the way forward, and neither to x nor to the roll. The curvature has to change in the turn.
+struct DirectionInTurn {
+  /// rad, positive to the right; the direction of travel less c lambda `by_slip`.
+  double angle = 0;
+  double sigma = 0;    ///< standard deviation of `angle`, from the scatter of the steps, rad
+  double by_slip = 0;  ///< of a speed that changes in the turn, units/s^2
+};
+
 /// Robust line fit of one turn, which needs no scale: every step has a lateral displacement
 /// y = VehicleStep::lateral() that is the effective lever arm times x = 2 sin(psi/2) (see the paper's (22)), and the
 /// height of the camera above the axis of roll times VehicleStep::roll. The slope by x is the effective lever arm in
@@ -67,6 +76,8 @@ struct PooledLine {
   /// the slip of the tyres has the opposite sign relative to psi.
   double mean_square_speed = 0;
   double angle = 0;  ///< sum of psi, rad
+  /// Its error is independent of that of `lever_arm`. Empty where the turn does not show it.
+  std::optional<DirectionInTurn> direction;
   int steps = 0;
   int inliers = 0;  ///< inlier steps
 };

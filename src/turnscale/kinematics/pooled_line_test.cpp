@@ -191,6 +191,49 @@ TEST(PooledLine, GrowsWithTheDirectionAsItSays) {
   EXPECT_NEAR((turned(kSmall) - turned(-kSmall)) / (2 * kSmall) / LineOf(corner).by_direction, 1, 0.01);
 }
 
+TEST(PooledLine, ShowsTheDirectionOfTravel) {
+  for (const double side : {1.0, -1.0}) {
+    for (const double direction : {0.01, -0.02}) {
+      for (const LeverArm& lever_arm : {kRigid, kSlipping}) {
+        std::vector<VehicleStep> steps = Corner(lever_arm, side);
+        AddRoll(0.6, 2, steps);
+        for (VehicleStep& step : steps) step.motion.theta += direction;
+        const PooledLine line = LineOf(steps);
+        ASSERT_TRUE(line.direction);
+        EXPECT_NEAR(line.direction->angle + lever_arm.side_slip * kMetresPerUnit * line.direction->by_slip, direction,
+                    0.02 * std::abs(direction));
+        EXPECT_GT(line.direction->sigma, 0.001) << "steps are never better than that";
+        EXPECT_LT(line.direction->sigma, 0.004);
+      }
+    }
+  }
+}
+
+TEST(PooledLine, TheDirectionScattersAsItsSigmaSaysAndIndependentlyOfTheLine) {
+  double squares = 0;
+  double sigma = 0;
+  double product = 0;
+  double line_squares = 0;
+  const double lever_arm = LineOf(EvenCorner(kRigid)).lever_arm;
+  for (unsigned seed = 0; seed < kSeeds; ++seed) {
+    std::vector<VehicleStep> steps = EvenCorner(kRigid);
+    AddSidewaysNoise(0.0015, seed, steps);
+    const PooledLine line = LineOf(steps);
+    ASSERT_TRUE(line.direction);
+    squares += std::pow(line.direction->angle, 2);
+    sigma += line.direction->sigma;
+    product += line.direction->angle * (line.lever_arm - lever_arm);
+    line_squares += std::pow(line.lever_arm - lever_arm, 2);
+  }
+  EXPECT_NEAR(sigma / kSeeds / std::sqrt(squares / kSeeds), 1.0, 0.2);
+  EXPECT_LT(std::abs(product) / std::sqrt(squares * line_squares), 0.2);
+}
+
+TEST(PooledLine, ATurnOfEvenCurvatureShowsNoDirection) {
+  const std::vector<VehicleStep> steps(kSteps, EvenCorner(kRigid)[kSteps / 2]);
+  EXPECT_FALSE(LineOf(steps).direction);
+}
+
 TEST(PooledLine, LeftAndRightAreMirrorImages) {
   std::vector<VehicleStep> right = Corner(kSlipping);
   AddSidewaysNoise(0.001, 5, right);

@@ -292,7 +292,8 @@ TEST(DriveScale, FindsTheMountAndReadsTheTurnsBeforeAgain) {
   ASSERT_EQ(refined.turns.size(), 2U);
   for (const TurnResult& turn : refined.turns) {
     EXPECT_TRUE(turn.used) << turn.reason;
-    EXPECT_NEAR(turn.metres_per_unit * kUnits, 1, 1e-4);
+    // A step across the end of a corner is no single circle.
+    EXPECT_NEAR(turn.metres_per_unit * kUnits, 1, 2e-4);
   }
   for (int k = 1; k < static_cast<int>(live.map.keyframes.size()); ++k)
     EXPECT_NEAR(StepOf(refined.path, k) / live.TrueStep(k), 1, 1e-4) << k;
@@ -318,7 +319,7 @@ TEST(DriveScale, ATurnThatOnlyTheMountExplainsIsUsedOnceItIsKnown) {
   for (const TurnResult& turn : live.scale.Refine(live.map).turns) {
     EXPECT_TRUE(turn.used) << turn.reason;
     EXPECT_EQ(turn.reason, "");
-    EXPECT_NEAR(turn.metres_per_unit, 1, 1e-4);
+    EXPECT_NEAR(turn.metres_per_unit, 1, 2e-4);
   }
 }
 

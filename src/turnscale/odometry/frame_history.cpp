@@ -8,8 +8,6 @@
 namespace turnscale {
 namespace {
 
-bool Measured(const FrameResult& frame) { return frame.state == TrackingState::kTracked && frame.world_from_camera; }
-
 // Motion between two frames: mean velocity, and turn about the first one's axes per second.
 struct MeanMotion {
   Eigen::Vector3d velocity;
@@ -71,7 +69,7 @@ class GapPath {
 void InterpolateBridged(std::vector<FrameResult>& frames) {
   std::vector<const FrameResult*> measured;
   for (const FrameResult& frame : frames)
-    if (Measured(frame)) measured.push_back(&frame);
+    if (frame.is_measured()) measured.push_back(&frame);
   for (size_t i = 1; i < measured.size(); ++i) {
     const size_t before = measured[i - 1] - frames.data();
     const size_t after = measured[i] - frames.data();

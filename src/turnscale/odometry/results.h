@@ -57,6 +57,9 @@ struct FrameResult {
   double theta = std::numeric_limits<double>::quiet_NaN();  ///< direction of travel (19), rad; keyframes only
   /// The step that led to the frame's keyframe belongs to a turning region (F_t of Algorithm 1).
   bool turning = false;
+
+  /// Tracked, with a pose that the images of this frame gave: neither repeated, nor interpolated, nor extrapolated.
+  bool is_measured() const { return state == TrackingState::kTracked && world_from_camera.has_value(); }
 };
 
 /// One turn and its single-turn scale.

@@ -35,6 +35,26 @@ std::optional<HeightConflict> CompareHeight(const ScaleBelief& posterior, const 
   return HeightConflict{car.camera_height, car.camera_height_sigma, found, without.Sigma(kLogHeight) * found};
 }
 
+bool TurnsContradictYaw(std::span<const WeightedDirection> directions, const ScaleBelief& posterior,
+                        double shared_sigma, double max_deviation) {
+  // Relative to the posterior's mean: information and weighted sum of all that the posterior has but the turns, and of
+  // the turns with unit weights.
+  double others = 1 / posterior.covariance(kDirection, kDirection);
+  double others_sum = 0;
+  double turns = 0;
+  double turns_sum = 0;
+  for (const auto& [direction, weight] : directions) {
+    others -= weight / direction.variance;
+    others_sum -= weight / direction.variance * direction.innovation;
+    const double own = 1 / (direction.variance - shared_sigma * shared_sigma);
+    turns += own;
+    turns_sum += own * direction.innovation;
+  }
+  if (!(others > 0 && turns > 0)) return false;
+  const double variance = 1 / turns + shared_sigma * shared_sigma + 1 / others;
+  return std::abs(turns_sum / turns - others_sum / others) > max_deviation * std::sqrt(variance);
+}
+
 bool ContradictsYaw(const ScaleBelief& posterior, double prior_sigma, double max_deviation) {
   const double difference = posterior.mean[kDirection];
   const double variance = prior_sigma * prior_sigma - posterior.covariance(kDirection, kDirection);

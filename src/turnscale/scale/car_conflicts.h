@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 
 #include "turnscale/scale/scale_evidence.h"
 #include "turnscale/scale/scale_filter.h"
@@ -39,6 +40,17 @@ struct SlipConflict {
 /// update with minus its variance; errors that it shares with L and c in the prior do not count as a difference.
 /// `contradicts_turns` is left to the caller.
 std::optional<HeightConflict> CompareHeight(const ScaleBelief& posterior, const CarPrior& car, double max_deviation);
+
+/// The direction of travel that a turn shows by itself, linearised at the estimate, and its robust weight there.
+struct WeightedDirection {
+  Measurement measurement;
+  double weight = 1;
+};
+
+/// Whether the directions of travel that turns show by themselves contradict the one that all else gives: the posterior
+/// without them. `shared_sigma` (rad): the part of their variances that is taken for an error of all turns in common.
+bool TurnsContradictYaw(std::span<const WeightedDirection> directions, const ScaleBelief& posterior,
+                        double shared_sigma, double max_deviation);
 
 /// Whether the prior of the yaw contradicts the drive, which alone has the posterior's information less the prior's.
 bool ContradictsYaw(const ScaleBelief& posterior, double prior_sigma, double max_deviation);

@@ -166,6 +166,10 @@ std::optional<ScaleBelief> LiveScale::WithTurn(const ScaleBelief& belief, std::s
     // The prediction may be wrong as well as the turn.
     if (started_) weight = HuberWeight(std::sqrt(NormalizedInnovation(start, *measurement, 1, at)), options_.huber);
     updated = Updated(start, *measurement, weight, at);
+    if (const auto direction = LinearizeDirectionInTurn(evidence, at, options_.evidence)) {
+      const double deviation = std::sqrt(NormalizedInnovation(start, *direction, 1, at));
+      updated = Updated(updated, *direction, HuberWeight(deviation, options_.huber), at);
+    }
     HoldSlip(updated);
   }
   return updated;

@@ -97,6 +97,8 @@ class Smoothing {
     for (std::size_t i = 0; i < at_.size(); ++i) {
       SegmentEvidence& evidence = problem_.evidence[i];
       if (evidence.road) evidence.road->weight = weight(LinearizeRoad(*evidence.road, at_[i], problem_.options.road));
+      if (const auto direction = LinearizeDirectionInTurn(evidence, at_[i], problem_.options))
+        evidence.direction_weight = weight(*direction);
       if (const auto measurement = Linearize(evidence, at_[i], problem_.options))
         evidence.weight = weight(*measurement);
     }
@@ -353,6 +355,21 @@ ScaleEstimateResult TooUncertain(double sigma, std::vector<TurnEstimate> turns, 
   return result;
 }
 
+// Straights and pairs of turns, or each turn by itself, show another yaw than the prior expects.
+bool YawIsContradicted(const Answer& answer, const CarPrior& car, const ScaleEstimatorOptions& options) {
+  if (car.yaw_sigma >= options.contradicted_yaw_sigma) return false;
+  if (ContradictsYaw(answer.car, car.yaw_sigma, options.max_yaw_deviation)) return true;
+  const ScaleProblem& problem = answer.smoothing.problem();
+  std::vector<WeightedDirection> directions;
+  for (std::size_t i = 0; i < problem.evidence.size(); ++i) {
+    const DriveState& state = answer.smoothed.segments[i].mean;
+    if (const auto direction = LinearizeDirectionInTurn(problem.evidence[i], state, problem.options))
+      directions.push_back({*direction, problem.evidence[i].direction_weight});
+  }
+  return TurnsContradictYaw(directions, answer.car, problem.options.direction_in_turn_sigma,
+                            options.max_turn_yaw_deviation);
+}
+
 // With a yaw that its prior does not hold, as the drive contradicts it.
 ScaleEstimateResult EstimateWithFreeYaw(const std::vector<VehicleStep>& steps, const CarPrior& car,
                                         const ScaleEstimatorOptions& options) {
@@ -399,6 +416,7 @@ void ScaleEstimatorOptions::Check() const {
   if (!(huber > 0)) throw InputError("huber: has to be positive");
   if (!(max_height_deviation > 0)) throw InputError("max_height_deviation: has to be positive");
   if (!(max_yaw_deviation > 0)) throw InputError("max_yaw_deviation: has to be positive");
+  if (!(max_turn_yaw_deviation > 0)) throw InputError("max_turn_yaw_deviation: has to be positive");
   if (!(contradicted_yaw_sigma > 0)) throw InputError("contradicted_yaw_sigma_deg: has to be positive");
   if (!(max_sigma > 0)) throw InputError("max_sigma: has to be positive");
 }
@@ -416,9 +434,7 @@ ScaleEstimateResult EstimateScale(const std::vector<VehicleStep>& steps, const C
   problem.evidence = selection.evidence;
   if (!StartingLogScale(selection, car)) return WithoutAStart(problem, gathered, car, options);
   const Answer answer = SmoothDrive(problem, gathered, car, options, selection);
-  if (car.yaw_sigma < options.contradicted_yaw_sigma &&
-      ContradictsYaw(answer.car, car.yaw_sigma, options.max_yaw_deviation))
-    return EstimateWithFreeYaw(steps, car, options);
+  if (YawIsContradicted(answer, car, options)) return EstimateWithFreeYaw(steps, car, options);
 
   ScaleEstimate estimate = EstimateOf(answer, car, options);
   const auto best = std::ranges::min_element(estimate.smoothed, {}, [](const ScaleBelief& b) { return b.sigma(); });

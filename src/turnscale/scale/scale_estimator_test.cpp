@@ -678,6 +678,27 @@ TEST(ScaleEstimator, AYawThatContradictsTheDriveIsEstimatedWithoutItsPrior) {
   }
 }
 
+/// One turn, whose curvature grows and falls as that of a car's does.
+std::vector<StretchOfRoad> OneTurn() {
+  std::vector<StretchOfRoad> road;
+  for (const double share : {0.5, 0.75, 1.0, 0.75, 0.5}) road.push_back({6, share * 4 * kDegree, 0.5, 5});
+  return road;
+}
+
+TEST(ScaleEstimator, AYawThatASingleTurnContradictsIsEstimatedWithoutItsPrior) {
+  for (const double degrees : {-3.0, -0.3, 0.3, 3.0}) {
+    SCOPED_TRACE(degrees);
+    const SyntheticSteps drive = MakeSteps(OneTurn(), kCar, degrees * kDegree, kUnit, kNoise, 3);
+    const ScaleEstimate estimate = EstimateOf(drive, PriorOf(kCar));
+    ASSERT_EQ(estimate.yaw_conflict.has_value(), std::abs(degrees) > 1);
+    EXPECT_LT(std::abs(std::log(Metres(estimate) / drive.metres)), 2 * estimate.length_sigma);
+    EXPECT_LT(estimate.length_sigma, 0.1);
+    if (!estimate.yaw_conflict) continue;
+    EXPECT_NEAR(estimate.yaw_conflict->found, -degrees * kDegree, 0.5 * kDegree);
+    EXPECT_LT(estimate.yaw_conflict->found_sigma, 0.5 * kDegree);
+  }
+}
+
 TEST(ScaleEstimator, AWrongLeverArmShowsInTheHeight) {
   SyntheticSteps drive = MakeSteps(TownRoad(8, 4), kCar, 0, kUnit, kNoise, 4);
   ShowRoad(1.4, {.step = 0.01, .road = 0.01}, 5, drive);
@@ -842,6 +863,7 @@ TEST(ScaleEstimatorOptions, RefusesSenselessValues) {
   EXPECT_EQ(refused([](auto&) {}), "");
   EXPECT_EQ(refused([](auto& o) { o.huber = 0; }), "huber");
   EXPECT_EQ(refused([](auto& o) { o.max_sigma = 0; }), "max_sigma");
+  EXPECT_EQ(refused([](auto& o) { o.max_turn_yaw_deviation = 0; }), "max_turn_yaw_deviation");
   EXPECT_EQ(refused([](auto& o) { o.segments.max_straight_steps = 0; }), "max_straight_steps");
   EXPECT_EQ(refused([](auto& o) { o.evidence.turn_sigma = 0; }), "evidence.turn_sigma");
   EXPECT_EQ(refused([](auto& o) { o.drift.per_100m = -1; }), "drift.per_100m");

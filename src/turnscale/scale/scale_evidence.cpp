@@ -101,6 +101,8 @@ void EvidenceOptions::Check() const {
   require(slip_sigma >= 0 && slip_sigma < 10, "evidence.slip_sigma: has to be from 0 to below 10");
   require(turn_direction_sigma >= 0 && turn_direction_sigma < 1,
           "evidence.turn_direction_sigma_deg: has to be from 0 to below 57.3");
+  require(direction_in_turn_sigma > 0 && direction_in_turn_sigma < 1,
+          "evidence.direction_in_turn_sigma_deg: has to be above 0 and below 57.3");
   require(straight_direction_sigma > 0 && straight_direction_sigma < 1,
           "evidence.straight_direction_sigma_deg: has to be above 0 and below 57.3");
   require(bend_sigma >= 0 && bend_sigma < 10, "evidence.bend_sigma: has to be from 0 to below 10");
@@ -238,6 +240,20 @@ std::optional<Measurement> Linearize(const SegmentEvidence& evidence, const Driv
   measurement.by_state[kRollHeight] = turn.by_roll_height / scale;
   measurement.variance = square(turn.sigma) + square(options.turn_sigma * lever_arm) +
                          square(options.slip_sigma * slip) + square(options.turn_direction_sigma * turn.by_direction);
+  return measurement;
+}
+
+std::optional<Measurement> LinearizeDirectionInTurn(const SegmentEvidence& evidence, const DriveState& state,
+                                                    const EvidenceOptions& options) {
+  if (!evidence.turn || !evidence.turn->direction) return std::nullopt;
+  const auto square = [](double value) { return value * value; };
+  const DirectionInTurn& direction = *evidence.turn->direction;
+  const double slip = state[kSlip] * std::exp(state[kLogScale]) * direction.by_slip;
+  Measurement measurement;
+  measurement.innovation = direction.angle - (state[kDirection] - slip);
+  measurement.by_state[kDirection] = 1;
+  measurement.variance =
+      square(direction.sigma) + square(options.direction_in_turn_sigma) + square(options.slip_sigma * slip);
   return measurement;
 }
 

@@ -100,6 +100,9 @@ struct EvidenceOptions {
   /// Direction of travel in a turn, rad (0.05 deg): road bank. Gravity loads the tyres by it, so a bank of 1.1 deg
   /// changes the slip angle by this much.
   double turn_direction_sigma = 0.05 / kDegreesPerRadian;
+  /// Direction of travel as a turn shows it by itself, rad (0.25 deg): transients of the tyres and of the body. On
+  /// recorded and rendered drives, turns scatter by 0.15 deg about that of the drive.
+  double direction_in_turn_sigma = 0.25 / kDegreesPerRadian;
   /// Direction of travel on a straight segment, rad (0.1 deg): crown of the road, side wind, lane changes.
   double straight_direction_sigma = 0.1 / kDegreesPerRadian;
   /// What lever arm and slip change in the direction of travel in the bends of a straight, relative: roads are banked,
@@ -137,6 +140,7 @@ struct SegmentEvidence {
   double bend_square_speed = 0;
   double bend_lever_arm = 0;
   double weight = 1;  ///< robust (Huber), set by the estimator: below 1 where the segment disagrees with the drive
+  double direction_weight = 1;  ///< the same for the direction that a turn shows by itself
   std::optional<RoadEvidence> road;
 };
 
@@ -170,6 +174,11 @@ struct Measurement {
 ///              not refine c or lambda
 std::optional<Measurement> Linearize(const SegmentEvidence& evidence, const DriveState& state,
                                      const EvidenceOptions& options);
+
+/// The direction of travel that a turn shows by itself, direction - c lambda by_slip, at a state; by_state has the
+/// derivative by the direction only. Empty if the turn shows none.
+std::optional<Measurement> LinearizeDirectionInTurn(const SegmentEvidence& evidence, const DriveState& state,
+                                                    const EvidenceOptions& options);
 
 /// The height above the road, ln(H) - ln(lambda) + error, at a state. The error's standard deviation is that of its
 /// mean over the way that shows the road.

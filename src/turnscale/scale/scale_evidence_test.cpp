@@ -92,6 +92,24 @@ TEST(ScaleEvidence, ATurnOfTheModelMeetsItsExpectation) {
   }
 }
 
+TEST(ScaleEvidence, ATurnShowsTheDirectionOfTravelByItself) {
+  // Faster where the curvature is less.
+  std::vector<StretchOfRoad> bend;
+  for (const double share : {0.3, 0.6, 1.0, 0.6, 0.3}) bend.push_back({5, share * 4 * kDegree, 0.5, 7 - 3 * share});
+  for (const double direction : {0.01, -0.01}) {
+    const SegmentEvidence evidence = EvidenceOfTurn(MakeSteps(bend, kCar, direction, kUnit).steps, {});
+    ASSERT_TRUE(evidence.turn) << evidence.reason;
+    const Measurement measurement = LinearizeDirectionInTurn(evidence, StateOf(kUnit, direction, kCar), {}).value();
+    EXPECT_NEAR(measurement.innovation, 0, 1e-4);
+    EXPECT_EQ(measurement.by_state, DriveRow::Unit(kDirection));
+    EXPECT_GT(measurement.variance, std::pow(EvidenceOptions().direction_in_turn_sigma, 2));
+    EXPECT_NEAR(LinearizeDirectionInTurn(evidence, StateOf(kUnit, 0, kCar), {})->innovation, direction, 1e-4);
+  }
+  EXPECT_FALSE(LinearizeDirectionInTurn(EvidenceOfTurn(Corner(kCar, 0), {}), StateOf(kUnit, 0, kCar), {}))
+      << "a turn of even curvature";
+  EXPECT_FALSE(LinearizeDirectionInTurn({}, StateOf(kUnit, 0, kCar), {})) << "a straight";
+}
+
 TEST(ScaleEvidence, OwnScaleIsWhereTheInnovationVanishes) {
   Random random(2);
   for (int draw = 0; draw < 200; ++draw) {
@@ -269,6 +287,7 @@ TEST(EvidenceOptions, RefusesSenselessValues) {
   EXPECT_EQ(refused([](auto& o) { o.turn_sigma = 0; }), "evidence.turn_sigma");
   EXPECT_EQ(refused([](auto& o) { o.slip_sigma = -1; }), "evidence.slip_sigma");
   EXPECT_EQ(refused([](auto& o) { o.turn_direction_sigma = -1; }), "evidence.turn_direction_sigma_deg");
+  EXPECT_EQ(refused([](auto& o) { o.direction_in_turn_sigma = 0; }), "evidence.direction_in_turn_sigma_deg");
   EXPECT_EQ(refused([](auto& o) { o.straight_direction_sigma = 0; }), "evidence.straight_direction_sigma_deg");
   EXPECT_EQ(refused([](auto& o) { o.min_lever_arm_ratio = 1; }), "evidence.min_lever_arm_ratio");
   EXPECT_EQ(refused([](auto& o) { o.line.min_inliers = 0; }), "line.min_inliers");

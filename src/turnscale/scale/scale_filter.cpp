@@ -152,6 +152,8 @@ SmoothedScale SmoothScale(const ScaleProblem& problem, const std::vector<DriveSt
     predicted[i] = belief;
     if (const auto& road = problem.evidence[i].road)
       belief = Updated(belief, LinearizeRoad(*road, at[i], problem.options.road), road->weight, at[i]);
+    if (const auto direction = LinearizeDirectionInTurn(problem.evidence[i], at[i], problem.options))
+      belief = Updated(belief, *direction, problem.evidence[i].direction_weight, at[i]);
     if (const auto measurement = Linearize(problem.evidence[i], at[i], problem.options)) {
       const double weight = problem.evidence[i].weight;
       const ScaleBelief updated = Updated(belief, *measurement, weight, at[i]);
