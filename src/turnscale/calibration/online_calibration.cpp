@@ -43,6 +43,7 @@ void OnlineCalibrationOptions::Check() const {
   if (!(moved_angle > 0)) throw InputError("moved_angle: must be above 0 rad");
   if (moved_confirmations < 1) throw InputError("moved_confirmations: must be at least 1");
   if (!(usable_yaw_sigma > 0)) throw InputError("usable_yaw_sigma: must be above 0 rad");
+  if (!(usable_roll_sigma > 0)) throw InputError("usable_roll_sigma: must be above 0 rad");
 }
 
 OnlineCalibration::OnlineCalibration(const OnlineCalibrationOptions& options) : options_(options) { options_.Check(); }
@@ -173,7 +174,7 @@ void OnlineCalibration::Report() {
   state_.covariance.diagonal().head<2>().array() += bias * bias;
   state_.angles = YawPitchRollFromRotation(state_.vehicle_from_camera);
   state_.sigma = SigmaOfAngles(state_.vehicle_from_camera, state_.covariance);
-  state_.usable = state_.sigma.yaw < options_.usable_yaw_sigma;
+  state_.usable = state_.sigma.yaw < options_.usable_yaw_sigma && state_.sigma.roll < options_.usable_roll_sigma;
 }
 
 }  // namespace turnscale

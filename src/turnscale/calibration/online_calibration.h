@@ -34,9 +34,11 @@ struct OnlineCalibrationOptions {
   /// And by at least this angle, rad (1.2 deg).
   double moved_angle = 1.2 / kDegreesPerRadian;
   int moved_confirmations = 3;
-  /// Q is used below this standard deviation of its yaw, rad (0.3 deg, CalibrationOptions::motion_bias included:
-  /// the scale is then right within some per cent).
-  double usable_yaw_sigma = 0.3 / kDegreesPerRadian;
+  /// Q is used below this standard deviation of its yaw, rad (1.5 deg, CalibrationOptions::motion_bias included):
+  /// half of that of a camera mounted by eye. What is left is estimated with the scale.
+  double usable_yaw_sigma = 1.5 / kDegreesPerRadian;
+  /// And below this one of its roll, rad (4 deg): that of a camera mounted by eye. The scale does not estimate it.
+  double usable_roll_sigma = 4 / kDegreesPerRadian;
 
   /// Throws InputError that names the field when a value makes no sense.
   void Check() const;

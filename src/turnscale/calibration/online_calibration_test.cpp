@@ -27,7 +27,8 @@ TEST(OnlineCalibration, WaitsForTheFirstTurnAndThenHolds) {
   for (const CameraStep& step : Steps(kTilted, 1)) {
     const OnlineState& state = online.Add(step);
     EXPECT_TRUE(step.end > 6 || !state.estimated);
-    EXPECT_TRUE(!state.usable || std::abs(state.angles.yaw - 5 * kDeg) < 0.25 * kDeg) << step.end;
+    EXPECT_TRUE(!state.usable || std::abs(state.angles.yaw - 5 * kDeg) < std::max(0.25 * kDeg, 2 * state.sigma.yaw))
+        << step.end;
     if (state.usable) usable_from = std::min(usable_from, step.end);
   }
   // The first turn ends at 9.6 s.
@@ -154,6 +155,7 @@ TEST(OnlineCalibrationOptions, RefuseSenselessValues) {
   EXPECT_EQ(RefusedField<Options>([](Options& o) { o.moved_angle = 0; }), "moved_angle");
   EXPECT_EQ(RefusedField<Options>([](Options& o) { o.moved_confirmations = 0; }), "moved_confirmations");
   EXPECT_EQ(RefusedField<Options>([](Options& o) { o.usable_yaw_sigma = 0; }), "usable_yaw_sigma");
+  EXPECT_EQ(RefusedField<Options>([](Options& o) { o.usable_roll_sigma = 0; }), "usable_roll_sigma");
 }
 
 }  // namespace

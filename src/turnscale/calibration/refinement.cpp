@@ -29,6 +29,9 @@ constexpr int kIterationsWithNewWeights = 10;
 constexpr double kLeverArmSpread = 0.5;
 // And within this share of a step's way, where the drive's own is not known yet.
 constexpr double kLeastLeverArmSpread = 0.1;
+// Of this spread, in an iteration. Where the camera swings out by more than it goes forward, as in a bus, full steps of
+// a few turning steps overshoot, and end with an endless lever arm that takes straights for turns.
+constexpr double kMostLeverArmStep = 0.5;
 // Relative; the last update of the lever arms.
 constexpr double kLeverArmTolerance = 1e-3;
 
@@ -238,8 +241,10 @@ class Refiner {
     lever_arm_change_ = 0;
     for (size_t i = 0; i < pieces_.size(); ++i) {
       const EliminatedStep& block = blocks_[i];
-      const double change =
+      const double newton =
           -(block.gradient[3] + block.hessian.topRightCorner<3, 1>().dot(update)) / block.hessian(3, 3);
+      const double change =
+          std::clamp(newton, -kMostLeverArmStep * LeverArmSigma(), kMostLeverArmStep * LeverArmSigma());
       pieces_[i].lever_arm += change;
       lever_arm_change_ =
           std::max(lever_arm_change_, std::abs(change) / std::max(std::abs(pieces_[i].lever_arm), 1e-9));

@@ -31,6 +31,7 @@ void VisitScaleSettings(Visitor& visitor, ScaleOptions& options) {
   visitor.Field("max_yaw_deviation", options.estimator.max_yaw_deviation);
   visitor.Field("max_turn_yaw_deviation", options.estimator.max_turn_yaw_deviation);
   visitor.Degrees("contradicted_yaw_sigma_deg", options.estimator.contradicted_yaw_sigma);
+  visitor.Degrees("max_given_yaw_sigma_deg", options.estimator.max_given_yaw_sigma);
   visitor.Group("turns", [&] {
     auto& o = options.estimator.segments.turns;
     visitor.Degrees("min_step_angle_deg", o.min_step_angle);

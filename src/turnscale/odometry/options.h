@@ -44,7 +44,7 @@ struct VehicleOptions {
   bool camera_known = false;
   /// Estimate Q from the drive.
   bool calibrate_camera = true;
-  /// Standard deviation of the yaw of Q, given or estimated, rad (0.3 deg: at which the calibration is first used).
+  /// Standard deviation of the yaw of Q, given or estimated, rad (0.3 deg; if estimated, at least).
   double yaw_sigma = 0.3 / kDegreesPerRadian;
   /// Height of the camera above the road, metres. Estimated in turns if not given.
   std::optional<double> camera_height;

@@ -166,11 +166,10 @@ Answer SmoothDrive(ScaleProblem problem, const std::vector<SegmentEvidence>& gat
   return answer;
 }
 
-// The car's constants as given, by which single-turn scales are taken. A yaw with a wide prior was not: it is the
-// drive's.
+// The car's constants as given, by which single-turn scales are taken. A yaw that is hardly known is the drive's.
 DriveState StateAsGiven(const CarPrior& car, const SmoothedScale& smoothed, const ScaleEstimatorOptions& options) {
   DriveState state = PriorState(car, 0);
-  if (car.yaw_sigma >= options.contradicted_yaw_sigma) state[kDirection] = smoothed.segments.back().mean[kDirection];
+  if (car.yaw_sigma > options.max_given_yaw_sigma) state[kDirection] = smoothed.segments.back().mean[kDirection];
   return state;
 }
 
@@ -418,6 +417,7 @@ void ScaleEstimatorOptions::Check() const {
   if (!(max_yaw_deviation > 0)) throw InputError("max_yaw_deviation: has to be positive");
   if (!(max_turn_yaw_deviation > 0)) throw InputError("max_turn_yaw_deviation: has to be positive");
   if (!(contradicted_yaw_sigma > 0)) throw InputError("contradicted_yaw_sigma_deg: has to be positive");
+  if (!(max_given_yaw_sigma > 0)) throw InputError("max_given_yaw_sigma_deg: has to be positive");
   if (!(max_sigma > 0)) throw InputError("max_sigma: has to be positive");
 }
 

@@ -30,9 +30,10 @@ struct ScaleEstimatorOptions {
   /// So is it if the turns show another yaw by themselves than prior, straights and pairs of turns do, by more than
   /// this many standard deviations.
   double max_turn_yaw_deviation = 3;
-  /// Standard deviation of the yaw error of Q, rad, that then takes the place of the prior's. Single-turn scales are
-  /// taken with the drive's yaw where the prior is as wide.
+  /// Standard deviation of the yaw error of Q, rad, that then takes the place of the prior's.
   double contradicted_yaw_sigma = kYawSigmaByEye;
+  /// Single-turn scales are taken with the drive's yaw where that of the prior is wider than this, rad (0.5 deg).
+  double max_given_yaw_sigma = 0.5 / kDegreesPerRadian;
   /// With single-turn scales, turns whose sigma exceeds the smallest one's by this factor are not used.
   double max_sigma_ratio = 3;
   /// Use single-turn scales, as if the turns were inconsistent: for steps with known errors beyond their noise, as from

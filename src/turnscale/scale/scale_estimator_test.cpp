@@ -863,6 +863,7 @@ TEST(ScaleEstimatorOptions, RefusesSenselessValues) {
   EXPECT_EQ(refused([](auto&) {}), "");
   EXPECT_EQ(refused([](auto& o) { o.huber = 0; }), "huber");
   EXPECT_EQ(refused([](auto& o) { o.max_sigma = 0; }), "max_sigma");
+  EXPECT_EQ(refused([](auto& o) { o.max_given_yaw_sigma = 0; }), "max_given_yaw_sigma_deg");
   EXPECT_EQ(refused([](auto& o) { o.max_turn_yaw_deviation = 0; }), "max_turn_yaw_deviation");
   EXPECT_EQ(refused([](auto& o) { o.segments.max_straight_steps = 0; }), "max_straight_steps");
   EXPECT_EQ(refused([](auto& o) { o.evidence.turn_sigma = 0; }), "evidence.turn_sigma");

@@ -34,7 +34,7 @@ struct CarPrior {
   double lever_arm_sigma = kTapeSigma;
   double side_slip = kUsualSideSlip;             ///< c, s^2/m
   double side_slip_sigma = kUsualSideSlipSigma;  ///< 0 where c is known exactly
-  /// Of the yaw error of Q, rad (0.3 deg: at which the calibration from the camera's motion is first used).
+  /// Of the yaw error of Q, rad (0.3 deg: of a calibration from the camera's motion over some turns).
   double yaw_sigma = 0.3 / kDegreesPerRadian;
   double roll_height = kUsualRollHeight;             ///< h: above the axis about which the body rolls, metres
   double roll_height_sigma = kUsualRollHeightSigma;  ///< metres
