@@ -100,9 +100,9 @@ TEST(Calibrate, SaysWhatAStraightDriveLacks) {
 
 TEST(Calibrate, RefusesTooFewSteps) { EXPECT_THROW(Calibrate({CameraStep{}, CameraStep{}}), InputError); }
 
-// Steps along a rendered street, of a camera 5.5 m ahead of the axle and turned by 3 degrees to the right: frames, their
-// mean rotation and direction of travel, and its length. A turn of four steps between straights; the camera swings out
-// by as much as it goes forward.
+// Steps along a rendered street, of a camera 5.5 m ahead of the axle and turned by 3 degrees to the right: frames,
+// their mean rotation and direction of travel, and its length. A turn of four steps between straights; the camera
+// swings out by as much as it goes forward.
 struct BusStep {
   int frames;
   Eigen::Vector3d rotation;
