@@ -45,6 +45,8 @@ void VisitScaleSettings(Visitor& visitor, ScaleOptions& options) {
     visitor.Field("robust_threshold", o.robust_threshold);
     visitor.Field("min_inliers", o.min_inliers);
     visitor.Degrees("min_angle_deg", o.min_angle);
+    visitor.Degrees("sigma_psi_deg", o.sigma_psi);
+    visitor.Field("min_forward_share", o.min_forward_share);
   });
   visitor.Group("evidence", [&] {
     auto& o = options.estimator.evidence;

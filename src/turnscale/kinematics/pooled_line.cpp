@@ -6,7 +6,6 @@
 #include <cstddef>
 #include <cstdio>
 #include <iterator>
-#include <numeric>
 #include <utility>
 
 #include <Eigen/Core>
@@ -108,36 +107,69 @@ double RollHeight(const std::vector<VehicleStep>& steps, const std::vector<LineP
   return rr > 0 ? std::clamp(ry / rr, 0.0, kMostRollHeight * std::abs(fit.slope)) : 0.0;
 }
 
+constexpr int kDirectionReweightings = 20;
+constexpr double kDirectionHuber = 1.5;  // robust standard deviations
+
 // What of a vector is orthogonal to another.
 Eigen::VectorXd Orthogonal(const Eigen::VectorXd& vector, const Eigen::VectorXd& other) {
   const double square = other.squaredNorm();
   return square > 0 ? Eigen::VectorXd(vector - vector.dot(other) / square * other) : vector;
 }
 
-// Least squares with the weights of the line; what x and the roll explain is taken out of both sides.
-std::optional<DirectionInTurn> DirectionShownBy(const std::vector<VehicleStep>& steps, const RobustLine& fit,
-                                                double noise_floor) {
-  constexpr double kParameters = 3;     // lever arm, roll height, direction
-  constexpr double kLeastShare = 1e-6;  // of the way forward that the turning does not explain
-  const auto of_steps = [&](const auto& value) {
-    Eigen::VectorXd values(steps.size());
-    for (std::size_t i = 0; i < steps.size(); ++i) values[i] = std::sqrt(fit.weight[i]) * value(steps[i]);
-    return values;
-  };
-  const Eigen::VectorXd swing = of_steps([](const VehicleStep& step) { return step.swing(); });
-  const Eigen::VectorXd roll = Orthogonal(of_steps([](const VehicleStep& step) { return step.roll; }), swing);
-  const auto unexplained = [&](const auto& value) { return Orthogonal(Orthogonal(of_steps(value), swing), roll); };
-  const Eigen::VectorXd forward = unexplained([](const VehicleStep& step) { return step.forward(); });
-  const Eigen::VectorXd lateral = unexplained([](const VehicleStep& step) { return step.lateral(); });
-  const Eigen::VectorXd slip =
-      unexplained([](const VehicleStep& step) { return step.swing() * step.signed_square_speed(); });
-  const double square = forward.squaredNorm();
-  const double all = of_steps([](const VehicleStep& step) { return step.forward(); }).squaredNorm();
-  const double freedom = std::accumulate(fit.weight.begin(), fit.weight.end(), -kParameters);
-  if (!(freedom > 0 && square > kLeastShare * all)) return std::nullopt;
-  const double noise = Orthogonal(lateral, forward).norm() / std::sqrt(freedom);
-  return DirectionInTurn{forward.dot(lateral) / square, std::max(noise, noise_floor) / std::sqrt(square),
-                         forward.dot(slip) / square};
+// Columns: x, roll, way forward; and the lateral displacements.
+struct TurnColumns {
+  Eigen::Matrix<double, Eigen::Dynamic, 3> explained;
+  Eigen::VectorXd lateral;
+  Eigen::VectorXd slip;
+};
+
+TurnColumns ColumnsOf(const std::vector<VehicleStep>& steps) {
+  const auto n = static_cast<Eigen::Index>(steps.size());
+  TurnColumns columns{Eigen::Matrix<double, Eigen::Dynamic, 3>(n, 3), Eigen::VectorXd(n), Eigen::VectorXd(n)};
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const VehicleStep& step = steps[i];
+    columns.explained.row(i) << step.swing(), step.roll, step.forward();
+    columns.lateral[i] = step.lateral();
+    columns.slip[i] = step.swing() * step.signed_square_speed();
+  }
+  return columns;
+}
+
+// Least squares in which x and the roll are taken out of both sides first. The weights are its own: with a wrong
+// direction, the long steps at the ends of the turn, which show it, are the outliers of the line without it.
+std::optional<DirectionInTurn> DirectionShownBy(const std::vector<VehicleStep>& steps, double noise_floor,
+                                                const PooledLineOptions& options) {
+  const TurnColumns columns = ColumnsOf(steps);
+  const auto freedom = static_cast<double>(steps.size()) - 3;
+  if (!(freedom > 0)) return std::nullopt;
+  Eigen::ArrayXd root_weights = Eigen::ArrayXd::Ones(columns.lateral.size());
+  DirectionInTurn direction;
+  for (int i = 0; i < kDirectionReweightings; ++i) {
+    const auto weighted = [&](const auto& column) -> Eigen::VectorXd { return column.array() * root_weights; };
+    const Eigen::VectorXd swing = weighted(columns.explained.col(0));
+    const Eigen::VectorXd roll = Orthogonal(weighted(columns.explained.col(1)), swing);
+    const auto unexplained = [&](const auto& column) { return Orthogonal(Orthogonal(weighted(column), swing), roll); };
+    const Eigen::VectorXd whole_way = weighted(columns.explained.col(2));
+    const Eigen::VectorXd forward = unexplained(columns.explained.col(2));
+    const Eigen::VectorXd lateral = unexplained(columns.lateral);
+    const double square = forward.squaredNorm();
+    const double share = square / whole_way.squaredNorm();
+    if (!(share > options.min_forward_share)) return std::nullopt;
+    direction.angle = forward.dot(lateral) / square;
+    direction.by_slip = forward.dot(unexplained(columns.slip)) / square;
+    const Eigen::ArrayXd off = (lateral - direction.angle * forward).array();
+    const double spread = std::max(off.matrix().norm() / std::sqrt(freedom), noise_floor);
+    // The noise of psi moves x, and with it the part of the way that x does not explain, towards the mean direction of
+    // travel in the turn.
+    const double psi_noise = options.sigma_psi * std::sqrt(root_weights.square().sum()) / swing.norm();
+    const double travel = weighted(columns.lateral).dot(whole_way) / whole_way.squaredNorm() - direction.angle;
+    direction.sigma = std::hypot(spread / std::sqrt(square), travel * psi_noise * psi_noise / share);
+    std::vector<double> residuals(off.size());
+    Eigen::ArrayXd::Map(residuals.data(), off.size()) = off / root_weights;
+    const double width = kDirectionHuber * std::max(RobustSigma(residuals), noise_floor);
+    for (Eigen::Index k = 0; k < off.size(); ++k) root_weights[k] = std::sqrt(HuberWeight(residuals[k] / width, 1));
+  }
+  return direction;
 }
 
 PooledLine Describe(const std::vector<VehicleStep>& steps, const RobustLine& fit, double roll_height) {
@@ -192,6 +224,8 @@ void PooledLineOptions::Check() const {
   require(std::isfinite(sigma_theta) && sigma_theta > 0, "sigma_theta_deg: has to be positive");
   require(std::isfinite(robust_threshold) && robust_threshold > 0, "robust_threshold: has to be positive");
   require(min_inliers >= 1, "min_inliers: has to be at least 1");
+  require(std::isfinite(sigma_psi) && sigma_psi >= 0, "sigma_psi_deg: must not be negative");
+  require(min_forward_share > 0 && min_forward_share < 1, "min_forward_share: has to be above 0 and below 1");
   require(std::isfinite(min_angle) && min_angle >= 0, "min_angle_deg: must not be negative");
 }
 
@@ -220,7 +254,7 @@ PooledLineResult PoolTurn(std::span<const VehicleStep> all_steps, const PooledLi
   if (!std::isfinite(fit.slope)) return NoLine("the steps are inconsistent");
 
   PooledLine line = Describe(steps, fit, roll_height);
-  line.direction = DirectionShownBy(steps, fit, noise_floor);
+  line.direction = DirectionShownBy(steps, noise_floor, options);
   if (line.inliers < std::max(options.min_inliers, (line.steps + 1) / 2)) {
     return NoLine(Text("only %.0f of %.0f steps are inliers", line.inliers, line.steps));
   }

@@ -46,6 +46,11 @@ struct PooledLineOptions {
   int min_inliers = 3;
   /// Least sum of |psi| of the inlier steps, rad (10 deg).
   double min_angle = 10.0 / kDegreesPerRadian;
+  /// Standard deviation of a step's turning angle, rad (0.05 deg): what the direction that a turn shows by itself is
+  /// uncertain by where its curvature hardly changes.
+  double sigma_psi = 0.05 / kDegreesPerRadian;
+  /// A turn shows no direction if less than this share of the way forward (squares) is not proportional to x or roll.
+  double min_forward_share = 0.003;
 
   /// Throws InputError that names the field when a value makes no sense.
   void Check() const;

@@ -230,8 +230,37 @@ TEST(PooledLine, TheDirectionScattersAsItsSigmaSaysAndIndependentlyOfTheLine) {
 }
 
 TEST(PooledLine, ATurnOfEvenCurvatureShowsNoDirection) {
-  const std::vector<VehicleStep> steps(kSteps, EvenCorner(kRigid)[kSteps / 2]);
-  EXPECT_FALSE(LineOf(steps).direction);
+  for (unsigned seed = 0; seed < 20; ++seed) {
+    std::vector<VehicleStep> steps(4 * kSteps, EvenCorner(kRigid)[kSteps / 2]);
+    std::mt19937 random(seed);
+    std::normal_distribution<double> psi(0, 0.05 * M_PI / 180);
+    for (VehicleStep& step : steps) step.motion.psi += psi(random);
+    EXPECT_FALSE(LineOf(steps).direction);
+  }
+}
+
+TEST(PooledLine, TheDirectionIsUncertainWhereTheCurvatureHardlyChanges) {
+  double sum = 0;
+  double sigma = 0;
+  constexpr int kRuns = 20;
+  for (unsigned seed = 0; seed < kRuns; ++seed) {
+    std::vector<VehicleStep> steps(4 * kSteps, EvenCorner(kRigid)[kSteps / 2]);
+    std::mt19937 random(seed);
+    std::normal_distribution<double> psi(0, 0.05 * M_PI / 180);
+    for (std::size_t i = 0; i < steps.size(); ++i) {
+      // The noise of psi enters the lateral displacement of the step, too.
+      const double share = 1 + 0.1 * std::sin(0.3 * static_cast<double>(i));
+      const double sideways = steps[i].motion.step * std::sin(steps[i].motion.theta - 0.5 * steps[i].motion.psi);
+      steps[i].motion.psi *= share;
+      steps[i].motion.theta = 0.5 * steps[i].motion.psi + std::asin(share * sideways / steps[i].motion.step);
+      steps[i].motion.psi += psi(random);
+    }
+    const PooledLine line = LineOf(steps);
+    ASSERT_TRUE(line.direction);
+    sum += line.direction->angle;
+    sigma += line.direction->sigma;
+  }
+  EXPECT_LT(std::abs(sum), 2 * sigma) << "a bias that is the same in all such turns";
 }
 
 TEST(PooledLine, LeftAndRightAreMirrorImages) {

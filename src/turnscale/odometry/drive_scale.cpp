@@ -26,7 +26,8 @@ constexpr double kScalePerCorrection = 15;
 
 double YawSigma(const VehicleOptions& vehicle, const Mount& mount) {
   if (!vehicle.calibrate_camera) return vehicle.yaw_sigma;
-  if (mount.found) return std::max(vehicle.yaw_sigma, mount.sigma.yaw);
+  // A rough estimate is where the scale's own begins: that uses the same straights and turns.
+  if (mount.found) return mount.sigma.yaw <= vehicle.yaw_sigma ? vehicle.yaw_sigma : kYawSigmaByEye;
   const bool as_given = vehicle.camera_known && mount.first_keyframe == 0;
   return as_given ? vehicle.yaw_sigma : std::max(vehicle.yaw_sigma, kYawSigmaByEye);
 }
@@ -161,7 +162,7 @@ void DriveScale::Reread(const Map& map) {
 }
 
 void DriveScale::Reread(const Map& map, MountCalibration mount, int first, int end, int settled) {
-  const auto knowledge = [&] { return std::pair(mount_.moves(), mount_.current().found); };
+  const auto knowledge = [&] { return std::pair(mount_.moves(), YawSigma(options_.vehicle, mount_.current())); };
   const auto before = knowledge();
   mount_ = std::move(mount);
   // A move is found many keyframes after it.
@@ -169,8 +170,12 @@ void DriveScale::Reread(const Map& map, MountCalibration mount, int first, int e
     std::erase_if(heights_, [moved = mount_.mounts()[1].first_keyframe](const MeasuredHeight& height) {
       return height.keyframe >= moved;
     });
-  // Another prior of the yaw counts from the start on.
-  if (knowledge() != before) settled_.reset();
+  // Another prior of the yaw counts from the start on, and so does a rotation that has changed by more than the settled
+  // part can be turned by.
+  constexpr double kMostTurned = 0.3 / kDegreesPerRadian;
+  if (knowledge() != before ||
+      (settled_ && settled_->vehicle_from_camera.angularDistance(mount_.At(settled_->keyframes)) > kMostTurned))
+    settled_.reset();
   if (settled_) {
     builder_ = settled_->builder;
     live_ = settled_->live;

@@ -43,12 +43,13 @@ bool TurnsContradictYaw(std::span<const WeightedDirection> directions, const Sca
   double others_sum = 0;
   double turns = 0;
   double turns_sum = 0;
-  for (const auto& [direction, weight] : directions) {
-    others -= weight / direction.variance;
-    others_sum -= weight / direction.variance * direction.innovation;
-    const double own = 1 / (direction.variance - shared_sigma * shared_sigma);
+  for (const WeightedDirection& direction : directions) {
+    const Measurement& measurement = direction.measurement;
+    others -= direction.weight / measurement.variance;
+    others_sum -= direction.weight / measurement.variance * measurement.innovation;
+    const double own = 1 / (measurement.variance - shared_sigma * shared_sigma);
     turns += own;
-    turns_sum += own * direction.innovation;
+    turns_sum += own * measurement.innovation;
   }
   if (!(others > 0 && turns > 0)) return false;
   const double variance = 1 / turns + shared_sigma * shared_sigma + 1 / others;

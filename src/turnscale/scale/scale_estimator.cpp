@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "turnscale/base/check_part.h"
@@ -21,6 +22,34 @@ constexpr double kConverged = 1e-6;       // change of a log-scale in an iterati
 constexpr double kMaxLogScaleStep = 0.3;  // of a Gauss-Newton step
 
 DriveState PriorState(const CarPrior& car, double log_scale) { return PriorBelief(car, log_scale).mean; }
+
+// The direction of travel that the turns show by themselves, rad, slip aside: their mean, and its variance.
+struct DirectionOfTurns {
+  double mean = 0;
+  double variance = std::numeric_limits<double>::infinity();
+};
+
+DirectionOfTurns DirectionShownByTurns(const std::vector<SegmentEvidence>& gathered, const EvidenceOptions& options) {
+  double information = 0;
+  double sum = 0;
+  for (const SegmentEvidence& segment : gathered) {
+    if (!segment.direction_in_turn) continue;
+    const DirectionInTurn& direction = *segment.direction_in_turn;
+    information += 1 / (direction.sigma * direction.sigma);
+    sum += direction.angle / (direction.sigma * direction.sigma);
+  }
+  if (!(information > 0)) return {};
+  return {sum / information, 1 / information + options.direction_in_turn_sigma * options.direction_in_turn_sigma};
+}
+
+// With which turns are selected first: a wrong camera rotation makes turns seem unusable.
+DriveState StartingState(const CarPrior& car, const DirectionOfTurns& turns) {
+  DriveState state = PriorState(car, 0);
+  const double prior = car.yaw_sigma * car.yaw_sigma;
+  if (std::isfinite(turns.variance))
+    state[kDirection] += prior / (prior + turns.variance) * (turns.mean - state[kDirection]);
+  return state;
+}
 
 // Turns in which the lever arm cannot be observed are left out, with the reason.
 struct Selection {
@@ -338,6 +367,14 @@ ScaleEstimateResult WithoutAStart(const ScaleProblem& problem, const std::vector
   return result;
 }
 
+void LeaveOutTurns(const std::string& reason, std::vector<TurnEstimate>& turns) {
+  for (TurnEstimate& turn : turns) {
+    if (!turn.used) continue;
+    turn.used = false;
+    turn.reason = reason;
+  }
+}
+
 // Metres are not claimed where even the best of the scale is as uncertain as that.
 ScaleEstimateResult TooUncertain(double sigma, std::vector<TurnEstimate> turns, const CarPrior& car,
                                  const ScaleEstimatorOptions& options, const std::vector<SegmentEvidence>& gathered) {
@@ -346,15 +383,12 @@ ScaleEstimateResult TooUncertain(double sigma, std::vector<TurnEstimate> turns, 
   result.reason = "the drive leaves the scale uncertain by " + std::to_string(std::lround(100 * sigma)) +
                   " %, more than " + std::to_string(std::lround(100 * options.max_sigma)) + " %; " +
                   Remedy(car, options, gathered);
-  for (TurnEstimate& turn : result.turns) {
-    if (!turn.used) continue;
-    turn.used = false;
-    turn.reason = "its scale is too uncertain";
-  }
+  LeaveOutTurns("its scale is too uncertain", result.turns);
   return result;
 }
 
-// Straights and pairs of turns, or each turn by itself, show another yaw than the prior expects.
+// Straights and pairs of turns show another yaw than the prior expects, or the turns by themselves another than all
+// else.
 bool YawIsContradicted(const Answer& answer, const CarPrior& car, const ScaleEstimatorOptions& options) {
   if (car.yaw_sigma >= options.contradicted_yaw_sigma) return false;
   if (ContradictsYaw(answer.car, car.yaw_sigma, options.max_yaw_deviation)) return true;
@@ -365,7 +399,7 @@ bool YawIsContradicted(const Answer& answer, const CarPrior& car, const ScaleEst
     if (const auto direction = LinearizeDirectionInTurn(problem.evidence[i], state, problem.options))
       directions.push_back({*direction, problem.evidence[i].direction_weight});
   }
-  return TurnsContradictYaw(directions, answer.car, problem.options.direction_in_turn_sigma,
+  return TurnsContradictYaw(directions, answer.smoothed.segments.back(), problem.options.direction_in_turn_sigma,
                             options.max_turn_yaw_deviation);
 }
 
@@ -375,10 +409,17 @@ ScaleEstimateResult EstimateWithFreeYaw(const std::vector<VehicleStep>& steps, c
   CarPrior freed = car;
   freed.yaw_sigma = options.contradicted_yaw_sigma;
   ScaleEstimateResult result = EstimateScale(steps, freed, options);
-  if (result.estimate) {
-    const CarRefinement& found = result.estimate->car;
-    result.estimate->yaw_conflict = YawConflict{car.yaw_sigma, found.yaw_error, found.yaw_error_sigma};
-  }
+  if (!result.estimate) return result;
+  const CarRefinement& found = result.estimate->car;
+  result.estimate->yaw_conflict = YawConflict{car.yaw_sigma, found.yaw_error, found.yaw_error_sigma};
+  // So far off, lateral and forward motion are confused, and the yaw that fits best may be far from right, too.
+  constexpr double kMostSigmas = 3;
+  if (std::abs(found.yaw_error) <= kMostSigmas * options.contradicted_yaw_sigma) return result;
+  result.reason = "the drive contradicts the camera-to-vehicle rotation by about " +
+                  std::to_string(std::lround(std::abs(found.yaw_error) * 180 / M_PI)) +
+                  " degrees of yaw; correct the rotation, or have it estimated";
+  LeaveOutTurns("the camera-to-vehicle rotation is wrong", result.turns);
+  result.estimate.reset();
   return result;
 }
 
@@ -430,9 +471,16 @@ ScaleEstimateResult EstimateScale(const std::vector<VehicleStep>& steps, const C
   problem.options = options.evidence;
   problem.drift = options.drift;
   const std::vector<SegmentEvidence> gathered = GatherEvidence(steps, problem.segments, options.evidence);
-  const Selection selection = SelectTurns(gathered, car, PriorState(car, 0), options.evidence);
+  const DirectionOfTurns of_turns = DirectionShownByTurns(gathered, options.evidence);
+  const Selection selection = SelectTurns(gathered, car, StartingState(car, of_turns), options.evidence);
   problem.evidence = selection.evidence;
-  if (!StartingLogScale(selection, car)) return WithoutAStart(problem, gathered, car, options);
+  if (!StartingLogScale(selection, car)) {
+    const bool may_be_freed = car.knows_lever_arm() && car.yaw_sigma < options.contradicted_yaw_sigma;
+    const double sigma = std::sqrt(of_turns.variance + car.yaw_sigma * car.yaw_sigma);
+    if (may_be_freed && std::abs(of_turns.mean) > options.max_turn_yaw_deviation * sigma)
+      return EstimateWithFreeYaw(steps, car, options);
+    return WithoutAStart(problem, gathered, car, options);
+  }
   const Answer answer = SmoothDrive(problem, gathered, car, options, selection);
   if (YawIsContradicted(answer, car, options)) return EstimateWithFreeYaw(steps, car, options);
 

@@ -27,8 +27,8 @@ struct ScaleEstimatorOptions {
   double max_height_deviation = 3;
   /// The prior of the yaw is in conflict with the drive if they differ by more than this many standard deviations.
   double max_yaw_deviation = 4;
-  /// So is it if the turns show another yaw by themselves than prior, straights and pairs of turns do, by more than
-  /// this many standard deviations.
+  /// Also if the mean direction of travel that the turns show by themselves differs from that of all other measurements
+  /// and the prior by more than this many.
   double max_turn_yaw_deviation = 3;
   /// Standard deviation of the yaw error of Q, rad, that then takes the place of the prior's.
   double contradicted_yaw_sigma = kYawSigmaByEye;

@@ -678,24 +678,44 @@ TEST(ScaleEstimator, AYawThatContradictsTheDriveIsEstimatedWithoutItsPrior) {
   }
 }
 
-/// One turn, whose curvature grows and falls as that of a car's does.
+/// One turn, whose curvature grows and falls slowly.
 std::vector<StretchOfRoad> OneTurn() {
   std::vector<StretchOfRoad> road;
   for (const double share : {0.5, 0.75, 1.0, 0.75, 0.5}) road.push_back({6, share * 4 * kDegree, 0.5, 5});
   return road;
 }
 
+/// A right angle with a radius of 6 m between short ramps, where the steps are long: they show the direction.
+std::vector<StretchOfRoad> SharpCorner() {
+  return {{2, 1.6 * kDegree, 1.2, 4}, {33, 2.5 * kDegree, 0.26, 4}, {2, 1.6 * kDegree, 1.2, 4}};
+}
+
 TEST(ScaleEstimator, AYawThatASingleTurnContradictsIsEstimatedWithoutItsPrior) {
-  for (const double degrees : {-3.0, -0.3, 0.3, 3.0}) {
+  for (const auto& road : {OneTurn(), SharpCorner()}) {
+    for (const double degrees : {-8.0, -5.0, -3.0, -0.3, 0.3, 3.0, 5.0, 8.0}) {
+      for (unsigned seed = 1; seed <= 5; ++seed) {
+        SCOPED_TRACE(testing::Message() << degrees << " deg, seed " << seed);
+        const SyntheticSteps drive = MakeSteps(road, kCar, degrees * kDegree, kUnit, kNoise, seed);
+        const ScaleEstimate estimate = EstimateOf(drive, PriorOf(kCar));
+        ASSERT_EQ(estimate.yaw_conflict.has_value(), std::abs(degrees) > 1);
+        EXPECT_LT(std::abs(std::log(Metres(estimate) / drive.metres)), 2.5 * estimate.length_sigma);
+        EXPECT_LT(estimate.length_sigma, 0.12);
+        if (!estimate.yaw_conflict) continue;
+        EXPECT_NEAR(estimate.yaw_conflict->found, -degrees * kDegree, 2.5 * estimate.yaw_conflict->found_sigma);
+        EXPECT_LT(estimate.yaw_conflict->found_sigma, 0.6 * kDegree);
+      }
+    }
+  }
+}
+
+TEST(ScaleEstimator, ARotationThatIsFarOffGivesNoMetres) {
+  for (const double degrees : {-20.0, -12.0, 12.0, 20.0}) {
     SCOPED_TRACE(degrees);
-    const SyntheticSteps drive = MakeSteps(OneTurn(), kCar, degrees * kDegree, kUnit, kNoise, 3);
-    const ScaleEstimate estimate = EstimateOf(drive, PriorOf(kCar));
-    ASSERT_EQ(estimate.yaw_conflict.has_value(), std::abs(degrees) > 1);
-    EXPECT_LT(std::abs(std::log(Metres(estimate) / drive.metres)), 2 * estimate.length_sigma);
-    EXPECT_LT(estimate.length_sigma, 0.1);
-    if (!estimate.yaw_conflict) continue;
-    EXPECT_NEAR(estimate.yaw_conflict->found, -degrees * kDegree, 0.5 * kDegree);
-    EXPECT_LT(estimate.yaw_conflict->found_sigma, 0.5 * kDegree);
+    const SyntheticSteps drive = MakeSteps(SharpCorner(), kCar, degrees * kDegree, kUnit, kNoise, 1);
+    const ScaleEstimateResult result = EstimateScale(drive.steps, PriorOf(kCar), {});
+    EXPECT_FALSE(result.estimate);
+    EXPECT_FALSE(result.reason.empty());
+    for (const TurnEstimate& turn : result.turns) EXPECT_FALSE(turn.used);
   }
 }
 

@@ -115,6 +115,7 @@ SegmentEvidence EvidenceOfTurn(std::span<const VehicleStep> steps, const Evidenc
   evidence.turning = true;
   PooledLineResult pooled = PoolTurn(steps, options.line);
   evidence.turn = pooled.line;
+  if (pooled.line) evidence.direction_in_turn = pooled.line->direction;
   evidence.reason = std::move(pooled.reason);
   return evidence;
 }
@@ -245,13 +246,16 @@ std::optional<Measurement> Linearize(const SegmentEvidence& evidence, const Driv
 
 std::optional<Measurement> LinearizeDirectionInTurn(const SegmentEvidence& evidence, const DriveState& state,
                                                     const EvidenceOptions& options) {
-  if (!evidence.turn || !evidence.turn->direction) return std::nullopt;
+  if (!evidence.direction_in_turn) return std::nullopt;
   const auto square = [](double value) { return value * value; };
-  const DirectionInTurn& direction = *evidence.turn->direction;
-  const double slip = state[kSlip] * std::exp(state[kLogScale]) * direction.by_slip;
+  const DirectionInTurn& direction = *evidence.direction_in_turn;
+  const double scale = std::exp(state[kLogScale]);
+  const double slip = state[kSlip] * scale * direction.by_slip;
   Measurement measurement;
   measurement.innovation = direction.angle - (state[kDirection] - slip);
   measurement.by_state[kDirection] = 1;
+  measurement.by_state[kLogScale] = -slip;
+  measurement.by_state[kSlip] = -scale * direction.by_slip;
   measurement.variance =
       square(direction.sigma) + square(options.direction_in_turn_sigma) + square(options.slip_sigma * slip);
   return measurement;

@@ -130,7 +130,9 @@ struct RoadEvidence {
 struct SegmentEvidence {
   bool turning = false;
   std::optional<PooledLine> turn;  ///< empty if a turn gives none, or is too fast
-  std::string reason;              ///< why; one line
+  /// Turns: the direction of travel that the turn shows by itself, also if it is too fast.
+  std::optional<DirectionInTurn> direction_in_turn;
+  std::string reason;  ///< why; one line
   /// Straights: direction of travel, rad, and its standard deviation, infinite where the straight gives none.
   double direction = 0;
   double direction_sigma = 0;
@@ -175,8 +177,8 @@ struct Measurement {
 std::optional<Measurement> Linearize(const SegmentEvidence& evidence, const DriveState& state,
                                      const EvidenceOptions& options);
 
-/// The direction of travel that a turn shows by itself, direction - c lambda by_slip, at a state; by_state has the
-/// derivative by the direction only. Empty if the turn shows none.
+/// The direction of travel that a turn shows by itself, direction - c lambda by_slip, at a state. Empty if the turn
+/// shows none.
 std::optional<Measurement> LinearizeDirectionInTurn(const SegmentEvidence& evidence, const DriveState& state,
                                                     const EvidenceOptions& options);
 

@@ -77,6 +77,24 @@ TEST(ScaleEvidence, DerivativesAgreeWithFiniteDifferences) {
   }
 }
 
+TEST(ScaleEvidence, DerivativesOfTheDirectionInATurnAgreeWithFiniteDifferences) {
+  Random random(3);
+  constexpr double kSize = 1e-5;
+  for (int draw = 0; draw < 100; ++draw) {
+    SegmentEvidence evidence = RandomTurn(random);
+    evidence.direction_in_turn = DirectionInTurn{random.Uniform(-0.02, 0.02), 0.003, random.Uniform(-2, 2)};
+    const DriveState state = RandomState(random);
+    const Measurement measurement = LinearizeDirectionInTurn(evidence, state, {}).value();
+    for (int i = 0; i < kDriveUnknowns; ++i) {
+      const DriveState off = kSize * DriveState::Unit(i);
+      const double numeric = (LinearizeDirectionInTurn(evidence, state - off, {})->innovation -
+                              LinearizeDirectionInTurn(evidence, state + off, {})->innovation) /
+                             (2 * kSize);
+      EXPECT_NEAR(measurement.by_state[i], numeric, 1e-6 * (1 + std::abs(numeric)));
+    }
+  }
+}
+
 TEST(ScaleEvidence, ATurnOfTheModelMeetsItsExpectation) {
   for (const double side : {1.0, -1.0}) {
     for (const double direction : {0.0, 0.01, -0.01}) {
@@ -101,7 +119,7 @@ TEST(ScaleEvidence, ATurnShowsTheDirectionOfTravelByItself) {
     ASSERT_TRUE(evidence.turn) << evidence.reason;
     const Measurement measurement = LinearizeDirectionInTurn(evidence, StateOf(kUnit, direction, kCar), {}).value();
     EXPECT_NEAR(measurement.innovation, 0, 1e-4);
-    EXPECT_EQ(measurement.by_state, DriveRow::Unit(kDirection));
+    EXPECT_EQ(measurement.by_state[kDirection], 1);
     EXPECT_GT(measurement.variance, std::pow(EvidenceOptions().direction_in_turn_sigma, 2));
     EXPECT_NEAR(LinearizeDirectionInTurn(evidence, StateOf(kUnit, 0, kCar), {})->innovation, direction, 1e-4);
   }
