@@ -160,6 +160,20 @@ std::string TurnsWarning(const RefinedScale& scale) {
                      "the camera's calibration and rotation, the timestamps, the lever arm and the side slip");
 }
 
+// The yaw of an earlier drive that this one contradicts, and which is therefore not used; empty if there is none.
+std::string OtherYaw(const RunSummary& summary) {
+  constexpr double kMostSigmas = 3;
+  const VehicleOptions& vehicle = summary.vehicle;
+  if (!vehicle.camera_known || !summary.mount || !summary.mount->found || summary.mount->moves > 0) return "";
+  const double known = YawPitchRollFromRotation(vehicle.vehicle_from_camera).yaw;
+  const double found = summary.mount->angles.yaw;
+  if (!(std::abs(found - known) > kMostSigmas * std::hypot(vehicle.yaw_sigma, summary.mount->sigma.yaw))) return "";
+  return fmt::format(
+      "the drive gives a camera yaw of {:+.1f} +-{:.1f} deg, not {:+.1f} deg as in the file of the car; "
+      "the trajectory uses the yaw from the drive: {}",
+      InDegrees(found), InDegrees(summary.mount->sigma.yaw), InDegrees(known), kCheckVehicle);
+}
+
 // What the drive says of the car against what was given or is usual.
 std::vector<std::string> CarWarnings(const RefinedScale& scale, const RunSummary& summary) {
   std::vector<std::string> warnings;
@@ -172,6 +186,7 @@ std::vector<std::string> CarWarnings(const RefinedScale& scale, const RunSummary
   if (scale.estimate && scale.estimate->slip_conflict) warnings.push_back(SlipWarning(*scale.estimate->slip_conflict));
   if (scale.estimate && scale.estimate->yaw_conflict)
     warnings.push_back(YawWarning(*scale.estimate->yaw_conflict, RotationRemedy(vehicle)));
+  if (std::string other = OtherYaw(summary); !other.empty()) warnings.push_back(std::move(other));
   return warnings;
 }
 

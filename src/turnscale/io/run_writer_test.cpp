@@ -370,7 +370,7 @@ TEST(RunSummary, CountsAndMeasures) {
   const auto with_car = nlohmann::json::parse(SummaryJson(summary));
   EXPECT_EQ(with_car["by_all_turns"]["side_slip_s2_per_m"], 0.0041);
   EXPECT_NE(
-      SummaryText(summary).find("side slip 0.0041 +-0.0003 s^2/m, remaining yaw error of the camera +0.11 +-0.06 deg"),
+      SummaryText(summary).find("side slip 0.0041 +-0.0003 s^2/m, correction of the camera's yaw +0.11 +-0.06 deg"),
       std::string::npos);
   summary.car = {0.002, 0.001, 0, 1e-9, true};
   EXPECT_NE(SummaryText(summary).find("side slip 0, since the estimate would be negative"), std::string::npos);
@@ -450,6 +450,24 @@ TEST(RunSummary, WarnsOfACameraTooLowOrTooHighForACar) {
   EXPECT_NE(warnings(0.65)[0].find("check --lever-arm, the calibration and whether the video is stabilised"),
             std::string::npos);
   EXPECT_TRUE(warnings(2.8, 2.8).empty()) << "a lorry's";
+}
+
+TEST(RunSummary, NamesAYawOfAnEarlierDriveThatIsNotUsed) {
+  const auto warnings = [](double found_deg, bool known, int moves) {
+    RunSummary summary;
+    summary.vehicle.camera_known = known;
+    summary.vehicle.yaw_sigma = 0.15 / kDegreesPerRadian;
+    summary.vehicle.vehicle_from_camera = RotationFromYawPitchRoll({3.5 / kDegreesPerRadian, 0, 0});
+    summary.mount = MountSummary{{found_deg / kDegreesPerRadian, 0, 0}, {0.2 / kDegreesPerRadian, 0, 0}, true, moves};
+    Summarize(Frames(5, 1), {}, summary);
+    return summary.warnings;
+  };
+  ASSERT_EQ(warnings(0.4, true, 0).size(), 1u);
+  EXPECT_NE(warnings(0.4, true, 0)[0].find("a camera yaw of +0.4 +-0.2 deg, not +3.5 deg as in the file of the car"),
+            std::string::npos);
+  EXPECT_TRUE(warnings(3.3, true, 0).empty());
+  EXPECT_TRUE(warnings(0.4, false, 0).empty()) << "assumed";
+  EXPECT_TRUE(warnings(0.4, true, 1).empty()) << "the camera was moved";
 }
 
 TEST(RunSummary, NamesTheTurnThatContradicts) {

@@ -122,7 +122,7 @@ std::string CarText(const RunSummary& summary) {
   } else if (car->side_slip_sigma > 0) {
     slip = fmt::format("side slip {:.4f} +-{:.4f} s^2/m, ", car->side_slip, car->side_slip_sigma);
   }
-  return fmt::format("car     {}remaining yaw error of the camera {:+.2f} +-{:.2f} deg, from all turns\n{}", slip,
+  return fmt::format("car     {}correction of the camera's yaw {:+.2f} +-{:.2f} deg, from all turns\n{}", slip,
                      car->yaw_error * kDegreesPerRadian, car->yaw_error_sigma * kDegreesPerRadian, HeightText(*car));
 }
 

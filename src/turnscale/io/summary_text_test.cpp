@@ -92,7 +92,7 @@ TEST(SummaryText, ANegativeSlipIsDoubtfulUnlessNoneWasAssumed) {
   summary.car->side_slip_at_bound = true;
   EXPECT_TRUE(Says(summary, "would be negative: check lever arm"));
   summary.vehicle.side_slip = 0;
-  EXPECT_TRUE(Says(summary, "would be negative; remaining"));
+  EXPECT_TRUE(Says(summary, "would be negative; correction"));
   EXPECT_FALSE(Says(summary, "check lever arm"));
 }
 
