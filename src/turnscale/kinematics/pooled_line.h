@@ -82,7 +82,7 @@ struct PooledLine {
   double mean_square_speed = 0;
   double angle = 0;  ///< sum of psi, rad
   /// Its error is independent of that of `lever_arm`. Empty where the turn does not show it.
-  std::optional<DirectionInTurn> direction;
+  std::optional<DirectionInTurn> direction = {};
   int steps = 0;
   int inliers = 0;  ///< inlier steps
 };
