@@ -56,7 +56,7 @@ struct OnlineState {
   /// A turn was seen. Before, the rotation only says which way the car goes, with the camera taken as upright, and the
   /// sigmas are infinite.
   bool estimated = false;
-  bool usable = false;  ///< a turn was seen, and yaw is known well enough
+  bool usable = false;  ///< a turn was seen, and yaw and roll are known well enough
   bool moved = false;   ///< this very step showed that the camera was moved: all before it is forgotten
   int moves = 0;        ///< so far
 };

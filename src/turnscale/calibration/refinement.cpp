@@ -29,8 +29,8 @@ constexpr int kIterationsWithNewWeights = 10;
 constexpr double kLeverArmSpread = 0.5;
 // And within this share of a step's way, where the drive's own is not known yet.
 constexpr double kLeastLeverArmSpread = 0.1;
-// Of this spread, in an iteration. Where the camera swings out by more than it goes forward, as in a bus, full steps of
-// a few turning steps overshoot, and end with an endless lever arm that takes straights for turns.
+// Of this spread, in an iteration. Where the camera swings out by more than it goes forward, as in a bus, full steps
+// diverge if few steps turn: the lever arm grows without bound, and straights are explained as turns.
 constexpr double kMostLeverArmStep = 0.5;
 // Relative; the last update of the lever arms.
 constexpr double kLeverArmTolerance = 1e-3;

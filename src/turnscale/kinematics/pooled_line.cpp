@@ -135,43 +135,6 @@ TurnColumns ColumnsOf(const std::vector<VehicleStep>& steps) {
   return columns;
 }
 
-// Least squares in which x and the roll are taken out of both sides first. The weights are its own: with a wrong
-// direction, the long steps at the ends of the turn, which show it, are the outliers of the line without it.
-std::optional<DirectionInTurn> DirectionShownBy(const std::vector<VehicleStep>& steps, double noise_floor,
-                                                const PooledLineOptions& options) {
-  const TurnColumns columns = ColumnsOf(steps);
-  const auto freedom = static_cast<double>(steps.size()) - 3;
-  if (!(freedom > 0)) return std::nullopt;
-  Eigen::ArrayXd root_weights = Eigen::ArrayXd::Ones(columns.lateral.size());
-  DirectionInTurn direction;
-  for (int i = 0; i < kDirectionReweightings; ++i) {
-    const auto weighted = [&](const auto& column) -> Eigen::VectorXd { return column.array() * root_weights; };
-    const Eigen::VectorXd swing = weighted(columns.explained.col(0));
-    const Eigen::VectorXd roll = Orthogonal(weighted(columns.explained.col(1)), swing);
-    const auto unexplained = [&](const auto& column) { return Orthogonal(Orthogonal(weighted(column), swing), roll); };
-    const Eigen::VectorXd whole_way = weighted(columns.explained.col(2));
-    const Eigen::VectorXd forward = unexplained(columns.explained.col(2));
-    const Eigen::VectorXd lateral = unexplained(columns.lateral);
-    const double square = forward.squaredNorm();
-    const double share = square / whole_way.squaredNorm();
-    if (!(share > options.min_forward_share)) return std::nullopt;
-    direction.angle = forward.dot(lateral) / square;
-    direction.by_slip = forward.dot(unexplained(columns.slip)) / square;
-    const Eigen::ArrayXd off = (lateral - direction.angle * forward).array();
-    const double spread = std::max(off.matrix().norm() / std::sqrt(freedom), noise_floor);
-    // The noise of psi moves x, and with it the part of the way that x does not explain, towards the mean direction of
-    // travel in the turn.
-    const double psi_noise = options.sigma_psi * std::sqrt(root_weights.square().sum()) / swing.norm();
-    const double travel = weighted(columns.lateral).dot(whole_way) / whole_way.squaredNorm() - direction.angle;
-    direction.sigma = std::hypot(spread / std::sqrt(square), travel * psi_noise * psi_noise / share);
-    std::vector<double> residuals(off.size());
-    Eigen::ArrayXd::Map(residuals.data(), off.size()) = off / root_weights;
-    const double width = kDirectionHuber * std::max(RobustSigma(residuals), noise_floor);
-    for (Eigen::Index k = 0; k < off.size(); ++k) root_weights[k] = std::sqrt(HuberWeight(residuals[k] / width, 1));
-  }
-  return direction;
-}
-
 PooledLine Describe(const std::vector<VehicleStep>& steps, const RobustLine& fit, double roll_height) {
   PooledLine line;
   line.sigma = fit.sigma;
@@ -253,8 +216,7 @@ PooledLineResult PoolTurn(std::span<const VehicleStep> all_steps, const PooledLi
   fit = FitRobustLine(points, noise_floor, options.robust_threshold);
   if (!std::isfinite(fit.slope)) return NoLine("the steps are inconsistent");
 
-  PooledLine line = Describe(steps, fit, roll_height);
-  line.direction = DirectionShownBy(steps, noise_floor, options);
+  const PooledLine line = Describe(steps, fit, roll_height);
   if (line.inliers < std::max(options.min_inliers, (line.steps + 1) / 2)) {
     return NoLine(Text("only %.0f of %.0f steps are inliers", line.inliers, line.steps));
   }
@@ -266,6 +228,45 @@ PooledLineResult PoolTurn(std::span<const VehicleStep> all_steps, const PooledLi
                        options.min_angle * kDegreesPerRadian));
   }
   return {line, {}};
+}
+
+// Least squares in which x and the roll are taken out of both sides first. The weights are its own: with a wrong
+// direction, the long steps at the ends of the turn, which show it, are the outliers of the line without it.
+std::optional<DirectionInTurn> DirectionOfTurn(std::span<const VehicleStep> all_steps,
+                                               const PooledLineOptions& options) {
+  const std::vector<VehicleStep> steps = Usable(all_steps);
+  const auto freedom = static_cast<double>(steps.size()) - 3;
+  if (!(freedom > 0)) return std::nullopt;
+  const double noise_floor = LateralNoise(steps, options.sigma_theta);
+  const TurnColumns columns = ColumnsOf(steps);
+  Eigen::ArrayXd root_weights = Eigen::ArrayXd::Ones(columns.lateral.size());
+  DirectionInTurn direction;
+  for (int i = 0; i < kDirectionReweightings; ++i) {
+    const auto weighted = [&](const auto& column) -> Eigen::VectorXd { return column.array() * root_weights; };
+    const Eigen::VectorXd swing = weighted(columns.explained.col(0));
+    const Eigen::VectorXd roll = Orthogonal(weighted(columns.explained.col(1)), swing);
+    const auto unexplained = [&](const auto& column) { return Orthogonal(Orthogonal(weighted(column), swing), roll); };
+    const Eigen::VectorXd whole_way = weighted(columns.explained.col(2));
+    const Eigen::VectorXd forward = unexplained(columns.explained.col(2));
+    const Eigen::VectorXd lateral = unexplained(columns.lateral);
+    const double square = forward.squaredNorm();
+    const double share = square / whole_way.squaredNorm();
+    if (!(share > options.min_forward_share)) return std::nullopt;
+    direction.angle = forward.dot(lateral) / square;
+    direction.by_slip = forward.dot(unexplained(columns.slip)) / square;
+    const Eigen::ArrayXd off = (lateral - direction.angle * forward).array();
+    const double spread = std::max(off.matrix().norm() / std::sqrt(freedom), noise_floor);
+    // The noise of psi moves x, and with it the part of the way that x does not explain, towards the mean direction of
+    // travel in the turn.
+    const double psi_noise = options.sigma_psi * std::sqrt(root_weights.square().sum()) / swing.norm();
+    const double travel = weighted(columns.lateral).dot(whole_way) / whole_way.squaredNorm() - direction.angle;
+    direction.sigma = std::hypot(spread / std::sqrt(square), travel * psi_noise * psi_noise / share);
+    std::vector<double> residuals(off.size());
+    Eigen::ArrayXd::Map(residuals.data(), off.size()) = off / root_weights;
+    const double width = kDirectionHuber * std::max(RobustSigma(residuals), noise_floor);
+    for (Eigen::Index k = 0; k < off.size(); ++k) root_weights[k] = std::sqrt(HuberWeight(residuals[k] / width, 1));
+  }
+  return direction;
 }
 
 double MetresPerUnit(const PooledLine& line, const LeverArm& lever_arm, double direction) {

@@ -56,15 +56,6 @@ struct PooledLineOptions {
   void Check() const;
 };
 
-/// Direction of travel on straights, as a turn shows it by itself: the part of the lateral displacements of its steps
-/// that is proportional to the way forward, and neither to x nor to the roll. The curvature has to change in the turn.
-struct DirectionInTurn {
-  /// rad, positive to the right; the direction of travel less c lambda `by_slip`.
-  double angle = 0;
-  double sigma = 0;    ///< standard deviation of `angle`, from the scatter of the steps, rad
-  double by_slip = 0;  ///< of a speed that changes in the turn, units/s^2
-};
-
 /// Robust line fit of one turn, which needs no scale: every step has a lateral displacement
 /// y = VehicleStep::lateral() that is the effective lever arm times x = 2 sin(psi/2) (see the paper's (22)), and the
 /// height of the camera above the axis of roll times VehicleStep::roll. The slope by x is the effective lever arm in
@@ -81,8 +72,6 @@ struct PooledLine {
   /// the slip of the tyres has the opposite sign relative to psi.
   double mean_square_speed = 0;
   double angle = 0;  ///< sum of psi, rad
-  /// Its error is independent of that of `lever_arm`. Empty where the turn does not show it.
-  std::optional<DirectionInTurn> direction = {};
   int steps = 0;
   int inliers = 0;  ///< inlier steps
 };
@@ -99,6 +88,19 @@ struct PooledLineResult {
 /// the camera's yaw, the slip of the tyres. The part of the residuals that is proportional to the roll does not count
 /// as noise; `lever_arm` is the slope with this part left in y.
 PooledLineResult PoolTurn(std::span<const VehicleStep> steps, const PooledLineOptions& options);
+
+/// Direction of travel on straights, as a turn shows it by itself: the part of the lateral displacements of its steps
+/// that is proportional to the way forward, and neither to x nor to the roll. The curvature has to change in the turn.
+struct DirectionInTurn {
+  /// rad, positive to the right; the direction of travel less c lambda `by_slip`.
+  double angle = 0;
+  double sigma = 0;    ///< standard deviation of `angle`, from the scatter of the steps, rad
+  double by_slip = 0;  ///< of a speed that changes in the turn, units/s^2
+};
+
+/// Fits it to the usable steps of a turn; its error is independent of that of the line. Empty where the turn does not
+/// show it: too few steps, or a curvature that hardly changes.
+std::optional<DirectionInTurn> DirectionOfTurn(std::span<const VehicleStep> steps, const PooledLineOptions& options);
 
 /// The scale (metres per unit) lambda that gives this lever arm: the positive root, in reverse the smaller of two, of
 ///   lambda (lever_arm - direction by_direction) + c lambda^2 mean_square_speed = L + roll_height by_roll_height.

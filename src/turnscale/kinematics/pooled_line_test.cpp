@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <random>
 
 #include <gtest/gtest.h>
@@ -198,12 +199,12 @@ TEST(PooledLine, ShowsTheDirectionOfTravel) {
         std::vector<VehicleStep> steps = Corner(lever_arm, side);
         AddRoll(0.6, 2, steps);
         for (VehicleStep& step : steps) step.motion.theta += direction;
-        const PooledLine line = LineOf(steps);
-        ASSERT_TRUE(line.direction);
-        EXPECT_NEAR(line.direction->angle + lever_arm.side_slip * kMetresPerUnit * line.direction->by_slip, direction,
+        const std::optional<DirectionInTurn> shown = DirectionOfTurn(steps, {});
+        ASSERT_TRUE(shown);
+        EXPECT_NEAR(shown->angle + lever_arm.side_slip * kMetresPerUnit * shown->by_slip, direction,
                     0.02 * std::abs(direction));
-        EXPECT_GT(line.direction->sigma, 0.001) << "steps are never better than that";
-        EXPECT_LT(line.direction->sigma, 0.004);
+        EXPECT_GT(shown->sigma, 0.001) << "steps are never better than that";
+        EXPECT_LT(shown->sigma, 0.004);
       }
     }
   }
@@ -219,10 +220,11 @@ TEST(PooledLine, TheDirectionScattersAsItsSigmaSaysAndIndependentlyOfTheLine) {
     std::vector<VehicleStep> steps = EvenCorner(kRigid);
     AddSidewaysNoise(0.0015, seed, steps);
     const PooledLine line = LineOf(steps);
-    ASSERT_TRUE(line.direction);
-    squares += std::pow(line.direction->angle, 2);
-    sigma += line.direction->sigma;
-    product += line.direction->angle * (line.lever_arm - lever_arm);
+    const std::optional<DirectionInTurn> shown = DirectionOfTurn(steps, {});
+    ASSERT_TRUE(shown);
+    squares += std::pow(shown->angle, 2);
+    sigma += shown->sigma;
+    product += shown->angle * (line.lever_arm - lever_arm);
     line_squares += std::pow(line.lever_arm - lever_arm, 2);
   }
   EXPECT_NEAR(sigma / kSeeds / std::sqrt(squares / kSeeds), 1.0, 0.2);
@@ -235,7 +237,7 @@ TEST(PooledLine, ATurnOfEvenCurvatureShowsNoDirection) {
     std::mt19937 random(seed);
     std::normal_distribution<double> psi(0, 0.05 * M_PI / 180);
     for (VehicleStep& step : steps) step.motion.psi += psi(random);
-    EXPECT_FALSE(LineOf(steps).direction);
+    EXPECT_FALSE(DirectionOfTurn(steps, {}));
   }
 }
 
@@ -255,10 +257,10 @@ TEST(PooledLine, TheDirectionIsUncertainWhereTheCurvatureHardlyChanges) {
       steps[i].motion.theta = 0.5 * steps[i].motion.psi + std::asin(share * sideways / steps[i].motion.step);
       steps[i].motion.psi += psi(random);
     }
-    const PooledLine line = LineOf(steps);
-    ASSERT_TRUE(line.direction);
-    sum += line.direction->angle;
-    sigma += line.direction->sigma;
+    const std::optional<DirectionInTurn> shown = DirectionOfTurn(steps, {});
+    ASSERT_TRUE(shown);
+    sum += shown->angle;
+    sigma += shown->sigma;
   }
   EXPECT_LT(std::abs(sum), 2 * sigma) << "a bias that is the same in all such turns";
 }

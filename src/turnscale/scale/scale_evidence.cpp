@@ -115,7 +115,7 @@ SegmentEvidence EvidenceOfTurn(std::span<const VehicleStep> steps, const Evidenc
   evidence.turning = true;
   PooledLineResult pooled = PoolTurn(steps, options.line);
   evidence.turn = pooled.line;
-  if (pooled.line) evidence.direction_in_turn = pooled.line->direction;
+  if (pooled.line) evidence.direction_in_turn = DirectionOfTurn(steps, options.line);
   evidence.reason = std::move(pooled.reason);
   return evidence;
 }
