@@ -97,7 +97,6 @@ TURNSCALE_FFMPEG(kCodec, avcodec_receive_packet);
 TURNSCALE_FFMPEG(kCodec, avcodec_send_frame);
 TURNSCALE_FFMPEG(kCodec, avcodec_send_packet);
 
-TURNSCALE_FFMPEG(kFormat, av_find_best_stream);
 TURNSCALE_FFMPEG(kFormat, av_guess_sample_aspect_ratio);
 TURNSCALE_FFMPEG(kFormat, av_interleaved_write_frame);
 TURNSCALE_FFMPEG(kFormat, av_read_frame);
@@ -107,6 +106,8 @@ TURNSCALE_FFMPEG(kFormat, avformat_alloc_output_context2);
 TURNSCALE_FFMPEG(kFormat, avformat_close_input);
 TURNSCALE_FFMPEG(kFormat, avformat_find_stream_info);
 TURNSCALE_FFMPEG(kFormat, avformat_free_context);
+TURNSCALE_FFMPEG(kFormat, avformat_index_get_entries_count);
+TURNSCALE_FFMPEG(kFormat, avformat_index_get_entry);
 TURNSCALE_FFMPEG(kFormat, avformat_new_stream);
 TURNSCALE_FFMPEG(kFormat, avformat_open_input);
 TURNSCALE_FFMPEG(kFormat, avformat_write_header);

@@ -23,7 +23,8 @@ struct TestVideo {
   bool mirrored = false;             ///< a player is to mirror the images left to right, after rotating them
   double pixel_aspect = 1;           ///< width of a pixel over its height
   bool interlaced = false;
-  std::string created = {};  ///< ISO 8601
+  std::string created = {};               ///< ISO 8601
+  std::vector<cv::Mat> first_track = {};  ///< gray or BGR images of a track before the one that players choose
 };
 
 /// Writes gray or BGR images of one size.

@@ -12,7 +12,9 @@
 #include <new>
 #include <numeric>
 #include <optional>
+#include <span>
 #include <string>
+#include <string_view>
 #include <system_error>
 #include <utility>
 
@@ -57,6 +59,12 @@ double PixelAspect(AVFormatContext& input, AVStream& stream) {
   return aspect < kMostAspect && aspect > 1 / kMostAspect ? aspect : 1.0;
 }
 
+// Whether the track is a picture that belongs to a video, such as its thumbnail.
+bool IsPicture(const AVStream& track) {
+  constexpr int kPicture = AV_DISPOSITION_ATTACHED_PIC | AV_DISPOSITION_TIMED_THUMBNAILS | AV_DISPOSITION_STILL_IMAGE;
+  return (track.disposition & kPicture) != 0 || track.nb_frames == 1;
+}
+
 // Years before are clocks that were never set.
 std::optional<double> CreationTime(const AVFormatContext& input, const AVStream& stream) {
   constexpr int64_t kYear2000 = 946684800;
@@ -97,12 +105,14 @@ struct VideoFile::State {
     if (result < 0) Refuse();
     input.reset(opened);
     if (ffmpeg::avformat_find_stream_info(opened, nullptr) < 0) Refuse();
-    const AVCodec* codec = nullptr;
-    const int index = ffmpeg::av_find_best_stream(opened, AVMEDIA_TYPE_VIDEO, -1, -1, &codec, 0);
-    if (index < 0 || codec == nullptr) Refuse();
-    for (unsigned i = 0; i < opened->nb_streams; ++i)
-      if (static_cast<int>(i) != index) opened->streams[i]->discard = AVDISCARD_ALL;
-    stream = opened->streams[index];
+    const std::vector<AVStream*> tracks = Tracks();
+    if (tracks.empty()) Refuse();
+    // Always the first: dashcams put the videos of two cameras into one file, in the same order in every clip.
+    stream = tracks.front();
+    header.tracks = static_cast<int>(tracks.size());
+    for (AVStream* other : std::span(opened->streams, opened->nb_streams))
+      if (other != stream) other->discard = AVDISCARD_ALL;
+    const AVCodec* codec = ffmpeg::avcodec_find_decoder(stream->codecpar->codec_id);
     decoder.reset(Allocated(ffmpeg::avcodec_alloc_context3(codec)));
     packet.reset(Allocated(ffmpeg::av_packet_alloc()));
     frame.reset(Allocated(ffmpeg::av_frame_alloc()));
@@ -112,11 +122,23 @@ struct VideoFile::State {
         ffmpeg::avcodec_open2(decoder.get(), codec, nullptr) < 0) {
       Refuse();
     }
-    if (stream->codecpar->width <= 0 || stream->codecpar->height <= 0) Refuse();
     const AVFieldOrder order = stream->codecpar->field_order;
     if (order != AV_FIELD_UNKNOWN && order != AV_FIELD_PROGRESSIVE) RefuseInterlaced(path);
     orientation = OrientationOf(*stream);
     ReadHeader();
+  }
+
+  // The videos that can be decoded; pictures only where there is nothing else.
+  std::vector<AVStream*> Tracks() const {
+    std::vector<AVStream*> videos;
+    std::vector<AVStream*> pictures;
+    for (AVStream* track : std::span(input->streams, input->nb_streams)) {
+      const AVCodecParameters& codec = *track->codecpar;
+      if (codec.codec_type != AVMEDIA_TYPE_VIDEO || codec.width <= 0 || codec.height <= 0) continue;
+      if (ffmpeg::avcodec_find_decoder(codec.codec_id) == nullptr) continue;
+      (IsPicture(*track) ? pictures : videos).push_back(track);
+    }
+    return videos.empty() ? pictures : videos;
   }
 
   [[noreturn]] void Refuse() const {
@@ -134,6 +156,18 @@ struct VideoFile::State {
   double CodecRate() {
     ahead = Advance();
     return decoder->framerate.num > 0 && decoder->framerate.den > 0 ? av_q2d(decoder->framerate) : 0.0;
+  }
+
+  // As the container says; 0 if it does not. Cutters that do not encode anew leave the frames from the key frame to the
+  // cut in an MP4, and hide them by an edit list. Its index then has them marked, if at all.
+  int64_t CountedFrames() const {
+    const int entries = ffmpeg::avformat_index_get_entries_count(stream);
+    const bool is_mp4 = std::string_view(input->iformat->name).find("mp4") != std::string_view::npos;
+    if (!is_mp4 || stream->nb_frames <= 0 || entries <= 0) return stream->nb_frames;
+    int64_t count = 0;
+    for (int i = 0; i < entries; ++i)
+      if ((ffmpeg::avformat_index_get_entry(stream, i)->flags & AVINDEX_DISCARD_FRAME) == 0) ++count;
+    return count;
   }
 
   void ReadHeader() {
@@ -158,10 +192,12 @@ struct VideoFile::State {
     }
     // From file size and bit rate, which is no measure of a video.
     if (input->duration_estimation_method == AVFMT_DURATION_FROM_BITRATE) header.duration = 0;
-    header.counted = stream->nb_frames > 0 && stream->nb_frames < std::numeric_limits<int>::max();
+    if (stream->start_time != AV_NOPTS_VALUE) header.begin = InSeconds(stream->start_time);
+    const int64_t count = CountedFrames();
+    header.counted = count > 0 && count < std::numeric_limits<int>::max();
     const double estimate = std::round(header.duration * header.rate);
     if (header.counted) {
-      header.frames = static_cast<int>(stream->nb_frames);
+      header.frames = static_cast<int>(count);
     } else if (estimate < std::numeric_limits<int>::max()) {
       header.frames = static_cast<int>(estimate);
     }

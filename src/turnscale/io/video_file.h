@@ -20,9 +20,11 @@ struct VideoHeader {
   double rate = 0;                ///< frames per second on average; 0 if unknown
   double tick = 0;                ///< resolution of the stamps, seconds
   double duration = 0;            ///< seconds; 0 if unknown
-  int frames = 0;                 ///< number of frames; 0 if unknown
+  std::optional<double> begin;    ///< stamp of the first frame, seconds
+  int frames = 0;                 ///< number of frames, without those that an edit list hides; 0 if unknown
   bool counted = false;           ///< `frames` is the container's own count, not an estimate from duration and rate
   std::optional<double> created;  ///< when it was recorded, seconds since 1970
+  int tracks = 1;                 ///< number of videos in the file, of which the first is decoded
 };
 
 /// When a frame of a video is shown.

@@ -107,6 +107,40 @@ TEST_F(VideoFileTest, HeaderTellsSizeRateAndLength) {
   EXPECT_EQ(CountVideoFrames(folder_ / "v.mkv"), 40);
 }
 
+TEST_F(VideoFileTest, FramesThatAnEditListHidesAreNotCounted) {
+  for (const std::string name : {"v.mp4", "v.mov"}) {
+    for (const int b_frames : {0, 2}) {
+      TestVideo cut{.ticks_per_second = 10, .b_frames = b_frames};
+      // Those before zero are hidden. The cut is between two key frames.
+      for (int i = 0; i < 60; ++i) cut.stamps.push_back(i - 17);
+      const fs::path path = Write(name, cut, 60);
+      const VideoHeader header = VideoFile(path).header();
+      EXPECT_EQ(header.frames, 43) << name << " " << b_frames;
+      EXPECT_TRUE(header.counted);
+      EXPECT_EQ(header.begin, 0);
+      EXPECT_EQ(CountVideoFrames(path), 43) << name << " " << b_frames;
+    }
+  }
+}
+
+TEST_F(VideoFileTest, TheFirstOfSeveralTracksIsDecoded) {
+  for (const std::string name : {"v.mp4", "v.mkv", "v.avi"}) {
+    const std::vector<cv::Mat> small(12, cv::Mat(24, 32, CV_8UC1, cv::Scalar(77)));
+    VideoFile video(Write(name, {.first_track = small}));
+    EXPECT_EQ(video.header().size, cv::Size(32, 24)) << name;
+    EXPECT_EQ(video.header().tracks, 2) << name;
+    int count = 0;
+    for (; video.Advance(); ++count) EXPECT_NEAR(video.Gray().at<uint8_t>(12, 16), 77, 2) << name;
+    EXPECT_EQ(count, 12) << name;
+  }
+  EXPECT_EQ(VideoFile(Write("v.mp4")).header().tracks, 1);
+  const VideoHeader thumbnail =
+      VideoFile(Write("v.mp4", {.first_track = {cv::Mat(24, 32, CV_8UC1, cv::Scalar(77))}})).header();
+  EXPECT_EQ(thumbnail.size, cv::Size(64, 48)) << "a track of one image";
+  EXPECT_EQ(thumbnail.tracks, 1);
+  EXPECT_EQ(CountVideoFrames(Write("v.mp4", {}, 1)), 1) << "nothing else";
+}
+
 TEST_F(VideoFileTest, BareStreamsHaveNoStampsAndPerhapsARate) {
   VideoFile video(Write("v.m2v", {.codec = "mpeg2video", .b_frames = 2}));
   EXPECT_DOUBLE_EQ(video.header().rate, 25);
