@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <set>
 #include <string_view>
 #include <utility>
 
@@ -15,6 +16,7 @@
 #include "turnscale/base/file_extension.h"
 #include "turnscale/base/number_text.h"
 #include "turnscale/base/text_lines.h"
+#include "turnscale/io/clip_names.h"
 #include "turnscale/io/run_files.h"
 #include "turnscale/io/time_unit.h"
 
@@ -75,14 +77,22 @@ std::optional<fs::path> FileIn(const fs::path& folder, const char* name) {
   return fs::is_regular_file(folder / name, error) ? std::optional(folder / name) : std::nullopt;
 }
 
+std::vector<fs::path> VideosIn(const fs::path& folder) {
+  std::vector<fs::path> videos = FilesIn(folder, IsVideoName);
+  std::sort(videos.begin(), videos.end(), [](const fs::path& a, const fs::path& b) {
+    return ClipNameLess(a.filename().string(), b.filename().string());
+  });
+  return videos;
+}
+
 // The videos of a folder, or of the folders in it, as memory cards have them: DCIM/100MEDIA, DCIM/101MEDIA.
 std::vector<fs::path> VideosOf(const fs::path& folder, bool also_below) {
-  std::vector<fs::path> videos = FilesIn(folder, IsVideoName);
+  std::vector<fs::path> videos = VideosIn(folder);
   if (!videos.empty() || !also_below) return videos;
   for (const fs::path& below : FoldersIn(folder)) {
     // Such as lost+found.
     if (std::error_code error; fs::directory_iterator(below, error), error) continue;
-    const std::vector<fs::path> more = FilesIn(below, IsVideoName);
+    const std::vector<fs::path> more = VideosIn(below);
     videos.insert(videos.end(), more.begin(), more.end());
   }
   return videos;
@@ -91,6 +101,14 @@ std::vector<fs::path> VideosOf(const fs::path& folder, bool also_below) {
 // Cameras put a picture of each video beside it.
 bool IsThumbnail(const fs::path& image, const std::vector<fs::path>& videos) {
   return std::any_of(videos.begin(), videos.end(), [&](const fs::path& video) { return video.stem() == image.stem(); });
+}
+
+// Whether the names tell that the camera was stopped and started between two of the videos.
+bool AreOfSeveralRecordings(const std::vector<fs::path>& videos) {
+  std::set<int> recordings;
+  for (const fs::path& video : videos)
+    if (const auto chapter = ChapterInName(video.stem().string())) recordings.insert(chapter->recording);
+  return recordings.size() > 1;
 }
 
 void RefuseTopic(const std::string& topic, const fs::path& input) {
@@ -128,6 +146,7 @@ DriveInput FindInFolder(const fs::path& folder, const std::string& topic) {
   drive.several_folders = std::any_of(drive.videos.begin(), drive.videos.end(), [&](const fs::path& video) {
     return video.parent_path() != drive.videos.front().parent_path();
   });
+  drive.several_recordings = AreOfSeveralRecordings(drive.videos);
   if (drive.videos.size() == 1) drive.path = drive.videos.front();
   if (!drive.images.empty() || !drive.videos.empty()) {
     RefuseTopic(topic, drive.path);

@@ -38,9 +38,10 @@ struct FrameClock {
 struct DriveInput {
   std::filesystem::path path;  ///< the folder that holds the images or videos, or the video or bag
   std::vector<std::filesystem::path> images;
-  std::vector<std::filesystem::path> videos;         ///< one, or several that continue one another
-  std::optional<BagDrive> bags;                      ///< a topic of one, or of several that continue one another
-  bool several_folders = false;                      ///< the videos were found in more than one folder
+  std::vector<std::filesystem::path> videos;  ///< one, or several that continue one another
+  std::optional<BagDrive> bags;               ///< a topic of one, or of several that continue one another
+  bool several_folders = false;               ///< the videos were found in more than one folder
+  bool several_recordings = false;            ///< those found are of more than one, as their names tell (Chapter)
   std::optional<std::filesystem::path> camera_file;  ///< `calib.txt`, else `camera.yaml`, beside the images
   std::optional<std::filesystem::path> times_file;   ///< `times.txt` beside the images
 };
@@ -49,10 +50,11 @@ struct DriveInput {
 bool NaturalLess(std::string_view a, std::string_view b);
 
 /// Detects the kind of INPUT: a KITTI folder (`image_0/` or `images/`, with `calib.txt` or
-/// `camera.yaml`, and `times.txt`), a folder of images, a folder with videos, which continue one another in natural
-/// order, the folder of a memory card with such folders in it, a video file, a bag, or the folder that ROS 2 keeps a
-/// bag in (`metadata.yaml`). Images named like the videos beside them are passed over as thumbnails. `topic`: of a
-/// bag's images, where it has several. Throws InputError where it is none of these, or holds both kinds.
+/// `camera.yaml`, and `times.txt`), a folder of images, a folder with videos, which continue one another in the
+/// order of their names (ClipNameLess), the folder of a memory card with such folders in it, a video file, a bag, or
+/// the folder that ROS 2 keeps a bag in (`metadata.yaml`). Images named like the videos beside them are passed over as
+/// thumbnails. `topic`: of a bag's images, where it has several. Throws InputError where it is none of these, or holds
+/// both kinds.
 DriveInput FindDrive(const std::filesystem::path& input, const std::string& topic = {});
 
 /// The same for several INPUTs, which have to be video files, or bags, that continue one another.

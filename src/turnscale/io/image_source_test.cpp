@@ -363,6 +363,16 @@ TEST_F(ImageSourceTest, AMemoryCardIsOneDrive) {
   }
 }
 
+TEST_F(ImageSourceTest, ChaptersOfARecordingStandTogether) {
+  for (const char* name : {"GX010124.MP4", "GX020123.MP4", "GX010123.MP4"}) Text(name, "");
+  const DriveInput two = FindDrive(folder_);
+  EXPECT_EQ(two.videos,
+            std::vector<fs::path>({folder_ / "GX010123.MP4", folder_ / "GX020123.MP4", folder_ / "GX010124.MP4"}));
+  EXPECT_TRUE(two.several_recordings);
+  fs::remove(folder_ / "GX010124.MP4");
+  EXPECT_FALSE(FindDrive(folder_).several_recordings);
+}
+
 TEST_F(ImageSourceTest, APartOfTheDriveKeepsItsTimes) {
   Images(folder_, 0, 20);
   std::string times;

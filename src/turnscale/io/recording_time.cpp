@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "turnscale/base/error.h"
+#include "turnscale/io/clip_names.h"
 #include "turnscale/io/clip_overlap.h"
 
 namespace turnscale {
@@ -17,6 +18,8 @@ namespace {
 
 // Both ends of a pause are known to the second, rounded down.
 constexpr double kResolution = 1.5;  // s
+// Creation times that differ by no more are of the same moment.
+constexpr double kSameMoment = 1;  // s
 // Clips that overlap by a larger share of the shorter one are of two cameras.
 constexpr double kLargestShare = 0.5;
 // A path across a longer one would be a guess.
@@ -45,6 +48,12 @@ std::optional<double> TimeAt(std::string_view text) {
   return 86400.0 * static_cast<double>(days) + 3600.0 * hour + 60.0 * minute + second;
 }
 
+std::optional<Chapter> ChapterOf(const std::filesystem::path& clip) { return ChapterInName(clip.stem().string()); }
+
+bool AreOfOneRecording(const std::optional<Chapter>& a, const std::optional<Chapter>& b) {
+  return a && b && a->recording == b->recording;
+}
+
 }  // namespace
 
 std::optional<double> TimeInName(std::string_view name) {
@@ -68,7 +77,27 @@ RecordingTimes::RecordingTimes(const std::vector<std::filesystem::path>& clips, 
   if (by_name_) {
     starts_ = std::move(named);
   } else if (created.size() == clips.size()) {
-    starts_ = std::move(created);
+    created_ = std::move(created);
+    PlaceCoinciding();
+  }
+}
+
+// Whether the clip cannot begin at its creation time, as it is that of the clip before.
+bool RecordingTimes::Coincides(size_t clip) const {
+  if (created_.empty()) return false;
+  const double between = created_[clip] - created_[clip - 1];
+  return std::abs(between) <= kSameMoment && durations_[clip - 1] - between > kResolution;
+}
+
+void RecordingTimes::PlaceCoinciding() {
+  starts_ = created_;
+  for (size_t i = 1; i < starts_.size(); ++i) {
+    if (!Coincides(i)) continue;
+    starts_[i] = starts_[i - 1] + durations_[i - 1];
+    // The end of a short clip is that moment, too.
+    const bool guessed =
+        !AreOfOneRecording(ChapterOf(clips_[i - 1]), ChapterOf(clips_[i])) && durations_[i] > kResolution;
+    if (guessed && !guessed_) guessed_ = i;
   }
 }
 
@@ -76,11 +105,25 @@ double RecordingTimes::PauseAfter(size_t clip, double duration) const {
   const double between = starts_[clip + 1] - starts_[clip];
   const double pause = between - duration;
   // Some recorders write the creation time when they close the file.
-  const bool by_ends = !by_name_ && std::abs(between - durations_[clip + 1]) <= kResolution;
+  const bool by_ends = !by_name_ && !Coincides(clip + 1) && std::abs(between - durations_[clip + 1]) <= kResolution;
   return by_ends ? 0.0 : pause;
 }
 
+void RecordingTimes::CheckChapters() const {
+  for (size_t i = 1; i < clips_.size(); ++i) {
+    if (!starts_.empty() && !Coincides(i)) continue;
+    const std::optional<Chapter> before = ChapterOf(clips_[i - 1]);
+    const std::optional<Chapter> chapter = ChapterOf(clips_[i]);
+    if (!AreOfOneRecording(before, chapter) || chapter->number == before->number + 1) continue;
+    throw InputError(fmt::format(
+        "{}: is chapter {} of its recording, but follows chapter {} ({}); give chapters that follow one another, in "
+        "their order",
+        clips_[i].string(), chapter->number, before->number, clips_[i - 1].filename().string()));
+  }
+}
+
 void RecordingTimes::CheckContinuity() const {
+  CheckChapters();
   const char* times = by_name_ ? "in their names" : "at which the files were made (creation_time)";
   for (size_t i = 0; i + 1 < starts_.size(); ++i) {
     const double pause = PauseAfter(i, durations_[i]);

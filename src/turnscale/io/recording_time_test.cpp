@@ -90,7 +90,54 @@ TEST(RecordingTimes, CreationTimesStandInForNames) {
   const RecordingTimes closed(clips, {Header(60, kMayNoon), Header(20, kMayNoon + 20)});
   EXPECT_EQ(Complaint(closed), "");
   EXPECT_EQ(closed.GapAfter(0, 60), 0);
-  EXPECT_NE(Complaint({clips, {Header(60, kMayNoon), Header(60, kMayNoon)}}).find("creation_time"), std::string::npos);
+  EXPECT_NE(Complaint({clips, {Header(60, kMayNoon), Header(60, kMayNoon + 30)}}).find("creation_time"),
+            std::string::npos);
+}
+
+TEST(RecordingTimes, ChaptersWithOneCreationTimeFollowOneAnother) {
+  const RecordingTimes times({"GX010123.MP4", "GX020123.MP4", "GX030123.MP4", "GX010124.MP4", "GX020124.MP4"},
+                             {Header(708, kMayNoon), Header(708, kMayNoon), Header(20, kMayNoon + 1),
+                              Header(708, kMayNoon + 1500), Header(9, kMayNoon + 1500)});
+  EXPECT_TRUE(times.AreKnown());
+  EXPECT_FALSE(times.Guessed().has_value());
+  EXPECT_EQ(Complaint(times), "");
+  EXPECT_EQ(times.GapAfter(0, 708), 0);
+  EXPECT_EQ(times.OverlapAfter(0, 708), 0);
+  EXPECT_EQ(times.GapAfter(1, 707.5), 0);
+  EXPECT_DOUBLE_EQ(times.GapAfter(0, 600), 108) << "its end is damaged";
+  EXPECT_DOUBLE_EQ(times.GapAfter(2, 20), 64) << "the next recording";
+  EXPECT_EQ(times.GapAfter(3, 708), 0);
+  const std::string complaint =
+      Complaint({{"GX010123.MP4", "GX010124.MP4"}, {Header(708, kMayNoon), Header(708, kMayNoon + 7200)}});
+  EXPECT_NE(complaint.find("another drive; name the clips of one drive instead"), std::string::npos) << complaint;
+}
+
+TEST(RecordingTimes, AChapterThatIsMissingIsNamed) {
+  const std::string expected =
+      "d/GX030123.MP4: is chapter 3 of its recording, but follows chapter 1 (GX010123.MP4); give chapters that follow "
+      "one another, in their order";
+  const std::vector<std::filesystem::path> clips = {"d/GX010123.MP4", "d/GX030123.MP4"};
+  EXPECT_EQ(Complaint({clips, {Header(708, kMayNoon), Header(708, kMayNoon)}}), expected);
+  EXPECT_EQ(Complaint({clips, {Header(708), Header(708)}}), expected);
+  EXPECT_EQ(Complaint({clips, {Header(500, kMayNoon), Header(500, kMayNoon + 1000)}}), "") << "the times tell";
+  EXPECT_EQ(Complaint({{"GOPR0123.MP4", "GP010123.MP4", "GP020123.MP4"}, {Header(708), Header(708), Header(9)}}), "");
+  EXPECT_NE(Complaint({{"GX020123.MP4", "GX010123.MP4"}, {Header(708), Header(708)}}), "") << "order";
+}
+
+TEST(RecordingTimes, OtherClipsWithOneCreationTimeMayBeOfTwoCameras) {
+  const RecordingTimes two({"a.mp4", "b.mp4"}, {Header(60, kMayNoon), Header(60, kMayNoon)});
+  EXPECT_EQ(Complaint(two), "");
+  EXPECT_EQ(two.Guessed(), 1u);
+  EXPECT_FALSE(two.AreKnown());
+  EXPECT_EQ(two.GapAfter(0, 60), 0);
+  const RecordingTimes pairs(
+      {"1F.mp4", "1R.mp4", "2F.mp4", "2R.mp4"},
+      {Header(60, kMayNoon), Header(60, kMayNoon), Header(60, kMayNoon + 60), Header(60, kMayNoon + 60)});
+  EXPECT_NE(Complaint(pairs).find("2F.mp4: begins 60.0 s before 1R.mp4 ends"), std::string::npos) << Complaint(pairs);
+  const RecordingTimes closed({"a.mp4", "b.mp4"}, {Header(60, kMayNoon), Header(1, kMayNoon + 1)});
+  EXPECT_FALSE(closed.Guessed().has_value());
+  EXPECT_EQ(Complaint(closed), "");
+  EXPECT_EQ(closed.GapAfter(0, 60), 0);
 }
 
 }  // namespace
