@@ -147,6 +147,26 @@ TEST_F(ErrorsTest, AVideoThatEndsFarTooEarlyIsIncomplete) {
   EXPECT_TRUE(Summary()["complete"].get<bool>());
 }
 
+TEST_F(ErrorsTest, AVideoThatLacksFramesIsComplete) {
+  const fs::path video = folder_ / "drive.avi";
+  std::vector<cv::Mat> images;
+  TestVideo lacking{.codec = "mjpeg", .ticks_per_second = 10};
+  for (int i = 0; i < kRoomFrames; ++i) {
+    if (i == 6 || i == 11 || i == 15) continue;
+    images.push_back(cv::imread(Image(i).string(), cv::IMREAD_GRAYSCALE));
+    lacking.stamps.push_back(i);
+  }
+  WriteTestVideo(video, images, lacking);
+  const CommandResult result = RunCommand({"run", video.string(), "--camera", (Drive() / "calib.txt").string(), "--out",
+                                           Out().string(), "--quiet"},
+                                          folder_);
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_EQ(result.err, "warning: drive.avi: 3 of 20 frames are missing or cannot be decoded\n");
+  EXPECT_TRUE(Summary()["complete"].get<bool>());
+  EXPECT_EQ(Summary()["frames"]["total"], kRoomFrames - 3);
+  EXPECT_NEAR(Summary()["clips"][0]["end_s"].get<double>(), 1.9, 1e-9);
+}
+
 TEST_F(ErrorsTest, ACalibrationForPixelsOfAnotherShapeIsNamed) {
   const auto err = [&](double pixel_aspect) {
     const fs::path video = folder_ / "drive.mkv";

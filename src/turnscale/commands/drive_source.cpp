@@ -103,7 +103,8 @@ void ProcessFrames(const ImageArguments& arguments, ImageSource& source, const C
     const std::optional<SourceFrame> frame = source.Next();
     if (hooks.interrupted()) return;
     if (!frame) {
-      if (const std::string why = source.EndsEarly(); !why.empty()) progress.Warn(why);
+      for (const std::string& warning : {source.NoticeAtEnd(), source.EndsEarly()})
+        if (!warning.empty()) progress.Warn(warning);
       return;
     }
     if (!frame->notice.empty()) progress.Warn(frame->notice);

@@ -210,6 +210,7 @@ RunEnd ExecuteRun(const RunArguments& arguments, const RunHooks& hooks) {
   const DriveToRun drive = {next,
                             hooks.interrupted,
                             [&] { return images.source.EndsEarly(); },
+                            [&] { return images.source.NoticeAtEnd(); },
                             [&] { return images.source.LeavesOut(); },
                             [&] { return images.source.clips(); },
                             arguments.images.max_frames,

@@ -20,19 +20,41 @@ double Length(const VideoHeader& header) {
   return header.counted && header.rate > 0 ? header.frames / header.rate : header.duration;
 }
 
-// Why the clip ends before it should; empty if it does not. Some headers only estimate.
-std::string EndsTooEarly(const VideoHeader& header, int frames, double seconds) {
+constexpr double kSmallShare = 0.01;
+
+// Whether a clip may well be whole without so many frames: some headers only estimate.
+bool AreFew(double missing, const VideoHeader& header) {
   constexpr int kFewFrames = 2;
+  return missing <= kFewFrames || missing <= kSmallShare * header.frames;
+}
+
+// Why the clip ends before it should; empty if it does not. `end`: of the last frame after the beginning of the clip,
+// if the stamps tell; frames that are missing before it do not end the clip.
+std::string EndsTooEarly(const VideoHeader& header, int frames, double seconds, const std::optional<double>& end) {
   constexpr double kFewSeconds = 1;
-  constexpr double kSmallShare = 0.01;
   if (header.counted) {
-    const int missing = header.frames - frames;
-    if (missing <= kFewFrames || missing <= kSmallShare * header.frames) return {};
+    if (AreFew(header.frames - frames, header)) return {};
+    if (end && AreFew((Length(header) - *end) * header.rate, header)) return {};
     return fmt::format("the video ends after {} of {} frames", frames, header.frames);
   }
   const double missing = header.duration - seconds;
   if (missing <= kFewSeconds || missing <= kSmallShare * header.duration) return {};
   return fmt::format("the video ends after {:.1f} of {:.1f} s", seconds, header.duration);
+}
+
+// The notice where a clip that does not end early has fewer frames than its header says; empty if it has them.
+std::string LacksFrames(const std::string& name, const VideoHeader& header, int frames, bool by_rate) {
+  if (!header.counted || AreFew(header.frames - frames, header)) return {};
+  return fmt::format("{}: {} of {} frames are missing or cannot be decoded{}", name, header.frames - frames,
+                     header.frames, by_rate ? "; --fps does not allow for that: leave it out" : "");
+}
+
+// The notice where a file holds more than one video; empty where none does.
+std::string SeveralTracks(const std::vector<std::filesystem::path>& clips, const std::vector<VideoHeader>& headers) {
+  const auto several = std::ranges::find_if(headers, [](const VideoHeader& header) { return header.tracks > 1; });
+  if (several == headers.end()) return {};
+  return fmt::format("{}: has {} video tracks; the first, {}x{}, is used", NameOf(clips[several - headers.begin()]),
+                     several->tracks, several->size.width, several->size.height);
 }
 
 // Nothing for an empty sentence.
@@ -104,10 +126,11 @@ void ClipReader::ReadHeaders(const std::vector<std::filesystem::path>& clips) {
     if (between && !recorded_->AreInNames()) std::rethrow_exception(failure.error);
   }
   if (options_.in_any_order && recorded_ && !recorded_->AreKnown()) {
+    const bool one_folder = clips_.back().parent_path() == clips_.front().parent_path();
     throw InputError(fmt::format(
-        "{}: lies in another folder than {}, and their recording times are not known; name the clips of one drive in "
-        "their order",
-        clips_.back().string(), clips_.front().string()));
+        "{}: {} than {}, and their recording times are not known; name the clips of one drive in their order",
+        clips_.back().string(), one_folder ? "is of another recording" : "lies in another folder",
+        clips_.front().string()));
   }
 }
 
@@ -130,6 +153,7 @@ void ClipReader::Open() {
   AddSentence(notice_, OtherPixels(NameOf(clips_[clip_]), header.pixel_aspect, NameOf(clips_.front()), pixel_aspect()));
   clock_ = VideoClock(options_.fps.value_or(header.rate), header.tick);
   frames_ = 0;
+  latest_stamp_.reset();
   if (options_.timed && !options_.fps && begin_ < options_.start) PassOverStart();
 }
 
@@ -174,6 +198,14 @@ std::optional<double> ClipReader::TimeNext() {
   return begin_ + time;
 }
 
+// Seconds from the beginning of the clip to the end of its last frame, whatever times replace its own. Empty if the
+// container does not tell, or if every image has a time by its number, so that none may be missing.
+std::optional<double> ClipReader::EndByStamps() const {
+  const VideoHeader& header = headers_[clip_];
+  if (!options_.timed || !latest_stamp_ || !header.begin || header.rate <= 0) return std::nullopt;
+  return *latest_stamp_ - *header.begin + 1 / header.rate;
+}
+
 void ClipReader::Close() {
   video_.reset();
   open_ = false;
@@ -182,12 +214,20 @@ void ClipReader::Close() {
   double seconds = frames_ > 0 ? clock_.time() + clock_.Interval() : 0;
   // By other times than the video's own, only a count can tell.
   const bool comparable = header.counted || (options_.timed && !options_.fps);
-  const std::string why = comparable ? EndsTooEarly(header, frames_, seconds) : std::string();
+  const std::string why = comparable ? EndsTooEarly(header, frames_, seconds, EndByStamps()) : std::string();
   const std::string before = NameOf(clips_[clip_]);
   ends_early_ = why.empty() ? std::string() : before + ": " + why;
+  if (why.empty() && options_.timed)
+    AddSentence(notice_, LacksFrames(before, header, frames_, options_.fps.has_value()));
   if (++clip_ == clips_.size()) return;
   AddSentence(notice_, ends_early_);
   if (!options_.timed) return;
+  if (recorded_->Guessed() == clip_) {
+    AddSentence(notice_,
+                fmt::format("{} was made at the same time as {} (creation_time), and is taken to follow it: is "
+                            "it of another camera?",
+                            NameOf(clips_[clip_]), before));
+  }
   double gap = recorded_->GapAfter(clip_ - 1, seconds);
   // What is missing of a damaged clip is a gap, too.
   if (gap == 0 && !ends_early_.empty() && !options_.fps) gap = std::max(Length(header) - seconds, 0.0);
@@ -238,6 +278,7 @@ std::optional<DriveImage> ClipReader::Read() {
       continue;
     }
     DriveImage image;
+    if (const auto stamp = video_->Stamp()) latest_stamp_ = std::max(latest_stamp_.value_or(*stamp), *stamp);
     image.time = TimeNext();
     const int number = frames_++;
     if (image.time && *image.time < new_from_) continue;
@@ -258,7 +299,10 @@ std::optional<DriveImage> ClipReader::Read() {
     if (!first || passed_ == 1) image.notice = notice_;
     if (!first && !overlap_.empty() && !std::exchange(overlap_named_, true)) AddSentence(image.notice, overlap_);
     overlap_.clear();
-    if (first) AddSentence(image.notice, OtherRate(options_.fps, headers_.front()));
+    if (first) {
+      AddSentence(image.notice, SeveralTracks(clips_, headers_));
+      AddSentence(image.notice, OtherRate(options_.fps, headers_.front()));
+    }
     gap_ = 0;
     notice_.clear();
     return image;

@@ -36,6 +36,7 @@ class ClipReader : public FrameReader {
 
   std::optional<DriveImage> Read() override;
   std::string EndsEarly() const override { return ends_early_; }
+  std::string NoticeAtEnd() const override { return notice_; }
 
   /// Those that are read.
   const std::vector<std::filesystem::path>& clips() const { return clips_; }
@@ -61,6 +62,7 @@ class ClipReader : public FrameReader {
   void Open();
   void Close();
   void PassOverStart();
+  std::optional<double> EndByStamps() const;
   std::optional<double> TimeNext();
   void BeginNext(double seconds);
 
@@ -74,8 +76,9 @@ class ClipReader : public FrameReader {
   size_t clip_ = 0;
   std::unique_ptr<VideoFile> video_;
   VideoClock clock_{0, 0};
-  double begin_ = 0;  // of the clip, in the drive
-  int frames_ = 0;    // of the clip
+  double begin_ = 0;                    // of the clip, in the drive
+  int frames_ = 0;                      // of the clip
+  std::optional<double> latest_stamp_;  // of the clip
   double new_from_ =
       -std::numeric_limits<double>::infinity();  // time of the drive: the clip before has what is earlier
   ClipTail tail_;                                // of the clip, by times of the drive

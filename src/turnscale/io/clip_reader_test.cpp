@@ -183,6 +183,98 @@ TEST_F(ClipReaderTest, ADamagedClipLeavesAGap) {
   EXPECT_NE(images[second].notice.find("s between a.avi and b.avi"), std::string::npos) << images[second].notice;
 }
 
+TEST_F(ClipReaderTest, ACutByAnEditListLeavesNoGap) {
+  TestVideo cut{.ticks_per_second = kRate};
+  for (int i = 0; i < 60; ++i) cut.stamps.push_back(i - 17);
+  ClipReader reader({Write("a.mp4", 0, 60, cut), Write("b.mp4", 60, 60, cut)}, {});
+  EXPECT_EQ(reader.count(), 86);
+  std::vector<DriveImage> images;
+  while (auto image = reader.Read()) images.push_back(*image);
+  ASSERT_EQ(images.size(), 86u);
+  for (size_t i = 0; i < images.size(); ++i) {
+    EXPECT_NEAR(images[i].image.gray.at<uint8_t>(20, 20), 17 + static_cast<int>(i) + (i < 43 ? 0 : 17), 3) << i;
+    EXPECT_EQ(images[i].notice, "") << i;
+    EXPECT_EQ(images[i].gap, 0) << i;
+  }
+  EXPECT_NEAR(*images[43].time, 4.3, 0.01);
+  EXPECT_EQ(reader.EndsEarly(), "");
+  EXPECT_EQ(reader.NoticeAtEnd(), "");
+}
+
+TEST_F(ClipReaderTest, MissingFramesDoNotEndAClip) {
+  // Empty chunks stand for dropped frames.
+  TestVideo dropped{.codec = "mjpeg", .ticks_per_second = kRate};
+  for (int i = 0; i < 60; ++i) dropped.stamps.push_back(i + i / 10);
+  const std::vector<fs::path> clips = {Write("a.avi", 0, 60, dropped), Write("b.avi", 60, 60, dropped)};
+  const auto notices = [](ClipReader reader) {
+    std::vector<std::string> found;
+    while (const auto image = reader.Read())
+      if (!image->notice.empty()) found.push_back(image->notice);
+    EXPECT_EQ(reader.EndsEarly(), "");
+    found.push_back(reader.NoticeAtEnd());
+    return found;
+  };
+  const std::string missing = ": 5 of 65 frames are missing or cannot be decoded";
+  EXPECT_EQ(notices({clips, {}}), std::vector<std::string>({"a.avi" + missing, "b.avi" + missing}));
+  EXPECT_NEAR(*ReadAll({clips, {}})[60].time, 6.5, 1e-6);
+  EXPECT_EQ(notices({{clips[0]}, {.start = 3}}), std::vector<std::string>({"a.avi" + missing}));
+  const std::string by_rate = "; --fps does not allow for that: leave it out";
+  EXPECT_EQ(notices({{clips[0]}, {.fps = kRate}}), std::vector<std::string>({"a.avi" + missing + by_rate}));
+
+  // Some frames in the middle are damaged, and the first ones.
+  const fs::path damaged = Write("d.mp4", 0, 60, {.ticks_per_second = kRate, .key_interval = 1});
+  std::string bytes = TextOf(damaged);
+  const size_t data = bytes.find("mdat") + 4;
+  const size_t size = (bytes.find("moov") - data) / 60;
+  for (const size_t first : {0, 25})
+    for (size_t i = data + size * first; i < data + size * (first + 5); ++i) bytes[i] = 0;
+  std::ofstream(damaged, std::ios::binary) << bytes;
+  const auto found = notices({{damaged}, {}});
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_NE(found[0].find("of 60 frames are missing or cannot be decoded"), std::string::npos) << found[0];
+}
+
+TEST_F(ClipReaderTest, SeveralTracksAreNamed) {
+  const std::vector<cv::Mat> front(20, cv::Mat(24, 32, CV_8UC1, cv::Scalar(77)));
+  const TestVideo both{.ticks_per_second = kRate, .first_track = front};
+  const std::vector<fs::path> clips = {Write("a.mp4", 0, 20, both), Write("b.mp4", 0, 20, both)};
+  for (const double start : {0.0, 1.0}) {
+    const auto images = ReadAll({clips, {.start = start}});
+    EXPECT_EQ(images[0].notice, "a.mp4: has 2 video tracks; the first, 32x24, is used");
+    for (size_t i = 1; i < images.size(); ++i) EXPECT_EQ(images[i].notice, "") << i;
+    for (const DriveImage& image : images) EXPECT_NEAR(image.image.gray.at<uint8_t>(12, 16), 77, 2);
+  }
+}
+
+TEST_F(ClipReaderTest, ClipsWithOneCreationTimeFollowOneAnother) {
+  const TestVideo video{.ticks_per_second = kRate, .created = "2023-05-01T12:00:00Z"};
+  const std::vector<fs::path> chapters = {Write("GX010123.MP4", 0, 20, video), Write("GX020123.MP4", 20, 20, video),
+                                          Write("GX030123.MP4", 40, 20, video)};
+  const auto images = ReadAll({chapters, {}});
+  ASSERT_EQ(images.size(), 60u);
+  for (size_t i = 0; i < images.size(); ++i) {
+    EXPECT_NEAR(*images[i].time, static_cast<double>(i) / kRate, 1e-9);
+    EXPECT_EQ(images[i].notice, "");
+  }
+  const std::vector<fs::path> others = {Write("a.mp4", 0, 20, video), Write("b.mp4", 20, 20, video)};
+  EXPECT_EQ(ReadAll({others, {}})[20].notice,
+            "b.mp4 was made at the same time as a.mp4 (creation_time), and is taken to follow it: is it of another "
+            "camera?");
+}
+
+TEST_F(ClipReaderTest, SeveralRecordingsNeedTimes) {
+  const std::vector<fs::path> clips = {Write("GX010123.MP4", 0, 20), Write("GX010124.MP4", 20, 20)};
+  EXPECT_EQ(ReadAll({clips, {}}).size(), 40u) << "named by the user";
+  try {
+    const ClipReader in_folder(clips, {.in_any_order = true});
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_EQ(std::string(error.what()),
+              clips[1].string() + ": is of another recording than " + clips[0].string() +
+                  ", and their recording times are not known; name the clips of one drive in their order");
+  }
+}
+
 TEST_F(ClipReaderTest, AClipThatCannotBeDecodedIsLeftOut) {
   const auto broken = [&](const std::string& name) {
     std::ofstream(folder_ / name) << "no video";

@@ -68,6 +68,8 @@ class FrameReader {
   virtual std::optional<DriveImage> Read() = 0;
   /// Once all is read: why the drive ends before it should; empty if it does not.
   virtual std::string EndsEarly() const { return {}; }
+  /// Once all is read: what the user should know about the drive after its last image; may be empty.
+  virtual std::string NoticeAtEnd() const { return {}; }
   /// Time of the latest image that was read or passed over; 0 if only numbers tell.
   virtual double LatestTime() const { return 0; }
 };

@@ -87,8 +87,8 @@ struct ImageSource::State {
   }
 
   void UseVideos(const DriveInput& drive, const std::optional<double>& fps) {
-    auto clip_reader =
-        std::make_unique<ClipReader>(drive.videos, ClipOptions{!times_file, fps, drive.several_folders, start});
+    const bool in_any_order = drive.several_folders || drive.several_recordings;
+    auto clip_reader = std::make_unique<ClipReader>(drive.videos, ClipOptions{!times_file, fps, in_any_order, start});
     if (times_file) {
       count = clip_reader->count();
       ReadTimes(drive);
@@ -310,6 +310,8 @@ double ImageSource::pixel_aspect() const { return state_->pixel_aspect; }
 int ImageSource::count() const { return state_->count; }
 
 std::string ImageSource::EndsEarly() const { return state_->ended ? state_->reader->EndsEarly() : std::string(); }
+
+std::string ImageSource::NoticeAtEnd() const { return state_->ended ? state_->reader->NoticeAtEnd() : std::string(); }
 
 bool ImageSource::LeavesOut() const { return state_->leaves_out; }
 

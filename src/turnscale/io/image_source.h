@@ -75,6 +75,9 @@ class ImageSource {
   /// At the end: why the drive ends before it should; empty if it does not.
   std::string EndsEarly() const;
 
+  /// At the end: what the user should know about the drive after its last frame; may be empty.
+  std::string NoticeAtEnd() const;
+
   /// At the end: whether the drive has images outside the part of it that was asked for.
   bool LeavesOut() const;
 

@@ -77,6 +77,7 @@ class Run {
   void Drive() {
     for (; frame_ && !Stops(); frame_ = drive_.next()) Process(*frame_);
     if (frame_ || Enough()) return;
+    if (const std::string notice = drive_.notice_at_end(); !notice.empty()) Warn(notice);
     end_.summary.stopped = drive_.ends_early();
     if (!end_.summary.stopped.empty()) Warn(end_.summary.stopped);
   }

@@ -22,6 +22,8 @@ struct DriveToRun {
   std::function<bool()> interrupted = [] { return false; };  ///< asked before every frame
   /// Asked at the end: why the drive ends before it should; empty if it does not.
   std::function<std::string()> ends_early = [] { return std::string(); };
+  /// Asked at the end: what the user should know about the drive after its last frame; may be empty.
+  std::function<std::string()> notice_at_end = [] { return std::string(); };
   /// Asked at the end: whether the drive has images outside the part of it that was asked for.
   std::function<bool()> leaves_out = [] { return false; };
   /// Asked at the end: the videos of the drive; empty for images.
