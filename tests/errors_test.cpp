@@ -157,9 +157,9 @@ TEST_F(ErrorsTest, AVideoThatLacksFramesIsComplete) {
     lacking.stamps.push_back(i);
   }
   WriteTestVideo(video, images, lacking);
-  const CommandResult result = RunCommand({"run", video.string(), "--camera", (Drive() / "calib.txt").string(), "--out",
-                                           Out().string(), "--quiet"},
-                                          folder_);
+  const CommandResult result = RunCommand(
+      {"run", video.string(), "--camera", (Drive() / "calib.txt").string(), "--out", Out().string(), "--quiet"},
+      folder_);
   EXPECT_EQ(result.exit_code, 0);
   EXPECT_EQ(result.err, "warning: drive.avi: 3 of 20 frames are missing or cannot be decoded\n");
   EXPECT_TRUE(Summary()["complete"].get<bool>());

@@ -159,7 +159,7 @@ struct VideoFile::State {
   }
 
   // As the container says; 0 if it does not. Cutters that do not encode anew leave the frames from the key frame to the
-  // cut in an MP4, and hide them by an edit list. Its index then has them marked, if at all.
+  // cut in an MP4, and hide them by an edit list. The library's index of the file leaves them out or marks them.
   int64_t CountedFrames() const {
     const int entries = ffmpeg::avformat_index_get_entries_count(stream);
     const bool is_mp4 = std::string_view(input->iformat->name).find("mp4") != std::string_view::npos;
