@@ -116,24 +116,26 @@ std::optional<DriveImage> BagFrames::Read() {
     if (options_.timed) image.time = SecondsOfStamp(stamp);
     if (std::exchange(begun_, true)) image.gap = gap_;
     image.notice = std::exchange(notice_, {});
+    if (const std::string of_levels = levels_.TakeNotice(); !of_levels.empty())
+      image.notice += (image.notice.empty() ? "" : "; ") + of_levels;
     gap_ = 0;
     return image;
   }
   return std::nullopt;
 }
 
-GrayImage BagFrames::Decode(const BagMessage& message) const {
+GrayImage BagFrames::Decode(const BagMessage& message) {
   try {
     if (message.topic->content == BagContent::kImage) {
       const BagImage image = ReadBagImage(message);
       CheckEncoding(image.encoding, Where());
-      return {ToGray8(PixelsOf(image)), {}};
+      return {levels_.ToGray8(PixelsOf(image)), {}};
     }
     const BagCompressedImage image = ReadBagCompressedImage(message);
     const DecodedImage decoded = DecodeJpegOrPng(image.data);
     if (decoded.pixels.empty()) return {{}, Where() + ": " + decoded.problem};
     // Colours of a Bayer pattern are those that a driver has made of it.
-    return {ToGray8(decoded.colour ? decoded.pixels : WithColour(decoded.pixels, image.format)), {}};
+    return {levels_.ToGray8(decoded.colour ? decoded.pixels : WithColour(decoded.pixels, image.format)), {}};
   } catch (const MalformedData& error) {
     return {{}, Where() + ": " + error.what()};
   }

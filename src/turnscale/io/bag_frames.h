@@ -9,6 +9,7 @@
 #include "turnscale/bag/bag_reader.h"
 #include "turnscale/io/bag_drive.h"
 #include "turnscale/io/frame_reader.h"
+#include "turnscale/io/gray_levels.h"
 
 namespace turnscale {
 
@@ -39,7 +40,7 @@ class BagFrames : public FrameReader {
   std::string Where() const;
   bool AcceptStamp(int64_t stamp);
   void NoteGap(int64_t stamp);
-  GrayImage Decode(const BagMessage& message) const;
+  GrayImage Decode(const BagMessage& message);
 
   BagDrive drive_;
   BagFrameOptions options_;
@@ -56,6 +57,7 @@ class BagFrames : public FrameReader {
   bool left_out_ = false;
   double origin_;
   double latest_ = 0;
+  GrayLevels levels_;
   double gap_ = 0;      // before the next image
   std::string notice_;  // before the next image
 };

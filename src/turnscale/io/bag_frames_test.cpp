@@ -295,5 +295,27 @@ TEST_F(BagFramesTest, KindsAreNotMixed) {
   ExpectHolds(BagComplaint({Path("no.bag")}), {"no.bag: is not a bag of ROS 1"});
 }
 
+TEST_F(BagFramesTest, TwelveBitsOfMono16KeepTheirLevels) {
+  std::vector<TestBagMessage> messages;
+  for (int i = 0; i < 3; ++i) {
+    std::vector<uint8_t> pixels;
+    for (uint32_t pixel = 0; pixel < kBagWidth * kBagHeight; ++pixel) {
+      const uint32_t level = 80 * pixel + 16;
+      pixels.push_back(static_cast<uint8_t>(level & 0xFF));
+      pixels.push_back(static_cast<uint8_t>(level >> 8));
+    }
+    const int64_t stamp = kBagEpoch + i * kBagSecond / 10;
+    messages.push_back({kBagTopic, "Image", stamp,
+                        TestImageMessage(BagSerialization::kRos1, stamp, kBagWidth, kBagHeight, "mono16", pixels)});
+  }
+  const auto frames = ReadBags({Write("deep.bag", messages)});
+  ASSERT_EQ(frames.size(), 3u);
+  EXPECT_EQ(frames[0].notice, "the 16-bit images are read as 12 bits: the brightest level of the first one is 3776");
+  EXPECT_EQ(frames[1].notice, "");
+  for (const SourceFrame& frame : frames)
+    for (int pixel = 0; pixel < frame.gray.cols * frame.gray.rows; ++pixel)
+      ASSERT_EQ(frame.gray.ptr<uint8_t>(0)[pixel], 5 * pixel + 1);
+}
+
 }  // namespace
 }  // namespace turnscale

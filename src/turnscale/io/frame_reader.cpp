@@ -6,9 +6,10 @@
 #include <iterator>
 #include <utility>
 
-#include <opencv2/imgproc.hpp>
+#include <fmt/format.h>
 
 #include "turnscale/image_file/image_decoder.h"
+#include "turnscale/image_file/jpeg_orientation.h"
 #include "turnscale/image_file/netpbm.h"
 
 namespace turnscale {
@@ -22,13 +23,15 @@ class ImageListReader : public FrameReader {
     if (next_ == images_.size()) return std::nullopt;
     const std::filesystem::path& path = images_[next_++];
     DriveImage image;
-    image.image = ReadGrayImage(path);
+    image.image = files_.Read(path);
     image.name = path.string();
+    image.notice = files_.TakeNotice();
     return image;
   }
 
  private:
   std::vector<std::filesystem::path> images_;
+  ImageFiles files_;
   size_t next_ = 0;
 };
 
@@ -46,15 +49,7 @@ DecodedImage Decoded(std::span<const uint8_t> bytes, int64_t most_pixels) {
 
 }  // namespace
 
-cv::Mat ToGray8(const cv::Mat& image) {
-  cv::Mat gray = image;
-  if (image.channels() == 3) cv::cvtColor(image, gray, cv::COLOR_BGR2GRAY);
-  if (image.channels() == 4) cv::cvtColor(image, gray, cv::COLOR_BGRA2GRAY);
-  if (gray.depth() == CV_16U) gray.convertTo(gray, CV_8U, 1.0 / 256.0);
-  return gray.depth() == CV_8U && gray.channels() == 1 ? gray : cv::Mat();
-}
-
-GrayImage ReadGrayImage(const std::filesystem::path& path) {
+GrayImage ImageFiles::Read(const std::filesystem::path& path) {
   const std::string name = path.filename().string();
   std::ifstream stream(path, std::ios::binary);
   if (!stream) return {{}, name + ": cannot be opened"};
@@ -66,12 +61,30 @@ GrayImage ReadGrayImage(const std::filesystem::path& path) {
   stream.seekg(0);
   if (!stream.read(reinterpret_cast<char*>(bytes.data), size)) return {{}, name + ": cannot be read"};
   // The copy of a large image would take as long as its tracking.
-  if (const cv::Mat gray = PgmInPlace(bytes); !gray.empty()) return {gray, ""};
-  const DecodedImage decoded = DecodeImage({bytes.data, bytes.total()});
+  if (const cv::Mat gray = PgmInPlace(bytes); !gray.empty()) return {Turned(gray, kUpright, name), ""};
+  const std::span<const uint8_t> encoded(bytes.data, bytes.total());
+  const DecodedImage decoded = DecodeImage(encoded);
   if (!decoded.problem.empty()) return {{}, name + ": " + decoded.problem};
-  const cv::Mat gray = ToGray8(decoded.pixels);
-  return {gray, gray.empty() ? name + ": is not a readable image" : ""};
+  const cv::Mat gray = levels_.ToGray8(decoded.pixels);
+  if (gray.empty()) return {{}, name + ": is not a readable image"};
+  return {Turned(gray, JpegOrientation(encoded), name), ""};
 }
+
+cv::Mat ImageFiles::Turned(const cv::Mat& gray, int orientation, const std::string& name) {
+  if (!orientation_) orientation_ = orientation;
+  if (orientation != *orientation_ && !std::exchange(orientations_differ_, true))
+    notice_ = fmt::format("{}: its EXIF orientation is {}, but that of the first image is {}, which is used for all",
+                          name, orientation, *orientation_);
+  return TurnedUpright(gray, *orientation_);
+}
+
+std::string ImageFiles::TakeNotice() {
+  const std::string of_levels = levels_.TakeNotice();
+  const char* separator = notice_.empty() || of_levels.empty() ? "" : "; ";
+  return std::exchange(notice_, {}) + separator + of_levels;
+}
+
+GrayImage ReadGrayImage(const std::filesystem::path& path) { return ImageFiles().Read(path); }
 
 DecodedImage DecodeImage(std::span<const uint8_t> bytes) { return Decoded(bytes, INT_MAX); }
 

@@ -11,6 +11,8 @@
 
 #include <opencv2/core/mat.hpp>
 
+#include "turnscale/io/gray_levels.h"
+
 namespace turnscale {
 
 /// An image as 8-bit gray, or why there is none.
@@ -19,8 +21,26 @@ struct GrayImage {
   std::string problem;  ///< "name: why"; empty if there is none
 };
 
-/// Reads an image file; colour and 16-bit become 8-bit gray, and the stored rows are taken as they are (a camera's
-/// calibration knows nothing of EXIF orientation). Files that end too early are refused, not filled up.
+/// Reads the image files of a drive, in their order, as 8-bit gray (GrayLevels). They are rotated and mirrored as the
+/// EXIF orientation of the first readable one says, as the camera does not turn in the car; only JPEG has one. Files
+/// that end too early are refused, not filled up.
+class ImageFiles {
+ public:
+  GrayImage Read(const std::filesystem::path& path);
+
+  /// What the user should know about the images so far, one line, which is given once; may be empty.
+  std::string TakeNotice();
+
+ private:
+  cv::Mat Turned(const cv::Mat& gray, int orientation, const std::string& name);
+
+  GrayLevels levels_;
+  std::optional<int> orientation_;
+  bool orientations_differ_ = false;
+  std::string notice_;
+};
+
+/// Reads a single image file so.
 GrayImage ReadGrayImage(const std::filesystem::path& path);
 
 /// The pixels of an encoded image, or why there are none.
@@ -35,9 +55,6 @@ DecodedImage DecodeImage(std::span<const uint8_t> bytes);
 
 /// The same for bytes of unknown origin: takes JPEG and PNG only, and of no more than 100 megapixels.
 DecodedImage DecodeJpegOrPng(std::span<const uint8_t> bytes);
-
-/// Any image type as 8-bit gray.
-cv::Mat ToGray8(const cv::Mat& image);
 
 /// Whether the bytes of a PNG, JPEG, BMP or binary PGM/PPM stop before the image is complete. Decoders fill such an
 /// image up in silence. Other formats count as complete.

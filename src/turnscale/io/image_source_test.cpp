@@ -144,7 +144,9 @@ TEST_F(ImageSourceTest, CameraYamlStandsInWhereThereIsNoCalibTxt) {
 
 TEST_F(ImageSourceTest, ColourAndSixteenBitBecomeGray) {
   cv::imwrite((folder_ / "0.png").string(), cv::Mat(48, 64, CV_8UC3, cv::Scalar(50, 50, 50)));
-  cv::imwrite((folder_ / "1.png").string(), cv::Mat(48, 64, CV_16UC1, cv::Scalar(50 * 256)));
+  cv::Mat deep(48, 64, CV_16UC1, cv::Scalar(50 * 256));
+  deep.at<uint16_t>(0, 0) = 200 * 256;
+  cv::imwrite((folder_ / "1.png").string(), deep);
   cv::imwrite((folder_ / "2.jpg").string(), cv::Mat(48, 64, CV_8UC1, cv::Scalar(50)));
   cv::imwrite((folder_ / "3.bmp").string(), cv::Mat(48, 64, CV_8UC1, cv::Scalar(50)));
   cv::imwrite((folder_ / "4.pgm").string(), cv::Mat(48, 64, CV_8UC1, cv::Scalar(50)));
@@ -156,6 +158,54 @@ TEST_F(ImageSourceTest, ColourAndSixteenBitBecomeGray) {
     ASSERT_EQ(frame.gray.type(), CV_8UC1) << frame.problem;
     EXPECT_NEAR(frame.gray.at<uint8_t>(20, 20), 50, 1) << frame.index;
   }
+}
+
+TEST_F(ImageSourceTest, TwelveBitsInSixteenKeepTheirContrast) {
+  for (const char* name : {"1.png", "2.tif"}) {
+    cv::Mat deep;
+    Image(50).convertTo(deep, CV_16U, 16);
+    cv::imwrite((folder_ / name).string(), deep);
+  }
+  Text("0.png", "unreadable");
+  const auto frames = ReadAll();
+  ASSERT_EQ(frames.size(), 3u);
+  EXPECT_EQ(frames[0].notice, "");
+  EXPECT_EQ(frames[1].notice, "the 16-bit images are read as 12 bits: the brightest level of the first one is 4000");
+  EXPECT_EQ(frames[2].notice, "");
+  for (int i = 1; i < 3; ++i) EXPECT_EQ(cv::norm(frames[i].gray, Image(50), cv::NORM_INF), 0);
+}
+
+TEST_F(ImageSourceTest, ImagesAreTurnedByTheOrientationOfTheFirst) {
+  const auto write = [&](const std::string& name, char orientation) {
+    std::vector<uint8_t> jpeg;
+    cv::imencode(".jpg", Image(50), jpeg);
+    std::string exif(
+        "\xFF\xE1\0\x22"
+        "Exif\0\0II*\0\x08\0\0\0\x01\0\x12\x01\x03\0\x01\0\0\0\0\0\0\0\0\0\0\0",
+        36);
+    exif[28] = orientation;
+    jpeg.insert(jpeg.begin() + 2, exif.begin(), exif.end());
+    std::ofstream(folder_ / name, std::ios::binary)
+        .write(reinterpret_cast<const char*>(jpeg.data()), static_cast<std::streamsize>(jpeg.size()));
+  };
+  write("0.jpg", 6);
+  write("1.jpg", 6);
+  write("2.jpg", 1);
+  write("3.jpg", 8);
+  const auto frames = ReadAll();
+  ASSERT_EQ(frames.size(), 4u);
+  const cv::Mat shown = cv::imread((folder_ / "0.jpg").string(), cv::IMREAD_GRAYSCALE);
+  ASSERT_EQ(shown.size(), cv::Size(48, 64));
+  for (const SourceFrame& frame : frames) {
+    ASSERT_EQ(frame.gray.size(), shown.size());
+    EXPECT_LE(cv::norm(frame.gray, shown, cv::NORM_INF), 2);
+    EXPECT_EQ(frame.notice,
+              frame.index == 2
+                  ? "2.jpg: its EXIF orientation is 1, but that of the first image is 6, which is used for all"
+                  : "");
+  }
+  const std::string complaint = Complaint({.fps = 10, .width = 64, .height = 48, .camera_file = "cam.yaml"});
+  EXPECT_NE(complaint.find("0.jpg: is 48x64 pixels, but cam.yaml says 64x48"), std::string::npos) << complaint;
 }
 
 TEST_F(ImageSourceTest, KindsOfTiffThatAreNotReadAreNamed) {
