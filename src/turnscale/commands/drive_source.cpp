@@ -196,7 +196,7 @@ void CheckImageArguments(const ImageArguments& arguments) {
 }
 
 DriveImages::DriveImages(const ImageArguments& arguments, const ImageOptions& image_options)
-    : drive(FindDrive(arguments.inputs, arguments.topic)),
+    : drive(FindDrive(arguments.inputs, arguments.topic, arguments.mask.value_or(fs::path()))),
       given(CameraFor(arguments, drive)),
       source(drive, SourceOptions(arguments, given, image_options)),
       full_size(source.FullSize().value_or(cv::Size())),
@@ -207,6 +207,7 @@ DriveImages::DriveImages(const ImageArguments& arguments, const ImageOptions& im
 
 std::vector<std::string> WarningsOf(const ImageArguments& arguments, const DriveImages& images) {
   std::vector<std::string> warnings = images.source.left_out();
+  if (!images.source.notice().empty()) warnings.push_back(images.source.notice());
   if (std::string unused = UnusedCamera(arguments, images.given); !unused.empty())
     warnings.push_back(std::move(unused));
   for (std::string& doubt : DoubtsOf(images)) warnings.push_back(std::move(doubt));

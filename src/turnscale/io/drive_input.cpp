@@ -17,6 +17,7 @@
 #include "turnscale/base/number_text.h"
 #include "turnscale/base/text_lines.h"
 #include "turnscale/io/clip_names.h"
+#include "turnscale/io/image_numbers.h"
 #include "turnscale/io/run_files.h"
 #include "turnscale/io/time_unit.h"
 
@@ -111,6 +112,12 @@ bool AreOfSeveralRecordings(const std::vector<fs::path>& videos) {
   return recordings.size() > 1;
 }
 
+// A mask often lies beside the images that it is for.
+bool IsMask(const fs::path& image, const fs::path& mask) {
+  std::error_code error;
+  return image.filename() == mask.filename() && fs::equivalent(image, mask, error);
+}
+
 void RefuseTopic(const std::string& topic, const fs::path& input) {
   if (!topic.empty()) throw InputError(fmt::format("--topic {}: {} is not a bag", topic, input.string()));
 }
@@ -120,7 +127,7 @@ std::vector<fs::path> PartsOfBag(const fs::path& folder) {
   return FileIn(folder, "metadata.yaml") ? FilesIn(folder, IsBagName) : std::vector<fs::path>();
 }
 
-DriveInput FindInFolder(const fs::path& folder, const std::string& topic) {
+DriveInput FindInFolder(const fs::path& folder, const std::string& topic, const fs::path& mask) {
   DriveInput drive;
   drive.path = folder;
   drive.camera_file = FileIn(folder, "calib.txt");
@@ -137,12 +144,14 @@ DriveInput FindInFolder(const fs::path& folder, const std::string& topic) {
   }
   drive.images = FilesIn(drive.path, IsImageName);
   if (drive.path == folder) drive.videos = VideosOf(folder, drive.images.empty());
-  std::erase_if(drive.images, [&](const fs::path& image) { return IsThumbnail(image, drive.videos); });
+  std::erase_if(drive.images,
+                [&](const fs::path& image) { return IsThumbnail(image, drive.videos) || IsMask(image, mask); });
   if (!drive.images.empty() && !drive.videos.empty()) {
     throw InputError(fmt::format(
         "{}: holds images ({}) and videos ({}); give the videos by name, or a folder of one kind", folder.string(),
         drive.images.front().filename().string(), drive.videos.front().filename().string()));
   }
+  RefuseSeveralSeries(drive.path, drive.images);
   drive.several_folders = std::any_of(drive.videos.begin(), drive.videos.end(), [&](const fs::path& video) {
     return video.parent_path() != drive.videos.front().parent_path();
   });
@@ -234,9 +243,11 @@ bool NaturalLess(std::string_view a, std::string_view b) {
   return whole_a < whole_b;
 }
 
-DriveInput FindDrive(const fs::path& input, const std::string& topic) { return FindDrive(std::vector{input}, topic); }
+DriveInput FindDrive(const fs::path& input, const std::string& topic, const fs::path& mask) {
+  return FindDrive(std::vector{input}, topic, mask);
+}
 
-DriveInput FindDrive(const std::vector<fs::path>& inputs, const std::string& topic) {
+DriveInput FindDrive(const std::vector<fs::path>& inputs, const std::string& topic, const fs::path& mask) {
   DriveInput drive;
   std::vector<fs::path> bags;
   for (const fs::path& input : inputs) {
@@ -245,7 +256,7 @@ DriveInput FindDrive(const std::vector<fs::path>& inputs, const std::string& top
     if (status.type() == fs::file_type::not_found) throw InputError(input.string() + ": no such file or folder");
     if (error) throw InputError(input.string() + ": cannot be opened: " + error.message());
     if (fs::is_directory(status)) {
-      if (inputs.size() == 1) return FindInFolder(input, topic);
+      if (inputs.size() == 1) return FindInFolder(input, topic, mask);
       throw InputError(input.string() + ": is a folder; give one folder, or several videos or bags");
     }
     if (IsImageName(input)) throw InputError(input.string() + ": is a single image; give the folder of the drive");

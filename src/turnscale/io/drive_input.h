@@ -53,12 +53,15 @@ bool NaturalLess(std::string_view a, std::string_view b);
 /// `camera.yaml`, and `times.txt`), a folder of images, a folder with videos, which continue one another in the
 /// order of their names (ClipNameLess), the folder of a memory card with such folders in it, a video file, a bag, or
 /// the folder that ROS 2 keeps a bag in (`metadata.yaml`). Images named like the videos beside them are passed over as
-/// thumbnails. `topic`: of a bag's images, where it has several. Throws InputError where it is none of these, or holds
-/// both kinds.
-DriveInput FindDrive(const std::filesystem::path& input, const std::string& topic = {});
+/// thumbnails. `topic`: of a bag's images, where it has several. `mask`: an image file that is not of the drive,
+/// wherever it lies. Throws InputError where it is none of these, or holds both kinds, or images of several cameras
+/// (RefuseSeveralSeries).
+DriveInput FindDrive(const std::filesystem::path& input, const std::string& topic = {},
+                     const std::filesystem::path& mask = {});
 
 /// The same for several INPUTs, which have to be video files, or bags, that continue one another.
-DriveInput FindDrive(const std::vector<std::filesystem::path>& inputs, const std::string& topic = {});
+DriveInput FindDrive(const std::vector<std::filesystem::path>& inputs, const std::string& topic = {},
+                     const std::filesystem::path& mask = {});
 
 /// The value of an option that is a time of a drive: HH:MM:SS, MM:SS or seconds, each with or without decimals. Throws
 /// InputError that names the option.

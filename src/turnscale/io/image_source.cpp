@@ -18,6 +18,7 @@
 #include "turnscale/io/clip_reader.h"
 #include "turnscale/io/drive_input.h"
 #include "turnscale/io/frame_reader.h"
+#include "turnscale/io/image_numbers.h"
 #include "turnscale/io/image_scaling.h"
 #include "turnscale/io/video_file.h"
 
@@ -79,8 +80,16 @@ struct ImageSource::State {
   void UseImages(const DriveInput& drive) {
     if (!times_file && clock.fps <= 0) RefuseWithoutTimes(drive);
     count = static_cast<int>(drive.images.size());
+    const auto numbers = times_file ? std::nullopt : ImageNumbers::Find(drive.images);
     if (times_file) ReadTimes(drive);
+    if (numbers) clock.times = numbers->TimesAt(clock.fps);
     const auto [first, last] = FramesOfPart();
+    if (numbers) {
+      notice = numbers->Notice(drive.images, clock.fps, static_cast<size_t>(first), static_cast<size_t>(last));
+    } else if (!times_file) {
+      notice = RepeatedNumbersNotice(drive.images);
+    }
+    if (!notice.empty()) notice = path + ": " + notice;
     reader = ReadImages({drive.images.begin() + first, drive.images.begin() + last});
     count = last - first;
     offset = first;
@@ -258,6 +267,7 @@ struct ImageSource::State {
   bool ended = false;  // the reader is, and the thread no longer uses it
   std::vector<std::string> clip_files;
   std::vector<std::string> left_out;
+  std::string notice;
   std::vector<ClipPart> clips;
   int clip = 0;                      // of the latest image
   std::deque<DriveImage> looked_at;  // but not taken
@@ -316,6 +326,8 @@ std::string ImageSource::NoticeAtEnd() const { return state_->ended ? state_->re
 bool ImageSource::LeavesOut() const { return state_->leaves_out; }
 
 const std::vector<std::string>& ImageSource::left_out() const { return state_->left_out; }
+
+const std::string& ImageSource::notice() const { return state_->notice; }
 
 const std::vector<ClipPart>& ImageSource::clips() const { return state_->clips; }
 

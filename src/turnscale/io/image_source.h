@@ -35,7 +35,8 @@ struct ClipPart {
 struct ImageSourceOptions {
   /// File with one time per line, in seconds. Goes before `fps`.
   std::optional<std::filesystem::path> timestamps = {};
-  /// Frames per second. Goes before the drive's own times.txt or the own time stamps of videos and bags.
+  /// Frames per second. Goes before the drive's own times.txt or the own time stamps of videos and bags. Images that
+  /// are missing by the numbers of their names count (ImageNumbers).
   std::optional<double> fps = {};
   /// The part of the drive to read, seconds after its first frame: from `start`, and before `end`. Times stay those of
   /// the whole drive.
@@ -83,6 +84,9 @@ class ImageSource {
 
   /// Why videos of the drive are left out, one line for each.
   const std::vector<std::string>& left_out() const;
+
+  /// What the user should know about the images of the drive, such as that some are missing, one line; may be empty.
+  const std::string& notice() const;
 
   /// The videos or bags of the drive of which a frame was given; empty for images.
   const std::vector<ClipPart>& clips() const;

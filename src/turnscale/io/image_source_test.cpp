@@ -88,9 +88,10 @@ TEST_F(ImageSourceTest, FolderOfImagesInNaturalOrderWithAnyStartAndGaps) {
   const auto frames = ReadAll();
   ASSERT_EQ(frames.size(), 3u);
   const int expected[] = {98, 99, 101};
+  const double times[] = {0, 0.1, 0.3};
   for (int i = 0; i < 3; ++i) {
     EXPECT_EQ(frames[i].index, i);
-    EXPECT_DOUBLE_EQ(frames[i].time, i / 10.0);
+    EXPECT_DOUBLE_EQ(frames[i].time, times[i]);
     EXPECT_EQ(frames[i].gray.at<uint8_t>(0, 0), expected[i]);
     EXPECT_EQ(frames[i].problem, "");
   }
@@ -206,6 +207,47 @@ TEST_F(ImageSourceTest, ImagesAreTurnedByTheOrientationOfTheFirst) {
   }
   const std::string complaint = Complaint({.fps = 10, .width = 64, .height = 48, .camera_file = "cam.yaml"});
   EXPECT_NE(complaint.find("0.jpg: is 48x64 pixels, but cam.yaml says 64x48"), std::string::npos) << complaint;
+}
+
+TEST_F(ImageSourceTest, MissingImagesAreNamedAndTakeTime) {
+  Images(folder_, 1, 4);
+  Images(folder_, 15, 5);
+  ImageSource source(FindDrive(folder_), {.fps = 10});
+  EXPECT_EQ(source.notice(), folder_.string() +
+                                 ": 10 images are missing by the numbers of the names, 10 of them between 4.png and "
+                                 "15.png, and count as 1.0 s at --fps 10; give --timestamps FILE if no time has passed "
+                                 "there");
+  EXPECT_EQ(source.count(), 9);
+  const auto frames = ReadAll();
+  EXPECT_EQ(frames[3].time, 0.3);
+  EXPECT_EQ(frames[4].time, 1.4);
+  EXPECT_EQ(ReadAll({.fps = 10, .start = 1.4}).size(), 5u);
+  ImageSource part(FindDrive(folder_), {.fps = 10, .start = 1.4});
+  EXPECT_EQ(part.notice(), "") << "what is missing is before it";
+  Text("times.txt", "1\n2\n3\n4\n5\n6\n7\n8\n9\n");
+  ImageSource timed(FindDrive(folder_), {});
+  EXPECT_EQ(timed.notice(), "") << "the times tell";
+  EXPECT_EQ(ReadAll({})[4].time, 5);
+}
+
+TEST_F(ImageSourceTest, ImagesOfTwoCamerasAreRefused) {
+  for (const char* camera : {"left_", "right_"})
+    for (int i = 0; i < 12; ++i) cv::imwrite((folder_ / (camera + std::to_string(i) + ".png")).string(), Image(i));
+  EXPECT_EQ(Complaint(),
+            folder_.string() +
+                ": holds images of several cameras or drives, left_0.png to left_11.png (12 images) and "
+                "right_0.png to right_11.png (12 images); give a folder with the images of one camera only");
+}
+
+TEST_F(ImageSourceTest, TheMaskIsNoFrame) {
+  Images(folder_, 0, 3);
+  fs::copy_file(folder_ / "0.png", folder_ / "mask.png");
+  EXPECT_EQ(FindDrive(folder_).images.size(), 4u);
+  EXPECT_EQ(FindDrive(folder_, {}, folder_ / "." / "mask.png").images.size(), 3u);
+  Images(folder_ / "elsewhere", 0, 1);
+  EXPECT_EQ(FindDrive(folder_, {}, folder_ / "elsewhere" / "0.png").images.size(), 4u) << "another of the same name";
+  WriteTestVideo(folder_ / "elsewhere" / "v.mkv", {Image(1)}, {.codec = "ffv1"});
+  EXPECT_EQ(FindDrive(folder_ / "elsewhere", {}, folder_ / "elsewhere" / "0.png").videos.size(), 1u);
 }
 
 TEST_F(ImageSourceTest, KindsOfTiffThatAreNotReadAreNamed) {

@@ -23,7 +23,7 @@ constexpr double kLongStep = 3;
 // A slower car stands, m/s.
 constexpr double kStanding = 0.2;
 
-struct TimeWindow {
+struct SpeedWindow {
   double from = 0;
   double to = 0;
   double distance = 0;  // m, along a straight line
@@ -33,7 +33,7 @@ struct TimeWindow {
 
 // Windows that follow one another, without an impossible change of speed.
 struct Stretch {
-  std::vector<TimeWindow> windows;
+  std::vector<SpeedWindow> windows;
   bool follows = false;  // such a change is between it and the stretch before
   bool is_wrong = false;
 
@@ -48,7 +48,7 @@ double DistanceBetween(const FrameResult& a, const FrameResult& b) {
 }
 
 // A window that cannot be judged is left out.
-std::vector<TimeWindow> Windows(const std::vector<FrameResult>& frames) {
+std::vector<SpeedWindow> Windows(const std::vector<FrameResult>& frames) {
   std::vector<const FrameResult*> measured;
   for (const FrameResult& frame : frames)
     if (frame.is_measured()) measured.push_back(&frame);
@@ -56,7 +56,7 @@ std::vector<TimeWindow> Windows(const std::vector<FrameResult>& frames) {
   const auto is_long = [&](size_t i) {
     return i > 1 && i + 1 < measured.size() && step(i) > kLongStep * std::max(step(i - 1), step(i + 1));
   };
-  std::vector<TimeWindow> windows;
+  std::vector<SpeedWindow> windows;
   size_t first = 0;
   bool has_long_step = false;
   for (size_t i = 1; i < measured.size(); ++i) {
@@ -72,13 +72,13 @@ std::vector<TimeWindow> Windows(const std::vector<FrameResult>& frames) {
   return windows;
 }
 
-bool IsImpossible(const TimeWindow& before, const TimeWindow& after) {
+bool IsImpossible(const SpeedWindow& before, const SpeedWindow& after) {
   const auto [slower, faster] = std::minmax({before.speed(), after.speed()});
   const double seconds = 0.5 * (after.from + after.to - before.from - before.to);
   return (1 - kSpeedNoise) * faster - slower > kMostAcceleration * seconds;
 }
 
-std::vector<Stretch> Stretches(const std::vector<TimeWindow>& windows) {
+std::vector<Stretch> Stretches(const std::vector<SpeedWindow>& windows) {
   std::vector<Stretch> stretches;
   for (size_t i = 0; i < windows.size(); ++i) {
     const bool continues = i > 0 && windows[i].from == windows[i - 1].to;
@@ -108,7 +108,7 @@ std::vector<ImpossibleMotion> FindImpossibleMotion(const std::vector<FrameResult
     while (end < stretches.size() && stretches[end].is_wrong && stretches[end].follows) ++end;
     ImpossibleMotion part{stretches[first].windows.front().from, stretches[end - 1].windows.back().to};
     for (size_t i = first; i < end; ++i)
-      for (const TimeWindow& window : stretches[i].windows) part.distance += window.distance;
+      for (const SpeedWindow& window : stretches[i].windows) part.distance += window.distance;
     std::optional<double> before;
     std::optional<double> after;
     if (stretches[first].follows) before = stretches[first - 1].last_speed();
