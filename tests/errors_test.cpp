@@ -517,6 +517,55 @@ TEST_F(ErrorsTest, ACalibrationBesideAVideoThatIsNotUsedIsNamed) {
   }
 }
 
+TEST_F(ErrorsTest, ACalibrationBesideAFolderOfImagesThatIsNotUsedIsNamed) {
+  const std::string camera = (Drive() / "calib.txt").string();
+  const auto warned = [&](const fs::path& input, const std::vector<std::string>& more = {}) {
+    std::vector<std::string> arguments = {"run", input.string(), "--out", Out().string(), "--fps",
+                                          "10",  "--max-frames", "4",     "--quiet"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const CommandResult result = RunCommand(arguments, folder_);
+    return result.err.find("calib.txt: is not used; give --camera ") != std::string::npos;
+  };
+  EXPECT_TRUE(warned(Drive() / "image_0"));
+  EXPECT_TRUE(warned(Drive() / "image_0" / ""));
+  EXPECT_FALSE(warned(Drive() / "image_0", {"--camera", camera}));
+  EXPECT_FALSE(warned(Drive() / "image_0", {"--fov", "77"}));
+  EXPECT_FALSE(warned(Drive())) << "it is used";
+}
+
+TEST_F(ErrorsTest, MissingImagesAreNamed) {
+  for (int i = 8; i < 12; ++i) fs::remove(Image(i));
+  const CommandResult result = Run({"--fps", "10", "--quiet"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  const std::string warning =
+      (Drive() / "image_0").string() +
+      ": 4 images are missing by the numbers of the names, 4 of them between 000007.png and 000012.png, and count as "
+      "0.4 s at --fps 10; give --timestamps FILE if no time has passed there";
+  EXPECT_NE(result.err.find("warning: " + warning), std::string::npos) << result.err;
+  EXPECT_EQ(Summary()["warnings"][0], warning);
+  EXPECT_EQ(ReadTrajectoryFile(Out() / "trajectory.tum").poses.back().time, (kRoomFrames - 1) / 10.0);
+}
+
+TEST_F(ErrorsTest, AMaskBesideTheImagesIsNoFrame) {
+  cv::Mat mask(kRoomHeight, kRoomWidth, CV_8UC1, cv::Scalar(255));
+  mask.rowRange(kRoomHeight - 20, kRoomHeight) = 0;
+  const fs::path file = Drive() / "image_0" / "mask.png";
+  cv::imwrite(file.string(), mask);
+  const CommandResult result = Run({"--mask", file.string(), "--quiet"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(Summary()["frames"]["total"], kRoomFrames);
+}
+
+TEST_F(ErrorsTest, CoefficientsThatMayBeOfAFisheyeGiveAWarning) {
+  const fs::path camera = Text("cam.yaml",
+                               "image_width: 320\nimage_height: 240\ncamera_matrix: [200, 0, 159.5, 0, 200, 119.5, 0, "
+                               "0, 1]\ndistortion_coefficients: [0.05, 0.01, -0.04, 0.01]\n");
+  const CommandResult result = Run({"--camera", camera.string(), "--max-frames", "4", "--quiet"});
+  EXPECT_NE(result.err.find("warning: " + camera.string() + ": distortion_coefficients are read as k1 k2 p1 p2, but"),
+            std::string::npos)
+      << result.err;
+}
+
 TEST_F(ErrorsTest, NarrowImagesGiveAWarning) {
   fs::create_directories(folder_ / "small");
   for (int i = 0; i < 8; ++i)

@@ -110,8 +110,12 @@ std::vector<double> MatrixOf(const YamlMap& file, const std::string& key) {
   return file.IsMap(key) ? file.Map(key).Numbers("data") : file.Numbers(key);
 }
 
+std::string DistortionKey(const YamlMap& file) {
+  return file.Has("distortion_coefficients") ? "distortion_coefficients" : "dist_coeffs";
+}
+
 void SetOpenCvDistortion(const YamlMap& file, CameraModel& camera) {
-  const std::string key = file.Has("distortion_coefficients") ? "distortion_coefficients" : "dist_coeffs";
+  const std::string key = DistortionKey(file);
   if (!file.Has(key)) file.Reject("distortion_coefficients", "is missing; add it (zeros for a rectified camera)");
   const std::vector<double> k = MatrixOf(file, key);
   const std::string model = file.Has("distortion_model") ? file.Text("distortion_model") : "";
@@ -309,6 +313,20 @@ std::string Joined(std::span<const double> numbers, const char* separator) {
 CameraModel ReadCameraFile(const std::filesystem::path& path) {
   if (const std::optional<CameraModel> camera = FindProjection(path)) return *camera;
   return CameraFromYaml(OrSayWhatIsOne([&] { return YamlMap(path); }));
+}
+
+std::string DoubtOfLens(const std::filesystem::path& path) {
+  constexpr double kLargestTangential = 0.02;  // of lenses that are mounted straight
+  if (FindProjection(path)) return {};
+  const YamlMap file(path);
+  const bool is_stated = file.Has("distortion_model") || file.Has("fisheye_model");
+  const std::string key = DistortionKey(file);
+  if (file.IsMap("cam0") || !file.Has("camera_matrix") || !file.Has(key) || is_stated) return {};
+  const std::vector<double> k = MatrixOf(file, key);
+  if (k.size() != 4 || std::max(std::abs(k[2]), std::abs(k[3])) <= kLargestTangential) return {};
+  return path.string() + ": " + key + " are read as k1 k2 p1 p2, but p1 = " + NumberText(k[2]) +
+         " and p2 = " + NumberText(k[3]) +
+         " are unusually large; if they are of a fisheye lens, add distortion_model: equidistant, else plumb_bob";
 }
 
 void RefuseCameraFile(const YamlMap& file) {

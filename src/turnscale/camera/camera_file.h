@@ -15,6 +15,11 @@ namespace turnscale {
 /// CameraModel does not know.
 CameraModel ReadCameraFile(const std::filesystem::path& path);
 
+/// One line where the lens of a camera file is uncertain: an OpenCV file with four coefficients and without
+/// `distortion_model`, of which the third or fourth is larger than tangential distortion is, as a fisheye's may be.
+/// Else empty. Throws as ReadCameraFile.
+std::string DoubtOfLens(const std::filesystem::path& path);
+
 /// Throws InputError where a file that is to describe a car is a camera's: files of both kinds lie side by side.
 void RefuseCameraFile(const YamlMap& file);
 

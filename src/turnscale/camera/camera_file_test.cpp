@@ -262,5 +262,26 @@ TEST(CameraFile, InUtf16IsNamedSo) {
   EXPECT_NE(Complaint(wide).find("is text in UTF-16; save it as UTF-8"), std::string::npos);
 }
 
+TEST(CameraFile, FourCoefficientsThatMayBeOfAFisheyeAreDoubted) {
+  const auto doubt_of = [](const std::string& text) { return DoubtOfLens(Write(text)); };
+  const auto with_last = [](const std::string& last) {
+    return Replaced(Replaced(kOpenCv, "rows: 5", "rows: 4"), "0.001, 0.002, -0.01", last);
+  };
+  EXPECT_EQ(doubt_of(kKitti), "");
+  EXPECT_EQ(doubt_of(kOrbSlam3), "");
+  EXPECT_EQ(doubt_of(kKalibr), "");
+  EXPECT_EQ(doubt_of(kOpenCv), "");
+  EXPECT_EQ(doubt_of(with_last("0.001, -0.015")), "");
+  const std::string doubt = doubt_of(with_last("0.001, -0.03"));
+  EXPECT_NE(doubt.find(": distortion_coefficients are read as k1 k2 p1 p2, but p1 = 0.001 and p2 = -0.03 are unusually "
+                       "large; if they are of a fisheye lens, add distortion_model: equidistant"),
+            std::string::npos)
+      << doubt;
+  EXPECT_NE(doubt_of(with_last("0.03, 0")), "");
+  EXPECT_EQ(doubt_of(with_last("0.03, 0") + "distortion_model: plumb_bob\n"), "");
+  EXPECT_EQ(doubt_of(with_last("0.03, 0") + "fisheye_model: 1\n"), "");
+  EXPECT_EQ(doubt_of(Replaced(kOpenCv, "0.001, 0.002", "0.03, 0.03")), "") << "a fisheye has no fifth one";
+}
+
 }  // namespace
 }  // namespace turnscale

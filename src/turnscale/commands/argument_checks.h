@@ -48,22 +48,29 @@ inline double CheckedLeverArmSigma(double sigma, const std::optional<double>& le
   return sigma;
 }
 
-/// Value of --camera-height: metres, with a standard deviation in metres where one is given.
+/// Value of --camera-height: metres, with a standard deviation in metres where one is given. ParseCameraHeight throws
+/// InputError if one is out of range, or if the standard deviation is so large that a decimal comma is more likely.
 struct CameraHeight {
   double metres = 0;
   std::optional<double> sigma;
 };
 inline CameraHeight ParseCameraHeight(const std::string& text) {
+  constexpr double kLargestShare = 0.2;
   const std::size_t comma = text.find(',');
   const std::optional<double> metres = ParseNumber<double>(std::string_view(text).substr(0, comma));
   std::optional<double> sigma;
   if (comma != std::string::npos) sigma = ParseNumber<double>(std::string_view(text).substr(comma + 1));
   if (metres && *metres > 0 && *metres <= kHighestCamera &&
-      (comma == std::string::npos || (sigma && *sigma > 0 && *sigma < *metres)))
-    return {*metres, sigma};
+      (comma == std::string::npos || (sigma && *sigma > 0 && *sigma < *metres))) {
+    if (!sigma || *sigma <= kLargestShare * *metres) return {*metres, sigma};
+    throw InputError(fmt::format(
+        "--camera-height {}: means {} m with a standard deviation of {} m, which is above {:.0f} %; measure "
+        "the height, and write decimals with a point",
+        text, *metres, *sigma, 100 * kLargestShare));
+  }
   throw InputError(
       fmt::format("--camera-height {}: give the height of the camera above the road in metres, above 0 and up to {}, "
-                  "or H,SIGMA with its standard deviation in metres, above 0 and below H",
+                  "or H,SIGMA with its standard deviation in metres, above 0 and up to a fifth of H",
                   text, kHighestCamera));
 }
 

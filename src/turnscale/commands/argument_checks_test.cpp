@@ -85,6 +85,10 @@ TEST(ArgumentChecks, AHeightMayHaveASigma) {
   EXPECT_EQ(ParseCameraHeight("1.5,0.1").sigma, 0.1);
   for (const char* text : {"", "tall", "0", "11", "1.5,", "1.5,0", "1.5,2", "nan"})
     EXPECT_NE(Complaint([&] { ParseCameraHeight(text); }), "") << text;
+  EXPECT_EQ(ParseCameraHeight("1.5,0.3").sigma, 0.3);
+  EXPECT_EQ(Complaint([] { ParseCameraHeight("2,1"); }),
+            "--camera-height 2,1: means 2 m with a standard deviation of 1 m, which is above 20 %; measure the height, "
+            "and write decimals with a point");
 }
 
 }  // namespace

@@ -133,6 +133,9 @@ std::vector<std::string> DoubtsOf(const DriveImages& images) {
         fmt::format("the images are {}x{} pixels, too small for a reliable path: give images at least {} pixels wide",
                     size.width, size.height, kLeastWidth));
   if (images.given.name.empty()) return doubts;
+  // The name of a bag's camera is no file.
+  if (std::error_code none; fs::is_regular_file(images.given.name, none))
+    if (std::string doubt = DoubtOfLens(images.given.name); !doubt.empty()) doubts.push_back(std::move(doubt));
   const CameraModel& given = images.given.model;
   const bool central = std::abs(given.pinhole.cx / size.width - 0.5) < kFarOff &&
                        std::abs(given.pinhole.cy / size.height - 0.5) < kFarOff;
@@ -152,16 +155,26 @@ std::vector<std::string> DoubtsOf(const DriveImages& images) {
   return doubts;
 }
 
-// One line where a video is read without a calibration though a file of one lies beside it; else empty.
-std::string UnusedCamera(const ImageArguments& arguments, const GivenCamera& given) {
+// One line where a drive is read without a calibration though a file of one lies beside it; else empty. Beside a video
+// is its folder, beside a folder of images also the one that it is in: KITTI has image_0/ beside calib.txt.
+std::string UnusedCamera(const ImageArguments& arguments, const DriveImages& images) {
   std::error_code none;
-  const bool chosen = !given.name.empty() || arguments.field_of_view;
-  if (chosen || !fs::is_regular_file(arguments.inputs.front(), none)) return {};
-  for (const char* name : {"calib.txt", "camera.yaml"}) {
-    const fs::path file = arguments.inputs.front().parent_path() / name;
-    if (fs::is_regular_file(file, none))
-      return fmt::format("{}: is not used; give --camera {} if it is this camera's, or the folder as the input",
-                         file.string(), file.string());
+  if (!images.given.name.empty() || arguments.field_of_view) return {};
+  const fs::path& input = arguments.inputs.front();
+  std::vector<fs::path> folders = {input.parent_path()};
+  const bool is_folder = !fs::is_regular_file(input, none);
+  if (is_folder) {
+    if (images.drive.images.empty()) return {};
+    // With the dots and links of a path, its folder is not what stands before its last name.
+    folders = {images.drive.path, fs::canonical(images.drive.path, none).parent_path()};
+  }
+  for (const fs::path& folder : folders) {
+    for (const char* name : {"calib.txt", "camera.yaml"}) {
+      const fs::path file = folder / name;
+      if (fs::is_regular_file(file, none))
+        return fmt::format("{}: is not used; give --camera {} if it is this camera's{}", file.string(), file.string(),
+                           is_folder ? "" : ", or the folder as the input");
+    }
   }
   return {};
 }
@@ -208,8 +221,7 @@ DriveImages::DriveImages(const ImageArguments& arguments, const ImageOptions& im
 std::vector<std::string> WarningsOf(const ImageArguments& arguments, const DriveImages& images) {
   std::vector<std::string> warnings = images.source.left_out();
   if (!images.source.notice().empty()) warnings.push_back(images.source.notice());
-  if (std::string unused = UnusedCamera(arguments, images.given); !unused.empty())
-    warnings.push_back(std::move(unused));
+  if (std::string unused = UnusedCamera(arguments, images); !unused.empty()) warnings.push_back(std::move(unused));
   for (std::string& doubt : DoubtsOf(images)) warnings.push_back(std::move(doubt));
   return warnings;
 }

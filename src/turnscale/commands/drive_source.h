@@ -71,9 +71,10 @@ struct DriveImages {
   int expected = 0;      ///< number of frames, limited by `max_frames`; 0 if unknown
 };
 
-/// Warnings before the first frame, one line each: clips that are left out; a calibration beside a video that is not
-/// used; images that are too small; a principal point far from their centre where the calibration has no image size to
-/// check; pixels of another shape than the video says.
+/// Warnings before the first frame, one line each: clips that are left out; images that are missing; a calibration
+/// beside the input that is not used; images that are too small; coefficients that may be
+/// of a fisheye lens (DoubtOfLens); a principal point far from their centre where the
+/// calibration has no image size to check; pixels of another shape than the video says.
 std::vector<std::string> WarningsOf(const ImageArguments& arguments, const DriveImages& images);
 
 struct TimedTrajectory {
