@@ -66,7 +66,7 @@ TEST(JpegOrientation, WithoutOneTheImageIsUpright) {
   std::vector<uint8_t> png;
   ASSERT_TRUE(cv::imencode(".png", cv::Mat(8, 8, CV_8UC1, cv::Scalar(7)), png));
   EXPECT_EQ(JpegOrientation(png), kUpright);
-  const std::string xmp = std::string("\xFF\xE1\0\x10http:xmp test", 18);
+  const std::string xmp = std::string("\xFF\xE1\0\x10http:xmp test.", 18);
   EXPECT_EQ(JpegOrientation(WithSegment(xmp + ExifSegment(6, false))), 6) << "APP1 of XMP";
 }
 
