@@ -848,11 +848,9 @@ TEST_F(ErrorsTest, AnInterruptBeforeTheFirstFrameSaysThatNothingIsWritten) {
     ASSERT_EQ(mkfifo(Image(0).c_str(), 0600), 0);
     const fs::path out = folder_ / "nothing";
     Command command({command_name, Drive().string(), "--out", out.string()}, folder_);
-    {
-      // Opens as soon as the command does, which waits there for the end of the file.
-      const std::ofstream opened(Image(0));
-      command.Signal(SIGTERM);
-    }
+    // Opens as soon as the command does, which waits for the end of the file, and ends before that.
+    const std::ofstream opened(Image(0));
+    command.Signal(SIGTERM);
     const CommandResult result = command.Wait();
     EXPECT_EQ(result.exit_code, 130);
     EXPECT_EQ(result.err, "turnscale: interrupted before the first frame; nothing is written\n");
