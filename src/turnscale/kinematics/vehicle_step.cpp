@@ -116,6 +116,11 @@ std::vector<VehicleStep> StepBuilder::Add(const StampedPose& pose, const PathGap
   return ended;
 }
 
+void StepBuilder::TurnAxes(const Eigen::Quaterniond& old_from_new) {
+  for (StampedPose* pose : {&key_pose_, &last_pose_})
+    pose->world_from_camera.rotation = pose->world_from_camera.rotation * old_from_new;
+}
+
 std::optional<VehicleStep> StepBuilder::Finish() {
   const int last = poses_ - 1;
   if (!started_ || last <= key_) return std::nullopt;

@@ -100,6 +100,9 @@ class StepBuilder {
   /// its own.
   std::vector<VehicleStep> Add(const StampedPose& pose, const PathGap* gap = nullptr);
 
+  /// The vehicle's axes have changed: the poses to come are in new ones, by which the step under way is measured, too.
+  void TurnAxes(const Eigen::Quaterniond& old_from_new);
+
   /// The path ends: what remains of it is a step, which is not usable if the car has stood still since the last one.
   std::optional<VehicleStep> Finish();
 

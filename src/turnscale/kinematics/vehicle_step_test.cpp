@@ -313,6 +313,32 @@ TEST(StepBuilder, PoseByPoseIsTheWholePath) {
   }
 }
 
+TEST(StepBuilder, AxesMayTurnWithinAStep) {
+  const Eigen::Quaterniond old_from_new = RotationFromYawPitchRoll({2 * kDegree, -1 * kDegree, 0.5 * kDegree});
+  const Trajectory path = Timed({{6, 0.8, 0}, {12, 0.4, 1 * kDegree}});
+  Trajectory turned = path;
+  for (StampedPose& pose : turned) pose.world_from_camera.rotation = pose.world_from_camera.rotation * old_from_new;
+  StepBuilder builder({}, true);
+  std::vector<VehicleStep> steps;
+  constexpr std::size_t kChange = 8;  // in the middle of a step
+  for (std::size_t i = 0; i < path.size(); ++i) {
+    if (i == kChange) {
+      steps.clear();
+      builder.TurnAxes(old_from_new);
+    }
+    std::ranges::copy(builder.Add(i < kChange ? path[i] : turned[i]), std::back_inserter(steps));
+  }
+  std::vector<VehicleStep> expected = CutIntoSteps(turned, {}, true, {});
+  std::erase_if(expected, [&](const VehicleStep& step) { return step.last < static_cast<int>(kChange); });
+  ASSERT_GE(steps.size(), 2U);
+  ASSERT_LT(steps.front().first, static_cast<int>(kChange));
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    EXPECT_EQ(steps[i].first, expected[i].first);
+    EXPECT_NEAR(steps[i].motion.psi, expected[i].motion.psi, 1e-12);
+    EXPECT_NEAR(steps[i].motion.theta, expected[i].motion.theta, 1e-12);
+  }
+}
+
 TEST(CutIntoSteps, StepsLeadPastAPoseThatIsNotFinite) {
   Trajectory path = Timed({{6, 0.8, 0}, {12, 0.4, 1 * kDegree}});
   const std::vector<VehicleStep> all = CutIntoSteps(path, {}, true, {});

@@ -26,8 +26,7 @@ constexpr double kScalePerCorrection = 15;
 
 double YawSigma(const VehicleOptions& vehicle, const Mount& mount) {
   if (!vehicle.calibrate_camera) return vehicle.yaw_sigma;
-  // A rough estimate is where the scale's own begins: that uses the same straights and turns.
-  if (mount.found) return mount.sigma.yaw <= vehicle.yaw_sigma ? vehicle.yaw_sigma : kYawSigmaByEye;
+  if (mount.found) return PriorYawSigma(mount.sigma.yaw, vehicle.yaw_sigma);
   const bool as_given = vehicle.camera_known && mount.first_keyframe == 0;
   return as_given ? vehicle.yaw_sigma : std::max(vehicle.yaw_sigma, kYawSigmaByEye);
 }
@@ -177,9 +176,11 @@ void DriveScale::Reread(const Map& map, MountCalibration mount, int first, int e
       (settled_ && settled_->vehicle_from_camera.angularDistance(mount_.At(settled_->keyframes)) > kMostTurned))
     settled_.reset();
   if (settled_) {
+    const Eigen::Quaterniond& now = mount_.At(settled_->keyframes);
     builder_ = settled_->builder;
+    builder_.TurnAxes(settled_->vehicle_from_camera * now.conjugate());
     live_ = settled_->live;
-    live_.TurnCamera(DirectionUnder(mount_.At(settled_->keyframes), settled_->vehicle_from_camera));
+    live_.TurnCamera(DirectionUnder(now, settled_->vehicle_from_camera));
   } else {
     builder_ = StepBuilder(options_.steps, true);
     live_ = LiveScale(PriorOf(options_.vehicle, mount_.current()), options_.scale.estimator);

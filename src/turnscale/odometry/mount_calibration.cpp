@@ -15,9 +15,6 @@ namespace {
 constexpr double kLeastChange = 0.05 / kDegreesPerRadian;
 constexpr double kLeastRollChange = 5 / kDegreesPerRadian;
 
-// Yaw of an estimate from about a turn, standard deviation in rad.
-constexpr double kRoughYaw = 0.3 / kDegreesPerRadian;
-
 // Between the yaw that was known and the drive's, in standard deviations, beyond which the camera is taken as turned.
 constexpr double kMostYawDeviation = 3;
 
@@ -81,7 +78,7 @@ void MountCalibration::Learn(std::span<const Keyframe> next) {
     }
     if (!state.usable) continue;
     // Pitch and roll that were known are not exchanged for rough ones.
-    if (known_ && moves() == 0 && state.sigma.yaw > kRoughYaw) continue;
+    if (known_ && moves() == 0 && state.sigma.yaw > kEstimatedYawSigma) continue;
     const Mount found = Found(state);
     Mount& mount = mounts_.back();
     mount.found = true;

@@ -45,7 +45,7 @@ struct VehicleOptions {
   /// Estimate Q from the drive.
   bool calibrate_camera = true;
   /// Standard deviation of the yaw of Q, given or estimated, rad (0.3 deg; if estimated, at least).
-  double yaw_sigma = 0.3 / kDegreesPerRadian;
+  double yaw_sigma = kEstimatedYawSigma;
   /// Height of the camera above the road, metres. Estimated in turns if not given.
   std::optional<double> camera_height;
   std::optional<double> camera_height_sigma;  ///< its standard deviation, metres; 1 % of it if not given

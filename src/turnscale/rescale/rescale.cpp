@@ -118,7 +118,8 @@ bool FindMount(const RescaleOptions& options, const Trajectory& trajectory, cons
   try {
     const MountFromPath mount = FindCameraMount(trajectory, options.timed, first_poses);
     result.vehicle_from_camera = mount.vehicle_from_camera;
-    if (!mount.observed) result.yaw_sigma = std::max(result.yaw_sigma, options.unobserved_yaw_sigma);
+    result.yaw_sigma = mount.yaw_sigma ? PriorYawSigma(*mount.yaw_sigma, options.car.yaw_sigma)
+                                       : std::max(options.car.yaw_sigma, options.unobserved_yaw_sigma);
     return true;
   } catch (const InputError& error) {
     result.reason = error.what();
@@ -177,8 +178,11 @@ MountFromPath FindCameraMount(const Trajectory& trajectory, bool timed, const st
   const Eigen::Quaterniond body_from_camera = InCameraAxes({StampedPose{}}, axes).front().world_from_camera.rotation;
   const std::vector<CameraStep> steps = StepsAlong(pieces);
   const Calibration calibration = Calibrate(steps);
-  const Eigen::Quaterniond found = calibration.observable ? calibration.vehicle_from_camera : Upright(steps);
-  return {found * body_from_camera.conjugate(), calibration.observable};
+  MountFromPath mount;
+  if (calibration.observable) mount.yaw_sigma = calibration.sigma.yaw;
+  mount.vehicle_from_camera =
+      (calibration.observable ? calibration.vehicle_from_camera : Upright(steps)) * body_from_camera.conjugate();
+  return mount;
 }
 
 void RescaleOptions::Check() const {

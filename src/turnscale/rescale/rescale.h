@@ -17,8 +17,9 @@ namespace turnscale {
 /// The camera-to-vehicle rotation, as a path shows it.
 struct MountFromPath {
   Eigen::Quaterniond vehicle_from_camera = Eigen::Quaterniond::Identity();  ///< the paper's Q
-  bool observed =
-      false;  ///< by turns; else the camera is taken as upright and looking along the mean direction of travel
+  /// Standard deviation of its yaw as turns show it, rad. Empty where they do not: the camera is then taken as upright
+  /// and looking along the mean direction of travel.
+  std::optional<double> yaw_sigma;
 };
 
 /// The paper's Q from the path itself, whichever way its body's axes lie. `timed` says that the poses' times are

@@ -89,6 +89,17 @@ TEST(Rescale, FindsHowTheCameraIsTurned) {
   }
 }
 
+// One noisy turn hardly tells the yaw, and the scale uses the same turn.
+TEST(Rescale, ARoughYawIsNotTakenAsKnown) {
+  const ScaledDrive drive = MakeScaledDrive(CityRoute(1), kCar, kIdentity, kUnit, {.position = 0.15}, 3);
+  const MountFromPath mount = FindCameraMount(drive.trajectory, true);
+  ASSERT_TRUE(mount.yaw_sigma);
+  EXPECT_GT(*mount.yaw_sigma, kEstimatedYawSigma);
+  EXPECT_EQ(RescaleTrajectory(OptionsFor(kCar), drive.trajectory).yaw_sigma, kYawSigmaByEye);
+  EXPECT_EQ(PriorYawSigma(0.2 / kDegreesPerRadian, 0.1 / kDegreesPerRadian), kEstimatedYawSigma);
+  EXPECT_EQ(PriorYawSigma(0.08 / kDegreesPerRadian, 0.1 / kDegreesPerRadian), 0.1 / kDegreesPerRadian);
+}
+
 TEST(Rescale, SaysWhenTheAxesAreNotACameras) {
   Eigen::Matrix3d vehicle_axes;
   vehicle_axes << 0, -1, 0, 0, 0, -1, 1, 0, 0;

@@ -321,7 +321,8 @@ void CompareTurns(const Answer& answer, const CarPrior& car, const TurnTestOptio
 bool AgreeWithoutHeight(const ScaleProblem& problem, const std::vector<SegmentEvidence>& gathered, CarPrior car,
                         const ScaleEstimatorOptions& options) {
   car.camera_height = car.camera_height_sigma = car.height_correlation = car.height_slip_correlation = 0;
-  const Selection selection = SelectTurns(gathered, car, PriorState(car, 0), options.evidence);
+  const DriveState start = StartingState(car, DirectionShownByTurns(gathered, options.evidence));
+  const Selection selection = SelectTurns(gathered, car, start, options.evidence);
   if (selection.log_scales.empty()) return false;
   const Answer answer = SmoothDrive(problem, gathered, car, options, selection);
   ScaleEstimate estimate;
@@ -353,6 +354,16 @@ std::string Remedy(const CarPrior& car, const ScaleEstimatorOptions& options,
          (road && !car.knows_height() ? ", or the measured height of the camera above the road" : "");
 }
 
+bool AllSwingInward(const std::vector<SegmentEvidence>& evidence, const DriveState& state) {
+  int turns = 0;
+  for (const SegmentEvidence& segment : evidence) {
+    if (!segment.turn) continue;
+    if (!SwingsInward(*segment.turn, state)) return false;
+    ++turns;
+  }
+  return turns > 0;
+}
+
 // No turn and no height gives a first value of the scale.
 ScaleEstimateResult WithoutAStart(const ScaleProblem& problem, const std::vector<SegmentEvidence>& gathered,
                                   const CarPrior& car, const ScaleEstimatorOptions& options) {
@@ -362,7 +373,15 @@ ScaleEstimateResult WithoutAStart(const ScaleProblem& problem, const std::vector
     result.reason = "too few steps show the height above the road";
     return result;
   }
-  result.reason = result.turns.empty() ? "no turn; " : "no sufficiently slow turn shows the expected lateral motion; ";
+  if (result.turns.empty())
+    result.reason = "no turn; ";
+  else if (AllSwingInward(gathered, PriorState(car, 0)))
+    result.reason =
+        "in all turns the camera swings to the inside: they are too fast, or the camera is not ahead of the rear axle, "
+        "looking forward, as the lever arm says; ";
+  else
+    result.reason =
+        "no sufficiently slow turn shows the expected lateral motion, or the times of the images are wrong; ";
   result.reason += Remedy(car, options, gathered);
   return result;
 }

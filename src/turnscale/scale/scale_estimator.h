@@ -118,7 +118,7 @@ struct ScaleEstimate {
   bool converged = false;
 
   /// Whether the trajectory uses the refined constants of the car, and nothing contradicts them: another drive may.
-  bool has_reliable_car() const { return !fell_back && !height_conflict && !slip_conflict; }
+  bool has_reliable_car() const { return converged && !fell_back && !height_conflict && !slip_conflict; }
 };
 
 /// The estimate, or in one line why there is none.

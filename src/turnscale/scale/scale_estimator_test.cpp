@@ -268,7 +268,8 @@ TEST(ScaleEstimator, SaysWhyThereIsNoScale) {
   const ScaleEstimateResult inwards = EstimateScale(MakeSteps(TownRoad(3, 9), {-1.5, 0}, 0, kUnit).steps, rigid, {});
   EXPECT_FALSE(inwards.estimate);
   ASSERT_EQ(inwards.turns.size(), 3u);
-  EXPECT_NE(inwards.turns[0].reason.find("outwards"), std::string::npos) << inwards.turns[0].reason;
+  EXPECT_NE(inwards.turns[0].reason.find("inside"), std::string::npos) << inwards.turns[0].reason;
+  EXPECT_NE(inwards.reason.find("not ahead of the rear axle"), std::string::npos) << inwards.reason;
 
   CarPrior vague = PriorOf(kCar);
   vague.lever_arm_sigma = 0.5;

@@ -261,7 +261,13 @@ std::optional<Measurement> LinearizeDirectionInTurn(const SegmentEvidence& evide
   return measurement;
 }
 
+bool SwingsInward(const PooledLine& turn, const DriveState& state) {
+  return turn.lever_arm < state[kDirection] * turn.by_direction;
+}
+
 std::string WhyUnusable(const PooledLine& turn, const DriveState& state, const EvidenceOptions& options) {
+  if (SwingsInward(turn, state))
+    return "the camera swings to the inside of the turn: too fast, or not ahead of the rear axle";
   const LeverArm lever_arm = LeverArmOf(state);
   const double scale = MetresPerUnit(turn, lever_arm, state[kDirection]);
   if (!std::isfinite(scale)) return "the camera does not move outwards as the lever arm requires";

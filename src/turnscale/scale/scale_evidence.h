@@ -22,6 +22,17 @@ constexpr double kGivenHeightSigma = 0.01;
 /// Standard deviation of the yaw of a camera that was mounted by eye, rad (3 deg).
 constexpr double kYawSigmaByEye = 3.0 / kDegreesPerRadian;
 
+/// The same after a calibration from the camera's motion over some turns, at least, rad (0.3 deg).
+constexpr double kEstimatedYawSigma = 0.3 / kDegreesPerRadian;
+
+/// The same as a prior for the scale of the very drive that the yaw was estimated from, with the standard deviation
+/// `estimated`; `known` is that of what was known before, all in rad. A rough estimate says nothing of its own: the
+/// scale uses the same straights and turns.
+inline double PriorYawSigma(double estimated, double known) {
+  if (estimated <= known) return known;
+  return estimated <= kEstimatedYawSigma ? kEstimatedYawSigma : kYawSigmaByEye;
+}
+
 /// Standard deviation of a lever arm measured with a tape, metres: kTapeSigma, but at most half of the lever arm.
 inline double TapeSigma(double lever_arm) { return std::min(kTapeSigma, 0.5 * lever_arm); }
 
@@ -32,10 +43,9 @@ struct CarPrior {
   /// Standard deviation of L, metres, below L: a tape held from the camera to above the centre of the rear wheel
   /// (TapeSigma).
   double lever_arm_sigma = kTapeSigma;
-  double side_slip = kUsualSideSlip;             ///< c, s^2/m
-  double side_slip_sigma = kUsualSideSlipSigma;  ///< 0 where c is known exactly
-  /// Of the yaw error of Q, rad (0.3 deg: of a calibration from the camera's motion over some turns).
-  double yaw_sigma = 0.3 / kDegreesPerRadian;
+  double side_slip = kUsualSideSlip;                 ///< c, s^2/m
+  double side_slip_sigma = kUsualSideSlipSigma;      ///< 0 where c is known exactly
+  double yaw_sigma = kEstimatedYawSigma;             ///< of the yaw error of Q, rad
   double roll_height = kUsualRollHeight;             ///< h: above the axis about which the body rolls, metres
   double roll_height_sigma = kUsualRollHeightSigma;  ///< metres
   /// H: height of the camera above the road, metres. 0: not known; estimated in turns.
@@ -185,6 +195,10 @@ std::optional<Measurement> LinearizeDirectionInTurn(const SegmentEvidence& evide
 /// The height above the road, ln(H) - ln(lambda) + error, at a state. The error's standard deviation is that of its
 /// mean over the way that shows the road.
 Measurement LinearizeRoad(const RoadEvidence& road, const DriveState& state, const RoadEvidenceOptions& options);
+
+/// Whether the camera swings to the inside of the turn, where a lever arm swings it to the outside: slip outweighs the
+/// lever arm, or the camera is behind the rear axle, or looks backward.
+bool SwingsInward(const PooledLine& turn, const DriveState& state);
 
 /// Why a turn is not usable at `state` (too fast, no outward motion): one line; empty if it is.
 std::string WhyUnusable(const PooledLine& turn, const DriveState& state, const EvidenceOptions& options);
