@@ -64,6 +64,18 @@ std::string LateBeginningText(const MissingPart& before, int frames, const SeenI
                      seen.Cause());
 }
 
+double LengthBefore(const MissingPart& before, const std::vector<FrameResult>& frames) {
+  constexpr double kSeconds = 1;
+  const auto first = std::ranges::lower_bound(frames, before.to, {}, &FrameResult::time);
+  if (first == frames.end() || !first->world_from_camera) return 0;
+  auto last = first;
+  while (last + 1 != frames.end() && last->time < before.to + kSeconds) ++last;
+  const double seconds = last->time - first->time;
+  if (!(seconds > 0) || !last->world_from_camera) return 0;
+  const double length = (last->world_from_camera->translation - first->world_from_camera->translation).norm();
+  return length / seconds * (before.to - before.from);
+}
+
 bool IsMissing(const std::vector<MissingPart>& parts, double from, double to) {
   const double middle = 0.5 * (from + to);
   const auto part = std::partition_point(parts.begin(), parts.end(),

@@ -43,6 +43,10 @@ std::optional<MissingPart> LateBeginning(const std::vector<MissingPart>& parts, 
 /// is no fault. `frames`: of the whole drive.
 std::string LateBeginningText(const MissingPart& before, int frames, const SeenImages& seen);
 
+/// How far the car drives before the map begins, if it has the speed of the first second after that: a rough estimate,
+/// in the unit of the poses.
+double LengthBefore(const MissingPart& before, const std::vector<FrameResult>& frames);
+
 /// Whether the path between two frames that follow one another, by their times, is in one of the parts, which are in
 /// the order of time.
 bool IsMissing(const std::vector<MissingPart>& parts, double from, double to);

@@ -90,6 +90,15 @@ TEST(MissingPath, ACarThatWaitsIsNoFault) {
   EXPECT_EQ(text(3).find("no map could be started before 4.0 s (40 of 100 frames): the points"), 0u) << text(3);
 }
 
+TEST(MissingPath, TheLengthBeforeTheMapIsThatAtTheFirstSpeed) {
+  auto frames = Frames(std::string(30, 'i') + std::string(20, 't'));
+  for (size_t i = 30; i < frames.size(); ++i)
+    frames[i].world_from_camera = RigidTransform{Eigen::Quaterniond::Identity(), {0, 0, 0.8 * static_cast<double>(i)}};
+  EXPECT_NEAR(LengthBefore(FindMissingParts(frames).front(), frames), 24, 1e-9);
+  frames.resize(31);
+  EXPECT_EQ(LengthBefore({MissingReason::kNotBegun, 0, 3, 30}, frames), 0) << "no speed";
+}
+
 TEST(MissingPath, TheLongestInTheOrderOfTime) {
   const auto parts = LongestParts(FindMissingParts(Frames("tbtbbbtbbtbtt")), 2);
   ASSERT_EQ(parts.size(), 2u);

@@ -195,14 +195,18 @@ class Run {
     results_ = std::move(results);
   }
 
-  // A path that begins late has few turns for that reason.
+  // A path that begins late has few turns for that reason, and lacks what the car has driven before.
   void SayIfLate(RunSummary& summary) const {
-    constexpr double kLeastShare = 0.5;
-    const std::optional<MissingPart> before = LateBeginning(summary.missing, summary.seconds, kLeastShare);
+    const std::optional<MissingPart> before = LateBeginning(summary.missing, summary.seconds, 0);
     if (!before) return;
-    if (std::string why = LateBeginningText(*before, summary.frames, seen_); !why.empty())
+    if (std::string why = LateBeginningText(*before, summary.frames, seen_); !why.empty()) {
+      const double length = LengthBefore(*before, results_.frames);
+      summary.path_sigma = std::hypot(summary.path_sigma, length / std::max(summary.distance, 1e-9));
+      if (summary.is_metric()) why += fmt::format("; the path lacks about {:.0f} m there", length);
       summary.warnings.push_back(std::move(why));
-    if (!summary.pending_reason.empty())
+    }
+    constexpr double kMost = 0.5;
+    if (!summary.pending_reason.empty() && LateBeginning(summary.missing, summary.seconds, kMost))
       summary.pending_reason = fmt::format("the path begins only at {:.1f} s; {}", before->to, summary.pending_reason);
   }
 

@@ -103,10 +103,35 @@ std::string RotationRemedy(const VehicleOptions& vehicle) {
 
 double LengthSigma(const RefinedScale& scale) { return scale.estimate ? scale.estimate->length_sigma : INFINITY; }
 
+// Along the keyframes, and from frame to frame where the path is not measured. A standing car adds no keyframes: else
+// the noise of its poses would add up, the more the higher the frame rate.
+void MeasurePath(const std::vector<FrameResult>& refined, RunSummary& summary) {
+  const FrameResult* measured = nullptr;  // up to which the path has been measured
+  const FrameResult* before = nullptr;
+  const auto measure_to = [&](const FrameResult& frame) {
+    const double step = (frame.world_from_camera->translation - measured->world_from_camera->translation).norm();
+    summary.distance += step;
+    measured = &frame;
+    return step;
+  };
+  for (const FrameResult& frame : refined) {
+    if (!frame.world_from_camera) continue;
+    if (!before) {
+      measured = &frame;
+    } else if (IsMissing(summary.missing, before->time, frame.time)) {
+      measure_to(*before);
+      summary.missing_distance += measure_to(frame);
+    } else if (frame.keyframe) {
+      measure_to(frame);
+    }
+    before = &frame;
+  }
+  if (before) measure_to(*before);
+}
+
 void SummarizePath(const std::vector<FrameResult>& refined, RunSummary& summary) {
   summary.frames = static_cast<int>(refined.size());
   summary.missing = FindMissingParts(refined);
-  const FrameResult* last = nullptr;
   for (const FrameResult& frame : refined) {
     summary.tracked += frame.state == TrackingState::kTracked ? 1 : 0;
     summary.repeated += frame.state == TrackingState::kRepeated ? 1 : 0;
@@ -114,17 +139,12 @@ void SummarizePath(const std::vector<FrameResult>& refined, RunSummary& summary)
     summary.initializing += frame.state == TrackingState::kInitializing ? 1 : 0;
     summary.keyframes += frame.keyframe ? 1 : 0;
     if (!frame.world_from_camera) continue;
-    if (last) {
-      const double step = (frame.world_from_camera->translation - last->world_from_camera->translation).norm();
-      summary.distance += step;
-      if (IsMissing(summary.missing, last->time, frame.time)) summary.missing_distance += step;
-    }
-    last = &frame;
     if (summary.worst_sigma >= frame.scale_sigma) continue;
     summary.worst_sigma = frame.scale_sigma;
     summary.worst_sigma_time = frame.time;
   }
   if (!refined.empty()) summary.seconds = refined.back().time - refined.front().time;
+  MeasurePath(refined, summary);
 }
 
 // After the path, on whose length the shares of gaps and of impossible motion depend.
@@ -146,9 +166,11 @@ void SummarizeScale(const RefinedScale& scale, double impossible, RunSummary& su
   if (estimate.has_reliable_car()) summary.car_evidence = estimate.car_evidence;
   summary.turn_test = estimate.test;
   summary.height_conflict = estimate.height_conflict;
-  if (estimate.yaw_conflict)
-    summary.contradicting_yaw =
-        YawPitchRollFromRotation(summary.vehicle.vehicle_from_camera).yaw + estimate.car.yaw_error;
+  if (estimate.yaw_conflict) {
+    const YawPitchRoll used =
+        summary.mount ? summary.mount->angles : YawPitchRollFromRotation(summary.vehicle.vehicle_from_camera);
+    summary.contradicting_yaw = used.yaw + estimate.car.yaw_error;
+  }
 }
 
 std::string TurnsWarning(const RefinedScale& scale) {

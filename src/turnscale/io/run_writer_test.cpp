@@ -530,6 +530,19 @@ TEST(RunSummary, APathAcrossAGapIsNotMeasuredThere) {
   EXPECT_EQ(nlohmann::json::parse(SummaryJson(summary))["missing"]["distance_m"], 101);
 }
 
+TEST(RunSummary, TheNoiseOfAStandingCarIsNoPath) {
+  std::vector<FrameResult> frames = Frames(104, 1);
+  for (FrameResult& frame : frames) {
+    const bool stands = frame.frame >= 2 && frame.frame < 102;
+    const double noise = frame.frame % 2 == 0 ? 0.002 : -0.002;
+    frame.world_from_camera->translation.z() = stands ? 2 + noise : frame.frame < 2 ? frame.frame : frame.frame - 99;
+    frame.keyframe = frame.frame < 3 || frame.frame >= 102;
+  }
+  RunSummary summary;
+  Summarize(frames, {}, summary);
+  EXPECT_NEAR(summary.distance, 4, 0.01);
+}
+
 TEST(RunSummary, WarnsOfClipsThatDoNotFollowOneAnother) {
   std::vector<FrameResult> frames = Frames(8, 1);
   frames[4].state = TrackingState::kBridged;

@@ -54,19 +54,23 @@ nlohmann::ordered_json MissingJson(const RunSummary& summary) {
           {"longest", parts}};
 }
 
+const char* RotationSource(const RunSummary& summary) {
+  if (!summary.mount) return "given";
+  if (summary.mount->found) return "found";
+  if (summary.mount->moves > 0) return "before the move";
+  return summary.vehicle.camera_known ? "given" : "assumed";
+}
+
 nlohmann::ordered_json MountJson(const RunSummary& summary) {
-  const std::optional<MountSummary>& mount = summary.mount;
-  if (!mount) {
-    nlohmann::ordered_json json = {{"source", "given"}};
-    if (summary.contradicting_yaw) json["contradicting_yaw_deg"] = InDegrees(*summary.contradicting_yaw);
-    return json;
+  nlohmann::ordered_json json = {{"source", RotationSource(summary)}};
+  if (const std::optional<MountSummary>& mount = summary.mount) {
+    if (mount->found)
+      json["sigma_yaw_pitch_roll_deg"] = {mount->sigma.yaw * kDegreesPerRadian, mount->sigma.pitch * kDegreesPerRadian,
+                                          mount->sigma.roll * kDegreesPerRadian};
+    json["moves"] = mount->moves;
   }
-  if (!mount->found) return {{"source", mount->moves > 0 ? "before the move" : "assumed"}, {"moves", mount->moves}};
-  return {{"source", "found"},
-          {"sigma_yaw_pitch_roll_deg",
-           {mount->sigma.yaw * kDegreesPerRadian, mount->sigma.pitch * kDegreesPerRadian,
-            mount->sigma.roll * kDegreesPerRadian}},
-          {"moves", mount->moves}};
+  if (summary.contradicting_yaw) json["contradicting_yaw_deg"] = InDegrees(*summary.contradicting_yaw);
+  return json;
 }
 
 const char* IntrinsicsSource(const RunSummary& summary) {

@@ -83,6 +83,11 @@ TEST(SummaryText, AContradictedRotationIsShownWithWhatIsUsed) {
   summary.contradicting_yaw = 2 / kDegreesPerRadian;
   EXPECT_TRUE(Says(summary, "as given; the drive shows yaw +2.00 deg, which is used"));
   EXPECT_NEAR(nlohmann::json::parse(SummaryJson(summary))["camera_rotation"]["contradicting_yaw_deg"], 2, 1e-9);
+  // With --vehicle, whose rotation the drive would refine.
+  summary.mount = MountSummary{};
+  const nlohmann::json rotation = nlohmann::json::parse(SummaryJson(summary))["camera_rotation"];
+  EXPECT_EQ(rotation["source"], "given");
+  EXPECT_NEAR(rotation["contradicting_yaw_deg"], 2, 1e-9);
 }
 
 TEST(SummaryText, ANegativeSlipIsDoubtfulUnlessNoneWasAssumed) {

@@ -29,6 +29,9 @@ constexpr double kLeastShare = 0.01;
 constexpr double kLeastJump = 3;
 // In the median over turns, each from its beginning to its end, m/s^2: tyres hold as much, but nobody drives so.
 constexpr double kMostSideways = 6;
+// The same, where even a car that is parked turns faster.
+constexpr double kLeastSideways = 0.25;
+constexpr size_t kLeastTurns = 2;
 
 struct ImageStep {
   double time = 0;      // of the image that it leads to
@@ -122,19 +125,26 @@ double TimeOf(const std::vector<FrameResult>& frames, int number) {
   return found == frames.end() ? frames.back().time : found->time;
 }
 
-std::optional<std::string> FastTurns(const std::vector<FrameResult>& frames, const std::vector<TurnResult>& turns) {
+std::optional<std::string> UnusualTurns(const std::vector<FrameResult>& frames, const std::vector<TurnResult>& turns) {
   std::vector<double> sideways;
   for (const TurnResult& turn : turns) {
     const double seconds = TimeOf(frames, turn.last_frame) - TimeOf(frames, turn.first_frame);
     if (turn.used && seconds > 0) sideways.push_back(turn.speed * std::abs(turn.angle) / seconds);
   }
   if (sideways.empty()) return std::nullopt;
+  const size_t count = sideways.size();
   const double median = Median(std::move(sideways));
-  if (!(median > kMostSideways)) return std::nullopt;
-  return fmt::format(
-      "the car would take its turns at {:.0f} m/s^2 sideways, which hardly any car does: check the times of the images "
-      "(--fps, --timestamps) and the lever arm",
-      median);
+  if (median > kMostSideways)
+    return fmt::format(
+        "the car would take its turns at {:.0f} m/s^2 sideways, which hardly any car does: check the times of the "
+        "images (--fps, --timestamps) and the lever arm",
+        median);
+  if (median < kLeastSideways && count >= kLeastTurns)
+    return fmt::format(
+        "the car would take its turns at {:.2f} m/s^2 sideways, as slowly as hardly any car does: check the times of "
+        "the images (--fps, --timestamps); a video in slow motion has wrong ones",
+        median);
+  return std::nullopt;
 }
 
 }  // namespace
@@ -144,7 +154,7 @@ std::vector<std::string> TimeWarnings(const std::vector<FrameResult>& frames, co
   if (frames.empty() || frames.back().scale_state == ScaleState::kPending) return warnings;
   if (std::optional<std::string> skipped = SkippedImages(frames)) warnings.push_back(std::move(*skipped));
   if (std::optional<std::string> jump = JumpBack(frames)) warnings.push_back(std::move(*jump));
-  if (std::optional<std::string> fast = FastTurns(frames, turns)) warnings.push_back(std::move(*fast));
+  if (std::optional<std::string> unusual = UnusualTurns(frames, turns)) warnings.push_back(std::move(*unusual));
   return warnings;
 }
 

@@ -16,6 +16,7 @@ namespace turnscale {
 /// * Images that are repeated: from one image to the next, the moving car jumps against its direction of travel, at
 ///   least three times as far as before and after.
 /// * Times that pass too slowly: more than 6 m/s^2 sideways in the median of the turns that were used.
+/// * Times that pass too fast, such as those of slow motion: less than 0.25 m/s^2, with at least two turns.
 ///
 /// `frames`: poses in metres; nothing is said of a trajectory that is up to scale.
 std::vector<std::string> TimeWarnings(const std::vector<FrameResult>& frames, const std::vector<TurnResult>& turns);

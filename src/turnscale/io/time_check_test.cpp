@@ -127,5 +127,14 @@ TEST(TimeCheck, TurnsThatAreTooFastAreReported) {
   EXPECT_FALSE(TimeWarnings(frames, {Turn(12), Turn(5), Turn(13), Turn(4, false)}).empty());
 }
 
+TEST(TimeCheck, TurnsThatAreTooSlowAreReported) {
+  const auto frames = DriveWithLongSteps(200, {});
+  EXPECT_TRUE(TimeWarnings(frames, {Turn(0.2)}).empty()) << "one turn may be";
+  const std::vector<std::string> warnings = TimeWarnings(frames, {Turn(0.2), Turn(0.3)});
+  ASSERT_EQ(warnings.size(), 1U);
+  EXPECT_NE(warnings[0].find("slow motion"), std::string::npos) << warnings[0];
+  EXPECT_TRUE(TimeWarnings(frames, {Turn(0.2), Turn(1), Turn(1)}).empty()) << "one of three";
+}
+
 }  // namespace
 }  // namespace turnscale
