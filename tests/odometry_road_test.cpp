@@ -64,6 +64,21 @@ TEST(OdometryRoad, AWrongHeightIsReported) {
   EXPECT_NEAR(run.scale.estimate->height_conflict->found / kStreetCameraHeight, 1, 0.06);
 }
 
+// Their motion is that of an upright camera on a car that takes the other turns.
+TEST(OdometryRoad, TellsThatImagesAreUpsideDown) {
+  StreetDrive drive = PlainStreetDrive();
+  EXPECT_FALSE(RunOdometry(StreetOptions(), drive).upside_down);
+  for (cv::Mat& image : drive.images) {
+    cv::Mat turned;
+    cv::rotate(image, turned, cv::ROTATE_180);
+    image = turned;
+  }
+  Pinhole& pinhole = drive.camera.pinhole;
+  pinhole.cx = drive.images[0].cols - 1 - pinhole.cx;
+  pinhole.cy = drive.images[0].rows - 1 - pinhole.cy;
+  EXPECT_TRUE(RunOdometry(StreetOptions(), drive).upside_down);
+}
+
 TEST(OdometryRoad, CanBeLeftOut) {
   OdometryOptions options = StreetOptions();
   options.road.enabled = false;

@@ -26,6 +26,7 @@ OdometryRun RunOdometry(const OdometryOptions& options, const CameraModel& camer
   run.lens_correction = odometry.lens().correction();
   run.map = odometry.map();
   run.mask = odometry.mask();
+  run.upside_down = odometry.is_upside_down();
   return run;
 }
 

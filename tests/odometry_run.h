@@ -24,6 +24,7 @@ struct OdometryRun {
   double lens_correction = 0;
   Map map;
   cv::Mat mask;  ///< of pixels left out at the end; empty if none are
+  bool upside_down = false;
 };
 
 /// An empty image stands for one that could not be read.

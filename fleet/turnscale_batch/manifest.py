@@ -13,7 +13,8 @@ from .errors import InputError
 
 # Columns that are options of `turnscale run` of the same name.
 PATHS = ("camera", "mask", "timestamps", "settings", "truth", "floor_plan")
-NUMBERS = ("fov", "fps", "lever_arm", "lever_arm_sigma", "side_slip", "side_slip_sigma", "max_frames", "threads")
+NUMBERS = ("fov", "fps", "lever_arm", "lever_arm_sigma", "side_slip", "side_slip_sigma", "max_frames", "rotate",
+           "threads")
 TEXTS = ("topic", "start", "end", "method", "frame", "camera_height", "camera_rotation")
 FLAGS = ("camera_refine", "no_report")
 # `vehicle` is the car's name here, so the option has another one.

@@ -14,6 +14,7 @@ void TakeImages(Keywords& keywords, ImageArguments& images) {
   keywords.Take("camera_refine", images.refine_camera);
   keywords.Take("timestamps", images.timestamps);
   keywords.Take("fps", images.fps);
+  keywords.Take("rotate", images.rotate);
   keywords.Take("settings", images.settings);
   keywords.Take("mask", images.mask);
   keywords.Take("start", images.start);

@@ -99,9 +99,9 @@ def run(path: Path | Sequence[Path], *, topic: str | None = None, camera: Path |
         vehicle: Path | None = None, side_slip: float | None = None, side_slip_sigma: float | None = None,
         camera_rotation: Rotation | None = None, method: Literal["smoothed", "turns", "paper"] | None = None,
         frame: Literal["camera", "vehicle"] = "camera", threads: int = 2, settings: Settings | None = None,
-        mask: Path | None = None, start: Seconds | None = None, end: Seconds | None = None, max_frames: int | None = None,
-        out: Path | None = None, truth: Path | None = None, floor_plan: Path | None = None, no_report: bool = False,
-        quiet: bool = True) -> Drive:
+        rotate: int = 0, mask: Path | None = None, start: Seconds | None = None, end: Seconds | None = None,
+        max_frames: int | None = None, out: Path | None = None, truth: Path | None = None, floor_plan: Path | None = None,
+        no_report: bool = False, quiet: bool = True) -> Drive:
     """Estimates the trajectory of a drive from its images, as `turnscale run` does, to the same bits.
 
     path: KITTI folder, folder of images, video, folder of clips, or bag; or a list of clips or bags that continue one
@@ -120,6 +120,7 @@ def run(path: Path | Sequence[Path], *, topic: str | None = None, camera: Path |
     frame: poses of the camera or of the vehicle (rear axle).
     threads: number of threads; does not affect the result.
     settings: YAML file, or a mapping such as {"corners": {"target": 800}}.
+    rotate: the images clockwise by 90, 180 or 270 degrees.
     mask: image of which black pixels are left out of all frames.
     start, end: part of the drive, seconds after its first frame, or "HH:MM:SS".
     max_frames: stop after so many.
@@ -139,26 +140,26 @@ def run(path: Path | Sequence[Path], *, topic: str | None = None, camera: Path |
             "timestamps": timestamps, "fps": fps, "lever_arm": lever_arm, "lever_arm_sigma": lever_arm_sigma,
             "camera_height": list_text(camera_height), "vehicle": vehicle, "side_slip": side_slip,
             "side_slip_sigma": side_slip_sigma, "camera_rotation": list_text(camera_rotation), "method": method,
-            "frame": frame, "threads": threads, "settings": file, "mask": mask, "start": seconds_text(start),
-            "end": seconds_text(end), "max_frames": max_frames, "out": folder, "truth": truth, "floor_plan": floor_plan,
-            "no_report": no_report or out is None, "quiet": quiet}, out is not None)
+            "frame": frame, "threads": threads, "settings": file, "rotate": rotate, "mask": mask,
+            "start": seconds_text(start), "end": seconds_text(end), "max_frames": max_frames, "out": folder,
+            "truth": truth, "floor_plan": floor_plan, "no_report": no_report or out is None, "quiet": quiet}, out is not None)
         return read(folder)
 
 
 class Frames(Iterator[Frame]):
     """The images of a drive in order, as `run` reads them, decoded ahead.
 
-    path, topic, camera, timestamps, fps, start, end, max_frames: as for `run`.
+    path, topic, camera, timestamps, fps, rotate, start, end, max_frames: as for `run`.
 
     Raises ValueError where the drive or one of its images cannot be used.
     """
 
     def __init__(self, path: Path | Sequence[Path], *, topic: str | None = None, camera: Path | None = None,
-                 timestamps: Path | None = None, fps: float | None = None, start: Seconds | None = None,
-                 end: Seconds | None = None, max_frames: int | None = None) -> None:
+                 timestamps: Path | None = None, fps: float | None = None, rotate: int = 0,
+                 start: Seconds | None = None, end: Seconds | None = None, max_frames: int | None = None) -> None:
         self._reader = _native.DriveReader({
             "inputs": inputs_of(path), "topic": topic, "camera": camera, "timestamps": timestamps, "fps": fps,
-            "start": seconds_text(start), "end": seconds_text(end), "max_frames": max_frames})
+            "rotate": rotate, "start": seconds_text(start), "end": seconds_text(end), "max_frames": max_frames})
 
     def __iter__(self) -> Frames:
         return self
@@ -219,7 +220,7 @@ def calibrate(path: Path | Sequence[Path] | None = None, *, trajectory: Path | N
               axes: Literal["auto", "camera", "flu", "frd"] = "auto", topic: str | None = None,
               camera: Path | None = None, fov: float | None = None, camera_refine: bool = False,
               timestamps: Path | None = None, fps: float | None = None, settings: Settings | None = None,
-              mask: Path | None = None, start: Seconds | None = None, end: Seconds | None = None,
+              rotate: int = 0, mask: Path | None = None, start: Seconds | None = None, end: Seconds | None = None,
               max_frames: int | None = None, speed: Path | None = None, distance: float | None = None,
               metric: bool = False, lever_arm: float | None = None, side_slip: float | None = None,
               fit_side_slip: bool = False, history: Path | None = None, out: Path | None = None,
@@ -240,7 +241,7 @@ def calibrate(path: Path | Sequence[Path] | None = None, *, trajectory: Path | N
         found = _native.calibrate({
             "inputs": None if path is None else inputs_of(path), "trajectory": trajectory, "axes": axes, "topic": topic,
             "camera": camera, "fov": fov, "camera_refine": camera_refine, "timestamps": timestamps, "fps": fps,
-            "settings": file, "mask": mask, "start": seconds_text(start), "end": seconds_text(end),
+            "settings": file, "rotate": rotate, "mask": mask, "start": seconds_text(start), "end": seconds_text(end),
             "max_frames": max_frames, "speed": speed, "distance": distance, "metric": metric, "lever_arm": lever_arm,
             "side_slip": side_slip, "fit_side_slip": fit_side_slip, "history": history, "out": out, "quiet": quiet})
     found["history"] = from_csv(found["history"])

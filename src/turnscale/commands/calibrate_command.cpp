@@ -38,6 +38,7 @@ void CheckTogether(const CalibrateArguments& arguments) {
                                           {"--topic", !images.topic.empty()},
                                           {"--start", !images.start.empty()},
                                           {"--end", !images.end.empty()},
+                                          {"--rotate", images.rotate != 0},
                                           {"--mask", images.mask.has_value()},
                                           {"--max-frames", images.max_frames.has_value()}})
     RefuseBoth(of_images, trajectory);

@@ -188,6 +188,7 @@ ImageSourceOptions SourceOptions(const ImageArguments& arguments, const GivenCam
   options.fps = arguments.fps;
   if (!arguments.start.empty()) options.start = ParseDriveTime("--start", arguments.start);
   if (!arguments.end.empty()) options.end = ParseDriveTime("--end", arguments.end);
+  options.rotate = arguments.rotate;
   options.width = given.model.width;
   options.height = given.model.height;
   options.camera_file = given.name;

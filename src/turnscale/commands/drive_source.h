@@ -31,8 +31,9 @@ struct ImageArguments {
   bool refine_camera = false;           ///< estimate the intrinsics, starting from the given ones
   std::optional<std::filesystem::path> timestamps;
   std::optional<double> fps;
+  int rotate = 0;  ///< of the images, degrees clockwise
   std::optional<std::filesystem::path> settings;
-  std::optional<std::filesystem::path> mask;
+  std::optional<std::filesystem::path> mask;  ///< of the rotated images
   std::string start;  ///< of the part of the drive to process, as ParseDriveTime reads it; empty: the drive's
   std::string end;    ///< of the part; empty: the drive's
   std::optional<int> max_frames;

@@ -33,6 +33,22 @@ void CheckRate(const std::optional<double>& fps) {
   throw InputError(fmt::format("--fps {}: give the frames per second, a number above 0", *fps));
 }
 
+void CheckRotation(int degrees) {
+  if (degrees % 90 != 0 || degrees < 0 || degrees > 270)
+    throw InputError(fmt::format("--rotate {}: give 90, 180 or 270 degrees, clockwise", degrees));
+}
+
+// Clockwise by so many degrees.
+cv::Mat Rotated(const cv::Mat& image, int degrees) {
+  if (image.empty() || degrees == 0) return image;
+  cv::Mat rotated;
+  cv::rotate(image, rotated,
+             degrees == 90    ? cv::ROTATE_90_CLOCKWISE
+             : degrees == 180 ? cv::ROTATE_180
+                              : cv::ROTATE_90_COUNTERCLOCKWISE);
+  return rotated;
+}
+
 // The file of the times to use. Explicit wishes go before what lies beside the images.
 std::optional<std::filesystem::path> TimesFile(const DriveInput& drive, const ImageSourceOptions& options) {
   if (options.timestamps || options.fps) return options.timestamps;
@@ -58,8 +74,13 @@ int CheckedCount(const DriveInput& drive, int count, size_t times) {
 
 struct ImageSource::State {
   State(const DriveInput& drive, const ImageSourceOptions& options)
-      : path(drive.path.string()), start(options.start), end(options.end), leaves_out(start > 0) {
+      : path(drive.path.string()),
+        start(options.start),
+        end(options.end),
+        leaves_out(start > 0),
+        rotate(options.rotate) {
     CheckRate(options.fps);
+    CheckRotation(rotate);
     if (end && *end <= start)
       throw InputError(fmt::format("--end {:g} s: has to be after --start {:g} s", *end, start));
     times_file = TimesFile(drive, options);
@@ -112,6 +133,7 @@ struct ImageSource::State {
     for (const auto& video : clip_reader->clips()) clip_files.push_back(video.string());
     left_out = clip_reader->left_out();
     pixel_aspect = clip_reader->pixel_aspect();
+    if (rotate % 180 != 0) pixel_aspect = 1 / pixel_aspect;
     reader = std::move(clip_reader);
   }
 
@@ -172,6 +194,7 @@ struct ImageSource::State {
       std::exception_ptr thrown;
       try {
         image = reader->Read();
+        if (image) image->image.gray = Rotated(image->image.gray, rotate);
       } catch (...) {
         thrown = std::current_exception();
       }
@@ -251,6 +274,7 @@ struct ImageSource::State {
   double start;
   std::optional<double> end;
   bool leaves_out;  // images of the drive, as far as is known: its first one is at 0 s
+  int rotate;       // degrees
   std::optional<std::filesystem::path> times_file;
   std::unique_ptr<FrameReader> reader;
   FrameClock clock;

@@ -42,6 +42,8 @@ struct ImageSourceOptions {
   /// the whole drive.
   double start = 0;
   std::optional<double> end = {};
+  /// Clockwise turn of every image, degrees: 0, 90, 180 or 270; beyond what its file or a video's header asks for.
+  int rotate = 0;
   int width = 0;                    ///< that every image must have, pixels; 0 takes the first image's
   int height = 0;                   ///< that every image must have, pixels; 0 takes the first image's
   std::string camera_file = {};     ///< what asks for that size, for messages
@@ -62,7 +64,8 @@ class ImageSource {
   /// Throws InputError where reading on is not possible.
   std::optional<cv::Size> FullSize();
 
-  /// Width of a pixel over its height, as the header of a video says, of several that of the first; 1 if unknown.
+  /// Width of a pixel over its height in the images as given, as the header of a video says, of several that of the
+  /// first; 1 if unknown.
   double pixel_aspect() const;
 
   /// The next frame; nothing at the end. Throws InputError where an image has another size than the camera file or the

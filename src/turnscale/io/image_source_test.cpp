@@ -209,6 +209,20 @@ TEST_F(ImageSourceTest, ImagesAreTurnedByTheOrientationOfTheFirst) {
   EXPECT_NE(complaint.find("0.jpg: is 48x64 pixels, but cam.yaml says 64x48"), std::string::npos) << complaint;
 }
 
+TEST_F(ImageSourceTest, ImagesAreRotatedAsAsked) {
+  Images(folder_, 0, 1);
+  const cv::Mat plain = ReadAll().at(0).gray;
+  for (const auto& [degrees, code] : {std::pair(90, cv::ROTATE_90_CLOCKWISE), std::pair(180, cv::ROTATE_180),
+                                      std::pair(270, cv::ROTATE_90_COUNTERCLOCKWISE)}) {
+    cv::Mat expected;
+    cv::rotate(plain, expected, code);
+    const cv::Mat seen = ReadAll({.fps = 10, .rotate = degrees}).at(0).gray;
+    ASSERT_EQ(seen.size(), expected.size());
+    EXPECT_EQ(cv::norm(seen, expected, cv::NORM_INF), 0) << degrees;
+  }
+  EXPECT_THROW(ReadAll({.fps = 10, .rotate = 45}), InputError);
+}
+
 TEST_F(ImageSourceTest, MissingImagesAreNamedAndTakeTime) {
   Images(folder_, 1, 4);
   Images(folder_, 15, 5);

@@ -25,6 +25,10 @@
 namespace turnscale {
 namespace {
 
+constexpr const char* kUpsideDown =
+    "the images seem to be upside down, as the road is above the camera in them: left and right are exchanged in the "
+    "path; run again with --rotate 180";
+
 // What the odometry says of the drive so far.
 struct RunResults {
   std::vector<FrameResult> frames;
@@ -231,6 +235,7 @@ class Run {
                        odometry_.mount().moves()};
     }
     turnscale::Summarize(results_.frames, results_.scale, summary);
+    if (odometry_.is_upside_down()) summary.warnings.emplace_back(kUpsideDown);
     if (tracks_) SayIfLate(summary);
     if (tracks_) SayIfPart(summary);
     if (!stale_.empty()) summary.warnings.push_back(stale_);

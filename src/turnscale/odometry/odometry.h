@@ -99,6 +99,8 @@ class Odometry {
   }
   /// At the latest keyframe: of the online estimate, after Finish of the refined one.
   ScaleState scale_state() const;
+  /// The images are upside down, by the road that they show: left and right are exchanged in the path.
+  bool is_upside_down() const { return road_.IsRoadAbove(); }
   /// The camera-to-vehicle rotation, as given or found.
   const MountCalibration& mount() const { return scale_.mount(); }
 

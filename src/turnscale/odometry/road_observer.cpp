@@ -20,6 +20,14 @@ constexpr double kLeastRatio = 0.2;
 constexpr double kGreatestRatio = 10;
 // Share of a new height in the one that the next search starts with.
 constexpr double kFollow = 0.3;
+// Keyframes without the road below the camera at which it is searched for above.
+constexpr int kTriedAbove = 40;
+// The images are upside down if at least so many of them, and this share, show it there, and not many times as many
+// keyframes show a plane below: facades and the sky may look like one. On upright drives the share is below a half, but
+// for garages, whose floor shows nearly always.
+constexpr int kFewestAbove = 6;
+constexpr double kLeastShareAbove = 0.7;
+constexpr int kMostBelow = 3;
 // Relative standard deviation of the height per rad of turn: the body leans.
 constexpr double kSigmaPerTurn = 0.6;
 
@@ -33,6 +41,20 @@ RoadRegion RegionAhead(const RigidTransform& current_from_earlier, const Eigen::
   region.level_from_camera << down.cross(travel).transpose(), down.transpose(), travel.transpose();
   region.direction = 0.5 * psi;
   region.curvature = psi * height / centre.norm();
+  return region;
+}
+
+std::optional<RoadPlane> FindAtAnyHeight(const RoadPlaneOptions& options, const RoadPair& pair,
+                                         const RoadRegion& region) {
+  const double distance = pair.earlier_from_current.translation.norm();
+  return FindRoadPlane(options, pair, region, kLeastRatio * distance, kGreatestRatio * distance);
+}
+
+// What the region ahead is in images that are upside down.
+RoadRegion RegionAbove(RoadRegion region) {
+  region.level_from_camera.topRows<2>() *= -1;
+  region.direction *= -1;
+  region.curvature *= -1;
   return region;
 }
 
@@ -55,6 +77,16 @@ const RoadObserver::View* RoadObserver::Reference(const Map& map, double height)
     if (distance >= options_.baseline * height) break;
   }
   return found;
+}
+
+void RoadObserver::LookAbove(const RoadPair& pair, const RoadRegion& region) {
+  if (tried_above_ >= kTriedAbove) return;
+  ++tried_above_;
+  if (FindAtAnyHeight(options_.plane, pair, RegionAbove(region))) ++above_;
+}
+
+bool RoadObserver::IsRoadAbove() const {
+  return above_ >= kFewestAbove && above_ >= kLeastShareAbove * tried_above_ && below_ <= kMostBelow * above_;
 }
 
 std::optional<MeasuredHeight> RoadObserver::Observe(const Map& map, const CameraModel& camera,
@@ -88,15 +120,19 @@ std::optional<MeasuredHeight> RoadObserver::Observe(const Map& map, const Camera
   if (height_) {
     road = FitRoadPlane(options_.plane, pair, region, *height_);
   } else if (++failures_ <= kFailures || failures_ % kFailures == 0) {
-    road = FindRoadPlane(options_.plane, pair, region, kLeastRatio * distance, kGreatestRatio * distance);
+    road = FindAtAnyHeight(options_.plane, pair, region);
+  } else {
+    return std::nullopt;
   }
   if (!road) {
+    LookAbove(pair, region);
     if (height_ && ++failures_ >= kFailures) {
       height_.reset();
       failures_ = 0;
     }
     return std::nullopt;
   }
+  if (tried_above_ < kTriedAbove) ++below_;
   failures_ = 0;
   height_ = height_ ? *height_ * std::pow(road->height / *height_, kFollow) : road->height;
   return MeasuredHeight{latest,

@@ -40,6 +40,10 @@ class RoadObserver {
                                         const Eigen::Quaterniond& vehicle_from_camera, const FlowImage& image,
                                         const cv::Mat& mask);
 
+  /// Whether the keyframes so far show the road above the camera rather than below: the images are upside down. Their
+  /// motion alone does not tell.
+  bool IsRoadAbove() const;
+
   /// The unit of the map's latest keyframes has changed: a length there is `factor` times what it was.
   void Rescale(double factor) {
     if (height_) *height_ *= factor;
@@ -51,11 +55,15 @@ class RoadObserver {
     RoadImage image;
   };
   const View* Reference(const Map& map, double height) const;
+  void LookAbove(const RoadPair& pair, const RoadRegion& region);
 
   RoadObserverOptions options_;
   std::deque<View> views_;        ///< recent keyframes, the latest last
   std::optional<double> height_;  ///< where the next search starts, map units
   int failures_ = 0;              ///< keyframes in a row that do not show the road there
+  int tried_above_ = 0;           ///< keyframes at which it has been searched for above the camera
+  int above_ = 0;                 ///< of them, those that show it there
+  int below_ = 0;                 ///< keyframes until then that show it below
 };
 
 }  // namespace turnscale
