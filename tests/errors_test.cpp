@@ -17,6 +17,7 @@
 #include "command_line.h"
 #include "rendered_room.h"
 #include "turnscale/base/test_files.h"
+#include "turnscale/camera/camera_file.h"
 #include "turnscale/io/settings.h"
 #include "turnscale/io/test_video.h"
 #include "turnscale/io/trajectory_file.h"
@@ -85,6 +86,26 @@ TEST_F(ErrorsTest, QuietPrintsNothing) {
   const CommandResult result = Run({"--quiet"});
   EXPECT_EQ(result.exit_code, 0);
   EXPECT_EQ(result.out + result.err, "");
+}
+
+TEST_F(ErrorsTest, RotatedImagesBringTheirCalibration) {
+  ASSERT_EQ(Run({"--quiet", "--no-report"}).exit_code, 0);
+  const std::string plain = TextOf(Out() / "trajectory.tum");
+  CameraModel camera = ReadCameraFile(Drive() / "calib.txt");
+  for (int i = 0; i < kRoomFrames; ++i) {
+    cv::Mat image;
+    cv::rotate(cv::imread(Image(i).string(), cv::IMREAD_GRAYSCALE), image, cv::ROTATE_180);
+    cv::imwrite(Image(i).string(), image);
+    camera.width = image.cols;
+    camera.height = image.rows;
+  }
+  const Pinhole& pinhole = camera.pinhole;
+  std::ofstream(Drive() / "calib.txt") << "P0: " << pinhole.fx << " 0 " << camera.width - 1 - pinhole.cx << " 0 0 "
+                                       << pinhole.fy << " " << camera.height - 1 - pinhole.cy << " 0 0 0 1 0\n";
+  ASSERT_EQ(Run({"--quiet", "--no-report", "--rotate", "180"}).exit_code, 0);
+  EXPECT_EQ(TextOf(Out() / "trajectory.tum"), plain);
+  EXPECT_EQ(Summary()["rotate_deg"], 180);
+  ExpectComplaint(Run({"--rotate", "45"}), 2, {"--rotate 45", "90, 180 or 270"});
 }
 
 TEST_F(ErrorsTest, WithoutLeverArmTheRunSaysItIsUpToScale) {

@@ -64,7 +64,7 @@ void AddCalibrateCommand(CLI::App& app) {
       ->excludes(timestamps);
   calibrate->add_option("--settings", images.settings, "YAML file with settings, as for run")->excludes(trajectory);
   AddPartOptions(*calibrate, images);
-  for (const char* option : {"--topic", "--start", "--end", "--mask"})
+  for (const char* option : {"--topic", "--start", "--end", "--rotate", "--mask"})
     calibrate->get_option(option)->excludes(trajectory);
   CLI::Option* max_frames = calibrate->add_option("--max-frames", images.max_frames, "Stop after this many frames")
                                 ->check(CLI::Range(1, 1'000'000'000))
@@ -99,7 +99,8 @@ void AddCalibrateCommand(CLI::App& app) {
       "Example:\n  turnscale calibrate drive.mp4 --camera camera.yaml --out calibration.yaml\n"
       "  turnscale run drive.mp4 --camera camera.yaml --lever-arm 1.45 --camera-rotation calibration.yaml\n\n"
       "Assumptions: the car mostly drives forward, through at least one street corner, and the camera is upright\n"
-      "to within 90 degrees of roll (motion alone cannot distinguish an upside-down camera from an upright one).");
+      "to within 90 degrees of roll (motion alone cannot distinguish an upside-down camera from an upright one; see "
+      "--rotate).");
   calibrate->callback([arguments] {
     if (const int exit_code = RunCalibrate(*arguments); exit_code != 0) throw CLI::RuntimeError(exit_code);
   });

@@ -32,7 +32,7 @@ void AddPartOptions(CLI::App& command, ImageArguments& arguments) {
   command.add_option("--end", arguments.end, "Time since the first frame of the drive at which processing ends");
   command.add_option("--rotate", arguments.rotate,
                      "Rotate the images clockwise by 90, 180 or 270 degrees, as those of a camera that hangs upside "
-                     "down; calibration and mask have to be of the rotated images [0]");
+                     "down; --camera and --mask are of the rotated images [0]");
   command.add_option("--mask", arguments.mask,
                      "Image of the frames' size: black pixels (0) are left out of all frames, in addition to those "
                      "that are found to stand still while the scene moves");

@@ -98,6 +98,12 @@ class RenderedDrive(unittest.TestCase):
         support.compare_with_folder(self, drive, folder)
         self.assertEqual(drive.summary["frames"]["total"], 95)
 
+    def test_images_are_rotated(self):
+        folder = support.run_of_program(self.drive, "--rotate", "180", "--max-frames", 60)
+        support.compare_with_folder(self, turnscale.run(self.drive, rotate=180, max_frames=60), folder)
+        plain, rotated = (next(turnscale.Frames(self.drive, rotate=degrees)).image for degrees in (0, 180))
+        np.testing.assert_array_equal(rotated, plain[::-1, ::-1])
+
     def test_settings_are_a_file_or_a_mapping(self):
         file = support.scratch() / "settings.yaml"
         file.write_text("corners: {target: 300}\nlens: {enabled: false}\n")

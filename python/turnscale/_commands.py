@@ -149,17 +149,19 @@ def run(path: Path | Sequence[Path], *, topic: str | None = None, camera: Path |
 class Frames(Iterator[Frame]):
     """The images of a drive in order, as `run` reads them, decoded ahead.
 
-    path, topic, camera, timestamps, fps, rotate, start, end, max_frames: as for `run`.
+    path, topic, camera, timestamps, fps, rotate, mask, start, end, max_frames: as for `run`.
 
     Raises ValueError where the drive or one of its images cannot be used.
     """
 
     def __init__(self, path: Path | Sequence[Path], *, topic: str | None = None, camera: Path | None = None,
                  timestamps: Path | None = None, fps: float | None = None, rotate: int = 0,
-                 start: Seconds | None = None, end: Seconds | None = None, max_frames: int | None = None) -> None:
+                 mask: Path | None = None, start: Seconds | None = None, end: Seconds | None = None,
+                 max_frames: int | None = None) -> None:
         self._reader = _native.DriveReader({
             "inputs": inputs_of(path), "topic": topic, "camera": camera, "timestamps": timestamps, "fps": fps,
-            "rotate": rotate, "start": seconds_text(start), "end": seconds_text(end), "max_frames": max_frames})
+            "rotate": rotate, "mask": mask, "start": seconds_text(start), "end": seconds_text(end),
+            "max_frames": max_frames})
 
     def __iter__(self) -> Frames:
         return self

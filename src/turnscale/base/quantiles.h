@@ -34,14 +34,6 @@ inline double WeightedMedian(std::vector<std::pair<double, double>> values) {
   return 0;
 }
 
-/// The value that the larger ones reach half of the sum with: half of a drive's turning happens in steps at least this
-/// large, however long the straights between the turns are. 0 of none; none may be negative.
-inline double HalfSumValue(const std::vector<double>& values) {
-  std::vector<std::pair<double, double>> weighted;
-  for (const double value : values) weighted.emplace_back(value, value);
-  return WeightedMedian(std::move(weighted));
-}
-
 /// Standard deviation of a normal distribution over the median of its magnitudes.
 constexpr double kSigmaPerMad = 1.4826;
 

@@ -100,11 +100,16 @@ void Check(const CalibrateArguments& arguments) {
   RefuseResultsOfRun(outputs);
 }
 
+// Between poses some time apart: the noise of those of a standing car would add up.
 double PathLength(const std::vector<Trajectory>& stretches) {
+  constexpr double kSeconds = 0.3;
   double length = 0;
   for (const Trajectory& path : stretches) {
-    for (size_t i = 1; i < path.size(); ++i) {
-      length += (path[i].world_from_camera.translation - path[i - 1].world_from_camera.translation).norm();
+    const StampedPose* last = &path.front();
+    for (const StampedPose& pose : path) {
+      if (pose.time - last->time < kSeconds && &pose != &path.back()) continue;
+      length += (pose.world_from_camera.translation - last->world_from_camera.translation).norm();
+      last = &pose;
     }
   }
   return length;

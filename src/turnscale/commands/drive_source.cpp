@@ -13,6 +13,7 @@
 #include "turnscale/camera/camera_file.h"
 #include "turnscale/commands/argument_checks.h"
 #include "turnscale/commands/drive_camera.h"
+#include "turnscale/io/image_rotation.h"
 #include "turnscale/io/mask_file.h"
 #include "turnscale/io/missing_path.h"
 #include "turnscale/io/run_summary.h"
@@ -26,12 +27,12 @@ namespace turnscale {
 namespace {
 
 GivenCamera CameraFor(const ImageArguments& arguments, const DriveInput& drive) {
-  if (arguments.camera) return {arguments.camera->string(), ReadCameraFile(*arguments.camera)};
+  if (arguments.camera) return {arguments.camera->string(), ReadCameraFile(*arguments.camera), false};
   if (arguments.field_of_view) return {};
-  if (drive.camera_file) return {drive.camera_file->string(), ReadCameraFile(*drive.camera_file)};
+  if (drive.camera_file) return {drive.camera_file->string(), ReadCameraFile(*drive.camera_file), true};
   if (!drive.bags) return {};
   const std::optional<BagCamera> camera = ReadBagCamera(*drive.bags);
-  return camera ? GivenCamera{camera->name, camera->model} : GivenCamera();
+  return camera ? GivenCamera{camera->name, camera->model, true} : GivenCamera();
 }
 
 // Not checked where the size is not known, as then there is no image to use it with.
@@ -191,6 +192,7 @@ ImageSourceOptions SourceOptions(const ImageArguments& arguments, const GivenCam
   options.rotate = arguments.rotate;
   options.width = given.model.width;
   options.height = given.model.height;
+  if (given.is_of_stored && arguments.rotate % 180 != 0) std::swap(options.width, options.height);
   options.camera_file = given.name;
   options.images = image_options;
   return options;
@@ -217,7 +219,11 @@ DriveImages::DriveImages(const ImageArguments& arguments, const ImageOptions& im
       scaling(full_size, image_options),
       camera(scaling.Scaled(given.model)),
       mask(scaling.ScaledMask(GivenMask(arguments.mask, full_size))),
-      expected(ExpectedFrames(source.count(), arguments.max_frames)) {}
+      expected(ExpectedFrames(source.count(), arguments.max_frames)) {
+  if (!given.is_of_stored || arguments.rotate == 0) return;
+  given = {given.name, Rotated(given.model, arguments.rotate, full_size), false};
+  camera = scaling.Scaled(given.model);
+}
 
 std::vector<std::string> WarningsOf(const ImageArguments& arguments, const DriveImages& images) {
   std::vector<std::string> warnings = images.source.left_out();
@@ -296,6 +302,7 @@ DriveMotion MotionFromImages(const ImageArguments& arguments, const CommandHooks
   if (estimate.found)
     motion.note = fmt::format("intrinsics estimated from the drive: focal length {} pixels",
                               FocalLengthText(estimate.found->camera));
+  if (odometry.is_upside_down()) progress.Warn(kUpsideDown);
   const std::vector<FrameResult> frames = odometry.RefinedFrames();
   motion.stretches = Stretches(frames);
   if (motion.stretches.empty()) attempts.RethrowFirst();

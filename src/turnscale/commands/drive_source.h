@@ -50,6 +50,9 @@ void CheckImageArguments(const ImageArguments& arguments);
 struct GivenCamera {
   std::string name;  ///< of the file, or of the bag and its topic; empty where no camera is given
   CameraModel model;
+  /// It came with the images, so that it is that of the images as they are stored. `--camera` is that of the rotated
+  /// ones.
+  bool is_of_stored = false;
 };
 
 /// How the images of a drive are read, as the arguments have it.

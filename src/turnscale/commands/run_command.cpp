@@ -94,6 +94,7 @@ RunSummary BeforeTheDrive(const RunArguments& arguments, const OdometryOptions& 
   if (images.drive.bags) summary.topic = images.drive.bags->topic;
   summary.camera = images.given.name;
   summary.found_camera = estimate.found;
+  summary.rotate = arguments.images.rotate;
   if (arguments.images.mask) summary.mask = arguments.images.mask->string();
   summary.warnings = WarningsOf(arguments.images, images);
   if (!estimate.warning.empty()) summary.warnings.push_back(estimate.warning);

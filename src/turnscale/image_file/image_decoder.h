@@ -12,6 +12,8 @@ namespace turnscale {
 struct ImagePixels {
   cv::Mat gray;         ///< 8 or 16 bit as stored; empty if the bytes are no readable image
   bool colour = false;  ///< the file has colours
+  /// The file states the greatest level of its 16-bit pixels, and they are stretched from it.
+  bool range_is_stated = false;
 };
 
 /// Decodes a PNG, JPEG, BMP, PBM/PGM/PPM or TIFF (without tiles, not packed as JPEG) of at most `most_pixels` pixels.

@@ -83,10 +83,11 @@ ImagePixels DecodeBinaryNetpbm(Bytes bytes, int64_t most_pixels) {
     std::copy_n(stored, header->pixels_size(), levels.data);
   }
   const int range = header->is_deep() ? 0xFFFF : 0xFF;
-  ImagePixels pixels{levels, header->channels > 1};
+  ImagePixels pixels{levels, header->channels > 1, false};
   if (pixels.colour) cv::cvtColor(levels, pixels.gray, cv::COLOR_RGB2GRAY);
   if (header->greatest_level != range)
     pixels.gray.convertTo(pixels.gray, -1, static_cast<double>(range) / header->greatest_level);
+  pixels.range_is_stated = header->is_deep() && header->greatest_level != range;
   return pixels;
 }
 

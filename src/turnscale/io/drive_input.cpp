@@ -151,7 +151,8 @@ DriveInput FindInFolder(const fs::path& folder, const std::string& topic, const 
         "{}: holds images ({}) and videos ({}); give the videos by name, or a folder of one kind", folder.string(),
         drive.images.front().filename().string(), drive.videos.front().filename().string()));
   }
-  RefuseSeveralSeries(drive.path, drive.images);
+  // With a time for each, they are one drive, however they are named.
+  if (!drive.times_file) RefuseSeveralSeries(drive.path, drive.images);
   drive.several_folders = std::any_of(drive.videos.begin(), drive.videos.end(), [&](const fs::path& video) {
     return video.parent_path() != drive.videos.front().parent_path();
   });

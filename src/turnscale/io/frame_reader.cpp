@@ -17,10 +17,14 @@ namespace {
 
 class ImageListReader : public FrameReader {
  public:
-  explicit ImageListReader(std::vector<std::filesystem::path> images) : images_(std::move(images)) {}
+  ImageListReader(std::vector<std::filesystem::path> images, size_t first, size_t last)
+      : images_(std::move(images)), next_(first), last_(last) {
+    // Of every part of a drive, orientation and levels are those of the first image of the whole.
+    if (first > 0) files_.Read(images_.front());
+  }
 
   std::optional<DriveImage> Read() override {
-    if (next_ == images_.size()) return std::nullopt;
+    if (next_ == last_) return std::nullopt;
     const std::filesystem::path& path = images_[next_++];
     DriveImage image;
     image.image = files_.Read(path);
@@ -32,15 +36,17 @@ class ImageListReader : public FrameReader {
  private:
   std::vector<std::filesystem::path> images_;
   ImageFiles files_;
-  size_t next_ = 0;
+  size_t next_;
+  size_t last_;
 };
 
 DecodedImage Decoded(std::span<const uint8_t> bytes, int64_t most_pixels) {
-  if (EndsEarly(bytes)) return {{}, false, "is truncated"};
+  if (EndsEarly(bytes)) return {{}, false, false, "is truncated"};
   const ImagePixels decoded = DecodePixels(bytes, most_pixels);
-  if (!decoded.gray.empty()) return {decoded.gray, decoded.colour, ""};
+  if (!decoded.gray.empty()) return {decoded.gray, decoded.colour, decoded.range_is_stated, ""};
   const bool is_tiff = bytes.size() > 1 && bytes[0] == bytes[1] && (bytes[0] == 'I' || bytes[0] == 'M');
   return {{},
+          false,
           false,
           is_tiff ? "is not a readable TIFF; one with tiles, of floating-point numbers or packed as JPEG has to be "
                     "converted, for example to PNG"
@@ -65,7 +71,7 @@ GrayImage ImageFiles::Read(const std::filesystem::path& path) {
   const std::span<const uint8_t> encoded(bytes.data, bytes.total());
   const DecodedImage decoded = DecodeImage(encoded);
   if (!decoded.problem.empty()) return {{}, name + ": " + decoded.problem};
-  const cv::Mat gray = levels_.ToGray8(decoded.pixels);
+  const cv::Mat gray = levels_.ToGray8(decoded.pixels, decoded.range_is_stated);
   if (gray.empty()) return {{}, name + ": is not a readable image"};
   return {Turned(gray, JpegOrientation(encoded), name), ""};
 }
@@ -91,13 +97,13 @@ DecodedImage DecodeImage(std::span<const uint8_t> bytes) { return Decoded(bytes,
 DecodedImage DecodeJpegOrPng(std::span<const uint8_t> bytes) {
   constexpr int64_t kMostPixels = 100'000'000;
   const std::optional<uint64_t> pixels = AnnouncedPixels(bytes);
-  if (!pixels) return {{}, false, "is neither JPEG nor PNG"};
-  if (*pixels == 0 || *pixels > kMostPixels) return {{}, false, "is not a readable image"};
+  if (!pixels) return {{}, false, false, "is neither JPEG nor PNG"};
+  if (*pixels == 0 || *pixels > kMostPixels) return {{}, false, false, "is not a readable image"};
   return Decoded(bytes, kMostPixels);
 }
 
-std::unique_ptr<FrameReader> ReadImages(std::vector<std::filesystem::path> images) {
-  return std::make_unique<ImageListReader>(std::move(images));
+std::unique_ptr<FrameReader> ReadImages(std::vector<std::filesystem::path> images, size_t first, size_t last) {
+  return std::make_unique<ImageListReader>(std::move(images), first, last);
 }
 
 }  // namespace turnscale

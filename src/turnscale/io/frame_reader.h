@@ -22,7 +22,8 @@ struct GrayImage {
 };
 
 /// Reads the image files of a drive, in their order, as 8-bit gray (GrayLevels). They are rotated and mirrored as the
-/// EXIF orientation of the first readable one says, as the camera does not turn in the car; only JPEG has one. Files
+/// EXIF orientation of the first readable one says, as the camera does not turn in the car; only that of JPEG is read.
+/// Files
 /// that end too early are refused, not filled up.
 class ImageFiles {
  public:
@@ -45,9 +46,10 @@ GrayImage ReadGrayImage(const std::filesystem::path& path);
 
 /// The pixels of an encoded image, or why there are none.
 struct DecodedImage {
-  cv::Mat pixels;       ///< gray, 8 or 16 bit; empty if the bytes are unusable
-  bool colour = false;  ///< the file has colours
-  std::string problem;  ///< such as "is truncated"; empty if there is none
+  cv::Mat pixels;                ///< gray, 8 or 16 bit; empty if the bytes are unusable
+  bool colour = false;           ///< the file has colours
+  bool range_is_stated = false;  ///< of 16-bit pixels, which fill the range then
+  std::string problem;           ///< such as "is truncated"; empty if there is none
 };
 
 /// Decodes the bytes of an image file.
@@ -91,6 +93,7 @@ class FrameReader {
   virtual double LatestTime() const { return 0; }
 };
 
-std::unique_ptr<FrameReader> ReadImages(std::vector<std::filesystem::path> images);
+/// Images `first` to before `last` of a drive.
+std::unique_ptr<FrameReader> ReadImages(std::vector<std::filesystem::path> images, size_t first, size_t last);
 
 }  // namespace turnscale

@@ -21,13 +21,13 @@ int BitsFor(double level) {
 
 }  // namespace
 
-cv::Mat GrayLevels::ToGray8(const cv::Mat& image) {
+cv::Mat GrayLevels::ToGray8(const cv::Mat& image, bool range_is_stated) {
   cv::Mat gray = image;
   if (image.channels() == 3) cv::cvtColor(image, gray, cv::COLOR_BGR2GRAY);
   if (image.channels() == 4) cv::cvtColor(image, gray, cv::COLOR_BGRA2GRAY);
   if (gray.depth() == CV_16U && gray.channels() == 1) {
-    CoverLevels(gray);
-    const int bits = bits_ > 0 ? bits_ : kAllBits;
+    if (!range_is_stated) CoverLevels(gray);
+    const int bits = range_is_stated || bits_ == 0 ? kAllBits : bits_;
     gray.convertTo(gray, CV_8U, std::ldexp(1, 8 - bits));
   }
   return gray.depth() == CV_8U && gray.channels() == 1 ? gray : cv::Mat();
@@ -39,7 +39,9 @@ void GrayLevels::CoverLevels(const cv::Mat& gray) {
   if (bits_ == kAllBits) return;
   double brightest = 0;
   cv::minMaxLoc(gray, nullptr, &brightest);
-  if (brightest == 0) return;
+  // A lens that is covered does not tell.
+  constexpr double kBlack = 32;
+  if (bits_ == 0 && brightest < kBlack) return;
   const int bits = BitsFor(brightest);
   if (bits <= bits_) return;
   if (bits_ > 0) {

@@ -19,6 +19,7 @@
 #include "turnscale/io/drive_input.h"
 #include "turnscale/io/frame_reader.h"
 #include "turnscale/io/image_numbers.h"
+#include "turnscale/io/image_rotation.h"
 #include "turnscale/io/image_scaling.h"
 #include "turnscale/io/video_file.h"
 
@@ -31,22 +32,6 @@ constexpr size_t kFramesAhead = 4;
 void CheckRate(const std::optional<double>& fps) {
   if (!fps || (std::isfinite(*fps) && *fps > 0)) return;
   throw InputError(fmt::format("--fps {}: give the frames per second, a number above 0", *fps));
-}
-
-void CheckRotation(int degrees) {
-  if (degrees % 90 != 0 || degrees < 0 || degrees > 270)
-    throw InputError(fmt::format("--rotate {}: give 90, 180 or 270 degrees, clockwise", degrees));
-}
-
-// Clockwise by so many degrees.
-cv::Mat Rotated(const cv::Mat& image, int degrees) {
-  if (image.empty() || degrees == 0) return image;
-  cv::Mat rotated;
-  cv::rotate(image, rotated,
-             degrees == 90    ? cv::ROTATE_90_CLOCKWISE
-             : degrees == 180 ? cv::ROTATE_180
-                              : cv::ROTATE_90_COUNTERCLOCKWISE);
-  return rotated;
 }
 
 // The file of the times to use. Explicit wishes go before what lies beside the images.
@@ -111,7 +96,7 @@ struct ImageSource::State {
       notice = RepeatedNumbersNotice(drive.images);
     }
     if (!notice.empty()) notice = path + ": " + notice;
-    reader = ReadImages({drive.images.begin() + first, drive.images.begin() + last});
+    reader = ReadImages(drive.images, static_cast<size_t>(first), static_cast<size_t>(last));
     count = last - first;
     offset = first;
   }
@@ -193,8 +178,9 @@ struct ImageSource::State {
       std::optional<DriveImage> image;
       std::exception_ptr thrown;
       try {
-        image = reader->Read();
-        if (image) image->image.gray = Rotated(image->image.gray, rotate);
+        std::optional<DriveImage> read = reader->Read();
+        if (read) read->image.gray = Rotated(read->image.gray, rotate);
+        image = std::move(read);
       } catch (...) {
         thrown = std::current_exception();
       }

@@ -25,10 +25,6 @@
 namespace turnscale {
 namespace {
 
-constexpr const char* kUpsideDown =
-    "the images seem to be upside down, as the road is above the camera in them: left and right are exchanged in the "
-    "path; run again with --rotate 180";
-
 // What the odometry says of the drive so far.
 struct RunResults {
   std::vector<FrameResult> frames;
@@ -203,14 +199,20 @@ class Run {
   void SayIfLate(RunSummary& summary) const {
     const std::optional<MissingPart> before = LateBeginning(summary.missing, summary.seconds, 0);
     if (!before) return;
-    if (std::string why = LateBeginningText(*before, summary.frames, seen_); !why.empty()) {
+    constexpr double kMost = 0.5;
+    const bool is_most = LateBeginning(summary.missing, summary.seconds, kMost).has_value();
+    if (!seen_.Still()) {
       const double length = LengthBefore(*before, results_.frames);
       summary.path_sigma = std::hypot(summary.path_sigma, length / std::max(summary.distance, 1e-9));
-      if (summary.is_metric()) why += fmt::format("; the path lacks about {:.0f} m there", length);
-      summary.warnings.push_back(std::move(why));
+      // The cause of a short part is hard to tell.
+      std::string warning = is_most ? LateBeginningText(*before, summary.frames, seen_)
+                                    : fmt::format("no map could be started before {:.1f} s ({} of {} frames)",
+                                                  before->to, before->frames, summary.frames);
+      if (summary.is_metric())
+        warning += fmt::format("; if the car drove there, the path lacks up to about {:.0f} m", length);
+      summary.warnings.push_back(std::move(warning));
     }
-    constexpr double kMost = 0.5;
-    if (!summary.pending_reason.empty() && LateBeginning(summary.missing, summary.seconds, kMost))
+    if (!summary.pending_reason.empty() && is_most)
       summary.pending_reason = fmt::format("the path begins only at {:.1f} s; {}", before->to, summary.pending_reason);
   }
 

@@ -196,6 +196,16 @@ std::string OtherYaw(const RunSummary& summary) {
       InDegrees(found), InDegrees(summary.mount->sigma.yaw), InDegrees(known), kCheckVehicle);
 }
 
+// Images that lie on their side; empty if they do not.
+std::string RollWarning(const RunSummary& summary) {
+  constexpr double kUpright = 45;  // degrees
+  if (!summary.mount || !summary.mount->found) return "";
+  const double roll = InDegrees(summary.mount->angles.roll);
+  if (std::abs(roll) < kUpright) return "";
+  return fmt::format("the camera leans by {:+.0f} deg: if the images lie on their side, rotate them (--rotate {})",
+                     roll, roll < 0 ? 90 : 270);
+}
+
 // What the drive says of the car against what was given or is usual.
 std::vector<std::string> CarWarnings(const RefinedScale& scale, const RunSummary& summary) {
   std::vector<std::string> warnings;
@@ -209,6 +219,7 @@ std::vector<std::string> CarWarnings(const RefinedScale& scale, const RunSummary
   if (scale.estimate && scale.estimate->yaw_conflict)
     warnings.push_back(YawWarning(*scale.estimate->yaw_conflict, RotationRemedy(vehicle)));
   if (std::string other = OtherYaw(summary); !other.empty()) warnings.push_back(std::move(other));
+  if (std::string roll = RollWarning(summary); !roll.empty()) warnings.push_back(std::move(roll));
   return warnings;
 }
 

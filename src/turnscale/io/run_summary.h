@@ -17,6 +17,11 @@
 
 namespace turnscale {
 
+/// Warning where the odometry finds the images upside down.
+inline constexpr const char* kUpsideDown =
+    "the images seem to be upside down, as the road is above the camera in them: left and right are exchanged in the "
+    "path; rotate them by 180 degrees (--rotate)";
+
 /// An image that could not be used.
 struct UnreadableFrame {
   int frame = 0;
@@ -72,6 +77,7 @@ struct RunSummary {
   std::optional<LensModel> lens_model;      ///< likewise
   int image_width = 0;                      ///< pixels; 0 before the first image
   int image_height = 0;
+  int rotate = 0;          ///< of the images, degrees clockwise (--rotate)
   std::string mask;        ///< file of the given mask; empty if there is none
   std::string pose_frame;  ///< "camera" or "vehicle"
   std::string folder;

@@ -154,6 +154,7 @@ std::string SummaryJson(const RunSummary& summary) {
       {"clips", ClipsJson(summary.clips)},
       {"camera", summary.camera.empty() ? Json(nullptr) : Json(summary.camera)},
       {"intrinsics", IntrinsicsJson(summary)},
+      {"rotate_deg", summary.rotate},
       {"mask", summary.mask.empty() ? Json(nullptr) : Json(summary.mask)},
       {"pose_frame", summary.pose_frame},
       {"lever_arm_m", summary.vehicle.lever_arm ? Json(*summary.vehicle.lever_arm) : Json(nullptr)},

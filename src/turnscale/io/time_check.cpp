@@ -142,7 +142,7 @@ std::optional<std::string> UnusualTurns(const std::vector<FrameResult>& frames, 
   if (median < kLeastSideways && count >= kLeastTurns)
     return fmt::format(
         "the car would take its turns at {:.2f} m/s^2 sideways, as slowly as hardly any car does: check the times of "
-        "the images (--fps, --timestamps); a video in slow motion has wrong ones",
+        "the images (--fps, --timestamps); with wrong ones, as of slow motion, the scale is wrong, too",
         median);
   return std::nullopt;
 }

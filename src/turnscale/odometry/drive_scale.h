@@ -73,6 +73,9 @@ class DriveScale {
     if (mount_.moves() == 0) heights_.push_back(height);
   }
 
+  /// Heights so far are none: the images are upside down. Followed by Reread.
+  void ForgetHeights() { heights_.clear(); }
+
   /// Takes the new keyframes of the map. Returns whether they ended a turn: then the keyframes since the previous turn
   /// should be adjusted again, followed by Reread, now or some keyframes later.
   bool Add(const Map& map);

@@ -168,6 +168,7 @@ void Odometry::Finish() {
   if (std::exchange(finished_, true) || map_.keyframes.empty()) return;
   Settle();
   Archive(static_cast<int>(map_.keyframes.size()));
+  if (is_upside_down()) scale_.ForgetHeights();
   AdjustWholeDrive();
   refined_ = Refined();
   const bool follows_turns = refined_->estimate && refined_->estimate->fell_back;

@@ -22,12 +22,10 @@ constexpr double kGreatestRatio = 10;
 constexpr double kFollow = 0.3;
 // Keyframes without the road below the camera at which it is searched for above.
 constexpr int kTriedAbove = 40;
-// The images are upside down if at least so many of them, and this share, show it there, and not many times as many
-// keyframes show a plane below: facades and the sky may look like one. On upright drives the share is below a half, but
-// for garages, whose floor shows nearly always.
+// The images are upside down if at least so many of them, and this share, show it there, and fewer keyframes show it
+// below. On upright drives the share is below a half, but for garages, whose floor shows nearly always.
 constexpr int kFewestAbove = 6;
 constexpr double kLeastShareAbove = 0.7;
-constexpr int kMostBelow = 3;
 // Relative standard deviation of the height per rad of turn: the body leans.
 constexpr double kSigmaPerTurn = 0.6;
 
@@ -86,7 +84,7 @@ void RoadObserver::LookAbove(const RoadPair& pair, const RoadRegion& region) {
 }
 
 bool RoadObserver::IsRoadAbove() const {
-  return above_ >= kFewestAbove && above_ >= kLeastShareAbove * tried_above_ && below_ <= kMostBelow * above_;
+  return above_ >= kFewestAbove && above_ >= kLeastShareAbove * tried_above_ && below_ < above_;
 }
 
 std::optional<MeasuredHeight> RoadObserver::Observe(const Map& map, const CameraModel& camera,

@@ -373,15 +373,16 @@ ScaleEstimateResult WithoutAStart(const ScaleProblem& problem, const std::vector
     result.reason = "too few steps show the height above the road";
     return result;
   }
-  if (result.turns.empty())
+  if (result.turns.empty()) {
     result.reason = "no turn; ";
-  else if (AllSwingInward(gathered, PriorState(car, 0)))
+  } else if (AllSwingInward(gathered, PriorState(car, 0))) {
     result.reason =
         "in all turns the camera swings to the inside: they are too fast, or the camera is not ahead of the rear axle, "
         "looking forward, as the lever arm says; ";
-  else
+  } else {
     result.reason =
         "no sufficiently slow turn shows the expected lateral motion, or the times of the images are wrong; ";
+  }
   result.reason += Remedy(car, options, gathered);
   return result;
 }

@@ -30,7 +30,7 @@ constexpr double kEstimatedYawSigma = 0.3 / kDegreesPerRadian;
 /// scale uses the same straights and turns.
 inline double PriorYawSigma(double estimated, double known) {
   if (estimated <= known) return known;
-  return estimated <= kEstimatedYawSigma ? kEstimatedYawSigma : kYawSigmaByEye;
+  return std::max(known, estimated <= kEstimatedYawSigma ? kEstimatedYawSigma : kYawSigmaByEye);
 }
 
 /// Standard deviation of a lever arm measured with a tape, metres: kTapeSigma, but at most half of the lever arm.
