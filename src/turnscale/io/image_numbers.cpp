@@ -125,9 +125,8 @@ std::string ImageNumbers::Notice(const std::vector<fs::path>& images, double fps
   std::string notice;
   if (missing > 0)
     notice = fmt::format(
-        "{} image{} missing by the numbers of the names, {} of them between {} and {}, and count{} as {:.1f} s at "
-        "--fps "
-        "{:g}; give --timestamps FILE if no time has passed there",
+        "{} image{} missing by the numbers of the names, {} of them between {} and {}, and count{} as {:.1f} s "
+        "at --fps {:g}; give --timestamps FILE if no time has passed there",
         missing, missing > 1 ? "s are" : " is", most, NameOf(images[after - 1]), NameOf(images[after]),
         missing > 1 ? "" : "s", static_cast<double>(missing) / fps, fps);
   if (step_ > 1 && last > first + 1)
