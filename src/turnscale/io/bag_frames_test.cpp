@@ -236,7 +236,7 @@ TEST_F(BagFramesTest, CompressedImages) {
   const int64_t end = kBagEpoch + kBagSecond;
   std::vector<uint8_t> cut;
   cv::imencode(".png", picture, cut);
-  cut.resize(cut.size() - 15);
+  cut.erase(cut.end() - 15, cut.end());
   messages.push_back(
       {"/image/compressed", "CompressedImage", end, TestCompressedMessage(BagSerialization::kRos1, end, "png", cut)});
   // Announces 60000 x 60000 pixels.
