@@ -45,7 +45,7 @@ std::string SlipWarning(const SlipConflict& conflict) {
 
 std::string YawWarning(const YawConflict& conflict, const std::string& remedy) {
   return fmt::format(
-      "the drive gives a camera yaw {:.1f} +-{:.1f} deg further {} than the given camera-to-vehicle rotation, whose "
+      "the drive gives a camera yaw {:.1f} +-{:.1f} deg further {} than the camera-to-vehicle rotation, whose "
       "sigma is {:.1f} deg; the trajectory uses the yaw from the drive: {}",
       InDegrees(std::abs(conflict.found)), InDegrees(conflict.found_sigma), conflict.found > 0 ? "right" : "left",
       InDegrees(conflict.given_sigma), remedy);
