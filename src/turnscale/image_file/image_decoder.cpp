@@ -213,10 +213,11 @@ ImagePixels PixelsOf(const AVFrame& frame) {
   constexpr uint64_t kOther = AV_PIX_FMT_FLAG_HWACCEL | AV_PIX_FMT_FLAG_BAYER | AV_PIX_FMT_FLAG_FLOAT;
   if (format == nullptr || (format->flags & kOther) != 0) return {};
   if ((format->flags & AV_PIX_FMT_FLAG_PAL) != 0) return PixelsOfPalette(frame);
-  if ((format->flags & AV_PIX_FMT_FLAG_RGB) != 0) return {GrayOfColours(frame, *format), true, false};
+  if ((format->flags & AV_PIX_FMT_FLAG_RGB) != 0) return {GrayOfColours(frame, *format), true};
   constexpr int kColour = 3;  // components, two of which are chroma
-  constexpr int kDepth = 16;
-  ImagePixels pixels{Component(frame, *format, 0), format->nb_components >= kColour, format->comp[0].depth < kDepth};
+  constexpr int kFullDepth = 16;
+  ImagePixels pixels{Component(frame, *format, 0), format->nb_components >= kColour};
+  pixels.range_is_stated = format->comp[0].depth < kFullDepth;
   if (pixels.colour && frame.color_range == AVCOL_RANGE_MPEG && pixels.gray.depth() == CV_8U)
     pixels.gray = StretchedLimitedRange(pixels.gray);
   return pixels;

@@ -83,7 +83,7 @@ ImagePixels DecodeBinaryNetpbm(Bytes bytes, int64_t most_pixels) {
     std::copy_n(stored, header->pixels_size(), levels.data);
   }
   const int range = header->is_deep() ? 0xFFFF : 0xFF;
-  ImagePixels pixels{levels, header->channels > 1, false};
+  ImagePixels pixels{levels, header->channels > 1};
   if (pixels.colour) cv::cvtColor(levels, pixels.gray, cv::COLOR_RGB2GRAY);
   if (header->greatest_level != range)
     pixels.gray.convertTo(pixels.gray, -1, static_cast<double>(range) / header->greatest_level);

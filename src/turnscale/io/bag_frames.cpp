@@ -116,8 +116,7 @@ std::optional<DriveImage> BagFrames::Read() {
     if (options_.timed) image.time = SecondsOfStamp(stamp);
     if (std::exchange(begun_, true)) image.gap = gap_;
     image.notice = std::exchange(notice_, {});
-    if (const std::string of_levels = levels_.TakeNotice(); !of_levels.empty())
-      image.notice += (image.notice.empty() ? "" : "; ") + of_levels;
+    AddSentence(image.notice, levels_.TakeNotice());
     gap_ = 0;
     return image;
   }

@@ -57,11 +57,6 @@ std::string SeveralTracks(const std::vector<std::filesystem::path>& clips, const
                      several->tracks, several->size.width, several->size.height);
 }
 
-// Nothing for an empty sentence.
-void AddSentence(std::string& text, const std::string& sentence) {
-  if (!sentence.empty()) text += (text.empty() ? "" : "; ") + sentence;
-}
-
 // The notice where --fps differs from the video's own rate; empty if it does not. The header's rate is a mean, which
 // missing frames change.
 std::string OtherRate(const std::optional<double>& fps, const VideoHeader& header) {

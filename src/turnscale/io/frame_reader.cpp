@@ -41,12 +41,11 @@ class ImageListReader : public FrameReader {
 };
 
 DecodedImage Decoded(std::span<const uint8_t> bytes, int64_t most_pixels) {
-  if (EndsEarly(bytes)) return {{}, false, false, "is truncated"};
+  if (EndsEarly(bytes)) return {{}, false, "is truncated"};
   const ImagePixels decoded = DecodePixels(bytes, most_pixels);
-  if (!decoded.gray.empty()) return {decoded.gray, decoded.colour, decoded.range_is_stated, ""};
+  if (!decoded.gray.empty()) return {decoded.gray, decoded.colour, "", decoded.range_is_stated};
   const bool is_tiff = bytes.size() > 1 && bytes[0] == bytes[1] && (bytes[0] == 'I' || bytes[0] == 'M');
   return {{},
-          false,
           false,
           is_tiff ? "is not a readable TIFF; one with tiles, of floating-point numbers or packed as JPEG has to be "
                     "converted, for example to PNG"
@@ -85,9 +84,9 @@ cv::Mat ImageFiles::Turned(const cv::Mat& gray, int orientation, const std::stri
 }
 
 std::string ImageFiles::TakeNotice() {
-  const std::string of_levels = levels_.TakeNotice();
-  const char* separator = notice_.empty() || of_levels.empty() ? "" : "; ";
-  return std::exchange(notice_, {}) + separator + of_levels;
+  std::string notice = std::exchange(notice_, {});
+  AddSentence(notice, levels_.TakeNotice());
+  return notice;
 }
 
 GrayImage ReadGrayImage(const std::filesystem::path& path) { return ImageFiles().Read(path); }
@@ -97,9 +96,13 @@ DecodedImage DecodeImage(std::span<const uint8_t> bytes) { return Decoded(bytes,
 DecodedImage DecodeJpegOrPng(std::span<const uint8_t> bytes) {
   constexpr int64_t kMostPixels = 100'000'000;
   const std::optional<uint64_t> pixels = AnnouncedPixels(bytes);
-  if (!pixels) return {{}, false, false, "is neither JPEG nor PNG"};
-  if (*pixels == 0 || *pixels > kMostPixels) return {{}, false, false, "is not a readable image"};
+  if (!pixels) return {{}, false, "is neither JPEG nor PNG"};
+  if (*pixels == 0 || *pixels > kMostPixels) return {{}, false, "is not a readable image"};
   return Decoded(bytes, kMostPixels);
+}
+
+void AddSentence(std::string& notice, const std::string& sentence) {
+  if (!sentence.empty()) notice += (notice.empty() ? "" : "; ") + sentence;
 }
 
 std::unique_ptr<FrameReader> ReadImages(std::vector<std::filesystem::path> images, size_t first, size_t last) {

@@ -23,8 +23,7 @@ struct GrayImage {
 
 /// Reads the image files of a drive, in their order, as 8-bit gray (GrayLevels). They are rotated and mirrored as the
 /// EXIF orientation of the first readable one says, as the camera does not turn in the car; only that of JPEG is read.
-/// Files
-/// that end too early are refused, not filled up.
+/// Files that end too early are refused, not filled up.
 class ImageFiles {
  public:
   GrayImage Read(const std::filesystem::path& path);
@@ -48,8 +47,8 @@ GrayImage ReadGrayImage(const std::filesystem::path& path);
 struct DecodedImage {
   cv::Mat pixels;                ///< gray, 8 or 16 bit; empty if the bytes are unusable
   bool colour = false;           ///< the file has colours
+  std::string problem = {};      ///< such as "is truncated"; empty if there is none
   bool range_is_stated = false;  ///< of 16-bit pixels, which fill the range then
-  std::string problem;           ///< such as "is truncated"; empty if there is none
 };
 
 /// Decodes the bytes of an image file.
@@ -64,6 +63,9 @@ bool EndsEarly(std::span<const uint8_t> bytes);
 
 /// Number of pixels that the header of a PNG or JPEG announces; nothing for other bytes.
 std::optional<uint64_t> AnnouncedPixels(std::span<const uint8_t> bytes);
+
+/// Adds a sentence to a notice, behind a semicolon if there is one before. An empty one changes nothing.
+void AddSentence(std::string& notice, const std::string& sentence);
 
 /// A longer pause between two images is a part of the drive that was not recorded; shorter ones are hiccups of the
 /// recorder. Seconds.

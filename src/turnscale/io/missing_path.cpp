@@ -58,10 +58,13 @@ std::optional<MissingPart> LateBeginning(const std::vector<MissingPart>& parts, 
   return parts.front();
 }
 
+std::string NoMapBeforeText(const MissingPart& before, int frames) {
+  return fmt::format("no map could be started before {:.1f} s ({} of {} frames)", before.to, before.frames, frames);
+}
+
 std::string LateBeginningText(const MissingPart& before, int frames, const SeenImages& seen) {
   if (seen.Still()) return {};
-  return fmt::format("no map could be started before {:.1f} s ({} of {} frames): {}", before.to, before.frames, frames,
-                     seen.Cause());
+  return NoMapBeforeText(before, frames) + ": " + seen.Cause();
 }
 
 double LengthBefore(const MissingPart& before, const std::vector<FrameResult>& frames) {

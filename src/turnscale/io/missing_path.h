@@ -39,8 +39,11 @@ double TotalSeconds(const std::vector<MissingPart>& parts);
 /// seconds: a map needs a moment to begin.
 std::optional<MissingPart> LateBeginning(const std::vector<MissingPart>& parts, double seconds, double least_share);
 
-/// One line: until when there is no map, and why. Empty if the images until then, `seen`, say that the car waits, which
-/// is no fault. `frames`: of the whole drive.
+/// One line: until when there is no map. `frames`: of the whole drive.
+std::string NoMapBeforeText(const MissingPart& before, int frames);
+
+/// The same, and why. Empty if the images until then, `seen`, say that the car waits, which
+/// is no fault.
 std::string LateBeginningText(const MissingPart& before, int frames, const SeenImages& seen);
 
 /// How far the car drives before the map begins, if it has the speed of the first second after that: a rough estimate,

@@ -205,9 +205,8 @@ class Run {
       const double length = LengthBefore(*before, results_.frames);
       summary.path_sigma = std::hypot(summary.path_sigma, length / std::max(summary.distance, 1e-9));
       // The cause of a short part is hard to tell.
-      std::string warning = is_most ? LateBeginningText(*before, summary.frames, seen_)
-                                    : fmt::format("no map could be started before {:.1f} s ({} of {} frames)",
-                                                  before->to, before->frames, summary.frames);
+      std::string warning =
+          is_most ? LateBeginningText(*before, summary.frames, seen_) : NoMapBeforeText(*before, summary.frames);
       if (summary.is_metric())
         warning += fmt::format("; if the car drove there, the path lacks up to about {:.0f} m", length);
       summary.warnings.push_back(std::move(warning));

@@ -22,12 +22,12 @@ constexpr double kGivenHeightSigma = 0.01;
 /// Standard deviation of the yaw of a camera that was mounted by eye, rad (3 deg).
 constexpr double kYawSigmaByEye = 3.0 / kDegreesPerRadian;
 
-/// The same after a calibration from the camera's motion over some turns, at least, rad (0.3 deg).
+/// Least standard deviation of a yaw that is estimated from the camera's motion over some turns, rad (0.3 deg).
 constexpr double kEstimatedYawSigma = 0.3 / kDegreesPerRadian;
 
-/// The same as a prior for the scale of the very drive that the yaw was estimated from, with the standard deviation
-/// `estimated`; `known` is that of what was known before, all in rad. A rough estimate says nothing of its own: the
-/// scale uses the same straights and turns.
+/// Standard deviation of the yaw as a prior of the scale, rad, if the yaw was estimated from the same drive with the
+/// standard deviation `estimated`, and known before with `known`. A rough estimate adds nothing, as the scale is
+/// estimated from the same straights and turns: kYawSigmaByEye.
 inline double PriorYawSigma(double estimated, double known) {
   if (estimated <= known) return known;
   return std::max(known, estimated <= kEstimatedYawSigma ? kEstimatedYawSigma : kYawSigmaByEye);
