@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
-# Headers that most sources read, compiled once for all libraries and once for all test programs. Sources include what
-# they use all the same: presets without this option compile them.
+# Headers that most sources read, compiled once for all libraries, and for test programs once for each level of
+# optimization. Sources include what they use all the same: presets without this option compile them.
 
 set(TURNSCALE_PRECOMPILED
     <algorithm>
@@ -20,8 +20,14 @@ set(TURNSCALE_PRECOMPILED
     <unordered_map>
     <vector>
     <Eigen/Dense>
-    <opencv2/core.hpp>)
-set(TURNSCALE_PRECOMPILED_LINKS Eigen3::Eigen OpenCVModules::core)
+    <opencv2/core.hpp>
+    <yaml-cpp/yaml.h>
+    ${CMAKE_CURRENT_LIST_DIR}/common_expressions.h)
+set(TURNSCALE_PRECOMPILED_LINKS Eigen3::Eigen OpenCVModules::core yaml-cpp)
+if(TURNSCALE_BUILD_PROGRAM)
+  list(APPEND TURNSCALE_PRECOMPILED <fmt/format.h> <nlohmann/json.hpp>)
+  list(APPEND TURNSCALE_PRECOMPILED_LINKS fmt::fmt nlohmann_json::nlohmann_json)
+endif()
 
 # turnscale_precompile(<target> HEADERS <header>... LINKS <library>...): the target whose precompiled headers others use.
 function(turnscale_precompile target)
@@ -45,9 +51,11 @@ endfunction()
 if(TURNSCALE_PRECOMPILE)
   turnscale_precompile(turnscale_precompiled HEADERS ${TURNSCALE_PRECOMPILED} LINKS ${TURNSCALE_PRECOMPILED_LINKS})
   set_target_properties(turnscale_precompiled PROPERTIES POSITION_INDEPENDENT_CODE ON)
-  if(TURNSCALE_BUILD_TESTS)
-    turnscale_precompile(turnscale_precompiled_tests HEADERS ${TURNSCALE_PRECOMPILED} <gtest/gtest.h> LINKS
+endif()
+if(TURNSCALE_PRECOMPILE AND TURNSCALE_BUILD_TESTS)
+  foreach(level IN ITEMS O0 O1)
+    turnscale_precompile(turnscale_precompiled_${level} HEADERS ${TURNSCALE_PRECOMPILED} <gtest/gtest.h> LINKS
                          ${TURNSCALE_PRECOMPILED_LINKS} GTest::gtest_main)
-    target_compile_options(turnscale_precompiled_tests PRIVATE $<$<CONFIG:Release>:-O1>)
-  endif()
+    target_compile_options(turnscale_precompiled_${level} PRIVATE $<$<CONFIG:Release>:-${level}>)
+  endforeach()
 endif()

@@ -45,24 +45,30 @@ function(turnscale_module module)
   set_property(GLOBAL APPEND PROPERTY TURNSCALE_MODULES_OF_${TURNSCALE_PART} ${target})
 endfunction()
 
-# turnscale_tests(<module> SOURCES <test files> [USES <extra libraries>] [LABELS <ctest labels> [SHARDS <number>]]): one
-# GoogleTest program. Without labels these are unit tests: the target unit_tests builds them. CTest runs the tests of a
-# program in one process, or in as many as there are shards, since loading the libraries takes longer than most of the
-# tests. Shards have the longest tests: they start first, so that none is left to run alone.
+# turnscale_tests(<module> SOURCES <test files> [OPTIMIZED] [USES <extra libraries>] [LABELS <ctest labels> [SHARDS
+# <number>]]): one GoogleTest program. OPTIMIZED: for tests that compute much, or whose libraries do; of functions in
+# headers, such as Eigen's, the linker takes the test program's copy for both. Without labels these are unit tests: the
+# target unit_tests builds them. CTest runs the tests of a program in one process, or in as many as there are shards,
+# since loading the libraries takes longer than most of the tests. Shards have the longest tests: they start first, so
+# that none is left to run alone.
 function(turnscale_tests module)
   if(NOT TURNSCALE_BUILD_TESTS)
     return()
   endif()
-  cmake_parse_arguments(TESTS "" "" "SOURCES;USES;LABELS;SHARDS" ${ARGN})
+  cmake_parse_arguments(TESTS "OPTIMIZED" "" "SOURCES;USES;LABELS;SHARDS" ${ARGN})
   set(target ${module}_test)
   add_executable(${target} ${TESTS_SOURCES})
-  # Compiles a fifth faster. The libraries that are tested keep their own level.
-  target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
+  # These compile faster than -O3, the first in half the time. The libraries that are tested keep their own level.
+  set(level O0)
+  if(TESTS_OPTIMIZED)
+    set(level O1)
+  endif()
+  target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-${level}>)
   if(TARGET turnscale_${module})
     target_link_libraries(${target} PRIVATE turnscale::${module})
   endif()
   target_link_libraries(${target} PRIVATE ${TESTS_USES} GTest::gtest_main turnscale_build_flags)
-  turnscale_reuse(${target} turnscale_precompiled_tests)
+  turnscale_reuse(${target} turnscale_precompiled_${level})
   if(TESTS_SHARDS)
     math(EXPR last "${TESTS_SHARDS} - 1")
     foreach(shard RANGE ${last})
