@@ -159,16 +159,14 @@ std::optional<ScaleBelief> LiveScale::WithTurn(const ScaleBelief& belief, std::s
         start.covariance.col(kLogScale) / start.covariance(kLogScale, kLogScale) * (log_scale - start.mean[kLogScale]);
   }
   ScaleBelief updated = start;
-  double weight = 1;
   for (int i = 0; i < kLocalIterations; ++i) {
     const DriveState at = updated.mean;
-    const auto measurement = Linearize(evidence, at, options_.evidence);
-    // The prediction may be wrong as well as the turn.
-    if (started_) weight = HuberWeight(std::sqrt(NormalizedInnovation(start, *measurement, 1, at)), options_.huber);
-    updated = Updated(start, *measurement, weight, at);
-    if (const auto direction = LinearizeDirectionInTurn(evidence, at, options_.evidence)) {
-      const double deviation = std::sqrt(NormalizedInnovation(start, *direction, 1, at));
-      updated = Updated(updated, *direction, HuberWeight(deviation, options_.huber), at);
+    updated = start;
+    for (const auto& [kind, measurement] : MeasurementsOf(evidence, at, options_.evidence)) {
+      // The prediction may be wrong as well as the turn, but not the prior of the scale, which is nearly flat.
+      const bool sets_scale = !started_ && kind == kTurnOrStraight;
+      const double deviation = std::sqrt(NormalizedInnovation(start, measurement, 1, at));
+      updated = Updated(updated, measurement, sets_scale ? 1.0 : HuberWeight(deviation, options_.huber), at);
     }
     HoldSlip(updated);
   }

@@ -120,16 +120,10 @@ class Smoothing {
   }
 
   void Reweigh() {
-    const auto weight = [&](const Measurement& measurement) {
-      return HuberWeight(measurement.innovation / std::sqrt(measurement.variance), huber_);
-    };
     for (std::size_t i = 0; i < at_.size(); ++i) {
       SegmentEvidence& evidence = problem_.evidence[i];
-      if (evidence.road) evidence.road->weight = weight(LinearizeRoad(*evidence.road, at_[i], problem_.options.road));
-      if (const auto direction = LinearizeDirectionInTurn(evidence, at_[i], problem_.options))
-        evidence.direction_weight = weight(*direction);
-      if (const auto measurement = Linearize(evidence, at_[i], problem_.options))
-        evidence.weight = weight(*measurement);
+      for (const auto& [kind, measurement] : MeasurementsOf(evidence, at_[i], problem_.options))
+        evidence.weights[kind] = HuberWeight(measurement.innovation / std::sqrt(measurement.variance), huber_);
     }
   }
 
@@ -302,7 +296,7 @@ void CompareTurns(const Answer& answer, const CarPrior& car, const TurnTestOptio
     const Measurement measurement = *Linearize(evidence, belief.mean, problem.options);
     turn.own = OwnScale(evidence, belief.mean);
     turn.own_sigma = std::sqrt(measurement.variance) / std::abs(measurement.by_state[kLogScale]);
-    turn.weight = evidence.weight;
+    turn.weight = evidence.weights[kTurnOrStraight];
     turn.deviation = measurement.innovation / std::sqrt(measurement.variance);
     if (!std::isfinite(turn.as_given)) continue;
     tested.push_back(i);
@@ -417,7 +411,7 @@ bool YawIsContradicted(const Answer& answer, const CarPrior& car, const ScaleEst
   for (std::size_t i = 0; i < problem.evidence.size(); ++i) {
     const DriveState& state = answer.smoothed.segments[i].mean;
     if (const auto direction = LinearizeDirectionInTurn(problem.evidence[i], state, problem.options))
-      directions.push_back({*direction, problem.evidence[i].direction_weight});
+      directions.push_back({*direction, problem.evidence[i].weights[kDirectionInTurn]});
   }
   return TurnsContradictYaw(directions, answer.smoothed.segments.back(), problem.options.direction_in_turn_sigma,
                             options.max_turn_yaw_deviation);

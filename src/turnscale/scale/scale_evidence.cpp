@@ -261,6 +261,16 @@ std::optional<Measurement> LinearizeDirectionInTurn(const SegmentEvidence& evide
   return measurement;
 }
 
+std::vector<SegmentMeasurement> MeasurementsOf(const SegmentEvidence& evidence, const DriveState& state,
+                                               const EvidenceOptions& options) {
+  std::vector<SegmentMeasurement> measurements;
+  if (evidence.road) measurements.push_back({kRoadHeight, LinearizeRoad(*evidence.road, state, options.road)});
+  if (const auto direction = LinearizeDirectionInTurn(evidence, state, options))
+    measurements.push_back({kDirectionInTurn, *direction});
+  if (const auto main = Linearize(evidence, state, options)) measurements.push_back({kTurnOrStraight, *main});
+  return measurements;
+}
+
 bool SwingsInward(const PooledLine& turn, const DriveState& state) {
   return turn.lever_arm < state[kDirection] * turn.by_direction;
 }

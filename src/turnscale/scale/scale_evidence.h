@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <optional>
 #include <span>
 #include <string>
@@ -132,7 +133,14 @@ struct RoadEvidence {
   double log_height = 0;  ///< of the height in odometry units
   double sigma = 0;       ///< relative, without the road's correlated error
   double length = 0;      ///< of the steps that show it, odometry units
-  double weight = 1;      ///< robust (Huber), set by the estimator
+};
+
+/// What a segment may measure, in the order in which the filters take it.
+enum MeasurementKind {
+  kRoadHeight,
+  kDirectionInTurn,  ///< direction of travel that a turn shows by itself
+  kTurnOrStraight,   ///< effective lever arm of a turn, direction of travel of a straight
+  kMeasurementKinds
 };
 
 /// The measurements of one segment: the effective lever arm of a turn in odometry units, or the direction of travel of
@@ -151,9 +159,10 @@ struct SegmentEvidence {
   double bend = 0;
   double bend_square_speed = 0;
   double bend_lever_arm = 0;
-  double weight = 1;  ///< robust (Huber), set by the estimator: below 1 where the segment disagrees with the drive
-  double direction_weight = 1;  ///< the same for the direction that a turn shows by itself
   std::optional<RoadEvidence> road;
+  /// Robust weights (Huber) by MeasurementKind, set by the estimator: below 1 where a measurement disagrees with the
+  /// drive.
+  std::array<double, kMeasurementKinds> weights = {1, 1, 1};
 };
 
 /// Evidence of each segment, in order. Bends of straights are compensated with the median lever arm of the turns
@@ -195,6 +204,15 @@ std::optional<Measurement> LinearizeDirectionInTurn(const SegmentEvidence& evide
 /// The height above the road, ln(H) - ln(lambda) + error, at a state. The error's standard deviation is that of its
 /// mean over the way that shows the road.
 Measurement LinearizeRoad(const RoadEvidence& road, const DriveState& state, const RoadEvidenceOptions& options);
+
+struct SegmentMeasurement {
+  MeasurementKind kind = kTurnOrStraight;
+  Measurement linearized;
+};
+
+/// All measurements of a segment at a state, in the order of MeasurementKind.
+std::vector<SegmentMeasurement> MeasurementsOf(const SegmentEvidence& evidence, const DriveState& state,
+                                               const EvidenceOptions& options);
 
 /// Whether the camera swings to the inside of the turn, where a lever arm swings it to the outside: slip outweighs the
 /// lever arm, or the camera is behind the rear axle, or looks backward.

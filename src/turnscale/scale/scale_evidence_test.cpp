@@ -254,7 +254,7 @@ TEST(ScaleEvidence, EveryTurnIsItsOwn) {
   for (std::size_t i = 0; i < segments.size(); ++i) {
     EXPECT_EQ(evidence[i].turning, segments[i].turning);
     EXPECT_EQ(evidence[i].turn.has_value(), segments[i].turning);
-    EXPECT_EQ(evidence[i].weight, 1);
+    EXPECT_EQ(evidence[i].weights[kTurnOrStraight], 1);
     if (!segments[i].turning) continue;
     const auto alone = EvidenceOfTurn(StepsOf(steps, segments[i].first, segments[i].last), {});
     EXPECT_EQ(evidence[i].turn->lever_arm, alone.turn->lever_arm);

@@ -150,15 +150,12 @@ SmoothedScale SmoothScale(const ScaleProblem& problem, const std::vector<DriveSt
     if (i > 0) belief = AdvancedTo(problem, i, std::exp(at[i][kLogScale]), belief);
     if (problem.segments[i].gap_sigma > 0) turns.PassGap();
     predicted[i] = belief;
-    if (const auto& road = problem.evidence[i].road)
-      belief = Updated(belief, LinearizeRoad(*road, at[i], problem.options.road), road->weight, at[i]);
-    if (const auto direction = LinearizeDirectionInTurn(problem.evidence[i], at[i], problem.options))
-      belief = Updated(belief, *direction, problem.evidence[i].direction_weight, at[i]);
-    if (const auto measurement = Linearize(problem.evidence[i], at[i], problem.options)) {
-      const double weight = problem.evidence[i].weight;
-      const ScaleBelief updated = Updated(belief, *measurement, weight, at[i]);
-      if (problem.evidence[i].turning)
-        turns.Add(belief, updated, NormalizedInnovation(belief, *measurement, weight, at[i]));
+    const SegmentEvidence& evidence = problem.evidence[i];
+    for (const auto& [kind, measurement] : MeasurementsOf(evidence, at[i], problem.options)) {
+      const double weight = evidence.weights[kind];
+      const ScaleBelief updated = Updated(belief, measurement, weight, at[i]);
+      if (evidence.turning && kind == kTurnOrStraight)
+        turns.Add(belief, updated, NormalizedInnovation(belief, measurement, weight, at[i]));
       belief = updated;
     }
     result.segments.push_back(belief);

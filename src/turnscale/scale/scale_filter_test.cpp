@@ -40,16 +40,19 @@ ScaleProblem RandomProblem(int segments, std::uint64_t seed = 5) {
           .by_direction = random.Uniform(-1, 1),
           .by_roll_height = random.Uniform(-0.02, 0.02),
           .mean_square_speed = speed * speed};
+      if (i % 2 == 0)
+        evidence.direction_in_turn = DirectionInTurn{.angle = 0.003 * random.Gaussian(),
+                                                     .sigma = random.Uniform(0.002, 0.01),
+                                                     .by_slip = random.Uniform(-0.2, 0.2)};
     } else {
       evidence.direction = 0.01 * random.Gaussian();
       evidence.direction_sigma = 0.002;
     }
-    evidence.weight = random.Uniform(0.3, 1);
+    for (double& weight : evidence.weights) weight = random.Uniform(0.3, 1);
     if (i % 4 != 2)
       evidence.road = RoadEvidence{.log_height = std::log(1.5 / kMetresPerUnit) + 0.02 * random.Gaussian(),
                                    .sigma = random.Uniform(0.002, 0.02),
-                                   .length = random.Uniform(0.3, 1) * length,
-                                   .weight = random.Uniform(0.3, 1)};
+                                   .length = random.Uniform(0.3, 1) * length};
     problem.segments.push_back(segment);
     problem.evidence.push_back(evidence);
   }
@@ -83,7 +86,7 @@ struct Dense {
 Dense SolveDense(const ScaleProblem& problem, const std::vector<DriveState>& at, std::optional<int> exact = {}) {
   const auto n = static_cast<Eigen::Index>(at.size());
   const Eigen::Index unknowns = 2 * n + kConstants;
-  Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(kDriveUnknowns + 2 * (n - 1) + 2 * n, unknowns);
+  Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(kDriveUnknowns + 2 * (n - 1) + kMeasurementKinds * n, unknowns);
   Eigen::VectorXd right = Eigen::VectorXd::Zero(rows.rows());
   Eigen::Index row = 0;
   const auto column = [&](Eigen::Index segment, int unknown) { return Column(n, segment, unknown); };
@@ -121,8 +124,8 @@ Dense SolveDense(const ScaleProblem& problem, const std::vector<DriveState>& at,
   };
   for (Eigen::Index i = 0; i < n; ++i) {
     const SegmentEvidence& evidence = problem.evidence[i];
-    if (const auto measurement = Linearize(evidence, at[i], problem.options)) measure(i, *measurement, evidence.weight);
-    if (evidence.road) measure(i, LinearizeRoad(*evidence.road, at[i], problem.options.road), evidence.road->weight);
+    for (const auto& [kind, measurement] : MeasurementsOf(evidence, at[i], problem.options))
+      measure(i, measurement, evidence.weights[kind]);
   }
   // An unknown that is taken out has no rows: the solution of least norm leaves it at 0, and its covariance too.
   const Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> solver(rows);
