@@ -4,227 +4,22 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "turnscale/base/check_part.h"
 #include "turnscale/base/error.h"
-#include "turnscale/base/quantiles.h"
-#include "turnscale/base/robust_weights.h"
+#include "turnscale/scale/drive_smoothing.h"
 #include "turnscale/scale/follow_turns.h"
+#include "turnscale/scale/turn_selection.h"
 
 namespace turnscale {
 namespace {
 
-constexpr int kMostIterations = 40;
-constexpr int kMostSelections = 3;
-constexpr double kConverged = 1e-6;       // change of a log-scale in an iteration
-constexpr double kMaxLogScaleStep = 0.3;  // of a Gauss-Newton step
-
-DriveState PriorState(const CarPrior& car, double log_scale) { return PriorBelief(car, log_scale).mean; }
-
-// The direction of travel that the turns show by themselves, rad, slip aside: their mean, and its variance.
-struct DirectionOfTurns {
-  double mean = 0;
-  double variance = std::numeric_limits<double>::infinity();
-};
-
-DirectionOfTurns DirectionShownByTurns(const std::vector<SegmentEvidence>& gathered, const EvidenceOptions& options) {
-  double information = 0;
-  double sum = 0;
-  for (const SegmentEvidence& segment : gathered) {
-    if (!segment.direction_in_turn) continue;
-    const DirectionInTurn& direction = *segment.direction_in_turn;
-    information += 1 / (direction.sigma * direction.sigma);
-    sum += direction.angle / (direction.sigma * direction.sigma);
-  }
-  if (!(information > 0)) return {};
-  return {sum / information, 1 / information + options.direction_in_turn_sigma * options.direction_in_turn_sigma};
-}
-
-// With which turns are selected first: a wrong camera rotation makes turns seem unusable.
-DriveState StartingState(const CarPrior& car, const DirectionOfTurns& turns) {
-  DriveState state = PriorState(car, 0);
-  const double prior = car.yaw_sigma * car.yaw_sigma;
-  if (std::isfinite(turns.variance))
-    state[kDirection] += prior / (prior + turns.variance) * (turns.mean - state[kDirection]);
-  return state;
-}
-
-// Turns in which the lever arm cannot be observed are left out, with the reason.
-struct Selection {
-  std::vector<SegmentEvidence> evidence;
-  std::vector<std::pair<double, double>> log_scales;  // of the turns that are left, one by one, and their angles
-};
-
-Selection SelectTurns(const std::vector<SegmentEvidence>& gathered, const CarPrior& car, const DriveState& state,
-                      const EvidenceOptions& options) {
-  Selection selection{gathered, {}};
-  for (SegmentEvidence& segment : selection.evidence) {
-    if (!segment.turn) continue;
-    segment.reason =
-        car.knows_lever_arm() ? WhyUnusable(*segment.turn, state, options) : std::string("no lever arm given");
-    if (segment.reason.empty())
-      selection.log_scales.emplace_back(std::log(OwnScale(segment, state)), std::abs(segment.turn->angle));
-    else
-      segment.turn.reset();
-  }
-  return selection;
-}
-
-bool SameTurns(const std::vector<SegmentEvidence>& a, const std::vector<SegmentEvidence>& b) {
-  return std::ranges::equal(
-      a, b, {}, [](const SegmentEvidence& segment) { return segment.turn.has_value(); },
-      [](const SegmentEvidence& segment) { return segment.turn.has_value(); });
-}
-
-// Initial value of the log-scale: the median of the single-turn scales, or of the scales that a known height gives on
-// the road. Empty where there is neither.
-std::optional<double> StartingLogScale(const Selection& selection, const CarPrior& car) {
-  if (!selection.log_scales.empty()) return WeightedMedian(selection.log_scales);
-  if (!car.knows_height()) return std::nullopt;
-  std::vector<std::pair<double, double>> of_road;
-  for (const SegmentEvidence& segment : selection.evidence)
-    if (segment.road)
-      of_road.emplace_back(std::log(car.camera_height) - segment.road->log_height, segment.road->length);
-  return of_road.empty() ? std::nullopt : std::optional(WeightedMedian(of_road));
-}
-
-class Smoothing {
- public:
-  Smoothing(ScaleProblem problem, double huber)
-      : problem_(std::move(problem)), huber_(huber), at_(problem_.segments.size(), problem_.prior.mean) {}
-
-  void Run() {
-    for (int i = 0; i < kMostIterations && !converged_; ++i) {
-      smoothed_ = SmoothScale(problem_, at_);
-      converged_ = Relinearize() < kConverged;
-      Reweigh();
-    }
-  }
-
-  const ScaleProblem& problem() const { return problem_; }
-  const SmoothedScale& smoothed() const { return smoothed_; }
-  bool converged() const { return converged_; }
-
- private:
-  double Relinearize() {
-    double change = 0;
-    for (std::size_t i = 0; i < at_.size(); ++i) {
-      const double before = at_[i][kLogScale];
-      at_[i] = smoothed_.segments[i].mean;
-      at_[i][kLogScale] = std::clamp(at_[i][kLogScale], before - kMaxLogScaleStep, before + kMaxLogScaleStep);
-      change = std::max(change, std::abs(at_[i][kLogScale] - before));
-    }
-    return change;
-  }
-
-  void Reweigh() {
-    for (std::size_t i = 0; i < at_.size(); ++i) {
-      SegmentEvidence& evidence = problem_.evidence[i];
-      for (const auto& [kind, measurement] : MeasurementsOf(evidence, at_[i], problem_.options))
-        evidence.weights[kind] = HuberWeight(measurement.innovation / std::sqrt(measurement.variance), huber_);
-    }
-  }
-
-  ScaleProblem problem_;
-  double huber_;
-  std::vector<DriveState> at_;  // where each segment is linearised
-  SmoothedScale smoothed_;
-  bool converged_ = false;
-};
-
-struct Answer {
-  Smoothing smoothing;
-  SmoothedScale smoothed;
-  double side_slip = 0;  // unbounded estimate, s^2/m; may be negative
-  ScaleBelief car;       // of the last segment, with that estimate
-};
-
-// The prior at c = 0: a height whose error correlates with that of c moves with it.
-ScaleBelief WithoutSlip(const ScaleBelief& prior) {
-  constexpr double kVariance = 1e-18;  // a covariance has to stay regular
-  ScaleBelief held = Updated(prior, {-prior.mean[kSlip], kVariance, DriveRow::Unit(kSlip)}, 1, prior.mean);
-  held.mean[kSlip] = 0;
-  held.covariance.row(kSlip).setZero();
-  held.covariance.col(kSlip).setZero();
-  held.covariance(kSlip, kSlip) = kVariance;
-  return held;
-}
-
-Answer SmoothWith(ScaleProblem problem, const CarPrior& car, double huber) {
-  Smoothing smoothing(problem, huber);
-  smoothing.Run();
-  const ScaleBelief& last = smoothing.smoothed().segments.back();
-  Answer answer{smoothing, smoothing.smoothed(), last.mean[kSlip], last};
-  if (car.side_slip_sigma == 0 || answer.side_slip >= 0) return answer;
-  // Tyres do not slip inwards: at the bound, the estimate is the one without slip. The covariance stays that of the
-  // unbounded fit.
-  problem.prior = WithoutSlip(problem.prior);
-  answer.smoothing = Smoothing(std::move(problem), huber);
-  answer.smoothing.Run();
-  for (std::size_t i = 0; i < answer.smoothed.segments.size(); ++i)
-    answer.smoothed.segments[i].mean = answer.smoothing.smoothed().segments[i].mean;
-  answer.smoothed.chi_squared = answer.smoothing.smoothed().chi_squared;
-  answer.smoothed.degrees_of_freedom = answer.smoothing.smoothed().degrees_of_freedom;
-  return answer;
-}
-
-// Which turns are too fast, or swing inwards, depends on the direction of travel and the slip, which the estimate has
-// better than the prior: turns are selected again with the estimate.
-Answer SmoothDrive(ScaleProblem problem, const std::vector<SegmentEvidence>& gathered, const CarPrior& car,
-                   const ScaleEstimatorOptions& options, Selection selection) {
-  const auto smooth = [&] {
-    problem.evidence = selection.evidence;
-    problem.prior = PriorBelief(car, *StartingLogScale(selection, car));
-    return SmoothWith(problem, car, options.huber);
-  };
-  Answer answer = smooth();
-  for (int i = 0; i < kMostSelections; ++i) {
-    const DriveState& state = answer.smoothed.segments.back().mean;
-    selection = SelectTurns(gathered, car, state, options.evidence);
-    if (!StartingLogScale(selection, car) || SameTurns(selection.evidence, problem.evidence)) break;
-    answer = smooth();
-  }
-  return answer;
-}
-
 // The car's constants as given, by which single-turn scales are taken. A yaw that is hardly known is the drive's.
 DriveState StateAsGiven(const CarPrior& car, const SmoothedScale& smoothed, const ScaleEstimatorOptions& options) {
-  DriveState state = PriorState(car, 0);
+  DriveState state = PriorBelief(car, 0).mean;
   if (car.yaw_sigma > options.max_given_yaw_sigma) state[kDirection] = smoothed.segments.back().mean[kDirection];
   return state;
-}
-
-TurnEstimate DescribeTurn(const ScaleProblem& problem, int place, const DriveState& as_given) {
-  const PathSegment& segment = problem.segments[place];
-  const SegmentEvidence& evidence = problem.evidence[place];
-  TurnEstimate turn;
-  turn.segment = place;
-  turn.first_step = segment.first;
-  turn.last_step = segment.last;
-  turn.angle = segment.angle;
-  turn.used = evidence.turn.has_value();
-  turn.reason = evidence.reason;
-  if (!turn.used) return turn;
-  turn.lever_arm_units = evidence.turn->lever_arm;
-  turn.speed_units = std::sqrt(std::abs(evidence.turn->mean_square_speed));
-  turn.as_given = OwnScale(evidence, as_given);
-  if (!std::isfinite(turn.as_given)) return turn;
-  DriveState at = as_given;
-  at[kLogScale] = std::log(turn.as_given);
-  const Measurement measurement = *Linearize(evidence, at, problem.options);
-  turn.as_given_sigma = std::sqrt(measurement.variance) / std::abs(measurement.by_state[kLogScale]);
-  turn.own = turn.as_given;
-  turn.own_sigma = turn.as_given_sigma;
-  return turn;
-}
-
-std::vector<TurnEstimate> DescribeTurns(const ScaleProblem& problem, const DriveState& as_given) {
-  std::vector<TurnEstimate> turns;
-  for (int i = 0; i < static_cast<int>(problem.segments.size()); ++i)
-    if (problem.segments[i].turning) turns.push_back(DescribeTurn(problem, i, as_given));
-  return turns;
 }
 
 CarBelief CarBeliefOf(const ScaleBelief& belief) {
@@ -282,12 +77,13 @@ std::vector<char> FromRoad(const ScaleProblem& problem, const CarRefinement& car
 }
 
 // The single-turn scales, with the refined constants of the car, their joint test, and that of the slip.
-void CompareTurns(const Answer& answer, const CarPrior& car, const TurnTestOptions& options, ScaleEstimate& estimate) {
+void CompareTurns(const SmoothedDrive& drive, const CarPrior& car, const TurnTestOptions& options,
+                  ScaleEstimate& estimate) {
   TurnTestInput input;
-  input.chi_squared = answer.smoothed.chi_squared;
-  input.degrees_of_freedom = answer.smoothed.degrees_of_freedom;
+  input.chi_squared = drive.smoothed.chi_squared;
+  input.degrees_of_freedom = drive.smoothed.degrees_of_freedom;
   std::vector<int> tested;
-  const ScaleProblem& problem = answer.smoothing.problem();
+  const ScaleProblem& problem = drive.problem;
   for (int i = 0; i < static_cast<int>(estimate.turns.size()); ++i) {
     TurnEstimate& turn = estimate.turns[i];
     if (!turn.used) continue;
@@ -304,11 +100,11 @@ void CompareTurns(const Answer& answer, const CarPrior& car, const TurnTestOptio
     input.differences.push_back(std::log(belief.metres_per_unit() / turn.as_given));
     input.weights.push_back(std::abs(turn.angle));
   }
-  if (car.side_slip_sigma > 0) input.slip_deviation = (answer.side_slip - car.side_slip) / car.side_slip_sigma;
+  if (car.side_slip_sigma > 0) input.slip_deviation = (drive.side_slip - car.side_slip) / car.side_slip_sigma;
   estimate.test = TestTurns(input, options);
   if (estimate.test.worst_turn >= 0) estimate.test.worst_turn = tested[estimate.test.worst_turn];
   if (!estimate.test.contradicted && std::abs(input.slip_deviation) > options.max_prior_deviation)
-    estimate.slip_conflict = SlipConflict{car.side_slip, car.side_slip_sigma, answer.side_slip};
+    estimate.slip_conflict = SlipConflict{car.side_slip, car.side_slip_sigma, drive.side_slip};
 }
 
 // Whether the turns are consistent with each other if a given camera height is not used.
@@ -316,14 +112,14 @@ bool AgreeWithoutHeight(const ScaleProblem& problem, const std::vector<SegmentEv
                         const ScaleEstimatorOptions& options) {
   car.camera_height = car.camera_height_sigma = car.height_correlation = car.height_slip_correlation = 0;
   const DriveState start = StartingState(car, DirectionShownByTurns(gathered, options.evidence));
-  const Selection selection = SelectTurns(gathered, car, start, options.evidence);
+  const TurnSelection selection = SelectTurns(gathered, car, start, options.evidence);
   if (selection.log_scales.empty()) return false;
-  const Answer answer = SmoothDrive(problem, gathered, car, options, selection);
+  const SmoothedDrive drive = SmoothDrive(problem, gathered, car, options.huber, selection);
   ScaleEstimate estimate;
-  estimate.smoothed = answer.smoothed.segments;
-  estimate.turns = DescribeTurns(answer.smoothing.problem(), StateAsGiven(car, answer.smoothed, options));
-  CompareTurns(answer, car, options.test, estimate);
-  return answer.smoothing.converged() && !estimate.test.contradicted;
+  estimate.smoothed = drive.smoothed.segments;
+  estimate.turns = DescribeTurns(drive.problem, StateAsGiven(car, drive.smoothed, options));
+  CompareTurns(drive, car, options.test, estimate);
+  return drive.converged && !estimate.test.contradicted;
 }
 
 // The smoothed scale at each turn.
@@ -362,14 +158,14 @@ bool AllSwingInward(const std::vector<SegmentEvidence>& evidence, const DriveSta
 ScaleEstimateResult WithoutAStart(const ScaleProblem& problem, const std::vector<SegmentEvidence>& gathered,
                                   const CarPrior& car, const ScaleEstimatorOptions& options) {
   ScaleEstimateResult result;
-  result.turns = DescribeTurns(problem, PriorState(car, 0));
+  result.turns = DescribeTurns(problem, PriorBelief(car, 0).mean);
   if (!car.knows_lever_arm()) {
     result.reason = "too few steps show the height above the road";
     return result;
   }
   if (result.turns.empty()) {
     result.reason = "no turn; ";
-  } else if (AllSwingInward(gathered, PriorState(car, 0))) {
+  } else if (AllSwingInward(gathered, PriorBelief(car, 0).mean)) {
     result.reason =
         "in all turns the camera swings to the inside: they are too fast, or the camera is not ahead of the rear axle, "
         "looking forward, as the lever arm says; ";
@@ -379,14 +175,6 @@ ScaleEstimateResult WithoutAStart(const ScaleProblem& problem, const std::vector
   }
   result.reason += Remedy(car, options, gathered);
   return result;
-}
-
-void LeaveOutTurns(const std::string& reason, std::vector<TurnEstimate>& turns) {
-  for (TurnEstimate& turn : turns) {
-    if (!turn.used) continue;
-    turn.used = false;
-    turn.reason = reason;
-  }
 }
 
 // Metres are not claimed where even the best of the scale is as uncertain as that.
@@ -403,17 +191,17 @@ ScaleEstimateResult TooUncertain(double sigma, std::vector<TurnEstimate> turns, 
 
 // Straights and pairs of turns show another yaw than the prior expects, or the turns by themselves another than all
 // else.
-bool YawIsContradicted(const Answer& answer, const CarPrior& car, const ScaleEstimatorOptions& options) {
+bool YawIsContradicted(const SmoothedDrive& drive, const CarPrior& car, const ScaleEstimatorOptions& options) {
   if (car.yaw_sigma >= options.contradicted_yaw_sigma) return false;
-  if (ContradictsYaw(answer.car, car.yaw_sigma, options.max_yaw_deviation)) return true;
-  const ScaleProblem& problem = answer.smoothing.problem();
+  if (ContradictsYaw(drive.car, car.yaw_sigma, options.max_yaw_deviation)) return true;
+  const ScaleProblem& problem = drive.problem;
   std::vector<WeightedDirection> directions;
   for (std::size_t i = 0; i < problem.evidence.size(); ++i) {
-    const DriveState& state = answer.smoothed.segments[i].mean;
+    const DriveState& state = drive.smoothed.segments[i].mean;
     if (const auto direction = LinearizeDirectionInTurn(problem.evidence[i], state, problem.options))
       directions.push_back({*direction, problem.evidence[i].weights[kDirectionInTurn]});
   }
-  return TurnsContradictYaw(directions, answer.smoothed.segments.back(), problem.options.direction_in_turn_sigma,
+  return TurnsContradictYaw(directions, drive.smoothed.segments.back(), problem.options.direction_in_turn_sigma,
                             options.max_turn_yaw_deviation);
 }
 
@@ -438,25 +226,26 @@ ScaleEstimateResult EstimateWithFreeYaw(const std::vector<VehicleStep>& steps, c
 }
 
 // The smoothed scale and the turns, before they are tested.
-ScaleEstimate EstimateOf(const Answer& answer, const CarPrior& car, const ScaleEstimatorOptions& options) {
-  const ScaleProblem& problem = answer.smoothing.problem();
+ScaleEstimate EstimateOf(const SmoothedDrive& drive, const CarPrior& car, const ScaleEstimatorOptions& options) {
+  const ScaleProblem& problem = drive.problem;
   ScaleEstimate estimate;
   estimate.segments = problem.segments;
-  estimate.smoothed = answer.smoothed.segments;
-  estimate.length_sigma = LengthSigma(answer.smoothed, problem.segments);
-  estimate.converged = answer.smoothing.converged();
-  estimate.turns = DescribeTurns(problem, StateAsGiven(car, answer.smoothed, options));
+  estimate.smoothed = drive.smoothed.segments;
+  estimate.length_sigma = LengthSigma(drive.smoothed, problem.segments);
+  estimate.converged = drive.converged;
+  estimate.turns = DescribeTurns(problem, StateAsGiven(car, drive.smoothed, options));
   return estimate;
 }
 
 // Sigma covers the scatter of the turns, and the car is described with it.
-void InflateAndDescribe(const Answer& answer, const CarPrior& car, double max_height_sigma, ScaleEstimate& estimate) {
+void InflateAndDescribe(const SmoothedDrive& drive, const CarPrior& car, double max_height_sigma,
+                        ScaleEstimate& estimate) {
   const double inflation = estimate.test.inflation;
   for (ScaleBelief& belief : estimate.smoothed) belief.covariance *= inflation * inflation;
   estimate.length_sigma *= inflation;
-  const bool slip_at_bound = car.side_slip_sigma > 0 && answer.side_slip < 0;
+  const bool slip_at_bound = car.side_slip_sigma > 0 && drive.side_slip < 0;
   estimate.car = DescribeCar(estimate.smoothed.back(), car, slip_at_bound, max_height_sigma);
-  estimate.car_evidence = {CarBeliefOf(PriorBelief(car, 0)), CarBeliefOf(answer.car), inflation};
+  estimate.car_evidence = {CarBeliefOf(PriorBelief(car, 0)), CarBeliefOf(drive.car), inflation};
 }
 
 }  // namespace
@@ -486,7 +275,7 @@ ScaleEstimateResult EstimateScale(const std::vector<VehicleStep>& steps, const C
   problem.drift = options.drift;
   const std::vector<SegmentEvidence> gathered = GatherEvidence(steps, problem.segments, options.evidence);
   const DirectionOfTurns of_turns = DirectionShownByTurns(gathered, options.evidence);
-  const Selection selection = SelectTurns(gathered, car, StartingState(car, of_turns), options.evidence);
+  const TurnSelection selection = SelectTurns(gathered, car, StartingState(car, of_turns), options.evidence);
   problem.evidence = selection.evidence;
   if (!StartingLogScale(selection, car)) {
     const bool may_be_freed = car.knows_lever_arm() && car.yaw_sigma < options.contradicted_yaw_sigma;
@@ -495,20 +284,20 @@ ScaleEstimateResult EstimateScale(const std::vector<VehicleStep>& steps, const C
       return EstimateWithFreeYaw(steps, car, options);
     return WithoutAStart(problem, gathered, car, options);
   }
-  const Answer answer = SmoothDrive(problem, gathered, car, options, selection);
-  if (YawIsContradicted(answer, car, options)) return EstimateWithFreeYaw(steps, car, options);
+  const SmoothedDrive drive = SmoothDrive(problem, gathered, car, options.huber, selection);
+  if (YawIsContradicted(drive, car, options)) return EstimateWithFreeYaw(steps, car, options);
 
-  ScaleEstimate estimate = EstimateOf(answer, car, options);
+  ScaleEstimate estimate = EstimateOf(drive, car, options);
   const auto best = std::ranges::min_element(estimate.smoothed, {}, [](const ScaleBelief& b) { return b.sigma(); });
   if (!(best->sigma() <= options.max_sigma))
     return TooUncertain(best->sigma(), std::move(estimate.turns), car, options, gathered);
   ScaleEstimateResult result;
   result.turns = estimate.turns;
   // The turns are tested against the estimate as it is; only then is it widened.
-  CompareTurns(answer, car, options.test, estimate);
-  InflateAndDescribe(answer, car, options.max_sigma, estimate);
+  CompareTurns(drive, car, options.test, estimate);
+  InflateAndDescribe(drive, car, options.max_sigma, estimate);
   // With c unbounded: a wrong height may be what makes it negative.
-  estimate.height_conflict = CompareHeight(answer.car, car, options.max_height_deviation);
+  estimate.height_conflict = CompareHeight(drive.car, car, options.max_height_deviation);
   if (estimate.height_conflict) {
     WidenForConflict(*estimate.height_conflict, estimate);
     estimate.height_conflict->contradicts_turns =
@@ -518,8 +307,8 @@ ScaleEstimateResult EstimateScale(const std::vector<VehicleStep>& steps, const C
     estimate.fell_back = FollowTurns(options.max_sigma_ratio, estimate);
   // What the unusual slip explains may be something else.
   if (estimate.slip_conflict && !estimate.fell_back) Widen(estimate.test.disagreement, estimate);
-  estimate.from_road = estimate.fell_back ? std::vector<char>(estimate.segments.size(), 0)
-                                          : FromRoad(answer.smoothing.problem(), estimate.car);
+  estimate.from_road =
+      estimate.fell_back ? std::vector<char>(estimate.segments.size(), 0) : FromRoad(drive.problem, estimate.car);
   DescribeScaleAtTurns(estimate);
   result.estimate = std::move(estimate);
   return result;

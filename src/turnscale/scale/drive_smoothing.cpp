@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/scale/drive_smoothing.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "turnscale/base/robust_weights.h"
+
+namespace turnscale {
+namespace {
+
+constexpr int kMostIterations = 40;
+constexpr int kMostSelections = 3;
+constexpr double kConverged = 1e-6;       // change of a log-scale in an iteration
+constexpr double kMaxLogScaleStep = 0.3;  // of a Gauss-Newton step
+
+// Moves the linearisation of each segment to its estimate. Returns the largest change of a log-scale.
+double Relinearize(const SmoothedScale& smoothed, std::vector<DriveState>& at) {
+  double change = 0;
+  for (std::size_t i = 0; i < at.size(); ++i) {
+    const double before = at[i][kLogScale];
+    at[i] = smoothed.segments[i].mean;
+    at[i][kLogScale] = std::clamp(at[i][kLogScale], before - kMaxLogScaleStep, before + kMaxLogScaleStep);
+    change = std::max(change, std::abs(at[i][kLogScale] - before));
+  }
+  return change;
+}
+
+void Reweigh(const std::vector<DriveState>& at, double huber, ScaleProblem& problem) {
+  for (std::size_t i = 0; i < at.size(); ++i) {
+    SegmentEvidence& evidence = problem.evidence[i];
+    for (const auto& [kind, measurement] : MeasurementsOf(evidence, at[i], problem.options))
+      evidence.weights[kind] = HuberWeight(measurement.innovation / std::sqrt(measurement.variance), huber);
+  }
+}
+
+// With c unbounded.
+SmoothedDrive SmoothUnbounded(ScaleProblem problem, double huber) {
+  SmoothedDrive drive;
+  drive.problem = std::move(problem);
+  std::vector<DriveState> at(drive.problem.segments.size(), drive.problem.prior.mean);
+  for (int i = 0; i < kMostIterations && !drive.converged; ++i) {
+    drive.smoothed = SmoothScale(drive.problem, at);
+    drive.converged = Relinearize(drive.smoothed, at) < kConverged;
+    Reweigh(at, huber, drive.problem);
+  }
+  drive.car = drive.smoothed.segments.back();
+  drive.side_slip = drive.car.mean[kSlip];
+  return drive;
+}
+
+// The prior at c = 0: a height whose error correlates with that of c moves with it.
+ScaleBelief WithoutSlip(const ScaleBelief& prior) {
+  constexpr double kVariance = 1e-18;  // a covariance has to stay regular
+  ScaleBelief held = Updated(prior, {-prior.mean[kSlip], kVariance, DriveRow::Unit(kSlip)}, 1, prior.mean);
+  held.mean[kSlip] = 0;
+  held.covariance.row(kSlip).setZero();
+  held.covariance.col(kSlip).setZero();
+  held.covariance(kSlip, kSlip) = kVariance;
+  return held;
+}
+
+SmoothedDrive SmoothBounded(ScaleProblem problem, const CarPrior& car, double huber) {
+  const SmoothedDrive unbounded = SmoothUnbounded(problem, huber);
+  if (car.side_slip_sigma == 0 || unbounded.side_slip >= 0) return unbounded;
+  // Tyres do not slip inwards: at the bound, the estimate is the one without slip. The covariance stays that of the
+  // unbounded fit.
+  problem.prior = WithoutSlip(problem.prior);
+  SmoothedDrive drive = SmoothUnbounded(std::move(problem), huber);
+  drive.car = unbounded.car;
+  drive.side_slip = unbounded.side_slip;
+  drive.smoothed.gains = unbounded.smoothed.gains;
+  for (std::size_t i = 0; i < drive.smoothed.segments.size(); ++i)
+    drive.smoothed.segments[i].covariance = unbounded.smoothed.segments[i].covariance;
+  return drive;
+}
+
+bool SameTurns(const std::vector<SegmentEvidence>& a, const std::vector<SegmentEvidence>& b) {
+  return std::ranges::equal(
+      a, b, {}, [](const SegmentEvidence& segment) { return segment.turn.has_value(); },
+      [](const SegmentEvidence& segment) { return segment.turn.has_value(); });
+}
+
+}  // namespace
+
+SmoothedDrive SmoothDrive(ScaleProblem problem, const std::vector<SegmentEvidence>& gathered, const CarPrior& car,
+                          double huber, TurnSelection selection) {
+  SmoothedDrive drive;
+  for (int i = 0; i <= kMostSelections; ++i) {
+    problem.evidence = selection.evidence;
+    problem.prior = PriorBelief(car, *StartingLogScale(selection, car));
+    drive = SmoothBounded(problem, car, huber);
+    selection = SelectTurns(gathered, car, drive.smoothed.segments.back().mean, problem.options);
+    if (!StartingLogScale(selection, car) || SameTurns(selection.evidence, problem.evidence)) break;
+  }
+  return drive;
+}
+
+}  // namespace turnscale

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <limits>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "turnscale/scale/scale_evidence.h"
+
+namespace turnscale {
+
+/// The direction of travel that the turns of a drive show by themselves, rad, slip aside.
+struct DirectionOfTurns {
+  double mean = 0;
+  double variance = std::numeric_limits<double>::infinity();  ///< of the mean; infinite if no turn shows one
+};
+
+DirectionOfTurns DirectionShownByTurns(const std::vector<SegmentEvidence>& gathered, const EvidenceOptions& options);
+
+/// The state with which turns are selected first: the prior's constants, and a direction of travel that `turns` show as
+/// well, since a wrong camera rotation makes turns seem unusable.
+DriveState StartingState(const CarPrior& car, const DirectionOfTurns& turns);
+
+/// The evidence of a drive without the turns in which the lever arm is not observable.
+struct TurnSelection {
+  std::vector<SegmentEvidence> evidence;  ///< `turn` is empty, and `reason` says why, where a turn is left out
+  /// Of the turns that are left: single-turn log-scale and absolute angle (rad).
+  std::vector<std::pair<double, double>> log_scales;
+};
+
+TurnSelection SelectTurns(const std::vector<SegmentEvidence>& gathered, const CarPrior& car, const DriveState& state,
+                          const EvidenceOptions& options);
+
+/// Initial value of the log-scale: the median of the single-turn scales, or of the scales that a known height gives on
+/// the road. Empty where there is neither.
+std::optional<double> StartingLogScale(const TurnSelection& selection, const CarPrior& car);
+
+}  // namespace turnscale
