@@ -88,6 +88,29 @@ TEST(OdometrySelfCalibration, TheSecondReadingBeginsWithTheDriveToo) {
   EXPECT_FALSE(begins[1]);
 }
 
+TEST(OdometrySelfCalibration, LaterReadingsEndAfterTheTurns) {
+  // The car stands still for ten seconds after its only turn.
+  StreetDrive drive = PlainStreetDrive(kStreetFirstTurn + kStreetTurnFrames + 5);
+  for (int frame = 0; frame < 100; ++frame) {
+    drive.images.push_back(drive.images.back());
+    drive.times.push_back(drive.times.back() + kStreetInterval);
+  }
+  const OpenDrive images = ImagesOf(drive);
+  std::vector<double> ends;
+  const OpenDrive noted = [&](std::optional<double> from) -> ImageStream {
+    ends.push_back(0);
+    return [&ends, stream = images(from)] {
+      const std::optional<TimedImage> image = stream();
+      if (image) ends.back() = image->time;
+      return image;
+    };
+  };
+  ASSERT_TRUE(CalibrateFromDrive(StreetOptions(), {CameraOfView(70, drive.camera.width, drive.camera.height)}, noted));
+  ASSERT_GT(ends.size(), 2U);
+  EXPECT_EQ(ends[1], drive.times.back());
+  for (size_t pass = 2; pass < ends.size(); ++pass) EXPECT_LT(ends[pass], drive.times.back() - 5) << pass;
+}
+
 TEST(OdometrySelfCalibration, AStraightDoesNotTell) {
   const StreetDrive drive = PlainStreetDrive(kStreetFirstTurn);
   EXPECT_FALSE(Found(drive, 70));

@@ -17,7 +17,7 @@ namespace {
 constexpr std::array<double, 2> kOtherViews = {100.0, 50.0};
 // Share of the frames: failure has another cause.
 constexpr double kTracksWell = 0.9;
-// Before the first window, for a map to build up.
+// Before the first window, for a map to build up, and after the last one, which another lens may move.
 constexpr double kLeadSeconds = 3.0;
 constexpr double kLooseAtFirst = 4.0;
 constexpr double kTightening = 0.6;
@@ -33,6 +33,7 @@ struct Reading {
   int windows = 0;
   double begin = 0;       ///< time of the first image, seconds
   double first_time = 0;  ///< of the first window, seconds
+  double last_time = 0;   ///< end of the last window, seconds
   int frames = 0;
   int tracked = 0;
 };
@@ -66,15 +67,16 @@ CalibrationCheckOptions CheckForReading(const OdometryOptions& options, int pass
   return check;
 }
 
-// Runs the odometry with `camera` until `check` has read its windows.
+// Runs the odometry with `camera` until `check` has read its windows, or up to a time, seconds.
 Reading ReadTurns(const OdometryOptions& options, const CameraModel& camera, CalibrationCheck check,
-                  const ImageStream& next, const cv::Mat& mask) {
+                  const ImageStream& next, double until, const cv::Mat& mask) {
   Odometry odometry(options, camera);
   if (!mask.empty()) odometry.SetMask(mask);
   Reading reading;
   size_t keyframes = 0;
   double latest = -HUGE_VAL;
   while (const std::optional<TimedImage> image = next()) {
+    if (image->time > until) break;
     if (image->gray.empty() || image->time - latest < options.self_calibration.min_interval) continue;
     latest = image->time;
     const FrameResult result = odometry.Process(image->gray, image->time);
@@ -87,6 +89,7 @@ Reading ReadTurns(const OdometryOptions& options, const CameraModel& camera, Cal
       reading.first_time = map.keyframes[std::max<size_t>(keyframes, options.calibration_check.window) -
                                          options.calibration_check.window]
                                .time;
+    reading.last_time = map.keyframes.back().time;
     if (check.IsComplete()) break;
   }
   reading.windows = check.windows();
@@ -155,17 +158,17 @@ std::optional<FoundCamera> CalibrateFromDrive(const OdometryOptions& options, co
   // Each pass estimates a change of the previous pass's camera, since the series is close to any lens only where the
   // change is small. The prior of the pinhole stays at the start; that of the distortion is no change, and keeps what
   // the windows do not determine.
-  const auto read = [&](int pass, std::optional<double> from) {
+  const auto read = [&](int pass, std::optional<double> from = std::nullopt, double until = HUGE_VAL) {
     const CalibrationCheck check(CheckForReading(options, pass), ChangeBetween(camera.pinhole, expected));
-    return ReadTurns(OptionsForReading(options, pass), camera, check, open(from), mask);
+    return ReadTurns(OptionsForReading(options, pass), camera, check, open(from), until, mask);
   };
-  Reading reading = read(0, std::nullopt);
+  Reading reading = read(0);
   for (const double view : kOtherViews) {
     if (reading.windows > 0 || !start.assumed || reading.tracked > kTracksWell * reading.frames) break;
     camera =
         CameraOfView(view, start.camera.width, start.camera.height, start.camera.pinhole.fy / start.camera.pinhole.fx);
     expected = camera.pinhole;
-    reading = read(0, std::nullopt);
+    reading = read(0);
   }
   if (reading.windows == 0) return std::nullopt;
   const double begin = reading.begin;
@@ -194,10 +197,10 @@ std::optional<FoundCamera> CalibrateFromDrive(const OdometryOptions& options, co
     found.converged = settled || (is_last && pass > 1 && step_sigmas < 1);
     if (is_last) return found;
     camera = *next;
-    // With the camera as assumed, an earlier turn may have gone unnoticed.
-    const auto from =
-        pass == 1 ? std::nullopt : std::optional(std::max(0.0, reading.first_time - begin - kLeadSeconds));
-    const Reading again = read(pass, from);
+    // With the camera as assumed, other turns may have gone unnoticed. Later passes read what has windows.
+    const Reading again = pass == 1 ? read(pass)
+                                    : read(pass, std::max(0.0, reading.first_time - begin - kLeadSeconds),
+                                           reading.last_time + kLeadSeconds);
     // With the better camera no part of the drive turns enough to rely on.
     if (again.windows == 0) return pass > 1 ? std::optional(found) : std::nullopt;
     reading = again;
