@@ -22,7 +22,7 @@ set(TURNSCALE_PRECOMPILED
     <Eigen/Dense>
     <opencv2/core.hpp>
     <yaml-cpp/yaml.h>
-    ${CMAKE_CURRENT_LIST_DIR}/common_expressions.h)
+    <common_expressions.h>)
 set(TURNSCALE_PRECOMPILED_LINKS Eigen3::Eigen OpenCVModules::core yaml-cpp)
 if(TURNSCALE_BUILD_PROGRAM)
   list(APPEND TURNSCALE_PRECOMPILED <fmt/format.h> <nlohmann/json.hpp>)
@@ -35,6 +35,7 @@ function(turnscale_precompile target)
   file(GENERATE OUTPUT ${CMAKE_CURRENT_BINARY_DIR}/${target}.cpp CONTENT "// The sources of other targets follow.\n")
   add_library(${target} OBJECT ${CMAKE_CURRENT_BINARY_DIR}/${target}.cpp)
   target_link_libraries(${target} PRIVATE ${PCH_LINKS} turnscale_build_flags)
+  target_include_directories(${target} PRIVATE ${PROJECT_SOURCE_DIR}/cmake)
   target_precompile_headers(${target} PRIVATE ${PCH_HEADERS})
 endfunction()
 

@@ -45,10 +45,10 @@ function(turnscale_module module)
   set_property(GLOBAL APPEND PROPERTY TURNSCALE_MODULES_OF_${TURNSCALE_PART} ${target})
 endfunction()
 
-# turnscale_tests(<module> SOURCES <test files> [OPTIMIZED] [USES <extra libraries>] [LABELS <ctest labels> [SHARDS
-# <number>]]): one GoogleTest program. OPTIMIZED: for tests that compute much, or whose libraries do; of functions in
-# headers, such as Eigen's, the linker takes the test program's copy for both. Without labels these are unit tests: the
-# target unit_tests builds them. CTest runs the tests of a program in one process, or in as many as there are shards,
+# turnscale_tests(<module> [OPTIMIZED] SOURCES <test files> [USES <extra libraries>] [LABELS <ctest labels> [SHARDS
+# <number>]]): one GoogleTest program. OPTIMIZED where that saves more time in the tests than it costs to compile. It may
+# do so where only the libraries compute: the linker can take the test program's copy of a function in a header, such as
+# Eigen's, for their calls too. Without labels these are unit tests: the target unit_tests builds them. CTest runs the tests of a program in one process, or in as many as there are shards,
 # since loading the libraries takes longer than most of the tests. Shards have the longest tests: they start first, so
 # that none is left to run alone.
 function(turnscale_tests module)
@@ -58,7 +58,7 @@ function(turnscale_tests module)
   cmake_parse_arguments(TESTS "OPTIMIZED" "" "SOURCES;USES;LABELS;SHARDS" ${ARGN})
   set(target ${module}_test)
   add_executable(${target} ${TESTS_SOURCES})
-  # These compile faster than -O3, the first in half the time. The libraries that are tested keep their own level.
+  # -O0 compiles in about half the time of -O3. The libraries that are tested keep their own level.
   set(level O0)
   if(TESTS_OPTIMIZED)
     set(level O1)

@@ -17,8 +17,10 @@ namespace {
 constexpr std::array<double, 2> kOtherViews = {100.0, 50.0};
 // Share of the frames: failure has another cause.
 constexpr double kTracksWell = 0.9;
-// Before the first window, for a map to build up, and after the last one, which another lens may move.
+// Before the first window, for a map to build up.
 constexpr double kLeadSeconds = 3.0;
+// After the last window: with another lens, windows begin at other keyframes.
+constexpr double kTrailSeconds = 10.0;
 constexpr double kLooseAtFirst = 4.0;
 constexpr double kTightening = 0.6;
 // A focal length may have to change by a factor of two, in steps of a tenth.
@@ -31,9 +33,10 @@ struct Reading {
   IntrinsicsEstimate estimate;
   double radius = 0;  ///< from the principal point, up to which the windows show the lens, pixels
   int windows = 0;
-  double begin = 0;       ///< time of the first image, seconds
-  double first_time = 0;  ///< of the first window, seconds
-  double last_time = 0;   ///< end of the last window, seconds
+  double begin = 0;          ///< time of the first image, seconds
+  double first_time = 0;     ///< of the first window, seconds
+  double last_time = 0;      ///< end of the last window, seconds
+  bool is_complete = false;  ///< it has as many windows as are read at most, and ended with the last one
   int frames = 0;
   int tracked = 0;
 };
@@ -67,16 +70,16 @@ CalibrationCheckOptions CheckForReading(const OdometryOptions& options, int pass
   return check;
 }
 
-// Runs the odometry with `camera` until `check` has read its windows, or up to a time, seconds.
+// Runs the odometry with `camera` until `check` has read its windows, or up to the time `end` of an image, seconds.
 Reading ReadTurns(const OdometryOptions& options, const CameraModel& camera, CalibrationCheck check,
-                  const ImageStream& next, double until, const cv::Mat& mask) {
+                  const ImageStream& next, double end, const cv::Mat& mask) {
   Odometry odometry(options, camera);
   if (!mask.empty()) odometry.SetMask(mask);
   Reading reading;
   size_t keyframes = 0;
   double latest = -HUGE_VAL;
   while (const std::optional<TimedImage> image = next()) {
-    if (image->time > until) break;
+    if (image->time > end) break;
     if (image->gray.empty() || image->time - latest < options.self_calibration.min_interval) continue;
     latest = image->time;
     const FrameResult result = odometry.Process(image->gray, image->time);
@@ -90,7 +93,8 @@ Reading ReadTurns(const OdometryOptions& options, const CameraModel& camera, Cal
                                          options.calibration_check.window]
                                .time;
     reading.last_time = map.keyframes.back().time;
-    if (check.IsComplete()) break;
+    reading.is_complete = check.IsComplete();
+    if (reading.is_complete) break;
   }
   reading.windows = check.windows();
   reading.estimate = check.Estimate();
@@ -158,9 +162,10 @@ std::optional<FoundCamera> CalibrateFromDrive(const OdometryOptions& options, co
   // Each pass estimates a change of the previous pass's camera, since the series is close to any lens only where the
   // change is small. The prior of the pinhole stays at the start; that of the distortion is no change, and keeps what
   // the windows do not determine.
-  const auto read = [&](int pass, std::optional<double> from = std::nullopt, double until = HUGE_VAL) {
+  double end = HUGE_VAL;
+  const auto read = [&](int pass, std::optional<double> from = std::nullopt) {
     const CalibrationCheck check(CheckForReading(options, pass), ChangeBetween(camera.pinhole, expected));
-    return ReadTurns(OptionsForReading(options, pass), camera, check, open(from), until, mask);
+    return ReadTurns(OptionsForReading(options, pass), camera, check, open(from), end, mask);
   };
   Reading reading = read(0);
   for (const double view : kOtherViews) {
@@ -197,10 +202,12 @@ std::optional<FoundCamera> CalibrateFromDrive(const OdometryOptions& options, co
     found.converged = settled || (is_last && pass > 1 && step_sigmas < 1);
     if (is_last) return found;
     camera = *next;
-    // With the camera as assumed, other turns may have gone unnoticed. Later passes read what has windows.
-    const Reading again = pass == 1 ? read(pass)
-                                    : read(pass, std::max(0.0, reading.first_time - begin - kLeadSeconds),
-                                           reading.last_time + kLeadSeconds);
+    // With the camera as assumed, an earlier turn may have gone unnoticed.
+    const auto from =
+        pass == 1 ? std::nullopt : std::optional(std::max(0.0, reading.first_time - begin - kLeadSeconds));
+    const Reading again = read(pass, from);
+    // Behind its last window, the rest of the drive has none.
+    if (pass == 1 && !again.is_complete) end = again.last_time + kTrailSeconds;
     // With the better camera no part of the drive turns enough to rely on.
     if (again.windows == 0) return pass > 1 ? std::optional(found) : std::nullopt;
     reading = again;

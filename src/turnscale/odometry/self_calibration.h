@@ -43,12 +43,13 @@ struct FoundCamera {
 ///
 /// The odometry runs over the images with the camera as assumed; windows of keyframes in turns show how it differs
 /// from the true one (CalibrationCheck); the images are read again with the new camera, at least four times, until it
-/// changes little. From the third pass on, only the part of the drive that has windows is read. Where the windows show
-/// nothing of the lens, towards the corners, its model extrapolates (FitLens). `start` needs image size and focal
-/// length only: half or twice the true one is near enough; where it is assumed rather than given, other fields of view
-/// are tried if the odometry fails with it. Both focal lengths are changed by the same factor. Pixels that are 0 in
-/// `mask` (8 bit, of the images' size) are left out, unless it is empty. Nothing where no window turns enough: the
-/// focal length does not matter to the images of a straight.
+/// changes little. The first two passes with a starting camera read the drive from its beginning, and where it has few
+/// windows to its end; later ones only the part that has windows. Where the windows show nothing of the lens, towards
+/// the corners, its model extrapolates (FitLens). `start` needs image size and focal length only: half or twice the
+/// true one is near enough; where it is assumed rather than given, other fields of view are tried if the odometry fails
+/// with it. Both focal lengths are changed by the same factor. Pixels that are 0 in `mask` (8 bit, of the images' size)
+/// are left out, unless it is empty. Nothing where no window turns enough: the focal length does not matter to the
+/// images of a straight.
 std::optional<FoundCamera> CalibrateFromDrive(const OdometryOptions& options, const StartCamera& start,
                                               const OpenDrive& open, const cv::Mat& mask = {});
 

@@ -11,7 +11,7 @@ namespace turnscale {
 namespace {
 
 constexpr int kMostIterations = 40;
-constexpr int kMostSelections = 3;
+constexpr int kMostSelections = 4;
 constexpr double kConverged = 1e-6;       // change of a log-scale in an iteration
 constexpr double kMaxLogScaleStep = 0.3;  // of a Gauss-Newton step
 
@@ -35,8 +35,7 @@ void Reweigh(const std::vector<DriveState>& at, double huber, ScaleProblem& prob
   }
 }
 
-// With c unbounded.
-SmoothedDrive SmoothUnbounded(ScaleProblem problem, double huber) {
+SmoothedDrive SmoothUntilConverged(ScaleProblem problem, double huber) {
   SmoothedDrive drive;
   drive.problem = std::move(problem);
   std::vector<DriveState> at(drive.problem.segments.size(), drive.problem.prior.mean);
@@ -62,12 +61,12 @@ ScaleBelief WithoutSlip(const ScaleBelief& prior) {
 }
 
 SmoothedDrive SmoothBounded(ScaleProblem problem, const CarPrior& car, double huber) {
-  const SmoothedDrive unbounded = SmoothUnbounded(problem, huber);
+  SmoothedDrive unbounded = SmoothUntilConverged(problem, huber);
   if (car.side_slip_sigma == 0 || unbounded.side_slip >= 0) return unbounded;
   // Tyres do not slip inwards: at the bound, the estimate is the one without slip. The covariance stays that of the
   // unbounded fit.
   problem.prior = WithoutSlip(problem.prior);
-  SmoothedDrive drive = SmoothUnbounded(std::move(problem), huber);
+  SmoothedDrive drive = SmoothUntilConverged(std::move(problem), huber);
   drive.car = unbounded.car;
   drive.side_slip = unbounded.side_slip;
   drive.smoothed.gains = unbounded.smoothed.gains;
@@ -87,7 +86,7 @@ bool SameTurns(const std::vector<SegmentEvidence>& a, const std::vector<SegmentE
 SmoothedDrive SmoothDrive(ScaleProblem problem, const std::vector<SegmentEvidence>& gathered, const CarPrior& car,
                           double huber, TurnSelection selection) {
   SmoothedDrive drive;
-  for (int i = 0; i <= kMostSelections; ++i) {
+  for (int i = 0; i < kMostSelections; ++i) {
     problem.evidence = selection.evidence;
     problem.prior = PriorBelief(car, *StartingLogScale(selection, car));
     drive = SmoothBounded(problem, car, huber);

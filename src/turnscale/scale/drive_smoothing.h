@@ -12,16 +12,16 @@ namespace turnscale {
 /// The smoothed scale of a drive, before its turns are tested.
 struct SmoothedDrive {
   ScaleProblem problem;    ///< that was solved: with robust weights, without the turns that are left out
-  SmoothedScale smoothed;  ///< c at least 0
-  double side_slip = 0;    ///< unbounded estimate of c, s^2/m; may be negative
-  ScaleBelief car;         ///< at the end of the drive, with that estimate
+  SmoothedScale smoothed;  ///< with c at least 0; covariances and gains are those of the unbounded fit
+  double side_slip = 0;    ///< c of the unbounded fit, s^2/m; may be negative
+  ScaleBelief car;         ///< at the end of the drive, of the unbounded fit
   bool converged = false;
 };
 
 /// Maximum a posteriori estimate with robust weights: Gauss-Newton by repeated smoothing (SmoothScale). Which turns are
 /// usable depends on the direction of travel and the slip, so the turns are selected again with the estimate.
 ///
-/// `problem`: segments and options; evidence and prior are set here. `gathered`: the evidence of all segments.
+/// `problem`: segments, options and drift; evidence and prior are set here. `gathered`: the evidence of all segments.
 /// `selection`: the turns to begin with; StartingLogScale must not be empty. `huber`: ScaleEstimatorOptions::huber.
 SmoothedDrive SmoothDrive(ScaleProblem problem, const std::vector<SegmentEvidence>& gathered, const CarPrior& car,
                           double huber, TurnSelection selection);

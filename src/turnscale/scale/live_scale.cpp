@@ -163,7 +163,7 @@ std::optional<ScaleBelief> LiveScale::WithTurn(const ScaleBelief& belief, std::s
     const DriveState at = updated.mean;
     updated = start;
     for (const auto& [kind, measurement] : MeasurementsOf(evidence, at, options_.evidence)) {
-      // The prediction may be wrong as well as the turn, but not the prior of the scale, which is nearly flat.
+      // The first turn sets the scale: no prediction of it is there yet, against which to weigh the turn.
       const bool sets_scale = !started_ && kind == kTurnOrStraight;
       const double deviation = std::sqrt(NormalizedInnovation(start, measurement, 1, at));
       updated = Updated(updated, measurement, sets_scale ? 1.0 : HuberWeight(deviation, options_.huber), at);

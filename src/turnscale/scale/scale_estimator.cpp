@@ -111,7 +111,7 @@ void CompareTurns(const SmoothedDrive& drive, const CarPrior& car, const TurnTes
 bool AgreeWithoutHeight(const ScaleProblem& problem, const std::vector<SegmentEvidence>& gathered, CarPrior car,
                         const ScaleEstimatorOptions& options) {
   car.camera_height = car.camera_height_sigma = car.height_correlation = car.height_slip_correlation = 0;
-  const DriveState start = StartingState(car, DirectionShownByTurns(gathered, options.evidence));
+  const DriveState start = StartingState(car, MeanDirectionOfTurns(gathered, options.evidence));
   const TurnSelection selection = SelectTurns(gathered, car, start, options.evidence);
   if (selection.log_scales.empty()) return false;
   const SmoothedDrive drive = SmoothDrive(problem, gathered, car, options.huber, selection);
@@ -274,7 +274,7 @@ ScaleEstimateResult EstimateScale(const std::vector<VehicleStep>& steps, const C
   problem.options = options.evidence;
   problem.drift = options.drift;
   const std::vector<SegmentEvidence> gathered = GatherEvidence(steps, problem.segments, options.evidence);
-  const DirectionOfTurns of_turns = DirectionShownByTurns(gathered, options.evidence);
+  const MeanTurnDirection of_turns = MeanDirectionOfTurns(gathered, options.evidence);
   const TurnSelection selection = SelectTurns(gathered, car, StartingState(car, of_turns), options.evidence);
   problem.evidence = selection.evidence;
   if (!StartingLogScale(selection, car)) {

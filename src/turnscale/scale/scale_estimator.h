@@ -19,7 +19,7 @@ struct ScaleEstimatorOptions {
   EvidenceOptions evidence;
   DriftOptions drift;
   TurnTestOptions test;
-  /// A segment with a residual of more than this many sigmas is down-weighted (Huber).
+  /// A measurement with a residual of more than this many sigmas is down-weighted (Huber).
   double huber = 1.5;
   /// There is no estimate if the smallest relative sigma of the scale exceeds this. Nor does a height with a larger one
   /// count as known.

@@ -143,8 +143,9 @@ enum MeasurementKind {
   kMeasurementKinds
 };
 
-/// The measurements of one segment: the effective lever arm of a turn in odometry units, or the direction of travel of
-/// a straight; and the height above the road where the steps show it.
+/// The measurements of one segment: the effective lever arm of a turn in odometry units and the direction of travel
+/// that it shows by itself, or the direction of travel of a straight; and the height above the road where the steps
+/// show it.
 struct SegmentEvidence {
   bool turning = false;
   std::optional<PooledLine> turn;  ///< empty if a turn gives none, or is too fast
@@ -163,6 +164,7 @@ struct SegmentEvidence {
   /// Robust weights (Huber) by MeasurementKind, set by the estimator: below 1 where a measurement disagrees with the
   /// drive.
   std::array<double, kMeasurementKinds> weights = {1, 1, 1};
+  static_assert(kMeasurementKinds == 3);
 };
 
 /// Evidence of each segment, in order. Bends of straights are compensated with the median lever arm of the turns
@@ -205,6 +207,7 @@ std::optional<Measurement> LinearizeDirectionInTurn(const SegmentEvidence& evide
 /// mean over the way that shows the road.
 Measurement LinearizeRoad(const RoadEvidence& road, const DriveState& state, const RoadEvidenceOptions& options);
 
+/// One measurement of a segment.
 struct SegmentMeasurement {
   MeasurementKind kind = kTurnOrStraight;
   Measurement linearized;

@@ -95,6 +95,31 @@ TEST(ScaleEvidence, DerivativesOfTheDirectionInATurnAgreeWithFiniteDifferences) 
   }
 }
 
+TEST(ScaleEvidence, ListsWhatASegmentMeasuresInOrder) {
+  Random random(4);
+  const DriveState state = RandomState(random);
+  const auto kinds = [&](const SegmentEvidence& evidence) {
+    std::vector<MeasurementKind> listed;
+    for (const SegmentMeasurement& measurement : MeasurementsOf(evidence, state, {}))
+      listed.push_back(measurement.kind);
+    return listed;
+  };
+  SegmentEvidence evidence = RandomTurn(random);
+  evidence.direction_in_turn = DirectionInTurn{0.01, 0.003, 0.5};
+  evidence.road = RoadEvidence{.log_height = -2, .sigma = 0.01, .length = 3};
+  const std::vector<SegmentMeasurement> all = MeasurementsOf(evidence, state, {});
+  ASSERT_EQ(kinds(evidence), (std::vector{kRoadHeight, kDirectionInTurn, kTurnOrStraight}));
+  EXPECT_EQ(all[0].linearized.innovation, LinearizeRoad(*evidence.road, state, {}).innovation);
+  EXPECT_EQ(all[1].linearized.innovation, LinearizeDirectionInTurn(evidence, state, {})->innovation);
+  EXPECT_EQ(all[2].linearized.innovation, Linearize(evidence, state, {})->innovation);
+  // Too fast.
+  evidence.turn.reset();
+  EXPECT_EQ(kinds(evidence), (std::vector{kRoadHeight, kDirectionInTurn}));
+  SegmentEvidence straight;
+  straight.direction_sigma = 0.01;
+  EXPECT_EQ(kinds(straight), (std::vector{kTurnOrStraight}));
+}
+
 TEST(ScaleEvidence, ATurnOfTheModelMeetsItsExpectation) {
   for (const double side : {1.0, -1.0}) {
     for (const double direction : {0.0, 0.01, -0.01}) {

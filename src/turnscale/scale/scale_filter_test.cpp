@@ -56,8 +56,9 @@ ScaleProblem RandomProblem(int segments, std::uint64_t seed = 5) {
     problem.segments.push_back(segment);
     problem.evidence.push_back(evidence);
   }
-  // One says nothing.
-  if (segments > 4) problem.evidence[3].turn.reset();
+  // Turns that show no lever arm, one of them a direction.
+  for (const int turn : {2, 3})
+    if (segments > 4) problem.evidence[turn].turn.reset();
   return problem;
 }
 

@@ -10,7 +10,7 @@
 
 namespace turnscale {
 
-DirectionOfTurns DirectionShownByTurns(const std::vector<SegmentEvidence>& gathered, const EvidenceOptions& options) {
+MeanTurnDirection MeanDirectionOfTurns(const std::vector<SegmentEvidence>& gathered, const EvidenceOptions& options) {
   double information = 0;
   double sum = 0;
   for (const SegmentEvidence& segment : gathered) {
@@ -23,7 +23,7 @@ DirectionOfTurns DirectionShownByTurns(const std::vector<SegmentEvidence>& gathe
   return {sum / information, 1 / information + options.direction_in_turn_sigma * options.direction_in_turn_sigma};
 }
 
-DriveState StartingState(const CarPrior& car, const DirectionOfTurns& turns) {
+DriveState StartingState(const CarPrior& car, const MeanTurnDirection& turns) {
   DriveState state = PriorBelief(car, 0).mean;
   const double prior = car.yaw_sigma * car.yaw_sigma;
   if (std::isfinite(turns.variance))

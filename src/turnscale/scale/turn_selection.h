@@ -10,17 +10,17 @@
 
 namespace turnscale {
 
-/// The direction of travel that the turns of a drive show by themselves, rad, slip aside.
-struct DirectionOfTurns {
+/// Mean direction of travel that the turns of a drive show by themselves, rad, slip aside.
+struct MeanTurnDirection {
   double mean = 0;
   double variance = std::numeric_limits<double>::infinity();  ///< of the mean; infinite if no turn shows one
 };
 
-DirectionOfTurns DirectionShownByTurns(const std::vector<SegmentEvidence>& gathered, const EvidenceOptions& options);
+MeanTurnDirection MeanDirectionOfTurns(const std::vector<SegmentEvidence>& gathered, const EvidenceOptions& options);
 
-/// The state with which turns are selected first: the prior's constants, and a direction of travel that `turns` show as
-/// well, since a wrong camera rotation makes turns seem unusable.
-DriveState StartingState(const CarPrior& car, const DirectionOfTurns& turns);
+/// The state with which turns are selected first: the prior's constants, its direction of travel combined with that of
+/// the turns, since a wrong camera rotation makes turns seem unusable.
+DriveState StartingState(const CarPrior& car, const MeanTurnDirection& turns);
 
 /// The evidence of a drive without the turns in which the lever arm is not observable.
 struct TurnSelection {
@@ -29,6 +29,7 @@ struct TurnSelection {
   std::vector<std::pair<double, double>> log_scales;
 };
 
+/// Leaves out turns that are not usable at `state` (WhyUnusable).
 TurnSelection SelectTurns(const std::vector<SegmentEvidence>& gathered, const CarPrior& car, const DriveState& state,
                           const EvidenceOptions& options);
 
