@@ -82,7 +82,13 @@ int RunImages(const RunArguments& arguments, const LiveArguments& live_arguments
   const RunEnd end = ExecuteRun(arguments, hooks);
   if (live) live->Finish(end.written ? arguments.out / kReportFile : fs::path(), end.interrupted);
   const bool has_nothing = !end.nothing_tracked.empty() || (end.interrupted && !end.begun);
-  if (end.failures.empty() && !has_nothing && !arguments.images.quiet) PrintText(SummaryText(end.summary));
+  if (end.failures.empty() && !has_nothing) {
+    if (!arguments.images.quiet)
+      PrintText(SummaryText(end.summary));
+    else if (end.summary.has_measure() && !end.summary.is_metric())
+      PrintMessage("warning: the trajectory is up to scale" +
+                   (end.summary.pending_reason.empty() ? "" : ": " + end.summary.pending_reason));
+  }
   return ReportEnd(end);
 }
 

@@ -302,7 +302,7 @@ DriveMotion MotionFromImages(const ImageArguments& arguments, const CommandHooks
   if (estimate.found)
     motion.note = fmt::format("intrinsics estimated from the drive: focal length {} pixels",
                               FocalLengthText(estimate.found->camera));
-  if (odometry.is_upside_down()) progress.Warn(kUpsideDown);
+  if (odometry.is_upside_down()) progress.Warn(UpsideDownWarning(arguments.rotate));
   const std::vector<FrameResult> frames = odometry.RefinedFrames();
   motion.stretches = Stretches(frames);
   if (motion.stretches.empty()) attempts.RethrowFirst();

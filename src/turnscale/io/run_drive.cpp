@@ -236,7 +236,7 @@ class Run {
                        odometry_.mount().moves()};
     }
     turnscale::Summarize(results_.frames, results_.scale, summary);
-    if (odometry_.is_upside_down()) summary.warnings.emplace_back(kUpsideDown);
+    if (odometry_.is_upside_down()) summary.warnings.push_back(UpsideDownWarning(summary.rotate));
     if (tracks_) SayIfLate(summary);
     if (tracks_) SayIfPart(summary);
     if (!stale_.empty()) summary.warnings.push_back(stale_);

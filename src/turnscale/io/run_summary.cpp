@@ -196,14 +196,22 @@ std::string OtherYaw(const RunSummary& summary) {
       InDegrees(found), InDegrees(summary.mount->sigma.yaw), InDegrees(known), kCheckVehicle);
 }
 
+// How to rotate images by so many degrees more than they have been.
+std::string RotationAdvice(int rotated, int more) {
+  const int right = (rotated + more) % 360;
+  if (right == 0) return fmt::format("leave out --rotate {}", rotated);
+  return rotated == 0 ? fmt::format("rotate them (--rotate {})", right)
+                      : fmt::format("give --rotate {} rather than {}", right, rotated);
+}
+
 // Images that lie on their side; empty if they do not.
 std::string RollWarning(const RunSummary& summary) {
   constexpr double kUpright = 45;  // degrees
   if (!summary.mount || !summary.mount->found) return "";
   const double roll = InDegrees(summary.mount->angles.roll);
   if (std::abs(roll) < kUpright) return "";
-  return fmt::format("the camera leans by {:+.0f} deg: if the images lie on their side, rotate them (--rotate {})",
-                     roll, roll < 0 ? 90 : 270);
+  return fmt::format("the camera leans by {:+.0f} deg: if the images lie on their side, {}", roll,
+                     RotationAdvice(summary.rotate, roll > 0 ? 90 : 270));
 }
 
 // What the drive says of the car against what was given or is usual.
@@ -239,6 +247,12 @@ void AddWarnings(const std::vector<FrameResult>& refined, const RefinedScale& sc
 }
 
 }  // namespace
+
+std::string UpsideDownWarning(int rotated) {
+  return "the images seem to be upside down, as the road is above the camera in them: left and right are exchanged in "
+         "the path; " +
+         RotationAdvice(rotated, 180);
+}
 
 std::optional<FrameLatency> LatencyOf(const std::vector<double>& seconds) {
   if (seconds.empty()) return std::nullopt;

@@ -17,10 +17,8 @@
 
 namespace turnscale {
 
-/// Warning where the odometry finds the images upside down.
-inline constexpr const char* kUpsideDown =
-    "the images seem to be upside down, as the road is above the camera in them: left and right are exchanged in the "
-    "path; rotate them by 180 degrees (--rotate)";
+/// Warning where the odometry finds the images upside down. `rotated`: degrees clockwise, by `--rotate`.
+std::string UpsideDownWarning(int rotated);
 
 /// An image that could not be used.
 struct UnreadableFrame {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <string>
+#include <tuple>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -99,6 +100,27 @@ TEST(SummaryText, ANegativeSlipIsDoubtfulUnlessNoneWasAssumed) {
   summary.vehicle.side_slip = 0;
   EXPECT_TRUE(Says(summary, "would be negative; correction"));
   EXPECT_FALSE(Says(summary, "check lever arm"));
+}
+
+TEST(Summarize, TheAdviceToRotateImagesCountsThatTheyHaveBeenRotated) {
+  const auto says = [](int rotated, const char* advice) {
+    return UpsideDownWarning(rotated).find(advice) != std::string::npos;
+  };
+  EXPECT_TRUE(says(0, "rotate them (--rotate 180)"));
+  EXPECT_TRUE(says(90, "give --rotate 270 rather than 90"));
+  EXPECT_TRUE(says(180, "leave out --rotate 180"));
+
+  RunSummary summary;
+  summary.mount = MountSummary{.found = true};
+  for (const auto& [roll, rotated, advice] :
+       {std::tuple(90.0, 0, "--rotate 90)"), {-90.0, 0, "--rotate 270)"}, {-90.0, 90, "leave out --rotate 90"}}) {
+    summary.mount->angles.roll = roll / kDegreesPerRadian;
+    summary.rotate = rotated;
+    summary.warnings.clear();
+    Summarize({}, {}, summary);
+    ASSERT_EQ(summary.warnings.size(), 1U);
+    EXPECT_NE(summary.warnings[0].find(advice), std::string::npos) << summary.warnings[0];
+  }
 }
 
 TEST(Summarize, AContradictedCalibrationMayBeWhyTheScaleIsPending) {

@@ -27,7 +27,8 @@ constexpr int kLeastSkips = 3;
 constexpr double kLeastShare = 0.01;
 // A car that turns round stops between: a step back is no longer than those beside it.
 constexpr double kLeastJump = 3;
-// In the median over turns, each from its beginning to its end, m/s^2: tyres hold as much, but nobody drives so.
+// In the median over turns, weighted by their angles, each from its beginning to its end, m/s^2: tyres hold as much,
+// but nobody drives so.
 constexpr double kMostSideways = 6;
 // The same, where even a car that is parked turns faster.
 constexpr double kLeastSideways = 0.25;
@@ -126,14 +127,15 @@ double TimeOf(const std::vector<FrameResult>& frames, int number) {
 }
 
 std::optional<std::string> UnusualTurns(const std::vector<FrameResult>& frames, const std::vector<TurnResult>& turns) {
-  std::vector<double> sideways;
+  std::vector<std::pair<double, double>> sideways;
   for (const TurnResult& turn : turns) {
     const double seconds = TimeOf(frames, turn.last_frame) - TimeOf(frames, turn.first_frame);
-    if (turn.used && seconds > 0) sideways.push_back(turn.speed * std::abs(turn.angle) / seconds);
+    if (turn.used && seconds > 0)
+      sideways.emplace_back(turn.speed * std::abs(turn.angle) / seconds, std::abs(turn.angle));
   }
   if (sideways.empty()) return std::nullopt;
   const size_t count = sideways.size();
-  const double median = Median(std::move(sideways));
+  const double median = WeightedMedian(std::move(sideways));
   if (median > kMostSideways)
     return fmt::format(
         "the car would take its turns at {:.0f} m/s^2 sideways, which hardly any car does: check the times of the "

@@ -125,6 +125,9 @@ TEST(TimeCheck, TurnsThatAreTooFastAreReported) {
   EXPECT_TRUE(TimeWarnings(frames, {Turn(12, false)}).empty());
   EXPECT_TRUE(TimeWarnings(frames, {Turn(12), Turn(5), Turn(6)}).empty()) << "one of three";
   EXPECT_FALSE(TimeWarnings(frames, {Turn(12), Turn(5), Turn(13), Turn(4, false)}).empty());
+  TurnResult bend = Turn(12);
+  bend.angle = 0.3;
+  EXPECT_FALSE(TimeWarnings(frames, {Turn(12), bend, bend}).empty()) << "sharp turns count more";
 }
 
 TEST(TimeCheck, TurnsThatAreTooSlowAreReported) {

@@ -104,6 +104,8 @@ struct VideoFile::State {
       throw InputError(path + ": cannot be read: " + std::generic_category().message(AVUNERROR(result)));
     if (result < 0) Refuse();
     input.reset(opened);
+    // The library draws any .txt file as a picture.
+    if (std::string_view(opened->iformat->name) == "tty") Refuse();
     if (ffmpeg::avformat_find_stream_info(opened, nullptr) < 0) Refuse();
     const std::vector<AVStream*> tracks = Tracks();
     if (tracks.empty()) Refuse();

@@ -2,6 +2,7 @@
 #include "turnscale/io/video_file.h"
 
 #include <filesystem>
+#include <fstream>
 #include <string>
 #include <vector>
 
@@ -220,6 +221,9 @@ TEST_F(VideoFileTest, InterlacedVideoIsRefused) {
 TEST_F(VideoFileTest, FilesThatAreNoVideos) {
   EXPECT_NE(Complaint(folder_ / "nowhere.mp4").find("nowhere.mp4: cannot be opened as a video"), std::string::npos);
   EXPECT_NE(Complaint(folder_).find("cannot be opened as a video"), std::string::npos);
+  const std::filesystem::path text = folder_ / "calib.txt";
+  std::ofstream(text) << "P0: 707 0 602 0 0 707 183 0 0 0 1 0\n";
+  EXPECT_NE(Complaint(text).find("cannot be opened as a video"), std::string::npos);
 }
 
 TEST_F(VideoFileTest, ADamagedMiddleIsPassedOver) {

@@ -8,6 +8,7 @@
 
 #include "turnscale/base/check_part.h"
 #include "turnscale/base/error.h"
+#include "turnscale/base/number_text.h"
 #include "turnscale/scale/drive_smoothing.h"
 #include "turnscale/scale/follow_turns.h"
 #include "turnscale/scale/turn_selection.h"
@@ -134,6 +135,9 @@ void DescribeScaleAtTurns(ScaleEstimate& estimate) {
 std::string Remedy(const CarPrior& car, const ScaleEstimatorOptions& options,
                    const std::vector<SegmentEvidence>& evidence) {
   if (!car.knows_lever_arm()) return "give the lever arm, or the height of the camera more exactly";
+  if (car.lever_arm_sigma > options.max_sigma * car.lever_arm)
+    return "the lever arm, " + NumberText(car.lever_arm) + " +-" + NumberText(car.lever_arm_sigma) +
+           " m, is itself too uncertain: check it";
   const long degrees = std::lround(options.segments.turns.min_region_angle * 180 / M_PI);
   const bool road =
       std::ranges::any_of(evidence, [](const SegmentEvidence& segment) { return segment.road.has_value(); });

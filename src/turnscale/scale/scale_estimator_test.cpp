@@ -276,6 +276,7 @@ TEST(ScaleEstimator, SaysWhyThereIsNoScale) {
   const ScaleEstimateResult uncertain = EstimateScale(MakeSteps(TownRoad(3, 9), kCar, 0, kUnit).steps, vague, {});
   EXPECT_FALSE(uncertain.estimate);
   EXPECT_NE(uncertain.reason.find("uncertain by 3"), std::string::npos) << uncertain.reason;
+  EXPECT_NE(uncertain.reason.find("+-0.5 m, is itself too uncertain"), std::string::npos) << uncertain.reason;
   EXPECT_EQ(uncertain.turns.size(), 3u);
 }
 
