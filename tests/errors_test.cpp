@@ -313,8 +313,8 @@ TEST_F(ErrorsTest, ARunWithoutAPoseLeavesEarlierResultsAsTheyAre) {
 TEST_F(ErrorsTest, ExportsOfAnEarlierPathAreNamed) {
   ASSERT_EQ(Run({"--quiet"}).exit_code, 0);
   for (const char* name : {"path.gpx", "path.gltf"}) std::ofstream(Out() / name) << "exported";
-  EXPECT_EQ(Run({"--quiet"}).err,
-            "warning: " + Out().string() + ": path.gpx, path.gltf show an earlier path; run turnscale export again\n");
+  EXPECT_EQ(Run({"--quiet"}).err, "warning: " + Out().string() +
+                                      ": made from an earlier path: path.gpx, path.gltf; run turnscale export again\n");
   EXPECT_EQ(Summary()["warnings"].size(), 1u);
 }
 

@@ -309,6 +309,14 @@ TEST_F(RescaleCommandTest, WithoutTimesItWarns) {
   EXPECT_NE(result.err.find("give --fps or --timestamps"), std::string::npos);
 }
 
+TEST_F(RescaleCommandTest, NamesAJump) {
+  for (int i = 200; i < poses_; ++i) drive_.trajectory[i].world_from_camera.translation.x() += 4;
+  const CommandResult result = Run({Tum(), "--lever-arm", "1.2"});
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_NE(result.err.find("the trajectory jumps by 8"), std::string::npos) << result.err;
+  EXPECT_NE(result.err.find("m between poses 195 and 201,"), std::string::npos) << result.err;
+}
+
 TEST_F(RescaleCommandTest, ComplaintsSayWhatToDo) {
   const std::string tum = Tum();
   ExpectComplaint(Run({tum}), 2, {"--lever-arm"});

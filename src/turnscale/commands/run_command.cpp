@@ -129,7 +129,7 @@ std::string OlderExports(const fs::path& folder) {
   for (const char* name : {"path.gpx", "path.kml", "path.geojson", "path.gltf"})
     if (fs::exists(folder / name, none)) names += (names.empty() ? "" : ", ") + std::string(name);
   if (names.empty()) return {};
-  return fmt::format("{}: {} show an earlier path; run turnscale export again", folder.string(), names);
+  return fmt::format("{}: made from an earlier path: {}; run turnscale export again", folder.string(), names);
 }
 
 }  // namespace

@@ -343,6 +343,15 @@ TEST_F(ImageSourceTest, TimesMayBeOfAnyUnit) {
   EXPECT_EQ(ReadFrameTimes(Text("t.txt", "1403636580\n1403636581\n")).times[1], 1403636581);
 }
 
+TEST_F(ImageSourceTest, NamesTimesBesideTheFolder) {
+  const fs::path outer = folder_;
+  const std::string times = Text("times.txt", "0\n1\n2\n").string();
+  folder_ /= "image_0";
+  Images(folder_, 0, 3);
+  EXPECT_NE(Complaint({}).find("--fps X, such as --timestamps " + times), std::string::npos) << Complaint({});
+  folder_ = outer;
+}
+
 TEST_F(ImageSourceTest, ComplaintsAboutTimesNameTheLine) {
   Images(folder_, 0, 3);
   const auto complaint = [&](const std::string& text) {
