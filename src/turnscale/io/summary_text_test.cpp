@@ -111,7 +111,8 @@ TEST(Summarize, TheAdviceToRotateImagesCountsThatTheyHaveBeenRotated) {
   EXPECT_TRUE(says(180, "leave out --rotate 180"));
 
   RunSummary summary;
-  summary.mount = MountSummary{.found = true};
+  summary.mount = MountSummary();
+  summary.mount->found = true;
   for (const auto& [roll, rotated, advice] :
        {std::tuple(90.0, 0, "--rotate 90)"), {-90.0, 0, "--rotate 270)"}, {-90.0, 90, "leave out --rotate 90"}}) {
     summary.mount->angles.roll = roll / kDegreesPerRadian;
