@@ -16,6 +16,7 @@
 
 #include "command_line.h"
 #include "turnscale/base/csv_table.h"
+#include "turnscale/base/number_text.h"
 #include "turnscale/base/test_files.h"
 #include "turnscale/export/test_results.h"
 #include "turnscale/geometry/rotation.h"
@@ -202,6 +203,7 @@ TEST_F(ExportTest, FixesPlaceThePath) {
   EXPECT_NE(result.out.find("fixes    21 in the drive, 0 of them outliers"), std::string::npos) << result.out;
   EXPECT_NE(TextOf(Path(".gpx")), "");
   EXPECT_EQ(TextOf(Path(".gpx")).substr(0, 400), before.substr(0, 400));
+  EXPECT_EQ(result.err, "");
 }
 
 TEST_F(ExportTest, SaysWhatIsMissing) {
@@ -234,6 +236,29 @@ TEST_F(ExportTest, ViewKeepsTheTruthOfThePage) {
   EXPECT_NE(page.find("\"Path length error\",\"value\":\"+0.00 %\""), std::string::npos);
   ASSERT_EQ(RunCommand({"view", out}, folder_).exit_code, 0);
   EXPECT_EQ(TextOf(folder_ / "out" / "report.html"), page);
+}
+
+TEST_F(ExportTest, FixesOfAnotherLengthAreReported) {
+  ASSERT_EQ(ExportAll().exit_code, 0);
+  const auto json = nlohmann::json::parse(TextOf(Path(".geojson")));
+  const auto& line = json["features"][0];
+  std::ofstream fixes(folder_ / "fixes.csv");
+  fixes << "time,latitude,longitude,sigma\n";
+  const auto& origin = line["geometry"]["coordinates"][0];
+  for (size_t i = 0; i < 21; ++i) {
+    const auto& position = line["geometry"]["coordinates"][i];
+    const auto stretched = [&](int axis) {
+      return 1.5 * position[axis].get<double>() - 0.5 * origin[axis].get<double>();
+    };
+    fixes << line["properties"]["coordinateProperties"]["times"][i].get<std::string>() << ','
+          << NumberText(stretched(1)) << ',' << NumberText(stretched(0)) << ",1\n";
+  }
+  fixes.close();
+  const CommandResult result =
+      Export({"--gpx", "--fixes", (folder_ / "fixes.csv").string(), "--start-time", "2026-03-22T06:14:05Z"});
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_NE(result.err.find("fixes.csv: the path would have to be 50 % longer to fit the fixes"), std::string::npos)
+      << result.err;
 }
 
 TEST_F(ExportTest, HeightsOfFixesAreThoseOfThePath) {

@@ -74,10 +74,26 @@ std::string FixText(const FixPlacement& placed) {
       placed.heading_sigma * kDegreesPerRadian, 100 * (placed.scale - 1), 100 * placed.scale_sigma);
 }
 
-Placement PlacementFrom(const ExportArguments& arguments, const std::vector<LevelPlace>& path,
-                        std::optional<double> start_time, bool& has_height, std::string& messages) {
+// The fixes and the path have different lengths; empty where their sigmas explain it.
+std::string FixWarning(const ExportArguments& arguments, const ResultFolder& results, const FixPlacement& placed) {
+  constexpr double kMostSigmas = 3;
+  double path_sigma = 0;
+  for (const ScaleRow& row : results.scale) path_sigma = std::max(path_sigma, row.sigma);
+  if (std::abs(placed.scale - 1) <= kMostSigmas * std::hypot(placed.scale_sigma, path_sigma)) return "";
+  return fmt::format(
+      "{}: the path would have to be {:.0f} % {} to fit the fixes, more than the sigmas of both explain: check that "
+      "the "
+      "fixes are of this drive, --start-time, and the lever arm of the run",
+      arguments.fixes.string(), 100 * std::abs(placed.scale - 1), placed.scale > 1 ? "longer" : "shorter");
+}
+
+Placement PlacementFrom(const ExportArguments& arguments, const ResultFolder& results,
+                        const std::vector<LevelPlace>& path, std::optional<double> start_time, bool& has_height,
+                        std::string& messages) {
   if (!arguments.fixes.empty()) {
     const FixPlacement placed = PlaceByFixes(path, ReadGpsFixes(arguments.fixes, start_time));
+    if (const std::string warning = FixWarning(arguments, results, placed); !warning.empty())
+      PrintMessage("warning: " + warning);
     messages += FixText(placed);
     has_height = placed.has_height;
     return placed.placement;
@@ -136,7 +152,7 @@ void ExportEarth(const ExportArguments& arguments, const ResultFolder& results, 
   track.name = arguments.folder.string();
   const std::vector<LevelPlace> path = LevelPath(results, arguments.folder.string());
   track.start_time = StartTime(arguments.start_time, path.front().time);
-  const Placement placement = PlacementFrom(arguments, path, track.start_time, track.has_height, messages);
+  const Placement placement = PlacementFrom(arguments, results, path, track.start_time, track.has_height, messages);
   track.places = PlaceOnEarth(path, placement, arguments.interval);
   std::vector<LevelPlace> turns;
   for (const TurnResult& turn : results.turns) {
