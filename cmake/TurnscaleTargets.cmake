@@ -46,11 +46,11 @@ function(turnscale_module module)
 endfunction()
 
 # turnscale_tests(<module> [OPTIMIZED] SOURCES <test files> [USES <extra libraries>] [LABELS <ctest labels> [SHARDS
-# <number>]]): one GoogleTest program. OPTIMIZED where that saves more time in the tests than it costs to compile. It may
-# do so where only the libraries compute: the linker can take the test program's copy of a function in a header, such as
-# Eigen's, for their calls too. Without labels these are unit tests: the target unit_tests builds them. CTest runs the tests of a program in one process, or in as many as there are shards,
-# since loading the libraries takes longer than most of the tests. Shards have the longest tests: they start first, so
-# that none is left to run alone.
+# <number>]]): one GoogleTest program. OPTIMIZED where that saves more time in the tests than it costs to compile. It
+# may do so where only the libraries compute: the linker can take the test program's copy of a function in a header,
+# such as Eigen's, for their calls too. Without labels these are unit tests: the target unit_tests builds them. CTest
+# runs the tests of a program in one process, or in as many as there are shards, since loading the libraries takes
+# longer than most of the tests. Shards have the longest tests: they start first, so that none is left to run alone.
 function(turnscale_tests module)
   if(NOT TURNSCALE_BUILD_TESTS)
     return()

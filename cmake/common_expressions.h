@@ -3,11 +3,6 @@
 // instantiates their templates once. Nothing calls these functions.
 #pragma once
 
-#include <algorithm>
-#include <optional>
-#include <string>
-#include <vector>
-
 #include <Eigen/Dense>
 
 namespace turnscale::precompiled {

@@ -71,6 +71,23 @@ class ExportTest : public ::testing::Test {
   }
   std::string Path(const std::string& extension) const { return (folder_ / "out" / "path").string() + extension; }
 
+  // fixes.csv: without noise, from the exported path itself, stretched about its first point.
+  void WriteFixes(double stretch) const {
+    const auto json = nlohmann::json::parse(TextOf(Path(".geojson")));
+    const auto& line = json["features"][0];
+    const auto& points = line["geometry"]["coordinates"];
+    std::ofstream fixes(folder_ / "fixes.csv");
+    fixes << "time,latitude,longitude,sigma\n";
+    for (size_t i = 0; i < 21; ++i) {
+      const auto stretched = [&](int axis) {
+        const double first = points[0][axis].get<double>();
+        return NumberText(first + stretch * (points[i][axis].get<double>() - first));
+      };
+      fixes << line["properties"]["coordinateProperties"]["times"][i].get<std::string>() << ',' << stretched(1) << ','
+            << stretched(0) << ",1\n";
+    }
+  }
+
   fs::path folder_;
 };
 
@@ -183,18 +200,8 @@ TEST_F(ExportTest, GdalReadsGpxPoints) {
 }
 
 TEST_F(ExportTest, FixesPlaceThePath) {
-  // Fixes without noise, from the exported path itself.
   ASSERT_EQ(ExportAll().exit_code, 0);
-  const auto json = nlohmann::json::parse(TextOf(Path(".geojson")));
-  const auto& line = json["features"][0];
-  std::ofstream fixes(folder_ / "fixes.csv");
-  fixes << "time,latitude,longitude,sigma\n";
-  for (size_t i = 0; i < 21; ++i) {
-    const auto& position = line["geometry"]["coordinates"][i];
-    fixes << line["properties"]["coordinateProperties"]["times"][i].get<std::string>() << ',' << position[1].dump()
-          << ',' << position[0].dump() << ",1\n";
-  }
-  fixes.close();
+  WriteFixes(1);
   const std::string before = TextOf(Path(".gpx"));
   const CommandResult result =
       Export({"--gpx", "--fixes", (folder_ / "fixes.csv").string(), "--start-time", "2026-03-22T06:14:05Z"});
@@ -240,20 +247,7 @@ TEST_F(ExportTest, ViewKeepsTheTruthOfThePage) {
 
 TEST_F(ExportTest, FixesOfAnotherLengthAreReported) {
   ASSERT_EQ(ExportAll().exit_code, 0);
-  const auto json = nlohmann::json::parse(TextOf(Path(".geojson")));
-  const auto& line = json["features"][0];
-  std::ofstream fixes(folder_ / "fixes.csv");
-  fixes << "time,latitude,longitude,sigma\n";
-  const auto& origin = line["geometry"]["coordinates"][0];
-  for (size_t i = 0; i < 21; ++i) {
-    const auto& position = line["geometry"]["coordinates"][i];
-    const auto stretched = [&](int axis) {
-      return 1.5 * position[axis].get<double>() - 0.5 * origin[axis].get<double>();
-    };
-    fixes << line["properties"]["coordinateProperties"]["times"][i].get<std::string>() << ','
-          << NumberText(stretched(1)) << ',' << NumberText(stretched(0)) << ",1\n";
-  }
-  fixes.close();
+  WriteFixes(1.5);
   const CommandResult result =
       Export({"--gpx", "--fixes", (folder_ / "fixes.csv").string(), "--start-time", "2026-03-22T06:14:05Z"});
   EXPECT_EQ(result.exit_code, 0);

@@ -78,12 +78,11 @@ std::string FixText(const FixPlacement& placed) {
 std::string FixWarning(const ExportArguments& arguments, const ResultFolder& results, const FixPlacement& placed) {
   constexpr double kMostSigmas = 3;
   double path_sigma = 0;
-  for (const ScaleRow& row : results.scale) path_sigma = std::max(path_sigma, row.sigma);
+  for (const FrameResult& frame : results.frames) path_sigma = std::max(path_sigma, frame.scale_sigma);
   if (std::abs(placed.scale - 1) <= kMostSigmas * std::hypot(placed.scale_sigma, path_sigma)) return "";
   return fmt::format(
       "{}: the path would have to be {:.0f} % {} to fit the fixes, more than the sigmas of both explain: check that "
-      "the "
-      "fixes are of this drive, --start-time, and the lever arm of the run",
+      "the fixes are of this drive, --start-time, and the lever arm of the run",
       arguments.fixes.string(), 100 * std::abs(placed.scale - 1), placed.scale > 1 ? "longer" : "shorter");
 }
 

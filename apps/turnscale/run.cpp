@@ -86,8 +86,7 @@ int RunImages(const RunArguments& arguments, const LiveArguments& live_arguments
     if (!arguments.images.quiet)
       PrintText(SummaryText(end.summary));
     else if (end.summary.has_measure() && !end.summary.is_metric())
-      PrintMessage("warning: the trajectory is up to scale" +
-                   (end.summary.pending_reason.empty() ? "" : ": " + end.summary.pending_reason));
+      PrintMessage("warning: " + UpToScaleText(end.summary.pending_reason));
   }
   return ReportEnd(end);
 }

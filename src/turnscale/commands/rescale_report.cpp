@@ -175,6 +175,30 @@ PlotPanel SpeedPanel(const RescaleResult& result, const std::vector<double>& alo
   return panel;
 }
 
+// Steps that no car makes, as where tracking was lost and the poses go on elsewhere; empty if there are none.
+std::string JumpWarning(const RescaleResult& result) {
+  constexpr double kLeastMetres = 5;
+  int jumps = 0;
+  double total = 0;
+  double most = 0;
+  const VehicleStep* longest = nullptr;
+  for (const VehicleStep& step : result.steps) {
+    const double metres = step.motion.step * result.poses[step.last].metres_per_unit;
+    if (step.usable || step.after_gap || !(metres > kLeastMetres)) continue;
+    ++jumps;
+    total += metres;
+    if (metres <= most) continue;
+    most = metres;
+    longest = &step;
+  }
+  if (longest == nullptr) return "";
+  return fmt::format(
+      "the trajectory jumps by {:.0f} m between poses {} and {}{}, perhaps as tracking was lost there: jumps are in "
+      "the poses, but not in the path length; if poses before it only repeat another, leave them out",
+      most, longest->first, longest->last,
+      jumps == 1 ? "" : fmt::format(" ({} jumps of {:.0f} m in all)", jumps, total));
+}
+
 }  // namespace
 
 std::string PoseScaleTable(const RescaleResult& result) {
@@ -237,35 +261,6 @@ std::string RescaleJson(const RescaleResult& result, const std::string& input) {
                      {"camera_height_sigma_m", refined(known(car.camera_height_sigma))}};
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
-
-namespace {
-
-// Steps that no car makes, as where tracking was lost and the poses go on elsewhere; empty if there are none.
-std::string JumpWarning(const RescaleResult& result) {
-  constexpr double kLeastMetres = 5;
-  int jumps = 0;
-  double total = 0;
-  double most = 0;
-  const VehicleStep* longest = nullptr;
-  for (const VehicleStep& step : result.steps) {
-    const double metres = step.motion.step * result.poses[step.last].metres_per_unit;
-    if (step.usable || step.after_gap || !(metres > kLeastMetres)) continue;
-    ++jumps;
-    total += metres;
-    if (metres <= most) continue;
-    most = metres;
-    longest = &step;
-  }
-  if (longest == nullptr) return "";
-  return fmt::format(
-      "the trajectory jumps by {:.0f} m between poses {} and {}{}, perhaps as tracking was lost there: jumps are in "
-      "the "
-      "poses, but not in the path length; if poses before it only repeat another, leave them out",
-      most, longest->first, longest->last,
-      jumps == 1 ? "" : fmt::format(" ({} jumps of {:.0f} m in all)", jumps, total));
-}
-
-}  // namespace
 
 std::vector<std::string> RescaleWarnings(const RescaleResult& result, const CarPrior& car) {
   const auto poses_of = [&](int index) {

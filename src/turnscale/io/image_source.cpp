@@ -41,10 +41,11 @@ std::optional<std::filesystem::path> TimesFile(const DriveInput& drive, const Im
 }
 
 [[noreturn]] void RefuseWithoutTimes(const DriveInput& drive) {
-  const std::filesystem::path beside = (drive.path / ".").parent_path().parent_path() / "times.txt";
+  std::error_code none;
+  const std::filesystem::path beside = std::filesystem::canonical(drive.path, none).parent_path() / "times.txt";
   throw InputError(fmt::format(
       "{}: the times of the frames are missing; give --timestamps FILE or --fps X{}", drive.path.string(),
-      std::filesystem::is_regular_file(beside) ? fmt::format(", such as --timestamps {}", beside.string()) : ""));
+      std::filesystem::is_regular_file(beside, none) ? fmt::format(", such as --timestamps {}", beside.string()) : ""));
 }
 
 // Videos and bags that hold exactly `count` frames by their headers are believed; else they are counted.

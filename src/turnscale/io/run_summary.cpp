@@ -248,6 +248,10 @@ void AddWarnings(const std::vector<FrameResult>& refined, const RefinedScale& sc
 
 }  // namespace
 
+std::string UpToScaleText(const std::string& pending_reason) {
+  return "the trajectory is up to scale" + (pending_reason.empty() ? "" : ": " + pending_reason);
+}
+
 std::string UpsideDownWarning(int rotated) {
   return "the images seem to be upside down, as the road is above the camera in them: left and right are exchanged in "
          "the path; " +

@@ -17,6 +17,9 @@
 
 namespace turnscale {
 
+/// That the trajectory of a run with a measured length is up to scale all the same, and why.
+std::string UpToScaleText(const std::string& pending_reason);
+
 /// Warning where the odometry finds the images upside down. `rotated`: degrees clockwise, by `--rotate`.
 std::string UpsideDownWarning(int rotated);
 

@@ -148,8 +148,7 @@ std::string ScaleText(const RunSummary& summary) {
         "{}: without --lever-arm, --camera-height or --vehicle the trajectory is up to scale; turnscale rescale "
         "{} --lever-arm METRES converts it to metres",
         pending, summary.folder);
-  return pending + ", the trajectory is up to scale" +
-         (summary.pending_reason.empty() ? "" : ": " + summary.pending_reason);
+  return pending + ", " + UpToScaleText(summary.pending_reason);
 }
 
 }  // namespace

@@ -159,10 +159,10 @@ std::optional<FoundCamera> CalibrateFromDrive(const OdometryOptions& options, co
   const SelfCalibrationOptions& calibration = options.self_calibration;
   CameraModel camera = start.camera;
   Pinhole expected = camera.pinhole;
+  double end = HUGE_VAL;  // of what the passes read, time of an image
   // Each pass estimates a change of the previous pass's camera, since the series is close to any lens only where the
   // change is small. The prior of the pinhole stays at the start; that of the distortion is no change, and keeps what
   // the windows do not determine.
-  double end = HUGE_VAL;
   const auto read = [&](int pass, std::optional<double> from = std::nullopt) {
     const CalibrationCheck check(CheckForReading(options, pass), ChangeBetween(camera.pinhole, expected));
     return ReadTurns(OptionsForReading(options, pass), camera, check, open(from), end, mask);
@@ -206,7 +206,7 @@ std::optional<FoundCamera> CalibrateFromDrive(const OdometryOptions& options, co
     const auto from =
         pass == 1 ? std::nullopt : std::optional(std::max(0.0, reading.first_time - begin - kLeadSeconds));
     const Reading again = read(pass, from);
-    // Behind its last window, the rest of the drive has none.
+    // A pass that has read the drive to its end has found all windows.
     if (pass == 1 && !again.is_complete) end = again.last_time + kTrailSeconds;
     // With the better camera no part of the drive turns enough to rely on.
     if (again.windows == 0) return pass > 1 ? std::optional(found) : std::nullopt;

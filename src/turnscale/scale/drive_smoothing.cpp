@@ -45,7 +45,6 @@ SmoothedDrive SmoothUntilConverged(ScaleProblem problem, double huber) {
     Reweigh(at, huber, drive.problem);
   }
   drive.car = drive.smoothed.segments.back();
-  drive.side_slip = drive.car.mean[kSlip];
   return drive;
 }
 
@@ -62,13 +61,12 @@ ScaleBelief WithoutSlip(const ScaleBelief& prior) {
 
 SmoothedDrive SmoothBounded(ScaleProblem problem, const CarPrior& car, double huber) {
   SmoothedDrive unbounded = SmoothUntilConverged(problem, huber);
-  if (car.side_slip_sigma == 0 || unbounded.side_slip >= 0) return unbounded;
+  if (car.side_slip_sigma == 0 || unbounded.side_slip() >= 0) return unbounded;
   // Tyres do not slip inwards: at the bound, the estimate is the one without slip. The covariance stays that of the
   // unbounded fit.
   problem.prior = WithoutSlip(problem.prior);
   SmoothedDrive drive = SmoothUntilConverged(std::move(problem), huber);
   drive.car = unbounded.car;
-  drive.side_slip = unbounded.side_slip;
   drive.smoothed.gains = unbounded.smoothed.gains;
   for (std::size_t i = 0; i < drive.smoothed.segments.size(); ++i)
     drive.smoothed.segments[i].covariance = unbounded.smoothed.segments[i].covariance;

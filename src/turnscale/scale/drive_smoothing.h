@@ -13,9 +13,11 @@ namespace turnscale {
 struct SmoothedDrive {
   ScaleProblem problem;    ///< that was solved: with robust weights, without the turns that are left out
   SmoothedScale smoothed;  ///< with c at least 0; covariances and gains are those of the unbounded fit
-  double side_slip = 0;    ///< c of the unbounded fit, s^2/m; may be negative
   ScaleBelief car;         ///< at the end of the drive, of the unbounded fit
   bool converged = false;
+
+  /// c of the unbounded fit, s^2/m; may be negative.
+  double side_slip() const { return car.mean[kSlip]; }
 };
 
 /// Maximum a posteriori estimate with robust weights: Gauss-Newton by repeated smoothing (SmoothScale). Which turns are

@@ -101,11 +101,11 @@ void CompareTurns(const SmoothedDrive& drive, const CarPrior& car, const TurnTes
     input.differences.push_back(std::log(belief.metres_per_unit() / turn.as_given));
     input.weights.push_back(std::abs(turn.angle));
   }
-  if (car.side_slip_sigma > 0) input.slip_deviation = (drive.side_slip - car.side_slip) / car.side_slip_sigma;
+  if (car.side_slip_sigma > 0) input.slip_deviation = (drive.side_slip() - car.side_slip) / car.side_slip_sigma;
   estimate.test = TestTurns(input, options);
   if (estimate.test.worst_turn >= 0) estimate.test.worst_turn = tested[estimate.test.worst_turn];
   if (!estimate.test.contradicted && std::abs(input.slip_deviation) > options.max_prior_deviation)
-    estimate.slip_conflict = SlipConflict{car.side_slip, car.side_slip_sigma, drive.side_slip};
+    estimate.slip_conflict = SlipConflict{car.side_slip, car.side_slip_sigma, drive.side_slip()};
 }
 
 // Whether the turns are consistent with each other if a given camera height is not used.
@@ -247,7 +247,7 @@ void InflateAndDescribe(const SmoothedDrive& drive, const CarPrior& car, double 
   const double inflation = estimate.test.inflation;
   for (ScaleBelief& belief : estimate.smoothed) belief.covariance *= inflation * inflation;
   estimate.length_sigma *= inflation;
-  const bool slip_at_bound = car.side_slip_sigma > 0 && drive.side_slip < 0;
+  const bool slip_at_bound = car.side_slip_sigma > 0 && drive.side_slip() < 0;
   estimate.car = DescribeCar(estimate.smoothed.back(), car, slip_at_bound, max_height_sigma);
   estimate.car_evidence = {CarBeliefOf(PriorBelief(car, 0)), CarBeliefOf(drive.car), inflation};
 }
