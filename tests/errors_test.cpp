@@ -864,13 +864,13 @@ TEST_F(ErrorsTest, InterruptKeepsWhatWasComputed) {
 }
 
 TEST_F(ErrorsTest, AnInterruptBeforeTheFirstFrameSaysThatNothingIsWritten) {
+  const fs::path camera = folder_ / "camera.txt";
+  ASSERT_EQ(mkfifo(camera.c_str(), 0600), 0);
   for (const std::string command_name : {"run", "calibrate"}) {
-    fs::remove(Image(0));
-    ASSERT_EQ(mkfifo(Image(0).c_str(), 0600), 0);
     const fs::path out = folder_ / "nothing";
-    Command command({command_name, Drive().string(), "--out", out.string()}, folder_);
-    // Opens as soon as the command does, which waits for the end of the file, and ends before that.
-    const std::ofstream opened(Image(0));
+    Command command({command_name, Drive().string(), "--camera", camera.string(), "--out", out.string()}, folder_);
+    // Opens as soon as the command does, which reads until the other end is closed: not before it has ended.
+    const std::ofstream opened(camera);
     command.Signal(SIGTERM);
     const CommandResult result = command.Wait();
     EXPECT_EQ(result.exit_code, 130);
@@ -880,16 +880,18 @@ TEST_F(ErrorsTest, AnInterruptBeforeTheFirstFrameSaysThatNothingIsWritten) {
 }
 
 TEST_F(ErrorsTest, AnInterruptedEstimateOfTheCameraSaysSo) {
+  for (const int image : {11, 12}) {
+    fs::remove(Image(image));
+    ASSERT_EQ(mkfifo(Image(image).c_str(), 0600), 0);
+  }
   for (const std::string command_name : {"run", "calibrate"}) {
-    fs::remove(Image(12));
-    ASSERT_EQ(mkfifo(Image(12).c_str(), 0600), 0);
     const fs::path out = folder_ / "nothing";
     Command command({command_name, Drive().string(), "--fov", "75", "--out", out.string()}, folder_);
-    {
-      // Opens as soon as the command does, which waits there for the end of the file.
-      const std::ofstream opened(Image(12));
-      command.Signal(SIGINT);
-    }
+    // The first pipe tells that images are being read, the second holds the command there until the signal is sent.
+    { const std::ofstream opened_and_closed(Image(11)); }
+    command.Signal(SIGINT);
+    // Opened for both directions, it does not wait for a command that has ended.
+    const std::fstream opened(Image(12));
     const CommandResult result = command.Wait();
     EXPECT_EQ(result.exit_code, 130);
     EXPECT_EQ(result.err, "turnscale: interrupted while the camera was estimated; nothing is written\n");
