@@ -231,6 +231,9 @@ TEST_F(EvaluateTest, RunsThatAreUpToScaleAndRunsAsTruthAreNamed) {
   EXPECT_NE(TextOf(page).find("is up to scale (pending)"), std::string::npos);
   EXPECT_NE(TextOf(page).find(R"("unit":"units")"), std::string::npos);
   EXPECT_NE(TextOf(page).find("Metres per unit"), std::string::npos);
+  Text("estimate/summary.json", R"({"scale": {"state": "observed"}, "pose_frame": "vehicle"})");
+  const std::string of_axle = Run({"estimate", "truth/drive.tum"}).err;
+  EXPECT_NE(of_axle.find("trajectory.tum: has the poses of the rear axle"), std::string::npos) << of_axle;
   const CommandResult swapped = Run({"truth/drive.tum", "estimate"});
   EXPECT_NE(swapped.err.find("trajectory.tum: is the result of a run, not ground truth"), std::string::npos)
       << swapped.err;

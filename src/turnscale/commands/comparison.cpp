@@ -71,15 +71,16 @@ Paired PairPoses(const ComparisonFiles& arguments, TrajectoryFile& estimate, Tra
 
 constexpr std::string_view kPendingScale = "pending";
 
-// The scale in the summary of the run that a trajectory is a result of; null if it is of none.
-nlohmann::json ScaleOfRun(const fs::path& trajectory) {
+// A member of the summary of the run that a trajectory is a result of; null if it is of none.
+nlohmann::json OfRun(const fs::path& trajectory, const char* member) {
   const fs::path name = trajectory.filename();
   if (name != RunFiles::kTrajectoryTum && name != RunFiles::kTrajectoryKitti && name != RunFiles::kLiveTum) return {};
   std::ifstream file(trajectory.parent_path() / RunFiles::kSummary);
   const nlohmann::json summary = nlohmann::json::parse(file, nullptr, false);
-  const nlohmann::json::json_pointer scale("/scale");
-  return summary.contains(scale) ? summary.at(scale) : nlohmann::json();
+  return summary.is_object() && summary.contains(member) ? summary[member] : nlohmann::json();
 }
+
+nlohmann::json ScaleOfRun(const fs::path& trajectory) { return OfRun(trajectory, "scale"); }
 
 // Its state; empty if there is none.
 std::string ScaleStateOfRun(const fs::path& trajectory) {
@@ -122,6 +123,10 @@ std::vector<std::string> Warnings(const ComparisonFiles& files, const Paired& pa
   std::vector<std::string> warnings;
   if (const std::string unpaired = UnpairedWarning(paired, estimate, truth); !unpaired.empty())
     warnings.push_back(estimated + unpaired);
+  if (OfRun(files.estimate, "pose_frame") == "vehicle")
+    warnings.push_back(estimated +
+                       "has the poses of the rear axle (--frame vehicle): if the ground truth is the camera's, the "
+                       "errors include its distance from the axle");
   const std::string state = ScaleStateOfRun(files.estimate);
   if (state == kPendingScale) {
     warnings.push_back(estimated + fmt::format("is up to scale (pending): {}", kOnlyScaledErrors));

@@ -17,6 +17,7 @@ bool IsMeasured(const FrameResult& frame) { return frame.state == TrackingState:
 std::vector<MissingPart> FindMissingParts(const std::vector<FrameResult>& frames) {
   std::vector<MissingPart> parts;
   bool open = false;
+  bool begun = false;
   for (size_t i = 0; i < frames.size(); ++i) {
     const FrameResult& frame = frames[i];
     const bool after_gap = i > 0 && frame.time - frames[i - 1].time > kLeastGap;
@@ -27,10 +28,10 @@ std::vector<MissingPart> FindMissingParts(const std::vector<FrameResult>& frames
     open = open && !after_gap;
     if (lost && !open) parts.push_back({MissingReason::kLost, frame.time, frame.time, 0});
     open = lost;
+    begun = begun || IsMeasured(frame);
     if (!lost) continue;
-    MissingPart& part = parts.back();
-    ++part.frames;
-    part.reason = frame.state == TrackingState::kInitializing ? MissingReason::kNotBegun : MissingReason::kLost;
+    ++parts.back().frames;
+    parts.back().reason = begun ? MissingReason::kLost : MissingReason::kNotBegun;
   }
   return parts;
 }
@@ -50,12 +51,23 @@ double TotalSeconds(const std::vector<MissingPart>& parts) {
   return seconds;
 }
 
+std::optional<MissingPart> PartBeforeMap(const std::vector<MissingPart>& parts) {
+  if (parts.empty() || parts.front().reason != MissingReason::kNotBegun) return std::nullopt;
+  MissingPart before = parts.front();
+  for (auto part = parts.begin() + 1; part != parts.end() && part->from <= before.to; ++part) {
+    before.to = part->to;
+    before.frames += part->frames;
+  }
+  return before;
+}
+
 std::optional<MissingPart> LateBeginning(const std::vector<MissingPart>& parts, double seconds, double least_share) {
   constexpr double kShort = 2;  // s
-  if (parts.empty() || parts.front().reason != MissingReason::kNotBegun) return std::nullopt;
-  const double missing = parts.front().to - parts.front().from;
+  const std::optional<MissingPart> before = PartBeforeMap(parts);
+  if (!before) return std::nullopt;
+  const double missing = before->to - before->from;
   if (missing < kShort || missing < least_share * seconds) return std::nullopt;
-  return parts.front();
+  return before;
 }
 
 std::string NoMapBeforeText(const MissingPart& before, int frames) {

@@ -12,7 +12,7 @@ namespace turnscale {
 
 /// Why a part of the path is not measured.
 enum class MissingReason {
-  kNotBegun,     ///< before the map begins: without pose
+  kNotBegun,     ///< before the map begins
   kLost,         ///< tracking failed, or images are unreadable: poses are interpolated, or extrapolated at the end
   kNotRecorded,  ///< there are no images
 };
@@ -35,8 +35,11 @@ std::vector<MissingPart> LongestParts(const std::vector<MissingPart>& parts, siz
 /// Sum of their lengths, seconds.
 double TotalSeconds(const std::vector<MissingPart>& parts);
 
-/// The part before the map begins; nothing if it is shorter than 2 s, or than that share of a drive of so many
-/// seconds: a map needs a moment to begin.
+/// The part before the map begins, with pauses of the recording in it.
+std::optional<MissingPart> PartBeforeMap(const std::vector<MissingPart>& parts);
+
+/// The same; nothing if it is shorter than 2 s, or than that share of a drive of so many seconds: a map needs a moment
+/// to begin.
 std::optional<MissingPart> LateBeginning(const std::vector<MissingPart>& parts, double seconds, double least_share);
 
 /// One line: until when there is no map. `frames`: of the whole drive.

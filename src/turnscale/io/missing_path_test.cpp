@@ -62,6 +62,19 @@ TEST(MissingPath, APauseOfTheRecorderIsNotTakenForLostTracking) {
   EXPECT_EQ(MissingPartText(before[2]), "tracking lost from 2.3 s to 2.4 s (1 frame)");
 }
 
+TEST(MissingPath, UnreadableImagesAndPausesBeforeTheMapArePartsOfTheSameBeginning) {
+  for (const char* states : {"iiiut", "uuuut", "uiiit"}) {
+    const auto parts = FindMissingParts(Frames(states));
+    ASSERT_EQ(parts.size(), 1u) << states;
+    EXPECT_EQ(MissingPartText(parts[0]), "before initialisation from 0.0 s to 0.4 s (4 frames)") << states;
+  }
+  EXPECT_EQ(FindMissingParts(Frames("tiit"))[0].reason, MissingReason::kLost) << "a new map begins";
+  const auto before = PartBeforeMap(FindMissingParts(Frames("uii-iutbt")));
+  ASSERT_TRUE(before);
+  EXPECT_EQ(MissingPartText(*before), "before initialisation from 0.0 s to 2.5 s (5 frames)");
+  EXPECT_FALSE(PartBeforeMap(FindMissingParts(Frames("tuut"))));
+}
+
 TEST(MissingPath, ALateBeginningIsLongAndNoSmallPartOfTheDrive) {
   const auto before = [](int initializing, int tracked, double least_share) {
     const auto frames = Frames(std::string(initializing, 'i') + std::string(tracked, 't'));

@@ -197,19 +197,22 @@ class Run {
 
   // A path that begins late has few turns for that reason, and lacks what the car has driven before.
   void SayIfLate(RunSummary& summary) const {
-    const std::optional<MissingPart> before = LateBeginning(summary.missing, summary.seconds, 0);
+    const std::optional<MissingPart> before = PartBeforeMap(summary.missing);
     if (!before) return;
     constexpr double kMost = 0.5;
+    constexpr double kMuch = 0.02;
     const bool is_most = LateBeginning(summary.missing, summary.seconds, kMost).has_value();
     if (!seen_.Still()) {
       const double length = LengthBefore(*before, results_.frames);
       summary.path_sigma = std::hypot(summary.path_sigma, length / std::max(summary.distance, 1e-9));
-      // The cause of a short part is hard to tell.
-      std::string warning =
-          is_most ? LateBeginningText(*before, summary.frames, seen_) : NoMapBeforeText(*before, summary.frames);
-      if (summary.is_metric())
-        warning += fmt::format("; if the car drove there, the path lacks up to about {:.0f} m", length);
-      summary.warnings.push_back(std::move(warning));
+      if (LateBeginning(summary.missing, summary.seconds, 0) || length > kMuch * summary.distance) {
+        // The cause of a short part is hard to tell.
+        std::string warning =
+            is_most ? LateBeginningText(*before, summary.frames, seen_) : NoMapBeforeText(*before, summary.frames);
+        if (summary.is_metric())
+          warning += fmt::format("; if the car drove there, the path lacks up to about {:.0f} m", length);
+        summary.warnings.push_back(std::move(warning));
+      }
     }
     if (!summary.pending_reason.empty() && is_most)
       summary.pending_reason = fmt::format("the path begins only at {:.1f} s; {}", before->to, summary.pending_reason);

@@ -232,8 +232,8 @@ PooledLineResult PoolTurn(std::span<const VehicleStep> all_steps, const PooledLi
 
 // Least squares in which x and the roll are taken out of both sides first. The weights are its own: with a wrong
 // direction, the long steps at the ends of the turn, which show it, are the outliers of the line without it.
-std::optional<DirectionInTurn> DirectionOfTurn(std::span<const VehicleStep> all_steps,
-                                               const PooledLineOptions& options) {
+std::optional<DirectionInTurn> FitDirectionInTurn(std::span<const VehicleStep> all_steps,
+                                                  const PooledLineOptions& options) {
   const std::vector<VehicleStep> steps = Usable(all_steps);
   const auto freedom = static_cast<double>(steps.size()) - 3;
   if (!(freedom > 0)) return std::nullopt;

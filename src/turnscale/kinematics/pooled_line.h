@@ -100,7 +100,7 @@ struct DirectionInTurn {
 
 /// Fits it to the usable steps of a turn; its error is independent of that of the line. Empty where the turn does not
 /// show it: too few steps, or a curvature that hardly changes.
-std::optional<DirectionInTurn> DirectionOfTurn(std::span<const VehicleStep> steps, const PooledLineOptions& options);
+std::optional<DirectionInTurn> FitDirectionInTurn(std::span<const VehicleStep> steps, const PooledLineOptions& options);
 
 /// The scale (metres per unit) lambda that gives this lever arm: the positive root, in reverse the smaller of two, of
 ///   lambda (lever_arm - direction by_direction) + c lambda^2 mean_square_speed = L + roll_height by_roll_height.

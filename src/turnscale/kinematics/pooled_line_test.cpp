@@ -199,7 +199,7 @@ TEST(PooledLine, ShowsTheDirectionOfTravel) {
         std::vector<VehicleStep> steps = Corner(lever_arm, side);
         AddRoll(0.6, 2, steps);
         for (VehicleStep& step : steps) step.motion.theta += direction;
-        const std::optional<DirectionInTurn> shown = DirectionOfTurn(steps, {});
+        const std::optional<DirectionInTurn> shown = FitDirectionInTurn(steps, {});
         ASSERT_TRUE(shown);
         EXPECT_NEAR(shown->angle + lever_arm.side_slip * kMetresPerUnit * shown->by_slip, direction,
                     0.02 * std::abs(direction));
@@ -220,7 +220,7 @@ TEST(PooledLine, TheDirectionScattersAsItsSigmaSaysAndIndependentlyOfTheLine) {
     std::vector<VehicleStep> steps = EvenCorner(kRigid);
     AddSidewaysNoise(0.0015, seed, steps);
     const PooledLine line = LineOf(steps);
-    const std::optional<DirectionInTurn> shown = DirectionOfTurn(steps, {});
+    const std::optional<DirectionInTurn> shown = FitDirectionInTurn(steps, {});
     ASSERT_TRUE(shown);
     squares += std::pow(shown->angle, 2);
     sigma += shown->sigma;
@@ -237,7 +237,7 @@ TEST(PooledLine, ATurnOfEvenCurvatureShowsNoDirection) {
     std::mt19937 random(seed);
     std::normal_distribution<double> psi(0, 0.05 * M_PI / 180);
     for (VehicleStep& step : steps) step.motion.psi += psi(random);
-    EXPECT_FALSE(DirectionOfTurn(steps, {}));
+    EXPECT_FALSE(FitDirectionInTurn(steps, {}));
   }
 }
 
@@ -257,7 +257,7 @@ TEST(PooledLine, TheDirectionIsUncertainWhereTheCurvatureHardlyChanges) {
       steps[i].motion.theta = 0.5 * steps[i].motion.psi + std::asin(share * sideways / steps[i].motion.step);
       steps[i].motion.psi += psi(random);
     }
-    const std::optional<DirectionInTurn> shown = DirectionOfTurn(steps, {});
+    const std::optional<DirectionInTurn> shown = FitDirectionInTurn(steps, {});
     ASSERT_TRUE(shown);
     sum += shown->angle;
     sigma += shown->sigma;

@@ -144,12 +144,14 @@ DriveScale::DriveScale(const OdometryOptions& options)
       live_(PriorOf(options.vehicle, mount_.current()), options.scale.estimator) {}
 
 bool DriveScale::Add(const Map& map) {
-  turn_ended_ = false;
+  bool turn_ended = false;
   for (; keyframes_ < static_cast<int>(map.keyframes.size()); ++keyframes_)
-    turn_ended_ = Feed(map, keyframes_) || turn_ended_;
-  if (turn_ended_) unread_turn_end_ = keyframes_ - 1;
+    turn_ended = Feed(map, keyframes_) || turn_ended;
+  if (turn_ended) unread_turn_end_ = keyframes_ - 1;
+  // A keyframe behind a loss of tracking ends a turn that it is no part of.
+  used_turn_ended_ = turn_ended && live_.used_last_turn() && !map.keyframes.back().after_gap;
   UpdateLive(map, keyframes_);
-  return turn_ended_;
+  return turn_ended;
 }
 
 void DriveScale::Reread(const Map& map) {
@@ -193,7 +195,7 @@ void DriveScale::Reread(const Map& map, MountCalibration mount, int first, int e
   }
   std::optional<int> turn_end;
   if (unread_turn_end_ && *unread_turn_end_ < end) turn_end = std::exchange(unread_turn_end_, std::nullopt);
-  UpdateLive(map, first, turn_end);
+  UpdateLive(map, first, live_.used_last_turn() ? turn_end : std::nullopt);
   if (turn_end) last_turn_end_ = *turn_end;
 }
 
@@ -236,7 +238,7 @@ void DriveScale::UpdateLive(const Map& map, int first, std::optional<int> turn_e
 }
 
 ScaleState DriveScale::KnownState() const {
-  if (live_.turning() || turn_ended_) return ScaleState::kObserved;
+  if (live_.turning() || used_turn_ended_) return ScaleState::kObserved;
   return live_.on_road() ? ScaleState::kFromRoad : ScaleState::kHeld;
 }
 
@@ -280,14 +282,14 @@ RefinedScale DriveScale::Refine(const Map& map, bool follow_turns) const {
   if (!HasMetres(options_.vehicle)) {
     result.estimate.reset();
     result.reason = "no lever arm given";
-    for (TurnEstimate& turn : result.turns) {
+    for (TurnEstimate& turn : result.detected_turns) {
       turn.used = turn.followed = false;
       turn.reason = result.reason;
       turn.own = turn.own_sigma = turn.as_given = 0;
     }
   }
   const auto frame_of = [&](int keyframe) { return map.keyframes[keyframe].frame; };
-  for (const TurnEstimate& turn : result.estimate ? result.estimate->turns : result.turns) {
+  for (const TurnEstimate& turn : result.estimate ? result.estimate->turns : result.detected_turns) {
     const TurnResult& described = refined.turns.emplace_back(DescribeTurn(turn, steps, frame_of));
     for (int k = described.first_keyframe; k <= described.last_keyframe; ++k) {
       if (result.estimate && turn.used) refined.in_used_turn[k] = 1;

@@ -101,8 +101,8 @@ class DriveScale {
  private:
   /// Returns whether the keyframe ended a turn.
   bool Feed(const Map& map, int keyframe);
-  /// Live positions from keyframe `first` on, and from where the scale has changed. `turn_end`: a turn has been
-  /// re-evaluated that ended there.
+  /// Live positions from keyframe `first` on, and from where the scale has changed. `turn_end`: a used turn has
+  /// been re-evaluated that ended there.
   void UpdateLive(const Map& map, int first, std::optional<int> turn_end = {});
   /// Where the live scale comes from, once it is known.
   ScaleState KnownState() const;
@@ -129,7 +129,7 @@ class DriveScale {
   double sigma_ = std::numeric_limits<double>::infinity();
   int keyframes_ = 0;  ///< taken so far
   int last_turn_end_ = 0;
-  bool turn_ended_ = false;             ///< with the latest keyframe
+  bool used_turn_ended_ = false;        ///< with the latest keyframe
   std::optional<int> unread_turn_end_;  ///< keyframe that ended a turn which has not been re-evaluated
 };
 

@@ -516,6 +516,13 @@ TEST(DriveScale, NothingIsReadAcrossAGap) {
   EXPECT_GE(refined.sigmas.back(), 0.3) << "the gap came after the turn";
 }
 
+TEST(DriveScale, ATurnThatAGapEndsIsNotObservedBehindIt) {
+  Live live(KnownCar(), TrueDrive(kTwoCorners), 1);
+  while (live.map.keyframes.size() < kFirstCorner + 12) live.Next();
+  live.Next(2.5);
+  EXPECT_EQ(live.scale.state(), ScaleState::kHeld);
+}
+
 TEST(DriveScale, BothSidesOfAGapHaveTheirOwnScale) {
   Live live(KnownCar(), TrueDrive(kTwoCorners), kUnits, 0.001);
   const int gap = kSecondCorner - 8;

@@ -13,8 +13,8 @@ namespace {
 constexpr int kLocalIterations = 5;
 // Metres per second: before the first turn, what the lengths of straights are guessed from.
 constexpr double kUsualSpeed = 6;
-// Of ln(lambda): above this the scale comes from its prior alone.
-constexpr double kUnknownScale = 1;
+// Of ln(lambda): above this the scale comes from the priors of scale and height alone.
+constexpr double kUnknownScale = 0.5;
 
 // A guess from the usual speed; empty if the steps have no length or no duration.
 std::optional<double> UsualMetresPerUnit(std::span<const VehicleStep> steps) {
@@ -65,11 +65,10 @@ bool LiveScale::Add(const VehicleStep& step) {
   turning_ = false;
   if (const auto open = detector_.open()) {
     const int begin = open->first - (steps_ - static_cast<int>(pending_.size()));
-    TakeDirection(StepsOf(pending_, 0, begin - 1), cut_, now_);
-    if (const auto with = WithTurn(now_, StepsOf(pending_, begin, begin + open->last - open->first))) {
-      now_ = *with;
-      turning_ = true;
-    }
+    TakeDirection(StepsOf(pending_, 0, begin - 1), road_part_, now_);
+    TurnUpdate with = WithTurn(now_, StepsOf(pending_, begin, begin + open->last - open->first));
+    now_ = std::move(with.belief);
+    turning_ = with.used;
   }
   known_ = (started_ || turning_ || on_road_) && (known_ || now_.sigma() <= options_.max_sigma);
   return closed.has_value();
@@ -84,8 +83,8 @@ std::optional<ScaleBelief> LiveScale::Now() const { return known_ ? std::optiona
 
 void LiveScale::Commit(int last, End end) {
   const int first = steps_ - static_cast<int>(pending_.size());
-  const bool part = cut_ || end == End::kPartOfStraight;
-  if (last >= first || end != End::kPartOfStraight) cut_ = end == End::kPartOfStraight;
+  const bool road_part = road_part_ || (end == End::kPartOfStraight && ShowsRoad(pending_));
+  if (last >= first || end != End::kPartOfStraight) road_part_ = road_part && end == End::kPartOfStraight;
   if (last < first) return;
   const auto after = pending_.begin() + (last - first + 1);
   const std::vector<VehicleStep> steps(pending_.begin(), after);
@@ -93,22 +92,22 @@ void LiveScale::Commit(int last, End end) {
   Advance(steps, belief_);
   if (TakeRoad(steps, belief_) && KnowsHeight(belief_)) started_ = true;
   if (end != End::kTurn) {
-    TakeDirection(steps, part, belief_);
+    TakeDirection(steps, road_part, belief_);
     return;
   }
-  if (const auto with = WithTurn(belief_, steps)) {
-    belief_ = *with;
-    started_ = true;
-  }
+  TurnUpdate with = WithTurn(belief_, steps);
+  belief_ = std::move(with.belief);
+  used_last_turn_ = with.used;
+  started_ = started_ || with.used;
 }
 
 // A straight that has ended shows the direction of travel. Its bends are taken out with the lever arm in units.
-void LiveScale::TakeDirection(std::span<const VehicleStep> steps, bool part, ScaleBelief& belief) const {
+void LiveScale::TakeDirection(std::span<const VehicleStep> steps, bool road_part, ScaleBelief& belief) const {
   const std::optional<double> metres_per_unit = MetresPerUnit(steps, belief);
   if (!metres_per_unit) return;
   const double lever_arm = std::exp(belief.mean[kLogLeverArm]) / *metres_per_unit;
   SegmentEvidence evidence = EvidenceOfStraight(steps, lever_arm, options_.evidence);
-  if (part && ShowsRoad(steps)) ShareDirection(options_.evidence, evidence);
+  if (road_part) ShareDirection(options_.evidence, evidence);
   DriveState at = belief.mean;
   at[kLogScale] = std::log(*metres_per_unit);
   const auto measurement = Linearize(evidence, at, options_.evidence);
@@ -146,13 +145,17 @@ bool LiveScale::TakeRoad(std::span<const VehicleStep> steps, ScaleBelief& belief
   return true;
 }
 
-std::optional<ScaleBelief> LiveScale::WithTurn(const ScaleBelief& belief, std::span<const VehicleStep> steps) const {
-  if (!car_.knows_lever_arm()) return std::nullopt;
-  const SegmentEvidence evidence = EvidenceOfTurn(steps, options_.evidence);
-  if (!evidence.turn) return std::nullopt;
+LiveScale::TurnUpdate LiveScale::WithTurn(const ScaleBelief& belief, std::span<const VehicleStep> steps) const {
+  SegmentEvidence evidence = EvidenceOfTurn(steps, options_.evidence);
+  const bool used =
+      evidence.turn && car_.knows_lever_arm() && WhyUnusable(*evidence.turn, belief.mean, options_.evidence).empty();
+  if (!used) {
+    // Its direction of travel counts nevertheless, but the part of side slip in it is not known without a scale.
+    if (!started_) return {belief};
+    evidence.turn.reset();
+  }
   ScaleBelief start = belief;
-  if (!WhyUnusable(*evidence.turn, belief.mean, options_.evidence).empty()) return std::nullopt;
-  if (!started_ && belief.sigma() > kUnknownScale) {
+  if (used && !started_ && belief.sigma() > kUnknownScale) {
     // The prior of the scale is arbitrary. What has been related to it moves along: the height, if the road was seen.
     const double log_scale = std::log(OwnScale(evidence, belief.mean));
     start.mean +=
@@ -170,7 +173,7 @@ std::optional<ScaleBelief> LiveScale::WithTurn(const ScaleBelief& belief, std::s
     }
     HoldSlip(updated);
   }
-  return updated;
+  return {updated, used};
 }
 
 }  // namespace turnscale

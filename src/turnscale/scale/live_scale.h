@@ -30,6 +30,9 @@ class LiveScale {
   /// Within a usable turn.
   bool turning() const { return turning_; }
 
+  /// Whether the turn that ended last was usable.
+  bool used_last_turn() const { return used_last_turn_; }
+
   /// The latest steps show the height above the road, and it is known in metres.
   bool on_road() const { return on_road_; }
 
@@ -37,28 +40,32 @@ class LiveScale {
   enum class End { kTurn, kStraight, kPartOfStraight };
   /// The pending steps up to `last` become a segment.
   void Commit(int last, End end);
-  /// `part`: of a straight that is cut into several segments.
-  void TakeDirection(std::span<const VehicleStep> steps, bool part, ScaleBelief& belief) const;
+  /// `road_part`: as PathSegment::road_part.
+  void TakeDirection(std::span<const VehicleStep> steps, bool road_part, ScaleBelief& belief) const;
   void Advance(std::span<const VehicleStep> steps, ScaleBelief& belief) const;
   /// Of the belief, or a guess before it knows them; empty if the steps have no length or no duration.
   std::optional<double> MetresPerUnit(std::span<const VehicleStep> steps, const ScaleBelief& belief) const;
   /// With the height above the road. Returns whether the steps show it.
   bool TakeRoad(std::span<const VehicleStep> steps, ScaleBelief& belief) const;
   bool KnowsHeight(const ScaleBelief& belief) const;
-  /// With the turn's evidence; empty if it has none.
-  std::optional<ScaleBelief> WithTurn(const ScaleBelief& belief, std::span<const VehicleStep> steps) const;
+  struct TurnUpdate {
+    ScaleBelief belief;  ///< with what the turn shows
+    bool used = false;   ///< also of the scale: the turn is usable
+  };
+  TurnUpdate WithTurn(const ScaleBelief& belief, std::span<const VehicleStep> steps) const;
 
   CarPrior car_;
   ScaleEstimatorOptions options_;
   TurnDetector detector_;
   int steps_ = 0;                     ///< taken so far
   std::vector<VehicleStep> pending_;  ///< those of no segment yet
-  bool cut_ = false;                  ///< the pending steps continue a straight that has been cut
+  bool road_part_ = false;            ///< the pending steps continue a straight of which road parts have been cut
   ScaleBelief belief_;                ///< at the end of the last segment
   bool started_ = false;              ///< a turn, or the road with a known height, has given the scale
   ScaleBelief now_;
   bool known_ = false;
   bool turning_ = false;
+  bool used_last_turn_ = false;
   bool on_road_ = false;
 };
 

@@ -48,6 +48,7 @@ TEST(LiveScale, KnowsTheMetreInsideTheFirstTurn) {
     EXPECT_LE(now->sigma(), 0.15);
     EXPECT_NEAR(std::log(now->metres_per_unit() / kUnit), 0, 0.2 * now->sigma());
     EXPECT_EQ(live.turning(), i <= 50) << i;
+    EXPECT_EQ(live.used_last_turn(), i > 50) << i;
     if (i > known_at && i < 50) {
       EXPECT_LE(now->sigma(), 1.02 * last_sigma) << "better with every step of the turn";
     }
@@ -103,7 +104,7 @@ TEST(LiveScale, AHeightLearnedInATurnHoldsTheScale) {
   LiveScale live(Prior(), {});
   for (const VehicleStep& step : drive.steps) {
     live.Add(step);
-    EXPECT_TRUE(live.Now() || live.turning() == false);
+    EXPECT_TRUE(live.Now() || !live.turning());
   }
   ASSERT_TRUE(live.Now() && alone);
   EXPECT_TRUE(live.on_road());
@@ -145,6 +146,60 @@ TEST(LiveScale, ARoadThatIsSeenAfterTheFirstTurnGivesTheSameMetresInAnyUnit) {
     EXPECT_NEAR(belief.metres_per_unit() / unit, one.metres_per_unit(), 1e-6) << unit;
     EXPECT_NEAR(belief.mean[kLogHeight], one.mean[kLogHeight], 1e-6) << unit;
   }
+}
+
+TEST(LiveScale, ARoadThatIsSeenBeforeTheFirstTurnGivesTheSameMetresInAnyUnit) {
+  const auto last = [](double unit) {
+    SyntheticSteps drive = MakeSteps({{60, 0, 5, 9}, {30, 3 * kDegree, 0.4, 5}, {20, 0, 5, 9}}, kCar, 0, unit, kNoise);
+    ShowRoad(1.3, {.step = 0.01}, 4, drive);
+    return Live(drive.steps).back().value();
+  };
+  const ScaleBelief one = last(1);
+  EXPECT_NEAR(std::log(one.metres_per_unit()), 0, 2 * one.sigma());
+  for (const double unit : {0.001, 0.05, 20.0, 1000.0}) {
+    const ScaleBelief belief = last(unit);
+    EXPECT_NEAR(belief.metres_per_unit() / unit, one.metres_per_unit(), 1e-3) << unit;
+    EXPECT_NEAR(belief.mean[kLogHeight], one.mean[kLogHeight], 1e-3) << unit;
+  }
+}
+
+// Nothing but the height gives the scale: the corner is a turn that is not used.
+TEST(LiveScale, ATurnThatIsNotUsedDoesNotObserveTheScale) {
+  SyntheticSteps drive = MakeSteps(OneCorner(), kCar, 0, kUnit, kNoise);
+  ShowRoad(1.5, {.step = 0.01}, 3, drive);
+  CarPrior height_only;
+  height_only.camera_height = 1.5;
+  height_only.camera_height_sigma = 0.015;
+  LiveScale live(height_only, {});
+  bool ended = false;
+  for (const VehicleStep& step : drive.steps) {
+    ended = live.Add(step) || ended;
+    EXPECT_FALSE(live.turning());
+  }
+  EXPECT_TRUE(ended);
+  EXPECT_FALSE(live.used_last_turn());
+  EXPECT_TRUE(live.Now());
+}
+
+// As in the smoother.
+TEST(LiveScale, ATurnThatIsTooFastShowsTheDirectionOfTravel) {
+  CarPrior prior = Prior();
+  prior.yaw_sigma = 0.5 * kDegree;
+  ScaleEstimatorOptions options;
+  options.evidence.straight_direction_sigma = 3 * kDegree;
+  LiveScale live(prior, options);
+  const auto direction_sigma_after = [&live](const std::vector<StretchOfRoad>& road) {
+    for (const VehicleStep& step : MakeSteps(road, {1.5, 0.005}, 0, kUnit, kNoise).steps) live.Add(step);
+    return live.Now().value().Sigma(kDirection);
+  };
+  const double slow = direction_sigma_after({{10, 0, 2, 5}, {30, 3 * kDegree, 0.4, 5}, {10, 0, 2, 5}});
+  const double fast = direction_sigma_after({{10, 0, 2, 10},
+                                             {20, 2 * kDegree, 0.4, 16.5},
+                                             {20, 4 * kDegree, 3, 16.5},
+                                             {20, kDegree, 3, 16.5},
+                                             {10, 0, 2, 10}});
+  EXPECT_FALSE(live.used_last_turn());
+  EXPECT_LT(fast, 0.9 * slow);
 }
 
 TEST(LiveScale, AnUnknownHeightIsNoScale) {

@@ -18,7 +18,7 @@ class Splitter {
  public:
   explicit Splitter(const std::vector<VehicleStep>& steps) : steps_(steps) {}
 
-  void Turn(int first, int last) { Add(first, last, true); }
+  void Turn(int first, int last) { Add(first, last).turning = true; }
 
   void Straight(int first, int last, int max_steps) {
     for (int i = first + 1; i <= last; ++i) {
@@ -35,14 +35,15 @@ class Splitter {
   void Parts(int first, int last, int max_steps) {
     const int count = last - first + 1;
     if (count <= 0) return;
-    max_steps = MostStraightSteps(std::span(steps_).subspan(first, count), max_steps);
-    const int parts = (count - 1) / max_steps + 1;
+    const int most = MostStraightSteps(std::span(steps_).subspan(first, count), max_steps);
+    const int parts = (count - 1) / most + 1;
     const auto begin = [&](std::int64_t part) { return first + static_cast<int>(count * part / parts); };
-    for (int part = 0; part < parts; ++part) Add(begin(part), begin(part + 1) - 1, false);
+    for (int part = 0; part < parts; ++part)
+      Add(begin(part), begin(part + 1) - 1).road_part = parts > 1 && most < max_steps;
   }
 
-  void Add(int first, int last, bool turning) {
-    PathSegment segment{.first = first, .last = last, .turning = turning, .gap_sigma = steps_[first].gap_sigma};
+  PathSegment& Add(int first, int last) {
+    PathSegment segment{.first = first, .last = last, .gap_sigma = steps_[first].gap_sigma};
     if (IsUnitBroken(steps_[first]))
       segment.gap_sigma = std::hypot(segment.gap_sigma, std::sqrt(steps_[first].unit_variance));
     for (int i = first; i <= last; ++i) {
@@ -53,7 +54,7 @@ class Splitter {
     }
     segment.middle = length_ + 0.5 * segment.length;
     length_ += segment.length;
-    segments_.push_back(segment);
+    return segments_.emplace_back(segment);
   }
 
   const std::vector<VehicleStep>& steps_;

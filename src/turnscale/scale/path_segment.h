@@ -14,6 +14,7 @@ struct PathSegment {
   int first = 0;  ///< steps first..last
   int last = 0;
   bool turning = false;
+  bool road_part = false;  ///< of a straight that is divided into shorter parts since it shows the road (kRoadParts)
   /// Relative, by which the unit may have changed at the start of the segment, across a gap or along a step over which
   /// the landmarks hardly determine it (IsUnitBroken); 0 elsewhere.
   double gap_sigma = 0;

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "turnscale/scale/path_segment.h"
 
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <limits>
 #include <utility>
 
@@ -121,6 +123,20 @@ TEST(PathSegments, AStraightPartsWhereTheMapHardlyHangsTogether) {
   }
   EXPECT_EQ(turns, 1);
   EXPECT_NEAR(variance, 0.04 + 79e-6, 1e-12);
+}
+
+// The whole straight decides, also for parts that show no road.
+TEST(PathSegments, PartsOfAStraightThatShowsTheRoadAreMarked) {
+  std::vector<VehicleStep> steps = MakeSteps({{40, 0, 5, 9}}, kCar, 0, 5).steps;
+  const auto parts = [&](int shown) {
+    for (int i = 0; i < 40; ++i) steps[i].height = i < shown ? 0.3 : 0;
+    const std::vector<PathSegment> segments = SplitIntoSegments(steps, {});
+    return std::pair(segments.size(), std::ranges::count(segments, true, &PathSegment::road_part));
+  };
+  EXPECT_EQ(parts(24), std::pair(std::size_t{4}, std::ptrdiff_t{4}));
+  EXPECT_EQ(parts(12), std::pair(std::size_t{1}, std::ptrdiff_t{0}));
+  steps.resize(9, steps.back());
+  EXPECT_EQ(SplitIntoSegments(steps, {}).front().road_part, false) << "undivided";
 }
 
 TEST(PathSegments, LongStraightsAreCutEvenly) {

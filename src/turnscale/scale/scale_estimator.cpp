@@ -162,12 +162,12 @@ bool AllSwingInward(const std::vector<SegmentEvidence>& evidence, const DriveSta
 ScaleEstimateResult WithoutAStart(const ScaleProblem& problem, const std::vector<SegmentEvidence>& gathered,
                                   const CarPrior& car, const ScaleEstimatorOptions& options) {
   ScaleEstimateResult result;
-  result.turns = DescribeTurns(problem, PriorBelief(car, 0).mean);
+  result.detected_turns = DescribeTurns(problem, PriorBelief(car, 0).mean);
   if (!car.knows_lever_arm()) {
     result.reason = "too few steps show the height above the road";
     return result;
   }
-  if (result.turns.empty()) {
+  if (result.detected_turns.empty()) {
     result.reason = "no turn; ";
   } else if (AllSwingInward(gathered, PriorBelief(car, 0).mean)) {
     result.reason =
@@ -185,11 +185,11 @@ ScaleEstimateResult WithoutAStart(const ScaleProblem& problem, const std::vector
 ScaleEstimateResult TooUncertain(double sigma, std::vector<TurnEstimate> turns, const CarPrior& car,
                                  const ScaleEstimatorOptions& options, const std::vector<SegmentEvidence>& gathered) {
   ScaleEstimateResult result;
-  result.turns = std::move(turns);
+  result.detected_turns = std::move(turns);
   result.reason = "the drive leaves the scale uncertain by " + std::to_string(std::lround(100 * sigma)) +
                   " %, more than " + std::to_string(std::lround(100 * options.max_sigma)) + " %; " +
                   Remedy(car, options, gathered);
-  LeaveOutTurns("its scale is too uncertain", result.turns);
+  LeaveOutTurns("its scale is too uncertain", result.detected_turns);
   return result;
 }
 
@@ -224,7 +224,7 @@ ScaleEstimateResult EstimateWithFreeYaw(const std::vector<VehicleStep>& steps, c
   result.reason = "the drive contradicts the camera-to-vehicle rotation by about " +
                   std::to_string(std::lround(std::abs(found.yaw_error) * 180 / M_PI)) +
                   " degrees of yaw; correct the rotation, or have it estimated";
-  LeaveOutTurns("the camera-to-vehicle rotation is wrong", result.turns);
+  LeaveOutTurns("the camera-to-vehicle rotation is wrong", result.detected_turns);
   result.estimate.reset();
   return result;
 }
@@ -296,7 +296,7 @@ ScaleEstimateResult EstimateScale(const std::vector<VehicleStep>& steps, const C
   if (!(best->sigma() <= options.max_sigma))
     return TooUncertain(best->sigma(), std::move(estimate.turns), car, options, gathered);
   ScaleEstimateResult result;
-  result.turns = estimate.turns;
+  result.detected_turns = estimate.turns;
   // The turns are tested against the estimate as it is; only then is it widened.
   CompareTurns(drive, car, options.test, estimate);
   InflateAndDescribe(drive, car, options.max_sigma, estimate);

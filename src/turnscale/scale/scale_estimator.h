@@ -103,8 +103,8 @@ struct ScaleEstimate {
 struct ScaleEstimateResult {
   std::optional<ScaleEstimate> estimate;
   std::string reason;
-  /// Detected turns, without what the estimate says of them (ScaleEstimate::turns has that).
-  std::vector<TurnEstimate> turns;
+  /// Without what the estimate says of them: ScaleEstimate::turns has that.
+  std::vector<TurnEstimate> detected_turns;
 };
 
 /// Maximum a posteriori scale of a drive from its steps. Each turn is one measurement: its effective

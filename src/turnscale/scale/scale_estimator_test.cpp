@@ -253,22 +253,22 @@ TEST(ScaleEstimator, SaysWhyThereIsNoScale) {
   EXPECT_FALSE(straight.estimate);
   EXPECT_NE(straight.reason.find("no turn"), std::string::npos) << straight.reason;
   EXPECT_NE(straight.reason.find("15 degrees"), std::string::npos) << "says what would do";
-  EXPECT_TRUE(straight.turns.empty());
+  EXPECT_TRUE(straight.detected_turns.empty());
   EXPECT_FALSE(EstimateScale({}, PriorOf(kCar), {}).estimate);
 
   const ScaleEstimateResult fast = EstimateScale(
       MakeSteps({{30, 0, 6, 16}, {30, 0.06, 2, 16}, {30, 0, 6, 16}}, kCar, 0, kUnit).steps, PriorOf(kCar), {});
   EXPECT_FALSE(fast.estimate);
   EXPECT_NE(fast.reason.find("slow"), std::string::npos) << fast.reason;
-  ASSERT_EQ(fast.turns.size(), 1u);
-  EXPECT_FALSE(fast.turns[0].used);
+  ASSERT_EQ(fast.detected_turns.size(), 1u);
+  EXPECT_FALSE(fast.detected_turns[0].used);
 
   // A camera ahead of the front axle would swing outwards; this one swings inwards.
   CarPrior rigid = Exactly({1.5, 0});
   const ScaleEstimateResult inwards = EstimateScale(MakeSteps(TownRoad(3, 9), {-1.5, 0}, 0, kUnit).steps, rigid, {});
   EXPECT_FALSE(inwards.estimate);
-  ASSERT_EQ(inwards.turns.size(), 3u);
-  EXPECT_NE(inwards.turns[0].reason.find("inside"), std::string::npos) << inwards.turns[0].reason;
+  ASSERT_EQ(inwards.detected_turns.size(), 3u);
+  EXPECT_NE(inwards.detected_turns[0].reason.find("inside"), std::string::npos) << inwards.detected_turns[0].reason;
   EXPECT_NE(inwards.reason.find("not ahead of the rear axle"), std::string::npos) << inwards.reason;
 
   CarPrior vague = PriorOf(kCar);
@@ -277,7 +277,7 @@ TEST(ScaleEstimator, SaysWhyThereIsNoScale) {
   EXPECT_FALSE(uncertain.estimate);
   EXPECT_NE(uncertain.reason.find("uncertain by 3"), std::string::npos) << uncertain.reason;
   EXPECT_NE(uncertain.reason.find("+-0.5 m, is itself too uncertain"), std::string::npos) << uncertain.reason;
-  EXPECT_EQ(uncertain.turns.size(), 3u);
+  EXPECT_EQ(uncertain.detected_turns.size(), 3u);
 }
 
 // One turn of eight whose effective lever arm is wrong by a fifth: within what Huber's weight takes.
@@ -717,7 +717,7 @@ TEST(ScaleEstimator, ARotationThatIsFarOffGivesNoMetres) {
     const ScaleEstimateResult result = EstimateScale(drive.steps, PriorOf(kCar), {});
     EXPECT_FALSE(result.estimate);
     EXPECT_FALSE(result.reason.empty());
-    for (const TurnEstimate& turn : result.turns) EXPECT_FALSE(turn.used);
+    for (const TurnEstimate& turn : result.detected_turns) EXPECT_FALSE(turn.used);
   }
 }
 

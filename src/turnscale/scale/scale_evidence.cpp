@@ -27,14 +27,6 @@ constexpr double kBendRatio = 0.9;
 constexpr int kRoadReweightings = 5;
 constexpr double kRoadHuber = 1.5;
 
-// Of a straight that has been cut.
-bool IsPart(const std::vector<PathSegment>& segments, std::size_t i) {
-  const auto continues = [&](std::size_t a, std::size_t b) {
-    return b < segments.size() && !segments[a].turning && !segments[b].turning && segments[b].gap_sigma == 0;
-  };
-  return (i > 0 && continues(i - 1, i)) || continues(i, i + 1);
-}
-
 LeverArm LeverArmOf(const DriveState& state) {
   return {std::exp(state[kLogLeverArm]), std::max(state[kSlip], 0.0), state[kRollHeight]};
 }
@@ -115,7 +107,7 @@ SegmentEvidence EvidenceOfTurn(std::span<const VehicleStep> steps, const Evidenc
   evidence.turning = true;
   PooledLineResult pooled = PoolTurn(steps, options.line);
   evidence.turn = pooled.line;
-  if (pooled.line) evidence.direction_in_turn = DirectionOfTurn(steps, options.line);
+  if (pooled.line) evidence.direction_in_turn = FitDirectionInTurn(steps, options.line);
   evidence.reason = std::move(pooled.reason);
   return evidence;
 }
@@ -163,7 +155,7 @@ std::vector<SegmentEvidence> GatherEvidence(std::span<const VehicleStep> steps,
     const std::span<const VehicleStep> of_segment = StepsOf(steps, segments[i].first, segments[i].last);
     if (!segments[i].turning) evidence[i] = EvidenceOfStraight(of_segment, lever_arm, options);
     evidence[i].road = EvidenceOfRoad(of_segment, options.road);
-    if (IsPart(segments, i) && ShowsRoad(of_segment)) ShareDirection(options, evidence[i]);
+    if (segments[i].road_part) ShareDirection(options, evidence[i]);
   }
   return evidence;
 }
