@@ -790,6 +790,8 @@ TEST_F(ErrorsTest, SenselessOptions) {
                     {std::string("--camera-height ") + value + ": give", "H,SIGMA"});
   ExpectComplaint(Run({"--camera-rotation", "1,2"}), 2, {"--camera-rotation '1,2'"});
   ExpectComplaint(Run({"--frame", "vehicle"}), 2, {"--frame vehicle", "--lever-arm"});
+  ExpectComplaint(Run({"--lever-arm-sigma", "0.01"}), 2, {"--lever-arm-sigma: needs --lever-arm"});
+  ExpectComplaint(Run({"--no-report", "--truth", Drive().string()}), 2, {"--no-report: excludes --truth"});
   for (const char* method : {"turns", "paper"})
     ExpectComplaint(Run({"--method", method, "--camera-height", "1.5"}), 2,
                     {std::string("--method ") + method + ": constrains turns by the lever arm", "give --lever-arm"});

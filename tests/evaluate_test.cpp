@@ -281,6 +281,7 @@ TEST_F(EvaluateTest, TimesThatAreOfNoUseAreRefused) {
   ExpectComplaint({"estimate/drive.tum", "truth/drive.tum", "--timestamps", "truth/times.txt"},
                   "both files have timestamps");
   ExpectComplaint({"estimate/07.txt", "truth/07.txt", "--timestamps", "truth/times.txt"}, "associated by frame number");
+  ExpectComplaint({"estimate/07.txt", "truth/07.txt", "--time-tolerance", "7"}, "associated by frame number");
 }
 
 TEST_F(EvaluateTest, ClocksThatDifferAreDoubted) {

@@ -216,6 +216,8 @@ TEST_F(ExportTest, FixesPlaceThePath) {
 TEST_F(ExportTest, SaysWhatIsMissing) {
   ExpectComplaint(Export({}), 2, {"nothing to write; give --gpx"});
   ExpectComplaint(Export({"--gpx"}), 2, {"the place on Earth is needed; give --origin"});
+  ExpectComplaint(Export({"--gltf", "--origin", "49,8"}), 2, {"--origin: needs --gpx, --kml or --geojson"});
+  ExpectComplaint(Export({"--gpx", "--fov", "70"}), 2, {"--fov: needs --gltf"});
   for (const char* heading : {"1000", "-361", "nan"})
     ExpectComplaint(Export({"--gpx", "--origin", "49,8", "--heading", heading}), 2,
                     {std::string("--heading ") + heading + ": give degrees clockwise from north, from -360 to 360"});
@@ -307,7 +309,9 @@ TEST_F(ExportTest, TheCameraIsThatOfTheRun) {
   EXPECT_NE(Export({"--gltf"}).out.find("70 deg wide is assumed"), std::string::npos);
   summary.pose_frame = "vehicle";
   WriteSummary(summary);
-  ExpectComplaint(Export({"--gltf"}), 2, {"are those of the rear axle", "without --frame vehicle"});
+  ExpectComplaint(Export({"--gltf", "--gpx", "--origin", "49,8", "--heading", "0"}), 2,
+                  {"are those of the rear axle", "without --frame vehicle"});
+  EXPECT_FALSE(fs::exists(folder_ / "out" / "path.gpx")) << "all or nothing";
 }
 
 TEST_F(ExportTest, ViewMakesThePageAgain) {

@@ -158,6 +158,13 @@ TEST_F(RescaleCommandTest, RefusesHeightsThatDoNotFit) {
   EXPECT_FALSE(fs::exists(folder_ / "metric.tum"));
 }
 
+TEST_F(RescaleCommandTest, TheRearAxleDoesNotSwingOut) {
+  fs::rename(Tum(), Path("trajectory.tum"));
+  Text("summary.json", R"({"scale": {"state": "observed"}, "pose_frame": "vehicle"})");
+  ExpectComplaint(Run({folder_.string(), "--lever-arm", "1.2"}), 2,
+                  {"the poses are those of the rear axle", "without --frame vehicle"});
+}
+
 TEST_F(RescaleCommandTest, DoesNotReplaceFilesOfARun) {
   fs::create_directories(folder_ / "drive");
   std::ofstream(folder_ / "drive" / "trajectory.csv") << "frame\n";

@@ -15,6 +15,7 @@
 #include "turnscale/base/error.h"
 #include "turnscale/base/file_extension.h"
 #include "turnscale/base/number_text.h"
+#include "turnscale/commands/argument_checks.h"
 #include "turnscale/export/blender_scene.h"
 #include "turnscale/export/geo_files.h"
 #include "turnscale/export/gps_fixes.h"
@@ -191,15 +192,25 @@ void CheckFinite(const char* option, double value) {
 void RunExport(const ExportArguments& arguments) {
   if (!arguments.gpx && !arguments.kml && !arguments.geojson && !arguments.gltf)
     throw InputError("export: nothing to write; give --gpx, --kml, --geojson or --gltf");
+  const bool maps = arguments.gpx || arguments.kml || arguments.geojson;
+  for (const GivenOption& option : {GivenOption{"--origin", !arguments.origin.empty()},
+                                    {"--heading", arguments.heading.has_value()},
+                                    {"--fixes", !arguments.fixes.empty()},
+                                    {"--start-time", !arguments.start_time.empty()}})
+    RequireFor(option, maps, "--gpx, --kml or --geojson");
+  for (const GivenOption& option :
+       {GivenOption{"--fov", arguments.fov.has_value()}, {"--aspect", arguments.aspect.has_value()}})
+    RequireFor(option, arguments.gltf, "--gltf");
   CheckFinite("--interval", arguments.interval);
   if (arguments.fov) CheckFinite("--fov", *arguments.fov);
   if (arguments.aspect) CheckFinite("--aspect", *arguments.aspect);
   const ResultFolder results = ReadResultFolder(arguments.folder);
   const std::string stem = StemOf(arguments).string();
   std::string messages;
-  if (arguments.gpx || arguments.kml || arguments.geojson) ExportEarth(arguments, results, stem, messages);
+  const std::string scene = arguments.gltf ? Scene(arguments, results, messages) : "";
+  if (maps) ExportEarth(arguments, results, stem, messages);
   if (arguments.gltf) {
-    ReplaceFile(stem + ".gltf", Scene(arguments, results, messages));
+    ReplaceFile(stem + ".gltf", scene);
     messages += "wrote    " + stem + ".gltf\n";
   }
   PrintText(messages);
@@ -233,7 +244,9 @@ void AddExportCommand(CLI::App& app) {
                       "Date and time of the drive's time 0, with its offset from UTC, such as "
                       "2026-03-22T07:14:05+01:00; without it the files have no times "
                       "of day, unless the drive's times are seconds since 1970");
-  command->add_option("--interval", arguments->interval, "Minimum time between two points, seconds; 0: every frame")
+  command
+      ->add_option("--interval", arguments->interval,
+                   "Minimum time between two points but the last two, seconds; 0: every frame")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   command

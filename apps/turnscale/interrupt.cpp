@@ -59,9 +59,8 @@ void EndOnInterrupts() { Handle(OnEarlySignal); }
 
 void CatchInterrupts() {
   Handle(OnSignal);
-  // A reader that is gone and a limit on the size of files are found out where something is written.
+  // A reader that is gone is found out where something is written.
   std::signal(SIGPIPE, SIG_IGN);
-  std::signal(SIGXFSZ, SIG_IGN);
 }
 
 bool Interrupted() { return caught; }

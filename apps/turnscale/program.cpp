@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <csignal>
 #include <cstdlib>
 #include <exception>
 #include <filesystem>
@@ -136,6 +137,8 @@ std::string VersionWithCommit() {
 }
 
 int RunProgram(int argc, char** argv, void (*add_commands)(CLI::App&)) {
+  // A limit on the size of files is found out where something is written.
+  std::signal(SIGXFSZ, SIG_IGN);
   try {
     return Main(argc, argv, add_commands);
   } catch (const Interruption&) {

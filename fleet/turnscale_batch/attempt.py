@@ -234,7 +234,7 @@ def _attempt(places, task, attempts):
         log_path.parent.mkdir(exist_ok=True)
         with open(log_path, "ab", buffering=0) as log:
             log.write(f"== {_now()} {record['host']}, pass {task['pass']}, attempt {attempts}: "
-                      f"{' '.join(command)}\n".encode())
+                      f"{' '.join(command)}\n".encode(errors="surrogateescape"))
             start = log.tell()
             begin = time.monotonic()
             child = _Child(command, log, folder)

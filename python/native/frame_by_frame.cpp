@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include "frame_by_frame.h"
 
+#include <chrono>
+
 #include <fmt/format.h>
 #include <opencv2/core/utility.hpp>
 
 #include "turnscale/base/error.h"
 #include "turnscale/commands/argument_checks.h"
+#include "turnscale/commands/version.h"
 #include "turnscale/io/mask_file.h"
 #include "turnscale/io/trajectory_file.h"
 #include "turnscale/odometry/drive_speed.h"
@@ -28,19 +31,19 @@ std::string ShapeOf(const py::array& image) {
 
 }  // namespace
 
-cv::Mat GrayView(const py::array& image) {
+cv::Mat GrayView(const py::array& image, const std::string& name) {
   if (!image.dtype().equal(py::dtype::of<uint8_t>()) || image.ndim() != 2 || image.size() == 0)
-    throw InputError("image: is " + ShapeOf(image) + "; give gray pixels: uint8 of shape (height, width)");
+    throw InputError(name + ": is " + ShapeOf(image) + "; give gray pixels: uint8 of shape (height, width)");
   const bool dense = image.shape(1) == 1 || image.strides(1) == 1;
   const bool in_order = image.shape(0) == 1 || image.strides(0) >= image.shape(1);
   if (!dense || !in_order)
     throw InputError(
-        fmt::format("image: has strides ({}, {}); the pixels of a row have to lie side by side and the "
-                    "rows in order: give numpy.ascontiguousarray(image)",
-                    image.strides(0), image.strides(1)));
+        fmt::format("{0}: has strides ({1}, {2}); the pixels of a row have to lie side by side and the "
+                    "rows in order: give numpy.ascontiguousarray({0})",
+                    name, image.strides(0), image.strides(1)));
   constexpr py::ssize_t kLongest = 1 << 20;
   if (image.shape(0) > kLongest || image.shape(1) > kLongest)
-    throw InputError("image: is " + ShapeOf(image) + "; that is too large");
+    throw InputError(name + ": is " + ShapeOf(image) + "; that is too large");
   const auto step = static_cast<size_t>(image.shape(0) == 1 ? image.shape(1) : image.strides(0));
   // The odometry only reads it, and keeps no reference.
   return {static_cast<int>(image.shape(0)), static_cast<int>(image.shape(1)), CV_8UC1, const_cast<void*>(image.data()),
@@ -70,7 +73,7 @@ void FrameByFrame::RefuseAfterEnd() const {
 }
 
 void FrameByFrame::SetMask(const py::array& mask) {
-  const cv::Mat pixels = GrayView(mask).clone();
+  const cv::Mat pixels = GrayView(mask, "mask").clone();
   WithoutLock([&] {
     if (frames_ > 0) throw InputError("mask: has to be set before the first image");
     odometry_.SetMask(pixels);
@@ -79,10 +82,13 @@ void FrameByFrame::SetMask(const py::array& mask) {
 
 LiveFrame FrameByFrame::Keep(const FrameResult& result) {
   ++frames_;
+  last_time_ = result.time;
   RecordRotation(result, odometry_.mount().current(), rotations_);
   if (result.world_from_camera) live_ += TumLine({result.time, *result.world_from_camera});
   LiveFrame frame;
   frame.result = result;
+  if (!live_metric_from_ && result.world_from_camera && result.scale_state != ScaleState::kPending)
+    live_metric_from_ = result.time;
   const MetricPath& path = odometry_.live_path();
   if (odometry_.scale_state() != ScaleState::kPending && !path.metres_per_unit.empty())
     frame.scale = path.metres_per_unit.back();
@@ -90,17 +96,25 @@ LiveFrame FrameByFrame::Keep(const FrameResult& result) {
 }
 
 LiveFrame FrameByFrame::Process(const py::array& image, double time) {
-  const cv::Mat gray = GrayView(image);
+  const cv::Mat gray = GrayView(image, "image");
   return WithoutLock([&] {
     RefuseAfterEnd();
-    return Keep(odometry_.Process(gray, time));
+    using Clock = std::chrono::steady_clock;
+    const Clock::time_point start = Clock::now();
+    const FrameResult result = odometry_.Process(gray, time);
+    latencies_.push_back(std::chrono::duration<double>(Clock::now() - start).count());
+    tracks_ = tracks_ || result.world_from_camera;
+    if (!tracks_) seen_.Add(gray, time, result.tracked);
+    return Keep(result);
   });
 }
 
 LiveFrame FrameByFrame::ProcessUnreadable(double time) {
   return WithoutLock([&] {
     RefuseAfterEnd();
-    return Keep(odometry_.ProcessUnreadable(time));
+    const FrameResult result = odometry_.ProcessUnreadable(time);
+    unreadable_.push_back({result.frame, "no image"});
+    return Keep(result);
   });
 }
 
@@ -109,7 +123,30 @@ void FrameByFrame::Finish() {
     if (finished_) return;
     odometry_.Finish();
     finished_ = true;
+    FrameResult last;
+    last.frame = frames_ - 1;
+    last.time = last_time_;
+    if (frames_ > 0) RecordRotation(last, odometry_.mount().current(), rotations_);
   });
+}
+
+RunSummary FrameByFrame::SummaryOf(const std::vector<FrameResult>& frames, const RefinedScale& refined) const {
+  RunSummary summary;
+  summary.version = Version();
+  summary.pose_frame = "camera";
+  summary.vehicle = odometry_.options().vehicle;
+  summary.method = odometry_.options().scale.method;
+  summary.image_width = odometry_.camera().width;
+  summary.image_height = odometry_.camera().height;
+  summary.live_metric_from = live_metric_from_;
+  summary.unreadable = unreadable_;
+  if (!unreadable_.empty()) summary.warnings.push_back(UnreadableText(unreadable_));
+  Summarize(odometry_, frames, refined, summary);
+  if (tracks_) SummarizeBeginning(frames, seen_, summary);
+  if (summary.has_measure() && !summary.is_metric()) summary.warnings.push_back(UpToScaleText(summary.pending_reason));
+  summary.cost = MeasureCost();
+  summary.cost.latency = LatencyOf(latencies_);
+  return summary;
 }
 
 const char* FrameByFrame::scale_state() {
@@ -136,6 +173,7 @@ DriveTables FrameByFrame::Tables() {
     tables.scale = ScaleTable(odometry_.map(), refined.estimate ? refined : RefinedScale());
     tables.camera_rotation = RotationTable(rotations_);
     tables.live = live_;
+    tables.summary = SummaryJson(SummaryOf(frames, refined));
     tables.map = odometry_.RefinedMap(refined);
     return tables;
   });

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <limits>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,7 +12,9 @@
 
 #include "keywords.h"
 #include "turnscale/camera/camera_model.h"
+#include "turnscale/io/run_summary.h"
 #include "turnscale/io/run_writer.h"
+#include "turnscale/io/seen_images.h"
 #include "turnscale/odometry/odometry.h"
 
 namespace turnscale {
@@ -30,11 +33,13 @@ struct DriveTables {
   std::string scale;
   std::string camera_rotation;
   std::string live;
+  std::string summary;  ///< JSON
   MapPoints map;
 };
 
-/// An image of numpy without a copy. Throws InputError unless it is 8-bit gray with the pixels of a row side by side.
-cv::Mat GrayView(const pybind11::array& image);
+/// An image of numpy without a copy. Throws InputError, which calls it `name`, unless it is 8-bit gray with the pixels
+/// of a row side by side.
+cv::Mat GrayView(const pybind11::array& image, const std::string& name);
 
 /// The odometry, one image after the other. Works without Python's lock, on one thread at a time.
 class FrameByFrame {
@@ -55,12 +60,19 @@ class FrameByFrame {
   auto WithoutLock(const Work& work);
   LiveFrame Keep(const FrameResult& result);
   void RefuseAfterEnd() const;
+  RunSummary SummaryOf(const std::vector<FrameResult>& frames, const RefinedScale& refined) const;
 
   std::mutex busy_;
   Odometry odometry_;
   std::vector<RotationRecord> rotations_;
   std::string live_;  ///< live.tum
+  SeenImages seen_;   ///< before there is a map
+  bool tracks_ = false;
+  std::vector<UnreadableFrame> unreadable_;
+  std::vector<double> latencies_;  ///< of images, seconds
+  std::optional<double> live_metric_from_;
   int frames_ = 0;
+  double last_time_ = 0;
   bool finished_ = false;
 };
 

@@ -77,6 +77,25 @@ class RenderedDrive(unittest.TestCase):
         np.testing.assert_allclose(live[-1].pose[:3, :3] @ live[-1].pose[:3, :3].T, np.eye(3), atol=1e-12)
         last = results.live[-1]
         np.testing.assert_allclose(live[-1].pose[:3, 3], [last["x"], last["y"], last["z"]], rtol=1e-8)
+        for name in ("scale", "path", "vehicle", "warnings"):
+            self.assertEqual(results.summary.get(name), whole.summary.get(name), name)
+
+    def test_frame_by_frame_warns_as_a_run_does(self):
+        frames = turnscale.Frames(self.drive)
+        camera = frames.camera
+        wrong = turnscale.Camera(1.3 * camera.fx, 1.3 * camera.fy, camera.cx, camera.cy)
+        odometry = turnscale.Odometry(wrong, lever_arm=1.5)
+        feed(odometry, frames)
+        with self.assertWarnsRegex(UserWarning, "focal length"):
+            results = odometry.finish()
+        self.assertTrue(any("focal length" in warning for warning in results.summary["warnings"]))
+
+    def test_times_that_are_no_seconds_are_refused(self):
+        frames = turnscale.Frames(self.drive)
+        odometry = turnscale.Odometry(frames.camera)
+        with self.assertRaisesRegex(ValueError, "Give seconds"):
+            for frame in frames:
+                odometry.process(frame.image, 1e9 * frame.time)
 
     def test_poses_are_matrices(self):
         poses = self.results.poses

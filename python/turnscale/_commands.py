@@ -42,7 +42,7 @@ class Drive:
     landmarks: npt.NDArray[np.float32]
     """The map's points, shape (N, 3), metres."""
     summary: dict[str, Any] = dataclasses.field(repr=False)
-    """summary.json; empty for an Odometry, which writes none."""
+    """As summary.json."""
 
     @property
     def poses(self) -> npt.NDArray[np.float64]:

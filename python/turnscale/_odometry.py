@@ -2,7 +2,9 @@
 """The odometry, frame by frame."""
 from __future__ import annotations
 
+import json
 import os
+import warnings
 from typing import Literal
 
 import numpy as np
@@ -61,16 +63,20 @@ class Odometry:
 
     def finish(self) -> Drive:
         """Ends the drive, adjusts it as a whole, which may take minutes after hours of driving, and returns `results`.
-        No image may follow."""
+        No image may follow. Issues the warnings that `run` does."""
         self._native.finish()
-        return self.results()
+        drive = self.results()
+        for warning in drive.summary["warnings"]:
+            warnings.warn(warning, stacklevel=2)
+        return drive
 
     def results(self) -> Drive:
-        """Refined poses, turns, speed and scale of the drive so far, with the digits of the program's files."""
+        """Refined poses, turns, speed and scale of the drive so far, with the digits of the program's files, and what
+        the summary of a run would say of it (`summary`, `summary["warnings"]`)."""
         tables = self._native.tables()
         return Drive(trajectory=from_csv(tables.trajectory), turns=from_csv(tables.turns), speed=from_csv(tables.speed),
                      scale=from_csv(tables.scale), camera_rotation=from_csv(tables.camera_rotation),
-                     live=from_tum(tables.live), landmarks=tables.landmarks, summary={})
+                     live=from_tum(tables.live), landmarks=tables.landmarks, summary=json.loads(tables.summary))
 
     @property
     def camera(self) -> Camera:

@@ -50,7 +50,12 @@ Paired PairPoses(const ComparisonFiles& arguments, TrajectoryFile& estimate, Tra
         (truth_has_times ? "both files have timestamps" : "two KITTI files are associated by frame number") +
         "; leave it out");
   }
-  if (!estimate_has_times && !truth_has_times) return PairFrames(estimate, truth);
+  if (!estimate_has_times && !truth_has_times) {
+    if (arguments.time_tolerance)
+      throw InputError(
+          "--time-tolerance: is not needed, since two KITTI files are associated by frame number; leave it out");
+    return PairFrames(estimate, truth);
+  }
   if (estimate_has_times != truth_has_times) {
     const fs::path& untimed_path = estimate_has_times ? arguments.ground_truth : arguments.estimate;
     TrajectoryFile& untimed = estimate_has_times ? truth : estimate;
@@ -62,7 +67,8 @@ Paired PairPoses(const ComparisonFiles& arguments, TrajectoryFile& estimate, Tra
       }
       throw InputError(untimed_path.string() + " has no timestamps, and " + std::to_string(estimate.poses.size()) +
                        " estimated poses cannot be associated with " + std::to_string(truth.poses.size()) +
-                       " ground-truth poses; give its times with --timestamps");
+                       " ground-truth poses; put a times.txt beside it, or give turnscale evaluate its times with "
+                       "--timestamps");
     }
     untimed = ReadTrajectoryFile(untimed_path, ReadFrameTimes(times).times);
   }
@@ -123,11 +129,11 @@ std::vector<std::string> Warnings(const ComparisonFiles& files, const Paired& pa
   std::vector<std::string> warnings;
   if (const std::string unpaired = UnpairedWarning(paired, estimate, truth); !unpaired.empty())
     warnings.push_back(estimated + unpaired);
-  if (OfRun(files.estimate, "pose_frame") == "vehicle")
+  const std::string state = ScaleStateOfRun(files.estimate);
+  if (IsOfRearAxle(files.estimate))
     warnings.push_back(estimated +
                        "has the poses of the rear axle (--frame vehicle): if the ground truth is the camera's, the "
                        "errors include its distance from the axle");
-  const std::string state = ScaleStateOfRun(files.estimate);
   if (state == kPendingScale) {
     warnings.push_back(estimated + fmt::format("is up to scale (pending): {}", kOnlyScaledErrors));
   } else if (!state.empty() && files.estimate.filename() == RunFiles::kLiveTum) {
@@ -169,6 +175,11 @@ std::vector<Step> FindSteps(const ComparisonFiles& arguments, const Paired& pair
 }
 
 }  // namespace
+
+bool IsOfRearAxle(const fs::path& trajectory) {
+  const std::string state = ScaleStateOfRun(trajectory);
+  return !state.empty() && state != kPendingScale && OfRun(trajectory, "pose_frame") == "vehicle";
+}
 
 std::vector<fs::path> FilesRead(const ComparisonFiles& arguments) {
   std::vector<fs::path> files = {arguments.estimate, arguments.ground_truth, arguments.keyframes,

@@ -71,7 +71,10 @@ CameraEstimate EstimateCamera(const ImageArguments& arguments, DriveImages& imag
   const bool assumed = images.given.name.empty();
   if (!assumed && !arguments.refine_camera) return {};
   if (assumed && arguments.refine_camera)
-    throw InputError("--camera-refine: there are no intrinsics to refine; give --camera FILE, or leave it out");
+    throw InputError(arguments.field_of_view
+                         ? "--camera-refine: refines a calibration, in place of which --fov is used; leave out one of "
+                           "the two"
+                         : "--camera-refine: there are no intrinsics to refine; give --camera FILE, or leave it out");
   const double view = ViewOf(arguments);
   // The run itself says what is wrong with such a drive.
   if (images.full_size.empty()) return {};

@@ -9,6 +9,7 @@
 
 #include "turnscale/base/error.h"
 #include "turnscale/commands/argument_checks.h"
+#include "turnscale/commands/comparison.h"
 #include "turnscale/commands/drive_source.h"
 #include "turnscale/commands/rescale_page.h"
 #include "turnscale/commands/rescale_report.h"
@@ -141,6 +142,10 @@ RescaleResult ExecuteRescale(const RescaleArguments& given, const CommandHooks& 
   CheckArguments(arguments);
   const TimedTrajectory trajectory = ReadTimedTrajectory(arguments.input, arguments.timestamps, arguments.fps);
   const std::string input = arguments.input.string();
+  if (IsOfRearAxle(arguments.input))
+    throw InputError(input +
+                     ": the poses are those of the rear axle, which does not swing out in turns; run again without "
+                     "--frame vehicle");
   if (!trajectory.timed && arguments.heights) {
     throw InputError(input + ": no timestamps, by which --heights finds its poses; give --fps or --timestamps");
   }

@@ -142,6 +142,8 @@ OdometryOptions OptionsFrom(const CarArguments& car, const std::optional<fs::pat
     if (car.vehicle) options.vehicle.lever_arm_sigma.reset();
     options.vehicle.height_correlation = 0;
   }
+  RequireFor({"--lever-arm-sigma", car.lever_arm_sigma.has_value()}, options.vehicle.lever_arm.has_value(),
+             "--lever-arm, or a --vehicle file with one");
   if (car.lever_arm_sigma)
     options.vehicle.lever_arm_sigma = CheckedLeverArmSigma(*car.lever_arm_sigma, options.vehicle.lever_arm);
   if (car.camera_height) {
@@ -182,6 +184,7 @@ OdometryOptions OptionsFrom(const CarArguments& car, const std::optional<fs::pat
 RunEnd ExecuteRun(const RunArguments& arguments, const RunHooks& hooks) {
   CheckImageArguments(arguments.images);
   CheckChoice("--frame", arguments.frame, {"camera", "vehicle"});
+  RefuseBoth({"--no-report", arguments.no_report}, {"--truth", !arguments.truth.truth.empty()});
   const OdometryOptions options = OptionsFrom(arguments.car, arguments.images.settings);
   CheckThreads(arguments.threads);
   cv::setNumThreads(arguments.threads);

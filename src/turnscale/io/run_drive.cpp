@@ -165,7 +165,10 @@ class Run {
       odometry_.Finish();
     });
     progress_.Say("");
-    if (finished) Keep(Durability::kPowerCut);
+    if (!finished) return;
+    // The turns of the end may have told more of it.
+    if (!results_.frames.empty()) RecordRotation(results_.frames.back(), odometry_.mount().current(), rotations_);
+    Keep(Durability::kPowerCut);
   }
 
   // Writes the results, as far as there are any.
@@ -195,29 +198,6 @@ class Run {
     results_ = std::move(results);
   }
 
-  // A path that begins late has few turns for that reason, and lacks what the car has driven before.
-  void SayIfLate(RunSummary& summary) const {
-    const std::optional<MissingPart> before = PartBeforeMap(summary.missing);
-    if (!before) return;
-    constexpr double kMost = 0.5;
-    constexpr double kMuch = 0.02;
-    const bool is_most = LateBeginning(summary.missing, summary.seconds, kMost).has_value();
-    if (!seen_.Still()) {
-      const double length = LengthBefore(*before, results_.frames);
-      summary.path_sigma = std::hypot(summary.path_sigma, length / std::max(summary.distance, 1e-9));
-      if (LateBeginning(summary.missing, summary.seconds, 0) || length > kMuch * summary.distance) {
-        // The cause of a short part is hard to tell.
-        std::string warning =
-            is_most ? LateBeginningText(*before, summary.frames, seen_) : NoMapBeforeText(*before, summary.frames);
-        if (summary.is_metric())
-          warning += fmt::format("; if the car drove there, the path lacks up to about {:.0f} m", length);
-        summary.warnings.push_back(std::move(warning));
-      }
-    }
-    if (!summary.pending_reason.empty() && is_most)
-      summary.pending_reason = fmt::format("the path begins only at {:.1f} s; {}", before->to, summary.pending_reason);
-  }
-
   // What a part of the drive lacks, the rest may have.
   void SayIfPart(RunSummary& summary) const {
     const bool cut = end_.interrupted || (Enough() && !end_.summary.stopped.empty());
@@ -227,20 +207,11 @@ class Run {
 
   // What the drive and the odometry say.
   void Fill(RunSummary& summary) const {
-    const OdometryOptions& options = odometry_.options();
     summary.clips = drive_.clips();
-    summary.scale_state = results_.scale_state;
+    turnscale::Summarize(odometry_, results_.frames, results_.scale, summary);
     summary.pinhole = drive_.scaling.Full(odometry_.camera()).pinhole;
-    summary.lens_model = odometry_.camera().lens;
-    if (options.lens.enabled) summary.lens = {odometry_.lens().correction(), odometry_.lens().sigma()};
-    if (options.vehicle.calibrate_camera) {
-      const Mount& mount = odometry_.mount().current();
-      summary.mount = {YawPitchRollFromRotation(mount.vehicle_from_camera), mount.sigma, mount.found,
-                       odometry_.mount().moves()};
-    }
-    turnscale::Summarize(results_.frames, results_.scale, summary);
-    if (odometry_.is_upside_down()) summary.warnings.push_back(UpsideDownWarning(summary.rotate));
-    if (tracks_) SayIfLate(summary);
+    summary.scale_state = results_.scale_state;
+    if (tracks_) SummarizeBeginning(results_.frames, seen_, summary);
     if (tracks_) SayIfPart(summary);
     if (!stale_.empty()) summary.warnings.push_back(stale_);
     summary.frames = std::max(summary.frames, processed_);

@@ -143,6 +143,8 @@ void SummarizePath(const std::vector<FrameResult>& refined, RunSummary& summary)
     summary.worst_sigma = frame.scale_sigma;
     summary.worst_sigma_time = frame.time;
   }
+  const auto has_pose = [](const FrameResult& frame) { return frame.world_from_camera.has_value(); };
+  if (std::ranges::none_of(refined, has_pose)) summary.worst_sigma = INFINITY;
   if (!refined.empty()) summary.seconds = refined.back().time - refined.front().time;
   MeasurePath(refined, summary);
 }
@@ -302,6 +304,46 @@ void Summarize(const std::vector<FrameResult>& refined, const RefinedScale& scal
   const std::vector<ImpossibleMotion> impossible = FindImpossibleMotion(refined);
   SummarizeScale(scale, LengthErrorOf(impossible), summary);
   AddWarnings(refined, scale, impossible, summary);
+  if (summary.pose_frame == "vehicle" && !summary.is_metric())
+    summary.warnings.emplace_back(
+        "without a scale the rear axle has no place: the positions are the camera's, with the directions of the car");
+}
+
+void Summarize(const Odometry& odometry, const std::vector<FrameResult>& frames, const RefinedScale& scale,
+               RunSummary& summary) {
+  summary.scale_state = odometry.scale_state();
+  summary.pinhole = odometry.camera().pinhole;
+  summary.lens_model = odometry.camera().lens;
+  if (odometry.options().lens.enabled) summary.lens = {odometry.lens().correction(), odometry.lens().sigma()};
+  if (odometry.options().vehicle.calibrate_camera) {
+    const Mount& mount = odometry.mount().current();
+    summary.mount = {YawPitchRollFromRotation(mount.vehicle_from_camera), mount.sigma, mount.found,
+                     odometry.mount().moves()};
+  }
+  Summarize(frames, scale, summary);
+  if (odometry.is_upside_down()) summary.warnings.push_back(UpsideDownWarning(summary.rotate));
+}
+
+void SummarizeBeginning(const std::vector<FrameResult>& frames, const SeenImages& seen, RunSummary& summary) {
+  const std::optional<MissingPart> before = PartBeforeMap(summary.missing);
+  if (!before) return;
+  constexpr double kMost = 0.5;
+  constexpr double kMuch = 0.03;
+  constexpr double kShort = 0.5;  // s
+  const bool is_most = LateBeginning(summary.missing, summary.seconds, kMost).has_value();
+  if (!summary.pending_reason.empty() && is_most)
+    summary.pending_reason = fmt::format("the path begins only at {:.1f} s; {}", before->to, summary.pending_reason);
+  if (seen.Still()) return;
+  const double length = LengthBefore(*before, frames);
+  summary.path_sigma = std::hypot(summary.path_sigma, length / std::max(summary.distance, 1e-9));
+  const bool is_short = before->to - before->from < kShort || length < kMuch * summary.distance;
+  if (is_short && !LateBeginning(summary.missing, summary.seconds, 0)) return;
+  // The cause of a short part is hard to tell.
+  std::string warning =
+      is_most ? LateBeginningText(*before, summary.frames, seen) : NoMapBeforeText(*before, summary.frames);
+  if (summary.is_metric())
+    warning += fmt::format("; if the car drove there, the path lacks up to about {:.0f} m", length);
+  summary.warnings.push_back(std::move(warning));
 }
 
 std::string FoundCameraText(const FoundCamera& found) {

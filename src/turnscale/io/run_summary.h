@@ -10,7 +10,9 @@
 #include "turnscale/geometry/rotation.h"
 #include "turnscale/io/image_source.h"
 #include "turnscale/io/missing_path.h"
+#include "turnscale/io/seen_images.h"
 #include "turnscale/odometry/drive_scale.h"
+#include "turnscale/odometry/odometry.h"
 #include "turnscale/odometry/options.h"
 #include "turnscale/odometry/results.h"
 #include "turnscale/odometry/self_calibration.h"
@@ -136,6 +138,14 @@ const char* LensModelName(LensModel lens);
 
 /// Fills in what follows from the refined frames and their scale, the warnings included.
 void Summarize(const std::vector<FrameResult>& frames, const RefinedScale& scale, RunSummary& summary);
+
+/// The same, and what else the odometry says. `frames`, `scale`: its refined results.
+void Summarize(const Odometry& odometry, const std::vector<FrameResult>& frames, const RefinedScale& scale,
+               RunSummary& summary);
+
+/// For a path that begins late: what it lacks widens the sigma of its length, with a warning if it may be much. `seen`:
+/// the images before it. Follows Summarize.
+void SummarizeBeginning(const std::vector<FrameResult>& frames, const SeenImages& seen, RunSummary& summary);
 
 /// An estimated camera as a file that ReadCameraFile reads, with its standard deviations.
 std::string FoundCameraText(const FoundCamera& found);

@@ -185,7 +185,7 @@ std::string SummaryJson(const RunSummary& summary) {
        {{"state", ScaleStateName(summary.scale_state)},
         {"pending_reason", summary.pending_reason.empty() ? Json(nullptr) : Json(summary.pending_reason)},
         {"worst_relative_sigma", or_null(summary.worst_sigma)},
-        {"worst_at_s", summary.worst_sigma_time},
+        {"worst_at_s", std::isfinite(summary.worst_sigma) ? Json(summary.worst_sigma_time) : Json(nullptr)},
         {"live_metres_from_s", summary.live_metric_from ? Json(*summary.live_metric_from) : Json(nullptr)}}},
       {"warnings", summary.warnings},
       {"lens",

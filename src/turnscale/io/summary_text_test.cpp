@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <cmath>
 #include <string>
 #include <tuple>
+#include <vector>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -155,6 +158,41 @@ TEST(Summarize, ImpossibleMotionIsNamedAndPartOfSigma) {
   ASSERT_EQ(summary.warnings.size(), 1U);
   EXPECT_NE(summary.warnings[0].find("faster than a car's can"), std::string::npos) << summary.warnings[0];
   EXPECT_NEAR(summary.path_sigma, 0.18, 0.02) << "about 180 m of 1020 m";
+}
+
+// 10 frames and 10 m a second, without a map for `late` frames; a short beginning counts, but is not worth a line.
+TEST(Summarize, ABeginningWithoutAMapWidensSigma) {
+  const auto summary_of = [](int late, TrackingState last_of_them) {
+    std::vector<FrameResult> frames(100);
+    for (int i = 0; i < 100; ++i) {
+      frames[i].time = 0.1 * i;
+      frames[i].state = i >= late       ? TrackingState::kTracked
+                        : i + 1 == late ? last_of_them
+                                        : TrackingState::kInitializing;
+      frames[i].world_from_camera = RigidTransform{Eigen::Quaterniond::Identity(), {0, 0, double(std::max(i, late))}};
+      frames[i].keyframe = true;
+    }
+    RunSummary summary = InMetres(0);
+    RefinedScale scale;
+    scale.estimate.emplace().converged = true;
+    scale.estimate->length_sigma = 0.05;
+    Summarize(frames, scale, summary);
+    SummarizeBeginning(frames, {}, summary);
+    return summary;
+  };
+  EXPECT_NEAR(summary_of(0, TrackingState::kTracked).path_sigma, 0.05, 1e-9);
+  for (const TrackingState last : {TrackingState::kInitializing, TrackingState::kUnreadable}) {
+    const RunSummary brief = summary_of(4, last);
+    EXPECT_NEAR(brief.path_sigma, std::hypot(0.05, 4 / 95.0), 1e-6);
+    EXPECT_TRUE(brief.warnings.empty());
+    const RunSummary late = summary_of(10, last);
+    EXPECT_NEAR(late.path_sigma, std::hypot(0.05, 10 / 89.0), 1e-6);
+    ASSERT_EQ(late.warnings.size(), 1u);
+    EXPECT_NE(late.warnings[0].find(
+                  "before 1.0 s (10 of 100 frames); if the car drove there, the path lacks up to about 10 m"),
+              std::string::npos)
+        << late.warnings[0];
+  }
 }
 
 TEST(Summarize, AMethodThatCouldNotBeAppliedIsNamed) {

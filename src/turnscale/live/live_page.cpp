@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cctype>
 #include <chrono>
 #include <filesystem>
 #include <map>
@@ -54,6 +55,11 @@ std::pair<std::string, std::string> SplitAddress(const std::string& text) {
 bool IsNumeric(const std::string& host) {
   in6_addr address{};
   return inet_pton(AF_INET, host.c_str(), &address) == 1 || inet_pton(AF_INET6, host.c_str(), &address) == 1;
+}
+
+// Browsers write names of machines in lower case.
+bool IsSameName(const std::string& a, const std::string& b) {
+  return std::ranges::equal(a, b, [](unsigned char x, unsigned char y) { return std::tolower(x) == std::tolower(y); });
 }
 
 int PortOf(const sockaddr_storage& address) {
@@ -176,10 +182,9 @@ class LivePage::Server {
     if (thread_.joinable()) thread_.join();
   }
 
+  // A page of somebody else's that has its name point here cannot send an address in numbers.
   bool Knows(const std::string& host) const {
-    const bool local = host == "localhost" || host == "127.0.0.1" || host == "::1" || host == options_.host;
-    const bool for_all = options_.host == "0.0.0.0" || options_.host == "::";
-    return local || (for_all && IsNumeric(host));
+    return IsNumeric(host) || IsSameName(host, "localhost") || IsSameName(host, options_.host);
   }
 
   void Route() {

@@ -276,7 +276,9 @@ TEST_P(ListeningElsewhere, AnswersThere) {
   const std::string port = page->address().substr(page->address().rfind(':') + 1);
   httplib::Client client(host.find(':') == std::string::npos ? "127.0.0.1" : "::1", std::stoi(port));
   // As a browser names the host that it asks.
-  for (const std::string& name : {address.substr(7) + port, std::string("localhost:") + port}) {
+  for (const std::string& name :
+       {address.substr(7) + port, std::string("localhost:") + port, std::string("LocalHost:") + port,
+        std::string("192.0.2.7:") + port, std::string("[fd00::7]:") + port}) {
     const auto answer = client.Get("/state.json", {{"Host", name}});
     ASSERT_TRUE(answer) << host;
     EXPECT_EQ(answer->status, 200) << host << " asked as " << name;

@@ -12,6 +12,7 @@
 #include <opencv2/core/utility.hpp>
 
 #include "turnscale/base/error.h"
+#include "turnscale/base/number_text.h"
 #include "turnscale/camera/camera_model.h"
 #include "turnscale/features/corners.h"
 #include "turnscale/geometry/rotation.h"
@@ -55,6 +56,9 @@ OdometryOptions Checked(OdometryOptions options, const CameraModel& camera) {
   options.Check();
   if ((camera.width == 0) != (camera.height == 0))
     throw InputError("camera: has a width or a height without the other");
+  const Pinhole& pinhole = camera.pinhole;
+  if (!(pinhole.fx > 0 && pinhole.fy > 0 && std::isfinite(pinhole.fx + pinhole.fy + pinhole.cx + pinhole.cy)))
+    throw InputError("camera: fx and fy have to be above 0, and cx and cy finite, in pixels");
   // The radial correction grows with the tangent of the angle, which has no bound on a fisheye.
   if (camera.lens == LensModel::kEquidistant) options.lens.enabled = false;
   // Intrinsics estimated from a drive are not exact.
@@ -114,6 +118,11 @@ FrameResult Odometry::Process(const cv::Mat& gray, double time) {
 void Odometry::CheckTime(double time) const {
   if (!std::isfinite(time)) throw InputError("time " + std::to_string(time) + " s: has to be a finite number");
   if (!(time > last_time_)) throw InputError("time " + std::to_string(time) + " s: has to be after the frame before");
+  constexpr int kFewestFrames = 8;
+  constexpr double kLongestInterval = 10;
+  if (frames_ >= kFewestFrames && std::isfinite(least_interval_) && least_interval_ > kLongestInterval)
+    throw InputError("time " + std::to_string(time) + " s: all frames so far are " + NumberText(least_interval_) +
+                     " s apart or more; are the times milliseconds or nanoseconds? Give seconds");
 }
 
 void Odometry::CheckImage(const cv::Mat& gray) {
@@ -134,6 +143,8 @@ void Odometry::CheckImage(const cv::Mat& gray) {
 
 void Odometry::SetMask(const cv::Mat& mask) {
   Ensure(mask_.size().empty(), "a mask is set before the first image");
+  if (mask.empty() || mask.type() != CV_8UC1) throw InputError("mask: has to be an 8-bit gray image");
+  if (cv::countNonZero(mask) == 0) throw InputError("mask: leaves out all pixels");
   mask_.SetGiven(mask);
 }
 
@@ -145,6 +156,7 @@ void Odometry::WaitForMap() {
 }
 
 FrameResult Odometry::NewFrame(double time, TrackingState state) {
+  least_interval_ = std::min(least_interval_, time - last_time_);
   last_time_ = time;
   FrameResult result;
   result.frame = frames_++;

@@ -39,18 +39,21 @@ namespace turnscale {
 /// Finish, never earlier, so that they do not depend on the number of threads.
 class Odometry {
  public:
-  /// Throws InputError when an option is invalid, or the camera has a width without a height.
+  /// Throws InputError when an option is invalid, the camera has a width without a height, or a focal length that is
+  /// not above 0.
   Odometry(const OdometryOptions& options, const CameraModel& camera);
   // Background work holds a pointer to this object.
   Odometry(const Odometry&) = delete;
   Odometry& operator=(const Odometry&) = delete;
 
-  /// Leaves out the pixels of all images that are 0 in an 8-bit image of their size. Before the first image.
+  /// Leaves out the pixels of all images that are 0 in an 8-bit image of their size. Before the first image: later it
+  /// throws InternalError. Throws InputError if it is of another type, or leaves out all pixels.
   void SetMask(const cv::Mat& mask);
 
   /// Processes the next image (8-bit gray), taken at `time` seconds, and returns the online estimate of its pose.
   /// Throws InputError, and changes nothing, when it is empty or its size is not the camera's (or the first image's, if
-  /// the camera has none), or when the time is not finite or not after that of the previous frame.
+  /// the camera has none), when the time is not finite or not after that of the previous frame, or when many frames
+  /// are so far apart that times cannot be seconds. Throws InternalError after Finish.
   FrameResult Process(const cv::Mat& gray, double time);
 
   /// The next frame has no usable image: its pose is predicted and flagged. Throws InputError for the time as Process
@@ -189,6 +192,7 @@ class Odometry {
   bool mapping_ = false;  ///< there is a map to track against
   int lost_frames_ = 0;   ///< consecutive, up to now
   double last_time_ = -std::numeric_limits<double>::infinity();
+  double least_interval_ = std::numeric_limits<double>::infinity();  ///< between two frames, seconds
   int frames_ = 0;
   bool settling_is_due_ = false;
   int unit_judged_ = 0;  ///< keyframes before this one have their pixel_unit_variance

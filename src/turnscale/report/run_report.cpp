@@ -156,7 +156,8 @@ std::vector<std::string> NotesOf(const Summary& summary) {
       std::isfinite(slip) && NumberAt(summary, "/turns/used") > 0)
     notes.push_back(fmt::format("Side slip {:.4f} s\u00b2/m, from all turns", slip));
   notes.push_back("Intrinsics " + TextAt(summary, "/intrinsics/source"));
-  notes.push_back(TextAt(summary, "/pose_frame") == "vehicle" ? "Path of the rear axle" : "Path of the camera");
+  const bool of_axle = TextAt(summary, "/pose_frame") == "vehicle" && std::isfinite(NumberAt(summary, "/distance_m"));
+  notes.push_back(of_axle ? "Path of the rear axle" : "Path of the camera");
   return notes;
 }
 
