@@ -18,8 +18,9 @@ target_compile_options(
             # that lies.
             -fmacro-prefix-map=${PROJECT_SOURCE_DIR}/=
             $<$<BOOL:${TURNSCALE_WARNINGS_AS_ERRORS}>:-Werror>
-            $<$<BOOL:${TURNSCALE_NATIVE}>:-march=native>
-            $<$<BOOL:${TURNSCALE_NATIVE}>:-DEIGEN_MAX_ALIGN_BYTES=16>)
+            $<$<BOOL:${TURNSCALE_NATIVE}>:-march=native>)
+# Types with Eigen's members are laid out in the same way in libraries and programs that are compiled for AVX or not.
+target_compile_definitions(turnscale_build_flags INTERFACE EIGEN_MAX_ALIGN_BYTES=16)
 if(TURNSCALE_SANITIZE)
   target_compile_options(turnscale_build_flags INTERFACE -fsanitize=${TURNSCALE_SANITIZE} -fno-omit-frame-pointer
                                                          -fno-sanitize-recover=all)
@@ -40,8 +41,7 @@ function(turnscale_module module)
   target_include_directories(${target} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/src>
                                               $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
   target_compile_features(${target} PUBLIC cxx_std_20)
-  # Programs that are compiled for AVX would lay out types with Eigen's members in another way than the library.
-  target_compile_definitions(${target} PUBLIC $<INSTALL_INTERFACE:EIGEN_MAX_ALIGN_BYTES=16>)
+  target_compile_definitions(${target} PUBLIC EIGEN_MAX_ALIGN_BYTES=16)
   target_link_libraries(${target} PUBLIC ${MODULE_USES} PRIVATE ${MODULE_USES_PRIVATELY}
                                                               $<BUILD_INTERFACE:turnscale_build_flags>)
   turnscale_reuse(${target} turnscale_precompiled)

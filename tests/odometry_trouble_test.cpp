@@ -400,10 +400,39 @@ TEST(OdometryTrouble, WhatIsNoFrameIsRefusedAndLeavesNoTrace) {
   EXPECT_THROW(odometry.SetMask(small), InternalError) << "it comes too late";
 }
 
-TEST(OdometryTrouble, ACameraWithHalfASizeIsRefused) {
+TEST(OdometryTrouble, ACameraWithHalfASizeOrWithoutAFocalLengthIsRefused) {
   CameraModel camera;
   camera.width = 480;
   EXPECT_THROW(Odometry(StreetOptions(), camera), InputError);
+  camera.width = 0;
+  for (const double fx : {0.0, -400.0, std::nan(""), HUGE_VAL}) {
+    camera.pinhole = {fx, 400, 240, 96};
+    EXPECT_THROW(Odometry(StreetOptions(), camera), InputError) << fx;
+  }
+  camera.pinhole = {400, 400, std::nan(""), 96};
+  EXPECT_THROW(Odometry(StreetOptions(), camera), InputError);
+}
+
+TEST(OdometryTrouble, AMaskHasToLeaveSomething) {
+  Odometry odometry(StreetOptions(), PlainStreetDrive(1).camera);
+  for (const cv::Mat& mask :
+       {cv::Mat(), cv::Mat(192, 480, CV_8UC3, cv::Scalar::all(255)), cv::Mat(192, 480, CV_8UC1, cv::Scalar(0))})
+    EXPECT_THROW(odometry.SetMask(mask), InputError);
+}
+
+TEST(OdometryTrouble, TimesThatCannotBeSecondsAreRefused) {
+  const StreetDrive drive = PlainStreetDrive(1);
+  // The ninth of frames that are so far apart is refused, but not a usual one between them.
+  for (const auto& [interval, refused] : {std::pair(9.0, false), {104.0, true}, {1e8, true}}) {
+    Odometry odometry(StreetOptions(), drive.camera);
+    for (int i = 0; i < 8; ++i) EXPECT_EQ(Complaint(odometry, drive.images[0], i * interval), "");
+    const std::string complaint = Complaint(odometry, drive.images[0], 8 * interval);
+    EXPECT_EQ(complaint.find("Give seconds") != std::string::npos, refused) << complaint;
+    if (!refused) continue;
+    EXPECT_THROW(odometry.ProcessUnreadable(8 * interval), InputError);
+    EXPECT_EQ(Complaint(odometry, drive.images[0], 7 * interval + 0.1), "");
+    EXPECT_EQ(Complaint(odometry, drive.images[0], 8 * interval), "");
+  }
 }
 
 }  // namespace

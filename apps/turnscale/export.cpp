@@ -30,6 +30,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr double kUsualInterval = 1;  // s
+
 struct ExportArguments {
   fs::path folder;
   bool gpx = false;
@@ -40,7 +42,7 @@ struct ExportArguments {
   std::optional<double> heading;
   std::string start_time;
   fs::path fixes;
-  double interval = 1;
+  std::optional<double> interval;
   std::optional<double> fov;
   std::optional<double> aspect;
   fs::path out;
@@ -153,7 +155,7 @@ void ExportEarth(const ExportArguments& arguments, const ResultFolder& results, 
   const std::vector<LevelPlace> path = LevelPath(results, arguments.folder.string());
   track.start_time = StartTime(arguments.start_time, path.front().time);
   const Placement placement = PlacementFrom(arguments, results, path, track.start_time, track.has_height, messages);
-  track.places = PlaceOnEarth(path, placement, arguments.interval);
+  track.places = PlaceOnEarth(path, placement, arguments.interval.value_or(kUsualInterval));
   std::vector<LevelPlace> turns;
   for (const TurnResult& turn : results.turns) {
     const int middle = (turn.first_frame + turn.last_frame) / 2;
@@ -196,12 +198,13 @@ void RunExport(const ExportArguments& arguments) {
   for (const GivenOption& option : {GivenOption{"--origin", !arguments.origin.empty()},
                                     {"--heading", arguments.heading.has_value()},
                                     {"--fixes", !arguments.fixes.empty()},
-                                    {"--start-time", !arguments.start_time.empty()}})
+                                    {"--start-time", !arguments.start_time.empty()},
+                                    {"--interval", arguments.interval.has_value()}})
     RequireFor(option, maps, "--gpx, --kml or --geojson");
   for (const GivenOption& option :
        {GivenOption{"--fov", arguments.fov.has_value()}, {"--aspect", arguments.aspect.has_value()}})
     RequireFor(option, arguments.gltf, "--gltf");
-  CheckFinite("--interval", arguments.interval);
+  if (arguments.interval) CheckFinite("--interval", *arguments.interval);
   if (arguments.fov) CheckFinite("--fov", *arguments.fov);
   if (arguments.aspect) CheckFinite("--aspect", *arguments.aspect);
   const ResultFolder results = ReadResultFolder(arguments.folder);
@@ -246,9 +249,9 @@ void AddExportCommand(CLI::App& app) {
                       "of day, unless the drive's times are seconds since 1970");
   command
       ->add_option("--interval", arguments->interval,
-                   "Minimum time between two points but the last two, seconds; 0: every frame")
-      ->check(CLI::NonNegativeNumber)
-      ->capture_default_str();
+                   fmt::format("Minimum time between two points but the last two, seconds; 0: every frame [{:g}]",
+                               kUsualInterval))
+      ->check(CLI::NonNegativeNumber);
   command
       ->add_option("--fov", arguments->fov,
                    "Horizontal field of view of the camera in --gltf, degrees [that of the intrinsics of the run]")

@@ -54,6 +54,7 @@ FrameByFrame::FrameByFrame(const CameraModel& camera, const OdometryArguments& a
     : odometry_(CheckedOptions(arguments), camera) {
   cv::setNumThreads(arguments.threads);
   if (!arguments.mask) return;
+  mask_ = arguments.mask->string();
   const cv::Mat mask = ReadMask(*arguments.mask);
   CheckMaskSize(*arguments.mask, mask,
                 {camera.width > 0 ? camera.width : mask.cols, camera.width > 0 ? camera.height : mask.rows});
@@ -77,6 +78,7 @@ void FrameByFrame::SetMask(const py::array& mask) {
   WithoutLock([&] {
     if (frames_ > 0) throw InputError("mask: has to be set before the first image");
     odometry_.SetMask(pixels);
+    mask_ = "array";
   });
 }
 
@@ -84,6 +86,10 @@ LiveFrame FrameByFrame::Keep(const FrameResult& result) {
   ++frames_;
   last_time_ = result.time;
   RecordRotation(result, odometry_.mount().current(), rotations_);
+  if (const int moves = odometry_.mount().moves(); moves > moves_) {
+    moves_ = moves;
+    warnings_.push_back(CameraMovedWarning(result.frame));
+  }
   if (result.world_from_camera) live_ += TumLine({result.time, *result.world_from_camera});
   LiveFrame frame;
   frame.result = result;
@@ -134,16 +140,16 @@ RunSummary FrameByFrame::SummaryOf(const std::vector<FrameResult>& frames, const
   RunSummary summary;
   summary.version = Version();
   summary.pose_frame = "camera";
-  summary.vehicle = odometry_.options().vehicle;
-  summary.method = odometry_.options().scale.method;
+  summary.camera = "turnscale.Camera";
+  summary.mask = mask_;
   summary.image_width = odometry_.camera().width;
   summary.image_height = odometry_.camera().height;
   summary.live_metric_from = live_metric_from_;
   summary.unreadable = unreadable_;
+  summary.warnings = warnings_;
   if (!unreadable_.empty()) summary.warnings.push_back(UnreadableText(unreadable_));
   Summarize(odometry_, frames, refined, summary);
   if (tracks_) SummarizeBeginning(frames, seen_, summary);
-  if (summary.has_measure() && !summary.is_metric()) summary.warnings.push_back(UpToScaleText(summary.pending_reason));
   summary.cost = MeasureCost();
   summary.cost.latency = LatencyOf(latencies_);
   return summary;
@@ -173,7 +179,10 @@ DriveTables FrameByFrame::Tables() {
     tables.scale = ScaleTable(odometry_.map(), refined.estimate ? refined : RefinedScale());
     tables.camera_rotation = RotationTable(rotations_);
     tables.live = live_;
-    tables.summary = SummaryJson(SummaryOf(frames, refined));
+    const RunSummary summary = SummaryOf(frames, refined);
+    tables.summary = SummaryJson(summary);
+    tables.warnings = summary.warnings;
+    if (summary.has_measure() && !summary.is_metric()) tables.warnings.push_back(UpToScaleText(summary.pending_reason));
     tables.map = odometry_.RefinedMap(refined);
     return tables;
   });

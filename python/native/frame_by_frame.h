@@ -33,7 +33,8 @@ struct DriveTables {
   std::string scale;
   std::string camera_rotation;
   std::string live;
-  std::string summary;  ///< JSON
+  std::string summary;                ///< JSON
+  std::vector<std::string> warnings;  ///< those of the summary, and that the trajectory is up to scale
   MapPoints map;
 };
 
@@ -64,6 +65,7 @@ class FrameByFrame {
 
   std::mutex busy_;
   Odometry odometry_;
+  std::string mask_;  ///< its file, or "array"; empty without one
   std::vector<RotationRecord> rotations_;
   std::string live_;  ///< live.tum
   SeenImages seen_;   ///< before there is a map
@@ -71,6 +73,8 @@ class FrameByFrame {
   std::vector<UnreadableFrame> unreadable_;
   std::vector<double> latencies_;  ///< of images, seconds
   std::optional<double> live_metric_from_;
+  std::vector<std::string> warnings_;  ///< of frames
+  int moves_ = 0;                      ///< of the camera on the car, warned of so far
   int frames_ = 0;
   double last_time_ = 0;
   bool finished_ = false;

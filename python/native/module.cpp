@@ -342,6 +342,7 @@ PYBIND11_MODULE(_native, module) {
       .def_readonly("camera_rotation", &DriveTables::camera_rotation)
       .def_readonly("live", &DriveTables::live)
       .def_property_readonly("summary", [](const DriveTables& tables) { return py::bytes(tables.summary); })
+      .def_readonly("warnings", &DriveTables::warnings)
       .def_property_readonly("landmarks", [](const DriveTables& tables) { return Points(tables.map.landmarks); })
       .def_property_readonly("cameras", [](const DriveTables& tables) { return Points(tables.map.cameras); });
 

@@ -17,6 +17,12 @@ from turnscale._options import Height, Path, Rotation, Settings, list_text, sett
 from turnscale._tables import from_csv, from_tum
 
 
+def _drive_from(tables: _native.Tables) -> Drive:
+    return Drive(trajectory=from_csv(tables.trajectory), turns=from_csv(tables.turns), speed=from_csv(tables.speed),
+                 scale=from_csv(tables.scale), camera_rotation=from_csv(tables.camera_rotation), live=from_tum(tables.live),
+                 landmarks=tables.landmarks, summary=json.loads(tables.summary))
+
+
 class Odometry:
     """Estimates the trajectory of a camera on a car, one image after the other.
 
@@ -55,7 +61,8 @@ class Odometry:
             neither copied nor kept. None where the frame has no usable image: its pose is predicted.
         time: seconds, after that of the frame before.
 
-        Raises ValueError where the image is of another kind or size, or the time does not increase.
+        Raises ValueError where the image is of another kind or size, the time does not increase, or times are so far
+        apart that they cannot be seconds.
         """
         if image is None:
             return self._native.process_unreadable(time)
@@ -65,18 +72,15 @@ class Odometry:
         """Ends the drive, adjusts it as a whole, which may take minutes after hours of driving, and returns `results`.
         No image may follow. Issues the warnings that `run` does."""
         self._native.finish()
-        drive = self.results()
-        for warning in drive.summary["warnings"]:
+        tables = self._native.tables()
+        for warning in tables.warnings:
             warnings.warn(warning, stacklevel=2)
-        return drive
+        return _drive_from(tables)
 
     def results(self) -> Drive:
         """Refined poses, turns, speed and scale of the drive so far, with the digits of the program's files, and what
         the summary of a run would say of it (`summary`, `summary["warnings"]`)."""
-        tables = self._native.tables()
-        return Drive(trajectory=from_csv(tables.trajectory), turns=from_csv(tables.turns), speed=from_csv(tables.speed),
-                     scale=from_csv(tables.scale), camera_rotation=from_csv(tables.camera_rotation),
-                     live=from_tum(tables.live), landmarks=tables.landmarks, summary=json.loads(tables.summary))
+        return _drive_from(self._native.tables())
 
     @property
     def camera(self) -> Camera:

@@ -11,6 +11,7 @@
 
 #include "turnscale/base/error.h"
 #include "turnscale/base/input_file.h"
+#include "turnscale/commands/run_of_trajectory.h"
 #include "turnscale/io/drive_input.h"
 #include "turnscale/io/run_files.h"
 #include "turnscale/io/settings.h"
@@ -41,6 +42,10 @@ Paired PairFrames(const TrajectoryFile& estimate, const TrajectoryFile& truth) {
   return {AssociateByTime(estimate.poses, truth.poses, {0.5}), KeyframeKey::kFrame, "frame"};
 }
 
+void RefuseTolerance(const ComparisonFiles& arguments, const std::string& why) {
+  if (arguments.time_tolerance) throw InputError("--time-tolerance: is not needed, since " + why + "; leave it out");
+}
+
 Paired PairPoses(const ComparisonFiles& arguments, TrajectoryFile& estimate, TrajectoryFile& truth) {
   const bool estimate_has_times = HasTimes(estimate);
   const bool truth_has_times = HasTimes(truth);
@@ -51,9 +56,7 @@ Paired PairPoses(const ComparisonFiles& arguments, TrajectoryFile& estimate, Tra
         "; leave it out");
   }
   if (!estimate_has_times && !truth_has_times) {
-    if (arguments.time_tolerance)
-      throw InputError(
-          "--time-tolerance: is not needed, since two KITTI files are associated by frame number; leave it out");
+    RefuseTolerance(arguments, "two KITTI files are associated by frame number");
     return PairFrames(estimate, truth);
   }
   if (estimate_has_times != truth_has_times) {
@@ -62,6 +65,7 @@ Paired PairPoses(const ComparisonFiles& arguments, TrajectoryFile& estimate, Tra
     const fs::path times = arguments.timestamps.empty() ? FindPoseTimes(untimed_path) : arguments.timestamps;
     if (times.empty()) {
       if (estimate.poses.size() == truth.poses.size()) {
+        RefuseTolerance(arguments, "poses without times are associated one by one");
         const KeyframeKey key = estimate_has_times ? KeyframeKey::kTime : KeyframeKey::kFrame;
         return {AssociateByFrame(estimate.poses, truth.poses), key, "frame"};
       }
@@ -73,25 +77,6 @@ Paired PairPoses(const ComparisonFiles& arguments, TrajectoryFile& estimate, Tra
     untimed = ReadTrajectoryFile(untimed_path, ReadFrameTimes(times).times);
   }
   return {AssociateByTime(estimate.poses, truth.poses, {arguments.time_tolerance}), KeyframeKey::kTime, "time"};
-}
-
-constexpr std::string_view kPendingScale = "pending";
-
-// A member of the summary of the run that a trajectory is a result of; null if it is of none.
-nlohmann::json OfRun(const fs::path& trajectory, const char* member) {
-  const fs::path name = trajectory.filename();
-  if (name != RunFiles::kTrajectoryTum && name != RunFiles::kTrajectoryKitti && name != RunFiles::kLiveTum) return {};
-  std::ifstream file(trajectory.parent_path() / RunFiles::kSummary);
-  const nlohmann::json summary = nlohmann::json::parse(file, nullptr, false);
-  return summary.is_object() && summary.contains(member) ? summary[member] : nlohmann::json();
-}
-
-nlohmann::json ScaleOfRun(const fs::path& trajectory) { return OfRun(trajectory, "scale"); }
-
-// Its state; empty if there is none.
-std::string ScaleStateOfRun(const fs::path& trajectory) {
-  const nlohmann::json scale = ScaleOfRun(trajectory);
-  return scale.contains("state") && scale["state"].is_string() ? scale["state"].get<std::string>() : "";
 }
 
 constexpr auto kOnlyScaledErrors = "only errors of the scaled trajectory and after Sim(3) alignment are meaningful";
@@ -175,11 +160,6 @@ std::vector<Step> FindSteps(const ComparisonFiles& arguments, const Paired& pair
 }
 
 }  // namespace
-
-bool IsOfRearAxle(const fs::path& trajectory) {
-  const std::string state = ScaleStateOfRun(trajectory);
-  return !state.empty() && state != kPendingScale && OfRun(trajectory, "pose_frame") == "vehicle";
-}
 
 std::vector<fs::path> FilesRead(const ComparisonFiles& arguments) {
   std::vector<fs::path> files = {arguments.estimate, arguments.ground_truth, arguments.keyframes,

@@ -37,9 +37,6 @@ std::vector<std::filesystem::path> FilesRead(const ComparisonFiles& arguments);
 /// says why they do not fit.
 Comparison Compare(const ComparisonFiles& arguments);
 
-/// Whether a trajectory is a result of `run --frame vehicle`, in metres: its poses are the rear axle's.
-bool IsOfRearAxle(const std::filesystem::path& trajectory);
-
 /// What `evaluate --json` writes.
 std::string ComparisonJson(const Comparison& comparison);
 

@@ -72,8 +72,7 @@ CameraEstimate EstimateCamera(const ImageArguments& arguments, DriveImages& imag
   if (!assumed && !arguments.refine_camera) return {};
   if (assumed && arguments.refine_camera)
     throw InputError(arguments.field_of_view
-                         ? "--camera-refine: refines a calibration, in place of which --fov is used; leave out one of "
-                           "the two"
+                         ? "--camera-refine: needs a calibration, and --fov replaces it; leave out one of the two"
                          : "--camera-refine: there are no intrinsics to refine; give --camera FILE, or leave it out");
   const double view = ViewOf(arguments);
   // The run itself says what is wrong with such a drive.

@@ -83,8 +83,7 @@ std::string WhyIncomplete(const std::vector<FrameResult>& frames, const ImageSou
   // this. A map needs some images to begin, so that the first two seconds do not count (LateBeginning).
   constexpr double kLeastShare = 0.02;
   if (!source.left_out().empty()) return source.left_out().front();
-  const double seconds = frames.back().time - frames.front().time;
-  if (const auto late = LateBeginning(FindMissingParts(frames), seconds, kLeastShare))
+  if (const auto late = LateBeginning(frames, kLeastShare))
     if (std::string why = LateBeginningText(*late, static_cast<int>(frames.size()), before); !why.empty()) return why;
   if (const auto lost = FirstLost(frames)) return fmt::format("tracking was lost at frame {}", *lost);
   return source.EndsEarly();

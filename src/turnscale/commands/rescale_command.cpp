@@ -9,10 +9,10 @@
 
 #include "turnscale/base/error.h"
 #include "turnscale/commands/argument_checks.h"
-#include "turnscale/commands/comparison.h"
 #include "turnscale/commands/drive_source.h"
 #include "turnscale/commands/rescale_page.h"
 #include "turnscale/commands/rescale_report.h"
+#include "turnscale/commands/run_of_trajectory.h"
 #include "turnscale/geometry/rotation.h"
 #include "turnscale/io/height_file.h"
 #include "turnscale/io/output_file.h"

@@ -51,22 +51,19 @@ double TotalSeconds(const std::vector<MissingPart>& parts) {
   return seconds;
 }
 
-std::optional<MissingPart> PartBeforeMap(const std::vector<MissingPart>& parts) {
-  if (parts.empty() || parts.front().reason != MissingReason::kNotBegun) return std::nullopt;
-  MissingPart before = parts.front();
-  for (auto part = parts.begin() + 1; part != parts.end() && part->from <= before.to; ++part) {
-    before.to = part->to;
-    before.frames += part->frames;
-  }
-  return before;
+std::optional<MissingPart> PartBeforeMap(const std::vector<FrameResult>& frames) {
+  const auto first = std::ranges::find_if(frames, IsMeasured);
+  if (first == frames.begin() || first == frames.end()) return std::nullopt;
+  return MissingPart{MissingReason::kNotBegun, frames.front().time, first->time,
+                     static_cast<int>(first - frames.begin())};
 }
 
-std::optional<MissingPart> LateBeginning(const std::vector<MissingPart>& parts, double seconds, double least_share) {
-  constexpr double kShort = 2;  // s
-  const std::optional<MissingPart> before = PartBeforeMap(parts);
+std::optional<MissingPart> LateBeginning(const std::vector<FrameResult>& frames, double least_share) {
+  const std::optional<MissingPart> before = PartBeforeMap(frames);
   if (!before) return std::nullopt;
   const double missing = before->to - before->from;
-  if (missing < kShort || missing < least_share * seconds) return std::nullopt;
+  const double seconds = frames.back().time - frames.front().time;
+  if (missing < kLateSeconds || missing < least_share * seconds) return std::nullopt;
   return before;
 }
 
@@ -76,7 +73,7 @@ std::string NoMapBeforeText(const MissingPart& before, int frames) {
 
 std::string LateBeginningText(const MissingPart& before, int frames, const SeenImages& seen) {
   if (seen.Still()) return {};
-  return NoMapBeforeText(before, frames) + ": " + seen.Cause();
+  return NoMapBeforeText(before, frames) + (seen.empty() ? "" : ": " + seen.Cause());
 }
 
 double LengthBefore(const MissingPart& before, const std::vector<FrameResult>& frames) {

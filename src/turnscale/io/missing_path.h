@@ -35,18 +35,20 @@ std::vector<MissingPart> LongestParts(const std::vector<MissingPart>& parts, siz
 /// Sum of their lengths, seconds.
 double TotalSeconds(const std::vector<MissingPart>& parts);
 
-/// The part before the map begins, with pauses of the recording in it.
-std::optional<MissingPart> PartBeforeMap(const std::vector<MissingPart>& parts);
+/// The part before the first measured pose, with pauses of the recording in it; nothing if it is the first frame's, or
+/// if there is none.
+std::optional<MissingPart> PartBeforeMap(const std::vector<FrameResult>& frames);
 
-/// The same; nothing if it is shorter than 2 s, or than that share of a drive of so many seconds: a map needs a moment
-/// to begin.
-std::optional<MissingPart> LateBeginning(const std::vector<MissingPart>& parts, double seconds, double least_share);
+/// A map needs a moment to begin, seconds.
+constexpr double kLateSeconds = 2;
+
+/// The same; nothing if it is shorter than kLateSeconds, or than that share of the drive.
+std::optional<MissingPart> LateBeginning(const std::vector<FrameResult>& frames, double least_share);
 
 /// One line: until when there is no map. `frames`: of the whole drive.
 std::string NoMapBeforeText(const MissingPart& before, int frames);
 
-/// The same, and why. Empty if the images until then, `seen`, say that the car waits, which
-/// is no fault.
+/// The same, and why, by the images until then, `seen`. Empty if they say that the car waits, which is no fault.
 std::string LateBeginningText(const MissingPart& before, int frames, const SeenImages& seen);
 
 /// How far the car drives before the map begins, if it has the speed of the first second after that: a rough estimate,

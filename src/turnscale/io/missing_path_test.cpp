@@ -69,23 +69,28 @@ TEST(MissingPath, UnreadableImagesAndPausesBeforeTheMapArePartsOfTheSameBeginnin
     EXPECT_EQ(MissingPartText(parts[0]), "before initialisation from 0.0 s to 0.4 s (4 frames)") << states;
   }
   EXPECT_EQ(FindMissingParts(Frames("tiit"))[0].reason, MissingReason::kLost) << "a new map begins";
-  const auto before = PartBeforeMap(FindMissingParts(Frames("uii-iutbt")));
-  ASSERT_TRUE(before);
-  EXPECT_EQ(MissingPartText(*before), "before initialisation from 0.0 s to 2.5 s (5 frames)");
-  EXPECT_FALSE(PartBeforeMap(FindMissingParts(Frames("tuut"))));
+  const auto before = [](std::string_view states) {
+    const std::optional<MissingPart> part = PartBeforeMap(Frames(states));
+    return part ? MissingPartText(*part) : "";
+  };
+  EXPECT_EQ(before("uii-iutbt"), "before initialisation from 0.0 s to 2.5 s (5 frames)");
+  EXPECT_EQ(before("iii-t"), "before initialisation from 0.0 s to 2.3 s (3 frames)");
+  EXPECT_EQ(before("iiit-t"), "before initialisation from 0.0 s to 0.3 s (3 frames)") << "the pause follows";
+  EXPECT_EQ(before("tuut"), "");
+  EXPECT_EQ(before("iii"), "") << "no map at all";
 }
 
 TEST(MissingPath, ALateBeginningIsLongAndNoSmallPartOfTheDrive) {
   const auto before = [](int initializing, int tracked, double least_share) {
     const auto frames = Frames(std::string(initializing, 'i') + std::string(tracked, 't'));
-    return LateBeginning(FindMissingParts(frames), frames.back().time, least_share);
+    return LateBeginning(frames, least_share);
   };
   EXPECT_FALSE(before(0, 40, 0));
   EXPECT_FALSE(before(19, 20, 0));
   EXPECT_FALSE(before(25, 40, 0.5));
   ASSERT_TRUE(before(25, 40, 0.3));
   EXPECT_EQ(before(25, 40, 0.3)->frames, 25);
-  EXPECT_FALSE(LateBeginning(FindMissingParts(Frames("tttbbbbbbbbbbbbbbbbbbbbbbbbbbbbt")), 3.2, 0)) << "lost";
+  EXPECT_FALSE(LateBeginning(Frames("tttbbbbbbbbbbbbbbbbbbbbbbbbbbbbt"), 0)) << "lost";
 }
 
 TEST(MissingPath, ACarThatWaitsIsNoFault) {
@@ -101,6 +106,9 @@ TEST(MissingPath, ACarThatWaitsIsNoFault) {
   };
   EXPECT_EQ(text(0), "");
   EXPECT_EQ(text(3).find("no map could be started before 4.0 s (40 of 100 frames): the points"), 0u) << text(3);
+  EXPECT_EQ(LateBeginningText({MissingReason::kNotBegun, 0, 4, 40}, 100, {}),
+            "no map could be started before 4.0 s (40 of 100 frames)")
+      << "no image could be read";
 }
 
 TEST(MissingPath, TheLengthBeforeTheMapIsThatAtTheFirstSpeed) {

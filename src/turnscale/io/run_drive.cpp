@@ -147,9 +147,7 @@ class Run {
     RecordRotation(result, odometry_.mount().current(), rotations_);
     if (const int moves = odometry_.mount().moves(); moves > moves_) {
       moves_ = moves;
-      Warn(fmt::format(
-          "frame {}: the camera was moved since the last turn; re-estimating the camera-to-vehicle rotation",
-          frame.index));
+      Warn(CameraMovedWarning(frame.index));
     }
     progress_.Update(processed_, fmt::format("{} keyframes, scale {}", odometry_.map().keyframes.size(),
                                              ScaleStateName(odometry_.scale_state())));
@@ -210,6 +208,7 @@ class Run {
     summary.clips = drive_.clips();
     turnscale::Summarize(odometry_, results_.frames, results_.scale, summary);
     summary.pinhole = drive_.scaling.Full(odometry_.camera()).pinhole;
+    // As it was when these results were computed.
     summary.scale_state = results_.scale_state;
     if (tracks_) SummarizeBeginning(results_.frames, seen_, summary);
     if (tracks_) SayIfPart(summary);

@@ -254,6 +254,11 @@ std::string UpToScaleText(const std::string& pending_reason) {
   return "the trajectory is up to scale" + (pending_reason.empty() ? "" : ": " + pending_reason);
 }
 
+std::string CameraMovedWarning(int frame) {
+  return fmt::format("frame {}: the camera was moved since the last turn; re-estimating the camera-to-vehicle rotation",
+                     frame);
+}
+
 std::string UpsideDownWarning(int rotated) {
   return "the images seem to be upside down, as the road is above the camera in them: left and right are exchanged in "
          "the path; " +
@@ -311,6 +316,8 @@ void Summarize(const std::vector<FrameResult>& refined, const RefinedScale& scal
 
 void Summarize(const Odometry& odometry, const std::vector<FrameResult>& frames, const RefinedScale& scale,
                RunSummary& summary) {
+  summary.vehicle = odometry.options().vehicle;
+  summary.method = odometry.options().scale.method;
   summary.scale_state = odometry.scale_state();
   summary.pinhole = odometry.camera().pinhole;
   summary.lens_model = odometry.camera().lens;
@@ -325,19 +332,19 @@ void Summarize(const Odometry& odometry, const std::vector<FrameResult>& frames,
 }
 
 void SummarizeBeginning(const std::vector<FrameResult>& frames, const SeenImages& seen, RunSummary& summary) {
-  const std::optional<MissingPart> before = PartBeforeMap(summary.missing);
+  const std::optional<MissingPart> before = PartBeforeMap(frames);
   if (!before) return;
   constexpr double kMost = 0.5;
-  constexpr double kMuch = 0.03;
-  constexpr double kShort = 0.5;  // s
-  const bool is_most = LateBeginning(summary.missing, summary.seconds, kMost).has_value();
+  constexpr double kBriefSeconds = 0.5;
+  constexpr double kSmallShare = 0.03;
+  const bool is_most = LateBeginning(frames, kMost).has_value();
   if (!summary.pending_reason.empty() && is_most)
     summary.pending_reason = fmt::format("the path begins only at {:.1f} s; {}", before->to, summary.pending_reason);
   if (seen.Still()) return;
   const double length = LengthBefore(*before, frames);
   summary.path_sigma = std::hypot(summary.path_sigma, length / std::max(summary.distance, 1e-9));
-  const bool is_short = before->to - before->from < kShort || length < kMuch * summary.distance;
-  if (is_short && !LateBeginning(summary.missing, summary.seconds, 0)) return;
+  const double seconds = before->to - before->from;
+  if (seconds < kBriefSeconds || (seconds < kLateSeconds && length < kSmallShare * summary.distance)) return;
   // The cause of a short part is hard to tell.
   std::string warning =
       is_most ? LateBeginningText(*before, summary.frames, seen) : NoMapBeforeText(*before, summary.frames);

@@ -22,6 +22,9 @@ namespace turnscale {
 /// That the trajectory of a run with a measured length is up to scale all the same, and why.
 std::string UpToScaleText(const std::string& pending_reason);
 
+/// Warning where the odometry finds that the camera was moved on the car.
+std::string CameraMovedWarning(int frame);
+
 /// Warning where the odometry finds the images upside down. `rotated`: degrees clockwise, by `--rotate`.
 std::string UpsideDownWarning(int rotated);
 
@@ -139,12 +142,13 @@ const char* LensModelName(LensModel lens);
 /// Fills in what follows from the refined frames and their scale, the warnings included.
 void Summarize(const std::vector<FrameResult>& frames, const RefinedScale& scale, RunSummary& summary);
 
-/// The same, and what else the odometry says. `frames`, `scale`: its refined results.
+/// The same, and what else the odometry says of car, camera and scale. `frames`, `scale`: its refined results. Warnings
+/// also depend on the summary's clips, found_camera, rotate and pose_frame, where there are any.
 void Summarize(const Odometry& odometry, const std::vector<FrameResult>& frames, const RefinedScale& scale,
                RunSummary& summary);
 
-/// For a path that begins late: what it lacks widens the sigma of its length, with a warning if it may be much. `seen`:
-/// the images before it. Follows Summarize.
+/// For a path that begins after the first frame: widens the relative sigma of its length by what it may lack, and warns
+/// if it begins 2 s late, or .5 s and lacks 3 % of its length. `seen`: the images before it. Follows Summarize.
 void SummarizeBeginning(const std::vector<FrameResult>& frames, const SeenImages& seen, RunSummary& summary);
 
 /// An estimated camera as a file that ReadCameraFile reads, with its standard deviations.

@@ -14,6 +14,8 @@ class SeenImages {
   /// `tracked`: number of features that were tracked into the image.
   void Add(const cv::Mat& gray, double time, int tracked);
 
+  bool empty() const { return brightness_.empty(); }
+
   /// Why nothing could be tracked, and what to try: one sentence.
   std::string Explanation() const;
 

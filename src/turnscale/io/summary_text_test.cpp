@@ -162,9 +162,9 @@ TEST(Summarize, ImpossibleMotionIsNamedAndPartOfSigma) {
 
 // 10 frames and 10 m a second, without a map for `late` frames; a short beginning counts, but is not worth a line.
 TEST(Summarize, ABeginningWithoutAMapWidensSigma) {
-  const auto summary_of = [](int late, TrackingState last_of_them) {
-    std::vector<FrameResult> frames(100);
-    for (int i = 0; i < 100; ++i) {
+  const auto summary_of = [](int late, TrackingState last_of_them, int count = 100) {
+    std::vector<FrameResult> frames(count);
+    for (int i = 0; i < count; ++i) {
       frames[i].time = 0.1 * i;
       frames[i].state = i >= late       ? TrackingState::kTracked
                         : i + 1 == late ? last_of_them
@@ -185,6 +185,8 @@ TEST(Summarize, ABeginningWithoutAMapWidensSigma) {
     const RunSummary brief = summary_of(4, last);
     EXPECT_NEAR(brief.path_sigma, std::hypot(0.05, 4 / 95.0), 1e-6);
     EXPECT_TRUE(brief.warnings.empty());
+    EXPECT_TRUE(summary_of(10, last, 1000).warnings.empty()) << "1 % of the drive";
+    EXPECT_EQ(summary_of(20, last, 1000).warnings.size(), 1u) << "two seconds";
     const RunSummary late = summary_of(10, last);
     EXPECT_NEAR(late.path_sigma, std::hypot(0.05, 10 / 89.0), 1e-6);
     ASSERT_EQ(late.warnings.size(), 1u);

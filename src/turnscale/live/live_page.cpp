@@ -182,7 +182,7 @@ class LivePage::Server {
     if (thread_.joinable()) thread_.join();
   }
 
-  // A page of somebody else's that has its name point here cannot send an address in numbers.
+  // Another site can make its name lead here; the browser then sends that name, never an address in numbers.
   bool Knows(const std::string& host) const {
     return IsNumeric(host) || IsSameName(host, "localhost") || IsSameName(host, options_.host);
   }

@@ -145,11 +145,13 @@ DriveScale::DriveScale(const OdometryOptions& options)
 
 bool DriveScale::Add(const Map& map) {
   bool turn_ended = false;
-  for (; keyframes_ < static_cast<int>(map.keyframes.size()); ++keyframes_)
-    turn_ended = Feed(map, keyframes_) || turn_ended;
+  for (; keyframes_ < static_cast<int>(map.keyframes.size()); ++keyframes_) {
+    const bool ends = Feed(map, keyframes_);
+    // A keyframe behind a loss of tracking ends a turn that it is no part of.
+    used_turn_ended_ = ends && live_.used_last_turn() && !map.keyframes[keyframes_].after_gap;
+    turn_ended = turn_ended || ends;
+  }
   if (turn_ended) unread_turn_end_ = keyframes_ - 1;
-  // A keyframe behind a loss of tracking ends a turn that it is no part of.
-  used_turn_ended_ = turn_ended && live_.used_last_turn() && !map.keyframes.back().after_gap;
   UpdateLive(map, keyframes_);
   return turn_ended;
 }
@@ -195,7 +197,8 @@ void DriveScale::Reread(const Map& map, MountCalibration mount, int first, int e
   }
   std::optional<int> turn_end;
   if (unread_turn_end_ && *unread_turn_end_ < end) turn_end = std::exchange(unread_turn_end_, std::nullopt);
-  UpdateLive(map, first, live_.used_last_turn() ? turn_end : std::nullopt);
+  if (!live_.used_last_turn()) turn_end.reset();
+  UpdateLive(map, first, turn_end);
   if (turn_end) last_turn_end_ = *turn_end;
 }
 

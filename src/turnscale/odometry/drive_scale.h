@@ -92,7 +92,7 @@ class DriveScale {
   const MountCalibration& mount() const { return mount_; }
   /// The online estimate.
   const MetricPath& live_path() const { return live_path_; }
-  /// Keyframe up to which the keyframes were adjusted when the last turn ended; 0 before the first turn.
+  /// Keyframe up to which the keyframes were adjusted when the last used turn ended; 0 before the first.
   int last_turn_end() const { return last_turn_end_; }
 
   /// The smoother over all keyframes of the map; `follow_turns`: see ScaleEstimatorOptions.

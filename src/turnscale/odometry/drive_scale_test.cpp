@@ -45,6 +45,20 @@ struct Live {
 
   /// The next keyframe. `gap` is the factor by which the unit changes across a loss of tracking.
   void Next(double gap = 1) {
+    Append(gap);
+    const int k = static_cast<int>(map.keyframes.size()) - 1;
+    // The camera's rotation is learnt where a turn ends, as Odometry does it.
+    if (scale.Add(map) && !end) end = k + 1;
+    if (!end || k + 1 < *end + delay) return;
+    const int settled = reach == 0 ? 0 : k + 1 - reach;
+    MountCalibration mount = scale.mount();
+    mount.Learn(map, k);
+    scale.Reread(map, std::move(mount), std::max(0, settled), *end, settled);
+    end.reset();
+  }
+
+  /// The same, not read yet.
+  void Append(double gap = 1) {
     const int k = static_cast<int>(map.keyframes.size());
     Keyframe keyframe{.frame = 2 * k, .time = 0.1 * k, .camera_from_world = {}, .observations = {}};
     if (k > 0) {
@@ -60,14 +74,6 @@ struct Live {
       keyframe.camera_from_world = step * map.keyframes.back().camera_from_world;
     }
     map.keyframes.push_back(keyframe);
-    // The camera's rotation is learnt where a turn ends, as Odometry does it.
-    if (scale.Add(map) && !end) end = k + 1;
-    if (!end || k + 1 < *end + delay) return;
-    const int settled = reach == 0 ? 0 : k + 1 - reach;
-    MountCalibration mount = scale.mount();
-    mount.Learn(map, k);
-    scale.Reread(map, std::move(mount), std::max(0, settled), *end, settled);
-    end.reset();
   }
 
   void Drive() {
@@ -516,11 +522,34 @@ TEST(DriveScale, NothingIsReadAcrossAGap) {
   EXPECT_GE(refined.sigmas.back(), 0.3) << "the gap came after the turn";
 }
 
+// A map that starts again has two keyframes at once.
 TEST(DriveScale, ATurnThatAGapEndsIsNotObservedBehindIt) {
-  Live live(KnownCar(), TrueDrive(kTwoCorners), 1);
-  while (live.map.keyframes.size() < kFirstCorner + 12) live.Next();
-  live.Next(2.5);
-  EXPECT_EQ(live.scale.state(), ScaleState::kHeld);
+  for (const int more : {0, 1}) {
+    Live live(KnownCar(), TrueDrive(kTwoCorners), 1);
+    while (live.map.keyframes.size() < kFirstCorner + 12) live.Next();
+    ASSERT_EQ(live.scale.state(), ScaleState::kObserved);
+    live.Append(2.5);
+    if (more == 1) live.Append();
+    live.scale.Add(live.map);
+    EXPECT_EQ(live.scale.state(), ScaleState::kHeld) << more;
+  }
+}
+
+TEST(DriveScale, ATurnThatIsNotUsedIsNotObserved) {
+  OdometryOptions options = KnownCar();
+  options.vehicle.lever_arm.reset();
+  options.vehicle.camera_height = 1.5;
+  Live live(options, TrueDrive(kTwoCorners), 1, 0.001);
+  bool metric = false;
+  while (live.map.keyframes.size() < live.truth.size()) {
+    const int k = static_cast<int>(live.map.keyframes.size());
+    if (k > 0) live.scale.AddHeight({k, k - 1, 1.5 / live.TrueStep(k), 0.01, {}, {}, {}});
+    live.Next();
+    EXPECT_NE(live.scale.state(), ScaleState::kObserved) << k;
+    metric = metric || live.scale.state() == ScaleState::kFromRoad;
+  }
+  EXPECT_TRUE(metric);
+  EXPECT_EQ(live.scale.last_turn_end(), 0);
 }
 
 TEST(DriveScale, BothSidesOfAGapHaveTheirOwnScale) {

@@ -120,8 +120,9 @@ void Odometry::CheckTime(double time) const {
   if (!(time > last_time_)) throw InputError("time " + std::to_string(time) + " s: has to be after the frame before");
   constexpr int kFewestFrames = 8;
   constexpr double kLongestInterval = 10;
-  if (frames_ >= kFewestFrames && std::isfinite(least_interval_) && least_interval_ > kLongestInterval)
-    throw InputError("time " + std::to_string(time) + " s: all frames so far are " + NumberText(least_interval_) +
+  const double least_interval = std::min(least_interval_, time - last_time_);
+  if (frames_ >= kFewestFrames && least_interval > kLongestInterval)
+    throw InputError("time " + std::to_string(time) + " s: all frames so far are " + NumberText(least_interval) +
                      " s apart or more; are the times milliseconds or nanoseconds? Give seconds");
 }
 

@@ -39,8 +39,8 @@ namespace turnscale {
 /// Finish, never earlier, so that they do not depend on the number of threads.
 class Odometry {
  public:
-  /// Throws InputError when an option is invalid, the camera has a width without a height, or a focal length that is
-  /// not above 0.
+  /// Throws InputError when an option is invalid, the camera has a width without a height, a focal length that is
+  /// not above 0, or a principal point that is not finite.
   Odometry(const OdometryOptions& options, const CameraModel& camera);
   // Background work holds a pointer to this object.
   Odometry(const Odometry&) = delete;
