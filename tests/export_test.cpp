@@ -138,9 +138,11 @@ TEST_F(ExportTest, OutNamesTheFilesOrTheirFolder) {
 }
 
 TEST_F(ExportTest, NumbersAreFinite) {
-  for (const char* option : {"--interval", "--aspect", "--fov"})
+  for (const char* option : {"--aspect", "--fov"})
     ExpectComplaint(Export({"--gltf", option, "nan"}), 2, {option, "nan: give a number"});
+  ExpectComplaint(Export({"--gpx", "--interval", "nan"}), 2, {"--interval", "nan: give a number"});
   EXPECT_FALSE(fs::exists(Path(".gltf")));
+  EXPECT_FALSE(fs::exists(Path(".gpx")));
 }
 
 TEST_F(ExportTest, GpsbabelReadsGpx) {
@@ -217,6 +219,7 @@ TEST_F(ExportTest, SaysWhatIsMissing) {
   ExpectComplaint(Export({}), 2, {"nothing to write; give --gpx"});
   ExpectComplaint(Export({"--gpx"}), 2, {"the place on Earth is needed; give --origin"});
   ExpectComplaint(Export({"--gltf", "--origin", "49,8"}), 2, {"--origin: needs --gpx, --kml or --geojson"});
+  ExpectComplaint(Export({"--gltf", "--interval", "2"}), 2, {"--interval: needs --gpx, --kml or --geojson"});
   ExpectComplaint(Export({"--gpx", "--fov", "70"}), 2, {"--fov: needs --gltf"});
   for (const char* heading : {"1000", "-361", "nan"})
     ExpectComplaint(Export({"--gpx", "--origin", "49,8", "--heading", heading}), 2,
