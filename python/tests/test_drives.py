@@ -193,24 +193,6 @@ class RenderedDrive(unittest.TestCase):
         support.compare_with_csv(self, rescaled.scale, report / "scale.csv")
         support.compare_with_csv(self, rescaled.turns, report / "turns.csv")
         self.assertGreater(rescaled.summary["length_m"], 10)
-        # The same poses as arrays.
-        table = turnscale.read(path.parent).trajectory
-        columns = ["time", "x", "y", "z", "qx", "qy", "qz", "qw"]
-        for poses in (table, np.stack([table[column] for column in columns], axis=1)):
-            from_array = turnscale.rescale(poses, lever_arm=1.5)
-            for column in columns:
-                np.testing.assert_allclose(from_array.trajectory[column], rescaled.trajectory[column], atol=1e-6)
-            errors = turnscale.evaluate(poses, path)
-            self.assertEqual(errors["poses"]["paired"], len(rescaled.trajectory))
-
-    def test_poses_that_are_none_are_refused(self):
-        for poses in ([1, 2, 3], np.zeros((5, 7)), np.zeros(8)):
-            with self.assertRaisesRegex(TypeError, "^trajectory: give a file, a table with the columns time, x"):
-                turnscale.rescale(poses, lever_arm=1.5)
-        with self.assertRaisesRegex(ValueError, "^trajectory:1: quaternion"):
-            turnscale.rescale(np.zeros((5, 8)), lever_arm=1.5)
-        with self.assertRaisesRegex(ValueError, "^estimate"):
-            turnscale.evaluate(np.zeros((0, 8)), "nowhere.tum")
 
     def test_rescale_takes_heights(self):
         out, heights = support.scratch() / "metric.tum", support.scratch() / "heights.csv"

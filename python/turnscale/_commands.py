@@ -15,8 +15,7 @@ import numpy.typing as npt
 
 from turnscale import _native
 from turnscale._native import Camera, Frame
-from turnscale._options import (Height, Path, Poses, Rotation, Seconds, Settings, inputs_of, list_text, seconds_text,
-                                settings_file, trajectory_file)
+from turnscale._options import Height, Path, Rotation, Seconds, Settings, inputs_of, list_text, seconds_text, settings_file
 from turnscale._tables import Table, from_csv, from_tum
 
 
@@ -265,15 +264,14 @@ class Rescaled:
     """Length (m), scale, sigmas, camera rotation (degrees), side slip (s^2/m); as summary.json."""
 
 
-def rescale(path: Poses, *, lever_arm: float | None = None, lever_arm_sigma: float | None = None,
+def rescale(path: Path, *, lever_arm: float | None = None, lever_arm_sigma: float | None = None,
             heights: Path | None = None, camera_height: Height | None = None, side_slip: float | None = None,
             side_slip_sigma: float | None = None, camera_rotation: Rotation | None = None, fps: float | None = None,
             timestamps: Path | None = None, drift: Literal["auto", "none"] = "auto", out: Path | None = None,
             report: Path | None = None) -> Rescaled:
     """Converts an up-to-scale trajectory of any monocular SLAM to metres, as `turnscale rescale` does.
 
-    path: TUM, KITTI or EuRoC file, the folder of a run, or poses: a table such as `drive.live`, or a float array (N, 8) of
-        time (s), x, y, z, qx, qy, qz, qw.
+    path: TUM, KITTI or EuRoC file, or the folder of a run.
     lever_arm, lever_arm_sigma: distance from the rear axle forward to the camera, m.
     heights: CSV file with heights of the camera above the road: time (s), height and optionally sigma, both in
         the trajectory's unit of length; the trajectory must have times.
@@ -286,34 +284,32 @@ def rescale(path: Poses, *, lever_arm: float | None = None, lever_arm_sigma: flo
 
     Raises ValueError where the scale is not observable or the file cannot be used.
     """
-    with trajectory_file(path, "trajectory") as file:
-        found = _native.rescale({
-            "input": file, "lever_arm": lever_arm, "lever_arm_sigma": lever_arm_sigma, "heights": heights,
-            "camera_height": list_text(camera_height), "side_slip": side_slip, "side_slip_sigma": side_slip_sigma,
-            "camera_rotation": list_text(camera_rotation), "fps": fps, "timestamps": timestamps, "drift": drift,
-            "out": out, "report": report})
+    found = _native.rescale({
+        "input": path, "lever_arm": lever_arm, "lever_arm_sigma": lever_arm_sigma, "heights": heights,
+        "camera_height": list_text(camera_height), "side_slip": side_slip, "side_slip_sigma": side_slip_sigma,
+        "camera_rotation": list_text(camera_rotation), "fps": fps, "timestamps": timestamps, "drift": drift, "out": out,
+        "report": report})
     return Rescaled(trajectory=from_tum(found["tum"]), scale=from_csv(found["scale"]), turns=from_csv(found["turns"]),
                     summary=json.loads(found["summary"]))
 
 
-def evaluate(estimate: Poses, ground_truth: Poses, *, timestamps: Path | None = None, time_tolerance: float | None = None,
+def evaluate(estimate: Path, ground_truth: Path, *, timestamps: Path | None = None, time_tolerance: float | None = None,
              keyframes: Path | None = None, camera_rotation: Rotation | None = None, json: Path | None = None,
              picture: Path | None = None, report: Path | None = None, floor_plan: Path | None = None) -> dict[str, Any]:
     """Errors of a trajectory against ground truth, as `turnscale evaluate` computes them.
 
-    estimate, ground_truth: TUM, EuRoC or KITTI files, or poses as for `rescale`; estimate also the folder of a run.
-    timestamps: times of the KITTI file, s.
+    estimate, ground_truth: TUM, EuRoC or KITTI files; estimate also the folder of a run. timestamps: times of the
+    KITTI file, s.
     time_tolerance: of poses that belong together, s. keyframes: trajectory.csv of the run.
     camera_rotation: (yaw, pitch, roll) in degrees, or a YAML file.
     json, picture, report: files to write; floor_plan is drawn in them.
 
     Returns what `--json` writes: names end with the unit. Raises ValueError where the files cannot be used or do not fit.
     """
-    with trajectory_file(estimate, "estimate") as estimated, trajectory_file(ground_truth, "ground_truth") as true:
-        return _loads(_native.evaluate({
-            "estimate": estimated, "ground_truth": true, "timestamps": timestamps, "time_tolerance": time_tolerance,
-            "keyframes": keyframes, "camera_rotation": list_text(camera_rotation), "json": json, "picture": picture,
-            "report": report, "floor_plan": floor_plan}))
+    return _loads(_native.evaluate({
+        "estimate": estimate, "ground_truth": ground_truth, "timestamps": timestamps, "time_tolerance": time_tolerance,
+        "keyframes": keyframes, "camera_rotation": list_text(camera_rotation), "json": json, "picture": picture,
+        "report": report, "floor_plan": floor_plan}))
 
 
 def _loads(text: bytes) -> dict[str, Any]:

@@ -10,19 +10,11 @@ import tempfile
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any, Union
 
-import numpy as np
-import numpy.typing as npt
-
-from turnscale._tables import POSE_COLUMNS
-
 Path = Union[str, "os.PathLike[str]"]
 Settings = Union[Path, Mapping[str, Any]]
 Seconds = Union[float, str]
 Rotation = Union[Path, Sequence[float]]
 Height = Union[float, str, "tuple[float, float]"]
-Poses = Union[Path, "npt.NDArray[Any]"]
-"""A trajectory: a file, a table with the columns time (s), x, y, z, qx, qy, qz, qw, such as those of `Drive`, or a float array
-(N, 8) in that order. Rows without a pose (NaN) are left out."""
 
 
 def number_text(value: object) -> str:
@@ -63,32 +55,3 @@ def settings_file(settings: Settings | None) -> Iterator[Path | None]:
             yield path
         except ValueError as error:
             raise ValueError(str(error).replace(path, "settings")) from None
-
-
-def _pose_rows(poses: object, name: str) -> npt.NDArray[np.float64]:
-    rows: npt.NDArray[Any] | None = poses if isinstance(poses, np.ndarray) else None
-    if rows is not None and rows.dtype.names is not None and set(POSE_COLUMNS) <= set(rows.dtype.names):
-        rows = np.stack([rows[column].astype(np.float64) for column in POSE_COLUMNS], axis=-1)
-    if rows is None or rows.dtype.kind not in "fiu" or rows.ndim != 2 or rows.shape[1] != len(POSE_COLUMNS):
-        raise TypeError(f"{name}: give a file, a table with the columns {', '.join(POSE_COLUMNS)}, or an array of shape "
-                        "(N, 8) in that order")
-    numbers: npt.NDArray[np.float64] = rows.astype(np.float64)
-    posed: npt.NDArray[np.float64] = numbers[~np.isnan(numbers).any(axis=1)]
-    return posed
-
-
-@contextlib.contextmanager
-def trajectory_file(poses: Poses, name: str) -> Iterator[Path]:
-    """A file with the trajectory; complaints about given poses call it `name`."""
-    if isinstance(poses, (str, os.PathLike)):
-        yield poses
-        return
-    rows = _pose_rows(poses, name)
-    with tempfile.TemporaryDirectory() as folder:
-        path = str(pathlib.Path(folder, name))
-        lines = (" ".join(repr(float(number)) for number in row) + "\n" for row in rows)
-        pathlib.Path(path).write_text("".join(lines), encoding="ascii")
-        try:
-            yield path
-        except ValueError as error:
-            raise ValueError(str(error).replace(path, name)) from None

@@ -30,12 +30,13 @@ namespace {
 constexpr size_t kFramesAhead = 4;
 
 void CheckRate(const std::optional<double>& fps) {
-  constexpr double kLeast = 0.1;  // as RefuseSparseTimes
-  if (fps && *fps > 0 && *fps < kLeast)
+  constexpr double kLeast = 0.1;  // times that are further apart are refused, too (RefuseSparseTimes)
+  if (!fps) return;
+  if (!(std::isfinite(*fps) && *fps > 0))
+    throw InputError(fmt::format("--fps {}: give the frames per second, a number above 0", *fps));
+  if (*fps < kLeast)
     throw InputError(
         fmt::format("--fps {}: give the frames per second, not the seconds per frame; at least {}", *fps, kLeast));
-  if (!fps || (std::isfinite(*fps) && *fps > 0)) return;
-  throw InputError(fmt::format("--fps {}: give the frames per second, a number above 0", *fps));
 }
 
 // The file of the times to use. Explicit wishes go before what lies beside the images.

@@ -236,6 +236,8 @@ TEST_F(ImageSourceTest, MissingImagesAreNamedAndTakeTime) {
   EXPECT_EQ(frames[3].time, 0.3);
   EXPECT_EQ(frames[4].time, 1.4);
   EXPECT_EQ(ReadAll({.fps = 10, .start = 1.4}).size(), 5u);
+  EXPECT_NE(Complaint({.fps = 0.05}).find("--fps 0.05: give the frames per second, not the seconds per frame"),
+            std::string::npos);
   ImageSource part(FindDrive(folder_), {.fps = 10, .start = 1.4});
   EXPECT_EQ(part.notice(), "") << "what is missing is before it";
   Text("times.txt", "1\n2\n3\n4\n5\n6\n7\n8\n9\n");

@@ -73,7 +73,8 @@ std::string NoMapBeforeText(const MissingPart& before, int frames) {
 
 std::string LateBeginningText(const MissingPart& before, int frames, const SeenImages& seen) {
   if (seen.Still()) return {};
-  return NoMapBeforeText(before, frames) + (seen.empty() ? "" : ": " + seen.Cause());
+  const std::string cause = seen.Cause();
+  return NoMapBeforeText(before, frames) + (cause.empty() ? "" : ": " + cause);
 }
 
 double LengthBefore(const MissingPart& before, const std::vector<FrameResult>& frames) {

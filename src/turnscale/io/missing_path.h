@@ -35,12 +35,12 @@ std::vector<MissingPart> LongestParts(const std::vector<MissingPart>& parts, siz
 /// Sum of their lengths, seconds.
 double TotalSeconds(const std::vector<MissingPart>& parts);
 
-/// The part before the first measured pose, with pauses of the recording in it; nothing if it is the first frame's, or
-/// if there is none.
+/// The part before the first measured pose, with pauses of the recording in it. Nothing if the first frame is measured,
+/// or none is.
 std::optional<MissingPart> PartBeforeMap(const std::vector<FrameResult>& frames);
 
-/// A map needs a moment to begin, seconds.
-constexpr double kLateSeconds = 2;
+/// A map needs a moment to begin: a path that begins this much after the first frame is late, seconds.
+inline constexpr double kLateSeconds = 2;
 
 /// The same; nothing if it is shorter than kLateSeconds, or than that share of the drive.
 std::optional<MissingPart> LateBeginning(const std::vector<FrameResult>& frames, double least_share);

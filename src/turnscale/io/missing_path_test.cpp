@@ -109,6 +109,10 @@ TEST(MissingPath, ACarThatWaitsIsNoFault) {
   EXPECT_EQ(LateBeginningText({MissingReason::kNotBegun, 0, 4, 40}, 100, {}),
             "no map could be started before 4.0 s (40 of 100 frames)")
       << "no image could be read";
+  SeenImages one;
+  one.Add(cv::Mat(96, 128, CV_8UC1, cv::Scalar(120)), 0, 0);
+  EXPECT_EQ(LateBeginningText({MissingReason::kNotBegun, 0, 4, 40}, 100, one).find("the drive is too short"),
+            std::string::npos);
 }
 
 TEST(MissingPath, TheLengthBeforeTheMapIsThatAtTheFirstSpeed) {

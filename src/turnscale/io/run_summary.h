@@ -148,7 +148,8 @@ void Summarize(const Odometry& odometry, const std::vector<FrameResult>& frames,
                RunSummary& summary);
 
 /// For a path that begins after the first frame: widens the relative sigma of its length by what it may lack, and warns
-/// if it begins 2 s late, or .5 s and lacks 3 % of its length. `seen`: the images before it. Follows Summarize.
+/// if it begins 2 s late, or 0.5 s and lacks 3 % of its length. Does neither if the images before it, `seen`, say that
+/// the car waits. Follows Summarize.
 void SummarizeBeginning(const std::vector<FrameResult>& frames, const SeenImages& seen, RunSummary& summary);
 
 /// An estimated camera as a file that ReadCameraFile reads, with its standard deviations.

@@ -39,16 +39,19 @@ void SeenImages::Add(const cv::Mat& gray, double time, int tracked) {
 }
 
 std::string SeenImages::Explanation() const {
+  const std::string cause = Cause();
   return fmt::format("nothing could be tracked in {} image{} ({:.1f} s): {}", brightness_.size(),
-                     brightness_.size() == 1 ? "" : "s", last_time_ - first_time_, Cause());
+                     brightness_.size() == 1 ? "" : "s", last_time_ - first_time_,
+                     cause.empty() ? "the drive is too short; give a longer one" : cause);
 }
 
 std::string SeenImages::Cause() const {
+  if (brightness_.empty()) return "";
   if (Median(brightness_) < kDark) return "the images are dark; check the exposure and whether the lens is covered";
   if (Median(contrast_) < kFlat)
     return "the images show hardly any detail; check whether the lens is covered, dirty or out of focus";
   if (Still()) return "the images hardly change, as if the car stood still all along; give a part in which it drives";
-  if (last_time_ - first_time_ < kShort) return "the drive is too short; give a longer one";
+  if (last_time_ - first_time_ < kShort) return "";
   if (Median(tracked_) < kFewTracked)
     return fmt::format(
         "only about {:.0f} points can be followed from image to image; check for blur and rain, and that "

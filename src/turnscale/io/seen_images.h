@@ -14,12 +14,10 @@ class SeenImages {
   /// `tracked`: number of features that were tracked into the image.
   void Add(const cv::Mat& gray, double time, int tracked);
 
-  bool empty() const { return brightness_.empty(); }
-
   /// Why nothing could be tracked, and what to try: one sentence.
   std::string Explanation() const;
 
-  /// The same without the number of images.
+  /// The same without the number of images; empty where they are too few to tell.
   std::string Cause() const;
 
   /// Whether the images show something that hardly changes: the car waits.

@@ -147,11 +147,12 @@ bool DriveScale::Add(const Map& map) {
   bool turn_ended = false;
   for (; keyframes_ < static_cast<int>(map.keyframes.size()); ++keyframes_) {
     const bool ends = Feed(map, keyframes_);
+    const bool ends_used = ends && live_.used_last_turn();
+    if (ends_used) unread_turn_end_ = keyframes_;
     // A keyframe behind a loss of tracking ends a turn that it is no part of.
-    used_turn_ended_ = ends && live_.used_last_turn() && !map.keyframes[keyframes_].after_gap;
+    used_turn_ended_ = ends_used && !map.keyframes[keyframes_].after_gap;
     turn_ended = turn_ended || ends;
   }
-  if (turn_ended) unread_turn_end_ = keyframes_ - 1;
   UpdateLive(map, keyframes_);
   return turn_ended;
 }
@@ -197,7 +198,6 @@ void DriveScale::Reread(const Map& map, MountCalibration mount, int first, int e
   }
   std::optional<int> turn_end;
   if (unread_turn_end_ && *unread_turn_end_ < end) turn_end = std::exchange(unread_turn_end_, std::nullopt);
-  if (!live_.used_last_turn()) turn_end.reset();
   UpdateLive(map, first, turn_end);
   if (turn_end) last_turn_end_ = *turn_end;
 }

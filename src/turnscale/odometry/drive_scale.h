@@ -130,7 +130,7 @@ class DriveScale {
   int keyframes_ = 0;  ///< taken so far
   int last_turn_end_ = 0;
   bool used_turn_ended_ = false;        ///< with the latest keyframe
-  std::optional<int> unread_turn_end_;  ///< keyframe that ended a turn which has not been re-evaluated
+  std::optional<int> unread_turn_end_;  ///< keyframe that ended a used turn which has not been re-evaluated
 };
 
 /// Camera motion of the step from keyframe `step` to the next.
