@@ -542,9 +542,19 @@ TEST(DriveScale, ATurnThatIsNotUsedIsNotObserved) {
   Live live(options, TrueDrive(kTwoCorners), 1, 0.001);
   bool metric = false;
   while (live.map.keyframes.size() < live.truth.size()) {
-    const int k = static_cast<int>(live.map.keyframes.size());
-    if (k > 0) live.scale.AddHeight({k, k - 1, 1.5 / live.TrueStep(k), 0.01, {}, {}, {}});
-    live.Next();
+    live.Append();
+    const int k = static_cast<int>(live.map.keyframes.size()) - 1;
+    if (k > 0) {
+      MeasuredHeight height;
+      height.keyframe = k;
+      height.reference = k - 1;
+      height.reference_from_keyframe =
+          live.map.keyframes[k - 1].camera_from_world * live.map.keyframes[k].camera_from_world.inverse();
+      height.ratio = 1.5 / live.TrueStep(k);
+      height.sigma = 0.01;
+      live.scale.AddHeight(height);
+    }
+    live.scale.Add(live.map);
     EXPECT_NE(live.scale.state(), ScaleState::kObserved) << k;
     metric = metric || live.scale.state() == ScaleState::kFromRoad;
   }
