@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "frame_by_frame.h"
 
-#include <chrono>
-
 #include <fmt/format.h>
 #include <opencv2/core/utility.hpp>
 
@@ -51,7 +49,7 @@ cv::Mat GrayView(const py::array& image, const std::string& name) {
 }
 
 FrameByFrame::FrameByFrame(const CameraModel& camera, const OdometryArguments& arguments)
-    : odometry_(CheckedOptions(arguments), camera) {
+    : odometry_(CheckedOptions(arguments), camera), camera_name_(arguments.camera_name.string()) {
   cv::setNumThreads(arguments.threads);
   if (!arguments.mask) return;
   mask_ = arguments.mask->string();
@@ -76,25 +74,17 @@ void FrameByFrame::RefuseAfterEnd() const {
 void FrameByFrame::SetMask(const py::array& mask) {
   const cv::Mat pixels = GrayView(mask, "mask").clone();
   WithoutLock([&] {
-    if (frames_ > 0) throw InputError("mask: has to be set before the first image");
+    if (recorder_.frames() > 0) throw InputError("mask: has to be set before the first image");
     odometry_.SetMask(pixels);
     mask_ = "array";
   });
 }
 
 LiveFrame FrameByFrame::Keep(const FrameResult& result) {
-  ++frames_;
-  last_time_ = result.time;
-  RecordRotation(result, odometry_.mount().current(), rotations_);
-  if (const int moves = odometry_.mount().moves(); moves > moves_) {
-    moves_ = moves;
-    warnings_.push_back(CameraMovedWarning(result.frame));
-  }
+  if (recorder_.camera_moved()) warnings_.push_back(CameraMovedWarning(result.frame));
   if (result.world_from_camera) live_ += TumLine({result.time, *result.world_from_camera});
   LiveFrame frame;
   frame.result = result;
-  if (!live_metric_from_ && result.world_from_camera && result.scale_state != ScaleState::kPending)
-    live_metric_from_ = result.time;
   const MetricPath& path = odometry_.live_path();
   if (odometry_.scale_state() != ScaleState::kPending && !path.metres_per_unit.empty())
     frame.scale = path.metres_per_unit.back();
@@ -105,34 +95,22 @@ LiveFrame FrameByFrame::Process(const py::array& image, double time) {
   const cv::Mat gray = GrayView(image, "image");
   return WithoutLock([&] {
     RefuseAfterEnd();
-    using Clock = std::chrono::steady_clock;
-    const Clock::time_point start = Clock::now();
-    const FrameResult result = odometry_.Process(gray, time);
-    latencies_.push_back(std::chrono::duration<double>(Clock::now() - start).count());
-    tracks_ = tracks_ || result.world_from_camera;
-    if (!tracks_) seen_.Add(gray, time, result.tracked);
-    return Keep(result);
+    return Keep(recorder_.Process(gray, time));
   });
 }
 
 LiveFrame FrameByFrame::ProcessUnreadable(double time) {
   return WithoutLock([&] {
     RefuseAfterEnd();
-    const FrameResult result = odometry_.ProcessUnreadable(time);
-    unreadable_.push_back({result.frame, "no image"});
-    return Keep(result);
+    return Keep(recorder_.ProcessUnreadable(time, "no image"));
   });
 }
 
 void FrameByFrame::Finish() {
   WithoutLock([&] {
     if (finished_) return;
-    odometry_.Finish();
+    recorder_.Finish();
     finished_ = true;
-    FrameResult last;
-    last.frame = frames_ - 1;
-    last.time = last_time_;
-    if (frames_ > 0) RecordRotation(last, odometry_.mount().current(), rotations_);
   });
 }
 
@@ -140,18 +118,11 @@ RunSummary FrameByFrame::SummaryOf(const std::vector<FrameResult>& frames, const
   RunSummary summary;
   summary.version = Version();
   summary.pose_frame = "camera";
-  summary.camera = "turnscale.Camera";
+  summary.camera = camera_name_;
   summary.mask = mask_;
-  summary.image_width = odometry_.camera().width;
-  summary.image_height = odometry_.camera().height;
-  summary.live_metric_from = live_metric_from_;
-  summary.unreadable = unreadable_;
   summary.warnings = warnings_;
-  if (!unreadable_.empty()) summary.warnings.push_back(UnreadableText(unreadable_));
-  Summarize(odometry_, frames, refined, summary);
-  if (tracks_) SummarizeBeginning(frames, seen_, summary);
-  summary.cost = MeasureCost();
-  summary.cost.latency = LatencyOf(latencies_);
+  if (!recorder_.unreadable().empty()) summary.warnings.push_back(UnreadableText(recorder_.unreadable()));
+  recorder_.Summarize(frames, refined, summary);
   return summary;
 }
 
@@ -164,7 +135,7 @@ CameraModel FrameByFrame::camera() {
 }
 
 int FrameByFrame::frames() {
-  return WithoutLock([&] { return frames_; });
+  return WithoutLock([&] { return recorder_.frames(); });
 }
 
 DriveTables FrameByFrame::Tables() {
@@ -177,7 +148,7 @@ DriveTables FrameByFrame::Tables() {
     tables.turns = TurnTable(refined.turns);
     tables.speed = SpeedTable(SpeedsOf(frames, odometry_.options().vehicle.lever_arm.value_or(0.0)));
     tables.scale = ScaleTable(odometry_.map(), refined.estimate ? refined : RefinedScale());
-    tables.camera_rotation = RotationTable(rotations_);
+    tables.camera_rotation = RotationTable(recorder_.rotations());
     tables.live = live_;
     const RunSummary summary = SummaryOf(frames, refined);
     tables.summary = SummaryJson(summary);

@@ -12,9 +12,8 @@
 
 #include "keywords.h"
 #include "turnscale/camera/camera_model.h"
+#include "turnscale/io/drive_recorder.h"
 #include "turnscale/io/run_summary.h"
-#include "turnscale/io/run_writer.h"
-#include "turnscale/io/seen_images.h"
 #include "turnscale/odometry/odometry.h"
 
 namespace turnscale {
@@ -65,18 +64,11 @@ class FrameByFrame {
 
   std::mutex busy_;
   Odometry odometry_;
-  std::string mask_;  ///< its file, or "array"; empty without one
-  std::vector<RotationRecord> rotations_;
-  std::string live_;  ///< live.tum
-  SeenImages seen_;   ///< before there is a map
-  bool tracks_ = false;
-  std::vector<UnreadableFrame> unreadable_;
-  std::vector<double> latencies_;  ///< of images, seconds
-  std::optional<double> live_metric_from_;
+  DriveRecorder recorder_{odometry_};
+  std::string camera_name_;
+  std::string mask_;                   ///< its file, or "array"; empty without one
+  std::string live_;                   ///< live.tum
   std::vector<std::string> warnings_;  ///< of frames
-  int moves_ = 0;                      ///< of the camera on the car, warned of so far
-  int frames_ = 0;
-  double last_time_ = 0;
   bool finished_ = false;
 };
 

@@ -10,6 +10,9 @@ void TakeImages(Keywords& keywords, ImageArguments& images) {
   keywords.Take("inputs", images.inputs);
   keywords.Take("topic", images.topic);
   keywords.Take("camera", images.camera);
+  std::optional<CameraModel> camera;
+  keywords.Take("camera_object", camera);
+  if (camera) images.camera_object = {kCameraObject, *camera, /*is_of_stored=*/false};
   keywords.Take("fov", images.field_of_view);
   keywords.Take("camera_refine", images.refine_camera);
   keywords.Take("timestamps", images.timestamps);
@@ -120,6 +123,7 @@ OdometryArguments OdometryArgumentsFrom(const py::dict& given) {
   Keywords keywords(given);
   OdometryArguments arguments;
   TakeCar(keywords, arguments.car);
+  keywords.Take("camera_name", arguments.camera_name);
   keywords.Take("settings", arguments.settings);
   keywords.Take("mask", arguments.mask);
   keywords.Take("threads", arguments.threads);

@@ -15,6 +15,9 @@
 
 namespace turnscale {
 
+/// Name of a camera that is no file, in summaries and messages.
+inline constexpr auto kCameraObject = "turnscale.Camera";
+
 /// Options by the names of the program's. Those that are absent or None keep their default. Raises TypeError where a
 /// value is of another kind, and for names that nothing asks for.
 class Keywords {
@@ -57,6 +60,7 @@ EvaluateArguments EvaluateArgumentsFrom(const pybind11::dict& given);
 /// Of the car, for an odometry that is given its images one by one.
 struct OdometryArguments {
   CarArguments car;
+  std::filesystem::path camera_name = kCameraObject;  ///< its file, if there is one
   std::optional<std::filesystem::path> settings;
   std::optional<std::filesystem::path> mask;
   int threads = kImageThreads;

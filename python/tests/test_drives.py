@@ -117,6 +117,22 @@ class RenderedDrive(unittest.TestCase):
         support.compare_with_folder(self, drive, folder)
         self.assertEqual(drive.summary["frames"]["total"], 95)
 
+    def test_a_camera_is_a_file_or_an_object(self):
+        camera = turnscale.Frames(self.drive).camera
+        file = self.drive / "camera.yaml"
+        folder = support.run_of_program(self.drive, "--camera", file, "--max-frames", 60)
+        of_file = turnscale.run(self.drive, camera=file, max_frames=60)
+        of_object = turnscale.run(self.drive, camera=camera, max_frames=60)
+        for drive in (of_file, of_object):
+            support.compare_with_folder(self, drive, folder)
+        self.assertEqual(of_file.summary["camera"], str(file))
+        self.assertEqual(of_object.summary["camera"], "turnscale.Camera")
+        self.assertEqual(turnscale.Frames(self.drive, camera=camera).camera, camera)
+        for given, name in ((file, str(file)), (camera, "turnscale.Camera")):
+            self.assertEqual(turnscale.Odometry(given).results().summary["camera"], name)
+        with self.assertRaisesRegex(ValueError, "^--camera: excludes --fov"):
+            turnscale.run(self.drive, camera=camera, fov=70)
+
     def test_images_are_rotated(self):
         folder = support.run_of_program(self.drive, "--rotate", "180", "--max-frames", 60)
         support.compare_with_folder(self, turnscale.run(self.drive, rotate=180, max_frames=60), folder)

@@ -15,7 +15,8 @@ import numpy.typing as npt
 
 from turnscale import _native
 from turnscale._native import Camera, Frame
-from turnscale._options import Height, Path, Rotation, Seconds, Settings, inputs_of, list_text, seconds_text, settings_file
+from turnscale._options import (Height, Path, Rotation, Seconds, Settings, camera_options, inputs_of, list_text, seconds_text,
+                                settings_file)
 from turnscale._tables import Table, from_csv, from_tum
 
 
@@ -93,7 +94,7 @@ def read(folder: Path) -> Drive:
                  summary=json.loads(text("summary.json", "")), **tables)
 
 
-def run(path: Path | Sequence[Path], *, topic: str | None = None, camera: Path | None = None, fov: float | None = None,
+def run(path: Path | Sequence[Path], *, topic: str | None = None, camera: Camera | Path | None = None, fov: float | None = None,
         camera_refine: bool = False, timestamps: Path | None = None, fps: float | None = None,
         lever_arm: float | None = None, lever_arm_sigma: float | None = None, camera_height: Height | None = None,
         vehicle: Path | None = None, side_slip: float | None = None, side_slip_sigma: float | None = None,
@@ -107,7 +108,7 @@ def run(path: Path | Sequence[Path], *, topic: str | None = None, camera: Path |
     path: KITTI folder, folder of images, video, folder of clips, or bag; or a list of clips or bags that continue one
         another.
     topic: of a bag's images, if it has several.
-    camera: file with the intrinsics. Without one: those in the input folder or the bag, else estimated.
+    camera: Camera, or file with the intrinsics. Without one: those in the input folder or the bag, else estimated.
     fov: horizontal field of view in degrees at which the estimation of the intrinsics starts.
     camera_refine: estimate the intrinsics, starting from the given ones.
     timestamps: file with the times of the frames, s. fps: frames per second.
@@ -136,7 +137,7 @@ def run(path: Path | Sequence[Path], *, topic: str | None = None, camera: Path |
     with settings_file(settings) as file, tempfile.TemporaryDirectory() as scratch:
         folder = scratch if out is None else out
         _native.run({
-            "inputs": inputs_of(path), "topic": topic, "camera": camera, "fov": fov, "camera_refine": camera_refine,
+            "inputs": inputs_of(path), "topic": topic, **camera_options(camera), "fov": fov, "camera_refine": camera_refine,
             "timestamps": timestamps, "fps": fps, "lever_arm": lever_arm, "lever_arm_sigma": lever_arm_sigma,
             "camera_height": list_text(camera_height), "vehicle": vehicle, "side_slip": side_slip,
             "side_slip_sigma": side_slip_sigma, "camera_rotation": list_text(camera_rotation), "method": method,
@@ -154,12 +155,12 @@ class Frames(Iterator[Frame]):
     Raises ValueError where the drive or one of its images cannot be used.
     """
 
-    def __init__(self, path: Path | Sequence[Path], *, topic: str | None = None, camera: Path | None = None,
+    def __init__(self, path: Path | Sequence[Path], *, topic: str | None = None, camera: Camera | Path | None = None,
                  timestamps: Path | None = None, fps: float | None = None, rotate: int = 0,
                  mask: Path | None = None, start: Seconds | None = None, end: Seconds | None = None,
                  max_frames: int | None = None) -> None:
         self._reader = _native.DriveReader({
-            "inputs": inputs_of(path), "topic": topic, "camera": camera, "timestamps": timestamps, "fps": fps,
+            "inputs": inputs_of(path), "topic": topic, **camera_options(camera), "timestamps": timestamps, "fps": fps,
             "rotate": rotate, "mask": mask, "start": seconds_text(start), "end": seconds_text(end),
             "max_frames": max_frames})
 
@@ -220,7 +221,7 @@ class Calibration:
 
 def calibrate(path: Path | Sequence[Path] | None = None, *, trajectory: Path | None = None,
               axes: Literal["auto", "camera", "flu", "frd"] = "auto", topic: str | None = None,
-              camera: Path | None = None, fov: float | None = None, camera_refine: bool = False,
+              camera: Camera | Path | None = None, fov: float | None = None, camera_refine: bool = False,
               timestamps: Path | None = None, fps: float | None = None, settings: Settings | None = None,
               rotate: int = 0, mask: Path | None = None, start: Seconds | None = None, end: Seconds | None = None,
               max_frames: int | None = None, speed: Path | None = None, distance: float | None = None,
@@ -242,7 +243,7 @@ def calibrate(path: Path | Sequence[Path] | None = None, *, trajectory: Path | N
     with settings_file(settings) as file:
         found = _native.calibrate({
             "inputs": None if path is None else inputs_of(path), "trajectory": trajectory, "axes": axes, "topic": topic,
-            "camera": camera, "fov": fov, "camera_refine": camera_refine, "timestamps": timestamps, "fps": fps,
+            **camera_options(camera), "fov": fov, "camera_refine": camera_refine, "timestamps": timestamps, "fps": fps,
             "settings": file, "rotate": rotate, "mask": mask, "start": seconds_text(start), "end": seconds_text(end),
             "max_frames": max_frames, "speed": speed, "distance": distance, "metric": metric, "lever_arm": lever_arm,
             "side_slip": side_slip, "fit_side_slip": fit_side_slip, "history": history, "out": out, "quiet": quiet})

@@ -42,12 +42,13 @@ class Odometry:
                  side_slip_sigma: float | None = None, camera_rotation: Rotation | None = None,
                  method: Literal["smoothed", "turns", "paper"] | None = None, settings: Settings | None = None,
                  mask: Path | npt.NDArray[np.uint8] | None = None, threads: int = 2) -> None:
-        if isinstance(camera, (str, os.PathLike)):
-            camera = Camera.read(camera)
+        name = None
+        if not isinstance(camera, Camera):
+            name, camera = os.fspath(camera), Camera.read(camera)
         pixels = mask if isinstance(mask, np.ndarray) else None
         with settings_file(settings) as file:
             self._native = _native.FrameByFrame(camera, {
-                "lever_arm": lever_arm, "lever_arm_sigma": lever_arm_sigma, "camera_height": list_text(camera_height),
+                "camera_name": name, "lever_arm": lever_arm, "lever_arm_sigma": lever_arm_sigma, "camera_height": list_text(camera_height),
                 "vehicle": vehicle, "side_slip": side_slip, "side_slip_sigma": side_slip_sigma,
                 "camera_rotation": list_text(camera_rotation), "method": method, "settings": file,
                 "mask": mask if pixels is None else None, "threads": threads})

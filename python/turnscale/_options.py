@@ -10,6 +10,8 @@ import tempfile
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any, Union
 
+from turnscale._native import Camera
+
 Path = Union[str, "os.PathLike[str]"]
 Settings = Union[Path, Mapping[str, Any]]
 Seconds = Union[float, str]
@@ -35,6 +37,10 @@ def list_text(value: object) -> str | None:
 
 def seconds_text(value: Seconds | None) -> str | None:
     return None if value is None else number_text(value)
+
+
+def camera_options(camera: Camera | Path | None) -> dict[str, Any]:
+    return {"camera_object" if isinstance(camera, Camera) else "camera": camera}
 
 
 def inputs_of(path: Path | Sequence[Path]) -> list[Path]:

@@ -31,7 +31,7 @@ void CheckTogether(const CalibrateArguments& arguments) {
   RequireFor({"--metric", arguments.metric}, trajectory.given, trajectory.name);
   for (const GivenOption& of_images :
        std::initializer_list<GivenOption>{{"input", !images.inputs.empty()},
-                                          {"--camera", images.camera.has_value()},
+                                          {"--camera", images.camera || images.camera_object},
                                           {"--fov", images.field_of_view.has_value()},
                                           {"--camera-refine", images.refine_camera},
                                           {"--settings", images.settings.has_value()},

@@ -46,19 +46,22 @@ void RefuseTolerance(const ComparisonFiles& arguments, const std::string& why) {
   if (arguments.time_tolerance) throw InputError("--time-tolerance: is not needed, since " + why + "; leave it out");
 }
 
+void RefuseTimestamps(const ComparisonFiles& arguments, const std::string& why) {
+  if (!arguments.timestamps.empty())
+    throw InputError("--timestamps " + arguments.timestamps.string() + ": is not needed, since " + why +
+                     "; leave it out");
+}
+
 Paired PairPoses(const ComparisonFiles& arguments, TrajectoryFile& estimate, TrajectoryFile& truth) {
   const bool estimate_has_times = HasTimes(estimate);
   const bool truth_has_times = HasTimes(truth);
-  if (estimate_has_times == truth_has_times && !arguments.timestamps.empty()) {
-    throw InputError(
-        "--timestamps " + arguments.timestamps.string() + ": is not needed, since " +
-        (truth_has_times ? "both files have timestamps" : "two KITTI files are associated by frame number") +
-        "; leave it out");
-  }
   if (!estimate_has_times && !truth_has_times) {
-    RefuseTolerance(arguments, "two KITTI files are associated by frame number");
+    const std::string why = "two KITTI files are associated by frame number";
+    RefuseTimestamps(arguments, why);
+    RefuseTolerance(arguments, why);
     return PairFrames(estimate, truth);
   }
+  if (estimate_has_times && truth_has_times) RefuseTimestamps(arguments, "both files have timestamps");
   if (estimate_has_times != truth_has_times) {
     const fs::path& untimed_path = estimate_has_times ? arguments.ground_truth : arguments.estimate;
     TrajectoryFile& untimed = estimate_has_times ? truth : estimate;

@@ -13,6 +13,7 @@
 #include "turnscale/camera/camera_file.h"
 #include "turnscale/commands/argument_checks.h"
 #include "turnscale/commands/drive_camera.h"
+#include "turnscale/io/drive_recorder.h"
 #include "turnscale/io/image_rotation.h"
 #include "turnscale/io/mask_file.h"
 #include "turnscale/io/missing_path.h"
@@ -28,6 +29,7 @@ namespace {
 
 GivenCamera CameraFor(const ImageArguments& arguments, const DriveInput& drive) {
   if (arguments.camera) return {arguments.camera->string(), ReadCameraFile(*arguments.camera), false};
+  if (arguments.camera_object) return *arguments.camera_object;
   if (arguments.field_of_view) return {};
   if (drive.camera_file) return {drive.camera_file->string(), ReadCameraFile(*drive.camera_file), true};
   if (!drive.bags) return {};
@@ -80,26 +82,21 @@ std::vector<Trajectory> Stretches(const std::vector<FrameResult>& frames) {
 // Why the stretches are not the whole path of the drive; empty if they are. `before`: the images before the map.
 std::string WhyIncomplete(const std::vector<FrameResult>& frames, const ImageSource& source, const SeenImages& before) {
   // A way that is missing makes a lever arm from the distance too long by the same share; a tape is hardly better than
-  // this. A map needs some images to begin, so that the first two seconds do not count (LateBeginning).
+  // this. A map needs some images to begin, so that the first two seconds do not count (IsLate).
   constexpr double kLeastShare = 0.02;
   if (!source.left_out().empty()) return source.left_out().front();
-  if (const auto late = LateBeginning(frames, kLeastShare))
-    if (std::string why = LateBeginningText(*late, static_cast<int>(frames.size()), before); !why.empty()) return why;
+  const std::optional<MissingPart> unmapped = PartBeforeMap(frames);
+  if (unmapped && IsLate(*unmapped, frames, kLeastShare))
+    if (std::string why = LateBeginningText(*unmapped, static_cast<int>(frames.size()), before); !why.empty())
+      return why;
   if (const auto lost = FirstLost(frames)) return fmt::format("tracking was lost at frame {}", *lost);
   return source.EndsEarly();
 }
 
-struct FramesProcessed {
-  int count = 0;
-  SeenImages before_map;
-};
-
-// Processes the frames up to the end of the drive or of the part that was asked for, or to an interrupt. `done` is
-// valid also if this throws.
-void ProcessFrames(const ImageArguments& arguments, ImageSource& source, const CommandHooks& hooks, Odometry& odometry,
-                   Progress& progress, FramesProcessed& done) {
-  bool tracks = false;
-  while (!(arguments.max_frames && done.count >= *arguments.max_frames)) {
+// Processes the frames up to the end of the drive or of the part that was asked for, or to an interrupt.
+void ProcessFrames(const ImageArguments& arguments, ImageSource& source, const CommandHooks& hooks,
+                   const Odometry& odometry, Progress& progress, DriveRecorder& recorder) {
+  while (!(arguments.max_frames && recorder.frames() >= *arguments.max_frames)) {
     const std::optional<SourceFrame> frame = source.Next();
     if (hooks.interrupted()) return;
     if (!frame) {
@@ -110,13 +107,11 @@ void ProcessFrames(const ImageArguments& arguments, ImageSource& source, const C
     if (!frame->notice.empty()) progress.Warn(frame->notice);
     if (frame->gray.empty()) {
       progress.Warn(fmt::format("frame {}: {}; skipped", frame->index, frame->problem));
-      odometry.ProcessUnreadable(frame->time);
+      recorder.ProcessUnreadable(frame->time, frame->problem);
     } else {
-      const FrameResult result = odometry.Process(frame->gray, frame->time);
-      tracks = tracks || result.world_from_camera;
-      if (!tracks) done.before_map.Add(frame->gray, frame->time, result.tracked);
+      recorder.Process(frame->gray, frame->time);
     }
-    progress.Update(++done.count, fmt::format("{} keyframes", odometry.map().keyframes.size()));
+    progress.Update(recorder.frames(), fmt::format("{} keyframes", odometry.map().keyframes.size()));
   }
 }
 
@@ -205,7 +200,7 @@ std::string ImageArguments::Name() const {
 void CheckImageArguments(const ImageArguments& arguments) {
   if (arguments.inputs.empty()) throw InputError("input: give the images of a drive");
   RefuseBoth({"--timestamps", arguments.timestamps.has_value()}, {"--fps", arguments.fps.has_value()});
-  RefuseBoth({"--camera", arguments.camera.has_value()}, {"--fov", arguments.field_of_view.has_value()});
+  RefuseBoth({"--camera", arguments.camera || arguments.camera_object}, {"--fov", arguments.field_of_view.has_value()});
   if (arguments.max_frames && *arguments.max_frames < 1)
     throw InputError(fmt::format("--max-frames {}: give at least 1", *arguments.max_frames));
 }
@@ -291,11 +286,11 @@ DriveMotion MotionFromImages(const ImageArguments& arguments, const CommandHooks
   SendWarnings(progress, hooks);
   for (const std::string& warning : WarningsOf(arguments, images)) progress.Warn(warning);
   if (!estimate.warning.empty()) progress.Warn(estimate.warning);
-  FramesProcessed done;
+  DriveRecorder recorder(odometry);
   Attempts attempts;
-  attempts.Try([&] { ProcessFrames(arguments, images.source, hooks, odometry, progress, done); });
+  attempts.Try([&] { ProcessFrames(arguments, images.source, hooks, odometry, progress, recorder); });
   progress.Finish();
-  attempts.Try([&] { odometry.Finish(); });
+  attempts.Try([&] { recorder.Finish(); });
   DriveMotion motion;
   motion.input = arguments.Name();
   if (estimate.found)
@@ -305,9 +300,9 @@ DriveMotion MotionFromImages(const ImageArguments& arguments, const CommandHooks
   const std::vector<FrameResult> frames = odometry.RefinedFrames();
   motion.stretches = Stretches(frames);
   if (motion.stretches.empty()) attempts.RethrowFirst();
-  if (!motion.stretches.empty()) motion.incomplete = WhyIncomplete(frames, images.source, done.before_map);
+  if (!motion.stretches.empty()) motion.incomplete = WhyIncomplete(frames, images.source, recorder.seen());
   if (hooks.interrupted())
-    motion.stopped = {kInterruptedExitCode, fmt::format("interrupted after {} frames", done.count)};
+    motion.stopped = {kInterruptedExitCode, fmt::format("interrupted after {} frames", recorder.frames())};
   if (!attempts.failures().empty()) motion.stopped = FailureOf(attempts.failures().front());
   if (motion.stopped) motion.incomplete = motion.stopped->message;
   return motion;

@@ -22,13 +22,23 @@ namespace turnscale {
 /// Threads that OpenCV may use by default. The library leaves the number to the program.
 constexpr int kImageThreads = 2;
 
+/// A camera that is given, and where.
+struct GivenCamera {
+  std::string name;  ///< of the file, or of the bag and its topic; empty where no camera is given
+  CameraModel model;
+  /// It came with the images, so that it is that of the images as they are stored. `--camera` is that of the rotated
+  /// ones.
+  bool is_of_stored = false;
+};
+
 /// Arguments common to the commands that run the odometry on images, by the names of the program's options.
 struct ImageArguments {
   std::vector<std::filesystem::path> inputs;  ///< one, or videos or bags that continue one another
   std::string topic;                          ///< of a bag's images; empty: the only one
   std::optional<std::filesystem::path> camera;
-  std::optional<double> field_of_view;  ///< horizontal, degrees; estimate the intrinsics, starting there
-  bool refine_camera = false;           ///< estimate the intrinsics, starting from the given ones
+  std::optional<GivenCamera> camera_object;  ///< in place of a file, where a program has it
+  std::optional<double> field_of_view;       ///< horizontal, degrees; estimate the intrinsics, starting there
+  bool refine_camera = false;                ///< estimate the intrinsics, starting from the given ones
   std::optional<std::filesystem::path> timestamps;
   std::optional<double> fps;
   int rotate = 0;  ///< of the images, degrees clockwise
@@ -45,15 +55,6 @@ struct ImageArguments {
 
 /// Throws InputError where arguments exclude one another, or one is out of range.
 void CheckImageArguments(const ImageArguments& arguments);
-
-/// A camera that is given, and where.
-struct GivenCamera {
-  std::string name;  ///< of the file, or of the bag and its topic; empty where no camera is given
-  CameraModel model;
-  /// It came with the images, so that it is that of the images as they are stored. `--camera` is that of the rotated
-  /// ones.
-  bool is_of_stored = false;
-};
 
 /// How the images of a drive are read, as the arguments have it.
 ImageSourceOptions SourceOptions(const ImageArguments& arguments, const GivenCamera& given,

@@ -104,8 +104,6 @@ RunSummary BeforeTheDrive(const RunArguments& arguments, const OdometryOptions& 
   summary.folder = arguments.out.string();
   summary.start = arguments.images.start;
   summary.end = arguments.images.end;
-  summary.vehicle = options.vehicle;
-  summary.method = options.scale.method;
   return summary;
 }
 

@@ -14,6 +14,7 @@
 #include <fmt/format.h>
 
 #include "turnscale/base/error.h"
+#include "turnscale/base/frame_interval.h"
 #include "turnscale/io/bag_frames.h"
 #include "turnscale/io/clip_reader.h"
 #include "turnscale/io/drive_input.h"
@@ -30,7 +31,7 @@ namespace {
 constexpr size_t kFramesAhead = 4;
 
 void CheckRate(const std::optional<double>& fps) {
-  constexpr double kLeast = 0.1;  // times that are further apart are refused, too (RefuseSparseTimes)
+  constexpr double kLeast = 1 / kLongestFrameInterval;
   if (!fps) return;
   if (!(std::isfinite(*fps) && *fps > 0))
     throw InputError(fmt::format("--fps {}: give the frames per second, a number above 0", *fps));

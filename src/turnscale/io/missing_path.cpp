@@ -58,13 +58,10 @@ std::optional<MissingPart> PartBeforeMap(const std::vector<FrameResult>& frames)
                      static_cast<int>(first - frames.begin())};
 }
 
-std::optional<MissingPart> LateBeginning(const std::vector<FrameResult>& frames, double least_share) {
-  const std::optional<MissingPart> before = PartBeforeMap(frames);
-  if (!before) return std::nullopt;
-  const double missing = before->to - before->from;
+bool IsLate(const MissingPart& before, const std::vector<FrameResult>& frames, double least_share) {
+  const double missing = before.to - before.from;
   const double seconds = frames.back().time - frames.front().time;
-  if (missing < kLateSeconds || missing < least_share * seconds) return std::nullopt;
-  return before;
+  return missing >= kLateSeconds && missing >= least_share * seconds;
 }
 
 std::string NoMapBeforeText(const MissingPart& before, int frames) {

@@ -42,8 +42,8 @@ std::optional<MissingPart> PartBeforeMap(const std::vector<FrameResult>& frames)
 /// A map needs a moment to begin: a path that begins this much after the first frame is late, seconds.
 inline constexpr double kLateSeconds = 2;
 
-/// The same; nothing if it is shorter than kLateSeconds, or than that share of the drive.
-std::optional<MissingPart> LateBeginning(const std::vector<FrameResult>& frames, double least_share);
+/// Whether a part before the map is at least kLateSeconds long, and that share of the drive.
+bool IsLate(const MissingPart& before, const std::vector<FrameResult>& frames, double least_share);
 
 /// One line: until when there is no map. `frames`: of the whole drive.
 std::string NoMapBeforeText(const MissingPart& before, int frames);

@@ -2,7 +2,6 @@
 #include "turnscale/io/run_drive.h"
 
 #include <algorithm>
-#include <chrono>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -13,10 +12,8 @@
 #include <fmt/format.h>
 
 #include "turnscale/base/error.h"
-#include "turnscale/geometry/rotation.h"
-#include "turnscale/io/missing_path.h"
+#include "turnscale/io/drive_recorder.h"
 #include "turnscale/io/run_files.h"
-#include "turnscale/io/seen_images.h"
 #include "turnscale/io/settings.h"
 #include "turnscale/io/terminal.h"
 #include "turnscale/io/vehicle_file.h"
@@ -29,19 +26,18 @@ namespace {
 struct RunResults {
   std::vector<FrameResult> frames;
   RefinedScale scale;
-  ScaleState scale_state = ScaleState::kPending;
 };
 
 RunResults ResultsOf(const Odometry& odometry) {
   RefinedScale scale = odometry.Refined();
   std::vector<FrameResult> frames = odometry.RefinedFrames(scale);
-  return {std::move(frames), std::move(scale), odometry.scale_state()};
+  return {std::move(frames), std::move(scale)};
 }
 
 class Run {
  public:
   Run(const DriveToRun& drive, Odometry& odometry, Progress& progress)
-      : drive_(drive), odometry_(odometry), progress_(progress), frame_(drive.next()) {
+      : drive_(drive), odometry_(odometry), progress_(progress), frame_(drive.next()), recorder_(odometry) {
     end_.summary = drive.summary;
     for (const std::string& warning : drive.summary.warnings) progress_.Warn(warning);
     printed_ = drive.summary.warnings.size();
@@ -50,14 +46,14 @@ class Run {
   RunEnd Go() {
     if (!attempts_.Try([&] { Drive(); })) end_.summary.stopped = FailureOf(attempts_.failures().front()).message;
     progress_.Finish();
-    if (end_.interrupted && processed_ == 0) return end_;
-    if (tracks_ && !begun_) attempts_.RethrowFirst();
+    if (end_.interrupted && recorder_.frames() == 0) return end_;
+    if (recorder_.tracks() && !begun_) attempts_.RethrowFirst();
     if (writer_) attempts_.Try([&] { writer_->EndLive(); });
     attempts_.Try(drive_.concluding);
     Conclude();
-    const bool keeps_earlier = !tracks_ && HasPosesOfRun(drive_.output.folder);
-    if (!tracks_ && !end_.interrupted && (!Enough() || keeps_earlier) && attempts_.failures().empty()) {
-      end_.nothing_tracked = seen_.Explanation();
+    const bool keeps_earlier = !recorder_.tracks() && HasPosesOfRun(drive_.output.folder);
+    if (!recorder_.tracks() && !end_.interrupted && (!Enough() || keeps_earlier) && attempts_.failures().empty()) {
+      end_.nothing_tracked = recorder_.seen().Explanation();
       end_.summary.stopped = end_.nothing_tracked;
     }
     if (keeps_earlier) {
@@ -67,7 +63,7 @@ class Run {
       attempts_.Try([&] { Begin(); });
     }
     attempts_.Try([&] { Summarize(); });
-    end_.begun = tracks_;
+    end_.begun = recorder_.tracks();
     end_.written = writer_.has_value();
     end_.failures = attempts_.failures();
     return end_;
@@ -103,14 +99,14 @@ class Run {
     begun_ = true;
   }
 
-  bool Enough() const { return drive_.max_frames && processed_ >= *drive_.max_frames; }
+  bool Enough() const { return drive_.max_frames && recorder_.frames() >= *drive_.max_frames; }
 
   bool Stops() {
     end_.interrupted = drive_.interrupted();
     if (end_.interrupted) {
-      end_.summary.stopped = processed_ == 0
-                                 ? "interrupted before the first frame"
-                                 : fmt::format("interrupted after {} frame{}", processed_, processed_ == 1 ? "" : "s");
+      const int frames = recorder_.frames();
+      end_.summary.stopped = frames == 0 ? "interrupted before the first frame"
+                                         : fmt::format("interrupted after {} frame{}", frames, frames == 1 ? "" : "s");
     } else if (Enough()) {
       end_.summary.stopped = fmt::format("--max-frames {}", *drive_.max_frames);
     }
@@ -118,39 +114,23 @@ class Run {
   }
 
   void Process(const SourceFrame& frame) {
-    using Clock = std::chrono::steady_clock;
     FrameResult result;
     if (!frame.notice.empty()) Warn(frame.notice);
     if (frame.gray.empty()) {
       progress_.Warn(fmt::format("frame {}: {}; skipped", frame.index, frame.problem));
-      end_.summary.unreadable.push_back({frame.index, frame.problem});
-      result = odometry_.ProcessUnreadable(frame.time);
+      result = recorder_.ProcessUnreadable(frame.time, frame.problem);
     } else {
-      const Clock::time_point start = Clock::now();
-      result = odometry_.Process(frame.gray, frame.time);
-      latencies_.push_back(std::chrono::duration<double>(Clock::now() - start).count());
-      const cv::Size full = drive_.scaling.Full(frame.gray.size());
-      end_.summary.image_width = full.width;
-      end_.summary.image_height = full.height;
+      result = recorder_.Process(frame.gray, frame.time);
     }
-    if (!end_.summary.live_metric_from && result.world_from_camera && result.scale_state != ScaleState::kPending)
-      end_.summary.live_metric_from = result.time;
-    ++processed_;
-    tracks_ = tracks_ || result.world_from_camera;
-    if (!tracks_ && !frame.gray.empty()) seen_.Add(frame.gray, frame.time, result.tracked);
-    if (tracks_ && !begun_) Begin();
+    if (recorder_.tracks() && !begun_) Begin();
     if (writer_) {
       writer_->SetFirstCameraRotation(odometry_.mount().At(0));
       writer_->Add(result);
     }
     if (drive_.watch) drive_.watch(frame, result, odometry_);
-    RecordRotation(result, odometry_.mount().current(), rotations_);
-    if (const int moves = odometry_.mount().moves(); moves > moves_) {
-      moves_ = moves;
-      Warn(CameraMovedWarning(frame.index));
-    }
-    progress_.Update(processed_, fmt::format("{} keyframes, scale {}", odometry_.map().keyframes.size(),
-                                             ScaleStateName(odometry_.scale_state())));
+    if (recorder_.camera_moved()) Warn(CameraMovedWarning(frame.index));
+    progress_.Update(recorder_.frames(), fmt::format("{} keyframes, scale {}", odometry_.map().keyframes.size(),
+                                                     ScaleStateName(odometry_.scale_state())));
   }
 
   // The final adjustment may take minutes, or fail: the results are written without it first, with a summary, so that
@@ -160,13 +140,10 @@ class Run {
     if (writer_) attempts_.Try([&] { SummarizeSoFar(); });
     const bool finished = attempts_.Try([&] {
       if (writer_) progress_.Say("final adjustment");
-      odometry_.Finish();
+      recorder_.Finish();
     });
     progress_.Say("");
-    if (!finished) return;
-    // The turns of the end may have told more of it.
-    if (!results_.frames.empty()) RecordRotation(results_.frames.back(), odometry_.mount().current(), rotations_);
-    Keep(Durability::kPowerCut);
+    if (finished) Keep(Durability::kPowerCut);
   }
 
   // Writes the results, as far as there are any.
@@ -178,20 +155,21 @@ class Run {
       return;
     }
     writer_->SetFirstCameraRotation(odometry_.mount().At(0));
-    attempts_.Try([&] { writer_->WriteTrajectory(results.frames, results.scale_state, durability); });
+    const ScaleState state = StateAtEnd(results.scale);
+    attempts_.Try([&] { writer_->WriteTrajectory(results.frames, state, durability); });
     attempts_.Try([&] { writer_->WriteTurns(results.scale.turns, durability); });
     attempts_.Try([&] {
       writer_->WriteSpeeds(SpeedsOf(results.frames, odometry_.options().vehicle.lever_arm.value_or(0.0)), durability);
     });
     attempts_.Try([&] { writer_->WriteScale(odometry_.map(), results.scale, durability); });
-    attempts_.Try([&] { writer_->WriteRotations(rotations_, durability); });
+    attempts_.Try([&] { writer_->WriteRotations(recorder_.rotations(), durability); });
     attempts_.Try([&] {
       writer_->WriteText(RunFiles::kCar,
                          VehicleFileText(odometry_.options().vehicle, odometry_.mount().current(), results.scale),
                          durability);
     });
     attempts_.Try([&] { writer_->WriteMask(drive_.scaling.FullMask(odometry_.mask()), durability); });
-    attempts_.Try([&] { writer_->WriteMap(odometry_.RefinedMap(results.scale), results.scale_state, durability); });
+    attempts_.Try([&] { writer_->WriteMap(odometry_.RefinedMap(results.scale), state, durability); });
     for (ParameterEstimate& estimate : results.scale.contradicted_calibration) estimate = drive_.scaling.Full(estimate);
     results_ = std::move(results);
   }
@@ -206,21 +184,19 @@ class Run {
   // What the drive and the odometry say.
   void Fill(RunSummary& summary) const {
     summary.clips = drive_.clips();
-    turnscale::Summarize(odometry_, results_.frames, results_.scale, summary);
+    recorder_.Summarize(results_.frames, results_.scale, summary);
+    const cv::Size full = drive_.scaling.Full(cv::Size(summary.image_width, summary.image_height));
+    summary.image_width = full.width;
+    summary.image_height = full.height;
     summary.pinhole = drive_.scaling.Full(odometry_.camera()).pinhole;
-    // As it was when these results were computed.
-    summary.scale_state = results_.scale_state;
-    if (tracks_) SummarizeBeginning(results_.frames, seen_, summary);
-    if (tracks_) SayIfPart(summary);
+    if (recorder_.tracks()) SayIfPart(summary);
     if (!stale_.empty()) summary.warnings.push_back(stale_);
-    summary.frames = std::max(summary.frames, processed_);
-    summary.cost = MeasureCost();
-    summary.cost.latency = LatencyOf(latencies_);
+    summary.frames = std::max(summary.frames, recorder_.frames());
   }
 
   void SummarizeSoFar() {
     RunSummary summary = end_.summary;
-    if (!summary.unreadable.empty()) summary.warnings.push_back(UnreadableText(summary.unreadable));
+    if (!recorder_.unreadable().empty()) summary.warnings.push_back(UnreadableText(recorder_.unreadable()));
     Fill(summary);
     summary.stopped += (summary.stopped.empty() ? "" : "; ") + std::string("the final adjustment was not finished");
     writer_->WriteText(RunFiles::kSummary, SummaryJson(summary), Durability::kProcess);
@@ -228,7 +204,7 @@ class Run {
 
   void Summarize() {
     RunSummary& summary = end_.summary;
-    if (!summary.unreadable.empty()) Record(UnreadableText(summary.unreadable));
+    if (!recorder_.unreadable().empty()) Record(UnreadableText(recorder_.unreadable()));
     Fill(summary);
     for (size_t i = printed_; i < summary.warnings.size(); ++i) progress_.Warn(summary.warnings[i]);
     if (summary.stopped.empty() && !attempts_.failures().empty())
@@ -243,19 +219,14 @@ class Run {
   Odometry& odometry_;
   Progress& progress_;
   std::optional<SourceFrame> frame_;
+  DriveRecorder recorder_;
   std::optional<RunWriter> writer_;  // once there is something to write
   bool begun_ = false;               // and its first files are
   RunResults results_;               // the latest that could be computed
   Attempts attempts_;
   RunEnd end_;
-  std::vector<RotationRecord> rotations_;  // as they came into use
-  int processed_ = 0;
-  std::vector<double> latencies_;  // of images, seconds
-  bool tracks_ = false;            // there is a map, or was
-  SeenImages seen_;                // before there is one
-  size_t printed_ = 0;             // warnings that have been printed
-  int moves_ = 0;                  // of the camera on the car, reported so far
-  std::string stale_;              // what stays of an earlier run
+  size_t printed_ = 0;  // warnings that have been printed
+  std::string stale_;   // what stays of an earlier run
 };
 
 }  // namespace

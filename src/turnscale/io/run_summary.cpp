@@ -318,7 +318,7 @@ void Summarize(const Odometry& odometry, const std::vector<FrameResult>& frames,
                RunSummary& summary) {
   summary.vehicle = odometry.options().vehicle;
   summary.method = odometry.options().scale.method;
-  summary.scale_state = odometry.scale_state();
+  summary.scale_state = StateAtEnd(scale);
   summary.pinhole = odometry.camera().pinhole;
   summary.lens_model = odometry.camera().lens;
   if (odometry.options().lens.enabled) summary.lens = {odometry.lens().correction(), odometry.lens().sigma()};
@@ -337,7 +337,7 @@ void SummarizeBeginning(const std::vector<FrameResult>& frames, const SeenImages
   constexpr double kMost = 0.5;
   constexpr double kBriefSeconds = 0.5;
   constexpr double kSmallShare = 0.03;
-  const bool is_most = LateBeginning(frames, kMost).has_value();
+  const bool is_most = IsLate(*before, frames, kMost);
   if (!summary.pending_reason.empty() && is_most)
     summary.pending_reason = fmt::format("the path begins only at {:.1f} s; {}", before->to, summary.pending_reason);
   if (seen.Still()) return;

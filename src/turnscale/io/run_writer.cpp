@@ -152,8 +152,8 @@ bool RotationRecord::Differs(const Mount& other) const {
          other.sigma.yaw != mount.sigma.yaw || !other.vehicle_from_camera.isApprox(mount.vehicle_from_camera);
 }
 
-void RecordRotation(const FrameResult& frame, const Mount& mount, std::vector<RotationRecord>& records) {
-  if (records.empty() || records.back().Differs(mount)) records.push_back({frame.frame, frame.time, mount});
+void RecordRotation(int frame, double time, const Mount& mount, std::vector<RotationRecord>& records) {
+  if (records.empty() || records.back().Differs(mount)) records.push_back({frame, time, mount});
 }
 
 std::string RotationTable(const std::vector<RotationRecord>& records) {

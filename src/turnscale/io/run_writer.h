@@ -45,8 +45,8 @@ struct RotationRecord {
   bool Differs(const Mount& other) const;
 };
 
-/// Adds the rotation in use at a frame unless it is that of the last record.
-void RecordRotation(const FrameResult& frame, const Mount& mount, std::vector<RotationRecord>& records);
+/// Adds the rotation in use at a frame, `time` in seconds, unless it is that of the last record.
+void RecordRotation(int frame, double time, const Mount& mount, std::vector<RotationRecord>& records);
 
 /// The whole of camera_rotation.csv: a line per change of the rotation or of its sigma, degrees; the sigmas are empty
 /// if the rotation was not estimated.

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "turnscale/base/error.h"
+#include "turnscale/base/frame_interval.h"
 #include "turnscale/base/quantiles.h"
 
 namespace turnscale {
@@ -51,9 +52,8 @@ std::vector<double> InSeconds(std::vector<double> times) {
 }
 
 void RefuseSparseTimes(const std::string& name, const std::vector<double>& seconds) {
-  constexpr double kLongest = 10;
   const double step = MedianStep(seconds);
-  if (step > kLongest)
+  if (step > kLongestFrameInterval)
     throw InputError(fmt::format(
         "{}: half of the times are {:.0f} s apart or more; are they milliseconds? Give seconds", name, step));
 }

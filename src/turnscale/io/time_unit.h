@@ -15,8 +15,8 @@ double SecondsPerUnit(const std::vector<double>& times);
 /// The same times in seconds.
 std::vector<double> InSeconds(std::vector<double> times);
 
-/// Throws InputError where the median of the steps is above 10 s, as where times are milliseconds from a start of zero:
-/// no camera drives with such images. `name` is that of the file.
+/// Throws InputError where the median of the steps is above kLongestFrameInterval, as where times are milliseconds from
+/// a start of zero: no camera drives with such images. `name` is that of the file.
 void RefuseSparseTimes(const std::string& name, const std::vector<double>& seconds);
 
 /// Whether times that a format has in nanoseconds can be such: at most 10,000 per second.

@@ -318,6 +318,11 @@ ScaleState StateAt(const RefinedScale& refined, int keyframe) {
   return refined.from_road[keyframe] != 0 ? ScaleState::kFromRoad : ScaleState::kHeld;
 }
 
+ScaleState StateAtEnd(const RefinedScale& refined) {
+  if (refined.from_road.empty()) return ScaleState::kPending;
+  return StateAt(refined, static_cast<int>(refined.from_road.size()) - 1);
+}
+
 double CalibrationSigma(const std::vector<ParameterEstimate>& contradictions, const CameraModel& camera) {
   const double focal_length = camera.pinhole.fx;
   double variance = std::pow(kScalePerFocalLength * (camera.focal_sigma / focal_length), 2);

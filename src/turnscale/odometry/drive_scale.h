@@ -49,6 +49,9 @@ TurnResult DescribeTurn(const TurnEstimate& turn, const std::vector<VehicleStep>
 /// State of the scale at a keyframe: as the trajectory has it at its frames.
 ScaleState StateAt(const RefinedScale& refined, int keyframe);
 
+/// That at the last keyframe; pending without one.
+ScaleState StateAtEnd(const RefinedScale& refined);
+
 /// Relative standard deviation of the scale due to the estimated errors of the calibration: the error of the direction
 /// of travel over the lever arm's contribution to it. A coarse bound (benchmarks/variants): the scale from such a
 /// calibration is not reliable. Without contradictions only the standard deviation of the focal length of `camera`

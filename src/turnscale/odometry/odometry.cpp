@@ -12,6 +12,7 @@
 #include <opencv2/core/utility.hpp>
 
 #include "turnscale/base/error.h"
+#include "turnscale/base/frame_interval.h"
 #include "turnscale/base/number_text.h"
 #include "turnscale/camera/camera_model.h"
 #include "turnscale/features/corners.h"
@@ -119,9 +120,8 @@ void Odometry::CheckTime(double time) const {
   if (!std::isfinite(time)) throw InputError("time " + std::to_string(time) + " s: has to be a finite number");
   if (!(time > last_time_)) throw InputError("time " + std::to_string(time) + " s: has to be after the frame before");
   constexpr int kFewestFrames = 8;
-  constexpr double kLongestInterval = 10;
   const double least_interval = std::min(least_interval_, time - last_time_);
-  if (frames_ >= kFewestFrames && least_interval > kLongestInterval)
+  if (frames_ >= kFewestFrames && least_interval > kLongestFrameInterval)
     throw InputError("time " + std::to_string(time) + " s: all frames so far are " + NumberText(least_interval) +
                      " s apart or more; are the times milliseconds or nanoseconds? Give seconds");
 }
@@ -456,9 +456,7 @@ FrameResult Odometry::MetricResult(FrameResult result, int keyframe, const Rigid
   return result;
 }
 
-ScaleState Odometry::scale_state() const {
-  return refined_ ? StateAt(*refined_, static_cast<int>(map_.keyframes.size()) - 1) : scale_.state();
-}
+ScaleState Odometry::scale_state() const { return refined_ ? StateAtEnd(*refined_) : scale_.state(); }
 
 RefinedScale Odometry::Refined() const {
   if (refined_) return *refined_;

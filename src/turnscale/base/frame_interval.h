@@ -1,0 +1,10 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+namespace turnscale {
+
+/// Longest usual time between two images of a drive, seconds. Where all are further apart, the times are in another
+/// unit, such as milliseconds.
+inline constexpr double kLongestFrameInterval = 10;
+
+}  // namespace turnscale

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <opencv2/core/mat.hpp>
+
+#include "turnscale/io/run_summary.h"
+#include "turnscale/io/run_writer.h"
+#include "turnscale/io/seen_images.h"
+#include "turnscale/odometry/drive_scale.h"
+#include "turnscale/odometry/odometry.h"
+#include "turnscale/odometry/results.h"
+
+namespace turnscale {
+
+/// Runs the odometry frame by frame and keeps what the summary and the files of a drive need besides its results.
+class DriveRecorder {
+ public:
+  explicit DriveRecorder(Odometry& odometry) : odometry_(odometry) {}
+
+  /// As Odometry::Process.
+  FrameResult Process(const cv::Mat& gray, double time);
+
+  /// As Odometry::ProcessUnreadable; `problem`: why there is no image.
+  FrameResult ProcessUnreadable(double time, const std::string& problem);
+
+  /// As Odometry::Finish.
+  void Finish();
+
+  int frames() const { return frames_; }
+
+  /// There is a map, or there was.
+  bool tracks() const { return tracks_; }
+
+  /// The last frame showed that the camera was moved on the car.
+  bool camera_moved() const { return camera_moved_; }
+
+  /// The images before the map.
+  const SeenImages& seen() const { return seen_; }
+
+  /// The camera-to-vehicle rotation from the first frame on.
+  const std::vector<RotationRecord>& rotations() const { return rotations_; }
+
+  const std::vector<UnreadableFrame>& unreadable() const { return unreadable_; }
+
+  /// Fills in all that the drive tells, from its refined results: Summarize, SummarizeBeginning, what is kept here, and
+  /// the cost. Warnings but that of unreadable images.
+  void Summarize(const std::vector<FrameResult>& frames, const RefinedScale& scale, RunSummary& summary) const;
+
+ private:
+  void Keep(const FrameResult& result);
+
+  Odometry& odometry_;
+  int frames_ = 0;
+  double last_time_ = 0;
+  bool tracks_ = false;
+  bool camera_moved_ = false;
+  int moves_ = 0;  // of the camera on the car
+  SeenImages seen_;
+  cv::Size image_size_;
+  std::vector<RotationRecord> rotations_;
+  std::vector<UnreadableFrame> unreadable_;
+  std::vector<double> latencies_;  // of images, seconds
+  std::optional<double> live_metric_from_;
+};
+
+}  // namespace turnscale
