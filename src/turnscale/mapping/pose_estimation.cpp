@@ -35,23 +35,23 @@ Normal BuildNormal(const PoseEstimationOptions& options, const Pinhole& pinhole,
   const Eigen::Matrix3d R = camera_from_world.rotation.toRotationMatrix();
   for (size_t i = 0; i < sightings.size(); ++i) {
     if (used[i] == 0) continue;
-    const Eigen::Vector3d rotated = R * sightings[i].x_in_world;
-    const Eigen::Vector3d x = rotated + camera_from_world.translation;
+    const Eigen::Vector3d x = R * sightings[i].x_in_world + camera_from_world.translation;
     if (!(x.z() > 0)) continue;
     const double inverse_depth = 1.0 / x.z();
     const Eigen::Vector2d residual = pinhole.Project(x) - sightings[i].pixel;
     const double error = residual.norm();
     const double weight = error > options.huber_threshold ? options.huber_threshold / error : 1.0;
-    // Derivatives of the pixel's two coordinates by the position: (a, 0, b) and (0, c, d); by the rotation: minus that
-    // times the cross product with the rotated point.
+    // Derivatives of the pixel's two coordinates by the position: (a, 0, b) and (0, c, d); by the rotation about the
+    // camera: minus that times the cross product with the point. One about the world's origin would move a camera far
+    // from it by the square of the angle times the distance.
     const double a = pinhole.fx * inverse_depth;
     const double b = -pinhole.fx * x.x() * inverse_depth * inverse_depth;
     const double c = pinhole.fy * inverse_depth;
     const double d = -pinhole.fy * x.y() * inverse_depth * inverse_depth;
     Vector6d J0;
     Vector6d J1;
-    J0 << b * rotated.y(), a * rotated.z() - b * rotated.x(), -a * rotated.y(), a, 0, b;
-    J1 << d * rotated.y() - c * rotated.z(), -d * rotated.x(), c * rotated.x(), 0, c, d;
+    J0 << b * x.y(), a * x.z() - b * x.x(), -a * x.y(), a, 0, b;
+    J1 << d * x.y() - c * x.z(), -d * x.x(), c * x.x(), 0, c, d;
     const Vector6d weighted0 = weight * J0;
     const Vector6d weighted1 = weight * J1;
     for (int column = 0; column < 6; ++column)
@@ -99,9 +99,8 @@ PoseEstimate EstimatePose(const PoseEstimationOptions& options, const Pinhole& p
       const Eigen::LDLT<Matrix6d> factor(normal.matrix);
       const Vector6d step = -factor.solve(normal.gradient);
       if (factor.info() != Eigen::Success || !step.allFinite()) break;
-      const Eigen::Quaterniond turn = RotationFromVector(step.head<3>());
-      estimate.camera_from_world.rotation = (turn * estimate.camera_from_world.rotation).normalized();
-      estimate.camera_from_world.translation += step.tail<3>();
+      estimate.camera_from_world =
+          RigidTransform{RotationFromVector(step.head<3>()), step.tail<3>()} * estimate.camera_from_world;
       settled = step.head<3>().norm() + step.tail<3>().norm() / distance < kStepTolerance;
       if (settled) break;
     }

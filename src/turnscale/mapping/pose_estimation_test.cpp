@@ -18,7 +18,7 @@ struct Scene {
   std::vector<PointSighting> sightings;
 };
 
-Scene MakeScene(int points, double noise, unsigned seed, double unit = 1.0) {
+Scene MakeScene(int points, double noise, unsigned seed, double unit = 1.0, double away = 0.0) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> x(100, 1100);
   std::uniform_real_distribution<double> y(20, 340);
@@ -26,6 +26,7 @@ Scene MakeScene(int points, double noise, unsigned seed, double unit = 1.0) {
   std::normal_distribution<double> normal;
   Scene scene;
   scene.camera_from_world.translation *= unit;
+  scene.camera_from_world.translation += away * Eigen::Vector3d(0.6, 0, 0.8);
   for (int i = 0; i < points; ++i) {
     const double row = y(random);
     const Eigen::Vector2d pixel(x(random), row);
@@ -70,6 +71,18 @@ TEST(PoseEstimation, DoesNotDependOnTheUnitOfLength) {
     EXPECT_LT((estimate.camera_from_world.translation / unit - reference.camera_from_world.translation).norm(), 1e-8);
     EXPECT_EQ(estimate.inliers, reference.inliers);
   }
+}
+
+TEST(PoseEstimation, DoesNotDependOnTheDistanceFromTheOrigin) {
+  Scene scene = MakeScene(60, 0.3, 4, 1.0, /*away=*/1e5);
+  for (int i = 0; i < 9; ++i) scene.sightings[i].pixel += Eigen::Vector2d(8 + i, -5);
+  const RigidTransform turned =
+      RigidTransform{RotationFromVector({0, 0.05, 0}), Eigen::Vector3d::Zero()} * scene.camera_from_world;
+  const PoseEstimate estimate = EstimatePose({}, kTestPinhole, scene.sightings, turned);
+  const RigidTransform off = estimate.camera_from_world * scene.camera_from_world.inverse();
+  EXPECT_LT(InDegrees(RotationAngle(off.rotation)), 0.05);
+  EXPECT_LT(off.translation.norm(), 0.02);
+  EXPECT_EQ(estimate.inliers, 51);
 }
 
 TEST(PoseEstimation, TooFewSightingsGiveNoInliersOutOfNothing) {
