@@ -59,7 +59,11 @@ std::array<double, 5> FitSeries(const std::vector<RadiusPair>& pairs, int terms,
 }  // namespace
 
 std::optional<CameraModel> FitLens(const Pinhole& pinhole, int width, int height, const RayOfPixel& ray_of,
-                                   double radius) {
+                                   double radius, const std::array<double, 2>& tangential) {
+  const bool is_tangential = tangential != std::array<double, 2>{0, 0};
+  const auto tangential_shift = [&](const Eigen::Vector2d& ray) -> Eigen::Vector2d {
+    return DistortRadialTangential({0, 0, tangential[0], tangential[1], 0}, ray).point - ray;
+  };
   const double focal = std::sqrt(pinhole.fx * pinhole.fy);
   const Eigen::Vector2d centre(pinhole.cx, pinhole.cy);
   std::vector<RadiusPair> pairs;
@@ -69,7 +73,7 @@ std::optional<CameraModel> FitLens(const Pinhole& pinhole, int width, int height
   std::erase_if(grid, [&](const Eigen::Vector2d& pixel) { return (pixel - centre).norm() > radius; });
   for (const Eigen::Vector2d& pixel : grid)
     if (const std::optional<Eigen::Vector2d> ray = ray_of(pixel); ray && ray->allFinite())
-      pairs.push_back({pinhole.Ray(pixel).head<2>().norm(), ray->norm()});
+      pairs.push_back({(pinhole.Ray(pixel).head<2>() - tangential_shift(*ray)).norm(), ray->norm()});
   if (pairs.size() < std::max(kFewestPairs, grid.size() / 2)) return std::nullopt;
   const double largest = std::ranges::max(pairs, {}, &RadiusPair::ray).ray;
 
@@ -79,7 +83,7 @@ std::optional<CameraModel> FitLens(const Pinhole& pinhole, int width, int height
     return error;
   };
   const CameraModel plain{pinhole, LensModel::kPinhole, {0, 0, 0, 0, 0}, width, height};
-  if (error_of([](double ray) { return ray; }) < kNoDistortion) return plain;
+  if (!is_tangential && error_of([](double ray) { return ray; }) < kNoDistortion) return plain;
 
   // A fold within the image is only believed where no other model is as good.
   const auto is_better = [](const Fit& one, const Fit& other) {
@@ -96,9 +100,10 @@ std::optional<CameraModel> FitLens(const Pinhole& pinhole, int width, int height
   };
   const std::array<double, 5> radial = FitSeries(pairs, 2, [](double ray) { return ray; });
   if (RadialRisesUpTo(radial, largest))
-    consider(LensModel::kRadialTangential, radial, [&](double ray) {
+    consider(LensModel::kRadialTangential, {radial[0], radial[1], tangential[0], tangential[1], 0}, [&](double ray) {
       return DistortRadialTangential(radial, {ray, 0}).point.x();
     });
+  if (is_tangential && best) return best->camera;
   // Two coefficients that all programs know are preferred to a fit that no image can tell from theirs.
   if (best && best->error < kSmallError && best->covers_image) return best->camera;
   const std::array<double, 5> fisheye = FitSeries(pairs, 3, [](double ray) { return std::atan(ray); });

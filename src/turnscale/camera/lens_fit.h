@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <functional>
 #include <optional>
@@ -21,7 +22,10 @@ using RayOfPixel = std::function<std::optional<Eigen::Vector2d>(const Eigen::Vec
 /// for every pixel is preferred. Beyond the radius the model extrapolates, and may have no ray. Nothing where neither
 /// has a single ray for every pixel within the radius. Nothing, too, where fewer than half of these pixels have a ray,
 /// or fewer than ten of the 425 that are sampled over the image.
+///
+/// `tangential`: p1 and p2 of a radial-tangential lens, by which the rays are distorted besides. They are kept; the
+/// equidistant model, where the other has no single ray for every pixel within the radius, cannot have them.
 std::optional<CameraModel> FitLens(const Pinhole& pinhole, int width, int height, const RayOfPixel& ray_of,
-                                   double radius = HUGE_VAL);
+                                   double radius = HUGE_VAL, const std::array<double, 2>& tangential = {0, 0});
 
 }  // namespace turnscale

@@ -45,6 +45,15 @@ TEST(FitLens, FindsTheModelThatMadeTheRays) {
   }
 }
 
+TEST(FitLens, KeepsTangentialDistortion) {
+  const CameraModel truth = MadeCamera(LensModel::kRadialTangential, 900, {-0.28, 0.07, 0.004, -0.003, 0});
+  const std::optional<CameraModel> fit =
+      FitLens(truth.pinhole, kWidth, kHeight, RaysOf(truth), HUGE_VAL, {0.004, -0.003});
+  ASSERT_TRUE(fit);
+  for (int i = 0; i < 5; ++i) EXPECT_NEAR(fit->distortion[i], truth.distortion[i], 1e-6) << i;
+  EXPECT_LT(LargestPixelError(*fit, truth), 1e-3);
+}
+
 TEST(FitLens, ComesCloseWithALensThatIsNeither) {
   // Three radial terms.
   CameraModel truth = MadeCamera(LensModel::kRadialTangential, 900, {-0.32, 0.15, 0, 0, -0.04});

@@ -196,7 +196,14 @@ std::optional<LeverArmFit> FindLeverArm(const CalibrateArguments& arguments, con
   options.side_slip = arguments.fit_side_slip;
   options.assumed_side_slip = slip;
   try {
-    return FitLeverArm({drive}, options);
+    LeverArmFit fit = FitLeverArm({drive}, options);
+    fit.sigma_length = std::hypot(fit.sigma_length, motion.calibration_sigma * fit.lever_arm.length);
+    if (fit.sigma_length > options.max_relative_sigma * fit.lever_arm.length)
+      throw InputError(
+          fmt::format("with the error of the intrinsics it is {:.2f} +-{:.2f} m; give the calibration of "
+                      "this camera",
+                      fit.lever_arm.length, fit.sigma_length));
+    return fit;
   } catch (const InputError& error) {
     throw InputError(motion.input + ": lever arm not estimated: " + error.what());
   }

@@ -22,6 +22,7 @@
 #include "turnscale/io/settings.h"
 #include "turnscale/io/terminal.h"
 #include "turnscale/io/trajectory_file.h"
+#include "turnscale/odometry/drive_scale.h"
 #include "turnscale/odometry/odometry.h"
 
 namespace turnscale {
@@ -297,7 +298,12 @@ DriveMotion MotionFromImages(const ImageArguments& arguments, const CommandHooks
     motion.note = fmt::format("intrinsics estimated from the drive: focal length {} pixels",
                               FocalLengthText(estimate.found->camera));
   if (odometry.is_upside_down()) progress.Warn(UpsideDownWarning(arguments.rotate));
-  const std::vector<FrameResult> frames = odometry.RefinedFrames();
+  const RefinedScale scale = odometry.Refined();
+  for (const ParameterEstimate& contradiction : scale.contradicted_calibration)
+    progress.Warn(CalibrationWarning(images.scaling.Full(contradiction), estimate.found.has_value(),
+                                     "the rotation and the lever arm may be wrong"));
+  motion.calibration_sigma = CalibrationSigma(scale.contradicted_calibration, odometry.camera());
+  const std::vector<FrameResult> frames = odometry.RefinedFrames(scale);
   motion.stretches = Stretches(frames);
   if (motion.stretches.empty()) attempts.RethrowFirst();
   if (!motion.stretches.empty()) motion.incomplete = WhyIncomplete(frames, images.source, recorder.seen());

@@ -98,9 +98,11 @@ struct DriveMotion {
   std::string input;                  ///< as the user named it
   std::vector<Trajectory> stretches;  ///< segments of uninterrupted tracking, in one unit of length
   bool timed = true;                  ///< false: times are assumed
-  std::string incomplete;             ///< why the path length is incomplete; empty if complete
-  std::optional<Failure> stopped;     ///< why the drive was not processed to its end; empty if it was
-  std::string note;                   ///< one line for the user; may be empty
+  /// Of lengths across turns, due to the errors of the intrinsics; relative, a standard deviation (CalibrationSigma).
+  double calibration_sigma = 0;
+  std::string incomplete;          ///< why the path length is incomplete; empty if complete
+  std::optional<Failure> stopped;  ///< why the drive was not processed to its end; empty if it was
+  std::string note;                ///< one line for the user; may be empty
 };
 
 /// Reads a TUM, KITTI or EuRoC trajectory and converts vehicle axes, given or detected, to camera axes.

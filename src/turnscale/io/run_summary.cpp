@@ -25,28 +25,6 @@ double Seconds(const timeval& time) {
   return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
 }
 
-std::string CalibrationWarning(const ParameterEstimate& estimate, bool refined, double scale_sigma) {
-  const auto [name, unit] = [&]() -> std::pair<const char*, const char*> {
-    switch (estimate.parameter) {
-      case IntrinsicsParameter::kFocalLength:
-        return {"focal length", " pixels"};
-      case IntrinsicsParameter::kCentreX:
-        return {"horizontal principal point", " pixels"};
-      case IntrinsicsParameter::kCentreY:
-        return {"vertical principal point", " pixels"};
-      case IntrinsicsParameter::kDistortion:
-        return {"radial correction", ""};
-    }
-    return {"", ""};
-  }();
-  return fmt::format(
-      "the images taken in turns give a {} of {:.4g} +-{:.2g}{}, but the calibration has {:.4g}: check that the "
-      "calibration belongs to this camera{}{}",
-      name, estimate.found, estimate.sigma, unit, estimate.given,
-      refined ? "" : ", or have it estimated with --camera-refine",
-      std::isfinite(scale_sigma) ? fmt::format("; the scale may be off by {:.0f} % or more", 100 * scale_sigma) : "");
-}
-
 constexpr auto kMeasureAgain = "measure both again, and check fx and fy (pixels may not be square)";
 constexpr auto kCheckVehicle = "check that the file of --vehicle is of this car and camera";
 
@@ -238,8 +216,11 @@ void AddWarnings(const std::vector<FrameResult>& refined, const RefinedScale& sc
   const auto add = [&](std::string warning) {
     if (!warning.empty()) summary.warnings.push_back(std::move(warning));
   };
+  std::string scale_error;
+  if (const double sigma = LengthSigma(scale); std::isfinite(sigma))
+    scale_error = fmt::format("the scale may be off by {:.0f} % or more", 100 * sigma);
   for (const ParameterEstimate& estimate : scale.contradicted_calibration)
-    add(CalibrationWarning(estimate, summary.found_camera.has_value(), LengthSigma(scale)));
+    add(CalibrationWarning(estimate, summary.found_camera.has_value(), scale_error));
   add(TurnsWarning(scale));
   add(MethodWarning(summary.method, scale));
   for (std::string& warning : CarWarnings(scale, summary)) add(std::move(warning));
@@ -252,6 +233,23 @@ void AddWarnings(const std::vector<FrameResult>& refined, const RefinedScale& sc
 
 std::string UpToScaleText(const std::string& pending_reason) {
   return "the trajectory is up to scale" + (pending_reason.empty() ? "" : ": " + pending_reason);
+}
+
+std::string CalibrationWarning(const ParameterEstimate& estimate, bool refined, const std::string& consequence) {
+  const std::string remedy = refined ? "" : ", or have it estimated with --camera-refine";
+  const std::string then = consequence.empty() ? "" : "; " + consequence;
+  if (estimate.parameter == IntrinsicsParameter::kDistortion)
+    return fmt::format(
+        "the images taken in turns give a distortion other than the calibration's: a radial correction of {:.4f} "
+        "+-{:.2g}, where {:.4f} is applied: check that the calibration belongs to this camera{}{}",
+        estimate.found, estimate.sigma, estimate.given, remedy, then);
+  const bool is_focal = estimate.parameter == IntrinsicsParameter::kFocalLength;
+  const bool is_x = estimate.parameter == IntrinsicsParameter::kCentreX;
+  const char* name = is_focal ? "focal length" : is_x ? "horizontal principal point" : "vertical principal point";
+  return fmt::format(
+      "the images taken in turns give a {} of {:.4g} +-{:.2g} pixels, but the calibration has {:.4g}: check that the "
+      "calibration belongs to this camera{}{}",
+      name, estimate.found, estimate.sigma, estimate.given, remedy, then);
 }
 
 std::string CameraMovedWarning(int frame) {

@@ -197,6 +197,7 @@ IntrinsicsEstimate CalibrationCheck::Estimate() const {
   estimate.covariance = prior_covariance;
   if (windows_.empty()) return estimate;
   const double entries = IntrinsicsChange::kEntries - (options_.higher_prior_sigma == 0 ? kHigherTermsOfLens : 0);
+  const auto count = static_cast<double>(windows_.size());
   std::vector<double> weights(windows_.size(), 1.0);
   double scatter = 1;
   for (int round = 0; round < kReweightings; ++round) {
@@ -214,9 +215,10 @@ IntrinsicsEstimate CalibrationCheck::Estimate() const {
       const Vector pull = windows_[i].weighted_minimum - windows_[i].information * estimate.change;
       const double square = pull.dot(windows_[i].information.ldlt().solve(pull));
       sum += weights[i] * square;
-      weights[i] = (kStudentDof + entries) / (kStudentDof + square);
+      // The common minimum follows each window's own: alone, a window says nothing of how far off it is.
+      if (count > 1) weights[i] = (kStudentDof + entries) / (kStudentDof + square * count / (count - 1));
     }
-    if (windows_.size() > 1) scatter = std::max(1.0, sum / (entries * static_cast<double>(windows_.size() - 1)));
+    if (count > 1) scatter = std::max(1.0, sum / (entries * (count - 1)));
   }
   estimate.covariance *= scatter;
   // A lens that distorts much has more to it than the first radial term.
@@ -228,7 +230,7 @@ IntrinsicsEstimate CalibrationCheck::Estimate() const {
   return estimate;
 }
 
-std::vector<ParameterEstimate> CalibrationCheck::Parameters() const {
+std::vector<ParameterEstimate> CalibrationCheck::Parameters(double applied) const {
   const IntrinsicsEstimate estimate = Estimate();
   const Vector sigmas = estimate.covariance.diagonal().cwiseSqrt();
   const Pinhole found = ChangedPinhole(given_, estimate.change);
@@ -237,17 +239,17 @@ std::vector<ParameterEstimate> CalibrationCheck::Parameters() const {
   return {{IntrinsicsParameter::kFocalLength, given_.fx, found.fx, sigmas[IntrinsicsChange::kLogFocal] * found.fx},
           {IntrinsicsParameter::kCentreX, given_.cx, found.cx, sigmas[IntrinsicsChange::kCentreX]},
           {IntrinsicsParameter::kCentreY, given_.cy, found.cy, sigmas[IntrinsicsChange::kCentreY]},
-          {IntrinsicsParameter::kDistortion, 0, distortion.dot(estimate.change),
+          {IntrinsicsParameter::kDistortion, applied, distortion.dot(estimate.change),
            std::sqrt(distortion.dot(estimate.covariance * distortion))}};
 }
 
-std::vector<ParameterEstimate> CalibrationCheck::Contradictions() const {
+std::vector<ParameterEstimate> CalibrationCheck::Contradictions(double applied) const {
   std::vector<ParameterEstimate> contradictions;
   if (windows_.empty()) return contradictions;
   const double centre = given_.fx * std::tan(InRadians(options_.min_centre_error_deg));
   const double matters[IntrinsicsChange::kEntries] = {given_.fx * options_.min_focal_error, centre, centre,
                                                       options_.min_correction_error};
-  const std::vector<ParameterEstimate> all = Parameters();
+  const std::vector<ParameterEstimate> all = Parameters(applied);
   for (size_t i = 0; i < all.size(); ++i) {
     const double error = std::abs(all[i].found - all[i].given);
     if (error > matters[i] && error > options_.significance * all[i].sigma) contradictions.push_back(all[i]);

@@ -55,7 +55,7 @@ struct CalibrationCheckOptions {
   // A contradiction is reported from these errors on, when it also exceeds `significance` standard deviations.
   double min_focal_error = 0.03;      ///< relative
   double min_centre_error_deg = 0.8;  ///< degrees
-  double min_correction_error = 0.05;
+  double min_correction_error = 0.01;
   double significance = 3.0;
 
   /// Throws InputError that names the field when a value makes no sense.
@@ -66,7 +66,7 @@ enum class IntrinsicsParameter { kFocalLength, kCentreX, kCentreY, kDistortion }
 
 /// One parameter as given and as estimated from the drive: focal length fx and principal point in pixels, the
 /// distortion as the radial correction that the calibration lacks, with one term in r^2: the one that is closest to the
-/// estimated correction over the image.
+/// estimated correction over the image. What counts as given of it is the correction that is applied.
 struct ParameterEstimate {
   IntrinsicsParameter parameter = IntrinsicsParameter::kFocalLength;
   double given = 0;
@@ -109,11 +109,12 @@ class CalibrationCheck {
   bool IsComplete() const { return windows() >= options_.max_windows; }
   /// The estimate from drive and prior; sigmas include the scatter of windows and their common error.
   IntrinsicsEstimate Estimate() const;
-  /// All parameters, in the order of IntrinsicsParameter; those of the prior while no window was read. Call it, and
-  /// Contradictions, after Window only: that takes over the camera.
-  std::vector<ParameterEstimate> Parameters() const;
-  /// Those inconsistent with the given ones; empty if the drive agrees or does not determine them.
-  std::vector<ParameterEstimate> Contradictions() const;
+  /// All parameters, in the order of IntrinsicsParameter; those of the prior while no window was read. `applied`: the
+  /// radial correction that the map's pixels have. Call it, and Contradictions, after Window only: that takes over the
+  /// camera.
+  std::vector<ParameterEstimate> Parameters(double applied) const;
+  /// Those inconsistent with what is used; empty if the drive agrees or does not determine them.
+  std::vector<ParameterEstimate> Contradictions(double applied) const;
 
  private:
   /// The evidence of a window.

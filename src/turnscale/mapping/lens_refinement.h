@@ -28,7 +28,7 @@ struct LensRefinementOptions {
   /// is 1200 pixels and 80 degrees wide.
   double accurate_sigma = 0.001;
   /// Largest change of the correction between two linearisations of a window.
-  double step = 0.003;
+  double step = 0.01;
   /// Landmarks of a window that take part (IntrinsicsWindow); its time is linear in it.
   int max_landmarks = 300;
   /// Standard deviation of a tracked pixel, pixels.

@@ -311,7 +311,8 @@ void Odometry::StartCameraWork() {
                        CameraWork work;
                        if (refined && lens_.Read(*refined)) work.lens_correction = lens_.correction();
                        if (tested && calibration_check_.Read(*tested))
-                         work.calibration_sigma = CalibrationSigma(calibration_check_.Contradictions(), camera);
+                         work.calibration_sigma =
+                             CalibrationSigma(calibration_check_.Contradictions(camera.radial_correction), camera);
                        return work;
                      });
 }
@@ -461,7 +462,7 @@ ScaleState Odometry::scale_state() const { return refined_ ? StateAtEnd(*refined
 RefinedScale Odometry::Refined() const {
   if (refined_) return *refined_;
   camera_work_.Await();
-  const std::vector<ParameterEstimate> contradictions = calibration_check_.Contradictions();
+  const std::vector<ParameterEstimate> contradictions = calibration_check_.Contradictions(camera_.radial_correction);
   RefinedScale refined = scale_.Refine(map_, !contradictions.empty());
   WidenForCalibration(contradictions, camera_, refined);
   refined.calibration_windows = calibration_check_.windows();

@@ -102,10 +102,12 @@ Reading ReadTurns(const OdometryOptions& options, const CameraModel& camera, Cal
   return reading;
 }
 
-// The camera after a change of its intrinsics that was read within a radius (pixels) of the principal point: beyond it,
-// the series of the change is an extrapolation.
+// The camera after a change of its intrinsics, which are not those of tangential distortion, that was read within a
+// radius (pixels) of the principal point: beyond it, the series of the change is an extrapolation.
 std::optional<CameraModel> Changed(const CameraModel& camera, const IntrinsicsChange::Vector& change, double radius) {
   const Pinhole pinhole = ChangedPinhole(camera.pinhole, change);
+  std::array<double, 2> tangential = {0, 0};
+  if (camera.lens == LensModel::kRadialTangential) tangential = {camera.distortion[2], camera.distortion[3]};
   return FitLens(
       pinhole, camera.width, camera.height,
       [&](const Eigen::Vector2d& pixel) -> std::optional<Eigen::Vector2d> {
@@ -113,7 +115,7 @@ std::optional<CameraModel> Changed(const CameraModel& camera, const IntrinsicsCh
         if (!corrected) return std::nullopt;
         return pinhole.Ray(corrected->pixel).head<2>();
       },
-      radius);
+      radius, tangential);
 }
 
 // The change of focal length and principal point that leads from one pinhole to another; the ratio of the focal lengths
