@@ -91,6 +91,17 @@ TEST(OdometryTrouble, UnreadableImagesAreBridged) {
   ExpectGoodDrive(run, drive);
 }
 
+// Images that look like nothing end the map after so long; without images, there is nothing to end it.
+TEST(OdometryTrouble, ManyUnreadableImagesDoNotEndTheMap) {
+  StreetDrive drive = PlainStreetDrive();
+  SpoilImages(drive, 30, 6, Nothing);
+  const OdometryRun run = RunOdometry(StreetOptions(), drive);
+  ExpectStates(run, 30, 6, TrackingState::kUnreadable);
+  ExpectStates(run, 36, 3, TrackingState::kTracked);
+  EXPECT_EQ(Count(run.refined, TrackingState::kTracked), kStreetFrames - 6);
+  ExpectGoodDrive(run, drive);
+}
+
 TEST(OdometryTrouble, BlurAndDarknessAreBridged) {
   StreetDrive drive = PlainStreetDrive();
   SpoilImages(drive, 18, 3, Black);

@@ -255,6 +255,7 @@ void VisitSettings(Visitor& visitor, OdometryOptions& options) {
     auto& o = options.motion;
     visitor.Field("steady_seconds", o.steady_seconds);
     visitor.Field("turn_seconds", o.turn_seconds);
+    visitor.Field("swing_seconds", o.swing_seconds);
     visitor.Field("travel_seconds", o.travel_seconds);
     visitor.Field("turn_acceleration", o.turn_acceleration);
     visitor.Field("speed_sigma", o.speed_sigma);
@@ -266,6 +267,7 @@ void VisitSettings(Visitor& visitor, OdometryOptions& options) {
     visitor.Field("min_expected_motion", o.min_expected_motion);
     visitor.Field("max_motion_share", o.max_motion_share);
     visitor.Field("max_motion", o.max_motion);
+    visitor.Field("max_interval", o.max_interval);
     visitor.Field("max_seconds", o.max_seconds);
   });
   visitor.Group("static_regions", [&] {

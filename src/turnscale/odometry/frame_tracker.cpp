@@ -103,9 +103,9 @@ void FrameTracker::Start(const FlowImage& image, std::vector<FeatureTrack> track
 }
 
 bool FrameTracker::IsRepeat(const Map& map, const CameraModel& camera, const FlowImage& image,
-                            const RigidTransform& predicted) const {
-  return IsRepeated(options_.repeats, options_.alignment, map, camera, last_image_.gray, image.gray, tracks_,
-                    predicted);
+                            const RigidTransform& predicted, double interval) const {
+  return IsRepeated(options_.repeats, options_.alignment, map, camera, last_image_.gray, image.gray, tracks_, predicted,
+                    interval);
 }
 
 TrackedFrame FrameTracker::Track(const Map& map, const CameraModel& camera, const FlowImage& image,

@@ -40,9 +40,9 @@ class FrameTracker {
   /// Begins anew with what an image shows; `landmarks` of it have a depth.
   void Start(const FlowImage& image, std::vector<FeatureTrack> tracks, int landmarks);
 
-  /// Whether the image is the last one once more.
-  bool IsRepeat(const Map& map, const CameraModel& camera, const FlowImage& image,
-                const RigidTransform& predicted) const;
+  /// Whether the image is the last one once more, `interval` seconds later.
+  bool IsRepeat(const Map& map, const CameraModel& camera, const FlowImage& image, const RigidTransform& predicted,
+                double interval) const;
 
   /// The camera's pose in the next image, taken at `time` seconds: searched from the predicted pose, then from the
   /// motion model's others.

@@ -140,8 +140,8 @@ TEST_F(FrameTracking, WhatShowsNothingKnownLeavesTheTracks) {
 }
 
 TEST_F(FrameTracking, AnImageThatIsTheLastOneIsARepeat) {
-  EXPECT_TRUE(tracker_.IsRepeat(map_, camera_, Seen(0), Moved(5)));
-  EXPECT_FALSE(tracker_.IsRepeat(map_, camera_, Seen(5), Moved(5)));
+  EXPECT_TRUE(tracker_.IsRepeat(map_, camera_, Seen(0), Moved(5), 0.1));
+  EXPECT_FALSE(tracker_.IsRepeat(map_, camera_, Seen(5), Moved(5), 0.1));
 }
 
 TEST_F(FrameTracking, AKeyframeIsDueAfterEnoughParallax) {

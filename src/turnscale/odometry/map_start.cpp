@@ -56,7 +56,8 @@ UnitGuess UnitAfterGap(const TrackingOptions& options, const Map& map, const Mot
   }
   std::vector<double> new_depths;
   for (const int feature : start.frames.back().features)
-    new_depths.push_back(start.has_point[feature] != 0 ? start.points[feature].z() : HUGE_VAL);
+    new_depths.push_back(start.has_point[feature] != 0 ? (start.second_from_first * start.points[feature]).z()
+                                                       : HUGE_VAL);
   const double depth = depths.empty() ? HUGE_VAL : Quantile(std::move(depths), kNearQuarter);
   const double new_depth = Quantile(std::move(new_depths), kNearQuarter);
   UnitGuess from_depth;
@@ -119,16 +120,18 @@ std::vector<LocatedFrame> LocateWaitingFrames(const OdometryOptions& options, co
     const PoseEstimate estimate = EstimatePose(options.pose, camera.pinhole, SightingsIn(map, waiting, first_landmark),
                                                moved ? motion.last() : first_pose);
     const RigidTransform pose = is_second ? second_pose : estimate.camera_from_world;
-    if (moved)
-      motion.Update(waiting.time, pose);
-    else
-      motion.Restart(waiting.time, pose);
-    result.keyframe = !moved;
-    moved = &waiting;
-    if (is_second) break;
     result.state = IsBelievable(options.tracking, estimate) ? TrackingState::kTracked : TrackingState::kBridged;
     result.inliers = estimate.inliers;
-    located.push_back({result, result.keyframe ? first_pose : pose});
+    result.keyframe = !moved;
+    if (!is_second) located.push_back({result, result.keyframe ? first_pose : pose});
+    if (!moved) {
+      motion.Restart(waiting.time, pose);
+    } else if (is_second || result.state == TrackingState::kTracked) {
+      motion.Update(waiting.time, pose);
+    } else {
+      continue;
+    }
+    moved = &waiting;
   }
   return located;
 }

@@ -94,19 +94,36 @@ TEST(MapStart, FramesInBetweenAreLocated) {
   EXPECT_EQ(motion.time(), start.map.frames.back().time);
 }
 
+TEST(MapStart, APoseThatNoOneBelievesIsNoMotion) {
+  Start start = GoingAhead(5, 2, 10);
+  for (std::size_t i = 0; i < start.map.frames[2].pixels.size(); ++i)
+    start.map.frames[2].pixels[i] += Eigen::Vector2d(i % 2 == 0 ? 40 : -40, i % 3 == 0 ? 30 : -30);
+  Map map = EmptyMap();
+  const AddedStart added = AddStart(start.map, {}, map);
+  MotionModel motion;
+  const std::vector<LocatedFrame> located =
+      LocateWaitingFrames({}, kCamera, start.map, map, added.keyframe, added.first_landmark, motion);
+  ASSERT_EQ(located.size(), 3U);
+  EXPECT_EQ(located[2].result.state, TrackingState::kBridged);
+  const double after = start.map.frames[3].time + 0.1;
+  const RigidTransform moved = motion.Predict(after) * motion.last().inverse();
+  const RigidTransform step = start.poses[1] * start.poses[0].inverse();
+  EXPECT_LT((moved.translation - step.translation).norm(), 0.01 * step.translation.norm());
+}
+
 TEST(MapStart, TheUnitAfterAGapFollowsFromDepthAndSpeed) {
-  // The same speed in a unit that is twice as long; the last keyframe is 19.4 ahead of the wall.
+  // The same speed in a unit that is twice as long; the second views are 19.4 and 9.7 before the wall.
   const Start before = GoingAhead(5, 2, 20);
   Map map = EmptyMap();
   const AddedStart added = AddStart(before.map, {}, map);
   MotionModel motion;
   LocateWaitingFrames({}, kCamera, before.map, map, added.keyframe, added.first_landmark, motion);
   const TrackingOptions options;
-  const UnitGuess both = UnitAfterGap(options, map, motion, GoingAhead(6, 1, 9.7).map);
+  const UnitGuess both = UnitAfterGap(options, map, motion, GoingAhead(6, 1, 10).map);
   EXPECT_NEAR(both.unit, 2, 0.01);
   EXPECT_LT(both.sigma, options.depth_sigma);
   // Three times as fast after the gap: speed and depth contradict each other.
-  const UnitGuess faster = UnitAfterGap(options, map, motion, GoingAhead(6, 3, 9.7).map);
+  const UnitGuess faster = UnitAfterGap(options, map, motion, GoingAhead(6, 3, 10.6).map);
   EXPECT_LT(faster.unit, 1.9);
   EXPECT_GT(faster.unit, 2.0 / 3);
   EXPECT_GT(faster.sigma, both.sigma);

@@ -32,6 +32,7 @@ void MotionModelOptions::Check() const {
   if (!(steady_seconds >= 0)) throw InputError("motion.steady_seconds: must not be negative");
   if (!(turn_seconds > 0)) throw InputError("motion.turn_seconds: has to be positive");
   if (!(turn_acceleration >= 0)) throw InputError("motion.turn_acceleration: must not be negative");
+  if (!(swing_seconds >= 0)) throw InputError("motion.swing_seconds: must not be negative");
   if (!(travel_seconds > 0)) throw InputError("motion.travel_seconds: has to be positive");
   if (!(speed_sigma > 0)) throw InputError("motion.speed_sigma: has to be positive");
   if (!(speed_sigma_per_second >= 0)) throw InputError("motion.speed_sigma_per_second: must not be negative");
@@ -41,20 +42,34 @@ void MotionModelOptions::Check() const {
 // Step by step of the length measured, so that a turn bends the path as it goes on.
 RigidTransform MotionModel::Extrapolate(const Step& step, double seconds) const {
   const double steps = std::clamp(std::ceil(seconds / step.seconds - 1e-6), 1.0, kMostSteps);
-  const Eigen::Vector3d turn = VectorFromRotation(step.current_from_previous.rotation) / step.seconds;
-  const Eigen::Vector3d velocity = step.current_from_previous.translation / step.seconds;
+  Rates rates = {VectorFromRotation(step.current_from_previous.rotation) / step.seconds,
+                 step.current_from_previous.translation / step.seconds};
   RigidTransform pose = camera_from_world_;
   double turned = 0;
+  double swung = 0;
   double travelled = 0;
   for (int i = 1; i <= static_cast<int>(steps); ++i) {
     const double passed = seconds * i / steps;
     const double turning = Effective(options_.steady_seconds, options_.turn_seconds, passed);
+    const double swinging = i == 1 ? turning : std::max(swung, std::min(turning, options_.swing_seconds));
     const double travelling = Effective(options_.steady_seconds, options_.travel_seconds, passed);
-    pose = RigidTransform{RotationFromVector((turning - turned) * turn), (travelling - travelled) * velocity} * pose;
+    const Eigen::Vector3d upright = vertical_.dot(rates.turn) * vertical_;
+    const Eigen::Vector3d turn = (turning - turned) * upright + (swinging - swung) * (rates.turn - upright);
+    pose = RigidTransform{RotationFromVector(turn), (travelling - travelled) * rates.velocity} * pose;
     turned = turning;
+    swung = swinging;
     travelled = travelling;
+    rates = step.mean;
   }
   return pose;
+}
+
+// Faster about the vertical by `rate`, rad/s.
+MotionModel::Step MotionModel::Turning(Step step, double rate) const {
+  step.current_from_previous.rotation =
+      RotationFromVector(VectorFromRotation(step.current_from_previous.rotation) + rate * step.seconds * vertical_);
+  step.mean.turn += rate * vertical_;
+  return step;
 }
 
 RigidTransform MotionModel::Predict(double time) const {
@@ -67,11 +82,7 @@ std::vector<RigidTransform> MotionModel::OtherPredictions(double time) const {
   if (broken_off_) others.push_back(Extrapolate(broken_off_->step, time - time_));
   if (!step_ || options_.turn_acceleration == 0) return others;
   for (const double share : {-1.0, 1.0, -0.5, 0.5}) {
-    Step step = *step_;
-    const double change = share * options_.turn_acceleration * (time - time_) * step.seconds;
-    step.current_from_previous.rotation =
-        RotationFromVector(VectorFromRotation(step.current_from_previous.rotation) + change * Eigen::Vector3d::UnitY());
-    others.push_back(Extrapolate(step, time - time_));
+    others.push_back(Extrapolate(Turning(*step_, share * options_.turn_acceleration * (time - time_)), time - time_));
   }
   return others;
 }
@@ -82,24 +93,25 @@ double MotionModel::TurnReach(double time) const {
 
 RigidTransform MotionModel::PredictOtherwise(double time, double turn, double speed_share) const {
   if (!step_) return camera_from_world_;
-  Step step = *step_;
   const double turning = Effective(options_.steady_seconds, options_.turn_seconds, time - time_);
-  step.current_from_previous.rotation = RotationFromVector(VectorFromRotation(step.current_from_previous.rotation) +
-                                                           turn * step.seconds / turning * Eigen::Vector3d::UnitY());
-  step.current_from_previous.translation *= speed_share;
+  Step step = Turning(*step_, turn / turning);
+  step.Scale(speed_share);
   return Extrapolate(step, time - time_);
 }
 
 void MotionModel::Update(double time, const RigidTransform& camera_from_world) {
   if (started_ && time > time_) {
-    const Step step{camera_from_world * camera_from_world_.inverse(), time - time_};
+    Step step{camera_from_world * camera_from_world_.inverse(), time - time_, {}};
     // After a restart, the step is one from before it: what it was compared with would be a change across the gap, and
     // speed() is 0, as no speed of the new map is known yet.
     if (step_ && !recent_.empty() && step.speed() < kBreak * step_->speed() &&
         !(broken_off_ && step_->speed() < kNoise * broken_off_->past.speed))
       broken_off_ = {*step_, {speed(), time_}};
+    const Eigen::Vector3d& translation = step.current_from_previous.translation;
+    Remember({translation.norm(), step.seconds, VectorFromRotation(step.current_from_previous.rotation), translation});
+    const Travel recent = Recent();
+    step.mean = {recent.turn / recent.seconds, recent.translation / recent.seconds};
     step_ = step;
-    Remember({step.current_from_previous.translation.norm(), step.seconds});
   }
   started_ = true;
   time_ = time;
@@ -122,22 +134,37 @@ void MotionModel::Restart(double time, const RigidTransform& camera_from_world) 
   camera_from_world_ = camera_from_world;
 }
 
+void MotionModel::Stop() {
+  step_.reset();
+  recent_.clear();
+}
+
 void MotionModel::Correct(const RigidTransform& camera_from_world, double factor) {
   camera_from_world_ = camera_from_world;
-  if (step_) step_->current_from_previous.translation *= factor;
-  for (Travel& travel : recent_) travel.length *= factor;
+  if (step_) step_->Scale(factor);
+  for (Travel& travel : recent_) {
+    travel.length *= factor;
+    travel.translation *= factor;
+  }
   if (!broken_off_) return;
-  broken_off_->step.current_from_previous.translation *= factor;
+  broken_off_->step.Scale(factor);
   broken_off_->past.speed *= factor;
 }
 
-double MotionModel::speed() const {
+MotionModel::Travel MotionModel::Recent() const {
   Travel sum;
   for (const Travel& travel : recent_) {
     sum.length += travel.length;
     sum.seconds += travel.seconds;
+    sum.turn += travel.turn;
+    sum.translation += travel.translation;
   }
-  return sum.seconds > 0 ? sum.length / sum.seconds : 0.0;
+  return sum;
+}
+
+double MotionModel::speed() const {
+  const Travel recent = Recent();
+  return recent.seconds > 0 ? recent.length / recent.seconds : 0.0;
 }
 
 std::vector<PastSpeed> MotionModel::PastSpeeds() const {

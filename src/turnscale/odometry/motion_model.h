@@ -16,6 +16,9 @@ struct MotionModelOptions {
   /// After that the turning rate decays with this time constant, seconds: turns end. In all, a turn goes on for at most
   /// the two together, 2 s at the last rate.
   double turn_seconds = 1.5;
+  /// What the camera turns about other axes than the car's vertical goes on for this time, seconds, or for that of one
+  /// image: the body swings back.
+  double swing_seconds = 0.15;
   /// And the speed with this one, seconds. Cars keep their speed for longer than most gaps last; it bounds what a
   /// drive that is interrupted can be given.
   double travel_seconds = 60;
@@ -41,7 +44,8 @@ struct PastSpeed {
 };
 
 /// Predicts the camera's pose from its previous motion: constant velocity and turning rate, which decay when nothing
-/// has been measured for some time.
+/// has been measured for some time. Up to the time that one image takes, they are those of the last step, then means
+/// over the last fifth of a second.
 class MotionModel {
  public:
   explicit MotionModel(const MotionModelOptions& options = {}) : options_(options) {}
@@ -49,9 +53,12 @@ class MotionModel {
   /// Pose expected at `time` (seconds).
   RigidTransform Predict(double time) const;
 
+  /// The car's vertical in camera axes, of either sign; the camera's y axis until it is known better.
+  void SetVertical(const Eigen::Vector3d& vertical) { vertical_ = vertical.normalized(); }
+
   /// Alternative predictions if tracking from the expected pose fails: the camera stands still; it moves as before an
-  /// abrupt stop; the car, whose vertical axis is taken to be the camera's, turns more or less than before. At a few
-  /// images per second the turning rate changes by much from one to the next.
+  /// abrupt stop; the car turns more or less than before. At a few images per second the turning rate changes by much
+  /// from one to the next.
   std::vector<RigidTransform> OtherPredictions(double time) const;
 
   /// How far a turn may be from the expected one until `time`, radians.
@@ -65,6 +72,9 @@ class MotionModel {
 
   /// Takes a pose that was not measured: velocities stay what they were, and speeds measured before count no longer.
   void Restart(double time, const RigidTransform& camera_from_world);
+
+  /// The camera stands still.
+  void Stop();
 
   /// The last pose turned out to be this one, and lengths are `factor` times what they were.
   void Correct(const RigidTransform& camera_from_world, double factor);
@@ -81,15 +91,26 @@ class MotionModel {
   double SpeedSigma(const PastSpeed& past, double time, double depth) const;
 
  private:
+  struct Rates {
+    Eigen::Vector3d turn = Eigen::Vector3d::Zero();      ///< rad/s
+    Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  ///< units of length per second
+  };
   struct Step {
     RigidTransform current_from_previous;
     double seconds = 0;  ///< that it spans
+    Rates mean;          ///< over the last steps
 
     double speed() const { return current_from_previous.translation.norm() / seconds; }
+    void Scale(double factor) {
+      current_from_previous.translation *= factor;
+      mean.velocity *= factor;
+    }
   };
   struct Travel {
     double length = 0;
     double seconds = 0;
+    Eigen::Vector3d turn = Eigen::Vector3d::Zero();
+    Eigen::Vector3d translation = Eigen::Vector3d::Zero();
   };
   struct BrokenOff {
     Step step;
@@ -97,11 +118,14 @@ class MotionModel {
   };
 
   void Remember(const Travel& travel);
+  Travel Recent() const;
+  Step Turning(Step step, double rate) const;
   RigidTransform Extrapolate(const Step& step, double seconds) const;
 
   MotionModelOptions options_;
   double time_ = 0;
   RigidTransform camera_from_world_;
+  Eigen::Vector3d vertical_ = Eigen::Vector3d::UnitY();
   std::optional<Step> step_;
   std::deque<Travel> recent_;            ///< of the last steps, the latest at the back
   std::optional<BrokenOff> broken_off_;  ///< before the speed fell at once

@@ -12,6 +12,7 @@ namespace turnscale {
 namespace {
 
 const RigidTransform kStep{RotationFromVector({0.01, -0.06, 0.002}), {0.1, -0.02, -0.9}};
+const RigidTransform kYawStep{RotationFromVector({0, -0.06, 0}), {0.1, -0.02, -0.9}};
 const RigidTransform kStart{RotationFromVector({0.2, 0.4, -0.1}), {3, 1, -7}};
 
 void ExpectNear(const RigidTransform& a, const RigidTransform& b) {
@@ -98,8 +99,47 @@ TEST(MotionModel, ALongWayAheadIsBoundedToo) {
 TEST(MotionModel, ATurnBendsTheWayAhead) {
   MotionModel motion;
   motion.Update(1.0, kStart);
+  motion.Update(1.1, kYawStep * kStart);
+  ExpectNear(motion.Predict(1.5), kYawStep * kYawStep * kYawStep * kYawStep * kYawStep * kStart);
+}
+
+TEST(MotionModel, OnlyTheTurnAboutTheVerticalGoesOn) {
+  MotionModel motion;
+  // A camera that looks down by a fifth of a radian.
+  const RigidTransform tilt{RotationFromVector({-0.2, 0, 0}), Eigen::Vector3d::Zero()};
+  const Eigen::Vector3d vertical = tilt.rotation * Eigen::Vector3d::UnitY();
+  motion.SetVertical(-vertical);
+  const Eigen::Vector3d swing = 0.02 * (tilt.rotation * Eigen::Vector3d::UnitX());
+  motion.Update(1.0, kStart);
+  motion.Update(1.1, {RotationFromVector(-0.05 * vertical + swing) * kStart.rotation, kStart.translation});
+  const auto turned = [&](double after) -> Eigen::Vector3d {
+    return VectorFromRotation(motion.Predict(1.1 + after).rotation * motion.last().rotation.conjugate());
+  };
+  EXPECT_LT((turned(0.1) - (-0.05 * vertical + swing)).norm(), 1e-12) << "one image";
+  EXPECT_NEAR(turned(0.5).dot(vertical), -0.25, 1e-3);
+  EXPECT_NEAR((turned(0.5) - turned(0.5).dot(vertical) * vertical).norm(), 1.5 * 0.02, 2e-3) << "0.15 s of it";
+}
+
+TEST(MotionModel, AcrossGapsTheRatesAreMeans) {
+  MotionModel motion;
+  const double interval = 1.0 / 60;
+  // A steady motion with poses that are off to and fro.
+  for (int i = 0; i <= 40; ++i) {
+    const double off = i % 2 == 0 ? 1 : -1;
+    motion.Update(i * interval, {RotationFromVector({0, -0.01 * i + 0.002 * off, 0}), {0.003 * off, 0, 0}});
+  }
+  const RigidTransform moved = motion.Predict(40 * interval + 0.5) * motion.last().inverse();
+  EXPECT_NEAR(VectorFromRotation(moved.rotation).y(), -0.3, 0.006) << "the last image alone says -0.18";
+  EXPECT_LT(moved.translation.norm(), 0.02) << "and here 0.18";
+}
+
+TEST(MotionModel, AStopLeavesNoMotion) {
+  MotionModel motion;
+  motion.Update(1.0, kStart);
   motion.Update(1.1, kStep * kStart);
-  ExpectNear(motion.Predict(1.5), kStep * kStep * kStep * kStep * kStep * kStart);
+  motion.Stop();
+  ExpectNear(motion.Predict(5), motion.last());
+  EXPECT_EQ(motion.speed(), 0);
 }
 
 TEST(MotionModel, PredictsOtherTurnsAndSpeeds) {
@@ -229,6 +269,7 @@ TEST(MotionModel, OptionsNameTheFieldThatMakesNoSense) {
   EXPECT_EQ(RefusedField<Options>([](auto& o) { o.steady_seconds = -1; }), "motion.steady_seconds");
   EXPECT_EQ(RefusedField<Options>([](auto& o) { o.turn_seconds = 0; }), "motion.turn_seconds");
   EXPECT_EQ(RefusedField<Options>([](auto& o) { o.travel_seconds = 0; }), "motion.travel_seconds");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.swing_seconds = -1; }), "motion.swing_seconds");
   EXPECT_EQ(RefusedField<Options>([](auto& o) { o.turn_acceleration = -1; }), "motion.turn_acceleration");
   EXPECT_EQ(RefusedField<Options>([](auto& o) { o.speed_sigma = 0; }), "motion.speed_sigma");
   EXPECT_EQ(RefusedField<Options>([](auto& o) { o.speed_sigma_per_second = -1; }), "motion.speed_sigma_per_second");

@@ -89,12 +89,14 @@ FrameResult Odometry::Process(const cv::Mat& gray, double time) {
   Ensure(!finished_, "no frame follows Finish");
   CheckTime(time);
   CheckImage(gray);
+  const double interval = time - last_time_;
   FrameResult result = NewFrame(time, TrackingState::kInitializing);
   const FlowImage image = BuildFlowImage(options_.flow, gray);
   if (!mapping_) return Initialize(image, result);
 
   const RigidTransform predicted = motion_.Predict(time);
-  if (time - motion_.time() <= options_.repeats.max_seconds && tracker_.IsRepeat(map_, camera_, image, predicted)) {
+  if (time - motion_.time() <= options_.repeats.max_seconds &&
+      tracker_.IsRepeat(map_, camera_, image, predicted, interval)) {
     result.state = TrackingState::kRepeated;
     return MetricResult(result, predicted);
   }
@@ -214,7 +216,7 @@ void Odometry::StartMap(const FlowImage& image, const InitialMap& start) {
   AddedStart added = AddStart(start, place, map_);
   tracker_.Start(image, std::move(added.tracks), start.CountPoints());
   mask_.LeaveOut(start.motion);
-  if (start.has_still_features) start_in_doubt_ = added.keyframe;
+  start_in_doubt_ = start.has_still_features ? std::optional(added.keyframe) : std::nullopt;
   ApplyMask();
   mapping_ = true;
   lost_frames_ = 0;
@@ -235,20 +237,24 @@ TrackedFrame Odometry::Track(const FlowImage& image, const RigidTransform& predi
   return tracked;
 }
 
-FrameResult Odometry::Bridge(RigidTransform predicted, FrameResult result) {
-  if (result.state != TrackingState::kUnreadable) result.state = TrackingState::kBridged;
+FrameResult Odometry::Bridge(const RigidTransform& predicted, FrameResult result) {
+  const bool is_unreadable = result.state == TrackingState::kUnreadable;
+  if (!is_unreadable) result.state = TrackingState::kBridged;
   const TrackingOptions& limits = options_.tracking;
   const bool stood = mapping_ && tracker_.HasStood();
-  if (stood) predicted = motion_.last();
+  // Without an image the map is no more lost than where images are missing.
+  if (mapping_ && !is_unreadable) ++lost_frames_;
   const double patience = stood ? limits.max_hidden_seconds : limits.max_lost_seconds;
-  if (mapping_ && ++lost_frames_ >= limits.min_lost_frames && result.time - motion_.time() > patience) {
-    // No turn reaches across the gap: one that was under way is read from the map it belongs to. What is pending may
-    // change the radial correction, under which the pixels that wait for the next map are undistorted.
-    Settle();
-    predicted = motion_.Predict(result.time);
-    WaitForMap();
-  }
-  return MetricResult(result, predicted);
+  const bool gives_up = mapping_ && lost_frames_ >= limits.min_lost_frames && result.time - motion_.time() > patience;
+  if (!gives_up) return MetricResult(result, stood ? motion_.last() : predicted);
+  // No turn reaches across the gap: one that was under way is read from the map it belongs to. What is pending may
+  // change the radial correction, under which the pixels that wait for the next map are undistorted.
+  Settle();
+  // The noise of standing is no motion.
+  if (stood) motion_.Stop();
+  const RigidTransform last = motion_.Predict(result.time);
+  WaitForMap();
+  return MetricResult(result, last);
 }
 
 void Odometry::AddKeyframe(FrameResult& result) {
@@ -287,6 +293,7 @@ void Odometry::ObserveScale(const std::optional<MeasuredHeight>& height, FrameRe
   result.psi = motion.psi;
   result.theta = motion.theta;
   const bool turn_ended = scale_.Add(map_);
+  motion_.SetVertical(mount().current().vehicle_from_camera.conjugate() * Eigen::Vector3d::UnitY());
   const int unsettled = static_cast<int>(map_.keyframes.size() - lens_of_keyframe_.size());
   const bool many = !settling_.pending() && unsettled >= options_.turn_bundle.window / 2;
   settling_is_due_ = settling_is_due_ || turn_ended || many;

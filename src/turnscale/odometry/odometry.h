@@ -116,7 +116,7 @@ class Odometry {
   FrameResult Initialize(const FlowImage& image, FrameResult result);
   void StartMap(const FlowImage& image, const InitialMap& start);
   TrackedFrame Track(const FlowImage& image, const RigidTransform& predicted, FrameResult& result);
-  FrameResult Bridge(RigidTransform predicted, FrameResult result);
+  FrameResult Bridge(const RigidTransform& predicted, FrameResult result);
 
   /// Results of lens refinement and calibration check, computed while the frames up to a later keyframe are processed.
   struct CameraWork {

@@ -47,6 +47,7 @@ void RepeatOptions::Check() const {
   if (!(max_motion_share >= 0 && max_motion_share < 1))
     throw InputError("repeats.max_motion_share: has to be in 0...1");
   if (!(max_motion > 0)) throw InputError("repeats.max_motion: has to be positive");
+  if (!(max_interval >= 0)) throw InputError("repeats.max_interval: must not be negative");
   if (!(max_seconds >= 0)) throw InputError("repeats.max_seconds: must not be negative");
 }
 
@@ -68,10 +69,11 @@ bool IsRepeated(const RepeatOptions& options, const ImageMotion& motion) {
 
 bool IsRepeated(const RepeatOptions& options, const PatchAlignmentOptions& alignment, const Map& map,
                 const CameraModel& camera, const cv::Mat& first, const cv::Mat& second,
-                const std::vector<FeatureTrack>& tracks, const RigidTransform& predicted_from_world) {
+                const std::vector<FeatureTrack>& tracks, const RigidTransform& predicted_from_world, double interval) {
   const std::vector<LandmarkMotion> sample = SampleLandmarks(map, camera, tracks, predicted_from_world);
   const double expected = MedianMotion(sample).expected;
-  if (expected < options.min_expected_motion) return expected >= kExpectedOfSame && HaveSamePixels(first, second);
+  if (expected < options.min_expected_motion || interval > options.max_interval)
+    return expected >= kExpectedOfSame && HaveSamePixels(first, second);
   const double least = kLeastShare * static_cast<double>(sample.size());
   std::vector<LandmarkMotion> same;
   for (size_t i = 0; i < sample.size(); ++i) {

@@ -13,11 +13,11 @@
 
 namespace turnscale {
 
-/// What counts as an image that a recorder has written once more. From one image to the next a car does not lose most
-/// of its speed: that would be a braking of 10 m/s^2 and more. The longer an image stays the same, the less this tells:
-/// a car that went on at 10 m/s can stop within two seconds. Live poses of repeated images are predictions, which
-/// overshoot where the car has in fact stopped. In the refined path they lie between the measured poses before and
-/// after.
+/// What counts as an image that a recorder has written once more. At ten images a second, a car does not lose most of
+/// its speed from one to the next: that would be a braking of 10 m/s^2 and more. The longer an image stays the same,
+/// the less this tells: a car that went on at 10 m/s can stop within two seconds. Live poses of repeated images are
+/// predictions, which overshoot where the car has in fact stopped. In the refined path they lie between the measured
+/// poses before and after.
 struct RepeatOptions {
   /// Median motion of the landmarks that the prediction has to expect, pixels: less is like tracking noise. Where all
   /// pixels of the two images are the same, 0.2 are enough: noise makes any two images of a camera differ.
@@ -26,6 +26,9 @@ struct RepeatOptions {
   double max_motion_share = 0.25;
   /// And by no more than this, pixels, which is tracking noise: where a prediction is wrong its share is large.
   double max_motion = 0.3;
+  /// Images further apart than this, seconds, are repeats only where all their pixels are the same: a car can brake to
+  /// a stop within that time.
+  double max_interval = 0.15;
   /// A car whose image has not moved for longer stands, seconds. Longer than most recorders hang; where the car stands
   /// after all, its refined path leads to the same place.
   double max_seconds = 3;
@@ -54,9 +57,10 @@ bool IsRepeated(const RepeatOptions& options, const ImageMotion& motion);
 
 /// Whether `second` shows what `first` shows, where `predicted_from_world` lets expect other: patches around landmarks
 /// are compared at the same place, up to gain, offset, noise and a fraction of a pixel, so a repeat that was compressed
-/// anew is found and another image of an even gray is none. `tracks` are where the first image shows the landmarks.
+/// anew is found and another image of an even gray is none. `tracks` are where the first image shows the landmarks;
+/// `interval`: between the images, seconds.
 bool IsRepeated(const RepeatOptions& options, const PatchAlignmentOptions& alignment, const Map& map,
                 const CameraModel& camera, const cv::Mat& first, const cv::Mat& second,
-                const std::vector<FeatureTrack>& tracks, const RigidTransform& predicted_from_world);
+                const std::vector<FeatureTrack>& tracks, const RigidTransform& predicted_from_world, double interval);
 
 }  // namespace turnscale

@@ -52,8 +52,8 @@ class Wall : public testing::Test {
     });
   }
 
-  bool Repeated(const cv::Mat& second, double expected_pixels) const {
-    return IsRepeated({}, {}, map_, camera_, Seen(0), second, tracks_, Moved(expected_pixels));
+  bool Repeated(const cv::Mat& second, double expected_pixels, double interval = 0.1) const {
+    return IsRepeated({}, {}, map_, camera_, Seen(0), second, tracks_, Moved(expected_pixels), interval);
   }
 
   CameraModel camera_;
@@ -91,6 +91,11 @@ TEST_F(Wall, WhatHasTheSamePixelsIsRepeatedWhereLittleMotionWasExpected) {
   EXPECT_FALSE(Repeated(other, 0.4));
 }
 
+TEST_F(Wall, AtAFewImagesASecondACarMayHaveStopped) {
+  EXPECT_FALSE(Repeated(Seen(0, 4), 5, 0.5));
+  EXPECT_TRUE(Repeated(Seen(0), 5, 0.5)) << "the same pixels";
+}
+
 TEST_F(Wall, AnImageThatShowsNothingIsNotRepeated) {
   cv::Mat blurred;
   cv::GaussianBlur(Seen(0), blurred, {}, 25);
@@ -123,6 +128,7 @@ TEST(RepeatedImage, OptionsNameTheFieldThatMakesNoSense) {
   EXPECT_EQ(RefusedField<Options>([](auto& o) { o.max_motion_share = 1; }), "repeats.max_motion_share");
   EXPECT_EQ(RefusedField<Options>([](auto& o) { o.max_motion = 0; }), "repeats.max_motion");
   EXPECT_EQ(RefusedField<Options>([](auto& o) { o.max_seconds = -1; }), "repeats.max_seconds");
+  EXPECT_EQ(RefusedField<Options>([](auto& o) { o.max_interval = -1; }), "repeats.max_interval");
 }
 
 }  // namespace
