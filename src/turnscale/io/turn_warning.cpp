@@ -16,9 +16,6 @@ std::string TurnWarning(const ScaleEstimate& estimate, const std::function<std::
   // Turns may also be followed because of the calibration, which has its own warning, or by choice.
   if (!contradicted && estimate.converged) return {};
   if (!estimate.fell_back) return fmt::format("the scale estimate did not converge: check {}", suspects);
-  if (contradicted && estimate.height_conflict && estimate.height_conflict->contradicts_turns)
-    return "the turns agree with each other, but not with the given camera height: the trajectory uses the scale of "
-           "each turn";
   const std::string problem = contradicted
                                   ? fmt::format("the turns disagree on the scale by {:.0f} % on average, most at {}",
                                                 100 * test.disagreement, name_of(test.worst_turn))
@@ -31,9 +28,9 @@ std::string HeightWarning(const HeightConflict& conflict, double lever_arm, cons
   const double ratio = conflict.given / conflict.found;
   return fmt::format(
       "lever arm and camera height disagree by {:.0f} %: with the lever arm {:.2f} m the turns give a height of {:.2f} "
-      "+-{:.2f} m, not {:.2f} m; the given height implies a lever arm of {:.2f} m: {}",
+      "+-{:.2f} m, not {:.2f} m; the given height implies a lever arm of {:.2f} m{}: {}",
       100 * std::abs(ratio - 1), lever_arm, conflict.found, conflict.found_sigma, conflict.given, ratio * lever_arm,
-      remedy);
+      conflict.contradicts_turns ? "; the trajectory uses the lever arm alone" : "", remedy);
 }
 
 std::string SlipWarning(const SlipConflict& conflict) {

@@ -16,7 +16,8 @@ struct HeightConflict {
   double given_sigma = 0;
   double found = 0;  ///< from the turns, without the given height, metres
   double found_sigma = 0;
-  /// The turns are inconsistent (TurnTest::contradicted), and consistent if the given height is not used.
+  /// With the given height the turns are inconsistent (TurnTest::contradicted), without it they are consistent: it is
+  /// not used.
   bool contradicts_turns = false;
 };
 
@@ -38,7 +39,8 @@ struct SlipConflict {
 /// Whether the height that the turns give with the lever arm differs from the given one by more than `max_deviation`
 /// standard deviations. `posterior` is the belief at the end of the drive. The given height is taken out of it, an
 /// update with minus its variance; errors that it shares with L and c in the prior do not count as a difference.
-/// `contradicts_turns` is left to the caller.
+/// To first order, about an estimate that a wrong height bends: what the turns show without it, and
+/// `contradicts_turns`, are left to the caller.
 std::optional<HeightConflict> CompareHeight(const ScaleBelief& posterior, const CarPrior& car, double max_deviation);
 
 /// The direction of travel that a turn shows by itself, linearised at the estimate, and its robust weight there.

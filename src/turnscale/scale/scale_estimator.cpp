@@ -64,6 +64,11 @@ void Widen(double sigma, ScaleEstimate& estimate) {
   estimate.length_sigma = std::hypot(estimate.length_sigma, sigma);
 }
 
+CarPrior WithoutHeight(CarPrior car) {
+  car.camera_height = car.camera_height_sigma = car.height_correlation = car.height_slip_correlation = 0;
+  return car;
+}
+
 // One of the two lengths is wrong: the scale is between those that they imply.
 void WidenForConflict(const HeightConflict& conflict, ScaleEstimate& estimate) {
   Widen(0.5 * std::log(conflict.found / conflict.given), estimate);
@@ -106,21 +111,6 @@ void CompareTurns(const SmoothedDrive& drive, const CarPrior& car, const TurnTes
   if (estimate.test.worst_turn >= 0) estimate.test.worst_turn = tested[estimate.test.worst_turn];
   if (!estimate.test.contradicted && std::abs(input.slip_deviation) > options.max_prior_deviation)
     estimate.slip_conflict = SlipConflict{car.side_slip, car.side_slip_sigma, drive.side_slip()};
-}
-
-// Whether the turns are consistent with each other if a given camera height is not used.
-bool AgreeWithoutHeight(const ScaleProblem& problem, const std::vector<SegmentEvidence>& gathered, CarPrior car,
-                        const ScaleEstimatorOptions& options) {
-  car.camera_height = car.camera_height_sigma = car.height_correlation = car.height_slip_correlation = 0;
-  const DriveState start = StartingState(car, MeanDirectionOfTurns(gathered, options.evidence));
-  const TurnSelection selection = SelectTurns(gathered, car, start, options.evidence);
-  if (selection.log_scales.empty()) return false;
-  const SmoothedDrive drive = SmoothDrive(problem, gathered, car, options.huber, selection);
-  ScaleEstimate estimate;
-  estimate.smoothed = drive.smoothed.segments;
-  estimate.turns = DescribeTurns(drive.problem, StateAsGiven(car, drive.smoothed, options));
-  CompareTurns(drive, car, options.test, estimate);
-  return drive.converged && !estimate.test.contradicted;
 }
 
 // The smoothed scale at each turn.
@@ -303,9 +293,20 @@ ScaleEstimateResult EstimateScale(const std::vector<VehicleStep>& steps, const C
   // With c unbounded: a wrong height may be what makes it negative.
   estimate.height_conflict = CompareHeight(drive.car, car, options.max_height_deviation);
   if (estimate.height_conflict) {
+    ScaleEstimateResult alone = EstimateScale(steps, WithoutHeight(car), options);
+    if (alone.estimate && alone.estimate->car.camera_height > 0) {
+      estimate.height_conflict->found = alone.estimate->car.camera_height;
+      estimate.height_conflict->found_sigma = alone.estimate->car.camera_height_sigma;
+      estimate.height_conflict->contradicts_turns =
+          estimate.test.contradicted && !alone.estimate->test.contradicted && !alone.estimate->fell_back;
+    }
     WidenForConflict(*estimate.height_conflict, estimate);
-    estimate.height_conflict->contradicts_turns =
-        estimate.test.contradicted && AgreeWithoutHeight(problem, gathered, car, options);
+    // Weights, slip and yaw of the joint estimate are bent by the height.
+    if (estimate.height_conflict->contradicts_turns) {
+      alone.estimate->height_conflict = estimate.height_conflict;
+      WidenForConflict(*estimate.height_conflict, *alone.estimate);
+      return alone;
+    }
   }
   if (options.follow_turns || estimate.test.contradicted || !estimate.converged)
     estimate.fell_back = FollowTurns(options.max_sigma_ratio, estimate);
