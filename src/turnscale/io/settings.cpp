@@ -99,6 +99,8 @@ void VisitSettings(Visitor& visitor, OdometryOptions& options) {
     visitor.Field("camera_known", o.camera_known);
     visitor.Field("calibrate_camera", o.calibrate_camera);
     visitor.Degrees("yaw_sigma_deg", o.yaw_sigma);
+    visitor.Degrees("known_pitch_sigma_deg", o.known_pitch_sigma);
+    visitor.Degrees("known_roll_sigma_deg", o.known_roll_sigma);
     visitor.Field("camera_height", o.camera_height);
     visitor.Field("camera_height_sigma", o.camera_height_sigma);
     visitor.Field("height_correlation", o.height_correlation);

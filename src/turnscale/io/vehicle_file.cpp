@@ -16,6 +16,7 @@ namespace {
 // Standard deviations of what changes from drive to drive: load and tyres lift the camera, and turn it.
 constexpr double kHeightBetweenDrives = 0.01;                  // relative
 constexpr double kYawBetweenDrives = 0.1 / kDegreesPerRadian;  // rad
+constexpr double kTiltBetweenDrives = 0.5 / kDegreesPerRadian;
 
 std::string Line(const char* key, double value, const char* comment = "") {
   return fmt::format("{}: {:.6g}{}{}\n", key, value, *comment != 0 ? "  # " : "", comment);
@@ -127,8 +128,12 @@ void ReadVehicleFile(const std::filesystem::path& path, VehicleOptions& vehicle)
     const auto angle = [&](const char* key) { return map.Angle(key) / kDegreesPerRadian; };
     vehicle.vehicle_from_camera = RotationFromYawPitchRoll({angle("yaw_deg"), angle("pitch_deg"), angle("roll_deg")});
     vehicle.camera_known = true;
-    if (map.Has("yaw_sigma_deg"))
-      vehicle.yaw_sigma = std::hypot(not_negative("yaw_sigma_deg", 0) / kDegreesPerRadian, kYawBetweenDrives);
+    const auto sigma = [&](const char* key, double between_drives, double& value) {
+      if (map.Has(key)) value = std::hypot(not_negative(key, 0) / kDegreesPerRadian, between_drives);
+    };
+    sigma("yaw_sigma_deg", kYawBetweenDrives, vehicle.yaw_sigma);
+    sigma("pitch_sigma_deg", kTiltBetweenDrives, vehicle.known_pitch_sigma);
+    sigma("roll_sigma_deg", kTiltBetweenDrives, vehicle.known_roll_sigma);
   }
   if (map.Has("lever_arm")) {
     vehicle.lever_arm = map.Positive("lever_arm");

@@ -15,8 +15,18 @@ namespace {
 constexpr double kLeastChange = 0.05 / kDegreesPerRadian;
 constexpr double kLeastRollChange = 5 / kDegreesPerRadian;
 
-// Between the yaw that was known and the drive's, in standard deviations, beyond which the camera is taken as turned.
-constexpr double kMostYawDeviation = 3;
+// Between an angle that was known and the drive's, in standard deviations, beyond which the camera is taken as turned.
+constexpr double kMostKnownDeviation = 3;
+
+// Averages the drive's angle with the one that was known, unless they contradict each other.
+void Average(double known, double known_sigma, double& angle, double& sigma) {
+  const double difference = known - angle;
+  if (std::abs(difference) > kMostKnownDeviation * std::hypot(known_sigma, sigma)) return;
+  const double of_known = 1 / (known_sigma * known_sigma);
+  const double of_drive = 1 / (sigma * sigma);
+  angle += of_known / (of_known + of_drive) * difference;
+  sigma = 1 / std::sqrt(of_known + of_drive);
+}
 
 bool AreClose(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b) {
   const Eigen::Vector3d change = VectorFromRotation(a * b.conjugate());
@@ -33,7 +43,7 @@ OnlineCalibrationOptions OptionsFor(const Eigen::Quaterniond& assumed) {
 
 MountCalibration::MountCalibration(const VehicleOptions& vehicle)
     : calibrates_(vehicle.calibrate_camera),
-      known_yaw_sigma_(vehicle.yaw_sigma),
+      known_sigma_{vehicle.yaw_sigma, vehicle.known_pitch_sigma, vehicle.known_roll_sigma},
       calibration_(OptionsFor(vehicle.vehicle_from_camera)),
       mounts_{{0, vehicle.vehicle_from_camera}} {
   if (vehicle.camera_known) known_ = YawPitchRollFromRotation(vehicle.vehicle_from_camera);
@@ -44,13 +54,10 @@ Mount MountCalibration::Found(const OnlineState& state) const {
   // A camera that has been moved is as the drive says.
   if (!known_ || moves() > 0) return found;
   YawPitchRoll angles = YawPitchRollFromRotation(state.vehicle_from_camera);
-  const double of_known = 1 / (known_yaw_sigma_ * known_yaw_sigma_);
-  const double of_drive = 1 / (state.sigma.yaw * state.sigma.yaw);
-  const double difference = known_->yaw - angles.yaw;
-  if (std::abs(difference) > kMostYawDeviation * std::hypot(known_yaw_sigma_, state.sigma.yaw)) return found;
-  angles.yaw += of_known / (of_known + of_drive) * difference;
+  Average(known_->yaw, known_sigma_.yaw, angles.yaw, found.sigma.yaw);
+  Average(known_->pitch, known_sigma_.pitch, angles.pitch, found.sigma.pitch);
+  Average(known_->roll, known_sigma_.roll, angles.roll, found.sigma.roll);
   found.vehicle_from_camera = RotationFromYawPitchRoll(angles);
-  found.sigma.yaw = 1 / std::sqrt(of_known + of_drive);
   return found;
 }
 

@@ -44,12 +44,13 @@ class MountCalibration {
   int moves() const { return static_cast<int>(mounts_.size()) - 1; }
 
  private:
-  /// The rotation that the drive gives, its yaw averaged with the one that was known before, unless they contradict.
+  /// The rotation that the drive gives, each angle averaged with the one that was known before, unless they contradict
+  /// each other.
   Mount Found(const OnlineState& state) const;
 
   bool calibrates_;
   std::optional<YawPitchRoll> known_;  ///< before the drive
-  double known_yaw_sigma_;             ///< rad
+  YawPitchRoll known_sigma_;           ///< rad
   StepGatherer gatherer_;
   OnlineCalibration calibration_;
   std::vector<Mount> mounts_;

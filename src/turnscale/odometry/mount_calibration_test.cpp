@@ -123,6 +123,31 @@ TEST(MountCalibration, AKnownYawIsAveragedWithTheDrivesUnlessTheyContradict) {
   EXPECT_NEAR(yaw_found(10 * own, own).first, 0, 0.1 * own) << "another camera";
 }
 
+TEST(MountCalibration, KnownPitchAndRollAreAveragedWithTheDrives) {
+  Map map;
+  Append(Blocks(2), kTurned, map);
+  MountCalibration alone{VehicleOptions()};
+  alone.Learn(map, Last(map));
+  const YawPitchRoll own = alone.current().sigma;
+  VehicleOptions vehicle;
+  vehicle.vehicle_from_camera = RotationFromYawPitchRoll({0.15, -0.1 + own.pitch, 0.03 + own.roll});
+  vehicle.camera_known = true;
+  vehicle.known_pitch_sigma = 0.1 * own.pitch;
+  vehicle.known_roll_sigma = 0.1 * own.roll;
+  MountCalibration mount(vehicle);
+  mount.Learn(map, Last(map));
+  ASSERT_TRUE(mount.current().found);
+  const YawPitchRoll found = YawPitchRollFromRotation(mount.At(0));
+  EXPECT_NEAR(found.pitch, -0.1 + own.pitch, 0.05 * own.pitch);
+  EXPECT_NEAR(found.roll, 0.03 + own.roll, 0.05 * own.roll);
+  EXPECT_NEAR(mount.current().sigma.roll, 0.1 * own.roll, 0.01 * own.roll);
+  // A camera that hangs otherwise.
+  vehicle.vehicle_from_camera = RotationFromYawPitchRoll({0.15, -0.1, 0.03 + 10 * own.roll});
+  MountCalibration turned(vehicle);
+  turned.Learn(map, Last(map));
+  EXPECT_NEAR(YawPitchRollFromRotation(turned.At(0)).roll, 0.03, 0.1 * own.roll);
+}
+
 TEST(MountCalibration, AMovedCameraIsAnotherMount) {
   const Eigen::Quaterniond moved = RotationFromYawPitchRoll({0.15 + 0.06, -0.1 + 0.03, 0.03});
   Map map;

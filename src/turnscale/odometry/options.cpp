@@ -31,6 +31,8 @@ void VehicleOptions::Check() const {
   if (!(side_slip >= 0 && side_slip < 1)) throw InputError("side_slip: has to be in 0...1 s^2/m");
   if (!(side_slip_sigma >= 0 && side_slip_sigma < 1)) throw InputError("side_slip_sigma: has to be in 0...1 s^2/m");
   if (!(yaw_sigma > 0 && yaw_sigma < 1)) throw InputError("yaw_sigma_deg: has to be above 0 and below 57.3");
+  if (!(known_pitch_sigma > 0)) throw InputError("known_pitch_sigma_deg: has to be above 0");
+  if (!(known_roll_sigma > 0)) throw InputError("known_roll_sigma_deg: has to be above 0");
   if (!(roll_height >= 0 && roll_height < 10)) throw InputError("roll_height: has to be from 0 to below 10 m");
   if (!(roll_height_sigma >= 0 && roll_height_sigma < 10))
     throw InputError("roll_height_sigma: has to be from 0 to below 10 m");

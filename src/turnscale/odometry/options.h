@@ -40,12 +40,16 @@ struct VehicleOptions {
   double side_slip_sigma = kUsualSideSlipSigma;
   /// The paper's Q: given, or the initial value if it is estimated.
   Eigen::Quaterniond vehicle_from_camera = Eigen::Quaterniond::Identity();
-  /// The initial value of Q was measured before: `yaw_sigma` holds before it is estimated.
+  /// The initial value of Q was measured before: the standard deviations below hold before it is estimated, and it is
+  /// averaged with the drive's.
   bool camera_known = false;
   /// Estimate Q from the drive.
   bool calibrate_camera = true;
   /// Standard deviation of the yaw of Q, given or estimated, rad (0.3 deg; if estimated, at least).
   double yaw_sigma = kEstimatedYawSigma;
+  /// Standard deviations of the pitch and roll of Q where it was measured before, rad (1 deg).
+  double known_pitch_sigma = 1 / kDegreesPerRadian;
+  double known_roll_sigma = 1 / kDegreesPerRadian;
   /// Height of the camera above the road, metres. Estimated in turns if not given.
   std::optional<double> camera_height;
   std::optional<double> camera_height_sigma;  ///< its standard deviation, metres; 1 % of it if not given
