@@ -145,7 +145,7 @@ TEST_F(ErrorsTest, BrokenVideo) {
   const std::string video = Text("drive.mp4", "this is no video").string();
   const std::string camera = (Drive() / "calib.txt").string();
   ExpectComplaint(RunCommand({"run", video, "--camera", camera}, folder_), 2,
-                  {"drive.mp4: cannot be opened as a video"});
+                  {"drive.mp4: is not a video, or is damaged"});
 }
 
 TEST_F(ErrorsTest, AVideoThatEndsFarTooEarlyIsIncomplete) {
@@ -667,7 +667,7 @@ TEST_F(ErrorsTest, ADistanceIsOfTheWholeDrive) {
   Video(clips / "20230501_120000.avi");
   std::ofstream(clips / "20230501_120002.avi") << "this is no video";
   const std::string left_out = calibrate(clips);
-  EXPECT_NE(left_out.find("20230501_120002.avi: cannot be opened as a video; the clip is left out; give --speed"),
+  EXPECT_NE(left_out.find("20230501_120002.avi: is not a video, or is damaged; the clip is left out; give --speed"),
             std::string::npos)
       << left_out;
 
