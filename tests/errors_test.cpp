@@ -113,6 +113,14 @@ TEST_F(ErrorsTest, WithoutLeverArmTheRunSaysItIsUpToScale) {
             std::string::npos);
 }
 
+TEST_F(ErrorsTest, AFileOfACarWithoutALengthIsNamed) {
+  const std::string car = Text("c.yaml", "yaw_deg: 0\npitch_deg: 0\nroll_deg: 0\n").string();
+  const std::string why =
+      "the trajectory is up to scale: " + car + " has neither lever arm nor height; give --lever-arm";
+  EXPECT_NE(Run({"--vehicle", car}).out.find("scale   pending, " + why), std::string::npos);
+  EXPECT_NE(Run({"--vehicle", car, "--quiet"}).err.find("warning: " + why), std::string::npos);
+}
+
 TEST_F(ErrorsTest, SettingsAreThoseInEffect) {
   ASSERT_EQ(Run({"--quiet"}).exit_code, 0);
   EXPECT_TRUE(ReadSettings(Out() / "settings.yaml").lens.enabled);
@@ -365,6 +373,13 @@ TEST_F(ErrorsTest, MaxFramesStopsEarlyAndSaysSo) {
   EXPECT_EQ(Summary()["frames"]["total"], 5);
   EXPECT_EQ(Summary()["stopped"], "--max-frames 5");
   EXPECT_FALSE(Summary()["complete"].get<bool>());
+  fs::remove_all(Out());
+  const CommandResult one = Run({"--max-frames", "1", "--quiet"});
+  EXPECT_EQ(one.exit_code, 0);
+  EXPECT_EQ(
+      one.err,
+      "warning: nothing could be tracked in 1 image (0.0 s): the part of the drive (--max-frames 1) is too short; "
+      "widen it\n");
   EXPECT_EQ(Run({"--max-frames", std::to_string(kRoomFrames)}).exit_code, 0);
   EXPECT_TRUE(Summary()["stopped"].is_null()) << "that was the whole drive";
 
