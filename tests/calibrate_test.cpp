@@ -71,6 +71,8 @@ TEST_F(CalibrateTest, WritesWhatRunReads) {
   ASSERT_EQ(result.exit_code, 0) << result.err;
   EXPECT_LT(DegreesBetween(ReadCameraRotation(Out().string()), kTilted), 0.04);
   EXPECT_NE(result.out.find("2 turns of"), std::string::npos) << result.out;
+  EXPECT_NE(result.out.find("lever arm   not estimated: the file has the rotation only"), std::string::npos);
+  EXPECT_NE(result.out.find("singular values; at least 2.6 is needed)"), std::string::npos);
   EXPECT_TRUE(fs::exists(folder_ / "history.csv"));
   EXPECT_TRUE(fs::exists(folder_ / "history.svg"));
 }
@@ -117,6 +119,19 @@ TEST_F(CalibrateTest, MetresGiveTheLeverArm) {
   const std::string units = Tum(Exact({1.45, 0}, 0.031)).string();
   ASSERT_EQ(Run({"--trajectory", units, "--distance", metres, "--side-slip", "0"}).exit_code, 0);
   EXPECT_NEAR(Value("lever_arm"), 1.45, 5e-4);
+}
+
+TEST_F(CalibrateTest, ALeverArmThatRunWouldRefuseIsNotWritten) {
+  const std::string units = Tum(Exact({1.45, 0}, 1)).string();
+  const std::string drive = units + ": lever arm not estimated: the estimated lever arm is ";
+  const CommandResult far = Run({"--trajectory", units, "--distance", "90000", "--side-slip", "0"});
+  ExpectComplaint(far, 2, {drive, " m, above the 20 m that a car can have; check --distance 90000"});
+  const std::string speeds = Text("kmh.csv", "0 500\n1000 500\n").string();
+  ExpectComplaint(Run({"--trajectory", units, "--speed", speeds, "--side-slip", "0"}), 2,
+                  {drive, "check --speed " + speeds});
+  ExpectComplaint(Run({"--trajectory", Tum(Exact({1.45, 0}, 50)).string(), "--metric", "--side-slip", "0"}), 2,
+                  {drive, "check --metric"});
+  EXPECT_EQ(TextOf(Out()).find("lever_arm"), std::string::npos);
 }
 
 TEST_F(CalibrateTest, FindsTheSideSlipAtTwoSpeeds) {

@@ -113,6 +113,14 @@ TEST_F(ErrorsTest, WithoutLeverArmTheRunSaysItIsUpToScale) {
             std::string::npos);
 }
 
+TEST_F(ErrorsTest, AFileOfACarWithoutALengthIsNamed) {
+  const std::string car = Text("c.yaml", "yaw_deg: 0\npitch_deg: 0\nroll_deg: 0\n").string();
+  const std::string why =
+      "the trajectory is up to scale: " + car + " has neither lever arm nor height; give --lever-arm";
+  EXPECT_NE(Run({"--vehicle", car}).out.find("scale   pending, " + why), std::string::npos);
+  EXPECT_NE(Run({"--vehicle", car, "--quiet"}).err.find("warning: " + why), std::string::npos);
+}
+
 TEST_F(ErrorsTest, SettingsAreThoseInEffect) {
   ASSERT_EQ(Run({"--quiet"}).exit_code, 0);
   EXPECT_TRUE(ReadSettings(Out() / "settings.yaml").lens.enabled);
@@ -145,7 +153,7 @@ TEST_F(ErrorsTest, BrokenVideo) {
   const std::string video = Text("drive.mp4", "this is no video").string();
   const std::string camera = (Drive() / "calib.txt").string();
   ExpectComplaint(RunCommand({"run", video, "--camera", camera}, folder_), 2,
-                  {"drive.mp4: cannot be opened as a video"});
+                  {"drive.mp4: is not a video, or is damaged"});
 }
 
 TEST_F(ErrorsTest, AVideoThatEndsFarTooEarlyIsIncomplete) {
@@ -365,6 +373,13 @@ TEST_F(ErrorsTest, MaxFramesStopsEarlyAndSaysSo) {
   EXPECT_EQ(Summary()["frames"]["total"], 5);
   EXPECT_EQ(Summary()["stopped"], "--max-frames 5");
   EXPECT_FALSE(Summary()["complete"].get<bool>());
+  fs::remove_all(Out());
+  const CommandResult one = Run({"--max-frames", "1", "--quiet"});
+  EXPECT_EQ(one.exit_code, 0);
+  EXPECT_EQ(
+      one.err,
+      "warning: nothing could be tracked in 1 image (0.0 s): the part of the drive (--max-frames 1) is too short; "
+      "widen it\n");
   EXPECT_EQ(Run({"--max-frames", std::to_string(kRoomFrames)}).exit_code, 0);
   EXPECT_TRUE(Summary()["stopped"].is_null()) << "that was the whole drive";
 
@@ -667,7 +682,7 @@ TEST_F(ErrorsTest, ADistanceIsOfTheWholeDrive) {
   Video(clips / "20230501_120000.avi");
   std::ofstream(clips / "20230501_120002.avi") << "this is no video";
   const std::string left_out = calibrate(clips);
-  EXPECT_NE(left_out.find("20230501_120002.avi: cannot be opened as a video; the clip is left out; give --speed"),
+  EXPECT_NE(left_out.find("20230501_120002.avi: is not a video, or is damaged; the clip is left out; give --speed"),
             std::string::npos)
       << left_out;
 

@@ -305,6 +305,31 @@ TEST_F(EvaluateTest, ClocksThatDifferAreDoubted) {
   EXPECT_NE(warnings[0].get<std::string>().find("slow.tum: only "), std::string::npos) << warnings;
 }
 
+TEST_F(EvaluateTest, PosesOfOneDriveWithOtherTimesCanBePairedByFrame) {
+  fs::create_directories(folder_ / "run");
+  fs::create_directories(folder_ / "kitti");
+  std::string times;
+  std::string tum;
+  std::string kitti;
+  for (StampedPose pose : estimate_) {
+    times += fmt::format("{}\n", pose.time);
+    pose.time *= 0.97;
+    tum += TumLine(pose);
+    kitti += KittiLine(pose.world_from_camera);
+  }
+  Text("run/trajectory.tum", tum);
+  Text("run/trajectory.kitti.txt", kitti);
+  Text("kitti/poses.txt", kitti);
+  Text("kitti/times.txt", times);
+  const std::string twin = (folder_ / "run/trajectory.kitti.txt").string();
+  const CommandResult by_time = Run({"run", "kitti/poses.txt"});
+  EXPECT_EQ(by_time.exit_code, 0);
+  EXPECT_NE(by_time.err.find("poses are paired by time, though both files have 300"), std::string::npos) << by_time.err;
+  EXPECT_NE(by_time.err.find("give turnscale evaluate " + twin + " instead"), std::string::npos) << by_time.err;
+  EXPECT_EQ(by_time.err.find("--time-tolerance"), std::string::npos);
+  EXPECT_EQ(Run({twin, "kitti/poses.txt"}).err, "");
+}
+
 TEST_F(EvaluateTest, TheCamerasMountingTurnsTheTurningAngle) {
   const auto all = [&](const std::vector<std::string>& more) {
     std::vector<std::string> arguments = {"tilted.tum", "truth/drive.tum"};

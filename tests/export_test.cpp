@@ -48,6 +48,7 @@ class ExportTest : public ::testing::Test {
     const ResultFolder results = TestResults(kExportedFrames, 100);
     RunSummary summary;
     summary.scale_state = ScaleState::kHeld;
+    summary.path_sigma = 0.05;
     RunWriter writer({folder_ / "out"});
     writer.WriteTrajectory(results.frames, ScaleState::kHeld);
     writer.WriteTurns({});
@@ -315,6 +316,31 @@ TEST_F(ExportTest, TheCameraIsThatOfTheRun) {
   ExpectComplaint(Export({"--gltf", "--gpx", "--origin", "49,8", "--heading", "0"}), 2,
                   {"are those of the rear axle", "without --frame vehicle"});
   EXPECT_FALSE(fs::exists(folder_ / "out" / "path.gpx")) << "all or nothing";
+}
+
+TEST_F(ExportTest, AnUncertainScaleIsNamed) {
+  EXPECT_EQ(ExportAll().err, "");
+  RunSummary summary;
+  summary.scale_state = ScaleState::kHeld;
+  summary.path_sigma = 0.3;
+  WriteSummary(summary);
+  const CommandResult uncertain = ExportAll();
+  EXPECT_EQ(uncertain.exit_code, 0);
+  EXPECT_NE(uncertain.err.find("out: the scale is uncertain: lengths and speeds are rough"), std::string::npos);
+  WriteSummary({});
+  EXPECT_NE(Export({"--gltf"}).err.find("out: the trajectory is up to scale"), std::string::npos);
+  // Results of a version that did not say.
+  auto older = nlohmann::json::parse(SummaryJson(summary));
+  older["scale"].erase("known");
+  std::ofstream(folder_ / "out" / "summary.json") << older;
+  EXPECT_EQ(ExportAll().err, "");
+}
+
+TEST_F(ExportTest, AFolderThatCannotBeWrittenToIsTheChoiceOfTheUser) {
+  const fs::path out = folder_ / "out";
+  for (const char* name : {"report.html", "path.gltf"}) fs::create_directories(out / name);
+  ExpectComplaint(RunCommand({"view", out.string()}, folder_), 2, {"report.html: cannot be written"});
+  ExpectComplaint(Export({"--gltf"}), 2, {"path.gltf: cannot be written"});
 }
 
 TEST_F(ExportTest, ViewMakesThePageAgain) {

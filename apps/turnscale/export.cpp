@@ -148,6 +148,15 @@ std::string Scene(const ExportArguments& arguments, const ResultFolder& results,
   return BlenderScene(results, arguments.folder.string(), fov, aspect);
 }
 
+// Empty where the scale is known, or an earlier version did not say.
+std::string ScaleWarning(const ExportArguments& arguments, const ResultFolder& results) {
+  if (results.scale_known.value_or(true)) return "";
+  return arguments.folder.string() +
+         (results.metric ? ": the scale is uncertain: lengths and speeds are rough estimates; summary.json has the "
+                           "warnings of the run"
+                         : ": the trajectory is up to scale: lengths are not in metres");
+}
+
 void ExportEarth(const ExportArguments& arguments, const ResultFolder& results, const std::string& stem,
                  std::string& messages) {
   GeoTrack track;
@@ -216,6 +225,8 @@ void RunExport(const ExportArguments& arguments) {
     ReplaceFile(stem + ".gltf", scene);
     messages += "wrote    " + stem + ".gltf\n";
   }
+  if (const std::string warning = ScaleWarning(arguments, results); !warning.empty())
+    PrintMessage("warning: " + warning);
   PrintText(messages);
 }
 

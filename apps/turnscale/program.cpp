@@ -109,7 +109,8 @@ int Main(int argc, char** argv, void (*add_commands)(CLI::App&)) {
   app.require_subcommand(1);
   app.footer(
       "Example:\n  turnscale run drive.mp4 --lever-arm 1.45\n\n"
-      "Exit codes: 0 success, 1 disk full, out of memory or internal error, 2 unusable input, 130 interrupted.");
+      "Exit codes: 0 success, 1 disk full, out of memory or internal error (batch: or a drive has failed), 2 unusable "
+      "input, 130 interrupted.");
   add_commands(app);
   try {
     app.parse(argc, argv);

@@ -85,7 +85,7 @@ int RunImages(const RunArguments& arguments, const LiveArguments& live_arguments
   if (end.failures.empty() && !has_nothing) {
     if (!arguments.images.quiet)
       PrintText(SummaryText(end.summary));
-    else if (end.summary.has_measure() && !end.summary.is_metric())
+    else if (end.summary.wants_metres() && !end.summary.is_metric())
       PrintMessage("warning: " + UpToScaleText(end.summary.pending_reason));
   }
   return ReportEnd(end);
@@ -164,7 +164,7 @@ void AddRunCommand(CLI::App& app) {
   run->add_flag("--quiet", arguments->images.quiet, "Print warnings and errors only");
   run->footer(
       "Examples:\n  turnscale run drive.mp4 --lever-arm 1.45 --out out/drive\n"
-      "  turnscale run next.mp4 --vehicle out/drive/car.yaml --out out/next\n"
+      "  turnscale run next.mp4 --vehicle out/drive/car.yaml --camera out/drive/camera.yaml --out out/next\n"
       "  turnscale run DCIM/ --camera out/drive/camera.yaml --lever-arm 1.45 --start 1:30 --end 12:00\n\n"
       "Output: trajectory.tum and trajectory.kitti.txt (refined, every frame), live.tum (online: each pose as\n"
       "estimated at its frame), trajectory.csv, speed.csv, turns.csv, scale.csv, camera_rotation.csv, map.ply,\n"

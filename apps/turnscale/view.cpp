@@ -59,6 +59,8 @@ void RunView(const ViewArguments& arguments) {
   fs::path page = fs::absolute(arguments.results);
   if (fs::is_directory(page, none)) page /= kReportFile;
   if (fs::exists(page.parent_path() / RunFiles::kTrajectoryTable, none) && page.filename() == kReportFile) {
+    // Where `run` cannot write its page any more, its folder has failed; here the user has chosen it.
+    CheckOutputFile(page);
     for (const std::string& warning : WriteRunPage(page.parent_path(), arguments.truth))
       PrintMessage("warning: " + warning);
   } else if (fs::exists(page, none)) {

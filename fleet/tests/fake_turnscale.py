@@ -48,7 +48,7 @@ elif what == "deadly":
     time.sleep(3600)
 (out / "trajectory.tum").write_text(f"whole of {source.name}")
 summary = {"frames": {"total": 10, "tracked": 9}, "distance_m": 12.5, "path_sigma": 0.02, "missing": {"of_s": 1.0},
-           "scale": {"state": "held"}, "turns": {"found": 2, "used": 1}, "warnings": [],
+           "scale": {"state": "held", "known": True}, "turns": {"found": 2, "used": 1}, "warnings": [],
            "arguments": [word for word in words if not word.startswith("--out=")]}
 if what == "car":
     # A drive that tells c, as `run` does.

@@ -97,6 +97,7 @@ class Batches(unittest.TestCase):
         self.assert_whole([*good, "once-1"])
         self.assertFalse((self.out / "bad-1").exists(), "no half results where whole ones are looked for")
         self.assertEqual((table[good[0]]["length_m"], table[good[0]]["turns_used"]), ("12.500", "1"))
+        self.assertEqual((table[good[0]]["scale_known"], table["bad-1"]["scale_known"]), ("1", ""))
 
         # Nothing is done twice.
         self.batch(code=1)

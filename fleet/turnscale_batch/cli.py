@@ -50,8 +50,8 @@ def _parser():
                "vehicle_file (--vehicle of run), and options of turnscale run: "
                f"{', '.join(COLUMNS[4:])}. Paths are relative to the manifest.\n\n"
                "Example:\n  turnscale batch drives.csv --out results\n\n"
-               "Exit codes: 0 every drive is done, 1 drives have failed and are listed in table.csv, or an error, 2 "
-               "unusable input, 130 interrupted.")
+               "Exit codes: 0 every drive is done, 1 drives have failed (table.csv says why), disk full, out of memory or "
+               "internal error, 2 unusable input, 130 interrupted.")
     parser.add_argument("manifest", type=pathlib.Path, help="CSV file with one drive per row")
     parser.add_argument("--out", type=pathlib.Path, required=True, metavar="DIR",
                         help="Folder for the results; on a cluster, all workers need it, and the images, under the "

@@ -12,8 +12,8 @@ from .attempt import Places, discard, finished, read_record
 from .errors import BatchError, InputError
 
 TABLE_COLUMNS = ("drive", "vehicle", "exit_code", "error", "pass", "seconds", "frames", "tracked", "length_m",
-                 "length_sigma", "scale_state", "turns_found", "turns_used", "warnings", "wall_s", "cpu_s", "attempts",
-                 "host")
+                 "length_sigma", "scale_state", "scale_known", "turns_found", "turns_used", "warnings", "wall_s", "cpu_s",
+                 "attempts", "host")
 
 
 def write_whole(path, text):
@@ -119,7 +119,8 @@ class Store:
                 "seconds": "" if seconds is None else f"{seconds:.3f}", "frames": frames.get("total", ""),
                 "tracked": frames.get("tracked", ""), "length_m": "" if length is None else f"{length:.3f}",
                 "length_sigma": "" if sigma is None or length is None else f"{sigma:.5f}",
-                "scale_state": scale.get("state", ""), "turns_found": turns.get("found", ""),
+                "scale_state": scale.get("state", ""),
+                "scale_known": int(scale["known"]) if "known" in scale else "", "turns_found": turns.get("found", ""),
                 "turns_used": turns.get("used", ""), "warnings": " | ".join([*summary.get("warnings", []), *doubts]),
                 "wall_s": f"{record['wall_s']:.2f}", "cpu_s": f"{record['cpu_s']:.2f}",
                 "attempts": record["attempts"], "host": record["host"]}

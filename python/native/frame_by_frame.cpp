@@ -50,6 +50,7 @@ cv::Mat GrayView(const py::array& image, const std::string& name) {
 
 FrameByFrame::FrameByFrame(const CameraModel& camera, const OdometryArguments& arguments)
     : odometry_(CheckedOptions(arguments), camera), camera_name_(arguments.camera_name.string()) {
+  if (arguments.car.vehicle) vehicle_file_ = arguments.car.vehicle->string();
   cv::setNumThreads(arguments.threads);
   if (!arguments.mask) return;
   mask_ = arguments.mask->string();
@@ -120,6 +121,7 @@ RunSummary FrameByFrame::SummaryOf(const std::vector<FrameResult>& frames, const
   summary.pose_frame = "camera";
   summary.camera = camera_name_;
   summary.mask = mask_;
+  summary.vehicle_file = vehicle_file_;
   summary.warnings = warnings_;
   if (!recorder_.unreadable().empty()) summary.warnings.push_back(UnreadableText(recorder_.unreadable()));
   recorder_.Summarize(frames, refined, summary);
@@ -153,7 +155,8 @@ DriveTables FrameByFrame::Tables() {
     const RunSummary summary = SummaryOf(frames, refined);
     tables.summary = SummaryJson(summary);
     tables.warnings = summary.warnings;
-    if (summary.has_measure() && !summary.is_metric()) tables.warnings.push_back(UpToScaleText(summary.pending_reason));
+    if (summary.wants_metres() && !summary.is_metric())
+      tables.warnings.push_back(UpToScaleText(summary.pending_reason));
     tables.map = odometry_.RefinedMap(refined);
     return tables;
   });

@@ -66,6 +66,7 @@ class FrameByFrame {
   Odometry odometry_;
   DriveRecorder recorder_{odometry_};
   std::string camera_name_;
+  std::string vehicle_file_;           ///< empty without one
   std::string mask_;                   ///< its file, or "array"; empty without one
   std::string live_;                   ///< live.tum
   std::vector<std::string> warnings_;  ///< of frames

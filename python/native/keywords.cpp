@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "keywords.h"
 
+#include <fmt/format.h>
+
 namespace py = pybind11;
 
 namespace turnscale {
@@ -38,6 +40,14 @@ void TakeCar(Keywords& keywords, CarArguments& car) {
 }
 
 }  // namespace
+
+void Keywords::RefuseKind(const char* name, const char* expected, const py::object& value) {
+  constexpr size_t kMostShown = 60;
+  std::string shown = py::repr(value).cast<std::string>();
+  shown = shown.size() > kMostShown || shown.find('\n') != std::string::npos ? "" : " " + shown;
+  throw py::type_error(fmt::format("{}: expected {}, got {}{}", name, expected,
+                                   py::type::of(value).attr("__name__").cast<std::string>(), shown));
+}
 
 void Keywords::RefuseOthers() const {
   for (const auto& [name, value] : given_)

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <filesystem>
 #include <optional>
 #include <string>
+#include <type_traits>
+#include <vector>
 
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
@@ -44,10 +47,20 @@ class Keywords {
     try {
       return value.cast<Value>();
     } catch (const pybind11::cast_error&) {
-      throw pybind11::type_error(std::string(name) + ": " + pybind11::repr(value).cast<std::string>() +
-                                 " is of another kind than this option has");
+      RefuseKind(name, Expected<Value>(), value);
     }
   }
+
+  template <class Value>
+  static constexpr const char* Expected() {
+    if constexpr (std::is_same_v<Value, bool>) return "True or False";
+    if constexpr (std::is_same_v<Value, std::string>) return "a string";
+    if constexpr (std::is_same_v<Value, std::filesystem::path>) return "a path (str or os.PathLike)";
+    if constexpr (std::is_same_v<Value, std::vector<std::filesystem::path>>) return "paths (str or os.PathLike)";
+    if constexpr (std::is_same_v<Value, CameraModel>) return kCameraObject;
+    return std::is_integral_v<Value> ? "an integer" : "a number";
+  }
+  [[noreturn]] static void RefuseKind(const char* name, const char* expected, const pybind11::object& value);
 
   pybind11::dict given_;
 };

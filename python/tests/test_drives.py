@@ -97,6 +97,14 @@ class RenderedDrive(unittest.TestCase):
             for frame in frames:
                 odometry.process(frame.image, 1e9 * frame.time)
 
+    def test_a_drive_is_shown_on_one_line(self):
+        summary = self.results.summary
+        self.assertEqual(repr(self.results),
+                         f"<Drive: {len(self.results.trajectory)} frames, {summary['distance_m']:.2f} m "
+                         f"+-{100 * summary['path_sigma']:.1f} %, scale known>")
+        self.assertRegex(repr(turnscale.run(self.drive, max_frames=40)),
+                         r"^<Drive: 40 frames, \d+\.\d\d units, scale pending>$")
+
     def test_poses_are_matrices(self):
         poses = self.results.poses
         placed = ~np.isnan(self.results.trajectory["x"])
@@ -192,6 +200,7 @@ class RenderedDrive(unittest.TestCase):
         self.assertEqual(found.yaml, yaml.read_text())
         self.assertEqual(found.lever_arm, 1.5)
         self.assertIsNone(found.lever_arm_sigma)
+        self.assertRegex(repr(found), rf"^<Calibration: {found.frames} frames, yaw [^\n]* deg, lever arm 1\.500 m>$")
         support.compare_with_csv(self, found.history, history)
         # The same from the trajectory.
         up_to_scale = turnscale.calibrate(trajectory=self.folder / "trajectory.tum", axes="camera")
@@ -209,6 +218,7 @@ class RenderedDrive(unittest.TestCase):
         support.compare_with_csv(self, rescaled.scale, report / "scale.csv")
         support.compare_with_csv(self, rescaled.turns, report / "turns.csv")
         self.assertGreater(rescaled.summary["length_m"], 10)
+        self.assertRegex(repr(rescaled), r"^<Rescaled: \d+ poses, \d+\.\d\d m \+-\d+\.\d %>$")
 
     def test_rescale_takes_heights(self):
         out, heights = support.scratch() / "metric.tum", support.scratch() / "heights.csv"

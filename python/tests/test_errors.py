@@ -127,8 +127,12 @@ class Refused(unittest.TestCase):
         self.assertEqual(CAMERA.lens, "pinhole")
 
     def test_kinds_of_values(self):
-        with self.assertRaisesRegex(TypeError, "lever_arm: 'long'"):
-            turnscale.run("nowhere", lever_arm="long")
+        for name, value, said in (("lever_arm", "0.945", "a number, got str '0.945'"), ("threads", 2.5, "an integer, got float 2.5"),
+                                  ("camera_refine", "yes", "True or False, got str 'yes'"),
+                                  ("mask", np.zeros((50, 50)), r"a path \(str or os.PathLike\), got ndarray$"),
+                                  ("topic", 5, "a string, got int 5")):
+            with self.assertRaisesRegex(TypeError, f"^{name}: expected {said}"):
+                turnscale.run("nowhere", **{name: value})
         with self.assertRaises(TypeError):
             turnscale.run("nowhere", leverarm=1)
         with self.assertRaises(TypeError):

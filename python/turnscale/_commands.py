@@ -20,7 +20,11 @@ from turnscale._options import (Height, Path, Rotation, Seconds, Settings, camer
 from turnscale._tables import Table, from_csv, from_tum
 
 
-@dataclasses.dataclass(frozen=True)
+def _percent(sigma: float | None) -> str:
+    return "" if sigma is None else f" +-{100 * sigma:.1f} %"
+
+
+@dataclasses.dataclass(frozen=True, repr=False)
 class Drive:
     """Results of a drive. Tables are structured arrays with the columns and the digits of the program's CSV files, made
     for pandas.DataFrame(table). Numbers without a value are NaN. Lengths are metres, and the map's unit while the scale
@@ -42,8 +46,15 @@ class Drive:
     """Online: each pose as estimated at its frame; time (s), x, y, z (m), qx, qy, qz, qw."""
     landmarks: npt.NDArray[np.float32]
     """The map's points, shape (N, 3), metres."""
-    summary: dict[str, Any] = dataclasses.field(repr=False)
+    summary: dict[str, Any]
     """As summary.json."""
+
+    def __repr__(self) -> str:
+        metres, scale = self.summary.get("distance_m"), self.summary.get("scale") or {}
+        length = (f"{self.summary.get('distance_units') or 0:.2f} units" if metres is None
+                  else f"{metres:.2f} m{_percent(self.summary.get('path_sigma'))}")
+        state = "pending" if metres is None else "known" if scale.get("known", True) else "uncertain"
+        return f"<Drive: {len(self.trajectory)} frames, {length}, scale {state}>"
 
     @property
     def poses(self) -> npt.NDArray[np.float64]:
@@ -181,7 +192,7 @@ class Frames(Iterator[Frame]):
         return self._reader.camera
 
 
-@dataclasses.dataclass(frozen=True)
+@dataclasses.dataclass(frozen=True, repr=False)
 class Calibration:
     """Camera-to-vehicle rotation, and the lever arm where it could be estimated or was given."""
 
@@ -204,7 +215,7 @@ class Calibration:
     """c, s^2/m."""
     side_slip_sigma: float | None
     confidence: float
-    """Ratio of the two smallest singular values."""
+    """Ratio of the two smallest singular values; at least 2.6 is needed."""
     frames: int
     steps: int
     turns: int
@@ -212,11 +223,18 @@ class Calibration:
     """Of all turns together."""
     note: str
     """What to know of the motion; may be empty."""
-    history: Table = dataclasses.field(repr=False)
+    history: Table
     """The online estimate, step by step: time (s), frames, psi_deg, singular_value_1 to 4, yaw_deg, pitch_deg, roll_deg and
     their sigmas, moved."""
-    yaml: str = dataclasses.field(repr=False)
+    yaml: str
     """calibration.yaml, for `camera_rotation` and `vehicle` of `run`."""
+
+    def __repr__(self) -> str:
+        angles = ", ".join(f"{name} {angle:+.2f} +-{sigma:.2f} deg" for name, angle, sigma in (
+            ("yaw", self.yaw_deg, self.yaw_sigma_deg), ("pitch", self.pitch_deg, self.pitch_sigma_deg),
+            ("roll", self.roll_deg, self.roll_sigma_deg)))
+        arm = "no lever arm" if self.lever_arm is None else f"lever arm {self.lever_arm:.3f} m"
+        return f"<Calibration: {self.frames} frames, {angles}, {arm}>"
 
 
 def calibrate(path: Path | Sequence[Path] | None = None, *, trajectory: Path | None = None,
@@ -251,7 +269,7 @@ def calibrate(path: Path | Sequence[Path] | None = None, *, trajectory: Path | N
     return Calibration(**found)
 
 
-@dataclasses.dataclass(frozen=True)
+@dataclasses.dataclass(frozen=True, repr=False)
 class Rescaled:
     """A trajectory in metres. Tables are structured arrays, as those of `Drive`."""
 
@@ -261,8 +279,12 @@ class Rescaled:
     """Per pose: pose, time (s), metres_per_unit, sigma_relative, and the same from the poses so far (filtered_...)."""
     turns: Table
     """Per turn: first_pose, last_pose, angle_deg, speed_mps, metres_per_unit, sigma_relative, smoothed_..., used, reason."""
-    summary: dict[str, Any] = dataclasses.field(repr=False)
+    summary: dict[str, Any]
     """Length (m), scale, sigmas, camera rotation (degrees), side slip (s^2/m); as summary.json."""
+
+    def __repr__(self) -> str:
+        length = f"{self.summary['length_m']:.2f} m{_percent(self.summary.get('length_sigma'))}"
+        return f"<Rescaled: {len(self.trajectory)} poses, {length}>"
 
 
 def rescale(path: Path, *, lever_arm: float | None = None, lever_arm_sigma: float | None = None,

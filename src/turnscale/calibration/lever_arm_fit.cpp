@@ -184,7 +184,12 @@ void CheckFit(const LeverArmFit& fit, const LeverArmFitOptions& options) {
   const double length = fit.lever_arm.length;
   if (!(length > 0)) {
     throw InputError("the estimated lever arm is " + Fixed(length, 2) +
-                     " m, but the camera must be ahead of the rear axle; check the metric scale and the side slip");
+                     " m, but the camera must be ahead of the rear axle; check " + options.source_of_metres +
+                     " and the side slip");
+  }
+  if (length > kLongestLeverArm) {
+    throw InputError("the estimated lever arm is " + Fixed(length, 1) + " m, above the " + Fixed(kLongestLeverArm, 0) +
+                     " m that a car can have; check " + options.source_of_metres);
   }
   if (!(fit.sigma_length <= options.max_relative_sigma * length)) {
     throw InputError("the estimated lever arm is too uncertain, " + Fixed(length, 2) + " +- " +

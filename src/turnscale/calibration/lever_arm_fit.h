@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -24,6 +25,8 @@ struct LeverArmFitOptions {
   double min_speed_spread = 0.25;
   /// A lever arm with a larger relative sigma is rejected.
   double max_relative_sigma = 0.3;
+  /// What gives the metres, for messages.
+  std::string source_of_metres = "the metric scale";
 
   /// Throws InputError that names the field when a value makes no sense.
   void Check() const;
@@ -51,8 +54,8 @@ struct MetricDrive {
 /// lever arm. The body's roll in a step moves the camera sideways; its height h above the roll axis is kUsualRollHeight
 /// +- kUsualRollHeightSigma. Sigma comes from the scores, of the steps or of whole turns, whichever say more, and from
 /// h. It does not cover what else all turns share: the metres themselves, the slip of the tyres where it is assumed.
-/// Throws InputError where the drives turn too little, or give no lever arm: not above 0, too uncertain, or
-/// indistinguishable from c.
+/// Throws InputError where the drives turn too little, or give no lever arm: not above 0, longer than a car, too
+/// uncertain, or indistinguishable from c.
 LeverArmFit FitLeverArm(const std::vector<MetricDrive>& drives, const LeverArmFitOptions& options = {});
 
 }  // namespace turnscale

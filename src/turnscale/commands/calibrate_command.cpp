@@ -169,6 +169,12 @@ double AssumedSlip(const CalibrateArguments& arguments, const DriveMotion& motio
   return motion.timed || arguments.lever_arm ? VehicleOptions().side_slip : 0;
 }
 
+std::string SourceOfMetres(const CalibrateArguments& arguments) {
+  if (arguments.speed) return "--speed " + arguments.speed->string();
+  if (arguments.distance) return fmt::format("--distance {}", *arguments.distance);
+  return "--metric (the trajectory may not be in metres)";
+}
+
 std::optional<LeverArmFit> FindLeverArm(const CalibrateArguments& arguments, const std::optional<SpeedLog>& speeds,
                                         const DriveMotion& motion, const std::vector<CameraStep>& steps,
                                         const Calibration& found) {
@@ -195,6 +201,7 @@ std::optional<LeverArmFit> FindLeverArm(const CalibrateArguments& arguments, con
   LeverArmFitOptions options;
   options.side_slip = arguments.fit_side_slip;
   options.assumed_side_slip = slip;
+  options.source_of_metres = SourceOfMetres(arguments);
   try {
     LeverArmFit fit = FitLeverArm({drive}, options);
     fit.sigma_length = std::hypot(fit.sigma_length, motion.calibration_sigma * fit.lever_arm.length);

@@ -97,12 +97,26 @@ std::string LiveWarning(const fs::path& file, const Trajectory& poses) {
                      seconds);
 }
 
+// The same poses as the estimate's, without times, as a run writes both; empty if there are none.
+fs::path UntimedTwin(const fs::path& estimate) {
+  const fs::path twin = estimate.parent_path() / RunFiles::kTrajectoryKitti;
+  std::error_code none;
+  return estimate.filename() == RunFiles::kTrajectoryTum && fs::exists(twin, none) ? twin : fs::path();
+}
+
 // Where both files have poses all along but few of them pair, their times are of different clocks.
-std::string UnpairedWarning(const Paired& paired, const Trajectory& estimate, const Trajectory& truth) {
+std::string UnpairedWarning(const fs::path& file, const Paired& paired, const Trajectory& estimate,
+                            const Trajectory& truth) {
   constexpr double kLeastPaired = 0.8;
   if (std::string_view(paired.by) != "time") return {};
-  const CommonPoses common = PosesInCommonTime(estimate, truth);
   const int paired_poses = static_cast<int>(paired.pairs.size());
+  const fs::path twin = estimate.size() == truth.size() ? UntimedTwin(file) : fs::path();
+  if (!twin.empty() && paired_poses < kLeastPaired * static_cast<double>(estimate.size()))
+    return fmt::format(
+        "only {} poses are paired by time, though both files have {}: the errors may be wrong; check that both are of "
+        "the same drive, and give turnscale evaluate {} instead, which is paired by frame number",
+        paired_poses, estimate.size(), twin.string());
+  const CommonPoses common = PosesInCommonTime(estimate, truth);
   if (paired_poses >= kLeastPaired * std::min(common.estimated, common.in_truth)) return {};
   return fmt::format(
       "only {} poses are paired, though the files have {} (estimate) and {} (ground truth) in the time that both "
@@ -115,7 +129,7 @@ std::vector<std::string> Warnings(const ComparisonFiles& files, const Paired& pa
                                   const Trajectory& truth) {
   const std::string estimated = files.estimate.string() + ": ";
   std::vector<std::string> warnings;
-  if (const std::string unpaired = UnpairedWarning(paired, estimate, truth); !unpaired.empty())
+  if (const std::string unpaired = UnpairedWarning(files.estimate, paired, estimate, truth); !unpaired.empty())
     warnings.push_back(estimated + unpaired);
   const std::string state = ScaleStateOfRun(files.estimate);
   if (IsOfRearAxle(files.estimate))

@@ -3,10 +3,12 @@
 
 #include <exception>
 #include <set>
+#include <string>
 #include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
+#include <opencv2/core.hpp>
 #include <opencv2/core/utility.hpp>
 
 #include "turnscale/base/error.h"
@@ -96,6 +98,7 @@ RunSummary BeforeTheDrive(const RunArguments& arguments, const OdometryOptions& 
   summary.found_camera = estimate.found;
   summary.rotate = arguments.images.rotate;
   if (arguments.images.mask) summary.mask = arguments.images.mask->string();
+  if (arguments.car.vehicle) summary.vehicle_file = arguments.car.vehicle->string();
   summary.warnings = WarningsOf(arguments.images, images);
   if (!estimate.warning.empty()) summary.warnings.push_back(estimate.warning);
   if (const std::string unused = UnusedCameraOfVehicle(arguments, options.vehicle, images); !unused.empty())
@@ -105,6 +108,20 @@ RunSummary BeforeTheDrive(const RunArguments& arguments, const OdometryOptions& 
   summary.start = arguments.images.start;
   summary.end = arguments.images.end;
   return summary;
+}
+
+LeftByOptions LeftBy(const RunArguments& arguments, const DriveImages& images) {
+  LeftByOptions left;
+  const auto add = [&](const char* option, const std::string& value) {
+    if (!value.empty()) left.part += fmt::format("{}{} {}", left.part.empty() ? "" : " ", option, value);
+  };
+  add("--start", arguments.images.start);
+  add("--end", arguments.images.end);
+  if (arguments.images.max_frames) add("--max-frames", std::to_string(*arguments.images.max_frames));
+  if (images.mask.empty()) return left;
+  left.mask = "--mask " + arguments.images.mask->string();
+  left.mask_share = static_cast<double>(cv::countNonZero(images.mask)) / static_cast<double>(images.mask.total());
+  return left;
 }
 
 // The page that shows the results; whatever becomes of it, they are on disk already.
@@ -224,7 +241,8 @@ RunEnd ExecuteRun(const RunArguments& arguments, const RunHooks& hooks) {
                             [&] {
                               RemoveThumbnails(arguments.out);
                               return OlderExports(arguments.out);
-                            }};
+                            },
+                            LeftBy(arguments, images)};
   RunEnd end = RunDrive(drive, odometry, progress);
   if (end.written && !arguments.no_report) KeepReport(arguments, thumbnails, progress, end);
   return end;

@@ -154,11 +154,15 @@ std::string CalibrationText(const CalibrationReport& report) {
                         measured ? fmt::format(" +-{:.3f}", arm.sigma_length) : "", arm.lever_arm.side_slip,
                         SlipSource(arm));
   }
+  if (!report.lever_arm)
+    text +=
+        fmt::format("{:<12}not estimated: the file has the rotation only; run needs --lever-arm, too\n", "lever arm");
   text += fmt::format("{:<12}{} frames in {} steps, {} turns of {:.0f} deg in all{}\n", "data", report.frames,
                       found.steps, found.turns, InDegrees(found.turning),
                       found.reversed > 0 ? fmt::format(", {} steps backwards", found.reversed) : "");
-  text +=
-      fmt::format("{:<12}{:.1f} (ratio of the two smallest singular values)\n", "confidence", found.linear.confidence);
+  // Less is refused (Calibration::observable).
+  text += fmt::format("{:<12}{:.1f} (ratio of the two smallest singular values; at least {:g} is needed)\n",
+                      "confidence", found.linear.confidence, CalibrationOptions().min_confidence);
   return text;
 }
 

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <exception>
 #include <utility>
 
 #include <fmt/format.h>
@@ -98,7 +97,7 @@ ClipReader::ClipReader(const std::vector<std::filesystem::path>& clips, const Cl
 void ClipReader::ReadHeaders(const std::vector<std::filesystem::path>& clips) {
   struct Failure {
     size_t clip;  // that follows, of those that can be decoded
-    std::exception_ptr error;
+    std::string problem;
   };
   std::vector<Failure> failures;
   for (const auto& clip : clips) {
@@ -107,18 +106,23 @@ void ClipReader::ReadHeaders(const std::vector<std::filesystem::path>& clips) {
       headers_.push_back(video->header());
       // Opened once more when its turn comes: a decoder needs memory.
       if (!video_) video_ = std::move(video);
-    } catch (const UnreadableVideo&) {
-      failures.push_back({clips_.size(), std::current_exception()});
-      left_out_.push_back(clip.string() + ": cannot be opened as a video; the clip is left out");
+    } catch (const UnreadableVideo& error) {
+      failures.push_back({clips_.size(), error.what()});
+      left_out_.push_back(std::string(error.what()) + "; the clip is left out");
       continue;
     }
     clips_.push_back(clip);
   }
-  if (!failures.empty() && (clips_.empty() || !options_.timed)) std::rethrow_exception(failures.front().error);
+  if (!failures.empty() && clips_.empty()) throw InputError(failures.front().problem);
   if (options_.timed) recorded_.emplace(clips_, headers_);
   for (const Failure& failure : failures) {
     const bool between = failure.clip > 0 && failure.clip < clips_.size();
-    if (between && !recorded_->AreInNames()) std::rethrow_exception(failure.error);
+    if (between && !(recorded_ && recorded_->AreInNames()))
+      throw InputError(
+          failure.problem +
+          "; the gap that it leaves is of unknown length: process the clips before and after it separately");
+    // Each image has its time by its number.
+    if (!options_.timed) throw InputError(failure.problem + "; leave out the clip, and its times (--timestamps)");
   }
   if (options_.in_any_order && recorded_ && !recorded_->AreKnown()) {
     const bool one_folder = clips_.back().parent_path() == clips_.front().parent_path();

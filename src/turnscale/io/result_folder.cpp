@@ -165,6 +165,9 @@ void ReadSummary(const fs::path& path, ResultFolder& results) {
                           std::ranges::all_of(angles, [](const auto& angle) { return angle.is_number(); });
   if (!is_summary) throw InputError(path.string() + ": is not a summary of a run");
   results.metric = member("distance_m").is_number();
+  const nlohmann::json scale = member("scale");
+  if (scale.is_object() && scale.value("known", nlohmann::json()).is_boolean())
+    results.scale_known = scale["known"].get<bool>();
   ReadView(member("intrinsics"), results);
   results.poses_of_vehicle = member("pose_frame") == "vehicle";
   if (results.poses_of_vehicle) return;

@@ -52,9 +52,14 @@ class Run {
     attempts_.Try(drive_.concluding);
     Conclude();
     const bool keeps_earlier = !recorder_.tracks() && HasPosesOfRun(drive_.output.folder);
-    if (!recorder_.tracks() && !end_.interrupted && (!Enough() || keeps_earlier) && attempts_.failures().empty()) {
-      end_.nothing_tracked = recorder_.seen().Explanation();
-      end_.summary.stopped = end_.nothing_tracked;
+    if (!recorder_.tracks() && !end_.interrupted && attempts_.failures().empty()) {
+      const std::string why = recorder_.seen().Explanation(drive_.left);
+      if (Enough() && !keeps_earlier) {
+        Warn(why);
+      } else {
+        end_.nothing_tracked = why;
+        end_.summary.stopped = why;
+      }
     }
     if (keeps_earlier) {
       progress_.Warn(

@@ -11,6 +11,7 @@
 #include "turnscale/io/image_source.h"
 #include "turnscale/io/run_summary.h"
 #include "turnscale/io/run_writer.h"
+#include "turnscale/io/seen_images.h"
 #include "turnscale/io/terminal.h"
 #include "turnscale/odometry/odometry.h"
 
@@ -39,6 +40,7 @@ struct DriveToRun {
   /// Called before the first result is written, when those of an earlier run are taken away. Says which of its files
   /// stay, in one line for the summary; empty where none do.
   std::function<std::string()> replacing = [] { return std::string(); };
+  LeftByOptions left = {};  ///< of the drive and its images, by what was asked for
 };
 
 /// How a run ended.

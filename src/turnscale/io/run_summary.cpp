@@ -137,6 +137,9 @@ void SummarizeScale(const RefinedScale& scale, double impossible, RunSummary& su
   summary.calibration_agrees = scale.contradicted_calibration.empty();
   if (!scale.estimate) {
     summary.pending_reason = scale.reason;
+    if (!summary.has_measure() && !summary.vehicle_file.empty())
+      summary.pending_reason =
+          fmt::format("{} has neither lever arm nor height; give --lever-arm", summary.vehicle_file);
     if (summary.has_measure() && !summary.calibration_agrees)
       summary.pending_reason += "; the images contradict the calibration, which may be the cause";
     return;

@@ -76,6 +76,9 @@ struct MountSummary {
 /// One line that names the first of them; there has to be one.
 std::string UnreadableText(const std::vector<UnreadableFrame>& frames);
 
+/// Relative standard deviation of the path length up to which the scale of a drive is called known.
+inline constexpr double kLargestKnownSigma = 0.15;
+
 /// Results of a run, for summary.json and for the screen.
 struct RunSummary {
   std::string version;
@@ -95,6 +98,7 @@ struct RunSummary {
   std::string end;              ///< of the part; empty: the drive's
   std::vector<ClipPart> clips;  ///< the videos that were read; empty for images
   VehicleOptions vehicle;
+  std::string vehicle_file;                     ///< of --vehicle; empty if there is none
   ScaleMethod method = ScaleMethod::kSmoothed;  ///< as asked for
   int frames = 0;
   int tracked = 0;
@@ -135,6 +139,10 @@ struct RunSummary {
   bool is_metric() const { return scale_state != ScaleState::kPending; }
   /// What metres follow from was given: a lever arm, or the height of the camera.
   bool has_measure() const { return vehicle.lever_arm || vehicle.camera_height; }
+  /// Metres were asked for, be it by the file of a car that has neither.
+  bool wants_metres() const { return has_measure() || !vehicle_file.empty(); }
+  /// In metres, and exactly enough for lengths and speeds to be relied on.
+  bool is_scale_known() const { return is_metric() && path_sigma <= kLargestKnownSigma; }
 };
 
 /// The longest parts of the missing path, which a summary names.

@@ -406,6 +406,7 @@ TEST(RunSummary, UpToScaleSaysSo) {
       std::string::npos);
   const auto json = nlohmann::json::parse(SummaryJson(summary));
   EXPECT_TRUE(json["distance_m"].is_null());
+  EXPECT_EQ(json["scale"]["known"], false);
   EXPECT_TRUE(json["scale"]["worst_relative_sigma"].is_null());
   EXPECT_TRUE(json["path_sigma"].is_null());
   EXPECT_TRUE(json["warnings"].empty());

@@ -16,7 +16,8 @@ constexpr double kDark = 25;          // of 255
 constexpr double kFlat = 6;           // of 255
 constexpr double kStill = 1.5;        // of 255, with the noise of small images far below
 constexpr double kFewTracked = 60;
-constexpr double kShort = 2;  // s
+constexpr double kShort = 2;             // s
+constexpr double kLittleLeft = 1.0 / 3;  // of the image
 
 }  // namespace
 
@@ -38,19 +39,23 @@ void SeenImages::Add(const cv::Mat& gray, double time, int tracked) {
   compared_time_ = time;
 }
 
-std::string SeenImages::Explanation() const {
-  const std::string cause = Cause();
+std::string SeenImages::Explanation(const LeftByOptions& left) const {
+  std::string cause = Cause(left);
+  if (cause.empty())
+    cause = left.part.empty() ? "the drive is too short; give a longer one"
+                              : fmt::format("the part of the drive ({}) is too short; widen it", left.part);
   return fmt::format("nothing could be tracked in {} image{} ({:.1f} s): {}", brightness_.size(),
-                     brightness_.size() == 1 ? "" : "s", last_time_ - first_time_,
-                     cause.empty() ? "the drive is too short; give a longer one" : cause);
+                     brightness_.size() == 1 ? "" : "s", last_time_ - first_time_, cause);
 }
 
-std::string SeenImages::Cause() const {
+std::string SeenImages::Cause(const LeftByOptions& left) const {
   if (brightness_.empty()) return "";
   if (Median(brightness_) < kDark) return "the images are dark; check the exposure and whether the lens is covered";
   if (Median(contrast_) < kFlat)
     return "the images show hardly any detail; check whether the lens is covered, dirty or out of focus";
   if (Still()) return "the images hardly change, as if the car stood still all along; give a part in which it drives";
+  if (left.mask_share < kLittleLeft)
+    return fmt::format("{} leaves only {:.0f} % of the image; leave out less of it", left.mask, 100 * left.mask_share);
   if (last_time_ - first_time_ < kShort) return "";
   if (Median(tracked_) < kFewTracked)
     return fmt::format(

@@ -8,6 +8,13 @@
 
 namespace turnscale {
 
+/// Options that leave a part of the drive, or of its images.
+struct LeftByOptions {
+  std::string part;       ///< such as "--start 1:30 --end 1:31"; empty: the whole drive
+  std::string mask;       ///< such as "--mask bonnet.png"; empty: the whole images
+  double mask_share = 1;  ///< of the image that the mask leaves
+};
+
 /// What the images of a drive look like as long as there is no map, to say why none begins.
 class SeenImages {
  public:
@@ -15,10 +22,10 @@ class SeenImages {
   void Add(const cv::Mat& gray, double time, int tracked);
 
   /// Why nothing could be tracked, and what to try: one sentence.
-  std::string Explanation() const;
+  std::string Explanation(const LeftByOptions& left = {}) const;
 
   /// The same without the number of images; empty where they are too few to tell.
-  std::string Cause() const;
+  std::string Cause(const LeftByOptions& left = {}) const;
 
   /// Whether the images show something that hardly changes: the car waits.
   bool Still() const;

@@ -183,6 +183,7 @@ std::string SummaryJson(const RunSummary& summary) {
       {"path_sigma", or_null(summary.path_sigma)},
       {"scale",
        {{"state", ScaleStateName(summary.scale_state)},
+        {"known", summary.is_scale_known()},
         {"pending_reason", summary.pending_reason.empty() ? Json(nullptr) : Json(summary.pending_reason)},
         {"worst_relative_sigma", or_null(summary.worst_sigma)},
         {"worst_at_s", std::isfinite(summary.worst_sigma) ? Json(summary.worst_sigma_time) : Json(nullptr)},

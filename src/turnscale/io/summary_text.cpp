@@ -14,8 +14,6 @@
 namespace turnscale {
 namespace {
 
-// Relative sigma of the path length beyond which the scale is not called known.
-constexpr double kMostKnown = 0.15;
 constexpr double kKilometresPerHour = 3.6;  // per m/s
 
 // Empty where the whole path is measured.
@@ -104,16 +102,18 @@ std::string PathText(const RunSummary& summary) {
   return text + "\n";
 }
 
-std::string HeightText(const CarRefinement& car) {
+// A height that only the drive tells is a check of the scale: both are wrong by the same factor.
+std::string HeightText(const RunSummary& summary, const CarRefinement& car) {
   if (!(car.camera_height > 0)) return {};
-  return fmt::format("height  camera {:.3f} +-{:.3f} m above the road\n", car.camera_height, car.camera_height_sigma);
+  return fmt::format("height  camera {:.3f} +-{:.3f} m above the road{}\n", car.camera_height, car.camera_height_sigma,
+                     summary.vehicle.camera_height ? "" : " (compare with a tape measure)");
 }
 
 // Empty without an estimate. Without a turn only the height is one.
 std::string CarText(const RunSummary& summary) {
   const std::optional<CarRefinement>& car = summary.car;
   if (!car) return {};
-  if (summary.turns_used == 0) return HeightText(*car);
+  if (summary.turns_used == 0) return HeightText(summary, *car);
   std::string slip;
   if (car->side_slip_at_bound) {
     slip = "side slip 0, since the estimate would be negative";
@@ -123,7 +123,8 @@ std::string CarText(const RunSummary& summary) {
     slip = fmt::format("side slip {:.4f} +-{:.4f} s^2/m, ", car->side_slip, car->side_slip_sigma);
   }
   return fmt::format("car     {}correction of the camera's yaw {:+.2f} +-{:.2f} deg, from all turns\n{}", slip,
-                     car->yaw_error * kDegreesPerRadian, car->yaw_error_sigma * kDegreesPerRadian, HeightText(*car));
+                     car->yaw_error * kDegreesPerRadian, car->yaw_error_sigma * kDegreesPerRadian,
+                     HeightText(summary, *car));
 }
 
 // With the height of the camera alone, the scale may be known, but not from turns.
@@ -140,15 +141,15 @@ std::string SigmaText(double sigma) {
 std::string ScaleText(const RunSummary& summary) {
   if (summary.is_metric())
     return fmt::format("{}, path length {} (1 sigma), along the drive at most {} (at {:.1f} s)",
-                       summary.path_sigma <= kMostKnown ? "known" : "uncertain", SigmaText(summary.path_sigma),
+                       summary.is_scale_known() ? "known" : "uncertain", SigmaText(summary.path_sigma),
                        SigmaText(summary.worst_sigma), summary.worst_sigma_time);
   const std::string pending = ScaleStateName(summary.scale_state);
-  if (!summary.has_measure())
-    return fmt::format(
-        "{}: without --lever-arm, --camera-height or --vehicle the trajectory is up to scale; turnscale rescale "
-        "{} --lever-arm METRES converts it to metres",
-        pending, summary.folder);
-  return pending + ", " + UpToScaleText(summary.pending_reason);
+  if (summary.has_measure()) return pending + ", " + UpToScaleText(summary.pending_reason);
+  const std::string why = summary.wants_metres()
+                              ? ", " + UpToScaleText(summary.pending_reason)
+                              : ": without --lever-arm, --camera-height or --vehicle the trajectory is up to scale";
+  return fmt::format("{}{}; turnscale rescale {} --lever-arm METRES converts it to metres", pending, why,
+                     summary.folder);
 }
 
 }  // namespace

@@ -27,6 +27,9 @@ RunSummary InMetres(double sigma) {
 }
 
 TEST(SummaryText, AScaleIsKnownUpToASigmaOf15Percent) {
+  const auto known = [](double sigma) { return nlohmann::json::parse(SummaryJson(InMetres(sigma)))["scale"]["known"]; };
+  EXPECT_EQ(known(0.14), true);
+  EXPECT_EQ(known(0.16), false);
   EXPECT_TRUE(Says(InMetres(0.14), "scale   known, path length +-14.0 % (1 sigma)"));
   EXPECT_TRUE(Says(InMetres(0.16), "scale   uncertain, path length +-16.0 % (1 sigma)"));
   EXPECT_TRUE(Says(InMetres(6.6), "scale   uncertain, path length beyond +-100 % (1 sigma)"));
@@ -36,6 +39,11 @@ TEST(SummaryText, APendingScaleHasAReasonOrARemedy) {
   RunSummary summary;
   summary.folder = "out";
   EXPECT_TRUE(Says(summary, "turnscale rescale out --lever-arm METRES converts it"));
+  summary.vehicle_file = "c.yaml";
+  Summarize({}, {}, summary);
+  EXPECT_TRUE(Says(summary,
+                   "scale   pending, the trajectory is up to scale: c.yaml has neither lever arm nor height; give "
+                   "--lever-arm; turnscale rescale out"));
   summary.vehicle.lever_arm = 1.5;
   summary.pending_reason = "no turn";
   EXPECT_TRUE(Says(summary, "scale   pending, the trajectory is up to scale: no turn\n"));
@@ -92,6 +100,16 @@ TEST(SummaryText, AContradictedRotationIsShownWithWhatIsUsed) {
   const nlohmann::json rotation = nlohmann::json::parse(SummaryJson(summary))["camera_rotation"];
   EXPECT_EQ(rotation["source"], "given");
   EXPECT_NEAR(rotation["contradicting_yaw_deg"], 2, 1e-9);
+}
+
+TEST(SummaryText, AnEstimatedHeightIsToBeCompared) {
+  RunSummary summary = InMetres(0.03);
+  summary.car = CarRefinement();
+  summary.car->camera_height = 1.5;
+  summary.car->camera_height_sigma = 0.06;
+  EXPECT_TRUE(Says(summary, "height  camera 1.500 +-0.060 m above the road (compare with a tape measure)\n"));
+  summary.vehicle.camera_height = 1.48;
+  EXPECT_TRUE(Says(summary, "height  camera 1.500 +-0.060 m above the road\n"));
 }
 
 TEST(SummaryText, ANegativeSlipIsDoubtfulUnlessNoneWasAssumed) {

@@ -56,6 +56,8 @@ std::vector<double> NumbersOf(const std::vector<std::string_view>& words, const 
   return values;
 }
 
+std::string Columns(size_t count) { return fmt::format("{} column{}", count, count == 1 ? "" : "s"); }
+
 class Parser {
  public:
   Parser(std::string path, const std::optional<std::vector<double>>& times) : path_(std::move(path)), times_(times) {}
@@ -68,10 +70,10 @@ class Parser {
     if (commas) return AddEuroc(words, where);
     if (columns_ == 0) columns_ = words.size();
     if (columns_ != 8 && columns_ != 12 && columns_ != 13) {
-      throw InputError(fmt::format("{}: {} columns; TUM has 8, KITTI 12 or 13", where, columns_));
+      throw InputError(fmt::format("{}: {}; TUM has 8, KITTI 12 or 13", where, Columns(columns_)));
     }
     if (words.size() != columns_) {
-      throw InputError(fmt::format("{}: {} columns, but the lines before have {}", where, words.size(), columns_));
+      throw InputError(fmt::format("{}: {}, but the lines before have {}", where, Columns(words.size()), columns_));
     }
     const std::vector<double> values = NumbersOf(words, where);
     columns_ == 8 ? AddTum(values, where) : AddKitti(values, where);
@@ -106,9 +108,8 @@ class Parser {
   void AddEuroc(const std::vector<std::string_view>& words, const std::string& where) {
     file_.format = TrajectoryFormat::kEuroc;
     if (words.size() < kEurocColumns || (columns_ != 0 && words.size() != columns_)) {
-      throw InputError(
-          fmt::format("{}: {} columns; EuRoC has 'time [ns],px,py,pz,qw,qx,qy,qz' and optional further columns", where,
-                      words.size()));
+      throw InputError(fmt::format("{}: {}; EuRoC has 'time [ns],px,py,pz,qw,qx,qy,qz' and optional further columns",
+                                   where, Columns(words.size())));
     }
     columns_ = words.size();
     const std::vector<double> v = NumbersOf({words.begin(), words.begin() + kEurocColumns}, where);

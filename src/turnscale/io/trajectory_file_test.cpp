@@ -156,6 +156,7 @@ TEST(TrajectoryFile, ComplaintsNameTheLine) {
   const std::string tum = "0 1 2 3 0 0 0 1\n";
   const std::string kitti = "1 0 0 5 0 1 0 0 0 0 1 0\n";
   EXPECT_TRUE(TrajectoryComplaint("").starts_with("bad.txt: holds no poses"));
+  EXPECT_TRUE(TrajectoryComplaint("1\n").starts_with("bad.txt:1: 1 column;"));
   EXPECT_TRUE(TrajectoryComplaint("1 2 3\n").starts_with("bad.txt:1: 3 columns"));
   EXPECT_TRUE(
       TrajectoryComplaint(tum + "1 1 2 3 0 0 0\n").starts_with("bad.txt:2: 7 columns, but the lines before have 8"));

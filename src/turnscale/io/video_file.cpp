@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdlib>
+#include <fstream>
 #include <limits>
 #include <memory>
 #include <new>
@@ -21,6 +22,7 @@
 #include <opencv2/core.hpp>
 
 #include "turnscale/base/error.h"
+#include "turnscale/base/file_extension.h"
 #include "turnscale/image_file/codec_pointers.h"
 #include "turnscale/image_file/ffmpeg.h"
 
@@ -37,10 +39,19 @@ constexpr int kDecoderThreads = 1;
 
 constexpr int kLevels = 256;  // of gray
 
+// Of files that cannot be read without the index that a recorder writes last.
+constexpr std::array<std::string_view, 4> kIndexedAtEnd = {".mp4", ".mov", ".m4v", ".3gp"};
+
 [[noreturn]] void RefuseInterlaced(const std::string& path) {
   throw InputError(path +
                    ": is interlaced: its rows are not from one moment; deinterlace it first, such as by ffmpeg -i IN "
                    "-vf yadif OUT");
+}
+
+bool HasReadableEnds(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  return file.get() != std::ifstream::traits_type::eof() && file.seekg(-1, std::ios::end) &&
+         file.get() != std::ifstream::traits_type::eof();
 }
 
 bool IsIdentity(const std::array<uint8_t, kLevels>& table) {
@@ -100,7 +111,8 @@ struct VideoFile::State {
     ffmpeg::av_log_set_level(AV_LOG_QUIET);
     AVFormatContext* opened = nullptr;
     const int result = ffmpeg::avformat_open_input(&opened, ("file:" + path).c_str(), nullptr, nullptr);
-    if (result == AVERROR(EACCES) || result == AVERROR(EIO))
+    // A cut-off Matroska file is an input error to the library, too.
+    if (result == AVERROR(EACCES) || (result == AVERROR(EIO) && !HasReadableEnds(path)))
       throw InputError(path + ": cannot be read: " + std::generic_category().message(AVUNERROR(result)));
     if (result < 0) Refuse();
     input.reset(opened);
@@ -144,7 +156,13 @@ struct VideoFile::State {
   }
 
   [[noreturn]] void Refuse() const {
-    throw UnreadableVideo(path + ": cannot be opened as a video: it is none, or damaged; leave it out or repair it");
+    std::error_code none;
+    if (std::filesystem::is_regular_file(path, none) && std::filesystem::file_size(path, none) == 0)
+      throw UnreadableVideo(path + ": is empty");
+    const bool has_index = std::ranges::find(kIndexedAtEnd, LowerExtension(path)) != kIndexedAtEnd.end();
+    throw UnreadableVideo(
+        path + ": is not a video, or is damaged" +
+        (has_index ? " (a recording that was cut off lacks its index; a repair tool may restore it)" : ""));
   }
 
   // Whether the file is a stream without a container. The library's readers of such have an option for the rate.

@@ -219,11 +219,19 @@ TEST_F(VideoFileTest, InterlacedVideoIsRefused) {
 }
 
 TEST_F(VideoFileTest, FilesThatAreNoVideos) {
-  EXPECT_NE(Complaint(folder_ / "nowhere.mp4").find("nowhere.mp4: cannot be opened as a video"), std::string::npos);
-  EXPECT_NE(Complaint(folder_).find("cannot be opened as a video"), std::string::npos);
+  EXPECT_NE(Complaint(folder_ / "nowhere.mp4")
+                .find("nowhere.mp4: is not a video, or is damaged (a recording that was cut off"),
+            std::string::npos);
+  EXPECT_NE(Complaint(folder_).find("is not a video"), std::string::npos);
   const std::filesystem::path text = folder_ / "calib.txt";
   std::ofstream(text) << "P0: 707 0 602 0 0 707 183 0 0 0 1 0\n";
-  EXPECT_NE(Complaint(text).find("cannot be opened as a video"), std::string::npos);
+  const std::filesystem::path cut = Write("cut.mkv", {});
+  std::filesystem::resize_file(cut, 400);
+  EXPECT_EQ(Complaint(cut), cut.string() + ": is not a video, or is damaged");
+  const std::filesystem::path empty = folder_ / "empty.mp4";
+  std::ofstream(empty).close();
+  EXPECT_EQ(Complaint(empty), empty.string() + ": is empty");
+  EXPECT_NE(Complaint(text).find("calib.txt: is not a video, or is damaged"), std::string::npos);
 }
 
 TEST_F(VideoFileTest, ADamagedMiddleIsPassedOver) {
