@@ -129,8 +129,9 @@ void SummarizePath(const std::vector<FrameResult>& refined, RunSummary& summary)
 
 // After the path, on whose length the shares of gaps and of impossible motion depend.
 void SummarizeScale(const RefinedScale& scale, double impossible, RunSummary& summary) {
-  summary.path_sigma =
-      std::hypot(LengthSigma(scale), std::hypot(scale.gap_sigma, impossible) / std::max(summary.distance, 1e-9));
+  const double distance = std::max(summary.distance, 1e-9);
+  summary.scale_sigma = std::hypot(LengthSigma(scale), impossible / distance);
+  summary.path_sigma = std::hypot(summary.scale_sigma, scale.gap_sigma / distance);
   summary.turns_found = static_cast<int>(scale.turns.size());
   summary.turns_used = static_cast<int>(std::ranges::count_if(scale.turns, &TurnResult::used));
   summary.calibration_windows = scale.calibration_windows;

@@ -76,7 +76,7 @@ struct MountSummary {
 /// One line that names the first of them; there has to be one.
 std::string UnreadableText(const std::vector<UnreadableFrame>& frames);
 
-/// Relative standard deviation of the path length up to which the scale of a drive is called known.
+/// Relative standard deviation of the measured path's length up to which the scale of a drive is called known.
 inline constexpr double kLargestKnownSigma = 0.15;
 
 /// Results of a run, for summary.json and for the screen.
@@ -115,6 +115,7 @@ struct RunSummary {
   /// Time of the first online pose in metres, seconds, where the online path jumps; empty if there is none.
   std::optional<double> live_metric_from;
   double path_sigma = 0;              ///< relative, of the path length in metres
+  double scale_sigma = 0;             ///< the same without the parts of the path that are not measured
   double worst_sigma = 0;             ///< relative, the largest of the scale along the path
   double worst_sigma_time = 0;        ///< seconds, where that is
   std::optional<LensSummary> lens;    ///< empty where it was not looked for
@@ -142,7 +143,7 @@ struct RunSummary {
   /// Metres were asked for, be it by the file of a car that has neither.
   bool wants_metres() const { return has_measure() || !vehicle_file.empty(); }
   /// In metres, and exactly enough for lengths and speeds to be relied on.
-  bool is_scale_known() const { return is_metric() && path_sigma <= kLargestKnownSigma; }
+  bool is_scale_known() const { return is_metric() && scale_sigma <= kLargestKnownSigma; }
 };
 
 /// The longest parts of the missing path, which a summary names.

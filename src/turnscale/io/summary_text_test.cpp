@@ -22,7 +22,7 @@ RunSummary InMetres(double sigma) {
   RunSummary summary;
   summary.scale_state = ScaleState::kHeld;
   summary.vehicle.lever_arm = 1.5;
-  summary.path_sigma = sigma;
+  summary.path_sigma = summary.scale_sigma = sigma;
   return summary;
 }
 
@@ -32,6 +32,9 @@ TEST(SummaryText, AScaleIsKnownUpToASigmaOf15Percent) {
   EXPECT_EQ(known(0.16), false);
   EXPECT_TRUE(Says(InMetres(0.14), "scale   known, path length +-14.0 % (1 sigma)"));
   EXPECT_TRUE(Says(InMetres(0.16), "scale   uncertain, path length +-16.0 % (1 sigma)"));
+  RunSummary with_gap = InMetres(0.05);
+  with_gap.path_sigma = 0.2;
+  EXPECT_TRUE(Says(with_gap, "scale   known, path length +-20.0 % (1 sigma)")) << "a part is missing";
   EXPECT_TRUE(Says(InMetres(6.6), "scale   uncertain, path length beyond +-100 % (1 sigma)"));
 }
 
