@@ -42,6 +42,10 @@ TEST(OdometrySelfCalibration, FindsTheFocalLengthFromANarrowAndAWideStart) {
 }
 
 TEST(OdometrySelfCalibration, StartsWithTheShapeOfThePixels) {
+  EXPECT_EQ(CameraOfLongerView(90, 640, 360, 1.25), CameraOfView(90, 640, 360, 1.25));
+  const CameraModel upright = CameraOfLongerView(90, 360, 640, 1.25);
+  EXPECT_NEAR(upright.pinhole.fy, 320, 1e-9);
+  EXPECT_NEAR(upright.pinhole.fx, 320 / 1.25, 1e-9);
   const CameraModel camera = CameraOfView(90, 640, 360, 1.25);
   EXPECT_NEAR(camera.pinhole.fx, 320, 1e-9);
   EXPECT_NEAR(camera.pinhole.fy, 400, 1e-9);

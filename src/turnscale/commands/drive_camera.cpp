@@ -61,7 +61,11 @@ std::string NoTurn(const ImageArguments& arguments, double least_turn_deg, doubl
       "no turn of at least {:.0f} degrees, from which the camera's focal length could be estimated; ", least_turn_deg);
   if (!assumed) return what + "the intrinsics are used as given";
   if (arguments.field_of_view) return what + fmt::format("--fov {:g} is used: a calibration is more accurate", view);
-  return what + fmt::format("a field of view of {:.0f} degrees is assumed: give --camera FILE or --fov DEGREES", view);
+  return what +
+         fmt::format(
+             "a field of view of {:.0f} degrees is assumed, and the shape of the path depends on it: give --camera "
+             "FILE or --fov DEGREES",
+             view);
 }
 
 }  // namespace
@@ -78,7 +82,9 @@ CameraEstimate EstimateCamera(const ImageArguments& arguments, DriveImages& imag
   // The run itself says what is wrong with such a drive.
   if (images.full_size.empty()) return {};
   const cv::Size size = images.scaling.Scaled(images.full_size);
-  if (assumed) images.camera = CameraOfView(view, size.width, size.height, images.source.pixel_aspect());
+  if (assumed)
+    images.camera = (arguments.field_of_view ? CameraOfView : CameraOfLongerView)(view, size.width, size.height,
+                                                                                  images.source.pixel_aspect());
   images.camera.width = size.width;
   images.camera.height = size.height;
   if (assumed)

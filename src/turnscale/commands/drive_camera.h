@@ -12,7 +12,8 @@
 
 namespace turnscale {
 
-/// Horizontal field of view, degrees, from which the estimation of the intrinsics starts by default.
+/// Field of view along the longer side of the image, degrees, from which the estimation of the intrinsics starts by
+/// default.
 constexpr double kUsualView = 70;
 
 /// The camera as estimated from the images.

@@ -172,8 +172,8 @@ std::optional<FoundCamera> CalibrateFromDrive(const OdometryOptions& options, co
   Reading reading = read(0);
   for (const double view : kOtherViews) {
     if (reading.windows > 0 || !start.assumed || reading.tracked > kTracksWell * reading.frames) break;
-    camera =
-        CameraOfView(view, start.camera.width, start.camera.height, start.camera.pinhole.fy / start.camera.pinhole.fx);
+    camera = CameraOfLongerView(view, start.camera.width, start.camera.height,
+                                start.camera.pinhole.fy / start.camera.pinhole.fx);
     expected = camera.pinhole;
     reading = read(0);
   }
@@ -218,6 +218,14 @@ std::optional<FoundCamera> CalibrateFromDrive(const OdometryOptions& options, co
 
 int MostPasses(const SelfCalibrationOptions& options, bool assumed) {
   return options.max_passes + (assumed ? static_cast<int>(kOtherViews.size()) : 0);
+}
+
+CameraModel CameraOfLongerView(double field_of_view_deg, int width, int height, double pixel_aspect) {
+  // In widths of a pixel.
+  const double upright = height / pixel_aspect;
+  if (upright <= width) return CameraOfView(field_of_view_deg, width, height, pixel_aspect);
+  const double tangent = std::tan(0.5 * field_of_view_deg / kDegreesPerRadian);
+  return CameraOfView(2 * kDegreesPerRadian * std::atan(tangent * width / upright), width, height, pixel_aspect);
 }
 
 CameraModel CameraOfView(double field_of_view_deg, int width, int height, double pixel_aspect) {

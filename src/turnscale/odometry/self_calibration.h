@@ -60,4 +60,7 @@ int MostPasses(const SelfCalibrationOptions& options, bool assumed);
 /// width of a pixel over its height.
 CameraModel CameraOfView(double field_of_view_deg, int width, int height, double pixel_aspect = 1);
 
+/// The same with the field of view along the longer side of the image, as of an upright video from a phone.
+CameraModel CameraOfLongerView(double field_of_view_deg, int width, int height, double pixel_aspect = 1);
+
 }  // namespace turnscale
