@@ -322,7 +322,7 @@ TEST_F(ExportTest, AnUncertainScaleIsNamed) {
   EXPECT_EQ(ExportAll().err, "");
   RunSummary summary;
   summary.scale_state = ScaleState::kHeld;
-  summary.path_sigma = 0.3;
+  summary.path_sigma = summary.scale_sigma = 0.3;
   WriteSummary(summary);
   const CommandResult uncertain = ExportAll();
   EXPECT_EQ(uncertain.exit_code, 0);

@@ -7,7 +7,9 @@ import numpy as np
 
 from turnscale_batch.evidence import (ARM, HEIGHT, HEIGHT_BETWEEN, SLIP, SLIP_BETWEEN, UNKNOWNS, YAW, YAW_BETWEEN,
                                       DriveEstimates, Evidence, Rotation, estimates_of)
+from turnscale_batch.intrinsics import Intrinsics
 from turnscale_batch.joint import JointEstimate, camera_positions
+from turnscale_batch.vehicles import Vehicle
 
 TAPE = 0.02  # relative
 PRIOR_MEAN = np.array([0.0, 0.0045, math.log(1.5), math.log(1.4)])
@@ -192,6 +194,25 @@ class Outlier(unittest.TestCase):
             truth = random_car(draw)
             found += len(JointEstimate([0] * 8, [evidence_of(*random_likelihood(truth, draw)) for _ in range(8)]).outliers)
         self.assertLessEqual(found, 8)
+
+
+class Intrinsic(unittest.TestCase):
+    def doubts(self, *sizes, calibrated=False):
+        class Named:
+            def __init__(self, name):
+                self.name = name
+
+            def option(self, option):
+                return None
+
+        camera = [Intrinsics(size, "plumb_bob", np.array([700.0]), np.zeros(5), 7.0) for size in sizes]
+        estimates = [DriveEstimates(Named(f"d{i}"), intrinsics=one, calibrated=calibrated) for i, one in enumerate(camera)]
+        return Vehicle("car", estimates).doubts(estimates[0].drive)
+
+    def test_of_different_image_sizes_are_not_combined(self):
+        self.assertEqual(self.doubts((1226, 370), (1226, 370)), [])
+        self.assertIn("different sizes", self.doubts((1226, 370), (1242, 375))[0])
+        self.assertEqual(self.doubts((1226, 370), (1242, 375), calibrated=True), [])
 
 
 class Moved(unittest.TestCase):

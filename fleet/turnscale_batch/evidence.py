@@ -11,7 +11,7 @@ from .intrinsics import read_intrinsics
 YAW, SLIP, ARM, HEIGHT = range(4)
 UNKNOWNS = 4
 
-# Standard deviations of what changes between drives of one car: load and tyres. Those of yaw and height are what
+# Standard deviations of what changes between drives of one car: load and tyres. All but that of the slip are what
 # `run --vehicle` adds by itself.
 YAW_BETWEEN = math.radians(0.1)
 HEIGHT_BETWEEN = 0.01  # relative

@@ -45,10 +45,15 @@ def read_intrinsics(path):
     return intrinsics if intrinsics.focal_sigma > 0 else None
 
 
+def are_of_one_camera(found):
+    """Whether intrinsics can be combined: they have one image size and one lens model."""
+    return len({(one.size, one.model) for one in found}) <= 1
+
+
 def joint_intrinsics(found):
     """Their mean, weighted by the precision of the focal length; None where there are none, or they are of different
     cameras. All numbers of a drive have one weight: focal length, principal point and distortion belong together."""
-    if not found or len({(one.size, one.model) for one in found}) > 1:
+    if not found or not are_of_one_camera(found):
         return None
     centre = np.median([one.focal for one in found])
     kept = [one for one in found if abs(one.focal - centre) <= MOST_DEVIATION * one.focal_sigma]

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from .evidence import ARM, HEIGHT, PITCH_BETWEEN, ROLL_BETWEEN, SLIP, SLIP_BETWEEN, YAW
-from .intrinsics import joint_intrinsics
+from .intrinsics import are_of_one_camera, joint_intrinsics
 from .joint import JointEstimate, camera_positions
 from .store import write_whole
 
@@ -65,10 +65,17 @@ class Vehicle:
 
     def doubts(self, drive):
         place = self._place.get(drive.name)
-        if place is not None and place in self.joint.outliers:
-            return [f"the drive's estimates of the car differ from those of the other drives of {self.name}, and are "
-                    "left out of the joint ones"]
-        return []
+        if place is None:
+            return []
+        doubts = []
+        if place in self.joint.outliers:
+            doubts.append(f"the drive's estimates of the car differ from those of the other drives of {self.name}, and "
+                          "are left out of the joint ones")
+        found = [e.intrinsics for e in self._at(self.positions[place]) if e.intrinsics]
+        if not self.estimates[place].calibrated and not are_of_one_camera(found):
+            doubts.append(f"the drives of {self.name} have images of different sizes or lens models: their intrinsics "
+                          "are not combined; give a calibration (column camera)")
+        return doubts
 
     def joint_files(self, drive):
         """Files that hold what all drives tell, as triples of option, name and text, and the options that they

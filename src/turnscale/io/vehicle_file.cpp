@@ -16,7 +16,8 @@ namespace {
 // Standard deviations of what changes from drive to drive: load and tyres lift the camera, and turn it.
 constexpr double kHeightBetweenDrives = 0.01;                  // relative
 constexpr double kYawBetweenDrives = 0.1 / kDegreesPerRadian;  // rad
-constexpr double kTiltBetweenDrives = 0.5 / kDegreesPerRadian;
+constexpr double kPitchBetweenDrives = 0.4 / kDegreesPerRadian;
+constexpr double kRollBetweenDrives = 0.5 / kDegreesPerRadian;
 
 std::string Line(const char* key, double value, const char* comment = "") {
   return fmt::format("{}: {:.6g}{}{}\n", key, value, *comment != 0 ? "  # " : "", comment);
@@ -132,8 +133,8 @@ void ReadVehicleFile(const std::filesystem::path& path, VehicleOptions& vehicle)
       if (map.Has(key)) value = std::hypot(not_negative(key, 0) / kDegreesPerRadian, between_drives);
     };
     sigma("yaw_sigma_deg", kYawBetweenDrives, vehicle.yaw_sigma);
-    sigma("pitch_sigma_deg", kTiltBetweenDrives, vehicle.known_pitch_sigma);
-    sigma("roll_sigma_deg", kTiltBetweenDrives, vehicle.known_roll_sigma);
+    sigma("pitch_sigma_deg", kPitchBetweenDrives, vehicle.known_pitch_sigma);
+    sigma("roll_sigma_deg", kRollBetweenDrives, vehicle.known_roll_sigma);
   }
   if (map.Has("lever_arm")) {
     vehicle.lever_arm = map.Positive("lever_arm");
