@@ -13,8 +13,8 @@ namespace {
 
 // Below this share of its features, without those that no other image shows, a first view has gone out of sight.
 constexpr double kFewestFeatures = 0.4;
-// A car that waits longer than this gets a new first view, which bounds the memory.
-constexpr size_t kMostFrames = 300;
+// A car that waits longer than this, seconds, gets a new first view, which bounds the memory.
+constexpr double kMostSeconds = 30;
 // Share of the features that have to move for static features to be separated from the scene.
 constexpr double kLeastMovingShare = 0.2;
 // Fewer features that stand still do no harm.
@@ -100,7 +100,7 @@ bool MapInitializer::Follow(const FlowImage& image, int frame, double time) {
     pixels.push_back(flow.points[i]);
   }
   // No first view is closer to an image than the image before it.
-  if (frames_.size() >= kMostFrames || (frames_.size() > 1 && HasGone(next))) return false;
+  if (time - frames_.front().time >= kMostSeconds || (frames_.size() > 1 && HasGone(next))) return false;
   // A dark or blurred first view never gets more features than it had.
   if (static_cast<int>(next.features.size()) < options_.initialization.min_landmarks) return false;
   alive_ = next.features;
