@@ -336,7 +336,7 @@ TEST_F(ExportTest, AnUncertainScaleIsNamed) {
   EXPECT_EQ(ExportAll().err, "");
 }
 
-TEST_F(ExportTest, AFolderThatCannotBeWrittenToIsTheChoiceOfTheUser) {
+TEST_F(ExportTest, AFolderThatCannotBeWrittenToEndsWithCode2) {
   const fs::path out = folder_ / "out";
   for (const char* name : {"report.html", "path.gltf"}) fs::create_directories(out / name);
   ExpectComplaint(RunCommand({"view", out.string()}, folder_), 2, {"report.html: cannot be written"});

@@ -103,7 +103,7 @@ std::optional<CameraModel> FitLens(const Pinhole& pinhole, int width, int height
     consider(LensModel::kRadialTangential, {radial[0], radial[1], tangential[0], tangential[1], 0}, [&](double ray) {
       return DistortRadialTangential(radial, {ray, 0}).point.x();
     });
-  if (is_tangential && best) return best->camera;
+  if (is_tangential) return best ? std::optional(best->camera) : FitLens(pinhole, width, height, ray_of, radius);
   // Two coefficients that all programs know are preferred to a fit that no image can tell from theirs.
   if (best && best->error < kSmallError && best->covers_image) return best->camera;
   const std::array<double, 5> fisheye = FitSeries(pairs, 3, [](double ray) { return std::atan(ray); });

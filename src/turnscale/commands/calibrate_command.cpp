@@ -207,8 +207,8 @@ std::optional<LeverArmFit> FindLeverArm(const CalibrateArguments& arguments, con
     fit.sigma_length = std::hypot(fit.sigma_length, motion.calibration_sigma * fit.lever_arm.length);
     if (fit.sigma_length > options.max_relative_sigma * fit.lever_arm.length)
       throw InputError(
-          fmt::format("with the error of the intrinsics it is {:.2f} +-{:.2f} m; give the calibration of "
-                      "this camera",
+          fmt::format("it is too uncertain, {:.2f} +-{:.2f} m, because of the intrinsics; check the "
+                      "calibration",
                       fit.lever_arm.length, fit.sigma_length));
     return fit;
   } catch (const InputError& error) {

@@ -2,6 +2,7 @@
 #include "turnscale/commands/drive_camera.h"
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -9,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "turnscale/base/error.h"
+#include "turnscale/geometry/angle.h"
 #include "turnscale/io/terminal.h"
 
 namespace turnscale {
@@ -60,12 +62,13 @@ std::string NoTurn(const ImageArguments& arguments, double least_turn_deg, doubl
   const std::string what = fmt::format(
       "no turn of at least {:.0f} degrees, from which the camera's focal length could be estimated; ", least_turn_deg);
   if (!assumed) return what + "the intrinsics are used as given";
-  if (arguments.field_of_view) return what + fmt::format("--fov {:g} is used: a calibration is more accurate", view);
-  return what +
-         fmt::format(
-             "a field of view of {:.0f} degrees is assumed, and the shape of the path depends on it: give --camera "
-             "FILE or --fov DEGREES",
-             view);
+  if (arguments.field_of_view)
+    return what + fmt::format("--fov {:g} is used: a calibration is more accurate", *arguments.field_of_view);
+  return what + fmt::format(
+                    "a horizontal field of view of {:.0f} degrees is assumed, and the shape of the path depends on it: "
+                    "give --camera "
+                    "FILE or --fov DEGREES",
+                    view);
 }
 
 }  // namespace
@@ -100,7 +103,10 @@ CameraEstimate EstimateCamera(const ImageArguments& arguments, DriveImages& imag
         return Images(arguments, images, hooks, options.images, from, work, times);
       },
       images.mask);
-  if (!found) return {std::nullopt, NoTurn(arguments, options.calibration_check.min_turn_deg, view, assumed)};
+  if (!found) {
+    const double used = 2 * InDegrees(std::atan(0.5 * size.width / images.camera.pinhole.fx));
+    return {std::nullopt, NoTurn(arguments, options.calibration_check.min_turn_deg, used, assumed)};
+  }
   images.camera = found->camera;
   return {
       images.scaling.Full(*found),

@@ -47,7 +47,7 @@ class DriveRecorder {
   const std::vector<UnreadableFrame>& unreadable() const { return unreadable_; }
 
   /// Fills in all that the drive tells, from its refined results: Summarize, SummarizeBeginning, what is kept here, and
-  /// the cost. Warnings but that of unreadable images.
+  /// the cost. The warnings lack that of unreadable images.
   void Summarize(const std::vector<FrameResult>& frames, const RefinedScale& scale, RunSummary& summary) const;
 
  private:

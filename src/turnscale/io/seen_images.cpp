@@ -40,6 +40,7 @@ void SeenImages::Add(const cv::Mat& gray, double time, int tracked) {
 }
 
 std::string SeenImages::Explanation(const LeftByOptions& left) const {
+  if (brightness_.empty()) return "no image could be read";
   std::string cause = Cause(left);
   if (cause.empty())
     cause = left.part.empty() ? "the drive is too short; give a longer one"
@@ -54,10 +55,11 @@ std::string SeenImages::Cause(const LeftByOptions& left) const {
   if (Median(contrast_) < kFlat)
     return "the images show hardly any detail; check whether the lens is covered, dirty or out of focus";
   if (Still()) return "the images hardly change, as if the car stood still all along; give a part in which it drives";
-  if (left.mask_share < kLittleLeft)
-    return fmt::format("{} leaves only {:.0f} % of the image; leave out less of it", left.mask, 100 * left.mask_share);
   if (last_time_ - first_time_ < kShort) return "";
-  if (Median(tracked_) < kFewTracked)
+  const bool is_few = Median(tracked_) < kFewTracked;
+  if (is_few && left.mask_share < kLittleLeft)
+    return fmt::format("{} leaves only {:.0f} % of the image; leave out less of it", left.mask, 100 * left.mask_share);
+  if (is_few)
     return fmt::format(
         "only about {:.0f} points can be followed from image to image; check for blur and rain, and that "
         "no frames are left out",

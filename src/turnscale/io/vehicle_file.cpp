@@ -74,9 +74,9 @@ std::string VehicleFileText(const VehicleOptions& vehicle, const Mount& mount, c
     text += Line("pitch_deg", InDegrees(angles.pitch), "up");
     text += Line("roll_deg", InDegrees(angles.roll), "leaning right");
     text += Line("yaw_sigma_deg", InDegrees(yaw_sigma));
-    if (mount.found) {
-      text += Line("pitch_sigma_deg", InDegrees(mount.sigma.pitch));
-      text += Line("roll_sigma_deg", InDegrees(mount.sigma.roll));
+    if (mount.found || vehicle.camera_known) {
+      text += Line("pitch_sigma_deg", InDegrees(mount.found ? mount.sigma.pitch : vehicle.known_pitch_sigma));
+      text += Line("roll_sigma_deg", InDegrees(mount.found ? mount.sigma.roll : vehicle.known_roll_sigma));
     }
   }
   // However uncertain a length is, and however much the two disagree, the file is one that can be read again.

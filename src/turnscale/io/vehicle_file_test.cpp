@@ -67,6 +67,12 @@ TEST(VehicleFile, TheNextDriveKnowsWhatThisOneHasLearned) {
   EXPECT_NEAR(angles.roll, 0.02, 1e-6);
   EXPECT_GT(next.yaw_sigma, 0.001);
   EXPECT_LT(next.yaw_sigma, 0.003);
+  EXPECT_NEAR(next.known_pitch_sigma, std::hypot(0.002, 0.4 / kDegreesPerRadian), 1e-6);
+  EXPECT_NEAR(next.known_roll_sigma, std::hypot(0.01, 0.5 / kDegreesPerRadian), 1e-6);
+  // A drive without a turn hands on what it was given.
+  const VehicleOptions later =
+      ReadText(VehicleFileText(next, Mount{.vehicle_from_camera = next.vehicle_from_camera}, {}));
+  EXPECT_NEAR(later.known_roll_sigma, std::hypot(next.known_roll_sigma, 0.5 / kDegreesPerRadian), 1e-6);
 }
 
 TEST(VehicleFile, TheNextDriveKnowsHowTheErrorsCorrelate) {

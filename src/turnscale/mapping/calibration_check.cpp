@@ -70,6 +70,22 @@ Vector WeightsOfDistortion(const Pinhole& pinhole) {
   return weights;
 }
 
+// The same of the correction that is applied. CorrectRadially takes the radius without the lens's distortion.
+double AppliedCorrection(const CameraModel& camera) {
+  constexpr int kRadii = 64;
+  const double corner = std::hypot(camera.pinhole.cx / camera.pinhole.fx, camera.pinhole.cy / camera.pinhole.fy);
+  double sum = 0;
+  double weights = 0;
+  for (int i = 0; i < kRadii; ++i) {
+    const double radius = corner * (i + 0.5) / kRadii;
+    const std::optional<UndistortedPoint> ideal = UndistortPoint(camera, {radius, 0});
+    if (!ideal) break;
+    sum += camera.radial_correction * ideal->point.squaredNorm() * std::pow(radius, 5);
+    weights += std::pow(radius, 7);
+  }
+  return weights > 0 ? sum / weights : camera.radial_correction;
+}
+
 void IgnoreHigherTerms(IntrinsicsEvidence& evidence) {
   evidence.information.bottomRows<kHigherTermsOfLens>().setZero();
   evidence.information.rightCols<kHigherTermsOfLens>().setZero();
@@ -230,7 +246,7 @@ IntrinsicsEstimate CalibrationCheck::Estimate() const {
   return estimate;
 }
 
-std::vector<ParameterEstimate> CalibrationCheck::Parameters(double applied) const {
+std::vector<ParameterEstimate> CalibrationCheck::Parameters(const CameraModel& camera) const {
   const IntrinsicsEstimate estimate = Estimate();
   const Vector sigmas = estimate.covariance.diagonal().cwiseSqrt();
   const Pinhole found = ChangedPinhole(given_, estimate.change);
@@ -239,17 +255,17 @@ std::vector<ParameterEstimate> CalibrationCheck::Parameters(double applied) cons
   return {{IntrinsicsParameter::kFocalLength, given_.fx, found.fx, sigmas[IntrinsicsChange::kLogFocal] * found.fx},
           {IntrinsicsParameter::kCentreX, given_.cx, found.cx, sigmas[IntrinsicsChange::kCentreX]},
           {IntrinsicsParameter::kCentreY, given_.cy, found.cy, sigmas[IntrinsicsChange::kCentreY]},
-          {IntrinsicsParameter::kDistortion, applied, distortion.dot(estimate.change),
+          {IntrinsicsParameter::kDistortion, AppliedCorrection(camera), distortion.dot(estimate.change),
            std::sqrt(distortion.dot(estimate.covariance * distortion))}};
 }
 
-std::vector<ParameterEstimate> CalibrationCheck::Contradictions(double applied) const {
+std::vector<ParameterEstimate> CalibrationCheck::Contradictions(const CameraModel& camera) const {
   std::vector<ParameterEstimate> contradictions;
   if (windows_.empty()) return contradictions;
   const double centre = given_.fx * std::tan(InRadians(options_.min_centre_error_deg));
   const double matters[IntrinsicsChange::kEntries] = {given_.fx * options_.min_focal_error, centre, centre,
                                                       options_.min_correction_error};
-  const std::vector<ParameterEstimate> all = Parameters(applied);
+  const std::vector<ParameterEstimate> all = Parameters(camera);
   for (size_t i = 0; i < all.size(); ++i) {
     const double error = std::abs(all[i].found - all[i].given);
     if (error > matters[i] && error > options_.significance * all[i].sigma) contradictions.push_back(all[i]);

@@ -109,12 +109,12 @@ class CalibrationCheck {
   bool IsComplete() const { return windows() >= options_.max_windows; }
   /// The estimate from drive and prior; sigmas include the scatter of windows and their common error.
   IntrinsicsEstimate Estimate() const;
-  /// All parameters, in the order of IntrinsicsParameter; those of the prior while no window was read. `applied`: the
-  /// radial correction that the map's pixels have. Call it, and Contradictions, after Window only: that takes over the
-  /// camera.
-  std::vector<ParameterEstimate> Parameters(double applied) const;
+  /// All parameters, in the order of IntrinsicsParameter; those of the prior while no window was read. `camera`: that
+  /// of the windows, with the radial correction that the map's pixels have now. Call it, and Contradictions, after
+  /// Window only: that takes over the pinhole.
+  std::vector<ParameterEstimate> Parameters(const CameraModel& camera) const;
   /// Those inconsistent with what is used; empty if the drive agrees or does not determine them.
-  std::vector<ParameterEstimate> Contradictions(double applied) const;
+  std::vector<ParameterEstimate> Contradictions(const CameraModel& camera) const;
 
  private:
   /// The evidence of a window.

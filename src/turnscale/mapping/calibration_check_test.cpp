@@ -36,6 +36,14 @@ Map WrongMap(const std::vector<DriveSegment>& segments, const Vector& error, dou
   return map;
 }
 
+// The camera of these maps with the correction that is applied.
+CameraModel WithCorrection(double correction = 0) {
+  CameraModel camera;
+  camera.pinhole = kTestPinhole;
+  camera.radial_correction = correction;
+  return camera;
+}
+
 CalibrationCheck CheckAlong(const Map& whole, const CalibrationCheckOptions& options = {}) {
   CalibrationCheck check(options);
   for (int keyframes = 1; keyframes <= static_cast<int>(whole.keyframes.size()); ++keyframes)
@@ -48,7 +56,7 @@ TEST(CalibrationCheck, FindsAWrongFocalLength) {
     for (int seed = 1; seed <= SeedsToTest(2); ++seed) {
       const Vector error = Change(std::log(1 + percent / 100), 0, 0, 0);
       const CalibrationCheck check = CheckAlong(WrongMap(kRightAndLeft, error, 0.3, static_cast<unsigned>(seed)));
-      const std::vector<ParameterEstimate> found = check.Contradictions(0);
+      const std::vector<ParameterEstimate> found = check.Contradictions(WithCorrection());
       ASSERT_EQ(found.size(), 1U) << percent;
       EXPECT_EQ(found[0].parameter, IntrinsicsParameter::kFocalLength);
       EXPECT_NEAR(found[0].given, 718 * (1 + percent / 100), 1e-6);
@@ -60,10 +68,10 @@ TEST(CalibrationCheck, FindsAWrongFocalLength) {
 TEST(CalibrationCheck, FindsAWrongPrincipalPoint) {
   for (const Vector& error : {Change(0, 25, 0, 0), Change(0, 0, -25, 0)}) {
     const CalibrationCheck check = CheckAlong(WrongMap(kRightAndLeft, error, 0.3, 3));
-    const std::vector<ParameterEstimate> all = check.Parameters(0);
+    const std::vector<ParameterEstimate> all = check.Parameters(WithCorrection());
     EXPECT_NEAR(all[1].found, 607, 0.2 * all[1].sigma);
     EXPECT_NEAR(all[2].found, 185, 0.2 * all[2].sigma);
-    const std::vector<ParameterEstimate> found = check.Contradictions(0);
+    const std::vector<ParameterEstimate> found = check.Contradictions(WithCorrection());
     ASSERT_EQ(found.size(), 1U) << error.transpose();
     EXPECT_EQ(found[0].parameter,
               error[IntrinsicsChange::kCentreX] != 0 ? IntrinsicsParameter::kCentreX : IntrinsicsParameter::kCentreY);
@@ -72,19 +80,17 @@ TEST(CalibrationCheck, FindsAWrongPrincipalPoint) {
 
 TEST(CalibrationCheck, TellsALensFromAFocalLength) {
   const CalibrationCheck check = CheckAlong(WrongMap(kRightAndLeft, Change(0, 0, 0, 0.015), 0.3, 4));
-  const std::vector<ParameterEstimate> all = check.Parameters(0);
+  const std::vector<ParameterEstimate> all = check.Parameters(WithCorrection());
   EXPECT_NEAR(all[3].found, 0.015, 2 * all[3].sigma);
   EXPECT_LT(all[3].sigma, 0.007);
-  EXPECT_TRUE(check.Contradictions(0.015).empty()) << "applied";
-  const std::vector<ParameterEstimate> found = check.Contradictions(0);
-  for (const ParameterEstimate& estimate : found) EXPECT_EQ(estimate.parameter, IntrinsicsParameter::kDistortion);
+  EXPECT_TRUE(check.Contradictions(WithCorrection(0.015)).empty()) << "applied";
 }
 
 TEST(CalibrationCheck, FindsAMissingDistortion) {
   // A barrel needs a positive correction.
   for (const double distortion : {0.25, -0.08}) {
     const CalibrationCheck check = CheckAlong(WrongMap(kRightAndLeft, Change(0, 0, 0, distortion), 0.3, 4));
-    const std::vector<ParameterEstimate> found = check.Contradictions(0);
+    const std::vector<ParameterEstimate> found = check.Contradictions(WithCorrection());
     ASSERT_EQ(found.size(), 1U) << distortion;
     EXPECT_EQ(found[0].parameter, IntrinsicsParameter::kDistortion);
     EXPECT_NEAR(found[0].found, distortion, 0.03);
@@ -95,8 +101,8 @@ TEST(CalibrationCheck, SaysNothingWhereTheCalibrationIsRight) {
   for (const unsigned seed : {5U, 6U, 7U, 8U, 9U, 10U}) {
     const CalibrationCheck check = CheckAlong(WrongMap(kRightAndLeft, Vector::Zero(), 0.3, seed));
     EXPECT_GT(check.windows(), 1);
-    EXPECT_TRUE(check.Contradictions(0).empty()) << seed;
-    for (const ParameterEstimate& estimate : check.Parameters(0))
+    EXPECT_TRUE(check.Contradictions(WithCorrection()).empty()) << seed;
+    for (const ParameterEstimate& estimate : check.Parameters(WithCorrection()))
       EXPECT_LT(std::abs(estimate.found - estimate.given), 2.5 * estimate.sigma) << seed;
   }
 }
@@ -130,8 +136,8 @@ TEST(CalibrationCheck, HigherTermsOfTheLensAreNoFocalLength) {
     Distort(lens, map);
     const CalibrationCheck check = CheckAlong(map);
     EXPECT_NEAR(check.Estimate().change[IntrinsicsChange::kLogFocal], 0, 0.006) << seed;
-    for (const ParameterEstimate& estimate : check.Contradictions(0))
-      EXPECT_EQ(estimate.parameter, IntrinsicsParameter::kDistortion) << seed;
+    const double applied = check.Parameters(WithCorrection()).back().found;
+    EXPECT_TRUE(check.Contradictions(WithCorrection(applied)).empty()) << seed;
     CalibrationCheckOptions only_square;
     only_square.higher_prior_sigma = 0;
     EXPECT_GT(CheckAlong(map, only_square).Estimate().change[IntrinsicsChange::kLogFocal], 0.03) << seed;
@@ -146,8 +152,11 @@ TEST(CalibrationCheck, ADistortionCountsByWhatItDoesInTheImage) {
     Distort(lens, map);
     const CalibrationCheck check = CheckAlong(map);
     EXPECT_GT(check.windows(), 0);
-    const ParameterEstimate distortion = check.Parameters(0).back();
-    EXPECT_EQ(check.Contradictions(0).empty(), std::abs(distortion.found) < 3 * distortion.sigma);
+    const ParameterEstimate distortion = check.Parameters(WithCorrection()).back();
+    // Of the two, that in r^4 alone is ten sigmas; the others cancel to two or three.
+    if (r2 == 0) {
+      EXPECT_EQ(check.Contradictions(WithCorrection()).size(), 1U);
+    }
     return distortion;
   };
   // All in r^4, and two terms that cancel.
@@ -155,6 +164,23 @@ TEST(CalibrationCheck, ADistortionCountsByWhatItDoesInTheImage) {
   EXPECT_NEAR(fourth.found, 0.096, 0.02);
   const ParameterEstimate opposite = distortion_of(0.05, -0.1);
   EXPECT_NEAR(opposite.found, -0.014, 0.02);
+}
+
+// What is applied is a share of the square of the radius without distortion, what is found one of that in the image.
+TEST(CalibrationCheck, WhatIsAppliedIsStatedAsWhatIsFound) {
+  const CalibrationCheck check = CheckAlong(WrongMap(kRightAndLeft, Vector::Zero(), 0.3, 5));
+  const auto given = [&](double correction, double k1) {
+    CameraModel camera = WithCorrection(correction);
+    camera.lens = LensModel::kRadialTangential;
+    camera.distortion[0] = k1;
+    return check.Parameters(camera).back().given;
+  };
+  EXPECT_NEAR(given(0.05, 0), 0.05, 1e-12);
+  EXPECT_EQ(given(0, -0.2), 0);
+  // u^2 = r^2 + 0.4 r^4 + ..., of which r^4 counts 0.8 times the square of the corner's radius, 0.785.
+  EXPECT_GT(given(0.05, -0.2), 0.05 * (1 + 0.4 * 0.8 * 0.785));
+  EXPECT_LT(given(0.05, -0.2), 0.05 * 1.7);
+  EXPECT_LT(given(0.05, 0.2), 0.045);
 }
 
 // What all windows get wrong alike is part of sigma, and one window has its own part.
@@ -172,8 +198,8 @@ TEST(CalibrationCheck, OneWindowIsAsUncertainAsAWindowMayBe) {
 TEST(CalibrationCheck, AStreetDoesNotTell) {
   const CalibrationCheck check = CheckAlong(WrongMap(kStreet, Change(0.14, 0, 0, 0), 0.3, 11));
   EXPECT_EQ(check.windows(), 0);
-  EXPECT_TRUE(check.Contradictions(0).empty());
-  const std::vector<ParameterEstimate> all = check.Parameters(0);
+  EXPECT_TRUE(check.Contradictions(WithCorrection()).empty());
+  const std::vector<ParameterEstimate> all = check.Parameters(WithCorrection());
   EXPECT_EQ(all[0].found, all[0].given);
   EXPECT_NEAR(all[0].sigma / all[0].given, CalibrationCheckOptions().focal_prior_sigma, 1e-9);
 }
@@ -217,7 +243,7 @@ TEST(CalibrationCheck, ThePriorHasItsMeanAtTheExpectedChange) {
   CalibrationCheck unread(options, expected);
   EXPECT_FALSE(unread.Observe(MapUpTo(1, map), CameraOf(map)));
   EXPECT_EQ(unread.Estimate().change, expected);
-  EXPECT_NEAR(unread.Parameters(0)[0].found, std::exp(0.05) * map.pinhole.fx, 1e-9);
+  EXPECT_NEAR(unread.Parameters(WithCorrection())[0].found, std::exp(0.05) * map.pinhole.fx, 1e-9);
   EXPECT_EQ(unread.observed_radius(), 0);
   // So sure of the focal length that the images do not count.
   options.focal_prior_sigma = 1e-5;

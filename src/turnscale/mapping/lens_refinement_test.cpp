@@ -73,7 +73,7 @@ TEST(LensRefinement, NoiseDoesNotBiasIt) {
 }
 
 TEST(LensRefinement, OneWindowFindsALargeCorrection) {
-  for (const double distortion : {-0.016, -0.04, 0.05}) {
+  for (const double distortion : {-0.016, -0.04, 0.05, 0.085}) {
     LensRefinement lens({});
     ASSERT_TRUE(lens.Observe(MapUpTo(36, MapThroughLens(kStreetCornerStreet, distortion, 0, 3)), 0)) << distortion;
     EXPECT_NEAR(lens.correction(), distortion, std::abs(0.013 * distortion));

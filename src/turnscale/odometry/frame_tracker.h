@@ -40,7 +40,7 @@ class FrameTracker {
   /// Begins anew with what an image shows; `landmarks` of it have a depth.
   void Start(const FlowImage& image, std::vector<FeatureTrack> tracks, int landmarks);
 
-  /// Whether the image is the last one once more, `interval` seconds later.
+  /// Whether the image is the last tracked one once more; `interval`: since that, or since its last repeat, seconds.
   bool IsRepeat(const Map& map, const CameraModel& camera, const FlowImage& image, const RigidTransform& predicted,
                 double interval) const;
 

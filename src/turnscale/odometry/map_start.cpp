@@ -26,10 +26,11 @@ std::vector<PointSighting> SightingsIn(const Map& map, const WaitingFrame& frame
   return sightings;
 }
 
-// Whether the image of `waiting` is that of `before` once more.
+// Whether the image of `waiting` is that of `before` once more; `interval`: since the image before, seconds.
 bool Repeats(const RepeatOptions& options, const MotionModel& motion_model, const Map& map, const WaitingFrame& before,
-             const WaitingFrame& waiting, int first_landmark) {
-  if (waiting.time - before.time > options.max_seconds) return false;
+             const WaitingFrame& waiting, double interval, int first_landmark) {
+  // Whether all pixels are the same is not known.
+  if (waiting.time - before.time > options.max_seconds || interval > options.max_interval) return false;
   const RigidTransform predicted = motion_model.Predict(waiting.time);
   std::vector<LandmarkMotion> motion;
   std::size_t i = 0;
@@ -106,6 +107,7 @@ std::vector<LocatedFrame> LocateWaitingFrames(const OdometryOptions& options, co
   const RigidTransform& second_pose = map.keyframes[keyframe + 1].camera_from_world;
   std::vector<LocatedFrame> located;
   const WaitingFrame* moved = nullptr;  // the latest that is no repeat
+  double last_time = start.frames.front().time;
   for (const WaitingFrame& waiting : start.frames) {
     const bool is_second = &waiting == &second;
     FrameResult result;
@@ -113,7 +115,8 @@ std::vector<LocatedFrame> LocateWaitingFrames(const OdometryOptions& options, co
     result.time = waiting.time;
     result.state = TrackingState::kRepeated;
     result.tracked = static_cast<int>(waiting.features.size());
-    if (moved && Repeats(options.repeats, motion, map, *moved, waiting, first_landmark)) {
+    const double interval = waiting.time - std::exchange(last_time, waiting.time);
+    if (moved && Repeats(options.repeats, motion, map, *moved, waiting, interval, first_landmark)) {
       if (!is_second) located.push_back({result, motion.Predict(waiting.time)});
       continue;
     }

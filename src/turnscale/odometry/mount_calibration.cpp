@@ -15,17 +15,18 @@ namespace {
 constexpr double kLeastChange = 0.05 / kDegreesPerRadian;
 constexpr double kLeastRollChange = 5 / kDegreesPerRadian;
 
-// Between an angle that was known and the drive's, in standard deviations, beyond which the camera is taken as turned.
+// Between an angle that was known and the drive's, in standard deviations, beyond which they contradict each other.
 constexpr double kMostKnownDeviation = 3;
 
-// Averages the drive's angle with the one that was known, unless they contradict each other.
-void Average(double known, double known_sigma, double& angle, double& sigma) {
-  const double difference = known - angle;
-  if (std::abs(difference) > kMostKnownDeviation * std::hypot(known_sigma, sigma)) return;
+// Averages the drive's angle with the one that was known. False, and nothing changed, where they contradict each other.
+bool Average(double known, double known_sigma, double& angle, double& sigma) {
+  const double difference = std::remainder(known - angle, 2 * M_PI);
+  if (std::abs(difference) > kMostKnownDeviation * std::hypot(known_sigma, sigma)) return false;
   const double of_known = 1 / (known_sigma * known_sigma);
   const double of_drive = 1 / (sigma * sigma);
   angle += of_known / (of_known + of_drive) * difference;
   sigma = 1 / std::sqrt(of_known + of_drive);
+  return true;
 }
 
 bool AreClose(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b) {
@@ -54,7 +55,8 @@ Mount MountCalibration::Found(const OnlineState& state) const {
   // A camera that has been moved is as the drive says.
   if (!known_ || moves() > 0) return found;
   YawPitchRoll angles = YawPitchRollFromRotation(state.vehicle_from_camera);
-  Average(known_->yaw, known_sigma_.yaw, angles.yaw, found.sigma.yaw);
+  // A camera that was turned is as the drive says.
+  if (!Average(known_->yaw, known_sigma_.yaw, angles.yaw, found.sigma.yaw)) return found;
   Average(known_->pitch, known_sigma_.pitch, angles.pitch, found.sigma.pitch);
   Average(known_->roll, known_sigma_.roll, angles.roll, found.sigma.roll);
   found.vehicle_from_camera = RotationFromYawPitchRoll(angles);
@@ -84,7 +86,7 @@ void MountCalibration::Learn(std::span<const Keyframe> next) {
       mounts_.push_back({step_ends_[step_ends_.size() - state.steps], current().vehicle_from_camera});
     }
     if (!state.usable) continue;
-    // Pitch and roll that were known are not exchanged for rough ones.
+    // What was known is better than a first, rough estimate.
     if (known_ && moves() == 0 && state.sigma.yaw > kEstimatedYawSigma) continue;
     const Mount found = Found(state);
     Mount& mount = mounts_.back();

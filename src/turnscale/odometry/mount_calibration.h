@@ -44,8 +44,8 @@ class MountCalibration {
   int moves() const { return static_cast<int>(mounts_.size()) - 1; }
 
  private:
-  /// The rotation that the drive gives, each angle averaged with the one that was known before, unless they contradict
-  /// each other.
+  /// The rotation that the drive gives, each angle averaged with the one that was known before unless they contradict
+  /// each other; none where the yaw does.
   Mount Found(const OnlineState& state) const;
 
   bool calibrates_;

@@ -141,6 +141,11 @@ TEST(MountCalibration, KnownPitchAndRollAreAveragedWithTheDrives) {
   EXPECT_NEAR(found.pitch, -0.1 + own.pitch, 0.05 * own.pitch);
   EXPECT_NEAR(found.roll, 0.03 + own.roll, 0.05 * own.roll);
   EXPECT_NEAR(mount.current().sigma.roll, 0.1 * own.roll, 0.01 * own.roll);
+  // A camera that was turned aside, and rolled by less than would show.
+  vehicle.vehicle_from_camera = RotationFromYawPitchRoll({0.15 + 0.2, -0.1, 0.03 + own.roll});
+  MountCalibration aside(vehicle);
+  aside.Learn(map, Last(map));
+  EXPECT_NEAR(YawPitchRollFromRotation(aside.At(0)).roll, 0.03, 0.1 * own.roll);
   // A camera that hangs otherwise.
   vehicle.vehicle_from_camera = RotationFromYawPitchRoll({0.15, -0.1, 0.03 + 10 * own.roll});
   MountCalibration turned(vehicle);

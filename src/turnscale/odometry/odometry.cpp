@@ -89,7 +89,7 @@ FrameResult Odometry::Process(const cv::Mat& gray, double time) {
   Ensure(!finished_, "no frame follows Finish");
   CheckTime(time);
   CheckImage(gray);
-  const double interval = time - last_time_;
+  const double interval = time - seen_time_;
   FrameResult result = NewFrame(time, TrackingState::kInitializing);
   const FlowImage image = BuildFlowImage(options_.flow, gray);
   if (!mapping_) return Initialize(image, result);
@@ -98,6 +98,7 @@ FrameResult Odometry::Process(const cv::Mat& gray, double time) {
   if (time - motion_.time() <= options_.repeats.max_seconds &&
       tracker_.IsRepeat(map_, camera_, image, predicted, interval)) {
     result.state = TrackingState::kRepeated;
+    seen_time_ = time;
     return MetricResult(result, predicted);
   }
   const TrackedFrame tracked = Track(image, predicted, result);
@@ -220,6 +221,7 @@ void Odometry::StartMap(const FlowImage& image, const InitialMap& start) {
   ApplyMask();
   mapping_ = true;
   lost_frames_ = 0;
+  seen_time_ = start.frames.back().time;
   scale_.Add(map_);
   for (const LocatedFrame& frame :
        LocateWaitingFrames(options_, camera_, start, map_, added.keyframe, added.first_landmark, motion_))
@@ -233,6 +235,7 @@ TrackedFrame Odometry::Track(const FlowImage& image, const RigidTransform& predi
   if (!tracked.camera_from_world) return tracked;
   result.state = TrackingState::kTracked;
   lost_frames_ = 0;
+  seen_time_ = result.time;
   motion_.Update(result.time, *tracked.camera_from_world);
   return tracked;
 }
@@ -316,10 +319,13 @@ void Odometry::StartCameraWork() {
   camera_work_.Start(static_cast<int>(map_.keyframes.size()) + kKeyframesOfCameraWork,
                      [this, refined = std::move(refined), tested = std::move(tested), camera = camera_]() mutable {
                        CameraWork work;
-                       if (refined && lens_.Read(*refined)) work.lens_correction = lens_.correction();
-                       if (tested && calibration_check_.Read(*tested))
-                         work.calibration_sigma =
-                             CalibrationSigma(calibration_check_.Contradictions(camera.radial_correction), camera);
+                       if (refined && lens_.Read(*refined)) {
+                         work.lens_correction = lens_.correction();
+                         camera.radial_correction = lens_.correction();
+                       }
+                       if (tested) calibration_check_.Read(*tested);
+                       if (calibration_check_.windows() > 0)
+                         work.calibration_sigma = CalibrationSigma(calibration_check_.Contradictions(camera), camera);
                        return work;
                      });
 }
@@ -469,7 +475,7 @@ ScaleState Odometry::scale_state() const { return refined_ ? StateAtEnd(*refined
 RefinedScale Odometry::Refined() const {
   if (refined_) return *refined_;
   camera_work_.Await();
-  const std::vector<ParameterEstimate> contradictions = calibration_check_.Contradictions(camera_.radial_correction);
+  const std::vector<ParameterEstimate> contradictions = calibration_check_.Contradictions(camera_);
   RefinedScale refined = scale_.Refine(map_, !contradictions.empty());
   WidenForCalibration(contradictions, camera_, refined);
   refined.calibration_windows = calibration_check_.windows();

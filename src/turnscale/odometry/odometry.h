@@ -192,6 +192,7 @@ class Odometry {
   bool mapping_ = false;  ///< there is a map to track against
   int lost_frames_ = 0;   ///< consecutive, up to now
   double last_time_ = -std::numeric_limits<double>::infinity();
+  double seen_time_ = 0;  ///< of the last frame that was tracked or repeated, seconds
   double least_interval_ = std::numeric_limits<double>::infinity();  ///< between two frames, seconds
   int frames_ = 0;
   bool settling_is_due_ = false;

@@ -69,6 +69,12 @@ CarPrior WithoutHeight(CarPrior car) {
   return car;
 }
 
+// What looked like a conflict about an estimate that it bends, and is none.
+bool IsWithinSigma(const HeightConflict& conflict) {
+  const double sigma = std::hypot(conflict.found_sigma / conflict.found, conflict.given_sigma / conflict.given);
+  return std::abs(std::log(conflict.found / conflict.given)) < sigma;
+}
+
 // One of the two lengths is wrong: the scale is between those that they imply.
 void WidenForConflict(const HeightConflict& conflict, ScaleEstimate& estimate) {
   Widen(0.5 * std::log(conflict.found / conflict.given), estimate);
@@ -297,16 +303,18 @@ ScaleEstimateResult EstimateScale(const std::vector<VehicleStep>& steps, const C
     if (alone.estimate && alone.estimate->car.camera_height > 0) {
       estimate.height_conflict->found = alone.estimate->car.camera_height;
       estimate.height_conflict->found_sigma = alone.estimate->car.camera_height_sigma;
-      estimate.height_conflict->contradicts_turns =
-          estimate.test.contradicted && !alone.estimate->test.contradicted && !alone.estimate->fell_back;
+      estimate.height_conflict->contradicts_turns = estimate.test.contradicted && !alone.estimate->test.contradicted &&
+                                                    (options.follow_turns || !alone.estimate->fell_back);
     }
-    WidenForConflict(*estimate.height_conflict, estimate);
+    if (IsWithinSigma(*estimate.height_conflict)) estimate.height_conflict.reset();
     // Weights, slip and yaw of the joint estimate are bent by the height.
-    if (estimate.height_conflict->contradicts_turns) {
+    if (estimate.height_conflict && estimate.height_conflict->contradicts_turns) {
       alone.estimate->height_conflict = estimate.height_conflict;
       WidenForConflict(*estimate.height_conflict, *alone.estimate);
+      DescribeScaleAtTurns(*alone.estimate);
       return alone;
     }
+    if (estimate.height_conflict) WidenForConflict(*estimate.height_conflict, estimate);
   }
   if (options.follow_turns || estimate.test.contradicted || !estimate.converged)
     estimate.fell_back = FollowTurns(options.max_sigma_ratio, estimate);
