@@ -156,9 +156,13 @@ RescaleResult ExecuteRescale(const RescaleArguments& given, const CommandHooks& 
                             "give --fps or --timestamps",
                             input, 100 * options.untimed_slip, 100 * options.untimed_slip_sigma));
   }
-  if (trajectory.poses.size() < 2) throw InputError(input + ": has fewer than two poses");
+  const MeasuredPath path = MeasuredPartOf(arguments.input, trajectory.poses);
+  if (path.poses.size() < 2) throw InputError(input + ": has fewer than two poses");
+  if (path.left_out > 0)
+    Warn(hooks, fmt::format("{}: {} pose{} where the run had lost tracking {} left out", input, path.left_out,
+                            path.left_out == 1 ? "" : "s", path.left_out == 1 ? "is" : "are"));
   const RescaleResult result =
-      RescaleTrajectory(options, trajectory.poses, {}, HeightsAlong(trajectory.poses, arguments.heights));
+      RescaleTrajectory(options, path.poses, path.gaps, HeightsAlong(path.poses, arguments.heights));
   if (!result.observable) {
     throw InputError(fmt::format("{}: scale not observable: {}", input, result.reason));
   }

@@ -15,6 +15,7 @@
 #include "turnscale/base/csv_cells.h"
 #include "turnscale/figure/figure.h"
 #include "turnscale/geometry/rotation.h"
+#include "turnscale/io/run_summary.h"
 #include "turnscale/io/turn_warning.h"
 
 namespace turnscale {
@@ -199,6 +200,20 @@ std::string JumpWarning(const RescaleResult& result) {
       jumps == 1 ? "" : fmt::format(" ({} jumps of {:.0f} m in all)", jumps, total));
 }
 
+bool IsKnown(const RescaleResult& result) { return result.estimate->length_sigma <= kLargestKnownSigma; }
+
+// Turns between poses that are too far apart. One line; empty if there are none.
+std::string SparseWarning(const RescaleResult& result) {
+  const auto is_sparse = [](const VehicleStep& step) { return !step.dense; };
+  const auto first = std::ranges::find_if(result.steps, is_sparse);
+  if (first == result.steps.end()) return {};
+  const auto count = std::ranges::count_if(result.steps, is_sparse);
+  return fmt::format(
+      "the camera turns by more than 10 deg from one pose to the next {}, first between poses {} and {}: "
+      "no scale is read there; give the poses of all frames",
+      count == 1 ? "once" : fmt::format("{} times", count), first->first, first->last);
+}
+
 }  // namespace
 
 std::string PoseScaleTable(const RescaleResult& result) {
@@ -240,6 +255,7 @@ std::string RescaleJson(const RescaleResult& result, const std::string& input) {
                      {"poses", result.poses.size()},
                      {"length_m", result.length},
                      {"length_sigma", estimate.length_sigma},
+                     {"known", IsKnown(result)},
                      {"metres_per_unit", {{"min", low}, {"max", high}}},
                      {"sigma_relative", {{"min", best}, {"max", worst}}},
                      {"turns", {{"found", TurnsOf(result).size()}, {"used", UsedTurns(result)}}},
@@ -276,6 +292,7 @@ std::vector<std::string> RescaleWarnings(const RescaleResult& result, const CarP
   if (result.estimate->yaw_conflict)
     warnings.push_back(YawWarning(*result.estimate->yaw_conflict, "check --camera-rotation"));
   if (std::string jump = JumpWarning(result); !jump.empty()) warnings.push_back(std::move(jump));
+  if (std::string sparse = SparseWarning(result); !sparse.empty()) warnings.push_back(std::move(sparse));
   return warnings;
 }
 
@@ -291,8 +308,9 @@ std::string RescaleText(const RescaleResult& result) {
   const bool refined = !result.estimate->fell_back;
   const double yaw_error = refined ? car.yaw_error : 0.0;
   const double yaw_sigma = refined ? car.yaw_error_sigma : result.yaw_sigma;
-  text += fmt::format("path          {:.1f} m +-{:.1f} %, {} of {} turns used\n", result.length,
-                      100 * result.estimate->length_sigma, UsedTurns(result), TurnsOf(result).size());
+  text += fmt::format("path          {:.1f} m +-{:.1f} %{}, {} of {} turns used\n", result.length,
+                      100 * result.estimate->length_sigma, IsKnown(result) ? "" : " (uncertain)", UsedTurns(result),
+                      TurnsOf(result).size());
   const YawPitchRoll camera = YawPitchRollFromRotation(result.vehicle_from_camera);
   text += fmt::format("camera        yaw {:+.2f} +-{:.2f}, pitch {:+.2f}, roll {:+.2f} deg\n",
                       (camera.yaw + yaw_error) * kDegreesPerRadian, yaw_sigma * kDegreesPerRadian,

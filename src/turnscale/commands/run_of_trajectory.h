@@ -4,8 +4,12 @@
 #include <filesystem>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include <nlohmann/json.hpp>
+
+#include "turnscale/geometry/rigid_transform.h"
+#include "turnscale/kinematics/vehicle_step.h"
 
 namespace turnscale {
 
@@ -20,5 +24,16 @@ std::string ScaleStateOfRun(const std::filesystem::path& trajectory);
 
 /// Whether a trajectory is a result of `run --frame vehicle`, in metres: its poses are the rear axle's.
 bool IsOfRearAxle(const std::filesystem::path& trajectory);
+
+/// The measured poses of a trajectory, and where tracking was lost between them.
+struct MeasuredPath {
+  Trajectory poses;
+  std::vector<PathGap> gaps;
+  int left_out = 0;  ///< poses that were predicted
+};
+
+/// Of a trajectory that is a result of a run, by the states of the frames in the table beside it; all poses, and no
+/// gap, of any other. Where frames were lost for so long that the map began anew, the unit of length may have changed.
+MeasuredPath MeasuredPartOf(const std::filesystem::path& trajectory, const Trajectory& poses);
 
 }  // namespace turnscale

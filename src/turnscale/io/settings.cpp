@@ -250,6 +250,8 @@ void VisitSettings(Visitor& visitor, OdometryOptions& options) {
     visitor.Degrees("angle_deg", o.angle);
     visitor.Field("max_duration", o.max_duration);
     visitor.Field("max_poses", o.max_poses);
+    visitor.Field("max_pose_interval", o.max_pose_interval);
+    visitor.Degrees("max_pose_turn_deg", o.max_pose_turn);
     visitor.Field("max_speed_ratio", o.max_speed_ratio);
     visitor.Degrees("max_direction_deg", o.max_direction);
   });

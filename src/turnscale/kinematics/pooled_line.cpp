@@ -84,7 +84,7 @@ bool IsFinite(const VehicleStep& step) {
 
 std::vector<VehicleStep> Usable(std::span<const VehicleStep> steps) {
   std::vector<VehicleStep> usable;
-  std::ranges::copy_if(steps, std::back_inserter(usable), &VehicleStep::usable);
+  std::ranges::copy_if(steps, std::back_inserter(usable), &VehicleStep::shows_kinematics);
   return usable;
 }
 
@@ -287,7 +287,7 @@ double LeverArmRatio(const PooledLine& line, const LeverArm& lever_arm, double m
 MedianScale MedianOfSteps(const std::vector<VehicleStep>& steps, const LeverArm& lever_arm) {
   std::vector<std::pair<double, double>> inverse_scales;
   for (const VehicleStep& step : steps) {
-    if (!step.usable || step.swing() == 0) continue;
+    if (!step.shows_kinematics() || step.swing() == 0) continue;
     const PooledLine alone{.lever_arm = step.lateral() / step.swing(), .mean_square_speed = step.signed_square_speed()};
     inverse_scales.emplace_back(1.0 / MetresPerUnit(alone, lever_arm), 1.0);
   }

@@ -19,6 +19,8 @@ constexpr std::ptrdiff_t kNeighbours = 5;
 constexpr std::size_t kFewestPaces = 4;
 // Of a step whose squared speed is weighted by turning, rad.
 constexpr double kLeastTurn = 0.005;
+// Of max_pose_turn, where times are unknown.
+constexpr double kUntimedTurns = 3;
 // Of squared speeds within a step.
 constexpr double kMostRatio = 4;
 
@@ -55,6 +57,8 @@ void VehicleStepOptions::Check() const {
   if (!(angle >= 0 && angle < 0.5)) throw InputError("steps.angle_deg: has to be from 0 to below 28.6");
   if (!(max_duration > 0)) throw InputError("steps.max_duration: has to be positive");
   if (max_poses < 1) throw InputError("steps.max_poses: has to be at least 1");
+  if (!(max_pose_interval > 0)) throw InputError("steps.max_pose_interval: has to be positive");
+  if (!(max_pose_turn > 0)) throw InputError("steps.max_pose_turn_deg: has to be positive");
   if (!(max_speed_ratio > 1)) throw InputError("steps.max_speed_ratio: has to be above 1");
   if (!(max_direction > 0)) throw InputError("steps.max_direction_deg: has to be positive");
 }
@@ -137,6 +141,7 @@ void StepBuilder::StartAt(const StampedPose& pose, int index) {
   travel_ = 0;
   heading_integral_ = 0;
   square_speed_integral_ = 0;
+  dense_ = true;
 }
 
 VehicleStep StepBuilder::StepTo(const StampedPose& pose, int index) {
@@ -149,6 +154,11 @@ VehicleStep StepBuilder::StepTo(const StampedPose& pose, int index) {
   travel_ += travel;
   const double duration = pose.time - last_pose_.time;
   if (timed_ && duration > 0) square_speed_integral_ += (step.motion.psi - heading_) * Square(travel / duration);
+  const double turned = std::abs(step.motion.psi - heading_);
+  const bool is_sparse = timed_ ? duration > options_.max_pose_interval && turned > options_.max_pose_turn
+                                : turned > kUntimedTurns * options_.max_pose_turn;
+  dense_ = dense_ && !is_sparse;
+  step.dense = dense_;
   heading_ = step.motion.psi;
   if (travel_ > 0) step.heading_offset = heading_integral_ / travel_ - 0.5 * heading_;
   // A heading that hardly changes is noise.

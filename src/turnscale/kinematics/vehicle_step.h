@@ -21,6 +21,9 @@ struct VehicleStep {
   /// False if the step is not evaluated: its motion is unknown (across a loss of tracking), it goes sideways, is a jump
   /// or has no length.
   bool usable = true;
+  /// False if two poses within the step are so far apart that the circle of (1) does not hold between them: it is
+  /// driven and turned, and shows nothing of the car (VehicleStepOptions::max_pose_turn).
+  bool dense = true;
   bool after_gap = false;  ///< across a loss of tracking: its motion is unknown
   /// Relative standard deviation by which the unit of length may have changed across the gap.
   double gap_sigma = 0;
@@ -44,6 +47,8 @@ struct VehicleStep {
   double lateral() const;
   /// length cos(theta - psi/2 - heading_offset): distance ahead in those axes, odometry units; negative in reverse.
   double forward() const;
+  /// Whether the car's kinematics can be read from it.
+  bool shows_kinematics() const { return usable && dense; }
   /// Distance driven, odometry units: 0 where the step is not usable.
   double driven() const { return usable ? motion.step : 0.0; }
   /// Angle turned, rad, positive to the right: 0 where the step is not usable.
@@ -72,6 +77,11 @@ struct VehicleStepOptions {
   double max_duration = 0.6;
   /// Or after this many poses, where times are unknown.
   int max_poses = 6;
+  /// Between two poses that are further apart than this, s, the camera may turn by max_pose_turn, rad (10 deg): where
+  /// it turns more, the curvature and the speed between them are not known. Where times are unknown, by three times
+  /// that.
+  double max_pose_interval = 0.75;
+  double max_pose_turn = 10.0 / kDegreesPerRadian;
   /// A step this many times as fast as four of five of the ten around it is a jump of the odometry.
   double max_speed_ratio = 3;
   /// A step that goes further off straight ahead or straight back than this is a jump, rad (60 deg).
@@ -126,6 +136,7 @@ class StepBuilder {
   double heading_integral_ = 0;
   // Integral of the squared speed over the change of heading.
   double square_speed_integral_ = 0;
+  bool dense_ = true;  ///< VehicleStep::dense
 };
 
 /// All steps of a path whose poses are in vehicle axes, jumps marked as not usable. Gaps in their order. Poses that are

@@ -268,6 +268,27 @@ TEST(CutIntoSteps, AJumpIsNotUsable) {
   for (const VehicleStep& step : CutIntoSteps(path, {}, true, {.max_speed_ratio = 10})) EXPECT_TRUE(step.usable);
 }
 
+TEST(CutIntoSteps, AHoleInATurnShowsNothingOfTheCar) {
+  // 3 deg from pose to pose; 1 s is missing.
+  Trajectory path = Timed({{30, 0.4, 3 * kDegree}});
+  path.erase(path.begin() + 10, path.begin() + 20);
+  const std::vector<VehicleStep> steps = CutIntoSteps(path, {}, true, {});
+  EXPECT_EQ(std::ranges::count_if(steps, [](const VehicleStep& step) { return !step.dense; }), 1);
+  const auto hole = std::ranges::find_if(steps, [](const VehicleStep& step) { return !step.dense; });
+  EXPECT_NEAR(hole->turned(), 33 * kDegree, 1e-9) << "the car turns there";
+  EXPECT_GT(hole->driven(), 0);
+  EXPECT_FALSE(hole->shows_kinematics());
+  // The same poses without times, and the hole on a gentle bend.
+  EXPECT_FALSE(std::ranges::all_of(CutIntoSteps(path, {}, false, {}), &VehicleStep::dense));
+  Trajectory bend = Timed({{30, 0.4, 0.5 * kDegree}});
+  bend.erase(bend.begin() + 10, bend.begin() + 20);
+  EXPECT_TRUE(std::ranges::all_of(CutIntoSteps(bend, {}, true, {}), &VehicleStep::dense));
+  // Two images a second in a sharp turn.
+  Trajectory slow = Timed({{30, 0.4, 3 * kDegree}});
+  for (StampedPose& pose : slow) pose.time *= 5;
+  EXPECT_TRUE(std::ranges::all_of(CutIntoSteps(slow, {}, true, {}), &VehicleStep::dense));
+}
+
 TEST(CutIntoSteps, AFastRoadIsNoJump) {
   // A third of the steps at 2.5 times the speed of the others.
   const std::vector<VehicleStep> steps = CutIntoSteps(Timed({{60, 0.6, 0}, {30, 1.5, 0}}), {}, true, {});
@@ -375,6 +396,8 @@ TEST(VehicleStepOptions, RefusesSenselessValues) {
   EXPECT_EQ(refused([](auto& o) { o.angle = 0.5; }), "steps.angle_deg");
   EXPECT_EQ(refused([](auto& o) { o.max_duration = 0; }), "steps.max_duration");
   EXPECT_EQ(refused([](auto& o) { o.max_poses = 0; }), "steps.max_poses");
+  EXPECT_EQ(refused([](auto& o) { o.max_pose_interval = 0; }), "steps.max_pose_interval");
+  EXPECT_EQ(refused([](auto& o) { o.max_pose_turn = 0; }), "steps.max_pose_turn_deg");
   EXPECT_EQ(refused([](auto& o) { o.max_speed_ratio = 1; }), "steps.max_speed_ratio");
   EXPECT_EQ(refused([](auto& o) { o.max_direction = 0; }), "steps.max_direction_deg");
 }

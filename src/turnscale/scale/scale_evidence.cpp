@@ -119,7 +119,7 @@ SegmentEvidence EvidenceOfStraight(std::span<const VehicleStep> steps, double le
   evidence.bend_lever_arm = kBendRatio * lever_arm;
   std::vector<VehicleStep> used;
   std::ranges::copy_if(steps, std::back_inserter(used), [](const VehicleStep& step) {
-    return step.usable && std::isfinite(step.lateral()) && std::isfinite(step.signed_square_speed());
+    return step.shows_kinematics() && std::isfinite(step.lateral()) && std::isfinite(step.signed_square_speed());
   });
   if (static_cast<int>(used.size()) < kFewestStraightSteps) return evidence;
   const double noise = LateralNoise(used, options.line.sigma_theta);
