@@ -209,8 +209,8 @@ std::string SparseWarning(const RescaleResult& result) {
   if (first == result.steps.end()) return {};
   const auto count = std::ranges::count_if(result.steps, is_sparse);
   return fmt::format(
-      "the camera turns by more than 10 deg from one pose to the next {}, first between poses {} and {}: "
-      "no scale is read there; give the poses of all frames",
+      "in turns, poses are so far apart that no scale can be read there ({}, first between poses {} and {}); give the "
+      "poses of all frames",
       count == 1 ? "once" : fmt::format("{} times", count), first->first, first->last);
 }
 

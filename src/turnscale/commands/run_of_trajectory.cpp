@@ -30,23 +30,29 @@ nlohmann::json OfRun(const fs::path& trajectory, const char* member) {
 
 struct FrameState {
   double time = 0;
-  bool measured = false;
-  bool bridged = false;
+  bool lost = false;     // as FindMissingParts has it: a repeated image within a loss is part of it
+  bool bridged = false;  // lost although there is an image
 };
 
-// Of the frames with a pose.
+// Of the frames with a pose; empty if the file is not of a run.
 std::vector<FrameState> StatesIn(const fs::path& file) {
+  std::vector<FrameState> states;
+  std::error_code none;
+  if (!fs::exists(file, none)) return states;
   CsvTable table(file, "table of frames");
+  for (const char* column : {"time", "state", "x"})
+    if (!table.HasColumn(column)) return states;
   const auto time = table.Column("time");
   const auto state = table.Column("state");
   const auto x = table.Column("x");
-  std::vector<FrameState> states;
+  bool lost = false;
   while (table.Next()) {
     if (table.Text(x).empty()) continue;
     const std::string& name = table.Text(state);
     const auto is = [&](TrackingState one) { return name == TrackingStateName(one); };
-    states.push_back({table.Value<double>(time), is(TrackingState::kTracked) || is(TrackingState::kRepeated),
-                      is(TrackingState::kBridged)});
+    const bool bridged = is(TrackingState::kBridged);
+    lost = bridged || is(TrackingState::kUnreadable) || (lost && is(TrackingState::kRepeated));
+    states.push_back({table.Value<double>(time), lost, bridged});
   }
   return states;
 }
@@ -66,29 +72,30 @@ bool IsOfRearAxle(const fs::path& trajectory) {
 }
 
 MeasuredPath MeasuredPartOf(const fs::path& trajectory, const Trajectory& poses) {
-  const fs::path file = trajectory.parent_path() / RunFiles::kTrajectoryTable;
-  std::error_code none;
-  if (!IsOfRun(trajectory) || !fs::exists(file, none)) return {poses, {}, 0};
-  const std::vector<FrameState> states = StatesIn(file);
-  const bool one_by_one = states.size() == poses.size();
+  const bool is_refined = IsOfRun(trajectory) && trajectory.filename() != RunFiles::kLiveTum;
+  const std::vector<FrameState> states =
+      is_refined ? StatesIn(trajectory.parent_path() / RunFiles::kTrajectoryTable) : std::vector<FrameState>();
+  if (states.size() != poses.size()) return {poses, {}, 0};
   const TrackingOptions limits;
   MeasuredPath path;
-  int lost = 0;  // images without a pose since the last measured one
-  size_t row = 0;
+  int bridged = 0;  // since the last measured pose
+  double measured_time = 0;
+  double bridged_time = 0;
   for (size_t i = 0; i < poses.size(); ++i) {
-    // live.tum lacks the frames whose poses were found later.
-    constexpr double kRounding = 2e-6;
-    while (!one_by_one && row < states.size() && states[row].time < poses[i].time - kRounding) ++row;
-    if (one_by_one) row = i;
-    if (row < states.size() && !states[row].measured) {
+    const FrameState& state = states[i];
+    if (state.lost) {
       ++path.left_out;
-      lost += states[row].bridged ? 1 : 0;
+      if (!state.bridged) continue;
+      ++bridged;
+      bridged_time = state.time;
       continue;
     }
-    const bool restarted = lost >= limits.min_lost_frames && !path.poses.empty();
-    if (restarted) path.gaps.push_back({static_cast<int>(path.poses.size()), limits.depth_sigma});
+    if (!path.poses.empty() && bridged >= limits.min_lost_frames &&
+        bridged_time - measured_time > limits.max_lost_seconds)
+      path.gaps.push_back({static_cast<int>(path.poses.size()), limits.depth_sigma});
     path.poses.push_back(poses[i]);
-    lost = 0;
+    bridged = 0;
+    measured_time = state.time;
   }
   return path;
 }

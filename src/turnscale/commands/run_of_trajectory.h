@@ -25,15 +25,16 @@ std::string ScaleStateOfRun(const std::filesystem::path& trajectory);
 /// Whether a trajectory is a result of `run --frame vehicle`, in metres: its poses are the rear axle's.
 bool IsOfRearAxle(const std::filesystem::path& trajectory);
 
-/// The measured poses of a trajectory, and where tracking was lost between them.
+/// The poses of a trajectory without those where tracking was lost, and where the map may have begun anew.
 struct MeasuredPath {
   Trajectory poses;
   std::vector<PathGap> gaps;
-  int left_out = 0;  ///< poses that were predicted
+  int left_out = 0;  ///< poses that were interpolated or predicted
 };
 
-/// Of a trajectory that is a result of a run, by the states of the frames in the table beside it; all poses, and no
-/// gap, of any other. Where frames were lost for so long that the map began anew, the unit of length may have changed.
+/// Of the refined trajectory of a run, by the states of the frames in the table beside it; all poses, and no gap, of
+/// any other. Where frames were lost for so long that the map begins anew by default (TrackingOptions), the unit of
+/// length may have changed.
 MeasuredPath MeasuredPartOf(const std::filesystem::path& trajectory, const Trajectory& poses);
 
 }  // namespace turnscale

@@ -22,25 +22,39 @@ std::string TableOf(const std::vector<std::string>& states) {
   return table;
 }
 
+struct Expected {
+  std::vector<std::string> states;
+  int left_out;
+  std::vector<int> gaps;
+};
+
 TEST(MeasuredPart, LeavesOutWhatWasLostAndNamesWhereTheMapBeganAnew) {
   const ScratchFolder folder;
   const std::filesystem::path tum = folder.Path() / RunFiles::kTrajectoryTum;
   const std::filesystem::path table = folder.Path() / RunFiles::kTrajectoryTable;
   EXPECT_EQ(MeasuredPartOf(tum, Poses(5)).poses.size(), 5U) << "no table";
-  std::ofstream(table) << TableOf(
-      {"tracked", "bridged", "tracked", "repeated", "bridged", "bridged", "bridged", "tracked"});
-  const MeasuredPath path = MeasuredPartOf(tum, Poses(8));
-  EXPECT_EQ(path.left_out, 4);
-  ASSERT_EQ(path.poses.size(), 4U);
-  EXPECT_DOUBLE_EQ(path.poses[3].time, 0.7);
-  ASSERT_EQ(path.gaps.size(), 1U);
-  EXPECT_EQ(path.gaps[0].pose, 3);
-  EXPECT_GT(path.gaps[0].sigma, 0.1);
-  // Online, without the first two frames.
-  Trajectory live = Poses(8);
-  live.erase(live.begin(), live.begin() + 2);
-  EXPECT_EQ(MeasuredPartOf(folder.Path() / RunFiles::kLiveTum, live).left_out, 3);
-  EXPECT_TRUE(MeasuredPartOf(folder.Path() / "other.tum", Poses(8)).gaps.empty());
+  const std::string t = "tracked";
+  const std::string b = "bridged";
+  const std::string r = "repeated";
+  const std::string u = "unreadable";
+  for (const Expected& expected : std::vector<Expected>{{{t, b, b, b, t, t}, 3, {}},
+                                                        {{t, b, b, b, b, b, t, t}, 5, {1}},
+                                                        {{t, u, u, u, u, u, u, t}, 6, {}},
+                                                        {{t, r, t, b, b, r, b, b, b, t, t}, 6, {3}},
+                                                        {{"initializing", "initializing", t, t}, 0, {}}}) {
+    std::ofstream(table) << TableOf(expected.states);
+    const int count = static_cast<int>(expected.states.size());
+    const MeasuredPath path = MeasuredPartOf(tum, Poses(count));
+    SCOPED_TRACE(count);
+    EXPECT_EQ(path.left_out, expected.left_out);
+    EXPECT_EQ(static_cast<int>(path.poses.size()), count - expected.left_out);
+    std::vector<int> gaps;
+    for (const PathGap& gap : path.gaps) gaps.push_back(gap.pose);
+    EXPECT_EQ(gaps, expected.gaps);
+    EXPECT_EQ(MeasuredPartOf(folder.Path() / RunFiles::kLiveTum, Poses(count)).left_out, 0) << "as it was online";
+  }
+  std::ofstream(table) << "x,y\n1,2\n";
+  EXPECT_EQ(MeasuredPartOf(tum, Poses(5)).poses.size(), 5U) << "a table of another program";
 }
 
 }  // namespace

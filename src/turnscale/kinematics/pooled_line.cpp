@@ -202,7 +202,8 @@ PooledLineResult PoolTurn(std::span<const VehicleStep> all_steps, const PooledLi
   options.Check();
   if (!std::ranges::all_of(all_steps, IsFinite)) return NoLine("a step is not a number");
   const std::vector<VehicleStep> steps = Usable(all_steps);
-  if (steps.empty()) return NoLine("no steps");
+  if (steps.empty())
+    return NoLine(std::ranges::any_of(all_steps, &VehicleStep::usable) ? "its poses are too far apart" : "no steps");
   const double noise_floor = LateralNoise(steps, options.sigma_theta);
   if (noise_floor == 0) return NoLine("the camera stands still");
   std::vector<LinePoint> points;
@@ -287,7 +288,7 @@ double LeverArmRatio(const PooledLine& line, const LeverArm& lever_arm, double m
 MedianScale MedianOfSteps(const std::vector<VehicleStep>& steps, const LeverArm& lever_arm) {
   std::vector<std::pair<double, double>> inverse_scales;
   for (const VehicleStep& step : steps) {
-    if (!step.shows_kinematics() || step.swing() == 0) continue;
+    if (!step.usable || step.swing() == 0) continue;
     const PooledLine alone{.lever_arm = step.lateral() / step.swing(), .mean_square_speed = step.signed_square_speed()};
     inverse_scales.emplace_back(1.0 / MetresPerUnit(alone, lever_arm), 1.0);
   }

@@ -13,7 +13,7 @@ namespace {
 
 // Below this share of its features, without those that no other image shows, a first view has gone out of sight.
 constexpr double kFewestFeatures = 0.4;
-// A car that waits longer than this, seconds, gets a new first view, which bounds the memory.
+// A car that waits longer than this, seconds, gets a new first view: light and shadows change, and memory grows.
 constexpr double kMostSeconds = 30;
 // Share of the features that have to move for static features to be separated from the scene.
 constexpr double kLeastMovingShare = 0.2;

@@ -55,7 +55,7 @@ Mount MountCalibration::Found(const OnlineState& state) const {
   // A camera that has been moved is as the drive says.
   if (!known_ || moves() > 0) return found;
   YawPitchRoll angles = YawPitchRollFromRotation(state.vehicle_from_camera);
-  // A camera that was turned is as the drive says.
+  // A contradicted yaw makes pitch and roll doubtful, too.
   if (!Average(known_->yaw, known_sigma_.yaw, angles.yaw, found.sigma.yaw)) return found;
   Average(known_->pitch, known_sigma_.pitch, angles.pitch, found.sigma.pitch);
   Average(known_->roll, known_sigma_.roll, angles.roll, found.sigma.roll);

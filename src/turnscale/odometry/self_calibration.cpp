@@ -102,8 +102,8 @@ Reading ReadTurns(const OdometryOptions& options, const CameraModel& camera, Cal
   return reading;
 }
 
-// The camera after a change of its intrinsics; its tangential distortion stays. The change was read within a radius
-// (pixels) of the principal point: beyond it, the series is an extrapolation.
+// The camera after a change of its intrinsics; its tangential distortion stays if the lens model has one. The change
+// was read within a radius (pixels) of the principal point: beyond it, the series is an extrapolation.
 std::optional<CameraModel> Changed(const CameraModel& camera, const IntrinsicsChange::Vector& change, double radius) {
   const Pinhole pinhole = ChangedPinhole(camera.pinhole, change);
   std::array<double, 2> tangential = {0, 0};

@@ -127,9 +127,9 @@ std::vector<std::string> WarningsOf(const Summary& summary, double origin, bool 
     const std::string reason = TextAt(summary, "/scale/pending_reason");
     const bool has_measure =
         std::isfinite(NumberAt(summary, "/lever_arm_m")) || std::isfinite(NumberAt(summary, "/camera_height_m"));
-    warnings.push_back("The path is not in metres: " + (!reason.empty() ? reason
-                                                        : has_measure   ? "no turn has determined the scale"
-                                                                        : "no lever arm was given (--lever-arm)"));
+    warnings.push_back("The path is not in metres: " + (!has_measure     ? "no lever arm was given (--lever-arm)"
+                                                        : reason.empty() ? "no turn has determined the scale"
+                                                                         : reason));
   }
   const Summary texts = summary.value("warnings", Summary::array());
   for (const Summary& text : texts)

@@ -69,7 +69,8 @@ CarPrior WithoutHeight(CarPrior car) {
   return car;
 }
 
-// What looked like a conflict about an estimate that it bends, and is none.
+// Without the given height the estimate agrees with it: the conflict came from the height's own pull. Far from a
+// conflict, so that the correlations of the two need not be known.
 bool IsWithinSigma(const HeightConflict& conflict) {
   const double sigma = std::hypot(conflict.found_sigma / conflict.found, conflict.given_sigma / conflict.given);
   return std::abs(std::log(conflict.found / conflict.given)) < sigma;
@@ -282,7 +283,12 @@ ScaleEstimateResult EstimateScale(const std::vector<VehicleStep>& steps, const C
     const double sigma = std::sqrt(of_turns.variance + car.yaw_sigma * car.yaw_sigma);
     if (may_be_freed && std::abs(of_turns.mean) > options.max_turn_yaw_deviation * sigma)
       return EstimateWithFreeYaw(steps, car, options);
-    return WithoutAStart(problem, gathered, car, options);
+    ScaleEstimateResult result = WithoutAStart(problem, gathered, car, options);
+    if (!result.detected_turns.empty() && !std::ranges::all_of(steps, &VehicleStep::dense))
+      result.reason =
+          "in turns the camera turns by too much from one image or pose to the next, which are far apart in time; " +
+          Remedy(car, options, gathered);
+    return result;
   }
   const SmoothedDrive drive = SmoothDrive(problem, gathered, car, options.huber, selection);
   if (YawIsContradicted(drive, car, options)) return EstimateWithFreeYaw(steps, car, options);
