@@ -65,6 +65,30 @@ TEST(Rescale, KeyframesAtIrregularTimesWillDo) {
   for (const RescaledPose& pose : result.poses) EXPECT_NEAR(pose.metres_per_unit / kUnit, 1, 0.011);
 }
 
+// Half of each turn is missing: as one step, it would have most of the say.
+TEST(Rescale, HolesInTurnsShowNoScale) {
+  const ScaledDrive drive = MakeScaledDrive(CityRoute(6), kCar, kIdentity, kUnit, {.position = 0.003}, 6);
+  const RescaleOptions options = OptionsFor(kCar);
+  const RescaleResult whole = RescaleTrajectory(options, drive.trajectory);
+  ASSERT_TRUE(whole.observable) << whole.reason;
+  Trajectory sparse = drive.trajectory;
+  for (int turn = static_cast<int>(whole.estimate->turns.size()) - 1; turn >= 0; --turn) {
+    const PosesOfTurn poses = PosesOf(whole, turn);
+    const int quarter = (poses.last - poses.first) / 4;
+    sparse.erase(sparse.begin() + poses.first + quarter, sparse.begin() + poses.last - quarter);
+  }
+  const RescaleResult result = RescaleTrajectory(options, sparse);
+  ASSERT_TRUE(result.observable) << result.reason;
+  EXPECT_GE(std::ranges::count_if(result.steps, [](const VehicleStep& step) { return !step.dense; }), 4);
+  for (const RescaledPose& pose : result.poses) EXPECT_LT(std::abs(std::log(pose.metres_per_unit / kUnit)), 0.03);
+  // Nothing but holes.
+  Trajectory rare;
+  for (std::size_t i = 0; i < drive.trajectory.size(); i += 15) rare.push_back(drive.trajectory[i]);
+  const RescaleResult none = RescaleTrajectory(options, rare);
+  EXPECT_FALSE(none.observable);
+  EXPECT_NE(none.reason.find("far apart"), std::string::npos) << none.reason;
+}
+
 TEST(Rescale, StandingStillDoesNoHarm) {
   ScaledDrive drive = MakeScaledDrive(CityRoute(5), kCar, kIdentity, kUnit);
   const RescaleResult moving = RescaleTrajectory(OptionsFor(kCar), drive.trajectory);
