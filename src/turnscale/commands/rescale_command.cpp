@@ -157,7 +157,9 @@ RescaleResult ExecuteRescale(const RescaleArguments& given, const CommandHooks& 
                             input, 100 * options.untimed_slip, 100 * options.untimed_slip_sigma));
   }
   const MeasuredPath path = MeasuredPartOf(arguments.input, trajectory.poses);
-  if (path.poses.size() < 2) throw InputError(input + ": has fewer than two measured poses");
+  if (path.poses.size() < 2)
+    throw InputError(input +
+                     (path.left_out > 0 ? ": has fewer than two measured poses" : ": has fewer than two poses"));
   if (path.left_out > 0)
     Warn(hooks, fmt::format("{}: {} pose{} where the run had lost tracking {} left out", input, path.left_out,
                             path.left_out == 1 ? "" : "s", path.left_out == 1 ? "is" : "are"));
