@@ -59,10 +59,13 @@ double ShareOf(const Vector& step, double focal_length) {
   return 1.0 / std::max(1.0, longest);
 }
 
+// Radius of the image's corner on the plane z = 1.
+double CornerRadius(const Pinhole& pinhole) { return std::hypot(pinhole.cx / pinhole.fx, pinhole.cy / pinhole.fy); }
+
 // The correction in r^2 alone that moves the pixels of a disc most alike, by its weights in r^2, r^4 and r^6: least
 // squares of the shift c r^3 over the disc. Its radius is that of the image's corner on the plane z = 1.
 Vector WeightsOfDistortion(const Pinhole& pinhole) {
-  const double corner = std::hypot(pinhole.cx / pinhole.fx, pinhole.cy / pinhole.fy);
+  const double corner = CornerRadius(pinhole);
   Vector weights = Vector::Zero();
   weights[IntrinsicsChange::kCorrection] = 1;
   weights[IntrinsicsChange::kCorrection4] = 8.0 / 10 * std::pow(corner, 2);
@@ -73,7 +76,8 @@ Vector WeightsOfDistortion(const Pinhole& pinhole) {
 // The same of the correction that is applied. CorrectRadially takes the radius without the lens's distortion.
 double AppliedCorrection(const CameraModel& camera) {
   constexpr int kRadii = 64;
-  const double corner = std::hypot(camera.pinhole.cx / camera.pinhole.fx, camera.pinhole.cy / camera.pinhole.fy);
+  if (camera.radial_correction == 0) return 0;
+  const double corner = CornerRadius(camera.pinhole);
   double sum = 0;
   double weights = 0;
   for (int i = 0; i < kRadii; ++i) {
