@@ -3,40 +3,18 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <memory>
-#include <tuple>
-#include <unordered_map>
 #include <unordered_set>
 #include <utility>
-
-#include <opencv2/core/utility.hpp>
 
 #include "turnscale/base/quantiles.h"
 #include "turnscale/features/corners.h"
 #include "turnscale/geometry/rotation.h"
-#include "turnscale/odometry/pose_search.h"
+#include "turnscale/odometry/image_tracking.h"
 #include "turnscale/odometry/repeated_image.h"
 
 namespace turnscale {
 namespace {
-
-// Tracks that contradict the pose count as lost: mistracked, or on moving objects.
-PoseEstimate EstimateFramePose(const PoseEstimationOptions& options, const Map& map, const RigidTransform& predicted,
-                               FollowedTracks& tracks) {
-  std::vector<PointSighting> sightings;
-  for (const FeatureTrack& track : tracks.found)
-    if (map.landmarks[track.landmark].valid)
-      sightings.push_back({map.landmarks[track.landmark].position, track.undistorted});
-  PoseEstimate estimate = EstimatePose(options, map.pinhole, sightings, predicted);
-  size_t sighting = 0;
-  std::erase_if(tracks.found, [&](const FeatureTrack& track) {
-    const bool wrong = map.landmarks[track.landmark].valid && estimate.inlier[sighting++] == 0;
-    if (wrong) tracks.lost.push_back(track);
-    return wrong;
-  });
-  return estimate;
-}
 
 // Whether a landmark without a depth, now at `pixel`, is none of the scene: it has always been at this pixel, although
 // the camera's motion moves whatever is there.
@@ -50,48 +28,7 @@ bool StandsStill(const StaticRegionOptions& options, const Map& map, const Landm
          });
 }
 
-// Landmarks that are tracked from the predicted pose. They give the pose from which all others are searched, within a
-// few pixels.
-constexpr size_t kPoseSample = 120;
-constexpr int kLeastOfPoseSample = 50;
-constexpr double kLeastShareOfSample = 0.6;
-// Halvings of the image that cover the error of most predictions.
-constexpr int kSampleLevels = 1;
-
-// Interval of two images, seconds, after which tracking that has lost many landmarks is repeated by a wide search: that
-// of four images a second is longer, that of five is not, however time stamps are rounded.
-constexpr double kLongInterval = 0.225;
-
-// Growth of an area since the last image from which on a patch is compared at half the size.
-constexpr double kMuchLarger = 2.25;
-
-// Where an image shows a landmark by what it looks like in the last one, of which the pose is known, too.
-std::optional<Eigen::Vector2d> PixelByLastImage(const PatchAlignmentOptions& options, const Map& map,
-                                                const CameraModel& camera, int landmark, const cv::Mat& last_image,
-                                                const Eigen::Vector2d& last_pixel, const RigidTransform& last,
-                                                const FlowImage& image, const RigidTransform& camera_from_world) {
-  const std::optional<cv::Point2f> guess = PixelOf(map, camera, landmark, camera_from_world);
-  const std::optional<Eigen::Matrix2d> current_from_last =
-      CurrentFromReference(camera, map.landmarks[landmark].position, last, camera_from_world);
-  if (!guess || !current_from_last) return std::nullopt;
-  const double growth = current_from_last->determinant();
-  if (!(growth > 0)) return std::nullopt;
-  // What has grown is not as sharp in the last image: it is compared at half the size.
-  const int level = growth > kMuchLarger && image.pyramid.size() > 1 ? 1 : 0;
-  const double size = 1 << level;
-  const std::optional<Eigen::Vector2d> pixel =
-      AlignPatch(options, last_image, last_pixel, size * current_from_last->inverse(), image.pyramid[level],
-                 Eigen::Vector2d(guess->x, guess->y) / size);
-  if (!pixel) return std::nullopt;
-  return size * *pixel;
-}
-
 }  // namespace
-
-bool IsBelievable(const TrackingOptions& options, const PoseEstimate& estimate) {
-  return estimate.inliers >= options.min_inliers &&
-         estimate.inliers >= options.min_inlier_share * static_cast<double>(estimate.inlier.size());
-}
 
 void FrameTracker::Start(const FlowImage& image, std::vector<FeatureTrack> tracks, int landmarks) {
   last_image_ = image;
@@ -110,166 +47,23 @@ bool FrameTracker::IsRepeat(const Map& map, const CameraModel& camera, const Flo
 
 TrackedFrame FrameTracker::Track(const Map& map, const CameraModel& camera, const FlowImage& image,
                                  const MotionModel& motion, const RigidTransform& predicted, double time) {
-  const FlowImage before = MatchBrightness(options_.flow, last_image_, image);
-  auto [followed, estimate] = TrackFrom(map, camera, before, image, motion.last(), predicted);
-  if (!IsBelievable(options_.tracking, estimate)) {
-    for (const RigidTransform& other : motion.OtherPredictions(time)) {
-      std::tie(followed, estimate) = TrackFrom(map, camera, before, image, motion.last(), other);
-      if (IsBelievable(options_.tracking, estimate)) break;
-    }
-  }
-  // What passes in front of a camera that stands may have hidden nearly all that the last image showed.
-  if (!IsBelievable(options_.tracking, estimate) && HasStood()) {
-    followed = FollowFrom(map, camera, before, image, motion.last(), motion.last());
-    estimate = EstimateFramePose(options_.pose, map, motion.last(), followed);
-  }
-  std::optional<RigidTransform> searched;
-  if (!IsBelievable(options_.tracking, estimate))
-    searched = SearchPose(map, camera, last_image_, image, tracks_, motion, time);
-  else if (LacksLandmarks(map, estimate, time - motion.time()))
-    searched = SearchPose(map, camera, last_image_, motion.last(), image, tracks_, estimate.camera_from_world);
-  if (searched) {
-    auto [found, by_search] = TrackFromSearched(map, camera, before, image, motion.last(), *searched);
-    const bool is_better = !IsBelievable(options_.tracking, estimate) || by_search.inliers > estimate.inliers;
-    if (is_better && IsBelievable(options_.tracking, by_search)) {
-      followed = std::move(found);
-      estimate = std::move(by_search);
-    }
-  }
-  TrackedFrame frame{static_cast<int>(followed.found.size()), estimate.inliers, std::nullopt};
-  if (!IsBelievable(options_.tracking, estimate)) return frame;
-  tracks_ = std::move(followed.found);
-  lost_tracks_ = std::move(followed.lost);
+  TrackedPose tracked = TrackImage(options_, map, camera, mask_,
+                                   {.last_image = last_image_,
+                                    .tracks = tracks_,
+                                    .lost_tracks = lost_tracks_,
+                                    .motion = motion,
+                                    .has_stood = HasStood(),
+                                    .image = image,
+                                    .time = time},
+                                   predicted);
+  TrackedFrame frame{static_cast<int>(tracked.tracks.found.size()), tracked.estimate.inliers, std::nullopt};
+  if (!IsBelievable(options_.tracking, tracked.estimate)) return frame;
+  tracks_ = std::move(tracked.tracks.found);
+  lost_tracks_ = std::move(tracked.tracks.lost);
   last_image_ = image;
-  NoticeStanding(map, estimate.inliers, time);
-  frame.camera_from_world = estimate.camera_from_world;
+  NoticeStanding(map, tracked.estimate.inliers, time);
+  frame.camera_from_world = tracked.estimate.camera_from_world;
   return frame;
-}
-
-bool FrameTracker::LacksLandmarks(const Map& map, const PoseEstimate& estimate, double seconds) const {
-  if (seconds < kLongInterval) return false;
-  const auto with_depth =
-      std::ranges::count_if(tracks_, [&](const FeatureTrack& track) { return map.landmarks[track.landmark].valid; });
-  return estimate.inliers < kLeastShareOfSample * static_cast<double>(with_depth);
-}
-
-std::pair<FollowedTracks, PoseEstimate> FrameTracker::TrackFromSearched(const Map& map, const CameraModel& camera,
-                                                                        const FlowImage& before, const FlowImage& image,
-                                                                        const RigidTransform& last,
-                                                                        const RigidTransform& searched) const {
-  FollowedTracks followed = FollowFrom(map, camera, before, image, last, searched);
-  AlignWithLastImage(map, camera, image, last, searched, followed);
-  DropMasked(followed);
-  PoseEstimate estimate = EstimateFramePose(options_.pose, map, searched, followed);
-  return {std::move(followed), std::move(estimate)};
-}
-
-void FrameTracker::AlignWithLastImage(const Map& map, const CameraModel& camera, const FlowImage& image,
-                                      const RigidTransform& last, const RigidTransform& camera_from_world,
-                                      FollowedTracks& tracks) const {
-  std::unordered_map<int, Eigen::Vector2d> in_last_image;
-  for (const FeatureTrack& track : tracks_)
-    if (map.landmarks[track.landmark].valid) in_last_image[track.landmark] = {track.pixel.x, track.pixel.y};
-  std::vector<FeatureTrack> lost = std::exchange(tracks.lost, {});
-  for (FeatureTrack& track : lost) {
-    const auto before = in_last_image.find(track.landmark);
-    const std::optional<Eigen::Vector2d> pixel =
-        before == in_last_image.end()
-            ? std::nullopt
-            : PixelByLastImage(options_.alignment, map, camera, track.landmark, last_image_.gray, before->second, last,
-                               image, camera_from_world);
-    const std::optional<Eigen::Vector2d> undistorted = pixel ? camera.Undistort(*pixel) : std::nullopt;
-    if (undistorted) {
-      track.pixel = {static_cast<float>(pixel->x()), static_cast<float>(pixel->y())};
-      track.undistorted = *undistorted;
-    }
-    (undistorted ? tracks.found : tracks.lost).push_back(std::move(track));
-  }
-}
-
-std::pair<FollowedTracks, PoseEstimate> FrameTracker::TrackFrom(const Map& map, const CameraModel& camera,
-                                                                const FlowImage& before, const FlowImage& image,
-                                                                const RigidTransform& last,
-                                                                const RigidTransform& predicted) const {
-  std::optional<RigidTransform> pose = PoseOfSample(map, camera, before, image, last, predicted, kSampleLevels);
-  if (!pose) pose = PoseOfSample(map, camera, before, image, last, predicted, std::nullopt);
-  if (pose) {
-    FollowedTracks followed = FollowFrom(map, camera, before, image, last, *pose);
-    PoseEstimate estimate = EstimateFramePose(options_.pose, map, *pose, followed);
-    if (IsBelievable(options_.tracking, estimate)) return {std::move(followed), std::move(estimate)};
-  }
-  const std::vector<cv::Point2f> guesses = PredictPixels(map, camera, tracks_, last, predicted);
-  FollowedTracks followed = FollowTracks(options_.flow, map, camera, before, image, tracks_, guesses);
-  DropMasked(followed);
-  PoseEstimate estimate = EstimateFramePose(options_.pose, map, predicted, followed);
-  if (IsBelievable(options_.tracking, estimate)) {
-    AlignWithMap(map, camera, image, estimate.camera_from_world, followed);
-    DropMasked(followed);
-    estimate = EstimateFramePose(options_.pose, map, estimate.camera_from_world, followed);
-  }
-  return {std::move(followed), std::move(estimate)};
-}
-
-std::optional<RigidTransform> FrameTracker::PoseOfSample(const Map& map, const CameraModel& camera,
-                                                         const FlowImage& before, const FlowImage& image,
-                                                         const RigidTransform& last, const RigidTransform& predicted,
-                                                         std::optional<int> levels) const {
-  std::vector<FeatureTrack> sample;
-  for (const FeatureTrack* track : SampleWithDepth(map, tracks_, kPoseSample)) sample.push_back(*track);
-  if (sample.size() < kLeastOfPoseSample) return std::nullopt;
-  FollowedTracks followed = FollowTracks(options_.flow, map, camera, before, image, sample,
-                                         PredictPixels(map, camera, sample, last, predicted), levels);
-  DropMasked(followed);
-  const PoseEstimate estimate = EstimateFramePose(options_.pose, map, predicted, followed);
-  if (estimate.inliers < kLeastOfPoseSample ||
-      estimate.inliers < kLeastShareOfSample * static_cast<double>(sample.size()))
-    return std::nullopt;
-  return estimate.camera_from_world;
-}
-
-FollowedTracks FrameTracker::FollowFrom(const Map& map, const CameraModel& camera, const FlowImage& before,
-                                        const FlowImage& image, const RigidTransform& last,
-                                        const RigidTransform& camera_from_world) const {
-  std::vector<FeatureTrack> with_depth;
-  std::vector<FeatureTrack> without_depth;
-  with_depth.reserve(tracks_.size() + lost_tracks_.size());
-  without_depth.reserve(tracks_.size());
-  for (const FeatureTrack& track : tracks_)
-    (map.landmarks[track.landmark].valid ? with_depth : without_depth).push_back(track);
-  FollowedTracks followed =
-      FollowWithoutDepth(options_.flow, map, camera, before, image, without_depth, last, camera_from_world);
-  with_depth.insert(with_depth.end(), lost_tracks_.begin(), lost_tracks_.end());
-  SearchByMap(map, camera, image, camera_from_world, std::move(with_depth), followed);
-  DropMasked(followed);
-  return followed;
-}
-
-void FrameTracker::SearchByMap(const Map& map, const CameraModel& camera, const FlowImage& image,
-                               const RigidTransform& camera_from_world, std::vector<FeatureTrack> missing,
-                               FollowedTracks& tracks) const {
-  const int oldest = static_cast<int>(map.keyframes.size()) - options_.tracking.memory_keyframes;
-  std::erase_if(missing, [&](const FeatureTrack& track) {
-    return !map.landmarks[track.landmark].valid || track.last_keyframe < oldest;
-  });
-  std::vector<std::optional<cv::Point2f>> guesses(missing.size());
-  cv::parallel_for_(cv::Range(0, static_cast<int>(missing.size())), [&](const cv::Range& range) {
-    for (int i = range.start; i < range.end; ++i)
-      guesses[i] = PixelOf(map, camera, missing[i].landmark, camera_from_world);
-  });
-  const std::vector<uchar> found =
-      AlignTracks(options_.alignment, map, camera, image.gray, camera_from_world, guesses, missing);
-  tracks.found.reserve(tracks.found.size() + missing.size());
-  for (size_t i = 0; i < missing.size(); ++i)
-    (found[i] != 0 ? tracks.found : tracks.lost).push_back(std::move(missing[i]));
-}
-
-void FrameTracker::DropMasked(FollowedTracks& tracks) const {
-  if (mask_.empty()) return;
-  // Lost, not ended: what a bonnet covers may come back beside it.
-  const auto masked = std::stable_partition(tracks.found.begin(), tracks.found.end(),
-                                            [&](const FeatureTrack& track) { return IsKept(mask_, track.pixel); });
-  std::move(masked, tracks.found.end(), std::back_inserter(tracks.lost));
-  tracks.found.erase(masked, tracks.found.end());
 }
 
 std::vector<ObservedMotion> FrameTracker::DropStatic(const Map& map, const RigidTransform& camera_from_world) {
@@ -285,25 +79,6 @@ std::vector<ObservedMotion> FrameTracker::DropStatic(const Map& map, const Rigid
     return stands_still;
   });
   return motion;
-}
-
-void FrameTracker::AlignWithMap(const Map& map, const CameraModel& camera, const FlowImage& image,
-                                const RigidTransform& camera_from_world, FollowedTracks& tracks) const {
-  const auto has_depth = [&](const FeatureTrack& track) { return map.landmarks[track.landmark].valid; };
-  std::vector<std::optional<cv::Point2f>> guesses;
-  for (const FeatureTrack& track : tracks.found)
-    guesses.push_back(has_depth(track) ? std::optional(track.pixel) : std::nullopt);
-  const std::vector<uchar> same =
-      AlignTracks(options_.alignment, map, camera, image.gray, camera_from_world, guesses, tracks.found);
-
-  // Search again for lost landmarks, at their predicted pixels.
-  std::vector<FeatureTrack> missing = lost_tracks_;
-  std::ranges::move(tracks.lost, std::back_inserter(missing));
-  FollowedTracks aligned;
-  for (size_t i = 0; i < tracks.found.size(); ++i)
-    (has_depth(tracks.found[i]) && same[i] == 0 ? missing : aligned.found).push_back(std::move(tracks.found[i]));
-  SearchByMap(map, camera, image, camera_from_world, std::move(missing), aligned);
-  tracks = std::move(aligned);
 }
 
 void FrameTracker::NoticeStanding(const Map& map, int inliers, double time) {

@@ -4,7 +4,6 @@
 #include <functional>
 #include <memory>
 #include <optional>
-#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -13,16 +12,12 @@
 #include "turnscale/features/optical_flow.h"
 #include "turnscale/geometry/rigid_transform.h"
 #include "turnscale/mapping/map.h"
-#include "turnscale/mapping/pose_estimation.h"
 #include "turnscale/odometry/feature_tracks.h"
 #include "turnscale/odometry/image_mask.h"
 #include "turnscale/odometry/motion_model.h"
 #include "turnscale/odometry/options.h"
 
 namespace turnscale {
-
-/// Whether a pose has enough inliers to be taken for the camera's.
-bool IsBelievable(const TrackingOptions& options, const PoseEstimate& estimate);
 
 struct TrackedFrame {
   int tracked = 0;  ///< features found in the image
@@ -80,37 +75,8 @@ class FrameTracker {
   void Correct(const std::function<Eigen::Vector2d(const Eigen::Vector2d&)>& corrected);
 
  private:
-  std::pair<FollowedTracks, PoseEstimate> TrackFrom(const Map& map, const CameraModel& camera, const FlowImage& before,
-                                                    const FlowImage& image, const RigidTransform& last,
-                                                    const RigidTransform& predicted) const;
   // Updates `stands_since_` with the image tracked last.
   void NoticeStanding(const Map& map, int inliers, double time);
-  // Whether an image so many seconds after the last one shows fewer landmarks than it should: what has come nearer in
-  // the meantime looks too different for optical flow.
-  bool LacksLandmarks(const Map& map, const PoseEstimate& estimate, double seconds) const;
-  // All tracks from a pose that a wide search has found, also those that have come much nearer.
-  std::pair<FollowedTracks, PoseEstimate> TrackFromSearched(const Map& map, const CameraModel& camera,
-                                                            const FlowImage& before, const FlowImage& image,
-                                                            const RigidTransform& last,
-                                                            const RigidTransform& searched) const;
-  // Compares lost landmarks with the last image, which shows them larger than their reference views do.
-  void AlignWithLastImage(const Map& map, const CameraModel& camera, const FlowImage& image, const RigidTransform& last,
-                          const RigidTransform& camera_from_world, FollowedTracks& tracks) const;
-  // The pose by a sample of the landmarks, searched from this many halvings of the image on (empty: all); empty where
-  // they do not agree.
-  std::optional<RigidTransform> PoseOfSample(const Map& map, const CameraModel& camera, const FlowImage& before,
-                                             const FlowImage& image, const RigidTransform& last,
-                                             const RigidTransform& predicted, std::optional<int> levels) const;
-  // All tracks from a pose that is correct within a few pixels.
-  FollowedTracks FollowFrom(const Map& map, const CameraModel& camera, const FlowImage& before, const FlowImage& image,
-                            const RigidTransform& last, const RigidTransform& camera_from_world) const;
-  // Aligns landmarks with their reference views, starting at their pixels by the map.
-  void SearchByMap(const Map& map, const CameraModel& camera, const FlowImage& image,
-                   const RigidTransform& camera_from_world, std::vector<FeatureTrack> missing,
-                   FollowedTracks& tracks) const;
-  void DropMasked(FollowedTracks& tracks) const;
-  void AlignWithMap(const Map& map, const CameraModel& camera, const FlowImage& image,
-                    const RigidTransform& camera_from_world, FollowedTracks& tracks) const;
   // The image is that of the latest keyframe.
   void RenewReferences(const Map& map, const CameraModel& camera, const std::shared_ptr<const cv::Mat>& image);
   void DetectNewFeatures(const CameraModel& camera, const std::shared_ptr<const cv::Mat>& image,

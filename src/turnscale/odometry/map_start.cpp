@@ -8,7 +8,7 @@
 
 #include "turnscale/base/quantiles.h"
 #include "turnscale/mapping/pose_estimation.h"
-#include "turnscale/odometry/frame_tracker.h"
+#include "turnscale/odometry/image_tracking.h"
 #include "turnscale/odometry/repeated_image.h"
 
 namespace turnscale {
