@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "turnscale/commands/run_of_trajectory.h"
 
+#include <cmath>
 #include <fstream>
 #include <string>
 #include <system_error>
 
 #include "turnscale/base/csv_table.h"
 #include "turnscale/io/run_files.h"
-#include "turnscale/odometry/options.h"
 #include "turnscale/odometry/results.h"
 
 namespace turnscale {
@@ -29,9 +29,8 @@ nlohmann::json OfRun(const fs::path& trajectory, const char* member) {
 }
 
 struct FrameState {
-  double time = 0;
-  bool lost = false;     // as FindMissingParts has it: a repeated image within a loss is part of it
-  bool bridged = false;  // lost although there is an image
+  int frame = 0;
+  bool lost = false;  // as FindMissingParts has it: a repeated image within a loss is part of it
 };
 
 // Of the frames with a pose; empty if the file is not of a run.
@@ -40,9 +39,9 @@ std::vector<FrameState> StatesIn(const fs::path& file) {
   std::error_code none;
   if (!fs::exists(file, none)) return states;
   CsvTable table(file, "table of frames");
-  for (const char* column : {"time", "state", "x"})
+  for (const char* column : {"frame", "state", "x"})
     if (!table.HasColumn(column)) return states;
-  const auto time = table.Column("time");
+  const auto frame = table.Column("frame");
   const auto state = table.Column("state");
   const auto x = table.Column("x");
   bool lost = false;
@@ -50,11 +49,25 @@ std::vector<FrameState> StatesIn(const fs::path& file) {
     if (table.Text(x).empty()) continue;
     const std::string& name = table.Text(state);
     const auto is = [&](TrackingState one) { return name == TrackingStateName(one); };
-    const bool bridged = is(TrackingState::kBridged);
-    lost = bridged || is(TrackingState::kUnreadable) || (lost && is(TrackingState::kRepeated));
-    states.push_back({table.Value<double>(time), lost, bridged});
+    lost = is(TrackingState::kBridged) || is(TrackingState::kUnreadable) || (lost && is(TrackingState::kRepeated));
+    states.push_back({table.Value<int>(frame), lost});
   }
   return states;
+}
+
+// Where the run's map began anew, by the numbers of frames, in their order.
+std::vector<PathGap> RestartsOf(const fs::path& trajectory) {
+  const nlohmann::json missing = OfRun(trajectory, "missing");
+  std::vector<PathGap> restarts;
+  if (!missing.is_object() || !missing.contains("restarts")) return restarts;
+  for (const nlohmann::json& restart : missing["restarts"]) {
+    const auto number = [&](const char* name) {
+      return restart.is_object() && restart.contains(name) && restart[name].is_number();
+    };
+    if (number("frame") && number("unit_sigma"))
+      restarts.push_back({restart["frame"].get<int>(), restart["unit_sigma"].get<double>()});
+  }
+  return restarts;
 }
 
 }  // namespace
@@ -76,26 +89,21 @@ MeasuredPath MeasuredPartOf(const fs::path& trajectory, const Trajectory& poses)
   const std::vector<FrameState> states =
       is_refined ? StatesIn(trajectory.parent_path() / RunFiles::kTrajectoryTable) : std::vector<FrameState>();
   if (states.size() != poses.size()) return {poses, {}, 0};
-  const TrackingOptions limits;
   MeasuredPath path;
-  int bridged = 0;  // since the last measured pose
-  double measured_time = 0;
-  double bridged_time = 0;
+  const std::vector<PathGap> restarts = RestartsOf(trajectory);
+  auto restart = restarts.begin();
   for (size_t i = 0; i < poses.size(); ++i) {
-    const FrameState& state = states[i];
-    if (state.lost) {
+    if (states[i].lost) {
       ++path.left_out;
-      if (!state.bridged) continue;
-      ++bridged;
-      bridged_time = state.time;
       continue;
     }
-    if (!path.poses.empty() && bridged >= limits.min_lost_frames &&
-        bridged_time - measured_time > limits.max_lost_seconds)
-      path.gaps.push_back({static_cast<int>(path.poses.size()), limits.depth_sigma});
+    // The sigma of the unit: of all maps that began since the last measured pose.
+    double variance = 0;
+    for (; restart != restarts.end() && restart->pose <= states[i].frame; ++restart)
+      variance += restart->sigma * restart->sigma;
+    if (variance > 0 && !path.poses.empty())
+      path.gaps.push_back({static_cast<int>(path.poses.size()), std::sqrt(variance)});
     path.poses.push_back(poses[i]);
-    bridged = 0;
-    measured_time = state.time;
   }
   return path;
 }

@@ -25,16 +25,15 @@ std::string ScaleStateOfRun(const std::filesystem::path& trajectory);
 /// Whether a trajectory is a result of `run --frame vehicle`, in metres: its poses are the rear axle's.
 bool IsOfRearAxle(const std::filesystem::path& trajectory);
 
-/// The poses of a trajectory without those where tracking was lost, and where the map may have begun anew.
+/// The poses of a trajectory without those where tracking was lost, and where the map began anew.
 struct MeasuredPath {
   Trajectory poses;
   std::vector<PathGap> gaps;
   int left_out = 0;  ///< poses that were interpolated or predicted
 };
 
-/// Of the refined trajectory of a run, by the states of the frames in the table beside it; all poses, and no gap, of
-/// any other. Where frames were lost for so long that the map begins anew by default (TrackingOptions), the unit of
-/// length may have changed.
+/// Of the refined trajectory of a run, by the states of the frames in the table beside it and the restarts in its
+/// summary; all poses, and no gap, of any other.
 MeasuredPath MeasuredPartOf(const std::filesystem::path& trajectory, const Trajectory& poses);
 
 }  // namespace turnscale

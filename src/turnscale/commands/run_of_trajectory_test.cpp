@@ -24,8 +24,9 @@ std::string TableOf(const std::vector<std::string>& states) {
 
 struct Expected {
   std::vector<std::string> states;
+  std::string restarts;
   int left_out;
-  std::vector<int> gaps;
+  std::vector<PathGap> gaps;
 };
 
 TEST(MeasuredPart, LeavesOutWhatWasLostAndNamesWhereTheMapBeganAnew) {
@@ -37,20 +38,26 @@ TEST(MeasuredPart, LeavesOutWhatWasLostAndNamesWhereTheMapBeganAnew) {
   const std::string b = "bridged";
   const std::string r = "repeated";
   const std::string u = "unreadable";
-  for (const Expected& expected : std::vector<Expected>{{{t, b, b, b, t, t}, 3, {}},
-                                                        {{t, b, b, b, b, b, t, t}, 5, {1}},
-                                                        {{t, u, u, u, u, u, u, t}, 6, {}},
-                                                        {{t, r, t, b, b, r, b, b, b, t, t}, 6, {3}},
-                                                        {{"initializing", "initializing", t, t}, 0, {}}}) {
+  const std::string at_3 = R"({"frame": 3, "time_s": 0.3, "unit_sigma": 0.3})";
+  const std::string at_4 = R"({"frame": 4, "time_s": 0.4, "unit_sigma": 0.4})";
+  for (const Expected& expected : std::vector<Expected>{{{t, b, b, t, t}, "", 2, {}},
+                                                        {{t, b, b, t, t}, at_3, 2, {{1, 0.3}}},
+                                                        {{t, u, u, b, r, t}, at_3 + "," + at_4, 4, {{1, 0.5}}},
+                                                        {{t, b, b, t, b, t}, at_3, 3, {{1, 0.3}}},
+                                                        {{"initializing", "initializing", t, t}, "", 0, {}},
+                                                        {{t, b, t, t, t}, R"({"frame": "3"}, 3)", 1, {}}}) {
     std::ofstream(table) << TableOf(expected.states);
+    std::ofstream(folder.Path() / RunFiles::kSummary) << R"({"missing": {"restarts": [)" + expected.restarts + "]}}";
     const int count = static_cast<int>(expected.states.size());
     const MeasuredPath path = MeasuredPartOf(tum, Poses(count));
-    SCOPED_TRACE(count);
+    SCOPED_TRACE(expected.restarts);
     EXPECT_EQ(path.left_out, expected.left_out);
     EXPECT_EQ(static_cast<int>(path.poses.size()), count - expected.left_out);
-    std::vector<int> gaps;
-    for (const PathGap& gap : path.gaps) gaps.push_back(gap.pose);
-    EXPECT_EQ(gaps, expected.gaps);
+    ASSERT_EQ(path.gaps.size(), expected.gaps.size());
+    for (size_t i = 0; i < path.gaps.size(); ++i) {
+      EXPECT_EQ(path.gaps[i].pose, expected.gaps[i].pose);
+      EXPECT_NEAR(path.gaps[i].sigma, expected.gaps[i].sigma, 1e-12);
+    }
     EXPECT_EQ(MeasuredPartOf(folder.Path() / RunFiles::kLiveTum, Poses(count)).left_out, 0) << "as it was online";
   }
   std::ofstream(table) << "x,y\n1,2\n";

@@ -323,6 +323,8 @@ void Summarize(const Odometry& odometry, const std::vector<FrameResult>& frames,
   summary.scale_state = StateAtEnd(scale);
   summary.pinhole = odometry.camera().pinhole;
   summary.lens_model = odometry.camera().lens;
+  for (const Keyframe& keyframe : odometry.map().keyframes)
+    if (keyframe.after_gap) summary.restarts.push_back({keyframe.frame, keyframe.time, keyframe.gap_sigma});
   if (odometry.options().lens.enabled) summary.lens = {odometry.lens().correction(), odometry.lens().sigma()};
   if (odometry.options().vehicle.calibrate_camera) {
     const Mount& mount = odometry.mount().current();

@@ -73,6 +73,13 @@ struct MountSummary {
   int moves = 0;        ///< how often the camera was moved during the drive
 };
 
+/// Where tracking was lost for so long that the map began anew, in a guessed unit of length.
+struct MapRestart {
+  int frame = 0;          ///< the new map's first
+  double time = 0;        ///< of it, seconds
+  double unit_sigma = 0;  ///< relative standard deviation of its unit of length from that before
+};
+
 /// One line that names the first of them; there has to be one.
 std::string UnreadableText(const std::vector<UnreadableFrame>& frames);
 
@@ -109,8 +116,9 @@ struct RunSummary {
   std::vector<UnreadableFrame> unreadable;
   double seconds = 0;                ///< from the first frame to the last
   std::vector<MissingPart> missing;  ///< where the path is not measured
-  double missing_distance = 0;       ///< part of `distance` that lies there, interpolated or extrapolated
-  double distance = 0;               ///< metres where the scale is known, else in the arbitrary unit
+  std::vector<MapRestart> restarts;
+  double missing_distance = 0;  ///< part of `distance` that lies there, interpolated or extrapolated
+  double distance = 0;          ///< metres where the scale is known, else in the arbitrary unit
   ScaleState scale_state = ScaleState::kPending;
   /// Time of the first online pose in metres, seconds, where the online path jumps; empty if there is none.
   std::optional<double> live_metric_from;

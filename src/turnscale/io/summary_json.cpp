@@ -47,11 +47,15 @@ nlohmann::ordered_json MissingJson(const RunSummary& summary) {
                      {"to_s", part.to},
                      {"frames", part.frames}});
   }
+  auto restarts = nlohmann::ordered_json::array();
+  for (const MapRestart& restart : summary.restarts)
+    restarts.push_back({{"frame", restart.frame}, {"time_s", restart.time}, {"unit_sigma", restart.unit_sigma}});
   return {{"seconds", TotalSeconds(summary.missing)},
           {"of_s", summary.seconds},
           {"distance_m", summary.is_metric() ? nlohmann::ordered_json(summary.missing_distance) : nullptr},
           {"parts", summary.missing.size()},
-          {"longest", parts}};
+          {"longest", parts},
+          {"restarts", restarts}};
 }
 
 const char* RotationSource(const RunSummary& summary) {
