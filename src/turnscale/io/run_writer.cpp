@@ -139,10 +139,10 @@ std::string SpeedTable(const std::vector<SpeedReading>& speeds) {
 
 std::string ScaleTable(const Map& map, const RefinedScale& scale) {
   std::string table = "frame,time,metres_per_unit,sigma\n";
-  for (size_t i = 0; i < scale.sigmas.size(); ++i) {
+  for (size_t i = 0; i < scale.keyframes.size(); ++i) {
     const Keyframe& keyframe = map.keyframes[i];
     table += fmt::format("{},{:.6f},{:.9g},{:.6g}\n", keyframe.frame, keyframe.time, scale.path.metres_per_unit[i],
-                         scale.sigmas[i]);
+                         scale.keyframes[i].sigma);
   }
   return table;
 }

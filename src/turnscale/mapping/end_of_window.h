@@ -17,7 +17,7 @@ namespace turnscale {
 /// the keyframes have shrunk or grown beyond what an adjustment does.
 std::optional<double> ScaleOfEnd(const std::vector<Eigen::Vector3d>& before, const std::vector<Eigen::Vector3d>& after);
 
-/// Takes the world before the adjustment to that after it, as the last camera sees it.
+/// From the world before the adjustment to the world after it, so that the last camera sees the same.
 Similarity MoveOfEnd(const RigidTransform& old_camera, const RigidTransform& new_camera, double scale);
 
 /// The pose of a camera that moves with the world.

@@ -17,8 +17,8 @@ struct ArchivedPart {
   std::vector<int> numbers;  ///< of each landmark of `map` in the archive, ascending
 };
 
-/// Keeps the observations of settled keyframes in a temporary file, so that memory does not grow with the drive. Poses
-/// and times of all keyframes stay in the map.
+/// Keeps the observations of keyframes that no local adjustment can change any more in a temporary file, so that memory
+/// does not grow with the drive. Poses and times of all keyframes stay in the map.
 ///
 /// The file has no name and vanishes with the process. What cannot be written to it (disk full) stays in memory.
 class MapArchive {

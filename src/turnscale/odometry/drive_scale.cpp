@@ -14,15 +14,11 @@ namespace {
 // Keyframes back to which a turn may change the live scale: on a long straight the path before it stays.
 constexpr int kMostRevised = 500;
 
-// Keyframes that join the settled part at a time, at least.
-constexpr int kSettledTogether = 20;
+// Keyframes from one checkpoint of the filter to the next, at least.
+constexpr int kCheckpointInterval = 20;
 
-// Change of the log-scale that an error of the calibration may cause: per relative error of the focal length, per rad
-// of the principal point, per unit of radial correction. About the largest that the turns of benchmarks/variants show
-// by themselves.
-constexpr double kScalePerFocalLength = 2;
-constexpr double kScalePerAngle = 3;
-constexpr double kScalePerCorrection = 15;
+// Turns are found with any lever arm: that of a car without a length in metres, whose scale nobody reads.
+constexpr double kAnyLeverArm = 1;
 
 double YawSigma(const VehicleOptions& vehicle, const Mount& mount) {
   if (!vehicle.calibrate_camera) return vehicle.yaw_sigma;
@@ -33,7 +29,7 @@ double YawSigma(const VehicleOptions& vehicle, const Mount& mount) {
 
 CarPrior PriorOf(const VehicleOptions& vehicle, const Mount& mount) {
   CarPrior car;
-  car.lever_arm = vehicle.lever_arm.value_or(vehicle.camera_height ? 0.0 : 1.0);
+  car.lever_arm = vehicle.lever_arm.value_or(vehicle.camera_height ? 0.0 : kAnyLeverArm);
   car.lever_arm_sigma = vehicle.lever_arm ? vehicle.LeverArmSigma() : TapeSigma(car.lever_arm);
   if (vehicle.camera_height) {
     car.camera_height = *vehicle.camera_height;
@@ -92,6 +88,17 @@ Eigen::Vector3d KnownCentre(const Map& map, int keyframe) {
 
 // A length in metres, from which the scale may come.
 bool HasMetres(const VehicleOptions& vehicle) { return vehicle.lever_arm || vehicle.camera_height; }
+
+// Leaves the turns.
+void ForgetScale(const std::string& reason, ScaleEstimateResult& result) {
+  result.estimate.reset();
+  result.reason = reason;
+  for (TurnEstimate& turn : result.detected_turns) {
+    turn.used = turn.followed = false;
+    turn.reason = reason;
+    turn.own = turn.own_sigma = turn.as_given = 0;
+  }
+}
 
 std::vector<VehicleStep> StepsAlong(const Map& map, const MountCalibration& mount,
                                     const std::vector<MeasuredHeight>& heights, const OdometryOptions& options) {
@@ -158,14 +165,14 @@ bool DriveScale::Add(const Map& map) {
 }
 
 void DriveScale::Reread(const Map& map) {
-  settled_.reset();
+  checkpoint_.reset();
   const int keyframes = static_cast<int>(map.keyframes.size());
   MountCalibration mount = mount_;
   mount.Learn(map, keyframes - 1);
-  Reread(map, std::move(mount), 0, keyframes, 0);
+  Reread(map, std::move(mount), {.first = 0, .end = keyframes, .final_before = 0});
 }
 
-void DriveScale::Reread(const Map& map, MountCalibration mount, int first, int end, int settled) {
+void DriveScale::Reread(const Map& map, MountCalibration mount, const ReadjustedKeyframes& keyframes) {
   const auto knowledge = [&] { return std::pair(mount_.moves(), YawSigma(options_.vehicle, mount_.current())); };
   const auto before = knowledge();
   mount_ = std::move(mount);
@@ -174,32 +181,39 @@ void DriveScale::Reread(const Map& map, MountCalibration mount, int first, int e
     std::erase_if(heights_, [moved = mount_.mounts()[1].first_keyframe](const MeasuredHeight& height) {
       return height.keyframe >= moved;
     });
-  // Another prior of the yaw counts from the start on, and so does a rotation that has changed by more than the settled
-  // part can be turned by.
-  constexpr double kMostTurned = 0.3 / kDegreesPerRadian;
-  if (knowledge() != before ||
-      (settled_ && settled_->vehicle_from_camera.angularDistance(mount_.At(settled_->keyframes)) > kMostTurned))
-    settled_.reset();
-  if (settled_) {
-    const Eigen::Quaterniond& now = mount_.At(settled_->keyframes);
-    builder_ = settled_->builder;
-    builder_.TurnAxes(settled_->vehicle_from_camera * now.conjugate());
-    live_ = settled_->live;
-    live_.TurnCamera(DirectionUnder(now, settled_->vehicle_from_camera));
-  } else {
-    builder_ = StepBuilder(options_.steps, true);
-    live_ = LiveScale(PriorOf(options_.vehicle, mount_.current()), options_.scale.estimator);
-  }
+  // Another prior of the yaw counts from the start on.
+  if (knowledge() != before) checkpoint_.reset();
+  const int begin = Restart();
   keyframes_ = static_cast<int>(map.keyframes.size());
-  for (int k = settled_ ? settled_->keyframes : 0; k < keyframes_; ++k) {
-    if (k == settled && settled - (settled_ ? settled_->keyframes : 0) >= kSettledTogether)
-      settled_ = SettledPart{settled, builder_, live_, mount_.At(settled)};
+  for (int k = begin; k < keyframes_; ++k) {
+    if (k == keyframes.final_before && k - begin >= kCheckpointInterval)
+      checkpoint_ = Checkpoint{k, builder_, live_, mount_.At(k)};
     Feed(map, k);
   }
   std::optional<int> turn_end;
-  if (unread_turn_end_ && *unread_turn_end_ < end) turn_end = std::exchange(unread_turn_end_, std::nullopt);
-  UpdateLive(map, first, turn_end);
+  if (unread_turn_end_ && *unread_turn_end_ < keyframes.end) turn_end = std::exchange(unread_turn_end_, std::nullopt);
+  UpdateLive(map, keyframes.first, turn_end);
   if (turn_end) last_turn_end_ = *turn_end;
+}
+
+int DriveScale::Restart() {
+  // A rotation that has changed by more is not only turned: the steps were levelled and cut under another one.
+  constexpr double kMostTurned = 0.3 / kDegreesPerRadian;
+  if (checkpoint_) {
+    const Eigen::Quaterniond& now = mount_.At(checkpoint_->keyframe);
+    const Eigen::Quaterniond& then = checkpoint_->vehicle_from_camera;
+    if (then.angularDistance(now) <= kMostTurned) {
+      builder_ = checkpoint_->builder;
+      builder_.TurnAxes(then * now.conjugate());
+      live_ = checkpoint_->live;
+      live_.TurnCamera(DirectionUnder(now, then));
+      return checkpoint_->keyframe;
+    }
+    checkpoint_.reset();
+  }
+  builder_ = StepBuilder(options_.steps, true);
+  live_ = LiveScale(PriorOf(options_.vehicle, mount_.current()), options_.scale.estimator);
+  return 0;
 }
 
 bool DriveScale::Feed(const Map& map, int keyframe) {
@@ -270,10 +284,7 @@ RefinedScale DriveScale::Refine(const Map& map, bool follow_turns) const {
   RefinedScale refined;
   const int count = static_cast<int>(map.keyframes.size());
   refined.path = InOwnUnit(map);
-  refined.sigmas.assign(count, std::numeric_limits<double>::infinity());
-  refined.turning.assign(count, 0);
-  refined.in_used_turn.assign(count, 0);
-  refined.from_road.assign(count, 0);
+  refined.keyframes.resize(count);
   const std::vector<VehicleStep> steps = StepsAlong(map, mount_, heights_, options_);
   if (steps.empty()) {
     refined.reason = "the trajectory has no usable step";
@@ -282,22 +293,11 @@ RefinedScale DriveScale::Refine(const Map& map, bool follow_turns) const {
   ScaleEstimatorOptions estimator = options_.scale.estimator;
   estimator.follow_turns = estimator.follow_turns || follow_turns || options_.scale.method != ScaleMethod::kSmoothed;
   ScaleEstimateResult result = EstimateScale(steps, PriorOf(options_.vehicle, mount_.current()), estimator);
-  if (!HasMetres(options_.vehicle)) {
-    result.estimate.reset();
-    result.reason = "no lever arm given";
-    for (TurnEstimate& turn : result.detected_turns) {
-      turn.used = turn.followed = false;
-      turn.reason = result.reason;
-      turn.own = turn.own_sigma = turn.as_given = 0;
-    }
-  }
+  if (!HasMetres(options_.vehicle)) ForgetScale("no lever arm given", result);
   const auto frame_of = [&](int keyframe) { return map.keyframes[keyframe].frame; };
   for (const TurnEstimate& turn : result.estimate ? result.estimate->turns : result.detected_turns) {
     const TurnResult& described = refined.turns.emplace_back(DescribeTurn(turn, steps, frame_of));
-    for (int k = described.first_keyframe; k <= described.last_keyframe; ++k) {
-      if (result.estimate && turn.used) refined.in_used_turn[k] = 1;
-      if (k > described.first_keyframe) refined.turning[k] = 1;
-    }
+    for (int k = described.first_keyframe + 1; k <= described.last_keyframe; ++k) refined.keyframes[k].turning = true;
   }
   refined.reason = result.reason;
   if (!result.estimate) return refined;
@@ -305,54 +305,14 @@ RefinedScale DriveScale::Refine(const Map& map, bool follow_turns) const {
   refined.path.centres = MetricPositions(refined.path.centres, scales);
   for (int k = 0; k < count; ++k) {
     refined.path.metres_per_unit[k] = scales[k].metres_per_unit;
-    refined.sigmas[k] = scales[k].sigma;
-    refined.from_road[k] = scales[k].from_road ? 1 : 0;
+    refined.keyframes[k].sigma = scales[k].sigma;
+    refined.keyframes[k].state = scales[k].from_road ? ScaleState::kFromRoad : ScaleState::kHeld;
   }
+  for (const TurnResult& turn : refined.turns)
+    for (int k = turn.first_keyframe; turn.used && k <= turn.last_keyframe; ++k)
+      refined.keyframes[k].state = ScaleState::kObserved;
   refined.estimate = std::move(result.estimate);
   return refined;
-}
-
-ScaleState StateAt(const RefinedScale& refined, int keyframe) {
-  if (!refined.estimate) return ScaleState::kPending;
-  if (refined.in_used_turn[keyframe] != 0) return ScaleState::kObserved;
-  return refined.from_road[keyframe] != 0 ? ScaleState::kFromRoad : ScaleState::kHeld;
-}
-
-ScaleState StateAtEnd(const RefinedScale& refined) {
-  if (refined.from_road.empty()) return ScaleState::kPending;
-  return StateAt(refined, static_cast<int>(refined.from_road.size()) - 1);
-}
-
-double CalibrationSigma(const std::vector<ParameterEstimate>& contradictions, const CameraModel& camera) {
-  const double focal_length = camera.pinhole.fx;
-  double variance = std::pow(kScalePerFocalLength * (camera.focal_sigma / focal_length), 2);
-  for (const ParameterEstimate& estimate : contradictions) {
-    const double off = estimate.found - estimate.given;
-    double sigma = 0;
-    switch (estimate.parameter) {
-      case IntrinsicsParameter::kFocalLength:
-        sigma = kScalePerFocalLength * off / focal_length;
-        break;
-      case IntrinsicsParameter::kCentreX:
-      case IntrinsicsParameter::kCentreY:
-        sigma = kScalePerAngle * off / focal_length;
-        break;
-      case IntrinsicsParameter::kDistortion:
-        sigma = kScalePerCorrection * off;
-        break;
-    }
-    variance += sigma * sigma;
-  }
-  return std::sqrt(variance);
-}
-
-void WidenForCalibration(const std::vector<ParameterEstimate>& contradictions, const CameraModel& camera,
-                         RefinedScale& refined) {
-  refined.contradicted_calibration = contradictions;
-  const double widening = CalibrationSigma(contradictions, camera);
-  if (widening == 0 || !refined.estimate) return;
-  for (double& sigma : refined.sigmas) sigma = std::hypot(sigma, widening);
-  refined.estimate->length_sigma = std::hypot(refined.estimate->length_sigma, widening);
 }
 
 TurningMotion StepMotion(const Map& map, int step, const MountCalibration& mount) {

@@ -9,13 +9,12 @@
 
 #include <Eigen/Core>
 
-#include "turnscale/camera/camera_model.h"
 #include "turnscale/kinematics/ackermann.h"
-#include "turnscale/mapping/calibration_check.h"
 #include "turnscale/mapping/map_scaling.h"
 #include "turnscale/odometry/frame_history.h"
 #include "turnscale/odometry/mount_calibration.h"
 #include "turnscale/odometry/options.h"
+#include "turnscale/odometry/refined_scale.h"
 #include "turnscale/odometry/results.h"
 #include "turnscale/odometry/road_heights.h"
 #include "turnscale/scale/live_scale.h"
@@ -23,44 +22,17 @@
 
 namespace turnscale {
 
-/// The scale estimated from the whole drive.
-struct RefinedScale {
-  MetricPath path;
-  std::vector<double> sigmas;      ///< relative, one per keyframe; infinite while the scale is pending
-  std::vector<char> turning;       ///< the step that leads to the keyframe belongs to a turn
-  std::vector<char> in_used_turn;  ///< from the keyframe that the turn's first step leaves
-  std::vector<char> from_road;     ///< the road shows the scale of the step that leads to the keyframe
-  std::vector<TurnResult> turns;
-  std::optional<ScaleEstimate> estimate;  ///< empty while the scale is pending
-  std::string reason;                     ///< why it is empty
-  /// The map was adjusted with the lengths of turns constrained (ConstrainTurns): `path` is that of the adjusted map.
-  bool constrained = false;
-  double gap_sigma = 0;  ///< standard deviation of the path's length due to parts that are not measured, metres
-  /// Intrinsics that are inconsistent with the images of turns; sigmas include their effect on the scale.
-  std::vector<ParameterEstimate> contradicted_calibration;
-  int calibration_windows = 0;  ///< parts of turns in which the intrinsics were tested
-};
-
 /// A turn as results list it. `steps` are those of the estimate, along keyframes or other poses; `frame_of` gives the
 /// frame of each.
 TurnResult DescribeTurn(const TurnEstimate& turn, const std::vector<VehicleStep>& steps,
                         const std::function<int(int keyframe)>& frame_of);
 
-/// State of the scale at a keyframe: as the trajectory has it at its frames.
-ScaleState StateAt(const RefinedScale& refined, int keyframe);
-
-/// That at the last keyframe; pending without one.
-ScaleState StateAtEnd(const RefinedScale& refined);
-
-/// Relative standard deviation of the scale due to the estimated errors of the calibration: the error of the direction
-/// of travel over the lever arm's contribution to it. A coarse bound (benchmarks/variants): the scale from such a
-/// calibration is not reliable. Without contradictions only the standard deviation of the focal length of `camera`
-/// counts, with which the map is made.
-double CalibrationSigma(const std::vector<ParameterEstimate>& contradictions, const CameraModel& camera);
-
-/// Adds it to all sigmas of `refined` in quadrature.
-void WidenForCalibration(const std::vector<ParameterEstimate>& contradictions, const CameraModel& camera,
-                         RefinedScale& refined);
+/// Keyframes that have been adjusted once more.
+struct ReadjustedKeyframes {
+  int first = 0;
+  int end = 0;           ///< the one after the last; those that follow have moved with it
+  int final_before = 0;  ///< keyframes before this one will not be adjusted again during the drive
+};
 
 /// Estimates the scale beside the map, which it never changes: keyframes in, metric trajectory out.
 ///
@@ -76,17 +48,15 @@ class DriveScale {
     if (mount_.moves() == 0) heights_.push_back(height);
   }
 
-  /// Heights so far are none: the images are upside down. Followed by Reread.
+  /// Drops all heights, as the images are upside down. Call Reread afterwards: the filter has used them.
   void ForgetHeights() { heights_.clear(); }
 
   /// Takes the new keyframes of the map. Returns whether they ended a turn: then the keyframes since the previous turn
   /// should be adjusted again, followed by Reread, now or some keyframes later.
   bool Add(const Map& map);
 
-  /// Keyframes `first`...`end`-1 have been adjusted, and those from `end` on moved with them: takes over what `mount`
-  /// has learned from them, and re-evaluates their steps. Keyframes before `settled` will not be adjusted again during
-  /// the drive.
-  void Reread(const Map& map, MountCalibration mount, int first, int end, int settled);
+  /// Takes over what `mount` has learned from readjusted keyframes, and re-evaluates their steps.
+  void Reread(const Map& map, MountCalibration mount, const ReadjustedKeyframes& keyframes);
   /// All keyframes have been adjusted: learns from those that are new, and re-evaluates the whole drive.
   void Reread(const Map& map);
 
@@ -113,20 +83,22 @@ class DriveScale {
   /// it has changed.
   int SpreadScale(const Map& map, double scale, int last);
 
-  /// The live filter before a keyframe, where reading starts again.
-  struct SettledPart {
-    int keyframes = 0;
+  /// The live filter as it was before a keyframe, from where on it takes the keyframes again.
+  struct Checkpoint {
+    int keyframe = 0;
     StepBuilder builder;
     LiveScale live;
     Eigen::Quaterniond vehicle_from_camera;
   };
+  /// Goes back to the checkpoint, or to the start without one. Returns the next keyframe.
+  int Restart();
 
   OdometryOptions options_;
   MountCalibration mount_;
   std::vector<MeasuredHeight> heights_;  ///< above the road
   StepBuilder builder_;
   LiveScale live_;  ///< with a lever arm of 1 if no length is given, to detect turns
-  std::optional<SettledPart> settled_;
+  std::optional<Checkpoint> checkpoint_;
   MetricPath live_path_;
   ScaleState state_ = ScaleState::kPending;
   double sigma_ = std::numeric_limits<double>::infinity();

@@ -50,10 +50,10 @@ struct Live {
     // The camera's rotation is learnt where a turn ends, as Odometry does it.
     if (scale.Add(map) && !end) end = k + 1;
     if (!end || k + 1 < *end + delay) return;
-    const int settled = reach == 0 ? 0 : k + 1 - reach;
+    const int final_before = reach == 0 ? 0 : k + 1 - reach;
     MountCalibration mount = scale.mount();
     mount.Learn(map, k);
-    scale.Reread(map, std::move(mount), std::max(0, settled), *end, settled);
+    scale.Reread(map, std::move(mount), {std::max(0, final_before), *end, final_before});
     end.reset();
   }
 
@@ -126,7 +126,7 @@ TEST(DriveScale, TwoCornersGiveMetres) {
   for (int k = 1; k < static_cast<int>(live.map.keyframes.size()); ++k) {
     EXPECT_NEAR(StepOf(refined.path, k) / live.TrueStep(k), 1, 0.012) << k;
     EXPECT_NEAR(refined.path.metres_per_unit[k] * kUnits, 1, 0.005) << k;
-    EXPECT_LT(refined.sigmas[k], 0.08);
+    EXPECT_LT(refined.keyframes[k].sigma, 0.08);
   }
   EXPECT_EQ(live.scale.state(), ScaleState::kObserved) << "a turn ends a second after its last strong step";
   EXPECT_LT(live.scale.sigma(), 0.08);
@@ -399,7 +399,7 @@ TEST(DriveScale, HeightsFromAfterAMoveOfTheCameraAreNotUsed) {
   const RefinedScale of_both = both.scale.Refine(both.map);
   EXPECT_NE(without.scale.Refine(without.map).path.metres_per_unit, of_before.path.metres_per_unit);
   EXPECT_EQ(of_both.path.metres_per_unit, of_before.path.metres_per_unit);
-  EXPECT_EQ(of_both.sigmas, of_before.sigmas);
+  EXPECT_EQ(of_both.keyframes, of_before.keyframes);
 }
 
 TEST(DriveScale, AllTurnsTogetherTellWhatTheYawHasWrong) {
@@ -474,7 +474,7 @@ TEST(DriveScale, StaysPendingWithoutALeverArm) {
   for (std::size_t k = 0; k < live.map.keyframes.size(); ++k) {
     EXPECT_EQ(refined.path.centres[k], Centre(live.map.keyframes[k]));
     EXPECT_EQ(refined.path.metres_per_unit[k], 1);
-    EXPECT_TRUE(std::isinf(refined.sigmas[k]));
+    EXPECT_TRUE(std::isinf(refined.keyframes[k].sigma));
   }
 }
 
@@ -516,10 +516,10 @@ TEST(DriveScale, NothingIsReadAcrossAGap) {
   ASSERT_EQ(refined.turns.size(), 1U) << "no turn goes on across a gap";
   EXPECT_TRUE(refined.turns[0].used) << refined.turns[0].reason;
   EXPECT_EQ(refined.turns[0].last_keyframe, kFirstCorner + 11);
-  EXPECT_EQ(refined.turning[kFirstCorner + 11], 1);
-  EXPECT_EQ(refined.turning[kFirstCorner + 12], 0);
-  EXPECT_EQ(refined.in_used_turn[kFirstCorner + 12], 0);
-  EXPECT_GE(refined.sigmas.back(), 0.3) << "the gap came after the turn";
+  EXPECT_TRUE(refined.keyframes[kFirstCorner + 11].turning);
+  EXPECT_FALSE(refined.keyframes[kFirstCorner + 12].turning);
+  EXPECT_EQ(refined.keyframes[kFirstCorner + 12].state, ScaleState::kHeld);
+  EXPECT_GE(refined.keyframes.back().sigma, 0.3) << "the gap came after the turn";
 }
 
 // A map that starts again has two keyframes at once.
@@ -583,15 +583,16 @@ TEST(DriveScale, SigmaGrowsWhereLandmarksHardlyDetermineTheUnit) {
   Live live(KnownCar(), TrueDrive(kTwoCorners), kUnits, 0.001);
   live.Drive();
   const int broken = kFirstCorner + 26;
-  const double usual = live.scale.Refine(live.map).sigmas[broken + 3];
+  const double usual = live.scale.Refine(live.map).keyframes[broken + 3].sigma;
   EXPECT_LT(usual, 0.08);
   live.map.keyframes[broken].pixel_unit_variance = std::numeric_limits<double>::infinity();
   const RefinedScale parted = live.scale.Refine(live.map);
-  EXPECT_EQ(parted.sigmas[broken - 8], parted.sigmas[broken - 9]) << "only its own turn tells the part before";
-  EXPECT_GT(parted.sigmas[broken + 3], usual) << "the turn before tells nothing of the part after";
-  for (const double sigma : parted.sigmas) EXPECT_LT(sigma, 1) << "finite";
+  EXPECT_EQ(parted.keyframes[broken - 8].sigma, parted.keyframes[broken - 9].sigma)
+      << "only its own turn tells the part before";
+  EXPECT_GT(parted.keyframes[broken + 3].sigma, usual) << "the turn before tells nothing of the part after";
+  for (const KeyframeScale& scale : parted.keyframes) EXPECT_LT(scale.sigma, 1) << "finite";
   for (Keyframe& keyframe : live.map.keyframes) keyframe.pixel_unit_variance = 1e-4;
-  const double weak = live.scale.Refine(live.map).sigmas[broken + 3];
+  const double weak = live.scale.Refine(live.map).keyframes[broken + 3].sigma;
   EXPECT_GT(weak, 1.1 * usual);
   EXPECT_LT(weak, 0.5);
 }
@@ -602,14 +603,15 @@ TEST(DriveScale, MarksTheKeyframesOfTurns) {
   const RefinedScale refined = live.scale.Refine(live.map);
   for (const TurnResult& turn : refined.turns) {
     for (int k = turn.first_keyframe; k <= turn.last_keyframe; ++k) {
-      EXPECT_EQ(refined.in_used_turn[k], 1);
-      EXPECT_EQ(refined.turning[k], k > turn.first_keyframe) << "the step into a turn is straight";
+      EXPECT_EQ(refined.keyframes[k].state, ScaleState::kObserved);
+      EXPECT_EQ(refined.keyframes[k].turning, k > turn.first_keyframe) << "the step into a turn is straight";
     }
   }
-  EXPECT_EQ(std::count(refined.turning.begin(), refined.turning.end(), 1), 44 + 1)
+  EXPECT_EQ(std::ranges::count_if(refined.keyframes, &KeyframeScale::turning), 44 + 1)
       << "one step leads half-way from the street into the second corner";
   for (int k = kFirstCorner + 22; k <= kSecondCorner; ++k)
-    EXPECT_GE(refined.sigmas[k], 0.99 * refined.sigmas[kSecondCorner + 11]) << "what turns share stays";
+    EXPECT_GE(refined.keyframes[k].sigma, 0.99 * refined.keyframes[kSecondCorner + 11].sigma)
+        << "what turns share stays";
 }
 
 TEST(DriveScale, AKeyframeGoneAstrayIsPassed) {
@@ -641,48 +643,10 @@ TEST(DriveScale, AKeyframeGoneAstrayIsPassed) {
   for (std::size_t k = 0; k < map.keyframes.size(); ++k) {
     ASSERT_TRUE(refined.path.centres[k].allFinite()) << k;
     EXPECT_NEAR(refined.path.metres_per_unit[k] / whole.path.metres_per_unit[k], 1, 0.02) << k;
-    EXPECT_LT(refined.sigmas[k], 0.1) << k;
+    EXPECT_LT(refined.keyframes[k].sigma, 0.1) << k;
     if (std::ranges::count(astray, static_cast<int>(k)) > 0) continue;
     EXPECT_NEAR((refined.path.centres[k] - whole.path.centres[k]).norm(), 0, 0.02 * length(live.scale)) << k;
   }
-}
-
-ParameterEstimate Off(IntrinsicsParameter parameter, double off) {
-  ParameterEstimate estimate;
-  estimate.parameter = parameter;
-  estimate.given = 500;
-  estimate.found = 500 + off;
-  return estimate;
-}
-
-TEST(WidenForCalibration, AddsWhatEachContradictionMayCost) {
-  CameraModel camera;
-  camera.pinhole = {700, 700, 600, 180};
-  const auto widened = [&](const std::vector<ParameterEstimate>& contradictions) {
-    RefinedScale refined;
-    refined.estimate.emplace();
-    refined.estimate->length_sigma = 0.03;
-    refined.sigmas = {0.02, 0.05};
-    WidenForCalibration(contradictions, camera, refined);
-    EXPECT_EQ(refined.contradicted_calibration.size(), contradictions.size());
-    const auto gained = [](double after, double before) { return after * after - before * before; };
-    EXPECT_NEAR(gained(refined.sigmas[0], 0.02), gained(refined.estimate->length_sigma, 0.03), 1e-12);
-    EXPECT_NEAR(gained(refined.sigmas[1], 0.05), gained(refined.estimate->length_sigma, 0.03), 1e-12);
-    return gained(refined.estimate->length_sigma, 0.03);
-  };
-  EXPECT_EQ(widened({}), 0);
-  const double focal = widened({Off(IntrinsicsParameter::kFocalLength, 20)});
-  const double centre = widened({Off(IntrinsicsParameter::kCentreX, -15)});
-  EXPECT_GT(focal, 0.0025) << "3 % of the focal length cost more than 5 % of scale";
-  EXPECT_GT(centre, 0);
-  EXPECT_NEAR(widened({Off(IntrinsicsParameter::kFocalLength, -40)}), 4 * focal, 1e-9);
-  EXPECT_NEAR(widened({Off(IntrinsicsParameter::kFocalLength, 20), Off(IntrinsicsParameter::kCentreX, -15)}),
-              focal + centre, 1e-9);
-  RefinedScale pending;
-  pending.sigmas = {1};
-  WidenForCalibration({Off(IntrinsicsParameter::kDistortion, 0.01)}, camera, pending);
-  EXPECT_EQ(pending.sigmas[0], 1);
-  EXPECT_EQ(pending.contradicted_calibration.size(), 1u);
 }
 
 TEST(StepMotion, IsThatOfTheCar) {

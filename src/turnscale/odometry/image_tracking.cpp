@@ -76,15 +76,15 @@ class ImageTracker {
     return SearchPose(map_, camera_, step_.last_image, step_.image, step_.tracks, step_.motion, step_.time);
   }
 
-  // Searches wider around a believable pose if fewer landmarks agree with it than should: what has come nearer over a
-  // long interval looks too different for optical flow.
+  // Aligns a believable pose over a wider range if fewer landmarks agree with it than should: what has come nearer over
+  // a long interval looks too different for optical flow.
   std::optional<RigidTransform> SearchNear(const TrackedPose& pose) const {
     if (step_.time - step_.motion.time() < kLongInterval) return std::nullopt;
     const auto with_depth =
         std::ranges::count_if(step_.tracks, [&](const FeatureTrack& track) { return HasDepth(track); });
     if (pose.estimate.inliers >= kLeastShareOfSample * static_cast<double>(with_depth)) return std::nullopt;
-    return SearchPose(map_, camera_, step_.last_image, last_, step_.image, step_.tracks,
-                      pose.estimate.camera_from_world);
+    return AlignPose(map_, camera_, step_.last_image, step_.image, step_.tracks, last_,
+                     pose.estimate.camera_from_world);
   }
 
  private:

@@ -70,7 +70,8 @@ class MotionModel {
   /// Takes a measured pose; the velocity is the one from the measured pose before.
   void Update(double time, const RigidTransform& camera_from_world);
 
-  /// Takes a pose that was not measured: velocities stay what they were, and speeds measured before count no longer.
+  /// Takes a pose that was not measured: predictions keep the last velocities; speed() and
+  /// PastSpeeds() start anew.
   void Restart(double time, const RigidTransform& camera_from_world);
 
   /// The camera stands still.

@@ -51,7 +51,7 @@ constexpr int kKeyframesOfUnit = 10;
 // Keyframes that are added between the start of work and the use of its results. In a turn, where they are close to one
 // another, camera work takes about as long as two of them, a large window as four.
 constexpr int kKeyframesOfCameraWork = 4;
-constexpr int kKeyframesOfSettling = 6;
+constexpr int kKeyframesOfReadjustment = 6;
 
 OdometryOptions Checked(OdometryOptions options, const CameraModel& camera) {
   options.Check();
@@ -114,7 +114,7 @@ FrameResult Odometry::Process(const cv::Mat& gray, double time) {
   std::future<std::optional<MeasuredHeight>> height = InBackground([&] { return ObserveRoad(image); });
   tracker_.Replenish(camera_, image, corners.get(), map_);
   ObserveScale(height.get(), result);
-  StartSettling();
+  StartReadjustment();
   StartCameraWork();
   return MetricResult(result, map_.keyframes.back().camera_from_world);
 }
@@ -182,7 +182,7 @@ FrameResult Odometry::ProcessUnreadable(double time) {
 
 void Odometry::Finish() {
   if (std::exchange(finished_, true) || map_.keyframes.empty()) return;
-  Settle();
+  Readjust();
   Archive(static_cast<int>(map_.keyframes.size()));
   if (is_upside_down()) scale_.ForgetHeights();
   AdjustWholeDrive();
@@ -252,7 +252,7 @@ FrameResult Odometry::Bridge(const RigidTransform& predicted, FrameResult result
   if (!gives_up) return MetricResult(result, stood ? motion_.last() : predicted);
   // No turn reaches across the gap: one that was under way is read from the map it belongs to. What is pending may
   // change the radial correction, under which the pixels that wait for the next map are undistorted.
-  Settle();
+  Readjust();
   // The noise of standing is no motion.
   if (stood) motion_.Stop();
   const RigidTransform last = motion_.Predict(result.time);
@@ -297,18 +297,19 @@ void Odometry::ObserveScale(const std::optional<MeasuredHeight>& height, FrameRe
   result.theta = motion.theta;
   const bool turn_ended = scale_.Add(map_);
   motion_.SetVertical(mount().current().vehicle_from_camera.conjugate() * Eigen::Vector3d::UnitY());
-  const int unsettled = static_cast<int>(map_.keyframes.size() - lens_of_keyframe_.size());
-  const bool many = !settling_.pending() && unsettled >= options_.turn_bundle.window / 2;
-  settling_is_due_ = settling_is_due_ || turn_ended || many;
+  const int not_readjusted = static_cast<int>(map_.keyframes.size() - lens_of_keyframe_.size());
+  const bool many = !readjustment_.pending() && not_readjusted >= options_.turn_bundle.window / 2;
+  readjustment_is_due_ = readjustment_is_due_ || turn_ended || many;
 }
 
-void Odometry::StartSettling() {
+void Odometry::StartReadjustment() {
   // The archive takes its keyframes first: it renumbers the landmarks, by whose numbers the window is written back.
-  if (!settling_is_due_ || settling_.pending() || archive_due_ > archive_.end()) return;
-  settling_is_due_ = false;
-  settling_.Start(
-      static_cast<int>(map_.keyframes.size()) + kKeyframesOfSettling,
-      [options = options_.turn_bundle, work = UnsettledWork()]() mutable { return Settled(options, std::move(work)); });
+  if (!readjustment_is_due_ || readjustment_.pending() || archive_due_ > archive_.end()) return;
+  readjustment_is_due_ = false;
+  readjustment_.Start(static_cast<int>(map_.keyframes.size()) + kKeyframesOfReadjustment,
+                      [options = options_.turn_bundle, work = NextReadjustment()]() mutable {
+                        return Readjusted(options, std::move(work));
+                      });
 }
 
 void Odometry::StartCameraWork() {
@@ -333,7 +334,8 @@ void Odometry::StartCameraWork() {
 void Odometry::ApplyBackgroundWork() {
   const int keyframes = static_cast<int>(map_.keyframes.size());
   ArchiveNextPart();
-  if (std::optional<SettlingWork> settled = settling_.TakeIfDue(keyframes)) ApplySettled(*std::move(settled));
+  if (std::optional<ReadjustmentWork> readjusted = readjustment_.TakeIfDue(keyframes))
+    ApplyReadjusted(*std::move(readjusted));
   const std::optional<CameraWork> work = camera_work_.TakeIfDue(keyframes);
   if (!work) return;
   if (work->calibration_sigma) calibration_sigma_ = *work->calibration_sigma;
@@ -341,23 +343,23 @@ void Odometry::ApplyBackgroundWork() {
     CorrectLens(*work->lens_correction);
 }
 
-int Odometry::FirstToSettle() const {
+int Odometry::FirstToReadjust() const {
   const int keyframes = static_cast<int>(map_.keyframes.size());
-  const auto is_settled = [&](double correction) {
+  const auto is_up_to_date = [&](double correction) {
     return std::abs(correction - camera_.radial_correction) < kStaleLensChange;
   };
   const int oldest = std::max(archive_.end(), keyframes - options_.turn_bundle.window);
-  const int settled = static_cast<int>(lens_of_keyframe_.size());
-  if (oldest >= settled) return oldest;
-  const auto first = std::find_if_not(lens_of_keyframe_.begin() + oldest, lens_of_keyframe_.end(), is_settled);
+  const int readjusted = static_cast<int>(lens_of_keyframe_.size());
+  if (oldest >= readjusted) return oldest;
+  const auto first = std::find_if_not(lens_of_keyframe_.begin() + oldest, lens_of_keyframe_.end(), is_up_to_date);
   return static_cast<int>(first - lens_of_keyframe_.begin());
 }
 
-SettlingWork Odometry::UnsettledWork() const {
-  return WorkToSettle(options_.turn_bundle, map_, mount(), camera_.radial_correction, FirstToSettle());
+ReadjustmentWork Odometry::NextReadjustment() const {
+  return WorkToReadjust(options_.turn_bundle, map_, mount(), camera_.radial_correction, FirstToReadjust());
 }
 
-void Odometry::ApplySettled(SettlingWork work) {
+void Odometry::ApplyReadjusted(ReadjustmentWork work) {
   const int keyframes = static_cast<int>(map_.keyframes.size());
   const int first = work.first;
   lens_of_keyframe_.resize(work.end, std::numeric_limits<double>::quiet_NaN());
@@ -372,7 +374,7 @@ void Odometry::ApplySettled(SettlingWork work) {
   const auto reach = [](const LocalBundleOptions& window) { return window.window + window.anchors; };
   const int last = keyframes - std::max({reach(options_.turn_bundle), reach(options_.local_bundle),
                                          options_.lens.window, options_.calibration_check.window, kKeyframesOfUnit});
-  scale_.Reread(map_, std::move(work.mount), first, work.end, last);
+  scale_.Reread(map_, std::move(work.mount), {.first = first, .end = work.end, .final_before = last});
   if (last - archive_.end() >= kLeastArchived) archive_due_ = last;
 }
 
@@ -396,12 +398,12 @@ void Odometry::CorrectLens(double correction) {
   tracker_.Correct(corrected);
 }
 
-void Odometry::Settle() {
-  settling_is_due_ = false;
-  settling_.Hurry();
+void Odometry::Readjust() {
+  readjustment_is_due_ = false;
+  readjustment_.Hurry();
   camera_work_.Hurry();
   ApplyBackgroundWork();
-  ApplySettled(Settled(options_.turn_bundle, UnsettledWork()));
+  ApplyReadjusted(Readjusted(options_.turn_bundle, NextReadjustment()));
 }
 
 void Odometry::ArchiveNextPart() {
@@ -412,7 +414,7 @@ void Odometry::ArchiveNextPart() {
 }
 
 void Odometry::Archive(int last) {
-  Ensure(!settling_.pending(), "landmarks are renumbered while a window is adjusted");
+  Ensure(!readjustment_.pending(), "landmarks are renumbered while a window is adjusted");
   tracker_.Reindex(archive_.Retire(last, camera_.radial_correction, map_));
 }
 
@@ -442,7 +444,7 @@ void Odometry::ConstrainTurnsOfDrive() {
 }
 
 void Odometry::BridgeGapsOf(RefinedScale& refined) const {
-  refined.gap_sigma = BridgeGaps(map_, history_.MeasuredEnds(map_), last_time_, refined.sigmas, refined.path);
+  BridgeGaps(map_, history_.MeasuredEnds(map_), last_time_, refined);
 }
 
 RigidTransform Odometry::LastFromKeyframe() const {

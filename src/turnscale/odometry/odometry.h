@@ -21,9 +21,9 @@
 #include "turnscale/odometry/map_initializer.h"
 #include "turnscale/odometry/motion_model.h"
 #include "turnscale/odometry/options.h"
+#include "turnscale/odometry/readjustment.h"
 #include "turnscale/odometry/results.h"
 #include "turnscale/odometry/road_observer.h"
-#include "turnscale/odometry/settling.h"
 
 namespace turnscale {
 
@@ -31,12 +31,13 @@ namespace turnscale {
 ///
 /// The map keeps the arbitrary unit of its initialisation. The scale is estimated beside it (DriveScale); metric poses
 /// follow from both. Neither time per frame nor memory grows with the drive, except for the poses of frames and
-/// keyframes: observations of settled keyframes are moved to a temporary file (MapArchive). Finish processes the whole
-/// drive; where turns are constrained (ConstrainTurns), it has the whole map in memory.
+/// keyframes: observations of keyframes that no adjustment can change are moved to a temporary file (MapArchive).
+/// Finish processes the whole drive; where turns are constrained (ConstrainTurns), it has the whole map in memory.
 ///
-/// Lens, calibration and settled poses are computed in the background, while the frames after a keyframe are processed,
-/// if OpenCV may use more than one thread. The results are applied a fixed number of keyframes later, at a gap or in
-/// Finish, never earlier, so that they do not depend on the number of threads.
+/// Lens, calibration and readjusted poses are computed in the background, while the frames after a keyframe are
+/// processed, if OpenCV may use more than one thread. Results are applied at a keyframe that is fixed when the work
+/// starts; at a gap and in Finish, which no timing changes either, all that are pending are. So they do not depend on
+/// the number of threads.
 class Odometry {
  public:
   /// Throws InputError when an option is invalid, the camera has a width without a height, a focal length that is
@@ -128,12 +129,12 @@ class Odometry {
   void AddKeyframe(FrameResult& result);
   /// Measures the height above the road at the latest keyframe, whose image this is. Empty where it does not show.
   std::optional<MeasuredHeight> ObserveRoad(const FlowImage& image);
-  /// Updates the scale with the latest keyframe and the height that was measured there, if any. Settling is due if it
-  /// ended a turn, or many keyframes have not been settled yet.
+  /// Updates the scale with the latest keyframe and the height that was measured there, if any. A readjustment is
+  /// due if it ended a turn, or many keyframes have not been readjusted yet.
   void ObserveScale(const std::optional<MeasuredHeight>& height, FrameResult& result);
-  /// Starts to adjust a copy of the keyframes that are not settled, if that is due, no copy is being adjusted and no
+  /// Starts to adjust a copy of the keyframes that are not readjusted, if that is due, no copy is being adjusted and no
   /// keyframe waits to be archived.
-  void StartSettling();
+  void StartReadjustment();
   /// Starts to read copies of the windows that are due for lens refinement and calibration check, if there are any.
   /// Does nothing while results of earlier ones are not applied.
   void StartCameraWork();
@@ -142,17 +143,17 @@ class Odometry {
   void ApplyBackgroundWork();
   /// Archives a part of the keyframes that are due, so that no frame waits for all of them.
   void ArchiveNextPart();
-  /// The first keyframe of the map within a window that has not been settled, or was settled under a radial correction
-  /// that is out of date.
-  int FirstToSettle() const;
+  /// The first keyframe of the map within a window that has not been readjusted, or was under a radial correction that
+  /// is out of date.
+  int FirstToReadjust() const;
   /// The keyframes from there on, to be adjusted.
-  SettlingWork UnsettledWork() const;
+  ReadjustmentWork NextReadjustment() const;
   /// Writes the adjusted window to the map, re-evaluates its steps, and has old keyframes archived.
-  void ApplySettled(SettlingWork work);
+  void ApplyReadjusted(ReadjustmentWork work);
   /// Replaces the radial correction of all pixels of map and tracks.
   void CorrectLens(double correction);
-  /// Applies pending work, then settles the remaining keyframes at once.
-  void Settle();
+  /// Applies pending work, then readjusts the remaining keyframes at once.
+  void Readjust();
   /// Moves the observations of keyframes before `last` to the archive.
   void Archive(int last);
   /// Adjusts all keyframes of the archived drive.
@@ -182,7 +183,7 @@ class Odometry {
   FrameHistory history_;
   Map map_;
   MapArchive archive_;
-  std::vector<double> lens_of_keyframe_;  ///< correction under which each keyframe was settled; NaN before
+  std::vector<double> lens_of_keyframe_;  ///< correction under which each keyframe was readjusted; NaN before
   std::optional<RefinedScale> refined_;   ///< once the drive is over
   double calibration_sigma_ = 0;          ///< added to the online sigma for an uncertain or inconsistent calibration
 
@@ -195,11 +196,11 @@ class Odometry {
   double seen_time_ = 0;  ///< of the last frame that was tracked or repeated, seconds
   double least_interval_ = std::numeric_limits<double>::infinity();  ///< between two frames, seconds
   int frames_ = 0;
-  bool settling_is_due_ = false;
+  bool readjustment_is_due_ = false;
   int unit_judged_ = 0;  ///< keyframes before this one have their pixel_unit_variance
   int archive_due_ = 0;  ///< keyframes before this one go to the archive, part by part
   // Declared last, so that they are waited for before the members that they use are destroyed.
-  DueResult<SettlingWork> settling_;
+  DueResult<ReadjustmentWork> readjustment_;
   DueResult<CameraWork> camera_work_;
 };
 

@@ -58,8 +58,8 @@ double GapLengthSigma(double seconds, bool both_ends) {
   return seconds * std::min((both_ends ? kInterpolated : kExtrapolated) * seconds, kMostSpeedSigma);
 }
 
-double BridgeGaps(const Map& map, const std::vector<MeasuredEnd>& ends, double end_time,
-                  const std::vector<double>& sigmas, MetricPath& path) {
+void BridgeGaps(const Map& map, const std::vector<MeasuredEnd>& ends, double end_time, RefinedScale& refined) {
+  MetricPath& path = refined.path;
   double variance = ends.empty() ? 0 : std::pow(GapLengthSigma(end_time - ends.back().time, false), 2);
   Eigen::Vector3d shift = Eigen::Vector3d::Zero();  // of all keyframes behind the gaps so far
   for (int k = 0; k < static_cast<int>(map.keyframes.size()); ++k) {
@@ -68,8 +68,10 @@ double BridgeGaps(const Map& map, const std::vector<MeasuredEnd>& ends, double e
       const std::optional<Eigen::Vector3d> after = VelocityAfter(map, path, k);
       const Eigen::Vector3d predicted = path.centres[k] + shift - path.InMetres(map, k - 1, ends[k - 1].centre);
       if (after) {
-        const GapSides sides{seconds, Excess(sigmas[k - 1], sigmas[k]) * predicted.squaredNorm(),
-                             Excess(sigmas[k], sigmas[k - 1]) * (seconds * *after).squaredNorm()};
+        const double sigma_before = refined.keyframes[k - 1].sigma;
+        const double sigma_after = refined.keyframes[k].sigma;
+        const GapSides sides{seconds, Excess(sigma_before, sigma_after) * predicted.squaredNorm(),
+                             Excess(sigma_after, sigma_before) * (seconds * *after).squaredNorm()};
         shift += sides.ShareOfAfter() * (seconds * *after - predicted);
         variance += sides.LengthVariance();
       } else {
@@ -78,7 +80,7 @@ double BridgeGaps(const Map& map, const std::vector<MeasuredEnd>& ends, double e
     }
     path.centres[k] += shift;
   }
-  return std::sqrt(variance);
+  refined.gap_sigma = std::sqrt(variance);
 }
 
 }  // namespace turnscale

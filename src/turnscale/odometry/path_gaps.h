@@ -5,6 +5,7 @@
 
 #include "turnscale/mapping/map.h"
 #include "turnscale/odometry/frame_history.h"
+#include "turnscale/odometry/refined_scale.h"
 
 namespace turnscale {
 
@@ -15,9 +16,8 @@ double GapLengthSigma(double seconds, bool both_ends);
 
 /// The map predicts the motion across a loss of tracking from the speed before it. Replaces it by the mean of that and
 /// of the motion at the speed after it, now that this is known; the side whose scale is known better counts for more.
-/// `ends`: FrameHistory::MeasuredEnds; `sigmas`: RefinedScale::sigmas. Returns the standard deviation of the path's
-/// length up to `end_time` (seconds) due to all gaps, metres.
-double BridgeGaps(const Map& map, const std::vector<MeasuredEnd>& ends, double end_time,
-                  const std::vector<double>& sigmas, MetricPath& path);
+/// `ends`: FrameHistory::MeasuredEnds. Sets the standard deviation of the path's length up to `end_time` (seconds) due
+/// to all gaps.
+void BridgeGaps(const Map& map, const std::vector<MeasuredEnd>& ends, double end_time, RefinedScale& refined);
 
 }  // namespace turnscale

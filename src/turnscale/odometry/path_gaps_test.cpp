@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "turnscale/odometry/path_gaps.h"
 
-#include <algorithm>
 #include <limits>
 #include <vector>
 
@@ -18,8 +17,7 @@ constexpr int kFirstAfter = 5;
 struct Drive {
   Map map;
   std::vector<MeasuredEnd> ends;
-  std::vector<double> sigmas;
-  MetricPath path;
+  RefinedScale refined;
 
   explicit Drive(double after, int keyframes = 10) {
     double x = 0;
@@ -32,29 +30,37 @@ struct Drive {
       }
       map.keyframes.push_back({k, time, {Eigen::Quaterniond::Identity(), {-x, 0, 0}}, {}, k == kFirstAfter});
       ends.push_back({time, {x, 0, 0}});
-      path.centres.emplace_back(2 * x, 0, 0);
-      path.metres_per_unit.push_back(2);
-      sigmas.push_back(0.02);
+      refined.path.centres.emplace_back(2 * x, 0, 0);
+      refined.path.metres_per_unit.push_back(2);
+      refined.keyframes.push_back({.sigma = 0.02});
     }
   }
 
-  double Bridge() { return BridgeGaps(map, ends, map.keyframes.back().time, sigmas, path); }
-  double GapLength() const { return path.centres[kFirstAfter].x() - path.centres[kFirstAfter - 1].x(); }
+  /// Returns the standard deviation of the path's length, up to so many seconds after the last keyframe.
+  double Bridge(double after = 0) {
+    BridgeGaps(map, ends, map.keyframes.back().time + after, refined);
+    return refined.gap_sigma;
+  }
+  double GapLength() const { return refined.path.centres[kFirstAfter].x() - refined.path.centres[kFirstAfter - 1].x(); }
+  void SetSigma(double sigma, int first, int end) {
+    for (int k = first; k < end; ++k) refined.keyframes[k].sigma = sigma;
+  }
 };
 
 TEST(BridgeGaps, ASteadySpeedGoesOn) {
   Drive drive(5);
-  const MetricPath before = drive.path;
+  const MetricPath before = drive.refined.path;
   EXPECT_NEAR(drive.Bridge(), GapLengthSigma(kGap, true), 1e-12);
   for (size_t k = 0; k < before.centres.size(); ++k)
-    EXPECT_LT((drive.path.centres[k] - before.centres[k]).norm(), 1e-9) << k;
+    EXPECT_LT((drive.refined.path.centres[k] - before.centres[k]).norm(), 1e-9) << k;
 }
 
 TEST(BridgeGaps, ACarThatStopsHasGoneHalfAsFar) {
   Drive drive(0);
   drive.Bridge();
   EXPECT_NEAR(drive.GapLength(), 0.5 * kGap * 10, 1e-9);
-  EXPECT_NEAR(drive.path.centres.back().x(), drive.path.centres[kFirstAfter].x(), 1e-9) << "what follows moves along";
+  EXPECT_NEAR(drive.refined.path.centres.back().x(), drive.refined.path.centres[kFirstAfter].x(), 1e-9)
+      << "what follows moves along";
 }
 
 TEST(BridgeGaps, ACarThatReversesHasHardlyMoved) {
@@ -75,20 +81,20 @@ TEST(BridgeGaps, OnlyWhatIsNotMeasuredIsInterpolated) {
 
 TEST(BridgeGaps, TheSideWithTheBetterScaleDecides) {
   Drive drive(10);
-  std::fill_n(drive.sigmas.begin(), kFirstAfter, 2.0);
+  drive.SetSigma(2, 0, kFirstAfter);
   const double sigma = drive.Bridge();
   EXPECT_NEAR(drive.GapLength(), kGap * 20, 0.05 * kGap * 20) << "the speed after the gap";
   EXPECT_GT(sigma, 0.9 * GapLengthSigma(kGap, false)) << "from one side only";
 
   Drive other(10);
-  std::fill(other.sigmas.begin() + kFirstAfter, other.sigmas.end(), 2.0);
+  other.SetSigma(2, kFirstAfter, 10);
   other.Bridge();
   EXPECT_NEAR(other.GapLength(), kGap * 10, 0.05 * kGap * 10) << "the speed before it";
 }
 
 TEST(BridgeGaps, APendingScaleIsTheSameOnBothSides) {
   Drive drive(10);
-  std::ranges::fill(drive.sigmas, std::numeric_limits<double>::infinity());
+  drive.SetSigma(std::numeric_limits<double>::infinity(), 0, 10);
   EXPECT_NEAR(drive.Bridge(), GapLengthSigma(kGap, true), 1e-12);
   EXPECT_NEAR(drive.GapLength(), 0.5 * kGap * (10 + 20), 1e-9);
 }
@@ -102,8 +108,7 @@ TEST(BridgeGaps, WithoutASpeedAfterThePredictionStays) {
 TEST(BridgeGaps, AnEndThatIsNotMeasuredCounts) {
   Drive drive(5, kFirstAfter);
   EXPECT_EQ(drive.Bridge(), 0);
-  EXPECT_NEAR(BridgeGaps(drive.map, drive.ends, drive.map.keyframes.back().time + 2, drive.sigmas, drive.path),
-              GapLengthSigma(2, false), 1e-12);
+  EXPECT_NEAR(drive.Bridge(2), GapLengthSigma(2, false), 1e-12);
 }
 
 TEST(GapLengthSigma, GrowsWithTheSquareOfTheTimeUpToABoundOfTheSpeed) {

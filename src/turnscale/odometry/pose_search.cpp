@@ -233,9 +233,9 @@ std::optional<RigidTransform> SearchPose(const Map& map, const CameraModel& came
   return search.Believed(*std::ranges::max_element(aligned, {}, &PoseEstimate::inliers));
 }
 
-std::optional<RigidTransform> SearchPose(const Map& map, const CameraModel& camera, const FlowImage& last_image,
-                                         const RigidTransform& last_from_world, const FlowImage& image,
-                                         const std::vector<FeatureTrack>& tracks, const RigidTransform& initial) {
+std::optional<RigidTransform> AlignPose(const Map& map, const CameraModel& camera, const FlowImage& last_image,
+                                        const FlowImage& image, const std::vector<FeatureTrack>& tracks,
+                                        const RigidTransform& last_from_world, const RigidTransform& initial) {
   const Search search(map, camera, last_image, last_from_world, image, tracks);
   return search.Believed(search.Align(initial));
 }

@@ -21,9 +21,9 @@ std::optional<RigidTransform> SearchPose(const Map& map, const CameraModel& came
                                          const FlowImage& image, const std::vector<FeatureTrack>& tracks,
                                          const MotionModel& motion, double time);
 
-/// The same where the pose is roughly known: `initial` alone is aligned.
-std::optional<RigidTransform> SearchPose(const Map& map, const CameraModel& camera, const FlowImage& last_image,
-                                         const RigidTransform& last_from_world, const FlowImage& image,
-                                         const std::vector<FeatureTrack>& tracks, const RigidTransform& initial);
+/// The same where the pose is roughly known: only `initial` is aligned. `last_from_world`: the pose of the last image.
+std::optional<RigidTransform> AlignPose(const Map& map, const CameraModel& camera, const FlowImage& last_image,
+                                        const FlowImage& image, const std::vector<FeatureTrack>& tracks,
+                                        const RigidTransform& last_from_world, const RigidTransform& initial);
 
 }  // namespace turnscale

@@ -19,9 +19,9 @@ std::vector<FrameResult> RefinedFramesOf(const FrameHistory& history, const Map&
     if (keyframes[i] >= 0) keyframe = keyframes[i];
     if (keyframe < 0) continue;
     frame.vehicle_from_camera = mount.At(keyframe);
-    frame.turning = refined.turning[keyframe] != 0;
-    frame.scale_sigma = refined.sigmas[keyframe];
-    frame.scale_state = StateAt(refined, keyframe);
+    frame.turning = refined.keyframes[keyframe].turning;
+    frame.scale_sigma = refined.keyframes[keyframe].sigma;
+    frame.scale_state = refined.keyframes[keyframe].state;
     if (!frame.keyframe || keyframe == 0 || map.keyframes[keyframe].after_gap) continue;
     const TurningMotion motion = StepMotion(map, keyframe - 1, mount);
     frame.psi = motion.psi;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "turnscale/odometry/settling.h"
+#include "turnscale/odometry/readjustment.h"
 
 #include <limits>
 
@@ -32,7 +32,7 @@ MountCalibration LearnedFromWindow(const Map& map, MountCalibration mount, int f
   return mount;
 }
 
-TEST(Settling, TheMountLearnsFromAdjustedKeyframesWhereverItStands) {
+TEST(Readjustment, TheMountLearnsFromAdjustedKeyframesWhereverItStands) {
   const Map map = MapOfTurns();
   const int keyframes = static_cast<int>(map.keyframes.size());
   const int first = keyframes - 20;
@@ -41,30 +41,30 @@ TEST(Settling, TheMountLearnsFromAdjustedKeyframesWhereverItStands) {
     MountCalibration mount{VehicleOptions()};
     if (learned > 0) mount.Learn(map, learned - 1);
     const int next = mount.next_keyframe();
-    const SettlingWork work = WorkToSettle(kWindow, map, mount, 0.01, first);
+    const ReadjustmentWork work = WorkToReadjust(kWindow, map, mount, 0.01, first);
     EXPECT_EQ(work.applied_correction, 0.01);
     EXPECT_EQ(work.first, first);
     EXPECT_EQ(work.end, keyframes);
     ASSERT_EQ(static_cast<int>(work.unlearned.size()), keyframes - next);
-    const SettlingWork settled = Settled(kWindow, work);
-    EXPECT_FALSE(settled.window.landmarks.empty());
-    EXPECT_EQ(settled.mount.next_keyframe(), keyframes);
+    const ReadjustmentWork readjusted = Readjusted(kWindow, work);
+    EXPECT_FALSE(readjusted.window.landmarks.empty());
+    EXPECT_EQ(readjusted.mount.next_keyframe(), keyframes);
     const MountCalibration expected = LearnedFromWindow(map, mount, first);
-    EXPECT_EQ(settled.mount.current().vehicle_from_camera.coeffs(), expected.current().vehicle_from_camera.coeffs());
+    EXPECT_EQ(readjusted.mount.current().vehicle_from_camera.coeffs(), expected.current().vehicle_from_camera.coeffs());
     const Eigen::Vector3d off =
-        settled.unlearned.back().camera_from_world.translation - map.keyframes.back().camera_from_world.translation;
+        readjusted.unlearned.back().camera_from_world.translation - map.keyframes.back().camera_from_world.translation;
     EXPECT_GT(off.norm(), 0.03) << "the last keyframe is back at its place";
   }
 }
 
-TEST(Settling, AWindowOfNoNumbersIsLeftOut) {
+TEST(Readjustment, AWindowOfNoNumbersIsLeftOut) {
   Map map = MapOfTurns();
   map.keyframes.back().camera_from_world.translation.x() = std::numeric_limits<double>::quiet_NaN();
   const int keyframes = static_cast<int>(map.keyframes.size());
-  const SettlingWork settled =
-      Settled(kWindow, WorkToSettle(kWindow, map, MountCalibration{VehicleOptions()}, 0, keyframes - 20));
-  EXPECT_TRUE(settled.window.landmarks.empty());
-  EXPECT_EQ(settled.mount.next_keyframe(), keyframes);
+  const ReadjustmentWork readjusted =
+      Readjusted(kWindow, WorkToReadjust(kWindow, map, MountCalibration{VehicleOptions()}, 0, keyframes - 20));
+  EXPECT_TRUE(readjusted.window.landmarks.empty());
+  EXPECT_EQ(readjusted.mount.next_keyframe(), keyframes);
 }
 
 }  // namespace

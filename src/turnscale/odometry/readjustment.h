@@ -11,21 +11,21 @@ namespace turnscale {
 
 /// A copy of the latest part of a map, which is adjusted in one large window, usually in the background. The local
 /// windows during the drive had fewer observations and a less accurate lens correction.
-struct SettlingWork {
+struct ReadjustmentWork {
   double applied_correction = 0;    ///< radial correction of the window's pixels
-  int first = 0;                    ///< first keyframe to settle
+  int first = 0;                    ///< the first of the adjusted keyframes
   int end = 0;                      ///< the one after the last
-  WindowProblem window;             ///< once settled: adjusted; no landmarks if it contains NaN
-  MountCalibration mount;           ///< once settled: has learned from the keyframes before `end`
+  WindowProblem window;             ///< once readjusted: with the new poses; no landmarks if it contains NaN
+  MountCalibration mount;           ///< once readjusted: has learned from the keyframes before `end`
   std::vector<Keyframe> unlearned;  ///< that it learns from, without observations
 };
 
 /// The keyframes of the map from `first` on. `correction` is the radial correction of the map's pixels, `mount` the
 /// camera-to-vehicle rotation so far.
-SettlingWork WorkToSettle(const LocalBundleOptions& options, const Map& map, const MountCalibration& mount,
-                          double correction, int first);
+ReadjustmentWork WorkToReadjust(const LocalBundleOptions& options, const Map& map, const MountCalibration& mount,
+                                double correction, int first);
 
 /// The work with its window adjusted and the camera-to-vehicle rotation updated.
-SettlingWork Settled(const LocalBundleOptions& options, SettlingWork work);
+ReadjustmentWork Readjusted(const LocalBundleOptions& options, ReadjustmentWork work);
 
 }  // namespace turnscale

@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: MIT
-#include "turnscale/odometry/settling.h"
+#include "turnscale/odometry/readjustment.h"
 
 #include <algorithm>
 
 namespace turnscale {
 
-SettlingWork WorkToSettle(const LocalBundleOptions& options, const Map& map, const MountCalibration& mount,
-                          double correction, int first) {
-  SettlingWork work{.applied_correction = correction,
-                    .first = first,
-                    .end = static_cast<int>(map.keyframes.size()),
-                    .window = MakeLocalWindow(options, first, map),
-                    .mount = mount,
-                    .unlearned = {}};
+ReadjustmentWork WorkToReadjust(const LocalBundleOptions& options, const Map& map, const MountCalibration& mount,
+                                double correction, int first) {
+  ReadjustmentWork work{.applied_correction = correction,
+                        .first = first,
+                        .end = static_cast<int>(map.keyframes.size()),
+                        .window = MakeLocalWindow(options, first, map),
+                        .mount = mount,
+                        .unlearned = {}};
   for (int k = mount.next_keyframe(); k < work.end; ++k) {
     const Keyframe& keyframe = map.keyframes[k];
     work.unlearned.push_back(
@@ -21,7 +21,7 @@ SettlingWork WorkToSettle(const LocalBundleOptions& options, const Map& map, con
   return work;
 }
 
-SettlingWork Settled(const LocalBundleOptions& options, SettlingWork work) {
+ReadjustmentWork Readjusted(const LocalBundleOptions& options, ReadjustmentWork work) {
   if (AdjustWindow(options, work.window)) {
     const int first_adjusted = work.window.window.first;
     const int first_unlearned = work.mount.next_keyframe();

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/odometry/refined_scale.h"
+
+#include <cmath>
+
+namespace turnscale {
+namespace {
+
+// Change of the log-scale that an error of the calibration may cause: per relative error of the focal length, per rad
+// of the principal point, per unit of radial correction. About the largest that the turns of benchmarks/variants show
+// by themselves.
+constexpr double kScalePerFocalLength = 2;
+constexpr double kScalePerAngle = 3;
+constexpr double kScalePerCorrection = 15;
+
+}  // namespace
+
+ScaleState StateAtEnd(const RefinedScale& refined) {
+  return refined.keyframes.empty() ? ScaleState::kPending : refined.keyframes.back().state;
+}
+
+double CalibrationSigma(const std::vector<ParameterEstimate>& contradictions, const CameraModel& camera) {
+  const double focal_length = camera.pinhole.fx;
+  double variance = std::pow(kScalePerFocalLength * (camera.focal_sigma / focal_length), 2);
+  for (const ParameterEstimate& estimate : contradictions) {
+    const double off = estimate.found - estimate.given;
+    double sigma = 0;
+    switch (estimate.parameter) {
+      case IntrinsicsParameter::kFocalLength:
+        sigma = kScalePerFocalLength * off / focal_length;
+        break;
+      case IntrinsicsParameter::kCentreX:
+      case IntrinsicsParameter::kCentreY:
+        sigma = kScalePerAngle * off / focal_length;
+        break;
+      case IntrinsicsParameter::kDistortion:
+        sigma = kScalePerCorrection * off;
+        break;
+    }
+    variance += sigma * sigma;
+  }
+  return std::sqrt(variance);
+}
+
+void WidenForCalibration(const std::vector<ParameterEstimate>& contradictions, const CameraModel& camera,
+                         RefinedScale& refined) {
+  refined.contradicted_calibration = contradictions;
+  const double widening = CalibrationSigma(contradictions, camera);
+  if (widening == 0 || !refined.estimate) return;
+  for (KeyframeScale& keyframe : refined.keyframes) keyframe.sigma = std::hypot(keyframe.sigma, widening);
+  refined.estimate->length_sigma = std::hypot(refined.estimate->length_sigma, widening);
+}
+
+}  // namespace turnscale

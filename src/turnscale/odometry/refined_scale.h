@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "turnscale/camera/camera_model.h"
+#include "turnscale/mapping/calibration_check.h"
+#include "turnscale/odometry/frame_history.h"
+#include "turnscale/odometry/results.h"
+#include "turnscale/scale/scale_estimator.h"
+
+namespace turnscale {
+
+/// The scale at a keyframe.
+struct KeyframeScale {
+  double sigma = std::numeric_limits<double>::infinity();  ///< relative; infinite while the scale is pending
+  ScaleState state = ScaleState::kPending;                 ///< of it and of the frames that follow
+  bool turning = false;                                    ///< the step that leads to the keyframe belongs to a turn
+
+  bool operator==(const KeyframeScale&) const = default;
+};
+
+/// The scale estimated from the whole drive.
+struct RefinedScale {
+  MetricPath path;
+  std::vector<KeyframeScale> keyframes;
+  std::vector<TurnResult> turns;
+  std::optional<ScaleEstimate> estimate;  ///< empty while the scale is pending
+  std::string reason;                     ///< why it is empty
+  /// The map was adjusted with the lengths of turns constrained (ConstrainTurns): `path` is that of the adjusted map.
+  bool constrained = false;
+  double gap_sigma = 0;  ///< standard deviation of the path's length due to parts that are not measured, metres
+  /// Intrinsics that are inconsistent with the images of turns; sigmas include their effect on the scale.
+  std::vector<ParameterEstimate> contradicted_calibration;
+  int calibration_windows = 0;  ///< parts of turns in which the intrinsics were tested
+};
+
+/// State of the scale at the last keyframe; pending without one.
+ScaleState StateAtEnd(const RefinedScale& refined);
+
+/// Relative standard deviation of the scale due to the estimated errors of the calibration: the error of the direction
+/// of travel over the lever arm's contribution to it. A coarse bound (benchmarks/variants): the scale from such a
+/// calibration is not reliable. Without contradictions only the standard deviation of the focal length of `camera`
+/// counts, with which the map is made.
+double CalibrationSigma(const std::vector<ParameterEstimate>& contradictions, const CameraModel& camera);
+
+/// Adds it to all sigmas of `refined` in quadrature.
+void WidenForCalibration(const std::vector<ParameterEstimate>& contradictions, const CameraModel& camera,
+                         RefinedScale& refined);
+
+}  // namespace turnscale

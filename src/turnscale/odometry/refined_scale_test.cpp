@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/odometry/refined_scale.h"
+
+#include <gtest/gtest.h>
+
+namespace turnscale {
+namespace {
+
+ParameterEstimate Off(IntrinsicsParameter parameter, double off) {
+  ParameterEstimate estimate;
+  estimate.parameter = parameter;
+  estimate.given = 500;
+  estimate.found = 500 + off;
+  return estimate;
+}
+
+TEST(WidenForCalibration, AddsWhatEachContradictionMayCost) {
+  CameraModel camera;
+  camera.pinhole = {700, 700, 600, 180};
+  const auto widened = [&](const std::vector<ParameterEstimate>& contradictions) {
+    RefinedScale refined;
+    refined.estimate.emplace();
+    refined.estimate->length_sigma = 0.03;
+    refined.keyframes = {{.sigma = 0.02}, {.sigma = 0.05}};
+    WidenForCalibration(contradictions, camera, refined);
+    EXPECT_EQ(refined.contradicted_calibration.size(), contradictions.size());
+    const auto gained = [](double after, double before) { return after * after - before * before; };
+    EXPECT_NEAR(gained(refined.keyframes[0].sigma, 0.02), gained(refined.estimate->length_sigma, 0.03), 1e-12);
+    EXPECT_NEAR(gained(refined.keyframes[1].sigma, 0.05), gained(refined.estimate->length_sigma, 0.03), 1e-12);
+    return gained(refined.estimate->length_sigma, 0.03);
+  };
+  EXPECT_EQ(widened({}), 0);
+  const double focal = widened({Off(IntrinsicsParameter::kFocalLength, 20)});
+  const double centre = widened({Off(IntrinsicsParameter::kCentreX, -15)});
+  EXPECT_GT(focal, 0.0025) << "3 % of the focal length cost more than 5 % of scale";
+  EXPECT_GT(centre, 0);
+  EXPECT_NEAR(widened({Off(IntrinsicsParameter::kFocalLength, -40)}), 4 * focal, 1e-9);
+  EXPECT_NEAR(widened({Off(IntrinsicsParameter::kFocalLength, 20), Off(IntrinsicsParameter::kCentreX, -15)}),
+              focal + centre, 1e-9);
+  RefinedScale pending;
+  pending.keyframes = {{.sigma = 1}};
+  WidenForCalibration({Off(IntrinsicsParameter::kDistortion, 0.01)}, camera, pending);
+  EXPECT_EQ(pending.keyframes[0].sigma, 1);
+  EXPECT_EQ(pending.contradicted_calibration.size(), 1u);
+}
+
+}  // namespace
+}  // namespace turnscale
