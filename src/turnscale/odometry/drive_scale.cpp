@@ -155,7 +155,7 @@ bool DriveScale::Add(const Map& map) {
   for (; keyframes_ < static_cast<int>(map.keyframes.size()); ++keyframes_) {
     const bool ends = Feed(map, keyframes_);
     const bool ends_used = ends && live_.used_last_turn();
-    if (ends_used) unread_turn_end_ = keyframes_;
+    if (ends_used) unread_turn_ends_.push_back(keyframes_);
     // A keyframe behind a loss of tracking ends a turn that it is no part of.
     used_turn_ended_ = ends_used && !map.keyframes[keyframes_].after_gap;
     turn_ended = turn_ended || ends;
@@ -190,8 +190,9 @@ void DriveScale::Reread(const Map& map, MountCalibration mount, const Readjusted
       checkpoint_ = Checkpoint{k, builder_, live_, mount_.At(k)};
     Feed(map, k);
   }
-  std::optional<int> turn_end;
-  if (unread_turn_end_ && *unread_turn_end_ < keyframes.end) turn_end = std::exchange(unread_turn_end_, std::nullopt);
+  const auto unread = std::ranges::lower_bound(unread_turn_ends_, keyframes.end);
+  const std::optional<int> turn_end = unread == unread_turn_ends_.begin() ? std::nullopt : std::optional(*(unread - 1));
+  unread_turn_ends_.erase(unread_turn_ends_.begin(), unread);
   UpdateLive(map, keyframes.first, turn_end);
   if (turn_end) last_turn_end_ = *turn_end;
 }

@@ -104,8 +104,8 @@ class DriveScale {
   double sigma_ = std::numeric_limits<double>::infinity();
   int keyframes_ = 0;  ///< taken so far
   int last_turn_end_ = 0;
-  bool used_turn_ended_ = false;        ///< with the latest keyframe
-  std::optional<int> unread_turn_end_;  ///< keyframe that ended a used turn which has not been re-evaluated
+  bool used_turn_ended_ = false;       ///< with the latest keyframe
+  std::vector<int> unread_turn_ends_;  ///< keyframes that ended used turns which have not been re-evaluated
 };
 
 /// Camera motion of the step from keyframe `step` to the next.

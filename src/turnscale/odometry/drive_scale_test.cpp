@@ -448,6 +448,17 @@ TEST(DriveScale, ReadingTheLatestPartAgainIsEnough) {
   EXPECT_TRUE(whole.scale.mount().current().found);
 }
 
+TEST(DriveScale, ATurnIsReadAgainThoughAnotherHasEndedMeanwhile) {
+  std::vector<DriveSegment> segments = kTwoCorners;
+  segments.push_back({40, 0.8, 0});
+  Live live(KnownCar(), TrueDrive(segments), kUnits);
+  live.delay = 60;
+  live.Drive();
+  ASSERT_EQ(live.scale.Refine(live.map).turns.size(), 2U);
+  EXPECT_GE(live.scale.last_turn_end(), kFirstCorner + 22);
+  EXPECT_LT(live.scale.last_turn_end(), kSecondCorner) << "the second turn waits";
+}
+
 TEST(DriveScale, StaysPendingWithoutALeverArm) {
   OdometryOptions options = KnownCar();
   options.vehicle.lever_arm.reset();

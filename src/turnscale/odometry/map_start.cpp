@@ -102,40 +102,48 @@ AddedStart AddStart(const InitialMap& start, const StartPlace& place, Map& map) 
 std::vector<LocatedFrame> LocateWaitingFrames(const OdometryOptions& options, const CameraModel& camera,
                                               const InitialMap& start, const Map& map, int keyframe, int first_landmark,
                                               MotionModel& motion) {
-  const WaitingFrame& second = start.frames.back();
-  const RigidTransform& first_pose = map.keyframes[keyframe].camera_from_world;
-  const RigidTransform& second_pose = map.keyframes[keyframe + 1].camera_from_world;
-  std::vector<LocatedFrame> located;
-  const WaitingFrame* moved = nullptr;  // the latest that is no repeat
-  double last_time = start.frames.front().time;
-  for (const WaitingFrame& waiting : start.frames) {
-    const bool is_second = &waiting == &second;
+  const auto estimate = [&](const WaitingFrame& frame, const RigidTransform& initial) {
+    return EstimatePose(options.pose, camera.pinhole, SightingsIn(map, frame, first_landmark), initial);
+  };
+  const auto result_of = [](const WaitingFrame& frame, TrackingState state, int inliers) {
     FrameResult result;
-    result.frame = waiting.frame;
-    result.time = waiting.time;
-    result.state = TrackingState::kRepeated;
-    result.tracked = static_cast<int>(waiting.features.size());
-    const double interval = waiting.time - std::exchange(last_time, waiting.time);
-    if (moved && Repeats(options.repeats, motion, map, *moved, waiting, interval, first_landmark)) {
-      if (!is_second) located.push_back({result, motion.Predict(waiting.time)});
+    result.frame = frame.frame;
+    result.time = frame.time;
+    result.state = state;
+    result.tracked = static_cast<int>(frame.features.size());
+    result.inliers = inliers;
+    return result;
+  };
+  const auto state_of = [&](const PoseEstimate& pose) {
+    return IsBelievable(options.tracking, pose) ? TrackingState::kTracked : TrackingState::kBridged;
+  };
+  const WaitingFrame* moved = &start.frames.front();  // the latest one whose pose was measured
+  const auto repeats = [&](std::size_t i) {
+    const double interval = start.frames[i].time - start.frames[i - 1].time;
+    return Repeats(options.repeats, motion, map, *moved, start.frames[i], interval, first_landmark);
+  };
+
+  const RigidTransform& first_pose = map.keyframes[keyframe].camera_from_world;
+  const PoseEstimate first = estimate(*moved, first_pose);
+  std::vector<LocatedFrame> located{{result_of(*moved, state_of(first), first.inliers), first_pose}};
+  located.back().result.keyframe = true;
+  motion.Restart(moved->time, first.camera_from_world);
+  const std::size_t second = start.frames.size() - 1;
+  for (std::size_t i = 1; i < second; ++i) {
+    const WaitingFrame& frame = start.frames[i];
+    if (repeats(i)) {
+      located.push_back({result_of(frame, TrackingState::kRepeated, 0), motion.Predict(frame.time)});
       continue;
     }
-    const PoseEstimate estimate = EstimatePose(options.pose, camera.pinhole, SightingsIn(map, waiting, first_landmark),
-                                               moved ? motion.last() : first_pose);
-    const RigidTransform pose = is_second ? second_pose : estimate.camera_from_world;
-    result.state = IsBelievable(options.tracking, estimate) ? TrackingState::kTracked : TrackingState::kBridged;
-    result.inliers = estimate.inliers;
-    result.keyframe = !moved;
-    if (!is_second) located.push_back({result, result.keyframe ? first_pose : pose});
-    if (!moved) {
-      motion.Restart(waiting.time, pose);
-    } else if (is_second || result.state == TrackingState::kTracked) {
-      motion.Update(waiting.time, pose);
-    } else {
-      continue;
-    }
-    moved = &waiting;
+    const PoseEstimate pose = estimate(frame, motion.last());
+    const TrackingState state = state_of(pose);
+    located.push_back({result_of(frame, state, pose.inliers), pose.camera_from_world});
+    // A pose that is not believable is no motion.
+    if (state != TrackingState::kTracked) continue;
+    motion.Update(frame.time, pose.camera_from_world);
+    moved = &frame;
   }
+  if (!repeats(second)) motion.Update(start.frames[second].time, map.keyframes[keyframe + 1].camera_from_world);
   return located;
 }
 

@@ -73,7 +73,7 @@ Odometry::Odometry(const OdometryOptions& options, const CameraModel& camera)
     : options_(Checked(options, camera)),
       camera_(camera),
       mask_(options_.static_regions),
-      initializer_(options_, camera_),
+      initializer_(std::in_place, options_, camera_),
       tracker_(options_),
       motion_(options_.motion),
       lens_(options_.lens),
@@ -92,7 +92,7 @@ FrameResult Odometry::Process(const cv::Mat& gray, double time) {
   const double interval = time - seen_time_;
   FrameResult result = NewFrame(time, TrackingState::kInitializing);
   const FlowImage image = BuildFlowImage(options_.flow, gray);
-  if (!mapping_) return Initialize(image, result);
+  if (!mapping()) return Initialize(image, result);
 
   const RigidTransform predicted = motion_.Predict(time);
   if (time - motion_.time() <= options_.repeats.max_seconds &&
@@ -110,10 +110,14 @@ FrameResult Odometry::Process(const cv::Mat& gray, double time) {
       InBackground([&] { return FindCandidates(options_.corners, image.gray, image.dark); });
   ApplyBackgroundWork();
   AddKeyframe(result);
+  result.keyframe = true;
   // The road's observer reads only poses and gaps of keyframes, which adding features does not change.
   std::future<std::optional<MeasuredHeight>> height = InBackground([&] { return ObserveRoad(image); });
   tracker_.Replenish(camera_, image, corners.get(), map_);
-  ObserveScale(height.get(), result);
+  ObserveScale(height.get());
+  const TurningMotion motion = StepMotion(map_, static_cast<int>(map_.keyframes.size()) - 2, mount());
+  result.psi = motion.psi;
+  result.theta = motion.theta;
   StartReadjustment();
   StartCameraWork();
   return MetricResult(result, map_.keyframes.back().camera_from_world);
@@ -154,10 +158,7 @@ void Odometry::SetMask(const cv::Mat& mask) {
 
 void Odometry::ApplyMask() { tracker_.SetMask(mask_.pixels()); }
 
-void Odometry::WaitForMap() {
-  mapping_ = false;
-  initializer_ = MapInitializer(options_, camera_, mask_.pixels());
-}
+void Odometry::WaitForMap() { initializer_.emplace(options_, camera_, mask_.pixels()); }
 
 FrameResult Odometry::NewFrame(double time, TrackingState state) {
   least_interval_ = std::min(least_interval_, time - last_time_);
@@ -192,11 +193,14 @@ void Odometry::Finish() {
 }
 
 FrameResult Odometry::Initialize(const FlowImage& image, FrameResult result) {
-  const std::optional<InitialMap> start = initializer_.Add(image, result.frame, result.time);
-  result.tracked = initializer_.tracked();
-  if (!map_.keyframes.empty()) result = Bridge(motion_.Predict(result.time), result);
-  if (map_.keyframes.empty()) history_.AddWithoutPose(result);
+  const std::optional<InitialMap> start = initializer_->Add(image, result.frame, result.time);
+  result.tracked = initializer_->tracked();
+  if (map_.keyframes.empty())
+    history_.AddWithoutPose(result);
+  else
+    result = Bridge(motion_.Predict(result.time), result);
   if (!start) return result;
+  // Replaces what the history has of this frame and of those that waited with it.
   StartMap(image, *start);
   ObserveRoad(image);  // shows nothing yet; the next keyframe is compared with it
   result.state = TrackingState::kTracked;
@@ -219,7 +223,7 @@ void Odometry::StartMap(const FlowImage& image, const InitialMap& start) {
   mask_.LeaveOut(start.motion);
   start_in_doubt_ = start.has_still_features ? std::optional(added.keyframe) : std::nullopt;
   ApplyMask();
-  mapping_ = true;
+  initializer_.reset();
   lost_frames_ = 0;
   seen_time_ = start.frames.back().time;
   scale_.Add(map_);
@@ -244,11 +248,11 @@ FrameResult Odometry::Bridge(const RigidTransform& predicted, FrameResult result
   const bool is_unreadable = result.state == TrackingState::kUnreadable;
   if (!is_unreadable) result.state = TrackingState::kBridged;
   const TrackingOptions& limits = options_.tracking;
-  const bool stood = mapping_ && tracker_.HasStood();
+  const bool stood = mapping() && tracker_.HasStood();
   // Without an image the map is no more lost than where images are missing.
-  if (mapping_ && !is_unreadable) ++lost_frames_;
+  if (mapping() && !is_unreadable) ++lost_frames_;
   const double patience = stood ? limits.max_hidden_seconds : limits.max_lost_seconds;
-  const bool gives_up = mapping_ && lost_frames_ >= limits.min_lost_frames && result.time - motion_.time() > patience;
+  const bool gives_up = mapping() && lost_frames_ >= limits.min_lost_frames && result.time - motion_.time() > patience;
   if (!gives_up) return MetricResult(result, stood ? motion_.last() : predicted);
   // No turn reaches across the gap: one that was under way is read from the map it belongs to. What is pending may
   // change the radial correction, under which the pixels that wait for the next map are undistorted.
@@ -260,41 +264,45 @@ FrameResult Odometry::Bridge(const RigidTransform& predicted, FrameResult result
   return MetricResult(result, last);
 }
 
-void Odometry::AddKeyframe(FrameResult& result) {
+void Odometry::AddKeyframe(const FrameResult& result) {
   const RigidTransform camera_from_world = motion_.last();
   const int keyframe = static_cast<int>(map_.keyframes.size());
   mask_.Observe(tracker_.DropStatic(map_, camera_from_world));
   ApplyMask();
   map_.keyframes.push_back({result.frame, result.time, camera_from_world, {}, false});
   for (const FeatureTrack& track : tracker_.tracks()) AddObservation(map_, keyframe, track.landmark, track.undistorted);
-  // Where parts of the image stand still, what has not moved so far may belong to them, even if its rays meet.
   if (start_in_doubt_ && InDegrees(TurnBetween(map_, *start_in_doubt_, keyframe)) > kDecidingTurn)
     start_in_doubt_.reset();
-  const bool in_doubt = start_in_doubt_ || !mask_.pixels().empty();
-  const auto has_stayed = [&](const FeatureTrack& track) {
-    return HasStayed(map_.landmarks[track.landmark], track.undistorted, options_.static_regions.max_motion);
-  };
-  std::vector<int> of_scene;
-  for (const FeatureTrack& track : tracker_.tracks())
-    if (!in_doubt || !has_stayed(track)) of_scene.push_back(track.landmark);
-  TriangulateLandmarks(options_.landmarks, of_scene, map_);
+  TriangulateLandmarks(options_.landmarks, LandmarksOfScene(), map_);
   const LocalBundleResult adjusted = AdjustLocalWindow(options_.local_bundle, map_);
   tracker_.Drop(CullLandmarks(options_.landmarks, adjusted.landmarks, keyframe, map_));
-  for (; unit_judged_ + kKeyframesOfUnit <= keyframe; ++unit_judged_)
-    map_.keyframes[unit_judged_].pixel_unit_variance = UnitVariance(map_, unit_judged_, kKeyframesOfUnit).value_or(0.0);
+  JudgeUnits();
   motion_.Correct(map_.keyframes.back().camera_from_world, 1.0);
-  result.keyframe = true;
+}
+
+std::vector<int> Odometry::LandmarksOfScene() const {
+  // Where parts of the image stand still, what has not moved so far may belong to them, even if its rays meet.
+  const bool in_doubt = start_in_doubt_ || !mask_.pixels().empty();
+  std::vector<int> landmarks;
+  for (const FeatureTrack& track : tracker_.tracks()) {
+    const Landmark& landmark = map_.landmarks[track.landmark];
+    if (!in_doubt || !HasStayed(landmark, track.undistorted, options_.static_regions.max_motion))
+      landmarks.push_back(track.landmark);
+  }
+  return landmarks;
+}
+
+void Odometry::JudgeUnits() {
+  for (; unit_judged_ + kKeyframesOfUnit < static_cast<int>(map_.keyframes.size()); ++unit_judged_)
+    map_.keyframes[unit_judged_].pixel_unit_variance = UnitVariance(map_, unit_judged_, kKeyframesOfUnit).value_or(0.0);
 }
 
 std::optional<MeasuredHeight> Odometry::ObserveRoad(const FlowImage& image) {
   return road_.Observe(map_, camera_, mount().current().vehicle_from_camera, image, mask_.pixels());
 }
 
-void Odometry::ObserveScale(const std::optional<MeasuredHeight>& height, FrameResult& result) {
+void Odometry::ObserveScale(const std::optional<MeasuredHeight>& height) {
   if (height) scale_.AddHeight(*height);
-  const TurningMotion motion = StepMotion(map_, static_cast<int>(map_.keyframes.size()) - 2, mount());
-  result.psi = motion.psi;
-  result.theta = motion.theta;
   const bool turn_ended = scale_.Add(map_);
   motion_.SetVertical(mount().current().vehicle_from_camera.conjugate() * Eigen::Vector3d::UnitY());
   const int not_readjusted = static_cast<int>(map_.keyframes.size() - lens_of_keyframe_.size());

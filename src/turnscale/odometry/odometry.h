@@ -113,6 +113,7 @@ class Odometry {
   void CheckImage(const cv::Mat& gray);
   void ApplyMask();
   void WaitForMap();
+  bool mapping() const { return !initializer_; }
   FrameResult NewFrame(double time, TrackingState state);
   FrameResult Initialize(const FlowImage& image, FrameResult result);
   void StartMap(const FlowImage& image, const InitialMap& start);
@@ -126,12 +127,16 @@ class Odometry {
   };
 
   /// The latest frame becomes a keyframe.
-  void AddKeyframe(FrameResult& result);
+  void AddKeyframe(const FrameResult& result);
+  /// Tracks of the latest keyframe that move with the scene, as far as that can be told: their landmarks.
+  std::vector<int> LandmarksOfScene() const;
+  /// Judges how well landmarks determine the unit of length at keyframes that enough others follow by now.
+  void JudgeUnits();
   /// Measures the height above the road at the latest keyframe, whose image this is. Empty where it does not show.
   std::optional<MeasuredHeight> ObserveRoad(const FlowImage& image);
   /// Updates the scale with the latest keyframe and the height that was measured there, if any. A readjustment is
   /// due if it ended a turn, or many keyframes have not been readjusted yet.
-  void ObserveScale(const std::optional<MeasuredHeight>& height, FrameResult& result);
+  void ObserveScale(const std::optional<MeasuredHeight>& height);
   /// Starts to adjust a copy of the keyframes that are not readjusted, if that is due, no copy is being adjusted and no
   /// keyframe waits to be archived.
   void StartReadjustment();
@@ -173,7 +178,7 @@ class Odometry {
   OdometryOptions options_;
   CameraModel camera_;
   ImageMask mask_;
-  MapInitializer initializer_;
+  std::optional<MapInitializer> initializer_;  ///< while there is no map to track against
   FrameTracker tracker_;
   MotionModel motion_;
   LensRefinement lens_;
@@ -190,8 +195,7 @@ class Odometry {
   bool finished_ = false;
   /// Keyframe at which the map started with features that stood still, until a turn shows whether they are far away.
   std::optional<int> start_in_doubt_;
-  bool mapping_ = false;  ///< there is a map to track against
-  int lost_frames_ = 0;   ///< consecutive, up to now
+  int lost_frames_ = 0;  ///< consecutive, up to now
   double last_time_ = -std::numeric_limits<double>::infinity();
   double seen_time_ = 0;  ///< of the last frame that was tracked or repeated, seconds
   double least_interval_ = std::numeric_limits<double>::infinity();  ///< between two frames, seconds
