@@ -28,16 +28,15 @@ double Relinearize(const SmoothedScale& smoothed, std::vector<DriveState>& at) {
 }
 
 void Reweigh(const std::vector<DriveState>& at, double huber, ScaleProblem& problem) {
-  for (std::size_t i = 0; i < at.size(); ++i) {
-    SegmentEvidence& evidence = problem.evidence[i];
-    for (const auto& [kind, measurement] : MeasurementsOf(evidence, at[i], problem.options))
-      evidence.weights[kind] = HuberWeight(measurement.innovation / std::sqrt(measurement.variance), huber);
-  }
+  for (std::size_t i = 0; i < at.size(); ++i)
+    for (const auto& [kind, measurement] : MeasurementsOf(problem.evidence[i], at[i], problem.options))
+      problem.weights[i][kind] = HuberWeight(measurement.innovation / std::sqrt(measurement.variance), huber);
 }
 
 SmoothedDrive SmoothUntilConverged(ScaleProblem problem, double huber) {
   SmoothedDrive drive;
   drive.problem = std::move(problem);
+  drive.problem.weights.assign(drive.problem.segments.size(), kFullWeights);
   std::vector<DriveState> at(drive.problem.segments.size(), drive.problem.prior.mean);
   for (int i = 0; i < kMostIterations && !drive.converged; ++i) {
     drive.smoothed = SmoothScale(drive.problem, at);

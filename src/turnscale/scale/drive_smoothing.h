@@ -23,8 +23,9 @@ struct SmoothedDrive {
 /// Maximum a posteriori estimate with robust weights: Gauss-Newton by repeated smoothing (SmoothScale). Which turns are
 /// usable depends on the direction of travel and the slip, so the turns are selected again with the estimate.
 ///
-/// `problem`: segments, options and drift; evidence and prior are set here. `gathered`: the evidence of all segments.
-/// `selection`: the turns to begin with; StartingLogScale must not be empty. `huber`: ScaleEstimatorOptions::huber.
+/// `problem`: segments, options and drift; evidence, weights and prior are set here. `gathered`: the evidence of all
+/// segments. `selection`: the turns to begin with; StartingLogScale must not be empty. `huber`:
+/// ScaleEstimatorOptions::huber.
 SmoothedDrive SmoothDrive(ScaleProblem problem, const std::vector<SegmentEvidence>& gathered, const CarPrior& car,
                           double huber, TurnSelection selection);
 

@@ -106,14 +106,14 @@ void LiveScale::TakeDirection(std::span<const VehicleStep> steps, bool road_part
   const std::optional<double> metres_per_unit = MetresPerUnit(steps, belief);
   if (!metres_per_unit) return;
   const double lever_arm = std::exp(belief.mean[kLogLeverArm]) / *metres_per_unit;
-  SegmentEvidence evidence = EvidenceOfStraight(steps, lever_arm, options_.evidence);
-  if (road_part) ShareDirection(options_.evidence, evidence);
+  std::optional<StraightDirection> straight = DirectionOnStraight(steps, lever_arm, options_.evidence);
+  if (!straight) return;
+  if (road_part) ShareDirection(options_.evidence, *straight);
   DriveState at = belief.mean;
   at[kLogScale] = std::log(*metres_per_unit);
-  const auto measurement = Linearize(evidence, at, options_.evidence);
-  if (!measurement) return;
-  const double deviation = std::sqrt(NormalizedInnovation(belief, *measurement, 1, at));
-  belief = Updated(belief, *measurement, HuberWeight(deviation, options_.huber), at);
+  const Measurement measurement = LinearizeStraight(*straight, at, options_.evidence);
+  const double deviation = std::sqrt(NormalizedInnovation(belief, measurement, 1, at));
+  belief = Updated(belief, measurement, HuberWeight(deviation, options_.huber), at);
 }
 
 void LiveScale::Advance(std::span<const VehicleStep> steps, ScaleBelief& belief) const {
@@ -157,7 +157,7 @@ LiveScale::TurnUpdate LiveScale::WithTurn(const ScaleBelief& belief, std::span<c
   ScaleBelief start = belief;
   if (used && !started_ && belief.sigma() > kUnknownScale) {
     // The prior of the scale is arbitrary. What has been related to it moves along: the height, if the road was seen.
-    const double log_scale = std::log(OwnScale(evidence, belief.mean));
+    const double log_scale = std::log(OwnScale(*evidence.turn, belief.mean));
     start.mean +=
         start.covariance.col(kLogScale) / start.covariance(kLogScale, kLogScale) * (log_scale - start.mean[kLogScale]);
   }
@@ -167,7 +167,7 @@ LiveScale::TurnUpdate LiveScale::WithTurn(const ScaleBelief& belief, std::span<c
     updated = start;
     for (const auto& [kind, measurement] : MeasurementsOf(evidence, at, options_.evidence)) {
       // The first turn sets the scale: no prediction of it is there yet, against which to weigh the turn.
-      const bool sets_scale = !started_ && kind == kTurnOrStraight;
+      const bool sets_scale = !started_ && kind == kLeverArmOfTurn;
       const double deviation = std::sqrt(NormalizedInnovation(start, measurement, 1, at));
       updated = Updated(updated, measurement, sets_scale ? 1.0 : HuberWeight(deviation, options_.huber), at);
     }

@@ -28,9 +28,8 @@ inline int MostStraightSteps(std::span<const VehicleStep> steps, int max_straigh
 
 /// Crown and side wind are the same in all parts of a straight: enlarges the sigma of a part's direction so that all
 /// parts together determine the direction of travel no better than the undivided straight.
-inline void ShareDirection(const EvidenceOptions& options, SegmentEvidence& part) {
-  part.direction_sigma =
-      std::hypot(part.direction_sigma, std::sqrt(kRoadParts - 1.0) * options.straight_direction_sigma);
+inline void ShareDirection(const EvidenceOptions& options, StraightDirection& part) {
+  part.sigma = std::hypot(part.sigma, std::sqrt(kRoadParts - 1.0) * options.straight_direction_sigma);
 }
 
 }  // namespace turnscale

@@ -100,12 +100,12 @@ void CompareTurns(const SmoothedDrive& drive, const CarPrior& car, const TurnTes
   for (int i = 0; i < static_cast<int>(estimate.turns.size()); ++i) {
     TurnEstimate& turn = estimate.turns[i];
     if (!turn.used) continue;
-    const SegmentEvidence& evidence = problem.evidence[turn.segment];
+    const PooledLine& line = *problem.evidence[turn.segment].turn;
     const ScaleBelief& belief = estimate.smoothed[turn.segment];
-    const Measurement measurement = *Linearize(evidence, belief.mean, problem.options);
-    turn.own = OwnScale(evidence, belief.mean);
+    const Measurement measurement = LinearizeTurn(line, belief.mean, problem.options);
+    turn.own = OwnScale(line, belief.mean);
     turn.own_sigma = std::sqrt(measurement.variance) / std::abs(measurement.by_state[kLogScale]);
-    turn.weight = evidence.weights[kTurnOrStraight];
+    turn.weight = problem.weights[turn.segment][kLeverArmOfTurn];
     turn.deviation = measurement.innovation / std::sqrt(measurement.variance);
     if (!std::isfinite(turn.as_given)) continue;
     tested.push_back(i);
@@ -198,9 +198,11 @@ bool YawIsContradicted(const SmoothedDrive& drive, const CarPrior& car, const Sc
   const ScaleProblem& problem = drive.problem;
   std::vector<WeightedDirection> directions;
   for (std::size_t i = 0; i < problem.evidence.size(); ++i) {
+    const std::optional<DirectionInTurn>& turn = problem.evidence[i].direction_in_turn;
+    if (!turn) continue;
     const DriveState& state = drive.smoothed.segments[i].mean;
-    if (const auto direction = LinearizeDirectionInTurn(problem.evidence[i], state, problem.options))
-      directions.push_back({*direction, problem.evidence[i].weights[kDirectionInTurn]});
+    directions.push_back(
+        {LinearizeDirectionInTurn(*turn, state, problem.options), problem.weights[i][kDirectionInTurn]});
   }
   return TurnsContradictYaw(directions, drive.smoothed.segments.back(), problem.options.direction_in_turn_sigma,
                             options.max_turn_yaw_deviation);

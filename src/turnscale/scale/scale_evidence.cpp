@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <limits>
 #include <utility>
 
 #include "turnscale/base/check_part.h"
@@ -26,6 +25,8 @@ constexpr double kBendRatio = 0.9;
 // Of the steps of a segment that show the road.
 constexpr int kRoadReweightings = 5;
 constexpr double kRoadHuber = 1.5;
+
+double Square(double value) { return value * value; }
 
 LeverArm LeverArmOf(const DriveState& state) {
   return {std::exp(state[kLogLeverArm]), std::max(state[kSlip], 0.0), state[kRollHeight]};
@@ -104,44 +105,42 @@ void EvidenceOptions::Check() const {
 
 SegmentEvidence EvidenceOfTurn(std::span<const VehicleStep> steps, const EvidenceOptions& options) {
   SegmentEvidence evidence;
-  evidence.turning = true;
   PooledLineResult pooled = PoolTurn(steps, options.line);
   evidence.turn = pooled.line;
   if (pooled.line) evidence.direction_in_turn = FitDirectionInTurn(steps, options.line);
-  evidence.reason = std::move(pooled.reason);
+  evidence.why_no_turn = std::move(pooled.reason);
   return evidence;
 }
 
-SegmentEvidence EvidenceOfStraight(std::span<const VehicleStep> steps, double lever_arm,
-                                   const EvidenceOptions& options) {
-  SegmentEvidence evidence;
-  evidence.direction_sigma = std::numeric_limits<double>::infinity();
-  evidence.bend_lever_arm = kBendRatio * lever_arm;
+std::optional<StraightDirection> DirectionOnStraight(std::span<const VehicleStep> steps, double lever_arm,
+                                                     const EvidenceOptions& options) {
   std::vector<VehicleStep> used;
   std::ranges::copy_if(steps, std::back_inserter(used), [](const VehicleStep& step) {
     return step.shows_kinematics() && std::isfinite(step.lateral()) && std::isfinite(step.signed_square_speed());
   });
-  if (static_cast<int>(used.size()) < kFewestStraightSteps) return evidence;
+  if (static_cast<int>(used.size()) < kFewestStraightSteps) return std::nullopt;
   const double noise = LateralNoise(used, options.line.sigma_theta);
-  if (!(noise > 0)) return evidence;
+  if (!(noise > 0)) return std::nullopt;
+  StraightDirection straight;
+  straight.bend_lever_arm = kBendRatio * lever_arm;
   std::vector<LinePoint> points;
   points.reserve(used.size());
   for (const VehicleStep& step : used)
-    points.push_back({step.forward(), step.lateral() - evidence.bend_lever_arm * step.swing()});
+    points.push_back({step.forward(), step.lateral() - straight.bend_lever_arm * step.swing()});
   const RobustLine line = FitRobustLine(points, noise, options.line.robust_threshold);
-  if (!std::isfinite(line.slope)) return evidence;
-  evidence.direction = line.slope;
+  straight.angle = line.slope;
   double weights = 0;
   for (std::size_t i = 0; i < used.size(); ++i) {
     const double weight = line.weight[i] * points[i].x;
     weights += weight * points[i].x;
-    evidence.bend += weight * used[i].swing();
-    evidence.bend_square_speed += weight * used[i].swing() * used[i].signed_square_speed();
+    straight.bend += weight * used[i].swing();
+    straight.bend_square_speed += weight * used[i].swing() * used[i].signed_square_speed();
   }
-  evidence.bend /= weights;
-  evidence.bend_square_speed /= weights;
-  evidence.direction_sigma = std::hypot(line.sigma, options.bend_sigma * lever_arm * evidence.bend);
-  return evidence;
+  straight.bend /= weights;
+  straight.bend_square_speed /= weights;
+  straight.sigma = std::hypot(line.sigma, options.bend_sigma * lever_arm * straight.bend);
+  const bool is_known = std::isfinite(straight.angle) && std::isfinite(straight.sigma);
+  return is_known ? std::optional(straight) : std::nullopt;
 }
 
 std::vector<SegmentEvidence> GatherEvidence(std::span<const VehicleStep> steps,
@@ -153,9 +152,10 @@ std::vector<SegmentEvidence> GatherEvidence(std::span<const VehicleStep> steps,
   const double lever_arm = MedianLeverArm(evidence);
   for (std::size_t i = 0; i < segments.size(); ++i) {
     const std::span<const VehicleStep> of_segment = StepsOf(steps, segments[i].first, segments[i].last);
-    if (!segments[i].turning) evidence[i] = EvidenceOfStraight(of_segment, lever_arm, options);
     evidence[i].road = EvidenceOfRoad(of_segment, options.road);
-    if (segments[i].road_part) ShareDirection(options, evidence[i]);
+    if (segments[i].turning) continue;
+    evidence[i].straight = DirectionOnStraight(of_segment, lever_arm, options);
+    if (evidence[i].straight && segments[i].road_part) ShareDirection(options, *evidence[i].straight);
   }
   return evidence;
 }
@@ -204,52 +204,47 @@ Measurement LinearizeRoad(const RoadEvidence& road, const DriveState& state, con
   return measurement;
 }
 
-std::optional<Measurement> Linearize(const SegmentEvidence& evidence, const DriveState& state,
-                                     const EvidenceOptions& options) {
-  const auto square = [](double value) { return value * value; };
-  Measurement measurement;
-  if (!evidence.turning) {
-    if (!std::isfinite(evidence.direction_sigma)) return std::nullopt;
-    const double scale = std::exp(state[kLogScale]);
-    const double swing = evidence.bend * (std::exp(state[kLogLeverArm]) / scale - evidence.bend_lever_arm);
-    const double slip = state[kSlip] * scale * evidence.bend_square_speed;
-    measurement.innovation = evidence.direction - (state[kDirection] + swing - slip);
-    measurement.by_state[kDirection] = 1;
-    measurement.variance =
-        square(evidence.direction_sigma) + square(options.straight_direction_sigma) + square(options.bend_sigma * slip);
-    return measurement;
-  }
-  if (!evidence.turn) return std::nullopt;
-  const PooledLine& turn = *evidence.turn;
+Measurement LinearizeTurn(const PooledLine& turn, const DriveState& state, const EvidenceOptions& options) {
   const double scale = std::exp(state[kLogScale]);
   const double lever_arm = std::exp(state[kLogLeverArm]) / scale;
   const double roll = state[kRollHeight] * turn.by_roll_height / scale;
   const double slip = state[kSlip] * scale * turn.mean_square_speed;
+  Measurement measurement;
   measurement.innovation = turn.lever_arm - (lever_arm + roll - slip + state[kDirection] * turn.by_direction);
   measurement.by_state[kLogScale] = -lever_arm - roll - slip;
   measurement.by_state[kDirection] = turn.by_direction;
   measurement.by_state[kSlip] = -scale * turn.mean_square_speed;
   measurement.by_state[kLogLeverArm] = lever_arm;
   measurement.by_state[kRollHeight] = turn.by_roll_height / scale;
-  measurement.variance = square(turn.sigma) + square(options.turn_sigma * lever_arm) +
-                         square(options.slip_sigma * slip) + square(options.turn_direction_sigma * turn.by_direction);
+  measurement.variance = Square(turn.sigma) + Square(options.turn_sigma * lever_arm) +
+                         Square(options.slip_sigma * slip) + Square(options.turn_direction_sigma * turn.by_direction);
   return measurement;
 }
 
-std::optional<Measurement> LinearizeDirectionInTurn(const SegmentEvidence& evidence, const DriveState& state,
-                                                    const EvidenceOptions& options) {
-  if (!evidence.direction_in_turn) return std::nullopt;
-  const auto square = [](double value) { return value * value; };
-  const DirectionInTurn& direction = *evidence.direction_in_turn;
+Measurement LinearizeDirectionInTurn(const DirectionInTurn& turn, const DriveState& state,
+                                     const EvidenceOptions& options) {
   const double scale = std::exp(state[kLogScale]);
-  const double slip = state[kSlip] * scale * direction.by_slip;
+  const double slip = state[kSlip] * scale * turn.by_slip;
   Measurement measurement;
-  measurement.innovation = direction.angle - (state[kDirection] - slip);
+  measurement.innovation = turn.angle - (state[kDirection] - slip);
   measurement.by_state[kDirection] = 1;
   measurement.by_state[kLogScale] = -slip;
-  measurement.by_state[kSlip] = -scale * direction.by_slip;
+  measurement.by_state[kSlip] = -scale * turn.by_slip;
   measurement.variance =
-      square(direction.sigma) + square(options.direction_in_turn_sigma) + square(options.slip_sigma * slip);
+      Square(turn.sigma) + Square(options.direction_in_turn_sigma) + Square(options.slip_sigma * slip);
+  return measurement;
+}
+
+Measurement LinearizeStraight(const StraightDirection& straight, const DriveState& state,
+                              const EvidenceOptions& options) {
+  const double scale = std::exp(state[kLogScale]);
+  const double swing = straight.bend * (std::exp(state[kLogLeverArm]) / scale - straight.bend_lever_arm);
+  const double slip = state[kSlip] * scale * straight.bend_square_speed;
+  Measurement measurement;
+  measurement.innovation = straight.angle - (state[kDirection] + swing - slip);
+  measurement.by_state[kDirection] = 1;
+  measurement.variance =
+      Square(straight.sigma) + Square(options.straight_direction_sigma) + Square(options.bend_sigma * slip);
   return measurement;
 }
 
@@ -257,9 +252,11 @@ std::vector<SegmentMeasurement> MeasurementsOf(const SegmentEvidence& evidence, 
                                                const EvidenceOptions& options) {
   std::vector<SegmentMeasurement> measurements;
   if (evidence.road) measurements.push_back({kRoadHeight, LinearizeRoad(*evidence.road, state, options.road)});
-  if (const auto direction = LinearizeDirectionInTurn(evidence, state, options))
-    measurements.push_back({kDirectionInTurn, *direction});
-  if (const auto main = Linearize(evidence, state, options)) measurements.push_back({kTurnOrStraight, *main});
+  if (evidence.direction_in_turn)
+    measurements.push_back({kDirectionInTurn, LinearizeDirectionInTurn(*evidence.direction_in_turn, state, options)});
+  if (evidence.turn) measurements.push_back({kLeverArmOfTurn, LinearizeTurn(*evidence.turn, state, options)});
+  if (evidence.straight)
+    measurements.push_back({kDirectionOfStraight, LinearizeStraight(*evidence.straight, state, options)});
   return measurements;
 }
 
@@ -278,8 +275,8 @@ std::string WhyUnusable(const PooledLine& turn, const DriveState& state, const E
   return {};
 }
 
-double OwnScale(const SegmentEvidence& evidence, const DriveState& state) {
-  return MetresPerUnit(*evidence.turn, LeverArmOf(state), state[kDirection]);
+double OwnScale(const PooledLine& turn, const DriveState& state) {
+  return MetresPerUnit(turn, LeverArmOf(state), state[kDirection]);
 }
 
 }  // namespace turnscale

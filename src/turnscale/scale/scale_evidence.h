@@ -2,7 +2,6 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <optional>
 #include <span>
 #include <string>
@@ -135,49 +134,40 @@ struct RoadEvidence {
   double length = 0;      ///< of the steps that show it, odometry units
 };
 
-/// What a segment may measure, in the order in which the filters take it.
-enum MeasurementKind {
-  kRoadHeight,
-  kDirectionInTurn,  ///< direction of travel that a turn shows by itself
-  kTurnOrStraight,   ///< effective lever arm of a turn, direction of travel of a straight
-  kMeasurementKinds
+/// The direction of travel on a straight, its bends taken out with a lever arm that is about right.
+struct StraightDirection {
+  double angle = 0;              ///< rad, positive to the right
+  double sigma = 0;              ///< standard deviation of `angle`, rad
+  double bend = 0;               ///< of the straight's bends: d angle / d lever arm, rad per odometry unit
+  double bend_square_speed = 0;  ///< `bend` times the square of the speed there, rad units/s^2
+  double bend_lever_arm = 0;     ///< with which the bends have been taken out, odometry units
 };
 
-/// The measurements of one segment: the effective lever arm of a turn in odometry units and the direction of travel
-/// that it shows by itself, or the direction of travel of a straight; and the height above the road where the steps
-/// show it.
+/// What one segment measures: the effective lever arm of a turn and the direction of travel that it shows by itself, or
+/// the direction of travel of a straight; and the height above the road. Each is empty where the steps do not show it.
 struct SegmentEvidence {
-  bool turning = false;
-  std::optional<PooledLine> turn;  ///< empty if a turn gives none, or is too fast
-  /// Turns: the direction of travel that the turn shows by itself, also if it is too fast.
-  std::optional<DirectionInTurn> direction_in_turn;
-  std::string reason;  ///< why; one line
-  /// Straights: direction of travel, rad, and its standard deviation, infinite where the straight gives none.
-  double direction = 0;
-  double direction_sigma = 0;
-  /// Bends of a straight: d direction / d lever arm, rad per odometry unit; the same times the square of the speed,
-  /// units/s; the lever arm with which they have been taken out of `direction`, odometry units.
-  double bend = 0;
-  double bend_square_speed = 0;
-  double bend_lever_arm = 0;
+  std::optional<PooledLine> turn;                    ///< also empty where the turn is left out (SelectTurns)
+  std::string why_no_turn;                           ///< of a turn whose `turn` is empty; one line
+  std::optional<DirectionInTurn> direction_in_turn;  ///< also of a turn that is too fast
+  std::optional<StraightDirection> straight;
   std::optional<RoadEvidence> road;
-  /// Robust weights (Huber) by MeasurementKind, set by the estimator: below 1 where a measurement disagrees with the
-  /// drive.
-  std::array<double, kMeasurementKinds> weights = {1, 1, 1};
-  static_assert(kMeasurementKinds == 3);
 };
+
+/// What a segment may measure, in the order in which the filters take it.
+enum MeasurementKind { kRoadHeight, kDirectionInTurn, kLeverArmOfTurn, kDirectionOfStraight, kMeasurementKinds };
 
 /// Evidence of each segment, in order. Bends of straights are compensated with the median lever arm of the turns
 /// (odometry units).
 std::vector<SegmentEvidence> GatherEvidence(std::span<const VehicleStep> steps,
                                             const std::vector<PathSegment>& segments, const EvidenceOptions& options);
 
-/// Evidence of a single straight, its bends compensated with a lever arm in odometry units.
-SegmentEvidence EvidenceOfStraight(std::span<const VehicleStep> steps, double lever_arm,
-                                   const EvidenceOptions& options);
-
-/// Evidence of a single turn.
+/// Evidence of a single turn, without the road.
 SegmentEvidence EvidenceOfTurn(std::span<const VehicleStep> steps, const EvidenceOptions& options);
+
+/// The direction of travel on a single straight, its bends compensated with a lever arm in odometry units. Empty where
+/// the straight does not show it.
+std::optional<StraightDirection> DirectionOnStraight(std::span<const VehicleStep> steps, double lever_arm,
+                                                     const EvidenceOptions& options);
 
 /// The height above the road as these steps show it: the robust mean of their log-heights. Empty where too few do.
 std::optional<RoadEvidence> EvidenceOfRoad(std::span<const VehicleStep> steps, const RoadEvidenceOptions& options);
@@ -189,19 +179,20 @@ struct Measurement {
   DriveRow by_state = DriveRow::Zero();
 };
 
-/// The segment's measurement at a state; empty if it has none.
-///   turn:      lever_arm = (L + h * by_roll_height) / lambda - c lambda u^2 + direction * by_direction,
-///              u^2 mean square speed in units/s
-///   straight:  direction + bend (L / lambda - bend_lever_arm) - c lambda bend_square_speed, of which by_state has the
-///              derivative by the direction only: bank and crown change the slip in bends, from which a straight shall
-///              not refine c or lambda
-std::optional<Measurement> Linearize(const SegmentEvidence& evidence, const DriveState& state,
+/// The effective lever arm of a turn at a state:
+///   (L + h by_roll_height) / lambda - c lambda mean_square_speed + direction by_direction.
+Measurement LinearizeTurn(const PooledLine& turn, const DriveState& state, const EvidenceOptions& options);
+
+/// The direction of travel that a turn shows by itself, direction - c lambda by_slip, at a state.
+Measurement LinearizeDirectionInTurn(const DirectionInTurn& turn, const DriveState& state,
                                      const EvidenceOptions& options);
 
-/// The direction of travel that a turn shows by itself, direction - c lambda by_slip, at a state. Empty if the turn
-/// shows none.
-std::optional<Measurement> LinearizeDirectionInTurn(const SegmentEvidence& evidence, const DriveState& state,
-                                                    const EvidenceOptions& options);
+/// The direction of travel on a straight at a state:
+///   direction + bend (L / lambda - bend_lever_arm) - c lambda bend_square_speed,
+/// of which by_state has the derivative by the direction only: bank and crown change the slip in bends, from which a
+/// straight shall not refine c or lambda.
+Measurement LinearizeStraight(const StraightDirection& straight, const DriveState& state,
+                              const EvidenceOptions& options);
 
 /// The height above the road, ln(H) - ln(lambda) + error, at a state. The error's standard deviation is that of its
 /// mean over the way that shows the road.
@@ -209,7 +200,7 @@ Measurement LinearizeRoad(const RoadEvidence& road, const DriveState& state, con
 
 /// One measurement of a segment.
 struct SegmentMeasurement {
-  MeasurementKind kind = kTurnOrStraight;
+  MeasurementKind kind = kRoadHeight;
   Measurement linearized;
 };
 
@@ -225,6 +216,6 @@ bool SwingsInward(const PooledLine& turn, const DriveState& state);
 std::string WhyUnusable(const PooledLine& turn, const DriveState& state, const EvidenceOptions& options);
 
 /// The single-turn scale (metres per unit), the other unknowns as in `state`.
-double OwnScale(const SegmentEvidence& evidence, const DriveState& state);
+double OwnScale(const PooledLine& turn, const DriveState& state);
 
 }  // namespace turnscale

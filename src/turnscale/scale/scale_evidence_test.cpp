@@ -21,15 +21,12 @@ DriveState StateOf(double metres_per_unit, double direction, const LeverArm& car
   return state;
 }
 
-SegmentEvidence RandomTurn(Random& random) {
-  SegmentEvidence evidence;
-  evidence.turning = true;
-  evidence.turn = PooledLine{.lever_arm = random.Uniform(0.05, 0.2),
-                             .sigma = random.Uniform(0.0001, 0.002),
-                             .by_direction = random.Uniform(-2, 2),
-                             .by_roll_height = random.Uniform(-0.1, 0.1),
-                             .mean_square_speed = random.Uniform(0, 1)};
-  return evidence;
+PooledLine RandomTurn(Random& random) {
+  return {.lever_arm = random.Uniform(0.05, 0.2),
+          .sigma = random.Uniform(0.0001, 0.002),
+          .by_direction = random.Uniform(-2, 2),
+          .by_roll_height = random.Uniform(-0.1, 0.1),
+          .mean_square_speed = random.Uniform(0, 1)};
 }
 
 DriveState RandomState(Random& random) {
@@ -43,55 +40,40 @@ std::vector<VehicleStep> Corner(const LeverArm& car, double direction, double si
 }
 
 /// A straight among two turns; what the straight says.
-SegmentEvidence StraightBetweenTurns(const std::vector<StretchOfRoad>& straight, double direction,
-                                     const DriveErrors& errors = {}, std::uint64_t seed = 1) {
+std::optional<StraightDirection> StraightBetweenTurns(const std::vector<StretchOfRoad>& straight, double direction,
+                                                      const DriveErrors& errors = {}, std::uint64_t seed = 1) {
   std::vector<StretchOfRoad> road{{25, 3.5 * kDegree, 0.5, 6}};
   road.insert(road.end(), straight.begin(), straight.end());
   road.push_back({25, -3.5 * kDegree, 0.5, 6});
   const std::vector<VehicleStep> steps = MakeSteps(road, kCar, direction, kUnit, errors, seed).steps;
   const std::vector<PathSegment> segments = SplitIntoSegments(steps, {});
   EXPECT_EQ(segments.size(), 3u);
-  return GatherEvidence(steps, segments, {}).at(1);
+  return GatherEvidence(steps, segments, {}).at(1).straight;
+}
+
+/// `linearize` gives a measurement at a state.
+template <typename Linearize>
+void ExpectDerivatives(const DriveState& state, const Linearize& linearize) {
+  constexpr double kSize = 1e-5;
+  const Measurement measurement = linearize(state);
+  for (int i = 0; i < kDriveUnknowns; ++i) {
+    const DriveState off = kSize * DriveState::Unit(i);
+    // What is expected grows by as much as the innovation falls.
+    const double numeric = (linearize(state - off).innovation - linearize(state + off).innovation) / (2 * kSize);
+    EXPECT_NEAR(measurement.by_state[i], numeric, 1e-6 * (1 + std::abs(numeric)));
+  }
 }
 
 TEST(ScaleEvidence, DerivativesAgreeWithFiniteDifferences) {
   Random random(1);
-  constexpr double kSize = 1e-5;
   for (int draw = 0; draw < 200; ++draw) {
-    SegmentEvidence evidence = RandomTurn(random);
-    if (draw % 4 == 0) {
-      evidence.turning = false;
-      evidence.direction = random.Uniform(-0.1, 0.1);
-      evidence.direction_sigma = 0.01;
-    }
-    const DriveState state = RandomState(random);
-    const Measurement measurement = Linearize(evidence, state, {}).value();
-    for (int i = 0; i < kDriveUnknowns; ++i) {
-      const DriveState off = kSize * DriveState::Unit(i);
-      // What is expected grows by as much as the innovation falls.
-      const double numeric =
-          (Linearize(evidence, state - off, {})->innovation - Linearize(evidence, state + off, {})->innovation) /
-          (2 * kSize);
-      EXPECT_NEAR(measurement.by_state[i], numeric, 1e-6 * (1 + std::abs(numeric)));
-    }
-  }
-}
-
-TEST(ScaleEvidence, DerivativesOfTheDirectionInATurnAgreeWithFiniteDifferences) {
-  Random random(3);
-  constexpr double kSize = 1e-5;
-  for (int draw = 0; draw < 100; ++draw) {
-    SegmentEvidence evidence = RandomTurn(random);
-    evidence.direction_in_turn = DirectionInTurn{random.Uniform(-0.02, 0.02), 0.003, random.Uniform(-2, 2)};
-    const DriveState state = RandomState(random);
-    const Measurement measurement = LinearizeDirectionInTurn(evidence, state, {}).value();
-    for (int i = 0; i < kDriveUnknowns; ++i) {
-      const DriveState off = kSize * DriveState::Unit(i);
-      const double numeric = (LinearizeDirectionInTurn(evidence, state - off, {})->innovation -
-                              LinearizeDirectionInTurn(evidence, state + off, {})->innovation) /
-                             (2 * kSize);
-      EXPECT_NEAR(measurement.by_state[i], numeric, 1e-6 * (1 + std::abs(numeric)));
-    }
+    const DriveState at = RandomState(random);
+    const PooledLine turn = RandomTurn(random);
+    ExpectDerivatives(at, [&](const DriveState& state) { return LinearizeTurn(turn, state, {}); });
+    const DirectionInTurn in_turn{random.Uniform(-0.02, 0.02), 0.003, random.Uniform(-2, 2)};
+    ExpectDerivatives(at, [&](const DriveState& state) { return LinearizeDirectionInTurn(in_turn, state, {}); });
+    const StraightDirection straight{.angle = random.Uniform(-0.1, 0.1), .sigma = 0.01};
+    ExpectDerivatives(at, [&](const DriveState& state) { return LinearizeStraight(straight, state, {}); });
   }
 }
 
@@ -104,32 +86,33 @@ TEST(ScaleEvidence, ListsWhatASegmentMeasuresInOrder) {
       listed.push_back(measurement.kind);
     return listed;
   };
-  SegmentEvidence evidence = RandomTurn(random);
+  SegmentEvidence evidence;
+  evidence.turn = RandomTurn(random);
   evidence.direction_in_turn = DirectionInTurn{0.01, 0.003, 0.5};
   evidence.road = RoadEvidence{.log_height = -2, .sigma = 0.01, .length = 3};
   const std::vector<SegmentMeasurement> all = MeasurementsOf(evidence, state, {});
-  ASSERT_EQ(kinds(evidence), (std::vector{kRoadHeight, kDirectionInTurn, kTurnOrStraight}));
+  ASSERT_EQ(kinds(evidence), (std::vector{kRoadHeight, kDirectionInTurn, kLeverArmOfTurn}));
   EXPECT_EQ(all[0].linearized.innovation, LinearizeRoad(*evidence.road, state, {}).innovation);
-  EXPECT_EQ(all[1].linearized.innovation, LinearizeDirectionInTurn(evidence, state, {})->innovation);
-  EXPECT_EQ(all[2].linearized.innovation, Linearize(evidence, state, {})->innovation);
+  EXPECT_EQ(all[1].linearized.innovation, LinearizeDirectionInTurn(*evidence.direction_in_turn, state, {}).innovation);
+  EXPECT_EQ(all[2].linearized.innovation, LinearizeTurn(*evidence.turn, state, {}).innovation);
   // Too fast.
   evidence.turn.reset();
   EXPECT_EQ(kinds(evidence), (std::vector{kRoadHeight, kDirectionInTurn}));
   SegmentEvidence straight;
-  straight.direction_sigma = 0.01;
-  EXPECT_EQ(kinds(straight), (std::vector{kTurnOrStraight}));
+  straight.straight = StraightDirection{.angle = 0, .sigma = 0.01};
+  EXPECT_EQ(kinds(straight), (std::vector{kDirectionOfStraight}));
 }
 
 TEST(ScaleEvidence, ATurnOfTheModelMeetsItsExpectation) {
   for (const double side : {1.0, -1.0}) {
     for (const double direction : {0.0, 0.01, -0.01}) {
       const SegmentEvidence evidence = EvidenceOfTurn(Corner(kCar, direction, side), {});
-      ASSERT_TRUE(evidence.turn) << evidence.reason;
+      ASSERT_TRUE(evidence.turn) << evidence.why_no_turn;
       const DriveState truth = StateOf(kUnit, direction, kCar);
-      EXPECT_NEAR(Linearize(evidence, truth, {})->innovation / evidence.turn->lever_arm, 0, 1e-9);
-      EXPECT_NEAR(OwnScale(evidence, truth) / kUnit, 1, 1e-6);
+      EXPECT_NEAR(LinearizeTurn(*evidence.turn, truth, {}).innovation / evidence.turn->lever_arm, 0, 1e-9);
+      EXPECT_NEAR(OwnScale(*evidence.turn, truth) / kUnit, 1, 1e-6);
       if (direction != 0) {
-        EXPECT_GT(std::abs(OwnScale(evidence, StateOf(kUnit, 0, kCar)) / kUnit - 1), 0.02);
+        EXPECT_GT(std::abs(OwnScale(*evidence.turn, StateOf(kUnit, 0, kCar)) / kUnit - 1), 0.02);
       }
     }
   }
@@ -141,26 +124,25 @@ TEST(ScaleEvidence, ATurnShowsTheDirectionOfTravelByItself) {
   for (const double share : {0.3, 0.6, 1.0, 0.6, 0.3}) bend.push_back({5, share * 4 * kDegree, 0.5, 7 - 3 * share});
   for (const double direction : {0.01, -0.01}) {
     const SegmentEvidence evidence = EvidenceOfTurn(MakeSteps(bend, kCar, direction, kUnit).steps, {});
-    ASSERT_TRUE(evidence.turn) << evidence.reason;
-    const Measurement measurement = LinearizeDirectionInTurn(evidence, StateOf(kUnit, direction, kCar), {}).value();
+    ASSERT_TRUE(evidence.direction_in_turn) << evidence.why_no_turn;
+    const DirectionInTurn& turn = *evidence.direction_in_turn;
+    const Measurement measurement = LinearizeDirectionInTurn(turn, StateOf(kUnit, direction, kCar), {});
     EXPECT_NEAR(measurement.innovation, 0, 1e-4);
     EXPECT_EQ(measurement.by_state[kDirection], 1);
     EXPECT_GT(measurement.variance, std::pow(EvidenceOptions().direction_in_turn_sigma, 2));
-    EXPECT_NEAR(LinearizeDirectionInTurn(evidence, StateOf(kUnit, 0, kCar), {})->innovation, direction, 1e-4);
+    EXPECT_NEAR(LinearizeDirectionInTurn(turn, StateOf(kUnit, 0, kCar), {}).innovation, direction, 1e-4);
   }
-  EXPECT_FALSE(LinearizeDirectionInTurn(EvidenceOfTurn(Corner(kCar, 0), {}), StateOf(kUnit, 0, kCar), {}))
-      << "a turn of even curvature";
-  EXPECT_FALSE(LinearizeDirectionInTurn({}, StateOf(kUnit, 0, kCar), {})) << "a straight";
+  EXPECT_FALSE(EvidenceOfTurn(Corner(kCar, 0), {}).direction_in_turn) << "a turn of even curvature";
 }
 
 TEST(ScaleEvidence, OwnScaleIsWhereTheInnovationVanishes) {
   Random random(2);
   for (int draw = 0; draw < 200; ++draw) {
-    const SegmentEvidence evidence = RandomTurn(random);
+    const PooledLine turn = RandomTurn(random);
     DriveState state = RandomState(random);
-    state[kLogScale] = std::log(OwnScale(evidence, state));
+    state[kLogScale] = std::log(OwnScale(turn, state));
     ASSERT_TRUE(std::isfinite(state[kLogScale]));
-    EXPECT_NEAR(Linearize(evidence, state, {})->innovation, 0, 1e-12);
+    EXPECT_NEAR(LinearizeTurn(turn, state, {}).innovation, 0, 1e-12);
   }
 }
 
@@ -179,7 +161,7 @@ TEST(ScaleEvidence, VarianceIsThatOfTurnsThatDifferAsStated) {
     for (int seed = 0; seed < kDraws; ++seed) {
       const std::vector<StretchOfRoad> corner{{25, 3.5 * kDegree, 0.5, speed}};
       const SegmentEvidence evidence = EvidenceOfTurn(MakeSteps(corner, kCar, 0, kUnit, errors, seed).steps, options);
-      const Measurement measurement = Linearize(evidence, truth, options).value();
+      const Measurement measurement = LinearizeTurn(evidence.turn.value(), truth, options);
       squares += measurement.innovation * measurement.innovation;
       variance += measurement.variance;
     }
@@ -189,12 +171,11 @@ TEST(ScaleEvidence, VarianceIsThatOfTurnsThatDifferAsStated) {
 
 TEST(ScaleEvidence, AStraightShowsTheDirectionOfTravel) {
   for (const double direction : {0.0, 0.012, -0.02}) {
-    const SegmentEvidence straight = StraightBetweenTurns({{30, 0, 5, 10}}, direction);
-    EXPECT_FALSE(straight.turning);
-    EXPECT_NEAR(straight.direction, direction, 1e-6);
-    EXPECT_GT(straight.direction_sigma, 0);
-    EXPECT_LT(straight.direction_sigma, 0.001);
-    const Measurement measurement = Linearize(straight, StateOf(kUnit, 0.005, kCar), {}).value();
+    const StraightDirection straight = StraightBetweenTurns({{30, 0, 5, 10}}, direction).value();
+    EXPECT_NEAR(straight.angle, direction, 1e-6);
+    EXPECT_GT(straight.sigma, 0);
+    EXPECT_LT(straight.sigma, 0.001);
+    const Measurement measurement = LinearizeStraight(straight, StateOf(kUnit, 0.005, kCar), {});
     EXPECT_NEAR(measurement.innovation, direction - 0.005, 1e-6);
     EXPECT_EQ(measurement.by_state[kLogScale], 0) << "straights are not asked for the scale";
   }
@@ -202,27 +183,27 @@ TEST(ScaleEvidence, AStraightShowsTheDirectionOfTravel) {
 
 TEST(ScaleEvidence, BendsOfAStraightAreTakenOut) {
   const std::vector<StretchOfRoad> bends{{10, 1 * kDegree, 5, 9}, {10, -1 * kDegree, 5, 9}, {10, 0, 5, 9}};
-  const SegmentEvidence even = StraightBetweenTurns(bends, 0.01);
-  EXPECT_NEAR(even.direction, 0.01, 3e-6);
+  const StraightDirection even = StraightBetweenTurns(bends, 0.01).value();
+  EXPECT_NEAR(even.angle, 0.01, 3e-6);
   // A bend to one side: known as far as the lever arm that acts in it is.
-  const SegmentEvidence bend = StraightBetweenTurns({{30, 0.8 * kDegree, 5, 9}}, 0.01);
-  EXPECT_NEAR(bend.direction, 0.01, 1.1e-4);
-  EXPECT_GT(bend.direction_sigma, 1.5 * even.direction_sigma);
+  const StraightDirection bend = StraightBetweenTurns({{30, 0.8 * kDegree, 5, 9}}, 0.01).value();
+  EXPECT_NEAR(bend.angle, 0.01, 1.1e-4);
+  EXPECT_GT(bend.sigma, 1.5 * even.sigma);
   const double swing = kCar.At(9) * 0.8 * kDegree / 5;
-  EXPECT_LT(std::abs(bend.direction - 0.01), 0.08 * swing) << "most of the bend is gone";
+  EXPECT_LT(std::abs(bend.angle - 0.01), 0.08 * swing) << "most of the bend is gone";
 }
 
 // At motorway speed, slip turns the sign of the effective lever arm.
 TEST(ScaleEvidence, SlipInFastBendsIsNotTakenForTheDirectionOfTravel) {
   constexpr double kDirection = 0.002;
   constexpr double kBend = 1 * kDegree;  // in 17 m: 970 m of radius
-  const SegmentEvidence bend = StraightBetweenTurns({{30, kBend, 17, 28}}, kDirection);
+  const StraightDirection bend = StraightBetweenTurns({{30, kBend, 17, 28}}, kDirection).value();
   const double slip = kCar.side_slip * 28 * 28 * kBend / 17;
   EXPECT_GT(slip, 0.004);
-  const Measurement measurement = Linearize(bend, StateOf(kUnit, kDirection, kCar), {}).value();
+  const Measurement measurement = LinearizeStraight(bend, StateOf(kUnit, kDirection, kCar), {});
   EXPECT_NEAR(measurement.innovation, 0, 5e-5);
-  const Measurement even =
-      Linearize(StraightBetweenTurns({{30, 0, 17, 28}}, kDirection), StateOf(kUnit, kDirection, kCar), {}).value();
+  const Measurement even = LinearizeStraight(StraightBetweenTurns({{30, 0, 17, 28}}, kDirection).value(),
+                                             StateOf(kUnit, kDirection, kCar), {});
   EXPECT_GT(measurement.variance - even.variance, std::pow(0.3 * slip, 2)) << "roads are banked";
   // Neither the scale nor the slip comes from straights.
   EXPECT_EQ(measurement.by_state[kLogScale], 0);
@@ -235,17 +216,15 @@ TEST(ScaleEvidence, DirectionOfStraightsScattersAsItsSigmaSays) {
   double variance = 0;
   constexpr int kDraws = 300;
   for (int seed = 0; seed < kDraws; ++seed) {
-    const SegmentEvidence straight = StraightBetweenTurns({{30, 0, 5, 10}}, 0.005, {.direction = 0.4 * kDegree}, seed);
-    squares += std::pow(straight.direction - 0.005, 2);
-    variance += std::pow(straight.direction_sigma, 2);
+    const StraightDirection straight =
+        StraightBetweenTurns({{30, 0, 5, 10}}, 0.005, {.direction = 0.4 * kDegree}, seed).value();
+    squares += std::pow(straight.angle - 0.005, 2);
+    variance += std::pow(straight.sigma, 2);
   }
   EXPECT_NEAR(std::sqrt(variance / squares), 1, 0.1);
 }
 
-TEST(ScaleEvidence, AStraightOfTwoStepsShowsNothing) {
-  const SegmentEvidence two = StraightBetweenTurns({{2, 0, 5, 10}}, 0.01);
-  EXPECT_FALSE(Linearize(two, StateOf(kUnit, 0, kCar), {}));
-}
+TEST(ScaleEvidence, AStraightOfTwoStepsShowsNothing) { EXPECT_FALSE(StraightBetweenTurns({{2, 0, 5, 10}}, 0.01)); }
 
 TEST(ScaleEvidence, WhatIsNotUsableShowsNoDirection) {
   std::vector<VehicleStep> steps = MakeSteps({{30, 0, 5, 10}}, kCar, 0.01, kUnit).steps;
@@ -254,19 +233,18 @@ TEST(ScaleEvidence, WhatIsNotUsableShowsNoDirection) {
     steps[i].motion.theta = 1;
   }
   const PathSegment whole{.first = 0, .last = 29};
-  EXPECT_NEAR(GatherEvidence(steps, {whole}, {})[0].direction, 0.01, 1e-6);
+  EXPECT_NEAR(GatherEvidence(steps, {whole}, {})[0].straight.value().angle, 0.01, 1e-6);
   for (VehicleStep& step : steps) step.usable = false;
-  EXPECT_TRUE(std::isinf(GatherEvidence(steps, {whole}, {})[0].direction_sigma));
+  EXPECT_FALSE(GatherEvidence(steps, {whole}, {})[0].straight);
 }
 
 TEST(ScaleEvidence, ATurnWithoutALineSaysWhy) {
   std::vector<VehicleStep> steps = Corner(kCar, 0);
   for (VehicleStep& step : steps) step.motion.step = 0;
   const SegmentEvidence evidence = EvidenceOfTurn(steps, {});
-  EXPECT_TRUE(evidence.turning);
   EXPECT_FALSE(evidence.turn);
-  EXPECT_FALSE(evidence.reason.empty());
-  EXPECT_FALSE(Linearize(evidence, StateOf(kUnit, 0, kCar), {}));
+  EXPECT_FALSE(evidence.why_no_turn.empty());
+  EXPECT_TRUE(MeasurementsOf(evidence, StateOf(kUnit, 0, kCar), {}).empty());
 }
 
 TEST(ScaleEvidence, EveryTurnIsItsOwn) {
@@ -277,9 +255,8 @@ TEST(ScaleEvidence, EveryTurnIsItsOwn) {
   const std::vector<SegmentEvidence> evidence = GatherEvidence(steps, segments, {});
   ASSERT_EQ(evidence.size(), segments.size());
   for (std::size_t i = 0; i < segments.size(); ++i) {
-    EXPECT_EQ(evidence[i].turning, segments[i].turning);
     EXPECT_EQ(evidence[i].turn.has_value(), segments[i].turning);
-    EXPECT_EQ(evidence[i].weights[kTurnOrStraight], 1);
+    EXPECT_EQ(evidence[i].straight.has_value(), !segments[i].turning);
     if (!segments[i].turning) continue;
     const auto alone = EvidenceOfTurn(StepsOf(steps, segments[i].first, segments[i].last), {});
     EXPECT_EQ(evidence[i].turn->lever_arm, alone.turn->lever_arm);

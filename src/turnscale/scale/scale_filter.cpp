@@ -150,12 +150,10 @@ SmoothedScale SmoothScale(const ScaleProblem& problem, const std::vector<DriveSt
     if (i > 0) belief = AdvancedTo(problem, i, std::exp(at[i][kLogScale]), belief);
     if (problem.segments[i].gap_sigma > 0) turns.PassGap();
     predicted[i] = belief;
-    const SegmentEvidence& evidence = problem.evidence[i];
-    for (const auto& [kind, measurement] : MeasurementsOf(evidence, at[i], problem.options)) {
-      const double weight = evidence.weights[kind];
+    for (const auto& [kind, measurement] : MeasurementsOf(problem.evidence[i], at[i], problem.options)) {
+      const double weight = problem.weights[i][kind];
       const ScaleBelief updated = Updated(belief, measurement, weight, at[i]);
-      if (evidence.turning && kind == kTurnOrStraight)
-        turns.Add(belief, updated, NormalizedInnovation(belief, measurement, weight, at[i]));
+      if (kind == kLeverArmOfTurn) turns.Add(belief, updated, NormalizedInnovation(belief, measurement, weight, at[i]));
       belief = updated;
     }
     result.segments.push_back(belief);

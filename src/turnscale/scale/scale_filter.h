@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "turnscale/scale/path_segment.h"
@@ -53,11 +54,17 @@ double NormalizedInnovation(const ScaleBelief& belief, const Measurement& measur
 /// The belief with one more measurement, linearised at `at`; `weight` divides the measurement's variance.
 ScaleBelief Updated(const ScaleBelief& belief, const Measurement& measurement, double weight, const DriveState& at);
 
+/// Robust weights (Huber) of a segment's measurements, by MeasurementKind: below 1 where one disagrees with the drive.
+using SegmentWeights = std::array<double, kMeasurementKinds>;
+constexpr SegmentWeights kFullWeights = {1, 1, 1, 1};
+static_assert(kMeasurementKinds == 4);
+
 /// Input of the estimator.
 struct ScaleProblem {
   ScaleBelief prior;  ///< before the first segment
   std::vector<PathSegment> segments;
   std::vector<SegmentEvidence> evidence;  ///< one per segment
+  std::vector<SegmentWeights> weights;    ///< one per segment
   EvidenceOptions options;
   DriftOptions drift;
 };

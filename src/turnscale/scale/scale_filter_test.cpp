@@ -31,7 +31,6 @@ ScaleProblem RandomProblem(int segments, std::uint64_t seed = 5) {
     segment.turned = std::abs(segment.angle);
     middle += length;
     SegmentEvidence evidence;
-    evidence.turning = segment.turning;
     if (segment.turning) {
       const double speed = random.Uniform(0.1, 0.6);
       evidence.turn = PooledLine{
@@ -45,10 +44,9 @@ ScaleProblem RandomProblem(int segments, std::uint64_t seed = 5) {
                                                      .sigma = random.Uniform(0.002, 0.01),
                                                      .by_slip = random.Uniform(-0.2, 0.2)};
     } else {
-      evidence.direction = 0.01 * random.Gaussian();
-      evidence.direction_sigma = 0.002;
+      evidence.straight = StraightDirection{.angle = 0.01 * random.Gaussian(), .sigma = 0.002};
     }
-    for (double& weight : evidence.weights) weight = random.Uniform(0.3, 1);
+    for (double& weight : problem.weights.emplace_back()) weight = random.Uniform(0.3, 1);
     if (i % 4 != 2)
       evidence.road = RoadEvidence{.log_height = std::log(1.5 / kMetresPerUnit) + 0.02 * random.Gaussian(),
                                    .sigma = random.Uniform(0.002, 0.02),
@@ -123,11 +121,9 @@ Dense SolveDense(const ScaleProblem& problem, const std::vector<DriveState>& at,
     right[row] += (measurement.innovation + measurement.by_state.dot(at[i])) / sigma;
     ++row;
   };
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const SegmentEvidence& evidence = problem.evidence[i];
-    for (const auto& [kind, measurement] : MeasurementsOf(evidence, at[i], problem.options))
-      measure(i, measurement, evidence.weights[kind]);
-  }
+  for (Eigen::Index i = 0; i < n; ++i)
+    for (const auto& [kind, measurement] : MeasurementsOf(problem.evidence[i], at[i], problem.options))
+      measure(i, measurement, problem.weights[i][kind]);
   // An unknown that is taken out has no rows: the solution of least norm leaves it at 0, and its covariance too.
   const Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> solver(rows);
   const Eigen::MatrixXd inverse = solver.pseudoInverse();

@@ -15,15 +15,15 @@ TurnEstimate DescribeTurn(const ScaleProblem& problem, int place, const DriveSta
   turn.last_step = segment.last;
   turn.angle = segment.angle;
   turn.used = evidence.turn.has_value();
-  turn.reason = evidence.reason;
+  turn.reason = evidence.why_no_turn;
   if (!turn.used) return turn;
   turn.lever_arm_units = evidence.turn->lever_arm;
   turn.speed_units = std::sqrt(std::abs(evidence.turn->mean_square_speed));
-  turn.as_given = OwnScale(evidence, as_given);
+  turn.as_given = OwnScale(*evidence.turn, as_given);
   if (!std::isfinite(turn.as_given)) return turn;
   DriveState at = as_given;
   at[kLogScale] = std::log(turn.as_given);
-  const Measurement measurement = *Linearize(evidence, at, problem.options);
+  const Measurement measurement = LinearizeTurn(*evidence.turn, at, problem.options);
   turn.as_given_sigma = std::sqrt(measurement.variance) / std::abs(measurement.by_state[kLogScale]);
   turn.own = turn.as_given;
   turn.own_sigma = turn.as_given_sigma;

@@ -36,10 +36,10 @@ TurnSelection SelectTurns(const std::vector<SegmentEvidence>& gathered, const Ca
   TurnSelection selection{gathered, {}};
   for (SegmentEvidence& segment : selection.evidence) {
     if (!segment.turn) continue;
-    segment.reason =
+    segment.why_no_turn =
         car.knows_lever_arm() ? WhyUnusable(*segment.turn, state, options) : std::string("no lever arm given");
-    if (segment.reason.empty())
-      selection.log_scales.emplace_back(std::log(OwnScale(segment, state)), std::abs(segment.turn->angle));
+    if (segment.why_no_turn.empty())
+      selection.log_scales.emplace_back(std::log(OwnScale(*segment.turn, state)), std::abs(segment.turn->angle));
     else
       segment.turn.reset();
   }

@@ -24,7 +24,7 @@ DriveState StartingState(const CarPrior& car, const MeanTurnDirection& turns);
 
 /// The evidence of a drive without the turns in which the lever arm is not observable.
 struct TurnSelection {
-  std::vector<SegmentEvidence> evidence;  ///< `turn` is empty, and `reason` says why, where a turn is left out
+  std::vector<SegmentEvidence> evidence;  ///< SegmentEvidence::turn is empty where a turn is left out
   /// Of the turns that are left: single-turn log-scale and absolute angle (rad).
   std::vector<std::pair<double, double>> log_scales;
 };
