@@ -8,13 +8,32 @@
 
 #include "turnscale/base/check_part.h"
 #include "turnscale/base/error.h"
-#include "turnscale/base/number_text.h"
+#include "turnscale/scale/drive_evidence.h"
 #include "turnscale/scale/drive_smoothing.h"
 #include "turnscale/scale/follow_turns.h"
+#include "turnscale/scale/missing_scale.h"
 #include "turnscale/scale/turn_selection.h"
 
 namespace turnscale {
 namespace {
+
+// The steps of EstimateScale; again with other priors, where the drive contradicts those of `car`.
+ScaleEstimateResult EstimateFrom(const DriveEvidence& evidence, const CarPrior& car,
+                                 const ScaleEstimatorOptions& options);
+
+ScaleProblem ProblemOf(const DriveEvidence& evidence, const TurnSelection& selection,
+                       const ScaleEstimatorOptions& options) {
+  ScaleProblem problem;
+  problem.segments = evidence.segments;
+  problem.evidence = selection.evidence;
+  problem.options = options.evidence;
+  problem.drift = options.drift;
+  return problem;
+}
+
+double BestSigma(const std::vector<ScaleBelief>& smoothed) {
+  return std::ranges::min_element(smoothed, {}, &ScaleBelief::sigma)->sigma();
+}
 
 // The car's constants as given, by which single-turn scales are taken. A yaw that is hardly known is the drive's.
 DriveState StateAsGiven(const CarPrior& car, const SmoothedScale& smoothed, const ScaleEstimatorOptions& options) {
@@ -77,19 +96,22 @@ bool IsWithinSigma(const HeightConflict& conflict) {
 }
 
 // One of the two lengths is wrong: the scale is between those that they imply.
-void WidenForConflict(const HeightConflict& conflict, ScaleEstimate& estimate) {
+void TakeConflict(const HeightConflict& conflict, ScaleEstimate& estimate) {
+  estimate.height_conflict = conflict;
   Widen(0.5 * std::log(conflict.found / conflict.given), estimate);
 }
 
-// Segments, other than used turns, in which the road shows the scale.
-std::vector<char> FromRoad(const ScaleProblem& problem, const CarRefinement& car) {
+// Segments, other than used turns, in which the road shows the scale of the joint estimate.
+std::vector<char> FromRoad(const ScaleProblem& problem, const ScaleEstimate& estimate) {
+  const bool shows = estimate.car.camera_height > 0 && !estimate.fell_back;
   std::vector<char> from_road;
   for (const SegmentEvidence& evidence : problem.evidence)
-    from_road.push_back(car.camera_height > 0 && evidence.road && !evidence.turn ? 1 : 0);
+    from_road.push_back(shows && evidence.road && !evidence.turn ? 1 : 0);
   return from_road;
 }
 
-// The single-turn scales, with the refined constants of the car, their joint test, and that of the slip.
+// The single-turn scales, with the refined constants of the car, their joint test, and that of the slip: against the
+// smoothed scale as it is, before anything widens it.
 void CompareTurns(const SmoothedDrive& drive, const CarPrior& car, const TurnTestOptions& options,
                   ScaleEstimate& estimate) {
   TurnTestInput input;
@@ -101,7 +123,7 @@ void CompareTurns(const SmoothedDrive& drive, const CarPrior& car, const TurnTes
     TurnEstimate& turn = estimate.turns[i];
     if (!turn.used) continue;
     const PooledLine& line = *problem.evidence[turn.segment].turn;
-    const ScaleBelief& belief = estimate.smoothed[turn.segment];
+    const ScaleBelief& belief = drive.smoothed.segments[turn.segment];
     const Measurement measurement = LinearizeTurn(line, belief.mean, problem.options);
     turn.own = OwnScale(line, belief.mean);
     turn.own_sigma = std::sqrt(measurement.variance) / std::abs(measurement.by_state[kLogScale]);
@@ -128,68 +150,6 @@ void DescribeScaleAtTurns(ScaleEstimate& estimate) {
   }
 }
 
-// What would make the scale known.
-std::string Remedy(const CarPrior& car, const ScaleEstimatorOptions& options,
-                   const std::vector<SegmentEvidence>& evidence) {
-  if (!car.knows_lever_arm()) return "give the lever arm, or the height of the camera more exactly";
-  if (car.lever_arm_sigma > options.max_sigma * car.lever_arm)
-    return "the lever arm, " + NumberText(car.lever_arm) + " +-" + NumberText(car.lever_arm_sigma) +
-           " m, is itself too uncertain: check it";
-  const long degrees = std::lround(options.segments.turns.min_region_angle * 180 / M_PI);
-  const bool road =
-      std::ranges::any_of(evidence, [](const SegmentEvidence& segment) { return segment.road.has_value(); });
-  const bool turns =
-      std::ranges::any_of(evidence, [](const SegmentEvidence& segment) { return segment.turn.has_value(); });
-  return (turns ? "a sharper or slower turn is needed"
-                : "a slow turn of " + std::to_string(degrees) + " degrees or more is needed") +
-         (road && !car.knows_height() ? ", or the measured height of the camera above the road" : "");
-}
-
-bool AllSwingInward(const std::vector<SegmentEvidence>& evidence, const DriveState& state) {
-  int turns = 0;
-  for (const SegmentEvidence& segment : evidence) {
-    if (!segment.turn) continue;
-    if (!SwingsInward(*segment.turn, state)) return false;
-    ++turns;
-  }
-  return turns > 0;
-}
-
-// No turn and no height gives a first value of the scale.
-ScaleEstimateResult WithoutAStart(const ScaleProblem& problem, const std::vector<SegmentEvidence>& gathered,
-                                  const CarPrior& car, const ScaleEstimatorOptions& options) {
-  ScaleEstimateResult result;
-  result.detected_turns = DescribeTurns(problem, PriorBelief(car, 0).mean);
-  if (!car.knows_lever_arm()) {
-    result.reason = "too few steps show the height above the road";
-    return result;
-  }
-  if (result.detected_turns.empty()) {
-    result.reason = "no turn; ";
-  } else if (AllSwingInward(gathered, PriorBelief(car, 0).mean)) {
-    result.reason =
-        "in all turns the camera swings to the inside: they are too fast, or the camera is not ahead of the rear axle, "
-        "looking forward, as the lever arm says; ";
-  } else {
-    result.reason =
-        "no sufficiently slow turn shows the expected lateral motion, or the times of the images are wrong; ";
-  }
-  result.reason += Remedy(car, options, gathered);
-  return result;
-}
-
-// Metres are not claimed where even the best of the scale is as uncertain as that.
-ScaleEstimateResult TooUncertain(double sigma, std::vector<TurnEstimate> turns, const CarPrior& car,
-                                 const ScaleEstimatorOptions& options, const std::vector<SegmentEvidence>& gathered) {
-  ScaleEstimateResult result;
-  result.detected_turns = std::move(turns);
-  result.reason = "the drive leaves the scale uncertain by " + std::to_string(std::lround(100 * sigma)) +
-                  " %, more than " + std::to_string(std::lround(100 * options.max_sigma)) + " %; " +
-                  Remedy(car, options, gathered);
-  LeaveOutTurns("its scale is too uncertain", result.detected_turns);
-  return result;
-}
-
 // Straights and pairs of turns show another yaw than the prior expects, or the turns by themselves another than all
 // else.
 bool YawIsContradicted(const SmoothedDrive& drive, const CarPrior& car, const ScaleEstimatorOptions& options) {
@@ -208,12 +168,19 @@ bool YawIsContradicted(const SmoothedDrive& drive, const CarPrior& car, const Sc
                             options.max_turn_yaw_deviation);
 }
 
+// No turn seems usable, and the turns by themselves show a yaw that may be why.
+bool YawHidesTurns(const MeanTurnDirection& of_turns, const CarPrior& car, const ScaleEstimatorOptions& options) {
+  if (!car.knows_lever_arm() || car.yaw_sigma >= options.contradicted_yaw_sigma) return false;
+  const double sigma = std::sqrt(of_turns.variance + car.yaw_sigma * car.yaw_sigma);
+  return std::abs(of_turns.mean) > options.max_turn_yaw_deviation * sigma;
+}
+
 // With a yaw that its prior does not hold, as the drive contradicts it.
-ScaleEstimateResult EstimateWithFreeYaw(const std::vector<VehicleStep>& steps, const CarPrior& car,
+ScaleEstimateResult EstimateWithFreeYaw(const DriveEvidence& evidence, const CarPrior& car,
                                         const ScaleEstimatorOptions& options) {
   CarPrior freed = car;
   freed.yaw_sigma = options.contradicted_yaw_sigma;
-  ScaleEstimateResult result = EstimateScale(steps, freed, options);
+  ScaleEstimateResult result = EstimateFrom(evidence, freed, options);
   if (!result.estimate) return result;
   const CarRefinement& found = result.estimate->car;
   result.estimate->yaw_conflict = YawConflict{car.yaw_sigma, found.yaw_error, found.yaw_error_sigma};
@@ -226,6 +193,27 @@ ScaleEstimateResult EstimateWithFreeYaw(const std::vector<VehicleStep>& steps, c
   LeaveOutTurns("the camera-to-vehicle rotation is wrong", result.detected_turns);
   result.estimate.reset();
   return result;
+}
+
+// No metres: the turns are left without a scale.
+ScaleEstimateResult WithoutEstimate(std::string reason, std::vector<TurnEstimate> turns) {
+  ScaleEstimateResult result;
+  result.reason = std::move(reason);
+  result.detected_turns = std::move(turns);
+  return result;
+}
+
+// No turn and no height gives a first value of the scale.
+ScaleEstimateResult WithoutAStart(const ScaleProblem& problem, const DriveEvidence& evidence, const CarPrior& car,
+                                  const ScaleEstimatorOptions& options) {
+  return WithoutEstimate(WhyNoStart(evidence, car, options), DescribeTurns(problem, PriorBelief(car, 0).mean));
+}
+
+// Metres are not claimed where even the best of the scale is as uncertain as that.
+ScaleEstimateResult TooUncertain(double sigma, std::vector<TurnEstimate> turns, const DriveEvidence& evidence,
+                                 const CarPrior& car, const ScaleEstimatorOptions& options) {
+  LeaveOutTurns("its scale is too uncertain", turns);
+  return WithoutEstimate(WhyTooUncertain(sigma, evidence, car, options), std::move(turns));
 }
 
 // The smoothed scale and the turns, before they are tested.
@@ -251,6 +239,71 @@ void InflateAndDescribe(const SmoothedDrive& drive, const CarPrior& car, double 
   estimate.car_evidence = {CarBeliefOf(PriorBelief(car, 0)), CarBeliefOf(drive.car), inflation};
 }
 
+// What becomes of a given height.
+struct HeightDecision {
+  std::optional<HeightConflict> conflict;
+  /// The estimate without the given height, where the turns are consistent without it only.
+  std::optional<ScaleEstimateResult> without;
+};
+
+// A height that seems to be in conflict with the turns is compared with the one that they show without it: weights,
+// slip and yaw of the joint estimate are bent by it. `posterior`: with c unbounded, as a wrong height may be what makes
+// it negative.
+HeightDecision JudgeHeight(const DriveEvidence& evidence, const CarPrior& car, const ScaleEstimatorOptions& options,
+                           const ScaleBelief& posterior, const TurnTest& test) {
+  std::optional<HeightConflict> conflict = CompareHeight(posterior, car, options.max_height_deviation);
+  if (!conflict) return {};
+  ScaleEstimateResult without = EstimateFrom(evidence, WithoutHeight(car), options);
+  if (without.estimate && without.estimate->car.camera_height > 0) {
+    const ScaleEstimate& alone = *without.estimate;
+    conflict->found = alone.car.camera_height;
+    conflict->found_sigma = alone.car.camera_height_sigma;
+    conflict->contradicts_turns =
+        test.contradicted && !alone.test.contradicted && (options.follow_turns || !alone.fell_back);
+  }
+  if (IsWithinSigma(*conflict)) return {};
+  if (!conflict->contradicts_turns) return {conflict, {}};
+  TakeConflict(*conflict, *without.estimate);
+  DescribeScaleAtTurns(*without.estimate);
+  return {conflict, std::move(without)};
+}
+
+// Single-turn scales where the joint estimate is not to be trusted, a wider sigma where only the slip is unusual: what
+// it explains may be something else.
+void FallBack(const ScaleEstimatorOptions& options, ScaleEstimate& estimate) {
+  if (options.follow_turns || estimate.test.contradicted || !estimate.converged)
+    estimate.fell_back = FollowTurns(options.max_sigma_ratio, estimate);
+  if (estimate.slip_conflict && !estimate.fell_back) Widen(estimate.test.disagreement, estimate);
+}
+
+ScaleEstimateResult EstimateFrom(const DriveEvidence& evidence, const CarPrior& car,
+                                 const ScaleEstimatorOptions& options) {
+  const DriveState start = StartingState(car, evidence.of_turns);
+  TurnSelection selection = SelectTurns(evidence.of_segments, car, start, options.evidence);
+  const ScaleProblem problem = ProblemOf(evidence, selection, options);
+  if (!StartingLogScale(selection, car)) {
+    return YawHidesTurns(evidence.of_turns, car, options) ? EstimateWithFreeYaw(evidence, car, options)
+                                                          : WithoutAStart(problem, evidence, car, options);
+  }
+  const SmoothedDrive drive = SmoothDrive(problem, evidence.of_segments, car, options.huber, std::move(selection));
+  if (YawIsContradicted(drive, car, options)) return EstimateWithFreeYaw(evidence, car, options);
+  ScaleEstimate estimate = EstimateOf(drive, car, options);
+  const double best = BestSigma(estimate.smoothed);
+  if (!(best <= options.max_sigma)) return TooUncertain(best, std::move(estimate.turns), evidence, car, options);
+  ScaleEstimateResult result;
+  result.detected_turns = estimate.turns;
+  CompareTurns(drive, car, options.test, estimate);
+  InflateAndDescribe(drive, car, options.max_sigma, estimate);
+  HeightDecision height = JudgeHeight(evidence, car, options, drive.car, estimate.test);
+  if (height.without) return *std::move(height.without);
+  if (height.conflict) TakeConflict(*height.conflict, estimate);
+  FallBack(options, estimate);
+  estimate.from_road = FromRoad(drive.problem, estimate);
+  DescribeScaleAtTurns(estimate);
+  result.estimate = std::move(estimate);
+  return result;
+}
+
 }  // namespace
 
 void ScaleEstimatorOptions::Check() const {
@@ -272,67 +325,7 @@ ScaleEstimateResult EstimateScale(const std::vector<VehicleStep>& steps, const C
                                   const ScaleEstimatorOptions& options) {
   car.Check();
   options.Check();
-  ScaleProblem problem;
-  problem.segments = SplitIntoSegments(steps, options.segments);
-  problem.options = options.evidence;
-  problem.drift = options.drift;
-  const std::vector<SegmentEvidence> gathered = GatherEvidence(steps, problem.segments, options.evidence);
-  const MeanTurnDirection of_turns = MeanDirectionOfTurns(gathered, options.evidence);
-  const TurnSelection selection = SelectTurns(gathered, car, StartingState(car, of_turns), options.evidence);
-  problem.evidence = selection.evidence;
-  if (!StartingLogScale(selection, car)) {
-    const bool may_be_freed = car.knows_lever_arm() && car.yaw_sigma < options.contradicted_yaw_sigma;
-    const double sigma = std::sqrt(of_turns.variance + car.yaw_sigma * car.yaw_sigma);
-    if (may_be_freed && std::abs(of_turns.mean) > options.max_turn_yaw_deviation * sigma)
-      return EstimateWithFreeYaw(steps, car, options);
-    ScaleEstimateResult result = WithoutAStart(problem, gathered, car, options);
-    if (!result.detected_turns.empty() && !std::ranges::all_of(steps, &VehicleStep::dense))
-      result.reason =
-          "in turns the camera turns by too much from one image or pose to the next, which are far apart in time; " +
-          Remedy(car, options, gathered);
-    return result;
-  }
-  const SmoothedDrive drive = SmoothDrive(problem, gathered, car, options.huber, selection);
-  if (YawIsContradicted(drive, car, options)) return EstimateWithFreeYaw(steps, car, options);
-
-  ScaleEstimate estimate = EstimateOf(drive, car, options);
-  const auto best = std::ranges::min_element(estimate.smoothed, {}, [](const ScaleBelief& b) { return b.sigma(); });
-  if (!(best->sigma() <= options.max_sigma))
-    return TooUncertain(best->sigma(), std::move(estimate.turns), car, options, gathered);
-  ScaleEstimateResult result;
-  result.detected_turns = estimate.turns;
-  // The turns are tested against the estimate as it is; only then is it widened.
-  CompareTurns(drive, car, options.test, estimate);
-  InflateAndDescribe(drive, car, options.max_sigma, estimate);
-  // With c unbounded: a wrong height may be what makes it negative.
-  estimate.height_conflict = CompareHeight(drive.car, car, options.max_height_deviation);
-  if (estimate.height_conflict) {
-    ScaleEstimateResult alone = EstimateScale(steps, WithoutHeight(car), options);
-    if (alone.estimate && alone.estimate->car.camera_height > 0) {
-      estimate.height_conflict->found = alone.estimate->car.camera_height;
-      estimate.height_conflict->found_sigma = alone.estimate->car.camera_height_sigma;
-      estimate.height_conflict->contradicts_turns = estimate.test.contradicted && !alone.estimate->test.contradicted &&
-                                                    (options.follow_turns || !alone.estimate->fell_back);
-    }
-    if (IsWithinSigma(*estimate.height_conflict)) estimate.height_conflict.reset();
-    // Weights, slip and yaw of the joint estimate are bent by the height.
-    if (estimate.height_conflict && estimate.height_conflict->contradicts_turns) {
-      alone.estimate->height_conflict = estimate.height_conflict;
-      WidenForConflict(*estimate.height_conflict, *alone.estimate);
-      DescribeScaleAtTurns(*alone.estimate);
-      return alone;
-    }
-    if (estimate.height_conflict) WidenForConflict(*estimate.height_conflict, estimate);
-  }
-  if (options.follow_turns || estimate.test.contradicted || !estimate.converged)
-    estimate.fell_back = FollowTurns(options.max_sigma_ratio, estimate);
-  // What the unusual slip explains may be something else.
-  if (estimate.slip_conflict && !estimate.fell_back) Widen(estimate.test.disagreement, estimate);
-  estimate.from_road =
-      estimate.fell_back ? std::vector<char>(estimate.segments.size(), 0) : FromRoad(drive.problem, estimate.car);
-  DescribeScaleAtTurns(estimate);
-  result.estimate = std::move(estimate);
-  return result;
+  return EstimateFrom(EvidenceOfDrive(steps, options.segments, options.evidence), car, options);
 }
 
 }  // namespace turnscale

@@ -111,10 +111,16 @@ struct ScaleEstimateResult {
 /// lever arm in units. Where the steps show the height above the road, each segment has another one. Unknowns are the
 /// log-scale, a random walk, five constants with physical priors (the yaw error of Q, the side slip c, the lever arm,
 /// the heights of the camera above the roll axis and above the road), and the correlated error of the road. Time is
-/// linear in the number of steps.
-///
-/// The single-turn scales are then tested jointly against the estimate (TurnTest). If the test fails, they are used
-/// instead, and sigma includes their spread.
+/// linear in the number of steps. In order:
+///   evidence   what each segment of the drive measures (GatherEvidence)
+///   start      the usable turns, and a first value of the scale from them, or from a given height
+///   smooth     the estimate, with robust weights (SmoothDrive)
+///   yaw        where the drive contradicts the prior of the yaw, all is estimated again with a free one
+///   certainty  no estimate where even the smallest sigma exceeds max_sigma
+///   test       the single-turn scales jointly against the estimate (TurnTest); sigma covers their scatter
+///   height     a given height that is in conflict with the turns widens sigma, or is left out if the turns contradict
+///              each other with it only
+///   fallback   single-turn scales where the test has failed (FollowTurns); sigma covers their spread
 ScaleEstimateResult EstimateScale(const std::vector<VehicleStep>& steps, const CarPrior& car,
                                   const ScaleEstimatorOptions& options);
 
