@@ -153,12 +153,11 @@ DriveScale::DriveScale(const OdometryOptions& options)
 bool DriveScale::Add(const Map& map) {
   bool turn_ended = false;
   for (; keyframes_ < static_cast<int>(map.keyframes.size()); ++keyframes_) {
-    const bool ends = Feed(map, keyframes_);
-    const bool ends_used = ends && live_.used_last_turn();
-    if (ends_used) unread_turn_ends_.push_back(keyframes_);
+    const TurnEnd end = Feed(map, keyframes_);
+    if (end == TurnEnd::kUsed) unread_turn_ends_.push_back(keyframes_);
     // A keyframe behind a loss of tracking ends a turn that it is no part of.
-    used_turn_ended_ = ends_used && !map.keyframes[keyframes_].after_gap;
-    turn_ended = turn_ended || ends;
+    used_turn_ended_ = end == TurnEnd::kUsed && !map.keyframes[keyframes_].after_gap;
+    turn_ended = turn_ended || end != TurnEnd::kNone;
   }
   UpdateLive(map, keyframes_);
   return turn_ended;
@@ -217,22 +216,23 @@ int DriveScale::Restart() {
   return 0;
 }
 
-bool DriveScale::Feed(const Map& map, int keyframe) {
+TurnEnd DriveScale::Feed(const Map& map, int keyframe) {
   const std::optional<PathGap> gap = GapBefore(map, keyframe);
-  bool turn_ended = false;
+  TurnEnd turn_end = TurnEnd::kNone;
   for (VehicleStep& step : builder_.Add(VehiclePose(map, mount_, keyframe), gap ? &*gap : nullptr)) {
     CompleteStep(map, heights_, options_.scale.estimator.drift, step);
-    turn_ended = live_.Add(step) || turn_ended;
+    const TurnEnd end = live_.Add(step);
+    if (end != TurnEnd::kNone) turn_end = end;
   }
-  return turn_ended;
+  return turn_end;
 }
 
 void DriveScale::UpdateLive(const Map& map, int first, std::optional<int> turn_end) {
-  const std::optional<ScaleBelief> now = HasMetres(options_.vehicle) ? live_.Now() : std::nullopt;
+  const std::optional<LiveReading> now = HasMetres(options_.vehicle) ? live_.Now() : std::nullopt;
   const bool was_known = state_ != ScaleState::kPending;
-  const double scale = now ? now->metres_per_unit() : 1.0;
-  sigma_ = now ? now->sigma() : std::numeric_limits<double>::infinity();
-  state_ = now ? KnownState() : ScaleState::kPending;
+  const double scale = now ? now->belief.metres_per_unit() : 1.0;
+  sigma_ = now ? now->belief.sigma() : std::numeric_limits<double>::infinity();
+  state_ = now ? StateOf(now->source) : ScaleState::kPending;
 
   const int count = static_cast<int>(map.keyframes.size());
   std::vector<double>& scales = live_path_.metres_per_unit;
@@ -255,9 +255,9 @@ void DriveScale::UpdateLive(const Map& map, int first, std::optional<int> turn_e
   }
 }
 
-ScaleState DriveScale::KnownState() const {
-  if (live_.turning() || used_turn_ended_) return ScaleState::kObserved;
-  return live_.on_road() ? ScaleState::kFromRoad : ScaleState::kHeld;
+ScaleState DriveScale::StateOf(ScaleSource source) const {
+  if (source == ScaleSource::kTurn || used_turn_ended_) return ScaleState::kObserved;
+  return source == ScaleSource::kRoad ? ScaleState::kFromRoad : ScaleState::kHeld;
 }
 
 // From the end of the turn before the scale passes evenly to that of the turn under way; at a loss of tracking it

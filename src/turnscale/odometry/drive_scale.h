@@ -72,13 +72,13 @@ class DriveScale {
   RefinedScale Refine(const Map& map, bool follow_turns = false) const;
 
  private:
-  /// Returns whether the keyframe ended a turn.
-  bool Feed(const Map& map, int keyframe);
+  /// Returns how the keyframe ended a turn.
+  TurnEnd Feed(const Map& map, int keyframe);
   /// Live positions from keyframe `first` on, and from where the scale has changed. `turn_end`: a used turn has
   /// been re-evaluated that ended there.
   void UpdateLive(const Map& map, int first, std::optional<int> turn_end = {});
-  /// Where the live scale comes from, once it is known.
-  ScaleState KnownState() const;
+  /// Of a scale that is known at the latest keyframe.
+  ScaleState StateOf(ScaleSource source) const;
   /// Brings the live scale within a turn to `scale` at keyframe `last` and beyond. Returns the keyframe from which on
   /// it has changed.
   int SpreadScale(const Map& map, double scale, int last);

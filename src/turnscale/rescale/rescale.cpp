@@ -148,10 +148,10 @@ void Filter(const RescaleOptions& options, RescaleResult& result) {
   LiveScale live(CarFor(options, result.yaw_sigma), EstimatorFor(options));
   for (const VehicleStep& step : result.steps) {
     live.Add(step);
-    const std::optional<ScaleBelief> now = live.Now();
+    const std::optional<LiveReading>& now = live.Now();
     for (int i = step.first + 1; now && i <= step.last; ++i) {
-      result.poses[i].filtered_metres_per_unit = now->metres_per_unit();
-      result.poses[i].filtered_sigma = now->sigma();
+      result.poses[i].filtered_metres_per_unit = now->belief.metres_per_unit();
+      result.poses[i].filtered_sigma = now->belief.sigma();
     }
   }
 }

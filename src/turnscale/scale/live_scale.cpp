@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "turnscale/base/robust_weights.h"
 #include "turnscale/scale/road_parts.h"
@@ -41,37 +42,46 @@ void HoldSlip(ScaleBelief& belief) {
 LiveScale::LiveScale(const CarPrior& car, const ScaleEstimatorOptions& options)
     : car_(car), options_(options), detector_(options.segments.turns), belief_(PriorBelief(car, 0)) {}
 
-bool LiveScale::Add(const VehicleStep& step) {
+TurnEnd LiveScale::Add(const VehicleStep& step) {
   pending_.push_back(step);
   ++steps_;
   const auto closed = step.usable ? detector_.Add(step.motion.psi) : detector_.AddUnmeasured();
+  TurnEnd turn_end = TurnEnd::kNone;
   if (closed) {
-    Commit(closed->first - 1, End::kStraight);
-    Commit(closed->last, End::kTurn);
+    EndStraight(closed->first - 1);
+    turn_end = EndTurn(closed->last);
   }
   if (step.after_gap || IsUnitBroken(step)) {
     // The unit of length changes. A turn under way stays whole.
-    Commit(std::min(steps_ - 2, detector_.first_undecided() - 1), End::kStraight);
+    EndStraight(std::min(steps_ - 2, detector_.first_undecided() - 1));
   } else if (!closed &&
              static_cast<int>(pending_.size()) > MostStraightSteps(pending_, options_.segments.max_straight_steps)) {
     // All but a turn that may have begun.
-    Commit(detector_.first_undecided() - 1, End::kPartOfStraight);
+    CutStraight(detector_.first_undecided() - 1);
   }
-  now_ = belief_;
-  Advance(pending_, now_);
+  now_ = Read();
+  return turn_end;
+}
+
+std::optional<LiveReading> LiveScale::Read() {
+  ScaleBelief belief = belief_;
+  Advance(pending_, belief);
   // After the end of a segment its state is kept until the next one has some steps.
   const bool begins = static_cast<int>(pending_.size()) < options_.evidence.road.min_steps;
-  on_road_ = (TakeRoad(pending_, now_) || (begins && on_road_)) && KnowsHeight(now_);
-  turning_ = false;
+  on_road_ = (TakeRoad(pending_, belief) || (begins && on_road_)) && KnowsHeight(belief);
+  bool turning = false;
   if (const auto open = detector_.open()) {
     const int begin = open->first - (steps_ - static_cast<int>(pending_.size()));
-    TakeDirection(StepsOf(pending_, 0, begin - 1), road_part_, now_);
-    TurnUpdate with = WithTurn(now_, StepsOf(pending_, begin, begin + open->last - open->first));
-    now_ = std::move(with.belief);
-    turning_ = with.used;
+    TakeDirection(StepsOf(pending_, 0, begin - 1), road_part_, belief);
+    TurnUpdate with = WithTurn(belief, StepsOf(pending_, begin, begin + open->last - open->first));
+    belief = std::move(with.belief);
+    turning = with.used;
   }
-  known_ = (started_ || turning_ || on_road_) && (known_ || now_.sigma() <= options_.max_sigma);
-  return closed.has_value();
+  const bool has_source = started_ || turning || on_road_;
+  const bool is_known = now_ || belief.sigma() <= options_.max_sigma;
+  if (!has_source || !is_known) return std::nullopt;
+  if (turning) return LiveReading{belief, ScaleSource::kTurn};
+  return LiveReading{belief, on_road_ ? ScaleSource::kRoad : ScaleSource::kPropagated};
 }
 
 void LiveScale::TurnCamera(double angle) {
@@ -79,26 +89,36 @@ void LiveScale::TurnCamera(double angle) {
   for (VehicleStep& step : pending_) step.motion.theta += angle;
 }
 
-std::optional<ScaleBelief> LiveScale::Now() const { return known_ ? std::optional(now_) : std::nullopt; }
+void LiveScale::EndStraight(int last) {
+  const std::vector<VehicleStep> steps = PassOver(last);
+  TakeDirection(steps, std::exchange(road_part_, false), belief_);
+}
 
-void LiveScale::Commit(int last, End end) {
+void LiveScale::CutStraight(int last) {
+  const bool road_part = road_part_ || ShowsRoad(pending_);
+  const std::vector<VehicleStep> steps = PassOver(last);
+  // All of them may be of a turn that has begun: no part is cut, and the straight is not one of several parts yet.
+  if (steps.empty()) return;
+  road_part_ = road_part;
+  TakeDirection(steps, road_part, belief_);
+}
+
+TurnEnd LiveScale::EndTurn(int last) {
+  const std::vector<VehicleStep> steps = PassOver(last);
+  TurnUpdate with = WithTurn(belief_, steps);
+  belief_ = std::move(with.belief);
+  started_ = started_ || with.used;
+  return with.used ? TurnEnd::kUsed : TurnEnd::kNotUsed;
+}
+
+std::vector<VehicleStep> LiveScale::PassOver(int last) {
   const int first = steps_ - static_cast<int>(pending_.size());
-  const bool road_part = road_part_ || (end == End::kPartOfStraight && ShowsRoad(pending_));
-  if (last >= first || end != End::kPartOfStraight) road_part_ = road_part && end == End::kPartOfStraight;
-  if (last < first) return;
-  const auto after = pending_.begin() + (last - first + 1);
-  const std::vector<VehicleStep> steps(pending_.begin(), after);
+  const auto after = pending_.begin() + std::max(last - first + 1, 0);
+  std::vector<VehicleStep> steps(pending_.begin(), after);
   pending_.erase(pending_.begin(), after);
   Advance(steps, belief_);
   if (TakeRoad(steps, belief_) && KnowsHeight(belief_)) started_ = true;
-  if (end != End::kTurn) {
-    TakeDirection(steps, road_part, belief_);
-    return;
-  }
-  TurnUpdate with = WithTurn(belief_, steps);
-  belief_ = std::move(with.belief);
-  used_last_turn_ = with.used;
-  started_ = started_ || with.used;
+  return steps;
 }
 
 // A straight that has ended shows the direction of travel. Its bends are taken out with the lever arm in units.

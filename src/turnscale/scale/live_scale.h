@@ -10,6 +10,22 @@
 
 namespace turnscale {
 
+/// Whether a step has ended a turn, and whether the turn shows the scale.
+enum class TurnEnd { kNone, kNotUsed, kUsed };
+
+/// Where the scale at a step comes from.
+enum class ScaleSource {
+  kTurn,       ///< the step is within a usable turn
+  kRoad,       ///< the latest steps show the height above the road, which is known in metres
+  kPropagated  ///< earlier ones
+};
+
+/// What is known of the scale at a step.
+struct LiveReading {
+  ScaleBelief belief;  ///< with the evidence of the turn under way
+  ScaleSource source = ScaleSource::kPropagated;
+};
+
 /// Online scale: an iterated extended Kalman filter over the completed segments and the current turn.
 /// Work per step is linear in the steps of no segment yet: those of the turn under way, or of a straight up to its
 /// longest segment; it does not depend on the length of the drive before them.
@@ -17,29 +33,26 @@ class LiveScale {
  public:
   LiveScale(const CarPrior& car, const ScaleEstimatorOptions& options);
 
-  /// Takes the next step. Returns whether it ended a turn.
-  bool Add(const VehicleStep& step);
+  /// Takes the next step.
+  TurnEnd Add(const VehicleStep& step);
 
-  /// The current belief, with the evidence of the current turn; empty until the scale is known to
-  /// ScaleEstimatorOptions::max_sigma. A loss of tracking widens its sigma, also beyond that.
-  std::optional<ScaleBelief> Now() const;
+  /// At the latest step. Empty until the scale is known to ScaleEstimatorOptions::max_sigma. A loss of tracking widens
+  /// its sigma, also beyond that.
+  const std::optional<LiveReading>& Now() const { return now_; }
 
   /// The camera-to-vehicle rotation has changed: directions of travel are larger by `angle` rad from now on.
   void TurnCamera(double angle);
 
-  /// Within a usable turn.
-  bool turning() const { return turning_; }
-
-  /// Whether the turn that ended last was usable.
-  bool used_last_turn() const { return used_last_turn_; }
-
-  /// The latest steps show the height above the road, and it is known in metres.
-  bool on_road() const { return on_road_; }
-
  private:
-  enum class End { kTurn, kStraight, kPartOfStraight };
-  /// The pending steps up to `last` become a segment.
-  void Commit(int last, End end);
+  /// The pending steps up to `last` become a straight, a part of one that goes on, or a turn, which may be usable.
+  void EndStraight(int last);
+  void CutStraight(int last);
+  TurnEnd EndTurn(int last);
+  /// Takes the pending steps up to `last` away; none if they are all later. The belief passes over them, with the
+  /// height that they show.
+  std::vector<VehicleStep> PassOver(int last);
+  /// The belief and what the pending steps add to it.
+  std::optional<LiveReading> Read();
   /// `road_part`: as PathSegment::road_part.
   void TakeDirection(std::span<const VehicleStep> steps, bool road_part, ScaleBelief& belief) const;
   void Advance(std::span<const VehicleStep> steps, ScaleBelief& belief) const;
@@ -59,14 +72,11 @@ class LiveScale {
   TurnDetector detector_;
   int steps_ = 0;                     ///< taken so far
   std::vector<VehicleStep> pending_;  ///< those of no segment yet
-  bool road_part_ = false;            ///< the pending steps continue a straight of which road parts have been cut
+  bool road_part_ = false;            ///< the pending steps continue a straight of which a road part has been cut
   ScaleBelief belief_;                ///< at the end of the last segment
   bool started_ = false;              ///< a turn, or the road with a known height, has given the scale
-  ScaleBelief now_;
-  bool known_ = false;
-  bool turning_ = false;
-  bool used_last_turn_ = false;
-  bool on_road_ = false;
+  bool on_road_ = false;              ///< ScaleSource::kRoad, also within a turn
+  std::optional<LiveReading> now_;
 };
 
 }  // namespace turnscale

@@ -20,13 +20,19 @@ CarPrior Prior() {
 
 std::vector<StretchOfRoad> OneCorner() { return {{20, 0, 5, 9}, {30, 3 * kDegree, 0.4, 5}, {30, 0, 5, 9}}; }
 
+std::optional<ScaleBelief> BeliefOf(const LiveScale& live) {
+  return live.Now() ? std::optional(live.Now()->belief) : std::nullopt;
+}
+
+bool IsInTurn(const LiveScale& live) { return live.Now() && live.Now()->source == ScaleSource::kTurn; }
+
 /// What is known after each step.
 std::vector<std::optional<ScaleBelief>> Live(const std::vector<VehicleStep>& steps, const CarPrior& prior = Prior()) {
   LiveScale live(prior, {});
   std::vector<std::optional<ScaleBelief>> beliefs;
   for (const VehicleStep& step : steps) {
     live.Add(step);
-    beliefs.push_back(live.Now());
+    beliefs.push_back(BeliefOf(live));
   }
   return beliefs;
 }
@@ -37,9 +43,9 @@ TEST(LiveScale, KnowsTheMetreInsideTheFirstTurn) {
   int known_at = -1;
   double last_sigma = 1;
   for (int i = 0; i < static_cast<int>(drive.steps.size()); ++i) {
-    const bool ended = live.Add(drive.steps[i]);
-    EXPECT_EQ(ended, i == 51) << "two weak steps after its last, step 49";
-    const std::optional<ScaleBelief> now = live.Now();
+    const TurnEnd end = live.Add(drive.steps[i]);
+    EXPECT_EQ(end, i == 51 ? TurnEnd::kUsed : TurnEnd::kNone) << "two weak steps after its last, step 49";
+    const std::optional<ScaleBelief> now = BeliefOf(live);
     if (!now) {
       EXPECT_EQ(known_at, -1) << "what is known stays known";
       continue;
@@ -47,8 +53,7 @@ TEST(LiveScale, KnowsTheMetreInsideTheFirstTurn) {
     if (known_at < 0) known_at = i;
     EXPECT_LE(now->sigma(), 0.15);
     EXPECT_NEAR(std::log(now->metres_per_unit() / kUnit), 0, 0.2 * now->sigma());
-    EXPECT_EQ(live.turning(), i <= 50) << i;
-    EXPECT_EQ(live.used_last_turn(), i > 50) << i;
+    EXPECT_EQ(live.Now()->source, i <= 50 ? ScaleSource::kTurn : ScaleSource::kPropagated) << i;
     if (i > known_at && i < 50) {
       EXPECT_LE(now->sigma(), 1.02 * last_sigma) << "better with every step of the turn";
     }
@@ -90,9 +95,9 @@ TEST(LiveScale, AKnownHeightGivesTheMetreFromTheFirstSteps) {
     live.Add(drive.steps[i]);
     if (i < 5) continue;
     ASSERT_TRUE(live.Now()) << i;
-    EXPECT_TRUE(live.on_road());
-    EXPECT_NEAR(std::log(live.Now()->metres_per_unit() / drive.metres_per_unit[i]), 0, 0.05) << i;
-    EXPECT_LT(live.Now()->sigma(), 0.03);
+    EXPECT_EQ(live.Now()->source, ScaleSource::kRoad);
+    EXPECT_NEAR(std::log(live.Now()->belief.metres_per_unit() / drive.metres_per_unit[i]), 0, 0.05) << i;
+    EXPECT_LT(live.Now()->belief.sigma(), 0.03);
   }
 }
 
@@ -102,15 +107,13 @@ TEST(LiveScale, AHeightLearnedInATurnHoldsTheScale) {
   const auto alone = Live(drive.steps).back();
   ShowRoad(1.3, {.step = 0.01, .road = 0.01}, 4, drive);
   LiveScale live(Prior(), {});
-  for (const VehicleStep& step : drive.steps) {
-    live.Add(step);
-    EXPECT_TRUE(live.Now() || !live.turning());
-  }
+  for (const VehicleStep& step : drive.steps) live.Add(step);
   ASSERT_TRUE(live.Now() && alone);
-  EXPECT_TRUE(live.on_road());
-  EXPECT_NEAR(std::exp(live.Now()->mean[kLogHeight]), 1.3, 4 * 1.3 * live.Now()->Sigma(kLogHeight));
-  EXPECT_LT(live.Now()->sigma(), 0.6 * alone->sigma());
-  EXPECT_NEAR(std::log(live.Now()->metres_per_unit() / drive.metres_per_unit.back()), 0, 3 * live.Now()->sigma());
+  EXPECT_EQ(live.Now()->source, ScaleSource::kRoad);
+  const ScaleBelief& now = live.Now()->belief;
+  EXPECT_NEAR(std::exp(now.mean[kLogHeight]), 1.3, 4 * 1.3 * now.Sigma(kLogHeight));
+  EXPECT_LT(now.sigma(), 0.6 * alone->sigma());
+  EXPECT_NEAR(std::log(now.metres_per_unit() / drive.metres_per_unit.back()), 0, 3 * now.sigma());
 }
 
 TEST(LiveScale, AKnownHeightAndATurnAreMoreThanEither) {
@@ -171,13 +174,13 @@ TEST(LiveScale, ATurnThatIsNotUsedDoesNotObserveTheScale) {
   height_only.camera_height = 1.5;
   height_only.camera_height_sigma = 0.015;
   LiveScale live(height_only, {});
-  bool ended = false;
+  std::vector<TurnEnd> ends;
   for (const VehicleStep& step : drive.steps) {
-    ended = live.Add(step) || ended;
-    EXPECT_FALSE(live.turning());
+    const TurnEnd end = live.Add(step);
+    if (end != TurnEnd::kNone) ends.push_back(end);
+    EXPECT_FALSE(IsInTurn(live));
   }
-  EXPECT_TRUE(ended);
-  EXPECT_FALSE(live.used_last_turn());
+  EXPECT_EQ(ends, std::vector{TurnEnd::kNotUsed});
   EXPECT_TRUE(live.Now());
 }
 
@@ -188,9 +191,13 @@ TEST(LiveScale, ATurnThatIsTooFastShowsTheDirectionOfTravel) {
   ScaleEstimatorOptions options;
   options.evidence.straight_direction_sigma = 3 * kDegree;
   LiveScale live(prior, options);
-  const auto direction_sigma_after = [&live](const std::vector<StretchOfRoad>& road) {
-    for (const VehicleStep& step : MakeSteps(road, {1.5, 0.005}, 0, kUnit, kNoise).steps) live.Add(step);
-    return live.Now().value().Sigma(kDirection);
+  TurnEnd last_end = TurnEnd::kNone;
+  const auto direction_sigma_after = [&](const std::vector<StretchOfRoad>& road) {
+    for (const VehicleStep& step : MakeSteps(road, {1.5, 0.005}, 0, kUnit, kNoise).steps) {
+      const TurnEnd end = live.Add(step);
+      if (end != TurnEnd::kNone) last_end = end;
+    }
+    return live.Now().value().belief.Sigma(kDirection);
   };
   const double slow = direction_sigma_after({{10, 0, 2, 5}, {30, 3 * kDegree, 0.4, 5}, {10, 0, 2, 5}});
   const double fast = direction_sigma_after({{10, 0, 2, 10},
@@ -198,7 +205,7 @@ TEST(LiveScale, ATurnThatIsTooFastShowsTheDirectionOfTravel) {
                                              {20, 4 * kDegree, 3, 16.5},
                                              {20, kDegree, 3, 16.5},
                                              {10, 0, 2, 10}});
-  EXPECT_FALSE(live.used_last_turn());
+  EXPECT_EQ(last_end, TurnEnd::kNotUsed);
   EXPECT_LT(fast, 0.9 * slow);
 }
 
@@ -310,17 +317,18 @@ TEST(LiveScale, AgreesWithTheSmootherAtTheEndOfEachTurn) {
     LiveScale live(Prior(), {});
     int turns = 0;
     for (std::size_t i = 0; i < steps.size(); ++i) {
-      if (!live.Add(steps[i])) continue;
+      if (live.Add(steps[i]) == TurnEnd::kNone) continue;
       ++turns;
       const std::vector<VehicleStep> so_far(steps.begin(), steps.begin() + static_cast<std::ptrdiff_t>(i) + 1);
       const ScaleEstimateResult smoothed = EstimateScale(so_far, Prior(), {});
       ASSERT_TRUE(smoothed.estimate && live.Now());
       const ScaleBelief& last = smoothed.estimate->smoothed.back();
-      EXPECT_NEAR(live.Now()->mean[kLogScale], last.mean[kLogScale], 0.2 * last.sigma()) << seed << ' ' << turns;
+      const ScaleBelief& now = live.Now()->belief;
+      EXPECT_NEAR(now.mean[kLogScale], last.mean[kLogScale], 0.2 * last.sigma()) << seed << ' ' << turns;
       // The smoother's grows with the scatter of the turns, which the filter does not look at.
       const double sigma = last.sigma() / smoothed.estimate->test.inflation;
-      EXPECT_GT(live.Now()->sigma(), 0.95 * sigma);
-      EXPECT_LT(live.Now()->sigma(), (road ? 1.12 : 1.03) * sigma);
+      EXPECT_GT(now.sigma(), 0.95 * sigma);
+      EXPECT_LT(now.sigma(), (road ? 1.12 : 1.03) * sigma);
     }
     EXPECT_EQ(turns, 8);
   }
@@ -369,7 +377,7 @@ TEST(LiveScale, StepsWithoutATurnDoNotPileUp) {
       MakeSteps({{30, 0, 5, 9}, {2, 2 * kDegree, 5, 9}, {2, -2 * kDegree, 5, 9}}, kCar, 0, kUnit).steps;
   for (int i = 0; i < 300000; ++i) live.Add(weave[i % weave.size()]);
   ASSERT_TRUE(live.Now());
-  EXPECT_GT(live.Now()->sigma(), 1) << "1500 km after its turn the scale is all but unknown";
+  EXPECT_GT(live.Now()->belief.sigma(), 1) << "1500 km after its turn the scale is all but unknown";
 }
 
 }  // namespace
