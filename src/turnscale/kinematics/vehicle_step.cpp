@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <iterator>
 #include <span>
+#include <utility>
 
 #include "turnscale/base/error.h"
 #include "turnscale/base/quantiles.h"
@@ -81,91 +82,89 @@ VehicleStep LevelStep(const RigidTransform& previous_from_current, const Eigen::
   return step;
 }
 
-std::vector<VehicleStep> StepBuilder::Add(const StampedPose& pose, const PathGap* gap) {
+std::vector<VehicleStep> StepBuilder::Add(const StampedPose& pose, std::optional<double> gap_sigma) {
+  const int index = poses_++;
+  if (gap_sigma) gap_sigma_ = gap_sigma;
+  if (!pose.world_from_camera.IsFinite()) return {};
+  const std::optional<double> gap = std::exchange(gap_sigma_, std::nullopt);
   std::vector<VehicleStep> ended;
-  const int index = poses_;
-  if (gap != nullptr) gap_ = *gap;
-  if (!pose.world_from_camera.IsFinite()) {
-    ++poses_;
-    return ended;
-  }
-  if (!started_) {
-    StartAt(pose, index);
-  } else if (gap_) {
-    if (const std::optional<VehicleStep> rest = Finish()) ended.push_back(*rest);
-    VehicleStep across;
+  if (!under_way_) {
+    under_way_ = BeginAt(pose, index);
+  } else if (gap) {
+    if (under_way_->first < index - 1) ended.push_back(StepOf(*under_way_, index - 1));
+    VehicleStep& across = ended.emplace_back();
     across.first = index - 1;
     across.last = index;
     across.usable = false;
     across.after_gap = true;
-    across.gap_sigma = gap_->sigma;
-    if (timed_) across.duration = pose.time - last_pose_.time;
-    ended.push_back(across);
-    StartAt(pose, index);
+    across.gap_sigma = *gap;
+    if (timed_) across.duration = pose.time - under_way_->end.time;
+    under_way_ = BeginAt(pose, index);
   } else {
-    const VehicleStep step = StepTo(pose, index);
-    // Half a period of the fastest cameras: times are rounded.
-    constexpr double kTimeTolerance = 0.004;
-    const bool ends =
-        std::abs(step.motion.psi) >= options_.angle ||
-        (timed_ ? step.duration >= options_.max_duration - kTimeTolerance : index - key_ >= options_.max_poses);
-    if (ends) {
-      ended.push_back(step);
-      StartAt(pose, index);
-    }
+    GoOn(pose, *under_way_);
+    const VehicleStep step = StepOf(*under_way_, index);
+    if (!IsLongEnough(step)) return {};
+    ended.push_back(step);
+    under_way_ = BeginAt(pose, index);
   }
-  last_pose_ = pose;
-  gap_.reset();
-  ++poses_;
   return ended;
 }
 
 void StepBuilder::TurnAxes(const Eigen::Quaterniond& old_from_new) {
-  for (StampedPose* pose : {&key_pose_, &last_pose_})
+  if (!under_way_) return;
+  for (StampedPose* pose : {&under_way_->begin, &under_way_->end})
     pose->world_from_camera.rotation = pose->world_from_camera.rotation * old_from_new;
 }
 
 std::optional<VehicleStep> StepBuilder::Finish() {
   const int last = poses_ - 1;
-  if (!started_ || last <= key_) return std::nullopt;
-  const VehicleStep step = StepTo(last_pose_, last);
-  StartAt(last_pose_, last);
+  if (!under_way_ || last <= under_way_->first) return std::nullopt;
+  const VehicleStep step = StepOf(*under_way_, last);
+  under_way_ = BeginAt(under_way_->end, last);
   return step;
 }
 
-void StepBuilder::StartAt(const StampedPose& pose, int index) {
-  started_ = true;
-  key_pose_ = pose;
-  key_ = index;
-  heading_ = 0;
-  travel_ = 0;
-  heading_integral_ = 0;
-  square_speed_integral_ = 0;
-  dense_ = true;
+void StepBuilder::GoOn(const StampedPose& pose, StepUnderWay& step) const {
+  const double heading = Measure(step.begin, pose).motion.psi;
+  const double travel = (pose.world_from_camera.translation - step.end.world_from_camera.translation).norm();
+  const double duration = pose.time - step.end.time;
+  step.heading_integral += travel * 0.5 * (step.heading + heading);
+  step.travel += travel;
+  if (timed_ && duration > 0) step.square_speed_integral += (heading - step.heading) * Square(travel / duration);
+  const double turned = std::abs(heading - step.heading);
+  const bool is_hole = timed_ ? duration > options_.max_pose_interval && turned > options_.max_pose_turn
+                              : turned > kUntimedTurns * options_.max_pose_turn;
+  step.dense = step.dense && !is_hole;
+  step.heading = heading;
+  step.end = pose;
 }
 
-VehicleStep StepBuilder::StepTo(const StampedPose& pose, int index) {
-  VehicleStep step = LevelStep(key_pose_.world_from_camera.inverse() * pose.world_from_camera,
-                               Eigen::Quaterniond::Identity(), timed_ ? pose.time - key_pose_.time : 0, options_);
-  step.first = key_;
-  step.last = index;
-  const double travel = (pose.world_from_camera.translation - last_pose_.world_from_camera.translation).norm();
-  heading_integral_ += travel * 0.5 * (heading_ + step.motion.psi);
-  travel_ += travel;
-  const double duration = pose.time - last_pose_.time;
-  if (timed_ && duration > 0) square_speed_integral_ += (step.motion.psi - heading_) * Square(travel / duration);
-  const double turned = std::abs(step.motion.psi - heading_);
-  const bool is_sparse = timed_ ? duration > options_.max_pose_interval && turned > options_.max_pose_turn
-                                : turned > kUntimedTurns * options_.max_pose_turn;
-  dense_ = dense_ && !is_sparse;
-  step.dense = dense_;
-  heading_ = step.motion.psi;
-  if (travel_ > 0) step.heading_offset = heading_integral_ / travel_ - 0.5 * heading_;
+VehicleStep StepBuilder::Measure(const StampedPose& from, const StampedPose& to) const {
+  return LevelStep(from.world_from_camera.inverse() * to.world_from_camera, Eigen::Quaterniond::Identity(),
+                   timed_ ? to.time - from.time : 0, options_);
+}
+
+VehicleStep StepBuilder::StepOf(const StepUnderWay& under_way, int last) const {
+  // In axes that may have turned since `end` was taken.
+  VehicleStep step = Measure(under_way.begin, under_way.end);
+  step.first = under_way.first;
+  step.last = last;
+  step.dense = under_way.dense;
+  const double heading = step.motion.psi;
+  if (under_way.travel > 0) step.heading_offset = under_way.heading_integral / under_way.travel - 0.5 * heading;
   // A heading that hardly changes is noise.
-  if (std::abs(heading_) > kLeastTurn && step.speed() > 0)
+  if (std::abs(heading) > kLeastTurn && step.speed() > 0)
     step.square_speed_ratio =
-        std::clamp(square_speed_integral_ / (heading_ * Square(step.speed())), 1 / kMostRatio, kMostRatio);
+        std::clamp(under_way.square_speed_integral / (heading * Square(step.speed())), 1 / kMostRatio, kMostRatio);
   return step;
+}
+
+bool StepBuilder::IsLongEnough(const VehicleStep& step) const {
+  // Half a period of the fastest cameras: times are rounded.
+  constexpr double kTimeTolerance = 0.004;
+  if (std::abs(step.motion.psi) >= options_.angle) return true;
+  return timed_ ? step.duration >= options_.max_duration - kTimeTolerance
+                : step.last - step.first >= options_.max_poses;
 }
 
 std::vector<VehicleStep> CutIntoSteps(const Trajectory& path, const std::vector<PathGap>& gaps, bool timed,
@@ -175,9 +174,9 @@ std::vector<VehicleStep> CutIntoSteps(const Trajectory& path, const std::vector<
   std::vector<VehicleStep> steps;
   auto gap = gaps.begin();
   for (int i = 0; i < static_cast<int>(path.size()); ++i) {
-    const bool after_gap = gap != gaps.end() && gap->pose == i;
-    std::ranges::move(builder.Add(path[i], after_gap ? &*gap : nullptr), std::back_inserter(steps));
-    if (after_gap) ++gap;
+    std::optional<double> gap_sigma;
+    if (gap != gaps.end() && gap->pose == i) gap_sigma = (gap++)->sigma;
+    std::ranges::move(builder.Add(path[i], gap_sigma), std::back_inserter(steps));
   }
   if (const std::optional<VehicleStep> rest = builder.Finish()) steps.push_back(*rest);
   // Units of length differ across a gap.

@@ -22,7 +22,8 @@ struct VehicleStep {
   /// or has no length.
   bool usable = true;
   /// False if two poses within the step are so far apart that the circle of (1) does not hold between them: it is
-  /// driven and turned, and shows nothing of the car (VehicleStepOptions::max_pose_turn).
+  /// driven and turned, and shows nothing of the car (VehicleStepOptions::max_pose_turn). Independent of `usable`:
+  /// without times, a hole in a turn is a jump as well.
   bool dense = true;
   bool after_gap = false;  ///< across a loss of tracking: its motion is unknown
   /// Relative standard deviation by which the unit of length may have changed across the gap.
@@ -104,11 +105,11 @@ class StepBuilder {
   /// `timed`: the poses' times are seconds.
   StepBuilder(const VehicleStepOptions& options, bool timed) : options_(options), timed_(timed) {}
 
-  /// Takes the next pose, in vehicle axes: world_from_camera * camera_from_vehicle's rotation. Gives the steps that it
-  /// ends: one at most, two where a gap cuts a step short. The step leads past a pose that is not finite; a gap before
-  /// such a pose is one before the next pose that is. A step that ends at a gap counts the poses passed before it as
-  /// its own.
-  std::vector<VehicleStep> Add(const StampedPose& pose, const PathGap* gap = nullptr);
+  /// Takes the next pose, in vehicle axes: world_from_camera * camera_from_vehicle's rotation. `gap_sigma`: of a loss
+  /// of tracking before it (PathGap::sigma). Gives the steps that it ends: one at most, two where a gap cuts a step
+  /// short. The step leads past a pose that is not finite; a gap before such a pose is one before the next pose that
+  /// is. A step that ends at a gap counts the poses passed before it as its own.
+  std::vector<VehicleStep> Add(const StampedPose& pose, std::optional<double> gap_sigma = {});
 
   /// The vehicle's axes have changed: the poses to come are in new ones, by which the step under way is measured, too.
   void TurnAxes(const Eigen::Quaterniond& old_from_new);
@@ -117,26 +118,34 @@ class StepBuilder {
   std::optional<VehicleStep> Finish();
 
  private:
-  void StartAt(const StampedPose& pose, int index);
-  // From the pose where the step under way begins to the next one, or to the last one again.
-  VehicleStep StepTo(const StampedPose& pose, int index);
+  /// What has been seen of a step that is not ended yet.
+  struct StepUnderWay {
+    StampedPose begin;
+    StampedPose end;  ///< the latest pose that is finite
+    int first = 0;    ///< index of `begin`
+    // Along the poses from `begin` to `end`:
+    double heading = 0;                ///< change of it, rad
+    double travel = 0;                 ///< distance
+    double heading_integral = 0;       ///< of `heading` over `travel`
+    double square_speed_integral = 0;  ///< of the squared speed over `heading`
+    bool dense = true;                 ///< VehicleStep::dense
+  };
+
+  static StepUnderWay BeginAt(const StampedPose& pose, int index) {
+    return {.begin = pose, .end = pose, .first = index};
+  }
+  /// The step under way reaches the next pose.
+  void GoOn(const StampedPose& pose, StepUnderWay& step) const;
+  VehicleStep Measure(const StampedPose& from, const StampedPose& to) const;
+  /// As a step that ends where it is, at the pose `last`.
+  VehicleStep StepOf(const StepUnderWay& under_way, int last) const;
+  bool IsLongEnough(const VehicleStep& step) const;
 
   VehicleStepOptions options_;
   bool timed_;
   int poses_ = 0;
-  bool started_ = false;  ///< with the first pose that is known
-  int key_ = 0;           ///< where the step under way begins
-  StampedPose key_pose_;
-  StampedPose last_pose_;       ///< that is finite
-  std::optional<PathGap> gap_;  ///< since then
-  // Of the step under way, from its start to `last_pose_`: change of heading (rad), distance, integral of that change
-  // over the distance.
-  double heading_ = 0;
-  double travel_ = 0;
-  double heading_integral_ = 0;
-  // Integral of the squared speed over the change of heading.
-  double square_speed_integral_ = 0;
-  bool dense_ = true;  ///< VehicleStep::dense
+  std::optional<StepUnderWay> under_way_;  ///< from the first pose on that is finite
+  std::optional<double> gap_sigma_;        ///< of a gap since the latest pose that is finite
 };
 
 /// All steps of a path whose poses are in vehicle axes, jumps marked as not usable. Gaps in their order. Poses that are

@@ -310,9 +310,10 @@ TEST(StepBuilder, PoseByPoseIsTheWholePath) {
     std::vector<VehicleStep> steps;
     auto gap = gaps.begin();
     for (std::size_t i = 0; i < path.size(); ++i) {
-      const bool after_gap = gap != gaps.end() && gap->pose == static_cast<int>(i);
-      const std::vector<VehicleStep> ended = builder.Add(path[i], after_gap ? &*gap++ : nullptr);
-      EXPECT_LE(ended.size(), after_gap ? 2u : 1u);
+      std::optional<double> gap_sigma;
+      if (gap != gaps.end() && gap->pose == static_cast<int>(i)) gap_sigma = (gap++)->sigma;
+      const std::vector<VehicleStep> ended = builder.Add(path[i], gap_sigma);
+      EXPECT_LE(ended.size(), gap_sigma ? 2u : 1u);
       for (const VehicleStep& step : ended) EXPECT_EQ(step.last, &step == &ended.back() ? i : i - 1);
       std::ranges::copy(ended, std::back_inserter(steps));
     }

@@ -219,7 +219,8 @@ int DriveScale::Restart() {
 TurnEnd DriveScale::Feed(const Map& map, int keyframe) {
   const std::optional<PathGap> gap = GapBefore(map, keyframe);
   TurnEnd turn_end = TurnEnd::kNone;
-  for (VehicleStep& step : builder_.Add(VehiclePose(map, mount_, keyframe), gap ? &*gap : nullptr)) {
+  const std::optional<double> gap_sigma = gap ? std::optional(gap->sigma) : std::nullopt;
+  for (VehicleStep& step : builder_.Add(VehiclePose(map, mount_, keyframe), gap_sigma)) {
     CompleteStep(map, heights_, options_.scale.estimator.drift, step);
     const TurnEnd end = live_.Add(step);
     if (end != TurnEnd::kNone) turn_end = end;
