@@ -30,7 +30,7 @@ std::optional<HeightConflict> CompareHeight(const ScaleBelief& posterior, const 
   Measurement taken_out = given;
   taken_out.variance = -given.variance;
   const ScaleBelief without = Updated(posterior, taken_out, 1, prior.mean);
-  if (!(NormalizedInnovation(without, given, 1, prior.mean) > max_deviation * max_deviation)) return std::nullopt;
+  if (!(ChiSquared(without, given, 1, prior.mean) > max_deviation * max_deviation)) return std::nullopt;
   const double found = std::exp(without.mean[kLogHeight]);
   return HeightConflict{car.camera_height, car.camera_height_sigma, found, without.Sigma(kLogHeight) * found};
 }

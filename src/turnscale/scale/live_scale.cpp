@@ -29,6 +29,11 @@ std::optional<double> UsualMetresPerUnit(std::span<const VehicleStep> steps) {
   return length > 0 && duration > 0 ? std::optional(kUsualSpeed * duration / length) : std::nullopt;
 }
 
+// Of a measurement against what is believed before it.
+double RobustWeight(const ScaleBelief& belief, const Measurement& measurement, const DriveState& at, double huber) {
+  return HuberWeight(std::sqrt(ChiSquared(belief, measurement, 1, at)), huber);
+}
+
 // Tyres do not slip inwards: a negative slip-angle coefficient becomes 0, and the other unknowns what they are then.
 // The covariance stays.
 void HoldSlip(ScaleBelief& belief) {
@@ -132,17 +137,15 @@ void LiveScale::TakeDirection(std::span<const VehicleStep> steps, bool road_part
   DriveState at = belief.mean;
   at[kLogScale] = std::log(*metres_per_unit);
   const Measurement measurement = LinearizeStraight(*straight, at, options_.evidence);
-  const double deviation = std::sqrt(NormalizedInnovation(belief, measurement, 1, at));
-  belief = Updated(belief, measurement, HuberWeight(deviation, options_.huber), at);
+  belief = Updated(belief, measurement, RobustWeight(belief, measurement, at, options_.huber), at);
 }
 
 void LiveScale::Advance(std::span<const VehicleStep> steps, ScaleBelief& belief) const {
   const std::optional<double> metres_per_unit = MetresPerUnit(steps, belief);
   if (!metres_per_unit) return;
   for (const VehicleStep& step : steps) {
-    const double variance = DriftVariance(options_.drift, step.driven(), *metres_per_unit, std::abs(step.turned()),
-                                          step.unit_variance, step.gap_sigma);
-    belief = Advanced(belief, variance, step.driven(), *metres_per_unit, options_.evidence.road);
+    const PathStretch stretch{step.driven(), std::abs(step.turned()), step.unit_variance, step.gap_sigma};
+    belief = Advanced(belief, stretch, *metres_per_unit, options_.drift, options_.evidence.road);
   }
 }
 
@@ -160,8 +163,8 @@ bool LiveScale::TakeRoad(std::span<const VehicleStep> steps, ScaleBelief& belief
   DriveState at = belief.mean;
   if (!started_) at[kLogScale] = at[kLogHeight] - road->log_height;
   const Measurement measurement = LinearizeRoad(*road, at, options_.evidence.road);
-  const double deviation = std::sqrt(NormalizedInnovation(belief, measurement, 1, at));
-  belief = Updated(belief, measurement, started_ ? HuberWeight(deviation, options_.huber) : 1.0, at);
+  const double weight = started_ ? RobustWeight(belief, measurement, at, options_.huber) : 1.0;
+  belief = Updated(belief, measurement, weight, at);
   return true;
 }
 
@@ -188,8 +191,8 @@ LiveScale::TurnUpdate LiveScale::WithTurn(const ScaleBelief& belief, std::span<c
     for (const auto& [kind, measurement] : MeasurementsOf(evidence, at, options_.evidence)) {
       // The first turn sets the scale: no prediction of it is there yet, against which to weigh the turn.
       const bool sets_scale = !started_ && kind == kLeverArmOfTurn;
-      const double deviation = std::sqrt(NormalizedInnovation(start, measurement, 1, at));
-      updated = Updated(updated, measurement, sets_scale ? 1.0 : HuberWeight(deviation, options_.huber), at);
+      const double weight = sets_scale ? 1.0 : RobustWeight(start, measurement, at, options_.huber);
+      updated = Updated(updated, measurement, weight, at);
     }
     HoldSlip(updated);
   }

@@ -32,10 +32,11 @@ double Persistence(double metres, const RoadEvidenceOptions& road) {
 ScaleBelief AdvancedTo(const ScaleProblem& problem, std::size_t i, double metres_per_unit, const ScaleBelief& belief) {
   const PathSegment& before = problem.segments[i - 1];
   const PathSegment& after = problem.segments[i];
-  const double length = after.middle - before.middle;
-  const double variance = DriftVariance(problem.drift, length, metres_per_unit, 0.5 * (before.turned + after.turned),
-                                        0.5 * (before.unit_variance + after.unit_variance), after.gap_sigma);
-  return Advanced(belief, variance, length, metres_per_unit, problem.options.road);
+  const PathStretch between{.length = after.middle - before.middle,
+                            .turned = 0.5 * (before.turned + after.turned),
+                            .unit_variance = 0.5 * (before.unit_variance + after.unit_variance),
+                            .gap_sigma = after.gap_sigma};
+  return Advanced(belief, between, metres_per_unit, problem.drift, problem.options.road);
 }
 
 // Sums the innovations of the turns, other than those that set the scale (SmoothedScale::chi_squared).
@@ -43,7 +44,7 @@ class TurnSum {
  public:
   void PassGap() { after_gap_ = true; }
 
-  void Add(const ScaleBelief& before, const ScaleBelief& after, double normalized_innovation) {
+  void Add(const ScaleBelief& before, const ScaleBelief& after, double chi_squared) {
     // The variance that comes from the constants of the car is left by every turn.
     constexpr double kMostLeft = 0.5;
     const double left = after.covariance(kLogScale, kLogScale) / before.covariance(kLogScale, kLogScale);
@@ -51,7 +52,7 @@ class TurnSum {
       first_ = after_gap_ = false;
       return;
     }
-    chi_squared_ += normalized_innovation;
+    chi_squared_ += chi_squared;
     ++count_;
   }
 
@@ -102,27 +103,25 @@ ScaleBelief PriorBelief(const CarPrior& car, double log_scale) {
   return prior;
 }
 
-double DriftVariance(const DriftOptions& options, double length, double metres_per_unit, double angle,
-                     double unit_variance, double gap_sigma) {
-  const double usual = options.per_100m * options.per_100m * length * metres_per_unit / kDistance +
-                       options.per_90deg * options.per_90deg * angle / kAngle;
-  return std::max(usual, unit_variance) + gap_sigma * gap_sigma;
+double DriftVariance(const DriftOptions& options, const PathStretch& stretch, double metres_per_unit) {
+  const double usual = options.per_100m * options.per_100m * stretch.length * metres_per_unit / kDistance +
+                       options.per_90deg * options.per_90deg * stretch.turned / kAngle;
+  return std::max(usual, stretch.unit_variance) + stretch.gap_sigma * stretch.gap_sigma;
 }
 
-ScaleBelief Advanced(const ScaleBelief& belief, double drift_variance, double length, double metres_per_unit,
-                     const RoadEvidenceOptions& road) {
+ScaleBelief Advanced(const ScaleBelief& belief, const PathStretch& stretch, double metres_per_unit,
+                     const DriftOptions& drift, const RoadEvidenceOptions& road) {
   ScaleBelief advanced = belief;
-  const double persistence = Persistence(length * metres_per_unit, road);
+  const double persistence = Persistence(stretch.length * metres_per_unit, road);
   advanced.mean[kRoadError] *= persistence;
   advanced.covariance.row(kRoadError) *= persistence;
   advanced.covariance.col(kRoadError) *= persistence;
   advanced.covariance(kRoadError, kRoadError) += 1 - persistence * persistence;
-  advanced.covariance(kLogScale, kLogScale) += drift_variance;
+  advanced.covariance(kLogScale, kLogScale) += DriftVariance(drift, stretch, metres_per_unit);
   return advanced;
 }
 
-double NormalizedInnovation(const ScaleBelief& belief, const Measurement& measurement, double weight,
-                            const DriveState& at) {
+double ChiSquared(const ScaleBelief& belief, const Measurement& measurement, double weight, const DriveState& at) {
   const double innovation = measurement.innovation - measurement.by_state.dot(belief.mean - at);
   const double variance =
       measurement.by_state.dot(belief.covariance * measurement.by_state.transpose()) + measurement.variance / weight;
@@ -153,7 +152,7 @@ SmoothedScale SmoothScale(const ScaleProblem& problem, const std::vector<DriveSt
     for (const auto& [kind, measurement] : MeasurementsOf(problem.evidence[i], at[i], problem.options)) {
       const double weight = problem.weights[i][kind];
       const ScaleBelief updated = Updated(belief, measurement, weight, at[i]);
-      if (kind == kLeverArmOfTurn) turns.Add(belief, updated, NormalizedInnovation(belief, measurement, weight, at[i]));
+      if (kind == kLeverArmOfTurn) turns.Add(belief, updated, ChiSquared(belief, measurement, weight, at[i]));
       belief = updated;
     }
     result.segments.push_back(belief);

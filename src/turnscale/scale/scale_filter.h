@@ -36,20 +36,25 @@ struct ScaleBelief {
 /// prior of the scale.
 ScaleBelief PriorBelief(const CarPrior& car, double log_scale);
 
-/// Variance of the drift of the log-scale over `length` odometry units at `metres_per_unit`, turning by `angle`
-/// rad, with a gap of `gap_sigma` (0: none). `unit_variance`, due to the errors of the landmarks, replaces
-/// the usual drift, not the gap, where it is larger.
-double DriftVariance(const DriftOptions& options, double length, double metres_per_unit, double angle,
-                     double unit_variance, double gap_sigma);
+/// A part of the path along which the scale drifts.
+struct PathStretch {
+  double length = 0;         ///< odometry units
+  double turned = 0;         ///< sum of the absolute angles, rad
+  double unit_variance = 0;  ///< of the unit's logarithm, due to the errors of the landmarks; 0 where it is not known
+  double gap_sigma = 0;      ///< relative, by which the unit may have changed across a gap; 0 without one
+};
 
-/// The belief `length` odometry units later: the scale has drifted by this variance, and the road's error is another.
-ScaleBelief Advanced(const ScaleBelief& belief, double drift_variance, double length, double metres_per_unit,
-                     const RoadEvidenceOptions& road);
+/// Variance of the drift of the log-scale along a stretch. That of the landmarks replaces the usual drift, not the gap,
+/// where it is larger.
+double DriftVariance(const DriftOptions& options, const PathStretch& stretch, double metres_per_unit);
 
-/// Squared innovation of a measurement, linearised at `at`, over its variance, which includes that of the belief before
-/// it.
-double NormalizedInnovation(const ScaleBelief& belief, const Measurement& measurement, double weight,
-                            const DriveState& at);
+/// The belief behind a stretch: the scale has drifted, and the road's error is another.
+ScaleBelief Advanced(const ScaleBelief& belief, const PathStretch& stretch, double metres_per_unit,
+                     const DriftOptions& drift, const RoadEvidenceOptions& road);
+
+/// Square of a measurement's innovation, linearised at `at`, over its variance, which includes that of the belief
+/// before it: chi-squared with one degree of freedom.
+double ChiSquared(const ScaleBelief& belief, const Measurement& measurement, double weight, const DriveState& at);
 
 /// The belief with one more measurement, linearised at `at`; `weight` divides the measurement's variance.
 ScaleBelief Updated(const ScaleBelief& belief, const Measurement& measurement, double weight, const DriveState& at);

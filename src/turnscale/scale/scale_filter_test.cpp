@@ -241,7 +241,7 @@ TEST(ScaleFilter, UpdateIsTheSumOfInformation) {
 TEST(Drift, GathersOverDistanceTurningAndGaps) {
   const DriftOptions drift{0.02, 0.01};
   const auto sigma = [&](double length, double unit, double angle, double gap) {
-    return std::sqrt(DriftVariance(drift, length, unit, angle, 0, gap));
+    return std::sqrt(DriftVariance(drift, {.length = length, .turned = angle, .gap_sigma = gap}, unit));
   };
   EXPECT_NEAR(sigma(100, 1, 0, 0), 0.02, 1e-12);
   EXPECT_NEAR(sigma(10, 10, 0, 0), 0.02, 1e-12);
@@ -253,9 +253,12 @@ TEST(Drift, GathersOverDistanceTurningAndGaps) {
 
 TEST(Drift, IsThatOfTheMapWhereThatIsMore) {
   const DriftOptions drift{0.02, 0.01};
-  EXPECT_NEAR(DriftVariance(drift, 100, 1, 0, 0.0003, 0), 0.0004, 1e-12);
-  EXPECT_NEAR(DriftVariance(drift, 100, 1, 0, 0.0009, 0), 0.0009, 1e-12);
-  EXPECT_NEAR(DriftVariance(drift, 100, 1, 0, 0.0009, 0.03), 0.0018, 1e-12);
+  const auto variance = [&](double of_map, double gap) {
+    return DriftVariance(drift, {.length = 100, .unit_variance = of_map, .gap_sigma = gap}, 1);
+  };
+  EXPECT_NEAR(variance(0.0003, 0), 0.0004, 1e-12);
+  EXPECT_NEAR(variance(0.0009, 0), 0.0009, 1e-12);
+  EXPECT_NEAR(variance(0.0009, 0.03), 0.0018, 1e-12);
 }
 
 TEST(Drift, RefusesSenselessValues) {
