@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "frame_by_frame.h"
 
+#include <utility>
+
 #include <fmt/format.h>
 #include <opencv2/core/utility.hpp>
 
@@ -115,7 +117,7 @@ void FrameByFrame::Finish() {
   });
 }
 
-RunSummary FrameByFrame::SummaryOf(const std::vector<FrameResult>& frames, const RefinedScale& refined) const {
+RunSummary FrameByFrame::SummaryOf(const RefinedResults& results) const {
   RunSummary summary;
   summary.version = Version();
   summary.pose_frame = "camera";
@@ -124,8 +126,7 @@ RunSummary FrameByFrame::SummaryOf(const std::vector<FrameResult>& frames, const
   summary.vehicle_file = vehicle_file_;
   summary.warnings = warnings_;
   if (!recorder_.unreadable().empty()) summary.warnings.push_back(UnreadableText(recorder_.unreadable()));
-  recorder_.Summarize(frames, refined, summary);
-  return summary;
+  return recorder_.Summary(std::move(summary), results);
 }
 
 const char* FrameByFrame::scale_state() {
@@ -142,8 +143,8 @@ int FrameByFrame::frames() {
 
 DriveTables FrameByFrame::Tables() {
   return WithoutLock([&] {
-    const RefinedScale refined = odometry_.Refined();
-    const std::vector<FrameResult> frames = odometry_.RefinedFrames(refined);
+    const RefinedResults results = recorder_.Refined();
+    const auto& [frames, refined] = results;
     DriveTables tables;
     tables.trajectory = FrameTableHeader();
     for (const FrameResult& frame : frames) tables.trajectory += FrameTableLine(frame, frame.world_from_camera);
@@ -152,7 +153,7 @@ DriveTables FrameByFrame::Tables() {
     tables.scale = ScaleTable(odometry_.map(), refined.estimate ? refined : RefinedScale());
     tables.camera_rotation = RotationTable(recorder_.rotations());
     tables.live = live_;
-    const RunSummary summary = SummaryOf(frames, refined);
+    const RunSummary summary = SummaryOf(results);
     tables.summary = SummaryJson(summary);
     tables.warnings = summary.warnings;
     if (summary.wants_metres() && !summary.is_metric())

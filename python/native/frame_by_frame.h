@@ -60,7 +60,7 @@ class FrameByFrame {
   auto WithoutLock(const Work& work);
   LiveFrame Keep(const FrameResult& result);
   void RefuseAfterEnd() const;
-  RunSummary SummaryOf(const std::vector<FrameResult>& frames, const RefinedScale& refined) const;
+  RunSummary SummaryOf(const RefinedResults& results) const;
 
   std::mutex busy_;
   Odometry odometry_;

@@ -287,7 +287,7 @@ DriveMotion MotionFromImages(const ImageArguments& arguments, const CommandHooks
   SendWarnings(progress, hooks);
   for (const std::string& warning : WarningsOf(arguments, images)) progress.Warn(warning);
   if (!estimate.warning.empty()) progress.Warn(estimate.warning);
-  DriveRecorder recorder(odometry);
+  DriveRecorder recorder(odometry, images.scaling);
   Attempts attempts;
   attempts.Try([&] { ProcessFrames(arguments, images.source, hooks, odometry, progress, recorder); });
   progress.Finish();
@@ -298,12 +298,11 @@ DriveMotion MotionFromImages(const ImageArguments& arguments, const CommandHooks
     motion.note = fmt::format("intrinsics estimated from the drive: focal length {} pixels",
                               FocalLengthText(estimate.found->camera));
   if (odometry.is_upside_down()) progress.Warn(UpsideDownWarning(arguments.rotate));
-  const RefinedScale scale = odometry.Refined();
+  const auto [frames, scale] = recorder.Refined();
   for (const ParameterEstimate& contradiction : scale.contradicted_calibration)
-    progress.Warn(CalibrationWarning(images.scaling.Full(contradiction), estimate.found.has_value(),
-                                     "the rotation and the lever arm may be wrong"));
-  motion.calibration_sigma = CalibrationSigma(scale.contradicted_calibration, odometry.camera());
-  const std::vector<FrameResult> frames = odometry.RefinedFrames(scale);
+    progress.Warn(
+        CalibrationWarning(contradiction, estimate.found.has_value(), "the rotation and the lever arm may be wrong"));
+  motion.calibration_sigma = CalibrationSigma(scale.contradicted_calibration, images.scaling.Full(odometry.camera()));
   motion.stretches = Stretches(frames);
   if (motion.stretches.empty()) attempts.RethrowFirst();
   if (!motion.stretches.empty()) motion.incomplete = WhyIncomplete(frames, images.source, recorder.seen());

@@ -1,9 +1,36 @@
 // SPDX-License-Identifier: MIT
 #include "turnscale/io/drive_recorder.h"
 
+#include <algorithm>
 #include <chrono>
+#include <utility>
 
 namespace turnscale {
+namespace {
+
+// What the odometry says of car and camera.
+void DescribeSetting(const Odometry& odometry, const ImageScaling& scaling, RunSummary& summary) {
+  const OdometryOptions& options = odometry.options();
+  summary.vehicle = options.vehicle;
+  summary.method = options.scale.method;
+  const CameraModel camera = scaling.Full(odometry.camera());
+  summary.pinhole = camera.pinhole;
+  summary.lens_model = camera.lens;
+  if (options.lens.enabled) summary.lens = {odometry.lens().correction(), odometry.lens().sigma()};
+  if (!options.vehicle.calibrate_camera) return;
+  const Mount& mount = odometry.mount().current();
+  summary.mount = {YawPitchRollFromRotation(mount.vehicle_from_camera), mount.sigma, mount.found,
+                   odometry.mount().moves()};
+}
+
+std::vector<MapRestart> RestartsOf(const Map& map) {
+  std::vector<MapRestart> restarts;
+  for (const Keyframe& keyframe : map.keyframes)
+    if (keyframe.after_gap) restarts.push_back({keyframe.frame, keyframe.time, keyframe.gap_sigma});
+  return restarts;
+}
+
+}  // namespace
 
 FrameResult DriveRecorder::Process(const cv::Mat& gray, double time) {
   using Clock = std::chrono::steady_clock;
@@ -40,16 +67,30 @@ void DriveRecorder::Finish() {
   if (frames_ > 0) RecordRotation(frames_ - 1, last_time_, odometry_.mount().current(), rotations_);
 }
 
-void DriveRecorder::Summarize(const std::vector<FrameResult>& frames, const RefinedScale& scale,
-                              RunSummary& summary) const {
-  summary.image_width = image_size_.width;
-  summary.image_height = image_size_.height;
+RefinedResults DriveRecorder::Refined() const {
+  RefinedScale scale = odometry_.Refined();
+  std::vector<FrameResult> frames = odometry_.RefinedFrames(scale);
+  for (ParameterEstimate& estimate : scale.contradicted_calibration) estimate = scaling_.Full(estimate);
+  return {std::move(frames), std::move(scale)};
+}
+
+RunSummary DriveRecorder::Summary(RunSummary summary, const RefinedResults& results) const {
+  DescribeSetting(odometry_, scaling_, summary);
+  const cv::Size size = scaling_.Full(image_size_);
+  summary.image_width = size.width;
+  summary.image_height = size.height;
   summary.live_metric_from = live_metric_from_;
   summary.unreadable = unreadable_;
-  turnscale::Summarize(odometry_, frames, scale, summary);
-  if (tracks_) SummarizeBeginning(frames, seen_, summary);
+  summary.restarts = RestartsOf(odometry_.map());
+  summary.scale_state = StateAtEnd(results.scale);
+  Summarize(results.frames, results.scale, summary);
+  if (odometry_.is_upside_down()) summary.warnings.push_back(UpsideDownWarning(summary.rotate));
+  if (tracks_) SummarizeBeginning(results.frames, seen_, summary);
+  // Results that could not be computed have no frames.
+  summary.frames = std::max(summary.frames, frames_);
   summary.cost = MeasureCost();
   summary.cost.latency = LatencyOf(latencies_);
+  return summary;
 }
 
 }  // namespace turnscale

@@ -7,6 +7,7 @@
 
 #include <opencv2/core/mat.hpp>
 
+#include "turnscale/io/image_scaling.h"
 #include "turnscale/io/run_summary.h"
 #include "turnscale/io/run_writer.h"
 #include "turnscale/io/seen_images.h"
@@ -16,10 +17,18 @@
 
 namespace turnscale {
 
+/// The refined results of a drive.
+struct RefinedResults {
+  std::vector<FrameResult> frames;
+  RefinedScale scale;  ///< what it says of the calibration is in pixels of full size
+};
+
 /// Runs the odometry frame by frame and keeps what the summary and the files of a drive need besides its results.
 class DriveRecorder {
  public:
-  explicit DriveRecorder(Odometry& odometry) : odometry_(odometry) {}
+  /// `scaling`: of the images that are processed.
+  explicit DriveRecorder(Odometry& odometry, const ImageScaling& scaling = {})
+      : odometry_(odometry), scaling_(scaling) {}
 
   /// As Odometry::Process.
   FrameResult Process(const cv::Mat& gray, double time);
@@ -46,14 +55,18 @@ class DriveRecorder {
 
   const std::vector<UnreadableFrame>& unreadable() const { return unreadable_; }
 
-  /// Fills in all that the drive tells, from its refined results: Summarize, SummarizeBeginning, what is kept here, and
-  /// the cost. The warnings lack that of unreadable images.
-  void Summarize(const std::vector<FrameResult>& frames, const RefinedScale& scale, RunSummary& summary) const;
+  /// Those of the frames so far.
+  RefinedResults Refined() const;
+
+  /// All that the drive tells, by these results, added to what is known of it beforehand. The warnings lack that of
+  /// unreadable images.
+  RunSummary Summary(RunSummary summary, const RefinedResults& results) const;
 
  private:
   void Keep(const FrameResult& result);
 
   Odometry& odometry_;
+  ImageScaling scaling_;
   int frames_ = 0;
   double last_time_ = 0;
   bool tracks_ = false;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "turnscale/io/run_drive.h"
 
-#include <algorithm>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -22,76 +21,67 @@
 namespace turnscale {
 namespace {
 
-// What the odometry says of the drive so far.
-struct RunResults {
-  std::vector<FrameResult> frames;
-  RefinedScale scale;
+// Why the summary does not call a run complete.
+enum class Stop {
+  kNo,
+  kEndsEarly,  // the images end before the drive does
+  kMaxFrames,
+  kInterrupted,
+  kFailed,          // an exception, also where the results are computed or written
+  kNothingTracked,  // from the first frame to the last
 };
-
-RunResults ResultsOf(const Odometry& odometry) {
-  RefinedScale scale = odometry.Refined();
-  std::vector<FrameResult> frames = odometry.RefinedFrames(scale);
-  return {std::move(frames), std::move(scale)};
-}
 
 class Run {
  public:
   Run(const DriveToRun& drive, Odometry& odometry, Progress& progress)
-      : drive_(drive), odometry_(odometry), progress_(progress), frame_(drive.next()), recorder_(odometry) {
-    end_.summary = drive.summary;
-    for (const std::string& warning : drive.summary.warnings) progress_.Warn(warning);
-    printed_ = drive.summary.warnings.size();
+      : drive_(drive),
+        odometry_(odometry),
+        progress_(progress),
+        frame_(drive.next()),
+        recorder_(odometry, drive.scaling),
+        known_(drive.summary) {
+    for (const std::string& warning : known_.warnings) progress_.Warn(warning);
   }
 
   RunEnd Go() {
-    if (!attempts_.Try([&] { Drive(); })) end_.summary.stopped = FailureOf(attempts_.failures().front()).message;
+    if (!attempts_.Try([&] { stop_ = ProcessFrames(); })) stop_ = Stop::kFailed;
     progress_.Finish();
-    if (end_.interrupted && recorder_.frames() == 0) return end_;
+    if (stop_ == Stop::kInterrupted && recorder_.frames() == 0) return End(Known());
     if (recorder_.tracks() && !begun_) attempts_.RethrowFirst();
     if (writer_) attempts_.Try([&] { writer_->EndLive(); });
     attempts_.Try(drive_.concluding);
-    Conclude();
-    const bool keeps_earlier = !recorder_.tracks() && HasPosesOfRun(drive_.output.folder);
-    if (!recorder_.tracks() && !end_.interrupted && attempts_.failures().empty()) {
-      const std::string why = recorder_.seen().Explanation(drive_.left);
-      if (Enough() && !keeps_earlier) {
-        Warn(why);
-      } else {
-        end_.nothing_tracked = why;
-        end_.summary.stopped = why;
-      }
-    }
-    if (keeps_earlier) {
-      progress_.Warn(
-          fmt::format("there are no results; {} keeps those of an earlier run", drive_.output.folder.string()));
-    } else if (!writer_) {
-      attempts_.Try([&] { Begin(); });
-    }
-    attempts_.Try([&] { Summarize(); });
-    end_.begun = recorder_.tracks();
-    end_.written = writer_.has_value();
-    end_.failures = attempts_.failures();
-    return end_;
+    Adjust();
+    if (!recorder_.tracks()) ConcludeWithoutMap();
+    if (stop_ == Stop::kNo && !attempts_.failures().empty()) stop_ = Stop::kFailed;
+    RunSummary summary = Known();
+    attempts_.Try([&] {
+      summary = Summary();
+      Publish(summary);
+    });
+    return End(std::move(summary));
   }
 
  private:
-  void Drive() {
-    for (; frame_ && !Stops(); frame_ = drive_.next()) Process(*frame_);
-    if (frame_ || Enough()) return;
+  Stop ProcessFrames() {
+    for (; frame_; frame_ = drive_.next()) {
+      if (drive_.interrupted()) return Stop::kInterrupted;
+      if (Enough()) return Stop::kMaxFrames;
+      Process(*frame_);
+    }
+    if (Enough()) return Stop::kNo;
     if (const std::string notice = drive_.notice_at_end(); !notice.empty()) Warn(notice);
-    end_.summary.stopped = drive_.ends_early();
-    if (!end_.summary.stopped.empty()) Warn(end_.summary.stopped);
+    const std::string why = drive_.ends_early();
+    if (why.empty()) return Stop::kNo;
+    Warn(why);
+    return Stop::kEndsEarly;
   }
 
-  void Warn(const std::string& warning) {
-    progress_.Warn(warning);
-    Record(warning);
-  }
+  bool Enough() const { return drive_.max_frames && recorder_.frames() >= *drive_.max_frames; }
 
   // What has been printed belongs in the summary, too.
-  void Record(const std::string& warning) {
-    end_.summary.warnings.push_back(warning);
-    printed_ = end_.summary.warnings.size();
+  void Warn(const std::string& warning) {
+    progress_.Warn(warning);
+    known_.warnings.push_back(warning);
   }
 
   // Takes earlier results away and begins new ones.
@@ -102,20 +92,6 @@ class Run {
     const std::optional<FoundCamera>& found = drive_.summary.found_camera;
     if (found) writer_->WriteText(RunFiles::kCamera, FoundCameraText(*found));
     begun_ = true;
-  }
-
-  bool Enough() const { return drive_.max_frames && recorder_.frames() >= *drive_.max_frames; }
-
-  bool Stops() {
-    end_.interrupted = drive_.interrupted();
-    if (end_.interrupted) {
-      const int frames = recorder_.frames();
-      end_.summary.stopped = frames == 0 ? "interrupted before the first frame"
-                                         : fmt::format("interrupted after {} frame{}", frames, frames == 1 ? "" : "s");
-    } else if (Enough()) {
-      end_.summary.stopped = fmt::format("--max-frames {}", *drive_.max_frames);
-    }
-    return !end_.summary.stopped.empty();
   }
 
   void Process(const SourceFrame& frame) {
@@ -140,7 +116,7 @@ class Run {
 
   // The final adjustment may take minutes, or fail: the results are written without it first, with a summary, so that
   // they can be read if the process is killed meanwhile.
-  void Conclude() {
+  void Adjust() {
     Keep(Durability::kProcess);
     if (writer_) attempts_.Try([&] { SummarizeSoFar(); });
     const bool finished = attempts_.Try([&] {
@@ -153,71 +129,107 @@ class Run {
 
   // Writes the results, as far as there are any.
   void Keep(Durability durability) {
-    RunResults results;
-    if (!attempts_.Try([&] { results = ResultsOf(odometry_); })) return;
-    if (!writer_) {
-      results_ = std::move(results);
-      return;
-    }
+    if (!attempts_.Try([&] { results_ = recorder_.Refined(); }) || !writer_) return;
+    const std::vector<FrameResult>& frames = results_.frames;
+    const RefinedScale& scale = results_.scale;
     writer_->SetFirstCameraRotation(odometry_.mount().At(0));
-    const ScaleState state = StateAtEnd(results.scale);
-    attempts_.Try([&] { writer_->WriteTrajectory(results.frames, state, durability); });
-    attempts_.Try([&] { writer_->WriteTurns(results.scale.turns, durability); });
+    const ScaleState state = StateAtEnd(scale);
+    attempts_.Try([&] { writer_->WriteTrajectory(frames, state, durability); });
+    attempts_.Try([&] { writer_->WriteTurns(scale.turns, durability); });
     attempts_.Try([&] {
-      writer_->WriteSpeeds(SpeedsOf(results.frames, odometry_.options().vehicle.lever_arm.value_or(0.0)), durability);
+      writer_->WriteSpeeds(SpeedsOf(frames, odometry_.options().vehicle.lever_arm.value_or(0.0)), durability);
     });
-    attempts_.Try([&] { writer_->WriteScale(odometry_.map(), results.scale, durability); });
+    attempts_.Try([&] { writer_->WriteScale(odometry_.map(), scale, durability); });
     attempts_.Try([&] { writer_->WriteRotations(recorder_.rotations(), durability); });
     attempts_.Try([&] {
       writer_->WriteText(RunFiles::kCar,
-                         VehicleFileText(odometry_.options().vehicle, odometry_.mount().current(), results.scale),
-                         durability);
+                         VehicleFileText(odometry_.options().vehicle, odometry_.mount().current(), scale), durability);
     });
     attempts_.Try([&] { writer_->WriteMask(drive_.scaling.FullMask(odometry_.mask()), durability); });
-    attempts_.Try([&] { writer_->WriteMap(odometry_.RefinedMap(results.scale), state, durability); });
-    for (ParameterEstimate& estimate : results.scale.contradicted_calibration) estimate = drive_.scaling.Full(estimate);
-    results_ = std::move(results);
+    attempts_.Try([&] { writer_->WriteMap(odometry_.RefinedMap(scale), state, durability); });
   }
 
-  // What a part of the drive lacks, the rest may have.
-  void SayIfPart(RunSummary& summary) const {
-    const bool cut = end_.interrupted || (Enough() && !end_.summary.stopped.empty());
-    if ((cut || drive_.leaves_out()) && summary.has_measure() && !summary.pending_reason.empty())
-      summary.pending_reason += "; only a part of the drive was processed, process more of it";
+  // Only the summary is written, unless the folder keeps the results of an earlier run.
+  void ConcludeWithoutMap() {
+    const bool keeps_earlier = HasPosesOfRun(drive_.output.folder);
+    if (stop_ != Stop::kInterrupted && attempts_.failures().empty()) {
+      const std::string why = recorder_.seen().Explanation(drive_.left);
+      if (Enough() && !keeps_earlier) {
+        Warn(why);
+      } else {
+        stop_ = Stop::kNothingTracked;
+        nothing_tracked_ = why;
+      }
+    }
+    if (keeps_earlier) {
+      progress_.Warn(
+          fmt::format("there are no results; {} keeps those of an earlier run", drive_.output.folder.string()));
+    } else {
+      attempts_.Try([&] { Begin(); });
+    }
   }
 
-  // What the drive and the odometry say.
-  void Fill(RunSummary& summary) const {
+  // For the summary; empty where the drive was processed to its end.
+  std::string StopText() const {
+    switch (stop_) {
+      case Stop::kNo:
+        return "";
+      case Stop::kEndsEarly:
+        return drive_.ends_early();
+      case Stop::kMaxFrames:
+        return fmt::format("--max-frames {}", *drive_.max_frames);
+      case Stop::kInterrupted:
+        return recorder_.frames() == 0 ? "interrupted before the first frame"
+                                       : fmt::format("interrupted after {} frame{}", recorder_.frames(),
+                                                     recorder_.frames() == 1 ? "" : "s");
+      case Stop::kFailed:
+        return FailureOf(attempts_.failures().front()).message;
+      case Stop::kNothingTracked:
+        return nothing_tracked_;
+    }
+    return "";
+  }
+
+  // What is known of the run without its results.
+  RunSummary Known() const {
+    RunSummary summary = known_;
     summary.clips = drive_.clips();
-    recorder_.Summarize(results_.frames, results_.scale, summary);
-    const cv::Size full = drive_.scaling.Full(cv::Size(summary.image_width, summary.image_height));
-    summary.image_width = full.width;
-    summary.image_height = full.height;
-    summary.pinhole = drive_.scaling.Full(odometry_.camera()).pinhole;
-    if (recorder_.tracks()) SayIfPart(summary);
+    summary.is_part = stop_ == Stop::kInterrupted || stop_ == Stop::kMaxFrames || drive_.leaves_out();
+    summary.stopped = StopText();
+    return summary;
+  }
+
+  RunSummary Summary() const {
+    RunSummary known = Known();
+    if (!recorder_.unreadable().empty()) known.warnings.push_back(UnreadableText(recorder_.unreadable()));
+    RunSummary summary = recorder_.Summary(std::move(known), results_);
     if (!stale_.empty()) summary.warnings.push_back(stale_);
-    summary.frames = std::max(summary.frames, recorder_.frames());
+    return summary;
   }
 
   void SummarizeSoFar() {
-    RunSummary summary = end_.summary;
-    if (!recorder_.unreadable().empty()) summary.warnings.push_back(UnreadableText(recorder_.unreadable()));
-    Fill(summary);
+    RunSummary summary = Summary();
     summary.stopped += (summary.stopped.empty() ? "" : "; ") + std::string("the final adjustment was not finished");
     writer_->WriteText(RunFiles::kSummary, SummaryJson(summary), Durability::kProcess);
   }
 
-  void Summarize() {
-    RunSummary& summary = end_.summary;
-    if (!recorder_.unreadable().empty()) Record(UnreadableText(recorder_.unreadable()));
-    Fill(summary);
-    for (size_t i = printed_; i < summary.warnings.size(); ++i) progress_.Warn(summary.warnings[i]);
-    if (summary.stopped.empty() && !attempts_.failures().empty())
-      summary.stopped = FailureOf(attempts_.failures().front()).message;
+  // Prints what only the results show, and writes the summary.
+  void Publish(const RunSummary& summary) {
+    const size_t printed = known_.warnings.size() + (recorder_.unreadable().empty() ? 0 : 1);
+    for (size_t i = printed; i < summary.warnings.size(); ++i) progress_.Warn(summary.warnings[i]);
     if (!writer_) return;
     writer_->WriteText(RunFiles::kSummary, SummaryJson(summary));
     // Of a run without a pose, whose folder was known by it until here.
     writer_->EndLive();
+  }
+
+  RunEnd End(RunSummary summary) const {
+    return {.summary = std::move(summary),
+            .interrupted = stop_ == Stop::kInterrupted,
+            .begun = recorder_.tracks(),
+            .written = writer_.has_value(),
+            .nothing_tracked = nothing_tracked_,
+            .failures = attempts_.failures()};
   }
 
   const DriveToRun& drive_;
@@ -225,13 +237,14 @@ class Run {
   Progress& progress_;
   std::optional<SourceFrame> frame_;
   DriveRecorder recorder_;
+  RunSummary known_;  // beforehand, with the warnings since: all of them have been printed
+  Stop stop_ = Stop::kNo;
+  std::string nothing_tracked_;      // RunEnd's
   std::optional<RunWriter> writer_;  // once there is something to write
   bool begun_ = false;               // and its first files are
-  RunResults results_;               // the latest that could be computed
+  RefinedResults results_;           // the latest that could be computed
   Attempts attempts_;
-  RunEnd end_;
-  size_t printed_ = 0;  // warnings that have been printed
-  std::string stale_;   // what stays of an earlier run
+  std::string stale_;  // what stays of an earlier run
 };
 
 }  // namespace

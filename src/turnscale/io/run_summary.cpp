@@ -84,6 +84,7 @@ double LengthSigma(const RefinedScale& scale) { return scale.estimate ? scale.es
 // Along the keyframes, and from frame to frame where the path is not measured. A standing car adds no keyframes: else
 // the noise of its poses would add up, the more the higher the frame rate.
 void MeasurePath(const std::vector<FrameResult>& refined, RunSummary& summary) {
+  summary.distance = summary.missing_distance = 0;
   const FrameResult* measured = nullptr;  // up to which the path has been measured
   const FrameResult* before = nullptr;
   const auto measure_to = [&](const FrameResult& frame) {
@@ -107,28 +108,64 @@ void MeasurePath(const std::vector<FrameResult>& refined, RunSummary& summary) {
   if (before) measure_to(*before);
 }
 
-void SummarizePath(const std::vector<FrameResult>& refined, RunSummary& summary) {
-  summary.frames = static_cast<int>(refined.size());
-  summary.missing = FindMissingParts(refined);
+int CountOf(TrackingState state, const std::vector<FrameResult>& frames) {
+  return static_cast<int>(std::ranges::count(frames, state, &FrameResult::state));
+}
+
+bool HasPose(const std::vector<FrameResult>& frames) {
+  return std::ranges::any_of(frames, [](const FrameResult& frame) { return frame.world_from_camera.has_value(); });
+}
+
+void FindWorstSigma(const std::vector<FrameResult>& refined, RunSummary& summary) {
+  summary.worst_sigma = HasPose(refined) ? 0 : INFINITY;
+  summary.worst_sigma_time = 0;
   for (const FrameResult& frame : refined) {
-    summary.tracked += frame.state == TrackingState::kTracked ? 1 : 0;
-    summary.repeated += frame.state == TrackingState::kRepeated ? 1 : 0;
-    summary.bridged += frame.state == TrackingState::kBridged ? 1 : 0;
-    summary.initializing += frame.state == TrackingState::kInitializing ? 1 : 0;
-    summary.keyframes += frame.keyframe ? 1 : 0;
-    if (!frame.world_from_camera) continue;
-    if (summary.worst_sigma >= frame.scale_sigma) continue;
+    if (!frame.world_from_camera || summary.worst_sigma >= frame.scale_sigma) continue;
     summary.worst_sigma = frame.scale_sigma;
     summary.worst_sigma_time = frame.time;
   }
-  const auto has_pose = [](const FrameResult& frame) { return frame.world_from_camera.has_value(); };
-  if (std::ranges::none_of(refined, has_pose)) summary.worst_sigma = INFINITY;
-  if (!refined.empty()) summary.seconds = refined.back().time - refined.front().time;
+}
+
+void SummarizePath(const std::vector<FrameResult>& refined, RunSummary& summary) {
+  summary.frames = static_cast<int>(refined.size());
+  summary.missing = FindMissingParts(refined);
+  summary.tracked = CountOf(TrackingState::kTracked, refined);
+  summary.repeated = CountOf(TrackingState::kRepeated, refined);
+  summary.bridged = CountOf(TrackingState::kBridged, refined);
+  summary.initializing = CountOf(TrackingState::kInitializing, refined);
+  summary.keyframes = static_cast<int>(std::ranges::count_if(refined, &FrameResult::keyframe));
+  summary.seconds = refined.empty() ? 0 : refined.back().time - refined.front().time;
+  FindWorstSigma(refined, summary);
   MeasurePath(refined, summary);
 }
 
+// Whether a part before the map is most of the drive.
+bool IsMost(const MissingPart& before, const std::vector<FrameResult>& frames) {
+  constexpr double kMost = 0.5;
+  return IsLate(before, frames, kMost);
+}
+
+// Why there is no scale, and what may be the cause; empty where there is a scale.
+std::string PendingReason(const std::vector<FrameResult>& refined, const RefinedScale& scale,
+                          const RunSummary& summary) {
+  if (scale.estimate) return "";
+  std::string reason = scale.reason;
+  if (!summary.has_measure() && !summary.vehicle_file.empty())
+    reason = fmt::format("{} has neither lever arm nor height; give --lever-arm", summary.vehicle_file);
+  if (reason.empty()) return "";
+  const std::optional<MissingPart> before = PartBeforeMap(refined);
+  if (before && IsMost(*before, refined))
+    reason = fmt::format("the path begins only at {:.1f} s; {}", before->to, reason);
+  if (!summary.has_measure()) return reason;
+  if (!summary.calibration_agrees) reason += "; the images contradict the calibration, which may be the cause";
+  // What a part of the drive lacks, the rest may have.
+  if (summary.is_part && HasPose(refined)) reason += "; only a part of the drive was processed, process more of it";
+  return reason;
+}
+
 // After the path, on whose length the shares of gaps and of impossible motion depend.
-void SummarizeScale(const RefinedScale& scale, double impossible, RunSummary& summary) {
+void SummarizeScale(const std::vector<FrameResult>& refined, const RefinedScale& scale, double impossible,
+                    RunSummary& summary) {
   const double distance = std::max(summary.distance, 1e-9);
   summary.scale_sigma = std::hypot(LengthSigma(scale), impossible / distance);
   summary.path_sigma = std::hypot(summary.scale_sigma, scale.gap_sigma / distance);
@@ -136,15 +173,8 @@ void SummarizeScale(const RefinedScale& scale, double impossible, RunSummary& su
   summary.turns_used = static_cast<int>(std::ranges::count_if(scale.turns, &TurnResult::used));
   summary.calibration_windows = scale.calibration_windows;
   summary.calibration_agrees = scale.contradicted_calibration.empty();
-  if (!scale.estimate) {
-    summary.pending_reason = scale.reason;
-    if (!summary.has_measure() && !summary.vehicle_file.empty())
-      summary.pending_reason =
-          fmt::format("{} has neither lever arm nor height; give --lever-arm", summary.vehicle_file);
-    if (summary.has_measure() && !summary.calibration_agrees)
-      summary.pending_reason += "; the images contradict the calibration, which may be the cause";
-    return;
-  }
+  summary.pending_reason = PendingReason(refined, scale, summary);
+  if (!scale.estimate) return;
   const ScaleEstimate& estimate = *scale.estimate;
   if (!estimate.fell_back) summary.car = estimate.car;
   if (estimate.has_reliable_car()) summary.car_evidence = estimate.car_evidence;
@@ -309,49 +339,26 @@ const char* LensModelName(LensModel lens) {
 void Summarize(const std::vector<FrameResult>& refined, const RefinedScale& scale, RunSummary& summary) {
   SummarizePath(refined, summary);
   const std::vector<ImpossibleMotion> impossible = FindImpossibleMotion(refined);
-  SummarizeScale(scale, LengthErrorOf(impossible), summary);
+  SummarizeScale(refined, scale, LengthErrorOf(impossible), summary);
   AddWarnings(refined, scale, impossible, summary);
   if (summary.pose_frame == "vehicle" && !summary.is_metric())
     summary.warnings.emplace_back(
         "without a scale the rear axle has no place: the positions are the camera's, with the directions of the car");
 }
 
-void Summarize(const Odometry& odometry, const std::vector<FrameResult>& frames, const RefinedScale& scale,
-               RunSummary& summary) {
-  summary.vehicle = odometry.options().vehicle;
-  summary.method = odometry.options().scale.method;
-  summary.scale_state = StateAtEnd(scale);
-  summary.pinhole = odometry.camera().pinhole;
-  summary.lens_model = odometry.camera().lens;
-  for (const Keyframe& keyframe : odometry.map().keyframes)
-    if (keyframe.after_gap) summary.restarts.push_back({keyframe.frame, keyframe.time, keyframe.gap_sigma});
-  if (odometry.options().lens.enabled) summary.lens = {odometry.lens().correction(), odometry.lens().sigma()};
-  if (odometry.options().vehicle.calibrate_camera) {
-    const Mount& mount = odometry.mount().current();
-    summary.mount = {YawPitchRollFromRotation(mount.vehicle_from_camera), mount.sigma, mount.found,
-                     odometry.mount().moves()};
-  }
-  Summarize(frames, scale, summary);
-  if (odometry.is_upside_down()) summary.warnings.push_back(UpsideDownWarning(summary.rotate));
-}
-
 void SummarizeBeginning(const std::vector<FrameResult>& frames, const SeenImages& seen, RunSummary& summary) {
   const std::optional<MissingPart> before = PartBeforeMap(frames);
   if (!before) return;
-  constexpr double kMost = 0.5;
   constexpr double kBriefSeconds = 0.5;
   constexpr double kSmallShare = 0.03;
-  const bool is_most = IsLate(*before, frames, kMost);
-  if (!summary.pending_reason.empty() && is_most)
-    summary.pending_reason = fmt::format("the path begins only at {:.1f} s; {}", before->to, summary.pending_reason);
   if (seen.Still()) return;
   const double length = LengthBefore(*before, frames);
   summary.path_sigma = std::hypot(summary.path_sigma, length / std::max(summary.distance, 1e-9));
   const double seconds = before->to - before->from;
   if (seconds < kBriefSeconds || (seconds < kLateSeconds && length < kSmallShare * summary.distance)) return;
   // The cause of a short part is hard to tell.
-  std::string warning =
-      is_most ? LateBeginningText(*before, summary.frames, seen) : NoMapBeforeText(*before, summary.frames);
+  std::string warning = IsMost(*before, frames) ? LateBeginningText(*before, summary.frames, seen)
+                                                : NoMapBeforeText(*before, summary.frames);
   if (summary.is_metric())
     warning += fmt::format("; if the car drove there, the path lacks up to about {:.0f} m", length);
   summary.warnings.push_back(std::move(warning));

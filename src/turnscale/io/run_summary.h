@@ -12,7 +12,6 @@
 #include "turnscale/io/missing_path.h"
 #include "turnscale/io/seen_images.h"
 #include "turnscale/odometry/drive_scale.h"
-#include "turnscale/odometry/odometry.h"
 #include "turnscale/odometry/options.h"
 #include "turnscale/odometry/results.h"
 #include "turnscale/odometry/self_calibration.h"
@@ -140,6 +139,7 @@ struct RunSummary {
   int turns_used = 0;
   std::optional<HeightConflict> height_conflict;  ///< lever arm and camera height disagree
   TurnTest turn_test;                             ///< consistency of the turns
+  bool is_part = false;                           ///< what was processed is only a part of the drive
   std::string pending_reason;                     ///< why there is no scale; empty where there is
   std::vector<std::string> warnings;              ///< all of the run, one line each
   std::string stopped;                            ///< why the run ended before the drive did; empty if it did not
@@ -160,13 +160,10 @@ constexpr size_t kShownMissingParts = 5;
 /// "pinhole", "radial-tangential" or "equidistant".
 const char* LensModelName(LensModel lens);
 
-/// Fills in what follows from the refined frames and their scale, the warnings included.
+/// Fills in what follows from the refined frames and their scale, and adds the warnings. These and pending_reason also
+/// depend on what the summary has of car, camera, clips and options. What the scale says of the calibration has to be
+/// in pixels of full size.
 void Summarize(const std::vector<FrameResult>& frames, const RefinedScale& scale, RunSummary& summary);
-
-/// The same, and what else the odometry says of car, camera and scale. `frames`, `scale`: its refined results. Warnings
-/// also depend on the summary's clips, found_camera, rotate and pose_frame, where there are any.
-void Summarize(const Odometry& odometry, const std::vector<FrameResult>& frames, const RefinedScale& scale,
-               RunSummary& summary);
 
 /// For a path that begins after the first frame: widens the relative sigma of its length by what it may lack, and warns
 /// if it begins 2 s late, or 0.5 s and lacks 3 % of its length. Does neither if the images before it, `seen`, say that
