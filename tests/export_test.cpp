@@ -50,7 +50,7 @@ class ExportTest : public ::testing::Test {
     summary.scale_state = ScaleState::kHeld;
     summary.path_sigma = 0.05;
     RunWriter writer({folder_ / "out"});
-    writer.WriteTrajectory(results.frames, ScaleState::kHeld);
+    writer.WriteTrajectory(results.frames, Eigen::Quaterniond::Identity(), ScaleState::kHeld);
     writer.WriteTurns({});
     writer.WriteSpeeds(results.speeds);
     writer.WriteText("summary.json", SummaryJson(summary));
@@ -279,7 +279,7 @@ TEST_F(ExportTest, TimesSince1970NeedNoStartTime) {
   ResultFolder results = TestResults(kExportedFrames, 100);
   for (FrameResult& frame : results.frames) frame.time += 1774160045;
   RunWriter writer({folder_ / "out"});
-  writer.WriteTrajectory(results.frames, ScaleState::kHeld);
+  writer.WriteTrajectory(results.frames, Eigen::Quaterniond::Identity(), ScaleState::kHeld);
   writer.WriteTurns({});
   RunSummary summary;
   summary.scale_state = ScaleState::kHeld;

@@ -70,9 +70,9 @@ class FailuresTest : public ::testing::Test {
       happening(frame++);
       return source.Next();
     };
-    drive.ends_early = [&] { return source.EndsEarly(); };
+    drive.at_end = [&] { return EndOfDrive{.ends_early = source.EndsEarly()}; };
     drive.max_frames = max_frames;
-    drive.output = {out, PoseFrame::kCamera, options.vehicle};
+    drive.output = {.folder = out};
     return RunDrive(drive, odometry, progress);
   }
 

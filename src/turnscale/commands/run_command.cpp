@@ -124,6 +124,13 @@ LeftByOptions LeftBy(const RunArguments& arguments, const DriveImages& images) {
   return left;
 }
 
+EndOfDrive EndOf(const ImageSource& source) {
+  return {.ends_early = source.EndsEarly(),
+          .notice = source.NoticeAtEnd(),
+          .leaves_out = source.LeavesOut(),
+          .clips = source.clips()};
+}
+
 // The page that shows the results; whatever becomes of it, they are on disk already.
 void KeepReport(const RunArguments& arguments, const ThumbnailCollector& thumbnails, Progress& progress, RunEnd& end) {
   if (!HasResultsOfRun(arguments.out)) return;
@@ -207,7 +214,7 @@ RunEnd ExecuteRun(const RunArguments& arguments, const RunHooks& hooks) {
   DriveImages images(arguments.images, options.images);
   CheckFolder(arguments, images, options);
   const PoseFrame shown = arguments.frame == "vehicle" ? PoseFrame::kVehicle : PoseFrame::kCamera;
-  const RunWriterOptions output = {arguments.out, shown, options.vehicle};
+  const RunWriterOptions output = {arguments.out, shown, options.vehicle.lever_arm};
   CheckRunOutput(output);
   hooks.opened(images.expected);
   hooks.begun();
@@ -217,32 +224,32 @@ RunEnd ExecuteRun(const RunArguments& arguments, const RunHooks& hooks) {
   if (!images.mask.empty()) odometry.SetMask(images.mask);
   Progress progress(images.expected, arguments.images.quiet);
   SendWarnings(progress, hooks);
-  const auto next = [&] {
-    hooks.before_frame();
-    return images.source.Next();
-  };
   ThumbnailCollector thumbnails;
-  const auto watch = [&](const SourceFrame& frame, const FrameResult& result, const Odometry& so_far) {
-    if (!arguments.no_report) thumbnails.Add(frame.gray, result, so_far);
-    if (hooks.watch) hooks.watch(frame, result, so_far);
+  const DriveToRun drive = {
+      .next =
+          [&] {
+            hooks.before_frame();
+            return images.source.Next();
+          },
+      .interrupted = hooks.interrupted,
+      .at_end = [&] { return EndOf(images.source); },
+      .max_frames = arguments.images.max_frames,
+      .scaling = images.scaling,
+      .output = output,
+      .summary = BeforeTheDrive(arguments, options, images, estimate),
+      .watch =
+          [&](const SourceFrame& frame, const FrameResult& result, const Odometry& so_far) {
+            if (!arguments.no_report) thumbnails.Add(frame.gray, result, so_far);
+            if (hooks.watch) hooks.watch(frame, result, so_far);
+          },
+      .concluding = [&] { hooks.phase("final adjustment"); },
+      .replacing =
+          [&] {
+            RemoveThumbnails(arguments.out);
+            return OlderExports(arguments.out);
+          },
+      .left = LeftBy(arguments, images),
   };
-  const DriveToRun drive = {next,
-                            hooks.interrupted,
-                            [&] { return images.source.EndsEarly(); },
-                            [&] { return images.source.NoticeAtEnd(); },
-                            [&] { return images.source.LeavesOut(); },
-                            [&] { return images.source.clips(); },
-                            arguments.images.max_frames,
-                            images.scaling,
-                            output,
-                            BeforeTheDrive(arguments, options, images, estimate),
-                            watch,
-                            [&] { hooks.phase("final adjustment"); },
-                            [&] {
-                              RemoveThumbnails(arguments.out);
-                              return OlderExports(arguments.out);
-                            },
-                            LeftBy(arguments, images)};
   RunEnd end = RunDrive(drive, odometry, progress);
   if (end.written && !arguments.no_report) KeepReport(arguments, thumbnails, progress, end);
   return end;

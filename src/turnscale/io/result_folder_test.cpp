@@ -55,11 +55,11 @@ TEST_F(ResultFolderTest, ReadsWhatARunHasWritten) {
   RunSummary summary;
   summary.vehicle.vehicle_from_camera = RotationFromYawPitchRoll({0.1, 0.05, -0.02});
   RunWriter writer({folder_});
-  writer.WriteTrajectory(frames, ScaleState::kHeld);
+  writer.WriteTrajectory(frames, Eigen::Quaterniond::Identity(), ScaleState::kHeld);
   writer.WriteTurns({turn});
   writer.WriteSpeeds({{0.1, 5, 0.25}, {0.2, 5.5, 0.5}});
   writer.WriteRotations({{0, 0, {}}});
-  writer.WriteMap({{{1, 2, 3}, {4, 5, -6}}, {{7, 8, 9}}}, ScaleState::kHeld);
+  writer.WriteMap({{{1, 2, 3}, {4, 5, -6}}, {{7, 8, 9}}}, Eigen::Quaterniond::Identity(), ScaleState::kHeld);
   writer.WriteText("summary.json", SummaryJson(summary));
   writer.WriteText("settings.yaml", "a: 1\n");
 

@@ -45,6 +45,7 @@ class Run {
 
   RunEnd Go() {
     if (!attempts_.Try([&] { stop_ = ProcessFrames(); })) stop_ = Stop::kFailed;
+    attempts_.Try([&] { LookAtEnd(); });
     progress_.Finish();
     if (stop_ == Stop::kInterrupted && recorder_.frames() == 0) return End(Known());
     if (recorder_.tracks() && !begun_) attempts_.RethrowFirst();
@@ -68,12 +69,16 @@ class Run {
       if (Enough()) return Stop::kMaxFrames;
       Process(*frame_);
     }
-    if (Enough()) return Stop::kNo;
-    if (const std::string notice = drive_.notice_at_end(); !notice.empty()) Warn(notice);
-    const std::string why = drive_.ends_early();
-    if (why.empty()) return Stop::kNo;
-    Warn(why);
-    return Stop::kEndsEarly;
+    return Stop::kNo;
+  }
+
+  void LookAtEnd() {
+    at_end_ = drive_.at_end();
+    if (stop_ != Stop::kNo || Enough()) return;
+    if (!at_end_.notice.empty()) Warn(at_end_.notice);
+    if (at_end_.ends_early.empty()) return;
+    stop_ = Stop::kEndsEarly;
+    Warn(at_end_.ends_early);
   }
 
   bool Enough() const { return drive_.max_frames && recorder_.frames() >= *drive_.max_frames; }
@@ -104,10 +109,7 @@ class Run {
       result = recorder_.Process(frame.gray, frame.time);
     }
     if (recorder_.tracks() && !begun_) Begin();
-    if (writer_) {
-      writer_->SetFirstCameraRotation(odometry_.mount().At(0));
-      writer_->Add(result);
-    }
+    if (writer_) writer_->Add(result, odometry_.mount().At(0));
     if (drive_.watch) drive_.watch(frame, result, odometry_);
     if (recorder_.camera_moved()) Warn(CameraMovedWarning(frame.index));
     progress_.Update(recorder_.frames(), fmt::format("{} keyframes, scale {}", odometry_.map().keyframes.size(),
@@ -132,9 +134,9 @@ class Run {
     if (!attempts_.Try([&] { results_ = recorder_.Refined(); }) || !writer_) return;
     const std::vector<FrameResult>& frames = results_.frames;
     const RefinedScale& scale = results_.scale;
-    writer_->SetFirstCameraRotation(odometry_.mount().At(0));
+    const Eigen::Quaterniond& first_rotation = odometry_.mount().At(0);
     const ScaleState state = StateAtEnd(scale);
-    attempts_.Try([&] { writer_->WriteTrajectory(frames, state, durability); });
+    attempts_.Try([&] { writer_->WriteTrajectory(frames, first_rotation, state, durability); });
     attempts_.Try([&] { writer_->WriteTurns(scale.turns, durability); });
     attempts_.Try([&] {
       writer_->WriteSpeeds(SpeedsOf(frames, odometry_.options().vehicle.lever_arm.value_or(0.0)), durability);
@@ -146,7 +148,7 @@ class Run {
                          VehicleFileText(odometry_.options().vehicle, odometry_.mount().current(), scale), durability);
     });
     attempts_.Try([&] { writer_->WriteMask(drive_.scaling.FullMask(odometry_.mask()), durability); });
-    attempts_.Try([&] { writer_->WriteMap(odometry_.RefinedMap(scale), state, durability); });
+    attempts_.Try([&] { writer_->WriteMap(odometry_.RefinedMap(scale), first_rotation, state, durability); });
   }
 
   // Only the summary is written, unless the folder keeps the results of an earlier run.
@@ -175,7 +177,7 @@ class Run {
       case Stop::kNo:
         return "";
       case Stop::kEndsEarly:
-        return drive_.ends_early();
+        return at_end_.ends_early;
       case Stop::kMaxFrames:
         return fmt::format("--max-frames {}", *drive_.max_frames);
       case Stop::kInterrupted:
@@ -193,8 +195,8 @@ class Run {
   // What is known of the run without its results.
   RunSummary Known() const {
     RunSummary summary = known_;
-    summary.clips = drive_.clips();
-    summary.is_part = stop_ == Stop::kInterrupted || stop_ == Stop::kMaxFrames || drive_.leaves_out();
+    summary.clips = at_end_.clips;
+    summary.is_part = stop_ == Stop::kInterrupted || stop_ == Stop::kMaxFrames || at_end_.leaves_out;
     summary.stopped = StopText();
     return summary;
   }
@@ -239,6 +241,7 @@ class Run {
   DriveRecorder recorder_;
   RunSummary known_;  // beforehand, with the warnings since: all of them have been printed
   Stop stop_ = Stop::kNo;
+  EndOfDrive at_end_;
   std::string nothing_tracked_;      // RunEnd's
   std::optional<RunWriter> writer_;  // once there is something to write
   bool begun_ = false;               // and its first files are

@@ -17,22 +17,23 @@
 
 namespace turnscale {
 
+/// What the end of a drive, or of the part that is processed, shows.
+struct EndOfDrive {
+  std::string ends_early = {};       ///< why the drive ends before it should; empty if it does not
+  std::string notice = {};           ///< what the user should know about the drive after its last frame; may be empty
+  bool leaves_out = false;           ///< the drive has images outside the part of it that was asked for
+  std::vector<ClipPart> clips = {};  ///< the videos of the drive; empty for images
+};
+
 /// A drive that the odometry is to be run over.
 struct DriveToRun {
-  std::function<std::optional<SourceFrame>()> next;          ///< the next frame; nothing at the end
-  std::function<bool()> interrupted = [] { return false; };  ///< asked before every frame
-  /// Asked at the end: why the drive ends before it should; empty if it does not.
-  std::function<std::string()> ends_early = [] { return std::string(); };
-  /// Asked at the end: what the user should know about the drive after its last frame; may be empty.
-  std::function<std::string()> notice_at_end = [] { return std::string(); };
-  /// Asked at the end: whether the drive has images outside the part of it that was asked for.
-  std::function<bool()> leaves_out = [] { return false; };
-  /// Asked at the end: the videos of the drive; empty for images.
-  std::function<std::vector<ClipPart>()> clips = [] { return std::vector<ClipPart>(); };
-  std::optional<int> max_frames = {};  ///< where to stop early
-  ImageScaling scaling = {};           ///< of the frames; results are at full size
-  RunWriterOptions output;             ///< where the results go
-  RunSummary summary;                  ///< what is known of it beforehand
+  std::function<std::optional<SourceFrame>()> next;                  ///< the next frame; nothing at the end
+  std::function<bool()> interrupted = [] { return false; };          ///< asked before every frame
+  std::function<EndOfDrive()> at_end = [] { return EndOfDrive(); };  ///< asked once, after the last frame
+  std::optional<int> max_frames = {};                                ///< where to stop early
+  ImageScaling scaling = {};                                         ///< of the frames; results are at full size
+  RunWriterOptions output;                                           ///< where the results go
+  RunSummary summary;                                                ///< what is known of it beforehand
   /// Called after every frame with its result. What it throws ends the run.
   std::function<void(const SourceFrame&, const FrameResult&, const Odometry&)> watch = {};
   /// Called when no frame follows, before the final adjustment, which may take minutes.

@@ -89,7 +89,7 @@ void RefuseForeign(const fs::path& folder) {
 void MakeMarker(const fs::path& folder) { std::ofstream(folder / RunFiles::kLiveTumPart, std::ios::app); }
 
 void CheckFrame(const RunWriterOptions& options) {
-  if (options.frame == PoseFrame::kVehicle && !options.vehicle.lever_arm)
+  if (options.frame == PoseFrame::kVehicle && !options.lever_arm)
     throw InputError("--frame vehicle: needs the position of the rear axle; give --lever-arm");
 }
 
@@ -221,10 +221,10 @@ RunWriter::RunWriter(const RunWriterOptions& options) : options_(options) {
   live_.emplace(PathOf(RunFiles::kLiveTum));
 }
 
-void RunWriter::Add(const FrameResult& live) {
+void RunWriter::Add(const FrameResult& live, const Eigen::Quaterniond& first_rotation) {
   if (!live.world_from_camera) return;
   has_pose_ = true;
-  live_->Write(TumLine({live.time, Shown(live, live.scale_state)}));
+  live_->Write(TumLine({live.time, Shown(live, first_rotation, live.scale_state)}));
 }
 
 void RunWriter::EndLive() {
@@ -236,15 +236,15 @@ void RunWriter::EndLive() {
   live_.reset();
 }
 
-void RunWriter::WriteTrajectory(const std::vector<FrameResult>& refined, ScaleState scale_state,
-                                Durability durability) {
+void RunWriter::WriteTrajectory(const std::vector<FrameResult>& refined, const Eigen::Quaterniond& first_rotation,
+                                ScaleState scale_state, Durability durability) {
   std::string tum;
   std::string kitti;
   std::string table = FrameTableHeader();
   for (const FrameResult& frame : refined) {
     std::optional<RigidTransform> pose;
     if (frame.world_from_camera) {
-      pose = Shown(frame, scale_state);
+      pose = Shown(frame, first_rotation, scale_state);
       tum += TumLine({frame.time, *pose});
       kitti += KittiLine(*pose);
     }
@@ -295,10 +295,10 @@ void RunWriter::WriteMask(const cv::Mat& mask, Durability durability) {
   WriteText(RunFiles::kMask, EncodePng(mask), durability);
 }
 
-void RunWriter::WriteMap(const MapPoints& points, ScaleState scale_state, Durability durability) {
+void RunWriter::WriteMap(const MapPoints& points, const Eigen::Quaterniond& first_rotation, ScaleState scale_state,
+                         Durability durability) {
   const bool of_camera = options_.frame == PoseFrame::kCamera;
-  const RigidTransform shown_from_world =
-      of_camera ? RigidTransform{} : VehicleFromCamera(options_.vehicle.vehicle_from_camera, scale_state);
+  const RigidTransform shown_from_world = of_camera ? RigidTransform{} : VehicleFromCamera(first_rotation, scale_state);
   try {
     turnscale::WriteMap(PathOf(RunFiles::kMap), points, shown_from_world, durability);
   } catch (const InputError& error) {
@@ -306,14 +306,15 @@ void RunWriter::WriteMap(const MapPoints& points, ScaleState scale_state, Durabi
   }
 }
 
-RigidTransform RunWriter::Shown(const FrameResult& frame, ScaleState scale_state) const {
+RigidTransform RunWriter::Shown(const FrameResult& frame, const Eigen::Quaterniond& first_rotation,
+                                ScaleState scale_state) const {
   if (options_.frame == PoseFrame::kCamera) return *frame.world_from_camera;
-  return VehicleFromCamera(options_.vehicle.vehicle_from_camera, scale_state) * *frame.world_from_camera *
+  return VehicleFromCamera(first_rotation, scale_state) * *frame.world_from_camera *
          VehicleFromCamera(frame.vehicle_from_camera, scale_state).inverse();
 }
 
 RigidTransform RunWriter::VehicleFromCamera(const Eigen::Quaterniond& rotation, ScaleState scale_state) const {
-  const double ahead = scale_state == ScaleState::kPending ? 0.0 : options_.vehicle.lever_arm.value_or(0.0);
+  const double ahead = scale_state == ScaleState::kPending ? 0.0 : options_.lever_arm.value_or(0.0);
   return {rotation, {0, 0, ahead}};
 }
 

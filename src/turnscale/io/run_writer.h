@@ -15,7 +15,6 @@
 #include "turnscale/kinematics/speed_smoother.h"
 #include "turnscale/mapping/map.h"
 #include "turnscale/odometry/drive_scale.h"
-#include "turnscale/odometry/options.h"
 #include "turnscale/odometry/results.h"
 
 namespace turnscale {
@@ -68,7 +67,7 @@ enum class PoseFrame {
 struct RunWriterOptions {
   std::filesystem::path folder;
   PoseFrame frame = PoseFrame::kCamera;
-  VehicleOptions vehicle = {};
+  std::optional<double> lever_arm = {};  ///< metres; the place of the rear axle
 };
 
 /// Throws InputError where results could not be written to the folder, would replace files there that are not of a run
@@ -78,7 +77,8 @@ void CheckRunOutput(const RunWriterOptions& options);
 
 /// Writes the results of a run to its folder: live.tum.part is made first, grows by one line per pose and becomes
 /// live.tum at the end; all other files are written as a whole. Every function throws OutputError if the system refuses
-/// to write, after trying the other files.
+/// to write, after trying the other files. `first_rotation` is from the camera to the vehicle at the origin of the
+/// world frame.
 class RunWriter {
  public:
   /// Makes the folder and keeps other runs out of it (FolderLock); results of an earlier run are taken away. Throws as
@@ -86,12 +86,12 @@ class RunWriter {
   explicit RunWriter(const RunWriterOptions& options);
 
   /// Writes the result of the newest frame to live.tum.part, if it has a pose.
-  void Add(const FrameResult& live);
+  void Add(const FrameResult& live, const Eigen::Quaterniond& first_rotation);
 
   /// Writes the refined trajectory. Frames are left out of the trajectory files only while there is no map at all; the
   /// table has every frame.
-  void WriteTrajectory(const std::vector<FrameResult>& refined, ScaleState scale_state,
-                       Durability durability = Durability::kPowerCut);
+  void WriteTrajectory(const std::vector<FrameResult>& refined, const Eigen::Quaterniond& first_rotation,
+                       ScaleState scale_state, Durability durability = Durability::kPowerCut);
 
   /// No frame comes any more: live.tum gets its name; without a pose there is none, and its part is taken away.
   void EndLive();
@@ -102,19 +102,16 @@ class RunWriter {
   void WriteScale(const Map& map, const RefinedScale& scale, Durability durability = Durability::kPowerCut);
   void WriteRotations(const std::vector<RotationRecord>& records, Durability durability = Durability::kPowerCut);
   void WriteTurns(const std::vector<TurnResult>& turns, Durability durability = Durability::kPowerCut);
-  void WriteMap(const MapPoints& points, ScaleState scale_state, Durability durability = Durability::kPowerCut);
+  void WriteMap(const MapPoints& points, const Eigen::Quaterniond& first_rotation, ScaleState scale_state,
+                Durability durability = Durability::kPowerCut);
   /// Writes which pixels were left out (0), unless the mask is empty.
   void WriteMask(const cv::Mat& mask, Durability durability = Durability::kPowerCut);
   /// Any file of the folder, in one step.
   void WriteText(const std::string& name, const std::string& text, Durability durability = Durability::kPowerCut);
 
-  /// Sets the camera-to-vehicle rotation at the origin of the world frame.
-  void SetFirstCameraRotation(const Eigen::Quaterniond& vehicle_from_camera) {
-    options_.vehicle.vehicle_from_camera = vehicle_from_camera;
-  }
-
   /// The pose to show of a frame that has one: the camera's or the rear axle's.
-  RigidTransform Shown(const FrameResult& frame, ScaleState scale_state) const;
+  RigidTransform Shown(const FrameResult& frame, const Eigen::Quaterniond& first_rotation,
+                       ScaleState scale_state) const;
 
  private:
   std::filesystem::path PathOf(const std::string& name) const { return options_.folder / name; }

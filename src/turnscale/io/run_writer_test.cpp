@@ -20,6 +20,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// Of a camera that looks along the car.
+const Eigen::Quaterniond kAhead = Eigen::Quaterniond::Identity();
+
 FrameResult Frame(int number, double scale = 1, bool posed = true) {
   FrameResult frame;
   frame.frame = number;
@@ -49,13 +52,13 @@ class RunWriterTest : public ::testing::Test {
 TEST_F(RunWriterTest, LiveGrowsAndTheTrajectoryIsWrittenAsAWhole) {
   RunWriter writer({folder_ / "deep"});
   folder_ /= "deep";
-  for (int i = 0; i < 3; ++i) writer.Add(Frame(i, 1, false));
+  for (int i = 0; i < 3; ++i) writer.Add(Frame(i, 1, false), kAhead);
   EXPECT_EQ(TextOf(folder_ / "live.tum.part"), "") << "no pose yet";
-  for (int i = 3; i < 5; ++i) writer.Add(Frame(i));
+  for (int i = 3; i < 5; ++i) writer.Add(Frame(i), kAhead);
   EXPECT_EQ(ReadTrajectory(folder_ / "live.tum.part").size(), 2u) << "on disk at once";
   EXPECT_FALSE(fs::exists(folder_ / "trajectory.tum"));
 
-  writer.WriteTrajectory(Frames(6, 3), ScaleState::kObserved);
+  writer.WriteTrajectory(Frames(6, 3), kAhead, ScaleState::kObserved);
   const Trajectory refined = Tum();
   ASSERT_EQ(refined.size(), 6u);
   EXPECT_NEAR(refined[2].world_from_camera.translation.z(), 6, 1e-9);
@@ -67,40 +70,35 @@ TEST_F(RunWriterTest, LiveGrowsAndTheTrajectoryIsWrittenAsAWhole) {
 }
 
 TEST_F(RunWriterTest, VehiclePosesFollowTheRearAxle) {
-  RunWriterOptions options{folder_, PoseFrame::kVehicle, {}};
-  EXPECT_THROW(RunWriter{options}, InputError) << "no lever arm";
-  options.vehicle.lever_arm = 1.5;
-  options.vehicle.vehicle_from_camera = RotationFromYawPitchRoll({0.1, -0.05, 0.02});
-  const RunWriter writer(options);
-  const RigidTransform vehicle_from_camera{options.vehicle.vehicle_from_camera, {0, 0, 1.5}};
+  EXPECT_THROW(RunWriter({folder_, PoseFrame::kVehicle}), InputError) << "no lever arm";
+  const RunWriter writer({folder_, PoseFrame::kVehicle, 1.5});
+  const Eigen::Quaterniond rotation = RotationFromYawPitchRoll({0.1, -0.05, 0.02});
+  const RigidTransform vehicle_from_camera{rotation, {0, 0, 1.5}};
   // The car turns on the spot about its rear axle: the camera swings, the axle stays.
   const RigidTransform turned{RotationFromVector({0, 0.7, 0}), Eigen::Vector3d::Zero()};
   const RigidTransform world_from_camera = vehicle_from_camera.inverse() * turned * vehicle_from_camera;
   FrameResult frame;
   frame.world_from_camera = world_from_camera;
-  frame.vehicle_from_camera = options.vehicle.vehicle_from_camera;
-  const RigidTransform shown = writer.Shown(frame, ScaleState::kHeld);
+  frame.vehicle_from_camera = rotation;
+  const RigidTransform shown = writer.Shown(frame, rotation, ScaleState::kHeld);
   EXPECT_GT(world_from_camera.translation.norm(), 0.5);
   EXPECT_LT(shown.translation.norm(), 1e-12);
   EXPECT_LT(shown.rotation.angularDistance(turned.rotation), 1e-12);
   // Without the metre the camera's own path, seen along the car's axes.
-  EXPECT_NEAR(writer.Shown(frame, ScaleState::kPending).translation.norm(), world_from_camera.translation.norm(),
-              1e-12);
+  EXPECT_NEAR(writer.Shown(frame, rotation, ScaleState::kPending).translation.norm(),
+              world_from_camera.translation.norm(), 1e-12);
   frame.world_from_camera = RigidTransform{};
-  EXPECT_LT(writer.Shown(frame, ScaleState::kHeld).translation.norm(), 1e-12);
+  EXPECT_LT(writer.Shown(frame, rotation, ScaleState::kHeld).translation.norm(), 1e-12);
 }
 
 TEST_F(RunWriterTest, ACameraThatIsMovedMovesNoAxle) {
-  RunWriterOptions options{folder_, PoseFrame::kVehicle, {}};
-  options.vehicle.lever_arm = 1.5;
-  options.vehicle.vehicle_from_camera = RotationFromYawPitchRoll({0.1, -0.05, 0.02});
-  const RunWriter writer(options);
+  const RunWriter writer({folder_, PoseFrame::kVehicle, 1.5});
+  const Eigen::Quaterniond rotation = RotationFromYawPitchRoll({0.1, -0.05, 0.02});
   FrameResult moved;
   moved.vehicle_from_camera = RotationFromYawPitchRoll({-0.2, 0.1, 0});
   // The car stands, and the camera is turned where it is.
-  moved.world_from_camera =
-      RigidTransform{options.vehicle.vehicle_from_camera.conjugate() * moved.vehicle_from_camera, {0, 0, 0}};
-  const RigidTransform axle = writer.Shown(moved, ScaleState::kHeld);
+  moved.world_from_camera = RigidTransform{rotation.conjugate() * moved.vehicle_from_camera, {0, 0, 0}};
+  const RigidTransform axle = writer.Shown(moved, rotation, ScaleState::kHeld);
   EXPECT_LT(axle.translation.norm(), 1e-12);
   EXPECT_LT(axle.rotation.angularDistance(Eigen::Quaterniond::Identity()), 1e-12);
 }
@@ -131,7 +129,7 @@ TEST_F(RunWriterTest, FullDiskIsNoticedAtTheFirstFrame) {
   fs::create_directories(folder_);
   fs::create_symlink("/dev/full", folder_ / "live.tum");
   RunWriter writer({folder_});
-  EXPECT_THROW(writer.Add(Frame(0)), OutputError);
+  EXPECT_THROW(writer.Add(Frame(0), kAhead), OutputError);
 }
 
 TEST_F(RunWriterTest, FullDiskIsNoticedInEveryFile) {
@@ -142,9 +140,9 @@ TEST_F(RunWriterTest, FullDiskIsNoticedInEveryFile) {
     fs::create_symlink("/dev/full", folder_ / name);
     const auto write_all = [&] {
       RunWriter writer({folder_});
-      writer.WriteTrajectory(Frames(2, 1), ScaleState::kPending);
+      writer.WriteTrajectory(Frames(2, 1), kAhead, ScaleState::kPending);
       writer.WriteTurns({});
-      writer.WriteMap({}, ScaleState::kPending);
+      writer.WriteMap({}, kAhead, ScaleState::kPending);
       writer.WriteText("any.txt", "text");
     };
     EXPECT_THROW(write_all(), OutputError) << name;
@@ -155,16 +153,16 @@ TEST_F(RunWriterTest, OneFileThatCannotBeWrittenKeepsNoOther) {
   fs::create_directories(folder_);
   fs::create_symlink("/dev/full", folder_ / "trajectory.tum");
   RunWriter writer({folder_});
-  EXPECT_THROW(writer.WriteTrajectory(Frames(3, 1), ScaleState::kPending), OutputError);
+  EXPECT_THROW(writer.WriteTrajectory(Frames(3, 1), kAhead, ScaleState::kPending), OutputError);
   EXPECT_EQ(ReadTrajectory(folder_ / "trajectory.kitti.txt").size(), 3u);
   EXPECT_FALSE(TextOf(folder_ / "trajectory.csv").empty());
 }
 
 TEST_F(RunWriterTest, AFolderThatVanishesIsNoFaultOfTheUsers) {
   RunWriter writer({folder_});
-  writer.Add(Frame(0));
+  writer.Add(Frame(0), kAhead);
   fs::remove_all(folder_);
-  EXPECT_THROW(writer.WriteTrajectory(Frames(2, 1), ScaleState::kPending), OutputError);
+  EXPECT_THROW(writer.WriteTrajectory(Frames(2, 1), kAhead, ScaleState::kPending), OutputError);
   EXPECT_THROW(writer.EndLive(), OutputError);
 }
 
@@ -210,9 +208,9 @@ TEST_F(RunWriterTest, AFolderOfARunStaysOneWheneverTheRunIsKilled) {
     RunWriter writer({folder_});
     if (files > 0) writer.WriteText("settings.yaml", "");
     if (files > 1) writer.WriteText("camera.yaml", "");
-    if (files > 2) writer.Add(Frame(0));
+    if (files > 2) writer.Add(Frame(0), kAhead);
     if (files > 3) writer.EndLive();
-    if (files > 4) writer.WriteTrajectory(Frames(2, 1), ScaleState::kPending);
+    if (files > 4) writer.WriteTrajectory(Frames(2, 1), kAhead, ScaleState::kPending);
   };
   for (int files = 0; files <= 5; ++files) {
     EXPECT_NO_THROW(write_all(files)) << files;
@@ -239,7 +237,7 @@ TEST_F(RunWriterTest, TwoRunsDoNotWriteToOneFolder) {
   };
   {
     RunWriter writer({folder_});
-    writer.Add(Frame(0));
+    writer.Add(Frame(0), kAhead);
     EXPECT_TRUE(refused([&] { CheckRunOutput({folder_}); }));
     EXPECT_TRUE(refused([&] { RunWriter{{folder_}}; }));
     EXPECT_EQ(ReadTrajectory(folder_ / "live.tum.part").size(), 1u) << "nothing is taken away";
@@ -259,7 +257,7 @@ TEST_F(RunWriterTest, WithoutAPoseThereIsNoLiveTrajectory) {
 
 TEST_F(RunWriterTest, MapHoldsLandmarksAndCameras) {
   RunWriter writer({folder_});
-  writer.WriteMap({{{1, 2, 3}, {4, 5, 6}}, {{7, 8, 9}}}, ScaleState::kHeld);
+  writer.WriteMap({{{1, 2, 3}, {4, 5, 6}}, {{7, 8, 9}}}, kAhead, ScaleState::kHeld);
   const std::string text = TextOf(folder_ / "map.ply");
   EXPECT_NE(text.find("element vertex 3\n"), std::string::npos);
   const size_t begin = text.find("end_header\n") + 11;

@@ -41,7 +41,7 @@ class RunReportTest : public ::testing::Test {
     scale.reason = "no turn was found";
     Summarize(frames, scale, summary);
     RunWriter writer({folder_});
-    writer.WriteTrajectory(frames, summary.scale_state);
+    writer.WriteTrajectory(frames, Eigen::Quaterniond::Identity(), summary.scale_state);
     writer.WriteTurns({});
     if (summary.scale_state != ScaleState::kPending) writer.WriteSpeeds(speeds);
     writer.WriteText("summary.json", SummaryJson(summary));
