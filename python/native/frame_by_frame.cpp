@@ -125,7 +125,6 @@ RunSummary FrameByFrame::SummaryOf(const RefinedResults& results) const {
   summary.mask = mask_;
   summary.vehicle_file = vehicle_file_;
   summary.warnings = warnings_;
-  if (!recorder_.unreadable().empty()) summary.warnings.push_back(UnreadableText(recorder_.unreadable()));
   return recorder_.Summary(std::move(summary), results);
 }
 

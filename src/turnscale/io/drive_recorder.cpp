@@ -81,6 +81,7 @@ RunSummary DriveRecorder::Summary(RunSummary summary, const RefinedResults& resu
   summary.image_height = size.height;
   summary.live_metric_from = live_metric_from_;
   summary.unreadable = unreadable_;
+  if (!unreadable_.empty()) summary.warnings.push_back(UnreadableText(unreadable_));
   summary.restarts = RestartsOf(odometry_.map());
   summary.scale_state = StateAtEnd(results.scale);
   Summarize(results.frames, results.scale, summary);

@@ -53,13 +53,10 @@ class DriveRecorder {
   /// The camera-to-vehicle rotation from the first frame on.
   const std::vector<RotationRecord>& rotations() const { return rotations_; }
 
-  const std::vector<UnreadableFrame>& unreadable() const { return unreadable_; }
-
   /// Those of the frames so far.
   RefinedResults Refined() const;
 
-  /// All that the drive tells, by these results, added to what is known of it beforehand. The warnings lack that of
-  /// unreadable images.
+  /// All that the drive tells, by these results, added to what is known of it beforehand.
   RunSummary Summary(RunSummary summary, const RefinedResults& results) const;
 
  private:

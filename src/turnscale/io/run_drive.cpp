@@ -202,9 +202,7 @@ class Run {
   }
 
   RunSummary Summary() const {
-    RunSummary known = Known();
-    if (!recorder_.unreadable().empty()) known.warnings.push_back(UnreadableText(recorder_.unreadable()));
-    RunSummary summary = recorder_.Summary(std::move(known), results_);
+    RunSummary summary = recorder_.Summary(Known(), results_);
     if (!stale_.empty()) summary.warnings.push_back(stale_);
     return summary;
   }
@@ -217,8 +215,10 @@ class Run {
 
   // Prints what only the results show, and writes the summary.
   void Publish(const RunSummary& summary) {
-    const size_t printed = known_.warnings.size() + (recorder_.unreadable().empty() ? 0 : 1);
-    for (size_t i = printed; i < summary.warnings.size(); ++i) progress_.Warn(summary.warnings[i]);
+    // Each image that cannot be used has been named when it came, instead of all in one line.
+    const std::string unreadable = summary.unreadable.empty() ? "" : UnreadableText(summary.unreadable);
+    for (size_t i = known_.warnings.size(); i < summary.warnings.size(); ++i)
+      if (summary.warnings[i] != unreadable) progress_.Warn(summary.warnings[i]);
     if (!writer_) return;
     writer_->WriteText(RunFiles::kSummary, SummaryJson(summary));
     // Of a run without a pose, whose folder was known by it until here.
