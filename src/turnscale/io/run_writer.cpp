@@ -31,6 +31,10 @@ std::string DegreesCell(double radians) {
   return std::isnan(radians) ? std::string() : fmt::format("{:.6f}", radians * kDegreesPerRadian);
 }
 
+bool AreSame(const YawPitchRoll& a, const YawPitchRoll& b) {
+  return a.yaw == b.yaw && a.pitch == b.pitch && a.roll == b.roll;
+}
+
 using Colour = std::array<uint8_t, 3>;
 constexpr Colour kLandmarkColour = {200, 200, 200};
 constexpr Colour kCameraColour = {230, 40, 40};
@@ -149,7 +153,7 @@ std::string ScaleTable(const Map& map, const RefinedScale& scale) {
 
 bool RotationRecord::Differs(const Mount& other) const {
   return other.found != mount.found || other.first_keyframe != mount.first_keyframe ||
-         other.sigma.yaw != mount.sigma.yaw || !other.vehicle_from_camera.isApprox(mount.vehicle_from_camera);
+         !AreSame(other.sigma, mount.sigma) || !other.vehicle_from_camera.isApprox(mount.vehicle_from_camera);
 }
 
 void RecordRotation(int frame, double time, const Mount& mount, std::vector<RotationRecord>& records) {

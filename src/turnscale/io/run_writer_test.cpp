@@ -329,6 +329,9 @@ TEST(RunTables, RotationsAreGivenInDegrees) {
             "12,1.200000,5.729578,0.000000,0.000000,0.572958,1.145916,1.718873,1\n");
   EXPECT_TRUE(assumed.Differs(found.mount));
   EXPECT_FALSE(found.Differs(found.mount));
+  Mount surer = found.mount;
+  surer.sigma.pitch = 0.01;
+  EXPECT_TRUE(found.Differs(surer));
 }
 
 TEST(RunSummary, CountsAndMeasures) {
