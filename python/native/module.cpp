@@ -202,7 +202,7 @@ class DriveReader {
   explicit DriveReader(const py::dict& given) : arguments_(RunArgumentsFrom(given).images) {
     CheckImageArguments(arguments_);
     const py::gil_scoped_release release;
-    images_ = std::make_unique<DriveImages>(arguments_, kUnscaled);
+    images_ = std::make_unique<DriveImages>(OpenImages(arguments_, kUnscaled));
   }
   ~DriveReader() {
     const py::gil_scoped_release release;

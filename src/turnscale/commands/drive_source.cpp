@@ -206,18 +206,17 @@ void CheckImageArguments(const ImageArguments& arguments) {
     throw InputError(fmt::format("--max-frames {}: give at least 1", *arguments.max_frames));
 }
 
-DriveImages::DriveImages(const ImageArguments& arguments, const ImageOptions& image_options)
-    : drive(FindDrive(arguments.inputs, arguments.topic, arguments.mask.value_or(fs::path()))),
-      given(CameraFor(arguments, drive)),
-      source(drive, SourceOptions(arguments, given, image_options)),
-      full_size(source.FullSize().value_or(cv::Size())),
-      scaling(full_size, image_options),
-      camera(scaling.Scaled(given.model)),
-      mask(scaling.ScaledMask(GivenMask(arguments.mask, full_size))),
-      expected(ExpectedFrames(source.count(), arguments.max_frames)) {
-  if (!given.is_of_stored || arguments.rotate == 0) return;
-  given = {given.name, Rotated(given.model, arguments.rotate, full_size), false};
-  camera = scaling.Scaled(given.model);
+DriveImages OpenImages(const ImageArguments& arguments, const ImageOptions& image_options) {
+  DriveInput drive = FindDrive(arguments.inputs, arguments.topic, arguments.mask.value_or(fs::path()));
+  GivenCamera given = CameraFor(arguments, drive);
+  ImageSource source(drive, SourceOptions(arguments, given, image_options));
+  const cv::Size full_size = source.FullSize().value_or(cv::Size());
+  if (given.is_of_stored) given = {given.name, Rotated(given.model, arguments.rotate, full_size), false};
+  const ImageScaling scaling(full_size, image_options);
+  const CameraModel camera = scaling.Scaled(given.model);
+  const cv::Mat mask = scaling.ScaledMask(GivenMask(arguments.mask, full_size));
+  const int expected = ExpectedFrames(source.count(), arguments.max_frames);
+  return {std::move(drive), std::move(given), std::move(source), full_size, scaling, camera, mask, expected};
 }
 
 std::vector<std::string> WarningsOf(const ImageArguments& arguments, const DriveImages& images) {
@@ -277,7 +276,7 @@ DriveMotion MotionFromImages(const ImageArguments& arguments, const CommandHooks
   const OdometryOptions options =
       WithoutMetres(arguments.settings ? ReadSettings(*arguments.settings) : OdometryOptions());
   options.Check();
-  DriveImages images(arguments, options.images);
+  DriveImages images = OpenImages(arguments, options.images);
   cv::setNumThreads(kImageThreads);
   hooks.begun();
   const CameraEstimate estimate = EstimateCamera(arguments, images, options, hooks);

@@ -62,12 +62,8 @@ ImageSourceOptions SourceOptions(const ImageArguments& arguments, const GivenCam
 
 /// The images of a drive and their camera.
 struct DriveImages {
-  /// `image_options`: how the images are scaled. Throws InputError where there are no images or no times, or the mask
-  /// cannot be read or is not of their size.
-  DriveImages(const ImageArguments& arguments, const ImageOptions& image_options);
-
   DriveInput drive;
-  GivenCamera given;  ///< at full size
+  GivenCamera given;  ///< that of the rotated images, at full size
   ImageSource source;
   cv::Size full_size;    ///< of the images; empty where not one can be read
   ImageScaling scaling;  ///< of the images, the mask and the camera
@@ -75,6 +71,10 @@ struct DriveImages {
   cv::Mat mask;          ///< at the same size; pixels to leave out are 0 (ReadMask); empty where none is given
   int expected = 0;      ///< number of frames, limited by `max_frames`; 0 if unknown
 };
+
+/// `image_options`: how the images are scaled. Throws InputError where there are no images or no times, or the mask
+/// cannot be read or is not of their size.
+DriveImages OpenImages(const ImageArguments& arguments, const ImageOptions& image_options);
 
 /// Warnings before the first frame, one line each: clips that are left out; images that are missing; a calibration
 /// beside the input that is not used; images that are too small; coefficients that may be of a fisheye lens

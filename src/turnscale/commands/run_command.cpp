@@ -211,7 +211,7 @@ RunEnd ExecuteRun(const RunArguments& arguments, const RunHooks& hooks) {
   CheckThreads(arguments.threads);
   cv::setNumThreads(arguments.threads);
   CheckTruthFiles(arguments.truth);
-  DriveImages images(arguments.images, options.images);
+  DriveImages images = OpenImages(arguments.images, options.images);
   CheckFolder(arguments, images, options);
   const PoseFrame shown = arguments.frame == "vehicle" ? PoseFrame::kVehicle : PoseFrame::kCamera;
   const RunWriterOptions output = {arguments.out, shown, options.vehicle.lever_arm};

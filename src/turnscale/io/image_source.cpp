@@ -304,6 +304,8 @@ ImageSource::ImageSource(const DriveInput& drive, const ImageSourceOptions& opti
     : state_(std::make_unique<State>(drive, options)) {}
 
 ImageSource::~ImageSource() = default;
+ImageSource::ImageSource(ImageSource&&) noexcept = default;
+ImageSource& ImageSource::operator=(ImageSource&&) noexcept = default;
 
 std::optional<SourceFrame> ImageSource::Next() {
   State& state = *state_;

@@ -57,8 +57,8 @@ class ImageSource {
   /// do not fit one another (ClipReader).
   ImageSource(const DriveInput& drive, const ImageSourceOptions& options);
   ~ImageSource();
-  ImageSource(const ImageSource&) = delete;
-  ImageSource& operator=(const ImageSource&) = delete;
+  ImageSource(ImageSource&&) noexcept;
+  ImageSource& operator=(ImageSource&&) noexcept;
 
   /// Size of the first readable image from here on, before it is scaled; nothing where there is none. Waits for it.
   /// Throws InputError where reading on is not possible.
