@@ -330,6 +330,56 @@ TEST_F(EvaluateTest, PosesOfOneDriveWithOtherTimesCanBePairedByFrame) {
   EXPECT_EQ(Run({twin, "kitti/poses.txt"}).err, "");
 }
 
+TEST_F(EvaluateTest, OtherBodyAxesAreTurnedAndNamed) {
+  // As a vehicle's inertial unit gives them, in a world whose z axis is up.
+  Eigen::Matrix3d body_from_camera;
+  body_from_camera << 0, 0, 1, -1, 0, 0, 0, -1, 0;
+  const Eigen::Quaterniond body(body_from_camera);
+  const auto in_body_axes = [&](Trajectory path) {
+    std::string tum;
+    for (StampedPose& pose : path) {
+      pose.world_from_camera = {body * pose.world_from_camera.rotation * body.conjugate(),
+                                body * pose.world_from_camera.translation};
+      tum += TumLine(pose);
+    }
+    return tum;
+  };
+  Text("truth/body.tum", in_body_axes(truth_));
+  Text("estimate/body.tum", in_body_axes(estimate_));
+  const std::string estimate = (folder_ / "estimate/body.tum").string();
+  const std::string truth = (folder_ / "truth/body.tum").string();
+  Json wanted = Scored({"estimate/drive.tum", "truth/drive.tum"});
+  EXPECT_GT(wanted["turning_angle"]["turning"]["count"].get<int>(), 30);
+  const auto expect_same = [&](const std::string& a, const std::string& b, const std::string& warning) {
+    const Json score = Scored({a, b});
+    for (const char* name : {"/as_given/kitti/translation_percent", "/as_given/kitti/rotation_deg_per_100m",
+                             "/rescaled/kitti/translation_percent", "/turning_angle/turning/count",
+                             "/turning_angle/turning/rmse_deg", "/position_error/first_poses_equal/rmse_m"}) {
+      const Json::json_pointer place(name);
+      EXPECT_NEAR(score[place].get<double>(), wanted[place].get<double>(), 1e-4) << a << b << name;
+    }
+    ASSERT_EQ(score["warnings"].size(), warning.empty() ? 0U : 1U) << score["warnings"];
+    if (!warning.empty()) EXPECT_EQ(score["warnings"][0].get<std::string>().find(warning), 0U) << score["warnings"];
+  };
+  const std::string axes = ": the axes of its poses (x forward, y left, z up) are not those of the ";
+  expect_same("estimate/drive.tum", truth, truth + axes + "estimate");
+  expect_same(estimate, "truth/drive.tum", estimate + axes + "ground truth");
+  expect_same(estimate, truth, "");
+}
+
+TEST_F(EvaluateTest, MotionsThatDoNotFitInAnyAxesAreDoubted) {
+  std::string tum;
+  for (StampedPose pose : Moved(truth_, {RotationFromVector({0, 0.8, 0}), {100, 0, 50}})) {
+    pose.world_from_camera = pose.world_from_camera.inverse();
+    tum += TumLine(pose);
+  }
+  const std::string inverse = Text("truth/inverse.tum", tum);
+  const CommandResult result = Run({"estimate/drive.tum", inverse});
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_NE(result.err.find("inverse.tum: each in its own axes, it moves in other directions"), std::string::npos)
+      << result.err;
+}
+
 TEST_F(EvaluateTest, TheCamerasMountingTurnsTheTurningAngle) {
   const auto all = [&](const std::vector<std::string>& more) {
     std::vector<std::string> arguments = {"tilted.tum", "truth/drive.tum"};

@@ -11,6 +11,7 @@
 
 #include "turnscale/base/error.h"
 #include "turnscale/base/input_file.h"
+#include "turnscale/commands/axes_of_poses.h"
 #include "turnscale/commands/run_of_trajectory.h"
 #include "turnscale/io/drive_input.h"
 #include "turnscale/io/run_files.h"
@@ -198,7 +199,7 @@ Comparison Compare(const ComparisonFiles& arguments) {
   if (arguments.camera_rotation) options.steps.vehicle_from_camera = ReadCameraRotation(*arguments.camera_rotation);
   TrajectoryFile estimate = ReadTrajectoryFile(arguments.estimate);
   TrajectoryFile truth = ReadTrajectoryFile(arguments.ground_truth);
-  const Paired paired = PairPoses(arguments, estimate, truth);
+  Paired paired = PairPoses(arguments, estimate, truth);
   Comparison comparison;
   comparison.sources.estimate = arguments.estimate.string();
   comparison.sources.ground_truth = arguments.ground_truth.string();
@@ -206,6 +207,11 @@ Comparison Compare(const ComparisonFiles& arguments) {
   comparison.sources.true_poses = static_cast<int>(truth.poses.size());
   comparison.sources.pairing = paired.by;
   comparison.sources.warnings = Warnings(arguments, paired, estimate.poses, truth.poses);
+  // A run's own page shows its poses as they are.
+  const bool keeps_axes = arguments.camera_rotation || !ScaleStateOfRun(arguments.estimate).empty();
+  const std::string other_axes =
+      UniteAxes({arguments.estimate.string(), arguments.ground_truth.string(), keeps_axes}, paired.pairs);
+  if (!other_axes.empty()) comparison.sources.warnings.push_back(other_axes);
   const std::vector<Step> steps = FindSteps(arguments, paired, options.steps, comparison.sources.steps);
   comparison.evaluation = Evaluate(paired.pairs, steps, options);
   comparison.pairs = paired.pairs;

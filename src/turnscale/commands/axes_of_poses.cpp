@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/commands/axes_of_poses.h"
+
+#include <algorithm>
+#include <array>
+#include <optional>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "turnscale/calibration/camera_axes.h"
+#include "turnscale/evaluation/body_axes.h"
+#include "turnscale/evaluation/evaluation.h"
+#include "turnscale/geometry/rotation.h"
+
+namespace turnscale {
+namespace {
+
+// Smaller angles are errors of the estimate, or of how the camera is mounted, and count as such.
+constexpr double kOtherAxes = 20 / kDegreesPerRadian;
+constexpr double kAlike = 0.8;  // no path that was tried is below 0.92
+constexpr double kUnlike = 0.5;
+
+// Long against the noise of positions, short against a turn.
+std::vector<Step> StepsFor(const PosePairs& pairs) {
+  StepErrorOptions options;
+  options.length = std::clamp(TruePathLength(pairs) / 100, 1.0, 5.0);  // metres
+  return StepsAlongPath(pairs, options);
+}
+
+using PoseOfPair = RigidTransform PosePair::*;
+
+AxisConvention ConventionOf(const PosePairs& pairs, const std::vector<Step>& steps, PoseOfPair pose) {
+  std::vector<CameraStep> motions;
+  for (const Step& step : steps)
+    motions.push_back({(pairs[step.first].*pose).inverse() * (pairs[step.last].*pose), 1, 0, 0});
+  return FindAxisConvention(motions);
+}
+
+void Turn(PosePairs& pairs, PoseOfPair pose, const Eigen::Quaterniond& other_from_body) {
+  for (PosePair& pair : pairs) pair.*pose = WithOtherAxes(pair.*pose, other_from_body);
+}
+
+// Where the axes of a body point, as a camera sees it; nothing where they are askew to the camera's.
+std::optional<std::string> NamesOf(const Eigen::Quaterniond& camera_from_body) {
+  constexpr std::array kPositive = {"right", "down", "forward"};
+  constexpr std::array kNegative = {"left", "up", "backward"};
+  constexpr double kCosine20Deg = 0.94;
+  const Eigen::Matrix3d axes = camera_from_body.toRotationMatrix();
+  std::string names;
+  for (int axis = 0; axis < 3; ++axis) {
+    int along = 0;
+    if (axes.col(axis).cwiseAbs().maxCoeff(&along) < kCosine20Deg) return std::nullopt;
+    names += fmt::format("{}{} {}", axis == 0 ? "" : ", ", "xyz"[axis],
+                         axes(along, axis) > 0 ? kPositive[along] : kNegative[along]);
+  }
+  return names;
+}
+
+std::string TurnedWarning(const std::string& turned, const std::string& whose,
+                          const Eigen::Quaterniond& other_from_turned, AxisConvention other) {
+  const std::optional<std::string> names =
+      other == AxisConvention::kCamera ? NamesOf(other_from_turned) : std::optional<std::string>();
+  return fmt::format(
+      "{}: the axes of its poses ({}) are not those of {}; they are turned to these by the constant rotation "
+      "that fits the motion best, so the errors leave out how the camera is mounted",
+      turned, names.value_or(fmt::format("turned by {:.0f} deg", kDegreesPerRadian * RotationAngle(other_from_turned))),
+      whose);
+}
+
+}  // namespace
+
+std::string UniteAxes(const ComparedPoses& compared, PosePairs& pairs) {
+  const std::vector<Step> steps = StepsFor(pairs);
+  if (steps.empty()) return {};
+  const BodyAxes axes = CompareBodyAxes(pairs, steps);
+  AxisConvention estimate = ConventionOf(pairs, steps, &PosePair::estimate);
+  const AxisConvention truth = ConventionOf(pairs, steps, &PosePair::truth);
+  const bool alike = std::min(axes.turned.way, axes.turned.turn) > kAlike;
+  std::string warning;
+  if (alike && RotationAngle(axes.estimate_from_truth) > kOtherAxes) {
+    if (!compared.keeps_axes && estimate != AxisConvention::kCamera && truth == AxisConvention::kCamera) {
+      const Eigen::Quaterniond truth_from_estimate = axes.estimate_from_truth.conjugate();
+      warning = TurnedWarning(compared.estimate, "the ground truth", truth_from_estimate, truth);
+      Turn(pairs, &PosePair::estimate, truth_from_estimate);
+      estimate = truth;
+    } else {
+      warning = TurnedWarning(compared.truth, "the estimate", axes.estimate_from_truth, estimate);
+      Turn(pairs, &PosePair::truth, axes.estimate_from_truth);
+    }
+  } else if (!alike && axes.as_given.way < kUnlike) {
+    return compared.truth +
+           ": each in its own axes, it moves in other directions than the estimate: rotation and translation errors "
+           "tell nothing; check that both files have world_from_camera poses of the same drive, in camera axes";
+  }
+  if (!compared.keeps_axes && estimate != AxisConvention::kCamera) {
+    const Eigen::Quaterniond camera_from_body =
+        InCameraAxes({StampedPose{}}, estimate).front().world_from_camera.rotation.conjugate();
+    Turn(pairs, &PosePair::estimate, camera_from_body);
+    Turn(pairs, &PosePair::truth, camera_from_body);
+  }
+  return warning;
+}
+
+}  // namespace turnscale
