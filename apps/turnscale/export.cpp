@@ -69,12 +69,16 @@ GeoPoint ParseOrigin(const std::string& text, bool& has_height) {
 }
 
 std::string FixText(const FixPlacement& placed) {
-  return fmt::format(
+  std::string text = fmt::format(
       "fixes    {} in the drive, {} of them outliers; {:.1f} m RMS from the path\n"
       "heading  {:.2f} +-{:.2f} deg at the start\n"
       "scale    from the fixes: {:+.1f} +-{:.1f} % (path not changed)\n",
       placed.fixes, placed.outliers, placed.rms, placed.placement.heading * kDegreesPerRadian,
       placed.heading_sigma * kDegreesPerRadian, 100 * (placed.scale - 1), 100 * placed.scale_sigma);
+  if (placed.has_height)
+    text += fmt::format("slope    path tilted by {:.1f} deg to the heights of the fixes\n",
+                        RotationAngle(placed.placement.tilt) * kDegreesPerRadian);
+  return text;
 }
 
 // The fixes and the path have different lengths; empty where their sigmas explain it.

@@ -37,8 +37,8 @@ std::vector<GeoPlace> PlaceOnEarth(const std::vector<LevelPlace>& path, const Pl
   for (size_t i = 0; i < path.size(); ++i) {
     const LevelPlace& place = path[i];
     if (!places.empty() && i + 1 < path.size() && place.time < places.back().time + interval - kSlack) continue;
-    places.push_back(
-        {place.time, frame.FromLocal(EastNorthUp(place.position, placement.heading)), place.speed, place.sigma});
+    const Eigen::Vector3d position = EastNorthUp(placement.tilt * place.position, placement.heading);
+    places.push_back({place.time, frame.FromLocal(position), place.speed, place.sigma});
   }
   return places;
 }

@@ -26,7 +26,8 @@ std::vector<LevelPlace> LevelPath(const ResultFolder& results, const std::string
 /// Where the first pose of a path lies on Earth.
 struct Placement {
   GeoPoint origin;
-  double heading = 0;  ///< of the car there, rad clockwise from north
+  double heading = 0;                                        ///< of the car there, rad clockwise from north
+  Eigen::Quaterniond tilt = Eigen::Quaterniond::Identity();  ///< turns the path's level axes first
 };
 
 /// A place on Earth along the drive.

@@ -13,6 +13,8 @@
 #include "turnscale/base/escaped_text.h"
 #include "turnscale/base/quantiles.h"
 #include "turnscale/base/robust_weights.h"
+#include "turnscale/export/fix_heights.h"
+#include "turnscale/export/path_error.h"
 #include "turnscale/export/utc_time.h"
 #include "turnscale/geometry/rotation.h"
 
@@ -26,6 +28,8 @@ struct Correspondence {
   Vector2d path;  // right, ahead
   Vector2d fix;   // east, north
   double sigma = 1;
+  double way = 0;  // along the path, from its beginning
+  double own = 0;  // standard deviation of the path, against its place at the middle of the fixes
 };
 
 // With a scale, since the path's own error of it puts its ends kilometres on beyond any outlier's limit.
@@ -44,6 +48,8 @@ constexpr size_t kMostPairsOf = 150;  // fixes whose pairs are tried as a start
 constexpr size_t kMostJudges = 1000;  // fixes that judge them
 constexpr double kLeastBaseline = 5;  // standard deviations of a fix
 constexpr int kIterations = 50;
+constexpr double kMedian = 1.177;  // of distances in the plane, standard deviations of each direction
+constexpr double kMostOwnShare = 10;
 
 double TukeyCost(double deviation) {
   const double share = std::min(1.0, deviation / kTukey);
@@ -85,8 +91,9 @@ class Fitter {
     return best;
   }
 
-  PlaneFit Refined(PlaneFit fit) const {
+  PlaneFit Refined(PlaneFit fit) {
     for (int i = 0; i < kIterations; ++i) {
+      own_share_ = OwnShare(fit);
       const Sums sums = SumsOf(fit);
       fit = {std::atan2(sums.sine, sums.cosine), sums.Scale(), Vector2d::Zero()};
       fit.shift = sums.fix - fit * sums.path;
@@ -108,12 +115,14 @@ class Fitter {
     described.fixes = static_cast<int>(pairs_.size());
     double squares = 0;
     double weighted = 0;
+    double last = 0;
     for (const Correspondence& pair : pairs_) {
       const double weight = TukeyWeight(Deviation(fit, pair), kTukey);
       if (weight == 0) {
         ++described.outliers;
         continue;
       }
+      last = pair.way;
       squares += (pair.fix - rigid * pair.path).squaredNorm();
       weighted += weight * std::pow(Deviation(fit, pair), 2);
     }
@@ -121,9 +130,15 @@ class Fitter {
     described.rms = std::sqrt(squares / std::max(used, 1));
     // Two numbers per fix, four unknowns.
     const double excess = std::max(1.0, weighted / std::max(2 * used - 4, 1));
-    described.heading_sigma = std::sqrt(excess / sums.spread);
+    const double of_fixes = std::sqrt(excess / sums.spread);
+    // The path's own drift is not independent from fix to fix. That of a random walk against a straight line's fit to
+    // its whole length: of the line against the beginning, and against the mean.
+    constexpr double kOfBeginning = 0.61;
+    constexpr double kOfMean = 0.07;
+    const double drifts = std::max(1.0, own_share_) * std::sqrt(last / 100);
+    described.heading_sigma = std::hypot(of_fixes, kOfBeginning * drifts * kHeadingDriftPer100m);
     described.scale = sums.Scale();
-    described.scale_sigma = std::sqrt(excess / sums.spread);
+    described.scale_sigma = std::hypot(of_fixes, kOfMean * drifts * kScaleDriftPer100m);
     return described;
   }
 
@@ -139,8 +154,33 @@ class Fitter {
     double Scale() const { return std::hypot(sine, cosine) / spread; }
   };
 
-  static double Deviation(const PlaneFit& fit, const Correspondence& pair) {
-    return (pair.fix - fit * pair.path).norm() / pair.sigma;
+  static double Sigma(const Correspondence& pair, double own_share) {
+    return std::hypot(pair.sigma, own_share * pair.own);
+  }
+
+  double Deviation(const PlaneFit& fit, const Correspondence& pair) const {
+    return (pair.fix - fit * pair.path).norm() / Sigma(pair, own_share_);
+  }
+
+  // How much of the error that the path may have it has, as the median distance shows: with all of it, gross errors
+  // far from the middle would be none.
+  double OwnShare(const PlaneFit& fit) const {
+    if (pairs_.size() < 3) return 1;
+    const auto pairs = static_cast<double>(pairs_.size());
+    const double lost = std::sqrt(pairs / (pairs - 2));             // by the fit itself
+    const double by_chance = kMedian * (1 + 1 / std::sqrt(pairs));  // what the noise of the fixes explains
+    std::vector<double> distances;
+    for (const Correspondence& pair : pairs_) distances.push_back(lost * (pair.fix - fit * pair.path).norm());
+    double low = 0;
+    double high = kMostOwnShare;
+    constexpr int kHalvings = 16;
+    std::vector<double> deviations(pairs_.size());
+    for (int i = 0; i < kHalvings; ++i) {
+      const double middle = 0.5 * (low + high);
+      for (size_t k = 0; k < pairs_.size(); ++k) deviations[k] = distances[k] / Sigma(pairs_[k], middle);
+      (Median(deviations) > by_chance ? low : high) = middle;
+    }
+    return low;
   }
 
   Sums SumsOf(const PlaneFit& fit) const {
@@ -148,7 +188,7 @@ class Fitter {
     double total = 0;
     std::vector<double> weights;
     for (const Correspondence& pair : pairs_) {
-      weights.push_back(TukeyWeight(Deviation(fit, pair), kTukey) / (pair.sigma * pair.sigma));
+      weights.push_back(TukeyWeight(Deviation(fit, pair), kTukey) / std::pow(Sigma(pair, own_share_), 2));
       total += weights.back();
       sums.path += weights.back() * pair.path;
       sums.fix += weights.back() * pair.fix;
@@ -166,16 +206,46 @@ class Fitter {
   }
 
   std::vector<Correspondence> pairs_;
+  double own_share_ = 1;
 };
 
-std::optional<Eigen::Vector3d> PathAt(const std::vector<LevelPlace>& path, double time) {
-  const auto after = std::lower_bound(path.begin(), path.end(), time,
-                                      [](const LevelPlace& place, double t) { return place.time < t; });
-  if (after == path.end() || (after == path.begin() && after->time > time)) return std::nullopt;
-  if (after == path.begin()) return after->position;
-  const LevelPlace& before = *(after - 1);
-  const double share = (time - before.time) / (after->time - before.time);
-  return Eigen::Vector3d((1 - share) * before.position + share * after->position);
+// A place of the path at the time of a fix.
+struct PlaceOfFix {
+  const GpsFix* fix = nullptr;
+  Eigen::Vector3d position;
+  double way = 0;  // along the path, from its beginning
+  double sigma = 0;
+};
+
+std::vector<PlaceOfFix> PlacesOf(const std::vector<GpsFix>& fixes, const std::vector<LevelPlace>& path) {
+  std::vector<PlaceOfFix> places;
+  size_t after = 0;
+  double way = 0;
+  for (const GpsFix& fix : fixes) {
+    if (fix.time < path.front().time) continue;
+    while (after < path.size() && path[after].time < fix.time) {
+      if (after > 0) way += (path[after].position - path[after - 1].position).norm();
+      ++after;
+    }
+    if (after == path.size()) break;
+    const LevelPlace& next = path[after];
+    const LevelPlace& before = path[after > 0 ? after - 1 : 0];
+    const double share = after > 0 ? (fix.time - before.time) / (next.time - before.time) : 0;
+    const Eigen::Vector3d position = (1 - share) * before.position + share * next.position;
+    places.push_back({&fix, position, way + (position - before.position).norm(), next.sigma});
+  }
+  return places;
+}
+
+std::vector<double> OwnErrors(const std::vector<PlaceOfFix>& places) {
+  const double least = std::ranges::min(places, {}, &PlaceOfFix::sigma).sigma;
+  const double middle = 0.5 * (places[(places.size() - 1) / 2].way + places[places.size() / 2].way);
+  std::vector<double> errors;
+  for (const PlaceOfFix& place : places) {
+    const double sigma = std::sqrt(place.sigma * place.sigma - least * least);
+    errors.push_back(OwnPathError(std::abs(place.way - middle), sigma));
+  }
+  return errors;
 }
 
 }  // namespace
@@ -217,28 +287,33 @@ std::vector<GpsFix> ReadGpsFixes(const std::filesystem::path& path, std::optiona
 }
 
 FixPlacement PlaceByFixes(const std::vector<LevelPlace>& path, const std::vector<GpsFix>& fixes) {
-  std::vector<Correspondence> pairs;
-  std::vector<double> heights;
-  std::optional<GeoFrame> frame;
-  for (const GpsFix& fix : fixes) {
-    const std::optional<Eigen::Vector3d> place = PathAt(path, fix.time);
-    if (!place) continue;
-    if (!frame) frame.emplace(fix.point);
-    pairs.push_back({place->head<2>(), frame->ToLocal(fix.point).head<2>(), fix.sigma});
-    if (fix.has_height) heights.push_back(fix.point.height - place->z());
-  }
-  if (pairs.size() < 2) {
+  const std::vector<PlaceOfFix> places = PlacesOf(fixes, path);
+  if (places.size() < 2) {
     throw InputError(fmt::format("--fixes: {} of {} lie within the drive, from {:.1f} s to {:.1f} s; give at least 2",
-                                 pairs.size(), fixes.size(), path.front().time, path.back().time));
+                                 places.size(), fixes.size(), path.front().time, path.back().time));
   }
-  const Fitter fitter(std::move(pairs));
+  const std::vector<double> own = OwnErrors(places);
+  constexpr double kSigmaUp = 2;  // of a fix's height, over that of its place
+  std::vector<HeightOfFix> heights;
+  for (size_t i = 0; i < places.size(); ++i) {
+    const GpsFix& fix = *places[i].fix;
+    if (fix.has_height)
+      heights.push_back({places[i].position, fix.point.height, std::hypot(kSigmaUp * fix.sigma, own[i])});
+  }
+  const HeightPlacement height = heights.empty() ? HeightPlacement() : PlaceHeights(heights);
+  const GeoFrame frame(places.front().fix->point);
+  std::vector<Correspondence> pairs;
+  for (size_t i = 0; i < places.size(); ++i)
+    pairs.push_back({(height.tilt * places[i].position).head<2>(), frame.ToLocal(places[i].fix->point).head<2>(),
+                     places[i].fix->sigma, places[i].way, own[i]});
+  Fitter fitter(std::move(pairs));
   const PlaneFit fit = fitter.Refined(fitter.BestPair());
   const PlaneFit rigid = fitter.Rigid(fit);
   FixPlacement placed = fitter.Describe(fit, rigid);
-  GeoPoint origin = frame->FromLocal({rigid.shift.x(), rigid.shift.y(), 0});
+  GeoPoint origin = frame.FromLocal({rigid.shift.x(), rigid.shift.y(), 0});
   placed.has_height = !heights.empty();
-  origin.height = placed.has_height ? Median(heights) : 0;
-  placed.placement = {origin, std::remainder(fit.heading, 2 * M_PI)};
+  origin.height = height.height;
+  placed.placement = {origin, std::remainder(fit.heading, 2 * M_PI), height.tilt};
   if (placed.placement.heading < 0) placed.placement.heading += 2 * M_PI;
   return placed;
 }

@@ -22,10 +22,11 @@ struct GpsFix {
 /// `start_time`, the UTC time of the drive's time 0. Throws InputError that names file and line.
 std::vector<GpsFix> ReadGpsFixes(const std::filesystem::path& path, std::optional<double> start_time);
 
-/// The path laid on fixes by rotation and shift, without a change of scale.
+/// The path laid on fixes by rotation and shift, without a change of scale. The sigmas include the drift of the path
+/// (path_error.h), as the fixes may be far more accurate than it is.
 struct FixPlacement {
   Placement placement;
-  bool has_height = false;   ///< of the origin: the median of what the fixes say
+  bool has_height = false;   ///< of the origin, and the tilt: from the heights of the fixes (fix_heights.h)
   double heading_sigma = 0;  ///< rad
   int fixes = 0;             ///< during the drive
   int outliers = 0;          ///< of them, not used

@@ -12,6 +12,7 @@
 #include "turnscale/base/error.h"
 #include "turnscale/base/random.h"
 #include "turnscale/base/test_files.h"
+#include "turnscale/export/path_error.h"
 #include "turnscale/export/test_results.h"
 #include "turnscale/export/utc_time.h"
 #include "turnscale/geometry/random_vector.h"
@@ -61,7 +62,64 @@ TEST(GpsFixes, GiveTheHeadingInNoiseAndOutliers) {
   }
   EXPECT_GE(within, kSeeds * 9 / 10);
   EXPECT_LT(total, 0.5 * std::sqrt(kSeeds)) << "0.5 degrees RMS";
-  EXPECT_NEAR(std::sqrt(squares / kSeeds), 1, 0.35) << "the sigma is that of the errors";
+  EXPECT_LT(std::sqrt(squares / kSeeds), 1.35);
+  EXPECT_GT(std::sqrt(squares / kSeeds), 0.4) << "the sigma includes drift, which this path does not have";
+}
+
+// 1.5 km with a bend, a place per metre, as an odometry of this drift gives it.
+std::vector<LevelPlace> PathWithDrift(unsigned seed) {
+  Random random(seed);
+  std::vector<LevelPlace> path(1501);
+  double heading = 0;
+  double log_scale = 0;
+  for (size_t i = 1; i < path.size(); ++i) {
+    heading += kHeadingDriftPer100m * 0.1 * random.Gaussian();
+    log_scale += kScaleDriftPer100m * 0.1 * random.Gaussian();
+    const double bend = i > 700 && i < 900 ? 0.006 : 0;
+    path[i].time = 0.1 * static_cast<double>(i);
+    heading += bend;
+    path[i].position =
+        path[i - 1].position + std::exp(log_scale) * Eigen::Vector3d(std::sin(heading), std::cos(heading), 0);
+  }
+  return path;
+}
+
+// Those of the same drive without drift, of a receiver as accurate as this.
+std::vector<GpsFix> AccurateFixes(double sigma, unsigned seed) {
+  Random random(seed);
+  const GeoFrame frame(kTruth.origin);
+  std::vector<GpsFix> fixes;
+  Eigen::Vector3d place = Eigen::Vector3d::Zero();
+  double heading = 0;
+  for (size_t i = 0; i <= 1500; ++i) {
+    if (i > 0) {
+      heading += i > 700 && i < 900 ? 0.006 : 0;
+      place += Eigen::Vector3d(std::sin(heading), std::cos(heading), 0);
+    }
+    if (i % 20 != 0) continue;
+    Eigen::Vector3d seen = EastNorthUp(place, kTruth.heading);
+    seen.head<2>() += sigma * DrawVector<2>([&] { return random.Gaussian(); });
+    if (i % 200 == 60) seen.y() += 300;
+    fixes.push_back({0.1 * static_cast<double>(i), frame.FromLocal(seen), sigma, false});
+  }
+  return fixes;
+}
+
+TEST(GpsFixes, AreNoOutliersForTheDriftOfThePath) {
+  constexpr unsigned kSeeds = 25;
+  for (const double sigma : {0.05, 1.0, 5.0}) {
+    double squares = 0;
+    int outliers = 0;
+    for (unsigned seed = 1; seed <= kSeeds; ++seed) {
+      const FixPlacement placed = PlaceByFixes(PathWithDrift(seed), AccurateFixes(sigma, seed + 100));
+      outliers += placed.outliers;
+      EXPECT_GE(placed.outliers, 8) << "gross errors";
+      const double error = std::remainder(placed.placement.heading - kTruth.heading, 2 * M_PI);
+      squares += std::pow(error / placed.heading_sigma, 2);
+    }
+    EXPECT_LT(outliers, 10 * kSeeds) << sigma;
+    EXPECT_NEAR(std::sqrt(squares / kSeeds), 1, 0.35) << sigma;
+  }
 }
 
 TEST(GpsFixes, TheScaleIsReportedAndNotApplied) {
@@ -112,6 +170,24 @@ TEST(GpsFixes, TenPerSecondForAnHour) {
   EXPECT_NEAR(placed.outliers, 3600, 10);
   EXPECT_TRUE(placed.has_height);
   EXPECT_NEAR(placed.placement.origin.height, 110, 2);
+}
+
+TEST(GpsFixes, HeightsGiveTheMeanSlope) {
+  const std::vector<LevelPlace> path = LevelPath(TestResults(501), "out");
+  std::vector<GpsFix> fixes = NoisyFixes(path, 2);
+  constexpr double kSlope = 0.05;
+  for (GpsFix& fix : fixes) {
+    fix.point.height = 110 + kSlope * path[std::lround(10 * fix.time)].position.y();
+    fix.sigma = 1;
+  }
+  const FixPlacement placed = PlaceByFixes(path, fixes);
+  const std::vector<GeoPlace> places = PlaceOnEarth(path, placed.placement);
+  EXPECT_NEAR(places.front().point.height, 110, 0.5);
+  EXPECT_NEAR(places[300].point.height - places[0].point.height, kSlope * path[300].position.y(), 0.5);
+  for (GpsFix& fix : fixes) fix.has_height = false;
+  const FixPlacement level = PlaceByFixes(path, fixes);
+  EXPECT_FALSE(level.has_height);
+  EXPECT_NEAR(PlaceOnEarth(path, level.placement)[300].point.height, 0, 0.1);
 }
 
 TEST(GpsFixes, NeedABaseline) {
