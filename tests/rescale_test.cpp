@@ -316,6 +316,31 @@ TEST_F(RescaleCommandTest, WithoutTimesItWarns) {
   EXPECT_NE(result.err.find("give --fps or --timestamps"), std::string::npos);
 }
 
+TEST_F(RescaleCommandTest, TimesThatAreNumbersOfFramesAreNamed) {
+  std::string numbered;
+  for (int i = 0; i < poses_; ++i) {
+    StampedPose pose = drive_.trajectory[i];
+    pose.time = i;
+    numbered += TumLine(pose);
+  }
+  Text("numbered.tum", numbered);
+  const CommandResult result = Run({Path("numbered.tum"), "--lever-arm", "1.2"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_NE(result.err.find("as slowly as hardly any car does: check the times of the poses, and give --fps if they "
+                            "are numbers of frames"),
+            std::string::npos)
+      << result.err;
+  ExpectMetres({Path("numbered.tum"), "--fps", "10"}, poses_);
+  // A pose a second, at the speed of a car.
+  std::string rare;
+  for (int i = 0; i < poses_; i += 10) {
+    StampedPose pose = drive_.trajectory[i];
+    pose.time = i / 10;
+    rare += TumLine(pose);
+  }
+  EXPECT_EQ(Run({Text("rare.tum", rare), "--lever-arm", "1.2"}).err.find("numbers of frames"), std::string::npos);
+}
+
 TEST_F(RescaleCommandTest, NamesAJump) {
   for (int i = 200; i < poses_; ++i) drive_.trajectory[i].world_from_camera.translation.x() += 4;
   const CommandResult result = Run({Tum(), "--lever-arm", "1.2"});

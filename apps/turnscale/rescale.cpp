@@ -69,7 +69,8 @@ void AddRescaleCommand(CLI::App& app) {
   command->add_option("--camera-rotation", arguments->camera_rotation,
                       "Camera-to-vehicle rotation: auto (estimated from the trajectory); identity; yaw,pitch,roll in "
                       "degrees; or a YAML file, as for run [auto]");
-  CLI::Option* fps = command->add_option("--fps", arguments->fps, "Frames per second of a KITTI trajectory");
+  CLI::Option* fps = command->add_option(
+      "--fps", arguments->fps, "Frames per second, of a KITTI trajectory or of one whose times are numbers of frames");
   command
       ->add_option("--timestamps", arguments->timestamps,
                    fmt::format("Times of a KITTI trajectory's frames, {} [times.txt beside it]", kTimesPerLine))

@@ -301,7 +301,7 @@ def rescale(path: Path, *, lever_arm: float | None = None, lever_arm_sigma: floa
     camera_height: of the camera above the road, m, or (height, sigma); lever_arm is not needed then.
     side_slip, side_slip_sigma: slip-angle coefficient c, s^2/m.
     camera_rotation: "auto", "identity", (yaw, pitch, roll) in degrees, or a YAML file.
-    fps, timestamps: of a KITTI trajectory.
+    fps, timestamps: of a KITTI trajectory; fps: also of one whose times are numbers of frames.
     drift: "none" for trajectories that are closed in loops.
     out: TUM file, report: folder to write; nothing is written without.
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
@@ -227,6 +228,16 @@ std::vector<std::string> WarningsOf(const ImageArguments& arguments, const Drive
   return warnings;
 }
 
+namespace {
+
+// Of poses that carry their frames' numbers as times.
+Trajectory AtRate(Trajectory poses, double fps) {
+  for (StampedPose& pose : poses) pose.time /= fps;
+  return poses;
+}
+
+}  // namespace
+
 TimedTrajectory ReadTimedTrajectory(const std::filesystem::path& path,
                                     const std::optional<std::filesystem::path>& timestamps, std::optional<double> fps) {
   if (fps && !(std::isfinite(*fps) && *fps > 0)) {
@@ -235,12 +246,13 @@ TimedTrajectory ReadTimedTrajectory(const std::filesystem::path& path,
   TrajectoryFile file = ReadTrajectoryFile(path);
   if (file.format != TrajectoryFormat::kKitti) {
     if (!fps && !timestamps) return {std::move(file.poses), true};
+    // SLAM that knows no times numbers its frames there.
+    const bool numbers =
+        std::ranges::all_of(file.poses, [](const StampedPose& pose) { return pose.time == std::floor(pose.time); });
+    if (fps && numbers) return {AtRate(std::move(file.poses), *fps), true};
     throw InputError(fmt::format("{}: has timestamps; leave out {}", path.string(), fps ? "--fps" : "--timestamps"));
   }
-  if (fps) {
-    for (StampedPose& pose : file.poses) pose.time /= *fps;
-    return {std::move(file.poses), true};
-  }
+  if (fps) return {AtRate(std::move(file.poses), *fps), true};
   const std::filesystem::path times = timestamps ? *timestamps : FindPoseTimes(path);
   if (times.empty()) return {std::move(file.poses), false};
   return {ReadTrajectory(path, ReadFrameTimes(times).times), true};

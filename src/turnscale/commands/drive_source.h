@@ -88,8 +88,8 @@ struct TimedTrajectory {
 };
 
 /// Reads a trajectory with its times, seconds: its own (TUM, EuRoC), or for KITTI's poses those of `timestamps`, of so
-/// many frames a second, or of the times.txt that FindPoseTimes finds. Throws InputError, also where times are given
-/// for a file that has its own.
+/// many frames a second, or of the times.txt that FindPoseTimes finds. Own times that are whole numbers may be those of
+/// frames, so many a second. Throws InputError, also where times are given for a file that has its own.
 TimedTrajectory ReadTimedTrajectory(const std::filesystem::path& path,
                                     const std::optional<std::filesystem::path>& timestamps, std::optional<double> fps);
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -16,6 +17,7 @@
 #include "turnscale/figure/figure.h"
 #include "turnscale/geometry/rotation.h"
 #include "turnscale/io/run_summary.h"
+#include "turnscale/io/time_check.h"
 #include "turnscale/io/turn_warning.h"
 
 namespace turnscale {
@@ -214,6 +216,34 @@ std::string SparseWarning(const RescaleResult& result) {
       count == 1 ? "once" : fmt::format("{} times", count), first->first, first->last);
 }
 
+// Accelerations sideways of the turns that were used, m/s^2, with their angles.
+std::vector<std::pair<double, double>> SidewaysIn(const RescaleResult& result) {
+  std::vector<std::pair<double, double>> sideways;
+  for (const TurnEstimate& turn : result.estimate->turns) {
+    double seconds = 0;
+    double metres = 0;
+    double angle = 0;
+    for (int i = turn.first_step; i <= turn.last_step; ++i) {
+      const VehicleStep& step = result.steps[i];
+      seconds += step.duration;
+      metres += step.driven() * result.poses[step.last].metres_per_unit;
+      angle += step.turned();
+    }
+    if (turn.used && seconds > 0)
+      sideways.emplace_back(metres * std::abs(angle) / (seconds * seconds), std::abs(angle));
+  }
+  return sideways;
+}
+
+std::optional<std::string> TimeWarning(const RescaleResult& result) {
+  const bool whole =
+      std::ranges::all_of(result.metric, [](const StampedPose& pose) { return pose.time == std::floor(pose.time); });
+  if (whole)
+    return UnusualTurnsWarning(SidewaysIn(result),
+                               "the times of the poses, and give --fps if they are numbers of frames", 1);
+  return UnusualTurnsWarning(SidewaysIn(result), "the times of the poses");
+}
+
 }  // namespace
 
 std::string PoseScaleTable(const RescaleResult& result) {
@@ -291,6 +321,7 @@ std::vector<std::string> RescaleWarnings(const RescaleResult& result, const CarP
   if (result.estimate->slip_conflict) warnings.push_back(SlipWarning(*result.estimate->slip_conflict));
   if (result.estimate->yaw_conflict)
     warnings.push_back(YawWarning(*result.estimate->yaw_conflict, "check --camera-rotation"));
+  if (std::optional<std::string> time = TimeWarning(result)) warnings.push_back(std::move(*time));
   if (std::string jump = JumpWarning(result); !jump.empty()) warnings.push_back(std::move(jump));
   if (std::string sparse = SparseWarning(result); !sparse.empty()) warnings.push_back(std::move(sparse));
   return warnings;

@@ -32,7 +32,6 @@ constexpr double kLeastJump = 3;
 constexpr double kMostSideways = 6;
 // The same, where even a car that is parked turns faster.
 constexpr double kLeastSideways = 0.25;
-constexpr size_t kLeastTurns = 2;
 
 struct ImageStep {
   double time = 0;      // of the image that it leads to
@@ -133,23 +132,27 @@ std::optional<std::string> UnusualTurns(const std::vector<FrameResult>& frames, 
     if (turn.used && seconds > 0)
       sideways.emplace_back(turn.speed * std::abs(turn.angle) / seconds, std::abs(turn.angle));
   }
+  return UnusualTurnsWarning(std::move(sideways), "the times of the images (--fps, --timestamps)");
+}
+
+}  // namespace
+
+std::optional<std::string> UnusualTurnsWarning(std::vector<std::pair<double, double>> sideways,
+                                               const std::string& check, size_t fewest_slow) {
   if (sideways.empty()) return std::nullopt;
   const size_t count = sideways.size();
   const double median = WeightedMedian(std::move(sideways));
   if (median > kMostSideways)
     return fmt::format(
-        "the car would take its turns at {:.0f} m/s^2 sideways, which hardly any car does: check the times of the "
-        "images (--fps, --timestamps) and the lever arm",
-        median);
-  if (median < kLeastSideways && count >= kLeastTurns)
+        "the car would take its turns at {:.0f} m/s^2 sideways, which hardly any car does: check {} and the lever arm",
+        median, check);
+  if (median < kLeastSideways && count >= fewest_slow)
     return fmt::format(
-        "the car would take its turns at {:.2f} m/s^2 sideways, as slowly as hardly any car does: check the times of "
-        "the images (--fps, --timestamps); with wrong ones, as of slow motion, the scale is wrong, too",
-        median);
+        "the car would take its turns at {:.2g} m/s^2 sideways, as slowly as hardly any car does: check {}; with wrong "
+        "ones, as of slow motion, the scale is wrong, too",
+        median, check);
   return std::nullopt;
 }
-
-}  // namespace
 
 std::vector<std::string> TimeWarnings(const std::vector<FrameResult>& frames, const std::vector<TurnResult>& turns) {
   std::vector<std::string> warnings;

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "turnscale/odometry/results.h"
@@ -20,5 +22,10 @@ namespace turnscale {
 ///
 /// `frames`: poses in metres; nothing is said of a trajectory that is up to scale.
 std::vector<std::string> TimeWarnings(const std::vector<FrameResult>& frames, const std::vector<TurnResult>& turns);
+
+/// Of turns that no car takes: accelerations sideways (m/s^2), each with the angle of its turn. Slow ones only count if
+/// there are as many turns as `fewest_slow`. `check` is what to check, the end of "check ...".
+std::optional<std::string> UnusualTurnsWarning(std::vector<std::pair<double, double>> sideways,
+                                               const std::string& check, std::size_t fewest_slow = 2);
 
 }  // namespace turnscale

@@ -55,7 +55,8 @@ void RefuseSparseTimes(const std::string& name, const std::vector<double>& secon
   const double step = MedianStep(seconds);
   if (step > kLongestFrameInterval)
     throw InputError(fmt::format(
-        "{}: half of the times are {:.0f} s apart or more; are they milliseconds? Give seconds", name, step));
+        "{}: half of the times are {:.0f} s apart or more; are they milliseconds, or numbers of frames? Give seconds",
+        name, step));
 }
 
 bool AreNanoseconds(const std::vector<double>& times) { return times.size() < 2 || 1e-9 * MedianStep(times) > 1e-4; }

@@ -52,8 +52,10 @@ TEST(TimeUnit, MillisecondsFromZeroAreRefused) {
     RefuseSparseTimes("times.txt", Times(1e-3, 0, 0.1));
     FAIL();
   } catch (const InputError& error) {
-    EXPECT_STREQ(error.what(),
-                 "times.txt: half of the times are 100 s apart or more; are they milliseconds? Give seconds");
+    EXPECT_STREQ(
+        error.what(),
+        "times.txt: half of the times are 100 s apart or more; are they milliseconds, or numbers of frames? Give "
+        "seconds");
   }
 }
 

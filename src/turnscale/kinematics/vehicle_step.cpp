@@ -64,6 +64,11 @@ void VehicleStepOptions::Check() const {
   if (!(max_direction > 0)) throw InputError("steps.max_direction_deg: has to be positive");
 }
 
+bool AreFarApart(std::optional<double> seconds, double turned, const VehicleStepOptions& options) {
+  if (!seconds) return turned > kUntimedTurns * options.max_pose_turn;
+  return *seconds > options.max_pose_interval && turned > options.max_pose_turn;
+}
+
 VehicleStep LevelStep(const RigidTransform& previous_from_current, const Eigen::Quaterniond& vehicle_from_camera,
                       double dt, const VehicleStepOptions& options) {
   const Eigen::Quaterniond half_back = RotationFromVector(-0.5 * VectorFromRotation(previous_from_current.rotation));
@@ -132,9 +137,7 @@ void StepBuilder::GoOn(const StampedPose& pose, StepUnderWay& step) const {
   step.travel += travel;
   if (timed_ && duration > 0) step.square_speed_integral += (heading - step.heading) * Square(travel / duration);
   const double turned = std::abs(heading - step.heading);
-  const bool is_hole = timed_ ? duration > options_.max_pose_interval && turned > options_.max_pose_turn
-                              : turned > kUntimedTurns * options_.max_pose_turn;
-  step.dense = step.dense && !is_hole;
+  step.dense = step.dense && !AreFarApart(timed_ ? std::optional(duration) : std::nullopt, turned, options_);
   step.heading = heading;
   step.end = pose;
 }

@@ -92,6 +92,10 @@ struct VehicleStepOptions {
   void Check() const;
 };
 
+/// Whether a camera that turns by `turned` (rad) between two poses so many seconds apart (unset: unknown) shows nothing
+/// of the car between them.
+bool AreFarApart(std::optional<double> seconds, double turned, const VehicleStepOptions& options);
+
 /// The step between two poses of the camera, `dt` seconds apart; `vehicle_from_camera` is the paper's Q.
 ///
 /// The axes of Q are pitched so that the step, forward or in reverse, goes neither up nor down. A car goes along its

@@ -3,14 +3,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "turnscale/base/check_part.h"
 #include "turnscale/base/error.h"
+#include "turnscale/base/quantiles.h"
 #include "turnscale/calibration/calibration.h"
 #include "turnscale/calibration/camera_axes.h"
 #include "turnscale/calibration/camera_step.h"
 #include "turnscale/geometry/angle.h"
+#include "turnscale/rescale/pose_direction.h"
 #include "turnscale/scale/live_scale.h"
 #include "turnscale/scale/scale_track.h"
 
@@ -35,6 +38,21 @@ std::vector<Trajectory> CutAtGaps(const Trajectory& trajectory, const std::vecto
     pieces.back().push_back(trajectory[i]);
   }
   return pieces;
+}
+
+// Gaps, and the poses between which the camera has turned too far for a step.
+std::vector<int> GapsAndHoles(const Trajectory& trajectory, bool timed, const VehicleStepOptions& options,
+                              std::vector<int> gaps) {
+  for (std::size_t i = 1; i < trajectory.size(); ++i) {
+    const std::optional<double> seconds =
+        timed ? std::optional(trajectory[i].time - trajectory[i - 1].time) : std::nullopt;
+    const Eigen::Quaterniond turn =
+        trajectory[i - 1].world_from_camera.rotation.conjugate() * trajectory[i].world_from_camera.rotation;
+    if (AreFarApart(seconds, RotationAngle(turn), options)) gaps.push_back(static_cast<int>(i));
+  }
+  std::ranges::sort(gaps);
+  gaps.erase(std::unique(gaps.begin(), gaps.end()), gaps.end());
+  return gaps;
 }
 
 Eigen::Quaterniond Upright(const std::vector<CameraStep>& steps) {
@@ -111,12 +129,18 @@ bool FindMount(const RescaleOptions& options, const Trajectory& trajectory, cons
   std::vector<int> first_poses;
   for (const PathGap& gap : gaps) first_poses.push_back(gap.pose);
   result.yaw_sigma = options.car.yaw_sigma;
+  if (AreInverse(CutAtGaps(trajectory, first_poses))) {
+    result.reason =
+        "the poses are camera_from_world: read as world_from_camera, the camera goes along no axis of its own, but "
+        "along one if they are inverted; give the inverse poses";
+    return false;
+  }
   if (options.vehicle_from_camera) {
     result.vehicle_from_camera = *options.vehicle_from_camera;
     return true;
   }
   try {
-    const MountFromPath mount = FindCameraMount(trajectory, options.timed, first_poses);
+    const MountFromPath mount = FindCameraMount(trajectory, options.timed, first_poses, options.steps);
     result.vehicle_from_camera = mount.vehicle_from_camera;
     result.yaw_sigma = mount.yaw_sigma ? PriorYawSigma(*mount.yaw_sigma, options.car.yaw_sigma)
                                        : std::max(options.car.yaw_sigma, options.unobserved_yaw_sigma);
@@ -127,20 +151,24 @@ bool FindMount(const RescaleOptions& options, const Trajectory& trajectory, cons
   }
 }
 
-// Most of the steps that move go along the car's axis, and they lead forward in all: a car reverses slowly, in many
-// short steps.
+// Most of the way goes along the car's axis, and it leads forward in all. A step counts by its length, as standing is
+// many short steps in any direction, but at most by the usual one, as a jump is long.
 bool GoesForward(const std::vector<VehicleStep>& steps) {
-  int moving = 0;
-  int along = 0;
+  std::vector<std::pair<double, double>> lengths;
+  for (const VehicleStep& step : steps)
+    if (step.driven() > 0) lengths.emplace_back(step.motion.step, step.motion.step);
+  const double usual = WeightedMedian(std::move(lengths));
+  double moving = 0;
+  double along = 0;
   double way = 0;
   for (const VehicleStep& step : steps) {
     if (step.after_gap || !(step.motion.step > 0)) continue;
-    ++moving;
+    moving += std::min(step.motion.step, usual);
     if (!step.usable) continue;
-    ++along;
+    along += std::min(step.motion.step, usual);
     way += step.forward();
   }
-  return 2 * along >= moving && way >= 0;
+  return along > 0 && 2 * along >= moving && way >= 0;
 }
 
 // What the filter knew at each pose.
@@ -171,8 +199,10 @@ void BringToMetres(const Trajectory& trajectory, RescaleResult& result) {
 
 }  // namespace
 
-MountFromPath FindCameraMount(const Trajectory& trajectory, bool timed, const std::vector<int>& gaps) {
-  std::vector<Trajectory> pieces = CutAtGaps(timed ? trajectory : AtUsualRate(trajectory), gaps);
+MountFromPath FindCameraMount(const Trajectory& trajectory, bool timed, const std::vector<int>& gaps,
+                              const VehicleStepOptions& options) {
+  std::vector<Trajectory> pieces =
+      CutAtGaps(timed ? trajectory : AtUsualRate(trajectory), GapsAndHoles(trajectory, timed, options, gaps));
   const AxisConvention axes = FindAxisConvention(StepsAlong(pieces));
   for (Trajectory& piece : pieces) piece = InCameraAxes(std::move(piece), axes);
   const Eigen::Quaterniond body_from_camera = InCameraAxes({StampedPose{}}, axes).front().world_from_camera.rotation;

@@ -23,10 +23,12 @@ struct MountFromPath {
 };
 
 /// The paper's Q from the path itself, whichever way its body's axes lie. `timed` says that the poses' times are
-/// seconds, `gaps` which poses do not hang together with the one before (increasing).
+/// seconds, `gaps` which poses do not hang together with the one before (increasing). Motion between poses that are too
+/// far apart for `options` is left out, as it is for the scale.
 ///
 /// Throws InputError where the path has no direction of travel, or is too short to tell.
-MountFromPath FindCameraMount(const Trajectory& trajectory, bool timed, const std::vector<int>& gaps = {});
+MountFromPath FindCameraMount(const Trajectory& trajectory, bool timed, const std::vector<int>& gaps = {},
+                              const VehicleStepOptions& options = {});
 
 struct RescaleOptions {
   CarPrior car;

@@ -128,6 +128,44 @@ TEST(Rescale, StandingStillIsNoDirection) {
   EXPECT_LT(WorstLogError(result, drive), 0.004);
 }
 
+// Poses of a standing camera that sways: many steps to the side, and no way.
+TEST(Rescale, ADriveMayStandMostOfTheTime) {
+  std::vector<DriveSegment> route = CityRoute(4);
+  route.push_back({4000, 0, 0});
+  ScaledDrive drive = MakeScaledDrive(route, kCar, kIdentity, kUnit, {.position = 0.002}, 5);
+  const std::size_t stop = drive.trajectory.size() - 4000;
+  Random random(7);
+  for (std::size_t i = stop; i < drive.trajectory.size(); ++i) {
+    RigidTransform& pose = drive.trajectory[i].world_from_camera;
+    pose.translation += pose.rotation * Eigen::Vector3d(0.02 / kUnit * random.Gaussian(), 0, 0);
+  }
+  for (const auto& given : {std::optional(kIdentity), std::optional<Eigen::Quaterniond>()}) {
+    RescaleOptions options = OptionsFor(kCar);
+    options.vehicle_from_camera = given;
+    const RescaleResult result = RescaleTrajectory(options, drive.trajectory);
+    ASSERT_TRUE(result.observable) << result.reason;
+    EXPECT_LT(WorstLogError(result, drive), 0.02);
+  }
+}
+
+// Between the poses at both ends of a hole where a turn begins, the camera does not go along a circle.
+TEST(Rescale, HolesInTurnsDoNotTurnTheCamera) {
+  const Eigen::Quaterniond mount = RotationFromYawPitchRoll({12 / kDegreesPerRadian, -8 / kDegreesPerRadian, 0});
+  std::vector<DriveSegment> route{{60, 0.9, 0}};
+  for (int i = 0; i < 6; ++i) {
+    route.push_back({30, 0.6, 1.5 * (M_PI / 2) / 30});
+    route.push_back({60, 0.9, 0});
+  }
+  const ScaledDrive drive = MakeScaledDrive(route, kCar, mount, kUnit, {.position = 0.1}, 3);
+  Trajectory holed;
+  for (int i = 0; i < static_cast<int>(drive.trajectory.size()); ++i) {
+    const int since_turn = (i + 30) % 90;
+    if (since_turn >= 3 && since_turn < 80) holed.push_back(drive.trajectory[i]);
+  }
+  const MountFromPath found = FindCameraMount(holed, true);
+  EXPECT_LT(RotationAngle(found.vehicle_from_camera * mount.conjugate()), 0.15 / kDegreesPerRadian) << "was 0.35";
+}
+
 // A body that leans outwards by 6 degrees per g moves the camera sideways where turns begin and end: the term h b of
 // the model, not slip. Here h is not the usual height, and few turns determine it; even so, the scale is hardly
 // affected, however the camera is pitched.

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/rescale/pose_direction.h"
+
+#include <gtest/gtest.h>
+
+#include "turnscale/rescale/test_rescale_drive.h"
+
+namespace turnscale {
+namespace {
+
+Trajectory Inverse(Trajectory path) {
+  for (StampedPose& pose : path) pose.world_from_camera = pose.world_from_camera.inverse();
+  return path;
+}
+
+TEST(PoseDirection, IsToldByTurns) {
+  const Eigen::Quaterniond aside = RotationFromYawPitchRoll({0.5, -0.2, 0.1});
+  for (const int turns : {1, 3, 9}) {
+    const Trajectory path = MakeScaledDrive(CityRoute(turns), kCar, aside, kUnit, {.position = 0.01}, 4).trajectory;
+    EXPECT_FALSE(AreInverse({path})) << turns;
+    EXPECT_TRUE(AreInverse({Inverse(path)})) << turns;
+  }
+}
+
+TEST(PoseDirection, ReversingAndStraightsAreNoReason) {
+  const std::vector<DriveSegment> back{{60, 0.9, 0}, {40, -0.3, 0.05}, {30, 0.6, 0.05}, {40, -0.3, -0.04}};
+  EXPECT_FALSE(AreInverse({MakeScaledDrive(back, kCar, kIdentity, kUnit, {.position = 0.01}).trajectory}));
+  const Trajectory straight = MakeScaledDrive({{200, 0.9, 0}}, kCar, kIdentity, kUnit, {.position = 0.01}).trajectory;
+  EXPECT_FALSE(AreInverse({straight}));
+  EXPECT_FALSE(AreInverse({Inverse(straight)}));
+  EXPECT_FALSE(AreInverse({Trajectory(30)})) << "stands";
+}
+
+TEST(PoseDirection, IsSaidWhateverRotationIsGiven) {
+  const Trajectory path = Inverse(MakeScaledDrive(CityRoute(4), kCar, kIdentity, kUnit).trajectory);
+  RescaleOptions options = OptionsFor(kCar);
+  for (const bool given : {false, true}) {
+    if (given) options.vehicle_from_camera = kIdentity;
+    const RescaleResult result = RescaleTrajectory(options, path);
+    EXPECT_FALSE(result.observable);
+    EXPECT_NE(result.reason.find("camera_from_world"), std::string::npos) << result.reason;
+  }
+}
+
+}  // namespace
+}  // namespace turnscale
