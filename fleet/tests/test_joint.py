@@ -9,6 +9,7 @@ from turnscale_batch.evidence import (ARM, HEIGHT, HEIGHT_BETWEEN, SLIP, SLIP_BE
                                       DriveEstimates, Evidence, Rotation, estimates_of)
 from turnscale_batch.intrinsics import Intrinsics
 from turnscale_batch.joint import JointEstimate, camera_positions
+from turnscale_batch.manifest import Drive
 from turnscale_batch.vehicles import Vehicle
 
 TAPE = 0.02  # relative
@@ -198,15 +199,8 @@ class Outlier(unittest.TestCase):
 
 class Intrinsic(unittest.TestCase):
     def doubts(self, *sizes, calibrated=False):
-        class Named:
-            def __init__(self, name):
-                self.name = name
-
-            def option(self, option):
-                return None
-
         camera = [Intrinsics(size, "plumb_bob", np.array([700.0]), np.zeros(5), 7.0) for size in sizes]
-        estimates = [DriveEstimates(Named(f"d{i}"), intrinsics=one, calibrated=calibrated) for i, one in enumerate(camera)]
+        estimates = [DriveEstimates(Drive(f"d{i}", ()), intrinsics=one, calibrated=calibrated) for i, one in enumerate(camera)]
         return Vehicle("car", estimates).doubts(estimates[0].drive)
 
     def test_of_different_image_sizes_are_not_combined(self):
@@ -252,6 +246,16 @@ class Moved(unittest.TestCase):
             draw = np.random.default_rng(seed)
             splits += max(self.positions([self.drive(1, -2, draw) for _ in range(10)]))
         self.assertLessEqual(splits, 3)
+
+    def test_not_by_how_its_numbers_are_written(self):
+        def positions(*options):
+            drives = [DriveEstimates(Drive(str(i), (), "golf", tuple(row.items()))) for i, row in enumerate(options)]
+            return Vehicle("golf", drives).positions
+        self.assertEqual(positions({"--lever-arm": "1.45", "--camera-height": "1.3,0.02"},
+                                   {"--lever-arm": "1.450", "--camera-height": "1.30,.02"}), [0, 0])
+        self.assertEqual(positions({"--lever-arm": "1.45"}, {"--lever-arm": "1.46"}), [0, 1])
+        self.assertEqual(positions({"--lever-arm": "1.45"}, {}), [0, 1])
+        self.assertEqual(positions({"--camera": "/a/1.yaml"}, {"--camera": "/a/2.yaml"}), [0, 1])
 
     def test_by_its_height_at_the_cars_slip(self):
         def drive(height):

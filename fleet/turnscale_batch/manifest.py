@@ -43,6 +43,14 @@ class Drive:
     def option(self, name):
         return dict(self.options).get(name)
 
+    def value(self, name):
+        """Of an option, the same for 1.45 and 1.450: numbers, separated by commas, or else its text."""
+        text = self.option(name)
+        try:
+            return tuple(float(number) for number in text.split(","))
+        except (AttributeError, ValueError):
+            return text
+
     def arguments(self, without=()):
         """Of `turnscale run`, without these options."""
         words = list(self.inputs)

@@ -57,7 +57,7 @@ class Vehicle:
         self._place = {e.drive.name: i for i, e in enumerate(self.estimates)}
         self.positions = camera_positions(
             self.estimates,
-            lambda a, b: all(a.drive.option(option) == b.drive.option(option) for option in OPTIONS_OF_CAMERA))
+            lambda a, b: all(a.drive.value(option) == b.drive.value(option) for option in OPTIONS_OF_CAMERA))
         self.joint = JointEstimate(self.positions, [e.evidence for e in self.estimates])
 
     def _at(self, position):
