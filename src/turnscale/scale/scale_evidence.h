@@ -12,6 +12,7 @@
 #include "turnscale/geometry/angle.h"
 #include "turnscale/kinematics/ackermann.h"
 #include "turnscale/kinematics/pooled_line.h"
+#include "turnscale/kinematics/turn_errors.h"
 #include "turnscale/scale/path_segment.h"
 
 namespace turnscale {
@@ -102,19 +103,13 @@ struct RoadEvidenceOptions {
 /// does not average out within the segment.
 struct EvidenceOptions {
   PooledLineOptions line;
-  /// Effective lever arm of a turn, relative: effects not modelled (road bank, transients of the tyres, drift of the
-  /// odometry within the turn). Turns of simulated cars with sprung bodies scatter by 0.3 to 0.8 %.
-  double turn_sigma = 0.0075;
-  /// Side slip of a turn, relative: grip and load differ from turn to turn.
-  double slip_sigma = 0.2;
-  /// Direction of travel in a turn, rad (0.05 deg): road bank. Gravity loads the tyres by it, so a bank of 1.1 deg
-  /// changes the slip angle by this much.
-  double turn_direction_sigma = 0.05 / kDegreesPerRadian;
+  double turn_sigma = kTurnSigma;                     ///< effective lever arm of a turn, relative
+  double slip_sigma = kTurnSlipSigma;                 ///< side slip of a turn, relative
+  double turn_direction_sigma = kTurnDirectionSigma;  ///< direction of travel in a turn, rad
   /// Direction of travel as a turn shows it by itself, rad (0.25 deg): transients of the tyres and of the body. On
   /// recorded and rendered drives, turns scatter by 0.15 deg about that of the drive.
   double direction_in_turn_sigma = 0.25 / kDegreesPerRadian;
-  /// Direction of travel on a straight segment, rad (0.1 deg): crown of the road, side wind, lane changes.
-  double straight_direction_sigma = 0.1 / kDegreesPerRadian;
+  double straight_direction_sigma = kStraightDirectionSigma;  ///< direction of travel on a straight segment, rad
   /// What lever arm and slip change in the direction of travel in the bends of a straight, relative: roads are banked,
   /// and before the scale is known, so is the lever arm in units.
   double bend_sigma = 0.4;
