@@ -27,6 +27,12 @@ CAR_FILE, CAMERA_FILE = "joint_car.yaml", "joint_camera.yaml"
 OPTIONS_OF_CAMERA = ("--vehicle", "--lever-arm", "--camera", "--camera-height", "--camera-rotation", "--fov")
 
 
+def _distinct(ab, ac, bc):
+    """Correlations of three errors, all smaller by the same factor where a reader could not tell the errors apart."""
+    least = np.linalg.eigvalsh([[0, ab, ac], [ab, 0, bc], [ac, bc, 0]])[0]
+    return [MOST_CORRELATION / max(-least, MOST_CORRELATION) * value for value in (ab, ac, bc)]
+
+
 def _angles(estimates, without=None):
     """Mean and standard deviation of yaw, pitch and roll that drives have found; None if there are none."""
     found = [e.rotation for e in estimates if e.rotation is not None and e is not without and not e.moved]
@@ -128,19 +134,23 @@ class Vehicle:
             text += _line("roll_deg", math.degrees(roll)) + _line("yaw_sigma_deg", math.degrees(joint.sigma(YAW)))
             text += _line("pitch_sigma_deg", math.degrees(pitch_sigma))
             text += _line("roll_sigma_deg", math.degrees(roll_sigma))
+        has_height = joint.sigma(HEIGHT) < MOST_HEIGHT_SIGMA and not own.moved
+        # What changes between drives has nothing to do with the other constants.
+        slip_share = joint.sigma(SLIP) / slip_sigma
+        arm_slip, height_arm, height_slip = _distinct(
+            slip_share * joint.correlation(ARM, SLIP) if own.has_arm else 0.0,
+            joint.correlation(HEIGHT, ARM) if own.has_arm and has_height else 0.0,
+            slip_share * joint.correlation(HEIGHT, SLIP) if has_height else 0.0)
         if own.has_arm:
             arm = math.exp(joint.mean[ARM])
             text += _line("lever_arm", arm) + _line("lever_arm_sigma", min(joint.sigma(ARM), MOST_ARM_SIGMA) * arm)
-        if joint.sigma(HEIGHT) < MOST_HEIGHT_SIGMA and not own.moved:
+            text += _line("lever_arm_slip_correlation", arm_slip)
+        if has_height:
             height = math.exp(joint.mean[HEIGHT])
             text += _line("height", height) + _line("height_sigma", joint.sigma(HEIGHT) * height)
-            of_arm = joint.correlation(HEIGHT, ARM) if own.has_arm else 0.0
-            of_slip = joint.correlation(HEIGHT, SLIP) * joint.sigma(SLIP) / slip_sigma
-            # As independent as they are of each other, both cannot be near one.
-            shrink = min(1.0, MOST_CORRELATION / max(math.hypot(of_arm, of_slip), 1e-9))
             if own.has_arm:
-                text += _line("height_correlation", shrink * of_arm)
-            text += _line("height_slip_correlation", shrink * of_slip)
+                text += _line("height_correlation", height_arm)
+            text += _line("height_slip_correlation", height_slip)
         return text
 
     def rows(self):

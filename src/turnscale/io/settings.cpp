@@ -105,6 +105,7 @@ void VisitSettings(Visitor& visitor, OdometryOptions& options) {
     visitor.Field("camera_height_sigma", o.camera_height_sigma);
     visitor.Field("height_correlation", o.height_correlation);
     visitor.Field("height_slip_correlation", o.height_slip_correlation);
+    visitor.Field("lever_arm_slip_correlation", o.lever_arm_slip_correlation);
     visitor.Field("roll_height", o.roll_height);
     visitor.Field("roll_height_sigma", o.roll_height_sigma);
   });

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <Eigen/Core>
+#include <Eigen/Eigenvalues>
 #include <fmt/format.h>
 
 #include "turnscale/camera/camera_file.h"
@@ -21,6 +23,24 @@ constexpr double kRollBetweenDrives = 0.5 / kDegreesPerRadian;
 
 std::string Line(const char* key, double value, const char* comment = "") {
   return fmt::format("{}: {:.6g}{}{}\n", key, value, *comment != 0 ? "  # " : "", comment);
+}
+
+// Of the errors of a car's constants.
+struct Correlations {
+  double lever_arm_slip = 0;
+  double height_lever_arm = 0;
+  double height_slip = 0;
+};
+
+// All smaller by the same factor where a reader could not tell the three errors apart.
+Correlations Distinct(const Correlations& found) {
+  Eigen::Matrix3d matrix;
+  matrix << 0, found.lever_arm_slip, found.height_lever_arm,  //
+      found.lever_arm_slip, 0, found.height_slip,             //
+      found.height_lever_arm, found.height_slip, 0;
+  const double least = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(matrix).eigenvalues()[0];
+  const double shrink = kMostCorrelation / std::max(-least, kMostCorrelation);
+  return {shrink * found.lever_arm_slip, shrink * found.height_lever_arm, shrink * found.height_slip};
 }
 
 }  // namespace
@@ -41,6 +61,7 @@ const std::vector<std::string>& VehicleFileKeys() {
                                                 "height_sigma",
                                                 "height_correlation",
                                                 "height_slip_correlation",
+                                                "lever_arm_slip_correlation",
                                                 "vehicle_from_camera_wxyz",
                                                 "confidence",
                                                 "frames",
@@ -84,28 +105,37 @@ std::string VehicleFileText(const VehicleOptions& vehicle, const Mount& mount, c
   const auto sigma_of = [&](double length, double sigma) {
     return std::min(std::hypot(sigma, conflict * length), std::max(kMostSigma * length, sigma));
   };
+  Correlations correlations;
   if (vehicle.lever_arm) {
     const bool known = car && car->lever_arm > 0;
+    const double sigma = known ? std::min(car->lever_arm_sigma, kMostSigma * car->lever_arm)
+                               : sigma_of(*vehicle.lever_arm, vehicle.LeverArmSigma());
     text += Line("lever_arm", known ? car->lever_arm : *vehicle.lever_arm,
                  "metres from the rear axle forward to the camera");
-    text += Line("lever_arm_sigma", known ? std::min(car->lever_arm_sigma, kMostSigma * car->lever_arm)
-                                          : sigma_of(*vehicle.lever_arm, vehicle.LeverArmSigma()));
+    text += Line("lever_arm_sigma", sigma);
+    correlations.lever_arm_slip = known       ? car->lever_arm_slip_correlation
+                                  : sigma > 0 ? vehicle.lever_arm_slip_correlation * vehicle.LeverArmSigma() / sigma
+                                              : 0.0;
   }
+  if (car && car->camera_height > 0) {
+    if (car->lever_arm > 0) correlations.height_lever_arm = car->height_correlation;
+    if (car->side_slip_sigma > 0) correlations.height_slip = car->height_slip_correlation;
+  }
+  correlations = Distinct(correlations);
   text += Line("side_slip", car ? car->side_slip : vehicle.side_slip, "c in L_eff = L - c v^2, s^2/m");
   text += Line("side_slip_sigma", car ? car->side_slip_sigma : vehicle.side_slip_sigma);
+  if (correlations.lever_arm_slip != 0)
+    text += Line("lever_arm_slip_correlation", correlations.lever_arm_slip,
+                 "of the errors of the lever arm and of the side slip");
   if (car && car->camera_height > 0) {
     text += Line("height", car->camera_height, "of the camera above the road, metres");
     text += Line("height_sigma", car->camera_height_sigma);
-    const double of_arm = car->lever_arm > 0 ? car->height_correlation : 0.0;
-    // Whoever reads them takes the errors of lever arm and slip as independent: that of the height cannot be both.
-    constexpr double kMostCorrelation = 0.98;
-    const double shrink =
-        kMostCorrelation / std::max(std::hypot(of_arm, car->height_slip_correlation), kMostCorrelation);
     if (car->lever_arm > 0)
-      text += Line("height_correlation", shrink * of_arm, "of the errors of the height and of the lever arm");
+      text +=
+          Line("height_correlation", correlations.height_lever_arm, "of the errors of the height and of the lever arm");
     if (car->side_slip_sigma > 0)
-      text += Line("height_slip_correlation", shrink * car->height_slip_correlation,
-                   "of the errors of the height and of the side slip");
+      text +=
+          Line("height_slip_correlation", correlations.height_slip, "of the errors of the height and of the side slip");
   } else if (vehicle.camera_height) {
     text += Line("height", *vehicle.camera_height, "of the camera above the road, metres");
     text += Line("height_sigma", sigma_of(*vehicle.camera_height, vehicle.HeightSigma()));
@@ -136,6 +166,12 @@ void ReadVehicleFile(const std::filesystem::path& path, VehicleOptions& vehicle)
     sigma("pitch_sigma_deg", kPitchBetweenDrives, vehicle.known_pitch_sigma);
     sigma("roll_sigma_deg", kRollBetweenDrives, vehicle.known_roll_sigma);
   }
+  const auto correlation = [&](const char* key) {
+    if (!map.Has(key)) return 0.0;
+    const double value = map.Number(key);
+    if (!(std::abs(value) <= 1)) map.Reject(key, "has to be between -1 and 1");
+    return value;
+  };
   if (map.Has("lever_arm")) {
     vehicle.lever_arm = map.Positive("lever_arm");
     vehicle.lever_arm_sigma.reset();
@@ -145,6 +181,11 @@ void ReadVehicleFile(const std::filesystem::path& path, VehicleOptions& vehicle)
     vehicle.side_slip = not_negative("side_slip", 0);
     vehicle.side_slip_sigma = not_negative("side_slip_sigma", kUsualSideSlipSigma);
   }
+  // With one of the two from elsewhere, their errors are independent.
+  if (map.Has("lever_arm") || map.Has("side_slip")) {
+    const bool both = map.Has("lever_arm") && map.Has("side_slip");
+    vehicle.lever_arm_slip_correlation = both ? correlation("lever_arm_slip_correlation") : 0.0;
+  }
   if (map.Has("height")) {
     vehicle.camera_height = map.Positive("height");
     if (*vehicle.camera_height > kHighestCamera)
@@ -153,15 +194,10 @@ void ReadVehicleFile(const std::filesystem::path& path, VehicleOptions& vehicle)
         std::hypot(not_negative("height_sigma", 0), kHeightBetweenDrives * *vehicle.camera_height);
     if (*vehicle.camera_height_sigma >= *vehicle.camera_height)
       map.Reject("height_sigma", "has to be below the height");
-    const auto correlation = [&](const char* key) {
-      if (!map.Has(key)) return 0.0;
-      const double value = map.Number(key);
-      if (!(std::abs(value) <= 1)) map.Reject(key, "has to be between -1 and 1");
-      // What changes between drives has nothing to do with the other constants.
-      return value * not_negative("height_sigma", 0) / *vehicle.camera_height_sigma;
-    };
-    vehicle.height_correlation = correlation("height_correlation");
-    vehicle.height_slip_correlation = correlation("height_slip_correlation");
+    // What changes between drives has nothing to do with the other constants.
+    const double share = not_negative("height_sigma", 0) / *vehicle.camera_height_sigma;
+    vehicle.height_correlation = share * correlation("height_correlation");
+    vehicle.height_slip_correlation = share * correlation("height_slip_correlation");
   }
   map.CheckRead(vehicle);
 }

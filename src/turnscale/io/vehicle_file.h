@@ -15,6 +15,9 @@ namespace turnscale {
 /// vehicle.yaml of a simulated drive.
 const std::vector<std::string>& VehicleFileKeys();
 
+/// Magnitude up to which files state the correlation of two errors: readers need two errors that are not the same one.
+constexpr double kMostCorrelation = 0.98;
+
 /// `car.yaml`: what was given and what the drive has told of the car and its camera, each with its standard deviation;
 /// what is not known is left out.
 std::string VehicleFileText(const VehicleOptions& vehicle, const Mount& mount, const RefinedScale& scale);

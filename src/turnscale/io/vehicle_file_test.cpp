@@ -98,6 +98,47 @@ TEST(VehicleFile, TheNextDriveKnowsHowTheErrorsCorrelate) {
   EXPECT_EQ(next().height_slip_correlation, 0) << "known exactly";
 }
 
+TEST(VehicleFile, TheNextDriveKnowsHowLeverArmAndSlipErrTogether) {
+  VehicleOptions vehicle;
+  vehicle.lever_arm = 1.45;
+  RefinedScale scale = LearnedScale();
+  CarRefinement& car = scale.estimate->car;
+  const auto next = [&] { return ReadText(VehicleFileText(vehicle, {}, scale)); };
+  EXPECT_EQ(next().lever_arm_slip_correlation, 0);
+  car.lever_arm_slip_correlation = 0.8;
+  EXPECT_NEAR(next().lever_arm_slip_correlation, 0.8, 1e-5);
+  car.lever_arm_slip_correlation = 1;
+  EXPECT_NEAR(next().lever_arm_slip_correlation, kMostCorrelation, 1e-5);
+  // Errors that are nearly one: all correlations shrink, so that the file can be read.
+  car.height_correlation = 0.7;
+  car.height_slip_correlation = -0.7;
+  car.lever_arm_slip_correlation = 0.5;
+  const VehicleOptions shrunk = next();
+  EXPECT_LT(shrunk.lever_arm_slip_correlation, 0.45);
+  EXPECT_NEAR(shrunk.height_slip_correlation, -shrunk.height_correlation, 1e-5);
+  // A drive that refines nothing hands on what it was given, less what its lengths disagree by.
+  vehicle.lever_arm_sigma = 0.1;
+  vehicle.lever_arm_slip_correlation = 0.9;
+  scale.estimate.reset();
+  EXPECT_NEAR(next().lever_arm_slip_correlation, 0.9, 1e-5);
+  vehicle.lever_arm.reset();
+  EXPECT_EQ(next().lever_arm_slip_correlation, 0);
+}
+
+TEST(VehicleFile, AFileWithoutCorrelationsIsAsBefore) {
+  const VehicleOptions vehicle = ReadText("lever_arm: 1.5\nlever_arm_sigma: 0.1\nside_slip: 0.004\n");
+  EXPECT_EQ(vehicle.lever_arm_slip_correlation, 0);
+  EXPECT_EQ(ReadText("side_slip: 0.004\nlever_arm_slip_correlation: 0.5\n").lever_arm_slip_correlation, 0)
+      << "of another lever arm";
+  EXPECT_NE(Refused("lever_arm: 1\nside_slip: 0.004\nlever_arm_slip_correlation: -1.5\n")
+                .find("lever_arm_slip_correlation: has to be between -1 and 1"),
+            std::string::npos);
+  EXPECT_NE(Refused("lever_arm: 1\nside_slip: 0.004\nlever_arm_slip_correlation: 0.9\nheight: 2\nheight_sigma: 1\n"
+                    "height_correlation: 0.6\nheight_slip_correlation: -0.6\n")
+                .find("lever_arm_slip_correlation"),
+            std::string::npos);
+}
+
 TEST(VehicleFile, CorrelationsOfTheHeightShrinkByWhatChangesBetweenDrives) {
   const VehicleOptions next = ReadText(
       "lever_arm: 1.5\nside_slip: 0.005\nheight: 1.4\nheight_sigma: 0.014\nheight_correlation: 0.6\n"

@@ -39,6 +39,7 @@ CarPrior PriorOf(const VehicleOptions& vehicle, const Mount& mount) {
   }
   car.side_slip = vehicle.side_slip;
   car.side_slip_sigma = vehicle.side_slip_sigma;
+  if (vehicle.lever_arm) car.lever_arm_slip_correlation = vehicle.lever_arm_slip_correlation;
   car.yaw_sigma = YawSigma(vehicle, mount);
   car.roll_height = vehicle.roll_height;
   car.roll_height_sigma = vehicle.roll_height_sigma;

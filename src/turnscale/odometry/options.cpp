@@ -28,6 +28,11 @@ void VehicleOptions::Check() const {
   if (!(std::abs(height_correlation) < 1)) throw InputError("height_correlation: has to be between -1 and 1");
   if (!(std::hypot(height_correlation, height_slip_correlation) < 1))
     throw InputError("height_slip_correlation: the sum of its square and that of height_correlation has to be below 1");
+  if (!(std::abs(lever_arm_slip_correlation) < 1))
+    throw InputError("lever_arm_slip_correlation: has to be between -1 and 1");
+  if (!CanCorrelate(height_correlation, height_slip_correlation, lever_arm_slip_correlation))
+    throw InputError(
+        "lever_arm_slip_correlation: is not possible together with height_correlation and height_slip_correlation");
   if (!(side_slip >= 0 && side_slip < 1)) throw InputError("side_slip: has to be in 0...1 s^2/m");
   if (!(side_slip_sigma >= 0 && side_slip_sigma < 1)) throw InputError("side_slip_sigma: has to be in 0...1 s^2/m");
   if (!(yaw_sigma > 0 && yaw_sigma < 1)) throw InputError("yaw_sigma_deg: has to be above 0 and below 57.3");

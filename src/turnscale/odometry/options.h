@@ -55,6 +55,7 @@ struct VehicleOptions {
   std::optional<double> camera_height_sigma;  ///< its standard deviation, metres; 1 % of it if not given
   double height_correlation = 0;              ///< of the errors of camera height and lever arm
   double height_slip_correlation = 0;         ///< of the errors of camera height and c
+  double lever_arm_slip_correlation = 0;      ///< of the errors of lever arm and c
   double roll_height = kUsualRollHeight;  ///< height of the camera above the axis about which the body rolls, metres
                                           ///< (`calibrate` assumes the default)
   double roll_height_sigma = kUsualRollHeightSigma;  ///< its standard deviation, metres

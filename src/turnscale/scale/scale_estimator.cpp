@@ -59,20 +59,21 @@ CarBelief CarBeliefOf(const ScaleBelief& belief) {
 CarRefinement DescribeCar(const ScaleBelief& belief, const CarPrior& car, bool slip_at_bound, double max_height_sigma) {
   CarRefinement refinement{-belief.mean[kDirection], belief.Sigma(kDirection), std::max(belief.mean[kSlip], 0.0),
                            car.side_slip_sigma > 0 ? belief.Sigma(kSlip) : 0.0, slip_at_bound};
+  const auto correlation = [&](DriveUnknown a, DriveUnknown b) {
+    return belief.covariance(a, b) / (belief.Sigma(a) * belief.Sigma(b));
+  };
   refinement.roll_height = belief.mean[kRollHeight];
   refinement.roll_height_sigma = belief.Sigma(kRollHeight);
   if (car.knows_lever_arm()) {
     refinement.lever_arm = std::exp(belief.mean[kLogLeverArm]);
     refinement.lever_arm_sigma = belief.Sigma(kLogLeverArm) * refinement.lever_arm;
+    if (car.side_slip_sigma > 0) refinement.lever_arm_slip_correlation = correlation(kLogLeverArm, kSlip);
   }
   if (belief.Sigma(kLogHeight) <= max_height_sigma) {
     refinement.camera_height = std::exp(belief.mean[kLogHeight]);
     refinement.camera_height_sigma = belief.Sigma(kLogHeight) * refinement.camera_height;
-    const auto correlation = [&](DriveUnknown unknown) {
-      return belief.covariance(unknown, kLogHeight) / (belief.Sigma(unknown) * belief.Sigma(kLogHeight));
-    };
-    refinement.height_correlation = correlation(kLogLeverArm);
-    if (car.side_slip_sigma > 0) refinement.height_slip_correlation = correlation(kSlip);
+    refinement.height_correlation = correlation(kLogLeverArm, kLogHeight);
+    if (car.side_slip_sigma > 0) refinement.height_slip_correlation = correlation(kSlip, kLogHeight);
   }
   return refinement;
 }

@@ -54,7 +54,8 @@ struct CarRefinement {
   bool side_slip_at_bound = false;  ///< the estimate would be negative: c is fixed at 0
   double lever_arm = 0;             ///< metres; 0 if it is not known
   double lever_arm_sigma = 0;
-  double roll_height = 0;  ///< h: of the camera above the axis about which the body rolls, metres
+  double lever_arm_slip_correlation = 0;  ///< of the errors of lever arm and c; 0 where one is not known or exact
+  double roll_height = 0;                 ///< h: of the camera above the axis about which the body rolls, metres
   double roll_height_sigma = 0;
   double camera_height = 0;  ///< metres; 0 if neither given nor estimated
   double camera_height_sigma = 0;

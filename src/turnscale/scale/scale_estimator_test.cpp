@@ -892,6 +892,51 @@ TEST(ScaleEstimator, TheCarTellsHowTheErrorsOfTheHeightCorrelate) {
   EXPECT_EQ(EstimateOf(drive, prior).car.height_slip_correlation, 0);
 }
 
+// Prior as from a calibration at the speed of the drive: L - c v^2 is known better than L.
+TEST(ScaleEstimator, ALeverArmThatErrsWithTheSlipShowsTheScaleAtItsSpeed) {
+  constexpr double kSpeed = 7;
+  CarPrior prior = PriorOf(kCar);
+  const double exact = 0.02;
+  prior.lever_arm_sigma = std::hypot(exact, kSpeed * kSpeed * prior.side_slip_sigma);
+  const auto sigma_of_effective = [&](const CarPrior& car) {
+    const ScaleBelief belief = PriorBelief(car, 0);
+    DriveState by_state = DriveState::Zero();
+    by_state[kLogLeverArm] = car.lever_arm;
+    by_state[kSlip] = -kSpeed * kSpeed;
+    return std::sqrt(by_state.dot(belief.covariance * by_state));
+  };
+  EXPECT_GT(sigma_of_effective(prior), 5 * exact) << "counted twice";
+  prior.lever_arm_slip_correlation = kSpeed * kSpeed * prior.side_slip_sigma / prior.lever_arm_sigma;
+  EXPECT_NEAR(sigma_of_effective(prior), exact, 1e-6);
+  const SyntheticSteps drive = MakeSteps(TownRoad(8, 4), kCar, 0, kUnit, kNoise, 4);
+  CarPrior independent = prior;
+  independent.lever_arm_slip_correlation = 0;
+  EXPECT_LT(EstimateOf(drive, prior).length_sigma, 0.9 * EstimateOf(drive, independent).length_sigma);
+}
+
+TEST(ScaleEstimator, TheCarTellsHowLeverArmAndSlipErrTogether) {
+  const SyntheticSteps drive = MakeSteps(TownRoad(6, 4), kCar, 0, kUnit, {}, 4);
+  CarPrior prior = PriorOf(kCar);
+  prior.lever_arm_slip_correlation = 0.9;
+  const ScaleEstimate estimate = EstimateOf(drive, prior);
+  const Eigen::Matrix4d& covariance = estimate.car_evidence.posterior.covariance;
+  EXPECT_NEAR(estimate.car.lever_arm_slip_correlation,
+              covariance(1, 2) / std::sqrt(covariance(1, 1) * covariance(2, 2)), 1e-9);
+  prior.lever_arm_slip_correlation = prior.side_slip_sigma = 0;
+  EXPECT_EQ(EstimateOf(drive, prior).car.lever_arm_slip_correlation, 0);
+}
+
+TEST(CarPrior, ErrorsCorrelateAsThreeErrorsCan) {
+  EXPECT_TRUE(CanCorrelate(0.9, 0.9, 0.9));
+  EXPECT_FALSE(CanCorrelate(0.9, -0.9, 0.9));
+  EXPECT_FALSE(CanCorrelate(0.9, 0.9, 0));
+  EXPECT_FALSE(CanCorrelate(0, 0, 1));
+  EXPECT_FALSE(CanCorrelate(1, 0, 0));
+  CarPrior prior = WithHeight(1.4, 0.02, PriorOf(kCar));
+  prior.lever_arm_slip_correlation = 1.1;
+  EXPECT_THROW(prior.Check(), InputError);
+}
+
 TEST(ScaleEstimator, WhatADriveTellsOfTheCarMayBeANegativeSlip) {
   const SyntheticSteps drive = MakeSteps(TownRoad(8, 4), {kCar.length, -0.004}, 0, kUnit, {}, 4);
   const ScaleEstimate estimate = EstimateOf(drive, PriorOf({kCar.length, 0.001}));

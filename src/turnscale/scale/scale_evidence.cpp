@@ -67,8 +67,10 @@ void CarPrior::Check() const {
           "car.camera_height_sigma: has to be from 0 to below the height, metres");
   require(side_slip >= 0 && side_slip < 1, "car.side_slip: has to be from 0 to below 1 s^2/m");
   require(side_slip_sigma >= 0 && side_slip_sigma < 1, "car.side_slip_sigma: has to be from 0 to below 1 s^2/m");
-  require(height_correlation * height_correlation + height_slip_correlation * height_slip_correlation < 1,
-          "car.height_correlation, car.height_slip_correlation: the sum of their squares has to be below 1");
+  require(
+      CanCorrelate(height_correlation, height_slip_correlation, lever_arm_slip_correlation),
+      "car.height_correlation, car.height_slip_correlation, car.lever_arm_slip_correlation: errors cannot correlate "
+      "like this");
   require(yaw_sigma > 0 && yaw_sigma < 1, "car.yaw_sigma: has to be above 0 and below 1 rad");
   require(roll_height >= 0 && roll_height < 10, "car.roll_height: has to be from 0 to below 10 m");
   require(roll_height_sigma >= 0 && roll_height_sigma < 10, "car.roll_height_sigma: has to be from 0 to below 10 m");

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <span>
 #include <string>
@@ -37,6 +38,11 @@ inline double PriorYawSigma(double estimated, double known) {
 /// Standard deviation of a lever arm measured with a tape, metres: kTapeSigma, but at most half of the lever arm.
 inline double TapeSigma(double lever_arm) { return std::min(kTapeSigma, 0.5 * lever_arm); }
 
+/// Whether three errors can have these correlations, a with b, a with c and b with c, and neither be the same one.
+inline bool CanCorrelate(double ab, double ac, double bc) {
+  return std::abs(bc) < 1 && ab * ab + ac * ac + bc * bc < 1 + 2 * ab * ac * bc;
+}
+
 /// Prior knowledge of the car and its camera.
 struct CarPrior {
   /// L: from the rear axle forward to the camera, metres. 0: not known; turns then show no scale.
@@ -56,6 +62,8 @@ struct CarPrior {
   double height_correlation = 0;
   /// Of the errors of c and H: in the turns that have shown the height, more slip is less height.
   double height_slip_correlation = 0;
+  /// Of the errors of L and c: turns at one speed have shown L - c v^2 only.
+  double lever_arm_slip_correlation = 0;
 
   bool knows_lever_arm() const { return lever_arm > 0; }
   bool knows_height() const { return camera_height > 0; }

@@ -94,12 +94,12 @@ ScaleBelief PriorBelief(const CarPrior& car, double log_scale) {
       std::max(car.roll_height_sigma, kLeastSigma),
       height ? relative(car.camera_height_sigma, car.camera_height) : kUnknownLogSigma, 1;
   prior.covariance.diagonal() = sigmas.cwiseAbs2();
-  const auto correlate = [&](DriveUnknown unknown, double correlation) {
-    const double covariance = correlation * sigmas[unknown] * sigmas[kLogHeight];
-    prior.covariance(unknown, kLogHeight) = prior.covariance(kLogHeight, unknown) = covariance;
+  const auto correlate = [&](DriveUnknown a, DriveUnknown b, double correlation) {
+    prior.covariance(a, b) = prior.covariance(b, a) = correlation * sigmas[a] * sigmas[b];
   };
-  if (arm && height) correlate(kLogLeverArm, car.height_correlation);
-  if (height) correlate(kSlip, car.height_slip_correlation);
+  if (arm && height) correlate(kLogLeverArm, kLogHeight, car.height_correlation);
+  if (height) correlate(kSlip, kLogHeight, car.height_slip_correlation);
+  if (arm) correlate(kLogLeverArm, kSlip, car.lever_arm_slip_correlation);
   return prior;
 }
 
