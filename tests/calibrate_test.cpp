@@ -108,6 +108,9 @@ TEST_F(CalibrateTest, SpeedsGiveTheLeverArmOfASlippingCar) {
   ASSERT_EQ(Run({"--trajectory", Tum(Exact({1.45, 0.0045}, 0.05)).string(), "--speed", speeds.string()}).exit_code, 0);
   EXPECT_NEAR(Value("lever_arm"), 1.45, 5e-4);
   EXPECT_EQ(Value("side_slip"), 0.0045);
+  EXPECT_EQ(Value("side_slip_sigma"), 0.002);
+  EXPECT_NEAR(Value("lever_arm_sigma"), 0.002 * 64, 0.005);
+  EXPECT_GT(Value("lever_arm_slip_correlation"), 0.95);
 }
 
 TEST_F(CalibrateTest, MetresGiveTheLeverArm) {
@@ -155,9 +158,12 @@ TEST_F(CalibrateTest, KittiPosesGetTheirTimes) {
   std::string text;
   for (const StampedPose& pose : Exact({1.45, 0.0045}, 1)) text += KittiLine(pose.world_from_camera, 12);
   const std::string drive = Text("poses.kitti", text).string();
-  // The same motion in a third of the time: three times the speed, nine times the slip.
-  ASSERT_EQ(Run({"--trajectory", drive, "--metric", "--fps", "30"}).exit_code, 0);
-  EXPECT_NEAR(Value("lever_arm"), 1.45 - 0.0045 * 64 + 0.0045 * 64 * 9, 5e-4);
+  // The same motion in half of the time: twice the speed, four times the slip.
+  ASSERT_EQ(Run({"--trajectory", drive, "--metric", "--fps", "20"}).exit_code, 0);
+  EXPECT_NEAR(Value("lever_arm"), 1.45 - 0.0045 * 64 + 0.0045 * 64 * 4, 5e-4);
+  // Three times the speed: the lever arm is hardly more than the slip that is assumed.
+  ExpectComplaint(Run({"--trajectory", drive, "--metric", "--fps", "30"}), 2,
+                  {"too uncertain", "slower street corners"});
   ASSERT_EQ(Run({"--trajectory", drive, "--metric", "--fps", "10"}).exit_code, 0);
   EXPECT_NEAR(Value("lever_arm"), 1.45, 5e-4);
   // Without times there is no speed, and no slip.

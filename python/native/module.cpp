@@ -157,6 +157,7 @@ py::dict CalibrateFor(const py::dict& given) {
   result["lever_arm_sigma"] = number(arm && arm->turning_steps > 0, arm ? arm->sigma_length : 0);
   result["side_slip"] = number(arm.has_value(), arm ? arm->lever_arm.side_slip : 0);
   result["side_slip_sigma"] = number(arm && arm->sigma_side_slip > 0, arm ? arm->sigma_side_slip : 0);
+  result["lever_arm_slip_correlation"] = arm ? arm->slip_correlation : 0.0;
   result["confidence"] = found.linear.confidence;
   result["frames"] = report.frames;
   result["steps"] = found.steps;

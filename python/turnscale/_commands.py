@@ -214,6 +214,9 @@ class Calibration:
     side_slip: float | None
     """c, s^2/m."""
     side_slip_sigma: float | None
+    """Estimated or assumed; None if the side slip is neglected."""
+    lever_arm_slip_correlation: float
+    """Of the errors of lever arm and side slip; 0 if the lever arm was given."""
     confidence: float
     """Ratio of the two smallest singular values; at least 2.6 is needed."""
     frames: int

@@ -2,9 +2,9 @@
 #include "turnscale/calibration/lever_arm_fit.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <iomanip>
-#include <optional>
 #include <sstream>
 #include <utility>
 
@@ -13,40 +13,29 @@
 
 #include "turnscale/base/error.h"
 #include "turnscale/base/quantiles.h"
+#include "turnscale/calibration/lever_arm_equation.h"
+#include "turnscale/calibration/lever_arm_errors.h"
 #include "turnscale/kinematics/ackermann.h"
 #include "turnscale/kinematics/vehicle_step.h"
 
 namespace turnscale {
 namespace {
 
-constexpr double kTurningStep = 2 / kDegreesPerRadian;
-
-// Unknowns: L, the yaw of each drive, then c where it is fitted.
-struct Equation {
-  double turn = 0;      ///< 2 sin(psi/2)
-  double speed = 0;     ///< m/s, negative in reverse
-  double way = 0;       ///< metres, negative in reverse
-  double sideways = 0;  ///< metres, without what the roll of the body adds
-  double roll = 0;      ///< rad
-  int drive = 0;
-
-  bool turning() const { return std::abs(turn) >= kTurningStep; }
-  double slip() const { return -speed * std::abs(speed) * turn; }
-};
-
-std::vector<Equation> Equations(const std::vector<MetricDrive>& drives) {
-  std::vector<Equation> equations;
+std::vector<LeverArmEquation> Equations(const std::vector<MetricDrive>& drives) {
+  std::vector<LeverArmEquation> equations;
   for (size_t drive = 0; drive < drives.size(); ++drive) {
     for (const CameraStep& step : drives[drive].steps) {
       const VehicleStep level = LevelStep(step.previous_from_current, drives[drive].vehicle_from_camera,
                                           (step.end - step.begin) / step.frames, {});
       // The whole step's turning and way, so that steps of more frames count for more.
-      Equation equation;
+      LeverArmEquation equation;
       equation.turn = step.frames * 2 * std::sin(0.5 * level.motion.psi);
       equation.way = std::copysign(step.frames * level.motion.step, level.forward());
       equation.speed = std::copysign(level.speed(), level.forward());
       equation.roll = step.frames * level.roll;
       equation.sideways = step.frames * level.lateral() - kUsualRollHeight * equation.roll;
+      equation.begin = step.begin;
+      equation.end = step.end;
       equation.drive = static_cast<int>(drive);
       equations.push_back(equation);
     }
@@ -55,10 +44,10 @@ std::vector<Equation> Equations(const std::vector<MetricDrive>& drives) {
 }
 
 // How well the turns' speeds separate L from c.
-double SpeedSpread(const std::vector<Equation>& equations) {
+double SpeedSpread(const std::vector<LeverArmEquation>& equations) {
   double weight = 0;
   double mean = 0;
-  for (const Equation& equation : equations) {
+  for (const LeverArmEquation& equation : equations) {
     if (!equation.turning()) continue;
     weight += equation.turn * equation.turn;
     mean += equation.turn * equation.turn * equation.speed * equation.speed;
@@ -66,7 +55,7 @@ double SpeedSpread(const std::vector<Equation>& equations) {
   if (!(mean > 0)) return 0;
   mean /= weight;
   double variance = 0;
-  for (const Equation& equation : equations) {
+  for (const LeverArmEquation& equation : equations) {
     if (!equation.turning()) continue;
     const double off = equation.speed * equation.speed - mean;
     variance += equation.turn * equation.turn * off * off / weight;
@@ -74,46 +63,60 @@ double SpeedSpread(const std::vector<Equation>& equations) {
   return std::sqrt(variance) / mean;
 }
 
-// Robust least squares. Pseudo-Huber weights: they are nearly Huber's, and no step is without curvature, so that sigma
-// does not hang on the few steps below the threshold.
+// Robust least squares. Unknowns: L, the yaw of each drive, then c where it is fitted. Pseudo-Huber weights: they are
+// nearly Huber's, and no step is without curvature, so that sigma does not hang on the few steps below the threshold.
 class Fit {
  public:
-  Fit(const std::vector<Equation>& equations, int drives, bool side_slip, double assumed_side_slip, double huber_share)
-      : equations_(equations),
-        side_slip_(side_slip),
+  Fit(const std::vector<LeverArmEquation>& equations, int drives, bool side_slip, double assumed_side_slip,
+      double huber_share)
+      : side_slip_(side_slip),
         assumed_side_slip_(assumed_side_slip),
         unknowns_(1 + drives + (side_slip ? 1 : 0)),
         x_(Eigen::VectorXd::Zero(unknowns_)) {
     constexpr int kIterations = 30;
     double threshold = 1e9;
     for (int iteration = 0; iteration < kIterations; ++iteration) {
-      // A drive without a step leaves its yaw open.
-      Eigen::MatrixXd hessian = 1e-12 * Eigen::MatrixXd::Identity(unknowns_, unknowns_);
       Eigen::VectorXd gradient = Eigen::VectorXd::Zero(unknowns_);
-      for (const Equation& equation : equations_) {
+      hessian_ = Regular();
+      for (const LeverArmEquation& equation : equations) {
         const Eigen::VectorXd row = Row(equation);
         const double off = Residual(equation);
         const double weight = Weight(off, threshold);
-        hessian += weight * row * row.transpose();
+        hessian_ += weight * row * row.transpose();
         gradient += weight * off * row;
       }
-      x_ += hessian.ldlt().solve(gradient);
-      std::vector<double> sizes;
-      for (const Equation& equation : equations_) {
-        if (equation.turning()) sizes.push_back(std::abs(Residual(equation)));
-      }
-      threshold = std::max(Quantile(std::move(sizes), huber_share), 1e-9);
+      x_ += hessian_.ldlt().solve(gradient);
+      threshold = Threshold(equations, huber_share);
     }
-    Sandwich(threshold);
+    hessian_ = Regular();
+    for (const LeverArmEquation& equation : equations) {
+      const double off = Residual(equation);
+      const double weight = Weight(off, threshold);
+      fitted_.push_back({equation, Row(equation), weight * off, weight * weight * weight});
+      hessian_ += fitted_.back().curvature * fitted_.back().row * fitted_.back().row.transpose();
+    }
+    covariance_ = CovarianceOfFit(fitted_, drives, lever_arm());
   }
 
-  double length() const { return x_[0]; }
-  double side_slip() const { return side_slip_ ? x_[unknowns_ - 1] : assumed_side_slip_; }
-  double sigma_length() const { return sigma_[0]; }
-  double sigma_side_slip() const { return side_slip_ ? sigma_[unknowns_ - 1] : 0; }
+  LeverArm lever_arm() const { return {x_[0], side_slip_ ? x_[unknowns_ - 1] : assumed_side_slip_}; }
+
+  // Of the errors of L and c, which is assumed with this standard deviation unless it is fitted.
+  Eigen::Matrix2d Covariance(double side_slip_sigma) const {
+    const std::array<Eigen::Index, 2> both = {0, unknowns_ - 1};
+    if (side_slip_) return covariance_(both, both);
+    Eigen::VectorXd by_slip = Eigen::VectorXd::Zero(unknowns_);
+    for (const FittedEquation& fitted : fitted_) by_slip += fitted.curvature * fitted.equation.slip() * fitted.row;
+    const Eigen::Vector2d joint(-hessian_.ldlt().solve(by_slip)[0], 1);
+    Eigen::Matrix2d covariance = side_slip_sigma * side_slip_sigma * joint * joint.transpose();
+    covariance(0, 0) += covariance_(0, 0);
+    return covariance;
+  }
 
  private:
-  Eigen::VectorXd Row(const Equation& equation) const {
+  // A drive without a step leaves its yaw open.
+  Eigen::MatrixXd Regular() const { return 1e-12 * Eigen::MatrixXd::Identity(unknowns_, unknowns_); }
+
+  Eigen::VectorXd Row(const LeverArmEquation& equation) const {
     Eigen::VectorXd row = Eigen::VectorXd::Zero(unknowns_);
     row[0] = equation.turn;
     row[1 + equation.drive] = equation.way;
@@ -121,62 +124,56 @@ class Fit {
     return row;
   }
 
-  double Residual(const Equation& equation) const {
+  double Residual(const LeverArmEquation& equation) const {
     const double assumed = side_slip_ ? 0 : assumed_side_slip_ * equation.slip();
     return equation.sideways - assumed - Row(equation).dot(x_);
   }
 
-  static double Weight(double off, double threshold) { return 1 / std::hypot(1, off / threshold); }
-
-  // Step by step, where all are independent, and turn by turn, where the steps of a turn (or of the way between two)
-  // err together; the larger. The height above the roll axis errs in all turns alike.
-  void Sandwich(double threshold) {
-    Eigen::MatrixXd hessian = 1e-12 * Eigen::MatrixXd::Identity(unknowns_, unknowns_);
-    Eigen::MatrixXd of_steps = Eigen::MatrixXd::Zero(unknowns_, unknowns_);
-    Eigen::MatrixXd of_turns = of_steps;
-    Eigen::VectorXd turn_score = Eigen::VectorXd::Zero(unknowns_);
-    Eigen::VectorXd roll_score = Eigen::VectorXd::Zero(unknowns_);
-    int turns = 0;
-    for (size_t i = 0; i < equations_.size(); ++i) {
-      const Equation& equation = equations_[i];
-      const Eigen::VectorXd row = Row(equation);
-      const double off = Residual(equation);
-      const double weight = Weight(off, threshold);
-      const double curvature = weight * weight * weight;
-      hessian += curvature * row * row.transpose();
-      roll_score += curvature * equation.roll * row;
-      const Eigen::VectorXd score = weight * off * row;
-      of_steps += score * score.transpose();
-      turn_score += score;
-      const bool last = i + 1 == equations_.size() || equations_[i + 1].drive != equation.drive ||
-                        equations_[i + 1].turning() != equation.turning() ||
-                        (equation.turning() && equations_[i + 1].turn * equation.turn < 0);
-      if (!last) continue;
-      of_turns += turn_score * turn_score.transpose();
-      turn_score.setZero();
-      turns += equation.turning() ? 1 : 0;
+  // The few steps of a single turn are closer to their own line than to that of another turn: they do not tell alone
+  // which residuals are usual.
+  double Threshold(const std::vector<LeverArmEquation>& equations, double huber_share) const {
+    std::vector<double> all;
+    std::vector<double> turning;
+    for (const LeverArmEquation& equation : equations) {
+      all.push_back(std::abs(Residual(equation)));
+      if (equation.turning()) turning.push_back(all.back());
     }
-    const int free = turns - (side_slip_ ? 2 : 1);
-    if (free > 0) of_turns *= static_cast<double>(turns) / free;
-    const Eigen::MatrixXd inverse = hessian.ldlt().solve(Eigen::MatrixXd::Identity(unknowns_, unknowns_));
-    sigma_ = (inverse * of_steps * inverse).diagonal();
-    if (free > 0) sigma_ = sigma_.cwiseMax(Eigen::VectorXd((inverse * of_turns * inverse).diagonal()));
-    sigma_ += (kUsualRollHeightSigma * (inverse * roll_score)).cwiseAbs2();
-    sigma_ = sigma_.cwiseMax(0).cwiseSqrt().eval();
+    return std::max({Quantile(std::move(all), huber_share), Quantile(std::move(turning), huber_share), 1e-9});
   }
 
-  const std::vector<Equation>& equations_;
+  static double Weight(double off, double threshold) { return 1 / std::hypot(1, off / threshold); }
+
   bool side_slip_;
   double assumed_side_slip_;
   Eigen::Index unknowns_;
   Eigen::VectorXd x_;
-  Eigen::VectorXd sigma_;
+  Eigen::MatrixXd hessian_;
+  std::vector<FittedEquation> fitted_;
+  Eigen::MatrixXd covariance_;
 };
+
+void SetSigmas(const Eigen::Matrix2d& covariance, double intrinsics_sigma, LeverArmFit& fit) {
+  const double of_intrinsics = intrinsics_sigma * fit.lever_arm.length;
+  fit.sigma_length = std::hypot(std::sqrt(covariance(0, 0)), of_intrinsics);
+  fit.sigma_side_slip = std::sqrt(covariance(1, 1));
+  if (fit.sigma_side_slip > 0) fit.slip_correlation = covariance(0, 1) / (fit.sigma_length * fit.sigma_side_slip);
+}
 
 std::string Fixed(double value, int digits) {
   std::ostringstream text;
   text << std::fixed << std::setprecision(digits) << value;
   return text.str();
+}
+
+// What would make the lever arm more certain: that of the largest part of its sigma.
+std::string Remedy(const LeverArmFit& fit, const LeverArmFitOptions& options) {
+  const double exact = fit.SigmaAtExactSlip();
+  const double of_slip = std::sqrt(std::max(fit.sigma_length * fit.sigma_length - exact * exact, 0.0));
+  const double of_intrinsics = options.intrinsics_sigma * fit.lever_arm.length;
+  const double of_turns = std::sqrt(std::max(exact * exact - of_intrinsics * of_intrinsics, 0.0));
+  if (of_intrinsics > std::max(of_turns, of_slip)) return "use a more accurate calibration of the camera";
+  if (of_slip > of_turns) return "use a drive with slower street corners, or give the side slip";
+  return "use a drive with more street corners";
 }
 
 // Throws InputError where the fit is not valid.
@@ -193,7 +190,7 @@ void CheckFit(const LeverArmFit& fit, const LeverArmFitOptions& options) {
   }
   if (!(fit.sigma_length <= options.max_relative_sigma * length)) {
     throw InputError("the estimated lever arm is too uncertain, " + Fixed(length, 2) + " +- " +
-                     Fixed(fit.sigma_length, 2) + " m; use a drive with more street corners");
+                     Fixed(fit.sigma_length, 2) + " m; " + Remedy(fit, options));
   }
 }
 
@@ -204,15 +201,17 @@ void LeverArmFitOptions::Check() const {
   if (!(huber_share > 0 && huber_share <= 1)) throw InputError("huber_share: must lie in (0, 1]");
   if (!(min_turn > 0)) throw InputError("min_turn: must be above 0 rad");
   if (!(min_speed_spread >= 0)) throw InputError("min_speed_spread: must not be negative");
+  if (!(assumed_side_slip_sigma >= 0)) throw InputError("assumed_side_slip_sigma: must not be negative");
+  if (!(intrinsics_sigma >= 0)) throw InputError("intrinsics_sigma: must not be negative");
   if (!(max_relative_sigma > 0)) throw InputError("max_relative_sigma: must be above 0");
 }
 
 LeverArmFit FitLeverArm(const std::vector<MetricDrive>& drives, const LeverArmFitOptions& options) {
   options.Check();
-  const std::vector<Equation> equations = Equations(drives);
+  const std::vector<LeverArmEquation> equations = Equations(drives);
   LeverArmFit fit;
   double turned = 0;
-  for (const Equation& equation : equations) {
+  for (const LeverArmEquation& equation : equations) {
     if (!equation.turning()) continue;
     turned += std::abs(equation.turn);
     ++fit.turning_steps;
@@ -227,15 +226,15 @@ LeverArmFit FitLeverArm(const std::vector<MetricDrive>& drives, const LeverArmFi
         " % are needed); give the side slip");
   }
   const int count = static_cast<int>(drives.size());
-  std::optional<Fit> line(std::in_place, equations, count, options.side_slip, options.assumed_side_slip,
-                          options.huber_share);
-  if (options.side_slip && line->side_slip() < 0) {
+  const Fit line(equations, count, options.side_slip, options.assumed_side_slip, options.huber_share);
+  fit.lever_arm = line.lever_arm();
+  fit.slip_fitted = options.side_slip;
+  if (fit.lever_arm.side_slip < 0) {
     fit.slip_at_bound = true;
-    line.emplace(equations, count, false, 0, options.huber_share);
+    fit.lever_arm = Fit(equations, count, false, 0, options.huber_share).lever_arm();
   }
-  fit.lever_arm = {line->length(), line->side_slip()};
-  fit.sigma_length = line->sigma_length();
-  fit.sigma_side_slip = line->sigma_side_slip();
+  // With c at its bound, the sigmas are those of the fit without it: c is not exact.
+  SetSigmas(line.Covariance(options.assumed_side_slip_sigma), options.intrinsics_sigma, fit);
   CheckFit(fit, options);
   return fit;
 }

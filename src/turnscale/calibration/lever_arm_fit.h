@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -17,12 +19,15 @@ struct LeverArmFitOptions {
   bool side_slip = false;
   /// Assumed c otherwise, s^2/m.
   double assumed_side_slip = 0;
-  /// This share of the turning steps' residuals is below the robust weight's threshold.
+  double assumed_side_slip_sigma = 0;  ///< its standard deviation, s^2/m
+  /// This share of the residuals, of all steps and of the turning ones, is below the robust weight's threshold.
   double huber_share = 0.6;
   /// Least turning of all drives together, rad (30 deg).
   double min_turn = 30 / kDegreesPerRadian;
   /// Least standard deviation of v^2 over the turning steps, over their mean: for side_slip.
   double min_speed_spread = 0.25;
+  /// Relative standard deviation of the lever arm due to the intrinsics.
+  double intrinsics_sigma = 0;
   /// A lever arm with a larger relative sigma is rejected.
   double max_relative_sigma = 0.3;
   /// What gives the metres, for messages.
@@ -35,11 +40,18 @@ struct LeverArmFitOptions {
 /// The lever arm estimated from metric motion.
 struct LeverArmFit {
   LeverArm lever_arm;
-  double sigma_length = 0;     ///< metres
-  double sigma_side_slip = 0;  ///< s^2/m; 0 where it was assumed, or is at its bound
-  bool slip_at_bound = false;  ///< the best c is below 0; it was fixed at 0
-  int turning_steps = 0;       ///< that turn by at least 2 deg
-  double speed_spread = 0;     ///< see LeverArmFitOptions::min_speed_spread
+  double sigma_length = 0;      ///< metres
+  double sigma_side_slip = 0;   ///< s^2/m, estimated or assumed
+  double slip_correlation = 0;  ///< of the errors of L and c: turns at one speed show L - c v^2 only
+  bool slip_fitted = false;     ///< c was estimated
+  bool slip_at_bound = false;   ///< the best c is below 0; it was fixed at 0
+  int turning_steps = 0;        ///< that turn by at least 2 deg
+  double speed_spread = 0;      ///< see LeverArmFitOptions::min_speed_spread
+
+  /// Standard deviation of L if c were exact, metres.
+  double SigmaAtExactSlip() const {
+    return sigma_length * std::sqrt(std::max(1 - slip_correlation * slip_correlation, 0.0));
+  }
 };
 
 /// A metric drive and its camera-to-vehicle rotation.
@@ -52,8 +64,8 @@ struct MetricDrive {
 ///   s sin(theta - psi/2) = (L - c v^2) 2 sin(psi/2) + s yaw + h roll
 /// (s and c v^2 negative in reverse), with a separate yaw for each drive, so that the error of Q does not bias the
 /// lever arm. The body's roll in a step moves the camera sideways; its height h above the roll axis is kUsualRollHeight
-/// +- kUsualRollHeightSigma. Sigma comes from the scores, of the steps or of whole turns, whichever say more, and from
-/// h. It does not cover what else all turns share: the metres themselves, the slip of the tyres where it is assumed.
+/// +- kUsualRollHeightSigma. Sigma covers errors of the motion that are common to a turn (CovarianceOfFit), c and the
+/// intrinsics. It does not cover what else all turns share: the metres themselves.
 /// Throws InputError where the drives turn too little, or give no lever arm: not above 0, longer than a car, too
 /// uncertain, or indistinguishable from c.
 LeverArmFit FitLeverArm(const std::vector<MetricDrive>& drives, const LeverArmFitOptions& options = {});

@@ -169,6 +169,13 @@ double AssumedSlip(const CalibrateArguments& arguments, const DriveMotion& motio
   return motion.timed || arguments.lever_arm ? VehicleOptions().side_slip : 0;
 }
 
+// That which a run would take for the same c. Where slip is neglected, none: the lever arm is that of the drive's
+// speed.
+double AssumedSlipSigma(const CalibrateArguments& arguments, const DriveMotion& motion) {
+  if (arguments.side_slip) return SigmaOfGivenSideSlip(*arguments.side_slip);
+  return motion.timed || arguments.lever_arm ? VehicleOptions().side_slip_sigma : 0;
+}
+
 std::string SourceOfMetres(const CalibrateArguments& arguments) {
   if (arguments.speed) return "--speed " + arguments.speed->string();
   if (arguments.distance) return fmt::format("--distance {}", *arguments.distance);
@@ -179,9 +186,11 @@ std::optional<LeverArmFit> FindLeverArm(const CalibrateArguments& arguments, con
                                         const DriveMotion& motion, const std::vector<CameraStep>& steps,
                                         const Calibration& found) {
   const double slip = AssumedSlip(arguments, motion);
+  const double slip_sigma = AssumedSlipSigma(arguments, motion);
   if (arguments.lever_arm) {
     LeverArmFit given;
     given.lever_arm = {*arguments.lever_arm, slip};
+    given.sigma_side_slip = slip_sigma;
     return given;
   }
   CheckDistance(arguments, motion);
@@ -201,16 +210,11 @@ std::optional<LeverArmFit> FindLeverArm(const CalibrateArguments& arguments, con
   LeverArmFitOptions options;
   options.side_slip = arguments.fit_side_slip;
   options.assumed_side_slip = slip;
+  options.assumed_side_slip_sigma = slip_sigma;
+  options.intrinsics_sigma = motion.calibration_sigma;
   options.source_of_metres = SourceOfMetres(arguments);
   try {
-    LeverArmFit fit = FitLeverArm({drive}, options);
-    fit.sigma_length = std::hypot(fit.sigma_length, motion.calibration_sigma * fit.lever_arm.length);
-    if (fit.sigma_length > options.max_relative_sigma * fit.lever_arm.length)
-      throw InputError(
-          fmt::format("it is too uncertain, {:.2f} +-{:.2f} m, because of the intrinsics; check the "
-                      "calibration",
-                      fit.lever_arm.length, fit.sigma_length));
-    return fit;
+    return FitLeverArm({drive}, options);
   } catch (const InputError& error) {
     throw InputError(motion.input + ": lever arm not estimated: " + error.what());
   }

@@ -14,6 +14,7 @@
 #include "turnscale/base/escaped_text.h"
 #include "turnscale/calibration/online_calibration.h"
 #include "turnscale/figure/figure.h"
+#include "turnscale/io/vehicle_file.h"
 #include "turnscale/kinematics/ackermann.h"
 
 namespace turnscale {
@@ -21,7 +22,13 @@ namespace {
 
 std::string SlipSource(const LeverArmFit& arm) {
   if (arm.slip_at_bound) return "estimated, at its bound";
-  return arm.sigma_side_slip > 0 ? fmt::format("+-{:.4f}", arm.sigma_side_slip) : "assumed";
+  const std::string sigma = arm.sigma_side_slip > 0 ? fmt::format("+-{:.4f}", arm.sigma_side_slip) : "";
+  if (arm.slip_fitted) return sigma;
+  return sigma.empty() ? "assumed" : "assumed, " + sigma;
+}
+
+double WrittenCorrelation(const LeverArmFit& arm) {
+  return std::clamp(arm.slip_correlation, -kMostCorrelation, kMostCorrelation);
 }
 
 constexpr const char* kColors[] = {"#c2185b", "#1565c0", "#2e7d32"};
@@ -131,6 +138,8 @@ std::string CalibrationYaml(const CalibrationReport& report) {
     if (arm.turning_steps > 0) text += fmt::format("lever_arm_sigma: {:.3g}  # metres\n", arm.sigma_length);
     text += fmt::format("side_slip: {:.6g}  # c in L_eff = L - c v^2, s^2/m\n", arm.lever_arm.side_slip);
     if (arm.sigma_side_slip > 0) text += fmt::format("side_slip_sigma: {:.3g}\n", arm.sigma_side_slip);
+    if (arm.slip_correlation != 0)
+      text += fmt::format("lever_arm_slip_correlation: {:.4f}  # of the errors of both\n", WrittenCorrelation(arm));
   }
   return text + fmt::format(
                     "confidence: {:.4g}  # ratio of the two smallest singular values\n"
@@ -153,6 +162,8 @@ std::string CalibrationText(const CalibrationReport& report) {
     text += fmt::format("{:<12}{:>8.3f}{} m, with side slip {:.4f} s^2/m ({})\n", "lever arm", arm.lever_arm.length,
                         measured ? fmt::format(" +-{:.3f}", arm.sigma_length) : "", arm.lever_arm.side_slip,
                         SlipSource(arm));
+    if (measured && arm.slip_correlation != 0)
+      text += fmt::format("{:<12}{:>8} +-{:.3f} m if the side slip is exactly that\n", "", "", arm.SigmaAtExactSlip());
   }
   if (!report.lever_arm)
     text +=

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "turnscale/io/calibration_report.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 
@@ -11,6 +12,7 @@
 #include "turnscale/calibration/test_drive.h"
 #include "turnscale/config/yaml_map.h"
 #include "turnscale/io/settings.h"
+#include "turnscale/io/vehicle_file.h"
 
 namespace turnscale {
 namespace {
@@ -26,6 +28,26 @@ TEST(CalibrationYaml, IsReadAsACameraRotation) {
   std::ofstream(path) << CalibrationYaml(report);
   EXPECT_LT(DegreesBetween(ReadCameraRotation(path), report.calibration.vehicle_from_camera), 1e-5);
   std::filesystem::remove(path);
+}
+
+TEST(CalibrationYaml, ARunKnowsHowLeverArmAndSlipErrTogether) {
+  CalibrationReport report{"drive.mp4", 301, Calibrate(Steps()), std::nullopt};
+  LeverArmFitOptions options;
+  options.assumed_side_slip = kUsualSideSlip;
+  options.assumed_side_slip_sigma = kUsualSideSlipSigma;
+  report.lever_arm = FitLeverArm({{Steps(), report.calibration.vehicle_from_camera}}, options);
+  const std::string path = ScratchPath("calibration.yaml");
+  std::ofstream(path) << CalibrationYaml(report);
+  VehicleOptions vehicle;
+  ReadVehicleFile(path, vehicle);
+  const LeverArmFit& arm = *report.lever_arm;
+  EXPECT_NEAR(vehicle.LeverArmSigma(), arm.sigma_length, 1e-3);
+  EXPECT_EQ(vehicle.side_slip_sigma, kUsualSideSlipSigma);
+  EXPECT_NEAR(vehicle.lever_arm_slip_correlation, std::min(arm.slip_correlation, kMostCorrelation), 1e-4);
+  EXPECT_GT(vehicle.lever_arm_slip_correlation, 0.9);
+  const std::string text = CalibrationText(report);
+  EXPECT_NE(text.find("(assumed, +-0.0020)"), std::string::npos) << text;
+  EXPECT_NE(text.find("if the side slip is exactly that"), std::string::npos) << text;
 }
 
 TEST(CalibrationYaml, NamesOfAnyBytesAreValidYaml) {
