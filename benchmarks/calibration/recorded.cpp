@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The calibration on recorded motion; prints one part as JSON, angles in degrees. benchmarks/calibration_report runs
 // it.
-//   calibration_recorded DATA_FOLDER fig3|rotations|travel|lever_arms|moves [PICTURE]
+//   calibration_recorded DATA_FOLDER fig3|rotations|travel|lever_arms|corners|moves [PICTURE]
 #include <array>
 #include <cmath>
 #include <cstdio>
@@ -191,6 +191,99 @@ Json LeverArms(const fs::path& data) {
   return rows;
 }
 
+// Steps of a drive with each of its corners, 60 deg and more, and up to 8 s before and after it.
+std::vector<std::vector<CameraStep>> CornersOf(const Trajectory& path) {
+  constexpr double kCorner = 60 * kDeg;
+  constexpr double kAround = 8;
+  constexpr double kTurningStep = 2 * kDeg;
+  const auto steps = StepsAlong(path);
+  const Eigen::Quaterniond rotation = Calibrate(steps).vehicle_from_camera;
+  const auto turned = [&](const CameraStep& step) {
+    return step.frames * TurningMotionOf(step.previous_from_current, rotation).psi;
+  };
+  std::vector<std::vector<CameraStep>> corners;
+  for (auto begin = steps.begin(); begin != steps.end();) {
+    double angle = turned(*begin);
+    auto end = begin + 1;
+    if (std::abs(angle) >= kTurningStep)
+      for (; end != steps.end() && std::abs(turned(*end)) >= kTurningStep && turned(*end) * angle > 0; ++end)
+        angle += turned(*end);
+    if (std::abs(angle) >= kCorner) {
+      std::vector<CameraStep>& corner = corners.emplace_back();
+      for (const CameraStep& step : steps)
+        if (step.begin >= begin->begin - kAround && step.end <= (end - 1)->end + kAround) corner.push_back(step);
+    }
+    begin = end;
+  }
+  return corners;
+}
+
+// Errors of the lever arm for an assumed c, against that of all drives.
+class CornerErrors {
+ public:
+  explicit CornerErrors(double length) : length_(length) {}
+
+  void Add(const std::vector<MetricDrive>& drives, const LeverArmFitOptions& options) {
+    try {
+      const LeverArmFit fit = FitLeverArm(drives, options);
+      ++fits_;
+      squares_ += std::pow(fit.lever_arm.length - length_, 2);
+      normalized_ += std::pow((fit.lever_arm.length - length_) / fit.sigma_length, 2);
+      sigmas_ += fit.sigma_length;
+    } catch (const InputError&) {
+      ++refused_;
+    }
+  }
+
+  Json json() const {
+    return {{"fits", fits_},
+            {"refused", refused_},
+            {"error", std::sqrt(squares_ / fits_)},
+            {"sigma", sigmas_ / fits_},
+            {"normalized", std::sqrt(normalized_ / fits_)}};
+  }
+
+ private:
+  double length_;
+  int fits_ = 0;
+  int refused_ = 0;
+  double squares_ = 0;
+  double normalized_ = 0;
+  double sigmas_ = 0;
+};
+
+// Whether sigma is that of the errors, from one corner to a whole drive.
+Json Corners(const fs::path& data) {
+  LeverArmFitOptions options;
+  options.assumed_side_slip = 0.0045;
+  Json rows = Json::array();
+  for (const char* motion : kMotions) {
+    std::vector<MetricDrive> all;
+    std::vector<std::vector<MetricDrive>> corners;
+    for (const char* name : kDrives) {
+      const Trajectory path = ReadDrive(data, motion, name);
+      const auto steps = StepsAlong(path);
+      all.push_back({steps, Calibrate(steps).vehicle_from_camera});
+      corners.emplace_back();
+      for (const auto& corner : CornersOf(path))
+        corners.back().push_back({corner, Calibrate(corner).vehicle_from_camera});
+    }
+    const double length = FitLeverArm(all, options).lever_arm.length;
+    CornerErrors one(length);
+    CornerErrors two(length);
+    CornerErrors whole(length);
+    for (size_t i = 0; i < all.size(); ++i) {
+      whole.Add({all[i]}, options);
+      for (size_t k = 0; k < corners[i].size(); ++k) {
+        one.Add({corners[i][k]}, options);
+        if (k % 2 == 1) two.Add({corners[i][k - 1], corners[i][k]}, options);
+      }
+    }
+    rows.push_back({{"motion", motion}, {"one", one.json()}, {"two", two.json()}, {"whole", whole.json()}});
+  }
+  return rows;
+}
+
 struct Alarms {
   std::vector<double> times;
   double begin = 0;  ///< from here on a move can be noticed
@@ -240,6 +333,7 @@ Json Part(const std::string& part, const fs::path& data, const fs::path& picture
   if (part == "rotations") return Rotations(data);
   if (part == "travel") return Travel(data);
   if (part == "lever_arms") return LeverArms(data);
+  if (part == "corners") return Corners(data);
   if (part == "moves") return Moves(data);
   throw InputError(part + ": no such part");
 }
