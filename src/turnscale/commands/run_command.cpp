@@ -166,10 +166,8 @@ OdometryOptions OptionsFrom(const CarArguments& car, const std::optional<fs::pat
   }
   RequireFor({"--lever-arm-sigma", car.lever_arm_sigma.has_value()}, options.vehicle.lever_arm.has_value(),
              "--lever-arm, or a --vehicle file with one");
-  if (car.lever_arm_sigma) {
+  if (car.lever_arm_sigma)
     options.vehicle.lever_arm_sigma = CheckedLeverArmSigma(*car.lever_arm_sigma, options.vehicle.lever_arm);
-    options.vehicle.lever_arm_slip_correlation = 0;
-  }
   if (car.camera_height) {
     const CameraHeight height = ParseCameraHeight(*car.camera_height);
     options.vehicle.camera_height = height.metres;
@@ -181,10 +179,7 @@ OdometryOptions OptionsFrom(const CarArguments& car, const std::optional<fs::pat
     options.vehicle.side_slip_sigma = SigmaOfGivenSideSlip(*car.side_slip);
     options.vehicle.height_slip_correlation = options.vehicle.lever_arm_slip_correlation = 0;
   }
-  if (car.side_slip_sigma) {
-    options.vehicle.side_slip_sigma = CheckedSideSlipSigma(*car.side_slip_sigma);
-    options.vehicle.lever_arm_slip_correlation = 0;
-  }
+  if (car.side_slip_sigma) options.vehicle.side_slip_sigma = CheckedSideSlipSigma(*car.side_slip_sigma);
   if (car.camera_rotation == "auto") {
     options.vehicle.calibrate_camera = true;
     options.vehicle.camera_known = false;

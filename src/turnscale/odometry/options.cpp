@@ -26,7 +26,7 @@ void VehicleOptions::Check() const {
   if (camera_height_sigma && !(*camera_height_sigma >= 0 && *camera_height_sigma < camera_height.value_or(HUGE_VAL)))
     throw InputError("camera_height_sigma: has to be from 0 to below the height, metres");
   if (!(std::abs(height_correlation) < 1)) throw InputError("height_correlation: has to be between -1 and 1");
-  if (!(std::hypot(height_correlation, height_slip_correlation) < 1))
+  if (lever_arm_slip_correlation == 0 && !(std::hypot(height_correlation, height_slip_correlation) < 1))
     throw InputError("height_slip_correlation: the sum of its square and that of height_correlation has to be below 1");
   if (!(std::abs(lever_arm_slip_correlation) < 1))
     throw InputError("lever_arm_slip_correlation: has to be between -1 and 1");

@@ -37,6 +37,17 @@ TEST(OdometryOptions, NameTheFieldThatMakesNoSense) {
   EXPECT_EQ(Refused([](auto& o) { o.vehicle.lever_arm = HUGE_VAL; }), "vehicle.lever_arm");
   EXPECT_EQ(Refused([](auto& o) { o.vehicle.lever_arm = 145; }), "vehicle.lever_arm") << "centimetres";
   EXPECT_EQ(Refused([](auto& o) { o.vehicle.camera_height = 150; }), "vehicle.camera_height");
+  const auto correlate = [](double arm_height, double slip_height, double arm_slip) {
+    return Refused([&](auto& o) {
+      o.vehicle.height_correlation = arm_height;
+      o.vehicle.height_slip_correlation = slip_height;
+      o.vehicle.lever_arm_slip_correlation = arm_slip;
+    });
+  };
+  EXPECT_EQ(correlate(0.9, 0.9, 0.9), "");
+  EXPECT_EQ(correlate(0.9, 0.9, 0), "vehicle.height_slip_correlation");
+  EXPECT_EQ(correlate(0.9, -0.9, 0.9), "vehicle.lever_arm_slip_correlation");
+  EXPECT_EQ(correlate(0, 0, 1), "vehicle.lever_arm_slip_correlation");
   EXPECT_EQ(Refused([](auto& o) { o.turn_bundle.window = 1; }), "turn_bundle.window");
   EXPECT_EQ(Refused([](auto& o) { o.final_bundle.anchors = 0; }), "final_bundle.anchors");
   EXPECT_EQ(Refused([](auto& o) { o.scale.recovery.max_iterations = 0; }), "scale.recovery.max_iterations");
