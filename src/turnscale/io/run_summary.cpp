@@ -17,6 +17,7 @@
 #include "turnscale/io/impossible_motion.h"
 #include "turnscale/io/time_check.h"
 #include "turnscale/io/turn_warning.h"
+#include "turnscale/io/uncertain_scale.h"
 
 namespace turnscale {
 namespace {
@@ -163,11 +164,12 @@ std::string PendingReason(const std::vector<FrameResult>& refined, const Refined
   return reason;
 }
 
-// After the path, on whose length the shares of gaps and of impossible motion depend.
-void SummarizeScale(const std::vector<FrameResult>& refined, const RefinedScale& scale, double impossible,
+// After the path, on whose length the shares of its errors depend. `length_error`: what impossible motion and parts of
+// uncertain scale suggest, metres.
+void SummarizeScale(const std::vector<FrameResult>& refined, const RefinedScale& scale, double length_error,
                     RunSummary& summary) {
   const double distance = std::max(summary.distance, 1e-9);
-  summary.scale_sigma = std::hypot(LengthSigma(scale), impossible / distance);
+  summary.scale_sigma = std::hypot(LengthSigma(scale), length_error / distance);
   summary.path_sigma = std::hypot(summary.scale_sigma, scale.gap_sigma / distance);
   summary.turns_found = static_cast<int>(scale.turns.size());
   summary.turns_used = static_cast<int>(std::ranges::count_if(scale.turns, &TurnResult::used));
@@ -228,6 +230,19 @@ std::string RollWarning(const RunSummary& summary) {
                      RotationAdvice(summary.rotate, roll > 0 ? 90 : 270));
 }
 
+// A camera that seems to look far to the side; empty if it does not.
+std::string SidewaysWarning(const RunSummary& summary) {
+  constexpr double kMost = 40;  // degrees
+  if (!summary.mount || !summary.mount->found) return "";
+  const double yaw = InDegrees(summary.mount->angles.yaw);
+  const double off_axis = std::min(std::abs(yaw), 180 - std::abs(yaw));
+  if (off_axis < kMost) return "";
+  return fmt::format(
+      "the camera seems to be turned by {:+.0f} deg from the direction of travel: if it looks ahead or back, the path "
+      "and its scale are wrong; run again from another --start",
+      yaw);
+}
+
 // What the drive says of the car against what was given or is usual.
 std::vector<std::string> CarWarnings(const RefinedScale& scale, const RunSummary& summary) {
   std::vector<std::string> warnings;
@@ -242,11 +257,13 @@ std::vector<std::string> CarWarnings(const RefinedScale& scale, const RunSummary
     warnings.push_back(YawWarning(*scale.estimate->yaw_conflict, RotationRemedy(vehicle)));
   if (std::string other = OtherYaw(summary); !other.empty()) warnings.push_back(std::move(other));
   if (std::string roll = RollWarning(summary); !roll.empty()) warnings.push_back(std::move(roll));
+  if (std::string sideways = SidewaysWarning(summary); !sideways.empty()) warnings.push_back(std::move(sideways));
   return warnings;
 }
 
 void AddWarnings(const std::vector<FrameResult>& refined, const RefinedScale& scale,
-                 const std::vector<ImpossibleMotion>& impossible, RunSummary& summary) {
+                 const std::vector<ImpossibleMotion>& impossible, const std::optional<UncertainScale>& uncertain,
+                 RunSummary& summary) {
   const auto add = [&](std::string warning) {
     if (!warning.empty()) summary.warnings.push_back(std::move(warning));
   };
@@ -261,6 +278,7 @@ void AddWarnings(const std::vector<FrameResult>& refined, const RefinedScale& sc
   for (std::string& warning : TimeWarnings(refined, scale.turns)) add(std::move(warning));
   for (std::string& warning : SeamWarnings(summary)) add(std::move(warning));
   add(ImpossibleMotionText(impossible));
+  if (uncertain) add(UncertainScaleText(*uncertain, summary.distance));
 }
 
 }  // namespace
@@ -339,8 +357,10 @@ const char* LensModelName(LensModel lens) {
 void Summarize(const std::vector<FrameResult>& refined, const RefinedScale& scale, RunSummary& summary) {
   SummarizePath(refined, summary);
   const std::vector<ImpossibleMotion> impossible = FindImpossibleMotion(refined);
-  SummarizeScale(refined, scale, LengthErrorOf(impossible), summary);
-  AddWarnings(refined, scale, impossible, summary);
+  const std::optional<UncertainScale> uncertain = FindUncertainScale(refined);
+  SummarizeScale(refined, scale, std::hypot(LengthErrorOf(impossible), uncertain ? uncertain->length_error() : 0.0),
+                 summary);
+  AddWarnings(refined, scale, impossible, uncertain, summary);
   if (summary.pose_frame == "vehicle" && !summary.is_metric())
     summary.warnings.emplace_back(
         "without a scale the rear axle has no place: the positions are the camera's, with the directions of the car");
@@ -352,7 +372,11 @@ void SummarizeBeginning(const std::vector<FrameResult>& frames, const SeenImages
   constexpr double kBriefSeconds = 0.5;
   constexpr double kSmallShare = 0.03;
   if (seen.Still()) return;
-  const double length = LengthBefore(*before, frames);
+  double length = LengthBefore(*before, frames);
+  // A map whose scale is hardly known does not tell the speed.
+  const std::optional<UncertainScale> uncertain = FindUncertainScale(frames);
+  if (uncertain && uncertain->from < before->to + kBriefSeconds)
+    length = std::max(length, uncertain->usual_speed() * (before->to - before->from));
   summary.path_sigma = std::hypot(summary.path_sigma, length / std::max(summary.distance, 1e-9));
   const double seconds = before->to - before->from;
   if (seconds < kBriefSeconds || (seconds < kLateSeconds && length < kSmallShare * summary.distance)) return;

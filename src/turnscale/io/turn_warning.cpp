@@ -41,6 +41,10 @@ std::string SlipWarning(const SlipConflict& conflict) {
 }
 
 std::string YawWarning(const YawConflict& conflict, const std::string& remedy) {
+  // Turns and straights show a yaw that differs from the given one to either side.
+  if (std::abs(conflict.found) < 2 * conflict.found_sigma)
+    return "the turns of the drive show another camera yaw than its straights: check the calibration, the times of the "
+           "images and whether the camera is loose";
   return fmt::format(
       "the drive gives a camera yaw {:.1f} +-{:.1f} deg further {} than the camera-to-vehicle rotation, whose "
       "sigma is {:.1f} deg; the trajectory uses the yaw from the drive: {}",

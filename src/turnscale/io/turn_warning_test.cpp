@@ -53,6 +53,9 @@ TEST(HeightWarning, GivesBothLengthsAsTheOtherOneImpliesThem) {
 }
 
 TEST(YawWarning, SaysToWhichSide) {
+  EXPECT_EQ(YawWarning({0.3 / kDegreesPerRadian, 0.1 / kDegreesPerRadian, 0.12 / kDegreesPerRadian}, "look"),
+            "the turns of the drive show another camera yaw than its straights: check the calibration, the times of "
+            "the images and whether the camera is loose");
   EXPECT_EQ(YawWarning({0.3 / kDegreesPerRadian, -2.7 / kDegreesPerRadian, 0.12 / kDegreesPerRadian}, "look"),
             "the drive gives a camera yaw 2.7 +-0.1 deg further left than the camera-to-vehicle rotation, whose "
             "sigma is 0.3 deg; the trajectory uses the yaw from the drive: look");

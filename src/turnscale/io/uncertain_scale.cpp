@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/io/uncertain_scale.h"
+
+#include <fmt/format.h>
+
+namespace turnscale {
+namespace {
+
+constexpr double kUncertain = 0.3;  // relative sigma
+// Keyframes further apart, seconds, are at standstill or across a loss of tracking.
+constexpr double kLongestStep = 1.5;
+// Less of the drive does not tell the speed of the rest, seconds.
+constexpr double kLeastRest = 3;
+// Share of the path's length from which on the error matters.
+constexpr double kLeastShare = 0.03;
+
+}  // namespace
+
+std::optional<UncertainScale> FindUncertainScale(const std::vector<FrameResult>& frames) {
+  UncertainScale part;
+  double rest_seconds = 0;
+  double rest_distance = 0;
+  const FrameResult* before = nullptr;
+  for (const FrameResult& frame : frames) {
+    if (!frame.keyframe || !frame.is_measured() || frame.scale_state == ScaleState::kPending) continue;
+    const FrameResult* last = before;
+    before = &frame;
+    if (!last || frame.time - last->time > kLongestStep) continue;
+    const double seconds = frame.time - last->time;
+    const double distance = (frame.world_from_camera->translation - last->world_from_camera->translation).norm();
+    if (frame.scale_sigma <= kUncertain) {
+      rest_seconds += seconds;
+      rest_distance += distance;
+      continue;
+    }
+    if (part.seconds == 0) part.from = last->time;
+    part.to = frame.time;
+    part.seconds += seconds;
+    part.distance += distance;
+  }
+  if (part.seconds == 0 || rest_seconds < kLeastRest) return std::nullopt;
+  part.expected = part.seconds * rest_distance / rest_seconds;
+  return part;
+}
+
+std::string UncertainScaleText(const UncertainScale& part, double length) {
+  if (part.length_error() < kLeastShare * length) return {};
+  return fmt::format(
+      "the scale is hardly known for {:.1f} s between {:.1f} and {:.1f} s: the path there is {:.0f} m long, but about "
+      "{:.0f} m at the mean speed of the rest; no turn and no road was seen there before tracking was lost",
+      part.seconds, part.from, part.to, part.distance, part.expected);
+}
+
+}  // namespace turnscale
