@@ -109,8 +109,8 @@ TEST_F(CalibrateTest, SpeedsGiveTheLeverArmOfASlippingCar) {
   EXPECT_NEAR(Value("lever_arm"), 1.45, 5e-4);
   EXPECT_EQ(Value("side_slip"), 0.0045);
   EXPECT_EQ(Value("side_slip_sigma"), 0.002);
-  EXPECT_NEAR(Value("lever_arm_sigma"), 0.002 * 64, 0.005);
-  EXPECT_GT(Value("lever_arm_slip_correlation"), 0.95);
+  EXPECT_NEAR(Value("lever_arm_sigma"), 0.002 * 64, 0.01);
+  EXPECT_GT(Value("lever_arm_slip_correlation"), 0.9);
 }
 
 TEST_F(CalibrateTest, MetresGiveTheLeverArm) {
@@ -160,7 +160,7 @@ TEST_F(CalibrateTest, KittiPosesGetTheirTimes) {
   const std::string drive = Text("poses.kitti", text).string();
   // The same motion in half of the time: twice the speed, four times the slip.
   ASSERT_EQ(Run({"--trajectory", drive, "--metric", "--fps", "20"}).exit_code, 0);
-  EXPECT_NEAR(Value("lever_arm"), 1.45 - 0.0045 * 64 + 0.0045 * 64 * 4, 5e-4);
+  EXPECT_NEAR(Value("lever_arm"), 1.45 - 0.0045 * 64 + 0.0045 * 64 * 4, 1e-3);
   // Three times the speed: the lever arm is hardly more than the slip that is assumed.
   ExpectComplaint(Run({"--trajectory", drive, "--metric", "--fps", "30"}), 2,
                   {"too uncertain", "slower street corners"});
