@@ -1,14 +1,18 @@
 // SPDX-License-Identifier: MIT
 #include "turnscale/io/uncertain_scale.h"
 
+#include <utility>
+
 #include <fmt/format.h>
 
 namespace turnscale {
 namespace {
 
 constexpr double kUncertain = 0.3;  // relative sigma
-// Keyframes further apart, seconds, are at standstill or across a loss of tracking.
-constexpr double kLongestStep = 1.5;
+// Frames further apart, seconds, are across a loss of tracking.
+constexpr double kLongestStep = 1;
+// A car whose last keyframe is longer ago stands, seconds.
+constexpr double kStands = 3;
 // Less of the drive does not tell the speed of the rest, seconds.
 constexpr double kLeastRest = 3;
 // Share of the path's length from which on the error matters.
@@ -21,11 +25,12 @@ std::optional<UncertainScale> FindUncertainScale(const std::vector<FrameResult>&
   double rest_seconds = 0;
   double rest_distance = 0;
   const FrameResult* before = nullptr;
+  double keyframe_time = 0;
   for (const FrameResult& frame : frames) {
-    if (!frame.keyframe || !frame.is_measured() || frame.scale_state == ScaleState::kPending) continue;
-    const FrameResult* last = before;
-    before = &frame;
-    if (!last || frame.time - last->time > kLongestStep) continue;
+    if (!frame.is_measured() || frame.scale_state == ScaleState::kPending) continue;
+    if (frame.keyframe) keyframe_time = frame.time;
+    const FrameResult* last = std::exchange(before, &frame);
+    if (!last || frame.time - last->time > kLongestStep || frame.time - keyframe_time > kStands) continue;
     const double seconds = frame.time - last->time;
     const double distance = (frame.world_from_camera->translation - last->world_from_camera->translation).norm();
     if (frame.scale_sigma <= kUncertain) {

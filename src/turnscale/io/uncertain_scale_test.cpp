@@ -47,9 +47,11 @@ TEST(UncertainScale, ASmallSigmaIsBelieved) {
 }
 
 TEST(UncertainScale, StandingIsNoMotion) {
-  std::vector<FrameResult> frames = Drive(31, 0.6, 0);
-  for (int i = 1; i < 31; ++i) frames[i].keyframe = false;
-  EXPECT_FALSE(FindUncertainScale(frames));
+  std::vector<FrameResult> frames = Drive(301, 0.6, 0);
+  for (int i = 1; i < 301; ++i) frames[i].keyframe = false;
+  const std::optional<UncertainScale> part = FindUncertainScale(frames);
+  ASSERT_TRUE(part);
+  EXPECT_NEAR(part->seconds, 3, 0.11) << "until it is clear that the car stands";
 }
 
 }  // namespace
