@@ -28,6 +28,8 @@ SEPARATOR = ";"
 YES, NO = ("1", "yes", "true"), ("", "0", "no", "false")
 # Options that do not change the result.
 WITHOUT_EFFECT = ("--threads",)
+# Options whose value is a file, also where its name is a number.
+FILES = ("--camera", "--vehicle")
 
 
 @dataclasses.dataclass(frozen=True)
@@ -46,6 +48,8 @@ class Drive:
     def value(self, name):
         """Of an option, the same for 1.45 and 1.450: numbers, separated by commas, or else its text."""
         text = self.option(name)
+        if name in FILES:
+            return text
         try:
             return tuple(float(number) for number in text.split(","))
         except (AttributeError, ValueError):

@@ -172,7 +172,7 @@ std::string Remedy(const LeverArmFit& fit, const LeverArmFitOptions& options) {
   const double of_intrinsics = options.intrinsics_sigma * fit.lever_arm.length;
   const double of_turns = std::sqrt(std::max(exact * exact - of_intrinsics * of_intrinsics, 0.0));
   if (of_intrinsics > std::max(of_turns, of_slip)) return "use a more accurate calibration of the camera";
-  if (of_slip > of_turns) return "use a drive with slower street corners, or give the side slip";
+  if (of_slip > of_turns) return "use a drive with slower street corners, or a more certain side slip";
   return "use a drive with more street corners";
 }
 

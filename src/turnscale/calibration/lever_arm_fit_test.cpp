@@ -215,7 +215,7 @@ TEST(LeverArmFit, SaysWhatWouldMakeTheLeverArmMoreCertain) {
   const MetricDrive drive{StepsAlong(TestPath(TestRoute({1, -1}), {1.45, 0.0045}, kTilted)), kTilted};
   LeverArmFitOptions options = UsualSlip(0.02);
   options.max_relative_sigma = 0.3;
-  EXPECT_NE(Complaint(drive, options).find("give the side slip"), std::string::npos) << Complaint(drive, options);
+  EXPECT_NE(Complaint(drive, options).find("a more certain side slip"), std::string::npos) << Complaint(drive, options);
   options.assumed_side_slip_sigma = 0;
   EXPECT_EQ(Complaint(drive, options), "");
   options.intrinsics_sigma = 0.4;

@@ -18,8 +18,10 @@ namespace {
 
 // Smaller angles are errors of the estimate, or of how the camera is mounted, and count as such.
 constexpr double kOtherAxes = 20 / kDegreesPerRadian;
-constexpr double kAlike = 0.8;  // no path that was tried is below 0.92
+constexpr double kAlike = 0.8;
 constexpr double kUnlike = 0.5;
+// On a path that turns less, the noise of its turns would show the third angle between the bodies.
+constexpr double kLeastTurn = 0.2;
 
 // Long against the noise of positions, short against a turn.
 std::vector<Step> StepsFor(const PosePairs& pairs) {
@@ -57,6 +59,13 @@ std::optional<std::string> NamesOf(const Eigen::Quaterniond& camera_from_body) {
   return names;
 }
 
+// Whether a body turns by kLeastTurn in all.
+bool Turns(const PosePairs& pairs, PoseOfPair pose) {
+  return std::ranges::any_of(pairs, [&](const PosePair& pair) {
+    return RotationAngle((pairs.front().*pose).rotation.conjugate() * (pair.*pose).rotation) > kLeastTurn;
+  });
+}
+
 std::string TurnedWarning(const std::string& turned, const std::string& whose,
                           const Eigen::Quaterniond& other_from_turned, AxisConvention other) {
   const std::optional<std::string> names =
@@ -76,7 +85,8 @@ std::string UniteAxes(const ComparedPoses& compared, PosePairs& pairs) {
   const BodyAxes axes = CompareBodyAxes(pairs, steps);
   AxisConvention estimate = ConventionOf(pairs, steps, &PosePair::estimate);
   const AxisConvention truth = ConventionOf(pairs, steps, &PosePair::truth);
-  const bool alike = std::min(axes.turned.way, axes.turned.turn) > kAlike;
+  const bool turns = Turns(pairs, &PosePair::estimate) && Turns(pairs, &PosePair::truth);
+  const bool alike = turns && std::min(axes.turned.way, axes.turned.turn) > kAlike;
   std::string warning;
   if (alike && RotationAngle(axes.estimate_from_truth) > kOtherAxes) {
     if (!compared.keeps_axes && estimate != AxisConvention::kCamera && truth == AxisConvention::kCamera) {
@@ -89,6 +99,10 @@ std::string UniteAxes(const ComparedPoses& compared, PosePairs& pairs) {
       Turn(pairs, &PosePair::truth, axes.estimate_from_truth);
     }
   } else if (!alike && axes.as_given.way < kUnlike) {
+    if (!turns && axes.turned.way > kAlike)
+      return compared.truth +
+             ": its poses have other body axes than the estimate's, and the drive turns too little to tell which: "
+             "rotation and translation errors tell nothing; give both in camera axes";
     return compared.truth +
            ": each in its own axes, it moves in other directions than the estimate: rotation and translation errors "
            "tell nothing; check that both files have world_from_camera poses of the same drive, in camera axes";

@@ -245,10 +245,10 @@ TimedTrajectory ReadTimedTrajectory(const std::filesystem::path& path,
   }
   TrajectoryFile file = ReadTrajectoryFile(path);
   if (file.format != TrajectoryFormat::kKitti) {
-    if (!fps && !timestamps) return {std::move(file.poses), true};
     // SLAM that knows no times numbers its frames there.
     const bool numbers =
         std::ranges::all_of(file.poses, [](const StampedPose& pose) { return pose.time == std::floor(pose.time); });
+    if (!fps && !timestamps) return {std::move(file.poses), true, numbers};
     if (fps && numbers) return {AtRate(std::move(file.poses), *fps), true};
     throw InputError(fmt::format("{}: has timestamps; leave out {}", path.string(), fps ? "--fps" : "--timestamps"));
   }
@@ -269,6 +269,7 @@ DriveMotion MotionFromTrajectory(const fs::path& path, const std::optional<fs::p
     for (StampedPose& pose : trajectory.poses) pose.time *= kUsualInterval;
     motion.note = "no timestamps: 10 frames per second assumed";
   }
+  if (trajectory.whole_numbers) motion.note = "the times are whole numbers; if they are numbers of frames, give --fps";
   const AxisConvention found = axes ? *axes : FindAxisConvention(StepsAlong(trajectory.poses));
   if (!axes && found != AxisConvention::kCamera) {
     motion.note +=

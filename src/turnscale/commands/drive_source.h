@@ -85,6 +85,8 @@ std::vector<std::string> WarningsOf(const ImageArguments& arguments, const Drive
 struct TimedTrajectory {
   Trajectory poses;
   bool timed = true;  ///< else the poses carry their frames' numbers as times
+  /// The file's own times are whole numbers: of seconds, or of frames.
+  bool whole_numbers = false;
 };
 
 /// Reads a trajectory with its times, seconds: its own (TUM, EuRoC), or for KITTI's poses those of `timestamps`, of so

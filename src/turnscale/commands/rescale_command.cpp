@@ -149,7 +149,8 @@ RescaleResult ExecuteRescale(const RescaleArguments& given, const CommandHooks& 
   if (!trajectory.timed && arguments.heights) {
     throw InputError(input + ": no timestamps, by which --heights finds its poses; give --fps or --timestamps");
   }
-  if (trajectory.timed) RefuseSparseTimes(input, TimesOf(trajectory.poses));
+  if (trajectory.timed)
+    RefuseSparseTimes(input, TimesOf(trajectory.poses), "give seconds, or --fps with numbers of frames");
   const RescaleOptions options = OptionsFrom(arguments, trajectory.timed);
   if (!trajectory.timed && arguments.lever_arm && !options.car.is_rigid()) {
     Warn(hooks, fmt::format("{}: no timestamps: side slip is unknown, and taken as {:.0f} +-{:.0f} % of the lever arm; "
@@ -166,7 +167,9 @@ RescaleResult ExecuteRescale(const RescaleArguments& given, const CommandHooks& 
   const RescaleResult result =
       RescaleTrajectory(options, path.poses, path.gaps, HeightsAlong(path.poses, arguments.heights));
   if (!result.observable) {
-    throw InputError(fmt::format("{}: scale not observable: {}", input, result.reason));
+    throw InputError(fmt::format(
+        "{}: scale not observable: {}{}", input, result.reason,
+        trajectory.whole_numbers ? "; the times are whole numbers: if they are numbers of frames, give --fps" : ""));
   }
   std::string tum;
   for (const StampedPose& pose : result.metric) tum += TumLine(pose);

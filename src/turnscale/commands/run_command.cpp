@@ -154,6 +154,18 @@ std::string OlderExports(const fs::path& folder) {
   return fmt::format("{}: made from an earlier path: {}; run turnscale export again", folder.string(), names);
 }
 
+// What the lever arm of a file would be with another side slip stays the same: only its sigma follows.
+void ReplaceSlipSigma(double sigma, VehicleOptions& vehicle) {
+  const double before = std::exchange(vehicle.side_slip_sigma, sigma);
+  if (vehicle.lever_arm_slip_correlation == 0 || !(before > 0)) return;
+  const double lever_arm_sigma = vehicle.LeverArmSigma();
+  const double by_slip = vehicle.lever_arm_slip_correlation * lever_arm_sigma * sigma / before;
+  const double exact =
+      lever_arm_sigma * std::sqrt(1 - vehicle.lever_arm_slip_correlation * vehicle.lever_arm_slip_correlation);
+  vehicle.lever_arm_sigma = std::hypot(exact, by_slip);
+  vehicle.lever_arm_slip_correlation = by_slip / *vehicle.lever_arm_sigma;
+}
+
 }  // namespace
 
 OdometryOptions OptionsFrom(const CarArguments& car, const std::optional<fs::path>& settings) {
@@ -164,10 +176,6 @@ OdometryOptions OptionsFrom(const CarArguments& car, const std::optional<fs::pat
     if (car.vehicle) options.vehicle.lever_arm_sigma.reset();
     options.vehicle.height_correlation = options.vehicle.lever_arm_slip_correlation = 0;
   }
-  RequireFor({"--lever-arm-sigma", car.lever_arm_sigma.has_value()}, options.vehicle.lever_arm.has_value(),
-             "--lever-arm, or a --vehicle file with one");
-  if (car.lever_arm_sigma)
-    options.vehicle.lever_arm_sigma = CheckedLeverArmSigma(*car.lever_arm_sigma, options.vehicle.lever_arm);
   if (car.camera_height) {
     const CameraHeight height = ParseCameraHeight(*car.camera_height);
     options.vehicle.camera_height = height.metres;
@@ -179,7 +187,11 @@ OdometryOptions OptionsFrom(const CarArguments& car, const std::optional<fs::pat
     options.vehicle.side_slip_sigma = SigmaOfGivenSideSlip(*car.side_slip);
     options.vehicle.height_slip_correlation = options.vehicle.lever_arm_slip_correlation = 0;
   }
-  if (car.side_slip_sigma) options.vehicle.side_slip_sigma = CheckedSideSlipSigma(*car.side_slip_sigma);
+  if (car.side_slip_sigma) ReplaceSlipSigma(CheckedSideSlipSigma(*car.side_slip_sigma), options.vehicle);
+  RequireFor({"--lever-arm-sigma", car.lever_arm_sigma.has_value()}, options.vehicle.lever_arm.has_value(),
+             "--lever-arm, or a --vehicle file with one");
+  if (car.lever_arm_sigma)
+    options.vehicle.lever_arm_sigma = CheckedLeverArmSigma(*car.lever_arm_sigma, options.vehicle.lever_arm);
   if (car.camera_rotation == "auto") {
     options.vehicle.calibrate_camera = true;
     options.vehicle.camera_known = false;

@@ -3,17 +3,22 @@
 
 #include <cmath>
 #include <fstream>
+#include <optional>
 #include <string>
 #include <system_error>
 
 #include "turnscale/base/csv_table.h"
 #include "turnscale/io/run_files.h"
+#include "turnscale/io/run_summary.h"
+#include "turnscale/odometry/options.h"
 #include "turnscale/odometry/results.h"
 
 namespace turnscale {
 namespace {
 
 namespace fs = std::filesystem;
+
+double Square(double value) { return value * value; }
 
 bool IsOfRun(const fs::path& trajectory) {
   const fs::path name = trajectory.filename();
@@ -55,17 +60,18 @@ std::vector<FrameState> StatesIn(const fs::path& file) {
   return states;
 }
 
-// Where the run's map began anew, by the numbers of frames, in their order.
-std::vector<PathGap> RestartsOf(const fs::path& trajectory) {
+// Where the run's map began anew, in the order of frames; empty if its summary does not say, as those of earlier
+// versions.
+std::optional<std::vector<MapRestart>> RestartsOf(const fs::path& trajectory) {
   const nlohmann::json missing = OfRun(trajectory, "missing");
-  std::vector<PathGap> restarts;
-  if (!missing.is_object() || !missing.contains("restarts")) return restarts;
+  if (!missing.is_object() || !missing.contains("restarts")) return std::nullopt;
+  std::vector<MapRestart> restarts;
   for (const nlohmann::json& restart : missing["restarts"]) {
     const auto number = [&](const char* name) {
       return restart.is_object() && restart.contains(name) && restart[name].is_number();
     };
     if (number("frame") && number("unit_sigma"))
-      restarts.push_back({restart["frame"].get<int>(), restart["unit_sigma"].get<double>()});
+      restarts.push_back({restart["frame"].get<int>(), 0, restart["unit_sigma"].get<double>()});
   }
   return restarts;
 }
@@ -90,20 +96,23 @@ MeasuredPath MeasuredPartOf(const fs::path& trajectory, const Trajectory& poses)
       is_refined ? StatesIn(trajectory.parent_path() / RunFiles::kTrajectoryTable) : std::vector<FrameState>();
   if (states.size() != poses.size()) return {poses, {}, 0};
   MeasuredPath path;
-  const std::vector<PathGap> restarts = RestartsOf(trajectory);
-  auto restart = restarts.begin();
+  const std::optional<std::vector<MapRestart>> restarts = RestartsOf(trajectory);
+  size_t next = 0;  // of the restarts
+  bool lost = false;
   for (size_t i = 0; i < poses.size(); ++i) {
     if (states[i].lost) {
       ++path.left_out;
+      lost = true;
       continue;
     }
-    // The sigma of the unit: of all maps that began since the last measured pose.
-    double variance = 0;
-    for (; restart != restarts.end() && restart->pose <= states[i].frame; ++restart)
-      variance += restart->sigma * restart->sigma;
+    // Of all maps that began since the last measured pose; of any that may have, where that is not known.
+    double variance = !restarts && lost ? Square(TrackingOptions().depth_sigma) : 0;
+    for (; restarts && next < restarts->size() && (*restarts)[next].frame <= states[i].frame; ++next)
+      variance += Square((*restarts)[next].unit_sigma);
     if (variance > 0 && !path.poses.empty())
       path.gaps.push_back({static_cast<int>(path.poses.size()), std::sqrt(variance)});
     path.poses.push_back(poses[i]);
+    lost = false;
   }
   return path;
 }

@@ -33,7 +33,7 @@ struct MeasuredPath {
 };
 
 /// Of the refined trajectory of a run, by the states of the frames in the table beside it and the restarts in its
-/// summary; all poses, and no gap, of any other.
+/// summary (any loss may be one where it lists none); all poses, and no gap, of any other.
 MeasuredPath MeasuredPartOf(const std::filesystem::path& trajectory, const Trajectory& poses);
 
 }  // namespace turnscale

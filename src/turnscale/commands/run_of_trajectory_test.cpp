@@ -60,6 +60,9 @@ TEST(MeasuredPart, LeavesOutWhatWasLostAndNamesWhereTheMapBeganAnew) {
     }
     EXPECT_EQ(MeasuredPartOf(folder.Path() / RunFiles::kLiveTum, Poses(count)).left_out, 0) << "as it was online";
   }
+  std::ofstream(table) << TableOf({t, b, t, u, t});
+  std::ofstream(folder.Path() / RunFiles::kSummary) << R"({"missing": {"parts": 2}})";
+  EXPECT_EQ(MeasuredPartOf(tum, Poses(5)).gaps.size(), 2U) << "of an earlier version";
   std::ofstream(table) << "x,y\n1,2\n";
   EXPECT_EQ(MeasuredPartOf(tum, Poses(5)).poses.size(), 5U) << "a table of another program";
 }

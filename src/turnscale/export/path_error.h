@@ -8,7 +8,7 @@
 namespace turnscale {
 
 /// Scale and heading of a path drift as random walks, whose standard deviations over 100 m are these. The scale's is
-/// that of the estimator's settings, the heading's is above what was measured on KITTI and TORCS (0.05 to 0.25 deg).
+/// that of the estimator's settings, the heading's is above what the recorded drives show.
 constexpr double kScaleDriftPer100m = 0.01;
 constexpr double kHeadingDriftPer100m = 0.25 / kDegreesPerRadian;
 

@@ -26,6 +26,8 @@ std::optional<UncertainScale> FindUncertainScale(const std::vector<FrameResult>&
   double rest_distance = 0;
   const FrameResult* before = nullptr;
   double keyframe_time = 0;
+  double from = 0;  // of the part that goes on
+  bool goes_on = false;
   for (const FrameResult& frame : frames) {
     if (!frame.is_measured() || frame.scale_state == ScaleState::kPending) continue;
     if (frame.keyframe) keyframe_time = frame.time;
@@ -36,10 +38,14 @@ std::optional<UncertainScale> FindUncertainScale(const std::vector<FrameResult>&
     if (frame.scale_sigma <= kUncertain) {
       rest_seconds += seconds;
       rest_distance += distance;
+      goes_on = false;
       continue;
     }
-    if (part.seconds == 0) part.from = last->time;
-    part.to = frame.time;
+    if (!std::exchange(goes_on, true)) from = last->time;
+    if (frame.time - from > part.to - part.from) {
+      part.from = from;
+      part.to = frame.time;
+    }
     part.seconds += seconds;
     part.distance += distance;
   }
@@ -51,9 +57,10 @@ std::optional<UncertainScale> FindUncertainScale(const std::vector<FrameResult>&
 std::string UncertainScaleText(const UncertainScale& part, double length) {
   if (part.length_error() < kLeastShare * length) return {};
   return fmt::format(
-      "the scale is hardly known for {:.1f} s between {:.1f} and {:.1f} s: the path there is {:.0f} m long, but about "
-      "{:.0f} m at the mean speed of the rest; no turn and no road was seen there before tracking was lost",
-      part.seconds, part.from, part.to, part.distance, part.expected);
+      "the scale is hardly known for {:.1f} s ({}from {:.1f} to {:.1f} s): the path there is {:.0f} m long, but about "
+      "{:.0f} m at the mean speed of the rest",
+      part.seconds, part.to - part.from < 0.9 * part.seconds ? "the longest part " : "", part.from, part.to,
+      part.distance, part.expected);
 }
 
 }  // namespace turnscale

@@ -13,9 +13,9 @@ namespace turnscale {
 /// turn or the road showed its scale. A sigma of a logarithm does not bound the length there: where the unit is a
 /// tenth of the right one, sigma times length is next to nothing. The time bounds it: the car moves there, too.
 struct UncertainScale {
-  double from = 0;      ///< time, seconds, where the first part begins
-  double to = 0;        ///< time, seconds, where the last one ends
-  double seconds = 0;   ///< in which the camera moves there
+  double from = 0;      ///< time, seconds, where the longest part begins
+  double to = 0;        ///< time, seconds, where it ends
+  double seconds = 0;   ///< in which the camera moves in all of them
   double distance = 0;  ///< length of the path there, metres
   double expected = 0;  ///< the same at the mean speed of the rest, metres
 

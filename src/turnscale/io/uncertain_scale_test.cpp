@@ -32,7 +32,7 @@ TEST(UncertainScale, ACollapsedMapLacksWhatTheCarHasDriven) {
   EXPECT_NEAR(part->distance, 0.3, 1e-9);
   EXPECT_NEAR(part->expected, 30, 1e-9);
   EXPECT_NEAR(part->length_error(), 29.7, 1e-9);
-  EXPECT_NE(UncertainScaleText(*part, 100).find("3.0 s between 0.0 and 3.0 s"), std::string::npos);
+  EXPECT_NE(UncertainScaleText(*part, 100).find("3.0 s (from 0.0 to 3.0 s)"), std::string::npos);
   EXPECT_EQ(UncertainScaleText(*part, 2000), "") << "of a long drive it is next to nothing";
 }
 

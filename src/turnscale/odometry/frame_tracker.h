@@ -35,8 +35,8 @@ class FrameTracker {
   /// Begins anew with what an image shows; `landmarks` of it have a depth.
   void Start(const FlowImage& image, std::vector<FeatureTrack> tracks, int landmarks);
 
-  /// Whether the image is the last tracked one once more; `interval`: seconds since the last
-  /// image that was tracked or was itself a repeat.
+  /// Whether the image is the last tracked one once more; `interval`: seconds since the last image that was
+  /// tracked or was itself a repeat.
   bool IsRepeat(const Map& map, const CameraModel& camera, const FlowImage& image, const RigidTransform& predicted,
                 double interval) const;
 

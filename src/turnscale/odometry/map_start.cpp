@@ -102,6 +102,7 @@ AddedStart AddStart(const InitialMap& start, const StartPlace& place, Map& map) 
 std::vector<LocatedFrame> LocateWaitingFrames(const OdometryOptions& options, const CameraModel& camera,
                                               const InitialMap& start, const Map& map, int keyframe, int first_landmark,
                                               MotionModel& motion) {
+  Ensure(start.frames.size() >= 2, "a map starts from two views");
   const auto estimate = [&](const WaitingFrame& frame, const RigidTransform& initial) {
     return EstimatePose(options.pose, camera.pinhole, SightingsIn(map, frame, first_landmark), initial);
   };

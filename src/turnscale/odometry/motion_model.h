@@ -70,8 +70,7 @@ class MotionModel {
   /// Takes a measured pose; the velocity is the one from the measured pose before.
   void Update(double time, const RigidTransform& camera_from_world);
 
-  /// Takes a pose that was not measured: predictions keep the last velocities; speed() and
-  /// PastSpeeds() start anew.
+  /// Takes a pose that was not measured: predictions keep the last velocities; speed() and PastSpeeds() start anew.
   void Restart(double time, const RigidTransform& camera_from_world);
 
   /// The camera stands still.

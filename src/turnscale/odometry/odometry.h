@@ -36,8 +36,7 @@ namespace turnscale {
 ///
 /// Lens, calibration and readjusted poses are computed in the background, while the frames after a keyframe are
 /// processed, if OpenCV may use more than one thread. Results are applied at a keyframe that is fixed when the work
-/// starts; at a gap and in Finish, which no timing changes either, all that are pending are. So they do not depend on
-/// the number of threads.
+/// starts. At a gap and in Finish, all pending results are applied at once. Neither depends on the number of threads.
 class Odometry {
  public:
   /// Throws InputError when an option is invalid, the camera has a width without a height, a focal length that is

@@ -8,8 +8,8 @@
 namespace turnscale {
 
 /// Whether the poses of a drive, in pieces that hang together, are those of the world in the camera's frame
-/// (camera_from_world) rather than the other way round. A camera on a car goes along one axis of its own all the time;
-/// read the wrong way round, it goes along one of the world's, and in turns about the origin. A straight tells nothing.
+/// (camera_from_world) rather than the other way round. A camera on a car goes along one axis of its own on all
+/// straights; read the wrong way round, along another one on each. A single straight tells nothing.
 bool AreInverse(const std::vector<Trajectory>& pieces);
 
 }  // namespace turnscale

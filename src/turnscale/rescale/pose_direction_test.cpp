@@ -31,6 +31,21 @@ TEST(PoseDirection, ReversingAndStraightsAreNoReason) {
   EXPECT_FALSE(AreInverse({Trajectory(30)})) << "stands";
 }
 
+TEST(PoseDirection, ALongCarAndAFarOriginAreNoReason) {
+  LeverArm bus = kCar;
+  bus.length = 4;
+  const std::vector<DriveSegment> slalom{{20, 0.5, 0.05}, {40, 0.5, -0.05}, {40, 0.5, 0.05}, {20, 0.5, -0.05}};
+  for (std::vector<DriveSegment> segments : {slalom, CityRoute(4)})
+    for (const double offset : {0.0, 1e3, 1e5}) {
+      Trajectory path = MakeScaledDrive(segments, bus, kIdentity, kUnit, {.position = 0.005}, 4).trajectory;
+      for (StampedPose& pose : path) pose.world_from_camera.translation.x() += offset;
+      EXPECT_FALSE(AreInverse({path})) << offset;
+    }
+  Trajectory path = MakeScaledDrive(CityRoute(4), bus, kIdentity, kUnit, {.position = 0.005}, 4).trajectory;
+  for (StampedPose& pose : path) pose.world_from_camera.translation.x() += 1e3;
+  EXPECT_TRUE(AreInverse({Inverse(path)}));
+}
+
 TEST(PoseDirection, IsSaidWhateverRotationIsGiven) {
   const Trajectory path = Inverse(MakeScaledDrive(CityRoute(4), kCar, kIdentity, kUnit).trajectory);
   RescaleOptions options = OptionsFor(kCar);
