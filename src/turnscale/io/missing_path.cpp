@@ -26,12 +26,16 @@ std::vector<MissingPart> FindMissingParts(const std::vector<FrameResult>& frames
     const bool lost = !IsMeasured(frame) && (open || after_gap || frame.state != TrackingState::kRepeated);
     if (after_gap) parts.push_back({MissingReason::kNotRecorded, frames[i - 1].time, frame.time, 0});
     open = open && !after_gap;
-    if (lost && !open) parts.push_back({MissingReason::kLost, frame.time, frame.time, 0});
+    if (lost && !open) parts.push_back({MissingReason::kUnreadable, frame.time, frame.time, 0});
     open = lost;
     begun = begun || IsMeasured(frame);
     if (!lost) continue;
     ++parts.back().frames;
-    parts.back().reason = begun ? MissingReason::kLost : MissingReason::kNotBegun;
+    MissingReason& reason = parts.back().reason;
+    if (!begun)
+      reason = MissingReason::kNotBegun;
+    else if (frame.state != TrackingState::kUnreadable && frame.state != TrackingState::kRepeated)
+      reason = MissingReason::kLost;
   }
   return parts;
 }
@@ -99,6 +103,8 @@ const char* MissingReasonName(MissingReason reason) {
       return "before initialisation";
     case MissingReason::kNotRecorded:
       return "not recorded";
+    case MissingReason::kUnreadable:
+      return "images unreadable";
     default:
       return "tracking lost";
   }

@@ -13,7 +13,8 @@ namespace turnscale {
 /// Why a part of the path is not measured.
 enum class MissingReason {
   kNotBegun,     ///< before the map begins
-  kLost,         ///< tracking failed, or images are unreadable: poses are interpolated, or extrapolated at the end
+  kLost,         ///< tracking failed: poses are interpolated, or extrapolated at the end
+  kUnreadable,   ///< likewise, as none of its images could be read
   kNotRecorded,  ///< there are no images
 };
 
@@ -59,7 +60,7 @@ double LengthBefore(const MissingPart& before, const std::vector<FrameResult>& f
 /// the order of time.
 bool IsMissing(const std::vector<MissingPart>& parts, double from, double to);
 
-/// "before initialisation", "tracking lost" or "not recorded".
+/// "before initialisation", "tracking lost", "images unreadable" or "not recorded".
 const char* MissingReasonName(MissingReason reason);
 
 /// Such as "tracking lost from 12.3 s to 15.1 s (28 frames)".

@@ -47,6 +47,11 @@ TEST(MissingPath, PartsBeforeTheMapWithinAndAtTheEnd) {
   EXPECT_NEAR(TotalSeconds(parts), 0.9, 1e-9);
 }
 
+TEST(MissingPath, ImagesThatCannotBeReadAreNoLossOfTracking) {
+  EXPECT_EQ(MissingPartText(FindMissingParts(Frames("tturut"))[0]), "images unreadable from 0.2 s to 0.5 s (3 frames)");
+  EXPECT_EQ(FindMissingParts(Frames("ttubut"))[0].reason, MissingReason::kLost);
+}
+
 TEST(MissingPath, APauseOfTheRecorderIsNotTakenForLostTracking) {
   const auto tracked = FindMissingParts(Frames("ttt-ttt"));
   ASSERT_EQ(tracked.size(), 1u);

@@ -17,7 +17,9 @@ struct SpeedLog {
 };
 
 /// Reads lines `time, speed` (s, m/s; comma or blanks); # begins a comment, and a first line of words is a heading.
-/// Throws InputError that names file and line where a number is missing, not finite, or negative, or times do not grow.
+/// Where it names columns `time` and `speed` (or `t`, `v`, with units `_s`, `_mps`), there may be others. Throws
+/// InputError that names file and line where a number is missing, not finite, or negative, times do not grow, or there
+/// are more than two columns without those names.
 SpeedLog ReadSpeedFile(const std::filesystem::path& path);
 
 }  // namespace turnscale

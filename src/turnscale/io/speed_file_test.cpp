@@ -36,6 +36,19 @@ TEST(SpeedFile, TimesMayBeMicroseconds) {
               1e-6);
 }
 
+TEST(SpeedFile, TakesTheColumnsThatAreNamed) {
+  const SpeedLog log = SpeedsFrom("frame,t_s,speed_mps,yaw\n0,10,2,0\n1,11,4,0\n");
+  EXPECT_DOUBLE_EQ(log.Distance(10, 11).value(), 3);
+  for (const char* text : {"frame,t_s,velocity\n0,10,2\n1,11,4\n", "0,10,2\n1,11,4\n"}) {
+    try {
+      SpeedsFrom(text);
+      FAIL() << text;
+    } catch (const InputError& error) {
+      EXPECT_NE(std::string(error.what()).find("has 3 columns"), std::string::npos) << error.what();
+    }
+  }
+}
+
 TEST(SpeedFile, NamesTheLineItCannotRead) {
   for (const char* text : {"0,1\n1,x\n", "0,1\n1,nan\n", "0,1\n0,2\n", "0,1\n1,-2\n", "0,1\n2\n"}) {
     try {

@@ -82,9 +82,10 @@ std::string MountText(const RunSummary& summary) {
   }
   const auto degrees = [](double angle) { return angle * kDegreesPerRadian; };
   std::string text = fmt::format(
-      "camera  yaw {:+.2f} +-{:.2f}, pitch {:+.2f} +-{:.2f}, roll {:+.1f} +-{:.1f} deg, estimated from the drive",
+      "camera  yaw {:+.2f} +-{:.2f}, pitch {:+.2f} +-{:.2f}, roll {:+.1f} +-{:.1f} deg, estimated from {}the drive",
       degrees(mount->angles.yaw), degrees(mount->sigma.yaw), degrees(mount->angles.pitch), degrees(mount->sigma.pitch),
-      degrees(mount->angles.roll), degrees(mount->sigma.roll));
+      degrees(mount->angles.roll), degrees(mount->sigma.roll),
+      summary.vehicle.camera_known && mount->moves == 0 ? "the file of the car and " : "");
   if (mount->moves > 0) text += "; moved " + Times(mount->moves);
   return text + "\n";
 }

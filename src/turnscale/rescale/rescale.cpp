@@ -184,6 +184,35 @@ void Filter(const RescaleOptions& options, RescaleResult& result) {
   }
 }
 
+// Mean speed over up to a second on the side of pose `from` where `end` is, m/s; nothing without another pose there.
+std::optional<double> SpeedBeside(const Trajectory& metric, int from, int end) {
+  constexpr double kSeconds = 1;
+  const int direction = end > from ? 1 : -1;
+  int last = from;
+  while (last != end && std::abs(metric[last].time - metric[from].time) < kSeconds) last += direction;
+  const double seconds = std::abs(metric[last].time - metric[from].time);
+  if (!(seconds > 0)) return std::nullopt;
+  return (metric[last].world_from_camera.translation - metric[from].world_from_camera.translation).norm() / seconds;
+}
+
+// The way across a gap was not measured: it has the unit of the map before it, of the one after it, or neither. Here it
+// is as long as at the mean of the speeds before and after it.
+void CrossGapsAtMeanSpeed(const std::vector<PathGap>& gaps, Trajectory& metric) {
+  for (std::size_t i = 0; i < gaps.size(); ++i) {
+    const int after = gaps[i].pose;
+    const int begin = i == 0 ? 0 : gaps[i - 1].pose;
+    const int end = i + 1 < gaps.size() ? gaps[i + 1].pose : static_cast<int>(metric.size());
+    const std::optional<double> speed_before = SpeedBeside(metric, after - 1, begin);
+    const std::optional<double> speed_after = SpeedBeside(metric, after, end - 1);
+    const Eigen::Vector3d way =
+        metric[after].world_from_camera.translation - metric[after - 1].world_from_camera.translation;
+    if (!speed_before || !speed_after || !(way.norm() > 0)) continue;
+    const double length = 0.5 * (*speed_before + *speed_after) * (metric[after].time - metric[after - 1].time);
+    const Eigen::Vector3d shift = (length / way.norm() - 1) * way;
+    for (std::size_t k = after; k < metric.size(); ++k) metric[k].world_from_camera.translation += shift;
+  }
+}
+
 void BringToMetres(const Trajectory& trajectory, RescaleResult& result) {
   std::vector<Eigen::Vector3d> positions;
   for (const StampedPose& pose : trajectory) positions.push_back(pose.world_from_camera.translation);
@@ -252,6 +281,7 @@ RescaleResult RescaleTrajectory(const RescaleOptions& options, const Trajectory&
   result.observable = result.estimate.has_value();
   if (!result.observable) return result;
   BringToMetres(trajectory, result);
+  if (options.timed) CrossGapsAtMeanSpeed(gaps, result.metric);
   Filter(options, result);
   return result;
 }

@@ -80,7 +80,8 @@ struct RescaleResult {
 
 /// Converts an up-to-scale trajectory to metres, with the scale estimated from its turns: no images. Poses are the
 /// camera's in any fixed world frame, in the order of time; keyframes only or every frame. `gaps` are poses before
-/// which tracking was lost, in order: steps do not extend across, and the scale may jump. `heights` above the road, in
+/// which tracking was lost, in order: steps do not extend across, and the scale may jump; if the poses have
+/// times, the metric way across is that at the mean of the speeds before and after. `heights` above the road, in
 /// the order of time, show the scale between turns, and without a turn where the car's is known; those at times beyond
 /// the poses are left out. They need poses with times. Time and memory are linear.
 ///

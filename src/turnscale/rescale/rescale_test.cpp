@@ -119,6 +119,26 @@ TEST(Rescale, FilteredScaleBeginsInsideTheFirstTurn) {
   for (std::size_t i = first.last; i < result.poses.size(); ++i) EXPECT_GT(result.poses[i].filtered_sigma, 0);
 }
 
+TEST(Rescale, TheWayAcrossAGapIsThatOfTheSpeedsBesideIt) {
+  const ScaledDrive drive = MakeScaledDrive(CityRoute(4), kCar, kIdentity, kUnit, {.position = 0.002}, 3);
+  // The straight before the second corner, at 9 m/s: three seconds are lost, and then the unit is a third.
+  constexpr int kFirst = 118;
+  constexpr int kAfter = 148;
+  Trajectory path;
+  for (int i = 0; i < static_cast<int>(drive.trajectory.size()); ++i) {
+    StampedPose pose = drive.trajectory[i];
+    if (i >= kAfter) pose.world_from_camera.translation *= 3;
+    if (i < kFirst || i >= kAfter) path.push_back(pose);
+  }
+  const RescaleResult result = RescaleTrajectory(OptionsFor(kCar), path, {{kFirst, 0.4}});
+  ASSERT_TRUE(result.observable) << result.reason;
+  const auto place = [&](int i) { return result.metric[i].world_from_camera.translation; };
+  const double way = kUnit * (drive.trajectory[kAfter].world_from_camera.translation -
+                              drive.trajectory[kFirst - 1].world_from_camera.translation)
+                                 .norm();
+  EXPECT_NEAR((place(kFirst) - place(kFirst - 1)).norm(), way, 0.1 * way);
+}
+
 TEST(Rescale, KnowsHowLongTheWayWas) {
   const ScaledDrive drive = MakeScaledDrive(CityRoute(8), kCar, kIdentity, kUnit, {.position = 0.003}, 9);
   const RescaleResult result = RescaleTrajectory(OptionsFor(kCar), drive.trajectory);
