@@ -211,6 +211,7 @@ TEST_F(ExportTest, FixesPlaceThePath) {
   EXPECT_EQ(result.exit_code, 0) << result.err;
   EXPECT_NE(result.out.find("heading  90.0"), std::string::npos) << result.out;
   EXPECT_NE(result.out.find("fixes    21 in the drive, 0 of them outliers"), std::string::npos) << result.out;
+  EXPECT_NE(result.out.find("scale    by the fixes, the path is 0.0 +-"), std::string::npos) << result.out;
   EXPECT_NE(TextOf(Path(".gpx")), "");
   EXPECT_EQ(TextOf(Path(".gpx")).substr(0, 400), before.substr(0, 400));
   EXPECT_EQ(result.err, "");
@@ -258,6 +259,26 @@ TEST_F(ExportTest, FixesOfAnotherLengthAreReported) {
       Export({"--gpx", "--fixes", (folder_ / "fixes.csv").string(), "--start-time", "2026-03-22T06:14:05Z"});
   EXPECT_EQ(result.exit_code, 0);
   EXPECT_NE(result.err.find("fixes.csv: the path would have to be 50 % longer to fit the fixes"), std::string::npos)
+      << result.err;
+  EXPECT_NE(result.out.find("the path is 33.3 +-"), std::string::npos) << result.out;
+  EXPECT_NE(result.out.find(" % too short (it is not changed)"), std::string::npos) << result.out;
+}
+
+TEST_F(ExportTest, FixesThatDoNotFitAreReported) {
+  std::ofstream fixes(folder_ / "fixes.csv");
+  fixes << "time,latitude,longitude,sigma\n";
+  for (int i = 0; i <= 20; ++i) fixes << 1774160045 + i << ",49.00" << i % 3 << ",8.0" << 10 + i << ",1\n";
+  fixes.close();
+  const std::vector<std::string> arguments = {"--gpx", "--fixes", (folder_ / "fixes.csv").string()};
+  ExpectComplaint(Export(arguments), 2, {"fixes.csv:2: its time is in seconds since 1970", "give --start-time"});
+  std::vector<std::string> with_start = arguments;
+  with_start.insert(with_start.end(), {"--start-time", "2026-03-22T07:14:05+01:00"});
+  const CommandResult result = Export(with_start);
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_NE(result.out.find("fixes    21 in the drive"), std::string::npos) << result.out;
+  EXPECT_NE(result.err.find("fixes.csv: they do not fit the path (RMS "), std::string::npos) << result.err;
+  EXPECT_NE(result.err.find("of 21 outliers): check --start-time, the order of latitude and longitude"),
+            std::string::npos)
       << result.err;
 }
 

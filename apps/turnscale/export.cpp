@@ -72,24 +72,31 @@ std::string FixText(const FixPlacement& placed) {
   std::string text = fmt::format(
       "fixes    {} in the drive, {} of them outliers; {:.1f} m RMS from the path\n"
       "heading  {:.2f} +-{:.2f} deg at the start\n"
-      "scale    from the fixes: {:+.1f} +-{:.1f} % (path not changed)\n",
+      "scale    by the fixes, the path is {:.1f} +-{:.1f} % too {} (it is not changed)\n",
       placed.fixes, placed.outliers, placed.rms, placed.placement.heading * kDegreesPerRadian,
-      placed.heading_sigma * kDegreesPerRadian, 100 * (placed.scale - 1), 100 * placed.scale_sigma);
+      placed.heading_sigma * kDegreesPerRadian, 100 * std::abs(1 / placed.scale - 1),
+      100 * placed.scale_sigma / placed.scale, placed.scale < 1 ? "long" : "short");
   if (placed.has_height)
     text += fmt::format("slope    path tilted by {:.1f} deg to the heights of the fixes\n",
                         RotationAngle(placed.placement.tilt) * kDegreesPerRadian);
   return text;
 }
 
-// The fixes and the path have different lengths; empty where their sigmas explain it.
+// The fixes do not fit the path, or have another length; empty where the sigmas of both explain it.
 std::string FixWarning(const ExportArguments& arguments, const ResultFolder& results, const FixPlacement& placed) {
+  if (!placed.fits) {
+    return fmt::format(
+        "--fixes {}: they do not fit the path (RMS {:.0f} m, {} of {} outliers): check --start-time, the order of "
+        "latitude and longitude, and that they are of this drive",
+        arguments.fixes.string(), placed.rms, placed.outliers, placed.fixes);
+  }
   constexpr double kMostSigmas = 3;
   double path_sigma = 0;
   for (const FrameResult& frame : results.frames) path_sigma = std::max(path_sigma, frame.scale_sigma);
   if (std::abs(placed.scale - 1) <= kMostSigmas * std::hypot(placed.scale_sigma, path_sigma)) return "";
   return fmt::format(
       "{}: the path would have to be {:.0f} % {} to fit the fixes, more than the sigmas of both explain: check that "
-      "the fixes are of this drive, --start-time, and the lever arm of the run",
+      "the fixes are of this drive, the order of latitude and longitude, --start-time, and the lever arm of the run",
       arguments.fixes.string(), 100 * std::abs(placed.scale - 1), placed.scale > 1 ? "longer" : "shorter");
 }
 
@@ -122,9 +129,7 @@ Placement PlacementFrom(const ExportArguments& arguments, const ResultFolder& re
 
 // UTC time of the drive's time 0, if it is known.
 std::optional<double> StartTime(const std::string& given, double first_time) {
-  // No drive lasts for years: times like these are seconds since 1970 themselves.
-  constexpr double kOfAnEpoch = 3e8;
-  if (first_time > kOfAnEpoch) {
+  if (AreSince1970(first_time)) {
     if (given.empty()) return 0;
     throw InputError("--start-time " + given + ": the drive's times are seconds since 1970 already, from " +
                      UtcTimeText(first_time) + "; leave it out");

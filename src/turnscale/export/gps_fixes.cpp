@@ -50,6 +50,9 @@ constexpr double kLeastBaseline = 5;  // standard deviations of a fix
 constexpr int kIterations = 50;
 constexpr double kMedian = 1.177;  // of distances in the plane, standard deviations of each direction
 constexpr double kMostOwnShare = 10;
+// Right fixes reach 1.5 where the path drifts twice as much as it should, 2.3 where their noise is twice their sigma.
+constexpr double kMostMisfit = 2.5;
+constexpr double kMostFar = 0.2;  // share of the fixes
 
 double TukeyCost(double deviation) {
   const double share = std::min(1.0, deviation / kTukey);
@@ -139,6 +142,7 @@ class Fitter {
     described.heading_sigma = std::hypot(of_fixes, kOfBeginning * drifts * kHeadingDriftPer100m);
     described.scale = sums.Scale();
     described.scale_sigma = std::hypot(of_fixes, kOfMean * drifts * kScaleDriftPer100m);
+    described.fits = Fits(fit);
     return described;
   }
 
@@ -166,21 +170,43 @@ class Fitter {
   // far from the middle would be none.
   double OwnShare(const PlaneFit& fit) const {
     if (pairs_.size() < 3) return 1;
-    const auto pairs = static_cast<double>(pairs_.size());
-    const double lost = std::sqrt(pairs / (pairs - 2));             // by the fit itself
-    const double by_chance = kMedian * (1 + 1 / std::sqrt(pairs));  // what the noise of the fixes explains
-    std::vector<double> distances;
-    for (const Correspondence& pair : pairs_) distances.push_back(lost * (pair.fix - fit * pair.path).norm());
+    const std::vector<double> distances = Distances(fit);
     double low = 0;
     double high = kMostOwnShare;
     constexpr int kHalvings = 16;
-    std::vector<double> deviations(pairs_.size());
     for (int i = 0; i < kHalvings; ++i) {
       const double middle = 0.5 * (low + high);
-      for (size_t k = 0; k < pairs_.size(); ++k) deviations[k] = distances[k] / Sigma(pairs_[k], middle);
-      (Median(deviations) > by_chance ? low : high) = middle;
+      (MedianOverChance(distances, middle) > 1 ? low : high) = middle;
     }
     return low;
+  }
+
+  // With all of the error that the path may have. With the share that it has, right fixes at the ends can be outliers
+  // where the path drifts little, and wrong ones are none where it is large. The share itself depends on how small that
+  // error is, as on a short drive.
+  bool Fits(const PlaneFit& fit) const {
+    if (pairs_.size() < 3) return true;
+    const auto is_far = [&](const Correspondence& pair) {
+      return (pair.fix - fit * pair.path).norm() > kTukey * Sigma(pair, 1);
+    };
+    const auto far = static_cast<double>(std::ranges::count_if(pairs_, is_far));
+    return MedianOverChance(Distances(fit), 1) <= kMostMisfit && far <= kMostFar * static_cast<double>(pairs_.size());
+  }
+
+  std::vector<double> Distances(const PlaneFit& fit) const {
+    const auto pairs = static_cast<double>(pairs_.size());
+    const double lost = std::sqrt(pairs / (pairs - 2));  // by the fit itself
+    std::vector<double> distances;
+    for (const Correspondence& pair : pairs_) distances.push_back(lost * (pair.fix - fit * pair.path).norm());
+    return distances;
+  }
+
+  // The median of the deviations over what the noise of the fixes explains.
+  double MedianOverChance(const std::vector<double>& distances, double own_share) const {
+    const double by_chance = kMedian * (1 + 1 / std::sqrt(static_cast<double>(pairs_.size())));
+    std::vector<double> deviations;
+    for (size_t i = 0; i < pairs_.size(); ++i) deviations.push_back(distances[i] / Sigma(pairs_[i], own_share));
+    return Median(deviations) / by_chance;
   }
 
   Sums SumsOf(const PlaneFit& fit) const {
@@ -262,6 +288,13 @@ std::vector<GpsFix> ReadGpsFixes(const std::filesystem::path& path, std::optiona
     GpsFix fix;
     if (const auto seconds = ParseNumber<double>(table.Text(time))) {
       fix.time = *seconds;
+      if (AreSince1970(fix.time)) {
+        if (!start_time) {
+          throw InputError(table.Where() + ": its time is in seconds since 1970, " + UtcTimeText(fix.time) +
+                           "; give --start-time, the date and time of the drive's time 0, too");
+        }
+        fix.time -= *start_time;
+      }
     } else if (const auto moment = ParseUtcTime(table.Text(time))) {
       if (!start_time) throw InputError(table.Where() + ": has a time of day; give --start-time too");
       fix.time = *moment - *start_time;

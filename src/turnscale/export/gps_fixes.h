@@ -18,8 +18,8 @@ struct GpsFix {
 };
 
 /// Reads a table with the columns time, latitude and longitude (degrees), and optionally height and sigma (metres), in
-/// the order of time. Times are seconds of the drive, as in its results, or ISO 8601 with an offset, which need
-/// `start_time`, the UTC time of the drive's time 0. Throws InputError that names file and line.
+/// the order of time. Times are seconds of the drive, as in its results; or seconds since 1970, or ISO 8601 with an
+/// offset, which need `start_time`, the UTC time of the drive's time 0. Throws InputError that names file and line.
 std::vector<GpsFix> ReadGpsFixes(const std::filesystem::path& path, std::optional<double> start_time);
 
 /// The path laid on fixes by rotation and shift, without a change of scale. The sigmas include the drift of the path
@@ -33,6 +33,7 @@ struct FixPlacement {
   double rms = 0;            ///< of the others' distances from the path, metres
   double scale = 1;          ///< by which the path would fit the fixes best: larger than 1 if it is too short
   double scale_sigma = 0;
+  bool fits = true;  ///< if not, times or coordinates are wrong: the sigmas and the drift do not explain the distances
 };
 
 /// Robust to outliers: the start is the best of many pairs of fixes, then least squares with Tukey's weights. Fixes

@@ -57,6 +57,7 @@ TEST(GpsFixes, GiveTheHeadingInNoiseAndOutliers) {
     squares += std::pow(error / (placed.heading_sigma * kDegreesPerRadian), 2);
     EXPECT_GE(placed.outliers, 5) << seed;
     EXPECT_LE(placed.outliers, 8) << seed;
+    EXPECT_TRUE(placed.fits) << seed;
     EXPECT_LT(GeoFrame(kTruth.origin).ToLocal(placed.placement.origin).head<2>().norm(), 5) << seed;
     EXPECT_NEAR(placed.scale, 1, 4 * placed.scale_sigma) << seed;
   }
@@ -114,6 +115,7 @@ TEST(GpsFixes, AreNoOutliersForTheDriftOfThePath) {
       const FixPlacement placed = PlaceByFixes(PathWithDrift(seed), AccurateFixes(sigma, seed + 100));
       outliers += placed.outliers;
       EXPECT_GE(placed.outliers, 8) << "gross errors";
+      EXPECT_TRUE(placed.fits) << sigma << ' ' << seed;
       const double error = std::remainder(placed.placement.heading - kTruth.heading, 2 * M_PI);
       squares += std::pow(error / placed.heading_sigma, 2);
     }
@@ -127,6 +129,7 @@ TEST(GpsFixes, TheScaleIsReportedAndNotApplied) {
   const FixPlacement placed = PlaceByFixes(path, NoisyFixes(path, 3, 1.05));
   EXPECT_NEAR(placed.scale, 1.05, 4 * placed.scale_sigma);
   EXPECT_GT(placed.scale, 1 + 3 * placed.scale_sigma);
+  EXPECT_TRUE(placed.fits);
 }
 
 TEST(GpsFixes, OfALongDriveAreNoOutliersForItsErrorOfScale) {
@@ -140,10 +143,63 @@ TEST(GpsFixes, OfALongDriveAreNoOutliersForItsErrorOfScale) {
   for (const std::vector<GpsFix>& fixes : {all, {all.front(), all.back()}, {all[0], all[20], all.back()}}) {
     const FixPlacement placed = PlaceByFixes(path, fixes);
     EXPECT_EQ(placed.outliers, 0) << fixes.size();
+    EXPECT_TRUE(placed.fits) << fixes.size();
     EXPECT_NEAR(placed.scale, 1.03, 0.004) << fixes.size();
     EXPECT_NEAR(placed.placement.heading * kDegreesPerRadian, 87.5, 0.3) << fixes.size();
     // Half of the scale's error at each end.
     EXPECT_NEAR(GeoFrame(kTruth.origin).ToLocal(placed.placement.origin).head<2>().norm(), 75, 20) << fixes.size();
+  }
+}
+
+// 1.6 km through a town, with a bend of up to 100 degrees every 150 m.
+std::vector<LevelPlace> TownPath(unsigned seed) {
+  Random random(seed);
+  std::vector<LevelPlace> path(1601);
+  double heading = 0;
+  double rate = 0;
+  for (size_t i = 1; i < path.size(); ++i) {
+    if (i % 150 == 0) rate = random.Uniform(-0.12, 0.12);
+    if (i % 150 == 15) rate = 0;
+    heading += rate;
+    path[i].time = 0.1 * static_cast<double>(i);
+    path[i].position = path[i - 1].position + Eigen::Vector3d(std::sin(heading), std::cos(heading), 0);
+  }
+  return path;
+}
+
+// Every `step`-th place, with 2 m of noise.
+std::vector<GpsFix> TownFixes(const std::vector<LevelPlace>& path, unsigned seed, size_t step = 20) {
+  Random random(seed);
+  const GeoFrame frame(kTruth.origin);
+  std::vector<GpsFix> fixes;
+  for (size_t i = 0; i < path.size(); i += step) {
+    Eigen::Vector3d place = EastNorthUp(path[i].position, kTruth.heading);
+    place.head<2>() += 2 * DrawVector<2>([&] { return random.Gaussian(); });
+    fixes.push_back({path[i].time, frame.FromLocal(place), 2, false});
+  }
+  return fixes;
+}
+
+TEST(GpsFixes, ThatAreNotOfThePathDoNotFit) {
+  for (unsigned seed = 1; seed <= 10; ++seed) {
+    const std::vector<LevelPlace> path = TownPath(seed);
+    std::vector<GpsFix> fixes = TownFixes(path, seed + 100);
+    for (size_t step : {20, 160, 400}) EXPECT_TRUE(PlaceByFixes(path, TownFixes(path, seed, step)).fits) << step;
+    std::vector<GpsFix> thrown = fixes;
+    for (size_t i = 3; i < thrown.size(); i += 7) thrown[i].point.latitude += i % 2 == 0 ? 60 / 111e3 : -60 / 111e3;
+    const FixPlacement placed = PlaceByFixes(path, thrown);
+    EXPECT_NEAR(placed.outliers, 12, 2) << seed;
+    EXPECT_TRUE(placed.fits) << seed;
+    for (const double sigma : {2.0, 5.0}) {
+      for (GpsFix& fix : fixes) fix.sigma = sigma;
+      std::vector<GpsFix> swapped = fixes;
+      for (GpsFix& fix : swapped) std::swap(fix.point.latitude, fix.point.longitude);
+      EXPECT_FALSE(PlaceByFixes(path, swapped).fits) << seed;
+      std::vector<GpsFix> late = fixes;
+      for (GpsFix& fix : late) fix.time += 30;
+      EXPECT_FALSE(PlaceByFixes(path, late).fits) << seed;
+    }
+    EXPECT_FALSE(PlaceByFixes(path, TownFixes(TownPath(seed + 50), seed, 100)).fits) << seed;
   }
 }
 
@@ -168,6 +224,7 @@ TEST(GpsFixes, TenPerSecondForAnHour) {
   const FixPlacement placed = PlaceByFixes(path, fixes);
   EXPECT_NEAR(placed.placement.heading, kTruth.heading, 2e-5);
   EXPECT_NEAR(placed.outliers, 3600, 10);
+  EXPECT_TRUE(placed.fits);
   EXPECT_TRUE(placed.has_height);
   EXPECT_NEAR(placed.placement.origin.height, 110, 2);
 }
@@ -235,6 +292,9 @@ TEST_F(GpsFixFileTest, ReadsSecondsAndTimesOfDay) {
   const auto of_day =
       Read("latitude,longitude,time\n1,2,2026-03-22T07:14:15+01:00\n", ParseUtcTime("2026-03-22T06:14:05Z"));
   EXPECT_EQ(of_day[0].time, 10);
+  const std::string since_1970 = "time,latitude,longitude\n1774160055.25,1,2\n";
+  EXPECT_EQ(Read(since_1970, ParseUtcTime("2026-03-22T06:14:05Z"))[0].time, 10.25);
+  EXPECT_EQ(Read(since_1970, 0)[0].time, 1774160055.25) << "as are those of the drive";
 }
 
 TEST_F(GpsFixFileTest, NamesFileAndLine) {
@@ -247,6 +307,9 @@ TEST_F(GpsFixFileTest, NamesFileAndLine) {
             std::string::npos);
   EXPECT_NE(Refusal("time,latitude,longitude\nsoon,1,1\n").find("'soon' is not a time"), std::string::npos);
   EXPECT_NE(Refusal("time,latitude,longitude\n2026-03-22T07:14:15+01:00,1,1\n").find("give --start-time too"),
+            std::string::npos);
+  EXPECT_NE(Refusal("time,latitude,longitude\n1774160055,1,1\n")
+                .find("csv:2: its time is in seconds since 1970, 2026-03-22T06:14:15.000Z; give --start-time"),
             std::string::npos);
 }
 

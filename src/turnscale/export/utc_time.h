@@ -12,6 +12,9 @@ namespace turnscale {
 /// it means another moment in every place.
 std::optional<double> ParseUtcTime(std::string_view text);
 
+/// Whether these seconds count from 1970, not from the beginning of a drive: none lasts for years.
+constexpr bool AreSince1970(double seconds) { return seconds > 3e8; }
+
 /// Such as 2026-03-22T06:14:05.000Z: in UTC, with milliseconds.
 std::string UtcTimeText(double seconds);
 

@@ -6,6 +6,11 @@
 namespace turnscale {
 namespace {
 
+TEST(UtcTime, TellsClocksFromTimesOfADrive) {
+  EXPECT_TRUE(AreSince1970(ParseUtcTime("1995-01-01T00:00:00Z").value()));
+  EXPECT_FALSE(AreSince1970(1e7));
+}
+
 TEST(UtcTime, ReadsOffsetsAndDecimals) {
   EXPECT_EQ(ParseUtcTime("1970-01-01T00:00:00Z"), 0);
   EXPECT_EQ(ParseUtcTime("2000-03-01T12:00:00Z"), 951912000);
