@@ -333,9 +333,9 @@ TEST_F(RescaleCommandTest, TimesThatAreNumbersOfFramesAreNamed) {
   ExpectMetres({Path("numbered.tum"), "--fps", "10"}, poses_);
   // A pose a second, at the speed of a car: too few for the turns, which may be another matter.
   std::string rare;
-  for (int i = 0; i < poses_; i += 10) {
-    StampedPose pose = drive_.trajectory[i];
-    pose.time = i / 10;
+  for (int second = 0; 10 * second < poses_; ++second) {
+    StampedPose pose = drive_.trajectory[10 * second];
+    pose.time = second;
     rare += TumLine(pose);
   }
   const CommandResult refused = Run({Text("rare.tum", rare), "--lever-arm", "1.2"});

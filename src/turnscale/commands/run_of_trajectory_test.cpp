@@ -39,10 +39,11 @@ TEST(MeasuredPart, LeavesOutWhatWasLostAndNamesWhereTheMapBeganAnew) {
   const std::string r = "repeated";
   const std::string u = "unreadable";
   const std::string at_3 = R"({"frame": 3, "time_s": 0.3, "unit_sigma": 0.3})";
-  const std::string at_4 = R"({"frame": 4, "time_s": 0.4, "unit_sigma": 0.4})";
+  const std::string at_3_and_4 =
+      R"({"frame": 3, "time_s": 0.3, "unit_sigma": 0.3}, {"frame": 4, "time_s": 0.4, "unit_sigma": 0.4})";
   for (const Expected& expected : std::vector<Expected>{{{t, b, b, t, t}, "", 2, {}},
                                                         {{t, b, b, t, t}, at_3, 2, {{1, 0.3}}},
-                                                        {{t, u, u, b, r, t}, at_3 + "," + at_4, 4, {{1, 0.5}}},
+                                                        {{t, u, u, b, r, t}, at_3_and_4, 4, {{1, 0.5}}},
                                                         {{t, b, b, t, b, t}, at_3, 3, {{1, 0.3}}},
                                                         {{"initializing", "initializing", t, t}, "", 0, {}},
                                                         {{t, b, t, t, t}, R"({"frame": "3"}, 3)", 1, {}}}) {

@@ -35,7 +35,7 @@ TEST(PoseDirection, ALongCarAndAFarOriginAreNoReason) {
   LeverArm bus = kCar;
   bus.length = 4;
   const std::vector<DriveSegment> slalom{{20, 0.5, 0.05}, {40, 0.5, -0.05}, {40, 0.5, 0.05}, {20, 0.5, -0.05}};
-  for (std::vector<DriveSegment> segments : {slalom, CityRoute(4)})
+  for (const std::vector<DriveSegment>& segments : {slalom, CityRoute(4)})
     for (const double offset : {0.0, 1e3, 1e5}) {
       Trajectory path = MakeScaledDrive(segments, bus, kIdentity, kUnit, {.position = 0.005}, 4).trajectory;
       for (StampedPose& pose : path) pose.world_from_camera.translation.x() += offset;
