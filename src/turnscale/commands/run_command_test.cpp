@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/commands/run_command.h"
+
+#include <cmath>
+#include <fstream>
+
+#include <gtest/gtest.h>
+
+#include "turnscale/base/test_files.h"
+
+namespace turnscale {
+namespace {
+
+// Standard deviation of L - c v^2, which the turns at one speed have shown.
+double SigmaAt(double speed, const VehicleOptions& vehicle) {
+  const double lever_arm = vehicle.LeverArmSigma();
+  const double slip = vehicle.side_slip_sigma * speed * speed;
+  return std::sqrt(lever_arm * lever_arm + slip * slip - 2 * vehicle.lever_arm_slip_correlation * lever_arm * slip);
+}
+
+TEST(CarArguments, AnotherSigmaOfTheSlipLeavesWhatTurnsHaveShown) {
+  const ScratchFolder folder;
+  const std::filesystem::path file = folder.Path() / "car.yaml";
+  std::ofstream(file) << "lever_arm: 1.45\nlever_arm_sigma: 0.13\nside_slip: 0.0045\nside_slip_sigma: 0.002\n"
+                         "lever_arm_slip_correlation: 0.95\n";
+  CarArguments car;
+  car.vehicle = file;
+  const VehicleOptions as_in_file = OptionsFrom(car, {}).vehicle;
+  const double speed = std::sqrt(0.95 * 0.13 / 0.002);  // at which the file's turns were
+  for (const double sigma : {0.0005, 0.004}) {
+    car.side_slip_sigma = sigma;
+    const VehicleOptions vehicle = OptionsFrom(car, {}).vehicle;
+    EXPECT_EQ(vehicle.side_slip_sigma, sigma);
+    EXPECT_NEAR(SigmaAt(speed, vehicle), SigmaAt(speed, as_in_file), 1e-9);
+    EXPECT_EQ(vehicle.LeverArmSigma() < 0.13, sigma < 0.002) << "the lever arm follows the slip";
+  }
+  car.lever_arm_sigma = 0.05;
+  EXPECT_EQ(OptionsFrom(car, {}).vehicle.LeverArmSigma(), 0.05) << "as given";
+}
+
+}  // namespace
+}  // namespace turnscale
