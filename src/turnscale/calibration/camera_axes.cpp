@@ -28,12 +28,17 @@ AxisConvention FindAxisConvention(const std::vector<CameraStep>& steps) {
   return about_z ? AxisConvention::kForwardLeftUp : AxisConvention::kCamera;
 }
 
-Trajectory InCameraAxes(Trajectory body_path, AxisConvention axes) {
-  if (axes == AxisConvention::kCamera) return body_path;
+Eigen::Quaterniond BodyFromCamera(AxisConvention axes) {
+  if (axes == AxisConvention::kCamera) return Eigen::Quaterniond::Identity();
   const double side = axes == AxisConvention::kForwardLeftUp ? -1 : 1;
   Eigen::Matrix3d body_from_camera;
   body_from_camera << 0, 0, 1, side, 0, 0, 0, side, 0;
-  const RigidTransform mount{Eigen::Quaterniond(body_from_camera), Eigen::Vector3d::Zero()};
+  return Eigen::Quaterniond(body_from_camera);
+}
+
+Trajectory InCameraAxes(Trajectory body_path, AxisConvention axes) {
+  if (axes == AxisConvention::kCamera) return body_path;
+  const RigidTransform mount{BodyFromCamera(axes), Eigen::Vector3d::Zero()};
   for (StampedPose& pose : body_path) pose.world_from_camera = pose.world_from_camera * mount;
   return body_path;
 }

@@ -26,6 +26,9 @@ enum class AxisConvention {
 /// hangs upside down: with the other body, yaw and pitch have the other sign, and right turns are left ones.
 AxisConvention FindAxisConvention(const std::vector<CameraStep>& steps);
 
+/// The rotation of a camera on a body that looks along its x axis and is level; identity for a camera.
+Eigen::Quaterniond BodyFromCamera(AxisConvention axes);
+
 /// The path of a camera on the body that looks along its x axis and is level. A camera's path stays what it is.
 Trajectory InCameraAxes(Trajectory body_path, AxisConvention axes);
 

@@ -108,8 +108,7 @@ std::string UniteAxes(const ComparedPoses& compared, PosePairs& pairs) {
            "tell nothing; check that both files have world_from_camera poses of the same drive, in camera axes";
   }
   if (!compared.keeps_axes && estimate != AxisConvention::kCamera) {
-    const Eigen::Quaterniond camera_from_body =
-        InCameraAxes({StampedPose{}}, estimate).front().world_from_camera.rotation.conjugate();
+    const Eigen::Quaterniond camera_from_body = BodyFromCamera(estimate).conjugate();
     Turn(pairs, &PosePair::estimate, camera_from_body);
     Turn(pairs, &PosePair::truth, camera_from_body);
   }

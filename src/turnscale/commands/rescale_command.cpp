@@ -150,7 +150,7 @@ RescaleResult ExecuteRescale(const RescaleArguments& given, const CommandHooks& 
     throw InputError(input + ": no timestamps, by which --heights finds its poses; give --fps or --timestamps");
   }
   if (trajectory.timed)
-    RefuseSparseTimes(input, TimesOf(trajectory.poses), "give seconds, or --fps with numbers of frames");
+    RefuseSparseTimes(input, TimesOf(trajectory.poses), "Give seconds, or --fps with numbers of frames");
   const RescaleOptions options = OptionsFrom(arguments, trajectory.timed);
   if (!trajectory.timed && arguments.lever_arm && !options.car.is_rigid()) {
     Warn(hooks, fmt::format("{}: no timestamps: side slip is unknown, and taken as {:.0f} +-{:.0f} % of the lever arm; "

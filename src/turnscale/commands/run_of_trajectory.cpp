@@ -18,8 +18,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-double Square(double value) { return value * value; }
-
 bool IsOfRun(const fs::path& trajectory) {
   const fs::path name = trajectory.filename();
   return name == RunFiles::kTrajectoryTum || name == RunFiles::kTrajectoryKitti || name == RunFiles::kLiveTum;
@@ -106,11 +104,10 @@ MeasuredPath MeasuredPartOf(const fs::path& trajectory, const Trajectory& poses)
       continue;
     }
     // Of all maps that began since the last measured pose; of any that may have, where that is not known.
-    double variance = !restarts && lost ? Square(TrackingOptions().depth_sigma) : 0;
+    double sigma = !restarts && lost ? TrackingOptions().depth_sigma : 0;
     for (; restarts && next < restarts->size() && (*restarts)[next].frame <= states[i].frame; ++next)
-      variance += Square((*restarts)[next].unit_sigma);
-    if (variance > 0 && !path.poses.empty())
-      path.gaps.push_back({static_cast<int>(path.poses.size()), std::sqrt(variance)});
+      sigma = std::hypot(sigma, (*restarts)[next].unit_sigma);
+    if (sigma > 0 && !path.poses.empty()) path.gaps.push_back({static_cast<int>(path.poses.size()), sigma});
     path.poses.push_back(poses[i]);
     lost = false;
   }

@@ -26,7 +26,9 @@ std::vector<MissingPart> FindMissingParts(const std::vector<FrameResult>& frames
     const bool lost = !IsMeasured(frame) && (open || after_gap || frame.state != TrackingState::kRepeated);
     if (after_gap) parts.push_back({MissingReason::kNotRecorded, frames[i - 1].time, frame.time, 0});
     open = open && !after_gap;
-    if (lost && !open) parts.push_back({MissingReason::kUnreadable, frame.time, frame.time, 0});
+    const bool unreadable = frame.state == TrackingState::kUnreadable;
+    if (lost && !open)
+      parts.push_back({unreadable ? MissingReason::kUnreadable : MissingReason::kLost, frame.time, frame.time, 0});
     open = lost;
     begun = begun || IsMeasured(frame);
     if (!lost) continue;
@@ -34,7 +36,7 @@ std::vector<MissingPart> FindMissingParts(const std::vector<FrameResult>& frames
     MissingReason& reason = parts.back().reason;
     if (!begun)
       reason = MissingReason::kNotBegun;
-    else if (frame.state != TrackingState::kUnreadable && frame.state != TrackingState::kRepeated)
+    else if (!unreadable && frame.state != TrackingState::kRepeated)
       reason = MissingReason::kLost;
   }
   return parts;

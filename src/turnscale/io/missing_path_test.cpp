@@ -50,6 +50,7 @@ TEST(MissingPath, PartsBeforeTheMapWithinAndAtTheEnd) {
 TEST(MissingPath, ImagesThatCannotBeReadAreNoLossOfTracking) {
   EXPECT_EQ(MissingPartText(FindMissingParts(Frames("tturut"))[0]), "images unreadable from 0.2 s to 0.5 s (3 frames)");
   EXPECT_EQ(FindMissingParts(Frames("ttubut"))[0].reason, MissingReason::kLost);
+  EXPECT_EQ(FindMissingParts(Frames("ttt-rrt"))[1].reason, MissingReason::kLost) << "all images could be read";
 }
 
 TEST(MissingPath, APauseOfTheRecorderIsNotTakenForLostTracking) {

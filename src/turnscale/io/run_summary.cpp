@@ -17,7 +17,6 @@
 #include "turnscale/io/impossible_motion.h"
 #include "turnscale/io/time_check.h"
 #include "turnscale/io/turn_warning.h"
-#include "turnscale/io/uncertain_scale.h"
 
 namespace turnscale {
 namespace {
@@ -262,8 +261,7 @@ std::vector<std::string> CarWarnings(const RefinedScale& scale, const RunSummary
 }
 
 void AddWarnings(const std::vector<FrameResult>& refined, const RefinedScale& scale,
-                 const std::vector<ImpossibleMotion>& impossible, const std::optional<UncertainScale>& uncertain,
-                 RunSummary& summary) {
+                 const std::vector<ImpossibleMotion>& impossible, RunSummary& summary) {
   const auto add = [&](std::string warning) {
     if (!warning.empty()) summary.warnings.push_back(std::move(warning));
   };
@@ -278,7 +276,7 @@ void AddWarnings(const std::vector<FrameResult>& refined, const RefinedScale& sc
   for (std::string& warning : TimeWarnings(refined, scale.turns)) add(std::move(warning));
   for (std::string& warning : SeamWarnings(summary)) add(std::move(warning));
   add(ImpossibleMotionText(impossible));
-  if (uncertain) add(UncertainScaleText(*uncertain, summary.distance));
+  if (summary.uncertain_scale) add(UncertainScaleText(*summary.uncertain_scale, summary.distance));
 }
 
 }  // namespace
@@ -357,10 +355,10 @@ const char* LensModelName(LensModel lens) {
 void Summarize(const std::vector<FrameResult>& refined, const RefinedScale& scale, RunSummary& summary) {
   SummarizePath(refined, summary);
   const std::vector<ImpossibleMotion> impossible = FindImpossibleMotion(refined);
-  const std::optional<UncertainScale> uncertain = FindUncertainScale(refined);
-  SummarizeScale(refined, scale, std::hypot(LengthErrorOf(impossible), uncertain ? uncertain->length_error() : 0.0),
-                 summary);
-  AddWarnings(refined, scale, impossible, uncertain, summary);
+  summary.uncertain_scale = FindUncertainScale(refined);
+  const double of_uncertain = summary.uncertain_scale ? summary.uncertain_scale->length_error() : 0;
+  SummarizeScale(refined, scale, std::hypot(LengthErrorOf(impossible), of_uncertain), summary);
+  AddWarnings(refined, scale, impossible, summary);
   if (summary.pose_frame == "vehicle" && !summary.is_metric())
     summary.warnings.emplace_back(
         "without a scale the rear axle has no place: the positions are the camera's, with the directions of the car");
@@ -374,7 +372,7 @@ void SummarizeBeginning(const std::vector<FrameResult>& frames, const SeenImages
   if (seen.Still()) return;
   double length = LengthBefore(*before, frames);
   // A map whose scale is hardly known does not tell the speed.
-  const std::optional<UncertainScale> uncertain = FindUncertainScale(frames);
+  const std::optional<UncertainScale>& uncertain = summary.uncertain_scale;
   if (uncertain && uncertain->from < before->to + kBriefSeconds)
     length = std::max(length, uncertain->usual_speed() * (before->to - before->from));
   summary.path_sigma = std::hypot(summary.path_sigma, length / std::max(summary.distance, 1e-9));

@@ -11,6 +11,7 @@
 #include "turnscale/io/image_source.h"
 #include "turnscale/io/missing_path.h"
 #include "turnscale/io/seen_images.h"
+#include "turnscale/io/uncertain_scale.h"
 #include "turnscale/odometry/drive_scale.h"
 #include "turnscale/odometry/options.h"
 #include "turnscale/odometry/results.h"
@@ -139,6 +140,7 @@ struct RunSummary {
   int turns_used = 0;
   std::optional<HeightConflict> height_conflict;  ///< lever arm and camera height disagree
   TurnTest turn_test;                             ///< consistency of the turns
+  std::optional<UncertainScale> uncertain_scale;  ///< parts of the path whose scale is hardly known
   bool is_part = false;                           ///< what was processed is only a part of the drive
   std::string pending_reason;                     ///< why there is no scale; empty where there is
   std::vector<std::string> warnings;              ///< all of the run, one line each

@@ -54,9 +54,9 @@ std::vector<double> InSeconds(std::vector<double> times) {
 void RefuseSparseTimes(const std::string& name, const std::vector<double>& seconds, const std::string& remedy) {
   const double step = MedianStep(seconds);
   if (step > kLongestFrameInterval)
-    throw InputError(fmt::format(
-        "{}: half of the times are {:.0f} s apart or more; are they milliseconds, or numbers of frames? {}{}", name,
-        step, static_cast<char>(std::toupper(remedy[0])), remedy.substr(1)));
+    throw InputError(
+        fmt::format("{}: half of the times are {:.0f} s apart or more; are they milliseconds, or numbers of frames? {}",
+                    name, step, remedy));
 }
 
 bool AreNanoseconds(const std::vector<double>& times) { return times.size() < 2 || 1e-9 * MedianStep(times) > 1e-4; }

@@ -18,7 +18,7 @@ std::vector<double> InSeconds(std::vector<double> times);
 /// Throws InputError where the median of the steps is above kLongestFrameInterval, as where times are milliseconds from
 /// a start of zero: no camera drives with such images. `name` is that of the file.
 void RefuseSparseTimes(const std::string& name, const std::vector<double>& seconds,
-                       const std::string& remedy = "give seconds");
+                       const std::string& remedy = "Give seconds");
 
 /// Whether times that a format has in nanoseconds can be such: at most 10,000 per second.
 bool AreNanoseconds(const std::vector<double>& times);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cmath>
 #include <optional>
 #include <string>
 #include <vector>
@@ -20,7 +21,7 @@ struct UncertainScale {
   double expected = 0;  ///< the same at the mean speed of the rest, metres
 
   /// Error of the path's length that this suggests, metres.
-  double length_error() const { return expected > distance ? expected - distance : distance - expected; }
+  double length_error() const { return std::abs(expected - distance); }
   /// Mean speed of the rest, m/s.
   double usual_speed() const { return expected / seconds; }
 };

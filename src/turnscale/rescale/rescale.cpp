@@ -198,6 +198,7 @@ std::optional<double> SpeedBeside(const Trajectory& metric, int from, int end) {
 // The way across a gap was not measured: it has the unit of the map before it, of the one after it, or neither. Here it
 // is as long as at the mean of the speeds before and after it.
 void CrossGapsAtMeanSpeed(const std::vector<PathGap>& gaps, Trajectory& metric) {
+  std::vector<Eigen::Vector3d> shifts(metric.size(), Eigen::Vector3d::Zero());  // of all poses from this one on
   for (std::size_t i = 0; i < gaps.size(); ++i) {
     const int after = gaps[i].pose;
     const int begin = i == 0 ? 0 : gaps[i - 1].pose;
@@ -208,8 +209,12 @@ void CrossGapsAtMeanSpeed(const std::vector<PathGap>& gaps, Trajectory& metric) 
         metric[after].world_from_camera.translation - metric[after - 1].world_from_camera.translation;
     if (!speed_before || !speed_after || !(way.norm() > 0)) continue;
     const double length = 0.5 * (*speed_before + *speed_after) * (metric[after].time - metric[after - 1].time);
-    const Eigen::Vector3d shift = (length / way.norm() - 1) * way;
-    for (std::size_t k = after; k < metric.size(); ++k) metric[k].world_from_camera.translation += shift;
+    shifts[after] = (length / way.norm() - 1) * way;
+  }
+  Eigen::Vector3d shift = Eigen::Vector3d::Zero();
+  for (std::size_t k = 0; k < metric.size(); ++k) {
+    shift += shifts[k];
+    metric[k].world_from_camera.translation += shift;
   }
 }
 
@@ -234,7 +239,7 @@ MountFromPath FindCameraMount(const Trajectory& trajectory, bool timed, const st
       CutAtGaps(timed ? trajectory : AtUsualRate(trajectory), GapsAndHoles(trajectory, timed, options, gaps));
   const AxisConvention axes = FindAxisConvention(StepsAlong(pieces));
   for (Trajectory& piece : pieces) piece = InCameraAxes(std::move(piece), axes);
-  const Eigen::Quaterniond body_from_camera = InCameraAxes({StampedPose{}}, axes).front().world_from_camera.rotation;
+  const Eigen::Quaterniond body_from_camera = BodyFromCamera(axes);
   const std::vector<CameraStep> steps = StepsAlong(pieces);
   const Calibration calibration = Calibrate(steps);
   MountFromPath mount;
