@@ -15,8 +15,8 @@
 #include "turnscale/base/error.h"
 #include "turnscale/camera/camera_file.h"
 #include "turnscale/features/corners.h"
+#include "turnscale/frames/image_source.h"
 #include "turnscale/geometry/rotation.h"
-#include "turnscale/io/image_source.h"
 #include "turnscale/io/trajectory_file.h"
 
 namespace turnscale {

@@ -17,9 +17,9 @@
 
 #include "../tests/street_world.h"
 #include "turnscale/base/error.h"
+#include "turnscale/frames/frame_reader.h"
 #include "turnscale/geometry/rotation.h"
 #include "turnscale/image_file/image_encoder.h"
-#include "turnscale/io/frame_reader.h"
 #include "turnscale/io/output_file.h"
 #include "turnscale/odometry/odometry.h"
 

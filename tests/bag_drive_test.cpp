@@ -14,7 +14,7 @@
 #include "turnscale/bag/test_bag.h"
 #include "turnscale/base/test_files.h"
 #include "turnscale/camera/camera_file.h"
-#include "turnscale/io/drive_input.h"
+#include "turnscale/frames/drive_input.h"
 
 namespace turnscale {
 namespace {

@@ -11,8 +11,8 @@
 #include "command_line.h"
 #include "turnscale/base/test_files.h"
 #include "turnscale/calibration/test_drive.h"
-#include "turnscale/io/settings.h"
 #include "turnscale/io/trajectory_file.h"
+#include "turnscale/run/settings.h"
 
 namespace turnscale {
 namespace {

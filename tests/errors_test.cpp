@@ -18,9 +18,9 @@
 #include "rendered_room.h"
 #include "turnscale/base/test_files.h"
 #include "turnscale/camera/camera_file.h"
-#include "turnscale/io/settings.h"
-#include "turnscale/io/test_video.h"
+#include "turnscale/frames/test_video.h"
 #include "turnscale/io/trajectory_file.h"
+#include "turnscale/run/settings.h"
 
 namespace turnscale {
 namespace {
@@ -123,7 +123,7 @@ TEST_F(ErrorsTest, AFileOfACarWithoutALengthIsNamed) {
 
 TEST_F(ErrorsTest, SettingsAreThoseInEffect) {
   ASSERT_EQ(Run({"--quiet"}).exit_code, 0);
-  EXPECT_TRUE(ReadSettings(Out() / "settings.yaml").lens.enabled);
+  EXPECT_TRUE(ReadSettings(Out() / "settings.yaml").odometry.lens.enabled);
   EXPECT_GT(Summary()["lens"]["sigma"], 0);
   const std::string fisheye = Text("fisheye.yaml",
                                    "cam0:\n  camera_model: pinhole\n  intrinsics: [200, 200, 159.5, 119.5]\n"
@@ -131,7 +131,7 @@ TEST_F(ErrorsTest, SettingsAreThoseInEffect) {
                                    "  distortion_coeffs: [0, 0, 0, 0]\n")
                                   .string();
   ASSERT_EQ(Run({"--quiet", "--camera", fisheye}).exit_code, 0);
-  EXPECT_FALSE(ReadSettings(Out() / "settings.yaml").lens.enabled) << "a fisheye has no radial correction";
+  EXPECT_FALSE(ReadSettings(Out() / "settings.yaml").odometry.lens.enabled) << "a fisheye has no radial correction";
   EXPECT_TRUE(Summary()["lens"].is_null());
 }
 

@@ -20,8 +20,8 @@
 #include "turnscale/base/test_files.h"
 #include "turnscale/export/test_results.h"
 #include "turnscale/geometry/rotation.h"
-#include "turnscale/io/run_summary.h"
-#include "turnscale/io/run_writer.h"
+#include "turnscale/run/run_summary.h"
+#include "turnscale/run/run_writer.h"
 
 namespace turnscale {
 namespace {

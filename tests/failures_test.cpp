@@ -24,12 +24,12 @@
 #include "turnscale/base/error.h"
 #include "turnscale/base/test_files.h"
 #include "turnscale/camera/camera_file.h"
-#include "turnscale/io/drive_input.h"
+#include "turnscale/frames/drive_input.h"
 #include "turnscale/io/output_file.h"
-#include "turnscale/io/result_folder.h"
-#include "turnscale/io/run_drive.h"
 #include "turnscale/io/terminal.h"
 #include "turnscale/io/trajectory_file.h"
+#include "turnscale/run/result_folder.h"
+#include "turnscale/run/run_drive.h"
 
 namespace turnscale {
 namespace {

@@ -8,8 +8,8 @@
 
 #include "odometry_run.h"
 #include "turnscale/camera/camera_file.h"
-#include "turnscale/io/drive_input.h"
-#include "turnscale/io/image_source.h"
+#include "turnscale/frames/drive_input.h"
+#include "turnscale/frames/image_source.h"
 #include "turnscale/io/trajectory_file.h"
 
 namespace turnscale {

@@ -24,8 +24,8 @@ OpenDrive ImagesOf(const StreetDrive& drive) {
 }
 
 std::optional<FoundCamera> Found(const StreetDrive& drive, double field_of_view_deg) {
-  return CalibrateFromDrive(StreetOptions(), {CameraOfView(field_of_view_deg, drive.camera.width, drive.camera.height)},
-                            ImagesOf(drive));
+  return CalibrateFromDrive(
+      {}, StreetOptions(), {CameraOfView(field_of_view_deg, drive.camera.width, drive.camera.height)}, ImagesOf(drive));
 }
 
 TEST(OdometrySelfCalibration, FindsTheFocalLengthFromANarrowAndAWideStart) {
@@ -86,7 +86,8 @@ TEST(OdometrySelfCalibration, TheSecondReadingBeginsWithTheDriveToo) {
     begins.push_back(from);
     return images(from);
   };
-  ASSERT_TRUE(CalibrateFromDrive(StreetOptions(), {CameraOfView(70, drive.camera.width, drive.camera.height)}, noted));
+  ASSERT_TRUE(
+      CalibrateFromDrive({}, StreetOptions(), {CameraOfView(70, drive.camera.width, drive.camera.height)}, noted));
   ASSERT_GT(begins.size(), 1U);
   EXPECT_FALSE(begins[0]);
   EXPECT_FALSE(begins[1]);
@@ -109,7 +110,8 @@ TEST(OdometrySelfCalibration, LaterReadingsEndAfterTheTurns) {
       return image;
     };
   };
-  ASSERT_TRUE(CalibrateFromDrive(StreetOptions(), {CameraOfView(70, drive.camera.width, drive.camera.height)}, noted));
+  ASSERT_TRUE(
+      CalibrateFromDrive({}, StreetOptions(), {CameraOfView(70, drive.camera.width, drive.camera.height)}, noted));
   ASSERT_GT(ends.size(), 2U);
   EXPECT_EQ(ends[1], drive.times.back());
   for (size_t pass = 2; pass < ends.size(); ++pass) {
@@ -126,7 +128,7 @@ TEST(OdometrySelfCalibration, AStraightDoesNotTell) {
 TEST(OdometrySelfCalibration, ABendDoesNotReplaceACalibration) {
   // Fifteen degrees into the turn, which with half the focal length would look like thirty.
   const StreetDrive drive = PlainStreetDrive(kStreetFirstTurn + kStreetTurnFrames / 6);
-  EXPECT_FALSE(CalibrateFromDrive(StreetOptions(), {drive.camera, false}, ImagesOf(drive)));
+  EXPECT_FALSE(CalibrateFromDrive({}, StreetOptions(), {drive.camera, false}, ImagesOf(drive)));
   EXPECT_FALSE(Found(drive, 110));
 }
 

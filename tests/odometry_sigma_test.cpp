@@ -9,7 +9,7 @@
 #include "odometry_run.h"
 #include "street_drive.h"
 #include "turnscale/geometry/rotation.h"
-#include "turnscale/io/run_summary.h"
+#include "turnscale/run/run_summary.h"
 
 namespace turnscale {
 namespace {

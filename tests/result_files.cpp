@@ -8,9 +8,9 @@
 #include <nlohmann/json.hpp>
 
 #include "turnscale/base/test_files.h"
-#include "turnscale/io/settings.h"
 #include "turnscale/io/trajectory_file.h"
-#include "turnscale/io/vehicle_file.h"
+#include "turnscale/run/settings.h"
+#include "turnscale/run/vehicle_file.h"
 
 namespace turnscale {
 namespace {

@@ -11,9 +11,9 @@
 #include "command_line.h"
 #include "turnscale/base/test_files.h"
 #include "turnscale/config/yaml_map.h"
-#include "turnscale/io/drive_input.h"
+#include "turnscale/frames/drive_input.h"
+#include "turnscale/frames/video_file.h"
 #include "turnscale/io/trajectory_file.h"
-#include "turnscale/io/video_file.h"
 
 namespace turnscale {
 namespace {

@@ -22,8 +22,8 @@
 #include "turnscale/export/utc_time.h"
 #include "turnscale/geometry/rotation.h"
 #include "turnscale/io/output_file.h"
-#include "turnscale/io/result_folder.h"
 #include "turnscale/io/terminal.h"
+#include "turnscale/run/result_folder.h"
 
 namespace turnscale {
 namespace {

@@ -20,8 +20,8 @@
 #include "turnscale/commands/command_hooks.h"
 #include "turnscale/commands/version.h"
 #include "turnscale/config/yaml_map.h"
-#include "turnscale/io/run_summary.h"
 #include "turnscale/io/terminal.h"
+#include "turnscale/run/run_summary.h"
 
 namespace turnscale {
 namespace {

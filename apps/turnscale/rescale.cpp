@@ -10,8 +10,8 @@
 #include "turnscale/commands/rescale_command.h"
 #include "turnscale/commands/rescale_report.h"
 #include "turnscale/io/height_file.h"
-#include "turnscale/io/run_writer.h"
 #include "turnscale/io/terminal.h"
+#include "turnscale/run/run_writer.h"
 
 namespace turnscale {
 namespace {

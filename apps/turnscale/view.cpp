@@ -17,10 +17,10 @@
 #include "turnscale/commands/run_page.h"
 #include "turnscale/io/output_file.h"
 #include "turnscale/io/run_files.h"
-#include "turnscale/io/run_writer.h"
 #include "turnscale/io/terminal.h"
 #include "turnscale/report/report_page.h"
 #include "turnscale/report/run_report.h"
+#include "turnscale/run/run_writer.h"
 
 namespace turnscale {
 namespace {

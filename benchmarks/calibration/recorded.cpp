@@ -15,11 +15,11 @@
 #include "turnscale/calibration/camera_step.h"
 #include "turnscale/calibration/lever_arm_fit.h"
 #include "turnscale/calibration/online_calibration.h"
-#include "turnscale/io/calibration_report.h"
-#include "turnscale/io/drive_input.h"
+#include "turnscale/frames/drive_input.h"
 #include "turnscale/io/output_file.h"
 #include "turnscale/io/trajectory_file.h"
 #include "turnscale/laboratory/calibration_trials.h"
+#include "turnscale/run/calibration_report.h"
 
 namespace turnscale {
 namespace {

@@ -9,7 +9,7 @@
 #include "turnscale/base/error.h"
 #include "turnscale/commands/argument_checks.h"
 #include "turnscale/commands/version.h"
-#include "turnscale/io/mask_file.h"
+#include "turnscale/frames/mask_file.h"
 #include "turnscale/io/trajectory_file.h"
 #include "turnscale/odometry/drive_speed.h"
 #include "turnscale/odometry/results.h"
@@ -21,7 +21,7 @@ namespace {
 
 OdometryOptions CheckedOptions(const OdometryArguments& arguments) {
   CheckThreads(arguments.threads);
-  return OptionsFrom(arguments.car, arguments.settings);
+  return SettingsFrom(arguments.car, arguments.settings).odometry;
 }
 
 std::string ShapeOf(const py::array& image) {

@@ -12,9 +12,9 @@
 
 #include "keywords.h"
 #include "turnscale/camera/camera_model.h"
-#include "turnscale/io/drive_recorder.h"
-#include "turnscale/io/run_summary.h"
 #include "turnscale/odometry/odometry.h"
+#include "turnscale/run/drive_recorder.h"
+#include "turnscale/run/run_summary.h"
 
 namespace turnscale {
 

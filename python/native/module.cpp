@@ -19,8 +19,8 @@
 #include "turnscale/commands/rescale_report.h"
 #include "turnscale/commands/version.h"
 #include "turnscale/geometry/rotation.h"
-#include "turnscale/io/run_summary.h"
 #include "turnscale/io/trajectory_file.h"
+#include "turnscale/run/run_summary.h"
 
 namespace py = pybind11;
 

@@ -22,7 +22,7 @@ double Velocity(const FittedEquation& fitted) { return fitted.off / fitted.equat
 
 double CorrelationOver(double seconds) { return std::exp(-seconds / kCommonSeconds); }
 
-Matrix Square(const Vector& score) { return score * score.transpose(); }
+Matrix OuterSquare(const Vector& score) { return score * score.transpose(); }
 
 // Of the scores of one drive.
 Matrix OfMotion(const FittedEquations& equations, const MotionNoise& noise) {
@@ -36,7 +36,7 @@ Matrix OfMotion(const FittedEquations& equations, const MotionNoise& noise) {
     last = Middle(fitted);
     const Vector score = fitted.equation.duration() * fitted.row;
     const Matrix cross = noise.common_variance * score * before.transpose();
-    sum += (noise.step_variance + noise.common_variance) * Square(score) + cross + cross.transpose();
+    sum += (noise.step_variance + noise.common_variance) * OuterSquare(score) + cross + cross.transpose();
     before += score;
   }
   return sum;
@@ -57,9 +57,9 @@ struct SegmentScores {
   }
 
   Matrix Deviations(bool turning, const LeverArm& lever_arm) const {
-    if (!turning) return Square(kStraightDirectionSigma * way);
-    return Square(kTurnSigma * lever_arm.length * length) + Square(kTurnSlipSigma * lever_arm.side_slip * slip) +
-           Square(kTurnDirectionSigma * way);
+    if (!turning) return OuterSquare(kStraightDirectionSigma * way);
+    return OuterSquare(kTurnSigma * lever_arm.length * length) +
+           OuterSquare(kTurnSlipSigma * lever_arm.side_slip * slip) + OuterSquare(kTurnDirectionSigma * way);
   }
 };
 
@@ -79,7 +79,7 @@ SumsOverSegments SumOverSegments(const FittedEquations& equations, const LeverAr
     const LeverArmEquation& equation = equations[i].equation;
     if (i + 1 < equations.size() && AreOfOneSegment(equation, equations[i + 1].equation)) continue;
     sums.deviations += segment.Deviations(equation.turning(), lever_arm);
-    sums.scatter += Square(segment.off);
+    sums.scatter += OuterSquare(segment.off);
     sums.turns += equation.turning() ? 1 : 0;
     segment = SegmentScores(unknowns);
   }
@@ -133,15 +133,13 @@ MotionNoise FindMotionNoise(const std::vector<FittedEquation>& equations, double
   return {std::max(squares / steps - found, 0.0) * steps / std::max(steps - unknowns, 1.0), common};
 }
 
-Eigen::MatrixXd CovarianceOfFit(const std::vector<FittedEquation>& equations, int drives, const LeverArm& lever_arm) {
+Eigen::MatrixXd CovarianceOfFit(const std::vector<FittedEquation>& equations, const Eigen::MatrixXd& hessian,
+                                int drives, const LeverArm& lever_arm) {
   const Eigen::Index unknowns = equations.front().row.size();
-  // A drive without a step leaves its yaw open.
-  Matrix hessian = 1e-12 * Matrix::Identity(unknowns, unknowns);
   Matrix of_steps = Matrix::Zero(unknowns, unknowns);
   Vector of_roll = Vector::Zero(unknowns);
   for (const FittedEquation& fitted : equations) {
-    hessian += fitted.curvature * Square(fitted.row);
-    of_steps += Square(fitted.off * fitted.row);
+    of_steps += OuterSquare(fitted.off * fitted.row);
     of_roll += fitted.curvature * fitted.equation.roll * fitted.row;
   }
   const Matrix inverse = hessian.ldlt().solve(Matrix::Identity(unknowns, unknowns));
@@ -152,7 +150,7 @@ Eigen::MatrixXd CovarianceOfFit(const std::vector<FittedEquation>& equations, in
   const auto free = segments.turns - static_cast<int>(unknowns - drives);
   if (free > 0)
     covariance = NoSmaller(covariance, of_unknowns(static_cast<double>(segments.turns) / free * segments.scatter));
-  return covariance + of_unknowns(Square(kUsualRollHeightSigma * of_roll));
+  return covariance + of_unknowns(OuterSquare(kUsualRollHeightSigma * of_roll));
 }
 
 }  // namespace turnscale

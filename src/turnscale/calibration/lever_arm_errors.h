@@ -30,7 +30,9 @@ MotionNoise FindMotionNoise(const std::vector<FittedEquation>& equations, double
 
 /// Covariance of the unknowns of a fit: the motion's noise, what turns and straights deviate from the kinematics
 /// (turn_errors.h), and the height above the roll axis, which errs in all turns alike. If the steps, or the turns among
-/// each other, scatter by more, theirs. `drives` is the number of drives, in each of which the noise has its own size.
-Eigen::MatrixXd CovarianceOfFit(const std::vector<FittedEquation>& equations, int drives, const LeverArm& lever_arm);
+/// each other, scatter by more, theirs. `hessian` is that of the fit, `drives` is the number of drives, in each of
+/// which the noise has its own size.
+Eigen::MatrixXd CovarianceOfFit(const std::vector<FittedEquation>& equations, const Eigen::MatrixXd& hessian,
+                                int drives, const LeverArm& lever_arm);
 
 }  // namespace turnscale

@@ -81,12 +81,14 @@ TEST(CovarianceOfFit, IsThatOfTheMeanOfCorrelatedErrors) {
     std::vector<FittedEquation> equations = NoisySteps(kSteps, 0.02, 0.08, 1000 + run);
     double yaw = 0;
     for (const FittedEquation& fitted : equations) yaw += fitted.off / fitted.equation.way / kSteps;
+    Eigen::MatrixXd hessian = Eigen::MatrixXd::Zero(1, 1);
     for (FittedEquation& fitted : equations) {
       fitted.row = Eigen::VectorXd::Constant(1, fitted.equation.way);
       fitted.off -= yaw * fitted.equation.way;
+      hessian += fitted.curvature * fitted.row * fitted.row.transpose();
     }
     squares += yaw * yaw / kRuns;
-    stated += CovarianceOfFit(equations, 1, {})(0, 0) / kRuns;
+    stated += CovarianceOfFit(equations, hessian, 1, {})(0, 0) / kRuns;
   }
   EXPECT_NEAR(std::sqrt(stated / (squares + std::pow(0.1 / kDegreesPerRadian, 2))), 1, 0.1)
       << "the noise, and the crown of the one straight";

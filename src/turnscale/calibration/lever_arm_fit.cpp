@@ -95,7 +95,7 @@ class Fit {
       fitted_.push_back({equation, Row(equation), weight * off, weight * weight * weight});
       hessian_ += fitted_.back().curvature * fitted_.back().row * fitted_.back().row.transpose();
     }
-    covariance_ = CovarianceOfFit(fitted_, drives, lever_arm());
+    covariance_ = CovarianceOfFit(fitted_, hessian_, drives, lever_arm());
   }
 
   LeverArm lever_arm() const { return {x_[0], side_slip_ ? x_[unknowns_ - 1] : assumed_side_slip_}; }

@@ -8,7 +8,7 @@
 
 #include "turnscale/commands/command_hooks.h"
 #include "turnscale/commands/drive_source.h"
-#include "turnscale/io/calibration_report.h"
+#include "turnscale/run/calibration_report.h"
 
 namespace turnscale {
 

@@ -13,10 +13,10 @@
 #include "turnscale/base/input_file.h"
 #include "turnscale/commands/axes_of_poses.h"
 #include "turnscale/commands/run_of_trajectory.h"
-#include "turnscale/io/drive_input.h"
+#include "turnscale/frames/drive_input.h"
 #include "turnscale/io/run_files.h"
-#include "turnscale/io/settings.h"
 #include "turnscale/io/trajectory_file.h"
+#include "turnscale/run/settings.h"
 
 namespace turnscale {
 namespace {

@@ -12,6 +12,7 @@
 #include "turnscale/base/error.h"
 #include "turnscale/geometry/angle.h"
 #include "turnscale/io/terminal.h"
+#include "turnscale/run/full_size.h"
 
 namespace turnscale {
 namespace {
@@ -73,7 +74,7 @@ std::string NoTurn(const ImageArguments& arguments, double least_turn_deg, doubl
 
 }  // namespace
 
-CameraEstimate EstimateCamera(const ImageArguments& arguments, DriveImages& images, const OdometryOptions& options,
+CameraEstimate EstimateCamera(const ImageArguments& arguments, DriveImages& images, const Settings& settings,
                               const CommandHooks& hooks, const std::function<void(const std::string&)>& on_pass) {
   const bool assumed = images.given.name.empty();
   if (!assumed && !arguments.refine_camera) return {};
@@ -92,24 +93,24 @@ CameraEstimate EstimateCamera(const ImageArguments& arguments, DriveImages& imag
   images.camera.height = size.height;
   if (assumed)
     images.camera.focal_sigma = (arguments.field_of_view ? kStatedSigma : kAssumedSigma) * images.camera.pinhole.fx;
-  const int most_passes = MostPasses(options.self_calibration, assumed);
+  const int most_passes = MostPasses(settings.self_calibration, assumed);
   int pass = 0;
   std::vector<double> times;
   const std::optional<FoundCamera> found = CalibrateFromDrive(
-      options, {images.camera, assumed},
+      settings.self_calibration, settings.odometry, {images.camera, assumed},
       [&](std::optional<double> from) {
         const std::string work = fmt::format("estimating the intrinsics, pass {} of at most {}", ++pass, most_passes);
         on_pass(work);
-        return Images(arguments, images, hooks, options.images, from, work, times);
+        return Images(arguments, images, hooks, settings.images, from, work, times);
       },
       images.mask);
   if (!found) {
     const double used = 2 * InDegrees(std::atan(0.5 * size.width / images.camera.pinhole.fx));
-    return {std::nullopt, NoTurn(arguments, options.calibration_check.min_turn_deg, used, assumed)};
+    return {std::nullopt, NoTurn(arguments, settings.odometry.calibration_check.min_turn_deg, used, assumed)};
   }
   images.camera = found->camera;
   return {
-      images.scaling.Full(*found),
+      AtFullSize(images.scaling, *found),
       found->converged
           ? ""
           : "the estimate of the intrinsics did not converge; the stated sigma of the focal length may be too small"};

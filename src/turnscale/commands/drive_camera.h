@@ -7,8 +7,8 @@
 
 #include "turnscale/commands/command_hooks.h"
 #include "turnscale/commands/drive_source.h"
-#include "turnscale/odometry/options.h"
 #include "turnscale/odometry/self_calibration.h"
+#include "turnscale/run/settings.h"
 
 namespace turnscale {
 
@@ -26,7 +26,7 @@ struct CameraEstimate {
 /// into `images`. Where the drive does not determine it, an assumed one. `on_pass` is told what is done before each
 /// pass over the images, with its number. Throws InputError where there is nothing to refine, Interruption.
 CameraEstimate EstimateCamera(
-    const ImageArguments& arguments, DriveImages& images, const OdometryOptions& options, const CommandHooks& hooks,
+    const ImageArguments& arguments, DriveImages& images, const Settings& settings, const CommandHooks& hooks,
     const std::function<void(const std::string&)>& on_pass = [](const std::string&) {});
 
 }  // namespace turnscale

@@ -14,17 +14,17 @@
 #include "turnscale/camera/camera_file.h"
 #include "turnscale/commands/argument_checks.h"
 #include "turnscale/commands/drive_camera.h"
-#include "turnscale/io/drive_recorder.h"
-#include "turnscale/io/image_rotation.h"
-#include "turnscale/io/mask_file.h"
-#include "turnscale/io/missing_path.h"
-#include "turnscale/io/run_summary.h"
-#include "turnscale/io/seen_images.h"
-#include "turnscale/io/settings.h"
+#include "turnscale/frames/image_rotation.h"
+#include "turnscale/frames/mask_file.h"
+#include "turnscale/frames/seen_images.h"
 #include "turnscale/io/terminal.h"
 #include "turnscale/io/trajectory_file.h"
 #include "turnscale/odometry/drive_scale.h"
 #include "turnscale/odometry/odometry.h"
+#include "turnscale/run/drive_recorder.h"
+#include "turnscale/run/missing_path.h"
+#include "turnscale/run/run_summary.h"
+#include "turnscale/run/settings.h"
 
 namespace turnscale {
 namespace {
@@ -286,14 +286,14 @@ DriveMotion MotionFromTrajectory(const fs::path& path, const std::optional<fs::p
 
 DriveMotion MotionFromImages(const ImageArguments& arguments, const CommandHooks& hooks) {
   CheckImageArguments(arguments);
-  const OdometryOptions options =
-      WithoutMetres(arguments.settings ? ReadSettings(*arguments.settings) : OdometryOptions());
-  options.Check();
-  DriveImages images = OpenImages(arguments, options.images);
+  Settings settings = arguments.settings ? ReadSettings(*arguments.settings) : Settings();
+  settings.odometry = WithoutMetres(settings.odometry);
+  settings.Check();
+  DriveImages images = OpenImages(arguments, settings.images);
   cv::setNumThreads(kImageThreads);
   hooks.begun();
-  const CameraEstimate estimate = EstimateCamera(arguments, images, options, hooks);
-  Odometry odometry(options, images.camera);
+  const CameraEstimate estimate = EstimateCamera(arguments, images, settings, hooks);
+  Odometry odometry(settings.odometry, images.camera);
   if (!images.mask.empty()) odometry.SetMask(images.mask);
   Progress progress(images.expected, arguments.quiet);
   SendWarnings(progress, hooks);

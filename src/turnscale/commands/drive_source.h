@@ -11,10 +11,10 @@
 #include "turnscale/calibration/camera_axes.h"
 #include "turnscale/camera/camera_model.h"
 #include "turnscale/commands/command_hooks.h"
+#include "turnscale/frames/drive_input.h"
+#include "turnscale/frames/image_scaling.h"
+#include "turnscale/frames/image_source.h"
 #include "turnscale/geometry/rigid_transform.h"
-#include "turnscale/io/drive_input.h"
-#include "turnscale/io/image_scaling.h"
-#include "turnscale/io/image_source.h"
 #include "turnscale/io/terminal.h"
 
 namespace turnscale {

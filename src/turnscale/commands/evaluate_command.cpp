@@ -9,11 +9,11 @@
 #include "turnscale/evaluation/path_picture.h"
 #include "turnscale/io/floor_plan_file.h"
 #include "turnscale/io/output_file.h"
-#include "turnscale/io/settings.h"
 #include "turnscale/io/trajectory_file.h"
 #include "turnscale/report/report_data.h"
 #include "turnscale/report/report_page.h"
 #include "turnscale/report/run_report.h"
+#include "turnscale/run/settings.h"
 
 namespace turnscale {
 namespace {

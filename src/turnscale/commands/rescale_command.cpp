@@ -17,10 +17,10 @@
 #include "turnscale/io/height_file.h"
 #include "turnscale/io/output_file.h"
 #include "turnscale/io/run_files.h"
-#include "turnscale/io/run_writer.h"
-#include "turnscale/io/settings.h"
 #include "turnscale/io/time_unit.h"
 #include "turnscale/io/trajectory_file.h"
+#include "turnscale/run/run_writer.h"
+#include "turnscale/run/settings.h"
 
 namespace turnscale {
 namespace {

@@ -16,9 +16,9 @@
 #include "turnscale/base/csv_cells.h"
 #include "turnscale/figure/figure.h"
 #include "turnscale/geometry/rotation.h"
-#include "turnscale/io/run_summary.h"
-#include "turnscale/io/time_check.h"
-#include "turnscale/io/turn_warning.h"
+#include "turnscale/run/run_summary.h"
+#include "turnscale/run/time_check.h"
+#include "turnscale/run/turn_warning.h"
 
 namespace turnscale {
 namespace {

@@ -16,11 +16,10 @@
 #include "turnscale/commands/drive_camera.h"
 #include "turnscale/commands/version.h"
 #include "turnscale/io/run_files.h"
-#include "turnscale/io/settings.h"
-#include "turnscale/io/vehicle_file.h"
 #include "turnscale/odometry/odometry.h"
 #include "turnscale/report/run_report.h"
 #include "turnscale/report/thumbnails.h"
+#include "turnscale/run/vehicle_file.h"
 
 namespace turnscale {
 namespace {
@@ -36,9 +35,9 @@ bool SettingsAreOfEarlierRun(const RunArguments& arguments) {
 
 // Throws InputError where other options change a setting of such a file. The text may change: that of an earlier
 // version lacks settings, which have their defaults.
-void CheckRepeatedSettings(const RunArguments& arguments, const OdometryOptions& options) {
+void CheckRepeatedSettings(const RunArguments& arguments, const Settings& settings) {
   const fs::path written = arguments.out / RunFiles::kSettings;
-  if (SettingsText(ReadSettings(written)) == SettingsText(options)) return;
+  if (SettingsText(ReadSettings(written)) == SettingsText(settings)) return;
   throw InputError(
       fmt::format("--out {}: is also an input file, and would change; give --settings a copy of it, or name another "
                   "--out",
@@ -59,7 +58,7 @@ std::vector<fs::path> FilesRead(const RunArguments& arguments, const DriveImages
 }
 
 // Throws InputError where the results would come to lie among the images or clips, or replace what is read.
-void CheckFolder(const RunArguments& arguments, const DriveImages& images, const OdometryOptions& options) {
+void CheckFolder(const RunArguments& arguments, const DriveImages& images, const Settings& settings) {
   std::error_code none;
   const auto refuse_folder = [&](const fs::path& folder) {
     if (fs::equivalent(arguments.out, folder.empty() ? "." : folder, none))
@@ -70,7 +69,7 @@ void CheckFolder(const RunArguments& arguments, const DriveImages& images, const
   refuse_folder(fs::is_directory(images.drive.path, none) ? images.drive.path : images.drive.path.parent_path());
   std::vector<NamedOutput> outputs;
   for (const char* name : RunFiles::kAll) outputs.push_back({"--out", arguments.out / name});
-  if (SettingsAreOfEarlierRun(arguments)) CheckRepeatedSettings(arguments, options);
+  if (SettingsAreOfEarlierRun(arguments)) CheckRepeatedSettings(arguments, settings);
   CheckOutputs(outputs, FilesRead(arguments, images));
 }
 
@@ -88,7 +87,7 @@ std::string UnusedCameraOfVehicle(const RunArguments& arguments, const VehicleOp
                      camera.string(), car.filename().string());
 }
 
-RunSummary BeforeTheDrive(const RunArguments& arguments, const OdometryOptions& options, const DriveImages& images,
+RunSummary BeforeTheDrive(const RunArguments& arguments, const VehicleOptions& vehicle, const DriveImages& images,
                           const CameraEstimate& estimate) {
   RunSummary summary;
   summary.version = Version();
@@ -101,7 +100,7 @@ RunSummary BeforeTheDrive(const RunArguments& arguments, const OdometryOptions& 
   if (arguments.car.vehicle) summary.vehicle_file = arguments.car.vehicle->string();
   summary.warnings = WarningsOf(arguments.images, images);
   if (!estimate.warning.empty()) summary.warnings.push_back(estimate.warning);
-  if (const std::string unused = UnusedCameraOfVehicle(arguments, options.vehicle, images); !unused.empty())
+  if (const std::string unused = UnusedCameraOfVehicle(arguments, vehicle, images); !unused.empty())
     summary.warnings.push_back(unused);
   summary.pose_frame = arguments.frame;
   summary.folder = arguments.out.string();
@@ -168,8 +167,9 @@ void ReplaceSlipSigma(double sigma, VehicleOptions& vehicle) {
 
 }  // namespace
 
-OdometryOptions OptionsFrom(const CarArguments& car, const std::optional<fs::path>& settings) {
-  OdometryOptions options = settings ? ReadSettings(*settings) : OdometryOptions();
+Settings SettingsFrom(const CarArguments& car, const std::optional<fs::path>& file) {
+  Settings settings = file ? ReadSettings(*file) : Settings();
+  OdometryOptions& options = settings.odometry;
   if (car.vehicle) ReadVehicleFile(*car.vehicle, options.vehicle);
   if (car.lever_arm) {
     options.vehicle.lever_arm = CheckedLeverArm(*car.lever_arm);
@@ -210,29 +210,29 @@ OdometryOptions OptionsFrom(const CarArguments& car, const std::optional<fs::pat
     throw InputError(
         fmt::format("{}: constrains turns by the lever arm, which is missing; give --lever-arm, or a "
                     "--vehicle file with one",
-                    car.method ? "--method " + *car.method : settings->string() + ": scale.method"));
-  options.Check();
-  return options;
+                    car.method ? "--method " + *car.method : file->string() + ": scale.method"));
+  settings.Check();
+  return settings;
 }
 
 RunEnd ExecuteRun(const RunArguments& arguments, const RunHooks& hooks) {
   CheckImageArguments(arguments.images);
   CheckChoice("--frame", arguments.frame, {"camera", "vehicle"});
   RefuseBoth({"--no-report", arguments.no_report}, {"--truth", !arguments.truth.truth.empty()});
-  const OdometryOptions options = OptionsFrom(arguments.car, arguments.images.settings);
+  const Settings settings = SettingsFrom(arguments.car, arguments.images.settings);
   CheckThreads(arguments.threads);
   cv::setNumThreads(arguments.threads);
   CheckTruthFiles(arguments.truth);
-  DriveImages images = OpenImages(arguments.images, options.images);
-  CheckFolder(arguments, images, options);
+  DriveImages images = OpenImages(arguments.images, settings.images);
+  CheckFolder(arguments, images, settings);
   const PoseFrame shown = arguments.frame == "vehicle" ? PoseFrame::kVehicle : PoseFrame::kCamera;
-  const RunWriterOptions output = {arguments.out, shown, options.vehicle.lever_arm};
+  const RunWriterOptions output = {arguments.out, shown, settings.odometry.vehicle.lever_arm};
   CheckRunOutput(output);
   hooks.opened(images.expected);
   hooks.begun();
-  const CameraEstimate estimate = EstimateCamera(arguments.images, images, options, hooks, hooks.phase);
+  const CameraEstimate estimate = EstimateCamera(arguments.images, images, settings, hooks, hooks.phase);
   hooks.phase("");
-  Odometry odometry(options, images.camera);
+  Odometry odometry(settings.odometry, images.camera);
   if (!images.mask.empty()) odometry.SetMask(images.mask);
   Progress progress(images.expected, arguments.images.quiet);
   SendWarnings(progress, hooks);
@@ -247,8 +247,9 @@ RunEnd ExecuteRun(const RunArguments& arguments, const RunHooks& hooks) {
       .at_end = [&] { return EndOf(images.source); },
       .max_frames = arguments.images.max_frames,
       .scaling = images.scaling,
+      .settings = settings,
       .output = output,
-      .summary = BeforeTheDrive(arguments, options, images, estimate),
+      .summary = BeforeTheDrive(arguments, settings.odometry.vehicle, images, estimate),
       .watch =
           [&](const SourceFrame& frame, const FrameResult& result, const Odometry& so_far) {
             if (!arguments.no_report) thumbnails.Add(frame.gray, result, so_far);

@@ -10,8 +10,8 @@
 #include "turnscale/commands/command_hooks.h"
 #include "turnscale/commands/drive_source.h"
 #include "turnscale/commands/run_page.h"
-#include "turnscale/io/run_drive.h"
-#include "turnscale/odometry/options.h"
+#include "turnscale/run/run_drive.h"
+#include "turnscale/run/settings.h"
 
 namespace turnscale {
 
@@ -28,7 +28,7 @@ struct CarArguments {
 };
 
 /// The settings file, overridden by the arguments. Throws InputError that names the option.
-OdometryOptions OptionsFrom(const CarArguments& car, const std::optional<std::filesystem::path>& settings);
+Settings SettingsFrom(const CarArguments& car, const std::optional<std::filesystem::path>& file);
 
 /// Arguments of `run`.
 struct RunArguments {

@@ -25,17 +25,17 @@ TEST(CarArguments, AnotherSigmaOfTheSlipLeavesWhatTurnsHaveShown) {
                          "lever_arm_slip_correlation: 0.95\n";
   CarArguments car;
   car.vehicle = file;
-  const VehicleOptions as_in_file = OptionsFrom(car, {}).vehicle;
+  const VehicleOptions as_in_file = SettingsFrom(car, {}).odometry.vehicle;
   const double speed = std::sqrt(0.95 * 0.13 / 0.002);  // at which the file's turns were
   for (const double sigma : {0.0005, 0.004}) {
     car.side_slip_sigma = sigma;
-    const VehicleOptions vehicle = OptionsFrom(car, {}).vehicle;
+    const VehicleOptions vehicle = SettingsFrom(car, {}).odometry.vehicle;
     EXPECT_EQ(vehicle.side_slip_sigma, sigma);
     EXPECT_NEAR(SigmaAt(speed, vehicle), SigmaAt(speed, as_in_file), 1e-9);
     EXPECT_EQ(vehicle.LeverArmSigma() < 0.13, sigma < 0.002) << "the lever arm follows the slip";
   }
   car.lever_arm_sigma = 0.05;
-  EXPECT_EQ(OptionsFrom(car, {}).vehicle.LeverArmSigma(), 0.05) << "as given";
+  EXPECT_EQ(SettingsFrom(car, {}).odometry.vehicle.LeverArmSigma(), 0.05) << "as given";
 }
 
 }  // namespace

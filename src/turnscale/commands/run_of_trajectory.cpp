@@ -9,9 +9,9 @@
 
 #include "turnscale/base/csv_table.h"
 #include "turnscale/io/run_files.h"
-#include "turnscale/io/run_summary.h"
 #include "turnscale/odometry/options.h"
 #include "turnscale/odometry/results.h"
+#include "turnscale/run/run_summary.h"
 
 namespace turnscale {
 namespace {

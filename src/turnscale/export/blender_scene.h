@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "turnscale/io/result_folder.h"
+#include "turnscale/run/result_folder.h"
 
 namespace turnscale {
 

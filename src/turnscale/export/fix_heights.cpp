@@ -12,7 +12,6 @@
 namespace turnscale {
 namespace {
 
-constexpr double kMostDeviation = 4.685;     // standard deviations
 constexpr double kUsualSlope = 0.03;         // of a whole drive, standard deviation
 constexpr double kMedianMagnitude = 0.6745;  // of Gaussian magnitudes, standard deviations
 constexpr int kHeightIterations = 30;
@@ -37,7 +36,7 @@ HeightPlacement PlaceHeights(const std::vector<HeightOfFix>& fixes) {
     Eigen::Vector3d right = Eigen::Vector3d::Zero();
     for (const HeightOfFix& fix : fixes) {
       const double weight =
-          TukeyWeight(residual(fix) / (unit * fix.sigma), kMostDeviation) / std::pow(unit * fix.sigma, 2);
+          TukeyWeight(residual(fix) / (unit * fix.sigma), kTukeyThreshold) / std::pow(unit * fix.sigma, 2);
       const Eigen::Vector3d row(fix.path.x(), fix.path.y(), 1);
       normal += weight * row * row.transpose();
       right += weight * (fix.height - fix.path.z()) * row;

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "turnscale/export/geo_frame.h"
-#include "turnscale/io/result_folder.h"
+#include "turnscale/run/result_folder.h"
 
 namespace turnscale {
 

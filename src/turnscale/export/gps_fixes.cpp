@@ -43,7 +43,6 @@ struct PlaneFit {
   }
 };
 
-constexpr double kTukey = 4.685;      // standard deviations; 95 % efficient on Gaussian noise
 constexpr size_t kMostPairsOf = 150;  // fixes whose pairs are tried as a start
 constexpr size_t kMostJudges = 1000;  // fixes that judge them
 constexpr double kLeastBaseline = 5;  // standard deviations of a fix
@@ -55,7 +54,7 @@ constexpr double kMostMisfit = 2.5;
 constexpr double kMostFar = 0.2;  // share of the fixes
 
 double TukeyCost(double deviation) {
-  const double share = std::min(1.0, deviation / kTukey);
+  const double share = std::min(1.0, deviation / kTukeyThreshold);
   return 1 - std::pow(1 - share * share, 3);
 }
 
@@ -120,7 +119,7 @@ class Fitter {
     double weighted = 0;
     double last = 0;
     for (const Correspondence& pair : pairs_) {
-      const double weight = TukeyWeight(Deviation(fit, pair), kTukey);
+      const double weight = TukeyWeight(Deviation(fit, pair), kTukeyThreshold);
       if (weight == 0) {
         ++described.outliers;
         continue;
@@ -187,7 +186,7 @@ class Fitter {
   bool Fits(const PlaneFit& fit) const {
     if (pairs_.size() < 3) return true;
     const auto is_far = [&](const Correspondence& pair) {
-      return (pair.fix - fit * pair.path).norm() > kTukey * Sigma(pair, 1);
+      return (pair.fix - fit * pair.path).norm() > kTukeyThreshold * Sigma(pair, 1);
     };
     const auto far = static_cast<double>(std::ranges::count_if(pairs_, is_far));
     return MedianOverChance(Distances(fit), 1) <= kMostMisfit && far <= kMostFar * static_cast<double>(pairs_.size());
@@ -214,7 +213,7 @@ class Fitter {
     double total = 0;
     std::vector<double> weights;
     for (const Correspondence& pair : pairs_) {
-      weights.push_back(TukeyWeight(Deviation(fit, pair), kTukey) / std::pow(Sigma(pair, own_share_), 2));
+      weights.push_back(TukeyWeight(Deviation(fit, pair), kTukeyThreshold) / std::pow(Sigma(pair, own_share_), 2));
       total += weights.back();
       sums.path += weights.back() * pair.path;
       sums.fix += weights.back() * pair.fix;

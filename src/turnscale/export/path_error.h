@@ -4,12 +4,13 @@
 #include <cmath>
 
 #include "turnscale/geometry/rotation.h"
+#include "turnscale/scale/scale_filter.h"
 
 namespace turnscale {
 
 /// Scale and heading of a path drift as random walks, whose standard deviations over 100 m are these. The scale's is
 /// that of the estimator's settings, the heading's is above what the recorded drives show.
-constexpr double kScaleDriftPer100m = 0.01;
+constexpr double kScaleDriftPer100m = DriftOptions().per_100m;
 constexpr double kHeadingDriftPer100m = 0.25 / kDegreesPerRadian;
 
 /// The antenna of a GPS is not where the camera is, metres.

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "turnscale/geometry/rotation.h"
-#include "turnscale/io/result_folder.h"
+#include "turnscale/run/result_folder.h"
 
 namespace turnscale {
 

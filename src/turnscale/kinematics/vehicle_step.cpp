@@ -10,6 +10,7 @@
 
 #include "turnscale/base/error.h"
 #include "turnscale/base/quantiles.h"
+#include "turnscale/base/square.h"
 #include "turnscale/geometry/rotation.h"
 
 namespace turnscale {
@@ -24,8 +25,6 @@ constexpr double kLeastTurn = 0.005;
 constexpr double kUntimedTurns = 3;
 // Of squared speeds within a step.
 constexpr double kMostRatio = 4;
-
-double Square(double value) { return value * value; }
 
 double Pace(const VehicleStep& step) { return step.duration > 0 ? step.speed() : step.motion.step; }
 

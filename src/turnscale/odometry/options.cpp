@@ -56,15 +56,6 @@ void KeyframeOptions::Check() const {
   if (max_reference_age < 1) throw InputError("keyframes.max_reference_age: has to be at least 1 keyframe");
 }
 
-void ImageOptions::Check() const {
-  if (max_width < 0) throw InputError("images.max_width: must not be negative");
-  constexpr int kWidest = 4096;   // pixels: enlarged further, images take memory and show nothing more
-  constexpr int kNarrowest = 64;  // pixels: below this, too few patches of features fit into an image
-  if (min_width < 0 || min_width > kWidest) throw InputError("images.min_width: has to be in 0...4096");
-  if (max_width > 0 && max_width < kNarrowest)
-    throw InputError("images.max_width: has to be 0 (no limit) or at least 64 pixels");
-}
-
 void TrackingOptions::Check() const {
   if (min_inliers < 6) throw InputError("tracking.min_inliers: has to be at least 6");
   if (!(min_inlier_share >= 0 && min_inlier_share <= 1))
@@ -76,22 +67,6 @@ void TrackingOptions::Check() const {
   if (min_lost_frames < 1) throw InputError("tracking.min_lost_frames: has to be at least 1");
 }
 
-void SelfCalibrationOptions::Check() const {
-  const auto require = [](bool fine, const char* what) {
-    if (!fine) throw InputError(std::string("self_calibration.") + what);
-  };
-  require(windows >= 1, "windows: has to be at least 1");
-  require(first_windows >= 1, "first_windows: has to be at least 1");
-  require(first_min_turn_deg > 0, "first_min_turn_deg: has to be positive");
-  require(max_passes >= 1, "max_passes: has to be at least 1");
-  require(min_interval >= 0, "min_interval: must not be negative");
-  require(converged > 0, "converged: has to be positive");
-  require(converged_sigmas >= 0, "converged_sigmas: must not be negative");
-  require(focal_prior_sigma > 0, "focal_prior_sigma: has to be positive");
-  require(correction_prior_sigma > 0, "correction_prior_sigma: has to be positive");
-  require(higher_prior_sigma >= 0, "higher_prior_sigma: must not be negative");
-}
-
 void ScaleOptions::Check() const {
   CheckPart("scale.", estimator);
   CheckPart("scale.recovery.", recovery);
@@ -99,7 +74,6 @@ void ScaleOptions::Check() const {
 
 void OdometryOptions::Check() const {
   CheckPart("vehicle.", vehicle);
-  images.Check();
   corners.Check();
   flow.Check();
   alignment.Check();
@@ -112,7 +86,6 @@ void OdometryOptions::Check() const {
   CheckPart("final_bundle.", final_bundle);
   lens.Check();
   calibration_check.Check();
-  self_calibration.Check();
   tracking.Check();
   motion.Check();
   repeats.Check();

@@ -95,51 +95,6 @@ struct KeyframeOptions {
   void Check() const;
 };
 
-/// How the images of a drive are scaled when they are read. The odometry itself takes images as they are.
-struct ImageOptions {
-  /// Images wider than this, pixels, are halved until they are not: twice the pixels a side cost four times the time,
-  /// and add little. 0: none are.
-  int max_width = 2048;
-  /// Images narrower than this, pixels, are doubled until they are not, but never beyond `max_width`: patches of
-  /// features have a fixed number of pixels and cover too large a part of a small image. 0: none are.
-  int min_width = 480;
-
-  /// Throws InputError that names the field when a value makes no sense.
-  void Check() const;
-};
-
-/// Images are taken as they are.
-inline constexpr ImageOptions kUnscaled{.max_width = 0, .min_width = 0};
-
-/// Estimation of the intrinsics from the images of a drive.
-struct SelfCalibrationOptions {
-  /// Windows of keyframes in turns that decide (CalibrationCheckOptions); the first ones of the drive.
-  int windows = 6;
-  /// Windows of the first reading, which need not be accurate.
-  int first_windows = 3;
-  /// Least turn in a window of the first reading, degrees. Small: with a focal length that is much too long, rotations
-  /// come out too small.
-  double first_min_turn_deg = 10.0;
-  /// Most times that the images are read. The first three have wider thresholds and are not the last, unless this is
-  /// reached.
-  int max_passes = 6;
-  /// Images that come sooner after the one before, seconds, are skipped: they add little information on the camera.
-  double min_interval = 0.045;
-  /// The camera is found when a pass changes no ray, as far as the windows show the lens, by more than this (on the
-  /// plane z = 1). Half of the last change is applied.
-  double converged = 0.003;
-  /// It is also found when a pass changes focal length and principal point by fewer standard deviations than this.
-  double converged_sigmas = 0.5;
-
-  // Priors, standard deviations.
-  double focal_prior_sigma = 0.5;       ///< relative
-  double correction_prior_sigma = 0.3;  ///< radial correction, r^2
-  double higher_prior_sigma = 0.1;      ///< radial correction, r^4 and r^6
-
-  /// Throws InputError that names the field when a value makes no sense.
-  void Check() const;
-};
-
 /// When tracking counts as lost, and what happens then.
 struct TrackingOptions {
   /// A pose with fewer inliers is rejected.
@@ -181,10 +136,9 @@ struct ScaleOptions {
   void Check() const;
 };
 
-/// All settings; the defaults are used for all drives.
+/// All settings of the odometry; the defaults are used for all drives.
 struct OdometryOptions {
   VehicleOptions vehicle;
-  ImageOptions images;
   CornerOptions corners;
   FlowOptions flow;
   PatchAlignmentOptions alignment;
@@ -200,7 +154,6 @@ struct OdometryOptions {
   LocalBundleOptions final_bundle{.window = 150, .max_iterations = 40, .initial_damping = 1e-7};
   LensRefinementOptions lens;
   CalibrationCheckOptions calibration_check;
-  SelfCalibrationOptions self_calibration;
   TrackingOptions tracking;
   MotionModelOptions motion;
   RepeatOptions repeats;

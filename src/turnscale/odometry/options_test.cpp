@@ -53,10 +53,6 @@ TEST(OdometryOptions, NameTheFieldThatMakesNoSense) {
   EXPECT_EQ(Refused([](auto& o) { o.scale.recovery.max_iterations = 0; }), "scale.recovery.max_iterations");
   EXPECT_EQ(Refused([](auto& o) { o.vehicle.side_slip = -0.1; }), "vehicle.side_slip");
   EXPECT_EQ(Refused([](auto& o) { o.vehicle.vehicle_from_camera.coeffs() *= 2; }), "vehicle.vehicle_from_camera");
-  EXPECT_EQ(Refused([](auto& o) { o.images.max_width = -1; }), "images.max_width");
-  EXPECT_EQ(Refused([](auto& o) { o.images.max_width = 63; }), "images.max_width");
-  EXPECT_EQ(Refused([](auto& o) { o.images.min_width = -1; }), "images.min_width");
-  EXPECT_EQ(Refused([](auto& o) { o.images.min_width = 5000; }), "images.min_width");
   EXPECT_EQ(Refused([](auto& o) { o.keyframes.min_rotation_deg = 0; }), "keyframes.min_rotation_deg");
   EXPECT_EQ(Refused([](auto& o) { o.keyframes.min_parallax_deg = std::nan(""); }), "keyframes.min_parallax_deg");
   EXPECT_EQ(Refused([](auto& o) { o.keyframes.min_tracked_share = 1.01; }), "keyframes.min_tracked_share");

@@ -56,23 +56,23 @@ OdometryOptions OptionsForReading(const OdometryOptions& given, int pass) {
   return options;
 }
 
-CalibrationCheckOptions CheckForReading(const OdometryOptions& options, int pass) {
-  const SelfCalibrationOptions& calibration = options.self_calibration;
-  CalibrationCheckOptions check = options.calibration_check;
+CalibrationCheckOptions CheckForReading(const SelfCalibrationOptions& options, CalibrationCheckOptions check,
+                                        int pass) {
   check.enabled = true;
-  check.focal_prior_sigma = calibration.focal_prior_sigma;
-  check.correction_prior_sigma = calibration.correction_prior_sigma;
-  check.higher_prior_sigma = calibration.higher_prior_sigma;
+  check.focal_prior_sigma = options.focal_prior_sigma;
+  check.correction_prior_sigma = options.correction_prior_sigma;
+  check.higher_prior_sigma = options.higher_prior_sigma;
   check.max_rounds = kMaxRounds;
   check.max_landmarks = kMaxLandmarks;
-  check.max_windows = pass == 0 ? calibration.first_windows : calibration.windows;
-  if (pass == 0) check.min_turn_deg = calibration.first_min_turn_deg;
+  check.max_windows = pass == 0 ? options.first_windows : options.windows;
+  if (pass == 0) check.min_turn_deg = options.first_min_turn_deg;
   return check;
 }
 
-// Runs the odometry with `camera` until `check` has read its windows, or up to the time `end` of an image, seconds.
+// Runs the odometry with `camera` until `check` has read its windows, or up to the time `end` of an image. Images that
+// come sooner than `min_interval` after the one before are skipped. Both in seconds.
 Reading ReadTurns(const OdometryOptions& options, const CameraModel& camera, CalibrationCheck check,
-                  const ImageStream& next, double end, const cv::Mat& mask) {
+                  const ImageStream& next, double min_interval, double end, const cv::Mat& mask) {
   Odometry odometry(options, camera);
   if (!mask.empty()) odometry.SetMask(mask);
   Reading reading;
@@ -80,7 +80,7 @@ Reading ReadTurns(const OdometryOptions& options, const CameraModel& camera, Cal
   double latest = -HUGE_VAL;
   while (const std::optional<TimedImage> image = next()) {
     if (image->time > end) break;
-    if (image->gray.empty() || image->time - latest < options.self_calibration.min_interval) continue;
+    if (image->gray.empty() || image->time - latest < min_interval) continue;
     latest = image->time;
     const FrameResult result = odometry.Process(image->gray, image->time);
     if (reading.frames++ == 0) reading.begin = image->time;
@@ -155,10 +155,26 @@ double Difference(const CameraModel& camera, const CameraModel& other, double ra
 
 }  // namespace
 
-std::optional<FoundCamera> CalibrateFromDrive(const OdometryOptions& options, const StartCamera& start,
-                                              const OpenDrive& open, const cv::Mat& mask) {
+void SelfCalibrationOptions::Check() const {
+  const auto require = [](bool fine, const char* what) {
+    if (!fine) throw InputError(std::string("self_calibration.") + what);
+  };
+  require(windows >= 1, "windows: has to be at least 1");
+  require(first_windows >= 1, "first_windows: has to be at least 1");
+  require(first_min_turn_deg > 0, "first_min_turn_deg: has to be positive");
+  require(max_passes >= 1, "max_passes: has to be at least 1");
+  require(min_interval >= 0, "min_interval: must not be negative");
+  require(converged > 0, "converged: has to be positive");
+  require(converged_sigmas >= 0, "converged_sigmas: must not be negative");
+  require(focal_prior_sigma > 0, "focal_prior_sigma: has to be positive");
+  require(correction_prior_sigma > 0, "correction_prior_sigma: has to be positive");
+  require(higher_prior_sigma >= 0, "higher_prior_sigma: must not be negative");
+}
+
+std::optional<FoundCamera> CalibrateFromDrive(const SelfCalibrationOptions& options, const OdometryOptions& odometry,
+                                              const StartCamera& start, const OpenDrive& open, const cv::Mat& mask) {
   options.Check();
-  const SelfCalibrationOptions& calibration = options.self_calibration;
+  odometry.Check();
   CameraModel camera = start.camera;
   Pinhole expected = camera.pinhole;
   double end = HUGE_VAL;  // of what the passes read, time of an image
@@ -166,8 +182,9 @@ std::optional<FoundCamera> CalibrateFromDrive(const OdometryOptions& options, co
   // change is small. The prior of the pinhole stays at the start; that of the distortion is no change, and keeps what
   // the windows do not determine.
   const auto read = [&](int pass, std::optional<double> from = std::nullopt) {
-    const CalibrationCheck check(CheckForReading(options, pass), ChangeBetween(camera.pinhole, expected));
-    return ReadTurns(OptionsForReading(options, pass), camera, check, open(from), end, mask);
+    const CalibrationCheck check(CheckForReading(options, odometry.calibration_check, pass),
+                                 ChangeBetween(camera.pinhole, expected));
+    return ReadTurns(OptionsForReading(odometry, pass), camera, check, open(from), options.min_interval, end, mask);
   };
   Reading reading = read(0);
   for (const double view : kOtherViews) {
@@ -191,9 +208,9 @@ std::optional<FoundCamera> CalibrateFromDrive(const OdometryOptions& options, co
     // Observations that only wide thresholds let in bias the camera by a few tenths of a per cent: passes with such
     // thresholds are never the last.
     const bool is_strict = LooseBy(pass - 1) == 1;
-    const bool settled = is_strict && (Difference(camera, *next, reading.radius) < calibration.converged ||
-                                       step_sigmas < calibration.converged_sigmas);
-    const bool is_last = settled || pass == calibration.max_passes;
+    const bool settled = is_strict && (Difference(camera, *next, reading.radius) < options.converged ||
+                                       step_sigmas < options.converged_sigmas);
+    const bool is_last = settled || pass == options.max_passes;
     // Features are tracked a little differently with each lens, so that successive passes end up alternating about the
     // optimum.
     const std::optional<CameraModel> middle = settled ? Changed(camera, 0.5 * change, reading.radius) : std::nullopt;

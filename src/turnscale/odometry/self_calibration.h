@@ -17,6 +17,35 @@ struct TimedImage {
   double time = 0;
 };
 
+/// Estimation of the intrinsics from the images of a drive.
+struct SelfCalibrationOptions {
+  /// Windows of keyframes in turns that decide (CalibrationCheckOptions); the first ones of the drive.
+  int windows = 6;
+  /// Windows of the first reading, which need not be accurate.
+  int first_windows = 3;
+  /// Least turn in a window of the first reading, degrees. Small: with a focal length that is much too long, rotations
+  /// come out too small.
+  double first_min_turn_deg = 10.0;
+  /// Most times that the images are read. The first three have wider thresholds and are not the last, unless this is
+  /// reached.
+  int max_passes = 6;
+  /// Images that come sooner after the one before, seconds, are skipped: they add little information on the camera.
+  double min_interval = 0.045;
+  /// The camera is found when a pass changes no ray, as far as the windows show the lens, by more than this (on the
+  /// plane z = 1). Half of the last change is applied.
+  double converged = 0.003;
+  /// It is also found when a pass changes focal length and principal point by fewer standard deviations than this.
+  double converged_sigmas = 0.5;
+
+  // Priors, standard deviations.
+  double focal_prior_sigma = 0.5;       ///< relative
+  double correction_prior_sigma = 0.3;  ///< radial correction, r^2
+  double higher_prior_sigma = 0.1;      ///< radial correction, r^4 and r^6
+
+  /// Throws InputError that names the field when a value makes no sense.
+  void Check() const;
+};
+
 /// Yields the images of a drive in order; nothing at the end.
 using ImageStream = std::function<std::optional<TimedImage>()>;
 
@@ -50,8 +79,9 @@ struct FoundCamera {
 /// with it. Both focal lengths are changed by the same factor. Pixels that are 0 in `mask` (8 bit, of the images' size)
 /// are left out, unless it is empty. Nothing where no window turns enough: the focal length does not matter to the
 /// images of a straight.
-std::optional<FoundCamera> CalibrateFromDrive(const OdometryOptions& options, const StartCamera& start,
-                                              const OpenDrive& open, const cv::Mat& mask = {});
+std::optional<FoundCamera> CalibrateFromDrive(const SelfCalibrationOptions& options, const OdometryOptions& odometry,
+                                              const StartCamera& start, const OpenDrive& open,
+                                              const cv::Mat& mask = {});
 
 /// How often CalibrateFromDrive opens the drive at most.
 int MostPasses(const SelfCalibrationOptions& options, bool assumed);

@@ -7,8 +7,8 @@
 
 #include "turnscale/evaluation/association.h"
 #include "turnscale/io/floor_plan_file.h"
-#include "turnscale/io/result_folder.h"
 #include "turnscale/report/thumbnails.h"
+#include "turnscale/run/result_folder.h"
 
 namespace turnscale {
 

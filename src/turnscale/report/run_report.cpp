@@ -12,9 +12,9 @@
 #include "turnscale/base/error.h"
 #include "turnscale/base/file_text.h"
 #include "turnscale/io/output_file.h"
-#include "turnscale/io/run_summary.h"
-#include "turnscale/io/run_writer.h"
 #include "turnscale/report/report_page.h"
+#include "turnscale/run/run_summary.h"
+#include "turnscale/run/run_writer.h"
 
 namespace turnscale {
 namespace {

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "turnscale/io/result_folder.h"
 #include "turnscale/report/report_data.h"
+#include "turnscale/run/result_folder.h"
 
 namespace turnscale {
 

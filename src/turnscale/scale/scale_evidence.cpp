@@ -11,6 +11,7 @@
 #include "turnscale/base/number_text.h"
 #include "turnscale/base/quantiles.h"
 #include "turnscale/base/robust_weights.h"
+#include "turnscale/base/square.h"
 #include "turnscale/kinematics/pooled_line.h"
 #include "turnscale/scale/road_parts.h"
 
@@ -25,8 +26,6 @@ constexpr double kBendRatio = 0.9;
 // Of the steps of a segment that show the road.
 constexpr int kRoadReweightings = 5;
 constexpr double kRoadHuber = 1.5;
-
-double Square(double value) { return value * value; }
 
 LeverArm LeverArmOf(const DriveState& state) {
   return {std::exp(state[kLogLeverArm]), std::max(state[kSlip], 0.0), state[kRollHeight]};

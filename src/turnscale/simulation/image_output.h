@@ -6,7 +6,7 @@
 
 #include <opencv2/core.hpp>
 
-#include "turnscale/io/video_writer.h"
+#include "turnscale/frames/video_writer.h"
 #include "turnscale/simulation/rig.h"
 
 namespace turnscale {

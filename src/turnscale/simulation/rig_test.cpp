@@ -9,7 +9,7 @@
 #include "turnscale/base/error.h"
 #include "turnscale/base/test_files.h"
 #include "turnscale/geometry/rotation.h"
-#include "turnscale/io/settings.h"
+#include "turnscale/run/settings.h"
 
 namespace turnscale {
 namespace {

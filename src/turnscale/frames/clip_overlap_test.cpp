@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/frames/clip_overlap.h"
+
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <opencv2/core.hpp>
+
+#include "turnscale/frames/test_video.h"
+
+namespace turnscale {
+namespace {
+
+constexpr double kInterval = 0.1;  // s
+
+ClipTail TailOf(const std::vector<cv::Mat>& images) {
+  ClipTail tail;
+  for (size_t i = 0; i < images.size(); ++i) tail.Add({kInterval * static_cast<double>(i), images[i]});
+  return tail;
+}
+
+std::optional<double> Repeated(const ClipTail& tail, const std::vector<cv::Mat>& next) {
+  size_t read = 0;
+  return tail.RepeatedBy([&]() -> std::optional<ClipImage> {
+    if (read == next.size()) return std::nullopt;
+    const double time = 100 + kInterval * static_cast<double>(read);
+    return ClipImage{time, next[read++]};
+  });
+}
+
+// As a second compression changes them.
+std::vector<cv::Mat> Noisy(std::vector<cv::Mat> images) {
+  cv::RNG random(1);
+  for (cv::Mat& image : images) {
+    cv::Mat noise(image.size(), CV_16SC1);
+    random.fill(noise, cv::RNG::UNIFORM, -6, 7);
+    cv::add(image, noise, image, cv::noArray(), CV_8U);
+  }
+  return images;
+}
+
+TEST(ClipTail, FindsImagesThatAreRepeated) {
+  const ClipTail tail = TailOf(MovingTestImages(0, 40));
+  EXPECT_TRUE(tail.IsMoving());
+  EXPECT_NEAR(Repeated(tail, Noisy(MovingTestImages(30, 40))).value(), 3, 1e-9);
+}
+
+TEST(ClipTail, LooksNoFurtherBackThanTheLongestOverlap) {
+  const ClipTail tail = TailOf(MovingTestImages(0, 100));
+  EXPECT_TRUE(Repeated(tail, MovingTestImages(50, 60)));
+  EXPECT_FALSE(Repeated(tail, MovingTestImages(40, 70)));
+}
+
+TEST(ClipTail, SaysNothingOfAClipThatContinues) {
+  const ClipTail tail = TailOf(MovingTestImages(0, 40));
+  EXPECT_FALSE(Repeated(tail, Noisy(MovingTestImages(40, 20))));
+  EXPECT_FALSE(Repeated(tail, Noisy(MovingTestImages(43, 20)))) << "after a gap";
+  EXPECT_FALSE(Repeated(tail, {}));
+  EXPECT_FALSE(Repeated({}, MovingTestImages(0, 20)));
+}
+
+TEST(ClipTail, SaysNothingWhileTheCarStands) {
+  const std::vector<cv::Mat> still(40, MovingTestImages(0, 1).front());
+  EXPECT_FALSE(Repeated(TailOf(Noisy(still)), still));
+  EXPECT_FALSE(TailOf(Noisy(still)).IsMoving());
+  EXPECT_FALSE(ClipTail().IsMoving());
+}
+
+TEST(ClipTail, AllOfTheTailHasToBeRepeated) {
+  const ClipTail tail = TailOf(MovingTestImages(0, 40));
+  std::vector<cv::Mat> next = MovingTestImages(30, 5);
+  EXPECT_FALSE(Repeated(tail, next)) << "ends before the tail";
+  for (const cv::Mat& image : MovingTestImages(70, 20)) next.push_back(image);
+  EXPECT_FALSE(Repeated(tail, next)) << "goes on elsewhere";
+}
+
+}  // namespace
+}  // namespace turnscale

@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/frames/recording_time.h"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <string>
+
+#include <fmt/format.h>
+
+#include "turnscale/base/error.h"
+#include "turnscale/frames/clip_names.h"
+#include "turnscale/frames/clip_overlap.h"
+
+namespace turnscale {
+namespace {
+
+// Both ends of a pause are known to the second, rounded down.
+constexpr double kResolution = 1.5;  // s
+// Creation times that differ by no more are of the same moment.
+constexpr double kSameMoment = 1;  // s
+// Clips that overlap by a larger share of the shorter one are of two cameras.
+constexpr double kLargestShare = 0.5;
+// A path across a longer one would be a guess.
+constexpr double kLongestPause = 600;  // s
+
+bool IsDigit(char c) { return c >= '0' && c <= '9'; }
+
+// Reads the six numbers at the beginning of the text.
+std::optional<double> TimeAt(std::string_view text) {
+  constexpr std::array<size_t, 6> kDigits = {4, 2, 2, 2, 2, 2};
+  constexpr std::string_view kSeparators = "_-. :T";
+  std::array<int, 6> values{};
+  size_t at = 0;
+  for (size_t i = 0; i < values.size(); ++i) {
+    if (i > 0 && at < text.size() && kSeparators.find(text[at]) != std::string_view::npos) ++at;
+    for (size_t k = 0; k < kDigits[i]; ++k, ++at) {
+      if (at >= text.size() || !IsDigit(text[at])) return std::nullopt;
+      values[i] = 10 * values[i] + (text[at] - '0');
+    }
+  }
+  const auto [year, month, day, hour, minute, second] = values;
+  const std::chrono::year_month_day date{std::chrono::year(year), std::chrono::month(static_cast<unsigned>(month)),
+                                         std::chrono::day(static_cast<unsigned>(day))};
+  if (year < 2000 || year > 2099 || !date.ok() || hour > 23 || minute > 59 || second > 59) return std::nullopt;
+  const auto days = std::chrono::sys_days(date).time_since_epoch().count();
+  return 86400.0 * static_cast<double>(days) + 3600.0 * hour + 60.0 * minute + second;
+}
+
+std::optional<Chapter> ChapterOf(const std::filesystem::path& clip) { return ChapterInName(clip.stem().string()); }
+
+bool AreOfOneRecording(const std::optional<Chapter>& a, const std::optional<Chapter>& b) {
+  return a && b && a->recording == b->recording;
+}
+
+}  // namespace
+
+std::optional<double> TimeInName(std::string_view name) {
+  for (size_t i = 0; i < name.size(); ++i) {
+    if (i > 0 && IsDigit(name[i - 1])) continue;
+    if (const auto time = TimeAt(name.substr(i))) return time;
+  }
+  return std::nullopt;
+}
+
+RecordingTimes::RecordingTimes(const std::vector<std::filesystem::path>& clips, const std::vector<VideoHeader>& headers)
+    : clips_(clips) {
+  std::vector<double> named;
+  std::vector<double> created;
+  for (size_t i = 0; i < clips.size(); ++i) {
+    durations_.push_back(headers[i].duration);
+    if (const auto time = TimeInName(clips[i].stem().string())) named.push_back(*time);
+    if (headers[i].created) created.push_back(*headers[i].created);
+  }
+  by_name_ = named.size() == clips.size();
+  if (by_name_) {
+    starts_ = std::move(named);
+  } else if (created.size() == clips.size()) {
+    created_ = std::move(created);
+    PlaceCoinciding();
+  }
+}
+
+// Whether the clip cannot begin at its creation time, as it is that of the clip before.
+bool RecordingTimes::Coincides(size_t clip) const {
+  if (created_.empty()) return false;
+  const double between = created_[clip] - created_[clip - 1];
+  return std::abs(between) <= kSameMoment && durations_[clip - 1] - between > kResolution;
+}
+
+void RecordingTimes::PlaceCoinciding() {
+  starts_ = created_;
+  for (size_t i = 1; i < starts_.size(); ++i) {
+    if (!Coincides(i)) continue;
+    starts_[i] = starts_[i - 1] + durations_[i - 1];
+    // The end of a short clip is that moment, too.
+    const bool guessed =
+        !AreOfOneRecording(ChapterOf(clips_[i - 1]), ChapterOf(clips_[i])) && durations_[i] > kResolution;
+    if (guessed && !guessed_) guessed_ = i;
+  }
+}
+
+double RecordingTimes::PauseAfter(size_t clip, double duration) const {
+  const double between = starts_[clip + 1] - starts_[clip];
+  const double pause = between - duration;
+  // Some recorders write the creation time when they close the file.
+  const bool by_ends = !by_name_ && !Coincides(clip + 1) && std::abs(between - durations_[clip + 1]) <= kResolution;
+  return by_ends ? 0.0 : pause;
+}
+
+void RecordingTimes::CheckChapters() const {
+  for (size_t i = 1; i < clips_.size(); ++i) {
+    if (!starts_.empty() && !Coincides(i)) continue;
+    const std::optional<Chapter> before = ChapterOf(clips_[i - 1]);
+    const std::optional<Chapter> chapter = ChapterOf(clips_[i]);
+    if (!AreOfOneRecording(before, chapter) || chapter->number == before->number + 1) continue;
+    throw InputError(fmt::format(
+        "{}: is chapter {} of its recording, but follows chapter {} ({}); give chapters that follow one another, in "
+        "their order",
+        clips_[i].string(), chapter->number, before->number, clips_[i - 1].filename().string()));
+  }
+}
+
+void RecordingTimes::CheckContinuity() const {
+  CheckChapters();
+  const char* times = by_name_ ? "in their names" : "at which the files were made (creation_time)";
+  for (size_t i = 0; i + 1 < starts_.size(); ++i) {
+    const double pause = PauseAfter(i, durations_[i]);
+    const std::string before = clips_[i].filename().string();
+    const double shorter = std::min(durations_[i], durations_[i + 1]);
+    if (pause < -kResolution && (pause < -kResolution - kLongestOverlap || -pause > kLargestShare * shorter))
+      throw InputError(
+          fmt::format("{}: begins {:.1f} s before {} ends, by the times {}; give the clips of one camera (front or "
+                      "rear), in the order of time",
+                      clips_[i + 1].string(), -pause, before, times));
+    if (pause > kLongestPause)
+      throw InputError(
+          fmt::format("{}: begins {:.0f} minutes after {} ends, by the times {}: another drive; name the "
+                      "clips of one drive instead",
+                      clips_[i + 1].string(), pause / 60, before, times));
+  }
+}
+
+double RecordingTimes::GapAfter(size_t clip, double duration) const {
+  if (clip + 1 >= starts_.size()) return 0;
+  const double pause = PauseAfter(clip, duration);
+  return pause > kResolution ? pause : 0;
+}
+
+double RecordingTimes::OverlapAfter(size_t clip, double duration) const {
+  if (clip + 1 >= starts_.size()) return 0;
+  const double pause = PauseAfter(clip, duration);
+  return pause < -kResolution ? -pause : 0;
+}
+
+}  // namespace turnscale

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/run/drive_recorder.h"
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+#include "turnscale/run/full_size.h"
+
+namespace turnscale {
+namespace {
+
+// What the odometry says of car and camera.
+void DescribeSetting(const Odometry& odometry, const ImageScaling& scaling, RunSummary& summary) {
+  const OdometryOptions& options = odometry.options();
+  summary.vehicle = options.vehicle;
+  summary.method = options.scale.method;
+  const CameraModel camera = scaling.Full(odometry.camera());
+  summary.pinhole = camera.pinhole;
+  summary.lens_model = camera.lens;
+  if (options.lens.enabled) summary.lens = {odometry.lens().correction(), odometry.lens().sigma()};
+  if (!options.vehicle.calibrate_camera) return;
+  const Mount& mount = odometry.mount().current();
+  summary.mount = {YawPitchRollFromRotation(mount.vehicle_from_camera), mount.sigma, mount.found,
+                   odometry.mount().moves()};
+}
+
+std::vector<MapRestart> RestartsOf(const Map& map) {
+  std::vector<MapRestart> restarts;
+  for (const Keyframe& keyframe : map.keyframes)
+    if (keyframe.after_gap) restarts.push_back({keyframe.frame, keyframe.time, keyframe.gap_sigma});
+  return restarts;
+}
+
+}  // namespace
+
+FrameResult DriveRecorder::Process(const cv::Mat& gray, double time) {
+  using Clock = std::chrono::steady_clock;
+  const Clock::time_point start = Clock::now();
+  FrameResult result = odometry_.Process(gray, time);
+  latencies_.push_back(std::chrono::duration<double>(Clock::now() - start).count());
+  image_size_ = gray.size();
+  Keep(result);
+  if (!tracks_) seen_.Add(gray, time, result.tracked);
+  return result;
+}
+
+FrameResult DriveRecorder::ProcessUnreadable(double time, const std::string& problem) {
+  FrameResult result = odometry_.ProcessUnreadable(time);
+  unreadable_.push_back({result.frame, problem});
+  Keep(result);
+  return result;
+}
+
+void DriveRecorder::Keep(const FrameResult& result) {
+  ++frames_;
+  last_time_ = result.time;
+  tracks_ = tracks_ || result.world_from_camera;
+  if (!live_metric_from_ && result.world_from_camera && result.scale_state != ScaleState::kPending)
+    live_metric_from_ = result.time;
+  RecordRotation(result.frame, result.time, odometry_.mount().current(), rotations_);
+  camera_moved_ = odometry_.mount().moves() > moves_;
+  moves_ = odometry_.mount().moves();
+}
+
+void DriveRecorder::Finish() {
+  odometry_.Finish();
+  // The turns of the end may have told more of it.
+  if (frames_ > 0) RecordRotation(frames_ - 1, last_time_, odometry_.mount().current(), rotations_);
+}
+
+RefinedResults DriveRecorder::Refined() const {
+  RefinedScale scale = odometry_.Refined();
+  std::vector<FrameResult> frames = odometry_.RefinedFrames(scale);
+  for (ParameterEstimate& estimate : scale.contradicted_calibration) estimate = AtFullSize(scaling_, estimate);
+  return {std::move(frames), std::move(scale)};
+}
+
+RunSummary DriveRecorder::Summary(RunSummary summary, const RefinedResults& results) const {
+  DescribeSetting(odometry_, scaling_, summary);
+  const cv::Size size = scaling_.Full(image_size_);
+  summary.image_width = size.width;
+  summary.image_height = size.height;
+  summary.live_metric_from = live_metric_from_;
+  summary.unreadable = unreadable_;
+  if (!unreadable_.empty()) summary.warnings.push_back(UnreadableText(unreadable_));
+  summary.restarts = RestartsOf(odometry_.map());
+  summary.scale_state = StateAtEnd(results.scale);
+  Summarize(results.frames, results.scale, summary);
+  if (odometry_.is_upside_down()) summary.warnings.push_back(UpsideDownWarning(summary.rotate));
+  if (tracks_) SummarizeBeginning(results.frames, seen_, summary);
+  // Results that could not be computed have no frames.
+  summary.frames = std::max(summary.frames, frames_);
+  summary.cost = MeasureCost();
+  summary.cost.latency = LatencyOf(latencies_);
+  return summary;
+}
+
+}  // namespace turnscale

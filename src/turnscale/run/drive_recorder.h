@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <opencv2/core/mat.hpp>
+
+#include "turnscale/frames/image_scaling.h"
+#include "turnscale/frames/seen_images.h"
+#include "turnscale/odometry/drive_scale.h"
+#include "turnscale/odometry/odometry.h"
+#include "turnscale/odometry/results.h"
+#include "turnscale/run/run_summary.h"
+#include "turnscale/run/run_writer.h"
+
+namespace turnscale {
+
+/// The refined results of a drive.
+struct RefinedResults {
+  std::vector<FrameResult> frames;
+  RefinedScale scale;  ///< what it says of the calibration is in pixels of full size
+};
+
+/// Runs the odometry frame by frame and keeps what the summary and the files of a drive need besides its results.
+class DriveRecorder {
+ public:
+  /// `scaling`: of the images that are processed.
+  explicit DriveRecorder(Odometry& odometry, const ImageScaling& scaling = {})
+      : odometry_(odometry), scaling_(scaling) {}
+
+  /// As Odometry::Process.
+  FrameResult Process(const cv::Mat& gray, double time);
+
+  /// As Odometry::ProcessUnreadable; `problem`: why there is no image.
+  FrameResult ProcessUnreadable(double time, const std::string& problem);
+
+  /// As Odometry::Finish.
+  void Finish();
+
+  int frames() const { return frames_; }
+
+  /// There is a map, or there was.
+  bool tracks() const { return tracks_; }
+
+  /// The last frame showed that the camera was moved on the car.
+  bool camera_moved() const { return camera_moved_; }
+
+  /// The images before the map.
+  const SeenImages& seen() const { return seen_; }
+
+  /// The camera-to-vehicle rotation from the first frame on.
+  const std::vector<RotationRecord>& rotations() const { return rotations_; }
+
+  /// Those of the frames so far.
+  RefinedResults Refined() const;
+
+  /// All that the drive tells, by these results, added to what is known of it beforehand.
+  RunSummary Summary(RunSummary summary, const RefinedResults& results) const;
+
+ private:
+  void Keep(const FrameResult& result);
+
+  Odometry& odometry_;
+  ImageScaling scaling_;
+  int frames_ = 0;
+  double last_time_ = 0;
+  bool tracks_ = false;
+  bool camera_moved_ = false;
+  int moves_ = 0;  // of the camera on the car
+  SeenImages seen_;
+  cv::Size image_size_;
+  std::vector<RotationRecord> rotations_;
+  std::vector<UnreadableFrame> unreadable_;
+  std::vector<double> latencies_;  // of images, seconds
+  std::optional<double> live_metric_from_;
+};
+
+}  // namespace turnscale

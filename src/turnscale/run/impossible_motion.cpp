@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/run/impossible_motion.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+
+namespace turnscale {
+namespace {
+
+// Speeds are means over so many seconds, at most twice as many where images are missing.
+constexpr double kWindow = 0.5;
+// More than tyres can transmit, m/s^2.
+constexpr double kMostAcceleration = 15;
+// Errors of a speed, by poses and time stamps: share of it.
+constexpr double kSpeedNoise = 0.25;
+// A step is longer than those before and after it by more than this factor where images are missing or repeated.
+constexpr double kLongStep = 3;
+// A slower car stands, m/s.
+constexpr double kStanding = 0.2;
+
+struct SpeedWindow {
+  double from = 0;
+  double to = 0;
+  double distance = 0;  // m, along a straight line
+
+  double speed() const { return distance / (to - from); }
+};
+
+// Windows that follow one another, without an impossible change of speed.
+struct Stretch {
+  std::vector<SpeedWindow> windows;
+  bool follows = false;  // such a change is between it and the stretch before
+  bool is_wrong = false;
+
+  double seconds() const { return windows.back().to - windows.front().from; }
+  // Beside its ends: the window at the end may contain the change.
+  double first_speed() const { return windows[windows.size() > 1 ? 1 : 0].speed(); }
+  double last_speed() const { return windows[windows.size() - (windows.size() > 1 ? 2 : 1)].speed(); }
+};
+
+double DistanceBetween(const FrameResult& a, const FrameResult& b) {
+  return (a.world_from_camera->translation - b.world_from_camera->translation).norm();
+}
+
+// A window that cannot be judged is left out.
+std::vector<SpeedWindow> Windows(const std::vector<FrameResult>& frames) {
+  std::vector<const FrameResult*> measured;
+  for (const FrameResult& frame : frames)
+    if (frame.is_measured()) measured.push_back(&frame);
+  const auto step = [&](size_t i) { return DistanceBetween(*measured[i - 1], *measured[i]); };
+  const auto is_long = [&](size_t i) {
+    return i > 1 && i + 1 < measured.size() && step(i) > kLongStep * std::max(step(i - 1), step(i + 1));
+  };
+  std::vector<SpeedWindow> windows;
+  size_t first = 0;
+  bool has_long_step = false;
+  for (size_t i = 1; i < measured.size(); ++i) {
+    has_long_step = has_long_step || is_long(i);
+    const double seconds = measured[i]->time - measured[first]->time;
+    if (seconds < kWindow) continue;
+    const double distance = DistanceBetween(*measured[first], *measured[i]);
+    if (seconds < 2 * kWindow && !has_long_step && distance > kStanding * seconds)
+      windows.push_back({measured[first]->time, measured[i]->time, distance});
+    first = i;
+    has_long_step = false;
+  }
+  return windows;
+}
+
+bool IsImpossible(const SpeedWindow& before, const SpeedWindow& after) {
+  const auto [slower, faster] = std::minmax({before.speed(), after.speed()});
+  const double seconds = 0.5 * (after.from + after.to - before.from - before.to);
+  return (1 - kSpeedNoise) * faster - slower > kMostAcceleration * seconds;
+}
+
+std::vector<Stretch> Stretches(const std::vector<SpeedWindow>& windows) {
+  std::vector<Stretch> stretches;
+  for (size_t i = 0; i < windows.size(); ++i) {
+    const bool continues = i > 0 && windows[i].from == windows[i - 1].to;
+    const bool changes = continues && IsImpossible(windows[i - 1], windows[i]);
+    if (!continues || changes) stretches.push_back({{}, changes, false});
+    stretches.back().windows.push_back(windows[i]);
+  }
+  for (size_t i = 1; i < stretches.size(); ++i) {
+    if (!stretches[i].follows) continue;
+    (stretches[i].seconds() < stretches[i - 1].seconds() ? stretches[i] : stretches[i - 1]).is_wrong = true;
+  }
+  return stretches;
+}
+
+}  // namespace
+
+std::vector<ImpossibleMotion> FindImpossibleMotion(const std::vector<FrameResult>& frames) {
+  std::vector<ImpossibleMotion> parts;
+  if (frames.empty() || frames.back().scale_state == ScaleState::kPending) return parts;
+  const std::vector<Stretch> stretches = Stretches(Windows(frames));
+  for (size_t first = 0; first < stretches.size();) {
+    if (!stretches[first].is_wrong) {
+      ++first;
+      continue;
+    }
+    size_t end = first + 1;
+    while (end < stretches.size() && stretches[end].is_wrong && stretches[end].follows) ++end;
+    ImpossibleMotion part{stretches[first].windows.front().from, stretches[end - 1].windows.back().to};
+    for (size_t i = first; i < end; ++i)
+      for (const SpeedWindow& window : stretches[i].windows) part.distance += window.distance;
+    std::optional<double> before;
+    std::optional<double> after;
+    if (stretches[first].follows) before = stretches[first - 1].last_speed();
+    if (end < stretches.size() && stretches[end].follows) after = stretches[end].first_speed();
+    // There is one: of all stretches between two others, the longest is right.
+    const double speed = before && after ? 0.5 * (*before + *after) : before ? *before : after.value_or(0.0);
+    part.expected = speed * (part.to - part.from);
+    parts.push_back(part);
+    first = end;
+  }
+  return parts;
+}
+
+std::string ImpossibleMotionText(const std::vector<ImpossibleMotion>& parts) {
+  if (parts.empty()) return {};
+  const auto largest = std::ranges::max_element(
+      parts, {}, [](const ImpossibleMotion& part) { return std::abs(part.distance - part.expected); });
+  return fmt::format(
+      "the speed changes faster than a car's can ({}from {:.1f} to {:.1f} s): the path there is {:.0f} m long, but "
+      "about "
+      "{:.0f} m by the speed before and after; a vehicle that moved may have filled the image",
+      parts.size() > 1 ? fmt::format("{} places; the worst ", parts.size()) : "", largest->from, largest->to,
+      largest->distance, largest->expected);
+}
+
+double LengthErrorOf(const std::vector<ImpossibleMotion>& parts) {
+  double sum = 0;
+  for (const ImpossibleMotion& part : parts) sum += std::abs(part.distance - part.expected);
+  return sum;
+}
+
+}  // namespace turnscale

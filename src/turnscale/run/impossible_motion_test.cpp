@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/run/impossible_motion.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+namespace turnscale {
+namespace {
+
+// Straight on at 10 images a second, at this speed (m/s) at each time.
+template <typename Speed>
+std::vector<FrameResult> DriveAt(double seconds, Speed speed) {
+  std::vector<FrameResult> frames(static_cast<size_t>(10 * seconds));
+  double place = 0;
+  for (size_t i = 0; i < frames.size(); ++i) {
+    const double time = 0.1 * static_cast<double>(i);
+    place += 0.1 * speed(time);
+    frames[i].frame = static_cast<int>(i);
+    frames[i].time = time;
+    frames[i].state = TrackingState::kTracked;
+    frames[i].scale_state = ScaleState::kHeld;
+    frames[i].world_from_camera = RigidTransform();
+    frames[i].world_from_camera->translation.z() = place;
+  }
+  return frames;
+}
+
+TEST(ImpossibleMotion, IsNoneInADrive) {
+  EXPECT_TRUE(FindImpossibleMotion({}).empty());
+  // Full braking to a stop, and off again.
+  EXPECT_TRUE(FindImpossibleMotion(DriveAt(60, [](double time) {
+                return time < 20 ? 30.0 : time < 23 ? 30 - 10 * (time - 20) : time < 30 ? 0.0 : 4 * (time - 30);
+              })).empty());
+  // A camera that froze, while the car went on or stopped.
+  EXPECT_TRUE(
+      FindImpossibleMotion(DriveAt(60, [](double time) { return time < 20 || time > 40 ? 10.0 : 0.0; })).empty());
+}
+
+TEST(ImpossibleMotion, IsAPartAtAnotherSpeed) {
+  auto frames = DriveAt(60, [](double time) { return time > 20 && time < 30 ? 2.0 : 20.0; });
+  const std::vector<ImpossibleMotion> parts = FindImpossibleMotion(frames);
+  ASSERT_EQ(parts.size(), 1U);
+  EXPECT_NEAR(parts[0].from, 20, 0.6);
+  EXPECT_NEAR(parts[0].to, 30, 0.6);
+  EXPECT_NEAR(parts[0].distance, 20, 10);
+  EXPECT_NEAR(parts[0].expected, 200, 15);
+  EXPECT_NEAR(LengthErrorOf(parts), 180, 15);
+  EXPECT_NE(ImpossibleMotionText(parts).find("can (from 20."), std::string::npos) << ImpossibleMotionText(parts);
+  for (FrameResult& frame : frames) frame.scale_state = ScaleState::kPending;
+  EXPECT_TRUE(FindImpossibleMotion(frames).empty());
+}
+
+TEST(ImpossibleMotion, IsTheShorterSideOfASingleChange) {
+  const auto late = FindImpossibleMotion(DriveAt(60, [](double time) { return time < 40 ? 20.0 : 5.0; }));
+  ASSERT_EQ(late.size(), 1U);
+  EXPECT_NEAR(late[0].from, 40, 0.6);
+  EXPECT_NEAR(late[0].to, 60, 0.6);
+  EXPECT_NEAR(late[0].distance, 100, 10);
+  EXPECT_NEAR(late[0].expected, 400, 20);
+  const auto early = FindImpossibleMotion(DriveAt(60, [](double time) { return time < 10 ? 20.0 : 5.0; }));
+  ASSERT_EQ(early.size(), 1U);
+  EXPECT_NEAR(early[0].from, 0, 0.1);
+  EXPECT_NEAR(early[0].expected, 50, 5);
+}
+
+TEST(ImpossibleMotion, PartsMayBeLongAndSeveral) {
+  const auto two = FindImpossibleMotion(
+      DriveAt(200, [](double time) { return (time > 40 && time < 65) || (time > 120 && time < 125) ? 2.0 : 20.0; }));
+  ASSERT_EQ(two.size(), 2U);
+  EXPECT_NEAR(two[0].to - two[0].from, 25, 1.1);
+  EXPECT_NEAR(two[1].to - two[1].from, 5, 1.1);
+  EXPECT_NEAR(LengthErrorOf(two), 25 * 18 + 5 * 18, 40);
+  EXPECT_NE(ImpossibleMotionText(two).find("(2 places; the worst from 40."), std::string::npos);
+}
+
+TEST(ImpossibleMotion, EndsWhereTheCarStands) {
+  // It stands while something passes, and drives off.
+  const auto parts = FindImpossibleMotion(DriveAt(60, [](double time) {
+    return time < 20 || time > 31 ? 12.0 : time < 30 ? 0.0 : 0.5;
+  }));
+  ASSERT_EQ(parts.size(), 1U);
+  EXPECT_LT(LengthErrorOf(parts), 20);
+}
+
+TEST(ImpossibleMotion, ALongStepIsAMatterOfTheTimes) {
+  EXPECT_TRUE(
+      FindImpossibleMotion(DriveAt(60, [](double time) { return std::abs(time - 30) < 0.05 ? 150.0 : 10.0; })).empty())
+      << "images are missing";
+  EXPECT_TRUE(
+      FindImpossibleMotion(DriveAt(60, [](double time) { return std::abs(time - 30) < 0.05 ? -300.0 : 10.0; })).empty())
+      << "images are repeated";
+}
+
+TEST(ImpossibleMotion, GapsHaveTimeForASpeedToChange) {
+  auto frames = DriveAt(60, [](double time) { return time < 20 ? 20.0 : 2.0; });
+  for (FrameResult& frame : frames)
+    if (frame.time > 19 && frame.time < 22) frame.state = TrackingState::kBridged;
+  EXPECT_TRUE(FindImpossibleMotion(frames).empty());
+}
+
+}  // namespace
+}  // namespace turnscale

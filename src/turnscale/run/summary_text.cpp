@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "turnscale/geometry/rotation.h"
+#include "turnscale/io/run_files.h"
+#include "turnscale/odometry/results.h"
+#include "turnscale/run/run_summary.h"
+
+namespace turnscale {
+namespace {
+
+constexpr double kKilometresPerHour = 3.6;  // per m/s
+
+// Empty where the whole path is measured.
+std::string MissingText(const RunSummary& summary) {
+  if (summary.missing.empty()) return {};
+  std::string text = fmt::format("missing {:.1f} s of {:.1f} s", TotalSeconds(summary.missing), summary.seconds);
+  const std::vector<MissingPart> longest = LongestParts(summary.missing, kShownMissingParts);
+  for (size_t i = 0; i < longest.size(); ++i) text += (i == 0 ? ": " : "; ") + MissingPartText(longest[i]);
+  if (const size_t more = summary.missing.size() - longest.size(); more > 0)
+    text += fmt::format("; and {} shorter part{}", more, more == 1 ? "" : "s");
+  return text + "\n";
+}
+
+// One line, empty unless there are several.
+std::string ClipsText(const std::vector<ClipPart>& clips) {
+  if (clips.size() < 2) return {};
+  return fmt::format("clips   {}, from {} to {}\n", clips.size(), clips.front().file, clips.back().file);
+}
+
+std::string TestOfCalibration(const RunSummary& summary) {
+  if (summary.calibration_windows > 0)
+    return summary.calibration_agrees ? "consistent with the turns" : "contradicted by the turns";
+  std::string text = "not tested, as the drive has no sharp turn";
+  // The height of the camera scales with the focal length.
+  if (summary.is_metric() && summary.turns_used == 0) text += "; an error of its focal length changes the scale";
+  return text;
+}
+
+// One line; empty before the first image.
+std::string IntrinsicsText(const RunSummary& summary) {
+  const std::optional<FoundCamera>& found = summary.found_camera;
+  if (!found && summary.camera.empty())
+    return summary.pinhole ? fmt::format("lens    focal length {:.1f} pixels, assumed\n", summary.pinhole->fx) : "";
+  if (!found)
+    return fmt::format("lens    calibration {}, {}\n", std::filesystem::path(summary.camera).filename().string(),
+                       TestOfCalibration(summary));
+  const Pinhole& pinhole = found->camera.pinhole;
+  return fmt::format(
+      "lens    focal length {}, principal point ({:.1f}, {:.1f}) +-{:.1f} pixels, estimated; for the "
+      "next drive: --camera {}\n",
+      FocalLengthText(found->camera), pinhole.cx, pinhole.cy, found->centre_sigma,
+      (std::filesystem::path(summary.folder) / RunFiles::kCamera).string());
+}
+
+// Where a rotation comes from that the drive has not estimated.
+std::string SourceOfRotation(const RunSummary& summary) {
+  if (summary.mount && !summary.vehicle.camera_known) return "assumed; no turn was suitable for estimating it";
+  if (!summary.contradicting_yaw) return "as given";
+  return fmt::format("as given; the drive shows yaw {:+.2f} deg, which is used", InDegrees(*summary.contradicting_yaw));
+}
+
+std::string Times(int count) { return count == 1 ? "once" : fmt::format("{} times", count); }
+
+// One line.
+std::string MountText(const RunSummary& summary) {
+  const std::optional<MountSummary>& mount = summary.mount;
+  if (mount && !mount->found && mount->moves > 0)
+    return fmt::format("camera  moved {}; no turn since, so the rotation from before the move is used\n",
+                       Times(mount->moves));
+  if (!mount || !mount->found) {
+    const YawPitchRoll angles = mount ? mount->angles : YawPitchRollFromRotation(summary.vehicle.vehicle_from_camera);
+    // Rounded first: else it may say -0.00.
+    const auto degrees = [](double angle) { return std::round(100 * InDegrees(angle)) / 100 + 0.0; };
+    return fmt::format("camera  yaw {:+.2f}, pitch {:+.2f}, roll {:+.2f} deg, {}\n", degrees(angles.yaw),
+                       degrees(angles.pitch), degrees(angles.roll), SourceOfRotation(summary));
+  }
+  const auto degrees = [](double angle) { return angle * kDegreesPerRadian; };
+  std::string text = fmt::format(
+      "camera  yaw {:+.2f} +-{:.2f}, pitch {:+.2f} +-{:.2f}, roll {:+.1f} +-{:.1f} deg, estimated from {}the drive",
+      degrees(mount->angles.yaw), degrees(mount->sigma.yaw), degrees(mount->angles.pitch), degrees(mount->sigma.pitch),
+      degrees(mount->angles.roll), degrees(mount->sigma.roll),
+      summary.vehicle.camera_known && mount->moves == 0 ? "the file of the car and " : "");
+  if (mount->moves > 0) text += "; moved " + Times(mount->moves);
+  return text + "\n";
+}
+
+// Length and frames of the path.
+std::string PathText(const RunSummary& summary) {
+  constexpr double kLittle = 0.01;
+  const char* unit = summary.is_metric() ? "m" : "units";
+  std::string text = fmt::format("path    {:.2f} {} in {:.1f} s", summary.distance, unit, summary.seconds);
+  if (summary.is_metric() && summary.seconds > 0)
+    text += fmt::format(" ({:.0f} km/h on average)", kKilometresPerHour * summary.distance / summary.seconds);
+  text += fmt::format(", {} frames, {} keyframes", summary.frames, summary.keyframes);
+  if (summary.missing_distance > kLittle * summary.distance)
+    text += fmt::format("; {:.2f} {} of it not measured", summary.missing_distance, unit);
+  return text + "\n";
+}
+
+// A height that only the drive tells is a check of the scale: both are wrong by the same factor.
+std::string HeightText(const RunSummary& summary, const CarRefinement& car) {
+  if (!(car.camera_height > 0)) return {};
+  return fmt::format("height  camera {:.3f} +-{:.3f} m above the road{}\n", car.camera_height, car.camera_height_sigma,
+                     summary.vehicle.camera_height ? "" : " (compare with a tape measure)");
+}
+
+// Empty without an estimate. Without a turn only the height is one.
+std::string CarText(const RunSummary& summary) {
+  const std::optional<CarRefinement>& car = summary.car;
+  if (!car) return {};
+  if (summary.turns_used == 0) return HeightText(summary, *car);
+  std::string slip;
+  if (car->side_slip_at_bound) {
+    slip = "side slip 0, since the estimate would be negative";
+    // Around a prior of 0, chance makes it negative.
+    slip += summary.vehicle.side_slip > 0 ? ": check lever arm and timestamps; " : "; ";
+  } else if (car->side_slip_sigma > 0) {
+    slip = fmt::format("side slip {:.4f} +-{:.4f} s^2/m, ", car->side_slip, car->side_slip_sigma);
+  }
+  return fmt::format("car     {}correction of the camera's yaw {:+.2f} +-{:.2f} deg, from all turns\n{}", slip,
+                     car->yaw_error * kDegreesPerRadian, car->yaw_error_sigma * kDegreesPerRadian,
+                     HeightText(summary, *car));
+}
+
+// With the height of the camera alone, the scale may be known, but not from turns.
+std::string TurnsText(const RunSummary& summary) {
+  if (!summary.vehicle.lever_arm && summary.turns_found > 0)
+    return fmt::format("turns   {} found; not used without --lever-arm\n", summary.turns_found);
+  return fmt::format("turns   {} found, {} used\n", summary.turns_found, summary.turns_used);
+}
+
+std::string SigmaText(double sigma) {
+  return sigma > kLargestShownSigma ? std::string("beyond +-100 %") : fmt::format("+-{:.1f} %", 100 * sigma);
+}
+
+std::string ScaleText(const RunSummary& summary) {
+  if (summary.is_metric())
+    return fmt::format("{}, path length {} (1 sigma), along the drive at most {} (at {:.1f} s)",
+                       summary.is_scale_known() ? "known" : "uncertain", SigmaText(summary.path_sigma),
+                       SigmaText(summary.worst_sigma), summary.worst_sigma_time);
+  const std::string pending = ScaleStateName(summary.scale_state);
+  if (summary.has_measure()) return pending + ", " + UpToScaleText(summary.pending_reason);
+  const std::string why = summary.wants_metres()
+                              ? ", " + UpToScaleText(summary.pending_reason)
+                              : ": without --lever-arm, --camera-height or --vehicle the trajectory is up to scale";
+  return fmt::format("{}{}; turnscale rescale {} --lever-arm METRES converts it to metres", pending, why,
+                     summary.folder);
+}
+
+}  // namespace
+
+std::string FocalLengthText(const CameraModel& camera) {
+  constexpr double kSquare = 0.001;
+  const double aspect = camera.pinhole.fy / camera.pinhole.fx;
+  std::string text = fmt::format("{:.1f} +-{:.1f}", camera.pinhole.fx, camera.focal_sigma);
+  if (std::abs(aspect - 1) > kSquare)
+    text += fmt::format(" (vertically {:.1f}, as pixels are {:.3g} times as wide as high)", camera.pinhole.fy, aspect);
+  return text;
+}
+
+std::string SummaryText(const RunSummary& summary) {
+  const RunCost& cost = summary.cost;
+  return fmt::format(
+      "{}"
+      "{}"
+      "scale   {}\n"
+      "{}"
+      "{}"
+      "{}"
+      "{}"
+      "frames  {} bridged, {} unreadable, {} repeated; {} before initialisation\n"
+      "{}"
+      "time    {:.1f} frames/s, {:.1f} ms of CPU time per frame over the whole run, {:.0f} MB of memory\n"
+      "files   {}\n",
+      ClipsText(summary.clips), PathText(summary), ScaleText(summary), IntrinsicsText(summary), MountText(summary),
+      CarText(summary), TurnsText(summary), summary.bridged, summary.unreadable.size(), summary.repeated,
+      summary.initializing, MissingText(summary), summary.frames / std::max(cost.wall_seconds, 1e-9),
+      1e3 * cost.cpu_seconds / std::max(summary.frames, 1), cost.peak_memory_mb, summary.folder);
+}
+
+}  // namespace turnscale
