@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: MIT
-# Headers that most sources read, compiled once for all libraries, and for test programs once for each level of
-# optimization. Sources include what they use all the same: presets without this option compile them.
+# Headers that most sources read, compiled once for the library, once for what is built with the program, and for test
+# programs once for each level of optimization. The library's do not depend on what else is built, so that a compiler
+# cache finds its objects in every configuration. Sources include what they use all the same: presets without this
+# option compile them.
 
 set(TURNSCALE_PRECOMPILED
     <algorithm>
@@ -24,10 +26,8 @@ set(TURNSCALE_PRECOMPILED
     <yaml-cpp/yaml.h>
     <common_expressions.h>)
 set(TURNSCALE_PRECOMPILED_LINKS Eigen3::Eigen OpenCVModules::core yaml-cpp)
-if(TURNSCALE_BUILD_PROGRAM)
-  list(APPEND TURNSCALE_PRECOMPILED <fmt/format.h> <nlohmann/json.hpp>)
-  list(APPEND TURNSCALE_PRECOMPILED_LINKS fmt::fmt nlohmann_json::nlohmann_json)
-endif()
+set(TURNSCALE_PRECOMPILED_PROGRAM ${TURNSCALE_PRECOMPILED} <fmt/format.h> <nlohmann/json.hpp>)
+set(TURNSCALE_PRECOMPILED_PROGRAM_LINKS ${TURNSCALE_PRECOMPILED_LINKS} fmt::fmt nlohmann_json::nlohmann_json)
 
 # turnscale_precompile(<target> HEADERS <header>... LINKS <library>...): the target whose precompiled headers others use.
 function(turnscale_precompile target)
@@ -53,10 +53,21 @@ if(TURNSCALE_PRECOMPILE)
   turnscale_precompile(turnscale_precompiled HEADERS ${TURNSCALE_PRECOMPILED} LINKS ${TURNSCALE_PRECOMPILED_LINKS})
   set_target_properties(turnscale_precompiled PROPERTIES POSITION_INDEPENDENT_CODE ON)
 endif()
+if(TURNSCALE_PRECOMPILE AND TURNSCALE_BUILD_PROGRAM)
+  turnscale_precompile(turnscale_precompiled_program HEADERS ${TURNSCALE_PRECOMPILED_PROGRAM} LINKS
+                       ${TURNSCALE_PRECOMPILED_PROGRAM_LINKS})
+  set_target_properties(turnscale_precompiled_program PROPERTIES POSITION_INDEPENDENT_CODE ON)
+endif()
 if(TURNSCALE_PRECOMPILE AND TURNSCALE_BUILD_TESTS)
+  set(test_headers ${TURNSCALE_PRECOMPILED})
+  set(test_links ${TURNSCALE_PRECOMPILED_LINKS})
+  if(TURNSCALE_BUILD_PROGRAM)
+    set(test_headers ${TURNSCALE_PRECOMPILED_PROGRAM})
+    set(test_links ${TURNSCALE_PRECOMPILED_PROGRAM_LINKS})
+  endif()
   foreach(level IN ITEMS O0 O1)
-    turnscale_precompile(turnscale_precompiled_${level} HEADERS ${TURNSCALE_PRECOMPILED} <gtest/gtest.h> LINKS
-                         ${TURNSCALE_PRECOMPILED_LINKS} GTest::gtest_main)
+    turnscale_precompile(turnscale_precompiled_${level} HEADERS ${test_headers} <gtest/gtest.h> LINKS
+                         ${test_links} GTest::gtest_main)
     target_compile_options(turnscale_precompiled_${level} PRIVATE $<$<CONFIG:Release>:-${level}>)
   endforeach()
 endif()

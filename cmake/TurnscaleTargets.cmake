@@ -44,7 +44,11 @@ function(turnscale_module module)
   target_compile_definitions(${target} PUBLIC EIGEN_MAX_ALIGN_BYTES=16)
   target_link_libraries(${target} PUBLIC ${MODULE_USES} PRIVATE ${MODULE_USES_PRIVATELY}
                                                               $<BUILD_INTERFACE:turnscale_build_flags>)
-  turnscale_reuse(${target} turnscale_precompiled)
+  if(TURNSCALE_PART STREQUAL "library")
+    turnscale_reuse(${target} turnscale_precompiled)
+  else()
+    turnscale_reuse(${target} turnscale_precompiled_program)
+  endif()
   set_property(GLOBAL APPEND PROPERTY TURNSCALE_MODULES_OF_${TURNSCALE_PART} ${target})
 endfunction()
 
