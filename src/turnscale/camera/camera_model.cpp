@@ -213,6 +213,10 @@ Eigen::Vector2d UndoRadialCorrection(const Pinhole& pinhole, double correction, 
   return Scaled(pinhole, pixel, radius / corrected - 1);
 }
 
+Eigen::Vector2d ChangeRadialCorrection(const Pinhole& pinhole, double from, double to, const Eigen::Vector2d& pixel) {
+  return CorrectRadially(pinhole, to, UndoRadialCorrection(pinhole, from, pixel));
+}
+
 std::optional<Eigen::Vector2d> CameraModel::Project(const Eigen::Vector3d& x_in_camera) const {
   if (radial_correction == 0 || !(x_in_camera.z() > 0)) return ProjectCalibrated(*this, x_in_camera);
   if (!CorrectionReaches(radial_correction, x_in_camera.head<2>().norm() / x_in_camera.z())) return std::nullopt;

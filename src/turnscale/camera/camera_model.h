@@ -84,4 +84,7 @@ Eigen::Vector2d CorrectRadially(const Pinhole& pinhole, double correction, const
 /// correction moves no pixel beyond (2/3) / sqrt(3 |correction|) focal lengths: what is asked for there has no meaning.
 Eigen::Vector2d UndoRadialCorrection(const Pinhole& pinhole, double correction, const Eigen::Vector2d& pixel);
 
+/// A pixel that was corrected by `from`, corrected by `to` instead.
+Eigen::Vector2d ChangeRadialCorrection(const Pinhole& pinhole, double from, double to, const Eigen::Vector2d& pixel);
+
 }  // namespace turnscale

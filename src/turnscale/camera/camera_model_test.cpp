@@ -31,6 +31,13 @@ TEST(RadialCorrection, MovesOutwardsByTheCubeOfTheRadius) {
   EXPECT_NEAR(CorrectRadially(kPinhole, 0.01, {610 + 350, 180}).x(), 610 + 350 * 1.0025, 1e-9);
 }
 
+TEST(RadialCorrection, ChangesFromOneToAnother) {
+  const Eigen::Vector2d ideal(900, 50);
+  const Eigen::Vector2d pixel = CorrectRadially(kPinhole, 0.01, ideal);
+  const Eigen::Vector2d changed = ChangeRadialCorrection(kPinhole, 0.01, -0.02, pixel);
+  EXPECT_LT((changed - CorrectRadially(kPinhole, -0.02, ideal)).norm(), 1e-9);
+}
+
 TEST(RadialCorrection, OfACameraInvertsWithItsLens) {
   CameraModel camera;
   camera.pinhole = kPinhole;

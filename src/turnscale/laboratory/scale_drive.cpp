@@ -124,7 +124,7 @@ ScaleDrive MakeScaleDrive(const ScaleDriveOptions& options) {
   const Trajectory path = NoisyCameraPath(steps, options.drive, {});
   ScaleDrive drive;
   drive.pixel_noise = options.pixel_noise;
-  drive.truth.pinhole = options.pinhole;
+  drive.truth.camera.pinhole = options.pinhole;
   for (const int frame : KeyframesOf(options, steps)) {
     if (frame % options.step_frames == 0) drive.stations.push_back(static_cast<int>(drive.truth.keyframes.size()));
     drive.truth.keyframes.push_back({frame, path[frame].time, path[frame].world_from_camera.inverse(), {}, false});

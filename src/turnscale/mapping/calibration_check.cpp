@@ -134,8 +134,8 @@ CalibrationCheck::CalibrationCheck(const CalibrationCheckOptions& options, const
   expected_ = expected;
 }
 
-std::optional<IntrinsicsProblem> CalibrationCheck::Window(const Map& map, const CameraModel& camera) {
-  given_ = camera.pinhole;
+std::optional<IntrinsicsProblem> CalibrationCheck::Window(const Map& map) {
+  given_ = map.camera.pinhole;
   const int latest = static_cast<int>(map.keyframes.size()) - 1;
   if (!options_.enabled || IsComplete() || latest < next_keyframe_) return std::nullopt;
   const int first = StartOfMap(map, std::max(0, latest - options_.window + 1));
@@ -148,7 +148,7 @@ std::optional<IntrinsicsProblem> CalibrationCheck::Window(const Map& map, const 
   window.last = latest;
   window.max_landmarks = options_.max_landmarks;
   window.huber_threshold = options_.huber_threshold;
-  IntrinsicsProblem problem(map, camera, window, options_.pixel_sigma);
+  IntrinsicsProblem problem(map, map.camera, window, options_.pixel_sigma);
   if (problem.landmarks() == 0) return std::nullopt;
   return problem;
 }
@@ -162,8 +162,8 @@ bool CalibrationCheck::Read(IntrinsicsProblem& window) {
   return reading.has_value();
 }
 
-bool CalibrationCheck::Observe(const Map& map, const CameraModel& camera) {
-  std::optional<IntrinsicsProblem> window = Window(map, camera);
+bool CalibrationCheck::Observe(const Map& map) {
+  std::optional<IntrinsicsProblem> window = Window(map);
   return window && Read(*window);
 }
 

@@ -94,12 +94,12 @@ class CalibrationCheck {
   CalibrationCheck(const CalibrationCheckOptions& options, const IntrinsicsChange::Vector& expected);
 
   /// A copy of the window that ends at the latest keyframe; nothing if none is due, or the camera turns too little in
-  /// it. The map's pixels are undistorted by `camera`. Call it when a keyframe has come.
-  std::optional<IntrinsicsProblem> Window(const Map& map, const CameraModel& camera);
+  /// it. Call it when a keyframe has come.
+  std::optional<IntrinsicsProblem> Window(const Map& map);
   /// Takes in a window. False where it does not determine the intrinsics.
   bool Read(IntrinsicsProblem& window);
   /// Both. True when a window was read.
-  bool Observe(const Map& map, const CameraModel& camera);
+  bool Observe(const Map& map);
 
   /// Windows that were read.
   int windows() const { return static_cast<int>(windows_.size()); }

@@ -24,8 +24,8 @@ const std::vector<DriveSegment> kStreet = {{60, 0.8, 0}};
 Map WrongMap(const std::vector<DriveSegment>& segments, const Vector& error, double noise, unsigned seed) {
   const CarDrive drive = MakeCarDrive(segments, 0.1, {1.2, 0}, Eigen::Quaterniond::Identity());
   Map map = MakeMap(drive, {.points_per_step = 25, .pixel_noise = noise, .seed = seed});
-  const Pinhole truth = map.pinhole;
-  map.pinhole = ChangedPinhole(truth, error);
+  const Pinhole truth = map.camera.pinhole;
+  map.camera.pinhole = ChangedPinhole(truth, error);
   const auto seen_through_lens = [&](const Eigen::Vector2d& pixel) {
     return UndoRadialCorrection(truth, error[IntrinsicsChange::kCorrection], pixel);
   };
@@ -47,7 +47,7 @@ CameraModel WithCorrection(double correction = 0) {
 CalibrationCheck CheckAlong(const Map& whole, const CalibrationCheckOptions& options = {}) {
   CalibrationCheck check(options);
   for (int keyframes = 1; keyframes <= static_cast<int>(whole.keyframes.size()); ++keyframes)
-    check.Observe(MapUpTo(keyframes, whole), CameraOf(whole));
+    check.Observe(MapUpTo(keyframes, whole));
   return check;
 }
 
@@ -123,7 +123,7 @@ void Distort(const Vector& lens, Map& map) {
   for (Landmark& landmark : map.landmarks)
     for (LandmarkObservation& seen : landmark.observations) {
       const Eigen::Vector2d ideal = seen.pixel;
-      for (int round = 0; round < 20; ++round) seen.pixel += ideal - Correct(CameraOf(map), lens, seen.pixel)->pixel;
+      for (int round = 0; round < 20; ++round) seen.pixel += ideal - Correct(map.camera, lens, seen.pixel)->pixel;
     }
 }
 
@@ -213,13 +213,14 @@ TEST(CalibrationCheck, DoesNotLookAcrossAGap) {
 TEST(CalibrationCheck, PixelsThatAreCorrectedAlreadySayTheSame) {
   const Map raw = WrongMap(kRightAndLeft, Change(0, 0, 0, 0.01), 0.3, 13);
   Map corrected = raw;
+  corrected.camera.radial_correction = 0.01;
   for (Landmark& landmark : corrected.landmarks)
     for (LandmarkObservation& seen : landmark.observations)
-      seen.pixel = CorrectRadially(corrected.pinhole, 0.01, seen.pixel);
+      seen.pixel = CorrectRadially(corrected.camera.pinhole, 0.01, seen.pixel);
   CalibrationCheck from_raw({});
   CalibrationCheck from_corrected({});
-  ASSERT_TRUE(from_raw.Observe(raw, CameraOf(raw)));
-  ASSERT_TRUE(from_corrected.Observe(corrected, CameraOf(corrected, 0.01)));
+  ASSERT_TRUE(from_raw.Observe(raw));
+  ASSERT_TRUE(from_corrected.Observe(corrected));
   const IntrinsicsEstimate one = from_raw.Estimate();
   const IntrinsicsEstimate other = from_corrected.Estimate();
   const Vector sigmas = one.covariance.diagonal().cwiseSqrt();
@@ -232,7 +233,7 @@ TEST(CalibrationCheck, ANumberThatIsNoneTellsNothing) {
   for (const KeyframeObservation& seen : map.keyframes.back().observations)
     map.landmarks[seen.landmark].position.x() = std::nan("");
   CalibrationCheck check({});
-  EXPECT_FALSE(check.Observe(map, CameraOf(map)));
+  EXPECT_FALSE(check.Observe(map));
   EXPECT_EQ(check.windows(), 0);
 }
 
@@ -241,19 +242,19 @@ TEST(CalibrationCheck, ThePriorHasItsMeanAtTheExpectedChange) {
   const Vector expected = Change(0.05, 4, -3, 0);
   CalibrationCheckOptions options;
   CalibrationCheck unread(options, expected);
-  EXPECT_FALSE(unread.Observe(MapUpTo(1, map), CameraOf(map)));
+  EXPECT_FALSE(unread.Observe(MapUpTo(1, map)));
   EXPECT_EQ(unread.Estimate().change, expected);
-  EXPECT_NEAR(unread.Parameters(WithCorrection())[0].found, std::exp(0.05) * map.pinhole.fx, 1e-9);
+  EXPECT_NEAR(unread.Parameters(WithCorrection())[0].found, std::exp(0.05) * map.camera.pinhole.fx, 1e-9);
   EXPECT_EQ(unread.observed_radius(), 0);
   // So sure of the focal length that the images do not count.
   options.focal_prior_sigma = 1e-5;
   CalibrationCheck check(options, expected);
   for (int keyframes = 1; keyframes <= static_cast<int>(map.keyframes.size()); ++keyframes)
-    check.Observe(MapUpTo(keyframes, map), CameraOf(map));
+    check.Observe(MapUpTo(keyframes, map));
   ASSERT_GT(check.windows(), 0);
   EXPECT_NEAR(check.Estimate().change[IntrinsicsChange::kLogFocal], 0.05, 1e-3);
-  EXPECT_GT(check.observed_radius(), map.pinhole.cx / 2);
-  EXPECT_LT(check.observed_radius(), std::hypot(map.pinhole.cx, map.pinhole.cy) + 20);
+  EXPECT_GT(check.observed_radius(), map.camera.pinhole.cx / 2);
+  EXPECT_LT(check.observed_radius(), std::hypot(map.camera.pinhole.cx, map.camera.pinhole.cy) + 20);
 }
 
 TEST(CalibrationCheck, CanBeSwitchedOff) {

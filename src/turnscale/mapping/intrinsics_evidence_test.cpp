@@ -113,7 +113,8 @@ void ExpectTheFullNormalEquations(LensModel lens, double correction) {
   IntrinsicsWindow window = Whole(map);
   window.huber_threshold = 0;
   window.last = 9;
-  CameraModel camera = CameraOf(map, lens == LensModel::kPinhole ? 0.004 : 0);
+  CameraModel camera = map.camera;
+  camera.radial_correction = lens == LensModel::kPinhole ? 0.004 : 0;
   camera.lens = lens;
   if (lens != LensModel::kPinhole) camera.distortion = {-0.1, 0.02, 0.001, -0.001, 0};
   constexpr double kSigma = 0.5;
@@ -161,7 +162,7 @@ TEST(IntrinsicsEvidence, DoesNotDependOnTheUnitOfLength) {
   std::vector<IntrinsicsEvidence> evidence;
   for (const double unit : {1.0, 100.0}) {
     const Map map = CornerMap(10, 0.3, 3, unit);
-    IntrinsicsProblem problem(map, CameraOf(map), Whole(map), 0.5);
+    IntrinsicsProblem problem(map, map.camera, Whole(map), 0.5);
     ASSERT_TRUE(problem.Adjust(20));
     const std::optional<IntrinsicsEvidence> found = problem.Evidence();
     ASSERT_TRUE(found);
@@ -175,7 +176,7 @@ TEST(IntrinsicsEvidence, DoesNotDependOnTheUnitOfLength) {
 TEST(IntrinsicsEvidence, LandmarksAreTakenFromAllOverTheView) {
   const CarDrive drive = MakeCarDrive({{20, 0.8, 0}}, 0.1, {1.2, 0}, Eigen::Quaterniond::Identity());
   const Map map = MakeMap(drive, {.points_per_step = 60, .seed = 3});
-  const auto is_outer = [&](const Eigen::Vector2d& pixel) { return std::abs(map.pinhole.Ray(pixel).x()) > 0.5; };
+  const auto is_outer = [&](const Eigen::Vector2d& pixel) { return std::abs(map.camera.pinhole.Ray(pixel).x()) > 0.5; };
   std::vector<Landmark> longest = map.landmarks;
   std::ranges::stable_sort(longest, std::ranges::greater(),
                            [](const Landmark& landmark) { return landmark.observations.size(); });
@@ -189,7 +190,7 @@ TEST(IntrinsicsEvidence, LandmarksAreTakenFromAllOverTheView) {
     }
   IntrinsicsWindow window = Whole(map);
   window.max_landmarks = 100;
-  const IntrinsicsProblem problem(map, CameraOf(map), window, 0.3);
+  const IntrinsicsProblem problem(map, map.camera, window, 0.3);
   EXPECT_EQ(problem.landmarks(), 100);
   const auto& taken = problem.bundle().observations;
   const auto taken_outer = std::ranges::count_if(taken, [&](const auto& seen) { return is_outer(seen.pixel); });
@@ -201,11 +202,11 @@ TEST(IntrinsicsEvidence, FollowingAndLookingAgainLeadsToTheTruth) {
   for (const Vector& error :
        {Change(0.15, 0, 0, 0), Change(-0.15, 0, 0, 0), Change(0, 20, -15, 0), Change(0.03, 5, 0, 0.01)}) {
     Map map = truth;
-    map.pinhole = ChangedPinhole(truth.pinhole, error);
+    map.camera.pinhole = ChangedPinhole(truth.camera.pinhole, error);
     for (Landmark& landmark : map.landmarks)
       for (LandmarkObservation& seen : landmark.observations)
-        seen.pixel = UndoRadialCorrection(truth.pinhole, error[IntrinsicsChange::kCorrection], seen.pixel);
-    IntrinsicsProblem problem(map, CameraOf(map), Whole(map), 0.5);
+        seen.pixel = UndoRadialCorrection(truth.camera.pinhole, error[IntrinsicsChange::kCorrection], seen.pixel);
+    IntrinsicsProblem problem(map, map.camera, Whole(map), 0.5);
     ASSERT_TRUE(problem.Adjust(20));
     for (int round = 0; round < 8; ++round) {
       const std::optional<IntrinsicsEvidence> evidence = problem.Evidence();

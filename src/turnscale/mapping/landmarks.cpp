@@ -16,7 +16,7 @@ namespace {
 constexpr size_t kFewestSightings = 2;
 
 CameraRay RayOf(const Map& map, const LandmarkObservation& seen) {
-  return {map.keyframes[seen.keyframe].camera_from_world, map.pinhole.Ray(seen.pixel)};
+  return {map.keyframes[seen.keyframe].camera_from_world, map.camera.pinhole.Ray(seen.pixel)};
 }
 
 // Depth from the two keyframes that are farthest apart in time: they hold the widest parallax of a forward motion.
@@ -27,7 +27,8 @@ std::optional<Eigen::Vector3d> TriangulateOne(const LandmarkOptions& options, co
   const std::optional<Eigen::Vector3d> x = Triangulate(rays);
   if (!x) return std::nullopt;
   const double angle = ParallaxAngle(rays[0].camera_from_world, rays[1].camera_from_world, *x);
-  const double least = std::max(options.min_parallax_deg / kDegreesPerRadian, options.min_parallax / map.pinhole.fx);
+  const double least =
+      std::max(options.min_parallax_deg / kDegreesPerRadian, options.min_parallax / map.camera.pinhole.fx);
   if (angle < least) return std::nullopt;
   return x;
 }
@@ -47,7 +48,7 @@ double ReprojectionError(const Pinhole& pinhole, const RigidTransform& camera_fr
 }
 
 double ReprojectionError(const Map& map, int landmark, const LandmarkObservation& seen) {
-  return ReprojectionError(map.pinhole, map.keyframes[seen.keyframe].camera_from_world,
+  return ReprojectionError(map.camera.pinhole, map.keyframes[seen.keyframe].camera_from_world,
                            map.landmarks[landmark].position, seen.pixel);
 }
 

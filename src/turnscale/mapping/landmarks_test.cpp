@@ -15,7 +15,7 @@ namespace {
 // Cameras side by side, 0.1 m apart, that look forward.
 Map RowOfCameras(int count) {
   Map map;
-  map.pinhole = {700, 700, 600, 180};
+  map.camera.pinhole = {700, 700, 600, 180};
   for (int k = 0; k < count; ++k)
     map.keyframes.push_back({k, 0.1 * k, {Eigen::Quaterniond::Identity(), {-0.1 * k, 0, 0}}, {}, false});
   return map;
@@ -27,7 +27,7 @@ int AddSeen(const Eigen::Vector3d& position, bool valid, Map& map) {
   map.landmarks.push_back({position, valid, {}});
   for (size_t k = 0; k < map.keyframes.size(); ++k)
     AddObservation(map, static_cast<int>(k), landmark,
-                   map.pinhole.Project(map.keyframes[k].camera_from_world * position));
+                   map.camera.pinhole.Project(map.keyframes[k].camera_from_world * position));
   return landmark;
 }
 
@@ -69,8 +69,8 @@ TEST(Landmarks, AWideImageNeedsTheSamePixelsOfParallax) {
   Map map = RowOfCameras(3);
   const Eigen::Vector3d point(0.5, -0.3, 10);
   const int landmark = AddSeen(point, false, map);
-  const double pixels =
-      map.pinhole.fx * ParallaxAngle(map.keyframes[0].camera_from_world, map.keyframes[2].camera_from_world, point);
+  const double pixels = map.camera.pinhole.fx *
+                        ParallaxAngle(map.keyframes[0].camera_from_world, map.keyframes[2].camera_from_world, point);
   LandmarkOptions options;
   options.min_parallax = 1.001 * pixels;
   TriangulateLandmarks(options, {landmark}, map);

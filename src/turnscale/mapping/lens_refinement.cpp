@@ -69,17 +69,17 @@ void LensRefinement::Update() {
   sigma_ = std::sqrt(share * accurate.variance + (1 - share) * off.variance + share * (1 - share) * apart * apart);
 }
 
-std::optional<IntrinsicsProblem> LensRefinement::Window(const Map& map, double applied) {
+std::optional<IntrinsicsProblem> LensRefinement::Window(const Map& map) {
   const int latest = static_cast<int>(map.keyframes.size()) - 1;
   if (!options_.enabled || latest < next_keyframe_) return std::nullopt;
   next_keyframe_ = latest + options_.window / 2;
   const int first = latest - options_.window + 1;
   if (first < StartOfMap(map, first)) return std::nullopt;
   if (InDegrees(TurnBetween(map, first, latest)) < options_.min_turn_deg) return std::nullopt;
-  // The map's pixels are undistorted except for the correction.
+  // The undistorted image is taken for what a lens with nothing but the correction shows.
   CameraModel camera;
-  camera.pinhole = map.pinhole;
-  camera.radial_correction = applied;
+  camera.pinhole = map.camera.pinhole;
+  camera.radial_correction = map.camera.radial_correction;
   IntrinsicsWindow window;
   window.first = first;
   window.last = latest;
@@ -89,8 +89,8 @@ std::optional<IntrinsicsProblem> LensRefinement::Window(const Map& map, double a
   return problem;
 }
 
-bool LensRefinement::Observe(const Map& map, double applied) {
-  std::optional<IntrinsicsProblem> window = Window(map, applied);
+bool LensRefinement::Observe(const Map& map) {
+  std::optional<IntrinsicsProblem> window = Window(map);
   return window && Read(*window);
 }
 

@@ -49,12 +49,12 @@ class LensRefinement {
   explicit LensRefinement(const LensRefinementOptions& options);
 
   /// A copy of the window that ends at the latest keyframe; nothing if none is due, or the camera turns too little in
-  /// it. The map's pixels are corrected by `applied`. Call it when a keyframe has come.
-  std::optional<IntrinsicsProblem> Window(const Map& map, double applied);
+  /// it. Call it when a keyframe has come.
+  std::optional<IntrinsicsProblem> Window(const Map& map);
   /// Adds the window's parabola. False, and nothing changed, where it has none.
   bool Read(IntrinsicsProblem& window);
   /// Both. True when the estimate changed.
-  bool Observe(const Map& map, double applied);
+  bool Observe(const Map& map);
 
   double correction() const { return correction_; }
   double sigma() const { return sigma_; }  ///< standard deviation of the correction

@@ -24,12 +24,12 @@ Map MapThroughLens(const std::vector<DriveSegment>& segments, double distortion,
   for (Keyframe& keyframe : map.keyframes) {
     keyframe.camera_from_world.translation *= unit;
     for (KeyframeObservation& seen : keyframe.observations)
-      seen.pixel = UndoRadialCorrection(map.pinhole, distortion, seen.pixel);
+      seen.pixel = UndoRadialCorrection(map.camera.pinhole, distortion, seen.pixel);
   }
   for (Landmark& landmark : map.landmarks) {
     landmark.position *= unit;
     for (LandmarkObservation& seen : landmark.observations)
-      seen.pixel = UndoRadialCorrection(map.pinhole, distortion, seen.pixel);
+      seen.pixel = UndoRadialCorrection(map.camera.pinhole, distortion, seen.pixel);
   }
   return map;
 }
@@ -37,7 +37,7 @@ Map MapThroughLens(const std::vector<DriveSegment>& segments, double distortion,
 LensRefinement RefineAlong(const Map& whole, const LensRefinementOptions& options = {}) {
   LensRefinement lens(options);
   for (int keyframes = 1; keyframes <= static_cast<int>(whole.keyframes.size()); ++keyframes)
-    lens.Observe(MapUpTo(keyframes, whole), 0.0);
+    lens.Observe(MapUpTo(keyframes, whole));
   return lens;
 }
 
@@ -75,7 +75,7 @@ TEST(LensRefinement, NoiseDoesNotBiasIt) {
 TEST(LensRefinement, OneWindowFindsALargeCorrection) {
   for (const double distortion : {-0.016, -0.04, 0.05, 0.085}) {
     LensRefinement lens({});
-    ASSERT_TRUE(lens.Observe(MapUpTo(36, MapThroughLens(kStreetCornerStreet, distortion, 0, 3)), 0)) << distortion;
+    ASSERT_TRUE(lens.Observe(MapUpTo(36, MapThroughLens(kStreetCornerStreet, distortion, 0, 3)))) << distortion;
     EXPECT_NEAR(lens.correction(), distortion, std::abs(0.013 * distortion));
   }
 }
@@ -90,9 +90,9 @@ LensRefinementOptions AnyWindow() {
 TEST(LensRefinement, AsksOnlyWindowsThatTurn) {
   const Map whole = MapThroughLens(kStreetCornerStreet, -0.012, 0.3, 3);
   LensRefinement lens({});
-  EXPECT_FALSE(lens.Observe(MapUpTo(18, whole), 0)) << "a street";
+  EXPECT_FALSE(lens.Observe(MapUpTo(18, whole))) << "a street";
   EXPECT_EQ(lens.correction(), 0);
-  EXPECT_TRUE(lens.Observe(MapUpTo(36, whole), 0)) << "a corner";
+  EXPECT_TRUE(lens.Observe(MapUpTo(36, whole))) << "a corner";
   EXPECT_NE(lens.correction(), 0);
 }
 
@@ -101,7 +101,7 @@ TEST(LensRefinement, ANumberThatIsNoneTellsNothing) {
   for (const KeyframeObservation& seen : map.keyframes.back().observations)
     map.landmarks[seen.landmark].position.x() = std::nan("");
   LensRefinement lens({});
-  EXPECT_FALSE(lens.Observe(map, 0));
+  EXPECT_FALSE(lens.Observe(map));
   EXPECT_EQ(lens.correction(), 0);
 }
 
@@ -109,8 +109,8 @@ TEST(LensRefinement, ATurnTellsMoreThanAStreet) {
   LensRefinement street(AnyWindow());
   LensRefinement turn(AnyWindow());
   const Map whole = MapThroughLens(kStreetCornerStreet, 0, 0.3, 3);
-  ASSERT_TRUE(street.Observe(MapUpTo(18, whole), 0));
-  ASSERT_TRUE(turn.Observe(MapUpTo(36, whole), 0));
+  ASSERT_TRUE(street.Observe(MapUpTo(18, whole)));
+  ASSERT_TRUE(turn.Observe(MapUpTo(36, whole)));
   EXPECT_LT(turn.sigma(), 0.3 * street.sigma());
 }
 
@@ -126,13 +126,14 @@ TEST(LensRefinement, PixelsThatAreCorrectedAlreadySayTheSame) {
   const double applied = 0.005;
   const Map raw = MapUpTo(40, MapThroughLens(kStreetCornerStreet, distortion, 0.3, 5));
   Map corrected = raw;
+  corrected.camera.radial_correction = applied;
   for (Landmark& landmark : corrected.landmarks)
     for (LandmarkObservation& seen : landmark.observations)
-      seen.pixel = CorrectRadially(corrected.pinhole, applied, seen.pixel);
+      seen.pixel = CorrectRadially(corrected.camera.pinhole, applied, seen.pixel);
   LensRefinement from_raw({});
   LensRefinement from_corrected({});
-  EXPECT_TRUE(from_raw.Observe(raw, 0));
-  EXPECT_TRUE(from_corrected.Observe(corrected, applied));
+  EXPECT_TRUE(from_raw.Observe(raw));
+  EXPECT_TRUE(from_corrected.Observe(corrected));
   EXPECT_GT(std::abs(from_raw.correction()), 0.001);
   EXPECT_NEAR(from_corrected.correction(), from_raw.correction(), 1e-6);
 }
@@ -146,19 +147,19 @@ double PriorSigma(const LensRefinementOptions& options) {
 TEST(LensRefinement, KnowsThePriorUntilTheWindowIsFull) {
   const Map whole = MapThroughLens(kStreetCornerStreet, -0.012, 0.3, 6);
   LensRefinement lens(AnyWindow());
-  for (int keyframes = 1; keyframes < 12; ++keyframes) EXPECT_FALSE(lens.Observe(MapUpTo(keyframes, whole), 0));
+  for (int keyframes = 1; keyframes < 12; ++keyframes) EXPECT_FALSE(lens.Observe(MapUpTo(keyframes, whole)));
   EXPECT_EQ(lens.correction(), 0);
   EXPECT_NEAR(lens.sigma(), PriorSigma({}), 1e-12);
-  EXPECT_TRUE(lens.Observe(MapUpTo(12, whole), 0));
+  EXPECT_TRUE(lens.Observe(MapUpTo(12, whole)));
   EXPECT_LT(lens.sigma(), PriorSigma({}));
-  EXPECT_FALSE(lens.Observe(MapUpTo(13, whole), 0)) << "the next look is half a window on";
+  EXPECT_FALSE(lens.Observe(MapUpTo(13, whole))) << "the next look is half a window on";
 }
 
 TEST(LensRefinement, DoesNotLookAcrossAGap) {
   Map map = MapUpTo(40, MapThroughLens(kStreetCornerStreet, -0.012, 0.3, 7));
   map.keyframes[35].after_gap = true;
   LensRefinement lens({});
-  EXPECT_FALSE(lens.Observe(map, 0));
+  EXPECT_FALSE(lens.Observe(map));
   EXPECT_EQ(lens.correction(), 0);
 }
 
@@ -237,9 +238,9 @@ TEST(LensRefinement, ReadsAWindowThatWasCopiedBeforeTheMapChanged) {
   LensRefinement at_once({});
   LensRefinement later({});
   Map map = MapUpTo(36, whole);
-  std::optional<IntrinsicsProblem> window = later.Window(map, 0);
+  std::optional<IntrinsicsProblem> window = later.Window(map);
   ASSERT_TRUE(window);
-  ASSERT_TRUE(at_once.Observe(map, 0));
+  ASSERT_TRUE(at_once.Observe(map));
   for (Keyframe& keyframe : map.keyframes) keyframe.camera_from_world = {};
   map.landmarks.clear();
   EXPECT_EQ(later.correction(), 0) << "not before it is read";

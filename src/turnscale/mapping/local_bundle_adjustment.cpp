@@ -64,7 +64,7 @@ WindowProblem MakeWindowProblem(const Map& map, const Window& window, double pix
   }
 
   BundleProblem& bundle = problem.bundle;
-  bundle.pinhole = map.pinhole;
+  bundle.pinhole = map.camera.pinhole;
   for (int k = window.first; k < keyframes; ++k) {
     bundle.camera_from_world.push_back(map.keyframes[k].camera_from_world);
     bundle.camera_is_fixed.push_back(k < window.first_free ? 1 : 0);

@@ -17,7 +17,7 @@ namespace {
 // Five keyframes; landmark i is seen by the keyframes of seen_by[i].
 Map MakeSmallMap(const std::vector<std::vector<int>>& seen_by) {
   Map map;
-  map.pinhole = {700, 710, 600, 180};
+  map.camera.pinhole = {700, 710, 600, 180};
   for (int k = 0; k < 5; ++k)
     map.keyframes.push_back({k, 0.1 * k, {Eigen::Quaterniond::Identity(), {0, 0, -1.0 * k}}, {}, false});
   for (size_t i = 0; i < seen_by.size(); ++i) {

@@ -2,6 +2,9 @@
 #include "turnscale/mapping/map.h"
 
 #include <algorithm>
+#include <utility>
+
+#include <opencv2/core/utility.hpp>
 
 #include "turnscale/geometry/rotation.h"
 
@@ -32,6 +35,20 @@ void RemoveObservation(Map& map, int keyframe, int landmark) {
                 [&](const KeyframeObservation& seen) { return seen.landmark == landmark; });
   std::erase_if(map.landmarks[landmark].observations,
                 [&](const LandmarkObservation& seen) { return seen.keyframe == keyframe; });
+}
+
+void CorrectLens(Map& map, double radial_correction) {
+  const double before = std::exchange(map.camera.radial_correction, radial_correction);
+  cv::parallel_for_(cv::Range(0, static_cast<int>(map.keyframes.size())), [&](const cv::Range& range) {
+    for (int k = range.start; k < range.end; ++k)
+      for (KeyframeObservation& seen : map.keyframes[k].observations)
+        seen.pixel = ChangeRadialCorrection(map.camera.pinhole, before, radial_correction, seen.pixel);
+  });
+  // Each observation stands on both sides, a landmark's in the order of the keyframes.
+  std::vector<size_t> done(map.landmarks.size(), 0);
+  for (const Keyframe& keyframe : map.keyframes)
+    for (const KeyframeObservation& seen : keyframe.observations)
+      map.landmarks[seen.landmark].observations[done[seen.landmark]++].pixel = seen.pixel;
 }
 
 void RemoveLandmark(Map& map, int landmark) {

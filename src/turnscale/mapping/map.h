@@ -5,7 +5,7 @@
 
 #include <Eigen/Core>
 
-#include "turnscale/geometry/pinhole.h"
+#include "turnscale/camera/camera_model.h"
 #include "turnscale/geometry/rigid_transform.h"
 
 namespace turnscale {
@@ -49,7 +49,8 @@ struct Landmark {
 /// RemoveObservation). Indices of keyframes are stable over the drive; landmarks are numbered anew when old ones leave
 /// (MapArchive::Retire).
 struct Map {
-  Pinhole pinhole;
+  /// By which all pixels are undistorted, its radial correction included. Landmarks project with its pinhole.
+  CameraModel camera;
   std::vector<Keyframe> keyframes;
   std::vector<Landmark> landmarks;
 };
@@ -68,6 +69,9 @@ void AddObservation(Map& map, int keyframe, int landmark, const Eigen::Vector2d&
 
 /// Forgets that a keyframe saw a landmark, on both sides.
 void RemoveObservation(Map& map, int keyframe, int landmark);
+
+/// Changes the radial correction of the camera, and with it the pixels of all observations.
+void CorrectLens(Map& map, double radial_correction);
 
 /// Takes a landmark out of the map: invalid and without observations. Its number is not used again.
 void RemoveLandmark(Map& map, int landmark);

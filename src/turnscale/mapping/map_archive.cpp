@@ -70,14 +70,14 @@ std::vector<int> MapArchive::BlockEnds() const {
   return ends;
 }
 
-std::vector<int> MapArchive::Retire(int last, double correction, Map& map) {
+std::vector<int> MapArchive::Retire(int last, Map& map) {
   const int first = end();
   while (end() < last) {
     int piece_end = end() + 1;
     while (piece_end < last && !map.keyframes[piece_end].after_gap) ++piece_end;
     // Blocks of equal size, none of them of a few keyframes only.
     const int blocks = (piece_end - end() + kMostKeyframes - 1) / kMostKeyframes;
-    AddBlock(end() + (piece_end - end()) / blocks, correction, map);
+    AddBlock(end() + (piece_end - end()) / blocks, map);
   }
   // An assignment of {} would keep the memory.
   for (int k = first; k < last; ++k) std::vector<KeyframeObservation>().swap(map.keyframes[k].observations);
@@ -90,11 +90,11 @@ std::vector<int> MapArchive::Retire(int last, double correction, Map& map) {
   return new_index;
 }
 
-void MapArchive::AddBlock(int last, double correction, Map& map) {
+void MapArchive::AddBlock(int last, Map& map) {
   Block block;
   block.first = end();
   block.end = last;
-  block.correction = correction;
+  block.radial_correction = map.camera.radial_correction;
   Contents contents;
   for (int k = block.first; k < last; ++k) {
     const size_t before = contents.observations.size();
@@ -116,16 +116,16 @@ void MapArchive::AddBlock(int last, double correction, Map& map) {
   blocks_.push_back(std::move(block));
 }
 
-ArchivedPart MapArchive::Load(int first, int last, double correction, const Map& map) const {
+ArchivedPart MapArchive::Load(int first, int last, const Map& map) const {
   ArchivedPart part;
   part.first = first;
-  part.map.pinhole = map.pinhole;
+  part.map.camera = map.camera;
   std::vector<std::pair<int, Eigen::Vector3d>> landmarks;
   std::vector<std::pair<Contents, double>> loaded;
   for (const Block& block : blocks_) {
     if (block.end <= first || block.first >= last) continue;
     Ensure(block.first >= first && block.end <= last, "a part of the archive consists of whole blocks");
-    loaded.emplace_back(Read(block), block.correction);
+    loaded.emplace_back(Read(block), block.radial_correction);
     const Contents& contents = loaded.back().first;
     for (size_t i = 0; i < contents.numbers.size(); ++i)
       landmarks.emplace_back(contents.numbers[i], Eigen::Vector3d(&contents.positions[3 * i]));
@@ -145,13 +145,14 @@ ArchivedPart MapArchive::Load(int first, int last, double correction, const Map&
     part.map.keyframes.back().observations.clear();
   }
   int keyframe = 0;
-  for (const auto& [contents, applied] : loaded) {
+  const double wanted = map.camera.radial_correction;
+  for (const auto& [contents, radial_correction] : loaded) {
     auto seen = contents.observations.begin();
     for (const int count : contents.observation_counts) {
       for (const auto end = seen + count; seen != end; ++seen) {
         Eigen::Vector2d pixel(seen->x, seen->y);
-        if (applied != correction)
-          pixel = CorrectRadially(map.pinhole, correction, UndoRadialCorrection(map.pinhole, applied, pixel));
+        if (radial_correction != wanted)
+          pixel = ChangeRadialCorrection(map.camera.pinhole, radial_correction, wanted, pixel);
         const auto found = std::ranges::lower_bound(part.numbers, seen->number);
         AddObservation(part.map, keyframe, static_cast<int>(found - part.numbers.begin()), pixel);
       }

@@ -35,15 +35,15 @@ class MapArchive {
   std::vector<int> BlockEnds() const;
 
   /// Moves the observations of keyframes end()...`last`-1 out of the map, in blocks of kMostKeyframes at most that
-  /// contain no gap; `correction` is the radial correction of its pixels. Kept are valid landmarks and their
-  /// observations, pixels in single precision. Landmarks that no later keyframe sees leave the map; the rest lose their
-  /// archived observations. Returns the new index of each landmark of the map, -1 for those that left.
-  std::vector<int> Retire(int last, double correction, Map& map);
+  /// contain no gap. Kept are valid landmarks and their observations, pixels in single precision. Landmarks that no
+  /// later keyframe sees leave the map; the rest lose their archived observations. Returns the new index of each
+  /// landmark of the map, -1 for those that left.
+  std::vector<int> Retire(int last, Map& map);
 
-  /// Keyframes `first`...`last`-1, both 0 or one of BlockEnds(), with the poses and intrinsics of `map`; pixels are
-  /// corrected by `correction`. Landmarks stand where the latest of these blocks has
-  /// them. Not for several threads at once.
-  ArchivedPart Load(int first, int last, double correction, const Map& map) const;
+  /// Keyframes `first`...`last`-1, both 0 or one of BlockEnds(), with the poses and the camera of `map`, whose radial
+  /// correction their pixels get. Landmarks stand where the latest of these blocks has them. Not for several threads at
+  /// once.
+  ArchivedPart Load(int first, int last, const Map& map) const;
 
   /// Overwrites the positions of a part's landmarks.
   void Store(const ArchivedPart& part);
@@ -62,17 +62,17 @@ class MapArchive {
   struct Block {
     int first = 0;
     int end = 0;
-    double correction = 0;
-    size_t observations = 0;  ///< how many
-    size_t landmarks = 0;     ///< how many
-    long offset = -1;         ///< in the file; -1: in `kept`
+    double radial_correction = 0;  ///< of the pixels
+    size_t observations = 0;       ///< how many
+    size_t landmarks = 0;          ///< how many
+    long offset = -1;              ///< in the file; -1: in `kept`
     Contents kept;
   };
   struct CloseFile {
     void operator()(std::FILE* file) const { std::fclose(file); }
   };
 
-  void AddBlock(int last, double correction, Map& map);
+  void AddBlock(int last, Map& map);
   bool WriteToFile(const Contents& contents, long offset);
   void Write(Contents contents, Block& block);
   Contents Read(const Block& block) const;

@@ -29,13 +29,13 @@ TEST(MapArchive, GivesBackWhatItTook) {
   const int keyframes = static_cast<int>(whole.keyframes.size());
   Map map = whole;
   MapArchive archive;
-  archive.Retire(60, 0, map);
-  archive.Retire(keyframes, 0, map);
+  archive.Retire(60, map);
+  archive.Retire(keyframes, map);
   EXPECT_EQ(archive.end(), keyframes);
   EXPECT_TRUE(map.landmarks.empty());
   for (const Keyframe& keyframe : map.keyframes) EXPECT_EQ(keyframe.observations.capacity(), 0U);
 
-  const ArchivedPart all = archive.Load(0, keyframes, 0, map);
+  const ArchivedPart all = archive.Load(0, keyframes, map);
   ASSERT_EQ(all.map.keyframes.size(), whole.keyframes.size());
   ASSERT_EQ(all.map.landmarks.size(), whole.landmarks.size());
   for (int k = 0; k < keyframes; ++k) {
@@ -68,7 +68,7 @@ TEST(MapArchive, UsesTheFolderForTemporaryFiles) {
   Map map = StreetMap();
   const auto retire = [&](const std::filesystem::path& temporary, MapArchive& archive, int last) {
     setenv("TMPDIR", temporary.c_str(), 1);
-    archive.Retire(last, 0, map);
+    archive.Retire(last, map);
   };
   MapArchive archive;
   retire(folder, archive, 60);
@@ -78,7 +78,7 @@ TEST(MapArchive, UsesTheFolderForTemporaryFiles) {
   map = StreetMap();
   MapArchive elsewhere;
   retire(folder / "missing", elsewhere, 60);
-  EXPECT_EQ(elsewhere.Load(0, 60, 0, map).map.landmarks.size(), archive.Load(0, 60, 0, map).map.landmarks.size());
+  EXPECT_EQ(elsewhere.Load(0, 60, map).map.landmarks.size(), archive.Load(0, 60, map).map.landmarks.size());
   if (before) {
     setenv("TMPDIR", before->c_str(), 1);
   } else {
@@ -91,7 +91,7 @@ TEST(MapArchive, LandmarksThatLaterKeyframesSeeStay) {
   const Map whole = StreetMap();
   Map map = whole;
   MapArchive archive;
-  const std::vector<int> new_index = archive.Retire(60, 0, map);
+  const std::vector<int> new_index = archive.Retire(60, map);
   ASSERT_EQ(new_index.size(), whole.landmarks.size());
   for (size_t i = 0; i < whole.landmarks.size(); ++i) {
     const bool stays = whole.landmarks[i].observations.back().keyframe >= 60;
@@ -111,9 +111,9 @@ TEST(MapArchive, ALandmarkOfTwoBlocksIsOneLandmark) {
   const Map whole = StreetMap();
   Map map = whole;
   MapArchive archive;
-  archive.Retire(60, 0, map);
-  archive.Retire(static_cast<int>(map.keyframes.size()), 0, map);
-  const ArchivedPart all = archive.Load(0, archive.end(), 0, map);
+  archive.Retire(60, map);
+  archive.Retire(static_cast<int>(map.keyframes.size()), map);
+  const ArchivedPart all = archive.Load(0, archive.end(), map);
   EXPECT_EQ(archive.landmarks(), static_cast<int>(whole.landmarks.size()));
   EXPECT_EQ(std::set<int>(all.numbers.begin(), all.numbers.end()).size(), whole.landmarks.size());
 }
@@ -123,30 +123,30 @@ TEST(MapArchive, LandmarksWithoutADepthAreLetGo) {
   map.landmarks[0].valid = false;
   const size_t landmarks = map.landmarks.size();
   MapArchive archive;
-  archive.Retire(static_cast<int>(map.keyframes.size()), 0, map);
-  EXPECT_EQ(archive.Load(0, archive.end(), 0, map).map.landmarks.size(), landmarks - 1);
+  archive.Retire(static_cast<int>(map.keyframes.size()), map);
+  EXPECT_EQ(archive.Load(0, archive.end(), map).map.landmarks.size(), landmarks - 1);
 }
 
 TEST(MapArchive, BlocksAreBoundedAndEndAtGaps) {
   Map map = StreetMap();
   map.keyframes[70].after_gap = true;
   MapArchive archive;
-  archive.Retire(131, 0, map);
+  archive.Retire(131, map);
   EXPECT_EQ(archive.BlockEnds(), (std::vector<int>{35, 70, 100, 131}));
 }
 
 TEST(MapArchive, GivesOutWholeBlocksOnly) {
   Map map = StreetMap();
   MapArchive archive;
-  archive.Retire(131, 0, map);
-  EXPECT_THROW(archive.Load(10, 131, 0, map), InternalError);
+  archive.Retire(131, map);
+  EXPECT_THROW(archive.Load(10, 131, map), InternalError);
 }
 
 TEST(MapArchive, RetiringNothingChangesNothing) {
   Map map = StreetMap();
   const size_t landmarks = map.landmarks.size();
   MapArchive archive;
-  archive.Retire(0, 0, map);
+  archive.Retire(0, map);
   EXPECT_EQ(archive.end(), 0);
   EXPECT_EQ(map.landmarks.size(), landmarks);
 }
@@ -155,23 +155,26 @@ TEST(MapArchive, PixelsFollowTheCorrection) {
   Map map = StreetMap();
   const Eigen::Vector2d pixel = map.keyframes[3].observations[0].pixel;
   MapArchive archive;
-  archive.Retire(50, 0.01, map);
-  const ArchivedPart part = archive.Load(0, 50, 0.02, map);
-  const Eigen::Vector2d ideal = UndoRadialCorrection(map.pinhole, 0.01, pixel);
-  EXPECT_LT((part.map.keyframes[3].observations[0].pixel - CorrectRadially(map.pinhole, 0.02, ideal)).norm(),
+  map.camera.radial_correction = 0.01;
+  archive.Retire(50, map);
+  map.camera.radial_correction = 0.02;
+  const ArchivedPart part = archive.Load(0, 50, map);
+  EXPECT_EQ(part.map.camera.radial_correction, 0.02);
+  const Eigen::Vector2d ideal = UndoRadialCorrection(map.camera.pinhole, 0.01, pixel);
+  EXPECT_LT((part.map.keyframes[3].observations[0].pixel - CorrectRadially(map.camera.pinhole, 0.02, ideal)).norm(),
             2 * kSinglePrecision);
 }
 
 TEST(MapArchive, KeepsChangedPositions) {
   Map map = StreetMap();
   MapArchive archive;
-  archive.Retire(131, 0, map);
+  archive.Retire(131, map);
   const std::vector<int> ends = archive.BlockEnds();
   ASSERT_EQ(ends.size(), 3U);
-  ArchivedPart part = archive.Load(ends[0], ends[1], 0, map);
+  ArchivedPart part = archive.Load(ends[0], ends[1], map);
   for (Landmark& landmark : part.map.landmarks) landmark.position += Eigen::Vector3d(1, 2, 3);
   archive.Store(part);
-  const ArchivedPart again = archive.Load(ends[0], ends[1], 0, map);
+  const ArchivedPart again = archive.Load(ends[0], ends[1], map);
   ASSERT_EQ(again.numbers, part.numbers);
   for (size_t i = 0; i < part.numbers.size(); ++i)
     EXPECT_EQ(again.map.landmarks[i].position, part.map.landmarks[i].position);

@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "turnscale/camera/camera_model.h"
 #include "turnscale/geometry/rotation.h"
 
 namespace turnscale {
@@ -50,6 +51,25 @@ TEST(Map, LandmarksSeenAreValidAndEachOnce) {
   EXPECT_EQ(LandmarksSeen(map, 1, 2), (std::vector<int>{2, 4}));
   EXPECT_EQ(LandmarksSeen(map, 0, 3), (std::vector<int>{0, 1, 2, 4}));
   EXPECT_TRUE(LandmarksSeen(map, 2, 1).empty());
+}
+
+TEST(Map, CorrectingTheLensMovesThePixelsOnBothSides) {
+  Map map = EmptyMap(3, 2);
+  map.camera.pinhole = {700, 700, 600, 180};
+  map.camera.radial_correction = 0.01;
+  AddObservation(map, 0, 1, {100, 50});
+  AddObservation(map, 2, 1, {200, 300});
+  AddObservation(map, 2, 0, {900, 200});
+  const Map before = map;
+  CorrectLens(map, -0.02);
+  EXPECT_EQ(map.camera.radial_correction, -0.02);
+  for (int k = 0; k < 3; ++k)
+    for (size_t i = 0; i < map.keyframes[k].observations.size(); ++i)
+      EXPECT_EQ(map.keyframes[k].observations[i].pixel,
+                ChangeRadialCorrection(map.camera.pinhole, 0.01, -0.02, before.keyframes[k].observations[i].pixel));
+  EXPECT_EQ(map.landmarks[0].observations[0].pixel, map.keyframes[2].observations[1].pixel);
+  EXPECT_EQ(map.landmarks[1].observations[0].pixel, map.keyframes[0].observations[0].pixel);
+  EXPECT_EQ(map.landmarks[1].observations[1].pixel, map.keyframes[2].observations[0].pixel);
 }
 
 TEST(Map, RemovingAnObservationLeavesTheOthers) {

@@ -48,7 +48,7 @@ std::vector<KeyframeRange> SplitAtGaps(const Map& map, int first) {
 
 RecoveryProblem MakeRecoveryProblem(const Map& map, const KeyframeRange& range, double pixel_sigma) {
   RecoveryProblem problem;
-  problem.bundle.pinhole = map.pinhole;
+  problem.bundle.pinhole = map.camera.pinhole;
   std::vector<int> camera_of(map.keyframes.size(), kNoCamera);
   for (int k = range.first; k <= range.last; ++k) AddCamera(map, k, k == range.first, problem, camera_of);
   for (const int index : LandmarksInUse(map)) {

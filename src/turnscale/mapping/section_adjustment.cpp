@@ -52,13 +52,13 @@ std::vector<Section> Sections(const MapArchive& archive, const Map& map, int sec
 
 }  // namespace
 
-void AdjustSections(const LocalBundleOptions& options, double correction, MapArchive& archive, Map& map) {
+void AdjustSections(const LocalBundleOptions& options, MapArchive& archive, Map& map) {
   // An exception on the way leaves all poses as they were. Landmarks of finished sections stay where they were moved.
-  Map adjusted{map.pinhole, map.keyframes, {}};
+  Map adjusted{map.camera, map.keyframes, {}};
   Similarity new_from_old;
   for (const Section& section : Sections(archive, map, options.window, options.anchors)) {
     // Keyframes that hold the section have been adjusted, its own have not.
-    ArchivedPart part = archive.Load(section.first_fixed, section.end, correction, adjusted);
+    ArchivedPart part = archive.Load(section.first_fixed, section.end, adjusted);
     const int first = section.first - section.first_fixed;
     const RigidTransform old_end = part.map.keyframes.back().camera_from_world;
     const std::vector<Eigen::Vector3d> before = KeyframeCentres(part.map, first);

@@ -9,8 +9,8 @@ namespace turnscale {
 /// Adjusts a whole drive whose keyframes are all archived, in sections of about `options.window` keyframes that
 /// contain no gap: time is linear in the drive, memory bounded by the section. Each
 /// section starts from where the one before it ends: poses and landmarks follow in rotation, translation and scale.
-/// Moves the poses of `map` and the landmarks of the archive; `correction` is the radial correction to use. Where it
-/// throws, no pose has moved, but landmarks of some sections may have.
-void AdjustSections(const LocalBundleOptions& options, double correction, MapArchive& archive, Map& map);
+/// Moves the poses of `map` and the landmarks of the archive. Where it throws, no pose has moved, but landmarks of some
+/// sections may have.
+void AdjustSections(const LocalBundleOptions& options, MapArchive& archive, Map& map);
 
 }  // namespace turnscale

@@ -54,16 +54,16 @@ TEST(SectionAdjustment, TakesOutDriftAcrossSections) {
   Drift(110, 0.9, map);
   ASSERT_GT(LargestError(map, truth), 1.0);
   MapArchive archive;
-  archive.Retire(static_cast<int>(map.keyframes.size()), 0, map);
-  AdjustSections(kOptions, 0, archive, map);
+  archive.Retire(static_cast<int>(map.keyframes.size()), map);
+  AdjustSections(kOptions, archive, map);
   EXPECT_LT(LargestError(map, truth), 0.02) << "of 136 m";
 
-  const ArchivedPart all = archive.Load(0, archive.end(), 0, map);
+  const ArchivedPart all = archive.Load(0, archive.end(), map);
   double largest_pixel = 0;
   for (const Keyframe& keyframe : all.map.keyframes)
     for (const KeyframeObservation& seen : keyframe.observations) {
       const Eigen::Vector3d x = keyframe.camera_from_world * all.map.landmarks[seen.landmark].position;
-      largest_pixel = std::max(largest_pixel, (map.pinhole.Project(x) - seen.pixel).norm());
+      largest_pixel = std::max(largest_pixel, (map.camera.pinhole.Project(x) - seen.pixel).norm());
     }
   EXPECT_LT(largest_pixel, 0.2) << "landmarks go along";
 }
@@ -76,8 +76,8 @@ TEST(SectionAdjustment, OneSectionIsTheAdjustmentOfTheWhole) {
   options.window = 1000;
   AdjustFrom(options, 0, whole);
   MapArchive archive;
-  archive.Retire(static_cast<int>(map.keyframes.size()), 0, map);
-  AdjustSections(options, 0, archive, map);
+  archive.Retire(static_cast<int>(map.keyframes.size()), map);
+  AdjustSections(options, archive, map);
   EXPECT_LT(LargestError(map, whole), 1e-4) << "pixels are kept in single precision";
 }
 
@@ -89,9 +89,9 @@ TEST(SectionAdjustment, ShortSectionsHoldTheScale) {
   options.window = 10;
   MapArchive archive;
   // Blocks of 51 and 4 keyframes, among others.
-  for (int last = 51; last < static_cast<int>(map.keyframes.size()); last += 51) archive.Retire(last, 0, map);
-  archive.Retire(static_cast<int>(map.keyframes.size()), 0, map);
-  AdjustSections(options, 0, archive, map);
+  for (int last = 51; last < static_cast<int>(map.keyframes.size()); last += 51) archive.Retire(last, map);
+  archive.Retire(static_cast<int>(map.keyframes.size()), map);
+  AdjustSections(options, archive, map);
   EXPECT_LT(LargestError(map, truth), 0.5) << "of 136 m";
 }
 
@@ -103,8 +103,8 @@ TEST(SectionAdjustment, AFewKeyframesAreASection) {
     map.keyframes.resize(keyframes);
     const Map before = map;
     MapArchive archive;
-    archive.Retire(keyframes, 0, map);
-    AdjustSections(kOptions, 0, archive, map);
+    archive.Retire(keyframes, map);
+    AdjustSections(kOptions, archive, map);
     for (int k = 0; k < keyframes; ++k)
       EXPECT_LT((Centre(map.keyframes[k]) - Centre(before.keyframes[k])).norm(), 0.01) << keyframes;
   }
@@ -115,8 +115,8 @@ TEST(SectionAdjustment, AKeyframeAstrayStaysAlone) {
   Map map = truth;
   map.keyframes[99].camera_from_world.translation.x() = std::nan("");
   MapArchive archive;
-  archive.Retire(static_cast<int>(map.keyframes.size()), 0, map);
-  AdjustSections(kOptions, 0, archive, map);
+  archive.Retire(static_cast<int>(map.keyframes.size()), map);
+  AdjustSections(kOptions, archive, map);
   for (size_t k = 0; k < map.keyframes.size(); ++k)
     EXPECT_EQ(map.keyframes[k].camera_from_world.translation.allFinite(), k != 99) << k;
 }
@@ -132,8 +132,8 @@ TEST(SectionAdjustment, WhatFollowsAGapGoesAlong) {
   }
   Drift(40, 1.03, map);
   MapArchive archive;
-  archive.Retire(static_cast<int>(map.keyframes.size()), 0, map);
-  AdjustSections(kOptions, 0, archive, map);
+  archive.Retire(static_cast<int>(map.keyframes.size()), map);
+  AdjustSections(kOptions, archive, map);
   EXPECT_LT(LargestError(map, truth), 0.1);
 }
 

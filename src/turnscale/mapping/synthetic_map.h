@@ -34,7 +34,7 @@ inline Map MakeMap(const CarDrive& drive, const SyntheticStreet& street) {
   std::normal_distribution<double> noise(0, street.pixel_noise);
   std::uniform_real_distribution<double> uniform(0, 1);
   Map map;
-  map.pinhole = {718, 718, 607, 185};
+  map.camera.pinhole = {718, 718, 607, 185};
   for (std::size_t i = 0; i < drive.world_from_camera.size(); ++i) {
     const double time = drive.dt * static_cast<double>(i);
     map.keyframes.push_back({static_cast<int>(i), time, drive.world_from_camera[i].inverse(), {}, false});
@@ -49,7 +49,7 @@ inline Map MakeMap(const CarDrive& drive, const SyntheticStreet& street) {
     for (std::size_t k = 0; k < map.keyframes.size(); ++k) {
       const Eigen::Vector3d x = map.keyframes[k].camera_from_world * landmark.position;
       if (x.z() < 3 || x.z() > street.max_depth) continue;
-      const Eigen::Vector2d pixel = map.pinhole.Project(x);
+      const Eigen::Vector2d pixel = map.camera.pinhole.Project(x);
       if (pixel.x() < 0 || pixel.x() > 1240 || pixel.y() < 0 || pixel.y() > 370) continue;
       const Eigen::Vector2d seen = pixel + DrawVector<2>([&] { return noise(random); });
       landmark.observations.push_back({static_cast<int>(k), seen});
@@ -68,7 +68,7 @@ inline Map MakeMap(const CarDrive& drive, const SyntheticStreet& street) {
 inline Map MapUpTo(int keyframes, const Map& whole) {
   constexpr double kLeastParallax = 0.5 / kDegreesPerRadian;  // as landmarks are given a depth
   Map map;
-  map.pinhole = whole.pinhole;
+  map.camera = whole.camera;
   for (int k = 0; k < keyframes; ++k) {
     map.keyframes.push_back(whole.keyframes[k]);
     map.keyframes.back().observations.clear();

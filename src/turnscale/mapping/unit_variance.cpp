@@ -26,7 +26,7 @@ bool IsWithinMap(const Map& map, int keyframe, int following) {
 
 // Angle at which two keyframes are seen from a landmark, as pixels at the image's centre.
 double AngleInPixels(const Map& map, const Landmark& landmark, int from, int to) {
-  return map.pinhole.fx *
+  return map.camera.pinhole.fx *
          ParallaxAngle(map.keyframes[from].camera_from_world, map.keyframes[to].camera_from_world, landmark.position);
 }
 

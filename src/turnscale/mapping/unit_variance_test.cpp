@@ -70,7 +70,7 @@ TEST(UnitVariance, IsThatOfAdjustedMaps) {
   for (unsigned seed = 1; seed <= kMaps; ++seed) {
     const Map truth = StraightMap(8, 0.5, seed);
     BundleProblem bundle;
-    bundle.pinhole = truth.pinhole;
+    bundle.pinhole = truth.camera.pinhole;
     for (int k = 0; k < kKeyframes; ++k) {
       bundle.camera_from_world.push_back(truth.keyframes[k].camera_from_world);
       bundle.camera_is_fixed.push_back(k < 2 ? 1 : 0);

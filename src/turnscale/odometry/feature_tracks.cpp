@@ -48,7 +48,7 @@ std::vector<cv::Point2f> PredictPixels(const Map& map, const CameraModel& camera
     const Landmark& landmark = map.landmarks[track.landmark];
     const Eigen::Vector3d x = landmark.valid
                                   ? Eigen::Vector3d(predicted_from_world * landmark.position)
-                                  : Eigen::Vector3d(predicted_from_last * map.pinhole.Ray(track.undistorted));
+                                  : Eigen::Vector3d(predicted_from_last * map.camera.pinhole.Ray(track.undistorted));
     const std::optional<Eigen::Vector2d> pixel = x.z() > 0 ? camera.Project(x) : std::nullopt;
     guesses.push_back(pixel ? ToPoint(*pixel) : track.pixel);
   }

@@ -37,7 +37,7 @@ const RigidTransform kCurrent = RigidTransform{RotationFromVector({-0.01, 0.07, 
 // One keyframe at kReference.
 Map OneKeyframe(const CameraModel& camera) {
   Map map;
-  map.pinhole = camera.pinhole;
+  map.camera.pinhole = camera.pinhole;
   map.keyframes.push_back({0, 0, kReference, {}, false});
   return map;
 }

@@ -23,7 +23,7 @@ bool StandsStill(const StaticRegionOptions& options, const Map& map, const Landm
   return HasStayed(landmark, pixel, options.max_motion) &&
          std::ranges::any_of(landmark.observations, [&](const LandmarkObservation& seen) {
            const RigidTransform& then_from_world = map.keyframes[seen.keyframe].camera_from_world;
-           return LeastSceneMotion(map.pinhole, camera_from_world * then_from_world.inverse(), seen.pixel) >=
+           return LeastSceneMotion(map.camera.pinhole, camera_from_world * then_from_world.inverse(), seen.pixel) >=
                   options.min_expected_motion;
          });
 }
@@ -116,8 +116,8 @@ bool FrameTracker::NeedsKeyframe(const Map& map, const TrackedFrame& frame) cons
   std::vector<double> parallax;
   for (const FeatureTrack& track : tracks_) {
     if (!track.in_keyframe) continue;
-    const Eigen::Vector3d rotated = turn * map.pinhole.Ray(*track.in_keyframe);
-    const Eigen::Vector3d seen = map.pinhole.Ray(track.undistorted);
+    const Eigen::Vector3d rotated = turn * map.camera.pinhole.Ray(*track.in_keyframe);
+    const Eigen::Vector3d seen = map.camera.pinhole.Ray(track.undistorted);
     parallax.push_back(std::atan2(rotated.cross(seen).norm(), rotated.dot(seen)));
   }
   if (parallax.empty() || static_cast<double>(parallax.size()) < limits.min_followed_share * features_in_keyframe_)

@@ -26,7 +26,7 @@ class FrameTracking : public testing::Test {
     camera_.pinhole = {400, 400, 160, 120};
     camera_.width = 320;
     camera_.height = 240;
-    map_.pinhole = camera_.pinhole;
+    map_.camera.pinhole = camera_.pinhole;
     map_.keyframes.push_back({0, 0, {}, {}, false});
     const FlowImage image = Seen(0);
     const auto reference = std::make_shared<const cv::Mat>(image.gray);

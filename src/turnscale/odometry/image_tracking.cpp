@@ -94,7 +94,7 @@ class ImageTracker {
     std::vector<PointSighting> sightings;
     for (const FeatureTrack& track : tracks.found)
       if (HasDepth(track)) sightings.push_back({map_.landmarks[track.landmark].position, track.undistorted});
-    PoseEstimate estimate = EstimatePose(options_.pose, map_.pinhole, sightings, initial);
+    PoseEstimate estimate = EstimatePose(options_.pose, map_.camera.pinhole, sightings, initial);
     size_t sighting = 0;
     std::erase_if(tracks.found, [&](const FeatureTrack& track) {
       const bool wrong = HasDepth(track) && estimate.inlier[sighting++] == 0;

@@ -6,6 +6,7 @@
 #include <memory>
 #include <utility>
 
+#include "turnscale/base/error.h"
 #include "turnscale/base/quantiles.h"
 #include "turnscale/mapping/pose_estimation.h"
 #include "turnscale/odometry/image_tracking.h"
@@ -39,7 +40,8 @@ bool Repeats(const RepeatOptions& options, const MotionModel& motion_model, cons
     while (before.features[i] != waiting.features[k]) ++i;
     const Landmark& landmark = map.landmarks[first_landmark + waiting.features[k]];
     const Eigen::Vector3d x = predicted * landmark.position;
-    if (landmark.valid && x.z() > 0) motion.push_back({before.pixels[i], map.pinhole.Project(x), waiting.pixels[k]});
+    if (landmark.valid && x.z() > 0)
+      motion.push_back({before.pixels[i], map.camera.pinhole.Project(x), waiting.pixels[k]});
   }
   return IsRepeated(options, MedianMotion(motion));
 }
@@ -75,6 +77,7 @@ UnitGuess UnitAfterGap(const TrackingOptions& options, const Map& map, const Mot
 }
 
 AddedStart AddStart(const InitialMap& start, const StartPlace& place, Map& map) {
+  Ensure(start.radial_correction == map.camera.radial_correction, "a start has the radial correction of the map");
   const WaitingFrame& first = start.frames.front();
   const WaitingFrame& second = start.frames.back();
   const double unit = place.unit.unit;

@@ -34,7 +34,8 @@ struct AddedStart {
   std::vector<FeatureTrack> tracks;  ///< of the second view
 };
 
-/// Adds the two views of a start as keyframes, and its features as landmarks.
+/// Adds the two views of a start as keyframes, and its features as landmarks. Throws InternalError if its pixels have
+/// another radial correction than the map's.
 AddedStart AddStart(const InitialMap& start, const StartPlace& place, Map& map);
 
 /// A frame from before the map, and its pose.

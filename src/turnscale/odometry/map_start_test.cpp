@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "turnscale/base/error.h"
 #include "turnscale/geometry/rotation.h"
 
 namespace turnscale {
@@ -45,8 +46,15 @@ Start GoingAhead(double first_time, double speed, double depth) {
 
 Map EmptyMap() {
   Map map;
-  map.pinhole = kCamera.pinhole;
+  map.camera = kCamera;
   return map;
+}
+
+TEST(MapStart, HasPixelsOfTheMapsCamera) {
+  Map map = EmptyMap();
+  map.camera.radial_correction = 0.01;
+  EXPECT_THROW(AddStart(GoingAhead(5, 2, 10).map, {}, map), InternalError);
+  EXPECT_TRUE(map.keyframes.empty());
 }
 
 TEST(MapStart, IsAddedWithItsUnit) {
@@ -67,7 +75,8 @@ TEST(MapStart, IsAddedWithItsUnit) {
   ASSERT_EQ(added.tracks.size(), start.map.points.size());
   for (const FeatureTrack& track : added.tracks) {
     const Eigen::Vector3d& position = map.landmarks[track.landmark].position;
-    EXPECT_LT((map.pinhole.Project(map.keyframes[3].camera_from_world * position) - track.undistorted).norm(), 1e-9);
+    EXPECT_LT((map.camera.pinhole.Project(map.keyframes[3].camera_from_world * position) - track.undistorted).norm(),
+              1e-9);
     EXPECT_EQ(map.landmarks[track.landmark].observations.size(), 2U);
     EXPECT_EQ(track.last_keyframe, 3);
   }

@@ -71,18 +71,17 @@ OdometryOptions Checked(OdometryOptions options, const CameraModel& camera) {
 
 Odometry::Odometry(const OdometryOptions& options, const CameraModel& camera)
     : options_(Checked(options, camera)),
-      camera_(camera),
       mask_(options_.static_regions),
-      initializer_(std::in_place, options_, camera_),
+      initializer_(std::in_place, options_, camera),
       tracker_(options_),
       motion_(options_.motion),
       lens_(options_.lens),
       calibration_check_(options_.calibration_check),
       road_(options_.road),
       scale_(options_) {
-  map_.pinhole = camera.pinhole;
+  map_.camera = camera;
   map_.landmarks.reserve(kUsualLandmarks);
-  calibration_sigma_ = CalibrationSigma({}, camera_);
+  calibration_sigma_ = CalibrationSigma({}, camera);
 }
 
 FrameResult Odometry::Process(const cv::Mat& gray, double time) {
@@ -96,7 +95,7 @@ FrameResult Odometry::Process(const cv::Mat& gray, double time) {
 
   const RigidTransform predicted = motion_.Predict(time);
   if (time - motion_.time() <= options_.repeats.max_seconds &&
-      tracker_.IsRepeat(map_, camera_, image, predicted, interval)) {
+      tracker_.IsRepeat(map_, map_.camera, image, predicted, interval)) {
     result.state = TrackingState::kRepeated;
     seen_time_ = time;
     return MetricResult(result, predicted);
@@ -113,7 +112,7 @@ FrameResult Odometry::Process(const cv::Mat& gray, double time) {
   result.keyframe = true;
   // The road's observer reads only poses and gaps of keyframes, which adding features does not change.
   std::future<std::optional<MeasuredHeight>> height = InBackground([&] { return ObserveRoad(image); });
-  tracker_.Replenish(camera_, image, corners.get(), map_);
+  tracker_.Replenish(map_.camera, image, corners.get(), map_);
   ObserveScale(height.get());
   const TurningMotion motion = StepMotion(map_, static_cast<int>(map_.keyframes.size()) - 2, mount());
   result.psi = motion.psi;
@@ -137,14 +136,14 @@ void Odometry::CheckImage(const cv::Mat& gray) {
   // One that could not be read has the type of a gray one, and no size for the camera.
   if (gray.empty()) throw InputError("image: is empty; where an image cannot be read, call ProcessUnreadable");
   if (gray.type() != CV_8UC1) throw InputError("image: has to be 8-bit gray");
-  if (camera_.width != 0 && gray.size() != cv::Size(camera_.width, camera_.height))
+  if (map_.camera.width != 0 && gray.size() != cv::Size(map_.camera.width, map_.camera.height))
     throw InputError("image: is " + std::to_string(gray.cols) + "x" + std::to_string(gray.rows) + ", the camera has " +
-                     std::to_string(camera_.width) + "x" + std::to_string(camera_.height));
+                     std::to_string(map_.camera.width) + "x" + std::to_string(map_.camera.height));
   if (mask_.size() == gray.size()) return;
   mask_.SetSize(gray.size());
   // Not every camera file has the image size; the first image that fits the mask has it.
-  camera_.width = gray.cols;
-  camera_.height = gray.rows;
+  map_.camera.width = gray.cols;
+  map_.camera.height = gray.rows;
   ApplyMask();
   WaitForMap();
 }
@@ -158,7 +157,7 @@ void Odometry::SetMask(const cv::Mat& mask) {
 
 void Odometry::ApplyMask() { tracker_.SetMask(mask_.pixels()); }
 
-void Odometry::WaitForMap() { initializer_.emplace(options_, camera_, mask_.pixels()); }
+void Odometry::WaitForMap() { initializer_.emplace(options_, map_.camera, mask_.pixels()); }
 
 FrameResult Odometry::NewFrame(double time, TrackingState state) {
   least_interval_ = std::min(least_interval_, time - last_time_);
@@ -211,7 +210,6 @@ FrameResult Odometry::Initialize(const FlowImage& image, FrameResult result) {
 
 void Odometry::StartMap(const FlowImage& image, const InitialMap& start) {
   const bool continues = !map_.keyframes.empty();
-  Ensure(start.radial_correction == camera_.radial_correction, "a start has the radial correction of the map");
   StartPlace place;
   place.after_gap = continues;
   if (continues) {
@@ -228,12 +226,12 @@ void Odometry::StartMap(const FlowImage& image, const InitialMap& start) {
   seen_time_ = start.frames.back().time;
   scale_.Add(map_);
   for (const LocatedFrame& frame :
-       LocateWaitingFrames(options_, camera_, start, map_, added.keyframe, added.first_landmark, motion_))
+       LocateWaitingFrames(options_, map_.camera, start, map_, added.keyframe, added.first_landmark, motion_))
     MetricResult(frame.result, added.keyframe, frame.camera_from_world);
 }
 
 TrackedFrame Odometry::Track(const FlowImage& image, const RigidTransform& predicted, FrameResult& result) {
-  TrackedFrame tracked = tracker_.Track(map_, camera_, image, motion_, predicted, result.time);
+  TrackedFrame tracked = tracker_.Track(map_, map_.camera, image, motion_, predicted, result.time);
   result.tracked = tracked.tracked;
   result.inliers = tracked.inliers;
   if (!tracked.camera_from_world) return tracked;
@@ -298,7 +296,7 @@ void Odometry::JudgeUnits() {
 }
 
 std::optional<MeasuredHeight> Odometry::ObserveRoad(const FlowImage& image) {
-  return road_.Observe(map_, camera_, mount().current().vehicle_from_camera, image, mask_.pixels());
+  return road_.Observe(map_, map_.camera, mount().current().vehicle_from_camera, image, mask_.pixels());
 }
 
 void Odometry::ObserveScale(const std::optional<MeasuredHeight>& height) {
@@ -322,11 +320,11 @@ void Odometry::StartReadjustment() {
 
 void Odometry::StartCameraWork() {
   if (camera_work_.pending()) return;
-  std::optional<IntrinsicsProblem> refined = lens_.Window(map_, camera_.radial_correction);
-  std::optional<IntrinsicsProblem> tested = calibration_check_.Window(map_, camera_);
+  std::optional<IntrinsicsProblem> refined = lens_.Window(map_);
+  std::optional<IntrinsicsProblem> tested = calibration_check_.Window(map_);
   if (!refined && !tested) return;
   camera_work_.Start(static_cast<int>(map_.keyframes.size()) + kKeyframesOfCameraWork,
-                     [this, refined = std::move(refined), tested = std::move(tested), camera = camera_]() mutable {
+                     [this, refined = std::move(refined), tested = std::move(tested), camera = map_.camera]() mutable {
                        CameraWork work;
                        if (refined && lens_.Read(*refined)) {
                          work.lens_correction = lens_.correction();
@@ -347,14 +345,14 @@ void Odometry::ApplyBackgroundWork() {
   const std::optional<CameraWork> work = camera_work_.TakeIfDue(keyframes);
   if (!work) return;
   if (work->calibration_sigma) calibration_sigma_ = *work->calibration_sigma;
-  if (work->lens_correction && std::abs(*work->lens_correction - camera_.radial_correction) >= kLeastLensChange)
+  if (work->lens_correction && std::abs(*work->lens_correction - map_.camera.radial_correction) >= kLeastLensChange)
     CorrectLens(*work->lens_correction);
 }
 
 int Odometry::FirstToReadjust() const {
   const int keyframes = static_cast<int>(map_.keyframes.size());
   const auto is_up_to_date = [&](double correction) {
-    return std::abs(correction - camera_.radial_correction) < kStaleLensChange;
+    return std::abs(correction - map_.camera.radial_correction) < kStaleLensChange;
   };
   const int oldest = std::max(archive_.end(), keyframes - options_.turn_bundle.window);
   const int readjusted = static_cast<int>(lens_of_keyframe_.size());
@@ -364,14 +362,14 @@ int Odometry::FirstToReadjust() const {
 }
 
 ReadjustmentWork Odometry::NextReadjustment() const {
-  return WorkToReadjust(options_.turn_bundle, map_, mount(), camera_.radial_correction, FirstToReadjust());
+  return WorkToReadjust(options_.turn_bundle, map_, mount(), FirstToReadjust());
 }
 
 void Odometry::ApplyReadjusted(ReadjustmentWork work) {
   const int keyframes = static_cast<int>(map_.keyframes.size());
   const int first = work.first;
   lens_of_keyframe_.resize(work.end, std::numeric_limits<double>::quiet_NaN());
-  std::fill(lens_of_keyframe_.begin() + first, lens_of_keyframe_.end(), work.applied_correction);
+  std::fill(lens_of_keyframe_.begin() + first, lens_of_keyframe_.end(), work.radial_correction);
   // Factors of length are means over two steps on either side.
   const int from = std::max(0, first - 2);
   const RigidTransform last_from_keyframe = LastFromKeyframe();
@@ -386,24 +384,12 @@ void Odometry::ApplyReadjusted(ReadjustmentWork work) {
   if (last - archive_.end() >= kLeastArchived) archive_due_ = last;
 }
 
-void Odometry::CorrectLens(double correction) {
-  const double applied = std::exchange(camera_.radial_correction, correction);
-  const auto corrected = [&](const Eigen::Vector2d& pixel) {
-    return CorrectRadially(map_.pinhole, correction, UndoRadialCorrection(map_.pinhole, applied, pixel));
-  };
-  const int first = archive_.end();
-  const int end = static_cast<int>(map_.keyframes.size());
-  cv::parallel_for_(cv::Range(first, end), [&](const cv::Range& range) {
-    for (int k = range.start; k < range.end; ++k)
-      for (KeyframeObservation& seen : map_.keyframes[k].observations) seen.pixel = corrected(seen.pixel);
+void Odometry::CorrectLens(double radial_correction) {
+  const double before = map_.camera.radial_correction;
+  turnscale::CorrectLens(map_, radial_correction);
+  tracker_.Correct([&](const Eigen::Vector2d& pixel) {
+    return ChangeRadialCorrection(map_.camera.pinhole, before, radial_correction, pixel);
   });
-  // Each observation stands on both sides, a landmark's in the order of the keyframes.
-  std::vector<int> done(map_.landmarks.size(), 0);
-  for (int k = first; k < end; ++k) {
-    for (const KeyframeObservation& seen : map_.keyframes[k].observations)
-      map_.landmarks[seen.landmark].observations[done[seen.landmark]++].pixel = seen.pixel;
-  }
-  tracker_.Correct(corrected);
 }
 
 void Odometry::Readjust() {
@@ -423,7 +409,7 @@ void Odometry::ArchiveNextPart() {
 
 void Odometry::Archive(int last) {
   Ensure(!readjustment_.pending(), "landmarks are renumbered while a window is adjusted");
-  tracker_.Reindex(archive_.Retire(last, camera_.radial_correction, map_));
+  tracker_.Reindex(archive_.Retire(last, map_));
 }
 
 void Odometry::AdjustWholeDrive() {
@@ -431,7 +417,7 @@ void Odometry::AdjustWholeDrive() {
   // less.
   const RigidTransform last_from_keyframe = LastFromKeyframe();
   const std::vector<Eigen::Vector3d> before = KeyframeCentres(map_);
-  AdjustSections(options_.final_bundle, camera_.radial_correction, archive_, map_);
+  AdjustSections(options_.final_bundle, archive_, map_);
   FollowMap(0, KeyframeFactors(before, KeyframeCentres(map_), 0, std::vector(before.size(), 1.0)), last_from_keyframe);
   scale_.Reread(map_);
 }
@@ -439,7 +425,7 @@ void Odometry::AdjustWholeDrive() {
 void Odometry::ConstrainTurnsOfDrive() {
   if (!refined_->estimate) return;
   const RigidTransform last_from_keyframe = LastFromKeyframe();
-  ArchivedPart drive = archive_.Load(0, archive_.end(), camera_.radial_correction, map_);
+  ArchivedPart drive = archive_.Load(0, archive_.end(), map_);
   RefinedScale constrained = *refined_;
   const std::vector<double> factors = ConstrainTurns(options_, scale_.mount(), drive.map, constrained);
   archive_.Store(drive);
@@ -485,9 +471,9 @@ ScaleState Odometry::scale_state() const { return refined_ ? StateAtEnd(*refined
 RefinedScale Odometry::Refined() const {
   if (refined_) return *refined_;
   camera_work_.Await();
-  const std::vector<ParameterEstimate> contradictions = calibration_check_.Contradictions(camera_);
+  const std::vector<ParameterEstimate> contradictions = calibration_check_.Contradictions(map_.camera);
   RefinedScale refined = scale_.Refine(map_, !contradictions.empty());
-  WidenForCalibration(contradictions, camera_, refined);
+  WidenForCalibration(contradictions, map_.camera, refined);
   refined.calibration_windows = calibration_check_.windows();
   BridgeGapsOf(refined);
   return refined;
@@ -498,7 +484,7 @@ std::vector<FrameResult> Odometry::RefinedFrames(const RefinedScale& refined) co
 }
 
 MapPoints Odometry::RefinedMap(const RefinedScale& refined) const {
-  return RefinedPointsOf(archive_, map_, camera_.radial_correction, refined.path);
+  return RefinedPointsOf(archive_, map_, refined.path);
 }
 
 }  // namespace turnscale

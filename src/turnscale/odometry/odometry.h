@@ -86,7 +86,7 @@ class Odometry {
   /// What the latest tracked image shows of the map.
   const std::vector<FeatureTrack>& tracks() const { return tracker_.tracks(); }
   /// The camera by which the map's pixels are undistorted: as given, with the radial correction found so far.
-  const CameraModel& camera() const { return camera_; }
+  const CameraModel& camera() const { return map_.camera; }
   /// 0 where pixels are left out of the next image: those given, and those found to stand still while the scene moves
   /// (8 bit, else 255). Empty if none are.
   const cv::Mat& mask() const { return mask_.pixels(); }
@@ -155,7 +155,7 @@ class Odometry {
   /// Writes the adjusted window to the map, re-evaluates its steps, and has old keyframes archived.
   void ApplyReadjusted(ReadjustmentWork work);
   /// Replaces the radial correction of all pixels of map and tracks.
-  void CorrectLens(double correction);
+  void CorrectLens(double radial_correction);
   /// Applies pending work, then readjusts the remaining keyframes at once.
   void Readjust();
   /// Moves the observations of keyframes before `last` to the archive.
@@ -175,7 +175,6 @@ class Odometry {
   FrameResult MetricResult(FrameResult result, int keyframe, const RigidTransform& camera_from_world);
 
   OdometryOptions options_;
-  CameraModel camera_;
   ImageMask mask_;
   std::optional<MapInitializer> initializer_;  ///< while there is no map to track against
   FrameTracker tracker_;

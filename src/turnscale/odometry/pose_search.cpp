@@ -113,7 +113,7 @@ class Search {
 
   bool HasLandmarks() const { return tracks_.size() >= kLeastInliers; }
 
-  double TurnStep() const { return kTurnStep * (1 << coarsest_) / map_.pinhole.fx; }
+  double TurnStep() const { return kTurnStep * (1 << coarsest_) / map_.camera.pinhole.fx; }
 
   // How well a pose explains the coarse image.
   double Score(const RigidTransform& pose) const {
@@ -139,7 +139,7 @@ class Search {
         }
         if (sightings.size() < kLeastInliers) return {};
         const double pixel = 1 << level;
-        estimate = EstimatePose({.inlier_threshold = 1.5 * pixel, .huber_threshold = 0.5 * pixel}, map_.pinhole,
+        estimate = EstimatePose({.inlier_threshold = 1.5 * pixel, .huber_threshold = 0.5 * pixel}, map_.camera.pinhole,
                                 sightings, pose);
         pose = estimate.camera_from_world;
       }

@@ -28,7 +28,7 @@ class PoseSearch : public testing::Test {
     camera_.pinhole = {200, 200, 159.5, 119.5};
     camera_.width = 320;
     camera_.height = 240;
-    map_.pinhole = camera_.pinhole;
+    map_.camera.pinhole = camera_.pinhole;
     map_.keyframes.push_back({0, 0, {}, {}, false});
     first_ = Seen({});
     AddTracks(16);

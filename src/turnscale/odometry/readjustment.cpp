@@ -6,8 +6,8 @@
 namespace turnscale {
 
 ReadjustmentWork WorkToReadjust(const LocalBundleOptions& options, const Map& map, const MountCalibration& mount,
-                                double correction, int first) {
-  ReadjustmentWork work{.applied_correction = correction,
+                                int first) {
+  ReadjustmentWork work{.radial_correction = map.camera.radial_correction,
                         .first = first,
                         .end = static_cast<int>(map.keyframes.size()),
                         .window = MakeLocalWindow(options, first, map),

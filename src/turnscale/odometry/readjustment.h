@@ -12,7 +12,7 @@ namespace turnscale {
 /// A copy of the latest part of a map, which is adjusted in one large window, usually in the background. The local
 /// windows during the drive had fewer observations and a less accurate lens correction.
 struct ReadjustmentWork {
-  double applied_correction = 0;    ///< radial correction of the window's pixels
+  double radial_correction = 0;     ///< of the window's pixels
   int first = 0;                    ///< the first of the adjusted keyframes
   int end = 0;                      ///< the one after the last
   WindowProblem window;             ///< once readjusted: with the new poses; no landmarks if it contains NaN
@@ -20,10 +20,9 @@ struct ReadjustmentWork {
   std::vector<Keyframe> unlearned;  ///< that it learns from, without observations
 };
 
-/// The keyframes of the map from `first` on. `correction` is the radial correction of the map's pixels, `mount` the
-/// camera-to-vehicle rotation so far.
+/// The keyframes of the map from `first` on. `mount` is the camera-to-vehicle rotation so far.
 ReadjustmentWork WorkToReadjust(const LocalBundleOptions& options, const Map& map, const MountCalibration& mount,
-                                double correction, int first);
+                                int first);
 
 /// The work with its window adjusted and the camera-to-vehicle rotation updated.
 ReadjustmentWork Readjusted(const LocalBundleOptions& options, ReadjustmentWork work);

@@ -33,7 +33,8 @@ MountCalibration LearnedFromWindow(const Map& map, MountCalibration mount, int f
 }
 
 TEST(Readjustment, TheMountLearnsFromAdjustedKeyframesWhereverItStands) {
-  const Map map = MapOfTurns();
+  Map map = MapOfTurns();
+  map.camera.radial_correction = 0.01;
   const int keyframes = static_cast<int>(map.keyframes.size());
   const int first = keyframes - 20;
   // The window reaches back beyond what the mount knows, or begins after it.
@@ -41,8 +42,8 @@ TEST(Readjustment, TheMountLearnsFromAdjustedKeyframesWhereverItStands) {
     MountCalibration mount{VehicleOptions()};
     if (learned > 0) mount.Learn(map, learned - 1);
     const int next = mount.next_keyframe();
-    const ReadjustmentWork work = WorkToReadjust(kWindow, map, mount, 0.01, first);
-    EXPECT_EQ(work.applied_correction, 0.01);
+    const ReadjustmentWork work = WorkToReadjust(kWindow, map, mount, first);
+    EXPECT_EQ(work.radial_correction, 0.01);
     EXPECT_EQ(work.first, first);
     EXPECT_EQ(work.end, keyframes);
     ASSERT_EQ(static_cast<int>(work.unlearned.size()), keyframes - next);
@@ -62,7 +63,7 @@ TEST(Readjustment, AWindowOfNoNumbersIsLeftOut) {
   map.keyframes.back().camera_from_world.translation.x() = std::numeric_limits<double>::quiet_NaN();
   const int keyframes = static_cast<int>(map.keyframes.size());
   const ReadjustmentWork readjusted =
-      Readjusted(kWindow, WorkToReadjust(kWindow, map, MountCalibration{VehicleOptions()}, 0, keyframes - 20));
+      Readjusted(kWindow, WorkToReadjust(kWindow, map, MountCalibration{VehicleOptions()}, keyframes - 20));
   EXPECT_TRUE(readjusted.window.landmarks.empty());
   EXPECT_EQ(readjusted.mount.next_keyframe(), keyframes);
 }

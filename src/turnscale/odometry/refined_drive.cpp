@@ -30,7 +30,7 @@ std::vector<FrameResult> RefinedFramesOf(const FrameHistory& history, const Map&
   return frames;
 }
 
-MapPoints RefinedPointsOf(const MapArchive& archive, const Map& map, double correction, const MetricPath& path) {
+MapPoints RefinedPointsOf(const MapArchive& archive, const Map& map, const MetricPath& path) {
   MapPoints points;
   points.cameras = path.centres;
   points.landmarks.reserve(archive.landmarks());
@@ -49,7 +49,7 @@ MapPoints RefinedPointsOf(const MapArchive& archive, const Map& map, double corr
   std::vector<int> ends = archive.BlockEnds();
   for (; !ends.empty(); ends.pop_back()) {
     const int first = ends.size() > 1 ? ends[ends.size() - 2] : 0;
-    add(archive.Load(first, ends.back(), correction, map).map, first);
+    add(archive.Load(first, ends.back(), map).map, first);
   }
   return points;
 }

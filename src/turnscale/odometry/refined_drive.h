@@ -16,8 +16,7 @@ namespace turnscale {
 std::vector<FrameResult> RefinedFramesOf(const FrameHistory& history, const Map& map, const MountCalibration& mount,
                                          const RefinedScale& refined);
 
-/// The valid landmarks of a drive, those in the archive included, and its cameras, along a metric path. `correction` is
-/// the radial correction of the map's pixels.
-MapPoints RefinedPointsOf(const MapArchive& archive, const Map& map, double correction, const MetricPath& path);
+/// The valid landmarks of a drive, those in the archive included, and its cameras, along a metric path.
+MapPoints RefinedPointsOf(const MapArchive& archive, const Map& map, const MetricPath& path);
 
 }  // namespace turnscale

@@ -22,7 +22,7 @@ class Wall : public testing::Test {
     camera_.pinhole = {400, 400, 160, 120};
     camera_.width = 320;
     camera_.height = 240;
-    map_.pinhole = camera_.pinhole;
+    map_.camera.pinhole = camera_.pinhole;
     map_.keyframes.push_back({0, 0, kFirst, {}, false});
     for (int row = 40; row <= 200; row += 20)
       for (int column = 40; column <= 280; column += 20) AddTrack({column + 0.3, row - 0.2});

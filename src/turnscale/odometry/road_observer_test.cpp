@@ -39,7 +39,7 @@ Observed ObserveMap(const SyntheticRoad& road, int keyframes, int gap = -1, doub
   RoadObserver observer{RoadObserverOptions{}};
   Observed observed;
   Map& map = observed.map;
-  map.pinhole = camera.pinhole;
+  map.camera.pinhole = camera.pinhole;
   for (int k = 0; k < keyframes; ++k) {
     RigidTransform world_from_camera{RotationFromVector({-0.06, 0, 0}), {0, 0, kStep * k}};
     SyntheticRoad shown = road;

@@ -87,7 +87,7 @@ Reading ReadTurns(const OdometryOptions& options, const CameraModel& camera, Cal
     reading.tracked += result.state == TrackingState::kTracked ? 1 : 0;
     const Map& map = odometry.map();
     if (std::exchange(keyframes, map.keyframes.size()) == map.keyframes.size()) continue;
-    if (!check.Observe(map, odometry.camera())) continue;
+    if (!check.Observe(map)) continue;
     if (check.windows() == 1)
       reading.first_time = map.keyframes[std::max<size_t>(keyframes, options.calibration_check.window) -
                                          options.calibration_check.window]
