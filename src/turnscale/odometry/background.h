@@ -53,17 +53,16 @@ class DueResult {
   /// The result if one is pending and due; waits for it. Throws what the work threw.
   std::optional<Result> TakeIfDue(int keyframes) {
     if (!pending() || keyframes < due_) return std::nullopt;
-    return result_.get();
+    return std::exchange(result_, {}).get();
   }
 
-  /// Waits for pending work, whose result stays to be taken.
-  void Await() const {
-    if (pending()) result_.wait();
-  }
+  /// The result of pending work, which stays to be taken; waits for it. Null if none is pending. Throws what the work
+  /// threw.
+  const Result* Await() const { return pending() ? &result_.get() : nullptr; }
 
  private:
   int due_ = 0;
-  std::future<Result> result_;
+  std::shared_future<Result> result_;
 };
 
 }  // namespace turnscale

@@ -25,10 +25,12 @@ TEST_P(Background, AResultIsTakenAtItsKeyframe) {
   result.Start(12, [] { return 7; });
   EXPECT_TRUE(result.pending());
   EXPECT_FALSE(result.TakeIfDue(11)) << "not earlier, even if it is there";
-  result.Await();
+  ASSERT_NE(result.Await(), nullptr);
+  EXPECT_EQ(*result.Await(), 7);
   EXPECT_FALSE(result.TakeIfDue(11));
   EXPECT_EQ(result.TakeIfDue(13), 7);
   EXPECT_FALSE(result.pending());
+  EXPECT_EQ(result.Await(), nullptr);
 }
 
 TEST_P(Background, AResultMayBeWantedAtOnce) {

@@ -14,6 +14,7 @@
 #include "turnscale/odometry/frame_history.h"
 #include "turnscale/odometry/mount_calibration.h"
 #include "turnscale/odometry/options.h"
+#include "turnscale/odometry/readjustment.h"
 #include "turnscale/odometry/refined_scale.h"
 #include "turnscale/odometry/results.h"
 #include "turnscale/odometry/road_heights.h"
@@ -26,13 +27,6 @@ namespace turnscale {
 /// frame of each.
 TurnResult DescribeTurn(const TurnEstimate& turn, const std::vector<VehicleStep>& steps,
                         const std::function<int(int keyframe)>& frame_of);
-
-/// Keyframes that have been adjusted once more.
-struct ReadjustedKeyframes {
-  int first = 0;
-  int end = 0;           ///< the one after the last; those that follow have moved with it
-  int final_before = 0;  ///< keyframes before this one will not be adjusted again during the drive
-};
 
 /// Estimates the scale beside the map, which it never changes: keyframes in, metric trajectory out.
 ///

@@ -88,7 +88,7 @@ void FrameTracker::NoticeStanding(const Map& map, int inliers, double time) {
   // So many times the least motion is more than the errors of the few landmarks that are left in sight.
   constexpr double kClearly = 5;
   const KeyframeOptions& limits = options_.keyframes;
-  last_time_ = time;
+  last_measured_time_ = time;
   std::vector<double> motion;
   for (const FeatureTrack& track : tracks_)
     if (track.in_keyframe && map.landmarks[track.landmark].valid)
@@ -103,7 +103,7 @@ void FrameTracker::NoticeStanding(const Map& map, int inliers, double time) {
 
 bool FrameTracker::HasStood() const {
   constexpr double kLeastSeconds = 1;
-  return stands_since_ && last_time_ - *stands_since_ >= kLeastSeconds;
+  return stands_since_ && last_measured_time_ - *stands_since_ >= kLeastSeconds;
 }
 
 bool FrameTracker::NeedsKeyframe(const Map& map, const TrackedFrame& frame) const {

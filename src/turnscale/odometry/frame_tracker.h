@@ -88,7 +88,7 @@ class FrameTracker {
   FlowImage last_image_;                   ///< the latest one whose pose was measured
   std::vector<FeatureTrack> tracks_;       ///< what it shows
   std::vector<FeatureTrack> lost_tracks_;  ///< recently seen landmarks that are not in it
-  double last_time_ = 0;                   ///< of that image, seconds
+  double last_measured_time_ = 0;          ///< of that image, seconds
   std::optional<double> stands_since_;     ///< seconds; empty: the camera moves
   int landmarks_in_keyframe_ = 0;          ///< with a depth, when the last keyframe was made
   int features_in_keyframe_ = 0;           ///< with or without a depth

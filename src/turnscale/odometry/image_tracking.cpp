@@ -79,7 +79,7 @@ class ImageTracker {
   // Aligns a believable pose over a wider range if fewer landmarks agree with it than should: what has come nearer over
   // a long interval looks too different for optical flow.
   std::optional<RigidTransform> SearchNear(const TrackedPose& pose) const {
-    if (step_.time - step_.motion.time() < kLongInterval) return std::nullopt;
+    if (step_.time - step_.motion.last_measured_time() < kLongInterval) return std::nullopt;
     const auto with_depth =
         std::ranges::count_if(step_.tracks, [&](const FeatureTrack& track) { return HasDepth(track); });
     if (pose.estimate.inliers >= kLeastShareOfSample * static_cast<double>(with_depth)) return std::nullopt;

@@ -100,7 +100,7 @@ TEST(MapStart, FramesInBetweenAreLocated) {
   }
   EXPECT_EQ(located[2].result.state, TrackingState::kRepeated);
   EXPECT_LT((located[2].camera_from_world.translation - start.poses[2].translation).norm(), 1e-3) << "predicted";
-  EXPECT_EQ(motion.time(), start.map.frames.back().time);
+  EXPECT_EQ(motion.last_measured_time(), start.map.frames.back().time);
 }
 
 TEST(MapStart, APoseThatNoOneBelievesIsNoMotion) {

@@ -73,40 +73,43 @@ MotionModel::Step MotionModel::Turning(Step step, double rate) const {
 }
 
 RigidTransform MotionModel::Predict(double time) const {
-  return step_ ? Extrapolate(*step_, time - time_) : camera_from_world_;
+  return step_ ? Extrapolate(*step_, time - last_measured_time_) : camera_from_world_;
 }
 
 std::vector<RigidTransform> MotionModel::OtherPredictions(double time) const {
   std::vector<RigidTransform> others;
   if (step_) others.push_back(camera_from_world_);
-  if (broken_off_) others.push_back(Extrapolate(broken_off_->step, time - time_));
+  if (broken_off_) others.push_back(Extrapolate(broken_off_->step, time - last_measured_time_));
   if (!step_ || options_.turn_acceleration == 0) return others;
   for (const double share : {-1.0, 1.0, -0.5, 0.5}) {
-    others.push_back(Extrapolate(Turning(*step_, share * options_.turn_acceleration * (time - time_)), time - time_));
+    others.push_back(Extrapolate(Turning(*step_, share * options_.turn_acceleration * (time - last_measured_time_)),
+                                 time - last_measured_time_));
   }
   return others;
 }
 
 double MotionModel::TurnReach(double time) const {
-  return step_ ? std::min(options_.turn_acceleration * (time - time_) * (time - time_), kMostTurnReach) : 0.0;
+  return step_ ? std::min(options_.turn_acceleration * (time - last_measured_time_) * (time - last_measured_time_),
+                          kMostTurnReach)
+               : 0.0;
 }
 
 RigidTransform MotionModel::PredictOtherwise(double time, double turn, double speed_share) const {
   if (!step_) return camera_from_world_;
-  const double turning = Effective(options_.steady_seconds, options_.turn_seconds, time - time_);
+  const double turning = Effective(options_.steady_seconds, options_.turn_seconds, time - last_measured_time_);
   Step step = Turning(*step_, turn / turning);
   step.Scale(speed_share);
-  return Extrapolate(step, time - time_);
+  return Extrapolate(step, time - last_measured_time_);
 }
 
 void MotionModel::Update(double time, const RigidTransform& camera_from_world) {
-  if (started_ && time > time_) {
-    Step step{camera_from_world * camera_from_world_.inverse(), time - time_, {}};
+  if (started_ && time > last_measured_time_) {
+    Step step{camera_from_world * camera_from_world_.inverse(), time - last_measured_time_, {}};
     // After a restart, the step is one from before it: what it was compared with would be a change across the gap, and
     // speed() is 0, as no speed of the new map is known yet.
     if (step_ && !recent_.empty() && step.speed() < kBreak * step_->speed() &&
         !(broken_off_ && step_->speed() < kNoise * broken_off_->past.speed))
-      broken_off_ = {*step_, {speed(), time_}};
+      broken_off_ = {*step_, {speed(), last_measured_time_}};
     const Eigen::Vector3d& translation = step.current_from_previous.translation;
     Remember({translation.norm(), step.seconds, VectorFromRotation(step.current_from_previous.rotation), translation});
     const Travel recent = Recent();
@@ -114,7 +117,7 @@ void MotionModel::Update(double time, const RigidTransform& camera_from_world) {
     step_ = step;
   }
   started_ = true;
-  time_ = time;
+  last_measured_time_ = time;
   camera_from_world_ = camera_from_world;
 }
 
@@ -130,7 +133,7 @@ void MotionModel::Restart(double time, const RigidTransform& camera_from_world) 
   recent_.clear();
   broken_off_.reset();
   started_ = true;
-  time_ = time;
+  last_measured_time_ = time;
   camera_from_world_ = camera_from_world;
 }
 
@@ -169,7 +172,7 @@ double MotionModel::speed() const {
 
 std::vector<PastSpeed> MotionModel::PastSpeeds() const {
   std::vector<PastSpeed> speeds;
-  if (speed() > 0) speeds.push_back({speed(), time_});
+  if (speed() > 0) speeds.push_back({speed(), last_measured_time_});
   if (broken_off_) speeds.push_back(broken_off_->past);
   return speeds;
 }

@@ -80,8 +80,8 @@ class MotionModel {
   void Correct(const RigidTransform& camera_from_world, double factor);
 
   const RigidTransform& last() const { return camera_from_world_; }
-  /// When the last pose was, seconds.
-  double time() const { return time_; }
+  /// When the last pose was measured, seconds.
+  double last_measured_time() const { return last_measured_time_; }
   /// Over the last fifth of a second at least; units of length per second; 0 before two poses are known.
   double speed() const;
   /// The speed now, and the one before it broke off where it did.
@@ -123,7 +123,7 @@ class MotionModel {
   RigidTransform Extrapolate(const Step& step, double seconds) const;
 
   MotionModelOptions options_;
-  double time_ = 0;
+  double last_measured_time_ = 0;
   RigidTransform camera_from_world_;
   Eigen::Vector3d vertical_ = Eigen::Vector3d::UnitY();
   std::optional<Step> step_;

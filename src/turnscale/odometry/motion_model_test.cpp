@@ -171,9 +171,9 @@ TEST(MotionModel, OffersStandstillAndTheSpeedBeforeItBrokeOff) {
   motion.Update(1.2, stop);
   // The noise of standing still breaks off all the time.
   for (const double noise : {1e-3, 1e-4, 3e-3, 1e-3, 1e-5})
-    motion.Update(motion.time() + 0.1, {stop.rotation, stop.translation + Eigen::Vector3d(noise, 0, 0)});
+    motion.Update(motion.last_measured_time() + 0.1, {stop.rotation, stop.translation + Eigen::Vector3d(noise, 0, 0)});
   const RigidTransform last = motion.last();
-  const auto others = motion.OtherPredictions(motion.time() + 0.1);
+  const auto others = motion.OtherPredictions(motion.last_measured_time() + 0.1);
   ASSERT_EQ(others.size(), 2U + kTurningRates);
   ExpectNear(others[0], last);
   ExpectNear(others[1], kStep * last);
@@ -233,7 +233,7 @@ TEST(MotionModel, AfterARestartEarlierSpeedsCountNoLonger) {
   motion.Update(1.2, motion.last());
   motion.Restart(3.0, kStart);
   EXPECT_TRUE(motion.PastSpeeds().empty());
-  EXPECT_EQ(motion.time(), 3.0);
+  EXPECT_EQ(motion.last_measured_time(), 3.0);
   ExpectNear(motion.last(), kStart);
   motion.Update(3.1, kStep * kStart);
   EXPECT_NEAR(motion.speed(), kStep.translation.norm() / 0.1, 1e-9);

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <future>
-#include <limits>
 #include <optional>
 #include <string>
 #include <utility>
@@ -12,8 +11,6 @@
 #include <opencv2/core/utility.hpp>
 
 #include "turnscale/base/error.h"
-#include "turnscale/base/frame_interval.h"
-#include "turnscale/base/number_text.h"
 #include "turnscale/camera/camera_model.h"
 #include "turnscale/features/corners.h"
 #include "turnscale/geometry/rotation.h"
@@ -21,7 +18,6 @@
 #include "turnscale/mapping/local_bundle_adjustment.h"
 #include "turnscale/mapping/map_scaling.h"
 #include "turnscale/mapping/section_adjustment.h"
-#include "turnscale/mapping/unit_variance.h"
 #include "turnscale/odometry/constrained_turns.h"
 #include "turnscale/odometry/map_start.h"
 #include "turnscale/odometry/path_gaps.h"
@@ -30,13 +26,6 @@
 namespace turnscale {
 namespace {
 
-// A correction that moves the pixels at a wide image's edge by a fortieth of a pixel. Applying one takes up to 10 ms.
-constexpr double kLeastLensChange = 5e-5;
-// A change of the lens correction by which a turn's scale changes by some per cent: poses adjusted under another one
-// are adjusted anew when the next turn ends.
-constexpr double kStaleLensChange = 2e-3;
-// Keyframes that go to the archive together, at least.
-constexpr int kLeastArchived = 20;
 // Landmarks of a few hundred keyframes, which is about what the map holds before it is archived. To move that many
 // takes longer than a frame.
 constexpr int kUsualLandmarks = 1 << 17;
@@ -44,14 +33,6 @@ constexpr int kUsualLandmarks = 1 << 17;
 // A turn in which static features show in several keyframes, degrees: if they were none, what stood still before was
 // far away.
 constexpr double kDecidingTurn = 10;
-
-// Keyframes that follow one before it is judged how well landmarks determine the unit of length there.
-constexpr int kKeyframesOfUnit = 10;
-
-// Keyframes that are added between the start of work and the use of its results. In a turn, where they are close to one
-// another, camera work takes about as long as two of them, a large window as four.
-constexpr int kKeyframesOfCameraWork = 4;
-constexpr int kKeyframesOfReadjustment = 6;
 
 OdometryOptions Checked(OdometryOptions options, const CameraModel& camera) {
   options.Check();
@@ -75,29 +56,28 @@ Odometry::Odometry(const OdometryOptions& options, const CameraModel& camera)
       initializer_(std::in_place, options_, camera),
       tracker_(options_),
       motion_(options_.motion),
-      lens_(options_.lens),
-      calibration_check_(options_.calibration_check),
+      upkeep_(options_),
+      camera_refinement_(options_, camera),
       road_(options_.road),
       scale_(options_) {
   map_.camera = camera;
   map_.landmarks.reserve(kUsualLandmarks);
-  calibration_sigma_ = CalibrationSigma({}, camera);
 }
 
 FrameResult Odometry::Process(const cv::Mat& gray, double time) {
   Ensure(!finished_, "no frame follows Finish");
-  CheckTime(time);
+  frame_counter_.Check(time);
   CheckImage(gray);
-  const double interval = time - seen_time_;
+  const double interval = time - last_seen_time_;
   FrameResult result = NewFrame(time, TrackingState::kInitializing);
   const FlowImage image = BuildFlowImage(options_.flow, gray);
-  if (!mapping()) return Initialize(image, result);
+  if (waits_for_map()) return Initialize(image, result);
 
   const RigidTransform predicted = motion_.Predict(time);
-  if (time - motion_.time() <= options_.repeats.max_seconds &&
+  if (time - motion_.last_measured_time() <= options_.repeats.max_seconds &&
       tracker_.IsRepeat(map_, map_.camera, image, predicted, interval)) {
     result.state = TrackingState::kRepeated;
-    seen_time_ = time;
+    last_seen_time_ = time;
     return MetricResult(result, predicted);
   }
   const TrackedFrame tracked = Track(image, predicted, result);
@@ -113,23 +93,13 @@ FrameResult Odometry::Process(const cv::Mat& gray, double time) {
   // The road's observer reads only poses and gaps of keyframes, which adding features does not change.
   std::future<std::optional<MeasuredHeight>> height = InBackground([&] { return ObserveRoad(image); });
   tracker_.Replenish(map_.camera, image, corners.get(), map_);
-  ObserveScale(height.get());
+  const bool turn_ended = ObserveScale(height.get());
   const TurningMotion motion = StepMotion(map_, static_cast<int>(map_.keyframes.size()) - 2, mount());
   result.psi = motion.psi;
   result.theta = motion.theta;
-  StartReadjustment();
-  StartCameraWork();
+  upkeep_.StartReadjustment(map_, mount(), turn_ended);
+  camera_refinement_.Start(map_);
   return MetricResult(result, map_.keyframes.back().camera_from_world);
-}
-
-void Odometry::CheckTime(double time) const {
-  if (!std::isfinite(time)) throw InputError("time " + std::to_string(time) + " s: has to be a finite number");
-  if (!(time > last_time_)) throw InputError("time " + std::to_string(time) + " s: has to be after the frame before");
-  constexpr int kFewestFrames = 8;
-  const double least_interval = std::min(least_interval_, time - last_time_);
-  if (frames_ >= kFewestFrames && least_interval > kLongestFrameInterval)
-    throw InputError("time " + std::to_string(time) + " s: all frames so far are " + NumberText(least_interval) +
-                     " s apart or more; are the times milliseconds or nanoseconds? Give seconds");
 }
 
 void Odometry::CheckImage(const cv::Mat& gray) {
@@ -160,10 +130,8 @@ void Odometry::ApplyMask() { tracker_.SetMask(mask_.pixels()); }
 void Odometry::WaitForMap() { initializer_.emplace(options_, map_.camera, mask_.pixels()); }
 
 FrameResult Odometry::NewFrame(double time, TrackingState state) {
-  least_interval_ = std::min(least_interval_, time - last_time_);
-  last_time_ = time;
   FrameResult result;
-  result.frame = frames_++;
+  result.frame = frame_counter_.Add(time);
   result.time = time;
   result.state = state;
   return result;
@@ -171,7 +139,7 @@ FrameResult Odometry::NewFrame(double time, TrackingState state) {
 
 FrameResult Odometry::ProcessUnreadable(double time) {
   Ensure(!finished_, "no frame follows Finish");
-  CheckTime(time);
+  frame_counter_.Check(time);
   const FrameResult result = NewFrame(time, TrackingState::kUnreadable);
   if (map_.keyframes.empty()) {
     history_.AddWithoutPose(result);
@@ -183,7 +151,7 @@ FrameResult Odometry::ProcessUnreadable(double time) {
 void Odometry::Finish() {
   if (std::exchange(finished_, true) || map_.keyframes.empty()) return;
   Readjust();
-  Archive(static_cast<int>(map_.keyframes.size()));
+  tracker_.Reindex(upkeep_.ArchiveAll(map_));
   if (is_upside_down()) scale_.ForgetHeights();
   AdjustWholeDrive();
   refined_ = Refined();
@@ -223,7 +191,7 @@ void Odometry::StartMap(const FlowImage& image, const InitialMap& start) {
   ApplyMask();
   initializer_.reset();
   lost_frames_ = 0;
-  seen_time_ = start.frames.back().time;
+  last_seen_time_ = start.frames.back().time;
   scale_.Add(map_);
   for (const LocatedFrame& frame :
        LocateWaitingFrames(options_, map_.camera, start, map_, added.keyframe, added.first_landmark, motion_))
@@ -237,7 +205,7 @@ TrackedFrame Odometry::Track(const FlowImage& image, const RigidTransform& predi
   if (!tracked.camera_from_world) return tracked;
   result.state = TrackingState::kTracked;
   lost_frames_ = 0;
-  seen_time_ = result.time;
+  last_seen_time_ = result.time;
   motion_.Update(result.time, *tracked.camera_from_world);
   return tracked;
 }
@@ -246,11 +214,13 @@ FrameResult Odometry::Bridge(const RigidTransform& predicted, FrameResult result
   const bool is_unreadable = result.state == TrackingState::kUnreadable;
   if (!is_unreadable) result.state = TrackingState::kBridged;
   const TrackingOptions& limits = options_.tracking;
-  const bool stood = mapping() && tracker_.HasStood();
+  const bool has_map = !waits_for_map();
+  const bool stood = has_map && tracker_.HasStood();
   // Without an image the map is no more lost than where images are missing.
-  if (mapping() && !is_unreadable) ++lost_frames_;
+  if (has_map && !is_unreadable) ++lost_frames_;
   const double patience = stood ? limits.max_hidden_seconds : limits.max_lost_seconds;
-  const bool gives_up = mapping() && lost_frames_ >= limits.min_lost_frames && result.time - motion_.time() > patience;
+  const bool gives_up =
+      has_map && lost_frames_ >= limits.min_lost_frames && result.time - motion_.last_measured_time() > patience;
   if (!gives_up) return MetricResult(result, stood ? motion_.last() : predicted);
   // No turn reaches across the gap: one that was under way is read from the map it belongs to. What is pending may
   // change the radial correction, under which the pixels that wait for the next map are undistorted.
@@ -274,7 +244,7 @@ void Odometry::AddKeyframe(const FrameResult& result) {
   TriangulateLandmarks(options_.landmarks, LandmarksOfScene(), map_);
   const LocalBundleResult adjusted = AdjustLocalWindow(options_.local_bundle, map_);
   tracker_.Drop(CullLandmarks(options_.landmarks, adjusted.landmarks, keyframe, map_));
-  JudgeUnits();
+  upkeep_.JudgeUnits(map_);
   motion_.Correct(map_.keyframes.back().camera_from_world, 1.0);
 }
 
@@ -290,98 +260,28 @@ std::vector<int> Odometry::LandmarksOfScene() const {
   return landmarks;
 }
 
-void Odometry::JudgeUnits() {
-  for (; unit_judged_ + kKeyframesOfUnit < static_cast<int>(map_.keyframes.size()); ++unit_judged_)
-    map_.keyframes[unit_judged_].pixel_unit_variance = UnitVariance(map_, unit_judged_, kKeyframesOfUnit).value_or(0.0);
-}
-
 std::optional<MeasuredHeight> Odometry::ObserveRoad(const FlowImage& image) {
   return road_.Observe(map_, map_.camera, mount().current().vehicle_from_camera, image, mask_.pixels());
 }
 
-void Odometry::ObserveScale(const std::optional<MeasuredHeight>& height) {
+bool Odometry::ObserveScale(const std::optional<MeasuredHeight>& height) {
   if (height) scale_.AddHeight(*height);
   const bool turn_ended = scale_.Add(map_);
   motion_.SetVertical(mount().current().vehicle_from_camera.conjugate() * Eigen::Vector3d::UnitY());
-  const int not_readjusted = static_cast<int>(map_.keyframes.size() - lens_of_keyframe_.size());
-  const bool many = !readjustment_.pending() && not_readjusted >= options_.turn_bundle.window / 2;
-  readjustment_is_due_ = readjustment_is_due_ || turn_ended || many;
-}
-
-void Odometry::StartReadjustment() {
-  // The archive takes its keyframes first: it renumbers the landmarks, by whose numbers the window is written back.
-  if (!readjustment_is_due_ || readjustment_.pending() || archive_due_ > archive_.end()) return;
-  readjustment_is_due_ = false;
-  readjustment_.Start(static_cast<int>(map_.keyframes.size()) + kKeyframesOfReadjustment,
-                      [options = options_.turn_bundle, work = NextReadjustment()]() mutable {
-                        return Readjusted(options, std::move(work));
-                      });
-}
-
-void Odometry::StartCameraWork() {
-  if (camera_work_.pending()) return;
-  std::optional<IntrinsicsProblem> refined = lens_.Window(map_);
-  std::optional<IntrinsicsProblem> tested = calibration_check_.Window(map_);
-  if (!refined && !tested) return;
-  camera_work_.Start(static_cast<int>(map_.keyframes.size()) + kKeyframesOfCameraWork,
-                     [this, refined = std::move(refined), tested = std::move(tested), camera = map_.camera]() mutable {
-                       CameraWork work;
-                       if (refined && lens_.Read(*refined)) {
-                         work.lens_correction = lens_.correction();
-                         camera.radial_correction = lens_.correction();
-                       }
-                       if (tested) calibration_check_.Read(*tested);
-                       if (calibration_check_.windows() > 0)
-                         work.calibration_sigma = CalibrationSigma(calibration_check_.Contradictions(camera), camera);
-                       return work;
-                     });
+  return turn_ended;
 }
 
 void Odometry::ApplyBackgroundWork() {
-  const int keyframes = static_cast<int>(map_.keyframes.size());
-  ArchiveNextPart();
-  if (std::optional<ReadjustmentWork> readjusted = readjustment_.TakeIfDue(keyframes))
-    ApplyReadjusted(*std::move(readjusted));
-  const std::optional<CameraWork> work = camera_work_.TakeIfDue(keyframes);
-  if (!work) return;
-  if (work->calibration_sigma) calibration_sigma_ = *work->calibration_sigma;
-  if (work->lens_correction && std::abs(*work->lens_correction - map_.camera.radial_correction) >= kLeastLensChange)
-    CorrectLens(*work->lens_correction);
-}
-
-int Odometry::FirstToReadjust() const {
-  const int keyframes = static_cast<int>(map_.keyframes.size());
-  const auto is_up_to_date = [&](double correction) {
-    return std::abs(correction - map_.camera.radial_correction) < kStaleLensChange;
-  };
-  const int oldest = std::max(archive_.end(), keyframes - options_.turn_bundle.window);
-  const int readjusted = static_cast<int>(lens_of_keyframe_.size());
-  if (oldest >= readjusted) return oldest;
-  const auto first = std::find_if_not(lens_of_keyframe_.begin() + oldest, lens_of_keyframe_.end(), is_up_to_date);
-  return static_cast<int>(first - lens_of_keyframe_.begin());
-}
-
-ReadjustmentWork Odometry::NextReadjustment() const {
-  return WorkToReadjust(options_.turn_bundle, map_, mount(), FirstToReadjust());
-}
-
-void Odometry::ApplyReadjusted(ReadjustmentWork work) {
-  const int keyframes = static_cast<int>(map_.keyframes.size());
-  const int first = work.first;
-  lens_of_keyframe_.resize(work.end, std::numeric_limits<double>::quiet_NaN());
-  std::fill(lens_of_keyframe_.begin() + first, lens_of_keyframe_.end(), work.radial_correction);
-  // Factors of length are means over two steps on either side.
-  const int from = std::max(0, first - 2);
+  if (const std::optional<std::vector<int>> new_index = upkeep_.ArchiveNextPart(map_)) tracker_.Reindex(*new_index);
   const RigidTransform last_from_keyframe = LastFromKeyframe();
-  const std::vector<Eigen::Vector3d> before = KeyframeCentres(map_, from);
-  if (!work.window.landmarks.empty()) WriteBack(work.window, map_);
-  FollowMap(from, KeyframeFactors(before, KeyframeCentres(map_, from), first - from, std::vector(before.size(), 1.0)),
-            last_from_keyframe);
-  const auto reach = [](const LocalBundleOptions& window) { return window.window + window.anchors; };
-  const int last = keyframes - std::max({reach(options_.turn_bundle), reach(options_.local_bundle),
-                                         options_.lens.window, options_.calibration_check.window, kKeyframesOfUnit});
-  scale_.Reread(map_, std::move(work.mount), {.first = first, .end = work.end, .final_before = last});
-  if (last - archive_.end() >= kLeastArchived) archive_due_ = last;
+  if (std::optional<AppliedReadjustment> applied = upkeep_.ApplyIfDue(map_))
+    FollowReadjustment(*std::move(applied), last_from_keyframe);
+  if (const std::optional<double> correction = camera_refinement_.TakeIfDue(map_)) CorrectLens(*correction);
+}
+
+void Odometry::FollowReadjustment(AppliedReadjustment applied, const RigidTransform& last_from_keyframe) {
+  FollowMap(applied.first_rescaled, applied.factors, last_from_keyframe);
+  scale_.Reread(map_, std::move(applied.mount), applied.keyframes);
 }
 
 void Odometry::CorrectLens(double radial_correction) {
@@ -393,23 +293,11 @@ void Odometry::CorrectLens(double radial_correction) {
 }
 
 void Odometry::Readjust() {
-  readjustment_is_due_ = false;
-  readjustment_.Hurry();
-  camera_work_.Hurry();
+  upkeep_.Hurry();
+  camera_refinement_.Hurry();
   ApplyBackgroundWork();
-  ApplyReadjusted(Readjusted(options_.turn_bundle, NextReadjustment()));
-}
-
-void Odometry::ArchiveNextPart() {
-  const int due = archive_due_ - archive_.end();
-  if (due <= 0) return;
-  const int parts = (due + MapArchive::kMostKeyframes - 1) / MapArchive::kMostKeyframes;
-  Archive(archive_.end() + due / parts);
-}
-
-void Odometry::Archive(int last) {
-  Ensure(!readjustment_.pending(), "landmarks are renumbered while a window is adjusted");
-  tracker_.Reindex(archive_.Retire(last, map_));
+  const RigidTransform last_from_keyframe = LastFromKeyframe();
+  FollowReadjustment(upkeep_.ReadjustNow(mount(), map_), last_from_keyframe);
 }
 
 void Odometry::AdjustWholeDrive() {
@@ -417,7 +305,7 @@ void Odometry::AdjustWholeDrive() {
   // less.
   const RigidTransform last_from_keyframe = LastFromKeyframe();
   const std::vector<Eigen::Vector3d> before = KeyframeCentres(map_);
-  AdjustSections(options_.final_bundle, archive_, map_);
+  AdjustSections(options_.final_bundle, upkeep_.archive(), map_);
   FollowMap(0, KeyframeFactors(before, KeyframeCentres(map_), 0, std::vector(before.size(), 1.0)), last_from_keyframe);
   scale_.Reread(map_);
 }
@@ -425,10 +313,11 @@ void Odometry::AdjustWholeDrive() {
 void Odometry::ConstrainTurnsOfDrive() {
   if (!refined_->estimate) return;
   const RigidTransform last_from_keyframe = LastFromKeyframe();
-  ArchivedPart drive = archive_.Load(0, archive_.end(), map_);
+  MapArchive& archive = upkeep_.archive();
+  ArchivedPart drive = archive.Load(0, archive.end(), map_);
   RefinedScale constrained = *refined_;
   const std::vector<double> factors = ConstrainTurns(options_, scale_.mount(), drive.map, constrained);
-  archive_.Store(drive);
+  archive.Store(drive);
   refined_ = std::move(constrained);
   for (size_t k = 0; k < map_.keyframes.size(); ++k)
     map_.keyframes[k].camera_from_world = drive.map.keyframes[k].camera_from_world;
@@ -438,7 +327,7 @@ void Odometry::ConstrainTurnsOfDrive() {
 }
 
 void Odometry::BridgeGapsOf(RefinedScale& refined) const {
-  BridgeGaps(map_, history_.MeasuredEnds(map_), last_time_, refined);
+  BridgeGaps(map_, history_.MeasuredEnds(map_), frame_counter_.last_frame_time(), refined);
 }
 
 RigidTransform Odometry::LastFromKeyframe() const {
@@ -462,7 +351,7 @@ FrameResult Odometry::MetricResult(FrameResult result, int keyframe, const Rigid
   result.world_from_camera = scale_.live_path().InMetres(map_, keyframe, camera_from_world.inverse());
   result.vehicle_from_camera = mount().current().vehicle_from_camera;
   result.scale_state = scale_.state();
-  result.scale_sigma = std::hypot(scale_.sigma(), calibration_sigma_);
+  result.scale_sigma = std::hypot(scale_.sigma(), camera_refinement_.scale_sigma());
   return result;
 }
 
@@ -470,11 +359,11 @@ ScaleState Odometry::scale_state() const { return refined_ ? StateAtEnd(*refined
 
 RefinedScale Odometry::Refined() const {
   if (refined_) return *refined_;
-  camera_work_.Await();
-  const std::vector<ParameterEstimate> contradictions = calibration_check_.Contradictions(map_.camera);
+  const CalibrationCheck check = calibration_check();
+  const std::vector<ParameterEstimate> contradictions = check.Contradictions(map_.camera);
   RefinedScale refined = scale_.Refine(map_, !contradictions.empty());
   WidenForCalibration(contradictions, map_.camera, refined);
-  refined.calibration_windows = calibration_check_.windows();
+  refined.calibration_windows = check.windows();
   BridgeGapsOf(refined);
   return refined;
 }
@@ -484,7 +373,7 @@ std::vector<FrameResult> Odometry::RefinedFrames(const RefinedScale& refined) co
 }
 
 MapPoints Odometry::RefinedMap(const RefinedScale& refined) const {
-  return RefinedPointsOf(archive_, map_, refined.path);
+  return RefinedPointsOf(upkeep_.archive(), map_, refined.path);
 }
 
 }  // namespace turnscale

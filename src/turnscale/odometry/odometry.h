@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <limits>
 #include <optional>
 #include <vector>
 
@@ -12,16 +11,16 @@
 #include "turnscale/mapping/calibration_check.h"
 #include "turnscale/mapping/lens_refinement.h"
 #include "turnscale/mapping/map.h"
-#include "turnscale/mapping/map_archive.h"
-#include "turnscale/odometry/background.h"
+#include "turnscale/odometry/camera_refinement.h"
 #include "turnscale/odometry/drive_scale.h"
+#include "turnscale/odometry/frame_counter.h"
 #include "turnscale/odometry/frame_history.h"
 #include "turnscale/odometry/frame_tracker.h"
 #include "turnscale/odometry/image_mask.h"
 #include "turnscale/odometry/map_initializer.h"
+#include "turnscale/odometry/map_upkeep.h"
 #include "turnscale/odometry/motion_model.h"
 #include "turnscale/odometry/options.h"
-#include "turnscale/odometry/readjustment.h"
 #include "turnscale/odometry/results.h"
 #include "turnscale/odometry/road_observer.h"
 
@@ -34,17 +33,15 @@ namespace turnscale {
 /// keyframes: observations of keyframes that no adjustment can change are moved to a temporary file (MapArchive).
 /// Finish processes the whole drive; where turns are constrained (ConstrainTurns), it has the whole map in memory.
 ///
-/// Lens, calibration and readjusted poses are computed in the background, while the frames after a keyframe are
-/// processed, if OpenCV may use more than one thread. Results are applied at a keyframe that is fixed when the work
-/// starts. At a gap and in Finish, all pending results are applied at once. Neither depends on the number of threads.
+/// Lens, calibration (CameraRefinement) and readjusted poses (MapUpkeep) are computed in the background, while the
+/// frames after a keyframe are processed, if OpenCV may use more than one thread. Results are applied at a keyframe
+/// that is fixed when the work starts. At a gap and in Finish, all pending results are applied at once. Neither depends
+/// on the number of threads.
 class Odometry {
  public:
   /// Throws InputError when an option is invalid, the camera has a width without a height, a focal length that is
   /// not above 0, or a principal point that is not finite.
   Odometry(const OdometryOptions& options, const CameraModel& camera);
-  // Background work holds a pointer to this object.
-  Odometry(const Odometry&) = delete;
-  Odometry& operator=(const Odometry&) = delete;
 
   /// Leaves out the pixels of all images that are 0 in an 8-bit image of their size. Before the first image: later it
   /// throws InternalError. Throws InputError if it is of another type, or leaves out all pixels.
@@ -91,15 +88,9 @@ class Odometry {
   /// (8 bit, else 255). Empty if none are.
   const cv::Mat& mask() const { return mask_.pixels(); }
   /// The correction of the lens calibration estimated from the drive.
-  const LensRefinement& lens() const {
-    camera_work_.Await();
-    return lens_;
-  }
+  LensRefinement lens() const { return camera_refinement_.lens(); }
   /// The consistency test of the given calibration.
-  const CalibrationCheck& calibration_check() const {
-    camera_work_.Await();
-    return calibration_check_;
-  }
+  CalibrationCheck calibration_check() const { return camera_refinement_.calibration_check(); }
   /// At the latest keyframe: of the online estimate, after Finish of the refined one.
   ScaleState scale_state() const;
   /// The images are upside down, by the road that they show: left and right are exchanged in the path.
@@ -108,64 +99,41 @@ class Odometry {
   const MountCalibration& mount() const { return scale_.mount(); }
 
  private:
-  void CheckTime(double time) const;
   void CheckImage(const cv::Mat& gray);
   void ApplyMask();
+  /// There is no map to track against: none yet, or tracking has been lost for so long that another one is needed.
+  bool waits_for_map() const { return initializer_.has_value(); }
   void WaitForMap();
-  bool mapping() const { return !initializer_; }
   FrameResult NewFrame(double time, TrackingState state);
   FrameResult Initialize(const FlowImage& image, FrameResult result);
   void StartMap(const FlowImage& image, const InitialMap& start);
   TrackedFrame Track(const FlowImage& image, const RigidTransform& predicted, FrameResult& result);
   FrameResult Bridge(const RigidTransform& predicted, FrameResult result);
 
-  /// Results of lens refinement and calibration check, computed while the frames up to a later keyframe are processed.
-  struct CameraWork {
-    std::optional<double> lens_correction;    ///< if the estimate has changed
-    std::optional<double> calibration_sigma;  ///< if the calibration was tested
-  };
-
   /// The latest frame becomes a keyframe.
   void AddKeyframe(const FrameResult& result);
   /// Tracks of the latest keyframe that move with the scene, as far as that can be told: their landmarks.
   std::vector<int> LandmarksOfScene() const;
-  /// Judges how well landmarks determine the unit of length at keyframes that enough others follow by now.
-  void JudgeUnits();
   /// Measures the height above the road at the latest keyframe, whose image this is. Empty where it does not show.
   std::optional<MeasuredHeight> ObserveRoad(const FlowImage& image);
-  /// Updates the scale with the latest keyframe and the height that was measured there, if any. A readjustment is
-  /// due if it ended a turn, or many keyframes have not been readjusted yet.
-  void ObserveScale(const std::optional<MeasuredHeight>& height);
-  /// Starts to adjust a copy of the keyframes that are not readjusted, if that is due, no copy is being adjusted and no
-  /// keyframe waits to be archived.
-  void StartReadjustment();
-  /// Starts to read copies of the windows that are due for lens refinement and calibration check, if there are any.
-  /// Does nothing while results of earlier ones are not applied.
-  void StartCameraWork();
+  /// Updates the scale with the latest keyframe and the height that was measured there, if any. Returns whether it
+  /// ended a turn.
+  bool ObserveScale(const std::optional<MeasuredHeight>& height);
   /// Waits for the work that is due at this keyframe, and moves map, tracks and motion model to its results. When it
   /// is due does not depend on how long it takes.
   void ApplyBackgroundWork();
-  /// Archives a part of the keyframes that are due, so that no frame waits for all of them.
-  void ArchiveNextPart();
-  /// The first keyframe of the map within a window that has not been readjusted, or was under a radial correction that
-  /// is out of date.
-  int FirstToReadjust() const;
-  /// The keyframes from there on, to be adjusted.
-  ReadjustmentWork NextReadjustment() const;
-  /// Writes the adjusted window to the map, re-evaluates its steps, and has old keyframes archived.
-  void ApplyReadjusted(ReadjustmentWork work);
   /// Replaces the radial correction of all pixels of map and tracks.
   void CorrectLens(double radial_correction);
   /// Applies pending work, then readjusts the remaining keyframes at once.
   void Readjust();
-  /// Moves the observations of keyframes before `last` to the archive.
-  void Archive(int last);
   /// Adjusts all keyframes of the archived drive.
   void AdjustWholeDrive();
   /// Scales the archived drive to metres by constraints on the lengths of turns.
   void ConstrainTurnsOfDrive();
   /// Interpolates the path across losses of tracking.
   void BridgeGapsOf(RefinedScale& refined) const;
+  /// The map has been readjusted: what else knows its keyframes follows.
+  void FollowReadjustment(AppliedReadjustment applied, const RigidTransform& last_from_keyframe);
   /// Lengths at keyframes `first`... have changed by these factors.
   void FollowMap(int first, const std::vector<double>& factors, RigidTransform last_from_keyframe);
   /// The latest frame as seen from the latest keyframe.
@@ -175,35 +143,24 @@ class Odometry {
   FrameResult MetricResult(FrameResult result, int keyframe, const RigidTransform& camera_from_world);
 
   OdometryOptions options_;
+  FrameCounter frame_counter_;
   ImageMask mask_;
   std::optional<MapInitializer> initializer_;  ///< while there is no map to track against
   FrameTracker tracker_;
   MotionModel motion_;
-  LensRefinement lens_;
-  CalibrationCheck calibration_check_;
+  Map map_;
+  MapUpkeep upkeep_;
+  CameraRefinement camera_refinement_;
   RoadObserver road_;
   DriveScale scale_;
   FrameHistory history_;
-  Map map_;
-  MapArchive archive_;
-  std::vector<double> lens_of_keyframe_;  ///< correction under which each keyframe was readjusted; NaN before
-  std::optional<RefinedScale> refined_;   ///< once the drive is over
-  double calibration_sigma_ = 0;          ///< added to the online sigma for an uncertain or inconsistent calibration
 
-  bool finished_ = false;
+  double last_seen_time_ = 0;  ///< of the last frame that was tracked or repeated, seconds
+  int lost_frames_ = 0;        ///< consecutive, up to now
   /// Keyframe at which the map started with features that stood still, until a turn shows whether they are far away.
   std::optional<int> start_in_doubt_;
-  int lost_frames_ = 0;  ///< consecutive, up to now
-  double last_time_ = -std::numeric_limits<double>::infinity();
-  double seen_time_ = 0;  ///< of the last frame that was tracked or repeated, seconds
-  double least_interval_ = std::numeric_limits<double>::infinity();  ///< between two frames, seconds
-  int frames_ = 0;
-  bool readjustment_is_due_ = false;
-  int unit_judged_ = 0;  ///< keyframes before this one have their pixel_unit_variance
-  int archive_due_ = 0;  ///< keyframes before this one go to the archive, part by part
-  // Declared last, so that they are waited for before the members that they use are destroyed.
-  DueResult<ReadjustmentWork> readjustment_;
-  DueResult<CameraWork> camera_work_;
+  bool finished_ = false;
+  std::optional<RefinedScale> refined_;  ///< once the drive is over
 };
 
 }  // namespace turnscale

@@ -9,6 +9,13 @@
 
 namespace turnscale {
 
+/// Keyframes that have been adjusted once more.
+struct ReadjustedKeyframes {
+  int first = 0;
+  int end = 0;           ///< the one after the last; those that follow have moved with it
+  int final_before = 0;  ///< keyframes before this one will not be adjusted again during the drive
+};
+
 /// A copy of the latest part of a map, which is adjusted in one large window, usually in the background. The local
 /// windows during the drive had fewer observations and a less accurate lens correction.
 struct ReadjustmentWork {

@@ -14,7 +14,7 @@ namespace turnscale {
 namespace {
 
 constexpr double kMetresPerUnit = 8;
-constexpr double kStep = 0.6;  // metres from keyframe to keyframe
+constexpr double kSpacing = 0.6;  // metres from keyframe to keyframe
 constexpr int kRescaled = 4;
 
 CameraModel RoadCamera() {
@@ -41,7 +41,7 @@ Observed ObserveMap(const SyntheticRoad& road, int keyframes, int gap = -1, doub
   Map& map = observed.map;
   map.camera.pinhole = camera.pinhole;
   for (int k = 0; k < keyframes; ++k) {
-    RigidTransform world_from_camera{RotationFromVector({-0.06, 0, 0}), {0, 0, kStep * k}};
+    RigidTransform world_from_camera{RotationFromVector({-0.06, 0, 0}), {0, 0, kSpacing * k}};
     SyntheticRoad shown = road;
     if (k < blank) shown.contrast = 0;
     const RoadImage image = RenderRoad(shown, camera, world_from_camera);
@@ -76,7 +76,7 @@ TEST(RoadObserver, FindsTheHeightAndFollowsIt) {
     ++seen;
     EXPECT_EQ(heights[k]->keyframe, k);
     EXPECT_LT(heights[k]->reference, k);
-    const double distance = kStep * (k - heights[k]->reference);
+    const double distance = kSpacing * (k - heights[k]->reference);
     EXPECT_NEAR(heights[k]->ratio * distance / road.height, 1, 0.02) << k;
     EXPECT_LT(heights[k]->sigma, 0.06);
   }
@@ -97,7 +97,7 @@ TEST(RoadObserver, HeightsFollowTheAdjustedMotion) {
     step.first = k - 1;
     step.last = k;
     SetStepHeight(off.map, {*off.heights[k]}, step);
-    const double distance = kStep / kMetresPerUnit * (k - off.heights[k]->reference);
+    const double distance = kSpacing / kMetresPerUnit * (k - off.heights[k]->reference);
     before += std::pow(off.heights[k]->ratio / exact.heights[k]->ratio - 1, 2);
     after += std::pow(step.height / (exact.heights[k]->ratio * distance) - 1, 2);
     ++compared;
