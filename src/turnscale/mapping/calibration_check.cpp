@@ -126,16 +126,10 @@ void CalibrationCheckOptions::Check() const {
   require(significance > 0, "significance: has to be positive");
 }
 
-CalibrationCheck::CalibrationCheck(const CalibrationCheckOptions& options)
-    : options_(options), next_keyframe_(options.window - 1) {}
+CalibrationCheck::CalibrationCheck(const CalibrationCheckOptions& options, const Pinhole& given, const Vector& expected)
+    : options_(options), given_(given), expected_(expected), next_keyframe_(options.window - 1) {}
 
-CalibrationCheck::CalibrationCheck(const CalibrationCheckOptions& options, const IntrinsicsChange::Vector& expected)
-    : CalibrationCheck(options) {
-  expected_ = expected;
-}
-
-std::optional<IntrinsicsProblem> CalibrationCheck::Window(const Map& map) {
-  given_ = map.camera.pinhole;
+std::optional<IntrinsicsProblem> CalibrationCheck::TakeWindow(const Map& map) {
   const int latest = static_cast<int>(map.keyframes.size()) - 1;
   if (!options_.enabled || IsComplete() || latest < next_keyframe_) return std::nullopt;
   const int first = StartOfMap(map, std::max(0, latest - options_.window + 1));
@@ -163,7 +157,7 @@ bool CalibrationCheck::Read(IntrinsicsProblem& window) {
 }
 
 bool CalibrationCheck::Observe(const Map& map) {
-  std::optional<IntrinsicsProblem> window = Window(map);
+  std::optional<IntrinsicsProblem> window = TakeWindow(map);
   return window && Read(*window);
 }
 

@@ -88,14 +88,13 @@ struct IntrinsicsEstimate {
 /// is bounded (Correct).
 class CalibrationCheck {
  public:
-  explicit CalibrationCheck(const CalibrationCheckOptions& options);
-
-  /// With a prior of the change whose mean is `expected` rather than zero.
-  CalibrationCheck(const CalibrationCheckOptions& options, const IntrinsicsChange::Vector& expected);
+  /// Of maps whose camera has the pinhole `given`. `expected`: mean of the prior of the change.
+  CalibrationCheck(const CalibrationCheckOptions& options, const Pinhole& given,
+                   const IntrinsicsChange::Vector& expected = IntrinsicsChange::Vector::Zero());
 
   /// A copy of the window that ends at the latest keyframe; nothing if none is due, or the camera turns too little in
-  /// it. Call it when a keyframe has come.
-  std::optional<IntrinsicsProblem> Window(const Map& map);
+  /// it. The next one is due some keyframes later. Call it when a keyframe has come.
+  std::optional<IntrinsicsProblem> TakeWindow(const Map& map);
   /// Takes in a window. False where it does not determine the intrinsics.
   bool Read(IntrinsicsProblem& window);
   /// Both. True when a window was read.
@@ -110,8 +109,7 @@ class CalibrationCheck {
   /// The estimate from drive and prior; sigmas include the scatter of windows and their common error.
   IntrinsicsEstimate Estimate() const;
   /// All parameters, in the order of IntrinsicsParameter; those of the prior while no window was read. `camera`: that
-  /// of the windows, with the radial correction that the map's pixels have now. Call it, and Contradictions, after
-  /// Window only: that takes over the pinhole.
+  /// of the windows, with the radial correction that the map's pixels have now.
   std::vector<ParameterEstimate> Parameters(const CameraModel& camera) const;
   /// Those inconsistent with what is used; empty if the drive agrees or does not determine them.
   std::vector<ParameterEstimate> Contradictions(const CameraModel& camera) const;
@@ -129,8 +127,8 @@ class CalibrationCheck {
   std::optional<Reading> ReadingOf(IntrinsicsProblem& window) const;
 
   CalibrationCheckOptions options_;
-  IntrinsicsChange::Vector expected_ = IntrinsicsChange::Vector::Zero();
-  Pinhole given_;  ///< that of the map
+  Pinhole given_;
+  IntrinsicsChange::Vector expected_;
   std::vector<Reading> windows_;
   double observed_radius_ = 0;
   int next_keyframe_ = 0;

@@ -45,7 +45,7 @@ CameraModel WithCorrection(double correction = 0) {
 }
 
 CalibrationCheck CheckAlong(const Map& whole, const CalibrationCheckOptions& options = {}) {
-  CalibrationCheck check(options);
+  CalibrationCheck check(options, whole.camera.pinhole);
   for (int keyframes = 1; keyframes <= static_cast<int>(whole.keyframes.size()); ++keyframes)
     check.Observe(MapUpTo(keyframes, whole));
   return check;
@@ -217,8 +217,8 @@ TEST(CalibrationCheck, PixelsThatAreCorrectedAlreadySayTheSame) {
   for (Landmark& landmark : corrected.landmarks)
     for (LandmarkObservation& seen : landmark.observations)
       seen.pixel = CorrectRadially(corrected.camera.pinhole, 0.01, seen.pixel);
-  CalibrationCheck from_raw({});
-  CalibrationCheck from_corrected({});
+  CalibrationCheck from_raw({}, raw.camera.pinhole);
+  CalibrationCheck from_corrected({}, corrected.camera.pinhole);
   ASSERT_TRUE(from_raw.Observe(raw));
   ASSERT_TRUE(from_corrected.Observe(corrected));
   const IntrinsicsEstimate one = from_raw.Estimate();
@@ -232,7 +232,7 @@ TEST(CalibrationCheck, ANumberThatIsNoneTellsNothing) {
   Map map = WrongMap(kRightAndLeft, Vector::Zero(), 0.3, 14);
   for (const KeyframeObservation& seen : map.keyframes.back().observations)
     map.landmarks[seen.landmark].position.x() = std::nan("");
-  CalibrationCheck check({});
+  CalibrationCheck check({}, map.camera.pinhole);
   EXPECT_FALSE(check.Observe(map));
   EXPECT_EQ(check.windows(), 0);
 }
@@ -241,14 +241,14 @@ TEST(CalibrationCheck, ThePriorHasItsMeanAtTheExpectedChange) {
   const Map map = WrongMap(kRightAndLeft, Vector::Zero(), 0.3, 1);
   const Vector expected = Change(0.05, 4, -3, 0);
   CalibrationCheckOptions options;
-  CalibrationCheck unread(options, expected);
+  CalibrationCheck unread(options, map.camera.pinhole, expected);
   EXPECT_FALSE(unread.Observe(MapUpTo(1, map)));
   EXPECT_EQ(unread.Estimate().change, expected);
   EXPECT_NEAR(unread.Parameters(WithCorrection())[0].found, std::exp(0.05) * map.camera.pinhole.fx, 1e-9);
   EXPECT_EQ(unread.observed_radius(), 0);
   // So sure of the focal length that the images do not count.
   options.focal_prior_sigma = 1e-5;
-  CalibrationCheck check(options, expected);
+  CalibrationCheck check(options, map.camera.pinhole, expected);
   for (int keyframes = 1; keyframes <= static_cast<int>(map.keyframes.size()); ++keyframes)
     check.Observe(MapUpTo(keyframes, map));
   ASSERT_GT(check.windows(), 0);

@@ -69,7 +69,7 @@ void LensRefinement::Update() {
   sigma_ = std::sqrt(share * accurate.variance + (1 - share) * off.variance + share * (1 - share) * apart * apart);
 }
 
-std::optional<IntrinsicsProblem> LensRefinement::Window(const Map& map) {
+std::optional<IntrinsicsProblem> LensRefinement::TakeWindow(const Map& map) {
   const int latest = static_cast<int>(map.keyframes.size()) - 1;
   if (!options_.enabled || latest < next_keyframe_) return std::nullopt;
   next_keyframe_ = latest + options_.window / 2;
@@ -90,7 +90,7 @@ std::optional<IntrinsicsProblem> LensRefinement::Window(const Map& map) {
 }
 
 bool LensRefinement::Observe(const Map& map) {
-  std::optional<IntrinsicsProblem> window = Window(map);
+  std::optional<IntrinsicsProblem> window = TakeWindow(map);
   return window && Read(*window);
 }
 

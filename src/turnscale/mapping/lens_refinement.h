@@ -49,8 +49,8 @@ class LensRefinement {
   explicit LensRefinement(const LensRefinementOptions& options);
 
   /// A copy of the window that ends at the latest keyframe; nothing if none is due, or the camera turns too little in
-  /// it. Call it when a keyframe has come.
-  std::optional<IntrinsicsProblem> Window(const Map& map);
+  /// it. The next one is due some keyframes later. Call it when a keyframe has come.
+  std::optional<IntrinsicsProblem> TakeWindow(const Map& map);
   /// Adds the window's parabola. False, and nothing changed, where it has none.
   bool Read(IntrinsicsProblem& window);
   /// Both. True when the estimate changed.

@@ -238,7 +238,7 @@ TEST(LensRefinement, ReadsAWindowThatWasCopiedBeforeTheMapChanged) {
   LensRefinement at_once({});
   LensRefinement later({});
   Map map = MapUpTo(36, whole);
-  std::optional<IntrinsicsProblem> window = later.Window(map);
+  std::optional<IntrinsicsProblem> window = later.TakeWindow(map);
   ASSERT_TRUE(window);
   ASSERT_TRUE(at_once.Observe(map));
   for (Keyframe& keyframe : map.keyframes) keyframe.camera_from_world = {};

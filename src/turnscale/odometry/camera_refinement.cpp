@@ -20,13 +20,13 @@ constexpr int kKeyframesOfWork = 4;
 
 CameraRefinement::CameraRefinement(const OdometryOptions& options, const CameraModel& camera)
     : taken_{.lens = LensRefinement(options.lens),
-             .check = CalibrationCheck(options.calibration_check),
+             .check = CalibrationCheck(options.calibration_check, camera.pinhole),
              .scale_sigma = CalibrationSigma({}, camera)} {}
 
 void CameraRefinement::Start(const Map& map) {
   if (pending_.pending()) return;
-  std::optional<IntrinsicsProblem> refined = taken_.lens.Window(map);
-  std::optional<IntrinsicsProblem> tested = taken_.check.Window(map);
+  std::optional<IntrinsicsProblem> refined = taken_.lens.TakeWindow(map);
+  std::optional<IntrinsicsProblem> tested = taken_.check.TakeWindow(map);
   if (!refined && !tested) return;
   pending_.Start(
       static_cast<int>(map.keyframes.size()) + kKeyframesOfWork,

@@ -12,9 +12,10 @@ namespace turnscale {
 namespace {
 
 constexpr std::size_t kViews = 9;
-// Keyframes in a row without the road at the last height, after which it is searched for at any height: at each of the
-// next kFailures keyframes, then at every kFailures-th.
-constexpr int kFailures = 5;
+// Keyframes in a row without the road at the last height, after which it is searched for at any height.
+constexpr int kMostMisses = 5;
+// That takes place at each of so many keyframes, and then at every so many-th.
+constexpr int kSearches = 5;
 // Bounds of that search, in distances between two keyframes.
 constexpr double kLeastRatio = 0.2;
 constexpr double kGreatestRatio = 10;
@@ -97,7 +98,7 @@ std::optional<MeasuredHeight> RoadObserver::Observe(const Map& map, const Camera
     if (!map.keyframes[k].after_gap) continue;
     views_.clear();
     height_.reset();
-    failures_ = 0;
+    misses_ = searches_ = 0;
   }
   views_.push_back({latest, {image.gray, image.pyramid[1]}});
   if (views_.size() > kViews) views_.pop_front();
@@ -117,21 +118,21 @@ std::optional<MeasuredHeight> RoadObserver::Observe(const Map& map, const Camera
   std::optional<RoadPlane> road;
   if (height_) {
     road = FitRoadPlane(options_.plane, pair, region, *height_);
-  } else if (++failures_ <= kFailures || failures_ % kFailures == 0) {
+  } else if (++searches_ <= kSearches || searches_ % kSearches == 0) {
     road = FindAtAnyHeight(options_.plane, pair, region);
   } else {
     return std::nullopt;
   }
   if (!road) {
     LookAbove(pair, region);
-    if (height_ && ++failures_ >= kFailures) {
+    if (height_ && ++misses_ >= kMostMisses) {
       height_.reset();
-      failures_ = 0;
+      misses_ = 0;
     }
     return std::nullopt;
   }
   if (tried_above_ < kTriedAbove) ++below_;
-  failures_ = 0;
+  misses_ = searches_ = 0;
   height_ = height_ ? *height_ * std::pow(road->height / *height_, kFollow) : road->height;
   return MeasuredHeight{latest,
                         reference->keyframe,

@@ -60,7 +60,8 @@ class RoadObserver {
   RoadObserverOptions options_;
   std::deque<View> views_;        ///< recent keyframes, the latest last
   std::optional<double> height_;  ///< where the next search starts, map units
-  int failures_ = 0;              ///< keyframes in a row that do not show the road there
+  int misses_ = 0;                ///< keyframes in a row that do not show the road there
+  int searches_ = 0;              ///< keyframes in a row at which it could have been searched for at any height
   int tried_above_ = 0;           ///< keyframes at which it has been searched for above the camera
   int above_ = 0;                 ///< of them, those that show it there
   int below_ = 0;                 ///< keyframes until then that show it below

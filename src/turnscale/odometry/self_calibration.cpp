@@ -182,7 +182,7 @@ std::optional<FoundCamera> CalibrateFromDrive(const SelfCalibrationOptions& opti
   // change is small. The prior of the pinhole stays at the start; that of the distortion is no change, and keeps what
   // the windows do not determine.
   const auto read = [&](int pass, std::optional<double> from = std::nullopt) {
-    const CalibrationCheck check(CheckForReading(options, odometry.calibration_check, pass),
+    const CalibrationCheck check(CheckForReading(options, odometry.calibration_check, pass), camera.pinhole,
                                  ChangeBetween(camera.pinhole, expected));
     return ReadTurns(OptionsForReading(odometry, pass), camera, check, open(from), options.min_interval, end, mask);
   };

@@ -64,11 +64,11 @@ TurnEnd LiveScale::Add(const VehicleStep& step) {
     // All but a turn that may have begun.
     CutStraight(detector_.first_undecided() - 1);
   }
-  now_ = Read();
+  UpdateReading();
   return turn_end;
 }
 
-std::optional<LiveReading> LiveScale::Read() {
+void LiveScale::UpdateReading() {
   ScaleBelief belief = belief_;
   Advance(pending_, belief);
   // After the end of a segment its state is kept until the next one has some steps.
@@ -83,10 +83,12 @@ std::optional<LiveReading> LiveScale::Read() {
     turning = with.used;
   }
   const bool has_source = started_ || turning || on_road_;
+  // Once known, the scale stays so.
   const bool is_known = now_ || belief.sigma() <= options_.max_sigma;
-  if (!has_source || !is_known) return std::nullopt;
-  if (turning) return LiveReading{belief, ScaleSource::kTurn};
-  return LiveReading{belief, on_road_ ? ScaleSource::kRoad : ScaleSource::kPropagated};
+  now_.reset();
+  if (!has_source || !is_known) return;
+  const ScaleSource on_straight = on_road_ ? ScaleSource::kRoad : ScaleSource::kPropagated;
+  now_ = LiveReading{.belief = belief, .source = turning ? ScaleSource::kTurn : on_straight};
 }
 
 void LiveScale::TurnCamera(double angle) {

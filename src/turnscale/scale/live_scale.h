@@ -51,8 +51,8 @@ class LiveScale {
   /// Takes the pending steps up to `last` away; none if they are all later. The belief passes over them, with the
   /// height that they show.
   std::vector<VehicleStep> PassOver(int last);
-  /// The belief and what the pending steps add to it.
-  std::optional<LiveReading> Read();
+  /// Renews the reading: the belief and what the pending steps add to it.
+  void UpdateReading();
   /// `road_part`: as PathSegment::road_part.
   void TakeDirection(std::span<const VehicleStep> steps, bool road_part, ScaleBelief& belief) const;
   void Advance(std::span<const VehicleStep> steps, ScaleBelief& belief) const;
