@@ -52,9 +52,9 @@ void MapUpkeep::StartReadjustment(const Map& map, const MountCalibration& mount,
 }
 
 std::optional<AppliedReadjustment> MapUpkeep::ApplyIfDue(Map& map) {
-  std::optional<ReadjustmentWork> work = readjustment_.TakeIfDue(CountKeyframes(map));
-  if (!work) return std::nullopt;
-  return Apply(*std::move(work), map);
+  std::optional<ReadjustmentResult> result = readjustment_.TakeIfDue(CountKeyframes(map));
+  if (!result) return std::nullopt;
+  return Apply(*std::move(result), map);
 }
 
 AppliedReadjustment MapUpkeep::ReadjustNow(const MountCalibration& mount, Map& map) {
@@ -75,14 +75,14 @@ int MapUpkeep::FirstToReadjust(const Map& map) const {
   return static_cast<int>(first - readjusted_under_.begin());
 }
 
-AppliedReadjustment MapUpkeep::Apply(ReadjustmentWork work, Map& map) {
-  const int first = work.first;
-  readjusted_under_.resize(work.end, std::numeric_limits<double>::quiet_NaN());
-  std::fill(readjusted_under_.begin() + first, readjusted_under_.end(), work.radial_correction);
+AppliedReadjustment MapUpkeep::Apply(ReadjustmentResult result, Map& map) {
+  const int first = result.first;
+  readjusted_under_.resize(result.end, std::numeric_limits<double>::quiet_NaN());
+  std::fill(readjusted_under_.begin() + first, readjusted_under_.end(), result.radial_correction);
   // Factors of length are means over two steps on either side.
   const int from = std::max(0, first - 2);
   const std::vector<Eigen::Vector3d> before = KeyframeCentres(map, from);
-  if (!work.window.landmarks.empty()) WriteBack(work.window, map);
+  if (result.window) WriteBack(*result.window, map);
   std::vector<double> factors =
       KeyframeFactors(before, KeyframeCentres(map, from), first - from, std::vector(before.size(), 1.0));
   const auto reach = [](const LocalBundleOptions& window) { return window.window + window.anchors; };
@@ -90,10 +90,10 @@ AppliedReadjustment MapUpkeep::Apply(ReadjustmentWork work, Map& map) {
       CountKeyframes(map) - std::max({reach(options_.turn_bundle), reach(options_.local_bundle), options_.lens.window,
                                       options_.calibration_check.window, kKeyframesOfUnit});
   if (last - archive_.end() >= kLeastArchived) archive_due_ = last;
-  return {.keyframes = {.first = first, .end = work.end, .final_before = last},
+  return {.keyframes = {.first = first, .end = result.end, .final_before = last},
           .first_rescaled = from,
           .factors = std::move(factors),
-          .mount = std::move(work.mount)};
+          .mount = std::move(result.mount)};
 }
 
 std::optional<std::vector<int>> MapUpkeep::ArchiveNextPart(Map& map) {

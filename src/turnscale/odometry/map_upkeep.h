@@ -58,7 +58,7 @@ class MapUpkeep {
   /// The first keyframe of the map within a window that has not been readjusted, or was under a radial correction that
   /// is out of date.
   int FirstToReadjust(const Map& map) const;
-  AppliedReadjustment Apply(ReadjustmentWork work, Map& map);
+  AppliedReadjustment Apply(ReadjustmentResult result, Map& map);
   std::vector<int> Archive(int last, Map& map);
 
   OdometryOptions options_;
@@ -68,7 +68,7 @@ class MapUpkeep {
   /// Radial correction under which each keyframe was readjusted; NaN for those that were left out.
   std::vector<double> readjusted_under_;
   bool readjustment_is_due_ = false;
-  DueResult<ReadjustmentWork> readjustment_;
+  DueResult<ReadjustmentResult> readjustment_;
 };
 
 }  // namespace turnscale

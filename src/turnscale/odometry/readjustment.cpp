@@ -2,6 +2,7 @@
 #include "turnscale/odometry/readjustment.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace turnscale {
 
@@ -21,17 +22,21 @@ ReadjustmentWork WorkToReadjust(const LocalBundleOptions& options, const Map& ma
   return work;
 }
 
-ReadjustmentWork Readjusted(const LocalBundleOptions& options, ReadjustmentWork work) {
+ReadjustmentResult Readjusted(const LocalBundleOptions& options, ReadjustmentWork work) {
+  ReadjustmentResult result{.radial_correction = work.radial_correction,
+                            .first = work.first,
+                            .end = work.end,
+                            .window = std::nullopt,
+                            .mount = std::move(work.mount)};
   if (AdjustWindow(options, work.window)) {
     const int first_adjusted = work.window.window.first;
-    const int first_unlearned = work.mount.next_keyframe();
+    const int first_unlearned = result.mount.next_keyframe();
     for (int k = std::max(first_adjusted, first_unlearned); k < work.end; ++k)
       work.unlearned[k - first_unlearned].camera_from_world = work.window.bundle.camera_from_world[k - first_adjusted];
-  } else {
-    work.window.landmarks.clear();
+    result.window = std::move(work.window);
   }
-  work.mount.Learn(work.unlearned);
-  return work;
+  result.mount.Learn(work.unlearned);
+  return result;
 }
 
 }  // namespace turnscale

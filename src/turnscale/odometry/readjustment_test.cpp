@@ -47,13 +47,16 @@ TEST(Readjustment, TheMountLearnsFromAdjustedKeyframesWhereverItStands) {
     EXPECT_EQ(work.first, first);
     EXPECT_EQ(work.end, keyframes);
     ASSERT_EQ(static_cast<int>(work.unlearned.size()), keyframes - next);
-    const ReadjustmentWork readjusted = Readjusted(kWindow, work);
-    EXPECT_FALSE(readjusted.window.landmarks.empty());
+    const ReadjustmentResult readjusted = Readjusted(kWindow, work);
+    EXPECT_EQ(readjusted.radial_correction, 0.01);
+    EXPECT_EQ(readjusted.first, first);
+    EXPECT_EQ(readjusted.end, keyframes);
+    ASSERT_TRUE(readjusted.window);
     EXPECT_EQ(readjusted.mount.next_keyframe(), keyframes);
     const MountCalibration expected = LearnedFromWindow(map, mount, first);
     EXPECT_EQ(readjusted.mount.current().vehicle_from_camera.coeffs(), expected.current().vehicle_from_camera.coeffs());
-    const Eigen::Vector3d off =
-        readjusted.unlearned.back().camera_from_world.translation - map.keyframes.back().camera_from_world.translation;
+    const Eigen::Vector3d off = readjusted.window->bundle.camera_from_world.back().translation -
+                                map.keyframes.back().camera_from_world.translation;
     EXPECT_GT(off.norm(), 0.03) << "the last keyframe is back at its place";
   }
 }
@@ -62,9 +65,9 @@ TEST(Readjustment, AWindowOfNoNumbersIsLeftOut) {
   Map map = MapOfTurns();
   map.keyframes.back().camera_from_world.translation.x() = std::numeric_limits<double>::quiet_NaN();
   const int keyframes = static_cast<int>(map.keyframes.size());
-  const ReadjustmentWork readjusted =
+  const ReadjustmentResult readjusted =
       Readjusted(kWindow, WorkToReadjust(kWindow, map, MountCalibration{VehicleOptions()}, keyframes - 20));
-  EXPECT_TRUE(readjusted.window.landmarks.empty());
+  EXPECT_FALSE(readjusted.window);
   EXPECT_EQ(readjusted.mount.next_keyframe(), keyframes);
 }
 
