@@ -53,7 +53,7 @@ TEST(OdometryLong, SigmaCoversADriftThatGoesOneWay) {
   EXPECT_EQ(Count(run.refined, TrackingState::kTracked), static_cast<int>(drive.times.size()));
   EXPECT_EQ(run.turns.size(), static_cast<size_t>(kSides));
   ASSERT_TRUE(run.scale.estimate) << run.scale.reason;
-  EXPECT_FALSE(run.scale.estimate->fell_back);
+  EXPECT_FALSE(run.scale.estimate->uses_single_turns);
   const RunErrors errors = MeasureRun(run.refined, drive.world_from_camera);
   EXPECT_LT(std::abs(errors.path_length), 0.03);
   EXPECT_LT(errors.psi_rms_deg, 0.03);

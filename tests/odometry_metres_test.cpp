@@ -125,7 +125,7 @@ TEST(OdometryMetres, DoNotDependOnTheFirstUnit) {
     options.initialization.initial_baseline = unit;
     const OdometryRun other = RunOdometry(options, drive);
     ASSERT_EQ(other.turns.size(), 1U);
-    EXPECT_NEAR(other.turns[0].metres_per_unit * unit / one.turns[0].metres_per_unit, 1, 1e-6);
+    EXPECT_NEAR(other.turns[0].own * unit / one.turns[0].own, 1, 1e-6);
     ASSERT_TRUE(AllPosed(other.refined));
     for (size_t i = 0; i < drive.times.size(); ++i)
       EXPECT_LT(
@@ -250,7 +250,7 @@ TEST(OdometryMetres, FollowTheTurnsWhereTheImagesContradictTheCalibration) {
   ASSERT_TRUE(run.scale.estimate) << run.scale.reason;
   ASSERT_FALSE(run.scale.contradicted_calibration.empty());
   EXPECT_EQ(run.scale.contradicted_calibration.front().parameter, IntrinsicsParameter::kFocalLength);
-  EXPECT_TRUE(run.scale.estimate->fell_back);
+  EXPECT_TRUE(run.scale.estimate->uses_single_turns);
   const double error = MeasureRun(run.refined, drive.world_from_camera).path_length;
   EXPECT_LT(std::abs(error), run.scale.estimate->length_sigma);
 

@@ -84,7 +84,7 @@ TEST(OdometrySigma, CoversWhatTheCarIsToldWrong) {
           ToldWrong(normal[i], normal[(3 * i + street) % 8], normal[(5 * i + 2 * street) % 8], turned);
       const RefinedScale refined = ScaleOf(run.map, told);
       ASSERT_TRUE(refined.estimate) << refined.reason;
-      EXPECT_FALSE(refined.estimate->fell_back);
+      EXPECT_FALSE(refined.estimate->uses_single_turns);
       deviations.push_back(LengthError(refined, run.map, drive) / refined.estimate->length_sigma);
     }
   }
@@ -114,7 +114,7 @@ TEST(OdometrySigma, CoversTurnsThatContradictEachOther) {
   ASSERT_TRUE(run.scale.estimate) << run.scale.reason;
   EXPECT_TRUE(run.scale.contradicted_calibration.empty());
   EXPECT_TRUE(run.scale.estimate->test.contradicted);
-  EXPECT_TRUE(run.scale.estimate->fell_back);
+  EXPECT_TRUE(run.scale.estimate->uses_single_turns);
   RunSummary summary;
   Summarize(run.refined, run.scale, summary);
   EXPECT_TRUE(std::ranges::any_of(

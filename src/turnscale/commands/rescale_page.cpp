@@ -68,7 +68,8 @@ std::string RescalePage(const RescaleResult& result, const std::string& input, c
                  fmt::format("\u00b1{:.1f} % (1 sigma)", 100 * result.estimate->length_sigma)},
                 {"Poses", fmt::format("{}", result.metric.size()), ""},
                 {"Turns", fmt::format("{} of {}", used, data.turns.size()), "used for the scale"}};
-  if (const CarRefinement& refined = result.estimate->car; !result.estimate->fell_back && refined.camera_height > 0)
+  if (const CarRefinement& refined = result.estimate->car;
+      !result.estimate->uses_single_turns && refined.camera_height > 0)
     data.facts.push_back({"Camera height", fmt::format("{:.3f} m", refined.camera_height),
                           fmt::format("\u00b1{:.3f} m above the road", refined.camera_height_sigma)});
   return ReportPage(std::filesystem::path(input).filename().string(), ReportJson(data));

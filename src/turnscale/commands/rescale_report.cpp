@@ -139,8 +139,8 @@ PlotPanel ScalePanel(const RescaleResult& result, const std::vector<double>& alo
   panel.lines = {line};
   for (const TurnEstimate& turn : result.estimate->turns) {
     if (!(turn.own > 0)) continue;
-    const double least = turn.own * std::exp(-turn.own_sigma);
-    const double largest = turn.own * std::exp(turn.own_sigma);
+    const double least = turn.own * std::exp(-turn.own_relative_sigma);
+    const double largest = turn.own * std::exp(turn.own_relative_sigma);
     const double middle = 0.5 * (along[result.steps[turn.first_step].first] + along[result.steps[turn.last_step].last]);
     panel.lines.push_back({{{middle, least}, {middle, largest}},
                            turn.used ? "one turn alone" : "turn not used",
@@ -265,9 +265,9 @@ std::string TurnScaleTable(const RescaleResult& result) {
     fmt::format_to(std::back_inserter(table), "{},{},{:.4f},{},{},{},{:.9g},{:.6g},{:.3f},{},{},{:.4g},{}\n",
                    result.steps[turn.first_step].first, result.steps[turn.last_step].last,
                    turn.angle * kDegreesPerRadian, PositiveCell(turn.speed_units * turn.smoothed),
-                   PositiveCell(turn.own), PositiveCell(turn.own_sigma), turn.smoothed, turn.smoothed_sigma,
-                   turn.deviation, PositiveCell(turn.lever_arm_units * turn.smoothed), turn.used ? 1 : 0, turn.weight,
-                   QuotedCell(turn.reason));
+                   PositiveCell(turn.own), PositiveCell(turn.own_relative_sigma), turn.smoothed,
+                   turn.smoothed_relative_sigma, turn.deviation, PositiveCell(turn.lever_arm_units * turn.smoothed),
+                   turn.used ? 1 : 0, turn.weight, QuotedCell(turn.reason));
   }
   return table;
 }
@@ -280,7 +280,7 @@ std::string RescaleJson(const RescaleResult& result, const std::string& input) {
   const CarRefinement& car = estimate.car;
   const auto known = [&](double metres) { return metres > 0 ? Json(metres) : Json(nullptr); };
   // Single-turn scales do not use the refined car.
-  const auto refined = [&](const auto& value) { return estimate.fell_back ? Json(nullptr) : Json(value); };
+  const auto refined = [&](const auto& value) { return estimate.uses_single_turns ? Json(nullptr) : Json(value); };
   const Json json = {{"input", input},
                      {"poses", result.poses.size()},
                      {"length_m", result.length},
@@ -291,7 +291,7 @@ std::string RescaleJson(const RescaleResult& result, const std::string& input) {
                      {"turns", {{"found", TurnsOf(result).size()}, {"used", UsedTurns(result)}}},
                      {"converged", estimate.converged},
                      {"contradicted", estimate.test.contradicted},
-                     {"follows_single_turns", estimate.fell_back},
+                     {"follows_single_turns", estimate.uses_single_turns},
                      {"camera_rotation",
                       {{"yaw_deg", camera.yaw * kDegreesPerRadian},
                        {"pitch_deg", camera.pitch * kDegreesPerRadian},
@@ -336,7 +336,7 @@ std::string RescaleText(const RescaleResult& result) {
                                 : fmt::format(", +-{:.1f} %\n", 100 * best);
   const CarRefinement& car = result.estimate->car;
   // Single-turn scales do not use the refined car.
-  const bool refined = !result.estimate->fell_back;
+  const bool refined = !result.estimate->uses_single_turns;
   const double yaw_error = refined ? car.yaw_error : 0.0;
   const double yaw_sigma = refined ? car.yaw_error_sigma : result.yaw_sigma;
   text += fmt::format("path          {:.1f} m +-{:.1f} %{}, {} of {} turns used\n", result.length,

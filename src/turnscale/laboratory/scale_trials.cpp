@@ -123,7 +123,7 @@ RecoveredScale RecoverScale(const ScaleEstimatorSettings& settings, double pixel
   if (settings.weighs_turns) {
     for (TurnScale& held : turns)
       for (const TurnResult& turn : refined.turns)
-        if (turn.first_keyframe + 1 == held.first_step) held.sigma = turn.sigma / turn.metres_per_unit;
+        if (turn.first_keyframe + 1 == held.first_step) held.sigma = turn.own_sigma / turn.own;
   }
   if (!turns.empty()) {
     const ScaleRecoveryResult recovered = RecoverAbsoluteScale(options.scale.recovery, turns, 0, map);

@@ -53,7 +53,7 @@ std::vector<TurnScale> TurnsToConstrain(const Map& map, const MountCalibration& 
   };
   for (TurnResult& turn : turns) {
     if (!turn.used) continue;
-    if (!turn.followed) {
+    if (!turn.used_singly) {
       leave_out(turn, "its scale is much less certain than other turns'");
       continue;
     }

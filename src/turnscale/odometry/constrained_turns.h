@@ -9,7 +9,7 @@
 namespace turnscale {
 
 /// Turns to be constrained by the absolute scale recovery (24)-(30), for `--method turns` and `--method paper`: those
-/// with TurnEstimate::followed. The others get the reason why they are left out.
+/// with TurnEstimate::used_singly. The others get the reason why they are left out.
 std::vector<TurnScale> TurnsToConstrain(const Map& map, const MountCalibration& mount, const OdometryOptions& options,
                                         std::vector<TurnResult>& turns);
 

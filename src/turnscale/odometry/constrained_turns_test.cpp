@@ -169,7 +169,7 @@ TEST(ConstrainedTurns, AWeakTurnDoesNotSpoilAGoodOne) {
   EXPECT_TRUE(refined.turns[0].used) << refined.turns[0].reason;
   EXPECT_FALSE(refined.turns[1].used);
   EXPECT_NE(refined.turns[1].reason, "");
-  EXPECT_GT(refined.turns[1].metres_per_unit, 0) << "what it would have said stands in the list";
+  EXPECT_GT(refined.turns[1].own, 0) << "what it would have said stands in the list";
 }
 
 TEST(ConstrainedTurns, AUsedTurnWhoseAdjustmentIsNotBelievedSaysSo) {
@@ -212,7 +212,7 @@ TEST(ConstrainedTurns, WhereAllTurnsAreLeftOutThePathStays) {
   const OdometryOptions options = Holding(ScaleMethod::kTurns);
   FinishedMap finished = DriftingMap(options, kTwoCorners, 0.2);
   RefinedScale refined = RefinedOf(options, finished.map);
-  for (TurnResult& turn : refined.turns) turn.followed = false;
+  for (TurnResult& turn : refined.turns) turn.used_singly = false;
   const MetricPath before = refined.path;
   EXPECT_TRUE(ConstrainTurns(options, MountCalibration(options.vehicle), finished.map, refined).empty());
   EXPECT_FALSE(refined.constrained);

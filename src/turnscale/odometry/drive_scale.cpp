@@ -95,9 +95,9 @@ void ForgetScale(const std::string& reason, ScaleEstimateResult& result) {
   result.estimate.reset();
   result.reason = reason;
   for (TurnEstimate& turn : result.detected_turns) {
-    turn.used = turn.followed = false;
+    turn.used = turn.used_singly = false;
     turn.reason = reason;
-    turn.own = turn.own_sigma = turn.as_given = 0;
+    turn.own = turn.own_relative_sigma = turn.as_given = 0;
   }
 }
 
@@ -134,12 +134,12 @@ TurnResult DescribeTurn(const TurnEstimate& turn, const std::vector<VehicleStep>
   result.used = turn.used;
   result.reason = turn.reason;
   result.speed = turn.speed_units * turn.smoothed;
-  result.metres_per_unit = turn.own;
+  result.own = turn.own;
   result.as_given = turn.as_given;
-  result.followed = turn.followed;
-  result.sigma = turn.own_sigma * turn.own;
+  result.used_singly = turn.used_singly;
+  result.own_sigma = turn.own_relative_sigma * turn.own;
   result.smoothed = turn.smoothed;
-  result.smoothed_sigma = turn.smoothed_sigma * turn.smoothed;
+  result.smoothed_sigma = turn.smoothed_relative_sigma * turn.smoothed;
   result.deviation = turn.deviation;
   result.effective_lever_arm = turn.lever_arm_units * turn.smoothed;
   return result;
@@ -234,7 +234,8 @@ void DriveScale::UpdateLive(const Map& map, int first, std::optional<int> turn_e
   const bool was_known = state_ != ScaleState::kPending;
   const double scale = now ? now->belief.metres_per_unit() : 1.0;
   sigma_ = now ? now->belief.sigma() : std::numeric_limits<double>::infinity();
-  state_ = now ? StateOf(now->source) : ScaleState::kPending;
+  state_ = now ? now->state : ScaleState::kPending;
+  if (now && used_turn_ended_) state_ = ScaleState::kObserved;
 
   const int count = static_cast<int>(map.keyframes.size());
   std::vector<double>& scales = live_path_.metres_per_unit;
@@ -255,11 +256,6 @@ void DriveScale::UpdateLive(const Map& map, int first, std::optional<int> turn_e
     live_path_.centres[k] =
         live_path_.centres[k - 1] + metres_per_unit * (KnownCentre(map, k) - KnownCentre(map, k - 1));
   }
-}
-
-ScaleState DriveScale::StateOf(ScaleSource source) const {
-  if (source == ScaleSource::kTurn || used_turn_ended_) return ScaleState::kObserved;
-  return source == ScaleSource::kRoad ? ScaleState::kFromRoad : ScaleState::kHeld;
 }
 
 // From the end of the turn before the scale passes evenly to that of the turn under way; at a loss of tracking it
@@ -283,7 +279,7 @@ int DriveScale::SpreadScale(const Map& map, double scale, int last) {
   return begin;
 }
 
-RefinedScale DriveScale::Refine(const Map& map, bool follow_turns) const {
+RefinedScale DriveScale::Refine(const Map& map, bool uses_single_turns) const {
   RefinedScale refined;
   const int count = static_cast<int>(map.keyframes.size());
   refined.path = InOwnUnit(map);
@@ -294,7 +290,8 @@ RefinedScale DriveScale::Refine(const Map& map, bool follow_turns) const {
     return refined;
   }
   ScaleEstimatorOptions estimator = options_.scale.estimator;
-  estimator.follow_turns = estimator.follow_turns || follow_turns || options_.scale.method != ScaleMethod::kSmoothed;
+  estimator.uses_single_turns =
+      estimator.uses_single_turns || uses_single_turns || options_.scale.method != ScaleMethod::kSmoothed;
   ScaleEstimateResult result = EstimateScale(steps, PriorOf(options_.vehicle, mount_.current()), estimator);
   if (!HasMetres(options_.vehicle)) ForgetScale("no lever arm given", result);
   const auto frame_of = [&](int keyframe) { return map.keyframes[keyframe].frame; };

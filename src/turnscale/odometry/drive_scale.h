@@ -62,8 +62,8 @@ class DriveScale {
   /// Keyframe up to which the keyframes were adjusted when the last used turn ended; 0 before the first.
   int last_turn_end() const { return last_turn_end_; }
 
-  /// The smoother over all keyframes of the map; `follow_turns`: see ScaleEstimatorOptions.
-  RefinedScale Refine(const Map& map, bool follow_turns = false) const;
+  /// The smoother over all keyframes of the map; `uses_single_turns`: see ScaleEstimatorOptions.
+  RefinedScale Refine(const Map& map, bool uses_single_turns = false) const;
 
  private:
   /// Returns how the keyframe ended a turn.
@@ -71,8 +71,6 @@ class DriveScale {
   /// Live positions from keyframe `first` on, and from where the scale has changed. `turn_end`: a used turn has
   /// been re-evaluated that ended there.
   void UpdateLive(const Map& map, int first, std::optional<int> turn_end = {});
-  /// Of a scale that is known at the latest keyframe.
-  ScaleState StateOf(ScaleSource source) const;
   /// Brings the live scale within a turn to `scale` at keyframe `last` and beyond. Returns the keyframe from which on
   /// it has changed.
   int SpreadScale(const Map& map, double scale, int last);

@@ -108,12 +108,12 @@ TEST(DriveScale, TwoCornersGiveMetres) {
     EXPECT_TRUE(turn.used) << turn.reason;
     EXPECT_EQ(turn.reason, "");
     EXPECT_EQ(turn.unadjusted, "");
-    EXPECT_NEAR(turn.metres_per_unit * kUnits, 1, 0.01);
+    EXPECT_NEAR(turn.own * kUnits, 1, 0.01);
     EXPECT_NEAR(turn.as_given * kUnits, 1, 0.01);
     EXPECT_NEAR(turn.smoothed * kUnits, 1, 0.005);
     EXPECT_NEAR(turn.effective_lever_arm, kLeverArm - kUsualSideSlip * 36, 0.01);
     EXPECT_NEAR(turn.speed, 6, 0.03);
-    EXPECT_GT(turn.sigma, 0);
+    EXPECT_GT(turn.own_sigma, 0);
     EXPECT_GT(turn.smoothed_sigma, 0);
     EXPECT_EQ(turn.first_frame, 2 * turn.first_keyframe);
     EXPECT_EQ(turn.last_frame, 2 * turn.last_keyframe);
@@ -190,8 +190,7 @@ TEST(DriveScale, TheArbitraryUnitDoesNotMatter) {
       EXPECT_NEAR(StepOf(in_other.path, k) / StepOf(refined.path, k), 1, 1e-6) << unit << ' ' << k;
       EXPECT_NEAR(StepOf(other.scale.live_path(), k) / StepOf(one.scale.live_path(), k), 1, 1e-6) << unit << ' ' << k;
     }
-    for (const int turn : {0, 1})
-      EXPECT_NEAR(in_other.turns[turn].metres_per_unit * unit / refined.turns[turn].metres_per_unit, 1, 1e-6);
+    for (const int turn : {0, 1}) EXPECT_NEAR(in_other.turns[turn].own * unit / refined.turns[turn].own, 1, 1e-6);
     EXPECT_NEAR(other.scale.sigma() / one.scale.sigma(), 1, 1e-5);
   }
 }
@@ -264,7 +263,7 @@ TEST(DriveScale, ALongDriveStaysInMetres) {
   EXPECT_EQ(turn_ends, kCorners);
   const RefinedScale refined = live.scale.Refine(live.map);
   ASSERT_TRUE(refined.estimate) << refined.reason;
-  EXPECT_FALSE(refined.estimate->fell_back);
+  EXPECT_FALSE(refined.estimate->uses_single_turns);
   EXPECT_EQ(refined.turns.size(), static_cast<std::size_t>(kCorners));
   double length = 0;
   double truth = 0;
@@ -299,7 +298,7 @@ TEST(DriveScale, FindsTheMountAndReadsTheTurnsBeforeAgain) {
   for (const TurnResult& turn : refined.turns) {
     EXPECT_TRUE(turn.used) << turn.reason;
     // A step across the end of a corner is no single circle.
-    EXPECT_NEAR(turn.metres_per_unit * kUnits, 1, 2e-4);
+    EXPECT_NEAR(turn.own * kUnits, 1, 2e-4);
   }
   for (int k = 1; k < static_cast<int>(live.map.keyframes.size()); ++k)
     EXPECT_NEAR(StepOf(refined.path, k) / live.TrueStep(k), 1, 1e-4) << k;
@@ -325,7 +324,7 @@ TEST(DriveScale, ATurnThatOnlyTheMountExplainsIsUsedOnceItIsKnown) {
   for (const TurnResult& turn : live.scale.Refine(live.map).turns) {
     EXPECT_TRUE(turn.used) << turn.reason;
     EXPECT_EQ(turn.reason, "");
-    EXPECT_NEAR(turn.metres_per_unit, 1, 2e-4);
+    EXPECT_NEAR(turn.own, 1, 2e-4);
   }
 }
 
@@ -362,11 +361,11 @@ TEST(DriveScale, EachStepIsReadAsTheCameraWasTurnedThen) {
   EXPECT_EQ(live.scale.mount().moves(), 1);
   const RefinedScale refined = live.scale.Refine(live.map);
   ASSERT_TRUE(refined.estimate) << refined.reason;
-  EXPECT_FALSE(refined.estimate->fell_back);
+  EXPECT_FALSE(refined.estimate->uses_single_turns);
   ASSERT_EQ(refined.turns.size(), 10U);
   for (const TurnResult& turn : refined.turns) {
     EXPECT_TRUE(turn.used) << turn.reason;
-    EXPECT_NEAR(turn.metres_per_unit * kUnits, 1, 7e-4) << turn.first_keyframe - at;
+    EXPECT_NEAR(turn.own * kUnits, 1, 7e-4) << turn.first_keyframe - at;
   }
 }
 
@@ -479,7 +478,7 @@ TEST(DriveScale, StaysPendingWithoutALeverArm) {
   for (const TurnResult& turn : refined.turns) {
     EXPECT_FALSE(turn.used);
     EXPECT_EQ(turn.reason, "no lever arm given");
-    EXPECT_EQ(turn.metres_per_unit, 0);
+    EXPECT_EQ(turn.own, 0);
     EXPECT_NEAR(std::abs(turn.angle), M_PI / 2, 1e-4) << "the turn itself is seen";
   }
   for (std::size_t k = 0; k < live.map.keyframes.size(); ++k) {

@@ -155,8 +155,8 @@ void Odometry::Finish() {
   if (is_upside_down()) scale_.ForgetHeights();
   AdjustWholeDrive();
   refined_ = Refined();
-  const bool follows_turns = refined_->estimate && refined_->estimate->fell_back;
-  if (options_.scale.method != ScaleMethod::kSmoothed || follows_turns) ConstrainTurnsOfDrive();
+  const bool uses_single_turns = refined_->estimate && refined_->estimate->uses_single_turns;
+  if (options_.scale.method != ScaleMethod::kSmoothed || uses_single_turns) ConstrainTurnsOfDrive();
 }
 
 FrameResult Odometry::Initialize(const FlowImage& image, FrameResult result) {

@@ -10,16 +10,9 @@
 #include <Eigen/Core>
 
 #include "turnscale/geometry/rigid_transform.h"
+#include "turnscale/scale/scale_state.h"
 
 namespace turnscale {
-
-/// State of the scale of a pose.
-enum class ScaleState {
-  kPending,   ///< neither a turn nor a known height has determined the scale yet: the unit is arbitrary
-  kObserved,  ///< within a used turn; online, up to the keyframe that ends it
-  kHeld,      ///< between turns: propagated from the adjacent turns; online, from earlier ones
-  kFromRoad,  ///< between turns, where the height of the camera above the road shows it
-};
 
 /// How a pose was determined. If not measured, it is predicted; refined: interpolated, extrapolated only at the end.
 enum class TrackingState {
@@ -62,7 +55,8 @@ struct FrameResult {
   bool is_measured() const { return state == TrackingState::kTracked && world_from_camera.has_value(); }
 };
 
-/// One turn and its single-turn scale.
+/// One turn and its single-turn scale. Scales are in metres per unit of the map, 0 where there is none; standard
+/// deviations are in the same unit.
 struct TurnResult {
   int first_frame = 0;
   int last_frame = 0;
@@ -70,16 +64,16 @@ struct TurnResult {
   int last_keyframe = 0;
   double angle = 0;  ///< whole turn, rad, positive to the right
   double speed = 0;  ///< root mean square, m/s; 0 while the scale is unknown
-  /// Single-turn scale: metres per unit of the map, with the car's constants as refined from the drive; 0 if the turn
-  /// gives none.
-  double metres_per_unit = 0;
-  double sigma = 0;  ///< standard deviation of metres_per_unit
+  double own = 0;    ///< single-turn scale with the car's constants as refined from the drive
+  double own_sigma = 0;
   /// The same with the car's constants as given: the constraint of `--method turns`.
   double as_given = 0;
-  bool followed = false;      ///< with single-turn scales: this turn is used, at `as_given`
-  double smoothed = 0;        ///< smoothed scale there, metres per unit
-  double smoothed_sigma = 0;  ///< standard deviation of `smoothed`
-  double deviation = 0;       ///< ln(smoothed / metres_per_unit) in standard deviations
+  bool used_singly = false;  ///< TurnEstimate::used_singly
+  double smoothed = 0;       ///< smoothed scale there
+  double smoothed_sigma = 0;
+  /// Effective lever arm of the turn less the one that the smoothed scale lets expect, in standard deviations. It has
+  /// the sign of ln(smoothed / own).
+  double deviation = 0;
   /// Effective lever arm of the turn at the smoothed scale, metres.
   double effective_lever_arm = 0;
   bool used = false;

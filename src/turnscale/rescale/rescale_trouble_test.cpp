@@ -35,7 +35,7 @@ TEST(Rescale, ASkiddingTurnHasLittleSay) {
   const RescaleResult skid = RescaleTrajectory(options, WithASkid(drive, turn, 0.2));
   ASSERT_TRUE(skid.observable) << skid.reason;
   EXPECT_LT(skid.estimate->turns[3].weight, 0.35);
-  EXPECT_FALSE(skid.estimate->fell_back);
+  EXPECT_FALSE(skid.estimate->uses_single_turns);
   EXPECT_NEAR(skid.poses[0].metres_per_unit / kUnit, 1, 0.03);
 }
 
@@ -49,7 +49,7 @@ TEST(Rescale, ATurnThatContradictsTheOthersIsNamed) {
   const RescaleResult skid = RescaleTrajectory(options, WithASkid(drive, turn, 0.5));
   ASSERT_TRUE(skid.observable) << skid.reason;
   EXPECT_TRUE(skid.estimate->test.contradicted);
-  EXPECT_TRUE(skid.estimate->fell_back);
+  EXPECT_TRUE(skid.estimate->uses_single_turns);
   EXPECT_EQ(skid.estimate->test.worst_turn, 3);
   EXPECT_NEAR(skid.poses[0].metres_per_unit / kUnit, 1, 0.008) << "far from it the other turns are followed";
   for (const RescaledPose& pose : skid.poses)

@@ -76,8 +76,8 @@ std::vector<TurnResult> ReadTurns(const fs::path& path) {
     turn.last_frame = table.Value<int>(table.Column("last_frame"));
     turn.angle = number("angle_deg") / kDegreesPerRadian;
     turn.speed = number("speed_mps");
-    turn.metres_per_unit = number("metres_per_unit");
-    turn.sigma = number("sigma");
+    turn.own = number("metres_per_unit");
+    turn.own_sigma = number("sigma");
     turn.smoothed = number("smoothed_metres_per_unit");
     turn.smoothed_sigma = number("smoothed_sigma");
     turn.deviation = number("deviation_sigmas");

@@ -50,7 +50,7 @@ TEST_F(ResultFolderTest, ReadsWhatARunHasWritten) {
   turn.first_frame = 1;
   turn.last_frame = 2;
   turn.angle = 1.5;
-  turn.metres_per_unit = 0.25;
+  turn.own = 0.25;
   turn.reason = "too fast, \"by far\"";
   RunSummary summary;
   summary.vehicle.vehicle_from_camera = RotationFromYawPitchRoll({0.1, 0.05, -0.02});

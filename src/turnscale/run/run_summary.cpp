@@ -69,7 +69,7 @@ std::string MethodWarning(ScaleMethod method, const RefinedScale& scale) {
       "the method {} was not applied: no turn could be constrained (turns.csv has the reasons); the "
       "trajectory uses {}",
       method == ScaleMethod::kPaper ? "paper" : "turns",
-      scale.estimate->fell_back ? "the scales of single turns, interpolated" : "the joint estimate");
+      scale.estimate->uses_single_turns ? "the scales of single turns, interpolated" : "the joint estimate");
 }
 
 // What to do about a camera-to-vehicle rotation that is wrong.
@@ -177,7 +177,7 @@ void SummarizeScale(const std::vector<FrameResult>& refined, const RefinedScale&
   summary.pending_reason = PendingReason(refined, scale, summary);
   if (!scale.estimate) return;
   const ScaleEstimate& estimate = *scale.estimate;
-  if (!estimate.fell_back) summary.car = estimate.car;
+  if (!estimate.uses_single_turns) summary.car = estimate.car;
   if (estimate.has_reliable_car()) summary.car_evidence = estimate.car_evidence;
   summary.turn_test = estimate.test;
   summary.height_conflict = estimate.height_conflict;

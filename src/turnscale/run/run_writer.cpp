@@ -123,13 +123,13 @@ std::string TurnTable(const std::vector<TurnResult>& turns) {
       "first_frame,last_frame,keyframes,angle_deg,speed_mps,metres_per_unit,sigma,smoothed_metres_per_unit,"
       "smoothed_sigma,deviation_sigmas,effective_lever_arm_m,used,reason,unadjusted\n";
   for (const TurnResult& turn : turns) {
-    table += fmt::format(
-        "{},{},{},{:.4f},{},{},{},{},{},{},{},{},{},{}\n", turn.first_frame, turn.last_frame,
-        turn.last_keyframe - turn.first_keyframe + 1, turn.angle * kDegreesPerRadian, PositiveCell(turn.speed, 5),
-        PositiveCell(turn.metres_per_unit, 9), PositiveCell(turn.sigma, 6), PositiveCell(turn.smoothed, 9),
-        PositiveCell(turn.smoothed_sigma, 6), turn.used ? fmt::format("{:.3f}", turn.deviation) : std::string(),
-        PositiveCell(turn.effective_lever_arm, 6), turn.used ? 1 : 0, QuotedCell(turn.reason),
-        QuotedCell(turn.unadjusted));
+    table += fmt::format("{},{},{},{:.4f},{},{},{},{},{},{},{},{},{},{}\n", turn.first_frame, turn.last_frame,
+                         turn.last_keyframe - turn.first_keyframe + 1, turn.angle * kDegreesPerRadian,
+                         PositiveCell(turn.speed, 5), PositiveCell(turn.own, 9), PositiveCell(turn.own_sigma, 6),
+                         PositiveCell(turn.smoothed, 9), PositiveCell(turn.smoothed_sigma, 6),
+                         turn.used ? fmt::format("{:.3f}", turn.deviation) : std::string(),
+                         PositiveCell(turn.effective_lever_arm, 6), turn.used ? 1 : 0, QuotedCell(turn.reason),
+                         QuotedCell(turn.unadjusted));
   }
   return table;
 }

@@ -299,8 +299,8 @@ TEST(RunTables, TurnsHaveACellPerColumn) {
   turn.first_keyframe = 4;
   turn.last_keyframe = 12;
   turn.speed = 6.5;
-  turn.metres_per_unit = 3.25;
-  turn.sigma = 0.125;
+  turn.own = 3.25;
+  turn.own_sigma = 0.125;
   turn.smoothed = 3.5;
   turn.smoothed_sigma = 0.0625;
   turn.deviation = -0.5;
@@ -393,7 +393,7 @@ TEST(RunSummary, HasWhatTheDriveTellsOfTheCar) {
   EXPECT_EQ(told["posterior"]["covariance"][1][3], -0.25);
   EXPECT_EQ(told["prior"]["covariance"][2][2], 1);
   EXPECT_EQ(told["inflation"], 1);
-  scale.estimate->fell_back = true;
+  scale.estimate->uses_single_turns = true;
   RunSummary without;
   Summarize(Frames(3, 1), scale, without);
   EXPECT_TRUE(nlohmann::json::parse(SummaryJson(without))["car_evidence"].is_null());
@@ -482,7 +482,7 @@ TEST(RunSummary, NamesTheTurnThatContradicts) {
     scale.turns.push_back(turn);
   }
   scale.estimate.emplace().converged = true;
-  scale.estimate->fell_back = true;
+  scale.estimate->uses_single_turns = true;
   scale.estimate->test.contradicted = true;
   scale.estimate->test.worst_turn = 2;
   scale.estimate->test.disagreement = 0.17;

@@ -232,7 +232,7 @@ TEST(Summarize, AMethodThatCouldNotBeAppliedIsNamed) {
   EXPECT_TRUE(warnings(ScaleMethod::kTurns)[0].starts_with("the method turns was not applied"));
   EXPECT_TRUE(warnings(ScaleMethod::kTurns)[0].ends_with("uses the joint estimate"));
   EXPECT_TRUE(warnings(ScaleMethod::kPaper)[0].starts_with("the method paper was not applied"));
-  scale.estimate->fell_back = true;
+  scale.estimate->uses_single_turns = true;
   EXPECT_TRUE(warnings(ScaleMethod::kTurns)[0].ends_with("uses the scales of single turns, interpolated"));
   scale.constrained = true;
   EXPECT_TRUE(warnings(ScaleMethod::kTurns).empty());

@@ -15,7 +15,7 @@ std::string TurnWarning(const ScaleEstimate& estimate, const std::function<std::
   const bool contradicted = test.contradicted && test.worst_turn >= 0;
   // Turns may also be followed because of the calibration, which has its own warning, or by choice.
   if (!contradicted && estimate.converged) return {};
-  if (!estimate.fell_back) return fmt::format("the scale estimate did not converge: check {}", suspects);
+  if (!estimate.uses_single_turns) return fmt::format("the scale estimate did not converge: check {}", suspects);
   const std::string problem = contradicted
                                   ? fmt::format("the turns disagree on the scale by {:.0f} % on average, most at {}",
                                                 100 * test.disagreement, name_of(test.worst_turn))

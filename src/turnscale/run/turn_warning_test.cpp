@@ -15,7 +15,7 @@ std::string Warning(const ScaleEstimate& estimate) {
 
 ScaleEstimate Fallback() {
   ScaleEstimate estimate;
-  estimate.fell_back = true;
+  estimate.uses_single_turns = true;
   estimate.converged = true;
   return estimate;
 }
@@ -67,7 +67,7 @@ TEST(TurnWarning, TellsThatTheEstimateDidNotConverge) {
   EXPECT_EQ(Warning(estimate),
             "the scale estimate did not converge; the trajectory uses the scale of each turn instead of the joint "
             "estimate: check the lever arm");
-  estimate.fell_back = false;
+  estimate.uses_single_turns = false;
   EXPECT_EQ(Warning(estimate), "the scale estimate did not converge: check the lever arm") << "no turn to go by";
 }
 

@@ -87,8 +87,8 @@ void LiveScale::UpdateReading() {
   const bool is_known = now_ || belief.sigma() <= options_.max_sigma;
   now_.reset();
   if (!has_source || !is_known) return;
-  const ScaleSource on_straight = on_road_ ? ScaleSource::kRoad : ScaleSource::kPropagated;
-  now_ = LiveReading{.belief = belief, .source = turning ? ScaleSource::kTurn : on_straight};
+  const ScaleState on_straight = on_road_ ? ScaleState::kFromRoad : ScaleState::kHeld;
+  now_ = LiveReading{.belief = belief, .state = turning ? ScaleState::kObserved : on_straight};
 }
 
 void LiveScale::TurnCamera(double angle) {

@@ -7,23 +7,19 @@
 
 #include "turnscale/kinematics/turn_detector.h"
 #include "turnscale/scale/scale_estimator.h"
+#include "turnscale/scale/scale_state.h"
 
 namespace turnscale {
 
 /// Whether a step has ended a turn, and whether the turn shows the scale.
 enum class TurnEnd { kNone, kNotUsed, kUsed };
 
-/// Where the scale at a step comes from.
-enum class ScaleSource {
-  kTurn,       ///< the step is within a usable turn
-  kRoad,       ///< the latest steps show the height above the road, which is known in metres
-  kPropagated  ///< earlier ones
-};
-
 /// What is known of the scale at a step.
 struct LiveReading {
   ScaleBelief belief;  ///< with the evidence of the turn under way
-  ScaleSource source = ScaleSource::kPropagated;
+  /// Observed: the step is within a usable turn. From the road: the latest steps show the height above it, which is
+  /// known in metres. Else held.
+  ScaleState state = ScaleState::kHeld;
 };
 
 /// Online scale: an iterated extended Kalman filter over the completed segments and the current turn.
@@ -75,7 +71,7 @@ class LiveScale {
   bool road_part_ = false;            ///< the pending steps continue a straight of which a road part has been cut
   ScaleBelief belief_;                ///< at the end of the last segment
   bool started_ = false;              ///< a turn, or the road with a known height, has given the scale
-  bool on_road_ = false;              ///< ScaleSource::kRoad, also within a turn
+  bool on_road_ = false;              ///< ScaleState::kFromRoad, also within a turn
   std::optional<LiveReading> now_;
 };
 

@@ -24,7 +24,7 @@ std::optional<ScaleBelief> BeliefOf(const LiveScale& live) {
   return live.Now() ? std::optional(live.Now()->belief) : std::nullopt;
 }
 
-bool IsInTurn(const LiveScale& live) { return live.Now() && live.Now()->source == ScaleSource::kTurn; }
+bool IsInTurn(const LiveScale& live) { return live.Now() && live.Now()->state == ScaleState::kObserved; }
 
 /// What is known after each step.
 std::vector<std::optional<ScaleBelief>> Live(const std::vector<VehicleStep>& steps, const CarPrior& prior = Prior()) {
@@ -53,7 +53,7 @@ TEST(LiveScale, KnowsTheMetreInsideTheFirstTurn) {
     if (known_at < 0) known_at = i;
     EXPECT_LE(now->sigma(), 0.15);
     EXPECT_NEAR(std::log(now->metres_per_unit() / kUnit), 0, 0.2 * now->sigma());
-    EXPECT_EQ(live.Now()->source, i <= 50 ? ScaleSource::kTurn : ScaleSource::kPropagated) << i;
+    EXPECT_EQ(live.Now()->state, i <= 50 ? ScaleState::kObserved : ScaleState::kHeld) << i;
     if (i > known_at && i < 50) {
       EXPECT_LE(now->sigma(), 1.02 * last_sigma) << "better with every step of the turn";
     }
@@ -95,7 +95,7 @@ TEST(LiveScale, AKnownHeightGivesTheMetreFromTheFirstSteps) {
     live.Add(drive.steps[i]);
     if (i < 5) continue;
     ASSERT_TRUE(live.Now()) << i;
-    EXPECT_EQ(live.Now()->source, ScaleSource::kRoad);
+    EXPECT_EQ(live.Now()->state, ScaleState::kFromRoad);
     EXPECT_NEAR(std::log(live.Now()->belief.metres_per_unit() / drive.metres_per_unit[i]), 0, 0.05) << i;
     EXPECT_LT(live.Now()->belief.sigma(), 0.03);
   }
@@ -109,7 +109,7 @@ TEST(LiveScale, AHeightLearnedInATurnHoldsTheScale) {
   LiveScale live(Prior(), {});
   for (const VehicleStep& step : drive.steps) live.Add(step);
   ASSERT_TRUE(live.Now() && alone);
-  EXPECT_EQ(live.Now()->source, ScaleSource::kRoad);
+  EXPECT_EQ(live.Now()->state, ScaleState::kFromRoad);
   const ScaleBelief& now = live.Now()->belief;
   EXPECT_NEAR(std::exp(now.mean[kLogHeight]), 1.3, 4 * 1.3 * now.Sigma(kLogHeight));
   EXPECT_LT(now.sigma(), 0.6 * alone->sigma());

@@ -10,8 +10,8 @@
 #include "turnscale/base/error.h"
 #include "turnscale/scale/drive_evidence.h"
 #include "turnscale/scale/drive_smoothing.h"
-#include "turnscale/scale/follow_turns.h"
 #include "turnscale/scale/missing_scale.h"
+#include "turnscale/scale/single_turns.h"
 #include "turnscale/scale/turn_selection.h"
 
 namespace turnscale {
@@ -104,50 +104,69 @@ void TakeConflict(const HeightConflict& conflict, ScaleEstimate& estimate) {
 
 // Segments, other than used turns, in which the road shows the scale of the joint estimate.
 std::vector<char> FromRoad(const ScaleProblem& problem, const ScaleEstimate& estimate) {
-  const bool shows = estimate.car.camera_height > 0 && !estimate.fell_back;
+  const bool shows = estimate.car.camera_height > 0 && !estimate.uses_single_turns;
   std::vector<char> from_road;
   for (const SegmentEvidence& evidence : problem.evidence)
     from_road.push_back(shows && evidence.road && !evidence.turn ? 1 : 0);
   return from_road;
 }
 
-// The single-turn scales, with the refined constants of the car, their joint test, and that of the slip: against the
-// smoothed scale as it is, before anything widens it.
-void CompareTurns(const SmoothedDrive& drive, const CarPrior& car, const TurnTestOptions& options,
-                  ScaleEstimate& estimate) {
-  TurnTestInput input;
-  input.chi_squared = drive.smoothed.chi_squared;
-  input.degrees_of_freedom = drive.smoothed.degrees_of_freedom;
-  std::vector<int> tested;
+// The single-turn scales with the refined constants of the car, against the smoothed scale as it is before anything
+// widens it.
+void RefineTurns(const SmoothedDrive& drive, std::vector<TurnEstimate>& turns) {
   const ScaleProblem& problem = drive.problem;
-  for (int i = 0; i < static_cast<int>(estimate.turns.size()); ++i) {
-    TurnEstimate& turn = estimate.turns[i];
+  for (TurnEstimate& turn : turns) {
     if (!turn.used) continue;
     const PooledLine& line = *problem.evidence[turn.segment].turn;
     const ScaleBelief& belief = drive.smoothed.segments[turn.segment];
     const Measurement measurement = LinearizeTurn(line, belief.mean, problem.options);
     turn.own = OwnScale(line, belief.mean);
-    turn.own_sigma = std::sqrt(measurement.variance) / std::abs(measurement.by_state[kLogScale]);
+    turn.own_relative_sigma = std::sqrt(measurement.variance) / std::abs(measurement.by_state[kLogScale]);
     turn.weight = problem.weights[turn.segment][kLeverArmOfTurn];
     turn.deviation = measurement.innovation / std::sqrt(measurement.variance);
-    if (!std::isfinite(turn.as_given)) continue;
+  }
+}
+
+// Of c from its prior, in standard deviations of the prior.
+double SlipDeviation(const SmoothedDrive& drive, const CarPrior& car) {
+  return car.side_slip_sigma > 0 ? (drive.side_slip() - car.side_slip) / car.side_slip_sigma : 0.0;
+}
+
+// The joint test of the single-turn scales, and that of the slip.
+TurnTest TestOf(const std::vector<TurnEstimate>& turns, const SmoothedDrive& drive, const CarPrior& car,
+                const TurnTestOptions& options) {
+  TurnTestInput input;
+  input.chi_squared = drive.smoothed.chi_squared;
+  input.degrees_of_freedom = drive.smoothed.degrees_of_freedom;
+  input.slip_deviation = SlipDeviation(drive, car);
+  std::vector<int> tested;
+  for (int i = 0; i < static_cast<int>(turns.size()); ++i) {
+    const TurnEstimate& turn = turns[i];
+    if (!turn.used || !std::isfinite(turn.as_given)) continue;
+    const double smoothed = drive.smoothed.segments[turn.segment].metres_per_unit();
     tested.push_back(i);
     input.deviations.push_back(turn.deviation);
-    input.differences.push_back(std::log(belief.metres_per_unit() / turn.as_given));
+    input.differences.push_back(std::log(smoothed / turn.as_given));
     input.weights.push_back(std::abs(turn.angle));
   }
-  if (car.side_slip_sigma > 0) input.slip_deviation = (drive.side_slip() - car.side_slip) / car.side_slip_sigma;
-  estimate.test = TestTurns(input, options);
-  if (estimate.test.worst_turn >= 0) estimate.test.worst_turn = tested[estimate.test.worst_turn];
-  if (!estimate.test.contradicted && std::abs(input.slip_deviation) > options.max_prior_deviation)
-    estimate.slip_conflict = SlipConflict{car.side_slip, car.side_slip_sigma, drive.side_slip()};
+  TurnTest test = TestTurns(input, options);
+  if (test.worst_turn >= 0) test.worst_turn = tested[test.worst_turn];
+  return test;
+}
+
+// An unusual slip where the turns agree nevertheless.
+std::optional<SlipConflict> SlipConflictOf(const TurnTest& test, const SmoothedDrive& drive, const CarPrior& car,
+                                           const TurnTestOptions& options) {
+  const bool is_unusual = std::abs(SlipDeviation(drive, car)) > options.max_prior_deviation;
+  if (test.contradicted || !is_unusual) return std::nullopt;
+  return SlipConflict{car.side_slip, car.side_slip_sigma, drive.side_slip()};
 }
 
 // The smoothed scale at each turn.
 void DescribeScaleAtTurns(ScaleEstimate& estimate) {
   for (TurnEstimate& turn : estimate.turns) {
     turn.smoothed = estimate.smoothed[turn.segment].metres_per_unit();
-    turn.smoothed_sigma = estimate.smoothed[turn.segment].sigma();
+    turn.smoothed_relative_sigma = estimate.smoothed[turn.segment].sigma();
   }
 }
 
@@ -260,7 +279,7 @@ HeightDecision JudgeHeight(const DriveEvidence& evidence, const CarPrior& car, c
     conflict->found = alone.car.camera_height;
     conflict->found_sigma = alone.car.camera_height_sigma;
     conflict->contradicts_turns =
-        test.contradicted && !alone.test.contradicted && (options.follow_turns || !alone.fell_back);
+        test.contradicted && !alone.test.contradicted && (options.uses_single_turns || !alone.uses_single_turns);
   }
   if (IsWithinSigma(*conflict)) return {};
   if (!conflict->contradicts_turns) return {conflict, {}};
@@ -271,10 +290,10 @@ HeightDecision JudgeHeight(const DriveEvidence& evidence, const CarPrior& car, c
 
 // Single-turn scales where the joint estimate is not to be trusted, a wider sigma where only the slip is unusual: what
 // it explains may be something else.
-void FallBack(const ScaleEstimatorOptions& options, ScaleEstimate& estimate) {
-  if (options.follow_turns || estimate.test.contradicted || !estimate.converged)
-    estimate.fell_back = FollowTurns(options.max_sigma_ratio, estimate);
-  if (estimate.slip_conflict && !estimate.fell_back) Widen(estimate.test.disagreement, estimate);
+void AllowForInconsistency(const ScaleEstimatorOptions& options, ScaleEstimate& estimate) {
+  if (options.uses_single_turns || estimate.test.contradicted || !estimate.converged)
+    estimate.uses_single_turns = UseSingleTurns(options.max_sigma_ratio, estimate);
+  if (estimate.slip_conflict && !estimate.uses_single_turns) Widen(estimate.test.disagreement, estimate);
 }
 
 ScaleEstimateResult EstimateFrom(const DriveEvidence& evidence, const CarPrior& car,
@@ -293,12 +312,14 @@ ScaleEstimateResult EstimateFrom(const DriveEvidence& evidence, const CarPrior& 
   if (!(best <= options.max_sigma)) return TooUncertain(best, std::move(estimate.turns), evidence, car, options);
   ScaleEstimateResult result;
   result.detected_turns = estimate.turns;
-  CompareTurns(drive, car, options.test, estimate);
+  RefineTurns(drive, estimate.turns);
+  estimate.test = TestOf(estimate.turns, drive, car, options.test);
+  estimate.slip_conflict = SlipConflictOf(estimate.test, drive, car, options.test);
   InflateAndDescribe(drive, car, options.max_sigma, estimate);
   HeightDecision height = JudgeHeight(evidence, car, options, drive.car, estimate.test);
   if (height.without) return *std::move(height.without);
   if (height.conflict) TakeConflict(*height.conflict, estimate);
-  FallBack(options, estimate);
+  AllowForInconsistency(options, estimate);
   estimate.from_road = FromRoad(drive.problem, estimate);
   DescribeScaleAtTurns(estimate);
   result.estimate = std::move(estimate);

@@ -37,9 +37,9 @@ struct ScaleEstimatorOptions {
   double max_given_yaw_sigma = 0.5 / kDegreesPerRadian;
   /// With single-turn scales, turns whose sigma exceeds the smallest one's by this factor are not used.
   double max_sigma_ratio = 3;
-  /// Use single-turn scales, as if the turns were inconsistent: for steps with known errors beyond their noise, as from
-  /// a calibration that is inconsistent with the images.
-  bool follow_turns = false;
+  /// Single-turn scales are used, as if the turns were inconsistent: for steps with known errors beyond their noise, as
+  /// from a calibration that is inconsistent with the images.
+  bool uses_single_turns = false;
 
   /// Throws InputError that names the field when a value makes no sense.
   void Check() const;
@@ -91,13 +91,13 @@ struct ScaleEstimate {
   std::vector<char> from_road;  ///< one per segment: no turn that is used, and the road shows its scale
   std::vector<TurnEstimate> turns;
   TurnTest test;  ///< do the turns agree with the estimate? `worst_turn` is a place in `turns`
-  /// Single-turn scales are used: the test failed, the estimate did not converge, or `follow_turns`; and a turn has
-  /// one.
-  bool fell_back = false;
+  /// Single-turn scales are used: the test failed, the estimate did not converge, or the options ask for them; and a
+  /// turn has one.
+  bool uses_single_turns = false;
   bool converged = false;
 
   /// Whether the trajectory uses the refined constants of the car, and nothing contradicts them: another drive may.
-  bool has_reliable_car() const { return converged && !fell_back && !height_conflict && !slip_conflict; }
+  bool has_reliable_car() const { return converged && !uses_single_turns && !height_conflict && !slip_conflict; }
 };
 
 /// The estimate, or in one line why there is none.
@@ -121,7 +121,7 @@ struct ScaleEstimateResult {
 ///   test       the single-turn scales jointly against the estimate (TurnTest); sigma covers their scatter
 ///   height     a given height that is in conflict with the turns widens sigma, or is left out if the turns contradict
 ///              each other with it only
-///   fallback   single-turn scales where the test has failed (FollowTurns); sigma covers their spread
+///   fallback   single-turn scales where the test has failed (UseSingleTurns); sigma covers their spread
 ScaleEstimateResult EstimateScale(const std::vector<VehicleStep>& steps, const CarPrior& car,
                                   const ScaleEstimatorOptions& options);
 

@@ -69,7 +69,7 @@ TEST(ScaleEstimator, FindsTheMetreOfAPerfectDrive) {
   EXPECT_NEAR(estimate.car.side_slip, kCar.side_slip, 1e-6);
   EXPECT_NEAR(estimate.car.yaw_error, 0, 1e-6);
   EXPECT_TRUE(estimate.converged);
-  EXPECT_FALSE(estimate.fell_back);
+  EXPECT_FALSE(estimate.uses_single_turns);
   EXPECT_FALSE(estimate.test.contradicted);
   for (const TurnEstimate& turn : estimate.turns) {
     EXPECT_TRUE(turn.used) << turn.reason;
@@ -77,8 +77,8 @@ TEST(ScaleEstimator, FindsTheMetreOfAPerfectDrive) {
     EXPECT_NEAR(turn.as_given / kUnit, 1, 1e-5);
     EXPECT_NEAR(turn.smoothed / kUnit, 1, 1e-5);
     EXPECT_EQ(turn.weight, 1);
-    EXPECT_GT(turn.own_sigma, EvidenceOptions().turn_sigma) << "the least that a turn may differ by";
-    EXPECT_LT(turn.smoothed_sigma, turn.own_sigma + 0.03);
+    EXPECT_GT(turn.own_relative_sigma, EvidenceOptions().turn_sigma) << "the least that a turn may differ by";
+    EXPECT_LT(turn.smoothed_relative_sigma, turn.own_relative_sigma + 0.03);
     EXPECT_NEAR(turn.lever_arm_units * kUnit, kCar.At(turn.speed_units * kUnit), 1e-5);
   }
 }
@@ -308,13 +308,13 @@ void ExpectGoesThroughItsTurns(const ScaleEstimate& estimate) {
   for (std::size_t i = 0; i < estimate.segments.size(); ++i) {
     if (!estimate.segments[i].turning) continue;
     const TurnEstimate& turn = estimate.turns[next++];
-    if (turn.followed) {
+    if (turn.used_singly) {
       EXPECT_NEAR(estimate.smoothed[i].metres_per_unit() / turn.as_given, 1, 1e-9);
     }
   }
 }
 
-TEST(ScaleEstimator, TurnsThatContradictAreFollowedAndCovered) {
+TEST(ScaleEstimator, TurnsThatContradictAreUsedSinglyAndCovered) {
   ScaleEstimatorOptions whatever;
   whatever.max_sigma = 1;
   for (int seed = 0; seed < 20; ++seed) {
@@ -330,9 +330,9 @@ TEST(ScaleEstimator, TurnsThatContradictAreFollowedAndCovered) {
       }
     }
     const ScaleEstimate estimate = EstimateOf(wrong, PriorOf(kCar), whatever);
-    EXPECT_FALSE(clean.fell_back) << seed;
+    EXPECT_FALSE(clean.uses_single_turns) << seed;
     EXPECT_TRUE(estimate.test.contradicted) << seed;
-    EXPECT_TRUE(estimate.fell_back) << seed;
+    EXPECT_TRUE(estimate.uses_single_turns) << seed;
     EXPECT_GE(estimate.test.worst_turn, 0);
     EXPECT_GT(estimate.test.disagreement, 0.05);
     const double error = std::log(Metres(estimate) / drive.metres);
@@ -341,29 +341,29 @@ TEST(ScaleEstimator, TurnsThatContradictAreFollowedAndCovered) {
   }
 }
 
-TEST(ScaleEstimator, FollowsTurnsThatAgreeWhereItIsToldTo) {
+TEST(ScaleEstimator, UsesSingleTurnsThatAgreeWhereItIsToldTo) {
   const SyntheticSteps drive = MakeSteps(TownRoad(9, 61), kCar, 0, kUnit, kNoise, 61);
   ScaleEstimatorOptions options;
   const ScaleEstimate smoothed = EstimateOf(drive, PriorOf(kCar), options);
-  options.follow_turns = true;
-  const ScaleEstimate followed = EstimateOf(drive, PriorOf(kCar), options);
-  EXPECT_FALSE(smoothed.fell_back);
-  EXPECT_TRUE(followed.fell_back);
-  EXPECT_FALSE(followed.test.contradicted);
-  EXPECT_GT(followed.length_sigma, smoothed.length_sigma);
-  ExpectGoesThroughItsTurns(followed);
+  options.uses_single_turns = true;
+  const ScaleEstimate single = EstimateOf(drive, PriorOf(kCar), options);
+  EXPECT_FALSE(smoothed.uses_single_turns);
+  EXPECT_TRUE(single.uses_single_turns);
+  EXPECT_FALSE(single.test.contradicted);
+  EXPECT_GT(single.length_sigma, smoothed.length_sigma);
+  ExpectGoesThroughItsTurns(single);
 }
 
-TEST(ScaleEstimator, FollowsTurnsWithTheDrivesYawWhereThatOfThePriorIsWrong) {
+TEST(ScaleEstimator, UsesSingleTurnsWithTheDrivesYawWhereThatOfThePriorIsWrong) {
   const SyntheticSteps drive = MakeSteps(TownRoad(9, 61), kCar, 3 * kDegree, kUnit, kNoise, 61);
   ScaleEstimatorOptions options;
-  options.follow_turns = true;
-  const ScaleEstimate followed = EstimateOf(drive, PriorOf(kCar), options);
-  EXPECT_TRUE(followed.fell_back);
-  EXPECT_TRUE(followed.yaw_conflict);
-  EXPECT_FALSE(followed.test.contradicted);
-  EXPECT_LT(followed.test.disagreement, 0.05);
-  EXPECT_NEAR(std::log(Metres(followed) / drive.metres), 0, 0.03);
+  options.uses_single_turns = true;
+  const ScaleEstimate single = EstimateOf(drive, PriorOf(kCar), options);
+  EXPECT_TRUE(single.uses_single_turns);
+  EXPECT_TRUE(single.yaw_conflict);
+  EXPECT_FALSE(single.test.contradicted);
+  EXPECT_LT(single.test.disagreement, 0.05);
+  EXPECT_NEAR(std::log(Metres(single) / drive.metres), 0, 0.03);
 }
 
 TEST(ScaleEstimator, BetweenLossesOfTrackingWithoutATurnFollowsTheEstimate) {
@@ -377,17 +377,17 @@ TEST(ScaleEstimator, BetweenLossesOfTrackingWithoutATurnFollowsTheEstimate) {
   for (const int gap : gaps) LoseTracking(0.3, drive.steps[gap]);
   ScaleEstimatorOptions options;
   const ScaleEstimate smoothed = EstimateOf(drive, PriorOf(kCar), options);
-  options.follow_turns = true;
-  const ScaleEstimate followed = EstimateOf(drive, PriorOf(kCar), options);
-  EXPECT_TRUE(followed.fell_back);
-  for (std::size_t i = 0; i < followed.segments.size(); ++i) {
-    const int first = followed.segments[i].first;
+  options.uses_single_turns = true;
+  const ScaleEstimate single = EstimateOf(drive, PriorOf(kCar), options);
+  EXPECT_TRUE(single.uses_single_turns);
+  for (std::size_t i = 0; i < single.segments.size(); ++i) {
+    const int first = single.segments[i].first;
     if (first < gaps[0] || first >= gaps[1]) continue;
-    EXPECT_EQ(followed.smoothed[i].mean[kLogScale], smoothed.smoothed[i].mean[kLogScale]);
-    EXPECT_GT(followed.smoothed[i].sigma(), smoothed.smoothed[i].sigma());
+    EXPECT_EQ(single.smoothed[i].mean[kLogScale], smoothed.smoothed[i].mean[kLogScale]);
+    EXPECT_GT(single.smoothed[i].sigma(), smoothed.smoothed[i].sigma());
   }
-  for (const TurnEstimate& turn : followed.turns)
-    EXPECT_NEAR(followed.smoothed[turn.segment].metres_per_unit() / turn.as_given, 1, 1e-9);
+  for (const TurnEstimate& turn : single.turns)
+    EXPECT_NEAR(single.smoothed[turn.segment].metres_per_unit() / turn.as_given, 1, 1e-9);
 }
 
 TEST(ScaleEstimator, TheUnitMayChangeWhereTheMapHardlyHangsTogether) {
@@ -400,7 +400,7 @@ TEST(ScaleEstimator, TheUnitMayChangeWhereTheMapHardlyHangsTogether) {
   drive.steps[65].unit_variance = 0.16;
   const ScaleEstimate aware = EstimateOf(drive, PriorOf(kCar));
   EXPECT_LT(std::abs(std::log(Metres(aware) / drive.metres)), 0.005);
-  EXPECT_FALSE(aware.fell_back);
+  EXPECT_FALSE(aware.uses_single_turns);
   // Without the second turn nothing tells the unit after the change.
   drive.steps.resize(85);
   EXPECT_GT(EstimateOf(drive, PriorOf(kCar)).smoothed.back().sigma(), 0.35);
@@ -426,7 +426,7 @@ TEST(ScaleEstimator, AGapMayChangeTheUnit) {
   gap.after_gap = true;
   gap.gap_sigma = 0.3;
   const ScaleEstimate estimate = EstimateOf(drive, PriorOf(kCar));
-  EXPECT_FALSE(estimate.fell_back);
+  EXPECT_FALSE(estimate.uses_single_turns);
   for (std::size_t i = 0; i < estimate.segments.size(); ++i)
     EXPECT_NEAR(LogError(estimate, drive, i), 0, 0.25 * estimate.smoothed[i].sigma());
   EXPECT_NEAR(estimate.smoothed.back().metres_per_unit() / estimate.smoothed.front().metres_per_unit(), 1 / 0.7,
@@ -486,7 +486,7 @@ TEST(ScaleEstimator, ALongDriveIsKnownBetterThanAShortOne) {
     const SyntheticSteps drive = MakeSteps(TownRoad(turns, 21), kCar, 0, kUnit, AsStated(options), 21);
     const ScaleEstimate estimate = EstimateOf(drive, Exactly(kCar), options);
     EXPECT_TRUE(estimate.converged);
-    EXPECT_FALSE(estimate.fell_back);
+    EXPECT_FALSE(estimate.uses_single_turns);
     EXPECT_EQ(estimate.turns.size(), static_cast<std::size_t>(turns));
     EXPECT_LT(std::abs(std::log(Metres(estimate) / drive.metres)), 2 * estimate.length_sigma) << turns;
     EXPECT_LT(estimate.length_sigma, 0.5 * last_sigma) << turns;
@@ -498,7 +498,7 @@ TEST(ScaleEstimator, ALongDriveIsKnownBetterThanAShortOne) {
 /// Drives whose every constant is off by as much as is stated. Shares of errors within one and two standard deviations.
 struct Coverage {
   int drives = 0;
-  int fell_back = 0;
+  int uses_single_turns = 0;
   int length_one = 0;
   int length_two = 0;
   int slip_one = 0;
@@ -528,7 +528,7 @@ Coverage Cover(const CarPrior& prior, int turns, double slope, int drives) {
     if (!result.estimate) continue;
     const ScaleEstimate& estimate = *result.estimate;
     ++coverage.drives;
-    coverage.fell_back += estimate.fell_back;
+    coverage.uses_single_turns += estimate.uses_single_turns;
     const auto count = [](double error, double sigma, int& one, int& two) {
       one += std::abs(error) <= sigma;
       two += std::abs(error) <= 2 * sigma;
@@ -560,7 +560,7 @@ TEST(ScaleEstimator, SigmaCoversWhatItSays) {
         const Coverage coverage = Cover(prior, turns, slope, kDrives);
         SCOPED_TRACE(testing::Message() << turns << " turns, slip +-" << slip_sigma << ", slope " << slope);
         EXPECT_GE(coverage.drives, 0.99 * kDrives);
-        EXPECT_LE(coverage.fell_back, 0.01 * kDrives);
+        EXPECT_LE(coverage.uses_single_turns, 0.01 * kDrives);
         ExpectHonest(coverage.length_one, coverage.length_two, coverage.drives, "length");
         ExpectHonest(coverage.slip_one, coverage.slip_two, coverage.drives, "slip");
         ExpectHonest(coverage.yaw_one, coverage.yaw_two, coverage.drives, "yaw");
@@ -647,7 +647,7 @@ TEST(ScaleEstimator, AHeightAloneGivesTheMetre) {
   EXPECT_EQ(std::ranges::count(estimate.from_road, 0), 0);
   EXPECT_GT(estimate.length_sigma, 0.009) << "no better than the height";
   EXPECT_LT(estimate.length_sigma, 0.02);
-  EXPECT_FALSE(estimate.fell_back);
+  EXPECT_FALSE(estimate.uses_single_turns);
   const ScaleEstimateResult unknown = EstimateScale(drive.steps, PriorOf(kCar), {});
   EXPECT_FALSE(unknown.estimate);
   EXPECT_NE(unknown.reason.find("height"), std::string::npos) << unknown.reason;
@@ -672,7 +672,7 @@ TEST(ScaleEstimator, AYawThatContradictsTheDriveIsEstimatedWithoutItsPrior) {
     const ScaleEstimate estimate = EstimateOf(drive, PriorOf(kCar));
     ASSERT_EQ(estimate.yaw_conflict.has_value(), std::abs(degrees) > 1);
     EXPECT_NEAR(Metres(estimate) / drive.metres, 1, 0.03);
-    EXPECT_FALSE(estimate.fell_back);
+    EXPECT_FALSE(estimate.uses_single_turns);
     if (!estimate.yaw_conflict) continue;
     EXPECT_NEAR(estimate.yaw_conflict->found, -degrees * kDegree, 0.2 * kDegree);
     EXPECT_LT(estimate.yaw_conflict->found_sigma, 0.2 * kDegree);
@@ -776,7 +776,7 @@ TEST(ScaleEstimator, TheHeightFoundIsThatOfTheTurnsHoweverThePriorsCorrelate) {
         EXPECT_NEAR(estimate.height_conflict->found / height, 1, 0.03);
         EXPECT_GT(estimate.height_conflict->found_sigma / height, 0.02) << "no better than the lever arm";
         EXPECT_LT(estimate.height_conflict->found_sigma / height, 0.04);
-        EXPECT_LT(estimate.length_sigma, estimate.fell_back ? 0.2 : 0.1);
+        EXPECT_LT(estimate.length_sigma, estimate.uses_single_turns ? 0.2 : 0.1);
       }
     }
   }
@@ -828,7 +828,7 @@ TEST(ScaleEstimator, AWrongHeightIsNotBlamedOnTheTurns) {
       const ScaleEstimate estimate = EstimateOf(drive, WithHeight(wrong * 1.4, wrong * 0.014, PriorOf(kCar)));
       ASSERT_TRUE(estimate.height_conflict) << seed;
       EXPECT_FALSE(estimate.test.contradicted) << seed;
-      EXPECT_FALSE(estimate.fell_back) << seed;
+      EXPECT_FALSE(estimate.uses_single_turns) << seed;
       EXPECT_FALSE(estimate.has_reliable_car()) << seed;
       EXPECT_NEAR(estimate.height_conflict->found / 1.4, 1, 0.05) << seed;
       EXPECT_LT(std::abs(std::log(Metres(estimate) / drive.metres)), 2 * estimate.length_sigma) << seed;

@@ -24,9 +24,9 @@ TurnEstimate DescribeTurn(const ScaleProblem& problem, int place, const DriveSta
   DriveState at = as_given;
   at[kLogScale] = std::log(turn.as_given);
   const Measurement measurement = LinearizeTurn(*evidence.turn, at, problem.options);
-  turn.as_given_sigma = std::sqrt(measurement.variance) / std::abs(measurement.by_state[kLogScale]);
+  turn.as_given_relative_sigma = std::sqrt(measurement.variance) / std::abs(measurement.by_state[kLogScale]);
   turn.own = turn.as_given;
-  turn.own_sigma = turn.as_given_sigma;
+  turn.own_relative_sigma = turn.as_given_relative_sigma;
   return turn;
 }
 

@@ -22,7 +22,7 @@ struct TurnTestOptions {
 struct TurnTestInput {
   double chi_squared = 0;           ///< of all turns together (SmoothedScale)
   int degrees_of_freedom = 0;       ///< of chi-squared
-  std::vector<double> deviations;   ///< ln(smoothed / own) over its standard deviation
+  std::vector<double> deviations;   ///< TurnEstimate::deviation
   std::vector<double> differences;  ///< ln(smoothed / own as given), the car's constants as they were given
   std::vector<double> weights;      ///< angles, rad
   double slip_deviation = 0;        ///< of the side slip from its prior, in standard deviations of the prior

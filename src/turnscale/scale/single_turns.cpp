@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "turnscale/scale/follow_turns.h"
+#include "turnscale/scale/single_turns.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,16 +12,16 @@ namespace turnscale {
 namespace {
 
 // Marks the turns that are used with single-turn scales: not those whose sigma is much larger than the smallest.
-void MarkFollowed(double max_sigma_ratio, std::vector<TurnEstimate>& turns) {
+void MarkUsed(double max_sigma_ratio, std::vector<TurnEstimate>& turns) {
   const auto has_scale = [](const TurnEstimate& turn) { return turn.used && std::isfinite(turn.as_given); };
   double best_sigma = std::numeric_limits<double>::infinity();
   for (const TurnEstimate& turn : turns)
-    if (has_scale(turn)) best_sigma = std::min(best_sigma, turn.as_given_sigma);
+    if (has_scale(turn)) best_sigma = std::min(best_sigma, turn.as_given_relative_sigma);
   for (TurnEstimate& turn : turns)
-    turn.followed = has_scale(turn) && turn.as_given_sigma <= max_sigma_ratio * best_sigma;
+    turn.used_singly = has_scale(turn) && turn.as_given_relative_sigma <= max_sigma_ratio * best_sigma;
 }
 
-// A turn that is followed.
+// A turn that is used.
 struct Node {
   std::size_t piece;  // of the drive, between losses of tracking
   double place;       // along the path
@@ -53,15 +53,15 @@ double SpreadAbout(double centre, const std::vector<std::pair<double, double>>& 
 
 }  // namespace
 
-bool FollowTurns(double max_sigma_ratio, ScaleEstimate& estimate) {
-  MarkFollowed(max_sigma_ratio, estimate.turns);
+bool UseSingleTurns(double max_sigma_ratio, ScaleEstimate& estimate) {
+  MarkUsed(max_sigma_ratio, estimate.turns);
   std::vector<std::size_t> pieces;
   for (const PathSegment& segment : estimate.segments)
     pieces.push_back((pieces.empty() ? 0 : pieces.back()) + (segment.gap_sigma > 0 ? 1 : 0));
   std::vector<Node> nodes;
   std::vector<std::pair<double, double>> differences;
   for (const TurnEstimate& turn : estimate.turns) {
-    if (!turn.followed) continue;
+    if (!turn.used_singly) continue;
     const double difference = std::log(turn.as_given) - estimate.smoothed[turn.segment].mean[kLogScale];
     nodes.push_back({pieces[turn.segment], estimate.segments[turn.segment].middle, difference});
     differences.emplace_back(difference, std::abs(turn.angle));

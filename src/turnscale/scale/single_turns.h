@@ -11,6 +11,6 @@ namespace turnscale {
 /// other. Between two losses of tracking without a turn, the estimate stays.
 ///
 /// Returns false, and changes no scale, if no turn has a scale.
-bool FollowTurns(double max_sigma_ratio, ScaleEstimate& estimate);
+bool UseSingleTurns(double max_sigma_ratio, ScaleEstimate& estimate);
 
 }  // namespace turnscale
