@@ -199,11 +199,16 @@ FlowResult TrackPoints(const FlowOptions& options, const FlowImage& first, const
 
 void CheckReturn(const FlowOptions& options, const FlowImage& first, const FlowImage& second,
                  const std::vector<cv::Point2f>& points, FlowResult& result) {
-  if (std::ranges::find(result.found, uchar{1}) == result.found.end()) return;
+  CheckReturn(options, first, second, points, std::vector<uchar>(points.size(), 1), result);
+}
+
+void CheckReturn(const FlowOptions& options, const FlowImage& first, const FlowImage& second,
+                 const std::vector<cv::Point2f>& points, const std::vector<uchar>& flags, FlowResult& result) {
+  if (points.empty()) return;
   const int levels = std::min(kReturnLevels, MostLevels(first, second));
   cv::parallel_for_(cv::Range(0, static_cast<int>(points.size())), [&](const cv::Range& range) {
     for (int i = range.start; i < range.end; ++i) {
-      if (result.found[i] == 0) continue;
+      if (flags[i] == 0 || result.found[i] == 0) continue;
       const std::optional<cv::Point2f> back =
           TrackThroughLevels(options, second, first, result.points[i], points[i], levels);
       if (!back || std::hypot(back->x - points[i].x, back->y - points[i].y) > options.max_return_error ||

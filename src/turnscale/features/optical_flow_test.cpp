@@ -180,6 +180,12 @@ TEST(OpticalFlow, WhatIsSeenFindsItsWayBack) {
 
   const cv::Point2f off(1.0F, 0.0F);
   for (cv::Point2f& point : points) point += off;
+  const double found = Found(flow);
+  std::vector<uchar> flags(points.size(), 0);
+  flags[5] = 1;
+  CheckReturn({}, first, second, points, flags, flow);
+  EXPECT_EQ(Found(flow), found - 1) << "only those that are to be checked";
+  EXPECT_EQ(flow.found[5], 0);
   CheckReturn({}, first, second, points, flow);
   EXPECT_EQ(Found(flow), 0) << "a pixel off is not where they came from";
 }

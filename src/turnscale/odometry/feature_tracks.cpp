@@ -38,8 +38,8 @@ void NoteParallax(const std::vector<FeatureTrack>& tracks, const std::vector<cv:
 
 }  // namespace
 
-std::vector<cv::Point2f> PredictPixels(const Map& map, const CameraModel& camera,
-                                       const std::vector<FeatureTrack>& tracks, const RigidTransform& last_from_world,
+std::vector<cv::Point2f> PredictPixels(const Map& map, const std::vector<FeatureTrack>& tracks,
+                                       const RigidTransform& last_from_world,
                                        const RigidTransform& predicted_from_world) {
   const Eigen::Quaterniond predicted_from_last = predicted_from_world.rotation * last_from_world.rotation.conjugate();
   std::vector<cv::Point2f> guesses;
@@ -49,28 +49,27 @@ std::vector<cv::Point2f> PredictPixels(const Map& map, const CameraModel& camera
     const Eigen::Vector3d x = landmark.valid
                                   ? Eigen::Vector3d(predicted_from_world * landmark.position)
                                   : Eigen::Vector3d(predicted_from_last * map.camera.pinhole.Ray(track.undistorted));
-    const std::optional<Eigen::Vector2d> pixel = x.z() > 0 ? camera.Project(x) : std::nullopt;
+    const std::optional<Eigen::Vector2d> pixel = x.z() > 0 ? map.camera.Project(x) : std::nullopt;
     guesses.push_back(pixel ? ToPoint(*pixel) : track.pixel);
   }
   return guesses;
 }
 
-FollowedTracks FollowTracks(const FlowOptions& options, const Map& map, const CameraModel& camera,
-                            const FlowImage& first, const FlowImage& second, const std::vector<FeatureTrack>& tracks,
-                            const std::vector<cv::Point2f>& guesses, std::optional<int> levels) {
+FollowedTracks FollowTracks(const FlowOptions& options, const Map& map, const FlowImage& first, const FlowImage& second,
+                            const std::vector<FeatureTrack>& tracks, const std::vector<cv::Point2f>& guesses,
+                            std::optional<int> levels) {
   const std::vector<cv::Point2f> pixels = PixelsOf(tracks);
-  const FlowResult flow = TrackPoints(options, first, second, pixels, guesses, levels);
+  FlowResult flow = TrackPoints(options, first, second, pixels, guesses, levels);
   // A landmark with a depth is going to be compared with its reference view, which is stricter than tracking back.
-  FlowResult without_depth = flow;
-  for (size_t i = 0; i < tracks.size(); ++i)
-    if (map.landmarks[tracks[i].landmark].valid) without_depth.found[i] = 0;
-  CheckReturn(options, first, second, pixels, without_depth);
+  std::vector<uchar> without_depth;
+  without_depth.reserve(tracks.size());
+  for (const FeatureTrack& track : tracks) without_depth.push_back(map.landmarks[track.landmark].valid ? 0 : 1);
+  CheckReturn(options, first, second, pixels, without_depth, flow);
   FollowedTracks followed;
   for (size_t i = 0; i < tracks.size(); ++i) {
     const cv::Point2f& pixel = flow.points[i];
-    const bool has_depth = map.landmarks[tracks[i].landmark].valid;
-    const bool found = has_depth ? flow.found[i] != 0 : without_depth.found[i] != 0;
-    const std::optional<Eigen::Vector2d> undistorted = found ? camera.Undistort({pixel.x, pixel.y}) : std::nullopt;
+    const std::optional<Eigen::Vector2d> undistorted =
+        flow.found[i] != 0 ? map.camera.Undistort({pixel.x, pixel.y}) : std::nullopt;
     if (!undistorted) {
       followed.lost.push_back(tracks[i]);
       continue;
@@ -83,13 +82,12 @@ FollowedTracks FollowTracks(const FlowOptions& options, const Map& map, const Ca
   return followed;
 }
 
-FollowedTracks FollowWithoutDepth(const FlowOptions& options, const Map& map, const CameraModel& camera,
-                                  const FlowImage& first, const FlowImage& second,
-                                  const std::vector<FeatureTrack>& tracks, const RigidTransform& last_from_world,
-                                  const RigidTransform& camera_from_world) {
-  const double moved = (camera_from_world.inverse().translation - last_from_world.inverse().translation).norm();
+FollowedTracks FollowWithoutDepth(const FlowOptions& options, const Map& map, const LocatedImage& first,
+                                  const LocatedImage& second, const std::vector<FeatureTrack>& tracks) {
+  const double moved =
+      (second.camera_from_world.inverse().translation - first.camera_from_world.inverse().translation).norm();
   const auto distant_pixels = [&](const std::vector<FeatureTrack>& some) {
-    return PredictPixels(map, camera, some, last_from_world, camera_from_world);
+    return PredictPixels(map, some, first.camera_from_world, second.camera_from_world);
   };
   std::vector<FeatureTrack> known;
   std::vector<FeatureTrack> others;
@@ -100,22 +98,21 @@ FollowedTracks FollowWithoutDepth(const FlowOptions& options, const Map& map, co
   const std::vector<cv::Point2f> known_distant = distant_pixels(known);
   std::vector<cv::Point2f> guesses = known_distant;
   for (size_t i = 0; i < known.size(); ++i) guesses[i] += ToPoint(moved * *known[i].parallax);
-  FollowedTracks followed = FollowTracks(options, map, camera, first, second, known, guesses, kLevelsNearby);
+  FollowedTracks followed = FollowTracks(options, map, first.image, second.image, known, guesses, kLevelsNearby);
   NoteParallax(known, known_distant, moved, followed.found);
 
   std::ranges::move(followed.lost, std::back_inserter(others));
   const std::vector<cv::Point2f> distant = distant_pixels(others);
-  FollowedTracks more = FollowTracks(options, map, camera, first, second, others, distant);
+  FollowedTracks more = FollowTracks(options, map, first.image, second.image, others, distant);
   NoteParallax(others, distant, moved, more.found);
   std::ranges::move(more.found, std::back_inserter(followed.found));
   followed.lost = std::move(more.lost);
   return followed;
 }
 
-std::optional<Eigen::Matrix2d> CurrentFromReference(const Map& map, const CameraModel& camera,
-                                                    const FeatureTrack& track,
+std::optional<Eigen::Matrix2d> CurrentFromReference(const Map& map, const FeatureTrack& track,
                                                     const RigidTransform& camera_from_world) {
-  return CurrentFromReference(camera, map.landmarks[track.landmark].position,
+  return CurrentFromReference(map.camera, map.landmarks[track.landmark].position,
                               map.keyframes[track.reference_keyframe].camera_from_world, camera_from_world);
 }
 
@@ -149,23 +146,22 @@ std::optional<Eigen::Matrix2d> CurrentFromReference(const CameraModel& camera, c
   return current_by_offset * reference_by_offset.inverse();
 }
 
-bool AlignTrack(const PatchAlignmentOptions& options, const Map& map, const CameraModel& camera, const cv::Mat& image,
-                const RigidTransform& camera_from_world, const cv::Point2f& guess, FeatureTrack& track) {
+bool AlignTrack(const PatchAlignmentOptions& options, const Map& map, const LocatedImage& current,
+                const cv::Point2f& guess, FeatureTrack& track) {
   const std::optional<Eigen::Matrix2d> current_from_reference =
-      CurrentFromReference(map, camera, track, camera_from_world);
+      CurrentFromReference(map, track, current.camera_from_world);
   if (!current_from_reference) return false;
   const std::optional<Eigen::Vector2d> pixel =
       AlignPatch(options, *track.reference_image, {track.reference_pixel.x, track.reference_pixel.y},
-                 current_from_reference->inverse(), image, {guess.x, guess.y});
-  const std::optional<Eigen::Vector2d> undistorted = pixel ? camera.Undistort(*pixel) : std::nullopt;
+                 current_from_reference->inverse(), current.image.gray, {guess.x, guess.y});
+  const std::optional<Eigen::Vector2d> undistorted = pixel ? map.camera.Undistort(*pixel) : std::nullopt;
   if (!undistorted) return false;
   track.pixel = ToPoint(*pixel);
   track.undistorted = *undistorted;
   return true;
 }
 
-std::vector<uchar> AlignTracks(const PatchAlignmentOptions& options, const Map& map, const CameraModel& camera,
-                               const cv::Mat& image, const RigidTransform& camera_from_world,
+std::vector<uchar> AlignTracks(const PatchAlignmentOptions& options, const Map& map, const LocatedImage& current,
                                const std::vector<std::optional<cv::Point2f>>& guesses,
                                std::vector<FeatureTrack>& tracks) {
   std::vector<uchar> aligned(tracks.size(), 0);
@@ -175,19 +171,17 @@ std::vector<uchar> AlignTracks(const PatchAlignmentOptions& options, const Map& 
         const FeatureTrack& track = tracks[later];
         PrefetchPatch(options, *track.reference_image, {track.reference_pixel.x, track.reference_pixel.y});
       }
-      if (guesses[i] && AlignTrack(options, map, camera, image, camera_from_world, *guesses[i], tracks[i]))
-        aligned[i] = 1;
+      if (guesses[i] && AlignTrack(options, map, current, *guesses[i], tracks[i])) aligned[i] = 1;
     }
   });
   return aligned;
 }
 
-std::optional<cv::Point2f> PixelOf(const Map& map, const CameraModel& camera, int landmark,
-                                   const RigidTransform& camera_from_world) {
+std::optional<cv::Point2f> PixelOf(const Map& map, int landmark, const RigidTransform& camera_from_world) {
   const Eigen::Vector3d x = camera_from_world * map.landmarks[landmark].position;
-  const std::optional<Eigen::Vector2d> pixel = x.z() > 0 ? camera.Project(x) : std::nullopt;
+  const std::optional<Eigen::Vector2d> pixel = x.z() > 0 ? map.camera.Project(x) : std::nullopt;
   if (!pixel || pixel->x() < 0 || pixel->y() < 0) return std::nullopt;
-  if (pixel->x() > camera.width - 1 || pixel->y() > camera.height - 1) return std::nullopt;
+  if (pixel->x() > map.camera.width - 1 || pixel->y() > map.camera.height - 1) return std::nullopt;
   return ToPoint(*pixel);
 }
 

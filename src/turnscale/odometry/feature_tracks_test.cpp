@@ -37,7 +37,7 @@ const RigidTransform kCurrent = RigidTransform{RotationFromVector({-0.01, 0.07, 
 // One keyframe at kReference.
 Map OneKeyframe(const CameraModel& camera) {
   Map map;
-  map.camera.pinhole = camera.pinhole;
+  map.camera = camera;
   map.keyframes.push_back({0, 0, kReference, {}, false});
   return map;
 }
@@ -79,7 +79,7 @@ TEST(FeatureTracks, CurrentFromReferenceIsHowPixelsMove) {
       const Eigen::Vector2d offset = kOffset * Eigen::Vector2d::Unit(axis);
       expected.col(axis) = (moved(pixel + offset) - moved(pixel - offset)) / (2 * kOffset);
     }
-    const auto actual = CurrentFromReference(map, camera, track, kCurrent);
+    const auto actual = CurrentFromReference(map, track, kCurrent);
     ASSERT_TRUE(actual);
     EXPECT_LT((*actual - expected).norm(), 0.01) << pixel.transpose();
     EXPECT_GT((*actual - Eigen::Matrix2d::Identity()).norm(), 0.05);
@@ -91,9 +91,9 @@ TEST(FeatureTracks, WhatACameraCanNotSeeHasNoCurrentFromReference) {
   Map map = OneKeyframe(camera);
   const FeatureTrack track = AddTrack(camera, {320, 160}, 10, true, map);
   const RigidTransform passed = RigidTransform{Eigen::Quaterniond::Identity(), {0, 0, -11}} * kReference;
-  EXPECT_TRUE(CurrentFromReference(map, camera, track, kReference));
-  EXPECT_FALSE(CurrentFromReference(map, camera, track, passed));
-  EXPECT_FALSE(PixelOf(map, camera, track.landmark, passed));
+  EXPECT_TRUE(CurrentFromReference(map, track, kReference));
+  EXPECT_FALSE(CurrentFromReference(map, track, passed));
+  EXPECT_FALSE(PixelOf(map, track.landmark, passed));
 }
 
 TEST(FeatureTracks, PredictionsProjectDepthsAndTurnTheRest) {
@@ -102,7 +102,7 @@ TEST(FeatureTracks, PredictionsProjectDepthsAndTurnTheRest) {
   const std::vector<FeatureTrack> tracks = {AddTrack(camera, {200, 120}, 12, true, map),
                                             AddTrack(camera, {420, 220}, 12, false, map),
                                             AddTrack(camera, {300, 160}, 1, true, map)};
-  const std::vector<cv::Point2f> guesses = PredictPixels(map, camera, tracks, kReference, kCurrent);
+  const std::vector<cv::Point2f> guesses = PredictPixels(map, tracks, kReference, kCurrent);
   ASSERT_EQ(guesses.size(), 3U);
   const Eigen::Vector2d projected = camera.Project(kCurrent * map.landmarks[0].position).value();
   EXPECT_NEAR(guesses[0].x, projected.x(), 1e-3);
@@ -119,7 +119,7 @@ TEST(FeatureTracks, PixelOfEndsAtTheImageBorder) {
   Map map = OneKeyframe(camera);
   const auto seen = [&](double x, double y) {
     const FeatureTrack track = AddTrack(camera, {x, y}, 10, true, map);
-    return PixelOf(map, camera, track.landmark, kReference);
+    return PixelOf(map, track.landmark, kReference);
   };
   ASSERT_TRUE(seen(0.5, 0.5));
   EXPECT_NEAR(seen(0.5, 318.5)->y, 318.5, 1e-3);
@@ -147,17 +147,17 @@ TEST(FeatureTracks, AlignmentFindsTheReferenceViewAgain) {
   Map map = OneKeyframe(camera);
   const SyntheticTexture texture(2);
   const cv::Mat reference = ImageOfWall(texture, camera, kReference);
-  const cv::Mat current = ImageOfWall(texture, camera, kCurrent);
+  const FlowImage current{.gray = ImageOfWall(texture, camera, kCurrent), .pyramid = {}};
   int found = 0;
   int tried = 0;
   for (double y = 60; y <= 260; y += 25)
     for (double x = 200; x <= 440; x += 25) {
       FeatureTrack track = AddTrack(camera, {x, y}, kWall, true, map);
       track.reference_image = std::make_shared<const cv::Mat>(reference);
-      const std::optional<cv::Point2f> truth = PixelOf(map, camera, track.landmark, kCurrent);
+      const std::optional<cv::Point2f> truth = PixelOf(map, track.landmark, kCurrent);
       if (!truth) continue;
       ++tried;
-      if (!AlignTrack({}, map, camera, current, kCurrent, *truth + cv::Point2f(0.8F, -0.6F), track)) continue;
+      if (!AlignTrack({}, map, {current, kCurrent}, *truth + cv::Point2f(0.8F, -0.6F), track)) continue;
       ++found;
       EXPECT_LT(std::hypot(track.pixel.x - truth->x, track.pixel.y - truth->y), 0.1) << x << ' ' << y;
       EXPECT_NEAR(track.undistorted.x(), track.pixel.x, 1e-3);
@@ -171,9 +171,9 @@ TEST(FeatureTracks, WhatLooksDifferentIsLeftAsItWas) {
   Map map = OneKeyframe(camera);
   FeatureTrack track = AddTrack(camera, {300, 150}, kWall, true, map);
   track.reference_image = std::make_shared<const cv::Mat>(ImageOfWall(SyntheticTexture(3), camera, kReference));
-  const cv::Mat flat(camera.height, camera.width, CV_8U, cv::Scalar(90));
+  const FlowImage flat{.gray = cv::Mat(camera.height, camera.width, CV_8U, cv::Scalar(90)), .pyramid = {}};
   const FeatureTrack before = track;
-  EXPECT_FALSE(AlignTrack({}, map, camera, flat, kReference, {301, 151}, track));
+  EXPECT_FALSE(AlignTrack({}, map, {flat, kReference}, {301, 151}, track));
   EXPECT_EQ(track.pixel, before.pixel);
   EXPECT_EQ(track.undistorted, before.undistorted);
 }
@@ -181,21 +181,21 @@ TEST(FeatureTracks, WhatLooksDifferentIsLeftAsItWas) {
 TEST(FeatureTracks, AligningManyIsAligningEach) {
   const CameraModel camera = Undistorted();
   Map map = OneKeyframe(camera);
-  const cv::Mat image = ImageOfWall(SyntheticTexture(3), camera, kReference);
+  const FlowImage image{.gray = ImageOfWall(SyntheticTexture(3), camera, kReference), .pyramid = {}};
   std::vector<FeatureTrack> tracks;
   std::vector<std::optional<cv::Point2f>> guesses;
   for (float x = 100; x <= 500; x += 10) {
     tracks.push_back(AddTrack(camera, {x, 150}, kWall, true, map));
-    tracks.back().reference_image = std::make_shared<const cv::Mat>(image);
+    tracks.back().reference_image = std::make_shared<const cv::Mat>(image.gray);
     guesses.emplace_back(cv::Point2f(x + 1, 150.5F));
   }
   guesses[3].reset();
   std::vector<FeatureTrack> one_by_one = tracks;
-  const std::vector<uchar> aligned = AlignTracks({}, map, camera, image, kReference, guesses, tracks);
+  const std::vector<uchar> aligned = AlignTracks({}, map, {image, kReference}, guesses, tracks);
   ASSERT_EQ(aligned.size(), tracks.size());
   EXPECT_EQ(aligned[3], 0);
   for (size_t i = 0; i < tracks.size(); ++i) {
-    const bool same = guesses[i] && AlignTrack({}, map, camera, image, kReference, *guesses[i], one_by_one[i]);
+    const bool same = guesses[i] && AlignTrack({}, map, {image, kReference}, *guesses[i], one_by_one[i]);
     EXPECT_EQ(aligned[i] != 0, same);
     EXPECT_EQ(tracks[i].pixel, one_by_one[i].pixel);
   }
@@ -213,7 +213,7 @@ TEST(FeatureTracks, FollowingSortsFoundAndLost) {
   for (double x = 100; x <= 500; x += 50) tracks.push_back(AddTrack(camera, {x, 150}, kWall, x < 300, map));
   tracks.push_back(AddTrack(camera, {638.5, 150}, kWall, false, map));
   const std::vector<cv::Point2f> guesses = PixelsOf(tracks);
-  const FollowedTracks followed = FollowTracks({}, map, camera, first, second, tracks, guesses);
+  const FollowedTracks followed = FollowTracks({}, map, first, second, tracks, guesses);
   ASSERT_EQ(followed.found.size(), 9U);
   ASSERT_EQ(followed.lost.size(), 1U);
   for (size_t i = 0; i < followed.found.size(); ++i) {
@@ -232,8 +232,7 @@ struct WallDrive {
   }
 
   FollowedTracks Follow(double from, double to, const std::vector<FeatureTrack>& before) const {
-    return FollowWithoutDepth({}, map, camera, Image(from), Image(to), before, CameraFromWorld(from),
-                              CameraFromWorld(to));
+    return FollowWithoutDepth({}, map, {Image(from), CameraFromWorld(from)}, {Image(to), CameraFromWorld(to)}, before);
   }
 
   static RigidTransform CameraFromWorld(double metres) {

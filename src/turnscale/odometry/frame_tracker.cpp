@@ -39,15 +39,19 @@ void FrameTracker::Start(const FlowImage& image, std::vector<FeatureTrack> track
   features_in_keyframe_ = static_cast<int>(tracks_.size());
 }
 
-bool FrameTracker::IsRepeat(const Map& map, const CameraModel& camera, const FlowImage& image,
-                            const RigidTransform& predicted, double interval) const {
-  return IsRepeated(options_.repeats, options_.alignment, map, camera, last_image_.gray, image.gray, tracks_, predicted,
-                    interval);
+bool FrameTracker::IsRepeat(const Map& map, const FlowImage& image, const RigidTransform& predicted,
+                            double interval) const {
+  return IsRepeated(options_.repeats, options_.alignment, map,
+                    {.first = last_image_.gray,
+                     .tracks = tracks_,
+                     .second = image.gray,
+                     .predicted_from_world = predicted,
+                     .interval = interval});
 }
 
-TrackedFrame FrameTracker::Track(const Map& map, const CameraModel& camera, const FlowImage& image,
-                                 const MotionModel& motion, const RigidTransform& predicted, double time) {
-  TrackedPose tracked = TrackImage(options_, map, camera, mask_,
+TrackedFrame FrameTracker::Track(const Map& map, const FlowImage& image, const MotionModel& motion,
+                                 const RigidTransform& predicted, double time) {
+  TrackedPose tracked = TrackImage(options_, map, mask_,
                                    {.last_image = last_image_,
                                     .tracks = tracks_,
                                     .lost_tracks = lost_tracks_,
@@ -125,8 +129,7 @@ bool FrameTracker::NeedsKeyframe(const Map& map, const TrackedFrame& frame) cons
   return Median(std::move(parallax)) * kDegreesPerRadian > limits.min_parallax_deg;
 }
 
-void FrameTracker::Replenish(const CameraModel& camera, const FlowImage& image,
-                             const std::vector<cv::KeyPoint>& candidates, Map& map) {
+void FrameTracker::Replenish(const FlowImage& image, const std::vector<cv::KeyPoint>& candidates, Map& map) {
   landmarks_in_keyframe_ = static_cast<int>(
       std::ranges::count_if(tracks_, [&](const FeatureTrack& track) { return map.landmarks[track.landmark].valid; }));
   for (FeatureTrack& track : tracks_) {
@@ -135,19 +138,18 @@ void FrameTracker::Replenish(const CameraModel& camera, const FlowImage& image,
   }
   for (FeatureTrack& track : lost_tracks_) track.in_keyframe.reset();
   const auto reference = std::make_shared<const cv::Mat>(image.gray);
-  RenewReferences(map, camera, reference);
-  DetectNewFeatures(camera, reference, candidates, map);
+  RenewReferences(map, reference);
+  DetectNewFeatures(reference, candidates, map);
   features_in_keyframe_ = static_cast<int>(tracks_.size());
 }
 
-void FrameTracker::RenewReferences(const Map& map, const CameraModel& camera,
-                                   const std::shared_ptr<const cv::Mat>& image) {
+void FrameTracker::RenewReferences(const Map& map, const std::shared_ptr<const cv::Mat>& image) {
   const int keyframe = static_cast<int>(map.keyframes.size()) - 1;
   const double limit = options_.keyframes.max_growth * options_.keyframes.max_growth;
   const auto has_grown = [&](const FeatureTrack& track) {
     if (!map.landmarks[track.landmark].valid) return false;
     const std::optional<Eigen::Matrix2d> current_from_reference =
-        CurrentFromReference(map, camera, track, map.keyframes[keyframe].camera_from_world);
+        CurrentFromReference(map, track, map.keyframes[keyframe].camera_from_world);
     return current_from_reference && current_from_reference->determinant() >= limit;
   };
   for (FeatureTrack& track : tracks_) {
@@ -159,11 +161,11 @@ void FrameTracker::RenewReferences(const Map& map, const CameraModel& camera,
   }
 }
 
-void FrameTracker::DetectNewFeatures(const CameraModel& camera, const std::shared_ptr<const cv::Mat>& image,
+void FrameTracker::DetectNewFeatures(const std::shared_ptr<const cv::Mat>& image,
                                      const std::vector<cv::KeyPoint>& candidates, Map& map) {
   const int keyframe = static_cast<int>(map.keyframes.size()) - 1;
   for (const cv::Point2f& corner : DetectCorners(options_.corners, *image, candidates, PixelsOf(tracks_), mask_)) {
-    const std::optional<Eigen::Vector2d> undistorted = camera.Undistort({corner.x, corner.y});
+    const std::optional<Eigen::Vector2d> undistorted = map.camera.Undistort({corner.x, corner.y});
     if (!undistorted) continue;
     const int landmark = static_cast<int>(map.landmarks.size());
     map.landmarks.push_back({});

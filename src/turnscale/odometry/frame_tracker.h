@@ -8,7 +8,6 @@
 
 #include <Eigen/Core>
 
-#include "turnscale/camera/camera_model.h"
 #include "turnscale/features/optical_flow.h"
 #include "turnscale/geometry/rigid_transform.h"
 #include "turnscale/mapping/map.h"
@@ -26,8 +25,8 @@ struct TrackedFrame {
   std::optional<RigidTransform> camera_from_world;
 };
 
-/// Tracks the map's landmarks from image to image and estimates the camera's pose from them. Map and camera are the
-/// caller's; only Replenish adds to the map.
+/// Tracks the map's landmarks from image to image and estimates the camera's pose from them. The map is the
+/// caller's; only Replenish adds to it.
 class FrameTracker {
  public:
   explicit FrameTracker(const OdometryOptions& options) : options_(options) {}
@@ -37,13 +36,12 @@ class FrameTracker {
 
   /// Whether the image is the last tracked one once more; `interval`: seconds since the last image that was
   /// tracked or was itself a repeat.
-  bool IsRepeat(const Map& map, const CameraModel& camera, const FlowImage& image, const RigidTransform& predicted,
-                double interval) const;
+  bool IsRepeat(const Map& map, const FlowImage& image, const RigidTransform& predicted, double interval) const;
 
   /// The camera's pose in the next image, taken at `time` seconds: searched from the predicted pose, then from the
   /// motion model's others.
-  TrackedFrame Track(const Map& map, const CameraModel& camera, const FlowImage& image, const MotionModel& motion,
-                     const RigidTransform& predicted, double time);
+  TrackedFrame Track(const Map& map, const FlowImage& image, const MotionModel& motion, const RigidTransform& predicted,
+                     double time);
 
   /// Whether the camera had stood still for a second at least when the last image was tracked.
   bool HasStood() const;
@@ -53,8 +51,7 @@ class FrameTracker {
 
   /// The image that was tracked last is the map's latest keyframe: renews reference images, and adds new features as
   /// landmarks without a depth, out of the image's candidates (FindCandidates).
-  void Replenish(const CameraModel& camera, const FlowImage& image, const std::vector<cv::KeyPoint>& candidates,
-                 Map& map);
+  void Replenish(const FlowImage& image, const std::vector<cv::KeyPoint>& candidates, Map& map);
 
   /// Pixels that are 0 are left out from now on (8 bit; empty: none are).
   void SetMask(const cv::Mat& mask) { mask_ = mask; }
@@ -79,9 +76,9 @@ class FrameTracker {
   // Updates `stands_since_` with the image tracked last.
   void NoticeStanding(const Map& map, int inliers, double time);
   // The image is that of the latest keyframe.
-  void RenewReferences(const Map& map, const CameraModel& camera, const std::shared_ptr<const cv::Mat>& image);
-  void DetectNewFeatures(const CameraModel& camera, const std::shared_ptr<const cv::Mat>& image,
-                         const std::vector<cv::KeyPoint>& candidates, Map& map);
+  void RenewReferences(const Map& map, const std::shared_ptr<const cv::Mat>& image);
+  void DetectNewFeatures(const std::shared_ptr<const cv::Mat>& image, const std::vector<cv::KeyPoint>& candidates,
+                         Map& map);
 
   OdometryOptions options_;
   cv::Mat mask_;

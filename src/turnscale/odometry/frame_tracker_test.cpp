@@ -23,10 +23,7 @@ constexpr double kInterval = 0.1;  // seconds
 class FrameTracking : public testing::Test {
  protected:
   FrameTracking() {
-    camera_.pinhole = {400, 400, 160, 120};
-    camera_.width = 320;
-    camera_.height = 240;
-    map_.camera.pinhole = camera_.pinhole;
+    map_.camera = {.pinhole = {400, 400, 160, 120}, .width = 320, .height = 240};
     map_.keyframes.push_back({0, 0, {}, {}, false});
     const FlowImage image = Seen(0);
     const auto reference = std::make_shared<const cv::Mat>(image.gray);
@@ -35,7 +32,7 @@ class FrameTracking : public testing::Test {
       for (int column = 24; column <= 296; column += 16) {
         const Eigen::Vector2d pixel(column + 0.3, row - 0.2);
         const int landmark = static_cast<int>(map_.landmarks.size());
-        map_.landmarks.push_back({kWallDepth * camera_.pinhole.Ray(pixel), true, {}});
+        map_.landmarks.push_back({kWallDepth * map_.camera.pinhole.Ray(pixel), true, {}});
         AddObservation(map_, 0, landmark, pixel);
         const cv::Point2f shown(static_cast<float>(pixel.x()), static_cast<float>(pixel.y()));
         tracks.push_back({landmark, shown, pixel, pixel, reference, shown, 0, 0});
@@ -46,11 +43,12 @@ class FrameTracking : public testing::Test {
   }
 
   RigidTransform Moved(double pixels) const {
-    return {Eigen::Quaterniond::Identity(), {-pixels * kWallDepth / camera_.pinhole.fx, 0, 0}};
+    return {Eigen::Quaterniond::Identity(), {-pixels * kWallDepth / map_.camera.pinhole.fx, 0, 0}};
   }
 
   FlowImage Seen(double pixels) const {
-    return BuildFlowImage(options_.flow, MakeImage({camera_.width, camera_.height}, [&](const Eigen::Vector2d& pixel) {
+    return BuildFlowImage(options_.flow,
+                          MakeImage({map_.camera.width, map_.camera.height}, [&](const Eigen::Vector2d& pixel) {
                             return texture_.At(pixel + Eigen::Vector2d(pixels, 0));
                           }));
   }
@@ -58,16 +56,15 @@ class FrameTracking : public testing::Test {
   FlowImage Noise() const {
     std::mt19937 random(3);
     std::uniform_real_distribution<double> gray(0, 255);
-    return BuildFlowImage(options_.flow, MakeImage({camera_.width, camera_.height},
+    return BuildFlowImage(options_.flow, MakeImage({map_.camera.width, map_.camera.height},
                                                    [&](const Eigen::Vector2d&) { return gray(random); }));
   }
 
   TrackedFrame Track(const FlowImage& image, double predicted_pixels) {
-    return tracker_.Track(map_, camera_, image, motion_, Moved(predicted_pixels), kInterval);
+    return tracker_.Track(map_, image, motion_, Moved(predicted_pixels), kInterval);
   }
 
   OdometryOptions options_;
-  CameraModel camera_;
   Map map_;
   SyntheticTexture texture_{11};
   FrameTracker tracker_{options_};
@@ -105,7 +102,7 @@ TEST_F(FrameTracking, FindsThePoseWhereMostOfTheSampleIsGone) {
     EXPECT_GT(track.pixel.x, 180);
     // Half of the wall hardly tells a turn from a motion to the side; where it is seen, it does.
     const Eigen::Vector3d seen = *frame.camera_from_world * map_.landmarks[track.landmark].position;
-    EXPECT_LT((camera_.pinhole.Project(seen) - *track.in_keyframe + Eigen::Vector2d(6.4, 0)).norm(), 0.2);
+    EXPECT_LT((map_.camera.pinhole.Project(seen) - *track.in_keyframe + Eigen::Vector2d(6.4, 0)).norm(), 0.2);
     EXPECT_FALSE(track.parallax) << "that of an earlier image";
   }
 }
@@ -126,7 +123,7 @@ TEST_F(FrameTracking, FindsThePoseByFewLandmarks) {
 TEST_F(FrameTracking, FindsThePoseFromAnotherPrediction) {
   // The prediction is out of the optical flow's reach; that the camera stands still is right.
   motion_.Update(kInterval, {});
-  const TrackedFrame frame = tracker_.Track(map_, camera_, Seen(0.3), motion_, Moved(250), 2 * kInterval);
+  const TrackedFrame frame = tracker_.Track(map_, Seen(0.3), motion_, Moved(250), 2 * kInterval);
   ASSERT_TRUE(frame.camera_from_world);
   EXPECT_LT((frame.camera_from_world->translation - Moved(0.3).translation).norm(), 0.05 * kWallDepth / 400);
 }
@@ -140,8 +137,8 @@ TEST_F(FrameTracking, WhatShowsNothingKnownLeavesTheTracks) {
 }
 
 TEST_F(FrameTracking, AnImageThatIsTheLastOneIsARepeat) {
-  EXPECT_TRUE(tracker_.IsRepeat(map_, camera_, Seen(0), Moved(5), 0.1));
-  EXPECT_FALSE(tracker_.IsRepeat(map_, camera_, Seen(5), Moved(5), 0.1));
+  EXPECT_TRUE(tracker_.IsRepeat(map_, Seen(0), Moved(5), 0.1));
+  EXPECT_FALSE(tracker_.IsRepeat(map_, Seen(5), Moved(5), 0.1));
 }
 
 TEST_F(FrameTracking, AKeyframeIsDueAfterEnoughParallax) {
@@ -161,7 +158,7 @@ TEST_F(FrameTracking, AKeyframeGetsNewFeatures) {
   map_.keyframes.push_back({1, kInterval, *frame.camera_from_world, {}, false});
   const size_t tracked = tracker_.tracks().size();
   const size_t landmarks = map_.landmarks.size();
-  tracker_.Replenish(camera_, image, FindCandidates(options_.corners, image.gray), map_);
+  tracker_.Replenish(image, FindCandidates(options_.corners, image.gray), map_);
   EXPECT_GT(map_.landmarks.size(), landmarks);
   EXPECT_EQ(tracker_.tracks().size() - tracked, map_.landmarks.size() - landmarks);
   EXPECT_FALSE(map_.landmarks.back().valid) << "its depth is not known yet";
@@ -199,14 +196,14 @@ TEST_F(FrameTracking, WhatStandsStillWhileTheSceneMovesIsNoneOfIt) {
 }
 
 TEST_F(FrameTracking, MaskedPixelsAreLeftOut) {
-  cv::Mat mask(camera_.height, camera_.width, CV_8U, cv::Scalar(255));
+  cv::Mat mask(map_.camera.height, map_.camera.width, CV_8U, cv::Scalar(255));
   mask.rowRange(160, 240).setTo(0);
   tracker_.SetMask(mask);
   const FlowImage image = Seen(20);
   const TrackedFrame frame = Track(image, 20);
   ASSERT_TRUE(frame.camera_from_world);
   map_.keyframes.push_back({1, kInterval, *frame.camera_from_world, {}, false});
-  tracker_.Replenish(camera_, image, FindCandidates(options_.corners, image.gray), map_);
+  tracker_.Replenish(image, FindCandidates(options_.corners, image.gray), map_);
   EXPECT_GT(tracker_.tracks().size(), 100U);
   for (const FeatureTrack& track : tracker_.tracks()) EXPECT_TRUE(IsKept(mask, track.pixel)) << track.pixel;
 }

@@ -36,11 +36,9 @@ constexpr double kMuchLarger = 2.25;
 // Tracks landmarks into the next image, from a pose that the caller assumes there.
 class ImageTracker {
  public:
-  ImageTracker(const OdometryOptions& options, const Map& map, const CameraModel& camera, const cv::Mat& mask,
-               const ImageStep& step)
+  ImageTracker(const OdometryOptions& options, const Map& map, const cv::Mat& mask, const ImageStep& step)
       : options_(options),
         map_(map),
-        camera_(camera),
         mask_(mask),
         step_(step),
         last_(step.motion.last()),
@@ -72,9 +70,7 @@ class ImageTracker {
   }
 
   // Searches all poses that the car may have reached.
-  std::optional<RigidTransform> SearchAll() const {
-    return SearchPose(map_, camera_, step_.last_image, step_.image, step_.tracks, step_.motion, step_.time);
-  }
+  std::optional<RigidTransform> SearchAll() const { return SearchPose(map_, step_); }
 
   // Aligns a believable pose over a wider range if fewer landmarks agree with it than should: what has come nearer over
   // a long interval looks too different for optical flow.
@@ -83,8 +79,7 @@ class ImageTracker {
     const auto with_depth =
         std::ranges::count_if(step_.tracks, [&](const FeatureTrack& track) { return HasDepth(track); });
     if (pose.estimate.inliers >= kLeastShareOfSample * static_cast<double>(with_depth)) return std::nullopt;
-    return AlignPose(map_, camera_, step_.last_image, step_.image, step_.tracks, last_,
-                     pose.estimate.camera_from_world);
+    return AlignPose(map_, step_, pose.estimate.camera_from_world);
   }
 
  private:
@@ -127,8 +122,8 @@ class ImageTracker {
 
   FollowedTracks Follow(const std::vector<FeatureTrack>& tracks, const RigidTransform& predicted,
                         std::optional<int> levels) const {
-    FollowedTracks followed = FollowTracks(options_.flow, map_, camera_, before_, step_.image, tracks,
-                                           PredictPixels(map_, camera_, tracks, last_, predicted), levels);
+    FollowedTracks followed = FollowTracks(options_.flow, map_, before_, step_.image, tracks,
+                                           PredictPixels(map_, tracks, last_, predicted), levels);
     DropMasked(followed);
     return followed;
   }
@@ -142,7 +137,7 @@ class ImageTracker {
     without_depth.reserve(step_.tracks.size());
     for (const FeatureTrack& track : step_.tracks) (HasDepth(track) ? with_depth : without_depth).push_back(track);
     FollowedTracks followed =
-        FollowWithoutDepth(options_.flow, map_, camera_, before_, step_.image, without_depth, last_, pose);
+        FollowWithoutDepth(options_.flow, map_, {before_, last_}, {step_.image, pose}, without_depth);
     with_depth.insert(with_depth.end(), step_.lost_tracks.begin(), step_.lost_tracks.end());
     SearchByMap(pose, std::move(with_depth), followed);
     DropMasked(followed);
@@ -155,8 +150,7 @@ class ImageTracker {
     std::vector<std::optional<cv::Point2f>> guesses;
     for (const FeatureTrack& track : tracks.found)
       guesses.push_back(HasDepth(track) ? std::optional(track.pixel) : std::nullopt);
-    const std::vector<uchar> same =
-        AlignTracks(options_.alignment, map_, camera_, step_.image.gray, pose, guesses, tracks.found);
+    const std::vector<uchar> same = AlignTracks(options_.alignment, map_, {step_.image, pose}, guesses, tracks.found);
     std::vector<FeatureTrack> missing = step_.lost_tracks;
     std::ranges::move(tracks.lost, std::back_inserter(missing));
     FollowedTracks aligned;
@@ -173,10 +167,9 @@ class ImageTracker {
     std::erase_if(missing, [&](const FeatureTrack& track) { return !HasDepth(track) || track.last_keyframe < oldest; });
     std::vector<std::optional<cv::Point2f>> guesses(missing.size());
     cv::parallel_for_(cv::Range(0, static_cast<int>(missing.size())), [&](const cv::Range& range) {
-      for (int i = range.start; i < range.end; ++i) guesses[i] = PixelOf(map_, camera_, missing[i].landmark, pose);
+      for (int i = range.start; i < range.end; ++i) guesses[i] = PixelOf(map_, missing[i].landmark, pose);
     });
-    const std::vector<uchar> found =
-        AlignTracks(options_.alignment, map_, camera_, step_.image.gray, pose, guesses, missing);
+    const std::vector<uchar> found = AlignTracks(options_.alignment, map_, {step_.image, pose}, guesses, missing);
     tracks.found.reserve(tracks.found.size() + missing.size());
     for (size_t i = 0; i < missing.size(); ++i)
       (found[i] != 0 ? tracks.found : tracks.lost).push_back(std::move(missing[i]));
@@ -192,7 +185,7 @@ class ImageTracker {
       const auto before = in_last_image.find(track.landmark);
       const std::optional<Eigen::Vector2d> pixel =
           before == in_last_image.end() ? std::nullopt : PixelByLastImage(track.landmark, before->second, pose);
-      const std::optional<Eigen::Vector2d> undistorted = pixel ? camera_.Undistort(*pixel) : std::nullopt;
+      const std::optional<Eigen::Vector2d> undistorted = pixel ? map_.camera.Undistort(*pixel) : std::nullopt;
       if (undistorted) {
         track.pixel = {static_cast<float>(pixel->x()), static_cast<float>(pixel->y())};
         track.undistorted = *undistorted;
@@ -204,9 +197,9 @@ class ImageTracker {
   // Where the next image shows a landmark, by what it looks like at its pixel in the last one.
   std::optional<Eigen::Vector2d> PixelByLastImage(int landmark, const Eigen::Vector2d& last_pixel,
                                                   const RigidTransform& pose) const {
-    const std::optional<cv::Point2f> guess = PixelOf(map_, camera_, landmark, pose);
+    const std::optional<cv::Point2f> guess = PixelOf(map_, landmark, pose);
     const std::optional<Eigen::Matrix2d> current_from_last =
-        CurrentFromReference(camera_, map_.landmarks[landmark].position, last_, pose);
+        CurrentFromReference(map_.camera, map_.landmarks[landmark].position, last_, pose);
     if (!guess || !current_from_last) return std::nullopt;
     const double growth = current_from_last->determinant();
     if (!(growth > 0)) return std::nullopt;
@@ -231,7 +224,6 @@ class ImageTracker {
 
   const OdometryOptions& options_;
   const Map& map_;
-  const CameraModel& camera_;
   const cv::Mat& mask_;
   const ImageStep& step_;
   RigidTransform last_;  // the camera's pose in the last image
@@ -245,9 +237,9 @@ bool IsBelievable(const TrackingOptions& options, const PoseEstimate& estimate) 
          estimate.inliers >= options.min_inlier_share * static_cast<double>(estimate.inlier.size());
 }
 
-TrackedPose TrackImage(const OdometryOptions& options, const Map& map, const CameraModel& camera, const cv::Mat& mask,
-                       const ImageStep& step, const RigidTransform& predicted) {
-  const ImageTracker tracker(options, map, camera, mask, step);
+TrackedPose TrackImage(const OdometryOptions& options, const Map& map, const cv::Mat& mask, const ImageStep& step,
+                       const RigidTransform& predicted) {
+  const ImageTracker tracker(options, map, mask, step);
   TrackedPose tracked = tracker.TrackFrom(predicted);
   if (!tracker.IsBelievable(tracked)) {
     for (const RigidTransform& other : step.motion.OtherPredictions(step.time)) {

@@ -1,31 +1,16 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <vector>
-
 #include <opencv2/core.hpp>
 
-#include "turnscale/camera/camera_model.h"
-#include "turnscale/features/optical_flow.h"
 #include "turnscale/geometry/rigid_transform.h"
 #include "turnscale/mapping/map.h"
 #include "turnscale/mapping/pose_estimation.h"
 #include "turnscale/odometry/feature_tracks.h"
-#include "turnscale/odometry/motion_model.h"
+#include "turnscale/odometry/image_step.h"
 #include "turnscale/odometry/options.h"
 
 namespace turnscale {
-
-/// The last image whose pose was measured, and the next one.
-struct ImageStep {
-  const FlowImage& last_image;
-  const std::vector<FeatureTrack>& tracks;       ///< what the last image shows
-  const std::vector<FeatureTrack>& lost_tracks;  ///< landmarks seen recently that are not in it
-  const MotionModel& motion;                     ///< up to the last image
-  bool has_stood = false;                        ///< whether the camera had stood still for a while by then
-  const FlowImage& image;                        ///< the next one
-  double time = 0;                               ///< of it, seconds
-};
 
 /// What a pose is estimated from. Tracks that contradict it count as lost: mistracked, or on moving objects.
 struct TrackedPose {
@@ -40,7 +25,7 @@ bool IsBelievable(const TrackingOptions& options, const PoseEstimate& estimate);
 /// Where that fails, it starts in turn at the motion model's other predictions, at the last pose if the camera has
 /// stood (what passes may have hidden nearly all that the last image showed), and at what a wide search finds. Where
 /// all fail, the pose returned is not believable. Pixels of `mask` that are 0 are left out (8 bit; empty: none are).
-TrackedPose TrackImage(const OdometryOptions& options, const Map& map, const CameraModel& camera, const cv::Mat& mask,
-                       const ImageStep& step, const RigidTransform& predicted);
+TrackedPose TrackImage(const OdometryOptions& options, const Map& map, const cv::Mat& mask, const ImageStep& step,
+                       const RigidTransform& predicted);
 
 }  // namespace turnscale

@@ -102,12 +102,11 @@ AddedStart AddStart(const InitialMap& start, const StartPlace& place, Map& map) 
   return added;
 }
 
-std::vector<LocatedFrame> LocateWaitingFrames(const OdometryOptions& options, const CameraModel& camera,
-                                              const InitialMap& start, const Map& map, int keyframe, int first_landmark,
-                                              MotionModel& motion) {
+std::vector<LocatedFrame> LocateWaitingFrames(const OdometryOptions& options, const InitialMap& start,
+                                              const AddedStart& added, const Map& map, MotionModel& motion) {
   Ensure(start.frames.size() >= 2, "a map starts from two views");
   const auto estimate = [&](const WaitingFrame& frame, const RigidTransform& initial) {
-    return EstimatePose(options.pose, camera.pinhole, SightingsIn(map, frame, first_landmark), initial);
+    return EstimatePose(options.pose, map.camera.pinhole, SightingsIn(map, frame, added.first_landmark), initial);
   };
   const auto result_of = [](const WaitingFrame& frame, TrackingState state, int inliers) {
     FrameResult result;
@@ -124,10 +123,10 @@ std::vector<LocatedFrame> LocateWaitingFrames(const OdometryOptions& options, co
   const WaitingFrame* moved = &start.frames.front();  // the latest one whose pose was measured
   const auto repeats = [&](std::size_t i) {
     const double interval = start.frames[i].time - start.frames[i - 1].time;
-    return Repeats(options.repeats, motion, map, *moved, start.frames[i], interval, first_landmark);
+    return Repeats(options.repeats, motion, map, *moved, start.frames[i], interval, added.first_landmark);
   };
 
-  const RigidTransform& first_pose = map.keyframes[keyframe].camera_from_world;
+  const RigidTransform& first_pose = map.keyframes[added.keyframe].camera_from_world;
   const PoseEstimate first = estimate(*moved, first_pose);
   std::vector<LocatedFrame> located{{result_of(*moved, state_of(first), first.inliers), first_pose}};
   located.back().result.keyframe = true;
@@ -147,7 +146,7 @@ std::vector<LocatedFrame> LocateWaitingFrames(const OdometryOptions& options, co
     motion.Update(frame.time, pose.camera_from_world);
     moved = &frame;
   }
-  if (!repeats(second)) motion.Update(start.frames[second].time, map.keyframes[keyframe + 1].camera_from_world);
+  if (!repeats(second)) motion.Update(start.frames[second].time, map.keyframes[added.keyframe + 1].camera_from_world);
   return located;
 }
 

@@ -3,7 +3,6 @@
 
 #include <vector>
 
-#include "turnscale/camera/camera_model.h"
 #include "turnscale/geometry/rigid_transform.h"
 #include "turnscale/mapping/map.h"
 #include "turnscale/odometry/feature_tracks.h"
@@ -44,10 +43,9 @@ struct LocatedFrame {
   RigidTransform camera_from_world;
 };
 
-/// The poses of the frames that waited for the map, except that of the second view, which is a keyframe. `keyframe` and
-/// `first_landmark` are those of AddStart. The motion model goes along to the second view.
-std::vector<LocatedFrame> LocateWaitingFrames(const OdometryOptions& options, const CameraModel& camera,
-                                              const InitialMap& start, const Map& map, int keyframe, int first_landmark,
-                                              MotionModel& motion);
+/// The poses of the frames that waited for the map, except that of the second view, which is a keyframe. The motion
+/// model goes along to the second view.
+std::vector<LocatedFrame> LocateWaitingFrames(const OdometryOptions& options, const InitialMap& start,
+                                              const AddedStart& added, const Map& map, MotionModel& motion);
 
 }  // namespace turnscale

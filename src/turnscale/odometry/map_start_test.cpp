@@ -89,8 +89,7 @@ TEST(MapStart, FramesInBetweenAreLocated) {
   Map map = EmptyMap();
   const AddedStart added = AddStart(start.map, {}, map);
   MotionModel motion;
-  const std::vector<LocatedFrame> located =
-      LocateWaitingFrames({}, kCamera, start.map, map, added.keyframe, added.first_landmark, motion);
+  const std::vector<LocatedFrame> located = LocateWaitingFrames({}, start.map, added, map, motion);
   ASSERT_EQ(located.size(), 3U) << "the second view is a keyframe";
   for (int i = 0; i < 2; ++i) {
     EXPECT_EQ(located[i].result.frame, 20 + i);
@@ -110,8 +109,7 @@ TEST(MapStart, APoseThatNoOneBelievesIsNoMotion) {
   Map map = EmptyMap();
   const AddedStart added = AddStart(start.map, {}, map);
   MotionModel motion;
-  const std::vector<LocatedFrame> located =
-      LocateWaitingFrames({}, kCamera, start.map, map, added.keyframe, added.first_landmark, motion);
+  const std::vector<LocatedFrame> located = LocateWaitingFrames({}, start.map, added, map, motion);
   ASSERT_EQ(located.size(), 3U);
   EXPECT_EQ(located[2].result.state, TrackingState::kBridged);
   const double after = start.map.frames[3].time + 0.1;
@@ -126,7 +124,7 @@ TEST(MapStart, TheUnitAfterAGapFollowsFromDepthAndSpeed) {
   Map map = EmptyMap();
   const AddedStart added = AddStart(before.map, {}, map);
   MotionModel motion;
-  LocateWaitingFrames({}, kCamera, before.map, map, added.keyframe, added.first_landmark, motion);
+  LocateWaitingFrames({}, before.map, added, map, motion);
   const TrackingOptions options;
   const UnitGuess both = UnitAfterGap(options, map, motion, GoingAhead(6, 1, 10).map);
   EXPECT_NEAR(both.unit, 2, 0.01);

@@ -75,7 +75,7 @@ FrameResult Odometry::Process(const cv::Mat& gray, double time) {
 
   const RigidTransform predicted = motion_.Predict(time);
   if (time - motion_.last_measured_time() <= options_.repeats.max_seconds &&
-      tracker_.IsRepeat(map_, map_.camera, image, predicted, interval)) {
+      tracker_.IsRepeat(map_, image, predicted, interval)) {
     result.state = TrackingState::kRepeated;
     last_seen_time_ = time;
     return MetricResult(result, predicted);
@@ -90,9 +90,9 @@ FrameResult Odometry::Process(const cv::Mat& gray, double time) {
   ApplyBackgroundWork();
   AddKeyframe(result);
   result.keyframe = true;
-  // The road's observer reads only poses and gaps of keyframes, which adding features does not change.
+  // The road's observer reads only the camera, and poses and gaps of keyframes, which adding features does not change.
   std::future<std::optional<MeasuredHeight>> height = InBackground([&] { return ObserveRoad(image); });
-  tracker_.Replenish(map_.camera, image, corners.get(), map_);
+  tracker_.Replenish(image, corners.get(), map_);
   const bool turn_ended = ObserveScale(height.get());
   const TurningMotion motion = StepMotion(map_, static_cast<int>(map_.keyframes.size()) - 2, mount());
   result.psi = motion.psi;
@@ -184,8 +184,8 @@ void Odometry::StartMap(const FlowImage& image, const InitialMap& start) {
     place.first_from_world = motion_.Predict(start.frames.front().time);
     place.unit = UnitAfterGap(options_.tracking, map_, motion_, start);
   }
-  AddedStart added = AddStart(start, place, map_);
-  tracker_.Start(image, std::move(added.tracks), start.CountPoints());
+  const AddedStart added = AddStart(start, place, map_);
+  tracker_.Start(image, added.tracks, start.CountPoints());
   mask_.LeaveOut(start.motion);
   start_in_doubt_ = start.has_still_features ? std::optional(added.keyframe) : std::nullopt;
   ApplyMask();
@@ -193,13 +193,12 @@ void Odometry::StartMap(const FlowImage& image, const InitialMap& start) {
   lost_frames_ = 0;
   last_seen_time_ = start.frames.back().time;
   scale_.Add(map_);
-  for (const LocatedFrame& frame :
-       LocateWaitingFrames(options_, map_.camera, start, map_, added.keyframe, added.first_landmark, motion_))
+  for (const LocatedFrame& frame : LocateWaitingFrames(options_, start, added, map_, motion_))
     MetricResult(frame.result, added.keyframe, frame.camera_from_world);
 }
 
 TrackedFrame Odometry::Track(const FlowImage& image, const RigidTransform& predicted, FrameResult& result) {
-  TrackedFrame tracked = tracker_.Track(map_, map_.camera, image, motion_, predicted, result.time);
+  TrackedFrame tracked = tracker_.Track(map_, image, motion_, predicted, result.time);
   result.tracked = tracked.tracked;
   result.inliers = tracked.inliers;
   if (!tracked.camera_from_world) return tracked;
@@ -261,7 +260,7 @@ std::vector<int> Odometry::LandmarksOfScene() const {
 }
 
 std::optional<MeasuredHeight> Odometry::ObserveRoad(const FlowImage& image) {
-  return road_.Observe(map_, map_.camera, mount().current().vehicle_from_camera, image, mask_.pixels());
+  return road_.Observe(map_, mount().current().vehicle_from_camera, image, mask_.pixels());
 }
 
 bool Odometry::ObserveScale(const std::optional<MeasuredHeight>& height) {

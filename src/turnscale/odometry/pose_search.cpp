@@ -101,15 +101,13 @@ struct Match {
 
 class Search {
  public:
-  Search(const Map& map, const CameraModel& camera, const FlowImage& last_image, const RigidTransform& last_from_world,
-         const FlowImage& image, const std::vector<FeatureTrack>& tracks)
+  Search(const Map& map, const ImageStep& step)
       : map_(map),
-        camera_(camera),
-        last_pyramid_(last_image.pyramid),
-        last_from_world_(last_from_world),
-        pyramid_(image.pyramid),
-        coarsest_(CoarsestLevel(camera, static_cast<int>(image.pyramid.size()))),
-        tracks_(SampleWithDepth(map, tracks, kMostLandmarks)) {}
+        last_pyramid_(step.last_image.pyramid),
+        last_from_world_(step.motion.last()),
+        pyramid_(step.image.pyramid),
+        coarsest_(CoarsestLevel(map.camera.pinhole.fx, static_cast<int>(pyramid_.size()))),
+        tracks_(SampleWithDepth(map, step.tracks, kMostLandmarks)) {}
 
   bool HasLandmarks() const { return tracks_.size() >= kLeastInliers; }
 
@@ -134,7 +132,7 @@ class Search {
         for (const FeatureTrack* track : tracks_) {
           const std::optional<Match> match = Find(*track, pose, level, kReach);
           if (!match || match->correlation < kLeastMatch) continue;
-          const std::optional<Eigen::Vector2d> undistorted = camera_.Undistort(match->pixel);
+          const std::optional<Eigen::Vector2d> undistorted = map_.camera.Undistort(match->pixel);
           if (undistorted) sightings.push_back({map_.landmarks[track->landmark].position, *undistorted});
         }
         if (sightings.size() < kLeastInliers) return {};
@@ -150,7 +148,7 @@ class Search {
   // looked for within a few pixels of the pose, where most are inliers whatever the image shows.
   std::optional<RigidTransform> Believed(const PoseEstimate& estimate) const {
     const auto in_sight = std::ranges::count_if(tracks_, [&](const FeatureTrack* track) {
-      return PixelOf(map_, camera_, track->landmark, estimate.camera_from_world).has_value();
+      return PixelOf(map_, track->landmark, estimate.camera_from_world).has_value();
     });
     const double share = kLeastInlierShare * static_cast<double>(in_sight);
     if (estimate.inliers < std::max(static_cast<double>(kLeastInliers), share)) return std::nullopt;
@@ -158,8 +156,8 @@ class Search {
   }
 
  private:
-  static int CoarsestLevel(const CameraModel& camera, int levels) {
-    const int wanted = static_cast<int>(std::lround(std::log2(kCoarsePixel * camera.pinhole.fx)));
+  static int CoarsestLevel(double focal_length, int levels) {
+    const int wanted = static_cast<int>(std::lround(std::log2(kCoarsePixel * focal_length)));
     return std::min(std::max(wanted, kFinestLevel), levels - 1);
   }
 
@@ -171,7 +169,7 @@ class Search {
 
   // The landmark in the image of a level, at most `reach` of its pixels from where the pose has it.
   std::optional<Match> Find(const FeatureTrack& track, const RigidTransform& pose, int level, int reach) const {
-    const std::optional<cv::Point2f> expected = PixelOf(map_, camera_, track.landmark, pose);
+    const std::optional<cv::Point2f> expected = PixelOf(map_, track.landmark, pose);
     if (!expected) return std::nullopt;
     const cv::Mat& image = pyramid_[level];
     const double size = 1 << level;
@@ -180,7 +178,7 @@ class Search {
     const int margin = kHalf + reach;
     if (x < margin || y < margin || x >= image.cols - margin || y >= image.rows - margin) return std::nullopt;
     const std::optional<Eigen::Matrix2d> current_from_last =
-        CurrentFromReference(camera_, map_.landmarks[track.landmark].position, last_from_world_, pose);
+        CurrentFromReference(map_.camera, map_.landmarks[track.landmark].position, last_from_world_, pose);
     if (!current_from_last || !(current_from_last->determinant() > 0)) return std::nullopt;
     const int last_level = LevelOfPatch(level, std::sqrt(current_from_last->determinant()));
     const double last_size = 1 << last_level;
@@ -198,7 +196,6 @@ class Search {
   }
 
   const Map& map_;
-  const CameraModel& camera_;
   const std::vector<cv::Mat>& last_pyramid_;
   RigidTransform last_from_world_;
   const std::vector<cv::Mat>& pyramid_;
@@ -208,16 +205,14 @@ class Search {
 
 }  // namespace
 
-std::optional<RigidTransform> SearchPose(const Map& map, const CameraModel& camera, const FlowImage& last_image,
-                                         const FlowImage& image, const std::vector<FeatureTrack>& tracks,
-                                         const MotionModel& motion, double time) {
-  const Search search(map, camera, last_image, motion.last(), image, tracks);
+std::optional<RigidTransform> SearchPose(const Map& map, const ImageStep& step) {
+  const Search search(map, step);
   if (!search.HasLandmarks()) return std::nullopt;
   std::vector<RigidTransform> hypotheses;
-  const int turns = static_cast<int>(std::ceil(motion.TurnReach(time) / search.TurnStep()));
+  const int turns = static_cast<int>(std::ceil(step.motion.TurnReach(step.time) / search.TurnStep()));
   for (int turn = -turns; turn <= turns; ++turn)
     for (const double speed : kSpeeds)
-      hypotheses.push_back(motion.PredictOtherwise(time, turn * search.TurnStep(), speed));
+      hypotheses.push_back(step.motion.PredictOtherwise(step.time, turn * search.TurnStep(), speed));
   std::vector<double> scores(hypotheses.size());
   cv::parallel_for_(cv::Range(0, static_cast<int>(hypotheses.size())), [&](const cv::Range& range) {
     for (int i = range.start; i < range.end; ++i) scores[i] = search.Score(hypotheses[i]);
@@ -233,10 +228,8 @@ std::optional<RigidTransform> SearchPose(const Map& map, const CameraModel& came
   return search.Believed(*std::ranges::max_element(aligned, {}, &PoseEstimate::inliers));
 }
 
-std::optional<RigidTransform> AlignPose(const Map& map, const CameraModel& camera, const FlowImage& last_image,
-                                        const FlowImage& image, const std::vector<FeatureTrack>& tracks,
-                                        const RigidTransform& last_from_world, const RigidTransform& initial) {
-  const Search search(map, camera, last_image, last_from_world, image, tracks);
+std::optional<RigidTransform> AlignPose(const Map& map, const ImageStep& step, const RigidTransform& initial) {
+  const Search search(map, step);
   return search.Believed(search.Align(initial));
 }
 

@@ -25,10 +25,7 @@ constexpr double kSpeed = 0.4;  // metres per interval
 class PoseSearch : public testing::Test {
  protected:
   PoseSearch() {
-    camera_.pinhole = {200, 200, 159.5, 119.5};
-    camera_.width = 320;
-    camera_.height = 240;
-    map_.camera.pinhole = camera_.pinhole;
+    map_.camera = {.pinhole = {200, 200, 159.5, 119.5}, .width = 320, .height = 240};
     map_.keyframes.push_back({0, 0, {}, {}, false});
     first_ = Seen({});
     AddTracks(16);
@@ -60,7 +57,7 @@ class PoseSearch : public testing::Test {
   std::pair<size_t, Eigen::Vector3d> Surface(const RigidTransform& camera_from_world,
                                              const Eigen::Vector2d& pixel) const {
     const RigidTransform world_from_camera = camera_from_world.inverse();
-    const Eigen::Vector3d ray = world_from_camera.rotation * camera_.pinhole.Ray(pixel);
+    const Eigen::Vector3d ray = world_from_camera.rotation * map_.camera.pinhole.Ray(pixel);
     const Eigen::Vector3d& centre = world_from_camera.translation;
     const std::array<double, 3> distances = {(12 - centre.z()) / ray.z(), (-5 - centre.x()) / ray.x(),
                                              (7 - centre.x()) / ray.x()};
@@ -74,7 +71,8 @@ class PoseSearch : public testing::Test {
   FlowImage Seen(const RigidTransform& camera_from_world) const { return Seen(camera_from_world, texture_); }
 
   FlowImage Seen(const RigidTransform& camera_from_world, const SyntheticTexture& texture) const {
-    return BuildFlowImage(options_.flow, MakeImage({camera_.width, camera_.height}, [&](const Eigen::Vector2d& pixel) {
+    return BuildFlowImage(options_.flow,
+                          MakeImage({map_.camera.width, map_.camera.height}, [&](const Eigen::Vector2d& pixel) {
                             const auto [wall, point] = Surface(camera_from_world, pixel);
                             const Eigen::Vector2d place(wall == 0 ? point.x() : point.z(), point.y());
                             return texture.At(place + 100.0 * static_cast<double>(wall) * Eigen::Vector2d::Ones());
@@ -84,16 +82,20 @@ class PoseSearch : public testing::Test {
   FlowImage Noise() const {
     std::mt19937 random(3);
     std::uniform_real_distribution<double> gray(0, 255);
-    return BuildFlowImage(options_.flow, MakeImage({camera_.width, camera_.height},
+    return BuildFlowImage(options_.flow, MakeImage({map_.camera.width, map_.camera.height},
                                                    [&](const Eigen::Vector2d&) { return gray(random); }));
   }
 
   std::optional<RigidTransform> Search(const FlowImage& image) const {
-    return SearchPose(map_, camera_, first_, image, tracks_, motion_, kSecondsWithoutImage);
+    return SearchPose(map_, {.last_image = first_,
+                             .tracks = tracks_,
+                             .lost_tracks = {},
+                             .motion = motion_,
+                             .image = image,
+                             .time = kSecondsWithoutImage});
   }
 
   OdometryOptions options_;
-  CameraModel camera_;
   Map map_;
   SyntheticTexture texture_{5, 0.6, 3};  // wavelengths in metres
   FlowImage first_;
@@ -116,7 +118,7 @@ TEST_F(PoseSearch, FindsTurnsAndSpeedsThatWereNotExpected) {
   for (const auto& [turn, distance] : {std::pair(0.25, 2.0), {-0.2, 2.4}, {0.1, 0.9}, {0.0, 3.0}}) {
     const std::optional<RigidTransform> pose = Search(Seen(Pose(turn, distance)));
     ASSERT_TRUE(pose) << turn << " rad, " << distance << " m";
-    EXPECT_LT(PixelError(camera_, Pose(turn, distance), *pose), 2) << turn << " rad, " << distance << " m";
+    EXPECT_LT(PixelError(map_.camera, Pose(turn, distance), *pose), 2) << turn << " rad, " << distance << " m";
   }
 }
 
@@ -139,7 +141,7 @@ TEST_F(PoseSearch, ImagesOfASingleSizeAreSearchedToo) {
   const RigidTransform truth = Pose(0.1, 2);
   const std::optional<RigidTransform> pose = Search(Seen(truth));
   ASSERT_TRUE(pose);
-  EXPECT_LT(PixelError(camera_, truth, *pose), 2);
+  EXPECT_LT(PixelError(map_.camera, truth, *pose), 2);
 }
 
 TEST_F(PoseSearch, TracksWithoutADepthDoNotCount) {
@@ -152,11 +154,11 @@ TEST_F(PoseSearch, TrackingGoesOnAfterAGapInATurn) {
   tracker.Start(first_, tracks_, static_cast<int>(tracks_.size()));
   const RigidTransform truth = Pose(0.25, 2);
   const TrackedFrame frame =
-      tracker.Track(map_, camera_, Seen(truth), motion_, motion_.Predict(kSecondsWithoutImage), kSecondsWithoutImage);
+      tracker.Track(map_, Seen(truth), motion_, motion_.Predict(kSecondsWithoutImage), kSecondsWithoutImage);
   ASSERT_TRUE(frame.camera_from_world);
-  EXPECT_LT(PixelError(camera_, truth, *frame.camera_from_world), 0.3);
+  EXPECT_LT(PixelError(map_.camera, truth, *frame.camera_from_world), 0.3);
   size_t in_sight = 0;
-  for (const FeatureTrack& track : tracks_) in_sight += PixelOf(map_, camera_, track.landmark, truth) ? 1 : 0;
+  for (const FeatureTrack& track : tracks_) in_sight += PixelOf(map_, track.landmark, truth) ? 1 : 0;
   EXPECT_GT(tracker.tracks().size(), 0.7 * static_cast<double>(in_sight));
 }
 
@@ -167,9 +169,9 @@ TEST_F(PoseSearch, TrackingGoesOnAfterAGapInImagesOfASingleSize) {
   tracker.Start(first_, tracks_, static_cast<int>(tracks_.size()));
   const RigidTransform truth = Pose(0.1, 3);
   const TrackedFrame frame =
-      tracker.Track(map_, camera_, Seen(truth), motion_, motion_.Predict(kSecondsWithoutImage), kSecondsWithoutImage);
+      tracker.Track(map_, Seen(truth), motion_, motion_.Predict(kSecondsWithoutImage), kSecondsWithoutImage);
   ASSERT_TRUE(frame.camera_from_world);
-  EXPECT_LT(PixelError(camera_, truth, *frame.camera_from_world), 0.3);
+  EXPECT_LT(PixelError(map_.camera, truth, *frame.camera_from_world), 0.3);
 }
 
 }  // namespace

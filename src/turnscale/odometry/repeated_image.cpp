@@ -27,13 +27,12 @@ bool HaveSamePixels(const cv::Mat& first, const cv::Mat& second) {
 }
 
 // A sample of the landmarks with where they are expected.
-std::vector<LandmarkMotion> SampleLandmarks(const Map& map, const CameraModel& camera,
-                                            const std::vector<FeatureTrack>& tracks,
+std::vector<LandmarkMotion> SampleLandmarks(const Map& map, const std::vector<FeatureTrack>& tracks,
                                             const RigidTransform& predicted_from_world) {
   std::vector<LandmarkMotion> sample;
   for (const FeatureTrack* track : SampleWithDepth(map, tracks, kSample)) {
     const Eigen::Vector3d x = predicted_from_world * map.landmarks[track->landmark].position;
-    const std::optional<Eigen::Vector2d> expected = x.z() > 0 ? camera.Project(x) : std::nullopt;
+    const std::optional<Eigen::Vector2d> expected = x.z() > 0 ? map.camera.Project(x) : std::nullopt;
     const Eigen::Vector2d before(track->pixel.x, track->pixel.y);
     if (expected) sample.push_back({before, *expected, before});
   }
@@ -68,20 +67,19 @@ bool IsRepeated(const RepeatOptions& options, const ImageMotion& motion) {
 }
 
 bool IsRepeated(const RepeatOptions& options, const PatchAlignmentOptions& alignment, const Map& map,
-                const CameraModel& camera, const cv::Mat& first, const cv::Mat& second,
-                const std::vector<FeatureTrack>& tracks, const RigidTransform& predicted_from_world, double interval) {
-  const std::vector<LandmarkMotion> sample = SampleLandmarks(map, camera, tracks, predicted_from_world);
+                const ImagePair& images) {
+  const std::vector<LandmarkMotion> sample = SampleLandmarks(map, images.tracks, images.predicted_from_world);
   const double expected = MedianMotion(sample).expected;
-  if (expected < options.min_expected_motion || interval > options.max_interval)
-    return expected >= kExpectedOfSame && HaveSamePixels(first, second);
+  if (expected < options.min_expected_motion || images.interval > options.max_interval)
+    return expected >= kExpectedOfSame && HaveSamePixels(images.first, images.second);
   const double least = kLeastShare * static_cast<double>(sample.size());
   std::vector<LandmarkMotion> same;
   for (size_t i = 0; i < sample.size(); ++i) {
     // Of most images this is certain after a part of the sample.
     if (static_cast<double>(same.size() + sample.size() - i) < least) return false;
     const LandmarkMotion& landmark = sample[i];
-    const std::optional<Eigen::Vector2d> seen =
-        AlignPatch(alignment, first, landmark.before, Eigen::Matrix2d::Identity(), second, landmark.before);
+    const std::optional<Eigen::Vector2d> seen = AlignPatch(alignment, images.first, landmark.before,
+                                                           Eigen::Matrix2d::Identity(), images.second, landmark.before);
     if (seen) same.push_back({landmark.before, landmark.expected, *seen});
   }
   return static_cast<double>(same.size()) >= least && IsRepeated(options, MedianMotion(same));

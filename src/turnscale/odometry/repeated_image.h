@@ -6,7 +6,6 @@
 
 #include <opencv2/core.hpp>
 
-#include "turnscale/camera/camera_model.h"
 #include "turnscale/features/patch_alignment.h"
 #include "turnscale/mapping/map.h"
 #include "turnscale/odometry/feature_tracks.h"
@@ -55,12 +54,19 @@ ImageMotion MedianMotion(const std::vector<LandmarkMotion>& landmarks);
 /// Whether the image is a repeated one, by what has moved in it.
 bool IsRepeated(const RepeatOptions& options, const ImageMotion& motion);
 
-/// Whether `second` shows what `first` shows, where `predicted_from_world` lets expect other: patches around landmarks
-/// are compared at the same place, up to gain, offset, noise and a fraction of a pixel, so a repeat that was compressed
-/// anew is found and another image of an even gray is none. `tracks` are where the first image shows the landmarks;
-/// `interval`: between the images, seconds.
+/// An image, and the one before it.
+struct ImagePair {
+  const cv::Mat& first;
+  const std::vector<FeatureTrack>& tracks;  ///< what it shows
+  const cv::Mat& second;
+  const RigidTransform& predicted_from_world;  ///< where the camera is expected in the second
+  double interval = 0;                         ///< from one to the other, seconds
+};
+
+/// Whether the second image shows what the first one does, where another one is expected: patches around landmarks are
+/// compared at the same place, up to gain, offset, noise and a fraction of a pixel, so a repeat that was compressed
+/// anew is found and another image of an even gray is none.
 bool IsRepeated(const RepeatOptions& options, const PatchAlignmentOptions& alignment, const Map& map,
-                const CameraModel& camera, const cv::Mat& first, const cv::Mat& second,
-                const std::vector<FeatureTrack>& tracks, const RigidTransform& predicted_from_world, double interval);
+                const ImagePair& images);
 
 }  // namespace turnscale

@@ -19,10 +19,7 @@ const RigidTransform kFirst{Eigen::Quaterniond::Identity(), Eigen::Vector3d::Zer
 class Wall : public testing::Test {
  protected:
   Wall() {
-    camera_.pinhole = {400, 400, 160, 120};
-    camera_.width = 320;
-    camera_.height = 240;
-    map_.camera.pinhole = camera_.pinhole;
+    map_.camera = {.pinhole = {400, 400, 160, 120}, .width = 320, .height = 240};
     map_.keyframes.push_back({0, 0, kFirst, {}, false});
     for (int row = 40; row <= 200; row += 20)
       for (int column = 40; column <= 280; column += 20) AddTrack({column + 0.3, row - 0.2});
@@ -33,30 +30,29 @@ class Wall : public testing::Test {
     track.landmark = static_cast<int>(map_.landmarks.size());
     track.pixel = {static_cast<float>(pixel.x()), static_cast<float>(pixel.y())};
     track.undistorted = pixel;
-    map_.landmarks.push_back({kDepth * camera_.pinhole.Ray(pixel), true, {}});
+    map_.landmarks.push_back({kDepth * map_.camera.pinhole.Ray(pixel), true, {}});
     tracks_.push_back(track);
   }
 
   // The pose after a move that shifts the image by so many pixels.
   RigidTransform Moved(double pixels) const {
-    return {Eigen::Quaterniond::Identity(), {-pixels * kDepth / camera_.pinhole.fx, 0, 0}};
+    return {Eigen::Quaterniond::Identity(), {-pixels * kDepth / map_.camera.pinhole.fx, 0, 0}};
   }
 
   // What the camera sees then, with the noise and the brightness of another compression.
   cv::Mat Seen(double pixels, double noise = 0, double gain = 1) const {
     std::mt19937 random(static_cast<unsigned>(100 * pixels) + 7);
     std::normal_distribution<double> normal(0, noise > 0 ? noise : 1);
-    return MakeImage({camera_.width, camera_.height}, [&](const Eigen::Vector2d& pixel) {
+    return MakeImage({map_.camera.width, map_.camera.height}, [&](const Eigen::Vector2d& pixel) {
       const double gray = texture_.At(pixel + Eigen::Vector2d(pixels, 0));
       return gain * gray + (noise > 0 ? normal(random) : 0.0);
     });
   }
 
   bool Repeated(const cv::Mat& second, double expected_pixels, double interval = 0.1) const {
-    return IsRepeated({}, {}, map_, camera_, Seen(0), second, tracks_, Moved(expected_pixels), interval);
+    return IsRepeated({}, {}, map_, {Seen(0), tracks_, second, Moved(expected_pixels), interval});
   }
 
-  CameraModel camera_;
   Map map_;
   std::vector<FeatureTrack> tracks_;
   SyntheticTexture texture_{3};
@@ -100,7 +96,7 @@ TEST_F(Wall, AnImageThatShowsNothingIsNotRepeated) {
   cv::Mat blurred;
   cv::GaussianBlur(Seen(0), blurred, {}, 25);
   EXPECT_FALSE(Repeated(blurred, 5));
-  EXPECT_FALSE(Repeated(cv::Mat::zeros(camera_.height, camera_.width, CV_8U), 5));
+  EXPECT_FALSE(Repeated(cv::Mat::zeros(map_.camera.height, map_.camera.width, CV_8U), 5));
 }
 
 TEST_F(Wall, FewLandmarksTellNothing) {

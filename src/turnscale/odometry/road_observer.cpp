@@ -88,8 +88,7 @@ bool RoadObserver::IsRoadAbove() const {
   return above_ >= kFewestAbove && above_ >= kLeastShareAbove * tried_above_ && below_ < above_;
 }
 
-std::optional<MeasuredHeight> RoadObserver::Observe(const Map& map, const CameraModel& camera,
-                                                    const Eigen::Quaterniond& vehicle_from_camera,
+std::optional<MeasuredHeight> RoadObserver::Observe(const Map& map, const Eigen::Quaterniond& vehicle_from_camera,
                                                     const FlowImage& image, const cv::Mat& mask) {
   if (!options_.enabled || image.pyramid.size() < 2) return std::nullopt;
   const int latest = static_cast<int>(map.keyframes.size()) - 1;
@@ -112,7 +111,7 @@ std::optional<MeasuredHeight> RoadObserver::Observe(const Map& map, const Camera
   if (!(distance > 0) || !std::isfinite(distance) || std::abs(motion.psi) > options_.max_turn) return std::nullopt;
   // In reverse the road ahead is what the camera has just left; it is measured better going forward.
   if (std::abs(motion.theta) > 0.5 * M_PI) return std::nullopt;
-  const RoadPair pair = {views_.back().image, reference->image, camera, earlier_from_current, mask};
+  const RoadPair pair = {views_.back().image, reference->image, map.camera, earlier_from_current, mask};
   const RoadRegion region =
       RegionAhead(earlier_from_current.inverse(), vehicle_from_camera, motion.psi, height_.value_or(0));
   std::optional<RoadPlane> road;

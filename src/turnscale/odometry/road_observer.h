@@ -7,7 +7,6 @@
 #include <Eigen/Geometry>
 #include <opencv2/core.hpp>
 
-#include "turnscale/camera/camera_model.h"
 #include "turnscale/features/optical_flow.h"
 #include "turnscale/geometry/angle.h"
 #include "turnscale/mapping/map.h"
@@ -35,10 +34,10 @@ class RoadObserver {
   explicit RoadObserver(const RoadObserverOptions& options) : options_(options) {}
 
   /// Takes the latest keyframe of the map. `mask`: as ImageMask::pixels. Empty where the road is not observed. Reads
-  /// only the number, poses and gaps of the map's keyframes: landmarks and observations may be added meanwhile.
-  std::optional<MeasuredHeight> Observe(const Map& map, const CameraModel& camera,
-                                        const Eigen::Quaterniond& vehicle_from_camera, const FlowImage& image,
-                                        const cv::Mat& mask);
+  /// only the map's camera and the number, poses and gaps of its keyframes: landmarks and observations may be added
+  /// meanwhile.
+  std::optional<MeasuredHeight> Observe(const Map& map, const Eigen::Quaterniond& vehicle_from_camera,
+                                        const FlowImage& image, const cv::Mat& mask);
 
   /// Whether the keyframes so far show the road above the camera rather than below: the images are upside down. Their
   /// motion alone does not tell.

@@ -39,7 +39,7 @@ Observed ObserveMap(const SyntheticRoad& road, int keyframes, int gap = -1, doub
   RoadObserver observer{RoadObserverOptions{}};
   Observed observed;
   Map& map = observed.map;
-  map.camera.pinhole = camera.pinhole;
+  map.camera = camera;
   for (int k = 0; k < keyframes; ++k) {
     RigidTransform world_from_camera{RotationFromVector({-0.06, 0, 0}), {0, 0, kSpacing * k}};
     SyntheticRoad shown = road;
@@ -57,7 +57,7 @@ Observed ObserveMap(const SyntheticRoad& road, int keyframes, int gap = -1, doub
     RigidTransform too_high = world_from_camera;
     too_high.translation.y() -= rise / kMetresPerUnit;
     map.keyframes.back().camera_from_world = too_high.inverse();
-    observed.heights.push_back(observer.Observe(map, camera, Eigen::Quaterniond::Identity(), flow, {}));
+    observed.heights.push_back(observer.Observe(map, Eigen::Quaterniond::Identity(), flow, {}));
     map.keyframes.back().camera_from_world = world_from_camera.inverse();
   }
   return observed;

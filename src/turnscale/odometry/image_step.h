@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <vector>
+
+#include "turnscale/features/optical_flow.h"
+#include "turnscale/odometry/feature_tracks.h"
+#include "turnscale/odometry/motion_model.h"
+
+namespace turnscale {
+
+/// The last image whose pose was measured, and the next one.
+struct ImageStep {
+  const FlowImage& last_image;
+  const std::vector<FeatureTrack>& tracks;       ///< what the last image shows
+  const std::vector<FeatureTrack>& lost_tracks;  ///< landmarks seen recently that are not in it
+  const MotionModel& motion;                     ///< up to the last image
+  bool has_stood = false;                        ///< whether the camera had stood still for a while by then
+  const FlowImage& image;                        ///< the next one
+  double time = 0;                               ///< of it, seconds
+};
+
+}  // namespace turnscale
