@@ -196,7 +196,7 @@ std::optional<CalibrationCheck::Reading> CalibrationCheck::ReadingOf(IntrinsicsP
     if (!step.allFinite()) return std::nullopt;
     if (round == options_.max_rounds || step.dot(total * step) < kSmallStep * kSmallStep)
       return Widened(deflation * evidence->information, deflation * evidence->weighted_minimum());
-    window.Follow(evidence->at + ShareOf(step, given_.fx) * step);
+    window.Follow(*evidence, evidence->at + ShareOf(step, given_.fx) * step);
   }
 }
 

@@ -9,8 +9,6 @@
 #include <map>
 #include <utility>
 
-#include <Eigen/Cholesky>
-
 #include "turnscale/base/quantiles.h"
 #include "turnscale/bundle/bundle_adjustment.h"
 #include "turnscale/bundle/parts.h"
@@ -21,18 +19,10 @@
 namespace turnscale {
 namespace {
 
-constexpr int kEntries = IntrinsicsChange::kEntries;
 using Vector = IntrinsicsChange::Vector;
-using Matrix = IntrinsicsChange::Matrix;
 
-constexpr size_t kFewestInTrack = 3;  // of a landmark: two fit a point whatever the camera
-constexpr int kPoseDof = 6;
 // Median length of a two-dimensional normal error of sigma 1.
 constexpr double kMedianLength = 1.17741;
-// Share of the largest pivot below which a point's depth is not determined.
-constexpr double kLeastPivot = 1e-7;
-// Relative; keeps a factorization from stopping at rounding errors.
-constexpr double kRounding = 1e-13;
 // Pixels are not measured better than this, whatever the residuals of a made-up map.
 constexpr double kLeastPixelSigma = 0.02;
 
@@ -41,9 +31,6 @@ constexpr double kCell = 0.15;
 
 // Points whose rows are in memory together.
 constexpr size_t kPointsTogether = 400;
-
-using PoseBlock = Eigen::Matrix<double, 3, kPoseDof>;
-using IntrinsicsBlock = Eigen::Matrix<double, 3, kEntries>;
 
 // What the window's keyframes see of a landmark, in their order.
 struct Track {
@@ -83,7 +70,7 @@ std::vector<Track> ChooseTracks(const Map& map, const CameraModel& camera, const
     for (const LandmarkObservation& observation : map.landmarks[landmark].observations)
       if (observation.keyframe >= window.first && observation.keyframe <= window.last)
         track.observations.push_back(observation);
-    if (track.observations.size() < kFewestInTrack) continue;
+    if (track.observations.size() < IntrinsicsRow::kFewestOfPoint) continue;
     std::ranges::sort(track.observations, {}, &LandmarkObservation::keyframe);
     tracks.push_back(std::move(track));
   }
@@ -134,48 +121,14 @@ std::optional<Prediction> Predict(const CameraModel& camera, const Vector& chang
   return std::nullopt;
 }
 
-// Derivatives of one residual, over sigma and with the root of Huber's weight. Pose unknowns are (phi, delta):
-// x_in_camera = Exp(phi) R (X - c + delta), so that the point's derivatives are those of delta.
-struct Row {
-  int column = -1;  // first of the pose's in the reduced system; -1: it holds still
-  Eigen::Vector2d residual;
-  Eigen::Matrix<double, 2, kPoseDof> pose;
-  Eigen::Matrix<double, 2, kEntries> intrinsics;
-
-  auto point() const { return pose.rightCols<3>(); }
-};
-
-// The window of keyframes without its points: poses but the first, then the intrinsics. Upper triangle.
-struct ReducedSystem {
-  explicit ReducedSystem(int cameras)
-      : poses(kPoseDof * (cameras - 1)),
-        hessian(Eigen::MatrixXd::Zero(poses + kEntries, poses + kEntries)),
-        gradient(Eigen::VectorXd::Zero(poses + kEntries)) {}
-
-  int poses;
-  Eigen::MatrixXd hessian;
-  Eigen::VectorXd gradient;
-};
-
-// One point's normal equations, solved for the point: it moves by -(step + by_intrinsics * intrinsics + the sum of
-// edge blocks times their poses).
-struct EliminatedPoint {
-  struct Edge {
-    int column;
-    PoseBlock block;
-  };
-  Eigen::Vector3d step;
-  IntrinsicsBlock by_intrinsics;
-  std::vector<Edge> edges;
-};
-
 // The row of a landmark at `x` in the camera's frame. Residuals are those of the distorted image: the correction does
 // not scale their noise. Derivatives are taken at the predicted pixel: those at the measured one are correlated with
 // its noise, which biases the correction.
-Row MakeRow(const Pinhole& pinhole, const Eigen::Matrix3d& rotation, const Eigen::Vector3d& x,
-            const Prediction& predicted, const Eigen::Vector2d& distorted, double pixel_sigma, double huber_threshold) {
+IntrinsicsRow MakeRow(const Pinhole& pinhole, const Eigen::Matrix3d& rotation, const Eigen::Vector3d& x,
+                      const Prediction& predicted, const Eigen::Vector2d& distorted, double pixel_sigma,
+                      double huber_threshold) {
   const double weight = 1 / pixel_sigma;
-  Row row;
+  IntrinsicsRow row;
   row.residual = weight * (predicted.distorted - distorted);
   const double length = row.residual.norm();
   const double root_weight =
@@ -193,128 +146,7 @@ Row MakeRow(const Pinhole& pinhole, const Eigen::Matrix3d& rotation, const Eigen
   return row;
 }
 
-// Adds the rows of one point to the system and takes the point out. Nothing where they do not determine it.
-std::optional<EliminatedPoint> Eliminate(const std::vector<Row>& rows, ReducedSystem& system) {
-  if (rows.size() < kFewestInTrack) return std::nullopt;
-  Eigen::Matrix3d hessian = Eigen::Matrix3d::Zero();
-  Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
-  IntrinsicsBlock by_intrinsics = IntrinsicsBlock::Zero();
-  for (const Row& row : rows) {
-    hessian += row.point().transpose() * row.point();
-    gradient += row.point().transpose() * row.residual;
-    by_intrinsics += row.point().transpose() * row.intrinsics;
-  }
-  const Eigen::LLT<Eigen::Matrix3d> factor(hessian);
-  const Eigen::Vector3d pivots = factor.matrixLLT().diagonal();
-  if (factor.info() != Eigen::Success || !(pivots.minCoeff() > kLeastPivot * pivots.maxCoeff())) return std::nullopt;
-  // Solved by the lower factor alone, so that products of two halves are what elimination takes off.
-  by_intrinsics = factor.matrixL().solve(by_intrinsics).eval();
-  gradient = factor.matrixL().solve(gradient).eval();
-  std::vector<EliminatedPoint::Edge> halves;
-  const int last = system.poses;
-  for (const Row& row : rows) {
-    system.hessian.bottomRightCorner<kEntries, kEntries>() += row.intrinsics.transpose() * row.intrinsics;
-    system.gradient.tail<kEntries>() += row.intrinsics.transpose() * row.residual;
-    if (row.column < 0) continue;
-    const PoseBlock block = row.point().transpose() * row.pose;
-    halves.push_back({row.column, factor.matrixL().solve(block)});
-    const PoseBlock& half = halves.back().block;
-    system.hessian.block<kPoseDof, kPoseDof>(row.column, row.column) += row.pose.transpose() * row.pose;
-    system.hessian.block<kPoseDof, kEntries>(row.column, last) +=
-        row.pose.transpose() * row.intrinsics - half.transpose() * by_intrinsics;
-    system.gradient.segment<kPoseDof>(row.column) += row.pose.transpose() * row.residual - half.transpose() * gradient;
-  }
-  system.hessian.bottomRightCorner<kEntries, kEntries>() -= by_intrinsics.transpose() * by_intrinsics;
-  system.gradient.tail<kEntries>() -= by_intrinsics.transpose() * gradient;
-  // Rows come in the order of keyframes; two of the same keyframe share a block, which wants both their products.
-  for (size_t i = 0; i < halves.size(); ++i)
-    for (size_t j = 0; j < halves.size(); ++j)
-      if (halves[i].column <= halves[j].column)
-        system.hessian.block<kPoseDof, kPoseDof>(halves[i].column, halves[j].column) -=
-            halves[i].block.transpose() * halves[j].block;
-  EliminatedPoint point{factor.matrixU().solve(gradient), factor.matrixU().solve(by_intrinsics), std::move(halves)};
-  for (EliminatedPoint::Edge& edge : point.edges) edge.block = factor.matrixU().solve(edge.block).eval();
-  return point;
-}
-
-// How much each pose's unknowns change when the window grows about its first camera: along it nothing else changes.
-Eigen::VectorXd Growth(const std::vector<RigidTransform>& camera_from_world) {
-  Eigen::VectorXd growth = Eigen::VectorXd::Zero(kPoseDof * (static_cast<Eigen::Index>(camera_from_world.size()) - 1));
-  const Eigen::Vector3d origin = camera_from_world.front().inverse().translation;
-  for (size_t k = 1; k < camera_from_world.size(); ++k)
-    growth.segment<3>(kPoseDof * (static_cast<Eigen::Index>(k) - 1) + 3) =
-        origin - camera_from_world[k].inverse().translation;
-  return growth;
-}
-
-// Solves for the poses with the unit of length held. Nothing where the points do not determine them.
-class PoseSolver {
- public:
-  PoseSolver(const ReducedSystem& system, const Eigen::VectorXd& growth) {
-    Eigen::MatrixXd hessian = system.hessian.topLeftCorner(system.poses, system.poses).selfadjointView<Eigen::Upper>();
-    const double travel = growth.squaredNorm();
-    // As stiff as the others; what the gauge is held with changes nothing else.
-    const double stiffness = growth.cwiseAbs2().dot(hessian.diagonal()) / travel;
-    hessian += stiffness / travel * growth * growth.transpose();
-    // Rotations and centres have different units.
-    unit_ = hessian.diagonal().cwiseSqrt().cwiseInverse();
-    hessian = unit_.asDiagonal() * hessian * unit_.asDiagonal();
-    hessian.diagonal().array() += kRounding;
-    if (travel > 0 && unit_.allFinite()) factor_.compute(hessian);
-    solves_ = travel > 0 && unit_.allFinite() && factor_.info() == Eigen::Success;
-  }
-
-  bool solves() const { return solves_; }
-  Eigen::MatrixXd Solve(const Eigen::MatrixXd& right) const {
-    return unit_.asDiagonal() * factor_.solve(unit_.asDiagonal() * right);
-  }
-
- private:
-  Eigen::LLT<Eigen::MatrixXd> factor_;
-  Eigen::VectorXd unit_;
-  bool solves_ = false;
-};
-
 }  // namespace
-
-Pinhole ChangedPinhole(const Pinhole& given, const Vector& change) {
-  const double ratio = std::exp(change[IntrinsicsChange::kLogFocal]);
-  return {ratio * given.fx, ratio * given.fy, given.cx + change[IntrinsicsChange::kCentreX],
-          given.cy + change[IntrinsicsChange::kCentreY]};
-}
-
-std::optional<CorrectedPixel> Correct(const CameraModel& camera, const Vector& change,
-                                      const Eigen::Vector2d& distorted) {
-  const Pinhole pinhole = ChangedPinhole(camera.pinhole, change);
-  const Eigen::Vector2d point = pinhole.Ray(distorted).head<2>();
-  const std::optional<UndistortedPoint> ideal = UndistortPoint(camera, point);
-  if (!ideal) return std::nullopt;
-  const double square = point.squaredNorm();
-  const auto terms = change.tail<3>();
-  const double share = square * (terms[0] + square * (terms[1] + square * terms[2]));
-  const double share_by_square = terms[0] + square * (2 * terms[1] + square * 3 * terms[2]);
-  const Eigen::RowVector2d share_by_point = 2 * share_by_square * point.transpose();
-  const Eigen::Vector2d ray = (1 + share) * ideal->point;
-  return CorrectedPixel{pinhole.Project(ray.homogeneous()), ideal->point,
-                        (1 + share) * ideal->jacobian + ideal->point * share_by_point};
-}
-
-Eigen::Matrix<double, 2, kEntries> IntrinsicsJacobian(const Pinhole& pinhole, const Eigen::Vector3d& x_in_camera,
-                                                      const Eigen::Vector2d& distorted,
-                                                      const CorrectedPixel& corrected) {
-  const Eigen::DiagonalMatrix<double, 2> focal(pinhole.fx, pinhole.fy);
-  const Eigen::Matrix2d by_pixel = focal * corrected.jacobian * focal.inverse();
-  const double square = distorted.squaredNorm();
-  const Eigen::Vector2d outward = focal * corrected.lens_point;
-  Eigen::Matrix<double, 2, kEntries> J;
-  J.col(IntrinsicsChange::kLogFocal) =
-      pinhole.Project(x_in_camera) - corrected.pixel + focal * (corrected.jacobian * distorted);
-  J.middleCols<2>(IntrinsicsChange::kCentreX) = by_pixel;
-  J.col(IntrinsicsChange::kCorrection) = -square * outward;
-  J.col(IntrinsicsChange::kCorrection4) = -square * square * outward;
-  J.col(IntrinsicsChange::kCorrection6) = -square * square * square * outward;
-  return J;
-}
 
 IntrinsicsProblem::IntrinsicsProblem(const Map& map, const CameraModel& camera, const IntrinsicsWindow& window,
                                      double pixel_sigma)
@@ -385,14 +217,14 @@ void IntrinsicsProblem::EstimatePixelSigma() {
   }
   const double measured = 2.0 * static_cast<double>(lengths.size());
   const double fitted = 3.0 * static_cast<double>(bundle_.points.size()) +
-                        kPoseDof * static_cast<double>(bundle_.camera_from_world.size() - 1);
+                        IntrinsicsRow::kPoseDof * static_cast<double>(bundle_.camera_from_world.size() - 1);
   if (!(measured > fitted)) return;
   const double sigma = Median(std::move(lengths)) / kMedianLength * std::sqrt(measured / (measured - fitted));
   pixel_sigma_ = std::max(sigma, kLeastPixelSigma);
   for (size_t i = 0; i < bundle_.observations.size(); ++i) bundle_.observations[i].sigma = stretch_[i] * pixel_sigma_;
 }
 
-std::optional<IntrinsicsEvidence> IntrinsicsProblem::Evidence() {
+std::optional<IntrinsicsEvidence> IntrinsicsProblem::Evidence() const {
   const int cameras = static_cast<int>(bundle_.camera_from_world.size());
   if (cameras < 2 || bundle_.observations.empty()) return std::nullopt;
   std::vector<Eigen::Matrix3d> rotations;
@@ -403,7 +235,7 @@ std::optional<IntrinsicsEvidence> IntrinsicsProblem::Evidence() {
   evidence.pixel_sigma = pixel_sigma_;
   ReducedSystem system(cameras);
   std::vector<std::optional<EliminatedPoint>> points;
-  const auto fill_rows = [&](size_t p, std::vector<Row>& rows) {
+  const auto fill_rows = [&](size_t p, std::vector<IntrinsicsRow>& rows) {
     rows.clear();
     for (int i = first_observation_[p]; i < first_observation_[p + 1]; ++i) {
       const BundleObservation& seen = bundle_.observations[i];
@@ -414,11 +246,11 @@ std::optional<IntrinsicsEvidence> IntrinsicsProblem::Evidence() {
       if (!predicted) continue;
       rows.push_back(MakeRow(bundle_.pinhole, rotations[seen.camera], x, *predicted, distorted_[i], pixel_sigma_,
                              huber_threshold_));
-      rows.back().column = kPoseDof * (seen.camera - 1);
+      rows.back().column = IntrinsicsRow::kPoseDof * (seen.camera - 1);
     }
   };
   // Rows are filled on several threads, and added up in the order of the points.
-  std::array<std::vector<Row>, kPointsTogether> rows;
+  std::array<std::vector<IntrinsicsRow>, kPointsTogether> rows;
   for (size_t first = 0; first < bundle_.points.size(); first += kPointsTogether) {
     const size_t count = std::min(kPointsTogether, bundle_.points.size() - first);
     ForEachPart(PartsOf(count), [&](size_t, size_t begin, size_t end) {
@@ -432,42 +264,28 @@ std::optional<IntrinsicsEvidence> IntrinsicsProblem::Evidence() {
     }
   }
 
-  const PoseSolver solver(system, Growth(bundle_.camera_from_world));
-  if (!solver.solves()) return std::nullopt;
-  const Eigen::MatrixXd cross = system.hessian.topRightCorner(system.poses, kEntries);
-  camera_response_ = -solver.Solve(cross);
-  camera_step_ = -solver.Solve(system.gradient.head(system.poses));
-  evidence.information = system.hessian.bottomRightCorner<kEntries, kEntries>() + cross.transpose() * camera_response_;
-  evidence.information = 0.5 * (evidence.information + evidence.information.transpose()).eval();
-  evidence.gradient = system.gradient.tail<kEntries>() + cross.transpose() * camera_step_;
-  if (!evidence.information.allFinite() || !evidence.gradient.allFinite()) return std::nullopt;
-
-  point_response_.assign(points.size(), IntrinsicsBlock::Zero());
-  point_step_.assign(points.size(), Eigen::Vector3d::Zero());
-  for (size_t p = 0; p < points.size(); ++p) {
-    if (!points[p]) continue;
-    point_response_[p] = -points[p]->by_intrinsics;
-    point_step_[p] = -points[p]->step;
-    for (const EliminatedPoint::Edge& edge : points[p]->edges) {
-      point_response_[p] -= edge.block * camera_response_.middleRows<kPoseDof>(edge.column);
-      point_step_[p] -= edge.block * camera_step_.segment<kPoseDof>(edge.column);
-    }
-  }
+  std::optional<MarginalIntrinsics> marginal = Marginalize(system, points, bundle_.camera_from_world);
+  if (!marginal) return std::nullopt;
+  evidence.information = marginal->information;
+  evidence.gradient = marginal->gradient;
+  evidence.response = std::move(marginal->response);
   return evidence;
 }
 
-void IntrinsicsProblem::Follow(const Vector& change) {
-  const Vector step = change - change_;
-  const Eigen::VectorXd cameras = camera_response_ * step + camera_step_;
+void IntrinsicsProblem::Follow(const IntrinsicsEvidence& evidence, const Vector& change) {
+  const IntrinsicsResponse& response = evidence.response;
+  const Vector step = change - evidence.at;
+  const Eigen::VectorXd poses = response.poses * step + response.pose_step;
   for (size_t k = 1; k < bundle_.camera_from_world.size(); ++k) {
     RigidTransform& pose = bundle_.camera_from_world[k];
-    const auto move = cameras.segment<kPoseDof>(kPoseDof * (static_cast<Eigen::Index>(k) - 1));
+    const auto move =
+        poses.segment<IntrinsicsRow::kPoseDof>(IntrinsicsRow::kPoseDof * (static_cast<Eigen::Index>(k) - 1));
     const Eigen::Vector3d centre = pose.inverse().translation - move.tail<3>();
     pose.rotation = (RotationFromVector(move.head<3>()) * pose.rotation).normalized();
     pose.translation = -(pose.rotation * centre);
   }
   for (size_t p = 0; p < bundle_.points.size(); ++p) {
-    const Eigen::Vector3d moved = bundle_.points[p] + point_response_[p] * step + point_step_[p];
+    const Eigen::Vector3d moved = bundle_.points[p] + response.points[p] * step + response.point_step[p];
     // To first order, a point that is nearly at infinity may come to lie behind its cameras.
     const auto begin = bundle_.observations.begin();
     if (std::all_of(

@@ -8,38 +8,11 @@
 
 #include "turnscale/bundle/bundle_problem.h"
 #include "turnscale/camera/camera_model.h"
-#include "turnscale/geometry/pinhole.h"
+#include "turnscale/mapping/intrinsics_change.h"
+#include "turnscale/mapping/intrinsics_elimination.h"
 #include "turnscale/mapping/map.h"
 
 namespace turnscale {
-
-/// By how much a camera differs from a given one: log of the focal length's ratio (both axes together), principal point
-/// x and y (pixels, further right and down), and the terms in r^2, r^4 and r^6 of the radial correction (Correct): the
-/// whole of it, not what comes on top of the one that is applied to the map's pixels.
-struct IntrinsicsChange {
-  enum Entry { kLogFocal, kCentreX, kCentreY, kCorrection, kCorrection4, kCorrection6 };
-  static constexpr int kEntries = kCorrection6 + 1;
-  using Vector = Eigen::Matrix<double, kEntries, 1>;
-  using Matrix = Eigen::Matrix<double, kEntries, kEntries>;
-};
-
-/// The pinhole that differs by `change` from `given`. The correction plays no part.
-Pinhole ChangedPinhole(const Pinhole& given, const IntrinsicsChange::Vector& change);
-
-/// Where the ideal pinhole camera shows the ray of a distorted pixel, and the derivative of the ray by the distorted
-/// point (both on the plane z = 1).
-struct CorrectedPixel {
-  Eigen::Vector2d pixel;
-  Eigen::Vector2d lens_point;  ///< without distortion as `camera` has it, before the correction
-  Eigen::Matrix2d jacobian;
-};
-
-/// Undistorts a pixel with the lens of `camera`, the pinhole that differs by `change` from its own, and the correction
-/// of `change`: on the plane z = 1, the ray moves away from the axis by the share kCorrection r^2 + kCorrection4 r^4 +
-/// kCorrection6 r^6, r being the distance of the distorted point from the axis, which is bounded for any lens.
-/// `camera.radial_correction` plays no part. Nothing where the lens has no ray for the pixel.
-std::optional<CorrectedPixel> Correct(const CameraModel& camera, const IntrinsicsChange::Vector& change,
-                                      const Eigen::Vector2d& distorted);
 
 /// Parabola of the cost in the intrinsics, whatever poses and points may be, with residuals in the distorted image:
 /// cost(change) = constant + gradient^T (change - at) + (change - at)^T information (change - at) / 2.
@@ -50,6 +23,7 @@ struct IntrinsicsEvidence {
   double pixel_sigma = 0;  ///< standard deviation of a pixel as the residuals show it, pixels
   int landmarks = 0;
   int observations = 0;
+  IntrinsicsResponse response;  ///< of poses and points, from where they are
 
   /// information times the place of the parabola's minimum, which adds up over windows.
   IntrinsicsChange::Vector weighted_minimum() const { return information * at - gradient; }
@@ -92,10 +66,10 @@ class IntrinsicsProblem {
   void EstimatePixelSigma();
   /// Gauss-Newton's model of the cost in the intrinsics at the present state, poses and points marginalised out. The
   /// first keyframe holds still, and the unit of length with it. Nothing where the poses are not determined.
-  std::optional<IntrinsicsEvidence> Evidence();
-  /// Moves poses and points along with a change of the camera from where Evidence was taken, to first order, and takes
-  /// the camera over.
-  void Follow(const IntrinsicsChange::Vector& change);
+  std::optional<IntrinsicsEvidence> Evidence() const;
+  /// Moves poses and points along with a change of the camera, to first order, and takes the camera over. `evidence`:
+  /// that of the present state.
+  void Follow(const IntrinsicsEvidence& evidence, const IntrinsicsChange::Vector& change);
 
  private:
   BundleProblem bundle_;
@@ -108,18 +82,6 @@ class IntrinsicsProblem {
   IntrinsicsChange::Vector change_ = IntrinsicsChange::Vector::Zero();
   double huber_threshold_ = 0;
   double pixel_sigma_ = 0;  ///< of the distorted image
-  // Of the latest evidence: step of the cameras for a step of the intrinsics and without one, and the same of points.
-  Eigen::MatrixXd camera_response_;
-  Eigen::VectorXd camera_step_;
-  std::vector<Eigen::Matrix<double, 3, IntrinsicsChange::kEntries>> point_response_;
-  std::vector<Eigen::Vector3d> point_step_;
 };
-
-/// Derivative of (predicted pixel - corrected pixel) by the intrinsics, pixels per unit of each. `pinhole` is that of
-/// the prediction, `distorted` the point on the plane z = 1 that was corrected.
-Eigen::Matrix<double, 2, IntrinsicsChange::kEntries> IntrinsicsJacobian(const Pinhole& pinhole,
-                                                                        const Eigen::Vector3d& x_in_camera,
-                                                                        const Eigen::Vector2d& distorted,
-                                                                        const CorrectedPixel& corrected);
 
 }  // namespace turnscale

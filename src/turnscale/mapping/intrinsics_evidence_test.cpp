@@ -212,7 +212,7 @@ TEST(IntrinsicsEvidence, FollowingAndLookingAgainLeadsToTheTruth) {
       const std::optional<IntrinsicsEvidence> evidence = problem.Evidence();
       ASSERT_TRUE(evidence);
       const Vector step = -evidence->information.ldlt().solve(evidence->gradient);
-      problem.Follow(problem.change() + std::min(1.0, 0.1 / std::abs(step[0])) * step);
+      problem.Follow(*evidence, problem.change() + std::min(1.0, 0.1 / std::abs(step[0])) * step);
       ASSERT_TRUE(problem.Adjust(10));
     }
     const Vector found = problem.change();

@@ -118,7 +118,7 @@ bool LensRefinement::Read(IntrinsicsProblem& window) {
     }
     if (round == kMostRounds) return false;
     // The parabola holds only near the place where it was measured.
-    window.Follow(CorrectionOf(at + std::clamp(step, -options_.step, options_.step)));
+    window.Follow(*evidence, CorrectionOf(at + std::clamp(step, -options_.step, options_.step)));
   }
 }
 
