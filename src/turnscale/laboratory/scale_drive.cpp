@@ -127,7 +127,10 @@ ScaleDrive MakeScaleDrive(const ScaleDriveOptions& options) {
   drive.truth.camera.pinhole = options.pinhole;
   for (const int frame : KeyframesOf(options, steps)) {
     if (frame % options.step_frames == 0) drive.stations.push_back(static_cast<int>(drive.truth.keyframes.size()));
-    drive.truth.keyframes.push_back({frame, path[frame].time, path[frame].world_from_camera.inverse(), {}, false});
+    drive.truth.keyframes.push_back({.frame = frame,
+                                     .time = path[frame].time,
+                                     .camera_from_world = path[frame].world_from_camera.inverse(),
+                                     .observations = {}});
   }
   Random random(options.seed);
   drive.odometry = OdometryPath(options, drive.truth, random);

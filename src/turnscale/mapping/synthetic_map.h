@@ -37,7 +37,10 @@ inline Map MakeMap(const CarDrive& drive, const SyntheticStreet& street) {
   map.camera.pinhole = {718, 718, 607, 185};
   for (std::size_t i = 0; i < drive.world_from_camera.size(); ++i) {
     const double time = drive.dt * static_cast<double>(i);
-    map.keyframes.push_back({static_cast<int>(i), time, drive.world_from_camera[i].inverse(), {}, false});
+    map.keyframes.push_back({.frame = static_cast<int>(i),
+                             .time = time,
+                             .camera_from_world = drive.world_from_camera[i].inverse(),
+                             .observations = {}});
   }
   const double wanted = street.points_per_step * static_cast<double>(drive.world_from_camera.size());
   while (static_cast<double>(map.landmarks.size()) < wanted) {

@@ -57,7 +57,10 @@ std::vector<TurnScale> TurnsToConstrain(const Map& map, const MountCalibration& 
       leave_out(turn, "its scale is much less certain than other turns'");
       continue;
     }
-    TurnScale scale{turn.first_keyframe + 1, turn.last_keyframe, turn.as_given, {}, 0};
+    TurnScale scale{.first_step = turn.first_keyframe + 1,
+                    .last_step = turn.last_keyframe,
+                    .factor = turn.as_given,
+                    .distances = {}};
     if (options.scale.method == ScaleMethod::kPaper) {
       const std::vector<VehicleStep> steps = KeyframeSteps(map, mount, turn);
       const MedianScale median = MedianOfSteps(steps, lever_arm);

@@ -21,8 +21,8 @@ AxlePose RearAxle(const FrameResult& frame, double lever_arm) {
 }  // namespace
 
 std::vector<SpeedReading> SpeedsOf(const std::vector<FrameResult>& frames, double lever_arm) {
-  const auto is_measured = [](const FrameResult& frame) { return frame.state == TrackingState::kTracked; };
-  const auto first = std::find_if(frames.begin(), frames.end(), is_measured);
+  const auto is_tracked = [](const FrameResult& frame) { return frame.state == TrackingState::kTracked; };
+  const auto first = std::find_if(frames.begin(), frames.end(), is_tracked);
   std::vector<PathReading> readings;
   std::vector<double> scale_sigmas;
   double position = 0;
@@ -33,7 +33,7 @@ std::vector<SpeedReading> SpeedsOf(const std::vector<FrameResult>& frames, doubl
       const AxlePose now = RearAxle(*frame, lever_arm);
       position += (now.position - before.position).dot((before.forward + now.forward).normalized());
     }
-    readings.push_back({frame->time, position, is_measured(*frame)});
+    readings.push_back({frame->time, position, is_tracked(*frame)});
     scale_sigmas.push_back(frame->scale_sigma);
   }
   std::vector<SpeedReading> speeds = SmoothSpeed(readings);

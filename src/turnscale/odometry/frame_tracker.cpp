@@ -170,7 +170,14 @@ void FrameTracker::DetectNewFeatures(const std::shared_ptr<const cv::Mat>& image
     const int landmark = static_cast<int>(map.landmarks.size());
     map.landmarks.push_back({});
     AddObservation(map, keyframe, landmark, *undistorted);
-    tracks_.push_back({landmark, corner, *undistorted, *undistorted, image, corner, keyframe, keyframe});
+    tracks_.push_back({.landmark = landmark,
+                       .pixel = corner,
+                       .undistorted = *undistorted,
+                       .in_keyframe = *undistorted,
+                       .reference_image = image,
+                       .reference_pixel = corner,
+                       .reference_keyframe = keyframe,
+                       .last_keyframe = keyframe});
   }
 }
 

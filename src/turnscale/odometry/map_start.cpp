@@ -84,9 +84,19 @@ AddedStart AddStart(const InitialMap& start, const StartPlace& place, Map& map) 
   RigidTransform second_from_first = start.second_from_first;
   second_from_first.translation *= unit;
 
-  AddedStart added{static_cast<int>(map.keyframes.size()), static_cast<int>(map.landmarks.size()), {}};
-  map.keyframes.push_back({first.frame, first.time, place.first_from_world, {}, place.after_gap, place.unit.sigma});
-  map.keyframes.push_back({second.frame, second.time, second_from_first * place.first_from_world, {}, false});
+  AddedStart added{.keyframe = static_cast<int>(map.keyframes.size()),
+                   .first_landmark = static_cast<int>(map.landmarks.size()),
+                   .tracks = {}};
+  map.keyframes.push_back({.frame = first.frame,
+                           .time = first.time,
+                           .camera_from_world = place.first_from_world,
+                           .observations = {},
+                           .after_gap = place.after_gap,
+                           .gap_sigma = place.unit.sigma});
+  map.keyframes.push_back({.frame = second.frame,
+                           .time = second.time,
+                           .camera_from_world = second_from_first * place.first_from_world,
+                           .observations = {}});
   const RigidTransform world_from_first = place.first_from_world.inverse();
   for (std::size_t i = 0; i < first.features.size(); ++i) {
     map.landmarks.push_back({world_from_first * (unit * start.points[i]), start.has_point[i] != 0, {}});
@@ -96,8 +106,14 @@ AddedStart AddStart(const InitialMap& start, const StartPlace& place, Map& map) 
   for (std::size_t i = 0; i < second.features.size(); ++i) {
     const int landmark = added.first_landmark + second.features[i];
     AddObservation(map, added.keyframe + 1, landmark, second.pixels[i]);
-    added.tracks.push_back({landmark, start.second_pixels[i], second.pixels[i], second.pixels[i], reference,
-                            start.first_pixels[second.features[i]], added.keyframe, added.keyframe + 1});
+    added.tracks.push_back({.landmark = landmark,
+                            .pixel = start.second_pixels[i],
+                            .undistorted = second.pixels[i],
+                            .in_keyframe = second.pixels[i],
+                            .reference_image = reference,
+                            .reference_pixel = start.first_pixels[second.features[i]],
+                            .reference_keyframe = added.keyframe,
+                            .last_keyframe = added.keyframe + 1});
   }
   return added;
 }

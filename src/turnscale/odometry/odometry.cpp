@@ -236,7 +236,8 @@ void Odometry::AddKeyframe(const FrameResult& result) {
   const int keyframe = static_cast<int>(map_.keyframes.size());
   mask_.Observe(tracker_.DropStatic(map_, camera_from_world));
   ApplyMask();
-  map_.keyframes.push_back({result.frame, result.time, camera_from_world, {}, false});
+  map_.keyframes.push_back(
+      {.frame = result.frame, .time = result.time, .camera_from_world = camera_from_world, .observations = {}});
   for (const FeatureTrack& track : tracker_.tracks()) AddObservation(map_, keyframe, track.landmark, track.undistorted);
   if (start_in_doubt_ && InDegrees(TurnBetween(map_, *start_in_doubt_, keyframe)) > kDecidingTurn)
     start_in_doubt_.reset();

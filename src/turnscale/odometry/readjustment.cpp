@@ -16,8 +16,12 @@ ReadjustmentWork WorkToReadjust(const LocalBundleOptions& options, const Map& ma
                         .unlearned = {}};
   for (int k = mount.next_keyframe(); k < work.end; ++k) {
     const Keyframe& keyframe = map.keyframes[k];
-    work.unlearned.push_back(
-        {keyframe.frame, keyframe.time, keyframe.camera_from_world, {}, keyframe.after_gap, keyframe.gap_sigma});
+    work.unlearned.push_back({.frame = keyframe.frame,
+                              .time = keyframe.time,
+                              .camera_from_world = keyframe.camera_from_world,
+                              .observations = {},
+                              .after_gap = keyframe.after_gap,
+                              .gap_sigma = keyframe.gap_sigma});
   }
   return work;
 }

@@ -133,13 +133,13 @@ std::optional<MeasuredHeight> RoadObserver::Observe(const Map& map, const Eigen:
   if (tried_above_ < kTriedAbove) ++below_;
   misses_ = searches_ = 0;
   height_ = height_ ? *height_ * std::pow(road->height / *height_, kFollow) : road->height;
-  return MeasuredHeight{latest,
-                        reference->keyframe,
-                        road->height / distance,
-                        std::hypot(road->sigma, kSigmaPerTurn * motion.psi),
-                        earlier_from_current,
-                        road->by_rotation,
-                        road->by_direction};
+  return MeasuredHeight{.keyframe = latest,
+                        .reference = reference->keyframe,
+                        .ratio = road->height / distance,
+                        .sigma = std::hypot(road->sigma, kSigmaPerTurn * motion.psi),
+                        .reference_from_keyframe = earlier_from_current,
+                        .by_rotation = road->by_rotation,
+                        .by_direction = road->by_direction};
 }
 
 }  // namespace turnscale

@@ -10,7 +10,7 @@
 namespace turnscale {
 namespace {
 
-bool IsMeasured(const FrameResult& frame) { return frame.state == TrackingState::kTracked; }
+bool IsTracked(const FrameResult& frame) { return frame.state == TrackingState::kTracked; }
 
 }  // namespace
 
@@ -23,14 +23,14 @@ std::vector<MissingPart> FindMissingParts(const std::vector<FrameResult>& frames
     const bool after_gap = i > 0 && frame.time - frames[i - 1].time > kLeastGap;
     if (open) parts.back().to = after_gap ? frames[i - 1].time : frame.time;
     // A duplicate shows what its neighbours measure.
-    const bool lost = !IsMeasured(frame) && (open || after_gap || frame.state != TrackingState::kRepeated);
+    const bool lost = !IsTracked(frame) && (open || after_gap || frame.state != TrackingState::kRepeated);
     if (after_gap) parts.push_back({MissingReason::kNotRecorded, frames[i - 1].time, frame.time, 0});
     open = open && !after_gap;
     const bool unreadable = frame.state == TrackingState::kUnreadable;
     if (lost && !open)
       parts.push_back({unreadable ? MissingReason::kUnreadable : MissingReason::kLost, frame.time, frame.time, 0});
     open = lost;
-    begun = begun || IsMeasured(frame);
+    begun = begun || IsTracked(frame);
     if (!lost) continue;
     ++parts.back().frames;
     MissingReason& reason = parts.back().reason;
@@ -58,7 +58,7 @@ double TotalSeconds(const std::vector<MissingPart>& parts) {
 }
 
 std::optional<MissingPart> PartBeforeMap(const std::vector<FrameResult>& frames) {
-  const auto first = std::ranges::find_if(frames, IsMeasured);
+  const auto first = std::ranges::find_if(frames, IsTracked);
   if (first == frames.begin() || first == frames.end()) return std::nullopt;
   return MissingPart{MissingReason::kNotBegun, frames.front().time, first->time,
                      static_cast<int>(first - frames.begin())};
