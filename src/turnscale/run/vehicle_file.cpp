@@ -83,7 +83,9 @@ std::string VehicleFileText(const VehicleOptions& vehicle, const Mount& mount, c
       scale.estimate && scale.estimate->height_conflict
           ? std::log(scale.estimate->height_conflict->found / scale.estimate->height_conflict->given)
           : 0.0;
-  if (!vehicle.calibrate_camera || vehicle.camera_known || mount.found) {
+  // A camera that was moved since is not as the file of the car has it.
+  const bool as_known = vehicle.camera_known && mount.first_keyframe == 0;
+  if (!vehicle.calibrate_camera || as_known || mount.found) {
     YawPitchRoll angles = YawPitchRollFromRotation(mount.vehicle_from_camera);
     double yaw_sigma = mount.found ? std::max(mount.sigma.yaw, vehicle.yaw_sigma) : vehicle.yaw_sigma;
     // What the straights have told.
@@ -95,7 +97,7 @@ std::string VehicleFileText(const VehicleOptions& vehicle, const Mount& mount, c
     text += Line("pitch_deg", InDegrees(angles.pitch), "up");
     text += Line("roll_deg", InDegrees(angles.roll), "leaning right");
     text += Line("yaw_sigma_deg", InDegrees(yaw_sigma));
-    if (mount.found || vehicle.camera_known) {
+    if (mount.found || as_known) {
       text += Line("pitch_sigma_deg", InDegrees(mount.found ? mount.sigma.pitch : vehicle.known_pitch_sigma));
       text += Line("roll_sigma_deg", InDegrees(mount.found ? mount.sigma.roll : vehicle.known_roll_sigma));
     }

@@ -179,6 +179,21 @@ TEST(VehicleFile, WhatIsNotKnownIsLeftOut) {
   EXPECT_FALSE(next.camera_known);
 }
 
+TEST(VehicleFile, ARotationFromBeforeTheCameraWasMovedIsLeftOut) {
+  VehicleOptions vehicle;
+  vehicle.lever_arm = 1.45;
+  vehicle.camera_known = true;
+  vehicle.vehicle_from_camera = RotationFromYawPitchRoll({0.1, -0.05, 0.02});
+  Mount mount{.vehicle_from_camera = vehicle.vehicle_from_camera};
+  EXPECT_TRUE(ReadText(VehicleFileText(vehicle, mount, {})).camera_known);
+  mount.first_keyframe = 40;
+  const VehicleOptions next = ReadText(VehicleFileText(vehicle, mount, {}));
+  EXPECT_FALSE(next.camera_known);
+  EXPECT_EQ(next.lever_arm, 1.45) << "the rest of the car stays";
+  mount.found = true;
+  EXPECT_TRUE(ReadText(VehicleFileText(vehicle, mount, {})).camera_known) << "a turn since has shown the new one";
+}
+
 TEST(VehicleFile, WhatWasGivenStays) {
   VehicleOptions vehicle;
   vehicle.camera_height = 1.2;
