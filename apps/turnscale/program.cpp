@@ -21,7 +21,6 @@
 #include "turnscale/commands/version.h"
 #include "turnscale/config/yaml_map.h"
 #include "turnscale/io/terminal.h"
-#include "turnscale/run/run_summary.h"
 
 namespace turnscale {
 namespace {
@@ -99,7 +98,6 @@ std::string UnknownCommand(const CLI::App& app, int argc, char** argv) {
 }
 
 int Main(int argc, char** argv, void (*add_commands)(CLI::App&)) {
-  MeasureCost();
   SilenceLibraries();
   CLI::App app{
       "Monocular visual odometry for cars. Metric scale comes from the distance between camera and rear axle (the "

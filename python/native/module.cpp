@@ -252,7 +252,6 @@ double Degrees(double radians) { return radians * kDegreesPerRadian; }
 PYBIND11_MODULE(_native, module) {
   module.doc() = "The C++ part of turnscale.";
   TranslateErrors();
-  MeasureCost();
   module.attr("__version__") = Version();
 
   py::class_<CameraModel>(module, "Camera",

@@ -216,6 +216,7 @@ Settings SettingsFrom(const CarArguments& car, const std::optional<fs::path>& fi
 }
 
 RunEnd ExecuteRun(const RunArguments& arguments, const RunHooks& hooks) {
+  const ProcessClocks started = ReadClocks();
   CheckImageArguments(arguments.images);
   CheckChoice("--frame", arguments.frame, {"camera", "vehicle"});
   RefuseBoth({"--no-report", arguments.no_report}, {"--truth", !arguments.truth.truth.empty()});
@@ -250,6 +251,7 @@ RunEnd ExecuteRun(const RunArguments& arguments, const RunHooks& hooks) {
       .settings = settings,
       .output = output,
       .summary = BeforeTheDrive(arguments, settings.odometry.vehicle, images, estimate),
+      .started = started,
       .watch =
           [&](const SourceFrame& frame, const FrameResult& result, const Odometry& so_far) {
             if (!arguments.no_report) thumbnails.Add(frame.gray, result, so_far);

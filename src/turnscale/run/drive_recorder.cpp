@@ -91,7 +91,7 @@ RunSummary DriveRecorder::Summary(RunSummary summary, const RefinedResults& resu
   if (tracks_) SummarizeBeginning(results.frames, seen_, summary);
   // Results that could not be computed have no frames.
   summary.frames = std::max(summary.frames, frames_);
-  summary.cost = MeasureCost();
+  summary.cost = CostSince(started_);
   summary.cost.latency = LatencyOf(latencies_);
   return summary;
 }

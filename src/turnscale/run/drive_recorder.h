@@ -26,9 +26,10 @@ struct RefinedResults {
 /// Runs the odometry frame by frame and keeps what the summary and the files of a drive need besides its results.
 class DriveRecorder {
  public:
-  /// `scaling`: of the images that are processed.
-  explicit DriveRecorder(Odometry& odometry, const ImageScaling& scaling = {})
-      : odometry_(odometry), scaling_(scaling) {}
+  /// `scaling`: of the images that are processed. `started`: from when on the drive's cost counts.
+  explicit DriveRecorder(Odometry& odometry, const ImageScaling& scaling = {},
+                         const ProcessClocks& started = ReadClocks())
+      : odometry_(odometry), scaling_(scaling), started_(started) {}
 
   /// As Odometry::Process.
   FrameResult Process(const cv::Mat& gray, double time);
@@ -64,6 +65,7 @@ class DriveRecorder {
 
   Odometry& odometry_;
   ImageScaling scaling_;
+  ProcessClocks started_;
   int frames_ = 0;
   double last_time_ = 0;
   bool tracks_ = false;

@@ -38,7 +38,7 @@ class Run {
         odometry_(odometry),
         progress_(progress),
         frame_(drive.next()),
-        recorder_(odometry, drive.scaling),
+        recorder_(odometry, drive.scaling, drive.started),
         known_(drive.summary) {
     for (const std::string& warning : known_.warnings) progress_.Warn(warning);
   }

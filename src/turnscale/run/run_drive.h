@@ -36,6 +36,7 @@ struct DriveToRun {
   Settings settings = {};                                            ///< kept beside the results
   RunWriterOptions output;                                           ///< where the results go
   RunSummary summary;                                                ///< what is known of it beforehand
+  ProcessClocks started = ReadClocks();                              ///< from when on its cost counts
   /// Called after every frame with its result. What it throws ends the run.
   std::function<void(const SourceFrame&, const FrameResult&, const Odometry&)> watch = {};
   /// Called when no frame follows, before the final adjustment, which may take minutes.

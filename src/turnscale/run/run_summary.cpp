@@ -2,7 +2,6 @@
 #include "turnscale/run/run_summary.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <utility>
@@ -23,6 +22,12 @@ namespace {
 
 double Seconds(const timeval& time) {
   return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
+}
+
+rusage Usage() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return usage;
 }
 
 constexpr auto kMeasureAgain = "measure both again, and check fx and fy (pixels may not be square)";
@@ -318,15 +323,17 @@ std::optional<FrameLatency> LatencyOf(const std::vector<double>& seconds) {
   return FrameLatency{1e3 * Median(seconds), 1e3 * Quantile(seconds, 0.99), 1e3 * Quantile(seconds, 1)};
 }
 
-RunCost MeasureCost() {
-  using Clock = std::chrono::steady_clock;
-  static const Clock::time_point start = Clock::now();
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
+ProcessClocks ReadClocks() {
+  const rusage usage = Usage();
+  return {std::chrono::steady_clock::now(), Seconds(usage.ru_utime) + Seconds(usage.ru_stime)};
+}
+
+RunCost CostSince(const ProcessClocks& start) {
+  const ProcessClocks now = ReadClocks();
   RunCost cost;
-  cost.wall_seconds = std::chrono::duration<double>(Clock::now() - start).count();
-  cost.cpu_seconds = Seconds(usage.ru_utime) + Seconds(usage.ru_stime);
-  cost.peak_memory_mb = static_cast<double>(usage.ru_maxrss) / 1024.0;
+  cost.wall_seconds = std::chrono::duration<double>(now.wall - start.wall).count();
+  cost.cpu_seconds = now.cpu_seconds - start.cpu_seconds;
+  cost.peak_memory_mb = static_cast<double>(Usage().ru_maxrss) / 1024.0;
   return cost;
 }
 

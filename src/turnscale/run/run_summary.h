@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <chrono>
 #include <optional>
 #include <string>
 #include <vector>
@@ -52,12 +53,19 @@ std::optional<FrameLatency> LatencyOf(const std::vector<double>& seconds);
 struct RunCost {
   double wall_seconds = 0;
   double cpu_seconds = 0;     ///< of all threads
-  double peak_memory_mb = 0;  ///< resident, 2^20 bytes
+  double peak_memory_mb = 0;  ///< resident, 2^20 bytes; of the whole process so far, earlier runs included
   std::optional<FrameLatency> latency;
 };
 
-/// Cost of this process up to now, the wall clock counted from its first call.
-RunCost MeasureCost();
+/// The clocks of this process at a moment.
+struct ProcessClocks {
+  std::chrono::steady_clock::time_point wall;
+  double cpu_seconds = 0;  ///< of all threads
+};
+ProcessClocks ReadClocks();
+
+/// Cost since a moment, without latencies.
+RunCost CostSince(const ProcessClocks& start);
 
 /// Correction of the lens calibration estimated from the drive (mapping/lens_refinement.h).
 struct LensSummary {

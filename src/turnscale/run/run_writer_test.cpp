@@ -2,6 +2,7 @@
 #include "turnscale/run/run_writer.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -497,9 +498,12 @@ TEST(RunSummary, NamesTheTurnThatContradicts) {
 }
 
 TEST(RunSummary, CostIsMeasured) {
-  const RunCost cost = MeasureCost();
-  EXPECT_GT(cost.cpu_seconds, 0);
-  EXPECT_GT(cost.peak_memory_mb, 1);
+  const RunCost of_process = CostSince({std::chrono::steady_clock::now(), 0});
+  EXPECT_GT(of_process.cpu_seconds, 0);
+  EXPECT_GT(of_process.peak_memory_mb, 1);
+  const RunCost of_nothing = CostSince(ReadClocks());
+  EXPECT_LT(of_nothing.wall_seconds, 1);
+  EXPECT_LT(of_nothing.cpu_seconds, of_process.cpu_seconds) << "an earlier run costs this one nothing";
 }
 
 TEST(RunSummary, LatencyIsThatOfTheMiddleAndOfTheSlowestFrames) {
