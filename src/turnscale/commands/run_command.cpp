@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "turnscale/commands/run_command.h"
 
+#include <cmath>
 #include <exception>
 #include <set>
 #include <string>
@@ -156,8 +157,10 @@ std::string OlderExports(const fs::path& folder) {
 // What the lever arm of a file would be with another side slip stays the same: only its sigma follows.
 void ReplaceSlipSigma(double sigma, VehicleOptions& vehicle) {
   const double before = std::exchange(vehicle.side_slip_sigma, sigma);
-  if (vehicle.lever_arm_slip_correlation == 0 || !(before > 0)) return;
   const double lever_arm_sigma = vehicle.LeverArmSigma();
+  // What is exact has no error that could correlate.
+  if (!(before > 0 && lever_arm_sigma > 0)) vehicle.lever_arm_slip_correlation = 0;
+  if (vehicle.lever_arm_slip_correlation == 0) return;
   const double by_slip = vehicle.lever_arm_slip_correlation * lever_arm_sigma * sigma / before;
   const double exact =
       lever_arm_sigma * std::sqrt(1 - vehicle.lever_arm_slip_correlation * vehicle.lever_arm_slip_correlation);

@@ -38,5 +38,23 @@ TEST(CarArguments, AnotherSigmaOfTheSlipLeavesWhatTurnsHaveShown) {
   EXPECT_EQ(SettingsFrom(car, {}).odometry.vehicle.LeverArmSigma(), 0.05) << "as given";
 }
 
+TEST(CarArguments, AnExactValueOfTheFileCorrelatesWithNothing) {
+  const ScratchFolder folder;
+  const std::filesystem::path file = folder.Path() / "car.yaml";
+  CarArguments car;
+  car.vehicle = file;
+  for (const char* exact :
+       {"lever_arm_sigma: 0\nside_slip_sigma: 0.002\n", "lever_arm_sigma: 0.1\nside_slip_sigma: 0\n"}) {
+    std::ofstream(file) << "lever_arm: 1.45\nside_slip: 0.0045\nlever_arm_slip_correlation: 0.5\n" << exact;
+    car.side_slip_sigma.reset();
+    const double lever_arm_sigma = SettingsFrom(car, {}).odometry.vehicle.LeverArmSigma();
+    car.side_slip_sigma = 0.001;
+    const VehicleOptions vehicle = SettingsFrom(car, {}).odometry.vehicle;
+    EXPECT_EQ(vehicle.lever_arm_slip_correlation, 0) << exact;
+    EXPECT_EQ(vehicle.LeverArmSigma(), lever_arm_sigma) << exact;
+    EXPECT_EQ(vehicle.side_slip_sigma, 0.001) << exact;
+  }
+}
+
 }  // namespace
 }  // namespace turnscale

@@ -183,10 +183,12 @@ void ReadVehicleFile(const std::filesystem::path& path, VehicleOptions& vehicle)
     vehicle.side_slip = not_negative("side_slip", 0);
     vehicle.side_slip_sigma = not_negative("side_slip_sigma", kUsualSideSlipSigma);
   }
-  // With one of the two from elsewhere, their errors are independent.
+  // With one of the two from elsewhere, or one of their sigmas, their errors are independent.
   if (map.Has("lever_arm") || map.Has("side_slip")) {
     const bool both = map.Has("lever_arm") && map.Has("side_slip");
-    vehicle.lever_arm_slip_correlation = both ? correlation("lever_arm_slip_correlation") : 0.0;
+    const bool with_sigmas = map.Has("lever_arm_sigma") && map.Has("side_slip_sigma");
+    const double stated = correlation("lever_arm_slip_correlation");
+    vehicle.lever_arm_slip_correlation = both && with_sigmas ? stated : 0.0;
   }
   if (map.Has("height")) {
     vehicle.camera_height = map.Positive("height");

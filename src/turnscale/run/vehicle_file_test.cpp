@@ -133,8 +133,15 @@ TEST(VehicleFile, AFileWithoutCorrelationsIsAsBefore) {
   EXPECT_NE(Refused("lever_arm: 1\nside_slip: 0.004\nlever_arm_slip_correlation: -1.5\n")
                 .find("lever_arm_slip_correlation: has to be between -1 and 1"),
             std::string::npos);
-  EXPECT_NE(Refused("lever_arm: 1\nside_slip: 0.004\nlever_arm_slip_correlation: 0.9\nheight: 2\nheight_sigma: 1\n"
-                    "height_correlation: 0.6\nheight_slip_correlation: -0.6\n")
+  const std::string errors = "lever_arm_sigma: 0.1\nside_slip_sigma: 0.002\nlever_arm_slip_correlation: 0.9\n";
+  EXPECT_EQ(ReadText("lever_arm: 1\nside_slip: 0.004\n" + errors).lever_arm_slip_correlation, 0.9);
+  for (const char* sigma : {"lever_arm_sigma: 0.1\n", "side_slip_sigma: 0.002\n"})
+    EXPECT_EQ(ReadText(std::string("lever_arm: 1\nside_slip: 0.004\nlever_arm_slip_correlation: 0.9\n") + sigma)
+                  .lever_arm_slip_correlation,
+              0)
+        << "of another sigma than the usual one that is taken instead";
+  EXPECT_NE(Refused("lever_arm: 1\nside_slip: 0.004\n" + errors +
+                    "height: 2\nheight_sigma: 1\nheight_correlation: 0.6\nheight_slip_correlation: -0.6\n")
                 .find("lever_arm_slip_correlation"),
             std::string::npos);
 }
