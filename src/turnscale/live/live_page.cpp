@@ -133,7 +133,11 @@ class LivePage::Server {
       server_.listen_after_bind();
       ended_ = true;
     });
-    while (!server_.is_running()) std::this_thread::sleep_for(kPollInterval);
+    while (!server_.is_running() && !ended_) std::this_thread::sleep_for(kPollInterval);
+    if (!ended_) return;
+    thread_.join();
+    throw InputError("--live-address " + options.host + ":" + std::to_string(port_) +
+                     ": the page cannot be served there; choose another port, or leave out --live");
   }
   Server(const Server&) = delete;
   Server& operator=(const Server&) = delete;
