@@ -39,8 +39,6 @@ constexpr double kHigherTerms = 0.15;
 // From one look to the next, at most, in halves of a window.
 constexpr int kLongestInterval = 8;
 
-double InRadians(double degrees) { return degrees / kDegreesPerRadian; }
-
 // Largest angle between the first or the last of the keyframes and another, radians.
 double LargestTurn(const Map& map, int first, int last) {
   double largest = 0;
@@ -49,11 +47,17 @@ double LargestTurn(const Map& map, int first, int last) {
   return largest;
 }
 
+// Shift of the principal point by a small angle at the camera, pixels.
+Eigen::Vector2d CentreShift(const Pinhole& pinhole, double degrees) {
+  const double radians = degrees / kDegreesPerRadian;
+  return {pinhole.fx * radians, pinhole.fy * radians};
+}
+
 // Share of a step that stays within what the linear model is good for.
-double ShareOf(const Vector& step, double focal_length) {
+double ShareOf(const Vector& step, const Pinhole& pinhole) {
   const double longest = std::max({std::abs(step[IntrinsicsChange::kLogFocal]) / kLongestFocalStep,
-                                   std::abs(step[IntrinsicsChange::kCentreX]) / (kLongestCentreStep * focal_length),
-                                   std::abs(step[IntrinsicsChange::kCentreY]) / (kLongestCentreStep * focal_length),
+                                   std::abs(step[IntrinsicsChange::kCentreX]) / (kLongestCentreStep * pinhole.fx),
+                                   std::abs(step[IntrinsicsChange::kCentreY]) / (kLongestCentreStep * pinhole.fy),
                                    std::abs(step[IntrinsicsChange::kCorrection]) / kLongestCorrectionStep,
                                    step.tail<kHigherTermsOfLens>().cwiseAbs().maxCoeff() / kLongestHigherStep});
   return 1.0 / std::max(1.0, longest);
@@ -163,9 +167,9 @@ bool CalibrationCheck::Observe(const Map& map) {
 
 Matrix CalibrationCheck::Covariance(double focal_sigma, double centre_sigma_deg, double correction_sigma,
                                     double higher_sigma) const {
-  const double centre = given_.fx * InRadians(centre_sigma_deg);
+  const Eigen::Vector2d centre = CentreShift(given_, centre_sigma_deg);
   Vector sigmas;
-  sigmas << focal_sigma, centre, centre, correction_sigma, higher_sigma, higher_sigma;
+  sigmas << focal_sigma, centre.x(), centre.y(), correction_sigma, higher_sigma, higher_sigma;
   return sigmas.array().square().matrix().asDiagonal();
 }
 
@@ -196,7 +200,7 @@ std::optional<CalibrationCheck::Reading> CalibrationCheck::ReadingOf(IntrinsicsP
     if (!step.allFinite()) return std::nullopt;
     if (round == options_.max_rounds || step.dot(total * step) < kSmallStep * kSmallStep)
       return Widened(deflation * evidence->information, deflation * evidence->weighted_minimum());
-    window.Follow(*evidence, evidence->at + ShareOf(step, given_.fx) * step);
+    window.Follow(*evidence, evidence->at + ShareOf(step, given_) * step);
   }
 }
 
@@ -260,13 +264,24 @@ std::vector<ParameterEstimate> CalibrationCheck::Parameters(const CameraModel& c
 std::vector<ParameterEstimate> CalibrationCheck::Contradictions(const CameraModel& camera) const {
   std::vector<ParameterEstimate> contradictions;
   if (windows_.empty()) return contradictions;
-  const double centre = given_.fx * std::tan(InRadians(options_.min_centre_error_deg));
-  const double matters[IntrinsicsChange::kEntries] = {given_.fx * options_.min_focal_error, centre, centre,
-                                                      options_.min_correction_error};
-  const std::vector<ParameterEstimate> all = Parameters(camera);
-  for (size_t i = 0; i < all.size(); ++i) {
-    const double error = std::abs(all[i].found - all[i].given);
-    if (error > matters[i] && error > options_.significance * all[i].sigma) contradictions.push_back(all[i]);
+  const Eigen::Vector2d centre = CentreShift(given_, options_.min_centre_error_deg);
+  const auto matters = [&](IntrinsicsParameter parameter) {
+    switch (parameter) {
+      case IntrinsicsParameter::kFocalLength:
+        return given_.fx * options_.min_focal_error;
+      case IntrinsicsParameter::kCentreX:
+        return centre.x();
+      case IntrinsicsParameter::kCentreY:
+        return centre.y();
+      case IntrinsicsParameter::kDistortion:
+        return options_.min_correction_error;
+    }
+    return 0.0;
+  };
+  for (const ParameterEstimate& estimate : Parameters(camera)) {
+    const double error = std::abs(estimate.found - estimate.given);
+    if (error > matters(estimate.parameter) && error > options_.significance * estimate.sigma)
+      contradictions.push_back(estimate);
   }
   return contradictions;
 }

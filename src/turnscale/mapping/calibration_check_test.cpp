@@ -257,6 +257,15 @@ TEST(CalibrationCheck, ThePriorHasItsMeanAtTheExpectedChange) {
   EXPECT_LT(check.observed_radius(), std::hypot(map.camera.pinhole.cx, map.camera.pinhole.cy) + 20);
 }
 
+TEST(CalibrationCheck, AnAngleIsMorePixelsAlongTheLongerFocalLength) {
+  Map map = WrongMap(kRightAndLeft, Vector::Zero(), 0.3, 1);
+  map.pinhole.fy = 1.25 * map.pinhole.fx;
+  CalibrationCheck unread({});
+  EXPECT_FALSE(unread.Observe(MapUpTo(1, map), CameraOf(map)));
+  const std::vector<ParameterEstimate> all = unread.Parameters(CameraOf(map));
+  EXPECT_NEAR(all[2].sigma, 1.25 * all[1].sigma, 1e-9);
+}
+
 TEST(CalibrationCheck, CanBeSwitchedOff) {
   CalibrationCheckOptions options;
   options.enabled = false;

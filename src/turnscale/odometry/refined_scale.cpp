@@ -20,18 +20,20 @@ ScaleState StateAtEnd(const RefinedScale& refined) {
 }
 
 double CalibrationSigma(const std::vector<ParameterEstimate>& contradictions, const CameraModel& camera) {
-  const double focal_length = camera.pinhole.fx;
-  double variance = std::pow(kScalePerFocalLength * (camera.focal_sigma / focal_length), 2);
+  const Pinhole& pinhole = camera.pinhole;
+  double variance = std::pow(kScalePerFocalLength * (camera.focal_sigma / pinhole.fx), 2);
   for (const ParameterEstimate& estimate : contradictions) {
     const double off = estimate.found - estimate.given;
     double sigma = 0;
     switch (estimate.parameter) {
       case IntrinsicsParameter::kFocalLength:
-        sigma = kScalePerFocalLength * off / focal_length;
+        sigma = kScalePerFocalLength * off / pinhole.fx;
         break;
       case IntrinsicsParameter::kCentreX:
+        sigma = kScalePerAngle * off / pinhole.fx;
+        break;
       case IntrinsicsParameter::kCentreY:
-        sigma = kScalePerAngle * off / focal_length;
+        sigma = kScalePerAngle * off / pinhole.fy;
         break;
       case IntrinsicsParameter::kDistortion:
         sigma = kScalePerCorrection * off;

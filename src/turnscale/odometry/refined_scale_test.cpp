@@ -37,6 +37,11 @@ TEST(WidenForCalibration, AddsWhatEachContradictionMayCost) {
   EXPECT_NEAR(widened({Off(IntrinsicsParameter::kFocalLength, -40)}), 4 * focal, 1e-9);
   EXPECT_NEAR(widened({Off(IntrinsicsParameter::kFocalLength, 20), Off(IntrinsicsParameter::kCentreX, -15)}),
               focal + centre, 1e-9);
+  const double vertical = widened({Off(IntrinsicsParameter::kCentreY, -15)});
+  EXPECT_EQ(vertical, centre);
+  camera.pinhole.fy = 350;
+  EXPECT_NEAR(widened({Off(IntrinsicsParameter::kCentreY, -15)}), 4 * vertical, 1e-9) << "twice the angle";
+  EXPECT_EQ(widened({Off(IntrinsicsParameter::kCentreX, -15)}), centre);
   RefinedScale pending;
   pending.keyframes = {{.sigma = 1}};
   WidenForCalibration({Off(IntrinsicsParameter::kDistortion, 0.01)}, camera, pending);
