@@ -70,7 +70,9 @@ void AddCalibrateCommand(CLI::App& app) {
                                 ->check(CLI::Range(1, 1'000'000'000))
                                 ->excludes(trajectory);
   CLI::Option* speed = calibrate->add_option(
-      "--speed", arguments->speed, "File with one 'time, speed' per line, s and m/s: estimate the lever arm too");
+      "--speed", arguments->speed,
+      "File with one 'time, speed' per line, s and m/s, or in the unit that its first line names, such as "
+      "'time, speed_kmh': estimate the lever arm too");
   CLI::Option* distance = calibrate->add_option("--distance", arguments->distance,
                                                 "Path length of the drive, metres: estimate the lever arm too");
   CLI::Option* metric =

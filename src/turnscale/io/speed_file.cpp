@@ -2,8 +2,9 @@
 #include "turnscale/io/speed_file.h"
 
 #include <algorithm>
+#include <array>
+#include <cctype>
 #include <cmath>
-#include <initializer_list>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -33,23 +34,88 @@ double SpeedAt(const SpeedLog& log, double time) {
 struct SpeedColumns {
   size_t time = 0;
   size_t speed = 1;
+  std::optional<double> unit = {};  // of the speed, m/s; nothing if it is not named
 };
 
-std::optional<size_t> ColumnNamed(const std::vector<std::string_view>& heading,
-                                  std::initializer_list<std::string_view> names) {
-  const auto found = std::ranges::find_if(
-      heading, [&](std::string_view column) { return std::ranges::find(names, column) != names.end(); });
-  return found == heading.end() ? std::nullopt : std::optional(static_cast<size_t>(found - heading.begin()));
+struct SpeedUnit {
+  std::string_view name;  // letters only
+  double metres_per_second;
+};
+
+// Of two names that one name ends with, the longer comes first.
+constexpr std::array kSpeedUnits = {SpeedUnit{"kmh", 1 / 3.6},  SpeedUnit{"kph", 1 / 3.6}, SpeedUnit{"kmph", 1 / 3.6},
+                                    SpeedUnit{"mph", 0.44704},  SpeedUnit{"mps", 1},       SpeedUnit{"ms", 1},
+                                    SpeedUnit{"knots", 0.51444}};
+
+// "Speed [km/h]" and "speed_kmh" are the same name.
+std::string Letters(std::string_view name) {
+  std::string letters;
+  for (const char c : name)
+    if (std::isalpha(static_cast<unsigned char>(c)) != 0)
+      letters += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return letters;
+}
+
+const SpeedUnit* UnitIn(std::string_view letters) {
+  const auto found =
+      std::ranges::find_if(kSpeedUnits, [&](const SpeedUnit& unit) { return letters.ends_with(unit.name); });
+  return found == kSpeedUnits.end() ? nullptr : &*found;
+}
+
+bool IsTime(const std::string& column) {
+  return std::ranges::count(std::array{"time", "t", "times", "ts"}, Letters(column)) > 0;
+}
+
+bool IsSpeed(const std::string& column) {
+  std::string letters = Letters(column);
+  if (const SpeedUnit* unit = UnitIn(letters)) letters.resize(letters.size() - unit->name.size());
+  return letters == "speed" || letters == "v";
+}
+
+// The names of the columns; a unit in brackets belongs to the name before it.
+std::vector<std::string> NamesIn(const std::string& line) {
+  std::vector<std::string> names;
+  const bool commas = line.find(',') != std::string::npos;
+  for (size_t begin = 0; begin <= line.size();) {
+    const size_t end = std::min(commas ? line.find(',', begin) : std::string::npos, line.size());
+    std::string name;
+    for (const std::string_view word : SplitWords(std::string_view(line).substr(begin, end - begin))) {
+      const bool goes_on = commas || word.starts_with('(') || word.starts_with('[');
+      if (!goes_on && !name.empty()) names.push_back(std::exchange(name, ""));
+      name += word;
+    }
+    names.push_back(name);
+    begin = end + 1;
+  }
+  return names;
 }
 
 // By the names in the heading; of two columns, the first is the time whatever they are called.
-SpeedColumns ColumnsOf(const std::vector<std::string_view>& heading, const std::string& where) {
-  const std::optional<size_t> time = ColumnNamed(heading, {"time", "t", "time_s", "t_s"});
-  const std::optional<size_t> speed = ColumnNamed(heading, {"speed", "speed_mps", "v", "v_mps"});
-  if (time && speed) return {*time, *speed};
-  if (heading.size() == 2) return {};
-  throw InputError(
-      fmt::format("{}: has {} columns; name those that count 'time' (s) and 'speed' (m/s)", where, heading.size()));
+SpeedColumns ColumnsOf(const std::vector<std::string>& heading, const std::string& where) {
+  const auto time = std::ranges::find_if(heading, IsTime);
+  const auto speed = std::ranges::find_if(heading, IsSpeed);
+  SpeedColumns columns;
+  if (time != heading.end() && speed != heading.end()) {
+    columns.time = static_cast<size_t>(time - heading.begin());
+    columns.speed = static_cast<size_t>(speed - heading.begin());
+  } else if (heading.size() != 2) {
+    throw InputError(
+        fmt::format("{}: has {} columns; name those that count 'time' (s) and 'speed' (m/s), or 'speed_kmh'", where,
+                    heading.size()));
+  }
+  if (const SpeedUnit* unit = UnitIn(Letters(heading[columns.speed]))) columns.unit = unit->metres_per_second;
+  return columns;
+}
+
+// Throws InputError where a speed is none of a car, in m/s unless a unit is named.
+void CheckSpeed(double speed, bool has_unit, const std::string& where) {
+  constexpr double kFastest = 70;  // m/s
+  if (speed < 0) throw InputError(fmt::format("{}: speed {} is negative; give it without direction", where, speed));
+  if (!has_unit && speed > kFastest)
+    throw InputError(fmt::format(
+        "{}: speed {} is too fast for m/s; name the unit in the first line, such as 'time, speed_kmh' or 'time, "
+        "speed_mph'",
+        where, speed));
 }
 
 }  // namespace
@@ -74,7 +140,8 @@ SpeedLog ReadSpeedFile(const std::filesystem::path& path) {
   SpeedLog log;
   std::optional<SpeedColumns> named;
   for (TextLines lines(path, "file of speeds"); lines.Next();) {
-    std::string line = lines.Line();
+    const std::string& whole = lines.Line();
+    std::string line = whole;
     std::replace(line.begin(), line.end(), ',', ' ');
     const auto words = SplitWords(line);
     if (words.empty() || words[0].starts_with('#')) continue;
@@ -83,7 +150,7 @@ SpeedLog ReadSpeedFile(const std::filesystem::path& path) {
                            return ParseNumber<double>(word).has_value();
                          });
     if (heading) {
-      named = ColumnsOf(words, where);
+      named = ColumnsOf(NamesIn(whole), where);
       continue;
     }
     const SpeedColumns columns = named.value_or(SpeedColumns());
@@ -100,12 +167,12 @@ SpeedLog ReadSpeedFile(const std::filesystem::path& path) {
       throw InputError(fmt::format("{}: '{}, {}' is not a time and a speed", where, Excerpt(words[columns.time]),
                                    Excerpt(words[columns.speed])));
     }
-    if (*speed < 0) throw InputError(fmt::format("{}: speed {} is negative; give it without direction", where, *speed));
+    CheckSpeed(*speed, columns.unit.has_value(), where);
     if (!log.times.empty() && *time <= log.times.back()) {
       throw InputError(fmt::format("{}: time {} does not come after {}", where, *time, log.times.back()));
     }
     log.times.push_back(*time);
-    log.speeds.push_back(*speed);
+    log.speeds.push_back(columns.unit.value_or(1) * *speed);
   }
   if (log.times.size() < 2) throw InputError(path.string() + ": holds fewer than two speeds");
   log.times = InSeconds(std::move(log.times));

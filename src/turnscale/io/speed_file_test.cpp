@@ -49,6 +49,32 @@ TEST(SpeedFile, TakesTheColumnsThatAreNamed) {
   }
 }
 
+TEST(SpeedFile, ConvertsTheUnitThatTheHeadingNames) {
+  const auto metres = [](const std::string& heading) {
+    return SpeedsFrom(heading + "\n0,36\n1,36\n").Distance(0, 1).value();
+  };
+  for (const char* heading : {"time,speed_kmh", "t,v_kmh", "time (s),speed (km/h)", "Time [s], Speed [km/h]",
+                              "time speed [km/h]", "seconds,wheel speed km/h", "time,speed_kph"})
+    EXPECT_NEAR(metres(heading), 10, 1e-9) << heading;
+  EXPECT_NEAR(metres("time,speed_mph"), 36 * 1.609344 / 3.6, 1e-3);
+  for (const char* heading : {"time,speed", "time,speed_mps", "time,speed (m/s)", "t_s,v_ms"})
+    EXPECT_EQ(metres(heading), 36) << heading;
+  EXPECT_NEAR(SpeedsFrom("frame,t_s,yaw,speed_kmh\n0,10,0,7.2\n1,11,0,14.4\n").Distance(10, 11).value(), 3, 1e-9);
+}
+
+TEST(SpeedFile, RefusesSpeedsThatAreNoMetresPerSecond) {
+  for (const char* text : {"0,50\n1,85\n", "time,speed\n1,85\n2,50\n"}) {
+    try {
+      SpeedsFrom(text);
+      FAIL() << text;
+    } catch (const InputError& error) {
+      EXPECT_NE(std::string(error.what()).find(":2: speed 85 is too fast for m/s; name the unit"), std::string::npos)
+          << error.what();
+    }
+  }
+  EXPECT_EQ(SpeedsFrom("time,speed_mps\n0,85\n1,85\n").Distance(0, 1), 85);
+}
+
 TEST(SpeedFile, NamesTheLineItCannotRead) {
   for (const char* text : {"0,1\n1,x\n", "0,1\n1,nan\n", "0,1\n0,2\n", "0,1\n1,-2\n", "0,1\n2\n"}) {
     try {
