@@ -380,6 +380,33 @@ TEST_F(EvaluateTest, MotionsThatDoNotFitInAnyAxesAreDoubted) {
       << result.err;
 }
 
+TEST_F(EvaluateTest, InversePosesAreNamed) {
+  // Round three blocks: straights in different directions tell which of the two poses are inverse.
+  Trajectory blocks;
+  RigidTransform pose;
+  for (int i = 0; i < kPoses; ++i) {
+    blocks.push_back({0.1 * i, pose});
+    pose = pose * RigidTransform{RotationFromVector({0, i % 30 < 10 ? 0.05 * M_PI : 0, 0}), {0, 0, 1}};
+  }
+  std::string given;
+  std::string inverse;
+  for (const StampedPose& stamped : blocks) {
+    given += TumLine(stamped);
+    inverse += TumLine({stamped.time, stamped.world_from_camera.inverse()});
+  }
+  Text("blocks.tum", given);
+  Text("inverse.tum", inverse);
+  for (const auto& [estimate, truth] :
+       {std::pair("inverse.tum", "blocks.tum"), std::pair("blocks.tum", "inverse.tum")}) {
+    const Json warnings = Scored({estimate, truth})["warnings"];
+    ASSERT_EQ(warnings.size(), 1U) << warnings;
+    const std::string warning = warnings[0].get<std::string>();
+    EXPECT_NE(warning.find("inverse.tum: each in its own axes"), std::string::npos) << warning;
+    EXPECT_NE(warning.find("the poses are camera_from_world"), std::string::npos) << warning;
+  }
+  EXPECT_TRUE(Scored({"blocks.tum", "blocks.tum"})["warnings"].empty());
+}
+
 TEST_F(EvaluateTest, TheCamerasMountingTurnsTheTurningAngle) {
   const auto all = [&](const std::vector<std::string>& more) {
     std::vector<std::string> arguments = {"tilted.tum", "truth/drive.tum"};

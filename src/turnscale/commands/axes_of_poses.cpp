@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <optional>
+#include <string_view>
 #include <vector>
 
 #include <fmt/format.h>
@@ -12,6 +13,7 @@
 #include "turnscale/evaluation/body_axes.h"
 #include "turnscale/evaluation/evaluation.h"
 #include "turnscale/geometry/rotation.h"
+#include "turnscale/rescale/pose_direction.h"
 
 namespace turnscale {
 namespace {
@@ -77,11 +79,40 @@ std::string TurnedWarning(const std::string& turned, const std::string& whose,
       whose);
 }
 
+std::string UnlikeMotions(const std::string& whose, const std::string& other, std::string_view remedy) {
+  return fmt::format(
+      "{}: each in its own axes, it moves in other directions than the {}: rotation and translation errors tell "
+      "nothing; {}",
+      whose, other, remedy);
+}
+
+bool AreInverse(const PosePairs& pairs, PoseOfPair pose) {
+  Trajectory path;
+  for (const PosePair& pair : pairs) path.push_back({pair.time, pair.*pose});
+  return turnscale::AreInverse({path});
+}
+
+// Poses of one of the two that are camera_from_world; empty where none are, or both.
+std::string InverseWarning(const ComparedPoses& compared, const PosePairs& pairs) {
+  const bool of_estimate = AreInverse(pairs, &PosePair::estimate);
+  if (of_estimate == AreInverse(pairs, &PosePair::truth)) return {};
+  return of_estimate ? UnlikeMotions(compared.estimate, "ground truth", kInversePoses)
+                     : UnlikeMotions(compared.truth, "estimate", kInversePoses);
+}
+
+// Whether the motions are alike once the poses of one of the two are inverted.
+bool IsOneInverse(PosePairs pairs, const std::vector<Step>& steps) {
+  for (PosePair& pair : pairs) pair.estimate = pair.estimate.inverse();
+  const BodyAxes axes = CompareBodyAxes(pairs, steps);
+  return axes.as_given.way > kAlike && axes.as_given.turn > kAlike;
+}
+
 }  // namespace
 
 std::string UniteAxes(const ComparedPoses& compared, PosePairs& pairs) {
   const std::vector<Step> steps = StepsFor(pairs);
   if (steps.empty()) return {};
+  if (std::string inverse = InverseWarning(compared, pairs); !inverse.empty()) return inverse;
   const BodyAxes axes = CompareBodyAxes(pairs, steps);
   AxisConvention estimate = ConventionOf(pairs, steps, &PosePair::estimate);
   const AxisConvention truth = ConventionOf(pairs, steps, &PosePair::truth);
@@ -103,9 +134,10 @@ std::string UniteAxes(const ComparedPoses& compared, PosePairs& pairs) {
       return compared.truth +
              ": its poses have other body axes than the estimate's, and the drive turns too little to tell which: "
              "rotation and translation errors tell nothing; give both in camera axes";
-    return compared.truth +
-           ": each in its own axes, it moves in other directions than the estimate: rotation and translation errors "
-           "tell nothing; check that both files have world_from_camera poses of the same drive, in camera axes";
+    return UnlikeMotions(compared.truth, "estimate",
+                         IsOneInverse(pairs, steps)
+                             ? "one of the two files has camera_from_world poses; give the inverse of these"
+                             : "check that both files have world_from_camera poses of the same drive, in camera axes");
   }
   if (!compared.keeps_axes && estimate != AxisConvention::kCamera) {
     const Eigen::Quaterniond camera_from_body = BodyFromCamera(estimate).conjugate();

@@ -130,9 +130,7 @@ bool FindMount(const RescaleOptions& options, const Trajectory& trajectory, cons
   for (const PathGap& gap : gaps) first_poses.push_back(gap.pose);
   result.yaw_sigma = options.car.yaw_sigma;
   if (AreInverse(CutAtGaps(trajectory, first_poses))) {
-    result.reason =
-        "the poses are camera_from_world: read as world_from_camera, the camera goes along no axis of its own, but "
-        "along one if they are inverted; give the inverse poses";
+    result.reason = kInversePoses;
     return false;
   }
   if (options.vehicle_from_camera) {
