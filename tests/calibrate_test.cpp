@@ -77,6 +77,17 @@ TEST_F(CalibrateTest, WritesWhatRunReads) {
   EXPECT_TRUE(fs::exists(folder_ / "history.svg"));
 }
 
+TEST_F(CalibrateTest, TakesTheFolderOfARun) {
+  fs::create_directories(folder_ / "run");
+  fs::rename(Tum(drive_), folder_ / "run/trajectory.tum");
+  ASSERT_EQ(Run({"--trajectory", (folder_ / "run").string()}).exit_code, 0);
+  EXPECT_LT(DegreesBetween(ReadCameraRotation(Out().string()), kTilted), 0.04);
+  Text("run/summary.json", R"({"pose_frame": "vehicle", "scale": {"state": "held"}})");
+  ExpectComplaint(Run({"--trajectory", (folder_ / "run").string()}), 2, {"trajectory.tum: the poses", "rear axle"});
+  fs::create_directories(folder_ / "empty");
+  ExpectComplaint(Run({"--trajectory", (folder_ / "empty").string()}), 2, {"without the trajectory.tum of a run"});
+}
+
 TEST_F(CalibrateTest, AnInterruptWhileFilesAreWrittenDoesNotSayThatThereAreNone) {
   const fs::path history = folder_ / "history.csv";
   for (const fs::path& pipe : {history, Out()}) ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);

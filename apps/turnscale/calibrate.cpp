@@ -42,7 +42,7 @@ void AddCalibrateCommand(CLI::App& app) {
   CLI::Option* trajectory = calibrate
                                 ->add_option("--trajectory", arguments->trajectory,
                                              "Instead of images: camera trajectory in any unit of length, TUM, KITTI "
-                                             "or EuRoC")
+                                             "or EuRoC, or the folder of a run")
                                 ->excludes(input);
   calibrate
       ->add_option(

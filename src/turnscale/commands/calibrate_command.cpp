@@ -12,6 +12,7 @@
 #include "turnscale/base/error.h"
 #include "turnscale/calibration/camera_step.h"
 #include "turnscale/commands/argument_checks.h"
+#include "turnscale/commands/run_of_trajectory.h"
 #include "turnscale/io/output_file.h"
 #include "turnscale/io/speed_file.h"
 #include "turnscale/io/trajectory_file.h"
@@ -229,6 +230,9 @@ void WriteHistory(const fs::path& path, const std::vector<CalibrationMoment>& hi
 DriveMotion ReadMotion(const CalibrateArguments& arguments, const CommandHooks& hooks) {
   if (!arguments.trajectory) return MotionFromImages(arguments.images, hooks);
   const ImageArguments& images = arguments.images;
+  if (IsOfRearAxle(*arguments.trajectory))
+    throw InputError(arguments.trajectory->string() +
+                     ": the poses are those of the rear axle, not of the camera; run again without --frame vehicle");
   std::optional<AxisConvention> axes;
   if (arguments.axes == "camera") axes = AxisConvention::kCamera;
   if (arguments.axes == "flu") axes = AxisConvention::kForwardLeftUp;
@@ -286,7 +290,9 @@ CalibrationReport CalibrateMotion(const CalibrateArguments& arguments, const std
 
 }  // namespace
 
-CalibrateOutcome ExecuteCalibrate(const CalibrateArguments& arguments, const CommandHooks& hooks) {
+CalibrateOutcome ExecuteCalibrate(const CalibrateArguments& given, const CommandHooks& hooks) {
+  CalibrateArguments arguments = given;
+  if (given.trajectory) arguments.trajectory = TrajectoryOf(*given.trajectory);
   Check(arguments);
   // Before the images, which may take hours.
   if (!arguments.out.empty()) CheckOutputFile(arguments.out);

@@ -14,9 +14,9 @@ namespace turnscale {
 
 /// Arguments of `calibrate`, by the names of the program's options.
 struct CalibrateArguments {
-  ImageArguments images;  ///< of the drive, unless there is a trajectory
-  std::optional<std::filesystem::path> trajectory;
-  std::string axes = "auto";  ///< of the trajectory: "auto", "camera", "flu" or "frd"
+  ImageArguments images;                            ///< of the drive, unless there is a trajectory
+  std::optional<std::filesystem::path> trajectory;  ///< its file, or the folder of a run
+  std::string axes = "auto";                        ///< of the trajectory: "auto", "camera", "flu" or "frd"
   std::optional<std::filesystem::path> speed;
   std::optional<double> distance;  ///< metres
   bool metric = false;
@@ -39,6 +39,6 @@ struct CalibrateOutcome {
 
 /// Estimates the camera-to-vehicle rotation, and where metres are given the lever arm, and writes the files. Throws
 /// InputError, OutputError and Interruption unless the drive was stopped.
-CalibrateOutcome ExecuteCalibrate(const CalibrateArguments& arguments, const CommandHooks& hooks);
+CalibrateOutcome ExecuteCalibrate(const CalibrateArguments& given, const CommandHooks& hooks);
 
 }  // namespace turnscale
