@@ -89,6 +89,17 @@ bool BeginsWithVerb(std::string_view why) {
                              [&](const char* verb) { return why.starts_with(verb); });
 }
 
+// Whether a key is likely meant for this name: few of its letters are wrong, or one is the beginning of the other.
+bool IsNear(std::string_view key, std::string_view name, size_t edits) {
+  constexpr size_t kLeastBeginning = 3;
+  if (edits <= std::max<size_t>(2, key.size() / 3)) return true;
+  return std::min(key.size(), name.size()) >= kLeastBeginning && (name.starts_with(key) || key.starts_with(name));
+}
+
+std::string Suggestion(const std::string& name) {
+  return name.empty() ? "remove it, or correct its name" : "did you mean '" + name + "'?";
+}
+
 // What may be meant by a key below `prefix` ("" or "scale.") that is not among all the dotted names.
 std::string HintFor(const std::string& prefix, const std::string& key, std::span<const std::string> known) {
   if (key.find('.') != std::string::npos) {
@@ -104,14 +115,14 @@ std::string HintFor(const std::string& prefix, const std::string& key, std::span
     if (name == key) return "it belongs at the top level";
     if (name.substr(split) == key) groups.push_back(name.substr(0, split - 1));
     // Twice the edits, so that the one for another level only decides between equals.
-    const size_t distance = 2 * std::min(EditDistance(key, name.substr(split)), EditDistance(prefix + key, name)) +
-                            (parent == prefix ? 0 : 1);
-    if (distance >= least) continue;
+    const size_t edits = std::min(EditDistance(key, name.substr(split)), EditDistance(prefix + key, name));
+    const size_t distance = 2 * edits + (parent == prefix ? 0 : 1);
+    if (distance >= least || !IsNear(key, name.substr(split), edits)) continue;
     least = distance;
     nearest = name;
   }
   if (!groups.empty()) return "it belongs below " + Enumeration(groups, "or");
-  return "did you mean '" + nearest + "'?";
+  return Suggestion(nearest);
 }
 
 }  // namespace
@@ -232,7 +243,9 @@ double YamlMap::Angle(const std::string& key) const {
 void YamlMap::AllowOnly(std::span<const std::string> known) const {
   for (const std::string& key : Keys()) {
     if (Contains(known, key)) continue;
-    Reject(key, "unknown key; did you mean '" + prefix_ + NearestName(key, known) + "'?");
+    const std::string nearest = NearestName(key, known);
+    const bool is_near = IsNear(key, nearest, EditDistance(key, nearest));
+    Reject(key, "unknown key; " + Suggestion(is_near ? prefix_ + nearest : ""));
   }
 }
 

@@ -93,6 +93,11 @@ TEST(YamlMap, UnknownKeyNamesTheNearestKnown) {
               MapOf(std::string(99, 'x') + ": 1\n").AllowOnly(known);
             }).find(": " + std::string(40, 'x') + "...: unknown key"),
             std::string::npos);
+  EXPECT_NE(MessageOf([&] { MapOf("alp: 1\n").AllowOnly(known); }).find("did you mean 'alpha'?"), std::string::npos);
+  EXPECT_NE(MessageOf([&] {
+              MapOf("wheelbase_m: 1\n").AllowOnly(known);
+            }).find(":1: wheelbase_m: unknown key; remove it, or correct its name"),
+            std::string::npos);
   EXPECT_NO_THROW(MapOf("beta: 1\n").AllowOnly(known));
 }
 
@@ -117,6 +122,7 @@ TEST(YamlMap, UnknownKeyNamesThePlaceOrTheNearestOfAllLevels) {
   expect("lenght: 1\n", "did you mean 'c.length'?");
   expect("c:\n  sizes: 1\n", "did you mean 'c.size'?");
   expect("a:\n  widt: 1\n", "did you mean 'a.wit'?");
+  expect("wheelbase_m: 1\n", ":1: wheelbase_m: unknown key; remove it, or correct its name");
 }
 
 TEST(YamlMap, AComplaintOfACheckGetsLineAndValue) {
