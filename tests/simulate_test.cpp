@@ -48,6 +48,21 @@ class SimulateTest : public ::testing::Test {
   fs::path folder_;
 };
 
+TEST_F(SimulateTest, ADriveThatTakesLongerThanAskedSaysSo) {
+  const CommandResult longer = Simulate({"garage", "--rig", SmallRig(), "--seconds", "5", "--quiet"});
+  EXPECT_EQ(longer.exit_code, 0) << longer.err;
+  EXPECT_NE(longer.err.find("warning: --seconds 5: the drive takes 15."), std::string::npos) << longer.err;
+  const CommandResult cut = Simulate({"garage", "--rig", SmallRig(), "--seconds", "5", "--max-frames", "3", "--quiet"});
+  EXPECT_EQ(cut.err, "");
+}
+
+TEST_F(SimulateTest, AFolderOfARunIsRefused) {
+  fs::create_directories(Out());
+  std::ofstream(Out() / "live.tum") << "";
+  ExpectComplaint(Simulate({"garage", "--rig", SmallRig()}), 2, {"drive: has the results of a run"});
+  EXPECT_FALSE(fs::exists(Out() / "drive.yaml"));
+}
+
 TEST_F(SimulateTest, DriveGoesStraightIntoRun) {
   // Large enough to be tracked.
   const std::string rig =

@@ -126,6 +126,14 @@ Rig RigFor(const SimulateArguments& arguments) {
   return rig;
 }
 
+// One line where a drive takes longer than was asked for; else empty.
+std::string LongerThanAsked(const SimulateArguments& arguments, double seconds) {
+  constexpr double kApproximate = 1.25;
+  if (!arguments.seconds || arguments.follow || seconds < kApproximate * *arguments.seconds) return {};
+  return fmt::format("--seconds {}: the drive takes {:.1f} s, as the shortest {} does; --max-frames ends it earlier",
+                     *arguments.seconds, seconds, arguments.world);
+}
+
 // Returns the exit code.
 int Simulate(const SimulateArguments& arguments) {
   Check(arguments);
@@ -141,6 +149,8 @@ int Simulate(const SimulateArguments& arguments) {
   const auto report = [&](int done, int frames) {
     if (!lighting) {
       lighting = true;
+      if (const std::string longer = LongerThanAsked(arguments, frames / rig.rate_hz); !longer.empty())
+        PrintMessage("warning: " + longer);
       if (!arguments.quiet) PrintMessage(fmt::format("{} of {} frames: lighting the scene", arguments.world, frames));
       return !Interrupted();
     }

@@ -13,6 +13,7 @@
 #include "turnscale/base/escaped_text.h"
 #include "turnscale/camera/camera_file.h"
 #include "turnscale/io/output_file.h"
+#include "turnscale/io/run_files.h"
 #include "turnscale/rendering/renderer.h"
 #include "turnscale/simulation/burnt_clock.h"
 #include "turnscale/simulation/captured_frames.h"
@@ -48,6 +49,7 @@ void RefuseForeign(const fs::path& folder) {
   if (Exists(folder) && !fs::is_directory(folder, error)) {
     throw InputError(folder.string() + ": is a file, but the drive needs a folder; choose another --out");
   }
+  if (IsFolderOfRun(folder)) throw InputError(folder.string() + ": has the results of a run; choose another --out");
   if (IsOurs(folder)) return;
   const auto refuse = [&](const std::string& name) {
     throw InputError((folder / name).string() + ": does not belong to a simulated drive; choose another --out");

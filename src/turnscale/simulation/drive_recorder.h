@@ -24,8 +24,8 @@ struct DriveOrigin {
 std::string DriveText(const DriveOrigin& origin, unsigned seed);
 
 /// Makes the folder and, if it is for `images`, its `image_0/`, and removes the drive that a recording has left there;
-/// `drive.yaml` stays. Throws InputError, and touches nothing, where it holds files named like those of a drive and a
-/// `drive.yaml` of ours is not among them, or where it cannot be made or cleared.
+/// `drive.yaml` stays. Throws InputError, and touches nothing, where it has the results of a run, or files named like
+/// those of a drive without a `drive.yaml` of ours, or where it cannot be made or cleared.
 void PrepareDriveFolder(const std::filesystem::path& folder, bool images);
 
 struct RecordOptions {
