@@ -311,9 +311,9 @@ DriveMotion MotionFromImages(const ImageArguments& arguments, const CommandHooks
                               FocalLengthText(estimate.found->camera));
   if (odometry.is_upside_down()) progress.Warn(UpsideDownWarning(arguments.rotate));
   const auto [frames, scale] = recorder.Refined();
-  for (const ParameterEstimate& contradiction : scale.contradicted_calibration)
-    progress.Warn(
-        CalibrationWarning(contradiction, estimate.found.has_value(), "the rotation and the lever arm may be wrong"));
+  for (const std::string& warning : CalibrationWarnings(scale.contradicted_calibration, estimate.found.has_value(),
+                                                        "the rotation and the lever arm may be wrong"))
+    progress.Warn(warning);
   motion.calibration_sigma = CalibrationSigma(scale.contradicted_calibration, images.scaling.Full(odometry.camera()));
   motion.stretches = Stretches(frames);
   if (motion.stretches.empty()) attempts.RethrowFirst();

@@ -265,6 +265,23 @@ std::vector<std::string> CarWarnings(const RefinedScale& scale, const RunSummary
   return warnings;
 }
 
+// Where the images of turns contradict the calibration.
+std::string CalibrationWarning(const ParameterEstimate& estimate, bool refined) {
+  const std::string remedy = refined ? "" : ", or have it estimated with --camera-refine";
+  if (estimate.parameter == IntrinsicsParameter::kDistortion)
+    return fmt::format(
+        "the images taken in turns give a distortion other than the calibration's: a radial correction of {:.4f} "
+        "+-{:.2g}, where {:.4f} is applied: check that the calibration belongs to this camera{}",
+        estimate.found, estimate.sigma, estimate.given, remedy);
+  const bool is_focal = estimate.parameter == IntrinsicsParameter::kFocalLength;
+  const bool is_x = estimate.parameter == IntrinsicsParameter::kCentreX;
+  const char* name = is_focal ? "focal length" : is_x ? "horizontal principal point" : "vertical principal point";
+  return fmt::format(
+      "the images taken in turns give a {} of {:.4g} +-{:.2g} pixels, but the calibration has {:.4g}: check that the "
+      "calibration belongs to this camera{}",
+      name, estimate.found, estimate.sigma, estimate.given, remedy);
+}
+
 void AddWarnings(const std::vector<FrameResult>& refined, const RefinedScale& scale,
                  const std::vector<ImpossibleMotion>& impossible, RunSummary& summary) {
   const auto add = [&](std::string warning) {
@@ -273,8 +290,9 @@ void AddWarnings(const std::vector<FrameResult>& refined, const RefinedScale& sc
   std::string scale_error;
   if (const double sigma = LengthSigma(scale); std::isfinite(sigma))
     scale_error = fmt::format("the scale may be off by {:.0f} % or more", 100 * sigma);
-  for (const ParameterEstimate& estimate : scale.contradicted_calibration)
-    add(CalibrationWarning(estimate, summary.found_camera.has_value(), scale_error));
+  for (std::string& warning :
+       CalibrationWarnings(scale.contradicted_calibration, summary.found_camera.has_value(), scale_error))
+    add(std::move(warning));
   add(TurnsWarning(scale));
   add(MethodWarning(summary.method, scale));
   for (std::string& warning : CarWarnings(scale, summary)) add(std::move(warning));
@@ -290,21 +308,12 @@ std::string UpToScaleText(const std::string& pending_reason) {
   return "the trajectory is up to scale" + (pending_reason.empty() ? "" : ": " + pending_reason);
 }
 
-std::string CalibrationWarning(const ParameterEstimate& estimate, bool refined, const std::string& consequence) {
-  const std::string remedy = refined ? "" : ", or have it estimated with --camera-refine";
-  const std::string then = consequence.empty() ? "" : "; " + consequence;
-  if (estimate.parameter == IntrinsicsParameter::kDistortion)
-    return fmt::format(
-        "the images taken in turns give a distortion other than the calibration's: a radial correction of {:.4f} "
-        "+-{:.2g}, where {:.4f} is applied: check that the calibration belongs to this camera{}{}",
-        estimate.found, estimate.sigma, estimate.given, remedy, then);
-  const bool is_focal = estimate.parameter == IntrinsicsParameter::kFocalLength;
-  const bool is_x = estimate.parameter == IntrinsicsParameter::kCentreX;
-  const char* name = is_focal ? "focal length" : is_x ? "horizontal principal point" : "vertical principal point";
-  return fmt::format(
-      "the images taken in turns give a {} of {:.4g} +-{:.2g} pixels, but the calibration has {:.4g}: check that the "
-      "calibration belongs to this camera{}{}",
-      name, estimate.found, estimate.sigma, estimate.given, remedy, then);
+std::vector<std::string> CalibrationWarnings(const std::vector<ParameterEstimate>& contradictions, bool refined,
+                                             const std::string& consequence) {
+  std::vector<std::string> warnings;
+  for (const ParameterEstimate& estimate : contradictions) warnings.push_back(CalibrationWarning(estimate, refined));
+  if (!warnings.empty() && !consequence.empty()) warnings.back() += "; " + consequence;
+  return warnings;
 }
 
 std::string CameraMovedWarning(int frame) {

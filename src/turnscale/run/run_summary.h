@@ -23,9 +23,11 @@ namespace turnscale {
 /// That the trajectory of a run with a measured length is up to scale all the same, and why.
 std::string UpToScaleText(const std::string& pending_reason);
 
-/// Warning where the images of turns contradict the calibration. `refined`: it was estimated from the drive.
-/// `consequence`: what the error does to the results, such as "the scale may be off"; may be empty.
-std::string CalibrationWarning(const ParameterEstimate& estimate, bool refined, const std::string& consequence);
+/// Warnings where the images of turns contradict the calibration, one for each parameter. `refined`: it was estimated
+/// from the drive. `consequence`: what the errors together do to the results, such as "the scale may be off", which the
+/// last one says; may be empty.
+std::vector<std::string> CalibrationWarnings(const std::vector<ParameterEstimate>& contradictions, bool refined,
+                                             const std::string& consequence);
 
 /// Warning where the odometry finds that the camera was moved on the car.
 std::string CameraMovedWarning(int frame);

@@ -497,6 +497,22 @@ TEST(RunSummary, NamesTheTurnThatContradicts) {
   EXPECT_EQ(json["warnings"][0], summary.warnings[0]);
 }
 
+TEST(RunSummary, WhatAWrongCalibrationDoesIsSaidOnce) {
+  RefinedScale scale;
+  scale.estimate.emplace();
+  scale.estimate->length_sigma = 1.16;
+  scale.contradicted_calibration = {{IntrinsicsParameter::kFocalLength, 500, 600, 10},
+                                    {IntrinsicsParameter::kCentreX, 320, 350, 5},
+                                    {IntrinsicsParameter::kDistortion, 0, 0.1, 0.01}};
+  RunSummary summary;
+  Summarize(Frames(5, 1), scale, summary);
+  ASSERT_EQ(summary.warnings.size(), 3u);
+  for (const std::string& warning : summary.warnings)
+    EXPECT_EQ(warning.find("the scale may be off by 116 % or more") != std::string::npos,
+              &warning == &summary.warnings.back())
+        << warning;
+}
+
 TEST(RunSummary, CostIsMeasured) {
   const RunCost of_process = CostSince({std::chrono::steady_clock::now(), 0});
   EXPECT_GT(of_process.cpu_seconds, 0);
