@@ -339,9 +339,10 @@ std::string RescaleText(const RescaleResult& result) {
   const bool refined = !result.estimate->uses_single_turns;
   const double yaw_error = refined ? car.yaw_error : 0.0;
   const double yaw_sigma = refined ? car.yaw_error_sigma : result.yaw_sigma;
+  const std::string uncertain =
+      IsKnown(result) ? "" : fmt::format(" (uncertain, as it is above {:.0f} %)", 100 * kLargestKnownSigma);
   text += fmt::format("path          {:.1f} m +-{:.1f} %{}, {} of {} turns used\n", result.length,
-                      100 * result.estimate->length_sigma, IsKnown(result) ? "" : " (uncertain)", UsedTurns(result),
-                      TurnsOf(result).size());
+                      100 * result.estimate->length_sigma, uncertain, UsedTurns(result), TurnsOf(result).size());
   const YawPitchRoll camera = YawPitchRollFromRotation(result.vehicle_from_camera);
   text += fmt::format("camera        yaw {:+.2f} +-{:.2f}, pitch {:+.2f}, roll {:+.2f} deg\n",
                       (camera.yaw + yaw_error) * kDegreesPerRadian, yaw_sigma * kDegreesPerRadian,
