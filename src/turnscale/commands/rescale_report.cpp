@@ -304,7 +304,7 @@ std::string RescaleJson(const RescaleResult& result, const std::string& input) {
                      {"roll_height_m", refined(car.roll_height)},
                      {"roll_height_sigma_m", refined(car.roll_height_sigma)},
                      {"camera_height_m", refined(known(car.camera_height))},
-                     {"camera_height_sigma_m", refined(known(car.camera_height_sigma))}};
+                     {"camera_height_sigma_m", refined(known(HeightSigma(*result.estimate)))}};
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
@@ -355,7 +355,7 @@ std::string RescaleText(const RescaleResult& result) {
   }
   if (car.camera_height > 0)
     text += fmt::format("height        camera {:.3f} +-{:.3f} m above the road\n", car.camera_height,
-                        car.camera_height_sigma);
+                        HeightSigma(*result.estimate));
   return text;
 }
 

@@ -48,6 +48,7 @@ void WidenForCalibration(const std::vector<ParameterEstimate>& contradictions, c
                          RefinedScale& refined) {
   refined.contradicted_calibration = contradictions;
   const double widening = CalibrationSigma(contradictions, camera);
+  refined.calibration_sigma = widening;
   if (widening == 0 || !refined.estimate) return;
   for (KeyframeScale& keyframe : refined.keyframes) keyframe.sigma = std::hypot(keyframe.sigma, widening);
   refined.estimate->length_sigma = std::hypot(refined.estimate->length_sigma, widening);

@@ -35,6 +35,7 @@ struct RefinedScale {
   double gap_sigma = 0;  ///< standard deviation of the path's length due to parts that are not measured, metres
   /// Intrinsics that are inconsistent with the images of turns; sigmas include their effect on the scale.
   std::vector<ParameterEstimate> contradicted_calibration;
+  double calibration_sigma = 0;  ///< CalibrationSigma, which the sigmas of the scale include
   int calibration_windows = 0;  ///< parts of turns in which the intrinsics were tested
 };
 

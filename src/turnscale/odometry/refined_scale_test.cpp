@@ -24,6 +24,7 @@ TEST(WidenForCalibration, AddsWhatEachContradictionMayCost) {
     refined.keyframes = {{.sigma = 0.02}, {.sigma = 0.05}};
     WidenForCalibration(contradictions, camera, refined);
     EXPECT_EQ(refined.contradicted_calibration.size(), contradictions.size());
+    EXPECT_EQ(refined.calibration_sigma, CalibrationSigma(contradictions, camera));
     const auto gained = [](double after, double before) { return after * after - before * before; };
     EXPECT_NEAR(gained(refined.keyframes[0].sigma, 0.02), gained(refined.estimate->length_sigma, 0.03), 1e-12);
     EXPECT_NEAR(gained(refined.keyframes[1].sigma, 0.05), gained(refined.estimate->length_sigma, 0.03), 1e-12);

@@ -182,7 +182,10 @@ void SummarizeScale(const std::vector<FrameResult>& refined, const RefinedScale&
   summary.pending_reason = PendingReason(refined, scale, summary);
   if (!scale.estimate) return;
   const ScaleEstimate& estimate = *scale.estimate;
-  if (!estimate.uses_single_turns) summary.car = estimate.car;
+  if (!estimate.uses_single_turns) {
+    summary.car = estimate.car;
+    summary.car->camera_height_sigma = HeightSigma(estimate, scale.calibration_sigma);
+  }
   if (estimate.has_reliable_car()) summary.car_evidence = estimate.car_evidence;
   summary.turn_test = estimate.test;
   summary.height_conflict = estimate.height_conflict;
@@ -366,6 +369,14 @@ const char* LensModelName(LensModel lens) {
       return "equidistant";
   }
   return "unknown";
+}
+
+double HeightSigma(const ScaleEstimate& estimate, double calibration_sigma) {
+  const double slip = estimate.slip_conflict ? estimate.test.disagreement : 0;
+  const std::optional<HeightConflict>& height = estimate.height_conflict;
+  const double between = height ? 0.5 * std::log(height->found / height->given) : 0;
+  return std::hypot(estimate.car.camera_height_sigma,
+                    std::hypot(calibration_sigma, slip, between) * estimate.car.camera_height);
 }
 
 void Summarize(const std::vector<FrameResult>& refined, const RefinedScale& scale, RunSummary& summary) {

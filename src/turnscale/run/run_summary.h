@@ -172,6 +172,10 @@ constexpr size_t kShownMissingParts = 5;
 /// "pinhole", "radial-tangential" or "equidistant".
 const char* LensModelName(LensModel lens);
 
+/// Standard deviation of the camera's height, metres, with what the sigma of the scale has for contradictions and the
+/// calibration: the height is off by what the scale is off by. `calibration_sigma`: RefinedScale's.
+double HeightSigma(const ScaleEstimate& estimate, double calibration_sigma = 0);
+
 /// Fills in what follows from the refined frames and their scale, and adds the warnings. These and pending_reason also
 /// depend on what the summary has of car, camera, clips and options. What the scale says of the calibration has to be
 /// in pixels of full size.

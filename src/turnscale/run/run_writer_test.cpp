@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -511,6 +512,28 @@ TEST(RunSummary, WhatAWrongCalibrationDoesIsSaidOnce) {
     EXPECT_EQ(warning.find("the scale may be off by 116 % or more") != std::string::npos,
               &warning == &summary.warnings.back())
         << warning;
+}
+
+TEST(RunSummary, TheHeightIsAsUncertainAsTheScale) {
+  RefinedScale scale;
+  scale.estimate.emplace();
+  scale.estimate->car.camera_height = 1.5;
+  scale.estimate->car.camera_height_sigma = 0.03;
+  const auto sigma = [&] {
+    RunSummary summary;
+    Summarize(Frames(5, 1), scale, summary);
+    return summary.car->camera_height_sigma;
+  };
+  EXPECT_EQ(sigma(), 0.03);
+  scale.calibration_sigma = 0.2;
+  EXPECT_NEAR(sigma(), std::hypot(0.03, 0.3), 1e-12) << "a wrong calibration";
+  scale.calibration_sigma = 0;
+  scale.estimate->height_conflict = HeightConflict{1.4, 0.014, 1.26, 0.02, false};
+  EXPECT_NEAR(sigma(), std::hypot(0.03, 1.5 * 0.5 * std::log(1.4 / 1.26)), 1e-12) << "between two lengths";
+  scale.estimate->height_conflict.reset();
+  scale.estimate->slip_conflict.emplace();
+  scale.estimate->test.disagreement = 0.1;
+  EXPECT_NEAR(sigma(), std::hypot(0.03, 0.15), 1e-12) << "an unusual slip";
 }
 
 TEST(RunSummary, CostIsMeasured) {
