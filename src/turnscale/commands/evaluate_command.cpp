@@ -7,6 +7,7 @@
 #include "turnscale/commands/argument_checks.h"
 #include "turnscale/commands/version.h"
 #include "turnscale/evaluation/path_picture.h"
+#include "turnscale/geometry/level_frame.h"
 #include "turnscale/io/floor_plan_file.h"
 #include "turnscale/io/output_file.h"
 #include "turnscale/io/trajectory_file.h"
@@ -18,12 +19,26 @@
 namespace turnscale {
 namespace {
 
+// Right and ahead on the page. Outlines of a scene lie in the plane of x and z.
+Eigen::Matrix<double, 2, 3> PageAxes(const EvaluateArguments& arguments, const Comparison& comparison) {
+  if (!arguments.floor_plan.empty()) {
+    Eigen::Matrix<double, 2, 3> axes = Eigen::Matrix<double, 2, 3>::Zero();
+    axes(0, 0) = axes(1, 2) = 1;
+    return axes;
+  }
+  Trajectory truth;
+  for (const PosePair& pair : comparison.pairs) truth.push_back({pair.time, pair.truth});
+  return TopViewAxes(truth, arguments.camera_rotation ? ReadCameraRotation(*arguments.camera_rotation)
+                                                      : Eigen::Quaterniond::Identity());
+}
+
 // The estimate as given, its first pose aligned with ground truth.
 void DrawPath(const EvaluateArguments& arguments, const Comparison& comparison) {
   PathPicture picture;
   picture.title = arguments.estimate.string();
   if (!arguments.floor_plan.empty()) picture.outlines = ReadFloorPlan(arguments.floor_plan);
-  const auto from_above = [](const Eigen::Vector3d& place) { return Eigen::Vector2d(place.x(), place.z()); };
+  const Eigen::Matrix<double, 2, 3> axes = PageAxes(arguments, comparison);
+  const auto from_above = [&](const Eigen::Vector3d& place) { return Eigen::Vector2d(axes * place); };
   const Similarity& truth_from_estimate = comparison.evaluation.from_first_pose.truth_from_estimate;
   for (const PosePair& pair : comparison.pairs) {
     picture.truth.push_back(from_above(pair.truth.translation));

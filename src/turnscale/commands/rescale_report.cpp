@@ -15,6 +15,7 @@
 
 #include "turnscale/base/csv_cells.h"
 #include "turnscale/figure/figure.h"
+#include "turnscale/geometry/level_frame.h"
 #include "turnscale/geometry/rotation.h"
 #include "turnscale/run/run_summary.h"
 #include "turnscale/run/time_check.h"
@@ -65,24 +66,8 @@ std::vector<std::size_t> Thinned(std::size_t first, std::size_t last) {
   return indices;
 }
 
-// Right and up on the page, in the world's axes: the drive as seen from above, however its world frame lies. Up is what
-// the car has above it on the whole; the world's x axis goes to the right, or its z axis where x points up.
-Eigen::Matrix<double, 2, 3> PageAxes(const RescaleResult& result) {
-  Eigen::Vector3d up = Eigen::Vector3d::Zero();
-  for (const StampedPose& pose : result.metric) {
-    up -= pose.world_from_camera.rotation * (result.vehicle_from_camera.conjugate() * Eigen::Vector3d::UnitY());
-  }
-  up.normalize();
-  constexpr double kAlong = 0.9;
-  const Eigen::Vector3d reference = std::abs(up.x()) < kAlong ? Eigen::Vector3d::UnitX() : Eigen::Vector3d::UnitZ();
-  Eigen::Matrix<double, 2, 3> axes;
-  axes.row(0) = (reference - reference.dot(up) * up).normalized();
-  axes.row(1) = up.cross(Eigen::Vector3d(axes.row(0)));
-  return axes;
-}
-
 PlotPanel PathPanel(const RescaleResult& result) {
-  const Eigen::Matrix<double, 2, 3> axes = PageAxes(result);
+  const Eigen::Matrix<double, 2, 3> axes = TopViewAxes(result.metric, result.vehicle_from_camera);
   const auto places = [&](std::size_t first, std::size_t last) {
     PlotPoints points;
     for (const std::size_t i : Thinned(first, last))

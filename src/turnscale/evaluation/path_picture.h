@@ -8,7 +8,7 @@
 
 namespace turnscale {
 
-/// Top view of a drive: positions as (x to the right, z ahead), metres.
+/// Top view of a drive: positions as (to the right, ahead) on the page, metres.
 struct PathPicture {
   std::string title;
   std::vector<std::vector<Eigen::Vector2d>> outlines;  ///< of what stands there, closed; may be empty

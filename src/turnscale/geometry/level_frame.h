@@ -13,4 +13,8 @@ namespace turnscale {
 /// trajectory may not be empty.
 Eigen::Quaterniond LevelFromWorld(const Trajectory& trajectory, const Eigen::Quaterniond& vehicle_from_camera);
 
+/// Right and up on a page that shows the drive from above, in the world's axes: the world's x axis goes to the right,
+/// or its z axis where x points up. The trajectory may not be empty.
+Eigen::Matrix<double, 2, 3> TopViewAxes(const Trajectory& trajectory, const Eigen::Quaterniond& vehicle_from_camera);
+
 }  // namespace turnscale
