@@ -233,7 +233,10 @@ TEST_F(ExportTest, SaysWhatIsMissing) {
                   {"--start-time noon: give date, time and offset"});
   // Results of a version that wrote no speeds are in metres all the same.
   fs::remove(folder_ / "out" / "speed.csv");
+  for (const char* origin : {"49,8,1,2", "49,x", "90,8", "49,181", "49,8,inf", "nan,8", "49,,8"})
+    ExpectComplaint(Export({"--gpx", "--origin", origin, "--heading", "1"}), 2, {"give LATITUDE,LONGITUDE"});
   EXPECT_EQ(Export({"--gpx", "--origin", "49,8", "--heading", "1"}).exit_code, 0);
+  EXPECT_EQ(Export({"--gpx", "--origin", "49, 8, 120", "--heading", "1"}).exit_code, 0);
   WriteSummary({});
   ExpectComplaint(Export({"--gpx", "--origin", "49,8", "--heading", "1"}), 2, {"the path is not in metres"});
   ExpectComplaint(RunCommand({"export", folder_.string(), "--gpx"}, folder_), 2, {"summary.json: no such file"});

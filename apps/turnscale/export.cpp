@@ -50,22 +50,13 @@ struct ExportArguments {
 
 // "latitude,longitude" or "latitude,longitude,height".
 GeoPoint ParseOrigin(const std::string& text, bool& has_height) {
-  std::vector<double> numbers;
-  for (size_t begin = 0; begin <= text.size();) {
-    const size_t end = std::min(text.find(',', begin), text.size());
-    const auto number = ParseNumber<double>(std::string_view(text).substr(begin, end - begin));
-    if (!number || !std::isfinite(*number)) break;
-    numbers.push_back(*number);
-    begin = end + 1;
-    if (end == text.size()) {
-      const bool sane =
-          (numbers.size() == 2 || numbers.size() == 3) && std::abs(numbers[0]) < 90 && std::abs(numbers[1]) <= 180;
-      if (!sane) break;
-      has_height = numbers.size() == 3;
-      return {numbers[0], numbers[1], has_height ? numbers[2] : 0};
-    }
-  }
-  throw InputError("--origin " + text + ": give LATITUDE,LONGITUDE in degrees, or with the height in metres");
+  const std::vector<double> numbers = ParseNumbers(text).value_or(std::vector<double>());
+  const bool sane = (numbers.size() == 2 || numbers.size() == 3) && std::abs(numbers[0]) < 90 &&
+                    std::abs(numbers[1]) <= 180 && std::isfinite(numbers.back());
+  if (!sane)
+    throw InputError("--origin " + text + ": give LATITUDE,LONGITUDE in degrees, or with the height in metres");
+  has_height = numbers.size() == 3;
+  return {numbers[0], numbers[1], has_height ? numbers[2] : 0};
 }
 
 std::string FixText(const FixPlacement& placed) {

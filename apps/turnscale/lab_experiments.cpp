@@ -10,6 +10,7 @@
 #include "turnscale/base/error.h"
 #include "turnscale/geometry/rotation.h"
 #include "turnscale/io/output_file.h"
+#include "turnscale/run/settings.h"
 
 namespace turnscale {
 namespace {
@@ -77,11 +78,8 @@ void KeepResult(const std::filesystem::path& folder, const std::string& name, co
 
 ScaleEstimatorSettings EstimatorOf(const LabMethod& method) {
   ScaleEstimatorSettings settings;
-  const std::string_view key = method.key;
-  settings.weighs_turns = key == "weighted";
-  settings.odometry.scale.method = key == "paper"      ? ScaleMethod::kPaper
-                                   : key == "smoothed" ? ScaleMethod::kSmoothed
-                                                       : ScaleMethod::kTurns;
+  settings.weighs_turns = std::string_view(method.key) == "weighted";
+  settings.odometry.scale.method = FindScaleMethod(method.key).value_or(ScaleMethod::kTurns);
   return settings;
 }
 

@@ -16,6 +16,7 @@
 #include "turnscale/io/terminal.h"
 #include "turnscale/live/live_page.h"
 #include "turnscale/odometry/odometry.h"
+#include "turnscale/run/settings.h"
 
 namespace turnscale {
 namespace {
@@ -141,7 +142,7 @@ void AddRunCommand(CLI::App& app) {
          "How metric scale is obtained. smoothed: one estimate along the drive, from all turns; turns: each turn's "
          "scale from this turn alone, to which a final bundle adjustment constrains it; paper: the same for each pair "
          "of consecutive keyframes in a turn (equation (22) of the paper by Kim et al.) [smoothed]")
-      ->check(CLI::IsMember({"smoothed", "turns", "paper"}));
+      ->check(CLI::IsMember(ScaleMethodNames()));
   run->add_option("--frame", arguments->frame, "Write poses of the camera or of the vehicle (rear axle)")
       ->check(CLI::IsMember({"camera", "vehicle"}))
       ->capture_default_str();

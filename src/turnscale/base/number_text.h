@@ -42,4 +42,18 @@ inline std::vector<std::string_view> SplitWords(std::string_view line) {
   return words;
 }
 
+/// The numbers of "1,2.5, 3"; blanks may stand around them. Nothing for other text.
+inline std::optional<std::vector<double>> ParseNumbers(std::string_view text) {
+  std::vector<double> numbers;
+  for (size_t begin = 0; begin <= text.size();) {
+    const size_t end = std::min(text.find(',', begin), text.size());
+    const std::vector<std::string_view> words = SplitWords(text.substr(begin, end - begin));
+    const std::optional<double> number = words.size() == 1 ? ParseNumber<double>(words[0]) : std::nullopt;
+    if (!number) return std::nullopt;
+    numbers.push_back(*number);
+    begin = end + 1;
+  }
+  return numbers;
+}
+
 }  // namespace turnscale

@@ -2,6 +2,8 @@
 #include "turnscale/base/number_text.h"
 
 #include <limits>
+#include <optional>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -21,6 +23,15 @@ TEST(NumberText, ReadsBackAsTheSameNumber) {
                              std::numeric_limits<double>::denorm_min()}) {
     EXPECT_EQ(ParseNumber<double>(NumberText(value)), value) << NumberText(value);
   }
+}
+
+TEST(NumberText, ListsHaveCommas) {
+  using Numbers = std::vector<double>;
+  EXPECT_EQ(ParseNumbers("1,-2.5,+3"), Numbers({1, -2.5, 3}));
+  EXPECT_EQ(ParseNumbers(" 1 , 2"), Numbers({1, 2}));
+  EXPECT_EQ(ParseNumbers("7"), Numbers({7}));
+  for (const char* text : {"", ",", "1,", "1,,2", "1;2", "1 2", "x"})
+    EXPECT_EQ(ParseNumbers(text), std::nullopt) << text;
 }
 
 }  // namespace

@@ -108,7 +108,7 @@ void ProcessFrames(const ImageArguments& arguments, ImageSource& source, const C
     }
     if (!frame->notice.empty()) progress.Warn(frame->notice);
     if (frame->gray.empty()) {
-      progress.Warn(fmt::format("frame {}: {}; skipped", frame->index, frame->problem));
+      progress.Warn(SkippedWarning(frame->index, frame->problem));
       recorder.ProcessUnreadable(frame->time, frame->problem);
     } else {
       recorder.Process(frame->gray, frame->time);

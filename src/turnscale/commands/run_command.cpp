@@ -9,6 +9,7 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <opencv2/core.hpp>
 #include <opencv2/core/utility.hpp>
 
@@ -154,6 +155,12 @@ std::string OlderExports(const fs::path& folder) {
   return fmt::format("{}: made from an earlier path: {}; run turnscale export again", folder.string(), names);
 }
 
+ScaleMethod MethodNamed(const std::string& name) {
+  const std::optional<ScaleMethod> method = FindScaleMethod(name);
+  if (method) return *method;
+  throw InputError(fmt::format("--method {}: give one of {}", name, fmt::join(ScaleMethodNames(), ", ")));
+}
+
 // What the lever arm of a file would be with another side slip stays the same: only its sigma follows.
 void ReplaceSlipSigma(double sigma, VehicleOptions& vehicle) {
   const double before = std::exchange(vehicle.side_slip_sigma, sigma);
@@ -204,11 +211,7 @@ Settings SettingsFrom(const CarArguments& car, const std::optional<fs::path>& fi
     options.vehicle.camera_known = false;
     if (car.vehicle) options.vehicle.yaw_sigma = VehicleOptions().yaw_sigma;
   }
-  if (car.method) CheckChoice("--method", *car.method, {"smoothed", "turns", "paper"});
-  if (car.method)
-    options.scale.method = *car.method == "paper"   ? ScaleMethod::kPaper
-                           : *car.method == "turns" ? ScaleMethod::kTurns
-                                                    : ScaleMethod::kSmoothed;
+  if (car.method) options.scale.method = MethodNamed(*car.method);
   if (options.scale.method != ScaleMethod::kSmoothed && !options.vehicle.lever_arm)
     throw InputError(
         fmt::format("{}: constrains turns by the lever arm, which is missing; give --lever-arm, or a "

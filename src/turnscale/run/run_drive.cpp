@@ -105,7 +105,7 @@ class Run {
     FrameResult result;
     if (!frame.notice.empty()) Warn(frame.notice);
     if (frame.gray.empty()) {
-      progress_.Warn(fmt::format("frame {}: {}; skipped", frame.index, frame.problem));
+      progress_.Warn(SkippedWarning(frame.index, frame.problem));
       result = recorder_.ProcessUnreadable(frame.time, frame.problem);
     } else {
       result = recorder_.Process(frame.gray, frame.time);

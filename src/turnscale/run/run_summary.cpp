@@ -14,6 +14,7 @@
 #include "turnscale/camera/camera_file.h"
 #include "turnscale/geometry/rotation.h"
 #include "turnscale/run/impossible_motion.h"
+#include "turnscale/run/settings.h"
 #include "turnscale/run/time_check.h"
 #include "turnscale/run/turn_warning.h"
 
@@ -73,7 +74,7 @@ std::string MethodWarning(ScaleMethod method, const RefinedScale& scale) {
   return fmt::format(
       "the method {} was not applied: no turn could be constrained (turns.csv has the reasons); the "
       "trajectory uses {}",
-      method == ScaleMethod::kPaper ? "paper" : "turns",
+      ScaleMethodName(method),
       scale.estimate->uses_single_turns ? "the scales of single turns, interpolated" : "the joint estimate");
 }
 
@@ -317,6 +318,10 @@ std::vector<std::string> CalibrationWarnings(const std::vector<ParameterEstimate
   for (const ParameterEstimate& estimate : contradictions) warnings.push_back(CalibrationWarning(estimate, refined));
   if (!warnings.empty() && !consequence.empty()) warnings.back() += "; " + consequence;
   return warnings;
+}
+
+std::string SkippedWarning(int frame, const std::string& problem) {
+  return fmt::format("frame {}: {}; skipped", frame, problem);
 }
 
 std::string CameraMovedWarning(int frame) {

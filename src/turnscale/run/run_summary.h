@@ -29,6 +29,9 @@ std::string UpToScaleText(const std::string& pending_reason);
 std::vector<std::string> CalibrationWarnings(const std::vector<ParameterEstimate>& contradictions, bool refined,
                                              const std::string& consequence);
 
+/// Warning that a frame is skipped, and why.
+std::string SkippedWarning(int frame, const std::string& problem);
+
 /// Warning where the odometry finds that the camera was moved on the car.
 std::string CameraMovedWarning(int frame);
 

@@ -20,9 +20,7 @@ namespace {
 
 template <class Visitor>
 void VisitScaleSettings(Visitor& visitor, ScaleOptions& options) {
-  visitor.Choice(
-      "method", options.method,
-      {{"smoothed", ScaleMethod::kSmoothed}, {"turns", ScaleMethod::kTurns}, {"paper", ScaleMethod::kPaper}});
+  visitor.Choice("method", options.method, kScaleMethods);
   visitor.Field("huber", options.estimator.huber);
   visitor.Field("max_sigma", options.estimator.max_sigma);
   visitor.Field("max_straight_steps", options.estimator.segments.max_straight_steps);
@@ -313,20 +311,31 @@ void VisitSettings(Visitor& visitor, Settings& settings) {
 
 // The three angles of "yaw,pitch,roll"; nothing where the text is no such list.
 std::optional<YawPitchRoll> ParseAngles(const std::string& text) {
-  std::vector<double> degrees;
-  for (size_t begin = 0; begin <= text.size();) {
-    const size_t end = std::min(text.find(',', begin), text.size());
-    const auto words = SplitWords(std::string_view(text).substr(begin, end - begin));
-    const auto value = words.size() == 1 ? ParseNumber<double>(words[0]) : std::nullopt;
-    if (!value) return std::nullopt;
-    degrees.push_back(*value);
-    begin = end + 1;
-  }
-  if (degrees.size() != 3) return std::nullopt;
-  return YawPitchRoll{degrees[0] / kDegreesPerRadian, degrees[1] / kDegreesPerRadian, degrees[2] / kDegreesPerRadian};
+  const std::optional<std::vector<double>> degrees = ParseNumbers(text);
+  if (!degrees || degrees->size() != 3) return std::nullopt;
+  const auto radians = [&](size_t i) { return (*degrees)[i] / kDegreesPerRadian; };
+  return YawPitchRoll{radians(0), radians(1), radians(2)};
 }
 
 }  // namespace
+
+std::vector<std::string> ScaleMethodNames() {
+  std::vector<std::string> names;
+  for (const auto& [name, method] : kScaleMethods) names.emplace_back(name);
+  return names;
+}
+
+std::string ScaleMethodName(ScaleMethod method) {
+  for (const auto& [name, other] : kScaleMethods)
+    if (other == method) return name;
+  return "";
+}
+
+std::optional<ScaleMethod> FindScaleMethod(std::string_view name) {
+  for (const auto& [known, method] : kScaleMethods)
+    if (name == known) return method;
+  return std::nullopt;
+}
 
 void Settings::Check() const {
   odometry.Check();

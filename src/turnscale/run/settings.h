@@ -2,13 +2,25 @@
 #pragma once
 
 #include <filesystem>
+#include <initializer_list>
+#include <optional>
 #include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
 
 #include "turnscale/frames/image_scaling.h"
 #include "turnscale/odometry/options.h"
 #include "turnscale/odometry/self_calibration.h"
 
 namespace turnscale {
+
+/// The methods by the names that options and files have for them.
+inline constexpr std::initializer_list<std::pair<const char*, ScaleMethod>> kScaleMethods = {
+    {"smoothed", ScaleMethod::kSmoothed}, {"turns", ScaleMethod::kTurns}, {"paper", ScaleMethod::kPaper}};
+std::vector<std::string> ScaleMethodNames();
+std::string ScaleMethodName(ScaleMethod method);
+std::optional<ScaleMethod> FindScaleMethod(std::string_view name);
 
 /// All settings of a run: what settings.yaml holds.
 struct Settings {
