@@ -16,6 +16,7 @@
 #include "turnscale/base/csv_cells.h"
 #include "turnscale/figure/figure.h"
 #include "turnscale/geometry/level_frame.h"
+#include "turnscale/geometry/path_length.h"
 #include "turnscale/geometry/rotation.h"
 #include "turnscale/run/run_summary.h"
 #include "turnscale/run/time_check.h"
@@ -85,15 +86,6 @@ PlotPanel PathPanel(const RescaleResult& result) {
         {places(result.steps[turn.first_step].first, result.steps[turn.last_step].last), "turn", kRed, 4});
   }
   return panel;
-}
-
-std::vector<double> MetresAlong(const Trajectory& metric) {
-  std::vector<double> along(metric.size(), 0);
-  for (std::size_t i = 1; i < metric.size(); ++i) {
-    along[i] =
-        along[i - 1] + (metric[i].world_from_camera.translation - metric[i - 1].world_from_camera.translation).norm();
-  }
-  return along;
 }
 
 PlotPanel ScalePanel(const RescaleResult& result, const std::vector<double>& along) {
@@ -345,7 +337,7 @@ std::string RescaleText(const RescaleResult& result) {
 }
 
 std::string RescaleSvg(const RescaleResult& result, const std::string& title, bool timed) {
-  const std::vector<double> along = MetresAlong(result.metric);
+  const std::vector<double> along = LengthsAlong(result.metric);
   Figure figure;
   figure.title = title;
   figure.panel_width = kWidth;

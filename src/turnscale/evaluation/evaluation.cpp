@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "turnscale/base/error.h"
+#include "turnscale/geometry/path_length.h"
 
 namespace turnscale {
 namespace {
@@ -19,14 +20,6 @@ PositionErrors Measure(const PosePairs& pairs, const Similarity& truth_from_esti
 }
 
 constexpr double kShortestDrive = 1.0;  // metres
-
-std::vector<double> TravelAt(const PosePairs& pairs) {
-  std::vector<double> travel = {0};
-  for (size_t i = 1; i < pairs.size(); ++i) {
-    travel.push_back(travel.back() + (pairs[i].truth.translation - pairs[i - 1].truth.translation).norm());
-  }
-  return travel;
-}
 
 std::vector<double> LengthsFor(double path_length) {
   double unit = 100;
@@ -93,8 +86,10 @@ PositionErrors MeasureAlignedPositions(const PosePairs& pairs, AlignmentModel mo
 }
 
 SegmentErrors MeasureSegments(const PosePairs& pairs, double scale, const SegmentOptions& options) {
-  const std::vector<double> travel = TravelAt(pairs);
-  std::vector<double> lengths = options.lengths.empty() ? LengthsFor(travel.back()) : options.lengths;
+  const std::vector<double> travel = LengthsAlong(
+      pairs, [](const PosePair& pair) -> const Eigen::Vector3d& { return pair.truth.translation; });
+  const double whole = travel.empty() ? 0 : travel.back();
+  std::vector<double> lengths = options.lengths.empty() ? LengthsFor(whole) : options.lengths;
   std::sort(lengths.begin(), lengths.end());
   SegmentErrors errors;
   for (const double length : lengths) {
@@ -119,9 +114,9 @@ SegmentErrors MeasureSegments(const PosePairs& pairs, double scale, const Segmen
     sum.rotation /= sum.segments;
     errors.by_length.push_back(sum);
   }
-  if (errors.segments == 0 || travel.back() < kShortestDrive) {
+  if (errors.segments == 0 || whole < kShortestDrive) {
     std::ostringstream message;
-    message << "the ground truth has a path length of " << travel.back() << " m over " << pairs.size()
+    message << "the ground truth has a path length of " << whole << " m over " << pairs.size()
             << " associated poses: too short to evaluate";
     throw InputError(message.str());
   }

@@ -15,6 +15,7 @@
 #include "turnscale/base/base64.h"
 #include "turnscale/base/error.h"
 #include "turnscale/geometry/level_frame.h"
+#include "turnscale/geometry/path_length.h"
 #include "turnscale/geometry/rotation.h"
 #include "turnscale/geometry/similarity.h"
 #include "turnscale/report/path_thinning.h"
@@ -47,19 +48,9 @@ constexpr double kSigmaSteps = 1e5;
 // In the page's seconds.
 Json Time(double time, double origin) { return Rounded(time - origin, kMilliseconds); }
 
-// Length of the path up to each pose: the points of the page are too few to add up to it.
-std::vector<double> Driven(const Trajectory& poses) {
-  std::vector<double> driven(poses.size());
-  for (size_t i = 1; i < poses.size(); ++i) {
-    const Eigen::Vector3d& before = poses[i - 1].world_from_camera.translation;
-    driven[i] = driven[i - 1] + (poses[i].world_from_camera.translation - before).norm();
-  }
-  return driven;
-}
-
 // How finely a length is given: centimetres of a drive in metres, a ten-thousandth of one without.
 double LengthSteps(const Trajectory& poses, bool metric) {
-  const double length = Driven(poses).back();
+  const double length = LengthsAlong(poses).back();
   constexpr double kShare = 2e5;
   return metric ? kCentimetres : std::max(1.0, std::round(kShare / std::max(length, 1e-9)));
 }
@@ -176,7 +167,8 @@ Json PathJson(const ReportData& data, const PosedFrames& posed, const Axes& axes
   Column heading;
   Column driven;
   PositionColumns positions(axes.steps);
-  const std::vector<double> driven_to = Driven(posed.poses);
+  // The points of the page are too few to add up to it.
+  const std::vector<double> driven_to = LengthsAlong(posed.poses);
   std::string scale_state;
   std::string tracking;
   for (const int place : ThinPath(posed.poses, limits.path_points, posed.edges)) {
