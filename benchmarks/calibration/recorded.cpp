@@ -31,8 +31,6 @@ constexpr std::array<const char*, 8> kDrives = {"00", "02", "05", "06", "07", "0
 constexpr std::array<const char*, 2> kMotions = {"truth", "stereo"};
 constexpr double kDeg = 1 / kDegreesPerRadian;
 
-double Degrees(double radians) { return radians * kDegreesPerRadian; }
-
 // KITTI's ground truth, or what ORB-SLAM2 made of the stereo images.
 Trajectory ReadDrive(const fs::path& data, const std::string& motion, const std::string& name) {
   const auto times = ReadFrameTimes(data / "kitti_gt/sequences" / name / "times.txt").times;
@@ -60,14 +58,14 @@ Trajectory Drifting(const Trajectory& path, double share) {
 }
 
 Json AnglesOf(const YawPitchRoll& angles) {
-  return {{"yaw", Degrees(angles.yaw)}, {"pitch", Degrees(angles.pitch)}, {"roll", Degrees(angles.roll)}};
+  return {{"yaw", InDegrees(angles.yaw)}, {"pitch", InDegrees(angles.pitch)}, {"roll", InDegrees(angles.roll)}};
 }
 
 // Largest difference of an angle, degrees.
 double WorstAngle(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b) {
   const YawPitchRoll x = YawPitchRollFromRotation(a);
   const YawPitchRoll y = YawPitchRollFromRotation(b);
-  return Degrees(std::max({std::abs(x.yaw - y.yaw), std::abs(x.pitch - y.pitch), std::abs(x.roll - y.roll)}));
+  return InDegrees(std::max({std::abs(x.yaw - y.yaw), std::abs(x.pitch - y.pitch), std::abs(x.roll - y.roll)}));
 }
 
 Json Figure3(const fs::path& data, const fs::path& picture) {
@@ -84,7 +82,7 @@ Json Figure3(const fs::path& data, const fs::path& picture) {
   Json singular = Json::array();
   for (const CalibrationMoment& moment : history) {
     singular.push_back({{"time", moment.time},
-                        {"psi", Degrees(moment.psi)},
+                        {"psi", InDegrees(moment.psi)},
                         {"smallest", moment.singular_values[0]},
                         {"next", moment.singular_values[1]}});
   }
@@ -119,9 +117,9 @@ Json Rotations(const fs::path& data) {
                       {"turns", plain.turns},
                       {"angles", AnglesOf(plain.angles)},
                       {"sigma", AnglesOf(plain.sigma)},
-                      {"lean", Degrees(plain.lean.per_acceleration)},
-                      {"lean_sigma", Degrees(plain.lean.sigma)},
-                      {"roll_rigid", Degrees(Calibrate(StepsAlong(path), rigid).angles.roll)},
+                      {"lean", InDegrees(plain.lean.per_acceleration)},
+                      {"lean_sigma", InDegrees(plain.lean.sigma)},
+                      {"roll_rigid", InDegrees(Calibrate(StepsAlong(path), rigid).angles.roll)},
                       {"worst", worst}});
     }
   }
@@ -143,10 +141,10 @@ Json Travel(const fs::path& data) {
       const Calibration b = Calibrate(steps, free);
       rows.push_back({{"motion", motion},
                       {"drive", name},
-                      {"steady", Degrees(a.angles.yaw)},
-                      {"steady_sigma", Degrees(a.sigma.yaw)},
-                      {"free", Degrees(b.angles.yaw)},
-                      {"free_sigma", Degrees(b.sigma.yaw)}});
+                      {"steady", InDegrees(a.angles.yaw)},
+                      {"steady_sigma", InDegrees(a.sigma.yaw)},
+                      {"free", InDegrees(b.angles.yaw)},
+                      {"free_sigma", InDegrees(b.sigma.yaw)}});
     }
   }
   return rows;

@@ -245,8 +245,6 @@ py::dict Headers() {
   return headers;
 }
 
-double Degrees(double radians) { return radians * kDegreesPerRadian; }
-
 }  // namespace
 
 PYBIND11_MODULE(_native, module) {
@@ -316,10 +314,10 @@ PYBIND11_MODULE(_native, module) {
       .def_property_readonly(
           "inliers", [](const LiveFrame& f) { return f.result.inliers; }, "Landmarks that agree with the pose.")
       .def_property_readonly(
-          "psi_deg", [](const LiveFrame& f) { return Degrees(f.result.psi); },
+          "psi_deg", [](const LiveFrame& f) { return InDegrees(f.result.psi); },
           "Turning angle since the last keyframe, degrees; NaN unless a keyframe.")
       .def_property_readonly(
-          "theta_deg", [](const LiveFrame& f) { return Degrees(f.result.theta); },
+          "theta_deg", [](const LiveFrame& f) { return InDegrees(f.result.theta); },
           "Direction of travel, degrees; NaN unless a keyframe.")
       .def_property_readonly(
           "turning", [](const LiveFrame& f) { return f.result.turning; },

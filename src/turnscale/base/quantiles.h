@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <numbers>
 #include <utility>
 #include <vector>
 
@@ -36,6 +37,9 @@ inline double WeightedMedian(std::vector<std::pair<double, double>> values) {
 
 /// Standard deviation of a normal distribution over the median of its magnitudes.
 constexpr double kSigmaPerMad = 1.4826;
+/// Median length of a vector of two normal variables of standard deviation 1, and of its square.
+constexpr double kMedianLengthInPlane = 1.17741;
+constexpr double kMedianSquareInPlane = 2 * std::numbers::ln2;
 
 /// Standard deviation about zero of what is normal in a set, from the median magnitude: a third may be anything.
 inline double RobustSigma(std::vector<double> values) {

@@ -29,7 +29,7 @@ std::vector<LeverArmEquation> Equations(const std::vector<MetricDrive>& drives) 
                                           (step.end - step.begin) / step.frames, {});
       // The whole step's turning and way, so that steps of more frames count for more.
       LeverArmEquation equation;
-      equation.turn = step.frames * 2 * std::sin(0.5 * level.motion.psi);
+      equation.turn = step.frames * level.swing();
       equation.way = std::copysign(step.frames * level.motion.step, level.forward());
       equation.speed = std::copysign(level.speed(), level.forward());
       equation.roll = step.frames * level.roll;

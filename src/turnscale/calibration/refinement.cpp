@@ -105,7 +105,7 @@ class Refiner {
     usual_lever_arm_ = pooled.line ? std::max(pooled.line->lever_arm, 0.0) : 0.0;
     std::vector<double> ways;
     for (const StepMeasurement& step : steps_) ways.push_back(step.frames * step.length);
-    least_lever_arm_sigma_ = std::max(kLeastLeverArmSpread * Quantile(std::move(ways), 0.5), 1e-9);
+    least_lever_arm_sigma_ = std::max(kLeastLeverArmSpread * Median(std::move(ways)), 1e-9);
     for (Piece& piece : pieces_) piece.lever_arm = usual_lever_arm_;
   }
 
@@ -253,7 +253,7 @@ class Refiner {
     if (result_.iterations > kIterationsWithNewWeights) return;
     std::vector<double> lengths;
     for (const Piece& piece : pieces_) lengths.push_back(piece.lever_arm);
-    if (!lengths.empty()) usual_lever_arm_ = std::max(Quantile(lengths, 0.5), 0.0);
+    if (!lengths.empty()) usual_lever_arm_ = std::max(Median(lengths), 0.0);
   }
 
   // Squared scores of what the turns have in common with nothing else: the road's bank and the body's lean tilt the

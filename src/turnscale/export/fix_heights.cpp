@@ -12,8 +12,7 @@
 namespace turnscale {
 namespace {
 
-constexpr double kUsualSlope = 0.03;         // of a whole drive, standard deviation
-constexpr double kMedianMagnitude = 0.6745;  // of Gaussian magnitudes, standard deviations
+constexpr double kUsualSlope = 0.03;  // of a whole drive, standard deviation
 constexpr int kHeightIterations = 30;
 
 }  // namespace
@@ -31,7 +30,7 @@ HeightPlacement PlaceHeights(const std::vector<HeightOfFix>& fixes) {
     std::vector<double> deviations;
     for (const HeightOfFix& fix : fixes) deviations.push_back(std::abs(residual(fix)) / fix.sigma);
     // Before the slope is found, it makes all deviations large.
-    const double unit = std::max(1.0, Median(deviations) / kMedianMagnitude);
+    const double unit = std::max(1.0, kSigmaPerMad * Median(deviations));
     Eigen::Matrix3d normal = Eigen::Vector3d(1, 1, 0).asDiagonal() * std::pow(kUsualSlope, -2);
     Eigen::Vector3d right = Eigen::Vector3d::Zero();
     for (const HeightOfFix& fix : fixes) {

@@ -47,7 +47,6 @@ constexpr size_t kMostPairsOf = 150;  // fixes whose pairs are tried as a start
 constexpr size_t kMostJudges = 1000;  // fixes that judge them
 constexpr double kLeastBaseline = 5;  // standard deviations of a fix
 constexpr int kIterations = 50;
-constexpr double kMedian = 1.177;  // of distances in the plane, standard deviations of each direction
 constexpr double kMostOwnShare = 10;
 // Right fixes reach 1.5 where the path drifts twice as much as it should, 2.3 where their noise is twice their sigma.
 constexpr double kMostMisfit = 2.5;
@@ -202,7 +201,7 @@ class Fitter {
 
   // The median of the deviations over what the noise of the fixes explains.
   double MedianOverChance(const std::vector<double>& distances, double own_share) const {
-    const double by_chance = kMedian * (1 + 1 / std::sqrt(static_cast<double>(pairs_.size())));
+    const double by_chance = kMedianLengthInPlane * (1 + 1 / std::sqrt(static_cast<double>(pairs_.size())));
     std::vector<double> deviations;
     for (size_t i = 0; i < pairs_.size(); ++i) deviations.push_back(distances[i] / Sigma(pairs_[i], own_share));
     return Median(deviations) / by_chance;

@@ -25,6 +25,8 @@ constexpr double kTapeSigma = 0.03;
 /// Longest lever arm and largest height of a camera above the road that make sense, metres: more is a wrong unit.
 constexpr double kLongestLeverArm = 20;
 constexpr double kHighestCamera = 10;
+/// Largest relative standard deviation that is put on a length: it has to be below the length.
+constexpr double kMostLengthSigma = 0.9;
 /// Height of a car's camera above the axis about which its body rolls, metres: cameras are 1.2 to 1.7 m above the road,
 /// the axis is near the road.
 constexpr double kUsualRollHeight = 1.1;

@@ -21,8 +21,6 @@ namespace {
 
 using Vector = IntrinsicsChange::Vector;
 
-// Median length of a two-dimensional normal error of sigma 1.
-constexpr double kMedianLength = 1.17741;
 // Pixels are not measured better than this, whatever the residuals of a made-up map.
 constexpr double kLeastPixelSigma = 0.02;
 
@@ -219,7 +217,7 @@ void IntrinsicsProblem::EstimatePixelSigma() {
   const double fitted = 3.0 * static_cast<double>(bundle_.points.size()) +
                         IntrinsicsRow::kPoseDof * static_cast<double>(bundle_.camera_from_world.size() - 1);
   if (!(measured > fitted)) return;
-  const double sigma = Median(std::move(lengths)) / kMedianLength * std::sqrt(measured / (measured - fitted));
+  const double sigma = Median(std::move(lengths)) / kMedianLengthInPlane * std::sqrt(measured / (measured - fitted));
   pixel_sigma_ = std::max(sigma, kLeastPixelSigma);
   for (size_t i = 0; i < bundle_.observations.size(); ++i) bundle_.observations[i].sigma = stretch_[i] * pixel_sigma_;
 }

@@ -36,7 +36,7 @@ double MedianMotion(const std::vector<Eigen::Vector2d>& first, const std::vector
   std::vector<double> motion;
   motion.reserve(first.size());
   for (size_t i = 0; i < first.size(); ++i) motion.push_back((second[i] - first[i]).norm());
-  return Quantile(std::move(motion), 0.5);
+  return Median(std::move(motion));
 }
 
 // Motion of each match that no rotation explains, pixels.

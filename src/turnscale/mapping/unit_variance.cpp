@@ -3,7 +3,6 @@
 
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <utility>
 #include <vector>
 
@@ -13,9 +12,6 @@
 
 namespace turnscale {
 namespace {
-
-// Median of the squared length of a vector of two normal variables of variance 1.
-constexpr double kMedianSquare = 2 * std::numbers::ln2;
 
 bool IsWithinMap(const Map& map, int keyframe, int following) {
   if (keyframe <= 0 || keyframe + following >= static_cast<int>(map.keyframes.size())) return false;
@@ -52,7 +48,7 @@ std::optional<double> UnitVariance(const Map& map, int keyframe, int following) 
     }
   }
   if (squared_errors.empty()) return std::numeric_limits<double>::infinity();
-  return Quantile(std::move(squared_errors), 0.5) / kMedianSquare / information;
+  return Median(std::move(squared_errors)) / kMedianSquareInPlane / information;
 }
 
 }  // namespace turnscale

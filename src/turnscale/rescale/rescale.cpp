@@ -107,11 +107,10 @@ CarPrior CarFor(const RescaleOptions& options, double yaw_sigma) {
   CarPrior car = options.car;
   car.yaw_sigma = yaw_sigma;
   if (options.timed || car.is_rigid()) return car;
-  constexpr double kMostSigma = 0.9;  // relative
   car.side_slip = car.side_slip_sigma = 0;
   car.lever_arm *= 1 - options.untimed_slip;
   car.lever_arm_sigma = std::min(std::hypot(car.lever_arm_sigma, options.untimed_slip_sigma * options.car.lever_arm),
-                                 kMostSigma * car.lever_arm);
+                                 kMostLengthSigma * car.lever_arm);
   return car;
 }
 

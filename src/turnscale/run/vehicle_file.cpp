@@ -11,6 +11,7 @@
 #include "turnscale/camera/camera_file.h"
 #include "turnscale/config/yaml_map.h"
 #include "turnscale/geometry/rotation.h"
+#include "turnscale/kinematics/ackermann.h"
 
 namespace turnscale {
 namespace {
@@ -103,14 +104,13 @@ std::string VehicleFileText(const VehicleOptions& vehicle, const Mount& mount, c
     }
   }
   // However uncertain a length is, and however much the two disagree, the file is one that can be read again.
-  constexpr double kMostSigma = 0.9;  // relative
   const auto sigma_of = [&](double length, double sigma) {
-    return std::min(std::hypot(sigma, conflict * length), std::max(kMostSigma * length, sigma));
+    return std::min(std::hypot(sigma, conflict * length), std::max(kMostLengthSigma * length, sigma));
   };
   Correlations correlations;
   if (vehicle.lever_arm) {
     const bool known = car && car->lever_arm > 0;
-    const double sigma = known ? std::min(car->lever_arm_sigma, kMostSigma * car->lever_arm)
+    const double sigma = known ? std::min(car->lever_arm_sigma, kMostLengthSigma * car->lever_arm)
                                : sigma_of(*vehicle.lever_arm, vehicle.LeverArmSigma());
     text += Line("lever_arm", known ? car->lever_arm : *vehicle.lever_arm,
                  "metres from the rear axle forward to the camera");

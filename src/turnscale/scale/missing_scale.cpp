@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "turnscale/base/number_text.h"
+#include "turnscale/geometry/angle.h"
 
 namespace turnscale {
 namespace {
@@ -15,7 +16,7 @@ std::string Remedy(const DriveEvidence& evidence, const CarPrior& car, const Sca
   if (car.lever_arm_sigma > options.max_sigma * car.lever_arm)
     return "the lever arm, " + NumberText(car.lever_arm) + " +-" + NumberText(car.lever_arm_sigma) +
            " m, is itself too uncertain: check it";
-  const long degrees = std::lround(options.segments.turns.min_region_angle * 180 / M_PI);
+  const long degrees = std::lround(InDegrees(options.segments.turns.min_region_angle));
   const bool road = std::ranges::any_of(evidence.of_segments,
                                         [](const SegmentEvidence& segment) { return segment.road.has_value(); });
   const bool turns = std::ranges::any_of(evidence.of_segments,

@@ -8,6 +8,7 @@
 
 #include "turnscale/base/check_part.h"
 #include "turnscale/base/error.h"
+#include "turnscale/geometry/angle.h"
 #include "turnscale/scale/drive_evidence.h"
 #include "turnscale/scale/drive_smoothing.h"
 #include "turnscale/scale/missing_scale.h"
@@ -208,7 +209,7 @@ ScaleEstimateResult EstimateWithFreeYaw(const DriveEvidence& evidence, const Car
   constexpr double kMostSigmas = 3;
   if (std::abs(found.yaw_error) <= kMostSigmas * options.contradicted_yaw_sigma) return result;
   result.reason = "the drive contradicts the camera-to-vehicle rotation by about " +
-                  std::to_string(std::lround(std::abs(found.yaw_error) * 180 / M_PI)) +
+                  std::to_string(std::lround(InDegrees(std::abs(found.yaw_error)))) +
                   " degrees of yaw; correct the rotation, or have it estimated";
   LeaveOutTurns("the camera-to-vehicle rotation is wrong", result.detected_turns);
   result.estimate.reset();

@@ -18,8 +18,6 @@ const Rig& Checked(const Rig& rig) {
 
 constexpr int kAllDigits = 17;
 
-double Degrees(double radians) { return radians * kDegreesPerRadian; }
-
 }  // namespace
 
 CameraDrive::CameraDrive(const World& world, const Rig& rig, unsigned seed)
@@ -78,9 +76,9 @@ std::string TruthText(const std::vector<DriveFrame>& frames) {
     const RigidTransform axle = frames.front().world_from_camera.inverse() * car.world_from_vehicle;
     const Eigen::Vector3d ahead = axle.rotation * Eigen::Vector3d::UnitZ();
     text += fmt::format("{},{},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g}\n", i, frame.time, car.speed,
-                        Degrees(car.yaw_rate), Degrees(car.steering), Degrees(car.slip),
+                        InDegrees(car.yaw_rate), InDegrees(car.steering), InDegrees(car.slip),
                         (frame.world_from_camera.translation - before).norm(), axle.translation.x(),
-                        axle.translation.z(), Degrees(std::atan2(ahead.x(), ahead.z())));
+                        axle.translation.z(), InDegrees(std::atan2(ahead.x(), ahead.z())));
   }
   return text;
 }
