@@ -74,7 +74,6 @@ void VisitScaleSettings(Visitor& visitor, ScaleOptions& options) {
   visitor.Group("recovery", [&] {
     auto& o = options.recovery;
     visitor.Field("pixel_sigma", o.pixel_sigma);
-    visitor.Field("pixel_sigma_inflation", o.pixel_sigma_inflation);
     visitor.Field("max_iterations", o.max_iterations);
     visitor.Field("huber_threshold", o.huber_threshold);
     visitor.Field("max_stretch", o.max_stretch);
@@ -357,6 +356,8 @@ Settings ReadSettings(const std::filesystem::path& path) {
   Settings settings;
   FieldNames known;
   VisitSettings(known, settings);
+  // Runs of earlier versions wrote it, and never used it.
+  known.names.emplace_back("scale.recovery.pixel_sigma_inflation");
   file.AllowOnlyNested(known.names);
   FieldReader reader(file);
   VisitSettings(reader, settings);

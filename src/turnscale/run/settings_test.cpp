@@ -93,6 +93,13 @@ TEST(Settings, WhatIsLeftOutKeepsItsDefault) {
   EXPECT_EQ(read.corners.target, OdometryOptions().corners.target);
 }
 
+TEST(Settings, ASettingThatEarlierVersionsWroteForNothingIsPassedOver) {
+  const std::string old = "scale:\n  recovery:\n    pixel_sigma_inflation: 3\n    max_iterations: 17\n";
+  EXPECT_EQ(SettingsFrom(old).odometry.scale.recovery.max_iterations, 17);
+  const std::string written = SettingsText(SettingsFrom(old));
+  EXPECT_EQ(written.find("pixel_sigma_inflation", written.find("recovery:")), std::string::npos);
+}
+
 TEST(Settings, ComplaintsNameLineKeyAndNearestKey) {
   EXPECT_NE(SettingsComplaint("vehicle:\n  leverarm: 1\n")
                 .find("settings_test.yaml:2: vehicle.leverarm: unknown key; did you mean 'vehicle.lever_arm'?"),
