@@ -36,12 +36,6 @@ double DirectionOfTravel(const AckermannStep& step, double lever_arm) {
   return 0.5 * step.psi + std::atan2(2.0 * lever_arm * std::sin(0.5 * step.psi), step.rho);
 }
 
-double TravelFromAngles(double psi, double theta, double lever_arm) {
-  // The quotient of (21) with both sums of sines written as products: cot(theta - psi/2) is what is left of it.
-  const double swing = theta - 0.5 * psi;
-  return 2.0 * lever_arm * std::sin(0.5 * psi) * std::cos(swing) / std::sin(swing);
-}
-
 TurningMotion TurningMotionOf(const RigidTransform& previous_from_current,
                               const Eigen::Quaterniond& vehicle_from_camera) {
   const Eigen::Quaterniond turn =
@@ -69,11 +63,6 @@ ScaleSensitivity SensitivityOfScale(double psi, double theta) {
   const double swing = theta - 0.5 * psi;
   const double squared_sine = std::sin(swing) * std::sin(swing);
   return {std::sin(theta) / squared_sine, -2.0 * std::sin(0.5 * psi) * std::cos(swing) / squared_sine};
-}
-
-double ObservedDistanceSigma(double psi, double theta, double lever_arm, double sigma_psi, double sigma_theta) {
-  const ScaleSensitivity sensitivity = SensitivityOfScale(psi, theta);
-  return lever_arm * std::hypot(sensitivity.by_psi * sigma_psi, sensitivity.by_theta * sigma_theta);
 }
 
 }  // namespace turnscale

@@ -66,10 +66,6 @@ double CameraDistance(const AckermannStep& step, double lever_arm);
 /// theta: direction of travel of the camera relative to its heading in A; rad, positive to the right (23).
 double DirectionOfTravel(const AckermannStep& step, double lever_arm);
 
-/// rho in metres from the two observed angles (21). Infinite or of either sign if theta - psi/2 is zero or
-/// inconsistent with psi: no such step exists then.
-double TravelFromAngles(double psi, double theta, double lever_arm);
-
 /// A camera step in kinematic terms.
 struct TurningMotion {
   double psi = 0;    ///< turning angle, rad, positive to the right
@@ -103,8 +99,5 @@ struct ScaleSensitivity {
 };
 
 ScaleSensitivity SensitivityOfScale(double psi, double theta);
-
-/// Standard deviation of ObservedDistance (metres) from those of psi and theta (rad), taken as independent and small.
-double ObservedDistanceSigma(double psi, double theta, double lever_arm, double sigma_psi, double sigma_theta);
 
 }  // namespace turnscale

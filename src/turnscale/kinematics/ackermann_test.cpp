@@ -95,18 +95,6 @@ TEST(Ackermann, DirectionAgreesWithThePrintedTangent) {
   }
 }
 
-TEST(Ackermann, TravelComesBackFromTheAngles) {
-  std::mt19937 random(15);
-  for (int i = 0; i < 100; ++i) {
-    const auto [step, lever_arm, unused] = Draw(random);
-    const double theta = DirectionOfTravel(step, lever_arm);
-    EXPECT_NEAR(TravelFromAngles(step.psi, theta, lever_arm), step.rho, 1e-9);
-    const double printed = 2 * std::cos(0.5 * step.psi) * (std::sin(theta) + std::sin(step.psi - theta)) /
-                           (std::sin(theta) - std::sin(step.psi - theta));
-    EXPECT_NEAR(TravelFromAngles(step.psi, theta, 1.0), printed, 1e-6 * std::abs(printed));
-  }
-}
-
 const Eigen::Quaterniond kTilted = RotationFromYawPitchRoll({0.2, -0.3, 0.1});
 
 TEST(TurningMotion, ReadsTheConstrainedMotionBack) {
@@ -192,7 +180,7 @@ TEST(ScaleObserver, DerivativesAgreeWithFiniteDifferences) {
   }
 }
 
-TEST(ScaleObserver, SigmaIsTheSpreadOfNoisyAngles) {
+TEST(ScaleObserver, SensitivityGivesTheSpreadOfNoisyAngles) {
   const AckermannStep step{0.08, 0.5};
   const double theta = DirectionOfTravel(step, 1.0);
   const double sigma_psi = 2e-4;
@@ -209,7 +197,9 @@ TEST(ScaleObserver, SigmaIsTheSpreadOfNoisyAngles) {
   }
   const double mean = sum / kDraws;
   const double spread = std::sqrt(squares / kDraws - mean * mean);
-  EXPECT_NEAR(ObservedDistanceSigma(step.psi, theta, 1.0, sigma_psi, sigma_theta) / spread, 1.0, 0.015);
+  const ScaleSensitivity sensitivity = SensitivityOfScale(step.psi, theta);
+  const double sigma = std::hypot(sensitivity.by_psi * sigma_psi, sensitivity.by_theta * sigma_theta);
+  EXPECT_NEAR(sigma / spread, 1.0, 0.015);
 }
 
 }  // namespace

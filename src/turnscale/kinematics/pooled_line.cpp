@@ -56,7 +56,6 @@ double SigmaOfSlope(const std::vector<LinePoint>& points, const RobustLine& line
 
 /// Where a weight falls below this the step disagrees rather than scatters.
 constexpr double kInlierWeight = 0.1;
-constexpr double kMedianPenalty = 1.2533;  // standard deviation of a median over that of a mean
 
 PooledLineResult NoLine(std::string reason) { return {std::nullopt, std::move(reason)}; }
 
@@ -294,13 +293,11 @@ MedianScale MedianOfSteps(const std::vector<VehicleStep>& steps, const LeverArm&
   }
   MedianScale scale;
   if (inverse_scales.empty()) return scale;
-  const double n = static_cast<double>(inverse_scales.size());
   const double median = WeightedMedian(inverse_scales);
   scale.metres_per_unit = 1.0 / median;
   for (auto& [value, weight] : inverse_scales) value = std::abs(value - median);
   const double spread = kSigmaPerMad * WeightedMedian(std::move(inverse_scales));
   scale.spread = std::abs(spread / median);
-  scale.sigma = kMedianPenalty * spread / std::sqrt(n) * scale.metres_per_unit * scale.metres_per_unit;
   return scale;
 }
 

@@ -113,11 +113,10 @@ double MetresPerUnit(const PooledLine& line, const LeverArm& lever_arm, double d
 /// v = sqrt(L/c), above 1 in reverse.
 double LeverArmRatio(const PooledLine& line, const LeverArm& lever_arm, double metres_per_unit);
 
-/// Median of the scales of single steps from the paper's observer (22), with slip, and its standard deviation.
-/// Steps inconsistent with the model count as infinite scales.
+/// Median of the scales of single steps from the paper's observer (22), with slip. Steps inconsistent with the model
+/// count as infinite scales.
 struct MedianScale {
   double metres_per_unit = std::numeric_limits<double>::infinity();
-  double sigma = std::numeric_limits<double>::infinity();
   /// Robust standard deviation of a step's inverse scale, relative to the median's.
   double spread = std::numeric_limits<double>::infinity();
 };

@@ -136,11 +136,6 @@ void LiveState::EndStalePause() {
   if (Clock::now() - asked_at_ > pause_kept_) paused_ = false;
 }
 
-bool LiveState::IsWatched() const {
-  const std::lock_guard lock(mutex_);
-  return Clock::now() - asked_at_ <= kWatchedFor;
-}
-
 std::string LiveState::StateJson() {
   const std::lock_guard lock(mutex_);
   const Clock::time_point now = Clock::now();

@@ -49,9 +49,6 @@ class LiveState {
   /// The latest image with its features, JPEG; empty before the first.
   std::string Image();
 
-  /// The state was requested within the last seconds.
-  bool IsWatched() const;
-
  private:
   using Clock = std::chrono::steady_clock;
 

@@ -89,11 +89,6 @@ std::optional<IntrinsicsProblem> LensRefinement::TakeWindow(const Map& map) {
   return problem;
 }
 
-bool LensRefinement::Observe(const Map& map) {
-  std::optional<IntrinsicsProblem> window = TakeWindow(map);
-  return window && Read(*window);
-}
-
 bool LensRefinement::Read(IntrinsicsProblem& window) {
   constexpr int kEntry = IntrinsicsChange::kCorrection;
   window.Change(CorrectionOf(correction_));

@@ -53,8 +53,6 @@ class LensRefinement {
   std::optional<IntrinsicsProblem> TakeWindow(const Map& map);
   /// Adds the window's parabola. False, and nothing changed, where it has none.
   bool Read(IntrinsicsProblem& window);
-  /// Both. True when the estimate changed.
-  bool Observe(const Map& map);
 
   double correction() const { return correction_; }
   double sigma() const { return sigma_; }  ///< standard deviation of the correction

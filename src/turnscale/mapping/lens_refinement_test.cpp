@@ -14,6 +14,12 @@
 namespace turnscale {
 namespace {
 
+// Takes in the window that ends at the latest keyframe. True when the estimate changed.
+bool Observe(LensRefinement& lens, const Map& map) {
+  std::optional<IntrinsicsProblem> window = lens.TakeWindow(map);
+  return window && lens.Read(*window);
+}
+
 const std::vector<DriveSegment> kStreetCornerStreet = {{20, 0.8, 0}, {20, 0.7, 0.07}, {25, 0.8, 0}};
 
 // A drive seen through a lens whose pixels would need `distortion` as correction.
@@ -37,7 +43,7 @@ Map MapThroughLens(const std::vector<DriveSegment>& segments, double distortion,
 LensRefinement RefineAlong(const Map& whole, const LensRefinementOptions& options = {}) {
   LensRefinement lens(options);
   for (int keyframes = 1; keyframes <= static_cast<int>(whole.keyframes.size()); ++keyframes)
-    lens.Observe(MapUpTo(keyframes, whole));
+    Observe(lens, MapUpTo(keyframes, whole));
   return lens;
 }
 
@@ -75,7 +81,7 @@ TEST(LensRefinement, NoiseDoesNotBiasIt) {
 TEST(LensRefinement, OneWindowFindsALargeCorrection) {
   for (const double distortion : {-0.016, -0.04, 0.05, 0.085}) {
     LensRefinement lens({});
-    ASSERT_TRUE(lens.Observe(MapUpTo(36, MapThroughLens(kStreetCornerStreet, distortion, 0, 3)))) << distortion;
+    ASSERT_TRUE(Observe(lens, MapUpTo(36, MapThroughLens(kStreetCornerStreet, distortion, 0, 3)))) << distortion;
     EXPECT_NEAR(lens.correction(), distortion, std::abs(0.013 * distortion));
   }
 }
@@ -90,9 +96,9 @@ LensRefinementOptions AnyWindow() {
 TEST(LensRefinement, AsksOnlyWindowsThatTurn) {
   const Map whole = MapThroughLens(kStreetCornerStreet, -0.012, 0.3, 3);
   LensRefinement lens({});
-  EXPECT_FALSE(lens.Observe(MapUpTo(18, whole))) << "a street";
+  EXPECT_FALSE(Observe(lens, MapUpTo(18, whole))) << "a street";
   EXPECT_EQ(lens.correction(), 0);
-  EXPECT_TRUE(lens.Observe(MapUpTo(36, whole))) << "a corner";
+  EXPECT_TRUE(Observe(lens, MapUpTo(36, whole))) << "a corner";
   EXPECT_NE(lens.correction(), 0);
 }
 
@@ -101,7 +107,7 @@ TEST(LensRefinement, ANumberThatIsNoneTellsNothing) {
   for (const KeyframeObservation& seen : map.keyframes.back().observations)
     map.landmarks[seen.landmark].position.x() = std::nan("");
   LensRefinement lens({});
-  EXPECT_FALSE(lens.Observe(map));
+  EXPECT_FALSE(Observe(lens, map));
   EXPECT_EQ(lens.correction(), 0);
 }
 
@@ -109,8 +115,8 @@ TEST(LensRefinement, ATurnTellsMoreThanAStreet) {
   LensRefinement street(AnyWindow());
   LensRefinement turn(AnyWindow());
   const Map whole = MapThroughLens(kStreetCornerStreet, 0, 0.3, 3);
-  ASSERT_TRUE(street.Observe(MapUpTo(18, whole)));
-  ASSERT_TRUE(turn.Observe(MapUpTo(36, whole)));
+  ASSERT_TRUE(Observe(street, MapUpTo(18, whole)));
+  ASSERT_TRUE(Observe(turn, MapUpTo(36, whole)));
   EXPECT_LT(turn.sigma(), 0.3 * street.sigma());
 }
 
@@ -132,8 +138,8 @@ TEST(LensRefinement, PixelsThatAreCorrectedAlreadySayTheSame) {
       seen.pixel = CorrectRadially(corrected.camera.pinhole, applied, seen.pixel);
   LensRefinement from_raw({});
   LensRefinement from_corrected({});
-  EXPECT_TRUE(from_raw.Observe(raw));
-  EXPECT_TRUE(from_corrected.Observe(corrected));
+  EXPECT_TRUE(Observe(from_raw, raw));
+  EXPECT_TRUE(Observe(from_corrected, corrected));
   EXPECT_GT(std::abs(from_raw.correction()), 0.001);
   EXPECT_NEAR(from_corrected.correction(), from_raw.correction(), 1e-6);
 }
@@ -147,19 +153,19 @@ double PriorSigma(const LensRefinementOptions& options) {
 TEST(LensRefinement, KnowsThePriorUntilTheWindowIsFull) {
   const Map whole = MapThroughLens(kStreetCornerStreet, -0.012, 0.3, 6);
   LensRefinement lens(AnyWindow());
-  for (int keyframes = 1; keyframes < 12; ++keyframes) EXPECT_FALSE(lens.Observe(MapUpTo(keyframes, whole)));
+  for (int keyframes = 1; keyframes < 12; ++keyframes) EXPECT_FALSE(Observe(lens, MapUpTo(keyframes, whole)));
   EXPECT_EQ(lens.correction(), 0);
   EXPECT_NEAR(lens.sigma(), PriorSigma({}), 1e-12);
-  EXPECT_TRUE(lens.Observe(MapUpTo(12, whole)));
+  EXPECT_TRUE(Observe(lens, MapUpTo(12, whole)));
   EXPECT_LT(lens.sigma(), PriorSigma({}));
-  EXPECT_FALSE(lens.Observe(MapUpTo(13, whole))) << "the next look is half a window on";
+  EXPECT_FALSE(Observe(lens, MapUpTo(13, whole))) << "the next look is half a window on";
 }
 
 TEST(LensRefinement, DoesNotLookAcrossAGap) {
   Map map = MapUpTo(40, MapThroughLens(kStreetCornerStreet, -0.012, 0.3, 7));
   map.keyframes[35].after_gap = true;
   LensRefinement lens({});
-  EXPECT_FALSE(lens.Observe(map));
+  EXPECT_FALSE(Observe(lens, map));
   EXPECT_EQ(lens.correction(), 0);
 }
 
@@ -240,7 +246,7 @@ TEST(LensRefinement, ReadsAWindowThatWasCopiedBeforeTheMapChanged) {
   Map map = MapUpTo(36, whole);
   std::optional<IntrinsicsProblem> window = later.TakeWindow(map);
   ASSERT_TRUE(window);
-  ASSERT_TRUE(at_once.Observe(map));
+  ASSERT_TRUE(Observe(at_once, map));
   for (Keyframe& keyframe : map.keyframes) keyframe.camera_from_world = {};
   map.landmarks.clear();
   EXPECT_EQ(later.correction(), 0) << "not before it is read";
