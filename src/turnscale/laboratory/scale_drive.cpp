@@ -155,7 +155,7 @@ void LoseScale(double loss, int frames, Map& map) {
   std::vector<double> factors;
   for (const Keyframe& keyframe : map.keyframes)
     factors.push_back(std::pow(1 - loss, static_cast<double>(keyframe.frame) / frames));
-  ScaleMap(factors, 0, map);
+  ScaleMap(factors, map);
 }
 
 }  // namespace turnscale

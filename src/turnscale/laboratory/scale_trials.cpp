@@ -126,7 +126,7 @@ RecoveredScale RecoverScale(const ScaleEstimatorSettings& settings, double pixel
         if (turn.first_keyframe + 1 == held.first_step) held.sigma = turn.own_sigma / turn.own;
   }
   if (!turns.empty()) {
-    const ScaleRecoveryResult recovered = RecoverAbsoluteScale(options.scale.recovery, turns, 0, map);
+    const ScaleRecoveryResult recovered = RecoverAbsoluteScale(options.scale.recovery, turns, map);
     result.converged = std::ranges::all_of(
         recovered.ranges, [](const RangeRecovery& range) { return range.adjusted && range.summary.converged; });
   }

@@ -18,12 +18,12 @@ constexpr double kShortestHeldStep = 1e-3;
 /// A camera centre is determined by two points; fewer leave the problem singular.
 constexpr int kFewestPoints = 2;
 
-void CheckTurns(const std::vector<TurnScale>& turns, int first, const Map& map) {
+void CheckTurns(const std::vector<TurnScale>& turns, const Map& map) {
   const auto require = [](bool good, const char* what, SourcePlace where = SourcePlace::Here()) {
     Ensure(good, std::string("scale recovery: ") + what, where);
   };
   require(!turns.empty(), "no turn is given");
-  int previous = first;
+  int previous = 0;
   for (const TurnScale& turn : turns) {
     require(turn.first_step > previous && turn.last_step >= turn.first_step, "steps of turns are out of order");
     require(std::isfinite(turn.factor) && turn.factor > 0, "the factor of a turn is not a positive number");
@@ -32,7 +32,7 @@ void CheckTurns(const std::vector<TurnScale>& turns, int first, const Map& map) 
             "a turn needs one distance for each of its steps");
     previous = turn.last_step;
   }
-  require(first >= 0 && std::cmp_less(previous, map.keyframes.size()), "a step is not in the map");
+  require(std::cmp_less(previous, map.keyframes.size()), "a step is not in the map");
 }
 
 /// Lengths (metres) that the steps of a turn are held at or measured as; 0 where a step is neither.
@@ -170,18 +170,18 @@ void ScaleRecoveryOptions::Check() const {
 }
 
 ScaleRecoveryResult RecoverAbsoluteScale(const ScaleRecoveryOptions& options, const std::vector<TurnScale>& turns,
-                                         int first, Map& map) {
+                                         Map& map) {
   options.Check();
-  CheckTurns(turns, first, map);
+  CheckTurns(turns, map);
   const std::vector<Eigen::Vector3d> before = KeyframeCentres(map);
   const std::vector<double> step_factors = StepFactors(before, turns, Gaps(map));
-  ScaleMap(step_factors, first, map);
+  ScaleMap(step_factors, map);
 
   ScaleRecoveryResult result;
-  for (const KeyframeRange& range : SplitAtGaps(map, first)) {
+  for (const KeyframeRange& range : SplitAtGaps(map)) {
     result.ranges.push_back(AdjustRange(options, turns, range, map));
   }
-  result.factors = KeyframeFactors(before, KeyframeCentres(map), first, step_factors);
+  result.factors = KeyframeFactors(before, KeyframeCentres(map), 0, step_factors);
   return result;
 }
 

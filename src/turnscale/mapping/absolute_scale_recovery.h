@@ -39,23 +39,20 @@ struct RangeRecovery {
 
 struct ScaleRecoveryResult {
   std::vector<RangeRecovery> ranges;
-  /// Lengths at keyframe k are `factors[k]` times what they were; one for every keyframe of the map, 1 before the first
-  /// that took part. The last one is for velocities and for what comes next.
+  /// Lengths at keyframe k are `factors[k]` times what they were; one for every keyframe of the map.
   std::vector<double> factors;
 };
 
-/// Absolute scale recovery (24)-(30): scales keyframes `first`.. to the map's latest, and their landmarks, to metres.
+/// Absolute scale recovery (24)-(30): scales all keyframes and landmarks of a finished map to metres.
 ///
-/// Give all turns of that stretch in the order of time: the previous one (F_tp, factor 1, its first step being first+1
-/// or later) and the current one (F_tc); at the first turn of a drive only this one, with `first` 0. A first guess
-/// scales each step: as the turn says within turns, passing from turn to turn between them (F_u), and like the nearest
-/// turn at the ends. Then reprojection errors are minimised over centres and points, with rotations and keyframe
-/// `first` fixed and the length of every step of a turn held (or weighed: TurnScale::sigma). Steps that bridge a loss
-/// of tracking are scaled and not adjusted.
+/// Give all turns in the order of time. A first guess scales each step: as the turn says within turns, passing from
+/// turn to turn between them (F_u), and like the nearest turn at the ends. Then reprojection errors are minimised over
+/// centres and points, with rotations and the first keyframe fixed and the length of every step of a turn held (or
+/// weighed: TurnScale::sigma). Steps that bridge a loss of tracking are scaled and not adjusted.
 ///
 /// The result does not depend on the map's unit of length. Throws InternalError when steps are out of range or out
 /// of order, a factor is not positive, or a sigma negative.
 ScaleRecoveryResult RecoverAbsoluteScale(const ScaleRecoveryOptions& options, const std::vector<TurnScale>& turns,
-                                         int first, Map& map);
+                                         Map& map);
 
 }  // namespace turnscale

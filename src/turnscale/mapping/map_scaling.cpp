@@ -53,11 +53,11 @@ std::vector<double> StepFactors(const std::vector<Eigen::Vector3d>& centres, con
   return factors;
 }
 
-std::vector<Eigen::Vector3d> ScaleSteps(const std::vector<Eigen::Vector3d>& centres, int first,
+std::vector<Eigen::Vector3d> ScaleSteps(const std::vector<Eigen::Vector3d>& centres,
                                         const std::vector<double>& step_factors) {
   std::vector<Eigen::Vector3d> scaled = centres;
-  if (first == 0 && centres.size() > 1) scaled[0] *= step_factors[1];
-  for (std::size_t j = first + 1; j < centres.size(); ++j) {
+  if (centres.size() > 1) scaled[0] *= step_factors[1];
+  for (std::size_t j = 1; j < centres.size(); ++j) {
     scaled[j] = scaled[j - 1] + step_factors[j] * (centres[j] - centres[j - 1]);
   }
   return scaled;
@@ -106,11 +106,11 @@ void CarryLandmarks(const std::vector<Eigen::Vector3d>& before, const std::vecto
   }
 }
 
-void ScaleMap(const std::vector<double>& step_factors, int first, Map& map) {
+void ScaleMap(const std::vector<double>& step_factors, Map& map) {
   const std::vector<Eigen::Vector3d> before = KeyframeCentres(map);
-  const std::vector<Eigen::Vector3d> after = ScaleSteps(before, first, step_factors);
-  const std::vector<double> factors = KeyframeFactors(before, after, first, step_factors);
-  CarryLandmarks(before, after, first, factors, LandmarksInUse(map), map);
+  const std::vector<Eigen::Vector3d> after = ScaleSteps(before, step_factors);
+  const std::vector<double> factors = KeyframeFactors(before, after, 0, step_factors);
+  CarryLandmarks(before, after, 0, factors, LandmarksInUse(map), map);
   SetKeyframeCentres(after, map);
 }
 

@@ -13,7 +13,7 @@ namespace turnscale {
 struct TurnScale {
   int first_step = 0;
   int last_step = 0;
-  double factor = 1;  ///< metres per unit that the map has now; 1 for a turn that was recovered before
+  double factor = 1;  ///< metres per unit that the map has now;
   /// The paper's per-frame observer: metres of each step, first_step..last_step; not positive for steps without an
   /// observation. Empty for the line fit: factor times the map's lengths, so that the turn keeps its shape.
   std::vector<double> distances;
@@ -35,9 +35,9 @@ void SetKeyframeCentres(const std::vector<Eigen::Vector3d>& centres, Map& map);
 std::vector<double> StepFactors(const std::vector<Eigen::Vector3d>& centres, const std::vector<TurnScale>& turns,
                                 const std::vector<int>& gaps = {});
 
-/// Centres with the steps after keyframe `first` made longer by their factors. Where `first` is 0 the unit of the whole
-/// world changes, and keyframe 0 moves about W's origin.
-std::vector<Eigen::Vector3d> ScaleSteps(const std::vector<Eigen::Vector3d>& centres, int first,
+/// Centres with all steps made longer by their factors. The unit of the world changes: keyframe 0 moves about W's
+/// origin, by the factor of the first step.
+std::vector<Eigen::Vector3d> ScaleSteps(const std::vector<Eigen::Vector3d>& centres,
                                         const std::vector<double>& step_factors);
 
 /// Factor at each keyframe, by which the lengths around it grew: 1 before `first`, the path's over two steps on either
@@ -57,7 +57,7 @@ std::vector<int> LandmarksInUse(const Map& map);
 void CarryLandmarks(const std::vector<Eigen::Vector3d>& before, const std::vector<Eigen::Vector3d>& after, int first,
                     const std::vector<double>& keyframe_factors, const std::vector<int>& landmarks, Map& map);
 
-/// Makes the steps after keyframe `first` longer by their factors, and the landmarks go with them.
-void ScaleMap(const std::vector<double>& step_factors, int first, Map& map);
+/// Makes the steps longer by their factors, and the landmarks go with them.
+void ScaleMap(const std::vector<double>& step_factors, Map& map);
 
 }  // namespace turnscale

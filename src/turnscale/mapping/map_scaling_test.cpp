@@ -36,15 +36,14 @@ TEST(MapScaling, StandstillBetweenTurnsIsNoDivisionByZero) {
   EXPECT_NEAR(factors[2], 2.0, 1e-15);
 }
 
-TEST(MapScaling, ScalesStepsAfterTheFirstKeyframe) {
+TEST(MapScaling, ScalesEachStepAndTheWorld) {
   const auto centres = Line({1, 2, 4, 5});
-  const std::vector<double> factors = {0, 10, 2, 3};
-  const auto later = ScaleSteps(centres, 1, factors);
-  EXPECT_EQ(later[0].z(), 1);
-  EXPECT_EQ(later[1].z(), 2);
-  EXPECT_EQ(later[2].z(), 6);
-  EXPECT_EQ(later[3].z(), 9);
-  const auto world = ScaleSteps(centres, 0, {10, 10, 10, 10});
+  const auto scaled = ScaleSteps(centres, {0, 10, 2, 3});
+  EXPECT_EQ(scaled[0].z(), 10);
+  EXPECT_EQ(scaled[1].z(), 20);
+  EXPECT_EQ(scaled[2].z(), 24);
+  EXPECT_EQ(scaled[3].z(), 27);
+  const auto world = ScaleSteps(centres, {10, 10, 10, 10});
   for (std::size_t k = 0; k < centres.size(); ++k) EXPECT_EQ(world[k], 10 * centres[k]);
 }
 

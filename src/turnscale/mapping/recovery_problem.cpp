@@ -36,11 +36,11 @@ Views CountViews(const Landmark& landmark, const KeyframeRange& range) {
 
 }  // namespace
 
-std::vector<KeyframeRange> SplitAtGaps(const Map& map, int first) {
+std::vector<KeyframeRange> SplitAtGaps(const Map& map) {
   std::vector<KeyframeRange> ranges;
   const int end = static_cast<int>(map.keyframes.size());
-  for (int k = first; k < end; ++k) {
-    if (k == first || map.keyframes[k].after_gap) ranges.push_back({k, k});
+  for (int k = 0; k < end; ++k) {
+    if (k == 0 || map.keyframes[k].after_gap) ranges.push_back({k, k});
     ranges.back().last = k;
   }
   return ranges;

@@ -14,8 +14,8 @@ struct KeyframeRange {
   int last = 0;
 };
 
-/// Cuts the keyframes from `first` on where tracking was lost: nothing that is seen before is seen after.
-std::vector<KeyframeRange> SplitAtGaps(const Map& map, int first);
+/// Cuts the keyframes where tracking was lost: nothing that is seen before is seen after.
+std::vector<KeyframeRange> SplitAtGaps(const Map& map);
 
 /// The bundle problem (26), (27) of a range of keyframes, and where its parts stand in the map.
 struct RecoveryProblem {

@@ -88,7 +88,7 @@ std::vector<double> ConstrainTurns(const OdometryOptions& options, const MountCa
   }
   const std::vector<TurnScale> held = TurnsToConstrain(map, mount, options, refined.turns);
   if (held.empty()) return {};
-  const ScaleRecoveryResult recovered = RecoverAbsoluteScale(options.scale.recovery, held, 0, map);
+  const ScaleRecoveryResult recovered = RecoverAbsoluteScale(options.scale.recovery, held, map);
   for (TurnResult& turn : refined.turns) {
     for (const RangeRecovery& range : recovered.ranges) {
       const bool around = range.range.first <= turn.first_keyframe && turn.first_keyframe < range.range.last;

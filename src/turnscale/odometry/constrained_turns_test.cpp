@@ -33,7 +33,7 @@ FinishedMap DriftingMap(const OdometryOptions& options, const std::vector<DriveS
   std::vector<double> units;
   for (std::size_t k = 0; k < finished.map.keyframes.size(); ++k)
     units.push_back(0.3 * std::exp(drift * static_cast<double>(k)));
-  ScaleMap(units, 0, finished.map);
+  ScaleMap(units, finished.map);
   return finished;
 }
 
