@@ -156,7 +156,6 @@ TEST(CalibrationOptions, RefuseSenselessValues) {
   EXPECT_EQ(RefusedField<Options>([](Options& o) { o.counted_turn = 0; }), "counted_turn");
   EXPECT_EQ(RefusedField<Options>([](Options& o) { o.refinement.huber_share = 0; }), "huber_share");
   EXPECT_EQ(RefusedField<Options>([](Options& o) { o.refinement.road_bank = -1; }), "road_bank");
-  EXPECT_EQ(RefusedField<Options>([](Options& o) { o.refinement.turn_per_lever_arm = 0; }), "turn_per_lever_arm");
   EXPECT_EQ(RefusedField<Options>([](Options& o) { o.refinement.max_iterations = 0; }), "max_iterations");
   EXPECT_EQ(RefusedField<Options>([](Options& o) { o.refinement.tolerance = 0; }), "tolerance");
 }

@@ -15,11 +15,19 @@
 #include "turnscale/base/quantiles.h"
 #include "turnscale/calibration/lever_arm_equation.h"
 #include "turnscale/calibration/lever_arm_errors.h"
+#include "turnscale/geometry/angle.h"
 #include "turnscale/kinematics/ackermann.h"
 #include "turnscale/kinematics/vehicle_step.h"
 
 namespace turnscale {
 namespace {
+
+// This share of the residuals, of all steps and of the turning ones, is below the robust weight's threshold.
+constexpr double kHuberShare = 0.6;
+// Least turning of all drives together, rad.
+constexpr double kLeastTurn = 30 / kDegreesPerRadian;
+// Least LeverArmFit::speed_spread from which c can be told from L.
+constexpr double kLeastSpeedSpread = 0.25;
 
 std::vector<LeverArmEquation> Equations(const std::vector<MetricDrive>& drives) {
   std::vector<LeverArmEquation> equations;
@@ -67,8 +75,7 @@ double SpeedSpread(const std::vector<LeverArmEquation>& equations) {
 // nearly Huber's, and no step is without curvature, so that sigma does not hang on the few steps below the threshold.
 class Fit {
  public:
-  Fit(const std::vector<LeverArmEquation>& equations, int drives, bool side_slip, double assumed_side_slip,
-      double huber_share)
+  Fit(const std::vector<LeverArmEquation>& equations, int drives, bool side_slip, double assumed_side_slip)
       : side_slip_(side_slip),
         assumed_side_slip_(assumed_side_slip),
         unknowns_(1 + drives + (side_slip ? 1 : 0)),
@@ -86,7 +93,7 @@ class Fit {
         gradient += weight * off * row;
       }
       x_ += hessian_.ldlt().solve(gradient);
-      threshold = Threshold(equations, huber_share);
+      threshold = Threshold(equations);
     }
     hessian_ = Regular();
     for (const LeverArmEquation& equation : equations) {
@@ -131,14 +138,14 @@ class Fit {
 
   // The few steps of a single turn are closer to their own line than to that of another turn: they do not tell alone
   // which residuals are usual.
-  double Threshold(const std::vector<LeverArmEquation>& equations, double huber_share) const {
+  double Threshold(const std::vector<LeverArmEquation>& equations) const {
     std::vector<double> all;
     std::vector<double> turning;
     for (const LeverArmEquation& equation : equations) {
       all.push_back(std::abs(Residual(equation)));
       if (equation.turning()) turning.push_back(all.back());
     }
-    return std::max({Quantile(std::move(all), huber_share), Quantile(std::move(turning), huber_share), 1e-9});
+    return std::max({Quantile(std::move(all), kHuberShare), Quantile(std::move(turning), kHuberShare), 1e-9});
   }
 
   static double Weight(double off, double threshold) { return 1 / std::hypot(1, off / threshold); }
@@ -198,9 +205,6 @@ void CheckFit(const LeverArmFit& fit, const LeverArmFitOptions& options) {
 
 void LeverArmFitOptions::Check() const {
   if (!(assumed_side_slip >= 0)) throw InputError("assumed_side_slip: must not be negative");
-  if (!(huber_share > 0 && huber_share <= 1)) throw InputError("huber_share: must lie in (0, 1]");
-  if (!(min_turn > 0)) throw InputError("min_turn: must be above 0 rad");
-  if (!(min_speed_spread >= 0)) throw InputError("min_speed_spread: must not be negative");
   if (!(assumed_side_slip_sigma >= 0)) throw InputError("assumed_side_slip_sigma: must not be negative");
   if (!(intrinsics_sigma >= 0)) throw InputError("intrinsics_sigma: must not be negative");
   if (!(max_relative_sigma > 0)) throw InputError("max_relative_sigma: must be above 0");
@@ -216,22 +220,22 @@ LeverArmFit FitLeverArm(const std::vector<MetricDrive>& drives, const LeverArmFi
     turned += std::abs(equation.turn);
     ++fit.turning_steps;
   }
-  if (turned < options.min_turn) throw InputError("no turn: the lever arm is observable in turns only");
+  if (turned < kLeastTurn) throw InputError("no turn: the lever arm is observable in turns only");
   fit.speed_spread = SpeedSpread(equations);
-  if (options.side_slip && fit.speed_spread < options.min_speed_spread) {
+  if (options.side_slip && fit.speed_spread < kLeastSpeedSpread) {
     throw InputError(
         "the side slip is indistinguishable from the lever arm: all turns have about the same speed (v^2 "
         "spreads by " +
-        Fixed(100 * fit.speed_spread, 0) + " %, " + Fixed(100 * options.min_speed_spread, 0) +
+        Fixed(100 * fit.speed_spread, 0) + " %, " + Fixed(100 * kLeastSpeedSpread, 0) +
         " % are needed); give the side slip");
   }
   const int count = static_cast<int>(drives.size());
-  const Fit line(equations, count, options.side_slip, options.assumed_side_slip, options.huber_share);
+  const Fit line(equations, count, options.side_slip, options.assumed_side_slip);
   fit.lever_arm = line.lever_arm();
   fit.slip_fitted = options.side_slip;
   if (fit.lever_arm.side_slip < 0) {
     fit.slip_at_bound = true;
-    fit.lever_arm = Fit(equations, count, false, 0, options.huber_share).lever_arm();
+    fit.lever_arm = Fit(equations, count, false, 0).lever_arm();
   }
   // With c at its bound, the sigmas are those of the fit without it: c is not exact.
   SetSigmas(line.Covariance(options.assumed_side_slip_sigma), options.intrinsics_sigma, fit);

@@ -9,7 +9,6 @@
 #include <Eigen/Geometry>
 
 #include "turnscale/calibration/camera_step.h"
-#include "turnscale/geometry/angle.h"
 #include "turnscale/kinematics/ackermann.h"
 
 namespace turnscale {
@@ -20,12 +19,6 @@ struct LeverArmFitOptions {
   /// Assumed c otherwise, s^2/m.
   double assumed_side_slip = 0;
   double assumed_side_slip_sigma = 0;  ///< its standard deviation, s^2/m
-  /// This share of the residuals, of all steps and of the turning ones, is below the robust weight's threshold.
-  double huber_share = 0.6;
-  /// Least turning of all drives together, rad (30 deg).
-  double min_turn = 30 / kDegreesPerRadian;
-  /// Least standard deviation of v^2 over the turning steps, over their mean: for side_slip.
-  double min_speed_spread = 0.25;
   /// Relative standard deviation of the lever arm due to the intrinsics.
   double intrinsics_sigma = 0;
   /// A lever arm with a larger relative sigma is rejected.
@@ -46,7 +39,7 @@ struct LeverArmFit {
   bool slip_fitted = false;     ///< c was estimated
   bool slip_at_bound = false;   ///< the best c is below 0; it was fixed at 0
   int turning_steps = 0;        ///< that turn by at least 2 deg
-  double speed_spread = 0;      ///< see LeverArmFitOptions::min_speed_spread
+  double speed_spread = 0;      ///< standard deviation of v^2 over the turning steps, over their mean
 
   /// Standard deviation of L if c were exact, metres.
   double SigmaAtExactSlip() const {

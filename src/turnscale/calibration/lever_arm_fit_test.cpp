@@ -317,9 +317,6 @@ TEST(LeverArmFitOptions, RefuseSenselessValues) {
   EXPECT_EQ(RefusedField<Options>([](Options& o) { o.assumed_side_slip = -1; }), "assumed_side_slip");
   EXPECT_EQ(RefusedField<Options>([](Options& o) { o.assumed_side_slip_sigma = -1; }), "assumed_side_slip_sigma");
   EXPECT_EQ(RefusedField<Options>([](Options& o) { o.intrinsics_sigma = -1; }), "intrinsics_sigma");
-  EXPECT_EQ(RefusedField<Options>([](Options& o) { o.huber_share = 0; }), "huber_share");
-  EXPECT_EQ(RefusedField<Options>([](Options& o) { o.min_turn = 0; }), "min_turn");
-  EXPECT_EQ(RefusedField<Options>([](Options& o) { o.min_speed_spread = -1; }), "min_speed_spread");
   EXPECT_EQ(RefusedField<Options>([](Options& o) { o.max_relative_sigma = 0; }), "max_relative_sigma");
 }
 

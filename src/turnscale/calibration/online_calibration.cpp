@@ -15,6 +15,23 @@ namespace turnscale {
 namespace {
 
 constexpr int kLeastSteps = 3;
+// So many of the oldest steps are handed over at a time.
+constexpr int kRetiredTogether = 20;
+// The latest steps are held against all before them over this many steps: 8 s and 20 s of driving.
+constexpr int kShortMemory = 12;
+constexpr int kLongMemory = 30;
+// Braking, load and the grade of the road move yaw and pitch by this much over such times, rad.
+constexpr double kSway = 0.4 / kDegreesPerRadian;
+// A camera was moved when the yaw and pitch of the latest steps disagree by so many standard deviations and by at least
+// this angle (rad), several times in a row.
+constexpr double kMovedSigmas = 4;
+constexpr double kMovedAngle = 1.2 / kDegreesPerRadian;
+constexpr int kMovedConfirmations = 3;
+// Q is used below this standard deviation of its yaw, rad (CalibrationOptions::motion_bias included): half of that of a
+// camera mounted by eye. What is left is estimated with the scale.
+constexpr double kUsableYawSigma = 1.5 / kDegreesPerRadian;
+// And below this one of its roll, rad: that of a camera mounted by eye. The scale does not estimate it.
+constexpr double kUsableRollSigma = 4 / kDegreesPerRadian;
 
 std::vector<StepMeasurement> Measurements(const std::deque<CameraStep>& steps, int first, int last) {
   std::vector<StepMeasurement> measurements;
@@ -31,19 +48,8 @@ Eigen::Matrix3d FiniteCovariance(const Refinement& refinement) {
 
 void OnlineCalibrationOptions::Check() const {
   calibration.Check();
-  if (retired_together < kLeastSteps) throw InputError("retired_together: must be at least 3");
-  if (short_memory < kLeastSteps) throw InputError("short_memory: must be at least 3");
-  if (long_memory < short_memory) throw InputError("long_memory: must not be below short_memory");
-  if (window < long_memory + retired_together) {
-    throw InputError("window: must hold long_memory and retired_together");
-  }
+  if (window < kLongMemory + kRetiredTogether) throw InputError("window: must be at least 50 steps");
   if (!(drift > 0)) throw InputError("drift: must be above 0 rad");
-  if (!(sway > 0)) throw InputError("sway: must be above 0 rad");
-  if (!(moved_sigmas > 0)) throw InputError("moved_sigmas: must be above 0");
-  if (!(moved_angle > 0)) throw InputError("moved_angle: must be above 0 rad");
-  if (moved_confirmations < 1) throw InputError("moved_confirmations: must be at least 1");
-  if (!(usable_yaw_sigma > 0)) throw InputError("usable_yaw_sigma: must be above 0 rad");
-  if (!(usable_roll_sigma > 0)) throw InputError("usable_roll_sigma: must be above 0 rad");
 }
 
 OnlineCalibration::OnlineCalibration(const OnlineCalibrationOptions& options) : options_(options) { options_.Check(); }
@@ -81,8 +87,8 @@ void OnlineCalibration::Retire() {
     window_.pop_front();
     return;
   }
-  const std::optional<Refinement> past = RefineSteps(options_.retired_together, refinement_->vehicle_from_camera);
-  window_.erase(window_.begin(), window_.begin() + options_.retired_together);
+  const std::optional<Refinement> past = RefineSteps(kRetiredTogether, refinement_->vehicle_from_camera);
+  window_.erase(window_.begin(), window_.begin() + kRetiredTogether);
   if (!past) return;
   const Eigen::Matrix3d covariance =
       FiniteCovariance(*past) + options_.drift * options_.drift * Eigen::Matrix3d::Identity();
@@ -123,21 +129,20 @@ bool OnlineCalibration::DisagreesOver(int steps) const {
   // So few steps that four unknowns and three spreads take a good part of their scatter away.
   const double few = steps / std::max(steps - 6.0, 1.0);
   const Eigen::Matrix2d covariance = (earlier.covariance + few * latest.covariance).topLeftCorner<2, 2>() +
-                                     options_.sway * options_.sway * Eigen::Matrix2d::Identity();
-  return moved.norm() > options_.moved_angle &&
-         moved.dot(covariance.inverse() * moved) > options_.moved_sigmas * options_.moved_sigmas;
+                                     kSway * kSway * Eigen::Matrix2d::Identity();
+  return moved.norm() > kMovedAngle && moved.dot(covariance.inverse() * moved) > kMovedSigmas * kMovedSigmas;
 }
 
 bool OnlineCalibration::LooksMoved() {
   if (!refinement_) return false;
-  const bool disagrees = DisagreesOver(options_.short_memory) || DisagreesOver(options_.long_memory);
+  const bool disagrees = DisagreesOver(kShortMemory) || DisagreesOver(kLongMemory);
   disagreements_ = disagrees ? disagreements_ + 1 : 0;
-  return disagreements_ >= options_.moved_confirmations;
+  return disagreements_ >= kMovedConfirmations;
 }
 
 // Goes on with the steps that are surely after the move.
 void OnlineCalibration::Restart() {
-  const int kept = DisagreesOver(options_.short_memory) ? options_.short_memory : options_.long_memory;
+  const int kept = DisagreesOver(kShortMemory) ? kShortMemory : kLongMemory;
   const std::deque<CameraStep> latest(window_.end() - kept, window_.end());
   window_ = latest;
   way_.setZero();
@@ -174,7 +179,7 @@ void OnlineCalibration::Report() {
   state_.covariance.diagonal().head<2>().array() += bias * bias;
   state_.angles = YawPitchRollFromRotation(state_.vehicle_from_camera);
   state_.sigma = SigmaOfAngles(state_.vehicle_from_camera, state_.covariance);
-  state_.usable = state_.sigma.yaw < options_.usable_yaw_sigma && state_.sigma.roll < options_.usable_roll_sigma;
+  state_.usable = state_.sigma.yaw < kUsableYawSigma && state_.sigma.roll < kUsableRollSigma;
 }
 
 }  // namespace turnscale

@@ -16,29 +16,12 @@ struct OnlineCalibrationOptions {
   /// A direction of the camera's that is less than 90 deg from the car's forward, so that a drive that begins with
   /// backing up is known for what it is. Zero: forward is where the car has gone most.
   Eigen::Vector3d forward = Eigen::Vector3d::Zero();
-  /// Latest steps that are refined anew with each step; older ones live on as one rotation and its covariance.
+  /// Latest steps that are refined anew with each step, at least 50; older ones live on as one rotation and its
+  /// covariance.
   int window = 60;
-  /// So many are handed over at a time.
-  int retired_together = 20;
   /// The drift of a mount and of a car's load that old knowledge is allowed, rad for each time steps are handed over
   /// (0.02 deg).
   double drift = 0.02 / kDegreesPerRadian;
-  /// The latest steps are held against all before them over this many steps: 8 s and 20 s of driving.
-  int short_memory = 12;
-  int long_memory = 30;
-  /// Braking, load and the grade of the road move yaw and pitch by this much over such times, rad (0.4 deg).
-  double sway = 0.4 / kDegreesPerRadian;
-  /// A camera was moved when the yaw and pitch of the latest steps disagree by so many standard deviations, several
-  /// times in a row.
-  double moved_sigmas = 4;
-  /// And by at least this angle, rad (1.2 deg).
-  double moved_angle = 1.2 / kDegreesPerRadian;
-  int moved_confirmations = 3;
-  /// Q is used below this standard deviation of its yaw, rad (1.5 deg, CalibrationOptions::motion_bias included):
-  /// half of that of a camera mounted by eye. What is left is estimated with the scale.
-  double usable_yaw_sigma = 1.5 / kDegreesPerRadian;
-  /// And below this one of its roll, rad (4 deg): that of a camera mounted by eye. The scale does not estimate it.
-  double usable_roll_sigma = 4 / kDegreesPerRadian;
 
   /// Throws InputError that names the field when a value makes no sense.
   void Check() const;

@@ -146,16 +146,7 @@ TEST(OnlineCalibration, ALongBendIsNotTakenForAMovedCamera) {
 TEST(OnlineCalibrationOptions, RefuseSenselessValues) {
   using Options = OnlineCalibrationOptions;
   EXPECT_EQ(RefusedField<Options>([](Options& o) { o.window = 10; }), "window");
-  EXPECT_EQ(RefusedField<Options>([](Options& o) { o.retired_together = 0; }), "retired_together");
-  EXPECT_EQ(RefusedField<Options>([](Options& o) { o.short_memory = 0; }), "short_memory");
-  EXPECT_EQ(RefusedField<Options>([](Options& o) { o.long_memory = 5; }), "long_memory");
   EXPECT_EQ(RefusedField<Options>([](Options& o) { o.drift = -1; }), "drift");
-  EXPECT_EQ(RefusedField<Options>([](Options& o) { o.sway = 0; }), "sway");
-  EXPECT_EQ(RefusedField<Options>([](Options& o) { o.moved_sigmas = 0; }), "moved_sigmas");
-  EXPECT_EQ(RefusedField<Options>([](Options& o) { o.moved_angle = 0; }), "moved_angle");
-  EXPECT_EQ(RefusedField<Options>([](Options& o) { o.moved_confirmations = 0; }), "moved_confirmations");
-  EXPECT_EQ(RefusedField<Options>([](Options& o) { o.usable_yaw_sigma = 0; }), "usable_yaw_sigma");
-  EXPECT_EQ(RefusedField<Options>([](Options& o) { o.usable_roll_sigma = 0; }), "usable_roll_sigma");
 }
 
 }  // namespace

@@ -18,6 +18,8 @@
 namespace turnscale {
 namespace {
 
+// A piece of the drive gets a lever arm of its own once its heading has swept so much, rad.
+constexpr double kTurnPerLeverArm = 60 / kDegreesPerRadian;
 // Fewer steps do not determine their spread.
 constexpr size_t kStepsForSpread = 20;
 // No odometry is better than this, rad (0.001 deg): keeps weights finite on exact input.
@@ -83,7 +85,7 @@ class Refiner {
       heading += steps_[i].frames * (result_.vehicle_from_camera * VectorFromRotation(steps_[i].rotation)).y();
       least = std::min(least, heading);
       most = std::max(most, heading);
-      if (most - least < options_.turn_per_lever_arm) continue;
+      if (most - least < kTurnPerLeverArm) continue;
       piece.last = i + 1;
       pieces_.push_back(piece);
       piece.first = i + 1;
@@ -325,7 +327,6 @@ class Refiner {
 void RefinementOptions::Check() const {
   if (!(huber_share > 0 && huber_share <= 1)) throw InputError("huber_share: must lie in (0, 1]");
   if (!(road_bank >= 0)) throw InputError("road_bank: must not be negative");
-  if (!(turn_per_lever_arm > 0)) throw InputError("turn_per_lever_arm: must be above 0 rad");
   if (max_iterations < 1) throw InputError("max_iterations: must be at least 1");
   if (!(tolerance > 0)) throw InputError("tolerance: must be above 0 rad");
 }

@@ -36,8 +36,6 @@ struct RefinementOptions {
   double huber_share = 0.6;
   /// Weight rotations and directions by their observed spread; otherwise both count alike, as in (15).
   bool weigh_by_spread = true;
-  /// A piece of the drive gets a lever arm of its own once its heading has swept so much, rad (60 deg).
-  double turn_per_lever_arm = 60 / kDegreesPerRadian;
   /// Standard deviation of the road's bank and the body's lean in a turn, rad (1.5 deg). It tilts the turning axis for
   /// all of a turn, so the spread of single steps does not show it; it goes into the covariance of the roll alone.
   /// The roll that KITTI's turns show scatters by as much; 0 is a flat world.

@@ -86,8 +86,8 @@ PositionErrors MeasureAlignedPositions(const PosePairs& pairs, AlignmentModel mo
 }
 
 SegmentErrors MeasureSegments(const PosePairs& pairs, double scale, const SegmentOptions& options) {
-  const std::vector<double> travel = LengthsAlong(
-      pairs, [](const PosePair& pair) -> const Eigen::Vector3d& { return pair.truth.translation; });
+  const std::vector<double> travel =
+      LengthsAlong(pairs, [](const PosePair& pair) -> const Eigen::Vector3d& { return pair.truth.translation; });
   const double whole = travel.empty() ? 0 : travel.back();
   std::vector<double> lengths = options.lengths.empty() ? LengthsFor(whole) : options.lengths;
   std::sort(lengths.begin(), lengths.end());

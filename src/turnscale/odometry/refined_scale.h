@@ -36,7 +36,7 @@ struct RefinedScale {
   /// Intrinsics that are inconsistent with the images of turns; sigmas include their effect on the scale.
   std::vector<ParameterEstimate> contradicted_calibration;
   double calibration_sigma = 0;  ///< CalibrationSigma, which the sigmas of the scale include
-  int calibration_windows = 0;  ///< parts of turns in which the intrinsics were tested
+  int calibration_windows = 0;   ///< parts of turns in which the intrinsics were tested
 };
 
 /// State of the scale at the last keyframe; pending without one.

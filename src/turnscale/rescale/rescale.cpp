@@ -20,6 +20,9 @@
 namespace turnscale {
 namespace {
 
+// Standard deviation of the yaw of a Q that is only the mean direction of travel, which is off in a drive that turns
+// one way, rad.
+constexpr double kUnobservedYawSigma = 5.0 / kDegreesPerRadian;
 // The calibration's steps are as long as the car drives in a certain time.
 Trajectory AtUsualRate(Trajectory trajectory) {
   constexpr double kInterval = 0.1;
@@ -140,7 +143,7 @@ bool FindMount(const RescaleOptions& options, const Trajectory& trajectory, cons
     const MountFromPath mount = FindCameraMount(trajectory, options.timed, first_poses, options.steps);
     result.vehicle_from_camera = mount.vehicle_from_camera;
     result.yaw_sigma = mount.yaw_sigma ? PriorYawSigma(*mount.yaw_sigma, options.car.yaw_sigma)
-                                       : std::max(options.car.yaw_sigma, options.unobserved_yaw_sigma);
+                                       : std::max(options.car.yaw_sigma, kUnobservedYawSigma);
     return true;
   } catch (const InputError& error) {
     result.reason = error.what();
@@ -253,8 +256,6 @@ void RescaleOptions::Check() const {
   if (!(untimed_slip >= 0 && untimed_slip < 1)) throw InputError("untimed_slip: has to be from 0 to below 1");
   if (!(untimed_slip_sigma >= 0 && untimed_slip_sigma < 1))
     throw InputError("untimed_slip_sigma: has to be from 0 to below 1");
-  if (!(unobserved_yaw_sigma > 0 && unobserved_yaw_sigma < 1))
-    throw InputError("unobserved_yaw_sigma: has to be above 0 and below 1 rad");
 }
 
 RescaleResult RescaleTrajectory(const RescaleOptions& options, const Trajectory& trajectory,

@@ -42,9 +42,6 @@ struct RescaleOptions {
   /// (KITTI), next to nothing in a garage.
   double untimed_slip = 0.1;
   double untimed_slip_sigma = 0.08;
-  /// Standard deviation of the yaw of a Q that is only the mean direction of travel, which is off in a drive that turns
-  /// one way, rad (5 deg).
-  double unobserved_yaw_sigma = 5.0 / kDegreesPerRadian;
   /// The scale drifts along the drive; false for loop-closed inputs, whose scale is constant.
   bool drifting = true;
   VehicleStepOptions steps;
