@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include <Eigen/Core>
 #include <Eigen/Eigenvalues>
@@ -26,22 +27,117 @@ std::string Line(const char* key, double value, const char* comment = "") {
   return fmt::format("{}: {:.6g}{}{}\n", key, value, *comment != 0 ? "  # " : "", comment);
 }
 
-// Of the errors of a car's constants.
+// Of the errors of a car's constants; nothing where one of the two is not known.
 struct Correlations {
   double lever_arm_slip = 0;
-  double height_lever_arm = 0;
-  double height_slip = 0;
+  std::optional<double> height_lever_arm = {};
+  std::optional<double> height_slip = {};
 };
 
 // All smaller by the same factor where a reader could not tell the three errors apart.
-Correlations Distinct(const Correlations& found) {
+Correlations Distinct(Correlations correlations) {
+  const double height_lever_arm = correlations.height_lever_arm.value_or(0);
+  const double height_slip = correlations.height_slip.value_or(0);
   Eigen::Matrix3d matrix;
-  matrix << 0, found.lever_arm_slip, found.height_lever_arm,  //
-      found.lever_arm_slip, 0, found.height_slip,             //
-      found.height_lever_arm, found.height_slip, 0;
+  matrix << 0, correlations.lever_arm_slip, height_lever_arm,  //
+      correlations.lever_arm_slip, 0, height_slip,             //
+      height_lever_arm, height_slip, 0;
   const double least = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(matrix).eigenvalues()[0];
   const double shrink = kMostCorrelation / std::max(-least, kMostCorrelation);
-  return {shrink * found.lever_arm_slip, shrink * found.height_lever_arm, shrink * found.height_slip};
+  correlations.lever_arm_slip *= shrink;
+  for (std::optional<double>* one : {&correlations.height_lever_arm, &correlations.height_slip})
+    if (*one) **one *= shrink;
+  return correlations;
+}
+
+struct Measure {
+  double value = 0;
+  double sigma = 0;
+};
+
+struct KnownRotation {
+  YawPitchRoll angles;
+  double yaw_sigma = 0;
+  std::optional<YawPitchRoll> sigma = {};  // of pitch and roll
+};
+
+// What a drive leaves known of the car: lengths in metres, angles in rad.
+struct KnownCar {
+  std::optional<KnownRotation> rotation = {};
+  std::optional<Measure> lever_arm = {};
+  Measure side_slip;  // s^2/m
+  std::optional<Measure> height = {};
+  Correlations correlations;
+};
+
+// Where the measures contradict each other, or the trajectory does not use what was refined, all is as given.
+const CarRefinement* RefinedCar(const RefinedScale& scale) {
+  const bool refined = scale.estimate && scale.estimate->has_reliable_car();
+  return refined ? &scale.estimate->car : nullptr;
+}
+
+std::optional<KnownRotation> RotationOf(const VehicleOptions& vehicle, const Mount& mount, const CarRefinement* car) {
+  // A camera that was moved since is not as the file of the car has it.
+  const bool as_known = vehicle.camera_known && mount.first_keyframe == 0;
+  if (vehicle.calibrate_camera && !as_known && !mount.found) return std::nullopt;
+  KnownRotation rotation = {YawPitchRollFromRotation(mount.vehicle_from_camera), vehicle.yaw_sigma};
+  if (mount.found) {
+    rotation.yaw_sigma = std::max(mount.sigma.yaw, vehicle.yaw_sigma);
+    rotation.sigma = mount.sigma;
+  } else if (as_known) {
+    rotation.sigma = {0, vehicle.known_pitch_sigma, vehicle.known_roll_sigma};
+  }
+  if (!car) return rotation;
+  // What the straights have told.
+  rotation.angles.yaw += car->yaw_error;
+  rotation.yaw_sigma = car->yaw_error_sigma;
+  return rotation;
+}
+
+// Of a given length. If it disagrees with another one, one of the two is wrong, by as much as they disagree; however
+// much that is, the file is one that can be read again.
+double SigmaOfGiven(double length, double sigma, const RefinedScale& scale) {
+  const HeightConflict* conflict =
+      scale.estimate && scale.estimate->height_conflict ? &*scale.estimate->height_conflict : nullptr;
+  const double disagreement = conflict ? std::log(conflict->found / conflict->given) : 0.0;
+  return std::min(std::hypot(sigma, disagreement * length), std::max(kMostLengthSigma * length, sigma));
+}
+
+KnownCar WhatIsKnown(const VehicleOptions& vehicle, const Mount& mount, const RefinedScale& scale) {
+  const CarRefinement* car = RefinedCar(scale);
+  KnownCar known;
+  known.rotation = RotationOf(vehicle, mount, car);
+  known.side_slip =
+      car ? Measure{car->side_slip, car->side_slip_sigma} : Measure{vehicle.side_slip, vehicle.side_slip_sigma};
+  if (vehicle.lever_arm && car && car->lever_arm > 0) {
+    known.lever_arm = {car->lever_arm, std::min(car->lever_arm_sigma, kMostLengthSigma * car->lever_arm)};
+    known.correlations.lever_arm_slip = car->lever_arm_slip_correlation;
+  } else if (vehicle.lever_arm) {
+    const double sigma = SigmaOfGiven(*vehicle.lever_arm, vehicle.LeverArmSigma(), scale);
+    known.lever_arm = {*vehicle.lever_arm, sigma};
+    if (sigma > 0)
+      known.correlations.lever_arm_slip = vehicle.lever_arm_slip_correlation * vehicle.LeverArmSigma() / sigma;
+  }
+  if (car && car->camera_height > 0) {
+    known.height = {car->camera_height, car->camera_height_sigma};
+    if (car->lever_arm > 0) known.correlations.height_lever_arm = car->height_correlation;
+    if (car->side_slip_sigma > 0) known.correlations.height_slip = car->height_slip_correlation;
+  } else if (vehicle.camera_height) {
+    known.height = {*vehicle.camera_height, SigmaOfGiven(*vehicle.camera_height, vehicle.HeightSigma(), scale)};
+  }
+  known.correlations = Distinct(known.correlations);
+  return known;
+}
+
+std::string RotationText(const KnownRotation& rotation) {
+  std::string text = Line("yaw_deg", InDegrees(rotation.angles.yaw), "to the right") +
+                     Line("pitch_deg", InDegrees(rotation.angles.pitch), "up") +
+                     Line("roll_deg", InDegrees(rotation.angles.roll), "leaning right") +
+                     Line("yaw_sigma_deg", InDegrees(rotation.yaw_sigma));
+  if (rotation.sigma)
+    text += Line("pitch_sigma_deg", InDegrees(rotation.sigma->pitch)) +
+            Line("roll_sigma_deg", InDegrees(rotation.sigma->roll));
+  return text;
 }
 
 }  // namespace
@@ -74,74 +170,28 @@ const std::vector<std::string>& VehicleFileKeys() {
 }
 
 std::string VehicleFileText(const VehicleOptions& vehicle, const Mount& mount, const RefinedScale& scale) {
+  const KnownCar known = WhatIsKnown(vehicle, mount, scale);
+  const Correlations& correlations = known.correlations;
   std::string text =
       "# A car and its camera, with standard deviations, for run --vehicle. Axes x right, y down, z forward.\n";
-  // Where the measures contradict each other, or the trajectory does not use what was refined, all is as given.
-  const bool refined = scale.estimate && scale.estimate->has_reliable_car();
-  const CarRefinement* car = refined ? &scale.estimate->car : nullptr;
-  // One of the two lengths is wrong, by as much as they disagree.
-  const double conflict =
-      scale.estimate && scale.estimate->height_conflict
-          ? std::log(scale.estimate->height_conflict->found / scale.estimate->height_conflict->given)
-          : 0.0;
-  // A camera that was moved since is not as the file of the car has it.
-  const bool as_known = vehicle.camera_known && mount.first_keyframe == 0;
-  if (!vehicle.calibrate_camera || as_known || mount.found) {
-    YawPitchRoll angles = YawPitchRollFromRotation(mount.vehicle_from_camera);
-    double yaw_sigma = mount.found ? std::max(mount.sigma.yaw, vehicle.yaw_sigma) : vehicle.yaw_sigma;
-    // What the straights have told.
-    if (car) {
-      angles.yaw += car->yaw_error;
-      yaw_sigma = car->yaw_error_sigma;
-    }
-    text += Line("yaw_deg", InDegrees(angles.yaw), "to the right");
-    text += Line("pitch_deg", InDegrees(angles.pitch), "up");
-    text += Line("roll_deg", InDegrees(angles.roll), "leaning right");
-    text += Line("yaw_sigma_deg", InDegrees(yaw_sigma));
-    if (mount.found || as_known) {
-      text += Line("pitch_sigma_deg", InDegrees(mount.found ? mount.sigma.pitch : vehicle.known_pitch_sigma));
-      text += Line("roll_sigma_deg", InDegrees(mount.found ? mount.sigma.roll : vehicle.known_roll_sigma));
-    }
-  }
-  // However uncertain a length is, and however much the two disagree, the file is one that can be read again.
-  const auto sigma_of = [&](double length, double sigma) {
-    return std::min(std::hypot(sigma, conflict * length), std::max(kMostLengthSigma * length, sigma));
-  };
-  Correlations correlations;
-  if (vehicle.lever_arm) {
-    const bool known = car && car->lever_arm > 0;
-    const double sigma = known ? std::min(car->lever_arm_sigma, kMostLengthSigma * car->lever_arm)
-                               : sigma_of(*vehicle.lever_arm, vehicle.LeverArmSigma());
-    text += Line("lever_arm", known ? car->lever_arm : *vehicle.lever_arm,
-                 "metres from the rear axle forward to the camera");
-    text += Line("lever_arm_sigma", sigma);
-    correlations.lever_arm_slip = known       ? car->lever_arm_slip_correlation
-                                  : sigma > 0 ? vehicle.lever_arm_slip_correlation * vehicle.LeverArmSigma() / sigma
-                                              : 0.0;
-  }
-  if (car && car->camera_height > 0) {
-    if (car->lever_arm > 0) correlations.height_lever_arm = car->height_correlation;
-    if (car->side_slip_sigma > 0) correlations.height_slip = car->height_slip_correlation;
-  }
-  correlations = Distinct(correlations);
-  text += Line("side_slip", car ? car->side_slip : vehicle.side_slip, "c in L_eff = L - c v^2, s^2/m");
-  text += Line("side_slip_sigma", car ? car->side_slip_sigma : vehicle.side_slip_sigma);
+  if (known.rotation) text += RotationText(*known.rotation);
+  if (known.lever_arm)
+    text += Line("lever_arm", known.lever_arm->value, "metres from the rear axle forward to the camera") +
+            Line("lever_arm_sigma", known.lever_arm->sigma);
+  text += Line("side_slip", known.side_slip.value, "c in L_eff = L - c v^2, s^2/m") +
+          Line("side_slip_sigma", known.side_slip.sigma);
   if (correlations.lever_arm_slip != 0)
     text += Line("lever_arm_slip_correlation", correlations.lever_arm_slip,
                  "of the errors of the lever arm and of the side slip");
-  if (car && car->camera_height > 0) {
-    text += Line("height", car->camera_height, "of the camera above the road, metres");
-    text += Line("height_sigma", car->camera_height_sigma);
-    if (car->lever_arm > 0)
-      text +=
-          Line("height_correlation", correlations.height_lever_arm, "of the errors of the height and of the lever arm");
-    if (car->side_slip_sigma > 0)
-      text +=
-          Line("height_slip_correlation", correlations.height_slip, "of the errors of the height and of the side slip");
-  } else if (vehicle.camera_height) {
-    text += Line("height", *vehicle.camera_height, "of the camera above the road, metres");
-    text += Line("height_sigma", sigma_of(*vehicle.camera_height, vehicle.HeightSigma()));
-  }
+  if (known.height)
+    text += Line("height", known.height->value, "of the camera above the road, metres") +
+            Line("height_sigma", known.height->sigma);
+  if (correlations.height_lever_arm)
+    text +=
+        Line("height_correlation", *correlations.height_lever_arm, "of the errors of the height and of the lever arm");
+  if (correlations.height_slip)
+    text +=
+        Line("height_slip_correlation", *correlations.height_slip, "of the errors of the height and of the side slip");
   return text;
 }
 

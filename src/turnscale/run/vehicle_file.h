@@ -12,7 +12,7 @@
 namespace turnscale {
 
 /// Keys of the files that describe a car and its camera: car.yaml of a run, calibration.yaml of a calibration,
-/// vehicle.yaml of a simulated drive.
+/// vehicle.yaml of a simulated drive. Not all of them are read: a drive does not depend on lateral_offset, for example.
 const std::vector<std::string>& VehicleFileKeys();
 
 /// Magnitude up to which files state the correlation of two errors: readers need two errors that are not the same one.
