@@ -52,7 +52,7 @@ void AddExportCommand(CLI::App& app) {
   command
       ->add_option("--interval", arguments->interval,
                    fmt::format("Minimum time between two points but the last two, seconds; 0: every frame [{:g}]",
-                               kUsualInterval))
+                               kUsualExportInterval))
       ->check(CLI::NonNegativeNumber);
   command
       ->add_option("--fov", arguments->fov,

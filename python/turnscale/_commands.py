@@ -251,10 +251,11 @@ def calibrate(path: Path | Sequence[Path] | None = None, *, trajectory: Path | N
               quiet: bool = True) -> Calibration:
     """Estimates the camera-to-vehicle rotation from the images of a drive or from a trajectory, as `turnscale calibrate`.
 
-    path: images of the drive, as for `run`. trajectory: instead, a TUM, KITTI or EuRoC file, in any unit of length.
+    path: images of the drive, as for `run`. trajectory: instead, a TUM, KITTI or EuRoC file, in any unit of length, or
+        the folder of a run.
     axes: of the trajectory's poses.
-    speed: file with one `time, speed` a line (s, m/s); distance: path length, m; metric: the trajectory is in metres;
-        each lets the lever arm be estimated, too. lever_arm: known, m.
+    speed: file with one `time, speed` a line (s; m/s, or the unit of a first line such as `time, speed_kmh`);
+        distance: path length, m; metric: the trajectory is in metres; each lets the lever arm be estimated, too. lever_arm: known, m.
     side_slip: c, s^2/m. fit_side_slip: estimate it.
     history, out: files to write; nothing is written without.
     The others are those of `run`.

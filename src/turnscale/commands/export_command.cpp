@@ -140,7 +140,7 @@ std::vector<FileToWrite> MapFiles(const ExportArguments& arguments, const Result
   track.start_time = StartTime(arguments.start_time, path.front().time);
   const PlacedPath placed = Place(arguments, results, path, track.start_time);
   track.has_height = placed.has_height;
-  track.places = PlaceOnEarth(path, placed.placement, arguments.interval.value_or(kUsualInterval));
+  track.places = PlaceOnEarth(path, placed.placement, arguments.interval.value_or(kUsualExportInterval));
   track.turns = PlaceOnEarth(TurnsAlong(path, results.turns), placed.placement);
   outcome.text += placed.text;
   if (!placed.warning.empty()) outcome.warnings.push_back(placed.warning);

@@ -9,7 +9,7 @@
 namespace turnscale {
 
 /// Default of ExportArguments::interval, seconds.
-constexpr double kUsualInterval = 1;
+constexpr double kUsualExportInterval = 1;
 
 /// Arguments of `export`, by the names of the program's options; empty texts and paths are not given.
 struct ExportArguments {

@@ -476,16 +476,16 @@ TEST(MedianOfSteps, IsTheMedianOfThePapersObserver) {
 
 TEST(MedianOfSteps, SpreadIsThatOfTheSteps) {
   constexpr double kMedianPenalty = 1.2533;  // standard deviation of a median over that of a mean
-  constexpr int kSteps = 25;
+  constexpr int kEqualSteps = 25;
   double squares = 0;
   double sigma = 0;
   for (unsigned seed = 0; seed < kSeeds; ++seed) {
     // Steps of one size, as the median takes them all for equal.
-    std::vector<VehicleStep> steps(kSteps, EvenCorner(kRigid)[10]);
+    std::vector<VehicleStep> steps(kEqualSteps, EvenCorner(kRigid)[10]);
     AddSidewaysNoise(0.0015, seed, steps);
     const MedianScale median = MedianOfSteps(steps, kRigid);
     squares += std::pow(median.metres_per_unit - kMetresPerUnit, 2);
-    sigma += kMedianPenalty * median.spread * median.metres_per_unit / std::sqrt(kSteps);
+    sigma += kMedianPenalty * median.spread * median.metres_per_unit / std::sqrt(kEqualSteps);
   }
   EXPECT_NEAR(sigma / kSeeds / std::sqrt(squares / kSeeds), 1, 0.15);
 }
