@@ -140,7 +140,7 @@ TEST_F(CalibrateTest, ALeverArmThatRunWouldRefuseIsNotWritten) {
   const std::string drive = units + ": lever arm not estimated: the estimated lever arm is ";
   const CommandResult far = Run({"--trajectory", units, "--distance", "90000", "--side-slip", "0"});
   ExpectComplaint(far, 2, {drive, " m, above the 20 m that a car can have; check --distance 90000"});
-  const std::string speeds = Text("kmh.csv", "0 500\n1000 500\n").string();
+  const std::string speeds = Text("kmh.csv", "time,speed_mps\n0,500\n1000,500\n").string();
   ExpectComplaint(Run({"--trajectory", units, "--speed", speeds, "--side-slip", "0"}), 2,
                   {drive, "check --speed " + speeds});
   ExpectComplaint(Run({"--trajectory", Tum(Exact({1.45, 0}, 50)).string(), "--metric", "--side-slip", "0"}), 2,

@@ -259,10 +259,10 @@ TEST(CalibrationCheck, ThePriorHasItsMeanAtTheExpectedChange) {
 
 TEST(CalibrationCheck, AnAngleIsMorePixelsAlongTheLongerFocalLength) {
   Map map = WrongMap(kRightAndLeft, Vector::Zero(), 0.3, 1);
-  map.pinhole.fy = 1.25 * map.pinhole.fx;
-  CalibrationCheck unread({});
-  EXPECT_FALSE(unread.Observe(MapUpTo(1, map), CameraOf(map)));
-  const std::vector<ParameterEstimate> all = unread.Parameters(CameraOf(map));
+  map.camera.pinhole.fy = 1.25 * map.camera.pinhole.fx;
+  CalibrationCheck unread({}, map.camera.pinhole);
+  EXPECT_FALSE(unread.Observe(MapUpTo(1, map)));
+  const std::vector<ParameterEstimate> all = unread.Parameters(WithCorrection());
   EXPECT_NEAR(all[2].sigma, 1.25 * all[1].sigma, 1e-9);
 }
 

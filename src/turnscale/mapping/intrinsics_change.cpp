@@ -3,6 +3,8 @@
 
 #include <cmath>
 
+#include <Eigen/Geometry>
+
 namespace turnscale {
 
 Pinhole ChangedPinhole(const Pinhole& given, const IntrinsicsChange::Vector& change) {

@@ -42,7 +42,8 @@ TEST_P(CameraRefining, FindingsAreTakenSomeKeyframesAfterTheWindow) {
   EXPECT_FALSE(refinement.TakeIfDue(MapOf(kCorner + 3)));
   const std::optional<double> correction = refinement.TakeIfDue(MapOf(kCorner + 4));
   LensRefinement at_once(options_.lens);
-  ASSERT_TRUE(at_once.Observe(MapOf(kCorner)));
+  std::optional<IntrinsicsProblem> window = at_once.TakeWindow(MapOf(kCorner));
+  ASSERT_TRUE(window && at_once.Read(*window));
   EXPECT_EQ(correction, at_once.correction());
   EXPECT_FALSE(refinement.TakeIfDue(MapOf(kCorner + 5))) << "once";
 }

@@ -501,6 +501,7 @@ TEST(RunSummary, NamesTheTurnThatContradicts) {
 TEST(RunSummary, WhatAWrongCalibrationDoesIsSaidOnce) {
   RefinedScale scale;
   scale.estimate.emplace();
+  scale.estimate->converged = true;
   scale.estimate->length_sigma = 1.16;
   scale.contradicted_calibration = {{IntrinsicsParameter::kFocalLength, 500, 600, 10},
                                     {IntrinsicsParameter::kCentreX, 320, 350, 5},

@@ -11,7 +11,7 @@ namespace turnscale {
 namespace {
 
 constexpr int kMostIterations = 40;
-constexpr int kMostSelections = 4;
+constexpr int kFreeSelections = 4;
 constexpr double kConverged = 1e-6;       // change of a log-scale in an iteration
 constexpr double kMaxLogScaleStep = 0.3;  // of a Gauss-Newton step
 
@@ -82,15 +82,15 @@ bool SameTurns(const std::vector<SegmentEvidence>& a, const std::vector<SegmentE
 
 SmoothedDrive SmoothDrive(ScaleProblem problem, const std::vector<SegmentEvidence>& gathered, const CarPrior& car,
                           double huber, TurnSelection selection) {
-  SmoothedDrive drive;
-  for (int i = 0; i < kMostSelections; ++i) {
+  for (int round = 1;; ++round) {
     problem.evidence = selection.evidence;
     problem.prior = PriorBelief(car, *StartingLogScale(selection, car));
-    drive = SmoothBounded(problem, car, huber);
-    selection = SelectTurns(gathered, car, drive.smoothed.segments.back().mean, problem.options);
-    if (!StartingLogScale(selection, car) || SameTurns(selection.evidence, problem.evidence)) break;
+    SmoothedDrive drive = SmoothBounded(problem, car, huber);
+    // If selections alternate, turns that are left out stay left out.
+    const std::vector<SegmentEvidence>& candidates = round < kFreeSelections ? gathered : problem.evidence;
+    selection = SelectTurns(candidates, car, drive.smoothed.segments.back().mean, problem.options);
+    if (!StartingLogScale(selection, car) || SameTurns(selection.evidence, problem.evidence)) return drive;
   }
-  return drive;
 }
 
 }  // namespace turnscale
