@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <opencv2/core/mat.hpp>
+
+namespace turnscale {
+
+/// Images of a drive that are mixtures of two views, as conversion to another frame rate makes them by blending.
+struct FrameBlending {
+  static constexpr double kScaleSigma = 0.15;  ///< where all images are
+
+  double from = 0;    ///< time, seconds, where it begins
+  double to = 0;      ///< time, seconds, where it ends
+  double share = 0;   ///< part of the drive's images in which it shows, in (0, 1]
+  double period = 0;  ///< images from one that is sharp to the next, at least 2
+  double depth = 0;   ///< amplitude of the logarithm of the fine detail
+
+  /// Relative standard deviation of lengths that it causes.
+  double scale_sigma() const { return kScaleSigma * share; }
+};
+
+/// The warning, one line. `consequence`: such as "the scale may be wrong".
+std::string FrameBlendingText(const FrameBlending& blending, const std::string& consequence);
+
+/// Finds out whether images are such mixtures. If a conversion makes an image of two that follow one another, detail
+/// that moves between them is shown twice, each time at less contrast. Their weights change periodically from image to
+/// image, and so does the contrast of fine detail. It does so at a constant rate, and all over the image, unlike what
+/// vibration, exposure, wipers, or vehicles that pass do. Video compression pulsates, too, but hardly where
+/// images are reduced.
+class BlendedFrames {
+ public:
+  /// `pixel_width`: of the images' pixels, in pixels of the video, where they have been reduced or enlarged
+  /// (ImageScaling).
+  explicit BlendedFrames(double pixel_width = 1);
+
+  /// The next image, 8-bit gray.
+  void Add(const cv::Mat& gray, double time);
+
+  /// What the images so far show; empty where they are as they should be, or stand still.
+  std::optional<FrameBlending> Find() const;
+
+ private:
+  int halvings_;
+  cv::Size size_;                             // of the images
+  std::array<cv::Mat, 2> small_;              // the image, halved once and more
+  std::array<std::vector<float>, 3> detail_;  // of the last images, the oldest first: logarithm by tile
+  std::vector<float> changes_;                // by how much an image has more detail than those beside it
+  std::vector<double> times_;                 // of these images
+  double last_time_ = 0;                      // of the last image
+};
+
+}  // namespace turnscale
