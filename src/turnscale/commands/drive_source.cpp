@@ -311,10 +311,15 @@ DriveMotion MotionFromImages(const ImageArguments& arguments, const CommandHooks
                               FocalLengthText(estimate.found->camera));
   if (odometry.is_upside_down()) progress.Warn(UpsideDownWarning(arguments.rotate));
   const auto [frames, scale] = recorder.Refined();
+  constexpr auto kConsequence = "the rotation and the lever arm may be wrong";
+  const std::optional<FrameBlending> blending = recorder.Blending();
+  if (blending) progress.Warn(FrameBlendingText(*blending, kConsequence));
   for (const std::string& warning : CalibrationWarnings(scale.contradicted_calibration, estimate.found.has_value(),
-                                                        "the rotation and the lever arm may be wrong"))
+                                                        blending ? "the blending may be the cause" : kConsequence))
     progress.Warn(warning);
-  motion.calibration_sigma = CalibrationSigma(scale.contradicted_calibration, images.scaling.Full(odometry.camera()));
+  motion.calibration_sigma =
+      std::hypot(CalibrationSigma(scale.contradicted_calibration, images.scaling.Full(odometry.camera())),
+                 blending ? FrameBlending::kScaleSigma : 0);
   motion.stretches = Stretches(frames);
   if (motion.stretches.empty()) attempts.RethrowFirst();
   if (!motion.stretches.empty()) motion.incomplete = WhyIncomplete(frames, images.source, recorder.seen());

@@ -100,7 +100,8 @@ struct DriveMotion {
   std::string input;                  ///< as the user named it
   std::vector<Trajectory> stretches;  ///< segments of uninterrupted tracking, in one unit of length
   bool timed = true;                  ///< false: times are assumed
-  /// Of lengths across turns, due to the errors of the intrinsics; relative, a standard deviation (CalibrationSigma).
+  /// Of lengths across turns, due to the errors of the intrinsics and to blended images; relative, a standard
+  /// deviation.
   double calibration_sigma = 0;
   std::string incomplete;          ///< why the path length is incomplete; empty if complete
   std::optional<Failure> stopped;  ///< why the drive was not processed to its end; empty if it was

@@ -236,7 +236,7 @@ std::string FrameBlendingText(const FrameBlending& blending, const std::string& 
   const bool is_whole = std::abs(blending.period - whole) < 0.05;
   return fmt::format(
       "the sharpness of the images rises and falls every {:.{}f} images (from {:.1f} to {:.1f} s), as in a video that "
-      "was converted to another frame rate by blending them: an image then shows two times, and {}; use the video as "
+      "was converted to another frame rate by blending: each image then shows two moments, and {}; use the video as "
       "the "
       "camera recorded it",
       blending.period, is_whole ? 0 : 1, blending.from, blending.to, consequence);

@@ -12,16 +12,15 @@ namespace turnscale {
 
 /// Images of a drive that are mixtures of two views, as conversion to another frame rate makes them by blending.
 struct FrameBlending {
-  static constexpr double kScaleSigma = 0.15;  ///< where all images are
+  /// Relative standard deviation of lengths that it causes. The whole video has been converted, even if it shows only
+  /// in a part: where the car is slow, less of the path is.
+  static constexpr double kScaleSigma = 0.15;
 
   double from = 0;    ///< time, seconds, where it begins
   double to = 0;      ///< time, seconds, where it ends
   double share = 0;   ///< part of the drive's images in which it shows, in (0, 1]
   double period = 0;  ///< images from one that is sharp to the next, at least 2
   double depth = 0;   ///< amplitude of the logarithm of the fine detail
-
-  /// Relative standard deviation of lengths that it causes.
-  double scale_sigma() const { return kScaleSigma * share; }
 };
 
 /// The warning, one line. `consequence`: such as "the scale may be wrong".

@@ -42,6 +42,7 @@ FrameResult DriveRecorder::Process(const cv::Mat& gray, double time) {
   image_size_ = gray.size();
   Keep(result);
   if (!tracks_) seen_.Add(gray, time, result.tracked);
+  blended_.Add(gray, time);
   return result;
 }
 
@@ -86,6 +87,7 @@ RunSummary DriveRecorder::Summary(RunSummary summary, const RefinedResults& resu
   if (!unreadable_.empty()) summary.warnings.push_back(UnreadableText(unreadable_));
   summary.restarts = RestartsOf(odometry_.map());
   summary.scale_state = StateAtEnd(results.scale);
+  summary.blending = Blending();
   Summarize(results.frames, results.scale, summary);
   if (odometry_.is_upside_down()) summary.warnings.push_back(UpsideDownWarning(summary.rotate));
   if (tracks_) SummarizeBeginning(results.frames, seen_, summary);

@@ -7,6 +7,7 @@
 
 #include <opencv2/core/mat.hpp>
 
+#include "turnscale/frames/blended_frames.h"
 #include "turnscale/frames/image_scaling.h"
 #include "turnscale/frames/seen_images.h"
 #include "turnscale/odometry/drive_scale.h"
@@ -29,7 +30,7 @@ class DriveRecorder {
   /// `scaling`: of the images that are processed. `started`: from when on the drive's cost counts.
   explicit DriveRecorder(Odometry& odometry, const ImageScaling& scaling = {},
                          const ProcessClocks& started = ReadClocks())
-      : odometry_(odometry), scaling_(scaling), started_(started) {}
+      : odometry_(odometry), scaling_(scaling), started_(started), blended_(scaling.pixel_width()) {}
 
   /// As Odometry::Process.
   FrameResult Process(const cv::Mat& gray, double time);
@@ -50,6 +51,9 @@ class DriveRecorder {
 
   /// The images before the map.
   const SeenImages& seen() const { return seen_; }
+
+  /// Whether the images so far are blended.
+  std::optional<FrameBlending> Blending() const { return blended_.Find(); }
 
   /// The camera-to-vehicle rotation from the first frame on.
   const std::vector<RotationRecord>& rotations() const { return rotations_; }
@@ -72,6 +76,7 @@ class DriveRecorder {
   bool camera_moved_ = false;
   int moves_ = 0;  // of the camera on the car
   SeenImages seen_;
+  BlendedFrames blended_;
   cv::Size image_size_;
   std::vector<RotationRecord> rotations_;
   std::vector<UnreadableFrame> unreadable_;

@@ -163,14 +163,18 @@ std::string PendingReason(const std::vector<FrameResult>& refined, const Refined
   if (before && IsMost(*before, refined))
     reason = fmt::format("the path begins only at {:.1f} s; {}", before->to, reason);
   if (!summary.has_measure()) return reason;
-  if (!summary.calibration_agrees) reason += "; the images contradict the calibration, which may be the cause";
+  if (summary.blending) {
+    reason += "; the images are blended, which may be the cause";
+  } else if (!summary.calibration_agrees) {
+    reason += "; the images contradict the calibration, which may be the cause";
+  }
   // What a part of the drive lacks, the rest may have.
   if (summary.is_part && HasPose(refined)) reason += "; only a part of the drive was processed, process more of it";
   return reason;
 }
 
-// After the path, on whose length the shares of its errors depend. `length_error`: what impossible motion and parts of
-// uncertain scale suggest, metres.
+// After the path, on whose length the shares of its errors depend. `length_error`: what impossible motion, parts of
+// uncertain scale and blended images suggest, metres.
 void SummarizeScale(const std::vector<FrameResult>& refined, const RefinedScale& scale, double length_error,
                     RunSummary& summary) {
   const double distance = std::max(summary.distance, 1e-9);
@@ -294,8 +298,13 @@ void AddWarnings(const std::vector<FrameResult>& refined, const RefinedScale& sc
   std::string scale_error;
   if (const double sigma = LengthSigma(scale); std::isfinite(sigma))
     scale_error = fmt::format("the scale may be off by {:.0f} % or more", 100 * sigma);
+  if (summary.blending) add(FrameBlendingText(*summary.blending, "the scale may be wrong"));
+  // A right calibration is contradicted, too, where each image shows two moments.
+  const std::string calibration_error =
+      summary.blending ? scale_error + (scale_error.empty() ? "" : "; ") + "the blending may be the cause"
+                       : scale_error;
   for (std::string& warning :
-       CalibrationWarnings(scale.contradicted_calibration, summary.found_camera.has_value(), scale_error))
+       CalibrationWarnings(scale.contradicted_calibration, summary.found_camera.has_value(), calibration_error))
     add(std::move(warning));
   add(TurnsWarning(scale));
   add(MethodWarning(summary.method, scale));
@@ -389,7 +398,8 @@ void Summarize(const std::vector<FrameResult>& refined, const RefinedScale& scal
   const std::vector<ImpossibleMotion> impossible = FindImpossibleMotion(refined);
   summary.uncertain_scale = FindUncertainScale(refined);
   const double of_uncertain = summary.uncertain_scale ? summary.uncertain_scale->length_error() : 0;
-  SummarizeScale(refined, scale, std::hypot(LengthErrorOf(impossible), of_uncertain), summary);
+  const double of_blending = summary.blending ? FrameBlending::kScaleSigma * summary.distance : 0;
+  SummarizeScale(refined, scale, std::hypot(LengthErrorOf(impossible), of_uncertain, of_blending), summary);
   AddWarnings(refined, scale, impossible, summary);
   if (summary.pose_frame == "vehicle" && !summary.is_metric())
     summary.warnings.emplace_back(

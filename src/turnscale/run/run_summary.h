@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "turnscale/camera/camera_model.h"
+#include "turnscale/frames/blended_frames.h"
 #include "turnscale/frames/image_source.h"
 #include "turnscale/frames/seen_images.h"
 #include "turnscale/geometry/pinhole.h"
@@ -154,6 +155,7 @@ struct RunSummary {
   std::optional<HeightConflict> height_conflict;  ///< lever arm and camera height disagree
   TurnTest turn_test;                             ///< consistency of the turns
   std::optional<UncertainScale> uncertain_scale;  ///< parts of the path whose scale is hardly known
+  std::optional<FrameBlending> blending;          ///< of the images, if there is any
   bool is_part = false;                           ///< what was processed is only a part of the drive
   std::string pending_reason;                     ///< why there is no scale; empty where there is
   std::vector<std::string> warnings;              ///< all of the run, one line each
@@ -180,8 +182,8 @@ const char* LensModelName(LensModel lens);
 double HeightSigma(const ScaleEstimate& estimate, double calibration_sigma = 0);
 
 /// Fills in what follows from the refined frames and their scale, and adds the warnings. These and pending_reason also
-/// depend on what the summary has of car, camera, clips and options. What the scale says of the calibration has to be
-/// in pixels of full size.
+/// depend on what the summary has of car, camera, images, clips and options. What the scale says of the calibration has
+/// to be in pixels of full size.
 void Summarize(const std::vector<FrameResult>& frames, const RefinedScale& scale, RunSummary& summary);
 
 /// For a path that begins after the first frame: widens the relative sigma of its length by what it may lack, and warns

@@ -159,6 +159,9 @@ TEST(Summarize, AContradictedCalibrationMayBeWhyTheScaleIsPending) {
   summary.vehicle.lever_arm = 1.5;
   Summarize({}, scale, summary);
   EXPECT_TRUE(summary.pending_reason.starts_with("no turn; the images contradict the calibration"));
+  summary.blending.emplace();
+  Summarize({}, scale, summary);
+  EXPECT_TRUE(summary.pending_reason.starts_with("no turn; the images are blended, which may be the cause"));
 }
 
 TEST(Summarize, ImpossibleMotionIsNamedAndPartOfSigma) {
@@ -179,6 +182,28 @@ TEST(Summarize, ImpossibleMotionIsNamedAndPartOfSigma) {
   ASSERT_EQ(summary.warnings.size(), 1U);
   EXPECT_NE(summary.warnings[0].find("faster than a car's can"), std::string::npos) << summary.warnings[0];
   EXPECT_NEAR(summary.path_sigma, 0.18, 0.02) << "about 180 m of 1020 m";
+}
+
+TEST(Summarize, BlendingIsNamedBeforeTheCalibrationThatItContradictsAndPartOfSigma) {
+  std::vector<FrameResult> refined(100);
+  for (size_t i = 0; i < refined.size(); ++i) {
+    refined[i].time = 0.1 * static_cast<double>(i);
+    refined[i].state = TrackingState::kTracked;
+    refined[i].scale_state = ScaleState::kHeld;
+    refined[i].world_from_camera = RigidTransform{Eigen::Quaterniond::Identity(), {0, 0, static_cast<double>(i)}};
+  }
+  RefinedScale scale;
+  scale.contradicted_calibration.resize(1);
+  scale.estimate.emplace().converged = true;
+  scale.estimate->length_sigma = 0.02;
+  RunSummary summary;
+  summary.blending = FrameBlending{.from = 0.1, .to = 9.8, .share = 0.5, .period = 4};
+  Summarize(refined, scale, summary);
+  ASSERT_EQ(summary.warnings.size(), 2U);
+  EXPECT_NE(summary.warnings[0].find("by blending: each"), std::string::npos) << summary.warnings[0];
+  EXPECT_TRUE(summary.warnings[1].ends_with("; the scale may be off by 2 % or more; the blending may be the cause"))
+      << summary.warnings[1];
+  EXPECT_NEAR(summary.path_sigma, std::hypot(0.02, FrameBlending::kScaleSigma), 1e-6);
 }
 
 // 10 frames and 10 m a second, without a map for `late` frames; a short beginning counts, but is not worth a line.
