@@ -130,8 +130,8 @@ Rig RigFor(const SimulateArguments& arguments) {
 std::string LongerThanAsked(const SimulateArguments& arguments, double seconds) {
   constexpr double kApproximate = 1.25;
   if (!arguments.seconds || arguments.follow || seconds < kApproximate * *arguments.seconds) return {};
-  return fmt::format("--seconds {}: the drive takes {:.1f} s, as the shortest {} does; --max-frames ends it earlier",
-                     *arguments.seconds, seconds, arguments.world);
+  return fmt::format("--seconds {}: the shortest {} drive takes {:.1f} s; --max-frames ends it earlier",
+                     *arguments.seconds, arguments.world, seconds);
 }
 
 // Returns the exit code.

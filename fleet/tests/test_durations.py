@@ -34,7 +34,7 @@ class DurationsTest(unittest.TestCase):
         return str(path)
 
     def test_images_of_all_kinds_count_as_frames(self):
-        # Those of io/drive_input.cpp.
+        # Those of frames/drive_input.cpp.
         for extension in ("png", "jpg", "jpeg", "bmp", "pgm", "ppm", "pnm", "tif", "tiff", "PNG"):
             self.assertEqual(frames(self.video(f"images.{extension}/0.{extension}", 3_000_000)), 1, extension)
 

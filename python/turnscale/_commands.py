@@ -255,7 +255,8 @@ def calibrate(path: Path | Sequence[Path] | None = None, *, trajectory: Path | N
         the folder of a run.
     axes: of the trajectory's poses.
     speed: file with one `time, speed` a line (s; m/s, or the unit of a first line such as `time, speed_kmh`);
-        distance: path length, m; metric: the trajectory is in metres; each lets the lever arm be estimated, too. lever_arm: known, m.
+        distance: path length, m; metric: the trajectory is in metres; each lets the lever arm be estimated, too.
+    lever_arm: known, m.
     side_slip: c, s^2/m. fit_side_slip: estimate it.
     history, out: files to write; nothing is written without.
     The others are those of `run`.

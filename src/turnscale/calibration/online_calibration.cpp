@@ -48,7 +48,8 @@ Eigen::Matrix3d FiniteCovariance(const Refinement& refinement) {
 
 void OnlineCalibrationOptions::Check() const {
   calibration.Check();
-  if (window < kLongMemory + kRetiredTogether) throw InputError("window: must be at least 50 steps");
+  if (window < kLongMemory + kRetiredTogether)
+    throw InputError("window: must be at least " + std::to_string(kLongMemory + kRetiredTogether) + " steps");
   if (!(drift > 0)) throw InputError("drift: must be above 0 rad");
 }
 

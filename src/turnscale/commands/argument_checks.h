@@ -102,9 +102,14 @@ inline void RequireFor(const GivenOption& option, bool has_needed, const char* n
 }
 
 /// Throws InputError unless the option's value is one of those that there are.
-inline void CheckChoice(const char* option, std::string_view value, std::initializer_list<std::string_view> choices) {
-  if (std::find(choices.begin(), choices.end(), value) != choices.end()) return;
+template <typename Names>
+void CheckChoice(const char* option, std::string_view value, const Names& choices) {
+  if (std::ranges::find(choices, value) != std::ranges::end(choices)) return;
   throw InputError(fmt::format("{} {}: give one of {}", option, value, fmt::join(choices, ", ")));
+}
+
+inline void CheckChoice(const char* option, std::string_view value, std::initializer_list<std::string_view> choices) {
+  CheckChoice<std::initializer_list<std::string_view>>(option, value, choices);
 }
 
 /// A file that a command writes, and the option that names it.

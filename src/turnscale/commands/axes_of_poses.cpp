@@ -96,8 +96,9 @@ bool AreInverse(const PosePairs& pairs, PoseOfPair pose) {
 std::string InverseWarning(const ComparedPoses& compared, const PosePairs& pairs) {
   const bool of_estimate = AreInverse(pairs, &PosePair::estimate);
   if (of_estimate == AreInverse(pairs, &PosePair::truth)) return {};
-  return of_estimate ? UnlikeMotions(compared.estimate, "ground truth", kInversePoses)
-                     : UnlikeMotions(compared.truth, "estimate", kInversePoses);
+  return fmt::format(
+      "{}: its poses are camera_from_world, and rotation and translation errors tell nothing; give the inverse poses",
+      of_estimate ? compared.estimate : compared.truth);
 }
 
 // Whether the motions are alike once the poses of one of the two are inverted.

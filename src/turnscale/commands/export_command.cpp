@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 #include <system_error>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -181,7 +183,6 @@ fs::path StemOf(const ExportArguments& arguments) {
   constexpr auto kName = "path";
   std::error_code none;
   if (arguments.out.empty()) return arguments.folder / kName;
-  if (!arguments.out.has_filename()) fs::create_directories(arguments.out, none);
   if (!arguments.out.has_filename() || fs::is_directory(arguments.out, none)) return arguments.out / kName;
   const std::string extension = LowerExtension(arguments.out);
   for (const char* ours : {".gpx", ".kml", ".geojson", ".gltf"})
@@ -222,6 +223,8 @@ ExportOutcome ExecuteExport(const ExportArguments& arguments) {
   std::vector<FileToWrite> files;
   if (arguments.WantsMaps()) files = MapFiles(arguments, results, outcome);
   if (scene) files.push_back(*std::move(scene));
+  if (std::error_code none; !arguments.out.empty() && !arguments.out.has_filename())
+    fs::create_directories(arguments.out, none);
   for (const FileToWrite& file : files) {
     outcome.files.emplace_back(stem + file.extension);
     ReplaceFile(outcome.files.back(), file.text);

@@ -71,7 +71,7 @@ std::string RescalePage(const RescaleResult& result, const std::string& input, c
   if (const CarRefinement& refined = result.estimate->car;
       !result.estimate->uses_single_turns && refined.camera_height > 0)
     data.facts.push_back({"Camera height", fmt::format("{:.3f} m", refined.camera_height),
-                          fmt::format("\u00b1{:.3f} m above the road", refined.camera_height_sigma)});
+                          fmt::format("\u00b1{:.3f} m above the road", HeightSigma(*result.estimate))});
   return ReportPage(std::filesystem::path(input).filename().string(), ReportJson(data));
 }
 

@@ -156,9 +156,8 @@ std::string OlderExports(const fs::path& folder) {
 }
 
 ScaleMethod MethodNamed(const std::string& name) {
-  const std::optional<ScaleMethod> method = FindScaleMethod(name);
-  if (method) return *method;
-  throw InputError(fmt::format("--method {}: give one of {}", name, fmt::join(ScaleMethodNames(), ", ")));
+  CheckChoice("--method", name, ScaleMethodNames());
+  return *FindScaleMethod(name);
 }
 
 // What the lever arm of a file would be with another side slip stays the same: only its sigma follows.

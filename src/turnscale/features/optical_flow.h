@@ -53,8 +53,8 @@ FlowResult TrackPoints(const FlowOptions& options, const FlowImage& first, const
                        const std::vector<cv::Point2f>& points, const std::vector<cv::Point2f>& guesses,
                        std::optional<int> levels = {});
 
-/// Gives up those found points that do not track back to where they came from, or look different there. Only points
-/// with a flag are checked.
+/// Gives up those found points that do not track back to where they came from, or look different there. `flags`: one
+/// per point; where it is 0, the point is not checked.
 void CheckReturn(const FlowOptions& options, const FlowImage& first, const FlowImage& second,
                  const std::vector<cv::Point2f>& points, const std::vector<uchar>& flags, FlowResult& result);
 

@@ -42,10 +42,11 @@ struct SpeedUnit {
   double metres_per_second;
 };
 
-// Of two names that one name ends with, the longer comes first.
-constexpr std::array kSpeedUnits = {SpeedUnit{"kmh", 1 / 3.6},  SpeedUnit{"kph", 1 / 3.6}, SpeedUnit{"kmph", 1 / 3.6},
-                                    SpeedUnit{"mph", 0.44704},  SpeedUnit{"mps", 1},       SpeedUnit{"ms", 1},
-                                    SpeedUnit{"knots", 0.51444}};
+constexpr double kKnot = 0.51444;  // m/s
+constexpr std::array kSpeedUnits = {SpeedUnit{"kmh", 1 / 3.6}, SpeedUnit{"kph", 1 / 3.6}, SpeedUnit{"kmph", 1 / 3.6},
+                                    SpeedUnit{"mph", 0.44704}, SpeedUnit{"mps", 1},       SpeedUnit{"ms", 1},
+                                    SpeedUnit{"kn", kKnot},    SpeedUnit{"kt", kKnot},    SpeedUnit{"kts", kKnot},
+                                    SpeedUnit{"knot", kKnot},  SpeedUnit{"knots", kKnot}};
 
 // "Speed [km/h]" and "speed_kmh" are the same name.
 std::string Letters(std::string_view name) {
@@ -56,9 +57,8 @@ std::string Letters(std::string_view name) {
   return letters;
 }
 
-const SpeedUnit* UnitIn(std::string_view letters) {
-  const auto found =
-      std::ranges::find_if(kSpeedUnits, [&](const SpeedUnit& unit) { return letters.ends_with(unit.name); });
+const SpeedUnit* FindUnit(std::string_view letters) {
+  const auto found = std::ranges::find(kSpeedUnits, letters, &SpeedUnit::name);
   return found == kSpeedUnits.end() ? nullptr : &*found;
 }
 
@@ -66,10 +66,32 @@ bool IsTime(const std::string& column) {
   return std::ranges::count(std::array{"time", "t", "times", "ts"}, Letters(column)) > 0;
 }
 
+// A speed, with a unit that is known or without one.
 bool IsSpeed(const std::string& column) {
-  std::string letters = Letters(column);
-  if (const SpeedUnit* unit = UnitIn(letters)) letters.resize(letters.size() - unit->name.size());
-  return letters == "speed" || letters == "v";
+  const std::string letters = Letters(column);
+  return std::ranges::any_of(std::array{"speed", "velocity", "v"}, [&](const std::string_view speed) {
+    if (!letters.starts_with(speed)) return false;
+    const std::string unit = letters.substr(speed.size());
+    return unit.empty() || FindUnit(unit) != nullptr;
+  });
+}
+
+// m/s; nothing if the name of the column has no unit. Throws InputError if the unit is not known.
+std::optional<double> UnitOf(const std::string& column, const std::string& where) {
+  const std::string letters = Letters(column);
+  for (const std::string_view speed : {"speed", "velocity"}) {
+    const size_t at = letters.rfind(speed);
+    if (at == std::string::npos) continue;
+    const std::string unit = letters.substr(at + speed.size());
+    if (unit.empty()) return std::nullopt;
+    if (const SpeedUnit* known = FindUnit(unit)) return known->metres_per_second;
+    throw InputError(
+        fmt::format("{}: the unit of '{}' is not known; give speed_mps, speed_kmh, speed_mph or speed_knots", where,
+                    Excerpt(column)));
+  }
+  if (!letters.starts_with('v')) return std::nullopt;
+  const SpeedUnit* known = FindUnit(letters.substr(1));
+  return known != nullptr ? std::optional(known->metres_per_second) : std::nullopt;
 }
 
 // The names of the columns; a unit in brackets belongs to the name before it.
@@ -103,8 +125,16 @@ SpeedColumns ColumnsOf(const std::vector<std::string>& heading, const std::strin
         fmt::format("{}: has {} columns; name those that count 'time' (s) and 'speed' (m/s), or 'speed_kmh'", where,
                     heading.size()));
   }
-  if (const SpeedUnit* unit = UnitIn(Letters(heading[columns.speed]))) columns.unit = unit->metres_per_second;
+  columns.unit = UnitOf(heading[columns.speed], where);
   return columns;
+}
+
+// Some programs write the heading as a comment; nothing if it is none.
+std::optional<SpeedColumns> ColumnsOfComment(const std::string& line, const std::string& where) {
+  const std::vector<std::string> names = NamesIn(line.substr(line.find('#') + 1));
+  const bool is_heading = names.size() == 2 || line.find(',') != std::string::npos;
+  if (!is_heading || std::ranges::none_of(names, IsTime) || std::ranges::none_of(names, IsSpeed)) return std::nullopt;
+  return ColumnsOf(names, where);
 }
 
 // Throws InputError where a speed is none of a car, in m/s unless a unit is named.
@@ -144,8 +174,12 @@ SpeedLog ReadSpeedFile(const std::filesystem::path& path) {
     std::string line = whole;
     std::replace(line.begin(), line.end(), ',', ' ');
     const auto words = SplitWords(line);
-    if (words.empty() || words[0].starts_with('#')) continue;
     const std::string where = lines.Where();
+    if (words.empty()) continue;
+    if (words[0].starts_with('#')) {
+      if (log.times.empty() && !named) named = ColumnsOfComment(whole, where);
+      continue;
+    }
     const bool heading = log.times.empty() && !named && std::ranges::none_of(words, [](std::string_view word) {
                            return ParseNumber<double>(word).has_value();
                          });

@@ -16,11 +16,11 @@ struct SpeedLog {
   std::optional<double> Distance(double begin, double end) const;
 };
 
-/// Reads lines `time, speed` (s, m/s; comma or blanks); # begins a comment, and a first line of words is a heading.
-/// Where it names columns `time` and `speed` (or `t`, `v`), there may be others. A unit in the name of the speed is
-/// converted: `speed_kmh`, `speed [km/h]`, `speed_mph`, `v_mps`, knots. Throws InputError that names file and line
-/// where a number is missing, not finite, or negative, a speed without a unit is above 70, times do not grow, or there
-/// are more than two columns without those names.
+/// Reads lines `time, speed` (s, m/s; comma or blanks); # begins a comment, and a first line of words is a heading,
+/// also after a #. Where it names columns `time` and `speed` (or `t`, `v`), there may be others. A unit in the name of
+/// the speed is converted: `speed_kmh`, `speed [km/h]`, `speed_mph`, `v_mps`, knots. Throws InputError that names file
+/// and line where a number is missing, not finite, or negative, a speed without a unit is above 70, a unit is not
+/// known, times do not grow, or there are more than two columns without those names.
 SpeedLog ReadSpeedFile(const std::filesystem::path& path);
 
 }  // namespace turnscale

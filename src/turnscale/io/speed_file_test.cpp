@@ -39,7 +39,7 @@ TEST(SpeedFile, TimesMayBeMicroseconds) {
 TEST(SpeedFile, TakesTheColumnsThatAreNamed) {
   const SpeedLog log = SpeedsFrom("frame,t_s,speed_mps,yaw\n0,10,2,0\n1,11,4,0\n");
   EXPECT_DOUBLE_EQ(log.Distance(10, 11).value(), 3);
-  for (const char* text : {"frame,t_s,velocity\n0,10,2\n1,11,4\n", "0,10,2\n1,11,4\n"}) {
+  for (const char* text : {"frame,t_s,rate\n0,10,2\n1,11,4\n", "0,10,2\n1,11,4\n"}) {
     try {
       SpeedsFrom(text);
       FAIL() << text;
@@ -53,13 +53,27 @@ TEST(SpeedFile, ConvertsTheUnitThatTheHeadingNames) {
   const auto metres = [](const std::string& heading) {
     return SpeedsFrom(heading + "\n0,36\n1,36\n").Distance(0, 1).value();
   };
-  for (const char* heading : {"time,speed_kmh", "t,v_kmh", "time (s),speed (km/h)", "Time [s], Speed [km/h]",
-                              "time speed [km/h]", "seconds,wheel speed km/h", "time,speed_kph"})
+  for (const char* heading :
+       {"time,speed_kmh", "t,v_kmh", "time (s),speed (km/h)", "Time [s], Speed [km/h]", "time speed [km/h]",
+        "seconds,wheel speed km/h", "time,speed_kph", "# time, speed_kmh", "# t v_kmh", "time,velocity_kmh"})
     EXPECT_NEAR(metres(heading), 10, 1e-9) << heading;
   EXPECT_NEAR(metres("time,speed_mph"), 36 * 1.609344 / 3.6, 1e-3);
-  for (const char* heading : {"time,speed", "time,speed_mps", "time,speed (m/s)", "t_s,v_ms"})
+  EXPECT_NEAR(metres("time,speed_kts"), 36 * 1.852 / 3.6, 1e-3);
+  for (const char* heading : {"time,speed", "time,speed_mps", "time,speed (m/s)", "t_s,v_ms",
+                              "# time and speed of the car", "# recorded at t, without wheel slip", "time,value"})
     EXPECT_EQ(metres(heading), 36) << heading;
   EXPECT_NEAR(SpeedsFrom("frame,t_s,yaw,speed_kmh\n0,10,0,7.2\n1,11,0,14.4\n").Distance(10, 11).value(), 3, 1e-9);
+}
+
+TEST(SpeedFile, RefusesAUnitThatItDoesNotKnow) {
+  for (const char* heading : {"time,speed_fps", "time,speed_kms"}) {
+    try {
+      SpeedsFrom(std::string(heading) + "\n0,10\n1,11\n");
+      FAIL() << heading;
+    } catch (const InputError& error) {
+      EXPECT_NE(std::string(error.what()).find(":1: the unit of 'speed_"), std::string::npos) << error.what();
+    }
+  }
 }
 
 TEST(SpeedFile, RefusesSpeedsThatAreNoMetresPerSecond) {

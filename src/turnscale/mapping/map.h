@@ -70,7 +70,8 @@ void AddObservation(Map& map, int keyframe, int landmark, const Eigen::Vector2d&
 /// Forgets that a keyframe saw a landmark, on both sides.
 void RemoveObservation(Map& map, int keyframe, int landmark);
 
-/// Changes the radial correction of the camera, and with it the pixels of all observations.
+/// Changes the radial correction of the camera, and with it the pixels of all observations. A landmark's have to be in
+/// the order of their keyframes.
 void CorrectLens(Map& map, double radial_correction);
 
 /// Takes a landmark out of the map: invalid and without observations. Its number is not used again.

@@ -13,7 +13,7 @@ namespace turnscale {
 struct TurnScale {
   int first_step = 0;
   int last_step = 0;
-  double factor = 1;  ///< metres per unit that the map has now;
+  double factor = 1;  ///< metres per unit that the map has now
   /// The paper's per-frame observer: metres of each step, first_step..last_step; not positive for steps without an
   /// observation. Empty for the line fit: factor times the map's lengths, so that the turn keeps its shape.
   std::vector<double> distances;

@@ -41,7 +41,7 @@ class DueResult {
   void Start(int keyframes, Work work) {
     Ensure(!pending(), "the result of earlier work has not been taken");
     due_ = keyframes;
-    result_ = InBackground(std::move(work));
+    result_ = InBackground([work = std::move(work)]() mutable { return std::make_shared<Result>(work()); });
   }
 
   /// Work was started, and its result has not been taken yet.
@@ -53,16 +53,23 @@ class DueResult {
   /// The result if one is pending and due; waits for it. Throws what the work threw.
   std::optional<Result> TakeIfDue(int keyframes) {
     if (!pending() || keyframes < due_) return std::nullopt;
-    return std::exchange(result_, {}).get();
+    return std::move(*std::exchange(result_, {}).get());
   }
 
-  /// The result of pending work, which stays to be taken; waits for it. Null if none is pending. Throws what the work
-  /// threw.
-  const Result* Await() const { return pending() ? &result_.get() : nullptr; }
+  /// The result of pending work, which stays to be taken; waits for it. Null if none is pending or the work threw,
+  /// which TakeIfDue then does.
+  const Result* Await() const {
+    if (!pending()) return nullptr;
+    try {
+      return result_.get().get();
+    } catch (...) {
+      return nullptr;
+    }
+  }
 
  private:
   int due_ = 0;
-  std::shared_future<Result> result_;
+  std::shared_future<std::shared_ptr<Result>> result_;
 };
 
 }  // namespace turnscale

@@ -42,6 +42,15 @@ TEST_P(Background, AResultMayBeWantedAtOnce) {
   EXPECT_EQ(result.TakeIfDue(0), 7);
 }
 
+TEST_P(Background, AFailureIsThrownWhereTheResultIsTaken) {
+  DueResult<int> result;
+  result.Start(12, []() -> int { throw InputError("no result"); });
+  EXPECT_EQ(result.Await(), nullptr);
+  EXPECT_TRUE(result.pending());
+  EXPECT_THROW(result.TakeIfDue(12), InputError);
+  EXPECT_FALSE(result.pending());
+}
+
 TEST_P(Background, WorkRunsOnceAndMayBeMovedOnly) {
   std::atomic<int> calls = 0;
   std::future<int> result = InBackground([&calls, value = std::make_unique<int>(3)] { return *value + calls++; });

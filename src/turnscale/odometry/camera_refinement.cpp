@@ -23,7 +23,7 @@ CameraRefinement::CameraRefinement(const OdometryOptions& options, const CameraM
              .check = CalibrationCheck(options.calibration_check, camera.pinhole),
              .scale_sigma = CalibrationSigma({}, camera)} {}
 
-void CameraRefinement::Start(const Map& map) {
+void CameraRefinement::StartIfDue(const Map& map) {
   if (pending_.pending()) return;
   std::optional<IntrinsicsProblem> refined = taken_.lens.TakeWindow(map);
   std::optional<IntrinsicsProblem> tested = taken_.check.TakeWindow(map);

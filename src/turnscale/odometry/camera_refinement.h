@@ -20,7 +20,7 @@ class CameraRefinement {
 
   /// Starts to read copies of the windows that are due at the latest keyframe, if there are any. Does nothing while the
   /// findings of earlier ones have not been taken.
-  void Start(const Map& map);
+  void StartIfDue(const Map& map);
 
   /// Findings that are pending are due now.
   void Hurry() { pending_.Hurry(); }
@@ -33,7 +33,8 @@ class CameraRefinement {
   /// whose findings were taken.
   double scale_sigma() const { return taken_.scale_sigma; }
 
-  /// With all windows so far: waits for those that are being read.
+  /// With all windows so far: waits for those that are being read. Without those whose reading failed, which TakeIfDue
+  /// says.
   LensRefinement lens() const { return Latest().lens; }
   CalibrationCheck calibration_check() const { return Latest().check; }
 

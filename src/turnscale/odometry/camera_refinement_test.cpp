@@ -38,7 +38,7 @@ class CameraRefining : public testing::TestWithParam<int> {
 
 TEST_P(CameraRefining, FindingsAreTakenSomeKeyframesAfterTheWindow) {
   CameraRefinement refinement(options_, whole_.camera);
-  refinement.Start(MapOf(kCorner));
+  refinement.StartIfDue(MapOf(kCorner));
   EXPECT_FALSE(refinement.TakeIfDue(MapOf(kCorner + 3)));
   const std::optional<double> correction = refinement.TakeIfDue(MapOf(kCorner + 4));
   LensRefinement at_once(options_.lens);
@@ -50,7 +50,7 @@ TEST_P(CameraRefining, FindingsAreTakenSomeKeyframesAfterTheWindow) {
 
 TEST_P(CameraRefining, WhatIsReadIsKnownBeforeItIsTaken) {
   CameraRefinement refinement(options_, whole_.camera);
-  refinement.Start(MapOf(kCorner));
+  refinement.StartIfDue(MapOf(kCorner));
   EXPECT_NEAR(refinement.lens().correction(), kDistortion, 0.004);
   EXPECT_EQ(refinement.calibration_check().windows(), 1);
   EXPECT_TRUE(refinement.TakeIfDue(MapOf(kCorner + 4))) << "it has not been taken by that";
@@ -59,14 +59,14 @@ TEST_P(CameraRefining, WhatIsReadIsKnownBeforeItIsTaken) {
 
 TEST_P(CameraRefining, FindingsMayBeWantedAtOnce) {
   CameraRefinement refinement(options_, whole_.camera);
-  refinement.Start(MapOf(kCorner));
+  refinement.StartIfDue(MapOf(kCorner));
   refinement.Hurry();
   EXPECT_TRUE(refinement.TakeIfDue(MapOf(kCorner)));
 }
 
 TEST_P(CameraRefining, AMapWithTheCorrectionKeepsIt) {
   CameraRefinement refinement(options_, whole_.camera);
-  refinement.Start(MapOf(kCorner));
+  refinement.StartIfDue(MapOf(kCorner));
   Map map = MapOf(kCorner + 4);
   CorrectLens(map, refinement.lens().correction());
   EXPECT_FALSE(refinement.TakeIfDue(map));

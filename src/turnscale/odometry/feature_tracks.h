@@ -35,7 +35,7 @@ struct FeatureTrack {
   double parallax_base = 0;  ///< how far the camera had moved when the parallax was measured, units of length
 };
 
-/// An image and the camera's pose in it.
+/// An image and the camera's pose in it; for the time of a call, as it refers to the image.
 struct LocatedImage {
   const FlowImage& image;
   const RigidTransform& camera_from_world;

@@ -9,7 +9,7 @@
 
 namespace turnscale {
 
-/// The last image whose pose was measured, and the next one.
+/// The last image whose pose was measured, and the next one; for the time of a call, as it refers to both.
 struct ImageStep {
   const FlowImage& last_image;
   const std::vector<FeatureTrack>& tracks;       ///< what the last image shows

@@ -7,6 +7,7 @@
 #include <optional>
 #include <unordered_map>
 #include <utility>
+#include <vector>
 
 #include <Eigen/LU>
 #include <opencv2/core/utility.hpp>

@@ -37,7 +37,7 @@ void MapUpkeep::JudgeUnits(Map& map) {
     map.keyframes[unit_judged_].pixel_unit_variance = UnitVariance(map, unit_judged_, kKeyframesOfUnit).value_or(0.0);
 }
 
-void MapUpkeep::StartReadjustment(const Map& map, const MountCalibration& mount, bool turn_ended) {
+void MapUpkeep::StartReadjustmentIfDue(const Map& map, const MountCalibration& mount, bool turn_ended) {
   const int not_readjusted = CountKeyframes(map) - static_cast<int>(readjusted_under_.size());
   const bool many = !readjustment_.pending() && not_readjusted >= options_.turn_bundle.window / 2;
   readjustment_is_due_ = readjustment_is_due_ || turn_ended || many;

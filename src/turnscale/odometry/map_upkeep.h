@@ -34,7 +34,7 @@ class MapUpkeep {
   /// Starts to adjust a copy of the keyframes that are not readjusted under the present radial correction, if the
   /// latest keyframe has ended a turn, many keyframes have not been readjusted, or that has been due before. Waits with
   /// it while another copy is being adjusted or keyframes are still to be archived.
-  void StartReadjustment(const Map& map, const MountCalibration& mount, bool turn_ended);
+  void StartReadjustmentIfDue(const Map& map, const MountCalibration& mount, bool turn_ended);
 
   /// A readjustment that is pending is due now.
   void Hurry() { readjustment_.Hurry(); }

@@ -28,7 +28,7 @@ class Upkeep : public testing::Test {
 
 TEST_F(Upkeep, AReadjustmentIsAppliedSomeKeyframesAfterItsTurn) {
   MapUpkeep upkeep(options_);
-  upkeep.StartReadjustment(MapOf(40), mount_, true);
+  upkeep.StartReadjustmentIfDue(MapOf(40), mount_, true);
   Map map = MapOf(45);
   EXPECT_FALSE(upkeep.ApplyIfDue(map));
   map = MapOf(46);
@@ -46,11 +46,11 @@ TEST_F(Upkeep, AReadjustmentIsAppliedSomeKeyframesAfterItsTurn) {
 
 TEST_F(Upkeep, WithoutATurnHalfAWindowIsReadjusted) {
   MapUpkeep upkeep(options_);
-  upkeep.StartReadjustment(MapOf(kUpkeepWindow / 2 - 1), mount_, false);
+  upkeep.StartReadjustmentIfDue(MapOf(kUpkeepWindow / 2 - 1), mount_, false);
   upkeep.Hurry();
   Map map = MapOf(kUpkeepWindow / 2);
   EXPECT_FALSE(upkeep.ApplyIfDue(map));
-  upkeep.StartReadjustment(map, mount_, false);
+  upkeep.StartReadjustmentIfDue(map, mount_, false);
   upkeep.Hurry();
   EXPECT_TRUE(upkeep.ApplyIfDue(map));
 }
@@ -76,13 +76,13 @@ TEST_F(Upkeep, WhatCannotChangeAnyMoreIsArchived) {
   // In two parts, none of them larger than a block.
   EXPECT_EQ(upkeep.ArchiveNextPart(map)->size(), landmarks);
   EXPECT_EQ(upkeep.archive().end(), last / 2);
-  upkeep.StartReadjustment(map, mount_, true);
+  upkeep.StartReadjustmentIfDue(map, mount_, true);
   upkeep.Hurry();
   EXPECT_FALSE(upkeep.ApplyIfDue(map)) << "it waits for the archive";
   EXPECT_TRUE(upkeep.ArchiveNextPart(map));
   EXPECT_EQ(upkeep.archive().end(), last);
   EXPECT_FALSE(upkeep.ArchiveNextPart(map));
-  upkeep.StartReadjustment(map, mount_, false);
+  upkeep.StartReadjustmentIfDue(map, mount_, false);
   EXPECT_THROW(upkeep.ArchiveAll(map), InternalError) << "landmarks would be renumbered meanwhile";
   upkeep.Hurry();
   EXPECT_TRUE(upkeep.ApplyIfDue(map)) << "it has been due before";

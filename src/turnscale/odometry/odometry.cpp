@@ -97,8 +97,8 @@ FrameResult Odometry::Process(const cv::Mat& gray, double time) {
   const TurningMotion motion = StepMotion(map_, static_cast<int>(map_.keyframes.size()) - 2, mount());
   result.psi = motion.psi;
   result.theta = motion.theta;
-  upkeep_.StartReadjustment(map_, mount(), turn_ended);
-  camera_refinement_.Start(map_);
+  upkeep_.StartReadjustmentIfDue(map_, mount(), turn_ended);
+  camera_refinement_.StartIfDue(map_);
   return MetricResult(result, map_.keyframes.back().camera_from_world);
 }
 

@@ -54,7 +54,7 @@ ImageMotion MedianMotion(const std::vector<LandmarkMotion>& landmarks);
 /// Whether the image is a repeated one, by what has moved in it.
 bool IsRepeated(const RepeatOptions& options, const ImageMotion& motion);
 
-/// An image, and the one before it.
+/// An image, and the one before it; for the time of a call, as it refers to both.
 struct ImagePair {
   const cv::Mat& first;
   const std::vector<FeatureTrack>& tracks;  ///< what it shows

@@ -14,7 +14,7 @@ namespace {
 constexpr std::size_t kViews = 9;
 // Keyframes in a row without the road at the last height, after which it is searched for at any height.
 constexpr int kMostMisses = 5;
-// That takes place at each of so many keyframes, and then at every so many-th.
+// The search takes place at each of the first kSearches keyframes, then at every kSearches-th.
 constexpr int kSearches = 5;
 // Bounds of that search, in distances between two keyframes.
 constexpr double kLeastRatio = 0.2;

@@ -23,6 +23,7 @@ namespace {
 // Standard deviation of the yaw of a Q that is only the mean direction of travel, which is off in a drive that turns
 // one way, rad.
 constexpr double kUnobservedYawSigma = 5.0 / kDegreesPerRadian;
+
 // The calibration's steps are as long as the car drives in a certain time.
 Trajectory AtUsualRate(Trajectory trajectory) {
   constexpr double kInterval = 0.1;

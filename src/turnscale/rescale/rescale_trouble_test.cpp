@@ -51,7 +51,7 @@ TEST(Rescale, ATurnThatContradictsTheOthersIsNamed) {
   EXPECT_TRUE(skid.estimate->test.contradicted);
   EXPECT_TRUE(skid.estimate->uses_single_turns);
   EXPECT_EQ(skid.estimate->test.worst_turn, 3);
-  EXPECT_NEAR(skid.poses[0].metres_per_unit / kUnit, 1, 0.008) << "far from it the other turns are followed";
+  EXPECT_NEAR(skid.poses[0].metres_per_unit / kUnit, 1, 0.008) << "far from it the other turns are used singly";
   for (const RescaledPose& pose : skid.poses)
     EXPECT_LT(std::abs(std::log(pose.metres_per_unit / kUnit)), 2 * pose.sigma);
 }

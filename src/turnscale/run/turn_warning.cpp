@@ -13,7 +13,7 @@ std::string TurnWarning(const ScaleEstimate& estimate, const std::function<std::
                         const std::string& suspects) {
   const TurnTest& test = estimate.test;
   const bool contradicted = test.contradicted && test.worst_turn >= 0;
-  // Turns may also be followed because of the calibration, which has its own warning, or by choice.
+  // Turns may also be used singly because of the calibration, which has its own warning, or by choice.
   if (!contradicted && estimate.converged) return {};
   if (!estimate.uses_single_turns) return fmt::format("the scale estimate did not converge: check {}", suspects);
   const std::string problem = contradicted

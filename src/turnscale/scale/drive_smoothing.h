@@ -21,7 +21,8 @@ struct SmoothedDrive {
 };
 
 /// Maximum a posteriori estimate with robust weights: Gauss-Newton by repeated smoothing (SmoothScale). Which turns are
-/// usable depends on the direction of travel and the slip, so the turns are selected again with the estimate.
+/// usable depends on the direction of travel and the slip, so the turns are selected again with the estimate,
+/// until the selection stays; where selections alternate, turns that were left out are not taken in again.
 ///
 /// `problem`: segments, options and drift; evidence, weights and prior are set here. `gathered`: the evidence of all
 /// segments. `selection`: the turns to begin with; StartingLogScale must not be empty. `huber`:
