@@ -89,9 +89,10 @@ std::optional<double> UnitOf(const std::string& column, const std::string& where
         fmt::format("{}: the unit of '{}' is not known; give speed_mps, speed_kmh, speed_mph or speed_knots", where,
                     Excerpt(column)));
   }
-  if (!letters.starts_with('v')) return std::nullopt;
-  const SpeedUnit* known = FindUnit(letters.substr(1));
-  return known != nullptr ? std::optional(known->metres_per_second) : std::nullopt;
+  // In other languages, a unit that no other word ends with.
+  for (const std::string_view unit : {"kmph", "kmh", "kph", "mph", "knots"})
+    if (letters.ends_with(unit)) return FindUnit(unit)->metres_per_second;
+  return std::nullopt;
 }
 
 // The names of the columns; a unit in brackets belongs to the name before it.
@@ -180,6 +181,8 @@ SpeedLog ReadSpeedFile(const std::filesystem::path& path) {
       if (log.times.empty() && !named) named = ColumnsOfComment(whole, where);
       continue;
     }
+    if (words.size() == 1 && line.find(';') != std::string::npos)
+      throw InputError(where + ": has semicolons; separate time and speed by commas or blanks");
     const bool heading = log.times.empty() && !named && std::ranges::none_of(words, [](std::string_view word) {
                            return ParseNumber<double>(word).has_value();
                          });

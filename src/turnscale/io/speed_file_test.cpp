@@ -53,9 +53,9 @@ TEST(SpeedFile, ConvertsTheUnitThatTheHeadingNames) {
   const auto metres = [](const std::string& heading) {
     return SpeedsFrom(heading + "\n0,36\n1,36\n").Distance(0, 1).value();
   };
-  for (const char* heading :
-       {"time,speed_kmh", "t,v_kmh", "time (s),speed (km/h)", "Time [s], Speed [km/h]", "time speed [km/h]",
-        "seconds,wheel speed km/h", "time,speed_kph", "# time, speed_kmh", "# t v_kmh", "time,velocity_kmh"})
+  for (const char* heading : {"time,speed_kmh", "t,v_kmh", "time (s),speed (km/h)", "Time [s], Speed [km/h]",
+                              "time speed [km/h]", "seconds,wheel speed km/h", "time,speed_kph", "# time, speed_kmh",
+                              "# t v_kmh", "time,velocity_kmh", "Zeit,Geschwindigkeit km/h"})
     EXPECT_NEAR(metres(heading), 10, 1e-9) << heading;
   EXPECT_NEAR(metres("time,speed_mph"), 36 * 1.609344 / 3.6, 1e-3);
   EXPECT_NEAR(metres("time,speed_kts"), 36 * 1.852 / 3.6, 1e-3);

@@ -44,14 +44,17 @@ double CalibrationSigma(const std::vector<ParameterEstimate>& contradictions, co
   return std::sqrt(variance);
 }
 
+void WidenScale(double sigma, RefinedScale& refined) {
+  refined.calibration_sigma = std::hypot(refined.calibration_sigma, sigma);
+  if (sigma == 0 || !refined.estimate) return;
+  for (KeyframeScale& keyframe : refined.keyframes) keyframe.sigma = std::hypot(keyframe.sigma, sigma);
+  refined.estimate->length_sigma = std::hypot(refined.estimate->length_sigma, sigma);
+}
+
 void WidenForCalibration(const std::vector<ParameterEstimate>& contradictions, const CameraModel& camera,
                          RefinedScale& refined) {
   refined.contradicted_calibration = contradictions;
-  const double widening = CalibrationSigma(contradictions, camera);
-  refined.calibration_sigma = widening;
-  if (widening == 0 || !refined.estimate) return;
-  for (KeyframeScale& keyframe : refined.keyframes) keyframe.sigma = std::hypot(keyframe.sigma, widening);
-  refined.estimate->length_sigma = std::hypot(refined.estimate->length_sigma, widening);
+  WidenScale(CalibrationSigma(contradictions, camera), refined);
 }
 
 }  // namespace turnscale

@@ -35,7 +35,7 @@ struct RefinedScale {
   double gap_sigma = 0;  ///< standard deviation of the path's length due to parts that are not measured, metres
   /// Intrinsics that are inconsistent with the images of turns; sigmas include their effect on the scale.
   std::vector<ParameterEstimate> contradicted_calibration;
-  double calibration_sigma = 0;  ///< CalibrationSigma, which the sigmas of the scale include
+  double calibration_sigma = 0;  ///< CalibrationSigma and what WidenScale has added; the sigmas of the scale include it
   int calibration_windows = 0;   ///< parts of turns in which the intrinsics were tested
 };
 
@@ -48,7 +48,10 @@ ScaleState StateAtEnd(const RefinedScale& refined);
 /// counts, with which the map is made.
 double CalibrationSigma(const std::vector<ParameterEstimate>& contradictions, const CameraModel& camera);
 
-/// Adds it to all sigmas of `refined` in quadrature.
+/// Adds a relative standard deviation to all sigmas of the scale, in quadrature.
+void WidenScale(double sigma, RefinedScale& refined);
+
+/// The same with CalibrationSigma.
 void WidenForCalibration(const std::vector<ParameterEstimate>& contradictions, const CameraModel& camera,
                          RefinedScale& refined);
 

@@ -72,6 +72,10 @@ void DriveRecorder::Finish() {
 
 RefinedResults DriveRecorder::Refined() const {
   RefinedScale scale = odometry_.Refined();
+  if (Blending()) {
+    WidenScale(FrameBlending::kScaleSigma, scale);
+    if (scale.estimate) scale.estimate->is_doubtful = true;
+  }
   std::vector<FrameResult> frames = odometry_.RefinedFrames(scale);
   for (ParameterEstimate& estimate : scale.contradicted_calibration) estimate = AtFullSize(scaling_, estimate);
   return {std::move(frames), std::move(scale)};

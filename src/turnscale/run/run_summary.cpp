@@ -398,8 +398,7 @@ void Summarize(const std::vector<FrameResult>& refined, const RefinedScale& scal
   const std::vector<ImpossibleMotion> impossible = FindImpossibleMotion(refined);
   summary.uncertain_scale = FindUncertainScale(refined);
   const double of_uncertain = summary.uncertain_scale ? summary.uncertain_scale->length_error() : 0;
-  const double of_blending = summary.blending ? FrameBlending::kScaleSigma * summary.distance : 0;
-  SummarizeScale(refined, scale, std::hypot(LengthErrorOf(impossible), of_uncertain, of_blending), summary);
+  SummarizeScale(refined, scale, std::hypot(LengthErrorOf(impossible), of_uncertain), summary);
   AddWarnings(refined, scale, impossible, summary);
   if (summary.pose_frame == "vehicle" && !summary.is_metric())
     summary.warnings.emplace_back(

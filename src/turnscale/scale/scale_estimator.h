@@ -94,10 +94,13 @@ struct ScaleEstimate {
   /// Single-turn scales are used: the test failed, the estimate did not converge, or the options ask for them; and a
   /// turn has one.
   bool uses_single_turns = false;
+  bool is_doubtful = false;  ///< by what the estimator does not see, such as a converted video; its caller sets it
   bool converged = false;
 
   /// Whether the trajectory uses the refined constants of the car, and nothing contradicts them: another drive may.
-  bool has_reliable_car() const { return converged && !uses_single_turns && !height_conflict && !slip_conflict; }
+  bool has_reliable_car() const {
+    return converged && !uses_single_turns && !height_conflict && !slip_conflict && !is_doubtful;
+  }
 };
 
 /// The estimate, or in one line why there is none.
