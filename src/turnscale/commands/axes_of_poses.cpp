@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <optional>
-#include <string_view>
 #include <vector>
 
 #include <fmt/format.h>
@@ -79,13 +78,6 @@ std::string TurnedWarning(const std::string& turned, const std::string& whose,
       whose);
 }
 
-std::string UnlikeMotions(const std::string& whose, const std::string& other, std::string_view remedy) {
-  return fmt::format(
-      "{}: each in its own axes, it moves in other directions than the {}: rotation and translation errors tell "
-      "nothing; {}",
-      whose, other, remedy);
-}
-
 bool AreInverse(const PosePairs& pairs, PoseOfPair pose) {
   Trajectory path;
   for (const PosePair& pair : pairs) path.push_back({pair.time, pair.*pose});
@@ -135,10 +127,14 @@ std::string UniteAxes(const ComparedPoses& compared, PosePairs& pairs) {
       return compared.truth +
              ": its poses have other body axes than the estimate's, and the drive turns too little to tell which: "
              "rotation and translation errors tell nothing; give both in camera axes";
-    return UnlikeMotions(compared.truth, "estimate",
-                         IsOneInverse(pairs, steps)
-                             ? "one of the two files has camera_from_world poses; give the inverse of these"
-                             : "check that both files have world_from_camera poses of the same drive, in camera axes");
+    return fmt::format(
+        "{}: each in its own axes, it moves in other directions than the estimate: rotation and translation errors "
+        "tell "
+        "nothing; {}",
+        compared.truth,
+        IsOneInverse(pairs, steps)
+            ? "one of the two files has camera_from_world poses; give the inverse of these"
+            : "check that both files have world_from_camera poses of the same drive, in camera axes");
   }
   if (!compared.keeps_axes && estimate != AxisConvention::kCamera) {
     const Eigen::Quaterniond camera_from_body = BodyFromCamera(estimate).conjugate();

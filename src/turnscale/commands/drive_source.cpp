@@ -317,9 +317,7 @@ DriveMotion MotionFromImages(const ImageArguments& arguments, const CommandHooks
   for (const std::string& warning : CalibrationWarnings(scale.contradicted_calibration, estimate.found.has_value(),
                                                         blending ? "the blending may be the cause" : kConsequence))
     progress.Warn(warning);
-  motion.calibration_sigma =
-      std::hypot(CalibrationSigma(scale.contradicted_calibration, images.scaling.Full(odometry.camera())),
-                 blending ? FrameBlending::kScaleSigma : 0);
+  motion.calibration_sigma = scale.calibration_sigma;
   motion.stretches = Stretches(frames);
   if (motion.stretches.empty()) attempts.RethrowFirst();
   if (!motion.stretches.empty()) motion.incomplete = WhyIncomplete(frames, images.source, recorder.seen());
