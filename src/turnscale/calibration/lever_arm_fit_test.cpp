@@ -11,6 +11,7 @@
 #include "turnscale/base/error.h"
 #include "turnscale/base/random.h"
 #include "turnscale/base/refused_field.h"
+#include "turnscale/base/test_seeds.h"
 #include "turnscale/calibration/calibration.h"
 #include "turnscale/calibration/camera_step.h"
 #include "turnscale/calibration/test_drive.h"
@@ -152,6 +153,7 @@ Coverage CoverageOf(const std::vector<int>& turns, int drives, const WorldErrors
 }
 
 TEST(LeverArmFit, StatesTheSpreadThatItsErrorsHaveForAnyNumberOfTurns) {
+  if (kSanitized) GTEST_SKIP() << "statistics over many seeds";
   const Coverage one = CoverageOf({1}, 1, {});
   const Coverage two = CoverageOf({1, -1}, 1, {});
   const Coverage six = CoverageOf({1, -1, 1, 1, -1, -1}, 1, {});
@@ -173,6 +175,7 @@ TEST(LeverArmFit, ErrorsOfTheMotionMayLastShorterOrLonger) {
 }
 
 TEST(LeverArmFit, StatesTheErrorOfAnAssumedSlip) {
+  if (kSanitized) GTEST_SKIP() << "statistics over many seeds";
   const Coverage coverage =
       CoverageOf({1, -1, 1, 1, -1, -1}, 1, {.common_velocity = 0.02, .side_slip_sigma = 0.25 * kUsualSideSlip});
   EXPECT_GT(coverage.normalized_error, 0.7);

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "turnscale/base/error.h"
+#include "turnscale/base/test_seeds.h"
 #include "turnscale/geometry/rotation.h"
 
 namespace turnscale {
@@ -48,6 +49,7 @@ TEST(PaperAngles, TheMiddleOneTurnsAsTheCarDoes) {
 }
 
 TEST(CalibrationTrials, TheRefinementIsUnbiasedAndNearTheBound) {
+  if (kSanitized) GTEST_SKIP() << "statistics over many seeds";
   CalibrationTrials trials;
   trials.drive = PaperCalibrationDrive();
   trials.rotation_noise = 1 * kDeg;

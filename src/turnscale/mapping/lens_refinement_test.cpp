@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "turnscale/base/refused_field.h"
+#include "turnscale/base/test_seeds.h"
 #include "turnscale/camera/camera_model.h"
 #include "turnscale/mapping/synthetic_map.h"
 
@@ -56,8 +57,9 @@ TEST(LensRefinement, FindsTheDistortionFromOneCorner) {
 
 TEST(LensRefinement, FindsTheDistortionFromTurnsInNoise) {
   for (const double distortion : {-0.012, 0.0, 0.008})
-    for (const unsigned seed : {3U, 4U}) {
-      const LensRefinement lens = RefineAlong(MapThroughLens(kRightAndLeft, distortion, 0.3, seed));
+    for (int seed = 3; seed < 3 + SeedsToTest(2); ++seed) {
+      const LensRefinement lens =
+          RefineAlong(MapThroughLens(kRightAndLeft, distortion, 0.3, static_cast<unsigned>(seed)));
       EXPECT_NEAR(lens.correction(), distortion, 0.0014);
       EXPECT_LT(lens.sigma(), 0.0006);
       EXPECT_GT(lens.sigma(), 0.0001);
@@ -65,6 +67,7 @@ TEST(LensRefinement, FindsTheDistortionFromTurnsInNoise) {
 }
 
 TEST(LensRefinement, NoiseDoesNotBiasIt) {
+  if (kSanitized) GTEST_SKIP() << "statistics over many seeds";
   double sum = 0;
   double variance = 0;
   int drives = 0;
@@ -190,6 +193,7 @@ LensRefinementOptions OffOnly(LensRefinementOptions options) {
 }
 
 TEST(LensRefinement, NoiseHardlyChangesAnAccurateCalibration) {
+  if (kSanitized) GTEST_SKIP() << "statistics over many seeds";
   double sum = 0;
   double without = 0;
   for (unsigned seed = 21; seed < 29; ++seed) {

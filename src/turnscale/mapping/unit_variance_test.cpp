@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "turnscale/base/quantiles.h"
+#include "turnscale/base/test_seeds.h"
 #include "turnscale/bundle/bundle_adjustment.h"
 #include "turnscale/mapping/synthetic_map.h"
 
@@ -62,6 +63,7 @@ TEST(UnitVariance, IsNotKnownAtAStartOrShortlyBeforeAnEnd) {
 }
 
 TEST(UnitVariance, IsThatOfAdjustedMaps) {
+  if (kSanitized) GTEST_SKIP() << "statistics over many seeds";
   // Only the first two keyframes are held. How the unit of a later part differs from that of an earlier one shows in
   // the lengths of both.
   std::vector<double> changes;

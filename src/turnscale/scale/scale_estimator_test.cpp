@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "turnscale/base/refused_field.h"
+#include "turnscale/base/test_seeds.h"
 #include "turnscale/geometry/rotation.h"
 #include "turnscale/kinematics/synthetic_drive.h"
 #include "turnscale/scale/synthetic_steps.h"
@@ -445,6 +446,7 @@ void LoseTracking(int gaps, const ScaleEstimate& estimate, SyntheticSteps& drive
 }
 
 TEST(ScaleEstimator, TurnsThatScatterWidenSigmaAsMuchWithGaps) {
+  if (kSanitized) GTEST_SKIP() << "statistics over many seeds";
   constexpr int kDrives = 60;
   DriveErrors errors = kNoise;
   errors.lever_arm = 0.06;
@@ -551,6 +553,7 @@ void ExpectHonest(int one, int two, int drives, const char* what) {
 }
 
 TEST(ScaleEstimator, SigmaCoversWhatItSays) {
+  if (kSanitized) GTEST_SKIP() << "statistics over many seeds";
   constexpr int kDrives = 400;
   for (const int turns : {4, 12}) {
     for (const double slip_sigma : {kUsualSideSlipSigma, kGivenSideSlipSigma * kUsualSideSlip}) {

@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "turnscale/base/test_seeds.h"
 #include "turnscale/simulation/test_routes.h"
 #include "turnscale/simulation/world.h"
 
@@ -81,10 +82,10 @@ void ExpectClear(const World& world) {
 }
 
 TEST(WorldClearance, NobodyAndNothingIsInTheCarsWay) {
-  for (const unsigned seed : {1U, 2U}) {
+  for (int seed = 1; seed <= SeedsToTest(2); ++seed) {
     SCOPED_TRACE(seed);
-    ExpectClear(MakeGarage(seed, 75));
-    ExpectClear(MakeStreet(seed, 60));
+    ExpectClear(MakeGarage(static_cast<unsigned>(seed), 75));
+    ExpectClear(MakeStreet(static_cast<unsigned>(seed), 60));
   }
 }
 
