@@ -60,106 +60,136 @@ struct Iterate {
   Eigen::VectorXd multipliers;
 };
 
+/// Newton steps under the linearised constraints, each taken if the merit falls by enough of what the model promises.
 template <int kDof>
-void Linearize(const BundleOptions& options, const BundleProblem& problem, const BundleStructure& structure,
-               Iterate<kDof>& at) {
-  Linearize(problem.pinhole, structure, at.state, options.huber_threshold, at.kind, at.equations);
-  AddMeasuredDistances(problem, structure, at.state, at.equations);
-  at.constraints.clear();
-  for (const DistanceConstraint& held : problem.distances) {
-    at.constraints.push_back(LinearizeDistance(held, at.state.centres));
+class Adjustment {
+ public:
+  Adjustment(const BundleOptions& options, const BundleProblem& problem)
+      : options_(options),
+        problem_(problem),
+        use_exact_hessian_(options.use_exact_hessian || !problem.distances.empty()),
+        merit_(problem.distances),
+        caution_{std::max(options.initial_damping, kSmallestDamping)} {
+    at_.state = StateFromProblem(problem);
+    at_.multipliers.setZero(static_cast<Eigen::Index>(problem.distances.size()));
+    RequireSeparateCentres(problem, at_.state.centres);
+    structure_ = MakeStructure(problem, at_.state);
   }
-  at.constraint_gradients = ConstraintGradients<kDof>(problem, structure, at.constraints);
-}
 
-/// The exact Hessian may have directions of negative curvature, and too far from the solution it leads astray.
-template <int kDof>
-void BackToGaussNewton(const BundleOptions& options, const BundleProblem& problem, const BundleStructure& structure,
-                       Iterate<kDof>& at) {
-  if (at.kind == HessianKind::kGaussNewton) return;
-  at.kind = HessianKind::kGaussNewton;
-  Linearize(options, problem, structure, at);
-}
+  BundleSummary Run() {
+    Linearize();
+    CameraSolver<kDof> solver(static_cast<int>(structure_.camera_of_column.size()), structure_.blocks,
+                              at_.constraint_gradients);
+    summary_.initial_cost = at_.equations.cost;
+    while (!HasEnded()) {
+      ++summary_.iterations;
+      if (!FindStep(solver) || !TryStep()) StepBack();
+    }
+    if (structure_.behind_camera > 0) {
+      summary_.message += "; left out " + std::to_string(structure_.behind_camera) + " observations behind a camera";
+    }
+    return summary_;
+  }
+
+  const BundleState& state() const { return at_.state; }
+
+ private:
+  void Linearize() {
+    turnscale::Linearize(problem_.pinhole, structure_, at_.state, options_.huber_threshold, at_.kind, at_.equations);
+    AddMeasuredDistances(problem_, structure_, at_.state, at_.equations);
+    at_.constraints.clear();
+    for (const DistanceConstraint& held : problem_.distances) {
+      at_.constraints.push_back(LinearizeDistance(held, at_.state.centres));
+    }
+    at_.constraint_gradients = ConstraintGradients<kDof>(problem_, structure_, at_.constraints);
+  }
+
+  /// Whether there is nothing left to do, or no way to go on; the summary says which.
+  bool HasEnded() {
+    if (!summary_.message.empty()) return true;
+    summary_.final_cost = at_.equations.cost;
+    summary_.kkt_residual = KktResidual(at_.equations, at_.constraint_gradients, at_.multipliers);
+    summary_.constraint_residual = LargestDistanceError(problem_.distances, at_.state.centres);
+    const bool feasible = summary_.constraint_residual < kConstraintTolerance;
+    const bool stationary = summary_.kkt_residual < options_.kkt_tolerance;
+    summary_.converged = feasible && (stationary || settled_);
+    if (summary_.converged) {
+      summary_.message = stationary ? "stationary" : "cost settled";
+    } else if (caution_.damping > kLargestDamping) {
+      summary_.message = "no step lowers the cost";
+    } else if (summary_.iterations == options_.max_iterations) {
+      summary_.message = "iteration limit";
+    }
+    return !summary_.message.empty();
+  }
+
+  /// The next step. False where the model has none under the constraints.
+  bool FindStep(CameraSolver<kDof>& solver) {
+    Eliminate(structure_, at_.equations, caution_.damping, system_);
+    AddMeasuredDistances(problem_, structure_, at_.state, at_.kind, system_);
+    if (at_.kind == HessianKind::kNewton) {
+      AddConstraintCurvature(problem_, structure_, at_.constraints, at_.multipliers, system_);
+    }
+    return SolveKkt(problem_, structure_, at_.equations, at_.constraints, at_.constraint_gradients,
+                    caution_.constraint_share, system_, solver, step_);
+  }
+
+  /// Takes the step if it gains enough.
+  bool TryStep() {
+    merit_.Cover(step_.multipliers);
+    const double cost =
+        TakeStep(problem_.pinhole, structure_, at_.state, at_.equations, step_, options_.huber_threshold, trial_) +
+        MeasuredDistanceCost(problem_.measured_distances, trial_.centres);
+    const double violation = merit_.Violation(at_.state.centres);
+    const double decrease = at_.equations.cost + violation - cost - merit_.Violation(trial_.centres);
+    const double rounding = kCostRounding * at_.equations.cost;
+    const double gain =
+        (decrease + rounding) / (step_.predicted_decrease + caution_.constraint_share * violation + rounding);
+    if (!std::isfinite(cost) || !(gain > kAcceptedGain)) return false;
+    caution_.Relax(gain);
+    std::swap(at_.state, trial_);
+    at_.multipliers = step_.multipliers;
+    if (use_exact_hessian_ && decrease < kNewtonBelow * at_.equations.cost) at_.kind = HessianKind::kNewton;
+    settled_ = std::abs(decrease) < options_.relative_cost_tolerance * at_.equations.cost;
+    if (!use_exact_hessian_ && (settled_ || summary_.iterations == options_.max_iterations)) {
+      // The equations at the new place would only tell the residual.
+      summary_.final_cost = cost;
+      summary_.converged = settled_;
+      summary_.message = settled_ ? "cost settled" : "iteration limit";
+    } else {
+      Linearize();
+    }
+    return true;
+  }
+
+  /// After a step that failed. The exact Hessian may have directions of negative curvature, and too far from the
+  /// solution it leads astray.
+  void StepBack() {
+    caution_.Tighten();
+    if (at_.kind == HessianKind::kGaussNewton) return;
+    at_.kind = HessianKind::kGaussNewton;
+    Linearize();
+  }
+
+  const BundleOptions& options_;
+  const BundleProblem& problem_;
+  const bool use_exact_hessian_;
+  BundleStructure structure_;
+  Iterate<kDof> at_;
+  SchurSystem<kDof> system_;
+  KktStep step_;
+  BundleState trial_;
+  Merit merit_;
+  Caution caution_;
+  bool settled_ = false;  // by the last step
+  BundleSummary summary_;
+};
 
 template <int kDof>
 BundleSummary Adjust(const BundleOptions& options, BundleProblem& problem) {
-  Iterate<kDof> at;
-  at.state = StateFromProblem(problem);
-  at.multipliers.setZero(static_cast<Eigen::Index>(problem.distances.size()));
-  RequireSeparateCentres(problem, at.state.centres);
-  const BundleStructure structure = MakeStructure(problem, at.state);
-  Linearize(options, problem, structure, at);
-
-  CameraSolver<kDof> solver(static_cast<int>(structure.camera_of_column.size()), structure.blocks,
-                            at.constraint_gradients);
-  SchurSystem<kDof> system;
-  KktStep step;
-  BundleState trial;
-  Merit merit(problem.distances);
-  Caution caution{std::max(options.initial_damping, kSmallestDamping)};
-  const bool use_exact_hessian = options.use_exact_hessian || !problem.distances.empty();
-  BundleSummary summary;
-  summary.initial_cost = at.equations.cost;
-  bool settled = false;
-  for (;;) {
-    summary.final_cost = at.equations.cost;
-    summary.kkt_residual = KktResidual(at.equations, at.constraint_gradients, at.multipliers);
-    summary.constraint_residual = LargestDistanceError(problem.distances, at.state.centres);
-    const bool feasible = summary.constraint_residual < kConstraintTolerance;
-    const bool stationary = summary.kkt_residual < options.kkt_tolerance;
-    summary.converged = feasible && (stationary || settled);
-    if (summary.converged) {
-      summary.message = stationary ? "stationary" : "cost settled";
-      break;
-    }
-    if (summary.iterations == options.max_iterations || caution.damping > kLargestDamping) {
-      summary.message = caution.damping > kLargestDamping ? "no step lowers the cost" : "iteration limit";
-      break;
-    }
-    ++summary.iterations;
-
-    Eliminate(structure, at.equations, caution.damping, system);
-    AddMeasuredDistances(problem, structure, at.state, at.kind, system);
-    if (at.kind == HessianKind::kNewton) {
-      AddConstraintCurvature(problem, structure, at.constraints, at.multipliers, system);
-    }
-    if (!SolveKkt(problem, structure, at.equations, at.constraints, at.constraint_gradients, caution.constraint_share,
-                  system, solver, step)) {
-      caution.Tighten();
-      BackToGaussNewton(options, problem, structure, at);
-      continue;
-    }
-    merit.Cover(step.multipliers);
-    const double cost =
-        TakeStep(problem.pinhole, structure, at.state, at.equations, step, options.huber_threshold, trial) +
-        MeasuredDistanceCost(problem.measured_distances, trial.centres);
-    const double violation = merit.Violation(at.state.centres);
-    const double decrease = at.equations.cost + violation - cost - merit.Violation(trial.centres);
-    const double rounding = kCostRounding * at.equations.cost;
-    const double gain =
-        (decrease + rounding) / (step.predicted_decrease + caution.constraint_share * violation + rounding);
-    if (!std::isfinite(cost) || !(gain > kAcceptedGain)) {
-      caution.Tighten();
-      BackToGaussNewton(options, problem, structure, at);
-      continue;
-    }
-    caution.Relax(gain);
-    std::swap(at.state, trial);
-    at.multipliers = step.multipliers;
-    if (use_exact_hessian && decrease < kNewtonBelow * at.equations.cost) at.kind = HessianKind::kNewton;
-    settled = std::abs(decrease) < options.relative_cost_tolerance * at.equations.cost;
-    if (!use_exact_hessian && (settled || summary.iterations == options.max_iterations)) {
-      summary.final_cost = cost;
-      summary.converged = settled;
-      summary.message = settled ? "cost settled" : "iteration limit";
-      break;
-    }
-    Linearize(options, problem, structure, at);
-  }
-  if (structure.behind_camera > 0) {
-    summary.message += "; left out " + std::to_string(structure.behind_camera) + " observations behind a camera";
-  }
-  StateToProblem(at.state, options.fix_rotations, problem);
+  Adjustment<kDof> adjustment(options, problem);
+  BundleSummary summary = adjustment.Run();
+  StateToProblem(adjustment.state(), options.fix_rotations, problem);
   return summary;
 }
 

@@ -63,7 +63,7 @@ void LiveState::Add(const cv::Mat& gray, const FrameResult& frame, const Odometr
   ++frames_done_;
   done_at_.push_back(now);
   while (done_at_.size() > 2 && now - done_at_.front() > kRateWindow) done_at_.pop_front();
-  keyframes_ = static_cast<int>(odometry.map().keyframes.size());
+  keyframes_ = CountKeyframes(odometry.map());
   keyframe_states_.resize(keyframes_, frame.scale_state);
   if (now - asked_at_ > kWatchedFor) return;
   if (!gray.empty() && now - copied_image_at_ > kImageInterval) {

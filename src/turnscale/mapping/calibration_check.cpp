@@ -134,7 +134,7 @@ CalibrationCheck::CalibrationCheck(const CalibrationCheckOptions& options, const
     : options_(options), given_(given), expected_(expected), next_keyframe_(options.window - 1) {}
 
 std::optional<IntrinsicsProblem> CalibrationCheck::TakeWindow(const Map& map) {
-  const int latest = static_cast<int>(map.keyframes.size()) - 1;
+  const int latest = CountKeyframes(map) - 1;
   if (!options_.enabled || IsComplete() || latest < next_keyframe_) return std::nullopt;
   const int first = StartOfMap(map, std::max(0, latest - options_.window + 1));
   if (InDegrees(LargestTurn(map, first, latest)) < options_.min_turn_deg) return std::nullopt;

@@ -46,8 +46,7 @@ CameraModel WithCorrection(double correction = 0) {
 
 CalibrationCheck CheckAlong(const Map& whole, const CalibrationCheckOptions& options = {}) {
   CalibrationCheck check(options, whole.camera.pinhole);
-  for (int keyframes = 1; keyframes <= static_cast<int>(whole.keyframes.size()); ++keyframes)
-    check.Observe(MapUpTo(keyframes, whole));
+  for (int keyframes = 1; keyframes <= CountKeyframes(whole); ++keyframes) check.Observe(MapUpTo(keyframes, whole));
   return check;
 }
 
@@ -208,7 +207,7 @@ TEST(CalibrationCheck, AStreetDoesNotTell) {
 
 TEST(CalibrationCheck, DoesNotLookAcrossAGap) {
   Map map = WrongMap(kRightAndLeft, Change(0.14, 0, 0, 0), 0.3, 12);
-  for (int k = 4; k < static_cast<int>(map.keyframes.size()); k += 5) map.keyframes[k].after_gap = true;
+  for (int k = 4; k < CountKeyframes(map); k += 5) map.keyframes[k].after_gap = true;
   EXPECT_EQ(CheckAlong(map).windows(), 0);
 }
 
@@ -251,8 +250,7 @@ TEST(CalibrationCheck, ThePriorHasItsMeanAtTheExpectedChange) {
   // So sure of the focal length that the images do not count.
   options.focal_prior_sigma = 1e-5;
   CalibrationCheck check(options, map.camera.pinhole, expected);
-  for (int keyframes = 1; keyframes <= static_cast<int>(map.keyframes.size()); ++keyframes)
-    check.Observe(MapUpTo(keyframes, map));
+  for (int keyframes = 1; keyframes <= CountKeyframes(map); ++keyframes) check.Observe(MapUpTo(keyframes, map));
   ASSERT_GT(check.windows(), 0);
   EXPECT_NEAR(check.Estimate().change[IntrinsicsChange::kLogFocal], 0.05, 1e-3);
   EXPECT_GT(check.observed_radius(), map.camera.pinhole.cx / 2);

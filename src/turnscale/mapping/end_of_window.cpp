@@ -47,7 +47,7 @@ RigidTransform Moved(const RigidTransform& camera_from_world, const Similarity& 
 }
 
 void MoveFrom(int first, const Similarity& new_from_old, const std::vector<int>& others, Map& map) {
-  const int keyframes = static_cast<int>(map.keyframes.size());
+  const int keyframes = CountKeyframes(map);
   for (const int index : LandmarksSeen(map, first, keyframes - 1)) {
     Eigen::Vector3d& position = map.landmarks[index].position;
     if (!std::ranges::binary_search(others, index)) position = new_from_old * position;

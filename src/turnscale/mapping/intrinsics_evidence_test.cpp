@@ -35,7 +35,7 @@ Map CornerMap(double points_per_step, double noise, unsigned seed, double unit =
 
 IntrinsicsWindow Whole(const Map& map) {
   IntrinsicsWindow window;
-  window.last = static_cast<int>(map.keyframes.size()) - 1;
+  window.last = CountKeyframes(map) - 1;
   return window;
 }
 

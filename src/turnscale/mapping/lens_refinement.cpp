@@ -70,7 +70,7 @@ void LensRefinement::Update() {
 }
 
 std::optional<IntrinsicsProblem> LensRefinement::TakeWindow(const Map& map) {
-  const int latest = static_cast<int>(map.keyframes.size()) - 1;
+  const int latest = CountKeyframes(map) - 1;
   if (!options_.enabled || latest < next_keyframe_) return std::nullopt;
   next_keyframe_ = latest + options_.window / 2;
   const int first = latest - options_.window + 1;

@@ -43,8 +43,7 @@ Map MapThroughLens(const std::vector<DriveSegment>& segments, double distortion,
 
 LensRefinement RefineAlong(const Map& whole, const LensRefinementOptions& options = {}) {
   LensRefinement lens(options);
-  for (int keyframes = 1; keyframes <= static_cast<int>(whole.keyframes.size()); ++keyframes)
-    Observe(lens, MapUpTo(keyframes, whole));
+  for (int keyframes = 1; keyframes <= CountKeyframes(whole); ++keyframes) Observe(lens, MapUpTo(keyframes, whole));
   return lens;
 }
 

@@ -43,13 +43,13 @@ void HoldUnit(double first_step, BundleProblem& bundle) {
 }  // namespace
 
 int StartOfMap(const Map& map, int earliest) {
-  int start = static_cast<int>(map.keyframes.size()) - 1;
+  int start = CountKeyframes(map) - 1;
   while (start > earliest && !map.keyframes[start].after_gap) --start;
   return start;
 }
 
 WindowProblem MakeWindowProblem(const Map& map, const Window& window, double pixel_sigma) {
-  const int keyframes = static_cast<int>(map.keyframes.size());
+  const int keyframes = CountKeyframes(map);
   WindowProblem problem;
   problem.window = window;
   problem.starts_map =
@@ -84,7 +84,7 @@ WindowProblem MakeWindowProblem(const Map& map, const Window& window, double pix
 void WriteBack(const WindowProblem& problem, Map& map) {
   const int last = problem.window.first + static_cast<int>(problem.bundle.camera_from_world.size()) - 1;
   const RigidTransform old_camera = map.keyframes[last].camera_from_world;
-  const bool has_later = last + 1 < static_cast<int>(map.keyframes.size());
+  const bool has_later = last + 1 < CountKeyframes(map);
   std::vector<Eigen::Vector3d> before;
   if (has_later) before = CentresOf(problem, map);
   for (size_t i = 0; i < problem.bundle.camera_from_world.size(); ++i)
@@ -110,7 +110,7 @@ void LocalBundleOptions::Check() const {
 }
 
 LocalBundleResult AdjustLocalWindow(const LocalBundleOptions& options, Map& map) {
-  const int keyframes = static_cast<int>(map.keyframes.size());
+  const int keyframes = CountKeyframes(map);
   return AdjustFrom(options, keyframes - options.window, map);
 }
 

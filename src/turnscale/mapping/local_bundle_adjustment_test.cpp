@@ -112,7 +112,7 @@ void Disturb(int first, Map& map) {
   std::mt19937 random(7);
   std::normal_distribution<double> normal;
   const auto vector = [&] { return DrawVector<3>([&] { return normal(random); }); };
-  for (int k = first; k < static_cast<int>(map.keyframes.size()); ++k) {
+  for (int k = first; k < CountKeyframes(map); ++k) {
     RigidTransform& pose = map.keyframes[k].camera_from_world;
     pose = RigidTransform{RotationFromVector(0.004 * vector()), 0.05 * vector()} * pose;
   }

@@ -39,7 +39,7 @@ void RemoveObservation(Map& map, int keyframe, int landmark) {
 
 void CorrectLens(Map& map, double radial_correction) {
   const double before = std::exchange(map.camera.radial_correction, radial_correction);
-  cv::parallel_for_(cv::Range(0, static_cast<int>(map.keyframes.size())), [&](const cv::Range& range) {
+  cv::parallel_for_(cv::Range(0, CountKeyframes(map)), [&](const cv::Range& range) {
     for (int k = range.start; k < range.end; ++k)
       for (KeyframeObservation& seen : map.keyframes[k].observations)
         seen.pixel = ChangeRadialCorrection(map.camera.pinhole, before, radial_correction, seen.pixel);

@@ -58,6 +58,9 @@ struct Map {
 /// Where a keyframe's camera is, in W.
 inline Eigen::Vector3d Centre(const Keyframe& keyframe) { return keyframe.camera_from_world.inverse().translation; }
 
+/// Number of keyframes; one more than the index of the last.
+inline int CountKeyframes(const Map& map) { return static_cast<int>(map.keyframes.size()); }
+
 /// By how much the camera turned from one keyframe to another, radians.
 double TurnBetween(const Map& map, int from, int to);
 

@@ -163,7 +163,7 @@ ArchivedPart MapArchive::Load(int first, int last, const Map& map) const {
 }
 
 void MapArchive::Store(const ArchivedPart& part) {
-  const int last = part.first + static_cast<int>(part.map.keyframes.size());
+  const int last = part.first + CountKeyframes(part.map);
   for (Block& block : blocks_) {
     if (block.first < part.first || block.end > last) continue;
     Contents contents = Read(block);

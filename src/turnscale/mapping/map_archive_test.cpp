@@ -26,7 +26,7 @@ Map StreetMap() {
 
 TEST(MapArchive, GivesBackWhatItTook) {
   const Map whole = StreetMap();
-  const int keyframes = static_cast<int>(whole.keyframes.size());
+  const int keyframes = CountKeyframes(whole);
   Map map = whole;
   MapArchive archive;
   archive.Retire(60, map);
@@ -112,7 +112,7 @@ TEST(MapArchive, ALandmarkOfTwoBlocksIsOneLandmark) {
   Map map = whole;
   MapArchive archive;
   archive.Retire(60, map);
-  archive.Retire(static_cast<int>(map.keyframes.size()), map);
+  archive.Retire(CountKeyframes(map), map);
   const ArchivedPart all = archive.Load(0, archive.end(), map);
   EXPECT_EQ(archive.landmarks(), static_cast<int>(whole.landmarks.size()));
   EXPECT_EQ(std::set<int>(all.numbers.begin(), all.numbers.end()).size(), whole.landmarks.size());
@@ -123,7 +123,7 @@ TEST(MapArchive, LandmarksWithoutADepthAreLetGo) {
   map.landmarks[0].valid = false;
   const size_t landmarks = map.landmarks.size();
   MapArchive archive;
-  archive.Retire(static_cast<int>(map.keyframes.size()), map);
+  archive.Retire(CountKeyframes(map), map);
   EXPECT_EQ(archive.Load(0, archive.end(), map).map.landmarks.size(), landmarks - 1);
 }
 

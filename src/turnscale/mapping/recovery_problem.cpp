@@ -38,7 +38,7 @@ Views CountViews(const Landmark& landmark, const KeyframeRange& range) {
 
 std::vector<KeyframeRange> SplitAtGaps(const Map& map) {
   std::vector<KeyframeRange> ranges;
-  const int end = static_cast<int>(map.keyframes.size());
+  const int end = CountKeyframes(map);
   for (int k = 0; k < end; ++k) {
     if (k == 0 || map.keyframes[k].after_gap) ranges.push_back({k, k});
     ranges.back().last = k;

@@ -54,7 +54,7 @@ TEST(SectionAdjustment, TakesOutDriftAcrossSections) {
   Drift(110, 0.9, map);
   ASSERT_GT(LargestError(map, truth), 1.0);
   MapArchive archive;
-  archive.Retire(static_cast<int>(map.keyframes.size()), map);
+  archive.Retire(CountKeyframes(map), map);
   AdjustSections(kOptions, archive, map);
   EXPECT_LT(LargestError(map, truth), 0.02) << "of 136 m";
 
@@ -76,7 +76,7 @@ TEST(SectionAdjustment, OneSectionIsTheAdjustmentOfTheWhole) {
   options.window = 1000;
   AdjustFrom(options, 0, whole);
   MapArchive archive;
-  archive.Retire(static_cast<int>(map.keyframes.size()), map);
+  archive.Retire(CountKeyframes(map), map);
   AdjustSections(options, archive, map);
   EXPECT_LT(LargestError(map, whole), 1e-4) << "pixels are kept in single precision";
 }
@@ -89,8 +89,8 @@ TEST(SectionAdjustment, ShortSectionsHoldTheScale) {
   options.window = 10;
   MapArchive archive;
   // Blocks of 51 and 4 keyframes, among others.
-  for (int last = 51; last < static_cast<int>(map.keyframes.size()); last += 51) archive.Retire(last, map);
-  archive.Retire(static_cast<int>(map.keyframes.size()), map);
+  for (int last = 51; last < CountKeyframes(map); last += 51) archive.Retire(last, map);
+  archive.Retire(CountKeyframes(map), map);
   AdjustSections(options, archive, map);
   EXPECT_LT(LargestError(map, truth), 0.5) << "of 136 m";
 }
@@ -115,7 +115,7 @@ TEST(SectionAdjustment, AKeyframeAstrayStaysAlone) {
   Map map = truth;
   map.keyframes[99].camera_from_world.translation.x() = std::nan("");
   MapArchive archive;
-  archive.Retire(static_cast<int>(map.keyframes.size()), map);
+  archive.Retire(CountKeyframes(map), map);
   AdjustSections(kOptions, archive, map);
   for (size_t k = 0; k < map.keyframes.size(); ++k)
     EXPECT_EQ(map.keyframes[k].camera_from_world.translation.allFinite(), k != 99) << k;
@@ -132,7 +132,7 @@ TEST(SectionAdjustment, WhatFollowsAGapGoesAlong) {
   }
   Drift(40, 1.03, map);
   MapArchive archive;
-  archive.Retire(static_cast<int>(map.keyframes.size()), map);
+  archive.Retire(CountKeyframes(map), map);
   AdjustSections(kOptions, archive, map);
   EXPECT_LT(LargestError(map, truth), 0.1);
 }

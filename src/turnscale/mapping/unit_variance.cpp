@@ -14,7 +14,7 @@ namespace turnscale {
 namespace {
 
 bool IsWithinMap(const Map& map, int keyframe, int following) {
-  if (keyframe <= 0 || keyframe + following >= static_cast<int>(map.keyframes.size())) return false;
+  if (keyframe <= 0 || keyframe + following >= CountKeyframes(map)) return false;
   for (int k = keyframe; k <= keyframe + following; ++k)
     if (map.keyframes[k].after_gap) return false;
   return true;

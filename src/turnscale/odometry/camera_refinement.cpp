@@ -28,21 +28,20 @@ void CameraRefinement::StartIfDue(const Map& map) {
   std::optional<IntrinsicsProblem> refined = taken_.lens.TakeWindow(map);
   std::optional<IntrinsicsProblem> tested = taken_.check.TakeWindow(map);
   if (!refined && !tested) return;
-  pending_.Start(
-      static_cast<int>(map.keyframes.size()) + kKeyframesOfWork,
-      [findings = taken_, refined = std::move(refined), tested = std::move(tested), camera = map.camera]() mutable {
-        findings.lens_changed = refined && findings.lens.Read(*refined);
-        // The test compares with the correction that the map is going to have.
-        if (findings.lens_changed) camera.radial_correction = findings.lens.correction();
-        if (tested) findings.check.Read(*tested);
-        if (findings.check.windows() > 0)
-          findings.scale_sigma = CalibrationSigma(findings.check.Contradictions(camera), camera);
-        return findings;
-      });
+  pending_.Start(CountKeyframes(map) + kKeyframesOfWork, [findings = taken_, refined = std::move(refined),
+                                                          tested = std::move(tested), camera = map.camera]() mutable {
+    findings.lens_changed = refined && findings.lens.Read(*refined);
+    // The test compares with the correction that the map is going to have.
+    if (findings.lens_changed) camera.radial_correction = findings.lens.correction();
+    if (tested) findings.check.Read(*tested);
+    if (findings.check.windows() > 0)
+      findings.scale_sigma = CalibrationSigma(findings.check.Contradictions(camera), camera);
+    return findings;
+  });
 }
 
 std::optional<double> CameraRefinement::TakeIfDue(const Map& map) {
-  std::optional<Findings> findings = pending_.TakeIfDue(static_cast<int>(map.keyframes.size()));
+  std::optional<Findings> findings = pending_.TakeIfDue(CountKeyframes(map));
   if (!findings) return std::nullopt;
   taken_ = *std::move(findings);
   const double correction = taken_.lens.correction();

@@ -51,7 +51,7 @@ TEST(ConstrainedTurns, BringTheMapToMetres) {
   const Map before = finished.map;
   RefinedScale refined = RefinedOf(options, finished.map);
   const std::vector<double> factors = ConstrainTurns(options, MountCalibration(options.vehicle), finished.map, refined);
-  const int count = static_cast<int>(finished.map.keyframes.size());
+  const int count = CountKeyframes(finished.map);
   ASSERT_EQ(factors.size(), finished.map.keyframes.size());
   EXPECT_TRUE(refined.constrained);
   for (int k = 1; k < count; ++k) {
@@ -82,7 +82,7 @@ TEST(ConstrainedTurns, PaperHoldsEachStepAtItsOwnLength) {
   ConstrainTurns(options, MountCalibration(options.vehicle), finished.map, refined);
   ASSERT_EQ(refined.turns.size(), 2U);
   for (const TurnResult& turn : refined.turns) EXPECT_TRUE(turn.used) << turn.reason;
-  for (int k = 1; k < static_cast<int>(finished.map.keyframes.size()); ++k)
+  for (int k = 1; k < CountKeyframes(finished.map); ++k)
     EXPECT_NEAR(StepOf(finished.map, k) / StepOf(finished.truth, k), 1, 3e-4) << k;
 }
 

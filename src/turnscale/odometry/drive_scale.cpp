@@ -105,7 +105,7 @@ std::vector<VehicleStep> StepsAlong(const Map& map, const MountCalibration& moun
                                     const std::vector<MeasuredHeight>& heights, const OdometryOptions& options) {
   Trajectory path;
   std::vector<PathGap> gaps;
-  for (int k = 0; k < static_cast<int>(map.keyframes.size()); ++k) {
+  for (int k = 0; k < CountKeyframes(map); ++k) {
     path.push_back(VehiclePose(map, mount, k));
     if (const auto gap = GapBefore(map, k)) gaps.push_back(*gap);
   }
@@ -116,7 +116,7 @@ std::vector<VehicleStep> StepsAlong(const Map& map, const MountCalibration& moun
 
 MetricPath InOwnUnit(const Map& map) {
   MetricPath path;
-  for (int k = 0; k < static_cast<int>(map.keyframes.size()); ++k) path.centres.push_back(KnownCentre(map, k));
+  for (int k = 0; k < CountKeyframes(map); ++k) path.centres.push_back(KnownCentre(map, k));
   path.metres_per_unit.assign(map.keyframes.size(), 1.0);
   return path;
 }
@@ -153,7 +153,7 @@ DriveScale::DriveScale(const OdometryOptions& options)
 
 bool DriveScale::Add(const Map& map) {
   bool turn_ended = false;
-  for (; keyframes_ < static_cast<int>(map.keyframes.size()); ++keyframes_) {
+  for (; keyframes_ < CountKeyframes(map); ++keyframes_) {
     const TurnEnd end = Feed(map, keyframes_);
     if (end == TurnEnd::kUsed) unread_turn_ends_.push_back(keyframes_);
     // A keyframe behind a loss of tracking ends a turn that it is no part of.
@@ -166,7 +166,7 @@ bool DriveScale::Add(const Map& map) {
 
 void DriveScale::Reread(const Map& map) {
   checkpoint_.reset();
-  const int keyframes = static_cast<int>(map.keyframes.size());
+  const int keyframes = CountKeyframes(map);
   MountCalibration mount = mount_;
   mount.Learn(map, keyframes - 1);
   Reread(map, std::move(mount), {.first = 0, .end = keyframes, .final_before = 0});
@@ -184,7 +184,7 @@ void DriveScale::Reread(const Map& map, MountCalibration mount, const Readjusted
   // Another prior of the yaw counts from the start on.
   if (knowledge() != before) checkpoint_.reset();
   const int begin = Restart();
-  keyframes_ = static_cast<int>(map.keyframes.size());
+  keyframes_ = CountKeyframes(map);
   for (int k = begin; k < keyframes_; ++k) {
     if (k == keyframes.final_before && k - begin >= kCheckpointInterval)
       checkpoint_ = Checkpoint{k, builder_, live_, mount_.At(k)};
@@ -237,7 +237,7 @@ void DriveScale::UpdateLive(const Map& map, int first, std::optional<int> turn_e
   state_ = now ? now->state : ScaleState::kPending;
   if (now && used_turn_ended_) state_ = ScaleState::kObserved;
 
-  const int count = static_cast<int>(map.keyframes.size());
+  const int count = CountKeyframes(map);
   std::vector<double>& scales = live_path_.metres_per_unit;
   scales.resize(count, scale);
   live_path_.centres.resize(count);
@@ -281,7 +281,7 @@ int DriveScale::SpreadScale(const Map& map, double scale, int last) {
 
 RefinedScale DriveScale::Refine(const Map& map, bool uses_single_turns) const {
   RefinedScale refined;
-  const int count = static_cast<int>(map.keyframes.size());
+  const int count = CountKeyframes(map);
   refined.path = InOwnUnit(map);
   refined.keyframes.resize(count);
   const std::vector<VehicleStep> steps = StepsAlong(map, mount_, heights_, options_);

@@ -46,7 +46,7 @@ struct Live {
   /// The next keyframe. `gap` is the factor by which the unit changes across a loss of tracking.
   void Next(double gap = 1) {
     Append(gap);
-    const int k = static_cast<int>(map.keyframes.size()) - 1;
+    const int k = CountKeyframes(map) - 1;
     // The camera's rotation is learnt where a turn ends, as Odometry does it.
     if (scale.Add(map) && !end) end = k + 1;
     if (!end || k + 1 < *end + delay) return;
@@ -59,7 +59,7 @@ struct Live {
 
   /// The same, not read yet.
   void Append(double gap = 1) {
-    const int k = static_cast<int>(map.keyframes.size());
+    const int k = CountKeyframes(map);
     Keyframe keyframe{.frame = 2 * k, .time = 0.1 * k, .camera_from_world = {}, .observations = {}};
     if (k > 0) {
       RigidTransform step = truth[k].inverse() * truth[k - 1];
@@ -123,7 +123,7 @@ TEST(DriveScale, TwoCornersGiveMetres) {
   EXPECT_NEAR(turns[0].angle, M_PI / 2, 1e-4);
   EXPECT_NEAR(turns[1].angle, -M_PI / 2, 1e-4);
   EXPECT_NEAR(turns[1].first_keyframe, kSecondCorner, 1);
-  for (int k = 1; k < static_cast<int>(live.map.keyframes.size()); ++k) {
+  for (int k = 1; k < CountKeyframes(live.map); ++k) {
     EXPECT_NEAR(StepOf(refined.path, k) / live.TrueStep(k), 1, 0.012) << k;
     EXPECT_NEAR(refined.path.metres_per_unit[k] * kUnits, 1, 0.005) << k;
     EXPECT_LT(refined.keyframes[k].sigma, 0.08);
@@ -135,9 +135,9 @@ TEST(DriveScale, TwoCornersGiveMetres) {
 TEST(DriveScale, GivesMetresInsideTheFirstTurn) {
   Live live(KnownCar(), TrueDrive(kTwoCorners), kUnits, 0.002);
   int known_at = -1;
-  while (static_cast<int>(live.map.keyframes.size()) <= kFirstCorner + 22) {
+  while (CountKeyframes(live.map) <= kFirstCorner + 22) {
     live.Next();
-    const int k = static_cast<int>(live.map.keyframes.size()) - 1;
+    const int k = CountKeyframes(live.map) - 1;
     const MetricPath& path = live.scale.live_path();
     ASSERT_EQ(path.centres.size(), live.map.keyframes.size());
     if (live.scale.state() == ScaleState::kPending) {
@@ -186,7 +186,7 @@ TEST(DriveScale, TheArbitraryUnitDoesNotMatter) {
     Live other(KnownCar(), TrueDrive(kTwoCorners), unit, 0.002);
     other.Drive();
     const RefinedScale in_other = other.scale.Refine(other.map);
-    for (int k = 1; k < static_cast<int>(one.map.keyframes.size()); ++k) {
+    for (int k = 1; k < CountKeyframes(one.map); ++k) {
       EXPECT_NEAR(StepOf(in_other.path, k) / StepOf(refined.path, k), 1, 1e-6) << unit << ' ' << k;
       EXPECT_NEAR(StepOf(other.scale.live_path(), k) / StepOf(one.scale.live_path(), k), 1, 1e-6) << unit << ' ' << k;
     }
@@ -227,7 +227,7 @@ TEST_P(LivePath, GrowsAtItsEnd) {
     before = path;
   }
   EXPECT_EQ(live.scale.last_turn_end(), 4 * 82 + 12) << "two straight steps of 0.6 s make sure of the turn's end";
-  for (int k = 1; k < static_cast<int>(live.map.keyframes.size()); ++k)
+  for (int k = 1; k < CountKeyframes(live.map); ++k)
     EXPECT_NEAR(StepOf(live.scale.live_path(), k) / live.TrueStep(k), 1, 0.02) << k;
 }
 
@@ -300,7 +300,7 @@ TEST(DriveScale, FindsTheMountAndReadsTheTurnsBeforeAgain) {
     // A step across the end of a corner is no single circle.
     EXPECT_NEAR(turn.own * kUnits, 1, 2e-4);
   }
-  for (int k = 1; k < static_cast<int>(live.map.keyframes.size()); ++k)
+  for (int k = 1; k < CountKeyframes(live.map); ++k)
     EXPECT_NEAR(StepOf(refined.path, k) / live.TrueStep(k), 1, 1e-4) << k;
   EXPECT_NEAR(live.scale.live_path().metres_per_unit.back() * kUnits, 1, 1e-4);
 }
@@ -377,7 +377,7 @@ TEST(DriveScale, HeightsFromAfterAMoveOfTheCameraAreNotUsed) {
   const auto driven = [&](int moved, int end) {
     Live live(options, drive, kUnits);
     while (live.map.keyframes.size() < drive.size()) {
-      const int k = static_cast<int>(live.map.keyframes.size());
+      const int k = CountKeyframes(live.map);
       if (k > 0 && k < end) {
         RigidTransform step = drive[k - 1].inverse() * drive[k];
         step.translation *= kUnits;
@@ -553,7 +553,7 @@ TEST(DriveScale, ATurnThatIsNotUsedIsNotObserved) {
   bool metric = false;
   while (live.map.keyframes.size() < live.truth.size()) {
     live.Append();
-    const int k = static_cast<int>(live.map.keyframes.size()) - 1;
+    const int k = CountKeyframes(live.map) - 1;
     if (k > 0) {
       MeasuredHeight height;
       height.keyframe = k;
@@ -575,14 +575,14 @@ TEST(DriveScale, ATurnThatIsNotUsedIsNotObserved) {
 TEST(DriveScale, BothSidesOfAGapHaveTheirOwnScale) {
   Live live(KnownCar(), TrueDrive(kTwoCorners), kUnits, 0.001);
   const int gap = kSecondCorner - 8;
-  while (static_cast<int>(live.map.keyframes.size()) < gap) live.Next();
+  while (CountKeyframes(live.map) < gap) live.Next();
   EXPECT_EQ(live.scale.state(), ScaleState::kHeld);
   live.Next(1.6);
   live.Drive();
   const RefinedScale refined = live.scale.Refine(live.map);
   ASSERT_EQ(refined.turns.size(), 2U);
   for (const TurnResult& turn : refined.turns) EXPECT_TRUE(turn.used) << turn.reason;
-  for (int k = 1; k < static_cast<int>(live.map.keyframes.size()); ++k) {
+  for (int k = 1; k < CountKeyframes(live.map); ++k) {
     if (k == gap) continue;
     EXPECT_NEAR(StepOf(refined.path, k) / live.TrueStep(k), 1, 0.015) << k;
   }
@@ -633,7 +633,7 @@ TEST(DriveScale, AKeyframeGoneAstrayIsPassed) {
   DriveScale scale(KnownCar());
   for (const Keyframe& keyframe : live.map.keyframes) {
     map.keyframes.push_back(keyframe);
-    const int k = static_cast<int>(map.keyframes.size()) - 1;
+    const int k = CountKeyframes(map) - 1;
     if (std::ranges::count(astray, k) > 0) map.keyframes[k].camera_from_world.translation.x() = std::nan("");
     if (scale.Add(map)) scale.Reread(map);
     ASSERT_TRUE(scale.live_path().centres[k].allFinite()) << k;

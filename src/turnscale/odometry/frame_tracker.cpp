@@ -134,7 +134,7 @@ void FrameTracker::Replenish(const FlowImage& image, const std::vector<cv::KeyPo
       std::ranges::count_if(tracks_, [&](const FeatureTrack& track) { return map.landmarks[track.landmark].valid; }));
   for (FeatureTrack& track : tracks_) {
     track.in_keyframe = track.undistorted;
-    track.last_keyframe = static_cast<int>(map.keyframes.size()) - 1;
+    track.last_keyframe = CountKeyframes(map) - 1;
   }
   for (FeatureTrack& track : lost_tracks_) track.in_keyframe.reset();
   const auto reference = std::make_shared<const cv::Mat>(image.gray);
@@ -144,7 +144,7 @@ void FrameTracker::Replenish(const FlowImage& image, const std::vector<cv::KeyPo
 }
 
 void FrameTracker::RenewReferences(const Map& map, const std::shared_ptr<const cv::Mat>& image) {
-  const int keyframe = static_cast<int>(map.keyframes.size()) - 1;
+  const int keyframe = CountKeyframes(map) - 1;
   const double limit = options_.keyframes.max_growth * options_.keyframes.max_growth;
   const auto has_grown = [&](const FeatureTrack& track) {
     if (!map.landmarks[track.landmark].valid) return false;
@@ -163,7 +163,7 @@ void FrameTracker::RenewReferences(const Map& map, const std::shared_ptr<const c
 
 void FrameTracker::DetectNewFeatures(const std::shared_ptr<const cv::Mat>& image,
                                      const std::vector<cv::KeyPoint>& candidates, Map& map) {
-  const int keyframe = static_cast<int>(map.keyframes.size()) - 1;
+  const int keyframe = CountKeyframes(map) - 1;
   for (const cv::Point2f& corner : DetectCorners(options_.corners, *image, candidates, PixelsOf(tracks_), mask_)) {
     const std::optional<Eigen::Vector2d> undistorted = map.camera.Undistort({corner.x, corner.y});
     if (!undistorted) continue;

@@ -164,7 +164,7 @@ class ImageTracker {
 
   // Aligns landmarks with their reference views, starting at their pixels by the pose.
   void SearchByMap(const RigidTransform& pose, std::vector<FeatureTrack> missing, FollowedTracks& tracks) const {
-    const int oldest = static_cast<int>(map_.keyframes.size()) - options_.tracking.memory_keyframes;
+    const int oldest = CountKeyframes(map_) - options_.tracking.memory_keyframes;
     std::erase_if(missing, [&](const FeatureTrack& track) { return !HasDepth(track) || track.last_keyframe < oldest; });
     std::vector<std::optional<cv::Point2f>> guesses(missing.size());
     cv::parallel_for_(cv::Range(0, static_cast<int>(missing.size())), [&](const cv::Range& range) {

@@ -84,9 +84,8 @@ AddedStart AddStart(const InitialMap& start, const StartPlace& place, Map& map) 
   RigidTransform second_from_first = start.second_from_first;
   second_from_first.translation *= unit;
 
-  AddedStart added{.keyframe = static_cast<int>(map.keyframes.size()),
-                   .first_landmark = static_cast<int>(map.landmarks.size()),
-                   .tracks = {}};
+  AddedStart added{
+      .keyframe = CountKeyframes(map), .first_landmark = static_cast<int>(map.landmarks.size()), .tracks = {}};
   map.keyframes.push_back({.frame = first.frame,
                            .time = first.time,
                            .camera_from_world = place.first_from_world,

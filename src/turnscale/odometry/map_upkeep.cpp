@@ -28,8 +28,6 @@ constexpr int kKeyframesOfUnit = 10;
 // close to one another, a large window takes about as long as four of them.
 constexpr int kKeyframesOfReadjustment = 6;
 
-int CountKeyframes(const Map& map) { return static_cast<int>(map.keyframes.size()); }
-
 }  // namespace
 
 void MapUpkeep::JudgeUnits(Map& map) {

@@ -26,16 +26,16 @@ std::vector<DriveSegment> Blocks(int corners) {
 
 void Append(const std::vector<DriveSegment>& route, const Eigen::Quaterniond& mount, Map& map) {
   const CarDrive drive = MakeCarDrive(route, 0.1, {1.2, 0.0045}, mount);
-  const int first = static_cast<int>(map.keyframes.size());
+  const int first = CountKeyframes(map);
   const RigidTransform start =
       map.keyframes.empty() ? RigidTransform() : map.keyframes.back().camera_from_world.inverse();
   for (size_t i = first == 0 ? 0 : 1; i < drive.world_from_camera.size(); ++i) {
-    const int k = static_cast<int>(map.keyframes.size());
+    const int k = CountKeyframes(map);
     map.keyframes.push_back({k, 0.1 * k, (start * drive.world_from_camera[i]).inverse(), {}, false});
   }
 }
 
-int Last(const Map& map) { return static_cast<int>(map.keyframes.size()) - 1; }
+int Last(const Map& map) { return CountKeyframes(map) - 1; }
 
 double DegreesBetween(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b) {
   return a.angularDistance(b) * kDegreesPerRadian;

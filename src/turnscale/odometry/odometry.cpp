@@ -94,7 +94,7 @@ FrameResult Odometry::Process(const cv::Mat& gray, double time) {
   std::future<std::optional<MeasuredHeight>> height = InBackground([&] { return ObserveRoad(image); });
   tracker_.Replenish(image, corners.get(), map_);
   const bool turn_ended = ObserveScale(height.get());
-  const TurningMotion motion = StepMotion(map_, static_cast<int>(map_.keyframes.size()) - 2, mount());
+  const TurningMotion motion = StepMotion(map_, CountKeyframes(map_) - 2, mount());
   result.psi = motion.psi;
   result.theta = motion.theta;
   upkeep_.StartReadjustmentIfDue(map_, mount(), turn_ended);
@@ -233,7 +233,7 @@ FrameResult Odometry::Bridge(const RigidTransform& predicted, FrameResult result
 
 void Odometry::AddKeyframe(const FrameResult& result) {
   const RigidTransform camera_from_world = motion_.last();
-  const int keyframe = static_cast<int>(map_.keyframes.size());
+  const int keyframe = CountKeyframes(map_);
   mask_.Observe(tracker_.DropStatic(map_, camera_from_world));
   ApplyMask();
   map_.keyframes.push_back(
@@ -343,7 +343,7 @@ void Odometry::FollowMap(int first, const std::vector<double>& factors, RigidTra
 }
 
 FrameResult Odometry::MetricResult(const FrameResult& result, const RigidTransform& camera_from_world) {
-  return MetricResult(result, static_cast<int>(map_.keyframes.size()) - 1, camera_from_world);
+  return MetricResult(result, CountKeyframes(map_) - 1, camera_from_world);
 }
 
 FrameResult Odometry::MetricResult(FrameResult result, int keyframe, const RigidTransform& camera_from_world) {

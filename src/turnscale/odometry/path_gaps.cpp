@@ -18,7 +18,7 @@ constexpr double kVelocitySeconds = 0.5;
 
 // Velocity of the camera after a keyframe, from the keyframes up to the next gap; empty if there are none.
 std::optional<Eigen::Vector3d> VelocityAfter(const Map& map, const MetricPath& path, int keyframe) {
-  const int count = static_cast<int>(map.keyframes.size());
+  const int count = CountKeyframes(map);
   const auto seconds = [&](int k) { return map.keyframes[k].time - map.keyframes[keyframe].time; };
   int last = keyframe;
   while (last + 1 < count && !map.keyframes[last + 1].after_gap && seconds(last) < kVelocitySeconds) ++last;
@@ -62,7 +62,7 @@ void BridgeGaps(const Map& map, const std::vector<MeasuredEnd>& ends, double end
   MetricPath& path = refined.path;
   double variance = ends.empty() ? 0 : std::pow(GapLengthSigma(end_time - ends.back().time, false), 2);
   Eigen::Vector3d shift = Eigen::Vector3d::Zero();  // of all keyframes behind the gaps so far
-  for (int k = 0; k < static_cast<int>(map.keyframes.size()); ++k) {
+  for (int k = 0; k < CountKeyframes(map); ++k) {
     if (k > 0 && map.keyframes[k].after_gap) {
       const double seconds = map.keyframes[k].time - ends[k - 1].time;
       const std::optional<Eigen::Vector3d> after = VelocityAfter(map, path, k);

@@ -10,7 +10,7 @@ ReadjustmentWork WorkToReadjust(const LocalBundleOptions& options, const Map& ma
                                 int first) {
   ReadjustmentWork work{.radial_correction = map.camera.radial_correction,
                         .first = first,
-                        .end = static_cast<int>(map.keyframes.size()),
+                        .end = CountKeyframes(map),
                         .window = MakeLocalWindow(options, first, map),
                         .mount = mount,
                         .unlearned = {}};

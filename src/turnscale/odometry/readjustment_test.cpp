@@ -26,16 +26,16 @@ MountCalibration LearnedFromWindow(const Map& map, MountCalibration mount, int f
   WindowProblem window = MakeLocalWindow(kWindow, first, map);
   EXPECT_TRUE(AdjustWindow(kWindow, window));
   Map adjusted = map;
-  for (int k = window.window.first; k < static_cast<int>(map.keyframes.size()); ++k)
+  for (int k = window.window.first; k < CountKeyframes(map); ++k)
     adjusted.keyframes[k].camera_from_world = window.bundle.camera_from_world[k - window.window.first];
-  mount.Learn(adjusted, static_cast<int>(map.keyframes.size()) - 1);
+  mount.Learn(adjusted, CountKeyframes(map) - 1);
   return mount;
 }
 
 TEST(Readjustment, TheMountLearnsFromAdjustedKeyframesWhereverItStands) {
   Map map = MapOfTurns();
   map.camera.radial_correction = 0.01;
-  const int keyframes = static_cast<int>(map.keyframes.size());
+  const int keyframes = CountKeyframes(map);
   const int first = keyframes - 20;
   // The window reaches back beyond what the mount knows, or begins after it.
   for (const int learned : {0, keyframes - 45, keyframes - 5}) {
@@ -64,7 +64,7 @@ TEST(Readjustment, TheMountLearnsFromAdjustedKeyframesWhereverItStands) {
 TEST(Readjustment, AWindowOfNoNumbersIsLeftOut) {
   Map map = MapOfTurns();
   map.keyframes.back().camera_from_world.translation.x() = std::numeric_limits<double>::quiet_NaN();
-  const int keyframes = static_cast<int>(map.keyframes.size());
+  const int keyframes = CountKeyframes(map);
   const ReadjustmentResult readjusted =
       Readjusted(kWindow, WorkToReadjust(kWindow, map, MountCalibration{VehicleOptions()}, keyframes - 20));
   EXPECT_FALSE(readjusted.window);

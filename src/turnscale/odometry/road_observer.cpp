@@ -67,7 +67,7 @@ void RoadObserverOptions::Check() const {
 }
 
 const RoadObserver::View* RoadObserver::Reference(const Map& map, double height) const {
-  const int latest = static_cast<int>(map.keyframes.size()) - 1;
+  const int latest = CountKeyframes(map) - 1;
   const Eigen::Vector3d centre = Centre(map.keyframes[latest]);
   const View* found = nullptr;
   for (auto view = views_.rbegin() + 1; view != views_.rend(); ++view) {
@@ -91,7 +91,7 @@ bool RoadObserver::IsRoadAbove() const {
 std::optional<MeasuredHeight> RoadObserver::Observe(const Map& map, const Eigen::Quaterniond& vehicle_from_camera,
                                                     const FlowImage& image, const cv::Mat& mask) {
   if (!options_.enabled || image.pyramid.size() < 2) return std::nullopt;
-  const int latest = static_cast<int>(map.keyframes.size()) - 1;
+  const int latest = CountKeyframes(map) - 1;
   // Across a loss of tracking the unit changes.
   for (int k = views_.empty() ? latest : views_.back().keyframe + 1; k <= latest; ++k) {
     if (!map.keyframes[k].after_gap) continue;
