@@ -60,7 +60,8 @@ struct Iterate {
   Eigen::VectorXd multipliers;
 };
 
-/// Newton steps under the linearised constraints, each taken if the merit falls by enough of what the model promises.
+/// Gauss-Newton or Newton steps under the linearised constraints, each taken if the merit falls by enough of what the
+/// model promises.
 template <int kDof>
 class Adjustment {
  public:
@@ -81,9 +82,9 @@ class Adjustment {
     CameraSolver<kDof> solver(static_cast<int>(structure_.camera_of_column.size()), structure_.blocks,
                               at_.constraint_gradients);
     summary_.initial_cost = at_.equations.cost;
-    while (!HasEnded()) {
+    while (!Assess()) {
       ++summary_.iterations;
-      if (!FindStep(solver) || !TryStep()) StepBack();
+      if (!FindStep(solver) || !TryStep()) BeMoreCautious();
     }
     if (structure_.behind_camera > 0) {
       summary_.message += "; left out " + std::to_string(structure_.behind_camera) + " observations behind a camera";
@@ -104,8 +105,8 @@ class Adjustment {
     at_.constraint_gradients = ConstraintGradients<kDof>(problem_, structure_, at_.constraints);
   }
 
-  /// Whether there is nothing left to do, or no way to go on; the summary says which.
-  bool HasEnded() {
+  /// Brings the summary up to date. True where nothing is left to do, or no way leads on; the summary says which.
+  bool Assess() {
     if (!summary_.message.empty()) return true;
     summary_.final_cost = at_.equations.cost;
     summary_.kkt_residual = KktResidual(at_.equations, at_.constraint_gradients, at_.multipliers);
@@ -164,7 +165,7 @@ class Adjustment {
 
   /// After a step that failed. The exact Hessian may have directions of negative curvature, and too far from the
   /// solution it leads astray.
-  void StepBack() {
+  void BeMoreCautious() {
     caution_.Tighten();
     if (at_.kind == HessianKind::kGaussNewton) return;
     at_.kind = HessianKind::kGaussNewton;
@@ -181,7 +182,7 @@ class Adjustment {
   BundleState trial_;
   Merit merit_;
   Caution caution_;
-  bool settled_ = false;  // by the last step
+  bool settled_ = false;  // by the last step that was taken
   BundleSummary summary_;
 };
 

@@ -12,9 +12,9 @@ namespace turnscale {
 
 /// Images of a drive that are mixtures of two views, as conversion to another frame rate makes them by blending.
 struct FrameBlending {
-  /// Relative standard deviation of lengths that it causes. The whole video has been converted, even if it shows only
-  /// in a part: where the car is slow, less of the path is.
-  static constexpr double kScaleSigma = 0.15;
+  /// Relative standard deviation of lengths that it causes (docs/blended.md). The whole video has been converted, even
+  /// if it shows only in a part: where the car is slow, less of the path is.
+  static constexpr double kScaleSigma = 0.25;
 
   double from = 0;    ///< time, seconds, where it begins
   double to = 0;      ///< time, seconds, where it ends

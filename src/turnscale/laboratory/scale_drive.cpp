@@ -126,7 +126,7 @@ ScaleDrive MakeScaleDrive(const ScaleDriveOptions& options) {
   drive.pixel_noise = options.pixel_noise;
   drive.truth.camera.pinhole = options.pinhole;
   for (const int frame : KeyframesOf(options, steps)) {
-    if (frame % options.step_frames == 0) drive.stations.push_back(static_cast<int>(drive.truth.keyframes.size()));
+    if (frame % options.step_frames == 0) drive.stations.push_back(CountKeyframes(drive.truth));
     drive.truth.keyframes.push_back({.frame = frame,
                                      .time = path[frame].time,
                                      .camera_from_world = path[frame].world_from_camera.inverse(),

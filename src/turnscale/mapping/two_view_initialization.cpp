@@ -137,8 +137,8 @@ TwoViewBundle Triangulated(const Pinhole& pinhole, const EssentialMotion& motion
   return bundle;
 }
 
-// Motion and points of an adjusted bundle, and how many points there are. The bundle leaves the unit open; the baseline
-// defines it.
+// Motion and landmarks of an adjusted bundle, and how many landmarks there are. The bundle leaves the unit open; the
+// baseline defines it.
 int TakeLandmarks(const TwoViewOptions& options, const TwoViewBundle& bundle, const std::vector<Eigen::Vector2d>& first,
                   const std::vector<Eigen::Vector2d>& second, TwoViewResult& result) {
   const Pinhole& pinhole = bundle.problem.pinhole;
