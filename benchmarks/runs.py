@@ -52,6 +52,16 @@ def read_yaml(path):
     return values
 
 
+def times_of(drive):
+    """Of its images, seconds."""
+    return [float(line) for line in (drive / "times.txt").read_text().split()]
+
+
+def poses_of(path):
+    """3x4 matrices, row by row."""
+    return [[float(word) for word in line.split()] for line in path.read_text().splitlines()]
+
+
 def hashed(*parts):
     """One number for texts and for the contents of files."""
     whole = hashlib.sha256()

@@ -129,8 +129,7 @@ std::string UniteAxes(const ComparedPoses& compared, PosePairs& pairs) {
              "rotation and translation errors tell nothing; give both in camera axes";
     return fmt::format(
         "{}: each in its own axes, it moves in other directions than the estimate: rotation and translation errors "
-        "tell "
-        "nothing; {}",
+        "tell nothing; {}",
         compared.truth,
         IsOneInverse(pairs, steps)
             ? "one of the two files has camera_from_world poses; give the inverse of these"

@@ -237,8 +237,7 @@ std::string FrameBlendingText(const FrameBlending& blending, const std::string& 
   return fmt::format(
       "the sharpness of the images rises and falls every {:.{}f} images (from {:.1f} to {:.1f} s), as in a video that "
       "was converted to another frame rate by blending: each image then shows two moments, and {}; use the video as "
-      "the "
-      "camera recorded it",
+      "the camera recorded it",
       blending.period, is_whole ? 0 : 1, blending.from, blending.to, consequence);
 }
 

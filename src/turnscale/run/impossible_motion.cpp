@@ -128,8 +128,7 @@ std::string ImpossibleMotionText(const std::vector<ImpossibleMotion>& parts) {
       parts, {}, [](const ImpossibleMotion& part) { return std::abs(part.distance - part.expected); });
   return fmt::format(
       "the speed changes faster than a car's can ({}from {:.1f} to {:.1f} s): the path there is {:.0f} m long, but "
-      "about "
-      "{:.0f} m by the speed before and after; a vehicle that moved may have filled the image",
+      "about {:.0f} m by the speed before and after; a vehicle that moved may have filled the image",
       parts.size() > 1 ? fmt::format("{} places; the worst ", parts.size()) : "", largest->from, largest->to,
       largest->distance, largest->expected);
 }
