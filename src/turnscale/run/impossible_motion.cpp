@@ -16,6 +16,8 @@ namespace {
 constexpr double kWindow = 0.5;
 // More than tyres can transmit, m/s^2.
 constexpr double kMostAcceleration = 15;
+// More than a car drives on a public road, m/s.
+constexpr double kMostSpeed = 90;
 // Errors of a speed, by poses and time stamps: share of it.
 constexpr double kSpeedNoise = 0.25;
 // A step is longer than those before and after it by more than this factor where images are missing or repeated.
@@ -31,10 +33,10 @@ struct SpeedWindow {
   double speed() const { return distance / (to - from); }
 };
 
-// Windows that follow one another, without an impossible change of speed.
+// Windows that follow one another, without an impossible change of speed, all of them at a car's speed or none.
 struct Stretch {
   std::vector<SpeedWindow> windows;
-  bool follows = false;  // such a change is between it and the stretch before
+  bool follows = false;  // there is no gap between it and the stretch before
   bool is_wrong = false;
 
   double seconds() const { return windows.back().to - windows.front().from; }
@@ -78,17 +80,22 @@ bool IsImpossible(const SpeedWindow& before, const SpeedWindow& after) {
   return (1 - kSpeedNoise) * faster - slower > kMostAcceleration * seconds;
 }
 
+bool IsTooFast(const SpeedWindow& window) { return window.speed() > kMostSpeed; }
+
 std::vector<Stretch> Stretches(const std::vector<SpeedWindow>& windows) {
   std::vector<Stretch> stretches;
   for (size_t i = 0; i < windows.size(); ++i) {
     const bool continues = i > 0 && windows[i].from == windows[i - 1].to;
-    const bool changes = continues && IsImpossible(windows[i - 1], windows[i]);
-    if (!continues || changes) stretches.push_back({{}, changes, false});
+    const bool changes =
+        continues && (IsTooFast(windows[i]) != IsTooFast(windows[i - 1]) || IsImpossible(windows[i - 1], windows[i]));
+    if (!continues || changes) stretches.push_back({{}, changes, IsTooFast(windows[i])});
     stretches.back().windows.push_back(windows[i]);
   }
   for (size_t i = 1; i < stretches.size(); ++i) {
-    if (!stretches[i].follows) continue;
-    (stretches[i].seconds() < stretches[i - 1].seconds() ? stretches[i] : stretches[i - 1]).is_wrong = true;
+    Stretch& before = stretches[i - 1];
+    Stretch& after = stretches[i];
+    const bool decided = IsTooFast(before.windows.back()) || IsTooFast(after.windows.front());
+    if (after.follows && !decided) (after.seconds() < before.seconds() ? after : before).is_wrong = true;
   }
   return stretches;
 }
@@ -113,7 +120,7 @@ std::vector<ImpossibleMotion> FindImpossibleMotion(const std::vector<FrameResult
     std::optional<double> after;
     if (stretches[first].follows) before = stretches[first - 1].last_speed();
     if (end < stretches.size() && stretches[end].follows) after = stretches[end].first_speed();
-    // There is one: of all stretches between two others, the longest is right.
+    // There is one, unless the car is too fast: of all stretches between two others, the longest is right.
     const double speed = before && after ? 0.5 * (*before + *after) : before ? *before : after.value_or(0.0);
     part.expected = speed * (part.to - part.from);
     parts.push_back(part);
@@ -126,11 +133,15 @@ std::string ImpossibleMotionText(const std::vector<ImpossibleMotion>& parts) {
   if (parts.empty()) return {};
   const auto largest = std::ranges::max_element(
       parts, {}, [](const ImpossibleMotion& part) { return std::abs(part.distance - part.expected); });
+  const double speed = largest->distance / (largest->to - largest->from);
+  const std::string expected =
+      largest->expected > 0 ? fmt::format(", but about {:.0f} m by the speed before and after", largest->expected) : "";
   return fmt::format(
-      "the speed changes faster than a car's can ({}from {:.1f} to {:.1f} s): the path there is {:.0f} m long, but "
-      "about {:.0f} m by the speed before and after; a vehicle that moved may have filled the image",
+      "the speed {} ({}from {:.1f} to {:.1f} s): the path there is {:.0f} m long{}; {}",
+      speed > kMostSpeed ? fmt::format("is {:.0f} km/h", 3.6 * speed) : "changes faster than a car's can",
       parts.size() > 1 ? fmt::format("{} places; the worst ", parts.size()) : "", largest->from, largest->to,
-      largest->distance, largest->expected);
+      largest->distance, expected,
+      speed > kMostSpeed ? "its scale is wrong" : "a vehicle that moved may have filled the image");
 }
 
 double LengthErrorOf(const std::vector<ImpossibleMotion>& parts) {

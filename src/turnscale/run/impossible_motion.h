@@ -8,19 +8,21 @@
 
 namespace turnscale {
 
-/// A part of the drive whose path no car has driven: where it begins or ends, the speed changes by more than 15 m/s^2.
-/// Then something else than the scene was followed, such as a lorry ahead, or the unit of the map has changed.
+/// A part of the drive whose path no car has driven: where it begins or ends, the speed changes by more than 15 m/s^2,
+/// or it is above 90 m/s (324 km/h). Then something else than the scene was followed, such as a lorry ahead, or the
+/// unit of the map has changed.
 struct ImpossibleMotion {
   double from = 0;      ///< time, seconds
   double to = 0;        ///< time, seconds
   double distance = 0;  ///< length of its path, metres
-  double expected = 0;  ///< the same at the speed before and after it, metres
+  double expected = 0;  ///< the same at the speed before and after it, metres; 0 if neither is known
 };
 
 /// All such parts, in the order of time. `frames`: poses in metres; there are none in a trajectory that is up to scale.
 /// The speed is that of half a second, without single steps that are much longer than their neighbours: those are a
 /// matter of the times (TimeWarnings). Of the two sides of a change, that which lasts for less time is taken to be
-/// wrong. A car that stands is not looked at: it may have stopped while no image was recorded.
+/// wrong, unless the other is faster than a car. A car that stands is not looked at: it may have stopped while no image
+/// was recorded.
 std::vector<ImpossibleMotion> FindImpossibleMotion(const std::vector<FrameResult>& frames);
 
 /// The warning, one line; empty if there are none.

@@ -64,6 +64,25 @@ TEST(ImpossibleMotion, IsTheShorterSideOfASingleChange) {
   EXPECT_NEAR(early[0].expected, 50, 5);
 }
 
+TEST(ImpossibleMotion, IsFasterThanACar) {
+  EXPECT_TRUE(FindImpossibleMotion(DriveAt(60, [](double) { return 80.0; })).empty());
+  // Although the part at the car's speed is the shorter one.
+  const auto part = FindImpossibleMotion(DriveAt(60, [](double time) { return time < 20 ? 10.0 : 300.0; }));
+  ASSERT_EQ(part.size(), 1U);
+  EXPECT_NEAR(part[0].from, 20, 0.6);
+  EXPECT_NEAR(part[0].to, 60, 0.6);
+  EXPECT_NEAR(part[0].expected, 400, 20);
+  EXPECT_NE(ImpossibleMotionText(part).find("the speed is 1080 km/h (from 20."), std::string::npos)
+      << ImpossibleMotionText(part);
+  const auto gradual = FindImpossibleMotion(DriveAt(60, [](double time) { return 10 + 4 * time; }));
+  ASSERT_EQ(gradual.size(), 1U);
+  EXPECT_NEAR(gradual[0].from, 20, 1);
+  const auto all = FindImpossibleMotion(DriveAt(60, [](double) { return 150.0; }));
+  ASSERT_EQ(all.size(), 1U);
+  EXPECT_NEAR(LengthErrorOf(all), 60 * 150, 200);
+  EXPECT_EQ(ImpossibleMotionText(all).find("before and after"), std::string::npos);
+}
+
 TEST(ImpossibleMotion, PartsMayBeLongAndSeveral) {
   const auto two = FindImpossibleMotion(
       DriveAt(200, [](double time) { return (time > 40 && time < 65) || (time > 120 && time < 125) ? 2.0 : 20.0; }));
