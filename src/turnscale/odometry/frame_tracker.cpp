@@ -34,6 +34,7 @@ void FrameTracker::Start(const FlowImage& image, std::vector<FeatureTrack> track
   last_image_ = image;
   tracks_ = std::move(tracks);
   lost_tracks_.clear();
+  sampled_.reset();
   stands_since_.reset();
   landmarks_in_keyframe_ = landmarks;
   features_in_keyframe_ = static_cast<int>(tracks_.size());
@@ -42,8 +43,8 @@ void FrameTracker::Start(const FlowImage& image, std::vector<FeatureTrack> track
 bool FrameTracker::IsRepeat(const Map& map, const FlowImage& image, const RigidTransform& predicted,
                             double interval) const {
   return IsRepeated(options_.repeats, options_.alignment, map,
-                    {.first = last_image_.gray,
-                     .tracks = tracks_,
+                    {.first = sampled_ ? sampled_->gray : last_image_.gray,
+                     .tracks = sampled_ ? sampled_->tracks : tracks_,
                      .second = image.gray,
                      .predicted_from_world = predicted,
                      .interval = interval});
@@ -51,17 +52,28 @@ bool FrameTracker::IsRepeat(const Map& map, const FlowImage& image, const RigidT
 
 TrackedFrame FrameTracker::Track(const Map& map, const FlowImage& image, const MotionModel& motion,
                                  const RigidTransform& predicted, double time) {
-  TrackedPose tracked = TrackImage(options_, map, mask_,
-                                   {.last_image = last_image_,
-                                    .tracks = tracks_,
-                                    .lost_tracks = lost_tracks_,
-                                    .motion = motion,
-                                    .has_stood = HasStood(),
-                                    .image = image,
-                                    .time = time},
-                                   predicted);
-  TrackedFrame frame{static_cast<int>(tracked.tracks.found.size()), tracked.estimate.inliers, std::nullopt};
+  const RigidTransform last_from_world = sampled_ ? sampled_->last_from_world : motion.last();
+  const ImageStep step{.last_image = last_image_,
+                       .last_from_world = last_from_world,
+                       .tracks = tracks_,
+                       .lost_tracks = lost_tracks_,
+                       .motion = motion,
+                       .has_stood = HasStood(),
+                       .image = image,
+                       .time = time};
+  if (time - last_measured_time_ < options_.tracking.sampled_interval) {
+    if (std::optional<TrackedPose> sample = TrackSample(options_, map, mask_, step, predicted)) {
+      sampled_ = {image.gray, std::move(sample->tracks.found), last_from_world};
+      return {.tracked = static_cast<int>(sampled_->tracks.size()),
+              .inliers = sample->estimate.inliers,
+              .is_sampled = true,
+              .camera_from_world = sample->estimate.camera_from_world};
+    }
+  }
+  TrackedPose tracked = TrackImage(options_, map, mask_, step, predicted);
+  TrackedFrame frame{.tracked = static_cast<int>(tracked.tracks.found.size()), .inliers = tracked.estimate.inliers};
   if (!IsBelievable(options_.tracking, tracked.estimate)) return frame;
+  sampled_.reset();
   tracks_ = std::move(tracked.tracks.found);
   lost_tracks_ = std::move(tracked.tracks.lost);
   last_image_ = image;
@@ -111,7 +123,7 @@ bool FrameTracker::HasStood() const {
 }
 
 bool FrameTracker::NeedsKeyframe(const Map& map, const TrackedFrame& frame) const {
-  if (HasStood()) return false;
+  if (HasStood() || frame.is_sampled) return false;
   const KeyframeOptions& limits = options_.keyframes;
   if (frame.inliers < limits.min_tracked_share * landmarks_in_keyframe_) return true;
   const Eigen::Quaterniond turn =

@@ -21,6 +21,8 @@ namespace turnscale {
 struct TrackedFrame {
   int tracked = 0;  ///< features found in the image
   int inliers = 0;  ///< of those with a depth
+  /// Only a sample of the landmarks was looked for; the tracks are those of the image before.
+  bool is_sampled = false;
   /// Empty where tracking failed; the tracks are then those of the image before.
   std::optional<RigidTransform> camera_from_world;
 };
@@ -46,7 +48,7 @@ class FrameTracker {
   /// Whether the camera had stood still for a second at least when the last image was tracked.
   bool HasStood() const;
 
-  /// Whether the image that was tracked last has to become a keyframe.
+  /// Whether the image that was tracked last has to become a keyframe. One of which only a sample was tracked has not.
   bool NeedsKeyframe(const Map& map, const TrackedFrame& frame) const;
 
   /// The image that was tracked last is the map's latest keyframe: renews reference images, and adds new features as
@@ -60,7 +62,7 @@ class FrameTracker {
   /// there. Returns how the tracks have moved. For a new keyframe at this pose, before it is in the map.
   std::vector<ObservedMotion> DropStatic(const Map& map, const RigidTransform& camera_from_world);
 
-  /// What the latest image shows.
+  /// What the latest image shows in which all landmarks were tracked.
   const std::vector<FeatureTrack>& tracks() const { return tracks_; }
 
   /// Ends the tracks of landmarks.
@@ -73,6 +75,13 @@ class FrameTracker {
   void Correct(const std::function<Eigen::Vector2d(const Eigen::Vector2d&)>& corrected);
 
  private:
+  // An image since the last one in which all landmarks were tracked.
+  struct SampledImage {
+    cv::Mat gray;
+    std::vector<FeatureTrack> tracks;  // the sample that it shows
+    RigidTransform last_from_world;    // the camera's pose in `last_image_`
+  };
+
   // Updates `stands_since_` with the image tracked last.
   void NoticeStanding(const Map& map, int inliers, double time);
   // The image is that of the latest keyframe.
@@ -82,10 +91,11 @@ class FrameTracker {
 
   OdometryOptions options_;
   cv::Mat mask_;
-  FlowImage last_image_;                   ///< the latest one whose pose was measured
+  FlowImage last_image_;                   ///< the latest one in which all landmarks were tracked
   std::vector<FeatureTrack> tracks_;       ///< what it shows
   std::vector<FeatureTrack> lost_tracks_;  ///< recently seen landmarks that are not in it
   double last_measured_time_ = 0;          ///< of that image, seconds
+  std::optional<SampledImage> sampled_;    ///< the latest image, if only a sample was tracked
   std::optional<double> stands_since_;     ///< seconds; empty: the camera moves
   int landmarks_in_keyframe_ = 0;          ///< with a depth, when the last keyframe was made
   int features_in_keyframe_ = 0;           ///< with or without a depth

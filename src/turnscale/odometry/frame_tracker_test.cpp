@@ -141,12 +141,37 @@ TEST_F(FrameTracking, AnImageThatIsTheLastOneIsARepeat) {
   EXPECT_FALSE(tracker_.IsRepeat(map_, Seen(5), Moved(5), 0.1));
 }
 
+// As at 60 images per second.
+TEST_F(FrameTracking, OfAnImageThatFollowsAtOnceASampleIsTracked) {
+  const double tolerance = 0.05 * kWallDepth / 400;
+  const auto track = [&](double pixels, double time) {
+    const TrackedFrame frame = tracker_.Track(map_, Seen(pixels), motion_, motion_.Predict(time), time);
+    EXPECT_TRUE(frame.camera_from_world);
+    motion_.Update(time, *frame.camera_from_world);
+    EXPECT_LT((frame.camera_from_world->translation - Moved(pixels).translation).norm(), tolerance) << time;
+    return frame;
+  };
+  EXPECT_FALSE(track(6, 0.1).is_sampled);
+  const std::vector<FeatureTrack> tracks = tracker_.tracks();
+  const TrackedFrame next = track(7.5, 0.117);
+  EXPECT_TRUE(next.is_sampled);
+  EXPECT_LT(next.tracked, 0.7 * static_cast<double>(tracks.size()));
+  EXPECT_GT(next.inliers, 100);
+  EXPECT_FALSE(tracker_.NeedsKeyframe(map_, next));
+  EXPECT_EQ(tracker_.tracks().size(), tracks.size());
+  EXPECT_EQ(tracker_.tracks().front().pixel, tracks.front().pixel) << "the tracks are those of the image before";
+  EXPECT_TRUE(tracker_.IsRepeat(map_, Seen(7.5), Moved(12), 0.017));
+  EXPECT_FALSE(tracker_.IsRepeat(map_, Seen(6), Moved(12), 0.017)) << "the image before";
+  EXPECT_FALSE(track(9, 0.134).is_sampled);
+  EXPECT_NEAR(tracker_.tracks().front().pixel.x, tracks.front().pixel.x - 3, 0.3);
+}
+
 TEST_F(FrameTracking, AKeyframeIsDueAfterEnoughParallax) {
   const double due = 400 * std::tan(options_.keyframes.min_parallax_deg * M_PI / 180);
   const TrackedFrame little = Track(Seen(0.8 * due), 0.8 * due);
   ASSERT_TRUE(little.camera_from_world);
   EXPECT_FALSE(tracker_.NeedsKeyframe(map_, little));
-  const TrackedFrame enough = Track(Seen(1.2 * due), 1.2 * due);
+  const TrackedFrame enough = tracker_.Track(map_, Seen(1.2 * due), motion_, Moved(1.2 * due), 2 * kInterval);
   ASSERT_TRUE(enough.camera_from_world);
   EXPECT_TRUE(tracker_.NeedsKeyframe(map_, enough));
 }

@@ -20,7 +20,7 @@ namespace turnscale {
 namespace {
 
 // Landmarks that are tracked from the predicted pose. They give the pose from which all others are searched, within a
-// few pixels.
+// few pixels, or that of an image of which only a sample is tracked.
 constexpr size_t kPoseSample = 120;
 constexpr int kLeastOfPoseSample = 50;
 constexpr double kLeastShareOfSample = 0.6;
@@ -42,7 +42,7 @@ class ImageTracker {
         map_(map),
         mask_(mask),
         step_(step),
-        last_(step.motion.last()),
+        last_(step.last_from_world),
         before_(MatchBrightness(options.flow, step.last_image, step.image)) {}
 
   bool IsBelievable(const TrackedPose& pose) const { return turnscale::IsBelievable(options_.tracking, pose.estimate); }
@@ -56,6 +56,26 @@ class ImageTracker {
       if (IsBelievable(tracked)) return tracked;
     }
     return TrackByFlow(predicted);
+  }
+
+  // A sample of the landmarks, by their reference views, from a pose that is correct within a few pixels; empty where
+  // they do not agree. The errors of landmarks, which differ from one sample to another, are those of the last image
+  // and cancel: the motion since then is measured.
+  std::optional<TrackedPose> TrackSample(const RigidTransform& pose) const {
+    std::vector<FeatureTrack> sample = Sample();
+    const size_t wanted = sample.size();
+    std::unordered_map<int, Eigen::Vector2d> residuals;
+    for (const FeatureTrack& track : sample) {
+      const Eigen::Vector3d in_last_image = last_ * map_.landmarks[track.landmark].position;
+      residuals[track.landmark] = track.undistorted - map_.camera.pinhole.Project(in_last_image);
+    }
+    FollowedTracks tracks;
+    SearchByMap(pose, std::move(sample), tracks);
+    DropMasked(tracks);
+    for (FeatureTrack& track : tracks.found) track.undistorted -= residuals.at(track.landmark);
+    TrackedPose tracked = EstimateFrom(pose, std::move(tracks));
+    if (!Agree(tracked.estimate, wanted)) return std::nullopt;
+    return tracked;
   }
 
   // From a pose that is correct within a few pixels.
@@ -84,6 +104,18 @@ class ImageTracker {
   }
 
  private:
+  std::vector<FeatureTrack> Sample() const {
+    std::vector<FeatureTrack> sample;
+    for (const FeatureTrack* track : SampleWithDepth(map_, step_.tracks, kPoseSample)) sample.push_back(*track);
+    return sample;
+  }
+
+  // Enough of a sample of so many landmarks.
+  static bool Agree(const PoseEstimate& estimate, size_t landmarks) {
+    return estimate.inliers >= kLeastOfPoseSample &&
+           estimate.inliers >= kLeastShareOfSample * static_cast<double>(landmarks);
+  }
+
   bool HasDepth(const FeatureTrack& track) const { return map_.landmarks[track.landmark].valid; }
 
   TrackedPose EstimateFrom(const RigidTransform& initial, FollowedTracks tracks) const {
@@ -103,13 +135,10 @@ class ImageTracker {
   // The pose by a sample of the landmarks, searched from this many halvings of the image on (empty: all); empty where
   // they do not agree.
   std::optional<RigidTransform> PoseOfSample(const RigidTransform& predicted, std::optional<int> levels) const {
-    std::vector<FeatureTrack> sample;
-    for (const FeatureTrack* track : SampleWithDepth(map_, step_.tracks, kPoseSample)) sample.push_back(*track);
+    const std::vector<FeatureTrack> sample = Sample();
     if (sample.size() < kLeastOfPoseSample) return std::nullopt;
     const PoseEstimate estimate = EstimateFrom(predicted, Follow(sample, predicted, levels)).estimate;
-    if (estimate.inliers < kLeastOfPoseSample ||
-        estimate.inliers < kLeastShareOfSample * static_cast<double>(sample.size()))
-      return std::nullopt;
+    if (!Agree(estimate, sample.size())) return std::nullopt;
     return estimate.camera_from_world;
   }
 
@@ -236,6 +265,11 @@ class ImageTracker {
 bool IsBelievable(const TrackingOptions& options, const PoseEstimate& estimate) {
   return estimate.inliers >= options.min_inliers &&
          estimate.inliers >= options.min_inlier_share * static_cast<double>(estimate.inlier.size());
+}
+
+std::optional<TrackedPose> TrackSample(const OdometryOptions& options, const Map& map, const cv::Mat& mask,
+                                       const ImageStep& step, const RigidTransform& predicted) {
+  return ImageTracker(options, map, mask, step).TrackSample(predicted);
 }
 
 TrackedPose TrackImage(const OdometryOptions& options, const Map& map, const cv::Mat& mask, const ImageStep& step,

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <optional>
+
 #include <opencv2/core.hpp>
 
 #include "turnscale/geometry/rigid_transform.h"
@@ -27,5 +29,11 @@ bool IsBelievable(const TrackingOptions& options, const PoseEstimate& estimate);
 /// all fail, the pose returned is not believable. Pixels of `mask` that are 0 are left out (8 bit; empty: none are).
 TrackedPose TrackImage(const OdometryOptions& options, const Map& map, const cv::Mat& mask, const ImageStep& step,
                        const RigidTransform& predicted);
+
+/// The same for a sample of the landmarks, in an image that follows the last one so soon that the predicted pose is
+/// correct within a few pixels; empty where they do not agree. The tracks' undistorted pixels are those that the pose
+/// is estimated from.
+std::optional<TrackedPose> TrackSample(const OdometryOptions& options, const Map& map, const cv::Mat& mask,
+                                       const ImageStep& step, const RigidTransform& predicted);
 
 }  // namespace turnscale

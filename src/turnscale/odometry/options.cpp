@@ -61,6 +61,7 @@ void TrackingOptions::Check() const {
   if (!(min_inlier_share >= 0 && min_inlier_share <= 1))
     throw InputError("tracking.min_inlier_share: has to be in 0...1");
   if (memory_keyframes < 1) throw InputError("tracking.memory_keyframes: has to be at least 1");
+  if (!(sampled_interval >= 0)) throw InputError("tracking.sampled_interval: must not be negative");
   if (!(max_lost_seconds >= 0)) throw InputError("tracking.max_lost_seconds: must not be negative");
   if (!(max_hidden_seconds >= 0)) throw InputError("tracking.max_hidden_seconds: must not be negative");
   if (!(depth_sigma > 0 && depth_sigma < 1)) throw InputError("tracking.depth_sigma: has to be between 0 and 1");

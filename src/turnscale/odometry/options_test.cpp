@@ -63,6 +63,7 @@ TEST(OdometryOptions, NameTheFieldThatMakesNoSense) {
   EXPECT_EQ(Refused([](auto& o) { o.tracking.memory_keyframes = 0; }), "tracking.memory_keyframes");
   EXPECT_EQ(Refused([](auto& o) { o.tracking.max_lost_seconds = -1; }), "tracking.max_lost_seconds");
   EXPECT_EQ(Refused([](auto& o) { o.tracking.max_hidden_seconds = -1; }), "tracking.max_hidden_seconds");
+  EXPECT_EQ(Refused([](auto& o) { o.tracking.sampled_interval = -1; }), "tracking.sampled_interval");
   EXPECT_EQ(Refused([](auto& o) { o.keyframes.min_motion = -1; }), "keyframes.min_motion");
   EXPECT_EQ(Refused([](auto& o) { o.tracking.min_lost_frames = 0; }), "tracking.min_lost_frames");
   EXPECT_EQ(Refused([](auto& o) { o.tracking.depth_sigma = 0; }), "tracking.depth_sigma");

@@ -105,7 +105,7 @@ class Search {
   Search(const Map& map, const ImageStep& step)
       : map_(map),
         last_pyramid_(step.last_image.pyramid),
-        last_from_world_(step.motion.last()),
+        last_from_world_(step.last_from_world),
         pyramid_(step.image.pyramid),
         coarsest_(CoarsestLevel(map.camera.pinhole.fx, static_cast<int>(pyramid_.size()))),
         tracks_(SampleWithDepth(map, step.tracks, kMostLandmarks)) {}

@@ -88,6 +88,7 @@ class PoseSearch : public testing::Test {
 
   std::optional<RigidTransform> Search(const FlowImage& image) const {
     return SearchPose(map_, {.last_image = first_,
+                             .last_from_world = motion_.last(),
                              .tracks = tracks_,
                              .lost_tracks = {},
                              .motion = motion_,

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "turnscale/run/impossible_motion.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -29,9 +30,10 @@ std::vector<FrameResult> DriveAt(double seconds, Speed speed) {
 TEST(ImpossibleMotion, IsNoneInADrive) {
   EXPECT_TRUE(FindImpossibleMotion({}).empty());
   // Full braking to a stop, and off again.
-  EXPECT_TRUE(FindImpossibleMotion(DriveAt(60, [](double time) {
-                return time < 20 ? 30.0 : time < 23 ? 30 - 10 * (time - 20) : time < 30 ? 0.0 : 4 * (time - 30);
-              })).empty());
+  EXPECT_TRUE(
+      FindImpossibleMotion(DriveAt(60, [](double time) {
+        return time < 20 ? 30.0 : time < 23 ? 30 - 10 * (time - 20) : time < 30 ? 0.0 : std::min(4 * (time - 30), 50.0);
+      })).empty());
   // A camera that froze, while the car went on or stopped.
   EXPECT_TRUE(
       FindImpossibleMotion(DriveAt(60, [](double time) { return time < 20 || time > 40 ? 10.0 : 0.0; })).empty());
@@ -72,7 +74,7 @@ TEST(ImpossibleMotion, IsFasterThanACar) {
   EXPECT_NEAR(part[0].from, 20, 0.6);
   EXPECT_NEAR(part[0].to, 60, 0.6);
   EXPECT_NEAR(part[0].expected, 400, 20);
-  EXPECT_NE(ImpossibleMotionText(part).find("the speed is 1080 km/h (from 20."), std::string::npos)
+  EXPECT_NE(ImpossibleMotionText(part).find("the speed is 1070 km/h (from 19.5 to 59.5 s)"), std::string::npos)
       << ImpossibleMotionText(part);
   const auto gradual = FindImpossibleMotion(DriveAt(60, [](double time) { return 10 + 4 * time; }));
   ASSERT_EQ(gradual.size(), 1U);

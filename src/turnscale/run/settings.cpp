@@ -243,6 +243,7 @@ void VisitSettings(Visitor& visitor, Settings& settings) {
     visitor.Field("min_lost_frames", o.min_lost_frames);
     visitor.Field("depth_sigma", o.depth_sigma);
     visitor.Field("memory_keyframes", o.memory_keyframes);
+    visitor.Field("sampled_interval", o.sampled_interval);
   });
   visitor.Group("steps", [&] {
     auto& o = options.steps;
