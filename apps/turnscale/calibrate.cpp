@@ -87,7 +87,8 @@ void AddCalibrateCommand(CLI::App& app) {
   metric->excludes(lever_arm);
   CLI::Option* side_slip = calibrate->add_option(
       "--side-slip", arguments->side_slip,
-      fmt::format("Slip-angle coefficient c in L_eff = L - c v^2, s^2/m; 0: no slip [{}; 0 without timestamps]",
+      fmt::format("Side slip of the rear axle: its slip angle per lateral acceleration, rad per m/s^2 (= s^2/m); c in "
+                  "L_eff = L - c v^2; 0: none [{}; 0 without timestamps]",
                   VehicleOptions().side_slip));
   calibrate
       ->add_flag("--fit-side-slip", arguments->fit_side_slip,

@@ -14,10 +14,11 @@ void AddCameraOptions(CLI::App& command, ImageArguments& arguments) {
       "Intrinsics: KITTI calib.txt, OpenCV, ORB-SLAM or Kalibr YAML [calib.txt or camera.yaml in the "
       "input folder; else estimated from the turns of the drive]");
   command
-      .add_option("--fov", arguments.field_of_view,
-                  fmt::format("Estimate the intrinsics, starting from this horizontal field of view, degrees [{}, "
-                              "along the longer side]",
-                              kUsualView))
+      .add_option(
+          "--fov", arguments.field_of_view,
+          fmt::format("Estimate the intrinsics, starting from this horizontal field of view, degrees [{}; if the "
+                      "images are higher than wide, {} vertically]",
+                      kUsualView, kUsualView))
       ->excludes(camera);
   command.add_flag("--camera-refine", arguments.refine_camera,
                    "Estimate the intrinsics, starting from the given ones, and use the estimate");

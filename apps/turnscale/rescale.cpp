@@ -44,13 +44,15 @@ void AddRescaleCommand(CLI::App& app) {
                       fmt::format("Standard deviation of --lever-arm, metres [{}]", kTapeSigma));
   command->add_option(
       "--side-slip", arguments->side_slip,
-      fmt::format("Slip-angle coefficient c in L_eff = L - c v^2: slip angle of the rear axle per lateral "
-                  "acceleration, rad per m/s^2 (= s^2/m). Refined from the drive unless its sigma is 0 [{}]",
+      fmt::format("Side slip of the rear axle: its slip angle per lateral acceleration, rad per m/s^2 (= s^2/m); c in "
+                  "L_eff = L - c v^2. Refined from the drive unless its sigma is 0 [{}]",
                   car.side_slip));
   command->add_option(
       "--side-slip-sigma", arguments->side_slip_sigma,
-      fmt::format("Standard deviation of c, s^2/m; 0: c is not refined [{}; with --side-slip above 0, {:.0f} % of it]",
-                  car.side_slip_sigma, 100 * kGivenSideSlipSigma));
+      fmt::format(
+          "Standard deviation of the side slip, s^2/m; 0: it is not refined [{}; with --side-slip above 0, {:.0f} "
+          "% of it]",
+          car.side_slip_sigma, 100 * kGivenSideSlipSigma));
   CLI::Option* heights = command->add_option(
       "--heights", arguments->heights,
       fmt::format(

@@ -124,13 +124,15 @@ void AddRunCommand(CLI::App& app) {
                   "slip, camera rotation and camera height are taken from it and refined; other options override it");
   run->add_option(
       "--side-slip", arguments->car.side_slip,
-      fmt::format("Slip-angle coefficient c in L_eff = L - c v^2: slip angle of the rear axle per lateral "
-                  "acceleration, rad per m/s^2 (= s^2/m). Refined from the drive unless its sigma is 0 [{}]",
+      fmt::format("Side slip of the rear axle: its slip angle per lateral acceleration, rad per m/s^2 (= s^2/m); c in "
+                  "L_eff = L - c v^2. Refined from the drive unless its sigma is 0 [{}]",
                   kUsualSideSlip));
   run->add_option(
       "--side-slip-sigma", arguments->car.side_slip_sigma,
-      fmt::format("Standard deviation of c, s^2/m; 0: c is not refined [{}; with --side-slip above 0, {:.0f} % of it]",
-                  kUsualSideSlipSigma, 100 * kGivenSideSlipSigma));
+      fmt::format(
+          "Standard deviation of the side slip, s^2/m; 0: it is not refined [{}; with --side-slip above 0, {:.0f} "
+          "% of it]",
+          kUsualSideSlipSigma, 100 * kGivenSideSlipSigma));
   run->add_option(
       "--camera-rotation", arguments->car.camera_rotation,
       "Camera-to-vehicle rotation: yaw,pitch,roll in degrees, positive to the right, up, to the right; a YAML file "
