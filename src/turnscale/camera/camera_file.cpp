@@ -229,11 +229,15 @@ bool IsKeyOfCamera(const std::string& key) {
   return key == "cam0" || key == "camera_matrix" || key == "P0" || key.starts_with("Camera");
 }
 
-// A run writes car.yaml beside camera.yaml.
-void RefuseCarFile(const YamlMap& file) {
+// A run writes car.yaml and settings.yaml beside camera.yaml.
+void RefuseOtherFiles(const YamlMap& file) {
   for (const char* key : {"lever_arm", "side_slip", "yaw_deg"})
     if (file.Has(key))
       file.Reject(key, "is of a car's file, which --vehicle takes; give --camera a camera's, such as camera.yaml");
+  for (const char* key : {"vehicle", "images", "scale"})
+    if (file.IsMap(key))
+      file.Reject(key,
+                  "is of a file of settings, which --settings takes; give --camera a camera's, such as camera.yaml");
 }
 
 // For a file that may not be meant as a camera at all.
@@ -255,7 +259,7 @@ CameraModel CameraFromYaml(const YamlMap& file) {
   if (std::any_of(keys.begin(), keys.end(), [](const auto& key) { return key.starts_with("Camera"); })) {
     return OrbSlamCamera(file);
   }
-  RefuseCarFile(file);
+  RefuseOtherFiles(file);
   return OrSayWhatIsOne([&]() -> CameraModel {
     file.AllowOnly(Names{"cam0", "camera_matrix", "distortion_coefficients", "image_width", "image_height", "Camera.fx",
                          "Camera.fy", "Camera.cx", "Camera.cy", "Camera.type"});
@@ -329,10 +333,9 @@ std::string DoubtOfLens(const std::filesystem::path& path) {
          " are unusually large; if they are of a fisheye lens, add distortion_model: equidistant, else plumb_bob";
 }
 
-void RefuseCameraFile(const YamlMap& file) {
+void RefuseCameraFile(const YamlMap& file, const std::string& wanted) {
   for (const std::string& key : file.Keys())
-    if (IsKeyOfCamera(key))
-      file.Reject(key, "is of a camera's file, which --camera takes; give a car's file here, such as car.yaml");
+    if (IsKeyOfCamera(key)) file.Reject(key, "is of a camera's file, which --camera takes; give " + wanted);
 }
 
 std::string CameraFileText(const CameraModel& camera) {

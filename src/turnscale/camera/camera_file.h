@@ -20,8 +20,9 @@ CameraModel ReadCameraFile(const std::filesystem::path& path);
 /// Else empty. Throws as ReadCameraFile.
 std::string DoubtOfLens(const std::filesystem::path& path);
 
-/// Throws InputError where a file that is to describe a car is a camera's: files of both kinds lie side by side.
-void RefuseCameraFile(const YamlMap& file);
+/// Throws InputError where a file that is to be of another kind is a camera's: a run writes several kinds side by side.
+/// `wanted`: what to give instead.
+void RefuseCameraFile(const YamlMap& file, const std::string& wanted = "a car's file here, such as car.yaml");
 
 /// The calibration as YAML of ROS's camera_info, which OpenCV reads too and ReadCameraFile gives back to the same bits.
 /// `focal_length_sigma` (pixels) is added where the camera has one.

@@ -246,6 +246,8 @@ TEST(CameraFile, ACarsFileIsNamedAsOne) {
     EXPECT_NE(Complaint(car).find("is of a car's file, which --vehicle takes; give --camera a camera's"),
               std::string::npos)
         << Complaint(car);
+  EXPECT_NE(Complaint("vehicle:\n  lever_arm: 1.45\n").find("is of a file of settings, which --settings takes"),
+            std::string::npos);
   // As rostopic prints a CameraInfo.
   EXPECT_EQ(Complaint("height: 480\nwidth: 640\nK: [500, 0, 320, 0, 500, 240, 0, 0, 1]\n").find("of a car's file"),
             std::string::npos);

@@ -249,11 +249,12 @@ void YamlMap::AllowOnly(std::span<const std::string> known) const {
   }
 }
 
-void YamlMap::AllowOnlyNested(std::span<const std::string> known) const {
+void YamlMap::AllowOnlyNested(std::span<const std::string> known, std::span<const std::string> passed_over) const {
   for (const std::string& key : Keys()) {
     const bool is_dotted = key.find('.') != std::string::npos;
+    if (!is_dotted && Contains(passed_over, prefix_ + key)) continue;
     if (is_dotted || !Contains(known, prefix_ + key)) Reject(key, "unknown key; " + HintFor(prefix_, key, known));
-    if (IsGroup(known, prefix_ + key) && IsMap(key)) Map(key).AllowOnlyNested(known);
+    if (IsGroup(known, prefix_ + key) && IsMap(key)) Map(key).AllowOnlyNested(known, passed_over);
   }
 }
 

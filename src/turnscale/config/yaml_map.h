@@ -52,8 +52,9 @@ class YamlMap {
   /// Throws for the first key that is not among `known`, and names the nearest that is.
   void AllowOnly(std::span<const std::string> known) const;
   /// The same for the maps below, too: `known` has every key of a file, maps included, with those above it, such as
-  /// "scale" and "scale.drift". Says where a key belongs that is known elsewhere.
-  void AllowOnlyNested(std::span<const std::string> known) const;
+  /// "scale" and "scale.drift". Says where a key belongs that is known elsewhere. Keys in `passed_over` may stand in
+  /// the file, but are not suggested.
+  void AllowOnlyNested(std::span<const std::string> known, std::span<const std::string> passed_over = {}) const;
   /// Calls Check() of what was read from this map. A complaint "key: why" (base/check_part.h), with the keys above,
   /// gets file, line and, where it does not begin with it, the value if the key is in the file, else the file.
   template <class Options>

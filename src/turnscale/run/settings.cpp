@@ -352,14 +352,18 @@ std::string SettingsText(const Settings& settings) {
 
 Settings ReadSettings(const std::filesystem::path& path) {
   const YamlMap file(path);
-  if (file.Has("yaw_deg"))
-    throw InputError(path.string() + ": is the file of a car, not of settings; give it as --vehicle");
+  RefuseCameraFile(file, "a file of settings here, such as settings.yaml");
+  // A car.yaml without a rotation has these two.
+  if (file.Has("yaw_deg") || (file.Has("side_slip") && file.Has("side_slip_sigma")))
+    throw InputError(path.string() +
+                     ": is the file of a car, which --vehicle takes; give --settings a file of settings, such as "
+                     "settings.yaml");
   Settings settings;
   FieldNames known;
   VisitSettings(known, settings);
   // Runs of earlier versions wrote it, and never used it.
-  known.names.emplace_back("scale.recovery.pixel_sigma_inflation");
-  file.AllowOnlyNested(known.names);
+  const std::vector<std::string> old = {"scale.recovery.pixel_sigma_inflation"};
+  file.AllowOnlyNested(known.names, old);
   FieldReader reader(file);
   VisitSettings(reader, settings);
   file.CheckRead(settings);
@@ -378,6 +382,7 @@ Eigen::Quaterniond ReadCameraRotation(const std::string& angles_or_file) {
     }
     const YamlMap map{std::filesystem::path(angles_or_file)};
     RefuseCameraFile(map);
+    RefuseSettingsFile(map);
     // Such files say more of the car than its rotation.
     map.AllowOnly(VehicleFileKeys());
     angles = YawPitchRoll{map.Angle("yaw_deg") / kDegreesPerRadian, map.Angle("pitch_deg") / kDegreesPerRadian,

@@ -98,6 +98,20 @@ TEST(Settings, ASettingThatEarlierVersionsWroteForNothingIsPassedOver) {
   EXPECT_EQ(SettingsFrom(old).odometry.scale.recovery.max_iterations, 17);
   const std::string written = SettingsText(SettingsFrom(old));
   EXPECT_EQ(written.find("pixel_sigma_inflation", written.find("recovery:")), std::string::npos);
+  const std::string near = SettingsComplaint("scale:\n  recovery:\n    pixel_sigma_inflatoin: 3\n");
+  EXPECT_NE(near.find("unknown key"), std::string::npos) << near;
+  EXPECT_EQ(near.find("'scale.recovery.pixel_sigma_inflation'"), std::string::npos) << near;
+}
+
+TEST(Settings, FilesOfOtherKindsAreNamed) {
+  for (const char* car : {"yaw_deg: 1\npitch_deg: 0\nroll_deg: 0\n", "side_slip: 0.0045\nside_slip_sigma: 0.002\n"})
+    EXPECT_NE(SettingsComplaint(car).find("is the file of a car, which --vehicle takes; give --settings"),
+              std::string::npos)
+        << SettingsComplaint(car);
+  const std::string camera = "image_width: 640\ncamera_matrix: [1, 0, 0, 0, 1, 0, 0, 0, 1]\n";
+  EXPECT_NE(SettingsComplaint(camera).find("is of a camera's file, which --camera takes; give a file of settings"),
+            std::string::npos)
+      << SettingsComplaint(camera);
 }
 
 TEST(Settings, ComplaintsNameLineKeyAndNearestKey) {
@@ -117,10 +131,6 @@ TEST(Settings, ComplaintsNameLineKeyAndNearestKey) {
   EXPECT_EQ(SettingsFrom("vehicle:\n  lever_arm: null\n").odometry.vehicle.lever_arm, std::nullopt);
   EXPECT_NE(SettingsComplaint("scale:\n  method: magic\n").find("is 'magic'; give smoothed or turns or paper"),
             std::string::npos);
-}
-
-TEST(Settings, AFileOfACarIsRecognised) {
-  EXPECT_NE(SettingsComplaint("yaw_deg: 1\npitch_deg: 0\n").find("give it as --vehicle"), std::string::npos);
 }
 
 TEST(Settings, AMisplacedKeyIsShownItsPlace) {

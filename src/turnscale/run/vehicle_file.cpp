@@ -169,6 +169,12 @@ const std::vector<std::string>& VehicleFileKeys() {
   return keys;
 }
 
+void RefuseSettingsFile(const YamlMap& file) {
+  for (const std::string& key : file.Keys())
+    if (file.IsMap(key))
+      file.Reject(key, "is not of a car's file; give one here, such as car.yaml, and a file of settings as --settings");
+}
+
 std::string VehicleFileText(const VehicleOptions& vehicle, const Mount& mount, const RefinedScale& scale) {
   const KnownCar known = WhatIsKnown(vehicle, mount, scale);
   const Correlations& correlations = known.correlations;
@@ -198,8 +204,7 @@ std::string VehicleFileText(const VehicleOptions& vehicle, const Mount& mount, c
 void ReadVehicleFile(const std::filesystem::path& path, VehicleOptions& vehicle) {
   const YamlMap map(path);
   RefuseCameraFile(map);
-  if (map.Has("vehicle"))
-    throw InputError(path.string() + ": is a file of settings, not of a car; give it as --settings");
+  RefuseSettingsFile(map);
   map.AllowOnly(VehicleFileKeys());
   const auto not_negative = [&](const char* key, double otherwise) {
     if (!map.Has(key)) return otherwise;

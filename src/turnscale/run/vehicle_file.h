@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "turnscale/config/yaml_map.h"
 #include "turnscale/odometry/drive_scale.h"
 #include "turnscale/odometry/mount_calibration.h"
 #include "turnscale/odometry/options.h"
@@ -14,6 +15,9 @@ namespace turnscale {
 /// Keys of the files that describe a car and its camera: car.yaml of a run, calibration.yaml of a calibration,
 /// vehicle.yaml of a simulated drive. Not all of them are read: a drive does not depend on lateral_offset, for example.
 const std::vector<std::string>& VehicleFileKeys();
+
+/// Throws InputError where a file that is to describe a car has keys in groups, as one of settings does.
+void RefuseSettingsFile(const YamlMap& file);
 
 /// Magnitude up to which files state the correlation of two errors: readers need two errors that are not the same one.
 constexpr double kMostCorrelation = 0.98;

@@ -236,7 +236,11 @@ TEST(VehicleFile, SenselessValuesAreRefused) {
   EXPECT_NE(Refused("height: 1\nheight_sigma: 1\n").find("height_sigma: has to be below"), std::string::npos);
   EXPECT_NE(Refused("hight: 1\n").find("height"), std::string::npos) << "the nearest known key";
   EXPECT_NE(Refused("wheelbase_m: 2.7\n").find("wheelbase_m: unknown key; remove it"), std::string::npos);
-  EXPECT_NE(Refused("vehicle:\n  lever_arm: 1\n").find("give it as --settings"), std::string::npos);
+  for (const char* settings : {"vehicle:\n  lever_arm: 1\n", "scale:\n  huber: 2\n"})
+    EXPECT_NE(Refused(settings).find(
+                  "is not of a car's file; give one here, such as car.yaml, and a file of settings as --settings"),
+              std::string::npos)
+        << Refused(settings);
   for (const char* camera : {"image_width: 640\ncamera_matrix: [1, 0, 0, 0, 1, 0, 0, 0, 1]\n", "Camera.fx: 200\n",
                              "P0: 1 0 0 0 0 1 0 0 0 0 1 0\n", "cam0:\n  camera_model: pinhole\n"})
     EXPECT_NE(Refused(camera).find("is of a camera's file, which --camera takes; give a car's file here"),
