@@ -34,10 +34,9 @@ class CsvTable {
     if (found == columns_.end()) {
       // As spreadsheets write tables where the comma is the decimal point.
       const bool parted = columns_.size() == 1 && columns_[0].find_first_of(";\t") != std::string::npos;
-      throw InputError(
-          lines_.Name() + ": has no column '" + std::string(column) + "'" +
-          (parted ? ", but '" + Excerpt(columns_[0]) + "'; separate columns by commas, and write decimal points"
-                  : std::string()));
+      throw InputError(lines_.Name() + ": has no column '" + std::string(column) + "'" +
+                       (parted ? ", but '" + Excerpt(columns_[0]) + "'" : SimilarColumn(column)) +
+                       (parted ? "; separate columns by commas, and write decimal points" : ""));
     }
     return static_cast<std::size_t>(found - columns_.begin());
   }
@@ -78,6 +77,14 @@ class CsvTable {
 
  private:
   static bool IsBlank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
+
+  // One whose name is longer or shorter, such as "time_ms" for "time"; empty if there is none.
+  std::string SimilarColumn(std::string_view column) const {
+    const auto similar = std::find_if(columns_.begin(), columns_.end(), [&](const std::string& name) {
+      return !name.empty() && (name.starts_with(column) || column.starts_with(name));
+    });
+    return similar == columns_.end() ? "" : ", but '" + Excerpt(*similar) + "'";
+  }
 
   void ReadHeading() {
     if (ReadLine()) Split();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "turnscale/commands/calibrate_command.h"
 
+#include <algorithm>
 #include <cmath>
 #include <initializer_list>
 #include <optional>
@@ -144,6 +145,13 @@ std::vector<CameraStep> AtMeasuredSpeed(const std::vector<CameraStep>& steps, co
         fmt::format("{}: the car stands still, or is slower than {:g} m/s, while the camera moves", name, kWalking));
   }
   return metric;
+}
+
+// The fastest speed shows whether it is the right one.
+std::string AssumedUnit(const std::string& name, const SpeedLog& log) {
+  const double fastest = std::ranges::max(log.speeds);
+  return fmt::format("{} names no unit of speed: m/s assumed, so the fastest is {:.1f} m/s ({:.0f} km/h)", name,
+                     fastest, 3.6 * fastest);
 }
 
 // The distance is that of the whole path. Why a drive was stopped is said elsewhere.
@@ -302,6 +310,8 @@ CalibrateOutcome ExecuteCalibrate(const CalibrateArguments& given, const Command
   const DriveMotion motion = ReadMotion(arguments, hooks);
   CalibrateOutcome outcome;
   outcome.note = motion.note;
+  if (speeds && !speeds->names_unit)
+    outcome.note += (outcome.note.empty() ? "" : "; ") + AssumedUnit(arguments.speed->string(), *speeds);
   outcome.stopped = motion.stopped;
   if (!motion.stopped) {
     outcome.report = CalibrateMotion(arguments, speeds, motion, outcome.history);

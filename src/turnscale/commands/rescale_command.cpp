@@ -101,15 +101,23 @@ void CheckArguments(const RescaleArguments& arguments) {
   if (arguments.report) CheckReportFolder(*arguments.report);
 }
 
-std::vector<PathHeight> HeightsAlong(const Trajectory& poses, const std::optional<fs::path>& path) {
+std::vector<PathHeight> HeightsAlong(const Trajectory& poses, const std::optional<fs::path>& path,
+                                     const CommandHooks& hooks) {
   if (!path) return {};
+  constexpr double kLeastShare = 0.1;
   std::vector<PathHeight> heights = ReadHeightFile(*path);
   const double first = poses.front().time;
   const double last = poses.back().time;
-  if (std::ranges::any_of(heights,
-                          [&](const PathHeight& height) { return height.time >= first && height.time <= last; }))
-    return heights;
-  throw InputError(fmt::format("{}: no height is at a time of the trajectory, {} to {}", path->string(), first, last));
+  const auto within = std::ranges::count_if(
+      heights, [&](const PathHeight& height) { return height.time >= first && height.time <= last; });
+  if (within == 0)
+    throw InputError(
+        fmt::format("{}: no height is at a time of the trajectory, {} to {}", path->string(), first, last));
+  if (static_cast<double>(within) < kLeastShare * static_cast<double>(heights.size()))
+    Warn(hooks, fmt::format("{}: only {} of {} heights are at times of the trajectory, {} to {} s: check that their "
+                            "times are seconds of the same clock",
+                            path->string(), within, heights.size(), first, last));
+  return heights;
 }
 
 void WriteReport(const fs::path& folder, const RescaleResult& result, const std::string& input, const CarPrior& car,
@@ -165,7 +173,7 @@ RescaleResult ExecuteRescale(const RescaleArguments& given, const CommandHooks& 
     Warn(hooks, fmt::format("{}: {} pose{} where the run had lost tracking {} left out", input, path.left_out,
                             path.left_out == 1 ? "" : "s", path.left_out == 1 ? "is" : "are"));
   const RescaleResult result =
-      RescaleTrajectory(options, path.poses, path.gaps, HeightsAlong(path.poses, arguments.heights));
+      RescaleTrajectory(options, path.poses, path.gaps, HeightsAlong(path.poses, arguments.heights, hooks));
   if (!result.observable) {
     throw InputError(fmt::format(
         "{}: scale not observable: {}{}", input, result.reason,

@@ -55,7 +55,8 @@ TEST(HeightFile, TimesMayBeMicroseconds) {
 }
 
 TEST(HeightFile, RefusesWhatMakesNoSense) {
-  EXPECT_EQ(ErrorOf("time,heights\n1,2\n"), ": has no column 'height'");
+  EXPECT_EQ(ErrorOf("time,heights\n1,2\n"), ": has no column 'height', but 'heights'");
+  EXPECT_EQ(ErrorOf("time_ms,height\n1,2\n"), ": has no column 'time', but 'time_ms'");
   EXPECT_EQ(ErrorOf("time,height\n"), ": holds no heights");
   EXPECT_EQ(ErrorOf(""), ": has no column 'time'");
   EXPECT_EQ(ErrorOf("time,height\n1,2\n1,2\n"), ":3: time 1 does not come after 1");

@@ -34,8 +34,26 @@ double SpeedAt(const SpeedLog& log, double time) {
 struct SpeedColumns {
   size_t time = 0;
   size_t speed = 1;
-  std::optional<double> unit = {};  // of the speed, m/s; nothing if it is not named
+  std::optional<double> unit = {};       // of the speed, m/s; nothing if it is not named
+  std::optional<double> time_unit = {};  // s; nothing if it is not named, or seconds
 };
+
+struct TimeUnit {
+  std::string_view name;  // letters only
+  double seconds;
+};
+
+constexpr std::array kTimeUnits = {TimeUnit{"", 1},
+                                   TimeUnit{"s", 1},
+                                   TimeUnit{"sec", 1},
+                                   TimeUnit{"seconds", 1},
+                                   TimeUnit{"ms", 1e-3},
+                                   TimeUnit{"msec", 1e-3},
+                                   TimeUnit{"us", 1e-6},
+                                   TimeUnit{"usec", 1e-6},
+                                   TimeUnit{"ns", 1e-9},
+                                   TimeUnit{"nsec", 1e-9},
+                                   TimeUnit{"milliseconds", 1e-3}};
 
 struct SpeedUnit {
   std::string_view name;  // letters only
@@ -62,9 +80,18 @@ const SpeedUnit* FindUnit(std::string_view letters) {
   return found == kSpeedUnits.end() ? nullptr : &*found;
 }
 
-bool IsTime(const std::string& column) {
-  return std::ranges::count(std::array{"time", "t", "times", "ts"}, Letters(column)) > 0;
+// Seconds per unit of a column of times, 1 where its name has no unit; nothing if it is none.
+std::optional<double> SecondsOf(const std::string& column) {
+  const std::string letters = Letters(column);
+  for (const std::string_view time : {"timestamp", "time", "t"}) {
+    if (!letters.starts_with(time)) continue;
+    const auto unit = std::ranges::find(kTimeUnits, letters.substr(time.size()), &TimeUnit::name);
+    if (unit != kTimeUnits.end()) return unit->seconds;
+  }
+  return std::nullopt;
 }
+
+bool IsTime(const std::string& column) { return SecondsOf(column).has_value(); }
 
 // A speed, with a unit that is known or without one.
 bool IsSpeed(const std::string& column) {
@@ -127,6 +154,7 @@ SpeedColumns ColumnsOf(const std::vector<std::string>& heading, const std::strin
                     heading.size()));
   }
   columns.unit = UnitOf(heading[columns.speed], where);
+  if (const double seconds = SecondsOf(heading[columns.time]).value_or(1); seconds != 1) columns.time_unit = seconds;
   return columns;
 }
 
@@ -212,7 +240,17 @@ SpeedLog ReadSpeedFile(const std::filesystem::path& path) {
     log.speeds.push_back(columns.unit.value_or(1) * *speed);
   }
   if (log.times.size() < 2) throw InputError(path.string() + ": holds fewer than two speeds");
-  log.times = InSeconds(std::move(log.times));
+  log.names_unit = named && named->unit;
+  if (named && named->time_unit) {
+    for (double& time : log.times) time *= *named->time_unit;
+  } else {
+    log.times = InSeconds(std::move(log.times));
+  }
+  // A few speeds may be all that is known of a drive.
+  constexpr size_t kLog = 10;
+  if (log.times.size() >= kLog)
+    RefuseSparseTimes(path.string(), log.times,
+                      "Give seconds, or name the unit in the first line, such as 'time_ms, speed'");
   return log;
 }
 

@@ -11,6 +11,7 @@ namespace turnscale {
 struct SpeedLog {
   std::vector<double> times;   ///< seconds, growing
   std::vector<double> speeds;  ///< m/s, of the same number
+  bool names_unit = false;     ///< of the speeds; else the numbers were taken for m/s
 
   /// Metres driven between two times, by straight lines between the measurements; nothing outside of them.
   std::optional<double> Distance(double begin, double end) const;
@@ -18,9 +19,10 @@ struct SpeedLog {
 
 /// Reads lines `time, speed` (s, m/s; comma or blanks); # begins a comment, and a first line of words is a heading,
 /// also after a #. Where it names columns `time` and `speed` (or `t`, `v`), there may be others. A unit in the name of
-/// the speed is converted: `speed_kmh`, `speed [km/h]`, `speed_mph`, `v_mps`, knots. Throws InputError that names file
-/// and line where a number is missing, not finite, or negative, a speed without a unit is above 70, a unit is not
-/// known, times do not grow, or there are more than two columns without those names.
+/// the speed is converted: `speed_kmh`, `speed [km/h]`, `speed_mph`, `v_mps`, knots; so is one of the time, such as
+/// `time_ms`. Throws InputError that names file and line where a number is missing, not finite, or negative, a speed
+/// without a unit is above 70, a unit is not known, times do not grow, or there are more than two columns without those
+/// names; also as RefuseSparseTimes if there are ten speeds or more.
 SpeedLog ReadSpeedFile(const std::filesystem::path& path);
 
 }  // namespace turnscale

@@ -36,6 +36,29 @@ TEST(SpeedFile, TimesMayBeMicroseconds) {
               1e-6);
 }
 
+TEST(SpeedFile, ConvertsTheUnitOfTheTimesThatTheHeadingNames) {
+  for (const char* heading : {"time_ms,speed", "Time [ms],Speed", "t_ms speed", "# timestamp_ms, speed"})
+    EXPECT_NEAR(SpeedsFrom(std::string(heading) + "\n0,1\n100,3\n").times.back(), 0.1, 1e-12) << heading;
+  EXPECT_NEAR(SpeedsFrom("time_us,speed\n0,1\n100000,3\n").times.back(), 0.1, 1e-12);
+  EXPECT_EQ(SpeedsFrom("timestamp_s,speed\n0,1\n1,3\n").times.back(), 1);
+  std::string log = "time,speed\n";
+  for (int i = 0; i < 10; ++i) log += std::to_string(33 * i) + ",1\n";
+  try {
+    SpeedsFrom(log);
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("33 s apart or more; are they milliseconds"), std::string::npos)
+        << error.what();
+  }
+  EXPECT_EQ(SpeedsFrom("time,speed\n0,5\n1000,5\n").Distance(0, 1000), 5000) << "a constant speed";
+}
+
+TEST(SpeedFile, KnowsWhetherTheUnitOfTheSpeedsIsNamed) {
+  EXPECT_TRUE(SpeedsFrom("time,speed_mps\n0,1\n1,3\n").names_unit);
+  EXPECT_FALSE(SpeedsFrom("time,speed\n0,1\n1,3\n").names_unit);
+  EXPECT_FALSE(SpeedsFrom("0,1\n1,3\n").names_unit);
+}
+
 TEST(SpeedFile, TakesTheColumnsThatAreNamed) {
   const SpeedLog log = SpeedsFrom("frame,t_s,speed_mps,yaw\n0,10,2,0\n1,11,4,0\n");
   EXPECT_DOUBLE_EQ(log.Distance(10, 11).value(), 3);
