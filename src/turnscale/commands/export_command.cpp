@@ -34,14 +34,17 @@ struct PlacedPath {
   std::string warning = {};  // one line
 };
 
+// By how much the path is too long or too short by the fixes.
+double PathErrorPercent(const FixPlacement& placed) { return 100 * std::abs(1 / placed.scale - 1); }
+
 std::string FixText(const FixPlacement& placed) {
   std::string text = fmt::format(
       "fixes    {} in the drive, {} of them outliers; {:.1f} m RMS from the path\n"
       "heading  {:.2f} +-{:.2f} deg at the start\n"
       "scale    by the fixes, the path is {:.1f} +-{:.1f} % too {} (it is not changed)\n",
       placed.fixes, placed.outliers, placed.rms, placed.placement.heading * kDegreesPerRadian,
-      placed.heading_sigma * kDegreesPerRadian, 100 * std::abs(1 / placed.scale - 1),
-      100 * placed.scale_sigma / placed.scale, placed.scale < 1 ? "long" : "short");
+      placed.heading_sigma * kDegreesPerRadian, PathErrorPercent(placed), 100 * placed.scale_sigma / placed.scale,
+      placed.scale < 1 ? "long" : "short");
   if (placed.has_height)
     text += fmt::format("slope    path tilted by {:.1f} deg to the heights of the fixes\n",
                         RotationAngle(placed.placement.tilt) * kDegreesPerRadian);
@@ -61,9 +64,9 @@ std::string FixWarning(const ExportArguments& arguments, const ResultFolder& res
   for (const FrameResult& frame : results.frames) path_sigma = std::max(path_sigma, frame.scale_sigma);
   if (std::abs(placed.scale - 1) <= kMostSigmas * std::hypot(placed.scale_sigma, path_sigma)) return "";
   return fmt::format(
-      "{}: the path would have to be {:.0f} % {} to fit the fixes, more than the sigmas of both explain: check that "
-      "the fixes are of this drive, the order of latitude and longitude, --start-time, and the lever arm of the run",
-      arguments.fixes.string(), 100 * std::abs(placed.scale - 1), placed.scale > 1 ? "longer" : "shorter");
+      "{}: the path is {:.1f} % too {} by the fixes, more than the sigmas of both explain: check that the fixes are of "
+      "this drive, the order of latitude and longitude, --start-time, and the lever arm of the run",
+      arguments.fixes.string(), PathErrorPercent(placed), placed.scale < 1 ? "long" : "short");
 }
 
 PlacedPath PlaceByFile(const ExportArguments& arguments, const ResultFolder& results,
@@ -75,6 +78,10 @@ PlacedPath PlaceByFile(const ExportArguments& arguments, const ResultFolder& res
 // "latitude,longitude" or "latitude,longitude,height".
 PlacedPath PlaceByOrigin(const std::string& origin, double heading) {
   const std::vector<double> numbers = ParseNumbers(origin).value_or(std::vector<double>());
+  if (numbers.size() >= 2 && std::abs(numbers[0]) > 90 && std::abs(numbers[0]) <= 180)
+    throw InputError(
+        fmt::format("--origin {}: a latitude of {} is beyond 90 degrees; give the latitude first, then the longitude",
+                    origin, numbers[0]));
   const bool sane = (numbers.size() == 2 || numbers.size() == 3) && std::abs(numbers[0]) < 90 &&
                     std::abs(numbers[1]) <= 180 && std::isfinite(numbers.back());
   if (!sane)

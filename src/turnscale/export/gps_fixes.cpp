@@ -306,6 +306,9 @@ std::vector<GpsFix> ReadGpsFixes(const std::filesystem::path& path, std::optiona
     fix.has_height = height.has_value();
     fix.point.height = height.value_or(0);
     if (has_sigma) fix.sigma = table.ValueOrNone<double>(table.Column("sigma")).value_or(fix.sigma);
+    if (std::abs(fix.point.latitude) > 90 && std::abs(fix.point.latitude) <= 180)
+      throw InputError(fmt::format("{}: a latitude of {} is beyond 90 degrees; are latitude and longitude swapped?",
+                                   table.Where(), fix.point.latitude));
     const bool sane = std::isfinite(fix.time) && std::abs(fix.point.latitude) < 90 &&
                       std::abs(fix.point.longitude) <= 180 && fix.sigma > 0 && std::isfinite(fix.sigma) &&
                       std::isfinite(fix.point.height);
@@ -320,8 +323,13 @@ std::vector<GpsFix> ReadGpsFixes(const std::filesystem::path& path, std::optiona
 FixPlacement PlaceByFixes(const std::vector<LevelPlace>& path, const std::vector<GpsFix>& fixes) {
   const std::vector<PlaceOfFix> places = PlacesOf(fixes, path);
   if (places.size() < 2) {
-    throw InputError(fmt::format("--fixes: {} of {} lie within the drive, from {:.1f} s to {:.1f} s; give at least 2",
-                                 places.size(), fixes.size(), path.front().time, path.back().time));
+    const std::string of_fixes =
+        fixes.empty() ? ""
+                      : fmt::format(", and they are from {:.1f} s to {:.1f} s", fixes.front().time, fixes.back().time);
+    throw InputError(fmt::format(
+        "--fixes: {} of {} lie within the drive, which is from {:.1f} s to {:.1f} s{}; give at least 2, and "
+        "check their times and --start-time",
+        places.size(), fixes.size(), path.front().time, path.back().time, of_fixes));
   }
   const std::vector<double> own = OwnErrors(places);
   constexpr double kSigmaUp = 2;  // of a fix's height, over that of its place

@@ -302,7 +302,10 @@ TEST_F(GpsFixFileTest, NamesFileAndLine) {
   EXPECT_NE(Refusal("\xFF\xFEt").find("is text in UTF-16"), std::string::npos);
   EXPECT_NE(Refusal("time,latitude,longitude\n" + std::string(99, 'x') + ",1,2\n").find("x...' is not a time"),
             std::string::npos);
-  EXPECT_NE(Refusal("time,latitude,longitude\n1,91,0\n").find("fixes.csv:2: is not a position"), std::string::npos);
+  EXPECT_NE(Refusal("time,latitude,longitude\n1,90,0\n").find("fixes.csv:2: is not a position"), std::string::npos);
+  EXPECT_NE(Refusal("time,latitude,longitude\n1,151.2,-33.9\n")
+                .find("fixes.csv:2: a latitude of 151.2 is beyond 90 degrees; are latitude and longitude swapped?"),
+            std::string::npos);
   EXPECT_NE(Refusal("time,latitude,longitude\n1,1,1\n1,1,1\n").find("csv:3: its time does not come after"),
             std::string::npos);
   EXPECT_NE(Refusal("time,latitude,longitude\nsoon,1,1\n").find("'soon' is not a time"), std::string::npos);
