@@ -291,7 +291,8 @@ std::vector<std::string> RescaleWarnings(const RescaleResult& result, const CarP
     return fmt::format("poses {}-{}", result.steps[turn.first_step].first, result.steps[turn.last_step].last);
   };
   std::vector<std::string> warnings;
-  const std::string of_turns = TurnWarning(*result.estimate, poses_of, "the timestamps and the lever arm");
+  const std::string of_turns = TurnWarning(*result.estimate, poses_of,
+                                           "the timestamps, the lever arm, and that the poses are world_from_camera");
   if (!of_turns.empty()) warnings.push_back(of_turns);
   if (result.estimate->height_conflict)
     warnings.push_back(HeightWarning(*result.estimate->height_conflict, car.lever_arm, "measure both again"));

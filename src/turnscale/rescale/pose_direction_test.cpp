@@ -22,6 +22,13 @@ TEST(PoseDirection, IsToldByTurns) {
   }
 }
 
+TEST(PoseDirection, IsToldByABend) {
+  const std::vector<DriveSegment> bend{{20, 0.9, 0}, {12, 0.9, 0.028}, {80, 0.9, 0}};
+  const Trajectory path = MakeScaledDrive(bend, kCar, kIdentity, kUnit, {.position = 0.01}, 4).trajectory;
+  EXPECT_FALSE(AreInverse({path}));
+  EXPECT_TRUE(AreInverse({Inverse(path)}));
+}
+
 TEST(PoseDirection, ReversingAndStraightsAreNoReason) {
   const std::vector<DriveSegment> back{{60, 0.9, 0}, {40, -0.3, 0.05}, {30, 0.6, 0.05}, {40, -0.3, -0.04}};
   EXPECT_FALSE(AreInverse({MakeScaledDrive(back, kCar, kIdentity, kUnit, {.position = 0.01}).trajectory}));

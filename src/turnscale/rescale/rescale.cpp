@@ -274,9 +274,11 @@ RescaleResult RescaleTrajectory(const RescaleOptions& options, const Trajectory&
   result.steps = CutIntoSteps(path, gaps, options.timed, options.steps);
   SetHeights(heights, trajectory, result.steps);
   if (!GoesForward(result.steps)) {
-    result.reason =
-        "with this camera rotation most of the path goes sideways, up, down or backwards; let the rotation be "
-        "estimated (--camera-rotation auto)";
+    result.reason = options.vehicle_from_camera
+                        ? "with this camera rotation most of the path goes sideways, up, down or backwards; let the "
+                          "rotation be estimated (--camera-rotation auto)"
+                        : "most of the path goes sideways, up, down or backwards, also with the estimated camera "
+                          "rotation; check that the poses are world_from_camera, not their inverse";
     return result;
   }
   ScaleEstimateResult estimate = EstimateScale(result.steps, CarFor(options, result.yaw_sigma), EstimatorFor(options));
