@@ -31,10 +31,11 @@ struct LiveArguments {
 // The page that shows the run while it goes on.
 class LiveView {
  public:
-  LiveView(const RunArguments& arguments, const std::string& address, int frames)
+  LiveView(const RunArguments& arguments, const std::string& address, int frames, double first_time)
       : state_(arguments.images.Name(), Version(), frames,
                arguments.no_report ? "" : fs::absolute(arguments.out / kReportFile).lexically_normal().string()),
         page_(ParseLiveAddress("--live-address", address), state_) {
+    state_.SetFirstTime(first_time);
     PrintText("live    " + page_.address() + "\n");
   }
 
@@ -72,7 +73,9 @@ int RunImages(const RunArguments& arguments, const LiveArguments& live_arguments
   hooks.interrupted = Interrupted;
   hooks.begun = CatchInterrupts;
   if (live_arguments.live) {
-    hooks.opened = [&](int frames) { live.emplace(arguments, live_arguments.address, frames); };
+    hooks.opened = [&](int frames, double first_time) {
+      live.emplace(arguments, live_arguments.address, frames, first_time);
+    };
     hooks.warn = [&](const std::string& warning) { live->Warn(warning); };
     hooks.phase = [&](const std::string& phase) { live->SetPhase(phase); };
     hooks.before_frame = [&] { live->WaitWhilePaused(); };

@@ -125,6 +125,7 @@ RunSummary FrameByFrame::SummaryOf(const RefinedResults& results) const {
   summary.mask = mask_;
   summary.vehicle_file = vehicle_file_;
   summary.warnings = warnings_;
+  if (!results.frames.empty()) summary.first_time = results.frames.front().time;
   return recorder_.Summary(std::move(summary), results);
 }
 

@@ -89,7 +89,9 @@ std::string WhyIncomplete(const std::vector<FrameResult>& frames, const ImageSou
   if (!source.left_out().empty()) return source.left_out().front();
   const std::optional<MissingPart> unmapped = PartBeforeMap(frames);
   if (unmapped && IsLate(*unmapped, frames, kLeastShare))
-    if (std::string why = LateBeginningText(*unmapped, static_cast<int>(frames.size()), before); !why.empty())
+    if (std::string why =
+            LateBeginningText(SinceFirst(*unmapped, source.first_time()), static_cast<int>(frames.size()), before);
+        !why.empty())
       return why;
   if (const auto lost = FirstLost(frames)) return fmt::format("tracking was lost at frame {}", *lost);
   return source.EndsEarly();
@@ -313,7 +315,7 @@ DriveMotion MotionFromImages(const ImageArguments& arguments, const CommandHooks
   const auto [frames, scale] = recorder.Refined();
   constexpr auto kConsequence = "the rotation and the lever arm may be wrong";
   const std::optional<FrameBlending> blending = recorder.Blending();
-  if (blending) progress.Warn(FrameBlendingText(*blending, kConsequence));
+  if (blending) progress.Warn(FrameBlendingText(SinceFirst(*blending, images.source.first_time()), kConsequence));
   for (const std::string& warning : CalibrationWarnings(scale.contradicted_calibration, estimate.found.has_value(),
                                                         blending ? "the blending may be the cause" : kConsequence))
     progress.Warn(warning);

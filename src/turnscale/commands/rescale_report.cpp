@@ -329,7 +329,8 @@ std::string RescaleText(const RescaleResult& result) {
   if (car.side_slip_at_bound) {
     text += "side slip     0: the estimate would be negative; check the lever arm and the timestamps\n";
   } else if (car.side_slip_sigma > 0) {
-    text += fmt::format("side slip     {:.4f} +-{:.4f} s^2/m\n", car.side_slip, car.side_slip_sigma);
+    const CarBelief& prior = result.estimate->car_evidence.prior;
+    text += fmt::format("side slip     {}\n", RefinedSlipText(car, prior.mean[1], std::sqrt(prior.covariance(1, 1))));
   }
   if (car.camera_height > 0)
     text += fmt::format("height        camera {:.3f} +-{:.3f} m above the road\n", car.camera_height,

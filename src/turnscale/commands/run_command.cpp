@@ -108,6 +108,7 @@ RunSummary BeforeTheDrive(const RunArguments& arguments, const VehicleOptions& v
   summary.folder = arguments.out.string();
   summary.start = arguments.images.start;
   summary.end = arguments.images.end;
+  summary.first_time = images.source.first_time();
   return summary;
 }
 
@@ -234,7 +235,7 @@ RunEnd ExecuteRun(const RunArguments& arguments, const RunHooks& hooks) {
   const PoseFrame shown = arguments.frame == "vehicle" ? PoseFrame::kVehicle : PoseFrame::kCamera;
   const RunWriterOptions output = {arguments.out, shown, settings.odometry.vehicle.lever_arm};
   CheckRunOutput(output);
-  hooks.opened(images.expected);
+  hooks.opened(images.expected, images.source.first_time());
   hooks.begun();
   const CameraEstimate estimate = EstimateCamera(arguments.images, images, settings, hooks, hooks.phase);
   hooks.phase("");

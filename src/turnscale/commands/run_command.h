@@ -43,8 +43,8 @@ struct RunArguments {
 
 /// What the caller of a run is asked and told besides.
 struct RunHooks : CommandHooks {
-  /// Called when the drive is found, with the number of its frames; 0 if unknown.
-  std::function<void(int)> opened = [](int) {};
+  /// Called when the drive is found, with the number of its frames (0 if unknown) and the time of its first one.
+  std::function<void(int, double)> opened = [](int, double) {};
   /// Told what goes on: before the first frame, and after the last; empty for the frames themselves.
   std::function<void(const std::string&)> phase = [](const std::string&) {};
   /// Called before each frame is read; may wait.

@@ -159,7 +159,8 @@ struct ImageSource::State {
 
   // Numbers of the first frame of the part and of the first one after it, where the times of all are known.
   std::pair<int, int> FramesOfPart() {
-    const auto since_start = [&](int index) { return clock.At(static_cast<size_t>(index)) - clock.At(0); };
+    if (count > 0) origin = clock.At(0);
+    const auto since_start = [&](int index) { return clock.At(static_cast<size_t>(index)) - origin; };
     int first = 0;
     while (first < count && since_start(first) < start) ++first;
     int last = first;
@@ -274,7 +275,7 @@ struct ImageSource::State {
   std::unique_ptr<FrameReader> reader;
   FrameClock clock;
   int count = 0;
-  double origin = 0;  // time of the drive's first frame, where images bring their times
+  double origin = 0;  // time of the drive's first frame
   int offset = 0;     // number in the drive of the first frame that is read
   cv::Size size;
   std::string size_from;  // file of the camera, or of the first image
@@ -339,6 +340,8 @@ std::optional<cv::Size> ImageSource::FullSize() { return state_->FullSize(); }
 double ImageSource::pixel_aspect() const { return state_->pixel_aspect; }
 
 int ImageSource::count() const { return state_->count; }
+
+double ImageSource::first_time() const { return state_->origin; }
 
 std::string ImageSource::EndsEarly() const { return state_->ended ? state_->reader->EndsEarly() : std::string(); }
 

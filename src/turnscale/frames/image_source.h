@@ -76,6 +76,9 @@ class ImageSource {
   /// if it does not.
   int count() const;
 
+  /// Time of the drive's first frame, seconds, from which `start` and `end` count.
+  double first_time() const;
+
   /// At the end: why the drive ends before it should; empty if it does not.
   std::string EndsEarly() const;
 

@@ -505,6 +505,8 @@ TEST_F(ImageSourceTest, APartOfTheDriveKeepsItsTimes) {
   };
   check(ReadAll({.fps = 10, .start = 0.5, .end = 1.0}), 0.1, 0);
   check(ReadAll({.timestamps = file, .start = 5, .end = 10}), 1, 1000);
+  EXPECT_EQ(ImageSource(FindDrive(folder_), {.timestamps = file, .start = 5}).first_time(), 1000);
+  EXPECT_EQ(ImageSource(FindDrive(folder_), {.fps = 10, .start = 0.5}).first_time(), 0);
   EXPECT_EQ(ReadAll({.fps = 10, .end = 100}).size(), 20u);
   EXPECT_NE(Complaint({.fps = 10, .start = 3}).find("--start 3 s: the drive ends at 1.9 s; give the time since"),
             std::string::npos);

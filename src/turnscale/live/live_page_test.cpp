@@ -221,6 +221,12 @@ TEST_F(LivePageTest, SlowViewersDoNotHoldUpTheEnd) {
   close(reader);
 }
 
+TEST(LiveState, CountsFromTheFirstFrameOfTheDrive) {
+  LiveState state("drive", "1.0", 100);
+  state.SetFirstTime(12.5);
+  EXPECT_EQ(nlohmann::json::parse(state.PathJson())["timeOrigin"], 12.5);
+}
+
 // The report is longer than what the system keeps for a viewer.
 TEST_F(LivePageTest, ViewersWhoDoNotReadTheReportHoldUpNobody) {
   LiveState state("drive", "1.0", 100);

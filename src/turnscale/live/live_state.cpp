@@ -56,6 +56,11 @@ void LiveState::SetPhase(const std::string& phase) {
   phase_ = phase;
 }
 
+void LiveState::SetFirstTime(double time) {
+  const std::lock_guard lock(mutex_);
+  first_time_ = time;
+}
+
 void LiveState::Add(const cv::Mat& gray, const FrameResult& frame, const Odometry& odometry) {
   const std::lock_guard lock(mutex_);
   const Clock::time_point now = Clock::now();
@@ -177,6 +182,7 @@ std::string LiveState::PathJson() {
     data.frames = path_.frames;
     data.metric = path_.metric;
     data.vehicle_from_body = path_.vehicle_from_camera;
+    data.time_origin = first_time_;
   }
   data.title = title_;
   data.version = version_;

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <deque>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -27,6 +28,8 @@ class LiveState {
   LiveState(std::string title, std::string version, int frames, std::string report = "",
             std::chrono::milliseconds pause_kept = kPauseKept);
 
+  /// Time of the drive's first frame, seconds, from which the page counts; as TimeOrigin if it is not set.
+  void SetFirstTime(double time);
   /// After each frame. Copies what the page shows only if somebody has asked lately.
   void Add(const cv::Mat& gray, const FrameResult& frame, const Odometry& odometry);
   /// What the program does other than to run over the frames, such as "final adjustment", which cannot be paused;
@@ -68,6 +71,7 @@ class LiveState {
   const std::chrono::milliseconds pause_kept_;
 
   mutable std::mutex mutex_;  // of all below but for what is made of them
+  std::optional<double> first_time_;
   std::string phase_;
   FrameResult latest_;
   int frames_done_ = 0;

@@ -403,7 +403,7 @@ double TimeOrigin(const std::vector<FrameResult>& frames) {
 std::string ReportJson(const ReportData& data, const ReportLimits& limits) {
   const PosedFrames posed = Posed(data, limits);
   Axes axes;
-  if (data.timed) axes.time_origin = TimeOrigin(data.frames);
+  if (data.timed) axes.time_origin = data.time_origin.value_or(TimeOrigin(data.frames));
   if (!posed.poses.empty()) {
     axes.level_from_world = LevelFromWorld(posed.poses, data.vehicle_from_body);
     axes.steps = LengthSteps(posed.poses, data.metric);

@@ -28,9 +28,10 @@ struct ReportData {
   std::vector<std::string> notes;     ///< below the title: what was done
   std::vector<ReportFact> facts;
   std::vector<FrameResult> frames;
-  bool timed = true;            ///< else the times are the numbers of the poses
-  bool has_tracking = true;     ///< the frames say how they were tracked; else they are poses only
-  bool has_scale_state = true;  ///< the frames say how their scale is known
+  bool timed = true;                  ///< else the times are the numbers of the poses
+  std::optional<double> time_origin;  ///< that the page counts from, seconds; empty: TimeOrigin
+  bool has_tracking = true;           ///< the frames say how they were tracked; else they are poses only
+  bool has_scale_state = true;        ///< the frames say how their scale is known
   Eigen::Quaterniond vehicle_from_body = Eigen::Quaterniond::Identity();
   std::vector<TurnResult> turns;
   std::vector<SpeedReading> speeds;

@@ -71,6 +71,12 @@ std::string Speed(double mps) {
   return fmt::format("{:.{}f} km/h", kmh, kmh < 100 ? 1 : 0);
 }
 
+// That of the drive's first frame, which a summary of an earlier version lacks.
+double OriginOf(const Summary& summary, const ResultFolder& results) {
+  const double first_frame = NumberAt(summary, "/first_frame_s");
+  return std::isfinite(first_frame) ? first_frame : TimeOrigin(results.frames);
+}
+
 std::vector<ReportFact> FactsOf(const Summary& summary, const ResultFolder& results, bool metric) {
   std::vector<ReportFact> facts;
   if (metric) {
@@ -82,7 +88,7 @@ std::vector<ReportFact> FactsOf(const Summary& summary, const ResultFolder& resu
     const double length = NumberAt(summary, "/distance_units");
     if (std::isfinite(length)) facts.push_back({"Path length", fmt::format("{:.2f} units", length), "up to scale"});
   }
-  const double origin = TimeOrigin(results.frames);
+  const double origin = OriginOf(summary, results);
   const double seconds = results.frames.empty() ? 0 : results.frames.back().time - results.frames.front().time;
   facts.push_back({"Duration", Clock(seconds), fmt::format("{} frames", results.frames.size())});
   if (!results.speeds.empty()) {
@@ -152,9 +158,12 @@ std::vector<std::string> NotesOf(const Summary& summary) {
   std::vector<std::string> notes;
   if (const double arm = NumberAt(summary, "/lever_arm_m"); std::isfinite(arm))
     notes.push_back(fmt::format("Lever arm {:g} m", arm));
-  if (const double slip = NumberAt(summary, "/by_all_turns/side_slip_s2_per_m");
-      std::isfinite(slip) && NumberAt(summary, "/turns/used") > 0)
-    notes.push_back(fmt::format("Side slip {:.4f} s\u00b2/m, from all turns", slip));
+  const double slip = NumberAt(summary, "/by_all_turns/side_slip_s2_per_m");
+  const double slip_sigma = NumberAt(summary, "/by_all_turns/side_slip_sigma_s2_per_m");
+  const double assumed = NumberAt(summary, "/side_slip_s2_per_m");
+  if (std::isfinite(slip + slip_sigma + assumed) && NumberAt(summary, "/turns/used") > 0)
+    notes.push_back(
+        fmt::format("Side slip {:.4f} \u00b1{:.4f} s\u00b2/m (before the drive: {:.4f})", slip, slip_sigma, assumed));
   notes.push_back("Intrinsics " + TextAt(summary, "/intrinsics/source"));
   const bool of_axle = TextAt(summary, "/pose_frame") == "vehicle" && std::isfinite(NumberAt(summary, "/distance_m"));
   notes.push_back(of_axle ? "Path of the rear axle" : "Path of the camera");
@@ -169,7 +178,8 @@ ReportData DataOfRun(const ResultFolder& results, std::vector<Thumbnail> thumbna
   data.title = TextAt(summary, "/input");
   data.version = TextAt(summary, "/version");
   data.metric = std::isfinite(NumberAt(summary, "/distance_m"));
-  data.warnings = WarningsOf(summary, TimeOrigin(results.frames), data.metric);
+  data.time_origin = OriginOf(summary, results);
+  data.warnings = WarningsOf(summary, *data.time_origin, data.metric);
   data.notes = NotesOf(summary);
   data.facts = FactsOf(summary, results, data.metric);
   data.frames = results.frames;

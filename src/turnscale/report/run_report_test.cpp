@@ -77,6 +77,21 @@ TEST_F(RunReportTest, SaysWhatTheSummarySays) {
   EXPECT_EQ(TextOf(folder_ / kReportFile), page) << "the same results give the same page";
 }
 
+TEST_F(RunReportTest, CountsFromTheFirstFrameOfTheDrive) {
+  RunSummary summary;
+  summary.scale_state = ScaleState::kHeld;
+  summary.first_time = -60;
+  WriteRun(summary);
+  WriteRunReport(folder_);
+  EXPECT_EQ(Data()["timeOrigin"], -60);
+  EXPECT_EQ(Data()["facts"][2]["note"], "\u00b10.9 km/h, at 1:02.9");
+  nlohmann::json earlier = nlohmann::json::parse(TextOf(folder_ / "summary.json"));
+  earlier.erase("first_frame_s");
+  std::ofstream(folder_ / "summary.json") << earlier;
+  WriteRunReport(folder_);
+  EXPECT_EQ(Data()["timeOrigin"], 0);
+}
+
 TEST_F(RunReportTest, ADriveInReverseHasATopSpeed) {
   RunSummary summary;
   summary.scale_state = ScaleState::kHeld;

@@ -129,7 +129,7 @@ std::vector<ImpossibleMotion> FindImpossibleMotion(const std::vector<FrameResult
   return parts;
 }
 
-std::string ImpossibleMotionText(const std::vector<ImpossibleMotion>& parts) {
+std::string ImpossibleMotionText(const std::vector<ImpossibleMotion>& parts, double first_time) {
   if (parts.empty()) return {};
   const auto largest = std::ranges::max_element(
       parts, {}, [](const ImpossibleMotion& part) { return std::abs(part.distance - part.expected); });
@@ -139,8 +139,8 @@ std::string ImpossibleMotionText(const std::vector<ImpossibleMotion>& parts) {
   return fmt::format(
       "the speed {} ({}from {:.1f} to {:.1f} s): the path there is {:.0f} m long{}; {}",
       speed > kMostSpeed ? fmt::format("is {:.0f} km/h", 3.6 * speed) : "changes faster than a car's can",
-      parts.size() > 1 ? fmt::format("{} places; the worst ", parts.size()) : "", largest->from, largest->to,
-      largest->distance, expected,
+      parts.size() > 1 ? fmt::format("{} places; the worst ", parts.size()) : "", largest->from - first_time,
+      largest->to - first_time, largest->distance, expected,
       speed > kMostSpeed ? "its scale is wrong" : "a vehicle that moved may have filled the image");
 }
 

@@ -25,8 +25,8 @@ struct ImpossibleMotion {
 /// was recorded.
 std::vector<ImpossibleMotion> FindImpossibleMotion(const std::vector<FrameResult>& frames);
 
-/// The warning, one line; empty if there are none.
-std::string ImpossibleMotionText(const std::vector<ImpossibleMotion>& parts);
+/// The warning, one line, with times counted from `first_time`; empty if there are none.
+std::string ImpossibleMotionText(const std::vector<ImpossibleMotion>& parts, double first_time = 0);
 
 /// Error of the path's length that they suggest, metres.
 double LengthErrorOf(const std::vector<ImpossibleMotion>& parts);

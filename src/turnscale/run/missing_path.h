@@ -33,6 +33,14 @@ std::vector<MissingPart> FindMissingParts(const std::vector<FrameResult>& frames
 /// The longest parts, in the order of time.
 std::vector<MissingPart> LongestParts(const std::vector<MissingPart>& parts, size_t most);
 
+/// A part of a drive with its times counted from the drive's first frame, as texts have them.
+template <class Part>
+Part SinceFirst(Part part, double first_time) {
+  part.from -= first_time;
+  part.to -= first_time;
+  return part;
+}
+
 /// Sum of their lengths, seconds.
 double TotalSeconds(const std::vector<MissingPart>& parts);
 

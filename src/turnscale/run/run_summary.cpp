@@ -49,7 +49,7 @@ std::vector<std::string> SeamWarnings(const RunSummary& summary) {
     warnings.push_back(
         fmt::format("tracking is lost where {} ends and {} begins (at {:.1f} s): check that the clips are in order and "
                     "none is missing",
-                    name(summary.clips[i - 1]), name(clip), clip.start));
+                    name(summary.clips[i - 1]), name(clip), clip.start - summary.first_time));
   }
   return warnings;
 }
@@ -161,7 +161,7 @@ std::string PendingReason(const std::vector<FrameResult>& refined, const Refined
   if (reason.empty()) return "";
   const std::optional<MissingPart> before = PartBeforeMap(refined);
   if (before && IsMost(*before, refined))
-    reason = fmt::format("the path begins only at {:.1f} s; {}", before->to, reason);
+    reason = fmt::format("the path begins only at {:.1f} s; {}", before->to - summary.first_time, reason);
   if (!summary.has_measure()) return reason;
   if (summary.blending) {
     reason += "; the images are blended, which may be the cause";
@@ -298,7 +298,8 @@ void AddWarnings(const std::vector<FrameResult>& refined, const RefinedScale& sc
   std::string scale_error;
   if (const double sigma = LengthSigma(scale); std::isfinite(sigma))
     scale_error = fmt::format("the scale may be off by {:.0f} % or more", 100 * sigma);
-  if (summary.blending) add(FrameBlendingText(*summary.blending, "the scale may be wrong"));
+  const double first_time = summary.first_time;
+  if (summary.blending) add(FrameBlendingText(SinceFirst(*summary.blending, first_time), "the scale may be wrong"));
   // A right calibration is contradicted, too, where each image shows two moments.
   const std::string calibration_error =
       summary.blending ? scale_error + (scale_error.empty() ? "" : "; ") + "the blending may be the cause"
@@ -309,10 +310,11 @@ void AddWarnings(const std::vector<FrameResult>& refined, const RefinedScale& sc
   add(TurnsWarning(scale));
   add(MethodWarning(summary.method, scale));
   for (std::string& warning : CarWarnings(scale, summary)) add(std::move(warning));
-  for (std::string& warning : TimeWarnings(refined, scale.turns)) add(std::move(warning));
+  for (std::string& warning : TimeWarnings(refined, scale.turns, first_time)) add(std::move(warning));
   for (std::string& warning : SeamWarnings(summary)) add(std::move(warning));
-  add(ImpossibleMotionText(impossible));
-  if (summary.uncertain_scale) add(UncertainScaleText(*summary.uncertain_scale, summary.distance));
+  add(ImpossibleMotionText(impossible, first_time));
+  if (summary.uncertain_scale)
+    add(UncertainScaleText(SinceFirst(*summary.uncertain_scale, first_time), summary.distance));
 }
 
 }  // namespace
@@ -420,8 +422,9 @@ void SummarizeBeginning(const std::vector<FrameResult>& frames, const SeenImages
   const double seconds = before->to - before->from;
   if (seconds < kBriefSeconds || (seconds < kLateSeconds && length < kSmallShare * summary.distance)) return;
   // The cause of a short part is hard to tell.
-  std::string warning = IsMost(*before, frames) ? LateBeginningText(*before, summary.frames, seen)
-                                                : NoMapBeforeText(*before, summary.frames);
+  const MissingPart shown = SinceFirst(*before, summary.first_time);
+  std::string warning =
+      IsMost(*before, frames) ? LateBeginningText(shown, summary.frames, seen) : NoMapBeforeText(shown, summary.frames);
   if (summary.is_metric())
     warning += fmt::format("; if the car drove there, the path lacks up to about {:.0f} m", length);
   summary.warnings.push_back(std::move(warning));

@@ -121,6 +121,7 @@ struct RunSummary {
   VehicleOptions vehicle;
   std::string vehicle_file;                     ///< of --vehicle; empty if there is none
   ScaleMethod method = ScaleMethod::kSmoothed;  ///< as asked for
+  double first_time = 0;                        ///< of the drive's first frame, seconds; texts count from it
   int frames = 0;
   int tracked = 0;
   int repeated = 0;
@@ -203,6 +204,10 @@ std::string SummaryText(const RunSummary& summary);
 /// Largest relative standard deviation that is shown as a percentage. It is one of the logarithm of the scale: above
 /// this it means nothing as a share.
 inline constexpr double kLargestShownSigma = 1;
+
+/// The side slip of a car as a drive gives it, with what was assumed before the drive: "0.0041 +-0.0003 s^2/m, refined
+/// from the default 0.0045 +-0.0020 s^2/m". Says so where the drive does not refine it.
+std::string RefinedSlipText(const CarRefinement& car, double assumed, double assumed_sigma);
 
 /// The focal length of an estimated camera with its standard deviation, pixels: "600.0 +-6.0"; both focal lengths where
 /// they differ, as those of pixels that are not square do.

@@ -373,8 +373,10 @@ TEST(RunSummary, CountsAndMeasures) {
   const auto with_car = nlohmann::json::parse(SummaryJson(summary));
   EXPECT_EQ(with_car["by_all_turns"]["side_slip_s2_per_m"], 0.0041);
   EXPECT_NE(
-      SummaryText(summary).find("side slip 0.0041 +-0.0003 s^2/m, correction of the camera's yaw +0.11 +-0.06 deg"),
+      SummaryText(summary).find("side slip 0.0041 +-0.0003 s^2/m, refined from the default 0.0045 +-0.0020 s^2/m\n"),
       std::string::npos);
+  EXPECT_NE(SummaryText(summary).find("; the scale estimate corrects the yaw to +"), std::string::npos);
+  EXPECT_NE(SummaryText(summary).find(" +-0.06 deg (by +0.11)\n"), std::string::npos);
   summary.car = {0.002, 0.001, 0, 1e-9, true};
   EXPECT_NE(SummaryText(summary).find("side slip 0, since the estimate would be negative"), std::string::npos);
   EXPECT_TRUE(json["complete"].get<bool>());
@@ -618,10 +620,12 @@ TEST(RunSummary, WithoutATurnNothingIsSaidToBeFromTurns) {
   RunSummary summary;
   summary.car = CarRefinement{};
   summary.car->camera_height = 1.3;
-  EXPECT_EQ(SummaryText(summary).find("from all turns"), std::string::npos);
+  EXPECT_EQ(SummaryText(summary).find("corrects the yaw"), std::string::npos);
+  EXPECT_EQ(SummaryText(summary).find("side slip"), std::string::npos);
   EXPECT_NE(SummaryText(summary).find("height  camera 1.300"), std::string::npos);
   summary.turns_used = 1;
-  EXPECT_NE(SummaryText(summary).find("from all turns"), std::string::npos);
+  EXPECT_NE(SummaryText(summary).find("corrects the yaw"), std::string::npos);
+  EXPECT_NE(SummaryText(summary).find("side slip"), std::string::npos);
 }
 
 }  // namespace

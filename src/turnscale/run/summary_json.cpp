@@ -155,6 +155,7 @@ std::string SummaryJson(const RunSummary& summary) {
       {"part",
        {{"start", summary.start.empty() ? Json(nullptr) : Json(summary.start)},
         {"end", summary.end.empty() ? Json(nullptr) : Json(summary.end)}}},
+      {"first_frame_s", summary.first_time},
       {"clips", ClipsJson(summary.clips)},
       {"camera", summary.camera.empty() ? Json(nullptr) : Json(summary.camera)},
       {"intrinsics", IntrinsicsJson(summary)},

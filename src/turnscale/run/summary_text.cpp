@@ -8,6 +8,7 @@
 
 #include "turnscale/geometry/rotation.h"
 #include "turnscale/io/run_files.h"
+#include "turnscale/kinematics/ackermann.h"
 #include "turnscale/odometry/results.h"
 #include "turnscale/run/run_summary.h"
 
@@ -21,7 +22,8 @@ std::string MissingText(const RunSummary& summary) {
   if (summary.missing.empty()) return {};
   std::string text = fmt::format("missing {:.1f} s of {:.1f} s", TotalSeconds(summary.missing), summary.seconds);
   const std::vector<MissingPart> longest = LongestParts(summary.missing, kShownMissingParts);
-  for (size_t i = 0; i < longest.size(); ++i) text += (i == 0 ? ": " : "; ") + MissingPartText(longest[i]);
+  for (size_t i = 0; i < longest.size(); ++i)
+    text += (i == 0 ? ": " : "; ") + MissingPartText(SinceFirst(longest[i], summary.first_time));
   if (const size_t more = summary.missing.size() - longest.size(); more > 0)
     text += fmt::format("; and {} shorter part{}", more, more == 1 ? "" : "s");
   return text + "\n";
@@ -67,6 +69,15 @@ std::string SourceOfRotation(const RunSummary& summary) {
 
 std::string Times(int count) { return count == 1 ? "once" : fmt::format("{} times", count); }
 
+// The angles of the camera's rotation do not include what the estimate of the scale finds for its yaw. Empty where that
+// finds nothing, or the line says so already.
+std::string YawCorrectionText(const RunSummary& summary, double yaw) {
+  if (!summary.car || summary.turns_used == 0 || summary.contradicting_yaw) return {};
+  return fmt::format("; the scale estimate corrects the yaw to {:+.2f} +-{:.2f} deg (by {:+.2f})",
+                     InDegrees(yaw + summary.car->yaw_error), InDegrees(summary.car->yaw_error_sigma),
+                     InDegrees(summary.car->yaw_error));
+}
+
 // One line.
 std::string MountText(const RunSummary& summary) {
   const std::optional<MountSummary>& mount = summary.mount;
@@ -77,8 +88,9 @@ std::string MountText(const RunSummary& summary) {
     const YawPitchRoll angles = mount ? mount->angles : YawPitchRollFromRotation(summary.vehicle.vehicle_from_camera);
     // Rounded first: else it may say -0.00.
     const auto degrees = [](double angle) { return std::round(100 * InDegrees(angle)) / 100 + 0.0; };
-    return fmt::format("camera  yaw {:+.2f}, pitch {:+.2f}, roll {:+.2f} deg, {}\n", degrees(angles.yaw),
-                       degrees(angles.pitch), degrees(angles.roll), SourceOfRotation(summary));
+    return fmt::format("camera  yaw {:+.2f}, pitch {:+.2f}, roll {:+.2f} deg, {}{}\n", degrees(angles.yaw),
+                       degrees(angles.pitch), degrees(angles.roll), SourceOfRotation(summary),
+                       YawCorrectionText(summary, angles.yaw));
   }
   const auto degrees = [](double angle) { return angle * kDegreesPerRadian; };
   std::string text = fmt::format(
@@ -87,7 +99,7 @@ std::string MountText(const RunSummary& summary) {
       degrees(mount->angles.roll), degrees(mount->sigma.roll),
       summary.vehicle.camera_known && mount->moves == 0 ? "the file of the car and " : "");
   if (mount->moves > 0) text += "; moved " + Times(mount->moves);
-  return text + "\n";
+  return text + YawCorrectionText(summary, mount->angles.yaw) + "\n";
 }
 
 // Length and frames of the path.
@@ -110,22 +122,38 @@ std::string HeightText(const RunSummary& summary, const CarRefinement& car) {
                      summary.vehicle.camera_height ? "" : " (compare with a tape measure)");
 }
 
+std::string SlipValue(double slip, double sigma) {
+  return sigma > 0 ? fmt::format("{:.4f} +-{:.4f} s^2/m", slip, sigma) : fmt::format("{:.4f} s^2/m", slip);
+}
+
+// One line.
+std::string SlipText(const VehicleOptions& assumed, const CarRefinement& car) {
+  if (car.side_slip_at_bound) {
+    // Around a prior of 0, chance makes it negative.
+    return fmt::format("car     side slip 0, since the estimate would be negative{}\n",
+                       assumed.side_slip > 0 ? ": check lever arm and timestamps" : "");
+  }
+  return "car     side slip " + RefinedSlipText(car, assumed.side_slip, assumed.side_slip_sigma) + "\n";
+}
+
 // Empty without an estimate. Without a turn only the height is one.
 std::string CarText(const RunSummary& summary) {
   const std::optional<CarRefinement>& car = summary.car;
   if (!car) return {};
-  if (summary.turns_used == 0) return HeightText(summary, *car);
-  std::string slip;
-  if (car->side_slip_at_bound) {
-    slip = "side slip 0, since the estimate would be negative";
-    // Around a prior of 0, chance makes it negative.
-    slip += summary.vehicle.side_slip > 0 ? ": check lever arm and timestamps; " : "; ";
-  } else if (car->side_slip_sigma > 0) {
-    slip = fmt::format("side slip {:.4f} +-{:.4f} s^2/m, ", car->side_slip, car->side_slip_sigma);
-  }
-  return fmt::format("car     {}correction of the camera's yaw {:+.2f} +-{:.2f} deg, from all turns\n{}", slip,
-                     car->yaw_error * kDegreesPerRadian, car->yaw_error_sigma * kDegreesPerRadian,
-                     HeightText(summary, *car));
+  return (summary.turns_used > 0 ? SlipText(summary.vehicle, *car) : "") + HeightText(summary, *car);
+}
+
+// Frames without a measured pose, by their state; empty if there are none.
+std::string FramesText(const RunSummary& summary) {
+  std::string text;
+  const auto add = [&](size_t count, const char* state) {
+    if (count > 0) text += fmt::format("{}{} {}", text.empty() ? "" : ", ", count, state);
+  };
+  add(static_cast<size_t>(summary.initializing), "before initialisation");
+  add(static_cast<size_t>(summary.bridged), "bridged (tracking lost)");
+  add(summary.unreadable.size(), "unreadable");
+  add(static_cast<size_t>(summary.repeated), "repeated");
+  return text.empty() ? "" : "frames  without a measured pose: " + text + "\n";
 }
 
 // With the height of the camera alone, the scale may be known, but not from turns.
@@ -143,7 +171,7 @@ std::string ScaleText(const RunSummary& summary) {
   if (summary.is_metric())
     return fmt::format("{}, path length {} (1 sigma), along the drive at most {} (at {:.1f} s)",
                        summary.is_scale_known() ? "known" : "uncertain", SigmaText(summary.path_sigma),
-                       SigmaText(summary.worst_sigma), summary.worst_sigma_time);
+                       SigmaText(summary.worst_sigma), summary.worst_sigma_time - summary.first_time);
   const std::string pending = ScaleStateName(summary.scale_state);
   if (summary.has_measure()) return pending + ", " + UpToScaleText(summary.pending_reason);
   const std::string why = summary.wants_metres()
@@ -154,6 +182,15 @@ std::string ScaleText(const RunSummary& summary) {
 }
 
 }  // namespace
+
+std::string RefinedSlipText(const CarRefinement& car, double assumed, double assumed_sigma) {
+  const std::string before = SlipValue(assumed, assumed_sigma);
+  const std::string after = SlipValue(car.side_slip, car.side_slip_sigma);
+  const bool is_default = before == SlipValue(kUsualSideSlip, kUsualSideSlipSigma);
+  if (after == before)
+    return fmt::format("{}, {}, not refined by the drive", after, is_default ? "the default" : "as given");
+  return fmt::format("{}, refined from the {} {}", after, is_default ? "default" : "given", before);
+}
 
 std::string FocalLengthText(const CameraModel& camera) {
   constexpr double kSquare = 0.001;
@@ -174,14 +211,15 @@ std::string SummaryText(const RunSummary& summary) {
       "{}"
       "{}"
       "{}"
-      "frames  {} bridged, {} unreadable, {} repeated; {} before initialisation\n"
       "{}"
-      "time    {:.1f} frames/s, {:.1f} ms of CPU time per frame over the whole run, {:.0f} MB of memory\n"
+      "{}"
+      "time    {:.1f} s elapsed ({:.1f} frames/s), {:.1f} ms of CPU time per frame over the whole run, {:.0f} MB of "
+      "memory\n"
       "files   {}\n",
       ClipsText(summary.clips), PathText(summary), ScaleText(summary), IntrinsicsText(summary), MountText(summary),
-      CarText(summary), TurnsText(summary), summary.bridged, summary.unreadable.size(), summary.repeated,
-      summary.initializing, MissingText(summary), summary.frames / std::max(cost.wall_seconds, 1e-9),
-      1e3 * cost.cpu_seconds / std::max(summary.frames, 1), cost.peak_memory_mb, summary.folder);
+      CarText(summary), TurnsText(summary), FramesText(summary), MissingText(summary), cost.wall_seconds,
+      summary.frames / std::max(cost.wall_seconds, 1e-9), 1e3 * cost.cpu_seconds / std::max(summary.frames, 1),
+      cost.peak_memory_mb, summary.folder);
 }
 
 }  // namespace turnscale

@@ -122,8 +122,56 @@ TEST(SummaryText, ANegativeSlipIsDoubtfulUnlessNoneWasAssumed) {
   summary.car->side_slip_at_bound = true;
   EXPECT_TRUE(Says(summary, "would be negative: check lever arm"));
   summary.vehicle.side_slip = 0;
-  EXPECT_TRUE(Says(summary, "would be negative; correction"));
+  EXPECT_TRUE(Says(summary, "would be negative\n"));
   EXPECT_FALSE(Says(summary, "check lever arm"));
+}
+
+TEST(SummaryText, ASlipThatTheDriveDoesNotRefineIsCalledSo) {
+  RunSummary summary = InMetres(0.03);
+  summary.turns_used = 1;
+  summary.car = CarRefinement();
+  summary.car->side_slip = 0.00451;
+  summary.car->side_slip_sigma = 0.00199;
+  EXPECT_TRUE(Says(summary, "side slip 0.0045 +-0.0020 s^2/m, the default, not refined by the drive\n"));
+  summary.vehicle.side_slip = 0.006;
+  summary.vehicle.side_slip_sigma = 0.0007;
+  EXPECT_TRUE(Says(summary, "side slip 0.0045 +-0.0020 s^2/m, refined from the given 0.0060 +-0.0007 s^2/m\n"));
+  summary.car->side_slip = 0.006;
+  summary.car->side_slip_sigma = summary.vehicle.side_slip_sigma = 0;
+  EXPECT_TRUE(Says(summary, "side slip 0.0060 s^2/m, as given, not refined by the drive\n"));
+}
+
+TEST(SummaryText, TheYawIsShownWithItsCorrection) {
+  RunSummary summary = InMetres(0.03);
+  summary.vehicle.camera_known = true;
+  summary.vehicle.vehicle_from_camera = RotationFromYawPitchRoll({1 / kDegreesPerRadian, 0, 0});
+  summary.turns_used = 1;
+  summary.car = CarRefinement();
+  summary.car->yaw_error = 0.25 / kDegreesPerRadian;
+  summary.car->yaw_error_sigma = 0.1 / kDegreesPerRadian;
+  EXPECT_TRUE(Says(summary,
+                   "yaw +1.00, pitch +0.00, roll +0.00 deg, as given; the scale estimate corrects the yaw to "
+                   "+1.25 +-0.10 deg (by +0.25)\n"));
+  summary.contradicting_yaw = 1.25 / kDegreesPerRadian;
+  EXPECT_TRUE(Says(summary, "as given; the drive shows yaw +1.25 deg, which is used\n"));
+}
+
+TEST(SummaryText, TimesCountFromTheFirstFrame) {
+  RunSummary summary = InMetres(0.03);
+  summary.worst_sigma = 0.05;
+  summary.worst_sigma_time = 1774160057.4;
+  summary.missing = {{MissingReason::kLost, 1774160050.5, 1774160052.0, 15}};
+  summary.first_time = 1774160045.0;
+  EXPECT_TRUE(Says(summary, "at most +-5.0 % (at 12.4 s)\n"));
+  EXPECT_TRUE(Says(summary, "tracking lost from 5.5 s to 7.0 s (15 frames)\n"));
+}
+
+TEST(SummaryText, FramesWithoutAMeasuredPoseAreNamedByTheirState) {
+  RunSummary summary = InMetres(0.03);
+  EXPECT_FALSE(Says(summary, "frames  "));
+  summary.initializing = 12;
+  summary.repeated = 3;
+  EXPECT_TRUE(Says(summary, "frames  without a measured pose: 12 before initialisation, 3 repeated\n"));
 }
 
 TEST(Summarize, TheAdviceToRotateImagesCountsThatTheyHaveBeenRotated) {

@@ -69,7 +69,7 @@ bool SkipsAnImage(const ImageStep& before, const ImageStep& step, const ImageSte
          excess > kLeastExcess && excess > kLeastAcceleration * step.seconds * step.seconds;
 }
 
-std::optional<std::string> SkippedImages(const std::vector<FrameResult>& frames) {
+std::optional<std::string> SkippedImages(const std::vector<FrameResult>& frames, double first_time) {
   size_t steps = 0;
   std::vector<double> skips;  // times
   for (const std::vector<ImageStep>& row : RowsOfSteps(frames)) {
@@ -83,7 +83,7 @@ std::optional<std::string> SkippedImages(const std::vector<FrameResult>& frames)
       "images seem to be missing in at least {} places (the first at {:.1f} s), as the car moves about twice as far "
       "from one image to the next as before and after, at even times: speeds are wrong, and the scale may be; give the "
       "true times of the images (--timestamps)",
-      skips.size(), skips.front());
+      skips.size(), skips.front() - first_time);
 }
 
 bool JumpsBack(const ImageStep& before, const ImageStep& step, const ImageStep& after) {
@@ -105,7 +105,7 @@ std::vector<ImageStep> StepsOverLosses(const std::vector<FrameResult>& frames) {
   return steps;
 }
 
-std::optional<std::string> JumpBack(const std::vector<FrameResult>& frames) {
+std::optional<std::string> JumpBack(const std::vector<FrameResult>& frames, double first_time) {
   const std::vector<ImageStep> steps = StepsOverLosses(frames);
   const ImageStep* first = nullptr;
   int jumps = 0;
@@ -117,7 +117,7 @@ std::optional<std::string> JumpBack(const std::vector<FrameResult>& frames) {
   return fmt::format(
       "the car seems to jump back by {:.1f} m at {:.1f} s{}, and the path is wrong there: if clips that overlap were "
       "joined into this video, give the clips themselves",
-      first->distance, first->time, jumps > 1 ? fmt::format(" (the first of {} such jumps)", jumps) : "");
+      first->distance, first->time - first_time, jumps > 1 ? fmt::format(" (the first of {} such jumps)", jumps) : "");
 }
 
 double TimeOf(const std::vector<FrameResult>& frames, int number) {
@@ -154,11 +154,12 @@ std::optional<std::string> UnusualTurnsWarning(std::vector<std::pair<double, dou
   return std::nullopt;
 }
 
-std::vector<std::string> TimeWarnings(const std::vector<FrameResult>& frames, const std::vector<TurnResult>& turns) {
+std::vector<std::string> TimeWarnings(const std::vector<FrameResult>& frames, const std::vector<TurnResult>& turns,
+                                      double first_time) {
   std::vector<std::string> warnings;
   if (frames.empty() || frames.back().scale_state == ScaleState::kPending) return warnings;
-  if (std::optional<std::string> skipped = SkippedImages(frames)) warnings.push_back(std::move(*skipped));
-  if (std::optional<std::string> jump = JumpBack(frames)) warnings.push_back(std::move(*jump));
+  if (std::optional<std::string> skipped = SkippedImages(frames, first_time)) warnings.push_back(std::move(*skipped));
+  if (std::optional<std::string> jump = JumpBack(frames, first_time)) warnings.push_back(std::move(*jump));
   if (std::optional<std::string> unusual = UnusualTurns(frames, turns)) warnings.push_back(std::move(*unusual));
   return warnings;
 }

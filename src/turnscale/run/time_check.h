@@ -20,8 +20,10 @@ namespace turnscale {
 /// * Times that pass too slowly: more than 6 m/s^2 sideways in the median of the turns that were used.
 /// * Times that pass too fast, such as those of slow motion: less than 0.25 m/s^2, with at least two turns.
 ///
-/// `frames`: poses in metres; nothing is said of a trajectory that is up to scale.
-std::vector<std::string> TimeWarnings(const std::vector<FrameResult>& frames, const std::vector<TurnResult>& turns);
+/// `frames`: poses in metres; nothing is said of a trajectory that is up to scale. `first_time`: the warnings count
+/// their times from it.
+std::vector<std::string> TimeWarnings(const std::vector<FrameResult>& frames, const std::vector<TurnResult>& turns,
+                                      double first_time = 0);
 
 /// Of turns that no car takes: accelerations sideways (m/s^2), each with the angle of its turn. Slow ones only count if
 /// there are as many turns as `fewest_slow`. `check` is what to check, the end of "check ...".
