@@ -4,14 +4,12 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <random>
 #include <vector>
 
 #include <Eigen/QR>
 #include <gtest/gtest.h>
 
 #include "turnscale/camera/camera_model.h"
-#include "turnscale/geometry/random_vector.h"
 #include "turnscale/geometry/rotation.h"
 #include "turnscale/mapping/synthetic_map.h"
 #include "turnscale/mapping/test_intrinsics.h"
@@ -37,36 +35,6 @@ IntrinsicsWindow Whole(const Map& map) {
   IntrinsicsWindow window;
   window.last = CountKeyframes(map) - 1;
   return window;
-}
-
-TEST(IntrinsicsEvidence, JacobianIsTheNumericOne) {
-  std::mt19937 random(1);
-  std::normal_distribution<double> normal;
-  CameraModel camera;
-  camera.pinhole = {718, 702, 607, 185};
-  for (const LensModel lens : {LensModel::kPinhole, LensModel::kRadialTangential, LensModel::kEquidistant}) {
-    camera.lens = lens;
-    camera.distortion = {-0.2, 0.05, 0.001, -0.002, 0};
-    if (lens == LensModel::kPinhole) camera.distortion = {};
-    for (int trial = 0; trial < 20; ++trial) {
-      Vector at;
-      at << 0.1 * normal(random), 20 * normal(random), 20 * normal(random), 0.02 * normal(random),
-          0.01 * normal(random), 0.01 * normal(random);
-      const Eigen::Vector2d ray = DrawVector<2>([&] { return normal(random); });
-      const Eigen::Vector3d x(std::clamp(ray.x(), -1.5, 1.5), 0.3 * ray.y(), 3);
-      const Eigen::Vector2d distorted = *camera.Project(x) + 5 * DrawVector<2>([&] { return normal(random); });
-      const auto residual = [&](const Vector& change) -> Eigen::Vector2d {
-        return ChangedPinhole(camera.pinhole, change).Project(x) - Correct(camera, change, distorted)->pixel;
-      };
-      const Pinhole pinhole = ChangedPinhole(camera.pinhole, at);
-      const auto J = IntrinsicsJacobian(pinhole, x, pinhole.Ray(distorted).head<2>(), *Correct(camera, at, distorted));
-      for (int i = 0; i < kEntries; ++i) {
-        const Vector h = 1e-5 * Vector::Unit(i);
-        const Eigen::Vector2d numeric = (residual(at + h) - residual(at - h)) / 2e-5;
-        EXPECT_NEAR((J.col(i) - numeric).norm(), 0, 1e-5 * (1 + numeric.norm())) << "entry " << i;
-      }
-    }
-  }
 }
 
 // The distorted pixel that is corrected to `ideal`, from one nearby.
