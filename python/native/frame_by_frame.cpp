@@ -144,12 +144,12 @@ int FrameByFrame::frames() {
 DriveTables FrameByFrame::Tables() {
   return WithoutLock([&] {
     const RefinedResults results = recorder_.Refined();
-    const auto& [frames, refined] = results;
+    const RefinedScale& refined = results.scale;
     DriveTables tables;
     tables.trajectory = FrameTableHeader();
-    for (const FrameResult& frame : frames) tables.trajectory += FrameTableLine(frame, frame.world_from_camera);
+    for (const FrameResult& frame : results.frames) tables.trajectory += FrameTableLine(frame, frame.world_from_camera);
     tables.turns = TurnTable(refined.turns);
-    tables.speed = SpeedTable(SpeedsOf(frames, odometry_.options().vehicle.lever_arm.value_or(0.0)));
+    tables.speed = SpeedTable(SpeedsOf(results.frames, odometry_.options().vehicle.lever_arm.value_or(0.0)));
     tables.scale = ScaleTable(odometry_.map(), refined.estimate ? refined : RefinedScale());
     tables.camera_rotation = RotationTable(recorder_.rotations());
     tables.live = live_;

@@ -312,9 +312,8 @@ DriveMotion MotionFromImages(const ImageArguments& arguments, const CommandHooks
     motion.note = fmt::format("intrinsics estimated from the drive: focal length {} pixels",
                               FocalLengthText(estimate.found->camera));
   if (odometry.is_upside_down()) progress.Warn(UpsideDownWarning(arguments.rotate));
-  const auto [frames, scale] = recorder.Refined();
+  const auto [frames, scale, blending] = recorder.Refined();
   constexpr auto kConsequence = "the rotation and the lever arm may be wrong";
-  const std::optional<FrameBlending> blending = recorder.Blending();
   if (blending) progress.Warn(FrameBlendingText(SinceFirst(*blending, images.source.first_time()), kConsequence));
   for (const std::string& warning : CalibrationWarnings(scale.contradicted_calibration, estimate.found.has_value(),
                                                         blending ? "the blending may be the cause" : kConsequence))

@@ -61,7 +61,7 @@ constexpr double kLeastOfDrive = 0.25;
 double FrequencyAt(int i) { return std::min(kLowest + kStep * i, kHighest); }
 
 struct Rhythm {
-  double depth = 0;
+  double depth = 0;  // amplitude of the logarithm of the fine detail
   double share = 0;  // of the variance
 };
 
@@ -214,19 +214,13 @@ std::optional<FrameBlending> BlendedFrames::Find() const {
   int best = 0;
   for (int i = 1; i < kFrequencies; ++i)
     if (std::pair(blended[i], sums[i]) > std::pair(blended[best], sums[best])) best = i;
-  FrameBlending found;
-  found.share = static_cast<double>(blended[best]) / static_cast<double>(blocks);
-  if (found.share < kLeastOfDrive) return std::nullopt;
-  found.period = 1 / FrequencyAt(best);
-  std::vector<double> depths;
+  if (static_cast<double>(blended[best]) < kLeastOfDrive * static_cast<double>(blocks)) return std::nullopt;
+  std::optional<FrameBlending> found;
   for (std::size_t block = 0; block < blocks; ++block) {
-    const Rhythm& rhythm = spectra[block][best];
-    if (!ShowsBlending(rhythm, best)) continue;
-    if (depths.empty()) found.from = times_[begin_of(block)];
-    found.to = times_[begin_of(block + 1) - 1];
-    depths.push_back(rhythm.depth);
+    if (!ShowsBlending(spectra[block][best], best)) continue;
+    if (!found) found = FrameBlending{.from = times_[begin_of(block)], .period = 1 / FrequencyAt(best)};
+    found->to = times_[begin_of(block + 1) - 1];
   }
-  found.depth = Median(std::move(depths));
   return found;
 }
 

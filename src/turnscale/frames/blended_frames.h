@@ -18,9 +18,7 @@ struct FrameBlending {
 
   double from = 0;    ///< time, seconds, where it begins
   double to = 0;      ///< time, seconds, where it ends
-  double share = 0;   ///< part of the drive's images in which it shows, in (0, 1]
   double period = 0;  ///< images from one that is sharp to the next, at least 2
-  double depth = 0;   ///< amplitude of the logarithm of the fine detail
 };
 
 /// The warning, one line. `consequence`: such as "the scale may be wrong".

@@ -72,13 +72,14 @@ void DriveRecorder::Finish() {
 
 RefinedResults DriveRecorder::Refined() const {
   RefinedScale scale = odometry_.Refined();
-  if (Blending()) {
+  const std::optional<FrameBlending> blending = blended_.Find();
+  if (blending) {
     WidenScale(FrameBlending::kScaleSigma, scale);
     if (scale.estimate) scale.estimate->is_doubtful = true;
   }
   std::vector<FrameResult> frames = odometry_.RefinedFrames(scale);
   for (ParameterEstimate& estimate : scale.contradicted_calibration) estimate = AtFullSize(scaling_, estimate);
-  return {std::move(frames), std::move(scale)};
+  return {std::move(frames), std::move(scale), blending};
 }
 
 RunSummary DriveRecorder::Summary(RunSummary summary, const RefinedResults& results) const {
@@ -91,7 +92,7 @@ RunSummary DriveRecorder::Summary(RunSummary summary, const RefinedResults& resu
   if (!unreadable_.empty()) summary.warnings.push_back(UnreadableText(unreadable_));
   summary.restarts = RestartsOf(odometry_.map());
   summary.scale_state = StateAtEnd(results.scale);
-  summary.blending = Blending();
+  summary.blending = results.blending;
   Summarize(results.frames, results.scale, summary);
   if (odometry_.is_upside_down()) summary.warnings.push_back(UpsideDownWarning(summary.rotate));
   if (tracks_) SummarizeBeginning(results.frames, seen_, summary);

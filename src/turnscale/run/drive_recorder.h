@@ -21,7 +21,8 @@ namespace turnscale {
 /// The refined results of a drive.
 struct RefinedResults {
   std::vector<FrameResult> frames;
-  RefinedScale scale;  ///< what it says of the calibration is in pixels of full size
+  RefinedScale scale;                     ///< what it says of the calibration is in pixels of full size
+  std::optional<FrameBlending> blending;  ///< of the images; its error is part of `scale`
 };
 
 /// Runs the odometry frame by frame and keeps what the summary and the files of a drive need besides its results.
@@ -51,9 +52,6 @@ class DriveRecorder {
 
   /// The images before the map.
   const SeenImages& seen() const { return seen_; }
-
-  /// Whether the images so far are blended.
-  std::optional<FrameBlending> Blending() const { return blended_.Find(); }
 
   /// The camera-to-vehicle rotation from the first frame on.
   const std::vector<RotationRecord>& rotations() const { return rotations_; }

@@ -245,7 +245,7 @@ TEST(Summarize, BlendingIsNamedBeforeTheCalibrationThatItContradicts) {
   scale.estimate.emplace().converged = true;
   scale.estimate->length_sigma = 0.02;
   RunSummary summary;
-  summary.blending = FrameBlending{.from = 0.1, .to = 9.8, .share = 0.5, .period = 4};
+  summary.blending = FrameBlending{.from = 0.1, .to = 9.8, .period = 4};
   Summarize(refined, scale, summary);
   ASSERT_EQ(summary.warnings.size(), 2U);
   EXPECT_NE(summary.warnings[0].find("by blending: each"), std::string::npos) << summary.warnings[0];
