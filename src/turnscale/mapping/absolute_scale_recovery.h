@@ -13,7 +13,7 @@ namespace turnscale {
 
 struct ScaleRecoveryOptions {
   /// Standard deviation of a tracked pixel, pixels.
-  double pixel_sigma = 0.5;
+  double pixel_sigma = kTrackedPixelSigma;
   /// With measured turns (TurnScale::sigma), which only the laboratory has, the pixel sigma is multiplied by this:
   /// pixel errors of a track are correlated, since all its views are aligned to one patch, so that ten views carry
   /// about as much information as one. 1: independent errors.

@@ -31,7 +31,7 @@ struct CalibrationCheckOptions {
   /// Where bundle adjustment starts to weigh residuals linearly, in sigmas.
   double huber_threshold = 2.0;
   /// Standard deviation of a tracked pixel until estimated from residuals, pixels.
-  double pixel_sigma = 0.5;
+  double pixel_sigma = kTrackedPixelSigma;
 
   // Priors, standard deviations.
   double focal_prior_sigma = 0.1;       ///< relative

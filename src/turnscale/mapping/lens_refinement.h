@@ -32,7 +32,7 @@ struct LensRefinementOptions {
   /// Landmarks of a window that take part (IntrinsicsWindow); its time is linear in it.
   int max_landmarks = 300;
   /// Standard deviation of a tracked pixel, pixels.
-  double pixel_sigma = 0.5;
+  double pixel_sigma = kTrackedPixelSigma;
 
   /// Throws InputError that names the field when a value makes no sense.
   void Check() const;

@@ -41,7 +41,7 @@ struct LocalBundleOptions {
   /// Earlier keyframes that see the window's landmarks and stand still; they hold the scale. At most 10000.
   int anchors = 10;
   /// Standard deviation of a tracked pixel, pixels.
-  double pixel_sigma = 0.5;
+  double pixel_sigma = kTrackedPixelSigma;
   int max_iterations = 6;
   /// An iteration that lowers the cost by less than this share is the last.
   double relative_cost_tolerance = 1e-4;

@@ -10,6 +10,9 @@
 
 namespace turnscale {
 
+/// Usual standard deviation of a tracked pixel, pixels.
+constexpr double kTrackedPixelSigma = 0.5;
+
 /// What a keyframe saw of a landmark.
 struct KeyframeObservation {
   int landmark = 0;                                 ///< index into Map::landmarks
