@@ -11,7 +11,6 @@
 #include "turnscale/features/corners.h"
 #include "turnscale/geometry/rotation.h"
 #include "turnscale/odometry/image_tracking.h"
-#include "turnscale/odometry/repeated_image.h"
 
 namespace turnscale {
 namespace {
@@ -34,20 +33,22 @@ void FrameTracker::Start(const FlowImage& image, std::vector<FeatureTrack> track
   last_image_ = image;
   tracks_ = std::move(tracks);
   lost_tracks_.clear();
+  last_image_time_.reset();
   sampled_.reset();
   stands_since_.reset();
+  has_stood_ = false;
   landmarks_in_keyframe_ = landmarks;
   features_in_keyframe_ = static_cast<int>(tracks_.size());
 }
 
 bool FrameTracker::IsRepeat(const Map& map, const FlowImage& image, const RigidTransform& predicted,
-                            double interval) const {
+                            const ImageTiming& timing) const {
   return IsRepeated(options_.repeats, options_.alignment, map,
                     {.first = sampled_ ? sampled_->gray : last_image_.gray,
                      .tracks = sampled_ ? sampled_->tracks : tracks_,
                      .second = image.gray,
                      .predicted_from_world = predicted,
-                     .interval = interval});
+                     .timing = timing});
 }
 
 TrackedFrame FrameTracker::Track(const Map& map, const FlowImage& image, const MotionModel& motion,
@@ -61,7 +62,7 @@ TrackedFrame FrameTracker::Track(const Map& map, const FlowImage& image, const M
                        .has_stood = HasStood(),
                        .image = image,
                        .time = time};
-  if (time - last_measured_time_ < options_.tracking.sampled_interval) {
+  if (last_image_time_ && time - *last_image_time_ < options_.tracking.sampled_interval) {
     if (std::optional<TrackedPose> sample = TrackSample(options_, map, mask_, step, predicted)) {
       sampled_ = {image.gray, std::move(sample->tracks.found), last_from_world};
       return {.tracked = static_cast<int>(sampled_->tracks.size()),
@@ -77,6 +78,7 @@ TrackedFrame FrameTracker::Track(const Map& map, const FlowImage& image, const M
   tracks_ = std::move(tracked.tracks.found);
   lost_tracks_ = std::move(tracked.tracks.lost);
   last_image_ = image;
+  last_image_time_ = time;
   NoticeStanding(map, tracked.estimate.inliers, time);
   frame.camera_from_world = tracked.estimate.camera_from_world;
   return frame;
@@ -103,8 +105,8 @@ void FrameTracker::NoticeStanding(const Map& map, int inliers, double time) {
   constexpr size_t kFewest = 10;
   // So many times the least motion is more than the errors of the few landmarks that are left in sight.
   constexpr double kClearly = 5;
+  constexpr double kLeastSeconds = 1;
   const KeyframeOptions& limits = options_.keyframes;
-  last_measured_time_ = time;
   std::vector<double> motion;
   for (const FeatureTrack& track : tracks_)
     if (track.in_keyframe && map.landmarks[track.landmark].valid)
@@ -115,11 +117,7 @@ void FrameTracker::NoticeStanding(const Map& map, int inliers, double time) {
     stands_since_.reset();
   else if (sees_enough && !stands_since_)
     stands_since_ = time;
-}
-
-bool FrameTracker::HasStood() const {
-  constexpr double kLeastSeconds = 1;
-  return stands_since_ && last_measured_time_ - *stands_since_ >= kLeastSeconds;
+  has_stood_ = stands_since_ && time - *stands_since_ >= kLeastSeconds;
 }
 
 bool FrameTracker::NeedsKeyframe(const Map& map, const TrackedFrame& frame) const {

@@ -15,6 +15,7 @@
 #include "turnscale/odometry/image_mask.h"
 #include "turnscale/odometry/motion_model.h"
 #include "turnscale/odometry/options.h"
+#include "turnscale/odometry/repeated_image.h"
 
 namespace turnscale {
 
@@ -36,9 +37,9 @@ class FrameTracker {
   /// Begins anew with what an image shows; `landmarks` of it have a depth.
   void Start(const FlowImage& image, std::vector<FeatureTrack> tracks, int landmarks);
 
-  /// Whether the image is the last tracked one once more; `interval`: seconds since the last image that was
-  /// tracked or was itself a repeat.
-  bool IsRepeat(const Map& map, const FlowImage& image, const RigidTransform& predicted, double interval) const;
+  /// Whether the image is the last tracked one once more.
+  bool IsRepeat(const Map& map, const FlowImage& image, const RigidTransform& predicted,
+                const ImageTiming& timing) const;
 
   /// The camera's pose in the next image, taken at `time` seconds: searched from the predicted pose, then from the
   /// motion model's others.
@@ -46,7 +47,7 @@ class FrameTracker {
                      double time);
 
   /// Whether the camera had stood still for a second at least when the last image was tracked.
-  bool HasStood() const;
+  bool HasStood() const { return has_stood_; }
 
   /// Whether the image that was tracked last has to become a keyframe. One of which only a sample was tracked has not.
   bool NeedsKeyframe(const Map& map, const TrackedFrame& frame) const;
@@ -82,7 +83,7 @@ class FrameTracker {
     RigidTransform last_from_world;    // the camera's pose in `last_image_`
   };
 
-  // Updates `stands_since_` with the image tracked last.
+  // Updates `stands_since_` and `has_stood_` with the image tracked last.
   void NoticeStanding(const Map& map, int inliers, double time);
   // The image is that of the latest keyframe.
   void RenewReferences(const Map& map, const std::shared_ptr<const cv::Mat>& image);
@@ -94,9 +95,10 @@ class FrameTracker {
   FlowImage last_image_;                   ///< the latest one in which all landmarks were tracked
   std::vector<FeatureTrack> tracks_;       ///< what it shows
   std::vector<FeatureTrack> lost_tracks_;  ///< recently seen landmarks that are not in it
-  double last_measured_time_ = 0;          ///< of that image, seconds
+  std::optional<double> last_image_time_;  ///< of that image, seconds; empty where it began the tracks
   std::optional<SampledImage> sampled_;    ///< the latest image, if only a sample was tracked
   std::optional<double> stands_since_;     ///< seconds; empty: the camera moves
+  bool has_stood_ = false;                 ///< for a second at least, up to that image
   int landmarks_in_keyframe_ = 0;          ///< with a depth, when the last keyframe was made
   int features_in_keyframe_ = 0;           ///< with or without a depth
 };

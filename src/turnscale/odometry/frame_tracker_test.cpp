@@ -137,8 +137,23 @@ TEST_F(FrameTracking, WhatShowsNothingKnownLeavesTheTracks) {
 }
 
 TEST_F(FrameTracking, AnImageThatIsTheLastOneIsARepeat) {
-  EXPECT_TRUE(tracker_.IsRepeat(map_, Seen(0), Moved(5), 0.1));
-  EXPECT_FALSE(tracker_.IsRepeat(map_, Seen(5), Moved(5), 0.1));
+  EXPECT_TRUE(tracker_.IsRepeat(map_, Seen(0), Moved(5), {kInterval, kInterval}));
+  EXPECT_FALSE(tracker_.IsRepeat(map_, Seen(5), Moved(5), {kInterval, kInterval}));
+}
+
+TEST_F(FrameTracking, ACameraHasStoodAfterASecondWithoutMotion) {
+  const auto has_stood = [&](double pixels, double time) {
+    EXPECT_TRUE(tracker_.Track(map_, Seen(pixels), motion_, Moved(pixels), time).camera_from_world);
+    return tracker_.HasStood();
+  };
+  EXPECT_FALSE(has_stood(0, 0.5));
+  EXPECT_FALSE(has_stood(0, 1.4));
+  EXPECT_TRUE(has_stood(0, 1.5));
+  EXPECT_FALSE(has_stood(6, 1.6)) << "it has moved";
+  EXPECT_FALSE(has_stood(0, 1.7));
+  EXPECT_TRUE(has_stood(0, 2.7));
+  tracker_.Start(Seen(0), tracker_.tracks(), static_cast<int>(tracker_.tracks().size()));
+  EXPECT_FALSE(tracker_.HasStood()) << "of another map";
 }
 
 // As at 60 images per second.
@@ -160,8 +175,8 @@ TEST_F(FrameTracking, OfAnImageThatFollowsAtOnceASampleIsTracked) {
   EXPECT_FALSE(tracker_.NeedsKeyframe(map_, next));
   EXPECT_EQ(tracker_.tracks().size(), tracks.size());
   EXPECT_EQ(tracker_.tracks().front().pixel, tracks.front().pixel) << "the tracks are those of the image before";
-  EXPECT_TRUE(tracker_.IsRepeat(map_, Seen(7.5), Moved(12), 0.017));
-  EXPECT_FALSE(tracker_.IsRepeat(map_, Seen(6), Moved(12), 0.017)) << "the image before";
+  EXPECT_TRUE(tracker_.IsRepeat(map_, Seen(7.5), Moved(12), {0.017, 0.017}));
+  EXPECT_FALSE(tracker_.IsRepeat(map_, Seen(6), Moved(12), {0.017, 0.017})) << "the image before";
   EXPECT_FALSE(track(9, 0.134).is_sampled);
   EXPECT_NEAR(tracker_.tracks().front().pixel.x, tracks.front().pixel.x - 3, 0.3);
 }

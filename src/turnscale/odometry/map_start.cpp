@@ -30,8 +30,6 @@ std::vector<PointSighting> SightingsIn(const Map& map, const WaitingFrame& frame
 // Whether the image of `waiting` is that of `before` once more; `interval`: since the image before, seconds.
 bool Repeats(const RepeatOptions& options, const MotionModel& motion_model, const Map& map, const WaitingFrame& before,
              const WaitingFrame& waiting, double interval, int first_landmark) {
-  // Whether all pixels are the same is not known.
-  if (waiting.time - before.time > options.max_seconds || interval > options.max_interval) return false;
   const RigidTransform predicted = motion_model.Predict(waiting.time);
   std::vector<LandmarkMotion> motion;
   std::size_t i = 0;
@@ -43,7 +41,8 @@ bool Repeats(const RepeatOptions& options, const MotionModel& motion_model, cons
     if (landmark.valid && x.z() > 0)
       motion.push_back({before.pixels[i], map.camera.pinhole.Project(x), waiting.pixels[k]});
   }
-  return IsRepeated(options, MedianMotion(motion));
+  return IsRepeated(options, {.since_measured = waiting.time - before.time, .interval = interval},
+                    MedianMotion(motion));
 }
 
 }  // namespace

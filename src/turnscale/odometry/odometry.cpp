@@ -68,14 +68,14 @@ FrameResult Odometry::Process(const cv::Mat& gray, double time) {
   Ensure(!finished_, "no frame follows Finish");
   frame_counter_.Check(time);
   CheckImage(gray);
-  const double interval = time - last_seen_time_;
   FrameResult result = NewFrame(time, TrackingState::kInitializing);
   const FlowImage image = BuildFlowImage(options_.flow, gray);
   if (waits_for_map()) return Initialize(image, result);
 
   const RigidTransform predicted = motion_.Predict(time);
-  if (time - motion_.last_measured_time() <= options_.repeats.max_seconds &&
-      tracker_.IsRepeat(map_, image, predicted, interval)) {
+  const ImageTiming timing = {.since_measured = time - motion_.last_measured_time(),
+                              .interval = time - last_seen_time_};
+  if (tracker_.IsRepeat(map_, image, predicted, timing)) {
     result.state = TrackingState::kRepeated;
     last_seen_time_ = time;
     return MetricResult(result, predicted);

@@ -61,16 +61,18 @@ ImageMotion MedianMotion(const std::vector<LandmarkMotion>& landmarks) {
   return {Median(std::move(expected)), Median(std::move(seen))};
 }
 
-bool IsRepeated(const RepeatOptions& options, const ImageMotion& motion) {
-  return motion.expected >= options.min_expected_motion &&
+bool IsRepeated(const RepeatOptions& options, const ImageTiming& timing, const ImageMotion& motion) {
+  return timing.since_measured <= options.max_seconds && timing.interval <= options.max_interval &&
+         motion.expected >= options.min_expected_motion &&
          motion.seen <= std::min(options.max_motion, options.max_motion_share * motion.expected);
 }
 
 bool IsRepeated(const RepeatOptions& options, const PatchAlignmentOptions& alignment, const Map& map,
                 const ImagePair& images) {
+  if (images.timing.since_measured > options.max_seconds) return false;
   const std::vector<LandmarkMotion> sample = SampleLandmarks(map, images.tracks, images.predicted_from_world);
   const double expected = MedianMotion(sample).expected;
-  if (expected < options.min_expected_motion || images.interval > options.max_interval)
+  if (expected < options.min_expected_motion || images.timing.interval > options.max_interval)
     return expected >= kExpectedOfSame && HaveSamePixels(images.first, images.second);
   const double least = kLeastShare * static_cast<double>(sample.size());
   std::vector<LandmarkMotion> same;
@@ -82,7 +84,7 @@ bool IsRepeated(const RepeatOptions& options, const PatchAlignmentOptions& align
                                                            Eigen::Matrix2d::Identity(), images.second, landmark.before);
     if (seen) same.push_back({landmark.before, landmark.expected, *seen});
   }
-  return static_cast<double>(same.size()) >= least && IsRepeated(options, MedianMotion(same));
+  return static_cast<double>(same.size()) >= least && IsRepeated(options, images.timing, MedianMotion(same));
 }
 
 }  // namespace turnscale

@@ -51,8 +51,14 @@ struct LandmarkMotion {
 
 ImageMotion MedianMotion(const std::vector<LandmarkMotion>& landmarks);
 
-/// Whether the image is a repeated one, by what has moved in it.
-bool IsRepeated(const RepeatOptions& options, const ImageMotion& motion);
+/// When an image was taken, seconds after others.
+struct ImageTiming {
+  double since_measured = 0;  ///< after the last one whose pose was measured, which it may repeat
+  double interval = 0;        ///< after the last one that was tracked or a repeat itself
+};
+
+/// Whether the image is a repeated one, by its time and by what has moved in it; for images whose pixels are not kept.
+bool IsRepeated(const RepeatOptions& options, const ImageTiming& timing, const ImageMotion& motion);
 
 /// An image, and the one before it; for the time of a call, as it refers to both.
 struct ImagePair {
@@ -60,7 +66,7 @@ struct ImagePair {
   const std::vector<FeatureTrack>& tracks;  ///< what it shows
   const cv::Mat& second;
   const RigidTransform& predicted_from_world;  ///< where the camera is expected in the second
-  double interval = 0;                         ///< from one to the other, seconds
+  ImageTiming timing;                          ///< of the second
 };
 
 /// Whether the second image shows what the first one does, where another one is expected: patches around landmarks are

@@ -13,6 +13,7 @@ namespace turnscale {
 namespace {
 
 constexpr double kDepth = 10;
+constexpr ImageTiming kUsualTiming = {.since_measured = 0.1, .interval = 0.1};
 const RigidTransform kFirst{Eigen::Quaterniond::Identity(), Eigen::Vector3d::Zero()};
 
 // A textured wall straight ahead; the camera moves to the right and its image to the left.
@@ -49,8 +50,8 @@ class Wall : public testing::Test {
     });
   }
 
-  bool Repeated(const cv::Mat& second, double expected_pixels, double interval = 0.1) const {
-    return IsRepeated({}, {}, map_, {Seen(0), tracks_, second, Moved(expected_pixels), interval});
+  bool Repeated(const cv::Mat& second, double expected_pixels, const ImageTiming& timing = kUsualTiming) const {
+    return IsRepeated({}, {}, map_, {Seen(0), tracks_, second, Moved(expected_pixels), timing});
   }
 
   Map map_;
@@ -88,8 +89,15 @@ TEST_F(Wall, WhatHasTheSamePixelsIsRepeatedWhereLittleMotionWasExpected) {
 }
 
 TEST_F(Wall, AtAFewImagesASecondACarMayHaveStopped) {
-  EXPECT_FALSE(Repeated(Seen(0, 4), 5, 0.5));
-  EXPECT_TRUE(Repeated(Seen(0), 5, 0.5)) << "the same pixels";
+  constexpr ImageTiming kTwoPerSecond = {.since_measured = 0.5, .interval = 0.5};
+  EXPECT_FALSE(Repeated(Seen(0, 4), 5, kTwoPerSecond));
+  EXPECT_TRUE(Repeated(Seen(0), 5, kTwoPerSecond)) << "the same pixels";
+}
+
+TEST_F(Wall, AnImageThatStaysTheSameForLongIsOfACarThatStands) {
+  EXPECT_TRUE(Repeated(Seen(0), 5, {.since_measured = 2.9, .interval = 0.1}));
+  EXPECT_FALSE(Repeated(Seen(0), 5, {.since_measured = 3.1, .interval = 0.1}));
+  EXPECT_FALSE(Repeated(Seen(0), 0.4, {.since_measured = 3.1, .interval = 0.1})) << "though all pixels are the same";
 }
 
 TEST_F(Wall, AnImageThatShowsNothingIsNotRepeated) {
@@ -110,11 +118,18 @@ TEST_F(Wall, LandmarksWithoutADepthTellNothing) {
 }
 
 TEST(RepeatedImage, MovesByLittleAndByASmallShareOfWhatWasExpected) {
-  EXPECT_TRUE(IsRepeated({}, ImageMotion{8, 0.25}));
-  EXPECT_FALSE(IsRepeated({}, ImageMotion{8, 0.35})) << "the prediction is wrong";
-  EXPECT_FALSE(IsRepeated({.max_motion_share = 0.1}, ImageMotion{2, 0.25})) << "the car has slowed down";
-  EXPECT_FALSE(IsRepeated({}, ImageMotion{1.4, 0}));
-  EXPECT_FALSE(IsRepeated({}, ImageMotion{}));
+  EXPECT_TRUE(IsRepeated({}, kUsualTiming, {8, 0.25}));
+  EXPECT_FALSE(IsRepeated({}, kUsualTiming, {8, 0.35})) << "the prediction is wrong";
+  EXPECT_FALSE(IsRepeated({.max_motion_share = 0.1}, kUsualTiming, {2, 0.25})) << "the car has slowed down";
+  EXPECT_FALSE(IsRepeated({}, kUsualTiming, {1.4, 0}));
+  EXPECT_FALSE(IsRepeated({}, kUsualTiming, {}));
+}
+
+TEST(RepeatedImage, WithoutPixelsTimesDecideToo) {
+  constexpr ImageMotion kStill = {.expected = 8, .seen = 0.1};
+  EXPECT_TRUE(IsRepeated({}, {.since_measured = 3, .interval = 0.15}, kStill));
+  EXPECT_FALSE(IsRepeated({}, {.since_measured = 3.1, .interval = 0.15}, kStill));
+  EXPECT_FALSE(IsRepeated({}, {.since_measured = 3, .interval = 0.16}, kStill));
 }
 
 TEST(RepeatedImage, OptionsNameTheFieldThatMakesNoSense) {
