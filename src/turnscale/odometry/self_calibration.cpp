@@ -154,6 +154,114 @@ double Difference(const CameraModel& camera, const CameraModel& other, double ra
   return largest;
 }
 
+// What the passes so far have found, and the camera for the next one.
+struct CameraOfPasses {
+  FoundCamera found;
+  CameraModel next;
+  bool is_last = false;  ///< no other pass is needed, or left
+};
+
+// What follows from the reading with `camera` that was the last of so many passes. Nothing where the change of the
+// camera leads to none: a distortion that folds back, or windows that show hardly anything of the lens.
+std::optional<CameraOfPasses> CameraFrom(const SelfCalibrationOptions& options, const CameraModel& camera,
+                                         const Reading& reading, int passes) {
+  const IntrinsicsChange::Vector& change = reading.estimate.change;
+  const std::optional<CameraModel> next = Changed(camera, change, reading.radius);
+  if (!next) return std::nullopt;
+  const IntrinsicsChange::Vector sigmas = reading.estimate.covariance.diagonal().cwiseSqrt();
+  const double step_sigmas = LargestStep(change, sigmas);
+  // Observations that only wide thresholds let in bias the camera by a few tenths of a per cent: passes with such
+  // thresholds are never the last.
+  const bool is_strict = LooseBy(passes - 1) == 1;
+  const bool settled = is_strict && (Difference(camera, *next, reading.radius) < options.converged ||
+                                     step_sigmas < options.converged_sigmas);
+  CameraOfPasses result{.found = {}, .next = *next, .is_last = settled || passes == options.max_passes};
+  // Features are tracked a little differently with each lens, so that successive passes end up alternating about the
+  // optimum.
+  const std::optional<CameraModel> middle = settled ? Changed(camera, 0.5 * change, reading.radius) : std::nullopt;
+  FoundCamera& found = result.found;
+  found.camera = middle.value_or(*next);
+  found.camera.focal_sigma = sigmas[IntrinsicsChange::kLogFocal] * found.camera.pinhole.fx;
+  found.centre_sigma = sigmas[IntrinsicsChange::kCentreX];
+  found.windows = reading.windows;
+  found.converged = settled || (result.is_last && passes > 1 && step_sigmas < 1);
+  return result;
+}
+
+// The passes over a drive. Each estimates a change of the previous pass's camera, since the series is close to any lens
+// only where the change is small. The prior of the pinhole stays at the start; that of the distortion is no change, and
+// keeps what the windows do not determine.
+class SelfCalibration {
+ public:
+  SelfCalibration(const SelfCalibrationOptions& options, const OdometryOptions& odometry, const OpenDrive& open,
+                  const cv::Mat& mask)
+      : options_(options), odometry_(odometry), open_(open), mask_(mask) {}
+
+  std::optional<FoundCamera> Run(const StartCamera& start) {
+    if (!ReadFirst(start)) return std::nullopt;
+    std::optional<FoundCamera> found;
+    for (int passes = 1;; ++passes) {
+      const std::optional<CameraOfPasses> result = CameraFrom(options_, camera_, reading_, passes);
+      if (!result) return found;
+      if (result->is_last) return result->found;
+      camera_ = result->next;
+      // With the better camera no part of the drive turns enough to rely on.
+      if (!ReadAgain(passes)) return passes > 1 ? std::optional(result->found) : std::nullopt;
+      found = result->found;
+    }
+  }
+
+ private:
+  // The first pass, with the camera to start with or, where odometry fails with an assumed one, another field of view.
+  // False where no window turns enough.
+  bool ReadFirst(const StartCamera& start) {
+    StartWith(start.camera);
+    for (const double view : kOtherViews) {
+      if (reading_.windows > 0 || !start.assumed || reading_.tracked > kTracksWell * reading_.frames) break;
+      StartWith(CameraOfLongerView(view, start.camera.width, start.camera.height,
+                                   start.camera.pinhole.fy / start.camera.pinhole.fx));
+    }
+    begin_ = reading_.begin;
+    return reading_.windows > 0;
+  }
+
+  void StartWith(const CameraModel& camera) {
+    camera_ = camera;
+    expected_ = camera.pinhole;
+    reading_ = Read(0);
+  }
+
+  // Another pass after so many. False, and the reading stays, where it has no windows.
+  bool ReadAgain(int passes) {
+    // With the camera as assumed, an earlier turn may have gone unnoticed.
+    const auto from =
+        passes == 1 ? std::nullopt : std::optional(std::max(0.0, reading_.first_time - begin_ - kLeadSeconds));
+    const Reading again = Read(passes, from);
+    if (again.windows == 0) return false;
+    // A pass that has read the drive to its end has found all windows.
+    if (passes == 1 && !again.is_complete) end_ = again.last_time + kTrailSeconds;
+    reading_ = again;
+    return true;
+  }
+
+  Reading Read(int pass, std::optional<double> from = std::nullopt) const {
+    const CalibrationCheck check(CheckForReading(options_, odometry_.calibration_check, pass), camera_.pinhole,
+                                 ChangeBetween(camera_.pinhole, expected_));
+    return ReadTurns(OptionsForReading(odometry_, pass), camera_, check, open_(from), options_.min_interval, end_,
+                     mask_);
+  }
+
+  const SelfCalibrationOptions& options_;
+  const OdometryOptions& odometry_;
+  const OpenDrive& open_;
+  const cv::Mat& mask_;
+  CameraModel camera_;     // of the last pass, then of the next one
+  Pinhole expected_;       // mean of the prior
+  Reading reading_;        // of the last pass
+  double begin_ = 0;       // of the drive, time of an image
+  double end_ = HUGE_VAL;  // of what the passes read, time of an image
+};
+
 }  // namespace
 
 void SelfCalibrationOptions::Check() const {
@@ -176,62 +284,7 @@ std::optional<FoundCamera> CalibrateFromDrive(const SelfCalibrationOptions& opti
                                               const StartCamera& start, const OpenDrive& open, const cv::Mat& mask) {
   options.Check();
   odometry.Check();
-  CameraModel camera = start.camera;
-  Pinhole expected = camera.pinhole;
-  double end = HUGE_VAL;  // of what the passes read, time of an image
-  // Each pass estimates a change of the previous pass's camera, since the series is close to any lens only where the
-  // change is small. The prior of the pinhole stays at the start; that of the distortion is no change, and keeps what
-  // the windows do not determine.
-  const auto read = [&](int pass, std::optional<double> from = std::nullopt) {
-    const CalibrationCheck check(CheckForReading(options, odometry.calibration_check, pass), camera.pinhole,
-                                 ChangeBetween(camera.pinhole, expected));
-    return ReadTurns(OptionsForReading(odometry, pass), camera, check, open(from), options.min_interval, end, mask);
-  };
-  Reading reading = read(0);
-  for (const double view : kOtherViews) {
-    if (reading.windows > 0 || !start.assumed || reading.tracked > kTracksWell * reading.frames) break;
-    camera = CameraOfLongerView(view, start.camera.width, start.camera.height,
-                                start.camera.pinhole.fy / start.camera.pinhole.fx);
-    expected = camera.pinhole;
-    reading = read(0);
-  }
-  if (reading.windows == 0) return std::nullopt;
-  const double begin = reading.begin;
-
-  FoundCamera found;
-  for (int pass = 1;; ++pass) {
-    const IntrinsicsChange::Vector& change = reading.estimate.change;
-    const std::optional<CameraModel> next = Changed(camera, change, reading.radius);
-    // A distortion that folds back, or windows that show hardly anything of the lens.
-    if (!next) return pass > 1 ? std::optional(found) : std::nullopt;
-    const IntrinsicsChange::Vector sigmas = reading.estimate.covariance.diagonal().cwiseSqrt();
-    const double step_sigmas = LargestStep(change, sigmas);
-    // Observations that only wide thresholds let in bias the camera by a few tenths of a per cent: passes with such
-    // thresholds are never the last.
-    const bool is_strict = LooseBy(pass - 1) == 1;
-    const bool settled = is_strict && (Difference(camera, *next, reading.radius) < options.converged ||
-                                       step_sigmas < options.converged_sigmas);
-    const bool is_last = settled || pass == options.max_passes;
-    // Features are tracked a little differently with each lens, so that successive passes end up alternating about the
-    // optimum.
-    const std::optional<CameraModel> middle = settled ? Changed(camera, 0.5 * change, reading.radius) : std::nullopt;
-    found.camera = middle.value_or(*next);
-    found.camera.focal_sigma = sigmas[IntrinsicsChange::kLogFocal] * found.camera.pinhole.fx;
-    found.centre_sigma = sigmas[IntrinsicsChange::kCentreX];
-    found.windows = reading.windows;
-    found.converged = settled || (is_last && pass > 1 && step_sigmas < 1);
-    if (is_last) return found;
-    camera = *next;
-    // With the camera as assumed, an earlier turn may have gone unnoticed.
-    const auto from =
-        pass == 1 ? std::nullopt : std::optional(std::max(0.0, reading.first_time - begin - kLeadSeconds));
-    const Reading again = read(pass, from);
-    // A pass that has read the drive to its end has found all windows.
-    if (pass == 1 && !again.is_complete) end = again.last_time + kTrailSeconds;
-    // With the better camera no part of the drive turns enough to rely on.
-    if (again.windows == 0) return pass > 1 ? std::optional(found) : std::nullopt;
-    reading = again;
-  }
+  return SelfCalibration(options, odometry, open, mask).Run(start);
 }
 
 int MostPasses(const SelfCalibrationOptions& options, bool assumed) {
