@@ -158,14 +158,17 @@ std::vector<RoadPatch> SelectRoadPatches(const RoadPatchOptions& options, const 
   const auto epipole = ProjectTo(pair, region.level_from_camera.transpose().col(2), size);
   std::vector<RoadPatch> patches;
   if (!epipole || inside.width <= 0 || inside.height <= 0) return patches;
-  // Rows of equal height in the image, from the near end of what is in it.
+  // Rows of equal height in the image, from the near end of what is in it: found to within a row.
+  constexpr double kNearRatio = 1.05;
+  // Beyond it the region is a strip of a few pixels, too narrow for rows of their own.
+  constexpr double kMostNear = 0.8;
   double near = options.nearest;
   while (near < options.farthest) {
     const auto pixel = PixelOnRoad(pair, region, 0, near, size);
     if (pixel && pixel->y() < image.rows - margin) break;
-    near *= 1.05;
+    near *= kNearRatio;
   }
-  if (near >= 0.8 * options.farthest) return patches;
+  if (near >= kMostNear * options.farthest) return patches;
   const auto ahead = [&](int row) {
     const double share = static_cast<double>(row) / options.rows;
     return 1 / ((1 - share) / near + share / options.farthest);
@@ -176,7 +179,9 @@ std::vector<RoadPatch> SelectRoadPatches(const RoadPatchOptions& options, const 
       const auto a = PixelOnRoad(pair, region, side(column), ahead(row), size);
       const auto b = PixelOnRoad(pair, region, side(column + 1), ahead(row + 1), size);
       if (!a || !b || !a->allFinite() || !b->allFinite()) continue;
-      if (a->cwiseAbs().maxCoeff() > 1e5 || b->cwiseAbs().maxCoeff() > 1e5) continue;
+      // Far outside of any image, and still an integer.
+      constexpr double kMostPixel = 1e5;
+      if (a->cwiseAbs().maxCoeff() > kMostPixel || b->cwiseAbs().maxCoeff() > kMostPixel) continue;
       const cv::Rect cell(
           cv::Point(static_cast<int>(std::min(a->x(), b->x())), static_cast<int>(std::min(a->y(), b->y()))),
           cv::Point(static_cast<int>(std::max(a->x(), b->x())) + 1, static_cast<int>(std::max(a->y(), b->y())) + 1));
@@ -200,6 +205,7 @@ std::optional<PatchMatch> MatchPatch(const RoadPatchOptions& options, const Road
   };
   const double inverse_depth = surface.InverseDepth(patch.ray);
   if (!(inverse_depth > 0)) return std::nullopt;
+  // Of the numeric derivative: 1 % of the parallax, which is a fraction of a pixel.
   const double step = 0.01 * inverse_depth;
   const auto centre = pixel_of(patch.ray, inverse_depth);
   const auto nearer = pixel_of(patch.ray, inverse_depth + step);
@@ -217,7 +223,9 @@ std::optional<PatchMatch> MatchPatch(const RoadPatchOptions& options, const Road
     return std::nullopt;
   const Eigen::Vector2d by_inverse_depth = (*nearer - *centre) / step;
   const double determinant = earlier_from_current.determinant();
-  if (!(determinant > 1e-3)) return std::nullopt;
+  // Shrunk to a thirtieth of its side, or mirrored: no view of the road.
+  constexpr double kLeastArea = 1e-3;
+  if (!(determinant > kLeastArea)) return std::nullopt;
   const Eigen::Vector2d moved = earlier_from_current.inverse() * by_inverse_depth;
 
   const int half = options.half_size;
@@ -235,7 +243,9 @@ std::optional<PatchMatch> MatchPatch(const RoadPatchOptions& options, const Road
   slope -= (slope * patch.gray).sum() * patch.gray;
   const double squares = slope.square().sum();
   const double motion_squares = by_inverse_depth.squaredNorm();
-  if (!(squares > 1e-12 * motion_squares) || !(motion_squares > 0)) return std::nullopt;
+  // Rounding errors: without texture along the motion the patch shows no depth.
+  constexpr double kRounding = 1e-12;
+  if (!(squares > kRounding * motion_squares) || !(motion_squares > 0)) return std::nullopt;
   PatchMatch match;
   match.correlation = (seen * patch.gray).sum();
   match.inverse_depth_change = -static_cast<double>((slope * (seen - patch.gray)).sum()) / squares;
@@ -253,6 +263,7 @@ std::optional<Eigen::Matrix<double, 1, 6>> InverseDepthChangeByMotion(const Road
   const Eigen::Vector3d point = turned + inverse_depth * motion.translation;
   const auto pixel = ProjectTo(pair, point, 0);
   if (!pixel) return std::nullopt;
+  // Of the numeric derivatives: a thousandth of the focal length in the image.
   const double step = 1e-3 * point.z();
   Eigen::Matrix<double, 2, 3> by_point;
   for (int axis = 0; axis < 3; ++axis) {
