@@ -53,34 +53,34 @@ bool FrameTracker::IsRepeat(const Map& map, const FlowImage& image, const RigidT
 
 TrackedFrame FrameTracker::Track(const Map& map, const FlowImage& image, const MotionModel& motion,
                                  const RigidTransform& predicted, double time) {
+  const TrackingOptions& limits = options_.tracking;
   const RigidTransform last_from_world = sampled_ ? sampled_->last_from_world : motion.last();
   const ImageStep step{.last_image = last_image_,
                        .last_from_world = last_from_world,
+                       .last_time = last_image_time_.value_or(motion.last_measured_time()),
                        .tracks = tracks_,
                        .lost_tracks = lost_tracks_,
                        .motion = motion,
                        .has_stood = HasStood(),
                        .image = image,
-                       .time = time};
-  if (last_image_time_ && time - *last_image_time_ < options_.tracking.sampled_interval) {
-    if (std::optional<TrackedPose> sample = TrackSample(options_, map, mask_, step, predicted)) {
-      sampled_ = {image.gray, std::move(sample->tracks.found), last_from_world};
-      return {.tracked = static_cast<int>(sampled_->tracks.size()),
-              .inliers = sample->estimate.inliers,
-              .is_sampled = true,
-              .camera_from_world = sample->estimate.camera_from_world};
-    }
-  }
+                       .time = time,
+                       .sample_suffices = last_image_time_ && time - *last_image_time_ < limits.sampled_interval};
   TrackedPose tracked = TrackImage(options_, map, mask_, step, predicted);
-  TrackedFrame frame{.tracked = static_cast<int>(tracked.tracks.found.size()), .inliers = tracked.estimate.inliers};
-  if (!IsBelievable(options_.tracking, tracked.estimate)) return frame;
+  TrackedFrame frame{.tracked = static_cast<int>(tracked.tracks.found.size()),
+                     .inliers = tracked.estimate.inliers,
+                     .is_sampled = tracked.is_sampled};
+  if (!IsBelievable(limits, tracked.estimate)) return frame;
+  frame.camera_from_world = tracked.estimate.camera_from_world;
+  if (tracked.is_sampled) {
+    sampled_ = {image.gray, std::move(tracked.tracks.found), last_from_world};
+    return frame;
+  }
   sampled_.reset();
   tracks_ = std::move(tracked.tracks.found);
   lost_tracks_ = std::move(tracked.tracks.lost);
   last_image_ = image;
   last_image_time_ = time;
   NoticeStanding(map, tracked.estimate.inliers, time);
-  frame.camera_from_world = tracked.estimate.camera_from_world;
   return frame;
 }
 
@@ -191,21 +191,27 @@ void FrameTracker::DetectNewFeatures(const std::shared_ptr<const cv::Mat>& image
   }
 }
 
+std::vector<std::vector<FeatureTrack>*> FrameTracker::AllTracks() {
+  std::vector<std::vector<FeatureTrack>*> all = {&tracks_, &lost_tracks_};
+  if (sampled_) all.push_back(&sampled_->tracks);
+  return all;
+}
+
 void FrameTracker::Drop(const std::vector<int>& landmarks) {
   const std::unordered_set<int> ended(landmarks.begin(), landmarks.end());
-  for (std::vector<FeatureTrack>* tracks : {&tracks_, &lost_tracks_})
+  for (std::vector<FeatureTrack>* tracks : AllTracks())
     std::erase_if(*tracks, [&](const FeatureTrack& track) { return ended.contains(track.landmark); });
 }
 
 void FrameTracker::Reindex(const std::vector<int>& new_index) {
-  for (std::vector<FeatureTrack>* tracks : {&tracks_, &lost_tracks_}) {
+  for (std::vector<FeatureTrack>* tracks : AllTracks()) {
     for (FeatureTrack& track : *tracks) track.landmark = new_index[track.landmark];
     std::erase_if(*tracks, [](const FeatureTrack& track) { return track.landmark < 0; });
   }
 }
 
 void FrameTracker::Correct(const std::function<Eigen::Vector2d(const Eigen::Vector2d&)>& corrected) {
-  for (std::vector<FeatureTrack>* tracks : {&tracks_, &lost_tracks_})
+  for (std::vector<FeatureTrack>* tracks : AllTracks())
     for (FeatureTrack& track : *tracks) {
       track.undistorted = corrected(track.undistorted);
       if (track.in_keyframe) track.in_keyframe = corrected(*track.in_keyframe);

@@ -22,7 +22,7 @@ namespace turnscale {
 struct TrackedFrame {
   int tracked = 0;  ///< features found in the image
   int inliers = 0;  ///< of those with a depth
-  /// Only a sample of the landmarks was looked for; the tracks are those of the image before.
+  /// Only a sample of the landmarks was looked for; the tracks stay those of the last image in which all were.
   bool is_sampled = false;
   /// Empty where tracking failed; the tracks are then those of the image before.
   std::optional<RigidTransform> camera_from_world;
@@ -46,10 +46,11 @@ class FrameTracker {
   TrackedFrame Track(const Map& map, const FlowImage& image, const MotionModel& motion, const RigidTransform& predicted,
                      double time);
 
-  /// Whether the camera had stood still for a second at least when the last image was tracked.
+  /// Whether the camera had stood still for a second at least in the last image in which all landmarks were tracked.
   bool HasStood() const { return has_stood_; }
 
-  /// Whether the image that was tracked last has to become a keyframe. One of which only a sample was tracked has not.
+  /// Whether the image that was tracked last has to become a keyframe. One in which only a sample of the landmarks was
+  /// tracked never does.
   bool NeedsKeyframe(const Map& map, const TrackedFrame& frame) const;
 
   /// The image that was tracked last is the map's latest keyframe: renews reference images, and adds new features as
@@ -63,8 +64,11 @@ class FrameTracker {
   /// there. Returns how the tracks have moved. For a new keyframe at this pose, before it is in the map.
   std::vector<ObservedMotion> DropStatic(const Map& map, const RigidTransform& camera_from_world);
 
-  /// What the latest image shows in which all landmarks were tracked.
+  /// What the last image shows in which all landmarks were tracked.
   const std::vector<FeatureTrack>& tracks() const { return tracks_; }
+
+  /// What was found in the latest image: there, possibly a sample.
+  const std::vector<FeatureTrack>& found() const { return sampled_ ? sampled_->tracks : tracks_; }
 
   /// Ends the tracks of landmarks.
   void Drop(const std::vector<int>& landmarks);
@@ -76,13 +80,16 @@ class FrameTracker {
   void Correct(const std::function<Eigen::Vector2d(const Eigen::Vector2d&)>& corrected);
 
  private:
-  // An image since the last one in which all landmarks were tracked.
+  // An image since the last one in which all landmarks were tracked. Poses of the map do not change before the next
+  // one.
   struct SampledImage {
     cv::Mat gray;
     std::vector<FeatureTrack> tracks;  // the sample that it shows
     RigidTransform last_from_world;    // the camera's pose in `last_image_`
   };
 
+  // Whose landmarks are those of the map.
+  std::vector<std::vector<FeatureTrack>*> AllTracks();
   // Updates `stands_since_` and `has_stood_` with the image tracked last.
   void NoticeStanding(const Map& map, int inliers, double time);
   // The image is that of the latest keyframe.

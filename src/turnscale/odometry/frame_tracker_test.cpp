@@ -156,29 +156,72 @@ TEST_F(FrameTracking, ACameraHasStoodAfterASecondWithoutMotion) {
   EXPECT_FALSE(tracker_.HasStood()) << "of another map";
 }
 
-// As at 60 images per second.
-TEST_F(FrameTracking, OfAnImageThatFollowsAtOnceASampleIsTracked) {
-  const double tolerance = 0.05 * kWallDepth / 400;
-  const auto track = [&](double pixels, double time) {
+// As at more than 40 images per second: a sample of the landmarks gives the pose of some of them.
+class FrameSampling : public FrameTracking {
+ protected:
+  TrackedFrame TrackNext(double pixels, double time) {
     const TrackedFrame frame = tracker_.Track(map_, Seen(pixels), motion_, motion_.Predict(time), time);
     EXPECT_TRUE(frame.camera_from_world);
-    motion_.Update(time, *frame.camera_from_world);
-    EXPECT_LT((frame.camera_from_world->translation - Moved(pixels).translation).norm(), tolerance) << time;
+    if (frame.camera_from_world) motion_.Update(time, *frame.camera_from_world);
     return frame;
-  };
-  EXPECT_FALSE(track(6, 0.1).is_sampled);
+  }
+
+  // Pixels by which the camera has moved according to two frames.
+  double Motion(const TrackedFrame& first, const TrackedFrame& second) const {
+    const Eigen::Vector3d moved = first.camera_from_world->translation - second.camera_from_world->translation;
+    return moved.x() * map_.camera.pinhole.fx / kWallDepth;
+  }
+};
+
+TEST_F(FrameSampling, EveryOtherImageAtSixtyPerSecond) {
+  const TrackedFrame first = TrackNext(6, 0.1);
+  EXPECT_FALSE(first.is_sampled);
   const std::vector<FeatureTrack> tracks = tracker_.tracks();
-  const TrackedFrame next = track(7.5, 0.117);
+  const TrackedFrame next = TrackNext(7.5, 0.117);
   EXPECT_TRUE(next.is_sampled);
   EXPECT_LT(next.tracked, 0.7 * static_cast<double>(tracks.size()));
   EXPECT_GT(next.inliers, 100);
+  EXPECT_NEAR(Motion(first, next), 1.5, 0.05);
   EXPECT_FALSE(tracker_.NeedsKeyframe(map_, next));
   EXPECT_EQ(tracker_.tracks().size(), tracks.size());
   EXPECT_EQ(tracker_.tracks().front().pixel, tracks.front().pixel) << "the tracks are those of the image before";
+  EXPECT_EQ(static_cast<int>(tracker_.found().size()), next.tracked);
+  EXPECT_NEAR(tracker_.found().front().pixel.x, tracks.front().pixel.x - 1.5, 0.2);
   EXPECT_TRUE(tracker_.IsRepeat(map_, Seen(7.5), Moved(12), {0.017, 0.017}));
   EXPECT_FALSE(tracker_.IsRepeat(map_, Seen(6), Moved(12), {0.017, 0.017})) << "the image before";
-  EXPECT_FALSE(track(9, 0.134).is_sampled);
+  const TrackedFrame last = TrackNext(9, 0.134);
+  EXPECT_FALSE(last.is_sampled);
+  EXPECT_NEAR(Motion(first, last), 3, 0.05);
   EXPECT_NEAR(tracker_.tracks().front().pixel.x, tracks.front().pixel.x - 3, 0.3);
+  EXPECT_EQ(tracker_.found().size(), tracker_.tracks().size());
+}
+
+TEST_F(FrameSampling, TwoOfThreeImagesAtOneHundredAndTwentyPerSecond) {
+  TrackedFrame last = TrackNext(6, 0.1);
+  for (const bool is_sampled : {true, true, false, true, true, false}) {
+    const double time = motion_.last_measured_time() + 1.0 / 120;
+    const TrackedFrame next = TrackNext(6 + 90 * (time - 0.1), time);
+    EXPECT_EQ(next.is_sampled, is_sampled) << time;
+    EXPECT_NEAR(Motion(last, next), 0.75, 0.06) << time;
+    last = next;
+  }
+}
+
+// The sample may have other errors than all landmarks together.
+TEST_F(FrameSampling, ErrorsOfLandmarksCancel) {
+  for (const FeatureTrack* track : SampleWithDepth(map_, tracker_.tracks(), 120))
+    map_.landmarks[track->landmark].position.x() += kWallDepth / 400;
+  const TrackedFrame first = TrackNext(6, 0.1);
+  const TrackedFrame next = TrackNext(7.5, 0.117);
+  ASSERT_TRUE(next.is_sampled);
+  EXPECT_NEAR(Motion(first, next), 1.5, 0.05);
+}
+
+TEST_F(FrameSampling, WhatIsFarFromThePredictionIsTrackedInFull) {
+  TrackNext(6, 0.1);
+  const TrackedFrame next = TrackNext(10.5, 0.117);
+  EXPECT_FALSE(next.is_sampled);
+  EXPECT_LT((next.camera_from_world->translation - Moved(10.5).translation).norm(), 0.05 * kWallDepth / 400);
 }
 
 TEST_F(FrameTracking, AKeyframeIsDueAfterEnoughParallax) {

@@ -14,12 +14,14 @@ namespace turnscale {
 struct ImageStep {
   const FlowImage& last_image;
   const RigidTransform& last_from_world;         ///< the camera's pose in it
+  double last_time = 0;                          ///< of it, seconds
   const std::vector<FeatureTrack>& tracks;       ///< what the last image shows
   const std::vector<FeatureTrack>& lost_tracks;  ///< landmarks seen recently that are not in it
   const MotionModel& motion;                     ///< up to the last measured pose
   bool has_stood = false;                        ///< whether the camera had stood still for a while by then
   const FlowImage& image;                        ///< the next one
   double time = 0;                               ///< of it, seconds
+  bool sample_suffices = false;                  ///< it follows so soon that a sample of the landmarks gives its pose
 };
 
 }  // namespace turnscale

@@ -38,12 +38,7 @@ constexpr double kMuchLarger = 2.25;
 class ImageTracker {
  public:
   ImageTracker(const OdometryOptions& options, const Map& map, const cv::Mat& mask, const ImageStep& step)
-      : options_(options),
-        map_(map),
-        mask_(mask),
-        step_(step),
-        last_(step.last_from_world),
-        before_(MatchBrightness(options.flow, step.last_image, step.image)) {}
+      : options_(options), map_(map), mask_(mask), step_(step), last_(step.last_from_world) {}
 
   bool IsBelievable(const TrackedPose& pose) const { return turnscale::IsBelievable(options_.tracking, pose.estimate); }
 
@@ -64,6 +59,7 @@ class ImageTracker {
   std::optional<TrackedPose> TrackSample(const RigidTransform& pose) const {
     std::vector<FeatureTrack> sample = Sample();
     const size_t wanted = sample.size();
+    if (wanted < kLeastOfPoseSample) return std::nullopt;
     std::unordered_map<int, Eigen::Vector2d> residuals;
     for (const FeatureTrack& track : sample) {
       const Eigen::Vector3d in_last_image = last_ * map_.landmarks[track.landmark].position;
@@ -74,7 +70,8 @@ class ImageTracker {
     DropMasked(tracks);
     for (FeatureTrack& track : tracks.found) track.undistorted -= residuals.at(track.landmark);
     TrackedPose tracked = EstimateFrom(pose, std::move(tracks));
-    if (!Agree(tracked.estimate, wanted)) return std::nullopt;
+    if (!Agree(tracked.estimate, wanted) || !IsBelievable(tracked)) return std::nullopt;
+    tracked.is_sampled = true;
     return tracked;
   }
 
@@ -96,7 +93,7 @@ class ImageTracker {
   // Aligns a believable pose over a wider range if fewer landmarks agree with it than should: what has come nearer over
   // a long interval looks too different for optical flow.
   std::optional<RigidTransform> SearchNear(const TrackedPose& pose) const {
-    if (step_.time - step_.motion.last_measured_time() < kLongInterval) return std::nullopt;
+    if (step_.time - step_.last_time < kLongInterval) return std::nullopt;
     const auto with_depth =
         std::ranges::count_if(step_.tracks, [&](const FeatureTrack& track) { return HasDepth(track); });
     if (pose.estimate.inliers >= kLeastShareOfSample * static_cast<double>(with_depth)) return std::nullopt;
@@ -114,6 +111,11 @@ class ImageTracker {
   static bool Agree(const PoseEstimate& estimate, size_t landmarks) {
     return estimate.inliers >= kLeastOfPoseSample &&
            estimate.inliers >= kLeastShareOfSample * static_cast<double>(landmarks);
+  }
+
+  const FlowImage& Before() const {
+    if (!before_) before_ = MatchBrightness(options_.flow, step_.last_image, step_.image);
+    return *before_;
   }
 
   bool HasDepth(const FeatureTrack& track) const { return map_.landmarks[track.landmark].valid; }
@@ -152,7 +154,7 @@ class ImageTracker {
 
   FollowedTracks Follow(const std::vector<FeatureTrack>& tracks, const RigidTransform& predicted,
                         std::optional<int> levels) const {
-    FollowedTracks followed = FollowTracks(options_.flow, map_, before_, step_.image, tracks,
+    FollowedTracks followed = FollowTracks(options_.flow, map_, Before(), step_.image, tracks,
                                            PredictPixels(map_, tracks, last_, predicted), levels);
     DropMasked(followed);
     return followed;
@@ -167,7 +169,7 @@ class ImageTracker {
     without_depth.reserve(step_.tracks.size());
     for (const FeatureTrack& track : step_.tracks) (HasDepth(track) ? with_depth : without_depth).push_back(track);
     FollowedTracks followed =
-        FollowWithoutDepth(options_.flow, map_, {before_, last_}, {step_.image, pose}, without_depth);
+        FollowWithoutDepth(options_.flow, map_, {Before(), last_}, {step_.image, pose}, without_depth);
     with_depth.insert(with_depth.end(), step_.lost_tracks.begin(), step_.lost_tracks.end());
     SearchByMap(pose, std::move(with_depth), followed);
     DropMasked(followed);
@@ -257,7 +259,8 @@ class ImageTracker {
   const cv::Mat& mask_;
   const ImageStep& step_;
   RigidTransform last_;  // the camera's pose in the last image
-  FlowImage before_;     // the last image, as bright as the next one
+  mutable std::optional<FlowImage>
+      before_;  // the last image, as bright as the next one; empty until optical flow is needed
 };
 
 }  // namespace
@@ -267,14 +270,12 @@ bool IsBelievable(const TrackingOptions& options, const PoseEstimate& estimate) 
          estimate.inliers >= options.min_inlier_share * static_cast<double>(estimate.inlier.size());
 }
 
-std::optional<TrackedPose> TrackSample(const OdometryOptions& options, const Map& map, const cv::Mat& mask,
-                                       const ImageStep& step, const RigidTransform& predicted) {
-  return ImageTracker(options, map, mask, step).TrackSample(predicted);
-}
-
 TrackedPose TrackImage(const OdometryOptions& options, const Map& map, const cv::Mat& mask, const ImageStep& step,
                        const RigidTransform& predicted) {
   const ImageTracker tracker(options, map, mask, step);
+  if (step.sample_suffices) {
+    if (std::optional<TrackedPose> sample = tracker.TrackSample(predicted)) return *std::move(sample);
+  }
   TrackedPose tracked = tracker.TrackFrom(predicted);
   if (!tracker.IsBelievable(tracked)) {
     for (const RigidTransform& other : step.motion.OtherPredictions(step.time)) {

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <optional>
-
 #include <opencv2/core.hpp>
 
 #include "turnscale/geometry/rigid_transform.h"
@@ -18,22 +16,20 @@ namespace turnscale {
 struct TrackedPose {
   FollowedTracks tracks;
   PoseEstimate estimate;
+  /// Only a sample of the landmarks was looked for. The tracks' undistorted pixels are then less the residuals that the
+  /// last image had.
+  bool is_sampled = false;
 };
 
 /// Whether a pose has enough inliers to be taken for the camera's.
 bool IsBelievable(const TrackingOptions& options, const PoseEstimate& estimate);
 
 /// Tracks the map's landmarks into the next image and estimates the camera's pose from them, starting at `predicted`.
-/// Where that fails, it starts in turn at the motion model's other predictions, at the last pose if the camera has
-/// stood (what passes may have hidden nearly all that the last image showed), and at what a wide search finds. Where
-/// all fail, the pose returned is not believable. Pixels of `mask` that are 0 are left out (8 bit; empty: none are).
+/// If a sample of them suffices and gives a pose, that is all. Where that fails, it starts in turn at the motion
+/// model's other predictions, at the last pose if the camera has stood (what passes may have hidden nearly all that the
+/// last image showed), and at what a wide search finds. Where all fail, the pose returned is not believable. Pixels of
+/// `mask` that are 0 are left out (8 bit; empty: none are).
 TrackedPose TrackImage(const OdometryOptions& options, const Map& map, const cv::Mat& mask, const ImageStep& step,
                        const RigidTransform& predicted);
-
-/// The same for a sample of the landmarks, in an image that follows the last one so soon that the predicted pose is
-/// correct within a few pixels; empty where they do not agree. The tracks' undistorted pixels are those that the pose
-/// is estimated from.
-std::optional<TrackedPose> TrackSample(const OdometryOptions& options, const Map& map, const cv::Mat& mask,
-                                       const ImageStep& step, const RigidTransform& predicted);
 
 }  // namespace turnscale

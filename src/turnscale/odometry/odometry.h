@@ -80,8 +80,8 @@ class Odometry {
   const Map& map() const { return map_; }
   /// The online path of the keyframes, metric once the scale is known.
   const MetricPath& live_path() const { return scale_.live_path(); }
-  /// What the latest tracked image shows of the map.
-  const std::vector<FeatureTrack>& tracks() const { return tracker_.tracks(); }
+  /// What was found of the map in the latest tracked image.
+  const std::vector<FeatureTrack>& tracks() const { return tracker_.found(); }
   /// The camera by which the map's pixels are undistorted: as given, with the radial correction found so far.
   const CameraModel& camera() const { return map_.camera; }
   /// 0 where pixels are left out of the next image: those given, and those found to stand still while the scene moves

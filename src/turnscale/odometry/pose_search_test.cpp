@@ -89,6 +89,7 @@ class PoseSearch : public testing::Test {
   std::optional<RigidTransform> Search(const FlowImage& image) const {
     return SearchPose(map_, {.last_image = first_,
                              .last_from_world = motion_.last(),
+                             .last_time = motion_.last_measured_time(),
                              .tracks = tracks_,
                              .lost_tracks = {},
                              .motion = motion_,

@@ -42,8 +42,9 @@ struct FrameResult {
   Eigen::Quaterniond vehicle_from_camera = Eigen::Quaterniond::Identity();
   ScaleState scale_state = ScaleState::kPending;
   double scale_sigma = std::numeric_limits<double>::infinity();  ///< relative standard deviation of the scale
-  int tracked = 0;                                               ///< features tracked into this frame
-  int inliers = 0;                                               ///< landmarks that agree with the pose
+  /// Features tracked into this frame; a sample of them where that sufficed (TrackingOptions::sampled_interval).
+  int tracked = 0;
+  int inliers = 0;  ///< landmarks that agree with the pose, of the tracked ones
   bool keyframe = false;
   double psi =
       std::numeric_limits<double>::quiet_NaN();  ///< turning angle since the last keyframe, rad; keyframes only

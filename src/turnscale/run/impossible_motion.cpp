@@ -9,6 +9,8 @@
 
 #include <fmt/format.h>
 
+#include "turnscale/base/quantiles.h"
+
 namespace turnscale {
 namespace {
 
@@ -82,6 +84,14 @@ bool IsImpossible(const SpeedWindow& before, const SpeedWindow& after) {
 
 bool IsTooFast(const SpeedWindow& window) { return window.speed() > kMostSpeed; }
 
+// Median speed at which a car can drive; 0 if there is none.
+double MedianCarSpeed(const std::vector<SpeedWindow>& windows) {
+  std::vector<double> speeds;
+  for (const SpeedWindow& window : windows)
+    if (!IsTooFast(window)) speeds.push_back(window.speed());
+  return speeds.empty() ? 0.0 : Median(std::move(speeds));
+}
+
 std::vector<Stretch> Stretches(const std::vector<SpeedWindow>& windows) {
   std::vector<Stretch> stretches;
   for (size_t i = 0; i < windows.size(); ++i) {
@@ -102,10 +112,13 @@ std::vector<Stretch> Stretches(const std::vector<SpeedWindow>& windows) {
 
 }  // namespace
 
+bool ImpossibleMotion::IsFasterThanACar() const { return most_speed > kMostSpeed; }
+
 std::vector<ImpossibleMotion> FindImpossibleMotion(const std::vector<FrameResult>& frames) {
   std::vector<ImpossibleMotion> parts;
   if (frames.empty() || frames.back().scale_state == ScaleState::kPending) return parts;
-  const std::vector<Stretch> stretches = Stretches(Windows(frames));
+  const std::vector<SpeedWindow> windows = Windows(frames);
+  const std::vector<Stretch> stretches = Stretches(windows);
   for (size_t first = 0; first < stretches.size();) {
     if (!stretches[first].is_wrong) {
       ++first;
@@ -115,14 +128,18 @@ std::vector<ImpossibleMotion> FindImpossibleMotion(const std::vector<FrameResult
     while (end < stretches.size() && stretches[end].is_wrong && stretches[end].follows) ++end;
     ImpossibleMotion part{stretches[first].windows.front().from, stretches[end - 1].windows.back().to};
     for (size_t i = first; i < end; ++i)
-      for (const SpeedWindow& window : stretches[i].windows) part.distance += window.distance;
+      for (const SpeedWindow& window : stretches[i].windows) {
+        part.distance += window.distance;
+        part.most_speed = std::max(part.most_speed, window.speed());
+      }
     std::optional<double> before;
     std::optional<double> after;
     if (stretches[first].follows) before = stretches[first - 1].last_speed();
     if (end < stretches.size() && stretches[end].follows) after = stretches[end].first_speed();
-    // There is one, unless the car is too fast: of all stretches between two others, the longest is right.
-    const double speed = before && after ? 0.5 * (*before + *after) : before ? *before : after.value_or(0.0);
-    part.expected = speed * (part.to - part.from);
+    // There is one, as of all stretches between two others, the longest is right. Beside what is too fast, the speed
+    // may have grown gradually.
+    const double beside = before && after ? 0.5 * (*before + *after) : before ? *before : after.value_or(0.0);
+    part.expected = (part.IsFasterThanACar() ? MedianCarSpeed(windows) : beside) * (part.to - part.from);
     parts.push_back(part);
     first = end;
   }
@@ -133,15 +150,18 @@ std::string ImpossibleMotionText(const std::vector<ImpossibleMotion>& parts, dou
   if (parts.empty()) return {};
   const auto largest = std::ranges::max_element(
       parts, {}, [](const ImpossibleMotion& part) { return std::abs(part.distance - part.expected); });
-  const double speed = largest->distance / (largest->to - largest->from);
-  const std::string expected =
-      largest->expected > 0 ? fmt::format(", but about {:.0f} m by the speed before and after", largest->expected) : "";
-  return fmt::format(
-      "the speed {} ({}from {:.1f} to {:.1f} s): the path there is {:.0f} m long{}; {}",
-      speed > kMostSpeed ? fmt::format("is {:.0f} km/h", 3.6 * speed) : "changes faster than a car's can",
-      parts.size() > 1 ? fmt::format("{} places; the worst ", parts.size()) : "", largest->from - first_time,
-      largest->to - first_time, largest->distance, expected,
-      speed > kMostSpeed ? "its scale is wrong" : "a vehicle that moved may have filled the image");
+  const bool is_too_fast = largest->IsFasterThanACar();
+  const std::string expected = largest->expected > 0
+                                   ? fmt::format(", but about {:.0f} m by {}", largest->expected,
+                                                 is_too_fast ? "the usual speed" : "the speed before and after")
+                                   : "";
+  return fmt::format("{} ({}from {:.1f} to {:.1f} s): the path there is {:.0f} m long{}; {}",
+                     is_too_fast ? fmt::format("the speed reaches {:.0f} km/h", 3.6 * largest->most_speed)
+                                 : "the speed changes faster than a car's can",
+                     parts.size() > 1 ? fmt::format("{} places where no car drives so; the worst ", parts.size()) : "",
+                     largest->from - first_time, largest->to - first_time, largest->distance, expected,
+                     is_too_fast ? "the scale is wrong there, or the times of the images are"
+                                 : "a vehicle that moved may have filled the image");
 }
 
 double LengthErrorOf(const std::vector<ImpossibleMotion>& parts) {

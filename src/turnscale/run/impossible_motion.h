@@ -9,13 +9,18 @@
 namespace turnscale {
 
 /// A part of the drive whose path no car has driven: where it begins or ends, the speed changes by more than 15 m/s^2,
-/// or it is above 90 m/s (324 km/h). Then something else than the scene was followed, such as a lorry ahead, or the
-/// unit of the map has changed.
+/// or it is above 90 m/s (324 km/h). Then something else than the scene was followed, such as a lorry ahead, the unit
+/// of the map has changed, or the times are wrong.
 struct ImpossibleMotion {
-  double from = 0;      ///< time, seconds
-  double to = 0;        ///< time, seconds
-  double distance = 0;  ///< length of its path, metres
-  double expected = 0;  ///< the same at the speed before and after it, metres; 0 if neither is known
+  double from = 0;        ///< time, seconds
+  double to = 0;          ///< time, seconds
+  double distance = 0;    ///< length of its path, metres
+  double most_speed = 0;  ///< m/s
+  /// Length at the speed before and after it, metres; where it is faster than a car, at the usual one of the rest, or 0
+  /// if there is no rest.
+  double expected = 0;
+
+  bool IsFasterThanACar() const;
 };
 
 /// All such parts, in the order of time. `frames`: poses in metres; there are none in a trajectory that is up to scale.
