@@ -35,7 +35,7 @@ struct SpeedColumns {
   size_t time = 0;
   size_t speed = 1;
   std::optional<double> unit = {};       // of the speed, m/s; nothing if it is not named
-  std::optional<double> time_unit = {};  // s; nothing if it is not named, or seconds
+  std::optional<double> time_unit = {};  // s; likewise
 };
 
 struct TimeUnit {
@@ -43,17 +43,32 @@ struct TimeUnit {
   double seconds;
 };
 
-constexpr std::array kTimeUnits = {TimeUnit{"", 1},
-                                   TimeUnit{"s", 1},
+constexpr std::array kTimeUnits = {TimeUnit{"s", 1},
                                    TimeUnit{"sec", 1},
+                                   TimeUnit{"secs", 1},
+                                   TimeUnit{"second", 1},
                                    TimeUnit{"seconds", 1},
                                    TimeUnit{"ms", 1e-3},
                                    TimeUnit{"msec", 1e-3},
+                                   TimeUnit{"msecs", 1e-3},
+                                   TimeUnit{"millis", 1e-3},
+                                   TimeUnit{"millisec", 1e-3},
+                                   TimeUnit{"millisecond", 1e-3},
+                                   TimeUnit{"milliseconds", 1e-3},
                                    TimeUnit{"us", 1e-6},
                                    TimeUnit{"usec", 1e-6},
+                                   TimeUnit{"usecs", 1e-6},
+                                   TimeUnit{"micros", 1e-6},
+                                   TimeUnit{"microsec", 1e-6},
+                                   TimeUnit{"microsecond", 1e-6},
+                                   TimeUnit{"microseconds", 1e-6},
                                    TimeUnit{"ns", 1e-9},
                                    TimeUnit{"nsec", 1e-9},
-                                   TimeUnit{"milliseconds", 1e-3}};
+                                   TimeUnit{"nsecs", 1e-9},
+                                   TimeUnit{"nanos", 1e-9},
+                                   TimeUnit{"nanosec", 1e-9},
+                                   TimeUnit{"nanosecond", 1e-9},
+                                   TimeUnit{"nanoseconds", 1e-9}};
 
 struct SpeedUnit {
   std::string_view name;  // letters only
@@ -66,13 +81,33 @@ constexpr std::array kSpeedUnits = {SpeedUnit{"kmh", 1 / 3.6}, SpeedUnit{"kph", 
                                     SpeedUnit{"kn", kKnot},    SpeedUnit{"kt", kKnot},    SpeedUnit{"kts", kKnot},
                                     SpeedUnit{"knot", kKnot},  SpeedUnit{"knots", kKnot}};
 
+bool IsLetter(char c) { return std::isalpha(static_cast<unsigned char>(c)) != 0; }
+
+// Small letters, and u for the sign of micro: U+00B5 or U+03BC.
+std::string Plain(std::string_view name) {
+  std::string plain;
+  for (std::size_t i = 0; i < name.size(); ++i) {
+    const std::string_view sign = name.substr(i, 2);
+    const bool is_micro = sign == "\xC2\xB5" || sign == "\xCE\xBC";
+    plain += is_micro ? 'u' : static_cast<char>(std::tolower(static_cast<unsigned char>(name[i])));
+    if (is_micro) ++i;
+  }
+  return plain;
+}
+
 // "Speed [km/h]" and "speed_kmh" are the same name.
 std::string Letters(std::string_view name) {
-  std::string letters;
-  for (const char c : name)
-    if (std::isalpha(static_cast<unsigned char>(c)) != 0)
-      letters += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  std::string letters = Plain(name);
+  std::erase_if(letters, [](char c) { return !IsLetter(c); });
   return letters;
+}
+
+// The letters at the end; a bracket may follow.
+std::string LastWord(std::string_view name) {
+  std::string word = Plain(name);
+  while (!word.empty() && !IsLetter(word.back())) word.pop_back();
+  return word.substr(
+      static_cast<std::size_t>(std::find_if_not(word.rbegin(), word.rend(), IsLetter).base() - word.begin()));
 }
 
 const SpeedUnit* FindUnit(std::string_view letters) {
@@ -80,18 +115,46 @@ const SpeedUnit* FindUnit(std::string_view letters) {
   return found == kSpeedUnits.end() ? nullptr : &*found;
 }
 
-// Seconds per unit of a column of times, 1 where its name has no unit; nothing if it is none.
-std::optional<double> SecondsOf(const std::string& column) {
-  const std::string letters = Letters(column);
-  for (const std::string_view time : {"timestamp", "time", "t"}) {
-    if (!letters.starts_with(time)) continue;
-    const auto unit = std::ranges::find(kTimeUnits, letters.substr(time.size()), &TimeUnit::name);
-    if (unit != kTimeUnits.end()) return unit->seconds;
-  }
-  return std::nullopt;
+const TimeUnit* FindTimeUnit(std::string_view letters) {
+  const auto found = std::ranges::find(kTimeUnits, letters, &TimeUnit::name);
+  return found == kTimeUnits.end() ? nullptr : &*found;
 }
 
-bool IsTime(const std::string& column) { return SecondsOf(column).has_value(); }
+// A time, with a unit that is known or without one.
+bool IsTime(const std::string& column) {
+  const std::string letters = Letters(column);
+  return std::ranges::any_of(std::array{"timestamp", "time", "t"}, [&](const std::string_view time) {
+    if (!letters.starts_with(time)) return false;
+    const std::string unit = letters.substr(time.size());
+    return unit.empty() || FindTimeUnit(unit) != nullptr;
+  });
+}
+
+// What the name of a column of times has in brackets or after the word for a time; empty if there is neither.
+std::string UnitLetters(const std::string& column) {
+  if (column.ends_with(']') || column.ends_with(')')) return LastWord(column);
+  const std::string letters = Letters(column);
+  for (const std::string_view time : {"timestamp", "time", "stamp"})
+    if (const size_t at = letters.rfind(time); at != std::string::npos) return letters.substr(at + time.size());
+  if (!letters.starts_with('t')) return "";
+  // Many words begin with it.
+  const std::string rest = letters.substr(1);
+  return Letters(column.substr(0, 2)) == "t" || FindTimeUnit(rest) != nullptr ? rest : "";
+}
+
+// Seconds; nothing if the name of the column has no unit. Throws InputError if the unit is not known.
+std::optional<double> TimeUnitOf(const std::string& column, const std::string& where) {
+  const std::string last = LastWord(column);
+  if (const TimeUnit* known = FindTimeUnit(last)) return known->seconds;
+  // Not seconds: plurals, and short for timestamp.
+  constexpr std::array kNoUnit = {"times", "timestamps", "stamps", "ts"};
+  if (std::ranges::find(kNoUnit, last) != kNoUnit.end()) return std::nullopt;
+  const std::string unit = UnitLetters(column);
+  if (unit.empty()) return std::nullopt;
+  if (const TimeUnit* known = FindTimeUnit(unit)) return known->seconds;
+  throw InputError(fmt::format("{}: the unit of '{}' is not known; give time_s, time_ms, time_us or time_ns", where,
+                               Excerpt(column)));
+}
 
 // A speed, with a unit that is known or without one.
 bool IsSpeed(const std::string& column) {
@@ -154,7 +217,7 @@ SpeedColumns ColumnsOf(const std::vector<std::string>& heading, const std::strin
                     heading.size()));
   }
   columns.unit = UnitOf(heading[columns.speed], where);
-  if (const double seconds = SecondsOf(heading[columns.time]).value_or(1); seconds != 1) columns.time_unit = seconds;
+  columns.time_unit = TimeUnitOf(heading[columns.time], where);
   return columns;
 }
 
@@ -162,7 +225,8 @@ SpeedColumns ColumnsOf(const std::vector<std::string>& heading, const std::strin
 std::optional<SpeedColumns> ColumnsOfComment(const std::string& line, const std::string& where) {
   const std::vector<std::string> names = NamesIn(line.substr(line.find('#') + 1));
   const bool is_heading = names.size() == 2 || line.find(',') != std::string::npos;
-  if (!is_heading || std::ranges::none_of(names, IsTime) || std::ranges::none_of(names, IsSpeed)) return std::nullopt;
+  const bool has_time = std::ranges::any_of(names, IsTime) || (names.size() == 2 && !UnitLetters(names[0]).empty());
+  if (!is_heading || !has_time || std::ranges::none_of(names, IsSpeed)) return std::nullopt;
   return ColumnsOf(names, where);
 }
 
@@ -243,14 +307,14 @@ SpeedLog ReadSpeedFile(const std::filesystem::path& path) {
   log.names_unit = named && named->unit;
   if (named && named->time_unit) {
     for (double& time : log.times) time *= *named->time_unit;
-  } else {
-    log.times = InSeconds(std::move(log.times));
+    return log;
   }
+  log.times = InSeconds(std::move(log.times));
   // A few speeds may be all that is known of a drive.
   constexpr size_t kLog = 10;
   if (log.times.size() >= kLog)
     RefuseSparseTimes(path.string(), log.times,
-                      "Give seconds, or name the unit in the first line, such as 'time_ms, speed'");
+                      "Name the unit in the first line, such as 'time_ms, speed', or 'time_s, speed'");
   return log;
 }
 

@@ -53,6 +53,35 @@ TEST(SpeedFile, ConvertsTheUnitOfTheTimesThatTheHeadingNames) {
   EXPECT_EQ(SpeedsFrom("time,speed\n0,5\n1000,5\n").Distance(0, 1000), 5000) << "a constant speed";
 }
 
+TEST(SpeedFile, TimesWithAUnitMayBeFarApart) {
+  const auto log = [](const std::string& heading, int interval) {
+    std::string text = heading + "\n";
+    for (int i = 0; i < 10; ++i) text += std::to_string(interval * i) + ",1\n";
+    return SpeedsFrom(text);
+  };
+  for (const char* heading : {"time_s,speed", "Time [s],Speed", "t_s,v", "# time_s, speed", "seconds,speed"})
+    EXPECT_EQ(log(heading, 15).times.back(), 135) << heading;
+  EXPECT_NEAR(log("time_ms,speed", 15000).times.back(), 135, 1e-9);
+  EXPECT_EQ(log("time_s,speed", 2000).times.back(), 18000) << "not taken for milliseconds";
+  for (const char* heading : {"time,speed", "times,speed", "timestamps,speed", "ts,speed"})
+    EXPECT_THROW(log(heading, 15), InputError) << heading;
+}
+
+TEST(SpeedFile, KnowsTheUnitsOfTimesByAllTheirNames) {
+  const auto last = [](const std::string& heading) { return SpeedsFrom(heading + "\n0,1\n1000,3\n").times.back(); };
+  for (const char* heading : {"time [ms],speed", "time_millis,speed", "timestamp (milliseconds),speed", "timeMs,speed",
+                              "tms,v", "Zeit [ms],speed", "millisecond,speed", "elapsed time ms,speed"})
+    EXPECT_NEAR(last(heading), 1, 1e-12) << heading;
+  for (const char* heading : {"time [\xC2\xB5s],speed", "time (\xCE\xBCs),speed", "time_microseconds,speed", "t_us,v"})
+    EXPECT_NEAR(last(heading), 1e-3, 1e-15) << heading;
+  EXPECT_NEAR(last("time_nanoseconds,speed"), 1e-6, 1e-18);
+  for (const char* heading : {"time_second,speed", "time_secs,speed", "time since start [s],speed", "stamp_s,speed"})
+    EXPECT_EQ(last(heading), 1000) << heading;
+  for (const char* heading : {"time,speed", "timestamp,speed", "Time Stamp,speed", "t,v", "stamp,speed",
+                              "gps_time,speed", "timestamps,speed", "Zeit,speed", "track,speed"})
+    EXPECT_EQ(last(heading), 1000) << heading;
+}
+
 TEST(SpeedFile, KnowsWhetherTheUnitOfTheSpeedsIsNamed) {
   EXPECT_TRUE(SpeedsFrom("time,speed_mps\n0,1\n1,3\n").names_unit);
   EXPECT_FALSE(SpeedsFrom("time,speed\n0,1\n1,3\n").names_unit);
@@ -95,6 +124,19 @@ TEST(SpeedFile, RefusesAUnitThatItDoesNotKnow) {
       FAIL() << heading;
     } catch (const InputError& error) {
       EXPECT_NE(std::string(error.what()).find(":1: the unit of 'speed_"), std::string::npos) << error.what();
+    }
+  }
+}
+
+TEST(SpeedFile, RefusesAUnitOfTheTimeThatItDoesNotKnow) {
+  for (const char* heading : {"time_min,speed", "time [ticks],speed", "t_hours,v", "timestamp_ps speed",
+                              "stamp (h),speed", "Zeit [min],speed", "# time_min, speed"}) {
+    try {
+      SpeedsFrom(std::string(heading) + "\n0,10\n1,11\n");
+      FAIL() << heading;
+    } catch (const InputError& error) {
+      EXPECT_NE(std::string(error.what()).find(":1: the unit of '"), std::string::npos) << error.what();
+      EXPECT_NE(std::string(error.what()).find("time_ms"), std::string::npos) << error.what();
     }
   }
 }
