@@ -298,7 +298,7 @@ std::vector<GpsFix> ReadGpsFixes(const std::filesystem::path& path, std::optiona
       fix.time = *moment - *start_time;
     } else {
       throw InputError(table.Where() + ": '" + Excerpt(table.Text(time)) +
-                       "' is not a time; give seconds of the drive, or 2026-03-22T07:14:05+01:00");
+                       "' is not a time; give time stamps as in trajectory.csv, or 2026-03-22T07:14:05+01:00");
     }
     fix.point.latitude = table.Value<double>(latitude);
     fix.point.longitude = table.Value<double>(longitude);

@@ -18,7 +18,7 @@ struct GpsFix {
 };
 
 /// Reads a table with the columns time, latitude and longitude (degrees), and optionally height and sigma (metres), in
-/// the order of time. Times are seconds of the drive, as in its results; or seconds since 1970, or ISO 8601 with an
+/// the order of time. Times are those of the drive's results; or seconds since 1970, or ISO 8601 with an
 /// offset, which need `start_time`, the UTC time of the drive's time 0. Throws InputError that names file and line.
 std::vector<GpsFix> ReadGpsFixes(const std::filesystem::path& path, std::optional<double> start_time);
 
