@@ -84,6 +84,9 @@ bool AreInverse(const std::vector<Trajectory>& pieces) {
   // World_from_camera poses of recorded drives reach 0.002, their inverses 0.013 or more where a drive has straights in
   // different directions.
   constexpr double kMostAcross = 0.01;
+  // Right poses of a camera that swings by 4 degrees (rms) may exceed that, too, but their inverses then have 0.8 of it
+  // or more (simulated). Inverse poses of one that swings by up to 2 degrees usually have ten times the share of the
+  // right ones. The bound is far from right poses, as what is found inverse is refused.
   constexpr double kFewer = 0.1;
   const double across = ShareAcross(steps, &Step::as_given);
   return across > kMostAcross && ShareAcross(steps, &Step::as_inverse) < kFewer * across;

@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "turnscale/rescale/pose_direction.h"
 
+#include <cmath>
+#include <vector>
+
 #include <gtest/gtest.h>
 
+#include "turnscale/geometry/rotation.h"
 #include "turnscale/rescale/test_rescale_drive.h"
 
 namespace turnscale {
@@ -36,6 +40,41 @@ TEST(PoseDirection, ReversingAndStraightsAreNoReason) {
   EXPECT_FALSE(AreInverse({straight}));
   EXPECT_FALSE(AreInverse({Inverse(straight)}));
   EXPECT_FALSE(AreInverse({Trajectory(30)})) << "stands";
+}
+
+// A camera that swings about all axes by some degrees (rms).
+Trajectory Swinging(Trajectory path, double degrees, double period) {
+  const double most = std::sqrt(2.0) * degrees / kDegreesPerRadian;
+  for (StampedPose& pose : path) {
+    const auto angle = [&](double rate, double phase) {
+      return most * std::sin(2 * M_PI * rate * pose.time / period + phase);
+    };
+    pose.world_from_camera.rotation =
+        pose.world_from_camera.rotation * RotationFromYawPitchRoll({angle(1, 0), angle(1.3, 1), angle(0.7, 2)});
+  }
+  return path;
+}
+
+TEST(PoseDirection, ACameraThatJittersOrSwingsIsNoReason) {
+  const std::vector<DriveSegment> straight{{400, 0.9, 0}};
+  const std::vector<DriveSegment> bends{{60, 0.9, 0.002}, {120, 0.9, -0.002}, {120, 0.9, 0.002}, {60, 0.9, -0.002}};
+  for (const std::vector<DriveSegment>& segments : {straight, bends, CityRoute(1), CityRoute(4)})
+    for (const double degrees : {2.0, 4.0, 6.0, 8.0}) {
+      const DriveNoise jitter{.position = 0.01, .rotation = degrees / kDegreesPerRadian};
+      EXPECT_FALSE(AreInverse({MakeScaledDrive(segments, kCar, kIdentity, kUnit, jitter).trajectory})) << degrees;
+      const Trajectory path = MakeScaledDrive(segments, kCar, kIdentity, kUnit, {.position = 0.01}).trajectory;
+      for (const double period : {3.0, 10.0, 30.0})
+        EXPECT_FALSE(AreInverse({Swinging(path, degrees, period)})) << degrees << ' ' << period;
+    }
+}
+
+TEST(PoseDirection, IsToldOfACameraThatJittersOrSwings) {
+  for (const int turns : {1, 4, 9}) {
+    const DriveNoise jitter{.position = 0.01, .rotation = 1 / kDegreesPerRadian};
+    EXPECT_TRUE(AreInverse({Inverse(MakeScaledDrive(CityRoute(turns), kCar, kIdentity, kUnit, jitter).trajectory)}));
+    const Trajectory path = MakeScaledDrive(CityRoute(turns), kCar, kIdentity, kUnit, {.position = 0.01}).trajectory;
+    for (const double period : {3.0, 10.0}) EXPECT_TRUE(AreInverse({Inverse(Swinging(path, 2, period))})) << period;
+  }
 }
 
 TEST(PoseDirection, ALongCarAndAFarOriginAreNoReason) {
