@@ -326,12 +326,8 @@ std::string RescaleText(const RescaleResult& result) {
                       (camera.yaw + yaw_error) * kDegreesPerRadian, yaw_sigma * kDegreesPerRadian,
                       camera.pitch * kDegreesPerRadian, camera.roll * kDegreesPerRadian);
   if (!refined) return text;
-  if (car.side_slip_at_bound) {
-    text += "side slip     0: the estimate would be negative; check the lever arm and the timestamps\n";
-  } else if (car.side_slip_sigma > 0) {
-    const CarBelief& prior = result.estimate->car_evidence.prior;
-    text += fmt::format("side slip     {}\n", RefinedSlipText(car, prior.mean[1], std::sqrt(prior.covariance(1, 1))));
-  }
+  if (const auto& assumed = result.assumed_slip; assumed && UsedTurns(result) > 0)
+    text += fmt::format("side slip     {}\n", SideSlipText(car, assumed->value, assumed->sigma));
   if (car.camera_height > 0)
     text += fmt::format("height        camera {:.3f} +-{:.3f} m above the road\n", car.camera_height,
                         HeightSigma(*result.estimate));

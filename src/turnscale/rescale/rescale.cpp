@@ -267,6 +267,7 @@ RescaleResult RescaleTrajectory(const RescaleOptions& options, const Trajectory&
     throw InputError("heights: the poses have no times, by which heights find their steps; give times in seconds");
   CheckHeights(heights);
   RescaleResult result;
+  if (options.timed) result.assumed_slip = {options.car.side_slip, options.car.side_slip_sigma};
   if (!FindMount(options, trajectory, gaps, result)) return result;
   Trajectory path = trajectory;
   for (StampedPose& pose : path)

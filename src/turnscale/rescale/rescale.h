@@ -61,6 +61,12 @@ struct RescaledPose {
   double filtered_sigma = 0;
 };
 
+/// c, s^2/m.
+struct SideSlip {
+  double value = 0;
+  double sigma = 0;
+};
+
 struct RescaleResult {
   bool observable = false;
   std::string reason;               ///< why there is no scale; one line, empty if there is one
@@ -71,6 +77,8 @@ struct RescaleResult {
   /// Q as given or estimated.
   Eigen::Quaterniond vehicle_from_camera = Eigen::Quaterniond::Identity();
   double yaw_sigma = 0;  ///< standard deviation of its yaw, rad, before the turns refine it
+  /// As assumed before the drive; empty without times, where slip is a share of the lever arm.
+  std::optional<SideSlip> assumed_slip;
   /// Of the metric path along its steps, metres; without jumps and gaps.
   double length = 0;
 };

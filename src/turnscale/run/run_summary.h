@@ -206,8 +206,8 @@ std::string SummaryText(const RunSummary& summary);
 inline constexpr double kLargestShownSigma = 1;
 
 /// The side slip of a car as a drive gives it, with what was assumed before the drive: "0.0041 +-0.0003 s^2/m, refined
-/// from the default 0.0045 +-0.0020 s^2/m". Says so where the drive does not refine it.
-std::string RefinedSlipText(const CarRefinement& car, double assumed, double assumed_sigma);
+/// from the default 0.0045 +-0.0020 s^2/m". Says so where the drive does not refine it, or would make it negative.
+std::string SideSlipText(const CarRefinement& car, double assumed, double assumed_sigma);
 
 /// The focal length of an estimated camera with its standard deviation, pixels: "600.0 +-6.0"; both focal lengths where
 /// they differ, as those of pixels that are not square do.

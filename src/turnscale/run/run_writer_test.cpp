@@ -370,6 +370,7 @@ TEST(RunSummary, CountsAndMeasures) {
   EXPECT_EQ(with_lens["lens"]["sigma"], 0.002);
   EXPECT_TRUE(json["by_all_turns"].is_null());
   summary.car = {0.002, 0.001, 0.0041, 0.0003, false};
+  summary.car_evidence.emplace();
   const auto with_car = nlohmann::json::parse(SummaryJson(summary));
   EXPECT_EQ(with_car["by_all_turns"]["side_slip_s2_per_m"], 0.0041);
   EXPECT_NE(
@@ -620,6 +621,8 @@ TEST(RunSummary, WithoutATurnNothingIsSaidToBeFromTurns) {
   RunSummary summary;
   summary.car = CarRefinement{};
   summary.car->camera_height = 1.3;
+  summary.car->yaw_error = 0.01;
+  summary.car_evidence.emplace();
   EXPECT_EQ(SummaryText(summary).find("corrects the yaw"), std::string::npos);
   EXPECT_EQ(SummaryText(summary).find("side slip"), std::string::npos);
   EXPECT_NE(SummaryText(summary).find("height  camera 1.300"), std::string::npos);

@@ -69,13 +69,18 @@ std::string SourceOfRotation(const RunSummary& summary) {
 
 std::string Times(int count) { return count == 1 ? "once" : fmt::format("{} times", count); }
 
+// Degrees as they are shown. Rounded here: else it may say -0.00.
+double Rounded(double angle) { return std::round(100 * InDegrees(angle)) / 100 + 0.0; }
+
 // The angles of the camera's rotation do not include what the estimate of the scale finds for its yaw. Empty where that
-// finds nothing, or the line says so already.
+// finds nothing, is not reliable, so that the file of the car does not have it either, or the line says so already.
 std::string YawCorrectionText(const RunSummary& summary, double yaw) {
-  if (!summary.car || summary.turns_used == 0 || summary.contradicting_yaw) return {};
+  const bool reliable = summary.car && summary.car_evidence;
+  if (!reliable || summary.turns_used == 0 || summary.contradicting_yaw) return {};
+  const double correction = Rounded(summary.car->yaw_error);
+  if (correction == 0) return {};
   return fmt::format("; the scale estimate corrects the yaw to {:+.2f} +-{:.2f} deg (by {:+.2f})",
-                     InDegrees(yaw + summary.car->yaw_error), InDegrees(summary.car->yaw_error_sigma),
-                     InDegrees(summary.car->yaw_error));
+                     Rounded(yaw + summary.car->yaw_error), InDegrees(summary.car->yaw_error_sigma), correction);
 }
 
 // One line.
@@ -86,10 +91,8 @@ std::string MountText(const RunSummary& summary) {
                        Times(mount->moves));
   if (!mount || !mount->found) {
     const YawPitchRoll angles = mount ? mount->angles : YawPitchRollFromRotation(summary.vehicle.vehicle_from_camera);
-    // Rounded first: else it may say -0.00.
-    const auto degrees = [](double angle) { return std::round(100 * InDegrees(angle)) / 100 + 0.0; };
-    return fmt::format("camera  yaw {:+.2f}, pitch {:+.2f}, roll {:+.2f} deg, {}{}\n", degrees(angles.yaw),
-                       degrees(angles.pitch), degrees(angles.roll), SourceOfRotation(summary),
+    return fmt::format("camera  yaw {:+.2f}, pitch {:+.2f}, roll {:+.2f} deg, {}{}\n", Rounded(angles.yaw),
+                       Rounded(angles.pitch), Rounded(angles.roll), SourceOfRotation(summary),
                        YawCorrectionText(summary, angles.yaw));
   }
   const auto degrees = [](double angle) { return angle * kDegreesPerRadian; };
@@ -126,21 +129,15 @@ std::string SlipValue(double slip, double sigma) {
   return sigma > 0 ? fmt::format("{:.4f} +-{:.4f} s^2/m", slip, sigma) : fmt::format("{:.4f} s^2/m", slip);
 }
 
-// One line.
-std::string SlipText(const VehicleOptions& assumed, const CarRefinement& car) {
-  if (car.side_slip_at_bound) {
-    // Around a prior of 0, chance makes it negative.
-    return fmt::format("car     side slip 0, since the estimate would be negative{}\n",
-                       assumed.side_slip > 0 ? ": check lever arm and timestamps" : "");
-  }
-  return "car     side slip " + RefinedSlipText(car, assumed.side_slip, assumed.side_slip_sigma) + "\n";
-}
-
 // Empty without an estimate. Without a turn only the height is one.
 std::string CarText(const RunSummary& summary) {
   const std::optional<CarRefinement>& car = summary.car;
   if (!car) return {};
-  return (summary.turns_used > 0 ? SlipText(summary.vehicle, *car) : "") + HeightText(summary, *car);
+  std::string text;
+  if (summary.turns_used > 0)
+    text = fmt::format("car     side slip {}\n",
+                       SideSlipText(*car, summary.vehicle.side_slip, summary.vehicle.side_slip_sigma));
+  return text + HeightText(summary, *car);
 }
 
 // Frames without a measured pose, by their state; empty if there are none.
@@ -183,7 +180,11 @@ std::string ScaleText(const RunSummary& summary) {
 
 }  // namespace
 
-std::string RefinedSlipText(const CarRefinement& car, double assumed, double assumed_sigma) {
+std::string SideSlipText(const CarRefinement& car, double assumed, double assumed_sigma) {
+  // Around a prior of 0, chance makes it negative.
+  if (car.side_slip_at_bound)
+    return fmt::format("0, since the estimate would be negative{}",
+                       assumed > 0 ? ": check lever arm and timestamps" : "");
   const std::string before = SlipValue(assumed, assumed_sigma);
   const std::string after = SlipValue(car.side_slip, car.side_slip_sigma);
   const bool is_default = before == SlipValue(kUsualSideSlip, kUsualSideSlipSigma);

@@ -149,9 +149,15 @@ TEST(SummaryText, TheYawIsShownWithItsCorrection) {
   summary.car = CarRefinement();
   summary.car->yaw_error = 0.25 / kDegreesPerRadian;
   summary.car->yaw_error_sigma = 0.1 / kDegreesPerRadian;
+  EXPECT_TRUE(Says(summary, "roll +0.00 deg, as given\n")) << "nor does car.yaml have it where it is not reliable";
+  summary.car_evidence.emplace();
   EXPECT_TRUE(Says(summary,
                    "yaw +1.00, pitch +0.00, roll +0.00 deg, as given; the scale estimate corrects the yaw to "
                    "+1.25 +-0.10 deg (by +0.25)\n"));
+  summary.car->yaw_error = -1.003 / kDegreesPerRadian;
+  EXPECT_TRUE(Says(summary, "corrects the yaw to +0.00 +-0.10 deg (by -1.00)\n")) << "not -0.00";
+  summary.car->yaw_error = -0.004 / kDegreesPerRadian;
+  EXPECT_TRUE(Says(summary, "roll +0.00 deg, as given\n")) << "rounded to nothing";
   summary.contradicting_yaw = 1.25 / kDegreesPerRadian;
   EXPECT_TRUE(Says(summary, "as given; the drive shows yaw +1.25 deg, which is used\n"));
 }

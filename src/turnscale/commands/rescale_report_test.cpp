@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: MIT
+#include "turnscale/commands/rescale_report.h"
+
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "turnscale/rescale/test_rescale_drive.h"
+
+namespace turnscale {
+namespace {
+
+// The line of the side slip; empty if there is none.
+std::string SlipLine(const RescaleOptions& options, const LeverArm& car = kCar) {
+  const ScaledDrive drive = MakeScaledDrive(CityRoute(10), car, kIdentity, kUnit, {.position = 0.002}, 7);
+  const RescaleResult result = RescaleTrajectory(options, drive.trajectory);
+  EXPECT_TRUE(result.observable) << result.reason;
+  const std::string text = result.observable ? RescaleText(result) : "";
+  const std::size_t at = text.find("side slip");
+  return at == std::string::npos ? "" : text.substr(at, text.find('\n', at) - at);
+}
+
+TEST(RescaleText, HasTheSideSlipWithWhatWasAssumed) {
+  RescaleOptions options = OptionsFor({kCar.length, 0.003});
+  EXPECT_TRUE(SlipLine(options).ends_with("s^2/m, refined from the given 0.0030 +-0.0020 s^2/m")) << SlipLine(options);
+  options.car.side_slip_sigma = 0;
+  EXPECT_EQ(SlipLine(options), "side slip     0.0030 s^2/m, as given, not refined by the drive");
+  options.timed = false;
+  EXPECT_EQ(SlipLine(options), "") << "without a speed, it is not c that is assumed";
+}
+
+TEST(RescaleText, ANegativeSlipIsDoubtfulUnlessNoneWasAssumed) {
+  const LeverArm inwards{kCar.length, -0.003};
+  EXPECT_EQ(SlipLine(OptionsFor({kCar.length, 0.001}), inwards),
+            "side slip     0, since the estimate would be negative: check lever arm and timestamps");
+  EXPECT_EQ(SlipLine(OptionsFor({kCar.length, 0}), inwards), "side slip     0, since the estimate would be negative");
+}
+
+}  // namespace
+}  // namespace turnscale
