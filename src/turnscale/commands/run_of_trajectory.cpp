@@ -83,6 +83,11 @@ std::string ScaleStateOfRun(const fs::path& trajectory) {
   return scale.contains("state") && scale["state"].is_string() ? scale["state"].get<std::string>() : "";
 }
 
+double FirstTimeOfRun(const fs::path& trajectory) {
+  const nlohmann::json first = OfRun(trajectory, "first_frame_s");
+  return first.is_number() ? first.get<double>() : 0.0;
+}
+
 bool IsOfRearAxle(const fs::path& trajectory) {
   const std::string state = ScaleStateOfRun(trajectory);
   return !state.empty() && state != kPendingScale && OfRun(trajectory, "pose_frame") == "vehicle";
