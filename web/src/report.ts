@@ -118,11 +118,12 @@ export const trackingNames: Record<string, string> = {
 /** A place along the drive in words: its time, or the number of its pose. */
 export const placeText = (report: Report, time: number): string => (report.timed === false ? `pose ${Math.round(time)}` : clock(time));
 
-/** When the drive began, if its times tell; else what they count from; empty if they count from the drive's start. */
+/** When the drive began, if its times tell; else the time stamp that the page counts from; empty if that is about 0. */
 export function originText({ timeOrigin = 0 }: Report): string {
   const sinceEpoch = 3e8;
+  const leastShown = 0.05;
   if (timeOrigin > sinceEpoch) return `Began ${new Date(1000 * timeOrigin).toISOString().slice(0, 19).replace('T', ' ')} UTC`;
-  return timeOrigin > 0 ? `Time 0 is ${timeOrigin.toFixed(2)} s in the files` : '';
+  return timeOrigin >= leastShown ? `Time 0 is ${timeOrigin.toFixed(2)} s in the files` : '';
 }
 
 export function clock(seconds: number): string {
