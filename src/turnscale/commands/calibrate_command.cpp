@@ -147,11 +147,17 @@ std::vector<CameraStep> AtMeasuredSpeed(const std::vector<CameraStep>& steps, co
   return metric;
 }
 
-// The fastest speed shows whether it is the right one.
-std::string AssumedUnit(const std::string& name, const SpeedLog& log) {
+// The fastest speed shows whether it is the right one, and so does the lever arm.
+std::string AssumedUnit(const std::string& name, const SpeedLog& log, const std::optional<LeverArmFit>& fit) {
+  constexpr double kLongest = 3.5;  // m; the wheelbase of a van
   const double fastest = std::ranges::max(log.speeds);
-  return fmt::format("{} names no unit of speed: m/s assumed, so the fastest is {:.1f} m/s ({:.0f} km/h)", name,
-                     fastest, 3.6 * fastest);
+  std::string text = fmt::format("{} names no unit of speed: m/s assumed, so the fastest is {:.1f} m/s ({:.0f} km/h)",
+                                 name, fastest, 3.6 * fastest);
+  if (fit && fit->lever_arm.length > kLongest)
+    text += fmt::format(
+        "; a lever arm of {:.1f} m is too long for a car: if the speeds are in km/h, name the column speed_kmh",
+        fit->lever_arm.length);
+  return text;
 }
 
 // The distance is that of the whole path. Why a drive was stopped is said elsewhere.
@@ -310,11 +316,16 @@ CalibrateOutcome ExecuteCalibrate(const CalibrateArguments& given, const Command
   const DriveMotion motion = ReadMotion(arguments, hooks);
   CalibrateOutcome outcome;
   outcome.note = motion.note;
-  if (speeds && !speeds->names_unit)
-    outcome.note += (outcome.note.empty() ? "" : "; ") + AssumedUnit(arguments.speed->string(), *speeds);
+  const auto note_unit = [&] {
+    if (speeds && !speeds->names_unit)
+      outcome.note +=
+          (outcome.note.empty() ? "" : "; ") +
+          AssumedUnit(arguments.speed->string(), *speeds, outcome.report ? outcome.report->lever_arm : std::nullopt);
+  };
   outcome.stopped = motion.stopped;
   if (!motion.stopped) {
     outcome.report = CalibrateMotion(arguments, speeds, motion, outcome.history);
+    note_unit();
     return outcome;
   }
   std::string result = "the rotation estimated so far is in " + arguments.out.string();
@@ -325,6 +336,7 @@ CalibrateOutcome ExecuteCalibrate(const CalibrateArguments& given, const Command
     result = error.what();
   }
   outcome.stopped->message += "; " + result;
+  note_unit();
   return outcome;
 }
 

@@ -70,7 +70,8 @@ PosePairs AssociateByTime(const Trajectory& estimate, const Trajectory& truth, c
     std::ostringstream message;
     message << std::setprecision(12) << "no pose of the estimate (" << estimate.front().time << " to "
             << estimate.back().time << " s) is within " << tolerance << " s of one of the ground truth ("
-            << truth.front().time << " to " << truth.back().time << " s)";
+            << truth.front().time << " to " << truth.back().time
+            << " s); if they have other clocks, give the times of the ground truth (--timestamps)";
     throw InputError(message.str());
   }
   return pairs;

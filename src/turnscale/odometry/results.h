@@ -56,6 +56,11 @@ struct FrameResult {
   bool is_measured() const { return state == TrackingState::kTracked && world_from_camera.has_value(); }
 };
 
+/// Between the positions of the camera in two frames that have poses.
+inline double DistanceBetween(const FrameResult& a, const FrameResult& b) {
+  return (a.world_from_camera->translation - b.world_from_camera->translation).norm();
+}
+
 /// One turn and its single-turn scale. Scales are in metres per unit of the map, 0 where there is none; standard
 /// deviations are in the same unit.
 struct TurnResult {

@@ -47,10 +47,6 @@ struct Stretch {
   double last_speed() const { return windows[windows.size() - (windows.size() > 1 ? 2 : 1)].speed(); }
 };
 
-double DistanceBetween(const FrameResult& a, const FrameResult& b) {
-  return (a.world_from_camera->translation - b.world_from_camera->translation).norm();
-}
-
 // A window that cannot be judged is left out.
 std::vector<SpeedWindow> Windows(const std::vector<FrameResult>& frames) {
   std::vector<const FrameResult*> measured;

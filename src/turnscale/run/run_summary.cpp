@@ -88,15 +88,20 @@ std::string RotationRemedy(const VehicleOptions& vehicle) {
 double LengthSigma(const RefinedScale& scale) { return scale.estimate ? scale.estimate->length_sigma : INFINITY; }
 
 // Along the keyframes, and from frame to frame where the path is not measured. A standing car adds no keyframes: else
-// the noise of its poses would add up, the more the higher the frame rate.
+// the noise of its poses would add up, the more the higher the frame rate. One that turns back between two keyframes is
+// measured by way of its farthest place.
 void MeasurePath(const std::vector<FrameResult>& refined, RunSummary& summary) {
   summary.distance = summary.missing_distance = 0;
   const FrameResult* measured = nullptr;  // up to which the path has been measured
+  const FrameResult* farthest = nullptr;  // from there, of the frames since
   const FrameResult* before = nullptr;
   const auto measure_to = [&](const FrameResult& frame) {
-    const double step = (frame.world_from_camera->translation - measured->world_from_camera->translation).norm();
+    double step = DistanceBetween(*measured, frame);
+    if (farthest && DistanceBetween(*measured, *farthest) > step)
+      step = DistanceBetween(*measured, *farthest) + DistanceBetween(*farthest, frame);
     summary.distance += step;
     measured = &frame;
+    farthest = nullptr;
     return step;
   };
   for (const FrameResult& frame : refined) {
@@ -108,6 +113,9 @@ void MeasurePath(const std::vector<FrameResult>& refined, RunSummary& summary) {
       summary.missing_distance += measure_to(frame);
     } else if (frame.keyframe) {
       measure_to(frame);
+    } else if (frame.is_measured() &&
+               (!farthest || DistanceBetween(*measured, frame) > DistanceBetween(*measured, *farthest))) {
+      farthest = &frame;
     }
     before = &frame;
   }

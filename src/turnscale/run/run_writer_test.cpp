@@ -592,6 +592,18 @@ TEST(RunSummary, TheNoiseOfAStandingCarIsNoPath) {
   EXPECT_NEAR(summary.distance, 4, 0.01);
 }
 
+TEST(RunSummary, ACarThatTurnsBackBetweenKeyframesHasDrivenBothWays) {
+  std::vector<FrameResult> frames = Frames(11, 1);
+  for (FrameResult& frame : frames) {
+    // 6 m forward and 4 m back.
+    frame.world_from_camera->translation.z() = frame.frame <= 6 ? frame.frame : 12 - frame.frame;
+    frame.keyframe = frame.frame == 0 || frame.frame == 10;
+  }
+  RunSummary summary;
+  Summarize(frames, {}, summary);
+  EXPECT_NEAR(summary.distance, 10, 1e-9);
+}
+
 TEST(RunSummary, WarnsOfClipsThatDoNotFollowOneAnother) {
   std::vector<FrameResult> frames = Frames(8, 1);
   frames[4].state = TrackingState::kBridged;

@@ -121,6 +121,9 @@ std::string PathText(const RunSummary& summary) {
 // A height that only the drive tells is a check of the scale: both are wrong by the same factor.
 std::string HeightText(const RunSummary& summary, const CarRefinement& car) {
   if (!(car.camera_height > 0)) return {};
+  // Its sigma is that of the scale then, which another line has.
+  if (summary.vehicle.camera_height && summary.turns_used == 0)
+    return fmt::format("height  camera {:.3f} m above the road, as given\n", car.camera_height);
   return fmt::format("height  camera {:.3f} +-{:.3f} m above the road{}\n", car.camera_height, car.camera_height_sigma,
                      summary.vehicle.camera_height ? "" : " (compare with a tape measure)");
 }
@@ -165,10 +168,14 @@ std::string SigmaText(double sigma) {
 }
 
 std::string ScaleText(const RunSummary& summary) {
-  if (summary.is_metric())
-    return fmt::format("{}, path length {} (1 sigma), along the drive at most {} (at {:.1f} s)",
-                       summary.is_scale_known() ? "known" : "uncertain", SigmaText(summary.path_sigma),
-                       SigmaText(summary.worst_sigma), summary.worst_sigma_time - summary.first_time);
+  if (summary.is_metric()) {
+    constexpr double kClearly = 1.05;
+    return fmt::format(
+        "{}, path length {} (1 sigma){}, along the drive at most {} (at {:.1f} s)",
+        summary.is_scale_known() ? "known" : "uncertain", SigmaText(summary.path_sigma),
+        summary.path_sigma > kClearly * summary.worst_sigma ? " with what warnings say of its parts" : "",
+        SigmaText(summary.worst_sigma), summary.worst_sigma_time - summary.first_time);
+  }
   const std::string pending = ScaleStateName(summary.scale_state);
   if (summary.has_measure()) return pending + ", " + UpToScaleText(summary.pending_reason);
   const std::string why = summary.wants_metres()

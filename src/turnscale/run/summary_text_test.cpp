@@ -34,7 +34,10 @@ TEST(SummaryText, AScaleIsKnownUpToASigmaOf15Percent) {
   EXPECT_TRUE(Says(InMetres(0.16), "scale   uncertain, path length +-16.0 % (1 sigma)"));
   RunSummary with_gap = InMetres(0.05);
   with_gap.path_sigma = 0.2;
-  EXPECT_TRUE(Says(with_gap, "scale   known, path length +-20.0 % (1 sigma)")) << "a part is missing";
+  with_gap.worst_sigma = 0.05;
+  EXPECT_TRUE(Says(
+      with_gap, "scale   known, path length +-20.0 % (1 sigma) with what warnings say of its parts, along the drive"))
+      << "a part is missing";
   EXPECT_TRUE(Says(InMetres(6.6), "scale   uncertain, path length beyond +-100 % (1 sigma)"));
 }
 
@@ -112,6 +115,8 @@ TEST(SummaryText, AnEstimatedHeightIsToBeCompared) {
   summary.car->camera_height_sigma = 0.06;
   EXPECT_TRUE(Says(summary, "height  camera 1.500 +-0.060 m above the road (compare with a tape measure)\n"));
   summary.vehicle.camera_height = 1.48;
+  EXPECT_TRUE(Says(summary, "height  camera 1.500 m above the road, as given\n")) << "no turn says anything of it";
+  summary.turns_used = 1;
   EXPECT_TRUE(Says(summary, "height  camera 1.500 +-0.060 m above the road\n"));
 }
 

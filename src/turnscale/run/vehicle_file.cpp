@@ -172,7 +172,7 @@ const std::vector<std::string>& VehicleFileKeys() {
 void RefuseSettingsFile(const YamlMap& file) {
   for (const std::string& key : file.Keys())
     if (file.IsMap(key))
-      file.Reject(key, "is not of a car's file; give one here, such as car.yaml, and a file of settings as --settings");
+      file.Reject(key, "is of a file of settings, which --settings takes; give a car's file here, such as car.yaml");
 }
 
 std::string VehicleFileText(const VehicleOptions& vehicle, const Mount& mount, const RefinedScale& scale) {

@@ -238,7 +238,7 @@ TEST(VehicleFile, SenselessValuesAreRefused) {
   EXPECT_NE(Refused("wheelbase_m: 2.7\n").find("wheelbase_m: unknown key; remove it"), std::string::npos);
   for (const char* settings : {"vehicle:\n  lever_arm: 1\n", "scale:\n  huber: 2\n"})
     EXPECT_NE(Refused(settings).find(
-                  "is not of a car's file; give one here, such as car.yaml, and a file of settings as --settings"),
+                  "is of a file of settings, which --settings takes; give a car's file here, such as car.yaml"),
               std::string::npos)
         << Refused(settings);
   for (const char* camera : {"image_width: 640\ncamera_matrix: [1, 0, 0, 0, 1, 0, 0, 0, 1]\n", "Camera.fx: 200\n",
