@@ -25,7 +25,7 @@ struct TrackedFrame {
   /// Only a sample of the landmarks was looked for; the tracks stay those of the last image in which all were.
   bool is_sampled = false;
   /// Empty where tracking failed; the tracks are then those of the image before.
-  std::optional<RigidTransform> camera_from_world;
+  std::optional<RigidTransform> camera_from_world = std::nullopt;
 };
 
 /// Tracks the map's landmarks from image to image and estimates the camera's pose from them. The map is the
