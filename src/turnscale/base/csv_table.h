@@ -34,9 +34,10 @@ class CsvTable {
     if (found == columns_.end()) {
       // As spreadsheets write tables where the comma is the decimal point.
       const bool parted = columns_.size() == 1 && columns_[0].find_first_of(";\t") != std::string::npos;
-      throw InputError(lines_.Name() + ": has no column '" + std::string(column) + "'" +
-                       (parted ? ", but '" + Excerpt(columns_[0]) + "'" : SimilarColumn(column)) +
-                       (parted ? "; separate columns by commas, and write decimal points" : ""));
+      throw InputError(
+          lines_.Name() + ": has no column '" + std::string(column) + "'" +
+          (parted ? ", but '" + Excerpt(columns_[0]) + "'; separate columns by commas, and write decimal points"
+                  : SimilarColumn(column)));
     }
     return static_cast<std::size_t>(found - columns_.begin());
   }

@@ -316,27 +316,23 @@ CalibrateOutcome ExecuteCalibrate(const CalibrateArguments& given, const Command
   const DriveMotion motion = ReadMotion(arguments, hooks);
   CalibrateOutcome outcome;
   outcome.note = motion.note;
-  const auto note_unit = [&] {
-    if (speeds && !speeds->names_unit)
-      outcome.note +=
-          (outcome.note.empty() ? "" : "; ") +
-          AssumedUnit(arguments.speed->string(), *speeds, outcome.report ? outcome.report->lever_arm : std::nullopt);
-  };
   outcome.stopped = motion.stopped;
   if (!motion.stopped) {
     outcome.report = CalibrateMotion(arguments, speeds, motion, outcome.history);
-    note_unit();
-    return outcome;
+  } else {
+    std::string result = "the rotation estimated so far is in " + arguments.out.string();
+    if (arguments.out.empty()) result = "the rotation is not written";
+    try {
+      outcome.report = CalibrateMotion(arguments, speeds, motion, outcome.history);
+    } catch (const InputError& error) {
+      result = error.what();
+    }
+    outcome.stopped->message += "; " + result;
   }
-  std::string result = "the rotation estimated so far is in " + arguments.out.string();
-  if (arguments.out.empty()) result = "the rotation is not written";
-  try {
-    outcome.report = CalibrateMotion(arguments, speeds, motion, outcome.history);
-  } catch (const InputError& error) {
-    result = error.what();
-  }
-  outcome.stopped->message += "; " + result;
-  note_unit();
+  if (speeds && !speeds->names_unit)
+    outcome.note +=
+        (outcome.note.empty() ? "" : "; ") +
+        AssumedUnit(arguments.speed->string(), *speeds, outcome.report ? outcome.report->lever_arm : std::nullopt);
   return outcome;
 }
 

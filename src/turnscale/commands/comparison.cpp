@@ -122,8 +122,7 @@ std::string UnpairedWarning(const fs::path& file, const Paired& paired, const Tr
   return fmt::format(
       "only {} poses are paired, though the files have {} (estimate) and {} (ground truth) in the time that both "
       "cover: the errors may be wrong; check that both are of the same drive, with the times of one clock "
-      "(--timestamps "
-      "are those of the ground truth), before a larger --time-tolerance",
+      "(--timestamps are those of the ground truth), before a larger --time-tolerance",
       paired_poses, common.estimated, common.in_truth);
 }
 

@@ -106,15 +106,35 @@ std::vector<Stretch> Stretches(const std::vector<SpeedWindow>& windows) {
   return stretches;
 }
 
+// Stretches that are wrong and follow one another, up to `end`.
+ImpossibleMotion PartOf(const std::vector<Stretch>& stretches, size_t first, size_t end, double usual_speed) {
+  ImpossibleMotion part{stretches[first].windows.front().from, stretches[end - 1].windows.back().to};
+  for (size_t i = first; i < end; ++i)
+    for (const SpeedWindow& window : stretches[i].windows) {
+      part.distance += window.distance;
+      part.most_speed = std::max(part.most_speed, window.speed());
+    }
+  std::optional<double> before;
+  std::optional<double> after;
+  if (stretches[first].follows) before = stretches[first - 1].last_speed();
+  if (end < stretches.size() && stretches[end].follows) after = stretches[end].first_speed();
+  // There is one, as of all stretches between two others, the longest is right. Beside what is too fast, the speed may
+  // have grown gradually.
+  const double beside = before && after ? 0.5 * (*before + *after) : before ? *before : after.value_or(0.0);
+  part.expected = (part.IsFasterThanACar() ? usual_speed : beside) * (part.to - part.from);
+  return part;
+}
+
 }  // namespace
 
 bool ImpossibleMotion::IsFasterThanACar() const { return most_speed > kMostSpeed; }
 
 std::vector<ImpossibleMotion> FindImpossibleMotion(const std::vector<FrameResult>& frames) {
-  std::vector<ImpossibleMotion> parts;
-  if (frames.empty() || frames.back().scale_state == ScaleState::kPending) return parts;
+  if (frames.empty() || frames.back().scale_state == ScaleState::kPending) return {};
   const std::vector<SpeedWindow> windows = Windows(frames);
   const std::vector<Stretch> stretches = Stretches(windows);
+  const double usual_speed = MedianCarSpeed(windows);
+  std::vector<ImpossibleMotion> parts;
   for (size_t first = 0; first < stretches.size();) {
     if (!stretches[first].is_wrong) {
       ++first;
@@ -122,21 +142,7 @@ std::vector<ImpossibleMotion> FindImpossibleMotion(const std::vector<FrameResult
     }
     size_t end = first + 1;
     while (end < stretches.size() && stretches[end].is_wrong && stretches[end].follows) ++end;
-    ImpossibleMotion part{stretches[first].windows.front().from, stretches[end - 1].windows.back().to};
-    for (size_t i = first; i < end; ++i)
-      for (const SpeedWindow& window : stretches[i].windows) {
-        part.distance += window.distance;
-        part.most_speed = std::max(part.most_speed, window.speed());
-      }
-    std::optional<double> before;
-    std::optional<double> after;
-    if (stretches[first].follows) before = stretches[first - 1].last_speed();
-    if (end < stretches.size() && stretches[end].follows) after = stretches[end].first_speed();
-    // There is one, as of all stretches between two others, the longest is right. Beside what is too fast, the speed
-    // may have grown gradually.
-    const double beside = before && after ? 0.5 * (*before + *after) : before ? *before : after.value_or(0.0);
-    part.expected = (part.IsFasterThanACar() ? MedianCarSpeed(windows) : beside) * (part.to - part.from);
-    parts.push_back(part);
+    parts.push_back(PartOf(stretches, first, end, usual_speed));
     first = end;
   }
   return parts;
