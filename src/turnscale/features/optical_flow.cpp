@@ -55,23 +55,6 @@ cv::Mat WithBorder(const cv::Mat& gray) {
   return whole(cv::Rect(kFlowBorder, kFlowBorder, gray.cols, gray.rows));
 }
 
-FlowImage WithPyramid(const FlowOptions& options, const cv::Mat& gray, bool dark) {
-  FlowImage image;
-  image.gray = WithBorder(gray);
-  image.dark = dark;
-  const int levels = LevelsOf(options, gray.cols);
-  const int window = dark ? options.dark_window : options.window;
-  image.pyramid.push_back(image.gray);
-  for (int level = 0; level < levels; ++level) {
-    const cv::Mat& halved = image.pyramid.back();
-    if (std::min(halved.cols, halved.rows) / 2 <= window) break;
-    cv::Mat half;
-    cv::pyrDown(halved, half);
-    image.pyramid.push_back(WithBorder(half));
-  }
-  return image;
-}
-
 // Brightness of the second image over that of the first: the median over blocks, since parts of an image change by
 // themselves.
 double BrightnessRatio(const FlowImage& first, const FlowImage& second) {
@@ -167,10 +150,29 @@ void FlowOptions::Check() const {
   if (!(max_brightness_change > 0)) throw InputError("flow.max_brightness_change: has to be positive");
 }
 
-FlowImage BuildFlowImage(const FlowOptions& options, const cv::Mat& gray) {
+FlowImage CopyFlowImage(const FlowOptions& options, const cv::Mat& gray) {
   const bool dark = cv::mean(gray)[0] < options.min_brightness;
   // Tracks keep images as references, which are copies: the caller may read the next one into the same memory.
-  return WithPyramid(options, dark ? Brightened(gray) : gray, dark);
+  return {.gray = WithBorder(dark ? Brightened(gray) : gray), .dark = dark, .pyramid = {}};
+}
+
+void BuildPyramid(const FlowOptions& options, FlowImage& image) {
+  const int levels = LevelsOf(options, image.gray.cols);
+  const int window = image.dark ? options.dark_window : options.window;
+  image.pyramid = {image.gray};
+  for (int level = 0; level < levels; ++level) {
+    const cv::Mat& halved = image.pyramid.back();
+    if (std::min(halved.cols, halved.rows) / 2 <= window) break;
+    cv::Mat half;
+    cv::pyrDown(halved, half);
+    image.pyramid.push_back(WithBorder(half));
+  }
+}
+
+FlowImage BuildFlowImage(const FlowOptions& options, const cv::Mat& gray) {
+  FlowImage image = CopyFlowImage(options, gray);
+  BuildPyramid(options, image);
+  return image;
 }
 
 FlowImage MatchBrightness(const FlowOptions& options, const FlowImage& first, const FlowImage& second) {
@@ -180,7 +182,9 @@ FlowImage MatchBrightness(const FlowOptions& options, const FlowImage& first, co
   if (std::abs(gain - 1) <= options.max_brightness_change || gain > kMostGain || gain * kMostGain < 1) return first;
   cv::Mat gray;
   first.gray.convertTo(gray, CV_8U, gain);
-  return WithPyramid(options, gray, first.dark);
+  FlowImage matched = {.gray = WithBorder(gray), .dark = first.dark, .pyramid = {}};
+  BuildPyramid(options, matched);
+  return matched;
 }
 
 FlowResult TrackPoints(const FlowOptions& options, const FlowImage& first, const FlowImage& second,

@@ -27,13 +27,20 @@ struct FlowOptions {
   void Check() const;
 };
 
-/// An image with what optical flow needs of it, built once a frame.
+/// An image with what optical flow needs of it.
 struct FlowImage {
   cv::Mat gray;                  ///< 8 bit, full size, a copy with a border around it; brightened if it was dark
   bool dark = false;             ///< its mean gray level was below FlowOptions::min_brightness
-  std::vector<cv::Mat> pyramid;  ///< 8 bit, with a border; the first one is `gray`
+  std::vector<cv::Mat> pyramid;  ///< 8 bit, with a border; the first one is `gray`; empty: not built
 };
 
+/// The image without its pyramid.
+FlowImage CopyFlowImage(const FlowOptions& options, const cv::Mat& gray);
+
+/// Builds the pyramid of an image that has none.
+void BuildPyramid(const FlowOptions& options, FlowImage& image);
+
+/// The image with its pyramid.
 FlowImage BuildFlowImage(const FlowOptions& options, const cv::Mat& gray);
 
 /// The first image as bright as the second, where the brightness has jumped from one to the other (exposure control,

@@ -51,7 +51,7 @@ bool FrameTracker::IsRepeat(const Map& map, const FlowImage& image, const RigidT
                      .timing = timing});
 }
 
-TrackedFrame FrameTracker::Track(const Map& map, const FlowImage& image, const MotionModel& motion,
+TrackedFrame FrameTracker::Track(const Map& map, FlowImage& image, const MotionModel& motion,
                                  const RigidTransform& predicted, double time) {
   const TrackingOptions& limits = options_.tracking;
   const RigidTransform last_from_world = sampled_ ? sampled_->last_from_world : motion.last();
@@ -63,9 +63,12 @@ TrackedFrame FrameTracker::Track(const Map& map, const FlowImage& image, const M
                        .motion = motion,
                        .has_stood = HasStood(),
                        .image = image,
-                       .time = time,
-                       .sample_suffices = last_image_time_ && time - *last_image_time_ < limits.sampled_interval};
-  TrackedPose tracked = TrackImage(options_, map, mask_, step, predicted);
+                       .time = time};
+  std::optional<TrackedPose> sample;
+  if (last_image_time_ && time - *last_image_time_ < limits.sampled_interval)
+    sample = TrackSample(options_, map, mask_, step, predicted);
+  if (!sample && image.pyramid.empty()) BuildPyramid(options_.flow, image);
+  TrackedPose tracked = sample ? *std::move(sample) : TrackImage(options_, map, mask_, step, predicted);
   TrackedFrame frame{.tracked = static_cast<int>(tracked.tracks.found.size()),
                      .inliers = tracked.estimate.inliers,
                      .is_sampled = tracked.is_sampled};

@@ -42,8 +42,9 @@ class FrameTracker {
                 const ImageTiming& timing) const;
 
   /// The camera's pose in the next image, taken at `time` seconds: searched from the predicted pose, then from the
-  /// motion model's others.
-  TrackedFrame Track(const Map& map, const FlowImage& image, const MotionModel& motion, const RigidTransform& predicted,
+  /// motion model's others. Builds the image's pyramid unless a sample of the landmarks is
+  /// enough.
+  TrackedFrame Track(const Map& map, FlowImage& image, const MotionModel& motion, const RigidTransform& predicted,
                      double time);
 
   /// Whether the camera had stood still for a second at least in the last image in which all landmarks were tracked.

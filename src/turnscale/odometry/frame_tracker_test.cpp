@@ -60,8 +60,12 @@ class FrameTracking : public testing::Test {
                                                    [&](const Eigen::Vector2d&) { return gray(random); }));
   }
 
-  TrackedFrame Track(const FlowImage& image, double predicted_pixels) {
-    return tracker_.Track(map_, image, motion_, Moved(predicted_pixels), kInterval);
+  TrackedFrame Track(FlowImage image, const RigidTransform& predicted, double time) {
+    return tracker_.Track(map_, image, motion_, predicted, time);
+  }
+
+  TrackedFrame Track(FlowImage image, double predicted_pixels) {
+    return Track(std::move(image), Moved(predicted_pixels), kInterval);
   }
 
   OdometryOptions options_;
@@ -123,7 +127,7 @@ TEST_F(FrameTracking, FindsThePoseByFewLandmarks) {
 TEST_F(FrameTracking, FindsThePoseFromAnotherPrediction) {
   // The prediction is out of the optical flow's reach; that the camera stands still is right.
   motion_.Update(kInterval, {});
-  const TrackedFrame frame = tracker_.Track(map_, Seen(0.3), motion_, Moved(250), 2 * kInterval);
+  const TrackedFrame frame = Track(Seen(0.3), Moved(250), 2 * kInterval);
   ASSERT_TRUE(frame.camera_from_world);
   EXPECT_LT((frame.camera_from_world->translation - Moved(0.3).translation).norm(), 0.05 * kWallDepth / 400);
 }
@@ -143,7 +147,7 @@ TEST_F(FrameTracking, AnImageThatIsTheLastOneIsARepeat) {
 
 TEST_F(FrameTracking, ACameraHasStoodAfterASecondWithoutMotion) {
   const auto has_stood = [&](double pixels, double time) {
-    EXPECT_TRUE(tracker_.Track(map_, Seen(pixels), motion_, Moved(pixels), time).camera_from_world);
+    EXPECT_TRUE(Track(Seen(pixels), Moved(pixels), time).camera_from_world);
     return tracker_.HasStood();
   };
   EXPECT_FALSE(has_stood(0, 0.5));
@@ -160,8 +164,11 @@ TEST_F(FrameTracking, ACameraHasStoodAfterASecondWithoutMotion) {
 class FrameSampling : public FrameTracking {
  protected:
   TrackedFrame TrackNext(double pixels, double time) {
-    const TrackedFrame frame = tracker_.Track(map_, Seen(pixels), motion_, motion_.Predict(time), time);
+    FlowImage image = Seen(pixels);
+    image.pyramid.clear();
+    const TrackedFrame frame = tracker_.Track(map_, image, motion_, motion_.Predict(time), time);
     EXPECT_TRUE(frame.camera_from_world);
+    EXPECT_EQ(image.pyramid.empty(), frame.is_sampled);
     if (frame.camera_from_world) motion_.Update(time, *frame.camera_from_world);
     return frame;
   }
@@ -229,7 +236,7 @@ TEST_F(FrameTracking, AKeyframeIsDueAfterEnoughParallax) {
   const TrackedFrame little = Track(Seen(0.8 * due), 0.8 * due);
   ASSERT_TRUE(little.camera_from_world);
   EXPECT_FALSE(tracker_.NeedsKeyframe(map_, little));
-  const TrackedFrame enough = tracker_.Track(map_, Seen(1.2 * due), motion_, Moved(1.2 * due), 2 * kInterval);
+  const TrackedFrame enough = Track(Seen(1.2 * due), Moved(1.2 * due), 2 * kInterval);
   ASSERT_TRUE(enough.camera_from_world);
   EXPECT_TRUE(tracker_.NeedsKeyframe(map_, enough));
 }

@@ -21,7 +21,6 @@ struct ImageStep {
   bool has_stood = false;                        ///< whether the camera had stood still for a while by then
   const FlowImage& image;                        ///< the next one
   double time = 0;                               ///< of it, seconds
-  bool sample_suffices = false;                  ///< it follows so soon that a sample of the landmarks gives its pose
 };
 
 }  // namespace turnscale

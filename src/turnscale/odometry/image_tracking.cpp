@@ -270,12 +270,14 @@ bool IsBelievable(const TrackingOptions& options, const PoseEstimate& estimate) 
          estimate.inliers >= options.min_inlier_share * static_cast<double>(estimate.inlier.size());
 }
 
+std::optional<TrackedPose> TrackSample(const OdometryOptions& options, const Map& map, const cv::Mat& mask,
+                                       const ImageStep& step, const RigidTransform& predicted) {
+  return ImageTracker(options, map, mask, step).TrackSample(predicted);
+}
+
 TrackedPose TrackImage(const OdometryOptions& options, const Map& map, const cv::Mat& mask, const ImageStep& step,
                        const RigidTransform& predicted) {
   const ImageTracker tracker(options, map, mask, step);
-  if (step.sample_suffices) {
-    if (std::optional<TrackedPose> sample = tracker.TrackSample(predicted)) return *std::move(sample);
-  }
   TrackedPose tracked = tracker.TrackFrom(predicted);
   if (!tracker.IsBelievable(tracked)) {
     for (const RigidTransform& other : step.motion.OtherPredictions(step.time)) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <optional>
+
 #include <opencv2/core.hpp>
 
 #include "turnscale/geometry/rigid_transform.h"
@@ -24,11 +26,16 @@ struct TrackedPose {
 /// Whether a pose has enough inliers to be taken for the camera's.
 bool IsBelievable(const TrackingOptions& options, const PoseEstimate& estimate);
 
+/// The pose of an image that follows soon, from a sample of the landmarks that are compared with their reference views;
+/// needs no pyramid of it. Empty where they do not agree. Pixels of `mask` that are 0 are left out (8 bit; empty: none
+/// are).
+std::optional<TrackedPose> TrackSample(const OdometryOptions& options, const Map& map, const cv::Mat& mask,
+                                       const ImageStep& step, const RigidTransform& predicted);
+
 /// Tracks the map's landmarks into the next image and estimates the camera's pose from them, starting at `predicted`.
-/// If a sample of them suffices and gives a pose, that is all. Where that fails, it starts in turn at the motion
-/// model's other predictions, at the last pose if the camera has stood (what passes may have hidden nearly all that the
-/// last image showed), and at what a wide search finds. Where all fail, the pose returned is not believable. Pixels of
-/// `mask` that are 0 are left out (8 bit; empty: none are).
+/// Where that fails, it starts in turn at the motion model's other predictions, at the last pose if the camera has
+/// stood (what passes may have hidden nearly all that the last image showed), and at what a wide search finds. Where
+/// all fail, the pose returned is not believable. `mask` as above.
 TrackedPose TrackImage(const OdometryOptions& options, const Map& map, const cv::Mat& mask, const ImageStep& step,
                        const RigidTransform& predicted);
 

@@ -69,8 +69,8 @@ FrameResult Odometry::Process(const cv::Mat& gray, double time) {
   frame_counter_.Check(time);
   CheckImage(gray);
   FrameResult result = NewFrame(time, TrackingState::kInitializing);
-  const FlowImage image = BuildFlowImage(options_.flow, gray);
-  if (waits_for_map()) return Initialize(image, result);
+  if (waits_for_map()) return Initialize(BuildFlowImage(options_.flow, gray), result);
+  FlowImage image = CopyFlowImage(options_.flow, gray);
 
   const RigidTransform predicted = motion_.Predict(time);
   const ImageTiming timing = {.since_measured = time - motion_.last_measured_time(),
@@ -197,7 +197,7 @@ void Odometry::StartMap(const FlowImage& image, const InitialMap& start) {
     MetricResult(frame.result, added.keyframe, frame.camera_from_world);
 }
 
-TrackedFrame Odometry::Track(const FlowImage& image, const RigidTransform& predicted, FrameResult& result) {
+TrackedFrame Odometry::Track(FlowImage& image, const RigidTransform& predicted, FrameResult& result) {
   TrackedFrame tracked = tracker_.Track(map_, image, motion_, predicted, result.time);
   result.tracked = tracked.tracked;
   result.inliers = tracked.inliers;

@@ -107,7 +107,7 @@ class Odometry {
   FrameResult NewFrame(double time, TrackingState state);
   FrameResult Initialize(const FlowImage& image, FrameResult result);
   void StartMap(const FlowImage& image, const InitialMap& start);
-  TrackedFrame Track(const FlowImage& image, const RigidTransform& predicted, FrameResult& result);
+  TrackedFrame Track(FlowImage& image, const RigidTransform& predicted, FrameResult& result);
   FrameResult Bridge(const RigidTransform& predicted, FrameResult result);
 
   /// The latest frame becomes a keyframe.

@@ -155,8 +155,9 @@ TEST_F(PoseSearch, TrackingGoesOnAfterAGapInATurn) {
   FrameTracker tracker(options_);
   tracker.Start(first_, tracks_, static_cast<int>(tracks_.size()));
   const RigidTransform truth = Pose(0.25, 2);
+  FlowImage image = Seen(truth);
   const TrackedFrame frame =
-      tracker.Track(map_, Seen(truth), motion_, motion_.Predict(kSecondsWithoutImage), kSecondsWithoutImage);
+      tracker.Track(map_, image, motion_, motion_.Predict(kSecondsWithoutImage), kSecondsWithoutImage);
   ASSERT_TRUE(frame.camera_from_world);
   EXPECT_LT(PixelError(map_.camera, truth, *frame.camera_from_world), 0.3);
   size_t in_sight = 0;
@@ -170,8 +171,9 @@ TEST_F(PoseSearch, TrackingGoesOnAfterAGapInImagesOfASingleSize) {
   FrameTracker tracker(options_);
   tracker.Start(first_, tracks_, static_cast<int>(tracks_.size()));
   const RigidTransform truth = Pose(0.1, 3);
+  FlowImage image = Seen(truth);
   const TrackedFrame frame =
-      tracker.Track(map_, Seen(truth), motion_, motion_.Predict(kSecondsWithoutImage), kSecondsWithoutImage);
+      tracker.Track(map_, image, motion_, motion_.Predict(kSecondsWithoutImage), kSecondsWithoutImage);
   ASSERT_TRUE(frame.camera_from_world);
   EXPECT_LT(PixelError(map_.camera, truth, *frame.camera_from_world), 0.3);
 }
