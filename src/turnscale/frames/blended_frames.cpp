@@ -33,6 +33,8 @@ constexpr int kSmallestTile = 4;  // pixels
 constexpr double kLeastDetail = 0.3;
 constexpr double kLeastGray = 8;
 constexpr float kMostChange = 0.6F;
+// An image whose brightness differs by more than this share from that of those beside it tells nothing.
+constexpr double kMostFlash = 0.05;
 
 // A converted video keeps its rhythm, so that a short one shows it. Long drives have parts in which they stand.
 constexpr std::size_t kBlock = 64;
@@ -121,9 +123,20 @@ Spectrum SpectrumOf(std::span<const float> changes) {
   return spectrum;
 }
 
-// Logarithm of fine detail over the mean gray, by tile: brightness drops out. Fourth powers count strong detail, which
-// compression keeps; blending halves it, too.
-std::vector<float> DetailOf(const cv::Mat& image) {
+// By how much the second of three values differs from the mean of the others: the median over tiles, which leaves out
+// what does not concern the whole image.
+double ChangeOf(const std::vector<float>& before, const std::vector<float>& values, const std::vector<float>& after) {
+  std::vector<double> changes;
+  changes.reserve(values.size());
+  for (std::size_t i = 0; i < values.size(); ++i) changes.push_back(values[i] - 0.5 * (before[i] + after[i]));
+  return Median(std::move(changes));
+}
+
+}  // namespace
+
+// Fine detail is over the mean gray: brightness drops out. Fourth powers count strong detail, which compression keeps;
+// blending halves it, too.
+BlendedFrames::Tiles BlendedFrames::TilesOf(const cv::Mat& image) {
   std::array<std::int64_t, kTileColumns * kTileRows> detail{};
   std::array<std::int64_t, kTileColumns * kTileRows> gray{};
   std::array<int, kTileColumns * kTileRows> pixels{};
@@ -152,18 +165,18 @@ std::vector<float> DetailOf(const cv::Mat& image) {
       }
     }
   }
-  std::vector<float> logarithms;
-  logarithms.reserve(detail.size());
+  Tiles tiles;
+  tiles.brightness.reserve(detail.size());
+  tiles.detail.reserve(detail.size());
   for (std::size_t i = 0; i < detail.size(); ++i) {
     const double count = pixels[i];
     const double strength = std::sqrt(std::sqrt(static_cast<double>(detail[i]) / count));
-    const double brightness = static_cast<double>(gray[i]) / count;
-    logarithms.push_back(static_cast<float>(std::log((strength + kLeastDetail) / (brightness + kLeastGray))));
+    const double brightness = std::log(static_cast<double>(gray[i]) / count + kLeastGray);
+    tiles.brightness.push_back(static_cast<float>(brightness));
+    tiles.detail.push_back(static_cast<float>(std::log(strength + kLeastDetail) - brightness));
   }
-  return logarithms;
+  return tiles;
 }
-
-}  // namespace
 
 BlendedFrames::BlendedFrames(double pixel_width)
     : halvings_(std::max(0, static_cast<int>(std::lround(std::log2(kPixelWidth / pixel_width))))) {}
@@ -171,7 +184,7 @@ BlendedFrames::BlendedFrames(double pixel_width)
 void BlendedFrames::Add(const cv::Mat& gray, double time) {
   if (gray.size() != size_) {
     size_ = gray.size();
-    for (std::vector<float>& detail : detail_) detail.clear();
+    tiles_ = {};
   }
   cv::Mat image = gray;
   for (int i = 0; i < halvings_; ++i) {
@@ -183,15 +196,13 @@ void BlendedFrames::Add(const cv::Mat& gray, double time) {
   }
   const double middle_time = std::exchange(last_time_, time);
   if (image.cols < kTileColumns * kSmallestTile || image.rows < kTileRows * kSmallestTile) return;
-  std::rotate(detail_.begin(), detail_.begin() + 1, detail_.end());
-  detail_.back() = DetailOf(image);
-  if (detail_.front().empty()) return;
-  std::vector<double> changes;
-  changes.reserve(detail_.back().size());
-  for (std::size_t i = 0; i < detail_.back().size(); ++i)
-    changes.push_back(detail_[1][i] - 0.5 * (detail_[0][i] + detail_[2][i]));
-  // The median over the tiles leaves out what does not concern the whole image.
-  changes_.push_back(std::clamp(static_cast<float>(Median(std::move(changes))), -kMostChange, kMostChange));
+  std::rotate(tiles_.begin(), tiles_.begin() + 1, tiles_.end());
+  tiles_.back() = TilesOf(image);
+  const auto& [before, middle, after] = tiles_;
+  if (before.detail.empty()) return;
+  const bool flashes = std::abs(ChangeOf(before.brightness, middle.brightness, after.brightness)) > kMostFlash;
+  const auto change = static_cast<float>(ChangeOf(before.detail, middle.detail, after.detail));
+  changes_.push_back(flashes ? 0 : std::clamp(change, -kMostChange, kMostChange));
   times_.push_back(middle_time);
 }
 
@@ -225,6 +236,13 @@ std::optional<FrameBlending> BlendedFrames::Find() const {
 }
 
 std::string FrameBlendingText(const FrameBlending& blending, const std::string& consequence) {
+  if (blending.period == 0) {
+    return fmt::format(
+        "the images show twice what moves, where it is and where it was in the image before (from {:.1f} to {:.1f} s), "
+        "as where frames are blended or the camera's noise reduction mixes them: {}; use the video as the camera "
+        "recorded it, or turn temporal noise reduction off",
+        blending.from, blending.to, consequence);
+  }
   // What an even rhythm is in whole images need not be.
   const double whole = std::round(blending.period);
   const bool is_whole = std::abs(blending.period - whole) < 0.05;

@@ -10,7 +10,8 @@
 
 namespace turnscale {
 
-/// Images of a drive that are mixtures of two views, as conversion to another frame rate makes them by blending.
+/// Images of a drive that are mixtures of two views, as conversion to another frame rate makes them by blending
+/// (BlendedFrames), or strong temporal noise reduction (DoubleImages).
 struct FrameBlending {
   /// Relative standard deviation of lengths that it causes (docs/blended.md). The whole video has been converted, even
   /// if it shows only in a part: where the car is slow, less of the path is.
@@ -18,7 +19,7 @@ struct FrameBlending {
 
   double from = 0;    ///< time, seconds, where it begins
   double to = 0;      ///< time, seconds, where it ends
-  double period = 0;  ///< images from one that is sharp to the next, at least 2
+  double period = 0;  ///< images from one that is sharp to the next, at least 2; 0: all are alike
 };
 
 /// The warning, one line. `consequence`: such as "the scale may be wrong".
@@ -28,7 +29,8 @@ std::string FrameBlendingText(const FrameBlending& blending, const std::string& 
 /// that moves between them is shown twice, each time at less contrast. Their weights change periodically from image to
 /// image, and so does the contrast of fine detail. It does so at a constant rate, and all over the image, unlike what
 /// vibration, exposure, wipers, or vehicles that pass do. Video compression pulsates, too, but hardly where
-/// images are reduced.
+/// images are reduced. Light that flashes takes away contrast as well, but changes the brightness, as blending does
+/// not.
 class BlendedFrames {
  public:
   /// `pixel_width`: of the images' pixels, in pixels of the video, where they have been reduced or enlarged
@@ -42,13 +44,21 @@ class BlendedFrames {
   std::optional<FrameBlending> Find() const;
 
  private:
+  // Of an image by tile, as logarithms.
+  struct Tiles {
+    std::vector<float> brightness;
+    std::vector<float> detail;
+  };
+
+  static Tiles TilesOf(const cv::Mat& image);
+
   int halvings_;
-  cv::Size size_;                             // of the images
-  std::array<cv::Mat, 2> small_;              // the image, halved once and more
-  std::array<std::vector<float>, 3> detail_;  // of the last images, the oldest first: logarithm by tile
-  std::vector<float> changes_;                // by how much an image has more detail than those beside it
-  std::vector<double> times_;                 // of these images
-  double last_time_ = 0;                      // of the last image
+  cv::Size size_;                 // of the images
+  std::array<cv::Mat, 2> small_;  // the image, halved once and more
+  std::array<Tiles, 3> tiles_;    // of the last images, the oldest first
+  std::vector<float> changes_;    // by how much an image has more detail than those beside it
+  std::vector<double> times_;     // of these images
+  double last_time_ = 0;          // of the last image
 };
 
 }  // namespace turnscale

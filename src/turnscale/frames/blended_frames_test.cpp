@@ -73,6 +73,11 @@ TEST(BlendedFrames, NothingIsFoundInImagesAsTheCameraRecordedThem) {
     video(i).convertTo(image, -1, i % 2 == 0 ? 1 : 0.6);
     return image;
   })) << "flicker";
+  EXPECT_FALSE(Blending([video = Driving()](int i) {
+    cv::Mat image;
+    video(i).convertTo(image, -1, 1, i % 5 == 0 ? 150 : 0);
+    return image;
+  })) << "light that flashes";
   cv::RNG random(3);
   EXPECT_FALSE(Blending([&random, video = Driving()](int i) {
     cv::Mat image = video(i);

@@ -43,7 +43,23 @@ FrameResult DriveRecorder::Process(const cv::Mat& gray, double time) {
   Keep(result);
   if (!tracks_) seen_.Add(gray, time, result.tracked);
   blended_.Add(gray, time);
+  double_.Add(gray, time, MovedPoints(result));
   return result;
+}
+
+std::vector<MovedPoint> DriveRecorder::MovedPoints(const FrameResult& result) {
+  std::vector<MovedPoint> points;
+  if (result.state == TrackingState::kRepeated) return points;
+  std::unordered_map<int, cv::Point2f> pixels;
+  if (result.state == TrackingState::kTracked) {
+    for (const FeatureTrack& track : odometry_.tracks()) {
+      pixels[track.landmark] = track.pixel;
+      const auto before = last_pixels_.find(track.landmark);
+      if (before != last_pixels_.end()) points.push_back({before->second, track.pixel});
+    }
+  }
+  last_pixels_ = std::move(pixels);
+  return points;
 }
 
 FrameResult DriveRecorder::ProcessUnreadable(double time, const std::string& problem) {
@@ -72,7 +88,8 @@ void DriveRecorder::Finish() {
 
 RefinedResults DriveRecorder::Refined() const {
   RefinedScale scale = odometry_.Refined();
-  const std::optional<FrameBlending> blending = blended_.Find();
+  std::optional<FrameBlending> blending = blended_.Find();
+  if (!blending) blending = double_.Find();
   if (blending) {
     WidenScale(FrameBlending::kScaleSigma, scale);
     if (scale.estimate) scale.estimate->is_doubtful = true;

@@ -3,11 +3,13 @@
 
 #include <optional>
 #include <string>
+#include <unordered_map>
 #include <vector>
 
 #include <opencv2/core/mat.hpp>
 
 #include "turnscale/frames/blended_frames.h"
+#include "turnscale/frames/double_images.h"
 #include "turnscale/frames/image_scaling.h"
 #include "turnscale/frames/seen_images.h"
 #include "turnscale/odometry/drive_scale.h"
@@ -64,6 +66,8 @@ class DriveRecorder {
 
  private:
   void Keep(const FrameResult& result);
+  // Points of the scene that this image and the one before show.
+  std::vector<MovedPoint> MovedPoints(const FrameResult& result);
 
   Odometry& odometry_;
   ImageScaling scaling_;
@@ -75,6 +79,9 @@ class DriveRecorder {
   int moves_ = 0;  // of the camera on the car
   SeenImages seen_;
   BlendedFrames blended_;
+  DoubleImages double_;
+  std::unordered_map<int, cv::Point2f>
+      last_pixels_;  // of landmarks in the image before; empty where it was not tracked
   cv::Size image_size_;
   std::vector<RotationRecord> rotations_;
   std::vector<UnreadableFrame> unreadable_;

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include <opencv2/core.hpp>
+
+#include "turnscale/frames/blended_frames.h"
+
+namespace turnscale {
+
+/// A point of the scene in an image and in the one before, pixels.
+struct MovedPoint {
+  cv::Point2f before;
+  cv::Point2f now;
+};
+
+/// Finds out whether each image shows two moments alike, as blending of frames and strong temporal noise reduction of a
+/// camera make it: what has moved is still seen, weaker, where the image before had it. An image is then similar to
+/// itself when it is shifted by the motion of its points, and less so when it is shifted by more or by less, as no
+/// image of a single moment is, be it sharp or blurred by the motion. It supplements BlendedFrames, which needs weights
+/// that change from image to image.
+class DoubleImages {
+ public:
+  /// The next image, 8-bit gray, and points of the scene that move with the camera.
+  void Add(const cv::Mat& gray, double time, const std::vector<MovedPoint>& points);
+
+  /// What the images so far show; empty where they are as they should be, or show too little motion. The period is 0.
+  std::optional<FrameBlending> Find() const;
+
+ private:
+  // An image whose points move far enough.
+  struct Measured {
+    double time = 0;    // seconds
+    double excess = 0;  // of the similarity at the motion of the points over that beside it
+  };
+  std::vector<Measured> images_;
+};
+
+}  // namespace turnscale
