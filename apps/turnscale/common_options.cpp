@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "turnscale/commands/drive_camera.h"
+#include "turnscale/kinematics/ackermann.h"
 
 namespace turnscale {
 
@@ -38,6 +39,20 @@ void AddPartOptions(CLI::App& command, ImageArguments& arguments) {
   command.add_option("--mask", arguments.mask,
                      "Image of the frames' size: black pixels (0) are left out of all frames, in addition to those "
                      "that are found to stand still while the scene moves");
+}
+
+void AddSideSlipOptions(CLI::App& command, std::optional<double>& side_slip, std::optional<double>& sigma) {
+  command.add_option(
+      "--side-slip", side_slip,
+      fmt::format("Side slip of the rear axle: its slip angle per lateral acceleration, rad per m/s^2 (= s^2/m); c in "
+                  "L_eff = L - c v^2. Refined from the drive unless its sigma is 0 [{}]",
+                  kUsualSideSlip));
+  command.add_option(
+      "--side-slip-sigma", sigma,
+      fmt::format(
+          "Standard deviation of the side slip, s^2/m; 0: it is not refined [{}; with --side-slip above 0, {:.0f} "
+          "% of it]",
+          kUsualSideSlipSigma, 100 * kGivenSideSlipSigma));
 }
 
 void AddTruthOptions(CLI::App& command, TruthFiles& files) {

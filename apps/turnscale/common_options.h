@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <optional>
+
 #include "turnscale/commands/drive_source.h"
 #include "turnscale/commands/run_page.h"
 
@@ -18,6 +20,9 @@ void AddCameraOptions(CLI::App& command, ImageArguments& arguments);
 
 /// Adds the option of a bag's topic, and those of the part of a drive and of its images to process.
 void AddPartOptions(CLI::App& command, ImageArguments& arguments);
+
+/// --side-slip and --side-slip-sigma.
+void AddSideSlipOptions(CLI::App& command, std::optional<double>& side_slip, std::optional<double>& sigma);
 
 /// --truth and --floor-plan.
 void AddTruthOptions(CLI::App& command, TruthFiles& files);

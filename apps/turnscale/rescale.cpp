@@ -31,7 +31,6 @@ void AddRescaleCommand(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("rescale", "Convert an up-to-scale trajectory of any monocular SLAM to metres.");
   const auto arguments = std::make_shared<RescaleArguments>();
-  const CarPrior car;
   command
       ->add_option("FILE", arguments->input,
                    "Up-to-scale trajectory: TUM, KITTI (12 numbers per line, or 13 with the frame number) or EuRoC "
@@ -42,17 +41,7 @@ void AddRescaleCommand(CLI::App& app) {
       "Distance from the rear axle forward to the camera, metres; needed unless --camera-height is given");
   command->add_option("--lever-arm-sigma", arguments->lever_arm_sigma,
                       fmt::format("Standard deviation of --lever-arm, metres [{}]", kTapeSigma));
-  command->add_option(
-      "--side-slip", arguments->side_slip,
-      fmt::format("Side slip of the rear axle: its slip angle per lateral acceleration, rad per m/s^2 (= s^2/m); c in "
-                  "L_eff = L - c v^2. Refined from the drive unless its sigma is 0 [{}]",
-                  car.side_slip));
-  command->add_option(
-      "--side-slip-sigma", arguments->side_slip_sigma,
-      fmt::format(
-          "Standard deviation of the side slip, s^2/m; 0: it is not refined [{}; with --side-slip above 0, {:.0f} "
-          "% of it]",
-          car.side_slip_sigma, 100 * kGivenSideSlipSigma));
+  AddSideSlipOptions(*command, arguments->side_slip, arguments->side_slip_sigma);
   CLI::Option* heights = command->add_option(
       "--heights", arguments->heights,
       fmt::format(
