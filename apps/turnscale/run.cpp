@@ -32,10 +32,9 @@ struct LiveArguments {
 class LiveView {
  public:
   LiveView(const RunArguments& arguments, const std::string& address, int frames, double first_time)
-      : state_(arguments.images.Name(), Version(), frames,
+      : state_(arguments.images.Name(), Version(), frames, first_time,
                arguments.no_report ? "" : fs::absolute(arguments.out / kReportFile).lexically_normal().string()),
         page_(ParseLiveAddress("--live-address", address), state_) {
-    state_.SetFirstTime(first_time);
     PrintText("live    " + page_.address() + "\n");
   }
 
@@ -125,17 +124,7 @@ void AddRunCommand(CLI::App& app) {
   run->add_option("--vehicle", arguments->car.vehicle,
                   "YAML file of the car: car.yaml of an earlier run, or calibration.yaml of calibrate. Lever arm, side "
                   "slip, camera rotation and camera height are taken from it and refined; other options override it");
-  run->add_option(
-      "--side-slip", arguments->car.side_slip,
-      fmt::format("Side slip of the rear axle: its slip angle per lateral acceleration, rad per m/s^2 (= s^2/m); c in "
-                  "L_eff = L - c v^2. Refined from the drive unless its sigma is 0 [{}]",
-                  kUsualSideSlip));
-  run->add_option(
-      "--side-slip-sigma", arguments->car.side_slip_sigma,
-      fmt::format(
-          "Standard deviation of the side slip, s^2/m; 0: it is not refined [{}; with --side-slip above 0, {:.0f} "
-          "% of it]",
-          kUsualSideSlipSigma, 100 * kGivenSideSlipSigma));
+  AddSideSlipOptions(*run, arguments->car.side_slip, arguments->car.side_slip_sigma);
   run->add_option(
       "--camera-rotation", arguments->car.camera_rotation,
       "Camera-to-vehicle rotation: yaw,pitch,roll in degrees, positive to the right, up, to the right; a YAML file "

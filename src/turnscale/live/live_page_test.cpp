@@ -23,7 +23,7 @@ constexpr auto kNever = [] { return false; };
 
 class LivePageTest : public ::testing::Test {
  protected:
-  LivePageTest() : odometry_({}, {}), state_("drive", "1.0", 100), page_(ShortEnd(), state_), client_(Address()) {}
+  LivePageTest() : odometry_({}, {}), state_("drive", "1.0", 100, 0), page_(ShortEnd(), state_), client_(Address()) {}
 
   static LivePageOptions ShortEnd() {
     LivePageOptions options;
@@ -115,7 +115,7 @@ TEST_F(LivePageTest, PausesAndResumes) {
 }
 
 TEST_F(LivePageTest, APauseEndsWhenItsViewerHasLeft) {
-  LiveState state("drive", "1.0", 100, "", std::chrono::milliseconds(200));
+  LiveState state("drive", "1.0", 100, 0, "", std::chrono::milliseconds(200));
   const LivePage page({}, state);
   state.SetPaused(true);
   const auto begin = std::chrono::steady_clock::now();
@@ -222,14 +222,13 @@ TEST_F(LivePageTest, SlowViewersDoNotHoldUpTheEnd) {
 }
 
 TEST(LiveState, CountsFromTheFirstFrameOfTheDrive) {
-  LiveState state("drive", "1.0", 100);
-  state.SetFirstTime(12.5);
+  LiveState state("drive", "1.0", 100, 12.5);
   EXPECT_EQ(nlohmann::json::parse(state.PathJson())["timeOrigin"], 12.5);
 }
 
 // The report is longer than what the system keeps for a viewer.
 TEST_F(LivePageTest, ViewersWhoDoNotReadTheReportHoldUpNobody) {
-  LiveState state("drive", "1.0", 100);
+  LiveState state("drive", "1.0", 100, 0);
   LivePage page({}, state);
   const std::string address = page.address();
   const std::string port = address.substr(address.rfind(':') + 1);
@@ -269,7 +268,7 @@ class ListeningElsewhere : public ::testing::TestWithParam<std::pair<std::string
 
 TEST_P(ListeningElsewhere, AnswersThere) {
   const auto [host, address] = GetParam();
-  LiveState state("drive", "1.0", 100);
+  LiveState state("drive", "1.0", 100, 0);
   std::optional<LivePage> page;
   try {
     LivePageOptions options;

@@ -44,21 +44,18 @@ std::vector<SpeedReading> RoughSpeeds(const std::vector<FrameResult>& frames,
 
 }  // namespace
 
-LiveState::LiveState(std::string title, std::string version, int frames, std::string report, milliseconds pause_kept)
+LiveState::LiveState(std::string title, std::string version, int frames, double first_time, std::string report,
+                     milliseconds pause_kept)
     : title_(std::move(title)),
       version_(std::move(version)),
       frames_(frames),
+      first_time_(first_time),
       report_(std::move(report)),
       pause_kept_(pause_kept) {}
 
 void LiveState::SetPhase(const std::string& phase) {
   const std::lock_guard lock(mutex_);
   phase_ = phase;
-}
-
-void LiveState::SetFirstTime(double time) {
-  const std::lock_guard lock(mutex_);
-  first_time_ = time;
 }
 
 void LiveState::Add(const cv::Mat& gray, const FrameResult& frame, const Odometry& odometry) {
@@ -182,8 +179,8 @@ std::string LiveState::PathJson() {
     data.frames = path_.frames;
     data.metric = path_.metric;
     data.vehicle_from_body = path_.vehicle_from_camera;
-    data.time_origin = first_time_;
   }
+  data.time_origin = first_time_;
   data.title = title_;
   data.version = version_;
   data.notes = {"The path as far as it is known now"};

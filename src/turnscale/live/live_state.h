@@ -4,7 +4,6 @@
 #include <chrono>
 #include <deque>
 #include <mutex>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,14 +21,13 @@ class LiveState {
   /// Browsers let pages in the background ask once a minute.
   static constexpr std::chrono::milliseconds kPauseKept{150'000};
 
-  /// `frames` are those expected, 0 if that is not known. A pause ends when nobody has asked for `pause_kept`: whoever
+  /// `frames` are those expected, 0 if that is not known. `first_time` is that of the drive's first frame, seconds,
+  /// from which the page counts. A pause ends when nobody has asked for `pause_kept`: whoever
   /// paused has left.
   /// `report` is the file of the report to come, for viewers who miss its arrival; empty: there will be none.
-  LiveState(std::string title, std::string version, int frames, std::string report = "",
+  LiveState(std::string title, std::string version, int frames, double first_time, std::string report = "",
             std::chrono::milliseconds pause_kept = kPauseKept);
 
-  /// Time of the drive's first frame, seconds, from which the page counts; as TimeOrigin if it is not set.
-  void SetFirstTime(double time);
   /// After each frame. Copies what the page shows only if somebody has asked lately.
   void Add(const cv::Mat& gray, const FrameResult& frame, const Odometry& odometry);
   /// What the program does other than to run over the frames, such as "final adjustment", which cannot be paused;
@@ -67,11 +65,11 @@ class LiveState {
   const std::string title_;
   const std::string version_;
   const int frames_;
+  const double first_time_;
   const std::string report_;
   const std::chrono::milliseconds pause_kept_;
 
   mutable std::mutex mutex_;  // of all below but for what is made of them
-  std::optional<double> first_time_;
   std::string phase_;
   FrameResult latest_;
   int frames_done_ = 0;
