@@ -58,6 +58,11 @@ std::vector<double> NumbersOf(const std::vector<std::string_view>& words, const 
 
 std::string Columns(size_t count) { return fmt::format("{} column{}", count, count == 1 ? "" : "s"); }
 
+// The header of trajectory.csv, whose name suggests a trajectory file.
+bool IsFrameTable(const std::vector<std::string_view>& words) {
+  return words.size() > 3 && words[0] == "frame" && words[1] == "time" && words[2] == "state";
+}
+
 class Parser {
  public:
   Parser(std::string path, const std::optional<std::vector<double>>& times) : path_(std::move(path)), times_(times) {}
@@ -67,6 +72,10 @@ class Parser {
     std::replace(text.begin(), text.end(), ',', ' ');
     const auto words = SplitWords(text);
     if (words.empty() || words[0].starts_with('#')) return;
+    if (columns_ == 0 && IsFrameTable(words))
+      throw InputError(path_ +
+                       ": is the table of the frames of a run, not a trajectory file; give trajectory.tum, which a run "
+                       "writes beside it");
     if (commas) return AddEuroc(words, where);
     if (columns_ == 0) columns_ = words.size();
     if (columns_ != 8 && columns_ != 12 && columns_ != 13) {

@@ -136,6 +136,19 @@ TEST(TrajectoryFile, ThirteenColumnsBeginWithTheFrame) {
   EXPECT_EQ(read.poses[1].world_from_camera.translation.x(), 6);
 }
 
+TEST(TrajectoryFile, TheTableOfARunNamesTheFileToGive) {
+  std::ofstream(Path("trajectory.csv"))
+      << "frame,time,state,x,y,z,qx,qy,qz,qw,scale_state\n0,0,tracked,0,0,0,0,0,0,1,held\n";
+  try {
+    ReadTrajectoryFile(Path("trajectory.csv"));
+    ADD_FAILURE() << "is read";
+  } catch (const InputError& error) {
+    EXPECT_EQ(error.what(), Path("trajectory.csv").string() +
+                                ": is the table of the frames of a run, not a trajectory file; give trajectory.tum, "
+                                "which a run writes beside it");
+  }
+}
+
 TEST(TrajectoryFile, LinesAreAsTheFormatsSay) {
   const RigidTransform pose{Eigen::Quaterniond::Identity(), {1.5, -2, 1.0 / 3}};
   EXPECT_EQ(TumLine({12.5, pose}), "12.500000 1.5 -2 0.333333333 0 0 0 1\n");
