@@ -138,6 +138,18 @@ TEST_F(ExportTest, OutNamesTheFilesOrTheirFolder) {
   EXPECT_TRUE(fs::is_empty(maps));
 }
 
+TEST_F(ExportTest, ThePathIsNamedAfterTheFolderAlone) {
+  for (const char* way : {"out", "out/", "out/."}) {
+    const CommandResult result = RunCommand({"export", (folder_ / way).string(), "--gpx", "--geojson", "--kml",
+                                             "--origin", "49.0112,8.4225", "--heading", "90"},
+                                            folder_);
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_NE(TextOf(Path(".gpx")).find("<name>out</name>"), std::string::npos) << way;
+    EXPECT_NE(TextOf(Path(".kml")).find("<name>out</name>"), std::string::npos) << way;
+    EXPECT_EQ(TextOf(Path(".geojson")).find(folder_.string()), std::string::npos) << way;
+  }
+}
+
 TEST_F(ExportTest, NumbersAreFinite) {
   for (const char* option : {"--aspect", "--fov"})
     ExpectComplaint(Export({"--gltf", option, "nan"}), 2, {option, "nan: give a number"});

@@ -135,6 +135,14 @@ std::vector<LevelPlace> TurnsAlong(const std::vector<LevelPlace>& path, const st
   return middles;
 }
 
+// Without the path to it, which tells those who get the file only about this machine.
+std::string FolderName(const fs::path& folder) {
+  std::error_code none;
+  const fs::path whole = fs::absolute(folder, none).lexically_normal();
+  const fs::path name = whole.has_filename() ? whole.filename() : whole.parent_path().filename();
+  return (name.empty() ? folder : name).string();
+}
+
 // A file and its text.
 struct FileToWrite {
   const char* extension;
@@ -144,7 +152,7 @@ struct FileToWrite {
 std::vector<FileToWrite> MapFiles(const ExportArguments& arguments, const ResultFolder& results,
                                   ExportOutcome& outcome) {
   GeoTrack track;
-  track.name = arguments.folder.string();
+  track.name = FolderName(arguments.folder);
   const std::vector<LevelPlace> path = LevelPath(results, arguments.folder.string());
   track.start_time = StartTime(arguments.start_time, path.front().time);
   const PlacedPath placed = Place(arguments, results, path, track.start_time);
