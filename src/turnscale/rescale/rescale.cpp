@@ -8,6 +8,7 @@
 
 #include "turnscale/base/check_part.h"
 #include "turnscale/base/error.h"
+#include "turnscale/base/number_text.h"
 #include "turnscale/base/quantiles.h"
 #include "turnscale/calibration/calibration.h"
 #include "turnscale/calibration/camera_axes.h"
@@ -232,6 +233,59 @@ void BringToMetres(const Trajectory& trajectory, RescaleResult& result) {
   for (const VehicleStep& step : result.steps) result.length += step.driven() * scales[step.last].metres_per_unit;
 }
 
+// What is wrong where the car mostly turns between poses that are too far apart: then no turn can be read, and other
+// reasons why there is no scale mislead. Empty if it does not.
+std::string WhyTooSparse(const RescaleOptions& options, const Trajectory& trajectory,
+                         const std::vector<PathGap>& gaps) {
+  constexpr double kMostShare = 0.5;
+  double turned = 0;
+  double turned_unseen = 0;  // between poses that are too far apart
+  std::vector<double> intervals;
+  auto gap = gaps.begin();
+  for (std::size_t i = 1; i < trajectory.size(); ++i) {
+    if (gap != gaps.end() && gap->pose == static_cast<int>(i)) {
+      ++gap;
+      continue;
+    }
+    const double interval = trajectory[i].time - trajectory[i - 1].time;
+    const double angle = RotationAngle(trajectory[i - 1].world_from_camera.rotation.conjugate() *
+                                       trajectory[i].world_from_camera.rotation);
+    turned += angle;
+    if (!AreFarApart(options.timed ? std::optional(interval) : std::nullopt, angle, options.steps)) continue;
+    turned_unseen += angle;
+    intervals.push_back(interval);
+  }
+  if (turned_unseen < options.estimator.segments.turns.min_region_angle || turned_unseen < kMostShare * turned)
+    return "";
+  const double tenths = std::round(10 * Median(std::move(intervals)));
+  return "in turns the poses are too far apart" +
+         (options.timed ? " (median interval " + NumberText(tenths / 10) + " s)" : std::string()) +
+         "; give the poses of more frames";
+}
+
+// Leaves the reason where there is no scale.
+void EstimateScaleOf(const RescaleOptions& options, const Trajectory& trajectory, const std::vector<PathGap>& gaps,
+                     const std::vector<PathHeight>& heights, RescaleResult& result) {
+  if (!FindMount(options, trajectory, gaps, result)) return;
+  Trajectory path = trajectory;
+  for (StampedPose& pose : path)
+    pose.world_from_camera.rotation = pose.world_from_camera.rotation * result.vehicle_from_camera.conjugate();
+  result.steps = CutIntoSteps(path, gaps, options.timed, options.steps);
+  SetHeights(heights, trajectory, result.steps);
+  if (!GoesForward(result.steps)) {
+    result.reason = options.vehicle_from_camera
+                        ? "with this camera rotation most of the path goes sideways, up, down or backwards; let the "
+                          "rotation be estimated (--camera-rotation auto)"
+                        : "most of the path goes sideways, up, down or backwards, also with the estimated camera "
+                          "rotation; check that the poses are world_from_camera, not their inverse";
+    return;
+  }
+  ScaleEstimateResult estimate = EstimateScale(result.steps, CarFor(options, result.yaw_sigma), EstimatorFor(options));
+  result.reason = estimate.reason;
+  result.estimate = std::move(estimate.estimate);
+  result.observable = result.estimate.has_value();
+}
+
 }  // namespace
 
 MountFromPath FindCameraMount(const Trajectory& trajectory, bool timed, const std::vector<int>& gaps,
@@ -268,25 +322,12 @@ RescaleResult RescaleTrajectory(const RescaleOptions& options, const Trajectory&
   CheckHeights(heights);
   RescaleResult result;
   if (options.timed) result.assumed_slip = {options.car.side_slip, options.car.side_slip_sigma};
-  if (!FindMount(options, trajectory, gaps, result)) return result;
-  Trajectory path = trajectory;
-  for (StampedPose& pose : path)
-    pose.world_from_camera.rotation = pose.world_from_camera.rotation * result.vehicle_from_camera.conjugate();
-  result.steps = CutIntoSteps(path, gaps, options.timed, options.steps);
-  SetHeights(heights, trajectory, result.steps);
-  if (!GoesForward(result.steps)) {
-    result.reason = options.vehicle_from_camera
-                        ? "with this camera rotation most of the path goes sideways, up, down or backwards; let the "
-                          "rotation be estimated (--camera-rotation auto)"
-                        : "most of the path goes sideways, up, down or backwards, also with the estimated camera "
-                          "rotation; check that the poses are world_from_camera, not their inverse";
+  EstimateScaleOf(options, trajectory, gaps, heights, result);
+  if (!result.observable) {
+    if (std::string sparse = WhyTooSparse(options, trajectory, gaps); !sparse.empty() && result.reason != kInversePoses)
+      result.reason = std::move(sparse);
     return result;
   }
-  ScaleEstimateResult estimate = EstimateScale(result.steps, CarFor(options, result.yaw_sigma), EstimatorFor(options));
-  result.reason = estimate.reason;
-  result.estimate = std::move(estimate.estimate);
-  result.observable = result.estimate.has_value();
-  if (!result.observable) return result;
   BringToMetres(trajectory, result);
   if (options.timed) CrossGapsAtMeanSpeed(gaps, result.metric);
   Filter(options, result);

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "turnscale/base/error.h"
+#include "turnscale/base/number_text.h"
 #include "turnscale/base/refused_field.h"
 #include "turnscale/rescale/test_rescale_drive.h"
 
@@ -87,6 +88,23 @@ TEST(Rescale, HolesInTurnsShowNoScale) {
   const RescaleResult none = RescaleTrajectory(options, rare);
   EXPECT_FALSE(none.observable);
   EXPECT_NE(none.reason.find("far apart"), std::string::npos) << none.reason;
+}
+
+TEST(Rescale, SparsePosesAreNamedAsTheReason) {
+  const ScaledDrive drive = MakeScaledDrive(CityRoute(6), kCar, kIdentity, kUnit, {.position = 0.003}, 6);
+  const double interval = drive.trajectory[1].time - drive.trajectory[0].time;
+  RescaleOptions options = OptionsFor(kCar);
+  for (const double seconds : {2.0, 3.0, 5.0}) {
+    Trajectory rare;
+    const auto every = static_cast<std::size_t>(std::lround(seconds / interval));
+    for (std::size_t i = 0; i < drive.trajectory.size(); i += every) rare.push_back(drive.trajectory[i]);
+    options.timed = true;
+    EXPECT_EQ(RescaleTrajectory(options, rare).reason, "in turns the poses are too far apart (median interval " +
+                                                           NumberText(seconds) + " s); give the poses of more frames");
+    options.timed = false;
+    EXPECT_EQ(RescaleTrajectory(options, rare).reason,
+              "in turns the poses are too far apart; give the poses of more frames");
+  }
 }
 
 TEST(Rescale, StandingStillDoesNoHarm) {
