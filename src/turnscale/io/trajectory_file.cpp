@@ -209,11 +209,19 @@ Eigen::Quaterniond RotationFromFile(const Eigen::Quaterniond& read, const std::s
   return read.normalized();
 }
 
+std::array<double, 7> PoseNumbers(const RigidTransform& pose) {
+  const Eigen::Vector3d& t = pose.translation;
+  const Eigen::Quaterniond& q = pose.rotation;
+  std::array<double, 7> numbers = {t.x(), t.y(), t.z(), q.x(), q.y(), q.z(), q.w()};
+  for (double& number : numbers) number += 0.0;  // makes 0 of -0
+  return numbers;
+}
+
 std::string TumLine(const StampedPose& pose) {
-  const Eigen::Vector3d& t = pose.world_from_camera.translation;
-  const Eigen::Quaterniond& q = pose.world_from_camera.rotation;
-  return fmt::format("{:.6f} {:.9g} {:.9g} {:.9g} {:.9g} {:.9g} {:.9g} {:.9g}\n", pose.time, t.x(), t.y(), t.z(), q.x(),
-                     q.y(), q.z(), q.w());
+  std::string line = fmt::format("{:.6f}", pose.time);
+  for (const double value : PoseNumbers(pose.world_from_camera))
+    fmt::format_to(std::back_inserter(line), " {:.9g}", value);
+  return line + "\n";
 }
 
 std::string KittiLine(const RigidTransform& world_from_camera, int digits) {
@@ -221,7 +229,7 @@ std::string KittiLine(const RigidTransform& world_from_camera, int digits) {
   matrix << world_from_camera.rotation.toRotationMatrix(), world_from_camera.translation;
   std::string line;
   for (int i = 0; i < matrix.size(); ++i) {
-    fmt::format_to(std::back_inserter(line), "{}{:.{}g}", i == 0 ? "" : " ", matrix.data()[i], digits);
+    fmt::format_to(std::back_inserter(line), "{}{:.{}g}", i == 0 ? "" : " ", matrix.data()[i] + 0.0, digits);
   }
   return line + "\n";
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -48,7 +49,10 @@ std::filesystem::path FindPoseTimes(const std::filesystem::path& kitti_poses);
 /// `where` and names the expected columns if its norm is far from 1.
 Eigen::Quaterniond RotationFromFile(const Eigen::Quaterniond& read, const std::string& where, std::string_view columns);
 
-/// One line of a file, with its line end; 17 digits give back every bit.
+/// x, y, z of the translation and x, y, z, w of the quaternion, as files have them: zeros without a sign.
+std::array<double, 7> PoseNumbers(const RigidTransform& pose);
+
+/// One line of a file, with its line end and no signed zeros; 17 digits give back every bit.
 std::string TumLine(const StampedPose& pose);
 std::string KittiLine(const RigidTransform& world_from_camera, int digits = 9);
 

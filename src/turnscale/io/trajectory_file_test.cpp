@@ -155,6 +155,12 @@ TEST(TrajectoryFile, LinesAreAsTheFormatsSay) {
   EXPECT_EQ(KittiLine(pose), "1 0 0 1.5 0 1 0 -2 0 0 1 0.333333333\n");
 }
 
+TEST(TrajectoryFile, NoZeroHasASign) {
+  const RigidTransform pose{Eigen::Quaterniond::Identity().conjugate(), {-0.0, -1, -0.0}};
+  EXPECT_EQ(TumLine({0, pose}), "0.000000 0 -1 0 0 0 0 1\n");
+  EXPECT_EQ(KittiLine(pose).find("-0"), std::string::npos) << KittiLine(pose);
+}
+
 TEST(TrajectoryFile, TimesAreFoundOnlyWhereTheyCanBeExamined) {
   const fs::path loop = Path("loop");
   fs::create_symlink(loop, loop);

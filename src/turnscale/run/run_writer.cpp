@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <cstdlib>
 #include <fstream>
+#include <iterator>
 #include <system_error>
 #include <vector>
 
@@ -107,10 +108,9 @@ std::string FrameTableHeader() {
 std::string FrameTableLine(const FrameResult& frame, const std::optional<RigidTransform>& pose) {
   std::string cells = ",,,,,,";
   if (pose) {
-    const Eigen::Vector3d& t = pose->translation;
-    const Eigen::Quaterniond& q = pose->rotation;
-    cells = fmt::format("{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g}", t.x(), t.y(), t.z(), q.x(), q.y(), q.z(),
-                        q.w());
+    cells.clear();
+    for (const double value : PoseNumbers(*pose))
+      fmt::format_to(std::back_inserter(cells), "{}{:.9g}", cells.empty() ? "" : ",", value);
   }
   return fmt::format("{},{:.6f},{},{},{},{:.6g},{},{},{},{},{},{}\n", frame.frame, frame.time,
                      TrackingStateName(frame.state), cells, ScaleStateName(frame.scale_state), frame.scale_sigma,
