@@ -294,12 +294,12 @@ DriveMotion MotionFromImages(const ImageArguments& arguments, const CommandHooks
   DriveImages images = OpenImages(arguments, settings.images);
   cv::setNumThreads(kImageThreads);
   hooks.begun();
+  for (const std::string& warning : WarningsOf(arguments, images)) Warn(hooks, warning);
   const CameraEstimate estimate = EstimateCamera(arguments, images, settings, hooks);
   Odometry odometry(settings.odometry, images.camera);
   if (!images.mask.empty()) odometry.SetMask(images.mask);
   Progress progress(images.expected, arguments.quiet);
   SendWarnings(progress, hooks);
-  for (const std::string& warning : WarningsOf(arguments, images)) progress.Warn(warning);
   if (!estimate.warning.empty()) progress.Warn(estimate.warning);
   DriveRecorder recorder(odometry, images.scaling);
   Attempts attempts;

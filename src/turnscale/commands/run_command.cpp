@@ -89,8 +89,17 @@ std::string UnusedCameraOfVehicle(const RunArguments& arguments, const VehicleOp
                      camera.string(), car.filename().string());
 }
 
-RunSummary BeforeTheDrive(const RunArguments& arguments, const VehicleOptions& vehicle, const DriveImages& images,
-                          const CameraEstimate& estimate) {
+// What can be said before the camera is estimated, which may take long.
+std::vector<std::string> EarlyWarnings(const RunArguments& arguments, const VehicleOptions& vehicle,
+                                       const DriveImages& images) {
+  std::vector<std::string> warnings = WarningsOf(arguments.images, images);
+  if (std::string unused = UnusedCameraOfVehicle(arguments, vehicle, images); !unused.empty())
+    warnings.push_back(std::move(unused));
+  return warnings;
+}
+
+RunSummary BeforeTheDrive(const RunArguments& arguments, const DriveImages& images, const CameraEstimate& estimate,
+                          std::vector<std::string> early_warnings) {
   RunSummary summary;
   summary.version = Version();
   summary.input = arguments.images.Name();
@@ -100,10 +109,8 @@ RunSummary BeforeTheDrive(const RunArguments& arguments, const VehicleOptions& v
   summary.rotate = arguments.images.rotate;
   if (arguments.images.mask) summary.mask = arguments.images.mask->string();
   if (arguments.car.vehicle) summary.vehicle_file = arguments.car.vehicle->string();
-  summary.warnings = WarningsOf(arguments.images, images);
+  summary.warnings = std::move(early_warnings);
   if (!estimate.warning.empty()) summary.warnings.push_back(estimate.warning);
-  if (const std::string unused = UnusedCameraOfVehicle(arguments, vehicle, images); !unused.empty())
-    summary.warnings.push_back(unused);
   summary.pose_frame = arguments.frame;
   summary.folder = arguments.out.string();
   summary.start = arguments.images.start;
@@ -237,6 +244,8 @@ RunEnd ExecuteRun(const RunArguments& arguments, const RunHooks& hooks) {
   CheckRunOutput(output);
   hooks.opened(images.expected, images.source.first_time());
   hooks.begun();
+  const std::vector<std::string> early_warnings = EarlyWarnings(arguments, settings.odometry.vehicle, images);
+  for (const std::string& warning : early_warnings) Warn(hooks, warning);
   const CameraEstimate estimate = EstimateCamera(arguments.images, images, settings, hooks, hooks.phase);
   hooks.phase("");
   Odometry odometry(settings.odometry, images.camera);
@@ -256,7 +265,8 @@ RunEnd ExecuteRun(const RunArguments& arguments, const RunHooks& hooks) {
       .scaling = images.scaling,
       .settings = settings,
       .output = output,
-      .summary = BeforeTheDrive(arguments, settings.odometry.vehicle, images, estimate),
+      .summary = BeforeTheDrive(arguments, images, estimate, early_warnings),
+      .warned = early_warnings.size(),
       .started = started,
       .watch =
           [&](const SourceFrame& frame, const FrameResult& result, const Odometry& so_far) {

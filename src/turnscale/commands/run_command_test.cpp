@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "turnscale/commands/run_command.h"
 
+#include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <fstream>
+#include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -54,6 +58,31 @@ TEST(CarArguments, AnExactValueOfTheFileCorrelatesWithNothing) {
     EXPECT_EQ(vehicle.LeverArmSigma(), lever_arm_sigma) << exact;
     EXPECT_EQ(vehicle.side_slip_sigma, 0.001) << exact;
   }
+}
+
+TEST(Run, TheCalibrationThatIsNotUsedIsNamedBeforeTheCameraIsEstimated) {
+  const ScratchFolder folder;
+  const std::filesystem::path images = folder.Path() / "image_0";
+  std::filesystem::create_directories(images);
+  for (int i = 0; i < 3; ++i)
+    std::ofstream(images / (std::to_string(i) + ".pgm")) << "P5\n320 240\n255\n" << std::string(320 * 240, 'x');
+  std::ofstream(folder.Path() / "calib.txt") << "P0: 300 0 160 0 0 300 120 0 0 0 1 0\n";
+  RunArguments arguments;
+  arguments.images.inputs = {images};
+  arguments.images.fps = 10;
+  arguments.images.quiet = true;
+  arguments.out = folder.Path() / "out";
+  std::vector<std::string> told;
+  RunHooks hooks;
+  hooks.print_warnings = false;
+  hooks.warn = [&](const std::string& warning) { told.push_back(warning); };
+  hooks.phase = [&](const std::string& phase) { told.push_back(phase); };
+  ExecuteRun(arguments, hooks);
+  ASSERT_GE(told.size(), 2U);
+  EXPECT_NE(told[0].find("calib.txt: is not used"), std::string::npos) << told[0];
+  EXPECT_NE(told[1].find("estimating the intrinsics"), std::string::npos) << told[1];
+  const auto is_hint = [](const std::string& one) { return one.find("is not used") != std::string::npos; };
+  EXPECT_EQ(std::ranges::count_if(told, is_hint), 1);
 }
 
 }  // namespace

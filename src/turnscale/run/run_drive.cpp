@@ -40,7 +40,7 @@ class Run {
         frame_(drive.next()),
         recorder_(odometry, drive.scaling, drive.started),
         known_(drive.summary) {
-    for (const std::string& warning : known_.warnings) progress_.Warn(warning);
+    for (size_t i = drive.warned; i < known_.warnings.size(); ++i) progress_.Warn(known_.warnings[i]);
   }
 
   RunEnd Go() {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstddef>
 #include <exception>
 #include <functional>
 #include <optional>
@@ -36,6 +37,7 @@ struct DriveToRun {
   Settings settings = {};                                            ///< kept beside the results
   RunWriterOptions output;                                           ///< where the results go
   RunSummary summary;                                                ///< what is known of it beforehand
+  size_t warned = 0;                                                 ///< this many of summary.warnings are printed
   ProcessClocks started = ReadClocks();                              ///< from when on its cost counts
   /// Called after every frame with its result. What it throws ends the run.
   std::function<void(const SourceFrame&, const FrameResult&, const Odometry&)> watch = {};
