@@ -120,7 +120,7 @@ struct NamedOutput {
 
 /// Throws the InputError on an output that cannot be written there.
 [[noreturn]] inline void RefuseOutput(const char* option, const std::filesystem::path& file, const std::string& why) {
-  throw InputError(fmt::format("{} {}: {}; name another one", option, file.string(), why));
+  throw InputError(fmt::format("{} {}: {}; choose another {}", option, file.string(), why, option));
 }
 
 /// The file whatever way its path leads to it; empty where that cannot be examined.
@@ -141,7 +141,7 @@ inline void CheckOutputs(const std::vector<NamedOutput>& outputs, const std::vec
     for (const std::filesystem::path& written : {output.file, PartOf(output.file)}) {
       for (const std::filesystem::path& input : inputs)
         if (!input.empty() && std::filesystem::equivalent(written, input, none))
-          RefuseOutput(output.option, written, "is also an input file");
+          RefuseOutput(output.option, written, "is also an input file, and would be replaced");
       const std::filesystem::path place = PlaceOf(written);
       if (is_special || place.empty()) continue;
       const auto [other, first] = options.try_emplace(place, output.option);

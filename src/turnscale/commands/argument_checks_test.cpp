@@ -57,7 +57,8 @@ TEST(ArgumentChecks, AnOutputFileIsNoInputFile) {
   const auto complaint = [&](const char* output) {
     return Complaint([&] { CheckOutputs({{"--out", folder / output}}, {"", folder / "none", input}); });
   };
-  const std::string refused = "--out " + input.string() + ": is also an input file; name another one";
+  const std::string refused =
+      "--out " + input.string() + ": is also an input file, and would be replaced; choose another --out";
   EXPECT_EQ(complaint("a.csv.part"), refused);
   EXPECT_EQ(complaint("a.csv"), refused) << "its name while it is being written";
   EXPECT_EQ(complaint("b.csv"), "");
@@ -70,8 +71,8 @@ TEST(ArgumentChecks, TwoOutputsAreTwoFiles) {
     return Complaint([&] { CheckOutputs({{"--json", json}, {"--picture", picture}}, {}); });
   };
   EXPECT_EQ(complaint("out/a", "out/../out/./a"),
-            "--picture out/../out/./a: is also a file of --json; name another one");
-  EXPECT_EQ(complaint("a", "a.part"), "--picture a.part: is also a file of --json; name another one");
+            "--picture out/../out/./a: is also a file of --json; choose another --picture");
+  EXPECT_EQ(complaint("a", "a.part"), "--picture a.part: is also a file of --json; choose another --picture");
   EXPECT_EQ(complaint("out/a", "a"), "");
   EXPECT_EQ(complaint("/dev/null", "/dev/null"), "");
   const std::string nowhere(300, 'x');

@@ -41,8 +41,8 @@ void CheckRepeatedSettings(const RunArguments& arguments, const Settings& settin
   const fs::path written = arguments.out / RunFiles::kSettings;
   if (SettingsText(ReadSettings(written)) == SettingsText(settings)) return;
   throw InputError(
-      fmt::format("--out {}: is also an input file, and would change; give --settings a copy of it, or name another "
-                  "--out",
+      fmt::format("--out {}: is also an input file, and would change; give --settings a copy of it, or choose "
+                  "another --out",
                   written.string()));
 }
 
